@@ -1,0 +1,219 @@
+/*
+ * sagitta.h - where does a ray meet a surface, and how sure is the answer?
+ *
+ * A surface is a function F with F(p) = 0 on it.  Along a ray p(t) = o + t d
+ * that is one equation in one unknown, g(t) = F(o + t d) = 0, with the slope
+ * g'(t) = grad F . d; sagitta solves it by Newton's method, with the gradient
+ * as it comes (never normalised), inside a bracket that only ever shrinks.
+ *
+ * Three rules hold everywhere in this header:
+ *   - zero means default: {0} and NULL options are valid and sensible;
+ *   - NaN means undefined: a surface answers NaN where it does not exist;
+ *   - nothing is allocated, nothing is global, nothing is printed, and
+ *     parameters are borrowed for the length of the call: every function may
+ *     run in any number of threads on the same surface.  Rounding must be to
+ *     nearest (the C default) while a function of the library runs.
+ */
+#ifndef SAGITTA_SAGITTA_H
+#define SAGITTA_SAGITTA_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#if defined(__GNUC__) && !defined(SGT_API)
+#define SGT_API __attribute__((visibility("default")))
+#elif !defined(SGT_API)
+#define SGT_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------ rays */
+
+typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
+
+/* The points o + t d, t in [tmin, tmax].  o and t d are in the length unit of
+ * the surface; d may have any length but zero, and t counts in lengths of d.
+ * tmax = 0 with tmin >= 0 stands for infinity, so that {0} ends is the half-line;
+ * -INFINITY and INFINITY are the whole line.
+ *
+ * The root at the start itself does not count: a finite tmin stands for "leave
+ * the surface you may be on".  Precisely, a root t does not count where
+ *     t <= tmin + t_err + 2^-48 (|x Fx| + |y Fy| + |z Fz|) / |grad F . d|,
+ * the products taken at the root: no farther from tmin than 16 ulps in each
+ * coordinate of a point on the surface can put it.  Give tmin = -INFINITY, or a
+ * tmin a little less than zero, to have such a root.  At tmax a root counts if
+ * its computed t is at most tmax. */
+typedef struct sgt_ray { sgt_vec3 o, d; double tmin, tmax; } sgt_ray;
+
+/* -------------------------------------------------------------- surfaces */
+
+/* Where on a ray a surface can be met: no root lies outside [lo, hi], which may
+ * be infinite; seed is a good first guess, or NaN; single promises that there is
+ * at most one root and that F changes sign at it, so that the first one found is
+ * the first and that two ends of one sign are a proof of a miss.  lo > hi: the
+ * ray passes by. */
+typedef struct sgt_span { double lo, hi, seed; bool single; } sgt_span;
+
+/* What a surface can do.  Only `value` is required; each further answer a
+ * surface can give makes the solver faster, or its answer surer.  The list grows
+ * at its end: use designated initialisers. */
+typedef struct sgt_surface_ops {
+    const char *name;
+
+    /* F(p), NaN where F is not defined, and its gradient - not normalised -
+     * where grad is not NULL.  Any length unit: F may be a distance or not. */
+    double (*value)(const void *self, sgt_vec3 p, sgt_vec3 *grad);
+
+    /* A bounding volume and a guess, seen along one ray.  Only o and d are to be
+     * read: the solver cuts the answer to [tmin, tmax] itself.  Absent: the whole
+     * ray, without a guess. */
+    sgt_span (*span)(const void *self, const sgt_ray *ray);
+
+    /* A bound on |computed F(p) - exact F(p)|, p taken as exact.  Without it, all
+     * that is said is said of F as computed. */
+    double (*rounding)(const void *self, sgt_vec3 p);
+
+    /* The built-in surfaces' own; leave it NULL. */
+    const struct sgt_sag *sag_;
+} sgt_surface_ops;
+
+/* A surface: what it does, and the parameters it does it with (borrowed). */
+typedef struct sgt_surface { const sgt_surface_ops *ops; const void *self; } sgt_surface;
+
+/* --------------------------------------------------------------- answers */
+
+/* Positive: met, at hit.t.  Zero: certainly not met.  Negative: undecided. */
+typedef enum sgt_status {
+    SGT_HIT       =  1,  /* F changes sign at t */
+    SGT_GRAZE     =  2,  /* |F| is within its rounding all over [lo, hi] and no change of sign
+                            is certain: the ray touches there as far as can be told */
+    SGT_MISS      =  0,  /* F has no root on the ray that counts */
+    SGT_UNPROVEN  = -1,  /* no root was found, yet none was excluded (or one was found
+                            and it could not be told whether it counts) */
+    SGT_UNDEFINED = -2,  /* the search ran into a region where F is NaN */
+    SGT_EXHAUSTED = -3,  /* max_evals was spent; t is the best point so far */
+    SGT_STOPPED   = -4,  /* the watcher asked to stop */
+    SGT_INVALID   = -5   /* a direction that is zero, subnormal or not finite; an origin that
+                            is not finite; a NaN end or tmin > tmax; no `value`; a built-in
+                            surface with a parameter that is NaN or infinite; an option
+                            that is NaN or negative */
+} sgt_status;
+
+/* Where status is zero or less, t is NaN unless said otherwise above. */
+typedef struct sgt_hit {
+    sgt_status status;
+    int        evals;  /* evaluations of F spent (watched or not, the same) */
+    double     t;      /* in lengths of d */
+    double     t_err;  /* |t - root| <= t_err.  A bound by error analysis on the built-in
+                          surfaces; on a user's an estimate, that trusts `rounding` */
+    double     t_lo;   /* t + t_lo is as close to the root as the method can tell, closer
+                          than one double where the origin is far */
+    double     lo, hi; /* the stretch of the ray that the status speaks of */
+    double     f;      /* F at p as `value` gives it; NaN where rounding has put p outside
+                          the domain (the equator of a sphere) */
+    sgt_vec3   p, n;   /* the point, and the gradient of F there, not normalised */
+    double     p_err;  /* the point on the surface is this near p (length); p is not
+                          o + t d but better, from local coordinates */
+} sgt_hit;
+
+/* "hit", "graze", "miss", "unproven", "undefined", "exhausted", "stopped",
+ * "invalid"; never NULL, "?" for any other number. */
+SGT_API const char *sgt_status_text(sgt_status status);
+
+/* --------------------------------------------------------------- solving */
+
+/* How the t of an evaluation was chosen. */
+typedef enum sgt_move {
+    SGT_SEED,     /* the first guess, or an end of the search */
+    SGT_MARCH,    /* the next step along the ray */
+    SGT_NEWTON,   /* a Newton step */
+    SGT_BISECT,   /* the middle of the bracket */
+    SGT_RETREAT,  /* back from a NaN, toward a point known to be defined */
+    SGT_PROBE     /* beside a root, to see F change sign */
+} sgt_move;
+
+SGT_API const char *sgt_move_text(sgt_move move);      /* "seed", "march", ... */
+
+/* One evaluation, as a watcher sees it: how t was chosen, and what F was there.
+ * On a steep or grazing stretch a built-in surface is solved in its polynomial
+ * form; f and slope are then of that form, which has the same roots. */
+typedef struct sgt_step {
+    size_t ray;               /* its index in a batch; 0 for a single ray */
+    int eval; sgt_move move;  /* eval counts from 1 */
+    double t, f, slope;       /* t is the ray's own */
+    double lo, hi;            /* the bracket, or what is left of the search */
+} sgt_step;
+
+typedef int sgt_watch(void *data, const sgt_step *step);  /* nonzero: stop */
+
+/* Which root is the answer, where a ray has several? */
+typedef enum sgt_pick {
+    SGT_PICK_DEFAULT,  /* first in sgt_intersect, near the seed in sgt_trace */
+    SGT_FIRST,         /* the smallest t: what an eye sees */
+    SGT_NEAR_SEED      /* the one the surface's own guess leads to (a sag: the crossing of
+                          the vertex plane): what a lens designer means */
+} sgt_pick;
+
+typedef struct sgt_options {
+    double     t_tol;      /* stop when t is known to this (lengths of d); 0: to rounding.
+                              t_err is a bound all the same */
+    double     f_tol;      /* stop when |F| is at most this;        0: never on |F| alone */
+    double     dt_min;     /* the step of a march, in lengths of d; 0: 1/64 of the stretch
+                              that is searched.  Surfaces of a user only: the built-in
+                              ones march by a bound on their second derivative */
+    int        max_evals;  /* give up after this many evaluations;  0: 2000 */
+    sgt_pick   pick;
+    sgt_watch *watch;      /* called once per evaluation;           NULL: nobody */
+    void      *watch_data;
+} sgt_options;
+
+/* The hit that `pick` asks for; opt may be NULL.
+ *
+ * Built-in surfaces: every status is certain, by running error analysis, for the
+ * surface whose parameters are exactly the stored doubles and the ray whose
+ * doubles are given; what cannot be told is UNPROVEN.
+ * A user's surface: that a first hit is the first is certain where the surface
+ * offers span.single; else it is the first that a march in steps of dt_min can
+ * see, and a march that sees none is UNPROVEN, as is a stretch without end.
+ *
+ * Iteration counts may change between versions; what a status means may not. */
+SGT_API sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt);
+
+/* ------------------------------------------------- the solver, by itself */
+
+/* Newton in a bracket, turned inside out: it never calls you.  Evaluate g and
+ * g' at r.t, hand them over, repeat while it asks for more:
+ *
+ *     double g, dg;
+ *     sgt_root r = sgt_root_begin((sgt_span){ .lo = 0, .hi = 2, .seed = 1 }, NULL);
+ *     do g = cos(r.t), dg = -sin(r.t); while (sgt_root_next(&r, g, dg));
+ *
+ * It looks for one root in [span.lo, span.hi]; the slope may be wrong, zero,
+ * infinite or NaN: it only costs evaluations.  From the options it reads t_tol,
+ * f_tol and max_evals.  Ends in
+ *   SGT_HIT    g changes sign within t_err of t (or |g| <= f_tol, if given)
+ *   SGT_GRAZE  |g| <= g_err at t and no certain change of sign near
+ *   SGT_MISS   one sign at both ends and span.single
+ *   SGT_UNPROVEN, SGT_UNDEFINED, SGT_EXHAUSTED  as everywhere
+ *   SGT_INVALID  lo > hi, or a NaN end, or a bad option: already at begin, and
+ *                the first sgt_root_next returns false
+ * A pole at which g changes sign is a root to this solver: look at |g|. */
+typedef struct sgt_root {
+    double t, lo, hi, t_err;          /* where to evaluate next; the bracket; the error */
+    int evals;
+    sgt_move move; sgt_status status;
+    double g_err;                     /* set by you, before any step: how far g may be off;
+                                         0: exact */
+    double private_[24];              /* the solver's own */
+} sgt_root;
+
+SGT_API sgt_root sgt_root_begin(sgt_span span, const sgt_options *opt);
+SGT_API bool     sgt_root_next(sgt_root *r, double g, double slope);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* SAGITTA_SAGITTA_H */

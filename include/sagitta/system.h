@@ -1,0 +1,60 @@
+/* system.h - a ray through a row of surfaces, in the order it meets them. */
+#ifndef SAGITTA_SYSTEM_H
+#define SAGITTA_SYSTEM_H
+#include <sagitta/sagitta.h>
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Takes local coordinates to global: p = origin + x ex + y ey + z ez.  The axes
+ * are of unit length and at right angles; all-zero axes: no turn, and no cost. */
+typedef struct sgt_pose { sgt_vec3 origin, ex, ey, ez; } sgt_pose;
+
+/* The pose at `origin` whose axes are the global ones turned by Rz Ry Rx, in
+ * degrees, right-handed (multiples of 90 are exact). */
+SGT_API sgt_pose sgt_pose_tilted(sgt_vec3 origin, sgt_vec3 degrees);
+
+typedef struct sgt_element {
+    sgt_surface surface;
+    sgt_pose    pose;
+    double      index;          /* refractive index behind it; SGT_MIRROR; 0: as in front */
+    double      semi_diameter;  /* of the clear aperture, soft by a part in 2^44; 0: none */
+} sgt_element;
+#define SGT_MIRROR (-1.0)
+
+/* What became of a ray at an element.  Negative is undecided, as everywhere. */
+typedef enum sgt_fate {
+    SGT_PASSED  =  1,
+    SGT_CLIPPED =  2,    /* met outside the clear aperture */
+    SGT_TIR     =  3,    /* total internal reflection */
+    SGT_MISSED  =  0,    /* the surface is certainly not on the ray's line */
+    SGT_LOST    = -1     /* hit.status says why */
+} sgt_fate;
+
+SGT_API const char *sgt_fate_text(sgt_fate fate);  /* "passed", "clipped", "tir", ... */
+
+/* An element as a ray met it: all in the element's own frame. */
+typedef struct sgt_passage {
+    sgt_hit  hit;        /* hit.t in lengths (the direction in front is of unit length) */
+    sgt_vec3 direction;  /* behind the surface, of unit length; zero unless passed */
+    double   opl;        /* sum of index * length from the launch to here, signed: a
+                            stretch travelled backwards (t < 0) counts negative */
+} sgt_passage;
+
+/* Traces ray, the whole line of it (tmin and tmax are not read), through e[0]
+ * ... e[n-1] and returns how many it passed: n is all of them.  Of the roots on
+ * the line the one near the surface's own guess is meant (options.pick decides
+ * otherwise); where that lies outside the clear aperture and another lies inside,
+ * that one.  At return ray starts at the last point passed, in the global frame,
+ * its direction of unit length; passages[i], where passages is not NULL, says how
+ * element i was met, the one that stopped the ray included; fate (may be NULL)
+ * says what became of the ray at last.  index_before is the refractive index in
+ * front of e[0] (0: 1).  An index that is negative (but SGT_MIRROR) or not finite,
+ * or a bad ray: SGT_LOST with hit.status SGT_INVALID. */
+SGT_API size_t sgt_trace(size_t n, const sgt_element e[], double index_before, sgt_ray *ray,
+                         sgt_passage passages[], sgt_fate *fate, const sgt_options *opt);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

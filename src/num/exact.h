@@ -1,0 +1,99 @@
+/* exact.h - sums and products without loss, and numbers of twice the precision.
+ *
+ * For doubles a, b and rounding to nearest, a + b and a * b differ from their
+ * rounded values by an amount that is itself a double (Moller 1965 and Knuth, TAOCP
+ * vol. 2, 4.2.2, theorem B, for the sum; the product by one fused multiply-add),
+ * as long as nothing overflows and no product falls below 2^-969.
+ *
+ * A twofold hi + lo, |lo| <= ulp(hi)/2, carries at least 2 * 53 - 1 bits.  With
+ * u = 2^-53 the relative errors of the operations below are at most (Joldes, Muller,
+ * Popescu 2017, ACM TOMS 44, 15res; the square root: Lefevre, Louvet, Muller, Picot,
+ * Rideau 2023, ACM TOMS 49, 2):
+ *     sum 3 u^2 + 13 u^3, product 5 u^2, quotient 15 u^2 + 56 u^3, root 25/8 u^2,
+ * all below SGT_TWOFOLD = 16 u^2 = 2^-102.  The exponent range is that of a double,
+ * so callers scale first.
+ *
+ * fma() is exact by the C standard; where the processor has none the C library
+ * works it out, and the bits are the same. */
+#ifndef SGT_NUM_EXACT_H
+#define SGT_NUM_EXACT_H
+
+#include <math.h>
+
+#if defined(__GNUC__)
+#define SGT_INLINE static inline __attribute__((always_inline, unused))
+#else
+#define SGT_INLINE static inline
+#endif
+
+/* A function with hardware fma where the processor has it, one name, same bits. */
+#if defined(SGT_HAVE_CLONES)
+#define SGT_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
+#else
+#define SGT_CLONES
+#endif
+
+#define SGT_U 0x1p-53        /* half an ulp of 1: one rounding is at most u |result| */
+#define SGT_TWOFOLD 0x1p-102
+
+typedef struct twofold { double hi, lo; } twofold;
+
+/* a + b = hi + lo exactly. */
+SGT_INLINE twofold two_sum(double a, double b)
+{
+    double s = a + b, v = s - a;
+    return (twofold){s, (a - (s - v)) + (b - v)};
+}
+
+/* The same where |a| >= |b| or a = 0. */
+SGT_INLINE twofold quick_two_sum(double a, double b)
+{
+    double s = a + b;
+    return (twofold){s, b - (s - a)};
+}
+
+/* a * b = hi + lo exactly. */
+SGT_INLINE twofold two_product(double a, double b)
+{
+    double p = a * b;
+    return (twofold){p, fma(a, b, -p)};
+}
+
+SGT_INLINE twofold twofold_of(double a) { return (twofold){a, 0}; }
+SGT_INLINE twofold twofold_negative(twofold a) { return (twofold){-a.hi, -a.lo}; }
+SGT_INLINE twofold twofold_times_power(twofold a, double power) { return (twofold){a.hi * power, a.lo * power}; }
+
+SGT_INLINE twofold twofold_sum(twofold a, twofold b)
+{
+    twofold s = two_sum(a.hi, b.hi), t = two_sum(a.lo, b.lo);
+    s = quick_two_sum(s.hi, s.lo + t.hi);
+    return quick_two_sum(s.hi, s.lo + t.lo);
+}
+
+SGT_INLINE twofold twofold_difference(twofold a, twofold b) { return twofold_sum(a, twofold_negative(b)); }
+
+SGT_INLINE twofold twofold_product(twofold a, twofold b)
+{
+    twofold p = two_product(a.hi, b.hi);
+    return quick_two_sum(p.hi, p.lo + fma(a.lo, b.hi, fma(a.hi, b.lo, a.lo * b.lo)));
+}
+
+SGT_INLINE twofold twofold_scaled(twofold a, double b) { return twofold_product(a, twofold_of(b)); }
+
+SGT_INLINE twofold twofold_quotient(twofold a, twofold b)
+{
+    double q = a.hi / b.hi;
+    twofold r = twofold_difference(a, twofold_scaled(b, q));
+    return quick_two_sum(q, (r.hi + r.lo) / b.hi);
+}
+
+/* a >= 0. */
+SGT_INLINE twofold twofold_root(twofold a)
+{
+    if (!(a.hi > 0)) return twofold_of(0);
+    double s = sqrt(a.hi);
+    twofold r = twofold_difference(a, two_product(s, s));
+    return quick_two_sum(s, r.hi / (2 * s));
+}
+
+#endif

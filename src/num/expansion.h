@@ -1,0 +1,85 @@
+/* expansion.h - numbers as unevaluated sums of PARTS doubles, each with its own error bound.
+ *
+ * Sums and products of doubles are error-free as sums of doubles (exact.h).  The parts that come of
+ * an operation are distilled: sums of neighbours, each error-free, passed over the list until the
+ * large is at its end (Ogita, Rump and Oishi 2005, SIAM J. Sci. Comput. 26, 1955, VecSum).  The PARTS
+ * greatest are kept, and the magnitudes of the others are added to `err`.  So no analysis of the
+ * rounding is needed: the bound is counted as it happens, and an operation whose result fits is
+ * exact.  Slow, a few hundred operations each: it is asked only where twice the precision has left
+ * the last bits of t unknown (a ray that starts on the surface: t is 1e-17, of numbers near 1). */
+#ifndef SGT_NUM_EXPANSION_H
+#define SGT_NUM_EXPANSION_H
+
+#include "exact.h"
+
+enum { PARTS = 5, PASSES = 6 };
+
+typedef struct expansion { double part[PARTS], err; } expansion; /* greatest first */
+
+static inline expansion expansion_of_list(int n, double *x, double err)
+{
+    expansion e = {.err = err};
+    for (int pass = 0; pass < PASSES; pass++)
+        for (int i = 1; i < n; i++) {
+            twofold s = two_sum(x[i], x[i - 1]);
+            x[i] = s.hi, x[i - 1] = s.lo;
+        }
+    for (int i = 0; i < n; i++) {
+        if (i < PARTS) e.part[i] = x[n - 1 - i];
+        else e.err += fabs(x[n - 1 - i]) * (1 + 0x1p-40);
+    }
+    return e;
+}
+
+static inline expansion expansion_of(double a) { return (expansion){.part = {a}}; }
+
+static inline double expansion_size(const expansion *a)
+{
+    double size = a->err;
+    for (int i = 0; i < PARTS; i++) size += fabs(a->part[i]);
+    return size * (1 + 0x1p-40);
+}
+
+static inline expansion expansion_sum(expansion a, expansion b)
+{
+    double x[2 * PARTS];
+    for (int i = 0; i < PARTS; i++) { /* the small first: fewer passes are then needed */
+        x[2 * i] = a.part[PARTS - 1 - i];
+        x[2 * i + 1] = b.part[PARTS - 1 - i];
+    }
+    return expansion_of_list(2 * PARTS, x, (a.err + b.err) * (1 + 0x1p-40));
+}
+
+static inline expansion expansion_product(expansion a, expansion b)
+{
+    double x[PARTS * (PARTS + 1)], err = (a.err * expansion_size(&b) + b.err * expansion_size(&a)) * (1 + 0x1p-40);
+    int n = 0;
+    for (int sum = PARTS - 1; sum >= 0; sum--)
+        for (int i = 0; i <= sum; i++) {
+            twofold p = two_product(a.part[i], b.part[sum - i]);
+            x[n++] = p.lo, x[n++] = p.hi;
+        }
+    for (int i = 0; i < PARTS; i++)
+        for (int j = PARTS - i; j < PARTS; j++) err += fabs(a.part[i] * b.part[j]) * (1 + 0x1p-40);
+    return expansion_of_list(n, x, err);
+}
+
+static inline expansion expansion_scaled(expansion a, double b) { return expansion_product(a, expansion_of(b)); }
+
+static inline expansion expansion_negative(expansion a)
+{
+    for (int i = 0; i < PARTS; i++) a.part[i] = -a.part[i];
+    return a;
+}
+
+/* The nearest double, or nearly; *err bounds what it leaves out. */
+static inline double expansion_value(const expansion *a, double *err)
+{
+    double v = 0, rest = a->err;
+    for (int i = PARTS - 1; i >= 0; i--) v += a->part[i];
+    for (int i = 0; i < PARTS; i++) rest += SGT_U * fabs(a->part[i]) * (i ? 2 * PARTS : 1);
+    *err = rest * (1 + 0x1p-40) + SGT_U * fabs(v);
+    return v;
+}
+
+#endif

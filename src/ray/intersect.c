@@ -1,0 +1,25 @@
+/* intersect.c - one ray meets one surface: the door, and what is checked there. */
+#include "../solve/root.h"
+#include "../surface/sag.h"
+#include "general.h"
+
+static bool finite3(sgt_vec3 v) { return isfinite(v.x) && isfinite(v.y) && isfinite(v.z); }
+
+/* tmax = 0 with tmin >= 0 stands for infinity. */
+static bool ray_valid(sgt_ray *ray)
+{
+    double big = fmax(fabs(ray->d.x), fmax(fabs(ray->d.y), fabs(ray->d.z)));
+    if (!finite3(ray->o) || !finite3(ray->d) || !(big >= DBL_MIN)) return false;
+    if (ray->tmax == 0 && ray->tmin >= 0) ray->tmax = HUGE_VAL;
+    return ray->tmin <= ray->tmax && ray->tmin < HUGE_VAL && ray->tmax > -HUGE_VAL;
+}
+
+sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt)
+{
+    static const sgt_options none = {0};
+    if (!opt) opt = &none;
+    if (!s.ops || !s.ops->value || !ray_valid(&ray) || !sgt_options_valid(opt)) return hit_without(SGT_INVALID, &ray, 0);
+    if (!s.ops->sag_) return sgt_intersect_general(s, &ray, opt);
+    if (!s.ops->sag_->valid(s.self)) return hit_without(SGT_INVALID, &ray, 0);
+    return s.ops->sag_->meet(s.self, &ray, opt);
+}

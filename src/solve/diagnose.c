@@ -1,0 +1,164 @@
+/* diagnose.c - how did the solver converge, and why did it not?
+ *
+ * Near a simple root Newton's error obeys e' ~ |g''/2g'| e^2; near a root of multiplicity
+ * m, e' = (1 - 1/m) e; with a slope that is off by a constant factor q, e' = |1 - 1/q| e;
+ * with a gradient scaled to unit length the step has the wrong length by |grad F|, and may
+ * go to and fro for ever.  So the order p and the rate C in e' ~ C e^p tell what is wrong,
+ * and three errors in a row give both:
+ *
+ *     p = log(e3 / e2) / log(e2 / e1),   C = e3 / e2^p.
+ *
+ * The errors themselves are not known, the steps are.  For any p > 1 the step is the
+ * error but for what is left after it, s = e - e' ~ e; for p = 1 it is e (1 - C), the same
+ * factor each time; so s may stand for e in p (Ortega & Rheinboldt 1970, chapter 9), and
+ * s1, s2, s3 are the last three steps that rounding has not touched.  The step that the
+ * last slope would take next is one more: without it three evaluations would say nothing.
+ * (Errors against the last t are no better: at a double root the last t is as far from the
+ * root as the last step is long.)
+ *
+ * Only a run of Newton steps has an order.  A bisection, a back-off or a march begins a new
+ * run; the last run is judged.  Probes, which look beside a root that is already found, and
+ * evaluations that gave NaN, are no part of it.  A log of several solves (eval begins
+ * at 1 again) is judged by its last.
+ *
+ * When it fails: two steps have no order (it is NaN, and the verdict goes by how much
+ * the one gained on the other), and a log that was cut short (n > cap) is judged by
+ * what it kept.
+ *
+ * THE NUMBERS BELOW are no tolerances of an answer, they draw lines between verdicts:
+ *   FLOOR_ULPS 16: the solver ends with steps of a few ulps on purpose (root.c,
+ *     overshooting), and t itself is rounded; a step below that is taken for none.
+ *   CLOSED 2^-20: a bracket narrower than that part of t (the width of an answer, not of a
+ *     search) is the size of what is not known, and a step below it is none either.
+ *   NEWTON_GAIN 2^-7: what a step that gains two digits or more leaves of the one before;
+ *     linear convergence as fast as that has nothing that needs mending.
+ *   order 1.5: between 1 (linear) and 1.618 (the secant method), 2 (Newton).
+ *   SETTLING 0.9: to and fro by nine tenths each time would take 350 steps to 16 digits; the
+ *     normalised gradient of the scan lens (tests/unit/test_diagnose.c) shows 0.93 to 0.99. */
+#include <sagitta/diagnose.h>
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+
+static const double FLOOR_ULPS = 16, CLOSED = 0x1p-20, NEWTON_GAIN = 0x1p-7, SETTLING = 0.9;
+
+int sgt_log_step(void *log, const sgt_step *step)
+{
+    sgt_log *l = log;
+    if (l->n >= 0 && l->n < l->cap && l->step) l->step[l->n] = *step;
+    if (l->n < INT_MAX) l->n++;
+    return 0;
+}
+
+static bool is_iterate(const sgt_step *s) { return s->move != SGT_PROBE && isfinite(s->f) && isfinite(s->t); }
+
+/* The last steps that are longer than `least`, newest first; lost: the one after them, if it
+ * is not (NaN: none); next: the step that the last slope would take (NaN: none). */
+enum { STEPS = 8 };
+typedef struct run { double next, lost, size[STEPS]; int n; bool to_and_fro; } run;
+
+/* The last run of Newton steps in step[0 ... n-1]; any_move: of steps of whatever kind. */
+static run last_run(const sgt_step *step, int n, bool any_move, double least)
+{
+    run r = {.next = (double)NAN, .lost = (double)NAN, .to_and_fro = true};
+    const sgt_step *later = NULL;
+    double before = 0;
+    for (int i = n - 1; i >= 0 && r.n < STEPS; i--) {
+        if (!is_iterate(&step[i])) continue;
+        if (later) {
+            if (!any_move && later->move != SGT_NEWTON) break;
+            double s = later->t - step[i].t;
+            if (r.n == 0 && fabs(s) <= least) {
+                r.lost = fabs(s);
+            } else {
+                if (s * before > 0) r.to_and_fro = false;
+                r.size[r.n++] = fabs(s);
+                before = s;
+            }
+        } else {
+            r.next = fabs(step[i].f / step[i].slope);
+        }
+        later = &step[i];
+    }
+    return r;
+}
+
+/* To and fro: three steps or more, each against the one before, and not closing in. */
+static bool oscillates(const run *r)
+{
+    if (!r->to_and_fro || r->n < 3 || !isnan(r->lost)) return false;
+    return pow(r->size[0] / r->size[r->n - 1], 1.0 / (r->n - 1)) > SETTLING;
+}
+
+/* Order and rate from s1, s2, s3, and the verdict they carry; WANDERING: none. */
+static sgt_verdict judge(double s1, double s2, double s3, sgt_diagnosis *d)
+{
+    if (!(s3 < s2 && s2 < s1)) return SGT_WANDERING;
+    double order = log2(s3 / s2) / log2(s2 / s1);
+    sgt_verdict v = order >= 1.5 ? (s3 <= 0.25 * s2 ? SGT_QUADRATIC : SGT_WANDERING)
+                  : order > 0.6 ? SGT_LINEAR : SGT_WANDERING;
+    if (v != SGT_WANDERING) d->order = order, d->rate = s3 / pow(s2, order);
+    return v;
+}
+
+sgt_diagnosis sgt_diagnose(const sgt_log *log)
+{
+    sgt_diagnosis d = {.verdict = SGT_WANDERING, .order = (double)NAN, .rate = (double)NAN, .condition = (double)NAN};
+    const sgt_step *step = log ? log->step : NULL, *first = NULL, *last = NULL;
+    int n = !step ? 0 : log->n < log->cap ? log->n : log->cap, defined = 0;
+    for (int i = n - 1; i > 0; i--)
+        if (step[i].eval == 1) { /* the last solve */
+            step += i, n -= i;
+            break;
+        }
+    double big = 0, spread = 0;
+    for (int i = 0; i < n; i++) {
+        d.newton += step[i].move == SGT_NEWTON;
+        d.bisect += step[i].move == SGT_BISECT;
+        d.march += step[i].move == SGT_MARCH;
+        d.retreat += step[i].move == SGT_RETREAT;
+        if (!isnan(step[i].slope)) d.condition = 1 / fabs(step[i].slope);
+        if (!is_iterate(&step[i])) continue;
+        if (!first) first = &step[i];
+        last = &step[i];
+        big = fmax(big, fabs(last->t));
+        spread = fmax(spread, fabs(last->t - first->t));
+        defined++;
+    }
+    if (!defined) return d;
+
+    double least = FLOOR_ULPS * DBL_EPSILON * big, bracket = last->hi - last->lo;
+    if (bracket <= CLOSED * big) least = fmax(least, bracket);
+    run all = last_run(step, n, true, least), newton = last_run(step, n, false, least);
+    if (first->f == 0 || (spread <= least && (defined > 1 || all.next <= least))) d.verdict = SGT_ROUNDING;
+    else if (d.bisect > d.newton) d.verdict = SGT_BISECTING;
+    else if (oscillates(&newton) || oscillates(&all)) d.verdict = SGT_OSCILLATING;
+    if (d.verdict != SGT_WANDERING) return d;
+
+    double s[STEPS + 1], lost = newton.lost; /* with the next step, where it is one */
+    int left = 0;
+    if (newton.next > least && isfinite(newton.next) && isnan(lost)) s[left++] = newton.next;
+    else if (newton.next <= least && isnan(lost)) lost = newton.next;
+    for (int i = 0; i < newton.n; i++) s[left++] = newton.size[i];
+    /* the newest may be noise all the same (the slope of a double root): two may be dropped */
+    for (int i = 0; i < 3 && i + 2 < left && d.verdict == SGT_WANDERING; i++) d.verdict = judge(s[i + 2], s[i + 1], s[i], &d);
+    if (d.verdict == SGT_WANDERING && left >= 1) {
+        double later = isnan(lost) ? s[0] : fmin(lost, least), before = isnan(lost) ? (left >= 2 ? s[1] : 0) : s[0];
+        if (later <= NEWTON_GAIN * before) d.verdict = SGT_QUADRATIC;
+    }
+    return d;
+}
+
+const char *sgt_verdict_text(sgt_verdict v)
+{
+    switch (v) {
+    case SGT_QUADRATIC: return "quadratic: Newton's method at its best, nothing to mend";
+    case SGT_LINEAR: return "linear: a constant factor a step; the ray grazes (a double root), or the slope is off: run sgt_check on the gradient";
+    case SGT_BISECTING: return "bisecting: the bracket did the work; give a better seed, or run sgt_check on the gradient: its steps were refused";
+    case SGT_OSCILLATING: return "oscillating: to and fro without closing in; is the gradient normalised? It must keep its length: run sgt_check";
+    case SGT_WANDERING: return "wandering: no pattern, or too few steps to tell; look at the rows: give a span and a seed near the root";
+    case SGT_ROUNDING: return "rounding: at the limit of rounding from the first evaluation on; the seed is the root, nothing to gain";
+    }
+    return "?";
+}

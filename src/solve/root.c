@@ -1,0 +1,388 @@
+/* root.c - one equation in one unknown, by Newton's method with safeguards.
+ *
+ * The solver never calls its caller: sgt_root_next is told g and g' at r.t and
+ * answers with the next t.  It goes through these stages.
+ *
+ *   search    no change of sign is known.  Newton from the seed, as long as each
+ *             step is at most 0.6 of the one before: that is convergence (1/2 is a
+ *             double root's), and anything else is not worth following.  A step out
+ *             of the span goes to its end.  Then the ends; then SAMPLES points in
+ *             van der Corput's order (1/2, 1/4, 3/4 ... of the span; of the floating-
+ *             point numbers in it where an end is infinite).
+ *   bracket   g(lo) and g(hi) have certain, opposite signs.  A Newton step is taken
+ *             where it lands inside and is at most half the step before the last
+ *             (Brent 1973, chapter 4; Press et al. 2007, section 9.4: so steps either
+ *             shrink by two in two or give way), else the middle.  From the 17th
+ *             on every other middle is taken among the floating-point numbers rather
+ *             than among the reals, so that a root near zero in a bracket of 1e300
+ *             costs 150 steps and not 2000.
+ *   probe     |g| <= g_err at a candidate: is there a change of sign across it?  The
+ *             two sides are evaluated at a distance that the slope says is safe, wider
+ *             by four until the sign there is certain.  Opposite: HIT, with the probes
+ *             as the proof; equal: GRAZE.
+ *
+ * A stop test on the step alone is not convergence.  So a step below the tolerance is
+ * made longer by the tolerance on purpose: it overshoots a true root, which gives the
+ * change of sign on both sides of it, and exposes a slope that is too steep, which only
+ * makes steps small.
+ *
+ * NaN means undefined there.  The way back is halved toward a point known to be
+ * defined: the last iterate, or an end of the bracket; before any such point is known,
+ * toward the middle of the span, its ends, its samples.  (Halving toward the ray's
+ * origin, as is often done, can return to the same t, and |t - t_before| = 0 then
+ * passes for convergence.)  A bracket with a NaN inside that closes in on it is
+ * UNDEFINED, not a root.
+ *
+ * The budget bounds everything: each stage either narrows, or counts. */
+#include "root.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+enum { /* names of the private numbers */
+    GLO, GHI,            /* g at lo and hi; NaN: not known */
+    BRACKETED, SINGLE, TRUST, DONE,
+    PREV, GPREV,         /* the last point where g was defined */
+    STEP, STEP2,         /* the last step and the one before */
+    OVERSHOOT, BISECTIONS, RETREATS, SAMPLED,
+    CANDIDATE, GCANDIDATE, SIDE, WIDTH, LEFT, RIGHT, /* LEFT, RIGHT: sign found there, 0: none yet */
+    T_TOL, F_TOL, BUDGET, HOLE, /* HOLE: the last NaN */
+    COUNT
+};
+_Static_assert(COUNT <= 24, "sgt_root.private_ is too small");
+#define P(name) (r->private_[name])
+
+enum { SAMPLES = 32, RETREATS_MAX = 128 };
+
+bool sgt_options_valid(const sgt_options *o)
+{
+    return !o || (o->t_tol >= 0 && o->f_tol >= 0 && o->dt_min >= 0 && o->max_evals >= 0);
+}
+
+static int sign_of(const sgt_root *r, double g) { return g > r->g_err ? 1 : g < -r->g_err ? -1 : 0; }
+
+static double ulp(double t)
+{
+    double a = fabs(t) * DBL_EPSILON;
+    return a > DBL_TRUE_MIN ? a : DBL_TRUE_MIN;
+}
+
+/* The floating-point numbers in order, as integers: -inf ... +inf. */
+static int64_t order_of(double x)
+{
+    int64_t i;
+    memcpy(&i, &x, sizeof i);
+    return i < 0 ? INT64_MIN - i : i;
+}
+
+static double number_at(int64_t i)
+{
+    double x;
+    if (i < 0) i = INT64_MIN - i;
+    memcpy(&x, &i, sizeof x);
+    return x;
+}
+
+/* The number a fraction of the way from lo to hi in that order; ends clipped to finite. */
+static double among_numbers(double lo, double hi, double fraction)
+{
+    int64_t a = order_of(lo < -DBL_MAX ? -DBL_MAX : lo), b = order_of(hi > DBL_MAX ? DBL_MAX : hi);
+    /* b - a needs 64 bits: in two halves */
+    return number_at((int64_t)((double)a * (1 - fraction) + (double)b * fraction));
+}
+
+static double middle(double lo, double hi) { return 0.5 * lo + 0.5 * hi; }
+
+static bool finish(sgt_root *r, sgt_status status)
+{
+    r->status = status;
+    P(DONE) = 1;
+    return false;
+}
+
+/* Ends on t with the change of sign between lo and hi. */
+static bool finish_between(sgt_root *r, double t)
+{
+    if (P(HOLE) > r->lo && P(HOLE) < r->hi) return finish(r, SGT_UNDEFINED);
+    r->t = t;
+    r->t_err = fmax(t - r->lo, r->hi - t);
+    return finish(r, SGT_HIT);
+}
+
+static bool go(sgt_root *r, double t, sgt_move move)
+{
+    if (r->evals >= (int)P(BUDGET)) {
+        if (!isnan(P(PREV))) r->t = P(PREV);
+        r->t_err = P(BRACKETED) != 0 ? fmax(r->t - r->lo, r->hi - r->t) : HUGE_VAL;
+        return finish(r, SGT_EXHAUSTED);
+    }
+    r->t = t < r->lo ? r->lo : t > r->hi ? r->hi : t;
+    r->move = move;
+    return true;
+}
+
+/* The i-th of van der Corput's fractions, i = 1, 2, ...: 1/2, 1/4, 3/4, 1/8 ... */
+static double fraction_of(int i)
+{
+    double f = 0, b = 0.5;
+    for (; i; i >>= 1, b *= 0.5)
+        if (i & 1) f += b;
+    return f;
+}
+
+static double sample(const sgt_root *r, int i)
+{
+    double f = fraction_of(i);
+    return isfinite(r->lo) && isfinite(r->hi) ? r->lo * (1 - f) + r->hi * f : among_numbers(r->lo, r->hi, f);
+}
+
+sgt_root sgt_root_begin(sgt_span span, const sgt_options *opt)
+{
+    sgt_options o = opt ? *opt : (sgt_options){0};
+    sgt_root root = {.lo = span.lo, .hi = span.hi, .t_err = HUGE_VAL, .move = SGT_SEED, .status = SGT_UNPROVEN}, *r = &root;
+    P(GLO) = P(GHI) = P(PREV) = P(GPREV) = P(HOLE) = P(CANDIDATE) = NAN;
+    P(STEP) = P(STEP2) = HUGE_VAL;
+    P(SINGLE) = span.single;
+    P(T_TOL) = o.t_tol;
+    P(F_TOL) = o.f_tol;
+    P(BUDGET) = o.max_evals ? o.max_evals : SGT_DEFAULT_EVALS;
+    root.t = span.seed;
+    if (!(span.lo <= span.hi) || !sgt_options_valid(opt) || span.lo == HUGE_VAL || span.hi == -HUGE_VAL) {
+        root.t = NAN;
+        finish(r, SGT_INVALID);
+        return root;
+    }
+    if (!isfinite(root.t)) root.t = sample(r, 1);
+    if (!isfinite(span.lo) && !isfinite(span.hi) && !isfinite(span.seed)) root.t = 0;
+    root.t = root.t < span.lo ? span.lo : root.t > span.hi ? span.hi : root.t;
+    return root;
+}
+
+void sgt_root_trust(sgt_root *r) { P(TRUST) = 1; }
+
+/* Shrinks the bracket, or finds one: g at t is defined, its sign certain. */
+static void note(sgt_root *r, double t, double g)
+{
+    int s = sign_of(r, g);
+    if (s && P(BRACKETED) != 0) {
+        if (!(t >= r->lo && t <= r->hi)) return;
+        if (s == sign_of(r, P(GLO))) r->lo = t, P(GLO) = g;
+        else r->hi = t, P(GHI) = g;
+    } else if (s) {
+        /* every certain sign known so far is the same: any of those points is an end */
+        double other = NAN, gother = NAN;
+        if (!isnan(P(GLO)) && s * sign_of(r, P(GLO)) < 0) other = r->lo, gother = P(GLO);
+        if (!isnan(P(GHI)) && s * sign_of(r, P(GHI)) < 0) other = r->hi, gother = P(GHI);
+        if (!isnan(P(PREV)) && s * sign_of(r, P(GPREV)) < 0) other = P(PREV), gother = P(GPREV);
+        if (t == r->lo) P(GLO) = g;
+        if (t == r->hi) P(GHI) = g;
+        if (!isnan(other)) {
+            bool up = t < other;
+            r->lo = up ? t : other, P(GLO) = up ? g : gother;
+            r->hi = up ? other : t, P(GHI) = up ? gother : g;
+            P(BRACKETED) = 1;
+            P(STEP) = P(STEP2) = r->hi - r->lo;
+        }
+    }
+}
+
+void sgt_root_tell(sgt_root *r, double t, double g)
+{
+    note(r, t, g);
+    if (P(BRACKETED) == 0) P(PREV) = t, P(GPREV) = g;
+}
+
+static bool bisect(sgt_root *r)
+{
+    double m = middle(r->lo, r->hi);
+    P(BISECTIONS)++;
+    if (P(BISECTIONS) > 16 && ((int)P(BISECTIONS) & 1) == 0) m = among_numbers(r->lo, r->hi, 0.5);
+    if (!(m > r->lo && m < r->hi)) m = middle(r->lo, r->hi);
+    if (!(m > r->lo && m < r->hi)) /* neighbours */
+        return finish_between(r, fabs(P(GLO)) < fabs(P(GHI)) ? r->lo : r->hi);
+    P(STEP2) = P(STEP) = r->hi - r->lo;
+    return go(r, m, SGT_BISECT);
+}
+
+/* No change of sign is known and Newton is of no more use: the ends, then samples. */
+static bool look_elsewhere(sgt_root *r)
+{
+    if (isnan(P(GLO)) && isfinite(r->lo) && P(SAMPLED) < 1) return P(SAMPLED) = 1, go(r, r->lo, SGT_SEED);
+    if (isnan(P(GHI)) && isfinite(r->hi) && P(SAMPLED) < 2) return P(SAMPLED) = 2, go(r, r->hi, SGT_SEED);
+    if (P(SAMPLED) < 2) P(SAMPLED) = 2;
+    if (P(SINGLE) != 0 && sign_of(r, P(GLO)) * sign_of(r, P(GHI)) > 0) {
+        r->t = NAN;
+        return finish(r, SGT_MISS);
+    }
+    P(SAMPLED)++;
+    if (P(SAMPLED) > 2 + SAMPLES) {
+        bool undefined = isnan(P(PREV));
+        r->t = NAN;
+        return finish(r, undefined ? SGT_UNDEFINED : SGT_UNPROVEN);
+    }
+    P(STEP) = P(STEP2) = HUGE_VAL;
+    return go(r, sample(r, (int)P(SAMPLED) - 2), SGT_MARCH);
+}
+
+/* g is NaN at t. */
+static bool retreat(sgt_root *r)
+{
+    P(HOLE) = r->t;
+    P(RETREATS)++;
+    if (P(RETREATS) > RETREATS_MAX) return r->t = NAN, finish(r, SGT_UNDEFINED);
+    if (P(BRACKETED) != 0) { /* toward the better end, then the other, in turn */
+        bool left = (fabs(P(GLO)) < fabs(P(GHI))) == (((int)P(RETREATS) & 1) != 0);
+        double end = left ? r->lo : r->hi, m = middle(r->t, end);
+        if (m == r->t || m == end) return r->t = NAN, finish(r, SGT_UNDEFINED);
+        P(STEP2) = P(STEP) = r->hi - r->lo;
+        return go(r, m, SGT_RETREAT);
+    }
+    if (isnan(P(PREV)) || P(SAMPLED) > 0) return look_elsewhere(r);
+    double m = middle(r->t, P(PREV));
+    if (m == r->t || m == P(PREV)) return look_elsewhere(r);
+    P(STEP2) = P(STEP) = HUGE_VAL;
+    return go(r, m, SGT_RETREAT);
+}
+
+/* ---- is there a change of sign across the candidate? */
+
+static bool probe_next(sgt_root *r)
+{
+    double c = P(CANDIDATE);
+    for (int side = -1; side <= 1; side += 2) {
+        int at = side < 0 ? LEFT : RIGHT;
+        double end = side < 0 ? r->lo : r->hi, gend = side < 0 ? P(GLO) : P(GHI), t;
+        if (r->private_[at] != 0) continue;
+        t = c + side * P(WIDTH);
+        if (side < 0 ? t <= end : t >= end) { /* the end of what may be asked */
+            if (!isnan(gend) && sign_of(r, gend) != 0) {
+                r->private_[at] = sign_of(r, gend);
+                continue;
+            }
+            if (!isnan(gend) || c == end) { /* nothing certain on this side at all */
+                r->t = c;
+                r->t_err = P(WIDTH);
+                return finish(r, SGT_GRAZE);
+            }
+            t = end;
+        }
+        P(SIDE) = side;
+        return go(r, t, SGT_PROBE);
+    }
+    double width = P(WIDTH);
+    r->t = c;
+    r->lo = fmax(r->lo, c - width), r->hi = fmin(r->hi, c + width);
+    r->t_err = fmax(c - r->lo, r->hi - c);
+    return finish(r, P(LEFT) * P(RIGHT) < 0 ? SGT_HIT : SGT_GRAZE);
+}
+
+static bool probe_begin(sgt_root *r, double g, double slope)
+{
+    double w = 2 * (fabs(g) + r->g_err) / fabs(slope);
+    P(CANDIDATE) = r->t, P(GCANDIDATE) = g;
+    P(LEFT) = P(RIGHT) = P(SIDE) = 0;
+    if (!isfinite(w)) w = 0; /* the slope is of no use: begin at an ulp and widen */
+    P(WIDTH) = fmax(fmax(w, P(T_TOL)), ulp(r->t));
+    if (P(TRUST) != 0 || (g == 0 && P(BRACKETED) != 0)) {
+        r->t_err = g == 0 && r->g_err == 0 ? 0 : w;
+        return finish(r, SGT_HIT);
+    }
+    return probe_next(r);
+}
+
+/* g at a probe; false: the candidate is given up, go on with Newton from here. */
+static bool probe_tell(sgt_root *r, double g, bool *more)
+{
+    int side = P(SIDE) < 0 ? -1 : 1, s = isnan(g) ? 0 : sign_of(r, g);
+    P(SIDE) = 0;
+    if (P(BRACKETED) != 0 && s != 0 && s != sign_of(r, side < 0 ? P(GLO) : P(GHI))) return false;
+    if (s == 0) {
+        P(WIDTH) *= 4;
+        if (isnan(g) || !isfinite(P(WIDTH))) { /* the candidate lies at the edge of the domain */
+            r->t = P(CANDIDATE);
+            r->t_err = P(WIDTH);
+            *more = finish(r, SGT_GRAZE);
+            return true;
+        }
+        if (r->t == r->lo) P(GLO) = g;
+        if (r->t == r->hi) P(GHI) = g;
+    } else {
+        r->private_[side < 0 ? LEFT : RIGHT] = s;
+    }
+    *more = probe_next(r);
+    return true;
+}
+
+bool sgt_root_next(sgt_root *r, double g, double slope)
+{
+    bool more = false;
+    if (P(DONE) != 0) return false;
+    r->evals++;
+    if (P(SIDE) != 0 && probe_tell(r, g, &more)) return more;
+    if (isnan(g)) return retreat(r);
+
+    note(r, r->t, g);
+    P(PREV) = r->t, P(GPREV) = g;
+    if (P(F_TOL) > 0 && fabs(g) <= P(F_TOL)) {
+        r->t_err = (fabs(g) + r->g_err) / fabs(slope);
+        if (!isfinite(r->t_err)) r->t_err = r->hi - r->lo;
+        return finish(r, SGT_HIT);
+    }
+    if (sign_of(r, g) == 0) return probe_begin(r, g, slope);
+
+    double t = r->t, tol = fmax(P(T_TOL), 2 * ulp(t));
+    bool bracketed = P(BRACKETED) != 0;
+    if (bracketed && r->hi - r->lo <= 2 * tol) return finish_between(r, fabs(P(GLO)) < fabs(P(GHI)) ? r->lo : r->hi);
+
+    double step = g / slope, allowed = bracketed ? 0.5 * fabs(P(STEP2)) : 0.6 * fabs(P(STEP));
+    if (isfinite(step) && step != 0 && fabs(step) <= allowed) {
+        double next = t - step;
+        if (fabs(step) <= tol) {
+            if (P(OVERSHOOT) > 4) { /* a slope that is too steep: it is not to be believed */
+                P(OVERSHOOT) = 0;
+                return bracketed ? bisect(r) : look_elsewhere(r);
+            }
+            next -= copysign(ldexp(0.5 * tol, (int)P(OVERSHOOT)), step);
+            P(OVERSHOOT)++;
+            step = tol; /* may be repeated */
+        }
+        if (bracketed ? next > r->lo && next < r->hi : next >= r->lo && next <= r->hi) {
+            P(STEP2) = P(STEP), P(STEP) = step;
+            if (next != t) return go(r, next, SGT_NEWTON);
+        } else if (!bracketed && isfinite(next < r->lo ? r->lo : r->hi) && isnan(next < r->lo ? P(GLO) : P(GHI))) {
+            P(STEP) = P(STEP2) = fabs((next < r->lo ? r->lo : r->hi) - t);
+            return go(r, next, SGT_NEWTON); /* to the end */
+        }
+    }
+    return bracketed ? bisect(r) : look_elsewhere(r);
+}
+
+const char *sgt_status_text(sgt_status status)
+{
+    switch (status) {
+    case SGT_HIT: return "hit";
+    case SGT_GRAZE: return "graze";
+    case SGT_MISS: return "miss";
+    case SGT_UNPROVEN: return "unproven";
+    case SGT_UNDEFINED: return "undefined";
+    case SGT_EXHAUSTED: return "exhausted";
+    case SGT_STOPPED: return "stopped";
+    case SGT_INVALID: return "invalid";
+    }
+    return "?";
+}
+
+const char *sgt_move_text(sgt_move move)
+{
+    switch (move) {
+    case SGT_SEED: return "seed";
+    case SGT_MARCH: return "march";
+    case SGT_NEWTON: return "newton";
+    case SGT_BISECT: return "bisect";
+    case SGT_RETREAT: return "retreat";
+    case SGT_PROBE: return "probe";
+    }
+    return "?";
+}

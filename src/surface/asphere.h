@@ -1,0 +1,10 @@
+/* asphere.h - the two halves of the asphere. */
+#ifndef SGT_SURFACE_ASPHERE_H
+#define SGT_SURFACE_ASPHERE_H
+
+#include "form.h"
+
+/* The certified march of asphere_march.c; seed is a t of the scaled direction. */
+sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally *told);
+
+#endif

@@ -1,0 +1,204 @@
+/* asphere_march.c - every root of an asphere on a stretch of a ray, in order, none missed.
+ *
+ * The stretch is the chord of the domain (rim, or equator), or, where there is neither, of the
+ * cylinder beyond which the highest term of P outgrows all the others together (Cauchy's bound on
+ * the roots of a polynomial, with z <= z0 + |n| sqrt(rho / a) along the ray).  It is covered by cells
+ * [m - h, m + h], nearest first.  With G and G' at m, their rounding e and e', and M >= |G''| over
+ * the cell (form.c),
+ *     |G| > |G'| h + M h^2 / 2 + e + e' h    there is no root in it, or
+ *     z - P and s have no value in common    there is none (a test for far from the surface);
+ *     |G'| - e' > M h                        G is monotone: one root if the signs at the ends
+ *                                            differ, none if they agree; the signs must be certain,
+ *                                            else the end is moved;
+ *     neither, and M h^2 below 2 e           G is within a few e of zero all over the cell.  Then the
+ *                                            march goes on with G in twice the precision; if that is
+ *                                            of no help the cell joins an undecided stretch, that ends
+ *                                            with the next decided cell whose sign is certain: unlike
+ *                                            signs at its ends are a crossing, like ones a graze.
+ * Otherwise h is halved; after a success it grows by half.  Since both tests hold for small h unless
+ * G and G' vanish together, the march ends.  A root's bracket goes to the solver of
+ * solve/root.c, and its end to sgt_form_settle of form.c, from an origin moved to the root. */
+#include "../solve/root.h"
+#include "asphere.h"
+
+typedef struct walk {
+    const shape *s;
+    const sgt_ray *ray;
+    tally *told;
+    local q;
+    int budget;
+    bool spent, fine;
+} walk;
+
+static sample look(walk *w, double tau, sgt_move move, double lo, double hi)
+{
+    if (w->told->stopped) return (sample){.g = NAN, .slope = NAN};
+    sample e = w->fine ? sgt_form_sample_fine(w->s, w->ray, &w->q, tau) : sgt_form_sample(w->s, &w->q, tau);
+    if (w->told->evals >= w->budget) w->spent = true;
+    observe(w->told, &w->q, tau, &e, move, lo, hi);
+    return e;
+}
+
+static double middle(double a, double b) { return 0.5 * a + 0.5 * b; }
+
+static int sign_at(const sample *e) { return e->g > e->g_err ? 1 : e->g < -e->g_err ? -1 : 0; }
+
+/* The square of the radius beyond which no root can lie; infinite where that cannot be said. */
+static double reach2(const shape *s, const sgt_ray *ray)
+{
+    double scale = scale_of(ray->d), l = ray->d.x * scale, m = ray->d.y * scale, n = ray->d.z * scale, a = l * l + m * m;
+    double near_axis = -(ray->o.x * l + ray->o.y * m) / a, z0, k1 = 1 + s->k;
+    z0 = fabs(local_at(ray, near_axis, 0).z);
+    int top = s->terms - 1;
+    double b[8] = {0}, lead, growth = 2 * fabs(n) / sqrt(a);
+    for (int i = 0; i <= top; i++) b[i] = fabs(s->a[i]);
+    if (k1 == 0) b[0] = fabs(s->a[0] + 0.5 * s->c);  /* a paraboloid is a term like the others */
+    else if (s->c != 0) growth += 1 / sqrt(-k1);     /* a hyperboloid grows as its asymptote */
+    while (top > 0 && b[top] == 0) top--;
+    lead = b[top];
+    double count = top + 3, reach = pow(count * z0 / lead, 1.0 / (top + 1));
+    reach = fmax(reach, pow(count * growth / lead, 1 / (top + 0.5)));
+    for (int i = 0; i < top; i++) reach = fmax(reach, pow(count * b[i] / lead, 1.0 / (top - i)));
+    /* up to a power of two, so that lengths times 2^k give the same cells times 2^k */
+    int exponent;
+    frexp(1.01 * reach, &exponent);
+    reach = ldexp(1, exponent);
+    return lead > 0 && a > 0 ? reach : HUGE_VAL;
+}
+
+typedef struct found { meeting at; sgt_status status; double distance; bool any; } found;
+
+/* A root settled in [lo, hi]; false if it does not count. */
+static bool take(walk *w, double tau, double tau_err, double lo, double hi, sgt_status status, double seed, found *best)
+{
+    meeting at;
+    double v_err;
+    if (status == SGT_GRAZE || !sgt_form_settle(w->s, w->ray, w->q.t0, tau, &at, &v_err, w->told)
+        || !(fabs(at.t / w->q.scale - (w->q.t0 + tau)) <= 2 * (hi - lo) + tau_err)) {
+        /* too flat to settle: what the signs have proven */
+        sample e = look(w, tau, SGT_PROBE, lo, hi);
+        double inverse = -w->s->c / fmax(e.v, DBL_MIN) - 2 * e.dp;
+        meeting_place(&at, &w->q, tau, tau_err);
+        at.v = e.v, v_err = e.v_err + fabs(w->s->ck) * (fabs(e.dw) + fabs(w->q.n)) * tau_err, at.slope = fabs(e.slope);
+        at.n = (sgt_vec3){at.p.x * inverse, at.p.y * inverse, 1};
+    }
+    if (at.v < -v_err) return false; /* the other sheet */
+    if (!(at.v > v_err)) status = SGT_UNPROVEN;
+    if (!counts(&at, w->ray, w->s->rim2, w->q.scale)) return false;
+    double distance = fabs(at.t / w->q.scale - seed);
+    if (best->any && !(distance < best->distance)) return false;
+    *best = (found){.at = at, .status = status, .distance = distance, .any = true};
+    return true;
+}
+
+/* One root is in [lo, hi], the signs at whose ends are certain. */
+static void polish(walk *w, double lo, const sample *at_lo, double hi, const sample *at_hi, double seed, found *best)
+{
+    sgt_root r = sgt_root_begin((sgt_span){.lo = lo, .hi = hi, .seed = lo - at_lo->g * (hi - lo) / (at_hi->g - at_lo->g)},
+                                &(sgt_options){.t_tol = w->told->opt->t_tol / w->q.scale});
+    sgt_root_tell(&r, lo, at_lo->g);
+    sgt_root_tell(&r, hi, at_hi->g);
+    sample e;
+    do {
+        e = look(w, r.t, r.evals ? r.move : SGT_NEWTON, r.lo, r.hi);
+        r.g_err = e.g_err;
+    } while (sgt_root_next(&r, e.g, e.slope) && !w->told->stopped && !w->spent);
+    if (w->told->stopped || w->spent) return;
+    /* monotone, so a status other than a hit means only that rounding hides the very crossing */
+    double err = r.status == SGT_HIT ? r.t_err : fmax(r.t - lo, hi - r.t);
+    take(w, r.t, err, lo, hi, SGT_HIT, seed, best);
+}
+
+static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
+{
+    double rho = ray->o.x * ray->o.x + ray->o.y * ray->o.y, phi, slope, v_err, dp, edge = s->ck * s->c * rho;
+    if (edge > 1 + 16 * SGT_U) return hit_without(SGT_MISS, ray, told->evals);
+    double sag = conic_sag(s->c, s->k, rho, &phi, &slope) + polynomial(s->terms, s->a, rho, &dp);
+    double scale = scale_of(ray->d), t0 = (sag - ray->o.z) / (ray->d.z * scale);
+    meeting at;
+    if (!(fabs(t0) < HUGE_VAL) || !sgt_form_settle(s, ray, t0, 0, &at, &v_err, told) || !(at.v > v_err))
+        return hit_without(SGT_UNPROVEN, ray, told->evals);
+    if (!counts(&at, ray, s->rim2, scale)) return hit_without(SGT_MISS, ray, told->evals);
+    return hit_at(&at, SGT_HIT, asphere_f(s, at.p), SGT_NEWTON, ray, told);
+}
+
+sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally *told)
+{
+    const sgt_options *opt = told->opt;
+    walk w = {.s = s, .ray = ray, .told = told, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
+    if (ray->d.x == 0 && ray->d.y == 0) return parallel(s, ray, told);
+    w.q = local_at(ray, nearest_to_vertex(ray), 0);
+    stretch chord = sgt_chord(ray, s->domain2 < HUGE_VAL ? s->domain2 : reach2(s, ray));
+    double lo = fmax(chord.lo, ray->tmin), hi = fmin(chord.hi, ray->tmax);
+    if (chord.lo > chord.hi || lo > hi) return hit_without(SGT_MISS, ray, told->evals);
+    lo = lo / w.q.scale - w.q.t0, hi = hi / w.q.scale - w.q.t0;
+    if (!(lo > -HUGE_VAL && hi < HUGE_VAL)) return hit_without(SGT_UNPROVEN, ray, told->evals);
+    if (!(fabs(seed) < HUGE_VAL)) seed = w.q.t0;
+
+    found best = {.any = false};
+    double h = 0.125 * (hi - lo), tau = lo, begin = lo, dark = 0;
+    sample left = look(&w, tau, SGT_MARCH, lo, hi), before = left;
+    int moved = 0;
+    bool known = true, pending = false; /* left is the sample at tau; [dark, tau] is undecided, before the sample at dark */
+    while (tau < hi && !told->stopped && !w.spent && !(best.any && opt->pick != SGT_NEAR_SEED)) {
+        if (h > 0.5 * (hi - tau)) h = 0.5 * (hi - tau);
+        double m = tau + h, end = m + h;
+        if (!(m > tau && end > m)) m = nextafter(tau, HUGE_VAL), end = nextafter(m, HUGE_VAL), h = m - tau;
+        sample e = look(&w, m, SGT_MARCH, tau, hi);
+        double bend = sgt_form_bend(s, &w.q, &e, m, h), slope = fabs(e.slope);
+        bool empty = fabs(e.g) > (slope + e.slope_err) * h + 0.5 * bend * h * h + e.g_err || sgt_form_apart(s, &w.q, &e, h);
+        bool monotone = !empty && slope - e.slope_err > bend * h;
+        if ((empty || monotone) && pending) {
+            left = look(&w, tau, SGT_MARCH, tau, hi), known = true;
+            if (sign_at(&left)) { /* the undecided stretch ends here */
+                pending = false;
+                take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, sign_at(&before) * sign_at(&left) < 0 ? SGT_HIT : SGT_GRAZE, seed, &best);
+                continue;
+            }
+        }
+        if (empty) {
+            tau = end, h *= 1.5, known = false;
+        } else if (monotone) {
+            sample right = look(&w, end, SGT_MARCH, tau, hi);
+            if (!known) left = look(&w, tau, SGT_MARCH, tau, hi), known = true;
+            for (int i = 0; tau == begin && !sign_at(&left) && i < 8; i++) { /* the start is on the surface: from before it */
+                double back = tau - ldexp(4 * (left.g_err + fabs(left.g)) / slope, i);
+                sample behind = look(&w, back, SGT_MARCH, tau, hi);
+                if (sign_at(&behind)) left = behind, tau = begin = back;
+            }
+            if (!sign_at(&right) && moved < 16) {
+                moved++;
+                h *= 0.75;
+                continue;
+            }
+            moved = 0;
+            if (sign_at(&left) * sign_at(&right) < 0) polish(&w, tau, &left, end, &right, seed, &best);
+            else if (!sign_at(&left) || !sign_at(&right)) take(&w, m, h, tau, end, SGT_UNPROVEN, seed, &best);
+            tau = end, h *= 1.5, left = right;
+        } else if (bend * h * h > 2 * e.g_err && h > 2 * DBL_EPSILON * fabs(m)) {
+            h *= 0.5;
+        } else if (!w.fine) { /* from here on in twice the precision, the rest of the ray too */
+            w.fine = true;
+            known = false;
+        } else {
+            if (!known) left = look(&w, tau, SGT_MARCH, tau, hi);
+            if (!pending) dark = tau, before = left, pending = true;
+            tau = end, known = false;
+        }
+    }
+    if (pending) take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_GRAZE, seed, &best);
+    if (told->stopped) return hit_without(SGT_STOPPED, ray, told->evals);
+    if (w.spent && !(best.any && opt->pick != SGT_NEAR_SEED)) {
+        sgt_hit hit = hit_without(SGT_EXHAUSTED, ray, told->evals);
+        hit.t = (w.q.t0 + tau) * w.q.scale;
+        hit.lo = hit.t;
+        return hit;
+    }
+    if (!best.any) return hit_without(SGT_MISS, ray, told->evals);
+    if (best.status < 0) {
+        sgt_hit hit = hit_without(best.status, ray, told->evals);
+        hit.lo = best.at.t - best.at.t_err, hit.hi = best.at.t + best.at.t_err;
+        return hit;
+    }
+    return hit_at(&best.at, best.status, asphere_f(s, best.at.p), SGT_NEWTON, ray, told);
+}

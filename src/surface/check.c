@@ -1,0 +1,282 @@
+/* check.c - does a surface keep its word?
+ *
+ * Each ray is walked in SAMPLES steps on the stretch in front of its span, in it, and behind
+ * it, and three promises are put to the test.
+ *
+ * THE ROUNDING is finite and not negative wherever F is.
+ *
+ * THE SPAN holds every root, and only one if it says so.  Two neighbours of unlike sign, with
+ * F defined between them, hold a root.  A sign counts only where |F| is beyond what rounding
+ * can do: the surface's own bound (without one: 8 ulps of the terms x Fx, y Fy, z Fz), and
+ * what the rounding of o + t d, at most 2^-51 of |o| + |t d| in each coordinate, does to F.
+ * The pair is narrowed to where signs stop being certain.  If all of it lies outside the span,
+ * so does the root; two such pairs in the span are two roots.  A pole changes sign too, but
+ * |F| grows toward it: no root.  Where a built-in surface has a rim, roots beyond it do not
+ * count (surfaces.h), and its span need not hold them.
+ * What no two neighbours show is not seen: SOUND says that no fault was found.
+ *
+ * THE GRADIENT is compared with central differences
+ *     D(h) = (F(p + h e) - F(p - h e)) / 2h = F_e + h^2 F_eee / 6 + ... + noise / h
+ * (Press et al. 2007, section 5.7).  No one h is right: 1e-5 of the distance to the edge of a
+ * sphere is right near it, and lost in noise far away.  So h runs down by eights from the
+ * distance between samples to 2^-42 of it, or of |p|.  Of two neighbours D(8h), D(h) the
+ * difference is 63/64 of the truncation of the first, 64 times that of the second; with the
+ * noise of both that is the doubt of D(h), and the h with the least doubt is taken - unless a
+ * smaller h says otherwise by more than doubt and noise (a pole between the larger steps, say):
+ * then only those from there on.  A comparison is made where
+ *   - the doubt is below 2^-16 of the gradient (else there is nothing to compare with),
+ *   - F is defined on both sides and the two one-sided differences agree to 2^-6 (at a kink
+ *     they do not, and a gradient there is one of several),
+ *   - the surface gives a number (NaN: not defined here).
+ * It shows a fault where the two differ by more than 8 times the doubt, and by more than 4
+ * times what 16 ulps of the coordinates do to the surface's gradient (near an edge that is much:
+ * a gradient is good to the rounding of its argument, no better), and by more than 2^-26 of the
+ * gradient; and where a second row of steps, shorter by 0.7, shows the same, since noise is not
+ * bounded on a surface without `rounding` and can, once, look like agreement.
+ * So a gradient that is off by 1e-3 in one component is seen unless that component is below
+ * 2^-16 of the gradient; one that is off by less than 1e-8 is not. */
+#include <sagitta/diagnose.h>
+#include <sagitta/surfaces.h>
+
+#include <float.h>
+#include <math.h>
+
+enum { SAMPLES = 256, POINTS = 16, LEVELS = 18 };
+static const double CUT = 1000; /* lengths, where neither ray nor span has an end */
+
+typedef struct sample { double t, f; int sign; sgt_vec3 p; } sample;
+
+typedef struct check {
+    sgt_surface s;
+    const sgt_ray *ray;
+    sgt_span span;
+    double rim2;       /* of a built-in surface; roots beyond do not count */
+    int inside;        /* roots found in the span */
+    sgt_fault fault;
+    sgt_vec3 where;
+} check;
+
+static bool fail(check *c, sgt_fault fault, sgt_vec3 where)
+{
+    c->fault = fault, c->where = where;
+    return false;
+}
+
+static double value_at(const check *c, sgt_vec3 p, sgt_vec3 *grad) { return c->s.ops->value(c->s.self, p, grad); }
+
+static double terms_of(sgt_vec3 p, sgt_vec3 n)
+{
+    double sum = fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z);
+    return sum < HUGE_VAL ? sum : 0; /* a gradient that is no number bounds nothing */
+}
+
+/* F at t, its sign where that is certain; false: `rounding` broke its word. */
+static bool look(check *c, double t, sample *a)
+{
+    sgt_vec3 o = c->ray->o, d = c->ray->d, n = {0};
+    *a = (sample){.t = t, .p = {o.x + t * d.x, o.y + t * d.y, o.z + t * d.z}};
+    a->f = value_at(c, a->p, &n);
+    if (isnan(a->f)) return true;
+    sgt_vec3 moved = {fabs(o.x) + fabs(t * d.x), fabs(o.y) + fabs(t * d.y), fabs(o.z) + fabs(t * d.z)};
+    double doubt = 0x1p-50 * terms_of(moved, n);
+    if (c->s.ops->rounding) {
+        double own = c->s.ops->rounding(c->s.self, a->p);
+        if (isfinite(a->f) && !(own >= 0 && own < HUGE_VAL)) return fail(c, SGT_WRONG_ROUNDING, a->p);
+        doubt += own;
+    } else {
+        doubt += 0x1p-50 * (terms_of(a->p, n) + fabs(a->f));
+    }
+    a->sign = a->f > doubt ? 1 : a->f < -doubt ? -1 : 0;
+    return true;
+}
+
+/* --------------------------------------------------------------- gradient */
+
+static double *component(sgt_vec3 *v, int i) { return i == 0 ? &v->x : i == 1 ? &v->y : &v->z; }
+
+/* The noise of F near p: the surface's bound, but no less than an honest one can be.  Without
+ * a bound, terms may cancel unseen (the 1 - 1 in the vertex of 1 - sqrt(1 - r^2)); they are
+ * taken to be of the size by which F changes over `across`. */
+static double noise_at(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double across)
+{
+    double floor = 0x1p-51 * (fabs(f) + terms_of(p, n));
+    if (!c->s.ops->rounding) return 4 * (floor + 0x1p-51 * terms_of((sgt_vec3){across, across, across}, n));
+    double own = c->s.ops->rounding(c->s.self, p);
+    return own > floor ? own : floor;
+}
+
+/* dF/dx_i by differences with steps from `longest` down; *doubt is infinite where there is
+ * nothing to compare with; *bend is how the surface's own gradient varies along i. */
+static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i, double longest, double *doubt, double *kink, sgt_vec3 *bend)
+{
+    double best = 0, before = (double)NAN, x = *component(&p, i), h = longest;
+    double big = fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))), noise = noise_at(c, p, f, n, longest), noise_before = (double)NAN;
+    *doubt = *kink = HUGE_VAL, *bend = (sgt_vec3){0};
+    for (int level = 0; level < LEVELS && h > 0x1p-42 * fmax(big, longest); level++, h *= 0.125) {
+        sgt_vec3 right = p, left = p, nr = {0}, nl = {0};
+        *component(&right, i) = x + h, *component(&left, i) = x - h;
+        double ahead = *component(&right, i) - x, behind = x - *component(&left, i); /* exact */
+        double width = ahead + behind, fr = value_at(c, right, &nr), fl = value_at(c, left, &nl);
+        double slope = (fr - fl) / width, own = fmax(noise, fmax(noise_at(c, right, fr, nr, longest), noise_at(c, left, fl, nl, longest))) * 2 / width;
+        double now = fabs(slope - before) + own + noise_before;
+        if (fabs(slope - best) > 4 * (*doubt + own)) *doubt = HUGE_VAL; /* a finer structure than the steps before */
+        if (now < *doubt) { /* false for NaN */
+            best = slope, *doubt = now;
+            *kink = fabs((fr - f) / ahead - (f - fl) / behind);
+            *bend = (sgt_vec3){(nr.x - nl.x) / width, (nr.y - nl.y) / width, (nr.z - nl.z) / width};
+        }
+        before = slope, noise_before = own;
+    }
+    return best;
+}
+
+/* Is the gradient at p shown to be wrong by steps from `longest` down? */
+static bool is_wrong(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double longest)
+{
+    double d[3], doubt[3], kink[3], size = 0;
+    sgt_vec3 bend[3];
+    for (int i = 0; i < 3; i++) {
+        d[i] = difference(c, p, f, n, i, longest, &doubt[i], &kink[i], &bend[i]);
+        double own = fabs(*component(&n, i));
+        if (doubt[i] < HUGE_VAL) size = fmax(size, fabs(d[i]));
+        if (own < HUGE_VAL) size = fmax(size, own);
+    }
+    for (int i = 0; i < 3; i++) {
+        double own = *component(&n, i), slack = 0;
+        if (isnan(own) || !(doubt[i] <= 0x1p-16 * size) || !(kink[i] <= 0x1p-6 * size)) continue;
+        if (isinf(own)) return true;
+        for (int j = 0; j < 3; j++) slack += 0x1p-49 * fabs(*component(&p, j) * *component(&bend[j], i));
+        if (isnan(slack)) continue;
+        if (!(fabs(own - d[i]) <= 8 * doubt[i] + 4 * slack + 0x1p-26 * size)) return true;
+    }
+    return false;
+}
+
+static bool check_gradient(check *c, double t, double spacing)
+{
+    sample a;
+    sgt_vec3 d = c->ray->d, n = {(double)NAN, (double)NAN, (double)NAN};
+    if (!look(c, t, &a)) return false;
+    double f = value_at(c, a.p, &n), big = fmax(fabs(a.p.x), fmax(fabs(a.p.y), fabs(a.p.z)));
+    if (!isfinite(f)) return true;
+    double longest = fmax(spacing * fmax(fabs(d.x), fmax(fabs(d.y), fabs(d.z))), 0x1p-10 * big);
+    if (!is_wrong(c, a.p, f, n, longest) || !is_wrong(c, a.p, f, n, 0.7 * longest)) return true;
+    return fail(c, SGT_WRONG_GRADIENT, a.p);
+}
+
+/* ------------------------------------------------------------------- span */
+
+/* Moves *a, of certain sign, as near to b as its sign stays certain; b's is not a's.
+ * false: F is not defined between them, or a promise was broken on the way. */
+static bool approach(check *c, sample *a, double b)
+{
+    for (int i = 0; i < 100; i++) {
+        sample m;
+        double t = 0.5 * a->t + 0.5 * b;
+        if (!(t > fmin(a->t, b) && t < fmax(a->t, b))) return true; /* neighbours */
+        if (!look(c, t, &m) || isnan(m.f)) return false;
+        if (m.sign == a->sign) *a = m;
+        else b = t;
+    }
+    return true;
+}
+
+/* A change of sign between a and b. */
+static bool check_root(check *c, sample a, sample b)
+{
+    double high = fmax(fabs(a.f), fabs(b.f)), spacing = b.t - a.t;
+    if (!approach(c, &a, b.t) || !approach(c, &b, a.t)) return c->fault == SGT_SOUND;
+    if (fmin(fabs(a.f), fabs(b.f)) > high) return true; /* a pole */
+    if (a.p.x * a.p.x + a.p.y * a.p.y > c->rim2 || b.p.x * b.p.x + b.p.y * b.p.y > c->rim2) return true;
+    if (!check_gradient(c, a.t, spacing) || !check_gradient(c, b.t, spacing)) return false;
+    if (b.t < c->span.lo || a.t > c->span.hi) return fail(c, SGT_WRONG_SPAN, b.t < c->span.lo ? b.p : a.p);
+    if (a.t >= c->span.lo && b.t <= c->span.hi && ++c->inside > 1 && c->span.single) return fail(c, SGT_WRONG_SPAN, b.p);
+    return true;
+}
+
+/* One stretch of the ray, wholly in front of the span, in it, or behind it. */
+static bool check_stretch(check *c, double lo, double hi)
+{
+    sample last = {.sign = 0}, a;
+    if (!(lo < hi)) return true;
+    for (int i = 0; i <= SAMPLES; i++) {
+        double t = i == 0 ? lo : i == SAMPLES ? hi : lo + (hi - lo) * (i / (double)SAMPLES);
+        if (!look(c, t, &a)) return false;
+        if (isnan(a.f)) last.sign = 0;
+        if (a.sign * last.sign < 0 && !check_root(c, last, a)) return false;
+        if (a.sign) last = a;
+    }
+    /* beside the round fractions, where symmetry may hide a fault */
+    for (int i = 0; i < POINTS; i++)
+        if (!check_gradient(c, lo + (hi - lo) * ((i + 0.382) / POINTS), (hi - lo) / (4 * POINTS))) return false;
+    return true;
+}
+
+static bool check_ray(check *c)
+{
+    const sgt_ray *r = c->ray;
+    sgt_span s = {.lo = -HUGE_VAL, .hi = HUGE_VAL};
+    if (c->s.ops->span) s = c->s.ops->span(c->s.self, r);
+    if (isnan(s.lo) || isnan(s.hi)) return fail(c, SGT_WRONG_SPAN, r->o);
+    double lo = r->tmin, hi = r->tmax == 0 && r->tmin >= 0 ? HUGE_VAL : r->tmax;
+    bool by = s.lo > s.hi; /* the ray passes by: all of it is outside */
+    if (!(lo > -HUGE_VAL)) lo = !by && isfinite(s.lo) && s.lo < hi ? s.lo : fmin(0, hi) - CUT;
+    if (!(hi < HUGE_VAL)) hi = !by && isfinite(s.hi) && s.hi > lo ? s.hi : fmax(0, lo) + CUT;
+    c->span = by ? (sgt_span){.lo = HUGE_VAL, .hi = HUGE_VAL} : s;
+    c->inside = 0;
+    if (by) return check_stretch(c, lo, hi);
+    double in = fmax(lo, s.lo), out = fmin(hi, s.hi);
+    return check_stretch(c, lo, fmin(s.lo, hi)) && check_stretch(c, in, out) && check_stretch(c, fmax(s.hi, lo), hi);
+}
+
+/* The square of the rim of a built-in surface; infinite where it has none. */
+static double rim2_of_builtin(sgt_surface s)
+{
+    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+        if (row->ops != s.ops) continue;
+        for (const sgt_param *p = row->params; p->name; p++) {
+            const char *a = p->name, *b = "semi_diameter";
+            while (*a && *a == *b) a++, b++;
+            if (*a || *b) continue;
+            double rim = *(const double *)(const void *)((const char *)s.self + p->offset);
+            if (rim > 0) return rim * rim;
+        }
+    }
+    return HUGE_VAL;
+}
+
+static bool is_usable(const sgt_ray *r)
+{
+    double big = fmax(fabs(r->d.x), fmax(fabs(r->d.y), fabs(r->d.z)));
+    return isfinite(r->o.x) && isfinite(r->o.y) && isfinite(r->o.z) && isfinite(r->d.x) && isfinite(r->d.y) && isfinite(r->d.z)
+        && big >= DBL_MIN && r->tmin < HUGE_VAL && (r->tmax >= r->tmin || (r->tmax == 0 && r->tmin >= 0));
+}
+
+sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *where)
+{
+    check c = {.s = s, .fault = SGT_SOUND, .where = {(double)NAN, (double)NAN, (double)NAN}};
+    if (!s.ops || !s.ops->value) {
+        c.fault = SGT_NO_VALUE;
+    } else {
+        c.rim2 = rim2_of_builtin(s);
+        for (size_t i = 0; i < n; i++) {
+            if (!is_usable(&rays[i])) continue; /* what is no ray says nothing of the surface */
+            c.ray = &rays[i];
+            if (!check_ray(&c)) break;
+        }
+    }
+    if (where) *where = c.where;
+    return c.fault;
+}
+
+const char *sgt_fault_text(sgt_fault fault)
+{
+    switch (fault) {
+    case SGT_SOUND: return "sound: no fault was found";
+    case SGT_WRONG_GRADIENT: return "wrong gradient: it differs from differences of F (it must not be normalised)";
+    case SGT_WRONG_SPAN: return "wrong span: a root lies outside it, or two inside one that is said to be single";
+    case SGT_WRONG_ROUNDING: return "wrong rounding: not finite or negative where F is defined";
+    case SGT_NO_VALUE: return "no value: the surface has no function F";
+    }
+    return "?";
+}

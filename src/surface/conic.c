@@ -1,0 +1,315 @@
+/* conic.c - plane, sphere and conic, by closed form with a bound.
+ *
+ * THE EQUATION.  z = s(x, y) with s = c r^2 / (1 + phi), phi = sqrt(1 - (1 + k) c^2 r^2), is the
+ * sheet  v = 1 - (1 + k) c z >= 0  (there phi = v) of the quadric
+ *     c (r^2 + (1 + k) z^2) - 2 z = 0.
+ * Along x + tau l, y + tau m, z + tau n it is A tau^2 - 2 B tau + C = 0 with
+ *     A = c (l^2 + m^2 + (1 + k) n^2)
+ *     B = n - c (x l + y m + (1 + k) z n)
+ *     C = c (r^2 + (1 + k) z^2) - 2 z          (c r^2 from a point of the vertex plane)
+ * and  q = B + sign(B) sqrt(B^2 - A C),  tau = C / q  or  q / A,  sign(0) = +1: no subtraction
+ * of like numbers, and no division by c, R or 1 + k, so a plane, a paraboloid and a nearly flat
+ * surface are no special cases (Press et al. 2007, section 5.6; the sheet: Spencer and Murty
+ * 1962, J. Opt. Soc. Am. 52, 672).  Since v is linear along the ray, each root belongs to the
+ * sheet or not by one comparison.  The first form is the root near the vertex plane.
+ * At a root |A tau - B| = sqrt(D), D = B^2 - A C, so g' = grad F . d = -+ sqrt(D) / v.
+ *
+ * QUICK.  In doubles, from the vertex plane.  With u = 2^-53, each coefficient is off by at most
+ * 6 u of the sum of its terms' magnitudes, written A', B', C' (counted below); rounding in D is
+ * at most a further u of B^2 + |A C|.  To first order the root moves by
+ *     (dA tau^2 + 2 dB |tau| + dC) / (2 sqrt D),
+ * and the quotient itself rounds by 4 u |tau|; hence
+ *     tau_err = 3.25 u (A' tau^2 + 2 B' |tau| + C') / sqrt D + 4.25 u |tau|.
+ * First order is enough because D below 2^-20 of B'^2 + A' C' is not accepted: then the relative
+ * change of D is below 2^-28, and 3.25 for 3 covers what is left out.
+ * Not accepted either: roots whose terms at the start are more than 4 times those at the root (a
+ * start too far off), a sheet that is within rounding of the equator, and a t that is not sharp.
+ *
+ * CAREFUL.  All that the quick form does not accept: the same formulas from the point nearest
+ * the vertex, in twice the precision, with coordinates scaled by a power of two to 1 and the
+ * equation divided by another, so that c from 1e-300 to 1e300 neither overflow nor vanish.  A, B
+ * and C are then off by at most 27 u^2 of their terms (a sum 3 u^2, a product 5 u^2; the longest
+ * chain is that of (1 + k) z^2 in C); EPS = 2^-100 = 64 u^2 stands for that, and for the quotient's
+ * and the root's part.  The sign of D, and so whether there is a
+ * root, is undecided only within EPS of a tangent: that is called a graze.
+ *
+ * Times, worst cases: docs/accuracy.md. */
+#include "form.h"
+
+static const double EPS = 0x1p-100;
+static const double D_MIN = 0x1p-20;
+
+static bool before(const meeting *a, const meeting *b) { return a->t < b->t || (a->t == b->t && a->t_lo < b->t_lo); }
+
+/* ------------------------------------------------------------------ quick */
+
+typedef struct quick_root { meeting at; bool counts, certain; } quick_root;
+
+typedef struct quadric { double c, k, k1, abs_k1, A, Aa, Ba, Ca, S; } quadric;
+
+SGT_INLINE quick_root quick_root_at(double tau, const quadric *g, const local *q, const sgt_ray *ray, double rim2, double t_tol)
+{
+    quick_root r;
+    double spread = (g->Aa * tau * tau + 2 * g->Ba * fabs(tau) + g->Ca);
+    double tau_err = 3.25 * SGT_U * spread / g->S + 4.25 * SGT_U * fabs(tau);
+    meeting_place(&r.at, q, tau, tau_err);
+    double cz = g->c * r.at.p.z, w = g->k1 * cz;
+    r.at.v = 1 - w;
+    r.at.slope = g->S;
+    double v_err = 8 * SGT_U * (1 + fabs(w)) + 2 * fabs(g->k1 * g->c * q->n) * tau_err;
+    double inverse = -g->c / r.at.v;
+    r.at.n = (sgt_vec3){r.at.p.x * inverse, r.at.p.y * inverse, 1};
+    double cr2 = g->c * (r.at.p.x * r.at.p.x + r.at.p.y * r.at.p.y);
+    double terms = fabs(cr2) + fabs(w * r.at.p.z) + 2 * fabs(r.at.p.z);
+    snap(&r.at, g->c, g->k, square_radius(r.at.p.x, r.at.p.y), 0, 0);
+    bool off_sheet = r.at.v < -v_err;
+    /* written so that NaN is not certain; a tiny root is in the hands of the careful form */
+    r.certain = off_sheet || (r.at.v > 16 * v_err && spread <= 4 * terms && r.at.t_err < HUGE_VAL && sharp(&r.at, t_tol));
+    r.counts = !off_sheet && counts(&r.at, ray, rim2, q->scale);
+    return r;
+}
+
+typedef enum quick_answer { QUICK_HARD, QUICK_MISS, QUICK_HIT } quick_answer;
+
+SGT_INLINE quick_answer quick(double c, double k, double rim2, const sgt_ray *ray, const sgt_options *opt, meeting *out)
+{
+    local q = local_at_vertex_plane(ray);
+    quadric g = {.c = c, .k = k, .k1 = 1 + k, .abs_k1 = fabs(1 + k)};
+    double a = q.l * q.l + q.m * q.m, n2 = q.n * q.n, ca = fabs(c);
+    double B = q.n - c * (q.x * q.l + q.y * q.m), C = c * (q.x * q.x + q.y * q.y);
+    g.A = c * (a + g.k1 * n2);
+    g.Aa = ca * (a + g.abs_k1 * n2);                     /* l^2, +, (1+k) n n, +, c: 5 roundings */
+    g.Ba = fabs(q.n) + ca * (q.xa * fabs(q.l) + q.ya * fabs(q.m));   /* x itself, *, +, c, -: 5 */
+    g.Ca = ca * (q.xa * q.xa + q.ya * q.ya);             /* x twice, *, +, c: 5 */
+    double D = B * B - g.A * C, size = g.Ba * g.Ba + g.Aa * g.Ca;
+    if (D < -D_MIN * size) return QUICK_MISS;
+    bool ranges = size > TINY && (g.Ca > TINY || q.xa + q.ya == 0) && g.Aa > TINY; /* else something has underflown */
+    if (!(D > D_MIN * size && ranges)) return QUICK_HARD;
+    g.S = sqrt(D);
+    double b = B + copysign(g.S, B), tau = C / b, other = b / g.A; /* the other root: away where A = 0 */
+    quick_root near = quick_root_at(tau, &g, &q, ray, rim2, opt->t_tol);
+    /* the other is of no interest where the near one counts and is wanted, or is certainly the first */
+    bool bounded = fabs(g.A) > 0x1p-40 * g.Aa, behind = bounded ? other > fmax(tau, 0) + 0x1p-20 * (fabs(q.t0) + fabs(tau)) : g.Aa == 0;
+    if (near.certain && near.counts && (opt->pick == SGT_NEAR_SEED || behind)) return *out = near.at, QUICK_HIT;
+    quick_root far = {.certain = g.Aa == 0};
+    if (bounded) far = quick_root_at(other, &g, &q, ray, rim2, opt->t_tol);
+    if (!near.certain || !far.certain) return QUICK_HARD;
+    if (!near.counts && !far.counts) return QUICK_MISS;
+    bool near_first = near.counts && (!far.counts || opt->pick == SGT_NEAR_SEED || before(&near.at, &far.at));
+    *out = near_first ? near.at : far.at;
+    return QUICK_HIT;
+}
+
+/* --------------------------------------------------------------- careful */
+
+typedef struct careful_quadric {
+    twofold x, y, z;        /* the local origin, in units of U */
+    twofold k1, A, B, C;    /* times beta, in units of U */
+    double Aa, Ba, Ca;      /* the sums of the magnitudes of their terms */
+    double gamma, beta, U;  /* c U = gamma / beta, both powers of two away from it, none above 2 */
+    double c, k;
+    local q;
+} careful_quadric;
+
+typedef struct careful_root {
+    meeting at;
+    bool counts;  /* by rim and ends */
+    int sheet;    /* 1 on it, 0 cannot be told, -1 off it */
+} careful_root;
+
+SGT_INLINE twofold sum3(twofold a, twofold b, twofold c) { return twofold_sum(twofold_sum(a, b), c); }
+
+SGT_INLINE careful_quadric careful_setup(double c, double k, const sgt_ray *ray)
+{
+    careful_quadric g = {.c = c, .k = k};
+    double t0 = nearest_to_vertex(ray);
+    local q = g.q = local_at(ray, t0, 0);
+    twofold x = coordinate(ray->o.x, q.l, t0, 0), y = coordinate(ray->o.y, q.m, t0, 0), z = coordinate(ray->o.z, q.n, t0, 0);
+    double big = fmax(fabs(x.hi), fmax(fabs(y.hi), fabs(z.hi)));
+    int place, curve;
+    frexp(big > 0 ? big : 1, &place);
+    double mantissa = frexp(c, &curve);
+    if (!(big > 0)) place = curve > -1000 ? -curve : 1000; /* through the vertex: the radius is the measure */
+    g.U = ldexp(1, place > 1000 ? 1000 : place < -1000 ? -1000 : place);
+    int power = curve + (place > 1000 ? 1000 : place < -1000 ? -1000 : place);
+    g.gamma = ldexp(mantissa, power < 0 ? power : 0);
+    g.beta = ldexp(1, power < 0 ? 0 : -power);
+    x = g.x = twofold_times_power(x, 1 / g.U), y = g.y = twofold_times_power(y, 1 / g.U), z = g.z = twofold_times_power(z, 1 / g.U);
+
+    twofold k1 = g.k1 = two_sum(1, k), r2 = twofold_sum(twofold_product(x, x), twofold_product(y, y));
+    twofold a = twofold_sum(two_product(q.l, q.l), two_product(q.m, q.m)), kn2 = twofold_product(k1, two_product(q.n, q.n));
+    twofold xl = twofold_scaled(x, q.l), ym = twofold_scaled(y, q.m), kz = twofold_product(k1, z);
+    g.A = twofold_scaled(twofold_sum(a, kn2), g.gamma);
+    g.B = twofold_difference(two_product(g.beta, q.n), twofold_scaled(sum3(xl, ym, twofold_scaled(kz, q.n)), g.gamma));
+    g.C = twofold_difference(twofold_scaled(twofold_sum(r2, twofold_product(kz, z)), g.gamma), twofold_scaled(z, 2 * g.beta));
+    double ga = fabs(g.gamma);
+    g.Aa = ga * (a.hi + fabs(kn2.hi));
+    g.Ba = g.beta * fabs(q.n) + ga * (fabs(xl.hi) + fabs(ym.hi) + fabs(kz.hi * q.n));
+    g.Ca = ga * (r2.hi + fabs(kz.hi * z.hi)) + 2 * g.beta * fabs(z.hi);
+    return g;
+}
+
+SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, double tau_err, double S, const sgt_ray *ray, double rim2)
+{
+    const local *q = &g->q;
+    careful_root r;
+    twofold t = twofold_sum(twofold_times_power(tau, g->U), twofold_of(q->t0));
+    twofold px = twofold_sum(g->x, twofold_scaled(tau, q->l)), py = twofold_sum(g->y, twofold_scaled(tau, q->m)),
+            pz = twofold_sum(g->z, twofold_scaled(tau, q->n));
+    twofold w = twofold_scaled(twofold_product(g->k1, pz), g->gamma), v = twofold_difference(twofold_of(g->beta), w);
+    double length = fabs(q->l) + fabs(q->m) + fabs(q->n), slack = 1 + 16 * SGT_U;
+    if (g->U < 0x1p-800) tau_err += 0x1p-1070 / g->U; /* error-free products are not, so near zero */
+    r.at.t = t.hi * q->scale;
+    r.at.t_lo = t.lo * q->scale;
+    r.at.t_err = (fabs(t.lo) + g->U * tau_err + 8 * SGT_TWOFOLD * fabs(t.hi)) * slack * q->scale;
+    if (fabs(r.at.t) < TINY && (r.at.t != 0 || r.at.t_err != 0)) r.at.t_err += TINY_ERROR;
+    r.at.p = (sgt_vec3){px.hi * g->U, py.hi * g->U, pz.hi * g->U};
+    r.at.p_err = g->U * (length * tau_err + SGT_U * (fabs(px.hi) + fabs(py.hi) + fabs(pz.hi))) * slack;
+    if (r.at.p_err < TINY && r.at.p_err != 0) r.at.p_err += TINY_ERROR;
+    double v_err = EPS * (g->beta + fabs(w.hi)) + 2 * fabs(g->k1.hi * g->gamma * q->n) * tau_err;
+    r.sheet = v.hi > v_err ? 1 : v.hi < -v_err ? -1 : 0;
+    r.at.v = v.hi;
+    r.at.slope = S;
+    double steep = -g->gamma / fmax(v.hi, DBL_MIN); /* at the very equator: as steep as a double can say */
+    r.at.n = (sgt_vec3){px.hi * steep, py.hi * steep, 1};
+    snap(&r.at, g->c, g->k, square_radius(r.at.p.x, r.at.p.y), 0, 0);
+    r.counts = counts(&r.at, ray, rim2, q->scale);
+    return r;
+}
+
+/* A t near zero is settled further, where twice the precision is not enough for its last bits. */
+static careful_root refined(double c, double k, careful_root r, const local *q, const sgt_ray *ray, double rim2, tally *w)
+{
+    if (r.at.t_err <= 8 * SGT_U * fabs(r.at.t) || !(r.at.t_err < HUGE_VAL)) return r;
+    shape s = {.c = c, .k = k, .ck = (1 + k) * c, .rim2 = rim2};
+    careful_root again = r;
+    double v_err;
+    if (!sgt_form_settle(&s, ray, r.at.t / q->scale, r.at.t_lo / q->scale, &again.at, &v_err, w)) return r;
+    if (!(again.at.t_err < r.at.t_err && fabs(again.at.t - r.at.t) <= r.at.t_err + again.at.t_err)) return r;
+    again.counts = counts(&again.at, ray, rim2, q->scale);
+    return again;
+}
+
+static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, meeting *out, tally *w)
+{
+    sgt_pick pick = w->opt->pick;
+    careful_quadric g = careful_setup(c, k, ray);
+    twofold A = g.A, B = g.B, C = g.C, AC = twofold_product(A, C), BB = twofold_product(B, B), D = twofold_difference(BB, AC);
+    double dA = EPS * g.Aa, dB = EPS * g.Ba, dC = EPS * g.Ca;
+    double size = g.Ba * g.Ba + g.Aa * g.Ca;
+    double dD = 2 * (2 * fabs(B.hi) * dB + fabs(A.hi) * dC + fabs(C.hi) * dA) + EPS * (BB.hi + fabs(AC.hi));
+    bool touches = g.Ba == 0 && g.Ca == 0; /* in the vertex plane, through the vertex */
+    if (!((size > 0x1p-600 || touches) && size < HUGE_VAL)) return SGT_UNPROVEN; /* out of range even so */
+    if (D.hi < -dD) return SGT_MISS;
+
+    if (D.hi <= 4 * dD) { /* two roots, or none, closer together than can be told apart */
+        if (!(fabs(A.hi) > 2 * dA)) return SGT_UNPROVEN;
+        double half_gap = sqrt(D.hi + 2 * dD);
+        careful_root r = careful_root_at(&g, twofold_quotient(B, A), 2 * half_gap / fabs(A.hi), half_gap, ray, rim2);
+        *out = r.at;
+        return r.sheet >= 0 && r.counts ? SGT_GRAZE : SGT_MISS;
+    }
+    twofold S = twofold_root(D), b = B.hi < 0 ? twofold_difference(B, S) : twofold_sum(B, S);
+    bool far_exists = fabs(A.hi) > 2 * dA, far_unknown = !far_exists && g.Aa > 0;
+    twofold tau[2] = {twofold_quotient(C, b), far_exists ? twofold_quotient(b, A) : twofold_of(NAN)};
+    careful_root r[2];
+    for (int i = 0; i < 2; i++) {
+        double s = fabs(tau[i].hi), e = (dA * s * s + 2 * dB * s + dC) / S.hi + EPS * s;
+        r[i] = refined(c, k, careful_root_at(&g, tau[i], e, S.hi, ray, rim2), &g.q, ray, rim2, w);
+    }
+    /* A within its rounding of 0: the far root is farther than the near one by 2^90, if anywhere */
+    if (far_unknown && !(r[0].counts && r[0].sheet > 0)) {
+        double away = 0.25 * fabs(b.hi) / dA * g.U * g.q.scale;
+        if (!(ray->tmax < away && ray->tmin > -away)) return SGT_UNPROVEN;
+    }
+    if (!far_exists) r[1].counts = false;
+    int first = pick == SGT_NEAR_SEED || !r[1].counts || before(&r[0].at, &r[1].at) ? 0 : 1;
+    for (int j = 0; j < 2; j++) {
+        int i = first ^ j;
+        if (r[i].sheet < 0 || (i == 1 && !far_exists)) continue;
+        if (!(r[i].at.t_err < HUGE_VAL)) return SGT_UNPROVEN; /* out of range */
+        if (!r[i].counts) continue;
+        *out = r[i].at;
+        return r[i].sheet > 0 ? SGT_HIT : SGT_UNPROVEN;
+    }
+    return SGT_MISS;
+}
+
+/* ---------------------------------------------------------------- planes */
+
+/* n tau = -z: exact but for the quotient, and t0_lo carries that. */
+SGT_INLINE sgt_status plane(double rim2, const sgt_ray *ray, meeting *out)
+{
+    if (ray->d.z == 0 && ray->o.z != 0) return SGT_MISS;
+    local q = ray->d.z != 0 ? local_at_vertex_plane(ray) : local_at(ray, 0, 0);
+    double start = ray->tmin > -HUGE_VAL ? ray->tmin : ray->tmax < 0 ? ray->tmax : 0;
+    if (ray->d.z == 0) q = local_at(ray, start / q.scale, 0); /* in the plane: every point is a root */
+    meeting_place(out, &q, 0, 0);
+    out->v = 1, out->slope = fabs(q.n), out->n = (sgt_vec3){0, 0, 1};
+    if (!(out->t_err < HUGE_VAL)) return SGT_UNPROVEN; /* so nearly parallel that t is out of range */
+    if (ray->d.z != 0) return counts(out, ray, rim2, q.scale) ? SGT_HIT : SGT_MISS;
+    return out->p.x * out->p.x + out->p.y * out->p.y <= rim2 ? SGT_GRAZE : SGT_UNPROVEN;
+}
+
+/* -------------------------------------------------------------- together */
+
+static double conic_f(double c, double k, sgt_vec3 p)
+{
+    double phi, slope;
+    return p.z - conic_sag(c, k, p.x * p.x + p.y * p.y, &phi, &slope);
+}
+
+SGT_CLONES
+sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
+{
+    double rim2 = rim2_of(semi_diameter);
+    meeting at;
+    tally w = {.opt = opt};
+    sgt_status status;
+    if (c == 0) {
+        status = plane(rim2, ray, &at);
+    } else {
+        quick_answer answer = quick(c, k, rim2, ray, opt, &at);
+        status = answer == QUICK_HIT ? SGT_HIT : answer == QUICK_MISS ? SGT_MISS : careful(c, k, rim2, ray, &at, &w);
+    }
+    if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
+    if (status <= 0) return hit_without(status, ray, w.evals);
+    return hit_at(&at, status, conic_f(c, k, at.p), w.evals ? SGT_NEWTON : SGT_SEED, ray, &w);
+}
+
+static sgt_hit conic_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
+{
+    const sgt_conic *s = self;
+    return sgt_conic_meet(s->c, s->k, s->semi_diameter, ray, opt);
+}
+
+static bool conic_valid(const void *self)
+{
+    const sgt_conic *s = self;
+    return isfinite(s->c) && isfinite(s->k) && isfinite(s->semi_diameter) && s->semi_diameter >= 0;
+}
+
+static double conic_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    const sgt_conic *s = self;
+    double phi, slope, sag = conic_sag(s->c, s->k, p.x * p.x + p.y * p.y, &phi, &slope);
+    if (grad) *grad = (sgt_vec3){-2 * p.x * slope, -2 * p.y * slope, 1};
+    return p.z - sag;
+}
+
+static double conic_rounding(const void *self, sgt_vec3 p)
+{
+    const sgt_conic *s = self;
+    double r2 = p.x * p.x + p.y * p.y, phi, slope, sag = conic_sag(s->c, s->k, r2, &phi, &slope);
+    return 1.01 * SGT_U * (conic_sag_rounding(s->c, s->k, r2, sag, phi) + fabs(p.z - sag));
+}
+
+static sgt_span conic_span(const void *self, const sgt_ray *ray)
+{
+    const sgt_conic *s = self;
+    return sgt_sag_span(s->c, s->k, s->semi_diameter, ray, true);
+}
+
+static const struct sgt_sag conic_sag_ops = {.valid = conic_valid, .meet = conic_meet};
+
+const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .sag_ = &conic_sag_ops};

@@ -1,0 +1,78 @@
+/* form.h - a sag in polynomial form, with bounds: form.c says how. */
+#ifndef SGT_SURFACE_FORM_H
+#define SGT_SURFACE_FORM_H
+
+#include "conic.h"
+
+/* P(rho) = sum of a[i] rho^(i+1) and P'. */
+SGT_INLINE double polynomial(int terms, const double *a, double rho, double *slope)
+{
+    double h = terms ? a[terms - 1] : 0, dh = 0;
+    for (int i = terms - 2; i >= 0; i--) {
+        dh = dh * rho + h;
+        h = h * rho + a[i];
+    }
+    *slope = h + rho * dh;
+    return rho * h;
+}
+
+/* first = sum of (i+1) |a[i]| rho^i, a bound on |P'|, and its derivative, a bound on |P''|, both for
+ * all of [0, rho].  |P| <= rho first.  Horner's rule rounds the term a[i] rho^(i+1) at most 2i + 2
+ * times, so P is off by at most 2 u rho first (Higham 2002, section 5.1). */
+SGT_INLINE double magnitude(int terms, const double *a, double rho, double *second)
+{
+    double h = terms ? terms * fabs(a[terms - 1]) : 0, dh = 0;
+    for (int i = terms - 2; i >= 0; i--) {
+        dh = dh * rho + h;
+        h = h * rho + (i + 1) * fabs(a[i]);
+    }
+    *second = dh;
+    return h;
+}
+
+/* A sag as it is solved: its terms counted (none: a conic), (1 + k) c at hand. */
+typedef struct shape { double c, k, ck; int terms; const double *a; double rim2, domain2; } shape;
+
+/* G at one point of the ray, and what is known of it. */
+typedef struct sample {
+    double g, slope;          /* G and dG/dtau */
+    double g_err, slope_err;  /* how far they can be off */
+    double v, v_err;          /* 1 - (1 + k) c w */
+    double w, w_err, dw;      /* z - P, dw/dtau */
+    double dp;                /* P' */
+    double first, second;     /* magnitude() at rho */
+    double x, y, z, ex, ey, ez;
+} sample;
+
+sample sgt_form_sample(const shape *s, const local *q, double tau);
+
+/* The same with G itself in twice the precision; q->t0 + q->t0_lo is the local origin. */
+sample sgt_form_sample_fine(const shape *s, const sgt_ray *ray, const local *q, double tau);
+
+/* A bound on |d2G/dtau2| over [tau - h, tau + h]; at: the sample at tau. */
+double sgt_form_bend(const shape *s, const local *q, const sample *at, double tau, double h);
+
+/* No root on the sheet in [tau - h, tau + h], for certain: there z - P and the conic's sag have no value
+ * in common.  at: the sample at tau. */
+bool sgt_form_apart(const shape *s, const local *q, const sample *at, double h);
+
+/* Is there a root near tau, and how near?  On true, *out has the root with its bound, one
+ * Newton step from tau.  steady says that a further step would bring nothing. */
+bool sgt_form_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol, meeting *out, double *v_err, bool *steady);
+
+/* From t0 + t0_lo (scaled, near a root) with the origin moved there.  false: the root is too flat. */
+bool sgt_form_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err, tally *w);
+
+/* One evaluation told to the watcher, in the ray's t. */
+SGT_INLINE void observe(tally *w, const local *q, double tau, const sample *e, sgt_move move, double lo, double hi)
+{
+    tell(w, move, (q->t0 + (q->t0_lo + tau)) * q->scale, e->g, e->slope / q->scale, (q->t0 + lo) * q->scale, (q->t0 + hi) * q->scale);
+}
+
+SGT_INLINE double asphere_f(const shape *s, sgt_vec3 p)
+{
+    double r2 = p.x * p.x + p.y * p.y, phi, slope, dp;
+    return p.z - (conic_sag(s->c, s->k, r2, &phi, &slope) + polynomial(s->terms, s->a, r2, &dp));
+}
+
+#endif

@@ -1,0 +1,191 @@
+/* sag.h - what the rotationally symmetric sags share: the ray made local, the rules by
+ * which a root counts, and the making of a hit.
+ *
+ * THE RAY MADE LOCAL.  The direction is scaled by a power of two, so that its largest
+ * component lies in [1, 2); t_ray = t * scale, exactly.  Then the origin is moved to a
+ * point t0 of the ray near the surface.  With t0 n and o + t0 l split by error-free
+ * products and sums, the new origin is right to a relative u in each coordinate,
+ * however far the old one was: a ray from 1e12 away is as good as one from nearby.
+ * Two places are used: where the ray meets the vertex plane (z = 0: then the constant
+ * term of the conic's equation, c r^2, is free of cancellation), and, for rays nearly
+ * parallel to that plane, and to polish, any other t0.
+ *
+ * ROOTS THAT COUNT.  In this order: on the sheet, inside the rim, in (tmin, tmax], not
+ * the start itself (sgt_ray in sagitta.h has the rule).  The rules for rim and ends are
+ * stated in computed numbers, so they are sharp and never undecided. */
+#ifndef SGT_SURFACE_SAG_H
+#define SGT_SURFACE_SAG_H
+
+#include "../num/exact.h"
+#include <float.h>
+#include <sagitta/sagitta.h>
+#include <sagitta/surfaces.h>
+#include <string.h>
+
+/* What a built-in surface can do that a user's cannot: answer by itself. */
+struct sgt_sag {
+    bool (*valid)(const void *self);
+    sgt_hit (*meet)(const void *self, const sgt_ray *ray, const sgt_options *opt);
+};
+
+static const double SOFT_RIM = 1 + 0x1p-44;  /* of r^2; surfaces.h says why */
+static const double START_ULPS = 0x1p-48;    /* 16 ulps; sagitta.h, sgt_ray */
+static const double TINY = 0x1p-960;         /* below it, rounding is no longer relative */
+static const double TINY_ERROR = 0x1p-1060;
+
+typedef struct local {
+    double x, y, z;       /* the local origin */
+    double xa, ya, za;    /* |x| and what u * xa must be to bound its error */
+    double l, m, n;       /* the scaled direction */
+    double t0, t0_lo;     /* o + (t0 + t0_lo) d is the local origin */
+    double t0_err;        /* for a t0_lo that is itself off by as much */
+    double scale;         /* t_ray = t * scale */
+} local;
+
+/* The power of two that brings the largest component of d to [1, 2). */
+SGT_INLINE double scale_of(sgt_vec3 d)
+{
+    double big = fmax(fabs(d.x), fmax(fabs(d.y), fabs(d.z)));
+    unsigned long long bits;
+    memcpy(&bits, &big, sizeof bits);
+    bits = (2046ULL << 52) - (bits & 0x7ff0000000000000ULL); /* 2^-e from 2^e */
+    double scale;
+    memcpy(&scale, &bits, sizeof scale);
+    return big < 0x1p1023 ? scale : 0x1p-1023;
+}
+
+/* The local origin where the ray meets the vertex plane; NaN where n = 0. */
+SGT_INLINE local local_at_vertex_plane(const sgt_ray *ray)
+{
+    local q;
+    q.scale = scale_of(ray->d);
+    q.l = ray->d.x * q.scale, q.m = ray->d.y * q.scale, q.n = ray->d.z * q.scale;
+    double inverse = 1 / q.n;
+    q.t0 = -ray->o.z * inverse;
+    /* what t0 leaves of z is a double, up to a last bit: the quotient is within an ulp or two */
+    q.t0_lo = -fma(q.t0, q.n, ray->o.z) * inverse;
+    twofold px = two_product(q.t0, q.l), py = two_product(q.t0, q.m);
+    twofold sx = two_sum(ray->o.x, px.hi), sy = two_sum(ray->o.y, py.hi);
+    q.x = sx.hi + (sx.lo + px.lo + q.t0_lo * q.l);
+    q.y = sy.hi + (sy.lo + py.lo + q.t0_lo * q.m);
+    q.z = 0;
+    q.t0_err = 8 * SGT_U * fabs(q.t0_lo);
+    /* the small terms are below 4 u (|o| + |t0 l|), and rounded four times */
+    q.xa = fabs(q.x) + 16 * SGT_U * (fabs(ray->o.x) + fabs(px.hi));
+    q.ya = fabs(q.y) + 16 * SGT_U * (fabs(ray->o.y) + fabs(py.hi));
+    q.za = 0;
+    return q;
+}
+
+/* o + (t0 + t0_lo) d, one coordinate: right to 3 u^2 of the greater of the result and t0_lo d. */
+SGT_INLINE twofold coordinate(double o, double d, double t0, double t0_lo)
+{
+    return twofold_sum(twofold_sum(twofold_of(o), two_product(t0, d)), two_product(t0_lo, d));
+}
+
+/* The local origin at a t0 + t0_lo (scaled) of the caller's. */
+SGT_INLINE local local_at(const sgt_ray *ray, double t0, double t0_lo)
+{
+    local q;
+    q.scale = scale_of(ray->d);
+    q.l = ray->d.x * q.scale, q.m = ray->d.y * q.scale, q.n = ray->d.z * q.scale;
+    q.t0 = t0, q.t0_lo = t0_lo, q.t0_err = 0;
+    q.x = coordinate(ray->o.x, q.l, t0, t0_lo).hi;
+    q.y = coordinate(ray->o.y, q.m, t0, t0_lo).hi;
+    q.z = coordinate(ray->o.z, q.n, t0, t0_lo).hi;
+    q.xa = fabs(q.x), q.ya = fabs(q.y), q.za = fabs(q.z);
+    return q;
+}
+
+/* The t0 nearest the vertex: right to an ulp or so, and that is all it needs to be. */
+SGT_INLINE double nearest_to_vertex(const sgt_ray *ray)
+{
+    double s = scale_of(ray->d), l = ray->d.x * s, m = ray->d.y * s, n = ray->d.z * s;
+    return -(ray->o.x * l + ray->o.y * m + ray->o.z * n) / (l * l + m * m + n * n);
+}
+
+/* A root, with all that a hit says of it. */
+typedef struct meeting {
+    double t, t_lo, t_err;   /* the ray's own */
+    sgt_vec3 p, n;           /* point and gradient of F */
+    double p_err;
+    double slope;            /* |grad F . d| for the scaled d, times v; see below */
+    double v;                /* 1 - (1 + k) c w: positive on the sheet, 0 at the equator */
+} meeting;
+
+/* t = t0 + t0_lo + tau, with tau known to tau_err, in the ray's own measure. */
+SGT_INLINE void meeting_place(meeting *h, const local *q, double tau, double tau_err)
+{
+    double small = q->t0_lo + tau;
+    twofold t = two_sum(q->t0, small);
+    double e = tau_err + SGT_U * fabs(small) + q->t0_err;
+    h->t = t.hi * q->scale;
+    h->t_lo = t.lo * q->scale;
+    h->t_err = (fabs(t.lo) + e * (1 + 4 * SGT_U)) * (1 + 4 * SGT_U) * q->scale;
+    if (fabs(h->t) < TINY && (h->t != 0 || h->t_err != 0)) h->t_err += TINY_ERROR;
+    double tl = tau * q->l, tm = tau * q->m, tn = tau * q->n;
+    h->p = (sgt_vec3){q->x + tl, q->y + tm, q->z + tn};
+    h->p_err = (fabs(q->l) + fabs(q->m) + fabs(q->n)) * tau_err * (1 + 4 * SGT_U)
+             + 1.01 * SGT_U * ((q->xa + fabs(tl) + fabs(h->p.x)) + (q->ya + fabs(tm) + fabs(h->p.y))
+                               + (q->za + fabs(tn) + fabs(h->p.z)));
+    if (h->p_err < TINY && h->p_err != 0) h->p_err += TINY_ERROR;
+}
+
+/* Is t as sharp as asked for?  Where t is much smaller than the sag (a start near the surface),
+ * rounding at the surface's scale leaves t with many of its last bits unknown. */
+SGT_INLINE bool sharp(const meeting *h, double t_tol)
+{
+    return h->t_err <= 40 * SGT_U * fabs(h->t) || h->t_err <= t_tol;
+}
+
+/* No farther from tmin than 16 ulps in each coordinate of the root can put it.  The sum of
+ * |p_i F_i| and |grad F . d| share the factor 1/v, which drops out. */
+SGT_INLINE double start_width(const meeting *h, double scale)
+{
+    double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z));
+    return START_ULPS * terms / h->slope * scale;
+}
+
+/* Inside the rim and in (tmin, tmax].  rim2 is infinite where there is none. */
+SGT_INLINE bool counts(const meeting *h, const sgt_ray *ray, double rim2, double scale)
+{
+    double width = start_width(h, scale);
+    bool started = ray->tmin == -HUGE_VAL || h->t > ray->tmin + (h->t_err + width);
+    bool inside = !(h->p.x * h->p.x + h->p.y * h->p.y > rim2);
+    return started && h->t <= ray->tmax && inside;
+}
+
+SGT_INLINE double rim2_of(double semi_diameter)
+{
+    return semi_diameter > 0 ? semi_diameter * semi_diameter * SOFT_RIM : HUGE_VAL;
+}
+
+SGT_INLINE sgt_hit hit_without(sgt_status status, const sgt_ray *ray, int evals)
+{
+    return (sgt_hit){.status = status, .evals = evals, .t = NAN, .t_err = NAN, .t_lo = NAN,
+                     .lo = ray->tmin, .hi = ray->tmax, .f = NAN, .p = {NAN, NAN, NAN},
+                     .n = {NAN, NAN, NAN}, .p_err = NAN};
+}
+
+/* The evaluations spent on one ray, and what its watcher said. */
+typedef struct tally { const sgt_options *opt; int evals; bool stopped; } tally;
+
+SGT_INLINE void tell(tally *w, sgt_move move, double t, double f, double slope, double lo, double hi)
+{
+    w->evals++;
+    if (!w->opt->watch) return;
+    sgt_step step = {.eval = w->evals, .move = move, .t = t, .f = f, .slope = slope, .lo = lo, .hi = hi};
+    if (w->opt->watch(w->opt->watch_data, &step)) w->stopped = true;
+}
+
+/* The hit, with one last evaluation at p: f. */
+SGT_INLINE sgt_hit hit_at(const meeting *h, sgt_status status, double f, sgt_move move, const sgt_ray *ray, tally *w)
+{
+    double slope = h->n.x * ray->d.x + h->n.y * ray->d.y + h->n.z * ray->d.z;
+    tell(w, move, h->t, f, slope, h->t - h->t_err, h->t + h->t_err);
+    if (w->stopped) return hit_without(SGT_STOPPED, ray, w->evals);
+    return (sgt_hit){.status = status, .evals = w->evals, .t = h->t, .t_err = h->t_err, .t_lo = h->t_lo,
+                     .lo = h->t - h->t_err, .hi = h->t + h->t_err, .f = f, .p = h->p, .n = h->n, .p_err = h->p_err};
+}
+
+#endif

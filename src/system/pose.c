@@ -1,0 +1,57 @@
+/* pose.c - the frame of an element: origin, and axes turned by Rz Ry Rx.
+ *
+ * A point q of the local frame is p = origin + R q in the global one, and R = Rz Ry Rx:
+ * the element is turned about the global x first, then about the global y, then about
+ * the global z, each right-handed.  With c, s the cosine and sine of each angle the
+ * columns of R, which are the local axes seen from outside, are
+ *
+ *     ex = ( cz cy,            sz cy,            -sy   )
+ *     ey = ( cz sy sx - sz cx, sz sy sx + cz cx, cy sx )
+ *     ez = ( cz sy cx + sz sx, sz sy cx - cz sx, cy cx )
+ *
+ * (Goldstein, Poole & Safko 2002, Classical Mechanics, appendix A, the xyz convention,
+ * which lists the rows of the inverse).
+ *
+ * Degrees are an exact unit and radians are not: pi/180 has no double.  So the whole
+ * turns and the quarters are taken off in degrees, where remquo is exact; what is left
+ * is at most 45 degrees, and zero for every multiple of 90, whose cosines and sines are
+ * then 0 and +-1 to the bit.  The rest is multiplied by pi/180 in twice the precision,
+ * and sin(a + b) = sin a + b cos a to b^2 carries the low part in: each cosine and sine
+ * is within an ulp, each component of an axis within 3 * 2^-53 (two products and a sum
+ * of numbers of at most 1), and the axes are of unit length and at right angles within
+ * 2^-50 (each dot product of two axes has three such errors).
+ *
+ * An angle that is not finite gives NaN axes, which sgt_trace answers with INVALID. */
+#include <sagitta/system.h>
+
+#include "../num/exact.h"
+
+typedef struct turn { double c, s; } turn;
+
+static turn turn_of(double degrees)
+{
+    static const twofold radian = {0x1.1df46a2529d39p-6, 0x1.5c1d8becdd291p-62}; /* pi / 180 */
+    int quarters;
+    double rest = remquo(degrees, 90, &quarters);
+    twofold a = twofold_scaled(radian, rest);
+    double c = cos(a.hi), s = sin(a.hi);
+    turn r = {c - s * a.lo, s + c * a.lo};
+    switch (quarters & 3) { /* remquo promises at least the three lowest bits, and the sign */
+    case 1: return (turn){-r.s, r.c};
+    case 2: return (turn){-r.c, -r.s};
+    case 3: return (turn){r.s, -r.c};
+    default: return r;
+    }
+}
+
+/* 0.0 + x: a zero of either sign becomes +0, so that equal tilts print equal. */
+sgt_pose sgt_pose_tilted(sgt_vec3 origin, sgt_vec3 degrees)
+{
+    turn x = turn_of(degrees.x), y = turn_of(degrees.y), z = turn_of(degrees.z);
+    return (sgt_pose){
+        .origin = origin,
+        .ex = {0.0 + z.c * y.c, 0.0 + z.s * y.c, 0.0 - y.s},
+        .ey = {0.0 + (z.c * y.s * x.s - z.s * x.c), 0.0 + (z.s * y.s * x.s + z.c * x.c), 0.0 + y.c * x.s},
+        .ez = {0.0 + (z.c * y.s * x.c + z.s * x.s), 0.0 + (z.s * y.s * x.c - z.c * x.s), 0.0 + y.c * x.c},
+    };
+}

@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+"""What the library is made of: only sgt_ names go out, only libm and what the
+compiler itself asks for come in, and nothing in it can be written to.
+
+    python3 symbols.py INCLUDE_FOLDER SHARED_LIBRARY STATIC_LIBRARY
+"""
+import pathlib
+import re
+import subprocess
+import sys
+
+# Everything an object may ask of others.  Of C's library: mathematics that keeps
+# no state, and blocks of memory.  Not here, for it must not be: malloc, free,
+# printf, abort, exit, errno.
+MATHEMATICS = set('''acos asin atan atan2 cbrt ceil copysign cos exp exp2 expm1 fabs fdim floor fma
+    fmax fmin fmod frexp hypot ilogb ldexp log log1p log2 logb lrint modf nearbyint nextafter pow
+    remainder remquo rint round scalbn scalbln sin sincos sqrt tan trunc'''.split())
+MEMORY = {'memcmp', 'memcpy', 'memmove', 'memset', 'strcmp', 'strlen'}
+COMPILER = {'_GLOBAL_OFFSET_TABLE_', '__cpu_model', '__cpu_indicator_init', '__cpu_features2',
+            '__stack_chk_fail'}
+LIBRARIES = re.compile(r'^(libm|libc|ld-linux[\w-]*)\.so')
+
+
+def output(*command):
+    return subprocess.run(command, text=True, check=True, capture_output=True).stdout
+
+
+def symbols(*arguments):
+    """(type, name) of each symbol that nm lists."""
+    for line in output('nm', '--format=posix', *arguments).splitlines():
+        word = line.split()
+        if len(word) >= 2 and len(word[1]) == 1:
+            yield word[1], word[0].split('@')[0]
+
+
+def declared(include):
+    """The names that the public headers declare."""
+    names = set()
+    for header in sorted(pathlib.Path(include, 'sagitta').glob('*.h')):
+        text = re.sub(r'/\*.*?\*/', '', header.read_text(), flags=re.DOTALL)
+        for statement in re.findall(r'\bSGT_API\b([^;{]*);', text):
+            before = statement.split('(')[0]
+            names.update(re.findall(r'\bsgt_\w+(?=\s*(?:\[\]|,|$))', before))
+    return names
+
+
+def main(include, shared, static):
+    faults = []
+    exported = {name for _, name in symbols('-D', '--defined-only', shared)}
+    promised = declared(include)
+    faults += [f'{name}: exported without the prefix sgt_' for name in exported if not name.startswith('sgt_')]
+    faults += [f'{name}: declared in a public header and not exported' for name in promised - exported]
+    faults += [f'{name}: exported and in no public header' for name in exported - promised if name.startswith('sgt_')]
+
+    needed = re.findall(r'\(NEEDED\).*\[(.*)\]', output('readelf', '-dW', shared))
+    faults += [f'{name}: needed by the shared library' for name in needed if not LIBRARIES.match(name)]
+    soname = re.findall(r'\(SONAME\).*\[(.*)\]', output('readelf', '-dW', shared))
+    if not (len(soname) == 1 and re.fullmatch(r'libsagitta\.so\.\d+', soname[0])):
+        faults.append(f'the soname is {soname}')
+
+    asked, objects = set(), 0
+    for kind, name in symbols(static):
+        if kind == 'U':
+            asked.add(name)
+        elif kind.isupper() and not name.startswith('sgt_'):
+            faults.append(f'{name}: an external name of the static library without the prefix sgt_')
+        elif kind in 'Cc':
+            faults.append(f'{name}: a common variable')
+    faults += [f'{name}: asked for by the library' for name in asked
+               if not name.startswith('sgt_') and name not in MATHEMATICS | MEMORY | COMPILER]
+
+    # Tables of constant pointers are in .data.rel.ro: written by the loader, then sealed.
+    for line in output('readelf', '-SW', static).splitlines():
+        objects += line.startswith('File:')
+        section = re.match(r'\s*\[\s*\d+\]\s+(\.(?:t?data|t?bss)\S*)\s+\S+\s+\S+\s+\S+\s+([0-9a-f]+)', line)
+        if section and not section[1].startswith('.data.rel.ro') and int(section[2], 16):
+            faults.append(f'{section[1]}: {int(section[2], 16)} bytes that can be written to')
+
+    print('\n'.join(sorted(faults) + [
+        f'{objects} objects, {len(exported)} names exported, {len(promised)} promised, '
+        f'asked of others: {" ".join(sorted(n for n in asked if not n.startswith("sgt_")))}',
+        f'{len(faults)} faults']))
+    return 1 if faults or not objects or not promised else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(*sys.argv[1:]))

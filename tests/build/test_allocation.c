@@ -1,0 +1,98 @@
+/* No allocation in the library: malloc and its kin are replaced by ones that
+ * count (glibc's own are behind them), and the count must not move while rays of
+ * every kind run. */
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sagitta/diagnose.h>
+#include <sagitta/surfaces.h>
+#include <sagitta/system.h>
+
+void *__libc_malloc(size_t size);
+void *__libc_calloc(size_t count, size_t size);
+void *__libc_realloc(void *block, size_t size);
+void *__libc_memalign(size_t alignment, size_t size);
+
+static volatile size_t allocations;
+
+void *malloc(size_t size) { allocations++; return __libc_malloc(size); }
+void *calloc(size_t count, size_t size) { allocations++; return __libc_calloc(count, size); }
+void *realloc(void *block, size_t size) { allocations++; return __libc_realloc(block, size); }
+void *aligned_alloc(size_t alignment, size_t size) { allocations++; return __libc_memalign(alignment, size); }
+
+/* splitmix64, as a number in [-1, 1). */
+static uint64_t state = 20240229;
+static double random_number(void)
+{
+    uint64_t z = state += 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return (double)((z ^ z >> 31) >> 11) * 0x1p-52 - 1;
+}
+
+/* A user's own: a wavy sheet, that needs a march. */
+static double waves(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    (void)self;
+    if (grad)
+        *grad = (sgt_vec3){ -0.3 * cos(p.x), 0.3 * sin(p.y), 1 };
+    return p.z - 0.3 * sin(p.x) - 0.3 * cos(p.y);
+}
+static sgt_span wave_span(const void *self, const sgt_ray *ray)
+{
+    (void)self;
+    double a = (-1 - ray->o.z) / ray->d.z, b = (1 - ray->o.z) / ray->d.z;
+    return (sgt_span){ .lo = fmin(a, b), .hi = fmax(a, b), .seed = NAN };
+}
+
+int main(void)
+{
+    void *volatile counted = malloc(1);
+    free(counted);
+    if (allocations == 0)
+        return puts("the counter does not count"), 1;
+
+    static const sgt_surface_ops wave_ops = { .name = "waves", .value = waves, .span = wave_span };
+    const sgt_conic mirror = { .c = -0.1, .k = -1 }, lens = { .c = 0.2, .k = -0.6, .semi_diameter = 4 };
+    const sgt_asphere asphere = { .c = 0.2, .k = -0.6, .semi_diameter = 4, .a = { 0, 1e-4, -2e-6, 1e-8 } };
+    const sgt_surface surfaces[] = {
+        { &sgt_conic_ops, &mirror }, { &sgt_conic_ops, &lens }, { &sgt_asphere_ops, &asphere }, { &wave_ops, NULL },
+    };
+    const sgt_element elements[] = {
+        { .surface = surfaces[1], .pose = { .origin = { 0, 0, 5 } }, .index = 1.5, .semi_diameter = 4 },
+        { .surface = surfaces[2], .pose = sgt_pose_tilted((sgt_vec3){ 0.1, 0, 6 }, (sgt_vec3){ 2, 0, 0 }), .index = 1 },
+        { .surface = surfaces[0], .pose = { .origin = { 0, 0, 20 } }, .index = SGT_MIRROR },
+    };
+    const char *scale = getenv("SAGITTA_TEST_SCALE");
+    const int rays = (int)(20000 * (scale ? atof(scale) : 1)) + 100;
+    const size_t before = allocations;
+    size_t hits = 0, passed = 0;
+
+    for (int i = 0; i < rays; i++) {
+        /* Origins from near to far, directions steep and grazing. */
+        double far = i % 7 == 0 ? 1e9 : 1;
+        sgt_ray ray = { { far * random_number(), 3 * random_number(), -5 * far },
+                        { far * random_number(), random_number(), 5 * far + random_number() }, 0, 0 };
+        for (size_t s = 0; s < sizeof surfaces / sizeof surfaces[0]; s++) {
+            sgt_step steps[20];
+            sgt_log log = { steps, 20, 0 };
+            sgt_options options = { .pick = i % 2 ? SGT_FIRST : SGT_NEAR_SEED,
+                                    .watch = i % 3 ? NULL : sgt_log_step, .watch_data = &log };
+            hits += sgt_intersect(surfaces[s], ray, i % 5 ? &options : NULL).status > 0;
+            (void)sgt_diagnose(&log);
+        }
+        sgt_passage passages[3];
+        sgt_fate fate;
+        sgt_ray traced = { { random_number(), random_number(), 0 }, { 0.1 * random_number(), 0, 1 }, 0, 0 };
+        passed += sgt_trace(3, elements, 1, &traced, i % 2 ? passages : NULL, &fate, NULL);
+    }
+    sgt_ray walk = { { 0.3, 0.2, -5 }, { 0, 0.1, 1 }, 0, 10 };
+    for (size_t s = 0; s < sizeof surfaces / sizeof surfaces[0]; s++)
+        (void)sgt_check(surfaces[s], 1, &walk, NULL);
+
+    const size_t made = allocations - before;
+    printf("%d rays on %zu surfaces, %zu hits, %zu elements passed, %zu allocations\n",
+           rays, sizeof surfaces / sizeof surfaces[0], hits, passed, made);
+    return made != 0 || hits == 0 || passed == 0;
+}

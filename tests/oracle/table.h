@@ -1,0 +1,173 @@
+// table.h - the data of the tests: csv files, and decimals of more digits than a double has.
+#ifndef ORACLE_TABLE_H
+#define ORACLE_TABLE_H
+
+#include <sagitta/surfaces.h>
+#include <sagitta/system.h>
+
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace oracle {
+
+// A decimal as hi + lo, good to about 2^-100.
+struct decimal {
+    double hi = NAN, lo = 0;
+    decimal() = default;
+    explicit decimal(const std::string &text)
+    {
+        hi = 0;
+        bool minus = false, point = false;
+        int exponent = 0;
+        for (std::size_t i = 0; i < text.size(); i++) {
+            const char ch = text[i];
+            if (ch == '-') minus = true;
+            else if (ch == '.') point = true;
+            else if (ch == 'e' || ch == 'E') {
+                exponent += std::atoi(text.c_str() + i + 1);
+                break;
+            } else if (std::isdigit(static_cast<unsigned char>(ch))) {
+                times_ten(ch - '0');
+                exponent -= point;
+            }
+        }
+        for (; exponent > 0; exponent--) times_ten(0);
+        for (; exponent < 0; exponent++) by_ten();
+        if (minus) hi = -hi, lo = -lo;
+    }
+    // this - x, rounded once or nearly so
+    double minus(double x) const { return (hi - x) + lo; }
+
+private:
+    void settle(double h, double l)
+    {
+        hi = h + l;
+        lo = l - (hi - h);
+    }
+    void times_ten(double digit)
+    {
+        const double h = hi * 10, e = std::fma(hi, 10.0, -h);
+        const double sum = h + digit, part = sum - h, rest = (h - (sum - part)) + (digit - part);
+        settle(sum, rest + e + lo * 10);
+    }
+    void by_ten()
+    {
+        const double q = hi / 10, rest = std::fma(-q, 10.0, hi) + lo;
+        settle(q, rest / 10);
+    }
+};
+
+// A csv file without quotes, its first row the names.
+struct table {
+    std::vector<std::string> names;
+    std::vector<std::vector<std::string>> rows;
+    explicit table(const std::string &path)
+    {
+        std::ifstream file(path);
+        std::string line;
+        while (std::getline(file, line)) {
+            std::vector<std::string> cells;
+            std::stringstream stream(line);
+            std::string cell;
+            while (std::getline(stream, cell, ',')) cells.push_back(cell);
+            if (!line.empty() && line.back() == ',') cells.emplace_back();
+            if (names.empty()) names = cells;
+            else rows.push_back(cells);
+            if (cells.size() != names.size()) {
+                std::fprintf(stderr, "%s: a row of %zu cells: %s\n", path.c_str(), cells.size(), line.c_str());
+                std::exit(2);
+            }
+        }
+        if (rows.empty()) {
+            std::fprintf(stderr, "%s: not there, or empty\n", path.c_str());
+            std::exit(2);
+        }
+    }
+    const std::string &cell(std::size_t row, const char *name) const
+    {
+        for (std::size_t i = 0; i < names.size(); i++)
+            if (names[i] == name) return rows[row][i];
+        std::fprintf(stderr, "no column %s\n", name);
+        std::exit(2);
+    }
+    double number(std::size_t row, const char *name) const { return std::strtod(cell(row, name).c_str(), nullptr); }
+    int whole(std::size_t row, const char *name) const { return std::atoi(cell(row, name).c_str()); }
+    sgt_vec3 vector(std::size_t row, const char *x, const char *y, const char *z) const { return {number(row, x), number(row, y), number(row, z)}; }
+};
+
+// R, k and the terms, as every file here names them.  c = 1/R, rounded once.
+inline sgt_asphere surface_of(const table &t, std::size_t row)
+{
+    static const char *const terms[8] = {"a2", "a4", "a6", "a8", "a10", "a12", "a14", "a16"};
+    sgt_asphere s = {1 / t.number(row, "R"), t.number(row, "k"), 0, {}};
+    for (int i = 0; i < 8; i++) s.a[i] = t.number(row, terms[i]);
+    return s;
+}
+
+inline bool has_terms(const sgt_asphere &s)
+{
+    for (double a : s.a)
+        if (a != 0) return true;
+    return false;
+}
+
+struct hard_case {
+    std::string id;
+    sgt_asphere surface;
+    sgt_ray ray;
+    std::vector<decimal> roots;
+};
+
+inline std::vector<hard_case> hard_cases(const std::string &folder)
+{
+    const table t(folder + "/hard_cases.csv");
+    std::vector<hard_case> cases;
+    for (std::size_t i = 0; i < t.rows.size(); i++) {
+        hard_case c = {t.cell(i, "id"), surface_of(t, i), {t.vector(i, "ox", "oy", "oz"), t.vector(i, "dx", "dy", "dz"), t.number(i, "tmin"), t.number(i, "tmax")}, {}};
+        c.surface.semi_diameter = t.number(i, "semi_diameter");
+        std::stringstream roots(t.cell(i, "roots"));
+        std::string root;
+        while (roots >> root) c.roots.emplace_back(root);
+        cases.push_back(c);
+    }
+    return cases;
+}
+
+inline const char *const lens_names[] = {"ftheta_laikin", "cooke_triplet", "cassegrain_laikin", "aspheric_singlet"};
+
+// A lens and what its elements borrow.
+struct lens {
+    std::vector<sgt_asphere> aspheres;
+    std::vector<sgt_conic> conics;
+    std::vector<sgt_element> elements;
+    double length = 1; // the largest coordinate of a vertex, at least 1
+    explicit lens(const std::string &path)
+    {
+        const table t(path);
+        const std::size_t n = t.rows.size();
+        for (std::size_t i = 0; i < n; i++) {
+            aspheres.push_back(surface_of(t, i));
+            conics.push_back(sgt_conic{aspheres[i].c, aspheres[i].k, 0});
+        }
+        for (std::size_t i = 0; i < n; i++) {
+            const sgt_vec3 o = t.vector(i, "ox", "oy", "oz");
+            sgt_element e = {};
+            e.surface = has_terms(aspheres[i]) ? sgt_surface{&sgt_asphere_ops, &aspheres[i]} : sgt_surface{&sgt_conic_ops, &conics[i]};
+            e.pose = sgt_pose_tilted(o, t.vector(i, "tx", "ty", "tz"));
+            e.index = t.whole(i, "mirror") ? SGT_MIRROR : t.number(i, "index");
+            elements.push_back(e);
+            for (double v : {o.x, o.y, o.z}) length = std::fmax(length, std::fabs(v));
+        }
+    }
+    lens(const lens &) = delete;
+    lens &operator=(const lens &) = delete;
+};
+
+} // namespace oracle
+#endif

@@ -1,0 +1,21 @@
+#!/bin/sh
+# sh tests/run.sh   from a bare Debian 12 to everything built and every test run.
+# Can be run again at any time; words after it go to `meson test`.
+set -eu
+cd "$(dirname "$0")/.."
+build=build/tests
+
+sh .ci/install gcc g++ libc6-dev meson pkg-config python3 \
+    libyaml-dev libcairo2-dev libcmocka-dev \
+    libceres-dev libeigen3-dev libgoogle-glog-dev \
+    libbenchmark-dev libboost-dev libgsl-dev
+
+if [ -f $build/build.ninja ]; then
+    # What was not found before may have been installed since.
+    meson configure $build --clearcache
+    meson setup --reconfigure $build
+else
+    meson setup $build
+fi
+meson compile -C $build
+meson test -C $build --print-errorlogs "$@"

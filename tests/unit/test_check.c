@@ -1,0 +1,280 @@
+/* sgt_check finds each planted fault and no other: sound surfaces of every kind, steep ones and
+ * edges among them, are SOUND on random rays. */
+#include "unit.h"
+
+#include <sagitta/diagnose.h>
+#include <sagitta/surfaces.h>
+
+/* ------------------------------------------------- a torus with faults in it */
+
+typedef enum fault {
+    NO_FAULT, NEGATED, NORMALISED, COMPONENT_X, COMPONENT_Y, COMPONENT_Z, ZERO_GRADIENT, INFINITE_GRADIENT, TINY_FAULT, /* of the gradient */
+    SHORT_SPAN, EARLY_SPAN, NO_PASSING_BY, NAN_SPAN, FALSE_SINGLE,                                     /* of the span */
+    NAN_ROUNDING, NEGATIVE_ROUNDING, INFINITE_ROUNDING,
+    FAULTS
+} fault;
+
+typedef struct faulty { double R, r; fault what; } faulty;
+
+static double faulty_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    const faulty *s = self;
+    double R2 = s->R * s->R, q = p.x * p.x + p.y * p.y, w = q + p.z * p.z + R2 - s->r * s->r, by = 1;
+    sgt_vec3 n = {4 * p.x * (w - 2 * R2), 4 * p.y * (w - 2 * R2), 4 * p.z * w};
+    if (grad) {
+        switch (s->what) {
+        case NEGATED: by = -1; break;
+        case NORMALISED: by = 1 / sqrt(n.x * n.x + n.y * n.y + n.z * n.z); break;
+        case ZERO_GRADIENT: by = 0; break;
+        case COMPONENT_X: n.x *= 1.001; break;
+        case COMPONENT_Y: n.y *= 0.999; break;
+        case COMPONENT_Z: n.z *= 1.001; break;
+        case TINY_FAULT: n.z *= 1 + 1e-6; break;
+        default: break;
+        }
+        *grad = (sgt_vec3){by * n.x, by * n.y, by * n.z};
+        if (s->what == INFINITE_GRADIENT) grad->z = FAR;
+    }
+    return w * w - 4 * R2 * q;
+}
+
+static sgt_span faulty_span(const void *self, const sgt_ray *ray)
+{
+    const faulty *s = self;
+    sgt_vec3 o = ray->o, d = ray->d;
+    double a = d.x * d.x + d.y * d.y + d.z * d.z, t = -(o.x * d.x + o.y * d.y + o.z * d.z) / a, R = (s->R + s->r) * (1 + 1e-12);
+    double x = o.x + t * d.x, y = o.y + t * d.y, z = o.z + t * d.z, h2 = (R * R - x * x - y * y - z * z) / a;
+    sgt_span span = {.lo = t - sqrt(h2), .hi = t + sqrt(h2), .seed = t};
+    if (h2 < 0) span = (sgt_span){.lo = 1, .hi = -1};
+    if (s->what == SHORT_SPAN) span.hi = t + 0.2 * sqrt(h2);
+    if (s->what == EARLY_SPAN) span.hi = t - 0.2 * sqrt(h2);
+    if (s->what == NO_PASSING_BY) span = (sgt_span){.lo = 1, .hi = -1};
+    if (s->what == NAN_SPAN) span.lo = NOT;
+    if (s->what == FALSE_SINGLE) span.single = true;
+    return span;
+}
+
+static double faulty_rounding(const void *self, sgt_vec3 p)
+{
+    const faulty *s = self;
+    double R2 = s->R * s->R, q = p.x * p.x + p.y * p.y, W = q + p.z * p.z + R2 + s->r * s->r;
+    if (s->what == NAN_ROUNDING) return NOT;
+    if (s->what == NEGATIVE_ROUNDING) return -1e-20;
+    if (s->what == INFINITE_ROUNDING) return FAR;
+    return 0x1p-53 * (14 * W * W + 24 * R2 * q);
+}
+
+static const sgt_surface_ops faulty_ops = {.name = "torus", .value = faulty_value, .span = faulty_span, .rounding = faulty_rounding},
+                             bare_ops = {.name = "torus", .value = faulty_value}, spanned_ops = {.name = "torus", .value = faulty_value, .span = faulty_span};
+
+/* Rays through the torus of size 1, far beyond it at both ends. */
+static void rays_through(generator *g, double size, size_t n, sgt_ray rays[])
+{
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 d = random_direction(g), at = random_point(g, 0.6 * size);
+        double away = uniform(g, 3, 6) * size, length = log_uniform(g, 0.1, 10);
+        rays[i] = (sgt_ray){.o = {at.x - away * d.x, at.y - away * d.y, at.z - away * d.z}, .d = {d.x * length, d.y * length, d.z * length}, .tmin = 0, .tmax = 2 * away / length};
+    }
+}
+
+static void test_planted(void **state)
+{
+    (void)state;
+    generator g = seeded("planted faults");
+    for (int what = NO_FAULT; what < FAULTS; what++)
+        for (int again = 0; again < 20; again++) {
+            double size = log_uniform(&g, 1e-4, 1e4);
+            faulty s = {size, 0.4 * size, (fault)what};
+            sgt_ray rays[24];
+            rays_through(&g, size, COUNT_OF(rays), rays);
+            sgt_fault want = what == NO_FAULT ? SGT_SOUND : what <= TINY_FAULT ? SGT_WRONG_GRADIENT : what <= FALSE_SINGLE ? SGT_WRONG_SPAN : SGT_WRONG_ROUNDING;
+            sgt_vec3 where;
+            sgt_fault got = sgt_check((sgt_surface){&faulty_ops, &s}, COUNT_OF(rays), rays, &where);
+            REQUIRE(got == want, "fault %d, size %g: %s at %g %g %g", what, size, sgt_fault_text(got), where.x, where.y, where.z);
+            REQUIRE((got == SGT_SOUND) == isnan(where.x), "fault %d: where is %g", what, where.x);
+            REQUIRE(sgt_check((sgt_surface){&faulty_ops, &s}, COUNT_OF(rays), rays, NULL) == got, "fault %d: another answer without `where`", what);
+            /* with less on offer, what is on offer is checked */
+            got = sgt_check((sgt_surface){&bare_ops, &s}, COUNT_OF(rays), rays, NULL);
+            REQUIRE(got == (want == SGT_WRONG_GRADIENT ? want : SGT_SOUND), "fault %d, bare: %s", what, sgt_fault_text(got));
+            got = sgt_check((sgt_surface){&spanned_ops, &s}, COUNT_OF(rays), rays, NULL);
+            REQUIRE(got == (want == SGT_WRONG_ROUNDING ? SGT_SOUND : want), "fault %d, no rounding: %s", what, sgt_fault_text(got));
+        }
+}
+
+static void test_where(void **state)
+{
+    (void)state;
+    /* a gradient that is wrong on one side only */
+    generator g = seeded("where");
+    faulty s = {1, 0.4, SHORT_SPAN};
+    sgt_ray rays[24];
+    rays_through(&g, 1, COUNT_OF(rays), rays);
+    sgt_vec3 where;
+    assert_int_equal(sgt_check((sgt_surface){&faulty_ops, &s}, COUNT_OF(rays), rays, &where), SGT_WRONG_SPAN);
+    /* the point is the root that the span leaves out */
+    REQUIRE(fabs(faulty_value(&s, where, NULL)) < 1e-9, "F is %g at the root that shows it", faulty_value(&s, where, NULL));
+}
+
+static void test_no_value(void **state)
+{
+    (void)state;
+    sgt_ray ray = {.d = {0, 0, 1}};
+    assert_int_equal(sgt_check((sgt_surface){NULL, NULL}, 1, &ray, NULL), SGT_NO_VALUE);
+    assert_int_equal(sgt_check((sgt_surface){&(sgt_surface_ops){.span = faulty_span}, NULL}, 1, &ray, NULL), SGT_NO_VALUE);
+    assert_int_equal(sgt_check((sgt_surface){NULL, NULL}, 0, NULL, NULL), SGT_NO_VALUE);
+}
+
+/* What is no ray says nothing; and no ray at all, nothing either. */
+static void test_bad_rays(void **state)
+{
+    (void)state;
+    faulty s = {1, 0.4, NO_FAULT};
+    const sgt_ray rays[] = {
+        {.d = {0, 0, 0}}, {.d = {NOT, 0, 1}}, {.d = {FAR, 0, 1}}, {.o = {NOT, 0, 0}, .d = {0, 0, 1}}, {.o = {FAR, 0, 0}, .d = {0, 0, 1}},
+        {.d = {0, 0, 1}, .tmin = NOT}, {.d = {0, 0, 1}, .tmax = NOT}, {.d = {0, 0, 1}, .tmin = 2, .tmax = 1}, {.d = {0, 0, 1}, .tmin = FAR, .tmax = FAR},
+    };
+    assert_int_equal(sgt_check((sgt_surface){&faulty_ops, &s}, COUNT_OF(rays), rays, NULL), SGT_SOUND);
+    assert_int_equal(sgt_check((sgt_surface){&faulty_ops, &s}, 0, NULL, NULL), SGT_SOUND);
+    const sgt_ray ends[] = {
+        {.o = {1, 0.1, 0}, .d = {0, 0, 1}}, {.o = {1, 0.1, 0}, .d = {0, 0, 1}, .tmin = -FAR, .tmax = FAR}, {.o = {1, 0.1, 0}, .d = {0, 0, 1}, .tmin = -FAR, .tmax = -0.1},
+        {.o = {1, 0.1, 0}, .d = {0, 0, 1}, .tmin = 5, .tmax = 5}, {.o = {1, 0.1, 0}, .d = {0, 0, 1}, .tmin = 5, .tmax = FAR},
+        {.o = {9, 9, 9}, .d = {0, 0, 1}}, {.o = {9, 9, 9}, .d = {0, 0, 1}, .tmin = -FAR, .tmax = FAR},
+    };
+    assert_int_equal(sgt_check((sgt_surface){&faulty_ops, &s}, COUNT_OF(ends), ends, NULL), SGT_SOUND);
+    assert_int_equal(sgt_check((sgt_surface){&bare_ops, &s}, COUNT_OF(ends), ends, NULL), SGT_SOUND);
+}
+
+/* ---------------------------------------------- sound, and hard to believe */
+
+static double steep_value(const void *self, sgt_vec3 p, sgt_vec3 *grad) /* F = sinh(k z) - x */
+{
+    double k = *(const double *)self;
+    if (grad) *grad = (sgt_vec3){-1, 0, k * cosh(k * p.z)};
+    return sinh(k * p.z) - p.x;
+}
+static double cone_value(const void *self, sgt_vec3 p, sgt_vec3 *grad) /* a kink on the axis, where the gradient is told as 0 */
+{
+    double r = sqrt(p.x * p.x + p.y * p.y);
+    (void)self;
+    if (grad) *grad = r > 0 ? (sgt_vec3){-p.x / r, -p.y / r, 1} : (sgt_vec3){0, 0, 1};
+    return p.z - r;
+}
+static double fold_value(const void *self, sgt_vec3 p, sgt_vec3 *grad) /* |x|: one gradient of several where x = 0 */
+{
+    (void)self;
+    if (grad) *grad = (sgt_vec3){p.x < 0 ? -1 : 1, 0, -1};
+    return fabs(p.x) - p.z;
+}
+static double hemisphere_value(const void *self, sgt_vec3 p, sgt_vec3 *grad) /* undefined beyond r = 1, as steep as can be at it */
+{
+    double w = sqrt(1 - p.x * p.x - p.y * p.y);
+    (void)self;
+    if (grad) *grad = (sgt_vec3){-p.x / w, -p.y / w, 1};
+    return p.z - 1 + w;
+}
+static double wave_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    double k = *(const double *)self;
+    if (grad) *grad = (sgt_vec3){-0.1 * k * cos(k * p.x) * sin(k * p.y), -0.1 * k * sin(k * p.x) * cos(k * p.y), 1};
+    return p.z - 0.1 * sin(k * p.x) * sin(k * p.y);
+}
+static double pole_value(const void *self, sgt_vec3 p, sgt_vec3 *grad) /* changes sign at a pole: no root; and at x = 1 */
+{
+    (void)self;
+    if (grad) *grad = (sgt_vec3){1 / (p.x * p.x) + 0, 0, 0};
+    return 1 - 1 / p.x;
+}
+static sgt_span pole_span(const void *self, const sgt_ray *ray) /* about x = 1, and not x = 0 */
+{
+    double t = (1 - ray->o.x) / ray->d.x, a = fabs(0.5 / ray->d.x);
+    (void)self;
+    return (sgt_span){.lo = t - a, .hi = t + a, .seed = t, .single = true};
+}
+static double undefined_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    (void)self, (void)p;
+    if (grad) *grad = (sgt_vec3){1, 2, 3};
+    return NOT;
+}
+static double nan_gradient_value(const void *self, sgt_vec3 p, sgt_vec3 *grad) /* none is offered */
+{
+    (void)self;
+    if (grad) *grad = (sgt_vec3){NOT, NOT, NOT};
+    return p.z - p.x * p.y;
+}
+
+static void test_sound(void **state)
+{
+    (void)state;
+    generator g = seeded("sound surfaces");
+    double soft = 1, steep = 30, fine = 50;
+    static const sgt_surface_ops steep_ops = {.value = steep_value}, cone_ops = {.value = cone_value}, fold_ops = {.value = fold_value}, hemisphere_ops = {.value = hemisphere_value},
+                                 wave_ops = {.value = wave_value}, pole_ops = {.value = pole_value, .span = pole_span}, undefined_ops = {.value = undefined_value},
+                                 nan_gradient_ops = {.value = nan_gradient_value};
+    const sgt_surface surfaces[] = {{&steep_ops, &soft}, {&steep_ops, &steep}, {&cone_ops, NULL}, {&fold_ops, NULL}, {&hemisphere_ops, NULL}, {&wave_ops, &soft}, {&wave_ops, &fine},
+                                    {&pole_ops, NULL}, {&undefined_ops, NULL}, {&nan_gradient_ops, NULL}};
+    long n = scaled(300);
+    for (long i = 0; i < n; i++)
+        for (size_t k = 0; k < COUNT_OF(surfaces); k++) {
+            sgt_ray rays[4];
+            rays_through(&g, 1, COUNT_OF(rays), rays);
+            rays[0].o.x = 0, rays[0].d.x = 0; /* in the plane of symmetry: on the fold */
+            if (k == 7) rays[0].d.x = 1;
+            rays[1].o.x = rays[1].o.y = 0, rays[1].d = (sgt_vec3){k == 7, 0, 1}; /* on the axis */
+            sgt_vec3 where;
+            sgt_fault got = sgt_check(surfaces[k], COUNT_OF(rays), rays, &where);
+            REQUIRE(got == SGT_SOUND, "case %ld, surface %zu: %s at %.17g %.17g %.17g", i, k, sgt_fault_text(got), where.x, where.y, where.z);
+        }
+}
+
+static void test_builtin(void **state)
+{
+    (void)state;
+    generator g = seeded("built-in surfaces");
+    long n = scaled(3000);
+    for (long i = 0; i < n; i++) {
+        double R = either_sign(&g) * log_uniform(&g, 1e-3, 1e6);
+        sgt_asphere s = {.c = chance(&g, 0.1) ? 0 : 1 / R, .k = chance(&g, 0.2) ? 0 : chance(&g, 0.2) ? -1 : chance(&g, 0.2) ? either_sign(&g) * log_uniform(&g, 1e-3, 1e3) : uniform(&g, -3, 3)};
+        double room = fabs(R) / sqrt(fmax(1e-3, 1 + s.k)), h = fmin(room, 2 * fabs(R));
+        bool conic = chance(&g, 0.5);
+        if (!conic)
+            for (int j = 0, terms = 1 + below(&g, 8); j < terms; j++) s.a[j] = either_sign(&g) * uniform(&g, 0, 0.1) * h / pow(h, 2 * j + 2);
+        if (chance(&g, 0.4)) s.semi_diameter = h * uniform(&g, 0.1, 1);
+        sgt_ray rays[4];
+        for (size_t j = 0; j < COUNT_OF(rays); j++) {
+            double r = h * (chance(&g, 0.2) ? 1 - log_uniform(&g, 1e-12, 1) : uniform(&g, 0, 1.1)), a = uniform(&g, 0, 6.28);
+            sgt_vec3 d = random_direction(&g), at = {r * cos(a), r * sin(a), 0};
+            at.z = -sgt_asphere_ops.value(&s, at, NULL);
+            if (isnan(at.z)) at.z = uniform(&g, -h, h);
+            double away = h * log_uniform(&g, 1e-2, 1e3), length = log_uniform(&g, 1e-2, 1e2);
+            rays[j] = (sgt_ray){.o = {at.x - away * d.x, at.y - away * d.y, at.z - away * d.z}, .d = {length * d.x, length * d.y, length * d.z}};
+            int ends = below(&g, 3);
+            if (ends == 1) rays[j].tmin = -FAR, rays[j].tmax = FAR;
+            if (ends == 2) rays[j].tmax = 2 * away / length;
+        }
+        sgt_conic as_conic = {s.c, s.k, s.semi_diameter};
+        sgt_vec3 where;
+        sgt_fault got = sgt_check(conic ? (sgt_surface){&sgt_conic_ops, &as_conic} : (sgt_surface){&sgt_asphere_ops, &s}, COUNT_OF(rays), rays, &where);
+        REQUIRE(got == SGT_SOUND, "case %ld, %s: %s at %.17g %.17g %.17g; R %.17g k %.17g rim %.17g a %g %g", i, conic ? "conic" : "asphere", sgt_fault_text(got), where.x, where.y, where.z, 1 / s.c, s.k, s.semi_diameter, s.a[0], s.a[1]);
+    }
+}
+
+static void test_texts(void **state)
+{
+    (void)state;
+    for (int i = SGT_SOUND; i <= SGT_NO_VALUE; i++) {
+        const char *text = sgt_fault_text((sgt_fault)i);
+        assert_true(text && strlen(text) > 5 && !strchr(text, '\n'));
+        for (int j = SGT_SOUND; j < i; j++) assert_string_not_equal(text, sgt_fault_text((sgt_fault)j));
+    }
+    assert_string_equal(sgt_fault_text((sgt_fault)99), "?");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_planted), cmocka_unit_test(test_where), cmocka_unit_test(test_no_value), cmocka_unit_test(test_bad_rays),
+        cmocka_unit_test(test_sound), cmocka_unit_test(test_builtin), cmocka_unit_test(test_texts),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
