@@ -16,7 +16,8 @@ int main(void)
 
     sgt_hit hit = sgt_intersect(surface, ray, NULL);
     printf("%s at t = %.17g, right within %.2g\n", sgt_status_text(hit.status), hit.t, hit.t_err);
-    printf("point (%.15g, %.15g, %.15g), normal (%.6f, %.6f, %.6f)\n", hit.p.x, hit.p.y, hit.p.z, hit.n.x, hit.n.y, hit.n.z);
+    printf("point (%.15g, %.15g, %.15g), normal (%.6f, %.6f, %.6f)\n",
+           hit.p.x, hit.p.y, hit.p.z, hit.n.x, hit.n.y, hit.n.z);
 
     /* A ray that passes the lens by: that is certain too. */
     ray.o.y = 3;
@@ -24,5 +25,6 @@ int main(void)
     printf("%s\n", sgt_status_text(miss.status));
 
     /* The root to 22 digits is 4.143085073464611925784. */
-    return hit.status == SGT_HIT && fabs(hit.t - 4.143085073464612) <= hit.t_err && hit.t_err < 1e-14 && miss.status == SGT_MISS ? 0 : 1;
+    return hit.status == SGT_HIT && fabs(hit.t - 4.143085073464612) <= hit.t_err && hit.t_err < 1e-14
+            && miss.status == SGT_MISS ? 0 : 1;
 }

@@ -66,7 +66,8 @@ int main(void)
     /* Along x through the middle: four roots, at 5 -+ 1.25 and 5 -+ 0.75. */
     sgt_ray ray = {.o = {-5, 0, 0}, .d = {1, 0, 0}};
     sgt_hit hit = sgt_intersect(surface, ray, NULL);
-    printf("%s at t = %.17g, right within %.2g, after %d evaluations\n", sgt_status_text(hit.status), hit.t, hit.t_err, hit.evals);
+    printf("%s at t = %.17g, right within %.2g, after %d evaluations\n",
+           sgt_status_text(hit.status), hit.t, hit.t_err, hit.evals);
 
     /* From there on: a root at the start does not count, so this is the next. */
     ray.tmin = hit.t;

@@ -154,11 +154,19 @@ const char *sgt_verdict_text(sgt_verdict v)
 {
     switch (v) {
     case SGT_QUADRATIC: return "quadratic: Newton's method at its best, nothing to mend";
-    case SGT_LINEAR: return "linear: a constant factor a step; the ray grazes (a double root), or the slope is off: run sgt_check on the gradient";
-    case SGT_BISECTING: return "bisecting: the bracket did the work; give a better seed, or run sgt_check on the gradient: its steps were refused";
-    case SGT_OSCILLATING: return "oscillating: to and fro without closing in; is the gradient normalised? It must keep its length: run sgt_check";
-    case SGT_WANDERING: return "wandering: no pattern, or too few steps to tell; look at the rows: give a span and a seed near the root";
-    case SGT_ROUNDING: return "rounding: at the limit of rounding from the first evaluation on; the seed is the root, nothing to gain";
+    case SGT_LINEAR:
+        return "linear: a constant factor a step; "
+               "the ray grazes (a double root), or the slope is off: run sgt_check on the gradient";
+    case SGT_BISECTING:
+        return "bisecting: the bracket did the work; "
+               "give a better seed, or run sgt_check on the gradient: its steps were refused";
+    case SGT_OSCILLATING:
+        return "oscillating: to and fro without closing in; "
+               "is the gradient normalised? It must keep its length: run sgt_check";
+    case SGT_WANDERING:
+        return "wandering: no pattern, or too few steps to tell; look at the rows: give a span and a seed near the root";
+    case SGT_ROUNDING:
+        return "rounding: at the limit of rounding from the first evaluation on; the seed is the root, nothing to gain";
     }
     return "?";
 }

@@ -54,10 +54,10 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
             if (!sgt_form_certify(s, &q, &at, tau, t_tol, out, &v_err, &steady)) return false;
             if (steady || (opt->f_tol > 0 && fabs(at.g) <= opt->f_tol)) {
                 if (!(out->v > 16 * v_err)) return false;
-                /* a start too far off for the terms at the root, or for t: once more from there */
+                /* a start too far off for the terms at the root, or for t, or a steep place: once more from there */
                 double fx = fabs(out->n.x), fy = fabs(out->n.y), far = at.ex * fx + at.ey * fy + at.ez;
                 double here = fabs(at.x) * fx + fabs(at.y) * fy + fabs(at.z) + at.first * (at.x * at.x + at.y * at.y);
-                if ((far > 8 * here || !sharp(out, opt->t_tol)) && !sgt_form_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w)) return false;
+                if ((far > 3 * here || fx * fx + fy * fy > STEEP2 || !sharp(out, opt->t_tol)) && !sgt_form_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w)) return false;
                 bool whole = single(s, &q), near = opt->pick == SGT_NEAR_SEED;
                 return (near || whole) && counts(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL;
             }

@@ -14,7 +14,8 @@
  *                                            march goes on with G in twice the precision; if that is
  *                                            of no help the cell joins an undecided stretch, that ends
  *                                            with the next decided cell whose sign is certain: unlike
- *                                            signs at its ends are a crossing, like ones a graze.
+ *                                            signs at its ends are a crossing; like ones leave it
+ *                                            UNPROVEN whether the ray touches there or just does not.
  * Otherwise h is halved; after a success it grows by half.  Since both tests hold for small h unless
  * G and G' vanish together, the march ends.  A root's bracket goes to the solver of
  * solve/root.c, and its end to sgt_form_settle of form.c, from an origin moved to the root. */
@@ -68,45 +69,57 @@ static double reach2(const shape *s, const sgt_ray *ray)
 
 typedef struct found { meeting at; sgt_status status; double distance; bool any; } found;
 
-/* A root settled in [lo, hi]; false if it does not count. */
-static bool take(walk *w, double tau, double tau_err, double lo, double hi, sgt_status status, double seed, found *best)
+/* Keeps the root if it counts and is the one wanted so far. */
+static void keep(walk *w, const meeting *at, double v_err, sgt_status status, double seed, found *best)
+{
+    if (at->v < -v_err) return; /* the other sheet */
+    if (!(at->v > v_err)) status = SGT_UNPROVEN;
+    if (!counts(at, w->ray, w->s->rim2, w->q.scale)) return;
+    double distance = fabs(at->t / w->q.scale - seed);
+    if (best->any && !(distance < best->distance)) return;
+    *best = (found){.at = *at, .status = status, .distance = distance, .any = true};
+}
+
+/* What the signs at the ends of tau +- tau_err have proven, where the root is too flat to settle. */
+static void take(walk *w, double tau, double tau_err, double lo, double hi, sgt_status status, double seed, found *best)
 {
     meeting at;
-    double v_err;
-    if (status == SGT_GRAZE || !sgt_form_settle(w->s, w->ray, w->q.t0, tau, &at, &v_err, w->told)
-        || !(fabs(at.t / w->q.scale - (w->q.t0 + tau)) <= 2 * (hi - lo) + tau_err)) {
-        /* too flat to settle: what the signs have proven */
-        sample e = look(w, tau, SGT_PROBE, lo, hi);
-        double inverse = -w->s->c / fmax(e.v, DBL_MIN) - 2 * e.dp;
-        meeting_place(&at, &w->q, tau, tau_err);
-        at.v = e.v, v_err = e.v_err + fabs(w->s->ck) * (fabs(e.dw) + fabs(w->q.n)) * tau_err, at.slope = fabs(e.slope);
-        at.n = (sgt_vec3){at.p.x * inverse, at.p.y * inverse, 1};
-    }
-    if (at.v < -v_err) return false; /* the other sheet */
-    if (!(at.v > v_err)) status = SGT_UNPROVEN;
-    if (!counts(&at, w->ray, w->s->rim2, w->q.scale)) return false;
-    double distance = fabs(at.t / w->q.scale - seed);
-    if (best->any && !(distance < best->distance)) return false;
-    *best = (found){.at = at, .status = status, .distance = distance, .any = true};
-    return true;
+    sample e = look(w, tau, SGT_PROBE, lo, hi);
+    double inverse = -w->s->c / fmax(e.v, DBL_MIN) - 2 * e.dp;
+    meeting_place(&at, &w->q, tau, tau_err);
+    at.v = e.v, at.slope = fabs(e.slope);
+    at.n = (sgt_vec3){at.p.x * inverse, at.p.y * inverse, 1};
+    keep(w, &at, e.v_err + fabs(w->s->ck) * (fabs(e.dw) + fabs(w->q.n)) * tau_err, status, seed, best);
 }
 
 /* One root is in [lo, hi], the signs at whose ends are certain. */
 static void polish(walk *w, double lo, const sample *at_lo, double hi, const sample *at_hi, double seed, found *best)
 {
-    sgt_root r = sgt_root_begin((sgt_span){.lo = lo, .hi = hi, .seed = lo - at_lo->g * (hi - lo) / (at_hi->g - at_lo->g)},
-                                &(sgt_options){.t_tol = w->told->opt->t_tol / w->q.scale});
-    sgt_root_tell(&r, lo, at_lo->g);
-    sgt_root_tell(&r, hi, at_hi->g);
-    sample e;
-    do {
-        e = look(w, r.t, r.evals ? r.move : SGT_NEWTON, r.lo, r.hi);
-        r.g_err = e.g_err;
-    } while (sgt_root_next(&r, e.g, e.slope) && !w->told->stopped && !w->spent);
-    if (w->told->stopped || w->spent) return;
-    /* monotone, so a status other than a hit means only that rounding hides the very crossing */
-    double err = r.status == SGT_HIT ? r.t_err : fmax(r.t - lo, hi - r.t);
-    take(w, r.t, err, lo, hi, SGT_HIT, seed, best);
+    for (;;) {
+        sgt_root r = sgt_root_begin((sgt_span){.lo = lo, .hi = hi, .seed = lo - at_lo->g * (hi - lo) / (at_hi->g - at_lo->g)},
+                                    &(sgt_options){.t_tol = w->told->opt->t_tol / w->q.scale});
+        sgt_root_tell(&r, lo, at_lo->g);
+        sgt_root_tell(&r, hi, at_hi->g);
+        sample e;
+        do {
+            e = look(w, r.t, r.evals ? r.move : SGT_NEWTON, r.lo, r.hi);
+            r.g_err = e.g_err;
+        } while (sgt_root_next(&r, e.g, e.slope) && !w->told->stopped && !w->spent);
+        if (w->told->stopped || w->spent) return;
+        /* monotone, so a status other than a hit means only that rounding hides the very crossing */
+        double err = r.status == SGT_HIT ? r.t_err : fmax(r.t - lo, hi - r.t), v_err;
+        meeting at;
+        if (sgt_form_settle(w->s, w->ray, w->q.t0, r.t, &at, &v_err, w->told)
+            && fabs((at.t - w->q.t0 * w->q.scale) + at.t_lo - r.t * w->q.scale) <= 2 * err * w->q.scale + at.t_err) {
+            keep(w, &at, v_err, SGT_HIT, seed, best);
+            return;
+        }
+        if (w->fine) {
+            take(w, r.t, err, lo, hi, SGT_HIT, seed, best);
+            return;
+        }
+        w->fine = true; /* a flat root, not found well enough to settle */
+    }
 }
 
 static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
@@ -127,11 +140,13 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
     const sgt_options *opt = told->opt;
     walk w = {.s = s, .ray = ray, .told = told, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
     if (ray->d.x == 0 && ray->d.y == 0) return parallel(s, ray, told);
-    w.q = local_at(ray, nearest_to_vertex(ray), 0);
     stretch chord = sgt_chord(ray, s->domain2 < HUGE_VAL ? s->domain2 : reach2(s, ray));
-    double lo = fmax(chord.lo, ray->tmin), hi = fmin(chord.hi, ray->tmax);
+    double scale = scale_of(ray->d), lo = fmax(chord.lo, ray->tmin), hi = fmin(chord.hi, ray->tmax);
     if (chord.lo > chord.hi || lo > hi) return hit_without(SGT_MISS, ray, told->evals);
-    lo = lo / w.q.scale - w.q.t0, hi = hi / w.q.scale - w.q.t0;
+    lo /= scale, hi /= scale;
+    /* the point of the stretch nearest the vertex: the stretch itself may lie far from it */
+    w.q = local_at(ray, fmin(fmax(nearest_to_vertex(ray), lo), hi), 0);
+    lo -= w.q.t0, hi -= w.q.t0;
     if (!(lo > -HUGE_VAL && hi < HUGE_VAL)) return hit_without(SGT_UNPROVEN, ray, told->evals);
     if (!(fabs(seed) < HUGE_VAL)) seed = w.q.t0;
 
@@ -143,7 +158,8 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
     while (tau < hi && !told->stopped && !w.spent && !(best.any && opt->pick != SGT_NEAR_SEED)) {
         if (h > 0.5 * (hi - tau)) h = 0.5 * (hi - tau);
         double m = tau + h, end = m + h;
-        if (!(m > tau && end > m)) m = nextafter(tau, HUGE_VAL), end = nextafter(m, HUGE_VAL), h = m - tau;
+        if (!(m > tau && end > m)) m = nextafter(tau, HUGE_VAL), end = nextafter(m, HUGE_VAL);
+        h = fmax(m - tau, end - m); /* as they came out, not as they were meant */
         sample e = look(&w, m, SGT_MARCH, tau, hi);
         double bend = sgt_form_bend(s, &w.q, &e, m, h), slope = fabs(e.slope);
         bool empty = fabs(e.g) > (slope + e.slope_err) * h + 0.5 * bend * h * h + e.g_err || sgt_form_apart(s, &w.q, &e, h);
@@ -152,7 +168,7 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
             left = look(&w, tau, SGT_MARCH, tau, hi), known = true;
             if (sign_at(&left)) { /* the undecided stretch ends here */
                 pending = false;
-                take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, sign_at(&before) * sign_at(&left) < 0 ? SGT_HIT : SGT_GRAZE, seed, &best);
+                take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, sign_at(&before) * sign_at(&left) < 0 ? SGT_HIT : SGT_UNPROVEN, seed, &best);
                 continue;
             }
         }
@@ -186,7 +202,7 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
             tau = end, known = false;
         }
     }
-    if (pending) take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_GRAZE, seed, &best);
+    if (pending) take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_UNPROVEN, seed, &best);
     if (told->stopped) return hit_without(SGT_STOPPED, ray, told->evals);
     if (w.spent && !(best.any && opt->pick != SGT_NEAR_SEED)) {
         sgt_hit hit = hit_without(SGT_EXHAUSTED, ray, told->evals);

@@ -107,7 +107,8 @@ static double noise_at(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double 
 
 /* dF/dx_i by differences with steps from `longest` down; *doubt is infinite where there is
  * nothing to compare with; *bend is how the surface's own gradient varies along i. */
-static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i, double longest, double *doubt, double *kink, sgt_vec3 *bend)
+static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i, double longest,
+                         double *doubt, double *kink, sgt_vec3 *bend)
 {
     double best = 0, before = (double)NAN, x = *component(&p, i), h = longest;
     double big = fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))), noise = noise_at(c, p, f, n, longest), noise_before = (double)NAN;
@@ -117,7 +118,8 @@ static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i
         *component(&right, i) = x + h, *component(&left, i) = x - h;
         double ahead = *component(&right, i) - x, behind = x - *component(&left, i); /* exact */
         double width = ahead + behind, fr = value_at(c, right, &nr), fl = value_at(c, left, &nl);
-        double slope = (fr - fl) / width, own = fmax(noise, fmax(noise_at(c, right, fr, nr, longest), noise_at(c, left, fl, nl, longest))) * 2 / width;
+        double beside = fmax(noise_at(c, right, fr, nr, longest), noise_at(c, left, fl, nl, longest));
+        double slope = (fr - fl) / width, own = fmax(noise, beside) * 2 / width;
         double now = fabs(slope - before) + own + noise_before;
         if (fabs(slope - best) > 4 * (*doubt + own)) *doubt = HUGE_VAL; /* a finer structure than the steps before */
         if (now < *doubt) { /* false for NaN */

@@ -22,8 +22,8 @@
  *     tau_err = 3.25 u (A' tau^2 + 2 B' |tau| + C') / sqrt D + 4.25 u |tau|.
  * First order is enough because D below 2^-20 of B'^2 + A' C' is not accepted: then the relative
  * change of D is below 2^-28, and 3.25 for 3 covers what is left out.
- * Not accepted either: roots whose terms at the start are more than 4 times those at the root (a
- * start too far off), a sheet that is within rounding of the equator, and a t that is not sharp.
+ * Not accepted either: roots whose terms at the start are more than twice those at the root (a
+ * start too far off), a sheet that is within rounding of the equator, a slope above 8, and a t that is not sharp.
  *
  * CAREFUL.  All that the quick form does not accept: the same formulas from the point nearest
  * the vertex, in twice the precision, with coordinates scaled by a power of two to 1 and the
@@ -64,7 +64,7 @@ SGT_INLINE quick_root quick_root_at(double tau, const quadric *g, const local *q
     snap(&r.at, g->c, g->k, square_radius(r.at.p.x, r.at.p.y), 0, 0);
     bool off_sheet = r.at.v < -v_err;
     /* written so that NaN is not certain; a tiny root is in the hands of the careful form */
-    r.certain = off_sheet || (r.at.v > 16 * v_err && spread <= 4 * terms && r.at.t_err < HUGE_VAL && sharp(&r.at, t_tol));
+    r.certain = off_sheet || (r.at.v > 16 * v_err && spread <= 2 * terms && r.at.n.x * r.at.n.x + r.at.n.y * r.at.n.y <= STEEP2 && r.at.t_err < HUGE_VAL && sharp(&r.at, t_tol));
     r.counts = !off_sheet && counts(&r.at, ray, rim2, q->scale);
     return r;
 }

@@ -27,6 +27,9 @@ SGT_INLINE double conic_sag_rounding(double c, double k, double r2, double s, do
     return fabs(s) * (6 + (9 * fabs((1 + k) * c * c * r2) + 1 + 2 * phi * phi) / (2 * phi * (1 + phi)));
 }
 
+/* The square of a slope beyond which z is left as it is, and the point is for the careful forms. */
+static const double STEEP2 = 64;
+
 /* x^2 + y^2 = hi + lo, as good as exactly. */
 SGT_INLINE twofold square_radius(double x, double y)
 {
@@ -44,8 +47,8 @@ double sgt_conic_sag_fine(double c, double k, double x, double y);
 SGT_INLINE void snap(meeting *h, double c, double k, twofold r2, double p, double p_err)
 {
     double steep2 = h->n.x * h->n.x + h->n.y * h->n.y, inherited = fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y);
-    if (!(r2.hi > TINY)) return; /* on the axis, or r^2 has underflown */
-    if (steep2 <= 16 || (inherited * inherited > 4 * h->p.z * h->p.z * (1 + steep2) && steep2 < 0x1p40)) {
+    if (!(r2.hi > TINY) && (h->p.x != 0 || h->p.y != 0)) return; /* r^2 has underflown */
+    if (steep2 <= STEEP2 || (inherited * inherited > 4 * h->p.z * h->p.z * (1 + steep2) && steep2 < 0x1p40)) {
         double phi, slope, sag = conic_sag(c, k, r2.hi, &phi, &slope) + slope * r2.lo;
         if (!(phi > 0.5)) sag = sgt_conic_sag_fine(c, k, h->p.x, h->p.y);
         if (!(fabs(sag) < HUGE_VAL)) return;

@@ -40,7 +40,7 @@ sample sgt_form_sample(const shape *s, const local *q, double tau)
     double w_err = e.first * (rho_err + 2 * rho) + e.ez + fabs(w);
     double ckw = fabs(s->ck * w);
     e.w_err = 1.01 * SGT_U * w_err;
-    e.g_err = 1.01 * SGT_U * (fabs(e.v) * w_err + (4 * (1 + ckw)) * SGT_U * w_err + 0.5 * fabs(s->c) * (rho_err + 3 * rho) + 3 * ckw * fabs(w) + 3 * fabs(w));
+    e.g_err = 1.01 * SGT_U * ((fabs(e.v) + (4 * (1 + ckw) + fabs(s->ck) * w_err) * SGT_U) * w_err + 0.5 * fabs(s->c) * (rho_err + 3 * rho) + 3 * ckw * fabs(w) + 3 * fabs(w));
     e.slope_err = 32 * SGT_U * (fabs(e.v) * (fabs(q->n) + 2 * (e.first + e.second * rho_err) * half_terms) + fabs(s->c) * half_terms
                                 + (1 + fabs(s->ck) * w_err) * fabs(e.dw));
     e.v_err = SGT_U * (fabs(s->ck) * w_err + 4 * ckw + 1);
@@ -59,7 +59,7 @@ double sgt_form_bend(const shape *s, const local *q, const sample *at, double ta
     rho = (rho < bound ? rho : bound) * (1 + 0x1p-40);
     double first = magnitude(s->terms, s->a, rho, &second), drho = 2 * half;
     double w1 = fabs(q->n) + first * drho, w2 = second * drho * drho + 2 * a * first;
-    double w = fabs(at->w) + h * w1;
+    double w = fabs(at->w) + at->w_err + h * w1;
     return (fabs(s->c) * a + fabs(s->ck) * (w1 * w1 + w * w2) + w2) * (1 + 0x1p-30);
 }
 

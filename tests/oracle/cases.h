@@ -52,6 +52,7 @@ struct test_case {
     sgt_ray ray;
     bool aimed; // at a point inside h
     bool on_surface;
+    bool narrow; // a graze, or near a rim
     double h;
 };
 
@@ -140,6 +141,40 @@ inline test_case random_case(generator &g)
         else if (g.chance(0.2)) t.ray.tmax = HUGE_VAL;
     }
     }
+    return t;
+}
+
+// What the above draws too seldom: rays that graze (1e-12 to 0.1 rad from a tangent plane),
+// and rays that meet the surface next to the rim of its domain or of its semi_diameter
+// (1e-16 to 1e-2 of it, either side).
+inline test_case random_narrow_case(generator &g)
+{
+    test_case t = random_case(g);
+    t.narrow = true;
+    t.on_surface = false;
+    const sgt_asphere &s = t.surface;
+    const double e = (1 + s.k) * s.c * s.c, domain = e > 0 ? 1 / std::sqrt(e) : HUGE_VAL, pi = 3.141592653589793;
+    const bool graze = g.chance(0.5);
+    const double rim = domain < 100 * t.h && (s.semi_diameter == 0 || g.chance(0.5)) ? domain : t.h;
+    const double r = graze ? t.h * std::sqrt(g.uniform(0, 1)) : rim * (1 + g.sign() * g.log_uniform(1e-16, 1e-2)), at = g.uniform(0, 2 * pi);
+    const double r2 = r * r, u = 1 - e * r2;
+    double slope = u > 0 ? s.c / std::sqrt(u) : 0, power = 1; // ds/dr / r
+    for (int i = 0; i < 8; i++, power *= r2) slope += (2 * i + 2) * s.a[i] * power;
+    slope *= r;
+    const sgt_vec3 target = {r * std::cos(at), r * std::sin(at), rough_sag(s, r2)};
+    const double length = std::sqrt(t.ray.d.x * t.ray.d.x + t.ray.d.y * t.ray.d.y + t.ray.d.z * t.ray.d.z);
+    if (graze) {
+        // In the tangent plane: `out` is the meridian's tangent, across it the other; then lifted.
+        const double m = std::sqrt(1 + slope * slope), about = g.uniform(0, 2 * pi), lift = g.sign() * g.log_uniform(1e-12, 0.1);
+        const double out = std::cos(about) / m, across = std::sin(about);
+        const double radial = out - lift * slope / m, axial = out * slope + lift / m;
+        t.ray.d = {length * (radial * std::cos(at) - across * std::sin(at)), length * (radial * std::sin(at) + across * std::cos(at)), length * axial};
+    }
+    const double away = g.sign() * t.h * g.log_uniform(1e-2, g.chance(0.5) ? 1e2 : 1e10) / length;
+    t.ray.o = {target.x - away * t.ray.d.x, target.y - away * t.ray.d.y, target.z - away * t.ray.d.z};
+    t.ray.tmin = -HUGE_VAL;
+    t.ray.tmax = HUGE_VAL;
+    if (g.chance(0.3)) t.ray.tmin = t.ray.tmax = 0;
     return t;
 }
 

@@ -179,7 +179,7 @@ struct answer {
     std::vector<stretch> doubtful;  // none or two roots here (in t): too close to tell
     bool everywhere = false;        // the ray lies in a plane
     long stretches = 0;             // cost
-    bool gave_up = false;
+    bool gave_up = false, at_fault = false;
 };
 
 // The soft rim: semi_diameter^2 (1 + 2^-44); this near to it either answer is right.
@@ -560,7 +560,11 @@ private:
             quick(m, s2);
             return;
         }
-        default: careful(s1, s2);
+        default: {
+            quad a = s1, b = s2;
+            true_ends(&a, &b);
+            careful(a, b);
+        }
         }
     }
 
@@ -613,18 +617,14 @@ private:
     {
         const quad z = line_.o.z + s * line_.d.z, tiny = quad(0x1p-108);
         const quad moved = tiny * (magnitude(line_.o.z) + magnitude(s * line_.d.z));
-        quad chord = ends_[1] - ends_[0];
-        if (rim_ends_ && std::min(magnitude(s - ends_[0]), magnitude(s - ends_[1])) < quad(0x1p-48) * chord) {
-            // (a double end of the chord stands for the true one, which it is within 2^-52 of)
+        if (rim_ends_ && (s == ends_[0] || s == ends_[1])) {
             const quad rho = 1 / exact_.e2, base = rho * surface_.c;
             quad p1, p2, d1, d2;
             equation<quad>::horner(exact_.up, rho, &p1, &d1);
             equation<quad>::horner(exact_.down, rho, &p2, &d2);
-            const quad end = magnitude(s - ends_[0]) < magnitude(s - ends_[1]) ? ends_[0] : ends_[1];
-            const quad ze = line_.o.z + end * line_.d.z;
             *error = moved + tiny * (magnitude(base) + p1 + p2);
             if (slope) *slope = 0;
-            return ze - base - p1 + p2;
+            return z - base - p1 + p2;
         }
         const vector3 p = line_.at(s);
         const value v = evaluate(surface_, p);
@@ -658,7 +658,7 @@ private:
         const quad s = m->minus(t), c = surface_.c, ulp = quad(0x1p-113);
         const vector3 p = l.at(s);
         const value v = evaluate(surface_, p);
-        if (!(v.u > quad(1e-10))) return;
+        if (!(v.u > quad(1e-20))) return;
         const quad rho = p.x * p.x + p.y * p.y, slope = dot(v.gradient, l.d);
         quad power = 1, sum = 0;
         for (int i = 0; i < 8; i++) {
@@ -677,9 +677,17 @@ private:
         m->edge = m->edge || edge;
     }
 
+    // A double end of the chord stands for the true one.
+    void true_ends(quad *s1, quad *s2) const
+    {
+        if (*s1 == quad(to_double(ends_[0]))) *s1 = ends_[0];
+        if (*s2 == quad(to_double(ends_[1]))) *s2 = ends_[1];
+    }
+
     // g is monotone on [s1, s2].
     void between(quad s1, quad s2)
     {
+        true_ends(&s1, &s2);
         quad error1, error2;
         const quad g1 = g_at(s1, nullptr, &error1), g2 = g_at(s2, nullptr, &error2);
         const bool sure1 = magnitude(g1) > error1, sure2 = magnitude(g2) > error2;
@@ -740,8 +748,13 @@ private:
 // Every root on the whole line; the caller cuts it to [tmin, tmax].
 inline answer all_roots(const surface &f, const sgt_ray &ray)
 {
-    if (f.bare()) return conic_roots(f, ray);
-    return asphere_search(f, ray).result;
+    answer a = f.bare() ? conic_roots(f, ray) : asphere_search(f, ray).result;
+    // F must vanish there, or the oracle itself is at fault.
+    for (const meeting &m : a.roots) {
+        const value v = evaluate(f, m.p);
+        if (!m.edge && !(magnitude(v.f) <= (16 * m.blur + quad(0x1p-100) * magnitude(m.s)) * magnitude(m.slope) + quad(0x1p-100) * v.largest)) a.at_fault = true;
+    }
+    return a;
 }
 
 // The same conic by the asphere's method: the oracle's check of itself.
@@ -759,6 +772,8 @@ inline counts counting(const meeting &m, double tmin, double tmax)
     counts result = m.edge ? perhaps : yes;
     if (std::isfinite(tmin)) {
         const quad beyond = m.minus(tmin);
+        if (beyond <= 0) return no;
+        if (!(start >= 0)) return perhaps; // at the equator itself both spread and slope are infinite
         if (beyond <= less) return no;
         if (beyond <= start + slack) result = perhaps;
     }
@@ -770,19 +785,15 @@ inline counts counting(const meeting &m, double tmin, double tmax)
     return result;
 }
 
-// Which root does an answer speak of?  Of those within t_err of t the one whose point is
-// nearest to p; if there is none, the one nearest to t.
+// Which root does an answer speak of?  The one nearest to t + t_lo: where the origin is far
+// several roots can lie within t_err of one t.
 inline const meeting *meant(const answer &a, const sgt_hit &h)
 {
     const meeting *best = nullptr;
-    bool within = false;
     quad least = 0;
     for (const meeting &m : a.roots) {
-        const quad off = magnitude(m.minus(h.t));
-        const bool in = off <= quad(h.t_err) + m.blur;
-        const quad far = in ? norm({m.p.x - h.p.x, m.p.y - h.p.y, m.p.z - h.p.z}) : off;
-        if (best && (within && !in)) continue;
-        if (!best || (in && !within) || far < least) best = &m, within = in, least = far;
+        const quad off = magnitude(m.minus(h.t) - h.t_lo);
+        if (!best || off < least) best = &m, least = off;
     }
     return best;
 }

@@ -309,6 +309,49 @@ void soft_rim()
     row("a ray outside a plane's rim", conic(0, 0, 0.5), half({0.50000000000001, 0, -5}, {0, 0, 1}));
 }
 
+// Rows that long random runs have drawn, a few in a million: an asphere met within 1e-14 of
+// the rim of its conic's domain (|grad F| of 1e6 and more), where the doubles of t, and the
+// double nearest to the rim, lie farther apart than what is asked for; and on the axis, where
+// p.z must come out as 0, or far out on a steep conic, where z must fit the rounded x and y.
+void found_by_chance()
+{
+    const char *const rims[] = {
+        "-0x1.9fb64d0a636d1p-6 0x1.832081c147cfp-2 0x0p+0 0x0p+0 -0x1.7246ef430a792p-22 -0x1.089de185699fdp-32 0x1.31a5956c8fb8fp-40 0x0p+0 -0x1.f1c408c170b0dp-61 0x0p+0 0x0p+0 -0x1.0c23297df992ep+26 -0x1.99dcaed677bcap+25 -0x1.e7ac7b4ce755bp+25 0x1.d1de641f2dcebp+2 0x1.640d59e832d05p+2 0x1.a7a5f034b04ccp+2 0x0p+0 0x0p+0",
+        "0x1.479d6d76ac7fbp-8 0x0p+0 0x1.901454e924b97p+7 -0x1.fc31927c42e05p-12 0x1.99fdcab6ba6c1p-27 0x0p+0 -0x1.5a3ec81427e7cp-58 -0x1.ed40caa2f437bp-79 -0x1.42158c9ba94bp-88 0x1.cb53993003ca2p-106 0x0p+0 -0x1.9e59c119e7798p+25 -0x1.b82eb30bd436cp+23 0x1.746f477cace88p+25 0x1.2d6b8a1c97957p-5 0x1.4035a26251c01p-7 -0x1.0eed9577062fp-5 0x0p+0 0x0p+0",
+        "0x1.3099fa2779baep+5 0x1.eb089b692e276p-9 0x1.ad80b4518628ap-6 -0x1.52eeb7650a50ap+1 -0x1.12fa552bfc85bp+12 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 -0x1.4c4e3da742998p+32 0x1.29241d92fec3p+30 0x1.78c97b29de5dcp+32 0x1.4f050c1c6ec97p-1 -0x1.2b9165cbd16c2p-3 -0x1.7bdd4ad00618cp-1 0x1.fbda263962e0bp+32 0x1.fbda26398cfcp+32",
+        "-0x1.17eeac3641726p-15 0x1.b79ff3b7fdb6p+1 0x1.bcb1a4499980bp+13 0x1.282a0c87f0282p-18 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x1.195a715e7808dp+48 -0x1.4716d48c2d547p+48 0x1.6d91757e37459p+48 0x1.fd792decd034dp-2 -0x1.282556c9a842dp-1 0x1.4afc13d6a384p-1 -0x1.1abfa52ee4581p+49 -0x1.1abfa52eb4e73p+49",
+        "0x1.d014977df4154p-16 -0x1.5439bdaa86acap-2 0x0p+0 -0x1.8811c6bfa4a26p-21 -0x1.9a6dc6410fdbfp-52 -0x1.babb8045b4f9bp-82 -0x1.659aacd0f4336p-114 -0x1.9ff69e503eaf9p-148 0x0p+0 -0x1.072fdcb1c089dp-213 -0x1.1fa8248e8057bp-241 -0x1.55f617e317d07p+51 -0x1.5f917f931c734p+52 0x1.5cedbe46821edp+52 0x1.4e1fc49769c4ap-2 0x1.5782ceac5ded9p-1 -0x1.54ee8a1ae1816p-1 0x0p+0 0x0p+0",
+        "0x1.202d874c1da74p-17 0x1.8343fff0df373p-7 0x1.c42a88d4c6368p+16 0x1.cd2ecb2ba0659p-22 -0x1.98aadf7243fb3p-55 -0x1.f5790faa366cp-92 0x1.3da1d0e6bc41fp-123 0x0p+0 0x1.965ffdc187251p-190 0x0p+0 0x0p+0 0x1.003d75c5cfe6p+14 -0x1.bf9c8d59a96c8p+16 0x1.dac80a46fdf63p+16 0x1.f190cf5f5c0eap+1 0x1.7c676c13fc2a7p+1 -0x1.931d490cf84d1p+2 0x0p+0 0x0p+0",
+        "-0x1.28d2d9d5c134bp-3 -0x1.6fe026be14728p-1 0x1.a025d9d11c365p+3 0x1.748678e22f84cp-8 0x1.076b3b386bc22p-17 0x0p+0 0x1.889b4bee7ed13p-31 -0x1.d95330392494ep-40 0x1.fc993e504fbe2p-46 0x0p+0 0x0p+0 -0x1.ec7b0ad2f4467p+9 -0x1.2ddfdeeea12f2p+10 -0x1.4c54331648c83p+11 0x1.d6c8bc520a395p+1 0x1.247bb5d724428p+2 0x1.3f3c74d62c02ap+3 0x0p+0 0x0p+0",
+        "0x1.044571c043f2ep-5 -0x1.482d9bff7d838p-2 0x1.3175d0c07237cp+5 -0x1.b15e72460f39p-12 -0x1.aedf99d81f794p-20 -0x1.0eb05b5cc3898p-31 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x1.df69243805bb5p+3 0x1.18f69e6176328p+5 0x1.463c1f11c9f02p+5 0x1.a07aba8ab2077p-3 0x1.b280e53e1347ap-2 0x1.c3c78e9168fe1p-1 0x0p+0 0x0p+0",
+        "-0x1.a96c5d3415a9cp-16 0x1.0f407ac06ab24p+0 0x1.ad5e2e7caea5p+14 0x1.ddb2c11285fcp-19 0x1.bd7eabf6032fbp-49 -0x1.8bd814bec04a2p-80 -0x1.702ac25247205p-110 0x1.949bec6b9fe94p-137 0x1.3c460b3eaa857p-166 0x0p+0 0x0p+0 -0x1.3ab81c9bbcf9fp+14 0x1.2414c3e37899ap+14 -0x1.55a24a8791d68p+13 0x1.3e65feb04716p+0 0x1.d443e87ea18efp-3 -0x1.13808e15d37c8p-1 0x0p+0 0x0p+0",
+        "0x1.dd4ce59595277p+5 0x1.427b1fb27e028p+0 0x1.6d5cb81307211p-7 -0x1.19b23fd47e753p+3 0x0p+0 0x1.f8c04c1ecb671p+28 0x1.413e090c315bdp+40 0x1.09d55f88b735fp+54 -0x1.098df82ae1154p+65 -0x1.b3af90beba005p+76 -0x1.17ce48ae9fb73p+93 -0x1.9886c2223b247p-2 -0x1.7260934c1faabp-1 0x1.d434ef9d597d4p-1 0x1.34a53e9241678p-5 0x1.12ecc550b6bc4p-4 -0x1.5e1b662f1b5f9p-4 0x0p+0 0x0p+0"};
+    const char *const residues[] = {
+        "-0x1.0cb3745422ffcp-19 -0x1.752cf419aa52bp-4 0x1.ffa9d488551e1p+18 -0x1.0b6e44c3ab912p-23 -0x1.46c273b0c7dc7p-63 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 -0x0p+0 0x0p+0 -0x1.d4558ed51efa8p+25 0x0p+0 -0x0p+0 0x1.3f8be6a31863dp+6 0x0p+0 0x0p+0",
+        "-0x1.d62227772f7e8p-6 0x1.fdbcffbfb8bap+8 0x1.8ac40f0c03ce4p+0 -0x1.a91e92bf9144fp-6 -0x1.56036261b3ff3p-6 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 -0x0p+0 0x1.0ee7d8f4c8337p-11 -0x0p+0 0x0p+0 -0x1.bcc4b64eae34fp-9 0x0p+0 0x0p+0",
+        "-0x1.bc4cd315567e6p-10 0x1.91105b9a8b28bp+1 0x0p+0 0x1.c090cbc91bf73p-10 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 -0x0p+0 -0x1.31bbb579bb97ep+35 -0x0p+0 0x0p+0 0x1.51bf3d9cbe5f9p+9 -inf inf",
+        "-0x1.cebdc77cf5dd7p-4 0x1.250dbdc4e03aap+2 0x0p+0 0x0p+0 -0x1.563dbccbfbfa4p-2 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 -0x0p+0 0x0p+0 0x1.17c4a5fda16d8p-9 0x0p+0 0x0p+0 -0x1.663a39658b6d8p-1 0x0p+0 0x0p+0",
+        "0x1.48400e1bc0306p-7 0x1.c2f459d403744p+0 0x0p+0 -0x1.1c56dd5f29915p-9 -0x1.4ea8924be5bdap-22 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 -0x0p+0 0x1.434e5a13294c4p+40 0x0p+0 0x0p+0 -0x1.66aeec4e0c055p+7 -inf inf",
+        "-0x1.fad088dbf0472p-19 -0x1.13faea269ed7p-3 0x0p+0 0x0p+0 0x0p+0 -0x1.fe4229ab39df7p-95 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 -0x0p+0 0x0p+0 0x1.53ca447262116p+22 0x0p+0 0x0p+0 -0x1.7f189c9922e74p+4 -inf inf",
+        "-0x1.3e9f0e5b296eep-9 0x1.9b3cd6f399abp+0 0x0p+0 -0x1.3daa596d451c9p-6 -0x1.c360a01452be3p-12 -0x1.a04bb9815cae6p-15 0x1.118288fb2f9b2p-18 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x1.c6c7a21a853d5p+4 0x0p+0 -0x0p+0 -0x1.5fd861d7632p-3 0x1.4acc755ee029p+7 0x1.4cc748cf64b09p+7",
+        "0x1.2a1ec5b11dc9ep+8 0x1.4cb7d662ab33cp-8 0x0p+0 -0x1.931c8b84fcdedp+5 0x1.08dc5624e3735p+22 -0x1.17a5e67fe8958p+40 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x1.84983a02d1e36p-4 -0x0p+0 0x0p+0 -0x1.6add55f873a73p-4 0x1.1202dfcd62196p+0 0x1.12f42d95e9219p+0",
+        "-0x1.807402e80bf5ap+6 -0x1.fffffffffdcd1p-1 0x0p+0 0x1.04e8b131b5225p+9 0x1.a59b27d0789acp+28 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x1.dd53d2509c123p-21 -0x0p+0 -0x0p+0 -0x1.62b4de06a8d24p+3 -0x1.7d968f441a104p-22 0x1.745e0ee8784cp-14",
+        "0x1.70010472c0552p-1 -0x1.5f0d923baaa4ep-4 0x0p+0 -0x1.3303bc3900ca1p-7 0x0p+0 -0x1.a3ffe55b7d2bdp-8 0x0p+0 0x0p+0 0x1.52fd21834330fp-10 0x0p+0 0x0p+0 0x0p+0 0x0p+0 0x1.a24af1e99d9c7p-7 -0x0p+0 0x0p+0 -0x1.ab5b1d85638cp-9 0x0p+0 0x0p+0"};
+    test_case t;
+    for (const char *text : rims)
+        if (read_case(text, &t)) row("just inside the rim of an asphere's domain", t.surface, t.ray, any);
+    for (const char *text : residues) {
+        if (!read_case(text, &t)) continue;
+        for (sgt_pick pick : {SGT_FIRST, SGT_NEAR_SEED}) {
+            rows++;
+            const sgt_hit h = ask(t, pick);
+            quad largest;
+            const quad off = normal_error(surface(t.surface), {h.p.x, h.p.y, h.p.z}, &largest);
+            if (h.status > 0 && !(off <= 8 * quad(ulp(to_double(largest))))) fail("normal error", "over 8 ulps of the largest term of F", t, h);
+        }
+    }
+}
+
 // ------------------------------------------------------------------- invalid
 
 void invalid(const std::string &name, const sgt_surface &s, const sgt_ray &r, const sgt_options *o)
@@ -419,6 +462,7 @@ int main()
     deep_aspheres();
     soft_rim();
     in_the_plane();
+    found_by_chance();
     invalid_inputs();
     std::printf("%d rows, %d undecided, %d failures\n", rows, undecided, failures);
     return failures != 0;

@@ -50,6 +50,7 @@ static void walk_sees_no_more(generator &g, long count)
         stretches += a.stretches;
         most = std::max(most, a.stretches);
         gave_up += a.gave_up;
+        if (a.at_fault) fail("F does not vanish at a root", t);
         if (!a.doubtful.empty() || a.gave_up) { doubtful++; continue; }
         roots += static_cast<long>(a.roots.size());
         several += a.roots.size() > 1;

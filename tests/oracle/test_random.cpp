@@ -1,5 +1,5 @@
 // A million random rays and surfaces against quadruple precision (the default run:
-// a hundredth).  What each answer claims is checked for itself and counted by kind;
+// a hundredth), and a fifth as many that graze or meet a rim.  What each answer claims is checked for itself and counted by kind;
 // the first of each kind are printed in hexadecimal, to be seen again with
 //     test_random --replay "c k semi_diameter a[8] o d tmin tmax"
 // and long runs by hand go
@@ -21,7 +21,9 @@ struct kind {
     long count;
     bool failure;
 };
-std::map<std::string, kind> kinds[2]; // of conics, of aspheres
+std::map<std::string, kind> kinds[4]; // of conics, of aspheres; of narrow cases with either
+
+int group(const test_case &t) { return t.asphere + 2 * t.narrow; }
 
 const int shown_at_most = 10;
 
@@ -42,10 +44,11 @@ void print_roots(const answer &a)
 
 void report(const char *name, bool failure, const test_case &t, const answer &a, const char *pick, const sgt_hit &h, double number = NAN)
 {
-    kind &k = kinds[t.asphere][name];
+    kind &k = kinds[group(t)][name];
     k.failure = failure;
-    if (k.count++ >= shown_at_most || !failure) return;
-    std::printf("FAIL %s (%s)", name, pick);
+    const bool undecided = h.status < 0 && h.status != SGT_INVALID; // some are allowed; seen they should be
+    if (k.count++ >= (failure ? shown_at_most : undecided && !t.narrow && std::string(name) == "undecided" ? 3 : 0)) return;
+    std::printf("%s %s (%s)", failure ? "FAIL" : "note", name, pick);
     if (number == number) std::printf(": %.3g", number);
     std::printf("\n    --replay \"");
     print_case(stdout, t);
@@ -80,17 +83,22 @@ struct totals {
     sample t_err, t_err_graze, p_err, normal, evals, t_lo;
     long status[10] = {};
     long cases = 0, with_root = 0, undecided[2] = {}, too_close = 0, answers = 0, far = 0, fine = 0;
-} total[2];
+} total[4];
 
 void check(const test_case &t, const surface &s, const answer &a, const char *pick, const sgt_hit &h)
 {
-    totals &sum = total[t.asphere];
+    totals &sum = total[group(t)];
     double tmin, tmax;
     ends_of(t.ray, &tmin, &tmax);
     sum.answers++;
     sum.status[h.status + 5]++;
     sum.evals.add(h.evals);
 
+    if (a.at_fault) { // on the wall at a rim even 113 bits can be too few: seen, counted, and not held against anyone
+        report("the oracle is at fault: F does not vanish at its root", !t.narrow, t, a, pick, h);
+        sum.too_close++;
+        return;
+    }
     bool some = false, close = a.gave_up;
     for (const meeting &m : a.roots) some = some || counting(m, tmin, tmax) == yes;
     for (const answer::stretch &d : a.doubtful) close = close || (d.hi >= quad(tmin) && d.lo <= quad(tmax));
@@ -142,8 +150,11 @@ void check(const test_case &t, const surface &s, const answer &a, const char *pi
     quad largest;
     const quad normal = normal_error(s, p, &largest);
     const double unit = ulp(to_double(largest)), ulps = normal == 0 ? 0 : to_double(normal / unit);
-    sum.normal.add(ulps);
-    if (!(ulps <= 8)) report("normal error of p over 8 ulps of the largest term", true, t, a, pick, h, ulps);
+    // At the rim of a flat ellipsoid the wall is upright and its height small beside x and y:
+    // there the doubles of x and y alone are that far from it.
+    const double x = ulp(h.p.x) / 2, y = ulp(h.p.y) / 2, allowed = 8 + (t.narrow ? std::hypot(x, y) / unit : 0);
+    sum.normal.add(ulps / allowed * 8);
+    if (!(ulps <= allowed)) report("normal error of p over 8 ulps of the largest term", true, t, a, pick, h, ulps);
     if (!(h.lo <= h.t && h.t <= h.hi)) report("t is not in [lo, hi]", true, t, a, pick, h);
 }
 
@@ -173,22 +184,24 @@ int main(int argc, char **argv)
     const auto began = std::chrono::steady_clock::now();
     generator g(r.seed);
     long aimed_hits = 0, aimed = 0, past = 0, past_hits = 0;
-    for (long i = 0; i < r.count; i++) {
-        const test_case t = random_case(g);
+    const long narrow = r.count / 5;
+    for (long i = 0; i < r.count + narrow; i++) {
+        const test_case t = i < r.count ? random_case(g) : random_narrow_case(g);
         const surface s(t.surface);
         const answer a = all_roots(s, t.ray);
-        total[t.asphere].cases++;
+        total[group(t)].cases++;
         const sgt_hit first = ask(t, SGT_FIRST), near_seed = ask(t, SGT_NEAR_SEED);
         check(t, s, a, "first", first);
         check(t, s, a, "near-seed", near_seed);
+        if (t.narrow) continue;
         (t.aimed ? aimed : past)++;
         (t.aimed ? aimed_hits : past_hits) += first.status > 0;
     }
 
     int failures = 0;
-    const char *names[2] = {"conics", "aspheres"};
+    const char *names[4] = {"conics", "aspheres", "narrow: conics", "narrow: aspheres"};
     std::printf("aimed inside: %ld, of which %ld met; aimed past the edge: %ld, of which %ld met\n", aimed, aimed_hits, past, past_hits);
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 4; k++) {
         totals &sum = total[k];
         std::printf("\n%s: %ld cases, %ld answers (first, near-seed), %ld with a root that counts, %ld too close to tell\n ", names[k], sum.cases, sum.answers,
                     sum.with_root, sum.too_close);
@@ -205,12 +218,13 @@ int main(int argc, char **argv)
             std::printf("  %-6s %8ld  %s\n", e.second.failure ? "FAIL" : "note", e.second.count, e.first.c_str());
             if (e.second.failure) failures++;
         }
+        if (double(sum.too_close) > 1e-3 * double(sum.answers) + 1) failures++, std::printf("  FAIL   the oracle could not tell too often\n");
+        if (k > 1) continue; // grazes and rims: what is said must be right, that is all
         // Ten in a million rays, for either pick.
         const double allowed = std::max(1.0, 1e-5 * double(r.count));
         const long undecided = std::max(sum.undecided[0], sum.undecided[1]);
         if (double(undecided) > allowed) failures++, std::printf("  FAIL   undecided: %ld, at most %.0f allowed\n", undecided, allowed);
         if (sum.t_err.quantile(0.5) > 10 || sum.t_err.quantile(0.99) > 100) failures++, std::printf("  FAIL   t_err is too wide a bound\n");
-        if (double(sum.too_close) > 1e-3 * double(sum.answers) + 1) failures++, std::printf("  FAIL   the oracle could not tell too often\n");
     }
     std::printf("\n%.1f s; %d kinds of failure\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), failures);
     return failures != 0;

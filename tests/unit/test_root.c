@@ -38,6 +38,7 @@ typedef struct equation {
 } equation;
 
 #define PI_2 1.5707963267948966
+enum { BUDGET = 2000 }; /* the default of max_evals */
 
 static double g_cos(double t, double *s) { return *s = -sin(t), cos(t); }
 static double g_square(double t, double *s) { return *s = 2 * t, t * t - 2; }
