@@ -8,7 +8,7 @@ results=build/results
 
 sh .ci/install gcc libc6-dev meson pkg-config libyaml-dev libcairo2-dev
 
-[ -f $build/build.ninja ] || meson setup $build -Dyaml=enabled -Dcairo=enabled -Dexamples=false -Dtests=false
+[ -f $build/build.ninja ] || meson setup $build --libdir=lib -Dyaml=enabled -Dcairo=enabled -Dexamples=false -Dtests=false
 meson compile -C $build
 sagitta=$build/src/tool/sagitta
 
@@ -19,15 +19,28 @@ fans='--field 0 --field 10 --field 20 --fan 9'
 $sagitta trace $lens $fans --svg $results/ftheta.svg --output $results/ftheta.txt
 # shellcheck disable=SC2086
 $sagitta trace $lens $fans --format csv --output $results/ftheta.csv
-$sagitta diagnose --surface '{type: sphere, radius: -2.2136}' \
-    --ray '0 0.5 -5 0 0.3420201433256687 0.9396926207859084' --output $results/ray.txt
+
+# A steep ray, as the library takes it; and as Newton's method fares with it when
+# the gradient has been scaled to unit length (which settles nothing: exit status 1).
+steep='0 0.5 -5 0 0.3420201433256687 0.9396926207859084'
+{
+    $sagitta diagnose --surface '{type: sphere, radius: -2.2136}' --ray "$steep"
+    echo
+    $sagitta diagnose --surface '{type: sphere, radius: -2.2136}' --ray "$steep" \
+        --method newton-normalised --max-evals 8 || [ $? -eq 1 ]
+} > $results/ray.txt
 
 echo
-echo "A scan lens, 27 rays through it, where they end:"
-tail -n 12 $results/ftheta.txt
+echo "A scan lens and 27 rays; the last of them, surface by surface:"
 echo
-echo "One ray that misses the vertex of its sphere, step by step:"
+{ head -n 1 $results/ftheta.txt; tail -n 10 $results/ftheta.txt; }
+echo
+echo "A steep ray explained; then the same ray with the classic mistake:"
+echo
 cat $results/ray.txt
 echo
-echo "Written: $results/ftheta.svg (the picture), ftheta.txt and ftheta.csv (every ray at"
-echo "every surface), ray.txt.  The command is $sagitta; --help says what it can do."
+echo "Written to $results:"
+echo "  ftheta.svg   the picture"
+echo "  ftheta.txt   every ray at every surface; ftheta.csv the same, to the last bit"
+echo "  ray.txt      the steep ray"
+echo "The command is $sagitta; --help says what else it does."

@@ -30,7 +30,7 @@ static sgt_diagnosis bare_newton(sgt_surface s, sgt_ray ray, double t, bool norm
         double f = s.ops->value(s.self, p, &n), length = sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
         double slope = n.x * ray.d.x + n.y * ray.d.y + n.z * ray.d.z;
         if (normalise) slope /= length;
-        sgt_step step = {.eval = i, .move = move, .t = t, .f = f, .slope = slope, .lo = -INFINITY, .hi = INFINITY};
+        sgt_step step = {.eval = i, .move = move, .t = t, .f = f, .slope = slope, .lo = -HUGE_VAL, .hi = HUGE_VAL};
         sgt_log_step(&log, &step);
         if (i <= 5) printf("  %-8s t = %-18.16g F = %g\n", sgt_move_text(move), t, isnan(f) ? (double)NAN : f); /* not "-nan" */
         if (f == 0) break;

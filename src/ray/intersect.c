@@ -8,7 +8,7 @@ static bool finite3(sgt_vec3 v) { return isfinite(v.x) && isfinite(v.y) && isfin
 /* tmax = 0 with tmin >= 0 stands for infinity. */
 static bool ray_valid(sgt_ray *ray)
 {
-    double big = fmax(fabs(ray->d.x), fmax(fabs(ray->d.y), fabs(ray->d.z)));
+    double big = larger(fabs(ray->d.x), larger(fabs(ray->d.y), fabs(ray->d.z)));
     if (!finite3(ray->o) || !finite3(ray->d) || !(big >= DBL_MIN)) return false;
     if (ray->tmax == 0 && ray->tmin >= 0) ray->tmax = HUGE_VAL;
     return ray->tmin <= ray->tmax && ray->tmin < HUGE_VAL && ray->tmax > -HUGE_VAL;

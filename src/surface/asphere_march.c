@@ -83,7 +83,7 @@ static void keep(walk *w, const meeting *at, double v_err, sgt_status status, do
 /* What the signs at the ends of tau +- tau_err have proven, where the root is too flat to settle. */
 static void take(walk *w, double tau, double tau_err, double lo, double hi, sgt_status status, double seed, found *best)
 {
-    meeting at;
+    meeting at = {.sag = NAN};
     sample e = look(w, tau, SGT_PROBE, lo, hi);
     double inverse = -w->s->c / fmax(e.v, DBL_MIN) - 2 * e.dp;
     meeting_place(&at, &w->q, tau, tau_err);

@@ -43,29 +43,29 @@ static bool before(const meeting *a, const meeting *b) { return a->t < b->t || (
 
 /* ------------------------------------------------------------------ quick */
 
-typedef struct quick_root { meeting at; bool counts, certain; } quick_root;
+typedef struct verdict { bool counts, certain; } verdict;
 
 typedef struct quadric { double c, k, k1, abs_k1, A, Aa, Ba, Ca, S; } quadric;
 
-SGT_INLINE quick_root quick_root_at(double tau, const quadric *g, const local *q, const sgt_ray *ray, double rim2, double t_tol)
+SGT_INLINE verdict quick_root(meeting *at, double tau, const quadric *g, const local *q, const sgt_ray *ray, double rim2, double t_tol)
 {
-    quick_root r;
+    verdict r;
     double spread = (g->Aa * tau * tau + 2 * g->Ba * fabs(tau) + g->Ca);
     double tau_err = 3.25 * SGT_U * spread / g->S + 4.25 * SGT_U * fabs(tau);
-    meeting_place(&r.at, q, tau, tau_err);
-    double cz = g->c * r.at.p.z, w = g->k1 * cz;
-    r.at.v = 1 - w;
-    r.at.slope = g->S;
+    meeting_place(at, q, tau, tau_err);
+    double cz = g->c * at->p.z, w = g->k1 * cz;
+    at->v = 1 - w;
+    at->slope = g->S;
     double v_err = 8 * SGT_U * (1 + fabs(w)) + 2 * fabs(g->k1 * g->c * q->n) * tau_err;
-    double inverse = -g->c / r.at.v;
-    r.at.n = (sgt_vec3){r.at.p.x * inverse, r.at.p.y * inverse, 1};
-    double cr2 = g->c * (r.at.p.x * r.at.p.x + r.at.p.y * r.at.p.y);
-    double terms = fabs(cr2) + fabs(w * r.at.p.z) + 2 * fabs(r.at.p.z);
-    snap(&r.at, g->c, g->k, square_radius(r.at.p.x, r.at.p.y), 0, 0);
-    bool off_sheet = r.at.v < -v_err;
+    double inverse = -g->c / at->v;
+    at->n = (sgt_vec3){at->p.x * inverse, at->p.y * inverse, 1};
+    double cr2 = g->c * (at->p.x * at->p.x + at->p.y * at->p.y);
+    double terms = fabs(cr2) + fabs(w * at->p.z) + 2 * fabs(at->p.z);
+    snap(at, g->c, g->k, square_radius(at->p.x, at->p.y), 0, 0);
+    bool off_sheet = at->v < -v_err;
     /* written so that NaN is not certain; a tiny root is in the hands of the careful form */
-    r.certain = off_sheet || (r.at.v > 16 * v_err && spread <= 2 * terms && r.at.n.x * r.at.n.x + r.at.n.y * r.at.n.y <= STEEP2 && r.at.t_err < HUGE_VAL && sharp(&r.at, t_tol));
-    r.counts = !off_sheet && counts(&r.at, ray, rim2, q->scale);
+    r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms && at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL && sharp(at, t_tol));
+    r.counts = !off_sheet && counts(at, ray, rim2, q->scale);
     return r;
 }
 
@@ -86,17 +86,18 @@ SGT_INLINE quick_answer quick(double c, double k, double rim2, const sgt_ray *ra
     bool ranges = size > TINY && (g.Ca > TINY || q.xa + q.ya == 0) && g.Aa > TINY; /* else something has underflown */
     if (!(D > D_MIN * size && ranges)) return QUICK_HARD;
     g.S = sqrt(D);
-    double b = B + copysign(g.S, B), tau = C / b, other = b / g.A; /* the other root: away where A = 0 */
-    quick_root near = quick_root_at(tau, &g, &q, ray, rim2, opt->t_tol);
+    double b = B + copysign(g.S, B), tau = C / b; /* the other root is b / A: away where A = 0 */
+    verdict near = quick_root(out, tau, &g, &q, ray, rim2, opt->t_tol);
     /* the other is of no interest where the near one counts and is wanted, or is certainly the first */
-    bool bounded = fabs(g.A) > 0x1p-40 * g.Aa, behind = bounded ? other > fmax(tau, 0) + 0x1p-20 * (fabs(q.t0) + fabs(tau)) : g.Aa == 0;
-    if (near.certain && near.counts && (opt->pick == SGT_NEAR_SEED || behind)) return *out = near.at, QUICK_HIT;
-    quick_root far = {.certain = g.Aa == 0};
-    if (bounded) far = quick_root_at(other, &g, &q, ray, rim2, opt->t_tol);
+    bool bounded = fabs(g.A) > 0x1p-40 * g.Aa;
+    bool behind = bounded ? b * g.A > 0 && fabs(b) > fabs(g.A) * (larger(tau, 0) + 0x1p-20 * (fabs(q.t0) + fabs(tau))) : g.Aa == 0;
+    if (near.certain && near.counts && (opt->pick == SGT_NEAR_SEED || behind)) return QUICK_HIT;
+    meeting other;
+    verdict far = {.certain = g.Aa == 0};
+    if (bounded) far = quick_root(&other, b / g.A, &g, &q, ray, rim2, opt->t_tol);
     if (!near.certain || !far.certain) return QUICK_HARD;
     if (!near.counts && !far.counts) return QUICK_MISS;
-    bool near_first = near.counts && (!far.counts || opt->pick == SGT_NEAR_SEED || before(&near.at, &far.at));
-    *out = near_first ? near.at : far.at;
+    if (far.counts && !(near.counts && (opt->pick == SGT_NEAR_SEED || before(out, &other)))) *out = other;
     return QUICK_HIT;
 }
 
@@ -245,7 +246,7 @@ SGT_INLINE sgt_status plane(double rim2, const sgt_ray *ray, meeting *out)
     double start = ray->tmin > -HUGE_VAL ? ray->tmin : ray->tmax < 0 ? ray->tmax : 0;
     if (ray->d.z == 0) q = local_at(ray, start / q.scale, 0); /* in the plane: every point is a root */
     meeting_place(out, &q, 0, 0);
-    out->v = 1, out->slope = fabs(q.n), out->n = (sgt_vec3){0, 0, 1};
+    out->v = 1, out->slope = fabs(q.n), out->n = (sgt_vec3){0, 0, 1}, out->sag = 0;
     if (!(out->t_err < HUGE_VAL)) return SGT_UNPROVEN; /* so nearly parallel that t is out of range */
     if (ray->d.z != 0) return counts(out, ray, rim2, q.scale) ? SGT_HIT : SGT_MISS;
     return out->p.x * out->p.x + out->p.y * out->p.y <= rim2 ? SGT_GRAZE : SGT_UNPROVEN;
@@ -274,7 +275,8 @@ sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *
     }
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
     if (status <= 0) return hit_without(status, ray, w.evals);
-    return hit_at(&at, status, conic_f(c, k, at.p), w.evals ? SGT_NEWTON : SGT_SEED, ray, &w);
+    double f = isnan(at.sag) ? conic_f(c, k, at.p) : at.p.z - at.sag; /* the same number */
+    return hit_at(&at, status, f, w.evals ? SGT_NEWTON : SGT_SEED, ray, &w);
 }
 
 static sgt_hit conic_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)

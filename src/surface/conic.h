@@ -47,13 +47,16 @@ double sgt_conic_sag_fine(double c, double k, double x, double y);
 SGT_INLINE void snap(meeting *h, double c, double k, twofold r2, double p, double p_err)
 {
     double steep2 = h->n.x * h->n.x + h->n.y * h->n.y, inherited = fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y);
+    h->sag = NAN;
     if (!(r2.hi > TINY) && (h->p.x != 0 || h->p.y != 0)) return; /* r^2 has underflown */
     if (steep2 <= STEEP2 || (inherited * inherited > 4 * h->p.z * h->p.z * (1 + steep2) && steep2 < 0x1p40)) {
-        double phi, slope, sag = conic_sag(c, k, r2.hi, &phi, &slope) + slope * r2.lo;
+        double phi, slope, rough = conic_sag(c, k, r2.hi, &phi, &slope), sag = rough + slope * r2.lo;
         if (!(phi > 0.5)) sag = sgt_conic_sag_fine(c, k, h->p.x, h->p.y);
         if (!(fabs(sag) < HUGE_VAL)) return;
+        h->sag = rough;
         h->p.z = sag + p;
-        h->p_err = (1 + sqrt(steep2)) * h->p_err * (1 + 0x1p-20) + SGT_U * (24 * fabs(sag) + fabs(h->p.z)) + p_err; /* 24: conic_sag_rounding at phi = 1/2 */
+        h->p_err = (1 + (fabs(h->n.x) + fabs(h->n.y))) * h->p_err * (1 + 0x1p-20)
+                 + SGT_U * (24 * fabs(sag) + fabs(h->p.z)) + p_err; /* 24: conic_sag_rounding at phi = 1/2 */
     }
 }
 

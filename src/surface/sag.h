@@ -45,7 +45,7 @@ typedef struct local {
 /* The power of two that brings the largest component of d to [1, 2). */
 SGT_INLINE double scale_of(sgt_vec3 d)
 {
-    double big = fmax(fabs(d.x), fmax(fabs(d.y), fabs(d.z)));
+    double big = larger(fabs(d.x), larger(fabs(d.y), fabs(d.z)));
     unsigned long long bits;
     memcpy(&bits, &big, sizeof bits);
     bits = (2046ULL << 52) - (bits & 0x7ff0000000000000ULL); /* 2^-e from 2^e */
@@ -111,6 +111,7 @@ typedef struct meeting {
     double p_err;
     double slope;            /* |grad F . d| for the scaled d, times v; see below */
     double v;                /* 1 - (1 + k) c w: positive on the sheet, 0 at the equator */
+    double sag;              /* the conic's s(x, y) as `value` has it; NaN: not worked out */
 } meeting;
 
 /* t = t0 + t0_lo + tau, with tau known to tau_err, in the ray's own measure. */
@@ -138,19 +139,13 @@ SGT_INLINE bool sharp(const meeting *h, double t_tol)
     return h->t_err <= 40 * SGT_U * fabs(h->t) || h->t_err <= t_tol;
 }
 
-/* No farther from tmin than 16 ulps in each coordinate of the root can put it.  The sum of
- * |p_i F_i| and |grad F . d| share the factor 1/v, which drops out. */
-SGT_INLINE double start_width(const meeting *h, double scale)
-{
-    double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z));
-    return START_ULPS * terms / h->slope * scale;
-}
-
-/* Inside the rim and in (tmin, tmax].  rim2 is infinite where there is none. */
+/* Inside the rim, in (tmin, tmax], and not the start itself: farther from tmin than 16 ulps in each
+ * coordinate of the root can put it.  The sum of |p_i F_i| and |grad F . d| share the factor 1/v, which
+ * drops out.  rim2 is infinite where there is none. */
 SGT_INLINE bool counts(const meeting *h, const sgt_ray *ray, double rim2, double scale)
 {
-    double width = start_width(h, scale);
-    bool started = ray->tmin == -HUGE_VAL || h->t > ray->tmin + (h->t_err + width);
+    double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z));
+    bool started = ray->tmin == -HUGE_VAL || (h->t - ray->tmin - h->t_err) * h->slope > START_ULPS * terms * scale;
     bool inside = !(h->p.x * h->p.x + h->p.y * h->p.y > rim2);
     return started && h->t <= ray->tmax && inside;
 }
@@ -162,9 +157,9 @@ SGT_INLINE double rim2_of(double semi_diameter)
 
 SGT_INLINE sgt_hit hit_without(sgt_status status, const sgt_ray *ray, int evals)
 {
-    return (sgt_hit){.status = status, .evals = evals, .t = NAN, .t_err = NAN, .t_lo = NAN,
-                     .lo = ray->tmin, .hi = ray->tmax, .f = NAN, .p = {NAN, NAN, NAN},
-                     .n = {NAN, NAN, NAN}, .p_err = NAN};
+    return (sgt_hit){.status = status, .evals = evals, .t = (double)NAN, .t_err = (double)NAN, .t_lo = (double)NAN,
+                     .lo = ray->tmin, .hi = ray->tmax, .f = (double)NAN, .p = {(double)NAN, (double)NAN, (double)NAN},
+                     .n = {(double)NAN, (double)NAN, (double)NAN}, .p_err = (double)NAN};
 }
 
 /* The evaluations spent on one ray, and what its watcher said. */

@@ -14,7 +14,7 @@
  * The t of the first hit, and of the steps that a watcher sees on the way to it, has t0 (as
  * a length) added again.
  *
- * THE BENDING (Spencer & Murty 1962, J. Opt. Soc. Am. 52, 672, section "Refraction", in
+ * THE BENDING (Spencer & Murty 1962, J. Opt. Soc. Am. 52, 672; there by components, here in
  * vectors).  With d the direction, N the unit normal turned so that c = d . N >= 0 and
  * r = n1 / n2, the part of d along the surface is multiplied by r, and what is along N
  * fills the length up to one:

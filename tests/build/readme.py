@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What README.md shows is what the command says.
+"""What README.md shows is what the command says, and what it links to is there.
 
     python3 readme.py README SAGITTA
 
@@ -39,8 +39,17 @@ def matches(quoted, said):
     return bool(said) and same_line(quoted[0], said[0]) and matches(quoted[1:], said[1:])
 
 
+def dead_links(folder):
+    """Links of README.md and docs/ to files that are not there."""
+    for page in [folder / 'README.md', *sorted((folder / 'docs').glob('*.md'))]:
+        for link in re.findall(r'\]\(([^)\s#]+)', page.read_text()):
+            if '://' not in link and not (page.parent / link).exists():
+                yield f'{page.relative_to(folder)}: {link}'
+
+
 def main(readme, sagitta):
     text = pathlib.Path(readme).read_text()
+    sagitta = str(pathlib.Path(sagitta).resolve())
     compared, bad = 0, 0
     with tempfile.TemporaryDirectory() as somewhere:
         for block in re.findall(r'^```console\n(.*?)^```', text, re.MULTILINE | re.DOTALL):
@@ -60,8 +69,9 @@ def main(readme, sagitta):
                 if not matches(quoted.splitlines(), lines):
                     bad += 1
                     print(f'$ {command}\nthe README says:\n{quoted}\nthe command says:', *lines, sep='\n')
-    print(f'{compared} commands compared, {bad} differ')
-    return 1 if bad or not compared else 0
+    dead = list(dead_links(pathlib.Path(readme).resolve().parent))
+    print(*dead, f'{compared} commands compared, {bad} differ; {len(dead)} dead links', sep='\n')
+    return 1 if bad or dead or not compared else 0
 
 
 if __name__ == '__main__':

@@ -1,0 +1,182 @@
+/* document.c - from libyaml's document to our tree, and the values in it.
+ *
+ * libyaml hands over an array of nodes, in which an alias (*name) is a node met twice.
+ * Ours has a node for each of theirs, so that a file of aliases to aliases stays small
+ * however large it would be written out. */
+#include "document.h"
+
+#include "memory.h"
+#include "number.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <yaml.h>
+
+void document_fail(const document *d, const node *at, const char *key, const char *format, ...)
+{
+    char text[400];
+    va_list values;
+    va_start(values, format);
+    vsnprintf(text, sizeof text, format, values);
+    va_end(values);
+    fail_input("%s:%zu: %s%s%s", d->source, at->line, key ? key : "", key ? ": " : "", text);
+}
+
+enum { FAULT_SIZE = 300 };
+
+/* A zero byte, that YAML can write as "\0", is not to end a word early. */
+static const char *text_of(const char *value, size_t length)
+{
+    char *text = memory_text(value, length);
+    for (size_t i = 0; i < length; i++)
+        if (text[i] == 0) text[i] = '?';
+    return text;
+}
+
+static node *nodes_of(yaml_document_t *from)
+{
+    size_t count = (size_t)(from->nodes.top - from->nodes.start);
+    node *all = memory_take(count, sizeof *all);
+    for (size_t i = 0; i < count; i++) {
+        const yaml_node_t *y = &from->nodes.start[i];
+        node *n = &all[i];
+        n->line = y->start_mark.line + 1;
+        if (y->type == YAML_SEQUENCE_NODE) {
+            n->kind = NODE_LIST;
+            n->count = (size_t)(y->data.sequence.items.top - y->data.sequence.items.start);
+            n->item = memory_take(n->count, sizeof *n->item);
+            for (size_t j = 0; j < n->count; j++) n->item[j] = &all[y->data.sequence.items.start[j] - 1];
+        } else if (y->type == YAML_MAPPING_NODE) {
+            n->kind = NODE_MAP;
+            n->count = (size_t)(y->data.mapping.pairs.top - y->data.mapping.pairs.start);
+            n->item = memory_take(n->count, sizeof *n->item);
+            n->key = memory_take(n->count, sizeof *n->key);
+            n->taken = memory_take(n->count, sizeof *n->taken);
+            for (size_t j = 0; j < n->count; j++) {
+                n->key[j] = &all[y->data.mapping.pairs.start[j].key - 1];
+                n->item[j] = &all[y->data.mapping.pairs.start[j].value - 1];
+            }
+        } else {
+            n->kind = NODE_SCALAR;
+            n->text = text_of((const char *)y->data.scalar.value, y->data.scalar.length);
+            n->quoted = y->data.scalar.style != YAML_PLAIN_SCALAR_STYLE;
+        }
+    }
+    return all;
+}
+
+/* What libyaml found wrong: its words, and the line; libyaml takes the end of the text
+ * for a line of its own. */
+static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t length, char fault[FAULT_SIZE])
+{
+    size_t lines = 1, line = parser->problem_mark.line + 1;
+    for (size_t i = 0; i + 1 < length; i++) lines += text[i] == '\n';
+    snprintf(fault, FAULT_SIZE, "%s", parser->problem ? parser->problem : "not YAML");
+    if (parser->context) {
+        size_t so_far = strlen(fault);
+        snprintf(fault + so_far, FAULT_SIZE - so_far, ", %s that begins in line %zu", parser->context,
+                 parser->context_mark.line + 1);
+    }
+    return line < lines ? line : lines;
+}
+
+document document_parse(const char *source, const char *text, size_t length)
+{
+    document d = {.source = source};
+    yaml_parser_t parser;
+    yaml_document_t loaded, more;
+    char fault[FAULT_SIZE] = "empty";
+    size_t line = 1;
+    if (!yaml_parser_initialize(&parser)) fail_input("out of memory");
+    yaml_parser_set_input_string(&parser, (const unsigned char *)text, length);
+
+    if (!yaml_parser_load(&parser, &loaded)) {
+        line = syntax_fault(&parser, text, length, fault);
+    } else {
+        if (yaml_document_get_root_node(&loaded)) d.root = nodes_of(&loaded);
+        yaml_document_delete(&loaded);
+    }
+    if (d.root) {
+        line = 0;
+        if (!yaml_parser_load(&parser, &more)) {
+            line = syntax_fault(&parser, text, length, fault);
+        } else {
+            const yaml_node_t *second = yaml_document_get_root_node(&more);
+            if (second) line = second->start_mark.line + 1;
+            snprintf(fault, sizeof fault, "a second document; only one is read");
+            yaml_document_delete(&more);
+        }
+    }
+    yaml_parser_delete(&parser);
+    if (line) document_fail(&d, &(node){.line = line}, NULL, "%s", fault);
+    return d;
+}
+
+void document_map(const document *d, const node *n, const char *key)
+{
+    if (n->kind != NODE_MAP) document_fail(d, n, key, "must be a map, as {key: value}");
+    for (size_t i = 0; i < n->count; i++) {
+        const node *k = n->key[i];
+        if (k->kind != NODE_SCALAR) document_fail(d, k, key, "a key must be a word");
+        for (size_t j = 0; j < i; j++)
+            if (strcmp(n->key[j]->text, k->text) == 0) document_fail(d, k, k->text, "given twice");
+        n->taken[i] = false;
+    }
+}
+
+node *document_take(const node *map, const char *key)
+{
+    for (size_t i = 0; i < map->count; i++) {
+        if (strcmp(map->key[i]->text, key) != 0) continue;
+        map->taken[i] = true;
+        return map->item[i];
+    }
+    return NULL;
+}
+
+void document_finish(const document *d, const node *map, const char *known)
+{
+    for (size_t i = 0; i < map->count; i++)
+        if (!map->taken[i]) document_fail(d, map->key[i], map->key[i]->text, "unknown key; known here: %s", known);
+}
+
+double document_number(const document *d, const node *n, const char *key, number_range range)
+{
+    if (n->kind != NODE_SCALAR) document_fail(d, n, key, "must be a number");
+    double value;
+    bool good = number_read(n->text, &value);
+    /* JSON has no infinity but as a string */
+    if (!good || (n->quoted && !isinf(value))) document_fail(d, n, key, "must be a number, and \"%.60s\" is none", n->text);
+    if (isnan(value) || (range == NUMBER_FINITE && isinf(value))) document_fail(d, n, key, "must be finite, not %.60s", n->text);
+    return value;
+}
+
+bool document_truth(const document *d, const node *n, const char *key)
+{
+    static const char *const words[] = {"false", "true", "False", "True", "FALSE", "TRUE"};
+    if (n->kind == NODE_SCALAR && !n->quoted)
+        for (int i = 0; i < 6; i++)
+            if (strcmp(n->text, words[i]) == 0) return i % 2 == 1;
+    document_fail(d, n, key, "must be true or false");
+}
+
+const char *document_text(const document *d, const node *n, const char *key)
+{
+    if (n->kind != NODE_SCALAR) document_fail(d, n, key, "must be a word or a text");
+    return n->text;
+}
+
+size_t document_numbers(const document *d, const node *n, const char *key, size_t most, double value[])
+{
+    if (n->kind != NODE_LIST) document_fail(d, n, key, "must be a list of numbers, as [1, 2]");
+    if (n->count == 0) document_fail(d, n, key, "must hold at least one number");
+    if (n->count > most) document_fail(d, n, key, "has %zu numbers, and %zu are the most", n->count, most);
+    for (size_t i = 0; i < n->count; i++) {
+        char name[120];
+        snprintf(name, sizeof name, "%.90s[%zu]", key, i);
+        value[i] = document_number(d, n->item[i], name, NUMBER_FINITE);
+    }
+    return n->count;
+}

@@ -1,0 +1,13 @@
+/* explain.h - what a person should conclude from a search that was watched. */
+#ifndef TOOL_EXPLAIN_H
+#define TOOL_EXPLAIN_H
+#include "methods.h"
+#include "table.h"
+
+/* The library's own search and its answer. */
+void explain_safeguarded(table *t, const record *r, const sgt_hit *hit);
+
+/* A bare method, compared with the library's answer for the same ray. */
+void explain_bare(table *t, method m, const record *r, sgt_surface surface, const sgt_ray *ray, const sgt_hit *hit);
+
+#endif

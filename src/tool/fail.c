@@ -1,0 +1,52 @@
+/* fail.c - errors end the command where they are found.
+ *
+ * Whatever was allocated is freed on the way out (memory.c), and no output has been
+ * begun: all input is read before the first line is written. */
+#include "fail.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const char *running = "";
+
+void fail_name(const char *command) { running = command; }
+
+LIKE_PRINTF(1, 0) static void say(const char *format, va_list values)
+{
+    fputs("sagitta: ", stderr);
+    vfprintf(stderr, format, values);
+    fputc('\n', stderr);
+}
+
+void fail_usage(const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    say(format, values);
+    va_end(values);
+    fail_hint();
+}
+
+void fail_hint(void)
+{
+    fprintf(stderr, "Try: sagitta%s%s --help\n", *running ? " " : "", running);
+    exit(EXIT_USAGE);
+}
+
+void fail_input(const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    say(format, values);
+    va_end(values);
+    exit(EXIT_BAD_INPUT);
+}
+
+void note(const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    say(format, values);
+    va_end(values);
+}

@@ -1,0 +1,138 @@
+/* legend.c - entries from left to right, in as many rows as they need; the scale bar at
+ * the right of the first. */
+#include "legend.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const double ROW = 18, SAMPLE = 20, GAP = 6, BETWEEN = 22, BAR_ROOM = 190, BAR_LONGEST = 150, TICK = 3;
+
+/* Colours that stay apart for the colour-blind, and in grey (Okabe & Ito 2008, jfly.uni-koeln.de/color). */
+static const double colour[][3] = {
+    {0.00, 0.45, 0.70}, {0.84, 0.37, 0.00}, {0.00, 0.62, 0.45}, {0.80, 0.47, 0.65},
+    {0.35, 0.35, 0.35}, {0.90, 0.62, 0.00}, {0.34, 0.71, 0.91},
+};
+enum { COLOURS = sizeof colour / sizeof colour[0] };
+
+void legend_colour(cairo_t *cr, size_t field)
+{
+    const double *c = colour[field % COLOURS];
+    cairo_set_source_rgb(cr, c[0], c[1], c[2]);
+}
+
+void legend_mark(cairo_t *cr, sgt_fate fate, double x, double y)
+{
+    const double r = 3;
+    cairo_new_path(cr);
+    if (fate == SGT_CLIPPED) {
+        cairo_move_to(cr, x - r, y - r), cairo_line_to(cr, x + r, y + r);
+        cairo_move_to(cr, x - r, y + r), cairo_line_to(cr, x + r, y - r);
+    } else if (fate == SGT_TIR) {
+        cairo_arc(cr, x, y, r, 0, 8 * atan(1.0));
+    } else {
+        cairo_move_to(cr, x, y - r), cairo_line_to(cr, x + r, y + r), cairo_line_to(cr, x - r, y + r);
+        cairo_close_path(cr);
+    }
+    cairo_set_line_width(cr, 1.1);
+    cairo_stroke(cr);
+}
+
+/* ---------------------------------------------------------------- entries */
+
+typedef struct flow {
+    cairo_t *cr;
+    double left, right, x, y;
+} flow;
+
+/* Makes room for a sample and a text; sets the text; returns where the sample goes. */
+static double entry(flow *f, double sample, const char *text)
+{
+    cairo_text_extents_t size;
+    cairo_text_extents(f->cr, text, &size);
+    double wide = sample + GAP + size.x_advance;
+    if (f->x > f->left && f->x + wide > f->right) f->x = f->left, f->y += ROW;
+    double x = f->x;
+    cairo_set_source_rgb(f->cr, 0.2, 0.2, 0.2);
+    cairo_move_to(f->cr, x + sample + GAP, f->y);
+    cairo_show_text(f->cr, text);
+    f->x += wide + BETWEEN;
+    return x;
+}
+
+static void field_entries(flow *f, const scene *s)
+{
+    for (size_t i = 0; i < s->job->fields; i++) {
+        char text[40];
+        snprintf(text, sizeof text, "%g\302\260", s->job->field[i]);
+        double x = entry(f, SAMPLE, text), y = f->y - LEGEND_FONT / 3;
+        legend_colour(f->cr, i);
+        cairo_move_to(f->cr, x, y), cairo_line_to(f->cr, x + SAMPLE, y);
+        cairo_set_line_width(f->cr, 1.6);
+        cairo_stroke(f->cr);
+    }
+}
+
+static void stop_entry(flow *f, const scene *s)
+{
+    char text[60];
+    snprintf(text, sizeof text, "stop: element %zu", s->job->lens.stop + 1);
+    double x = entry(f, LEGEND_STOP_WIDTH, text);
+    cairo_set_source_rgb(f->cr, 0, 0, 0);
+    cairo_move_to(f->cr, x + 1, f->y + 1), cairo_line_to(f->cr, x + 1, f->y - LEGEND_FONT + 2);
+    cairo_set_line_width(f->cr, LEGEND_STOP_WIDTH);
+    cairo_stroke(f->cr);
+}
+
+static void fate_entries(flow *f, const scene *s)
+{
+    static const struct { sgt_fate fate; const char *name; } fates[] = {
+        {SGT_CLIPPED, "clipped"}, {SGT_TIR, "totally reflected"}, {SGT_MISSED, "missed"}, {SGT_LOST, "lost"},
+    };
+    for (int k = 0; k < 4; k++) {
+        size_t n = 0;
+        for (size_t i = 0; i < s->paths; i++) n += s->path[i].fate == fates[k].fate;
+        if (n == 0) continue;
+        char text[60];
+        snprintf(text, sizeof text, "%zu %s", n, fates[k].name);
+        double x = entry(f, 6, text);
+        legend_mark(f->cr, fates[k].fate, x + 3, f->y - LEGEND_FONT / 3);
+    }
+}
+
+/* The longest of 1, 2, 5 times a power of ten that fits. */
+static void scale_bar(cairo_t *cr, const scene *s, double right, double y, double scale)
+{
+    static const double steps[] = {1, 2, 5, 10};
+    double longest = BAR_LONGEST / scale, ten = pow(10, floor(log10(longest))), length = ten;
+    for (int i = 0; i < 4; i++)
+        if (steps[i] * ten <= longest) length = steps[i] * ten;
+    char text[40];
+    cairo_text_extents_t number, units;
+    snprintf(text, sizeof text, "%g ", length);
+    cairo_text_extents(cr, text, &number);
+    cairo_text_extents(cr, s->job->lens.units, &units);
+    double wide = number.x_advance + units.x_advance;
+    cairo_set_source_rgb(cr, 0.2, 0.2, 0.2);
+    cairo_move_to(cr, right - wide, y);
+    cairo_show_text(cr, text);
+    cairo_show_text(cr, s->job->lens.units);
+    double end = right - wide - GAP, start = end - scale * length;
+    y -= LEGEND_FONT / 3;
+    cairo_move_to(cr, start, y - TICK), cairo_line_to(cr, start, y + TICK);
+    cairo_move_to(cr, start, y), cairo_line_to(cr, end, y);
+    cairo_move_to(cr, end, y - TICK), cairo_line_to(cr, end, y + TICK);
+    cairo_set_line_width(cr, 0.9);
+    cairo_stroke(cr);
+}
+
+double legend_draw(cairo_t *cr, const scene *s, double left, double right, double top, double scale)
+{
+    cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(cr, LEGEND_FONT);
+    flow f = {.cr = cr, .left = left, .right = right - BAR_ROOM, .x = left, .y = top};
+    field_entries(&f, s);
+    if (s->job->lens.stop_marked) stop_entry(&f, s);
+    fate_entries(&f, s);
+    scale_bar(cr, s, right, top, scale);
+    return f.y - top + ROW;
+}

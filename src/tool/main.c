@@ -1,0 +1,43 @@
+/* main.c - which subcommand? */
+#include "commands.h"
+#include "options.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char help[] =
+    "sagitta: where does a ray meet a surface, and how sure is the answer?\n"
+    "\n"
+    "  sagitta intersect --surface SPEC --rays FILE      one surface, many rays\n"
+    "  sagitta trace LENS [--svg FILE]                   rays through a lens file\n"
+    "  sagitta diagnose ...                              watch the solver at work\n"
+    "\n"
+    "  sagitta COMMAND --help     all of a command's options\n"
+    "  sagitta --version\n";
+
+static const struct { const char *name, *full; exit_status (*run)(int argc, char *argv[]); } commands[] = {
+    {"intersect", "sagitta intersect", command_intersect},
+    {"trace", "sagitta trace", command_trace},
+    {"diagnose", "sagitta diagnose", command_diagnose},
+};
+
+int main(int argc, char *argv[])
+{
+    const char *name = argc > 1 ? argv[1] : "";
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+        if (strcmp(name, commands[i].name) != 0) continue;
+        char full[40];
+        snprintf(full, sizeof full, "%s", commands[i].full);
+        argv[1] = full;
+        fail_name(commands[i].name);
+        return (int)commands[i].run(argc - 1, argv + 1);
+    }
+    if (strcmp(name, "--version") == 0) options_version();
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
+        fputs(help, stdout);
+        return EXIT_DECIDED;
+    }
+    if (*name) fail_usage("no such command: %s", name);
+    fputs(help, stderr);
+    return EXIT_USAGE;
+}

@@ -1,0 +1,70 @@
+/* memory.c - a ring of blocks, each freed when the command ends.
+ *
+ * The command reads a file, answers, and ends: nothing is worth freeing before, and an
+ * error may end it anywhere (fail.c).  A list of all blocks makes both simple. */
+#include "memory.h"
+
+#include "fail.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct block {
+    struct block *before, *after;
+    max_align_t data[];
+} block;
+
+static block ring = {&ring, &ring};
+
+static void free_all(void)
+{
+    while (ring.after != &ring) {
+        block *b = ring.after;
+        ring.after = b->after;
+        free(b);
+    }
+    ring.before = &ring;
+}
+
+static block *sized(block *old, size_t count, size_t size)
+{
+    if (size > 0 && count > (SIZE_MAX - sizeof(block)) / size) fail_input("more memory asked for than there can be");
+    block *b = realloc(old, sizeof(block) + count * size);
+    if (!b) fail_input("out of memory");
+    return b;
+}
+
+void *memory_grow(void *data, size_t count, size_t size)
+{
+    static int registered;
+    if (!registered) registered = atexit(free_all) == 0;
+    block *old = data ? (block *)(void *)((char *)data - offsetof(block, data)) : NULL;
+    block *before = old ? old->before : &ring, *after = old ? old->after : ring.after;
+    block *b = sized(old, count, size);
+    b->before = before, b->after = after;
+    before->after = b, after->before = b;
+    return b->data;
+}
+
+void *memory_take(size_t count, size_t size)
+{
+    void *data = memory_grow(NULL, count, size);
+    memset(data, 0, count * size);
+    return data;
+}
+
+char *memory_text(const char *text, size_t length)
+{
+    char *copy = memory_grow(NULL, length + 1, 1);
+    memcpy(copy, text, length);
+    copy[length] = 0;
+    return copy;
+}
+
+void *memory_room(void *data, size_t count, size_t *capacity, size_t size)
+{
+    if (count < *capacity) return data;
+    *capacity = *capacity ? 2 * *capacity : 16;
+    return memory_grow(data, *capacity, size);
+}

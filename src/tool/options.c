@@ -1,0 +1,77 @@
+/* options.c - the options that several subcommands share. */
+#include "options.h"
+
+#include "number.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char options_help[] =
+    "  --t-tol X          stop when t is known to X (lengths of the direction); 0: to rounding\n"
+    "  --max-evals N      give a ray up after N evaluations (1000)\n"
+    "  --format F         text (for people, the default), csv or json\n"
+    "  --hex              numbers in hexadecimal\n"
+    "  --output FILE      write there and not to standard output\n"
+    "  --help, --version\n"
+    "\n"
+    "Exit status: 0 all rays decided (a miss is a decision), 1 some ray undecided, 2 usage,\n"
+    "3 bad input.\n";
+
+double options_number(const char *option, const char *text)
+{
+    double x;
+    if (!number_read(text, &x) || !isfinite(x)) fail_usage("--%s wants a finite number, and \"%s\" is none", option, text);
+    return x;
+}
+
+long options_integer(const char *option, const char *text, long lowest, long highest)
+{
+    long n;
+    if (!number_read_integer(text, lowest, highest, &n))
+        fail_usage("--%s wants a whole number from %ld to %ld, not \"%s\"", option, lowest, highest, text);
+    return n;
+}
+
+static table_format format_of(const char *text)
+{
+    if (strcmp(text, "text") == 0) return TABLE_TEXT;
+    if (strcmp(text, "csv") == 0) return TABLE_CSV;
+    if (strcmp(text, "json") == 0) return TABLE_JSON;
+    fail_usage("--format wants text, csv or json, not \"%s\"", text);
+}
+
+static sgt_pick pick_of(const char *text)
+{
+    if (strcmp(text, "first") == 0) return SGT_FIRST;
+    if (strcmp(text, "near-seed") == 0) return SGT_NEAR_SEED;
+    fail_usage("--pick wants first or near-seed, not \"%s\"", text);
+}
+
+void options_version(void)
+{
+    puts("sagitta " SAGITTA_VERSION);
+    exit(EXIT_DECIDED);
+}
+
+void options_take(shared_options *o, int code, const char *help)
+{
+    switch (code) {
+    case OPTION_FORMAT: o->target.format = format_of(optarg); return;
+    case OPTION_OUTPUT: o->target.path = optarg; return;
+    case OPTION_HEX: o->target.hexadecimal = true; return;
+    case OPTION_PICK: o->solver.pick = pick_of(optarg); return;
+    case OPTION_MAX_EVALS: o->solver.max_evals = (int)options_integer("max-evals", optarg, 1, INT_MAX); return;
+    case OPTION_T_TOL:
+        o->solver.t_tol = options_number("t-tol", optarg);
+        if (o->solver.t_tol < 0) fail_usage("--t-tol must not be negative");
+        return;
+    case OPTION_VERSION: options_version(); return;
+    case OPTION_HELP:
+        printf("%s%s", help, options_help);
+        exit(EXIT_DECIDED);
+    default: fail_hint();
+    }
+}

@@ -1,0 +1,44 @@
+/* options.h - the options that several subcommands share. */
+#ifndef TOOL_OPTIONS_H
+#define TOOL_OPTIONS_H
+#include "table.h"
+
+#include <getopt.h>
+#include <sagitta/sagitta.h>
+
+typedef struct shared_options {
+    table_target target;
+    sgt_options solver;
+} shared_options;
+
+/* Codes for getopt_long; a subcommand's own begin with OPTION_OWN. */
+enum {
+    OPTION_FORMAT = 256, OPTION_OUTPUT, OPTION_HEX, OPTION_HELP, OPTION_VERSION,
+    OPTION_PICK, OPTION_T_TOL, OPTION_MAX_EVALS, OPTION_OWN
+};
+
+/* For the subcommand's own table of options, which ends with {0}. */
+#define SHARED_OPTIONS                                          \
+    {"format", required_argument, NULL, OPTION_FORMAT},         \
+    {"output", required_argument, NULL, OPTION_OUTPUT},         \
+    {"hex", no_argument, NULL, OPTION_HEX},                     \
+    {"help", no_argument, NULL, OPTION_HELP},                   \
+    {"version", no_argument, NULL, OPTION_VERSION},             \
+    {"pick", required_argument, NULL, OPTION_PICK},             \
+    {"t-tol", required_argument, NULL, OPTION_T_TOL},           \
+    {"max-evals", required_argument, NULL, OPTION_MAX_EVALS}
+
+/* Their paragraph of a --help. */
+extern const char options_help[];
+
+/* Takes a code of getopt_long that is one of the shared; any other (an unknown option,
+ * of which getopt has told the user) is a usage error.  --help and --version end here. */
+void options_take(shared_options *o, int code, const char *help);
+
+void options_version(void);
+
+/* Values; what does not fit is a usage error. */
+double options_number(const char *option, const char *text);
+long options_integer(const char *option, const char *text, long lowest, long highest);
+
+#endif

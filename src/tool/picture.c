@@ -1,0 +1,245 @@
+/* picture.c - a scene on a page, with cairo.
+ *
+ * One scale for both directions; the page is as wide as a report's and as high as the
+ * lens asks for.  From the back: glass, axis, rays, surfaces, what became of lost rays; a
+ * line of title above and the legend with the scale bar below, so that no text meets a
+ * line.  All sizes are points. */
+#include "picture.h"
+
+#include "legend.h"
+
+#include <cairo-svg.h>
+#include <math.h>
+#include <stdio.h>
+
+static const double WIDTH = 900, MARGIN = 34, TOP = 68, PLOT_HIGHEST = 460, PLOT_LOWEST = 110;
+static const double THIN = 0.5, SURFACE = 0.9, MIRROR = 1.6;
+static const double HATCH_STEP = 5, HATCH_LENGTH = 5, STOP_TICK = 13, AXIS_BEYOND = 12, RAY = 0.6, RAY_MANY = 0.3;
+enum { MANY_RAYS = 60 };
+
+void picture_check(void) {}
+
+/* ---------------------------------------------------------------- page */
+
+typedef struct page {
+    cairo_t *cr;
+    double scale, left, middle;   /* x = left + scale z, y = middle - scale y */
+    double height, legend_top;
+} page;
+
+typedef struct dot { double x, y; } dot;
+
+static dot on_page(const page *p, spot s)
+{
+    return (dot){p->left + p->scale * s.z, p->middle - p->scale * s.y};
+}
+
+static page page_of(const scene *s, double legend_height)
+{
+    double z = s->high.z - s->low.z, y = s->high.y - s->low.y, room = WIDTH - 2 * MARGIN;
+    page p = {.scale = fmin(room / z, PLOT_HIGHEST / y)};
+    if (!(p.scale > 0 && isfinite(p.scale))) p.scale = 1;
+    double plot = fmax(PLOT_LOWEST, p.scale * y);
+    p.left = MARGIN + (room - p.scale * z) / 2 - p.scale * s->low.z;
+    p.middle = TOP + plot / 2 + p.scale * (s->low.y + s->high.y) / 2;
+    p.legend_top = TOP + plot + MARGIN;
+    p.height = p.legend_top + legend_height + MARGIN / 2;
+    return p;
+}
+
+static void line_to(const page *p, spot s)
+{
+    dot d = on_page(p, s);
+    cairo_line_to(p->cr, d.x, d.y);
+}
+
+static void stroke(const page *p, double width, double grey)
+{
+    cairo_set_source_rgb(p->cr, grey, grey, grey);
+    cairo_set_line_width(p->cr, width);
+    cairo_stroke(p->cr);
+}
+
+/* ------------------------------------------------------------ elements */
+
+/* An end of an outline (side: 0 lower, 1 upper) carried on along its own y to height `half`. */
+static spot corner(const outline *o, int side, double half)
+{
+    spot rim = o->at[side ? OUTLINE_POINTS - 1 : 0];
+    double more = (side ? 1 : -1) * (half - o->half);
+    return (spot){rim.z + more * o->up.z, rim.y + more * o->up.y};
+}
+
+static void draw_glass(const page *p, const outline *a, const outline *b)
+{
+    double half = fmax(a->half, b->half);
+    for (int k = 0; k < OUTLINE_POINTS; k++) line_to(p, a->at[k]);
+    line_to(p, corner(a, 1, half));
+    line_to(p, corner(b, 1, half));
+    for (int k = OUTLINE_POINTS - 1; k >= 0; k--) line_to(p, b->at[k]);
+    line_to(p, corner(b, 0, half));
+    line_to(p, corner(a, 0, half));
+    cairo_close_path(p->cr);
+    cairo_set_source_rgb(p->cr, 0.89, 0.93, 0.96);
+    cairo_fill(p->cr);
+}
+
+/* The cylinder of a glass element, and the flat rings that join it to the faces. */
+static void draw_edges(const page *p, const outline *a, const outline *b)
+{
+    double half = fmax(a->half, b->half);
+    for (int side = 0; side < 2; side++) {
+        line_to(p, corner(a, side, a->half));
+        line_to(p, corner(a, side, half));
+        line_to(p, corner(b, side, half));
+        line_to(p, corner(b, side, b->half));
+        stroke(p, SURFACE, 0.15);
+    }
+}
+
+static void draw_hatching(const page *p, const outline *o)
+{
+    double rest = HATCH_STEP / 2;
+    for (int k = 1; k < OUTLINE_POINTS; k++) {
+        dot a = on_page(p, o->at[k - 1]), b = on_page(p, o->at[k]);
+        double length = hypot(b.x - a.x, b.y - a.y), done = rest;
+        for (; done < length; done += HATCH_STEP) {
+            double u = done / length, along = HATCH_LENGTH / length;
+            double x = a.x + u * (b.x - a.x), y = a.y + u * (b.y - a.y);
+            cairo_move_to(p->cr, x, y);
+            cairo_line_to(p->cr, x + HATCH_LENGTH * o->back * o->ahead.z - along * (b.x - a.x),
+                          y - HATCH_LENGTH * o->back * o->ahead.y - along * (b.y - a.y));
+        }
+        rest = done - length;
+    }
+    stroke(p, THIN, 0.35);
+}
+
+/* Outside the aperture, and outside the glass whose face it is on. */
+static void draw_stop(const page *p, const outline *o, double half)
+{
+    for (int side = 0; side < 2; side++) {
+        double sign = side ? 1 : -1;
+        dot d = on_page(p, corner(o, side, half));
+        cairo_move_to(p->cr, d.x, d.y);
+        cairo_line_to(p->cr, d.x + sign * STOP_TICK * o->up.z, d.y - sign * STOP_TICK * o->up.y);
+        stroke(p, LEGEND_STOP_WIDTH, 0);
+    }
+}
+
+static bool glass_behind(const scene *s, size_t i)
+{
+    const lens *l = &s->job->lens;
+    return i + 1 < l->count && l->surface[i].index != 1 && s->outline[i].half > 0 && s->outline[i + 1].half > 0;
+}
+
+static void draw_surfaces(const page *p, const scene *s)
+{
+    static const double dashes[] = {3, 3};
+    for (size_t i = 0; i < s->job->lens.count; i++) {
+        const outline *o = &s->outline[i];
+        if (o->half == 0) continue;
+        if (glass_behind(s, i)) draw_edges(p, o, &s->outline[i + 1]);
+        if (o->mirror) draw_hatching(p, o);
+        if (o->stop) {
+            double half = o->half;
+            if (glass_behind(s, i)) half = fmax(half, s->outline[i + 1].half);
+            if (i > 0 && glass_behind(s, i - 1)) half = fmax(half, s->outline[i - 1].half);
+            draw_stop(p, o, half);
+            if (o->dummy) continue; /* a hole, and no surface */
+        }
+        for (int k = 0; k < OUTLINE_POINTS; k++) line_to(p, o->at[k]);
+        if (o->dummy) cairo_set_dash(p->cr, dashes, 2, 0);
+        stroke(p, o->dummy ? THIN : o->mirror ? MIRROR : SURFACE, o->dummy ? 0.5 : 0.15);
+        cairo_set_dash(p->cr, NULL, 0, 0);
+    }
+}
+
+static void draw_axis(const page *p, const scene *s)
+{
+    static const double dashes[] = {12, 3, 2, 3};
+    for (size_t i = 0; i < s->job->lens.count; i++)
+        if (s->job->lens.surface[i].off_axis) return; /* a folded system has no one axis */
+    cairo_set_dash(p->cr, dashes, 4, 0);
+    line_to(p, (spot){s->low.z - AXIS_BEYOND / p->scale, 0});
+    line_to(p, (spot){s->high.z + AXIS_BEYOND / p->scale, 0});
+    stroke(p, THIN, 0.6);
+    cairo_set_dash(p->cr, NULL, 0, 0);
+}
+
+/* ---------------------------------------------------------------- rays */
+
+static void draw_rays(const page *p, const scene *s)
+{
+    size_t fields = s->job->fields ? s->job->fields : 1;
+    for (size_t i = 0; i < s->paths; i++) {
+        const path *r = &s->path[i];
+        for (size_t k = 0; k < r->count; k++) line_to(p, r->at[k]);
+        legend_colour(p->cr, r->field);
+        cairo_set_line_width(p->cr, s->paths / fields > MANY_RAYS ? RAY_MANY : RAY);
+        cairo_stroke(p->cr);
+    }
+}
+
+static void draw_marks(const page *p, const scene *s)
+{
+    for (size_t i = 0; i < s->paths; i++) {
+        const path *r = &s->path[i];
+        if (r->fate == SGT_PASSED) continue;
+        dot d = on_page(p, r->at[r->count - 1]);
+        legend_colour(p->cr, r->field);
+        legend_mark(p->cr, r->fate, d.x, d.y);
+    }
+}
+
+/* ---------------------------------------------------------------- text */
+
+static void draw_title(const page *p, const lens *l)
+{
+    char text[120] = "y-z section";
+    if (!isnan(l->wavelength)) snprintf(text, sizeof text, "%g \302\265m, y-z section", l->wavelength);
+    cairo_set_source_rgb(p->cr, 0, 0, 0);
+    cairo_select_font_face(p->cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_BOLD);
+    cairo_set_font_size(p->cr, 15);
+    cairo_move_to(p->cr, MARGIN, 26);
+    cairo_show_text(p->cr, l->name);
+    cairo_select_font_face(p->cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(p->cr, LEGEND_FONT);
+    cairo_set_source_rgb(p->cr, 0.35, 0.35, 0.35);
+    cairo_move_to(p->cr, MARGIN, 42);
+    cairo_show_text(p->cr, text);
+}
+
+static double measured_legend(const scene *s)
+{
+    cairo_surface_t *nowhere = cairo_recording_surface_create(CAIRO_CONTENT_COLOR, NULL);
+    cairo_t *cr = cairo_create(nowhere);
+    double height = legend_draw(cr, s, MARGIN, WIDTH - MARGIN, 0, 1);
+    cairo_destroy(cr);
+    cairo_surface_destroy(nowhere);
+    return height;
+}
+
+void picture_write(const char *file, const scene *s)
+{
+    page p = page_of(s, measured_legend(s));
+    cairo_surface_t *surface = cairo_svg_surface_create(file, WIDTH, p.height);
+    p.cr = cairo_create(surface);
+    cairo_set_line_cap(p.cr, CAIRO_LINE_CAP_ROUND);
+    cairo_set_line_join(p.cr, CAIRO_LINE_JOIN_ROUND);
+    cairo_set_source_rgb(p.cr, 1, 1, 1);
+    cairo_paint(p.cr);
+    for (size_t i = 0; i < s->job->lens.count; i++)
+        if (glass_behind(s, i)) draw_glass(&p, &s->outline[i], &s->outline[i + 1]);
+    draw_axis(&p, s);
+    draw_rays(&p, s);
+    draw_surfaces(&p, s);
+    draw_marks(&p, s);
+    draw_title(&p, &s->job->lens);
+    legend_draw(p.cr, s, MARGIN, WIDTH - MARGIN, p.legend_top, p.scale);
+    cairo_destroy(p.cr);
+    cairo_surface_finish(surface);
+    cairo_status_t status = cairo_surface_status(surface);
+    cairo_surface_destroy(surface);
+    if (status != CAIRO_STATUS_SUCCESS) fail_input("%s: %s", file, cairo_status_to_string(status));
+}

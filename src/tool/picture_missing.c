@@ -1,0 +1,13 @@
+/* picture_missing.c - in the place of picture.c where there is no cairo. */
+#include "picture.h"
+
+void picture_check(void)
+{
+    fail_usage("--svg: this sagitta was built without cairo, and draws nothing");
+}
+
+void picture_write(const char *file, const scene *s)
+{
+    (void)file, (void)s;
+    picture_check();
+}

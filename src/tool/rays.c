@@ -1,0 +1,195 @@
+/* rays.c - rays from CSV.
+ *
+ * RFC 4180 with room for what spreadsheets do: CR LF or LF, blanks around a field, a
+ * field in quotes, a byte order mark, a last line without an end, empty lines between
+ * (they are no rows).  The header says which column is which.
+ *
+ * A row is bad if a field is missing, superfluous or no number, or if the library would
+ * have to call the ray invalid: then the user hears of the line and not of a status. */
+#include "rays.h"
+
+#include "fail.h"
+#include "input.h"
+#include "memory.h"
+#include "number.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { COLUMN_COUNT = 9, TMIN = 6, TMAX = 7, ID = 8, REQUIRED = 6 };
+static const char *const column_name[COLUMN_COUNT] = {"ox", "oy", "oz", "dx", "dy", "dz", "tmin", "tmax", "id"};
+
+enum { FIELDS_MOST = COLUMN_COUNT + 1 };
+
+void rays_add(ray_list *list, launch ray)
+{
+    list->ray = memory_room(list->ray, list->count, &list->capacity, sizeof *list->ray);
+    list->ray[list->count++] = ray;
+}
+
+/* ---------------------------------------------------------------- one ray */
+
+LIKE_PRINTF(2, 3) static bool bad(char why[120], const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    vsnprintf(why, 120, format, values);
+    va_end(values);
+    return false;
+}
+
+/* value[0 ... 7] as the columns; given[] says which of the ends there are. */
+static bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, char why[120])
+{
+    for (int i = 0; i < TMIN; i++)
+        if (!isfinite(value[i])) return bad(why, "%s: must be finite", column_name[i]);
+    *ray = (sgt_ray){.o = {value[0], value[1], value[2]}, .d = {value[3], value[4], value[5]}};
+    double longest = fmax(fabs(ray->d.x), fmax(fabs(ray->d.y), fabs(ray->d.z)));
+    if (longest == 0) return bad(why, "dx, dy, dz: a direction must not be zero");
+    if (longest < DBL_MIN) return bad(why, "dx, dy, dz: too short a direction to have one (subnormal)");
+    ray->tmin = has_tmin ? value[TMIN] : 0;
+    ray->tmax = has_tmax ? value[TMAX] : HUGE_VAL;
+    if (isnan(ray->tmin) || isnan(ray->tmax)) return bad(why, "tmin, tmax: must not be nan");
+    if (ray->tmin > ray->tmax) return bad(why, "tmin, tmax: %g is more than %g", ray->tmin, ray->tmax);
+    /* to the library tmax = 0 after tmin = 0 is "no end"; here it was written down, and means 0 */
+    if (ray->tmax == 0 && ray->tmin == 0) ray->tmax = DBL_MIN * DBL_EPSILON;
+    return true;
+}
+
+void rays_parse(ray_list *list, const char *text)
+{
+    char copy[400], why[120];
+    double value[8] = {0};
+    int count = 0;
+    if (snprintf(copy, sizeof copy, "%s", text) >= (int)sizeof copy) fail_input("--ray: too long");
+    for (char *rest = copy, *word; (word = strtok_r(rest, " \t\n,", &rest)); count++) {
+        double x;
+        if (!number_read(word, &x)) fail_input("--ray: \"%s\" is not a number", word);
+        if (count < 8) value[count] = x;
+    }
+    if (count != 6 && count != 8) fail_input("--ray: wants 6 numbers, ox oy oz dx dy dz, or 8, with tmin tmax; not %d", count);
+    launch l = {.number = list->count};
+    if (!ray_of(value, count == 8, count == 8, &l.ray, why)) fail_input("--ray: %s", why);
+    rays_add(list, l);
+}
+
+/* -------------------------------------------------------------------- csv */
+
+typedef struct reader {
+    input file;
+    char *at;           /* the next line */
+    size_t line;        /* of the line last split, counts from 1 */
+    int count;          /* its fields, FIELDS_MOST for more */
+    char *field[FIELDS_MOST];
+    bool broken;        /* a quote that does not end, a zero byte */
+} reader;
+
+static char *skip_blanks(char *s) { return s + strspn(s, " \t\r"); }
+
+/* Each splitter sets *field and returns where the next one starts, NULL after the last. */
+static char *split_bare(char *s, char **field)
+{
+    char *comma = strchr(s, ','), *end = comma ? comma : s + strlen(s);
+    while (end > s && strchr(" \t\r", end[-1])) end--;
+    *end = 0;
+    *field = s;
+    return comma ? comma + 1 : NULL;
+}
+
+static char *split_quoted(reader *r, char *s, char **field)
+{
+    char *to = *field = s + 1, *from = to;
+    for (; *from && !(from[0] == '"' && from[1] != '"'); from++) {
+        if (*from == '"') from++; /* "" inside is one " */
+        *to++ = *from;
+    }
+    char *behind = *from ? skip_blanks(from + 1) : from;
+    if (!*from || (*behind && *behind != ',')) r->broken = true;
+    char *next = *behind == ',' ? behind + 1 : NULL;
+    *to = 0;
+    return next;
+}
+
+/* Splits the next line that is not empty; false at the end of the file. */
+static bool next_line(reader *r)
+{
+    char *end = r->file.text + r->file.length, *s = NULL, *stop = NULL;
+    do {
+        if (r->at >= end) return false;
+        s = r->at;
+        stop = memchr(s, '\n', (size_t)(end - s));
+        if (!stop) stop = end;
+        *stop = 0;
+        r->at = stop + 1;
+        r->line++;
+    } while (skip_blanks(s) == stop);
+    r->broken = strlen(s) != (size_t)(stop - s);
+    r->count = 0;
+    while (s && r->count < FIELDS_MOST) {
+        char **field = &r->field[r->count++];
+        s = skip_blanks(s);
+        s = *s == '"' ? split_quoted(r, s, field) : split_bare(s, field);
+    }
+    return true;
+}
+
+/* Which field is which column: place[c], or -1. */
+static void read_header(reader *r, int place[COLUMN_COUNT])
+{
+    const char *source = r->file.name;
+    if (r->file.length >= 3 && memcmp(r->file.text, "\xef\xbb\xbf", 3) == 0) r->at += 3;
+    if (!next_line(r)) fail_input("%s: empty; a header row is wanted, as ox,oy,oz,dx,dy,dz", source);
+    for (int c = 0; c < COLUMN_COUNT; c++) place[c] = -1;
+    for (int f = 0; f < r->count; f++) {
+        int c = 0;
+        while (c < COLUMN_COUNT && strcmp(r->field[f], column_name[c]) != 0) c++;
+        if (c == COLUMN_COUNT)
+            fail_input("%s:%zu: %.60s: unknown column; known are ox, oy, oz, dx, dy, dz, tmin, tmax, id", source,
+                       r->line, r->field[f]);
+        if (place[c] >= 0) fail_input("%s:%zu: %s: a column given twice", source, r->line, column_name[c]);
+        place[c] = f;
+    }
+    for (int c = 0; c < REQUIRED; c++)
+        if (place[c] < 0) fail_input("%s:%zu: %s: no such column, and it is needed", source, r->line, column_name[c]);
+}
+
+static bool row_of(const reader *r, const int place[COLUMN_COUNT], int columns, launch *l, char why[120])
+{
+    double value[8] = {0};
+    if (r->broken) return bad(why, "a quote without an end, or something behind one");
+    if (r->count != columns) return bad(why, "%s fields than the header's %d", r->count < columns ? "fewer" : "more", columns);
+    for (int c = 0; c < ID; c++)
+        if (place[c] >= 0 && !number_read(r->field[place[c]], &value[c]))
+            return bad(why, "%s: \"%.60s\" is not a number", column_name[c], r->field[place[c]]);
+    return ray_of(value, place[TMIN] >= 0, place[TMAX] >= 0, &l->ray, why);
+}
+
+void rays_read(ray_list *list, const char *path, bool skip_bad)
+{
+    reader r = {.file = input_read(path)};
+    int place[COLUMN_COUNT];
+    char why[120], first_why[120] = "";
+    size_t number = 0, skipped = 0, first_line = 0;
+    r.at = r.file.text;
+    read_header(&r, place);
+    list->named = place[ID] >= 0;
+    int columns = r.count;
+    for (; next_line(&r); number++) {
+        launch l = {.number = number};
+        if (row_of(&r, place, columns, &l, why)) {
+            if (list->named) l.id = r.field[place[ID]];
+            rays_add(list, l);
+        } else if (!skip_bad) {
+            fail_input("%s:%zu: %s", r.file.name, r.line, why);
+        } else if (skipped++ == 0) {
+            first_line = r.line;
+            memcpy(first_why, why, sizeof first_why);
+        }
+    }
+    if (skipped)
+        note("%s: %zu bad row%s skipped, the first in line %zu: %s", r.file.name, skipped, skipped == 1 ? "" : "s",
+             first_line, first_why);
+}

@@ -1,0 +1,79 @@
+"""What the tests of the command share: run it, read what it says, count what fails.
+
+Each test is a script, `python3 test_NAME.py SAGITTA`, of functions whose names begin
+with `test_`; `main` runs them all and says which failed.
+"""
+import csv
+import io
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import traceback
+
+HERE = pathlib.Path(__file__).resolve().parent
+LENSES = HERE.parent.parent / 'examples' / 'lenses'
+SAGITTA = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else 'sagitta'
+
+DECIDED, UNDECIDED, USAGE, BAD_INPUT = 0, 1, 2, 3
+
+INTERSECT = 'ray,root,status,t,t_err,x,y,z,nx,ny,nz,evals'
+TRACE = 'ray,element,fate,status,x,y,z,l,m,n,t,t_err,opl,evals'
+DIAGNOSE = 'ray,element,eval,move,t,f,slope,lo,hi'
+
+
+def run(*arguments, stdin='', exit=DECIDED, binary=False):
+    """Runs the command; what it printed.  A status other than `exit` is a failure."""
+    environment = dict(os.environ, LSAN_OPTIONS=f'suppressions={HERE / "leaks.supp"}:print_suppressions=0')
+    if isinstance(stdin, str):
+        stdin = stdin.encode()
+    done = subprocess.run([SAGITTA, *map(str, arguments)], input=stdin, capture_output=True, env=environment, timeout=100)
+    if done.returncode != exit:
+        raise AssertionError(f'exit {done.returncode}, not {exit}: {arguments}\n{done.stderr.decode()[-1500:]}')
+    if not binary:
+        done.stdout, done.stderr = done.stdout.decode(), done.stderr.decode()
+    return done
+
+
+def rows(*arguments, **how):
+    """The rows of `--format csv` as dictionaries."""
+    return list(csv.DictReader(io.StringIO(run(*arguments, '--format', 'csv', **how).stdout)))
+
+
+def written(text, name='input.yaml'):
+    """A file with this text, in a folder of its own; its path."""
+    path = pathlib.Path(tempfile.mkdtemp(dir=folder.name)) / name
+    path.write_bytes(text.encode() if isinstance(text, str) else text)
+    return path
+
+
+def rays(*several, header='ox,oy,oz,dx,dy,dz'):
+    return '\n'.join([header, *(','.join(map(str, ray)) for ray in several)]) + '\n'
+
+
+def equal(got, wanted, what=''):
+    if got != wanted:
+        raise AssertionError(f'{what}: {got!r}, not {wanted!r}')
+
+
+def close(got, wanted, within, what=''):
+    if not abs(float(got) - float(wanted)) <= within:
+        raise AssertionError(f'{what}: {got} is not within {within} of {wanted}')
+
+
+folder = tempfile.TemporaryDirectory()
+
+
+def main(names):
+    failed = 0
+    for name, test in list(names.items()):
+        if name.startswith('test_'):
+            try:
+                test()
+            except Exception:
+                failed += 1
+                print(f'FAILED {name}: {test.__doc__ or ""}\n{traceback.format_exc()}')
+            else:
+                print(f'ok     {name}')
+    sys.exit(1 if failed else 0)

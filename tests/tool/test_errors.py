@@ -1,0 +1,273 @@
+#!/usr/bin/env python3
+"""Bad input: the right exit status, and a message that names file, line and key.
+
+    python3 test_errors.py SAGITTA
+"""
+from command import *
+
+RAY = ('--ray', '0 0 -5 0 0 1')
+
+# surface, key (or word) the message must name
+SURFACES = [
+    ('{radius: 2}', 'type'),
+    ('{type: sphare}', 'type'),
+    ('{type: [sphere]}', 'type'),
+    ('{type: sphere, radius: abc}', 'radius'),
+    ('{type: sphere, radius: }', 'radius'),
+    ('{type: sphere, radius: 0}', 'radius'),
+    ('{type: sphere, radius: 1e-320}', 'radius'),
+    ('{type: sphere, radius: .nan}', 'radius'),
+    ('{type: sphere, radius: 1e999}', 'radius'),
+    ('{type: sphere, radius: 2x}', 'radius'),
+    ('{type: sphere, radius: "2"}', 'radius'),
+    ('{type: sphere, radius: 1_000}', 'radius'),
+    ('{type: sphere, radius: [2]}', 'radius'),
+    ('{type: sphere, radius: 2, curvature: 0.5}', 'radius'),
+    ('{type: sphere, curvature: .inf}', 'curvature'),
+    ('{type: sphere, curvature: {}}', 'curvature'),
+    ('{type: sphere, radius: 2, radius: 3}', 'radius'),
+    ('{type: sphere, conic: -1}', 'conic'),
+    ('{type: plane, radius: 2}', 'radius'),
+    ('{type: sphere, raduis: 2}', 'raduis'),
+    ('{type: sphere, semi_diameter: -1}', 'semi_diameter'),
+    ('{type: sphere, thickness: 1}', 'thickness'),
+    ('{type: even_asphere, coefficients: 1}', 'coefficients'),
+    ('{type: even_asphere, coefficients: []}', 'coefficients'),
+    ('{type: even_asphere, coefficients: [1, x]}', 'coefficients[1]'),
+    ('{type: even_asphere, coefficients: [1, .inf]}', 'coefficients[1]'),
+    ('{type: even_asphere, coefficients: [1,1,1,1,1,1,1,1,1]}', 'coefficients'),
+    ('{type: sphere', ':1: '),
+    ('{type: sphere}}', ''),
+    ('[1, 2]', 'map'),
+    ('sphere', 'map'),
+    ('', 'empty'),
+    ('# nothing', 'empty'),
+    ('{type: sphere}\n---\n{type: sphere}', 'second document'),
+    ('{[1]: 2}', 'key'),
+    ('{type: "sphere\\0"}', ''),
+    ('{type: *nobody}', ''),
+]
+
+
+def test_surfaces():
+    for text, word in SURFACES:
+        done = run('intersect', '--surface', text, *RAY, exit=BAD_INPUT)
+        assert '--surface:' in done.stderr and word in done.stderr, f'{text!r}: {done.stderr}'
+        equal(done.stdout, '', text)
+
+
+def test_line_of_a_surface():
+    done = run('intersect', '--surface', 'type: sphere\n\nradius: x\n', *RAY, exit=BAD_INPUT)
+    assert '--surface:3: radius:' in done.stderr, done.stderr
+
+
+GOOD = '''name: a lens
+units: mm
+wavelengths: [0.5, 0.6]
+object: {distance: .inf, index: 1}
+pupil: {semi_diameter: 1}
+fields: [0]
+surfaces:
+  - {type: sphere, radius: 10, thickness: 2, index: 1.5}
+  - {type: plane, thickness: 5, index: [1.2, 1.3], stop: true}
+  - {type: plane}
+'''
+
+# what to replace, by what, the line, the key
+LENSES_WRONG = [
+    ('units: mm', 'unitz: mm', 2, 'unitz'),
+    ('name: a lens', 'name: [a]', 1, 'name'),
+    ('name: a lens', 'units: in', 2, 'units'),
+    ('[0.5, 0.6]', '0.5', 3, 'wavelengths'),
+    ('[0.5, 0.6]', '[]', 3, 'wavelengths'),
+    ('[0.5, 0.6]', '[0.5, -0.6]', 3, 'wavelengths'),
+    ('distance: .inf', 'distance: 0', 4, 'object.distance'),
+    ('distance: .inf', 'distance: .nan', 4, 'object.distance'),
+    ('distance: .inf', 'distanse: 1', 4, 'distanse'),
+    ('index: 1}', 'index: 0}', 4, 'object.index'),
+    ('object: {distance: .inf, index: 1}', 'object: 5', 4, 'object'),
+    ('semi_diameter: 1}', 'semi_diameter: 0}', 5, 'pupil.semi_diameter'),
+    ('semi_diameter: 1}', 'distance: .inf}', 5, 'pupil.distance'),
+    ('pupil: {semi_diameter: 1}\n', '', 1, 'pupil.semi_diameter'),
+    ('fields: [0]', 'fields: [0, 90]', 6, 'fields'),
+    ('fields: [0]', 'fields: []', 6, 'fields'),
+    ('fields: [0]', 'fields: 3', 6, 'fields'),
+    ('type: sphere', 'typ: sphere', 8, 'type'),
+    ('type: sphere', 'type: box', 8, 'type'),
+    ('radius: 10', 'radius: ten', 8, 'radius'),
+    ('radius: 10', 'conic: 1', 8, 'conic'),
+    ('thickness: 2', 'thickness: .inf', 8, 'thickness'),
+    ('thickness: 2', 'thickness: 2, thickness: 3', 8, 'thickness'),
+    ('thickness: 2', 'tickness: 2', 8, 'tickness'),
+    ('index: 1.5', 'index: -1.5', 8, 'index'),
+    ('index: 1.5', 'mirror: 1', 8, 'mirror'),
+    ('index: 1.5', 'mirror: true, index: 1.5', 8, 'index'),
+    ('index: 1.5', 'stop: true', 9, 'stop'),
+    ('index: 1.5', 'stop: yes', 8, 'stop'),
+    ('index: 1.5', 'tilt: [1, 2]', 8, 'tilt'),
+    ('index: 1.5', 'decenter: 1', 8, 'decenter'),
+    ('index: 1.5', 'semi_diameter: -1', 8, 'semi_diameter'),
+    ('index: 1.5', 'semi_diameter: .inf', 8, 'semi_diameter'),
+    ('thickness: 2', 'origin: [0, 0, 0]', 9, 'origin'),
+    ('index: 1.5', 'origin: [0, 0, 0]', 8, 'thickness'),
+    ('thickness: 2', 'origin: [0, 0, 0], decenter: [0, 0, 1]', 8, 'decenter'),
+    ('[1.2, 1.3]', '[1.2]', 9, 'index'),
+    ('[1.2, 1.3]', '[1.2, 1.3, 1.4]', 9, 'index'),
+    ('[1.2, 1.3]', '[1.2, x]', 9, 'index'),
+    ('  - {type: plane}\n', '  - 5\n', 10, 'surfaces'),
+    ('  - {type: plane}\n', '  - {type: plane\n', 10, ''),
+]
+
+
+def test_lenses():
+    run('trace', written(GOOD))
+    for old, new, line, key in LENSES_WRONG:
+        assert GOOD.count(old) >= 1, old
+        path = written(GOOD.replace(old, new, 1))
+        done = run('trace', path, exit=BAD_INPUT)
+        assert f'{path}:{line}: {key}' in done.stderr, f'{new!r}: {done.stderr}'
+        equal(done.stdout, '', new)
+
+
+def test_lens_without_surfaces():
+    for text in ('name: x\n', 'surfaces: []\n', 'surfaces: 3\n'):
+        done = run('trace', written(text), exit=BAD_INPUT)
+        assert ':1: surfaces: ' in done.stderr, done.stderr
+
+
+def test_pupil_that_cannot_be_found():
+    at_infinity = 'pupil: {semi_diameter: 1}\nsurfaces:\n  - {type: sphere, radius: 5, thickness: 15, index: 1.5}\n  - {type: plane, stop: true}\n'
+    done = run('trace', written(at_infinity), exit=BAD_INPUT)
+    assert ':1: pupil.distance: ' in done.stderr, done.stderr
+    tilted = '''pupil: {semi_diameter: 1}
+surfaces:
+  - {type: plane, origin: [0, 0, 0], tilt: [45, 0, 0], mirror: true}
+  - {type: plane, origin: [0, 5, 0], tilt: [90, 0, 0], stop: true}
+'''
+    done = run('trace', written(tilted), exit=BAD_INPUT)
+    assert ':1: pupil.distance: ' in done.stderr, done.stderr
+
+
+# a file of rays, the line, the column or word
+RAYS = [
+    ('', None, 'header'),
+    ('\n\n', None, 'header'),
+    ('ox,oy,oz,dx,dy\n0,0,0,0,0\n', 1, 'dz'),
+    ('ox,oy,oz,dx,dy,dz,w\n', 1, 'w'),
+    ('ox,oy,oz,dx,dy,dz,ox\n', 1, 'ox'),
+    ('ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n0,0,x,0,0,1\n', 3, 'oz'),
+    ('ox,oy,oz,dx,dy,dz\n\n\n0,0,-5,0,0,nan\n', 4, 'dz'),
+    ('ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,inf\n', 2, 'dz'),
+    ('ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,0\n', 2, 'direction'),
+    ('ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1e-310\n', 2, 'direction'),
+    ('ox,oy,oz,dx,dy,dz\n0,0,-5,0,0\n', 2, 'fewer'),
+    ('ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1,2\n', 2, 'more'),
+    ('ox,oy,oz,dx,dy,dz\n' + ','.join('1' * 200) + '\n', 2, 'more'),
+    ('ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,\n', 2, 'dz'),
+    ('ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1 2\n', 2, 'dz'),
+    ('ox,oy,oz,dx,dy,dz,tmin,tmax\n0,0,-5,0,0,1,3,2\n', 2, 'tmin'),
+    ('ox,oy,oz,dx,dy,dz,tmin,tmax\n0,0,-5,0,0,1,nan,2\n', 2, 'tmin'),
+    ('ox,oy,oz,dx,dy,dz,id\n0,0,-5,0,0,1,"a\n', 2, 'quote'),
+    ('ox,oy,oz,dx,dy,dz,id\n0,0,-5,0,0,1,"a"b\n', 2, 'quote'),
+    ('ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\0002\n', 2, ''),
+]
+
+
+def test_rays():
+    lens = written(GOOD)
+    for text, line, word in RAYS:
+        path = written(text, 'rays.csv')
+        where = f'{path}:{line}: ' if line else f'{path}: '
+        for command in (('intersect', '--surface', '{type: plane}'), ('trace', lens)):
+            done = run(*command, '--rays', path, exit=BAD_INPUT)
+            assert where in done.stderr and word in done.stderr.split(where)[1], f'{text!r}: {done.stderr}'
+            equal(done.stdout, '', text)
+
+
+def test_ray_option():
+    for text in ('', '1 2 3', '0 0 0 0 0 0', '0 0 0 0 0 x', '0 0 0 0 0 inf', '0 0 0 0 0 1 2', '0 0 0 0 0 1 2 1',
+                 '0 0 0 0 0 1 2 3 4', '0 ' * 1000):
+        assert '--ray: ' in run('intersect', '--surface', '{type: plane}', '--ray', text, exit=BAD_INPUT).stderr, text
+
+
+def test_files_that_are_not_there():
+    missing, here = written('').parent / 'nothing', written('').parent
+    for arguments in (('trace', missing), ('trace', here), ('diagnose', missing),
+                      ('intersect', '--surface', '{type: plane}', '--rays', missing),
+                      ('intersect', '--surface', '{type: plane}', *RAY, '--output', missing / 'x'),
+                      ('trace', written(GOOD), '--output', here)):
+        done = run(*arguments, exit=BAD_INPUT)
+        assert str(missing) in done.stderr or str(here) in done.stderr, done.stderr
+
+
+USAGES = [
+    (),
+    ('bake',),
+    ('--bake',),
+    ('intersect',),
+    ('intersect', '--surface', '{type: plane}'),
+    ('intersect', *RAY),
+    ('intersect', '--surface', '{type: plane}', *RAY, 'more'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--rays', '-'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--all'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--proof', 'first'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--format', 'xml'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--pick', 'last'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--t-tol', 'x'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--t-tol', '-1'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--t-tol', 'inf'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--max-evals', '0'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--max-evals', '1.5'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--max-evals', '99999999999999999999'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--unknown'),
+    ('intersect', '--surface'),
+    ('trace',),
+    ('trace', 'LENS', 'more'),
+    ('trace', 'LENS', '--field', '90'),
+    ('trace', 'LENS', '--field', 'nan'),
+    ('trace', 'LENS', '--fan', '0'),
+    ('trace', 'LENS', '--fan', '-3'),
+    ('trace', 'LENS', '--fan', '3', '--grid', '3'),
+    ('trace', 'LENS', '--rays', '-', '--field', '3'),
+    ('trace', 'LENS', '--rays', '-', '--grid', '3'),
+    ('trace', 'LENS', '--wavelength', '0'),
+    ('trace', 'LENS', '--wavelength', '3'),
+    ('trace', 'LENS', '--frame', 'mine'),
+    ('diagnose',),
+    ('diagnose', 'LENS', '--surface', '{type: plane}', *RAY),
+    ('diagnose', '--surface', '{type: plane}'),
+    ('diagnose', '--surface', '{type: plane}', *RAY, '--element', '1'),
+    ('diagnose', '--surface', '{type: plane}', *RAY, '--fan', '3'),
+    ('diagnose', '--surface', '{type: plane}', *RAY, '--method', 'secant'),
+    ('diagnose', 'LENS', '--ray', '99'),
+    ('diagnose', 'LENS', '--ray', '0 0 0 0 0 1'),
+    ('diagnose', 'LENS', '--element', '4'),
+]
+
+
+def test_usage():
+    lens = written(GOOD)
+    for arguments in USAGES:
+        done = run(*(lens if a == 'LENS' else a for a in arguments), exit=USAGE)
+        equal(done.stdout, '', arguments)
+        assert 'sagitta' in done.stderr and '--help' in done.stderr, done.stderr
+
+
+def test_help_and_version():
+    equal(run('--version').stdout.split()[0], 'sagitta')
+    for command in ('intersect', 'trace', 'diagnose'):
+        equal(run(command, '--version').stdout, run('--version').stdout)
+        text = run(command, '--help').stdout
+        for option in ('--format', '--output', '--help', '--version', '--max-evals', 'Exit status'):
+            assert option in text, (command, option)
+        assert max(map(len, text.splitlines())) <= 100
+    assert all(command in run('--help').stdout for command in ('intersect', 'trace', 'diagnose'))
+
+
+def test_output_that_cannot_be_written():
+    import os
+    if os.path.exists('/dev/full'):
+        run('intersect', '--surface', '{type: plane}', *RAY, '--output', '/dev/full', exit=BAD_INPUT)
+
+
+main(globals())
