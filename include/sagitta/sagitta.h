@@ -177,7 +177,10 @@ typedef struct sgt_options {
  * doubles are given; what cannot be told is UNPROVEN.
  * A user's surface: that a first hit is the first is certain where the surface
  * offers span.single; else it is the first that a march in steps of dt_min can
- * see, and a march that sees none is UNPROVEN, as is a stretch without end.
+ * see, and a march that sees none is UNPROVEN.  A far end at infinity is cut where
+ * the ray is farther from the origin of the surface's frame than its start is; a
+ * near end at infinity has no first root to be found, and is UNPROVEN: give such a
+ * surface a span.
  *
  * Iteration counts may change between versions; what a status means may not. */
 SGT_API sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt);
@@ -194,7 +197,8 @@ SGT_API sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt
  * It looks for one root in [span.lo, span.hi]; the slope may be wrong, zero,
  * infinite or NaN: it only costs evaluations.  From the options it reads t_tol,
  * f_tol and max_evals.  Ends in
- *   SGT_HIT    g changes sign within t_err of t (or |g| <= f_tol, if given)
+ *   SGT_HIT    g changes sign within t_err of t (or |g| <= f_tol, if given: t_err is
+ *              then twice what |g| and the slope make it)
  *   SGT_GRAZE  |g| <= g_err at t and no certain change of sign near
  *   SGT_MISS   one sign at both ends and span.single
  *   SGT_UNPROVEN, SGT_UNDEFINED, SGT_EXHAUSTED  as everywhere

@@ -14,9 +14,10 @@
  * announced by the slopes is not seen; so a march that finds nothing is UNPROVEN.
  *
  * A change of sign through a pole is no root: |F| at the end of the search is greater than at the
- * bracket's ends, and it is passed by.  An end at infinity is cut where the ray is farther from the
+ * bracket's ends, and it is passed by.  A far end at infinity is cut where the ray is farther from the
  * origin of the surface's frame than where it starts from (a surface is written about its origin, and
- * looked at from outside); a surface that lies elsewhere must offer a span. */
+ * looked at from outside); a surface that lies elsewhere must offer a span.  From a near end at infinity
+ * there is no first step. */
 #include "general.h"
 
 #include "../solve/root.h"
@@ -201,7 +202,7 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
             if (span.single && !found && !w.stopped && !w.spent && (r.status == SGT_MISS || r.status > 0)) return hit_without(SGT_MISS, ray, w.evals);
         }
     }
-    if (!found && !w.stopped && !w.spent) {
+    if (!found && !w.stopped && !w.spent && (isfinite(lo) || near)) {
         double start = sqrt(w.q.l * w.q.l + w.q.m * w.q.m + w.q.n * w.q.n), away = sqrt(ray->o.x * ray->o.x + ray->o.y * ray->o.y + ray->o.z * ray->o.z) / start;
         if (!isfinite(lo)) lo = nearest - away - w.q.t0;
         if (!isfinite(hi)) hi = nearest + away - w.q.t0;
@@ -213,6 +214,6 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
         hit.evals = w.evals;
         return hit;
     }
-    sgt_status status = w.spent ? SGT_EXHAUSTED : !w.defined ? SGT_UNDEFINED : SGT_UNPROVEN;
+    sgt_status status = w.spent ? SGT_EXHAUSTED : w.evals && !w.defined ? SGT_UNDEFINED : SGT_UNPROVEN;
     return hit_without(status, ray, w.evals);
 }

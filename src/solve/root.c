@@ -326,7 +326,7 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
     note(r, r->t, g);
     P(PREV) = r->t, P(GPREV) = g;
     if (P(F_TOL) > 0 && fabs(g) <= P(F_TOL)) {
-        r->t_err = (fabs(g) + r->g_err) / fabs(slope);
+        r->t_err = 2 * (fabs(g) + r->g_err) / fabs(slope); /* twice the first order, for the second */
         if (!isfinite(r->t_err)) r->t_err = r->hi - r->lo;
         return finish(r, SGT_HIT);
     }
@@ -337,7 +337,8 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
     if (bracketed && r->hi - r->lo <= 2 * tol) return finish_between(r, fabs(P(GLO)) < fabs(P(GHI)) ? r->lo : r->hi);
 
     double step = g / slope, allowed = bracketed ? 0.5 * fabs(P(STEP2)) : 0.6 * fabs(P(STEP));
-    if (isfinite(step) && step != 0 && fabs(step) <= allowed) {
+    bool crawls = r->evals > 200 && (r->evals & 1); /* a root at 0 has no ulp for steps of a half to stop at */
+    if (isfinite(step) && step != 0 && fabs(step) <= allowed && !crawls) {
         double next = t - step;
         if (fabs(step) <= tol) {
             if (P(OVERSHOOT) > 4) { /* a slope that is too steep: it is not to be believed */

@@ -163,6 +163,8 @@ static void test_offers(void **state)
                     double length = (double)wide_length(widen(ray.d));
                     ray.tmin = ends == 2 ? -FAR : 0, ray.tmax = ends == 0 ? 30 / length : FAR;
                     sgt_hit hit = sgt_intersect((sgt_surface){ops[k], &shape}, ray, &(sgt_options){.pick = pick});
+                    /* no root of a line without a beginning can be called its first */
+                    if (k == 0 && ends == 2 && pick != SGT_NEAR_SEED) REQUIRE(hit.status == SGT_UNPROVEN, "ray %ld: a first of the whole line: %s", i, sgt_status_text(hit.status));
                     if (hit.status <= 0) {
                         REQUIRE(hit.status == SGT_UNPROVEN || (k > 0 && hit.status == SGT_MISS), "ray %ld, offer %zu: %s", i, k, sgt_status_text(hit.status));
                         REQUIRE(isnan(hit.t), "ray %ld: t %g", i, hit.t);
