@@ -3,13 +3,14 @@
 #include "../surface/sag.h"
 #include "general.h"
 
-static bool finite3(sgt_vec3 v) { return isfinite(v.x) && isfinite(v.y) && isfinite(v.z); }
+/* x - x is 0 for a finite x, NaN for another: one comparison for all. */
+static double not_finite(sgt_vec3 v) { return (v.x - v.x) + (v.y - v.y) + (v.z - v.z); }
 
 /* tmax = 0 with tmin >= 0 stands for infinity. */
 static bool ray_valid(sgt_ray *ray)
 {
     double big = larger(fabs(ray->d.x), larger(fabs(ray->d.y), fabs(ray->d.z)));
-    if (!finite3(ray->o) || !finite3(ray->d) || !(big >= DBL_MIN)) return false;
+    if (!(not_finite(ray->o) + not_finite(ray->d) == 0 && big >= DBL_MIN)) return false;
     if (ray->tmax == 0 && ray->tmin >= 0) ray->tmax = HUGE_VAL;
     return ray->tmin <= ray->tmax && ray->tmin < HUGE_VAL && ray->tmax > -HUGE_VAL;
 }

@@ -56,11 +56,6 @@ _Static_assert(COUNT <= 24, "sgt_root.private_ is too small");
 
 enum { SAMPLES = 32, RETREATS_MAX = 128 };
 
-bool sgt_options_valid(const sgt_options *o)
-{
-    return !o || (o->t_tol >= 0 && o->f_tol >= 0 && o->dt_min >= 0 && o->max_evals >= 0);
-}
-
 static int sign_of(const sgt_root *r, double g) { return g > r->g_err ? 1 : g < -r->g_err ? -1 : 0; }
 
 static double ulp(double t)

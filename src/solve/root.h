@@ -14,6 +14,9 @@ void sgt_root_tell(sgt_root *r, double t, double g);
 void sgt_root_trust(sgt_root *r);
 
 /* Every number an option may hold: none NaN, none negative. */
-bool sgt_options_valid(const sgt_options *opt);
+static inline bool sgt_options_valid(const sgt_options *o)
+{
+    return !o || (o->t_tol >= 0 && o->f_tol >= 0 && o->dt_min >= 0 && o->max_evals >= 0);
+}
 
 #endif

@@ -69,20 +69,26 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
 
 /* -------------------------------------------------------------- together */
 
-static shape shape_of(const sgt_asphere *s)
+static int terms_of(const sgt_asphere *s)
 {
-    shape h = {.c = s->c, .k = s->k, .ck = (1 + s->k) * s->c, .terms = 8, .a = s->a, .rim2 = rim2_of(s->semi_diameter),
-               .domain2 = domain2_of(s->c, s->k, s->semi_diameter)};
-    while (h.terms > 0 && s->a[h.terms - 1] == 0) h.terms--;
-    return h;
+    int terms = 8;
+    while (terms > 0 && s->a[terms - 1] == 0) terms--;
+    return terms;
+}
+
+static shape shape_of(const sgt_asphere *s, int terms)
+{
+    return (shape){.c = s->c, .k = s->k, .ck = (1 + s->k) * s->c, .terms = terms, .a = s->a, .rim2 = rim2_of(s->semi_diameter),
+                   .domain2 = domain2_of(s->c, s->k, s->semi_diameter)};
 }
 
 SGT_CLONES
 static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
     const sgt_asphere *s = self;
-    shape h = shape_of(s);
-    if (!h.terms) return sgt_conic_meet(s->c, s->k, s->semi_diameter, ray, opt);
+    int terms = terms_of(s);
+    if (!terms) return sgt_conic_meet(s->c, s->k, s->semi_diameter, ray, opt);
+    shape h = shape_of(s, terms);
     meeting at;
     double seed;
     tally w = {.opt = opt};
@@ -102,9 +108,9 @@ static bool asphere_valid(const void *self)
 static double asphere_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
     const sgt_asphere *s = self;
-    shape h = shape_of(s);
+    int terms = terms_of(s);
     double r2 = p.x * p.x + p.y * p.y, phi, slope, dp = 0, sag = conic_sag(s->c, s->k, r2, &phi, &slope);
-    if (h.terms) sag += polynomial(h.terms, s->a, r2, &dp);
+    if (terms) sag += polynomial(terms, s->a, r2, &dp);
     slope += dp;
     if (grad) *grad = (sgt_vec3){-2 * p.x * slope, -2 * p.y * slope, 1};
     return p.z - sag;
@@ -113,11 +119,11 @@ static double asphere_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 static double asphere_rounding(const void *self, sgt_vec3 p)
 {
     const sgt_asphere *s = self;
-    shape h = shape_of(s);
+    int terms = terms_of(s);
     double r2 = p.x * p.x + p.y * p.y, phi, slope, dp, second, base = conic_sag(s->c, s->k, r2, &phi, &slope), sag = base, noise = 0;
-    if (h.terms) {
-        sag += polynomial(h.terms, s->a, r2, &dp);
-        noise = 4 * r2 * magnitude(h.terms, s->a, r2, &second) + fabs(sag); /* r2 itself is off by 2 u */
+    if (terms) {
+        sag += polynomial(terms, s->a, r2, &dp);
+        noise = 4 * r2 * magnitude(terms, s->a, r2, &second) + fabs(sag); /* r2 itself is off by 2 u */
     }
     return 1.01 * SGT_U * (conic_sag_rounding(s->c, s->k, r2, base, phi) + noise + fabs(p.z - sag));
 }
@@ -125,7 +131,7 @@ static double asphere_rounding(const void *self, sgt_vec3 p)
 static sgt_span asphere_span(const void *self, const sgt_ray *ray)
 {
     const sgt_asphere *s = self;
-    shape h = shape_of(s);
+    shape h = shape_of(s, terms_of(s));
     sgt_span span = sgt_sag_span(s->c, s->k, s->semi_diameter, ray, !h.terms);
     if (h.terms) {
         local q = local_at_vertex_plane(ray);

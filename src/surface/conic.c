@@ -288,7 +288,7 @@ static sgt_hit conic_meet(const void *self, const sgt_ray *ray, const sgt_option
 static bool conic_valid(const void *self)
 {
     const sgt_conic *s = self;
-    return isfinite(s->c) && isfinite(s->k) && isfinite(s->semi_diameter) && s->semi_diameter >= 0;
+    return (s->c - s->c) + (s->k - s->k) + (s->semi_diameter - s->semi_diameter) == 0 && s->semi_diameter >= 0; /* x - x: NaN unless finite */
 }
 
 static double conic_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)

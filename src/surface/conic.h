@@ -46,9 +46,10 @@ double sgt_conic_sag_fine(double c, double k, double x, double y);
  * slope times the error in x, y.  p is P(r^2) of an asphere, known to p_err. */
 SGT_INLINE void snap(meeting *h, double c, double k, twofold r2, double p, double p_err)
 {
-    double steep2 = h->n.x * h->n.x + h->n.y * h->n.y, inherited = fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y);
+    double steep2 = h->n.x * h->n.x + h->n.y * h->n.y;
     h->sag = NAN;
     if (!(r2.hi > TINY) && (h->p.x != 0 || h->p.y != 0)) return; /* r^2 has underflown */
+    double inherited = steep2 <= STEEP2 ? 0 : fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y);
     if (steep2 <= STEEP2 || (inherited * inherited > 4 * h->p.z * h->p.z * (1 + steep2) && steep2 < 0x1p40)) {
         double phi, slope, rough = conic_sag(c, k, r2.hi, &phi, &slope), sag = rough + slope * r2.lo;
         if (!(phi > 0.5)) sag = sgt_conic_sag_fine(c, k, h->p.x, h->p.y);

@@ -176,8 +176,8 @@ SGT_INLINE void tell(tally *w, sgt_move move, double t, double f, double slope, 
 /* The hit, with one last evaluation at p: f. */
 SGT_INLINE sgt_hit hit_at(const meeting *h, sgt_status status, double f, sgt_move move, const sgt_ray *ray, tally *w)
 {
-    double slope = h->n.x * ray->d.x + h->n.y * ray->d.y + h->n.z * ray->d.z;
-    tell(w, move, h->t, f, slope, h->t - h->t_err, h->t + h->t_err);
+    if (w->opt->watch) tell(w, move, h->t, f, h->n.x * ray->d.x + h->n.y * ray->d.y + h->n.z * ray->d.z, h->t - h->t_err, h->t + h->t_err);
+    else w->evals++;
     if (w->stopped) return hit_without(SGT_STOPPED, ray, w->evals);
     return (sgt_hit){.status = status, .evals = w->evals, .t = h->t, .t_err = h->t_err, .t_lo = h->t_lo,
                      .lo = h->t - h->t_err, .hi = h->t + h->t_err, .f = f, .p = h->p, .n = h->n, .p_err = h->p_err};
