@@ -18,9 +18,9 @@ static bool ray_valid(sgt_ray *ray)
 sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt)
 {
     static const sgt_options none = {0};
+    bool valid = s.ops && s.ops->value && ray_valid(&ray) && sgt_options_valid(opt);
     if (!opt) opt = &none;
-    if (!s.ops || !s.ops->value || !ray_valid(&ray) || !sgt_options_valid(opt)) return hit_without(SGT_INVALID, &ray, 0);
+    if (!valid) return hit_without(SGT_INVALID, &ray, 0);
     if (!s.ops->sag_) return sgt_intersect_general(s, &ray, opt);
-    if (!s.ops->sag_->valid(s.self)) return hit_without(SGT_INVALID, &ray, 0);
     return s.ops->sag_->meet(s.self, &ray, opt);
 }

@@ -82,10 +82,19 @@ static shape shape_of(const sgt_asphere *s, int terms)
                    .domain2 = domain2_of(s->c, s->k, s->semi_diameter)};
 }
 
+/* x - x is 0 for a finite x, NaN for another. */
+static bool asphere_valid(const sgt_asphere *s)
+{
+    double sum = (s->c - s->c) + (s->k - s->k) + (s->semi_diameter - s->semi_diameter);
+    for (int i = 0; i < 8; i++) sum += s->a[i] - s->a[i];
+    return sum == 0 && s->semi_diameter >= 0;
+}
+
 SGT_CLONES
 static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
     const sgt_asphere *s = self;
+    if (!asphere_valid(s)) return hit_without(SGT_INVALID, ray, 0);
     int terms = terms_of(s);
     if (!terms) return sgt_conic_meet(s->c, s->k, s->semi_diameter, ray, opt);
     shape h = shape_of(s, terms);
@@ -95,14 +104,6 @@ static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_opti
     if (quick(&h, ray, &at, &seed, &w)) return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
     return sgt_asphere_march(&h, ray, seed, &w);
-}
-
-static bool asphere_valid(const void *self)
-{
-    const sgt_asphere *s = self;
-    bool valid = isfinite(s->c) && isfinite(s->k) && isfinite(s->semi_diameter) && s->semi_diameter >= 0;
-    for (int i = 0; i < 8; i++) valid = valid && isfinite(s->a[i]);
-    return valid;
 }
 
 static double asphere_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
@@ -140,7 +141,7 @@ static sgt_span asphere_span(const void *self, const sgt_ray *ray)
     return span;
 }
 
-static const struct sgt_sag asphere_sag_ops = {.valid = asphere_valid, .meet = asphere_meet};
+static const struct sgt_sag asphere_sag_ops = {.meet = asphere_meet};
 
 const sgt_surface_ops sgt_asphere_ops = {.name = "even_asphere", .value = asphere_value, .span = asphere_span,
                                          .rounding = asphere_rounding, .sag_ = &asphere_sag_ops};

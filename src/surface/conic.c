@@ -260,13 +260,13 @@ static double conic_f(double c, double k, sgt_vec3 p)
     return p.z - conic_sag(c, k, p.x * p.x + p.y * p.y, &phi, &slope);
 }
 
-SGT_CLONES
-sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
+SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
 {
     double rim2 = rim2_of(semi_diameter);
     meeting at;
     tally w = {.opt = opt};
     sgt_status status;
+    if (!((c - c) + (k - k) + (semi_diameter - semi_diameter) == 0 && semi_diameter >= 0)) return hit_without(SGT_INVALID, ray, 0); /* x - x: NaN unless finite */
     if (c == 0) {
         status = plane(rim2, ray, &at);
     } else {
@@ -279,16 +279,17 @@ sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *
     return hit_at(&at, status, f, w.evals ? SGT_NEWTON : SGT_SEED, ray, &w);
 }
 
+SGT_CLONES
+sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
+{
+    return meet(c, k, semi_diameter, ray, opt);
+}
+
+SGT_CLONES
 static sgt_hit conic_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
     const sgt_conic *s = self;
-    return sgt_conic_meet(s->c, s->k, s->semi_diameter, ray, opt);
-}
-
-static bool conic_valid(const void *self)
-{
-    const sgt_conic *s = self;
-    return (s->c - s->c) + (s->k - s->k) + (s->semi_diameter - s->semi_diameter) == 0 && s->semi_diameter >= 0; /* x - x: NaN unless finite */
+    return meet(s->c, s->k, s->semi_diameter, ray, opt);
 }
 
 static double conic_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
@@ -312,6 +313,6 @@ static sgt_span conic_span(const void *self, const sgt_ray *ray)
     return sgt_sag_span(s->c, s->k, s->semi_diameter, ray, true);
 }
 
-static const struct sgt_sag conic_sag_ops = {.valid = conic_valid, .meet = conic_meet};
+static const struct sgt_sag conic_sag_ops = {.meet = conic_meet};
 
 const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .sag_ = &conic_sag_ops};

@@ -22,9 +22,9 @@
 #include <sagitta/surfaces.h>
 #include <string.h>
 
-/* What a built-in surface can do that a user's cannot: answer by itself. */
+/* What a built-in surface can do that a user's cannot: answer by itself, SGT_INVALID included where a
+ * parameter is not finite.  ray and opt have been checked. */
 struct sgt_sag {
-    bool (*valid)(const void *self);
     sgt_hit (*meet)(const void *self, const sgt_ray *ray, const sgt_options *opt);
 };
 
