@@ -69,7 +69,7 @@ typedef struct sgt_surface_ops {
 
     /* A bounding volume and a guess, seen along one ray.  Only o and d are to be
      * read: the solver cuts the answer to [tmin, tmax] itself.  Absent: the whole
-     * ray, without a guess. */
+     * ray, without a guess; sgt_intersect says what is made of ends at infinity. */
     sgt_span (*span)(const void *self, const sgt_ray *ray);
 
     /* A bound on |computed F(p) - exact F(p)|, p taken as exact.  Without it, all
@@ -94,7 +94,8 @@ typedef enum sgt_status {
     SGT_UNPROVEN  = -1,  /* no root was found, yet none was excluded (or one was found
                             and it could not be told whether it counts) */
     SGT_UNDEFINED = -2,  /* the search ran into a region where F is NaN */
-    SGT_EXHAUSTED = -3,  /* max_evals was spent; t is the best point so far */
+    SGT_EXHAUSTED = -3,  /* max_evals was spent; of an asphere [lo, hi] is what was left to search,
+                            of sgt_root t is the best point so far */
     SGT_STOPPED   = -4,  /* the watcher asked to stop */
     SGT_INVALID   = -5   /* a direction that is zero, subnormal or not finite; an origin that
                             is not finite; a NaN end or tmin > tmax; no `value`; a built-in
@@ -141,7 +142,7 @@ SGT_API const char *sgt_move_text(sgt_move move);      /* "seed", "march", ... *
  * On a steep or grazing stretch a built-in surface is solved in its polynomial
  * form; f and slope are then of that form, which has the same roots. */
 typedef struct sgt_step {
-    size_t ray;               /* its index in a batch; 0 for a single ray */
+    size_t ray;               /* its index where there are many; 0 for a single ray */
     int eval; sgt_move move;  /* eval counts from 1 */
     double t, f, slope;       /* t is the ray's own */
     double lo, hi;            /* the bracket, or what is left of the search */
@@ -160,11 +161,13 @@ typedef enum sgt_pick {
 typedef struct sgt_options {
     double     t_tol;      /* stop when t is known to this (lengths of d); 0: to rounding.
                               t_err is a bound all the same */
-    double     f_tol;      /* stop when |F| is at most this;        0: never on |F| alone */
+    double     f_tol;      /* stop when |F| is at most this; 0: never on |F| alone.  Surfaces
+                              of a user and sgt_root only */
     double     dt_min;     /* the step of a march, in lengths of d; 0: 1/64 of the stretch
                               that is searched.  Surfaces of a user only: the built-in
                               ones march by a bound on their second derivative */
-    int        max_evals;  /* give up after this many evaluations;  0: 2000 */
+    int        max_evals;  /* give up after this many evaluations;  0: 2000.  A root found by
+                              then is still confirmed, by one more */
     sgt_pick   pick;
     sgt_watch *watch;      /* called once per evaluation;           NULL: nobody */
     void      *watch_data;
@@ -177,10 +180,10 @@ typedef struct sgt_options {
  * doubles are given; what cannot be told is UNPROVEN.
  * A user's surface: that a first hit is the first is certain where the surface
  * offers span.single; else it is the first that a march in steps of dt_min can
- * see, and a march that sees none is UNPROVEN.  A far end at infinity is cut where
- * the ray is farther from the origin of the surface's frame than its start is; a
- * near end at infinity has no first root to be found, and is UNPROVEN: give such a
- * surface a span.
+ * see, and a march that sees none is UNPROVEN.  Toward a far end at infinity
+ * those steps go as far as the ray is nearer to the origin of the surface's frame
+ * than its start is, and grow by half each from there on, 128 of them; a near end at
+ * infinity has no first root to be found, and is UNPROVEN.  A span is better.
  *
  * Iteration counts may change between versions; what a status means may not. */
 SGT_API sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt);

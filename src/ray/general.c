@@ -14,10 +14,10 @@
  * announced by the slopes is not seen; so a march that finds nothing is UNPROVEN.
  *
  * A change of sign through a pole is no root: |F| at the end of the search is greater than at the
- * bracket's ends, and it is passed by.  A far end at infinity is cut where the ray is farther from the
- * origin of the surface's frame than where it starts from (a surface is written about its origin, and
- * looked at from outside); a surface that lies elsewhere must offer a span.  From a near end at infinity
- * there is no first step. */
+ * bracket's ends, and it is passed by.  Toward a far end at infinity
+ * the steps go on until the ray is farther from the origin of the surface's frame than where it starts
+ * from (a surface is written about its origin, and looked at from outside); from there on each is half
+ * again as long as the last.  From a near end at infinity there is no first step. */
 #include "general.h"
 
 #include "../solve/root.h"
@@ -34,7 +34,7 @@ typedef struct walk {
     bool stopped, spent, defined;
 } walk;
 
-enum { STEPS = 64 };
+enum { STEPS = 64, FAR_STEPS = 128 };
 
 static point look(walk *w, double tau, sgt_move move, double lo, double hi)
 {
@@ -137,41 +137,46 @@ static bool dips(walk *w, point a, point b, point *m)
     return false;
 }
 
-/* From lo to hi by dt; the first hit that counts. */
-static bool march(walk *w, double lo, double hi, double dt, sgt_hit *hit)
+/* One step of a march, from a to b; the first hit in it that counts. */
+static bool step(walk *w, const point *a, const point *b, sgt_hit *hit)
 {
-    point a = look(w, lo, SGT_MARCH, lo, hi), b, m;
     double past;
-    for (long i = 1; !w->stopped && !w->spent && a.tau < hi; i++) {
-        double next = lo + (double)i * dt;
+    point m;
+    if (sign_at(a) * sign_at(b) < 0) {
+        if (between(w, a, b, hit, &past)) return true;
+        if (!(past > a->tau && past < b->tau)) return false;
+        point c = look(w, past, SGT_MARCH, past, b->tau); /* it does not count: another may follow at once */
+        return dips(w, c, *b, &m) && between(w, &c, &m, hit, &past);
+    }
+    if (!dips(w, *a, *b, &m)) return false;
+    if (sign_at(&m)) return between(w, a, &m, hit, &past) || between(w, &m, b, hit, &past);
+    sgt_root r = begin(w, (sgt_span){.lo = a->tau, .hi = b->tau, .seed = m.tau}); /* touches as far as can be told */
+    sgt_root_tell(&r, a->tau, a->g);
+    point at = m;
+    r = solve(w, r, &at);
+    return take(w, &r, at, hit);
+}
+
+/* From lo to hi by dt, each step `growth` times the last; the first hit that counts. */
+static bool march(walk *w, double lo, double hi, double dt, double growth, sgt_hit *hit)
+{
+    point a = look(w, lo, SGT_MARCH, lo, hi), b;
+    double next = lo;
+    for (long i = 1; !w->stopped && !w->spent && next < hi; i++, dt *= growth) {
+        next = growth > 1 ? next + dt : lo + (double)i * dt;
         if (!(next < hi)) next = hi;
-        if (!(next > a.tau)) {
-            if (lo + (double)i * dt > a.tau || dt <= 0) break; /* a step below an ulp gets nowhere */
-            continue;
+        if (!(next > a.tau)) { /* a step below an ulp of lo: the first that is one */
+            if (!(dt > 0) || i > 1L << 40) return false;
+            next = nextafter(a.tau, HUGE_VAL);
+            if (next > hi) return false;
         }
         b = look(w, next, SGT_MARCH, a.tau, hi);
-        if (!sign_at(&b) && !isnan(b.g) && next < hi) b = look(w, next - 0.01 * dt, SGT_MARCH, a.tau, hi); /* on a root: from beside it */
+        if (!sign_at(&b) && !isnan(b.g) && next < hi) b = look(w, next - 0.01 * (next - a.tau), SGT_MARCH, a.tau, hi); /* on a root: from beside it */
         if (!sign_at(&a) && !isnan(a.g)) { /* the start is on the surface: from just behind it */
-            double off = fmin(8 * (fabs(a.g) + a.g_err) / fabs(a.slope), 0.25 * dt);
-            a = look(w, a.tau + (off > 0 ? off : 0.25 * dt), SGT_MARCH, a.tau, hi);
+            double off = fmin(8 * (fabs(a.g) + a.g_err) / fabs(a.slope), 0.25 * (next - a.tau));
+            a = look(w, a.tau + (off > 0 ? off : 0.25 * (next - a.tau)), SGT_MARCH, a.tau, hi);
         }
-        if (sign_at(&a) * sign_at(&b) < 0) {
-            if (between(w, &a, &b, hit, &past)) return true;
-            if (past > a.tau && past < b.tau) { /* it does not count: another may follow at once */
-                point c = look(w, past, SGT_MARCH, past, b.tau);
-                if (dips(w, c, b, &m) && between(w, &c, &m, hit, &past)) return true;
-            }
-        } else if (dips(w, a, b, &m)) {
-            if (sign_at(&m) == 0) { /* touches as far as can be told */
-                sgt_root r = begin(w, (sgt_span){.lo = a.tau, .hi = b.tau, .seed = m.tau});
-                sgt_root_tell(&r, a.tau, a.g);
-                point at = m;
-                r = solve(w, r, &at);
-                if (take(w, &r, at, hit)) return true;
-            } else if (between(w, &a, &m, hit, &past) || between(w, &m, &b, hit, &past)) {
-                return true;
-            }
-        }
+        if (step(w, &a, &b, hit)) return true;
         a = b;
     }
     return false;
@@ -203,11 +208,17 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
         }
     }
     if (!found && !w.stopped && !w.spent && (isfinite(lo) || near)) {
-        double start = sqrt(w.q.l * w.q.l + w.q.m * w.q.m + w.q.n * w.q.n), away = sqrt(ray->o.x * ray->o.x + ray->o.y * ray->o.y + ray->o.z * ray->o.z) / start;
+        double length = sqrt(w.q.l * w.q.l + w.q.m * w.q.m + w.q.n * w.q.n);
+        double away = sqrt(ray->o.x * ray->o.x + ray->o.y * ray->o.y + ray->o.z * ray->o.z) / length;
+        bool far = !isfinite(hi);
         if (!isfinite(lo)) lo = nearest - away - w.q.t0;
-        if (!isfinite(hi)) hi = nearest + away - w.q.t0;
+        if (far) hi = larger(nearest + away - w.q.t0, lo);
         double dt = opt->dt_min > 0 ? opt->dt_min / scale : (hi - lo) / STEPS;
-        if (lo < hi) found = march(&w, lo, hi, dt, &hit);
+        if (lo < hi) found = march(&w, lo, hi, dt, 1, &hit);
+        if (!found && far) { /* grows to 1e22 times the first */
+            double first = dt > 0 ? dt : 0x1p-20 / length, end = hi + first * (pow(1.5, FAR_STEPS) - 1) / 0.5;
+            if (end < HUGE_VAL) found = march(&w, hi, end, first, 1.5, &hit);
+        }
     }
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
     if (found) {

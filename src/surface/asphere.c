@@ -12,6 +12,8 @@
  * The last evaluation of a hit is that of F at the point returned. */
 #include "asphere.h"
 
+#include "../solve/root.h"
+
 /* ------------------------------------------------------------------ quick */
 
 /* F is monotone along the chord within the rim, by its slope. */
@@ -37,22 +39,20 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
     *seed = q.t0 + tau;
     if (!(fabs(q.n) >= 0x1p-10)) return false;
     double t_tol = opt->t_tol / q.scale;
-    int most = opt->max_evals ? opt->max_evals : 12;
     sgt_move move = SGT_SEED;
-    for (int i = 0; i < 12 && w->evals < most; i++) {
-        sample at = sgt_form_sample(s, &q, tau);
+    for (int i = 0; i < 12 && w->evals < w->budget; i++) {
+        sample at = form_at(s, &q, tau);
         observe(w, &q, tau, &at, move, -HUGE_VAL, HUGE_VAL);
         if (w->stopped) return false;
         move = SGT_NEWTON;
-        double step = -at.g / at.slope, v_err, size = fabs(at.z) + fabs(at.w) + at.first * (at.x * at.x + at.y * at.y);
-        bool steady;
-        if (!(fabs(step) <= 0.5 * last)) { /* NaN too; but noise at the root is no reason to give up */
-            if (!(fabs(at.g) <= at.g_err)) return false;
-        }
+        double step = -at.g / at.slope, v_err;
+        bool steady, close = fabs(at.g) <= 0x1p-20 * (fabs(at.z) + fabs(at.w)) || fabs(step) <= t_tol, shrinks = fabs(step) <= 0.5 * last; /* not of NaN */
         last = fabs(step);
-        if (fabs(at.g) <= 0x1p-20 * size || fabs(at.g) <= at.g_err || last <= t_tol) {
+        if (close || !shrinks) {
+            sgt_form_bound(s, &q, tau, &at);
+            if (!shrinks && !(fabs(at.g) <= at.g_err)) return false; /* noise at the root is no reason to give up */
             if (!sgt_form_certify(s, &q, &at, tau, t_tol, out, &v_err, &steady)) return false;
-            if (steady || (opt->f_tol > 0 && fabs(at.g) <= opt->f_tol)) {
+            if (steady) {
                 if (!(out->v > 16 * v_err)) return false;
                 /* a start too far off for the terms at the root, or for t, or a steep place: once more from there */
                 double fx = fabs(out->n.x), fy = fabs(out->n.y), far = at.ex * fx + at.ey * fy + at.ez;
@@ -100,7 +100,7 @@ static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_opti
     shape h = shape_of(s, terms);
     meeting at;
     double seed;
-    tally w = {.opt = opt};
+    tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
     if (quick(&h, ray, &at, &seed, &w)) return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
     return sgt_asphere_march(&h, ray, seed, &w);

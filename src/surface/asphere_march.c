@@ -27,15 +27,14 @@ typedef struct walk {
     const sgt_ray *ray;
     tally *told;
     local q;
-    int budget;
     bool spent, fine;
 } walk;
 
 static sample look(walk *w, double tau, sgt_move move, double lo, double hi)
 {
-    if (w->told->stopped) return (sample){.g = NAN, .slope = NAN};
+    w->spent = w->spent || w->told->evals >= w->told->budget;
+    if (w->told->stopped || w->spent) return (sample){.g = NAN, .slope = NAN};
     sample e = w->fine ? sgt_form_sample_fine(w->s, w->ray, &w->q, tau) : sgt_form_sample(w->s, &w->q, tau);
-    if (w->told->evals >= w->budget) w->spent = true;
     observe(w->told, &w->q, tau, &e, move, lo, hi);
     return e;
 }
@@ -69,11 +68,28 @@ static double reach2(const shape *s, const sgt_ray *ray)
 
 typedef struct found { meeting at; sgt_status status; double distance; bool any; } found;
 
+/* At the very equator the two sheets of G are too close to tell which of them the root is on.  But F
+ * itself is continuous up to there: if it is certainly of unlike sign on the two sides of t, and defined
+ * on both (and so between them, since rho is convex), there is a root of F between. */
+static bool crosses_sheet(walk *w, meeting *at)
+{
+    double tau = at->t / w->q.scale - w->q.t0, d = larger(at->t_err / w->q.scale, 4 * DBL_EPSILON * fabs(tau));
+    for (int i = 0; i < 24 && !w->told->stopped && !w->spent; i++, d *= 2) {
+        sample l = look(w, tau - d, SGT_PROBE, tau - d, tau + d), r = look(w, tau + d, SGT_PROBE, tau - d, tau + d);
+        int left = sgt_form_side(w->s, &l), right = sgt_form_side(w->s, &r);
+        if (!left || !right) continue;
+        if (left == right) return false;
+        meeting_place(at, &w->q, tau, d);
+        return true;
+    }
+    return false;
+}
+
 /* Keeps the root if it counts and is the one wanted so far. */
-static void keep(walk *w, const meeting *at, double v_err, sgt_status status, double seed, found *best)
+static void keep(walk *w, meeting *at, double v_err, sgt_status status, double seed, found *best)
 {
     if (at->v < -v_err) return; /* the other sheet */
-    if (!(at->v > v_err)) status = SGT_UNPROVEN;
+    if (!(at->v > v_err)) status = crosses_sheet(w, at) ? SGT_HIT : SGT_UNPROVEN;
     if (!counts(at, w->ray, w->s->rim2, w->q.scale)) return;
     double distance = fabs(at->t / w->q.scale - seed);
     if (best->any && !(distance < best->distance)) return;
@@ -138,7 +154,7 @@ static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
 sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally *told)
 {
     const sgt_options *opt = told->opt;
-    walk w = {.s = s, .ray = ray, .told = told, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
+    walk w = {.s = s, .ray = ray, .told = told};
     if (ray->d.x == 0 && ray->d.y == 0) return parallel(s, ray, told);
     stretch chord = sgt_chord(ray, s->domain2 < HUGE_VAL ? s->domain2 : reach2(s, ray));
     double scale = scale_of(ray->d), lo = fmax(chord.lo, ray->tmin), hi = fmin(chord.hi, ray->tmax);
@@ -206,8 +222,7 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
     if (told->stopped) return hit_without(SGT_STOPPED, ray, told->evals);
     if (w.spent && !(best.any && opt->pick != SGT_NEAR_SEED)) {
         sgt_hit hit = hit_without(SGT_EXHAUSTED, ray, told->evals);
-        hit.t = (w.q.t0 + tau) * w.q.scale;
-        hit.lo = hit.t;
+        hit.lo = (w.q.t0 + tau) * w.q.scale;
         return hit;
     }
     if (!best.any) return hit_without(SGT_MISS, ray, told->evals);

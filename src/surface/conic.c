@@ -264,7 +264,7 @@ SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray 
 {
     double rim2 = rim2_of(semi_diameter);
     meeting at;
-    tally w = {.opt = opt};
+    tally w = {.opt = opt, .budget = 100}; /* of settling, that takes nine at most */
     sgt_status status;
     if (!((c - c) + (k - k) + (semi_diameter - semi_diameter) == 0 && semi_diameter >= 0)) return hit_without(SGT_INVALID, ray, 0); /* x - x: NaN unless finite */
     if (c == 0) {

@@ -23,27 +23,25 @@
 
 #include "../num/expansion.h"
 
+void sgt_form_bound(const shape *s, const local *q, double tau, sample *e)
+{
+    double x = fabs(e->x), y = fabs(e->y), rho = x * x + y * y, half_terms = fabs(x * q->l) + fabs(y * q->m);
+    e->first = magnitude(s->terms, s->a, rho, &e->second);
+    /* in units of u */
+    e->ex = q->xa + fabs(tau * q->l) + x, e->ey = q->ya + fabs(tau * q->m) + y, e->ez = q->za + fabs(tau * q->n) + fabs(e->z);
+    double rho_err = 2 * (x * e->ex + y * e->ey) + 2 * rho;
+    double w = fabs(e->w), w_err = e->first * (rho_err + 2 * rho) + e->ez + w, ckw = fabs(s->ck * w);
+    e->w_err = 1.01 * SGT_U * w_err;
+    e->g_err = 1.01 * SGT_U * ((fabs(e->v) + (4 * (1 + ckw) + fabs(s->ck) * w_err) * SGT_U) * w_err + 0.5 * fabs(s->c) * (rho_err + 3 * rho) + 3 * ckw * w + 3 * w);
+    e->slope_err = 32 * SGT_U * (fabs(e->v) * (fabs(q->n) + 2 * (e->first + e->second * rho_err) * half_terms) + fabs(s->c) * half_terms
+                                 + (1 + fabs(s->ck) * w_err) * fabs(e->dw));
+    e->v_err = SGT_U * (fabs(s->ck) * w_err + 4 * ckw + 1);
+}
+
 sample sgt_form_sample(const shape *s, const local *q, double tau)
 {
-    double tl = tau * q->l, tm = tau * q->m, tn = tau * q->n, x = q->x + tl, y = q->y + tm, z = q->z + tn;
-    double rho = x * x + y * y, half_drho = x * q->l + y * q->m, half_terms = fabs(x * q->l) + fabs(y * q->m);
-    sample e = {.x = x, .y = y, .z = z};
-    double p = polynomial(s->terms, s->a, rho, &e.dp), w = e.w = z - p;
-    e.first = magnitude(s->terms, s->a, rho, &e.second);
-    e.v = 1 - s->ck * w;
-    e.dw = q->n - 2 * e.dp * half_drho;
-    e.g = w - 0.5 * (s->c * rho + s->ck * w * w);
-    e.slope = e.v * e.dw - s->c * half_drho;
-    /* in units of u */
-    e.ex = q->xa + fabs(tl) + fabs(x), e.ey = q->ya + fabs(tm) + fabs(y), e.ez = q->za + fabs(tn) + fabs(z);
-    double rho_err = 2 * (fabs(x) * e.ex + fabs(y) * e.ey) + 2 * rho;
-    double w_err = e.first * (rho_err + 2 * rho) + e.ez + fabs(w);
-    double ckw = fabs(s->ck * w);
-    e.w_err = 1.01 * SGT_U * w_err;
-    e.g_err = 1.01 * SGT_U * ((fabs(e.v) + (4 * (1 + ckw) + fabs(s->ck) * w_err) * SGT_U) * w_err + 0.5 * fabs(s->c) * (rho_err + 3 * rho) + 3 * ckw * fabs(w) + 3 * fabs(w));
-    e.slope_err = 32 * SGT_U * (fabs(e.v) * (fabs(q->n) + 2 * (e.first + e.second * rho_err) * half_terms) + fabs(s->c) * half_terms
-                                + (1 + fabs(s->ck) * w_err) * fabs(e.dw));
-    e.v_err = SGT_U * (fabs(s->ck) * w_err + 4 * ckw + 1);
+    sample e = form_at(s, q, tau);
+    sgt_form_bound(s, q, tau, &e);
     return e;
 }
 
@@ -93,6 +91,14 @@ bool sgt_form_apart(const shape *s, const local *q, const sample *at, double h)
     double reach = (steep * h + 0.5 * (second * drho * drho + 2 * a * first) * h * h) * (1 + 0x1p-30) + at->w_err;
     double near = sag_bound(s, low, 1), far = sag_bound(s, high, -1); /* the least and the greatest magnitude */
     return at->w - reach > fmax(near, far) || at->w + reach < fmin(near, far);
+}
+
+int sgt_form_side(const shape *s, const sample *at)
+{
+    double rho = at->x * at->x + at->y * at->y, slack = 0x1p-46 * rho, edge = s->ck * s->c * (rho + slack);
+    if (!(edge < 1 - 0x1p-40)) return 0;
+    double near = sag_bound(s, fmax(0, rho - slack), 1), far = sag_bound(s, rho + slack, -1);
+    return at->w - at->w_err > fmax(near, far) ? 1 : at->w + at->w_err < fmin(near, far) ? -1 : 0;
 }
 
 bool sgt_form_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol, meeting *out, double *v_err, bool *steady)
@@ -180,6 +186,7 @@ bool sgt_form_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo
     bool steady = false, fine = false;
     double last = HUGE_VAL;
     for (int i = 0; i < 9 && !w->stopped; i++) {
+        if (w->evals >= w->budget) return false;
         local q = local_at(ray, t0, t0_lo);
         sample at = sgt_form_sample(s, &q, 0);
         if (fine) fine_residual(s, ray, &q, &at);

@@ -44,6 +44,24 @@ typedef struct sample {
     double x, y, z, ex, ey, ez;
 } sample;
 
+/* G, its slope, and what they are made of; no errors yet. */
+SGT_INLINE sample form_at(const shape *s, const local *q, double tau)
+{
+    sample e;
+    e.x = q->x + tau * q->l, e.y = q->y + tau * q->m, e.z = q->z + tau * q->n;
+    double rho = e.x * e.x + e.y * e.y, half_drho = e.x * q->l + e.y * q->m;
+    e.w = e.z - polynomial(s->terms, s->a, rho, &e.dp);
+    e.v = 1 - s->ck * e.w;
+    e.dw = q->n - 2 * e.dp * half_drho;
+    e.g = e.w - 0.5 * (s->c * rho + s->ck * e.w * e.w);
+    e.slope = e.v * e.dw - s->c * half_drho;
+    return e;
+}
+
+/* Adds the errors. */
+void sgt_form_bound(const shape *s, const local *q, double tau, sample *e);
+
+/* Both. */
 sample sgt_form_sample(const shape *s, const local *q, double tau);
 
 /* The same with G itself in twice the precision; q->t0 + q->t0_lo is the local origin. */
@@ -55,6 +73,10 @@ double sgt_form_bend(const shape *s, const local *q, const sample *at, double ta
 /* No root on the sheet in [tau - h, tau + h], for certain: there z - P and the conic's sag have no value
  * in common.  at: the sample at tau. */
 bool sgt_form_apart(const shape *s, const local *q, const sample *at, double h);
+
+/* The sign of F itself, z - P against s: 0 where it is not certain, or the point not certainly in the
+ * domain. */
+int sgt_form_side(const shape *s, const sample *at);
 
 /* Is there a root near tau, and how near?  On true, *out has the root with its bound, one
  * Newton step from tau.  steady says that a further step would bring nothing. */

@@ -163,7 +163,7 @@ SGT_INLINE sgt_hit hit_without(sgt_status status, const sgt_ray *ray, int evals)
 }
 
 /* The evaluations spent on one ray, and what its watcher said. */
-typedef struct tally { const sgt_options *opt; int evals; bool stopped; } tally;
+typedef struct tally { const sgt_options *opt; int evals, budget; bool stopped; } tally;
 
 SGT_INLINE void tell(tally *w, sgt_move move, double t, double f, double slope, double lo, double hi)
 {
