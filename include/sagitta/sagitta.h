@@ -41,7 +41,7 @@ typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
  *
  * The root at the start itself does not count: a finite tmin stands for "leave
  * the surface you may be on".  Precisely, a root t does not count where
- *     t <= tmin + t_err + 2^-48 (|x Fx| + |y Fy| + |z Fz|) / |grad F . d|,
+ *     t <= tmin + t_err + 2^-48 (|x Fx| + |y Fy| + |z Fz|) / |grad F . d| + 2^-50 |t|,
  * the products taken at the root: no farther from tmin than 16 ulps in each
  * coordinate of a point on the surface can put it.  Give tmin = -INFINITY, or a
  * tmin a little less than zero, to have such a root.  At tmax a root counts if
@@ -89,7 +89,8 @@ typedef struct sgt_surface { const sgt_surface_ops *ops; const void *self; } sgt
 typedef enum sgt_status {
     SGT_HIT       =  1,  /* F changes sign at t */
     SGT_GRAZE     =  2,  /* |F| is within its rounding all over [lo, hi] and no change of sign
-                            is certain: the ray touches there as far as can be told */
+                            is certain: the ray touches there as far as can be told
+                            (or lies in the plane: then t is where it starts) */
     SGT_MISS      =  0,  /* F has no root on the ray that counts */
     SGT_UNPROVEN  = -1,  /* no root was found, yet none was excluded (or one was found
                             and it could not be told whether it counts) */
@@ -214,7 +215,7 @@ typedef struct sgt_root {
     sgt_move move; sgt_status status;
     double g_err;                     /* set by you, before any step: how far g may be off;
                                          0: exact */
-    double private_[24];              /* the solver's own */
+    double private_[32];              /* the solver's own */
 } sgt_root;
 
 SGT_API sgt_root sgt_root_begin(sgt_span span, const sgt_options *opt);

@@ -13,8 +13,8 @@
  * a change of sign found on the way is a bracket again.  What is thinner than a step and is not
  * announced by the slopes is not seen; so a march that finds nothing is UNPROVEN.
  *
- * A change of sign through a pole is no root: |F| at the end of the search is greater than at the
- * bracket's ends, and it is passed by.  Toward a far end at infinity
+ * A change of sign through a pole is no root: |F| at the end of the search is greater than where it
+ * began, and at the ends of the bracket, and it is passed by.  Toward a far end at infinity
  * the steps go on until the ray is farther from the origin of the surface's frame than where it starts
  * from (a surface is written about its origin, and looked at from outside); from there on each is half
  * again as long as the last.  From a near end at infinity there is no first step. */
@@ -32,6 +32,8 @@ typedef struct walk {
     local q;
     int evals, budget;
     bool stopped, spent, defined;
+    double first; /* |g| where the solver began */
+    bool told;    /* whether the root that does not count can be told not to */
 } walk;
 
 enum { STEPS = 64, FAR_STEPS = 128 };
@@ -52,10 +54,10 @@ static point look(walk *w, double tau, sgt_move move, double lo, double hi)
     double place = SGT_U * (ex * fabs(e.n.x) + ey * fabs(e.n.y) + ez * fabs(e.n.z));
     e.p_err = SGT_U * (ex + ey + ez);
     e.terms = fabs(e.p.x * e.n.x) + fabs(e.p.y * e.n.y) + fabs(e.p.z * e.n.z);
-    e.g_err = place < HUGE_VAL ? place : 0;
+    e.g_err = place >= 0 ? place : 0; /* NaN: a gradient that says nothing */
     if (w->s.ops->rounding) {
         double own = w->s.ops->rounding(w->s.self, e.p);
-        e.g_err += own >= 0 ? own : 0;
+        e.g_err += own >= 0 ? own : 0; /* a bound that is none is none */
     }
     w->evals++;
     w->defined = w->defined || !isnan(e.g);
@@ -72,9 +74,11 @@ static int sign_at(const point *e) { return e->g > e->g_err ? 1 : e->g < -e->g_e
 /* Runs the solver; *at is the point it ended on. */
 static sgt_root solve(walk *w, sgt_root r, point *at)
 {
+    w->first = HUGE_VAL;
     while (!w->stopped && !w->spent) {
         *at = look(w, r.t, r.move, r.lo, r.hi);
         if (w->spent) break;
+        if (w->first == HUGE_VAL && fabs(at->g) < HUGE_VAL) w->first = fabs(at->g);
         r.g_err = at->g_err;
         if (!sgt_root_next(&r, at->g, at->slope)) break;
     }
@@ -90,18 +94,23 @@ static sgt_root begin(const walk *w, sgt_span span)
 static bool take(walk *w, const sgt_root *r, point at, sgt_hit *hit)
 {
     const local *q = &w->q;
+    w->told = false;
     if (r->status <= 0) return false;
     if (at.tau != r->t) {
         at = look(w, r->t, SGT_NEWTON, r->lo, r->hi);
         if (w->spent || w->stopped) return false;
     }
+    if (!(fabs(at.g) <= w->first + 16 * at.g_err)) return false; /* a pole: it grew */
     twofold t = two_sum(q->t0, r->t);
     double width = START_ULPS * at.terms / fabs(at.slope), length = fabs(q->l) + fabs(q->m) + fabs(q->n);
     *hit = (sgt_hit){.status = r->status, .t = t.hi * q->scale, .t_lo = t.lo * q->scale,
                      .t_err = (fabs(t.lo) + r->t_err) * (1 + 4 * SGT_U) * q->scale, .f = at.g, .p = at.p, .n = at.n,
                      .p_err = length * r->t_err + 1.01 * at.p_err};
     hit->lo = hit->t - hit->t_err, hit->hi = hit->t + hit->t_err;
-    bool started = w->ray->tmin == -HUGE_VAL || hit->t > w->ray->tmin + (hit->t_err + (width < HUGE_VAL ? width * q->scale : 0));
+    width = (width < HUGE_VAL ? width * q->scale : 0) + 8 * SGT_U * fabs(hit->t);
+    double tmin = w->ray->tmin;
+    w->told = hit->t - hit->t_err > w->ray->tmax || hit->t + hit->t_err <= tmin || hit->t_err <= width + 64 * SGT_U * fabs(tmin);
+    bool started = tmin == -HUGE_VAL || hit->t > tmin + (hit->t_err + width);
     return started && hit->t <= w->ray->tmax;
 }
 
@@ -115,7 +124,9 @@ static bool between(walk *w, const point *a, const point *b, sgt_hit *hit, doubl
     r = solve(w, r, &at);
     *past = r.hi;
     if (w->stopped || w->spent) return false;
-    bool pole = fabs(at.g) > fabs(a->g) && fabs(at.g) > fabs(b->g);
+    double ga = fabs(a->g) < HUGE_VAL ? fabs(a->g) : 0, gb = fabs(b->g) < HUGE_VAL ? fabs(b->g) : 0;
+    bool pole = fabs(at.g) > larger(ga, gb);
+    w->first = larger(w->first, larger(ga, gb)); /* the solver may have begun on the root itself */
     return !pole && take(w, &r, at, hit);
 }
 
@@ -195,6 +206,7 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
     double t0 = seeded ? seed : isfinite(lo) && isfinite(hi) ? 0.5 * lo + 0.5 * hi : nearest;
     w.q = local_at(ray, t0 < lo ? lo : t0 > hi ? hi : t0, 0);
     if (!isfinite(w.q.x) || !isfinite(w.q.y) || !isfinite(w.q.z)) return hit_without(SGT_UNPROVEN, ray, 0);
+    if (ray->tmax / scale <= hi) hi += 0x1p-44 * fabs(hi); /* a root at tmax is to be inside */
     lo -= w.q.t0, hi -= w.q.t0;
 
     sgt_hit hit = hit_without(SGT_UNPROVEN, ray, 0);
@@ -204,7 +216,7 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
         sgt_root r = solve(&w, begin(&w, (sgt_span){.lo = lo, .hi = hi, .seed = seeded ? seed - w.q.t0 : near ? nearest - w.q.t0 : (double)NAN, .single = span.single}), &at);
         if (!w.stopped && !w.spent) {
             found = take(&w, &r, at, &hit);
-            if (span.single && !found && !w.stopped && !w.spent && (r.status == SGT_MISS || r.status > 0)) return hit_without(SGT_MISS, ray, w.evals);
+            if (span.single && !found && !w.stopped && !w.spent && (r.status == SGT_MISS || (r.status > 0 && w.told))) return hit_without(SGT_MISS, ray, w.evals);
         }
     }
     if (!found && !w.stopped && !w.spent && (isfinite(lo) || near)) {
@@ -212,7 +224,7 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
         double away = sqrt(ray->o.x * ray->o.x + ray->o.y * ray->o.y + ray->o.z * ray->o.z) / length;
         bool far = !isfinite(hi);
         if (!isfinite(lo)) lo = nearest - away - w.q.t0;
-        if (far) hi = larger(nearest + away - w.q.t0, lo);
+        if (far) hi = larger(nearest + 1.25 * away - w.q.t0, lo); /* not at a round number of radii, where a root may be */
         double dt = opt->dt_min > 0 ? opt->dt_min / scale : (hi - lo) / STEPS;
         if (lo < hi) found = march(&w, lo, hi, dt, 1, &hit);
         if (!found && far) { /* grows to 1e22 times the first */

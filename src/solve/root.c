@@ -43,15 +43,16 @@
 
 enum { /* names of the private numbers */
     GLO, GHI,            /* g at lo and hi; NaN: not known */
-    BRACKETED, SINGLE, TRUST, DONE,
-    PREV, GPREV,         /* the last point where g was defined */
+    SLO, SHI,            /* their signs, as certain when they were told as they ever will be */
+    BRACKETED, SINGLE, DONE,
+    PREV, GPREV, SPREV,  /* the last point where g was defined */
     STEP, STEP2,         /* the last step and the one before */
     OVERSHOOT, BISECTIONS, RETREATS, SAMPLED,
-    CANDIDATE, GCANDIDATE, SIDE, WIDTH, LEFT, RIGHT, /* LEFT, RIGHT: sign found there, 0: none yet */
+    CANDIDATE, SIDE, WIDTH, LEFT, RIGHT, /* LEFT, RIGHT: sign found there, 0: none yet */
     T_TOL, F_TOL, BUDGET, HOLE, /* HOLE: the last NaN */
     COUNT
 };
-_Static_assert(COUNT <= 24, "sgt_root.private_ is too small");
+_Static_assert(COUNT <= 32, "sgt_root.private_ is too small");
 #define P(name) (r->private_[name])
 
 enum { SAMPLES = 32, RETREATS_MAX = 128 };
@@ -80,11 +81,10 @@ static double number_at(int64_t i)
     return x;
 }
 
-/* The number a fraction of the way from lo to hi in that order; ends clipped to finite. */
+/* The number a fraction of the way from lo to hi in that order, nearly; ends clipped to finite. */
 static double among_numbers(double lo, double hi, double fraction)
 {
     int64_t a = order_of(lo < -DBL_MAX ? -DBL_MAX : lo), b = order_of(hi > DBL_MAX ? DBL_MAX : hi);
-    /* b - a needs 64 bits: in two halves */
     return number_at((int64_t)((double)a * (1 - fraction) + (double)b * fraction));
 }
 
@@ -113,7 +113,8 @@ static bool go(sgt_root *r, double t, sgt_move move)
         r->t_err = P(BRACKETED) != 0 ? fmax(r->t - r->lo, r->hi - r->t) : HUGE_VAL;
         return finish(r, SGT_EXHAUSTED);
     }
-    r->t = t < r->lo ? r->lo : t > r->hi ? r->hi : t;
+    t = t < r->lo ? r->lo : t > r->hi ? r->hi : t;
+    r->t = t < -DBL_MAX ? -DBL_MAX : t > DBL_MAX ? DBL_MAX : t; /* never at infinity */
     r->move = move;
     return true;
 }
@@ -155,28 +156,27 @@ sgt_root sgt_root_begin(sgt_span span, const sgt_options *opt)
     return root;
 }
 
-void sgt_root_trust(sgt_root *r) { P(TRUST) = 1; }
-
 /* Shrinks the bracket, or finds one: g at t is defined, its sign certain. */
 static void note(sgt_root *r, double t, double g)
 {
     int s = sign_of(r, g);
     if (s && P(BRACKETED) != 0) {
         if (!(t >= r->lo && t <= r->hi)) return;
-        if (s == sign_of(r, P(GLO))) r->lo = t, P(GLO) = g;
+        if (s == P(SLO)) r->lo = t, P(GLO) = g;
         else r->hi = t, P(GHI) = g;
     } else if (s) {
         /* every certain sign known so far is the same: any of those points is an end */
         double other = NAN, gother = NAN;
-        if (!isnan(P(GLO)) && s * sign_of(r, P(GLO)) < 0) other = r->lo, gother = P(GLO);
-        if (!isnan(P(GHI)) && s * sign_of(r, P(GHI)) < 0) other = r->hi, gother = P(GHI);
-        if (!isnan(P(PREV)) && s * sign_of(r, P(GPREV)) < 0) other = P(PREV), gother = P(GPREV);
-        if (t == r->lo) P(GLO) = g;
-        if (t == r->hi) P(GHI) = g;
+        if (s * P(SLO) < 0) other = r->lo, gother = P(GLO);
+        if (s * P(SHI) < 0) other = r->hi, gother = P(GHI);
+        if (s * P(SPREV) < 0) other = P(PREV), gother = P(GPREV);
+        if (t == r->lo) P(GLO) = g, P(SLO) = s;
+        if (t == r->hi) P(GHI) = g, P(SHI) = s;
         if (!isnan(other)) {
             bool up = t < other;
             r->lo = up ? t : other, P(GLO) = up ? g : gother;
             r->hi = up ? other : t, P(GHI) = up ? gother : g;
+            P(SLO) = up ? s : -s, P(SHI) = -P(SLO);
             P(BRACKETED) = 1;
             P(STEP) = P(STEP2) = r->hi - r->lo;
         }
@@ -186,12 +186,13 @@ static void note(sgt_root *r, double t, double g)
 void sgt_root_tell(sgt_root *r, double t, double g)
 {
     note(r, t, g);
-    if (P(BRACKETED) == 0) P(PREV) = t, P(GPREV) = g;
+    if (P(BRACKETED) == 0) P(PREV) = t, P(GPREV) = g, P(SPREV) = sign_of(r, g);
 }
 
 static bool bisect(sgt_root *r)
 {
-    double m = middle(r->lo, r->hi);
+    bool endless = !(r->lo > -HUGE_VAL && r->hi < HUGE_VAL);
+    double m = endless ? among_numbers(r->lo, r->hi, 0.5) : middle(r->lo, r->hi);
     P(BISECTIONS)++;
     if (P(BISECTIONS) > 16 && ((int)P(BISECTIONS) & 1) == 0) m = among_numbers(r->lo, r->hi, 0.5);
     if (!(m > r->lo && m < r->hi)) m = middle(r->lo, r->hi);
@@ -207,7 +208,7 @@ static bool look_elsewhere(sgt_root *r)
     if (isnan(P(GLO)) && isfinite(r->lo) && P(SAMPLED) < 1) return P(SAMPLED) = 1, go(r, r->lo, SGT_SEED);
     if (isnan(P(GHI)) && isfinite(r->hi) && P(SAMPLED) < 2) return P(SAMPLED) = 2, go(r, r->hi, SGT_SEED);
     if (P(SAMPLED) < 2) P(SAMPLED) = 2;
-    if (P(SINGLE) != 0 && sign_of(r, P(GLO)) * sign_of(r, P(GHI)) > 0) {
+    if (P(SINGLE) != 0 && P(SLO) * P(SHI) > 0) {
         r->t = NAN;
         return finish(r, SGT_MISS);
     }
@@ -248,12 +249,12 @@ static bool probe_next(sgt_root *r)
     double c = P(CANDIDATE);
     for (int side = -1; side <= 1; side += 2) {
         int at = side < 0 ? LEFT : RIGHT;
-        double end = side < 0 ? r->lo : r->hi, gend = side < 0 ? P(GLO) : P(GHI), t;
+        double end = side < 0 ? r->lo : r->hi, gend = side < 0 ? P(GLO) : P(GHI), send = side < 0 ? P(SLO) : P(SHI), t;
         if (r->private_[at] != 0) continue;
         t = c + side * P(WIDTH);
         if (side < 0 ? t <= end : t >= end) { /* the end of what may be asked */
-            if (!isnan(gend) && sign_of(r, gend) != 0) {
-                r->private_[at] = sign_of(r, gend);
+            if (send != 0) {
+                r->private_[at] = send;
                 continue;
             }
             if (!isnan(gend) || c == end) { /* nothing certain on this side at all */
@@ -276,12 +277,12 @@ static bool probe_next(sgt_root *r)
 static bool probe_begin(sgt_root *r, double g, double slope)
 {
     double w = 2 * (fabs(g) + r->g_err) / fabs(slope);
-    P(CANDIDATE) = r->t, P(GCANDIDATE) = g;
+    P(CANDIDATE) = r->t;
     P(LEFT) = P(RIGHT) = P(SIDE) = 0;
     if (!isfinite(w)) w = 0; /* the slope is of no use: begin at an ulp and widen */
     P(WIDTH) = fmax(fmax(w, P(T_TOL)), ulp(r->t));
-    if (P(TRUST) != 0 || (g == 0 && P(BRACKETED) != 0)) {
-        r->t_err = g == 0 && r->g_err == 0 ? 0 : w;
+    if (g == 0 && r->g_err == 0 && P(BRACKETED) != 0) { /* the root itself */
+        r->t_err = 0;
         return finish(r, SGT_HIT);
     }
     return probe_next(r);
@@ -292,7 +293,7 @@ static bool probe_tell(sgt_root *r, double g, bool *more)
 {
     int side = P(SIDE) < 0 ? -1 : 1, s = isnan(g) ? 0 : sign_of(r, g);
     P(SIDE) = 0;
-    if (P(BRACKETED) != 0 && s != 0 && s != sign_of(r, side < 0 ? P(GLO) : P(GHI))) return false;
+    if (P(BRACKETED) != 0 && s != 0 && s != P(side < 0 ? SLO : SHI)) return false;
     if (s == 0) {
         P(WIDTH) *= 4;
         if (isnan(g) || !isfinite(P(WIDTH))) { /* the candidate lies at the edge of the domain */
@@ -319,10 +320,10 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
     if (isnan(g)) return retreat(r);
 
     note(r, r->t, g);
-    P(PREV) = r->t, P(GPREV) = g;
+    P(PREV) = r->t, P(GPREV) = g, P(SPREV) = sign_of(r, g);
     if (P(F_TOL) > 0 && fabs(g) <= P(F_TOL)) {
         r->t_err = 2 * (fabs(g) + r->g_err) / fabs(slope); /* twice the first order, for the second */
-        if (!isfinite(r->t_err)) r->t_err = r->hi - r->lo;
+        if (g != 0 && !(r->t_err > 0 && r->t_err < HUGE_VAL)) r->t_err = fmax(r->t - r->lo, r->hi - r->t); /* a slope that says nothing */
         return finish(r, SGT_HIT);
     }
     if (sign_of(r, g) == 0) return probe_begin(r, g, slope);

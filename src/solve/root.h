@@ -9,10 +9,6 @@ enum { SGT_DEFAULT_EVALS = 2000 };
  * march has found); before the first sgt_root_next.  It costs no budget. */
 void sgt_root_tell(sgt_root *r, double t, double g);
 
-/* Promises that the slope is the true one and does not vanish in [lo, hi], so that
- * |g| <= g_err at t needs no probes beside t to be called a hit. */
-void sgt_root_trust(sgt_root *r);
-
 /* Every number an option may hold: none NaN, none negative. */
 static inline bool sgt_options_valid(const sgt_options *o)
 {

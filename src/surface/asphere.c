@@ -98,6 +98,7 @@ static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_opti
     int terms = terms_of(s);
     if (!terms) return sgt_conic_meet(s->c, s->k, s->semi_diameter, ray, opt);
     shape h = shape_of(s, terms);
+    if (!rim_in_range(h.rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
     meeting at;
     double seed;
     tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};

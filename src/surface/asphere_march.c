@@ -53,12 +53,14 @@ static double reach2(const shape *s, const sgt_ray *ray)
     double b[8] = {0}, lead, growth = 2 * fabs(n) / sqrt(a);
     for (int i = 0; i <= top; i++) b[i] = fabs(s->a[i]);
     if (k1 == 0) b[0] = fabs(s->a[0] + 0.5 * s->c);  /* a paraboloid is a term like the others */
-    else if (s->c != 0) growth += 1 / sqrt(-k1);     /* a hyperboloid grows as its asymptote */
+    else if (k1 < 0 && s->c != 0) growth += 1 / sqrt(-k1); /* a hyperboloid grows as its asymptote */
+    else b[0] += fabs(s->c);                         /* an ellipsoid so flat that its rim is out of range */
     while (top > 0 && b[top] == 0) top--;
     lead = b[top];
     double count = top + 3, reach = pow(count * z0 / lead, 1.0 / (top + 1));
     reach = fmax(reach, pow(count * growth / lead, 1 / (top + 0.5)));
     for (int i = 0; i < top; i++) reach = fmax(reach, pow(count * b[i] / lead, 1.0 / (top - i)));
+    if (!(reach < 0x1p1000 && z0 < HUGE_VAL && growth < HUGE_VAL)) return HUGE_VAL;
     /* up to a power of two, so that lengths times 2^k give the same cells times 2^k */
     int exponent;
     frexp(1.01 * reach, &exponent);
@@ -145,8 +147,9 @@ static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
     double sag = conic_sag(s->c, s->k, rho, &phi, &slope) + polynomial(s->terms, s->a, rho, &dp);
     double scale = scale_of(ray->d), t0 = (sag - ray->o.z) / (ray->d.z * scale);
     meeting at;
-    if (!(fabs(t0) < HUGE_VAL) || !sgt_form_settle(s, ray, t0, 0, &at, &v_err, told) || !(at.v > v_err))
-        return hit_without(SGT_UNPROVEN, ray, told->evals);
+    bool settled = fabs(t0) < HUGE_VAL && sgt_form_settle(s, ray, t0, 0, &at, &v_err, told);
+    if (told->stopped) return hit_without(SGT_STOPPED, ray, told->evals);
+    if (!settled || !(at.v > v_err)) return hit_without(SGT_UNPROVEN, ray, told->evals);
     if (!counts(&at, ray, s->rim2, scale)) return hit_without(SGT_MISS, ray, told->evals);
     return hit_at(&at, SGT_HIT, asphere_f(s, at.p), SGT_NEWTON, ray, told);
 }
@@ -155,11 +158,13 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
 {
     const sgt_options *opt = told->opt;
     walk w = {.s = s, .ray = ray, .told = told};
+    if (!(s->domain2 > TINY)) return hit_without(SGT_UNPROVEN, ray, told->evals); /* r^2 is out of range */
     if (ray->d.x == 0 && ray->d.y == 0) return parallel(s, ray, told);
     stretch chord = sgt_chord(ray, s->domain2 < HUGE_VAL ? s->domain2 : reach2(s, ray));
     double scale = scale_of(ray->d), lo = fmax(chord.lo, ray->tmin), hi = fmin(chord.hi, ray->tmax);
     if (chord.lo > chord.hi || lo > hi) return hit_without(SGT_MISS, ray, told->evals);
     lo /= scale, hi /= scale;
+    hi += 0x1p-44 * fabs(hi); /* a root at tmax is to be inside: `counts` has the last word */
     /* the point of the stretch nearest the vertex: the stretch itself may lie far from it */
     w.q = local_at(ray, fmin(fmax(nearest_to_vertex(ray), lo), hi), 0);
     lo -= w.q.t0, hi -= w.q.t0;
@@ -177,7 +182,7 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
         if (!(m > tau && end > m)) m = nextafter(tau, HUGE_VAL), end = nextafter(m, HUGE_VAL);
         h = fmax(m - tau, end - m); /* as they came out, not as they were meant */
         sample e = look(&w, m, SGT_MARCH, tau, hi);
-        double bend = sgt_form_bend(s, &w.q, &e, m, h), slope = fabs(e.slope);
+        double bend = sgt_form_bend(s, &w.q, &e, h), slope = fabs(e.slope);
         bool empty = fabs(e.g) > (slope + e.slope_err) * h + 0.5 * bend * h * h + e.g_err || sgt_form_apart(s, &w.q, &e, h);
         bool monotone = !empty && slope - e.slope_err > bend * h;
         if ((empty || monotone) && pending) {

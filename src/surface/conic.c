@@ -82,8 +82,9 @@ SGT_INLINE quick_answer quick(double c, double k, double rim2, const sgt_ray *ra
     g.Ba = fabs(q.n) + ca * (q.xa * fabs(q.l) + q.ya * fabs(q.m));   /* x itself, *, +, c, -: 5 */
     g.Ca = ca * (q.xa * q.xa + q.ya * q.ya);             /* x twice, *, +, c: 5 */
     double D = B * B - g.A * C, size = g.Ba * g.Ba + g.Aa * g.Ca;
-    if (D < -D_MIN * size) return QUICK_MISS;
-    bool ranges = size > TINY && (g.Ca > TINY || q.xa + q.ya == 0) && g.Aa > TINY; /* else something has underflown */
+    double r2 = q.xa * q.xa + q.ya * q.ya;
+    bool ranges = size > TINY && g.Aa > TINY && (r2 > TINY || r2 + q.xa + q.ya == 0); /* else something has underflown */
+    if (D < -D_MIN * size && ranges) return QUICK_MISS;
     if (!(D > D_MIN * size && ranges)) return QUICK_HARD;
     g.S = sqrt(D);
     double b = B + copysign(g.S, B), tau = C / b; /* the other root is b / A: away where A = 0 */
@@ -219,9 +220,10 @@ static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, m
         r[i] = refined(c, k, careful_root_at(&g, tau[i], e, S.hi, ray, rim2), &g.q, ray, rim2, w);
     }
     /* A within its rounding of 0: the far root is farther than the near one by 2^90, if anywhere */
-    if (far_unknown && !(r[0].counts && r[0].sheet > 0)) {
+    if (far_unknown) {
         double away = 0.25 * fabs(b.hi) / dA * g.U * g.q.scale;
-        if (!(ray->tmax < away && ray->tmin > -away)) return SGT_UNPROVEN;
+        bool near_counts = r[0].counts && r[0].sheet > 0, after = ray->tmax >= away, before_it = ray->tmin <= -away;
+        if (near_counts ? before_it && pick != SGT_NEAR_SEED : after || before_it) return SGT_UNPROVEN;
     }
     if (!far_exists) r[1].counts = false;
     int first = pick == SGT_NEAR_SEED || !r[1].counts || before(&r[0].at, &r[1].at) ? 0 : 1;
@@ -267,6 +269,7 @@ SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray 
     tally w = {.opt = opt, .budget = 100}; /* of settling, that takes nine at most */
     sgt_status status;
     if (!((c - c) + (k - k) + (semi_diameter - semi_diameter) == 0 && semi_diameter >= 0)) return hit_without(SGT_INVALID, ray, 0); /* x - x: NaN unless finite */
+    if (!rim_in_range(rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
     if (c == 0) {
         status = plane(rim2, ray, &at);
     } else {

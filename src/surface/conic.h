@@ -72,7 +72,7 @@ stretch sgt_chord(const sgt_ray *ray, double radius2);
 /* The square of the greatest r where the sag is defined and, with a rim, wanted. */
 SGT_INLINE double domain2_of(double c, double k, double semi_diameter)
 {
-    double k1 = 1 + k, rim2 = rim2_of(semi_diameter), edge2 = k1 > 0 && c != 0 ? 1 / (k1 * c * c) * (1 + 8 * SGT_U) : HUGE_VAL;
+    double k1 = 1 + k, rim2 = rim2_of(semi_diameter), edge = k1 > 0 && c != 0 ? 1 / (fabs(c) * sqrt(k1)) : HUGE_VAL, edge2 = edge * edge * (1 + 16 * SGT_U);
     return rim2 < edge2 ? rim2 : edge2;
 }
 

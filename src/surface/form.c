@@ -45,10 +45,9 @@ sample sgt_form_sample(const shape *s, const local *q, double tau)
     return e;
 }
 
-double sgt_form_bend(const shape *s, const local *q, const sample *at, double tau, double h)
+double sgt_form_bend(const shape *s, const local *q, const sample *at, double h)
 {
     double xl = fabs(at->x) + h * fabs(q->l), ym = fabs(at->y) + h * fabs(q->m);
-    (void)tau;
     double a = q->l * q->l + q->m * q->m, half = fabs(at->x * q->l + at->y * q->m) + h * a;
     /* rho over the cell is at most the larger end, and that at most (|x| + h|l|)^2 + ...; the exact end
        is tighter: rho + 2 h |rho'/2| + a h^2 */
@@ -82,7 +81,9 @@ bool sgt_form_apart(const shape *s, const local *q, const sample *at, double h)
 {
     double a = q->l * q->l + q->m * q->m, half = fabs(at->x * q->l + at->y * q->m), rho = at->x * at->x + at->y * at->y, second;
     double high = (rho + 2 * half * h + a * h * h) * (1 + 0x1p-40), low = half < a * h ? rho - half * half / a : rho - 2 * half * h + a * h * h;
-    low = fmax(0, low - 0x1p-40 * high);
+    double blur = 4 * SGT_U * (fabs(at->x) * at->ex + fabs(at->y) * at->ey); /* of rho, by the coordinates */
+    high += blur;
+    low = fmax(0, low - 0x1p-40 * high - blur);
     double edge = s->ck * s->c > 0 ? 1 / (s->ck * s->c) * (1 + 0x1p-40) : HUGE_VAL;
     if (low > edge) return true;
     if (high > edge) high = edge;
@@ -95,7 +96,7 @@ bool sgt_form_apart(const shape *s, const local *q, const sample *at, double h)
 
 int sgt_form_side(const shape *s, const sample *at)
 {
-    double rho = at->x * at->x + at->y * at->y, slack = 0x1p-46 * rho, edge = s->ck * s->c * (rho + slack);
+    double rho = at->x * at->x + at->y * at->y, slack = 0x1p-46 * rho + 4 * SGT_U * (fabs(at->x) * at->ex + fabs(at->y) * at->ey), edge = s->ck * s->c * (rho + slack);
     if (!(edge < 1 - 0x1p-40)) return 0;
     double near = sag_bound(s, fmax(0, rho - slack), 1), far = sag_bound(s, rho + slack, -1);
     return at->w - at->w_err > fmax(near, far) ? 1 : at->w + at->w_err < fmin(near, far) ? -1 : 0;
@@ -107,7 +108,7 @@ bool sgt_form_certify(const shape *s, const local *q, const sample *at, double t
     double h = 1.25 * g / slope;
     *steady = false;
     if (!(slope > 0 && h < HUGE_VAL)) return false;
-    double bend = sgt_form_bend(s, q, at, tau, h);
+    double bend = sgt_form_bend(s, q, at, h);
     if (!(8 * bend * g <= slope * slope)) return false;
     double step = -at->g / at->slope, curved = 0.5 * bend * h * h, noise = at->g_err + fabs(step) * at->slope_err;
     double tau_err = 1.01 * (noise + curved) / slope + 2 * SGT_U * fabs(step);

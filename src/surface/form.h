@@ -68,7 +68,7 @@ sample sgt_form_sample(const shape *s, const local *q, double tau);
 sample sgt_form_sample_fine(const shape *s, const sgt_ray *ray, const local *q, double tau);
 
 /* A bound on |d2G/dtau2| over [tau - h, tau + h]; at: the sample at tau. */
-double sgt_form_bend(const shape *s, const local *q, const sample *at, double tau, double h);
+double sgt_form_bend(const shape *s, const local *q, const sample *at, double h);
 
 /* No root on the sheet in [tau - h, tau + h], for certain: there z - P and the conic's sag have no value
  * in common.  at: the sample at tau. */

@@ -70,6 +70,7 @@ SGT_INLINE local local_at_vertex_plane(const sgt_ray *ray)
     q.y = sy.hi + (sy.lo + py.lo + q.t0_lo * q.m);
     q.z = 0;
     q.t0_err = 8 * SGT_U * fabs(q.t0_lo);
+    if (fabs(ray->o.z) < 0x1p-900 && ray->o.z != 0) q.t0_err += 0x1p-1074 * fabs(inverse); /* the remainder has underflown */
     /* the small terms are below 4 u (|o| + |t0 l|), and rounded four times */
     q.xa = fabs(q.x) + 16 * SGT_U * (fabs(ray->o.x) + fabs(px.hi));
     q.ya = fabs(q.y) + 16 * SGT_U * (fabs(ray->o.y) + fabs(py.hi));
@@ -145,15 +146,19 @@ SGT_INLINE bool sharp(const meeting *h, double t_tol)
 SGT_INLINE bool counts(const meeting *h, const sgt_ray *ray, double rim2, double scale)
 {
     double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z));
-    bool started = ray->tmin == -HUGE_VAL || (h->t - ray->tmin - h->t_err) * h->slope > START_ULPS * terms * scale;
+    bool started = ray->tmin == -HUGE_VAL || (h->t - ray->tmin - h->t_err - 8 * SGT_U * fabs(h->t)) * h->slope > START_ULPS * terms * scale;
     bool inside = !(h->p.x * h->p.x + h->p.y * h->p.y > rim2);
     return started && h->t <= ray->tmax && inside;
 }
 
 SGT_INLINE double rim2_of(double semi_diameter)
 {
-    return semi_diameter > 0 ? semi_diameter * semi_diameter * SOFT_RIM : HUGE_VAL;
+    if (!(semi_diameter > 0)) return HUGE_VAL;
+    return semi_diameter < 1e150 ? semi_diameter * semi_diameter * SOFT_RIM : 0; /* 0: out of range */
 }
+
+/* Its square is neither lost nor infinite (where there is one). */
+SGT_INLINE bool rim_in_range(double rim2) { return rim2 > TINY; }
 
 SGT_INLINE sgt_hit hit_without(sgt_status status, const sgt_ray *ray, int evals)
 {

@@ -184,7 +184,7 @@ SGT_INLINE bool is_inside(const sgt_hit *hit, double rim2) { return !(hit->p.x *
  * sgt_ray): those within are told from those without by their r^2 alone. */
 static sgt_hit meet(sgt_surface surface, sgt_ray ray, double semi_diameter, const sgt_options *opt, bool *inside)
 {
-    double rim2 = rim2_of(semi_diameter);
+    double rim2 = semi_diameter < 1e150 ? rim2_of(semi_diameter) : HUGE_VAL; /* wider holds whatever can be met */
     sgt_hit hit = sgt_intersect(surface, ray, opt);
     *inside = hit.status > 0 && is_inside(&hit, rim2);
     if (*inside || !(rim2 < HUGE_VAL)) return hit;
@@ -242,7 +242,7 @@ SGT_INLINE sgt_fate refract(sgt_vec3 *d, sgt_vec3 n, double n1, double n2)
     if (Q < 0) return SGT_TIR;
     double along = copysign(sqrt(Q), c) - r * c;
     *d = corrected(plus(times(r, *d), times(along / length, q)));
-    return SGT_PASSED;
+    return fabs(dot(*d, *d) - 1) < 0x1p-40 ? SGT_PASSED : SGT_LOST; /* LOST: indices too unlike for a double */
 }
 
 /* --------------------------------------------------------------- the trace */
