@@ -83,7 +83,7 @@ SGT_INLINE quick_answer quick(double c, double k, double rim2, const sgt_ray *ra
     g.Ca = ca * (q.xa * q.xa + q.ya * q.ya);             /* x twice, *, +, c: 5 */
     double D = B * B - g.A * C, size = g.Ba * g.Ba + g.Aa * g.Ca;
     double r2 = q.xa * q.xa + q.ya * q.ya;
-    bool ranges = size > TINY && g.Aa > TINY && (r2 > TINY || r2 + q.xa + q.ya == 0); /* else something has underflown */
+    bool ranges = size > TINY && g.Aa > TINY && (r2 > TINY || r2 + q.xa + q.ya == 0) && (fabs(ray->o.z) > 0x1p-900 || ray->o.z == 0); /* else something has underflown */
     if (D < -D_MIN * size && ranges) return QUICK_MISS;
     if (!(D > D_MIN * size && ranges)) return QUICK_HARD;
     g.S = sqrt(D);
@@ -247,6 +247,7 @@ SGT_INLINE sgt_status plane(double rim2, const sgt_ray *ray, meeting *out)
     local q = ray->d.z != 0 ? local_at_vertex_plane(ray) : local_at(ray, 0, 0);
     double start = ray->tmin > -HUGE_VAL ? ray->tmin : ray->tmax < 0 ? ray->tmax : 0;
     if (ray->d.z == 0) q = local_at(ray, start / q.scale, 0); /* in the plane: every point is a root */
+    if (ray->d.z != 0 && fabs(ray->o.z) < 0x1p-900 && ray->o.z != 0) q.t0_err += 0x1p-1074 / fabs(q.n); /* the remainder has underflown */
     meeting_place(out, &q, 0, 0);
     out->v = 1, out->slope = fabs(q.n), out->n = (sgt_vec3){0, 0, 1}, out->sag = 0;
     if (!(out->t_err < HUGE_VAL)) return SGT_UNPROVEN; /* so nearly parallel that t is out of range */

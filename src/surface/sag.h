@@ -70,7 +70,6 @@ SGT_INLINE local local_at_vertex_plane(const sgt_ray *ray)
     q.y = sy.hi + (sy.lo + py.lo + q.t0_lo * q.m);
     q.z = 0;
     q.t0_err = 8 * SGT_U * fabs(q.t0_lo);
-    if (fabs(ray->o.z) < 0x1p-900 && ray->o.z != 0) q.t0_err += 0x1p-1074 * fabs(inverse); /* the remainder has underflown */
     /* the small terms are below 4 u (|o| + |t0 l|), and rounded four times */
     q.xa = fabs(q.x) + 16 * SGT_U * (fabs(ray->o.x) + fabs(px.hi));
     q.ya = fabs(q.y) + 16 * SGT_U * (fabs(ray->o.y) + fabs(py.hi));
