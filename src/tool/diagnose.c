@@ -70,7 +70,7 @@ static arguments arguments_of(int argc, char *argv[])
     snprintf(all_help, sizeof all_help, "%s%s", help, job_help);
     arguments a = {.method = METHOD_SAFEGUARDED};
     bool rays_of_lens = false;
-    for (int code; (code = getopt_long(argc, argv, "", known, NULL)) != -1;) {
+    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         switch (code) {
         case SURFACE: a.surface = optarg; break;
         case RAY: a.ray = optarg; break;
@@ -106,15 +106,15 @@ static void write_rows(table *t, size_t ray, size_t element, const record *r)
 
 /* Shows a search and what to conclude; is it decided? */
 static bool show(table *t, const arguments *a, size_t number, size_t element, const record *watched, const sgt_hit *hit,
-                 sgt_surface surface, const sgt_ray *ray)
+                 sgt_surface surface, double semi_diameter, const sgt_ray *ray)
 {
     if (a->method == METHOD_SAFEGUARDED) {
         write_rows(t, number, element, watched);
-        explain_safeguarded(t, watched, hit);
+        explain_safeguarded(t, watched, surface, hit);
         return hit->status >= 0;
     }
     int most = a->shared.solver.max_evals ? a->shared.solver.max_evals : BARE_EVALS;
-    record bare = method_run(a->method, surface, ray, most);
+    record bare = method_run(a->method, surface, semi_diameter, ray, most);
     write_rows(t, number, element, &bare);
     explain_bare(t, a->method, &bare, surface, ray, hit);
     return bare.settled;
@@ -135,7 +135,9 @@ static bool diagnose_surface(table *t, const arguments *a, sgt_surface surface, 
     record watched = {.count = 0};
     sgt_options o = watching(a, &watched);
     sgt_hit hit = sgt_intersect(surface, *ray, &o);
-    return show(t, a, 0, 0, &watched, &hit, surface, ray);
+    bool decided = show(t, a, 0, 0, &watched, &hit, surface, 0, ray);
+    if (hit.status == SGT_MISS) explain_miss(t, 0, surface, ray);
+    return decided;
 }
 
 /* -------------------------------------------------------------------- a lens */
@@ -155,12 +157,13 @@ static long evaluations(const arguments *a, const job *j, const launch *l, sgt_p
     return n;
 }
 
-static const launch *chosen_ray(const arguments *a, const job *j)
+/* *how: by what it was chosen, in words. */
+static const launch *chosen_ray(const arguments *a, const job *j, const char **how)
 {
     sgt_passage *passage = memory_take(j->lens.count, sizeof *passage);
     const launch *chosen = NULL;
     long number = 0, most = -1;
-    size_t reached = 0, chosen_reached = 0;
+    size_t reached = 0, chosen_reached = 0, alike = 0;
     sgt_fate fate, chosen_fate = SGT_PASSED;
     if (a->ray && !number_read_integer(a->ray, 0, LONG_MAX, &number))
         fail_usage("--ray: with a lens, the number of a ray, from 0; not \"%s\"", a->ray);
@@ -169,10 +172,13 @@ static const launch *chosen_ray(const arguments *a, const job *j)
         const launch *l = &j->rays.ray[i];
         if (a->ray && l->number != (size_t)number) continue;
         long n = evaluations(a, j, l, passage, &reached, &fate);
+        alike = n > most ? 1 : alike + (n == most);
         if (n > most) chosen = l, most = n, chosen_reached = reached, chosen_fate = fate;
     }
     if (!j->rays.count) fail_input("there are no rays");
-    if (!chosen) fail_usage("--ray %s: there is no such ray", a->ray);
+    if (!chosen) fail_usage("--ray %s: there is no such ray; there %s %zu, counted from 0", a->ray, j->rays.count == 1 ? "is" : "are", j->rays.count);
+    *how = a->ray || j->rays.count == 1 ? "" : alike == 1 ? ", the one that took most evaluations"
+         : alike == j->rays.count ? ", the first; each took as many evaluations" : ", the first of those that took most evaluations";
     if ((size_t)a->element > chosen_reached)
         fail_usage("--element %ld: ray %zu does not come that far; it is %s at element %zu", a->element, chosen->number,
                    sgt_fate_text(chosen_fate), chosen_reached);
@@ -185,13 +191,13 @@ static sgt_ray own_ray(const sgt_pose *pose, const sgt_ray *ray)
                      .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
 }
 
-static bool diagnose_lens(table *t, const arguments *a, const job *j, const launch *l)
+static bool diagnose_lens(table *t, const arguments *a, const job *j, const launch *l, const char *how)
 {
     sgt_ray ray = l->ray;
     double index = j->lens.object_index;
     bool decided = true;
     table_line(t, "%s: ray %zu%s.", *j->lens.name ? j->lens.name : j->lens.source.source, l->number,
-               a->ray ? "" : ", the one that took most evaluations");
+               how);
     for (size_t i = 0; i < j->lens.count; i++) {
         const sgt_element *e = &j->element[i];
         record watched = {.count = 0};
@@ -202,7 +208,7 @@ static bool diagnose_lens(table *t, const arguments *a, const job *j, const laun
         sgt_trace(1, e, index, &ray, &passage, &fate, &o);
         if (!a->element || (size_t)a->element == i + 1) {
             table_line(t, "\nElement %zu (%s): %s", i + 1, j->lens.surface[i].type, sgt_fate_text(fate));
-            decided = show(t, a, l->number, i, &watched, &passage.hit, e->surface, &before) && decided;
+            decided = show(t, a, l->number, i, &watched, &passage.hit, e->surface, e->semi_diameter, &before) && decided;
         }
         if (fate != SGT_PASSED) return decided && fate >= 0;
         index = j->lens.surface[i].index;
@@ -223,9 +229,10 @@ exit_status command_diagnose(int argc, char *argv[])
         decided = diagnose_surface(t, &a, surface, &rays.ray[0].ray);
     } else {
         job j = job_read(&a.job);
-        const launch *l = chosen_ray(&a, &j);
+        const char *how = "";
+        const launch *l = chosen_ray(&a, &j, &how);
         t = table_begin(&a.shared.target, HEAD_COUNT, head);
-        decided = diagnose_lens(t, &a, &j, l);
+        decided = diagnose_lens(t, &a, &j, l, how);
     }
     table_end(t);
     return decided ? EXIT_DECIDED : EXIT_UNDECIDED;

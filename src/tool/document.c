@@ -139,7 +139,12 @@ node *document_take(const node *map, const char *key)
 void document_finish(const document *d, const node *map, const char *known)
 {
     for (size_t i = 0; i < map->count; i++)
-        if (!map->taken[i]) document_fail(d, map->key[i], map->key[i]->text, "unknown key; known here: %s", known);
+        if (!map->taken[i]) {
+            const char *key = map->key[i]->text;
+            bool digits = *key && key[strspn(key, "0123456789")] == 0; /* {radius: 51,68} */
+            document_fail(d, map->key[i], key, "unknown key; %sknown here: %s",
+                          digits ? "a decimal point is wanted, not a comma?  " : "", known);
+        }
 }
 
 double document_number(const document *d, const node *n, const char *key, number_range range)
@@ -148,6 +153,8 @@ double document_number(const document *d, const node *n, const char *key, number
     double value;
     bool good = number_read(n->text, &value);
     /* JSON has no infinity but as a string */
+    if (!good && !n->quoted && n->text[strspn(n->text, "+-0123456789")] == ',')
+        document_fail(d, n, key, "must be a number, and \"%.60s\" is none; a decimal point is wanted, not a comma", n->text);
     if (!good || (n->quoted && !isinf(value))) document_fail(d, n, key, "must be a number, and \"%.60s\" is none", n->text);
     if (isnan(value) || (range == NUMBER_FINITE && isinf(value))) document_fail(d, n, key, "must be finite, not %.60s", n->text);
     return value;

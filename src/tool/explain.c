@@ -5,12 +5,37 @@
 #include "number.h"
 
 #include <math.h>
+#include <sagitta/surfaces.h>
 #include <stdio.h>
 
 enum { ROOT_SIZE = 4 * NUMBER_SIZE };
 
+/* What a person at the command can do; the library's own words are for who calls it. */
+static const char *advice(sgt_verdict v, method m, const record *r)
+{
+    bool own = m == METHOD_SAFEGUARDED, normalised = m == METHOD_NORMALISED;
+    if (!own && method_only_retreated(r)) return "backing off: halving t leads from one undefined point to the next";
+    switch (v) {
+    case SGT_LINEAR:
+        return normalised ? "linear: a constant factor a step, for the gradient was scaled to unit length"
+                          : "linear: a constant factor a step; the ray grazes: two roots lie together, or nearly";
+    case SGT_BISECTING:
+        return own ? "bisecting: the bracket did the work, where Newton's steps would have left it; the answer holds all the same"
+                   : "bisecting: half the bracket a step, as the method is";
+    case SGT_OSCILLATING:
+        return normalised ? "oscillating: to and fro without closing in, as a gradient scaled to unit length does"
+             : own ? "oscillating: to and fro without closing in; the rows show where"
+                   : "oscillating: to and fro without closing in; --method safeguarded keeps a bracket that ends it";
+    case SGT_WANDERING:
+        return own ? "wandering: no pattern, or too few steps to tell; the rows show the way it took"
+                   : "wandering: no pattern, or too few steps to tell; compare the rows with --method safeguarded";
+    case SGT_QUADRATIC: case SGT_ROUNDING: break;
+    }
+    return sgt_verdict_text(v);
+}
+
 /* "7 evaluations: 5 Newton, 1 backing off; order 2, rate 0.139." */
-static void verdict(table *t, const record *r)
+static void verdict(table *t, method m, const record *r)
 {
     sgt_diagnosis d = method_diagnose(r);
     const struct { int n; const char *what; } kinds[] = {
@@ -26,7 +51,7 @@ static void verdict(table *t, const record *r)
     }
     if (isfinite(d.order))
         snprintf(text + length, sizeof text - (size_t)length, "; order %.3g, rate %.3g", d.order, d.rate);
-    table_line(t, "%s", sgt_verdict_text(d.verdict));
+    table_line(t, "%s", advice(d.verdict, m, r));
     table_line(t, "%s.", text);
 }
 
@@ -65,11 +90,25 @@ static void answer(table *t, const sgt_hit *hit, double condition)
                    condition > 100 ? "; the ray grazes" : "");
 }
 
-void explain_safeguarded(table *t, const record *r, const sgt_hit *hit)
+/* On an asphere with terms the library works with a polynomial that has the roots of F. */
+static void explain_rows(table *t, const record *r, sgt_surface surface, const sgt_hit *hit)
 {
-    if (r->count > 0) verdict(t, r);
+    const sgt_asphere *s = surface.self;
+    if (surface.ops != &sgt_asphere_ops || r->count < 2) return;
+    double terms = 0;
+    for (int i = 0; i < 8; i++) terms += fabs(s->a[i]);
+    if (terms == 0) return;
+    table_line(t, "%s of the polynomial form", hit->status > 0 ? "f and slope in the rows before the last are" : "f and slope in the rows are");
+    table_line(t, "G = (z - P) - (c r^2 + (1+k) c (z-P)^2)/2, which has the same roots%s.",
+               hit->status > 0 ? "; the last row is F itself" : "");
+}
+
+void explain_safeguarded(table *t, const record *r, sgt_surface surface, const sgt_hit *hit)
+{
+    if (r->count > 0) verdict(t, METHOD_SAFEGUARDED, r);
     else table_line(t, "Answered without an evaluation.");
     answer(t, hit, r->count > 0 ? method_diagnose(r).condition : (double)NAN);
+    explain_rows(t, r, surface, hit);
 }
 
 /* Near a root the normalised step multiplies the error by 1 - |grad F|. */
@@ -87,9 +126,74 @@ static void explain_normalised(table *t, const record *r, sgt_surface surface, c
     else table_line(t, "close to the root it would settle, but it does not come close.  Use the gradient as it is.");
 }
 
+/* The same surface without its rim, if it is one of ours; all of them begin with c, k. */
+typedef struct bare_surface { sgt_conic conic; sgt_asphere asphere; double c, k; bool terms; } bare_surface;
+
+static sgt_surface without_rim(bare_surface *b, sgt_surface s)
+{
+    if (s.ops == &sgt_conic_ops) {
+        b->conic = *(const sgt_conic *)s.self;
+        b->conic.semi_diameter = 0;
+        b->c = b->conic.c, b->k = b->conic.k;
+        return (sgt_surface){s.ops, &b->conic};
+    }
+    b->asphere = *(const sgt_asphere *)s.self;
+    b->asphere.semi_diameter = 0;
+    b->c = b->asphere.c, b->k = b->asphere.k;
+    for (int i = 0; i < 8; i++) b->terms = b->terms || b->asphere.a[i] != 0;
+    return (sgt_surface){s.ops, &b->asphere};
+}
+
+/* How near a line comes to the z axis. */
+static double nearest_to_axis(const sgt_ray *ray)
+{
+    double across = hypot(ray->d.x, ray->d.y);
+    return across == 0 ? hypot(ray->o.x, ray->o.y) : fabs(ray->o.x * ray->d.y - ray->o.y * ray->d.x) / across;
+}
+
+void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
+{
+    if (surface.ops != &sgt_conic_ops && surface.ops != &sgt_asphere_ops) return;
+    const double margin = 1 + 0x1p-30; /* said only where it is clear */
+    bare_surface b = {.terms = false};
+    sgt_surface free = without_rim(&b, surface);
+    sgt_ray line = {.o = ray->o, .d = ray->d, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
+    sgt_hit whole = sgt_intersect(surface, line, NULL);
+    char at[NUMBER_SIZE];
+    if (whole.status > 0) {
+        number_print_short(at, whole.t, 6);
+        table_line(t, "Ray %zu: there is a root at t = %s, and tmin ... tmax, or its own start, leaves it out.", number, at);
+        return;
+    }
+    if (whole.status < 0) return;
+    sgt_hit beyond = sgt_intersect(free, line, NULL);
+    if (beyond.status > 0) {
+        number_print_short(at, hypot(beyond.p.x, beyond.p.y), 6);
+        table_line(t, "Ray %zu: it meets the surface outside semi_diameter only, first at r = %s.", number, at);
+        return;
+    }
+    if (beyond.status < 0) return;
+    double domain = b.k > -1 && b.c != 0 ? 1 / (fabs(b.c) * sqrt(1 + b.k)) : HUGE_VAL;
+    if (nearest_to_axis(ray) > domain * margin) {
+        number_print_short(at, domain, 6);
+        table_line(t, "Ray %zu: it never comes within r = %s of the axis, where the surface is.", number, at);
+    } else if (b.c == 0 && !b.terms && ray->d.z == 0) {
+        table_line(t, "Ray %zu: it is parallel to the surface.", number);
+    } else if (b.c != 0 && !b.terms) {
+        sgt_vec3 o = ray->o, d = ray->d; /* A t^2 - 2 B t + C = 0 of the whole quadric */
+        double A = b.c * (d.x * d.x + d.y * d.y + (1 + b.k) * d.z * d.z);
+        double B = d.z - b.c * (o.x * d.x + o.y * d.y + (1 + b.k) * o.z * d.z);
+        double C = b.c * (o.x * o.x + o.y * o.y + (1 + b.k) * o.z * o.z) - 2 * o.z;
+        if (B * B > A * C + (B * B + fabs(A * C)) * 0x1p-20)
+            table_line(t, "Ray %zu: it meets the quadric on its other sheet only (of a sphere, the far half).", number);
+        else if (B * B < A * C - (B * B + fabs(A * C)) * 0x1p-20)
+            table_line(t, "Ray %zu: it passes the whole quadric by.", number);
+    }
+}
+
 void explain_bare(table *t, method m, const record *r, sgt_surface surface, const sgt_ray *ray, const sgt_hit *hit)
 {
-    if (r->count > 0) verdict(t, r);
+    if (r->count > 0) verdict(t, m, r);
     char end[NUMBER_SIZE], root[ROOT_SIZE];
     number_print(end, r->t, false);
     print_root(root, hit);

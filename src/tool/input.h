@@ -12,4 +12,10 @@ typedef struct input {
 /* path "-": standard input.  A file that cannot be read ends the command. */
 input input_read(const char *path);
 
+/* A usage error if the path is a file that was read, or that is reserved, by whatever name. */
+void output_check(const char *option, const char *path);
+
+/* The same, and an error if it cannot be opened; what is in it stays, until it is written. */
+void output_reserve(const char *option, const char *path);
+
 #endif

@@ -1,5 +1,6 @@
 /* intersect.c - sagitta intersect: one surface, many rays. */
 #include "commands.h"
+#include "explain.h"
 #include "options.h"
 #include "rays.h"
 #include "surface.h"
@@ -51,7 +52,7 @@ static arguments arguments_of(int argc, char *argv[])
     arguments a = {.surface = NULL};
     const char *file = NULL;
     bool skip_bad = false;
-    for (int code; (code = getopt_long(argc, argv, "", known, NULL)) != -1;) {
+    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         switch (code) {
         case SURFACE: a.surface = optarg; break;
         case RAYS: file = optarg; break;
@@ -109,12 +110,15 @@ exit_status command_intersect(int argc, char *argv[])
     sgt_surface surface = surface_parse("--surface", a.surface);
     table *t = table_begin(&a.shared.target, a.rays.named ? HEAD_COUNT : HEAD_COUNT - 1, head);
     size_t count[SGT_GRAZE - SGT_INVALID + 1] = {0}, undecided = 0;
+    const launch *missed = NULL; /* the first that did */
     for (size_t i = 0; i < a.rays.count; i++) {
         sgt_hit h = sgt_intersect(surface, a.rays.ray[i].ray, &a.shared.solver);
         write_row(t, &a.rays.ray[i], &h, a.rays.named);
         count[h.status - SGT_INVALID]++;
         if (h.status < 0) undecided++;
+        if (h.status == SGT_MISS && !missed) missed = &a.rays.ray[i];
     }
+    if (missed && a.shared.target.format == TABLE_TEXT) explain_miss(t, missed->number, surface, &missed->ray);
     write_verdict(t, a.rays.count, count);
     table_end(t);
     return undecided ? EXIT_UNDECIDED : EXIT_DECIDED;

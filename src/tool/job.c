@@ -49,6 +49,7 @@ job job_read(const job_options *o)
     for (size_t i = 0; o->no_apertures && i < j.lens.count; i++) j.element[i].semi_diameter = 0;
     if (o->rays) {
         rays_read(&j.rays, o->rays, o->skip_bad);
+        if (j.rays.ended) note("%s: tmin, tmax: not used through a lens, where the whole line counts", o->rays);
         return j;
     }
     j.field = o->fields ? o->field : j.lens.field;
@@ -56,5 +57,6 @@ job job_read(const job_options *o)
     pupil_pattern pattern = o->grid ? PUPIL_GRID : PUPIL_FAN;
     long n = o->grid ? o->grid : o->fan ? o->fan : FAN_DEFAULT;
     for (size_t f = 0; f < j.fields; f++) launch_field(&j.rays, &j.lens, f, j.field[f], pattern, n);
+    if (!j.rays.count) fail_usage("--grid %ld: no ray of it lies in the pupil's circle; 1, or 3 and more, have some", n);
     return j;
 }

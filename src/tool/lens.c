@@ -101,7 +101,8 @@ static void read_fields(lens *l)
 static sgt_vec3 read_vector(const document *d, const node *n, const char *key)
 {
     double v[3] = {0};
-    if (n && document_numbers(d, n, key, 3, v) != 3) document_fail(d, n, key, "must be three numbers, [x, y, z]");
+    if (n && (n->kind != NODE_LIST || n->count != 3)) document_fail(d, n, key, "must be three numbers, [x, y, z]");
+    if (n) document_numbers(d, n, key, 3, v);
     return (sgt_vec3){v[0], v[1], v[2]};
 }
 
@@ -152,7 +153,8 @@ static void read_surfaces(lens *l, size_t wavelength)
     bool placed = false;
     for (size_t i = 0; i < l->count; i++) {
         document_map(d, list->item[i], "surfaces");
-        placed = placed || document_take(list->item[i], "origin");
+        const node *origin = document_take(list->item[i], "origin");
+        if (origin) placed = true, read_vector(d, origin, "origin");
     }
     double z = 0, before = l->object_index;
     for (size_t i = 0; i < l->count; i++) {
@@ -178,6 +180,8 @@ static void read_surfaces(lens *l, size_t wavelength)
         snprintf(known, sizeof known, "%s; semi_diameter, thickness, index, mirror, stop, decenter, tilt, origin",
                  surface_keys(type, SURFACE_NO_RIM));
         document_finish(d, map, known);
+        if (!placed && i + 1 < l->count && !document_take(map, "thickness"))
+            document_fail(d, map, "thickness", "missing; 0 if that is meant");
     }
 }
 

@@ -29,6 +29,7 @@ typedef struct search {
     sgt_surface surface;
     const sgt_ray *ray;
     record *record;
+    double semi_diameter; /* of the clear aperture; 0: none */
     int left;             /* evaluations that may still be made */
     bool normalised;
 } search;
@@ -111,10 +112,27 @@ static double end_value(search *s, double *end, double other, double *slope)
     return f;
 }
 
+/* An infinite end is cut to the chord of the aperture, x^2 + y^2 <= a^2; along the axis,
+ * where that has no end, to so many times a on both sides of the vertex plane. */
+static void cut_to_aperture(const search *s, sgt_span *span)
+{
+    const double AXIAL = 4;
+    sgt_vec3 o = s->ray->o, d = s->ray->d;
+    double a = s->semi_diameter, across = d.x * d.x + d.y * d.y, nearest = -(o.x * d.x + o.y * d.y) / across;
+    double x = o.x + nearest * d.x, y = o.y + nearest * d.y, half = sqrt((a * a - x * x - y * y) / across);
+    if (!(a > 0) || (isfinite(span->lo) && isfinite(span->hi))) return;
+    double plane = -o.z / d.z, axial = fabs(AXIAL * a / d.z);
+    if (d.z != 0 && !(half <= 1e3 * axial)) nearest = plane, half = axial;
+    if (!isfinite(nearest) || !isfinite(half)) return;
+    span->lo = fmax(span->lo, nearest - half);
+    span->hi = fmin(span->hi, nearest + half);
+}
+
 static void bisect(search *s)
 {
     record *r = s->record;
     sgt_span span = span_of(s);
+    cut_to_aperture(s, &span);
     double lo = span.lo, hi = span.hi, slope;
     if (lo > hi) r->stopped = "the ray passes the surface by: there is no span to halve";
     else if (!isfinite(lo) || !isfinite(hi)) r->stopped = "the span is infinite, and has no middle (a tmin and a tmax of the ray would end it)";
@@ -140,10 +158,17 @@ static void bisect(search *s)
     }
 }
 
-record method_run(method m, sgt_surface s, const sgt_ray *ray, int max_evals)
+bool method_only_retreated(const record *r)
+{
+    for (size_t i = 0; i < r->count; i++)
+        if (!isnan(r->step[i].f) || r->step[i].move != (i ? SGT_RETREAT : SGT_SEED)) return false;
+    return r->count > 1;
+}
+
+record method_run(method m, sgt_surface s, double semi_diameter, const sgt_ray *ray, int max_evals)
 {
     record r = {.t = (double)NAN};
-    search q = {.surface = s, .ray = ray, .record = &r, .left = max_evals, .normalised = m == METHOD_NORMALISED};
+    search q = {.surface = s, .ray = ray, .record = &r, .semi_diameter = semi_diameter, .left = max_evals, .normalised = m == METHOD_NORMALISED};
     if (m == METHOD_BISECTION) bisect(&q);
     else newton(&q);
     return r;

@@ -22,8 +22,12 @@ typedef struct record {
 /* A watcher for sgt_options; data is a record. */
 int method_watch(void *data, const sgt_step *step);
 
-/* Runs one of the bare methods; t is the ray's own. */
-record method_run(method m, sgt_surface s, const sgt_ray *ray, int max_evals);
+/* Runs one of the bare methods; t is the ray's own.  Where the span is infinite, bisection
+ * takes the stretch within the clear aperture (semi_diameter; 0: there is none). */
+record method_run(method m, sgt_surface s, double semi_diameter, const sgt_ray *ray, int max_evals);
+
+/* Did it only back off from one undefined point to the next? */
+bool method_only_retreated(const record *r);
 
 sgt_diagnosis method_diagnose(const record *r);
 

@@ -37,13 +37,13 @@ bool number_read_integer(const char *text, long lowest, long highest, long *valu
     return end != text && *end == 0 && errno == 0 && *value >= lowest && *value <= highest;
 }
 
-static int digits_of(double value)
+/* Prints the shortest decimal that reads back; how many digits it took. */
+static int shortest(char text[NUMBER_SIZE], double value)
 {
-    char text[NUMBER_SIZE];
-    int digits = 15;
-    do snprintf(text, sizeof text, "%.*g", digits, value);
-    while (strtod(text, NULL) != value && ++digits < 17);
-    return digits;
+    for (int digits = 15;; digits++) {
+        snprintf(text, NUMBER_SIZE, "%.*g", digits, value);
+        if (digits == 17 || strtod(text, NULL) == value) return digits;
+    }
 }
 
 void number_print(char text[NUMBER_SIZE], double value, bool hexadecimal)
@@ -56,7 +56,7 @@ void number_print(char text[NUMBER_SIZE], double value, bool hexadecimal)
         snprintf(text, NUMBER_SIZE, "%a", value);
         return;
     }
-    snprintf(text, NUMBER_SIZE, "%.*g", digits_of(value), value);
+    shortest(text, value);
 }
 
 /* Of the digits that were left out, counted in the last that was not: 0.4 of it, say, or
@@ -65,7 +65,7 @@ double number_print_gap(double value)
 {
     char text[2 * NUMBER_SIZE], rest[3 * NUMBER_SIZE], unit[NUMBER_SIZE];
     if (!isfinite(value) || value == 0) return 0;
-    int digits = digits_of(value);
+    int digits = shortest(unit, value);
     snprintf(text, sizeof text, "%.40e", fabs(value)); /* d.ddd ... e+dd */
     char *e = strchr(text, 'e');
     int last = (int)strtol(e + 1, NULL, 10) - digits + 1;

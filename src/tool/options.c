@@ -11,7 +11,7 @@
 
 const char options_help[] =
     "  --t-tol X          stop when t is known to X (lengths of the direction); 0: to rounding\n"
-    "  --max-evals N      give a ray up after N evaluations (1000)\n"
+    "  --max-evals N      give a ray up after N evaluations (2000)\n"
     "  --format F         text (for people, the default), csv or json\n"
     "  --hex              numbers in hexadecimal\n"
     "  --output FILE      write there and not to standard output\n"
@@ -69,6 +69,7 @@ void options_take(shared_options *o, int code, const char *help)
         if (o->solver.t_tol < 0) fail_usage("--t-tol must not be negative");
         return;
     case OPTION_VERSION: options_version(); return;
+    case 'h':
     case OPTION_HELP:
         printf("%s%s", help, options_help);
         exit(EXIT_DECIDED);

@@ -62,23 +62,15 @@ static void stroke(const page *p, double width, double grey)
 
 /* ------------------------------------------------------------ elements */
 
-/* An end of an outline (side: 0 lower, 1 upper) carried on along its own y to height `half`. */
-static spot corner(const outline *o, int side, double half)
-{
-    spot rim = o->at[side ? OUTLINE_POINTS - 1 : 0];
-    double more = (side ? 1 : -1) * (half - o->half);
-    return (spot){rim.z + more * o->up.z, rim.y + more * o->up.y};
-}
-
 static void draw_glass(const page *p, const outline *a, const outline *b)
 {
     double half = fmax(a->half, b->half);
     for (int k = 0; k < OUTLINE_POINTS; k++) line_to(p, a->at[k]);
-    line_to(p, corner(a, 1, half));
-    line_to(p, corner(b, 1, half));
+    line_to(p, scene_corner(a, 1, half));
+    line_to(p, scene_corner(b, 1, half));
     for (int k = OUTLINE_POINTS - 1; k >= 0; k--) line_to(p, b->at[k]);
-    line_to(p, corner(b, 0, half));
-    line_to(p, corner(a, 0, half));
+    line_to(p, scene_corner(b, 0, half));
+    line_to(p, scene_corner(a, 0, half));
     cairo_close_path(p->cr);
     cairo_set_source_rgb(p->cr, 0.89, 0.93, 0.96);
     cairo_fill(p->cr);
@@ -89,10 +81,10 @@ static void draw_edges(const page *p, const outline *a, const outline *b)
 {
     double half = fmax(a->half, b->half);
     for (int side = 0; side < 2; side++) {
-        line_to(p, corner(a, side, a->half));
-        line_to(p, corner(a, side, half));
-        line_to(p, corner(b, side, half));
-        line_to(p, corner(b, side, b->half));
+        line_to(p, scene_corner(a, side, a->half));
+        line_to(p, scene_corner(a, side, half));
+        line_to(p, scene_corner(b, side, half));
+        line_to(p, scene_corner(b, side, b->half));
         stroke(p, SURFACE, 0.15);
     }
 }
@@ -115,22 +107,16 @@ static void draw_hatching(const page *p, const outline *o)
     stroke(p, THIN, 0.35);
 }
 
-/* Outside the aperture, and outside the glass whose face it is on. */
-static void draw_stop(const page *p, const outline *o, double half)
+/* From the aperture outward, across the glass where that is wider. */
+static void draw_stop(const page *p, const outline *o)
 {
     for (int side = 0; side < 2; side++) {
         double sign = side ? 1 : -1;
-        dot d = on_page(p, corner(o, side, half));
+        dot d = on_page(p, scene_corner(o, side, o->half));
         cairo_move_to(p->cr, d.x, d.y);
         cairo_line_to(p->cr, d.x + sign * STOP_TICK * o->up.z, d.y - sign * STOP_TICK * o->up.y);
         stroke(p, LEGEND_STOP_WIDTH, 0);
     }
-}
-
-static bool glass_behind(const scene *s, size_t i)
-{
-    const lens *l = &s->job->lens;
-    return i + 1 < l->count && l->surface[i].index != 1 && s->outline[i].half > 0 && s->outline[i + 1].half > 0;
 }
 
 static void draw_surfaces(const page *p, const scene *s)
@@ -139,13 +125,10 @@ static void draw_surfaces(const page *p, const scene *s)
     for (size_t i = 0; i < s->job->lens.count; i++) {
         const outline *o = &s->outline[i];
         if (o->half == 0) continue;
-        if (glass_behind(s, i)) draw_edges(p, o, &s->outline[i + 1]);
+        if (scene_glass_behind(s, i)) draw_edges(p, o, &s->outline[i + 1]);
         if (o->mirror) draw_hatching(p, o);
         if (o->stop) {
-            double half = o->half;
-            if (glass_behind(s, i)) half = fmax(half, s->outline[i + 1].half);
-            if (i > 0 && glass_behind(s, i - 1)) half = fmax(half, s->outline[i - 1].half);
-            draw_stop(p, o, half);
+            draw_stop(p, o);
             if (o->dummy) continue; /* a hole, and no surface */
         }
         for (int k = 0; k < OUTLINE_POINTS; k++) line_to(p, o->at[k]);
@@ -230,7 +213,7 @@ void picture_write(const char *file, const scene *s)
     cairo_set_source_rgb(p.cr, 1, 1, 1);
     cairo_paint(p.cr);
     for (size_t i = 0; i < s->job->lens.count; i++)
-        if (glass_behind(s, i)) draw_glass(&p, &s->outline[i], &s->outline[i + 1]);
+        if (scene_glass_behind(s, i)) draw_glass(&p, &s->outline[i], &s->outline[i + 1]);
     draw_axis(&p, s);
     draw_rays(&p, s);
     draw_surfaces(&p, s);

@@ -146,9 +146,11 @@ static void read_header(reader *r, int place[COLUMN_COUNT])
     for (int f = 0; f < r->count; f++) {
         int c = 0;
         while (c < COLUMN_COUNT && strcmp(r->field[f], column_name[c]) != 0) c++;
-        if (c == COLUMN_COUNT)
-            fail_input("%s:%zu: %.60s: unknown column; known are ox, oy, oz, dx, dy, dz, tmin, tmax, id", source,
-                       r->line, r->field[f]);
+        if (c == COLUMN_COUNT) {
+            double x;
+            fail_input("%s:%zu: %.60s: unknown column; %sknown are ox, oy, oz, dx, dy, dz, tmin, tmax, id", source, r->line,
+                       r->field[f], number_read(r->field[f], &x) ? "is the header missing?  " : "");
+        }
         if (place[c] >= 0) fail_input("%s:%zu: %s: a column given twice", source, r->line, column_name[c]);
         place[c] = f;
     }
@@ -175,6 +177,7 @@ void rays_read(ray_list *list, const char *path, bool skip_bad)
     size_t number = 0, skipped = 0, first_line = 0;
     r.at = r.file.text;
     read_header(&r, place);
+    list->ended = place[TMIN] >= 0 || place[TMAX] >= 0;
     list->named = place[ID] >= 0;
     int columns = r.count;
     for (; next_line(&r); number++) {
@@ -189,6 +192,7 @@ void rays_read(ray_list *list, const char *path, bool skip_bad)
             memcpy(first_why, why, sizeof first_why);
         }
     }
+    if (number == 0) fail_input("%s: a header row and no rays under it", r.file.name);
     if (skipped)
         note("%s: %zu bad row%s skipped, the first in line %zu: %s", r.file.name, skipped, skipped == 1 ? "" : "s",
              first_line, first_why);

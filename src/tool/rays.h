@@ -13,6 +13,7 @@ typedef struct launch {
 typedef struct ray_list {
     size_t count, capacity;
     launch *ray;
+    bool ended;         /* the file has a column tmin or tmax */
     bool named;         /* the file has a column `id` */
 } ray_list;
 

@@ -74,6 +74,19 @@ static outline outline_of(const scene *s, size_t i, double back)
     return o;
 }
 
+bool scene_glass_behind(const scene *s, size_t i)
+{
+    const lens *l = &s->job->lens;
+    return i + 1 < l->count && l->surface[i].index != 1 && s->outline[i].half > 0 && s->outline[i + 1].half > 0;
+}
+
+spot scene_corner(const outline *o, int side, double half)
+{
+    spot rim = o->at[side ? OUTLINE_POINTS - 1 : 0];
+    double more = (side ? 1 : -1) * (half - o->half);
+    return (spot){rim.z + more * o->up.z, rim.y + more * o->up.y};
+}
+
 /* ----------------------------------------------------------------- extent */
 
 static void include(scene *s, spot p)
@@ -81,6 +94,16 @@ static void include(scene *s, spot p)
     if (!isfinite(p.z) || !isfinite(p.y)) return;
     s->low = (spot){fmin(s->low.z, p.z), fmin(s->low.y, p.y)};
     s->high = (spot){fmax(s->high.z, p.z), fmax(s->high.y, p.y)};
+}
+
+/* The edge of the glass behind element i is as wide as the wider of its faces. */
+static void include_edges(scene *s, size_t i)
+{
+    const outline *a = &s->outline[i], *b = a + 1;
+    for (int side = 0; side < 2; side++) {
+        include(s, scene_corner(a, side, fmax(a->half, b->half)));
+        include(s, scene_corner(b, side, fmax(a->half, b->half)));
+    }
 }
 
 /* How far from `a` toward `b` (0 ... 1) one coordinate comes inside [low, high]. */
@@ -125,6 +148,8 @@ void scene_finish(scene *s)
         for (int k = 0; k < OUTLINE_POINTS; k++) include(s, s->outline[i].at[k]);
         if (l->surface[i].mirror) back = -back;
     }
+    for (size_t i = 0; i < l->count; i++)
+        if (scene_glass_behind(s, i)) include_edges(s, i);
     double size = fmax(s->high.z - s->low.z, s->high.y - s->low.y);
     s->lead = LEAD * (size > 0 ? size : 1);
     spot low = s->low, high = s->high;

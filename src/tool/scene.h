@@ -42,4 +42,10 @@ void scene_add(scene *s, size_t field, size_t points, const sgt_vec3 point[], sg
 /* When all rays are in: outlines and extent. */
 void scene_finish(scene *s);
 
+/* Is there glass to be drawn from element i to the next? */
+bool scene_glass_behind(const scene *s, size_t i);
+
+/* An end of an outline (side: 0 lower, 1 upper) carried on along its own y to height `half`. */
+spot scene_corner(const outline *o, int side, double half);
+
 #endif

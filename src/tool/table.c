@@ -1,6 +1,7 @@
 /* table.c - text, csv and json from one stream of cells. */
 #include "table.h"
 
+#include "input.h"
 #include "memory.h"
 #include "number.h"
 
@@ -27,6 +28,7 @@ table *table_begin(const table_target *target, size_t columns, const column *hea
 {
     table *t = memory_take(1, sizeof *t);
     *t = (table){.to = *target, .file = stdout, .columns = columns, .column = head};
+    if (t->to.path) output_check("output", t->to.path);
     if (t->to.path && !(t->file = fopen(t->to.path, "w"))) fail_input("%s: %s", t->to.path, strerror(errno));
     if (t->to.format == TABLE_JSON) fputs("[", t->file);
     for (size_t i = 0; i < columns && t->to.format == TABLE_CSV; i++)

@@ -1,6 +1,7 @@
 /* trace.c - sagitta trace: rays through a lens. */
 #include "commands.h"
 #include "frame.h"
+#include "input.h"
 #include "job.h"
 #include "memory.h"
 #include "picture.h"
@@ -19,6 +20,13 @@ static const char help[] =
     "surface, t from the element before and a bound on its error, the optical path length\n"
     "from the launch, and the evaluations spent.  Object at infinity: the rays of a field\n"
     "start on a common wavefront.\n"
+    "\n"
+    "A lens file is YAML; docs/lens_file.md has every key, examples/lenses complete files.\n"
+    "  file:     name, units, wavelengths: [um], object: {distance, index},\n"
+    "            pupil: {semi_diameter, distance}, fields: [degrees], surfaces: [...]\n"
+    "  surface:  type, radius or curvature, conic, coefficients, semi_diameter,\n"
+    "            thickness (to the next), index (behind it), mirror, stop,\n"
+    "            decenter and tilt: [x, y, z]; or origin and tilt in all of them\n"
     "\n";
 static const char more_help[] =
     "  --frame F          local (the default): points and directions in each surface's own\n"
@@ -49,10 +57,10 @@ static arguments arguments_of(int argc, char *argv[])
         {"frame", required_argument, NULL, FRAME}, {"svg", required_argument, NULL, SVG},
         JOB_OPTIONS, SHARED_OPTIONS, {0},
     };
-    char all_help[4000];
+    char all_help[6000];
     snprintf(all_help, sizeof all_help, "%s%s%s", help, job_help, more_help);
     arguments a = {.svg = NULL};
-    for (int code; (code = getopt_long(argc, argv, "", known, NULL)) != -1;) {
+    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         if (code == SVG) {
             a.svg = optarg;
         } else if (code == FRAME) {
@@ -146,6 +154,10 @@ exit_status command_trace(int argc, char *argv[])
     sgt_passage *passage = memory_take(count, sizeof *passage);
     sgt_vec3 *point = memory_take(count + 1, sizeof *point);
     losses *loss = memory_take(count, sizeof *loss);
+    if (a.svg) {
+        if (a.shared.target.path) output_check("output", a.shared.target.path); /* before a picture is begun */
+        output_reserve("svg", a.svg);
+    }
     scene picture = scene_begin(&j);
     table *t = table_begin(&a.shared.target, j.rays.named ? HEAD_COUNT : HEAD_COUNT - 1, head);
     size_t all = 0, undecided = 0;

@@ -142,6 +142,30 @@ def test_ray_that_took_most():
     equal(spent[chosen], max(spent.values()))
 
 
+def test_bisection_within_an_aperture():
+    text = 'pupil: {semi_diameter: 1}\nsurfaces:\n  - {type: plane, thickness: 3, semi_diameter: 2}\n  - {type: even_asphere, radius: 20, coefficients: [1e-5], semi_diameter: 3}\n'
+    for field in (0, 20):
+        done = run('diagnose', written(text), '--method', 'bisection', '--field', field)
+        equal(done.stdout.count('Settled at'), 2)
+        equal(done.stdout.count(': the same'), 2)
+        assert 'refused' not in done.stdout and 'as the method is' in done.stdout, done.stdout
+
+
+def test_words_for_people_at_the_command():
+    lens = ('diagnose', LENSES / 'aspheric_singlet.yaml')
+    for shown in ((*lens,), (*lens, '--method', 'newton'), ('diagnose', *GOLDEN)):
+        said = run(*shown).stdout
+        assert 'sgt_' not in said and 'a seed' not in said, said
+    assert 'polynomial form' in run(*lens, '--element', '1').stdout
+    assert 'polynomial form' not in run(*lens, '--element', '2').stdout
+    assert 'polynomial form' not in run(*lens, '--element', '1', '--format', 'csv').stdout
+    said = run('diagnose', '--surface', SPHERE, '--ray', '0 5 -5 0 0 1', '--method', 'newton', exit=UNDECIDED).stdout
+    assert 'halving t leads from one undefined point to the next' in said, said
+    plane = written('pupil: {semi_diameter: 1}\nsurfaces:\n  - {type: plane}\n')
+    assert 'each took as many' in run('diagnose', plane).stdout
+    assert 'took' not in run('diagnose', plane, '--fan', '1').stdout
+
+
 def test_element_that_is_not_reached():
     lens = written('surfaces:\n  - {type: plane, semi_diameter: 1, thickness: 1}\n  - {type: plane}\n')
     one = ('diagnose', lens, '--rays', '-')

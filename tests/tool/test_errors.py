@@ -99,6 +99,8 @@ LENSES_WRONG = [
     ('thickness: 2', 'thickness: .inf', 8, 'thickness'),
     ('thickness: 2', 'thickness: 2, thickness: 3', 8, 'thickness'),
     ('thickness: 2', 'tickness: 2', 8, 'tickness'),
+    ('thickness: 2, ', '', 8, 'thickness: missing; 0 if that is meant'),
+    ('thickness: 5, ', '', 9, 'thickness: missing; 0 if that is meant'),
     ('index: 1.5', 'index: -1.5', 8, 'index'),
     ('index: 1.5', 'mirror: 1', 8, 'mirror'),
     ('index: 1.5', 'mirror: true, index: 1.5', 8, 'index'),
@@ -190,6 +192,19 @@ def test_ray_option():
         assert '--ray: ' in run('intersect', '--surface', '{type: plane}', '--ray', text, exit=BAD_INPUT).stderr, text
 
 
+def test_inputs_are_not_written_over():
+    lens, csv = written(GOOD), written(rays((0, 0, -1, 0, 0, 1)), 'rays.csv')
+    other = lens.parent / 'other.yaml'
+    other.hardlink_to(lens)
+    text, points = lens.read_text(), csv.read_text()
+    for arguments in (('trace', lens, '--output', lens), ('trace', lens, '--output', other), ('diagnose', lens, '--output', lens),
+                      ('trace', lens, '--rays', csv, '--output', csv),
+                      ('intersect', '--surface', '{type: plane}', '--rays', csv, '--output', csv)):
+        done = run(*arguments, exit=USAGE)
+        assert '--output' in done.stderr and 'written over' in done.stderr, done.stderr
+        equal((done.stdout, lens.read_text(), csv.read_text()), ('', text, points))
+
+
 def test_files_that_are_not_there():
     missing, here = written('').parent / 'nothing', written('').parent
     for arguments in (('trace', missing), ('trace', here), ('diagnose', missing),
@@ -253,8 +268,29 @@ def test_usage():
         assert 'sagitta' in done.stderr and '--help' in done.stderr, done.stderr
 
 
+def test_small_slips():
+    lens = written(GOOD)
+    assert 'no ray' in run('trace', lens, '--grid', '2', exit=USAGE).stderr
+    assert 'header missing' in run('trace', lens, '--rays', '-', stdin='0,0,-5,0,0,1\n', exit=BAD_INPUT).stderr
+    assert 'decimal point' in run('intersect', '--surface', 'type: sphere\nradius: 51,68\n', *RAY, exit=BAD_INPUT).stderr
+    assert ':9: origin: ' in run('trace', written(GOOD.replace('thickness: 5', 'origin: [0, 1]')), exit=BAD_INPUT).stderr
+    assert 'decimal point' in run('intersect', '--surface', '{type: sphere, radius: 51,68}', *RAY, exit=BAD_INPUT).stderr
+    for wrong in ('tilt: 45', 'tilt: [1, 2]'):
+        assert ':8: tilt: must be three numbers' in run('trace', written(GOOD.replace('index: 1.5', wrong, 1)), exit=BAD_INPUT).stderr
+    ended = run('trace', lens, '--rays', '-', stdin=rays((0, 0, -5, 0, 0, 1, 0, 1), header='ox,oy,oz,dx,dy,dz,tmin,tmax'))
+    assert 'tmin' in ended.stderr and 'not used' in ended.stderr, ended.stderr
+    for command in ('trace', 'intersect', 'diagnose'):
+        equal(run(command, '-h').stdout, run(command, '--help').stdout)
+
+
+def test_how_many_rays():
+    done = run('diagnose', written(GOOD), '--ray', '99', exit=USAGE)
+    assert 'there are 5' in done.stderr, done.stderr
+
+
 def test_help_and_version():
     equal(run('--version').stdout.split()[0], 'sagitta')
+    assert 'docs/lens_file.md' in run('trace', '--help').stdout
     for command in ('intersect', 'trace', 'diagnose'):
         equal(run(command, '--version').stdout, run('--version').stdout)
         text = run(command, '--help').stdout

@@ -162,9 +162,12 @@ def test_skip_bad():
 
 
 def test_no_rays():
-    equal(intersect('{type: plane}', rays()), [])
-    equal(json.loads(run('intersect', '--surface', '{type: plane}', '--rays', '-', '--format', 'json', stdin=rays()).stdout), [])
-    run('intersect', '--surface', '{type: plane}', '--rays', '-', stdin=rays())
+    shown = ('intersect', '--surface', '{type: plane}', '--rays', '-')
+    assert 'no rays' in run(*shown, stdin=rays(), exit=BAD_INPUT).stderr
+    one = rays((0, 0, 'x', 0, 0, 1))  # all of them skipped: an empty table
+    equal(intersect('{type: plane}', one, '--skip-bad'), [])
+    equal(json.loads(run(*shown, '--skip-bad', '--format', 'json', stdin=one).stdout), [])
+    run(*shown, '--skip-bad', stdin=one)
 
 
 def test_output_file():
@@ -180,6 +183,16 @@ def test_text_for_people():
     equal(lines[0].split(), INTERSECT.split(','))
     assert '4.14308507' in lines[1] and 'miss' in lines[2]
     equal(lines[-1], '2 rays: 1 hit, 1 miss.  Every answer is certain.')
+
+
+def test_reason_of_a_miss():
+    for surface, ray, word in (
+            (SPHERE, '0 5 -5 0 0 1', 'within r = 2.2136'), ('{type: plane}', '0 0 5 0 0 1', 'root at t = -5'),
+            ('{type: plane, semi_diameter: 1}', '0 3 -5 0 0 1', 'r = 3'), ('{type: plane}', '0 0 -5 0 1 0', 'parallel'),
+            ('{type: sphere, radius: 2}', '0 0 3.5 0 1 0', 'other sheet'), ('{type: sphere, radius: 2}', '0 0 5 0 1 0', 'passes the whole')):
+        for command in ('intersect', 'diagnose'):
+            done = run(command, '--surface', surface, '--ray', ray)
+            assert word in done.stdout, (surface, ray, done.stdout)
 
 
 def test_many_rays():

@@ -3,11 +3,20 @@
 
     python3 test_picture.py SAGITTA
 """
+import re
 import xml.etree.ElementTree as xml
 
 from command import *
 
 SVG = '{http://www.w3.org/2000/svg}'
+
+
+FOLDED = '''pupil: {semi_diameter: 3}
+surfaces:
+  - {type: plane, thickness: 10, index: 1.5, semi_diameter: 10}
+  - {type: plane, thickness: 5, index: 1, tilt: [40, 0, 0], semi_diameter: 20}
+  - {type: plane, semi_diameter: 5}
+'''
 
 
 def picture(lens, *arguments, **how):
@@ -37,6 +46,43 @@ def test_examples():
         assert 700 <= width <= 1200 and 200 <= height <= 800, (lens, width, height)
 
 
+def points(root):
+    """Every point that a line of the picture goes through."""
+    for path in root.iter(SVG + 'path'):
+        if 'stroke-width' not in (path.get('style') or '') and not path.get('stroke-width'):
+            continue  # a letter
+        words = [float(w) for w in re.findall(r'[-+.\de]+', re.sub('[A-Za-z]', ' ', path.get('d', '')))]
+        shift = re.match(r'matrix\(([^)]*)\)', path.get('transform', 'matrix(1,0,0,1,0,0)'))
+        a, b, c, d, e, f = (float(w) for w in re.split('[ ,]+', shift.group(1)))
+        for x, y in zip(words[::2], words[1::2]):
+            yield a * x + c * y + e, b * x + d * y + f
+
+
+def test_edges_stay_on_the_page():
+    """Glass is as wide as the wider of its faces, a tilted one included."""
+    for lens in (FOLDED, FOLDED.replace('tilt: [40', 'tilt: [-70'), FOLDED.replace('semi_diameter: 10', 'semi_diameter: 60')):
+        root = picture(written(lens))
+        width, height = size(root)
+        for x, y in points(root):
+            assert -1 <= x <= width + 1 and -1 <= y <= height + 1, (x, y, width, height)
+
+
+def test_bars_of_the_stop_begin_at_its_aperture():
+    """On a face of semi_diameter 4 of a glass that is 12 high the bars are where they are without the other face."""
+    text = '''pupil: {semi_diameter: 4}
+surfaces:
+  - {type: plane, thickness: 30, index: %s, stop: true, semi_diameter: 4}
+  - {type: plane, thickness: 30, index: 1, semi_diameter: 12}
+  - {type: plane, semi_diameter: 12}
+'''
+    bars = []
+    for index in (1.5, 1):
+        root = picture(written(text % index), '--field', '0')
+        bars.append([p.get('d') for p in root.iter(SVG + 'path') if '2.6' in (p.get('stroke-width') or p.get('style') or '')])
+    equal(*bars)
+    assert len(bars[0]) >= 2, bars
+
+
 def test_each_ray_is_a_line():
     few, many = (picture(LENSES / 'ftheta.yaml', '--field', '0', '--fan', n) for n in (3, 10))
     grown = {look: strokes(many)[look] - n for look, n in strokes(few).items() if strokes(many)[look] != n}
@@ -63,7 +109,7 @@ surfaces:
 
 def test_nothing_to_draw():
     """No rays, no apertures, one plane."""
-    width, height = size(picture(written('surfaces:\n  - {type: plane}\n'), '--rays', '-', stdin=rays()))
+    width, height = size(picture(written('surfaces:\n  - {type: plane}\n'), '--rays', '-', '--skip-bad', stdin=rays((0, 0, 'x', 0, 0, 1))))
     assert 0 < width < 2000 and 0 < height < 2000
 
 
@@ -82,7 +128,17 @@ def test_long_names_and_units():
 
 def test_file_that_cannot_be_written():
     path = written('').parent / 'no' / 'picture.svg'
-    assert str(path) in run('trace', LENSES / 'ftheta.yaml', '--svg', path, exit=BAD_INPUT).stderr
+    done = run('trace', LENSES / 'ftheta.yaml', '--svg', path, exit=BAD_INPUT)
+    assert f'{path}: No such file or directory' in done.stderr, done.stderr
+    equal(done.stdout, '')
+
+
+def test_inputs_are_not_written_over():
+    lens = written(FOLDED)
+    for arguments in (('--svg', lens), ('--svg', lens.parent / 'x', '--output', lens.parent / 'x')):
+        done = run('trace', lens, *arguments, exit=USAGE)
+        assert 'written over' in done.stderr, done.stderr
+        equal((done.stdout, lens.read_text()), ('', FOLDED))
 
 
 def without_cairo():
