@@ -23,15 +23,16 @@
  * First order is enough because D below 2^-20 of B'^2 + A' C' is not accepted: then the relative
  * change of D is below 2^-28, and 3.25 for 3 covers what is left out.
  * Not accepted either: roots whose terms at the start are more than twice those at the root (a
- * start too far off), a sheet that is within rounding of the equator, a slope above 8, and a t that is not sharp.
+ * start too far off), a sheet that is within rounding of the equator, a slope above 8, a t that is
+ * not sharp, and terms so small that a square of theirs has underflown.
  *
  * CAREFUL.  All that the quick form does not accept: the same formulas from the point nearest
  * the vertex, in twice the precision, with coordinates scaled by a power of two to 1 and the
  * equation divided by another, so that c from 1e-300 to 1e300 neither overflow nor vanish.  A, B
  * and C are then off by at most 27 u^2 of their terms (a sum 3 u^2, a product 5 u^2; the longest
  * chain is that of (1 + k) z^2 in C); EPS = 2^-100 = 64 u^2 stands for that, and for the quotient's
- * and the root's part.  The sign of D, and so whether there is a
- * root, is undecided only within EPS of a tangent: that is called a graze.
+ * and the root's part.  The sign of D, and so whether there is a root, is undecided only within EPS of
+ * a tangent: that is called a graze.
  *
  * Times, worst cases: docs/accuracy.md. */
 #include "form.h"
