@@ -48,6 +48,8 @@ typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
  * its computed t is at most tmax. */
 typedef struct sgt_ray { sgt_vec3 o, d; double tmin, tmax; } sgt_ray;
 
+typedef struct sgt_interval { double lo, hi; } sgt_interval;
+
 /* -------------------------------------------------------------- surfaces */
 
 /* Where on a ray a surface can be met: no root lies outside [lo, hi], which may
@@ -76,8 +78,22 @@ typedef struct sgt_surface_ops {
      * that is said is said of F as computed. */
     double (*rounding)(const void *self, sgt_vec3 p);
 
+    /* A distance (length) from p within which the surface certainly is not.  Zero,
+     * less, or NaN: nothing can be said.  At a point where F is not defined it is the
+     * distance within which F is nowhere zero. */
+    double (*clearance)(const void *self, sgt_vec3 p);
+
+    /* A guess at that distance, promised to nobody: used with dt_min > 0 alone. */
+    double (*estimate)(const void *self, sgt_vec3 p);
+
+    /* Intervals that contain g(t) = F(o + t d), and g' in *slope (never NULL), over the
+     * whole of t, rounding included; t is finite, in lengths of d, and only o and d are
+     * to be read.  Both may be as wide as they must: -INFINITY to INFINITY says nothing,
+     * and so does a NaN.  lo > hi: F is undefined all over t. */
+    sgt_interval (*enclose)(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope);
+
     /* The built-in surfaces' own; leave it NULL. */
-    const struct sgt_sag *sag_;
+    const struct sgt_own *own_;
 } sgt_surface_ops;
 
 /* A surface: what it does, and the parameters it does it with (borrowed). */
@@ -95,8 +111,8 @@ typedef enum sgt_status {
     SGT_UNPROVEN  = -1,  /* no root was found, yet none was excluded (or one was found
                             and it could not be told whether it counts) */
     SGT_UNDEFINED = -2,  /* the search ran into a region where F is NaN */
-    SGT_EXHAUSTED = -3,  /* max_evals was spent; of an asphere [lo, hi] is what was left to search,
-                            of sgt_root t is the best point so far */
+    SGT_EXHAUSTED = -3,  /* max_evals was spent; [lo, hi] is what was left to search, of sgt_root
+                            t is the best point so far */
     SGT_STOPPED   = -4,  /* the watcher asked to stop */
     SGT_INVALID   = -5   /* a direction that is zero, subnormal or not finite; an origin that
                             is not finite; a NaN end or tmin > tmax; no `value`; a built-in
@@ -164,11 +180,12 @@ typedef struct sgt_options {
                               t_err is a bound all the same */
     double     f_tol;      /* stop when |F| is at most this; 0: never on |F| alone.  Surfaces
                               of a user and sgt_root only */
-    double     dt_min;     /* the step of a march, in lengths of d; 0: 1/64 of the stretch
-                              that is searched.  Surfaces of a user only: the built-in
-                              ones march by a bound on their second derivative */
-    int        max_evals;  /* give up after this many evaluations;  0: 2000.  A root found by
-                              then is still confirmed, by one more */
+    double     dt_min;     /* the least step of a march, in lengths of d; 0: as sgt_intersect
+                              says.  Of level sets (julia, mandelbrot) a step above 0 asks for
+                              the fast way: no proof, and thin parts may be passed by.
+                              The built-in sags do not read it */
+    int        max_evals;  /* give up on a root after this many evaluations;  0: 2000.  A root
+                              found by then is still confirmed, by one more */
     sgt_pick   pick;
     sgt_watch *watch;      /* called once per evaluation;           NULL: nobody */
     void      *watch_data;
@@ -178,16 +195,37 @@ typedef struct sgt_options {
  *
  * Built-in surfaces: every status is certain, by running error analysis, for the
  * surface whose parameters are exactly the stored doubles and the ray whose
- * doubles are given; what cannot be told is UNPROVEN.
- * A user's surface: that a first hit is the first is certain where the surface
- * offers span.single; else it is the first that a march in steps of dt_min can
- * see, and a march that sees none is UNPROVEN.  Toward a far end at infinity
- * those steps go as far as the ray is nearer to the origin of the surface's frame
- * than its start is, and grow by half each from there on, 128 of them; a near end at
- * infinity has no first root to be found, and is UNPROVEN.  A span is better.
+ * doubles are given; what cannot be told is UNPROVEN.  Level sets with dt_min > 0 are
+ * the exception: they are marched in steps of the larger of `estimate` and dt_min, and a
+ * ray on which no change of sign is seen is UNPROVEN, unless it passes the set's ball by.
+ *
+ * A user's surface: that a first hit is the first, and that a miss is one, is certain
+ * where the surface offers span.single or enclose; by clearance it is certain but for
+ * stretches shorter than dt_min (0: 2^-20 of the stretch searched).  With neither, or with
+ * `estimate` and dt_min > 0, the hit is the first that a march in steps of dt_min (0:
+ * 1/64 of the stretch) or of the estimate, if that is larger, can see.  A march that sees
+ * no root is UNPROVEN if one of its steps was uncertain, else MISS.  Newton's step never
+ * lengthens a step of a march.
+ * Toward a far end at infinity steps go as far as the ray is nearer to the origin of the
+ * surface's frame than its start is, and grow by half each from there on, 128 of them; a
+ * near end at infinity has no first root to be found, and is UNPROVEN.  A span is better.
  *
  * Iteration counts may change between versions; what a status means may not. */
 SGT_API sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt);
+
+/* Every hit, in order of t; opt may be NULL, and its pick is not read.  Writes at most
+ * cap of them (hits may be NULL where cap is 0) and returns how many there are: 0 is a
+ * miss.  SGT_INVALID (negative) where sgt_intersect would say so.
+ *
+ * The ray enters where n . d < 0 (F falls) and leaves where n . d > 0; a graze is one
+ * entry.  A stretch of the ray that could not be decided is an entry of negative status,
+ * in its place in the order, with t +- t_err, that is [lo, hi], covering it; p, n and f
+ * are then NaN.  max_evals is spent on each entry anew; where it runs out, or where the
+ * watcher stops the search, what is left of the ray is the last entry, EXHAUSTED or
+ * STOPPED.  Outside what is reported there is no root, with the certainty that
+ * sgt_intersect has: a march that is not certain and finds nothing reports the
+ * whole stretch as UNPROVEN. */
+SGT_API int sgt_intersect_all(sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[], const sgt_options *opt);
 
 /* ------------------------------------------------- the solver, by itself */
 

@@ -1,4 +1,4 @@
-/* surfaces.h - the built-in surfaces.
+/* surfaces.h - the built-in surfaces: sags of optics, and level sets of quaternion orbits.
  *
  * Each is a plain struct of numbers - nothing owned, nothing to free, memcpy is a
  * copy - and one table of operations.  Zero is a plane for every sag.  A sag is
@@ -29,14 +29,62 @@ typedef struct sgt_asphere { double c, k, semi_diameter, a[8]; } sgt_asphere;
 
 extern SGT_API const sgt_surface_ops sgt_conic_ops, sgt_asphere_ops;
 
+/* The level set |Q_N| = escape of the orbit Q_{j+1} = Q_j^p + c of quaternions that
+ * starts at Q_0 = at + x ex + y ey + z ez: any three-dimensional slice, at any angle and
+ * scale, of the four-dimensional set.  F = (u - 1) / (u + 1) with u = |Q_N|^2 / escape^2:
+ * -1 ... 0 inside, 0 ... 1 outside, and it cannot overflow.  Zero means default:
+ * iterations 10, power 2, escape the smallest that is safe (the root of x^p = x + |c|),
+ * axes that are all zero the first three components.  SGT_INVALID: a number that is not
+ * finite, iterations outside 1 ... 100, power outside 2 ... 8, an escape below the safe
+ * one (by more than a part in 2^40) or above 1e6, axes that are not independent, a
+ * component of c or `at` above 1e6, axes longer than 1e100 or shorter than 1e-100.
+ * Sources: Norton 1982 (SIGGRAPH Computer Graphics 16, 197); Hart, Sandin, Kauffman
+ * 1989 (23, 289). */
+typedef struct sgt_julia {
+    double c[4], at[4], ex[4], ey[4], ez[4];
+    double escape;
+    int    iterations, power;
+} sgt_julia;
+
+/* The same orbit from Q_0 = 0 with c = at + x ex + y ey + z ez: Q_1 is the point
+ * itself.  The safe escape is 2^(1/(p-1)). */
+typedef struct sgt_mandelbrot {
+    double at[4], ex[4], ey[4], ez[4];
+    double escape;
+    int    iterations, power;
+} sgt_mandelbrot;
+
+extern SGT_API const sgt_surface_ops sgt_julia_ops, sgt_mandelbrot_ops;
+
+/* The potential log|Q_n| / p^n of the orbit continued until |Q_n| > 2^32, or to n = 200:
+ * beyond N, then, where the level set is.  Its gradient is a smoother normal than that of
+ * F.  grad may be NULL; 0 and a zero gradient where the orbit does not escape; NaN where
+ * the parameters are invalid.  Source: Douady and Hubbard 1982 (C. R. Acad. Sci. 294, 123). */
+SGT_API double sgt_julia_potential(const sgt_julia *s, sgt_vec3 p, sgt_vec3 *grad);
+SGT_API double sgt_mandelbrot_potential(const sgt_mandelbrot *s, sgt_vec3 p, sgt_vec3 *grad);
+
 /* The same list as data: for a parser, a benchmark, a test of them all.  Ends
  * with a row of zeros.  A row is a type as a lens file names it: "plane",
  * "sphere" and "conic" share one struct and one table of operations, and differ
  * in the parameters that may be given.  unit is a power of length, as text ("1",
- * "length", "1/length"); the legal values are lo <= x <= hi, all finite; count > 1
- * is a list, that may be given shorter. */
-typedef struct sgt_param { const char *name, *unit; size_t offset; int count; double lo, hi; } sgt_param;
-typedef struct sgt_builtin { const char *type; const sgt_surface_ops *ops; size_t size; const sgt_param *params; } sgt_builtin;
+ * "length", "1/length"); the legal values are lo <= x <= hi, all finite.  Two
+ * parameters may be two names for one number ("slice" is at[3]): then only one of them
+ * can be given.  What a range cannot say, `object` does: the first parameter that makes
+ * the struct SGT_INVALID and why, or {NULL, NULL}; absent: the ranges say it all. */
+typedef enum sgt_kind {
+    SGT_REAL,    /* a double; count > 1: a list of up to count, the rest zero */
+    SGT_VECTOR,  /* exactly count doubles */
+    SGT_WHOLE    /* an int */
+} sgt_kind;
+typedef struct sgt_param { const char *name, *unit; size_t offset; int count; double lo, hi; sgt_kind kind; } sgt_param;
+typedef struct sgt_objection { const char *param, *reason; } sgt_objection;
+typedef struct sgt_builtin {
+    const char *type;
+    const sgt_surface_ops *ops;
+    size_t size;
+    const sgt_param *params;
+    sgt_objection (*object)(const void *self);
+} sgt_builtin;
 
 extern SGT_API const sgt_builtin sgt_builtins[];
 

@@ -15,12 +15,27 @@ static bool ray_valid(sgt_ray *ray)
     return ray->tmin <= ray->tmax && ray->tmin < HUGE_VAL && ray->tmax > -HUGE_VAL;
 }
 
-sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt)
+/* The door: *opt is then not NULL, the ray has its ends. */
+static bool valid(sgt_surface s, sgt_ray *ray, const sgt_options **opt)
 {
     static const sgt_options none = {0};
-    bool valid = s.ops && s.ops->value && ray_valid(&ray) && sgt_options_valid(opt);
-    if (!opt) opt = &none;
-    if (!valid) return hit_without(SGT_INVALID, &ray, 0);
-    if (!s.ops->sag_) return sgt_intersect_general(s, &ray, opt);
-    return s.ops->sag_->meet(s.self, &ray, opt);
+    bool good = s.ops && s.ops->value && ray_valid(ray) && sgt_options_valid(*opt);
+    if (!*opt) *opt = &none;
+    return good;
+}
+
+sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt)
+{
+    if (!valid(s, &ray, &opt)) return hit_without(SGT_INVALID, &ray, 0);
+    if (!s.ops->own_) return sgt_intersect_general(s, &ray, opt);
+    return s.ops->own_->meet(s.self, &ray, opt);
+}
+
+int sgt_intersect_all(sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[], const sgt_options *opt)
+{
+    sgt_list list = {.hits = hits, .cap = hits ? cap : 0, .count = 0};
+    if (!valid(s, &ray, &opt)) return SGT_INVALID;
+    if (!s.ops->own_) sgt_intersect_all_general(s, &ray, opt, &list);
+    else if (s.ops->own_->all(s.self, &ray, opt, &list) < 0) return SGT_INVALID;
+    return list.count;
 }

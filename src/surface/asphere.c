@@ -104,7 +104,20 @@ static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_opti
     tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
     if (quick(&h, ray, &at, &seed, &w)) return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
-    return sgt_asphere_march(&h, ray, seed, &w);
+    return sgt_asphere_march(&h, ray, seed, &w, NULL);
+}
+
+static sgt_status asphere_all(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
+{
+    const sgt_asphere *s = self;
+    int terms = terms_of(s);
+    if (!asphere_valid(s)) return SGT_INVALID;
+    if (!terms) return sgt_conic_all(s->c, s->k, s->semi_diameter, ray, opt, list);
+    shape h = shape_of(s, terms);
+    tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
+    if (rim_in_range(h.rim2)) sgt_asphere_march(&h, ray, (double)NAN, &w, list);
+    else add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
+    return SGT_MISS;
 }
 
 static double asphere_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
@@ -142,7 +155,7 @@ static sgt_span asphere_span(const void *self, const sgt_ray *ray)
     return span;
 }
 
-static const struct sgt_sag asphere_sag_ops = {.meet = asphere_meet};
+static const struct sgt_own asphere_own = {.meet = asphere_meet, .all = asphere_all};
 
 const sgt_surface_ops sgt_asphere_ops = {.name = "even_asphere", .value = asphere_value, .span = asphere_span,
-                                         .rounding = asphere_rounding, .sag_ = &asphere_sag_ops};
+                                         .rounding = asphere_rounding, .own_ = &asphere_own};

@@ -4,7 +4,8 @@
 
 #include "form.h"
 
-/* The certified march of asphere_march.c; seed is a t of the scaled direction. */
-sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally *told);
+/* The certified march of asphere_march.c; seed is a t of the scaled direction.  With a list every entry is
+ * added to it, and the answer is of no meaning. */
+sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally *told, sgt_list *list);
 
 #endif

@@ -27,12 +27,13 @@ typedef struct walk {
     const sgt_ray *ray;
     tally *told;
     local q;
+    sgt_list *list; /* NULL: one root is wanted */
     bool spent, fine;
 } walk;
 
 static sample look(walk *w, double tau, sgt_move move, double lo, double hi)
 {
-    w->spent = w->spent || w->told->evals >= w->told->budget;
+    w->spent = w->spent || spent(w->told);
     if (w->told->stopped || w->spent) return (sample){.g = NAN, .slope = NAN};
     sample e = w->fine ? sgt_form_sample_fine(w->s, w->ray, &w->q, tau) : sgt_form_sample(w->s, &w->q, tau);
     observe(w->told, &w->q, tau, &e, move, lo, hi);
@@ -93,6 +94,11 @@ static void keep(walk *w, meeting *at, double v_err, sgt_status status, double s
     if (at->v < -v_err) return; /* the other sheet */
     if (!(at->v > v_err)) status = crosses_sheet(w, at) ? SGT_HIT : SGT_UNPROVEN;
     if (!counts(at, w->ray, w->s->rim2, w->q.scale)) return;
+    if (w->list) {
+        if (status > 0) add_hit(w->list, at, status, asphere_f(w->s, at->p), SGT_NEWTON, w->ray, w->told);
+        else add_stretch(w->list, w->told, status, w->ray, at->t - at->t_err, at->t + at->t_err);
+        return;
+    }
     double distance = fabs(at->t / w->q.scale - seed);
     if (best->any && !(distance < best->distance)) return;
     *best = (found){.at = *at, .status = status, .distance = distance, .any = true};
@@ -154,10 +160,10 @@ static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
     return hit_at(&at, SGT_HIT, asphere_f(s, at.p), SGT_NEWTON, ray, told);
 }
 
-sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally *told)
+static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *told, sgt_list *list)
 {
     const sgt_options *opt = told->opt;
-    walk w = {.s = s, .ray = ray, .told = told};
+    walk w = {.s = s, .ray = ray, .told = told, .list = list};
     if (!(s->domain2 > TINY)) return hit_without(SGT_UNPROVEN, ray, told->evals); /* r^2 is out of range */
     if (ray->d.x == 0 && ray->d.y == 0) return parallel(s, ray, told);
     stretch chord = sgt_chord(ray, s->domain2 < HUGE_VAL ? s->domain2 : reach2(s, ray));
@@ -188,8 +194,9 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
         if ((empty || monotone) && pending) {
             left = look(&w, tau, SGT_MARCH, tau, hi), known = true;
             if (sign_at(&left)) { /* the undecided stretch ends here */
-                pending = false;
                 take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, sign_at(&before) * sign_at(&left) < 0 ? SGT_HIT : SGT_UNPROVEN, seed, &best);
+                if (told->stopped || w.spent) break;
+                pending = false;
                 continue;
             }
         }
@@ -211,8 +218,9 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
             moved = 0;
             if (sign_at(&left) * sign_at(&right) < 0) polish(&w, tau, &left, end, &right, seed, &best);
             else if (!sign_at(&left) || !sign_at(&right)) take(&w, m, h, tau, end, SGT_UNPROVEN, seed, &best);
+            if (told->stopped || w.spent) break; /* before the root of this cell was told */
             tau = end, h *= 1.5, left = right;
-        } else if (bend * h * h > 2 * e.g_err && h > 2 * DBL_EPSILON * fabs(m)) {
+        } else if (bend * h * h > 2 * e.g_err && h > larger(2 * DBL_EPSILON * fabs(m), 0x1p-90 * (hi - begin))) {
             h *= 0.5;
         } else if (!w.fine) { /* from here on in twice the precision, the rest of the ray too */
             w.fine = true;
@@ -223,11 +231,10 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
             tau = end, known = false;
         }
     }
-    if (pending) take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_UNPROVEN, seed, &best);
-    if (told->stopped) return hit_without(SGT_STOPPED, ray, told->evals);
-    if (w.spent && !(best.any && opt->pick != SGT_NEAR_SEED)) {
-        sgt_hit hit = hit_without(SGT_EXHAUSTED, ray, told->evals);
-        hit.lo = (w.q.t0 + tau) * w.q.scale;
+    if (pending && !told->stopped && !w.spent) take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_UNPROVEN, seed, &best);
+    if (told->stopped || (w.spent && !(best.any && opt->pick != SGT_NEAR_SEED))) {
+        sgt_hit hit = hit_without(told->stopped ? SGT_STOPPED : SGT_EXHAUSTED, ray, told->evals);
+        hit.lo = larger((w.q.t0 + (pending ? dark : tau)) * w.q.scale, ray->tmin);
         return hit;
     }
     if (!best.any) return hit_without(SGT_MISS, ray, told->evals);
@@ -237,4 +244,12 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
         return hit;
     }
     return hit_at(&best.at, best.status, asphere_f(s, best.at.p), SGT_NEWTON, ray, told);
+}
+
+sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally *told, sgt_list *list)
+{
+    sgt_hit hit = march(s, ray, seed, told, list);
+    if (list && hit.status > 0) sgt_list_add(list, &hit);
+    else if (list && hit.status < 0) add_stretch(list, told, hit.status, ray, hit.lo, hit.hi); /* what was not searched */
+    return hit;
 }

@@ -193,9 +193,13 @@ static careful_root refined(double c, double k, careful_root r, const local *q, 
     return again;
 }
 
-static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, meeting *out, tally *w)
+/* Both roots, in order of t; of a graze the first alone.  A second that cannot be told from infinity is
+ * farther than `away`, if anywhere. */
+typedef struct careful_pair { careful_root r[2]; bool near_second, far_exists; double away; } careful_pair;
+
+/* SGT_HIT: the roots are there, if they count and are on the sheet. */
+static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *ray, careful_pair *p, tally *w)
 {
-    sgt_pick pick = w->opt->pick;
     careful_quadric g = careful_setup(c, k, ray);
     twofold A = g.A, B = g.B, C = g.C, AC = twofold_product(A, C), BB = twofold_product(B, B), D = twofold_difference(BB, AC);
     double dA = EPS * g.Aa, dB = EPS * g.Ba, dC = EPS * g.Ca;
@@ -208,33 +212,44 @@ static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, m
     if (D.hi <= 4 * dD) { /* two roots, or none, closer together than can be told apart */
         if (!(fabs(A.hi) > 2 * dA)) return SGT_UNPROVEN;
         double half_gap = sqrt(D.hi + 2 * dD);
-        careful_root r = careful_root_at(&g, twofold_quotient(B, A), 2 * half_gap / fabs(A.hi), half_gap, ray, rim2);
-        *out = r.at;
-        return r.sheet >= 0 && r.counts ? SGT_GRAZE : SGT_MISS;
+        p->r[0] = careful_root_at(&g, twofold_quotient(B, A), 2 * half_gap / fabs(A.hi), half_gap, ray, rim2);
+        return p->r[0].sheet >= 0 && p->r[0].counts ? SGT_GRAZE : SGT_MISS;
     }
     twofold S = twofold_root(D), b = B.hi < 0 ? twofold_difference(B, S) : twofold_sum(B, S);
-    bool far_exists = fabs(A.hi) > 2 * dA, far_unknown = !far_exists && g.Aa > 0;
-    twofold tau[2] = {twofold_quotient(C, b), far_exists ? twofold_quotient(b, A) : twofold_of(NAN)};
+    p->far_exists = fabs(A.hi) > 2 * dA;
+    p->away = p->far_exists || g.Aa == 0 ? HUGE_VAL : 0.25 * fabs(b.hi) / dA * g.U * g.q.scale;
+    twofold tau[2] = {twofold_quotient(C, b), p->far_exists ? twofold_quotient(b, A) : twofold_of(NAN)};
     careful_root r[2];
     for (int i = 0; i < 2; i++) {
         double s = fabs(tau[i].hi), e = (dA * s * s + 2 * dB * s + dC) / S.hi + EPS * s;
         r[i] = refined(c, k, careful_root_at(&g, tau[i], e, S.hi, ray, rim2), &g.q, ray, rim2, w);
     }
+    p->near_second = p->far_exists && before(&r[1].at, &r[0].at); /* not of NaN */
+    p->r[0] = r[p->near_second], p->r[1] = r[!p->near_second];
+    return SGT_HIT;
+}
+
+static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, meeting *out, tally *w)
+{
+    sgt_pick pick = w->opt->pick;
+    careful_pair p;
+    sgt_status status = careful_roots(c, k, rim2, ray, &p, w);
+    if (status == SGT_GRAZE) *out = p.r[0].at;
+    if (status != SGT_HIT) return status;
+    const careful_root *near = &p.r[p.near_second];
     /* A within its rounding of 0: the far root is farther than the near one by 2^90, if anywhere */
-    if (far_unknown) {
-        double away = 0.25 * fabs(b.hi) / dA * g.U * g.q.scale;
-        bool near_counts = r[0].counts && r[0].sheet > 0, after = ray->tmax >= away, before_it = ray->tmin <= -away;
+    if (p.away < HUGE_VAL) {
+        bool near_counts = near->counts && near->sheet > 0, after = ray->tmax >= p.away, before_it = ray->tmin <= -p.away;
         if (near_counts ? before_it && pick != SGT_NEAR_SEED : after || before_it) return SGT_UNPROVEN;
     }
-    if (!far_exists) r[1].counts = false;
-    int first = pick == SGT_NEAR_SEED || !r[1].counts || before(&r[0].at, &r[1].at) ? 0 : 1;
-    for (int j = 0; j < 2; j++) {
-        int i = first ^ j;
-        if (r[i].sheet < 0 || (i == 1 && !far_exists)) continue;
-        if (!(r[i].at.t_err < HUGE_VAL)) return SGT_UNPROVEN; /* out of range */
-        if (!r[i].counts) continue;
-        *out = r[i].at;
-        return r[i].sheet > 0 ? SGT_HIT : SGT_UNPROVEN;
+    const careful_root *wanted[2] = {pick == SGT_NEAR_SEED ? near : &p.r[0], pick == SGT_NEAR_SEED ? &p.r[!p.near_second] : &p.r[1]};
+    for (int i = 0; i < (p.far_exists ? 2 : 1); i++) {
+        const careful_root *r = wanted[i];
+        if (r->sheet < 0) continue;
+        if (!(r->at.t_err < HUGE_VAL)) return SGT_UNPROVEN; /* out of range */
+        if (!r->counts) continue;
+        *out = r->at;
+        return r->sheet > 0 ? SGT_HIT : SGT_UNPROVEN;
     }
     return SGT_MISS;
 }
@@ -297,6 +312,39 @@ static sgt_hit conic_meet(const void *self, const sgt_ray *ray, const sgt_option
     return meet(s->c, s->k, s->semi_diameter, ray, opt);
 }
 
+/* Every root, by the careful form. */
+sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
+{
+    double rim2 = rim2_of(semi_diameter);
+    tally w = {.opt = opt, .budget = 100};
+    careful_pair p = {.away = HUGE_VAL};
+    if (!((c - c) + (k - k) + (semi_diameter - semi_diameter) == 0 && semi_diameter >= 0)) return SGT_INVALID;
+    sgt_status status = SGT_UNPROVEN;
+    if (rim_in_range(rim2)) status = c == 0 ? plane(rim2, ray, &p.r[0].at) : careful_roots(c, k, rim2, ray, &p, &w);
+    if (c == 0) p.r[0].counts = true, p.r[0].sheet = 1;
+    if (status == SGT_UNPROVEN) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
+    if (status < 0 || status == SGT_MISS) return SGT_MISS;
+    if (p.away < HUGE_VAL && ray->tmin <= -p.away) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, -p.away);
+    double reached = ray->tmin;
+    for (int i = 0; i < (p.far_exists ? 2 : 1) && !w.stopped; i++) {
+        const careful_root *r = &p.r[i];
+        if (status == SGT_HIT && (r->sheet < 0 || (r->at.t_err < HUGE_VAL && !r->counts))) continue;
+        if (!(r->at.t_err < HUGE_VAL)) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL); /* out of range */
+        else if (status == SGT_HIT && r->sheet == 0) add_stretch(list, &w, SGT_UNPROVEN, ray, r->at.t - r->at.t_err, r->at.t + r->at.t_err);
+        else add_hit(list, &r->at, status, isnan(r->at.sag) ? conic_f(c, k, r->at.p) : r->at.p.z - r->at.sag, SGT_SEED, ray, &w);
+        if (!w.stopped) reached = r->at.t + r->at.t_err;
+    }
+    if (w.stopped) add_stretch(list, &w, SGT_STOPPED, ray, reached, HUGE_VAL);
+    else if (p.away < HUGE_VAL && ray->tmax >= p.away) add_stretch(list, &w, SGT_UNPROVEN, ray, p.away, HUGE_VAL);
+    return SGT_MISS;
+}
+
+static sgt_status conic_all(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
+{
+    const sgt_conic *s = self;
+    return sgt_conic_all(s->c, s->k, s->semi_diameter, ray, opt, list);
+}
+
 static double conic_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
     const sgt_conic *s = self;
@@ -318,6 +366,6 @@ static sgt_span conic_span(const void *self, const sgt_ray *ray)
     return sgt_sag_span(s->c, s->k, s->semi_diameter, ray, true);
 }
 
-static const struct sgt_sag conic_sag_ops = {.meet = conic_meet};
+static const struct sgt_own conic_own = {.meet = conic_meet, .all = conic_all};
 
-const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .sag_ = &conic_sag_ops};
+const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .own_ = &conic_own};

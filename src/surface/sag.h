@@ -17,16 +17,11 @@
 #define SGT_SURFACE_SAG_H
 
 #include "../num/exact.h"
+#include "own.h"
 #include <float.h>
 #include <sagitta/sagitta.h>
 #include <sagitta/surfaces.h>
 #include <string.h>
-
-/* What a built-in surface can do that a user's cannot: answer by itself, SGT_INVALID included where a
- * parameter is not finite.  ray and opt have been checked. */
-struct sgt_sag {
-    sgt_hit (*meet)(const void *self, const sgt_ray *ray, const sgt_options *opt);
-};
 
 static const double SOFT_RIM = 1 + 0x1p-44;  /* of r^2; surfaces.h says why */
 static const double START_ULPS = 0x1p-48;    /* 16 ulps; sagitta.h, sgt_ray */
@@ -166,8 +161,11 @@ SGT_INLINE sgt_hit hit_without(sgt_status status, const sgt_ray *ray, int evals)
                      .n = {(double)NAN, (double)NAN, (double)NAN}, .p_err = (double)NAN};
 }
 
-/* The evaluations spent on one ray, and what its watcher said. */
-typedef struct tally { const sgt_options *opt; int evals, budget; bool stopped; } tally;
+/* The evaluations spent on one ray, of these the ones told with earlier entries of a list, those up to the
+ * last root (the budget is each root's own; an undecided stretch has none), and what its watcher said. */
+typedef struct tally { const sgt_options *opt; int evals, before, root, budget; bool stopped; } tally;
+
+SGT_INLINE bool spent(const tally *w) { return w->evals - w->root >= w->budget; }
 
 SGT_INLINE void tell(tally *w, sgt_move move, double t, double f, double slope, double lo, double hi)
 {
@@ -182,9 +180,32 @@ SGT_INLINE sgt_hit hit_at(const meeting *h, sgt_status status, double f, sgt_mov
 {
     if (w->opt->watch) tell(w, move, h->t, f, h->n.x * ray->d.x + h->n.y * ray->d.y + h->n.z * ray->d.z, h->t - h->t_err, h->t + h->t_err);
     else w->evals++;
-    if (w->stopped) return hit_without(SGT_STOPPED, ray, w->evals);
-    return (sgt_hit){.status = status, .evals = w->evals, .t = h->t, .t_err = h->t_err, .t_lo = h->t_lo,
+    if (w->stopped) return hit_without(SGT_STOPPED, ray, w->evals - w->before);
+    return (sgt_hit){.status = status, .evals = w->evals - w->before, .t = h->t, .t_err = h->t_err, .t_lo = h->t_lo,
                      .lo = h->t - h->t_err, .hi = h->t + h->t_err, .f = f, .p = h->p, .n = h->n, .p_err = h->p_err};
+}
+
+/* The same as an entry of a list; what was spent since the last entry is told with it. */
+SGT_INLINE void add_hit(sgt_list *list, const meeting *h, sgt_status status, double f, sgt_move move, const sgt_ray *ray, tally *w)
+{
+    sgt_hit hit = hit_at(h, status, f, move, ray, w);
+    if (w->stopped) return; /* what is left is told by whoever searches */
+    sgt_list_add(list, &hit);
+    w->before = w->root = w->evals;
+}
+
+/* [lo, hi], cut to the ray's ends, is not decided, or was not searched. */
+SGT_INLINE void add_stretch(sgt_list *list, tally *w, sgt_status status, const sgt_ray *ray, double lo, double hi)
+{
+    sgt_hit hit = hit_without(status, ray, w->evals - w->before);
+    lo -= 2 * SGT_U * fabs(lo), hi += 2 * SGT_U * fabs(hi); /* outward, by at least an ulp */
+    hit.lo = larger(lo, ray->tmin), hit.hi = hi < ray->tmax ? hi : ray->tmax;
+    if (hit.lo > hit.hi && status == SGT_STOPPED) hit.lo = hit.hi; /* at the very end: told all the same */
+    if (hit.lo > hit.hi) return;
+    hit.t = hit.lo > -HUGE_VAL && hit.hi < HUGE_VAL ? 0.5 * hit.lo + 0.5 * hit.hi : hit.lo > -HUGE_VAL ? hit.lo : hit.hi < HUGE_VAL ? hit.hi : 0;
+    hit.t_err = larger(hit.hi - hit.t, hit.t - hit.lo) * (1 + 4 * SGT_U);
+    if (!sgt_list_merge(list, &hit)) sgt_list_add(list, &hit);
+    w->before = w->evals;
 }
 
 #endif

@@ -31,8 +31,8 @@ static const char help[] =
     "  --method M         safeguarded (the default): what the library does; newton: bare,\n"
     "                     halving t where F is NaN; newton-normalised: with the gradient\n"
     "                     scaled to unit length, the classic mistake; bisection.  The bare\n"
-    "                     methods start where the ray meets the vertex plane and stop\n"
-    "                     after --max-evals (100)\n"
+    "                     methods start where the ray meets the vertex plane (a level set:\n"
+    "                     in the middle of its ball) and stop after --max-evals (100)\n"
     "  --pick P           the root that the library looks for: first or near-seed\n";
 
 static const column head[] = {
@@ -108,15 +108,16 @@ static void write_rows(table *t, size_t ray, size_t element, const record *r)
 static bool show(table *t, const arguments *a, size_t number, size_t element, const record *watched, const sgt_hit *hit,
                  sgt_surface surface, double semi_diameter, const sgt_ray *ray)
 {
+    bool fast = options_fast(&a->shared, surface);
     if (a->method == METHOD_SAFEGUARDED) {
         write_rows(t, number, element, watched);
-        explain_safeguarded(t, watched, surface, hit);
+        explain_safeguarded(t, watched, surface, hit, fast);
         return hit->status >= 0;
     }
     int most = a->shared.solver.max_evals ? a->shared.solver.max_evals : BARE_EVALS;
     record bare = method_run(a->method, surface, semi_diameter, ray, most);
     write_rows(t, number, element, &bare);
-    explain_bare(t, a->method, &bare, surface, ray, hit);
+    explain_bare(t, a->method, &bare, surface, ray, hit, fast);
     return bare.settled;
 }
 
@@ -225,10 +226,12 @@ exit_status command_diagnose(int argc, char *argv[])
         ray_list rays = {.count = 0};
         rays_parse(&rays, a.ray);
         sgt_surface surface = surface_parse("--surface", a.surface);
+        options_note_unread(&a.shared, 1, &(sgt_element){.surface = surface});
         t = table_begin(&a.shared.target, HEAD_COUNT, head);
         decided = diagnose_surface(t, &a, surface, &rays.ray[0].ray);
     } else {
         job j = job_read(&a.job);
+        options_note_unread(&a.shared, j.lens.count, j.element);
         const char *how = "";
         const launch *l = chosen_ray(&a, &j, &how);
         t = table_begin(&a.shared.target, HEAD_COUNT, head);

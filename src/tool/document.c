@@ -156,7 +156,8 @@ double document_number(const document *d, const node *n, const char *key, number
     if (!good && !n->quoted && n->text[strspn(n->text, "+-0123456789")] == ',')
         document_fail(d, n, key, "must be a number, and \"%.60s\" is none; a decimal point is wanted, not a comma", n->text);
     if (!good || (n->quoted && !isinf(value))) document_fail(d, n, key, "must be a number, and \"%.60s\" is none", n->text);
-    if (isnan(value) || (range == NUMBER_FINITE && isinf(value))) document_fail(d, n, key, "must be finite, not %.60s", n->text);
+    if ((isnan(value) && range != NUMBER_ANY) || (isinf(value) && range == NUMBER_FINITE))
+        document_fail(d, n, key, "must be finite, not %.60s", n->text);
     return value;
 }
 

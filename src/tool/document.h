@@ -42,8 +42,9 @@ void document_map(const document *d, const node *n, const char *key);
 node *document_take(const node *map, const char *key);
 void document_finish(const document *d, const node *map, const char *known);
 
-/* Values.  `key` is for the message; the infinite is refused unless it is allowed. */
-typedef enum number_range { NUMBER_FINITE, NUMBER_MAYBE_INFINITE } number_range;
+/* Values.  `key` is for the message; NaN and the infinite are refused unless they are
+ * allowed (for who checks a range of his own). */
+typedef enum number_range { NUMBER_FINITE, NUMBER_MAYBE_INFINITE, NUMBER_ANY } number_range;
 double document_number(const document *d, const node *n, const char *key, number_range range);
 bool document_truth(const document *d, const node *n, const char *key);
 const char *document_text(const document *d, const node *n, const char *key);

@@ -14,6 +14,7 @@ enum { ROOT_SIZE = 4 * NUMBER_SIZE };
 static const char *advice(sgt_verdict v, method m, const record *r)
 {
     bool own = m == METHOD_SAFEGUARDED, normalised = m == METHOD_NORMALISED;
+    if (own && r->count == method_march_steps(r)) return "marching: along the ray, and nowhere near enough to a root to solve for it";
     if (!own && method_only_retreated(r)) return "backing off: halving t leads from one undefined point to the next";
     switch (v) {
     case SGT_LINEAR:
@@ -64,11 +65,15 @@ static void print_root(char text[ROOT_SIZE], const sgt_hit *hit)
     snprintf(text, ROOT_SIZE, "%s at t = %s, %s", sgt_status_text(hit->status), t, off);
 }
 
-static const char *undecided_text(sgt_status status)
+const char explain_fast[] = "Marched in steps of --dt-min and more: thin parts may have been passed by.  Without it none are.";
+
+static const char *undecided_text(sgt_status status, bool fast)
 {
     switch (status) {
     case SGT_MISS: return "the ray certainly does not meet the surface.";
-    case SGT_UNPROVEN: return "there may be a root or none; rounding does not let it be told.";
+    case SGT_UNPROVEN:
+        if (fast) return "no root was seen, which proves nothing.";
+        return "there may be a root or none; rounding does not let it be told.";
     case SGT_UNDEFINED: return "F is NaN where the root would have to be.";
     case SGT_EXHAUSTED: return "--max-evals was spent first.";
     case SGT_INVALID: return "this is no ray, or no surface.";
@@ -76,10 +81,10 @@ static const char *undecided_text(sgt_status status)
     }
 }
 
-static void answer(table *t, const sgt_hit *hit, double condition)
+static void answer(table *t, const sgt_hit *hit, double condition, bool fast)
 {
     if (hit->status <= 0) {
-        table_line(t, "%s: %s", sgt_status_text(hit->status), undecided_text(hit->status));
+        table_line(t, "%s: %s", sgt_status_text(hit->status), undecided_text(hit->status, fast));
         return;
     }
     char root[ROOT_SIZE];
@@ -90,9 +95,12 @@ static void answer(table *t, const sgt_hit *hit, double condition)
                    condition > 100 ? "; the ray grazes" : "");
 }
 
-/* On an asphere with terms the library works with a polynomial that has the roots of F. */
-static void explain_rows(table *t, const record *r, sgt_surface surface, const sgt_hit *hit)
+/* What a row shows, where it is not F at a t on the way to a root.  A level set is searched
+ * by cells; on an asphere with terms the library works with a polynomial that has the roots of F. */
+static void explain_rows(table *t, const record *r, sgt_surface surface, const sgt_hit *hit, bool fast)
 {
+    if (surface.ops->estimate && !fast && method_march_steps(r))
+        table_line(t, "A march row is a cell about t, free of roots or to be made smaller; lo ... hi is what is left of the ray.");
     const sgt_asphere *s = surface.self;
     if (surface.ops != &sgt_asphere_ops || r->count < 2) return;
     double terms = 0;
@@ -103,12 +111,13 @@ static void explain_rows(table *t, const record *r, sgt_surface surface, const s
                hit->status > 0 ? "; the last row is F itself" : "");
 }
 
-void explain_safeguarded(table *t, const record *r, sgt_surface surface, const sgt_hit *hit)
+void explain_safeguarded(table *t, const record *r, sgt_surface surface, const sgt_hit *hit, bool fast)
 {
     if (r->count > 0) verdict(t, METHOD_SAFEGUARDED, r);
     else table_line(t, "Answered without an evaluation.");
-    answer(t, hit, r->count > 0 ? method_diagnose(r).condition : (double)NAN);
-    explain_rows(t, r, surface, hit);
+    answer(t, hit, r->count > 0 ? method_diagnose(r).condition : (double)NAN, fast);
+    if (fast && hit->status != SGT_MISS) table_line(t, "%s", explain_fast);
+    explain_rows(t, r, surface, hit, fast);
 }
 
 /* Near a root the normalised step multiplies the error by 1 - |grad F|. */
@@ -151,9 +160,22 @@ static double nearest_to_axis(const sgt_ray *ray)
     return across == 0 ? hypot(ray->o.x, ray->o.y) : fabs(ray->o.x * ray->d.y - ray->o.y * ray->d.x) / across;
 }
 
+/* A level set lies in a ball, and the span is the ray's chord of it. */
+static void explain_miss_of_set(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
+{
+    if (!surface.ops->span) return;
+    sgt_span span = surface.ops->span(surface.self, ray);
+    if (span.lo > span.hi) table_line(t, "Ray %zu: it passes the ball that holds the set by.", number);
+    else if (span.hi < ray->tmin || span.lo > ray->tmax)
+        table_line(t, "Ray %zu: it crosses the ball that holds the set outside tmin ... tmax only.", number);
+}
+
 void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
 {
-    if (surface.ops != &sgt_conic_ops && surface.ops != &sgt_asphere_ops) return;
+    if (surface.ops != &sgt_conic_ops && surface.ops != &sgt_asphere_ops) {
+        explain_miss_of_set(t, number, surface, ray);
+        return;
+    }
     const double margin = 1 + 0x1p-30; /* said only where it is clear */
     bare_surface b = {.terms = false};
     sgt_surface free = without_rim(&b, surface);
@@ -191,7 +213,8 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
     }
 }
 
-void explain_bare(table *t, method m, const record *r, sgt_surface surface, const sgt_ray *ray, const sgt_hit *hit)
+void explain_bare(table *t, method m, const record *r, sgt_surface surface, const sgt_ray *ray, const sgt_hit *hit,
+                  bool fast)
 {
     if (r->count > 0) verdict(t, m, r);
     char end[NUMBER_SIZE], root[ROOT_SIZE];
@@ -201,7 +224,7 @@ void explain_bare(table *t, method m, const record *r, sgt_surface surface, cons
                                r->count == 1 ? "" : "s", r->stopped);
     else table_line(t, "Settled at t = %s.", end);
     if (hit->status <= 0) {
-        table_line(t, "The library's answer: %s: %s", sgt_status_text(hit->status), undecided_text(hit->status));
+        table_line(t, "The library's answer: %s: %s", sgt_status_text(hit->status), undecided_text(hit->status, fast));
     } else {
         /* a bare method rounds o + t d: some ulps beside the library's bound are no disagreement */
         double apart = fabs(r->t - hit->t), close = hit->t_err + 0x1p-40 * fabs(hit->t);

@@ -14,6 +14,7 @@
 
 #include "frame.h"
 #include "memory.h"
+#include "profile.h"
 
 #include <math.h>
 
@@ -57,12 +58,13 @@ static sgt_span span_of(const search *s)
     return all;
 }
 
-/* A sag: where the ray meets the vertex plane.  Else the middle of the span. */
+/* A sag: where the ray meets the vertex plane.  Else the middle of the span; NaN: it has none. */
 static double start_of(const search *s)
 {
     double plane = -s->ray->o.z / s->ray->d.z;
-    if (s->surface.ops->sag_ && isfinite(plane)) return plane;
+    if (isfinite(plane) && profile_is_sag(s->surface)) return plane;
     sgt_span span = span_of(s);
+    if (span.lo > span.hi) return (double)NAN;
     double middle = span.lo + (span.hi - span.lo) / 2;
     return isfinite(middle) ? middle : isfinite(span.seed) ? span.seed : 0;
 }
@@ -73,6 +75,10 @@ static void newton(search *s)
     double t = start_of(s);
     sgt_move move = SGT_SEED;
     record *r = s->record;
+    if (isnan(t)) {
+        r->stopped = "the ray passes the surface by: there is nowhere to start";
+        return;
+    }
     for (r->stopped = SPENT; s->left > 0;) {
         double slope, f = evaluate(s, move, t, none, none, &slope);
         r->t = t;
@@ -163,6 +169,13 @@ bool method_only_retreated(const record *r)
     for (size_t i = 0; i < r->count; i++)
         if (!isnan(r->step[i].f) || r->step[i].move != (i ? SGT_RETREAT : SGT_SEED)) return false;
     return r->count > 1;
+}
+
+size_t method_march_steps(const record *r)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < r->count; i++) n += r->step[i].move == SGT_MARCH;
+    return n;
 }
 
 record method_run(method m, sgt_surface s, double semi_diameter, const sgt_ray *ray, int max_evals)

@@ -29,6 +29,9 @@ record method_run(method m, sgt_surface s, double semi_diameter, const sgt_ray *
 /* Did it only back off from one undefined point to the next? */
 bool method_only_retreated(const record *r);
 
+/* How many of the evaluations were steps of a march? */
+size_t method_march_steps(const record *r);
+
 sgt_diagnosis method_diagnose(const record *r);
 
 #endif

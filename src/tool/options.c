@@ -2,6 +2,7 @@
 #include "options.h"
 
 #include "number.h"
+#include "profile.h"
 
 #include <limits.h>
 #include <math.h>
@@ -11,7 +12,10 @@
 
 const char options_help[] =
     "  --t-tol X          stop when t is known to X (lengths of the direction); 0: to rounding\n"
-    "  --max-evals N      give a ray up after N evaluations (2000)\n"
+    "  --dt-min X         level sets (julia, mandelbrot): go on in steps of X (lengths of the\n"
+    "                     direction) and more: faster, but no proof, and thin parts may be\n"
+    "                     passed by\n"
+    "  --max-evals N      give a root up after N evaluations (2000)\n"
     "  --format F         text (for people, the default), csv or json\n"
     "  --hex              numbers in hexadecimal\n"
     "  --output FILE      write there and not to standard output\n"
@@ -35,6 +39,13 @@ long options_integer(const char *option, const char *text, long lowest, long hig
     return n;
 }
 
+static double length_of(const char *option)
+{
+    double x = options_number(option, optarg);
+    if (x < 0) fail_usage("--%s must not be negative", option);
+    return x;
+}
+
 static table_format format_of(const char *text)
 {
     if (strcmp(text, "text") == 0) return TABLE_TEXT;
@@ -48,6 +59,17 @@ static sgt_pick pick_of(const char *text)
     if (strcmp(text, "first") == 0) return SGT_FIRST;
     if (strcmp(text, "near-seed") == 0) return SGT_NEAR_SEED;
     fail_usage("--pick wants first or near-seed, not \"%s\"", text);
+}
+
+void options_note_unread(const shared_options *o, size_t count, const sgt_element element[])
+{
+    bool set = false, sag = false;
+    for (size_t i = 0; i < count; i++) {
+        set = set || element[i].surface.ops->estimate;
+        sag = sag || profile_is_sag(element[i].surface);
+    }
+    if (o->solver.dt_min > 0 && !set) note("--dt-min: not used; it is for level sets (julia, mandelbrot)");
+    if (o->solver.pick == SGT_NEAR_SEED && !sag) note("--pick near-seed: not used; of a level set the first root counts");
 }
 
 void options_version(void)
@@ -64,10 +86,8 @@ void options_take(shared_options *o, int code, const char *help)
     case OPTION_HEX: o->target.hexadecimal = true; return;
     case OPTION_PICK: o->solver.pick = pick_of(optarg); return;
     case OPTION_MAX_EVALS: o->solver.max_evals = (int)options_integer("max-evals", optarg, 1, INT_MAX); return;
-    case OPTION_T_TOL:
-        o->solver.t_tol = options_number("t-tol", optarg);
-        if (o->solver.t_tol < 0) fail_usage("--t-tol must not be negative");
-        return;
+    case OPTION_T_TOL: o->solver.t_tol = length_of("t-tol"); return;
+    case OPTION_DT_MIN: o->solver.dt_min = length_of("dt-min"); return;
     case OPTION_VERSION: options_version(); return;
     case 'h':
     case OPTION_HELP:

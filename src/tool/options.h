@@ -4,7 +4,7 @@
 #include "table.h"
 
 #include <getopt.h>
-#include <sagitta/sagitta.h>
+#include <sagitta/system.h>
 
 typedef struct shared_options {
     table_target target;
@@ -14,7 +14,7 @@ typedef struct shared_options {
 /* Codes for getopt_long; a subcommand's own begin with OPTION_OWN. */
 enum {
     OPTION_FORMAT = 256, OPTION_OUTPUT, OPTION_HEX, OPTION_HELP, OPTION_VERSION,
-    OPTION_PICK, OPTION_T_TOL, OPTION_MAX_EVALS, OPTION_OWN
+    OPTION_PICK, OPTION_T_TOL, OPTION_DT_MIN, OPTION_MAX_EVALS, OPTION_OWN
 };
 
 /* For the subcommand's own table of options, which ends with {0}. */
@@ -26,6 +26,7 @@ enum {
     {"version", no_argument, NULL, OPTION_VERSION},             \
     {"pick", required_argument, NULL, OPTION_PICK},             \
     {"t-tol", required_argument, NULL, OPTION_T_TOL},           \
+    {"dt-min", required_argument, NULL, OPTION_DT_MIN},         \
     {"max-evals", required_argument, NULL, OPTION_MAX_EVALS}
 
 /* Their paragraph of a --help. */
@@ -36,6 +37,12 @@ extern const char options_help[];
 void options_take(shared_options *o, int code, const char *help);
 
 void options_version(void);
+
+/* Is a surface searched in the fast way that --dt-min asks for?  Its answers claim less. */
+static inline bool options_fast(const shared_options *o, sgt_surface s) { return o->solver.dt_min > 0 && s.ops->estimate; }
+
+/* A word on standard error if --dt-min or --pick was given and none of these reads it. */
+void options_note_unread(const shared_options *o, size_t count, const sgt_element element[]);
 
 /* Values; what does not fit is a usage error. */
 double options_number(const char *option, const char *text);

@@ -2,6 +2,10 @@
 #ifndef TOOL_PROFILE_H
 #define TOOL_PROFILE_H
 #include <sagitta/system.h>
+#include <stdbool.h>
+
+/* Is it one, F = z - s(x, y)?  What is not, a level set, has no vertex and no profile. */
+bool profile_is_sag(sgt_surface s);
 
 /* z of the surface at x, y of its own frame, the sheet at the vertex; NaN: none there. */
 double profile_sag(const sgt_element *e, double x, double y);

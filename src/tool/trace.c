@@ -5,6 +5,7 @@
 #include "job.h"
 #include "memory.h"
 #include "picture.h"
+#include "profile.h"
 #include "scene.h"
 
 #include <math.h>
@@ -150,6 +151,7 @@ exit_status command_trace(int argc, char *argv[])
 {
     arguments a = arguments_of(argc, argv);
     job j = job_read(&a.job);
+    options_note_unread(&a.shared, j.lens.count, j.element);
     const size_t count = j.lens.count;
     sgt_passage *passage = memory_take(count, sizeof *passage);
     sgt_vec3 *point = memory_take(count + 1, sizeof *point);
@@ -157,6 +159,9 @@ exit_status command_trace(int argc, char *argv[])
     if (a.svg) {
         if (a.shared.target.path) output_check("output", a.shared.target.path); /* before a picture is begun */
         output_reserve("svg", a.svg);
+        for (size_t i = 0; i < count; i++)
+            if (!profile_is_sag(j.element[i].surface))
+                note("--svg: element %zu (%s) is not a sag, and is not drawn", i + 1, j.lens.surface[i].type);
     }
     scene picture = scene_begin(&j);
     table *t = table_begin(&a.shared.target, j.rays.named ? HEAD_COUNT : HEAD_COUNT - 1, head);

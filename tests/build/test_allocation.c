@@ -56,8 +56,11 @@ int main(void)
     static const sgt_surface_ops wave_ops = { .name = "waves", .value = waves, .span = wave_span };
     const sgt_conic mirror = { .c = -0.1, .k = -1 }, lens = { .c = 0.2, .k = -0.6, .semi_diameter = 4 };
     const sgt_asphere asphere = { .c = 0.2, .k = -0.6, .semi_diameter = 4, .a = { 0, 1e-4, -2e-6, 1e-8 } };
+    const sgt_julia julia = { .c = { -0.2, 0.8, 0, 0 }, .iterations = 8 }, cubic = { .c = { 0.1, 0.3, 0.2, 0 }, .iterations = 5, .power = 3 };
+    const sgt_mandelbrot mandelbrot = { .iterations = 6 };
     const sgt_surface surfaces[] = {
         { &sgt_conic_ops, &mirror }, { &sgt_conic_ops, &lens }, { &sgt_asphere_ops, &asphere }, { &wave_ops, NULL },
+        { &sgt_julia_ops, &julia }, { &sgt_julia_ops, &cubic }, { &sgt_mandelbrot_ops, &mandelbrot },
     };
     const sgt_element elements[] = {
         { .surface = surfaces[1], .pose = { .origin = { 0, 0, 5 } }, .index = 1.5, .semi_diameter = 4 },
@@ -67,7 +70,7 @@ int main(void)
     const char *scale = getenv("SAGITTA_TEST_SCALE");
     const int rays = (int)(20000 * (scale ? atof(scale) : 1)) + 100;
     const size_t before = allocations;
-    size_t hits = 0, passed = 0;
+    size_t hits = 0, passed = 0, entries = 0;
 
     for (int i = 0; i < rays; i++) {
         /* Origins from near to far, directions steep and grazing. */
@@ -81,7 +84,12 @@ int main(void)
                                     .watch = i % 3 ? NULL : sgt_log_step, .watch_data = &log };
             hits += sgt_intersect(surfaces[s], ray, i % 5 ? &options : NULL).status > 0;
             (void)sgt_diagnose(&log);
+            sgt_hit all[4];
+            if (i % 4 == 0)
+                entries += sgt_intersect_all(surfaces[s], ray, i % 8 ? 4 : 0, i % 8 ? all : NULL, i % 5 ? &options : NULL) > 0;
         }
+        sgt_vec3 grad, at = { random_number(), random_number(), random_number() };
+        (void)(sgt_julia_potential(&julia, at, &grad) + sgt_mandelbrot_potential(&mandelbrot, at, NULL));
         sgt_passage passages[3];
         sgt_fate fate;
         sgt_ray traced = { { random_number(), random_number(), 0 }, { 0.1 * random_number(), 0, 1 }, 0, 0 };
@@ -92,7 +100,7 @@ int main(void)
         (void)sgt_check(surfaces[s], 1, &walk, NULL);
 
     const size_t made = allocations - before;
-    printf("%d rays on %zu surfaces, %zu hits, %zu elements passed, %zu allocations\n",
-           rays, sizeof surfaces / sizeof surfaces[0], hits, passed, made);
-    return made != 0 || hits == 0 || passed == 0;
+    printf("%d rays on %zu surfaces, %zu hits, %zu lists, %zu elements passed, %zu allocations\n",
+           rays, sizeof surfaces / sizeof surfaces[0], hits, entries, passed, made);
+    return made != 0 || hits == 0 || entries == 0 || passed == 0;
 }

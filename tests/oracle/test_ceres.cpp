@@ -9,7 +9,12 @@
 // The reference roots and the hard ones go through the whole ceres::Problem, random ones
 // through ceres::TinySolver.  At every root ceres::Jet<double, 3> checks the gradients:
 // the one of the hit and the one of ops->value.
+//
+// Level sets likewise, on the orbit of levels.h with Jets for numbers: from beside each root of
+// sgt_intersect_all Ceres must come back to it, and wherever it ends in a root from elsewhere on
+// the ray, that one must be in the list.
 #include "cases.h"
+#include "levels.h"
 #include "table.h"
 
 #include <sagitta/sagitta.h>
@@ -337,6 +342,131 @@ void reference_ones(const std::string &folder)
     }
 }
 
+// ---------------------------------------------------------------- level sets
+
+void fail_on(const char *why, const level &f, const sgt_ray &r, const sgt_hit &h, double number)
+{
+    if (failed[why]++ >= 5) return;
+    std::printf("FAIL %s: %.17g\n", why, number);
+    print_level(f);
+    std::printf("    o %a %a %a d %a %a %a\n    %s t %.17g t_err %.3g\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, sgt_status_text(h.status), h.t, h.t_err);
+}
+
+// F on the ray moved to t0; the parameter is in units of `unit`.
+struct level_residual {
+    const level *f;
+    sgt_vec3 o, d;
+    double unit;
+    template <class T> bool operator()(const T *parameter, T *residual) const
+    {
+        const T tau = parameter[0] * unit;
+        residual[0] = level_value(*f, T(o.x + tau * d.x), T(o.y + tau * d.y), T(o.z + tau * d.z));
+        return true;
+    }
+};
+
+double level_solve(const level_residual &r, double tau, bool whole)
+{
+    if (!whole) {
+        typedef ceres::TinySolverAutoDiffFunction<level_residual, 1, 1> function;
+        function f(r);
+        ceres::TinySolver<function> tiny;
+        tiny.options.max_num_iterations = 60;
+        tiny.options.gradient_tolerance = tiny.options.function_tolerance = tiny.options.cost_threshold = 0;
+        tiny.options.parameter_tolerance = 1e-17;
+        Eigen::Matrix<double, 1, 1> x(tau / r.unit);
+        tiny.Solve(f, &x);
+        return x[0] * r.unit;
+    }
+    double x = tau / r.unit;
+    ceres::Problem problem;
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<level_residual, 1, 1>(new level_residual(r)), nullptr, &x);
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_QR;
+    options.logging_type = ceres::SILENT;
+    options.max_num_iterations = 60;
+    options.function_tolerance = options.gradient_tolerance = options.parameter_tolerance = 1e-300;
+    options.update_state_every_iteration = true;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    return x * r.unit;
+}
+
+// F and its gradient at p, and what rounding may make of F: an ulp at level n becomes |dQ_N/dQ_n| ulps
+// of Q_N, which the longest of the |dQ_n/dx| on the way bounds well enough.
+struct level_point {
+    ceres::Jet<double, 3> f;
+    double noise;
+};
+level_point at_point(const level &f, const sgt_vec3 &p)
+{
+    typedef ceres::Jet<double, 3> jet;
+    const jet x(p.x, 0), y(p.y, 1), z(p.z, 2);
+    double growth = 0;
+    for (int n = 1; n <= f.s.iterations; n++) {
+        int reached;
+        const quaternion<jet> q = orbit(f, in_slice(f, x, y, z), n, 1e30, &reached);
+        growth = std::max(growth, std::sqrt(q.a.v.squaredNorm() + q.b.v.squaredNorm() + q.c.v.squaredNorm() + q.d.v.squaredNorm()));
+    }
+    return {level_value(f, x, y, z), 16 * DBL_EPSILON * (f.s.iterations + 1) * std::max(1.0, growth / axis_length(f))};
+}
+
+void level_ones(long count, generator &g)
+{
+    static sgt_hit list[4000];
+    for (long i = 0; i < count; i++) {
+        const level f = random_level(g);
+        sgt_mandelbrot m;
+        const sgt_surface s = as_surface(f, &m);
+        const sgt_ray ray = random_ray(g, f);
+        const int n = sgt_intersect_all(s, ray, 4000, list, nullptr);
+        const double length = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z), size = 1 / axis_length(f) / length;
+        const auto moved_to = [&](double t) { return level_residual{&f, {std::fma(t, ray.d.x, ray.o.x), std::fma(t, ray.d.y, ray.o.y), std::fma(t, ray.d.z, ray.o.z)}, ray.d, size}; };
+        // Where it ends: a root, and if so how well Ceres can tell (of t)?
+        const auto wide_of = [&](double t0, double end) {
+            const level_residual r = moved_to(t0);
+            const level_point p = at_point(f, {r.o.x + end * r.d.x, r.o.y + end * r.d.y, r.o.z + end * r.d.z});
+            const double slope = std::fabs(p.f.v[0] * ray.d.x + p.f.v[1] * ray.d.y + p.f.v[2] * ray.d.z);
+            const double place = DBL_EPSILON * (std::fabs(r.o.x) + std::fabs(r.o.y) + std::fabs(r.o.z)) * std::sqrt(p.f.v.squaredNorm());
+            return std::fabs(p.f.a) <= 4 * (p.noise + place) ? 8 * (p.noise + place) / slope : HUGE_VAL;
+        };
+        for (int k = 0; k < n && k < 8; k++) {
+            const sgt_hit &h = list[k];
+            if (h.status != SGT_HIT) continue;
+            const level_point p = at_point(f, h.p);
+            const double off = std::sqrt((p.f.v[0] - h.n.x) * (p.f.v[0] - h.n.x) + (p.f.v[1] - h.n.y) * (p.f.v[1] - h.n.y) + (p.f.v[2] - h.n.z) * (p.f.v[2] - h.n.z));
+            const double gradient = std::sqrt(p.f.v.squaredNorm());
+            if (!(off <= (1e-12 + 4 * p.noise) * gradient)) fail_on("level set: gradient of the hit", f, ray, h, off / gradient);
+            // From beside it, not as far as its neighbours.
+            double room = size;
+            for (int j = 0; j < n; j++)
+                if (j != k) room = std::min(room, std::fabs(list[j].t - h.t));
+            const double end = level_solve(moved_to(h.t), 1e-4 * room * g.sign(), k == 0), wide = wide_of(h.t, end);
+            counted["level sets: solved again"]++;
+            if (!(wide <= 1e-6 * size)) counted["level sets: ... that end in no root, or a graze"]++;
+            else if (std::fabs(end) <= h.t_err + wide) counted["level sets: ... at the root of the hit"]++;
+            else if (std::fabs(end) < 0.01 * room) fail_on("level set: Ceres does not confirm a root", f, ray, h, end);
+            else counted["level sets: ... that leave the root they began beside"]++;
+        }
+        // From anywhere on the ray's way through the ball.
+        const double nearest = -(ray.o.x * ray.d.x + ray.o.y * ray.d.y + ray.o.z * ray.d.z) / (length * length);
+        for (int k = 0; k < 3; k++) {
+            const double t0 = nearest + size * g.uniform(-1.5, 1.5), end = level_solve(moved_to(t0), 0, false), t = t0 + end, wide = wide_of(t0, end);
+            counted["level sets: solved from elsewhere"]++;
+            if (!(wide <= 1e-6 * size) || t <= 1e-6 * size) {
+                counted["level sets: ... that end in no root, or a graze, or behind the start"]++;
+                continue;
+            }
+            bool known = false;
+            for (int j = 0; j < n; j++) known = known || (list[j].status > 0 ? std::fabs(list[j].t - t) <= list[j].t_err + wide + 4 * DBL_EPSILON * std::fabs(t) : list[j].lo <= t + wide && list[j].hi >= t - wide);
+            if (!known) fail_on("level set: a root of Ceres' that is in no entry", f, ray, n ? list[0] : sgt_hit(), t);
+            counted["level sets: ... at a root of the list"]++;
+        }
+    }
+    if (counted["level sets: ... at the root of the hit"] < count / 4) failed["too few roots of level sets confirmed"]++;
+    if (counted["level sets: ... at a root of the list"] < count / 4) failed["too few roots of level sets found again"]++;
+}
+
 } // namespace
 
 int main(int argc, char **argv)
@@ -349,6 +479,7 @@ int main(int argc, char **argv)
     hard_ones(argv[1], g);
     reference_ones(argv[1]);
     random_ones(r.count, g);
+    level_ones(r.count / 10 + 1, g);
     for (const auto &c : counted) std::printf("  %9ld  %s\n", c.second, c.first.c_str());
     for (const auto &f : failed) std::printf("  FAIL %9ld  %s\n", f.second, f.first.c_str());
     std::printf("%.1f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());

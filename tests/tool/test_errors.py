@@ -36,6 +36,50 @@ SURFACES = [
     ('{type: even_asphere, coefficients: [1, x]}', 'coefficients[1]'),
     ('{type: even_asphere, coefficients: [1, .inf]}', 'coefficients[1]'),
     ('{type: even_asphere, coefficients: [1,1,1,1,1,1,1,1,1]}', 'coefficients'),
+    ('{type: even_asphere, coefficients: [1, [2]]}', 'coefficients[1]'),
+    ('{type: julia, radius: 2}', 'radius: unknown key'),
+    ('{type: julia, semi_diameter: 2}', 'semi_diameter: unknown key'),
+    ('{type: mandelbrot, c: [0, 0, 0, 0]}', 'c: unknown key'),
+    ('{type: julia, c: 1}', 'c: must be a list of 4 numbers'),
+    ('{type: julia, c: []}', 'c: must hold'),
+    ('{type: julia, c: [1, 2, 3]}', 'c: has 3 numbers; 4 are wanted'),
+    ('{type: julia, c: [1, 2, 3, 4, 5]}', 'c: has 5 numbers; 4 are wanted'),
+    ('{type: julia, c: [0, 0, x, 0]}', 'c[2]: must be a number'),
+    ('{type: julia, c: [0, 0, 0, 1e7]}', 'c[3]: must be from -1000000 to 1000000, not 10000000'),
+    ('{type: julia, c: [.nan, 0, 0, 0]}', 'c[0]: must be from -1000000 to 1000000, not nan'),
+    ('{type: julia, at: [0, 0, 0, 0], slice: 0}', 'slice: given beside at'),
+    ('{type: mandelbrot, slice: 0.5, at: [0, 0, 0, 0.5]}', 'slice: given beside at'),
+    ('{type: julia, slice: [1]}', 'slice: must be a number'),
+    ('{type: julia, slice: .inf}', 'slice: must be from'),
+    ('{type: julia, ex: [1, 0, 0, 0]}', 'ey: not given, and so '),
+    ('{type: julia, ey: [0, 1, 0, 0], ez: [1, 0, 0, 0]}', 'ex: not given, and so '),
+    ('{type: julia, ex: [1, 0, 0, 0], ey: [0, 1, 0, 0], ez: [1, 1, 0, 0]}', 'ez: '),
+    ('{type: mandelbrot, ex: [1, 0, 0, 0], ey: [0, 0, 0, 0], ez: [0, 0, 1, 0]}', 'ey: '),
+    ('{type: mandelbrot, ex: [1e-110, 0, 0, 0], ey: [0, 1, 0, 0], ez: [0, 0, 1, 0]}', 'ex: '),
+    ('{type: julia, ex: [1e101, 0, 0, 0], ey: [0, 1, 0, 0], ez: [0, 0, 1, 0]}', 'ex[0]: must be from'),
+    ('{type: mandelbrot, ex: [1, 0, 0, 0], ey: [0, 1, 0], ez: [0, 0, 1, 0]}', 'ey: has 3 numbers'),
+    ('{type: julia, ey: [.inf, 0, 0, 0]}', 'ey[0]'),
+    ('{type: julia, ez: 3}', 'ez: '),
+    ('{type: julia, c: [-0.2, 0.8, 0, 0], escape: 1.5}', 'escape: '),
+    ('{type: mandelbrot, escape: 1.9}', 'escape: '),
+    ('{type: mandelbrot, power: 3, escape: 1.4}', 'escape: '),
+    ('{type: julia, escape: -1}', 'escape: must be from'),
+    ('{type: julia, escape: 0}', 'escape: must be from'),
+    ('{type: julia, escape: 1e7}', 'escape: must be from'),
+    ('{type: julia, escape: .nan}', 'escape: must be from'),
+    ('{type: julia, iterations: 0}', 'iterations: must be a whole number from 1 to 100, not 0'),
+    ('{type: julia, iterations: 101}', 'iterations: must be a whole number from 1 to 100, not 101'),
+    ('{type: julia, iterations: -3}', 'iterations: must be a whole number from 1 to 100, not -3'),
+    ('{type: julia, iterations: 2.5}', 'iterations: must be a whole number from 1 to 100, not 2.5'),
+    ('{type: julia, iterations: 1e30}', 'iterations: must be a whole number from 1 to 100, not 1e+30'),
+    ('{type: julia, iterations: .nan}', 'iterations: must be a whole number from 1 to 100, not nan'),
+    ('{type: mandelbrot, iterations: .inf}', 'iterations: must be a whole number from 1 to 100, not inf'),
+    ('{type: mandelbrot, iterations: [4]}', 'iterations: must be a number'),
+    ('{type: mandelbrot, iterations: many}', 'iterations: must be a number'),
+    ('{type: julia, iterations: "4"}', 'iterations: must be a number'),
+    ('{type: julia, power: 1}', 'power: must be a whole number from 2 to 8, not 1'),
+    ('{type: mandelbrot, power: 9}', 'power: must be a whole number from 2 to 8, not 9'),
+    ('{type: julia, power: 2.1}', 'power: must be a whole number from 2 to 8, not 2.1'),
     ('{type: sphere', ':1: '),
     ('{type: sphere}}', ''),
     ('[1, 2]', 'map'),
@@ -59,6 +103,9 @@ def test_surfaces():
 def test_line_of_a_surface():
     done = run('intersect', '--surface', 'type: sphere\n\nradius: x\n', *RAY, exit=BAD_INPUT)
     assert '--surface:3: radius:' in done.stderr, done.stderr
+    text = 'type: julia\nc: [-0.2, 0.8, 0, 0]\nescape: 1\niterations: 5\n'
+    done = run('intersect', '--surface', text, *RAY, exit=BAD_INPUT)
+    assert '--surface:3: escape:' in done.stderr, done.stderr
 
 
 GOOD = '''name: a lens
@@ -224,13 +271,17 @@ USAGES = [
     ('intersect', *RAY),
     ('intersect', '--surface', '{type: plane}', *RAY, 'more'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--rays', '-'),
-    ('intersect', '--surface', '{type: plane}', *RAY, '--all'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--all', '--pick', 'first'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--proof', 'first'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--format', 'xml'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--pick', 'last'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--t-tol', 'x'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--t-tol', '-1'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--t-tol', 'inf'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--dt-min', 'x'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--dt-min', '-1'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--dt-min', 'nan'),
+    ('diagnose', '--surface', '{type: plane}', *RAY, '--dt-min', '.inf'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--max-evals', '0'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--max-evals', '1.5'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--max-evals', '99999999999999999999'),
@@ -294,7 +345,7 @@ def test_help_and_version():
     for command in ('intersect', 'trace', 'diagnose'):
         equal(run(command, '--version').stdout, run('--version').stdout)
         text = run(command, '--help').stdout
-        for option in ('--format', '--output', '--help', '--version', '--max-evals', 'Exit status'):
+        for option in ('--format', '--output', '--help', '--version', '--dt-min', '--max-evals', 'Exit status'):
             assert option in text, (command, option)
         assert max(map(len, text.splitlines())) <= 100
     assert all(command in run('--help').stdout for command in ('intersect', 'trace', 'diagnose'))

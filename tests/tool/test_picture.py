@@ -113,6 +113,23 @@ def test_nothing_to_draw():
     assert 0 < width < 2000 and 0 < height < 2000
 
 
+def test_level_set():
+    """A set has no profile: its rays bend in the empty, and the user is told why."""
+    lens = written('''pupil: {semi_diameter: 0.4, distance: 0}
+surfaces:
+  - {type: plane, thickness: 3}
+  - {type: julia, c: [-0.2, 0.8, 0, 0], iterations: 5, index: 1.5, thickness: 4}
+  - {type: plane}
+''')
+    path = written('').parent / 'picture.svg'
+    said = run('trace', lens, '--fan', 3, '--svg', path).stderr
+    assert '--svg: element 2 (julia)' in said, said
+    bare = picture(written(lens.read_text().replace('julia, c: [-0.2, 0.8, 0, 0], iterations: 5', 'plane')), '--fan', 3)
+    drawn, lines = strokes(xml.parse(path).getroot()), strokes(bare)
+    assert 0 < sum(drawn.values()) < sum(lines.values()), (drawn, lines)  # the surface, and the glass behind it
+    assert not run('trace', LENSES / 'ftheta.yaml', '--svg', path).stderr
+
+
 def test_many_fields_need_more_rows():
     fields = [word for f in range(-20, 21) for word in ('--field', f)]
     one, many = size(picture(LENSES / 'ftheta.yaml')), size(picture(LENSES / 'ftheta.yaml', *fields))
