@@ -95,6 +95,8 @@ static void keep(walk *w, meeting *at, double v_err, sgt_status status, double s
     if (!(at->v > v_err)) status = crosses_sheet(w, at) ? SGT_HIT : SGT_UNPROVEN;
     if (!counts(at, w->ray, w->s->rim2, w->q.scale)) return;
     if (w->list) {
+        /* at the equator both sheets of G have a root, and F one */
+        if (status == SGT_HIT && sgt_list_same(w->list, at->t, at->t_err)) return;
         if (status > 0) add_hit(w->list, at, status, asphere_f(w->s, at->p), SGT_NEWTON, w->ray, w->told);
         else add_stretch(w->list, w->told, status, w->ray, at->t - at->t_err, at->t + at->t_err);
         return;

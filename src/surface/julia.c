@@ -43,7 +43,7 @@ static sgt_vec3 back_to_point(const orbit *o, const quaternion at[], int n, quat
 }
 
 SGT_CLONES
-static double value_at(const orbit *o, sgt_vec3 p, sgt_vec3 *grad)
+double sgt_level_value(const orbit *o, sgt_vec3 p, sgt_vec3 *grad)
 {
     quaternion at[SGT_LEVELS + 1];
     double E2 = o->E * o->E;
@@ -101,11 +101,11 @@ static sgt_interval enclose_by(const orbit *o, const sgt_ray *ray, sgt_interval 
 
 /* ------------------------------------------------------- the two surfaces */
 
-static sgt_hit first_of(const orbit *o, sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+static sgt_hit first_of(const orbit *o, const sgt_ray *ray, const sgt_options *opt)
 {
     sgt_hit hit = hit_without(SGT_MISS, ray, 0);
     sgt_list list = {.hits = &hit, .cap = 1, .count = 0};
-    int evals = sgt_level_march(o, &s, ray, opt, false, &list);
+    int evals = sgt_level_march(o, ray, opt, false, &list);
     if (!list.count) hit.evals = evals;
     if (hit.status < 0) hit.t = hit.t_err = NAN;
     return hit;
@@ -115,7 +115,7 @@ static sgt_hit first_of(const orbit *o, sgt_surface s, const sgt_ray *ray, const
     static double kind##_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)                                         \
     {                                                                                                                \
         orbit o;                                                                                                     \
-        if (!sgt_orbit_of_##kind(self, &o).param) return value_at(&o, p, grad);                                      \
+        if (!sgt_orbit_of_##kind(self, &o).param) return sgt_level_value(&o, p, grad);                                      \
         if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};                                                                 \
         return NAN;                                                                                                  \
     }                                                                                                                \
@@ -146,13 +146,13 @@ static sgt_hit first_of(const orbit *o, sgt_surface s, const sgt_ray *ray, const
     {                                                                                                                \
         orbit o;                                                                                                     \
         if (sgt_orbit_of_##kind(self, &o).param) return hit_without(SGT_INVALID, ray, 0);                            \
-        return first_of(&o, (sgt_surface){&sgt_##kind##_ops, self}, ray, opt);                                       \
+        return first_of(&o, ray, opt);                                                                               \
     }                                                                                                                \
     static sgt_status kind##_all(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)       \
     {                                                                                                                \
         orbit o;                                                                                                     \
         if (sgt_orbit_of_##kind(self, &o).param) return SGT_INVALID;                                                 \
-        sgt_level_march(&o, &(sgt_surface){&sgt_##kind##_ops, self}, ray, opt, true, list);                          \
+        sgt_level_march(&o, ray, opt, true, list);                                                                   \
         return 0;                                                                                                    \
     }                                                                                                                \
     static const struct sgt_own kind##_own = {.meet = kind##_meet, .all = kind##_all};                               \

@@ -11,9 +11,10 @@
  * is already below the rounding of |Q_N|^2: then it joins an undecided stretch, which ends with the next
  * cell that is decided: unlike sides are a crossing, like ones a stretch that is UNPROVEN.
  *
- * h grows by 1.15 after a success and shrinks to 0.35 after a failure: the best of some dozens of pairs tried
- * on 640 x 480 rays at two sets, N = 7, and a flat optimum (86 levels of the orbit a ray, of 1.05 ... 1.5 and
- * 0.3 ... 0.6).  A Newton step out of a failed cell could only shorten it, and did not pay.
+ * h is halved after a failure, and after a success multiplied by a factor that itself has grown by 1.08 (to 1.2 at
+ * most) and after a failure shrunk by 0.8 (to 0.7 at least): on the way toward a surface cells have to shrink, and learn it.
+ * The best of some dozens tried on 640 x 480 rays at two sets, N = 7, and a flat optimum: 68 levels of the orbit a ray,
+ * 73 with fixed factors of 1.15 and 0.35.  A Newton step out of a failed cell could only shorten it, and did not pay.
  *
  * A root's bracket is narrowed by Newton's method on F, which is tanh(log(|Q_N| / E)) and so nearly linear
  * over many lengths where |Q_N|^2 is not, and at last by interval Newton over a cell about it as wide
@@ -29,7 +30,6 @@
 typedef struct walk {
     path path;
     const orbit *orbit;
-    const sgt_surface *surface;
     const sgt_ray *ray;
     tally told;
     local q;
@@ -38,7 +38,17 @@ typedef struct walk {
     sgt_list *list;
 } walk;
 
-static const double GROWTH = 1.15, SHRINKAGE = 0.35;
+/* The length of the next cell, and by what it has lately been growing, or shrinking. */
+typedef struct pace { double h, growth; } pace;
+
+static pace faster(pace p)
+{
+    double growth = p.growth * 1.08;
+    growth = growth < 1.2 ? growth : 1.2;
+    return (pace){p.h * growth, growth};
+}
+
+static pace slower(pace p) { return (pace){0.5 * p.h, larger(0.8 * p.growth, 0.7)}; }
 
 /* ------------------------------------------------------------------- setup */
 
@@ -153,14 +163,14 @@ static bool add_root(walk *w, sgt_status status, double tau, double tau_err)
     meeting h;
     meeting_place(&h, &w->q, tau, tau_err);
     h.v = 1;
-    double f = w->surface->ops->value(w->surface->self, h.p, &h.n);
+    double f = sgt_level_value(w->orbit, h.p, &h.n);
     look_on(w, SGT_NEWTON, tau, tau - tau_err, tau + tau_err);
     if (w->told.stopped) return false;
     double terms = fabs(h.p.x * h.n.x) + fabs(h.p.y * h.n.y) + fabs(h.p.z * h.n.z);
     double slope = fabs(h.n.x * w->q.l + h.n.y * w->q.m + h.n.z * w->q.n), tmin = w->ray->tmin;
     double gap = h.t - tmin - h.t_err - 8 * SGT_U * fabs(h.t);
     bool started = tmin == -HUGE_VAL || (gap > 0 && gap * slope >= START_ULPS * terms * w->q.scale); /* F = 1, to rounding: 0 and 0 */
-    if (!(h.t_err < HUGE_VAL)) { /* t is out of range in lengths of d */
+    if (!(h.t_err < HUGE_VAL && fabs(h.t) < HUGE_VAL)) { /* t is out of range in lengths of d */
         stretch(w, SGT_UNPROVEN, -HUGE_VAL, HUGE_VAL);
         return true;
     }
@@ -247,12 +257,15 @@ static place lay(double tau, double h, double hi)
 /* Cells that the march may come to next, looked at together. */
 typedef struct ahead { double m[4], h[4]; cell seen[4]; bool known[4]; } ahead;
 
-static const cell *look_at(const walk *w, ahead *a, double tau, place at, double hi)
+static const cell *look_at(const walk *w, ahead *a, double tau, place at, pace p, double hi)
 {
     for (int i = 0; i < 4; i++)
         if (a->known[i] && a->m[i] == at.m && a->h[i] == at.h) return &a->seen[i];
-    place next = lay(at.end, at.h * GROWTH, hi), second = lay(next.end, next.h * GROWTH, hi), less = lay(tau, at.h * SHRINKAGE, hi);
-    const place all[4] = {at, at.end < hi ? next : at, next.end < hi ? second : at, less};
+    pace less = slower((pace){at.h, p.growth}), once = faster((pace){at.h, p.growth});
+    place next = lay(at.end, once.h, hi);
+    pace twice = faster((pace){next.h, once.growth});
+    place second = lay(next.end, twice.h, hi);
+    const place all[4] = {at, at.end < hi ? next : at, next.end < hi ? second : at, lay(tau, less.h, hi)};
     for (int i = 0; i < 4; i++) a->m[i] = all[i].m, a->h[i] = all[i].h;
     sgt_orbit_cells(&w->path, a->m, a->h, a->seen, a->known);
     return &a->seen[0];
@@ -261,16 +274,17 @@ static const cell *look_at(const walk *w, ahead *a, double tau, place at, double
 /* The march proper, over [lo, hi]. */
 static void march(walk *w, double lo, double hi)
 {
-    double tau = lo, h = 0.1 * (hi - lo);
+    double tau = lo;
+    pace p = {0.1 * (hi - lo), 1};
     dark_stretch dark = {.any = false};
     ahead near;
     for (int i = 0; i < 4; i++) near.known[i] = false;
     int side = 0; /* the sign of F where the cells so far end; 0: not known */
     while (tau < hi && !w->done && !spent(&w->told)) {
-        place at = lay(tau, h, hi);
-        const cell *e = look_at(w, &near, tau, at, hi);
-        double m = at.m, end = at.end;
-        h = at.h;
+        place at = lay(tau, p.h, hi);
+        const cell *e = look_at(w, &near, tau, at, p, hi);
+        double m = at.m, end = at.end, h = at.h;
+        p.h = h;
         look_on(w, SGT_MARCH, m, tau, hi);
         if (w->done) break;
         bool monotone = e->verdict == CELL_MONOTONE, empty = e->verdict == CELL_OUTSIDE || e->verdict == CELL_INSIDE;
@@ -280,14 +294,14 @@ static void march(walk *w, double lo, double hi)
             n = newton_interval(w, e);
             if (side == 0 && n.lo < -h && n.hi > -h) { /* before the cell, or in it? */
                 if (!dark.any) { /* at the very start, which is on the surface: from before it */
-                    if (h > 0x1p-40 * (hi - lo)) h *= SHRINKAGE;
+                    if (h > 0x1p-40 * (hi - lo)) p = slower(p);
                     else lo = tau = tau - 4 * h;
                     continue;
                 }
                 monotone = n.hi < h;
                 if (monotone) { /* behind the root, if it is one, the sign is known */
                     if (!end_dark(w, &dark, m + n.hi, -falls)) break;
-                    dark.any = false, side = -falls, tau = end, h *= GROWTH;
+                    dark.any = false, side = -falls, tau = end, p = faster(p);
                     continue;
                 }
             } else if (side == 0) {
@@ -301,13 +315,13 @@ static void march(walk *w, double lo, double hi)
             if (w->done) break;
         }
         if (empty || (monotone && (side != falls || n.lo > h))) {
-            side = here, tau = end, h *= GROWTH;
+            side = here, tau = end, p = faster(p);
         } else if (monotone && n.hi <= h) {
             if (!polish(w, larger(tau, m + n.lo), m + n.hi, falls)) break;
-            side = -side, tau = end, h *= GROWTH;
+            side = -side, tau = end, p = faster(p);
         } else if (monotone && m + n.lo > tau + 0.25 * h) { /* up to there no root */
             tau = m + n.lo;
-            h = 0.6 * (n.hi - n.lo);
+            p.h = 0.6 * (n.hi - n.lo);
         } else {
             bool hopeless = e->W < HUGE_VAL && (fabs(e->qv) + e->W) * h <= 4 * e->g_err;
             if (!hopeless && 2 * h <= w->t_tol && side) { /* closer than asked for: a change of sign is enough */
@@ -327,7 +341,7 @@ static void march(walk *w, double lo, double hi)
                 dark.touches = dark.touches && g <= 5 * e->g_err;
                 side = 0, tau = end;
             } else {
-                h *= SHRINKAGE;
+                p = slower(p);
             }
         }
     }
@@ -404,12 +418,12 @@ static void march_fast(walk *w, double lo, double hi, double dt_min)
     else if (!any && !w->done) stretch(w, SGT_UNPROVEN, lo, hi);
 }
 
-int sgt_level_march(const orbit *o, const sgt_surface *s, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list)
+int sgt_level_march(const orbit *o, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list)
 {
     walk w;
     double lo, hi;
     if (!chord_of(o, ray, &w.q, &w.path, &lo, &hi)) return 0;
-    w.orbit = o, w.surface = s, w.ray = ray, w.all = all, w.done = false, w.list = list;
+    w.orbit = o, w.ray = ray, w.all = all, w.done = false, w.list = list;
     w.told = (tally){.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
     double scale = w.q.scale, tmin = ray->tmin / scale - w.q.t0, tmax = ray->tmax / scale - w.q.t0;
     w.t_tol = opt->t_tol / scale;

@@ -7,13 +7,16 @@
 
 /* Adds the entries in order, and stops after the first where `all` is false; returns the
  * evaluations spent since the last entry. */
-int sgt_level_march(const orbit *o, const sgt_surface *s, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list);
+int sgt_level_march(const orbit *o, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list);
 
 /* The stretch of t outside which |Q_0| (Mandelbrot: |Q_1|) is above the greatest E_k: lo > hi where there is none. */
 sgt_span sgt_level_span(const orbit *o, const sgt_ray *ray);
 
 /* A guess at the distance to the level set, 0 where F <= 0, and F itself. */
 double sgt_level_estimate(const orbit *o, sgt_vec3 p, double *f);
+
+/* F, and its gradient where grad is not NULL. */
+double sgt_level_value(const orbit *o, sgt_vec3 p, sgt_vec3 *grad);
 
 /* The orbit along a ray as it is given, its origin not moved. */
 void sgt_level_path(const orbit *o, const sgt_ray *ray, path *w);

@@ -51,12 +51,12 @@ static sgt_objection axes(const slice *s, orbit *o)
 {
     o->x = quaternion_of(s->ex), o->y = quaternion_of(s->ey), o->z = quaternion_of(s->ez);
     double xx = quaternion_dot(o->x, o->x), yy = quaternion_dot(o->y, o->y), zz = quaternion_dot(o->z, o->z);
-    if (!(xx + yy + zz < HUGE_VAL) || !(bounded(s->ex, 1e100) && bounded(s->ey, 1e100) && bounded(s->ez, 1e100))) {
+    if (!(xx + yy + zz <= 1e200) && !(bounded(s->ex, 1e100) && bounded(s->ey, 1e100) && bounded(s->ez, 1e100))) { /* not of NaN */
         const char *key = !bounded(s->ex, 1e100) ? "ex" : !bounded(s->ey, 1e100) ? "ey" : "ez";
         return (sgt_objection){key, "a number that is not finite, or above 1e100"};
     }
-    bool none = true;
-    for (int i = 0; i < 4; i++) none = none && s->ex[i] == 0 && s->ey[i] == 0 && s->ez[i] == 0;
+    bool none = xx + yy + zz == 0;
+    for (int i = 0; none && i < 4; i++) none = s->ex[i] == 0 && s->ey[i] == 0 && s->ez[i] == 0;
     if (none) {
         o->x = (quaternion){1, 0, 0, 0}, o->y = (quaternion){0, 1, 0, 0}, o->z = (quaternion){0, 0, 1, 0};
         o->x_length = o->y_length = o->z_length = 1;
@@ -77,18 +77,18 @@ static sgt_objection common(const slice *s, const double *c, orbit *o)
     static const char finite[] = "a number that is not finite, or above 1e6";
     if (s->iterations < 0 || s->iterations > SGT_LEVELS) return (sgt_objection){"iterations", "not within 1 ... 100"};
     if (s->power != 0 && (s->power < 2 || s->power > 8)) return (sgt_objection){"power", "not within 2 ... 8"};
-    if (c && !bounded(c, 1e6)) return (sgt_objection){"c", finite};
-    if (!bounded(s->at, 1e6)) return (sgt_objection){"at", finite};
-    o->at = quaternion_of(s->at), o->at_length = sqrt(quaternion_dot(o->at, o->at));
+    o->c = c ? quaternion_of(c) : (quaternion){0, 0, 0, 0}, o->at = quaternion_of(s->at);
+    double cc = quaternion_dot(o->c, o->c), aa = quaternion_dot(o->at, o->at);
+    if (!(cc <= 1e12) && c && !bounded(c, 1e6)) return (sgt_objection){"c", finite}; /* not of NaN */
+    if (!(aa <= 1e12) && !bounded(s->at, 1e6)) return (sgt_objection){"at", finite};
+    o->at_length = sqrt(aa);
     o->iterations = s->iterations ? s->iterations : 10, o->power = s->power ? s->power : 2, o->mandelbrot = !c;
     sgt_objection fault = axes(s, o);
     if (fault.param) return fault;
     if (c) {
-        o->c = quaternion_of(c);
-        o->c_abs = sqrt(quaternion_dot(o->c, o->c)) * (1 + 4 * SGT_U);
+        o->c_abs = sqrt(cc) * (1 + 4 * SGT_U);
         o->safe = safe_escape(o->c_abs, o->power);
     } else {
-        o->c = (quaternion){0, 0, 0, 0};
         o->safe = o->power == 2 ? 2 : pow(2, 1.0 / (o->power - 1));
     }
     if (s->escape != 0 && !(s->escape >= o->safe * (1 - 0x1p-40))) return (sgt_objection){"escape", c ? "below the safe value, the root of x^power = x + |c|" : "below the safe value, 2^(1/(power - 1))"};
@@ -194,9 +194,11 @@ SGT_INLINE void look_at_powers(const path *w, double m, double h, bool thorough,
 }
 
 /* Four cells of one ray at once, p = 2.  A cell alone waits for its own results; four in the lanes of a register
- * take hardly longer.  With A2 = |Q|^2 and qv = <Q, v> known, a^2 - |q|^2 = 2 a^2 - A2 and a va - <q, vq> =
+ * take hardly longer.  No root of V2 is needed on the way: by 2 V h e <= V^2 h^2 / 4 + 4 e^2,
+ *     (V h + e)^2 <= 5/4 V^2 h^2 + 5 e^2    and    16 u h A V <= 8 u (A^2 + h^2 V^2).
+ * With A2 = |Q|^2 and qv = <Q, v> known, a^2 - |q|^2 = 2 a^2 - A2 and a va - <q, vq> =
  * 2 a va - qv; A2 is off by 3 u A^2 and qv by 3 u A V, which is in the bounds of orbit.h.  A and V are needed
- * as bounds from above alone: upper_root is one, at most 0.4 % too great. */
+ * as bounds from above: upper_root is one, at most 0.4 % too great. */
 #if defined(__GNUC__)
 typedef double lanes __attribute__((vector_size(32)));
 typedef unsigned long long lane_bits __attribute__((vector_size(32)));
@@ -228,7 +230,7 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
     lanes a = w->start.a + at * w->along.a, b = w->start.b + at * w->along.b, c = w->start.c + at * w->along.c, d = w->start.d + at * w->along.d;
     lanes va = w->along.a + zero, vb = w->along.b + zero, vc = w->along.c + zero, vd = w->along.d + zero;
     lanes ca = w->c.a + zero, cb = w->c.b + zero, cc = w->c.c + zero, cd = w->c.d + zero;
-    lanes A[SGT_LEVELS + 1], V[SGT_LEVELS + 1], es[SGT_LEVELS + 1], A2, V2, qv;
+    lanes A[SGT_LEVELS + 1], V2s[SGT_LEVELS + 1], es[SGT_LEVELS + 1], A2, V2, qv, half2 = half * half;
     lanes far = (lanes)((lane_bits)at & ~((lane_bits){1, 1, 1, 1} << 63)), e = 8 * SGT_U * (w->start_size + (far + half) * w->along_size), extra = zero;
     if (mandelbrot) ca = a, cb = b, cc = c, cd = d, extra = e; /* Q_1 = c */
     const lane_bits one[4] = {{~0ULL, 0, 0, 0}, {0, ~0ULL, 0, 0}, {0, 0, ~0ULL, 0}, {0, 0, 0, ~0ULL}};
@@ -249,10 +251,10 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
             lane_bits left = live & wanted;
             if (!ANY(left)) break;
         }
-        upper_root(&A2, &A[k]), upper_root(&V2, &V[k]), es[k] = e;
+        upper_root(&A2, &A[k]), V2s[k] = V2, es[k] = e;
         if (k == n) break;
-        lanes D = V[k] * half + e, two_a = 2 * a, two_va = 2 * va;
-        e = ((2 * A[k] * e + D * D) + (8 * SGT_U * (A2 + w->c_abs) + 16 * SGT_U * half * A[k] * V[k])) + extra;
+        lanes reach2 = half2 * V2, two_a = 2 * a, two_va = 2 * va;
+        e = (((2 * A[k] + 5 * e) * e + 1.25 * reach2) + 8 * SGT_U * ((2 * A2 + reach2) + w->c_abs)) + extra;
         va = two_a * va * 2 - 2 * qv, vb = two_a * vb + two_va * b, vc = two_a * vc + two_va * c, vd = two_a * vd + two_va * d;
         if (mandelbrot) va += w->along.a, vb += w->along.b, vc += w->along.c, vd += w->along.d;
         a = (two_a * a - A2) + ca, b = two_a * b + cb, c = two_a * c + cc, d = two_a * d + cd;
@@ -262,18 +264,20 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
         known[l] = wanted[l] != 0;
         r[l].W = HUGE_VAL, r[l].level = live[l] ? n : 0;
         r[l].verdict = outside[l] ? CELL_OUTSIDE : CELL_OPEN;
-        if (live[l] && wanted[l]) slopes = judge(w, (pair_norms){A2[l], V2[l], qv[l]}, V[n][l], e[l], h[l], &r[l]) || slopes;
+        if (live[l] && wanted[l]) slopes = judge(w, (pair_norms){A2[l], V2[l], qv[l]}, sqrt(V2[l]), e[l], h[l], &r[l]) || slopes;
     }
     if (!slopes) return;
     lanes first = (8 * SGT_U * w->along_size) + zero, own = 8 * SGT_U * (w->start_size + far * w->along_size), center = own, dv = first;
     for (int k = mandelbrot ? 1 : 0; k < n; k++) {
-        lanes D = V[k] * half + es[k];
-        dv = 2 * (D * V[k] + (A[k] + D) * dv) + 16 * SGT_U * A[k] * V[k];
+        lanes V, D;
+        upper_root(&V2s[k], &V);
+        D = V * half + es[k];
+        dv = 2 * (D * V + (A[k] + D) * dv) + 16 * SGT_U * A[k] * V;
         center = 2 * A[k] * center + center * center + 8 * SGT_U * (A[k] * A[k] + w->c_abs);
         if (mandelbrot) dv += first, center += own;
     }
     for (int l = 0; l < 4; l++)
-        if (live[l] && wanted[l] && r[l].verdict == CELL_OPEN) judge_slope(w, A[n][l], V[n][l], dv[l], center[l], h[l], &r[l]);
+        if (live[l] && wanted[l] && r[l].verdict == CELL_OPEN) judge_slope(w, A[n][l], sqrt(V2[l]), dv[l], center[l], h[l], &r[l]);
 }
 #else
 SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h[4], bool mandelbrot, cell r[4], bool known[4])

@@ -30,6 +30,21 @@ static inline bool sgt_list_merge(sgt_list *list, const sgt_hit *hit)
     return true;
 }
 
+/* A hit as near to the last as the errors of both: one root seen twice, or two that cannot be told apart.  The last
+ * is made to cover both; false: it is another. */
+static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
+{
+    sgt_hit *last = &list->last;
+    if (!(list->count > 0 && last->status == SGT_HIT && t - t_err <= last->t + last->t_err)) return false;
+    double far = (t > last->t ? t - last->t : last->t - t) + t_err;
+    if (far > last->t_err) {
+        last->t_err = far * (1 + 0x1p-50);
+        last->lo = last->t - last->t_err, last->hi = last->t + last->t_err;
+        if (list->count <= list->cap) list->hits[list->count - 1] = *last;
+    }
+    return true;
+}
+
 struct sgt_own {
     sgt_hit (*meet)(const void *self, const sgt_ray *ray, const sgt_options *opt);
     /* SGT_INVALID, or zero with every entry added. */

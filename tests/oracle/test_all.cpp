@@ -16,9 +16,9 @@ enum { most = 40 };
 void fail(const char *why, const test_case &t, const answer &a, int n, const sgt_hit h[], double number)
 {
     if (failed[why]++ >= 4) return;
-    std::printf("FAIL %s: %.17g\n    ", why, number);
+    std::printf("FAIL %s: %.17g\n    --replay \"", why, number);
     print_case(stdout, t);
-    std::printf("\n");
+    std::printf("\"\n");
     for (const meeting &m : a.roots) std::printf("    root %s%s\n", text(m.t()).c_str(), m.edge ? " (on an edge)" : "");
     for (const answer::stretch &s : a.doubtful) std::printf("    doubtful %s .. %s\n", text(s.lo).c_str(), text(s.hi).c_str());
     for (int i = 0; i < n; i++)
@@ -107,6 +107,12 @@ void check(const test_case &t)
 int main(int argc, char **argv)
 {
     const run r(argc, argv, 20000, 20240301);
+    if (r.replay) {
+        test_case t;
+        if (!read_case(r.replay, &t)) return 2;
+        check(t);
+        return !failed.empty();
+    }
     generator g(r.seed);
     for (long i = 0; i < r.count; i++) check(i % 5 ? random_case(g) : random_narrow_case(g));
     for (const auto &c : counted) std::printf("  %9ld  %s\n", c.second, c.first.c_str());
