@@ -21,7 +21,7 @@
  * as the last step: that bounds the error.
  *
  * THE FAST WAY, dt_min > 0: steps of the larger of dt_min and Hart's estimate A log(A / E) / (2 |dQ_N/dp|), F looked
- * at between them; a change of sign is a bracket for solve/root.c.  Thin parts are passed by. */
+ * at between them; a change of sign is a bracket for Newton's method.  Thin parts are passed by. */
 #include "level.h"
 
 #include "../solve/root.h"
@@ -353,65 +353,74 @@ static void march(walk *w, double lo, double hi)
 
 /* ------------------------------------------------------------------- the fast way */
 
-/* Hart's estimate is of |Q|, and log(x) >= 3 (x^2 - 1) / (x^2 + 4 x + 1), x >= 1 (Pade), is near enough for x < 10. */
-double sgt_level_estimate(const orbit *o, sgt_vec3 p, double *f)
+/* What an estimate needs of the set, whatever the point.  c and Im Q span two dimensions: with Im c on one axis, the
+ * norm of Q follows from (a, b, |rest|^2). */
+typedef struct estimator { quaternion along_c; double im, E2, power2, inverse_length; } estimator;
+
+/* c: of the Mandelbrot set the point. */
+static estimator estimator_of(const orbit *o, quaternion c)
 {
-    quaternion q = quaternion_at(o, p.x, p.y, p.z), c = o->mandelbrot ? q : o->c;
-    double E2 = o->E * o->E, axis = larger(quaternion_dot(o->x, o->x), larger(quaternion_dot(o->y, o->y), quaternion_dot(o->z, o->z)));
-    /* |dQ_k/dp| <= growth, of which the square is kept.  c and Im Q span two dimensions: (a, b, |rest|^2) is enough for |Q| */
     double im = sqrt(c.b * c.b + c.c * c.c + c.d * c.d), inverse = im > 0 ? 1 / im : 0;
-    double a = q.a, n2 = q.b * q.b + q.c * q.c + q.d * q.d, b = (q.b * c.b + q.c * c.c + q.d * c.d) * inverse;
-    double rest = larger(n2 - b * b, 0), growth2 = 1, A2 = a * a + n2, P2 = (double)(o->power * o->power);
-    for (int k = o->mandelbrot ? 1 : 0; k < o->iterations && A2 < 128 * E2; k++) {
-        growth2 *= P2 * (o->power == 2 ? A2 : small_power(A2, o->power - 1));
+    return (estimator){.along_c = {c.a, c.b * inverse, c.c * inverse, c.d * inverse}, .im = im, .E2 = o->E * o->E,
+                       .power2 = (double)(o->power * o->power), .inverse_length = 1 / larger(o->x_length, larger(o->y_length, o->z_length))};
+}
+
+/* The distance, and F itself.  Hart's estimate is of |Q|; log(x) >= 3 (x^2 - 1) / (x^2 + 4 x + 1), x >= 1 (Pade), is near
+ * enough for x < 12. */
+static double estimate_at(const orbit *o, const estimator *s, quaternion q, double *f)
+{
+    double a = q.a, n2 = q.b * q.b + (q.c * q.c + q.d * q.d), b = q.b * s->along_c.b + (q.c * s->along_c.c + q.d * s->along_c.d);
+    double rest = larger(n2 - b * b, 0), growth2 = 1, A2 = a * a + n2; /* growth >= |dQ_k/dQ_0| */
+    for (int k = o->mandelbrot ? 1 : 0; k < o->iterations && A2 < 128 * s->E2; k++) {
+        growth2 *= s->power2 * (o->power == 2 ? A2 : small_power(A2, o->power - 1));
         if (o->mandelbrot) growth2 = (sqrt(growth2) + 1) * (sqrt(growth2) + 1);
         power_of r = {a * a - (b * b + rest), 2 * a, 0, 0};
         if (o->power != 2) r = power_along((quaternion){a, b, sqrt(rest), 0}, (quaternion){0, 0, 0, 0}, o->power);
-        a = r.s + c.a, b = r.f * b + im, rest *= r.f * r.f;
-        A2 = a * a + b * b + rest;
+        a = r.s + s->along_c.a, b = r.f * b + s->im, rest *= r.f * r.f;
+        A2 = a * a + (b * b + rest);
     }
-    *f = (A2 - E2) / (A2 + E2);
-    if (!(A2 < HUGE_VAL)) *f = 1;
-    if (!(A2 > E2)) return 0;
-    double x2 = A2 / E2, x = sqrt(x2), log_x = x2 < HUGE_VAL ? 3 * (x2 - 1) / (x2 + 4 * x + 1) : 3;
-    double d = 0.5 * log_x * sqrt(A2 / (growth2 * axis));
+    if (!(A2 < HUGE_VAL)) {
+        *f = A2 > 0 ? 1 : NAN;
+        return 0;
+    }
+    *f = (A2 - s->E2) / (A2 + s->E2);
+    if (!(A2 > s->E2)) return 0;
+    double x2 = A2 / s->E2, x = sqrt(x2), d = 1.5 * (x2 - 1) / (x2 + 4 * x + 1) * sqrt(A2 / growth2) * s->inverse_length;
     return d < HUGE_VAL ? d : 0;
+}
+
+double sgt_level_estimate(const orbit *o, sgt_vec3 p, double *f)
+{
+    quaternion q = quaternion_at(o, p.x, p.y, p.z);
+    estimator s = estimator_of(o, o->mandelbrot ? q : o->c);
+    return estimate_at(o, &s, q, f);
 }
 
 static void march_fast(walk *w, double lo, double hi, double dt_min)
 {
-    double inverse = 1 / sqrt(w->q.l * w->q.l + w->q.m * w->q.m + w->q.n * w->q.n), last = lo, last_f = NAN, tau = lo;
+    const orbit *o = w->orbit;
+    double inverse = 1 / sqrt(w->q.l * w->q.l + w->q.m * w->q.m + w->q.n * w->q.n), last = lo, last_f = NAN, tau = lo, f;
+    estimator s = estimator_of(o, o->c);
     bool any = false;
     for (;;) {
         if (spent(&w->told)) {
             stretch(w, SGT_EXHAUSTED, last, hi);
             return;
         }
-        double f, away = sgt_level_estimate(w->orbit, (sgt_vec3){w->q.x + tau * w->q.l, w->q.y + tau * w->q.m, w->q.z + tau * w->q.n}, &f);
+        quaternion q = quaternion_sum(w->path.start, quaternion_times(w->path.along, tau));
+        if (o->mandelbrot) s = estimator_of(o, q);
+        double away = estimate_at(o, &s, q, &f) * inverse;
         look_on(w, SGT_MARCH, tau, last, hi);
         if (w->done) break;
-        if (last_f * f < 0 || f == 0) {
-            sgt_root r = sgt_root_begin((sgt_span){.lo = last, .hi = tau, .seed = last - last_f * (tau - last) / (f - last_f)}, &(sgt_options){.t_tol = w->t_tol});
-            sgt_root_tell(&r, last, last_f);
-            sgt_root_tell(&r, tau, f);
-            double g, slope;
-            do {
-                g = sgt_orbit_value(&w->path, r.t, &slope);
-                cell e;
-                sgt_orbit_cell(&w->path, r.t, 0, &e);
-                /* dF = 2 E^2 d|Q|^2 / (|Q|^2 + E^2)^2 <= d|Q|^2 / (2 E^2); a cell left early has a certain sign */
-                r.g_err = e.W < HUGE_VAL ? e.g_err / (w->path.E * w->path.E) + 4 * SGT_U : 0;
-                look_on(w, r.move, r.t, r.lo, r.hi);
-            } while (sgt_root_next(&r, g, slope) && !w->done && !spent(&w->told));
-            if (w->done) break;
+        if (last_f * f < 0) { /* a change of sign, and so a root: as certain as the two signs */
             int before = w->list->count;
-            if (r.status > 0) add_root(w, r.status, r.t, r.t_err);
+            if (!polish(w, last, tau, last_f > 0 ? 1 : -1)) break;
             any = any || w->list->count > before;
             if (w->done) break;
         }
         if (!(tau < hi)) break;
-        last = tau, last_f = f;
-        double next = tau + larger(away * inverse, dt_min);
+        if (f != 0) last = tau, last_f = f;
+        double next = tau + larger(away, dt_min);
         tau = next > hi ? hi : next > tau ? next : nextafter(tau, HUGE_VAL);
     }
     if (w->told.stopped) stretch(w, SGT_STOPPED, last, hi);
