@@ -26,11 +26,14 @@
 #define SGT_INLINE static inline
 #endif
 
-/* A function with hardware fma where the processor has it, one name, same bits. */
+/* A function with hardware fma where the processor has it, one name, same bits; and one that has use for twice the
+ * registers. */
 #if defined(SGT_HAVE_CLONES)
 #define SGT_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
+#define SGT_CLONES_WIDE __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define SGT_CLONES
+#define SGT_CLONES_WIDE
 #endif
 
 #define SGT_U 0x1p-53        /* half an ulp of 1: one rounding is at most u |result| */

@@ -20,11 +20,12 @@ enum { FAR_LEVELS = 200 };
 /* Q at every level: at[first] ... at[return value], where A2 > most or level = last. */
 static int levels_of(const orbit *o, sgt_vec3 p, int last, double most, quaternion at[])
 {
-    quaternion q = quaternion_at(o, p.x, p.y, p.z), c = o->mandelbrot ? q : o->c, unused = {0, 0, 0, 0};
+    quaternion q = quaternion_at(o, p.x, p.y, p.z), c = o->mandelbrot ? q : o->c;
     int k = o->mandelbrot ? 1 : 0;
     at[k] = q;
     while (k < last && quaternion_dot(q, q) < most) {
-        orbit_step(&q, &unused, c, unused, o->power, false);
+        power_of r = power_alone(q, o->power);
+        q = (quaternion){r.s + c.a, r.f * q.b + c.b, r.f * q.c + c.c, r.f * q.d + c.d};
         at[++k] = q;
     }
     return k;

@@ -192,12 +192,12 @@ static sgt_interval newton_interval(const walk *w, const cell *e)
     return (g > 0) == (e->qv < 0) ? (sgt_interval){near, far} : (sgt_interval){-far, -near};
 }
 
-/* The root in [lo, hi], where F is monotone; falls: 1 if F falls, -1 if it rises.  false: the search was over
+/* The root in [lo, hi], where F is monotone, from a first guess; falls: 1 if F falls, -1 if it rises.  false: the search was over
  * before it was told. */
-static bool polish(walk *w, double lo, double hi, int falls)
+static bool polish(walk *w, double lo, double hi, double start, int falls)
 {
     /* [a, b] is where the signs of F as computed say it is: a guide, and no proof */
-    double a = lo, b = hi, tau = 0.5 * (lo + hi), least = 0x1p-48 * (fabs(tau) + w->path.start_size / w->path.along_size);
+    double a = lo, b = hi, tau = start > lo && start < hi ? start : 0.5 * (lo + hi), least = 0x1p-48 * (fabs(tau) + w->path.start_size / w->path.along_size);
     double wanted = larger(w->t_tol, least);
     for (int i = 0; i < 80 && 0.5 * (hi - lo) > wanted && !w->done && !spent(&w->told); i++) {
         double slope, f = sgt_orbit_value(&w->path, tau, &slope), step = -f / slope;
@@ -257,15 +257,15 @@ static place lay(double tau, double h, double hi)
 /* Cells that the march may come to next, looked at together. */
 typedef struct ahead { double m[4], h[4]; cell seen[4]; bool known[4]; } ahead;
 
-static const cell *look_at(const walk *w, ahead *a, double tau, place at, pace p, double hi)
+static const cell *look_at(const walk *w, ahead *a, place at, pace p, double hi)
 {
     for (int i = 0; i < 4; i++)
         if (a->known[i] && a->m[i] == at.m && a->h[i] == at.h) return &a->seen[i];
-    pace less = slower((pace){at.h, p.growth}), once = faster((pace){at.h, p.growth});
-    place next = lay(at.end, once.h, hi);
-    pace twice = faster((pace){next.h, once.growth});
-    place second = lay(next.end, twice.h, hi);
-    const place all[4] = {at, at.end < hi ? next : at, next.end < hi ? second : at, lay(tau, less.h, hi)};
+    place all[4] = {at, at, at, at};
+    for (int i = 1; i < 4 && all[i - 1].end < hi; i++) {
+        p = faster((pace){all[i - 1].h, p.growth});
+        all[i] = lay(all[i - 1].end, p.h, hi);
+    }
     for (int i = 0; i < 4; i++) a->m[i] = all[i].m, a->h[i] = all[i].h;
     sgt_orbit_cells(&w->path, a->m, a->h, a->seen, a->known);
     return &a->seen[0];
@@ -282,7 +282,7 @@ static void march(walk *w, double lo, double hi)
     int side = 0; /* the sign of F where the cells so far end; 0: not known */
     while (tau < hi && !w->done && !spent(&w->told)) {
         place at = lay(tau, p.h, hi);
-        const cell *e = look_at(w, &near, tau, at, p, hi);
+        const cell *e = look_at(w, &near, at, p, hi);
         double m = at.m, end = at.end, h = at.h;
         p.h = h;
         look_on(w, SGT_MARCH, m, tau, hi);
@@ -317,7 +317,8 @@ static void march(walk *w, double lo, double hi)
         if (empty || (monotone && (side != falls || n.lo > h))) {
             side = here, tau = end, p = faster(p);
         } else if (monotone && n.hi <= h) {
-            if (!polish(w, larger(tau, m + n.lo), m + n.hi, falls)) break;
+            double E2 = w->path.E * w->path.E, step = (e->A2 - E2) * (e->A2 + E2) / (4 * E2 * e->qv); /* F / F' */
+            if (!polish(w, larger(tau, m + n.lo), m + n.hi, m - step, falls)) break;
             side = -side, tau = end, p = faster(p);
         } else if (monotone && m + n.lo > tau + 0.25 * h) { /* up to there no root */
             tau = m + n.lo;
@@ -374,8 +375,7 @@ static double estimate_at(const orbit *o, const estimator *s, quaternion q, doub
     for (int k = o->mandelbrot ? 1 : 0; k < o->iterations && A2 < 128 * s->E2; k++) {
         growth2 *= s->power2 * (o->power == 2 ? A2 : small_power(A2, o->power - 1));
         if (o->mandelbrot) growth2 = (sqrt(growth2) + 1) * (sqrt(growth2) + 1);
-        power_of r = {a * a - (b * b + rest), 2 * a, 0, 0};
-        if (o->power != 2) r = power_along((quaternion){a, b, sqrt(rest), 0}, (quaternion){0, 0, 0, 0}, o->power);
+        power_of r = o->power == 2 ? (power_of){a * a - (b * b + rest), 2 * a, 0, 0} : power_alone((quaternion){a, b, sqrt(rest), 0}, o->power);
         a = r.s + s->along_c.a, b = r.f * b + s->im, rest *= r.f * r.f;
         A2 = a * a + (b * b + rest);
     }
@@ -414,7 +414,7 @@ static void march_fast(walk *w, double lo, double hi, double dt_min)
         if (w->done) break;
         if (last_f * f < 0) { /* a change of sign, and so a root: as certain as the two signs */
             int before = w->list->count;
-            if (!polish(w, last, tau, last_f > 0 ? 1 : -1)) break;
+            if (!polish(w, last, tau, tau - f * (tau - last) / (f - last_f), last_f > 0 ? 1 : -1)) break;
             any = any || w->list->count > before;
             if (w->done) break;
         }

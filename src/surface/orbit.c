@@ -3,6 +3,10 @@
 
 #include <float.h>
 
+/* A cell whose middle is so far outside, |Q|^2 > 3 E_k^2, and that is not outside as a whole, will not be at a later
+ * level either: its bounds grow as fast.  Nothing but time depends on it (1.2: 15 % more cells; 64: 3 % more levels). */
+static const double HOPELESS = 3;
+
 static const double FAR2 = 0x1p64; /* u beyond it is infinity: F = 1 - 2/u rounds to 1 */
 
 /* ------------------------------------------------------------- parameters */
@@ -141,7 +145,7 @@ SGT_INLINE bool left_at(const path *w, pair_norms n, double e, double h, int k, 
     double E = w->escape[k];
     if (!(n.A2 > E * E)) return false;
     bool out = outside(n, E, e, h);
-    if (out ? thorough && k == w->iterations : !(n.A2 > 64 * E * E && k < w->iterations)) return false;
+    if (out ? thorough && k == w->iterations : !(n.A2 > HOPELESS * E * E && k < w->iterations)) return false;
     r->verdict = out ? CELL_OUTSIDE : CELL_OPEN, r->level = k;
     r->A2 = n.A2, r->V2 = n.V2, r->qv = n.qv, r->e = e, r->W = HUGE_VAL;
     return true;
@@ -233,8 +237,8 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
     lanes A[SGT_LEVELS + 1], V2s[SGT_LEVELS + 1], es[SGT_LEVELS + 1], A2, V2, qv, half2 = half * half;
     lanes far = (lanes)((lane_bits)at & ~((lane_bits){1, 1, 1, 1} << 63)), e = 8 * SGT_U * (w->start_size + (far + half) * w->along_size), extra = zero;
     if (mandelbrot) ca = a, cb = b, cc = c, cd = d, extra = e; /* Q_1 = c */
-    const lane_bits one[4] = {{~0ULL, 0, 0, 0}, {0, ~0ULL, 0, 0}, {0, 0, ~0ULL, 0}, {0, 0, 0, ~0ULL}};
-    lane_bits live = one[0] | one[1] | one[2] | one[3], wanted = live, outside = live ^ live; /* not decided; of use; decided so */
+    const lane_bits before[3] = {{~0ULL, 0, 0, 0}, {~0ULL, ~0ULL, 0, 0}, {~0ULL, ~0ULL, ~0ULL, 0}};
+    lane_bits live = {~0ULL, ~0ULL, ~0ULL, ~0ULL}, wanted = live, outside = live ^ live; /* not decided; of use; decided so */
     int n = w->iterations;
     for (int k = mandelbrot ? 1 : 0;; k++) {
         A2 = (a * a + b * b) + (c * c + d * d), V2 = (va * va + vb * vb) + (vc * vc + vd * vd), qv = (a * va + b * vb) + (c * vc + d * vd);
@@ -245,9 +249,10 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
             lanes_outside(&A2, &V2, &qv, &e, &half, E, &out);
             outside |= out & over;
             live &= ~(over & out);
-            if (k < n) live &= ~(over & (lane_bits)(A2 > 64 * E2));
-            if (!live[0]) wanted &= outside[0] ? ~one[3] : ~(one[1] | one[2]); /* it comes back to a smaller cell after a failure */
-            if (!(live[1] | outside[1])) wanted &= ~one[2];
+            if (k < n) live &= ~(over & (lane_bits)(A2 > HOPELESS * E2));
+            /* those behind an open cell are of no use */
+            for (int l = 0; l < 3; l++)
+                if (!(live[l] | outside[l])) wanted &= before[l];
             lane_bits left = live & wanted;
             if (!ANY(left)) break;
         }
@@ -288,8 +293,8 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
 }
 #endif
 
-SGT_CLONES static void look_at_julia(const path *w, const double m[4], const double h[4], cell r[4], bool known[4]) { look_at_squares(w, m, h, false, r, known); }
-SGT_CLONES static void look_at_mandelbrot(const path *w, const double m[4], const double h[4], cell r[4], bool known[4]) { look_at_squares(w, m, h, true, r, known); }
+SGT_CLONES_WIDE static void look_at_julia(const path *w, const double m[4], const double h[4], cell r[4], bool known[4]) { look_at_squares(w, m, h, false, r, known); }
+SGT_CLONES_WIDE static void look_at_mandelbrot(const path *w, const double m[4], const double h[4], cell r[4], bool known[4]) { look_at_squares(w, m, h, true, r, known); }
 SGT_CLONES static void look_at_any(const path *w, double m, double h, cell *r) { look_at_powers(w, m, h, false, r); }
 SGT_CLONES static void look_thoroughly(const path *w, double m, double h, cell *r) { look_at_powers(w, m, h, true, r); }
 

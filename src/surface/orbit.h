@@ -92,6 +92,16 @@ SGT_INLINE power_of power_along(quaternion q, quaternion v, int power)
     return r;
 }
 
+/* The same without a v. */
+SGT_INLINE power_of power_alone(quaternion q, int power)
+{
+    double n2 = q.b * q.b + (q.c * q.c + q.d * q.d);
+    if (power == 2) return (power_of){q.a * q.a - n2, 2 * q.a, 0, 0};
+    power_of r = {q.a, 1, 0, 0};
+    for (int i = 1; i < power; i++) r = (power_of){q.a * r.s - n2 * r.f, r.s + q.a * r.f, 0, 0};
+    return r;
+}
+
 /* One level: Q to Q^p + c, v to its derivative (plus dc for the Mandelbrot set). */
 SGT_INLINE void orbit_step(quaternion *q, quaternion *v, quaternion c, quaternion dc, int power, bool mandelbrot)
 {
