@@ -177,7 +177,8 @@ typedef enum sgt_pick {
 
 typedef struct sgt_options {
     double     t_tol;      /* stop when t is known to this (lengths of d); 0: to rounding.
-                              t_err is a bound all the same */
+                              t_err is a bound all the same.  On a level set roots closer
+                              together than this may be told as one */
     double     f_tol;      /* stop when |F| is at most this; 0: never on |F| alone.  Surfaces
                               of a user and sgt_root only */
     double     dt_min;     /* the least step of a march, in lengths of d; 0: as sgt_intersect

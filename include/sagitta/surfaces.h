@@ -37,7 +37,9 @@ extern SGT_API const sgt_surface_ops sgt_conic_ops, sgt_asphere_ops;
  * axes that are all zero the first three components.  SGT_INVALID: a number that is not
  * finite, iterations outside 1 ... 100, power outside 2 ... 8, an escape below the safe
  * one (by more than a part in 2^40) or above 1e6, axes that are not independent, a
- * component of c or `at` above 1e6, axes longer than 1e100 or shorter than 1e-100.
+ * component of c or `at` above 1e6, axes longer than 1e100 or shorter than 1e-100, or
+ * iterations so many that the derivative leaves the range of a double: (p R^(p-1))^N above
+ * 2^480, where R is the safe escape (of a mandelbrot the escape).
  * Sources: Norton 1982 (SIGGRAPH Computer Graphics 16, 197); Hart, Sandin, Kauffman
  * 1989 (23, 289). */
 typedef struct sgt_julia {
@@ -59,7 +61,8 @@ extern SGT_API const sgt_surface_ops sgt_julia_ops, sgt_mandelbrot_ops;
 /* The potential log|Q_n| / p^n of the orbit continued until |Q_n| > 2^32, or to n = 200:
  * beyond N, then, where the level set is.  Its gradient is a smoother normal than that of
  * F.  grad may be NULL; 0 and a zero gradient where the orbit does not escape; NaN where
- * the parameters are invalid.  Source: Douady and Hubbard 1982 (C. R. Acad. Sci. 294, 123). */
+ * the parameters are invalid.  Right to rounding where |Q_0| < 1e150; farther out to a part
+ * in 100, and the gradient 0.  Source: Douady and Hubbard 1982 (C. R. Acad. Sci. 294, 123). */
 SGT_API double sgt_julia_potential(const sgt_julia *s, sgt_vec3 p, sgt_vec3 *grad);
 SGT_API double sgt_mandelbrot_potential(const sgt_mandelbrot *s, sgt_vec3 p, sgt_vec3 *grad);
 

@@ -1,0 +1,39 @@
+/* meet.h - a ray of the world meets the objects of a scene. */
+#ifndef RENDER_MEET_H
+#define RENDER_MEET_H
+#include "scene.h"
+
+#include <stdint.h>
+
+/* Light, followed against its way.  It may start on a surface: then `from` is the object, `at` the
+ * point in the object's own frame, as the library gave it, and `side` says where the ray goes: +1
+ * to where F > 0. */
+typedef struct beam {
+    vec3 o, d;             /* d is of unit length */
+    const object *from;    /* NULL: starts in the open */
+    vec3 at;
+    double side;
+    const object *medium;  /* what it is inside of; NULL: air */
+} beam;
+
+typedef struct meeting {
+    const object *object;
+    double t;
+    vec3 p, n;             /* in the world; n of unit length, as the object's `normal` says, toward where the ray came from */
+    vec3 at;               /* the point in the object's own frame */
+    double side;           /* where it came from: +1 where F > 0 */
+} meeting;
+
+/* What rays came to; added up over all of them. */
+enum { UNDECIDED_KINDS = 5 };
+typedef struct tally { uint64_t rays, evals, undecided[UNDECIDED_KINDS]; } tally; /* [-1 - status] */
+void tally_add(tally *to, const tally *of);
+
+/* The first object met before `far`, in *m; false: none.  *status (may be NULL) is that of the hit, or the first
+ * undecided stretch before it, or SGT_MISS; *evals (may be NULL) what was spent. */
+bool meet(const scene *s, const beam *b, double far, meeting *m, tally *sum, sgt_status *status, int *evals);
+
+/* A beam that leaves the point of a meeting. */
+beam leaving(const meeting *m, vec3 direction, double side, const object *medium);
+
+#endif

@@ -1,0 +1,9 @@
+/* normal.h - which way a surface faces. */
+#ifndef RENDER_NORMAL_H
+#define RENDER_NORMAL_H
+#include "scene.h"
+
+/* Toward growing F, of unit length, in the object's own frame; zero where there is none. */
+vec3 normal_at(const object *o, const sgt_hit *hit);
+
+#endif

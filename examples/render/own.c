@@ -1,0 +1,48 @@
+/* own.c - the table of this program's own surfaces. */
+#include "own.h"
+
+#include "vector.h"
+
+sgt_span own_ball(double radius, const sgt_ray *ray)
+{
+    double a = dot(ray->d, ray->d), t = -dot(ray->o, ray->d) / a; /* nearest the centre */
+    vec3 p = along(ray->o, t, ray->d);
+    double half2 = (radius * radius * (1 + 1e-9) - dot(p, p)) / a;
+    if (half2 < 0) return (sgt_span){.lo = 1, .hi = -1};
+    return (sgt_span){.lo = t - sqrt(half2), .hi = t + sqrt(half2), .seed = NAN};
+}
+
+static sgt_objection object_to_torus(const void *self)
+{
+    const torus *s = self;
+    if (!(s->minor > 0)) return (sgt_objection){"minor", "must be above 0"};
+    if (!(s->major >= s->minor)) return (sgt_objection){"major", "must be at least minor"};
+    return (sgt_objection){NULL, NULL};
+}
+
+static sgt_objection object_to_edge(const void *self)
+{
+    const edge *s = self;
+    if (!(s->radius > 0)) return (sgt_objection){"radius", "must be above 0"};
+    if (!(s->from < s->to)) return (sgt_objection){"to", "must be above from"};
+    return (sgt_objection){NULL, NULL};
+}
+
+static const sgt_param torus_params[] = {{"major", "length", offsetof(torus, major), 1, 0, 1e6, SGT_REAL},
+                                         {"minor", "length", offsetof(torus, minor), 1, 0, 1e6, SGT_REAL},
+                                         {0}};
+static const sgt_param bulb_params[] = {
+    {"iterations", "1", offsetof(mandelbulb, iterations), 1, 1, BULB_MOST_ITERATIONS, SGT_WHOLE},
+    {"escape", "1", offsetof(mandelbulb, escape), 1, 1.2, 100, SGT_REAL},
+    {0}};
+static const sgt_param edge_params[] = {{"radius", "length", offsetof(edge, radius), 1, 0, 1e6, SGT_REAL},
+                                        {"from", "length", offsetof(edge, from), 1, -1e6, 1e6, SGT_REAL},
+                                        {"to", "length", offsetof(edge, to), 1, -1e6, 1e6, SGT_REAL},
+                                        {0}};
+
+const sgt_builtin own_surfaces[] = {
+    {"torus", &torus_ops, sizeof(torus), torus_params, object_to_torus},
+    {"mandelbulb", &mandelbulb_ops, sizeof(mandelbulb), bulb_params, NULL},
+    {"edge", &edge_ops, sizeof(edge), edge_params, object_to_edge},
+    {0},
+};

@@ -1,0 +1,30 @@
+/* own.h - surfaces of this program's own: what the library does not have.
+ *
+ * Each is a struct of numbers and a table of operations, as the library's are, and has a row
+ * of the library's own kind (sgt_builtin), so that the scene reader treats both alike. */
+#ifndef RENDER_OWN_H
+#define RENDER_OWN_H
+#include <sagitta/surfaces.h>
+
+/* About the z axis: `major` from the axis to the middle of the tube, `minor` its radius. */
+typedef struct torus { double major, minor; } torus;
+extern const sgt_surface_ops torus_ops;
+
+/* The level set |v_N| = escape of the orbit v_1 = p, v_{j+1} = v_j^8 + p of triplex numbers.
+ * Zero means default: escape 2, iterations 5; escape is at least 1.2 and at most 100. */
+typedef struct mandelbulb { double escape; int iterations; } mandelbulb;
+extern const sgt_surface_ops mandelbulb_ops;
+enum { BULB_MOST_ITERATIONS = 16 };
+
+/* The edge of a lens: a cylinder about the z axis, from z = from to z = to. */
+typedef struct edge { double radius, from, to; } edge;
+extern const sgt_surface_ops edge_ops;
+
+/* Ends with a row of zeros. */
+extern const sgt_builtin own_surfaces[];
+
+/* Where the ray is inside a ball about the origin; the ball is drawn larger by a part in
+ * 10^9, for what rounding does to the ends. */
+sgt_span own_ball(double radius, const sgt_ray *ray);
+
+#endif

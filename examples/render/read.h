@@ -1,0 +1,9 @@
+/* read.h - a scene from its file. */
+#ifndef RENDER_READ_H
+#define RENDER_READ_H
+#include "scene.h"
+
+/* Whatever is wrong with the file ends the program, with file, line and key. */
+void read_scene(scene *s, const char *file);
+
+#endif

@@ -1,0 +1,215 @@
+/* test_own.c - do this program's own surfaces keep their word?
+ *
+ * The triplex power is worked out here by angles, in long double, and the torus by points on it:
+ * neither is how the program does it.  SAGITTA_TEST_SEED chooses other cases, SAGITTA_TEST_SCALE
+ * multiplies how many. */
+#include "own.h"
+#include "vector.h"
+
+#include <sagitta/diagnose.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static uint64_t state;
+static long failed, looked_at;
+
+static double uniform(double lo, double hi) /* splitmix64 (Steele, Lea and Flood 2014) */
+{
+    uint64_t z = (state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return lo + (hi - lo) * ldexp((double)((z ^ (z >> 31)) >> 11), -53);
+}
+
+static vec3 direction(void)
+{
+    double z = uniform(-1, 1), a = uniform(0, 6.283185307179586), r = sqrt(1 - z * z);
+    return (vec3){r * cos(a), r * sin(a), z};
+}
+
+static void require(bool good, const char *what, vec3 p, double a, double b)
+{
+    looked_at++;
+    if (good || failed++ > 20) return;
+    printf("FAILED %s at (%a, %a, %a): %.17g, %.17g\n", what, p.x, p.y, p.z, a, b);
+}
+
+/* ---------------------------------------------------------------- the bulb */
+
+/* F by angles; *radius is |v_N|. */
+static long double bulb_by_angles(const mandelbulb *s, vec3 at, long double dx, long double dy, long double dz)
+{
+    long double x = at.x + dx, y = at.y + dy, z = at.z + dz, cx = x, cy = y, cz = z;
+    for (int n = 1; n < s->iterations; n++) {
+        long double r = sqrtl(x * x + y * y + z * z), theta = 8 * atan2l(sqrtl(x * x + y * y), z), phi = 8 * atan2l(y, x);
+        if (r > 1e15L) return 1;
+        r = powl(r, 8);
+        x = r * sinl(theta) * cosl(phi) + cx, y = r * sinl(theta) * sinl(phi) + cy, z = r * cosl(theta) + cz;
+    }
+    long double u = (x * x + y * y + z * z) / ((long double)s->escape * s->escape);
+    return isfinite(u) ? (u - 1) / (u + 1) : 1;
+}
+
+/* A point near the surface, by halving between inside and outside until |F| is small, and a little off. */
+static vec3 near_bulb(const mandelbulb *s)
+{
+    vec3 d = direction();
+    double lo = 0, hi = 1.4;
+    for (int i = 0; i < 50; i++) {
+        double middle = 0.5 * (lo + hi);
+        if (mandelbulb_ops.value(s, scaled(d, middle), NULL) > 0) hi = middle;
+        else lo = middle;
+    }
+    return along(scaled(d, lo), pow(10, uniform(-7, -0.3)), direction());
+}
+
+static void test_bulb(long count)
+{
+    double useful = 0;
+    long outside = 0;
+    for (long i = 0; i < count; i++) {
+        const mandelbulb s = {.escape = uniform(1.2, 1) < 1.1 ? 2 : uniform(1.2, 4), .iterations = 1 + (int)uniform(1, 6)};
+        vec3 p = near_bulb(&s), n;
+        if (i % 50 == 0) p.x = p.y = 0; /* the axis, where the power has no derivative, and near it */
+        if (i % 10 == 1) p = (vec3){p.x * pow(10, uniform(-4, 0)), p.y * pow(10, uniform(-4, 0)), p.z};
+        double f = mandelbulb_ops.value(&s, p, &n), rounding = mandelbulb_ops.rounding(&s, p);
+        long double wanted = bulb_by_angles(&s, p, 0, 0, 0);
+        require(fabs((double)(f - wanted)) <= rounding + 1e-17, "bulb, value", p, f, (double)wanted);
+
+        long double h = 1e-8L, q[3] = {bulb_by_angles(&s, p, h, 0, 0) - bulb_by_angles(&s, p, -h, 0, 0),
+                                       bulb_by_angles(&s, p, 0, h, 0) - bulb_by_angles(&s, p, 0, -h, 0),
+                                       bulb_by_angles(&s, p, 0, 0, h) - bulb_by_angles(&s, p, 0, 0, -h)};
+        vec3 m = {(double)(q[0] / (2 * h)), (double)(q[1] / (2 * h)), (double)(q[2] / (2 * h))};
+        /* the third derivatives times h^2 / 6 are below this where the gradient is moderate and the axis is away */
+        if (length(m) < 1e3 && p.x * p.x + p.y * p.y > 1e-3)
+            require(length(subtract(m, n)) <= 1e-5 * (1 + length(m) * length(m)), "bulb, gradient", p, length(n), length(m));
+
+        double clear = mandelbulb_ops.clearance(&s, p);
+        require(clear >= 0 && clear < 2, "bulb, clearance", p, clear, 0);
+        vec3 uphill = scaled(n, 1 / fmax(length(n), 1e-300));
+        for (int k = 0; k < 12 && clear > 0; k++) {
+            vec3 d = scaled(k == 0 ? uphill : k == 1 ? scaled(uphill, -1) : direction(), clear * (k < 6 ? 1 : uniform(0, 1)));
+            long double there = bulb_by_angles(&s, p, d.x, d.y, d.z);
+            require(f > 0 ? there > 0 : there < 0, "bulb, a root within the clearance", p, clear, (double)there);
+        }
+        if (f > 0) { /* how far along 20 directions until F changes sign: the distance is no more */
+            double far = 2;
+            for (int k = 0; k < 20; k++) {
+                vec3 d = k ? direction() : scaled(uphill, -1);
+                double lo = 0, hi = far;
+                if (bulb_by_angles(&s, p, hi * d.x, hi * d.y, hi * d.z) > 0) continue;
+                for (int j = 0; j < 40; j++) {
+                    double middle = 0.5 * (lo + hi);
+                    if (bulb_by_angles(&s, p, middle * d.x, middle * d.y, middle * d.z) > 0) lo = middle;
+                    else hi = middle;
+                }
+                far = hi;
+            }
+            outside++, useful += clear / far;
+        }
+    }
+    printf("bulb: %ld points, the clearance is %.2f of the distance on the mean\n", count, useful / (double)outside);
+    require(useful / (double)outside > 0.05, "bulb, a clearance of some use", (vec3){0}, useful, (double)outside);
+}
+
+/* --------------------------------------------------------------- the torus */
+
+static void test_torus(long count)
+{
+    for (long i = 0; i < count; i++) {
+        torus s = {.major = uniform(0.5, 2), .minor = uniform(0.05, 0.5)};
+        double a = uniform(0, 6.283185307179586), b = uniform(0, 6.283185307179586), off = uniform(-0.999, 3) * s.minor;
+        vec3 out = {cos(a) * cos(b), sin(a) * cos(b), sin(b)}, middle = {s.major * cos(a), s.major * sin(a), 0};
+        vec3 on = along(middle, s.minor, out), p = along(middle, s.minor + off, out), n;
+        require(fabs(torus_ops.value(&s, on, &n)) <= 40 * torus_ops.rounding(&s, on), "torus, value", on, torus_ops.value(&s, on, NULL), 0);
+        require(dot(n, out) >= (1 - 1e-12) * length(n), "torus, gradient", on, dot(n, out), length(n));
+        require(torus_ops.value(&s, p, NULL) * off > 0 || s.major + (s.minor + off) * cos(b) < 0, "torus, sign", p, off, 0);
+    }
+}
+
+/* -------------------------------------------------- the edge, and the torus */
+
+/* g and its slope, along a ray. */
+static void edge_along(const void *self, const sgt_ray *ray, long double t, long double *g, long double *slope)
+{
+    const edge *s = self;
+    long double x = ray->o.x + t * ray->d.x, y = ray->o.y + t * ray->d.y, r = s->radius;
+    *g = (x * x + y * y - r * r) / (2 * r), *slope = (x * ray->d.x + y * ray->d.y) / r;
+}
+
+/* By the product of the distances to the circles, (rho - R)^2 + z^2 - r^2 and (rho + R)^2 + z^2 - r^2. */
+static void torus_along(const void *self, const sgt_ray *ray, long double t, long double *g, long double *slope)
+{
+    const torus *s = self;
+    vec3 d = ray->d;
+    long double x = ray->o.x + t * d.x, y = ray->o.y + t * d.y, z = ray->o.z + t * d.z, R = s->major, r = s->minor;
+    long double rho = sqrtl(x * x + y * y), inner = (rho - R) * (rho - R) + z * z - r * r, outer = (rho + R) * (rho + R) + z * z - r * r;
+    long double pace = x * d.x + y * d.y, rise = 2 * z * d.z; /* pace: rho times its slope */
+    *g = inner * outer;
+    *slope = (2 * pace * (1 - R / rho) + rise) * outer + inner * (2 * pace * (1 + R / rho) + rise);
+}
+
+typedef void along_a_ray(const void *self, const sgt_ray *ray, long double t, long double *g, long double *slope);
+
+static void test_enclosure(sgt_surface of, along_a_ray *exact, double degree)
+{
+    double size = pow(10, uniform(-2, 3)), width = pow(10, uniform(-9, 1)), stretch = pow(10, uniform(-1, 1));
+    sgt_ray ray = {.o = scaled(direction(), size), .d = scaled(direction(), stretch)};
+    double t0 = uniform(0, 1) < 0.5 ? uniform(-2, 1) * size / stretch : -dot(ray.o, ray.d) / (stretch * stretch) - uniform(0, width);
+    sgt_interval t = {t0, t0 + width}, slope, g = of.ops->enclose(of.self, &ray, t, &slope);
+    long double lowest = HUGE_VALL, highest = -HUGE_VALL, here, there;
+    for (int k = 0; k <= 16; k++) {
+        long double at = k == 16 ? t.hi : t.lo + (t.hi - t.lo) * (k / 16.0L);
+        exact(of.self, &ray, at, &here, &there);
+        require(g.lo <= here && here <= g.hi, of.ops->name, ray.o, (double)here, g.lo);
+        require(slope.lo <= there && there <= slope.hi, of.ops->name, ray.o, (double)there, slope.lo);
+        lowest = fminl(lowest, here), highest = fmaxl(highest, here);
+    }
+    /* narrow: by the slope, over a small width; what rounding makes of it at the distance */
+    double reach = fmax(fabs(t.lo), fabs(t.hi)) * stretch + size + 3;
+    double loose = 1e-11 * pow(reach, degree) + 3 * width * fmax(fabs(slope.lo), fabs(slope.hi));
+    require(g.hi - g.lo <= (double)(highest - lowest) + loose, of.ops->name, ray.o, g.hi - g.lo, (double)(highest - lowest));
+}
+
+static void test_enclosures(long count)
+{
+    for (long i = 0; i < count; i++) {
+        const edge rim = {.radius = uniform(0.1, 2), .from = -1, .to = 1};
+        const torus ring = {.major = uniform(0.5, 2), .minor = uniform(0.05, 0.5)};
+        test_enclosure((sgt_surface){&edge_ops, &rim}, edge_along, 2);
+        test_enclosure((sgt_surface){&torus_ops, &ring}, torus_along, 4);
+    }
+}
+
+/* ------------------------------------------------------------ all of them */
+
+static void test_conformance(long count)
+{
+    const torus ring = {.major = 1, .minor = 0.3};
+    const mandelbulb bulb = {.escape = 2, .iterations = 4};
+    const edge rim = {.radius = 1, .from = -0.5, .to = 0.5};
+    const sgt_surface several[] = {{&torus_ops, &ring}, {&mandelbulb_ops, &bulb}, {&edge_ops, &rim}};
+    for (long i = 0; i < count; i++) {
+        vec3 d = direction(), at = scaled(direction(), uniform(0, 1.2)), where = {0};
+        sgt_ray ray = {.o = along(at, -4, d), .d = d, .tmin = 0, .tmax = 8};
+        for (int k = 0; k < 3; k++) {
+            sgt_fault fault = sgt_check(several[k], 1, &ray, &where);
+            require(fault == SGT_SOUND, sgt_fault_text(fault), ray.o, k, where.z);
+        }
+    }
+}
+
+int main(void)
+{
+    const char *seed = getenv("SAGITTA_TEST_SEED"), *scale = getenv("SAGITTA_TEST_SCALE");
+    double times = scale ? atof(scale) : 1;
+    state = seed ? strtoull(seed, NULL, 0) : 1;
+    printf("SAGITTA_TEST_SEED=%llu, SAGITTA_TEST_SCALE=%g\n", (unsigned long long)state, times);
+    test_bulb(1 + (long)(2000 * times));
+    test_torus(1 + (long)(20000 * times));
+    test_enclosures(1 + (long)(20000 * times));
+    test_conformance(1 + (long)(200 * times));
+    printf("%ld looked at, %ld failed\n", looked_at, failed);
+    return failed > 0;
+}

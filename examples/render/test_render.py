@@ -1,0 +1,615 @@
+#!/usr/bin/env python3
+"""The renderer from outside: its pictures against closed forms, its errors, its reproducibility.
+
+    python3 test_render.py RENDER
+"""
+import math
+import os
+import pathlib
+import pty
+import re
+import struct
+import subprocess
+import sys
+import tempfile
+import traceback
+import zlib
+
+SCENES = sorted((pathlib.Path(__file__).resolve().parent / 'scenes').glob('*.yaml'))
+RENDER = os.path.abspath(sys.argv[1])
+FOLDER = tempfile.TemporaryDirectory()
+LEAKS = pathlib.Path(FOLDER.name, 'leaks.supp')
+LEAKS.write_text('leak:libfontconfig\n')  # it keeps its configuration until the program ends
+ENVIRONMENT = dict(os.environ, LSAN_OPTIONS=f'suppressions={LEAKS}:print_suppressions=0')
+
+DRAWN, USAGE, BAD_INPUT = 0, 2, 3
+HIT, MISS, EXHAUSTED = 0x56b4e9, 0xe8e8e8, 0xd55e00
+
+
+def run(*words, exit=DRAWN):
+    """Runs the program; what it says on standard error (and on standard output, of --help)."""
+    done = subprocess.run([RENDER, *map(str, words)], capture_output=True, env=ENVIRONMENT, cwd=FOLDER.name, timeout=100)
+    if done.returncode != exit:
+        raise AssertionError(f'exit {done.returncode}, not {exit}: {words}\n{done.stderr.decode()[-1500:]}')
+    return done.stderr.decode() + done.stdout.decode()
+
+
+def written(text, name='scene.yaml'):
+    path = pathlib.Path(tempfile.mkdtemp(dir=FOLDER.name)) / name
+    path.write_text(text)
+    return path
+
+
+class Picture:
+    """A PNG of 8 bits a channel, without interlacing, read by the format's rules."""
+
+    def __init__(self, data):
+        assert data[:8] == b'\x89PNG\r\n\x1a\n', data[:8]
+        at, packed = 8, b''
+        while at < len(data):
+            length, kind = struct.unpack('>I4s', data[at:at + 8])
+            chunk = data[at + 8:at + 8 + length]
+            assert zlib.crc32(data[at + 4:at + 8 + length]) == struct.unpack('>I', data[at + 8 + length:at + 12 + length])[0]
+            if kind == b'IHDR':
+                self.width, self.height, depth, colours, *rest = struct.unpack('>IIBBBBB', chunk)
+                assert (depth, colours, rest) == (8, 2, [0, 0, 0]), chunk
+            packed += chunk if kind == b'IDAT' else b''
+            at += 12 + length
+        raw, before, self.rows = zlib.decompress(packed), bytes(3 * self.width), []
+        for y in range(self.height):
+            kind, row = raw[y * (3 * self.width + 1)], bytearray(raw[y * (3 * self.width + 1) + 1:(y + 1) * (3 * self.width + 1)])
+            for i in range(len(row)):
+                a, b, c = row[i - 3] if i >= 3 else 0, before[i], before[i - 3] if i >= 3 else 0
+                p = a + b - c
+                paeth = a if abs(p - a) <= abs(p - b) and abs(p - a) <= abs(p - c) else b if abs(p - b) <= abs(p - c) else c
+                row[i] = row[i] + (0, a, b, (a + b) // 2, paeth)[kind] & 255
+            self.rows.append(bytes(row))
+            before = self.rows[-1]
+
+    def at(self, x, y):
+        return tuple(self.rows[y][3 * x:3 * x + 3])
+
+    def code(self, x, y):
+        r, g, b = self.at(x, y)
+        return r << 16 | g << 8 | b
+
+    def pixels(self):
+        return [self.at(x, y) for y in range(self.height) for x in range(self.width)]
+
+
+def linear(code):
+    x = code / 255
+    return x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4
+
+
+def draw(scene, *words):
+    """The picture of a scene, which is a path or a text; and what was said."""
+    path = scene if isinstance(scene, pathlib.Path) else written(scene)
+    file = pathlib.Path(tempfile.mkdtemp(dir=FOLDER.name)) / 'out.png'
+    said = run(path, '--output', file, *words)
+    return Picture(file.read_bytes()), said
+
+
+# ------------------------------------------------- vectors, and a camera of our own
+
+def add(a, b, s=1.0):
+    return [p + s * q for p, q in zip(a, b)]
+
+
+def dot(a, b):
+    return sum(p * q for p, q in zip(a, b))
+
+
+def unit(a):
+    return [p / math.sqrt(dot(a, a)) for p in a]
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def direction(picture_size, eye, look_at, field, x, y, up=(0, 0, 1)):
+    """Of the ray through the middle of pixel x, y."""
+    width, height = picture_size
+    ahead = unit(add(look_at, eye, -1))
+    right = unit(cross(ahead, up))
+    down = cross(ahead, right)
+    step = 2 * math.tan(math.radians(field) / 2) / height
+    return unit(add(add(ahead, right, (x + 0.5 - width / 2) * step), down, (y + 0.5 - height / 2) * step))
+
+
+def nearest_to_ring(o, d, major, far):
+    """The least distance of o + t d, t from 0 to far, to the circle of radius `major` about z."""
+    def distance(t):
+        p = add(o, d, t)
+        return math.hypot(math.hypot(p[0], p[1]) - major, p[2])
+    steps = 120
+    best = min(range(steps + 1), key=lambda i: distance(far * i / steps))
+    lo, hi = far * max(best - 1, 0) / steps, far * min(best + 1, steps) / steps
+    for _ in range(40):
+        a, b = lo + (hi - lo) * 0.382, lo + (hi - lo) * 0.618
+        lo, hi = (lo, b) if distance(a) < distance(b) else (a, hi)
+    return distance(lo)
+
+
+# ------------------------------------------------------------------ every scene
+
+def test_scenes_are_drawn():
+    """Each at a small size, the same to the last bit for 1, 2 and 3 threads, and not blank."""
+    assert len(SCENES) >= 7, SCENES
+    for scene in SCENES:
+        files = []
+        for threads in (1, 2, 3):
+            file = pathlib.Path(tempfile.mkdtemp(dir=FOLDER.name)) / 'out.png'
+            said = run(scene, '--size', '48x36', '--samples', '1', '--threads', threads, '--output', file)
+            files.append(file.read_bytes())
+            assert re.match(r'render: \d+ rays, [\d.]+ evaluations each, \d+ undecided', said), said
+        assert files[0] == files[1] == files[2], f'{scene.name}: threads change the picture'
+        picture = Picture(files[0])
+        assert (picture.width, picture.height) == (48, 36)
+        pixels = picture.pixels()
+        light = [sum(p) / 3 for p in pixels]
+        mean = sum(light) / len(light)
+        spread = math.sqrt(sum((x - mean) ** 2 for x in light) / len(light))
+        assert len(set(pixels)) > 200, f'{scene.name}: {len(set(pixels))} colours'
+        assert 20 < mean < 230 and spread > 15, f'{scene.name}: mean {mean}, spread {spread}'
+        blown = sum(min(p) >= 254 for p in pixels) / len(pixels)
+        assert blown < 0.1, f'{scene.name}: {blown} of it is white'
+
+
+def test_status_of_scenes():
+    """What is met and what is not is there to see, and where no dt_min is given hardly a ray is undecided."""
+    for scene in SCENES:
+        picture, said = draw(scene, '--size', '48x36', '--paint', 'status')
+        codes = [picture.code(x, y) for y in range(36) for x in range(48)]
+        assert codes.count(HIT) > 150, f'{scene.name}: {codes.count(HIT)} hits'
+        if 'dt_min' not in scene.read_text():
+            assert sum(c in (HIT, MISS) for c in codes) >= 0.995 * len(codes), f'{scene.name}: {said}'
+
+
+# -------------------------------------------------------------------- closed forms
+
+TORUS = '''
+picture: {size: [64, 48], samples: 1}
+camera: {position: [1.5, -4, 3], look_at: [0, 0, 0.1], field: 36}
+sky: {zenith: [0, 0, 0], horizon: [0, 0, 0]}
+ambient: {strength: 0}
+lights:
+  - {position: [3, -2, 9]}
+objects:
+  - {type: torus, major: 1.2, minor: 0.4}
+'''
+EYE, LOOK_AT, FIELD, SIZE = (1.5, -4, 3), (0, 0, 0.1), 36, (64, 48)
+
+
+def test_silhouette_of_a_torus():
+    """A ray meets it where it comes nearer to the circle than `minor`."""
+    picture, said = draw(TORUS, '--paint', 'status')
+    compared = met = 0
+    for y in range(48):
+        for x in range(64):
+            near = nearest_to_ring(EYE, direction(SIZE, EYE, LOOK_AT, FIELD, x, y), 1.2, 9)
+            if abs(near - 0.4) > 1e-4:
+                compared += 1
+                met += near < 0.4
+                assert picture.code(x, y) == (HIT if near < 0.4 else MISS), (x, y, near)
+    assert compared > 3050 and 500 < met < 2500, (compared, met)
+    assert ' 0 undecided' in said or ' undecided' in said
+
+
+def test_silhouette_of_one_placed():
+    """Moved, turned and scaled: the ray is taken into the frame by a formula of our own."""
+    text = TORUS.replace('minor: 0.4', 'minor: 0.4, position: [0.2, 0.3, -0.1], rotation: [90, 0, 30], scale: 0.8')
+    picture, _ = draw(text, '--paint', 'status')
+    c, s = math.cos(math.radians(30)), math.sin(math.radians(30))
+    ex, ey, ez = (c, s, 0), (0, 0, 1), (s, -c, 0)  # Rz(30) Rx(90)
+    wrong = met = 0
+    for y in range(48):
+        for x in range(64):
+            d, o = direction(SIZE, EYE, LOOK_AT, FIELD, x, y), add(EYE, (0.2, 0.3, -0.1), -1)
+            o, d = ([dot(e, v) / 0.8 for e in (ex, ey, ez)] for v in (o, d))
+            near = nearest_to_ring(o, d, 1.2, 9)
+            met += near < 0.4
+            wrong += abs(near - 0.4) > 1e-4 and picture.code(x, y) != (HIT if near < 0.4 else MISS)
+    assert wrong == 0 and 300 < met < 2500, (wrong, met)
+
+
+FLOOR = '''
+picture: {size: [64, 48], samples: 16}
+camera: {position: [0, -6, 5], look_at: [0, 0, 0], field: 30}
+sky: {zenith: [0, 0, 0], horizon: [0, 0, 0]}
+ambient: {strength: 0}
+lights:
+  - {position: [0.5, 0, 4], colour: [0.9, 0.6, 0.3]}
+objects:
+  - {type: plane, material: {colour: [0.6, 0.6, 0.6]}}
+'''
+
+
+def floor_point(x, y, eye=(0, -6, 5), look_at=(0, 0, 0), field=30, size=(64, 48)):
+    d = direction(size, eye, look_at, field, x, y)
+    return add(eye, d, -eye[2] / d[2])
+
+
+def test_light_on_a_floor():
+    """The diffuse light of one lamp is its colour times the cosine, and pictures are sRGB."""
+    picture, said = draw(FLOOR)
+    for y in range(2, 46, 3):
+        for x in range(2, 62, 3):
+            to = add((0.5, 0, 4), floor_point(x, y), -1)
+            cosine = to[2] / math.sqrt(dot(to, to))
+            for code, colour in zip(picture.at(x, y), (0.9, 0.6, 0.3)):
+                wanted = 0.6 * colour * cosine
+                assert abs(linear(code) - wanted) < 0.006, (x, y, linear(code), wanted)
+    assert ', 0 undecided' in said, said
+
+
+def test_shadow_of_a_torus():
+    """Hard: dark where the way to the lamp comes near the circle; soft: dim at the border and the same elsewhere."""
+    scene = FLOOR + '  - {type: torus, major: 0.8, minor: 0.25, position: [0, 0, 1]}\n'
+    light, (hard, _), (soft, _) = (0.5, 0, 4), draw(scene), draw(scene.replace('0.3]}', '0.3], radius: 0.3}'), '--samples', 64)
+    dark = lit = dim = 0
+    for y in range(48):
+        for x in range(64):
+            p = floor_point(x, y)
+            d = add(p, (0, -6, 5), -1)
+            seen = nearest_to_ring((0, -6, 4), unit(d), 0.8, math.sqrt(dot(d, d))) > 0.3
+            to = add(light, p, -1)
+            near = nearest_to_ring(add(p, (0, 0, -1)), unit(to), 0.8, math.sqrt(dot(to, to)))
+            if seen and near < 0.15:
+                dark += 1
+                assert max(hard.at(x, y)) == 0, (x, y, hard.at(x, y))
+            if seen and near > 0.36:
+                lit += 1
+                assert hard.at(x, y)[0] > 60 and abs(hard.at(x, y)[0] - soft.at(x, y)[0]) <= 4, (x, y)
+            if seen and abs(near - 0.25) < 0.02:
+                dim += 0.1 < linear(soft.at(x, y)[0]) / (0.54 * to[2] / math.sqrt(dot(to, to))) < 0.95
+    assert dark > 80 and lit > 800 and dim > 10, (dark, lit, dim)
+
+
+def test_ambient_occlusion():
+    """Under a torus that lies on the floor it is darker; far from it the whole sky is seen."""
+    scene = FLOOR.replace('strength: 0', 'strength: 1, rays: 4').replace('horizon: [0, 0, 0]', 'horizon: [0.5, 0.5, 0.5]') \
+                 .replace('zenith: [0, 0, 0]', 'zenith: [0.5, 0.5, 0.5]').replace('0.9, 0.6, 0.3', '0, 0, 0')
+    picture, _ = draw(scene + '  - {type: torus, major: 0.9, minor: 0.25, position: [0, 0, 0.25], material: {colour: [0, 0, 0]}}\n')
+    # a point of the floor at distance r from the axis, and the part of the sky that a cosine-weighted sum over
+    # directions leaves; the torus is met where a ray comes nearer to its circle than `minor`
+    def part(p):
+        got = n = 0
+        for i in range(24):
+            for j in range(48):
+                s, a = math.sqrt((i + 0.5) / 24), 2 * math.pi * (j + 0.5) / 48
+                d = (s * math.cos(a), s * math.sin(a), math.sqrt(1 - s * s))
+                n += 1
+                got += nearest_to_ring(add(p, (0, 0, -0.25)), d, 0.9, 4) > 0.25
+        return got / n
+    parts = []
+    for x, y in ((32, 21), (30, 21), (34, 21), (10, 40), (60, 10)):
+        p = floor_point(x, y)
+        wanted = 0.3 * part(p)
+        near = [linear(picture.at(x + i, y + j)[0]) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+        parts.append(wanted / 0.3)
+        assert abs(sum(near) / 9 - wanted) < 0.02, (x, y, sum(near) / 9, wanted)
+    assert min(parts) < 0.9 and max(parts) > 0.97, parts
+
+
+CHECKS = '''
+picture: {size: [64, 48], samples: 16, depth: 6}
+camera: {position: [0.1, -4, 4], look_at: [0.1, 0.2, 0], field: 30}
+sky: {zenith: [0, 0, 0], horizon: [0, 0, 0]}
+ambient: {strength: 0}
+lights:
+  - {position: [0, 0, 50]}
+objects:
+  - {type: plane, material: {colour: {checks: 0.8, colours: [[0.9, 0.9, 0.9], [0, 0, 0]]}}}
+'''
+
+
+CHECK = 0.8
+
+
+def compare_checks(picture, where, reach=20, margin=0.2, white=90):
+    """Of the checks at `where(x, y)`, which is white?  Pixels near a border, or too far out, are left out."""
+    compared = even = 0
+    for y in range(48):
+        for x in range(64):
+            p = where(x, y)
+            if max(map(abs, p[:2])) > reach or min(abs(v / CHECK - round(v / CHECK)) for v in p[:2]) < margin:
+                continue
+            is_even = (math.floor(p[0] / CHECK) + math.floor(p[1] / CHECK)) % 2 == 0
+            compared += 1
+            even += is_even
+            assert (picture.at(x, y)[1] > white) == is_even, (x, y, p, picture.at(x, y))
+    assert compared > 300 and 0.3 < even / compared < 0.7, (compared, even)
+
+
+def checks_ray(x, y):
+    return direction((64, 48), (0.1, -4, 4), (0.1, 0.2, 0), 30, x, y)
+
+
+def straight(x, y):
+    d = checks_ray(x, y)
+    return add((0.1, -4, 4), d, -4 / d[2])
+
+
+def test_checks():
+    compare_checks(draw(CHECKS)[0], straight)
+
+
+def test_refraction():
+    """Through a slab of glass the floor is where Snell's law puts it: a shift of half a check and more."""
+    slab = ''.join(f'  - {{type: plane, position: [0, 0, {z}], material: {{index: 1.7}}}}\n' for z in (2.0, 0.5))
+
+    def bent(x, y):
+        d = checks_ray(x, y)
+        p = add((0.1, -4, 4), d, -2 / d[2])
+        sine = math.hypot(d[0], d[1]) / 1.7
+        inside = (d[0] / 1.7, d[1] / 1.7, -math.sqrt(1 - sine * sine))
+        return add(add(p, inside, -1.5 / inside[2]), d, -0.5 / d[2])
+    compare_checks(draw(CHECKS + slab)[0], bent)
+    assert abs(straight(31, 23)[1] - bent(31, 23)[1]) > 0.4, (straight(31, 23), bent(31, 23))
+
+
+def test_reflection():
+    """A mirror on the floor shows a chequered ceiling; with depth 0 it shows the sky, which is black."""
+    ceiling = CHECKS.replace('material: {colour', 'position: [0, 0, 3], material: {colour').replace('[0, 0, 50]', '[0, 5, 0.5]') \
+                    .replace('4], look_at', '2.5], look_at')
+    mirror = ceiling + '  - {type: plane, material: {reflection: 1}}\n'
+    picture, _ = draw(mirror)
+
+    def where(x, y):
+        d = direction((64, 48), (0.1, -4, 2.5), (0.1, 0.2, 0), 30, x, y)
+        p = add((0.1, -4, 2.5), d, -2.5 / d[2])
+        return add(p, (d[0], d[1], -d[2]), -3 / d[2])
+    compare_checks(picture, where, reach=8, margin=0.3, white=40)
+    dark, _ = draw(mirror.replace('depth: 6', 'depth: 0'))
+    assert max(map(max, dark.pixels())) == 0
+
+
+# ----------------------------------------------------------- what must not matter
+
+def unlike(one, other, levels):
+    """The part of the pixels that differ by more than so many of 255 levels."""
+    pairs = list(zip(one.pixels(), other.pixels()))
+    return sum(max(abs(a - b) for a, b in zip(p, q)) > levels for p, q in pairs) / len(pairs)
+
+
+LIT = TORUS.replace('strength: 0', 'strength: 0.5')
+
+
+def test_no_acne():
+    """A coarse hit starts its shadow rays from a point off the surface, and no dark specks come of it."""
+    exact, _ = draw(LIT, '--samples', '4')
+    for tolerance in ('1e-9', '1e-5', '1e-3'):
+        coarse, _ = draw(LIT.replace('minor: 0.4', f'minor: 0.4, t_tol: {tolerance}'), '--samples', '4')
+        assert unlike(exact, coarse, 12) < 0.01, (tolerance, unlike(exact, coarse, 12))
+
+
+def test_a_lit_side_is_lit():
+    """Where the lamp is straight above the whole upper half of a torus is lit: no speck in it."""
+    scene = TORUS.replace('[3, -2, 9]', '[0, 0, 500]').replace('[1.5, -4, 3]', '[0.01, 0, 5]')
+    for place in ('', ', position: [0, 0, -0.3], scale: 0.9', ', t_tol: 1e-4'):
+        picture, _ = draw(scene.replace('minor: 0.4', 'minor: 0.4' + place))
+        status, _ = draw(scene.replace('minor: 0.4', 'minor: 0.4' + place), '--paint', 'status')
+        inner = [(x, y) for y in range(1, 47) for x in range(1, 63)
+                 if all(status.code(x + i, y + j) == HIT for i in (-1, 0, 1) for j in (-1, 0, 1))]
+        assert len(inner) > 300
+        for x, y in inner:
+            assert picture.at(x, y)[0] > 25, (place, x, y, picture.at(x, y))
+
+
+def test_normals():
+    """By differences they are those of the gradient; the potential's are near them on a long orbit."""
+    assert unlike(draw(LIT)[0], draw(LIT, '--normal', 'difference')[0], 1) < 0.002
+    julia = LIT.replace('type: torus, major: 1.2, minor: 0.4', 'type: julia, c: [-0.2, 0.8, 0, 0], iterations: 6')
+    gradient, difference, potential = (draw(julia, '--normal', kind)[0] for kind in ('gradient', 'difference', 'potential'))
+    assert unlike(gradient, difference, 3) < 0.02, unlike(gradient, difference, 3)
+    assert 0 < unlike(gradient, potential, 3) and unlike(gradient, potential, 90) < 0.1
+    of_scene, _ = draw(julia.replace('iterations: 6', 'iterations: 6, normal: potential'))
+    assert of_scene.rows == potential.rows
+
+
+def test_samples():
+    """More samples are nearer to very many; and a pixel's noise is its own."""
+    soft = LIT.replace('[3, -2, 9]}', '[3, -2, 9], radius: 2}').replace('minor: 0.4', 'minor: 0.4')
+    few, more, most = (draw(soft, '--samples', n)[0] for n in (1, 16, 256))
+
+    def distance(a, b):
+        return math.sqrt(sum((p - q) ** 2 for row, other in zip(a.rows, b.rows) for p, q in zip(row, other)) / len(a.rows) / len(a.rows[0]))
+    assert 1 < distance(few, most) and distance(more, most) < 0.3 * distance(few, most), (distance(few, most), distance(more, most))
+    wide, _ = draw(soft.replace('size: [64, 48]', 'size: [64, 64]').replace('field: 36', f'field: {2 * math.degrees(math.atan(64 / 48 * math.tan(math.radians(18))))}'))
+    assert wide.width == wide.height == 64
+
+
+# -------------------------------------------------------------- frames, paint, terminal
+
+PATH = TORUS.replace('position: [1.5, -4, 3]', 'position: [[1.5, -4, 3], [4, 0, 1], [0, 4, 5]]')
+
+
+def test_frames():
+    """Numbered files along a Bezier curve: its ends are the first and last point, its middle (a + 2 b + c) / 4."""
+    file = pathlib.Path(tempfile.mkdtemp(dir=FOLDER.name)) / 'ring.png'
+    run(written(PATH), '--frames', 3, '--output', file, '--paint', 'status')
+    names = sorted(p.name for p in file.parent.iterdir())
+    assert names == ['ring-0001.png', 'ring-0002.png', 'ring-0003.png'], names
+    for name, eye in zip(names, ('1.5, -4, 3', '2.375, 0, 2.5', '0, 4, 5')):
+        still, _ = draw(TORUS.replace('1.5, -4, 3', eye), '--paint', 'status')
+        assert Picture((file.parent / name).read_bytes()).rows == still.rows, name
+    # without --frames the picture is that of the beginning, and it is the first frame
+    run(written(PATH), '--frames', 2, '--output', file)
+    assert draw(PATH)[0].rows == Picture((file.parent / 'ring-0001.png').read_bytes()).rows
+
+
+def test_default_name():
+    run(written(TORUS, 'named.yaml'))
+    assert Picture(pathlib.Path(FOLDER.name, 'named.png').read_bytes()).width == 64
+
+
+def test_paint():
+    """The picture as asked for, a legend below it; costs differ; what is given up is marked and counted."""
+    costs, _ = draw(LIT, '--paint', 'evaluations', '--size', '500x40')
+    assert costs.width == 500 and 80 < costs.height < 160
+    assert len({costs.code(x, y) for y in range(40) for x in range(500)}) > 8
+    small, _ = draw(LIT, '--paint', 'status')
+    assert small.width >= 300 and small.height > 48
+    assert len({small.code(x, y) for y in range(48, small.height) for x in range(small.width)}) > 10  # words are there
+    given_up, said = draw(LIT.replace('minor: 0.4', 'minor: 0.4, max_evals: 1'), '--paint', 'status')
+    marked = sum(given_up.code(x, y) == EXHAUSTED for y in range(48) for x in range(64))
+    told = re.search(r'render: 3072 rays, .* (\d+) undecided, (\d+) exhausted', said)
+    assert told and int(told.group(1)) == int(told.group(2)) == marked > 500, (said, marked)
+
+
+def test_progress():
+    """A bar on a terminal, none elsewhere."""
+    ours, its = pty.openpty()
+    done = subprocess.run([RENDER, str(written(TORUS)), '--output', 'bar.png'], stderr=its, cwd=FOLDER.name, env=ENVIRONMENT, timeout=100)
+    os.close(its)
+    said = os.read(ours, 100000).decode()
+    os.close(ours)
+    assert done.returncode == 0 and '[####' in said and '100 %' in said and 'rays' in said, said
+    assert '[#' not in draw(TORUS)[1]
+
+
+# --------------------------------------------------------------------------- errors
+
+GOOD = '''name: a scene
+picture: {size: [8, 6], samples: 1}
+camera: {position: [0, -5, 1], look_at: [0, 0, 0]}
+lights:
+  - {position: [1, 2, 3]}
+objects:
+  - {type: julia, c: [-0.2, 0.8, 0, 0], iterations: 4}
+  - {type: torus, major: 1, minor: 0.3}
+  - {type: sphere, radius: 2, semi_diameter: 1, material: {colour: [1, 0, 0], index: 1.5}}
+'''
+
+# what to replace, by what, the line, the key
+WRONG = [
+    ('name: a scene', 'nmae: a scene', 1, 'nmae'),
+    ('name: a scene', 'name: [a]', 1, 'name'),
+    ('[8, 6]', '[8]', 2, 'size'),
+    ('[8, 6]', '[8, 0]', 2, 'size'),
+    ('[8, 6]', '[8, 2.5]', 2, 'size'),
+    ('[8, 6]', '8', 2, 'size'),
+    ('samples: 1', 'samples: 0', 2, 'samples'),
+    ('samples: 1', 'sample: 1', 2, 'sample'),
+    ('samples: 1', 'samples: 1, samples: 2', 2, 'samples'),
+    ('samples: 1', 'exposure: .nan', 2, 'exposure'),
+    ('samples: 1', 'depth: 99', 2, 'depth'),
+    ('position: [0, -5, 1], ', '', 3, 'position'),
+    ('[0, -5, 1]', '[0, -5]', 3, 'position'),
+    ('[0, -5, 1]', '[0, -5, .inf]', 3, 'position'),
+    ('[0, -5, 1]', '[[0, -5, 1], [1, 2]]', 3, 'position'),
+    ('[0, -5, 1]', '[0, 0, 7]', 3, 'look_at'),
+    ('look_at: [0, 0, 0]', 'look_at: [0, 0, 0], field: 180', 3, 'field'),
+    ('camera: {position: [0, -5, 1], look_at: [0, 0, 0]}\n', '', 1, 'camera'),
+    ('- {position: [1, 2, 3]}', '- {position: [1, 2, x]}', 5, 'position'),
+    ('- {position: [1, 2, 3]}', '- {colour: [1, 2, 3]}', 5, 'position'),
+    ('- {position: [1, 2, 3]}', '- {position: [1, 2, 3], radius: -1}', 5, 'radius'),
+    ('- {position: [1, 2, 3]}', '- 5', 5, 'lights'),
+    ('type: julia', 'type: juila', 7, 'type'),
+    ('type: julia, ', '', 7, 'type'),
+    ('iterations: 4', 'iterations: 0', 7, 'iterations'),
+    ('iterations: 4', 'iterations: 1000', 7, 'iterations'),
+    ('iterations: 4', 'iterations: 4.5', 7, 'iterations'),
+    ('iterations: 4', 'power: 1', 7, 'power'),
+    ('iterations: 4', 'power: 9', 7, 'power'),
+    ('iterations: 4', 'escape: 0.5', 7, 'escape'),
+    ('iterations: 4', 'ex: [1, 0, 0, 0], ey: [2, 0, 0, 0], ez: [0, 0, 1, 0]', 7, 'ey'),
+    ('iterations: 4', 'at: [1, 0, 0, 0], slice: 1', 7, 'slice'),
+    ('iterations: 4', 'iteration: 4', 7, 'iteration'),
+    ('iterations: 4', 'dt_min: -1', 7, 'dt_min'),
+    ('iterations: 4', 't_tol: nan', 7, 't_tol'),
+    ('iterations: 4', 'scale: 0', 7, 'scale'),
+    ('iterations: 4', 'normal: up', 7, 'normal'),
+    ('[-0.2, 0.8, 0, 0]', '[-0.2, 0.8, 0]', 7, 'c'),
+    ('[-0.2, 0.8, 0, 0]', '[-0.2, 0.8, .nan, 0]', 7, 'c'),
+    ('[-0.2, 0.8, 0, 0]', '[-0.2, 1e7, 0, 0]', 7, 'c'),
+    ('minor: 0.3', 'minor: 3', 8, 'major'),
+    ('minor: 0.3', 'minor: 0', 8, 'minor'),
+    ('minor: 0.3', 'normal: potential', 8, 'minor'),
+    ('minor: 0.3', 'minor: 0.3, normal: potential', 8, 'normal'),
+    ('radius: 2', 'radius: 0', 9, 'radius'),
+    ('radius: 2', 'radius: 2, curvature: 1', 9, 'radius'),
+    ('radius: 2', 'conic: 1', 9, 'conic'),
+    ('[1, 0, 0], index', '[1, 0, 2], index', 9, 'colour'),
+    ('[1, 0, 0], index', '{checks: 1}, index', 9, 'colours'),
+    ('[1, 0, 0], index', '{blend: w, colours: [[0, 0, 0], [1, 1, 1]]}, index', 9, 'blend'),
+    ('[1, 0, 0], index', '{blend: x, from: 1, to: 1, colours: [[0, 0, 0], [1, 1, 1]]}, index', 9, 'to'),
+    ('index: 1.5', 'index: 0.5', 9, 'index'),
+    ('index: 1.5', 'indx: 1.5', 9, 'indx'),
+    ('material: {colour', 'material: 5, matter: {colour', 9, 'matter'),
+    ('  - {type: torus', '  - 7\n  - {type: torus', 8, 'objects'),
+    ('  - {type: torus', '  - {[1]: 2, type: torus', 8, 'key'),
+    ('minor: 0.3}', 'minor: 0.3', 9, ''),
+]
+
+
+def test_errors():
+    """Each names file, line and key, and nothing is drawn."""
+    run(written(GOOD), '--output', 'good.png')
+    for old, new, line, key in WRONG:
+        assert GOOD.count(old) == 1, old
+        path = written(GOOD.replace(old, new))
+        said = run(path, '--output', path.parent / 'out.png', exit=BAD_INPUT)
+        assert f'{path}:{line}: ' in said and key in said.split(f':{line}: ')[1], f'{new!r}: {said}'
+        assert not (path.parent / 'out.png').exists(), new
+    for text, word in (('', 'empty'), ('# nothing', 'empty'), ('[1]', 'map'), (GOOD + '---\n' + GOOD, 'second document'), (GOOD[:GOOD.index('objects')], 'objects')):
+        said = run(written(text), exit=BAD_INPUT)
+        assert word in said and 'scene.yaml' in said, (text, said)
+    assert 'absent.yaml' in run('absent.yaml', exit=BAD_INPUT)
+    assert FOLDER.name in run(FOLDER.name, exit=BAD_INPUT)
+    assert 'nowhere' in run(written(GOOD), '--output', 'nowhere/out.png', exit=BAD_INPUT)
+
+
+def options():
+    found = re.findall(r'\{"(\w+)", \w+_argument', (pathlib.Path(__file__).parent / 'main.c').read_text())
+    assert len(found) == 8, found
+    return found
+
+
+def test_usage():
+    good = written(GOOD)
+    for words, word in (((), 'scene'), ((good, good), 'one scene'), ((good, '--size', '5'), 'WxH'), ((good, '--size', '5x'), 'size'),
+                        ((good, '--size', '0x5'), 'size'), ((good, '--size', '5x5x5'), 'size'), ((good, '--samples', '0'), 'samples'),
+                        ((good, '--threads', '-1'), 'threads'), ((good, '--threads', 'two'), 'threads'), ((good, '--frames', '1e3'), 'frames'),
+                        ((good, '--paint', 'red'), 'paint'), ((good, '--normal', ''), 'normal'), ((good, '--colour', 'red'), 'colour'),
+                        ((good, '--output', 'a.jpg'), '.png'), ((good, '--output'), 'output')):
+        said = run(*words, exit=USAGE)
+        assert word in said and 'render --help' in said, (words, said)
+    text = run('--help')
+    for option in options():
+        assert f'--{option}' in text, option
+
+
+def test_documented():
+    """docs/render.md has every key that the reader knows, and every option."""
+    here = pathlib.Path(__file__).resolve().parent
+    page = (here.parent.parent / 'docs' / 'render.md').read_text()
+    reader = (here / 'read.c').read_text()
+    keys = set(re.findall(r'(?:read_\w+|document_find)\(&?d, \w+, "(\w+)"', reader))
+    keys |= set(re.findall(r'\{"(\w+)", "', (here / 'own.c').read_text()))
+    assert len(keys) > 35, keys
+    for key in keys:
+        assert f'`{key}`' in page, key
+    for option in options():
+        assert f'`--{option}' in page, option
+    for scene in SCENES:
+        assert scene.name in page, scene.name
+
+
+def main():
+    failed = 0
+    for name, test in list(globals().items()):
+        if name.startswith('test_'):
+            try:
+                test()
+            except Exception:
+                failed += 1
+                print(f'FAILED {name}: {test.__doc__ or ""}\n{traceback.format_exc()}')
+            else:
+                print(f'ok     {name}', flush=True)
+    sys.exit(1 if failed else 0)
+
+
+main()
