@@ -59,10 +59,12 @@ typedef struct sgt_mandelbrot {
 extern SGT_API const sgt_surface_ops sgt_julia_ops, sgt_mandelbrot_ops;
 
 /* The potential log|Q_n| / p^n of the orbit continued until |Q_n| > 2^32, or to n = 200:
- * beyond N, then, where the level set is.  Its gradient is a smoother normal than that of
- * F.  grad may be NULL; 0 and a zero gradient where the orbit does not escape; NaN where
- * the parameters are invalid.  Right to rounding where |Q_0| < 1e150; farther out to a part
- * in 100, and the gradient 0.  Source: Douady and Hubbard 1982 (C. R. Acad. Sci. 294, 123). */
+ * beyond N, then, where the level set is.  F = tanh(log(|Q_N| / escape)), so the normal of
+ * a hit is already along the gradient of the potential at level N, which is smooth there;
+ * the one given here is nearer to that of the set itself, and has its finer folds.  grad
+ * may be NULL; 0 and a zero gradient where the orbit does not escape; NaN where the
+ * parameters are invalid.  Right to rounding where |Q_0| < 1e150; farther out to a part in
+ * 100, and the gradient 0.  Source: Douady and Hubbard 1982 (C. R. Acad. Sci. 294, 123). */
 SGT_API double sgt_julia_potential(const sgt_julia *s, sgt_vec3 p, sgt_vec3 *grad);
 SGT_API double sgt_mandelbrot_potential(const sgt_mandelbrot *s, sgt_vec3 p, sgt_vec3 *grad);
 

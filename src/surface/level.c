@@ -9,7 +9,8 @@
  * free of roots; before its start there is none, since the side on which the cell begins is
  * known: it is that of the cell before.  A cell that is none of these is made smaller, unless its variation
  * is already below the rounding of |Q_N|^2: then it joins an undecided stretch, which ends with the next
- * cell that is decided: unlike sides are a crossing, like ones a stretch that is UNPROVEN.
+ * cell that is decided: unlike sides are a crossing; like ones a graze if |F| was within a few roundings all over it,
+ * else UNPROVEN.
  *
  * h is halved after a failure, and after a success multiplied by a factor that itself has grown by 1.08 (to 1.2 at
  * most) and after a failure shrunk by 0.8 (to 0.7 at least): on the way toward a surface cells have to shrink, and learn it.
