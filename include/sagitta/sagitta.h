@@ -89,7 +89,7 @@ typedef struct sgt_surface_ops {
     /* Intervals that contain g(t) = F(o + t d), and g' in *slope (never NULL), over the
      * whole of t, rounding included; t is finite, in lengths of d, and only o and d are
      * to be read.  Both may be as wide as they must: -INFINITY to INFINITY says nothing,
-     * and so does a NaN.  lo > hi: F is undefined all over t. */
+     * and so does a NaN.  lo > hi: F is undefined all over t, and so nowhere zero. */
     sgt_interval (*enclose)(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope);
 
     /* The built-in surfaces' own; leave it NULL. */
@@ -221,11 +221,12 @@ SGT_API sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt
  * The ray enters where n . d < 0 (F falls) and leaves where n . d > 0; a graze is one
  * entry.  A stretch of the ray that could not be decided is an entry of negative status,
  * in its place in the order, with t +- t_err, that is [lo, hi], covering it; p, n and f
- * are then NaN.  max_evals is spent on each entry anew; where it runs out, or where the
+ * are then NaN.  max_evals is spent on each root anew; where it runs out, or where the
  * watcher stops the search, what is left of the ray is the last entry, EXHAUSTED or
- * STOPPED.  Outside what is reported there is no root, with the certainty that
- * sgt_intersect has: a march that is not certain and finds nothing reports the
- * whole stretch as UNPROVEN. */
+ * STOPPED.  Outside what is reported there is no root, where sgt_intersect would be certain
+ * of it.  A march that is not certain tells the roots it sees, and not what it may have
+ * passed by between and behind them; one that sees none reports the whole stretch as
+ * UNPROVEN. */
 SGT_API int sgt_intersect_all(sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[], const sgt_options *opt);
 
 /* ------------------------------------------------- the solver, by itself */

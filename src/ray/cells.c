@@ -6,7 +6,7 @@
  *                           signs must be certain, else the end is moved.
  * A cell that is neither is halved; where it cannot be, or where g has come within its own rounding,
  * it joins an undecided stretch, that ends with the next cell that is decided: unlike signs at its ends are
- * a crossing.  (Moore 1966; Hansen and Walster 2004, chapter 9.) */
+ * a crossing, and the hit speaks of the whole stretch.  (Moore 1966; Hansen and Walster 2004, chapter 9.) */
 #include "walk.h"
 
 static bool excludes_zero(sgt_interval x) { return x.lo > 0 || x.hi < 0; }
@@ -14,7 +14,7 @@ static bool excludes_zero(sgt_interval x) { return x.lo > 0 || x.hi < 0; }
 void sgt_walk_cells(walk *w, double lo, double hi)
 {
     const local *q = &w->q;
-    double tau = lo, h = 0.125 * (hi - lo), least = 0x1p-52 * (fabs(lo) + fabs(hi)) + 0x1p-53 * fabs(q->t0), past;
+    double tau = lo, h = 0.125 * (hi - lo), past;
     point dark = {.tau = lo}; /* [dark, tau] is undecided */
     bool pending = false;
     int moved = 0;
@@ -32,10 +32,10 @@ void sgt_walk_cells(walk *w, double lo, double hi)
             point left = sgt_walk_look(w, tau, SGT_PROBE, dark.tau, tau);
             bool crossed = !over(w) && sign_at(&dark) * sign_at(&left) < 0 && sgt_walk_between(w, &dark, &left, &past);
             if (over(w) && !crossed) break;
-            if (!crossed) sgt_walk_stretch(w, SGT_UNPROVEN, dark.tau, tau);
+            if (crossed) sgt_list_cover(w->list, (q->t0 + dark.tau) * q->scale, (q->t0 + tau) * q->scale);
+            else sgt_walk_stretch(w, SGT_UNPROVEN, dark.tau, tau);
             pending = false;
         } else if (empty) {
-            w->defined = w->defined || g.lo <= g.hi;
             tau = end, h *= 1.5;
         } else if (monotone) {
             point left = sgt_walk_look(w, tau, SGT_MARCH, tau, hi), right = sgt_walk_look(w, end, SGT_MARCH, tau, hi);
@@ -46,7 +46,7 @@ void sgt_walk_cells(walk *w, double lo, double hi)
             }
             moved = 0;
             int signs = sign_at(&left) * sign_at(&right);
-            if (signs == 0 && tau == lo) { /* the start is on the surface, and does not count; a root behind it is one */
+            if (signs == 0 && tau == lo && w->from_tmin) { /* the start is on the surface, and does not count; a root behind it is one */
                 signs = sign_at(&right) * (slope.lo > 0 ? 1 : -1) > 0 ? 1 : 0;
             }
             if (signs < 0) sgt_walk_between(w, &left, &right, &past);
@@ -57,6 +57,7 @@ void sgt_walk_cells(walk *w, double lo, double hi)
             point middle = {.g = NAN};
             if (h <= 0x1p-20 * (hi - lo)) middle = sgt_walk_look(w, m, SGT_MARCH, tau, hi);
             bool noise = !isnan(middle.g) && !sign_at(&middle) && g.hi - g.lo <= 8 * middle.g_err;
+            double least = 0x1p-52 * fabs(m) + 0x1p-53 * fabs(q->t0) + 0x1p-90 * (hi - lo);
             if (h > least && !noise) {
                 h *= 0.5;
             } else {

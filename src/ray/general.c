@@ -72,7 +72,7 @@ static bool march(walk *w, double lo, double hi, double dt, double growth, doubl
     bool guess = w->told.opt->dt_min > 0 && ops->estimate;
     double length = sqrt(w->q.l * w->q.l + w->q.m * w->q.m + w->q.n * w->q.n), next = lo;
     point a = sgt_walk_look(w, lo, SGT_MARCH, lo, hi), b;
-    for (long i = 1; !over(w) && next < hi; i++, dt *= growth) {
+    for (long long i = 1; !over(w) && next < hi; i++, dt *= growth) {
         *reached = a.tau;
         double clear = ops->clearance ? ops->clearance(w->s.self, a.p) / length * (1 - 0x1p-40) : 0;
         double away = guess ? ops->estimate(w->s.self, a.p) / length : 0;
@@ -82,7 +82,8 @@ static bool march(walk *w, double lo, double hi, double dt, double growth, doubl
         if (clear > dt) next = larger(next, a.tau + clear);
         if (!(next < hi)) next = hi;
         if (!(next > a.tau)) { /* a step below an ulp of lo: the first that is one */
-            if (!(dt > 0) || i > 1L << 40) return false;
+            w->uncertain = true;
+            if (!(dt > 0) || i > 1LL << 40) return false;
             next = nextafter(a.tau, HUGE_VAL);
             if (next > hi) return false;
         }
@@ -143,6 +144,9 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
         return 0;
     }
     if (ray->tmax / scale <= hi) hi += 0x1p-44 * fabs(hi); /* a root at tmax is to be inside */
+    else hi += 0x1p-50 * fabs(hi);
+    w.from_tmin = !(lo > ray->tmin / scale);
+    if (!w.from_tmin && (s.ops->enclose || s.ops->clearance)) lo -= 0x1p-50 * (fabs(lo) + fabs(w.q.t0)); /* so is a root at the span's own end */
     lo -= w.q.t0, hi -= w.q.t0;
 
     if (span.single || near) {

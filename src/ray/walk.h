@@ -16,6 +16,7 @@ typedef struct walk {
     sgt_list *list;
     bool all;       /* every root is wanted, not the first alone */
     bool found;     /* and that one is found */
+    bool from_tmin; /* the search begins at tmin: a root there does not count */
     bool defined;   /* F was, somewhere */
     bool uncertain; /* a step was taken that a root can hide in */
     double t_tol;   /* of tau */

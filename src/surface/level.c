@@ -90,17 +90,19 @@ void sgt_level_path(const orbit *o, const sgt_ray *ray, path *w)
     escapes(o, w->escape);
 }
 
-/* Half the chord of the ball |Q| <= radius, about the tau it returns in *middle; negative: passes by; NaN: out of
- * range. */
+/* Half the chord of the ball |Q| <= radius, about the tau it returns in *middle; negative: passes by; NaN or infinite:
+ * out of range.  `along` is off by `slip` (much of it, where axes nearly cancel), which over the chord moves the ray by
+ * slip times its half, at most the radius over what is left of |along|. */
 static double half_chord(const path *w, double radius, double *middle)
 {
-    double V2 = quaternion_dot(w->along, w->along), b = -quaternion_dot(w->start, w->along) / V2;
+    double V2 = quaternion_dot(w->along, w->along), V = sqrt(V2), b = -quaternion_dot(w->start, w->along) / V2, slip = 32 * SGT_U * w->along_size;
     quaternion off = quaternion_sum(w->start, quaternion_times(w->along, b));
-    double err = 32 * SGT_U * (w->start_size + fabs(b) * w->along_size);
+    *middle = b;
+    if (!(V > 2 * slip)) return HUGE_VAL;
+    double err = 32 * SGT_U * w->start_size + slip * (fabs(b) + 4 * radius / (V - slip));
     radius = radius * (1 + 0x1p-40) + err;
     double left = radius * radius - quaternion_dot(off, off);
-    *middle = b;
-    return left < 0 ? -1 : (sqrt(left) + err) / sqrt(V2) * (1 + 0x1p-40);
+    return left < 0 ? -1 : (sqrt(left) + err) / V * (1 + 0x1p-40);
 }
 
 /* The ray with its origin moved to its point nearest the centre of the ball, and the chord there.  false: the ray
@@ -340,7 +342,7 @@ static void march(walk *w, double lo, double hi)
             if (hopeless || h <= 2 * SGT_U * fabs(m)) {
                 double g = fabs(e->A2 - w->path.E * w->path.E);
                 if (!dark.any) dark = (dark_stretch){.any = true, .touches = true, .lo = tau, .side = side};
-                dark.touches = dark.touches && g <= 5 * e->g_err;
+                dark.touches = dark.touches && e->W < HUGE_VAL && g <= 5 * e->g_err;
                 side = 0, tau = end;
             } else {
                 p = slower(p);

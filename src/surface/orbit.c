@@ -147,7 +147,7 @@ SGT_INLINE bool left_at(const path *w, pair_norms n, double e, double h, int k, 
     bool out = outside(n, E, e, h);
     if (out ? thorough && k == w->iterations : !(n.A2 > HOPELESS * E * E && k < w->iterations)) return false;
     r->verdict = out ? CELL_OUTSIDE : CELL_OPEN, r->level = k;
-    r->A2 = n.A2, r->V2 = n.V2, r->qv = n.qv, r->e = e, r->W = HUGE_VAL;
+    r->A2 = n.A2, r->V2 = n.V2, r->qv = n.qv, r->e = e, r->W = r->g_err = HUGE_VAL;
     return true;
 }
 
@@ -156,7 +156,7 @@ SGT_INLINE bool judge(const path *w, pair_norms at, double V, double e, double h
 {
     double slack = 1 + 0x1p-38, room = (w->E - w->E_err) * (1 - 0x1p-50) - e * slack, qv = fabs(at.qv), least = at.V2 * h + e * V;
     r->verdict = CELL_OPEN, r->level = w->iterations;
-    r->A2 = at.A2, r->V2 = at.V2, r->qv = at.qv, r->e = e, r->W = HUGE_VAL;
+    r->A2 = at.A2, r->V2 = at.V2, r->qv = at.qv, r->e = e, r->W = r->g_err = HUGE_VAL;
     if (room > 0 && (at.A2 + at.V2 * h * h + 2 * qv * h) * (1 + 64 * SGT_U) < room * room) r->verdict = CELL_INSIDE;
     return r->verdict == CELL_OPEN && (qv > least || (qv + least) * h <= 0x1p-30 * at.A2);
 }
@@ -267,8 +267,7 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
     bool slopes = false;
     for (int l = 0; l < 4; l++) {
         known[l] = wanted[l] != 0;
-        r[l].W = HUGE_VAL, r[l].level = live[l] ? n : 0;
-        r[l].verdict = outside[l] ? CELL_OUTSIDE : CELL_OPEN;
+        r[l] = (cell){.verdict = outside[l] ? CELL_OUTSIDE : CELL_OPEN, .W = HUGE_VAL, .g_err = HUGE_VAL};
         if (live[l] && wanted[l]) slopes = judge(w, (pair_norms){A2[l], V2[l], qv[l]}, sqrt(V2[l]), e[l], h[l], &r[l]) || slopes;
     }
     if (!slopes) return;

@@ -143,10 +143,10 @@ typedef enum cell_verdict { CELL_OPEN, CELL_OUTSIDE, CELL_INSIDE, CELL_MONOTONE 
 
 typedef struct cell {
     cell_verdict verdict;
-    int level;                /* where the orbit was left */
-    double A2, V2, qv, e;     /* |Q|^2, |v|^2, <Q, v>, the bound e, there */
-    double W;                 /* at level N: see above; infinite where it was not worked out */
-    double g_err;             /* at level N, with W: how far |Q|^2 - E^2 at m itself may be off */
+    int level;                /* N, or less where the orbit was left before */
+    double A2, V2, qv, e;     /* at level N: |Q|^2, |v|^2, <Q, v>, the bound e */
+    double W;                 /* see above; infinite where it was not worked out */
+    double g_err;             /* with W: how far |Q|^2 - E^2 at m itself may be off */
 } cell;
 
 /* What can be said over [m - h, m + h] of the cell 0; and, where it comes along with it (known), of 1, which is

@@ -3,6 +3,7 @@
 #ifndef SGT_SURFACE_OWN_H
 #define SGT_SURFACE_OWN_H
 
+#include <math.h>
 #include <sagitta/sagitta.h>
 
 /* The entries of sgt_intersect_all: those beyond cap are counted and not kept, but for the last. */
@@ -15,19 +16,39 @@ static inline void sgt_list_add(sgt_list *list, const sgt_hit *hit)
     list->count++;
 }
 
+/* t and t_err of a stretch from its ends; of an endless one t is the end there is, or 0. */
+static inline void sgt_list_centre(sgt_hit *hit)
+{
+    bool from = hit->lo > -HUGE_VAL, to = hit->hi < HUGE_VAL;
+    hit->t = from && to ? 0.5 * hit->lo + 0.5 * hit->hi : from ? hit->lo : to ? hit->hi : 0;
+    hit->t_err = (hit->hi - hit->t > hit->t - hit->lo ? hit->hi - hit->t : hit->t - hit->lo) * (1 + 0x1p-50);
+}
+
 /* Two undecided stretches with little between them (where rounding decides a cell here and there) are told as
  * one.  false: these are not such. */
 static inline bool sgt_list_merge(sgt_list *list, const sgt_hit *hit)
 {
     sgt_hit *last = &list->last;
-    bool near = list->count > 0 && last->status == hit->status && hit->lo - last->hi <= 4 * ((hit->hi - hit->lo) + (last->hi - last->lo));
-    if (!near) return false;
-    last->hi = hit->hi;
-    last->t = 0.5 * last->lo + 0.5 * last->hi;
-    last->t_err = (last->hi - last->lo) * (0.5 + 0x1p-50);
+    if (!(list->count > 0 && last->status == hit->status)) return false;
+    double gap = hit->lo - last->hi, room = 4 * ((hit->hi - hit->lo) + (last->hi - last->lo));
+    if (!(gap <= room)) return false; /* nor of NaN */
+    if (hit->lo < last->lo) last->lo = hit->lo;
+    if (hit->hi > last->hi) last->hi = hit->hi;
     last->evals += hit->evals;
+    sgt_list_centre(last);
     if (list->count <= list->cap) list->hits[list->count - 1] = *last;
     return true;
+}
+
+/* The last entry, a hit, is all that is told of [lo, hi]. */
+static inline void sgt_list_cover(sgt_list *list, double lo, double hi)
+{
+    sgt_hit *last = &list->last;
+    if (lo < last->lo) last->lo = lo;
+    if (hi > last->hi) last->hi = hi;
+    double far = (last->hi - last->t > last->t - last->lo ? last->hi - last->t : last->t - last->lo) * (1 + 0x1p-50);
+    if (far > last->t_err) last->t_err = far;
+    if (list->count <= list->cap) list->hits[list->count - 1] = *last;
 }
 
 /* A hit as near to the last as the errors of both: one root seen twice, or two that cannot be told apart.  The last
@@ -36,12 +57,9 @@ static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
 {
     sgt_hit *last = &list->last;
     if (!(list->count > 0 && last->status == SGT_HIT && t - t_err <= last->t + last->t_err)) return false;
-    double far = (t > last->t ? t - last->t : last->t - t) + t_err;
-    if (far > last->t_err) {
-        last->t_err = far * (1 + 0x1p-50);
-        last->lo = last->t - last->t_err, last->hi = last->t + last->t_err;
-        if (list->count <= list->cap) list->hits[list->count - 1] = *last;
-    }
+    double far = ((t > last->t ? t - last->t : last->t - t) + t_err) * (1 + 0x1p-50);
+    if (far > last->t_err) last->t_err = far; /* it may be below the ulp that lo and hi can show */
+    sgt_list_cover(list, t - t_err, t + t_err);
     return true;
 }
 

@@ -202,8 +202,7 @@ SGT_INLINE void add_stretch(sgt_list *list, tally *w, sgt_status status, const s
     hit.lo = larger(lo, ray->tmin), hit.hi = hi < ray->tmax ? hi : ray->tmax;
     if (hit.lo > hit.hi && status == SGT_STOPPED) hit.lo = hit.hi; /* at the very end: told all the same */
     if (hit.lo > hit.hi) return;
-    hit.t = hit.lo > -HUGE_VAL && hit.hi < HUGE_VAL ? 0.5 * hit.lo + 0.5 * hit.hi : hit.lo > -HUGE_VAL ? hit.lo : hit.hi < HUGE_VAL ? hit.hi : 0;
-    hit.t_err = larger(hit.hi - hit.t, hit.t - hit.lo) * (1 + 4 * SGT_U);
+    sgt_list_centre(&hit);
     if (!sgt_list_merge(list, &hit)) sgt_list_add(list, &hit);
     w->before = w->evals;
 }
