@@ -90,33 +90,40 @@ void sgt_level_path(const orbit *o, const sgt_ray *ray, path *w)
     escapes(o, w->escape);
 }
 
-/* Half the chord of the ball |Q| <= radius, about the tau it returns in *middle; negative: passes by; NaN or infinite:
- * out of range.  `along` is off by `slip` (much of it, where axes nearly cancel), which over the chord moves the ray by
- * slip times its half, at most the radius over what is left of |along|. */
-static double half_chord(const path *w, double radius, double *middle)
+/* The ray's point nearest the centre: where, and how near. */
+typedef struct approach { double middle, off2, V, slip; } approach;
+
+static approach approach_of(const path *w)
 {
-    double V2 = quaternion_dot(w->along, w->along), V = sqrt(V2), b = -quaternion_dot(w->start, w->along) / V2, slip = 32 * SGT_U * w->along_size;
+    double V2 = quaternion_dot(w->along, w->along), b = -quaternion_dot(w->start, w->along) / V2;
     quaternion off = quaternion_sum(w->start, quaternion_times(w->along, b));
-    *middle = b;
-    if (!(V > 2 * slip)) return HUGE_VAL;
-    double err = 32 * SGT_U * w->start_size + slip * (fabs(b) + 4 * radius / (V - slip));
+    return (approach){b, quaternion_dot(off, off), sqrt(V2), 32 * SGT_U * w->along_size};
+}
+
+/* Half the chord of the ball |Q| <= radius; negative: passes by; NaN or infinite: out of range.  `along` is off by
+ * `slip` (much of it, where axes nearly cancel), which over the chord moves the ray by slip times its half, at most the
+ * radius over what is left of |along|. */
+static double half_chord(const path *w, const approach *a, double radius)
+{
+    if (!(a->V > 2 * a->slip)) return HUGE_VAL;
+    double err = 32 * SGT_U * w->start_size + a->slip * (fabs(a->middle) + 4 * radius / (a->V - a->slip));
     radius = radius * (1 + 0x1p-40) + err;
-    double left = radius * radius - quaternion_dot(off, off);
-    return left < 0 ? -1 : (sqrt(left) + err) / V * (1 + 0x1p-40);
+    double left = radius * radius - a->off2;
+    return left < 0 ? -1 : (sqrt(left) + err) / a->V * (1 + 0x1p-40);
 }
 
 /* The ray with its origin moved to its point nearest the centre of the ball, and the chord there.  false: the ray
  * passes by, or [lo, hi] is empty. */
 static bool chord_of(const orbit *o, const sgt_ray *ray, local *q, path *w, double *lo, double *hi)
 {
-    double scale = scale_of(ray->d), middle, half;
+    double scale = scale_of(ray->d), half;
     quaternion far = quaternion_at(o, ray->o.x, ray->o.y, ray->o.z), v = along_of(o, ray->d.x * scale, ray->d.y * scale, ray->d.z * scale);
     *q = local_at(ray, -quaternion_dot(far, v) / quaternion_dot(v, v), 0);
     path_of(o, (sgt_vec3){q->x, q->y, q->z}, q->l, q->m, q->n, w);
-    if (half_chord(w, larger(o->E + o->E_err, o->mandelbrot ? o->c_abs : 0), &middle) < 0) return false;
+    approach a = approach_of(w);
     escapes(o, w->escape);
-    half = half_chord(w, w->escape[o->mandelbrot ? 1 : 0], &middle);
-    *lo = middle - half, *hi = middle + half;
+    half = half_chord(w, &a, w->escape[o->mandelbrot ? 1 : 0]);
+    *lo = a.middle - half, *hi = a.middle + half;
     return !(half < 0);
 }
 
@@ -133,15 +140,18 @@ sgt_span sgt_level_span(const orbit *o, const sgt_ray *ray)
 
 /* ----------------------------------------------------------------- entries */
 
-static void look_on(walk *w, sgt_move move, double tau, double lo, double hi)
+static void tell_of(walk *w, sgt_move move, double tau, double lo, double hi)
 {
-    if (w->told.opt->watch) {
-        double slope, f = sgt_orbit_value(&w->path, tau, &slope), t0 = w->q.t0, scale = w->q.scale;
-        tell(&w->told, move, (t0 + tau) * scale, f, slope / scale, (t0 + lo) * scale, (t0 + hi) * scale);
-    } else {
-        w->told.evals++;
-    }
+    double slope, f = sgt_orbit_value(&w->path, tau, &slope), t0 = w->q.t0, scale = w->q.scale;
+    tell(&w->told, move, (t0 + tau) * scale, f, slope / scale, (t0 + lo) * scale, (t0 + hi) * scale);
     w->done = w->done || w->told.stopped;
+}
+
+/* One evaluation more, at tau. */
+SGT_INLINE void look_on(walk *w, sgt_move move, double tau, double lo, double hi)
+{
+    if (w->told.opt->watch) tell_of(w, move, tau, lo, hi);
+    else w->told.evals++;
 }
 
 static void add(walk *w, sgt_hit *hit)
@@ -291,7 +301,7 @@ static void march(walk *w, double lo, double hi)
         look_on(w, SGT_MARCH, m, tau, hi);
         if (w->done) break;
         bool monotone = e->verdict == CELL_MONOTONE, empty = e->verdict == CELL_OUTSIDE || e->verdict == CELL_INSIDE;
-        int falls = e->qv < 0 ? 1 : -1; /* F falls along the ray, or rises: of use in a monotone cell */
+        int falls = monotone && e->qv < 0 ? 1 : -1; /* F falls along the ray, or rises: of use in a monotone cell */
         sgt_interval n = {0, 0};
         if (monotone) {
             n = newton_interval(w, e);
@@ -340,9 +350,8 @@ static void march(walk *w, double lo, double hi)
                 }
             }
             if (hopeless || h <= 2 * SGT_U * fabs(m)) {
-                double g = fabs(e->A2 - w->path.E * w->path.E);
                 if (!dark.any) dark = (dark_stretch){.any = true, .touches = true, .lo = tau, .side = side};
-                dark.touches = dark.touches && e->W < HUGE_VAL && g <= 5 * e->g_err;
+                dark.touches = dark.touches && e->W < HUGE_VAL && fabs(e->A2 - w->path.E * w->path.E) <= 5 * e->g_err;
                 side = 0, tau = end;
             } else {
                 p = slower(p);

@@ -267,7 +267,7 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
     bool slopes = false;
     for (int l = 0; l < 4; l++) {
         known[l] = wanted[l] != 0;
-        r[l] = (cell){.verdict = outside[l] ? CELL_OUTSIDE : CELL_OPEN, .W = HUGE_VAL, .g_err = HUGE_VAL};
+        r[l].verdict = outside[l] ? CELL_OUTSIDE : CELL_OPEN, r[l].W = HUGE_VAL, r[l].level = 0; /* the rest is of level N alone */
         if (live[l] && wanted[l]) slopes = judge(w, (pair_norms){A2[l], V2[l], qv[l]}, sqrt(V2[l]), e[l], h[l], &r[l]) || slopes;
     }
     if (!slopes) return;

@@ -144,8 +144,8 @@ typedef enum cell_verdict { CELL_OPEN, CELL_OUTSIDE, CELL_INSIDE, CELL_MONOTONE 
 typedef struct cell {
     cell_verdict verdict;
     int level;                /* N, or less where the orbit was left before */
-    double A2, V2, qv, e;     /* at level N: |Q|^2, |v|^2, <Q, v>, the bound e */
-    double W;                 /* see above; infinite where it was not worked out */
+    double A2, V2, qv, e;     /* at level N, and only there: |Q|^2, |v|^2, <Q, v>, the bound e */
+    double W;                 /* see above; infinite where it was not worked out, as where the orbit was left */
     double g_err;             /* with W: how far |Q|^2 - E^2 at m itself may be off */
 } cell;
 
