@@ -164,12 +164,9 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
 
 sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {
-    sgt_hit hit = hit_without(SGT_MISS, ray, 0);
-    sgt_list list = {.hits = &hit, .cap = 1, .count = 0};
+    sgt_list list = {.cap = 0, .count = 0};
     int evals = search(s, ray, opt, false, &list);
-    if (!list.count) hit.evals = evals;
-    if (hit.status < 0) hit.t = hit.t_err = NAN;
-    return hit;
+    return first_entry(&list, ray, evals);
 }
 
 void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)

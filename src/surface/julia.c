@@ -104,12 +104,9 @@ static sgt_interval enclose_by(const orbit *o, const sgt_ray *ray, sgt_interval 
 
 static sgt_hit first_of(const orbit *o, const sgt_ray *ray, const sgt_options *opt)
 {
-    sgt_hit hit = hit_without(SGT_MISS, ray, 0);
-    sgt_list list = {.hits = &hit, .cap = 1, .count = 0};
+    sgt_list list = {.cap = 0, .count = 0};
     int evals = sgt_level_march(o, ray, opt, false, &list);
-    if (!list.count) hit.evals = evals;
-    if (hit.status < 0) hit.t = hit.t_err = NAN;
-    return hit;
+    return first_entry(&list, ray, evals);
 }
 
 #define LEVEL_SET(kind)                                                                                              \

@@ -205,8 +205,8 @@ static sgt_interval newton_interval(const walk *w, const cell *e)
     return (g > 0) == (e->qv < 0) ? (sgt_interval){near, far} : (sgt_interval){-far, -near};
 }
 
-/* The root in [lo, hi], where F is monotone, from a first guess; falls: 1 if F falls, -1 if it rises.  false: the search was over
- * before it was told. */
+/* The root in [lo, hi], where F is monotone (or, on the fast way, at least changes its sign), from a first guess; falls:
+ * 1 if F falls, -1 if it rises.  false: the search was stopped before it was told. */
 static bool polish(walk *w, double lo, double hi, double start, int falls)
 {
     /* [a, b] is where the signs of F as computed say it is: a guide, and no proof */

@@ -1,8 +1,6 @@
 /* orbit.c - cells and values of an orbit along a ray; orbit.h has the mathematics. */
 #include "orbit.h"
 
-#include <float.h>
-
 /* A cell whose middle is so far outside, |Q|^2 > 3 E_k^2, and that is not outside as a whole, will not be at a later
  * level either: its bounds grow as fast.  Nothing but time depends on it (1.2: 15 % more cells; 64: 3 % more levels). */
 static const double HOPELESS = 3;

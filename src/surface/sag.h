@@ -194,6 +194,15 @@ SGT_INLINE void add_hit(sgt_list *list, const meeting *h, sgt_status status, dou
     w->before = w->root = w->evals;
 }
 
+/* What a search for the first entry came to: that entry, or a miss. */
+SGT_INLINE sgt_hit first_entry(const sgt_list *list, const sgt_ray *ray, int evals)
+{
+    if (!list->count) return hit_without(SGT_MISS, ray, evals);
+    sgt_hit hit = list->last;
+    if (hit.status < 0) hit.t = hit.t_err = (double)NAN;
+    return hit;
+}
+
 /* [lo, hi], cut to the ray's ends, is not decided, or was not searched. */
 SGT_INLINE void add_stretch(sgt_list *list, tally *w, sgt_status status, const sgt_ray *ray, double lo, double hi)
 {
