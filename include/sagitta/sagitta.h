@@ -50,6 +50,9 @@ typedef struct sgt_ray { sgt_vec3 o, d; double tmin, tmax; } sgt_ray;
 
 typedef struct sgt_interval { double lo, hi; } sgt_interval;
 
+/* Many rays: one array per number.  tmin left NULL is 0, tmax left NULL is INFINITY. */
+typedef struct sgt_rays { const double *o[3], *d[3], *tmin, *tmax; } sgt_rays;
+
 /* -------------------------------------------------------------- surfaces */
 
 /* Where on a ray a surface can be met: no root lies outside [lo, hi], which may
@@ -58,6 +61,11 @@ typedef struct sgt_interval { double lo, hi; } sgt_interval;
  * the first and that two ends of one sign are a proof of a miss.  lo > hi: the
  * ray passes by. */
 typedef struct sgt_span { double lo, hi, seed; bool single; } sgt_span;
+
+/* Many points, many answers, many spans: the same names, one array per number. */
+typedef struct sgt_points { const double *p[3]; } sgt_points;
+typedef struct sgt_values { double *f, *grad[3]; } sgt_values;
+typedef struct sgt_spans { double *lo, *hi, *seed; bool *single; } sgt_spans;
 
 /* What a surface can do.  Only `value` is required; each further answer a
  * surface can give makes the solver faster, or its answer surer.  The list grows
@@ -91,6 +99,14 @@ typedef struct sgt_surface_ops {
      * to be read.  Both may be as wide as they must: -INFINITY to INFINITY says nothing,
      * and so does a NaN.  lo > hi: F is undefined all over t, and so nowhere zero. */
     sgt_interval (*enclose)(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope);
+
+    /* `value` at n points, to the last bit: F, and its gradient where grad[0] is not NULL
+     * (then no other is).  A loop that the compiler makes vector code of is what makes
+     * batches fast. */
+    void (*values)(const void *self, size_t n, sgt_points p, sgt_values out);
+
+    /* `span` of n rays, to the last bit; o and d alone are given, no output is NULL. */
+    void (*spans)(const void *self, size_t n, sgt_rays rays, sgt_spans out);
 
     /* The built-in surfaces' own; leave it NULL. */
     const struct sgt_own *own_;
@@ -159,7 +175,7 @@ SGT_API const char *sgt_move_text(sgt_move move);      /* "seed", "march", ... *
  * On a steep or grazing stretch a built-in surface is solved in its polynomial
  * form; f and slope are then of that form, which has the same roots. */
 typedef struct sgt_step {
-    size_t ray;               /* its index where there are many; 0 for a single ray */
+    size_t ray;               /* its index in a batch; 0 for a single ray */
     int eval; sgt_move move;  /* eval counts from 1 */
     double t, f, slope;       /* t is the ray's own */
     double lo, hi;            /* the bracket, or what is left of the search */
@@ -213,6 +229,28 @@ typedef struct sgt_options {
  *
  * Iteration counts may change between versions; what a status means may not. */
 SGT_API sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt);
+
+/* The same answers as arrays; those left NULL are not wanted, and cost nothing where
+ * they would. */
+typedef struct sgt_hits {
+    signed char *status;  /* an sgt_status */
+    int    *evals;
+    double *t, *t_err, *t_lo;
+    double *p[3], *n[3];  /* all three of one, or none */
+    double *p_err;
+} sgt_hits;
+
+/* One hit for each of n rays; opt may be NULL.  Each answer is the one that
+ * sgt_intersect would give, bit for bit (a NaN for a NaN), whatever its neighbours are and
+ * whatever the processor: a lane never changes its neighbour.  Returns the number of
+ * positive statuses.  Outputs must not overlap the rays or each other.  Nothing is
+ * allocated; the stack needed is below 64 KiB.  Where options.watch is set the rays run one
+ * by one, in order; sgt_step.ray is the index of the ray, and a watcher that stops, stops
+ * that ray.
+ *
+ * Fast are the built-in surfaces, and surfaces of a user that offer `values`; with
+ * `spans` as well faster still.  Any other surface is answered ray by ray. */
+SGT_API size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt);
 
 /* Every hit, in order of t; opt may be NULL, and its pick is not read.  Writes at most
  * cap of them (hits may be NULL where cap is 0) and returns how many there are: 0 is a

@@ -63,10 +63,19 @@ static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
     return true;
 }
 
+/* Some rays of a batch: at most SGT_TILE, each array at the first of them.  Of the rays no array is NULL, of the
+ * hits status is not.  t_tol: of each ray its own. */
+enum { SGT_TILE = 256, SGT_HARD = -100 };
+typedef struct sgt_tile { size_t n; sgt_rays rays; const double *t_tol; sgt_hits hits; } sgt_tile;
+
 struct sgt_own {
     sgt_hit (*meet)(const void *self, const sgt_ray *ray, const sgt_options *opt);
     /* SGT_INVALID, or zero with every entry added. */
     sgt_status (*all)(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
+    /* Answers what it can of a tile, each ray as `meet` would, unchecked rays among them; gives the rest the status
+     * SGT_HARD (what it leaves in their other outputs is of no account) and returns how many those are.  opt has been
+     * checked and asks for no watcher; its t_tol is not to be read.  May be NULL. */
+    size_t (*sweep)(const void *self, const sgt_tile *tile, const sgt_options *opt);
 };
 
 #endif

@@ -1,0 +1,102 @@
+/* batch.c - many rays and one surface: tiles, and who answers for them.
+ *
+ * QUICK, THEN CAREFUL.  A tile of rays is offered to the surface's sweep, which is the quick form of the single
+ * ray's answer with a loop around it: the same operations on each ray in the same order, and so the same bits.
+ * Rays that the quick form does not accept (and those that are no rays at all) it marks as hard, and these
+ * go one by one through the door of the single ray. */
+#include "batch.h"
+
+#include "../solve/root.h"
+
+#include <string.h>
+
+static sgt_ray ray_of(const sgt_rays *r, size_t i)
+{
+    return (sgt_ray){{r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]}, r->tmin ? r->tmin[i] : 0, r->tmax ? r->tmax[i] : HUGE_VAL};
+}
+
+static void write_hit(const sgt_hits *out, size_t i, const sgt_hit *hit)
+{
+    if (out->status) out->status[i] = (signed char)hit->status;
+    if (out->evals) out->evals[i] = hit->evals;
+    if (out->t) out->t[i] = hit->t;
+    if (out->t_err) out->t_err[i] = hit->t_err;
+    if (out->t_lo) out->t_lo[i] = hit->t_lo;
+    if (out->p[0]) out->p[0][i] = hit->p.x, out->p[1][i] = hit->p.y, out->p[2][i] = hit->p.z;
+    if (out->n[0]) out->n[0][i] = hit->n.x, out->n[1][i] = hit->n.y, out->n[2][i] = hit->n.z;
+    if (out->p_err) out->p_err[i] = hit->p_err;
+}
+
+size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+{
+    size_t hard = tile->n, met = 0;
+    if (s.ops && s.ops->own_ && s.ops->own_->sweep) hard = s.ops->own_->sweep(s.self, tile, opt);
+    else memset(tile->hits.status, SGT_HARD, tile->n);
+    sgt_options own = *opt;
+    for (size_t i = 0; hard > 0; i++) {
+        if (tile->hits.status[i] != SGT_HARD) continue;
+        own.t_tol = tile->t_tol[i];
+        sgt_hit hit = sgt_intersect(s, ray_of(&tile->rays, i), &own);
+        write_hit(&tile->hits, i, &hit);
+        hard--;
+    }
+    for (size_t i = 0; i < tile->n; i++) met += tile->hits.status[i] > 0;
+    return met;
+}
+
+/* A watcher that is told which ray it is. */
+typedef struct numbered { sgt_watch *watch; void *data; size_t ray; } numbered;
+
+static int watch_numbered(void *data, const sgt_step *step)
+{
+    const numbered *n = data;
+    sgt_step own = *step;
+    own.ray = n->ray;
+    return n->watch(n->data, &own);
+}
+
+static size_t one_by_one(sgt_surface s, size_t n, const sgt_rays *rays, const sgt_hits *hits, const sgt_options *opt)
+{
+    sgt_options own = *opt;
+    numbered told = {opt->watch, opt->watch_data, 0};
+    if (opt->watch) own.watch = watch_numbered, own.watch_data = &told;
+    size_t met = 0;
+    for (size_t i = 0; i < n; i++) {
+        told.ray = i;
+        sgt_hit hit = sgt_intersect(s, ray_of(rays, i), &own);
+        write_hit(hits, i, &hit);
+        met += hit.status > 0;
+    }
+    return met;
+}
+
+/* The arrays from their i-th entry on. */
+static double *from(double *a, size_t i) { return a ? a + i : NULL; }
+
+static sgt_hits hits_from(const sgt_hits *h, size_t i)
+{
+    return (sgt_hits){
+        .status = h->status ? h->status + i : NULL, .evals = h->evals ? h->evals + i : NULL,
+        .t = from(h->t, i), .t_err = from(h->t_err, i), .t_lo = from(h->t_lo, i), .p_err = from(h->p_err, i),
+        .p = {from(h->p[0], i), from(h->p[1], i), from(h->p[2], i)}, .n = {from(h->n[0], i), from(h->n[1], i), from(h->n[2], i)},
+    };
+}
+
+size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt)
+{
+    static const sgt_options none = {0};
+    if (!opt) opt = &none;
+    if (opt->watch || !sgt_options_valid(opt)) return one_by_one(s, n, &rays, &hits, opt);
+    signed char status[SGT_TILE];
+    double tmin[SGT_TILE], tmax[SGT_TILE], t_tol[SGT_TILE];
+    size_t met = 0;
+    for (size_t i = 0; i < SGT_TILE; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
+    for (size_t i = 0; i < n; i += SGT_TILE) {
+        sgt_tile tile = {.n = n - i < SGT_TILE ? n - i : SGT_TILE, .t_tol = t_tol, .hits = hits_from(&hits, i),
+                         .rays = {{rays.o[0] + i, rays.o[1] + i, rays.o[2] + i}, {rays.d[0] + i, rays.d[1] + i, rays.d[2] + i},
+                                  rays.tmin ? rays.tmin + i : tmin, rays.tmax ? rays.tmax + i : tmax}};
+        if (!tile.hits.status) tile.hits.status = status;
+        met += sgt_intersect_tile(s, &tile, opt);
+    }
+    return met;
+}
