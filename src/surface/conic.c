@@ -14,6 +14,19 @@
  * sheet or not by one comparison.  The first form is the root near the vertex plane.
  * At a root |A tau - B| = sqrt(D), D = B^2 - A C, so g' = grad F . d = -+ sqrt(D) / v.
  *
+ * EASY.  Nearly every ray of an optical system: one lane of vector code, and one ray alone the same way.  From the
+ * vertex plane, with explicit fma, and Aa >= |A|, Ba >= |B|, |C| the sums of the magnitudes of their terms; x is rounded
+ * twice, A is off by 4 u Aa, B by 5 u Ba, C by 7 u |C|, D by u (D + |AC|) beyond what these make of it.  To first order
+ *     |dtau| <= u ((2.5 Aa tau^2 + 5 Ba |tau| + 3.5 |C|) / S + 3.5 |tau|),   S = sqrt D, tau = C / b, |b| = |B| + S.
+ * Let Ba^2 + Aa |C| <= q D.  Then Ba <= sqrt(q) S, |C| = |tau b| <= (1 + sqrt q) S |tau| and Aa |C| <= q D, Aa tau^2 <=
+ * q S |tau|.  So q = 4/3 gives |dtau| <= 20.2 u |tau|, q = 4 gives 34 u |tau|; 24 and 48 are taken, and q > 4, a
+ * ray that grazes, is not accepted.  What t0 + t0_lo is off by, 9 u^2 |t0|, moves the start along the ray's image in the
+ * vertex plane and is no more than 2^-30 of an ulp of t0 to tau.  Not accepted either: S > 4 |n|, a start so far
+ * off that its terms are more than those at the root; |w| = |(1 + k) c z| > 1 - 2^-8, near the equator, or on
+ * another sheet; and where the first root is asked for, one whose other may be before it: that is b / A, whose
+ * magnitude is the greater, and which is behind if b A > 0.  |c| lies within 2^+-60 and n^2 above 2^-200 and t below 2^300:
+ * then what underflows is too small to matter, and what overflows makes D infinite or NaN.
+ *
  * QUICK.  In doubles, from the vertex plane.  With u = 2^-53, each coefficient is off by at most
  * 6 u of the sum of its terms' magnitudes, written A', B', C' (counted below); rounding in D is
  * at most a further u of B^2 + |A C|.  To first order the root moves by
@@ -21,7 +34,7 @@
  * and the quotient itself rounds by 4 u |tau|; hence
  *     tau_err = 3.25 u (A' tau^2 + 2 B' |tau| + C') / sqrt D + 4.25 u |tau|.
  * First order is enough because D below 2^-20 of B'^2 + A' C' is not accepted: then the relative
- * change of D is below 2^-28, and 3.25 for 3 covers what is left out.
+ * change of D is below 2^-28, and 3.25 for 3 covers what is left out.  Roots far off and misses are found here.
  * Not accepted either: roots whose terms at the start are more than twice those at the root (a
  * start too far off), a sheet that is within rounding of the equator, a slope above 8, a t that is
  * not sharp, and terms so small that a square of theirs has underflown.
@@ -36,11 +49,130 @@
  *
  * Times, worst cases: docs/accuracy.md. */
 #include "form.h"
+#include "sweep.h"
 
 static const double EPS = 0x1p-100;
 static const double D_MIN = 0x1p-20;
 
 static bool before(const meeting *a, const meeting *b) { return a->t < b->t || (a->t == b->t && a->t_lo < b->t_lo); }
+
+/* x - x is 0 for a finite x, NaN for another. */
+SGT_INLINE bool conic_valid(double c, double k, double semi_diameter)
+{
+    return (c - c) + (k - k) + (semi_diameter - semi_diameter) == 0 && semi_diameter >= 0;
+}
+
+/* ------------------------------------------------------------------- easy */
+
+/* What a surface brings to all its rays; extra n^2 + |A| >= Aa; rim2 is finite, so that no infinite point is inside. */
+typedef struct bowl { double c, abs_c, k1, ck, extra, rim2; } bowl;
+
+/* false: no ray is easy. */
+SGT_INLINE bool bowl_of(double c, double k, double rim2, bowl *s)
+{
+    *s = (bowl){c, fabs(c), 1 + k, (1 + k) * c, 1 + k < 0 ? 2 * fabs(1 + k) * fabs(c) : 0, rim2 < 0x1p1000 ? rim2 : 0x1p1000};
+    return (c == 0 || (fabs(c) > 0x1p-60 && fabs(c) < 0x1p60)) && fabs(k) < 0x1p60 && rim_in_range(rim2);
+}
+
+SGT_INLINE near_root easy_start(const bowl *s, bool first, double ox, double oy, double oz, double l, double m, double n)
+{
+    double t0, t0_lo, x, y;
+    to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
+    double xl = x * l, ym = y * m, a = l * l + m * m, n2 = n * n;
+    double A = s->c * fma(s->k1, n2, a), B = fma(-s->c, xl + ym, n), C = s->c * (x * x + y * y);
+    double Aa = fma(s->extra, n2, fabs(A)), Ba = fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
+    double D = fma(B, B, -A * C), size = fma(Ba, Ba, Aa * fabs(C)), D4 = (D + D) + (D + D);
+    double b = B + copysign(sqrt(D), B), tau = C / b, small = t0_lo + tau, t = t0 + small, reach = fabs(t) + fabs(small);
+    double tau_err = (D4 >= 3 * size ? 24 * SGT_U : 48 * SGT_U) * fabs(tau);
+    mask good = MASK(D4 > size) & MASK(D <= 16 * n2) & MASK(n2 > 0x1p-200) & MASK(reach < 0x1p300);
+    if (first) good &= MASK(copysign(1, b) * A > 0x1p-40 * Aa);
+    return (near_root){.x = x, .y = y, .tau = tau, .t = t, .t_err = chosen(good, fma(1.01 * SGT_U, reach, tau_err), (double)NAN),
+                       .tau_err = tau_err, .t0 = t0, .small = small};
+}
+
+SGT_INLINE lane easy_end(const bowl *s, const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol)
+{
+    double pz = r->tau * n, w = s->ck * pz, g = -s->c / (1 - w);
+    return lane_of(r, l, m, n, tmin, tmax, t_tol, pz, g, s->rim2, MASK(fabs(w) < 1 - 0x1p-8));
+}
+
+/* A plane: the same with tau = 0. */
+SGT_INLINE near_root plane_start(double ox, double oy, double oz, double l, double m, double n)
+{
+    double t0, t0_lo, x, y;
+    to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
+    double t = t0 + t0_lo, reach = fabs(t) + fabs(t0_lo);
+    mask good = MASK(n * n > 0x1p-200) & MASK(reach < 0x1p300);
+    return (near_root){.x = x, .y = y, .t = t, .t_err = chosen(good, 1.01 * SGT_U * reach, (double)NAN), .t0 = t0, .small = t0_lo};
+}
+
+SGT_INLINE lane plane_end(const bowl *s, const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol)
+{
+    return lane_of(r, l, m, n, tmin, tmax, t_tol, 0, 0, s->rim2, -1);
+}
+
+SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol, lane *e)
+{
+    near_root r = s->c == 0 ? plane_start(o.x, o.y, o.z, d.x, d.y, d.z) : easy_start(s, first, o.x, o.y, o.z, d.x, d.y, d.z);
+    *e = s->c == 0 ? plane_end(s, &r, d.x, d.y, d.z, tmin, tmax, t_tol) : easy_end(s, &r, d.x, d.y, d.z, tmin, tmax, t_tol);
+    return e->hit != 0;
+}
+
+/* One ray; its ends have been made explicit.  A direction of unusual length is scaled, by a power of two: of the
+ * usual ones that would change no bit. */
+SGT_INLINE bool easy(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
+{
+    sgt_vec3 d = ray->d;
+    bool first = opt->pick != SGT_NEAR_SEED;
+    if (easy_at(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, e)) return true;
+    double scale = scale_of(d);
+    if (scale > 0x1p-40 && scale < 0x1p40) return false;
+    d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
+    if (!easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, e)) return false;
+    e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
+    return e->t_err < HUGE_VAL;
+}
+
+#define ORIGIN(i) ox[i], oy[i], oz[i], l[i], m[i], n[i]
+#define RAY(i) l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]
+#define START_PLANE(i) plane_start(ORIGIN(i))
+#define START_NEAR(i) easy_start(s, false, ORIGIN(i))
+#define START_FIRST(i) easy_start(s, true, ORIGIN(i))
+#define END_PLANE(i, r) plane_end(s, r, RAY(i))
+#define END_EASY(i, r) easy_end(s, r, RAY(i))
+
+#define SWEEP_OF(name, rich, START, END)                                                                                      \
+    SGT_CLONES_WIDE static mask name(const bowl *s, const sgt_tile *tile, sweep_room *room)                                   \
+    {                                                                                                                         \
+        const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],               \
+                     *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = far_ends(tile, room),       \
+                     *t_tol = tile->t_tol;                                                                                    \
+        mask all = -1;                                                                                                        \
+        SWEEP(tile, room, rich, START, END, all);                                                                             \
+        return all;                                                                                                           \
+    }
+
+SWEEP_OF(conic_sweep_plane, false, START_PLANE, END_PLANE)
+SWEEP_OF(conic_sweep_plane_rich, true, START_PLANE, END_PLANE)
+SWEEP_OF(conic_sweep_near, false, START_NEAR, END_EASY)
+SWEEP_OF(conic_sweep_first, false, START_FIRST, END_EASY)
+SWEEP_OF(conic_sweep_near_rich, true, START_NEAR, END_EASY)
+SWEEP_OF(conic_sweep_first_rich, true, START_FIRST, END_EASY)
+
+size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt)
+{
+    sweep_room room;
+    bowl s;
+    bool rich = tile->hits.t_lo || tile->hits.p_err, near = opt->pick == SGT_NEAR_SEED;
+    if (!conic_valid(c, k, semi_diameter) || !bowl_of(c, k, rim2_of(semi_diameter), &s)) {
+        memset(tile->hits.status, SGT_HARD, tile->n);
+        return tile->n;
+    }
+    mask all = c == 0 ? rich ? conic_sweep_plane_rich(&s, tile, &room) : conic_sweep_plane(&s, tile, &room)
+             : near ? rich ? conic_sweep_near_rich(&s, tile, &room) : conic_sweep_near(&s, tile, &room)
+                    : rich ? conic_sweep_first_rich(&s, tile, &room) : conic_sweep_first(&s, tile, &room);
+    return sweep_told(tile, &room, 1, all);
+}
 
 /* ------------------------------------------------------------------ quick */
 
@@ -285,8 +417,15 @@ SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray 
     meeting at;
     tally w = {.opt = opt, .budget = 100}; /* of settling, that takes nine at most */
     sgt_status status;
-    if (!((c - c) + (k - k) + (semi_diameter - semi_diameter) == 0 && semi_diameter >= 0)) return hit_without(SGT_INVALID, ray, 0); /* x - x: NaN unless finite */
+    bowl b;
+    lane e;
+    if (!conic_valid(c, k, semi_diameter)) return hit_without(SGT_INVALID, ray, 0);
     if (!rim_in_range(rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
+    if (bowl_of(c, k, rim2, &b) && easy(&b, ray, opt, &e)) {
+        double f = conic_f(c, k, (sgt_vec3){e.px, e.py, e.pz});
+        if (opt->watch) tell(&w, SGT_SEED, e.t, f, e.nx * ray->d.x + e.ny * ray->d.y + ray->d.z, e.t - e.t_err, e.t + e.t_err);
+        return w.stopped ? hit_without(SGT_STOPPED, ray, 1) : hit_of_lane(&e, 1, f);
+    }
     if (c == 0) {
         status = plane(rim2, ray, &at);
     } else {
@@ -318,7 +457,7 @@ sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray
     double rim2 = rim2_of(semi_diameter);
     tally w = {.opt = opt, .budget = 100};
     careful_pair p = {.away = HUGE_VAL};
-    if (!((c - c) + (k - k) + (semi_diameter - semi_diameter) == 0 && semi_diameter >= 0)) return SGT_INVALID;
+    if (!conic_valid(c, k, semi_diameter)) return SGT_INVALID;
     sgt_status status = SGT_UNPROVEN;
     if (rim_in_range(rim2)) status = c == 0 ? plane(rim2, ray, &p.r[0].at) : careful_roots(c, k, rim2, ray, &p, &w);
     if (c == 0) p.r[0].counts = true, p.r[0].sheet = 1;
@@ -366,6 +505,12 @@ static sgt_span conic_span(const void *self, const sgt_ray *ray)
     return sgt_sag_span(s->c, s->k, s->semi_diameter, ray, true);
 }
 
-static const struct sgt_own conic_own = {.meet = conic_meet, .all = conic_all};
+static size_t conic_sweep(const void *self, const sgt_tile *tile, const sgt_options *opt)
+{
+    const sgt_conic *s = self;
+    return sgt_conic_sweep(s->c, s->k, s->semi_diameter, tile, opt);
+}
+
+static const struct sgt_own conic_own = {.meet = conic_meet, .all = conic_all, .sweep = conic_sweep};
 
 const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .own_ = &conic_own};

@@ -67,6 +67,9 @@ sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *
 /* Its part of sgt_intersect_all. */
 sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
 
+/* Its sweep. */
+size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt);
+
 /* The stretch of the ray, in its own t, within r^2 <= radius2 (1 + 2^-43) of the axis; all of it
  * for an infinite radius2, lo > hi where it passes by. */
 typedef struct stretch { double lo, hi; } stretch;
