@@ -13,6 +13,114 @@
 #include "asphere.h"
 
 #include "../solve/root.h"
+#include "asphere_easy.h"
+
+/* ------------------------------------------------------------------- easy */
+
+/* One ray, its ends made explicit; the evaluations are counted and told whatever becomes of it. */
+SGT_INLINE bool easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol, double scale, lane *e, tally *w)
+{
+    double g, slope;
+    wavy_start r = wavy_begin(s, ALL_TERMS, o.x, o.y, o.z, d.x, d.y, d.z, &g, &slope);
+    wavy_round q = {.tau = r.tau, .again = -1};
+    local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
+    sample seen = {.g = g, .slope = slope};
+    observe(w, &at, r.tau + g / slope, &seen, SGT_SEED, -HUGE_VAL, HUGE_VAL);
+    for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
+        double tau = q.tau;
+        wavy_newton half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, d.x, d.y, d.z);
+        q = wavy_bound(s, ALL_TERMS, first, r.x, r.y, &half, d.x, d.y, d.z, t_tol);
+        seen = (sample){.g = half.g, .slope = half.slope};
+        observe(w, &at, tau, &seen, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
+        seen.g = q.g;
+        if (!w->stopped) observe(w, &at, half.tau2, &seen, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
+    }
+    if (w->stopped || !(r.tau == r.tau)) return false;
+    near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
+    *e = wavy_end(s, ALL_TERMS, &root, q.v, q.near, d.x, d.y, d.z, tmin, tmax, t_tol);
+    return e->hit != 0;
+}
+
+/* A direction of unusual length is scaled, by a power of two: of the usual ones that would change no bit. */
+SGT_INLINE bool easy(const wavy *s, const sgt_ray *ray, lane *e, tally *w)
+{
+    const sgt_options *opt = w->opt;
+    sgt_vec3 d = ray->d;
+    bool first = opt->pick != SGT_NEAR_SEED;
+    double scale = scale_of(d);
+    if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z)) return easy_at(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, 1, e, w);
+    d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
+    if (!easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, scale, e, w)) return false;
+    e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
+    return e->t_err < HUGE_VAL;
+}
+
+/* The loops of a tile, for so many terms. */
+typedef struct wavy_room {
+    _Alignas(64) double x[SGT_TILE];
+    double y[SGT_TILE], t0[SGT_TILE], t0_lo[SGT_TILE], from[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE], v[SGT_TILE], near[SGT_TILE];
+    double tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
+    mask again[SGT_TILE];
+    sweep_ends ends;
+} wavy_room;
+
+SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich, const sgt_tile *tile, wavy_room *room)
+{
+    const wavy own = *self, *s = &own; /* no output is a part of it */
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = far_ends(tile, &room->ends), *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        double g, slope;
+        wavy_start r = wavy_begin(s, terms, ox[i], oy[i], oz[i], l[i], m[i], n[i], &g, &slope);
+        room->x[i] = r.x, room->y[i] = r.y, room->t0[i] = r.t0, room->t0_lo[i] = r.t0_lo, room->from[i] = r.tau;
+    }
+    int extra[SGT_TILE], rounds = 1;
+    mask any = -1;
+    for (;; rounds++) {
+        any = 0;
+        LANES for (size_t i = 0; i < count; i++) {
+            wavy_newton h = wavy_half(s, terms, room->x[i], room->y[i], room->from[i], l[i], m[i], n[i]);
+            room->tau2[i] = h.tau2, room->step2[i] = h.step2, room->inverse[i] = h.inverse, room->dw[i] = h.dw, room->slant[i] = h.slant;
+        }
+        _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
+            wavy_newton h = {room->tau2[i], room->step2[i], room->inverse[i], room->dw[i], room->slant[i], 0, 0};
+            wavy_round q = wavy_bound(s, terms, first, room->x[i], room->y[i], &h, l[i], m[i], n[i], t_tol[i]);
+            room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->v[i] = q.v, room->near[i] = q.near, room->again[i] = q.again;
+            any |= q.again;
+        }
+        if (!any || rounds == ROUNDS) break;
+        /* those that are done go through it once more with the same result */
+        for (size_t i = 0; i < count; i++) {
+            extra[i] = (rounds > 1 ? extra[i] : 0) + (room->again[i] ? 1 : 0);
+            if (room->again[i]) room->from[i] = room->tau[i];
+        }
+    }
+    sweep_to to = sweep_to_of(tile, &room->ends);
+    mask all = -1;
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
+        near_root r = wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
+        lane e = wavy_end(s, terms, &r, room->v[i], room->near[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        SWEEP_STORE(to, i, e, rich);
+        all &= e.hit;
+    }
+    size_t hard = sweep_told(tile, &room->ends, 4, all);
+    for (size_t i = 0; tile->hits.evals && rounds > 1 && i < count; i++) tile->hits.evals[i] += 2 * extra[i];
+    return hard;
+}
+
+#define SWEEP_TERMS(name, terms, first, rich)                                                       \
+    SGT_CLONES_WIDE static size_t name(const wavy *s, const sgt_tile *tile, wavy_room *room)        \
+    {                                                                                               \
+        return sweep_terms(s, terms, first, rich, tile, room);                                      \
+    }
+
+SWEEP_TERMS(asphere_sweep_few_near, FEW_TERMS, false, false)
+SWEEP_TERMS(asphere_sweep_few_first, FEW_TERMS, true, false)
+SWEEP_TERMS(asphere_sweep_few_near_rich, FEW_TERMS, false, true)
+SWEEP_TERMS(asphere_sweep_few_first_rich, FEW_TERMS, true, true)
+SWEEP_TERMS(asphere_sweep_near, ALL_TERMS, false, true)
+SWEEP_TERMS(asphere_sweep_first, ALL_TERMS, true, true)
 
 /* ------------------------------------------------------------------ quick */
 
@@ -102,6 +210,15 @@ static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_opti
     meeting at;
     double seed;
     tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
+    wavy v;
+    lane e;
+    if (w.budget > MOST_EASY && wavy_of(&h, &v) && easy(&v, ray, &e, &w)) {
+        double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});
+        if (opt->watch) tell(&w, SGT_NEWTON, e.t, f, e.nx * ray->d.x + e.ny * ray->d.y + ray->d.z, e.t - e.t_err, e.t + e.t_err);
+        else w.evals++;
+        return w.stopped ? hit_without(SGT_STOPPED, ray, w.evals) : hit_of_lane(&e, w.evals, f);
+    }
+    if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
     if (quick(&h, ray, &at, &seed, &w)) return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
     return sgt_asphere_march(&h, ray, seed, &w, NULL);
@@ -155,7 +272,27 @@ static sgt_span asphere_span(const void *self, const sgt_ray *ray)
     return span;
 }
 
-static const struct sgt_own asphere_own = {.meet = asphere_meet, .all = asphere_all};
+static size_t asphere_sweep(const void *self, const sgt_tile *tile, const sgt_options *opt)
+{
+    const sgt_asphere *s = self;
+    wavy_room room;
+    wavy v;
+    int terms = terms_of(s);
+    bool rich = tile->hits.t_lo || tile->hits.p_err, near = opt->pick == SGT_NEAR_SEED, enough = !opt->max_evals || opt->max_evals > MOST_EASY;
+    if (asphere_valid(s) && !terms) return sgt_conic_sweep(s->c, s->k, s->semi_diameter, tile, opt);
+    if (asphere_valid(s) && enough) {
+        shape h = shape_of(s, terms);
+        if (rim_in_range(h.rim2) && wavy_of(&h, &v)) {
+            if (terms > FEW_TERMS) return near ? asphere_sweep_near(&v, tile, &room) : asphere_sweep_first(&v, tile, &room);
+            if (rich) return near ? asphere_sweep_few_near_rich(&v, tile, &room) : asphere_sweep_few_first_rich(&v, tile, &room);
+            return near ? asphere_sweep_few_near(&v, tile, &room) : asphere_sweep_few_first(&v, tile, &room);
+        }
+    }
+    memset(tile->hits.status, SGT_HARD, tile->n);
+    return tile->n;
+}
+
+static const struct sgt_own asphere_own = {.meet = asphere_meet, .all = asphere_all, .sweep = asphere_sweep};
 
 const sgt_surface_ops sgt_asphere_ops = {.name = "even_asphere", .value = asphere_value, .span = asphere_span,
                                          .rounding = asphere_rounding, .own_ = &asphere_own};

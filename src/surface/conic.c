@@ -93,7 +93,7 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, double ox, double oy,
 SGT_INLINE lane easy_end(const bowl *s, const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol)
 {
     double pz = r->tau * n, w = s->ck * pz, g = -s->c / (1 - w);
-    return lane_of(r, l, m, n, tmin, tmax, t_tol, pz, g, s->rim2, MASK(fabs(w) < 1 - 0x1p-8));
+    return lane_of(r, l, m, n, tmin, tmax, t_tol, pz, g, fabs(r->tau), s->rim2, MASK(fabs(w) < 1 - 0x1p-8));
 }
 
 /* A plane: the same with tau = 0. */
@@ -108,7 +108,7 @@ SGT_INLINE near_root plane_start(double ox, double oy, double oz, double l, doub
 
 SGT_INLINE lane plane_end(const bowl *s, const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol)
 {
-    return lane_of(r, l, m, n, tmin, tmax, t_tol, 0, 0, s->rim2, -1);
+    return lane_of(r, l, m, n, tmin, tmax, t_tol, 0, 0, 0, s->rim2, -1);
 }
 
 SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol, lane *e)
@@ -133,45 +133,61 @@ SGT_INLINE bool easy(const bowl *s, const sgt_ray *ray, const sgt_options *opt, 
     return e->t_err < HUGE_VAL;
 }
 
-#define ORIGIN(i) ox[i], oy[i], oz[i], l[i], m[i], n[i]
-#define RAY(i) l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]
-#define START_PLANE(i) plane_start(ORIGIN(i))
-#define START_NEAR(i) easy_start(s, false, ORIGIN(i))
-#define START_FIRST(i) easy_start(s, true, ORIGIN(i))
-#define END_PLANE(i, r) plane_end(s, r, RAY(i))
-#define END_EASY(i, r) easy_end(s, r, RAY(i))
+/* Between the two loops. */
+typedef struct bowl_room {
+    _Alignas(64) double x[SGT_TILE];
+    double y[SGT_TILE], tau[SGT_TILE], t[SGT_TILE], t_err[SGT_TILE], tau_err[SGT_TILE], t0[SGT_TILE], small[SGT_TILE];
+    sweep_ends ends;
+} bowl_room;
 
-#define SWEEP_OF(name, rich, START, END)                                                                                      \
-    SGT_CLONES_WIDE static mask name(const bowl *s, const sgt_tile *tile, sweep_room *room)                                   \
-    {                                                                                                                         \
-        const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],               \
-                     *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = far_ends(tile, room),       \
-                     *t_tol = tile->t_tol;                                                                                    \
-        mask all = -1;                                                                                                        \
-        SWEEP(tile, room, rich, START, END, all);                                                                             \
-        return all;                                                                                                           \
+SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool rich, const sgt_tile *tile, bowl_room *room)
+{
+    const bowl own = *self, *s = &own; /* no output is a part of it */
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = far_ends(tile, &room->ends), *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        near_root r = plane ? plane_start(ox[i], oy[i], oz[i], l[i], m[i], n[i]) : easy_start(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
+        room->x[i] = r.x, room->y[i] = r.y, room->tau[i] = r.tau, room->t[i] = r.t, room->t_err[i] = r.t_err;
+        if (rich) room->tau_err[i] = r.tau_err, room->t0[i] = r.t0, room->small[i] = r.small;
+    }
+    sweep_to to = sweep_to_of(tile, &room->ends);
+    mask all = -1;
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
+        near_root r = {.x = room->x[i], .y = room->y[i], .tau = room->tau[i], .t = room->t[i], .t_err = room->t_err[i]};
+        if (rich) r.tau_err = room->tau_err[i], r.t0 = room->t0[i], r.small = room->small[i];
+        lane e = plane ? plane_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]) : easy_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        SWEEP_STORE(to, i, e, rich);
+        all &= e.hit;
+    }
+    return sweep_told(tile, &room->ends, 1, all);
+}
+
+#define SWEEP_BOWL(name, plane, first, rich)                                                        \
+    SGT_CLONES_WIDE static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
+    {                                                                                               \
+        return sweep_bowl(s, plane, first, rich, tile, room);                                       \
     }
 
-SWEEP_OF(conic_sweep_plane, false, START_PLANE, END_PLANE)
-SWEEP_OF(conic_sweep_plane_rich, true, START_PLANE, END_PLANE)
-SWEEP_OF(conic_sweep_near, false, START_NEAR, END_EASY)
-SWEEP_OF(conic_sweep_first, false, START_FIRST, END_EASY)
-SWEEP_OF(conic_sweep_near_rich, true, START_NEAR, END_EASY)
-SWEEP_OF(conic_sweep_first_rich, true, START_FIRST, END_EASY)
+SWEEP_BOWL(conic_sweep_plane, true, false, false)
+SWEEP_BOWL(conic_sweep_plane_rich, true, false, true)
+SWEEP_BOWL(conic_sweep_near, false, false, false)
+SWEEP_BOWL(conic_sweep_first, false, true, false)
+SWEEP_BOWL(conic_sweep_near_rich, false, false, true)
+SWEEP_BOWL(conic_sweep_first_rich, false, true, true)
 
 size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt)
 {
-    sweep_room room;
+    bowl_room room;
     bowl s;
     bool rich = tile->hits.t_lo || tile->hits.p_err, near = opt->pick == SGT_NEAR_SEED;
-    if (!conic_valid(c, k, semi_diameter) || !bowl_of(c, k, rim2_of(semi_diameter), &s)) {
-        memset(tile->hits.status, SGT_HARD, tile->n);
-        return tile->n;
+    if (conic_valid(c, k, semi_diameter) && bowl_of(c, k, rim2_of(semi_diameter), &s)) {
+        if (c == 0) return rich ? conic_sweep_plane_rich(&s, tile, &room) : conic_sweep_plane(&s, tile, &room);
+        if (rich) return near ? conic_sweep_near_rich(&s, tile, &room) : conic_sweep_first_rich(&s, tile, &room);
+        return near ? conic_sweep_near(&s, tile, &room) : conic_sweep_first(&s, tile, &room);
     }
-    mask all = c == 0 ? rich ? conic_sweep_plane_rich(&s, tile, &room) : conic_sweep_plane(&s, tile, &room)
-             : near ? rich ? conic_sweep_near_rich(&s, tile, &room) : conic_sweep_near(&s, tile, &room)
-                    : rich ? conic_sweep_first_rich(&s, tile, &room) : conic_sweep_first(&s, tile, &room);
-    return sweep_told(tile, &room, 1, all);
+    memset(tile->hits.status, SGT_HARD, tile->n);
+    return tile->n;
 }
 
 /* ------------------------------------------------------------------ quick */

@@ -65,7 +65,7 @@ static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
 
 /* Some rays of a batch: at most SGT_TILE, each array at the first of them.  Of the rays no array is NULL, of the
  * hits status is not.  t_tol: of each ray its own. */
-enum { SGT_TILE = 256, SGT_HARD = -100 };
+enum { SGT_TILE = 128, SGT_HARD = -100 };
 typedef struct sgt_tile { size_t n; sgt_rays rays; const double *t_tol; sgt_hits hits; } sgt_tile;
 
 struct sgt_own {

@@ -1,0 +1,162 @@
+/* asphere_easy.h - an asphere met as lanes are: no branch, a fixed number of evaluations, a bound at the end.
+ *
+ * G = w - (c rho + (1 + k) c w^2) / 2 with rho = x^2 + y^2, w = z - P(rho) (form.c), along (x0, y0, 0) + tau d from the
+ * point on the vertex plane.
+ *
+ * THE SEED.  The conic alone has A tau^2 - 2 B tau + C = 0; with e = A C / B^2 its root near the vertex is
+ * tau = C / (2 B) (1 + e/4 + ...), and there G' = B sqrt(1 - e), 1 / G' = (1 + e/2 + ...) / B.  No root need be taken:
+ * what the series leave is less than what P is; where |e| >= 1 a ray is not easy. One step with that slope from G, P included, is the start.
+ *
+ * A ROUND.  Newton's step from tau_1, with G and G'; then a step from there, tau_2, with G alone and the slope of before:
+ * tau_3 = tau_2 + step, step = -G(tau_2) / s, s = G'(tau_1) as computed.  Lens surfaces are done after one round; a ray that
+ * is not goes through another from tau_3, if the second step was at most half the first.  Where e below is more than
+ * 24 u (|w| + |z|), terms cancel, and there is better to be had.
+ *
+ * THE BOUND.  Let M >= |G''| within H = |tau_2 - tau_1| + 2 |step| of tau_2, and G' be off there from s by at most
+ * Delta = 2 M H + 2^-34 |s| <= |s| / 8.  Then G' keeps its sign, |G'| >= 7/8 |s|, and with |G(tau_2)| known to e the
+ * root exists, lies within 8/7 (|G| + e) / |s| <= H of tau_2, and
+ *     |root - tau_3| <= 8/7 (e + |step| Delta) / |s|                    (the mean value theorem).
+ * M = |c| a + |(1 + k) c| (W1^2 + |w| W2) + W2 (form.c), a = l^2 + m^2, from first = sum (i+1) |a_i| rho^i >= |P'| at the
+ * largest rho of the cell, rho' = 1.0625 rho + 17 a H^2 >= (sqrt rho + H sqrt a)^2:
+ *     |w'| <= W1 = |n| + 2 first (|x l| + |y m| + 2 a H), x and y those of tau_1,
+ *     |w''| <= W2 = 2 a first (2 T - 1) for T terms, since |P''| <= (T - 1) first / rho' and (x l + y m)^2 <= rho' a.
+ * Rounding, in units of u = 2^-53: x0 is off by 2 |x0|, x by that and |x|; 2 (|x x0| + |y y0|) <= rho + rho0, so rho is off
+ * by 6 rho + 2 rho0; P by first times that and 2 rho first (each of T fmas rounds once); with Q = 9 rho + 2 rho0
+ *     w by first Q + |z| + |w|,   G by e = |v| (w's) + |c| Q / 2 + 3 |w| (1 + |(1 + k) c w|),  v = 1 - (1 + k) c w.
+ * s is off by at most 2^-40 of the sum of the magnitudes of its terms, which has to be below 64 |s| (and rho0 <= 4 rho:
+ * a start not too far off). */
+#ifndef SGT_SURFACE_ASPHERE_EASY_H
+#define SGT_SURFACE_ASPHERE_EASY_H
+
+#include "form.h"
+#include "sweep.h"
+
+enum { ROUNDS = 4, MOST_EASY = 2 * ROUNDS + 2, FEW_TERMS = 4, ALL_TERMS = 8 }; /* MOST_EASY: evaluations */
+
+/* What a surface brings to all its rays. */
+typedef struct wavy {
+    double c, abs_c, k1, ck, abs_ck;
+    double a[ALL_TERMS], slope[ALL_TERMS], size[ALL_TERMS];  /* a_i, (i+1) a_i, its magnitude */
+    double bend;              /* 2 (2 T - 1) */
+    double rim2, single;      /* n^2 > single a: one root within the rim */
+    double most_e;            /* so that v is not off by more than 2^-10 */
+} wavy;
+
+/* false: no ray is easy. */
+SGT_INLINE bool wavy_of(const shape *s, wavy *v)
+{
+    double r2 = s->domain2, second, phi2 = 1 - s->ck * s->c * r2;
+    *v = (wavy){.c = s->c, .abs_c = fabs(s->c), .k1 = 1 + s->k, .ck = s->ck, .abs_ck = fabs(s->ck), .bend = 2 * (2 * s->terms - 1),
+                .rim2 = s->rim2 < 0x1p1000 ? s->rim2 : 0x1p1000, .single = HUGE_VAL, .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-20 / fabs(s->ck)};
+    for (int i = 0; i < s->terms; i++) v->a[i] = s->a[i], v->slope[i] = (i + 1) * s->a[i], v->size[i] = (i + 1) * fabs(s->a[i]);
+    if (r2 < HUGE_VAL && phi2 > 0x1p-30) {
+        double steep = (v->abs_c / sqrt(phi2) + 2 * magnitude(s->terms, s->a, r2, &second)) * (1 + 0x1p-20);
+        v->single = steep * steep * r2;
+    }
+    return v->abs_c < 0x1p60 && fabs(s->k) < 0x1p60;
+}
+
+/* Of a direction, by its square. */
+SGT_INLINE mask usual_length(double d2) { return MASK(d2 > 0x1p-78) & MASK(d2 < 0x1p78); }
+
+/* Written out: a loop within the loop over rays would keep that from becoming vector code. */
+SGT_INLINE double horner(const double *a, int terms, double rho)
+{
+    double h = 0;
+    if (terms > FEW_TERMS) h = fma(fma(fma(fma(a[7], rho, a[6]), rho, a[5]), rho, a[4]), rho, a[3]);
+    else h = a[3];
+    return fma(fma(fma(h, rho, a[2]), rho, a[1]), rho, a[0]);
+}
+
+/* The same with the derivative. */
+SGT_INLINE double horner_slope(const double *a, int terms, double rho, double *slope)
+{
+    double h = a[3], d = 0;
+    if (terms > FEW_TERMS) {
+        h = fma(a[7], rho, a[6]), d = a[7];
+        d = fma(d, rho, h), h = fma(h, rho, a[5]);
+        d = fma(d, rho, h), h = fma(h, rho, a[4]);
+        d = fma(d, rho, h), h = fma(h, rho, a[3]);
+    }
+    d = fma(d, rho, h), h = fma(h, rho, a[2]);
+    d = fma(d, rho, h), h = fma(h, rho, a[1]);
+    d = fma(d, rho, h), h = fma(h, rho, a[0]);
+    *slope = d;
+    return h;
+}
+
+/* The ray at the vertex plane, and tau there. */
+typedef struct wavy_start { double x, y, t0, t0_lo, tau; } wavy_start;
+
+SGT_INLINE double wavy_g(const wavy *s, double rho, double z, double h, double *w, double *ckw)
+{
+    *w = fma(-rho, h, z), *ckw = s->ck * *w;
+    return fma(-0.5, fma(s->c, rho, *ckw * *w), *w);
+}
+
+SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, double ox, double oy, double oz, double l, double m, double n, double *g, double *slope)
+{
+    wavy_start r;
+    to_vertex_plane(ox, oy, oz, l, m, n, &r.t0, &r.t0_lo, &r.x, &r.y);
+    double a = l * l + m * m, A = s->c * fma(s->k1, n * n, a), B = fma(-s->c, r.x * l + r.y * m, n), C = s->c * (r.x * r.x + r.y * r.y);
+    double inverse = 1 / B, q = C * inverse, e = A * inverse * q, tau = chosen(MASK(fabs(e) < 1), q * fma(0.125, e, 0.5), (double)NAN), w, ckw;
+    double x = fma(tau, l, r.x), y = fma(tau, m, r.y), rho = x * x + y * y;
+    *g = wavy_g(s, rho, tau * n, horner(s->a, terms, rho), &w, &ckw);
+    *slope = B;
+    r.tau = tau - *g * (inverse * fma(0.5, e, 1));
+    return r;
+}
+
+/* A round's first half, at tau_1: Newton's step to tau_2, and what is kept of the slope: its inverse, dw/dtau, the
+ * magnitudes of x l + y m.  g and slope are for a watcher. */
+typedef struct wavy_newton { double tau2, step2, inverse, dw, slant, g, slope; } wavy_newton;
+
+SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0, double tau1, double l, double m, double n)
+{
+    double x = fma(tau1, l, x0), y = fma(tau1, m, y0), rho = x * x + y * y, w, ckw, xl = x * l, ym = y * m, half = xl + ym;
+    double dh, h = horner_slope(s->a, terms, rho, &dh), dp = fma(rho, dh, h);
+    double g = wavy_g(s, rho, tau1 * n, h, &w, &ckw), dw = fma(-(dp + dp), half, n);
+    double slope = fma(-s->c, half, (1 - ckw) * dw), inverse = 1 / slope, step2 = g * inverse;
+    return (wavy_newton){tau1 - step2, step2, inverse, dw, fabs(xl) + fabs(ym), g, slope};
+}
+
+/* What a round leaves: the root with its bound, NaN where nothing is certain; 1 - (1 + k) c w there; for lane_of, near;
+ * again: another round may bring what this did not.  g is for a watcher. */
+typedef struct wavy_round { double tau, tau_err, v, near, g; mask again; } wavy_round;
+
+SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, bool first_root, double x0, double y0, const wavy_newton *at, double l, double m, double n, double t_tol)
+{
+    double x = fma(at->tau2, l, x0), y = fma(at->tau2, m, y0), rho = x * x + y * y, z = at->tau2 * n, w, ckw;
+    double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), step = g * at->inverse, as = fabs(step), ai = fabs(at->inverse), aw = fabs(w);
+    double a = l * l + m * m, n2 = n * n, H = fma(0x1p-40, fabs(at->tau2), fabs(at->step2) + (as + as)), wide = fma(17 * a, H * H, 1.0625 * rho);
+    double first = horner(s->size, terms, wide), rho0 = x0 * x0 + y0 * y0;
+    double W1 = fma(first + first, fma(a, H + H, at->slant), fabs(n)), W2 = s->bend * (a * first);
+    double M = fma(s->abs_ck, fma(fma(W1, H, aw), W2, W1 * W1), fma(s->abs_c, a, W2));
+    double off = fma(M * (H + H), ai, 0x1p-34); /* Delta / |s| */
+    double Q = fma(9, rho, rho0 + rho0), az = fabs(z), ackw = fabs(ckw);
+    double e = 1.01 * SGT_U * fma(fabs(1 - ckw), fma(first, Q, az + aw), fma(0.5 * s->abs_c, Q, (3 * aw) * (1 + ackw)));
+    double noise = e * ai, tau = at->tau2 - step, tau_err = fma(1.16, fma(as, off, noise), SGT_U * (fabs(tau) + (as + as)));
+    double terms_of_slope = fma(2, W1, s->abs_c * at->slant);
+    mask again = MASK(off < 0x1p20);
+    if (first_root) again &= MASK(n2 > s->single * a);
+    mask sure = again & MASK(off <= 0.125) & MASK(1.15 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) & MASK(rho0 <= 4 * rho)
+              & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) & MASK(e <= 24 * SGT_U * (aw + az)) & MASK(s->abs_ck * (W1 * H) < 0x1p-10);
+    sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol); /* else it can be had better */
+    return (wavy_round){.tau = tau, .tau_err = chosen(sure, tau_err, (double)NAN), .v = fma(s->ck, step * at->dw, 1 - ckw),
+                        .near = fma(ai, fma(rho, first + (first + s->abs_c), az), fabs(tau)), .g = g, .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2))};
+}
+
+/* The root, for lane_of. */
+SGT_INLINE near_root wavy_root(double x, double y, double t0, double t0_lo, double tau, double tau_err)
+{
+    double small = t0_lo + tau, t = t0 + small, reach = fabs(t) + fabs(small);
+    return (near_root){.x = x, .y = y, .tau = tau, .t = t, .t_err = fma(1.01 * SGT_U, reach, tau_err), .tau_err = tau_err, .t0 = t0, .small = small};
+}
+
+SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, double v, double near, double l, double m, double n, double tmin, double tmax, double t_tol)
+{
+    double x = fma(r->tau, l, r->x), y = fma(r->tau, m, r->y), rho = x * x + y * y, dp = horner(s->slope, terms, rho), g = -s->c / v - (dp + dp);
+    return lane_of(r, l, m, n, tmin, tmax, t_tol, r->tau * n, g, near, s->rim2, MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
+}
+
+#endif
