@@ -5,6 +5,7 @@
 #include "options.h"
 #include "rays.h"
 #include "surface.h"
+#include "tiles.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -53,11 +54,13 @@ static arguments arguments_of(int argc, char *argv[])
         {"surface", required_argument, NULL, SURFACE}, {"rays", required_argument, NULL, RAYS},
         {"ray", required_argument, NULL, RAY}, {"skip-bad", no_argument, NULL, SKIP_BAD},
         {"all", no_argument, NULL, ALL}, {"proof", required_argument, NULL, PROOF},
-        SHARED_OPTIONS, {0},
+        THREADS_OPTION, SHARED_OPTIONS, {0},
     };
     arguments a = {.surface = NULL};
     const char *file = NULL;
     bool skip_bad = false;
+    char all_help[6000];
+    snprintf(all_help, sizeof all_help, "%s%s", help, options_threads_help);
     for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         switch (code) {
         case SURFACE: a.surface = optarg; break;
@@ -66,43 +69,49 @@ static arguments arguments_of(int argc, char *argv[])
         case SKIP_BAD: skip_bad = true; break;
         case ALL: a.all = true; break;
         case PROOF: fail_usage("--proof: this version gives no proofs");
-        default: options_take(&a.shared, code, help);
+        default: options_take(&a.shared, code, all_help);
         }
     }
     if (optind < argc) fail_usage("what is \"%s\"?  The surface goes with --surface, rays with --rays", argv[optind]);
     if (!a.surface) fail_usage("--surface is missing");
     if (a.all && a.shared.solver.pick) fail_usage("--pick or --all, not both");
     if (!file == !a.rays.count) fail_usage("%s", file ? "--rays or --ray, not both" : "--rays or --ray is missing");
+    a.rays.threads = options_threads(&a.shared);
     if (file) rays_read(&a.rays, file, skip_bad);
     return a;
 }
 
-/* ------------------------------------------------------------------ roots */
+/* ------------------------------------------------------------------ tiles */
 
-/* The answers for one ray, in order; the room grows to what the richest ray needs. */
-typedef struct answers {
-    sgt_hit *hit;
-    int count, capacity;
-} answers;
+enum { STATUS_COUNT = SGT_GRAZE - SGT_INVALID + 1 };
 
-static void find(answers *a, const arguments *asked, sgt_surface surface, const sgt_ray *ray)
-{
-    const sgt_options *opt = &asked->shared.solver;
-    a->count = 0;
-    while (asked->all && (a->count = sgt_intersect_all(surface, *ray, a->capacity, a->hit, opt)) > a->capacity) {
-        a->capacity = a->count;
-        a->hit = memory_grow(a->hit, (size_t)a->capacity, sizeof *a->hit);
-    }
-    if (a->count > 0) return;
-    a->hit[0] = sgt_intersect(surface, *ray, opt); /* of all, none: the search for one says what that took */
-    a->count = 1;
-}
+/* What a tile needs for itself: its rays and their answers as arrays, and what becomes of
+ * them: rows of the table, and how many there are of each status. */
+typedef struct room {
+    double ray[8][TILE_RAYS];                  /* o, d, tmin, tmax */
+    double number[8][TILE_RAYS];               /* t, t_err, p, n */
+    signed char status[TILE_RAYS];
+    int evals[TILE_RAYS];
+    sgt_hit *hit;                              /* of --all: of one ray */
+    int capacity;
+    table *rows;
+    size_t count[STATUS_COUNT];
+    const launch *missed;                      /* the first that did */
+} room;
 
-/* ------------------------------------------------------------------- rows */
+typedef struct work {
+    const arguments *asked;
+    sgt_surface surface;
+    room *room;
+    table *table;
+    size_t count[STATUS_COUNT];
+    const launch *missed;
+} work;
 
 /* A miss, and a ray that is none, have no root; an undecided stretch is numbered as one. */
-static void write_row(table *t, const launch *l, int root, const sgt_hit *h, bool named)
+static void write_row(const work *w, room *r, const launch *l, int root, const sgt_hit *h)
 {
+    table *t = r->rows;
     bool none = h->status == SGT_MISS || h->status == SGT_INVALID;
     bool met = h->status > 0;
     const double no = (double)NAN;
@@ -114,8 +123,68 @@ static void write_row(table *t, const launch *l, int root, const sgt_hit *h, boo
     table_number_within(t, h->t, h->t_err);
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) table_number(t, numbers[i]);
     table_count(t, h->evals);
-    if (named) table_word(t, l->id);
+    if (w->asked->rays.named) table_word(t, l->id);
+    r->count[h->status - SGT_INVALID]++;
+    if (h->status == SGT_MISS && !r->missed) r->missed = l;
 }
+
+static void find_one_each(const work *w, room *r, const tile *t)
+{
+    const launch *l = &w->asked->rays.ray[t->first];
+    for (size_t i = 0; i < t->count; i++) {
+        const sgt_ray *ray = &l[i].ray;
+        const double numbers[] = {ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z, ray->tmin, ray->tmax};
+        for (int k = 0; k < 8; k++) r->ray[k][i] = numbers[k];
+    }
+    const sgt_rays rays = {.o = {r->ray[0], r->ray[1], r->ray[2]}, .d = {r->ray[3], r->ray[4], r->ray[5]},
+                           .tmin = r->ray[6], .tmax = r->ray[7]};
+    double(*n)[TILE_RAYS] = r->number;
+    const sgt_hits hits = {.status = r->status, .evals = r->evals, .t = n[0], .t_err = n[1],
+                           .p = {n[2], n[3], n[4]}, .n = {n[5], n[6], n[7]}};
+    sgt_intersect_batch(w->surface, t->count, rays, hits, &w->asked->shared.solver);
+    for (size_t i = 0; i < t->count; i++) {
+        const sgt_hit h = {.status = (sgt_status)r->status[i], .evals = r->evals[i], .t = n[0][i], .t_err = n[1][i],
+                           .p = {n[2][i], n[3][i], n[4][i]}, .n = {n[5][i], n[6][i], n[7][i]}};
+        write_row(w, r, &l[i], 0, &h);
+    }
+}
+
+/* The room for the roots of one ray grows to what the richest ray needs. */
+static void find_all(const work *w, room *r, const tile *t)
+{
+    const sgt_options *opt = &w->asked->shared.solver;
+    for (size_t i = t->first; i < t->first + t->count; i++) {
+        const launch *l = &w->asked->rays.ray[i];
+        int count;
+        while ((count = sgt_intersect_all(w->surface, l->ray, r->capacity, r->hit, opt)) > r->capacity) {
+            r->capacity = count;
+            r->hit = memory_grow(r->hit, (size_t)count, sizeof *r->hit);
+        }
+        if (i > 0) table_gap(r->rows);
+        for (int root = 0; root < count; root++) write_row(w, r, l, root, &r->hit[root]);
+        if (count > 0) continue;
+        sgt_hit none = sgt_intersect(w->surface, l->ray, opt); /* the search for one says what that took */
+        write_row(w, r, l, 0, &none);
+    }
+}
+
+static void find(void *data, const tile *t)
+{
+    const work *w = data;
+    (w->asked->all ? find_all : find_one_each)(w, &w->room[t->place], t);
+}
+
+static void take(void *data, const tile *t)
+{
+    work *w = data;
+    room *r = &w->room[t->place];
+    table_join(w->table, r->rows);
+    for (int s = 0; s < STATUS_COUNT; s++) w->count[s] += r->count[s], r->count[s] = 0;
+    if (!w->missed) w->missed = r->missed;
+    r->missed = NULL;
+}
+
+/* ---------------------------------------------------------------- verdict */
 
 /* "5 rays: 3 hit, 2 miss.  Every answer is certain." */
 static void write_verdict(table *t, const arguments *a, sgt_surface surface, const size_t count[])
@@ -146,26 +215,17 @@ static void write_verdict(table *t, const arguments *a, sgt_surface surface, con
 exit_status command_intersect(int argc, char *argv[])
 {
     arguments a = arguments_of(argc, argv);
-    sgt_surface surface = surface_parse("--surface", a.surface);
-    options_note_unread(&a.shared, 1, &(sgt_element){.surface = surface});
-    table *t = table_begin(&a.shared.target, a.rays.named ? HEAD_COUNT : HEAD_COUNT - 1, head);
-    size_t count[SGT_GRAZE - SGT_INVALID + 1] = {0}, undecided = 0;
-    const launch *missed = NULL; /* the first that did */
-    answers found = {.hit = memory_take(1, sizeof *found.hit), .capacity = 1};
-    for (size_t i = 0; i < a.rays.count; i++) {
-        const launch *l = &a.rays.ray[i];
-        find(&found, &a, surface, &l->ray);
-        if (a.all && i > 0) table_gap(t);
-        for (int root = 0; root < found.count; root++) {
-            sgt_status status = found.hit[root].status;
-            write_row(t, l, root, &found.hit[root], a.rays.named);
-            count[status - SGT_INVALID]++;
-            if (status < 0) undecided++;
-            if (status == SGT_MISS && !missed) missed = l;
-        }
-    }
-    if (missed && a.shared.target.format == TABLE_TEXT) explain_miss(t, missed->number, surface, &missed->ray);
-    write_verdict(t, &a, surface, count);
-    table_end(t);
+    work w = {.asked = &a, .surface = surface_parse("--surface", a.surface)};
+    options_note_unread(&a.shared, 1, &(sgt_element){.surface = w.surface});
+    w.table = table_begin(&a.shared.target, a.rays.named ? HEAD_COUNT : HEAD_COUNT - 1, head);
+    const tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};
+    size_t places = tiles_places(&in), undecided = 0;
+    w.room = memory_take(places, sizeof *w.room);
+    for (size_t i = 0; i < places; i++) w.room[i].rows = table_part(w.table);
+    tiles_run(&in, &w, find, take);
+    for (int s = SGT_INVALID; s < 0; s++) undecided += w.count[s - SGT_INVALID];
+    if (w.missed && a.shared.target.format == TABLE_TEXT) explain_miss(w.table, w.missed->number, w.surface, &w.missed->ray);
+    write_verdict(w.table, &a, w.surface, w.count);
+    table_end(w.table);
     return undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
 }

@@ -25,6 +25,7 @@ bool job_take(job_options *o, int code)
 {
     switch (code) {
     case JOB_FIELD:
+        if (strchr(optarg, ',')) fail_usage("--field takes one angle, not %s; for several it may be repeated", optarg);
         o->field = memory_room(o->field, o->fields, &o->capacity, sizeof *o->field);
         o->field[o->fields] = options_number("field", optarg);
         if (!(fabs(o->field[o->fields++]) < 90)) fail_usage("--field must be less than 90 degrees, not %s", optarg);
@@ -48,6 +49,7 @@ job job_read(const job_options *o)
     memcpy(j.element, j.lens.element, j.lens.count * sizeof *j.element);
     for (size_t i = 0; o->no_apertures && i < j.lens.count; i++) j.element[i].semi_diameter = 0;
     if (o->rays) {
+        j.rays.threads = o->threads;
         rays_read(&j.rays, o->rays, o->skip_bad);
         if (j.rays.ended) note("%s: tmin, tmax: not used through a lens, where the whole line counts", o->rays);
         return j;

@@ -11,6 +11,7 @@ typedef struct job_options {
     size_t fields, capacity;
     long fan, grid, wavelength;       /* 0: not given */
     bool skip_bad, no_apertures;
+    int threads;                      /* that read rays; 0: one */
 } job_options;
 
 enum {

@@ -1,10 +1,12 @@
 /* memory.c - a ring of blocks, each freed when the command ends.
  *
  * The command reads a file, answers, and ends: nothing is worth freeing before, and an
- * error may end it anywhere (fail.c).  A list of all blocks makes both simple. */
+ * error may end it anywhere (fail.c).  A list of all blocks makes both simple.  Threads
+ * take their turns at it. */
 #include "memory.h"
 
 #include "fail.h"
+#include "threads.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -27,23 +29,37 @@ static void free_all(void)
     ring.before = &ring;
 }
 
+/* Other threads may be at work in the blocks: none is freed. */
+_Noreturn static void end(const char *why)
+{
+    note("%s", why);
+    _Exit(EXIT_BAD_INPUT);
+}
+
 static block *sized(block *old, size_t count, size_t size)
 {
-    if (size > 0 && count > (SIZE_MAX - sizeof(block)) / size) fail_input("more memory asked for than there can be");
+    if (size > 0 && count > (SIZE_MAX - sizeof(block)) / size) end("more memory asked for than there can be");
     block *b = realloc(old, sizeof(block) + count * size);
-    if (!b) fail_input("out of memory");
+    if (!b) end("out of memory");
+    return b;
+}
+
+static block *grown(block *old, size_t count, size_t size)
+{
+    static int registered;
+    if (!registered) registered = atexit(free_all) == 0;
+    block *before = old ? old->before : &ring, *after = old ? old->after : ring.after;
+    block *b = sized(old, count, size);
+    b->before = before, b->after = after;
+    before->after = b, after->before = b;
     return b;
 }
 
 void *memory_grow(void *data, size_t count, size_t size)
 {
-    static int registered;
-    if (!registered) registered = atexit(free_all) == 0;
-    block *old = data ? (block *)(void *)((char *)data - offsetof(block, data)) : NULL;
-    block *before = old ? old->before : &ring, *after = old ? old->after : ring.after;
-    block *b = sized(old, count, size);
-    b->before = before, b->after = after;
-    before->after = b, after->before = b;
+    block *b = data ? (block *)(void *)((char *)data - offsetof(block, data)) : NULL;
+    THREADS(omp critical (memory))
+    b = grown(b, count, size);
     return b->data;
 }
 

@@ -3,6 +3,7 @@
 
 #include "number.h"
 #include "profile.h"
+#include "tiles.h"
 
 #include <limits.h>
 #include <math.h>
@@ -23,6 +24,12 @@ const char options_help[] =
     "\n"
     "Exit status: 0 all rays decided (a miss is a decision), 1 some ray undecided, 2 usage,\n"
     "3 bad input.\n";
+
+enum { THREADS_MOST = 1024 };
+
+const char options_threads_help[] =
+    "  --threads N        work in N threads; the output is the same for any number.  Default: one\n"
+    "                     for each processor, or as OMP_NUM_THREADS says\n";
 
 double options_number(const char *option, const char *text)
 {
@@ -72,6 +79,18 @@ void options_note_unread(const shared_options *o, size_t count, const sgt_elemen
     if (o->solver.pick == SGT_NEAR_SEED && !sag) note("--pick near-seed: not used; of a level set the first root counts");
 }
 
+int options_threads(const shared_options *o)
+{
+    int most = tiles_threads();
+    if (o->threads == 0) return most;
+#ifndef _OPENMP
+    if (o->threads > 1) note("--threads %d: this command is built without OpenMP, and works in one thread", o->threads);
+    return 1;
+#else
+    return o->threads;
+#endif
+}
+
 void options_version(void)
 {
     puts("sagitta " SAGITTA_VERSION);
@@ -87,6 +106,7 @@ void options_take(shared_options *o, int code, const char *help)
     case OPTION_PICK: o->solver.pick = pick_of(optarg); return;
     case OPTION_MAX_EVALS: o->solver.max_evals = (int)options_integer("max-evals", optarg, 1, INT_MAX); return;
     case OPTION_T_TOL: o->solver.t_tol = length_of("t-tol"); return;
+    case OPTION_THREADS: o->threads = (int)options_integer("threads", optarg, 1, THREADS_MOST); return;
     case OPTION_DT_MIN: o->solver.dt_min = length_of("dt-min"); return;
     case OPTION_VERSION: options_version(); return;
     case 'h':

@@ -9,12 +9,13 @@
 typedef struct shared_options {
     table_target target;
     sgt_options solver;
+    int threads;          /* 0: not given */
 } shared_options;
 
 /* Codes for getopt_long; a subcommand's own begin with OPTION_OWN. */
 enum {
     OPTION_FORMAT = 256, OPTION_OUTPUT, OPTION_HEX, OPTION_HELP, OPTION_VERSION,
-    OPTION_PICK, OPTION_T_TOL, OPTION_DT_MIN, OPTION_MAX_EVALS, OPTION_OWN
+    OPTION_PICK, OPTION_T_TOL, OPTION_DT_MIN, OPTION_MAX_EVALS, OPTION_THREADS, OPTION_OWN
 };
 
 /* For the subcommand's own table of options, which ends with {0}. */
@@ -29,8 +30,11 @@ enum {
     {"dt-min", required_argument, NULL, OPTION_DT_MIN},         \
     {"max-evals", required_argument, NULL, OPTION_MAX_EVALS}
 
-/* Their paragraph of a --help. */
-extern const char options_help[];
+/* For those that work in threads, besides. */
+#define THREADS_OPTION {"threads", required_argument, NULL, OPTION_THREADS}
+
+/* Their paragraph of a --help, and its line. */
+extern const char options_help[], options_threads_help[];
 
 /* Takes a code of getopt_long that is one of the shared; any other (an unknown option,
  * of which getopt has told the user) is a usage error.  --help and --version end here. */
@@ -40,6 +44,9 @@ void options_version(void);
 
 /* Is a surface searched in the fast way that --dt-min asks for?  Its answers claim less. */
 static inline bool options_fast(const shared_options *o, sgt_surface s) { return o->solver.dt_min > 0 && s.ops->estimate; }
+
+/* How many threads to work in.  A word on standard error if more are asked for than can be. */
+int options_threads(const shared_options *o);
 
 /* A word on standard error if --dt-min or --pick was given and none of these reads it. */
 void options_note_unread(const shared_options *o, size_t count, const sgt_element element[]);

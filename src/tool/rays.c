@@ -5,13 +5,18 @@
  * (they are no rows).  The header says which column is which.
  *
  * A row is bad if a field is missing, superfluous or no number, or if the library would
- * have to call the ray invalid: then the user hears of the line and not of a status. */
+ * have to call the ray invalid: then the user hears of the line and not of a status.
+ *
+ * A line ends where its \n is, in quotes or not: so the text can be cut at any \n and the
+ * pieces read in threads.  First the rows of each are counted, and then each piece knows
+ * where its rays go, and the numbers of its rows and lines. */
 #include "rays.h"
 
 #include "fail.h"
 #include "input.h"
 #include "memory.h"
 #include "number.h"
+#include "threads.h"
 
 #include <float.h>
 #include <math.h>
@@ -22,7 +27,7 @@
 enum { COLUMN_COUNT = 9, TMIN = 6, TMAX = 7, ID = 8, REQUIRED = 6 };
 static const char *const column_name[COLUMN_COUNT] = {"ox", "oy", "oz", "dx", "dy", "dz", "tmin", "tmax", "id"};
 
-enum { FIELDS_MOST = COLUMN_COUNT + 1 };
+enum { FIELDS_MOST = COLUMN_COUNT + 1, PIECE = 1 << 18 };
 
 void rays_add(ray_list *list, launch ray)
 {
@@ -79,8 +84,8 @@ void rays_parse(ray_list *list, const char *text)
 /* -------------------------------------------------------------------- csv */
 
 typedef struct reader {
-    input file;
-    char *at;           /* the next line */
+    const char *source; /* for messages */
+    char *at, *end;     /* the next line, and the end of the last; a zero byte is written over each line's \n */
     size_t line;        /* of the line last split, counts from 1 */
     int count;          /* its fields, FIELDS_MOST for more */
     char *field[FIELDS_MOST];
@@ -113,19 +118,26 @@ static char *split_quoted(reader *r, char *s, char **field)
     return next;
 }
 
-/* Splits the next line that is not empty; false at the end of the file. */
+/* The next line that is not empty and where it ends; NULL at the end. */
+static char *find_line(reader *r, char **stop)
+{
+    while (r->at < r->end) {
+        char *s = r->at;
+        *stop = memchr(s, '\n', (size_t)(r->end - s));
+        if (!*stop) *stop = r->end;
+        r->at = *stop + (*stop < r->end);
+        r->line++;
+        if (skip_blanks(s) < *stop) return s;
+    }
+    return NULL;
+}
+
+/* Splits it into its fields; false at the end. */
 static bool next_line(reader *r)
 {
-    char *end = r->file.text + r->file.length, *s = NULL, *stop = NULL;
-    do {
-        if (r->at >= end) return false;
-        s = r->at;
-        stop = memchr(s, '\n', (size_t)(end - s));
-        if (!stop) stop = end;
-        *stop = 0;
-        r->at = stop + 1;
-        r->line++;
-    } while (skip_blanks(s) == stop);
+    char *stop, *s = find_line(r, &stop);
+    if (!s) return false;
+    *stop = 0;
     r->broken = strlen(s) != (size_t)(stop - s);
     r->count = 0;
     while (s && r->count < FIELDS_MOST) {
@@ -139,8 +151,8 @@ static bool next_line(reader *r)
 /* Which field is which column: place[c], or -1. */
 static void read_header(reader *r, int place[COLUMN_COUNT])
 {
-    const char *source = r->file.name;
-    if (r->file.length >= 3 && memcmp(r->file.text, "\xef\xbb\xbf", 3) == 0) r->at += 3;
+    const char *source = r->source;
+    if (r->end - r->at >= 3 && memcmp(r->at, "\xef\xbb\xbf", 3) == 0) r->at += 3;
     if (!next_line(r)) fail_input("%s: empty; a header row is wanted, as ox,oy,oz,dx,dy,dz", source);
     for (int c = 0; c < COLUMN_COUNT; c++) place[c] = -1;
     for (int f = 0; f < r->count; f++) {
@@ -148,8 +160,10 @@ static void read_header(reader *r, int place[COLUMN_COUNT])
         while (c < COLUMN_COUNT && strcmp(r->field[f], column_name[c]) != 0) c++;
         if (c == COLUMN_COUNT) {
             double x;
+            const char *hint = number_read(r->field[f], &x) ? "is the header missing?  "
+                             : strpbrk(r->field[f], " \t;") ? "a comma goes between two columns; " : "";
             fail_input("%s:%zu: %.60s: unknown column; %sknown are ox, oy, oz, dx, dy, dz, tmin, tmax, id", source, r->line,
-                       r->field[f], number_read(r->field[f], &x) ? "is the header missing?  " : "");
+                       r->field[f], hint);
         }
         if (place[c] >= 0) fail_input("%s:%zu: %s: a column given twice", source, r->line, column_name[c]);
         place[c] = f;
@@ -169,31 +183,85 @@ static bool row_of(const reader *r, const int place[COLUMN_COUNT], int columns, 
     return ray_of(value, place[TMIN] >= 0, place[TMAX] >= 0, &l->ray, why);
 }
 
+/* A piece of the text, whole lines of it. */
+typedef struct piece {
+    reader reader;
+    size_t lines, rows;         /* in it */
+    size_t number, good, bad;   /* of its first row; rows that are rays, and those that are none */
+    size_t bad_line;            /* of the first of these */
+    char why[120];
+} piece;
+
+static piece *cut(const reader *r, size_t *count)
+{
+    const size_t most = (size_t)(r->end - r->at) / PIECE + 1;
+    piece *p = memory_take(most, sizeof *p);
+    *count = 0;
+    for (char *at = r->at; at < r->end; ++*count) {
+        char *stop = r->end - at > PIECE ? memchr(at + PIECE, '\n', (size_t)(r->end - at - PIECE)) : NULL;
+        p[*count].reader = (reader){.source = r->source, .at = at, .end = stop ? stop + 1 : r->end};
+        at = p[*count].reader.end;
+    }
+    return p;
+}
+
+static void count_rows(piece *p)
+{
+    reader r = p->reader;
+    char *stop;
+    while (find_line(&r, &stop)) p->rows++;
+    p->lines = r.line;
+}
+
+/* Its rays, one behind another from ray on. */
+static void read_piece(piece *p, const int place[COLUMN_COUNT], int columns, launch *ray, bool skip_bad)
+{
+    reader *r = &p->reader;
+    char why[120];
+    for (size_t number = p->number; next_line(r); number++) {
+        launch *l = &ray[p->good];
+        *l = (launch){.number = number};
+        if (row_of(r, place, columns, l, why)) {
+            if (place[ID] >= 0) l->id = r->field[place[ID]];
+            p->good++;
+        } else if (p->bad++ == 0) {
+            p->bad_line = r->line;
+            memcpy(p->why, why, sizeof p->why);
+            if (!skip_bad) return;
+        }
+    }
+}
+
 void rays_read(ray_list *list, const char *path, bool skip_bad)
 {
-    reader r = {.file = input_read(path)};
+    input file = input_read(path);
+    reader r = {.source = file.name, .at = file.text, .end = file.text + file.length};
     int place[COLUMN_COUNT];
-    char why[120], first_why[120] = "";
-    size_t number = 0, skipped = 0, first_line = 0;
-    r.at = r.file.text;
     read_header(&r, place);
     list->ended = place[TMIN] >= 0 || place[TMAX] >= 0;
     list->named = place[ID] >= 0;
-    int columns = r.count;
-    for (; next_line(&r); number++) {
-        launch l = {.number = number};
-        if (row_of(&r, place, columns, &l, why)) {
-            if (list->named) l.id = r.field[place[ID]];
-            rays_add(list, l);
-        } else if (!skip_bad) {
-            fail_input("%s:%zu: %s", r.file.name, r.line, why);
-        } else if (skipped++ == 0) {
-            first_line = r.line;
-            memcpy(first_why, why, sizeof first_why);
-        }
+    const int columns = r.count;
+    size_t pieces, rows = 0, bad = 0;
+    piece *p = cut(&r, &pieces), *first_bad = NULL;
+    int threads = list->threads > 1 && pieces > 1 ? list->threads : 1;
+    (void)threads; /* without OpenMP nobody reads it */
+    THREADS(omp parallel for schedule(dynamic) num_threads(threads))
+    for (size_t i = 0; i < pieces; i++) count_rows(&p[i]);
+    for (size_t i = 0, line = r.line; i < pieces; line += p[i].lines, rows += p[i].rows, i++)
+        p[i].reader.line = line, p[i].number = rows;
+    if (rows == 0) fail_input("%s: a header row and no rays under it", r.source);
+    list->ray = memory_grow(NULL, rows, sizeof *list->ray);
+    list->capacity = rows;
+    THREADS(omp parallel for schedule(dynamic) num_threads(threads))
+    for (size_t i = 0; i < pieces; i++) read_piece(&p[i], place, columns, &list->ray[p[i].number], skip_bad);
+    for (size_t i = 0; i < pieces; i++) {
+        if (p[i].bad && !skip_bad) fail_input("%s:%zu: %s", r.source, p[i].bad_line, p[i].why);
+        if (p[i].bad && !first_bad) first_bad = &p[i];
+        memmove(&list->ray[list->count], &list->ray[p[i].number], bad ? p[i].good * sizeof *list->ray : 0);
+        list->count += p[i].good;
+        bad += p[i].bad;
     }
-    if (number == 0) fail_input("%s: a header row and no rays under it", r.file.name);
-    if (skipped)
-        note("%s: %zu bad row%s skipped, the first in line %zu: %s", r.file.name, skipped, skipped == 1 ? "" : "s",
-             first_line, first_why);
+    if (bad)
+        note("%s: %zu bad row%s skipped, the first in line %zu: %s", r.source, bad, bad == 1 ? "" : "s",
+             first_bad->bad_line, first_bad->why);
 }

@@ -15,12 +15,13 @@ typedef struct ray_list {
     launch *ray;
     bool ended;         /* the file has a column tmin or tmax */
     bool named;         /* the file has a column `id` */
+    int threads;        /* that are to read the file; 0: one */
 } ray_list;
 
 void rays_add(ray_list *list, launch ray);
 
-/* CSV with a header row from a file, or "-".  A bad row ends the command, naming its
- * line; with skip_bad it is left out, and their number said on standard error. */
+/* CSV with a header row from a file, or "-", into an empty list.  A bad row ends the command,
+ * naming its line; with skip_bad it is left out, and their number said on standard error. */
 void rays_read(ray_list *list, const char *path, bool skip_bad);
 
 /* "ox oy oz dx dy dz", and optionally "tmin tmax": as --ray gives it. */

@@ -35,6 +35,12 @@ void table_word(table *t, const char *text);
 void table_gap(table *t);
 void table_line(table *t, const char *format, ...) LIKE_PRINTF(2, 3);
 
+/* Whole rows that are made apart, by another thread it may be: a part takes cells and gaps
+ * as the table does, and its rows are put behind the table's own by table_join, which leaves
+ * it empty for the next. */
+table *table_part(const table *t);
+void table_join(table *t, table *part);
+
 /* Writes what is left.  A file that cannot be written ends the command. */
 void table_end(table *t);
 

@@ -7,6 +7,7 @@
 #include "picture.h"
 #include "profile.h"
 #include "scene.h"
+#include "tiles.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -53,13 +54,14 @@ typedef struct arguments {
 
 static arguments arguments_of(int argc, char *argv[])
 {
-    enum { FRAME = OPTION_AFTER_JOB, SVG };
+    enum { FRAME = OPTION_AFTER_JOB, SVG, RAY };
     static const struct option known[] = {
         {"frame", required_argument, NULL, FRAME}, {"svg", required_argument, NULL, SVG},
-        JOB_OPTIONS, SHARED_OPTIONS, {0},
+        {"ray", required_argument, NULL, RAY},
+        JOB_OPTIONS, THREADS_OPTION, SHARED_OPTIONS, {0},
     };
     char all_help[6000];
-    snprintf(all_help, sizeof all_help, "%s%s%s", help, job_help, more_help);
+    snprintf(all_help, sizeof all_help, "%s%s%s%s", help, job_help, more_help, options_threads_help);
     arguments a = {.svg = NULL};
     for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         if (code == SVG) {
@@ -67,6 +69,8 @@ static arguments arguments_of(int argc, char *argv[])
         } else if (code == FRAME) {
             a.global = strcmp(optarg, "global") == 0;
             if (!a.global && strcmp(optarg, "local") != 0) fail_usage("--frame wants local or global, not \"%s\"", optarg);
+        } else if (code == RAY) { /* else getopt takes it for a short --rays */
+            fail_usage("--ray: rays through a lens come from a file, --rays FILE, or from standard input, --rays -");
         } else if (!job_take(&a.job, code)) {
             options_take(&a.shared, code, all_help);
         }
@@ -78,35 +82,7 @@ static arguments arguments_of(int argc, char *argv[])
     return a;
 }
 
-/* ------------------------------------------------------------------- rows */
-
-/* What is not: the point of a miss, the direction of a ray that went no farther. */
-static const sgt_vec3 nowhere = {(double)NAN, (double)NAN, (double)NAN};
-
-static void write_vector(table *t, sgt_vec3 v)
-{
-    table_number(t, v.x);
-    table_number(t, v.y);
-    table_number(t, v.z);
-}
-
-static void write_row(table *t, const launch *l, size_t element, sgt_fate fate, const sgt_passage *p,
-                      const sgt_pose *pose, bool named)
-{
-    sgt_vec3 point = p->hit.status > 0 ? p->hit.p : nowhere, direction = fate == SGT_PASSED ? p->direction : nowhere;
-    table_count(t, (long long)l->number);
-    table_count(t, (long long)element + 1);
-    table_word(t, sgt_fate_text(fate));
-    table_word(t, sgt_status_text(p->hit.status));
-    write_vector(t, pose ? frame_point_out(pose, point) : point);
-    write_vector(t, pose ? frame_direction_out(pose, direction) : direction);
-    table_number_within(t, p->hit.t, p->hit.t_err);
-    table_number(t, p->opl);
-    table_count(t, p->hit.evals);
-    if (named) table_word(t, l->id);
-}
-
-/* ----------------------------------------------------------------- losses */
+/* ------------------------------------------------------------------ tiles */
 
 /* What each element did to rays that ended there. */
 typedef struct losses {
@@ -120,6 +96,126 @@ static void count_loss(losses *l, sgt_fate fate, sgt_status status)
     else if (fate == SGT_MISSED) l->missed++;
     else l->lost[(status < 0 ? (int)status : 0) - SGT_INVALID]++;
 }
+
+/* One element as the rays of a tile met it. */
+typedef struct records {
+    signed char status[TILE_RAYS];
+    int evals[TILE_RAYS];
+    double number[9][TILE_RAYS];   /* p, direction, t, t_err, opl */
+} records;
+
+/* What a tile needs for itself: its rays, what became of them, and rows of the table. */
+typedef struct room {
+    double ray[6][TILE_RAYS];      /* o, d; after the trace as it left them */
+    signed char fate[TILE_RAYS];
+    int passed[TILE_RAYS];
+    records *record;               /* [elements] */
+    sgt_passages *passages;        /* [elements]: where record is, for the library */
+    table *rows;
+} room;
+
+typedef struct work {
+    const arguments *asked;
+    const job *job;
+    room *room;
+    table *table;
+    scene *picture;                /* NULL: none */
+    size_t passed, undecided;      /* of all rays */
+    losses *loss;                  /* [elements] */
+    sgt_vec3 *point;               /* [elements + 1] */
+} work;
+
+static room room_for(const work *w)
+{
+    size_t count = w->job->lens.count;
+    room r = {.record = memory_take(count, sizeof *r.record), .passages = memory_take(count, sizeof *r.passages),
+              .rows = table_part(w->table)};
+    for (size_t i = 0; i < count; i++) {
+        records *record = &r.record[i];
+        double(*n)[TILE_RAYS] = record->number;
+        r.passages[i] = (sgt_passages){
+            .hits = {.status = record->status, .evals = record->evals, .p = {n[0], n[1], n[2]}, .t = n[6], .t_err = n[7]},
+            .direction = {n[3], n[4], n[5]}, .opl = n[8]};
+    }
+    return r;
+}
+
+static sgt_vec3 vector_at(double (*const n)[TILE_RAYS], size_t i) { return (sgt_vec3){n[0][i], n[1][i], n[2][i]}; }
+
+static void write_vector(table *t, sgt_vec3 v)
+{
+    table_number(t, v.x);
+    table_number(t, v.y);
+    table_number(t, v.z);
+}
+
+static void write_row(const work *w, table *t, const launch *l, size_t element, sgt_fate fate, records *r, size_t i)
+{
+    /* what is not: the point of a miss, the direction of a ray that went no farther */
+    const sgt_vec3 nowhere = {(double)NAN, (double)NAN, (double)NAN};
+    sgt_vec3 point = r->status[i] > 0 ? vector_at(r->number, i) : nowhere;
+    sgt_vec3 direction = fate == SGT_PASSED ? vector_at(r->number + 3, i) : nowhere;
+    const sgt_pose *pose = w->asked->global ? &w->job->element[element].pose : NULL;
+    table_count(t, (long long)l->number);
+    table_count(t, (long long)element + 1);
+    table_word(t, sgt_fate_text(fate));
+    table_word(t, sgt_status_text((sgt_status)r->status[i]));
+    write_vector(t, pose ? frame_point_out(pose, point) : point);
+    write_vector(t, pose ? frame_direction_out(pose, direction) : direction);
+    table_number_within(t, r->number[6][i], r->number[7][i]);
+    table_number(t, r->number[8][i]);
+    table_count(t, r->evals[i]);
+    if (w->job->rays.named) table_word(t, l->id);
+}
+
+static void send(void *data, const tile *t)
+{
+    const work *w = data;
+    const job *j = w->job;
+    const launch *l = &j->rays.ray[t->first];
+    room *r = &w->room[t->place];
+    for (size_t i = 0; i < t->count; i++) {
+        const sgt_ray *ray = &l[i].ray;
+        const double numbers[] = {ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z};
+        for (int k = 0; k < 6; k++) r->ray[k][i] = numbers[k];
+    }
+    const sgt_rays rays = {.o = {r->ray[0], r->ray[1], r->ray[2]}, .d = {r->ray[3], r->ray[4], r->ray[5]}};
+    const sgt_traced out = {.fate = r->fate, .passed = r->passed, .o = {r->ray[0], r->ray[1], r->ray[2]},
+                            .d = {r->ray[3], r->ray[4], r->ray[5]}};
+    sgt_trace_batch(j->lens.count, j->element, j->lens.object_index, t->count, rays, out, r->passages,
+                    &w->asked->shared.solver);
+    for (size_t i = 0; i < t->count; i++) {
+        size_t passed = (size_t)r->passed[i];
+        if (t->first + i > 0) table_gap(r->rows);
+        for (size_t k = 0; k < passed; k++) write_row(w, r->rows, &l[i], k, SGT_PASSED, &r->record[k], i);
+        if (r->fate[i] != SGT_PASSED) write_row(w, r->rows, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
+    }
+}
+
+static void draw(work *w, const room *r, const launch *l, size_t i)
+{
+    sgt_fate fate = (sgt_fate)r->fate[i];
+    size_t met = (size_t)r->passed[i] + (fate == SGT_CLIPPED || fate == SGT_TIR);
+    w->point[0] = l->ray.o;
+    for (size_t k = 0; k < met; k++) w->point[k + 1] = frame_point_out(&w->job->element[k].pose, vector_at(r->record[k].number, i));
+    scene_add(w->picture, l->field, met + 1, w->point, fate, (sgt_vec3){r->ray[3][i], r->ray[4][i], r->ray[5][i]});
+}
+
+static void take(void *data, const tile *t)
+{
+    work *w = data;
+    room *r = &w->room[t->place];
+    table_join(w->table, r->rows);
+    for (size_t i = 0; i < t->count; i++) {
+        int passed = r->passed[i];
+        if (r->fate[i] == SGT_PASSED) w->passed++;
+        else count_loss(&w->loss[passed], (sgt_fate)r->fate[i], (sgt_status)r->record[passed].status[i]);
+        if (r->fate[i] < 0) w->undecided++;
+        if (w->picture) draw(w, r, &w->job->rays.ray[t->first + i], i);
+    }
+}
+
+/* ---------------------------------------------------------------- verdict */
 
 static void append(char text[400], size_t n, const char *what, const char *reason)
 {
@@ -150,12 +246,13 @@ static void write_losses(table *t, const job *j, size_t passed, const losses los
 exit_status command_trace(int argc, char *argv[])
 {
     arguments a = arguments_of(argc, argv);
+    int threads = a.job.threads = options_threads(&a.shared);
     job j = job_read(&a.job);
     options_note_unread(&a.shared, j.lens.count, j.element);
     const size_t count = j.lens.count;
-    sgt_passage *passage = memory_take(count, sizeof *passage);
-    sgt_vec3 *point = memory_take(count + 1, sizeof *point);
-    losses *loss = memory_take(count, sizeof *loss);
+    /* the room of a tile is some 60 KB for each element: 16 MB a thread, unless elements are very many */
+    const tiling in = {.rays = j.rays.count, .threads = threads, .share = count < 4 ? SHARE_MOST : count < 128 ? 128 / count : 1};
+    const size_t places = tiles_places(&in);
     if (a.svg) {
         if (a.shared.target.path) output_check("output", a.shared.target.path); /* before a picture is begun */
         output_reserve("svg", a.svg);
@@ -164,32 +261,16 @@ exit_status command_trace(int argc, char *argv[])
                 note("--svg: element %zu (%s) is not a sag, and is not drawn", i + 1, j.lens.surface[i].type);
     }
     scene picture = scene_begin(&j);
-    table *t = table_begin(&a.shared.target, j.rays.named ? HEAD_COUNT : HEAD_COUNT - 1, head);
-    size_t all = 0, undecided = 0;
-    for (size_t r = 0; r < j.rays.count; r++) {
-        const launch *l = &j.rays.ray[r];
-        sgt_ray ray = l->ray;
-        sgt_fate fate;
-        size_t passed = sgt_trace(count, j.element, j.lens.object_index, &ray, passage, &fate, &a.shared.solver);
-        size_t reached = passed + (fate != SGT_PASSED);
-        size_t met = passed + (fate == SGT_CLIPPED || fate == SGT_TIR);
-        if (r > 0) table_gap(t);
-        for (size_t i = 0; i < reached; i++) {
-            sgt_fate here = i < passed ? SGT_PASSED : fate;
-            write_row(t, l, i, here, &passage[i], a.global ? &j.element[i].pose : NULL, j.rays.named);
-        }
-        if (fate == SGT_PASSED) all++;
-        else count_loss(&loss[passed], fate, passage[passed].hit.status);
-        if (fate < 0) undecided++;
-        point[0] = l->ray.o;
-        for (size_t i = 0; i < met; i++) point[i + 1] = frame_point_out(&j.element[i].pose, passage[i].hit.p);
-        if (a.svg) scene_add(&picture, l->field, met + 1, point, fate, ray.d);
-    }
-    write_losses(t, &j, all, loss);
-    table_end(t);
+    work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room), .picture = a.svg ? &picture : NULL,
+              .loss = memory_take(count, sizeof *w.loss), .point = memory_take(count + 1, sizeof *w.point)};
+    w.table = table_begin(&a.shared.target, j.rays.named ? HEAD_COUNT : HEAD_COUNT - 1, head);
+    for (size_t i = 0; i < places; i++) w.room[i] = room_for(&w);
+    tiles_run(&in, &w, send, take);
+    write_losses(w.table, &j, w.passed, w.loss);
+    table_end(w.table);
     if (a.svg) {
         scene_finish(&picture);
         picture_write(a.svg, &picture);
     }
-    return undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
+    return w.undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
 }

@@ -1,0 +1,12 @@
+/* threads.h - OpenMP, where the command is built with it. */
+#ifndef TOOL_THREADS_H
+#define TOOL_THREADS_H
+
+/* THREADS(omp ...) is the pragma, or nothing. */
+#ifdef _OPENMP
+#define THREADS(words) _Pragma(#words)
+#else
+#define THREADS(words)
+#endif
+
+#endif

@@ -1,0 +1,59 @@
+/* tiles.c - rays in tiles, tiles in threads, results in order.
+ *
+ * A ray's answer depends on no other ray, and tiles are taken in their order: which thread
+ * worked one out, and when, changes no byte of the output.  Tiles go in rounds of several
+ * for each thread.  Whoever comes first to a round takes the tiles of the round before, and the
+ * others work meanwhile; each that is done works out the next tile, so that one that is hard
+ * keeps the others waiting at the end of a round only. */
+#include "tiles.h"
+
+#include "threads.h"
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+int tiles_threads(void)
+{
+#ifdef _OPENMP
+    return omp_get_max_threads();
+#else
+    return 1;
+#endif
+}
+
+static size_t least(size_t a, size_t b) { return a < b ? a : b; }
+
+static size_t tiles_of(size_t rays) { return rays / TILE_RAYS + (rays % TILE_RAYS != 0); }
+
+static size_t round_of(const tiling *of) { return of->threads > 1 ? (size_t)of->threads * of->share : 1; }
+
+size_t tiles_places(const tiling *of) { return least(tiles_of(of->rays), of->threads > 1 ? 2 * round_of(of) : 1); }
+
+/* The i-th of the tiles from ray `first` on, whose places begin at `place`. */
+static tile tile_at(size_t rays, size_t first, size_t place, size_t i)
+{
+    size_t begin = first + i * TILE_RAYS;
+    return (tile){place + i, begin, least(rays - begin, TILE_RAYS)};
+}
+
+void tiles_run(const tiling *of, void *data, void (*work)(void *data, const tile *), void (*take)(void *data, const tile *))
+{
+    const size_t rays = of->rays, all = tiles_of(rays), most = round_of(of), places = tiles_places(of);
+    for (size_t begin = 0, before = 0; begin < all || before > 0;) {
+        size_t tiles = least(all - begin, most), place = begin % places, place_before = (begin - before) % places;
+        int several = (int)least((size_t)of->threads, tiles);
+        (void)several; /* without OpenMP nobody reads it */
+        THREADS(omp parallel for schedule(dynamic) num_threads(several > 0 ? several : 1))
+        for (size_t i = 0; i <= tiles; i++) {
+            for (size_t k = 0; i == 0 && k < before; k++) {
+                tile t = tile_at(rays, (begin - before) * TILE_RAYS, place_before, k);
+                take(data, &t);
+            }
+            if (i == 0) continue;
+            tile t = tile_at(rays, begin * TILE_RAYS, place, i - 1);
+            work(data, &t);
+        }
+        begin += tiles, before = tiles;
+    }
+}
