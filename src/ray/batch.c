@@ -7,6 +7,7 @@
 #include "batch.h"
 
 #include "../solve/root.h"
+#include "general.h"
 
 #include <string.h>
 
@@ -27,10 +28,26 @@ static void write_hit(const sgt_hits *out, size_t i, const sgt_hit *hit)
     if (out->p_err) out->p_err[i] = hit->p_err;
 }
 
+/* Eight at a time: a status is below 127, so 127 more sets its sign bit if it is positive; that of a negative
+ * one, which is set already, is masked out. */
+static size_t positives(const signed char status[], size_t n)
+{
+    const unsigned long long low = 0x7f7f7f7f7f7f7f7f, ones = 0x0101010101010101;
+    size_t sum = 0, i = 0;
+    for (; i + 8 <= n; i += 8) {
+        unsigned long long s;
+        memcpy(&s, status + i, 8);
+        sum += ((((s & low) + low) & ~s) >> 7 & ones) * ones >> 56;
+    }
+    for (; i < n; i++) sum += status[i] > 0;
+    return sum;
+}
+
 size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
-    size_t hard = tile->n, met = 0;
+    size_t hard = tile->n;
     if (s.ops && s.ops->own_ && s.ops->own_->sweep) hard = s.ops->own_->sweep(s.self, tile, opt);
+    else if (s.ops && s.ops->value && !s.ops->own_) hard = sgt_sweep_general(s, tile, opt);
     else memset(tile->hits.status, SGT_HARD, tile->n);
     sgt_options own = *opt;
     for (size_t i = 0; hard > 0; i++) {
@@ -40,8 +57,7 @@ size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options
         write_hit(&tile->hits, i, &hit);
         hard--;
     }
-    for (size_t i = 0; i < tile->n; i++) met += tile->hits.status[i] > 0;
-    return met;
+    return positives(tile->hits.status, tile->n);
 }
 
 /* A watcher that is told which ray it is. */
@@ -90,7 +106,7 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
     signed char status[SGT_TILE];
     double tmin[SGT_TILE], tmax[SGT_TILE], t_tol[SGT_TILE];
     size_t met = 0;
-    for (size_t i = 0; i < SGT_TILE; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
+    for (size_t i = 0; i < SGT_TILE && i < n; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
     for (size_t i = 0; i < n; i += SGT_TILE) {
         sgt_tile tile = {.n = n - i < SGT_TILE ? n - i : SGT_TILE, .t_tol = t_tol, .hits = hits_from(&hits, i),
                          .rays = {{rays.o[0] + i, rays.o[1] + i, rays.o[2] + i}, {rays.d[0] + i, rays.d[1] + i, rays.d[2] + i},

@@ -4,7 +4,8 @@
  * error-free products and sums, to the surface's own guess, or the middle of its span, or the point of
  * the ray nearest the origin of its frame (walk.c evaluates F there).
  *
- * One root (span.single, or the root near the seed): the solver of solve/root.c, in the span.
+ * One root (span.single, or the root near the seed): the quick form (quick.h), where there is a seed; where that has
+ * no answer the solver of solve/root.c, in the span.
  *
  * The first of several, or all: by the surface's enclosure (cells.c), where it has one and the stretch is
  * finite; else a march.  Its steps are the clearance, where that is above dt_min: nothing can be missed in
@@ -21,21 +22,17 @@
 
 #include "walk.h"
 
-enum { STEPS = 64, FAR_STEPS = 128 };
+enum { FAR_STEPS = 128 };
 
 /* |F| falls after a and rises before b: is there a change of sign between?  *m is then its point. */
 static bool dips(walk *w, point a, point b, point *m)
 {
     int sign = sign_at(&a);
-    if (!(sign && sign == sign_at(&b) && sign * a.slope < 0 && sign * b.slope > 0)) return false;
     for (int i = 0; i < 60 && !over(w); i++) {
-        /* where the tangents meet, and how low that is: the minimum of a convex |F| is above it */
-        double t = (b.g - a.g + a.slope * a.tau - b.slope * b.tau) / (a.slope - b.slope);
-        double low = a.g + a.slope * (t - a.tau);
-        if (sign * low > 0 || !(t > a.tau && t < b.tau)) return false;
-        *m = sgt_walk_look(w, (i & 1) ? 0.5 * (a.tau + b.tau) : t, SGT_MARCH, a.tau, b.tau);
+        if (!dip_of(mark_of(&a), mark_of(&b))) return false;
+        *m = sgt_walk_look(w, (i & 1) ? 0.5 * (a.tau + b.tau) : tangents_meet(mark_of(&a), mark_of(&b)), SGT_MARCH, a.tau, b.tau);
         if (isnan(m->g) || sign * m->g < 0 || !sign_at(m)) return !isnan(m->g);
-        if (sign * m->slope < 0) a = *m;
+        if (sign * m->at.slope < 0) a = *m;
         else b = *m;
     }
     return false;
@@ -58,7 +55,7 @@ static void step(walk *w, const point *a, const point *b)
         return;
     }
     sgt_root r = sgt_walk_begin(w, (sgt_span){.lo = c.tau, .hi = b->tau, .seed = m.tau}); /* touches as far as can be told */
-    sgt_root_tell(&r, c.tau, c.g);
+    if (sgt_walk_sign(w, &c)) sgt_root_tell(&r, c.tau, c.g);
     point at = m;
     r = sgt_walk_solve(w, r, &at);
     sgt_walk_take(w, &r, at);
@@ -71,7 +68,8 @@ static bool march(walk *w, double lo, double hi, double dt, double growth, doubl
     const sgt_surface_ops *ops = w->s.ops;
     bool guess = w->told.opt->dt_min > 0 && ops->estimate;
     double length = sqrt(w->q.l * w->q.l + w->q.m * w->q.m + w->q.n * w->q.n), next = lo;
-    point a = sgt_walk_look(w, lo, SGT_MARCH, lo, hi), b;
+    double all = ops->clearance ? (double)NAN : HUGE_VAL;
+    point a = sgt_walk_glance(w, lo, SGT_MARCH, lo, hi, all), b;
     for (long long i = 1; !over(w) && next < hi; i++, dt *= growth) {
         *reached = a.tau;
         double clear = ops->clearance ? ops->clearance(w->s.self, a.p) / length * (1 - 0x1p-40) : 0;
@@ -87,10 +85,10 @@ static bool march(walk *w, double lo, double hi, double dt, double growth, doubl
             next = nextafter(a.tau, HUGE_VAL);
             if (next > hi) return false;
         }
-        b = sgt_walk_look(w, next, SGT_MARCH, a.tau, hi);
+        b = sgt_walk_glance(w, next, SGT_MARCH, a.tau, hi, all);
         if (!sign_at(&b) && !isnan(b.g) && next < hi) b = sgt_walk_look(w, next - 0.01 * (next - a.tau), SGT_MARCH, a.tau, hi); /* on a root: from beside it */
         if (!sign_at(&a) && !isnan(a.g)) { /* the start is on the surface: from just behind it */
-            double off = fmin(8 * (fabs(a.g) + a.g_err) / fabs(a.slope), 0.25 * (next - a.tau));
+            double off = fmin(8 * (fabs(a.g) + a.g_err) / fabs(a.at.slope), 0.25 * (next - a.tau));
             a = sgt_walk_look(w, a.tau + (off > 0 ? off : 0.25 * (next - a.tau)), SGT_MARCH, a.tau, hi);
         }
         if (!over(w)) step(w, &a, &b);
@@ -101,17 +99,17 @@ static bool march(walk *w, double lo, double hi, double dt, double growth, doubl
 }
 
 /* The steps of a march over [lo, hi], hi perhaps at infinity. */
-static void steps(walk *w, double lo, double hi)
+static void steps(walk *w, double lo, double hi, double nearest)
 {
     const sgt_options *opt = w->told.opt;
     const sgt_ray *ray = w->ray;
-    double length = sqrt(w->q.l * w->q.l + w->q.m * w->q.m + w->q.n * w->q.n), nearest = nearest_to_vertex(ray), reached = lo, from = lo;
-    double away = sqrt(ray->o.x * ray->o.x + ray->o.y * ray->o.y + ray->o.z * ray->o.z) / length, end = hi;
+    double length = sqrt(w->q.l * w->q.l + w->q.m * w->q.m + w->q.n * w->q.n), reached = lo, from = lo;
+    double end = hi;
     bool far = !isfinite(hi), more = true;
     int before = w->list->count;
-    if (!isfinite(lo)) lo = nearest - away - w->q.t0;
-    if (far) end = larger(nearest + 1.25 * away - w->q.t0, lo); /* not at a round number of radii, where a root may be */
-    double dt = opt->dt_min > 0 ? opt->dt_min / w->q.scale : (end - lo) * (w->s.ops->clearance ? 0x1p-20 : 1.0 / STEPS);
+    if (!isfinite(lo)) lo = nearest - sqrt(ray->o.x * ray->o.x + ray->o.y * ray->o.y + ray->o.z * ray->o.z) / length - w->q.t0;
+    if (far) end = far_end(ray->o, w->q.l, w->q.m, w->q.n, w->q.t0, nearest, lo);
+    double dt = opt->dt_min > 0 ? opt->dt_min / w->q.scale : (end - lo) * (w->s.ops->clearance ? 0x1p-20 : 1.0 / MARCH_STEPS);
     w->uncertain = far || lo != from;
     if (lo < end) more = march(w, lo, end, dt, 1, &reached);
     if (more && far) { /* grows to 1e22 times the first */
@@ -131,33 +129,37 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
               .told = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS}};
     sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = NAN};
     if (s.ops->span) span = s.ops->span(s.self, ray);
-    if (span.lo > span.hi) return 0;
-    double scale = scale_of(ray->d), nearest = nearest_to_vertex(ray);
-    double lo = fmax(span.lo, ray->tmin) / scale, hi = fmin(span.hi, ray->tmax) / scale, seed = span.seed / scale; /* fmax, fmin: a NaN end is no end */
-    if (lo > hi) return 0;
-    bool near = opt->pick == SGT_NEAR_SEED && !all, seeded = isfinite(seed);
-    double t0 = seeded ? seed : isfinite(lo) && isfinite(hi) ? 0.5 * lo + 0.5 * hi : nearest;
-    w.q = local_at(ray, t0 < lo ? lo : t0 > hi ? hi : t0, 0);
-    w.t_tol = opt->t_tol / scale;
-    if (!isfinite(w.q.x) || !isfinite(w.q.y) || !isfinite(w.q.z)) {
+    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed, s.ops->enclose || s.ops->clearance ? 0x1p-50 : 0, true);
+    if (a.passes) return 0;
+    bool near = opt->pick == SGT_NEAR_SEED && !all;
+    double lo = a.lo, hi = a.hi;
+    w.q = a.q;
+    w.t_tol = opt->t_tol / a.q.scale;
+    w.from_tmin = a.from_tmin;
+    if (!a.known) {
         sgt_walk_stretch(&w, SGT_UNPROVEN, -HUGE_VAL, HUGE_VAL);
         return 0;
     }
-    if (ray->tmax / scale <= hi) hi += 0x1p-44 * fabs(hi); /* a root at tmax is to be inside */
-    else hi += 0x1p-50 * fabs(hi);
-    w.from_tmin = !(lo > ray->tmin / scale);
-    if (!w.from_tmin && (s.ops->enclose || s.ops->clearance)) lo -= 0x1p-50 * (fabs(lo) + fabs(w.q.t0)); /* so is a root at the span's own end */
-    lo -= w.q.t0, hi -= w.q.t0;
 
     if (span.single || near) {
-        point at = {.tau = NAN};
-        sgt_root r = sgt_walk_solve(&w, sgt_walk_begin(&w, (sgt_span){.lo = lo, .hi = hi, .seed = seeded ? seed - w.q.t0 : near ? nearest - w.q.t0 : (double)NAN, .single = span.single}), &at);
-        bool taken = sgt_walk_take(&w, &r, at);
-        if (taken || (span.single && (r.status == SGT_MISS || (r.status > 0 && w.off)))) return w.told.evals - w.told.before;
+        point at = {.tau = (double)NAN};
+        double tau_err, past;
+        bool quick = a.seeded || (span.single && a.middle);
+        if (quick && sgt_walk_quick(&w, lo, hi, 0, DBL_MAX, -1, &at, &tau_err, &past)) {
+            if (sgt_walk_take_quick(&w, at, tau_err) || (span.single && w.off)) return w.told.evals - w.told.before;
+        } else if (quick && span.single && sgt_walk_quick_miss(&w, lo, hi)) {
+            return w.told.evals - w.told.before;
+        }
+        if (!over(&w)) {
+            double seed = a.seeded ? span.seed / a.q.scale - a.q.t0 : near ? a.nearest - a.q.t0 : (double)NAN;
+            sgt_root r = sgt_walk_solve(&w, sgt_walk_begin(&w, (sgt_span){.lo = lo, .hi = hi, .seed = seed, .single = span.single}), &at);
+            bool taken = sgt_walk_take(&w, &r, at);
+            if (taken || (span.single && (r.status == SGT_MISS || (r.status > 0 && w.off)))) return w.told.evals - w.told.before;
+        }
     }
     if (over(&w)) sgt_walk_stretch(&w, w.told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, lo, hi);
     else if (s.ops->enclose && isfinite(lo) && isfinite(hi) && !(opt->dt_min > 0 && s.ops->estimate)) sgt_walk_cells(&w, lo, hi);
-    else if (isfinite(lo) || near) steps(&w, lo, hi);
+    else if (isfinite(lo) || near) steps(&w, lo, hi, a.nearest);
     else sgt_walk_stretch(&w, SGT_UNPROVEN, lo, hi);
     return w.told.evals - w.told.before;
 }

@@ -1,12 +1,27 @@
 /* general.h - a ray and any surface, by nothing but what its operations answer. */
 #ifndef SGT_RAY_GENERAL_H
 #define SGT_RAY_GENERAL_H
-#include "../surface/own.h"
+#include "../surface/sag.h"
+
+/* x - x is 0 for a finite x, NaN for another: one comparison for all. */
+SGT_INLINE double not_finite(sgt_vec3 v) { return (v.x - v.x) + (v.y - v.y) + (v.z - v.z); }
+
+/* tmax = 0 with tmin >= 0 stands for infinity. */
+SGT_INLINE bool ray_valid(sgt_ray *ray)
+{
+    double big = larger(fabs(ray->d.x), larger(fabs(ray->d.y), fabs(ray->d.z)));
+    bool endless = (ray->tmax == 0) & (ray->tmin >= 0), ends = endless | ((ray->tmin <= ray->tmax) & (ray->tmax > -HUGE_VAL));
+    ray->tmax = endless ? HUGE_VAL : ray->tmax;
+    return (not_finite(ray->o) + not_finite(ray->d) == 0) & (big >= DBL_MIN) & ends & (ray->tmin < HUGE_VAL);
+}
 
 /* ray and opt have been checked, tmax made explicit. */
 sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
 
 /* Every entry; a list's first is what the other returns. */
 void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
+
+/* A tile of rays and a surface of a user, as sgt_own.sweep of own.h answers it: how many rays are left SGT_HARD. */
+size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt);
 
 #endif

@@ -3,33 +3,78 @@
  * F is evaluated at the local point x + tau d; what rounding of that point does to F, e_i |F_i| per
  * coordinate, is added to the surface's own `rounding`.
  *
+ * A root is looked for in the quick form first (quick.h, which says what it claims), then by solve/root.c.
+ *
  * A change of sign through a pole is no root: |F| at the end of the search is greater than where it
  * began, and at the ends of the bracket, and it is passed by. */
 #include "walk.h"
 
-point sgt_walk_look(walk *w, double tau, sgt_move move, double lo, double hi)
+static double own_rounding(const walk *w, sgt_vec3 p)
+{
+    double own = w->s.ops->rounding ? w->s.ops->rounding(w->s.self, p) : 0;
+    return own >= 0 ? own : 0; /* a bound that is none is none */
+}
+
+int sgt_walk_sign(const walk *w, const point *at) { return (int)sign_of(at->g, at->g_err + (at->glanced ? own_rounding(w, at->p) : 0)); }
+
+point sgt_walk_glance(walk *w, double tau, sgt_move move, double lo, double hi, double last)
 {
     const local *q = &w->q;
-    double tl = tau * q->l, tm = tau * q->m, tn = tau * q->n;
-    point e = {.tau = tau, .p = {q->x + tl, q->y + tm, q->z + tn}};
+    point e = {.tau = tau, .p = {q->x + tau * q->l, q->y + tau * q->m, q->z + tau * q->n}};
     if (over(w)) {
-        e.g = e.slope = NAN;
+        e.g = e.at.slope = (double)NAN;
         return e;
     }
     e.g = w->s.ops->value(w->s.self, e.p, &e.n);
-    e.slope = e.n.x * q->l + e.n.y * q->m + e.n.z * q->n;
-    double ex = q->xa + fabs(tl) + fabs(e.p.x), ey = q->ya + fabs(tm) + fabs(e.p.y), ez = q->za + fabs(tn) + fabs(e.p.z);
-    double place = SGT_U * (ex * fabs(e.n.x) + ey * fabs(e.n.y) + ez * fabs(e.n.z));
-    e.p_err = SGT_U * (ex + ey + ez);
-    e.terms = fabs(e.p.x * e.n.x) + fabs(e.p.y * e.n.y) + fabs(e.p.z * e.n.z);
-    e.g_err = place >= 0 ? place : 0; /* NaN: a gradient that says nothing */
-    if (w->s.ops->rounding) {
-        double own = w->s.ops->rounding(w->s.self, e.p);
-        e.g_err += own >= 0 ? own : 0; /* a bound that is none is none */
-    }
+    e.at = around_of(q->x, q->y, q->z, q->l, q->m, q->n, tau, e.p, e.n, 0);
+    e.g_err = e.at.place;
+    e.glanced = w->s.ops->rounding && !close_of(e.g, e.at.slope, e.at.place, last, w->told.opt->f_tol);
+    if (!e.glanced) e.g_err += own_rounding(w, e.p);
     w->defined = w->defined || !isnan(e.g);
-    tell(&w->told, move, (q->t0 + tau) * q->scale, e.g, e.slope / q->scale, (q->t0 + lo) * q->scale, (q->t0 + hi) * q->scale);
+    tell(&w->told, move, (q->t0 + tau) * q->scale, e.g, e.at.slope / q->scale, (q->t0 + lo) * q->scale, (q->t0 + hi) * q->scale);
     return e;
+}
+
+point sgt_walk_look(walk *w, double tau, sgt_move move, double lo, double hi) { return sgt_walk_glance(w, tau, move, lo, hi, (double)NAN); }
+
+bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at, double *tau_err, double *past)
+{
+    double f_tol = w->told.opt->f_tol;
+    w->first = first;
+    for (int i = 1;; i++) {
+        *at = sgt_walk_glance(w, tau, i > 1 ? SGT_NEWTON : SGT_SEED, lo, hi, last);
+        if (w->told.stopped) return false;
+        if (w->first < 0) w->first = fabs(at->g);
+        newton s = newton_of(at->g, at->at.slope, at->g_err, tau, last, lo, hi, w->t_tol, f_tol);
+        if (s.ready >= 0) break;
+        if (!(s.go >= 0) || i == QUICK_STEPS) return false;
+        tau -= s.step, last = s.size;
+    }
+    if (!(fabs(at->g) <= w->first)) return false;
+    if (f_tol > 0 && fabs(at->g) <= f_tol) {
+        *tau_err = 2 * (fabs(at->g) + at->g_err) / fabs(at->at.slope); /* twice the first order, for the second */
+        *past = hi;
+        return *tau_err < HUGE_VAL;
+    }
+    double width = width_of(at->g, at->at.slope, at->g_err, at->tau, w->t_tol);
+    for (int i = 0, signs = 0; i < PROBES && signs == 0; i++, width *= 4) {
+        double left = at->tau - width, right = at->tau + width;
+        if (!(left >= lo && right <= hi)) return false;
+        point a = sgt_walk_look(w, left, SGT_PROBE, left, right), b = sgt_walk_look(w, right, SGT_PROBE, left, right);
+        if (w->told.stopped) return false;
+        signs = sign_at(&a) * sign_at(&b);
+        *tau_err = larger(at->tau - left, right - at->tau);
+        *past = right;
+        if (signs < 0) return true;
+    }
+    return false;
+}
+
+bool sgt_walk_quick_miss(walk *w, double lo, double hi)
+{
+    if (!(lo > -HUGE_VAL && hi < HUGE_VAL) || over(w)) return false;
+    point a = sgt_walk_look(w, lo, SGT_SEED, lo, hi), b = sgt_walk_look(w, hi, SGT_SEED, lo, hi);
+    return !w->told.stopped && sign_at(&a) * sign_at(&b) > 0;
 }
 
 sgt_root sgt_walk_begin(const walk *w, sgt_span span)
@@ -45,52 +90,60 @@ sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at)
         if (w->told.stopped) break;
         if (w->first == HUGE_VAL && fabs(at->g) < HUGE_VAL) w->first = fabs(at->g);
         r.g_err = at->g_err;
-        if (!sgt_root_next(&r, at->g, at->slope)) break;
+        if (!sgt_root_next(&r, at->g, at->at.slope)) break;
     }
     return r;
 }
 
-bool sgt_walk_take(walk *w, const sgt_root *r, point at)
+/* The root at `at`, if it counts. */
+static bool take(walk *w, sgt_status status, point at, double tau_err)
 {
-    const local *q = &w->q;
-    w->off = false;
-    if (r->status <= 0 || w->told.stopped) return false;
-    if (at.tau != r->t) {
-        at = sgt_walk_look(w, r->t, SGT_NEWTON, r->lo, r->hi);
-        if (isnan(at.g) || w->told.stopped) return false;
-    }
     if (!(fabs(at.g) <= w->first + 16 * at.g_err)) return false; /* a pole: it grew */
-    twofold t = two_sum(q->t0, r->t);
-    double width = START_ULPS * at.terms / fabs(at.slope), length = fabs(q->l) + fabs(q->m) + fabs(q->n);
-    sgt_hit hit = {.status = r->status, .t = t.hi * q->scale, .t_lo = t.lo * q->scale,
-                   .t_err = (fabs(t.lo) + r->t_err) * (1 + 4 * SGT_U) * q->scale, .f = at.g, .p = at.p, .n = at.n,
-                   .p_err = length * r->t_err + 1.01 * at.p_err};
-    hit.lo = hit.t - hit.t_err, hit.hi = hit.t + hit.t_err;
-    width = (width < HUGE_VAL ? width * q->scale : 0) + 8 * SGT_U * fabs(hit.t);
-    double tmin = w->ray->tmin;
-    w->off = hit.t - hit.t_err > w->ray->tmax || hit.t + hit.t_err <= tmin || hit.t_err <= width + 64 * SGT_U * fabs(tmin);
-    bool started = tmin == -HUGE_VAL || hit.t > tmin + (hit.t_err + width);
-    if (!started || hit.t > w->ray->tmax) return false;
-    hit.evals = w->told.evals - w->told.before;
+    taking h = taking_of(&w->q, at.tau, tau_err, at.p, at.n, at.at, w->ray->tmin, w->ray->tmax);
+    w->off = h.off;
+    if (!h.counts) return false;
+    sgt_hit hit = {.status = status, .t = h.t, .t_lo = h.t_lo, .t_err = h.t_err, .lo = h.t - h.t_err, .hi = h.t + h.t_err,
+                   .f = at.g, .p = at.p, .n = at.n, .p_err = h.p_err, .evals = w->told.evals - w->told.before};
     w->told.before = w->told.root = w->told.evals;
     sgt_list_add(w->list, &hit);
     w->found = !w->all;
     return true;
 }
 
+bool sgt_walk_take_quick(walk *w, point at, double tau_err)
+{
+    w->off = false;
+    return take(w, SGT_HIT, at, tau_err);
+}
+
+bool sgt_walk_take(walk *w, const sgt_root *r, point at)
+{
+    w->off = false;
+    if (r->status <= 0 || w->told.stopped) return false;
+    if (at.tau != r->t) {
+        at = sgt_walk_look(w, r->t, SGT_NEWTON, r->lo, r->hi);
+        if (isnan(at.g) || w->told.stopped) return false;
+    }
+    return take(w, r->status, at, r->t_err);
+}
+
 bool sgt_walk_between(walk *w, const point *a, const point *b, double *past)
 {
-    sgt_root r = sgt_walk_begin(w, (sgt_span){.lo = a->tau, .hi = b->tau, .seed = a->tau - a->g * (b->tau - a->tau) / (b->g - a->g)});
+    double seed = secant_of(mark_of(a), mark_of(b)), ga = fabs(a->g) < HUGE_VAL ? fabs(a->g) : 0, gb = fabs(b->g) < HUGE_VAL ? fabs(b->g) : 0, high = larger(ga, gb), tau_err;
     point at = *a;
+    if (seed > a->tau && seed < b->tau && sgt_walk_quick(w, a->tau, b->tau, seed, b->tau - a->tau, high, &at, &tau_err, past))
+        return sgt_walk_take_quick(w, at, tau_err);
+    *past = b->tau;
+    if (over(w) || sgt_walk_sign(w, a) * sgt_walk_sign(w, b) >= 0) return false;
+    sgt_root r = sgt_walk_begin(w, (sgt_span){.lo = a->tau, .hi = b->tau, .seed = seed});
+    at = *a;
     sgt_root_tell(&r, a->tau, a->g);
     sgt_root_tell(&r, b->tau, b->g);
     r = sgt_walk_solve(w, r, &at);
     *past = r.hi;
-    if (r.status <= 0 || w->told.stopped) return false;
-    double ga = fabs(a->g) < HUGE_VAL ? fabs(a->g) : 0, gb = fabs(b->g) < HUGE_VAL ? fabs(b->g) : 0;
-    bool pole = fabs(at.g) > larger(ga, gb);
-    w->first = larger(w->first, larger(ga, gb)); /* the solver may have begun on the root itself */
-    return !pole && sgt_walk_take(w, &r, at);
+    if (r.status <= 0 || w->told.stopped || fabs(at.g) > high) return false; /* or a pole */
+    w->first = larger(w->first, high); /* the solver may have begun on the root itself */
+    return sgt_walk_take(w, &r, at);
 }
 
 void sgt_walk_stretch(walk *w, sgt_status status, double lo, double hi)

@@ -3,10 +3,10 @@
 #define SGT_RAY_WALK_H
 
 #include "../solve/root.h"
-#include "../surface/sag.h"
+#include "quick.h"
 
 /* F at one local point of the ray, and how far it can be off there. */
-typedef struct point { double tau, g, slope, g_err, terms; sgt_vec3 p, n; double p_err; } point;
+typedef struct point { double tau, g, g_err; sgt_vec3 p, n; around at; bool glanced; /* the surface's own rounding is left out of g_err */ } point;
 
 typedef struct walk {
     sgt_surface s;
@@ -27,10 +27,18 @@ typedef struct walk {
 /* No more is to be asked: stopped, spent, or found what was wanted. */
 SGT_INLINE bool over(const walk *w) { return w->found || w->told.stopped || spent(&w->told); }
 
-SGT_INLINE int sign_at(const point *e) { return e->g > e->g_err ? 1 : e->g < -e->g_err ? -1 : 0; }
+SGT_INLINE int sign_at(const point *e) { return (int)sign_of(e->g, e->g_err); }
+
+SGT_INLINE mark mark_of(const point *e) { return (mark){e->tau, e->g, e->at.slope, sign_of(e->g, e->g_err)}; }
 
 /* F at tau; NaN without an evaluation where the search is over. */
 point sgt_walk_look(walk *w, double tau, sgt_move move, double lo, double hi);
+
+/* The same, the surface's own rounding left out where it can be: close_of in quick.h. */
+point sgt_walk_glance(walk *w, double tau, sgt_move move, double lo, double hi, double last);
+
+/* Its sign with the surface's own rounding. */
+int sgt_walk_sign(const walk *w, const point *at);
 
 /* Runs the solver, with the options of the ray; *at is the point it ended on. */
 sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at);
@@ -38,6 +46,14 @@ sgt_root sgt_walk_begin(const walk *w, sgt_span span);
 
 /* Adds what the solver found; false where it is no root that counts. */
 bool sgt_walk_take(walk *w, const sgt_root *r, point at);
+
+/* The quick form (quick.h) from tau, `last` the step before, |g| at first (< 0: at tau): *at is the root, right to
+ * *tau_err; *past is behind it. */
+bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at, double *tau_err, double *past);
+bool sgt_walk_take_quick(walk *w, point at, double tau_err);
+
+/* One certain sign at both ends. */
+bool sgt_walk_quick_miss(walk *w, double lo, double hi);
 
 /* A root between a and b, whose signs differ; false: none that counts.  *past is behind it. */
 bool sgt_walk_between(walk *w, const point *a, const point *b, double *past);

@@ -1,7 +1,7 @@
 /* check.c - does a surface keep its word?
  *
  * Each ray is walked in SAMPLES steps on the stretch in front of its span, in it, and behind
- * it, and three promises are put to the test.
+ * it, and three promises are put to the test; two more are between the surface and itself.
  *
  * THE ROUNDING is finite and not negative wherever F is.
  *
@@ -14,6 +14,11 @@
  * |F| grows toward it: no root.  Where a built-in surface has a rim, roots beyond it do not
  * count (surfaces.h), and its span need not hold them.
  * What no two neighbours show is not seen: SOUND says that no fault was found.
+ *
+ * MANY AT ONCE are what one at a time is: `values` at POINTS_AT_ONCE points of the ray, and at few of them, with
+ * gradients and without; `spans` of as many of the rays.  Bits are compared, but of NaNs, of the gradient where F is
+ * NaN, and of a span that the ray passes by: nobody reads those.  Behind what is asked for stands a number that
+ * must not change.
  *
  * THE GRADIENT is compared with central differences
  *     D(h) = (F(p + h e) - F(p - h e)) / 2h = F_e + h^2 F_eee / 6 + ... + noise / h
@@ -40,8 +45,9 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
-enum { SAMPLES = 256, POINTS = 16, LEVELS = 18 };
+enum { SAMPLES = 256, POINTS = 16, LEVELS = 18, POINTS_AT_ONCE = 67, FEW = 3, RAYS_AT_ONCE = 35 };
 static const double CUT = 1000; /* lengths, where neither ray nor span has an end */
 
 typedef struct sample { double t, f; int sign; sgt_vec3 p; } sample;
@@ -214,6 +220,56 @@ static bool check_stretch(check *c, double lo, double hi)
     return true;
 }
 
+/* ------------------------------------------------------------ many at once */
+
+static bool same(double a, double b) { return memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b); }
+
+static const double KEPT = 0x1.23456789abcdep+100; /* what stands behind the last that is asked for */
+
+static bool check_values(check *c, double lo, double hi)
+{
+    double p[3][POINTS_AT_ONCE], f[POINTS_AT_ONCE + 1], grad[3][POINTS_AT_ONCE + 1];
+    sgt_vec3 o = c->ray->o, d = c->ray->d;
+    for (int i = 0; i < POINTS_AT_ONCE; i++) {
+        double t = lo + (hi - lo) * ((i + 0.382) / POINTS_AT_ONCE);
+        p[0][i] = o.x + t * d.x, p[1][i] = o.y + t * d.y, p[2][i] = o.z + t * d.z;
+    }
+    for (int way = 0; way < 4; way++) {
+        size_t n = way & 1 ? FEW : POINTS_AT_ONCE, from = way & 1 ? POINTS_AT_ONCE - FEW : 0;
+        bool slopes = way < 2;
+        f[n] = grad[0][n] = grad[1][n] = grad[2][n] = KEPT;
+        for (size_t i = 0; i < n; i++) f[i] = grad[0][i] = grad[1][i] = grad[2][i] = KEPT;
+        c->s.ops->values(c->s.self, n, (sgt_points){{p[0] + from, p[1] + from, p[2] + from}},
+                         (sgt_values){f, {slopes ? grad[0] : NULL, slopes ? grad[1] : NULL, slopes ? grad[2] : NULL}});
+        for (size_t i = 0; i < n; i++) {
+            sgt_vec3 at = {p[0][from + i], p[1][from + i], p[2][from + i]}, g = {0};
+            double one = value_at(c, at, &g);
+            bool good = same(one, f[i]) && (!slopes || isnan(one) || (same(g.x, grad[0][i]) && same(g.y, grad[1][i]) && same(g.z, grad[2][i])));
+            if (!good) return fail(c, SGT_WRONG_VALUES, at);
+        }
+        if (!(f[n] == KEPT && grad[0][n] == KEPT && grad[1][n] == KEPT && grad[2][n] == KEPT)) return fail(c, SGT_WRONG_VALUES, o);
+    }
+    return true;
+}
+
+/* n rays as arrays. */
+static bool check_spans(check *c, size_t n, double o[3][RAYS_AT_ONCE], double d[3][RAYS_AT_ONCE])
+{
+    double lo[RAYS_AT_ONCE + 1], hi[RAYS_AT_ONCE + 1], seed[RAYS_AT_ONCE + 1];
+    bool single[RAYS_AT_ONCE + 1];
+    if (!n) return true;
+    if (!c->s.ops->span) return fail(c, SGT_WRONG_SPANS, (sgt_vec3){o[0][0], o[1][0], o[2][0]});
+    lo[n] = hi[n] = seed[n] = KEPT, single[n] = true;
+    c->s.ops->spans(c->s.self, n, (sgt_rays){.o = {o[0], o[1], o[2]}, .d = {d[0], d[1], d[2]}}, (sgt_spans){lo, hi, seed, single});
+    for (size_t i = 0; i < n; i++) {
+        sgt_ray ray = {.o = {o[0][i], o[1][i], o[2][i]}, .d = {d[0][i], d[1][i], d[2][i]}};
+        sgt_span one = c->s.ops->span(c->s.self, &ray);
+        if (one.lo > one.hi && lo[i] > hi[i]) continue;
+        if (!(same(one.lo, lo[i]) && same(one.hi, hi[i]) && same(one.seed, seed[i]) && one.single == single[i])) return fail(c, SGT_WRONG_SPANS, ray.o);
+    }
+    return lo[n] == KEPT && hi[n] == KEPT && seed[n] == KEPT && single[n] ? true : fail(c, SGT_WRONG_SPANS, (sgt_vec3){o[0][0], o[1][0], o[2][0]});
+}
+
 static bool check_ray(check *c)
 {
     const sgt_ray *r = c->ray;
@@ -226,6 +282,7 @@ static bool check_ray(check *c)
     if (!(hi < HUGE_VAL)) hi = !by && isfinite(s.hi) && s.hi > lo ? s.hi : fmax(0, lo) + CUT;
     c->span = by ? (sgt_span){.lo = HUGE_VAL, .hi = HUGE_VAL} : s;
     c->inside = 0;
+    if (c->s.ops->values && !check_values(c, lo, hi)) return false;
     if (by) return check_stretch(c, lo, hi);
     double in = fmax(lo, s.lo), out = fmin(hi, s.hi);
     return check_stretch(c, lo, fmin(s.lo, hi)) && check_stretch(c, in, out) && check_stretch(c, fmax(s.hi, lo), hi);
@@ -254,6 +311,22 @@ static bool is_usable(const sgt_ray *r)
         && big >= DBL_MIN && r->tmin < HUGE_VAL && (r->tmax >= r->tmin || (r->tmax == 0 && r->tmin >= 0));
 }
 
+/* By as many rays as there are room for, the last few with the rest of the room empty. */
+static void check_all_spans(check *c, size_t n, const sgt_ray rays[])
+{
+    double o[3][RAYS_AT_ONCE], d[3][RAYS_AT_ONCE];
+    size_t k = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!is_usable(&rays[i])) continue;
+        o[0][k] = rays[i].o.x, o[1][k] = rays[i].o.y, o[2][k] = rays[i].o.z;
+        d[0][k] = rays[i].d.x, d[1][k] = rays[i].d.y, d[2][k] = rays[i].d.z;
+        if (++k < RAYS_AT_ONCE) continue;
+        if (!check_spans(c, k, o, d)) return;
+        k = 0;
+    }
+    check_spans(c, k, o, d);
+}
+
 sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *where)
 {
     check c = {.s = s, .fault = SGT_SOUND, .where = {(double)NAN, (double)NAN, (double)NAN}};
@@ -266,6 +339,7 @@ sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *whe
             c.ray = &rays[i];
             if (!check_ray(&c)) break;
         }
+        if (s.ops->spans && c.fault == SGT_SOUND) check_all_spans(&c, n, rays);
     }
     if (where) *where = c.where;
     return c.fault;
@@ -278,6 +352,8 @@ const char *sgt_fault_text(sgt_fault fault)
     case SGT_WRONG_GRADIENT: return "wrong gradient: it differs from differences of F (it must not be normalised)";
     case SGT_WRONG_SPAN: return "wrong span: a root lies outside it, or two inside one that is said to be single";
     case SGT_WRONG_ROUNDING: return "wrong rounding: not finite or negative where F is defined";
+    case SGT_WRONG_VALUES: return "wrong values: they differ from value in a bit, or write where they are not asked to";
+    case SGT_WRONG_SPANS: return "wrong spans: they differ from span in a bit, or there is no span";
     case SGT_NO_VALUE: return "no value: the surface has no function F";
     }
     return "?";

@@ -24,8 +24,13 @@
  * vertex plane and is no more than 2^-30 of an ulp of t0 to tau.  Not accepted either: S > 4 |n|, a start so far
  * off that its terms are more than those at the root; |w| = |(1 + k) c z| > 1 - 2^-8, near the equator, or on
  * another sheet; and where the first root is asked for, one whose other may be before it: that is b / A, whose
- * magnitude is the greater, and which is behind if b A > 0.  |c| lies within 2^+-60 and n^2 above 2^-200 and t below 2^300:
- * then what underflows is too small to matter, and what overflows makes D infinite or NaN.
+ * magnitude is the greater, and which is behind if b A > 0.  |c| lies within 2^+-60, n^2 above 2^-200 and r below 2^300:
+ * then what underflows is too small to matter, and what overflows makes D infinite or NaN, or t no number that is greater
+ * than tmin by a part of itself.
+ *
+ * AWAY.  A ray that certainly misses, by the same coefficients and with much room for their rounding: D below -2^-20 of
+ * its terms; or D above 2^-10 of them, so that either root is right to a part in 2^40, and each of the two off the sheet,
+ * beyond the rim, before or behind the ends by a part in 2^20, or the start itself.
  *
  * QUICK.  In doubles, from the vertex plane.  With u = 2^-53, each coefficient is off by at most
  * 6 u of the sum of its terms' magnitudes, written A', B', C' (counted below); rounding in D is
@@ -70,7 +75,7 @@ typedef struct bowl { double c, abs_c, k1, ck, extra, rim2; } bowl;
 /* false: no ray is easy. */
 SGT_INLINE bool bowl_of(double c, double k, double rim2, bowl *s)
 {
-    *s = (bowl){c, fabs(c), 1 + k, (1 + k) * c, 1 + k < 0 ? 2 * fabs(1 + k) * fabs(c) : 0, rim2 < 0x1p1000 ? rim2 : 0x1p1000};
+    *s = (bowl){c, fabs(c), 1 + k, (1 + k) * c, 1 + k < 0 ? 2 * fabs(1 + k) * fabs(c) : 0, rim2 < 0x1p600 ? rim2 : 0x1p600};
     return (c == 0 || (fabs(c) > 0x1p-60 && fabs(c) < 0x1p60)) && fabs(k) < 0x1p60 && rim_in_range(rim2);
 }
 
@@ -83,8 +88,9 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, double ox, double oy,
     double Aa = fma(s->extra, n2, fabs(A)), Ba = fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
     double D = fma(B, B, -A * C), size = fma(Ba, Ba, Aa * fabs(C)), D4 = (D + D) + (D + D);
     double b = B + copysign(sqrt(D), B), tau = C / b, small = t0_lo + tau, t = t0 + small, reach = fabs(t) + fabs(small);
-    double tau_err = (D4 >= 3 * size ? 24 * SGT_U : 48 * SGT_U) * fabs(tau);
-    mask good = MASK(D4 > size) & MASK(D <= 16 * n2) & MASK(n2 > 0x1p-200) & MASK(reach < 0x1p300);
+    double n4 = (n2 + n2) + (n2 + n2), n16 = (n4 + n4) + (n4 + n4); /* sums: products are what there is most of */
+    double tau_err = (D4 >= size + size + size ? 24 * SGT_U : 48 * SGT_U) * fabs(tau);
+    mask good = MASK(D4 > size) & MASK(D <= n16) & MASK(n2 > 0x1p-200);
     if (first) good &= MASK(copysign(1, b) * A > 0x1p-40 * Aa);
     return (near_root){.x = x, .y = y, .tau = tau, .t = t, .t_err = chosen(good, fma(1.01 * SGT_U, reach, tau_err), (double)NAN),
                        .tau_err = tau_err, .t0 = t0, .small = small};
@@ -96,13 +102,37 @@ SGT_INLINE lane easy_end(const bowl *s, const near_root *r, double l, double m, 
     return lane_of(r, l, m, n, tmin, tmax, t_tol, pz, g, fabs(r->tau), s->rim2, MASK(fabs(w) < 1 - 0x1p-8));
 }
 
+/* t0 + tau does not count; its point is (x, y, 0) + tau d.  S is |grad F . d| v; t is off by less than t_err, where that is
+ * small enough to tell the start itself from another root (sag.h). */
+SGT_INLINE mask gone(const bowl *s, double x, double y, double t0, double tau, double S, double t_err, double l, double m, double n, double tmin, double tmax)
+{
+    double px = fma(tau, l, x), py = fma(tau, m, y), pz = tau * n, r2 = px * px + py * py, w = s->ck * pz, t = t0 + tau, slack = 0x1p-20 * (fabs(t0) + fabs(tau));
+    mask start = MASK(((t - tmin) + t_err) * S < 0.5 * START_ULPS * fma(s->abs_c, r2, fabs(pz * (1 - w))));
+    return start | MASK(w > 1 + 0x1p-8) | MASK(r2 > s->rim2 * (1 + 0x1p-20)) | MASK(t - slack > tmax) | MASK(t + slack < tmin);
+}
+
+SGT_INLINE mask easy_away(const bowl *s, double ox, double oy, double oz, double l, double m, double n, double tmin, double tmax)
+{
+    double t0, t0_lo, x, y;
+    to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
+    double xl = x * l, ym = y * m, a = l * l + m * m, n2 = n * n, r2 = x * x + y * y;
+    double A = s->c * fma(s->k1, n2, a), B = fma(-s->c, xl + ym, n), C = s->c * r2;
+    double Aa = fma(s->extra, n2, fabs(A)), Ba = fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
+    double D = fma(B, B, -A * C), size = fma(Ba, Ba, Aa * fabs(C)), S = sqrt(larger(D, 0)), b = B + copysign(S, B), near = C / b, far = b / A;
+    double fine = chosen(MASK(4 * D > size), 3 * SGT_U * fabs(t0), HUGE_VAL), K = 4 * D >= 3 * size ? 25 * SGT_U : 50 * SGT_U; /* of tau, as above */
+    mask usual = MASK(n2 > 0x1p-200) & MASK(a + n2 < 0x1p200) & MASK(r2 < 0x1p600) & MASK(size < 0x1p600) & MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL);
+    mask second = (MASK(fabs(A) > 0x1p-10 * Aa) & gone(s, x, y, t0, far, S, fma(K, fabs(far), fine), l, m, n, tmin, tmax)) | (MASK(Aa == 0) & MASK(s->c == 0));
+    return usual & (MASK(D < -0x1p-20 * size)
+                    | (MASK(D > 0x1p-10 * size) & second & gone(s, x, y, t0, near, S, fma(K, fabs(near), fine), l, m, n, tmin, tmax)));
+}
+
 /* A plane: the same with tau = 0. */
 SGT_INLINE near_root plane_start(double ox, double oy, double oz, double l, double m, double n)
 {
     double t0, t0_lo, x, y;
     to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
     double t = t0 + t0_lo, reach = fabs(t) + fabs(t0_lo);
-    mask good = MASK(n * n > 0x1p-200) & MASK(reach < 0x1p300);
+    mask good = MASK(n * n > 0x1p-200);
     return (near_root){.x = x, .y = y, .t = t, .t_err = chosen(good, 1.01 * SGT_U * reach, (double)NAN), .t0 = t0, .small = t0_lo};
 }
 
@@ -133,6 +163,16 @@ SGT_INLINE bool easy(const bowl *s, const sgt_ray *ray, const sgt_options *opt, 
     return e->t_err < HUGE_VAL;
 }
 
+/* The same of a ray that is not easy. */
+SGT_INLINE bool away(const bowl *s, const sgt_ray *ray)
+{
+    sgt_vec3 o = ray->o, d = ray->d;
+    if (easy_away(s, o.x, o.y, o.z, d.x, d.y, d.z, ray->tmin, ray->tmax) != 0) return true;
+    double scale = scale_of(d);
+    if (scale > 0x1p-40 && scale < 0x1p40) return false;
+    return easy_away(s, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale, ray->tmin / scale, ray->tmax / scale) != 0;
+}
+
 /* Between the two loops. */
 typedef struct bowl_room {
     _Alignas(64) double x[SGT_TILE];
@@ -160,7 +200,10 @@ SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool rich
         SWEEP_STORE(to, i, e, rich);
         all &= e.hit;
     }
-    return sweep_told(tile, &room->ends, 1, all);
+    size_t hard = sweep_told(tile, &room->ends, 1, all);
+    if (8 * hard <= count) return hard; /* one by one */
+    LANES for (size_t i = 0; i < count; i++) room->ends.hit[i] = easy_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+    return sweep_away(tile, &room->ends, hard);
 }
 
 #define SWEEP_BOWL(name, plane, first, rich)                                                        \
@@ -212,8 +255,9 @@ SGT_INLINE verdict quick_root(meeting *at, double tau, const quadric *g, const l
     double terms = fabs(cr2) + fabs(w * at->p.z) + 2 * fabs(at->p.z);
     snap(at, g->c, g->k, square_radius(at->p.x, at->p.y), 0, 0);
     bool off_sheet = at->v < -v_err;
+    bool start = (at->t - ray->tmin + at->t_err) * at->slope < 0.5 * START_ULPS * (fabs(cr2) + at->v * fabs(at->p.z)) * q->scale;
     /* written so that NaN is not certain; a tiny root is in the hands of the careful form */
-    r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms && at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL && sharp(at, t_tol));
+    r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms && at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL && (start || sharp(at, t_tol)));
     r.counts = !off_sheet && counts(at, ray, rim2, q->scale);
     return r;
 }
@@ -437,11 +481,13 @@ SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray 
     lane e;
     if (!conic_valid(c, k, semi_diameter)) return hit_without(SGT_INVALID, ray, 0);
     if (!rim_in_range(rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
-    if (bowl_of(c, k, rim2, &b) && easy(&b, ray, opt, &e)) {
+    bool usual = bowl_of(c, k, rim2, &b);
+    if (usual && easy(&b, ray, opt, &e)) {
         double f = conic_f(c, k, (sgt_vec3){e.px, e.py, e.pz});
         if (opt->watch) tell(&w, SGT_SEED, e.t, f, e.nx * ray->d.x + e.ny * ray->d.y + ray->d.z, e.t - e.t_err, e.t + e.t_err);
         return w.stopped ? hit_without(SGT_STOPPED, ray, 1) : hit_of_lane(&e, 1, f);
     }
+    if (usual && away(&b, ray)) return hit_without(SGT_MISS, ray, 0);
     if (c == 0) {
         status = plane(rim2, ray, &at);
     } else {

@@ -153,7 +153,14 @@ static sgt_hit first_of(const orbit *o, const sgt_ray *ray, const sgt_options *o
         sgt_level_march(&o, ray, opt, true, list);                                                                   \
         return 0;                                                                                                    \
     }                                                                                                                \
-    static const struct sgt_own kind##_own = {.meet = kind##_meet, .all = kind##_all};                               \
+    static size_t kind##_sweep(const void *self, const sgt_tile *tile, const sgt_options *opt)                       \
+    {                                                                                                                \
+        orbit o;                                                                                                     \
+        if (!sgt_orbit_of_##kind(self, &o).param) return sgt_level_sweep(&o, tile, opt);                             \
+        memset(tile->hits.status, SGT_HARD, tile->n);                                                                \
+        return tile->n;                                                                                              \
+    }                                                                                                                \
+    static const struct sgt_own kind##_own = {.meet = kind##_meet, .all = kind##_all, .sweep = kind##_sweep};        \
     const sgt_surface_ops sgt_##kind##_ops = {.name = #kind, .value = kind##_value, .span = kind##_span,             \
                                               .rounding = kind##_rounding, .estimate = kind##_estimate,              \
                                               .enclose = kind##_enclose, .own_ = &kind##_own};                       \

@@ -1,9 +1,5 @@
 /* orbit.c - cells and values of an orbit along a ray; orbit.h has the mathematics. */
-#include "orbit.h"
-
-/* A cell whose middle is so far outside, |Q|^2 > 3 E_k^2, and that is not outside as a whole, will not be at a later
- * level either: its bounds grow as fast.  Nothing but time depends on it (1.2: 15 % more cells; 64: 3 % more levels). */
-static const double HOPELESS = 3;
+#include "cell.h"
 
 static const double FAR2 = 0x1p64; /* u beyond it is infinity: F = 1 - 2/u rounds to 1 */
 
@@ -128,8 +124,6 @@ SGT_INLINE double next_d(double A, double V, double e, double d, double h, int p
     return (P * most * (A + D) * d + P * (P - 1) * most * D * V) + 96 * P * P * SGT_U * small_power(A, power - 1) * V;
 }
 
-typedef struct pair_norms { double A2, V2, qv; } pair_norms;
-
 /* Is the whole cell outside, |Q + v s| > E + e?  |Q|^2 > E^2 is known. */
 SGT_INLINE bool outside(pair_norms n, double E, double e, double h)
 {
@@ -143,44 +137,38 @@ SGT_INLINE bool left_at(const path *w, pair_norms n, double e, double h, int k, 
     double E = w->escape[k];
     if (!(n.A2 > E * E)) return false;
     bool out = outside(n, E, e, h);
-    if (out ? thorough && k == w->iterations : !(n.A2 > HOPELESS * E * E && k < w->iterations)) return false;
+    if (out ? thorough && k == w->iterations : !(n.A2 > 3 * E * E && k < w->iterations)) return false;
     r->verdict = out ? CELL_OUTSIDE : CELL_OPEN, r->level = k;
     r->A2 = n.A2, r->V2 = n.V2, r->qv = n.qv, r->e = e, r->W = r->g_err = HUGE_VAL;
     return true;
 }
 
-/* At level N: inside, or not; true: it may be monotone, or g so near its rounding that W and g_err are wanted. */
-SGT_INLINE bool judge(const path *w, pair_norms at, double V, double e, double h, cell *r)
+/* The cell at level N; true: it may be monotone. */
+SGT_INLINE bool at_the_end(const path *w, pair_norms n, double e, double h, cell *r)
 {
-    double slack = 1 + 0x1p-38, room = (w->E - w->E_err) * (1 - 0x1p-50) - e * slack, qv = fabs(at.qv), least = at.V2 * h + e * V;
-    r->verdict = CELL_OPEN, r->level = w->iterations;
-    r->A2 = at.A2, r->V2 = at.V2, r->qv = at.qv, r->e = e, r->W = r->g_err = HUGE_VAL;
-    if (room > 0 && (at.A2 + at.V2 * h * h + 2 * qv * h) * (1 + 64 * SGT_U) < room * room) r->verdict = CELL_INSIDE;
-    return r->verdict == CELL_OPEN && (qv > least || (qv + least) * h <= 0x1p-30 * at.A2);
+    double told = judge(w->E, w->E_err, n, sqrt(n.V2), e, h);
+    *r = (cell){told == 1 ? CELL_INSIDE : CELL_OPEN, w->iterations, n.A2, n.V2, n.qv, e, HUGE_VAL, HUGE_VAL};
+    return told == 2;
 }
 
-/* With d and the bound `center` of what Q at m itself is off by. */
-SGT_INLINE void judge_slope(const path *w, double A, double V, double d, double center, double h, cell *r)
+SGT_INLINE void bound_slope(const path *w, double A, double V, double d, double center, double h, cell *r)
 {
-    double D = V * h + r->e, slack = 1 + 0x1p-38;
-    r->W = (r->V2 * h + r->e * V + (A + D) * d) * slack + 16 * SGT_U * A * V;
-    r->g_err = ((2 * A + center) * center) * slack + 8 * SGT_U * r->A2 + 4 * (w->E + w->E_err) * (w->E_err + SGT_U * w->E);
+    bounds b = judge_slope(w->E, w->E_err, (pair_norms){r->A2, r->V2, r->qv}, A, V, r->e, d, center, h);
+    r->W = b.W, r->g_err = b.g_err;
     if (fabs(r->qv) > r->W && r->verdict == CELL_OPEN) r->verdict = CELL_MONOTONE;
 }
-
-SGT_INLINE double place_error(const path *w, double m, double h) { return 8 * SGT_U * (w->start_size + (fabs(m) + h) * w->along_size); }
 
 SGT_INLINE void look_at_powers(const path *w, double m, double h, bool thorough, cell *r)
 {
     double A[SGT_LEVELS + 1], V[SGT_LEVELS + 1], es[SGT_LEVELS + 1];
     quaternion v = w->along, q = quaternion_sum(w->start, quaternion_times(w->along, m)), c = w->mandelbrot ? q : w->c;
-    double e = place_error(w, m, h), extra = w->mandelbrot ? e : 0;
+    double e = place_error(w->start_size, w->along_size, m, h), extra = w->mandelbrot ? e : 0;
     for (int k = w->mandelbrot ? 1 : 0;; k++) {
         pair_norms n = {quaternion_dot(q, q), quaternion_dot(v, v), quaternion_dot(q, v)};
         if (left_at(w, n, e, h, k, thorough, r)) return;
         A[k] = sqrt(n.A2), V[k] = sqrt(n.V2), es[k] = e;
         if (k == w->iterations) {
-            if (!judge(w, n, V[k], e, h, r) && !thorough) return;
+            if (!at_the_end(w, n, e, h, r) && !thorough) return;
             break;
         }
         e = next_e(A[k], V[k], e, h, w->c_abs, w->power) + extra;
@@ -192,94 +180,81 @@ SGT_INLINE void look_at_powers(const path *w, double m, double h, bool thorough,
         d = next_d(A[k], V[k], es[k], d, h, w->power) + first;
         center = next_e(A[k], 0, center, 0, w->c_abs, w->power) + (w->mandelbrot ? own : 0);
     }
-    judge_slope(w, A[last], V[last], d, center, h, r);
+    bound_slope(w, A[last], V[last], d, center, h, r);
 }
 
 /* Four cells of one ray at once, p = 2.  A cell alone waits for its own results; four in the lanes of a register
- * take hardly longer.  No root of V2 is needed on the way: by 2 V h e <= V^2 h^2 / 4 + 4 e^2,
- *     (V h + e)^2 <= 5/4 V^2 h^2 + 5 e^2    and    16 u h A V <= 8 u (A^2 + h^2 V^2).
- * With A2 = |Q|^2 and qv = <Q, v> known, a^2 - |q|^2 = 2 a^2 - A2 and a va - <q, vq> =
- * 2 a va - qv; A2 is off by 3 u A^2 and qv by 3 u A V, which is in the bounds of orbit.h.  A and V are needed
- * as bounds from above: upper_root is one, at most 0.4 % too great. */
+ * take hardly longer. */
 #if defined(__GNUC__)
 typedef double lanes __attribute__((vector_size(32)));
 typedef unsigned long long lane_bits __attribute__((vector_size(32)));
 
-/* Newton's step toward 1 / sqrt(x) ends below it; from a start within 3.43 % (the well-known constant, for
- * doubles: Lomont 2003), within 0.18 %. */
-SGT_INLINE void upper_root(const lanes *x, lanes *root)
-{
-    lanes r = (lanes)(0x5fe6eb50c7b537a9ULL - ((lane_bits)*x >> 1));
-    r *= 1.5 - 0.5 * *x * (r * r);
-    *root = *x * r * 1.0018;
-}
+static const lane_bits SIGN = {1ULL << 63, 1ULL << 63, 1ULL << 63, 1ULL << 63};
+
+SGT_INLINE void four_guess(const lanes *x, lanes *r) { *r = (lanes)(HALF_WAY - ((lane_bits)*x >> 1)); }
+SGT_INLINE void four_magnitude(const lanes *x, lanes *r) { *r = (lanes)((lane_bits)*x & ~SIGN); }
+SGT_INLINE void four_positive(const lanes *x, lanes *r) { *r = (lanes)((lane_bits)*x & (lane_bits)(*x > 0)); }
+
+SGT_SQUARES(four, lanes)
 
 #define ANY(b) ((((b)[0] | (b)[1]) | ((b)[2] | (b)[3])) != 0)
 
-/* Which of the lanes with |Q| > E are outside as a whole: `outside` above, lane by lane. */
-SGT_INLINE void lanes_outside(const lanes *A2, const lanes *V2, const lanes *qv, const lanes *e, const lanes *h, double E, lane_bits *out)
-{
-    const lane_bits sign = (lane_bits){1, 1, 1, 1} << 63;
-    lanes reach = *V2 * *h, ends = *A2 + reach * *h, T = E + *e, steep = (lanes)((lane_bits)*qv & ~sign);
-    T = T * T * (1 + 0x1p-38) + 64 * SGT_U * ends;
-    lane_bits by_end = (lane_bits)(steep >= reach);
-    *out = (by_end & (lane_bits)(ends - 2 * steep * *h > T)) | (~by_end & (lane_bits)(*A2 * *V2 - *qv * *qv > T * *V2));
-}
-
 SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h[4], bool mandelbrot, cell r[4], bool known[4])
 {
-    lanes at = {m[0], m[1], m[2], m[3]}, half = {h[0], h[1], h[2], h[3]}, zero = {0, 0, 0, 0};
-    lanes a = w->start.a + at * w->along.a, b = w->start.b + at * w->along.b, c = w->start.c + at * w->along.c, d = w->start.d + at * w->along.d;
-    lanes va = w->along.a + zero, vb = w->along.b + zero, vc = w->along.c + zero, vd = w->along.d + zero;
-    lanes ca = w->c.a + zero, cb = w->c.b + zero, cc = w->c.c + zero, cd = w->c.d + zero;
-    lanes A[SGT_LEVELS + 1], V2s[SGT_LEVELS + 1], es[SGT_LEVELS + 1], A2, V2, qv, half2 = half * half;
-    lanes far = (lanes)((lane_bits)at & ~((lane_bits){1, 1, 1, 1} << 63)), e = 8 * SGT_U * (w->start_size + (far + half) * w->along_size), extra = zero;
-    if (mandelbrot) ca = a, cb = b, cc = c, cd = d, extra = e; /* Q_1 = c */
+    lanes at = {m[0], m[1], m[2], m[3]}, half = {h[0], h[1], h[2], h[3]}, zero = {0, 0, 0, 0}, far, half2 = half * half;
+    four_magnitude(&at, &far);
+    four s = {.a = w->start.a + at * w->along.a, .b = w->start.b + at * w->along.b, .c = w->start.c + at * w->along.c, .d = w->start.d + at * w->along.d,
+              .va = w->along.a + zero, .vb = w->along.b + zero, .vc = w->along.c + zero, .vd = w->along.d + zero,
+              .e = 8 * SGT_U * (w->start_size + (far + half) * w->along_size)};
+    four_constant c = {w->c.a + zero, w->c.b + zero, w->c.c + zero, w->c.d + zero, zero};
+    if (mandelbrot) c = (four_constant){s.a, s.b, s.c, s.d, s.e}; /* Q_1 = c */
+    lanes A[SGT_LEVELS + 1], V2s[SGT_LEVELS + 1], es[SGT_LEVELS + 1];
     const lane_bits before[3] = {{~0ULL, 0, 0, 0}, {~0ULL, ~0ULL, 0, 0}, {~0ULL, ~0ULL, ~0ULL, 0}};
     lane_bits live = {~0ULL, ~0ULL, ~0ULL, ~0ULL}, wanted = live, outside = live ^ live; /* not decided; of use; decided so */
+    const circle near = circle_of(w);
     int n = w->iterations;
     for (int k = mandelbrot ? 1 : 0;; k++) {
-        A2 = (a * a + b * b) + (c * c + d * d), V2 = (va * va + vb * vb) + (vc * vc + vd * vd), qv = (a * va + b * vb) + (c * vc + d * vd);
+        four_norms(&s);
         double E = w->escape[k], E2 = E * E;
-        lane_bits over = (lane_bits)(A2 > E2) & live;
+        lanes y = half2 * s.V2;
+        lane_bits over = (lane_bits)(s.A2 > E2) & live;
         if (ANY(over)) {
-            lane_bits out;
-            lanes_outside(&A2, &V2, &qv, &e, &half, E, &out);
+            lanes escape = E + zero, x, room;
+            four_magnitude(&s.qv, &x);
+            x *= half;
+            four_room(&s, near.keep, &escape, &x, &y, &room);
+            lane_bits out = (lane_bits)(room > 0);
             outside |= out & over;
             live &= ~(over & out);
-            if (k < n) live &= ~(over & (lane_bits)(A2 > HOPELESS * E2));
+            if (k < n) live &= ~(over & (lane_bits)(s.A2 > near.far));
             /* those behind an open cell are of no use */
             for (int l = 0; l < 3; l++)
                 if (!(live[l] | outside[l])) wanted &= before[l];
             lane_bits left = live & wanted;
             if (!ANY(left)) break;
         }
-        upper_root(&A2, &A[k]), V2s[k] = V2, es[k] = e;
+        four_twice_root(&s.A2, &A[k]), V2s[k] = s.V2, es[k] = s.e;
         if (k == n) break;
-        lanes reach2 = half2 * V2, two_a = 2 * a, two_va = 2 * va;
-        e = (((2 * A[k] + 5 * e) * e + 1.25 * reach2) + 8 * SGT_U * ((2 * A2 + reach2) + w->c_abs)) + extra;
-        va = two_a * va * 2 - 2 * qv, vb = two_a * vb + two_va * b, vc = two_a * vc + two_va * c, vd = two_a * vd + two_va * d;
-        if (mandelbrot) va += w->along.a, vb += w->along.b, vc += w->along.c, vd += w->along.d;
-        a = (two_a * a - A2) + ca, b = two_a * b + cb, c = two_a * c + cc, d = two_a * d + cd;
+        four_step(&s, &A[k], &y, near.round, &c, mandelbrot);
+        if (mandelbrot) s.va += w->along.a, s.vb += w->along.b, s.vc += w->along.c, s.vd += w->along.d;
     }
-    bool slopes = false;
+    bool slopes = false, asked[4] = {false, false, false, false};
     for (int l = 0; l < 4; l++) {
         known[l] = wanted[l] != 0;
         r[l].verdict = outside[l] ? CELL_OUTSIDE : CELL_OPEN, r[l].W = HUGE_VAL, r[l].level = 0; /* the rest is of level N alone */
-        if (live[l] && wanted[l]) slopes = judge(w, (pair_norms){A2[l], V2[l], qv[l]}, sqrt(V2[l]), e[l], h[l], &r[l]) || slopes;
+        if (live[l] && wanted[l]) {
+            asked[l] = at_the_end(w, (pair_norms){s.A2[l], s.V2[l], s.qv[l]}, s.e[l], h[l], &r[l]);
+            slopes = slopes || asked[l];
+        }
     }
     if (!slopes) return;
-    lanes first = (8 * SGT_U * w->along_size) + zero, own = 8 * SGT_U * (w->start_size + far * w->along_size), center = own, dv = first;
+    lanes first = (8 * SGT_U * w->along_size) + zero, own = 8 * SGT_U * (w->start_size + far * w->along_size), center = own, d = first;
     for (int k = mandelbrot ? 1 : 0; k < n; k++) {
-        lanes V, D;
-        upper_root(&V2s[k], &V);
-        D = V * half + es[k];
-        dv = 2 * (D * V + (A[k] + D) * dv) + 16 * SGT_U * A[k] * V;
-        center = 2 * A[k] * center + center * center + 8 * SGT_U * (A[k] * A[k] + w->c_abs);
-        if (mandelbrot) dv += first, center += own;
+        four_slope(&A[k], &V2s[k], &es[k], &half, near.round, &d, &center);
+        if (mandelbrot) d += first, center += own;
     }
     for (int l = 0; l < 4; l++)
-        if (live[l] && wanted[l] && r[l].verdict == CELL_OPEN) judge_slope(w, A[n][l], sqrt(V2[l]), dv[l], center[l], h[l], &r[l]);
+        if (asked[l]) bound_slope(w, 0.5 * A[n][l], sqrt(s.V2[l]), d[l], center[l], h[l], &r[l]);
 }
 #else
 SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h[4], bool mandelbrot, cell r[4], bool known[4])
@@ -308,10 +283,10 @@ void sgt_orbit_cells(const path *w, const double m[4], const double h[4], cell r
 
 void sgt_orbit_cell(const path *w, double m, double h, cell *r)
 {
-    cell four[4];
+    cell all[4];
     bool known[4];
-    sgt_orbit_cells(w, (double[]){m, m, m, m}, (double[]){h, h, h, h}, four, known);
-    *r = four[0];
+    sgt_orbit_cells(w, (double[]){m, m, m, m}, (double[]){h, h, h, h}, all, known);
+    *r = all[0];
 }
 
 /* F at |Q| = A, for bounds: a little lower, or higher. */

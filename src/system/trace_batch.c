@@ -1,44 +1,568 @@
-/* trace_batch.c - many rays through a row of surfaces. */
-#include <sagitta/system.h>
+/* trace_batch.c - many rays through a row of surfaces.
+ *
+ * A TILE OF RAYS goes through all elements before the next one starts, so that what it needs stays in the
+ * cache nearest the processor.  At each element three loops run over it, all of them vector code: the rays
+ * are placed in the element's frame, the surface's sweep meets them (src/ray/batch.c), and they are bent, on
+ * to the next.  Where a pose has no turns placing is a sum, and between equal indices nothing is bent.  The
+ * formulas are those of the single ray (trace.h), the same operations in the same order, and so the same
+ * bits.
+ *
+ * WHAT THE LOOPS LEAVE.  They answer for a ray that is met within the clear aperture and goes on.  Any other
+ * (missed, outside, totally reflected; a normal or a direction out of range) is looked at by itself, and
+ * where it goes on taken through that one element by sgt_pass; so is a launch by sgt_launch, where the ray is
+ * none.  Rays that have stopped leave the tile, and the others move up.
+ *
+ * Where somebody watches, and where the options make no sense, tiles are of one ray, and all of it is done by
+ * sgt_pass. */
+#include "trace.h"
 
-#include <math.h>
-#include <string.h>
+#include "../ray/batch.h"
+#include "../solve/root.h"
 
-enum { MOST_TOLD = 64 };
+/* The rays of a tile: 128 of them are 30 KiB, a third of it for paths and records alone, so that with what the
+ * sweep needs they stay in a first cache of 32, and with its stack are below 64; and they are enough to make the
+ * work between the loops small (of 96 a scan lens costs 6 % more). */
+enum { TILE = 128 };
 
-static void write_passage(const sgt_passages *out, size_t i, const sgt_passage *p)
+/* The ends of a ray that is a whole line. */
+#define FOUR(x) x, x, x, x
+#define ALL(x) FOUR(FOUR(FOUR(x))), FOUR(FOUR(FOUR(x)))
+static const double line_begins[TILE] = {ALL(-HUGE_VAL)}, line_ends[TILE] = {ALL(HUGE_VAL)};
+
+typedef struct vectors { double x[TILE], y[TILE], z[TILE]; } vectors;
+typedef struct paths { double hi[TILE], lo[TILE]; } paths;
+
+SGT_INLINE sgt_vec3 get(const vectors *v, size_t i) { return (sgt_vec3){v->x[i], v->y[i], v->z[i]}; }
+SGT_INLINE void put(vectors *v, size_t i, sgt_vec3 a) { v->x[i] = a.x, v->y[i] = a.y, v->z[i] = a.z; }
+
+/* Not inlined, with clones or without: what it has on the stack need not lie there while a surface's sweep runs. */
+#if defined(__GNUC__)
+#define APART __attribute__((noinline))
+#else
+#define APART
+#endif
+
+/* Where the rays are and whence they came, as a state has it. */
+typedef struct place { vectors *offset, *d; paths *path; } place;
+
+typedef struct tile {
+    size_t first, n;        /* the first of its rays; how many are still on their way, */
+    size_t whole;           /* of how many */
+    int index[TILE];        /* and which, from `first` on; -1: it has stopped just now */
+    sgt_vec3 base;          /* see state */
+    double medium, t0[TILE]; /* t0: of the first element, and only if some launch may have been moved */
+    bool moved;
+    place now, next;        /* before an element and behind it */
+    vectors *o, *p, *d;     /* in its frame: where from, where it is met, and the direction before */
+    _Alignas(64) vectors n_; /* 64: a line of the cache */
+    vectors offsets[3], ds[2]; /* what the pointers above go to */
+    paths some_paths[2];
+    double t[TILE], t_lo[TILE], t_err[TILE], p_err[TILE];
+    union { double t_tol[TILE], good[TILE]; }; /* to the sweep; then 1: the loops have answered, 0: they have not */
+    int evals[TILE];
+    signed char status[TILE];
+} tile;
+
+/* What was asked for. */
+typedef struct work {
+    size_t elements;
+    const sgt_element *e;
+    const sgt_rays *rays;
+    const sgt_traced *out;
+    const sgt_passages *passages;
+    sgt_options opt;
+    double index;
+    bool by_hand, path;     /* all by sgt_pass; some path is asked for */
+} work;
+
+/* -------------------------------------------------------------- the loops */
+
+/* Each returns how many rays it answered for. */
+
+/* Where all that is needed is a sum. */
+SGT_CLONES_WIDE APART
+static double launch_near(size_t n, const sgt_rays *from, size_t first, sgt_vec3 origin, vectors *restrict offset,
+                          vectors *restrict out_d, double *restrict good)
+{
+    const double *restrict ox = from->o[0] + first, *restrict oy = from->o[1] + first, *restrict oz = from->o[2] + first;
+    const double *restrict dx = from->d[0] + first, *restrict dy = from->d[1] + first, *restrict dz = from->d[2] + first;
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 o = {ox[i], oy[i], oz[i]}, d = {dx[i], dy[i], dz[i]};
+        put(offset, i, plus(minus(o, origin), (sgt_vec3){0, 0, 0}));
+        put(out_d, i, d);
+        good[i] = stays(o, d, origin, false) ? 1 : 0;
+        count += good[i];
+    }
+    return count;
+}
+
+SGT_CLONES_WIDE APART
+static double launch_all(size_t n, const sgt_rays *from, size_t first, sgt_vec3 origin, bool turned, vectors *restrict offset,
+                         vectors *restrict out_d, double *restrict t0, double *restrict good)
+{
+    const double *restrict ox = from->o[0] + first, *restrict oy = from->o[1] + first, *restrict oz = from->o[2] + first;
+    const double *restrict dx = from->d[0] + first, *restrict dy = from->d[1] + first, *restrict dz = from->d[2] + first;
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 o = {ox[i], oy[i], oz[i]}, d = {dx[i], dy[i], dz[i]}, q = minus(o, origin);
+        launched l = launch_from(o, d, origin, turned);
+        put(offset, i, l.offset);
+        put(out_d, i, l.d);
+        t0[i] = l.t0;
+        double odd = (q.x - q.x) + (q.y - q.y) + (q.z - q.z) + (d.x - d.x) + (d.y - d.y) + (d.z - d.z) + (l.t0 - l.t0);
+        good[i] = odd == 0 /* all are finite */ && largest(d) >= DBL_MIN ? 1 : 0;
+        count += good[i];
+    }
+    return count;
+}
+
+SGT_CLONES_WIDE APART
+static void place_all(size_t n, sgt_vec3 shift, double semi_diameter, const vectors *restrict offset, vectors *restrict out,
+                      double *restrict tol)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 o = plus(shift, get(offset, i));
+        put(out, i, o);
+        tol[i] = tolerance(semi_diameter, o);
+    }
+}
+
+/* A direction that comes out far from unit length (the axes are not what they should be) is NaN: met by no surface. */
+SGT_CLONES_WIDE APART
+static void turn_all(size_t n, const sgt_pose *pose, sgt_vec3 shift, double semi_diameter, const vectors *restrict offset,
+                     const vectors *restrict d, vectors *restrict out_o, vectors *restrict out_d, double *restrict tol)
+{
+    sgt_pose p = *pose;
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 o = to_local(&p, plus(shift, get(offset, i))), turned = to_local(&p, get(d, i));
+        double e = excess(turned);
+        turned = kept_unit(turned, e);
+        turned.x = fabs(e) <= NEAR_UNIT ? turned.x : (double)NAN;
+        put(out_o, i, o);
+        put(out_d, i, turned);
+        tol[i] = tolerance(semi_diameter, o);
+    }
+}
+
+/* d and out may be the same. */
+SGT_INLINE double bend_by(bend_kind kind, size_t n, bending by, double aperture2, const vectors *restrict p, const vectors *d,
+                          const vectors *restrict normal, vectors *out, double *restrict good)
+{
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) {
+        double inside = p->x[i] * p->x[i] + p->y[i] * p->y[i] <= aperture2 ? 1 : 0; /* not of NaN: it was not met */
+        if (kind != STRAIGHT) {
+            bent b = bent_by(kind, by.r, by.k, get(d, i), get(normal, i));
+            put(out, i, b.d);
+            inside = where_good(b, inside);
+        }
+        good[i] = inside;
+        count += inside;
+    }
+    return count;
+}
+
+SGT_CLONES_WIDE APART
+static double bend_all(size_t n, bending by, double aperture2, const vectors *p, const vectors *d, const vectors *normal,
+                       vectors *out, double *good)
+{
+    switch (by.kind) {
+    case STRAIGHT: return bend_by(STRAIGHT, n, by, aperture2, p, d, normal, out, good);
+    case BACK: return bend_by(BACK, n, by, aperture2, p, d, normal, out, good);
+    case ON: return bend_by(ON, n, by, aperture2, p, d, normal, out, good);
+    case ON_BY_SINE: return bend_by(ON_BY_SINE, n, by, aperture2, p, d, normal, out, good);
+    }
+    return 0;
+}
+
+/* Back to global axes; d too, in place, where it was bent. */
+SGT_CLONES_WIDE APART
+static double return_all(size_t n, const sgt_pose *pose, bool d_too, const vectors *restrict p, vectors *restrict offset,
+                         vectors *restrict d, double *restrict good)
+{
+    sgt_pose axes = *pose;
+    double count = 0;
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) put(offset, i, to_global(&axes, get(p, i)));
+    if (d_too) {
+#pragma omp simd
+        for (size_t i = 0; i < n; i++) {
+            sgt_vec3 back = to_global(&axes, get(d, i));
+            double e = excess(back);
+            put(d, i, kept_unit(back, e));
+            good[i] = fabs(e) <= NEAR_UNIT ? good[i] : 0;
+        }
+    }
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) count += good[i];
+    return count;
+}
+
+/* The hits of moved launches, in place. */
+SGT_CLONES_WIDE APART
+static void shift_all(size_t n, const double *restrict t0, double *restrict t, double *restrict t_lo, double *restrict t_err)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        hit_place h = from_launch(t0[i], (hit_place){t[i], t_lo[i], t_err[i]});
+        t[i] = t0[i] != 0 ? h.t : t[i];
+        t_lo[i] = t0[i] != 0 ? h.t_lo : t_lo[i];
+        t_err[i] = t0[i] != 0 ? h.t_err : t_err[i];
+    }
+}
+
+SGT_CLONES_WIDE APART
+static void lengthen_all(size_t n, double index, const double *restrict t, const double *restrict t_lo,
+                         const paths *restrict path, paths *restrict out)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        twofold l = longer((twofold){path->hi[i], path->lo[i]}, index, t[i], t_lo[i]);
+        out->hi[i] = l.hi, out->lo[i] = l.lo;
+    }
+}
+
+/* --------------------------------------------------------------- the record */
+
+/* One number of every ray that is on its way. */
+static void tell_all(const tile *w, double *out, const double *from)
+{
+    if (!out) return;
+    out += w->first;
+    if (w->n == w->whole) memcpy(out, from, w->n * sizeof *from);
+    else for (size_t i = 0; i < w->n; i++) out[w->index[i]] = from[i];
+}
+
+static void tell_vectors(const tile *w, double *const out[3], const vectors *from)
+{
+    if (!out[0]) return;
+    tell_all(w, out[0], from->x), tell_all(w, out[1], from->y), tell_all(w, out[2], from->z);
+}
+
+static void tell_vector(double *const out[3], size_t i, sgt_vec3 a)
+{
+    if (out[0]) out[0][i] = a.x, out[1][i] = a.y, out[2][i] = a.z;
+}
+
+static void tell_number(double *out, size_t i, double a)
+{
+    if (out) out[i] = a;
+}
+
+static void tell_passage(const sgt_passages *out, size_t i, const sgt_passage *p)
 {
     const sgt_hits *h = &out->hits;
     if (h->status) h->status[i] = (signed char)p->hit.status;
     if (h->evals) h->evals[i] = p->hit.evals;
-    if (h->t) h->t[i] = p->hit.t;
-    if (h->t_err) h->t_err[i] = p->hit.t_err;
-    if (h->t_lo) h->t_lo[i] = p->hit.t_lo;
-    if (h->p[0]) h->p[0][i] = p->hit.p.x, h->p[1][i] = p->hit.p.y, h->p[2][i] = p->hit.p.z;
-    if (h->n[0]) h->n[0][i] = p->hit.n.x, h->n[1][i] = p->hit.n.y, h->n[2][i] = p->hit.n.z;
-    if (h->p_err) h->p_err[i] = p->hit.p_err;
-    if (out->direction[0]) out->direction[0][i] = p->direction.x, out->direction[1][i] = p->direction.y, out->direction[2][i] = p->direction.z;
-    if (out->opl) out->opl[i] = p->opl;
+    tell_number(h->t, i, p->hit.t);
+    tell_number(h->t_err, i, p->hit.t_err);
+    tell_number(h->t_lo, i, p->hit.t_lo);
+    tell_number(h->p_err, i, p->hit.p_err);
+    tell_vector(h->p, i, p->hit.p);
+    tell_vector(h->n, i, p->hit.n);
+    tell_vector(out->direction, i, p->direction);
+    tell_number(out->opl, i, p->opl);
+}
+
+/* What has become of ray i (of the batch); o, d: as it is at return. */
+static void tell_fate(const sgt_traced *out, size_t i, sgt_fate fate, size_t passed, sgt_vec3 o, sgt_vec3 d, double opl)
+{
+    if (out->fate) out->fate[i] = (signed char)fate;
+    if (out->passed) out->passed[i] = (int)passed;
+    tell_vector(out->o, i, o);
+    tell_vector(out->d, i, d);
+    tell_number(out->opl, i, opl);
+}
+
+/* The i-th ray of the tile stops at element `passed`, of which it has been told, and is to be told of none behind. */
+static void stop(const work *job, tile *w, size_t i, sgt_fate fate, size_t passed, sgt_vec3 o, sgt_vec3 d, double opl)
+{
+    size_t ray = w->first + (size_t)w->index[i];
+    if (job->passages && passed + 1 < job->elements) {
+        const sgt_passage nothing = sgt_not_met(SGT_MISS);
+        for (size_t j = passed + 1; j < job->elements; j++) tell_passage(&job->passages[j], ray, &nothing);
+    }
+    tell_fate(job->out, ray, fate, passed, o, d, opl);
+    w->index[i] = -1;
+}
+
+/* Those that have not stopped move up. */
+static void close_ranks(const work *job, tile *w, const place *at)
+{
+    size_t k = 0;
+    for (size_t i = 0; i < w->n; i++) {
+        if (w->index[i] < 0) continue;
+        w->index[k] = w->index[i];
+        if (w->moved) w->t0[k] = w->t0[i];
+        put(at->offset, k, get(at->offset, i));
+        put(at->d, k, get(at->d, i));
+        if (job->path) at->path->hi[k] = at->path->hi[i], at->path->lo[k] = at->path->lo[i];
+        k++;
+    }
+    w->n = k;
+}
+
+/* -------------------------------------------------------------- one by one */
+
+/* A watcher that is told which ray it is. */
+typedef struct numbered { sgt_watch *watch; void *data; size_t ray; } numbered;
+
+static int watch_numbered(void *data, const sgt_step *step)
+{
+    const numbered *n = data;
+    sgt_step own = *step;
+    own.ray = n->ray;
+    return n->watch(n->data, &own);
+}
+
+static sgt_ray ray_of(const sgt_rays *r, size_t i)
+{
+    return (sgt_ray){.o = {r->o[0][i], r->o[1][i], r->o[2][i]}, .d = {r->d[0][i], r->d[1][i], r->d[2][i]}};
+}
+
+APART static void launch_rest(const work *job, tile *w)
+{
+    size_t stopped = 0;
+    for (size_t i = 0; i < w->n; i++) {
+        if (w->good[i] > 0) continue;
+        size_t r = w->first + (size_t)w->index[i];
+        sgt_ray ray = ray_of(job->rays, r);
+        state s;
+        if (sgt_launch(&ray, job->elements ? job->e : NULL, job->index, &s)) {
+            put(w->now.offset, i, s.offset);
+            put(w->now.d, i, s.d);
+            w->t0[i] = s.t0;
+            continue;
+        }
+        if (job->passages && job->elements) {
+            const sgt_passage invalid = sgt_not_met(SGT_INVALID);
+            tell_passage(&job->passages[0], r, &invalid);
+        }
+        stop(job, w, i, SGT_LOST, 0, ray.o, ray.d, (double)NAN);
+        stopped++;
+    }
+    if (stopped) close_ranks(job, w, &w->now);
+}
+
+/* What the sweep has found; what was not asked of it is not read. */
+static sgt_hit hit_of(const tile *w, size_t i, const sgt_hits *asked)
+{
+    sgt_hit hit = sgt_not_met((sgt_status)w->status[i]).hit;
+    if (asked->evals) hit.evals = w->evals[i];
+    if (asked->t) hit.t = w->t[i];
+    if (asked->t_lo) hit.t_lo = w->t_lo[i];
+    if (asked->t_err) hit.t_err = w->t_err[i];
+    if (asked->p_err) hit.p_err = w->p_err[i];
+    if (asked->n[0]) hit.n = get(&w->n_, i);
+    hit.p = get(w->p, i);
+    return hit;
+}
+
+/* The i-th ray at element j: most of those that the loops have left stop there, with the hit that the sweep has
+ * found, and that is told already.  ASK: it is inside, sgt_pass is to bend it; ASK_ANEW: it is another hit that is
+ * meant, or the sweep was given no ray. */
+typedef enum verdict { STOPS, ASK, ASK_ANEW } verdict;
+
+SGT_CLONES
+static verdict judge(const work *job, const tile *w, size_t i, size_t j, const bending *by, sgt_fate *fate)
+{
+    const sgt_element *e = &job->e[j];
+    sgt_status status = (sgt_status)w->status[i];
+    double aperture2 = aperture2_of(e->semi_diameter);
+    sgt_ray ray = {.o = plus(minus(w->base, e->pose.origin), get(w->now.offset, i)), .d = get(w->now.d, i)};
+    if (is_turned(&e->pose)) {
+        ray.o = to_local(&e->pose, ray.o), ray.d = to_local(&e->pose, ray.d);
+        double off = excess(ray.d);
+        if (!(fabs(off) <= NEAR_UNIT)) return ASK_ANEW;
+        ray.d = kept_unit(ray.d, off);
+    }
+    if (status > 0 && is_inside(get(w->p, i), aperture2)) { /* it goes on, or is reflected */
+        if (by->kind == STRAIGHT) return ASK;
+        bent b = bent_by(by->kind, by->r, by->k, ray.d, get(&w->n_, i));
+        *fate = SGT_TIR;
+        return in_range(b.G) && b.D < 0 ? STOPS : ASK;
+    }
+    *fate = status == SGT_MISS ? SGT_MISSED : status > 0 ? SGT_CLIPPED : SGT_LOST;
+    if (!(aperture2 < HUGE_VAL) || !is_worth_more(status) || !cut_to_chord(&ray, aperture2)) return STOPS;
+    sgt_options own = job->opt;
+    if (own.t_tol == 0) own.t_tol = tolerance(e->semi_diameter, ray.o);
+    sgt_hit other = sgt_intersect(e->surface, ray, &own);
+    if (other.status > 0 && is_inside(other.p, aperture2)) return ASK_ANEW;
+    int *evals = job->passages ? job->passages[j].hits.evals : NULL;
+    if (evals) evals[w->first + (size_t)w->index[i]] += other.evals;
+    return STOPS;
+}
+
+/* The rays that the loops left, through element j; asked, where not NULL: the sweep has met them. */
+APART static void pass_rest(const work *job, tile *w, size_t j, const bending *by, const sgt_hits *asked)
+{
+    const sgt_element *e = &job->e[j];
+    const sgt_passages *told = job->passages ? &job->passages[j] : NULL;
+    sgt_options opt = job->opt;
+    numbered watched = {opt.watch, opt.watch_data, w->first};
+    if (opt.watch) opt.watch = watch_numbered, opt.watch_data = &watched;
+    size_t stopped = 0;
+    for (size_t i = 0; i < w->n; i++) {
+        if (w->good[i] > 0) continue;
+        size_t r = w->first + (size_t)w->index[i];
+        sgt_vec3 offset = get(w->now.offset, i), d = get(w->now.d, i);
+        twofold path = job->path ? (twofold){w->now.path->hi[i], w->now.path->lo[i]} : twofold_of(0);
+        sgt_fate fate;
+        verdict what = asked ? judge(job, w, i, j, by, &fate) : ASK_ANEW;
+        if (what == STOPS) {
+            if (told) tell_vector(told->direction, r, (sgt_vec3){0, 0, 0});
+            if (told && w->status[i] <= 0) tell_number(told->opl, r, (double)NAN);
+        } else {
+            state s = {.base = w->base, .offset = offset, .d = d, .index = w->medium, .path = path};
+            if (what == ASK_ANEW && j == 0 && w->moved) s.t0 = w->t0[i]; /* where it has been met t is shifted already */
+            sgt_passage passage;
+            sgt_hit hit;
+            if (what == ASK) hit = hit_of(w, i, asked);
+            fate = sgt_pass(e, &s, &opt, what == ASK ? &hit : NULL, &passage);
+            if (told) tell_passage(told, r, &passage);
+            if (fate == SGT_PASSED) {
+                put(w->next.offset, i, s.offset);
+                put(w->next.d, i, s.d);
+                if (job->path) w->next.path->hi[i] = s.path.hi, w->next.path->lo[i] = s.path.lo;
+                continue;
+            }
+        }
+        stop(job, w, i, fate, j, j ? plus(w->base, offset) : ray_of(job->rays, r).o, d, path.hi);
+        stopped++;
+    }
+    if (stopped) close_ranks(job, w, &w->next);
+}
+
+/* --------------------------------------------------------------- an element */
+
+/* By the loops, as far as they go: how many rays; *asked: what the sweep was asked. */
+static double pass_most(const work *job, tile *w, size_t j, bending by, sgt_hits *asked)
+{
+    const sgt_element *e = &job->e[j];
+    static const sgt_passages none = {0};
+    const sgt_passages *told = job->passages ? &job->passages[j] : &none;
+    const sgt_hits *h = &told->hits;
+    bool turned = is_turned(&e->pose);
+    sgt_vec3 shift = minus(w->base, e->pose.origin);
+    if (turned) turn_all(w->n, &e->pose, shift, e->semi_diameter, w->now.offset, w->now.d, w->o, w->d, w->t_tol);
+    else place_all(w->n, shift, e->semi_diameter, w->now.offset, w->o, w->t_tol);
+    for (size_t i = 0; job->opt.t_tol != 0 && i < w->n; i++) w->t_tol[i] = job->opt.t_tol;
+
+    *asked = (sgt_hits){.status = w->status, .p = {w->p->x, w->p->y, w->p->z}};
+    if (by.kind != STRAIGHT || h->n[0]) asked->n[0] = w->n_.x, asked->n[1] = w->n_.y, asked->n[2] = w->n_.z;
+    bool shifted = j == 0 && w->moved && (job->path || h->t || h->t_lo || h->t_err);
+    if (job->path || h->t || shifted) asked->t = w->t;
+    if (job->path || h->t_lo || shifted) asked->t_lo = w->t_lo;
+    if (h->t_err || shifted) asked->t_err = w->t_err;
+    if (h->p_err) asked->p_err = w->p_err;
+    if (h->evals) asked->evals = w->evals;
+    sgt_tile rays = {.n = w->n, .t_tol = w->t_tol, .hits = *asked,
+                     .rays = {.o = {w->o->x, w->o->y, w->o->z}, .d = {w->d->x, w->d->y, w->d->z},
+                              .tmin = line_begins, .tmax = line_ends}};
+    size_t met = sgt_intersect_tile(e->surface, &rays, &job->opt);
+    for (size_t i = 0; met < w->n && i < w->n; i++)
+        if (w->status[i] <= 0) w->p->x[i] = (double)NAN; /* as it is; the loops go by that */
+    if (shifted) shift_all(w->n, w->t0, w->t, w->t_lo, w->t_err);
+
+    for (size_t i = 0; h->status && i < w->n; i++) h->status[w->first + (size_t)w->index[i]] = w->status[i];
+    for (size_t i = 0; h->evals && i < w->n; i++) h->evals[w->first + (size_t)w->index[i]] = w->evals[i];
+    tell_all(w, h->t, w->t), tell_all(w, h->t_lo, w->t_lo), tell_all(w, h->t_err, w->t_err), tell_all(w, h->p_err, w->p_err);
+    tell_vectors(w, h->p, w->p);
+    tell_vectors(w, h->n, &w->n_);
+
+    if (job->path) lengthen_all(w->n, w->medium, w->t, w->t_lo, w->now.path, w->next.path);
+    double good = bend_all(w->n, by, aperture2_of(e->semi_diameter), w->p, w->d, &w->n_, w->next.d, w->good);
+    tell_vectors(w, told->direction, by.kind == STRAIGHT ? w->d : w->next.d);
+    tell_all(w, told->opl, w->next.path->hi);
+    if (turned) good = return_all(w->n, &e->pose, by.kind != STRAIGHT, w->p, w->next.offset, w->next.d, w->good);
+    return good;
+}
+
+static void pass_all(const work *job, tile *w, size_t j)
+{
+    const sgt_element *e = &job->e[j];
+    bool turned = is_turned(&e->pose), loops = !job->by_hand && is_sound(e, w->medium);
+    double n2 = index_behind(e, w->medium), good = 0;
+    bending by = bending_of(w->medium, n2, e->index == SGT_MIRROR);
+    vectors *other = w->now.d == &w->ds[0] ? &w->ds[1] : &w->ds[0];
+    w->d = turned ? other : w->now.d; /* bent in place, or left there */
+    w->next.offset = turned ? w->o : w->p;
+    w->next.d = by.kind == STRAIGHT ? w->now.d : other;
+    sgt_hits asked;
+    if (loops) good = pass_most(job, w, j, by, &asked);
+    else memset(w->good, 0, sizeof w->good);
+    if (good < (double)w->n) pass_rest(job, w, j, &by, loops ? &asked : NULL);
+
+    place last = w->now;
+    w->now = w->next;
+    w->next.path = last.path;
+    if (turned) w->o = last.offset;
+    else w->p = last.offset;
+    w->base = e->pose.origin, w->medium = n2;
+}
+
+/* ---------------------------------------------------------------- together */
+
+static void trace_tile(const work *job, tile *w)
+{
+    const sgt_element *first = job->elements ? job->e : NULL;
+    double good = 0;
+    w->n = w->whole;
+    w->medium = job->index == 0 ? 1 : job->index;
+    w->now = (place){&w->offsets[0], &w->ds[0], &w->some_paths[0]};
+    w->next.path = &w->some_paths[1];
+    w->o = &w->offsets[1], w->p = &w->offsets[2];
+    for (size_t i = 0; i < w->n; i++) w->index[i] = (int)i;
+    if (job->path) memset(w->now.path, 0, sizeof *w->now.path);
+    if (first) w->base = first->pose.origin;
+    bool turned = first && is_turned(&first->pose), loops = first && !job->by_hand;
+    if (loops && !turned)
+        good = launch_near(w->n, job->rays, w->first, w->base, w->now.offset, w->now.d, w->good);
+    w->moved = good < (double)w->n;
+    if (w->moved && loops)
+        good = launch_all(w->n, job->rays, w->first, w->base, turned, w->now.offset, w->now.d, w->t0, w->good);
+    if (!loops) memset(w->good, 0, sizeof w->good);
+    if (good < (double)w->n) launch_rest(job, w);
+    for (size_t j = 0; j < job->elements && w->n; j++) pass_all(job, w, j);
+}
+
+/* Those that have passed all, as they are at return. */
+static void tell_passed(const work *job, tile *w)
+{
+    const sgt_traced *out = job->out;
+    if (job->elements)
+        for (size_t i = 0; i < w->n; i++) put(w->o, i, plus(w->base, get(w->now.offset, i)));
+    else
+        for (size_t i = 0; i < w->n; i++) put(w->o, i, ray_of(job->rays, w->first + (size_t)w->index[i]).o);
+    tell_vectors(w, out->o, w->o);
+    tell_vectors(w, out->d, w->now.d);
+    if (job->path) tell_all(w, out->opl, w->now.path->hi);
+    for (size_t i = 0; out->fate && i < w->n; i++) out->fate[w->first + (size_t)w->index[i]] = SGT_PASSED;
+    for (size_t i = 0; out->passed && i < w->n; i++) out->passed[w->first + (size_t)w->index[i]] = (int)job->elements;
 }
 
 size_t sgt_trace_batch(size_t elements, const sgt_element e[], double index_before, size_t n, sgt_rays rays,
                        sgt_traced out, const sgt_passages passages[], const sgt_options *opt)
 {
-    size_t all = 0;
-    const double none = (double)NAN;
-    const sgt_passage nothing = {.hit = {.status = SGT_MISS, .t = none, .t_err = none, .t_lo = none, .p = {none, none, none}, .n = {none, none, none}, .p_err = none}, .opl = none};
-    for (size_t i = 0; i < n; i++) {
-        sgt_ray ray = {{rays.o[0][i], rays.o[1][i], rays.o[2][i]}, {rays.d[0][i], rays.d[1][i], rays.d[2][i]}, 0, 0};
-        sgt_passage p[MOST_TOLD];
-        sgt_fate fate = SGT_PASSED;
-        size_t passed = sgt_trace(elements < MOST_TOLD ? elements : MOST_TOLD, e, index_before, &ray, p, &fate, opt);
-        for (size_t j = 0; passages && j < elements; j++) write_passage(&passages[j], i, j < passed + (fate != SGT_PASSED) ? &p[j] : &nothing);
-        if (out.fate) out.fate[i] = (signed char)fate;
-        if (out.passed) out.passed[i] = (int)passed;
-        if (out.o[0]) out.o[0][i] = ray.o.x, out.o[1][i] = ray.o.y, out.o[2][i] = ray.o.z;
-        if (out.d[0]) out.d[0][i] = ray.d.x, out.d[1][i] = ray.d.y, out.d[2][i] = ray.d.z;
-        if (out.opl) out.opl[i] = passed ? p[passed - 1].opl : 0;
-        all += passed == elements;
+    work job = {.elements = elements, .e = e, .rays = &rays, .out = &out, .passages = passages,
+                .index = index_before, .path = out.opl};
+    if (opt) job.opt = *opt;
+    if (job.opt.pick == SGT_PICK_DEFAULT) job.opt.pick = SGT_NEAR_SEED;
+    for (size_t j = 0; passages && j < elements; j++) job.path = job.path || passages[j].opl;
+    job.by_hand = job.opt.watch || !sgt_options_valid(&job.opt);
+    tile w;
+    size_t most = job.by_hand ? 1 : TILE, all = 0;
+    for (w.first = 0; w.first < n; w.first += w.whole) {
+        w.whole = n - w.first < most ? n - w.first : most;
+        trace_tile(&job, &w);
+        tell_passed(&job, &w);
+        all += w.n;
     }
     return all;
 }

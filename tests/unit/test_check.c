@@ -11,6 +11,8 @@ typedef enum fault {
     NO_FAULT, NEGATED, NORMALISED, COMPONENT_X, COMPONENT_Y, COMPONENT_Z, ZERO_GRADIENT, INFINITE_GRADIENT, TINY_FAULT, /* of the gradient */
     SHORT_SPAN, EARLY_SPAN, NO_PASSING_BY, NAN_SPAN, FALSE_SINGLE,                                     /* of the span */
     NAN_ROUNDING, NEGATIVE_ROUNDING, INFINITE_ROUNDING,
+    LAST_BIT, LAST_SLOPE, LAST_POINT, NO_NULL, TOO_MANY, NOT_NAN,                                      /* of values */
+    LAST_SEED, OTHER_SINGLE, LAST_RAY,                                                                 /* of spans */
     FAULTS
 } fault;
 
@@ -35,7 +37,25 @@ static double faulty_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
         *grad = (sgt_vec3){by * n.x, by * n.y, by * n.z};
         if (s->what == INFINITE_GRADIENT) grad->z = FAR;
     }
-    return w * w - 4 * R2 * q;
+    return s->what == NOT_NAN && p.x < 0 ? NOT : w * w - 4 * R2 * q;
+}
+
+/* What is wrong, if anything, is wrong at one point of many. */
+static void faulty_values(const void *self, size_t n, sgt_points p, sgt_values out)
+{
+    const faulty *s = self;
+    for (size_t i = 0; i < n + (s->what == TOO_MANY && n > 40 ? 1 : 0); i++) {
+        size_t k = i < n ? i : n - 1;
+        sgt_vec3 at = {p.p[0][k], p.p[1][k], p.p[2][k]}, grad;
+        double f = faulty_value(self, at, &grad);
+        if (s->what == LAST_BIT && i == 31) f = nextafter(f, FAR);
+        if (s->what == LAST_SLOPE && i == 60) grad.y = nextafter(grad.y, FAR);
+        if (s->what == LAST_POINT && n < 8 && i == n - 1) f = 0;
+        if (s->what == NO_NULL && !out.grad[0]) f += f;
+        if (s->what == NOT_NAN && isnan(f)) f = 0;
+        out.f[i] = f;
+        if (out.grad[0]) out.grad[0][i] = grad.x, out.grad[1][i] = grad.y, out.grad[2][i] = grad.z;
+    }
 }
 
 static sgt_span faulty_span(const void *self, const sgt_ray *ray)
@@ -54,6 +74,21 @@ static sgt_span faulty_span(const void *self, const sgt_ray *ray)
     return span;
 }
 
+static void faulty_spans(const void *self, size_t n, sgt_rays r, sgt_spans out)
+{
+    const faulty *s = self;
+    for (size_t i = 0; i < n; i++) {
+        sgt_ray ray = {.o = {r.o[0][i], r.o[1][i], r.o[2][i]}, .d = {r.d[0][i], r.d[1][i], r.d[2][i]}};
+        sgt_span span = faulty_span(self, &ray);
+        bool passes = span.lo > span.hi;
+        if (s->what == LAST_SEED && i % 7 == 6) span.seed = nextafter(span.seed, FAR);
+        if (s->what == OTHER_SINGLE && i % 9 == 0) span.single = !span.single;
+        if (s->what == LAST_RAY && i == n - 1 && !passes) span.hi = 2 * span.hi;
+        if (passes) span = (sgt_span){.lo = 3, .hi = -FAR, .seed = NOT}; /* nobody reads those */
+        out.lo[i] = span.lo, out.hi[i] = span.hi, out.seed[i] = span.seed, out.single[i] = span.single;
+    }
+}
+
 static double faulty_rounding(const void *self, sgt_vec3 p)
 {
     const faulty *s = self;
@@ -64,7 +99,7 @@ static double faulty_rounding(const void *self, sgt_vec3 p)
     return 0x1p-53 * (14 * W * W + 24 * R2 * q);
 }
 
-static const sgt_surface_ops faulty_ops = {.name = "torus", .value = faulty_value, .span = faulty_span, .rounding = faulty_rounding},
+static const sgt_surface_ops faulty_ops = {.name = "torus", .value = faulty_value, .span = faulty_span, .rounding = faulty_rounding, .values = faulty_values, .spans = faulty_spans},
                              bare_ops = {.name = "torus", .value = faulty_value}, spanned_ops = {.name = "torus", .value = faulty_value, .span = faulty_span};
 
 /* Rays through the torus of size 1, far beyond it at both ends. */
@@ -87,7 +122,7 @@ static void test_planted(void **state)
             faulty s = {size, 0.4 * size, (fault)what};
             sgt_ray rays[24];
             rays_through(&g, size, COUNT_OF(rays), rays);
-            sgt_fault want = what == NO_FAULT ? SGT_SOUND : what <= TINY_FAULT ? SGT_WRONG_GRADIENT : what <= FALSE_SINGLE ? SGT_WRONG_SPAN : SGT_WRONG_ROUNDING;
+            sgt_fault want = what == NO_FAULT ? SGT_SOUND : what <= TINY_FAULT ? SGT_WRONG_GRADIENT : what <= FALSE_SINGLE ? SGT_WRONG_SPAN : what <= INFINITE_ROUNDING ? SGT_WRONG_ROUNDING : what <= NOT_NAN ? SGT_WRONG_VALUES : SGT_WRONG_SPANS;
             sgt_vec3 where;
             sgt_fault got = sgt_check((sgt_surface){&faulty_ops, &s}, COUNT_OF(rays), rays, &where);
             REQUIRE(got == want, "fault %d, size %g: %s at %g %g %g", what, size, sgt_fault_text(got), where.x, where.y, where.z);
@@ -97,7 +132,7 @@ static void test_planted(void **state)
             got = sgt_check((sgt_surface){&bare_ops, &s}, COUNT_OF(rays), rays, NULL);
             REQUIRE(got == (want == SGT_WRONG_GRADIENT ? want : SGT_SOUND), "fault %d, bare: %s", what, sgt_fault_text(got));
             got = sgt_check((sgt_surface){&spanned_ops, &s}, COUNT_OF(rays), rays, NULL);
-            REQUIRE(got == (want == SGT_WRONG_ROUNDING ? SGT_SOUND : want), "fault %d, no rounding: %s", what, sgt_fault_text(got));
+            REQUIRE(got == (want == SGT_WRONG_GRADIENT || want == SGT_WRONG_SPAN ? want : SGT_SOUND), "fault %d, no more than a span: %s", what, sgt_fault_text(got));
         }
 }
 
@@ -122,6 +157,19 @@ static void test_no_value(void **state)
     assert_int_equal(sgt_check((sgt_surface){NULL, NULL}, 1, &ray, NULL), SGT_NO_VALUE);
     assert_int_equal(sgt_check((sgt_surface){&(sgt_surface_ops){.span = faulty_span}, NULL}, 1, &ray, NULL), SGT_NO_VALUE);
     assert_int_equal(sgt_check((sgt_surface){NULL, NULL}, 0, NULL, NULL), SGT_NO_VALUE);
+}
+
+static void test_spans_alone(void **state)
+{
+    (void)state;
+    generator g = seeded("spans alone");
+    faulty s = {1, 0.4, NO_FAULT};
+    sgt_ray rays[3];
+    rays_through(&g, 1, COUNT_OF(rays), rays);
+    sgt_vec3 where;
+    assert_int_equal(sgt_check((sgt_surface){&(sgt_surface_ops){.value = faulty_value, .spans = faulty_spans}, &s}, COUNT_OF(rays), rays, &where), SGT_WRONG_SPANS);
+    assert_true(same_vector(where, rays[0].o));
+    assert_int_equal(sgt_check((sgt_surface){&(sgt_surface_ops){.value = faulty_value, .values = faulty_values}, &s}, COUNT_OF(rays), rays, NULL), SGT_SOUND);
 }
 
 /* What is no ray says nothing; and no ray at all, nothing either. */
@@ -262,7 +310,7 @@ static void test_builtin(void **state)
 static void test_texts(void **state)
 {
     (void)state;
-    for (int i = SGT_SOUND; i <= SGT_NO_VALUE; i++) {
+    for (int i = SGT_SOUND; i <= SGT_WRONG_SPANS; i++) {
         const char *text = sgt_fault_text((sgt_fault)i);
         assert_true(text && strlen(text) > 5 && !strchr(text, '\n'));
         for (int j = SGT_SOUND; j < i; j++) assert_string_not_equal(text, sgt_fault_text((sgt_fault)j));
@@ -273,7 +321,7 @@ static void test_texts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_planted), cmocka_unit_test(test_where), cmocka_unit_test(test_no_value), cmocka_unit_test(test_bad_rays),
+        cmocka_unit_test(test_planted), cmocka_unit_test(test_where), cmocka_unit_test(test_spans_alone), cmocka_unit_test(test_no_value), cmocka_unit_test(test_bad_rays),
         cmocka_unit_test(test_sound), cmocka_unit_test(test_builtin), cmocka_unit_test(test_texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

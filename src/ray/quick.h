@@ -1,0 +1,198 @@
+/* quick.h - the quick form of a ray's way along any surface: what one step of it is.
+ *
+ * QUICK, THEN CAREFUL.  From a good guess Newton's method needs three or four steps and none of the safeguards of
+ * solve/root.c.  So it is tried without them: each step at most 0.6 of the last, inside the stretch, until |g| is
+ * within its rounding or the tolerance is met; then F is looked at on both sides of the root, as far apart
+ * as root.c would look (twice what |g|, its rounding and the slope can move it; where a sign is not certain, four and sixteen
+ * times that).  Certain, opposite signs there are a hit, the same claim as ever.  Where a step breaks the rule, and the span has one root at most, certain
+ * signs that are alike at both of its ends are a miss.  Whatever else happens, the quick form has no answer, and
+ * the careful path begins anew; what the quick form has spent is counted.
+ *
+ * The single ray (walk.c, general.c) and the lanes of a batch (sweep.c) go through the functions below, the same
+ * operations in the same order, and so to the same bits.  They have no branches: a loop around them becomes
+ * vector code. */
+#ifndef SGT_RAY_QUICK_H
+#define SGT_RAY_QUICK_H
+
+#include "../surface/sag.h"
+
+enum { QUICK_STEPS = 12, PROBES = 3, MARCH_STEPS = 64 };
+
+/* ------------------------------------------------------------ the ray made local */
+
+/* One coordinate of o + t0 d.  The product is hi + lo exactly, so is the sum of o and its hi.  Where they cancel to
+ * less than half of the greater, that sum has no lo (Sterbenz 1974) and the product's own is added with one rounding;
+ * else both lo are below 2 u of the result, and rounding them costs 4 u^2: right to u (1 + 4 u) of itself. */
+SGT_INLINE double moved(double o, double t0, double d)
+{
+    twofold p = two_product(t0, d), s = two_sum(o, p.hi);
+    return s.hi + (s.lo + p.lo);
+}
+
+/* 1 / scale_of(d), exactly: the power of two in its largest component. */
+SGT_INLINE double inverse_of_scale(sgt_vec3 d)
+{
+    double big = larger(fabs(d.x), larger(fabs(d.y), fabs(d.z)));
+    unsigned long long bits;
+    memcpy(&bits, &big, sizeof bits);
+    bits &= 0x7ff0000000000000ULL;
+    memcpy(&big, &bits, sizeof big);
+    return big;
+}
+
+typedef struct approach {
+    local q;
+    double inverse;     /* 1 / q.scale, exactly */
+    double lo, hi;      /* what is searched, counted from t0 */
+    double nearest;     /* the t0 nearest the origin of the surface's frame; NaN: not asked for */
+    bool passes;        /* nothing of the ray is in the span */
+    bool seeded;        /* t0 is the surface's own guess, or the end nearest to it */
+    bool middle;        /* t0 is the middle of a stretch with two ends */
+    bool from_tmin;     /* the search begins at tmin */
+    bool known;         /* the local origin is a number */
+} approach;
+
+/* from, to and seed are the span's.  back: how far a root at its own end is to be inside, in units of where that is.
+ * everywhere: a ray without a guess that does not end at both sides is of use too. */
+SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double from, double to, double seed, double back, bool everywhere)
+{
+    approach a;
+    double scale = scale_of(d), inverse = inverse_of_scale(d);
+    bool passes = from > to;
+    from = from >= tmin ? from : tmin, to = to <= tmax ? to : tmax; /* a NaN end is no end */
+    double lo = from * inverse, hi = to * inverse;
+    a.q.scale = scale, a.q.l = d.x * scale, a.q.m = d.y * scale, a.q.n = d.z * scale;
+    a.inverse = inverse, a.nearest = (double)NAN;
+    if (everywhere) a.nearest = -(o.x * a.q.l + o.y * a.q.m + o.z * a.q.n) / (a.q.l * a.q.l + a.q.m * a.q.m + a.q.n * a.q.n);
+    bool ends = (lo > -HUGE_VAL) & (hi < HUGE_VAL);
+    seed *= inverse;
+    a.passes = passes | (lo > hi);
+    a.seeded = fabs(seed) < HUGE_VAL;
+    a.middle = ends & !a.seeded;
+    /* the middle of two numbers, or of one and itself: gcc moves what one branch alone reads into it */
+    double left = ends ? lo : a.nearest, right = ends ? hi : a.nearest, reach = lo > -HUGE_VAL ? lo : 0;
+    left = a.seeded ? seed : left, right = a.seeded ? seed : right;
+    double t0 = 0.5 * left + 0.5 * right;
+    t0 = t0 < lo ? lo : t0;
+    t0 = t0 > hi ? hi : t0;
+    a.q.t0 = t0, a.q.t0_lo = 0, a.q.t0_err = 0;
+    a.q.x = moved(o.x, t0, a.q.l), a.q.y = moved(o.y, t0, a.q.m), a.q.z = moved(o.z, t0, a.q.n);
+    a.q.xa = fabs(a.q.x), a.q.ya = fabs(a.q.y), a.q.za = fabs(a.q.z);
+    a.known = (a.q.x - a.q.x) + (a.q.y - a.q.y) + (a.q.z - a.q.z) == 0;
+    a.from_tmin = !(from > tmin);
+    back = a.from_tmin ? 0 : back;
+    hi += (tmax <= to ? 0x1p-44 : 0x1p-50) * fabs(hi); /* a root at tmax is to be inside */
+    lo -= back * (fabs(reach) + fabs(t0));
+    a.lo = lo - t0, a.hi = hi - t0;
+    return a;
+}
+
+/* ---------------------------------------------------------------- one evaluation */
+
+/* What is known at x + tau l with the gradient there: the slope, and what rounding of the point does to F. */
+typedef struct around { double slope, place, ex, ey, ez; } around;
+
+/* none: 0, what a bound that is NaN comes to.  (Where gcc can see that it is 0 it makes two ways of it, a division on each.) */
+SGT_INLINE around around_of(double x, double y, double z, double l, double m, double n, double tau, sgt_vec3 p, sgt_vec3 grad, double none)
+{
+    around a = {.slope = grad.x * l + grad.y * m + grad.z * n};
+    a.ex = fabs(x) + fabs(tau * l) + fabs(p.x), a.ey = fabs(y) + fabs(tau * m) + fabs(p.y), a.ez = fabs(z) + fabs(tau * n) + fabs(p.z);
+    double place = SGT_U * (a.ex * fabs(grad.x) + a.ey * fabs(grad.y) + a.ez * fabs(grad.z));
+    a.place = place >= 0 ? place : none; /* NaN: a gradient that says nothing */
+    return a;
+}
+
+/* Is the surface's own rounding to be asked for, too?  Not far from the root: where |g| is above 1024 times what the point
+ * alone does to it, and Newton's steps shrink, it would change nothing; what counts in the end is asked beside the root.
+ * last: NaN: always. */
+SGT_INLINE bool close_of(double g, double slope, double place, double last, double f_tol)
+{
+    return (fabs(g) <= 0x1p10 * place) | (fabs(g) <= f_tol) | !(fabs(g) <= 0.6 * last * fabs(slope));
+}
+
+/* 1, -1, or 0 where it is not certain. */
+SGT_INLINE double sign_of(double g, double g_err) { return (g > g_err ? 1.0 : 0.0) - (g < -g_err ? 1.0 : 0.0); }
+
+/* -------------------------------------------------------------------- Newton's step */
+
+/* ready, go: not negative where it is so.  (Of two conditions the lesser or the greater margin: gcc works with masks, one by
+ * one, as slowly as with whole rows.) */
+typedef struct newton { double step, size, ready, go; } newton;
+
+/* ready: the root is as near as it needs to be.  Where the steps have ceased to shrink at 64 times the rounding that
+ * is known of, F is noisier than it says, and what is left is for the signs beside the root to decide.
+ * last is finite, so that an infinite step does not shrink. */
+SGT_INLINE newton newton_of(double g, double slope, double g_err, double tau, double last, double lo, double hi, double t_tol, double f_tol)
+{
+    newton s = {.step = g / slope};
+    s.size = fabs(s.step);
+    double near = larger(f_tol, g_err), noisy = larger(near, 64 * g_err), most = 0.6 * last, next = tau - s.step;
+    near = s.size <= most ? near : noisy;
+    double by_size = near - fabs(g), by_width = t_tol * fabs(slope) - 2 * (fabs(g) + g_err), behind = next - lo, before = hi - next;
+    s.ready = larger(by_width, by_size); /* by_width may be NaN */
+    double inside = behind < before ? behind : before, shrinks = most - s.size;
+    s.go = inside < shrinks ? inside : shrinks; /* where one is NaN so is shrinks */
+    return s;
+}
+
+/* How far from the root F is looked at; without bound or NaN where the slope says nothing. */
+SGT_INLINE double width_of(double g, double slope, double g_err, double tau, double t_tol)
+{
+    double w = 2 * (fabs(g) + g_err) / fabs(slope), ulp = fabs(tau) * DBL_EPSILON;
+    w = t_tol > w ? t_tol : w;
+    ulp = ulp > DBL_TRUE_MIN ? ulp : DBL_TRUE_MIN;
+    return ulp > w ? ulp : w;
+}
+
+/* -------------------------------------------------------------------- a root found */
+
+typedef struct taking {
+    double t, t_lo, t_err, p_err;
+    bool counts;
+    bool off;     /* for certain it does not count */
+} taking;
+
+/* The root at tau, right to tau_err, with the gradient at its point p. */
+SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3 p, sgt_vec3 grad, around at, double tmin, double tmax)
+{
+    taking h;
+    twofold t = two_sum(q->t0, tau);
+    double terms = fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z), width = START_ULPS * terms / fabs(at.slope);
+    h.t = t.hi * q->scale, h.t_lo = t.lo * q->scale;
+    h.t_err = (fabs(t.lo) + tau_err) * (1 + 4 * SGT_U) * q->scale;
+    h.p_err = (fabs(q->l) + fabs(q->m) + fabs(q->n)) * tau_err + 1.01 * (SGT_U * (at.ex + at.ey + at.ez));
+    width = width < HUGE_VAL ? width : 0;
+    width = width * q->scale + 8 * SGT_U * fabs(h.t);
+    h.off = (h.t - h.t_err > tmax) | (h.t + h.t_err <= tmin) | (h.t_err <= width + 64 * SGT_U * fabs(tmin));
+    h.counts = ((tmin == -HUGE_VAL) | (h.t > tmin + (h.t_err + width))) & !(h.t > tmax);
+    return h;
+}
+
+/* ------------------------------------------------------------------------- a march */
+
+/* Where the steps of one length end on a ray without an end: past the point nearest the origin of the surface's
+ * frame, as far as the start is from it; not at a round number of radii, where a root may be. */
+SGT_INLINE double far_end(sgt_vec3 o, double l, double m, double n, double t0, double nearest, double lo)
+{
+    double away = sqrt(o.x * o.x + o.y * o.y + o.z * o.z) / sqrt(l * l + m * m + n * n);
+    return larger(nearest + 1.25 * away - t0, lo);
+}
+
+typedef struct mark { double tau, g, slope, sign; } mark;
+
+/* |F| falls from a and rises to b. */
+SGT_INLINE bool valley_of(mark a, mark b) { return (a.sign != 0) & (a.sign == b.sign) & (a.sign * a.slope < 0) & (a.sign * b.slope > 0); }
+
+SGT_INLINE double tangents_meet(mark a, mark b) { return (b.g - a.g + a.slope * a.tau - b.slope * b.tau) / (a.slope - b.slope); }
+
+/* It does, and the tangents there meet beyond zero: it may reach it between.  Where they do not, the minimum of a convex |F|
+ * is above zero. */
+SGT_INLINE bool dip_of(mark a, mark b)
+{
+    double t = tangents_meet(a, b), low = a.g + a.slope * (t - a.tau);
+    return valley_of(a, b) & !(a.sign * low > 0) & (t > a.tau) & (t < b.tau);
+}
+
+SGT_INLINE double secant_of(mark a, mark b) { return a.tau - a.g * (b.tau - a.tau) / (b.g - a.g); }
+
+#endif

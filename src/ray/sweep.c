@@ -1,0 +1,669 @@
+/* sweep.c - many rays and a surface of a user: the quick form of quick.h with loops around it.
+ *
+ * Rays are taken LANES at a time, a number of each in a row of its own.  What the single ray does step by step is done
+ * here phase by phase, each phase on the lanes that are still in it, moved to the front of the rows:
+ *     approach   the span, and the ray made local;
+ *     march      where the first of several roots is wanted: equal steps, until two neighbours have unlike signs;
+ *     Newton     from the seed, or from the secant of the two;
+ *     ends       where that has failed and there is one root at most: the signs at the ends of the span;
+ *     probes     the signs beside the root;
+ *     taking     does it count, and what is told of it.
+ * In each, one loop makes the points, `values` is called for all of them at once, and a loop or two look at the answers.
+ * What a loop chooses by is a number and not a truth value, and two choices by the same condition are in two loops: so gcc
+ * makes vector code of them, and not branches.  Lanes that are done and not yet moved away are asked again where they stand, and told nothing new; they are moved as soon as
+ * a quarter of the lanes are done.
+ *
+ * A lane never changes its neighbour: no statement but those of the moves has two of them in it.  A lane for which
+ * the quick form has no answer is left to the single ray.  No point is asked for outside the stretch that is
+ * searched, and no ray shown to the surface that the single ray's door would have turned away. */
+#include "../solve/root.h"
+#include "general.h"
+#include "quick.h"
+
+#include <stddef.h>
+
+enum { LANES = 64, ABREAST = 8 };
+typedef double row[LANES];
+
+/* The state of a lane: a status in the end, or SGT_HARD; before that, its phase. */
+enum { MARCH = 10, VALLEY, NEWTON, FAILED, READY, ROOT };
+
+/* The rows up to `state` are moved with a lane.  The rows of a union serve phases that do not meet. */
+typedef struct lanes {
+    _Alignas(64) row x;              /* the ray made local; each row begins a line of the cache */
+    row y, z, l, m, n, t0, scale;
+    row tmin, tmax, t_tol, lo, hi, single;
+    row tau, last, first, evals;     /* last: the size of the step before; first: |g| where the search began, < 0: not yet known */
+    row f, fx, fy, fz, g_err;        /* F at tau, the gradient, and how far F may be off */
+    union { row at, left; };         /* of a march: the point before, and F there; of a root: beside it */
+    union { row g, right; };
+    union { row slope, beside; };
+    union { row sign, tau_err; };
+    union { row dt, seed; };
+    row end, defined;                /* of a march, and whether F was defined; of a root: the sign on its left */
+    row px, py, pz;                  /* the point asked for */
+    row slot, state;
+    row qf, qx, qy, qz;              /* F beside a root; what one loop leaves to the next */
+    double none;                     /* 0, of around_of: here, because after a call gcc knows of nothing that is here */
+} lanes;
+
+enum { MOVED = offsetof(lanes, qf) / sizeof(row) };
+
+typedef struct sweep {
+    sgt_surface s;
+    const sgt_options *opt;
+    double budget;
+    double near;        /* 1: the root near the seed is wanted, else 0 */
+    double back;        /* of approach_of */
+    double walks_from;  /* a stretch that begins behind it can be marched through; infinite: none can */
+    bool moved;         /* some lane is not at its place */
+    lanes *a;
+} sweep;
+
+SGT_CLONES_WIDE
+static size_t count_of(const lanes *a, size_t n, double state)
+{
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) count += a->state[i] == state ? 1.0 : 0.0;
+    return (size_t)count;
+}
+
+/* The lanes of that state to the front; how many there are. */
+static size_t front(sweep *w, size_t n, double state)
+{
+    size_t i = 0, count = count_of(w->a, n, state);
+    if (count == n || count == 0) return count;
+    double *rows = w->a->x;
+    for (size_t j = n - 1; i < count; i++) {
+        if (w->a->state[i] == state) continue;
+        while (w->a->state[j] != state) j--;
+        if (j < i) break;
+        w->moved = true;
+        for (size_t k = 0; k < MOVED; k++) {
+            double other = rows[k * LANES + i];
+            rows[k * LANES + i] = rows[k * LANES + j], rows[k * LANES + j] = other;
+        }
+    }
+    return count;
+}
+
+/* -------------------------------------------------------------------- evaluations */
+
+SGT_CLONES_WIDE
+static void points(lanes *a, size_t n, const double *tau)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        a->px[i] = a->x[i] + tau[i] * a->l[i];
+        a->py[i] = a->y[i] + tau[i] * a->m[i];
+        a->pz[i] = a->z[i] + tau[i] * a->n[i];
+    }
+}
+
+/* The slope, and what rounding of the point does to F. */
+SGT_CLONES_WIDE
+static void around_all(const lanes *a, size_t n, const double *tau, const double *fx, const double *fy, const double *fz, double *slope, double *g_err, double none)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i], (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){fx[i], fy[i], fz[i]}, none);
+        slope[i] = at.slope, g_err[i] = at.place;
+    }
+}
+
+/* F and its gradient, in f, at the points. */
+static void ask(sweep *w, size_t n, double *const f[4])
+{
+    const sgt_surface_ops *ops = w->s.ops;
+    const lanes *a = w->a;
+    if (ops->values) {
+        ops->values(w->s.self, n, (sgt_points){{a->px, a->py, a->pz}}, (sgt_values){f[0], {f[1], f[2], f[3]}});
+        return;
+    }
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 grad;
+        f[0][i] = ops->value(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, &grad);
+        f[1][i] = grad.x, f[2][i] = grad.y, f[3][i] = grad.z;
+    }
+}
+
+/* The slope, which may be f[1], and how far F may be off; last as for close_of, NULL: always. */
+static void bound(sweep *w, size_t n, const double *tau, double *const f[4], double *slope, double *g_err, const double *last)
+{
+    const sgt_surface_ops *ops = w->s.ops;
+    const lanes *a = w->a;
+    around_all(a, n, tau, f[1], f[2], f[3], slope, g_err, a->none);
+    for (size_t i = 0; i < n && ops->rounding; i++) {
+        if (!close_of(f[0][i], slope[i], g_err[i], last ? last[i] : (double)NAN, w->opt->f_tol)) continue;
+        double own = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
+        g_err[i] += own >= 0 ? own : 0;
+    }
+}
+
+/* ----------------------------------------------------------------------- approach */
+
+static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
+{
+    const sgt_surface_ops *ops = w->s.ops;
+    const sgt_rays *r = &tile->rays;
+    lanes *a = w->a;
+    bool single[LANES];
+    if (ops->spans && ops->span) { /* alone they are not read, as sgt_intersect would not */
+        ops->spans(w->s.self, n, (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
+                   (sgt_spans){a->lo, a->hi, a->seed, single});
+        for (size_t i = 0; i < n; i++) a->single[i] = single[i] ? 1.0 : 0.0;
+        return;
+    }
+    for (size_t i = 0; i < n; i++) {
+        size_t k = from + i;
+        sgt_ray ray = {{r->o[0][k], r->o[1][k], r->o[2][k]}, {r->d[0][k], r->d[1][k], r->d[2][k]}, a->tmin[i], a->tmax[i]};
+        sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
+        if (ops->span) span = ops->span(w->s.self, &ray);
+        a->lo[i] = span.lo, a->hi[i] = span.hi, a->seed[i] = span.seed, a->single[i] = span.single ? 1.0 : 0.0;
+    }
+}
+
+SGT_INLINE void make_local(const sweep *w, const sgt_tile *tile, size_t from, size_t n, bool everywhere)
+{
+    lanes *a = w->a;
+    const double *ox = tile->rays.o[0] + from, *oy = tile->rays.o[1] + from, *oz = tile->rays.o[2] + from;
+    const double *dx = tile->rays.d[0] + from, *dy = tile->rays.d[1] + from, *dz = tile->rays.d[2] + from, *t_tol = tile->t_tol + from;
+    double back = w->back;
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 o = {ox[i], oy[i], oz[i]}, d = {dx[i], dy[i], dz[i]};
+        approach at = approach_of(o, d, a->tmin[i], a->tmax[i], a->lo[i], a->hi[i], a->seed[i], back, everywhere);
+        a->f[i] = (at.seeded ? 1.0 : 0.0) + (at.middle ? 0.5 : 0.0), a->fx[i] = (at.passes ? 0.0 : 1.0) + (at.known ? 0.0 : 2.0);
+        a->x[i] = at.q.x, a->y[i] = at.q.y, a->z[i] = at.q.z;
+        a->l[i] = at.q.l, a->m[i] = at.q.m, a->n[i] = at.q.n;
+        a->t0[i] = at.q.t0, a->scale[i] = at.q.scale;
+        a->lo[i] = at.lo, a->hi[i] = at.hi;
+        a->t_tol[i] = t_tol[i] * at.inverse;
+        if (everywhere) a->end[i] = far_end(o, at.q.l, at.q.m, at.q.n, at.q.t0, at.nearest, at.lo);
+        a->tau[i] = 0, a->last[i] = DBL_MAX, a->first[i] = -1, a->evals[i] = 0;
+        a->slot[i] = (int)i; /* AVX2 has no way from 64 bits to a double */
+    }
+}
+
+SGT_CLONES_WIDE
+static void approach_lanes(const sweep *w, const sgt_tile *tile, size_t from, size_t n)
+{
+    lanes *a = w->a;
+    const double *t_tol = tile->t_tol + from;
+    double near = w->near, walks_from = w->walks_from;
+    if (walks_from < HUGE_VAL && !w->s.ops->span) make_local(w, tile, from, n, true);
+    else make_local(w, tile, from, n, false);
+    /* gcc makes vector code of two loops where in one the same conditions, chosen by and asked again, are branches to it */
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double single = a->single[i], one = single + near;
+        bool starts = (one > 0) & (a->f[i] + 0.5 * single >= 1), walks = (one == 0) & (a->lo[i] > walks_from);
+        double state = starts ? (double)NEWTON : (double)SGT_HARD;
+        state = walks ? (double)MARCH : state;
+        state = a->fx[i] > 1 ? (double)SGT_HARD : state;
+        state = a->fx[i] < 1 ? (double)SGT_MISS : state;
+        a->state[i] = t_tol[i] >= 0 ? state : (double)SGT_HARD;
+    }
+}
+
+/* -------------------------------------------------------------------------- march */
+
+/* Its end, where the ray has none, and its steps. */
+SGT_CLONES_WIDE
+static void march_begin(lanes *a, size_t n, double dt_min, bool everywhere)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double lo = a->lo[i], end = a->hi[i] < HUGE_VAL ? a->hi[i] : everywhere ? a->end[i] : HUGE_VAL, given = dt_min / a->scale[i], own = (end - lo) * (1.0 / MARCH_STEPS);
+        a->end[i] = end;
+        a->dt[i] = dt_min > 0 ? given : own;
+        double state = end < HUGE_VAL ? a->state[i] : (double)SGT_HARD;
+        a->state[i] = lo < end ? state : (double)SGT_HARD;
+        a->tau[i] = lo, a->defined[i] = 0;
+        a->at[i] = -HUGE_VAL, a->g[i] = (double)NAN, a->slope[i] = a->sign[i] = 0; /* no step before the first */
+    }
+}
+
+SGT_INLINE mark before(const lanes *a, size_t i) { return (mark){a->at[i], a->g[i], a->slope[i], a->sign[i]}; }
+SGT_INLINE mark after(const lanes *a, size_t i) { return (mark){a->tau[i], a->f[i], a->qx[i], a->qf[i]}; }
+
+/* As many as fill the registers: a few lanes by themselves cost as much as all of those.  What lies behind n is in another phase. */
+SGT_INLINE size_t filled(size_t n) { return (n + ABREAST - 1) / ABREAST * ABREAST; }
+
+/* What the step to tau has shown, and the next; k of them were taken.  A lane that stands before a valley waits for
+ * march_over.  known: as for Newton's steps, below.  Returns how many go on. */
+SGT_INLINE double march_steps(lanes *a, size_t n, double k, bool known, double none)
+{
+    double more = 0;
+#pragma omp simd reduction(+ : more)
+    for (size_t i = 0; i < filled(n); i++) {
+        double x = a->x[i], y = a->y[i], z = a->z[i], l = a->l[i], m = a->m[i], dn = a->n[i];
+        double f = a->f[i], tau = a->tau[i], end = a->end[i], defined = a->defined[i], phase = a->state[i], slope, g_err;
+        if (known) {
+            slope = a->qx[i], g_err = a->g_err[i];
+        } else {
+            around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
+            slope = at.slope, g_err = at.place;
+        }
+        mark was = before(a, i);
+        double sign = sign_of(f, g_err), both = was.sign * sign, falls = -was.sign * was.slope, rises = was.sign * slope, next = a->lo[i] + (k + 1) * a->dt[i];
+        double valley = falls < rises ? falls : rises, told = fabs(sign) + (f == f ? 0.0 : 1.0) + (tau < end ? 0.0 : 1.0);
+        valley = both < valley ? both : valley;
+        defined = f == f ? 1.0 : defined;
+        double seen = defined != 0 ? (double)SGT_UNPROVEN : (double)SGT_UNDEFINED, state = tau < end ? (double)MARCH : seen;
+        state = both < 0 ? (double)NEWTON : state;
+        state = valley > 0 ? (double)VALLEY : state;
+        state = told == 0 ? (double)SGT_HARD : state;
+        state = tau > was.tau ? state : (double)SGT_HARD;
+        state = phase == MARCH ? state : phase;
+        next = next < end ? next : end;
+        bool goes = state == MARCH;
+        more += goes ? 1.0 : 0.0;
+        a->evals[i] += phase == MARCH ? 1.0 : 0.0;
+        a->at[i] = goes ? tau : was.tau, a->g[i] = goes ? f : was.g;
+        a->slope[i] = goes ? slope : was.slope, a->sign[i] = goes ? sign : was.sign;
+        a->qx[i] = slope, a->qf[i] = sign;
+        tau = goes ? next : tau;
+        a->tau[i] = tau;
+        a->defined[i] = defined;
+        a->state[i] = state;
+    }
+    return more;
+}
+
+SGT_CLONES_WIDE
+static double march_step(lanes *a, size_t n, double k, double none) { return march_steps(a, n, k, false, none); }
+SGT_CLONES_WIDE
+static double march_step_known(lanes *a, size_t n, double k) { return march_steps(a, n, k, true, 0); }
+
+/* The lanes before a valley, one by one: hard, or on. */
+static void march_over(lanes *a, size_t n, double k)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (a->state[i] != VALLEY) continue;
+        mark was = before(a, i), is = after(a, i);
+        if (dip_of(was, is)) {
+            a->state[i] = SGT_HARD;
+        } else if (!(is.tau < a->end[i])) {
+            a->state[i] = a->defined[i] != 0 ? SGT_UNPROVEN : SGT_UNDEFINED;
+        } else {
+            double next = a->lo[i] + (k + 1) * a->dt[i];
+            a->at[i] = is.tau, a->g[i] = is.g, a->slope[i] = is.slope, a->sign[i] = is.sign;
+            a->tau[i] = next < a->end[i] ? next : a->end[i];
+            a->state[i] = MARCH;
+        }
+    }
+}
+
+/* Where nothing was seen, what is told of it is the stretch, if any of it is left between the ray's ends. */
+static void march_end(lanes *a, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (a->state[i] != SGT_UNPROVEN && a->state[i] != SGT_UNDEFINED) continue;
+        double from = (a->t0[i] + a->lo[i]) * a->scale[i], to = (a->t0[i] + a->hi[i]) * a->scale[i];
+        from -= 2 * SGT_U * fabs(from), to += 2 * SGT_U * fabs(to);
+        from = larger(from, a->tmin[i]), to = to < a->tmax[i] ? to : a->tmax[i];
+        if (from > to || !(a->hi[i] <= a->end[i])) a->state[i] = SGT_HARD;
+    }
+}
+
+/* Where the march has ended between unlike signs: from the secant of the two. */
+SGT_CLONES_WIDE
+static void bracket(lanes *a, size_t n)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double at = a->at[i], tau = a->tau[i], g = a->g[i], f = a->f[i], width = tau - at, gm = fabs(g), gb = fabs(f);
+        double seed = secant_of((mark){.tau = at, .g = g}, (mark){.tau = tau, .g = f}), state = a->state[i];
+        bool crossed = state == NEWTON;
+        double start = seed > at ? (double)NEWTON : (double)SGT_HARD;
+        start = seed < tau ? start : (double)SGT_HARD;
+        gm = gm < HUGE_VAL ? gm : 0, gb = gb < HUGE_VAL ? gb : 0;
+        gm = larger(gm, gb);
+        a->lo[i] = crossed ? at : a->lo[i];
+        a->hi[i] = crossed ? tau : a->hi[i];
+        a->tau[i] = crossed ? seed : tau;
+        a->last[i] = crossed ? width : a->last[i];
+        a->first[i] = crossed ? gm : a->first[i];
+        a->state[i] = crossed ? start : state;
+    }
+}
+
+static void march(sweep *w, size_t n)
+{
+    lanes *a = w->a;
+    march_begin(a, n, w->opt->dt_min, !w->s.ops->span);
+    size_t all = n;
+    n = front(w, n, MARCH);
+    double *const f[] = {a->f, a->fx, a->fy, a->fz};
+    for (double k = 0; n > 0; k++) {
+        if (k + 1 >= w->budget) { /* spent, but for what would be needed to confirm a root */
+            for (size_t i = 0; i < n; i++) a->state[i] = a->state[i] == MARCH ? (double)SGT_HARD : a->state[i];
+            break;
+        }
+        double more;
+        points(a, n, a->tau);
+        ask(w, n, f);
+        if (w->s.ops->rounding) {
+            bound(w, n, a->tau, f, a->qx, a->g_err, a->last);
+            more = march_step_known(a, n, k);
+        } else {
+            more = march_step(a, n, k, a->none);
+        }
+        if (more < (double)n) march_over(a, n, k);
+        if (4 * more <= 3 * (double)n) n = front(w, n, MARCH);
+    }
+    march_end(a, all);
+    bracket(a, all);
+}
+
+/* ------------------------------------------------------------------ Newton's steps */
+
+SGT_CLONES_WIDE
+static void newton_begin(lanes *a, size_t n)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double first = a->first[i], f = fabs(a->f[i]);
+        a->first[i] = first < 0 ? f : first;
+    }
+}
+
+/* The step; how many go on.  known: the slope is in qx, and g_err is there.  What a lane that is
+ * done is not to do is told by numbers that change nothing, and not by leaving a row as it is: that would be a branch. */
+SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, bool known, double none)
+{
+    double more = 0, again = last_one ? FAILED : NEWTON;
+#pragma omp simd reduction(+ : more)
+    for (size_t i = 0; i < filled(n); i++) {
+        double x = a->x[i], y = a->y[i], z = a->z[i], l = a->l[i], m = a->m[i], dn = a->n[i];
+        double f = a->f[i], tau = a->tau[i], last = a->last[i], phase = a->state[i], slope, g_err;
+        if (known) {
+            slope = a->qx[i], g_err = a->g_err[i];
+        } else {
+            around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
+            slope = at.slope, g_err = at.place;
+        }
+        newton s = newton_of(f, slope, g_err, tau, last, a->lo[i], a->hi[i], a->t_tol[i], f_tol);
+        double found = fabs(f) <= a->first[i] ? (double)READY : (double)SGT_HARD, state = s.go >= 0 ? again : (double)FAILED;
+        state = s.ready >= 0 ? found : state;
+        state = phase == NEWTON ? state : phase;
+        double step = state == NEWTON ? s.step : 0, size = state == NEWTON ? s.size : HUGE_VAL;
+        tau -= step;
+        more += state == NEWTON ? 1.0 : 0.0;
+        a->evals[i] += phase == NEWTON ? 1.0 : 0.0;
+        a->tau[i] = tau;
+        a->last[i] = size < last ? size : last;
+        if (!known) a->g_err[i] = g_err;
+        a->state[i] = state;
+    }
+    return more;
+}
+
+SGT_CLONES_WIDE
+static double newton_step(lanes *a, size_t n, bool last_one, double f_tol, double none) { return newton_steps(a, n, last_one, f_tol, false, none); }
+SGT_CLONES_WIDE
+static double newton_step_known(lanes *a, size_t n, bool last_one, double f_tol) { return newton_steps(a, n, last_one, f_tol, true, 0); }
+
+static void solve(sweep *w, size_t n)
+{
+    lanes *a = w->a;
+    double *const f[] = {a->f, a->fx, a->fy, a->fz}, f_tol = w->opt->f_tol;
+    for (int i = 1; n > 0; i++) {
+        double more;
+        points(a, n, a->tau);
+        ask(w, n, f);
+        if (i == 1) newton_begin(a, n);
+        if (w->s.ops->rounding) {
+            bound(w, n, a->tau, f, a->qx, a->g_err, a->last);
+            more = newton_step_known(a, n, i == QUICK_STEPS, f_tol);
+        } else {
+            more = newton_step(a, n, i == QUICK_STEPS, f_tol, a->none);
+        }
+        if (4 * more <= 3 * (double)n) n = front(w, n, NEWTON);
+    }
+}
+
+/* ------------------------------------------------------------------- beside a root */
+
+SGT_CLONES_WIDE
+static void sign_all(const lanes *a, size_t n, const double *tau, double *sign, double none)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i], (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->qx[i], a->qy[i], a->qz[i]}, none);
+        sign[i] = sign_of(a->qf[i], at.place);
+    }
+}
+
+/* The signs at `tau`, of each lane. */
+static void signs(sweep *w, size_t n, const double *tau, double *sign)
+{
+    lanes *a = w->a;
+    double *const f[] = {a->qf, a->qx, a->qy, a->qz};
+    points(a, n, tau);
+    ask(w, n, f);
+    if (!w->s.ops->rounding) {
+        sign_all(a, n, tau, sign, a->none);
+        return;
+    }
+    bound(w, n, tau, f, a->qx, sign, NULL);
+    for (size_t i = 0; i < n; i++) sign[i] = sign_of(a->qf[i], sign[i]);
+}
+
+SGT_CLONES_WIDE
+static void ends(lanes *a, size_t n)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        bool finite = (a->lo[i] > -HUGE_VAL) & (a->hi[i] < HUGE_VAL) & (a->single[i] != 0);
+        a->state[i] = finite ? (double)FAILED : (double)SGT_HARD;
+    }
+}
+
+/* One certain sign at both ends of a span with one root at most is a miss. */
+static void miss(sweep *w, size_t n)
+{
+    lanes *a = w->a;
+    ends(a, n);
+    n = front(w, n, FAILED);
+    if (!n) return;
+    signs(w, n, a->lo, a->end);
+    signs(w, n, a->hi, a->beside);
+    for (size_t i = 0; i < n; i++) {
+        a->evals[i] += 2;
+        a->state[i] = a->end[i] * a->beside[i] > 0 && a->evals[i] <= w->budget ? (double)SGT_MISS : (double)SGT_HARD;
+    }
+}
+
+/* How far to look; who need not. */
+SGT_CLONES_WIDE
+static void probe_begin(lanes *a, size_t n, double f_tol)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double slope = a->fx[i] * a->l[i] + a->fy[i] * a->m[i] + a->fz[i] * a->n[i], g = fabs(a->f[i]);
+        double tau_err = 2 * (g + a->g_err[i]) / fabs(slope), flat = tau_err < HUGE_VAL ? (double)ROOT : (double)SGT_HARD;
+        a->dt[i] = width_of(a->f[i], slope, a->g_err[i], a->tau[i], a->t_tol[i]);
+        a->tau_err[i] = tau_err;
+        a->state[i] = g <= f_tol ? flat : (double)READY;
+    }
+}
+
+SGT_CLONES_WIDE
+static void probe_sides(lanes *a, size_t n)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double tau = a->tau[i], width = a->dt[i], left = tau - width, right = tau + width;
+        bool inside = (left >= a->lo[i]) & (right <= a->hi[i]);
+        a->left[i] = inside ? left : tau, a->right[i] = inside ? right : tau;
+        a->tau_err[i] = larger(tau - left, right - tau);
+        a->dt[i] = 4 * width;
+        a->state[i] = inside ? (double)READY : (double)SGT_HARD;
+    }
+}
+
+/* What the signs say; how many are to be asked again. */
+SGT_CLONES_WIDE
+static double probe_end(lanes *a, size_t n, double doubtful)
+{
+    double more = 0;
+#pragma omp simd reduction(+ : more)
+    for (size_t i = 0; i < n; i++) {
+        double both = a->end[i] * a->beside[i], state = both < 0 ? (double)ROOT : (double)SGT_HARD;
+        state = both == 0 ? doubtful : state;
+        more += state == READY ? 1.0 : 0.0;
+        a->evals[i] += 2;
+        a->state[i] = state;
+    }
+    return more;
+}
+
+static void probe(sweep *w, size_t n)
+{
+    lanes *a = w->a;
+    probe_begin(a, n, w->opt->f_tol > 0 ? w->opt->f_tol : -1);
+    n = front(w, n, READY);
+    for (int k = 1; n > 0; k++) {
+        probe_sides(a, n);
+        n = front(w, n, READY);
+        if (!n) break;
+        signs(w, n, a->left, a->end);
+        signs(w, n, a->right, a->beside);
+        n = probe_end(a, n, k < PROBES ? (double)READY : (double)SGT_HARD) > 0 ? front(w, n, READY) : 0;
+    }
+}
+
+/* -------------------------------------------------------------------------- taking */
+
+/* Of every lane what is told of it, in rows that are of no more use: t in last, t_err in first, t_lo in dt, p_err in end, the
+ * gradient where it is, the point where points are. */
+SGT_CLONES_WIDE
+static void take(lanes *a, size_t n, double budget)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double tau = a->tau[i];
+        local q = {.l = a->l[i], .m = a->m[i], .n = a->n[i], .t0 = a->t0[i], .scale = a->scale[i]};
+        sgt_vec3 grad = {a->fx[i], a->fy[i], a->fz[i]}, p = {a->x[i] + tau * q.l, a->y[i] + tau * q.m, a->z[i] + tau * q.n};
+        around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
+        taking h = taking_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i]);
+        double off = h.off ? (double)SGT_MISS : (double)SGT_HARD, state = a->single[i] != 0 ? off : (double)SGT_HARD;
+        state = h.counts ? (double)SGT_HIT : state;
+        state = a->evals[i] <= budget ? state : (double)SGT_HARD;
+        a->state[i] = a->state[i] == ROOT ? state : a->state[i];
+        a->last[i] = h.t, a->first[i] = h.t_err, a->dt[i] = h.t_lo, a->end[i] = h.p_err;
+        a->px[i] = p.x, a->py[i] = p.y, a->pz[i] = p.z;
+    }
+}
+
+enum { TOLD = 10 };
+
+/* Lanes back to their places, and NaN to those without a root.  How many are hard. */
+static size_t settle(const sweep *w, size_t n, double *const row_of[TOLD])
+{
+    lanes *a = w->a;
+    size_t hard = count_of(a, n, SGT_HARD);
+    for (size_t i = 0; i < n && w->moved; i++)
+        for (size_t k; (k = (size_t)a->slot[i]) != i;) {
+            double slot = a->slot[k], state = a->state[k], evals = a->evals[k];
+            a->slot[k] = a->slot[i], a->state[k] = a->state[i], a->evals[k] = a->evals[i];
+            a->slot[i] = slot, a->state[i] = state, a->evals[i] = evals;
+            for (size_t j = 0; j < TOLD; j++) {
+                double other = row_of[j][k];
+                row_of[j][k] = row_of[j][i], row_of[j][i] = other;
+            }
+        }
+    if (count_of(a, n, SGT_HIT) == n) return hard;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < TOLD && !(a->state[i] > 0); j++) row_of[j][i] = (double)NAN;
+    return hard;
+}
+
+/* By vectors: what becomes of a memcpy of unknown length in code for any processor is slower. */
+SGT_CLONES_WIDE
+static void copy(size_t n, double *restrict out, const double *restrict of)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) out[i] = of[i];
+}
+
+SGT_CLONES_WIDE
+static void narrow(const lanes *a, size_t n, signed char *status, int *evals)
+{
+    int state[LANES];
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) state[i] = (int)a->state[i];
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) status[i] = (signed char)state[i];
+    if (!evals) return;
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) evals[i] = (int)a->evals[i];
+}
+
+static size_t write(const sweep *w, size_t n, const sgt_hits *h, size_t from)
+{
+    lanes *a = w->a;
+    double *const row_of[TOLD] = {a->last, a->first, a->dt, a->end, a->px, a->py, a->pz, a->fx, a->fy, a->fz};
+    double *const out[TOLD] = {h->t, h->t_err, h->t_lo, h->p_err, h->p[0], h->p[1], h->p[2], h->n[0], h->n[1], h->n[2]};
+    size_t hard = settle(w, n, row_of);
+    for (size_t j = 0; j < TOLD; j++)
+        if (out[j]) copy(n, out[j] + from, row_of[j]);
+    narrow(a, n, h->status + from, h->evals ? h->evals + from : NULL);
+    return hard;
+}
+
+/* ------------------------------------------------------------------------ the whole */
+
+/* Rays that the door lets in, at most LANES, tmin and tmax of each in its lane. */
+static size_t run(sweep *w, const sgt_tile *tile, size_t from, size_t n)
+{
+    lanes *a = w->a;
+    w->moved = false;
+    for (size_t i = n; i < filled(n); i++) a->state[i] = SGT_HARD;
+    spans(w, tile, from, n);
+    approach_lanes(w, tile, from, n);
+    size_t marching = front(w, n, MARCH);
+    if (marching) march(w, marching);
+    solve(w, front(w, n, NEWTON));
+    size_t failed = front(w, n, FAILED);
+    if (failed) miss(w, failed);
+    probe(w, front(w, n, READY));
+    take(a, n, w->budget);
+    return write(w, n, &tile->hits, from);
+}
+
+/* tmax as it is meant, and the state 1 where the ray is one. */
+SGT_CLONES_WIDE
+static void door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
+{
+    const double *ox = tile->rays.o[0] + from, *oy = tile->rays.o[1] + from, *oz = tile->rays.o[2] + from, *tmin = tile->rays.tmin + from;
+    const double *dx = tile->rays.d[0] + from, *dy = tile->rays.d[1] + from, *dz = tile->rays.d[2] + from, *tmax = tile->rays.tmax + from;
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        sgt_ray ray = {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}, tmin[i], tmax[i]};
+        a->state[i] = ray_valid(&ray) ? 1.0 : 0.0;
+        a->tmin[i] = ray.tmin, a->tmax[i] = ray.tmax;
+    }
+}
+
+size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+{
+    const sgt_surface_ops *ops = s.ops;
+    lanes a;
+    sweep w = {.s = s, .opt = opt, .a = &a, .near = opt->pick == SGT_NEAR_SEED, .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
+               .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS,
+               .walks_from = ops->enclose || ops->clearance || (opt->dt_min > 0 && ops->estimate) ? HUGE_VAL : -HUGE_VAL};
+    size_t hard = 0;
+    a.none = 0;
+    for (size_t i = 0, n; i < tile->n; i += n) {
+        size_t most = tile->n - i < LANES ? tile->n - i : LANES;
+        door(&a, tile, i, most);
+        for (n = 0; n < most && a.state[n] != 0;) n++;
+        if (n) hard += run(&w, tile, i, n);
+        else tile->hits.status[i] = SGT_HARD, hard++, n = 1;
+    }
+    return hard;
+}

@@ -1,0 +1,258 @@
+/* trace.h - one ray at one element: the arithmetic that the single trace and the batch share.
+ *
+ * What is inline here has no branches but those that an element decides for all rays alike, so that a loop
+ * around it becomes vector code.  What such a formula cannot answer it says so of, and sgt_pass then does.
+ *
+ * WHERE THE RAY IS.  Between elements the point is kept as base + offset, the base being the origin of the
+ * element just passed (of the first element, at launch), the offset in global axes but small.  The next
+ * element then sees (base - its origin) + offset, and both are of the size of the lens, wherever in the
+ * world the lens stands: at 1e9 from the global origin a sum of the two would have lost 1e-7 at every
+ * surface.  Only the ray handed back is added up.
+ *
+ * THE LAUNCH may be far away all the same.  There a turn, a subtraction that is not exact, or a direction
+ * made of unit length, puts the ray aside by an ulp of its distance.  So where one of the three is needed the
+ * launch point is first moved along the ray to its foot nearest the first element's origin, with error-free
+ * sums and products: o - origin + t0 d is right to an ulp of what is left of it, whatever t0 is, d being the
+ * direction as given.  The t of the first hit, and of the steps that a watcher sees on the way to it, has t0
+ * (as a length) added again.
+ *
+ * THE BENDING (Spencer & Murty 1962, J. Opt. Soc. Am. 52, 672; there by components, here in vectors).  With
+ * d the direction, n the gradient as the surface gives it, G = n . n, g = d . n and r = n1 / n2, the part of
+ * d along the surface is multiplied by r, and what is along n fills the length up to one:
+ *
+ *     d' = r d + f n,   G f^2 + 2 r g f = 1 - r^2 = k.
+ *
+ * The root that goes on through the surface is, without a subtraction of like numbers,
+ *
+ *     f = k / (r g + sign(g) sqrt(D)),   D = (r g)^2 + k G,
+ *
+ * and D / G = Q = 1 - r^2 s^2, s the sine of incidence: total internal reflection where D < 0.  With k as
+ * (n2 - n1) (n2 + n1) / n2^2 all of it is right to a few roundings where k >= 0.  Where k < 0, D cancels near
+ * the limit, where (r g)^2 is |k| G: that costs little as long as |k| is small, at any incidence.  Beyond,
+ *
+ *     D = G - r^2 |d x n|^2,
+ *
+ * which is of no use at grazing incidence between like indices, but those are not alike, and total reflection
+ * comes before.  The line is drawn at k = -1/2.  In either form the rounding of Q is a few 2^-53 of 1 (12 at
+ * most have been seen): no more than an ulp or two of the angle of incidence makes of it.  A mirror:
+ * d' = d - 2 (g / G) n.
+ *
+ * One root and one quotient a ray: n is never normalised.  One Newton step brings d' to unit length within
+ * 2^-52; where it began farther off than 2^-25 the indices are too unlike for doubles, and the ray is lost.
+ * A direction that is of unit length to 2^-50 is left as it is by a change of frame, to the bit, and so is
+ * one that passes between equal indices. */
+#ifndef SGT_SYSTEM_TRACE_H
+#define SGT_SYSTEM_TRACE_H
+#include "../surface/conic.h"
+#include <sagitta/system.h>
+
+/* ------------------------------------------------------------------ vectors */
+
+SGT_INLINE sgt_vec3 plus(sgt_vec3 a, sgt_vec3 b) { return (sgt_vec3){a.x + b.x, a.y + b.y, a.z + b.z}; }
+SGT_INLINE sgt_vec3 minus(sgt_vec3 a, sgt_vec3 b) { return (sgt_vec3){a.x - b.x, a.y - b.y, a.z - b.z}; }
+SGT_INLINE sgt_vec3 times(double a, sgt_vec3 b) { return (sgt_vec3){a * b.x, a * b.y, a * b.z}; }
+SGT_INLINE bool is_zero(sgt_vec3 a) { return a.x == 0 && a.y == 0 && a.z == 0; }
+SGT_INLINE double largest(sgt_vec3 a) { return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z))); }
+SGT_INLINE double dot(sgt_vec3 a, sgt_vec3 b) { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
+
+/* a b - c d within 2 ulps (Kahan; Jeannerod, Louvet & Muller 2013, Math. Comp. 82, 2245). */
+SGT_INLINE double difference_of_products(double a, double b, double c, double d)
+{
+    double w = c * d, e = fma(-c, d, w);
+    return fma(a, b, -w) + e;
+}
+
+/* ---------------------------------------------------------------- unit length */
+
+static const double UNIT = 0x1p-50;      /* of |d|^2 - 1: what plain normalising may be off by; nothing is to be gained */
+static const double NEAR_UNIT = 0x1p-25; /* from here one Newton step leads to 3/8 of UNIT */
+
+/* |a|^2 - 1 within 2^-52, for |a| near 1: each fma rounds a number of at most 1. */
+SGT_INLINE double excess(sgt_vec3 a) { return fma(a.x, a.x, fma(a.y, a.y, fma(a.z, a.z, -1))); }
+
+/* By one Newton step for 1/sqrt, e the excess: |d|^-1 = 1 - e/2 + 3/8 e^2 - ... */
+SGT_INLINE sgt_vec3 corrected(sgt_vec3 d, double e)
+{
+    double by = -0.5 * e;
+    return (sgt_vec3){fma(by, d.x, d.x), fma(by, d.y, d.y), fma(by, d.z, d.z)};
+}
+
+/* The same, but a direction that is of unit length stays as it is (-0 too: x + 0 x with a 0 that is positive). */
+SGT_INLINE sgt_vec3 kept_unit(sgt_vec3 d, double e) { return corrected(d, fabs(e) <= UNIT ? -0.0 : e); }
+
+/* ------------------------------------------------------------------- launch */
+
+/* (o - origin) + t0 d, one coordinate, right to an ulp of the sum. */
+SGT_INLINE double moved(double o, double origin, double t0, double d)
+{
+    return twofold_sum(two_sum(o, -origin), two_product(t0, d)).hi;
+}
+
+/* From here a sum is all that is needed (not where anything is not finite). */
+SGT_INLINE bool stays(sgt_vec3 o, sgt_vec3 d, sgt_vec3 origin, bool turned)
+{
+    double lost = fabs(two_sum(o.x, -origin.x).lo) + fabs(two_sum(o.y, -origin.y).lo) + fabs(two_sum(o.z, -origin.z).lo);
+    return lost == 0 && fabs(excess(d)) <= (turned ? -1 : UNIT);
+}
+
+/* A ray before its first element: seen from there, of unit length, t0 behind its launch (as a length). */
+typedef struct launched { sgt_vec3 offset, d; double t0; } launched;
+
+SGT_INLINE launched launch_from(sgt_vec3 o, sgt_vec3 d, sgt_vec3 origin, bool turned)
+{
+    double e = excess(d);
+    sgt_vec3 q = minus(o, origin), v = times(scale_of(d), d); /* v: exact */
+    double length = sqrt(dot(v, v)), inverse = 1 / length, t0 = -dot(q, v) * inverse * inverse;
+    sgt_vec3 made = times(inverse, v), kept = kept_unit(d, e);
+    made = corrected(made, excess(made));
+    bool near = fabs(e) <= NEAR_UNIT, stay = stays(o, d, origin, turned);
+    sgt_vec3 foot = {moved(o.x, origin.x, t0, v.x), moved(o.y, origin.y, t0, v.y), moved(o.z, origin.z, t0, v.z)};
+    q = plus(q, (sgt_vec3){0, 0, 0}); /* no -0 */
+    return (launched){.offset = {stay ? q.x : foot.x, stay ? q.y : foot.y, stay ? q.z : foot.z},
+                      .d = {near ? kept.x : made.x, near ? kept.y : made.y, near ? kept.z : made.z},
+                      .t0 = stay ? 0 : t0 * length};
+}
+
+/* A hit seen from the launch; NaN stays NaN.  t_err takes over what t as one double cannot hold, and the rounding
+ * of t0: a dot product (1.5 of it in a root), that root, and a product. */
+typedef struct hit_place { double t, t_lo, t_err; } hit_place;
+
+SGT_INLINE hit_place from_launch(double t0, hit_place h)
+{
+    twofold t = two_sum(t0, h.t);
+    return (hit_place){t.hi, h.t_lo + t.lo, (h.t_err + fabs(t.lo) + 4 * SGT_U * fabs(t0)) * (1 + 4 * SGT_U)};
+}
+
+/* -------------------------------------------------------------------- poses */
+
+/* Each component is off by at most 3 u |a|, which the axes may be as well. */
+SGT_INLINE bool is_turned(const sgt_pose *pose) { return !(is_zero(pose->ex) && is_zero(pose->ey) && is_zero(pose->ez)); }
+SGT_INLINE sgt_vec3 to_local(const sgt_pose *pose, sgt_vec3 a)
+{
+    return (sgt_vec3){dot(a, pose->ex), dot(a, pose->ey), dot(a, pose->ez)};
+}
+
+SGT_INLINE sgt_vec3 to_global(const sgt_pose *pose, sgt_vec3 a)
+{
+    sgt_vec3 ex = pose->ex, ey = pose->ey, ez = pose->ez;
+    return (sgt_vec3){dot(a, (sgt_vec3){ex.x, ey.x, ez.x}), dot(a, (sgt_vec3){ex.y, ey.y, ez.y}),
+                      dot(a, (sgt_vec3){ex.z, ey.z, ez.z})};
+}
+
+/* The t_tol of a trace: 32 ulps of the aperture.  A point is not known better than that, and t, over a thin
+ * gap, need not be.  But of the launch point's coordinates where they are less: an aperture may be put at
+ * 1e10, to stand for none. */
+SGT_INLINE double tolerance(double semi_diameter, sgt_vec3 o)
+{
+    double far = largest(o);
+    return 0x1p-48 * (far < semi_diameter ? far : semi_diameter);
+}
+
+/* --------------------------------------------------------- aperture and path */
+
+/* Of the clear aperture; wider than 1e150 holds whatever can be met. */
+SGT_INLINE double aperture2_of(double semi_diameter) { return semi_diameter < 1e150 ? rim2_of(semi_diameter) : HUGE_VAL; }
+SGT_INLINE bool is_inside(sgt_vec3 p, double aperture2) { return !(p.x * p.x + p.y * p.y > aperture2); }
+
+/* A root outside the aperture, or no decision, is asked again on the chord of the ray with the aperture's
+ * cylinder.  The chord is made longer by 2^-20 at both ends, so that a root on the rim is not taken for the
+ * start of the ray (see sgt_ray): those within are told from those without by their r^2 alone.  c is the
+ * distance of the ray from the axis times sqrt(a).  false: no other root, for the ray is beside the cylinder,
+ * or along it (or out of range). */
+SGT_INLINE bool is_worth_more(sgt_status status) { return status != SGT_MISS && status != SGT_STOPPED && status != SGT_INVALID; }
+
+SGT_INLINE bool cut_to_chord(sgt_ray *ray, double aperture2)
+{
+    double x = ray->o.x, y = ray->o.y, l = ray->d.x, m = ray->d.y, a = l * l + m * m, c = difference_of_products(x, m, y, l);
+    double half = sqrt(aperture2 * a - c * c) / a, middle = -(x * l + y * m) / a;
+    double reach = half * (1 + 0x1p-19) + 0x1p-50 * fabs(middle);
+    ray->tmin = middle - reach, ray->tmax = middle + reach;
+    return half > 0 && ray->tmin < ray->tmax && reach < 0x1p1000 && ray->tmax != 0; /* 0 might stand for infinity */
+}
+
+SGT_INLINE twofold longer(twofold path, double index, double t, double t_lo)
+{
+    return twofold_sum(twofold_sum(path, two_product(index, t)), twofold_of(index * t_lo));
+}
+
+/* ------------------------------------------------------------------ bending */
+
+/* How an element bends, the same for all rays: not at all, back, or on, with D in one of its two forms. */
+typedef enum bend_kind { STRAIGHT, BACK, ON, ON_BY_SINE } bend_kind;
+typedef struct bending { bend_kind kind; double r, k; } bending;
+
+SGT_INLINE bending bending_of(double n1, double n2, bool mirror)
+{
+    double r = n1 / n2, k = (n2 - n1) / n2 * ((n2 + n1) / n2);
+    return (bending){mirror ? BACK : n1 == n2 ? STRAIGHT : k >= -0.5 ? ON : ON_BY_SINE, r, k};
+}
+
+/* The direction behind, and how it came about. */
+typedef struct bent { sgt_vec3 d; double G, D, e; } bent;
+
+SGT_INLINE bent bent_by(bend_kind kind, double r, double k, sgt_vec3 d, sgt_vec3 n)
+{
+    bent b = {.G = dot(n, n), .D = 0};
+    double g = dot(d, n), f;
+    if (kind == BACK) {
+        r = 1, f = -2 * g / b.G;
+    } else {
+        double rg = r * g;
+        if (kind == ON) {
+            b.D = fma(k, b.G, rg * rg);
+        } else {
+            sgt_vec3 c = {difference_of_products(d.y, n.z, d.z, n.y), difference_of_products(d.z, n.x, d.x, n.z),
+                          difference_of_products(d.x, n.y, d.y, n.x)};
+            b.D = fma(-r * r, dot(c, c), b.G);
+        }
+        f = k / (rg + copysign(sqrt(b.D), g));
+    }
+    b.d = (sgt_vec3){fma(f, n.x, r * d.x), fma(f, n.y, r * d.y), fma(f, n.z, r * d.z)};
+    b.e = excess(b.d);
+    b.d = corrected(b.d, b.e);
+    return b;
+}
+
+/* No square of a component that matters is lost or infinite; not of NaN. */
+SGT_INLINE bool in_range(double G) { return G >= 0x1p-200 && G <= 0x1p200; }
+
+/* `if_so` where it is good, else 0; selects alone.  Not of NaN. */
+SGT_INLINE double where_good(bent b, double if_so)
+{
+    double a = b.G >= 0x1p-200 ? if_so : 0, c = b.G <= 0x1p200 ? a : 0, d = b.D >= 0 ? c : 0;
+    return fabs(b.e) <= NEAR_UNIT ? d : 0;
+}
+
+/* ------------------------------------------------------------ a ray on its way */
+
+/* At base + offset, in global axes, t0 behind its launch. */
+typedef struct state {
+    sgt_vec3 base, offset, d;
+    double t0;       /* of the first element only: how far the launch point was moved */
+    double index;    /* of the medium it is in */
+    twofold path;    /* index * length so far */
+} state;
+
+SGT_INLINE bool is_index(double index) { return index > 0 && index < HUGE_VAL; }
+SGT_INLINE double index_behind(const sgt_element *e, double n1)
+{
+    return e->index == 0 || e->index == SGT_MIRROR ? n1 : e->index;
+}
+
+/* An element that makes sense. */
+SGT_INLINE bool is_sound(const sgt_element *e, double n1)
+{
+    return is_index(n1) && is_index(index_behind(e, n1)) && e->semi_diameter >= 0;
+}
+
+/* A ray as it came, before its first element (NULL: there is none); false: it is no ray. */
+bool sgt_launch(const sgt_ray *ray, const sgt_element *first, double index, state *at);
+
+/* One element: its passage, and the ray behind it in *at where it passed.  *met, where not NULL, is the answer of
+ * the surface on the ray's line, of which lo, hi and f are not read. */
+sgt_fate sgt_pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met, sgt_passage *passage);
+
+/* The passage of a ray that met nothing, and why. */
+sgt_passage sgt_not_met(sgt_status why);
+
+#endif
