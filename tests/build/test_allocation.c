@@ -46,6 +46,30 @@ static sgt_span wave_span(const void *self, const sgt_ray *ray)
     return (sgt_span){ .lo = fmin(a, b), .hi = fmax(a, b), .seed = NAN };
 }
 
+static void many_waves(const void *self, size_t n, sgt_points p, sgt_values out)
+{
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 grad;
+        out.f[i] = waves(self, (sgt_vec3){ p.p[0][i], p.p[1][i], p.p[2][i] }, &grad);
+        if (out.grad[0])
+            out.grad[0][i] = grad.x, out.grad[1][i] = grad.y, out.grad[2][i] = grad.z;
+    }
+}
+static void many_wave_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out)
+{
+    for (size_t i = 0; i < n; i++) {
+        sgt_ray ray = { { rays.o[0][i], rays.o[1][i], rays.o[2][i] }, { rays.d[0][i], rays.d[1][i], rays.d[2][i] }, 0, 0 };
+        sgt_span span = wave_span(self, &ray);
+        out.lo[i] = span.lo, out.hi[i] = span.hi, out.seed[i] = span.seed, out.single[i] = span.single;
+    }
+}
+
+/* The rays again, many at a time. */
+enum { MANY = 300 };
+static double in[6][MANY], out[14][MANY];
+static signed char status[MANY];
+static int evals[MANY];
+
 int main(void)
 {
     void *volatile counted = malloc(1);
@@ -54,12 +78,14 @@ int main(void)
         return puts("the counter does not count"), 1;
 
     static const sgt_surface_ops wave_ops = { .name = "waves", .value = waves, .span = wave_span };
+    static const sgt_surface_ops many_ops = { .name = "waves", .value = waves, .span = wave_span, .values = many_waves, .spans = many_wave_spans };
     const sgt_conic mirror = { .c = -0.1, .k = -1 }, lens = { .c = 0.2, .k = -0.6, .semi_diameter = 4 };
     const sgt_asphere asphere = { .c = 0.2, .k = -0.6, .semi_diameter = 4, .a = { 0, 1e-4, -2e-6, 1e-8 } };
     const sgt_julia julia = { .c = { -0.2, 0.8, 0, 0 }, .iterations = 8 }, cubic = { .c = { 0.1, 0.3, 0.2, 0 }, .iterations = 5, .power = 3 };
     const sgt_mandelbrot mandelbrot = { .iterations = 6 };
     const sgt_surface surfaces[] = {
         { &sgt_conic_ops, &mirror }, { &sgt_conic_ops, &lens }, { &sgt_asphere_ops, &asphere }, { &wave_ops, NULL },
+        { &many_ops, NULL },
         { &sgt_julia_ops, &julia }, { &sgt_julia_ops, &cubic }, { &sgt_mandelbrot_ops, &mandelbrot },
     };
     const sgt_element elements[] = {
@@ -68,9 +94,13 @@ int main(void)
         { .surface = surfaces[0], .pose = { .origin = { 0, 0, 20 } }, .index = SGT_MIRROR },
     };
     const char *scale = getenv("SAGITTA_TEST_SCALE");
-    const int rays = (int)(20000 * (scale ? atof(scale) : 1)) + 100;
+    const int rays = (int)(20000 * (scale ? atof(scale) : 1)) + MANY;
     const size_t before = allocations;
-    size_t hits = 0, passed = 0, entries = 0;
+    size_t hits = 0, passed = 0, entries = 0, batches = 0;
+    const sgt_rays many = { { in[0], in[1], in[2] }, { in[3], in[4], in[5] }, NULL, NULL };
+    const sgt_hits all_hits = { status, evals, out[0], out[1], out[2], { out[3], out[4], out[5] }, { out[6], out[7], out[8] }, out[9] };
+    const sgt_passages passage = { all_hits, { out[10], out[11], out[12] }, out[13] }, every[3] = { passage, passage, passage };
+    const sgt_traced last = { .o = { in[0], in[1], in[2] }, .d = { in[3], in[4], in[5] } };
 
     for (int i = 0; i < rays; i++) {
         /* Origins from near to far, directions steep and grazing. */
@@ -94,13 +124,23 @@ int main(void)
         sgt_fate fate;
         sgt_ray traced = { { random_number(), random_number(), 0 }, { 0.1 * random_number(), 0, 1 }, 0, 0 };
         passed += sgt_trace(3, elements, 1, &traced, i % 2 ? passages : NULL, &fate, NULL);
+
+        const double number[6] = { ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z };
+        for (int k = 0; k < 6; k++)
+            in[k][i % MANY] = number[k];
+        if (i % MANY == MANY - 1) {
+            sgt_options options = { .pick = i % 2 ? SGT_FIRST : SGT_NEAR_SEED };
+            for (size_t s = 0; s < sizeof surfaces / sizeof surfaces[0]; s++)
+                batches += sgt_intersect_batch(surfaces[s], MANY, many, all_hits, &options);
+            batches += sgt_trace_batch(3, elements, 1, MANY, many, last, every, &options);
+        }
     }
     sgt_ray walk = { { 0.3, 0.2, -5 }, { 0, 0.1, 1 }, 0, 10 };
     for (size_t s = 0; s < sizeof surfaces / sizeof surfaces[0]; s++)
         (void)sgt_check(surfaces[s], 1, &walk, NULL);
 
     const size_t made = allocations - before;
-    printf("%d rays on %zu surfaces, %zu hits, %zu lists, %zu elements passed, %zu allocations\n",
-           rays, sizeof surfaces / sizeof surfaces[0], hits, entries, passed, made);
-    return made != 0 || hits == 0 || entries == 0 || passed == 0;
+    printf("%d rays on %zu surfaces, %zu hits, %zu lists, %zu elements passed, %zu hits in batches, %zu allocations\n",
+           rays, sizeof surfaces / sizeof surfaces[0], hits, entries, passed, batches, made);
+    return made != 0 || hits == 0 || entries == 0 || passed == 0 || batches == 0;
 }

@@ -1,0 +1,216 @@
+/* A call of the library needs less than 64 KiB of stack.  Each kind of call runs on a stack of its own that has been
+ * painted before; what has lost its paint was used.  A call runs twice, since the first may bind names. */
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <ucontext.h>
+#include <sagitta/diagnose.h>
+#include <sagitta/surfaces.h>
+#include <sagitta/system.h>
+
+enum { MOST = 64 * 1024, ROOM = 512 * 1024, RAYS = 600 };
+static const unsigned char PAINT = 0xa5;
+
+/* -------------------------------------------------------------- the painted stack */
+
+static _Alignas(4096) unsigned char stack[ROOM];
+static ucontext_t here, there;
+static void (*call)(void);
+
+static void run(void) { call(); }
+
+static size_t stack_of(void (*what)(void))
+{
+    call = what;
+    for (int i = 0; i < 2; i++) {
+        memset(stack, PAINT, sizeof stack);
+        if (getcontext(&there) != 0) return 0;
+        there.uc_stack.ss_sp = stack, there.uc_stack.ss_size = sizeof stack, there.uc_link = &here;
+        makecontext(&there, run, 0);
+        if (swapcontext(&here, &there) != 0) return 0;
+    }
+    size_t clean = 0;
+    while (clean < sizeof stack && stack[clean] == PAINT) clean++;
+    return sizeof stack - clean;
+}
+
+/* A call that needs 80 KiB is seen to. */
+static void greedy(void)
+{
+    volatile unsigned char array[80 * 1024];
+    for (size_t i = 0; i < sizeof array; i++) array[i] = 0;
+}
+
+/* ------------------------------------------------------------------ surfaces, rays */
+
+/* A user's own: a wavy sheet, that needs a march; alone, with many points at a time, with spans as well. */
+static double waves(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    (void)self;
+    if (grad) *grad = (sgt_vec3){-0.3 * cos(p.x), 0.3 * sin(p.y), 1};
+    return p.z - 0.3 * sin(p.x) - 0.3 * cos(p.y);
+}
+
+static void many_waves(const void *self, size_t n, sgt_points p, sgt_values out)
+{
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 grad;
+        out.f[i] = waves(self, (sgt_vec3){p.p[0][i], p.p[1][i], p.p[2][i]}, &grad);
+        if (out.grad[0]) out.grad[0][i] = grad.x, out.grad[1][i] = grad.y, out.grad[2][i] = grad.z;
+    }
+}
+
+static sgt_span wave_span(const void *self, const sgt_ray *ray)
+{
+    (void)self;
+    double a = (-1 - ray->o.z) / ray->d.z, b = (1 - ray->o.z) / ray->d.z;
+    return (sgt_span){.lo = fmin(a, b), .hi = fmax(a, b), .seed = (double)NAN};
+}
+
+static void wave_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out)
+{
+    for (size_t i = 0; i < n; i++) {
+        sgt_ray ray = {{rays.o[0][i], rays.o[1][i], rays.o[2][i]}, {rays.d[0][i], rays.d[1][i], rays.d[2][i]}, 0, 0};
+        sgt_span span = wave_span(self, &ray);
+        out.lo[i] = span.lo, out.hi[i] = span.hi, out.seed[i] = span.seed, out.single[i] = span.single;
+    }
+}
+
+static const sgt_surface_ops sheet = {.name = "waves", .value = waves, .span = wave_span};
+static const sgt_surface_ops sheets = {.name = "waves", .value = waves, .span = wave_span, .values = many_waves};
+static const sgt_surface_ops all_sheets = {.name = "waves", .value = waves, .span = wave_span, .values = many_waves, .spans = wave_spans};
+static const sgt_conic mirror = {.c = -0.1, .k = -1}, rimmed = {.c = 0.2, .k = -0.6, .semi_diameter = 4};
+static const sgt_asphere asphere = {.c = 0.2, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
+static const sgt_julia julia = {.c = {-0.2, 0.8, 0, 0}, .iterations = 8}, cubic = {.c = {0.1, 0.3, 0.2, 0}, .iterations = 5, .power = 3};
+static const sgt_mandelbrot mandelbrot = {.iterations = 6};
+
+static const struct { const char *name; sgt_surface surface; } surfaces[] = {
+    {"paraboloid", {&sgt_conic_ops, &mirror}}, {"conic", {&sgt_conic_ops, &rimmed}}, {"asphere", {&sgt_asphere_ops, &asphere}},
+    {"own, value", {&sheet, NULL}}, {"own, values", {&sheets, NULL}}, {"own, spans", {&all_sheets, NULL}},
+    {"julia", {&sgt_julia_ops, &julia}}, {"julia, power 3", {&sgt_julia_ops, &cubic}}, {"mandelbrot", {&sgt_mandelbrot_ops, &mandelbrot}},
+};
+
+static double numbers[8][RAYS], out[2][14][RAYS];
+static signed char status[2][RAYS];
+static int evals[2][RAYS];
+static const sgt_rays rays = {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}, numbers[6], numbers[7]};
+
+/* splitmix64, as a number in [-1, 1). */
+static uint64_t state = 20240229;
+static double random_number(void)
+{
+    uint64_t z = state += 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return (double)((z ^ z >> 31) >> 11) * 0x1p-52 - 1;
+}
+
+/* Near and far, steep and grazing, misses, and some that are no rays at all. */
+static void make_rays(void)
+{
+    for (size_t i = 0; i < RAYS; i++) {
+        double far = i % 7 == 0 ? 1e9 : 1, steep = i % 3 == 0 ? 1e-3 : 1;
+        for (int k = 0; k < 6; k++) numbers[k][i] = random_number();
+        numbers[0][i] *= far, numbers[1][i] *= 3, numbers[2][i] = -5 * far;
+        numbers[3][i] *= 0.2 * far, numbers[4][i] *= 0.2, numbers[5][i] = steep * (5 * far + numbers[5][i]);
+        numbers[6][i] = i % 11 ? -HUGE_VAL : 0, numbers[7][i] = i % 13 ? HUGE_VAL : 4;
+        if (i % 101 == 0) numbers[i % 8][i] = (double)NAN;
+    }
+}
+
+static sgt_hits hits_of(int j)
+{
+    double(*o)[RAYS] = out[j];
+    return (sgt_hits){status[j], evals[j], o[0], o[1], o[2], {o[3], o[4], o[5]}, {o[6], o[7], o[8]}, o[9]};
+}
+
+static sgt_ray ray_of(size_t i)
+{
+    return (sgt_ray){{numbers[0][i], numbers[1][i], numbers[2][i]}, {numbers[3][i], numbers[4][i], numbers[5][i]},
+                     numbers[6][i], numbers[7][i]};
+}
+
+/* ----------------------------------------------------------------------- the calls */
+
+static sgt_surface surface;
+static size_t met;
+
+/* Every option that leads another way, all outputs and t alone. */
+static const sgt_options ways[] = {{0}, {.pick = SGT_NEAR_SEED}, {.t_tol = 1e-6, .f_tol = 1e-9}, {.dt_min = 0.05}, {.max_evals = 20}};
+
+static void intersect_batch(void)
+{
+    for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) met += sgt_intersect_batch(surface, RAYS, rays, hits_of(0), &ways[w]);
+    met += sgt_intersect_batch(surface, RAYS, rays, (sgt_hits){.t = out[0][0]}, NULL);
+}
+
+static void intersect(void)
+{
+    for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++)
+        for (size_t i = 0; i < RAYS; i++) {
+            sgt_hit all[4];
+            met += sgt_intersect(surface, ray_of(i), &ways[w]).status > 0;
+            met += sgt_intersect_all(surface, ray_of(i), 4, all, &ways[w]) > 0;
+        }
+}
+
+static sgt_element elements[3];
+
+static void trace_batch(void)
+{
+    sgt_traced traced = {status[1], evals[1], {out[1][0], out[1][1], out[1][2]}, {out[1][3], out[1][4], out[1][5]}, out[1][6]};
+    sgt_passages passage = {hits_of(0), {out[0][10], out[0][11], out[0][12]}, out[0][13]};
+    sgt_passages passages[3] = {passage, passage, passage};
+    for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
+        met += sgt_trace_batch(3, elements, 1, RAYS, rays, traced, passages, &ways[w]);
+        met += sgt_trace_batch(3, elements, 1, RAYS, rays, (sgt_traced){.fate = status[1]}, NULL, &ways[w]);
+    }
+}
+
+static void trace(void)
+{
+    for (size_t i = 0; i < RAYS; i++) {
+        sgt_passage passages[3];
+        sgt_fate fate;
+        sgt_ray ray = ray_of(i);
+        met += sgt_trace(3, elements, 1, &ray, passages, &fate, NULL);
+    }
+}
+
+static void check(void)
+{
+    sgt_ray walk = {{0.3, 0.2, -5}, {0, 0.1, 1}, 0, 10};
+    met += sgt_check(surface, 1, &walk, NULL) == SGT_SOUND;
+}
+
+int main(void)
+{
+    if (stack_of(greedy) < 80 * 1024) return puts("paint does not tell what was used"), 1;
+    make_rays();
+
+    size_t worst = 0, before = 0, idle = 0;
+    for (size_t s = 0; s < sizeof surfaces / sizeof surfaces[0]; s++) {
+        surface = surfaces[s].surface;
+        for (int i = 0; i < 3; i++)
+            elements[i] = (sgt_element){.surface = surface, .pose = {.origin = {0, 0, 2 * i}}, .index = 1.1 + 0.1 * i,
+                                        .semi_diameter = i ? 3 : 0};
+        elements[1].pose = sgt_pose_tilted((sgt_vec3){0.1, 0, 2}, (sgt_vec3){2, 0, 0});
+        elements[2].index = SGT_MIRROR;
+        static void (*const calls[])(void) = {intersect_batch, intersect, trace_batch, trace, check};
+        static const char *const names[] = {"intersect_batch", "intersect", "trace_batch", "trace", "check"};
+        printf("%-16s", surfaces[s].name);
+        for (size_t c = 0; c < sizeof calls / sizeof calls[0]; c++) {
+            size_t used = stack_of(calls[c]);
+            printf("  %s %zu", names[c], used);
+            if (used > worst) worst = used;
+            idle += met == before;
+            before = met;
+        }
+        printf("\n");
+    }
+    printf("at most %zu bytes of stack; %d are allowed\n", worst, MOST);
+    if (idle) printf("%zu calls met nothing\n", idle);
+    return worst >= MOST || idle != 0;
+}

@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""Loops that are meant to become vector code have: the instructions of the library are counted.
+
+Meant to are the functions with a clone for x86-64-v4 (SGT_CLONES_WIDE of src/num/exact.h): loops
+over rays or cells.  A loop that has become vector code is there several times, one instruction for
+one operation each time: in the widest registers, in narrower ones, and up to three times ray by
+ray, for the last few and for arrays that might overlap; one that has not is there once, ray by ray.
+So in the clones for v3 and v4 of each the packed operations in the widest registers (ymm, zmm) must
+be a quarter of the scalar ones, among which is also what is worked out once for all rays; where the
+work is, certain operations must be among the packed.
+
+    python3 vectorised.py SHARED_LIBRARY
+"""
+import collections
+import re
+import subprocess
+import sys
+
+LEAST = 0.25  # packed operations, in the widest registers, for one that is scalar
+# Functions (a pattern; at least one must be there) and what must occur packed in each.
+NEEDED = {
+    r'conic_sweep_(first|near)\w*': {'sqrt', 'div', 'fma'},
+    r'conic_sweep_plane\w*': {'div', 'fma'},
+    r'asphere_sweep\w*': {'div', 'fma'},
+    r'(look|meet)_\w*(julia|mandelbrot)': {'mul', 'add', 'cmp'},
+    r'newton_step\w*': {'mul', 'sub', 'cmp'},
+    r'bend_all': {'sqrt', 'div', 'mul'},
+}
+WIDE = {'v3': {'ymm'}, 'v4': {'ymm', 'zmm'}}
+OPERATION = re.compile(r'\tv?(add|sub|mul|div|sqrt|min|max|cmp\w*?|u?comi|fn?m(?:add|sub)\d*)(pd|sd)\s+(.*)')
+CLONE = re.compile(r'^[0-9a-f]+ <([A-Za-z_]\w*)\.(?:\w+\.)*?arch_x86_64_(v[34])\b[\w.]*>:$')
+
+
+def count(lines):
+    """{function: {kind: Counter of (operation, width)}}; width is xmm, ymm, zmm or scalar."""
+    found, now = collections.defaultdict(lambda: collections.defaultdict(collections.Counter)), None
+    for line in lines:
+        if line.endswith('>:'):
+            clone = CLONE.match(line)
+            now = found[clone[1]][clone[2]] if clone else None
+        elif now is not None:
+            said = OPERATION.search(line)
+            if said:
+                operation = 'fma' if said[1].startswith('f') else 'cmp' if 'c' in said[1] else said[1]
+                width = 'scalar' if said[2] == 'sd' else max(re.findall(r'%([xyz]mm)', said[3]), default='xmm')
+                now[operation, width] += 1
+    return found
+
+
+def faults_of(found):
+    for name, kinds in sorted(found.items()):
+        if set(kinds) != set(WIDE):
+            continue  # no clone for v4
+        for kind, counts in sorted(kinds.items()):
+            by = collections.Counter()
+            for (_, width), n in counts.items():
+                by[width] += n
+            packed = max(by[width] for width in WIDE[kind])
+            print(f'{name}, {kind}:', ', '.join(f'{by[w]} {w}' for w in ('zmm', 'ymm', 'xmm', 'scalar')))
+            if packed < LEAST * by['scalar']:
+                yield f'{name}, {kind}: {packed} packed operations beside {by["scalar"]} scalar ones'
+            for pattern, operations in NEEDED.items():
+                if re.fullmatch(pattern, name):
+                    there = {operation for operation, width in counts if width in WIDE[kind]}
+                    yield from (f'{name}, {kind}: no packed {o}' for o in sorted(operations - there))
+    for pattern in NEEDED:
+        if not any(re.fullmatch(pattern, name) and set(kinds) == set(WIDE) for name, kinds in found.items()):
+            yield f'{pattern}: no such function with clones for v3 and v4'
+
+
+def main(library):
+    try:
+        listing = subprocess.run(['objdump', '-d', '--no-show-raw-insn', library], text=True, check=True, capture_output=True).stdout
+    except FileNotFoundError:
+        print('skipped: there is no objdump')
+        return 77
+    faults = list(faults_of(count(listing.splitlines())))
+    print('\n'.join(faults + [f'{len(faults)} faults']))
+    return 1 if faults else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(*sys.argv[1:]))
