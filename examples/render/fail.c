@@ -35,3 +35,10 @@ void fail_input(const char *format, ...)
     va_end(values);
     exit(EXIT_BAD_INPUT);
 }
+
+void *room(void *old, size_t n, size_t size)
+{
+    void *p = realloc(old, n * size);
+    if (!p) fail_input("out of memory for %zu times %zu bytes", n, size);
+    return p;
+}

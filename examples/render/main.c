@@ -122,7 +122,7 @@ static void draw(scene *s, const request *r)
         if (!writable) fail_input("%s: %s", file, strerror(errno));
         fclose(writable);
         snprintf(bar, sizeof bar, "frame %d of %d", i + 1, frames);
-        order o = {r->samples ? r->samples : s->samples, r->threads, i, r->paint, bar};
+        order o = {r->samples ? r->samples : s->samples, r->threads, TILE, i, r->paint, bar};
         tiles_render(s, frames > 1 ? (double)i / (frames - 1) : 0, &o, &p, &total);
         if (r->paint == PAINT_LIGHT) picture_write(&p, s->exposure, file);
         else paint_write(&p, r->paint, file);

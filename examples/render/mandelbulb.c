@@ -167,7 +167,7 @@ static double bulb_rounding(const void *self, vec3 p)
 static sgt_span bulb_span(const void *self, const sgt_ray *ray)
 {
     const mandelbulb *s = self;
-    return own_ball(threshold(escape_of(s), 2), ray);
+    return own_ball(threshold(escape_of(s), 2), ray->o, ray->d);
 }
 
 const sgt_surface_ops mandelbulb_ops = {.name = "mandelbulb", .value = bulb_value, .span = bulb_span, .rounding = bulb_rounding,

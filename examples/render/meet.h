@@ -1,4 +1,4 @@
-/* meet.h - a ray of the world meets the objects of a scene. */
+/* meet.h - rays of the world meet the objects of a scene, many at a time. */
 #ifndef RENDER_MEET_H
 #define RENDER_MEET_H
 #include "scene.h"
@@ -10,6 +10,7 @@
  * to where F > 0. */
 typedef struct beam {
     vec3 o, d;             /* d is of unit length */
+    double far;            /* nothing beyond is looked for */
     const object *from;    /* NULL: starts in the open */
     vec3 at;
     double side;
@@ -17,7 +18,9 @@ typedef struct beam {
 } beam;
 
 typedef struct meeting {
-    const object *object;
+    const object *object;  /* the first that is met; NULL: none, and only status and evals are told */
+    sgt_status status;     /* of the hit; or negative: what an object answered that could not tell of the way there */
+    int evals;             /* spent on all objects */
     double t;
     vec3 p, n;             /* in the world; n of unit length, as the object's `normal` says, toward where the ray came from */
     vec3 at;               /* the point in the object's own frame */
@@ -29,11 +32,10 @@ enum { UNDECIDED_KINDS = 5 };
 typedef struct tally { uint64_t rays, evals, undecided[UNDECIDED_KINDS]; } tally; /* [-1 - status] */
 void tally_add(tally *to, const tally *of);
 
-/* The first object met before `far`, in *m; false: none.  *status (may be NULL) is that of the hit, or the first
- * undecided stretch before it, or SGT_MISS; *evals (may be NULL) what was spent. */
-bool meet(const scene *s, const beam *b, double far, meeting *m, tally *sum, sgt_status *status, int *evals);
+/* One meeting for each of n beams. */
+void meet(const scene *s, size_t n, const beam b[], meeting m[], tally *sum);
 
 /* A beam that leaves the point of a meeting. */
-beam leaving(const meeting *m, vec3 direction, double side, const object *medium);
+beam leaving(const meeting *m, vec3 direction, double far, double side, const object *medium);
 
 #endif

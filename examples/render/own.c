@@ -1,17 +1,6 @@
 /* own.c - the table of this program's own surfaces. */
 #include "own.h"
 
-#include "vector.h"
-
-sgt_span own_ball(double radius, const sgt_ray *ray)
-{
-    double a = dot(ray->d, ray->d), t = -dot(ray->o, ray->d) / a; /* nearest the centre */
-    vec3 p = along(ray->o, t, ray->d);
-    double half2 = (radius * radius * (1 + 1e-9) - dot(p, p)) / a;
-    if (half2 < 0) return (sgt_span){.lo = 1, .hi = -1};
-    return (sgt_span){.lo = t - sqrt(half2), .hi = t + sqrt(half2), .seed = NAN};
-}
-
 static sgt_objection object_to_torus(const void *self)
 {
     const torus *s = self;

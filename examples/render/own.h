@@ -4,6 +4,8 @@
  * of the library's own kind (sgt_builtin), so that the scene reader treats both alike. */
 #ifndef RENDER_OWN_H
 #define RENDER_OWN_H
+#include "vector.h"
+
 #include <sagitta/surfaces.h>
 
 /* About the z axis: `major` from the axis to the middle of the tube, `minor` its radius. */
@@ -23,8 +25,17 @@ extern const sgt_surface_ops edge_ops;
 /* Ends with a row of zeros. */
 extern const sgt_builtin own_surfaces[];
 
-/* Where the ray is inside a ball about the origin; the ball is drawn larger by a part in
- * 10^9, for what rounding does to the ends. */
-sgt_span own_ball(double radius, const sgt_ray *ray);
+/* The i-th of many. */
+static inline vec3 own_at(const double *const a[3], size_t i) { return (vec3){a[0][i], a[1][i], a[2][i]}; }
+
+/* Where a ray is inside a ball about the origin; the ball is drawn larger by a part in
+ * 10^9, for what rounding does to the ends.  Without a branch: a loop around it becomes vector code. */
+static inline sgt_span own_ball(double radius, vec3 o, vec3 d)
+{
+    double a = dot(d, d), t = -dot(o, d) / a; /* nearest the centre */
+    vec3 p = along(o, t, d);
+    double half2 = (radius * radius * (1 + 1e-9) - dot(p, p)) / a, half = sqrt(half2 < 0 ? 0 : half2);
+    return (sgt_span){.lo = half2 < 0 ? 1 : t - half, .hi = half2 < 0 ? -1 : t + half, .seed = (double)NAN};
+}
 
 #endif

@@ -10,6 +10,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static uint64_t state;
 static long failed, looked_at;
@@ -34,6 +35,8 @@ static void require(bool good, const char *what, vec3 p, double a, double b)
     if (good || failed++ > 20) return;
     printf("FAILED %s at (%a, %a, %a): %.17g, %.17g\n", what, p.x, p.y, p.z, a, b);
 }
+
+static bool same(double a, double b) { return (isnan(a) && isnan(b)) || memcmp(&a, &b, sizeof a) == 0; }
 
 /* ---------------------------------------------------------------- the bulb */
 
@@ -125,6 +128,10 @@ static void test_torus(long count)
         require(fabs(torus_ops.value(&s, on, &n)) <= 40 * torus_ops.rounding(&s, on), "torus, value", on, torus_ops.value(&s, on, NULL), 0);
         require(dot(n, out) >= (1 - 1e-12) * length(n), "torus, gradient", on, dot(n, out), length(n));
         require(torus_ops.value(&s, p, NULL) * off > 0 || s.major + (s.minor + off) * cos(b) < 0, "torus, sign", p, off, 0);
+        vec3 d = i % 20 ? direction() : unit((vec3){uniform(-1, 1), uniform(-1, 1), 0});
+        double back = uniform(0, 5);
+        sgt_span span = torus_ops.span(&s, &(sgt_ray){.o = along(on, -back, d), .d = d});
+        require(span.lo <= back && back <= span.hi, "torus, a root outside the span", on, back, span.lo);
     }
 }
 
@@ -182,6 +189,39 @@ static void test_enclosures(long count)
     }
 }
 
+/* ------------------------------------------------- where the edge can be met */
+
+/* The roots of the quadratic along a ray, in long double, against the span: none is outside, one that is `single` has
+ * no more than one, with a seed that is near it, and of the rest only those near a border are searched in vain. */
+static void test_edge_spans(long count)
+{
+    long singles = 0, vain = 0;
+    for (long i = 0; i < count; i++) {
+        const edge rim = {.radius = uniform(0.1, 2), .from = uniform(-1, 0), .to = uniform(0.001, 1)};
+        sgt_ray ray = {.o = scaled(direction(), pow(10, uniform(-2, 2))), .d = scaled(direction(), pow(10, uniform(-1, 1)))};
+        if (i % 3) ray.d = subtract((vec3){uniform(-2, 2), uniform(-2, 2), uniform(-1, 1)}, ray.o); /* toward it */
+        if (i % 50 == 0) ray.d.z = 0;
+        if (i % 50 == 1) ray.d.x = ray.d.y = 0;
+        sgt_span span = edge_ops.span(&rim, &ray);
+        long double ox = ray.o.x, oy = ray.o.y, dx = ray.d.x, dy = ray.d.y, r = rim.radius;
+        long double a = dx * dx + dy * dy, b = ox * dx + oy * dy, c = ox * ox + oy * oy - r * r, w = b * b - a * c;
+        int met = 0;
+        for (int sign = -1; sign <= 1 && w > 0 && a > 0; sign += 2) {
+            long double root = sign * b > 0 ? -c / (b + sign * sqrtl(w)) : (-b + sign * sqrtl(w)) / a;
+            long double z = ray.o.z + root * ray.d.z;
+            if (!(z > rim.from + 1e-12L && z < rim.to - 1e-12L)) continue;
+            met++;
+            require(span.lo <= root && root <= span.hi, "edge, a root outside the span", ray.o, (double)root, span.lo);
+            bool near = !span.single || fabsl(span.seed - root) <= 1e-9L * fabsl(root) + 1e-7L;
+            require(near, "edge, the seed", ray.o, span.seed, (double)root);
+        }
+        singles += span.single;
+        if (span.single) require(met <= 1, "edge, one root", ray.o, met, span.seed);
+        vain += span.lo <= span.hi && met == 0 && ray.d.z != 0;
+    }
+    require(singles > count / 20 && vain <= count / 1000, "edge, spans of some use", (vec3){0}, (double)singles, (double)vain);
+}
+
 /* ------------------------------------------------------------ all of them */
 
 static void test_conformance(long count)
@@ -200,6 +240,49 @@ static void test_conformance(long count)
     }
 }
 
+/* Many at once are one by one, to the last bit. */
+static void test_many(long count)
+{
+    enum { MOST = 37 };
+    const torus ring = {.major = 1, .minor = 0.3};
+    const mandelbulb bulb = {.escape = 2, .iterations = 4};
+    const edge rim = {.radius = 1, .from = -0.5, .to = 0.5};
+    const sgt_surface several[] = {{&torus_ops, &ring}, {&mandelbulb_ops, &bulb}, {&edge_ops, &rim}};
+    for (long i = 0; i < count; i++) {
+        double o[3][MOST], d[3][MOST], f[2][MOST], grad[3][MOST], lo[MOST], hi[MOST], seed[MOST];
+        bool single[MOST];
+        for (int k = 0; k < MOST; k++) {
+            vec3 p = scaled(direction(), uniform(0, 3)), q = direction();
+            if (k % 7 == 0) q.z = 0;
+            o[0][k] = p.x, o[1][k] = p.y, o[2][k] = k % 5 ? p.z : (double)NAN, d[0][k] = q.x, d[1][k] = q.y, d[2][k] = q.z;
+        }
+        const sgt_rays rays = {.o = {o[0], o[1], o[2]}, .d = {d[0], d[1], d[2]}};
+        const sgt_surface_ops *ops = several[i % 3].ops;
+        const void *self = several[i % 3].self;
+        size_t n = 1 + (size_t)uniform(0, MOST);
+        if (ops->values) {
+            ops->values(self, n, (sgt_points){{o[0], o[1], o[2]}}, (sgt_values){f[0], {grad[0], grad[1], grad[2]}});
+            ops->values(self, n, (sgt_points){{o[0], o[1], o[2]}}, (sgt_values){.f = f[1]});
+        }
+        if (ops->spans) ops->spans(self, n, rays, (sgt_spans){lo, hi, seed, single});
+        for (size_t k = 0; k < n; k++) {
+            sgt_ray ray = {.o = {o[0][k], o[1][k], o[2][k]}, .d = {d[0][k], d[1][k], d[2][k]}};
+            vec3 g;
+            if (ops->values) {
+                double wanted = ops->value(self, ray.o, &g);
+                require(same(f[0][k], wanted) && same(f[1][k], wanted), ops->name, ray.o, f[0][k], wanted);
+                bool all = same(grad[0][k], g.x) && same(grad[1][k], g.y) && same(grad[2][k], g.z);
+                require(all, ops->name, ray.o, grad[0][k], g.x);
+            }
+            if (ops->spans) {
+                sgt_span span = ops->span(self, &ray);
+                bool all = same(lo[k], span.lo) && same(hi[k], span.hi) && same(seed[k], span.seed) && single[k] == span.single;
+                require(all, ops->name, ray.o, lo[k], span.lo);
+            }
+        }
+    }
+}
+
 int main(void)
 {
     const char *seed = getenv("SAGITTA_TEST_SEED"), *scale = getenv("SAGITTA_TEST_SCALE");
@@ -209,6 +292,8 @@ int main(void)
     test_bulb(1 + (long)(2000 * times));
     test_torus(1 + (long)(20000 * times));
     test_enclosures(1 + (long)(20000 * times));
+    test_edge_spans(1 + (long)(20000 * times));
+    test_many(1 + (long)(2000 * times));
     test_conformance(1 + (long)(200 * times));
     printf("%ld looked at, %ld failed\n", looked_at, failed);
     return failed > 0;
