@@ -11,6 +11,7 @@ static const char help[] =
     "  sagitta intersect --surface SPEC --rays FILE      one surface, many rays\n"
     "  sagitta trace LENS [--svg FILE]                   rays through a lens file\n"
     "  sagitta diagnose ...                              watch the solver at work\n"
+    "  sagitta trade [LENS | --surface SPEC]             speed against accuracy, measured\n"
     "\n"
     "  sagitta COMMAND --help     all of a command's options\n"
     "  sagitta --version\n";
@@ -19,6 +20,7 @@ static const struct { const char *name, *full; exit_status (*run)(int argc, char
     {"intersect", "sagitta intersect", command_intersect},
     {"trace", "sagitta trace", command_trace},
     {"diagnose", "sagitta diagnose", command_diagnose},
+    {"trade", "sagitta trade", command_trade},
 };
 
 int main(int argc, char *argv[])

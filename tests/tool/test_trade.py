@@ -1,0 +1,385 @@
+#!/usr/bin/env python3
+"""sagitta trade: what it prints agrees with itself, with arithmetic of 60 digits, and with its bounds.
+
+    python3 test_trade.py SAGITTA
+
+No time is asserted, only that there is one.
+"""
+import decimal
+import itertools
+import json
+import math
+import re
+import xml.etree.ElementTree as xml
+from decimal import Decimal
+
+from command import *
+
+decimal.getcontext().prec = 60
+QUICK = ('--seconds', '0')
+SURFACE = 'case,setting,ns,evals,err_median,err_99,err_worst,undecided,wrong,rays,best'.split(',')
+LENS = SURFACE + ['path_worst', 'waves_worst']
+CONIC = '{type: conic, radius: 10, conic: -0.6}'
+ASPHERE = '{type: even_asphere, radius: 10, conic: -0.6, coefficients: [0, 1e-4, -2e-6, 1e-8], semi_diameter: 4}'
+JULIA = '{type: julia, c: [-0.2, 0.8, 0, 0], iterations: 4}'
+
+
+def trade(*arguments, **how):
+    return rows('trade', *arguments, *QUICK, **how)
+
+
+def by_setting(table, case=None):
+    return {row['setting']: row for row in table if case in (None, row['case'])}
+
+
+def settings_of(table):
+    return [row['setting'] for row in table]
+
+
+DEFAULT = trade()
+
+
+# ------------------------------------------------------------------- what is printed
+
+def test_columns():
+    for arguments, columns in (((), LENS), ((LENSES / 'ftheta.yaml',), LENS), (('--surface', CONIC), SURFACE)):
+        head = run('trade', *arguments, *QUICK, '--format', 'csv').stdout.splitlines()[0]
+        equal(head.split(','), columns)
+
+
+def test_default_set():
+    cases = [case for case, _ in itertools.groupby(row['case'] for row in DEFAULT)]
+    equal(cases, ['conic', 'asphere', 'scan-lens', 'julia', 'julia-iterations'])
+    always = ['default', 'single', 'out=all', 't_tol=1e-12', 't_tol=1e-9', 't_tol=1e-6', 't_tol=1e-3']
+    for case in cases[:4]:
+        settings = by_setting(DEFAULT, case)
+        assert all(s in settings for s in always), (case, list(settings))
+        assert any(s.startswith('out=') and s != 'out=all' for s in settings), case
+        equal(any(s.startswith('pick=') for s in settings), case != 'julia', case)
+        equal(sum(s.startswith('dt_min=') for s in settings), 4 if case == 'julia' else 0, case)
+    equal(list(by_setting(DEFAULT, 'julia-iterations')), [f'iterations={n}' for n in (3, 5, 7, 9, 11)])
+
+
+def test_numbers_make_sense():
+    for row in DEFAULT:
+        assert float(row['ns']) > 0 and math.isfinite(float(row['ns'])), row
+        assert row['best'] in ('0', '1'), row
+        assert 0 <= int(row['undecided']) + int(row['wrong']) <= int(row['rays']), row
+        errors = [float(row[e]) for e in ('err_median', 'err_99', 'err_worst')]
+        assert all(map(math.isnan, errors)) or 0 <= errors[0] <= errors[1] <= errors[2], row
+        equal(math.isnan(float(row['path_worst'])), row['case'] != 'scan-lens', row)
+
+
+def test_json_and_text():
+    table = json.loads(run('trade', '--surface', JULIA, *QUICK, '--format', 'json').stdout)
+    equal(sorted({tuple(row) for row in table}), [tuple(SURFACE)])
+    equal([row['setting'] for row in table], settings_of(trade('--surface', JULIA)))
+    assert all(isinstance(row['ns'], (int, float)) and isinstance(row['evals'], (int, float)) for row in table), table
+    text = run('trade', '--surface', JULIA, *QUICK).stdout
+    assert 'julia-iterations: ' in text and 'errors against N = 8' in text and JULIA in text, text
+    assert run('trade', '--surface', CONIC, *QUICK, '--hex', '--format', 'csv').stdout.count('0x1') > 9
+
+
+# -------------------------------------------------------------------- the best
+
+def given(row):
+    """How many of the outputs it gives."""
+    return {'out=t': 0, 'out=point': 0, 'out=all': 2}.get(row['setting'], 1)
+
+
+def beats(a, b):
+    """a gives as much as b, is nowhere worse, and somewhere better."""
+    def worse(x, y):
+        undecided, wrong = (int(x[k]) - int(y[k]) for k in ('undecided', 'wrong'))
+        far = float(x['err_99']) > 2 * float(y['err_99']) and undecided >= 0  # never of NaN
+        return float(x['ns']) > 1.1 * float(y['ns']) or far or undecided > 0 or wrong > 0
+    return given(a) >= given(b) and worse(b, a) and not worse(a, b)
+
+
+def test_best_marks():
+    for case in {row['case'] for row in DEFAULT}:
+        table = [row for row in DEFAULT if row['case'] == case]
+        for row in table:
+            wanted = not any(beats(other, row) for other in table if other['best'] == '1') and row['err_99'] != 'nan'
+            equal(row['best'] == '1', wanted, (row, table))
+        assert any(row['best'] == '1' for row in table), case
+    assert any(row['best'] == '0' for row in DEFAULT)
+
+
+# ------------------------------------------------------------------ the errors
+
+def test_full_precision_is_full():
+    """Where nothing is given away the errors are those of rounding, and nobody is wrong or undecided."""
+    for case, size in (('conic', 2e-15), ('asphere', 2e-15), ('scan-lens', 1e-13), ('julia', 1e-13)):
+        settings = by_setting(DEFAULT, case)
+        for name, row in settings.items():
+            if name == 'default' or name.split('=')[0] in ('single', 'out', 'pick'):
+                equal((row['undecided'], row['wrong']), ('0', '0'), (case, name))
+                assert 0 < float(row['err_worst']) < size, (case, row)
+                equal(row['evals'] if 'pick' not in name else settings['default']['evals'], settings['default']['evals'], name)
+    path = float(by_setting(DEFAULT, 'scan-lens')['default']['path_worst'])
+    waves = float(by_setting(DEFAULT, 'scan-lens')['default']['waves_worst'])
+    assert 0 < path < 1e-13, path
+    close(waves, path * 25400 / 0.5876, 1e-6 * waves)
+
+
+def test_t_tol_is_honoured():
+    for row in DEFAULT:
+        if row['setting'].startswith('t_tol=') and row['case'] != 'scan-lens':
+            assert float(row['err_worst']) <= float(row['setting'][6:]), row
+            equal(row['wrong'], '0', row)
+    coarse, default = (by_setting(DEFAULT, 'julia')[name] for name in ('t_tol=1e-3', 'default'))
+    assert float(coarse['err_worst']) > 1e-9 > float(default['err_worst']), coarse  # and it is turned at all
+    assert float(coarse['evals']) < float(default['evals']), coarse
+
+
+def test_budget():
+    table = by_setting(trade('--surface', JULIA, '--max-evals', '1000000,3,8'))
+    budgets = [s for s in table if s.startswith('max_evals=')]
+    equal(budgets, ['max_evals=1000000', 'max_evals=3', 'max_evals=8'])
+    equal(table[budgets[0]]['undecided'], '0')
+    assert int(table[budgets[1]]['undecided']) > int(table[budgets[2]]['undecided']) > 0, table
+    for name in budgets:
+        equal(table[name]['wrong'], '0', name)
+
+
+def test_fast_way_and_iterations():
+    table = trade('--surface', JULIA, '--dt-min', '0.3', '--dt-min', '1e-3', '--iterations', '2,6')
+    fast = by_setting(table, 'julia')
+    coarse, fine = fast['dt_min=3e-1'], fast['dt_min=1e-3']
+    assert int(coarse['wrong']) > int(fine['wrong']), (coarse, fine)
+    assert float(coarse['evals']) < float(fine['evals']), (coarse, fine)
+    deep = by_setting(table, 'julia-iterations')
+    equal(list(deep), ['iterations=2', 'iterations=6'])
+    assert float(deep['iterations=6']['err_worst']) < 1e-13 < 1e-3 < float(deep['iterations=2']['err_99']), deep
+    equal(deep['iterations=6']['wrong'], '0')
+
+
+def test_pick():
+    """--pick tries that one; of a sphere beyond its vertex plane the two are different roots, none of them wrong."""
+    arguments = ('--surface', '{type: sphere, radius: -10}', '--ray', '0.5 -20 -4 0.01 1 0.02', '--ray', '0.1 -20 -3 0 1 0')
+    both = by_setting(trade(*arguments))
+    equal((both['default']['wrong'], both['pick=near-seed']['wrong']), ('0', '0'))
+    one = trade(*arguments, '--pick', 'near-seed')
+    assert not any(s.startswith('pick=') for s in settings_of(one)), one
+    equal(by_setting(one)['default']['err_worst'], both['pick=near-seed']['err_worst'])
+
+
+# ------------------------------------------------- the errors by other arithmetic
+
+RAYS = [(1.25, -0.5, -5, 0.1, 0.05, 0.99), (-2, 0.75, -3, 0.05, -0.1, 1), (0.3, 2.1, -8, -0.02, -0.11, 2), (1, 1, -1e6, 1e-7, -1e-7, 0.7)]
+
+
+def worst_error(surface, value, several=RAYS):
+    """Of the t that `sagitta intersect` prints: from a root of value(t, ray) by secants in 60 digits."""
+    found = rows('intersect', '--surface', surface, '--rays', '-', stdin=rays(*several))
+    worst = 0
+    for ray, row in zip(several, found):
+        equal(row['status'], 'hit')
+        exact = [Decimal(float(v)) for v in ray]
+        t = Decimal(float(row['t']))
+        step = abs(t) * Decimal('1e-20')
+        for _ in range(4):
+            f = value([exact[i] + t * exact[3 + i] for i in range(3)])
+            ahead = value([exact[i] + (t + step) * exact[3 + i] for i in range(3)])
+            t -= f * step / (ahead - f)
+        worst = max(worst, abs(t - Decimal(float(row['t']))))
+    return float(worst)
+
+
+def same_worst(surface, value, several=RAYS):
+    wanted = worst_error(surface, value, several)
+    got = by_setting(trade('--surface', surface, '--rays', '-', stdin=rays(*several)))['default']
+    close(got['err_worst'], wanted, 1e-9 * wanted, surface)
+    equal((got['rays'], got['wrong']), (str(len(several)), '0'))
+
+
+def sag(p, c, k, coefficients=()):
+    c, k = Decimal(c), Decimal(k)
+    r2 = p[0] * p[0] + p[1] * p[1]
+    return p[2] - c * r2 / (1 + (1 - (1 + k) * c * c * r2).sqrt()) - sum(Decimal(a) * r2 ** (i + 1) for i, a in enumerate(coefficients))
+
+
+def test_sags_in_sixty_digits():
+    same_worst(CONIC, lambda p: sag(p, 0.1, -0.6))
+    same_worst(ASPHERE, lambda p: sag(p, 0.1, -0.6, (0, 1e-4, -2e-6, 1e-8)), RAYS[:3])
+    same_worst('{type: plane}', lambda p: p[2])
+
+
+def product(x, y):
+    return (x[0] * y[0] - x[1] * y[1] - x[2] * y[2] - x[3] * y[3], x[0] * y[1] + x[1] * y[0] + x[2] * y[3] - x[3] * y[2],
+            x[0] * y[2] - x[1] * y[3] + x[2] * y[0] + x[3] * y[1], x[0] * y[3] + x[1] * y[2] - x[2] * y[1] + x[3] * y[0])
+
+
+def test_level_sets_in_sixty_digits():
+    several = [(0.1, 0.2, -3, 0, 0.02, 1), (0.3, -0.1, -4, -0.05, 0.1, 1.5), (2.5, 0.2, 0.1, -1, 0, 0.1)]
+    c = [Decimal(v) for v in (-0.2, 0.3, 0.1, 0.05)]
+    size = sum(v * v for v in c).sqrt()
+    safe = (1 + (1 + 4 * size).sqrt()) / 2
+
+    def julia(p):
+        q = (*p, Decimal(0.25))
+        for _ in range(4):
+            q = tuple(u + v for u, v in zip(product(q, q), c))
+        return sum(v * v for v in q) - safe * safe
+
+    def mandelbrot(p):
+        q = at = (*p, Decimal(0))
+        for _ in range(3):
+            q = tuple(u + v for u, v in zip(product(product(q, q), q), at))
+        return sum(v * v for v in q) - 2
+
+    same_worst('{type: julia, c: [-0.2, 0.3, 0.1, 0.05], slice: 0.25, iterations: 4}', julia, several)
+    same_worst('{type: mandelbrot, power: 3, iterations: 4}', mandelbrot, several)
+
+
+SINGLET = '''units: mm
+wavelengths: [0.5]
+surfaces:
+  - {type: sphere, radius: 30, thickness: 4, index: 1.5, semi_diameter: 8}
+  - {type: sphere, radius: -40, thickness: 30, index: 1, semi_diameter: 8, tilt: [0, 0, 90]}
+  - {type: plane, mirror: true, tilt: [180, 0, 0]}
+'''
+BEAM = [(0, 0, -10, 0, 0, 1), (1.25, -2, -10, 0.01, 0.05, 1), (-3, 1, -7, 0.1, -0.05, 2)]
+
+
+def exact_landing(ray):
+    """The point on the mirror and the path, in 60 digits; turns by quarters change nothing of a sphere."""
+    o, d = ([Decimal(float(v)) for v in half] for half in (ray[:3], ray[3:]))
+    length = sum(v * v for v in d).sqrt()
+    d, path, index = [v / length for v in d], Decimal(0), Decimal(1)
+    for z, c, behind in ((0, Decimal(1 / 30), Decimal(1.5)), (4, Decimal(-1 / 40), Decimal(1)), (34, Decimal(0), None)):
+        q = [o[0], o[1], o[2] - z]
+        a, b = c, d[2] - c * sum(u * v for u, v in zip(q, d))
+        e = c * sum(v * v for v in q) - 2 * q[2]
+        t = e / (b + (b * b - a * e).sqrt())
+        o = [u + t * v for u, v in zip(o, d)]
+        path += index * t
+        if behind:
+            n = [-c * o[0], -c * o[1], 1 - c * (o[2] - z)]
+            cosine, ratio = sum(u * v for u, v in zip(d, n)), index / behind
+            along = (1 - ratio * ratio * (1 - cosine * cosine)).sqrt() - ratio * cosine
+            d, index = [ratio * u + along * v for u, v in zip(d, n)], behind
+    return o, path
+
+
+def test_lens_in_sixty_digits():
+    lens, text = written(SINGLET), rays(*BEAM)
+    ends = [row for row in rows('trace', lens, '--rays', '-', '--frame', 'global', stdin=text) if row['element'] == '3']
+    equal(len(ends), len(BEAM))
+    point = path = 0
+    for ray, row in zip(BEAM, ends):
+        o, opl = exact_landing(ray)
+        point = max(point, sum((u - Decimal(float(row[v]))) ** 2 for u, v in zip(o, 'xyz')).sqrt())
+        path = max(path, abs(opl - Decimal(float(row['opl']))))
+    got = by_setting(trade(lens, '--rays', '-', stdin=text))['default']
+    close(got['path_worst'], path, 1e-6 * float(path))
+    close(got['err_worst'], point, 2e-16 + 1e-6 * float(point))  # trace adds the vertex to z, and rounds
+    close(got['waves_worst'], path * 2000, 2e-3 * float(path))
+
+
+# ---------------------------------------------------------------- other lenses
+
+def test_lenses():
+    for lens in ('newtonian', 'cassegrain', 'cooke_triplet', 'aspheric_singlet'):
+        got = by_setting(trade(LENSES / f'{lens}.yaml', '--grid', 9))
+        for name in ('default', 'single', 'out=point', 'out=all'):
+            equal((got[name]['wrong'], got[name]['undecided']), ('0', '0'), (lens, name))
+            assert float(got[name]['err_worst']) < 1e-12, (lens, got[name])
+    equal(trade(LENSES / 'ftheta.yaml', '--field', 5, '--fan', 7)[0]['rays'], '7')
+
+
+def test_lost_rays_are_no_errors():
+    """Clipped and missing rays are decided, and where they should be."""
+    got = by_setting(trade(LENSES / 'ftheta.yaml', '--rays', '-', stdin=rays((0, 0, -1, 0, 0, 1), (0, 3, -1, 0, 0, 1), (0, 0, -1, 1, 0, 0))))
+    equal((got['default']['rays'], got['default']['wrong'], got['default']['undecided']), ('3', '0', '0'))
+
+
+# ---------------------------------------------------------------------- errors
+
+def test_bad_options():
+    lens = LENSES / 'ftheta.yaml'
+    for arguments, word in (
+            (('--t-tol', '-1'), '--t-tol'), (('--t-tol', '1e-3,x'), '--t-tol'), (('--t-tol', ','), '--t-tol'), (('--t-tol', '0'), '--t-tol'),
+            (('--t-tol', ','.join(['1'] * 17)), '--t-tol'), (('--dt-min', 'nan'), '--dt-min'), (('--max-evals', '2.5'), '--max-evals'),
+            (('--max-evals', '0'), '--max-evals'), (('--iterations', '0'), '--iterations'), (('--seconds', '-1'), '--seconds'),
+            (('--seconds', 'soon'), '--seconds'), (('--pick', 'last'), '--pick'), (('--format', 'xml'), '--format'),
+            (('--proof', 'root'), '--proof'), (('--rays', '-'), '--surface'), (('--ray', '0 0 -5 0 0 1'), '--surface'), (('--fan', '3'), 'lens'),
+            ((lens, lens), 'one lens'), ((lens, '--surface', CONIC), '--surface'), (('--surface', CONIC, '--fan', 3), '--fan'),
+            ((lens, '--ray', '0 0 -5 0 0 1'), '--ray'), (('--surface', CONIC, '--ray', '0 0 -5 0 0 1', '--rays', '-'), '--ray'),
+            (('--surface', JULIA, '--iterations', '4,5000'), '--iterations'), (('--turbo',), '--turbo')):
+        done = run('trade', *arguments, *QUICK, exit=USAGE)
+        assert word in done.stderr, (arguments, done.stderr)
+        equal(done.stdout, '', arguments)
+
+
+def test_bad_input():
+    for arguments, word in ((('--surface', '{type: cone}'), 'type'), (('nowhere.yaml',), 'nowhere.yaml'),
+                            (('--surface', CONIC, '--ray', '1 2 3'), '--ray')):
+        done = run('trade', *arguments, *QUICK, exit=BAD_INPUT)
+        assert word in done.stderr and not done.stdout, (arguments, done.stderr)
+
+
+def test_what_is_not_used_is_told():
+    for arguments, word in ((('--surface', CONIC, '--dt-min', '0.1'), '--dt-min'), (('--surface', CONIC, '--iterations', '4,5'), '--iterations'),
+                            (('--surface', JULIA, '--pick', 'near-seed'), '--pick')):
+        assert word in run('trade', *arguments, *QUICK).stderr, arguments
+    equal(run('trade', '--surface', CONIC, *QUICK).stderr, '')
+
+
+def test_help():
+    text = run('trade', '--help').stdout
+    for option in ('--surface', '--rays', '--ray', '--grid', '--t-tol', '--max-evals', '--dt-min', '--iterations', '--pick', '--seconds', '--svg'):
+        assert option in text, option
+    assert 'differ from run to run' in text
+    assert max(map(len, text.splitlines())) <= 100
+
+
+# --------------------------------------------------------------------- picture
+
+SVG = '{http://www.w3.org/2000/svg}'
+
+
+def picture(*arguments):
+    path = written('').parent / 'picture.svg'
+    run('trade', *arguments, *QUICK, '--svg', path)
+    return xml.parse(path).getroot()
+
+
+def with_cairo(test):
+    """Only where there is cairo."""
+    return (lambda: None) if '--without-cairo' in sys.argv else test
+
+
+def drawn(root):
+    return sum(1 for _ in root.iter(SVG + 'path'))
+
+
+@with_cairo
+def test_picture():
+    one, two = picture('--surface', CONIC), picture('--surface', JULIA)
+    for root in (one, two):
+        equal(root.tag, SVG + 'svg')
+        width, height = (float(root.get(side).removesuffix('pt')) for side in ('width', 'height'))
+        assert 500 <= width <= 1200 and 200 <= height <= 1200, (width, height)
+    assert drawn(two) > drawn(one) > 20, (drawn(one), drawn(two))  # two panels and more dots
+    assert drawn(picture('--surface', CONIC, '--t-tol', '1e-3,1e-4,1e-5,1e-6,1e-7,1e-8,1e-9')) > drawn(one)
+    picture('--surface', JULIA, '--ray', '5 5 5 1 0 0')  # nothing is met
+
+
+@with_cairo
+def test_picture_that_cannot_be_written():
+    path = written('').parent / 'no' / 'picture.svg'
+    done = run('trade', '--surface', CONIC, *QUICK, '--svg', path, exit=BAD_INPUT)
+    assert str(path) in done.stderr and not done.stdout, done.stderr
+    same = written('', 'same')
+    done = run('trade', '--surface', CONIC, *QUICK, '--svg', same, '--output', same, exit=USAGE)
+    assert 'written over' in done.stderr, done.stderr
+
+
+def test_without_cairo():
+    if '--without-cairo' in sys.argv:
+        assert 'without cairo' in run('trade', '--svg', written('').parent / 'x.svg', exit=USAGE).stderr
+
+
+main(globals())
