@@ -102,16 +102,27 @@ SGT_INLINE lane easy_end(const bowl *s, const near_root *r, double l, double m, 
     return lane_of(r, l, m, n, tmin, tmax, t_tol, pz, g, fabs(r->tau), s->rim2, MASK(fabs(w) < 1 - 0x1p-8));
 }
 
-/* t0 + tau does not count; its point is (x, y, 0) + tau d.  S is |grad F . d| v; t is off by less than t_err, where that is
- * small enough to tell the start itself from another root (sag.h). */
-SGT_INLINE mask gone(const bowl *s, double x, double y, double t0, double tau, double S, double t_err, double l, double m, double n, double tmin, double tmax)
+/* t0 + tau does not count; its point is (x, y, 0) + tau d. */
+SGT_INLINE mask gone(const bowl *s, double x, double y, double t0, double tau, double l, double m, double n, double tmin, double tmax)
 {
-    double px = fma(tau, l, x), py = fma(tau, m, y), pz = tau * n, r2 = px * px + py * py, w = s->ck * pz, t = t0 + tau, slack = 0x1p-20 * (fabs(t0) + fabs(tau));
-    mask start = MASK(((t - tmin) + t_err) * S < 0.5 * START_ULPS * fma(s->abs_c, r2, fabs(pz * (1 - w))));
-    return start | MASK(w > 1 + 0x1p-8) | MASK(r2 > s->rim2 * (1 + 0x1p-20)) | MASK(t - slack > tmax) | MASK(t + slack < tmin);
+    double px = fma(tau, l, x), py = fma(tau, m, y), t = t0 + tau, slack = 0x1p-20 * (fabs(t0) + fabs(tau));
+    return MASK(s->ck * (tau * n) > 1 + 0x1p-8) | MASK(px * px + py * py > s->rim2 * (1 + 0x1p-20)) | MASK(t - slack > tmax) | MASK(t + slack < tmin);
 }
 
-SGT_INLINE mask easy_away(const bowl *s, double ox, double oy, double oz, double l, double m, double n, double tmin, double tmax)
+/* The ray starts on the quadric: its root nearest tmin is the start itself, which does not count (sag.h).  At the start
+ * G = z - c (r^2 + (1 + k) z^2) / 2 is off by 6 u of its terms, so that root is within (|G| + 6 u terms) / S of tmin, and as
+ * much again makes up for G's curvature, where D is above 2^-10 of its terms; half of what the rule allows is left. */
+SGT_INLINE mask starts_on(const bowl *s, double ox, double oy, double oz, double l, double m, double n, double tmin)
+{
+    double x = fma(tmin, l, ox), y = fma(tmin, m, oy), z = fma(tmin, n, oz), r2 = x * x + y * y, w = s->ck * z;
+    double G = z - 0.5 * fma(s->c, r2, w * z), terms = fma(s->abs_c, r2, fabs(z) * (1 + fabs(w)));
+    return MASK(fabs(G) + 6 * SGT_U * terms < 0.5 * START_ULPS * fma(s->abs_c, r2, fabs(z * (1 - w)))) & MASK(terms > 0x1p-600);
+}
+
+/* Neither root counts; and of the far one alone (a plane has none). */
+typedef struct verdicts { mask away, far_gone; } verdicts;
+
+SGT_INLINE verdicts easy_away(const bowl *s, double ox, double oy, double oz, double l, double m, double n, double tmin, double tmax)
 {
     double t0, t0_lo, x, y;
     to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
@@ -119,11 +130,13 @@ SGT_INLINE mask easy_away(const bowl *s, double ox, double oy, double oz, double
     double A = s->c * fma(s->k1, n2, a), B = fma(-s->c, xl + ym, n), C = s->c * r2;
     double Aa = fma(s->extra, n2, fabs(A)), Ba = fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
     double D = fma(B, B, -A * C), size = fma(Ba, Ba, Aa * fabs(C)), S = sqrt(larger(D, 0)), b = B + copysign(S, B), near = C / b, far = b / A;
-    double fine = chosen(MASK(4 * D > size), 3 * SGT_U * fabs(t0), HUGE_VAL), K = 4 * D >= 3 * size ? 25 * SGT_U : 50 * SGT_U; /* of tau, as above */
+    double to_near = fabs((t0 - tmin) + near), to_far = fabs((t0 - tmin) + far);
     mask usual = MASK(n2 > 0x1p-200) & MASK(a + n2 < 0x1p200) & MASK(r2 < 0x1p600) & MASK(size < 0x1p600) & MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL);
-    mask second = (MASK(fabs(A) > 0x1p-10 * Aa) & gone(s, x, y, t0, far, S, fma(K, fabs(far), fine), l, m, n, tmin, tmax)) | (MASK(Aa == 0) & MASK(s->c == 0));
-    return usual & (MASK(D < -0x1p-20 * size)
-                    | (MASK(D > 0x1p-10 * size) & second & gone(s, x, y, t0, near, S, fma(K, fabs(near), fine), l, m, n, tmin, tmax)));
+    mask real = MASK(D > 0x1p-10 * size), start = starts_on(s, ox, oy, oz, l, m, n, tmin), two = MASK(fabs(A) > 0x1p-10 * Aa);
+    mask far_gone = (two & (gone(s, x, y, t0, far, l, m, n, tmin, tmax) | (start & MASK(to_far < 0.25 * to_near)))) | (MASK(Aa == 0) & MASK(s->c == 0));
+    mask near_gone = gone(s, x, y, t0, near, l, m, n, tmin, tmax) | (start & two & MASK(to_near < 0.25 * to_far));
+    far_gone &= usual & real;
+    return (verdicts){(usual & MASK(D < -0x1p-20 * size)) | (far_gone & near_gone), far_gone};
 }
 
 /* A plane: the same with tau = 0. */
@@ -148,29 +161,29 @@ SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, doubl
     return e->hit != 0;
 }
 
+typedef enum easy_answer { EASY_NOT, EASY_MISS, EASY_HIT } easy_answer;
+
+SGT_INLINE easy_answer easy_of(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol, lane *e)
+{
+    if (easy_at(s, first, o, d, tmin, tmax, t_tol, e)) return EASY_HIT;
+    verdicts v = easy_away(s, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
+    if (v.away != 0) return EASY_MISS;
+    return first && v.far_gone != 0 && easy_at(s, false, o, d, tmin, tmax, t_tol, e) ? EASY_HIT : EASY_NOT;
+}
+
 /* One ray; its ends have been made explicit.  A direction of unusual length is scaled, by a power of two: of the
  * usual ones that would change no bit. */
-SGT_INLINE bool easy(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
+SGT_INLINE easy_answer easy(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
 {
     sgt_vec3 d = ray->d;
     bool first = opt->pick != SGT_NEAR_SEED;
-    if (easy_at(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, e)) return true;
+    easy_answer r = easy_of(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, e);
     double scale = scale_of(d);
-    if (scale > 0x1p-40 && scale < 0x1p40) return false;
+    if (r != EASY_NOT || (scale > 0x1p-40 && scale < 0x1p40)) return r;
     d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
-    if (!easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, e)) return false;
-    e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
-    return e->t_err < HUGE_VAL;
-}
-
-/* The same of a ray that is not easy. */
-SGT_INLINE bool away(const bowl *s, const sgt_ray *ray)
-{
-    sgt_vec3 o = ray->o, d = ray->d;
-    if (easy_away(s, o.x, o.y, o.z, d.x, d.y, d.z, ray->tmin, ray->tmax) != 0) return true;
-    double scale = scale_of(d);
-    if (scale > 0x1p-40 && scale < 0x1p40) return false;
-    return easy_away(s, o.x, o.y, o.z, d.x * scale, d.y * scale, d.z * scale, ray->tmin / scale, ray->tmax / scale) != 0;
+    r = easy_of(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, e);
+    if (r == EASY_HIT) e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
+    return r == EASY_HIT && !(e->t_err < HUGE_VAL) ? EASY_NOT : r;
 }
 
 /* Between the two loops. */
@@ -200,10 +213,21 @@ SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool rich
         SWEEP_STORE(to, i, e, rich);
         all &= e.hit;
     }
-    size_t hard = sweep_told(tile, &room->ends, 1, all);
-    if (8 * hard <= count) return hard; /* one by one */
-    LANES for (size_t i = 0; i < count; i++) room->ends.hit[i] = easy_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
-    return sweep_away(tile, &room->ends, hard);
+    return sweep_told(tile, &room->ends, 1, all);
+}
+
+/* The verdicts of all rays. */
+SGT_CLONES_WIDE
+static void conic_sweep_away(const bowl *self, const sgt_tile *tile, bowl_room *room, mask *away, mask *far_gone)
+{
+    const bowl own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = far_ends(tile, &room->ends);
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        verdicts v = easy_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+        away[i] = v.away, far_gone[i] = v.far_gone;
+    }
 }
 
 #define SWEEP_BOWL(name, plane, first, rich)                                                        \
@@ -219,18 +243,41 @@ SWEEP_BOWL(conic_sweep_first, false, true, false)
 SWEEP_BOWL(conic_sweep_near_rich, false, false, true)
 SWEEP_BOWL(conic_sweep_first_rich, false, true, true)
 
+static size_t sweep_near(const bowl *s, bool rich, const sgt_tile *tile, bowl_room *room)
+{
+    if (s->c == 0) return rich ? conic_sweep_plane_rich(s, tile, room) : conic_sweep_plane(s, tile, room);
+    return rich ? conic_sweep_near_rich(s, tile, room) : conic_sweep_near(s, tile, room);
+}
+
+/* First hits that are found at once, as is usual where a surface bulges toward the ray; where many are not, those whose
+ * far root, which comes first, does not count; and misses. */
 size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt)
 {
     bowl_room room;
     bowl s;
-    bool rich = tile->hits.t_lo || tile->hits.p_err, near = opt->pick == SGT_NEAR_SEED;
-    if (conic_valid(c, k, semi_diameter) && bowl_of(c, k, rim2_of(semi_diameter), &s)) {
-        if (c == 0) return rich ? conic_sweep_plane_rich(&s, tile, &room) : conic_sweep_plane(&s, tile, &room);
-        if (rich) return near ? conic_sweep_near_rich(&s, tile, &room) : conic_sweep_first_rich(&s, tile, &room);
-        return near ? conic_sweep_near(&s, tile, &room) : conic_sweep_first(&s, tile, &room);
+    signed char *status = tile->hits.status;
+    mask away[SGT_TILE], far_gone[SGT_TILE];
+    if (!conic_valid(c, k, semi_diameter) || !bowl_of(c, k, rim2_of(semi_diameter), &s)) {
+        memset(status, SGT_HARD, tile->n);
+        return tile->n;
     }
-    memset(tile->hits.status, SGT_HARD, tile->n);
-    return tile->n;
+    bool rich = tile->hits.t_lo || tile->hits.p_err, first = opt->pick != SGT_NEAR_SEED && c != 0;
+    size_t hard = !first ? sweep_near(&s, rich, tile, &room) : rich ? conic_sweep_first_rich(&s, tile, &room) : conic_sweep_first(&s, tile, &room);
+    if (8 * hard <= tile->n) return hard; /* one by one */
+    conic_sweep_away(&s, tile, &room, away, far_gone);
+    if (first) { /* the near roots, all of them: those found before come out the same */
+        for (size_t i = 0; i < tile->n; i++)
+            if (status[i] == SGT_HIT) far_gone[i] = MASK(true);
+        sweep_near(&s, rich, tile, &room);
+    }
+    hard = 0;
+    for (size_t i = 0; i < tile->n; i++) {
+        bool met = status[i] == SGT_HIT && (!first || far_gone[i]);
+        status[i] = met ? SGT_HIT : away[i] ? SGT_MISS : SGT_HARD;
+        if (!met && tile->hits.evals) tile->hits.evals[i] = 0;
+        hard += status[i] == SGT_HARD;
+    }
+    return hard;
 }
 
 /* ------------------------------------------------------------------ quick */
@@ -255,16 +302,15 @@ SGT_INLINE verdict quick_root(meeting *at, double tau, const quadric *g, const l
     double terms = fabs(cr2) + fabs(w * at->p.z) + 2 * fabs(at->p.z);
     snap(at, g->c, g->k, square_radius(at->p.x, at->p.y), 0, 0);
     bool off_sheet = at->v < -v_err;
-    bool start = (at->t - ray->tmin + at->t_err) * at->slope < 0.5 * START_ULPS * (fabs(cr2) + at->v * fabs(at->p.z)) * q->scale;
     /* written so that NaN is not certain; a tiny root is in the hands of the careful form */
-    r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms && at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL && (start || sharp(at, t_tol)));
+    r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms && at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL && sharp(at, t_tol));
     r.counts = !off_sheet && counts(at, ray, rim2, q->scale);
     return r;
 }
 
 typedef enum quick_answer { QUICK_HARD, QUICK_MISS, QUICK_HIT } quick_answer;
 
-SGT_INLINE quick_answer quick(double c, double k, double rim2, const sgt_ray *ray, const sgt_options *opt, meeting *out)
+SGT_INLINE quick_answer quick(double c, double k, double rim2, bool started, const sgt_ray *ray, const sgt_options *opt, meeting *out)
 {
     local q = local_at_vertex_plane(ray);
     quadric g = {.c = c, .k = k, .k1 = 1 + k, .abs_k1 = fabs(1 + k)};
@@ -289,6 +335,11 @@ SGT_INLINE quick_answer quick(double c, double k, double rim2, const sgt_ray *ra
     meeting other;
     verdict far = {.certain = g.Aa == 0};
     if (bounded) far = quick_root(&other, b / g.A, &g, &q, ray, rim2, opt->t_tol);
+    if (bounded && D > 0x1p-10 * size && started) { /* one of the two is the start, as long as there is a sheet of it */
+        double to_near = fabs(out->t - ray->tmin), to_far = fabs(other.t - ray->tmin);
+        if (to_near < 0.25 * to_far) near = (verdict){.counts = false, .certain = true};
+        if (to_far < 0.25 * to_near) far = (verdict){.counts = false, .certain = true};
+    }
     if (!near.certain || !far.certain) return QUICK_HARD;
     if (!near.counts && !far.counts) return QUICK_MISS;
     if (far.counts && !(near.counts && (opt->pick == SGT_NEAR_SEED || before(out, &other)))) *out = other;
@@ -482,16 +533,18 @@ SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray 
     if (!conic_valid(c, k, semi_diameter)) return hit_without(SGT_INVALID, ray, 0);
     if (!rim_in_range(rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
     bool usual = bowl_of(c, k, rim2, &b);
-    if (usual && easy(&b, ray, opt, &e)) {
+    easy_answer quickly = usual ? easy(&b, ray, opt, &e) : EASY_NOT;
+    if (quickly == EASY_MISS) return hit_without(SGT_MISS, ray, 0);
+    if (quickly == EASY_HIT) {
         double f = conic_f(c, k, (sgt_vec3){e.px, e.py, e.pz});
         if (opt->watch) tell(&w, SGT_SEED, e.t, f, e.nx * ray->d.x + e.ny * ray->d.y + ray->d.z, e.t - e.t_err, e.t + e.t_err);
         return w.stopped ? hit_without(SGT_STOPPED, ray, 1) : hit_of_lane(&e, 1, f);
     }
-    if (usual && away(&b, ray)) return hit_without(SGT_MISS, ray, 0);
     if (c == 0) {
         status = plane(rim2, ray, &at);
     } else {
-        quick_answer answer = quick(c, k, rim2, ray, opt, &at);
+        bool started = usual && starts_on(&b, ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z, ray->tmin) != 0;
+        quick_answer answer = quick(c, k, rim2, started, ray, opt, &at);
         status = answer == QUICK_HIT ? SGT_HIT : answer == QUICK_MISS ? SGT_MISS : careful(c, k, rim2, ray, &at, &w);
     }
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);

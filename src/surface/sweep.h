@@ -105,17 +105,4 @@ SGT_INLINE size_t sweep_told(const sgt_tile *tile, const sweep_ends *ends, int e
     return (size_t)hard;
 }
 
-/* Of the hard rays those that certainly miss, where ends->hit says so; their numbers are NaN already.  Returns how many are
- * hard still. */
-SGT_INLINE size_t sweep_away(const sgt_tile *tile, const sweep_ends *ends, size_t hard)
-{
-    for (size_t i = 0; i < tile->n; i++) {
-        if (tile->hits.status[i] != SGT_HARD || !ends->hit[i]) continue;
-        tile->hits.status[i] = SGT_MISS;
-        if (tile->hits.evals) tile->hits.evals[i] = 0;
-        hard--;
-    }
-    return hard;
-}
-
 #endif
