@@ -34,6 +34,7 @@ static size_t positives(const signed char status[], size_t n)
 {
     const unsigned long long low = 0x7f7f7f7f7f7f7f7f, ones = 0x0101010101010101;
     size_t sum = 0, i = 0;
+    if (n > 0 && status[0] == SGT_HIT && memcmp(status, status + 1, n - 1) == 0) return n; /* all alike */
     for (; i + 8 <= n; i += 8) {
         unsigned long long s;
         memcpy(&s, status + i, 8);
@@ -98,19 +99,26 @@ static sgt_hits hits_from(const sgt_hits *h, size_t i)
     };
 }
 
+/* tmax = 0 with tmin >= 0 stands for infinity. */
+static void explicit_ends(size_t n, const double tmin[], const double given[], double tmax[])
+{
+    for (size_t i = 0; i < n; i++) tmax[i] = (given[i] == 0) & (tmin[i] >= 0) ? HUGE_VAL : given[i];
+}
+
 size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt)
 {
     static const sgt_options none = {0};
     if (!opt) opt = &none;
     if (opt->watch || !sgt_options_valid(opt)) return one_by_one(s, n, &rays, &hits, opt);
-    signed char status[SGT_TILE];
-    double tmin[SGT_TILE], tmax[SGT_TILE], t_tol[SGT_TILE];
-    size_t met = 0;
-    for (size_t i = 0; i < SGT_TILE && i < n; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
-    for (size_t i = 0; i < n; i += SGT_TILE) {
-        sgt_tile tile = {.n = n - i < SGT_TILE ? n - i : SGT_TILE, .t_tol = t_tol, .hits = hits_from(&hits, i),
+    signed char status[SGT_MOST_TILE];
+    double tmin[SGT_MOST_TILE], tmax[SGT_MOST_TILE], t_tol[SGT_MOST_TILE];
+    size_t met = 0, most = s.ops && s.ops->own_ && s.ops->own_->tile ? s.ops->own_->tile : SGT_TILE;
+    for (size_t i = 0; i < most && i < n; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
+    for (size_t i = 0; i < n; i += most) {
+        sgt_tile tile = {.n = n - i < most ? n - i : most, .t_tol = t_tol, .hits = hits_from(&hits, i),
                          .rays = {{rays.o[0] + i, rays.o[1] + i, rays.o[2] + i}, {rays.d[0] + i, rays.d[1] + i, rays.d[2] + i},
-                                  rays.tmin ? rays.tmin + i : tmin, rays.tmax ? rays.tmax + i : tmax}};
+                                  rays.tmin ? rays.tmin + i : tmin, tmax}};
+        if (rays.tmax) explicit_ends(tile.n, tile.rays.tmin, rays.tmax + i, tmax);
         if (!tile.hits.status) tile.hits.status = status;
         met += sgt_intersect_tile(s, &tile, opt);
     }

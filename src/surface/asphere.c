@@ -68,7 +68,7 @@ SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich
 {
     const wavy own = *self, *s = &own; /* no output is a part of it */
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = far_ends(tile, &room->ends), *t_tol = tile->t_tol;
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
         double g, slope;

@@ -188,8 +188,8 @@ SGT_INLINE easy_answer easy(const bowl *s, const sgt_ray *ray, const sgt_options
 
 /* Between the two loops. */
 typedef struct bowl_room {
-    _Alignas(64) double x[SGT_TILE];
-    double y[SGT_TILE], tau[SGT_TILE], t[SGT_TILE], t_err[SGT_TILE], tau_err[SGT_TILE], t0[SGT_TILE], small[SGT_TILE];
+    _Alignas(64) double x[SWEEP_TILE];
+    double y[SWEEP_TILE], tau[SWEEP_TILE], t[SWEEP_TILE], t_err[SWEEP_TILE], tau_err[SWEEP_TILE], t0[SWEEP_TILE], small[SWEEP_TILE];
     sweep_ends ends;
 } bowl_room;
 
@@ -197,7 +197,7 @@ SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool rich
 {
     const bowl own = *self, *s = &own; /* no output is a part of it */
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = far_ends(tile, &room->ends), *t_tol = tile->t_tol;
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
         near_root r = plane ? plane_start(ox[i], oy[i], oz[i], l[i], m[i], n[i]) : easy_start(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
@@ -218,11 +218,11 @@ SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool rich
 
 /* The verdicts of all rays. */
 SGT_CLONES_WIDE
-static void conic_sweep_away(const bowl *self, const sgt_tile *tile, bowl_room *room, mask *away, mask *far_gone)
+static void conic_sweep_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone)
 {
     const bowl own = *self, *s = &own;
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = far_ends(tile, &room->ends);
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
         verdicts v = easy_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
@@ -256,7 +256,7 @@ size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile 
     bowl_room room;
     bowl s;
     signed char *status = tile->hits.status;
-    mask away[SGT_TILE], far_gone[SGT_TILE];
+    mask away[SWEEP_TILE], far_gone[SWEEP_TILE];
     if (!conic_valid(c, k, semi_diameter) || !bowl_of(c, k, rim2_of(semi_diameter), &s)) {
         memset(status, SGT_HARD, tile->n);
         return tile->n;
@@ -264,7 +264,7 @@ size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile 
     bool rich = tile->hits.t_lo || tile->hits.p_err, first = opt->pick != SGT_NEAR_SEED && c != 0;
     size_t hard = !first ? sweep_near(&s, rich, tile, &room) : rich ? conic_sweep_first_rich(&s, tile, &room) : conic_sweep_first(&s, tile, &room);
     if (8 * hard <= tile->n) return hard; /* one by one */
-    conic_sweep_away(&s, tile, &room, away, far_gone);
+    conic_sweep_away(&s, tile, away, far_gone);
     if (first) { /* the near roots, all of them: those found before come out the same */
         for (size_t i = 0; i < tile->n; i++)
             if (status[i] == SGT_HIT) far_gone[i] = MASK(true);
@@ -626,6 +626,6 @@ static size_t conic_sweep(const void *self, const sgt_tile *tile, const sgt_opti
     return sgt_conic_sweep(s->c, s->k, s->semi_diameter, tile, opt);
 }
 
-static const struct sgt_own conic_own = {.meet = conic_meet, .all = conic_all, .sweep = conic_sweep};
+static const struct sgt_own conic_own = {.meet = conic_meet, .all = conic_all, .sweep = conic_sweep, .tile = SWEEP_TILE};
 
 const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .own_ = &conic_own};

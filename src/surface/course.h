@@ -99,11 +99,23 @@ typedef struct course { double tau, hi, h, growth, side; } course;
 
 SGT_INLINE double grown(double growth)
 {
-    growth *= 1.08;
-    return growth < 1.2 ? growth : 1.2;
+    growth *= growth < 1.19 ? 1.08 : 1.15;
+    return growth < 2 ? growth : 2;
 }
 
-SGT_INLINE double shrunk(double growth) { return larger(0.8 * growth, 0.7); }
+SGT_INLINE double shrunk(double growth)
+{
+    double less = 0.8 * growth;
+    return larger(less < 1.2 ? less : 1.2, 0.7);
+}
+
+/* The first course, over [lo, hi] of a chord that begins at `from`.  Who starts within the ball may well start on the
+ * surface, and leaves it with cells that are longer and longer. */
+SGT_INLINE course first_course(double from, double lo, double hi)
+{
+    bool within = lo > from;
+    return (course){lo, hi, (within ? 0.0003 : 0.1) * (hi - lo), within ? 2 : 1, 0};
+}
 
 static inline void faster(course *k) { k->growth = grown(k->growth), k->h *= k->growth; }
 
@@ -151,7 +163,13 @@ static inline turn decide(course *k, const place *at, const cell *e, const sight
     if (e->verdict == CELL_MONOTONE) {
         double falls = e->qv < 0 ? 1 : -1, side = k->side; /* F falls along the ray, or rises */
         if (side == 0) {
-            if (n->lo < -h && n->hi > -h) return RARE; /* before the cell, or in it? */
+            if (n->lo < -h && n->hi > -h) { /* before the cell, or in it?  One that begins earlier will tell, or is shorter */
+                double width = larger(n->hi - n->lo, least);
+                if (h <= 4 * least) return RARE;
+                if (width <= 0.25 * h) k->tau = m + n->lo - width;
+                else slower(k);
+                return ON;
+            }
             side = n->lo >= -h ? falls : -falls; /* the root is behind the start of the cell, or before it */
         }
         if (side != falls || n->lo > h) {
@@ -159,7 +177,7 @@ static inline turn decide(course *k, const place *at, const cell *e, const sight
             return ON;
         }
         if (n->hi <= h) {
-                        *p = (bracket){.lo = larger(k->tau, m + n->lo), .hi = m + n->hi, .falls = falls};
+            *p = (bracket){.lo = larger(k->tau, m + n->lo), .hi = m + n->hi, .falls = falls};
             p->a = p->lo, p->b = p->hi;
             step_to(p, m, n->newton, n->wide, least);
             k->side = -side, k->tau = end, faster(k);

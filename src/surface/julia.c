@@ -160,7 +160,7 @@ static sgt_hit first_of(const orbit *o, const sgt_ray *ray, const sgt_options *o
         memset(tile->hits.status, SGT_HARD, tile->n);                                                                \
         return tile->n;                                                                                              \
     }                                                                                                                \
-    static const struct sgt_own kind##_own = {.meet = kind##_meet, .all = kind##_all, .sweep = kind##_sweep};        \
+    static const struct sgt_own kind##_own = {.meet = kind##_meet, .all = kind##_all, .sweep = kind##_sweep, .tile = SGT_MOST_TILE}; \
     const sgt_surface_ops sgt_##kind##_ops = {.name = #kind, .value = kind##_value, .span = kind##_span,             \
                                               .rounding = kind##_rounding, .estimate = kind##_estimate,              \
                                               .enclose = kind##_enclose, .own_ = &kind##_own};                       \

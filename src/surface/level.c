@@ -156,11 +156,11 @@ static const cell *look_at(const walk *w, ahead *a, place at, course k)
     return &a->seen[0];
 }
 
-/* The march proper, over [lo, hi]. */
-static void march(walk *w, double lo, double hi)
+/* The march proper, over [lo, hi] of a chord that begins at `start`. */
+static void march(walk *w, double start, double lo, double hi)
 {
     double E2 = w->path.E * w->path.E;
-    course k = {.tau = lo, .hi = hi, .h = 0.1 * (hi - lo), .growth = 1, .side = 0};
+    course k = first_course(start, lo, hi);
     dark_stretch dark = {.any = false};
     ahead near;
     bracket root;
@@ -187,7 +187,8 @@ static void march(walk *w, double lo, double hi)
             dark.any = false;
             if (w->done) break;
         }
-        switch (decide(&k, &at, e, &n, w->t_tol, w->least, &root)) {
+        k.h = h;
+        switch (dark.any && about ? RARE : decide(&k, &at, e, &n, w->t_tol, w->least, &root)) {
         case ON: continue;
         case ROOT:
             if (polish(w, &root)) continue;
@@ -196,8 +197,7 @@ static void march(walk *w, double lo, double hi)
         case RARE: break;
         }
         if (about && !dark.any) { /* at the very start, which is on the surface: from before it */
-            if (h > 0x1p-40 * (hi - lo)) slower(&k);
-            else lo = k.tau = tau - 4 * h;
+            k.tau = tau - 4 * h;
             continue;
         }
         bool hopeless = e->W < HUGE_VAL && (fabs(e->qv) + e->W) * h <= 4 * e->g_err;
@@ -302,9 +302,10 @@ int sgt_level_march(const orbit *o, const sgt_ray *ray, const sgt_options *opt, 
     double scale = w.q.scale, tmin = ray->tmin / scale - w.q.t0, tmax = ray->tmax / scale - w.q.t0;
     w.t_tol = opt->t_tol / scale;
     w.least = 0x1p-48 * (larger(fabs(lo), fabs(hi)) + w.path.start_size / w.path.along_size);
+    double start = lo;
     cut_to_ends(&w.q, tmin, tmax, &lo, &hi);
     if (lo > hi || tmin > hi || tmax < lo) return 0;
     if (opt->dt_min > 0) march_fast(&w, lo, hi, opt->dt_min / scale);
-    else march(&w, lo, hi);
+    else march(&w, start, lo, hi);
     return w.told.evals - w.told.before;
 }

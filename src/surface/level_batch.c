@@ -18,18 +18,16 @@
  *
  * HITS.  The place and the gradient, in vector code over hits.
  *
- * Whatever decide calls rare (an undecided stretch, a start on the surface, a root that does not count) is left to the
+ * A root that does not count, as that at the start of a ray that begins on the surface, sends its ray back to the stream.
+ *
+ * Whatever decide calls rare (an undecided stretch) is left to the
  * single ray.  Its answers are these, bit for bit: both use the formulas of cell.h and course.h. */
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC optimize("no-trapping-math") /* nobody asks for the flags of IEEE 754: both sides of a choice may be worked out */
-#endif
-
 #include "level.h"
 
 #include "course.h"
 #include "../solve/root.h"
 
-enum { WIDTH = 16, WAITING = 32, HITS = 8, MOST_LEVELS = 16 };
+enum { WIDTH = 16, WAITING = 16, HITS = 8, MOST_LEVELS = 16 };
 
 /* A benchmark's: a lane takes a level of the orbit, and is busy with a cell that is not decided, or has nothing to do. */
 #ifndef SGT_COUNT_LEVEL
@@ -65,15 +63,17 @@ typedef struct near {
 
 typedef struct waiting { double f[FIELDS][WAITING]; int order[WAITING], count; } waiting;
 
-typedef struct returned { double f[FIELDS][WIDTH]; int count; } returned;
+/* Rays on their way back to the stream: no more than near the surface and among the hits at once. */
+enum { MOST_BACK = WIDTH + HITS };
+typedef struct returned { double f[FIELDS][MOST_BACK]; int count; } returned;
 
 typedef struct hits {
     double o[3][HITS], d[3][HITS], tmin[HITS], tmax[HITS], tau[HITS], tau_err[HITS];
     double t[HITS], t_err[HITS], t_lo[HITS], p[3][HITS], p_err[HITS], l[HITS], m[HITS], n[HITS], scale[HITS];
     double a[MOST_LEVELS + 1][HITS], b[MOST_LEVELS + 1][HITS], c[MOST_LEVELS + 1][HITS], d_[MOST_LEVELS + 1][HITS]; /* Q at each level */
-    double y[4][HITS], sum[4][HITS], far[HITS], counts[HITS]; /* at last y is the gradient */
+    double y[4][HITS], sum[4][HITS], far[HITS], counts[HITS]; /* at last y is the gradient; counts < 0: not to be told here */
+    double f[FIELDS][HITS]; /* the ray, and how it goes on if the root does not count */
     size_t ray[HITS], count;
-    int evals[HITS];
 } hits;
 
 typedef struct job {
@@ -380,7 +380,9 @@ SGT_INLINE double make_ready(waiting *s, size_t i, const sgt_rays *rays, const d
     path w;
     double lo, hi, half = chord_of(o, radius, &ray, &q, &w, &lo, &hi), tmin = ray.tmin / q.scale - q.t0, tmax = ray.tmax / q.scale - q.t0;
     double long_as_is = hi - lo, least = 0x1p-48 * (larger(fabs(lo), fabs(hi)) + w.start_size / w.along_size);
+    double start = lo;
     cut_to_ends(&q, tmin, tmax, &lo, &hi);
+    course k = first_course(start, lo, hi);
     double verdict = lo < hi ? 1 : 0;
     verdict = tmin > hi ? 0 : verdict, verdict = tmax < lo ? 0 : verdict;
     double fits = long_as_is > 0 ? verdict : -1;
@@ -389,14 +391,14 @@ SGT_INLINE double make_ready(waiting *s, size_t i, const sgt_rays *rays, const d
     fits = ray.tmin < HUGE_VAL ? fits : -1, fits = ray.tmax > -HUGE_VAL ? fits : -1;
     /* on the fast way what is not met is unproven, if there is any of it between the ray's ends */
     bool fast = dt_min > 0;
-    double between = (q.t0 + 0.5 * (lo + hi)) * q.scale, per_length = 1 / sqrt(q.l * q.l + q.m * q.m + q.n * q.n), whole = 0.1 * (hi - lo);
+    double between = (q.t0 + 0.5 * (lo + hi)) * q.scale, per_length = 1 / sqrt(q.l * q.l + q.m * q.m + q.n * q.n);
     double doubt = between >= ray.tmin ? 1 : -1;
     doubt = between <= ray.tmax ? doubt : -1, doubt = fast ? doubt : 1, fits = fits > 0 ? doubt : fits;
     s->f[SA][i] = w.start.a, s->f[SB][i] = w.start.b, s->f[SC][i] = w.start.c, s->f[SD][i] = w.start.d;
     s->f[LA][i] = w.along.a, s->f[LB][i] = w.along.b, s->f[LC][i] = w.along.c, s->f[LD][i] = w.along.d;
     s->f[START_SIZE][i] = w.start_size, s->f[ALONG_SIZE][i] = w.along_size;
     s->f[TAU][i] = lo, s->f[HI][i] = hi, s->f[EVALS][i] = 0;
-    s->f[H][i] = fast ? lo : whole, s->f[GROWTH][i] = fast ? (double)NAN : 1, s->f[SIDE][i] = fast ? per_length : 0, s->f[LEAST_STEP][i] = dt_min / q.scale;
+    s->f[H][i] = fast ? lo : k.h, s->f[GROWTH][i] = fast ? (double)NAN : k.growth, s->f[SIDE][i] = fast ? per_length : 0, s->f[LEAST_STEP][i] = dt_min / q.scale;
     s->f[T_TOL][i] = t_tol[at] / q.scale, s->f[LEAST][i] = least;
     return fits;
 }
@@ -507,8 +509,8 @@ SGT_INLINE void count_at(hits *s, size_t l, const orbit *o)
     s->y[0][l] = nx, s->y[1][l] = ny, s->y[2][l] = nz;
     meeting h = {.t = s->t[l], .t_err = s->t_err[l], .p = {s->p[0][l], s->p[1][l], s->p[2][l]}, .n = {nx, ny, nz}};
     local q = {.l = s->l[l], .m = s->m[l], .n = s->n[l], .scale = s->scale[l]};
-    double far = s->far[l], good = root_counts(&h, &q, s->tmin[l], s->tmax[l]) ? 1 : 0, fits = root_in_range(&h) ? good : 0;
-    s->counts[l] = far > 0 ? 0 : fits;
+    double far = s->far[l], good = root_counts(&h, &q, s->tmin[l], s->tmax[l]) ? 1 : 0, fits = root_in_range(&h) ? good : -1;
+    s->counts[l] = far > 0 ? -1 : fits;
 }
 
 SGT_INLINE void meet(hits *s, const set *w, bool mandelbrot)
@@ -535,6 +537,22 @@ SGT_INLINE void meet(hits *s, const set *w, bool mandelbrot)
 SGT_CLONES_WIDE static void meet_julia(hits *s, const set *w) { meet(s, w, false); }
 SGT_CLONES_WIDE static void meet_mandelbrot(hits *s, const set *w) { meet(s, w, true); }
 
+/* A ray, its fields `apart` from each other, goes on: to the stream again, if anything of it is left. */
+static void go_back(job *j, const double f[], int apart)
+{
+    size_t i = (size_t)f[RAY * apart];
+    bool ends = !(f[TAU * apart] < f[HI * apart]), fast = j->set->dt_min > 0;
+    if (fast || (!ends && f[EVALS * apart] >= j->set->budget)) {
+        give_up(j, i);
+    } else if (ends) {
+        write_without(&j->tile->hits, i, SGT_MISS, (int)f[EVALS * apart]);
+    } else {
+        returned *back = j->back;
+        for (int k = 0; k < FIELDS; k++) back->f[k][back->count] = f[k * apart];
+        back->count++;
+    }
+}
+
 /* Tells of all the hits there are. */
 static void tell_hits(job *j)
 {
@@ -544,12 +562,16 @@ static void tell_hits(job *j)
     else meet_julia(s, j->set);
     for (size_t l = 0; l < s->count; l++) {
         size_t i = s->ray[l];
-        if (!(s->counts[l] > 0)) {
+        if (s->counts[l] < 0) {
             give_up(j, i);
             continue;
         }
+        if (s->counts[l] == 0) {
+            go_back(j, s->f[0] + l, HITS);
+            continue;
+        }
         out->status[i] = SGT_HIT;
-        if (out->evals) out->evals[i] = s->evals[l];
+        if (out->evals) out->evals[i] = (int)s->f[EVALS][l];
         if (out->t) out->t[i] = s->t[l];
         if (out->t_err) out->t_err[i] = s->t_err[l];
         if (out->t_lo) out->t_lo[i] = s->t_lo[l];
@@ -560,14 +582,17 @@ static void tell_hits(job *j)
     s->count = 0;
 }
 
-/* A root within tau_err of tau. */
-static void add_hit_at(job *j, size_t i, double tau, double tau_err, int evals)
+/* A root within tau_err of tau, of lane `from` near the surface; one evaluation more for its place. */
+static void add_hit_at(job *j, int from, double tau, double tau_err)
 {
+    const near *at = j->near;
     hits *s = j->hits;
-    size_t l = s->count++;
+    size_t l = s->count++, i = (size_t)at->f[RAY][from];
     sgt_ray ray = ray_at(&j->tile->rays, i);
+    for (int f = 0; f < FIELDS; f++) s->f[f][l] = at->f[f][from];
+    s->f[EVALS][l] += 1;
     s->o[0][l] = ray.o.x, s->o[1][l] = ray.o.y, s->o[2][l] = ray.o.z, s->d[0][l] = ray.d.x, s->d[1][l] = ray.d.y, s->d[2][l] = ray.d.z;
-    s->tmin[l] = ray.tmin, s->tmax[l] = ray.tmax, s->tau[l] = tau, s->tau_err[l] = tau_err, s->ray[l] = i, s->evals[l] = evals;
+    s->tmin[l] = ray.tmin, s->tmax[l] = ray.tmax, s->tau[l] = tau, s->tau_err[l] = tau_err, s->ray[l] = i;
     if (s->count == HITS) tell_hits(j);
 }
 
@@ -587,19 +612,15 @@ static bool settle(job *j, int l)
         on = narrow(p, &e, &n, w->path.iterations, E2, wanted, least);
     } else {
         course k = {s->f[TAU][l], s->f[HI][l], s->f[H][l], s->f[GROWTH][l], s->f[SIDE][l]};
-        switch (decide(&k, &s->at[l], &e, &n, t_tol, least, p)) {
-        case RARE: give_up(j, i);
+        turn what = decide(&k, &s->at[l], &e, &n, t_tol, least, p);
+        if (what == RARE) {
+            give_up(j, i);
             return false;
-        case ON:
-            if (!(k.tau < k.hi)) {
-                write_without(&j->tile->hits, i, SGT_MISS, (int)s->f[EVALS][l]);
-                return false;
-            }
-            s->f[TAU][l] = k.tau, s->f[H][l] = k.h, s->f[GROWTH][l] = k.growth, s->f[SIDE][l] = k.side;
-            for (int f = 0; f < FIELDS; f++) j->back->f[f][j->back->count] = s->f[f][l];
-            j->back->count++;
+        }
+        s->f[TAU][l] = k.tau, s->f[H][l] = k.h, s->f[GROWTH][l] = k.growth, s->f[SIDE][l] = k.side;
+        if (what == ON) {
+            go_back(j, s->f[0] + l, WIDTH);
             return false;
-        case ROOT: break;
         }
         s->polish[l] = true;
         on = root_error(p) > wanted;
@@ -610,7 +631,7 @@ static bool settle(job *j, int l)
     }
     s->m[l] = p->m, s->h[l] = p->h;
     if (on) return true;
-    add_hit_at(j, i, p->m, root_error(p), (int)s->f[EVALS][l] + 1);
+    add_hit_at(j, l, p->m, root_error(p));
     return false;
 }
 
@@ -661,7 +682,7 @@ static void cross(job *j, int at)
     s->m[l] = p->m, s->h[l] = p->h, s->polish[l] = true;
     if (root_error(p) > larger(s->f[T_TOL][l], s->f[LEAST][l]) && s->f[EVALS][l] < j->set->budget) return;
     s->count--;
-    if (s->f[EVALS][l] < j->set->budget) add_hit_at(j, (size_t)s->f[RAY][l], p->m, root_error(p), (int)s->f[EVALS][l] + 1);
+    if (s->f[EVALS][l] < j->set->budget) add_hit_at(j, l, p->m, root_error(p));
     else give_up(j, (size_t)s->f[RAY][l]);
 }
 
@@ -716,7 +737,7 @@ size_t sgt_level_sweep(const orbit *o, const sgt_tile *tile, const sgt_options *
     waits.count = back.count = 0;
     int busy = 0;
     for (int l = 0; l < WIDTH; l++) busy += fill(&j, l);
-    while (busy || close.count) {
+    while (busy || close.count || met.count) {
         if (busy) {
             unsigned leaving = w.dt_min > 0 ? (w.path.mandelbrot ? advance_fast_mandelbrot : advance_fast_julia)(&s, &w)
                                             : (w.path.mandelbrot ? advance_mandelbrot : advance_julia)(&s, &w);
@@ -725,12 +746,11 @@ size_t sgt_level_sweep(const orbit *o, const sgt_tile *tile, const sgt_options *
                 leave(&j, l);
                 busy -= !fill(&j, l);
             }
-        } else {
-            look_and_settle(&j);
-            for (int l = 0; l < WIDTH; l++)
-                if (s.f[RAY][l] < 0) busy += fill(&j, l);
+            continue;
         }
+        if (close.count) look_and_settle(&j);
+        else tell_hits(&j);
+        for (int l = 0; l < WIDTH; l++) busy += fill(&j, l);
     }
-    if (met.count) tell_hits(&j);
     return j.hard;
 }

@@ -63,9 +63,9 @@ static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
     return true;
 }
 
-/* Some rays of a batch: at most SGT_TILE, each array at the first of them.  Of the rays no array is NULL, of the
- * hits status is not.  t_tol: of each ray its own. */
-enum { SGT_TILE = 128, SGT_HARD = -100 };
+/* Some rays of a batch: at most SGT_TILE, or the surface's own `tile`, each array at the first of them.  Of the rays no
+ * array is NULL, of the hits status is not; tmax is explicit.  t_tol: of each ray its own. */
+enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_HARD = -100 };
 typedef struct sgt_tile { size_t n; sgt_rays rays; const double *t_tol; sgt_hits hits; } sgt_tile;
 
 struct sgt_own {
@@ -76,6 +76,8 @@ struct sgt_own {
      * SGT_HARD (what it leaves in their other outputs is of no account) and returns how many those are.  opt has been
      * checked and asks for no watcher; its t_tol is not to be read.  May be NULL. */
     size_t (*sweep)(const void *self, const sgt_tile *tile, const sgt_options *opt);
+    /* The most rays the sweep takes in a tile, SGT_TILE ... SGT_MOST_TILE; 0: SGT_TILE. */
+    size_t tile;
 };
 
 #endif

@@ -54,11 +54,13 @@ SGT_INLINE sgt_hit hit_of_lane(const lane *e, int evals, double f)
                      .hi = e->t + e->t_err, .f = f, .p = {e->px, e->py, e->pz}, .n = {e->nx, e->ny, 1}, .p_err = e->p_err};
 }
 
+/* The most rays of a tile here. */
+enum { SWEEP_TILE = 256 };
+
 /* Where a sweep's second loop writes, and what for: outputs that are not wanted go to a place in the first cache. */
 typedef struct sweep_ends {
-    _Alignas(64) double unwanted[SGT_TILE];
-    double tmax[SGT_TILE];
-    mask hit[SGT_TILE];
+    _Alignas(64) double unwanted[SWEEP_TILE];
+    mask hit[SWEEP_TILE];
 } sweep_ends;
 
 typedef struct sweep_to { double *t, *t_err, *t_lo, *px, *py, *pz, *nx, *ny, *nz, *p_err; mask *hit; } sweep_to;
@@ -79,17 +81,6 @@ SGT_INLINE sweep_to sweep_to_of(const sgt_tile *tile, sweep_ends *ends)
         (to).nx[i] = (e).nx, (to).ny[i] = (e).ny, (to).nz[i] = chosen((e).hit, 1, (double)NAN), (to).hit[i] = (e).hit;     \
         if (rich) (to).t_lo[i] = (e).t_lo, (to).p_err[i] = (e).p_err;                                                      \
     } while (0)
-
-/* tmax = 0 with tmin >= 0 stands for infinity. */
-SGT_INLINE const double *far_ends(const sgt_tile *tile, sweep_ends *ends)
-{
-    const double *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
-    mask any = 0;
-    for (size_t i = 0; i < tile->n; i++) any |= MASK(tmax[i] == 0);
-    if (!any) return tmax;
-    for (size_t i = 0; i < tile->n; i++) ends->tmax[i] = tmax[i] == 0 && tmin[i] >= 0 ? HUGE_VAL : tmax[i];
-    return ends->tmax;
-}
 
 /* Status and evals of the hits; the rest is hard.  all: every ray is one.  Returns how many are hard. */
 SGT_INLINE size_t sweep_told(const sgt_tile *tile, const sweep_ends *ends, int evals, mask all)
