@@ -262,7 +262,10 @@ size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile 
         return tile->n;
     }
     bool rich = tile->hits.t_lo || tile->hits.p_err, first = opt->pick != SGT_NEAR_SEED && c != 0;
-    size_t hard = !first ? sweep_near(&s, rich, tile, &room) : rich ? conic_sweep_first_rich(&s, tile, &room) : conic_sweep_first(&s, tile, &room);
+    bool hollow = first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: a guess, which costs time or saves it */
+    size_t hard = tile->n;
+    if (hollow) memset(status, SGT_HARD, tile->n);
+    else hard = !first ? sweep_near(&s, rich, tile, &room) : rich ? conic_sweep_first_rich(&s, tile, &room) : conic_sweep_first(&s, tile, &room);
     if (8 * hard <= tile->n) return hard; /* one by one */
     conic_sweep_away(&s, tile, away, far_gone);
     if (first) { /* the near roots, all of them: those found before come out the same */
