@@ -90,10 +90,12 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, double ox, double oy,
     double b = B + copysign(sqrt(D), B), tau = C / b, small = t0_lo + tau, t = t0 + small, reach = fabs(t) + fabs(small);
     double n4 = (n2 + n2) + (n2 + n2), n16 = (n4 + n4) + (n4 + n4); /* sums: products are what there is most of */
     double tau_err = (D4 >= size + size + size ? 24 * SGT_U : 48 * SGT_U) * fabs(tau);
-    mask good = MASK(D4 > size) & MASK(D <= n16) & MASK(n2 > 0x1p-200);
-    if (first) good &= MASK(copysign(1, b) * A > 0x1p-40 * Aa);
-    return (near_root){.x = x, .y = y, .tau = tau, .t = t, .t_err = chosen(good, fma(1.01 * SGT_U, reach, tau_err), (double)NAN),
-                       .tau_err = tau_err, .t0 = t0, .small = small};
+    double none = (double)NAN, t_err = fma(1.01 * SGT_U, reach, tau_err); /* one choice after another: shorter than masks */
+    t_err = D4 > size ? t_err : none;
+    t_err = D <= n16 ? t_err : none;
+    t_err = n2 > 0x1p-200 ? t_err : none;
+    if (first) t_err = copysign(1, b) * A > 0x1p-40 * Aa ? t_err : none;
+    return (near_root){.x = x, .y = y, .tau = tau, .t = t, .t_err = t_err, .tau_err = tau_err, .t0 = t0, .small = small};
 }
 
 SGT_INLINE lane easy_end(const bowl *s, const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol)
