@@ -230,8 +230,7 @@ typedef struct sgt_options {
  * Iteration counts may change between versions; what a status means may not. */
 SGT_API sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt);
 
-/* The same answers as arrays; those left NULL are not wanted, and cost nothing where
- * they would. */
+/* The same answers as arrays; those left NULL are not wanted, and not written. */
 typedef struct sgt_hits {
     signed char *status;  /* an sgt_status */
     int    *evals;
@@ -249,7 +248,9 @@ typedef struct sgt_hits {
  * that ray.
  *
  * Fast are the built-in surfaces, and surfaces of a user that offer `values`; with
- * `spans` as well faster still.  Any other surface is answered ray by ray. */
+ * `spans` as well faster still.  Without `values` a user's `value` is asked point by point,
+ * and where a first root has to be searched for by clearance, enclose or estimate the rays
+ * are answered one by one. */
 SGT_API size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt);
 
 /* Every hit, in order of t; opt may be NULL, and its pick is not read.  Writes at most
