@@ -8,7 +8,8 @@
  *     ends       where that has failed and there is one root at most: the signs at the ends of the span;
  *     probes     the signs beside the root;
  *     taking     does it count, and what is told of it.
- * In each, one loop makes the points, `values` is called for all of them at once, and a loop or two look at the answers.
+ * In each, the points are made (by the loop before, where it can), `values` is called for all of them at once, and a loop or two
+ * look at the answers.
  * What a loop chooses by is a number and not a truth value, and two choices by the same condition are in two loops: so gcc
  * makes vector code of them, and not branches.  Lanes that are done and not yet moved away are asked again where they stand, and told nothing new; they are moved as soon as
  * a quarter of the lanes are done.
@@ -58,6 +59,8 @@ typedef struct sweep {
     double walks_from;  /* a stretch that begins behind it can be marched through; infinite: none can */
     bool moved;         /* some lane is not at its place */
     lanes *a;
+    sgt_points points;  /* what `values` is handed, made once: a copy of what has just been written in smaller pieces must wait for it */
+    sgt_values f, q;    /* F at tau; F beside a root */
 } sweep;
 
 SGT_CLONES_WIDE
@@ -112,36 +115,47 @@ static void around_all(const lanes *a, size_t n, const double *tau, const double
     }
 }
 
-/* F and its gradient, in f, at the points. */
-static void ask(sweep *w, size_t n, double *const f[4])
+/* F and its gradient at the points. */
+static void ask(sweep *w, size_t n, const sgt_values *out)
 {
     const sgt_surface_ops *ops = w->s.ops;
     const lanes *a = w->a;
     if (ops->values) {
-        ops->values(w->s.self, n, (sgt_points){{a->px, a->py, a->pz}}, (sgt_values){f[0], {f[1], f[2], f[3]}});
+        ops->values(w->s.self, n, w->points, *out);
         return;
     }
     for (size_t i = 0; i < n; i++) {
         sgt_vec3 grad;
-        f[0][i] = ops->value(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, &grad);
-        f[1][i] = grad.x, f[2][i] = grad.y, f[3][i] = grad.z;
+        out->f[i] = ops->value(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, &grad);
+        out->grad[0][i] = grad.x, out->grad[1][i] = grad.y, out->grad[2][i] = grad.z;
     }
 }
 
-/* The slope, which may be f[1], and how far F may be off; last as for close_of, NULL: always. */
-static void bound(sweep *w, size_t n, const double *tau, double *const f[4], double *slope, double *g_err, const double *last)
+/* The slope, which may be the first of the gradient, and how far F may be off; last as for close_of, NULL: always. */
+static void bound(sweep *w, size_t n, const double *tau, const sgt_values *f, double *slope, double *g_err, const double *last)
 {
     const sgt_surface_ops *ops = w->s.ops;
     const lanes *a = w->a;
-    around_all(a, n, tau, f[1], f[2], f[3], slope, g_err, a->none);
+    around_all(a, n, tau, f->grad[0], f->grad[1], f->grad[2], slope, g_err, a->none);
     for (size_t i = 0; i < n && ops->rounding; i++) {
-        if (!close_of(f[0][i], slope[i], g_err[i], last ? last[i] : (double)NAN, w->opt->f_tol)) continue;
+        if (!close_of(f->f[i], slope[i], g_err[i], last ? last[i] : (double)NAN, w->opt->f_tol)) continue;
         double own = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
         g_err[i] += own >= 0 ? own : 0;
     }
 }
 
 /* ----------------------------------------------------------------------- approach */
+
+/* By way of int, a loop for each: bytes beside doubles in one loop are much code. */
+SGT_CLONES_WIDE
+static void widen(size_t n, double *restrict out, const bool *restrict of)
+{
+    int wide[LANES];
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) wide[i] = of[i];
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) out[i] = wide[i];
+}
 
 static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
 {
@@ -152,7 +166,7 @@ static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
     if (ops->spans && ops->span) { /* alone they are not read, as sgt_intersect would not */
         ops->spans(w->s.self, n, (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
                    (sgt_spans){a->lo, a->hi, a->seed, single});
-        for (size_t i = 0; i < n; i++) a->single[i] = single[i] ? 1.0 : 0.0;
+        widen(n, a->single, single);
         return;
     }
     for (size_t i = 0; i < n; i++) {
@@ -182,20 +196,20 @@ SGT_INLINE void make_local(const sweep *w, const sgt_tile *tile, size_t from, si
         a->t_tol[i] = t_tol[i] * at.inverse;
         if (everywhere) a->end[i] = far_end(o, at.q.l, at.q.m, at.q.n, at.q.t0, at.nearest, at.lo);
         a->tau[i] = 0, a->last[i] = DBL_MAX, a->first[i] = -1, a->evals[i] = 0;
-        a->slot[i] = (int)i; /* AVX2 has no way from 64 bits to a double */
     }
 }
 
+/* Returns how many start at once. */
 SGT_CLONES_WIDE
-static void approach_lanes(const sweep *w, const sgt_tile *tile, size_t from, size_t n)
+static double approach_lanes(const sweep *w, const sgt_tile *tile, size_t from, size_t n)
 {
     lanes *a = w->a;
     const double *t_tol = tile->t_tol + from;
-    double near = w->near, walks_from = w->walks_from;
+    double near = w->near, walks_from = w->walks_from, starting = 0;
     if (walks_from < HUGE_VAL && !w->s.ops->span) make_local(w, tile, from, n, true);
     else make_local(w, tile, from, n, false);
     /* gcc makes vector code of two loops where in one the same conditions, chosen by and asked again, are branches to it */
-#pragma omp simd
+#pragma omp simd reduction(+ : starting)
     for (size_t i = 0; i < n; i++) {
         double single = a->single[i], one = single + near;
         bool starts = (one > 0) & (a->f[i] + 0.5 * single >= 1), walks = (one == 0) & (a->lo[i] > walks_from);
@@ -203,8 +217,11 @@ static void approach_lanes(const sweep *w, const sgt_tile *tile, size_t from, si
         state = walks ? (double)MARCH : state;
         state = a->fx[i] > 1 ? (double)SGT_HARD : state;
         state = a->fx[i] < 1 ? (double)SGT_MISS : state;
-        a->state[i] = t_tol[i] >= 0 ? state : (double)SGT_HARD;
+        state = t_tol[i] >= 0 ? state : (double)SGT_HARD;
+        starting += state == NEWTON ? 1.0 : 0.0;
+        a->state[i] = state;
     }
+    return starting;
 }
 
 /* -------------------------------------------------------------------------- march */
@@ -336,7 +353,6 @@ static void march(sweep *w, size_t n)
     march_begin(a, n, w->opt->dt_min, !w->s.ops->span);
     size_t all = n;
     n = front(w, n, MARCH);
-    double *const f[] = {a->f, a->fx, a->fy, a->fz};
     for (double k = 0; n > 0; k++) {
         if (k + 1 >= w->budget) { /* spent, but for what would be needed to confirm a root */
             for (size_t i = 0; i < n; i++) a->state[i] = a->state[i] == MARCH ? (double)SGT_HARD : a->state[i];
@@ -344,9 +360,9 @@ static void march(sweep *w, size_t n)
         }
         double more;
         points(a, n, a->tau);
-        ask(w, n, f);
+        ask(w, n, &w->f);
         if (w->s.ops->rounding) {
-            bound(w, n, a->tau, f, a->qx, a->g_err, a->last);
+            bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last);
             more = march_step_known(a, n, k);
         } else {
             more = march_step(a, n, k, a->none);
@@ -370,7 +386,7 @@ static void newton_begin(lanes *a, size_t n)
     }
 }
 
-/* The step; how many go on.  known: the slope is in qx, and g_err is there.  What a lane that is
+/* The step, and the points it leads to; how many go on.  known: the slope is in qx, and g_err is there.  What a lane that is
  * done is not to do is told by numbers that change nothing, and not by leaving a row as it is: that would be a branch. */
 SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, bool known, double none)
 {
@@ -386,14 +402,15 @@ SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, 
             slope = at.slope, g_err = at.place;
         }
         newton s = newton_of(f, slope, g_err, tau, last, a->lo[i], a->hi[i], a->t_tol[i], f_tol);
-        double found = fabs(f) <= a->first[i] ? (double)READY : (double)SGT_HARD, state = s.go >= 0 ? again : (double)FAILED;
-        state = s.ready >= 0 ? found : state;
+        double state = s.go >= 0 ? again : (double)FAILED;
+        state = s.ready >= 0 ? (double)READY : state;
         state = phase == NEWTON ? state : phase;
         double step = state == NEWTON ? s.step : 0, size = state == NEWTON ? s.size : HUGE_VAL;
         tau -= step;
         more += state == NEWTON ? 1.0 : 0.0;
         a->evals[i] += phase == NEWTON ? 1.0 : 0.0;
         a->tau[i] = tau;
+        a->px[i] = x + tau * l, a->py[i] = y + tau * m, a->pz[i] = z + tau * dn;
         a->last[i] = size < last ? size : last;
         if (!known) a->g_err[i] = g_err;
         a->state[i] = state;
@@ -409,14 +426,14 @@ static double newton_step_known(lanes *a, size_t n, bool last_one, double f_tol)
 static void solve(sweep *w, size_t n)
 {
     lanes *a = w->a;
-    double *const f[] = {a->f, a->fx, a->fy, a->fz}, f_tol = w->opt->f_tol;
+    double f_tol = w->opt->f_tol;
+    points(a, n, a->tau);
     for (int i = 1; n > 0; i++) {
         double more;
-        points(a, n, a->tau);
-        ask(w, n, f);
+        ask(w, n, &w->f);
         if (i == 1) newton_begin(a, n);
         if (w->s.ops->rounding) {
-            bound(w, n, a->tau, f, a->qx, a->g_err, a->last);
+            bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last);
             more = newton_step_known(a, n, i == QUICK_STEPS, f_tol);
         } else {
             more = newton_step(a, n, i == QUICK_STEPS, f_tol, a->none);
@@ -437,18 +454,16 @@ static void sign_all(const lanes *a, size_t n, const double *tau, double *sign, 
     }
 }
 
-/* The signs at `tau`, of each lane. */
+/* The signs at `tau`, of each lane, whose points are there. */
 static void signs(sweep *w, size_t n, const double *tau, double *sign)
 {
     lanes *a = w->a;
-    double *const f[] = {a->qf, a->qx, a->qy, a->qz};
-    points(a, n, tau);
-    ask(w, n, f);
+    ask(w, n, &w->q);
     if (!w->s.ops->rounding) {
         sign_all(a, n, tau, sign, a->none);
         return;
     }
-    bound(w, n, tau, f, a->qx, sign, NULL);
+    bound(w, n, tau, &w->q, a->qx, sign, NULL);
     for (size_t i = 0; i < n; i++) sign[i] = sign_of(a->qf[i], sign[i]);
 }
 
@@ -466,10 +481,13 @@ static void ends(lanes *a, size_t n)
 static void miss(sweep *w, size_t n)
 {
     lanes *a = w->a;
+    if (!n) return;
     ends(a, n);
     n = front(w, n, FAILED);
     if (!n) return;
+    points(a, n, a->lo);
     signs(w, n, a->lo, a->end);
+    points(a, n, a->hi);
     signs(w, n, a->hi, a->beside);
     for (size_t i = 0; i < n; i++) {
         a->evals[i] += 2;
@@ -477,32 +495,45 @@ static void miss(sweep *w, size_t n)
     }
 }
 
-/* How far to look; who need not. */
+/* How far to look from where Newton's steps have ended; who need not, or does not stand at a root: |F| has grown.  How many
+ * are to look. */
 SGT_CLONES_WIDE
-static void probe_begin(lanes *a, size_t n, double f_tol)
+static double probe_begin(lanes *a, size_t n, double f_tol)
 {
-#pragma omp simd
+    double more = 0;
+#pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
         double slope = a->fx[i] * a->l[i] + a->fy[i] * a->m[i] + a->fz[i] * a->n[i], g = fabs(a->f[i]);
         double tau_err = 2 * (g + a->g_err[i]) / fabs(slope), flat = tau_err < HUGE_VAL ? (double)ROOT : (double)SGT_HARD;
         a->dt[i] = width_of(a->f[i], slope, a->g_err[i], a->tau[i], a->t_tol[i]);
         a->tau_err[i] = tau_err;
-        a->state[i] = g <= f_tol ? flat : (double)READY;
+        double phase = a->state[i], state = g <= f_tol ? flat : (double)READY;
+        state = g <= a->first[i] ? state : (double)SGT_HARD;
+        state = phase == READY ? state : phase;
+        more += state == READY ? 1.0 : 0.0;
+        a->state[i] = state;
     }
+    return more;
 }
 
+/* Both sides, and the points on the left; how many have both. */
 SGT_CLONES_WIDE
-static void probe_sides(lanes *a, size_t n)
+static double probe_sides(lanes *a, size_t n)
 {
-#pragma omp simd
+    double more = 0;
+#pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
         double tau = a->tau[i], width = a->dt[i], left = tau - width, right = tau + width;
         bool inside = (left >= a->lo[i]) & (right <= a->hi[i]);
-        a->left[i] = inside ? left : tau, a->right[i] = inside ? right : tau;
         a->tau_err[i] = larger(tau - left, right - tau);
+        left = inside ? left : tau, right = inside ? right : tau;
+        a->left[i] = left, a->right[i] = right;
+        a->px[i] = a->x[i] + left * a->l[i], a->py[i] = a->y[i] + left * a->m[i], a->pz[i] = a->z[i] + left * a->n[i];
         a->dt[i] = 4 * width;
+        more += inside ? 1.0 : 0.0;
         a->state[i] = inside ? (double)READY : (double)SGT_HARD;
     }
+    return more;
 }
 
 /* What the signs say; how many are to be asked again. */
@@ -521,16 +552,19 @@ static double probe_end(lanes *a, size_t n, double doubtful)
     return more;
 }
 
+/* Of the lanes that Newton's steps have been tried on. */
 static void probe(sweep *w, size_t n)
 {
     lanes *a = w->a;
-    probe_begin(a, n, w->opt->f_tol > 0 ? w->opt->f_tol : -1);
-    n = front(w, n, READY);
-    for (int k = 1; n > 0; k++) {
-        probe_sides(a, n);
+    if (probe_begin(a, n, w->opt->f_tol > 0 ? w->opt->f_tol : -1) < (double)n) {
+        miss(w, front(w, n, FAILED));
         n = front(w, n, READY);
+    }
+    for (int k = 1; n > 0; k++) {
+        if (probe_sides(a, n) < (double)n) n = front(w, n, READY);
         if (!n) break;
         signs(w, n, a->left, a->end);
+        points(a, n, a->right);
         signs(w, n, a->right, a->beside);
         n = probe_end(a, n, k < PROBES ? (double)READY : (double)SGT_HARD) > 0 ? front(w, n, READY) : 0;
     }
@@ -539,11 +573,12 @@ static void probe(sweep *w, size_t n)
 /* -------------------------------------------------------------------------- taking */
 
 /* Of every lane what is told of it, in rows that are of no more use: t in last, t_err in first, t_lo in dt, p_err in end, the
- * gradient where it is, the point where points are. */
+ * gradient where it is, the point where points are.  How many are hits. */
 SGT_CLONES_WIDE
-static void take(lanes *a, size_t n, double budget)
+static double take(lanes *a, size_t n, double budget)
 {
-#pragma omp simd
+    double hits = 0;
+#pragma omp simd reduction(+ : hits)
     for (size_t i = 0; i < n; i++) {
         double tau = a->tau[i];
         local q = {.l = a->l[i], .m = a->m[i], .n = a->n[i], .t0 = a->t0[i], .scale = a->scale[i]};
@@ -553,19 +588,22 @@ static void take(lanes *a, size_t n, double budget)
         double off = h.off ? (double)SGT_MISS : (double)SGT_HARD, state = a->single[i] != 0 ? off : (double)SGT_HARD;
         state = h.counts ? (double)SGT_HIT : state;
         state = a->evals[i] <= budget ? state : (double)SGT_HARD;
-        a->state[i] = a->state[i] == ROOT ? state : a->state[i];
+        double phase = a->state[i];
+        state = phase == ROOT ? state : phase;
+        hits += state == SGT_HIT ? 1.0 : 0.0;
+        a->state[i] = state;
         a->last[i] = h.t, a->first[i] = h.t_err, a->dt[i] = h.t_lo, a->end[i] = h.p_err;
         a->px[i] = p.x, a->py[i] = p.y, a->pz[i] = p.z;
     }
+    return hits;
 }
 
 enum { TOLD = 10 };
 
 /* Lanes back to their places, and NaN to those without a root.  How many are hard. */
-static size_t settle(const sweep *w, size_t n, double *const row_of[TOLD])
+static size_t settle(const sweep *w, size_t n, bool hits, double *const row_of[TOLD])
 {
     lanes *a = w->a;
-    size_t hard = count_of(a, n, SGT_HARD);
     for (size_t i = 0; i < n && w->moved; i++)
         for (size_t k; (k = (size_t)a->slot[i]) != i;) {
             double slot = a->slot[k], state = a->state[k], evals = a->evals[k];
@@ -576,18 +614,23 @@ static size_t settle(const sweep *w, size_t n, double *const row_of[TOLD])
                 row_of[j][k] = row_of[j][i], row_of[j][i] = other;
             }
         }
-    if (count_of(a, n, SGT_HIT) == n) return hard;
+    if (hits) return 0;
     for (size_t i = 0; i < n; i++)
         for (size_t j = 0; j < TOLD && !(a->state[i] > 0); j++) row_of[j][i] = (double)NAN;
-    return hard;
+    return count_of(a, n, SGT_HARD);
 }
 
-/* By vectors: what becomes of a memcpy of unknown length in code for any processor is slower. */
+/* Each row to where it is wanted.  By vectors: what becomes of a memcpy of unknown length in code for any processor is slower. */
 SGT_CLONES_WIDE
-static void copy(size_t n, double *restrict out, const double *restrict of)
+static void copy(size_t n, double *const outs[TOLD], double *const rows[TOLD], size_t from)
 {
+    for (size_t j = 0; j < TOLD; j++) {
+        if (!outs[j]) continue;
+        double *out = outs[j] + from;
+        const double *of = rows[j];
 #pragma omp simd
-    for (size_t i = 0; i < n; i++) out[i] = of[i];
+        for (size_t i = 0; i < n; i++) out[i] = of[i];
+    }
 }
 
 SGT_CLONES_WIDE
@@ -603,14 +646,14 @@ static void narrow(const lanes *a, size_t n, signed char *status, int *evals)
     for (size_t i = 0; i < n; i++) evals[i] = (int)a->evals[i];
 }
 
-static size_t write(const sweep *w, size_t n, const sgt_hits *h, size_t from)
+/* hits: each one is. */
+static size_t write(const sweep *w, size_t n, bool hits, const sgt_hits *h, size_t from)
 {
     lanes *a = w->a;
     double *const row_of[TOLD] = {a->last, a->first, a->dt, a->end, a->px, a->py, a->pz, a->fx, a->fy, a->fz};
     double *const out[TOLD] = {h->t, h->t_err, h->t_lo, h->p_err, h->p[0], h->p[1], h->p[2], h->n[0], h->n[1], h->n[2]};
-    size_t hard = settle(w, n, row_of);
-    for (size_t j = 0; j < TOLD; j++)
-        if (out[j]) copy(n, out[j] + from, row_of[j]);
+    size_t hard = settle(w, n, hits, row_of);
+    copy(n, out, row_of, from);
     narrow(a, n, h->status + from, h->evals ? h->evals + from : NULL);
     return hard;
 }
@@ -624,29 +667,35 @@ static size_t run(sweep *w, const sgt_tile *tile, size_t from, size_t n)
     w->moved = false;
     for (size_t i = n; i < filled(n); i++) a->state[i] = SGT_HARD;
     spans(w, tile, from, n);
-    approach_lanes(w, tile, from, n);
-    size_t marching = front(w, n, MARCH);
-    if (marching) march(w, marching);
-    solve(w, front(w, n, NEWTON));
-    size_t failed = front(w, n, FAILED);
-    if (failed) miss(w, failed);
-    probe(w, front(w, n, READY));
-    take(a, n, w->budget);
-    return write(w, n, &tile->hits, from);
+    size_t solving = n;
+    if (approach_lanes(w, tile, from, n) < (double)n) {
+        size_t marching = front(w, n, MARCH);
+        if (marching) march(w, marching);
+        solving = front(w, n, NEWTON);
+    }
+    if (solving) {
+        solve(w, solving);
+        probe(w, solving);
+    }
+    return write(w, n, take(a, n, w->budget) == (double)n, &tile->hits, from);
 }
 
-/* tmax as it is meant, and the state 1 where the ray is one. */
+/* tmax as it is meant, and the state 1 where the ray is one; how many are. */
 SGT_CLONES_WIDE
-static void door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
+static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
 {
     const double *ox = tile->rays.o[0] + from, *oy = tile->rays.o[1] + from, *oz = tile->rays.o[2] + from, *tmin = tile->rays.tmin + from;
     const double *dx = tile->rays.d[0] + from, *dy = tile->rays.d[1] + from, *dz = tile->rays.d[2] + from, *tmax = tile->rays.tmax + from;
-#pragma omp simd
+    double valid = 0;
+#pragma omp simd reduction(+ : valid)
     for (size_t i = 0; i < n; i++) {
         sgt_ray ray = {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}, tmin[i], tmax[i]};
-        a->state[i] = ray_valid(&ray) ? 1.0 : 0.0;
+        double is = ray_valid(&ray) ? 1.0 : 0.0;
+        valid += is;
+        a->state[i] = is;
         a->tmin[i] = ray.tmin, a->tmax[i] = ray.tmax;
     }
+    return valid;
 }
 
 size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
@@ -658,10 +707,14 @@ size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
                .walks_from = ops->enclose || ops->clearance || (opt->dt_min > 0 && ops->estimate) ? HUGE_VAL : -HUGE_VAL};
     size_t hard = 0;
     a.none = 0;
+    for (int i = 0; i < LANES; i++) a.slot[i] = i; /* and so again after each run: see settle */
+    w.points = (sgt_points){{a.px, a.py, a.pz}};
+    w.f = (sgt_values){a.f, {a.fx, a.fy, a.fz}}, w.q = (sgt_values){a.qf, {a.qx, a.qy, a.qz}};
     for (size_t i = 0, n; i < tile->n; i += n) {
         size_t most = tile->n - i < LANES ? tile->n - i : LANES;
-        door(&a, tile, i, most);
-        for (n = 0; n < most && a.state[n] != 0;) n++;
+        n = most;
+        if (door(&a, tile, i, most) < (double)most)
+            for (n = 0; n < most && a.state[n] != 0;) n++;
         if (n) hard += run(&w, tile, i, n);
         else tile->hits.status[i] = SGT_HARD, hard++, n = 1;
     }

@@ -13,7 +13,7 @@
  * 24 u (|w| + |z|), terms cancel, and there is better to be had.
  *
  * THE BOUND.  Let M >= |G''| within H = |tau_2 - tau_1| + 2 |step| of tau_2, and G' be off there from s by at most
- * Delta = 2 M H + 2^-34 |s| <= |s| / 8.  Then G' keeps its sign, |G'| >= 7/8 |s|, and with |G(tau_2)| known to e the
+ * Delta = 2 M H + 2^-30 |s| <= |s| / 8.  Then G' keeps its sign, |G'| >= 7/8 |s|, and with |G(tau_2)| known to e the
  * root exists, lies within 8/7 (|G| + e) / |s| <= H of tau_2, and
  *     |root - tau_3| <= 8/7 (e + |step| Delta) / |s|                    (the mean value theorem).
  * M = |c| a + |(1 + k) c| (W1^2 + |w| W2) + W2 (form.c), a = l^2 + m^2, from first = sum (i+1) |a_i| rho^i >= |P'| at the
@@ -23,8 +23,8 @@
  * Rounding, in units of u = 2^-53: x0 is off by 2 |x0|, x by that and |x|; 2 (|x x0| + |y y0|) <= rho + rho0, so rho is off
  * by 6 rho + 2 rho0; P by first times that and 2 rho first (each of T fmas rounds once); with Q = 9 rho + 2 rho0
  *     w by first Q + |z| + |w|,   G by e = |v| (w's) + |c| Q / 2 + 3 |w| (1 + |(1 + k) c w|),  v = 1 - (1 + k) c w.
- * s is off by at most 2^-40 of the sum of the magnitudes of its terms, which has to be below 64 |s| (and rho0 <= 4 rho:
- * a start not too far off). */
+ * s is off by at most 2^-37 of the sum of the magnitudes of its terms, 2 W1 + |c| |x l + y m| (v's share is |(1 + k) c| e /
+ * |v| W1, and e < 2^-46 / |(1 + k) c|, |v| > 2^-8), which has to be below 64 |s|; and rho0 <= 4 rho: a start not too far off. */
 #ifndef SGT_SURFACE_ASPHERE_EASY_H
 #define SGT_SURFACE_ASPHERE_EASY_H
 
@@ -39,7 +39,7 @@ typedef struct wavy {
     double a[ALL_TERMS], slope[ALL_TERMS], size[ALL_TERMS];  /* a_i, (i+1) a_i, its magnitude */
     double bend;              /* 2 (2 T - 1) */
     double rim2, single;      /* n^2 > single a: one root within the rim */
-    double most_e;            /* so that v is not off by more than 2^-10 */
+    double most_e;            /* 2^-46 / |ck|: v, at least 2^-8, is not off by more than 2^-38 */
 } wavy;
 
 /* false: no ray is easy. */
@@ -47,7 +47,7 @@ SGT_INLINE bool wavy_of(const shape *s, wavy *v)
 {
     double r2 = s->domain2, second, phi2 = 1 - s->ck * s->c * r2;
     *v = (wavy){.c = s->c, .abs_c = fabs(s->c), .k1 = 1 + s->k, .ck = s->ck, .abs_ck = fabs(s->ck), .bend = 2 * (2 * s->terms - 1),
-                .rim2 = s->rim2 < 0x1p1000 ? s->rim2 : 0x1p1000, .single = HUGE_VAL, .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-20 / fabs(s->ck)};
+                .rim2 = s->rim2 < 0x1p1000 ? s->rim2 : 0x1p1000, .single = HUGE_VAL, .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-46 / fabs(s->ck)};
     for (int i = 0; i < s->terms; i++) v->a[i] = s->a[i], v->slope[i] = (i + 1) * s->a[i], v->size[i] = (i + 1) * fabs(s->a[i]);
     if (r2 < HUGE_VAL && phi2 > 0x1p-30) {
         double steep = (v->abs_c / sqrt(phi2) + 2 * magnitude(s->terms, s->a, r2, &second)) * (1 + 0x1p-20);
@@ -132,7 +132,7 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, bool first_root, doub
     double first = horner(s->size, terms, wide), rho0 = x0 * x0 + y0 * y0;
     double W1 = fma(first + first, fma(a, H + H, at->slant), fabs(n)), W2 = s->bend * (a * first);
     double M = fma(s->abs_ck, fma(fma(W1, H, aw), W2, W1 * W1), fma(s->abs_c, a, W2));
-    double off = fma(M * (H + H), ai, 0x1p-34); /* Delta / |s| */
+    double off = fma(M * (H + H), ai, 0x1p-30); /* Delta / |s| */
     double Q = fma(9, rho, rho0 + rho0), az = fabs(z), ackw = fabs(ckw);
     double e = 1.01 * SGT_U * fma(fabs(1 - ckw), fma(first, Q, az + aw), fma(0.5 * s->abs_c, Q, (3 * aw) * (1 + ackw)));
     double noise = e * ai, tau = at->tau2 - step, tau_err = fma(1.16, fma(as, off, noise), SGT_U * (fabs(tau) + (as + as)));

@@ -30,7 +30,9 @@
  *
  * AWAY.  A ray that certainly misses, by the same coefficients and with much room for their rounding: D below -2^-20 of
  * its terms; or D above 2^-10 of them, so that either root is right to a part in 2^40, and each of the two off the sheet,
- * beyond the rim, before or behind the ends by a part in 2^20, or the start itself.
+ * beyond the rim, before or behind the ends by a part in 2^20, or the start itself.  Which of the two the start is, the
+ * distances from tmin tell, by a factor of 4; t0 - tmin is off by 3 u |t0|, so roots closer together than that could be
+ * taken for each other, but there the rule of the start (2^-50 |t| of it) hides both.
  *
  * QUICK.  In doubles, from the vertex plane.  With u = 2^-53, each coefficient is off by at most
  * 6 u of the sum of its terms' magnitudes, written A', B', C' (counted below); rounding in D is
@@ -165,33 +167,35 @@ SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, doubl
 
 typedef enum easy_answer { EASY_NOT, EASY_MISS, EASY_HIT } easy_answer;
 
-SGT_INLINE easy_answer easy_of(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol, lane *e)
-{
-    if (easy_at(s, first, o, d, tmin, tmax, t_tol, e)) return EASY_HIT;
-    verdicts v = easy_away(s, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
-    if (v.away != 0) return EASY_MISS;
-    return first && v.far_gone != 0 && easy_at(s, false, o, d, tmin, tmax, t_tol, e) ? EASY_HIT : EASY_NOT;
-}
-
 /* One ray; its ends have been made explicit.  A direction of unusual length is scaled, by a power of two: of the
  * usual ones that would change no bit. */
 SGT_INLINE easy_answer easy(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
 {
-    sgt_vec3 d = ray->d;
-    bool first = opt->pick != SGT_NEAR_SEED;
-    easy_answer r = easy_of(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, e);
-    double scale = scale_of(d);
-    if (r != EASY_NOT || (scale > 0x1p-40 && scale < 0x1p40)) return r;
-    d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
-    r = easy_of(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, e);
-    if (r == EASY_HIT) e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
-    return r == EASY_HIT && !(e->t_err < HUGE_VAL) ? EASY_NOT : r;
+    sgt_vec3 o = ray->o, d = ray->d;
+    double tmin = ray->tmin, tmax = ray->tmax, t_tol = opt->t_tol, scale = 1;
+    for (int lengths = 0; lengths < 2; lengths++) {
+        bool first = opt->pick != SGT_NEAR_SEED, far_gone = false;
+        for (int picks = 0; picks <= far_gone; picks++, first = false) {
+            if (easy_at(s, first, o, d, tmin, tmax, t_tol, e)) {
+                e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
+                return e->t_err < HUGE_VAL && fabs(e->t) > LEAST_T ? EASY_HIT : EASY_NOT;
+            }
+            if (picks) break;
+            verdicts v = easy_away(s, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
+            if (v.away != 0) return EASY_MISS;
+            far_gone = first && v.far_gone != 0;
+        }
+        scale = scale_of(d);
+        if (lengths || (scale > 0x1p-40 && scale < 0x1p40)) break;
+        d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale}, tmin /= scale, tmax /= scale, t_tol /= scale;
+    }
+    return EASY_NOT;
 }
 
 /* Between the two loops. */
 typedef struct bowl_room {
-    _Alignas(64) double x[SWEEP_TILE];
-    double y[SWEEP_TILE], tau[SWEEP_TILE], t[SWEEP_TILE], t_err[SWEEP_TILE], tau_err[SWEEP_TILE], t0[SWEEP_TILE], small[SWEEP_TILE];
+    _Alignas(64) double x[SGT_TILE];
+    double y[SGT_TILE], tau[SGT_TILE], t[SGT_TILE], t_err[SGT_TILE], tau_err[SGT_TILE], t0[SGT_TILE], small[SGT_TILE];
     sweep_ends ends;
 } bowl_room;
 
@@ -258,7 +262,7 @@ size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile 
     bowl_room room;
     bowl s;
     signed char *status = tile->hits.status;
-    mask away[SWEEP_TILE], far_gone[SWEEP_TILE];
+    mask away[SGT_TILE], far_gone[SGT_TILE];
     if (!conic_valid(c, k, semi_diameter) || !bowl_of(c, k, rim2_of(semi_diameter), &s)) {
         memset(status, SGT_HARD, tile->n);
         return tile->n;
@@ -631,6 +635,6 @@ static size_t conic_sweep(const void *self, const sgt_tile *tile, const sgt_opti
     return sgt_conic_sweep(s->c, s->k, s->semi_diameter, tile, opt);
 }
 
-static const struct sgt_own conic_own = {.meet = conic_meet, .all = conic_all, .sweep = conic_sweep, .tile = SWEEP_TILE};
+static const struct sgt_own conic_own = {.meet = conic_meet, .all = conic_all, .sweep = conic_sweep};
 
 const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .own_ = &conic_own};

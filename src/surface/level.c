@@ -12,10 +12,15 @@
  * cell that is decided: unlike sides are a crossing; like ones a graze if |F| was within a few roundings all over it,
  * else UNPROVEN.
  *
- * h is halved after a failure, and after a success multiplied by a factor that itself has grown by 1.08 (to 1.2 at
- * most) and after a failure shrunk by 0.8 (to 0.7 at least): on the way toward a surface cells have to shrink, and learn it.
- * The best of some dozens tried on 640 x 480 rays at two sets, N = 7, and a flat optimum: 68 levels of the orbit a ray,
- * 73 with fixed factors of 1.15 and 0.35.  A Newton step out of a failed cell could only shorten it, and did not pay.
+ * h is halved after a failure, and after a success multiplied by a factor that itself has grown, by 1.08 and beyond 1.2 by
+ * 1.15 (to 2 at most), and after a failure shrunk by 0.8 (to between 0.7 and 1.2): on the way toward a surface cells have to
+ * shrink, and learn it; on the way from one they have to grow.  A flat optimum among some dozens tried: fixed
+ * factors of 1.15 and 0.35 take 7 % more levels of the orbit on rays from without, and a factor of at most 1.2 twice the
+ * cells on rays that start on the surface.  A Newton step out of a failed cell could only shorten it.
+ *
+ * THE START.  A ray that starts on the surface has no cell before it that tells the side.  A monotone cell about the start
+ * whose root may be on either side of its end is laid a little earlier, to have the root within; that root does not
+ * count, and behind it the side is known.  Such rays start with a short cell, which doubles (first_course).
  *
  * A root's bracket is narrowed by interval Newton, each cell about where Newton's method on F takes the last one's middle (F is
  * tanh(log(|Q_N| / E)), nearly linear over many lengths where |Q_N|^2 is not), and as wide as by the slope's variation

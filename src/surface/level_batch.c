@@ -5,7 +5,7 @@
  * code, without a branch; what is rare or near the surface leaves the lane, which takes the next ray.  A decided cell
  * waits until its lane's pulse of levels ends: a longer pulse idles more lanes, a shorter one takes more control.
  *
- * Of c = (-0.083, 0, -0.83, -0.025), N = 7, 640 x 480 rays: 14.6 evaluations a ray, 83 levels (Q_0 and the cells
+ * Of c = (-0.083, 0, -0.83, -0.025), N = 7, 640 x 480 rays: 14.5 evaluations a ray, 83 levels (Q_0 and the cells
  * looked at twice counted), 92 % of the lanes' levels spent on cells not decided.  What they cost is the number of vector
  * instructions: two a cycle of 512 bits, some 95 of them a level and 120 a pulse.
  *
@@ -27,7 +27,7 @@
 #include "course.h"
 #include "../solve/root.h"
 
-enum { WIDTH = 16, WAITING = 16, HITS = 8, MOST_LEVELS = 16 };
+enum { WIDTH = 16, WAITING = 8, HITS = 8, MOST_LEVELS = 16 };
 
 /* A benchmark's: a lane takes a level of the orbit, and is busy with a cell that is not decided, or has nothing to do. */
 #ifndef SGT_COUNT_LEVEL

@@ -18,8 +18,9 @@ typedef struct near_root { double x, y, tau, t, t_err, tau_err, t0, small; } nea
 /* The ray met; hit: certainly, and it counts. */
 typedef struct lane { double t, t_err, t_lo, px, py, pz, nx, ny, p_err; mask hit; } lane;
 
-/* (x, y, 0) where the ray meets the vertex plane, in t0 + t0_lo: each coordinate is rounded twice, and t0 + t0_lo is off
- * by 9 u^2 |t0|. */
+/* (x, y, 0) where the ray meets the vertex plane, in t0 + t0_lo: each coordinate is rounded twice, by u of itself and of
+ * t0_lo l at most, and t0 + t0_lo is off by 9 u^2 |t0|.  Either moves a root by no more than 64 times as much, with S or
+ * the slope as steep as the sweeps ask: 1024 u^2 |t0| in p_err is above it, and nothing beside an ulp of t0. */
 SGT_INLINE void to_vertex_plane(double ox, double oy, double oz, double l, double m, double n, double *t0, double *t0_lo, double *x, double *y)
 {
     double inverse = 1 / n;
@@ -29,6 +30,10 @@ SGT_INLINE void to_vertex_plane(double ox, double oy, double oz, double l, doubl
     *y = fma(*t0_lo, m, fma(*t0, m, oy));
 }
 
+/* A root nearer to the origin of t is for the careful forms: what has underflown on the way is no longer small beside an
+ * ulp of t.  (t0_lo and tau lose less than 2^-970 that way, where |n| > 2^-100.) */
+static const double LEAST_T = 0x1p-900;
+
 /* Does the root count?  The rules of sag.h, where they are certain by far: the start is farther from the root than any
  * rounding (64 near is more than what START_ULPS is a part of), t is as sharp as it can be.  g is what takes (px, py) to
  * the gradient (g px, g py, 1). */
@@ -37,13 +42,13 @@ SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double
 {
     double px = fma(r->tau, l, r->x), py = fma(r->tau, m, r->y), at = fabs(r->t), r2 = px * px + py * py, none = (double)NAN;
     mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol)) & MASK(r->t - tmin > 0x1p-42 * (at + near))
-             & MASK(r2 <= rim2) & MASK(r->t <= tmax);
+             & MASK(r2 <= rim2) & MASK(r->t <= tmax) & MASK(at > LEAST_T);
     lane e = {.hit = hit, .t = chosen(hit, r->t, none), .t_err = chosen(hit, r->t_err, none),
               .px = chosen(hit, px, none), .py = chosen(hit, py, none), .pz = chosen(hit, pz, none),
               .nx = chosen(hit, px * g, none), .ny = chosen(hit, py * g, none)};
     e.t_lo = chosen(hit, two_sum(r->t0, r->small).lo, none);
     double length = fabs(l) + fabs(m) + fabs(n), place = (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))) + fabs(pz);
-    e.p_err = chosen(hit, 1.01 * fma(length, r->tau_err + 16 * SGT_U * SGT_U * fabs(r->t0), SGT_U * place), none);
+    e.p_err = chosen(hit, 1.01 * fma(length, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * place), none);
     return e;
 }
 
@@ -54,13 +59,10 @@ SGT_INLINE sgt_hit hit_of_lane(const lane *e, int evals, double f)
                      .hi = e->t + e->t_err, .f = f, .p = {e->px, e->py, e->pz}, .n = {e->nx, e->ny, 1}, .p_err = e->p_err};
 }
 
-/* The most rays of a tile here. */
-enum { SWEEP_TILE = 256 };
-
 /* Where a sweep's second loop writes, and what for: outputs that are not wanted go to a place in the first cache. */
 typedef struct sweep_ends {
-    _Alignas(64) double unwanted[SWEEP_TILE];
-    mask hit[SWEEP_TILE];
+    _Alignas(64) double unwanted[SGT_TILE];
+    mask hit[SGT_TILE];
 } sweep_ends;
 
 typedef struct sweep_to { double *t, *t_err, *t_lo, *px, *py, *pz, *nx, *ny, *nz, *p_err; mask *hit; } sweep_to;
