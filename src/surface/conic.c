@@ -417,10 +417,11 @@ SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, d
     r.at.t = t.hi * q->scale;
     r.at.t_lo = t.lo * q->scale;
     r.at.t_err = (fabs(t.lo) + g->U * tau_err + 8 * SGT_TWOFOLD * fabs(t.hi)) * slack * q->scale;
-    if (fabs(r.at.t) < TINY && (r.at.t != 0 || r.at.t_err != 0)) r.at.t_err += TINY_ERROR;
+    bool away = (px.hi != 0 || py.hi != 0) && larger(fabs(r.at.p.x), fabs(r.at.p.y)) < 0x1p-400; /* their squares underflow */
+    if (fabs(r.at.t) < TINY && (r.at.t != 0 || r.at.t_err != 0 || away)) r.at.t_err += TINY_ERROR;
     r.at.p = (sgt_vec3){px.hi * g->U, py.hi * g->U, pz.hi * g->U};
     r.at.p_err = g->U * (length * tau_err + SGT_U * (fabs(px.hi) + fabs(py.hi) + fabs(pz.hi))) * slack;
-    if (r.at.p_err < TINY && r.at.p_err != 0) r.at.p_err += TINY_ERROR;
+    if (r.at.p_err < TINY && (r.at.p_err != 0 || away)) r.at.p_err += TINY_ERROR;
     double v_err = EPS * (g->beta + fabs(w.hi)) + 2 * fabs(g->k1.hi * g->gamma * q->n) * tau_err;
     r.sheet = v.hi > v_err ? 1 : v.hi < -v_err ? -1 : 0;
     r.at.v = v.hi;

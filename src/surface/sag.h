@@ -118,13 +118,14 @@ SGT_INLINE void meeting_place(meeting *h, const local *q, double tau, double tau
     h->t = t.hi * q->scale;
     h->t_lo = t.lo * q->scale;
     h->t_err = (fabs(t.lo) + e * (1 + 4 * SGT_U)) * (1 + 4 * SGT_U) * q->scale;
-    if (fabs(h->t) < TINY && (h->t != 0 || h->t_err != 0)) h->t_err += TINY_ERROR;
+    bool away = (q->x != 0 || q->y != 0) && larger(fabs(q->x), fabs(q->y)) < 0x1p-400; /* their squares underflow */
+    if (fabs(h->t) < TINY && (h->t != 0 || h->t_err != 0 || away)) h->t_err += TINY_ERROR;
     double tl = tau * q->l, tm = tau * q->m, tn = tau * q->n;
     h->p = (sgt_vec3){q->x + tl, q->y + tm, q->z + tn};
     h->p_err = (fabs(q->l) + fabs(q->m) + fabs(q->n)) * tau_err * (1 + 4 * SGT_U)
              + 1.01 * SGT_U * ((q->xa + fabs(tl) + fabs(h->p.x)) + (q->ya + fabs(tm) + fabs(h->p.y))
                                + (q->za + fabs(tn) + fabs(h->p.z)));
-    if (h->p_err < TINY && h->p_err != 0) h->p_err += TINY_ERROR;
+    if (h->p_err < TINY && (h->p_err != 0 || away)) h->p_err += TINY_ERROR;
 }
 
 /* Is t as sharp as asked for?  Where t is much smaller than the sag (a start near the surface),
