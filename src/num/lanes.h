@@ -12,9 +12,9 @@
 
 #include "exact.h"
 
-typedef long long mask;
+typedef unsigned long long mask;
 
-#define MASK(condition) ((condition) ? -1LL : 0LL)
+#define MASK(condition) ((condition) ? ~0ULL : 0ULL)
 
 SGT_INLINE double chosen(mask m, double yes, double no) { return m != 0 ? yes : no; }
 

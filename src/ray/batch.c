@@ -102,7 +102,7 @@ static sgt_hits hits_from(const sgt_hits *h, size_t i)
 /* tmax = 0 with tmin >= 0 stands for infinity. */
 static void explicit_ends(size_t n, const double tmin[], const double given[], double tmax[])
 {
-    for (size_t i = 0; i < n; i++) tmax[i] = (given[i] == 0) & (tmin[i] >= 0) ? HUGE_VAL : given[i];
+    for (size_t i = 0; i < n; i++) tmax[i] = given[i] == 0 && tmin[i] >= 0 ? HUGE_VAL : given[i];
 }
 
 size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt)

@@ -22,7 +22,7 @@ SGT_INLINE bool easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, doubl
 {
     double g, slope;
     wavy_start r = wavy_begin(s, ALL_TERMS, o.x, o.y, o.z, d.x, d.y, d.z, &g, &slope);
-    wavy_round q = {.tau = r.tau, .again = -1};
+    wavy_round q = {.tau = r.tau, .again = MASK(true)};
     local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
     sample seen = {.g = g, .slope = slope};
     observe(w, &at, r.tau + g / slope, &seen, SGT_SEED, -HUGE_VAL, HUGE_VAL);
@@ -76,7 +76,7 @@ SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich
         room->x[i] = r.x, room->y[i] = r.y, room->t0[i] = r.t0, room->t0_lo[i] = r.t0_lo, room->from[i] = r.tau;
     }
     int extra[SGT_TILE], rounds = 1;
-    mask any = -1;
+    mask any = 0;
     for (;; rounds++) {
         any = 0;
         LANES for (size_t i = 0; i < count; i++) {
@@ -97,7 +97,7 @@ SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich
         }
     }
     sweep_to to = sweep_to_of(tile, &room->ends);
-    mask all = -1;
+    mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         near_root r = wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
         lane e = wavy_end(s, terms, &r, room->v[i], room->near[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);

@@ -155,7 +155,7 @@ SGT_INLINE near_root plane_start(double ox, double oy, double oz, double l, doub
 
 SGT_INLINE lane plane_end(const bowl *s, const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol)
 {
-    return lane_of(r, l, m, n, tmin, tmax, t_tol, 0, 0, 0, s->rim2, -1);
+    return lane_of(r, l, m, n, tmin, tmax, t_tol, 0, 0, 0, s->rim2, MASK(true));
 }
 
 SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol, lane *e)
@@ -211,7 +211,7 @@ SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool rich
         if (rich) room->tau_err[i] = r.tau_err, room->t0[i] = r.t0, room->small[i] = r.small;
     }
     sweep_to to = sweep_to_of(tile, &room->ends);
-    mask all = -1;
+    mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         near_root r = {.x = room->x[i], .y = room->y[i], .tau = room->tau[i], .t = room->t[i], .t_err = room->t_err[i]};
         if (rich) r.tau_err = room->tau_err[i], r.t0 = room->t0[i], r.small = room->small[i];
@@ -417,7 +417,7 @@ SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, d
     r.at.t = t.hi * q->scale;
     r.at.t_lo = t.lo * q->scale;
     r.at.t_err = (fabs(t.lo) + g->U * tau_err + 8 * SGT_TWOFOLD * fabs(t.hi)) * slack * q->scale;
-    bool away = (px.hi != 0 || py.hi != 0) && larger(fabs(r.at.p.x), fabs(r.at.p.y)) < 0x1p-400; /* their squares underflow */
+    bool away = (px.hi != 0 || py.hi != 0) && larger(fabs(px.hi), fabs(py.hi)) * g->U < 0x1p-400; /* their squares underflow */
     if (fabs(r.at.t) < TINY && (r.at.t != 0 || r.at.t_err != 0 || away)) r.at.t_err += TINY_ERROR;
     r.at.p = (sgt_vec3){px.hi * g->U, py.hi * g->U, pz.hi * g->U};
     r.at.p_err = g->U * (length * tau_err + SGT_U * (fabs(px.hi) + fabs(py.hi) + fabs(pz.hi))) * slack;

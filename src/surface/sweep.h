@@ -88,14 +88,14 @@ SGT_INLINE sweep_to sweep_to_of(const sgt_tile *tile, sweep_ends *ends)
 SGT_INLINE size_t sweep_told(const sgt_tile *tile, const sweep_ends *ends, int evals, mask all)
 {
     signed char *status = tile->hits.status;
-    long long hard = 0;
+    size_t hard = 0;
     if (all) memset(status, SGT_HIT, tile->n);
     for (size_t i = 0; !all && i < tile->n; i++) {
-        status[i] = (signed char)((ends->hit[i] & (SGT_HIT - SGT_HARD)) + SGT_HARD);
-        hard += 1 + ends->hit[i];
+        status[i] = (signed char)((int)(ends->hit[i] & (SGT_HIT - SGT_HARD)) + SGT_HARD);
+        hard += ends->hit[i] == 0;
     }
     for (size_t i = 0; tile->hits.evals && i < tile->n; i++) tile->hits.evals[i] = evals;
-    return (size_t)hard;
+    return hard;
 }
 
 #endif
