@@ -167,16 +167,17 @@ SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, doubl
 
 typedef enum easy_answer { EASY_NOT, EASY_MISS, EASY_HIT } easy_answer;
 
-/* One ray; its ends have been made explicit.  A direction of unusual length is scaled, by a power of two: of the
- * usual ones that would change no bit. */
-SGT_INLINE easy_answer easy(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
+/* A ray that is not met at once; its ends have been made explicit.  A direction of unusual length is scaled, by a power of
+ * two: of the usual ones that would change no bit. */
+SGT_CLONES
+static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
 {
     sgt_vec3 o = ray->o, d = ray->d;
     double tmin = ray->tmin, tmax = ray->tmax, t_tol = opt->t_tol, scale = 1;
     for (int lengths = 0; lengths < 2; lengths++) {
         bool first = opt->pick != SGT_NEAR_SEED, far_gone = false;
         for (int picks = 0; picks <= far_gone; picks++, first = false) {
-            if (easy_at(s, first, o, d, tmin, tmax, t_tol, e)) {
+            if ((lengths || picks) && easy_at(s, first, o, d, tmin, tmax, t_tol, e)) {
                 e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
                 return e->t_err < HUGE_VAL && fabs(e->t) > LEAST_T ? EASY_HIT : EASY_NOT;
             }
@@ -542,10 +543,15 @@ SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray 
     lane e;
     if (!conic_valid(c, k, semi_diameter)) return hit_without(SGT_INVALID, ray, 0);
     if (!rim_in_range(rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
-    bool usual = bowl_of(c, k, rim2, &b);
-    easy_answer quickly = usual ? easy(&b, ray, opt, &e) : EASY_NOT;
-    if (quickly == EASY_MISS) return hit_without(SGT_MISS, ray, 0);
-    if (quickly == EASY_HIT) {
+    bool usual = bowl_of(c, k, rim2, &b), met = usual && easy_at(&b, opt->pick != SGT_NEAR_SEED, ray->o, ray->d, ray->tmin, ray->tmax, opt->t_tol, &e);
+    if (usual && !met) {
+        lane other; /* not e, which is to stay in registers */
+        easy_answer answer = easy_else(&b, ray, opt, &other);
+        if (answer == EASY_MISS) return hit_without(SGT_MISS, ray, 0);
+        met = answer == EASY_HIT;
+        if (met) e = other;
+    }
+    if (met) {
         double f = conic_f(c, k, (sgt_vec3){e.px, e.py, e.pz});
         if (opt->watch) tell(&w, SGT_SEED, e.t, f, e.nx * ray->d.x + e.ny * ray->d.y + ray->d.z, e.t - e.t_err, e.t + e.t_err);
         return w.stopped ? hit_without(SGT_STOPPED, ray, 1) : hit_of_lane(&e, 1, f);
