@@ -61,10 +61,7 @@ size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options
     return positives(tile->hits.status, tile->n);
 }
 
-/* A watcher that is told which ray it is. */
-typedef struct numbered { sgt_watch *watch; void *data; size_t ray; } numbered;
-
-static int watch_numbered(void *data, const sgt_step *step)
+int sgt_watch_numbered(void *data, const sgt_step *step)
 {
     const numbered *n = data;
     sgt_step own = *step;
@@ -76,7 +73,7 @@ static size_t one_by_one(sgt_surface s, size_t n, const sgt_rays *rays, const sg
 {
     sgt_options own = *opt;
     numbered told = {opt->watch, opt->watch_data, 0};
-    if (opt->watch) own.watch = watch_numbered, own.watch_data = &told;
+    if (opt->watch) own.watch = sgt_watch_numbered, own.watch_data = &told;
     size_t met = 0;
     for (size_t i = 0; i < n; i++) {
         told.ray = i;

@@ -7,4 +7,8 @@
  * positive statuses. */
 size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *opt);
 
+/* A watcher that is told which ray it is: data is a numbered. */
+typedef struct numbered { sgt_watch *watch; void *data; size_t ray; } numbered;
+int sgt_watch_numbered(void *data, const sgt_step *step);
+
 #endif

@@ -310,17 +310,6 @@ static void close_ranks(const work *job, tile *w, const place *at)
 
 /* -------------------------------------------------------------- one by one */
 
-/* A watcher that is told which ray it is. */
-typedef struct numbered { sgt_watch *watch; void *data; size_t ray; } numbered;
-
-static int watch_numbered(void *data, const sgt_step *step)
-{
-    const numbered *n = data;
-    sgt_step own = *step;
-    own.ray = n->ray;
-    return n->watch(n->data, &own);
-}
-
 static sgt_ray ray_of(const sgt_rays *r, size_t i)
 {
     return (sgt_ray){.o = {r->o[0][i], r->o[1][i], r->o[2][i]}, .d = {r->d[0][i], r->d[1][i], r->d[2][i]}};
@@ -406,7 +395,7 @@ APART static void pass_rest(const work *job, tile *w, size_t j, const bending *b
     const sgt_passages *told = job->passages ? &job->passages[j] : NULL;
     sgt_options opt = job->opt;
     numbered watched = {opt.watch, opt.watch_data, w->first};
-    if (opt.watch) opt.watch = watch_numbered, opt.watch_data = &watched;
+    if (opt.watch) opt.watch = sgt_watch_numbered, opt.watch_data = &watched;
     size_t stopped = 0;
     for (size_t i = 0; i < w->n; i++) {
         if (w->good[i] > 0) continue;
