@@ -73,7 +73,7 @@ static inline double off(const quadratic *q, double far) { return 16 * U * (q->a
 static inline sgt_span slab(const edge *s, vec3 o, vec3 d, double *one)
 {
     double t1 = (s->from - o.z) / d.z, t2 = (s->to - o.z) / d.z, lo = t1 < t2 ? t1 : t2, hi = t1 < t2 ? t2 : t1;
-    bool level = d.z == 0, in = (o.z >= s->from - beyond(s)) & (o.z <= s->to + beyond(s));
+    bool level = d.z == 0, in = (int)(o.z >= s->from - beyond(s)) & (int)(o.z <= s->to + beyond(s));
     lo = level ? -HUGE_VAL : lo, hi = level ? HUGE_VAL : hi;
     quadratic q = along_ray(s, o, d);
     double low = -q.b / q.a, far = fabs(lo) > fabs(hi) ? fabs(lo) : fabs(hi), more = 4 * off(&q, far);
