@@ -58,7 +58,8 @@ def flags_of(entry):
         word = words.pop(0)
         if word in ('-MQ', '-MF', '-MT', '-o', '-c'):
             words.pop(0)
-        elif not word.startswith(('-W', '-MD', '-flto', '-fsanitize', '-fno-sanitize', '--coverage', '-march', '-mtune', '-DSGT_HAVE_CLONES', '-g')):
+        elif not word.startswith(('-W', '-MD', '-flto', '-fsanitize', '-fno-sanitize', '--coverage', '-march', '-mtune',
+                                  '-DSGT_HAVE_CLONES', '-g', '-fcolor-', '-fdiagnostics-')):
             flags.append(word)
     return compiler, flags
 

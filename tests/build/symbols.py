@@ -15,7 +15,7 @@ import sys
 MATHEMATICS = set('''acos asin atan atan2 cbrt ceil copysign cos exp exp2 expm1 fabs fdim floor fma
     fmax fmin fmod frexp hypot ilogb ldexp log log1p log2 logb lrint modf nearbyint nextafter pow
     remainder remquo rint round scalbn scalbln sin sincos sqrt tan trunc'''.split())
-MEMORY = {'memcmp', 'memcpy', 'memmove', 'memset', 'strcmp', 'strlen'}
+MEMORY = {'bcmp', 'memcmp', 'memcpy', 'memmove', 'memset', 'strcmp', 'strlen'}
 COMPILER = {'_GLOBAL_OFFSET_TABLE_', '__cpu_model', '__cpu_indicator_init', '__cpu_features2',
             '__stack_chk_fail'}
 LIBRARIES = re.compile(r'^(libm|libc|ld-linux[\w-]*)\.so')
