@@ -191,6 +191,19 @@ typedef enum sgt_pick {
                           the vertex plane): what a lens designer means */
 } sgt_pick;
 
+/* What must be proven before a status may be positive or zero?  What is not ends UNPROVEN, with
+ * [lo, hi] the stretch that is left; a GRAZE says what it always says, and not that there is a root.
+ * A proof is by error analysis or by intervals (interval.h), and trusts no estimate: built-in surfaces have
+ * it, and surfaces of a user that offer `enclose`; without, a hit is UNPROVEN under either, and lo and hi are about the
+ * root that was seen.  A root whose side of the rim (semi_diameter) rounding hides is UNPROVEN too. */
+typedef enum sgt_proof {
+    SGT_ESTIMATE,     /* nothing more than what sgt_intersect promises */
+    SGT_PROVE_ROOT,   /* one root of F, and only one, lies in [t - t_err, t + t_err] */
+    SGT_PROVE_FIRST   /* and none that counts lies before it; for SGT_NEAR_SEED: and no other that counts
+                         lies on the ray at all (in traces: on the chord of the clear aperture, where
+                         there is one), [lo, hi] being about all of them.  A MISS is proven too */
+} sgt_proof;
+
 typedef struct sgt_options {
     double     t_tol;      /* stop when t is known to this (lengths of d); 0: to rounding.
                               t_err is a bound all the same.  On a level set roots closer
@@ -204,6 +217,7 @@ typedef struct sgt_options {
     int        max_evals;  /* give up on a root after this many evaluations;  0: 2000.  A root
                               found by then is still confirmed, by one more */
     sgt_pick   pick;
+    sgt_proof  proof;
     sgt_watch *watch;      /* called once per evaluation;           NULL: nobody */
     void      *watch_data;
 } sgt_options;

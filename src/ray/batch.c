@@ -7,6 +7,7 @@
 #include "batch.h"
 
 #include "../solve/root.h"
+#include "alone.h"
 #include "general.h"
 
 #include <string.h>
@@ -44,12 +45,24 @@ static size_t positives(const signed char status[], size_t n)
     return sum;
 }
 
+/* Rays that were met and may have another root are hard: how many. */
+static size_t not_alone(sgt_surface s, const sgt_tile *tile)
+{
+    unsigned long long alone[SGT_TILE];
+    size_t more = 0;
+    s.ops->own_->alone(s.self, tile, HUGE_VAL, alone);
+    for (size_t i = 0; i < tile->n; i++)
+        if (tile->hits.status[i] > 0 && !alone[i]) tile->hits.status[i] = SGT_HARD, more++;
+    return more;
+}
+
 size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     size_t hard = tile->n;
     if (s.ops && s.ops->own_ && s.ops->own_->sweep) hard = s.ops->own_->sweep(s.self, tile, opt);
     else if (s.ops && s.ops->value && !s.ops->own_) hard = sgt_sweep_general(s, tile, opt);
     else memset(tile->hits.status, SGT_HARD, tile->n);
+    if (hard < tile->n && s.ops->own_ && s.ops->own_->alone && asks_alone(opt)) hard += not_alone(s, tile);
     sgt_options own = *opt;
     for (size_t i = 0; hard > 0; i++) {
         if (tile->hits.status[i] != SGT_HARD) continue;

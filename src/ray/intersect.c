@@ -1,6 +1,7 @@
 /* intersect.c - one ray meets one surface: the door, and what is checked there. */
 #include "../solve/root.h"
 #include "../surface/sag.h"
+#include "alone.h"
 #include "general.h"
 
 /* The door: *opt is then not NULL, the ray has its ends. */
@@ -16,7 +17,9 @@ sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt)
 {
     if (!valid(s, &ray, &opt)) return hit_without(SGT_INVALID, &ray, 0);
     if (!s.ops->own_) return sgt_intersect_general(s, &ray, opt);
-    return s.ops->own_->meet(s.self, &ray, opt);
+    sgt_hit hit = s.ops->own_->meet(s.self, &ray, opt);
+    if (hit.status > 0 && asks_alone(opt)) sgt_prove_alone(s, &ray, HUGE_VAL, opt, &hit);
+    return hit;
 }
 
 int sgt_intersect_all(sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[], const sgt_options *opt)

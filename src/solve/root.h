@@ -9,10 +9,10 @@ enum { SGT_DEFAULT_EVALS = 2000 };
  * march has found); before the first sgt_root_next.  It costs no budget. */
 void sgt_root_tell(sgt_root *r, double t, double g);
 
-/* Every number an option may hold: none NaN, none negative. */
+/* Every number an option may hold: none NaN, none negative; and a proof there is. */
 static inline bool sgt_options_valid(const sgt_options *o)
 {
-    return !o || (o->t_tol >= 0 && o->f_tol >= 0 && o->dt_min >= 0 && o->max_evals >= 0);
+    return !o || (o->t_tol >= 0 && o->f_tol >= 0 && o->dt_min >= 0 && o->max_evals >= 0 && (unsigned)o->proof <= SGT_PROVE_FIRST);
 }
 
 #endif

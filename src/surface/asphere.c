@@ -3,8 +3,9 @@
  * F = z - s(r^2) - P(r^2) is solved in the polynomial form G of form.c, which has its roots, and by
  * the certificate there.
  *
- * QUICK.  Newton from the conic's root near the vertex, each step at most half the last.  Three or four
- * evaluations on lens surfaces.  That the root is the only one within the rim is certain where
+ * EASY.  Four evaluations on lens surfaces, by the single ray and by lanes: asphere_easy.h.
+ * QUICK.  What is not easy: Newton from the conic's root near the vertex, each step at most half the last, and where t
+ * is not sharp settled from there.  That the root is the only one within the rim is certain where
  *     |n| > L sqrt(a),  L = max |grad s| over the rim,  a = l^2 + m^2:
  * then F is monotone along the chord.
  * CAREFUL.  All else: the march in asphere_march.c, which is certain too, only slower.
@@ -29,7 +30,7 @@ SGT_INLINE bool easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, doubl
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
         wavy_newton half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, d.x, d.y, d.z);
-        q = wavy_bound(s, ALL_TERMS, first, r.x, r.y, &half, d.x, d.y, d.z, t_tol);
+        q = wavy_bound(s, ALL_TERMS, first, r.x, r.y, r.t0, &half, d.x, d.y, d.z, t_tol);
         seen = (sample){.g = half.g, .slope = half.slope};
         observe(w, &at, tau, &seen, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
         seen.g = q.g;
@@ -38,7 +39,7 @@ SGT_INLINE bool easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, doubl
     if (w->stopped || !(r.tau == r.tau)) return false;
     near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
     *e = wavy_end(s, ALL_TERMS, &root, q.v, q.near, d.x, d.y, d.z, tmin, tmax, t_tol);
-    return e->hit != 0;
+    return e->hit != 0 && (!s->proof || wavy_sure(s, r.x, r.y, q.tau_err, d.x, d.y) != 0);
 }
 
 /* A direction of unusual length is scaled, by a power of two: of the usual ones that would change no bit. */
@@ -64,6 +65,22 @@ typedef struct wavy_room {
     sweep_ends ends;
 } wavy_room;
 
+/* Takes from the hits those whose side of the rim is not certain; all are left: all bits. */
+SGT_CLONES_WIDE
+static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *room)
+{
+    const wavy own = *self, *s = &own;
+    const double *l = tile->rays.d[0], *m = tile->rays.d[1];
+    size_t count = tile->n;
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
+        mask hit = room->ends.hit[i] & wavy_sure(s, room->x[i], room->y[i], room->tau_err[i], l[i], m[i]);
+        room->ends.hit[i] = hit;
+        all &= hit;
+    }
+    return all;
+}
+
 SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich, const sgt_tile *tile, wavy_room *room)
 {
     const wavy own = *self, *s = &own; /* no output is a part of it */
@@ -85,7 +102,7 @@ SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich
         }
         _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
             wavy_newton h = {room->tau2[i], room->step2[i], room->inverse[i], room->dw[i], room->slant[i], 0, 0};
-            wavy_round q = wavy_bound(s, terms, first, room->x[i], room->y[i], &h, l[i], m[i], n[i], t_tol[i]);
+            wavy_round q = wavy_bound(s, terms, first, room->x[i], room->y[i], room->t0[i], &h, l[i], m[i], n[i], t_tol[i]);
             room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->v[i] = q.v, room->near[i] = q.near, room->again[i] = q.again;
             any |= q.again;
         }
@@ -104,6 +121,7 @@ SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich
         SWEEP_STORE(to, i, e, rich);
         all &= e.hit;
     }
+    if (s->proof) all = asphere_sure_all(self, tile, room);
     size_t hard = sweep_told(tile, &room->ends, 4, all);
     for (size_t i = 0; tile->hits.evals && rounds > 1 && i < count; i++) tile->hits.evals[i] += 2 * extra[i];
     return hard;
@@ -127,12 +145,8 @@ SWEEP_TERMS(asphere_sweep_first, ALL_TERMS, true, true)
 /* F is monotone along the chord within the rim, by its slope. */
 SGT_INLINE bool single(const shape *s, const local *q)
 {
-    double a = q->l * q->l + q->m * q->m, r2 = s->domain2, unused;
-    if (!(r2 < HUGE_VAL)) return a == 0;
-    double phi2 = 1 - s->ck * s->c * r2;
-    if (!(phi2 > 0x1p-30)) return false; /* the equator is inside */
-    double conic = fabs(s->c) / sqrt(phi2), steep = (conic + 2 * magnitude(s->terms, s->a, r2, &unused)) * (1 + 0x1p-20);
-    return q->n * q->n > steep * steep * r2 * a;
+    double a = q->l * q->l + q->m * q->m;
+    return a == 0 ? q->n != 0 : q->n * q->n > single_limit(s) * a; /* along the axis F is linear */
 }
 
 /* true: a hit. */
@@ -167,6 +181,7 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
                 double here = fabs(at.x) * fx + fabs(at.y) * fy + fabs(at.z) + at.first * (at.x * at.x + at.y * at.y);
                 if ((far > 3 * here || fx * fx + fy * fy > STEEP2 || !sharp(out, opt->t_tol)) && !sgt_form_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w)) return false;
                 bool whole = single(s, &q), near = opt->pick == SGT_NEAR_SEED;
+                if (opt->proof != SGT_ESTIMATE && (rim_hidden(out, s->rim2) || !sgt_form_alone(s, ray, out, w))) return false;
                 return (near || whole) && counts(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL;
             }
         }
@@ -212,7 +227,7 @@ static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_opti
     tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
     wavy v;
     lane e;
-    if (w.budget > MOST_EASY && wavy_of(&h, &v) && easy(&v, ray, &e, &w)) {
+    if (w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v) && easy(&v, ray, &e, &w)) {
         double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});
         if (opt->watch) tell(&w, SGT_NEWTON, e.t, f, e.nx * ray->d.x + e.ny * ray->d.y + ray->d.z, e.t - e.t_err, e.t + e.t_err);
         else w.evals++;
@@ -267,9 +282,18 @@ static sgt_span asphere_span(const void *self, const sgt_ray *ray)
     sgt_span span = sgt_sag_span(s->c, s->k, s->semi_diameter, ray, !h.terms);
     if (h.terms) {
         local q = local_at_vertex_plane(ray);
-        span.single = q.n != 0 && single(&h, &q);
+        span.single = single(&h, &q);
     }
     return span;
+}
+
+static sgt_interval asphere_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    const sgt_asphere *s = self;
+    *slope = (sgt_interval){-HUGE_VAL, HUGE_VAL};
+    if (!asphere_valid(s)) return *slope;
+    shape h = shape_of(s, terms_of(s));
+    return sgt_sag_enclose(&h, ray, t, slope);
 }
 
 static size_t asphere_sweep(const void *self, const sgt_tile *tile, const sgt_options *opt)
@@ -282,7 +306,7 @@ static size_t asphere_sweep(const void *self, const sgt_tile *tile, const sgt_op
     if (asphere_valid(s) && !terms) return sgt_conic_sweep(s->c, s->k, s->semi_diameter, tile, opt);
     if (asphere_valid(s) && enough) {
         shape h = shape_of(s, terms);
-        if (rim_in_range(h.rim2) && wavy_of(&h, &v)) {
+        if (rim_in_range(h.rim2) && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)) {
             if (terms > FEW_TERMS) return near ? asphere_sweep_near(&v, tile, &room) : asphere_sweep_first(&v, tile, &room);
             if (rich) return near ? asphere_sweep_few_near_rich(&v, tile, &room) : asphere_sweep_few_first_rich(&v, tile, &room);
             return near ? asphere_sweep_few_near(&v, tile, &room) : asphere_sweep_few_first(&v, tile, &room);
@@ -292,7 +316,17 @@ static size_t asphere_sweep(const void *self, const sgt_tile *tile, const sgt_op
     return tile->n;
 }
 
-static const struct sgt_own asphere_own = {.meet = asphere_meet, .all = asphere_all, .sweep = asphere_sweep};
+static void asphere_alone(const void *self, const sgt_tile *tile, double rim2, mask alone[])
+{
+    const sgt_asphere *s = self;
+    int terms = terms_of(s);
+    shape h = shape_of(s, terms);
+    if (rim2 < h.rim2) h.rim2 = rim2, h.domain2 = domain2_within(s->c, s->k, rim2);
+    if (terms) sgt_sweep_monotone(&h, tile, alone);
+    else sgt_conic_alone(s->c, s->k, s->semi_diameter, tile, rim2, alone);
+}
+
+static const struct sgt_own asphere_own = {.meet = asphere_meet, .all = asphere_all, .sweep = asphere_sweep, .alone = asphere_alone};
 
 const sgt_surface_ops sgt_asphere_ops = {.name = "even_asphere", .value = asphere_value, .span = asphere_span,
-                                         .rounding = asphere_rounding, .own_ = &asphere_own};
+                                         .rounding = asphere_rounding, .enclose = asphere_enclose, .own_ = &asphere_own};

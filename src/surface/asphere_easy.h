@@ -5,17 +5,21 @@
  *
  * THE SEED.  The conic alone has A tau^2 - 2 B tau + C = 0; with e = A C / B^2 its root near the vertex is
  * tau = C / (2 B) (1 + e/4 + ...), and there G' = B sqrt(1 - e), 1 / G' = (1 + e/2 + ...) / B.  No root need be taken:
- * what the series leave is less than what P is; where |e| >= 1 a ray is not easy. One step with that slope from G, P included, is the start.
+ * what the series leave is less than what P is; where |e| >= 1 a ray is not easy.  One step with that slope from G, P
+ * included, is the start.
  *
  * A ROUND.  Newton's step from tau_1, with G and G'; then a step from there, tau_2, with G alone and the slope of before:
  * tau_3 = tau_2 + step, step = -G(tau_2) / s, s = G'(tau_1) as computed.  Lens surfaces are done after one round; a ray that
  * is not goes through another from tau_3, if the second step was at most half the first.  Where e below is more than
  * 24 u (|w| + |z|), terms cancel, and there is better to be had.
  *
- * THE BOUND.  Let M >= |G''| within H = |tau_2 - tau_1| + 2 |step| of tau_2, and G' be off there from s by at most
+ * THE BOUND.  Let M >= |G''| within H = |tau_2 - tau_1| + 2 |step| + 2^-40 |tau_2| + 2^-50 |t0| of tau_2, and G' be off there from s by at most
  * Delta = 2 M H + 2^-30 |s| <= |s| / 8.  Then G' keeps its sign, |G'| >= 7/8 |s|, and with |G(tau_2)| known to e the
- * root exists, lies within 8/7 (|G| + e) / |s| <= H of tau_2, and
+ * root exists, lies within 8/7 (|G| + e) / |s| <= 4/7 H of tau_2, and
  *     |root - tau_3| <= 8/7 (e + |step| Delta) / |s|                    (the mean value theorem).
+ * It is the only one within H, and [t - t_err, t + t_err] is in there: |step| and that bound are below 0.6 H, and what is lost
+ * where t is put together, 2 u (|t0| + 2 |tau|), is below a quarter of what H has for it.  So each root is proven; its
+ * side of the rim is as with a conic (conic_easy.h), with tau_err in place of 48 u |tau|.
  * M = |c| a + |(1 + k) c| (W1^2 + |w| W2) + W2 (form.c), a = l^2 + m^2, from first = sum (i+1) |a_i| rho^i >= |P'| at the
  * largest rho of the cell, rho' = 1.0625 rho + 17 a H^2 >= (sqrt rho + H sqrt a)^2:
  *     |w'| <= W1 = |n| + 2 first (|x l| + |y m| + 2 a H), x and y those of tau_1,
@@ -39,20 +43,18 @@ typedef struct wavy {
     double a[ALL_TERMS], slope[ALL_TERMS], size[ALL_TERMS];  /* a_i, (i+1) a_i, its magnitude */
     double bend;              /* 2 (2 T - 1) */
     double rim2, single;      /* n^2 > single a: one root within the rim */
+    double room;              /* of a proof: 98 u rims; rim2 is then the one within which a root is certain */
+    bool proof;
     double most_e;            /* 2^-46 / |ck|: v, at least 2^-8, is not off by more than 2^-38 */
 } wavy;
 
 /* false: no ray is easy. */
-SGT_INLINE bool wavy_of(const shape *s, wavy *v)
+SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
 {
-    double r2 = s->domain2, second, phi2 = 1 - s->ck * s->c * r2;
+    double rim2 = s->rim2 < 0x1p1000 ? s->rim2 : 0x1p1000;
     *v = (wavy){.c = s->c, .abs_c = fabs(s->c), .k1 = 1 + s->k, .ck = s->ck, .abs_ck = fabs(s->ck), .bend = 2 * (2 * s->terms - 1),
-                .rim2 = s->rim2 < 0x1p1000 ? s->rim2 : 0x1p1000, .single = HUGE_VAL, .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-46 / fabs(s->ck)};
+                .rim2 = proof ? sure_rim2(rim2) : rim2, .room = proof ? 98 * SGT_U * sqrt(rim2) : 0, .proof = proof, .single = single_limit(s), .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-46 / fabs(s->ck)};
     for (int i = 0; i < s->terms; i++) v->a[i] = s->a[i], v->slope[i] = (i + 1) * s->a[i], v->size[i] = (i + 1) * fabs(s->a[i]);
-    if (r2 < HUGE_VAL && phi2 > 0x1p-30) {
-        double steep = (v->abs_c / sqrt(phi2) + 2 * magnitude(s->terms, s->a, r2, &second)) * (1 + 0x1p-20);
-        v->single = steep * steep * r2;
-    }
     return v->abs_c < 0x1p60 && fabs(s->k) < 0x1p60;
 }
 
@@ -124,11 +126,11 @@ SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0,
  * again: another round may bring what this did not.  g is for a watcher. */
 typedef struct wavy_round { double tau, tau_err, v, near, g; mask again; } wavy_round;
 
-SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, bool first_root, double x0, double y0, const wavy_newton *at, double l, double m, double n, double t_tol)
+SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, bool first_root, double x0, double y0, double t0, const wavy_newton *at, double l, double m, double n, double t_tol)
 {
     double x = fma(at->tau2, l, x0), y = fma(at->tau2, m, y0), rho = x * x + y * y, z = at->tau2 * n, w, ckw;
     double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), step = g * at->inverse, as = fabs(step), ai = fabs(at->inverse), aw = fabs(w);
-    double a = l * l + m * m, n2 = n * n, H = fma(0x1p-40, fabs(at->tau2), fabs(at->step2) + (as + as)), wide = fma(17 * a, H * H, 1.0625 * rho);
+    double a = l * l + m * m, n2 = n * n, H = fma(0x1p-50, fabs(t0), fma(0x1p-40, fabs(at->tau2), fabs(at->step2) + (as + as))), wide = fma(17 * a, H * H, 1.0625 * rho);
     double first = horner(s->size, terms, wide), rho0 = x0 * x0 + y0 * y0;
     double W1 = fma(first + first, fma(a, H + H, at->slant), fabs(n)), W2 = s->bend * (a * first);
     double M = fma(s->abs_ck, fma(fma(W1, H, aw), W2, W1 * W1), fma(s->abs_c, a, W2));
@@ -139,11 +141,17 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, bool first_root, doub
     double terms_of_slope = fma(2, W1, s->abs_c * at->slant);
     mask again = MASK(off < 0x1p20);
     if (first_root) again &= MASK(n2 > s->single * a);
-    mask sure = again & MASK(off <= 0.125) & MASK(1.15 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) & MASK(rho0 <= 4 * rho)
+    mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) & MASK(rho0 <= 4 * rho)
               & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) & MASK(e <= 24 * SGT_U * (aw + az)) & MASK(s->abs_ck * (W1 * H) < 0x1p-10);
     sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol); /* else it can be had better */
     return (wavy_round){.tau = tau, .tau_err = chosen(sure, tau_err, (double)NAN), .v = fma(s->ck, step * at->dw, 1 - ckw),
                         .near = fma(ai, fma(rho, first + (first + s->abs_c), az), fabs(tau)), .g = g, .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2))};
+}
+
+/* The root is within the rim for certain, where rim2 says it is. */
+SGT_INLINE mask wavy_sure(const wavy *s, double x, double y, double tau_err, double l, double m)
+{
+    return MASK(fma(fabs(l) + fabs(m), tau_err, 2 * SGT_U * (fabs(x) + fabs(y))) <= s->room);
 }
 
 /* The root, for lane_of. */

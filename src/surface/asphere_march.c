@@ -93,10 +93,18 @@ static void keep(walk *w, meeting *at, double v_err, sgt_status status, double s
 {
     if (at->v < -v_err) return; /* the other sheet */
     if (!(at->v > v_err)) status = crosses_sheet(w, at) ? SGT_HIT : SGT_UNPROVEN;
-    if (!counts(at, w->ray, w->s->rim2, w->q.scale)) return;
+    bool proof = w->told->opt->proof != SGT_ESTIMATE;
+    if (proof && rim_hidden(at, w->s->rim2)) {
+        if (!counts(at, w->ray, HUGE_VAL, w->q.scale)) return;
+        status = SGT_UNPROVEN;
+    } else if (!counts(at, w->ray, w->s->rim2, w->q.scale)) {
+        return;
+    }
+    if (proof && status == SGT_HIT && !sgt_form_alone(w->s, w->ray, at, w->told)) status = SGT_UNPROVEN;
+    if (w->told->stopped) return;
     if (w->list) {
         /* at the equator both sheets of G have a root, and F one */
-        if (status == SGT_HIT && sgt_list_same(w->list, at->t, at->t_err)) return;
+        if (status == SGT_HIT && !proof && sgt_list_same(w->list, at->t, at->t_err)) return;
         if (status > 0) add_hit(w->list, at, status, asphere_f(w->s, at->p), SGT_NEWTON, w->ray, w->told);
         else add_stretch(w->list, w->told, status, w->ray, at->t - at->t_err, at->t + at->t_err);
         return;
@@ -158,6 +166,11 @@ static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
     bool settled = fabs(t0) < HUGE_VAL && sgt_form_settle(s, ray, t0, 0, &at, &v_err, told);
     if (told->stopped) return hit_without(SGT_STOPPED, ray, told->evals);
     if (!settled || !(at.v > v_err)) return hit_without(SGT_UNPROVEN, ray, told->evals);
+    if (told->opt->proof != SGT_ESTIMATE && rim_hidden(&at, s->rim2) && counts(&at, ray, HUGE_VAL, scale)) {
+        sgt_hit hit = hit_without(SGT_UNPROVEN, ray, told->evals);
+        hit.lo = at.t - at.t_err, hit.hi = at.t + at.t_err;
+        return hit;
+    }
     if (!counts(&at, ray, s->rim2, scale)) return hit_without(SGT_MISS, ray, told->evals);
     return hit_at(&at, SGT_HIT, asphere_f(s, at.p), SGT_NEWTON, ray, told);
 }

@@ -14,25 +14,7 @@
  * sheet or not by one comparison.  The first form is the root near the vertex plane.
  * At a root |A tau - B| = sqrt(D), D = B^2 - A C, so g' = grad F . d = -+ sqrt(D) / v.
  *
- * EASY.  Nearly every ray of an optical system: one lane of vector code, and one ray alone the same way.  From the
- * vertex plane, with explicit fma, and Aa >= |A|, Ba >= |B|, |C| the sums of the magnitudes of their terms; x is rounded
- * twice, A is off by 4 u Aa, B by 5 u Ba, C by 7 u |C|, D by u (D + |AC|) beyond what these make of it.  To first order
- *     |dtau| <= u ((2.5 Aa tau^2 + 5 Ba |tau| + 3.5 |C|) / S + 3.5 |tau|),   S = sqrt D, tau = C / b, |b| = |B| + S.
- * Let Ba^2 + Aa |C| <= q D.  Then Ba <= sqrt(q) S, |C| = |tau b| <= (1 + sqrt q) S |tau| and Aa |C| <= q D, Aa tau^2 <=
- * q S |tau|.  So q = 4/3 gives |dtau| <= 20.2 u |tau|, q = 4 gives 34 u |tau|; 24 and 48 are taken, and q > 4, a
- * ray that grazes, is not accepted.  What t0 + t0_lo is off by, 9 u^2 |t0|, moves the start along the ray's image in the
- * vertex plane and is no more than 2^-30 of an ulp of t0 to tau.  Not accepted either: S > 4 |n|, a start so far
- * off that its terms are more than those at the root; |w| = |(1 + k) c z| > 1 - 2^-8, near the equator, or on
- * another sheet; and where the first root is asked for, one whose other may be before it: that is b / A, whose
- * magnitude is the greater, and which is behind if b A > 0.  |c| lies within 2^+-60, n^2 above 2^-200 and r below 2^300:
- * then what underflows is too small to matter, and what overflows makes D infinite or NaN, or t no number that is greater
- * than tmin by a part of itself.
- *
- * AWAY.  A ray that certainly misses, by the same coefficients and with much room for their rounding: D below -2^-20 of
- * its terms; or D above 2^-10 of them, so that either root is right to a part in 2^40, and each of the two off the sheet,
- * beyond the rim, before or behind the ends by a part in 2^20, or the start itself.  Which of the two the start is, the
- * distances from tmin tell, by a factor of 4; t0 - tmin is off by 3 u |t0|, so roots closer together than that could be
- * taken for each other, but there the rule of the start (2^-50 |t| of it) hides both.
+ * EASY, AWAY.  Nearly every ray: conic_easy.h.
  *
  * QUICK.  In doubles, from the vertex plane.  With u = 2^-53, each coefficient is off by at most
  * 6 u of the sum of its terms' magnitudes, written A', B', C' (counted below); rounding in D is
@@ -55,115 +37,15 @@
  * a tangent: that is called a graze.
  *
  * Times, worst cases: docs/accuracy.md. */
+#include "conic_easy.h"
 #include "form.h"
-#include "sweep.h"
 
 static const double EPS = 0x1p-100;
 static const double D_MIN = 0x1p-20;
 
 static bool before(const meeting *a, const meeting *b) { return a->t < b->t || (a->t == b->t && a->t_lo < b->t_lo); }
 
-/* x - x is 0 for a finite x, NaN for another. */
-SGT_INLINE bool conic_valid(double c, double k, double semi_diameter)
-{
-    return (c - c) + (k - k) + (semi_diameter - semi_diameter) == 0 && semi_diameter >= 0;
-}
-
 /* ------------------------------------------------------------------- easy */
-
-/* What a surface brings to all its rays; extra n^2 + |A| >= Aa; rim2 is finite, so that no infinite point is inside. */
-typedef struct bowl { double c, abs_c, k1, ck, extra, rim2; } bowl;
-
-/* false: no ray is easy. */
-SGT_INLINE bool bowl_of(double c, double k, double rim2, bowl *s)
-{
-    *s = (bowl){c, fabs(c), 1 + k, (1 + k) * c, 1 + k < 0 ? 2 * fabs(1 + k) * fabs(c) : 0, rim2 < 0x1p600 ? rim2 : 0x1p600};
-    return (c == 0 || (fabs(c) > 0x1p-60 && fabs(c) < 0x1p60)) && fabs(k) < 0x1p60 && rim_in_range(rim2);
-}
-
-SGT_INLINE near_root easy_start(const bowl *s, bool first, double ox, double oy, double oz, double l, double m, double n)
-{
-    double t0, t0_lo, x, y;
-    to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
-    double xl = x * l, ym = y * m, a = l * l + m * m, n2 = n * n;
-    double A = s->c * fma(s->k1, n2, a), B = fma(-s->c, xl + ym, n), C = s->c * (x * x + y * y);
-    double Aa = fma(s->extra, n2, fabs(A)), Ba = fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
-    double D = fma(B, B, -A * C), size = fma(Ba, Ba, Aa * fabs(C)), D4 = (D + D) + (D + D);
-    double b = B + copysign(sqrt(D), B), tau = C / b, small = t0_lo + tau, t = t0 + small, reach = fabs(t) + fabs(small);
-    double n4 = (n2 + n2) + (n2 + n2), n16 = (n4 + n4) + (n4 + n4); /* sums: products are what there is most of */
-    double tau_err = (D4 >= size + size + size ? 24 * SGT_U : 48 * SGT_U) * fabs(tau);
-    double none = (double)NAN, t_err = fma(1.01 * SGT_U, reach, tau_err); /* one choice after another: shorter than masks */
-    t_err = D4 > size ? t_err : none;
-    t_err = D <= n16 ? t_err : none;
-    t_err = n2 > 0x1p-200 ? t_err : none;
-    if (first) t_err = copysign(1, b) * A > 0x1p-40 * Aa ? t_err : none;
-    return (near_root){.x = x, .y = y, .tau = tau, .t = t, .t_err = t_err, .tau_err = tau_err, .t0 = t0, .small = small};
-}
-
-SGT_INLINE lane easy_end(const bowl *s, const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol)
-{
-    double pz = r->tau * n, w = s->ck * pz, g = -s->c / (1 - w);
-    return lane_of(r, l, m, n, tmin, tmax, t_tol, pz, g, fabs(r->tau), s->rim2, MASK(fabs(w) < 1 - 0x1p-8));
-}
-
-/* t0 + tau does not count; its point is (x, y, 0) + tau d. */
-SGT_INLINE mask gone(const bowl *s, double x, double y, double t0, double tau, double l, double m, double n, double tmin, double tmax)
-{
-    double px = fma(tau, l, x), py = fma(tau, m, y), t = t0 + tau, slack = 0x1p-20 * (fabs(t0) + fabs(tau));
-    return MASK(s->ck * (tau * n) > 1 + 0x1p-8) | MASK(px * px + py * py > s->rim2 * (1 + 0x1p-20)) | MASK(t - slack > tmax) | MASK(t + slack < tmin);
-}
-
-/* The ray starts on the quadric: its root nearest tmin is the start itself, which does not count (sag.h).  At the start
- * G = z - c (r^2 + (1 + k) z^2) / 2 is off by 6 u of its terms, so that root is within (|G| + 6 u terms) / S of tmin, and as
- * much again makes up for G's curvature, where D is above 2^-10 of its terms; half of what the rule allows is left. */
-SGT_INLINE mask starts_on(const bowl *s, double ox, double oy, double oz, double l, double m, double n, double tmin)
-{
-    double x = fma(tmin, l, ox), y = fma(tmin, m, oy), z = fma(tmin, n, oz), r2 = x * x + y * y, w = s->ck * z;
-    double G = z - 0.5 * fma(s->c, r2, w * z), terms = fma(s->abs_c, r2, fabs(z) * (1 + fabs(w)));
-    return MASK(fabs(G) + 6 * SGT_U * terms < 0.5 * START_ULPS * fma(s->abs_c, r2, fabs(z * (1 - w)))) & MASK(terms > 0x1p-600);
-}
-
-/* Neither root counts; and of the far one alone (a plane has none). */
-typedef struct verdicts { mask away, far_gone; } verdicts;
-
-SGT_INLINE verdicts easy_away(const bowl *s, double ox, double oy, double oz, double l, double m, double n, double tmin, double tmax)
-{
-    double t0, t0_lo, x, y;
-    to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
-    double xl = x * l, ym = y * m, a = l * l + m * m, n2 = n * n, r2 = x * x + y * y;
-    double A = s->c * fma(s->k1, n2, a), B = fma(-s->c, xl + ym, n), C = s->c * r2;
-    double Aa = fma(s->extra, n2, fabs(A)), Ba = fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
-    double D = fma(B, B, -A * C), size = fma(Ba, Ba, Aa * fabs(C)), S = sqrt(larger(D, 0)), b = B + copysign(S, B), near = C / b, far = b / A;
-    double to_near = fabs((t0 - tmin) + near), to_far = fabs((t0 - tmin) + far);
-    mask usual = MASK(n2 > 0x1p-200) & MASK(a + n2 < 0x1p200) & MASK(r2 < 0x1p600) & MASK(size < 0x1p600) & MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL);
-    mask real = MASK(D > 0x1p-10 * size), start = starts_on(s, ox, oy, oz, l, m, n, tmin), two = MASK(fabs(A) > 0x1p-10 * Aa);
-    mask far_gone = (two & (gone(s, x, y, t0, far, l, m, n, tmin, tmax) | (start & MASK(to_far < 0.25 * to_near)))) | (MASK(Aa == 0) & MASK(s->c == 0));
-    mask near_gone = gone(s, x, y, t0, near, l, m, n, tmin, tmax) | (start & two & MASK(to_near < 0.25 * to_far));
-    far_gone &= usual & real;
-    return (verdicts){(usual & MASK(D < -0x1p-20 * size)) | (far_gone & near_gone), far_gone};
-}
-
-/* A plane: the same with tau = 0. */
-SGT_INLINE near_root plane_start(double ox, double oy, double oz, double l, double m, double n)
-{
-    double t0, t0_lo, x, y;
-    to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
-    double t = t0 + t0_lo, reach = fabs(t) + fabs(t0_lo);
-    mask good = MASK(n * n > 0x1p-200);
-    return (near_root){.x = x, .y = y, .t = t, .t_err = chosen(good, 1.01 * SGT_U * reach, (double)NAN), .t0 = t0, .small = t0_lo};
-}
-
-SGT_INLINE lane plane_end(const bowl *s, const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol)
-{
-    return lane_of(r, l, m, n, tmin, tmax, t_tol, 0, 0, 0, s->rim2, MASK(true));
-}
-
-SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol, lane *e)
-{
-    near_root r = s->c == 0 ? plane_start(o.x, o.y, o.z, d.x, d.y, d.z) : easy_start(s, first, o.x, o.y, o.z, d.x, d.y, d.z);
-    *e = s->c == 0 ? plane_end(s, &r, d.x, d.y, d.z, tmin, tmax, t_tol) : easy_end(s, &r, d.x, d.y, d.z, tmin, tmax, t_tol);
-    return e->hit != 0;
-}
 
 typedef enum easy_answer { EASY_NOT, EASY_MISS, EASY_HIT } easy_answer;
 
@@ -193,110 +75,13 @@ static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_option
     return EASY_NOT;
 }
 
-/* Between the two loops. */
-typedef struct bowl_room {
-    _Alignas(64) double x[SGT_TILE];
-    double y[SGT_TILE], tau[SGT_TILE], t[SGT_TILE], t_err[SGT_TILE], tau_err[SGT_TILE], t0[SGT_TILE], small[SGT_TILE];
-    sweep_ends ends;
-} bowl_room;
-
-SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool rich, const sgt_tile *tile, bowl_room *room)
-{
-    const bowl own = *self, *s = &own; /* no output is a part of it */
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
-    size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++) {
-        near_root r = plane ? plane_start(ox[i], oy[i], oz[i], l[i], m[i], n[i]) : easy_start(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
-        room->x[i] = r.x, room->y[i] = r.y, room->tau[i] = r.tau, room->t[i] = r.t, room->t_err[i] = r.t_err;
-        if (rich) room->tau_err[i] = r.tau_err, room->t0[i] = r.t0, room->small[i] = r.small;
-    }
-    sweep_to to = sweep_to_of(tile, &room->ends);
-    mask all = MASK(true);
-    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
-        near_root r = {.x = room->x[i], .y = room->y[i], .tau = room->tau[i], .t = room->t[i], .t_err = room->t_err[i]};
-        if (rich) r.tau_err = room->tau_err[i], r.t0 = room->t0[i], r.small = room->small[i];
-        lane e = plane ? plane_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]) : easy_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
-        SWEEP_STORE(to, i, e, rich);
-        all &= e.hit;
-    }
-    return sweep_told(tile, &room->ends, 1, all);
-}
-
-/* The verdicts of all rays. */
-SGT_CLONES_WIDE
-static void conic_sweep_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone)
-{
-    const bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
-    size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++) {
-        verdicts v = easy_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
-        away[i] = v.away, far_gone[i] = v.far_gone;
-    }
-}
-
-#define SWEEP_BOWL(name, plane, first, rich)                                                        \
-    SGT_CLONES_WIDE static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
-    {                                                                                               \
-        return sweep_bowl(s, plane, first, rich, tile, room);                                       \
-    }
-
-SWEEP_BOWL(conic_sweep_plane, true, false, false)
-SWEEP_BOWL(conic_sweep_plane_rich, true, false, true)
-SWEEP_BOWL(conic_sweep_near, false, false, false)
-SWEEP_BOWL(conic_sweep_first, false, true, false)
-SWEEP_BOWL(conic_sweep_near_rich, false, false, true)
-SWEEP_BOWL(conic_sweep_first_rich, false, true, true)
-
-static size_t sweep_near(const bowl *s, bool rich, const sgt_tile *tile, bowl_room *room)
-{
-    if (s->c == 0) return rich ? conic_sweep_plane_rich(s, tile, room) : conic_sweep_plane(s, tile, room);
-    return rich ? conic_sweep_near_rich(s, tile, room) : conic_sweep_near(s, tile, room);
-}
-
-/* First hits that are found at once, as is usual where a surface bulges toward the ray; where many are not, those whose
- * far root, which comes first, does not count; and misses. */
-size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt)
-{
-    bowl_room room;
-    bowl s;
-    signed char *status = tile->hits.status;
-    mask away[SGT_TILE], far_gone[SGT_TILE];
-    if (!conic_valid(c, k, semi_diameter) || !bowl_of(c, k, rim2_of(semi_diameter), &s)) {
-        memset(status, SGT_HARD, tile->n);
-        return tile->n;
-    }
-    bool rich = tile->hits.t_lo || tile->hits.p_err, first = opt->pick != SGT_NEAR_SEED && c != 0;
-    bool hollow = first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: a guess, which costs time or saves it */
-    size_t hard = tile->n;
-    if (hollow) memset(status, SGT_HARD, tile->n);
-    else hard = !first ? sweep_near(&s, rich, tile, &room) : rich ? conic_sweep_first_rich(&s, tile, &room) : conic_sweep_first(&s, tile, &room);
-    if (8 * hard <= tile->n) return hard; /* one by one */
-    conic_sweep_away(&s, tile, away, far_gone);
-    if (first) { /* the near roots, all of them: those found before come out the same */
-        for (size_t i = 0; i < tile->n; i++)
-            if (status[i] == SGT_HIT) far_gone[i] = MASK(true);
-        sweep_near(&s, rich, tile, &room);
-    }
-    hard = 0;
-    for (size_t i = 0; i < tile->n; i++) {
-        bool met = status[i] == SGT_HIT && (!first || far_gone[i]);
-        status[i] = met ? SGT_HIT : away[i] ? SGT_MISS : SGT_HARD;
-        if (!met && tile->hits.evals) tile->hits.evals[i] = 0;
-        hard += status[i] == SGT_HARD;
-    }
-    return hard;
-}
-
 /* ------------------------------------------------------------------ quick */
 
 typedef struct verdict { bool counts, certain; } verdict;
 
 typedef struct quadric { double c, k, k1, abs_k1, A, Aa, Ba, Ca, S; } quadric;
 
-SGT_INLINE verdict quick_root(meeting *at, double tau, const quadric *g, const local *q, const sgt_ray *ray, double rim2, double t_tol)
+SGT_INLINE verdict quick_root(meeting *at, double tau, const quadric *g, const local *q, const sgt_ray *ray, double rim2, const sgt_options *opt)
 {
     verdict r;
     double spread = (g->Aa * tau * tau + 2 * g->Ba * fabs(tau) + g->Ca);
@@ -313,7 +98,8 @@ SGT_INLINE verdict quick_root(meeting *at, double tau, const quadric *g, const l
     snap(at, g->c, g->k, square_radius(at->p.x, at->p.y), 0, 0);
     bool off_sheet = at->v < -v_err;
     /* written so that NaN is not certain; a tiny root is in the hands of the careful form */
-    r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms && at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL && sharp(at, t_tol));
+    r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms && at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL && sharp(at, opt->t_tol)
+                                && (opt->proof == SGT_ESTIMATE || !(rim_hidden(at, rim2) || fabs(g->A) * at->t_err > 0.99 * g->S * q->scale)));
     r.counts = !off_sheet && counts(at, ray, rim2, q->scale);
     return r;
 }
@@ -337,15 +123,15 @@ SGT_INLINE quick_answer quick(double c, double k, double rim2, bool started, con
     if (!(D > D_MIN * size && ranges)) return QUICK_HARD;
     g.S = sqrt(D);
     double b = B + copysign(g.S, B), tau = C / b; /* the other root is b / A: away where A = 0 */
-    verdict near = quick_root(out, tau, &g, &q, ray, rim2, opt->t_tol);
+    verdict near = quick_root(out, tau, &g, &q, ray, rim2, opt);
     /* the other is of no interest where the near one counts and is wanted, or is certainly the first */
     bool bounded = fabs(g.A) > 0x1p-40 * g.Aa;
     bool behind = bounded ? b * g.A > 0 && fabs(b) > fabs(g.A) * (larger(tau, 0) + 0x1p-20 * (fabs(q.t0) + fabs(tau))) : g.Aa == 0;
     if (near.certain && near.counts && (opt->pick == SGT_NEAR_SEED || behind)) return QUICK_HIT;
     meeting other;
     verdict far = {.certain = g.Aa == 0};
-    if (bounded) far = quick_root(&other, b / g.A, &g, &q, ray, rim2, opt->t_tol);
-    if (bounded && D > 0x1p-10 * size && started) { /* one of the two is the start, as long as there is a sheet of it */
+    if (bounded) far = quick_root(&other, b / g.A, &g, &q, ray, rim2, opt);
+    if (started && fabs(g.A) > 0x1p-10 * g.Aa && D > 0x1p-10 * size) { /* one of the two is the start, as long as there is a sheet of it */
         double to_near = fabs(out->t - ray->tmin), to_far = fabs(other.t - ray->tmin);
         if (to_near < 0.25 * to_far) near = (verdict){.counts = false, .certain = true};
         if (to_far < 0.25 * to_near) far = (verdict){.counts = false, .certain = true};
@@ -369,7 +155,7 @@ typedef struct careful_quadric {
 
 typedef struct careful_root {
     meeting at;
-    bool counts;  /* by rim and ends */
+    bool ends, counts;  /* by the ends; by the rim too */
     int sheet;    /* 1 on it, 0 cannot be told, -1 off it */
 } careful_root;
 
@@ -430,6 +216,7 @@ SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, d
     double steep = -g->gamma / fmax(v.hi, DBL_MIN); /* at the very equator: as steep as a double can say */
     r.at.n = (sgt_vec3){px.hi * steep, py.hi * steep, 1};
     snap(&r.at, g->c, g->k, square_radius(r.at.p.x, r.at.p.y), 0, 0);
+    r.ends = counts(&r.at, ray, HUGE_VAL, q->scale);
     r.counts = counts(&r.at, ray, rim2, q->scale);
     return r;
 }
@@ -443,13 +230,14 @@ static careful_root refined(double c, double k, careful_root r, const local *q, 
     double v_err;
     if (!sgt_form_settle(&s, ray, r.at.t / q->scale, r.at.t_lo / q->scale, &again.at, &v_err, w)) return r;
     if (!(again.at.t_err < r.at.t_err && fabs(again.at.t - r.at.t) <= r.at.t_err + again.at.t_err)) return r;
+    again.ends = counts(&again.at, ray, HUGE_VAL, q->scale);
     again.counts = counts(&again.at, ray, rim2, q->scale);
     return again;
 }
 
 /* Both roots, in order of t; of a graze the first alone.  A second that cannot be told from infinity is
- * farther than `away`, if anywhere. */
-typedef struct careful_pair { careful_root r[2]; bool near_second, far_exists; double away; } careful_pair;
+ * farther than `away`, if anywhere; else they are `gap` apart, at least.  touches: of the two in one r[0] tells where. */
+typedef struct careful_pair { careful_root r[2]; bool near_second, far_exists, touches; double away, gap; } careful_pair;
 
 /* SGT_HIT: the roots are there, if they count and are on the sheet. */
 static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *ray, careful_pair *p, tally *w)
@@ -466,11 +254,15 @@ static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *
     if (D.hi <= 4 * dD) { /* two roots, or none, closer together than can be told apart */
         if (!(fabs(A.hi) > 2 * dA)) return SGT_UNPROVEN;
         double half_gap = sqrt(D.hi + 2 * dD);
+        p->touches = true;
         p->r[0] = careful_root_at(&g, twofold_quotient(B, A), 2 * half_gap / fabs(A.hi), half_gap, ray, rim2);
-        return p->r[0].sheet >= 0 && p->r[0].counts ? SGT_GRAZE : SGT_MISS;
+        bool may = p->r[0].sheet >= 0 && p->r[0].ends;
+        if (may && w->opt->proof != SGT_ESTIMATE && rim_hidden(&p->r[0].at, rim2)) return SGT_UNPROVEN;
+        return may && p->r[0].counts ? SGT_GRAZE : SGT_MISS;
     }
     twofold S = twofold_root(D), b = B.hi < 0 ? twofold_difference(B, S) : twofold_sum(B, S);
     p->far_exists = fabs(A.hi) > 2 * dA;
+    p->gap = p->far_exists ? 2 * S.hi / fabs(A.hi) * (1 - 0x1p-40) * g.U * g.q.scale : HUGE_VAL;
     p->away = p->far_exists || g.Aa == 0 ? HUGE_VAL : 0.25 * fabs(b.hi) / dA * g.U * g.q.scale;
     twofold tau[2] = {twofold_quotient(C, b), p->far_exists ? twofold_quotient(b, A) : twofold_of(NAN)};
     careful_root r[2];
@@ -483,12 +275,24 @@ static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *
     return SGT_HIT;
 }
 
+/* Does it count, or may it, as far as the rim can be told? */
+static bool careful_may(const careful_root *r, double rim2) { return r->counts || (r->ends && rim_hidden(&r->at, rim2)); }
+
+/* The i-th root, on the sheet as far as can be told, is proven: alone in [t - t_err, t + t_err], its side of the rim certain. */
+static bool careful_proof(const careful_pair *p, int i, double rim2)
+{
+    const meeting *at = &p->r[i].at;
+    return (p->r[!i].sheet < 0 || 2 * at->t_err < p->gap) && !rim_hidden(at, rim2);
+}
+
+/* UNPROVEN: *out is what it is about, if it is one root; it is left alone else. */
 static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, meeting *out, tally *w)
 {
     sgt_pick pick = w->opt->pick;
-    careful_pair p;
+    bool proof = w->opt->proof != SGT_ESTIMATE;
+    careful_pair p = {.touches = false};
     sgt_status status = careful_roots(c, k, rim2, ray, &p, w);
-    if (status == SGT_GRAZE) *out = p.r[0].at;
+    if (status == SGT_GRAZE || p.touches) *out = p.r[0].at;
     if (status != SGT_HIT) return status;
     const careful_root *near = &p.r[p.near_second];
     /* A within its rounding of 0: the far root is farther than the near one by 2^90, if anywhere */
@@ -501,9 +305,9 @@ static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, m
         const careful_root *r = wanted[i];
         if (r->sheet < 0) continue;
         if (!(r->at.t_err < HUGE_VAL)) return SGT_UNPROVEN; /* out of range */
-        if (!r->counts) continue;
+        if (!(proof ? careful_may(r, rim2) : r->counts)) continue;
         *out = r->at;
-        return r->sheet > 0 ? SGT_HIT : SGT_UNPROVEN;
+        return r->sheet > 0 && (!proof || careful_proof(&p, (int)(r - p.r), rim2)) ? SGT_HIT : SGT_UNPROVEN;
     }
     return SGT_MISS;
 }
@@ -511,7 +315,7 @@ static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, m
 /* ---------------------------------------------------------------- planes */
 
 /* n tau = -z: exact but for the quotient, and t0_lo carries that. */
-SGT_INLINE sgt_status plane(double rim2, const sgt_ray *ray, meeting *out)
+SGT_INLINE sgt_status plane(double rim2, const sgt_ray *ray, bool proof, meeting *out)
 {
     if (ray->d.z == 0 && ray->o.z != 0) return SGT_MISS;
     local q = ray->d.z != 0 ? local_at_vertex_plane(ray) : local_at(ray, 0, 0);
@@ -521,6 +325,7 @@ SGT_INLINE sgt_status plane(double rim2, const sgt_ray *ray, meeting *out)
     meeting_place(out, &q, 0, 0);
     out->v = 1, out->slope = fabs(q.n), out->n = (sgt_vec3){0, 0, 1}, out->sag = 0;
     if (!(out->t_err < HUGE_VAL)) return SGT_UNPROVEN; /* so nearly parallel that t is out of range */
+    if (ray->d.z != 0 && proof && rim_hidden(out, rim2) && counts(out, ray, HUGE_VAL, q.scale)) return SGT_UNPROVEN;
     if (ray->d.z != 0) return counts(out, ray, rim2, q.scale) ? SGT_HIT : SGT_MISS;
     return out->p.x * out->p.x + out->p.y * out->p.y <= rim2 ? SGT_GRAZE : SGT_UNPROVEN;
 }
@@ -536,14 +341,14 @@ static double conic_f(double c, double k, sgt_vec3 p)
 SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
 {
     double rim2 = rim2_of(semi_diameter);
-    meeting at;
+    meeting at = {.t_err = (double)NAN};
     tally w = {.opt = opt, .budget = 100}; /* of settling, that takes nine at most */
     sgt_status status;
     bowl b;
     lane e;
     if (!conic_valid(c, k, semi_diameter)) return hit_without(SGT_INVALID, ray, 0);
     if (!rim_in_range(rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
-    bool usual = bowl_of(c, k, rim2, &b), met = usual && easy_at(&b, opt->pick != SGT_NEAR_SEED, ray->o, ray->d, ray->tmin, ray->tmax, opt->t_tol, &e);
+    bool usual = bowl_of(c, k, rim2, opt->proof != SGT_ESTIMATE, &b), met = usual && easy_at(&b, opt->pick != SGT_NEAR_SEED, ray->o, ray->d, ray->tmin, ray->tmax, opt->t_tol, &e);
     if (usual && !met) {
         lane other; /* not e, which is to stay in registers */
         easy_answer answer = easy_else(&b, ray, opt, &other);
@@ -557,14 +362,19 @@ SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray 
         return w.stopped ? hit_without(SGT_STOPPED, ray, 1) : hit_of_lane(&e, 1, f);
     }
     if (c == 0) {
-        status = plane(rim2, ray, &at);
+        status = plane(rim2, ray, opt->proof != SGT_ESTIMATE, &at);
     } else {
         bool started = usual && starts_on(&b, ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z, ray->tmin) != 0;
         quick_answer answer = quick(c, k, rim2, started, ray, opt, &at);
-        status = answer == QUICK_HIT ? SGT_HIT : answer == QUICK_MISS ? SGT_MISS : careful(c, k, rim2, ray, &at, &w);
+        status = answer == QUICK_HIT ? SGT_HIT : SGT_MISS;
+        if (answer == QUICK_HARD) at.t_err = (double)NAN, status = careful(c, k, rim2, ray, &at, &w);
     }
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
-    if (status <= 0) return hit_without(status, ray, w.evals);
+    if (status <= 0) {
+        sgt_hit hit = hit_without(status, ray, w.evals);
+        if (at.t_err < HUGE_VAL && status == SGT_UNPROVEN) hit.lo = larger(at.t - at.t_err, hit.lo), hit.hi = at.t + at.t_err < hit.hi ? at.t + at.t_err : hit.hi;
+        return hit;
+    }
     double f = isnan(at.sag) ? conic_f(c, k, at.p) : at.p.z - at.sag; /* the same number */
     return hit_at(&at, status, f, w.evals ? SGT_NEWTON : SGT_SEED, ray, &w);
 }
@@ -582,6 +392,11 @@ static sgt_hit conic_meet(const void *self, const sgt_ray *ray, const sgt_option
     return meet(s->c, s->k, s->semi_diameter, ray, opt);
 }
 
+static void unproven_about(sgt_list *list, const meeting *at, const sgt_ray *ray, tally *w)
+{
+    add_stretch(list, w, SGT_UNPROVEN, ray, at->t - at->t_err, at->t + at->t_err);
+}
+
 /* Every root, by the careful form. */
 sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
 {
@@ -590,17 +405,20 @@ sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray
     careful_pair p = {.away = HUGE_VAL};
     if (!conic_valid(c, k, semi_diameter)) return SGT_INVALID;
     sgt_status status = SGT_UNPROVEN;
-    if (rim_in_range(rim2)) status = c == 0 ? plane(rim2, ray, &p.r[0].at) : careful_roots(c, k, rim2, ray, &p, &w);
+    bool proof = opt->proof != SGT_ESTIMATE;
+    p.r[0].at.t_err = (double)NAN;
+    if (rim_in_range(rim2)) status = c == 0 ? plane(rim2, ray, proof, &p.r[0].at) : careful_roots(c, k, rim2, ray, &p, &w);
     if (c == 0) p.r[0].counts = true, p.r[0].sheet = 1;
-    if (status == SGT_UNPROVEN) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
+    if (status == SGT_UNPROVEN && (c == 0 || p.touches) && p.r[0].at.t_err < HUGE_VAL) unproven_about(list, &p.r[0].at, ray, &w);
+    else if (status == SGT_UNPROVEN) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
     if (status < 0 || status == SGT_MISS) return SGT_MISS;
     if (p.away < HUGE_VAL && ray->tmin <= -p.away) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, -p.away);
     double reached = ray->tmin;
     for (int i = 0; i < (p.far_exists ? 2 : 1) && !w.stopped; i++) {
         const careful_root *r = &p.r[i];
-        if (status == SGT_HIT && (r->sheet < 0 || (r->at.t_err < HUGE_VAL && !r->counts))) continue;
+        if (status == SGT_HIT && (r->sheet < 0 || (r->at.t_err < HUGE_VAL && !(proof ? careful_may(r, rim2) : r->counts)))) continue;
         if (!(r->at.t_err < HUGE_VAL)) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL); /* out of range */
-        else if (status == SGT_HIT && r->sheet == 0) add_stretch(list, &w, SGT_UNPROVEN, ray, r->at.t - r->at.t_err, r->at.t + r->at.t_err);
+        else if (status == SGT_HIT && (r->sheet == 0 || (proof && c != 0 && !careful_proof(&p, i, rim2)))) unproven_about(list, &r->at, ray, &w);
         else add_hit(list, &r->at, status, isnan(r->at.sag) ? conic_f(c, k, r->at.p) : r->at.p.z - r->at.sag, SGT_SEED, ray, &w);
         if (!w.stopped) reached = r->at.t + r->at.t_err;
     }
@@ -636,12 +454,26 @@ static sgt_span conic_span(const void *self, const sgt_ray *ray)
     return sgt_sag_span(s->c, s->k, s->semi_diameter, ray, true);
 }
 
+static sgt_interval conic_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    const sgt_conic *s = self;
+    shape h = {.c = s->c, .k = s->k, .ck = (1 + s->k) * s->c};
+    *slope = (sgt_interval){-HUGE_VAL, HUGE_VAL};
+    return conic_valid(s->c, s->k, s->semi_diameter) ? sgt_sag_enclose(&h, ray, t, slope) : *slope;
+}
+
 static size_t conic_sweep(const void *self, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_conic *s = self;
     return sgt_conic_sweep(s->c, s->k, s->semi_diameter, tile, opt);
 }
 
-static const struct sgt_own conic_own = {.meet = conic_meet, .all = conic_all, .sweep = conic_sweep};
+static void conic_alone(const void *self, const sgt_tile *tile, double rim2, mask alone[])
+{
+    const sgt_conic *s = self;
+    sgt_conic_alone(s->c, s->k, s->semi_diameter, tile, rim2, alone);
+}
 
-const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .own_ = &conic_own};
+static const struct sgt_own conic_own = {.meet = conic_meet, .all = conic_all, .sweep = conic_sweep, .alone = conic_alone};
+
+const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .enclose = conic_enclose, .own_ = &conic_own};

@@ -70,17 +70,22 @@ sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray
 /* Its sweep. */
 size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt);
 
+/* Its part of sgt_own's alone. */
+void sgt_conic_alone(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2, unsigned long long alone[]);
+
 /* The stretch of the ray, in its own t, within r^2 <= radius2 (1 + 2^-43) of the axis; all of it
  * for an infinite radius2, lo > hi where it passes by. */
 typedef struct stretch { double lo, hi; } stretch;
 stretch sgt_chord(const sgt_ray *ray, double radius2);
 
 /* The square of the greatest r where the sag is defined and, with a rim, wanted. */
-SGT_INLINE double domain2_of(double c, double k, double semi_diameter)
+SGT_INLINE double domain2_within(double c, double k, double rim2)
 {
-    double k1 = 1 + k, rim2 = rim2_of(semi_diameter), edge = k1 > 0 && c != 0 ? 1 / (fabs(c) * sqrt(k1)) : HUGE_VAL, edge2 = edge * edge * (1 + 16 * SGT_U);
+    double k1 = 1 + k, edge = k1 > 0 && c != 0 ? 1 / (fabs(c) * sqrt(k1)) : HUGE_VAL, edge2 = edge * edge * (1 + 16 * SGT_U);
     return rim2 < edge2 ? rim2 : edge2;
 }
+
+SGT_INLINE double domain2_of(double c, double k, double semi_diameter) { return domain2_within(c, k, rim2_of(semi_diameter)); }
 
 /* The span of a sag on a conic base: the chord of its domain, and the conic's root near the
  * vertex as the seed.  bare: the sag is that conic alone, so `single` can be told. */

@@ -205,3 +205,12 @@ bool sgt_form_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo
     }
     return !w->stopped;
 }
+
+bool sgt_form_alone(const shape *s, const sgt_ray *ray, const meeting *at, tally *w)
+{
+    double scale = scale_of(ray->d), h = 2 * at->t_err / scale;
+    local q = local_at(ray, at->t / scale, at->t_lo / scale);
+    sample e = sgt_form_sample(s, &q, 0);
+    observe(w, &q, 0, &e, SGT_PROBE, -h, h);
+    return fabs(e.slope) - e.slope_err > sgt_form_bend(s, &q, &e, h) * h; /* not of NaN */
+}

@@ -33,6 +33,19 @@ SGT_INLINE double magnitude(int terms, const double *a, double rho, double *seco
 /* A sag as it is solved: its terms counted (none: a conic), (1 + k) c at hand. */
 typedef struct shape { double c, k, ck; int terms; const double *a; double rim2, domain2; } shape;
 
+/* F is monotone along the chord within the rim where n^2 is above this times a; infinite without a rim, or with the
+ * equator inside. */
+SGT_INLINE double single_limit(const shape *s)
+{
+    double r2 = s->domain2, unused, phi2 = 1 - s->ck * s->c * r2;
+    if (!(r2 < HUGE_VAL && phi2 > 0x1p-30)) return HUGE_VAL;
+    double steep = (fabs(s->c) / sqrt(phi2) + 2 * magnitude(s->terms, s->a, r2, &unused)) * (1 + 0x1p-20);
+    return steep * steep * r2;
+}
+
+/* Rays whose chord is so: alone[i] has all bits set; true: all of them. */
+bool sgt_sweep_monotone(const shape *s, const sgt_tile *tile, unsigned long long alone[]);
+
 /* G at one point of the ray, and what is known of it. */
 typedef struct sample {
     double g, slope;          /* G and dG/dtau */
@@ -84,6 +97,12 @@ bool sgt_form_certify(const shape *s, const local *q, const sample *at, double t
 
 /* From t0 + t0_lo (scaled, near a root) with the origin moved there.  false: the root is too flat. */
 bool sgt_form_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err, tally *w);
+
+/* There is no root but one in [t - t_err, t + t_err]: G is monotone over twice as much.  One evaluation. */
+bool sgt_form_alone(const shape *s, const sgt_ray *ray, const meeting *at, tally *w);
+
+/* g and g' over t (sgt_surface_ops, enclose): sag_enclose.c says how. */
+sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, sgt_interval t, sgt_interval *slope);
 
 /* One evaluation told to the watcher, in the ray's t. */
 SGT_INLINE void observe(tally *w, const local *q, double tau, const sample *e, sgt_move move, double lo, double hi)

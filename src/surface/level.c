@@ -26,6 +26,9 @@
  * tanh(log(|Q_N| / E)), nearly linear over many lengths where |Q_N|^2 is not), and as wide as by the slope's variation
  * the guess may be off: three cells, as a rule, to rounding.
  *
+ * UNDER PROOF a root has to be in a monotone cell that is twice as long as [t - t_err, t + t_err]: then it is there, since
+ * F changes sign, and the only one.  t_tol is not read (a change of sign over so much may be of three roots), nor is dt_min.
+ *
  * THE FAST WAY, dt_min > 0: steps of the larger of dt_min and Hart's estimate A log(A / E) / (2 |dQ_N/dp|), F looked
  * at between them; a change of sign is a bracket for Newton's method.  Thin parts are passed by. */
 #include "level.h"
@@ -94,6 +97,18 @@ static void stretch(walk *w, sgt_status status, double lo, double hi)
     w->done = w->done || (w->list->count > count && !w->all);
 }
 
+bool sgt_level_alone(const orbit *o, const sgt_ray *ray, double t, double t_lo, double t_err)
+{
+    path w;
+    local q;
+    cell e;
+    double lo, hi;
+    set_of(o, &w);
+    chord_of(o, w.escape[o->mandelbrot ? 1 : 0], ray, &q, &w, &lo, &hi);
+    sgt_orbit_cell(&w, (t / q.scale - q.t0) + t_lo / q.scale, 2 * (t_err / q.scale), &e);
+    return e.verdict == CELL_MONOTONE;
+}
+
 /* A root within tau_err of tau, or a graze: an entry, unless it is before or after the ray's ends, or its
  * start.  false: the watcher has stopped the search before. */
 static bool add_root(walk *w, sgt_status status, double tau, double tau_err)
@@ -109,6 +124,15 @@ static bool add_root(walk *w, sgt_status status, double tau, double tau_err)
         return true;
     }
     if (!root_counts(&h, &w->q, w->ray->tmin, w->ray->tmax)) return true;
+    if (w->told.opt->proof != SGT_ESTIMATE && status == SGT_HIT) {
+        look_on(w, SGT_PROBE, tau, tau - 2 * tau_err, tau + 2 * tau_err);
+        if (w->told.stopped) return false;
+        if (!sgt_level_alone(w->orbit, w->ray, h.t, h.t_lo, h.t_err)) {
+            double far = h.t_err / w->q.scale;
+            stretch(w, SGT_UNPROVEN, tau - far, tau + far);
+            return true;
+        }
+    }
     add(w, &(sgt_hit){.status = status, .t = h.t, .t_err = h.t_err, .t_lo = h.t_lo, .lo = h.t - h.t_err, .hi = h.t + h.t_err,
                       .f = f, .p = h.p, .n = h.n, .p_err = h.p_err});
     return true;
@@ -305,12 +329,12 @@ int sgt_level_march(const orbit *o, const sgt_ray *ray, const sgt_options *opt, 
         return 0;
     }
     double scale = w.q.scale, tmin = ray->tmin / scale - w.q.t0, tmax = ray->tmax / scale - w.q.t0;
-    w.t_tol = opt->t_tol / scale;
+    w.t_tol = opt->proof == SGT_ESTIMATE ? opt->t_tol / scale : 0;
     w.least = 0x1p-48 * (larger(fabs(lo), fabs(hi)) + w.path.start_size / w.path.along_size);
     double start = lo;
     cut_to_ends(&w.q, tmin, tmax, &lo, &hi);
     if (lo > hi || tmin > hi || tmax < lo) return 0;
-    if (opt->dt_min > 0) march_fast(&w, lo, hi, opt->dt_min / scale);
+    if (opt->dt_min > 0 && opt->proof == SGT_ESTIMATE) march_fast(&w, lo, hi, opt->dt_min / scale);
     else march(&w, start, lo, hi);
     return w.told.evals - w.told.before;
 }

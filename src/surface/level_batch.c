@@ -40,7 +40,7 @@ enum field { SA, SB, SC, SD, LA, LB, LC, LD, START_SIZE, ALONG_SIZE, TAU, HI, H,
 /* On the fast way: where F was looked at last, and F there; one over the length of a unit of tau. */
 enum { LAST = H, LAST_F = GROWTH, PER_LENGTH = SIDE };
 
-typedef struct set { const orbit *o; path path; escape escape; double E2, budget, dt_min; } set;
+typedef struct set { const orbit *o; path path; escape escape; double E2, budget, dt_min; bool proof; } set;
 
 /* m, h, end: the cell; verdict: see below; leave: see go_on. */
 typedef struct stream {
@@ -570,6 +570,14 @@ static void tell_hits(job *j)
             go_back(j, s->f[0] + l, HITS);
             continue;
         }
+        if (j->set->proof) {
+            sgt_ray ray = ray_at(&j->tile->rays, i);
+            s->f[EVALS][l] += 1;
+            if (!sgt_level_alone(j->set->o, &ray, s->t[l], s->t_lo[l], s->t_err[l])) {
+                give_up(j, i);
+                continue;
+            }
+        }
         out->status[i] = SGT_HIT;
         if (out->evals) out->evals[i] = (int)s->f[EVALS][l];
         if (out->t) out->t[i] = s->t[l];
@@ -718,19 +726,22 @@ enum { SAME_CELLS = false }; /* the single ray has no vectors, and other formula
 
 size_t sgt_level_sweep(const orbit *o, const sgt_tile *tile, const sgt_options *opt)
 {
-    set w = {.o = o};
+    static const double rounding_alone[SGT_MOST_TILE]; /* the t_tol of a proof */
+    set w = {.o = o, .proof = opt->proof != SGT_ESTIMATE};
+    sgt_tile own = *tile;
     stream s;
     near close;
     waiting waits;
     returned back;
     hits met;
-    job j = {&w, tile, 0, 0, &waits, &back, &close, &s, &met};
+    job j = {&w, &own, 0, 0, &waits, &back, &close, &s, &met};
     if (!SAME_CELLS || o->power != 2 || o->iterations > MOST_LEVELS) {
         memset(tile->hits.status, SGT_HARD, tile->n);
         return tile->n;
     }
     set_of(o, &w.path);
-    w.escape = escape_of(o), w.E2 = o->E * o->E, w.budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, w.dt_min = opt->dt_min;
+    w.escape = escape_of(o), w.E2 = o->E * o->E, w.budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, w.dt_min = w.proof ? 0 : opt->dt_min;
+    if (w.proof) own.t_tol = rounding_alone;
     memset(&close, 0, sizeof close);
     memset(&s, 0, sizeof s);
     memset(&met, 0, sizeof met);

@@ -76,6 +76,10 @@ struct sgt_own {
      * SGT_HARD (what it leaves in their other outputs is of no account) and returns how many those are.  opt has been
      * checked and asks for no watcher; its t_tol is not to be read.  May be NULL. */
     size_t (*sweep)(const void *self, const sgt_tile *tile, const sgt_options *opt);
+    /* Of the rays of a tile that have met the root near the seed: alone[i] is made all bits set where certainly no other
+     * root that counts lies on the ray within r^2 <= rim2, else 0.  Of other rays it is of no account; hits and t_tol are
+     * not read.  NULL: the surface has but first roots. */
+    void (*alone)(const void *self, const sgt_tile *tile, double rim2, unsigned long long alone[]);
     /* The most rays the sweep takes in a tile, SGT_TILE ... SGT_MOST_TILE; 0: SGT_TILE. */
     size_t tile;
 };

@@ -146,11 +146,22 @@ SGT_INLINE bool counts(const meeting *h, const sgt_ray *ray, double rim2, double
     return started && h->t <= ray->tmax && inside;
 }
 
+/* Rounding hides on which side of the rim the root is: its r^2 is off by twice (|x| + |y|) p_err and what that makes of
+ * itself, and 4 u.  Asked under proof alone; without, the rule is as sharp as it is stated. */
+SGT_INLINE bool rim_hidden(const meeting *h, double rim2)
+{
+    double r2 = h->p.x * h->p.x + h->p.y * h->p.y, off = (2 * (fabs(h->p.x) + fabs(h->p.y)) + h->p_err) * h->p_err + 4 * SGT_U * r2;
+    return rim2 < HUGE_VAL && !(fabs(r2 - rim2) > 1.01 * off);
+}
+
 SGT_INLINE double rim2_of(double semi_diameter)
 {
     if (!(semi_diameter > 0)) return HUGE_VAL;
     return semi_diameter < 1e150 ? semi_diameter * semi_diameter * SOFT_RIM : 0; /* 0: out of range */
 }
+
+/* Of the rim within which a root in lanes is certain: conic_easy.h, asphere_easy.h. */
+SGT_INLINE double sure_rim2(double rim2) { return rim2 * (1 - 0x1.8p-45); }
 
 /* Its square is neither lost nor infinite (where there is one). */
 SGT_INLINE bool rim_in_range(double rim2) { return rim2 > TINY; }

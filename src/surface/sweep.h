@@ -3,8 +3,8 @@
  * A sweep has two loops.  The first goes from the ray to its root near the vertex plane, the second from there to the
  * point, the gradient, and whether it counts; between the two a ray is a `near_root`, in arrays that stay in the
  * first cache.  One loop would do, but a root, three quotients and what is between them are a chain of more than a
- * hundred cycles, as long as a processor can look ahead: in two loops it has several rays' chains at work (a conic:
- * 5.5 ns a ray in one loop, 3.2 in two). */
+ * hundred cycles, as long as a processor can look ahead: in two loops it has several rays' chains at work
+ * (docs/accuracy.md, "Batches: speed"). */
 #ifndef SGT_SURFACE_SWEEP_H
 #define SGT_SURFACE_SWEEP_H
 

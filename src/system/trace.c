@@ -10,6 +10,8 @@
  * needed). */
 #include "trace.h"
 
+#include "../ray/alone.h"
+
 /* ------------------------------------------------------------------ launch */
 
 SGT_INLINE bool is_finite(sgt_vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
@@ -72,7 +74,7 @@ static void shift_hit(sgt_hit *hit, double t0)
 /* ------------------------------------------------------------------ meeting */
 
 /* *hit, on the whole line, is made the hit that is meant; *inside: within the clear aperture.  Only an answer
- * inside overrules the first. */
+ * inside overrules the first; under proof one that may be inside does as well. */
 static void choose(sgt_surface surface, sgt_ray ray, double aperture2, const sgt_options *opt, sgt_hit *hit, bool *inside)
 {
     *inside = hit->status > 0 && is_inside(hit->p, aperture2);
@@ -80,7 +82,7 @@ static void choose(sgt_surface surface, sgt_ray ray, double aperture2, const sgt
     sgt_hit other = sgt_intersect(surface, ray, opt);
     hit->evals = other.evals += hit->evals;
     *inside = other.status > 0 && is_inside(other.p, aperture2);
-    if (*inside || other.status == SGT_STOPPED) *hit = other;
+    if (*inside || other.status == SGT_STOPPED || (opt->proof != SGT_ESTIMATE && other.status < 0)) *hit = other;
 }
 
 /* ------------------------------------------------------------------ bending */
@@ -138,10 +140,14 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
     }
     sgt_options own = *opt;
     if (own.t_tol == 0) own.t_tol = tolerance(e->semi_diameter, ray.o);
+    bool only = asks_alone(&own); /* of the root that is meant, and within the clear aperture */
+    if (only) own.proof = SGT_PROVE_ROOT;
     shifted shift = {opt->watch, opt->watch_data, at->t0};
     if (at->t0 != 0 && opt->watch) own.watch = watch_shifted, own.watch_data = &shift;
     sgt_hit hit = met ? *met : sgt_intersect(e->surface, ray, &own);
     choose(e->surface, ray, aperture2_of(e->semi_diameter), &own, &hit, &inside);
+    own.proof = opt->proof;
+    if (inside && only) sgt_prove_alone(e->surface, &ray, aperture2_of(e->semi_diameter), &own, &hit);
     if (at->t0 != 0) shift_hit(&hit, at->t0);
     passage->hit = hit;
     if (hit.status == SGT_MISS) return SGT_MISSED;

@@ -156,18 +156,17 @@ SGT_INLINE bool is_inside(sgt_vec3 p, double aperture2) { return !(p.x * p.x + p
 
 /* A root outside the aperture, or no decision, is asked again on the chord of the ray with the aperture's
  * cylinder.  The chord is made longer by 2^-20 at both ends, so that a root on the rim is not taken for the
- * start of the ray (see sgt_ray): those within are told from those without by their r^2 alone.  c is the
- * distance of the ray from the axis times sqrt(a).  false: no other root, for the ray is beside the cylinder,
- * or along it (or out of range). */
+ * start of the ray (see sgt_ray): those within are told from those without by their r^2 alone.  false: no other
+ * root, for the ray is beside the cylinder, or along it (or out of range). */
 SGT_INLINE bool is_worth_more(sgt_status status) { return status != SGT_MISS && status != SGT_STOPPED && status != SGT_INVALID; }
 
 SGT_INLINE bool cut_to_chord(sgt_ray *ray, double aperture2)
 {
-    double x = ray->o.x, y = ray->o.y, l = ray->d.x, m = ray->d.y, a = l * l + m * m, c = difference_of_products(x, m, y, l);
-    double half = sqrt(aperture2 * a - c * c) / a, middle = -(x * l + y * m) / a;
-    double reach = half * (1 + 0x1p-19) + 0x1p-50 * fabs(middle);
-    ray->tmin = middle - reach, ray->tmax = middle + reach;
-    return half > 0 && ray->tmin < ray->tmax && reach < 0x1p1000 && ray->tmax != 0; /* 0 might stand for infinity */
+    sgt_ray flat = {.o = ray->o, .d = {ray->d.x, ray->d.y, 0}}; /* beside z, x and y might be too small to square */
+    stretch chord = sgt_chord(&flat, aperture2);
+    double more = 0x1p-20 * (chord.hi - chord.lo);
+    ray->tmin = chord.lo - more, ray->tmax = chord.hi + more;
+    return chord.lo < chord.hi && more < HUGE_VAL && ray->tmax != 0; /* 0 might stand for infinity */
 }
 
 SGT_INLINE twofold longer(twofold path, double index, double t, double t_lo)

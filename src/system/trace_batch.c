@@ -16,6 +16,7 @@
  * sgt_pass. */
 #include "trace.h"
 
+#include "../ray/alone.h"
 #include "../ray/batch.h"
 #include "../solve/root.h"
 
@@ -339,6 +340,23 @@ APART static void launch_rest(const work *job, tile *w)
     if (stopped) close_ranks(job, w, &w->now);
 }
 
+/* Surfaces are asked for the root that is meant; that there is no other within the aperture is asked afterwards. */
+static sgt_options met_by(const sgt_options *opt)
+{
+    sgt_options own = *opt;
+    if (asks_alone(opt)) own.proof = SGT_PROVE_ROOT;
+    return own;
+}
+
+/* Rays that were met inside the aperture and may have another root there are hard. */
+APART static void hide_others(const sgt_element *e, const sgt_tile *rays, double aperture2, const vectors *p)
+{
+    unsigned long long alone[TILE];
+    sgt_alone_tile(e->surface, rays, aperture2, alone);
+    for (size_t i = 0; i < rays->n; i++)
+        if (!alone[i] && rays->hits.status[i] > 0 && is_inside(get(p, i), aperture2)) rays->hits.status[i] = SGT_HARD;
+}
+
 /* What the sweep has found; what was not asked of it is not read. */
 static sgt_hit hit_of(const tile *w, size_t i, const sgt_hits *asked)
 {
@@ -377,12 +395,13 @@ static verdict judge(const work *job, const tile *w, size_t i, size_t j, const b
         *fate = SGT_TIR;
         return in_range(b.G) && b.D < 0 ? STOPS : ASK;
     }
+    if (w->status[i] == SGT_HARD) return ASK_ANEW;
     *fate = status == SGT_MISS ? SGT_MISSED : status > 0 ? SGT_CLIPPED : SGT_LOST;
     if (!(aperture2 < HUGE_VAL) || !is_worth_more(status) || !cut_to_chord(&ray, aperture2)) return STOPS;
-    sgt_options own = job->opt;
+    sgt_options own = met_by(&job->opt);
     if (own.t_tol == 0) own.t_tol = tolerance(e->semi_diameter, ray.o);
     sgt_hit other = sgt_intersect(e->surface, ray, &own);
-    if (other.status > 0 && is_inside(other.p, aperture2)) return ASK_ANEW;
+    if ((other.status > 0 && is_inside(other.p, aperture2)) || (own.proof != SGT_ESTIMATE && other.status < 0)) return ASK_ANEW;
     int *evals = job->passages ? job->passages[j].hits.evals : NULL;
     if (evals) evals[w->first + (size_t)w->index[i]] += other.evals;
     return STOPS;
@@ -454,7 +473,9 @@ static double pass_most(const work *job, tile *w, size_t j, bending by, sgt_hits
     sgt_tile rays = {.n = w->n, .t_tol = w->t_tol, .hits = *asked,
                      .rays = {.o = {w->o->x, w->o->y, w->o->z}, .d = {w->d->x, w->d->y, w->d->z},
                               .tmin = line_begins, .tmax = line_ends}};
-    size_t met = sgt_intersect_tile(e->surface, &rays, &job->opt);
+    sgt_options opt = met_by(&job->opt);
+    size_t met = sgt_intersect_tile(e->surface, &rays, &opt);
+    if (met && asks_alone(&job->opt)) hide_others(e, &rays, aperture2_of(e->semi_diameter), w->p), met = 0;
     for (size_t i = 0; met < w->n && i < w->n; i++)
         if (w->status[i] <= 0) w->p->x[i] = (double)NAN; /* as it is; the loops go by that */
     if (shifted) shift_all(w->n, w->t0, w->t, w->t_lo, w->t_err);

@@ -558,6 +558,7 @@ static UNUSED sgt_options hostile_options(generator *g)
     if (chance(g, 0.3)) opt.max_evals = budgets[below(g, COUNT_OF(budgets))];
     if (chance(g, 0.02)) opt.t_tol = chance(g, 0.5) ? NOT : -1;
     if (chance(g, 0.01)) opt.dt_min = NOT;
+    if (chance(g, 0.4)) opt.proof = (sgt_proof)(1 + below(g, chance(g, 0.99) ? 2 : 3));
     if (chance(g, 0.01)) opt.max_evals = -1;
     return opt;
 }
@@ -590,8 +591,8 @@ static UNUSED void print_ray(const sgt_ray *r)
 
 static UNUSED void print_options(const sgt_options *o)
 {
-    printf("    options {.t_tol = %a, .f_tol = %a, .dt_min = %a, .max_evals = %d, .pick = %d}\n",
-        o->t_tol, o->f_tol, o->dt_min, o->max_evals, (int)o->pick);
+    printf("    options {.t_tol = %a, .f_tol = %a, .dt_min = %a, .max_evals = %d, .pick = %d, .proof = %d}\n",
+        o->t_tol, o->f_tol, o->dt_min, o->max_evals, (int)o->pick, (int)o->proof);
 }
 
 /* By its row, so that any type can be printed; numbers that are zero are left out. */

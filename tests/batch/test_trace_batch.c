@@ -121,7 +121,9 @@ static void spoil_element(generator *g, lens *l, size_t i)
         e->pose.ex = times(1 + any_scale(g, -16, -1), e->pose.ex), e->pose.ez = times(1 + any_scale(g, -16, -1), e->pose.ez);
         break;
     case 4: e->pose.ey.x = hostile_number(g); break;
-    case 5: e->surface = (sgt_surface){chance(g, 0.1) ? NULL : chance(g, 0.5) ? &sgt_asphere_ops : &sgt_conic_ops, e->surface.self}; break;
+    case 5: /* (not of a quilt: that is shorter than an asphere) */
+        e->surface = (sgt_surface){chance(g, 0.1) ? NULL : chance(g, 0.5) ? &sgt_asphere_ops : &sgt_conic_ops, &l->s[i].with};
+        break;
     default:
         *q = (quilt){.a = random_direction(g), .square = uniform(g, 0.05, 0.5)};
         if (chance(g, 0.7)) q->a = (sgt_vec3){uniform(g, -0.1, 0.1), uniform(g, -0.1, 0.1), 1};
@@ -241,7 +243,9 @@ static void report(const lens *l, const sgt_options *opt, size_t i, const char *
         printf("  element %zu, %s: index %a, semi_diameter %a, pose", j, e->surface.ops ? e->surface.ops->name : "none", e->index, e->semi_diameter);
         for (int k = 0; k < 4; k++) printf(" {%a, %a, %a}", v[k].x, v[k].y, v[k].z);
         printf("\n");
-        if (l->s[j].type) print_specimen(&l->s[j]);
+        const quilt *q = &l->quilts[j];
+        if (e->surface.self == q) printf("    quilt  a {%a, %a, %a}  square %a\n", q->a.x, q->a.y, q->a.z, q->square);
+        else if (l->s[j].type) print_specimen(&l->s[j]);
     }
     print_ray(&rays[i]);
 }

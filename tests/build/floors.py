@@ -17,7 +17,10 @@ CLIENTS = ['geo', 'tool']                              # see <sagitta/...> as an
 C_HEADERS = {'float.h', 'limits.h', 'math.h', 'stdbool.h', 'stddef.h', 'stdint.h', 'string.h'}
 
 # The floor that answers for a public header; those below do not know of it.
-PUBLIC = {'sagitta.h': 'num', 'diagnose.h': 'solve', 'surfaces.h': 'surface', 'system.h': 'system'}
+PUBLIC = {'sagitta.h': 'num', 'interval.h': 'num', 'diagnose.h': 'solve', 'surfaces.h': 'surface', 'system.h': 'system'}
+
+# The intervals are inline, and need what they are made of.
+INLINE = {'float.h', 'math.h', 'string.h'}
 
 SOURCE = {'.c', '.h', '.inc', '.cc', '.cpp', '.hpp'}
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include\b[ \t]*(.*)$', re.MULTILINE)
@@ -105,7 +108,7 @@ def faults(tree):
             look(path, lambda kind, name: fault_in_client(folder, path, kind, name))
     for path in sources(tree / 'include'):
         look(path, lambda kind, name: None if kind == '<' and (
-            name in ('stdbool.h', 'stddef.h') or name[len('sagitta/'):] in PUBLIC)
+            name in ('stdbool.h', 'stddef.h') or (path.name == 'interval.h' and name in INLINE) or name[len('sagitta/'):] in PUBLIC)
             else 'a public header includes <stdbool.h>, <stddef.h> and <sagitta/...>')
     return found, seen
 

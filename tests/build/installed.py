@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-HEADERS = ['diagnose.h', 'sagitta.h', 'surfaces.h', 'system.h']
+HEADERS = ['diagnose.h', 'interval.h', 'sagitta.h', 'surfaces.h', 'system.h']
 
 
 def run(*command, **more):

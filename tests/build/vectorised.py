@@ -4,9 +4,10 @@
 Meant to are the functions with a clone for x86-64-v4 (SGT_CLONES_WIDE of src/num/exact.h): loops
 over rays or cells.  A loop that has become vector code is there several times, one instruction for
 one operation each time: in the widest registers, in narrower ones, and up to three times ray by
-ray, for the last few and for arrays that might overlap; one that has not is there once, ray by ray.
+ray, for the last few and for arrays that might overlap (of a short one the last seven are written
+out one by one); one that has not is there once, ray by ray.
 So in the clones for v3 and v4 of each the packed operations in the widest registers (ymm, zmm) must
-be a quarter of the scalar ones, among which is also what is worked out once for all rays; where the
+be a quarter of the scalar ones (an eighth, where those are below 64), among which is also what is worked out once for all rays; where the
 work is, certain operations must be among the packed.
 
     python3 vectorised.py SHARED_LIBRARY
@@ -16,7 +17,7 @@ import re
 import subprocess
 import sys
 
-LEAST = 0.25  # packed operations, in the widest registers, for one that is scalar
+LEAST, LEAST_SHORT, SHORT = 0.25, 0.125, 64  # packed operations, in the widest registers, for one that is scalar
 # Functions (a pattern; at least one must be there) and what must occur packed in each.
 NEEDED = {
     r'conic_sweep_(first|near)\w*': {'sqrt', 'div', 'fma'},
@@ -57,7 +58,7 @@ def faults_of(found):
                 by[width] += n
             packed = max(by[width] for width in WIDE[kind])
             print(f'{name}, {kind}:', ', '.join(f'{by[w]} {w}' for w in ('zmm', 'ymm', 'xmm', 'scalar')))
-            if packed < LEAST * by['scalar']:
+            if packed < (LEAST if by['scalar'] >= SHORT else LEAST_SHORT) * by['scalar']:
                 yield f'{name}, {kind}: {packed} packed operations beside {by["scalar"]} scalar ones'
             for pattern, operations in NEEDED.items():
                 if re.fullmatch(pattern, name):

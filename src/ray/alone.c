@@ -1,0 +1,69 @@
+/* alone.c - the root near the seed, proven to be the only one.
+ *
+ * Most often the surface knows at once: along the ray F is monotone within the rim, or the other root of a conic is on the
+ * other sheet, beyond the rim, or outside the ray's ends (sgt_own, alone; a loop over lanes, of which one ray is a tile of
+ * one).  Where it does not every root is asked for: there has to be one, and it decided.  Within a clear aperture that is
+ * narrower than the surface the ray is cut to its chord with the aperture's cylinder, and a root certainly outside of that
+ * is passed over. */
+#include "alone.h"
+
+#include "../surface/conic.h"
+#include "general.h"
+
+enum { FEW = 4 };
+
+void sgt_alone_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned long long alone[])
+{
+    if (s.ops->own_ && s.ops->own_->alone) s.ops->own_->alone(s.self, tile, rim2, alone);
+    else for (size_t i = 0; i < tile->n; i++) alone[i] = s.ops->own_ ? ~0ULL : 0; /* level sets: the first is what was asked for */
+}
+
+static bool at_once(sgt_surface s, const sgt_ray *ray, double rim2)
+{
+    unsigned long long alone;
+    sgt_tile one = {.n = 1, .rays = {{&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax}};
+    sgt_alone_tile(s, &one, rim2, &alone);
+    return alone != 0;
+}
+
+void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt, sgt_hit *hit)
+{
+    if (at_once(s, ray, rim2)) return;
+    sgt_ray cut = *ray;
+    stretch chord = sgt_chord(ray, rim2);
+    if (chord.lo > cut.tmin) cut.tmin = chord.lo;
+    if (chord.hi < cut.tmax) cut.tmax = chord.hi;
+    sgt_hit found[FEW], none = hit_without(SGT_UNPROVEN, ray, hit->evals);
+    sgt_list list = {.hits = found, .cap = FEW, .count = 0};
+    sgt_options own = *opt;
+    if (!(cut.tmin < cut.tmax)) {
+        *hit = none;
+        return;
+    }
+    if (!s.ops->own_) { /* a surface of a user proves it as it can */
+        sgt_hit again = sgt_intersect_general(s, &cut, opt);
+        again.evals += hit->evals;
+        if (again.status > 0) hit->evals = again.evals;
+        else *hit = again;
+        return;
+    }
+    own.proof = SGT_PROVE_ROOT;
+    s.ops->own_->all(s.self, &cut, &own, &list);
+    double lo = hit->lo, hi = hit->hi;
+    int others = 0, itself = 0;
+    for (int i = 0; i < list.count && i < FEW; i++) {
+        const sgt_hit *h = &found[i];
+        none.evals += h->evals, hit->evals += h->evals;
+        if (h->status == SGT_STOPPED) none.status = SGT_STOPPED;
+        double r2 = h->p.x * h->p.x + h->p.y * h->p.y, off = 4 * (fabs(h->p.x) + fabs(h->p.y)) * h->p_err;
+        if (h->status > 0 && r2 - off > rim2 * (1 + 0x1p-50)) continue;
+        bool same = h->status > 0 && h->lo <= hit->hi && h->hi >= hit->lo;
+        itself += same, others += !same;
+        if (h->lo < lo) lo = h->lo;
+        if (h->hi > hi) hi = h->hi;
+    }
+    if (itself == 1 && others == 0 && list.count <= FEW) return;
+    if (list.count > FEW && list.last.hi > hi) hi = list.last.hi;
+    none.lo = lo, none.hi = hi;
+    *hit = none;
+}

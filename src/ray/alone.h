@@ -1,0 +1,16 @@
+/* alone.h - is the root that was met the only one? */
+#ifndef SGT_RAY_ALONE_H
+#define SGT_RAY_ALONE_H
+#include "../surface/own.h"
+
+/* *hit is positive, proven to be a root (SGT_PROVE_ROOT), of SGT_NEAR_SEED.  It stays as it is where no other root that
+ * counts lies on the ray within r^2 <= rim2 (HUGE_VAL: anywhere); else it is UNPROVEN, [lo, hi] about all of them. */
+void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt, sgt_hit *hit);
+
+/* Of a tile: alone[i] has all bits set where that is certain at once. */
+void sgt_alone_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned long long alone[]);
+
+/* Does the proof ask for it? */
+static inline bool asks_alone(const sgt_options *opt) { return opt->proof == SGT_PROVE_FIRST && opt->pick == SGT_NEAR_SEED; }
+
+#endif
