@@ -229,6 +229,7 @@ typedef struct sgt_options {
  * doubles are given; what cannot be told is UNPROVEN.  Level sets with dt_min > 0 are
  * the exception: they are marched in steps of the larger of `estimate` and dt_min, and a
  * ray on which no change of sign is seen is UNPROVEN, unless it passes the set's ball by.
+ * What options.proof adds to that says sgt_proof.
  *
  * A user's surface: that a first hit is the first, and that a miss is one, is certain
  * where the surface offers span.single or enclose; by clearance it is certain but for
@@ -257,7 +258,8 @@ typedef struct sgt_hits {
  * sgt_intersect would give, bit for bit (a NaN for a NaN), whatever its neighbours are and
  * whatever the processor: a lane never changes its neighbour.  Returns the number of
  * positive statuses.  Outputs must not overlap the rays or each other.  Nothing is
- * allocated; the stack needed is below 64 KiB.  Where options.watch is set the rays run one
+ * allocated; the stack needed is below 64 KiB (of a library built without optimisation a few
+ * KiB more).  Where options.watch is set the rays run one
  * by one, in order; sgt_step.ray is the index of the ray, and a watcher that stops, stops
  * that ray.
  *

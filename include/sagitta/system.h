@@ -45,7 +45,10 @@ typedef struct sgt_passage {
  * ... e[n-1] and returns how many it passed: n is all of them.  Of the roots on
  * the line the one near the surface's own guess is meant (options.pick decides
  * otherwise); where that lies outside the clear aperture and another lies inside,
- * that one.  At return ray starts at the last point passed, in the global frame,
+ * that one.  A proof (options.proof) is asked of each root; with SGT_PROVE_FIRST it is the only
+ * one that counts within the clear aperture, or, where there is none, on the line: a ray of
+ * which that cannot be said is SGT_LOST, UNPROVEN (for options.pick SGT_FIRST: as
+ * sgt_intersect has it).  At return ray starts at the last point passed, in the global frame,
  * its direction of unit length; passages[i], where passages is not NULL, says how
  * element i was met, the one that stopped the ray included; fate (may be NULL)
  * says what became of the ray at last.  index_before is the refractive index in

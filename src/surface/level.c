@@ -97,16 +97,12 @@ static void stretch(walk *w, sgt_status status, double lo, double hi)
     w->done = w->done || (w->list->count > count && !w->all);
 }
 
-bool sgt_level_alone(const orbit *o, const sgt_ray *ray, double t, double t_lo, double t_err)
+bool sgt_level_alone(const orbit *o, path *w, const sgt_ray *ray, double t, double t_lo, double t_err)
 {
-    path w;
     local q;
-    cell e;
     double lo, hi;
-    set_of(o, &w);
-    chord_of(o, w.escape[o->mandelbrot ? 1 : 0], ray, &q, &w, &lo, &hi);
-    sgt_orbit_cell(&w, (t / q.scale - q.t0) + t_lo / q.scale, 2 * (t_err / q.scale), &e);
-    return e.verdict == CELL_MONOTONE;
+    chord_of(o, w->escape[o->mandelbrot ? 1 : 0], ray, &q, w, &lo, &hi);
+    return sgt_orbit_monotone(w, (t / q.scale - q.t0) + t_lo / q.scale, 2 * (t_err / q.scale));
 }
 
 /* A root within tau_err of tau, or a graze: an entry, unless it is before or after the ray's ends, or its
@@ -127,7 +123,7 @@ static bool add_root(walk *w, sgt_status status, double tau, double tau_err)
     if (w->told.opt->proof != SGT_ESTIMATE && status == SGT_HIT) {
         look_on(w, SGT_PROBE, tau, tau - 2 * tau_err, tau + 2 * tau_err);
         if (w->told.stopped) return false;
-        if (!sgt_level_alone(w->orbit, w->ray, h.t, h.t_lo, h.t_err)) {
+        if (!sgt_level_alone(w->orbit, &w->path, w->ray, h.t, h.t_lo, h.t_err)) {
             double far = h.t_err / w->q.scale;
             stretch(w, SGT_UNPROVEN, tau - far, tau + far);
             return true;

@@ -77,7 +77,7 @@ typedef struct hits {
 } hits;
 
 typedef struct job {
-    const set *set;
+    set *set; /* its path's ray is anybody's */
     const sgt_tile *tile;
     size_t next, hard;
     waiting *waiting;
@@ -573,7 +573,7 @@ static void tell_hits(job *j)
         if (j->set->proof) {
             sgt_ray ray = ray_at(&j->tile->rays, i);
             s->f[EVALS][l] += 1;
-            if (!sgt_level_alone(j->set->o, &ray, s->t[l], s->t_lo[l], s->t_err[l])) {
+            if (!sgt_level_alone(j->set->o, &j->set->path, &ray, s->t[l], s->t_lo[l], s->t_err[l])) {
                 give_up(j, i);
                 continue;
             }

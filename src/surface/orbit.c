@@ -289,6 +289,21 @@ void sgt_orbit_cell(const path *w, double m, double h, cell *r)
     *r = all[0];
 }
 
+SGT_CLONES
+bool sgt_orbit_monotone(const path *w, double m, double h)
+{
+    quaternion v = w->along, q = quaternion_sum(w->start, quaternion_times(w->along, m)), c = w->mandelbrot ? q : w->c;
+    double e = place_error(w->start_size, w->along_size, m, h), extra = w->mandelbrot ? e : 0, d = 8 * SGT_U * w->along_size, first = w->mandelbrot ? d : 0;
+    for (int k = w->mandelbrot ? 1 : 0; k < w->iterations; k++) {
+        double A = sqrt(quaternion_dot(q, q)), V = sqrt(quaternion_dot(v, v));
+        d = next_d(A, V, e, d, h, w->power) + first;
+        e = next_e(A, V, e, h, w->c_abs, w->power) + extra;
+        orbit_step(&q, &v, c, w->along, w->power, w->mandelbrot);
+    }
+    pair_norms n = {quaternion_dot(q, q), quaternion_dot(v, v), quaternion_dot(q, v)};
+    return fabs(n.qv) > judge_slope(w->E, w->E_err, n, sqrt(n.A2), sqrt(n.V2), e, d, 0, h).W; /* not of NaN */
+}
+
 /* F at |Q| = A, for bounds: a little lower, or higher. */
 static double f_of(double A2, double E2, double slip)
 {

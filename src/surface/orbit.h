@@ -156,6 +156,9 @@ void sgt_orbit_cells(const path *w, const double m[4], const double h[4], cell r
 /* Of one alone. */
 void sgt_orbit_cell(const path *w, double m, double h, cell *r);
 
+/* Is the cell monotone?  Little of the stack is needed. */
+bool sgt_orbit_monotone(const path *w, double m, double h);
+
 /* F and its derivative over [m - h, m + h]; a slope of which nothing is known is infinite. */
 sgt_interval sgt_orbit_enclose(const path *w, double m, double h, sgt_interval *slope);
 

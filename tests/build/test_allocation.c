@@ -110,7 +110,7 @@ int main(void)
         for (size_t s = 0; s < sizeof surfaces / sizeof surfaces[0]; s++) {
             sgt_step steps[20];
             sgt_log log = { steps, 20, 0 };
-            sgt_options options = { .pick = i % 2 ? SGT_FIRST : SGT_NEAR_SEED,
+            sgt_options options = { .pick = i % 2 ? SGT_FIRST : SGT_NEAR_SEED, .proof = (sgt_proof)(i / 2 % 3),
                                     .watch = i % 3 ? NULL : sgt_log_step, .watch_data = &log };
             hits += sgt_intersect(surfaces[s], ray, i % 5 ? &options : NULL).status > 0;
             (void)sgt_diagnose(&log);
@@ -129,7 +129,7 @@ int main(void)
         for (int k = 0; k < 6; k++)
             in[k][i % MANY] = number[k];
         if (i % MANY == MANY - 1) {
-            sgt_options options = { .pick = i % 2 ? SGT_FIRST : SGT_NEAR_SEED };
+            sgt_options options = { .pick = i % 2 ? SGT_FIRST : SGT_NEAR_SEED, .proof = (sgt_proof)(i / MANY % 3) };
             for (size_t s = 0; s < sizeof surfaces / sizeof surfaces[0]; s++)
                 batches += sgt_intersect_batch(surfaces[s], MANY, many, all_hits, &options);
             batches += sgt_trace_batch(3, elements, 1, MANY, many, last, every, &options);

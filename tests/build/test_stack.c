@@ -80,6 +80,15 @@ static void wave_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out)
 
 static const sgt_surface_ops sheet = {.name = "waves", .value = waves, .span = wave_span};
 static const sgt_surface_ops sheets = {.name = "waves", .value = waves, .span = wave_span, .values = many_waves};
+static sgt_interval wave_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    (void)self;
+    double a = ray->o.z + t.lo * ray->d.z, b = ray->o.z + t.hi * ray->d.z, steep = fabs(ray->d.z) + 3 * (fabs(ray->d.x) + fabs(ray->d.y));
+    *slope = (sgt_interval){-steep, steep};
+    return (sgt_interval){fmin(a, b) - 1, fmax(a, b) + 1};
+}
+
+static const sgt_surface_ops sure_sheet = {.name = "waves", .value = waves, .span = wave_span, .enclose = wave_enclose};
 static const sgt_surface_ops all_sheets = {.name = "waves", .value = waves, .span = wave_span, .values = many_waves, .spans = wave_spans};
 static const sgt_conic mirror = {.c = -0.1, .k = -1}, rimmed = {.c = 0.2, .k = -0.6, .semi_diameter = 4};
 static const sgt_asphere asphere = {.c = 0.2, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
@@ -88,7 +97,7 @@ static const sgt_mandelbrot mandelbrot = {.iterations = 6};
 
 static const struct { const char *name; sgt_surface surface; } surfaces[] = {
     {"paraboloid", {&sgt_conic_ops, &mirror}}, {"conic", {&sgt_conic_ops, &rimmed}}, {"asphere", {&sgt_asphere_ops, &asphere}},
-    {"own, value", {&sheet, NULL}}, {"own, values", {&sheets, NULL}}, {"own, spans", {&all_sheets, NULL}},
+    {"own, value", {&sheet, NULL}}, {"own, values", {&sheets, NULL}}, {"own, enclose", {&sure_sheet, NULL}}, {"own, spans", {&all_sheets, NULL}},
     {"julia", {&sgt_julia_ops, &julia}}, {"julia, power 3", {&sgt_julia_ops, &cubic}}, {"mandelbrot", {&sgt_mandelbrot_ops, &mandelbrot}},
 };
 
@@ -138,7 +147,8 @@ static sgt_surface surface;
 static size_t met;
 
 /* Every option that leads another way, all outputs and t alone. */
-static const sgt_options ways[] = {{0}, {.pick = SGT_NEAR_SEED}, {.t_tol = 1e-6, .f_tol = 1e-9}, {.dt_min = 0.05}, {.max_evals = 20}};
+static const sgt_options ways[] = {{0}, {.pick = SGT_NEAR_SEED}, {.t_tol = 1e-6, .f_tol = 1e-9}, {.dt_min = 0.05}, {.max_evals = 20},
+                                   {.proof = SGT_PROVE_ROOT}, {.proof = SGT_PROVE_FIRST}, {.pick = SGT_NEAR_SEED, .proof = SGT_PROVE_FIRST}};
 
 static void intersect_batch(void)
 {
