@@ -1,8 +1,11 @@
-/* torus.c - every root on a ray, and what a surface's answers let the library claim.
+/* torus.c - every root on a ray, and what a surface's answers let the library claim and prove.
  *
  * A thin torus is asked three times: by its value alone, with a clearance (how far away is it
  * for certain?), and with an enclosure (between which numbers is F over a stretch of the ray?).
- * One ray crosses the tube twice, two pass it by. */
+ * One ray crosses the tube twice, two pass it by.  Then a proof is asked for: of the first root, of
+ * a miss, and of a ray that touches the tube. */
+#include <sagitta/diagnose.h>
+#include <sagitta/interval.h>
 #include <sagitta/sagitta.h>
 
 #include <math.h>
@@ -32,43 +35,25 @@ static double torus_clearance(const void *self, sgt_vec3 p)
     return fabs(torus_value(self, p, NULL)) - torus_rounding(self, p);
 }
 
-/* Interval arithmetic.  An end is rounded to nearest: the next double outward is far enough. */
-static sgt_interval outward(double lo, double hi) { return (sgt_interval){nextafter(lo, -HUGE_VAL), nextafter(hi, HUGE_VAL)}; }
+/* o + t d, and sqrt(a^2 + b^2). */
+static sgt_interval line(double o, double d, sgt_interval t) { return sgt_interval_sum(sgt_interval_of(o), sgt_interval_scaled(t, d)); }
 
-static sgt_interval number(double x) { return (sgt_interval){x, x}; }
-
-static sgt_interval sum(sgt_interval a, sgt_interval b) { return outward(a.lo + b.lo, a.hi + b.hi); }
-
-static sgt_interval product(sgt_interval a, sgt_interval b)
-{
-    double p = a.lo * b.lo, q = a.lo * b.hi, r = a.hi * b.lo, s = a.hi * b.hi;
-    return outward(fmin(fmin(p, q), fmin(r, s)), fmax(fmax(p, q), fmax(r, s)));
-}
-
-/* sqrt(a^2 + b^2); a square is least where its root is nearest zero. */
 static sgt_interval length(sgt_interval a, sgt_interval b)
 {
-    double a0 = a.lo > 0 ? a.lo : a.hi < 0 ? a.hi : 0, a1 = fmax(-a.lo, a.hi);
-    double b0 = b.lo > 0 ? b.lo : b.hi < 0 ? b.hi : 0, b1 = fmax(-b.lo, b.hi);
-    sgt_interval least = sum(product(number(a0), number(a0)), product(number(b0), number(b0)));
-    sgt_interval most = sum(product(number(a1), number(a1)), product(number(b1), number(b1)));
-    return outward(sqrt(fmax(least.lo, 0)), sqrt(most.hi));
+    return sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(a), sgt_interval_square(b)));
 }
 
-/* The formulas of the value and of its derivative along the ray, with intervals in place of numbers. */
+/* The formulas of the value and of its derivative along the ray, with intervals in place of numbers.  On the axis, and in
+ * the middle of the tube, F has a kink: the quotient by an interval that holds 0 is without bound, as it should be. */
 static sgt_interval torus_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
     const torus *s = self;
-    sgt_interval dx = number(ray->d.x), dy = number(ray->d.y), dz = number(ray->d.z);
-    sgt_interval x = sum(number(ray->o.x), product(t, dx)), y = sum(number(ray->o.y), product(t, dy));
-    sgt_interval z = sum(number(ray->o.z), product(t, dz)), axis = length(x, y);
-    sgt_interval off = sum(axis, number(-s->major)), circle = length(off, z);
-    *slope = (sgt_interval){-HUGE_VAL, HUGE_VAL}; /* on the axis, and in the middle of the tube */
-    if (axis.lo > 0 && circle.lo > 0) {
-        sgt_interval outer = product(sum(product(x, dx), product(y, dy)), outward(1 / axis.hi, 1 / axis.lo));
-        *slope = product(sum(product(off, outer), product(z, dz)), outward(1 / circle.hi, 1 / circle.lo));
-    }
-    return sum(circle, number(-s->minor));
+    sgt_vec3 o = ray->o, d = ray->d;
+    sgt_interval x = line(o.x, d.x, t), y = line(o.y, d.y, t), z = line(o.z, d.z, t), axis = length(x, y);
+    sgt_interval off = sgt_interval_difference(axis, sgt_interval_of(s->major)), circle = length(off, z);
+    sgt_interval outward = sgt_interval_quotient(sgt_interval_sum(sgt_interval_scaled(x, d.x), sgt_interval_scaled(y, d.y)), axis);
+    *slope = sgt_interval_quotient(sgt_interval_sum(sgt_interval_product(off, outward), sgt_interval_scaled(z, d.z)), circle);
+    return sgt_interval_difference(circle, sgt_interval_of(s->minor));
 }
 
 /* One surface that says more and more of itself. */
@@ -101,14 +86,33 @@ static int print_all(const sgt_surface_ops *ops, const torus *shape, sgt_ray ray
     return count;
 }
 
+/* What is proven of the first root, printed. */
+static sgt_hit print_proof(const sgt_surface_ops *ops, const torus *shape, sgt_ray ray)
+{
+    sgt_hit h = sgt_intersect((sgt_surface){ops, shape}, ray, &(sgt_options){.proof = SGT_PROVE_FIRST});
+    if (h.status == SGT_HIT)
+        printf("    one root within %.1g of t = %.15f, and none before it: %d evaluations\n", h.t_err, h.t, h.evals);
+    else if (h.status == SGT_MISS)
+        printf("    no root: %d evaluations\n", h.evals);
+    else if (h.status == SGT_GRAZE)
+        printf("    none before t = %.11f; to %.11f F is 0 as far as can be told: none, one or two roots; %d evaluations\n", h.lo, h.hi, h.evals);
+    else
+        printf("    nothing is proven of t from %.15f to %.15f\n", h.lo, h.hi);
+    return h;
+}
+
 int main(void)
 {
     const torus shape = {.major = 1, .minor = 0.001};
     const sgt_ray across = {.o = {-5, 0.9, 0.0004}, .d = {1, 0, 0}, .tmin = 0, .tmax = 10};
-    sgt_ray past = across, near = across;
-    past.o.z = 0.002;    /* one radius above the tube */
-    near.o.z = 0.001001; /* 1e-6 above it */
+    sgt_ray past = across, near = across, touching = across;
+    past.o.z = 0.002;        /* one radius above the tube */
+    near.o.z = 0.001001;     /* 1e-6 above it */
+    touching.o.z = 0.001;    /* on top of it: F is 0 at two places, and nowhere below */
+    const sgt_ray rays[] = {across, past, near, touching};
     int wrong = 0;
+
+    for (int i = 0; i < 3; i++) wrong += sgt_check((sgt_surface){&torus_ops[i], &shape}, 4, rays, NULL) != SGT_SOUND;
 
     for (int i = 0; i < 3; i++) {
         sgt_hit hits[MOST];
@@ -130,6 +134,20 @@ int main(void)
         printf("  past it, 0.000001 away\n");
         count = print_all(&torus_ops[i], &shape, near, hits);
         wrong += i < 2 ? count != 1 || hits[0].status != SGT_UNPROVEN : count != 0;
+    }
+
+    for (int i = 1; i < 3; i++) { /* without an enclosure there is no proof */
+        printf("proof, %s\n  across the tube\n", torus_ops[i].name);
+        sgt_hit h = print_proof(&torus_ops[i], &shape, across);
+        double root = 5 - sqrt(pow(1 + sqrt(0.001 * 0.001 - 0.0004 * 0.0004), 2) - 0.9 * 0.9);
+        wrong += i == 1 ? h.status != SGT_UNPROVEN : h.status != SGT_HIT || !(fabs(h.t - root) <= h.t_err + 4e-15);
+        wrong += !(h.lo < root + 4e-15 && h.hi > root - 4e-15);
+        if (i == 1) continue;
+        printf("  past it, 0.000001 away\n");
+        wrong += print_proof(&torus_ops[i], &shape, near).status != SGT_MISS;
+        printf("  touching it\n");
+        h = print_proof(&torus_ops[i], &shape, touching);
+        wrong += h.status == SGT_HIT || h.status == SGT_MISS || !(h.lo <= 5 - sqrt(0.19) && h.hi >= 5 - sqrt(0.19));
     }
     return wrong ? 1 : 0;
 }

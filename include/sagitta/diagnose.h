@@ -39,12 +39,17 @@ SGT_API const char   *sgt_verdict_text(sgt_verdict v);  /* one line a person can
  * one is cut at the span's, or at 1000 lengths) and compares the gradient with
  * differences, and the span with the changes of sign that samples show: none may
  * lie outside it, nor two inside one that is `single`.  `rounding` must be finite
- * and not negative where F is defined.  `values` and `spans` must give what `value`
+ * and not negative where F is defined.  Over stretches of many widths `enclose` must
+ * hold what samples show of F and its slope, and be empty only where F is nowhere defined; a
+ * slope with two finite ends promises that F is defined and differentiable there, or at
+ * least does not jump.  Within its `clearance` of points of the rays F may not change its
+ * sign, in some directions.  `values` and `spans` must give what `value`
  * and `span` give, to the last bit (a NaN for a NaN), with or without gradients, and
  * write no more than they are asked for.  Returns the first fault found; *where (may
  * be NULL) is then a point that shows it; of WRONG_SPANS it is the ray's origin. */
 typedef enum sgt_fault {
-    SGT_SOUND, SGT_WRONG_GRADIENT, SGT_WRONG_SPAN, SGT_WRONG_ROUNDING, SGT_NO_VALUE, SGT_WRONG_VALUES, SGT_WRONG_SPANS
+    SGT_SOUND, SGT_WRONG_GRADIENT, SGT_WRONG_SPAN, SGT_WRONG_ROUNDING, SGT_NO_VALUE, SGT_WRONG_VALUES, SGT_WRONG_SPANS,
+    SGT_WRONG_CLEARANCE, SGT_WRONG_ENCLOSURE
 } sgt_fault;
 SGT_API sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *where);
 SGT_API const char *sgt_fault_text(sgt_fault fault);

@@ -56,6 +56,16 @@ static inline double sgt_next_above(double x)
 
 static inline double sgt_next_below(double x) { return -sgt_next_above(-x); }
 
+/* The next double above x where asked (x is then neither 0 nor infinite), else x.  Without a branch: nothing foretells which. */
+static inline double sgt_raised(double x, bool asked)
+{
+    long long bits;
+    memcpy(&bits, &x, sizeof bits);
+    bits += (long long)asked * (1 - 2 * (long long)((unsigned long long)bits >> 63));
+    memcpy(&x, &bits, sizeof bits);
+    return x;
+}
+
 /* Bounds from above on a + b, a * b, a / b and the root of a.  Those from below are made of them: a sum's is
  * -above(-a, -b).  0 * INFINITY is 0: an end at infinity is no number, and 0 times each number is 0.  An upper end that is
  * -INFINITY is of numbers below -DBL_MAX, as near to it as you like: it is that which is to be added, multiplied, divided. */
@@ -65,7 +75,7 @@ static inline double sgt_within(double a) { return a > DBL_MAX ? DBL_MAX : a < -
 static inline double sgt_sum_above(double a, double b)
 {
     double s = a + b, v = s - a, left = (a - (s - v)) + (b - v);
-    if (fabs(a) < 1e307 && fabs(b) < 1e307) return left > 0 ? sgt_next_above(s) : s;
+    if (fabs(a) < 1e307 && fabs(b) < 1e307) return sgt_raised(s, left > 0);
     s = (a < 0 ? sgt_within(a) : a) + (b < 0 ? sgt_within(b) : b);
     return s <= DBL_MAX ? sgt_next_above(s) : (double)INFINITY; /* and of NaN: opposite infinities */
 }
@@ -73,7 +83,7 @@ static inline double sgt_sum_above(double a, double b)
 static inline double sgt_product_above(double a, double b)
 {
     double p = a * b, size = fabs(p);
-    if (size > 1e-289 && size < 1e307) return fma(a, b, -p) > 0 ? sgt_next_above(p) : p;
+    if (size > 1e-289 && size < 1e307) return sgt_raised(p, fma(a, b, -p) > 0);
     if (a == 0 || b == 0) return 0;
     if (p == 0 && (a > 0) != (b > 0)) return 0;
     return sgt_next_above(p < -DBL_MAX ? sgt_within(a) * sgt_within(b) : p);
@@ -85,7 +95,7 @@ static inline double sgt_quotient_above(double a, double b)
     double q = a / b, size = fabs(q);
     if (fabs(a) > 1e-289 && fabs(a) <= DBL_MAX && fabs(b) <= DBL_MAX && size > 1e-289 && size < 1e307) {
         double left = fma(-q, b, a); /* a - q b: exact */
-        return (b > 0 ? left > 0 : left < 0) ? sgt_next_above(q) : q;
+        return sgt_raised(q, b > 0 ? left > 0 : left < 0);
     }
     if (a == 0) return 0;
     q = (a < 0 ? sgt_within(a) : a) / sgt_within(b);
@@ -97,14 +107,14 @@ static inline double sgt_quotient_above(double a, double b)
 static inline double sgt_square_root_above(double a)
 {
     double s = sqrt(a);
-    if (a > 1e-289 && a <= DBL_MAX) return fma(-s, s, a) > 0 ? sgt_next_above(s) : s;
+    if (a > 1e-289 && a <= DBL_MAX) return sgt_raised(s, fma(-s, s, a) > 0);
     return a == 0 ? 0 : sgt_next_above(s);
 }
 
 static inline double sgt_square_root_below(double a)
 {
     double s = sqrt(a);
-    if (a > 1e-289 && a <= DBL_MAX) return fma(-s, s, a) < 0 ? sgt_next_below(s) : s;
+    if (a > 1e-289 && a <= DBL_MAX) return -sgt_raised(-s, fma(-s, s, a) < 0);
     return a == 0 ? 0 : sgt_next_below(sqrt(sgt_within(a)));
 }
 

@@ -97,7 +97,9 @@ typedef struct sgt_surface_ops {
     /* Intervals that contain g(t) = F(o + t d), and g' in *slope (never NULL), over the
      * whole of t, rounding included; t is finite, in lengths of d, and only o and d are
      * to be read.  Both may be as wide as they must: -INFINITY to INFINITY says nothing,
-     * and so does a NaN.  lo > hi: F is undefined all over t, and so nowhere zero. */
+     * and so does a NaN.  lo > hi: F is undefined all over t, and so nowhere zero.  A slope with
+     * two finite ends says besides that F is defined and continuous all over t: where it may not be,
+     * let the slope be infinite.  interval.h has what it takes to write one. */
     sgt_interval (*enclose)(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope);
 
     /* `value` at n points, to the last bit: F, and its gradient where grad[0] is not NULL
@@ -127,13 +129,14 @@ typedef enum sgt_status {
     SGT_UNPROVEN  = -1,  /* no root was found, yet none was excluded (or one was found
                             and it could not be told whether it counts) */
     SGT_UNDEFINED = -2,  /* the search ran into a region where F is NaN */
-    SGT_EXHAUSTED = -3,  /* max_evals was spent; [lo, hi] is what was left to search, of sgt_root
+    SGT_EXHAUSTED = -3,  /* max_evals was spent (without a proof asked for); [lo, hi] is what was left to search, of sgt_root
                             t is the best point so far */
     SGT_STOPPED   = -4,  /* the watcher asked to stop */
     SGT_INVALID   = -5   /* a direction that is zero, subnormal or not finite; an origin that
-                            is not finite; a NaN end or tmin > tmax; no `value`; a built-in
-                            surface with a parameter that is NaN or infinite; an option
-                            that is NaN or negative */
+                            is not finite; a NaN end, tmin > tmax, tmin = INFINITY or tmax =
+                            -INFINITY; no `value`; a built-in surface with a parameter that is
+                            NaN or infinite, or a negative semi_diameter; an option that is NaN
+                            or negative */
 } sgt_status;
 
 /* Where status is zero or less, t is NaN unless said otherwise above. */
@@ -145,7 +148,9 @@ typedef struct sgt_hit {
                           surfaces; on a user's an estimate, that trusts `rounding` */
     double     t_lo;   /* t + t_lo is as close to the root as the method can tell, closer
                           than one double where the origin is far */
-    double     lo, hi; /* the stretch of the ray that the status speaks of */
+    double     lo, hi; /* the stretch of the ray that the status speaks of: of a root, t +- t_err rounded
+                          outward; of an undecided first root the first that is not decided (none
+                          that counts is before it, what is behind it was not asked) */
     double     f;      /* F at p as `value` gives it; NaN where rounding has put p outside
                           the domain (the equator of a sphere) */
     sgt_vec3   p, n;   /* the point, and the gradient of F there, not normalised */
@@ -191,8 +196,8 @@ typedef enum sgt_pick {
                           the vertex plane): what a lens designer means */
 } sgt_pick;
 
-/* What must be proven before a status may be positive or zero?  What is not ends UNPROVEN, with
- * [lo, hi] the stretch that is left; a GRAZE says what it always says, and not that there is a root.
+/* What must be proven before a status may be positive or zero?  What is not, and what max_evals
+ * ends, is UNPROVEN, with [lo, hi] the stretch that is left; a GRAZE says what it always says, and not that there is a root.
  * A proof is by error analysis or by intervals (interval.h), and trusts no estimate: built-in surfaces have
  * it, and surfaces of a user that offer `enclose`; without, a hit is UNPROVEN under either, and lo and hi are about the
  * root that was seen.  A root whose side of the rim (semi_diameter) rounding hides is UNPROVEN too. */
@@ -201,7 +206,8 @@ typedef enum sgt_proof {
     SGT_PROVE_ROOT,   /* one root of F, and only one, lies in [t - t_err, t + t_err] */
     SGT_PROVE_FIRST   /* and none that counts lies before it; for SGT_NEAR_SEED: and no other that counts
                          lies on the ray at all (in traces: on the chord of the clear aperture, where
-                         there is one), [lo, hi] being about all of them.  A MISS is proven too */
+                         there is one), [lo, hi] being about all of them.  A level set has but
+                         first roots, whatever `pick` says.  A MISS is proven too */
 } sgt_proof;
 
 typedef struct sgt_options {

@@ -19,7 +19,7 @@ extern "C" {
  * r^2 <= semi_diameter^2 (1 + 2^-44) counts, so that a marginal ray at
  * 0.5000000000000004 is inside 0.5.  Where |c| r is beyond 1e150 or coordinates
  * are beyond 1e150 radii apart an answer may be SGT_UNPROVEN; where semi_diameter is
- * above 1e150, or so small that its square is below 2^-960, it is.
+ * 1e150 or more, or so small that its square is below 2^-960, it is.
  * Source: ISO 10110-12. */
 typedef struct sgt_conic { double c, k, semi_diameter; } sgt_conic;
 

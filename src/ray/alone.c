@@ -26,9 +26,20 @@ static bool at_once(sgt_surface s, const sgt_ray *ray, double rim2)
     return alone != 0;
 }
 
+/* A watcher of a second search, which counts on. */
+typedef struct counting { sgt_watch *watch; void *data; int before; } counting;
+
+static int watch_on(void *data, const sgt_step *step)
+{
+    const counting *c = data;
+    sgt_step own = *step;
+    own.eval += c->before;
+    return c->watch(c->data, &own);
+}
+
 void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt, sgt_hit *hit)
 {
-    if (at_once(s, ray, rim2)) return;
+    if ((s.ops->own_ && !s.ops->own_->alone) || (hit->status > 0 && at_once(s, ray, rim2))) return;
     sgt_ray cut = *ray;
     stretch chord = sgt_chord(ray, rim2);
     if (chord.lo > cut.tmin) cut.tmin = chord.lo;
@@ -36,12 +47,14 @@ void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_o
     sgt_hit found[FEW], none = hit_without(SGT_UNPROVEN, ray, hit->evals);
     sgt_list list = {.hits = found, .cap = FEW, .count = 0};
     sgt_options own = *opt;
+    counting told = {opt->watch, opt->watch_data, hit->evals};
+    if (opt->watch) own.watch = watch_on, own.watch_data = &told;
     if (!(cut.tmin < cut.tmax)) {
         *hit = none;
         return;
     }
     if (!s.ops->own_) { /* a surface of a user proves it as it can */
-        sgt_hit again = sgt_intersect_general(s, &cut, opt);
+        sgt_hit again = sgt_intersect_general(s, &cut, &own);
         again.evals += hit->evals;
         if (again.status > 0) hit->evals = again.evals;
         else *hit = again;
@@ -49,11 +62,11 @@ void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_o
     }
     own.proof = SGT_PROVE_ROOT;
     s.ops->own_->all(s.self, &cut, &own, &list);
+    none.evals += list.evals, hit->evals += list.evals;
     double lo = hit->lo, hi = hit->hi;
     int others = 0, itself = 0;
     for (int i = 0; i < list.count && i < FEW; i++) {
         const sgt_hit *h = &found[i];
-        none.evals += h->evals, hit->evals += h->evals;
         if (h->status == SGT_STOPPED) none.status = SGT_STOPPED;
         double r2 = h->p.x * h->p.x + h->p.y * h->p.y, off = 4 * (fabs(h->p.x) + fabs(h->p.y)) * h->p_err;
         if (h->status > 0 && r2 - off > rim2 * (1 + 0x1p-50)) continue;
@@ -62,7 +75,7 @@ void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_o
         if (h->lo < lo) lo = h->lo;
         if (h->hi > hi) hi = h->hi;
     }
-    if (itself == 1 && others == 0 && list.count <= FEW) return;
+    if (hit->status > 0 && itself == 1 && others == 0 && list.count <= FEW) return;
     if (list.count > FEW && list.last.hi > hi) hi = list.last.hi;
     none.lo = lo, none.hi = hi;
     *hit = none;

@@ -4,7 +4,8 @@
 #include "../surface/own.h"
 
 /* *hit is positive, proven to be a root (SGT_PROVE_ROOT), of SGT_NEAR_SEED.  It stays as it is where no other root that
- * counts lies on the ray within r^2 <= rim2 (HUGE_VAL: anywhere); else it is UNPROVEN, [lo, hi] about all of them. */
+ * counts lies on the ray within r^2 <= rim2 (HUGE_VAL: anywhere); else it is UNPROVEN, [lo, hi] about all of them.  One
+ * that was UNPROVEN before stays so, with such a stretch. */
 void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt, sgt_hit *hit);
 
 /* Of a tile: alone[i] has all bits set where that is certain at once. */

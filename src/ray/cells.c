@@ -24,7 +24,8 @@ void sgt_walk_cells(walk *w, double lo, double hi)
         if (!(m > tau && end > m)) m = nextafter(tau, HUGE_VAL), end = nextafter(m, HUGE_VAL);
         /* outward by what t0 + tau and the scale can round */
         double from = (q->t0 + tau) * q->scale, to = (q->t0 + end) * q->scale;
-        sgt_interval t = {from - 0x1p-52 * fabs(from), to + 0x1p-52 * fabs(to)}, slope = {NAN, NAN};
+        sgt_interval t = {larger(from - 0x1p-52 * fabs(from), -DBL_MAX), to + 0x1p-52 * fabs(to)}, slope = {(double)NAN, (double)NAN};
+        if (!(t.hi <= DBL_MAX)) t.hi = DBL_MAX;
         sgt_interval g = w->s.ops->enclose(w->s.self, w->ray, t, &slope);
         tell(&w->told, SGT_MARCH, (q->t0 + m) * q->scale, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, from, (q->t0 + hi) * q->scale);
         bool empty = excludes_zero(g) || g.lo > g.hi, monotone = !empty && g.lo <= g.hi && excludes_zero(slope) && slope.lo <= slope.hi;
@@ -54,7 +55,7 @@ void sgt_walk_cells(walk *w, double lo, double hi)
             if (w->told.stopped || spent(&w->told)) break;
             tau = end, h *= 1.5;
         } else {
-            point middle = {.g = NAN};
+            point middle = {.g = (double)NAN};
             if (h <= 0x1p-20 * (hi - lo)) middle = sgt_walk_look(w, m, SGT_MARCH, tau, hi);
             bool noise = !isnan(middle.g) && !sign_at(&middle) && g.hi - g.lo <= 8 * middle.g_err;
             double least = 0x1p-52 * fabs(m) + 0x1p-53 * fabs(q->t0) + 0x1p-90 * (hi - lo);

@@ -20,6 +20,7 @@
  * there on each is half again as long as the last.  From a near end at infinity there is no first step. */
 #include "general.h"
 
+#include "prove.h"
 #include "walk.h"
 
 enum { FAR_STEPS = 128 };
@@ -127,7 +128,7 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
 {
     walk w = {.s = s, .ray = ray, .list = list, .all = all,
               .told = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS}};
-    sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = NAN};
+    sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
     if (s.ops->span) span = s.ops->span(s.self, ray);
     approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed, s.ops->enclose || s.ops->clearance ? 0x1p-50 : 0, true);
     if (a.passes) return 0;
@@ -166,6 +167,7 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
 
 sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {
+    if (opt->proof) return sgt_prove(s, ray, opt);
     sgt_list list = {.cap = 0, .count = 0};
     int evals = search(s, ray, opt, false, &list);
     return first_entry(&list, ray, evals);
@@ -173,5 +175,6 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
 
 void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
 {
-    search(s, ray, opt, true, list);
+    if (opt->proof) sgt_prove_all(s, ray, opt, list);
+    else search(s, ray, opt, true, list);
 }

@@ -13,12 +13,19 @@ static bool valid(sgt_surface s, sgt_ray *ray, const sgt_options **opt)
     return good;
 }
 
+/* A search that was not ended has not proven anything of what is left. */
+static void ends_unproven(sgt_hit *hit, const sgt_options *opt)
+{
+    if (opt->proof != SGT_ESTIMATE && hit->status == SGT_EXHAUSTED) hit->status = SGT_UNPROVEN;
+}
+
 sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt)
 {
     if (!valid(s, &ray, &opt)) return hit_without(SGT_INVALID, &ray, 0);
     if (!s.ops->own_) return sgt_intersect_general(s, &ray, opt);
     sgt_hit hit = s.ops->own_->meet(s.self, &ray, opt);
-    if (hit.status > 0 && asks_alone(opt)) sgt_prove_alone(s, &ray, HUGE_VAL, opt, &hit);
+    ends_unproven(&hit, opt);
+    if ((hit.status > 0 || hit.status == SGT_UNPROVEN) && asks_alone(opt)) sgt_prove_alone(s, &ray, HUGE_VAL, opt, &hit);
     return hit;
 }
 
@@ -28,5 +35,6 @@ int sgt_intersect_all(sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[], const
     if (!valid(s, &ray, &opt)) return SGT_INVALID;
     if (!s.ops->own_) sgt_intersect_all_general(s, &ray, opt, &list);
     else if (s.ops->own_->all(s.self, &ray, opt, &list) < 0) return SGT_INVALID;
+    for (int i = 0; i < list.count && i < list.cap; i++) ends_unproven(&list.hits[i], opt);
     return list.count;
 }

@@ -701,6 +701,10 @@ static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
 size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_surface_ops *ops = s.ops;
+    if (opt->proof) { /* one by one: prove.c */
+        memset(tile->hits.status, SGT_HARD, tile->n);
+        return tile->n;
+    }
     lanes a;
     sweep w = {.s = s, .opt = opt, .a = &a, .near = opt->pick == SGT_NEAR_SEED, .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
                .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS,

@@ -249,6 +249,7 @@ static sgt_status asphere_all(const void *self, const sgt_ray *ray, const sgt_op
     tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
     if (rim_in_range(h.rim2)) sgt_asphere_march(&h, ray, (double)NAN, &w, list);
     else add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
+    list->evals = w.evals;
     return SGT_MISS;
 }
 

@@ -29,6 +29,7 @@ typedef struct walk {
     local q;
     sgt_list *list; /* NULL: one root is wanted */
     bool spent, fine;
+    bool dark;      /* what is told of is a stretch that was not decided, not one with a monotone G */
 } walk;
 
 static sample look(walk *w, double tau, sgt_move move, double lo, double hi)
@@ -55,7 +56,7 @@ static double reach2(const shape *s, const sgt_ray *ray)
     for (int i = 0; i <= top; i++) b[i] = fabs(s->a[i]);
     if (k1 == 0) b[0] = fabs(s->a[0] + 0.5 * s->c);  /* a paraboloid is a term like the others */
     else if (k1 < 0 && s->c != 0) growth += 1 / sqrt(-k1); /* a hyperboloid grows as its asymptote */
-    else b[0] += fabs(s->c);                         /* an ellipsoid so flat that its rim is out of range */
+    else b[0] += top > 0 ? fabs(s->c) : -fabs(s->c); /* an ellipsoid: its sag is at most |c| rho */
     while (top > 0 && b[top] == 0) top--;
     lead = b[top];
     double count = top + 3, reach = pow(count * z0 / lead, 1.0 / (top + 1));
@@ -88,17 +89,28 @@ static bool crosses_sheet(walk *w, meeting *at)
     return false;
 }
 
+/* An undecided stretch about tmin may hold a root behind the start as well as the start itself; and of one where numbers
+ * overflow nothing is known. */
+static bool may_count(const walk *w, const meeting *at)
+{
+    meeting end = *at;
+    end.t += end.t_err, end.t_err = 0;
+    bool told = at->slope < HUGE_VAL && at->v == at->v && at->p.x * at->p.x + at->p.y * at->p.y < HUGE_VAL;
+    return !told || counts(&end, w->ray, HUGE_VAL, w->q.scale);
+}
+
 /* Keeps the root if it counts and is the one wanted so far. */
 static void keep(walk *w, meeting *at, double v_err, sgt_status status, double seed, found *best)
 {
     if (at->v < -v_err) return; /* the other sheet */
     if (!(at->v > v_err)) status = crosses_sheet(w, at) ? SGT_HIT : SGT_UNPROVEN;
     bool proof = w->told->opt->proof != SGT_ESTIMATE;
-    if (proof && rim_hidden(at, w->s->rim2)) {
-        if (!counts(at, w->ray, HUGE_VAL, w->q.scale)) return;
+    bool hidden = proof && rim_hidden(at, w->s->rim2);
+    if (!counts(at, w->ray, hidden ? HUGE_VAL : w->s->rim2, w->q.scale)) {
+        if (!w->dark || !may_count(w, at)) return;
         status = SGT_UNPROVEN;
-    } else if (!counts(at, w->ray, w->s->rim2, w->q.scale)) {
-        return;
+    } else if (hidden) {
+        status = SGT_UNPROVEN;
     }
     if (proof && status == SGT_HIT && !sgt_form_alone(w->s, w->ray, at, w->told)) status = SGT_UNPROVEN;
     if (w->told->stopped) return;
@@ -123,7 +135,8 @@ static void take(walk *w, double tau, double tau_err, double lo, double hi, sgt_
     meeting_place(&at, &w->q, tau, tau_err);
     at.v = e.v, at.slope = fabs(e.slope);
     at.n = (sgt_vec3){at.p.x * inverse, at.p.y * inverse, 1};
-    keep(w, &at, e.v_err + fabs(w->s->ck) * (fabs(e.dw) + fabs(w->q.n)) * tau_err, status, seed, best);
+    double bend = sgt_form_bend(w->s, &w->q, &e, tau_err); /* no less than that of w */
+    keep(w, &at, e.v_err + fabs(w->s->ck) * (fabs(e.dw) + fabs(w->q.n) + bend * tau_err) * tau_err, status, seed, best);
 }
 
 /* One root is in [lo, hi], the signs at whose ends are certain. */
@@ -168,7 +181,8 @@ static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
     if (!settled || !(at.v > v_err)) return hit_without(SGT_UNPROVEN, ray, told->evals);
     if (told->opt->proof != SGT_ESTIMATE && rim_hidden(&at, s->rim2) && counts(&at, ray, HUGE_VAL, scale)) {
         sgt_hit hit = hit_without(SGT_UNPROVEN, ray, told->evals);
-        hit.lo = at.t - at.t_err, hit.hi = at.t + at.t_err;
+        sgt_interval about = sgt_about(at.t, at.t_err);
+        hit.lo = about.lo, hit.hi = about.hi;
         return hit;
     }
     if (!counts(&at, ray, s->rim2, scale)) return hit_without(SGT_MISS, ray, told->evals);
@@ -181,7 +195,8 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
     walk w = {.s = s, .ray = ray, .told = told, .list = list};
     if (!(s->domain2 > TINY)) return hit_without(SGT_UNPROVEN, ray, told->evals); /* r^2 is out of range */
     if (ray->d.x == 0 && ray->d.y == 0) return parallel(s, ray, told);
-    stretch chord = sgt_chord(ray, s->domain2 < HUGE_VAL ? s->domain2 : reach2(s, ray));
+    /* without a rim the equator of a base that is nearly flat may be far beyond */
+    stretch chord = sgt_chord(ray, s->rim2 < HUGE_VAL ? s->domain2 : fmin(s->domain2, reach2(s, ray)));
     double scale = scale_of(ray->d), lo = fmax(chord.lo, ray->tmin), hi = fmin(chord.hi, ray->tmax);
     if (chord.lo > chord.hi || lo > hi) return hit_without(SGT_MISS, ray, told->evals);
     lo /= scale, hi /= scale;
@@ -194,6 +209,7 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
 
     found best = {.any = false};
     double h = 0.125 * (hi - lo), tau = lo, begin = lo, dark = 0;
+    double least = 0x1p-90 * fmin(hi - lo, fabs(w.q.x) + fabs(w.q.y) + fabs(w.q.z) + 0x1p-60 * (hi - lo)); /* cells below it are not divided */
     sample left = look(&w, tau, SGT_MARCH, lo, hi), before = left;
     int moved = 0;
     bool known = true, pending = false; /* left is the sample at tau; [dark, tau] is undecided, before the sample at dark */
@@ -209,9 +225,10 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
         if ((empty || monotone) && pending) {
             left = look(&w, tau, SGT_MARCH, tau, hi), known = true;
             if (sign_at(&left)) { /* the undecided stretch ends here */
+                w.dark = true;
                 take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, sign_at(&before) * sign_at(&left) < 0 ? SGT_HIT : SGT_UNPROVEN, seed, &best);
                 if (told->stopped || w.spent) break;
-                pending = false;
+                pending = w.dark = false;
                 continue;
             }
         }
@@ -235,7 +252,7 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
             else if (!sign_at(&left) || !sign_at(&right)) take(&w, m, h, tau, end, SGT_UNPROVEN, seed, &best);
             if (told->stopped || w.spent) break; /* before the root of this cell was told */
             tau = end, h *= 1.5, left = right;
-        } else if (bend * h * h > 2 * e.g_err && h > larger(2 * DBL_EPSILON * fabs(m), 0x1p-90 * (hi - begin))) {
+        } else if (bend * h * h > 2 * e.g_err && h > larger(2 * DBL_EPSILON * fabs(m), least)) {
             h *= 0.5;
         } else if (!w.fine) { /* from here on in twice the precision, the rest of the ray too */
             w.fine = true;
@@ -246,6 +263,7 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
             tau = end, known = false;
         }
     }
+    w.dark = true;
     if (pending && !told->stopped && !w.spent) take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_UNPROVEN, seed, &best);
     if (told->stopped || (w.spent && !(best.any && opt->pick != SGT_NEAR_SEED))) {
         sgt_hit hit = hit_without(told->stopped ? SGT_STOPPED : SGT_EXHAUSTED, ray, told->evals);
@@ -255,7 +273,8 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
     if (!best.any) return hit_without(SGT_MISS, ray, told->evals);
     if (best.status < 0) {
         sgt_hit hit = hit_without(best.status, ray, told->evals);
-        hit.lo = best.at.t - best.at.t_err, hit.hi = best.at.t + best.at.t_err;
+        sgt_interval about = sgt_about(best.at.t, best.at.t_err);
+        hit.lo = larger(about.lo, ray->tmin), hit.hi = fmin(about.hi, ray->tmax);
         return hit;
     }
     return hit_at(&best.at, best.status, asphere_f(s, best.at.p), SGT_NEWTON, ray, told);

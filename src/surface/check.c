@@ -1,7 +1,7 @@
 /* check.c - does a surface keep its word?
  *
  * Each ray is walked in SAMPLES steps on the stretch in front of its span, in it, and behind
- * it, and three promises are put to the test; two more are between the surface and itself.
+ * it, and five promises are put to the test; two more are between the surface and itself.
  *
  * THE ROUNDING is finite and not negative wherever F is.
  *
@@ -38,6 +38,15 @@
  * a gradient is good to the rounding of its argument, no better), and by more than 2^-26 of the
  * gradient; and where a second row of steps, shorter by 0.7, shows the same, since noise is not
  * bounded on a surface without `rounding` and can, once, look like agreement.
+ * THE ENCLOSURE is asked over stretches of many widths, about points of each stretch and about the roots that were seen, and of single
+ * points.  F at samples, their doubt as above, has to be in it; grad . d there in the interval of the slope, but
+ * for 2^-26 and what 2^-44 of the place does to the gradient; and where that interval is bounded, and F defined, so has each
+ * difference quotient (the mean value theorem, on which every proof rests: a slope that is bounded where F jumps is a
+ * fault).  Empty is a fault where F is defined on both sides of a sample.
+ *
+ * THE CLEARANCE at points of the ray: on lines through them, along the ray, the gradient and six others, no certain change of
+ * sign may be nearer.
+ *
  * So a gradient that is off by 1e-3 in one component is seen unless that component is below
  * 2^-16 of the gradient; one that is off by less than 1e-8 is not. */
 #include <sagitta/diagnose.h>
@@ -47,10 +56,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { SAMPLES = 256, POINTS = 16, LEVELS = 18, POINTS_AT_ONCE = 67, FEW = 3, RAYS_AT_ONCE = 35 };
+enum { SAMPLES = 256, POINTS = 16, LEVELS = 18, POINTS_AT_ONCE = 67, FEW = 3, RAYS_AT_ONCE = 35, WIDTHS = 9, WITHIN = 5 };
 static const double CUT = 1000; /* lengths, where neither ray nor span has an end */
 
-typedef struct sample { double t, f; int sign; sgt_vec3 p; } sample;
+typedef struct sample { double t, f, doubt; int sign; sgt_vec3 p, n; } sample;
 
 typedef struct check {
     sgt_surface s;
@@ -82,6 +91,7 @@ static bool look(check *c, double t, sample *a)
     sgt_vec3 o = c->ray->o, d = c->ray->d, n = {0};
     *a = (sample){.t = t, .p = {o.x + t * d.x, o.y + t * d.y, o.z + t * d.z}};
     a->f = value_at(c, a->p, &n);
+    a->n = n;
     if (isnan(a->f)) return true;
     sgt_vec3 moved = {fabs(o.x) + fabs(t * d.x), fabs(o.y) + fabs(t * d.y), fabs(o.z) + fabs(t * d.z)};
     double doubt = 0x1p-50 * terms_of(moved, n);
@@ -92,6 +102,7 @@ static bool look(check *c, double t, sample *a)
     } else {
         doubt += 0x1p-50 * (terms_of(a->p, n) + fabs(a->f));
     }
+    a->doubt = doubt;
     a->sign = a->f > doubt ? 1 : a->f < -doubt ? -1 : 0;
     return true;
 }
@@ -172,6 +183,129 @@ static bool check_gradient(check *c, double t, double spacing)
     return fail(c, SGT_WRONG_GRADIENT, a.p);
 }
 
+/* --------------------------------------------------------------- enclosure */
+
+/* F is defined here, and as far around as the rounding of o + t d can reach, and farther. */
+static bool well_defined(check *c, double t)
+{
+    sgt_vec3 o = c->ray->o, d = c->ray->d;
+    double far = fmax(fabs(o.x), fmax(fabs(o.y), fabs(o.z))), along = fmax(fabs(d.x), fmax(fabs(d.y), fabs(d.z)));
+    double off = 0x1p-44 * (far / along + fabs(t));
+    for (int i = -1; i <= 1; i++)
+        if (isnan(value_at(c, (sgt_vec3){o.x + (t + i * off) * d.x, o.y + (t + i * off) * d.y, o.z + (t + i * off) * d.z}, NULL))) return false;
+    return true;
+}
+
+/* By how much a sample can be off: its own doubt, and the noise of a surface that does not tell it. */
+static double doubt_of(const check *c, const sample *a, double across)
+{
+    double size = fmax(fabs(c->ray->d.x), fmax(fabs(c->ray->d.y), fabs(c->ray->d.z)));
+    return 2 * a->doubt + (c->s.ops->rounding ? 0 : noise_at(c, a->p, a->f, a->n, across * size));
+}
+
+/* Is grad . d outside of what is said of the slope?  By more than 2^-26, which `value` is free to be wrong by, and what
+ * 2^-44 of the way, either way, does to it. */
+static bool steeper(const check *c, const sample *a, sgt_interval slope)
+{
+    sgt_vec3 d = c->ray->d, o = c->ray->o, left = {0}, right = {0};
+    double now = a->n.x * d.x + a->n.y * d.y + a->n.z * d.z, doubt = 0x1p-26 * terms_of(a->n, d), bend = 0;
+    if (!(now + doubt < slope.lo || now - doubt > slope.hi || slope.lo > slope.hi)) return false;
+    double far = fmax(fabs(o.x), fmax(fabs(o.y), fabs(o.z))), along = fmax(fabs(d.x), fmax(fabs(d.y), fabs(d.z))), off = 0x1p-44 * (far + fabs(a->t) * along);
+    for (int i = 0; i < 3; i++) {
+        sgt_vec3 p = a->p, q = a->p;
+        *component(&p, i) -= off, *component(&q, i) += off;
+        value_at(c, p, &left), value_at(c, q, &right);
+        bend += fabs((right.x - left.x) * d.x + (right.y - left.y) * d.y + (right.z - left.z) * d.z);
+    }
+    doubt += 2 * bend;
+    return now + doubt < slope.lo || now - doubt > slope.hi || slope.lo > slope.hi;
+}
+
+/* Samples of [lo, hi] against what is said of it. */
+static bool check_enclosure(check *c, double lo, double hi, double across)
+{
+    static const double where[WITHIN] = {0, 0.109, 0.382, 0.691, 1};
+    sgt_interval slope = {(double)NAN, (double)NAN}, g = c->s.ops->enclose(c->s.self, c->ray, (sgt_interval){lo, hi}, &slope);
+    bool bounded = slope.lo > -HUGE_VAL && slope.hi < HUGE_VAL, defined = true;
+    sample before = {.f = (double)NAN}, a;
+    double doubt_before = 0;
+    for (int i = 0; i < WITHIN; i++) {
+        double t = i == WITHIN - 1 ? hi : lo + (hi - lo) * where[i], doubt;
+        if (i && !(t > before.t)) continue;
+        if (!look(c, t, &a)) return false;
+        bool regular = isfinite(a.f) && isfinite(a.n.x) && isfinite(a.n.y) && isfinite(a.n.z);
+        defined = defined && !isnan(a.f);
+        doubt = doubt_of(c, &a, across);
+        if (g.lo > g.hi && isfinite(a.f) && well_defined(c, t)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
+        if (regular && g.lo <= g.hi && (a.f + doubt < g.lo || a.f - doubt > g.hi)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
+        if (regular && !(g.lo > g.hi) && (slope.lo > -HUGE_VAL || slope.hi < HUGE_VAL)) { /* a slope that says something */
+            if (steeper(c, &a, slope)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
+            double width = t - before.t, quotient = (a.f - before.f) / width, off = (doubt + doubt_before) / width * (1 + 0x1p-20);
+            if (bounded && i && defined && (quotient + off < slope.lo || quotient - off > slope.hi)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
+        }
+        before = a, doubt_before = doubt;
+        if (!regular) defined = false;
+    }
+    return true;
+}
+
+/* Stretches about t, from `longest` down to t alone. */
+static bool check_enclosures(check *c, double t, double longest, double across)
+{
+    if (!c->s.ops->enclose) return true;
+    for (int level = 0; level < WIDTHS; level++, longest *= 0x1p-6) {
+        double lo = t - 0.382 * longest, hi = t + 0.618 * longest;
+        if (level == WIDTHS - 1) lo = hi = t;
+        if (fabs(lo) <= DBL_MAX && fabs(hi) <= DBL_MAX && !check_enclosure(c, lo, hi, across)) return false;
+    }
+    return true;
+}
+
+/* --------------------------------------------------------------- clearance */
+
+static bool approach(check *c, sample *a, double b);
+
+/* Along a line through p, a unit of length a unit of t: no change of sign before `clear`, but at a pole. */
+static bool check_line(check *c, sgt_vec3 p, sgt_vec3 u, double clear)
+{
+    static const double at[] = {0.1, 0.25, 0.5, 0.75, 0.9, 0.97, 0.99, 0.999, 0.9999, 1 - 0x1p-20, 1 - 0x1p-30};
+    enum { HALF = sizeof at / sizeof at[0] };
+    const sgt_ray *own = c->ray, line = {.o = p, .d = u};
+    sample last = {.sign = 0}, a;
+    c->ray = &line;
+    for (int i = -HALF; i <= HALF && c->fault == SGT_SOUND; i++) {
+        if (!look(c, i < 0 ? -clear * at[-i - 1] : i > 0 ? clear * at[i - 1] : 0, &a)) break;
+        if (isnan(a.f)) last.sign = 0;
+        if (a.sign * last.sign < 0) {
+            sample left = last, right = a;
+            double high = fmax(fabs(left.f), fabs(right.f));
+            if (approach(c, &left, right.t) && approach(c, &right, left.t) && fmin(fabs(left.f), fabs(right.f)) <= high) fail(c, SGT_WRONG_CLEARANCE, left.p);
+        }
+        if (a.sign) last = a;
+    }
+    c->ray = own;
+    return c->fault == SGT_SOUND;
+}
+
+/* What is said at t: in the direction of the ray, of the gradient, and in a few others. */
+static bool check_clearance(check *c, double t, double extent)
+{
+    static const sgt_vec3 others[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.6, 0, 0.8}, {0.8, 0.6, 0}, {0, -0.6, 0.8}};
+    sample a;
+    if (!c->s.ops->clearance) return true;
+    if (!look(c, t, &a)) return false;
+    sgt_vec3 d = c->ray->d;
+    double clear = c->s.ops->clearance(c->s.self, a.p), length = sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    double most = 4 * (extent * length + fabs(a.p.x) + fabs(a.p.y) + fabs(a.p.z)), steep = sqrt(a.n.x * a.n.x + a.n.y * a.n.y + a.n.z * a.n.z);
+    if (!(clear > 0)) return true;
+    if (clear > most) clear = most;
+    if (length > 0 && length < HUGE_VAL && !check_line(c, a.p, (sgt_vec3){d.x / length, d.y / length, d.z / length}, clear)) return false;
+    if (steep > 0 && steep < HUGE_VAL && !check_line(c, a.p, (sgt_vec3){a.n.x / steep, a.n.y / steep, a.n.z / steep}, clear)) return false;
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+        if (!check_line(c, a.p, others[i], clear)) return false;
+    return true;
+}
+
 /* ------------------------------------------------------------------- span */
 
 /* Moves *a, of certain sign, as near to b as its sign stays certain; b's is not a's.
@@ -197,6 +331,7 @@ static bool check_root(check *c, sample a, sample b)
     if (fmin(fabs(a.f), fabs(b.f)) > high) return true; /* a pole */
     if (a.p.x * a.p.x + a.p.y * a.p.y > c->rim2 || b.p.x * b.p.x + b.p.y * b.p.y > c->rim2) return true;
     if (!check_gradient(c, a.t, spacing) || !check_gradient(c, b.t, spacing)) return false;
+    if (!check_enclosures(c, a.t, spacing, spacing) || !check_clearance(c, a.t, spacing)) return false;
     if (b.t < c->span.lo || a.t > c->span.hi) return fail(c, SGT_WRONG_SPAN, b.t < c->span.lo ? b.p : a.p);
     if (a.t >= c->span.lo && b.t <= c->span.hi && ++c->inside > 1 && c->span.single) return fail(c, SGT_WRONG_SPAN, b.p);
     return true;
@@ -215,8 +350,11 @@ static bool check_stretch(check *c, double lo, double hi)
         if (a.sign) last = a;
     }
     /* beside the round fractions, where symmetry may hide a fault */
-    for (int i = 0; i < POINTS; i++)
-        if (!check_gradient(c, lo + (hi - lo) * ((i + 0.382) / POINTS), (hi - lo) / (4 * POINTS))) return false;
+    for (int i = 0; i < POINTS; i++) {
+        double t = lo + (hi - lo) * ((i + 0.382) / POINTS), spacing = (hi - lo) / (4 * POINTS);
+        if (!check_gradient(c, t, spacing)) return false;
+        if (i % 4 == 1 && (!check_enclosures(c, t, hi - lo, spacing) || !check_clearance(c, t, hi - lo))) return false;
+    }
     return true;
 }
 
@@ -354,6 +492,8 @@ const char *sgt_fault_text(sgt_fault fault)
     case SGT_WRONG_ROUNDING: return "wrong rounding: not finite or negative where F is defined";
     case SGT_WRONG_VALUES: return "wrong values: they differ from value in a bit, or write where they are not asked to";
     case SGT_WRONG_SPANS: return "wrong spans: they differ from span in a bit, or there is no span";
+    case SGT_WRONG_CLEARANCE: return "wrong clearance: the surface is nearer than it says";
+    case SGT_WRONG_ENCLOSURE: return "wrong enclosure: F or its slope leaves the interval, or F is defined where it says it is nowhere";
     case SGT_NO_VALUE: return "no value: the surface has no function F";
     }
     return "?";

@@ -256,6 +256,7 @@ static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *
         double half_gap = sqrt(D.hi + 2 * dD);
         p->touches = true;
         p->r[0] = careful_root_at(&g, twofold_quotient(B, A), 2 * half_gap / fabs(A.hi), half_gap, ray, rim2);
+        if (!(fabs(p->r[0].at.t) < HUGE_VAL && p->r[0].at.t_err < HUGE_VAL)) return SGT_UNPROVEN; /* in lengths of d */
         bool may = p->r[0].sheet >= 0 && p->r[0].ends;
         if (may && w->opt->proof != SGT_ESTIMATE && rim_hidden(&p->r[0].at, rim2)) return SGT_UNPROVEN;
         return may && p->r[0].counts ? SGT_GRAZE : SGT_MISS;
@@ -372,7 +373,8 @@ SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray 
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
     if (status <= 0) {
         sgt_hit hit = hit_without(status, ray, w.evals);
-        if (at.t_err < HUGE_VAL && status == SGT_UNPROVEN) hit.lo = larger(at.t - at.t_err, hit.lo), hit.hi = at.t + at.t_err < hit.hi ? at.t + at.t_err : hit.hi;
+        sgt_interval about = sgt_about(at.t, at.t_err);
+        if (at.t_err < HUGE_VAL && status == SGT_UNPROVEN) hit.lo = larger(about.lo, hit.lo), hit.hi = about.hi < hit.hi ? about.hi : hit.hi;
         return hit;
     }
     double f = isnan(at.sag) ? conic_f(c, k, at.p) : at.p.z - at.sag; /* the same number */
@@ -422,6 +424,7 @@ sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray
         else add_hit(list, &r->at, status, isnan(r->at.sag) ? conic_f(c, k, r->at.p) : r->at.p.z - r->at.sag, SGT_SEED, ray, &w);
         if (!w.stopped) reached = r->at.t + r->at.t_err;
     }
+    list->evals = w.evals;
     if (w.stopped) add_stretch(list, &w, SGT_STOPPED, ray, reached, HUGE_VAL);
     else if (p.away < HUGE_VAL && ray->tmax >= p.away) add_stretch(list, &w, SGT_UNPROVEN, ray, p.away, HUGE_VAL);
     return SGT_MISS;

@@ -13,7 +13,7 @@
  * Tests: tests/oracle/test_levels.cpp, test_brute.cpp, test_ceres.cpp, tests/unit/test_levels.c. */
 #include "level.h"
 
-#include "sag.h"
+#include "course.h"
 
 enum { FAR_LEVELS = 200 };
 
@@ -65,9 +65,9 @@ static double rounding_at(const orbit *o, sgt_vec3 p)
     quaternion at[SGT_LEVELS + 1];
     double E2 = o->E * o->E, size = o->at_length + fabs(p.x) * o->x_length + fabs(p.y) * o->y_length + fabs(p.z) * o->z_length;
     int n = levels_of(o, p, o->iterations, 0x1p64 * (1 + E2), at);
-    double place = 8 * SGT_U * size, e = place;
+    double given = 8 * SGT_U * size, e = given;
     for (int k = o->mandelbrot ? 1 : 0; k < n; k++)
-        e = next_e(sqrt(quaternion_dot(at[k], at[k])), 0, e, 0, o->c_abs, o->power) + (o->mandelbrot ? place : 0);
+        e = next_e(sqrt(quaternion_dot(at[k], at[k])), 0, e, 0, o->c_abs, o->power) + (o->mandelbrot ? given : 0);
     double A2 = quaternion_dot(at[n], at[n]), A = sqrt(A2);
     e *= 1 + 0x1p-40;
     if (n < o->iterations || !(A2 < HUGE_VAL)) return A > 2 * e ? 0x1p-50 : 2; /* 1 it is, by far */
@@ -92,12 +92,23 @@ static double potential_at(const orbit *o, sgt_vec3 p, sgt_vec3 *grad)
     return scale * 0.5 * log(A2);
 }
 
+/* About the middle of t, in the scaled direction: of a d that is very short the squares would be lost.  Where the ray is
+ * so far off that squares overflow nothing is said. */
 static sgt_interval enclose_by(const orbit *o, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
     path w;
-    sgt_level_path(o, ray, &w);
-    double m = 0.5 * t.lo + 0.5 * t.hi, h = larger(t.hi - m, m - t.lo) * (1 + 4 * SGT_U);
-    return sgt_orbit_enclose(&w, m, h, slope);
+    double scale = scale_of(ray->d), lo = t.lo / scale, hi = t.hi / scale, m = 0.5 * lo + 0.5 * hi;
+    double h = larger(hi - m, m - lo) * (1 + 4 * SGT_U) + 0x1p-1070; /* what has underflown */
+    *slope = (sgt_interval){-HUGE_VAL, HUGE_VAL};
+    if (t.lo > t.hi) return *slope = (sgt_interval){HUGE_VAL, -HUGE_VAL};
+    local q = local_at(ray, m, 0);
+    double far = (fabs(q.x) + fabs(q.y) + fabs(q.z)) + 2 * h;
+    if (!(far < 0x1p480)) return (sgt_interval){-1, 1};
+    set_of(o, &w);
+    path_of(o, (sgt_vec3){q.x, q.y, q.z}, q.l, q.m, q.n, &w);
+    sgt_interval g = sgt_orbit_enclose(&w, 0, h, slope);
+    slope->lo = slope->lo / scale - 0x1p-1074, slope->hi = slope->hi / scale + 0x1p-1074;
+    return g;
 }
 
 /* ------------------------------------------------------- the two surfaces */

@@ -48,12 +48,6 @@ typedef struct walk {
     sgt_list *list;
 } walk;
 
-void sgt_level_path(const orbit *o, const sgt_ray *ray, path *w)
-{
-    set_of(o, w);
-    path_of(o, ray->o, ray->d.x, ray->d.y, ray->d.z, w);
-}
-
 sgt_span sgt_level_span(const orbit *o, const sgt_ray *ray)
 {
     path w;
@@ -129,7 +123,8 @@ static bool add_root(walk *w, sgt_status status, double tau, double tau_err)
             return true;
         }
     }
-    add(w, &(sgt_hit){.status = status, .t = h.t, .t_err = h.t_err, .t_lo = h.t_lo, .lo = h.t - h.t_err, .hi = h.t + h.t_err,
+    sgt_interval about = sgt_about(h.t, h.t_err);
+    add(w, &(sgt_hit){.status = status, .t = h.t, .t_err = h.t_err, .t_lo = h.t_lo, .lo = about.lo, .hi = about.hi,
                       .f = f, .p = h.p, .n = h.n, .p_err = h.p_err});
     return true;
 }
@@ -332,5 +327,6 @@ int sgt_level_march(const orbit *o, const sgt_ray *ray, const sgt_options *opt, 
     if (lo > hi || tmin > hi || tmax < lo) return 0;
     if (opt->dt_min > 0 && opt->proof == SGT_ESTIMATE) march_fast(&w, lo, hi, opt->dt_min / scale);
     else march(&w, start, lo, hi);
+    list->evals = w.told.evals;
     return w.told.evals - w.told.before;
 }

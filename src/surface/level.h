@@ -22,9 +22,6 @@ double sgt_level_estimate(const orbit *o, sgt_vec3 p, double *f);
 /* F, and its gradient where grad is not NULL. */
 double sgt_level_value(const orbit *o, sgt_vec3 p, sgt_vec3 *grad);
 
-/* The orbit along a ray as it is given, its origin not moved. */
-void sgt_level_path(const orbit *o, const sgt_ray *ray, path *w);
-
 /* sgt_own's sweep. */
 size_t sgt_level_sweep(const orbit *o, const sgt_tile *tile, const sgt_options *opt);
 

@@ -6,8 +6,16 @@
 #include <math.h>
 #include <sagitta/sagitta.h>
 
-/* The entries of sgt_intersect_all: those beyond cap are counted and not kept, but for the last. */
-typedef struct sgt_list { sgt_hit *hits; int cap, count; sgt_hit last; } sgt_list;
+/* [t - t_err, t + t_err], rounded outward: where t_err is below an ulp of t, t alone would not have the root. */
+static inline sgt_interval sgt_about(double t, double t_err)
+{
+    double e = t_err * (1 + 0x1p-50) + 0x1p-52 * fabs(t);
+    return (sgt_interval){t - e, t + e};
+}
+
+/* The entries of sgt_intersect_all: those beyond cap are counted and not kept, but for the last.  evals: all that were
+ * spent, by the surfaces that answer by themselves. */
+typedef struct sgt_list { sgt_hit *hits; int cap, count, evals; sgt_hit last; } sgt_list;
 
 static inline void sgt_list_add(sgt_list *list, const sgt_hit *hit)
 {

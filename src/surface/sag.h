@@ -118,7 +118,7 @@ SGT_INLINE void meeting_place(meeting *h, const local *q, double tau, double tau
     h->t = t.hi * q->scale;
     h->t_lo = t.lo * q->scale;
     h->t_err = (fabs(t.lo) + e * (1 + 4 * SGT_U)) * (1 + 4 * SGT_U) * q->scale;
-    bool away = (q->x != 0 || q->y != 0) && larger(fabs(q->x), fabs(q->y)) < 0x1p-400; /* their squares underflow */
+    bool away = (q->x != 0 || q->y != 0) && larger(fabs(q->x), fabs(q->y)) < 0x1p-60; /* powers of theirs may underflow */
     if (fabs(h->t) < TINY && (h->t != 0 || h->t_err != 0 || away)) h->t_err += TINY_ERROR;
     double tl = tau * q->l, tm = tau * q->m, tn = tau * q->n;
     h->p = (sgt_vec3){q->x + tl, q->y + tm, q->z + tn};
@@ -141,7 +141,8 @@ SGT_INLINE bool sharp(const meeting *h, double t_tol)
 SGT_INLINE bool counts(const meeting *h, const sgt_ray *ray, double rim2, double scale)
 {
     double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z));
-    bool started = ray->tmin == -HUGE_VAL || (h->t - ray->tmin - h->t_err - 8 * SGT_U * fabs(h->t)) * h->slope > START_ULPS * terms * scale;
+    double room = h->t - ray->tmin - h->t_err - 8 * SGT_U * fabs(h->t);
+    bool started = ray->tmin == -HUGE_VAL || room * h->slope > START_ULPS * terms * scale || (terms == 0 && room > 0); /* at the vertex */
     bool inside = !(h->p.x * h->p.x + h->p.y * h->p.y > rim2);
     return started && h->t <= ray->tmax && inside;
 }
@@ -151,6 +152,7 @@ SGT_INLINE bool counts(const meeting *h, const sgt_ray *ray, double rim2, double
 SGT_INLINE bool rim_hidden(const meeting *h, double rim2)
 {
     double r2 = h->p.x * h->p.x + h->p.y * h->p.y, off = (2 * (fabs(h->p.x) + fabs(h->p.y)) + h->p_err) * h->p_err + 4 * SGT_U * r2;
+    if (!(off < HUGE_VAL)) return !(larger(fabs(h->p.x), fabs(h->p.y)) - h->p_err > 2 * sqrt(rim2)); /* far beyond */
     return rim2 < HUGE_VAL && !(fabs(r2 - rim2) > 1.01 * off);
 }
 
@@ -193,8 +195,9 @@ SGT_INLINE sgt_hit hit_at(const meeting *h, sgt_status status, double f, sgt_mov
     if (w->opt->watch) tell(w, move, h->t, f, h->n.x * ray->d.x + h->n.y * ray->d.y + h->n.z * ray->d.z, h->t - h->t_err, h->t + h->t_err);
     else w->evals++;
     if (w->stopped) return hit_without(SGT_STOPPED, ray, w->evals - w->before);
+    sgt_interval about = sgt_about(h->t, h->t_err);
     return (sgt_hit){.status = status, .evals = w->evals - w->before, .t = h->t, .t_err = h->t_err, .t_lo = h->t_lo,
-                     .lo = h->t - h->t_err, .hi = h->t + h->t_err, .f = f, .p = h->p, .n = h->n, .p_err = h->p_err};
+                     .lo = about.lo, .hi = about.hi, .f = f, .p = h->p, .n = h->n, .p_err = h->p_err};
 }
 
 /* The same as an entry of a list; what was spent since the last entry is told with it. */
@@ -221,6 +224,7 @@ SGT_INLINE void add_stretch(sgt_list *list, tally *w, sgt_status status, const s
     sgt_hit hit = hit_without(status, ray, w->evals - w->before);
     lo -= 2 * SGT_U * fabs(lo), hi += 2 * SGT_U * fabs(hi); /* outward, by at least an ulp */
     hit.lo = larger(lo, ray->tmin), hit.hi = hi < ray->tmax ? hi : ray->tmax;
+    if (list->count && status != SGT_UNPROVEN) hit.lo = larger(hit.lo, list->last.hi); /* what is left is behind it */
     if (hit.lo > hit.hi && status == SGT_STOPPED) hit.lo = hit.hi; /* at the very end: told all the same */
     if (hit.lo > hit.hi) return;
     sgt_list_centre(&hit);

@@ -55,8 +55,9 @@ SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double
 /* A hit of a single ray, as a tile has it. */
 SGT_INLINE sgt_hit hit_of_lane(const lane *e, int evals, double f)
 {
-    return (sgt_hit){.status = SGT_HIT, .evals = evals, .t = e->t, .t_err = e->t_err, .t_lo = e->t_lo, .lo = e->t - e->t_err,
-                     .hi = e->t + e->t_err, .f = f, .p = {e->px, e->py, e->pz}, .n = {e->nx, e->ny, 1}, .p_err = e->p_err};
+    sgt_interval about = sgt_about(e->t, e->t_err);
+    return (sgt_hit){.status = SGT_HIT, .evals = evals, .t = e->t, .t_err = e->t_err, .t_lo = e->t_lo, .lo = about.lo,
+                     .hi = about.hi, .f = f, .p = {e->px, e->py, e->pz}, .n = {e->nx, e->ny, 1}, .p_err = e->p_err};
 }
 
 /* Where a sweep's second loop writes, and what for: outputs that are not wanted go to a place in the first cache. */

@@ -67,8 +67,9 @@ static void shift_hit(sgt_hit *hit, double t0)
     hit->t = h.t, hit->t_lo = h.t_lo, hit->t_err = h.t_err;
     hit->lo += t0, hit->hi += t0;
     if (hit->status <= 0) return;
-    hit->lo = fmin(hit->lo, hit->t - hit->t_err);
-    hit->hi = fmax(hit->hi, hit->t + hit->t_err);
+    sgt_interval about = sgt_about(hit->t, hit->t_err);
+    hit->lo = fmin(hit->lo, about.lo);
+    hit->hi = fmax(hit->hi, about.hi);
 }
 
 /* ------------------------------------------------------------------ meeting */

@@ -5,7 +5,6 @@
  * each element, so that all of them are seen with the same ray. */
 #include "commands.h"
 #include "explain.h"
-#include "frame.h"
 #include "job.h"
 #include "memory.h"
 #include "number.h"
@@ -33,7 +32,9 @@ static const char help[] =
     "                     scaled to unit length, the classic mistake; bisection.  The bare\n"
     "                     methods start where the ray meets the vertex plane (a level set:\n"
     "                     in the middle of its ball) and stop after --max-evals (100)\n"
-    "  --pick P           the root that the library looks for: first or near-seed\n";
+    "  --pick P           the root that the library looks for: first or near-seed\n"
+    "  --proof P          what it is to prove: estimate (the default), root or first, as in\n"
+    "                     sagitta intersect and sagitta trace\n";
 
 static const column head[] = {
     {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"eval", COLUMN_COUNT}, {"move", COLUMN_WORD},
@@ -64,9 +65,9 @@ static arguments arguments_of(int argc, char *argv[])
     static const struct option known[] = {
         {"surface", required_argument, NULL, SURFACE}, {"ray", required_argument, NULL, RAY},
         {"element", required_argument, NULL, ELEMENT}, {"method", required_argument, NULL, METHOD},
-        JOB_OPTIONS, SHARED_OPTIONS, {0},
+        JOB_OPTIONS, PROOF_OPTION, SHARED_OPTIONS, {0},
     };
-    char all_help[4000];
+    char all_help[6000];
     snprintf(all_help, sizeof all_help, "%s%s", help, job_help);
     arguments a = {.method = METHOD_SAFEGUARDED};
     bool rays_of_lens = false;
@@ -105,19 +106,17 @@ static void write_rows(table *t, size_t ray, size_t element, const record *r)
 }
 
 /* Shows a search and what to conclude; is it decided? */
-static bool show(table *t, const arguments *a, size_t number, size_t element, const record *watched, const sgt_hit *hit,
-                 sgt_surface surface, double semi_diameter, const sgt_ray *ray)
+static bool show(table *t, const arguments *a, size_t number, size_t element, const record *watched, const search *s)
 {
-    bool fast = options_fast(&a->shared, surface);
     if (a->method == METHOD_SAFEGUARDED) {
         write_rows(t, number, element, watched);
-        explain_safeguarded(t, watched, surface, hit, fast);
-        return hit->status >= 0;
+        explain_safeguarded(t, watched, s);
+        return s->hit->status >= 0;
     }
     int most = a->shared.solver.max_evals ? a->shared.solver.max_evals : BARE_EVALS;
-    record bare = method_run(a->method, surface, semi_diameter, ray, most);
+    record bare = method_run(a->method, s->surface, s->semi_diameter, &s->ray, most);
     write_rows(t, number, element, &bare);
-    explain_bare(t, a->method, &bare, surface, ray, hit, fast);
+    explain_bare(t, a->method, &bare, s);
     return bare.settled;
 }
 
@@ -136,7 +135,9 @@ static bool diagnose_surface(table *t, const arguments *a, sgt_surface surface, 
     record watched = {.count = 0};
     sgt_options o = watching(a, &watched);
     sgt_hit hit = sgt_intersect(surface, *ray, &o);
-    bool decided = show(t, a, 0, 0, &watched, &hit, surface, 0, ray);
+    const search made = {.surface = surface, .ray = *ray, .asked = &a->shared.solver, .near_seed = options_near_seed(&a->shared, surface, SGT_FIRST),
+                         .fast = options_fast(&a->shared, surface), .hit = &hit};
+    bool decided = show(t, a, 0, 0, &watched, &made);
     if (hit.status == SGT_MISS) explain_miss(t, 0, surface, ray);
     return decided;
 }
@@ -186,12 +187,6 @@ static const launch *chosen_ray(const arguments *a, const job *j, const char **h
     return chosen;
 }
 
-static sgt_ray own_ray(const sgt_pose *pose, const sgt_ray *ray)
-{
-    return (sgt_ray){.o = frame_point_in(pose, ray->o), .d = frame_direction_in(pose, ray->d),
-                     .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
-}
-
 static bool diagnose_lens(table *t, const arguments *a, const job *j, const launch *l, const char *how)
 {
     sgt_ray ray = l->ray;
@@ -203,13 +198,15 @@ static bool diagnose_lens(table *t, const arguments *a, const job *j, const laun
         const sgt_element *e = &j->element[i];
         record watched = {.count = 0};
         sgt_options o = watching(a, &watched);
-        sgt_ray before = own_ray(&e->pose, &ray);
+        search made = {.surface = e->surface, .semi_diameter = e->semi_diameter, .ray = job_own_ray(&e->pose, &ray), .asked = &a->shared.solver,
+                       .near_seed = options_near_seed(&a->shared, e->surface, SGT_NEAR_SEED), .fast = options_fast(&a->shared, e->surface)};
         sgt_passage passage;
         sgt_fate fate;
         sgt_trace(1, e, index, &ray, &passage, &fate, &o);
         if (!a->element || (size_t)a->element == i + 1) {
             table_line(t, "\nElement %zu (%s): %s", i + 1, j->lens.surface[i].type, sgt_fate_text(fate));
-            decided = show(t, a, l->number, i, &watched, &passage.hit, e->surface, e->semi_diameter, &before) && decided;
+            made.hit = &passage.hit;
+            decided = show(t, a, l->number, i, &watched, &made) && decided;
         }
         if (fate != SGT_PASSED) return decided && fate >= 0;
         index = j->lens.surface[i].index;

@@ -35,14 +35,25 @@ static const char *text_of(const char *value, size_t length)
     return text;
 }
 
-static node *nodes_of(yaml_document_t *from)
+/* The line of a byte of the text, counts from 1; a \r alone ends one too. */
+static size_t line_of(const char *text, size_t at)
+{
+    size_t line = 1;
+    for (size_t i = 0; i < at; i++) line += text[i] == '\n' || (text[i] == '\r' && text[i + 1] != '\n');
+    return line;
+}
+
+/* Where a mark of libyaml stands; libyaml takes the end of the text for a line of its own. */
+static size_t line_at(yaml_mark_t mark, size_t last) { return mark.line + 1 < last ? mark.line + 1 : last; }
+
+static node *nodes_of(yaml_document_t *from, size_t last)
 {
     size_t count = (size_t)(from->nodes.top - from->nodes.start);
     node *all = memory_take(count, sizeof *all);
     for (size_t i = 0; i < count; i++) {
         const yaml_node_t *y = &from->nodes.start[i];
         node *n = &all[i];
-        n->line = y->start_mark.line + 1;
+        n->line = line_at(y->start_mark, last);
         if (y->type == YAML_SEQUENCE_NODE) {
             n->kind = NODE_LIST;
             n->count = (size_t)(y->data.sequence.items.top - y->data.sequence.items.start);
@@ -67,19 +78,17 @@ static node *nodes_of(yaml_document_t *from)
     return all;
 }
 
-/* What libyaml found wrong: its words, and the line; libyaml takes the end of the text
- * for a line of its own. */
-static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t length, char fault[FAULT_SIZE])
+/* What libyaml found wrong: its words, and the line.  Of a byte that is no text it tells the place and not the line. */
+static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t length, size_t last, char fault[FAULT_SIZE])
 {
-    size_t lines = 1, line = parser->problem_mark.line + 1;
-    for (size_t i = 0; i + 1 < length; i++) lines += text[i] == '\n';
     snprintf(fault, FAULT_SIZE, "%s", parser->problem ? parser->problem : "not YAML");
     if (parser->context) {
         size_t so_far = strlen(fault);
         snprintf(fault + so_far, FAULT_SIZE - so_far, ", %s that begins in line %zu", parser->context,
-                 parser->context_mark.line + 1);
+                 line_at(parser->context_mark, last));
     }
-    return line < lines ? line : lines;
+    if (parser->error != YAML_READER_ERROR) return line_at(parser->problem_mark, last);
+    return line_of(text, parser->problem_offset < length ? parser->problem_offset : length);
 }
 
 document document_parse(const char *source, const char *text, size_t length)
@@ -88,23 +97,23 @@ document document_parse(const char *source, const char *text, size_t length)
     yaml_parser_t parser;
     yaml_document_t loaded, more;
     char fault[FAULT_SIZE] = "empty";
-    size_t line = 1;
+    size_t line = 1, last = line_of(text, length ? length - 1 : 0);
     if (!yaml_parser_initialize(&parser)) fail_input("out of memory");
     yaml_parser_set_input_string(&parser, (const unsigned char *)text, length);
 
     if (!yaml_parser_load(&parser, &loaded)) {
-        line = syntax_fault(&parser, text, length, fault);
+        line = syntax_fault(&parser, text, length, last, fault);
     } else {
-        if (yaml_document_get_root_node(&loaded)) d.root = nodes_of(&loaded);
+        if (yaml_document_get_root_node(&loaded)) d.root = nodes_of(&loaded, last);
         yaml_document_delete(&loaded);
     }
     if (d.root) {
         line = 0;
         if (!yaml_parser_load(&parser, &more)) {
-            line = syntax_fault(&parser, text, length, fault);
+            line = syntax_fault(&parser, text, length, last, fault);
         } else {
             const yaml_node_t *second = yaml_document_get_root_node(&more);
-            if (second) line = second->start_mark.line + 1;
+            if (second) line = line_at(second->start_mark, last);
             snprintf(fault, sizeof fault, "a second document; only one is read");
             yaml_document_delete(&more);
         }

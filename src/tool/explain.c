@@ -5,7 +5,6 @@
 #include "number.h"
 
 #include <math.h>
-#include <sagitta/surfaces.h>
 #include <stdio.h>
 
 enum { ROOT_SIZE = 4 * NUMBER_SIZE };
@@ -67,29 +66,22 @@ static void print_root(char text[ROOT_SIZE], const sgt_hit *hit)
 
 const char explain_fast[] = "Marched in steps of --dt-min and more: thin parts may have been passed by.  Without it none are.";
 
-static const char *undecided_text(sgt_status status, bool fast)
+const char *explain_proof(const sgt_options *asked, bool near_seed, bool several)
 {
-    switch (status) {
-    case SGT_MISS: return "the ray certainly does not meet the surface.";
-    case SGT_UNPROVEN:
-        if (fast) return "no root was seen, which proves nothing.";
-        return "there may be a root or none; rounding does not let it be told.";
-    case SGT_UNDEFINED: return "F is NaN where the root would have to be.";
-    case SGT_EXHAUSTED: return "--max-evals was spent first.";
-    case SGT_INVALID: return "this is no ray, or no surface.";
-    default: return "no answer.";
-    }
+    if (asked->proof == SGT_PROVE_ROOT) return several ? "proven to be single roots" : "proven to be a single root";
+    return !near_seed ? "proven to be the first" : several ? "proven to be the only roots" : "proven to be the only root";
 }
 
-static void answer(table *t, const sgt_hit *hit, double condition, bool fast)
+static void answer(table *t, const search *s, double condition)
 {
-    if (hit->status <= 0) {
-        table_line(t, "%s: %s", sgt_status_text(hit->status), undecided_text(hit->status, fast));
-        return;
-    }
+    const sgt_hit *hit = s->hit;
+    if (hit->status == SGT_MISS) table_line(t, "miss: the ray certainly does not meet the surface.");
+    if (hit->status < 0) undecided_explain(t, "", s);
+    if (hit->status <= 0) return;
     char root[ROOT_SIZE];
     print_root(root, hit);
-    table_line(t, "%s.", root);
+    bool proven = s->asked->proof && hit->status == SGT_HIT;
+    table_line(t, "%s%s%s.", root, proven ? ", " : "", proven ? explain_proof(s->asked, s->near_seed, false) : "");
     if (isfinite(condition))
         table_line(t, "Condition %.3g: an error of 1 in F would move t by as much%s.", condition,
                    condition > 100 ? "; the ray grazes" : "");
@@ -97,35 +89,36 @@ static void answer(table *t, const sgt_hit *hit, double condition, bool fast)
 
 /* What a row shows, where it is not F at a t on the way to a root.  A level set is searched
  * by cells; on an asphere with terms the library works with a polynomial that has the roots of F. */
-static void explain_rows(table *t, const record *r, sgt_surface surface, const sgt_hit *hit, bool fast)
+static void explain_rows(table *t, const record *r, const search *s)
 {
-    if (surface.ops->estimate && !fast && method_march_steps(r))
+    sgt_surface surface = s->surface;
+    if (surface.ops->estimate && !s->fast && method_march_steps(r))
         table_line(t, "A march row is a cell about t, free of roots or to be made smaller; lo ... hi is what is left of the ray.");
-    const sgt_asphere *s = surface.self;
+    const sgt_asphere *asphere = surface.self;
     if (surface.ops != &sgt_asphere_ops || r->count < 2) return;
     double terms = 0;
-    for (int i = 0; i < 8; i++) terms += fabs(s->a[i]);
+    for (int i = 0; i < 8; i++) terms += fabs(asphere->a[i]);
     if (terms == 0) return;
-    table_line(t, "%s of the polynomial form", hit->status > 0 ? "f and slope in the rows before the last are" : "f and slope in the rows are");
+    table_line(t, "%s of the polynomial form", s->hit->status > 0 ? "f and slope in the rows before the last are" : "f and slope in the rows are");
     table_line(t, "G = (z - P) - (c r^2 + (1+k) c (z-P)^2)/2, which has the same roots%s.",
-               hit->status > 0 ? "; the last row is F itself" : "");
+               s->hit->status > 0 ? "; the last row is F itself" : "");
 }
 
-void explain_safeguarded(table *t, const record *r, sgt_surface surface, const sgt_hit *hit, bool fast)
+void explain_safeguarded(table *t, const record *r, const search *s)
 {
     if (r->count > 0) verdict(t, METHOD_SAFEGUARDED, r);
     else table_line(t, "Answered without an evaluation.");
-    answer(t, hit, r->count > 0 ? method_diagnose(r).condition : (double)NAN, fast);
-    if (fast && hit->status != SGT_MISS) table_line(t, "%s", explain_fast);
-    explain_rows(t, r, surface, hit, fast);
+    answer(t, s, r->count > 0 ? method_diagnose(r).condition : (double)NAN);
+    if (s->fast && s->hit->status != SGT_MISS) table_line(t, "%s", explain_fast);
+    explain_rows(t, r, s);
 }
 
 /* Near a root the normalised step multiplies the error by 1 - |grad F|. */
-static void explain_normalised(table *t, const record *r, sgt_surface surface, const sgt_ray *ray, const sgt_hit *hit)
+static void explain_normalised(table *t, const record *r, const search *s)
 {
-    if (hit->status <= 0) return;
+    if (s->hit->status <= 0) return;
     sgt_vec3 grad;
-    surface.ops->value(surface.self, vector_along(ray->o, ray->d, hit->t), &grad);
+    s->surface.ops->value(s->surface.self, vector_along(s->ray.o, s->ray.d, s->hit->t), &grad);
     double length = vector_length(grad), factor = 1 - length;
     table_line(t, "The gradient was scaled to unit length and F was not: each step is too long by |grad F|,");
     table_line(t, "which is %.6g at the root.  Near it the error is multiplied by 1 - %.6g = %.6g a step:", length, length, factor);
@@ -133,24 +126,6 @@ static void explain_normalised(table *t, const record *r, sgt_surface surface, c
     else if (fabs(factor) > 0.9) table_line(t, "it goes to and fro and hardly closes in.  Use the gradient as it is.");
     else if (r->settled) table_line(t, "it settled, one constant factor at a time.  With the gradient as it is, digits double.");
     else table_line(t, "close to the root it would settle, but it does not come close.  Use the gradient as it is.");
-}
-
-/* The same surface without its rim, if it is one of ours; all of them begin with c, k. */
-typedef struct bare_surface { sgt_conic conic; sgt_asphere asphere; double c, k; bool terms; } bare_surface;
-
-static sgt_surface without_rim(bare_surface *b, sgt_surface s)
-{
-    if (s.ops == &sgt_conic_ops) {
-        b->conic = *(const sgt_conic *)s.self;
-        b->conic.semi_diameter = 0;
-        b->c = b->conic.c, b->k = b->conic.k;
-        return (sgt_surface){s.ops, &b->conic};
-    }
-    b->asphere = *(const sgt_asphere *)s.self;
-    b->asphere.semi_diameter = 0;
-    b->c = b->asphere.c, b->k = b->asphere.k;
-    for (int i = 0; i < 8; i++) b->terms = b->terms || b->asphere.a[i] != 0;
-    return (sgt_surface){s.ops, &b->asphere};
 }
 
 /* How near a line comes to the z axis. */
@@ -172,13 +147,13 @@ static void explain_miss_of_set(table *t, size_t number, sgt_surface surface, co
 
 void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
 {
-    if (surface.ops != &sgt_conic_ops && surface.ops != &sgt_asphere_ops) {
+    if (!undecided_is_sag(surface)) {
         explain_miss_of_set(t, number, surface, ray);
         return;
     }
     const double margin = 1 + 0x1p-30; /* said only where it is clear */
     bare_surface b = {.terms = false};
-    sgt_surface free = without_rim(&b, surface);
+    sgt_surface free = undecided_without_rim(&b, surface);
     sgt_ray line = {.o = ray->o, .d = ray->d, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
     sgt_hit whole = sgt_intersect(surface, line, NULL);
     char at[NUMBER_SIZE];
@@ -213,9 +188,9 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
     }
 }
 
-void explain_bare(table *t, method m, const record *r, sgt_surface surface, const sgt_ray *ray, const sgt_hit *hit,
-                  bool fast)
+void explain_bare(table *t, method m, const record *r, const search *s)
 {
+    const sgt_hit *hit = s->hit;
     if (r->count > 0) verdict(t, m, r);
     char end[NUMBER_SIZE], root[ROOT_SIZE];
     number_print(end, r->t, false);
@@ -223,14 +198,16 @@ void explain_bare(table *t, method m, const record *r, sgt_surface surface, cons
     if (!r->settled) table_line(t, "Not settled after %zu evaluation%s: %s.", r->count,
                                r->count == 1 ? "" : "s", r->stopped);
     else table_line(t, "Settled at t = %s.", end);
-    if (hit->status <= 0) {
-        table_line(t, "The library's answer: %s: %s", sgt_status_text(hit->status), undecided_text(hit->status, fast));
+    if (hit->status == SGT_MISS) {
+        table_line(t, "The library's answer: miss: the ray certainly does not meet the surface.");
+    } else if (hit->status < 0) {
+        undecided_explain(t, "The library's answer: ", s);
     } else {
         /* a bare method rounds o + t d: some ulps beside the library's bound are no disagreement */
         double apart = fabs(r->t - hit->t), close = hit->t_err + 0x1p-40 * fabs(hit->t);
         const char *how = !r->settled ? "" : apart <= close ? ": the same" : ": another root, or none";
         table_line(t, "The library's answer: %s%s.", root, how);
     }
-    if (m == METHOD_NORMALISED) explain_normalised(t, r, surface, ray, hit);
+    if (m == METHOD_NORMALISED) explain_normalised(t, r, s);
     if (m == METHOD_BISECTION && r->settled) table_line(t, "Each evaluation halves the bracket: one bit of t for each.");
 }

@@ -29,15 +29,21 @@ static const char help[] =
     "  --all              every root, and every stretch of the ray that could not be decided:\n"
     "                     its t and t_err are its middle and half its length\n"
     "  --pick P           first (the default): the smallest t that counts; near-seed, of\n"
-    "                     a sag: the one the crossing of the vertex plane leads to\n";
+    "                     a sag: the one the crossing of the vertex plane leads to\n"
+    "  --proof P          what a hit is to prove.  estimate (the default): a root lies within\n"
+    "                     t_err of t; root: one, and only one; first: and it is the first that\n"
+    "                     counts (with near-seed: the only one on the ray).  What is not proven\n"
+    "                     is unproven; csv and json then have the columns lo and hi, the stretch\n"
+    "                     of the ray that is left\n";
 
 static const column head[] = {
     {"ray", COLUMN_COUNT}, {"root", COLUMN_COUNT}, {"status", COLUMN_WORD},
     {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR},
     {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER}, {"z", COLUMN_NUMBER},
     {"nx", COLUMN_NUMBER}, {"ny", COLUMN_NUMBER}, {"nz", COLUMN_NUMBER},
-    {"evals", COLUMN_COUNT}, {"id", COLUMN_WORD},
+    {"evals", COLUMN_COUNT},
 };
+static const column id = {"id", COLUMN_WORD}, left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
 enum { HEAD_COUNT = sizeof head / sizeof head[0] };
 
 typedef struct arguments {
@@ -49,12 +55,12 @@ typedef struct arguments {
 
 static arguments arguments_of(int argc, char *argv[])
 {
-    enum { SURFACE = OPTION_OWN, RAYS, RAY, SKIP_BAD, ALL, PROOF };
+    enum { SURFACE = OPTION_OWN, RAYS, RAY, SKIP_BAD, ALL };
     static const struct option known[] = {
         {"surface", required_argument, NULL, SURFACE}, {"rays", required_argument, NULL, RAYS},
         {"ray", required_argument, NULL, RAY}, {"skip-bad", no_argument, NULL, SKIP_BAD},
-        {"all", no_argument, NULL, ALL}, {"proof", required_argument, NULL, PROOF},
-        THREADS_OPTION, SHARED_OPTIONS, {0},
+        {"all", no_argument, NULL, ALL},
+        PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
     };
     arguments a = {.surface = NULL};
     const char *file = NULL;
@@ -68,7 +74,6 @@ static arguments arguments_of(int argc, char *argv[])
         case RAY: rays_parse(&a.rays, optarg); break;
         case SKIP_BAD: skip_bad = true; break;
         case ALL: a.all = true; break;
-        case PROOF: fail_usage("--proof: this version gives no proofs");
         default: options_take(&a.shared, code, all_help);
         }
     }
@@ -85,8 +90,16 @@ static arguments arguments_of(int argc, char *argv[])
 
 enum { STATUS_COUNT = SGT_GRAZE - SGT_INVALID + 1 };
 
+/* What is said of them all when they are done: how many there are of each status, the first that missed, and
+ * the first that are undecided. */
+typedef struct findings {
+    size_t count[STATUS_COUNT];
+    const launch *missed, *undecided[UNDECIDED_SHOWN];
+    int shown;
+} findings;
+
 /* What a tile needs for itself: its rays and their answers as arrays, and what becomes of
- * them: rows of the table, and how many there are of each status. */
+ * them: rows of the table, and what is found. */
 typedef struct room {
     double ray[8][TILE_RAYS];                  /* o, d, tmin, tmax */
     double number[8][TILE_RAYS];               /* t, t_err, p, n */
@@ -95,8 +108,7 @@ typedef struct room {
     sgt_hit *hit;                              /* of --all: of one ray */
     int capacity;
     table *rows;
-    size_t count[STATUS_COUNT];
-    const launch *missed;                      /* the first that did */
+    findings found;
 } room;
 
 typedef struct work {
@@ -104,8 +116,8 @@ typedef struct work {
     sgt_surface surface;
     room *room;
     table *table;
-    size_t count[STATUS_COUNT];
-    const launch *missed;
+    bool stretches;                            /* lo and hi have columns */
+    findings found;
 } work;
 
 /* A miss, and a ray that is none, have no root; an undecided stretch is numbered as one. */
@@ -124,8 +136,14 @@ static void write_row(const work *w, room *r, const launch *l, int root, const s
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) table_number(t, numbers[i]);
     table_count(t, h->evals);
     if (w->asked->rays.named) table_word(t, l->id);
-    r->count[h->status - SGT_INVALID]++;
-    if (h->status == SGT_MISS && !r->missed) r->missed = l;
+    if (w->stretches) {
+        table_number(t, h->status < 0 ? h->lo : no);
+        table_number(t, h->status < 0 ? h->hi : no);
+    }
+    findings *f = &r->found;
+    f->count[h->status - SGT_INVALID]++;
+    if (h->status == SGT_MISS && !f->missed) f->missed = l;
+    if (h->status < 0 && f->shown < UNDECIDED_SHOWN) f->undecided[f->shown++] = l;
 }
 
 static void find_one_each(const work *w, room *r, const tile *t)
@@ -143,8 +161,9 @@ static void find_one_each(const work *w, room *r, const tile *t)
                            .p = {n[2], n[3], n[4]}, .n = {n[5], n[6], n[7]}};
     sgt_intersect_batch(w->surface, t->count, rays, hits, &w->asked->shared.solver);
     for (size_t i = 0; i < t->count; i++) {
-        const sgt_hit h = {.status = (sgt_status)r->status[i], .evals = r->evals[i], .t = n[0][i], .t_err = n[1][i],
-                           .p = {n[2][i], n[3][i], n[4][i]}, .n = {n[5][i], n[6][i], n[7][i]}};
+        sgt_hit h = {.status = (sgt_status)r->status[i], .evals = r->evals[i], .t = n[0][i], .t_err = n[1][i],
+                     .p = {n[2][i], n[3][i], n[4][i]}, .n = {n[5][i], n[6][i], n[7][i]}};
+        if (w->stretches && h.status < 0) h = sgt_intersect(w->surface, l[i].ray, &w->asked->shared.solver); /* a batch does not tell lo and hi */
         write_row(w, r, &l[i], 0, &h);
     }
 }
@@ -179,53 +198,100 @@ static void take(void *data, const tile *t)
     work *w = data;
     room *r = &w->room[t->place];
     table_join(w->table, r->rows);
-    for (int s = 0; s < STATUS_COUNT; s++) w->count[s] += r->count[s], r->count[s] = 0;
-    if (!w->missed) w->missed = r->missed;
-    r->missed = NULL;
+    findings *all = &w->found, *f = &r->found;
+    for (int s = 0; s < STATUS_COUNT; s++) all->count[s] += f->count[s];
+    if (!all->missed) all->missed = f->missed;
+    for (int i = 0; i < f->shown && all->shown < UNDECIDED_SHOWN; i++) all->undecided[all->shown++] = f->undecided[i];
+    *f = (findings){.missed = NULL};
 }
 
 /* ---------------------------------------------------------------- verdict */
 
-/* "5 rays: 3 hit, 2 miss.  Every answer is certain." */
-static void write_verdict(table *t, const arguments *a, sgt_surface surface, const size_t count[])
+/* "3 hits proven to be the first", "1 miss proven"; without a proof asked for "3 hit", "1 miss". */
+static int print_count(char *text, size_t size, const work *w, sgt_status status, size_t n)
 {
-    char text[300], rows[60] = "";
-    size_t length = 0, all = 0, undecided = 0, rays = a->rays.count;
+    const sgt_options *asked = &w->asked->shared.solver;
+    if (asked->proof && status == SGT_HIT) {
+        bool near_seed = options_near_seed(&w->asked->shared, w->surface, SGT_FIRST);
+        const char *proven = w->asked->all ? n > 1 ? "proven to be single roots" : "proven to be a single root" : explain_proof(asked, near_seed, n > 1);
+        return snprintf(text, size, "%zu hit%s %s", n, n > 1 ? "s" : "", proven);
+    }
+    if (asked->proof && status == SGT_GRAZE) return snprintf(text, size, "%zu graze%s (touches, as far as can be told)", n, n > 1 ? "s" : "");
+    if (asked->proof && status == SGT_MISS) return snprintf(text, size, "%zu miss%s proven", n, n > 1 ? "es" : "");
+    return snprintf(text, size, "%zu %s", n, sgt_status_text(status));
+}
+
+/* "5 rays: 3 hit, 2 miss.  Every answer is certain." */
+static void write_verdict(const work *w, size_t undecided)
+{
+    table *t = w->table;
+    const arguments *a = w->asked;
+    char text[400] = "", rows[60] = "";
+    size_t length = 0, all = 0, rays = a->rays.count;
     for (int s = SGT_GRAZE; s >= SGT_INVALID; s--) {
-        size_t n = count[s - SGT_INVALID];
+        size_t n = w->found.count[s - SGT_INVALID];
         if (n == 0) continue;
         all += n;
-        if (s < 0) undecided += n;
-        length += (size_t)snprintf(text + length, sizeof text - length, "%s %zu %s", length ? "," : "", n,
-                                   sgt_status_text((sgt_status)s));
+        length += (size_t)snprintf(text + length, sizeof text - length, "%s ", length ? "," : "");
+        length += (size_t)print_count(text + length, sizeof text - length, w, (sgt_status)s, n);
     }
-    text[length] = 0;
     if (a->all) snprintf(rows, sizeof rows, ", %zu row%s", all, all == 1 ? "" : "s");
-    bool fast = options_fast(&a->shared, surface);
-    const char *end = !undecided && !fast ? "  Every answer is certain."
-                    : undecided && !a->all ? "  For the undecided, sagitta diagnose says why." : "";
-    table_line(t, "%zu ray%s%s:%s.%s", rays, rays == 1 ? "" : "s", rows, rays ? text : " nothing to decide", end);
+    bool fast = options_fast(&a->shared, w->surface);
+    table_line(t, "%zu ray%s%s:%s.%s", rays, rays == 1 ? "" : "s", rows, rays ? text : " nothing to decide",
+               undecided || fast || a->shared.solver.proof ? "" : "  Every answer is certain.");
     if (undecided && a->all) {
         table_line(t, "Of an undecided row t +- t_err is the stretch that may hold roots, or none; sagitta diagnose,");
         table_line(t, "with its ends as tmin and tmax, says why.");
+    } else if (w->found.shown == UNDECIDED_SHOWN && undecided > UNDECIDED_SHOWN) {
+        table_line(t, "%zu more undecided: sagitta diagnose says why.", undecided - UNDECIDED_SHOWN);
     }
     if (fast) table_line(t, "%s", explain_fast);
+}
+
+static void write_undecided(const work *w)
+{
+    const arguments *a = w->asked;
+    search s = {.surface = w->surface, .asked = &a->shared.solver, .near_seed = options_near_seed(&a->shared, w->surface, SGT_FIRST),
+                .fast = options_fast(&a->shared, w->surface)};
+    for (int i = 0; i < w->found.shown && !a->all; i++) {
+        char who[40];
+        s.ray = w->found.undecided[i]->ray;
+        sgt_hit hit = sgt_intersect(s.surface, s.ray, s.asked);
+        s.hit = &hit;
+        snprintf(who, sizeof who, "Ray %zu: ", w->found.undecided[i]->number);
+        undecided_explain(w->table, who, &s);
+    }
+}
+
+/* Every column but those of things that were not asked for. */
+static size_t columns_of(const work *w, column to[HEAD_COUNT + 3])
+{
+    size_t n = HEAD_COUNT;
+    memcpy(to, head, sizeof head);
+    if (w->asked->rays.named) to[n++] = id;
+    if (w->stretches) to[n++] = left[0], to[n++] = left[1];
+    return n;
 }
 
 exit_status command_intersect(int argc, char *argv[])
 {
     arguments a = arguments_of(argc, argv);
-    work w = {.asked = &a, .surface = surface_parse("--surface", a.surface)};
+    const bool text = a.shared.target.format == TABLE_TEXT;
+    work w = {.asked = &a, .surface = surface_parse("--surface", a.surface), .stretches = a.shared.solver.proof && !text};
+    column columns[HEAD_COUNT + 3];
     options_note_unread(&a.shared, 1, &(sgt_element){.surface = w.surface});
-    w.table = table_begin(&a.shared.target, a.rays.named ? HEAD_COUNT : HEAD_COUNT - 1, head);
+    w.table = table_begin(&a.shared.target, columns_of(&w, columns), columns);
     const tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};
     size_t places = tiles_places(&in), undecided = 0;
     w.room = memory_take(places, sizeof *w.room);
     for (size_t i = 0; i < places; i++) w.room[i].rows = table_part(w.table);
     tiles_run(&in, &w, find, take);
-    for (int s = SGT_INVALID; s < 0; s++) undecided += w.count[s - SGT_INVALID];
-    if (w.missed && a.shared.target.format == TABLE_TEXT) explain_miss(w.table, w.missed->number, w.surface, &w.missed->ray);
-    write_verdict(w.table, &a, w.surface, w.count);
+    for (int s = SGT_INVALID; s < 0; s++) undecided += w.found.count[s - SGT_INVALID];
+    if (text) {
+        if (w.found.missed) explain_miss(w.table, w.found.missed->number, w.surface, &w.found.missed->ray);
+        write_undecided(&w);
+        write_verdict(&w, undecided);
+    }
     table_end(w.table);
     return undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
 }

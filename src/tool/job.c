@@ -1,6 +1,7 @@
 /* job.c - a lens and the rays to send through it. */
 #include "job.h"
 
+#include "frame.h"
 #include "launch.h"
 #include "memory.h"
 
@@ -38,6 +39,11 @@ bool job_take(job_options *o, int code)
     case JOB_NO_APERTURES: o->no_apertures = true; return true;
     default: return false;
     }
+}
+
+sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray)
+{
+    return (sgt_ray){.o = frame_point_in(pose, ray->o), .d = frame_direction_in(pose, ray->d), .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
 }
 
 job job_read(const job_options *o)

@@ -41,6 +41,9 @@ typedef struct job {
     const double *field;
 } job;
 
+/* The whole line of a ray as an element sees it: in its own frame. */
+sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray);
+
 /* Reads what the options name.  Whatever is wrong ends the command. */
 job job_read(const job_options *o);
 

@@ -121,11 +121,13 @@ static void read_place(const document *d, const node *map, bool placed, double *
     if (!origin) {
         at = read_vector(d, decenter, "decenter");
         at.z += *next_z;
+        if (!isfinite(at.z)) document_fail(d, decenter, "decenter", "the vertex is beyond the largest number");
     }
     s->z = origin ? at.z : *next_z;
     s->off_axis = origin && (at.x != 0 || at.y != 0 || nonzero(turn));
     e->pose = nonzero(turn) ? sgt_pose_tilted(at, turn) : (sgt_pose){.origin = at};
     if (thickness) *next_z += document_number(d, thickness, "thickness", NUMBER_FINITE);
+    if (!isfinite(*next_z)) document_fail(d, thickness, "thickness", "the next vertex is beyond the largest number");
 }
 
 /* The medium behind an entry; `before` is the index in front of it. */

@@ -68,6 +68,14 @@ static sgt_pick pick_of(const char *text)
     fail_usage("--pick wants first or near-seed, not \"%s\"", text);
 }
 
+static sgt_proof proof_of(const char *text)
+{
+    if (strcmp(text, "estimate") == 0) return SGT_ESTIMATE;
+    if (strcmp(text, "root") == 0) return SGT_PROVE_ROOT;
+    if (strcmp(text, "first") == 0) return SGT_PROVE_FIRST;
+    fail_usage("--proof wants estimate, root or first, not \"%s\"", text);
+}
+
 void options_note_unread(const shared_options *o, size_t count, const sgt_element element[])
 {
     bool set = false, sag = false;
@@ -75,8 +83,14 @@ void options_note_unread(const shared_options *o, size_t count, const sgt_elemen
         set = set || element[i].surface.ops->estimate;
         sag = sag || profile_is_sag(element[i].surface);
     }
+    if (o->solver.dt_min > 0 && set && o->solver.proof) fail_usage("--proof or --dt-min, not both: steps of --dt-min prove nothing");
     if (o->solver.dt_min > 0 && !set) note("--dt-min: not used; it is for level sets (julia, mandelbrot)");
     if (o->solver.pick == SGT_NEAR_SEED && !sag) note("--pick near-seed: not used; of a level set the first root counts");
+}
+
+bool options_near_seed(const shared_options *o, sgt_surface s, sgt_pick by_default)
+{
+    return (o->solver.pick ? o->solver.pick : by_default) == SGT_NEAR_SEED && profile_is_sag(s);
 }
 
 int options_threads(const shared_options *o)
@@ -104,6 +118,7 @@ void options_take(shared_options *o, int code, const char *help)
     case OPTION_OUTPUT: o->target.path = optarg; return;
     case OPTION_HEX: o->target.hexadecimal = true; return;
     case OPTION_PICK: o->solver.pick = pick_of(optarg); return;
+    case OPTION_PROOF: o->solver.proof = proof_of(optarg); return;
     case OPTION_MAX_EVALS: o->solver.max_evals = (int)options_integer("max-evals", optarg, 1, INT_MAX); return;
     case OPTION_T_TOL: o->solver.t_tol = length_of("t-tol"); return;
     case OPTION_THREADS: o->threads = (int)options_integer("threads", optarg, 1, THREADS_MOST); return;

@@ -15,7 +15,7 @@ typedef struct shared_options {
 /* Codes for getopt_long; a subcommand's own begin with OPTION_OWN. */
 enum {
     OPTION_FORMAT = 256, OPTION_OUTPUT, OPTION_HEX, OPTION_HELP, OPTION_VERSION,
-    OPTION_PICK, OPTION_T_TOL, OPTION_DT_MIN, OPTION_MAX_EVALS, OPTION_THREADS, OPTION_OWN
+    OPTION_PICK, OPTION_T_TOL, OPTION_DT_MIN, OPTION_MAX_EVALS, OPTION_THREADS, OPTION_PROOF, OPTION_OWN
 };
 
 /* For the subcommand's own table of options, which ends with {0}. */
@@ -33,6 +33,9 @@ enum {
 /* For those that work in threads, besides. */
 #define THREADS_OPTION {"threads", required_argument, NULL, OPTION_THREADS}
 
+/* For those that prove. */
+#define PROOF_OPTION {"proof", required_argument, NULL, OPTION_PROOF}
+
 /* Their paragraph of a --help, and its line. */
 extern const char options_help[], options_threads_help[];
 
@@ -45,10 +48,14 @@ void options_version(void);
 /* Is a surface searched in the fast way that --dt-min asks for?  Its answers claim less. */
 static inline bool options_fast(const shared_options *o, sgt_surface s) { return o->solver.dt_min > 0 && s.ops->estimate; }
 
+/* Is the root near the seed the one that is asked for?  by_default: where --pick was not given.  A level set has none. */
+bool options_near_seed(const shared_options *o, sgt_surface s, sgt_pick by_default);
+
 /* How many threads to work in.  A word on standard error if more are asked for than can be. */
 int options_threads(const shared_options *o);
 
-/* A word on standard error if --dt-min or --pick was given and none of these reads it. */
+/* A word on standard error if --dt-min or --pick was given and none of these reads it; a usage error
+ * if --dt-min is to make fast what --proof is to prove. */
 void options_note_unread(const shared_options *o, size_t count, const sgt_element element[]);
 
 /* Values; what does not fit is a usage error. */

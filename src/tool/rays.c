@@ -27,7 +27,11 @@
 enum { COLUMN_COUNT = 9, TMIN = 6, TMAX = 7, ID = 8, REQUIRED = 6 };
 static const char *const column_name[COLUMN_COUNT] = {"ox", "oy", "oz", "dx", "dy", "dz", "tmin", "tmax", "id"};
 
-enum { FIELDS_MOST = COLUMN_COUNT + 1, PIECE = 1 << 18 };
+enum { FIELDS_MOST = COLUMN_COUNT + 1 };
+#ifndef PIECE
+#define PIECE (1 << 18) /* bytes of the text, at least; a test may want them shorter */
+#endif
+static const char BROKEN[] = "a zero byte, a quote without an end, or something behind one";
 
 void rays_add(ray_list *list, launch ray)
 {
@@ -59,6 +63,7 @@ static bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray 
     ray->tmax = has_tmax ? value[TMAX] : HUGE_VAL;
     if (isnan(ray->tmin) || isnan(ray->tmax)) return bad(why, "tmin, tmax: must not be nan");
     if (ray->tmin > ray->tmax) return bad(why, "tmin, tmax: %g is more than %g", ray->tmin, ray->tmax);
+    if (ray->tmin == HUGE_VAL || ray->tmax == -HUGE_VAL) return bad(why, "tmin, tmax: nothing lies between %g and %g", ray->tmin, ray->tmax);
     /* to the library tmax = 0 after tmin = 0 is "no end"; here it was written down, and means 0 */
     if (ray->tmax == 0 && ray->tmin == 0) ray->tmax = DBL_MIN * DBL_EPSILON;
     return true;
@@ -154,6 +159,7 @@ static void read_header(reader *r, int place[COLUMN_COUNT])
     const char *source = r->source;
     if (r->end - r->at >= 3 && memcmp(r->at, "\xef\xbb\xbf", 3) == 0) r->at += 3;
     if (!next_line(r)) fail_input("%s: empty; a header row is wanted, as ox,oy,oz,dx,dy,dz", source);
+    if (r->broken) fail_input("%s:%zu: %s", source, r->line, BROKEN);
     for (int c = 0; c < COLUMN_COUNT; c++) place[c] = -1;
     for (int f = 0; f < r->count; f++) {
         int c = 0;
@@ -175,7 +181,7 @@ static void read_header(reader *r, int place[COLUMN_COUNT])
 static bool row_of(const reader *r, const int place[COLUMN_COUNT], int columns, launch *l, char why[120])
 {
     double value[8] = {0};
-    if (r->broken) return bad(why, "a quote without an end, or something behind one");
+    if (r->broken) return bad(why, "%s", BROKEN);
     if (r->count != columns) return bad(why, "%s fields than the header's %d", r->count < columns ? "fewer" : "more", columns);
     for (int c = 0; c < ID; c++)
         if (place[c] >= 0 && !number_read(r->field[place[c]], &value[c]))

@@ -8,6 +8,7 @@
 #include "profile.h"
 #include "scene.h"
 #include "tiles.h"
+#include "undecided.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -34,15 +35,20 @@ static const char more_help[] =
     "  --frame F          local (the default): points and directions in each surface's own\n"
     "                     frame; global: in that of the first vertex\n"
     "  --svg FILE         draws the y-z section with the rays\n"
-    "  --pick P           near-seed (the default): the root near the surface's vertex; first\n";
+    "  --pick P           near-seed (the default): the root near the surface's vertex; first\n"
+    "  --proof P          what a root is to prove.  estimate (the default): one lies within t_err\n"
+    "                     of t; root: one, and only one; first: and it is the only one within the\n"
+    "                     clear aperture (with --pick first, and on a level set: the first).  Where\n"
+    "                     that is not proven the ray is lost (unproven); csv and json then have the\n"
+    "                     columns lo and hi, the stretch of the ray, in its t, that is left\n";
 
 static const column head[] = {
     {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"fate", COLUMN_WORD}, {"status", COLUMN_WORD},
     {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER}, {"z", COLUMN_NUMBER},
     {"l", COLUMN_NUMBER}, {"m", COLUMN_NUMBER}, {"n", COLUMN_NUMBER},
     {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR}, {"opl", COLUMN_NUMBER}, {"evals", COLUMN_COUNT},
-    {"id", COLUMN_WORD},
 };
+static const column id = {"id", COLUMN_WORD}, left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
 enum { HEAD_COUNT = sizeof head / sizeof head[0] };
 
 typedef struct arguments {
@@ -58,7 +64,7 @@ static arguments arguments_of(int argc, char *argv[])
     static const struct option known[] = {
         {"frame", required_argument, NULL, FRAME}, {"svg", required_argument, NULL, SVG},
         {"ray", required_argument, NULL, RAY},
-        JOB_OPTIONS, THREADS_OPTION, SHARED_OPTIONS, {0},
+        JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
     };
     char all_help[6000];
     snprintf(all_help, sizeof all_help, "%s%s%s%s", help, job_help, more_help, options_threads_help);
@@ -111,6 +117,7 @@ typedef struct room {
     int passed[TILE_RAYS];
     records *record;               /* [elements] */
     sgt_passages *passages;        /* [elements]: where record is, for the library */
+    sgt_passage *alone;            /* [elements]: of one ray by itself */
     table *rows;
 } room;
 
@@ -120,7 +127,10 @@ typedef struct work {
     room *room;
     table *table;
     scene *picture;                /* NULL: none */
-    size_t passed, undecided;      /* of all rays */
+    bool stretches;                /* lo and hi have columns */
+    size_t passed, proven, undecided; /* of all rays; proven: no element was grazed */
+    const launch *lost[UNDECIDED_SHOWN];
+    int shown;
     losses *loss;                  /* [elements] */
     sgt_vec3 *point;               /* [elements + 1] */
 } work;
@@ -129,7 +139,7 @@ static room room_for(const work *w)
 {
     size_t count = w->job->lens.count;
     room r = {.record = memory_take(count, sizeof *r.record), .passages = memory_take(count, sizeof *r.passages),
-              .rows = table_part(w->table)};
+              .alone = memory_take(count, sizeof *r.alone), .rows = table_part(w->table)};
     for (size_t i = 0; i < count; i++) {
         records *record = &r.record[i];
         double(*n)[TILE_RAYS] = record->number;
@@ -149,13 +159,22 @@ static void write_vector(table *t, sgt_vec3 v)
     table_number(t, v.z);
 }
 
-static void write_row(const work *w, table *t, const launch *l, size_t element, sgt_fate fate, records *r, size_t i)
+/* A ray by itself, of which more is told than in a batch: how it was met at the element where it ended. */
+static const sgt_hit *ended(const work *w, const launch *l, sgt_passage alone[], size_t element)
+{
+    sgt_ray ray = l->ray;
+    sgt_trace(element + 1, w->job->element, w->job->lens.object_index, &ray, alone, NULL, &w->asked->shared.solver);
+    return &alone[element].hit;
+}
+
+static void write_row(const work *w, room *own, const launch *l, size_t element, sgt_fate fate, records *r, size_t i)
 {
     /* what is not: the point of a miss, the direction of a ray that went no farther */
     const sgt_vec3 nowhere = {(double)NAN, (double)NAN, (double)NAN};
     sgt_vec3 point = r->status[i] > 0 ? vector_at(r->number, i) : nowhere;
     sgt_vec3 direction = fate == SGT_PASSED ? vector_at(r->number + 3, i) : nowhere;
     const sgt_pose *pose = w->asked->global ? &w->job->element[element].pose : NULL;
+    table *t = own->rows;
     table_count(t, (long long)l->number);
     table_count(t, (long long)element + 1);
     table_word(t, sgt_fate_text(fate));
@@ -166,6 +185,10 @@ static void write_row(const work *w, table *t, const launch *l, size_t element, 
     table_number(t, r->number[8][i]);
     table_count(t, r->evals[i]);
     if (w->job->rays.named) table_word(t, l->id);
+    if (!w->stretches) return;
+    const sgt_hit *hit = r->status[i] < 0 ? ended(w, l, own->alone, element) : NULL;
+    table_number(t, hit ? hit->lo : (double)NAN);
+    table_number(t, hit ? hit->hi : (double)NAN);
 }
 
 static void send(void *data, const tile *t)
@@ -187,8 +210,8 @@ static void send(void *data, const tile *t)
     for (size_t i = 0; i < t->count; i++) {
         size_t passed = (size_t)r->passed[i];
         if (t->first + i > 0) table_gap(r->rows);
-        for (size_t k = 0; k < passed; k++) write_row(w, r->rows, &l[i], k, SGT_PASSED, &r->record[k], i);
-        if (r->fate[i] != SGT_PASSED) write_row(w, r->rows, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
+        for (size_t k = 0; k < passed; k++) write_row(w, r, &l[i], k, SGT_PASSED, &r->record[k], i);
+        if (r->fate[i] != SGT_PASSED) write_row(w, r, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
     }
 }
 
@@ -201,6 +224,14 @@ static void draw(work *w, const room *r, const launch *l, size_t i)
     scene_add(w->picture, l->field, met + 1, w->point, fate, (sgt_vec3){r->ray[3][i], r->ray[4][i], r->ray[5][i]});
 }
 
+/* Did it cross every element for certain?  A graze is a touch as far as can be told. */
+static bool crossed_all(const work *w, const room *r, size_t i)
+{
+    for (size_t k = 0; k < w->job->lens.count; k++)
+        if (r->record[k].status[i] != SGT_HIT) return false;
+    return true;
+}
+
 static void take(void *data, const tile *t)
 {
     work *w = data;
@@ -208,10 +239,12 @@ static void take(void *data, const tile *t)
     table_join(w->table, r->rows);
     for (size_t i = 0; i < t->count; i++) {
         int passed = r->passed[i];
-        if (r->fate[i] == SGT_PASSED) w->passed++;
+        const launch *l = &w->job->rays.ray[t->first + i];
+        if (r->fate[i] == SGT_PASSED) w->passed++, w->proven += crossed_all(w, r, i);
         else count_loss(&w->loss[passed], (sgt_fate)r->fate[i], (sgt_status)r->record[passed].status[i]);
         if (r->fate[i] < 0) w->undecided++;
-        if (w->picture) draw(w, r, &w->job->rays.ray[t->first + i], i);
+        if (r->fate[i] < 0 && r->record[passed].status[i] < 0 && w->shown < UNDECIDED_SHOWN) w->lost[w->shown++] = l;
+        if (w->picture) draw(w, r, l, i);
     }
 }
 
@@ -223,10 +256,23 @@ static void append(char text[400], size_t n, const char *what, const char *reaso
     if (n) snprintf(text + length, 400 - length, "%s %zu %s%s", length ? "," : "", n, what, reason);
 }
 
-static void write_losses(table *t, const job *j, size_t passed, const losses loss[])
+/* What is proven of the rays that passed. */
+static void write_proof(const work *w)
 {
-    table_line(t, "%zu of %zu ray%s passed all %zu elements.", passed, j->rays.count, j->rays.count == 1 ? "" : "s",
-               j->lens.count);
+    const arguments *a = w->asked;
+    bool sags = false, sets = false;
+    if (!a->shared.solver.proof) return;
+    for (size_t i = 0; i < w->job->lens.count; i++) {
+        bool sag = profile_is_sag(w->job->element[i].surface);
+        sags = sags || sag, sets = sets || !sag;
+    }
+    const char *what = a->shared.solver.proof == SGT_PROVE_ROOT ? "" : a->shared.solver.pick == SGT_FIRST || !sags ? ", and none before it"
+                     : sets ? ", and no other within the clear aperture (on a level set: none before it)" : ", and no other within the clear aperture";
+    table_line(w->table, "Proven for %zu of them: at each element one root, and only one, lies within t_err of t%s.", w->proven, what);
+}
+
+static void write_losses(table *t, const job *j, const losses loss[])
+{
     for (size_t i = 0; i < j->lens.count; i++) {
         char text[400] = "";
         append(text, loss[i].missed, "missed it", "");
@@ -241,6 +287,36 @@ static void write_losses(table *t, const job *j, size_t passed, const losses los
     }
 }
 
+/* The first rays that were lost: where, and why. */
+static void write_lost(const work *w)
+{
+    const job *j = w->job;
+    sgt_passage *alone = memory_take(j->lens.count, sizeof *alone);
+    for (int i = 0; i < w->shown; i++) {
+        const shared_options *asked = &w->asked->shared;
+        sgt_ray ray = w->lost[i]->ray;
+        size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &ray, alone, NULL, &asked->solver);
+        if (passed == j->lens.count) continue; /* never: a batch tells what a ray alone does */
+        const sgt_element *e = &j->element[passed];
+        const search s = {.surface = e->surface, .semi_diameter = e->semi_diameter, .ray = job_own_ray(&e->pose, &ray), .asked = &asked->solver,
+                          .near_seed = options_near_seed(asked, e->surface, SGT_NEAR_SEED), .fast = options_fast(asked, e->surface),
+                          .hit = &alone[passed].hit};
+        char who[80];
+        snprintf(who, sizeof who, "Ray %zu at element %zu: ", w->lost[i]->number, passed + 1);
+        undecided_explain(w->table, who, &s);
+    }
+    if (w->undecided > (size_t)w->shown) table_line(w->table, "%zu more lost: sagitta diagnose says why.", w->undecided - (size_t)w->shown);
+}
+
+static size_t columns_of(const work *w, column to[HEAD_COUNT + 3])
+{
+    size_t n = HEAD_COUNT;
+    memcpy(to, head, sizeof head);
+    if (w->job->rays.named) to[n++] = id;
+    if (w->stretches) to[n++] = left[0], to[n++] = left[1];
+    return n;
+}
+
 /* ------------------------------------------------------------------ trace */
 
 exit_status command_trace(int argc, char *argv[])
@@ -250,6 +326,7 @@ exit_status command_trace(int argc, char *argv[])
     job j = job_read(&a.job);
     options_note_unread(&a.shared, j.lens.count, j.element);
     const size_t count = j.lens.count;
+    const bool text = a.shared.target.format == TABLE_TEXT;
     /* the room of a tile is some 60 KB for each element: 16 MB a thread, unless elements are very many */
     const tiling in = {.rays = j.rays.count, .threads = threads, .share = count < 4 ? SHARE_MOST : count < 128 ? 128 / count : 1};
     const size_t places = tiles_places(&in);
@@ -262,11 +339,17 @@ exit_status command_trace(int argc, char *argv[])
     }
     scene picture = scene_begin(&j);
     work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room), .picture = a.svg ? &picture : NULL,
-              .loss = memory_take(count, sizeof *w.loss), .point = memory_take(count + 1, sizeof *w.point)};
-    w.table = table_begin(&a.shared.target, j.rays.named ? HEAD_COUNT : HEAD_COUNT - 1, head);
+              .stretches = a.shared.solver.proof && !text, .loss = memory_take(count, sizeof *w.loss), .point = memory_take(count + 1, sizeof *w.point)};
+    column columns[HEAD_COUNT + 3];
+    w.table = table_begin(&a.shared.target, columns_of(&w, columns), columns);
     for (size_t i = 0; i < places; i++) w.room[i] = room_for(&w);
     tiles_run(&in, &w, send, take);
-    write_losses(w.table, &j, w.passed, w.loss);
+    if (text) {
+        table_line(w.table, "%zu of %zu ray%s passed all %zu elements.", w.passed, j.rays.count, j.rays.count == 1 ? "" : "s", count);
+        write_proof(&w);
+        write_losses(w.table, &j, w.loss);
+        write_lost(&w);
+    }
     table_end(w.table);
     if (a.svg) {
         scene_finish(&picture);

@@ -204,6 +204,7 @@ static sgt_options user_options(generator *g, const shape *s)
     if (chance(g, 0.2)) opt.t_tol = s->a * any_scale(g, -15, -2);
     if (chance(g, 0.15)) opt.f_tol = any_scale(g, -15, -2);
     if (chance(g, 0.15)) opt.dt_min = s->a * any_scale(g, -2, 0);
+    if (chance(g, 0.2)) opt.proof = (sgt_proof)(1 + below(g, 2));
     if (chance(g, 0.2)) opt.max_evals = 1 + below(g, chance(g, 0.5) ? 12 : 90);
     return opt;
 }

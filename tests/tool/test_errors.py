@@ -272,7 +272,7 @@ USAGES = [
     ('intersect', '--surface', '{type: plane}', *RAY, 'more'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--rays', '-'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--all', '--pick', 'first'),
-    ('intersect', '--surface', '{type: plane}', *RAY, '--proof', 'first'),
+    ('intersect', '--surface', '{type: plane}', *RAY, '--proof', 'best'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--format', 'xml'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--pick', 'last'),
     ('intersect', '--surface', '{type: plane}', *RAY, '--t-tol', 'x'),

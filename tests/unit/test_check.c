@@ -3,6 +3,7 @@
 #include "unit.h"
 
 #include <sagitta/diagnose.h>
+#include <sagitta/interval.h>
 #include <sagitta/surfaces.h>
 
 /* ------------------------------------------------- a torus with faults in it */
@@ -192,6 +193,121 @@ static void test_bad_rays(void **state)
     assert_int_equal(sgt_check((sgt_surface){&bare_ops, &s}, COUNT_OF(ends), ends, NULL), SGT_SOUND);
 }
 
+/* --------------------------------- an enclosure and a clearance with faults in them */
+
+typedef enum promise {
+    KEPT, NOTHING_SAID, NAN_SAID, NAN_SLOPE, NO_SLOPE, WIDER, SMALLER_CLEARANCE, NO_CLEARANCE, NAN_CLEARANCE,      /* true */
+    NARROW, NARROW_BELOW, NARROW_SLOPE, TURNED_SLOPE, WRONG_WAY, EMPTY, EMPTY_SLOPE, OF_THE_MIDDLE, WITHOUT_D, TOO_SHORT, SHARP, /* not */
+    LARGER_CLEARANCE, ENDLESS_CLEARANCE, TO_THE_AXIS,
+    PROMISES
+} promise;
+
+typedef struct ball { double R; promise what; } ball;
+
+/* |p| - R, or |p|^2 - R^2: what keeps to the square has tight intervals. */
+static double ball_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    const ball *s = self;
+    if (grad) *grad = (sgt_vec3){2 * p.x, 2 * p.y, 2 * p.z};
+    return p.x * p.x + p.y * p.y + p.z * p.z - s->R * s->R;
+}
+static double ball_rounding(const void *self, sgt_vec3 p)
+{
+    const ball *s = self;
+    return 0x1p-51 * (p.x * p.x + p.y * p.y + p.z * p.z + s->R * s->R);
+}
+static sgt_interval ball_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    const ball *s = self;
+    sgt_interval g = sgt_interval_of(0), half = g, t_own = t;
+    if (s->what == OF_THE_MIDDLE) t = sgt_interval_of(sgt_interval_middle(t));
+    if (s->what == TOO_SHORT) t = sgt_interval_between(t.lo, t.lo + 0.7 * (t.hi - t.lo));
+    const double o[] = {ray->o.x, ray->o.y, ray->o.z}, d[] = {ray->d.x, ray->d.y, ray->d.z};
+    for (int i = 0; i < 3; i++) {
+        sgt_interval x = sgt_interval_sum(sgt_interval_of(o[i]), sgt_interval_scaled(t, d[i]));
+        g = sgt_interval_sum(g, sgt_interval_square(x)), half = sgt_interval_sum(half, sgt_interval_scaled(x, s->what == WITHOUT_D ? 1 : d[i]));
+    }
+    g = sgt_interval_difference(g, sgt_interval_square(sgt_interval_of(s->R)));
+    *slope = sgt_interval_scaled(half, 2);
+    double width = 1e-6 * (g.hi - g.lo), steep = slope->hi - slope->lo;
+    switch (s->what) {
+    case NOTHING_SAID: return *slope = sgt_interval_all(), *slope;
+    case NAN_SAID: return *slope = (sgt_interval){NOT, NOT}, *slope;
+    case NAN_SLOPE: *slope = (sgt_interval){NOT, NOT}; break;
+    case NO_SLOPE: *slope = sgt_interval_all(); break;
+    case WIDER: g.lo -= width, g.hi += 3 * width; break;
+    case NARROW: g.lo += width, g.hi -= width; break;
+    case NARROW_BELOW: g.lo += width; break;
+    case NARROW_SLOPE: slope->lo += 1e-6 * steep, slope->hi -= 1e-6 * steep; break;
+    case TURNED_SLOPE: *slope = sgt_interval_negative(*slope); break;
+    case WRONG_WAY: g = sgt_interval_negative(g); break;
+    case EMPTY: g = sgt_interval_empty(); break;
+    case EMPTY_SLOPE: *slope = sgt_interval_empty(); break;
+    case SHARP: if (t_own.lo < t_own.hi) g = sgt_interval_of(0.5 * g.lo + 0.5 * g.hi); break;
+    default: break;
+    }
+    return g;
+}
+static double ball_clearance(const void *self, sgt_vec3 p)
+{
+    const ball *s = self;
+    double r = sqrt(p.x * p.x + p.y * p.y + p.z * p.z), off = fabs(r - s->R) - 0x1p-50 * (r + s->R);
+    switch (s->what) {
+    case SMALLER_CLEARANCE: return 0.5 * off;
+    case NO_CLEARANCE: return -1;
+    case NAN_CLEARANCE: return NOT;
+    case LARGER_CLEARANCE: return 1.0001 * off;
+    case ENDLESS_CLEARANCE: return FAR;
+    case TO_THE_AXIS: return sqrt(p.x * p.x + p.y * p.y);
+    default: return off;
+    }
+}
+
+/* A jump at x = 0, of a slope that is told as bounded; and where F ends at x = 0, told or not. */
+static double step_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    int what = *(const int *)self;
+    if (grad) *grad = (sgt_vec3){1, 0, 0};
+    return p.x < 0 ? p.x - 1 : what < 2 ? p.x + 1 : NOT;
+}
+static sgt_interval step_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    int what = *(const int *)self;
+    sgt_interval x = sgt_interval_sum(sgt_interval_of(ray->o.x), sgt_interval_scaled(t, ray->d.x)), below = sgt_interval_between(x.lo, x.hi < 0 ? x.hi : 0), above = sgt_interval_between(x.lo > 0 ? x.lo : 0, x.hi);
+    *slope = what == 0 && x.lo <= 0 && x.hi >= 0 ? sgt_interval_all() : sgt_interval_of(ray->d.x);
+    below = sgt_interval_difference(below, sgt_interval_of(1)), above = sgt_interval_sum(above, sgt_interval_of(1));
+    if (what == 3 && x.lo > -0.2) return sgt_interval_empty(); /* too soon */
+    return what < 2 ? sgt_interval_hull(below, above) : below;
+}
+
+static void test_promises(void **state)
+{
+    (void)state;
+    generator g = seeded("enclosures and clearances");
+    static const sgt_surface_ops ball_ops = {.value = ball_value, .rounding = ball_rounding, .enclose = ball_enclose, .clearance = ball_clearance},
+                                 untold_ops = {.value = ball_value, .enclose = ball_enclose, .clearance = ball_clearance}, step_ops = {.value = step_value, .enclose = step_enclose};
+    for (int what = KEPT; what < PROMISES; what++)
+        for (int again = 0; again < 10; again++) {
+            double size = log_uniform(&g, 1e-4, 1e4);
+            ball s = {size, (promise)what};
+            sgt_ray rays[12];
+            rays_through(&g, size, COUNT_OF(rays), rays);
+            sgt_vec3 where;
+            sgt_fault want = what < NARROW ? SGT_SOUND : what < LARGER_CLEARANCE ? SGT_WRONG_ENCLOSURE : SGT_WRONG_CLEARANCE;
+            sgt_fault got = sgt_check((sgt_surface){&ball_ops, &s}, COUNT_OF(rays), rays, &where);
+            REQUIRE(got == want, "promise %d, size %g: %s at %g %g %g", what, size, sgt_fault_text(got), where.x, where.y, where.z);
+            REQUIRE((got == SGT_SOUND) == isnan(where.x), "promise %d: where is %g", what, where.x);
+            got = sgt_check((sgt_surface){&untold_ops, &s}, COUNT_OF(rays), rays, &where);
+            REQUIRE(got == want, "promise %d, size %g, without rounding: %s at %g %g %g", what, size, sgt_fault_text(got), where.x, where.y, where.z);
+        }
+    for (int what = 0; what < 4; what++) {
+        sgt_ray rays[12];
+        rays_through(&g, 1, COUNT_OF(rays), rays);
+        sgt_fault got = sgt_check((sgt_surface){&step_ops, &what}, COUNT_OF(rays), rays, NULL);
+        REQUIRE(got == (what & 1 ? SGT_WRONG_ENCLOSURE : SGT_SOUND), "step %d: %s", what, sgt_fault_text(got));
+    }
+}
+
 /* ---------------------------------------------- sound, and hard to believe */
 
 static double steep_value(const void *self, sgt_vec3 p, sgt_vec3 *grad) /* F = sinh(k z) - x */
@@ -279,7 +395,7 @@ static void test_builtin(void **state)
 {
     (void)state;
     generator g = seeded("built-in surfaces");
-    long n = scaled(3000);
+    long n = scaled(1000);
     for (long i = 0; i < n; i++) {
         double R = either_sign(&g) * log_uniform(&g, 1e-3, 1e6);
         sgt_asphere s = {.c = chance(&g, 0.1) ? 0 : 1 / R, .k = chance(&g, 0.2) ? 0 : chance(&g, 0.2) ? -1 : chance(&g, 0.2) ? either_sign(&g) * log_uniform(&g, 1e-3, 1e3) : uniform(&g, -3, 3)};
@@ -307,10 +423,29 @@ static void test_builtin(void **state)
     }
 }
 
+/* Their enclosures among the rest. */
+static void test_level_sets(void **state)
+{
+    (void)state;
+    generator g = seeded("level sets");
+    long n = scaled(60);
+    for (long i = 0; i < n; i++) {
+        sgt_julia s = {.c = {uniform(&g, -0.8, 0.4), uniform(&g, -0.6, 0.6), uniform(&g, -0.4, 0.4), 0}, .ex = {1}, .ey = {0, 1}, .ez = {0, 0, 1}, .escape = 4, .iterations = 2 + below(&g, 5), .power = 2};
+        sgt_mandelbrot m = {.ex = {1}, .ey = {0, 1}, .ez = {0, 0, 1}, .escape = 4, .iterations = 2 + below(&g, 5), .power = 2};
+        sgt_ray rays[3];
+        rays_through(&g, 1, COUNT_OF(rays), rays);
+        sgt_vec3 where;
+        sgt_fault got = sgt_check((sgt_surface){&sgt_julia_ops, &s}, COUNT_OF(rays), rays, &where);
+        REQUIRE(got == SGT_SOUND, "case %ld, julia: %s at %.17g %.17g %.17g", i, sgt_fault_text(got), where.x, where.y, where.z);
+        got = sgt_check((sgt_surface){&sgt_mandelbrot_ops, &m}, COUNT_OF(rays), rays, &where);
+        REQUIRE(got == SGT_SOUND, "case %ld, mandelbrot: %s at %.17g %.17g %.17g", i, sgt_fault_text(got), where.x, where.y, where.z);
+    }
+}
+
 static void test_texts(void **state)
 {
     (void)state;
-    for (int i = SGT_SOUND; i <= SGT_WRONG_SPANS; i++) {
+    for (int i = SGT_SOUND; i <= SGT_WRONG_ENCLOSURE; i++) {
         const char *text = sgt_fault_text((sgt_fault)i);
         assert_true(text && strlen(text) > 5 && !strchr(text, '\n'));
         for (int j = SGT_SOUND; j < i; j++) assert_string_not_equal(text, sgt_fault_text((sgt_fault)j));
@@ -321,8 +456,8 @@ static void test_texts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_planted), cmocka_unit_test(test_where), cmocka_unit_test(test_spans_alone), cmocka_unit_test(test_no_value), cmocka_unit_test(test_bad_rays),
-        cmocka_unit_test(test_sound), cmocka_unit_test(test_builtin), cmocka_unit_test(test_texts),
+        cmocka_unit_test(test_planted), cmocka_unit_test(test_where), cmocka_unit_test(test_promises), cmocka_unit_test(test_spans_alone), cmocka_unit_test(test_no_value), cmocka_unit_test(test_bad_rays),
+        cmocka_unit_test(test_sound), cmocka_unit_test(test_builtin), cmocka_unit_test(test_level_sets), cmocka_unit_test(test_texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,453 @@
+/* prove.c - what can be proven of a ray and a surface of a user, by its enclosure.
+ *
+ * Without an enclosure a span that the ray passes by is all the proof there is; the answer is the estimate, told as
+ * UNPROVEN.  With one, all that is said rests on the intervals it gives of g and g', in the ray's own t, with the ray
+ * as given, and on the span; `value` guesses where to look, and is what f and n are.
+ *
+ * The stretch is a row of pieces, searched from the near end.  Let g and S be the intervals of a piece X, and G that of g
+ * at a point m of it alone.
+ *     0 is not in g          no root in X (nor where F is undefined all over it);
+ *     0 is not in S          g is monotone, and a root of X is in m - G / S (Moore 1966): none, if that is outside of X.
+ *                            Else m moves into it, by Newton's steps on `value`, until 0 is in G.
+ *     else, 0 not in G       the mean value theorem keeps roots away from m: where G > 0 none is in
+ *                            (m - min G / max S, m + min G / -min S), and so with signs changed.  What is left on
+ *                            either side is a piece (Hansen and Walster 2004, chapter 9).
+ *     else                   X is divided; unless m is at the limit of doubles, or g over all of X no wider than four
+ *                            times G, or S times the length of X no more than that of G: then more pieces would not tell
+ *                            more, and X is undecided.
+ * A slope that is without bound says nothing of a root, for g may jump there, or not be defined; one that is bounded promises
+ * that it does not (surfaces.md says so to whoever writes an enclosure).
+ *
+ * A ROOT IS PROVEN where m - G / S', S' the slope over X', lies inside X': by the mean value theorem g then has unlike signs
+ * at its ends, or is zero there, and S' allows no second zero in X'.  X' is small, and about the root; it may reach beyond
+ * the piece, so that it makes no difference where pieces end.
+ *
+ * UNDECIDED pieces with little between them are one stretch.  Where g over all of it is within eight times G, and its ends
+ * have not for certain unlike signs, it is a graze.  At tmin it does not count if no root in it could: the slope at
+ * any is below max |S|, and that bounds from below how far from tmin a root that counts has to be.
+ *
+ * WITHOUT AN END.  The far stretch from T to DBL_MAX is asked as a whole, and if that does not decide it is divided by
+ * the geometric mean, as often as it takes: a ray is as long as its t can be told.
+ *
+ * ONE ROOT ALONE that need not be the first (SGT_PROVE_ROOT, near the seed or with span.single) is first looked for by the
+ * estimate, with a few evaluations, and proven where that finds it; else it is the one nearest to the seed of all there are. */
+#include "prove.h"
+
+#include "../solve/root.h"
+#include "quick.h"
+
+#include <sagitta/interval.h>
+
+enum { PIECES = 96, GUESSES = 10, QUICK = 24 };
+
+typedef struct proof {
+    sgt_surface s;
+    const sgt_ray *ray;
+    tally told;
+    sgt_list *list;
+    bool all, found;
+    bool anew;             /* max_evals is each root's */
+    double centre, reach;  /* where the ray is nearest to the origin of the surface's frame, and how far that is from its own */
+    double seed, near;     /* the seed, and how far from it is: */
+    sgt_hit nearest;       /* the entry nearest to it */
+    double least;          /* pieces below it are not divided */
+    double lo, hi, done;   /* what is searched; decided up to here */
+    bool pending;          /* there is an undecided stretch: */
+    sgt_interval dark, last; /* it, and where the last root was */
+    double told_dark;      /* where the last such stretch that was told of ended */
+} proof;
+
+static bool over(const proof *w) { return w->found || w->told.stopped || spent(&w->told); }
+
+static bool has_zero(sgt_interval x) { return x.lo <= 0 && x.hi >= 0; }
+static bool is_bounded(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL; } /* nor NaN */
+static sgt_interval number(double x) { return sgt_interval_of(x); }
+
+static double finite(double t) { return t < -DBL_MAX ? -DBL_MAX : t > DBL_MAX ? DBL_MAX : t; }
+
+/* g over t, all numbers where nothing is known (or nothing more is to be asked). */
+static sgt_interval ask(proof *w, sgt_interval t, sgt_move move, sgt_interval *slope)
+{
+    *slope = sgt_interval_all();
+    if (over(w)) return *slope;
+    t.lo = finite(t.lo), t.hi = finite(t.hi);
+    sgt_interval g = w->s.ops->enclose(w->s.self, w->ray, t, slope);
+    tell(&w->told, move, 0.5 * t.lo + 0.5 * t.hi, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope->lo + 0.5 * slope->hi, t.lo, w->hi);
+    if (!(slope->lo <= slope->hi)) *slope = sgt_interval_all();
+    return isnan(g.lo) || isnan(g.hi) ? sgt_interval_all() : g;
+}
+
+static sgt_interval ask_at(proof *w, double t, sgt_move move)
+{
+    sgt_interval slope;
+    return ask(w, number(t), move, &slope);
+}
+
+/* m - G / S */
+static sgt_interval newton_set(double m, sgt_interval g, sgt_interval slope)
+{
+    return sgt_interval_difference(number(m), sgt_interval_quotient(g, slope));
+}
+
+/* ------------------------------------------------------------------- what is told */
+
+/* The point of the ray at t, F there, and what is told of a root that is right to t_err. */
+typedef struct place { taking h; sgt_vec3 p, n; double f, terms, width; /* START_ULPS of them, of t */ } place;
+
+static place place_of(proof *w, double t, double t_err)
+{
+    const sgt_ray *ray = w->ray;
+    double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d);
+    local q = {.scale = scale, .l = ray->d.x * scale, .m = ray->d.y * scale, .n = ray->d.z * scale, .t0 = t * inverse};
+    place at = {.p = {moved(ray->o.x, q.t0, q.l), moved(ray->o.y, q.t0, q.m), moved(ray->o.z, q.t0, q.n)}};
+    at.f = w->s.ops->value(w->s.self, at.p, &at.n);
+    around a = around_of(at.p.x, at.p.y, at.p.z, q.l, q.m, q.n, 0, at.p, at.n, 0);
+    at.terms = fabs(at.p.x * at.n.x) + fabs(at.p.y * at.n.y) + fabs(at.p.z * at.n.z);
+    at.h = taking_of(&q, 0, t_err * inverse, at.p, at.n, a, ray->tmin, ray->tmax);
+    at.h.t_err = larger(at.h.t_err, t_err);
+    at.width = START_ULPS * at.terms / fabs(a.slope) * scale + 8 * SGT_U * fabs(t);
+    tell(&w->told, SGT_PROBE, t, at.f, a.slope * inverse, t - t_err, t + t_err);
+    return at;
+}
+
+static void added(proof *w)
+{
+    const sgt_hit *hit = &w->list->last;
+    double off = larger(larger(hit->lo - w->seed, w->seed - hit->hi), 0);
+    if (off <= w->near) w->near = off, w->nearest = *hit;
+    w->found = !w->all;
+}
+
+static void stretch(proof *w, sgt_status status, double lo, double hi)
+{
+    add_stretch(w->list, &w->told, status, w->ray, lo, hi);
+    if (w->list->count) added(w);
+}
+
+static void add(proof *w, sgt_status status, const place *at, double lo, double hi)
+{
+    sgt_hit hit = {.status = status, .t = at->h.t, .t_lo = at->h.t_lo, .t_err = at->h.t_err, .lo = lo, .hi = hi,
+                   .f = at->f, .p = at->p, .n = at->n, .p_err = at->h.p_err, .evals = w->told.evals - w->told.before};
+    w->told.before = w->told.evals;
+    if (w->anew) w->told.root = w->told.evals;
+    sgt_list_add(w->list, &hit);
+    added(w);
+}
+
+/* The undecided stretch, if there is one, ends. */
+static void flush(proof *w)
+{
+    if (!w->pending) return;
+    w->pending = false;
+    w->told_dark = w->dark.hi;
+    sgt_interval at = w->dark, slope, unused;
+    bool whole = at.lo <= finite(w->lo) && at.hi >= finite(w->hi) && at.hi > at.lo, start = at.lo <= w->ray->tmin;
+    double t = !whole ? sgt_interval_middle(at) : at.lo > -DBL_MAX ? at.lo : at.hi < w->centre ? at.hi : w->centre;
+    if (whole) at = sgt_interval_between(w->lo, w->hi);
+    sgt_interval g = ask(w, at, SGT_PROBE, &slope), middle = ask(w, number(t), SGT_PROBE, &unused);
+    if (is_bounded(slope)) g = sgt_interval_intersection(g, sgt_interval_sum(middle, sgt_interval_product(slope, sgt_interval_difference(at, number(t)))));
+    if (start && !whole && is_bounded(slope) && !over(w)) {
+        place here = place_of(w, t, 0);
+        if (at.hi - w->ray->tmin < START_ULPS * (1 - 0x1p-20) * here.terms / sgt_interval_greatest(slope)) return;
+    }
+    if (is_bounded(g) && sgt_interval_greatest(g) <= 8 * sgt_interval_width(middle) && (whole || !start)) {
+        sgt_interval left = ask_at(w, at.lo, SGT_PROBE), right = ask_at(w, at.hi, SGT_PROBE);
+        bool crosses = (left.lo > 0 && right.hi < 0) || (left.hi < 0 && right.lo > 0);
+        if (!crosses && !over(w)) {
+            place here = place_of(w, t, whole ? 0 : sgt_interval_width(at) * (0.5 + 0x1p-40));
+            if (!w->told.stopped && t <= w->ray->tmax) {
+                add(w, SGT_GRAZE, &here, at.lo, at.hi);
+                return;
+            }
+        }
+    }
+    stretch(w, SGT_UNPROVEN, at.lo, at.hi);
+}
+
+static void undecided(proof *w, sgt_interval x)
+{
+    if (w->pending && x.lo - w->dark.hi <= 4 * ((w->dark.hi - w->dark.lo) + (x.hi - x.lo))) {
+        w->dark.hi = x.hi;
+        return;
+    }
+    flush(w);
+    w->dark = x, w->pending = true;
+}
+
+/* --------------------------------------------------------------------------- a root */
+
+typedef enum verdict { NONE, ROOT, UNSURE } verdict;
+
+/* Is there one in n, and only one?  G is g at m.  *root is where it is, *only where no other is. */
+static verdict certify(proof *w, sgt_interval n, double m, sgt_interval G, sgt_interval *root, sgt_interval *only)
+{
+    n = sgt_interval_hull(n, number(m)); /* between m and the root the mean value theorem is used */
+    double pad = sgt_interval_width(n) + 0x1p-51 * fabs(m) + DBL_TRUE_MIN;
+    for (int i = 0; i < 3; i++, pad *= 8) {
+        sgt_interval slope, x = {-sgt_sum_above(-n.lo, pad), sgt_sum_above(n.hi, pad)};
+        if (!has_zero(ask(w, x, SGT_PROBE, &slope))) return NONE;
+        if (has_zero(slope) || !is_bounded(slope)) return UNSURE;
+        *root = newton_set(m, G, slope);
+        double t = sgt_interval_middle(*root), far = larger(sgt_sum_above(root->hi, -t), sgt_sum_above(t, -root->lo)) * (1 + 0x1p-48);
+        if (root->lo <= root->hi && sgt_interval_is_in(sgt_interval_about(t, far), x)) {
+            *only = x;
+            return ROOT;
+        }
+    }
+    return UNSURE;
+}
+
+/* Told, if it counts. */
+static bool take(proof *w, sgt_interval root, sgt_interval only)
+{
+    if (root.lo <= w->last.hi) { /* the last one once more? */
+        if (!sgt_interval_is_in(w->last, only)) return false;
+        return true;
+    }
+    if (root.lo <= w->told_dark) return false; /* it cannot be told from a stretch that has been told */
+    if (w->pending && root.lo <= w->dark.hi) { /* that is part of where this root is alone */
+        if (!sgt_interval_is_in(w->dark, only)) return false;
+        w->pending = false;
+    }
+    flush(w);
+    if (over(w)) return true;
+    double t = sgt_interval_middle(root), t_err = larger(sgt_sum_above(root.hi, -t), sgt_sum_above(t, -root.lo));
+    place at = place_of(w, t, t_err);
+    if (w->told.stopped) return true;
+    w->last = root;
+    if (at.h.counts && at.h.t == t) add(w, SGT_HIT, &at, at.h.t - at.h.t_err, at.h.t + at.h.t_err);
+    else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width)) stretch(w, SGT_UNPROVEN, root.lo, root.hi);
+    return true;
+}
+
+/* Where Newton's steps on `value` lead to from the middle of n. */
+static double guess(proof *w, sgt_interval n)
+{
+    const sgt_ray *ray = w->ray;
+    double t = sgt_interval_middle(n), last = n.hi - n.lo;
+    for (int i = 0; i < GUESSES && !over(w); i++) {
+        sgt_vec3 grad = {0, 0, 0}, p = {moved(ray->o.x, t, ray->d.x), moved(ray->o.y, t, ray->d.y), moved(ray->o.z, t, ray->d.z)};
+        double f = w->s.ops->value(w->s.self, p, &grad), slope = grad.x * ray->d.x + grad.y * ray->d.y + grad.z * ray->d.z, step = f / slope, next = t - step;
+        tell(&w->told, SGT_NEWTON, t, f, slope, n.lo, n.hi);
+        if (!(next >= n.lo && next <= n.hi && fabs(step) <= 0.6 * last)) break;
+        double shrinks = fabs(step) / last, left = fabs(step) * (shrinks * shrinks); /* what the next step would be, about */
+        last = fabs(step), t = next;
+        if (left <= 0x1p-53 * fabs(t) || last < 0.25 * w->told.opt->t_tol) break;
+    }
+    return t;
+}
+
+/* The root of X, where g is monotone with a bounded slope; G is g at m. */
+static verdict contract(proof *w, sgt_interval x, sgt_interval slope, double m, sgt_interval G, sgt_interval *root, sgt_interval *only)
+{
+    sgt_interval n = x;
+    for (int slow = 0, i = 0; !(G.lo > G.hi); i++) {
+        sgt_interval next = sgt_interval_intersection(n, newton_set(m, G, slope));
+        if (sgt_interval_is_empty(next)) return NONE;
+        slow += !(sgt_interval_width(next) <= 0.75 * sgt_interval_width(n));
+        n = next;
+        if (has_zero(G) || slow > 1 || sgt_interval_width(n) <= w->told.opt->t_tol) return certify(w, n, m, G, root, only);
+        m = i == 0 ? guess(w, n) : sgt_interval_middle(n);
+        G = ask_at(w, m, i == 0 ? SGT_NEWTON : SGT_BISECT);
+        if (over(w)) break;
+    }
+    return UNSURE;
+}
+
+/* ---------------------------------------------------------------------- the search */
+
+typedef struct pieces { sgt_interval piece[PIECES]; int n; } pieces;
+
+/* The last is searched first. */
+static void push(pieces *p, double lo, double hi)
+{
+    if (lo <= hi) p->piece[p->n++] = sgt_interval_between(lo, hi);
+}
+
+/* Its middle; of one that is long for its distance from the centre the geometric one. */
+static double middle_of(const proof *w, sgt_interval x)
+{
+    double a = x.lo - w->centre, b = x.hi - w->centre, m = (double)NAN;
+    if (a > 0 && b > 4 * a) m = w->centre + sqrt(a) * sqrt(b);
+    if (b < 0 && a < 4 * b) m = w->centre - sqrt(-a) * sqrt(-b);
+    return m > x.lo && m < x.hi ? m : sgt_interval_middle(x);
+}
+
+/* false: the search is over, and X is not decided. */
+static bool look(proof *w, sgt_interval x, pieces *rest)
+{
+    sgt_interval slope, root, only, G = sgt_interval_all(), g = ask(w, x, SGT_MARCH, &slope);
+    if (!has_zero(g)) return true;
+    if (over(w)) return false;
+    double m = middle_of(w, x), past = m;
+    bool smooth = is_bounded(slope), room = m > x.lo && m < x.hi && x.hi - x.lo > w->least && rest->n + 2 <= PIECES;
+    bool asked = smooth || !is_bounded(g) || !room;
+    if (asked) G = ask_at(w, m, SGT_MARCH);
+    if (over(w)) return false;
+    if (smooth && !has_zero(slope)) {
+        switch (contract(w, x, slope, m, G, &root, &only)) {
+        case NONE: return true;
+        case ROOT:
+            if (!take(w, root, only)) break;
+            w->done = larger(x.hi, only.hi);
+            return w->found || !over(w);
+        case UNSURE: break;
+        }
+        if (over(w)) return false;
+    }
+    bool noise = asked && ((has_zero(G) && sgt_interval_width(g) <= 4 * sgt_interval_width(G))
+                           || sgt_interval_greatest(slope) * (x.hi - x.lo) <= sgt_interval_width(G));
+    if (noise && room && !is_bounded(G)) noise = !is_bounded(ask_at(w, x.lo, SGT_MARCH)); /* out of range there, and here? */
+    if (!room || noise) {
+        undecided(w, x);
+        return !over(w) || w->found;
+    }
+    if (smooth && G.lo <= G.hi && !has_zero(G)) {
+        double size = G.lo > 0 ? G.lo : -G.hi, down = G.lo > 0 ? slope.hi : -slope.lo, up = G.lo > 0 ? -slope.lo : slope.hi;
+        m = down > 0 ? sgt_sum_above(m, sgt_quotient_above(-size, down)) : -HUGE_VAL;
+        past = up > 0 ? -sgt_sum_above(-past, sgt_quotient_above(-size, up)) : HUGE_VAL;
+    } else if (smooth) { /* m may be a root: divide elsewhere */
+        m = past = x.lo + 0.375 * (x.hi - x.lo);
+    }
+    push(rest, larger(past, x.lo), x.hi);
+    push(rest, x.lo, m < x.hi ? m : x.hi);
+    return true;
+}
+
+static void search(proof *w)
+{
+    w->done = w->told_dark = -HUGE_VAL, w->last = sgt_interval_between(-HUGE_VAL, -HUGE_VAL);
+    pieces rest = {.n = 0};
+    double from = finite(w->lo), to = finite(w->hi);
+    double left = w->centre - 2.125 * w->reach, right = w->centre + 2.125 * w->reach;
+    bool far_left = from < w->centre - 8 * w->reach && left < to, far_right = to > w->centre + 8 * w->reach && right > from;
+    if (far_right) push(&rest, right, to), to = right;
+    push(&rest, far_left ? left : from, to);
+    if (far_left) push(&rest, from, left);
+    w->least = 0x1p-80 * (to - (far_left ? left : from));
+
+    double next = from; /* decided up to here, but for what is dark */
+    bool decided = true;
+    while (rest.n > 0 && decided && !w->found) {
+        sgt_interval x = rest.piece[--rest.n];
+        x.lo = larger(x.lo, w->done);
+        if (x.lo > x.hi) continue;
+        next = x.lo;
+        if (w->pending && x.lo - w->dark.hi > 4 * (w->dark.hi - w->dark.lo)) flush(w);
+        if (w->found) return;
+        decided = !over(w) && look(w, x, &rest);
+    }
+    if (w->found) return;
+    if (decided) flush(w), next = w->hi;
+    if (w->told.stopped || !decided) stretch(w, w->told.stopped ? SGT_STOPPED : SGT_UNPROVEN, w->pending ? w->dark.lo : next, w->hi);
+}
+
+/* ----------------------------------------------------------------------- the doors */
+
+/* Where a root can be; false: nowhere. */
+static bool bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
+{
+    *span = (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL};
+    if (s.ops->span) *span = s.ops->span(s.self, ray);
+    bool by = span->lo > span->hi;
+    /* a root at an end of the span is inside */
+    double room = 0x1p-50 * ((fabs(span->lo) < HUGE_VAL ? fabs(span->lo) : 0) + (fabs(span->hi) < HUGE_VAL ? fabs(span->hi) : 0));
+    span->lo -= room, span->hi += room;
+    if (!(span->lo >= ray->tmin)) span->lo = ray->tmin;
+    if (!(span->hi <= ray->tmax)) span->hi = ray->tmax;
+    return !by && span->lo <= span->hi;
+}
+
+static proof proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, const sgt_span *span, sgt_list *list, bool all)
+{
+    proof w = {.s = s, .ray = ray, .list = list, .all = all, .anew = all, .lo = span->lo, .hi = span->hi, .seed = span->seed, .near = HUGE_VAL,
+               .told = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS}};
+    const sgt_vec3 o = ray->o, d = ray->d;
+    double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, length2 = l * l + m * m + n * n;
+    w.centre = -(o.x * l + o.y * m + o.z * n) / length2 * scale;
+    w.reach = hypot(hypot(o.x, o.y), o.z) / sqrt(length2) * scale;
+    if (!(fabs(w.centre) < HUGE_VAL)) w.centre = 0;
+    if (!(w.reach > 0 && w.reach < HUGE_VAL)) w.reach = scale;
+    if (!(fabs(w.seed) < HUGE_VAL)) w.seed = w.centre;
+    return w;
+}
+
+/* What nobody proves. */
+static sgt_hit doubted(sgt_hit hit, const sgt_ray *ray)
+{
+    if (hit.status <= 0 && hit.status != SGT_EXHAUSTED) return hit;
+    sgt_hit none = hit_without(SGT_UNPROVEN, ray, hit.evals);
+    none.lo = larger(hit.lo, ray->tmin), none.hi = hit.hi < ray->tmax ? hit.hi : ray->tmax;
+    return none;
+}
+
+static sgt_options plain(const sgt_options *opt)
+{
+    sgt_options estimate = *opt;
+    estimate.proof = SGT_ESTIMATE;
+    return estimate;
+}
+
+/* The root that an estimate finds at once, if it can be proven; or the watcher has stopped it. */
+static bool prove_estimate(proof *w, sgt_hit *hit)
+{
+    sgt_options estimate = plain(w->told.opt);
+    sgt_interval root, only;
+    if (w->told.budget > QUICK) estimate.max_evals = QUICK;
+    *hit = sgt_intersect_general(w->s, w->ray, &estimate);
+    w->told.evals = hit->evals;
+    if (hit->status <= 0) return hit->status == SGT_STOPPED;
+    sgt_interval about = sgt_interval_about(hit->t, hit->t_err), G = ask_at(w, hit->t, SGT_PROBE);
+    w->last.hi = w->told_dark = -HUGE_VAL;
+    if (certify(w, about, hit->t, G, &root, &only) == ROOT) take(w, root, only);
+    *hit = w->list->last;
+    bool proven = w->list->count > 0 && hit->status > 0;
+    w->list->count = 0, w->told.before = 0, w->found = false;
+    return proven;
+}
+
+sgt_hit sgt_prove(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+{
+    sgt_options estimate = plain(opt);
+    sgt_span span;
+    sgt_hit kept, hit;
+    sgt_list list = {.hits = &kept, .cap = 1, .count = 0};
+    bool near = opt->pick == SGT_NEAR_SEED, one = opt->proof == SGT_PROVE_ROOT;
+    if (!bounds(s, ray, &span)) return hit_without(SGT_MISS, ray, 0);
+    proof w = proof_of(s, ray, opt, &span, &list, false);
+    if (!s.ops->enclose) {
+        hit = doubted(sgt_intersect_general(s, ray, &estimate), ray);
+        if (hit.status == SGT_MISS) hit.status = SGT_UNPROVEN, hit.lo = span.lo, hit.hi = span.hi;
+        return hit;
+    }
+    if (one && (near || span.single) && prove_estimate(&w, &hit)) return hit;
+    w.all = near;
+    search(&w);
+    if (list.count > 1 && one && !w.told.stopped) list.last = w.nearest;
+    hit = first_entry(&list, ray, w.told.evals);
+    hit.evals = w.told.evals;
+    if (list.count < 2 || (one && !w.told.stopped)) return hit;
+    sgt_hit several = hit_without(hit.status == SGT_STOPPED ? SGT_STOPPED : SGT_UNPROVEN, ray, hit.evals);
+    several.lo = kept.lo, several.hi = hit.hi;
+    return several;
+}
+
+void sgt_prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
+{
+    sgt_span span;
+    if (!bounds(s, ray, &span)) return;
+    proof w = proof_of(s, ray, opt, &span, list, true);
+    if (s.ops->enclose) {
+        search(&w);
+        return;
+    }
+    sgt_options estimate = plain(opt);
+    sgt_intersect_all_general(s, ray, &estimate, list);
+    for (int i = 0; i < list->count && i < list->cap; i++) {
+        sgt_hit *hit = &list->hits[i];
+        *hit = doubted(*hit, ray);
+        if (isnan(hit->t)) sgt_list_centre(hit);
+    }
+    list->last = doubted(list->last, ray);
+    if (!list->count) stretch(&w, SGT_UNPROVEN, span.lo, span.hi);
+}

@@ -1,0 +1,10 @@
+/* prove.h - a ray and a surface of a user, where a proof is asked for: options.proof is not SGT_ESTIMATE. */
+#ifndef SGT_RAY_PROVE_H
+#define SGT_RAY_PROVE_H
+#include "general.h"
+
+/* As sgt_intersect_general, and as sgt_intersect_all_general. */
+sgt_hit sgt_prove(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
+void    sgt_prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
+
+#endif

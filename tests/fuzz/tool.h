@@ -1,0 +1,80 @@
+/* tool.h - the readers of the command, run inside a fuzz target.
+ *
+ * They end the command where they find an error (fail.h), and take their text from a file.  Here an error ends the reading
+ * and leaves its message, the text comes from memory, and all blocks are freed after each input: fail.c and input.c are
+ * replaced, memory.c is taken in whole. */
+#ifndef TESTS_FUZZ_TOOL_H
+#define TESTS_FUZZ_TOOL_H
+
+#include "fuzz.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+
+#include "../../src/tool/fail.h"
+#include "../../src/tool/input.h"
+#include "../../src/tool/memory.c"
+
+static jmp_buf refused;
+static char message[2000], noted[2000];
+static int message_length;
+static exit_status status; /* EXIT_DECIDED: not refused */
+static struct { const uint8_t *data; size_t size; } given;
+
+LIKE_PRINTF(3, 0) static void say(exit_status s, char to[2000], const char *format, va_list values)
+{
+    message_length = vsnprintf(to, 2000, format, values);
+    if (s) status = s;
+}
+
+void fail_name(const char *command) { (void)command; }
+void fail_hint(void) { longjmp(refused, 1); }
+
+void fail_usage(const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    say(EXIT_USAGE, message, format, values);
+    va_end(values);
+    longjmp(refused, 1);
+}
+
+void fail_input(const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    say(EXIT_BAD_INPUT, message, format, values);
+    va_end(values);
+    longjmp(refused, 1);
+}
+
+void note(const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    say(EXIT_DECIDED, noted, format, values);
+    va_end(values);
+}
+
+input input_read(const char *path)
+{
+    return (input){.name = path, .text = memory_text((const char *)given.data, given.size), .length = given.size};
+}
+
+static UNUSED void read_anew(const uint8_t *data, size_t size)
+{
+    free_all();
+    given.data = data, given.size = size;
+    message[0] = noted[0] = 0, message_length = 0;
+    status = EXIT_DECIDED;
+}
+
+/* At most so many lines: YAML ends one at \r, at U+0085, U+2028 and U+2029 too. */
+static UNUSED size_t lines_of(const uint8_t *data, size_t size)
+{
+    size_t lines = 1;
+    for (size_t i = 0; i + 1 < size; i++) lines += data[i] == '\n' || data[i] == '\r' || data[i] == 0x85 || data[i] == 0xa8 || data[i] == 0xa9 || data[i] == 0x28 || data[i] == 0x29;
+    return lines;
+}
+
+#endif

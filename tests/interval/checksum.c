@@ -1,0 +1,77 @@
+/* Of a million random operations of interval.h, a sum over the bits of what they give: for
+ * builds.py, which builds this as C and as C++.
+ *
+ *     checksum [COUNT]   a part of COUNT / 16 operations and the sum so far on each line */
+#include <sagitta/interval.h>
+
+#include <inttypes.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static uint64_t state, sum;
+
+static uint64_t bits(void) /* splitmix64 */
+{
+    uint64_t z = (state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+}
+
+/* A double of any exponent, or of one about 1, or one that has few digits. */
+static double number(void)
+{
+    uint64_t b = bits(), kind = bits() % 8;
+    double x;
+    if (kind < 5) b = (b & 0x800fffffffffffff) | (1023 - 30 + bits() % 60) << 52;
+    if (kind == 5) b &= 0x801fffffffffffff; /* subnormal, or nearly */
+    if (kind == 4) b &= 0xffffff0000000000;
+    memcpy(&x, &b, sizeof x);
+    return x;
+}
+
+static void add(double x)
+{
+    uint64_t b = 1; /* any NaN */
+    if (x == x) memcpy(&b, &x, sizeof b);
+    sum = (sum ^ b) * 0x9e3779b97f4a7c15u;
+    sum ^= sum >> 29;
+}
+
+static void add_interval(sgt_interval x) { add(x.lo), add(x.hi); }
+
+static sgt_interval interval(void)
+{
+    double a = number(), b = number();
+    switch (bits() % 8) {
+    case 0: return sgt_interval_of(a);
+    case 1: return sgt_interval_between(a, b); /* in half of them empty */
+    case 2: return sgt_interval_about(a, fabs(b));
+    default: return a <= b ? sgt_interval_between(a, b) : sgt_interval_between(b, a);
+    }
+}
+
+int main(int count, char **words)
+{
+    long i, n = count > 1 ? strtol(words[1], NULL, 10) : 1000000;
+    for (i = 0; i < n; i++) {
+        sgt_interval x = interval(), y = interval();
+        switch (i % 10) {
+        case 0: add_interval(sgt_interval_sum(x, y)); break;
+        case 1: add_interval(sgt_interval_difference(x, y)); break;
+        case 2: add_interval(sgt_interval_product(x, y)); break;
+        case 3: add_interval(sgt_interval_quotient(x, y)); break;
+        case 4: add_interval(sgt_interval_square(x)); break;
+        case 5: add_interval(sgt_interval_square_root(x)); break;
+        case 6: add_interval(sgt_interval_power(x, (int)(bits() % 22) - 9)); break;
+        case 7: add_interval(sgt_interval_hull(sgt_interval_absolute(x), sgt_interval_intersection(x, y))); break;
+        case 8: add(sgt_interval_middle(x)), add(sgt_interval_width(x)), add(sgt_interval_greatest(x)); break;
+        default: /* what C++ users and C users call by hand: a small expression */
+            add_interval(sgt_interval_sum(sgt_interval_product(x, y), sgt_interval_scaled(sgt_interval_square(y), 0.75)));
+            add(sgt_interval_is_in(x, y)), add(sgt_interval_has(x, y.lo));
+        }
+        if ((i + 1) % (n / 16 > 0 ? n / 16 : 1) == 0) printf("%ld %016" PRIx64 "\n", i + 1, sum);
+    }
+    return 0;
+}
