@@ -155,7 +155,7 @@ static void flush(proof *w)
         bool crosses = (left.lo > 0 && right.hi < 0) || (left.hi < 0 && right.lo > 0);
         if (!crosses && !over(w)) {
             place here = place_of(w, t, whole ? 0 : sgt_interval_width(at) * (0.5 + 0x1p-40));
-            if (!w->told.stopped && t <= w->ray->tmax) {
+            if (!w->told.stopped && t <= w->ray->tmax && fabs(here.h.t) < HUGE_VAL && here.h.t_err < HUGE_VAL) {
                 add(w, SGT_GRAZE, &here, at.lo, at.hi);
                 return;
             }
@@ -215,7 +215,8 @@ static bool take(proof *w, sgt_interval root, sgt_interval only)
     place at = place_of(w, t, t_err);
     if (w->told.stopped) return true;
     w->last = root;
-    if (at.h.counts && at.h.t == t) add(w, SGT_HIT, &at, at.h.t - at.h.t_err, at.h.t + at.h.t_err);
+    sgt_interval about = sgt_about(at.h.t, at.h.t_err);
+    if (at.h.counts && at.h.t == t) add(w, SGT_HIT, &at, about.lo, about.hi);
     else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width)) stretch(w, SGT_UNPROVEN, root.lo, root.hi);
     return true;
 }
@@ -426,6 +427,7 @@ sgt_hit sgt_prove(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
     if (list.count > 1 && one && !w.told.stopped) list.last = w.nearest;
     hit = first_entry(&list, ray, w.told.evals);
     hit.evals = w.told.evals;
+    if (w.told.stopped && hit.status != SGT_STOPPED) return hit_without(SGT_STOPPED, ray, hit.evals); /* at the very last */
     if (list.count < 2 || (one && !w.told.stopped)) return hit;
     sgt_hit several = hit_without(hit.status == SGT_STOPPED ? SGT_STOPPED : SGT_UNPROVEN, ray, hit.evals);
     several.lo = kept.lo, several.hi = hit.hi;

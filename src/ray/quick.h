@@ -164,7 +164,8 @@ SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3
     width = width < HUGE_VAL ? width : 0;
     width = width * q->scale + 8 * SGT_U * fabs(h.t);
     h.off = (h.t - h.t_err > tmax) | (h.t + h.t_err <= tmin) | (h.t_err <= width + 64 * SGT_U * fabs(tmin));
-    h.counts = ((tmin == -HUGE_VAL) | (h.t > tmin + (h.t_err + width))) & !(h.t > tmax);
+    h.counts = ((tmin == -HUGE_VAL) | (h.t > tmin + (h.t_err + width))) & !(h.t > tmax)
+             & (fabs(h.t) < HUGE_VAL) & (h.t_err < HUGE_VAL); /* in lengths of d t may be out of range */
     return h;
 }
 

@@ -102,7 +102,8 @@ static bool take(walk *w, sgt_status status, point at, double tau_err)
     taking h = taking_of(&w->q, at.tau, tau_err, at.p, at.n, at.at, w->ray->tmin, w->ray->tmax);
     w->off = h.off;
     if (!h.counts) return false;
-    sgt_hit hit = {.status = status, .t = h.t, .t_lo = h.t_lo, .t_err = h.t_err, .lo = h.t - h.t_err, .hi = h.t + h.t_err,
+    sgt_interval about = sgt_about(h.t, h.t_err);
+    sgt_hit hit = {.status = status, .t = h.t, .t_lo = h.t_lo, .t_err = h.t_err, .lo = about.lo, .hi = about.hi,
                    .f = at.g, .p = at.p, .n = at.n, .p_err = h.p_err, .evals = w->told.evals - w->told.before};
     w->told.before = w->told.root = w->told.evals;
     sgt_list_add(w->list, &hit);
