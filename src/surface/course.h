@@ -260,7 +260,8 @@ static inline bool narrow(bracket *p, const cell *e, const sighting *n, int leve
             p->lo = larger(p->lo, m + n->lo - slip), p->hi = -larger(-p->hi, -(m + n->hi + slip));
             p->a = p->lo, p->b = p->hi;
             step_to(p, m, n->newton, n->wide, least);
-            if (root_error(p) <= wanted || p->hi - p->lo <= 8 * e->g_err / fabs(e->qv)) return false; /* nothing more to be had */
+            bool to_rounding = p->hi - p->lo <= 8 * e->g_err / fabs(e->qv); /* nothing more to be had of the bracket */
+            if (root_error(p) <= wanted || (to_rounding && p->h <= 2 * least)) return false; /* and Newton's step has settled */
         } else {
             step_to(p, m, n->newton, n->wide, larger(least, h));
         }
