@@ -12,18 +12,20 @@
 
 enum { FEW = 4 };
 
-void sgt_alone_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned long long alone[])
+bool sgt_alone_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned long long alone[], sgt_interval others[])
 {
-    if (s.ops->own_ && s.ops->own_->alone) s.ops->own_->alone(s.self, tile, rim2, alone);
-    else for (size_t i = 0; i < tile->n; i++) alone[i] = s.ops->own_ ? ~0ULL : 0; /* level sets: the first is what was asked for */
+    if (s.ops->own_ && s.ops->own_->alone) return s.ops->own_->alone(s.self, tile, rim2, alone, others);
+    memset(alone, s.ops->own_ ? 0xff : 0, tile->n * sizeof *alone); /* level sets: the first is what was asked for */
+    return s.ops->own_ != NULL;
 }
 
-static bool at_once(sgt_surface s, const sgt_ray *ray, double rim2)
+/* 0: nothing is known. */
+static unsigned long long at_once(sgt_surface s, const sgt_ray *ray, double rim2, sgt_interval *other)
 {
     unsigned long long alone;
     sgt_tile one = {.n = 1, .rays = {{&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax}};
-    sgt_alone_tile(s, &one, rim2, &alone);
-    return alone != 0;
+    sgt_alone_tile(s, &one, rim2, &alone, other);
+    return alone;
 }
 
 /* A watcher of a second search, which counts on. */
@@ -39,7 +41,16 @@ static int watch_on(void *data, const sgt_step *step)
 
 void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt, sgt_hit *hit)
 {
-    if ((s.ops->own_ && !s.ops->own_->alone) || (hit->status > 0 && at_once(s, ray, rim2))) return;
+    if (s.ops->own_ && !s.ops->own_->alone) return;
+    sgt_interval other;
+    unsigned long long known = hit->status > 0 ? at_once(s, ray, rim2, &other) : 0;
+    if (known == SGT_NOT_ALONE && (other.lo > hit->t || other.hi < hit->t)) {
+        sgt_hit open = hit_without(SGT_UNPROVEN, ray, hit->evals);
+        open.lo = other.lo < hit->lo ? other.lo : hit->lo, open.hi = other.hi > hit->hi ? other.hi : hit->hi;
+        *hit = open;
+        return;
+    }
+    if (known && known != SGT_NOT_ALONE) return;
     sgt_ray cut = *ray;
     stretch chord = sgt_chord(ray, rim2);
     if (chord.lo > cut.tmin) cut.tmin = chord.lo;

@@ -8,8 +8,8 @@
  * that was UNPROVEN before stays so, with such a stretch. */
 void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt, sgt_hit *hit);
 
-/* Of a tile: alone[i] has all bits set where that is certain at once. */
-void sgt_alone_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned long long alone[]);
+/* Of a tile, at once, what is certain: as sgt_own's alone. */
+bool sgt_alone_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned long long alone[], sgt_interval others[]);
 
 /* Does the proof ask for it? */
 static inline bool asks_alone(const sgt_options *opt) { return opt->proof == SGT_PROVE_FIRST && opt->pick == SGT_NEAR_SEED; }

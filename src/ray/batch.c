@@ -6,6 +6,7 @@
  * go one by one through the door of the single ray. */
 #include "batch.h"
 
+#include "../num/lanes.h"
 #include "../solve/root.h"
 #include "alone.h"
 #include "general.h"
@@ -45,14 +46,31 @@ static size_t positives(const signed char status[], size_t n)
     return sum;
 }
 
-/* Rays that were met and may have another root are hard: how many. */
+/* Of rays that have another root; where none was met it is NaN, or still to be written. */
+SGT_CLONES_WIDE
+static void hide(size_t n, const unsigned long long alone[], double *a)
+{
+    LANES for (size_t i = 0; i < n; i++) a[i] = chosen(MASK(alone[i] == SGT_NOT_ALONE), (double)NAN, a[i]);
+}
+
+/* Rays that were met and have another root are UNPROVEN, those that may have one hard: how many. */
 static size_t not_alone(sgt_surface s, const sgt_tile *tile)
 {
     unsigned long long alone[SGT_TILE];
     size_t more = 0;
-    s.ops->own_->alone(s.self, tile, HUGE_VAL, alone);
-    for (size_t i = 0; i < tile->n; i++)
-        if (tile->hits.status[i] > 0 && !alone[i]) tile->hits.status[i] = SGT_HARD, more++;
+    if (s.ops->own_->alone(s.self, tile, HUGE_VAL, alone, NULL)) return 0;
+    bool others = false;
+    for (size_t i = 0; i < tile->n; i++) {
+        if (!(tile->hits.status[i] > 0)) continue;
+        if (!alone[i]) tile->hits.status[i] = SGT_HARD, more++;
+        if (alone[i] == SGT_NOT_ALONE) tile->hits.status[i] = SGT_UNPROVEN, others = true;
+    }
+    if (others) {
+        const sgt_hits *h = &tile->hits;
+        double *const arrays[] = {h->t, h->t_err, h->t_lo, h->p_err, h->p[0], h->p[1], h->p[2], h->n[0], h->n[1], h->n[2]};
+        for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
+            if (arrays[k]) hide(tile->n, alone, arrays[k]);
+    }
     return more;
 }
 

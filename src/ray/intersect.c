@@ -19,14 +19,24 @@ static void ends_unproven(sgt_hit *hit, const sgt_options *opt)
     if (opt->proof != SGT_ESTIMATE && hit->status == SGT_EXHAUSTED) hit->status = SGT_UNPROVEN;
 }
 
+/* With a proof.  Apart: a hit whose address is taken is copied at return, 8 ns. */
+#if defined(__GNUC__)
+__attribute__((noinline))
+#endif
+static sgt_hit proven(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+{
+    sgt_hit hit = s.ops->own_->meet(s.self, ray, opt);
+    ends_unproven(&hit, opt);
+    if ((hit.status > 0 || hit.status == SGT_UNPROVEN) && asks_alone(opt)) sgt_prove_alone(s, ray, HUGE_VAL, opt, &hit);
+    return hit;
+}
+
 sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt)
 {
     if (!valid(s, &ray, &opt)) return hit_without(SGT_INVALID, &ray, 0);
     if (!s.ops->own_) return sgt_intersect_general(s, &ray, opt);
-    sgt_hit hit = s.ops->own_->meet(s.self, &ray, opt);
-    ends_unproven(&hit, opt);
-    if ((hit.status > 0 || hit.status == SGT_UNPROVEN) && asks_alone(opt)) sgt_prove_alone(s, &ray, HUGE_VAL, opt, &hit);
-    return hit;
+    if (opt->proof != SGT_ESTIMATE) return proven(s, &ray, opt);
+    return s.ops->own_->meet(s.self, &ray, opt);
 }
 
 int sgt_intersect_all(sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[], const sgt_options *opt)

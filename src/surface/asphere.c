@@ -39,7 +39,7 @@ SGT_INLINE bool easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, doubl
     if (w->stopped || !(r.tau == r.tau)) return false;
     near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
     *e = wavy_end(s, ALL_TERMS, &root, q.v, q.near, d.x, d.y, d.z, tmin, tmax, t_tol);
-    return e->hit != 0 && (!s->proof || wavy_sure(s, r.x, r.y, q.tau_err, d.x, d.y) != 0);
+    return e->hit != 0 && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, d.x, d.y) != 0);
 }
 
 /* A direction of unusual length is scaled, by a power of two: of the usual ones that would change no bit. */
@@ -74,7 +74,7 @@ static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *
     size_t count = tile->n;
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
-        mask hit = room->ends.hit[i] & wavy_sure(s, room->x[i], room->y[i], room->tau_err[i], l[i], m[i]);
+        mask hit = room->ends.hit[i] & wavy_sure(s, room->x[i], room->y[i], room->t0[i], room->tau_err[i], l[i], m[i]);
         room->ends.hit[i] = hit;
         all &= hit;
     }
@@ -317,14 +317,14 @@ static size_t asphere_sweep(const void *self, const sgt_tile *tile, const sgt_op
     return tile->n;
 }
 
-static void asphere_alone(const void *self, const sgt_tile *tile, double rim2, mask alone[])
+static bool asphere_alone(const void *self, const sgt_tile *tile, double rim2, mask alone[], sgt_interval others[])
 {
     const sgt_asphere *s = self;
     int terms = terms_of(s);
     shape h = shape_of(s, terms);
     if (rim2 < h.rim2) h.rim2 = rim2, h.domain2 = domain2_within(s->c, s->k, rim2);
-    if (terms) sgt_sweep_monotone(&h, tile, alone);
-    else sgt_conic_alone(s->c, s->k, s->semi_diameter, tile, rim2, alone);
+    if (terms) return sgt_sweep_monotone(&h, tile, alone) || sgt_asphere_alone(&h, tile, alone);
+    return sgt_conic_alone(s->c, s->k, s->semi_diameter, tile, rim2, alone, others);
 }
 
 static const struct sgt_own asphere_own = {.meet = asphere_meet, .all = asphere_all, .sweep = asphere_sweep, .alone = asphere_alone};

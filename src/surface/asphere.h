@@ -1,4 +1,4 @@
-/* asphere.h - the two halves of the asphere. */
+/* asphere.h - what the files of the asphere share. */
 #ifndef SGT_SURFACE_ASPHERE_H
 #define SGT_SURFACE_ASPHERE_H
 
@@ -7,5 +7,8 @@
 /* The certified march of asphere_march.c; seed is a t of the scaled direction.  With a list every entry is
  * added to it, and the answer is of no meaning. */
 sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally *told, sgt_list *list);
+
+/* Of those rays of a tile that sgt_sweep_monotone has left (alone[i] is 0), the same: all at once, or else each by itself. */
+bool sgt_asphere_alone(const shape *s, const sgt_tile *tile, unsigned long long alone[]);
 
 #endif

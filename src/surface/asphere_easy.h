@@ -149,9 +149,9 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, bool first_root, doub
 }
 
 /* The root is within the rim for certain, where rim2 says it is. */
-SGT_INLINE mask wavy_sure(const wavy *s, double x, double y, double tau_err, double l, double m)
+SGT_INLINE mask wavy_sure(const wavy *s, double x, double y, double t0, double tau_err, double l, double m)
 {
-    return MASK(fma(fabs(l) + fabs(m), tau_err, 2 * SGT_U * (fabs(x) + fabs(y))) <= s->room);
+    return MASK(fma(fabs(l) + fabs(m), tau_err + 1024 * SGT_U * SGT_U * fabs(t0), 2 * SGT_U * (fabs(x) + fabs(y))) <= s->room);
 }
 
 /* The root, for lane_of. */

@@ -471,10 +471,10 @@ static size_t conic_sweep(const void *self, const sgt_tile *tile, const sgt_opti
     return sgt_conic_sweep(s->c, s->k, s->semi_diameter, tile, opt);
 }
 
-static void conic_alone(const void *self, const sgt_tile *tile, double rim2, mask alone[])
+static bool conic_alone(const void *self, const sgt_tile *tile, double rim2, mask alone[], sgt_interval others[])
 {
     const sgt_conic *s = self;
-    sgt_conic_alone(s->c, s->k, s->semi_diameter, tile, rim2, alone);
+    return sgt_conic_alone(s->c, s->k, s->semi_diameter, tile, rim2, alone, others);
 }
 
 static const struct sgt_own conic_own = {.meet = conic_meet, .all = conic_all, .sweep = conic_sweep, .alone = conic_alone};

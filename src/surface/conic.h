@@ -71,7 +71,7 @@ sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray
 size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt);
 
 /* Its part of sgt_own's alone. */
-void sgt_conic_alone(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2, unsigned long long alone[]);
+bool sgt_conic_alone(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2, unsigned long long alone[], sgt_interval others[]);
 
 /* The stretch of the ray, in its own t, within r^2 <= radius2 (1 + 2^-43) of the axis; all of it
  * for an infinite radius2, lo > hi where it passes by. */

@@ -21,11 +21,13 @@
  * distances from tmin tell, by a factor of 4; t0 - tmin is off by 3 u |t0|, so roots closer together than that could be
  * taken for each other, but there the rule of the start (2^-50 |t| of it) hides both.
  *
- * PROVEN.  The bound on t proves a root.  It is the only one in [t - t_err, t + t_err] where t_err < S / |A|, since the roots
- * are 2 S / |A| apart; S > Ba / 2 >= |n| / 2 and |A| <= |c| (a + |1 + k| n^2) make of that a test without A and S.  Within
- * the rim it is for certain if its r^2 is at most rim^2 (1 - 384 u): x and y at the root are off by u (48 |l tau| + 2 |x|
- * + |px|) and the like, together by 99.5 u rim where 48 (|l| + |m|) |tau| + 2 (|x| + |y|) <= 98 rim, and r^2 by 2 rim
- * times that and 4 u of itself.  (The soft rim, 512 u above a^2, leaves a ray at a itself 128 u to spare.) */
+ * PROVEN.  The bound on t proves a root.  It is the only one in [t - t_err, t + t_err] where 2 t_err < S / Aa, since the
+ * roots are 2 S / |A| apart.  Within the rim it is for certain if its r^2 is at most rim^2 (1 - 464 u).  For |C| <= (1 +
+ * sqrt q) S |tau| <= 12 |z|, and |z| <= |c| r^2 on the sheet (k >= -1 or not), so (x, y) lies within sqrt(12) r of the axis
+ * and |tau| sqrt a <= 4.47 r; it is off by 2 u of itself, the point by that, 48 u |tau| sqrt a and u r, 223 u r in all, and
+ * r^2 by 2 r times that and 4 u of itself.  What t0 + t0_lo is off by, 9 u^2 |t0|, moves the root by 64 times as much at
+ * most (sweep.h), below 5 u rim where |t0| (|l| + |m|) <= 2^46 rim.  (The soft rim, 512 u above a^2, leaves a ray at a itself
+ * 48 u to spare.) */
 #ifndef SGT_SURFACE_CONIC_EASY_H
 #define SGT_SURFACE_CONIC_EASY_H
 
@@ -39,18 +41,18 @@ SGT_INLINE bool conic_valid(double c, double k, double semi_diameter)
 }
 
 /* What a surface brings to all its rays; extra n^2 + |A| >= Aa; rim2 is finite, so that no infinite point is inside.  Where a
- * proof is asked for rim2 is the one within which a root is certain, and room 98 rims. */
-typedef struct bowl { double c, abs_c, k1, ck, extra, rim2, room; bool proof; } bowl;
+ * proof is asked for rim2 is the one within which a root is certain, and reach 2^46 rims. */
+typedef struct bowl { double c, abs_c, k1, ck, extra, rim2, reach; bool proof; } bowl;
 
 /* false: no ray is easy. */
 SGT_INLINE bool bowl_of(double c, double k, double rim2, bool proof, bowl *s)
 {
     double most = rim2 < 0x1p600 ? rim2 : 0x1p600;
-    *s = (bowl){c, fabs(c), 1 + k, (1 + k) * c, 1 + k < 0 ? 2 * fabs(1 + k) * fabs(c) : 0, proof ? sure_rim2(most) : most, proof ? 98 * sqrt(most) : 0, proof};
+    *s = (bowl){c, fabs(c), 1 + k, (1 + k) * c, 1 + k < 0 ? 2 * fabs(1 + k) * fabs(c) : 0, proof ? sure_rim2(most) : most, 0x1p46 * sqrt(most), proof};
     return (c == 0 || (fabs(c) > 0x1p-60 && fabs(c) < 0x1p60)) && fabs(k) < 0x1p60 && rim_in_range(rim2);
 }
 
-SGT_INLINE near_root easy_start(const bowl *s, bool first, double ox, double oy, double oz, double l, double m, double n)
+SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, double ox, double oy, double oz, double l, double m, double n)
 {
     double t0, t0_lo, x, y;
     to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
@@ -58,13 +60,15 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, double ox, double oy,
     double A = s->c * fma(s->k1, n2, a), B = fma(-s->c, xl + ym, n), C = s->c * (x * x + y * y);
     double Aa = fma(s->extra, n2, fabs(A)), Ba = fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
     double D = fma(B, B, -A * C), size = fma(Ba, Ba, Aa * fabs(C)), D4 = (D + D) + (D + D);
-    double b = B + copysign(sqrt(D), B), tau = C / b, small = t0_lo + tau, t = t0 + small, reach = fabs(t) + fabs(small);
+    double S = sqrt(D), b = B + copysign(S, B), tau = C / b, small = t0_lo + tau, t = t0 + small, reach = fabs(t) + fabs(small);
     double n4 = (n2 + n2) + (n2 + n2), n16 = (n4 + n4) + (n4 + n4); /* sums: products are what there is most of */
     double tau_err = (D4 >= size + size + size ? 24 * SGT_U : 48 * SGT_U) * fabs(tau);
     double none = (double)NAN, t_err = fma(1.01 * SGT_U, reach, tau_err); /* one choice after another: shorter than masks */
     t_err = D4 > size ? t_err : none;
     t_err = D <= n16 ? t_err : none;
     t_err = n2 > 0x1p-200 ? t_err : none;
+    if (proof) t_err = (Aa + Aa) * t_err < S ? t_err : none;
+    if (proof) t_err = fabs(t0) * (fabs(l) + fabs(m)) <= s->reach ? t_err : none;
     if (first) t_err = copysign(1, b) * A > 0x1p-40 * Aa ? t_err : none;
     return (near_root){.x = x, .y = y, .tau = tau, .t = t, .t_err = t_err, .tau_err = tau_err, .t0 = t0, .small = small};
 }
@@ -92,8 +96,16 @@ SGT_INLINE mask starts_on(const bowl *s, double ox, double oy, double oz, double
     return MASK(fabs(G) + 6 * SGT_U * terms < 0.5 * START_ULPS * fma(s->abs_c, r2, fabs(z * (1 - w)))) & MASK(terms > 0x1p-600);
 }
 
-/* Neither root counts; and of the far one alone (a plane has none). */
-typedef struct verdicts { mask away, far_gone; } verdicts;
+/* Neither root counts; and of the far one alone (a plane has none): it does not, it does, it is in far +- slack. */
+typedef struct verdicts { mask away, far_gone, far_counts; double far, slack; } verdicts;
+
+/* It counts, as certainly as `gone` says that it does not; S is G' there, but for its sign. */
+SGT_INLINE mask stays(const bowl *s, double x, double y, double t0, double tau, double l, double m, double n, double tmin, double tmax, double S)
+{
+    double px = fma(tau, l, x), py = fma(tau, m, y), pz = tau * n, w = s->ck * pz, r2 = px * px + py * py, t = t0 + tau, slack = 0x1p-20 * (fabs(t0) + fabs(tau));
+    return MASK(w < 1 - 0x1p-8) & MASK(r2 < s->rim2 * (1 - 0x1p-20)) & MASK(t + slack < tmax)
+         & MASK(t - slack > tmin) & MASK((t - tmin) * S > 0x1p-20 * fma(s->abs_c, r2, fabs(pz) * (1 + fabs(w))));
+}
 
 SGT_INLINE verdicts easy_away(const bowl *s, double ox, double oy, double oz, double l, double m, double n, double tmin, double tmax)
 {
@@ -109,16 +121,19 @@ SGT_INLINE verdicts easy_away(const bowl *s, double ox, double oy, double oz, do
     mask far_gone = (two & (gone(s, x, y, t0, far, l, m, n, tmin, tmax) | (start & MASK(to_far < 0.25 * to_near)))) | (MASK(Aa == 0) & MASK(s->c == 0));
     mask near_gone = gone(s, x, y, t0, near, l, m, n, tmin, tmax) | (start & two & MASK(to_near < 0.25 * to_far));
     far_gone &= usual & real;
-    return (verdicts){(usual & MASK(D < -0x1p-20 * size)) | (far_gone & near_gone), far_gone};
+    double slack = 0x1p-20 * (fabs(t0) + fabs(far));
+    mask far_counts = usual & real & two & MASK(fabs(far - near) > 2 * slack) & stays(s, x, y, t0, far, l, m, n, tmin, tmax, S);
+    return (verdicts){(usual & MASK(D < -0x1p-20 * size)) | (far_gone & near_gone), far_gone, far_counts, t0 + far, slack};
 }
 
 /* A plane: the same with tau = 0. */
-SGT_INLINE near_root plane_start(double ox, double oy, double oz, double l, double m, double n)
+SGT_INLINE near_root plane_start(const bowl *s, bool proof, double ox, double oy, double oz, double l, double m, double n)
 {
     double t0, t0_lo, x, y;
     to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
     double t = t0 + t0_lo, reach = fabs(t) + fabs(t0_lo);
     mask good = MASK(n * n > 0x1p-200);
+    if (proof) good &= MASK(fabs(t0) * (fabs(l) + fabs(m)) <= s->reach);
     return (near_root){.x = x, .y = y, .t = t, .t_err = chosen(good, 1.01 * SGT_U * reach, (double)NAN), .t0 = t0, .small = t0_lo};
 }
 
@@ -127,17 +142,11 @@ SGT_INLINE lane plane_end(const bowl *s, const near_root *r, double l, double m,
     return lane_of(r, l, m, n, tmin, tmax, t_tol, 0, 0, 0, s->rim2, MASK(true));
 }
 
-SGT_INLINE mask bowl_sure(const bowl *s, double x, double y, double tau, double t_err, double l, double m, double n)
-{
-    double stiff = s->abs_c * fma(fabs(s->k1), n * n, l * l + m * m), moved = fma(48 * (fabs(l) + fabs(m)), fabs(tau), 2 * (fabs(x) + fabs(y)));
-    return MASK(moved <= s->room) & MASK(2.02 * stiff * t_err < fabs(n));
-}
-
 SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol, lane *e)
 {
-    near_root r = s->c == 0 ? plane_start(o.x, o.y, o.z, d.x, d.y, d.z) : easy_start(s, first, o.x, o.y, o.z, d.x, d.y, d.z);
+    near_root r = s->c == 0 ? plane_start(s, s->proof, o.x, o.y, o.z, d.x, d.y, d.z) : easy_start(s, first, s->proof, o.x, o.y, o.z, d.x, d.y, d.z);
     *e = s->c == 0 ? plane_end(s, &r, d.x, d.y, d.z, tmin, tmax, t_tol) : easy_end(s, &r, d.x, d.y, d.z, tmin, tmax, t_tol);
-    return e->hit != 0 && (!s->proof || bowl_sure(s, r.x, r.y, r.tau, r.t_err, d.x, d.y, d.z) != 0);
+    return e->hit != 0;
 }
 
 #endif

@@ -9,30 +9,14 @@ typedef struct bowl_room {
     sweep_ends ends;
 } bowl_room;
 
-/* Takes from the hits those that are not proven; all are left: all bits. */
-SGT_CLONES_WIDE
-static mask conic_sure_all(const bowl *self, const sgt_tile *tile, bowl_room *room)
-{
-    const bowl own = *self, *s = &own;
-    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
-    size_t count = tile->n;
-    mask all = MASK(true);
-    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
-        mask hit = room->ends.hit[i] & bowl_sure(s, room->x[i], room->y[i], room->tau[i], room->t_err[i], l[i], m[i], n[i]);
-        room->ends.hit[i] = hit;
-        all &= hit;
-    }
-    return all;
-}
-
-SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool rich, const sgt_tile *tile, bowl_room *room)
+SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool proof, bool rich, const sgt_tile *tile, bowl_room *room)
 {
     const bowl own = *self, *s = &own; /* no output is a part of it */
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
                  *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
-        near_root r = plane ? plane_start(ox[i], oy[i], oz[i], l[i], m[i], n[i]) : easy_start(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
+        near_root r = plane ? plane_start(s, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i]) : easy_start(s, first, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
         room->x[i] = r.x, room->y[i] = r.y, room->tau[i] = r.tau, room->t[i] = r.t, room->t_err[i] = r.t_err;
         if (rich) room->tau_err[i] = r.tau_err, room->t0[i] = r.t0, room->small[i] = r.small;
     }
@@ -45,7 +29,6 @@ SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool rich
         SWEEP_STORE(to, i, e, rich);
         all &= e.hit;
     }
-    if (s->proof) all = conic_sure_all(self, tile, room);
     return sweep_told(tile, &room->ends, 1, all);
 }
 
@@ -63,23 +46,51 @@ static void conic_sweep_away(const bowl *self, const sgt_tile *tile, mask *away,
     }
 }
 
-#define SWEEP_BOWL(name, plane, first, rich)                                                        \
+/* Of the far roots of all rays. */
+SGT_CLONES_WIDE
+static void conic_sweep_far(const bowl *self, const sgt_tile *tile, mask *gone, mask *counts, double *far, double *slack)
+{
+    const bowl own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        verdicts v = easy_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+        gone[i] = v.far_gone, counts[i] = v.far_counts, far[i] = v.far, slack[i] = v.slack;
+    }
+}
+
+#define SWEEP_BOWL(name, plane, first, proof, rich)                                                 \
     SGT_CLONES_WIDE static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
     {                                                                                               \
-        return sweep_bowl(s, plane, first, rich, tile, room);                                       \
+        return sweep_bowl(s, plane, first, proof, rich, tile, room);                                \
     }
 
-SWEEP_BOWL(conic_sweep_plane, true, false, false)
-SWEEP_BOWL(conic_sweep_plane_rich, true, false, true)
-SWEEP_BOWL(conic_sweep_near, false, false, false)
-SWEEP_BOWL(conic_sweep_first, false, true, false)
-SWEEP_BOWL(conic_sweep_near_rich, false, false, true)
-SWEEP_BOWL(conic_sweep_first_rich, false, true, true)
+SWEEP_BOWL(conic_sweep_plane, true, false, false, false)
+SWEEP_BOWL(conic_sweep_plane_rich, true, false, false, true)
+SWEEP_BOWL(conic_sweep_plane_sure, true, false, true, false)
+SWEEP_BOWL(conic_sweep_plane_sure_rich, true, false, true, true)
+SWEEP_BOWL(conic_sweep_near, false, false, false, false)
+SWEEP_BOWL(conic_sweep_near_rich, false, false, false, true)
+SWEEP_BOWL(conic_sweep_near_sure, false, false, true, false)
+SWEEP_BOWL(conic_sweep_near_sure_rich, false, false, true, true)
+SWEEP_BOWL(conic_sweep_first, false, true, false, false)
+SWEEP_BOWL(conic_sweep_first_rich, false, true, false, true)
+SWEEP_BOWL(conic_sweep_first_sure, false, true, true, false)
+SWEEP_BOWL(conic_sweep_first_sure_rich, false, true, true, true)
 
 static size_t sweep_near(const bowl *s, bool rich, const sgt_tile *tile, bowl_room *room)
 {
+    if (s->c == 0 && s->proof) return rich ? conic_sweep_plane_sure_rich(s, tile, room) : conic_sweep_plane_sure(s, tile, room);
     if (s->c == 0) return rich ? conic_sweep_plane_rich(s, tile, room) : conic_sweep_plane(s, tile, room);
+    if (s->proof) return rich ? conic_sweep_near_sure_rich(s, tile, room) : conic_sweep_near_sure(s, tile, room);
     return rich ? conic_sweep_near_rich(s, tile, room) : conic_sweep_near(s, tile, room);
+}
+
+static size_t sweep_first(const bowl *s, bool rich, const sgt_tile *tile, bowl_room *room)
+{
+    if (s->proof) return rich ? conic_sweep_first_sure_rich(s, tile, room) : conic_sweep_first_sure(s, tile, room);
+    return rich ? conic_sweep_first_rich(s, tile, room) : conic_sweep_first(s, tile, room);
 }
 
 /* First hits that are found at once, as is usual where a surface bulges toward the ray; where many are not, those whose
@@ -98,7 +109,7 @@ size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile 
     bool hollow = first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: a guess, which costs time or saves it */
     size_t hard = tile->n;
     if (hollow) memset(status, SGT_HARD, tile->n);
-    else hard = !first ? sweep_near(&s, rich, tile, &room) : rich ? conic_sweep_first_rich(&s, tile, &room) : conic_sweep_first(&s, tile, &room);
+    else hard = first ? sweep_first(&s, rich, tile, &room) : sweep_near(&s, rich, tile, &room);
     if (8 * hard <= tile->n) return hard; /* one by one */
     conic_sweep_away(&s, tile, away, far_gone);
     if (first) { /* the near roots, all of them: those found before come out the same */
@@ -131,23 +142,32 @@ static mask sweep_monotone(double limit, const sgt_tile *tile, mask alone[])
     return all;
 }
 
-bool sgt_sweep_monotone(const shape *s, const sgt_tile *tile, mask alone[])
+bool sgt_sweep_steeper(double limit, const sgt_tile *tile, mask alone[])
 {
-    double limit = single_limit(s);
     return sweep_monotone(limit < 0x1p500 ? limit : HUGE_VAL, tile, alone) != 0;
 }
 
-/* The far root is elsewhere: F is monotone within the rim, or that root is known not to count.  (If the one that was met is
- * itself the far one, that is not said of it.) */
-void sgt_conic_alone(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2, mask alone[])
+bool sgt_sweep_monotone(const shape *s, const sgt_tile *tile, mask alone[]) { return sgt_sweep_steeper(single_limit(s), tile, alone); }
+
+/* The far root is elsewhere: F is monotone within the rim, or that root is known not to count (if the one that was met is
+ * itself the far one, that is not said of it); or it is known to count. */
+bool sgt_conic_alone(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2, mask alone[], sgt_interval others[])
 {
-    mask away[SGT_TILE], far_gone[SGT_TILE];
-    double own = rim2_of(semi_diameter);
+    mask gone[SGT_TILE], counts[SGT_TILE];
+    double far[SGT_TILE], slack[SGT_TILE], own = rim2_of(semi_diameter);
     bowl b;
     shape s = {.c = c, .k = k, .ck = (1 + k) * c, .rim2 = rim2 < own ? rim2 : own};
     s.domain2 = domain2_within(c, k, s.rim2);
     if (c == 0) memset(alone, 0xff, tile->n * sizeof *alone);
-    if (c == 0 || sgt_sweep_monotone(&s, tile, alone) || !bowl_of(c, k, s.rim2, false, &b)) return;
-    conic_sweep_away(&b, tile, away, far_gone);
-    for (size_t i = 0; i < tile->n; i++) alone[i] |= far_gone[i];
+    if (c == 0 || sgt_sweep_monotone(&s, tile, alone)) return true;
+    if (!bowl_of(c, k, s.rim2, false, &b)) return false;
+    conic_sweep_far(&b, tile, gone, counts, far, slack);
+    mask all = MASK(true);
+    for (size_t i = 0; i < tile->n; i++) {
+        alone[i] |= gone[i], all &= alone[i];
+        if (alone[i] || !counts[i]) continue;
+        alone[i] = SGT_NOT_ALONE;
+        if (others) others[i] = (sgt_interval){far[i] - slack[i], far[i] + slack[i]};
+    }
+    return all != 0;
 }

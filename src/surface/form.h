@@ -43,8 +43,11 @@ SGT_INLINE double single_limit(const shape *s)
     return steep * steep * r2;
 }
 
-/* Rays whose chord is so: alone[i] has all bits set; true: all of them. */
+/* Rays whose chord is so: alone[i] has all bits set, else 0; true: all of them. */
 bool sgt_sweep_monotone(const shape *s, const sgt_tile *tile, unsigned long long alone[]);
+
+/* The same with a limit of the caller's. */
+bool sgt_sweep_steeper(double limit, const sgt_tile *tile, unsigned long long alone[]);
 
 /* G at one point of the ray, and what is known of it. */
 typedef struct sample {

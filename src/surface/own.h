@@ -73,7 +73,7 @@ static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
 
 /* Some rays of a batch: at most SGT_TILE, or the surface's own `tile`, each array at the first of them.  Of the rays no
  * array is NULL, of the hits status is not; tmax is explicit.  t_tol: of each ray its own. */
-enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_HARD = -100 };
+enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_HARD = -100, SGT_NOT_ALONE = 1 };
 typedef struct sgt_tile { size_t n; sgt_rays rays; const double *t_tol; sgt_hits hits; } sgt_tile;
 
 struct sgt_own {
@@ -85,9 +85,10 @@ struct sgt_own {
      * checked and asks for no watcher; its t_tol is not to be read.  May be NULL. */
     size_t (*sweep)(const void *self, const sgt_tile *tile, const sgt_options *opt);
     /* Of the rays of a tile that have met the root near the seed: alone[i] is made all bits set where certainly no other
-     * root that counts lies on the ray within r^2 <= rim2, else 0.  Of other rays it is of no account; hits and t_tol are
-     * not read.  NULL: the surface has but first roots. */
-    void (*alone)(const void *self, const sgt_tile *tile, double rim2, unsigned long long alone[]);
+     * root that counts lies on the ray within r^2 <= rim2; SGT_NOT_ALONE where certainly one does, in others[i] (may be
+     * NULL), unless it is the root that was met itself, and that of a tile never is; else 0.  Of other rays it is of no
+     * account; hits and t_tol are not read.  true: all are alone.  NULL: the surface has but first roots. */
+    bool (*alone)(const void *self, const sgt_tile *tile, double rim2, unsigned long long alone[], sgt_interval others[]);
     /* The most rays the sweep takes in a tile, SGT_TILE ... SGT_MOST_TILE; 0: SGT_TILE. */
     size_t tile;
 };

@@ -141,8 +141,7 @@ SGT_INLINE bool sharp(const meeting *h, double t_tol)
 SGT_INLINE bool counts(const meeting *h, const sgt_ray *ray, double rim2, double scale)
 {
     double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z));
-    double room = h->t - ray->tmin - h->t_err - 8 * SGT_U * fabs(h->t);
-    bool started = ray->tmin == -HUGE_VAL || room * h->slope > START_ULPS * terms * scale || (terms == 0 && room > 0); /* at the vertex */
+    bool started = ray->tmin == -HUGE_VAL || (h->t - ray->tmin - h->t_err - 8 * SGT_U * fabs(h->t)) * h->slope > START_ULPS * terms * scale;
     bool inside = !(h->p.x * h->p.x + h->p.y * h->p.y > rim2);
     return started && h->t <= ray->tmax && inside;
 }
@@ -163,7 +162,7 @@ SGT_INLINE double rim2_of(double semi_diameter)
 }
 
 /* Of the rim within which a root in lanes is certain: conic_easy.h, asphere_easy.h. */
-SGT_INLINE double sure_rim2(double rim2) { return rim2 * (1 - 0x1.8p-45); }
+SGT_INLINE double sure_rim2(double rim2) { return rim2 * (1 - 0x1.dp-45); }
 
 /* Its square is neither lost nor infinite (where there is one). */
 SGT_INLINE bool rim_in_range(double rim2) { return rim2 > TINY; }

@@ -348,13 +348,15 @@ static sgt_options met_by(const sgt_options *opt)
     return own;
 }
 
-/* Rays that were met inside the aperture and may have another root there are hard. */
-APART static void hide_others(const sgt_element *e, const sgt_tile *rays, double aperture2, const vectors *p)
+/* Rays that were met inside the aperture and may have another root there are hard: is any? */
+APART static bool hide_others(const sgt_element *e, const sgt_tile *rays, double aperture2, const vectors *p)
 {
     unsigned long long alone[TILE];
-    sgt_alone_tile(e->surface, rays, aperture2, alone);
+    if (sgt_alone_tile(e->surface, rays, aperture2, alone, NULL)) return false;
+    bool any = false;
     for (size_t i = 0; i < rays->n; i++)
-        if (!alone[i] && rays->hits.status[i] > 0 && is_inside(get(p, i), aperture2)) rays->hits.status[i] = SGT_HARD;
+        if (~alone[i] && rays->hits.status[i] > 0 && is_inside(get(p, i), aperture2)) rays->hits.status[i] = SGT_HARD, any = true;
+    return any;
 }
 
 /* What the sweep has found; what was not asked of it is not read. */
@@ -475,7 +477,7 @@ static double pass_most(const work *job, tile *w, size_t j, bending by, sgt_hits
                               .tmin = line_begins, .tmax = line_ends}};
     sgt_options opt = met_by(&job->opt);
     size_t met = sgt_intersect_tile(e->surface, &rays, &opt);
-    if (met && asks_alone(&job->opt)) hide_others(e, &rays, aperture2_of(e->semi_diameter), w->p), met = 0;
+    if (met && asks_alone(&job->opt) && hide_others(e, &rays, aperture2_of(e->semi_diameter), w->p)) met = 0;
     for (size_t i = 0; met < w->n && i < w->n; i++)
         if (w->status[i] <= 0) w->p->x[i] = (double)NAN; /* as it is; the loops go by that */
     if (shifted) shift_all(w->n, w->t0, w->t, w->t_lo, w->t_err);

@@ -1,0 +1,23 @@
+/* proof_lenses.c - see proof_lenses.h. */
+#include "proof_lenses.h"
+
+#include "../../src/tool/launch.h"
+#include "../../src/tool/memory.h"
+
+#include <math.h>
+
+proof_lens proof_lens_read(const char *path, size_t rays)
+{
+    lens *l = memory_take(1, sizeof *l);
+    *l = lens_read(path, 1);
+    proof_field *field = memory_take(l->fields, sizeof *field);
+    long side = lround(sqrt((double)rays / 0.785398)); /* of the square about the pupil, pi / 4 is in it */
+    for (size_t i = 0; i < l->fields; i++) {
+        ray_list list = {0};
+        launch_field(&list, l, i, l->field[i], PUPIL_GRID, side);
+        sgt_ray *all = memory_take(list.count, sizeof *all);
+        for (size_t j = 0; j < list.count; j++) all[j] = list.ray[j].ray;
+        field[i] = (proof_field){l->field[i], list.count, all};
+    }
+    return (proof_lens){l->count, l->fields, l->element, l->object_index, field};
+}
