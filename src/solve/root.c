@@ -322,8 +322,9 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
     note(r, r->t, g);
     P(PREV) = r->t, P(GPREV) = g, P(SPREV) = sign_of(r, g);
     if (P(F_TOL) > 0 && fabs(g) <= P(F_TOL)) {
-        r->t_err = 2 * (fabs(g) + r->g_err) / fabs(slope); /* twice the first order, for the second */
-        if (g != 0 && !(r->t_err > 0 && r->t_err < HUGE_VAL)) r->t_err = fmax(r->t - r->lo, r->hi - r->t); /* a slope that says nothing */
+        double off = fabs(g) + r->g_err;
+        r->t_err = off > 0 ? 2 * off / fabs(slope) : 0; /* twice the first order, for the second */
+        if (off > 0 && !(r->t_err > 0 && r->t_err < HUGE_VAL)) r->t_err = fmax(r->t - r->lo, r->hi - r->t); /* a slope that says nothing */
         return finish(r, SGT_HIT);
     }
     if (sign_of(r, g) == 0) return probe_begin(r, g, slope);

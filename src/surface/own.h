@@ -67,7 +67,8 @@ static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
     if (!(list->count > 0 && last->status == SGT_HIT && t - t_err <= last->t + last->t_err)) return false;
     double far = ((t > last->t ? t - last->t : last->t - t) + t_err) * (1 + 0x1p-50);
     if (far > last->t_err) last->t_err = far; /* it may be below the ulp that lo and hi can show */
-    sgt_list_cover(list, t - t_err, t + t_err);
+    sgt_interval about = sgt_about(t, t_err);
+    sgt_list_cover(list, about.lo, about.hi);
     return true;
 }
 
