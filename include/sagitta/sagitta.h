@@ -97,9 +97,9 @@ typedef struct sgt_surface_ops {
     /* Intervals that contain g(t) = F(o + t d), and g' in *slope (never NULL), over the
      * whole of t, rounding included; t is finite, in lengths of d, and only o and d are
      * to be read.  Both may be as wide as they must: -INFINITY to INFINITY says nothing,
-     * and so does a NaN.  lo > hi: F is undefined all over t, and so nowhere zero.  A slope with
-     * two finite ends says besides that F is defined and continuous all over t: where it may not be,
-     * let the slope be infinite.  interval.h has what it takes to write one. */
+     * and so does a NaN.  lo > hi: F is undefined all over t, and so nowhere zero.  A slope
+     * with two finite ends says besides that F is defined and continuous all over t: where it
+     * may not be, let the slope be infinite.  interval.h has what it takes to write one. */
     sgt_interval (*enclose)(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope);
 
     /* `value` at n points, to the last bit: F, and its gradient where grad[0] is not NULL
@@ -129,8 +129,8 @@ typedef enum sgt_status {
     SGT_UNPROVEN  = -1,  /* no root was found, yet none was excluded (or one was found
                             and it could not be told whether it counts) */
     SGT_UNDEFINED = -2,  /* the search ran into a region where F is NaN */
-    SGT_EXHAUSTED = -3,  /* max_evals was spent (without a proof asked for); [lo, hi] is what was left to search, of sgt_root
-                            t is the best point so far */
+    SGT_EXHAUSTED = -3,  /* max_evals was spent (without a proof asked for); [lo, hi] is what was
+                            left to search; in sgt_root t is the best point so far */
     SGT_STOPPED   = -4,  /* the watcher asked to stop */
     SGT_INVALID   = -5   /* a direction that is zero, subnormal or not finite; an origin that
                             is not finite; a NaN end, tmin > tmax, tmin = INFINITY or tmax =
@@ -196,24 +196,28 @@ typedef enum sgt_pick {
                           the vertex plane): what a lens designer means */
 } sgt_pick;
 
-/* What must be proven before a status may be positive or zero?  What is not, and what max_evals
- * ends, is UNPROVEN, with [lo, hi] the stretch that is left; a GRAZE says what it always says, and not that there is a root.
- * A proof is by error analysis or by intervals (interval.h), and trusts no estimate: built-in surfaces have
- * it, and surfaces of a user that offer `enclose`; without, a hit is UNPROVEN under either, and lo and hi are about the
- * root that was seen.  A root whose side of the rim (semi_diameter) rounding hides is UNPROVEN too. */
+/* What must be proven before a status may be positive or zero?  What is not, and what
+ * max_evals ends, is UNPROVEN, with [lo, hi] the stretch that is left; a GRAZE says what it
+ * always says, and not that there is a root.  A proof is by error analysis or by intervals
+ * (interval.h), and trusts no estimate: built-in surfaces have it, and surfaces of a user that
+ * offer `enclose`; without, a hit is UNPROVEN under either, and lo and hi are about the root
+ * that was seen.  A root whose side of the rim (semi_diameter) rounding hides is UNPROVEN too. */
 typedef enum sgt_proof {
     SGT_ESTIMATE,     /* nothing more than what sgt_intersect promises */
     SGT_PROVE_ROOT,   /* one root of F, and only one, lies in [t - t_err, t + t_err] */
-    SGT_PROVE_FIRST   /* and none that counts lies before it; for SGT_NEAR_SEED: and no other that counts
-                         lies on the ray at all (in traces: on the chord of the clear aperture, where
-                         there is one), [lo, hi] being about all of them.  A level set has but
-                         first roots, whatever `pick` says.  A MISS is proven too */
+    SGT_PROVE_FIRST   /* and none that counts lies before it; for SGT_NEAR_SEED: and no other
+                         that counts lies on the ray at all (in traces: on the chord of the
+                         clear aperture, where there is one; the aperture itself is a
+                         comparison of computed numbers), [lo, hi] being about all of them.
+                         A level set has but first roots, whatever `pick` says.  A MISS is
+                         proven too */
 } sgt_proof;
 
 typedef struct sgt_options {
     double     t_tol;      /* stop when t is known to this (lengths of d); 0: to rounding.
                               t_err is a bound all the same.  On a level set roots closer
-                              together than this may be told as one */
+                              together than this may be told as one; under a proof they do not
+                              read it */
     double     f_tol;      /* stop when |F| is at most this; 0: never on |F| alone.  Surfaces
                               of a user and sgt_root only */
     double     dt_min;     /* the least step of a march, in lengths of d; 0: as sgt_intersect

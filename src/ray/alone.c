@@ -1,10 +1,11 @@
 /* alone.c - the root near the seed, proven to be the only one.
  *
- * Most often the surface knows at once: along the ray F is monotone within the rim, or the other root of a conic is on the
- * other sheet, beyond the rim, or outside the ray's ends (sgt_own, alone; a loop over lanes, of which one ray is a tile of
- * one).  Where it does not every root is asked for: there has to be one, and it decided.  Within a clear aperture that is
- * narrower than the surface the ray is cut to its chord with the aperture's cylinder, and a root certainly outside of that
- * is passed over. */
+ * Most often the surface knows at once (sgt_own, alone; a loop over lanes, of which one ray is a tile of one): along the ray
+ * F is monotone within the rim; the other root of a conic is on the other sheet, beyond the rim or outside the ray's ends, or
+ * it certainly counts; no ring of an asphere holds another.  Where it does not, every root is asked for: there has to be
+ * one, and it decided.  With a clear aperture narrower than the surface the ray is cut to three times its chord with the
+ * aperture's cylinder, so that no root within is taken for the start of what is left, and what is certainly outside of that
+ * chord is passed over. */
 #include "alone.h"
 
 #include "../surface/conic.h"
@@ -53,8 +54,9 @@ void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_o
     if (known && known != SGT_NOT_ALONE) return;
     sgt_ray cut = *ray;
     stretch chord = sgt_chord(ray, rim2);
-    if (chord.lo > cut.tmin) cut.tmin = chord.lo;
-    if (chord.hi < cut.tmax) cut.tmax = chord.hi;
+    double more = chord.hi - chord.lo;
+    if (chord.lo - more > cut.tmin) cut.tmin = chord.lo - more;
+    if (chord.hi + more < cut.tmax) cut.tmax = chord.hi + more;
     sgt_hit found[FEW], none = hit_without(SGT_UNPROVEN, ray, hit->evals);
     sgt_list list = {.hits = found, .cap = FEW, .count = 0};
     sgt_options own = *opt;
@@ -67,8 +69,16 @@ void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_o
     if (!s.ops->own_) { /* a surface of a user proves it as it can */
         sgt_hit again = sgt_intersect_general(s, &cut, &own);
         again.evals += hit->evals;
-        if (again.status > 0) hit->evals = again.evals;
-        else *hit = again;
+        bool same = again.status > 0 && again.lo <= hit->hi && again.hi >= hit->lo;
+        if (again.status == SGT_MISS || (again.status > 0 && !same)) { /* another, or it is on the edge */
+            none.evals = again.evals;
+            none.lo = again.status > 0 && again.lo < hit->lo ? again.lo : hit->lo, none.hi = again.status > 0 && again.hi > hit->hi ? again.hi : hit->hi;
+            *hit = none;
+        } else if (same) {
+            hit->evals = again.evals;
+        } else {
+            *hit = again;
+        }
         return;
     }
     own.proof = SGT_PROVE_ROOT;
@@ -80,6 +90,7 @@ void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_o
         const sgt_hit *h = &found[i];
         if (h->status == SGT_STOPPED) none.status = SGT_STOPPED;
         double r2 = h->p.x * h->p.x + h->p.y * h->p.y, off = 4 * (fabs(h->p.x) + fabs(h->p.y)) * h->p_err;
+        if (h->status != SGT_STOPPED && (h->hi < chord.lo || h->lo > chord.hi)) continue;
         if (h->status > 0 && r2 - off > rim2 * (1 + 0x1p-50)) continue;
         bool same = h->status > 0 && h->lo <= hit->hi && h->hi >= hit->lo;
         itself += same, others += !same;

@@ -3,7 +3,8 @@
  * QUICK, THEN CAREFUL.  A tile of rays is offered to the surface's sweep, which is the quick form of the single
  * ray's answer with a loop around it: the same operations on each ray in the same order, and so the same bits.
  * Rays that the quick form does not accept (and those that are no rays at all) it marks as hard, and these
- * go one by one through the door of the single ray. */
+ * go one by one through the door of the single ray.  Under a proof near the seed, rays that were met and certainly have
+ * another root are made UNPROVEN at once, and those that may have one are hard (not_alone). */
 #include "batch.h"
 
 #include "../num/lanes.h"

@@ -9,6 +9,7 @@
  *     |n| > L sqrt(a),  L = max |grad s| over the rim,  a = l^2 + m^2:
  * then F is monotone along the chord.
  * CAREFUL.  All else: the march in asphere_march.c, which is certain too, only slower.
+ * THE ONLY ROOT near the seed, under proof: the same test, and where it does not decide asphere_alone.c.
  *
  * The last evaluation of a hit is that of F at the point returned. */
 #include "asphere.h"
@@ -181,7 +182,7 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
                 double here = fabs(at.x) * fx + fabs(at.y) * fy + fabs(at.z) + at.first * (at.x * at.x + at.y * at.y);
                 if ((far > 3 * here || fx * fx + fy * fy > STEEP2 || !sharp(out, opt->t_tol)) && !sgt_form_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w)) return false;
                 bool whole = single(s, &q), near = opt->pick == SGT_NEAR_SEED;
-                if (opt->proof != SGT_ESTIMATE && (rim_hidden(out, s->rim2) || !sgt_form_alone(s, ray, out, w))) return false;
+                if (opt->proof != SGT_ESTIMATE && (rim_hidden(out, s->rim2) || !sgt_form_alone(s, ray, out, w) || w->stopped)) return false;
                 return (near || whole) && counts(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL;
             }
         }

@@ -144,7 +144,7 @@ static void polish(walk *w, double lo, const sample *at_lo, double hi, const sam
 {
     for (;;) {
         sgt_root r = sgt_root_begin((sgt_span){.lo = lo, .hi = hi, .seed = lo - at_lo->g * (hi - lo) / (at_hi->g - at_lo->g)},
-                                    &(sgt_options){.t_tol = w->told->opt->t_tol / w->q.scale});
+                                    &(sgt_options){.t_tol = 0});
         sgt_root_tell(&r, lo, at_lo->g);
         sgt_root_tell(&r, hi, at_hi->g);
         sample e;
@@ -154,10 +154,11 @@ static void polish(walk *w, double lo, const sample *at_lo, double hi, const sam
         } while (sgt_root_next(&r, e.g, e.slope) && !w->told->stopped && !w->spent);
         if (w->told->stopped || w->spent) return;
         /* monotone, so a status other than a hit means only that rounding hides the very crossing */
-        double err = r.status == SGT_HIT ? r.t_err : fmax(r.t - lo, hi - r.t), v_err;
+        double err = fmax(r.t - lo, hi - r.t), v_err;
+        if (r.status == SGT_HIT && r.t_err < err) err = r.t_err;
         meeting at;
         if (sgt_form_settle(w->s, w->ray, w->q.t0, r.t, &at, &v_err, w->told)
-            && fabs((at.t - w->q.t0 * w->q.scale) + at.t_lo - r.t * w->q.scale) <= 2 * err * w->q.scale + at.t_err) {
+            && (at.t - w->q.t0 * w->q.scale) + at.t_lo >= lo * w->q.scale - at.t_err && (at.t - w->q.t0 * w->q.scale) + at.t_lo <= hi * w->q.scale + at.t_err) {
             keep(w, &at, v_err, SGT_HIT, seed, best);
             return;
         }
@@ -238,9 +239,14 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
             sample right = look(&w, end, SGT_MARCH, tau, hi);
             if (!known) left = look(&w, tau, SGT_MARCH, tau, hi), known = true;
             for (int i = 0; tau == begin && !sign_at(&left) && i < 8; i++) { /* the start is on the surface: from before it */
-                double back = tau - ldexp(4 * (left.g_err + fabs(left.g)) / slope, i);
+                double back = tau - ldexp(4 * (left.g_err + fabs(left.g)) / slope, i), far = m - back;
+                if (!(slope - e.slope_err > sgt_form_bend(s, &w.q, &e, far) * far)) break; /* G is not monotone from so far before */
                 sample behind = look(&w, back, SGT_MARCH, tau, hi);
                 if (sign_at(&behind)) left = behind, tau = begin = back;
+            }
+            if (tau == begin && !sign_at(&left) && !w.fine) {
+                w.fine = true, known = false;
+                continue;
             }
             if (!sign_at(&right) && moved < 16) {
                 moved++;

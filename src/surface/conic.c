@@ -161,8 +161,6 @@ typedef struct careful_root {
 
 SGT_INLINE twofold sum3(twofold a, twofold b, twofold c) { return twofold_sum(twofold_sum(a, b), c); }
 
-static bool faint(double a, double b) { return a != 0 && b != 0 && fabs(a * b) < TINY; }
-
 SGT_INLINE careful_quadric careful_setup(double c, double k, const sgt_ray *ray)
 {
     careful_quadric g = {.c = c, .k = k};
@@ -190,7 +188,7 @@ SGT_INLINE careful_quadric careful_setup(double c, double k, const sgt_ray *ray)
     g.Aa = ga * (a.hi + fabs(kn2.hi));
     g.Ba = g.beta * fabs(q.n) + ga * (fabs(xl.hi) + fabs(ym.hi) + fabs(kz.hi * q.n));
     g.Ca = ga * (r2.hi + fabs(kz.hi * z.hi)) + 2 * g.beta * fabs(z.hi);
-    if (faint(q.l, t0) || faint(q.m, t0) || faint(q.n, t0)) { /* the products have underflown */
+    if (place_underflows(&q)) {
         double lost = 0x1p-1070 / g.U / EPS;
         g.Ba += lost * ga * (2 + fabs(k1.hi));
         g.Ca += lost * 2 * (g.beta + ga * (fabs(x.hi) + fabs(y.hi) + fabs(kz.hi)));

@@ -104,13 +104,14 @@ int sgt_form_side(const shape *s, const sample *at)
 
 bool sgt_form_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol, meeting *out, double *v_err, bool *steady)
 {
-    double slope = fabs(at->slope) - at->slope_err, g = fabs(at->g) + at->g_err;
+    double g_err = at->g_err + (place_underflows(q) ? 0x1p-1070 : 0);
+    double slope = fabs(at->slope) - at->slope_err, g = fabs(at->g) + g_err;
     double h = 1.25 * g / slope;
     *steady = false;
     if (!(slope > 0 && h < HUGE_VAL)) return false;
     double bend = sgt_form_bend(s, q, at, h);
     if (!(8 * bend * g <= slope * slope)) return false;
-    double step = -at->g / at->slope, curved = 0.5 * bend * h * h, noise = at->g_err + fabs(step) * at->slope_err;
+    double step = -at->g / at->slope, curved = 0.5 * bend * h * h, noise = g_err + fabs(step) * at->slope_err;
     double tau_err = 1.01 * (noise + curved) / slope + 2 * SGT_U * fabs(step);
     *steady = curved <= noise || tau_err <= 0.5 * t_tol;
     meeting_place(out, q, tau + step, tau_err + SGT_U * fabs(tau + step));

@@ -56,6 +56,9 @@ static inline void sgt_list_cover(sgt_list *list, double lo, double hi)
     if (hi > last->hi) last->hi = hi;
     double far = (last->hi - last->t > last->t - last->lo ? last->hi - last->t : last->t - last->lo) * (1 + 0x1p-50);
     if (far > last->t_err) last->t_err = far;
+    sgt_interval about = sgt_about(last->t, last->t_err);
+    if (about.lo < last->lo) last->lo = about.lo;
+    if (about.hi > last->hi) last->hi = about.hi;
     if (list->count <= list->cap) list->hits[list->count - 1] = *last;
 }
 

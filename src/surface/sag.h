@@ -92,6 +92,13 @@ SGT_INLINE local local_at(const sgt_ray *ray, double t0, double t0_lo)
     return q;
 }
 
+/* Are the local origin's coordinates off by products with t0 that have underflown, 2^-1070 at most? */
+SGT_INLINE bool place_underflows(const local *q)
+{
+    double x = fabs(q->l * q->t0), y = fabs(q->m * q->t0), z = fabs(q->n * q->t0);
+    return q->t0 != 0 && ((q->l != 0 && x < TINY) || (q->m != 0 && y < TINY) || (q->n != 0 && z < TINY));
+}
+
 /* The t0 nearest the vertex: right to an ulp or so, and that is all it needs to be. */
 SGT_INLINE double nearest_to_vertex(const sgt_ray *ray)
 {
@@ -152,8 +159,9 @@ SGT_INLINE bool counts(const meeting *h, const sgt_ray *ray, double rim2, double
 SGT_INLINE bool rim_hidden(const meeting *h, double rim2)
 {
     double r2 = h->p.x * h->p.x + h->p.y * h->p.y, off = (2 * (fabs(h->p.x) + fabs(h->p.y)) + h->p_err) * h->p_err + 4 * SGT_U * r2;
+    if (!(rim2 < HUGE_VAL)) return false;
     if (!(off < HUGE_VAL)) return !(larger(fabs(h->p.x), fabs(h->p.y)) - h->p_err > 2 * sqrt(rim2)); /* far beyond */
-    return rim2 < HUGE_VAL && !(fabs(r2 - rim2) > 1.01 * off);
+    return !(fabs(r2 - rim2) > 1.01 * off);
 }
 
 SGT_INLINE double rim2_of(double semi_diameter)

@@ -74,15 +74,31 @@ static void shift_hit(sgt_hit *hit, double t0)
 
 /* ------------------------------------------------------------------ meeting */
 
+sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, const sgt_options *opt, bool *inside)
+{
+    sgt_hit hit = sgt_intersect(surface, chord, opt);
+    double middle = 0.5 * chord.tmin + 0.5 * chord.tmax;
+    *inside = hit.status > 0 && is_inside(hit.p, aperture2);
+    for (int ends = 0; ends < 2 && hit.status > 0 && !*inside; ends++) {
+        if (hit.t < middle) chord.tmin = hit.t;
+        else chord.tmax = hit.lo;
+        if (!(chord.tmin < chord.tmax) || chord.tmax == 0) break;
+        sgt_hit next = sgt_intersect(surface, chord, opt);
+        next.evals += hit.evals;
+        *inside = next.status > 0 && is_inside(next.p, aperture2);
+        hit = next;
+    }
+    return hit;
+}
+
 /* *hit, on the whole line, is made the hit that is meant; *inside: within the clear aperture.  Only an answer
  * inside overrules the first; under proof one that may be inside does as well. */
 static void choose(sgt_surface surface, sgt_ray ray, double aperture2, const sgt_options *opt, sgt_hit *hit, bool *inside)
 {
     *inside = hit->status > 0 && is_inside(hit->p, aperture2);
     if (*inside || !(aperture2 < HUGE_VAL) || !is_worth_more(hit->status) || !cut_to_chord(&ray, aperture2)) return;
-    sgt_hit other = sgt_intersect(surface, ray, opt);
+    sgt_hit other = sgt_ask_inside(surface, ray, aperture2, opt, inside);
     hit->evals = other.evals += hit->evals;
-    *inside = other.status > 0 && is_inside(other.p, aperture2);
     if (*inside || other.status == SGT_STOPPED || (opt->proof != SGT_ESTIMATE && other.status < 0)) *hit = other;
 }
 

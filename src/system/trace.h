@@ -174,6 +174,10 @@ SGT_INLINE twofold longer(twofold path, double index, double t, double t_lo)
     return twofold_sum(twofold_sum(path, two_product(index, t)), twofold_of(index * t_lo));
 }
 
+/* On such a chord the hit that is meant, if it is inside; a root on the stretches by which the chord is longer than the
+ * aperture does not hide another (unless two are there). */
+sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, const sgt_options *opt, bool *inside);
+
 /* ------------------------------------------------------------------ bending */
 
 /* How an element bends, the same for all rays: not at all, back, or on, with D in one of its two forms. */

@@ -402,8 +402,9 @@ static verdict judge(const work *job, const tile *w, size_t i, size_t j, const b
     if (!(aperture2 < HUGE_VAL) || !is_worth_more(status) || !cut_to_chord(&ray, aperture2)) return STOPS;
     sgt_options own = met_by(&job->opt);
     if (own.t_tol == 0) own.t_tol = tolerance(e->semi_diameter, ray.o);
-    sgt_hit other = sgt_intersect(e->surface, ray, &own);
-    if ((other.status > 0 && is_inside(other.p, aperture2)) || (own.proof != SGT_ESTIMATE && other.status < 0)) return ASK_ANEW;
+    bool inside;
+    sgt_hit other = sgt_ask_inside(e->surface, ray, aperture2, &own, &inside);
+    if (inside || (own.proof != SGT_ESTIMATE && other.status < 0)) return ASK_ANEW;
     int *evals = job->passages ? job->passages[j].hits.evals : NULL;
     if (evals) evals[w->first + (size_t)w->index[i]] += other.evals;
     return STOPS;

@@ -89,15 +89,15 @@ static const double ODD_NUMBERS[] = {
 static UNUSED double take_number(bytes *b)
 {
     unsigned how = take_byte(b), sign = how >> 7;
-    double x = 0;
-    switch (how & 7) {
+    double x = 0, whole;
+    switch (how & 7) { /* one at a time: C does not say which of two arguments is taken first */
     case 0: break;
     case 1: x = (double)(int16_t)take_bits(b, 2) / 1024; break;
     case 2: x = ODD_NUMBERS[(how >> 3 & 15) | (take_byte(b) & 1) << 4]; break;
-    case 3: x = ldexp((double)(take_bits(b, 2) | 1 << 16), (int)(int8_t)take_byte(b) - 16); break;
-    case 4: x = ldexp((double)(take_bits(b, 2) | 1 << 16), (int)(int16_t)take_bits(b, 2) % 1100 - 16); break;
+    case 3: whole = (double)(take_bits(b, 2) | 1 << 16), x = ldexp(whole, (int)(int8_t)take_byte(b) - 16); break;
+    case 4: whole = (double)(take_bits(b, 2) | 1 << 16), x = ldexp(whole, (int)(int16_t)take_bits(b, 2) % 1100 - 16); break;
     case 5: x = moved(b->last[how >> 3 & 3], (int)(int8_t)take_byte(b) / 8); break;
-    case 6: x = b->last[how >> 3 & 3] * (1 + ldexp((double)(int8_t)take_byte(b), -8 - (int)(take_byte(b) & 63))); break;
+    case 6: whole = (double)(int8_t)take_byte(b), x = b->last[how >> 3 & 3] * (1 + ldexp(whole, -8 - (int)(take_byte(b) & 63))); break;
     default: x = from_bits(take_bits(b, 8)); break;
     }
     if (sign) x = -x;

@@ -339,7 +339,8 @@ static sgt_ray take_ray(bytes *b, const subject *s, const sgt_ray *before)
             if (isfinite(by)) d = (sgt_vec3){d.x - by * n.x, d.y - by * n.y, d.z - by * n.z};
         }
         if ((how & 7) > 2) { /* and a little beside it */
-            double off = ldexp(take_number(b), -(int)take_byte(b) / 4);
+            double off = take_number(b);
+            off = ldexp(off, -(int)take_byte(b) / 4);
             if (isfinite(off)) p.x += off * n.x, p.y += off * n.y, p.z += off * n.z;
         }
         ray.d = d, ray.o = (sgt_vec3){p.x - away * d.x, p.y - away * d.y, p.z - away * d.z};
@@ -352,7 +353,7 @@ static sgt_ray take_ray(bytes *b, const subject *s, const sgt_ray *before)
         return ray;
     }
     case 5: /* along the axis */
-        ray.o = (sgt_vec3){take_number(b), 0, take_number(b)}, ray.d = (sgt_vec3){0, 0, 1};
+        ray.o.x = take_number(b), ray.o.z = take_number(b), ray.d = (sgt_vec3){0, 0, 1};
         break;
     }
     if (how & 8) ray.tmin = -(double)INFINITY;
@@ -423,6 +424,7 @@ static void check_hit(const subject *s, const sgt_ray *ray, const sgt_hit *h, co
     HOLDS(h->evals >= 0, h, "evals");
     HOLDS(h->status >= SGT_INVALID && h->status <= SGT_GRAZE, h, "status %d", (int)h->status);
     HOLDS(h->status != SGT_STOPPED || opt->watch, h, "stopped by nobody");
+    HOLDS(h->status != SGT_EXHAUSTED || listed || !opt->proof, h, "exhausted, where a proof is asked for");
     if (h->status <= 0) {
         if (!listed) HOLDS(isnan(h->t) && isnan(h->t_err), h, "t of no hit");
         HOLDS(isnan(h->f) && isnan(h->p.x) && isnan(h->n.z), h, "p, n or f of no hit");
@@ -435,6 +437,9 @@ static void check_hit(const subject *s, const sgt_ray *ray, const sgt_hit *h, co
         return;
     }
     HOLDS(isfinite(h->t) && h->t_err >= 0 && h->t >= h->lo && h->t <= h->hi, h, "t");
+    /* in a list without a proof one hit may stand for two roots that cannot be told apart */
+    bool one = h->status == SGT_HIT && (!listed || opt->proof);
+    HOLDS(!one || (!((wide)h->lo > (wide)h->t - (wide)h->t_err) && !((wide)h->hi < (wide)h->t + (wide)h->t_err)), h, "t +- t_err is not in [lo, hi]");
     HOLDS(fabs(h->t_lo) <= h->t_err * (1 + 1e-9) || fabs(h->t_lo) <= 2 * fabs(h->t) * DBL_EPSILON, h, "t_lo");
     HOLDS(h->t <= r.tmax && (h->t > r.tmin || r.tmin == -HUGE_VAL || (h->status == SGT_GRAZE && h->t >= r.tmin - 1e-300)), h, "t is not on the ray");
     HOLDS(isfinite(h->p.x) && isfinite(h->p.y) && isfinite(h->p.z) && h->p_err >= 0, h, "p");
@@ -446,8 +451,7 @@ static void check_hit(const subject *s, const sgt_ray *ray, const sgt_hit *h, co
         sgt_interval slope, g = s->row->ops->enclose(&s->with, &r, (sgt_interval){nextafter(fmin(from, h->lo), -HUGE_VAL), nextafter(fmax(to, h->hi), HUGE_VAL)}, &slope);
         HOLDS(h->status == SGT_GRAZE || !(g.lo > 0 || g.hi < 0 || g.lo > g.hi), h, "enclose says [%a, %a] over t +- t_err", g.lo, g.hi);
     }
-    /* in a list without a proof one hit may stand for two roots that cannot be told apart */
-    if (h->status == SGT_HIT && (!listed || opt->proof) && isfinite(h->t_err) && h->t_err > 1e-300) { /* F is not known so far below the smallest normal number */
+    if (one && isfinite(h->t_err) && h->t_err > 1e-300) { /* F is not known so far below the smallest normal number */
         int left = sign_of(f_at(s, &r, (wide)h->t - (wide)h->t_err)), right = sign_of(f_at(s, &r, (wide)h->t + (wide)h->t_err));
         HOLDS(left * right <= 0, h, "F has one certain sign, %d, at t - t_err and t + t_err", left);
     }
@@ -479,8 +483,7 @@ static int count_steps(void *data, const sgt_step *step)
 {
     const int *stop = data;
     watched++;
-    bool again = now_opt.proof == SGT_PROVE_FIRST && now_opt.pick == SGT_NEAR_SEED; /* FIXME: the second search counts from 1 */
-    REQUIRE(step->eval == watched || again, "evaluation %d is told as %d", watched, step->eval);
+    REQUIRE(step->eval == watched, "evaluation %d is told as %d", watched, step->eval);
     REQUIRE(sgt_move_text(step->move)[0] != '?', "move %d", (int)step->move);
     return *stop > 0 && watched >= *stop;
 }
@@ -490,7 +493,7 @@ static void check_watcher(const subject *s, const sgt_ray *ray, const sgt_hit *h
     opt.watch = count_steps, opt.watch_data = &stop;
     watched = 0;
     sgt_hit other = sgt_intersect(s->surface, *ray, &opt);
-    if (!(opt.proof == SGT_PROVE_FIRST && opt.pick == SGT_NEAR_SEED)) HOLDS(other.evals == watched, &other, "%d evaluations were watched", watched);
+    HOLDS(other.evals == watched, &other, "%d evaluations were watched", watched);
     if (stop > 0 && watched >= stop) HOLDS(other.status == SGT_STOPPED && watched == stop, &other, "stopped after %d, and it is not", stop);
     else if (!same_hit(h, &other)) {
         print_hit("watched", &other);
@@ -544,6 +547,8 @@ static void check_list(const subject *s, const sgt_ray *ray, const sgt_hit *firs
     bool certain = s->kind == OWN && !(opt->dt_min > 0 && !s->sag);
     for (int i = 0; i < kept; i++) {
         check_hit(s, ray, &all[i], opt, true);
+        if (i > 0 && (all[i].status == SGT_EXHAUSTED || all[i].status == SGT_STOPPED))
+            HOLDS(i + 1 == count && all[i].lo >= all[i - 1].t, &all[i], "what is left of the ray begins before %a, or is not the last of %d", all[i - 1].t, count);
         if (i > 0) HOLDS(all[i].t >= all[i - 1].t || all[i].status < 0 || all[i - 1].status < 0, &all[i], "entry %d comes before the one before, at %a", i, all[i - 1].t);
         if (certain) check_absence(s, ray, &all[i], from, all[i].t - all[i].t_err, "a list has nothing before this");
         from = all[i].t + all[i].t_err;
@@ -688,7 +693,8 @@ static void check_trace(const subject *s, bytes *b, size_t n, const sgt_ray ray[
         unsigned how = take_byte(b);
         e[i] = (sgt_element){.surface = s->surface, .index = indices[(how >> 4) % 12]};
         if (how & 1) {
-            other[i] = (sgt_conic){take_number(b), take_number(b), 0};
+            other[i] = (sgt_conic){.c = take_number(b)};
+            other[i].k = take_number(b);
             e[i].surface = (sgt_surface){&sgt_conic_ops, &other[i]};
         }
         if (how & 2) e[i].pose.origin = take_vector(b);
@@ -758,7 +764,8 @@ static void check_trace(const subject *s, bytes *b, size_t n, const sgt_ray ray[
 
 static void check_root(bytes *b)
 {
-    sgt_span span = {take_number(b), take_number(b), take_number(b), take_byte(b) & 1};
+    sgt_span span;
+    span.lo = take_number(b), span.hi = take_number(b), span.seed = take_number(b), span.single = take_byte(b) & 1;
     sgt_options opt = take_options(b);
     unsigned how = take_byte(b);
     double g_err = fabs(take_number(b)), shift = take_number(b), slope_off = take_number(b);

@@ -1,0 +1,115 @@
+/* test_rows.c - one row for each fault that was mended, that random tests did not find or would seldom find: what was
+ * wrong, and the input as it was. */
+#include "unit.h"
+
+#include <sagitta/surfaces.h>
+#include <sagitta/system.h>
+
+static sgt_hit conic(sgt_conic s, sgt_ray ray, sgt_options opt) { return sgt_intersect((sgt_surface){&sgt_conic_ops, &s}, ray, &opt); }
+static sgt_hit asphere(sgt_asphere s, sgt_ray ray, sgt_options opt) { return sgt_intersect((sgt_surface){&sgt_asphere_ops, &s}, ray, &opt); }
+
+/* Slope and terms are both 0 there: the rule of the start divided 0 by 0, and the vertex was missed. */
+static void test_vertex_in_its_plane(void **state)
+{
+    (void)state;
+    sgt_hit h = conic((sgt_conic){.c = 0.5}, (sgt_ray){{0, -3, 0}, {0, 1, 0}, 0, 0}, (sgt_options){.proof = SGT_PROVE_FIRST});
+    REQUIRE(h.status == SGT_GRAZE && h.t == 3, "%s, t = %g", sgt_status_text(h.status), h.t);
+}
+
+/* From before a start on the surface, and before where G was known to be monotone: the root behind it was lost. */
+static void test_two_about_the_start(void **state)
+{
+    (void)state;
+    sgt_asphere s = {.c = 0x1.397f20e515dd7p-9, .k = -1, .a = {-0x1.397f20e515dd7p-9}, .semi_diameter = 0x1.331f9d6e3f332p-4};
+    sgt_ray ray = {{0, -0x1.331f9d6e3f3d2p-4, -0x1.c335d4c831659p-18}, {-0x1.a4b601e00ae5cp-1, 0x1.9b1479c210008p-2, 0x1.2df80f3217ae6p-14}, -INFINITY, INFINITY};
+    sgt_hit h = asphere(s, ray, (sgt_options){.proof = SGT_PROVE_FIRST});
+    REQUIRE(h.status == SGT_HIT && fabs(h.t - 2.9607102465031e-12) < 1e-24, "%s, t = %.17g", sgt_status_text(h.status), h.t);
+}
+
+/* A coarse t_tol let a root be settled into another's place. */
+static void test_coarse_tolerance(void **state)
+{
+    (void)state;
+    sgt_asphere s = {.a = {0x1.257079de8042ep-3}};
+    sgt_ray ray = {{-0x1.c6e67c4e9ed4ep+21, -0x1.622cb0e653952p+21, 0x1.62ee5bdf09597p+21},
+                   {-0x1.5805f0bf80123p+57, -0x1.0bd919c49a89p+57, 0x1.0c6b98b96741p+57}, -0x1.5281f8d7943ecp-36, INFINITY};
+    for (int near = 0; near < 2; near++) {
+        sgt_hit h = asphere(s, ray, (sgt_options){.t_tol = 0x1.3c7ff785fa8b4p-12, .pick = near ? SGT_NEAR_SEED : SGT_FIRST});
+        REQUIRE(h.status == SGT_HIT && fabs(h.t + 1.924192376555709e-11) < 1e-25, "%s, t = %.17g", sgt_status_text(h.status), h.t);
+    }
+}
+
+/* The start itself, farther from tmin than rounding but not than t_err. */
+static void test_start_within_the_tolerance(void **state)
+{
+    (void)state;
+    sgt_asphere s = {.a = {0x1.94140d6471016p-6}, .semi_diameter = 0x1.58c3ba7d55e34p+1};
+    sgt_ray ray = {{-0x1.836d917f47d5ep-7, 0x1.b0c3f0aaa9adep-3, 0x1.2197d48c861dap-10}, {0x1.687ecfd1e44d8p-1, -0x1.4914deabb3444p-1, -0x1.3524c5bb4655fp-2}, 0, 0};
+    sgt_hit h = asphere(s, ray, (sgt_options){.t_tol = 0x1.69782f0dc527ep-37});
+    REQUIRE(h.status <= 0 || h.t > h.t_err, "%s, t = %.17g", sgt_status_text(h.status), h.t);
+}
+
+/* Without a rim no root is hidden by it, however far. */
+static void test_far_without_a_rim(void **state)
+{
+    (void)state;
+    sgt_hit h = conic((sgt_conic){0}, (sgt_ray){{1e160, 0, -1}, {0, 0, 1}, 0, 0}, (sgt_options){.proof = SGT_PROVE_ROOT});
+    REQUIRE(h.status == SGT_HIT, "%s", sgt_status_text(h.status));
+}
+
+/* So far off that the rounding of t0 hid on which side of the rim it meets the plane. */
+static void test_rim_from_afar(void **state)
+{
+    (void)state;
+    sgt_ray ray = {{-0x1.2641bd7f3d81dp+48, 0, -0x1.d444df855fb0bp+49}, {0x1.92ec1c209efp-3, 0, 0x1.4098fb7bd322p-1}, 0, 0};
+    sgt_hit h = conic((sgt_conic){.semi_diameter = 0x1.438ef8e633bbep-14}, ray, (sgt_options){.proof = SGT_PROVE_ROOT});
+    REQUIRE(h.status != SGT_HIT, "%s at r = %.17g", sgt_status_text(h.status), fabs(h.p.x));
+}
+
+/* An undecided stretch from the start on was dropped. */
+static void test_dark_from_the_start(void **state)
+{
+    (void)state;
+    sgt_hit h = asphere((sgt_asphere){.c = 1e-31, .k = 1, .a = {1, -1}}, (sgt_ray){{.1, .07, 0}, {0, 1, 0}, 0, 0}, (sgt_options){0});
+    REQUIRE(h.status != SGT_MISS && (h.status < 0 || fabs(h.t - 0.924987) < 1e-5), "%s, t = %.17g", sgt_status_text(h.status), h.t);
+}
+
+static sgt_fate traced(sgt_conic s, double aperture, sgt_ray ray, sgt_options opt, sgt_passage *passage)
+{
+    sgt_element e = {.surface = {&sgt_conic_ops, &s}, .semi_diameter = aperture, .index = 1.5};
+    sgt_fate fate;
+    sgt_trace(1, &e, 1, &ray, passage, &fate, &opt);
+    return fate;
+}
+
+/* The other root, as near to the chord's end as to be taken for its start. */
+static void test_other_at_the_end_of_the_chord(void **state)
+{
+    (void)state;
+    sgt_conic s = {.c = 0x1.385c77ba3310bp-12, .k = -0x1.fff2e48e8a71ep-1, .semi_diameter = 0x1.c4d4f9ad18d51p-3};
+    sgt_ray ray = {{0x1.bc9144b93038ap-4, -0x1.8a8556cdffca9p-3, 0x1.e8ad202eaaf8dp-18}, {-0x1.ace5d763dd25p-1, 0x1.17a03cf9a2724p-1, -0x1.ea07605e136a9p-15}, 0, 0};
+    sgt_passage p;
+    sgt_fate fate = traced(s, 0x1.c4d4f9ad18d52p-3, ray, (sgt_options){.proof = SGT_PROVE_FIRST}, &p);
+    REQUIRE(fate == SGT_LOST && p.hit.status == SGT_UNPROVEN, "%s, %s, t = %.17g", sgt_fate_text(fate), sgt_status_text(p.hit.status), p.hit.t);
+}
+
+/* A root a little outside the aperture hid the one inside. */
+static void test_root_beside_the_aperture(void **state)
+{
+    (void)state;
+    sgt_conic s = {.c = -0x1.9a12ebb57cc63p-7, .k = -0x1p-1};
+    sgt_ray ray = {{0x1.3124c67db0bd7p+6, 0x1.25ff1fa5775eap+7, 0x1.343a640e5414cp+6}, {0x1.144d2e4383c63p-2, 0x1.aa00f69090f8ap-1, 0x1.f04d914e999fap-2}, 0, 0};
+    sgt_passage p;
+    sgt_fate fate = traced(s, 0x1.60f3d8643aecfp+6, ray, (sgt_options){.pick = SGT_FIRST}, &p);
+    REQUIRE(fate == SGT_PASSED && fabs(hypot(p.hit.p.x, p.hit.p.y) - 30.44) < 0.01, "%s, r = %.17g", sgt_fate_text(fate), hypot(p.hit.p.x, p.hit.p.y));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_vertex_in_its_plane), cmocka_unit_test(test_two_about_the_start), cmocka_unit_test(test_coarse_tolerance),
+        cmocka_unit_test(test_start_within_the_tolerance), cmocka_unit_test(test_far_without_a_rim), cmocka_unit_test(test_rim_from_afar),
+        cmocka_unit_test(test_dark_from_the_start), cmocka_unit_test(test_other_at_the_end_of_the_chord), cmocka_unit_test(test_root_beside_the_aperture),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
