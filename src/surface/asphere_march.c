@@ -95,7 +95,8 @@ static bool may_count(const walk *w, const meeting *at)
 {
     meeting end = *at;
     end.t += end.t_err, end.t_err = 0;
-    bool told = at->slope < HUGE_VAL && at->v == at->v && at->p.x * at->p.x + at->p.y * at->p.y < HUGE_VAL;
+    double terms = at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z)) * w->q.scale; /* as `counts` has them */
+    bool told = at->slope < HUGE_VAL && fabs(terms) < HUGE_VAL && at->p.x * at->p.x + at->p.y * at->p.y < HUGE_VAL;
     return !told || counts(&end, w->ray, HUGE_VAL, w->q.scale);
 }
 
@@ -273,7 +274,7 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
     if (pending && !told->stopped && !w.spent) take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_UNPROVEN, seed, &best);
     if (told->stopped || (w.spent && !(best.any && opt->pick != SGT_NEAR_SEED))) {
         sgt_hit hit = hit_without(told->stopped ? SGT_STOPPED : SGT_EXHAUSTED, ray, told->evals);
-        hit.lo = larger((w.q.t0 + (pending ? dark : tau)) * w.q.scale, ray->tmin);
+        hit.lo = fmin(larger((w.q.t0 + (pending ? dark : tau)) * w.q.scale, ray->tmin), ray->tmax); /* hi was moved outward */
         return hit;
     }
     if (!best.any) return hit_without(SGT_MISS, ray, told->evals);

@@ -188,6 +188,12 @@ SGT_INLINE careful_quadric careful_setup(double c, double k, const sgt_ray *ray)
     g.Aa = ga * (a.hi + fabs(kn2.hi));
     g.Ba = g.beta * fabs(q.n) + ga * (fabs(xl.hi) + fabs(ym.hi) + fabs(kz.hi * q.n));
     g.Ca = ga * (r2.hi + fabs(kz.hi * z.hi)) + 2 * g.beta * fabs(z.hi);
+    if (power < -960) { /* gamma, or what it leaves of a twofold, is subnormal */
+        double lost = 0x1p-1070 / EPS, size = 1 + fabs(x.hi) + fabs(y.hi) + fabs(kz.hi);
+        g.Aa += lost * (1 + fabs(k1.hi));
+        g.Ba += lost * (1 + fabs(k1.hi)) * size;
+        g.Ca += lost * size * size;
+    }
     if (place_underflows(&q)) {
         double lost = 0x1p-1070 / g.U / EPS;
         g.Ba += lost * ga * (2 + fabs(k1.hi));
@@ -209,11 +215,13 @@ SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, d
     r.at.t = t.hi * q->scale;
     r.at.t_lo = t.lo * q->scale;
     r.at.t_err = (fabs(t.lo) + g->U * tau_err + 8 * SGT_TWOFOLD * fabs(t.hi)) * slack * q->scale;
+    if (!(fabs(r.at.t) < HUGE_VAL)) r.at.t_err = HUGE_VAL;
     bool away = (px.hi != 0 || py.hi != 0) && larger(fabs(px.hi), fabs(py.hi)) * g->U < 0x1p-400; /* their squares underflow */
     if (fabs(r.at.t) < TINY && (r.at.t != 0 || r.at.t_err != 0 || away)) r.at.t_err += TINY_ERROR;
     r.at.p = (sgt_vec3){px.hi * g->U, py.hi * g->U, pz.hi * g->U};
     r.at.p_err = g->U * (length * tau_err + SGT_U * (fabs(px.hi) + fabs(py.hi) + fabs(pz.hi))) * slack;
     if (r.at.p_err < TINY && (r.at.p_err != 0 || away)) r.at.p_err += TINY_ERROR;
+    if (!(r.at.p_err < HUGE_VAL)) r.at.t_err = HUGE_VAL; /* a point beyond the largest double */
     double v_err = EPS * (g->beta + fabs(w.hi)) + 2 * fabs(g->k1.hi * g->gamma * q->n) * tau_err;
     r.sheet = v.hi > v_err ? 1 : v.hi < -v_err ? -1 : 0;
     r.at.v = v.hi;
@@ -330,7 +338,7 @@ SGT_INLINE sgt_status plane(double rim2, const sgt_ray *ray, bool proof, meeting
     if (ray->d.z != 0 && fabs(ray->o.z) < 0x1p-900 && ray->o.z != 0) q.t0_err += 0x1p-1074 / fabs(q.n); /* the remainder has underflown */
     meeting_place(out, &q, 0, 0);
     out->v = 1, out->slope = fabs(q.n), out->n = (sgt_vec3){0, 0, 1}, out->sag = 0;
-    if (!(out->t_err < HUGE_VAL)) return SGT_UNPROVEN; /* so nearly parallel that t is out of range */
+    if (!(out->t_err < HUGE_VAL && out->p_err < HUGE_VAL)) return SGT_UNPROVEN; /* so nearly parallel that t is out of range */
     if (ray->d.z != 0 && proof && rim_hidden(out, rim2) && counts(out, ray, HUGE_VAL, q.scale)) return SGT_UNPROVEN;
     if (ray->d.z != 0) return counts(out, ray, rim2, q.scale) ? SGT_HIT : SGT_MISS;
     return out->p.x * out->p.x + out->p.y * out->p.y <= rim2 ? SGT_GRAZE : SGT_UNPROVEN;

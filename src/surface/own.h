@@ -29,6 +29,8 @@ static inline void sgt_list_centre(sgt_hit *hit)
 {
     bool from = hit->lo > -HUGE_VAL, to = hit->hi < HUGE_VAL;
     hit->t = from && to ? 0.5 * hit->lo + 0.5 * hit->hi : from ? hit->lo : to ? hit->hi : 0;
+    if (hit->t < hit->lo) hit->t = hit->lo; /* halves of subnormal numbers */
+    if (hit->t > hit->hi) hit->t = hit->hi;
     hit->t_err = (hit->hi - hit->t > hit->t - hit->lo ? hit->hi - hit->t : hit->t - hit->lo) * (1 + 0x1p-50);
 }
 

@@ -125,6 +125,7 @@ SGT_INLINE void meeting_place(meeting *h, const local *q, double tau, double tau
     h->t = t.hi * q->scale;
     h->t_lo = t.lo * q->scale;
     h->t_err = (fabs(t.lo) + e * (1 + 4 * SGT_U)) * (1 + 4 * SGT_U) * q->scale;
+    if (!(fabs(h->t) < HUGE_VAL)) h->t_err = HUGE_VAL; /* in lengths of d */
     bool away = (q->x != 0 || q->y != 0) && larger(fabs(q->x), fabs(q->y)) < 0x1p-60; /* powers of theirs may underflow */
     if (fabs(h->t) < TINY && (h->t != 0 || h->t_err != 0 || away)) h->t_err += TINY_ERROR;
     double tl = tau * q->l, tm = tau * q->m, tn = tau * q->n;

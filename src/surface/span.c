@@ -13,7 +13,8 @@ stretch sgt_chord(const sgt_ray *ray, double radius2)
     if (!(radius2 < HUGE_VAL)) return all;
     double scale = scale_of(ray->d), l = ray->d.x * scale, m = ray->d.y * scale, a = l * l + m * m;
     radius2 *= 1 + 0x1p-43;
-    if (a == 0) return ray->o.x * ray->o.x + ray->o.y * ray->o.y <= radius2 * (1 + 0x1p-40) ? all : none;
+    if (ray->d.x == 0 && ray->d.y == 0) return ray->o.x * ray->o.x + ray->o.y * ray->o.y <= radius2 * (1 + 0x1p-40) ? all : none;
+    if (!(a > TINY)) return all; /* it has underflown */
     /* from the point nearest the axis, twice: there the rounding is of the size of the chord */
     local q = local_at(ray, -(ray->o.x * l + ray->o.y * m) / a, 0);
     double middle = -(q.x * l + q.y * m) / a, cross = q.x * m - q.y * l, near2 = cross * cross / a;

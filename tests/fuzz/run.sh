@@ -26,14 +26,14 @@ if [ ! -f $build/build.ninja ]; then
         -Dexamples=false -Dbenchmark=disabled
 fi
 for target; do
-    meson compile -C $build "fuzz_$target"
+    meson compile -C $build "fuzz_$target:executable"
     mkdir -p "$build/corpus/$target" $build/found
 done
 
 if [ "$seconds" = keep ]; then
     for target; do
         # Long inputs are left out: what they reach shorter ones do.
-        find "$build/corpus/$target" -size +1 -delete
+        find "$build/corpus/$target" -type f -size +1 -delete
         rm -rf $build/small && mkdir $build/small
         "$build/$here/fuzz_$target" -set_cover_merge=1 -use_counters=0 $build/small "$here/corpus/$target" "$build/corpus/$target" >$build/merge.log 2>&1
         rm -f "$here/corpus/$target"/* && cp $build/small/* "$here/corpus/$target"
