@@ -84,6 +84,11 @@ static bool crosses_sheet(walk *w, meeting *at)
         if (!left || !right) continue;
         if (left == right) return false;
         meeting_place(at, &w->q, tau, d);
+        /* v is lost in its rounding, but on the surface it is phi */
+        double dp, rho = at->p.x * at->p.x + at->p.y * at->p.y;
+        polynomial(w->s->terms, w->s->a, rho, &dp);
+        double inverse = -w->s->c / sqrt(fmax(1 - w->s->ck * w->s->c * rho, DBL_MIN)) - 2 * dp;
+        at->n = (sgt_vec3){at->p.x * inverse, at->p.y * inverse, 1};
         return true;
     }
     return false;
@@ -174,7 +179,7 @@ static void polish(walk *w, double lo, const sample *at_lo, double hi, const sam
 static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
 {
     double rho = ray->o.x * ray->o.x + ray->o.y * ray->o.y, phi, slope, v_err, dp, edge = s->ck * s->c * rho;
-    if (edge > 1 + 16 * SGT_U) return hit_without(SGT_MISS, ray, told->evals);
+    if (edge > 1 + 16 * SGT_U || rho > s->rim2 * (1 + 16 * SGT_U)) return hit_without(SGT_MISS, ray, told->evals);
     double sag = conic_sag(s->c, s->k, rho, &phi, &slope) + polynomial(s->terms, s->a, rho, &dp);
     double scale = scale_of(ray->d), t0 = (sag - ray->o.z) / (ray->d.z * scale);
     meeting at;
@@ -255,6 +260,10 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
                 continue;
             }
             moved = 0;
+            if (!w.fine && (!sign_at(&left) || !sign_at(&right))) { /* once more, in twice the precision */
+                w.fine = true, known = false;
+                continue;
+            }
             if (sign_at(&left) * sign_at(&right) < 0) polish(&w, tau, &left, end, &right, seed, &best);
             else if (!sign_at(&left) || !sign_at(&right)) take(&w, m, h, tau, end, SGT_UNPROVEN, seed, &best);
             if (told->stopped || w.spent) break; /* before the root of this cell was told */

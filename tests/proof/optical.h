@@ -145,6 +145,12 @@ public:
         const ball nearest = rho2_.is_zero() ? rho0_ : rho0_ - square(half1_) / rho2_;
         return e_.sign() > 0 && !less(ball(1e-6), size(ball(1) - e_ * nearest));
     }
+    // The terms at a root are so large that their rounding hides v, and so the sheet.
+    bool hides_sheet(const meeting &m) const
+    {
+        const ball r = root_of(square(m.p.x) + square(m.p.y));
+        return less(ball(m.near_equator), size(k1_ * c_) * (steepness(m.p) * r + size(m.p.z)) * 0x1p-48);
+    }
     // What its terms make of |grad s|, without their signs.
     ball steepness(const vector3 &q) const
     {

@@ -86,14 +86,17 @@ const char *excuse(const oracle_of &q, const answer &a, const sgt_hit &h, const 
 {
     if (a.lies) return "the ray lies in the surface";
     if (!a.doubts.empty() || a.gave_up) return "doubted by Arb as well";
+    if (h.evals >= 2000) return "max_evals was spent";
+    const double length = std::sqrt(q.ray.d.x * q.ray.d.x + q.ray.d.y * q.ray.d.y + q.ray.d.z * q.ray.d.z);
     if (a.beyond || (q.sag && q.sag->near_domain())) return "at the equator";
     int count = 0;
     for (const meeting &m : a.roots) {
         const counts c = counting(m, e);
         if (m.twice) return "a double root";
         count += c != no && (aperture == 0 || !less(square(ball(aperture)) * (1 + 1e-9), square(m.p.x) + square(m.p.y)));
-        if (m.near_rim < 0x1p-46 + (blur > 0 ? blur / q.t->s.semi_diameter : 0)) return "at the rim";
+        if (m.near_rim < HUGE_VAL && m.near_rim < 0x1p-45 + (blur + 0x1p-52 * length * std::fabs(m.t.rough())) / q.t->s.semi_diameter) return "at the rim";
         if (m.near_equator < 1e-4) return "at the equator";
+        if (q.sag && q.sag->hides_sheet(m)) return "at the equator as far as the size of the terms lets it be told";
         if (c == perhaps) return "at the start or the end";
     }
     if (by.pick == SGT_NEAR_SEED && by.proof == SGT_PROVE_FIRST && count > 1) return another_root;
@@ -101,7 +104,6 @@ const char *excuse(const oracle_of &q, const answer &a, const sgt_hit &h, const 
         const ball apart = a.roots[i].t - a.roots[i - 1].t;
         if (less(apart, scaled(start_margin(a.roots[i]) + start_margin(a.roots[i - 1]), 3))) return "two roots as near as rounding";
     }
-    const double length = std::sqrt(q.ray.d.x * q.ray.d.x + q.ray.d.y * q.ray.d.y + q.ray.d.z * q.ray.d.z);
     for (const meeting &m : a.roots) { // t +- t_err is as wide as an ulp of t
         static const char steep[] = "from far away the slope may change within an ulp of t";
         if (by.proof == SGT_ESTIMATE) break;
