@@ -1,6 +1,6 @@
 /* asphere_march.c - every root of an asphere on a stretch of a ray, in order, none missed.
  *
- * The stretch is the chord of the domain (rim, or equator), or, where there is neither, of the
+ * The stretch is the chord of the rim, or, where there is none, of the nearer of the equator and the
  * cylinder beyond which the highest term of P outgrows all the others together (Cauchy's bound on
  * the roots of a polynomial, with z <= z0 + |n| sqrt(rho / a) along the ray).  It is covered by cells
  * [m - h, m + h], nearest first.  With G and G' at m, their rounding e and e', and M >= |G''| over
@@ -9,7 +9,8 @@
  *     z - P and s have no value in common    there is none (a test for far from the surface);
  *     |G'| - e' > M h                        G is monotone: one root if the signs at the ends
  *                                            differ, none if they agree; the signs must be certain,
- *                                            else the end is moved;
+ *                                            else the end is moved, and at last looked at in twice
+ *                                            the precision;
  *     neither, and M h^2 below 2 e           G is within a few e of zero all over the cell.  Then the
  *                                            march goes on with G in twice the precision; if that is
  *                                            of no help the cell joins an undecided stretch, that ends
@@ -18,7 +19,10 @@
  *                                            UNPROVEN whether the ray touches there or just does not.
  * Otherwise h is halved; after a success it grows by half.  Since both tests hold for small h unless
  * G and G' vanish together, the march ends.  A root's bracket goes to the solver of
- * solve/root.c, and its end to sgt_form_settle of form.c, from an origin moved to the root. */
+ * solve/root.c, and its end to sgt_form_settle of form.c, from an origin moved to the root.
+ *
+ * An undecided stretch is never dropped by the rule of the start: what is known of it is that a root may be in it, not
+ * where.  UNDER PROOF a root has to be the only one in t -+ t_err (sgt_form_alone), and its side of the rim certain. */
 #include "../solve/root.h"
 #include "asphere.h"
 

@@ -35,6 +35,8 @@
  * chain is that of (1 + k) z^2 in C); EPS = 2^-100 = 64 u^2 stands for that, and for the quotient's
  * and the root's part.  The sign of D, and so whether there is a root, is undecided only within EPS of
  * a tangent: that is called a graze.
+ * UNDER PROOF the other root, 2 sqrt(D) / |A| away, has to be off the sheet or farther than t_err from t (careful_proof; in
+ * the quick form 0.99 of half that), and the side of the rim certain (rim_hidden).
  *
  * Times, worst cases: docs/accuracy.md. */
 #include "conic_easy.h"

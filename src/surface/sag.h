@@ -12,7 +12,8 @@
  *
  * ROOTS THAT COUNT.  In this order: on the sheet, inside the rim, in (tmin, tmax], not
  * the start itself (sgt_ray in sagitta.h has the rule).  The rules for rim and ends are
- * stated in computed numbers, so they are sharp and never undecided. */
+ * stated in computed numbers, so they are sharp and never undecided; where a proof is asked for,
+ * a root whose side of the rim rounding hides is. */
 #ifndef SGT_SURFACE_SAG_H
 #define SGT_SURFACE_SAG_H
 
