@@ -8,6 +8,7 @@ build=build/tests
 sh .ci/install gcc g++ libc6-dev meson pkg-config python3 \
     libyaml-dev libcairo2-dev libcmocka-dev \
     libceres-dev libeigen3-dev libgoogle-glog-dev libmpfr-dev libflint-arb-dev \
+    libgeographiclib-dev proj-data \
     libbenchmark-dev libboost-dev libgsl-dev
 
 if [ -f $build/build.ninja ]; then

@@ -1,14 +1,6 @@
 /* own.c - the table of this program's own surfaces. */
 #include "own.h"
 
-static sgt_objection object_to_torus(const void *self)
-{
-    const torus *s = self;
-    if (!(s->minor > 0)) return (sgt_objection){"minor", "must be above 0"};
-    if (!(s->major >= s->minor)) return (sgt_objection){"major", "must be at least minor"};
-    return (sgt_objection){NULL, NULL};
-}
-
 static sgt_objection object_to_edge(const void *self)
 {
     const edge *s = self;
@@ -17,9 +9,6 @@ static sgt_objection object_to_edge(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const sgt_param torus_params[] = {{"major", "length", offsetof(torus, major), 1, 0, 1e6, SGT_REAL},
-                                         {"minor", "length", offsetof(torus, minor), 1, 0, 1e6, SGT_REAL},
-                                         {0}};
 static const sgt_param bulb_params[] = {
     {"iterations", "1", offsetof(mandelbulb, iterations), 1, 1, BULB_MOST_ITERATIONS, SGT_WHOLE},
     {"escape", "1", offsetof(mandelbulb, escape), 1, 1.2, 100, SGT_REAL},
@@ -30,8 +19,7 @@ static const sgt_param edge_params[] = {{"radius", "length", offsetof(edge, radi
                                         {0}};
 
 const sgt_builtin own_surfaces[] = {
-    {"torus", &torus_ops, sizeof(torus), torus_params, object_to_torus},
-    {"mandelbulb", &mandelbulb_ops, sizeof(mandelbulb), bulb_params, NULL},
-    {"edge", &edge_ops, sizeof(edge), edge_params, object_to_edge},
+    {"mandelbulb", &mandelbulb_ops, sizeof(mandelbulb), bulb_params, NULL, NULL},
+    {"edge", &edge_ops, sizeof(edge), edge_params, object_to_edge, NULL},
     {0},
 };

@@ -8,10 +8,6 @@
 
 #include <sagitta/surfaces.h>
 
-/* About the z axis: `major` from the axis to the middle of the tube, `minor` its radius. */
-typedef struct torus { double major, minor; } torus;
-extern const sgt_surface_ops torus_ops;
-
 /* The level set |v_N| = escape of the orbit v_1 = p, v_{j+1} = v_j^8 + p of triplex numbers.
  * Zero means default: escape 2, iterations 5; escape is at least 1.2 and at most 100. */
 typedef struct mandelbulb { double escape; int iterations; } mandelbulb;

@@ -11,12 +11,21 @@
 
 enum { KNOWN_SIZE = 600 };
 
+/* Lists, tables, words and terms are not read here. */
+static bool is_read(const sgt_builtin *b)
+{
+    for (const sgt_param *p = b->params; p->name; p++)
+        if (p->kind != SGT_REAL && p->kind != SGT_VECTOR && p->kind != SGT_WHOLE) return false;
+    return true;
+}
+
 static const sgt_builtin *type_named(const char *name, char known[KNOWN_SIZE])
 {
     const sgt_builtin *const tables[] = {sgt_builtins, own_surfaces};
     *known = 0;
     for (int i = 0; i < 2; i++)
         for (const sgt_builtin *b = tables[i]; b->type; b++) {
+            if (!is_read(b)) continue;
             if (strcmp(b->type, name) == 0) return b;
             size_t used = strlen(known);
             snprintf(known + used, KNOWN_SIZE - used, "%s%s", used ? ", " : "", b->type);
@@ -79,6 +88,7 @@ void shape_read(document *d, const node *map, const char *more, object *o)
     document_map(d, map, NULL, known);
     for (const sgt_param *p = b->params; p->name; p++) read_parameter(d, map, b, p, o->self);
     sgt_objection no = b->object ? b->object(o->self) : (sgt_objection){NULL, NULL};
+    if (b->prepare && !no.reason) b->prepare(o->self);
     if (no.reason) {
         const node *n = document_find(d, map, no.param);
         document_fail(d, n ? n : map, no.param, "%s", no.reason);

@@ -45,11 +45,12 @@ SGT_API const char   *sgt_verdict_text(sgt_verdict v);  /* one line a person can
  * least does not jump.  Within its `clearance` of points of the rays F may not change its
  * sign, in some directions.  `values` and `spans` must give what `value`
  * and `span` give, to the last bit (a NaN for a NaN), with or without gradients, and
- * write no more than they are asked for.  Returns the first fault found; *where (may
+ * write no more than they are asked for.  Where `first` is single no root that counts may lie before its stretch, nor two
+ * in it, nor one behind it and none in it; `firsts` is to it what `spans` is to span.  Returns the first fault found; *where (may
  * be NULL) is then a point that shows it; of WRONG_SPANS it is the ray's origin. */
 typedef enum sgt_fault {
     SGT_SOUND, SGT_WRONG_GRADIENT, SGT_WRONG_SPAN, SGT_WRONG_ROUNDING, SGT_NO_VALUE, SGT_WRONG_VALUES, SGT_WRONG_SPANS,
-    SGT_WRONG_CLEARANCE, SGT_WRONG_ENCLOSURE
+    SGT_WRONG_CLEARANCE, SGT_WRONG_ENCLOSURE, SGT_WRONG_FIRST, SGT_WRONG_FIRSTS
 } sgt_fault;
 SGT_API sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *where);
 SGT_API const char *sgt_fault_text(sgt_fault fault);

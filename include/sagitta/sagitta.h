@@ -112,6 +112,24 @@ typedef struct sgt_surface_ops {
 
     /* The built-in surfaces' own; leave it NULL. */
     const struct sgt_own *own_;
+
+    /* `span`, narrowed to the first root that counts on [tmin, tmax] of the ray, which are to be read here (tmax may be
+     * infinite): with single there is at most one root in [lo, hi], F changes sign at it, and if none there counts, none
+     * on the ray does.  Without single nothing is said, and the solver goes by `span`, as it does where this fails.  Asked
+     * where the first root is wanted: it makes convex bodies as quick to meet as sags. */
+    sgt_span (*first)(const void *self, const sgt_ray *ray);
+
+    /* `first` of n rays, to the last bit; tmin and tmax are given, no output is NULL. */
+    void (*firsts)(const void *self, size_t n, sgt_rays rays, sgt_spans out);
+
+    /* For sensitivities (sensitivity.h).  The second derivatives of F at n points: xx, xy, xz, yy, yz, zz; no array is NULL. */
+    void (*second)(const void *self, size_t n, sgt_points p, double *const out[6]);
+
+    /* How many parameters F has derivatives by; their order is that of surfaces.h. */
+    size_t (*parameters)(const void *self);
+
+    /* dF / d(parameter j), j < parameters(self), and its gradient by the point, at n points; grad[0] may be NULL. */
+    void (*by_parameter)(const void *self, size_t j, size_t n, sgt_points p, sgt_values out);
 } sgt_surface_ops;
 
 /* A surface: what it does, and the parameters it does it with (borrowed). */

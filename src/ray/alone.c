@@ -16,8 +16,9 @@ enum { FEW = 4 };
 bool sgt_alone_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned long long alone[], sgt_interval others[])
 {
     if (s.ops->own_ && s.ops->own_->alone) return s.ops->own_->alone(s.self, tile, rim2, alone, others);
-    memset(alone, s.ops->own_ ? 0xff : 0, tile->n * sizeof *alone); /* level sets: the first is what was asked for */
-    return s.ops->own_ != NULL;
+    bool itself = answers_itself(s.ops);
+    memset(alone, itself ? 0xff : 0, tile->n * sizeof *alone); /* level sets: the first is what was asked for */
+    return itself;
 }
 
 /* 0: nothing is known. */
@@ -42,7 +43,7 @@ static int watch_on(void *data, const sgt_step *step)
 
 void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt, sgt_hit *hit)
 {
-    if (s.ops->own_ && !s.ops->own_->alone) return;
+    if (answers_itself(s.ops) && !s.ops->own_->alone) return;
     sgt_interval other;
     unsigned long long known = hit->status > 0 ? at_once(s, ray, rim2, &other) : 0;
     if (known == SGT_NOT_ALONE && (other.lo > hit->t || other.hi < hit->t)) {
@@ -66,7 +67,7 @@ void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_o
         *hit = none;
         return;
     }
-    if (!s.ops->own_) { /* a surface of a user proves it as it can */
+    if (!answers_itself(s.ops)) { /* it is proven as a surface of a user is */
         sgt_hit again = sgt_intersect_general(s, &cut, &own);
         again.evals += hit->evals;
         bool same = again.status > 0 && again.lo <= hit->hi && again.hi >= hit->lo;

@@ -79,7 +79,7 @@ size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options
 {
     size_t hard = tile->n;
     if (s.ops && s.ops->own_ && s.ops->own_->sweep) hard = s.ops->own_->sweep(s.self, tile, opt);
-    else if (s.ops && s.ops->value && !s.ops->own_) hard = sgt_sweep_general(s, tile, opt);
+    else if (s.ops && s.ops->value && !answers_itself(s.ops)) hard = sgt_sweep_general(s, tile, opt);
     else memset(tile->hits.status, SGT_HARD, tile->n);
     if (hard < tile->n && s.ops->own_ && s.ops->own_->alone && asks_alone(opt)) hard += not_alone(s, tile);
     sgt_options own = *opt;

@@ -6,16 +6,28 @@
  *                           signs must be certain, else the end is moved.
  * A cell that is neither is halved; where it cannot be, or where g has come within its own rounding,
  * it joins an undecided stretch, that ends with the next cell that is decided: unlike signs at its ends are
- * a crossing, and the hit speaks of the whole stretch.  (Moore 1966; Hansen and Walster 2004, chapter 9.) */
+ * a crossing, and the hit speaks of the whole stretch; |g| within its rounding all over is a graze.  (Moore 1966; Hansen and Walster 2004, chapter 9.) */
 #include "walk.h"
 
 static bool excludes_zero(sgt_interval x) { return x.lo > 0 || x.hi < 0; }
+
+/* All over the undecided stretch from `dark` to `to`, where g is in `seen`, g is within its rounding: the ray touches there, as far as can be told. */
+static bool touches(walk *w, const point *dark, double to, sgt_interval seen)
+{
+    sgt_root r = {.t = 0.5 * dark->tau + 0.5 * to, .t_err = 0.5 * (to - dark->tau) * (1 + 0x1p-40), .status = SGT_GRAZE};
+    point middle = sgt_walk_look(w, r.t, SGT_PROBE, dark->tau, to);
+    if (over(w) || !(larger(-seen.lo, seen.hi) <= 8 * middle.g_err)) return false;
+    w->first = fabs(middle.g);
+    return sgt_walk_take(w, &r, middle);
+}
 
 void sgt_walk_cells(walk *w, double lo, double hi)
 {
     const local *q = &w->q;
     double tau = lo, h = 0.125 * (hi - lo), past;
-    point dark = {.tau = lo}; /* [dark, tau] is undecided */
+    point dark = {.tau = lo}, edge = dark; /* [dark, tau] is undecided; edge: of a certain sign, with no root between it and dark */
+    double back = lo;                      /* no root between it and tau */
+    sgt_interval seen = {0, 0}; /* g there */
     bool pending = false;
     int moved = 0;
     while (tau < hi && !over(w)) {
@@ -29,46 +41,63 @@ void sgt_walk_cells(walk *w, double lo, double hi)
         sgt_interval g = w->s.ops->enclose(w->s.self, w->ray, t, &slope);
         tell(&w->told, SGT_MARCH, (q->t0 + m) * q->scale, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, from, (q->t0 + hi) * q->scale);
         bool empty = excludes_zero(g) || g.lo > g.hi, monotone = !empty && g.lo <= g.hi && excludes_zero(slope) && slope.lo <= slope.hi;
-        if ((empty || monotone) && pending) { /* the undecided stretch ends here */
-            point left = sgt_walk_look(w, tau, SGT_PROBE, dark.tau, tau);
-            bool crossed = !over(w) && sign_at(&dark) * sign_at(&left) < 0 && sgt_walk_between(w, &dark, &left, &past);
-            if (over(w) && !crossed) break;
-            if (crossed) sgt_list_cover(w->list, (q->t0 + dark.tau) * q->scale, (q->t0 + tau) * q->scale);
-            else sgt_walk_stretch(w, SGT_UNPROVEN, dark.tau, tau);
-            pending = false;
-        } else if (empty) {
-            tau = end, h *= 1.5;
-        } else if (monotone) {
-            point left = sgt_walk_look(w, tau, SGT_MARCH, tau, hi), right = sgt_walk_look(w, end, SGT_MARCH, tau, hi);
+        point left = {.g = (double)NAN}, right = left;
+        int signs = 0;
+        if (monotone) {
+            left = sgt_walk_look(w, tau, SGT_MARCH, tau, hi), right = sgt_walk_look(w, end, SGT_MARCH, tau, hi);
             if (over(w)) break;
-            if (!sign_at(&right) && moved++ < 16) {
+            if (!sign_at(&right) && sign_at(&left) && !pending && moved++ < 16) {
                 h *= 0.75;
                 continue;
             }
             moved = 0;
-            int signs = sign_at(&left) * sign_at(&right);
+            signs = sign_at(&left) * sign_at(&right);
             if (signs == 0 && tau == lo && w->from_tmin) { /* the start is on the surface, and does not count; a root behind it is one */
                 signs = sign_at(&right) * (slope.lo > 0 ? 1 : -1) > 0 ? 1 : 0;
             }
+            double most = larger(fabs(left.g) + left.g_err, fabs(right.g) + right.g_err);
+            if (signs == 0 && most <= 4 * larger(-g.lo, g.hi)) { /* undecided, between its ends; unless the slope of `value` is such that its rounding is beyond what encloses g */
+                monotone = false;
+                g = (sgt_interval){-most, most};
+            }
+        }
+        if ((empty || monotone) && pending) { /* the undecided stretch ends here */
+            left = sgt_walk_look(w, tau, SGT_PROBE, dark.tau, tau);
+            point beyond = left;
+            for (double part = 0x1p-10; empty && part < 1 && !sign_at(&beyond) && !over(w); part *= 8) beyond = sgt_walk_look(w, tau + part * (end - tau), SGT_PROBE, dark.tau, end);
+            bool crossed = !over(w) && sign_at(&edge) * sign_at(&beyond) < 0 && sgt_walk_between(w, &edge, &beyond, &past);
+            if (over(w) && !crossed) break;
+            if (crossed) sgt_list_cover(w->list, (q->t0 + edge.tau) * q->scale, (q->t0 + beyond.tau) * q->scale);
+            else if (sign_at(&edge) * sign_at(&beyond) < 0 || !touches(w, &dark, tau, seen)) sgt_walk_stretch(w, SGT_UNPROVEN, dark.tau, tau);
+            pending = false, back = tau;
+        } else if (empty) {
+            back = tau, tau = end, h *= 1.5;
+        } else if (monotone) {
             if (signs < 0) sgt_walk_between(w, &left, &right, &past);
             else if (signs == 0) sgt_walk_stretch(w, SGT_UNPROVEN, tau, end);
+            back = signs > 0 ? tau : end;
             if (w->told.stopped || spent(&w->told)) break;
             tau = end, h *= 1.5;
         } else {
             point middle = {.g = (double)NAN};
             if (h <= 0x1p-20 * (hi - lo)) middle = sgt_walk_look(w, m, SGT_MARCH, tau, hi);
-            bool noise = !isnan(middle.g) && !sign_at(&middle) && g.hi - g.lo <= 8 * middle.g_err;
+            bool noise = !isnan(middle.g) && g.hi - g.lo <= (sign_at(&middle) ? 3 : 8) * middle.g_err; /* 3: halves would not be narrower */
             double least = 0x1p-52 * fabs(m) + 0x1p-53 * fabs(q->t0) + 0x1p-90 * (hi - lo);
-            if (h > least && !noise) {
+            if (h > least && !noise && isnan(left.g)) {
                 h *= 0.5;
             } else {
-                if (!pending) dark = sgt_walk_look(w, tau, SGT_PROBE, tau, end);
+                if (!pending) {
+                    dark = edge = sgt_walk_look(w, tau, SGT_PROBE, tau, end), seen = g;
+                    for (double part = 0x1p-10; back < tau && part < 1 && !sign_at(&edge) && !over(w); part *= 8) edge = sgt_walk_look(w, tau - part * (tau - back), SGT_PROBE, back, end);
+                }
+                if (!(g.lo >= seen.lo)) seen.lo = g.lo;
+                if (!(g.hi <= seen.hi)) seen.hi = g.hi;
                 pending = true;
-                tau = end;
+                tau = end, h *= 1.5;
             }
         }
     }
     if (w->found) return;
     if (over(w)) sgt_walk_stretch(w, w->told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, pending ? dark.tau : tau, hi);
-    else if (pending) sgt_walk_stretch(w, SGT_UNPROVEN, dark.tau, hi);
+    else if (pending && !touches(w, &dark, hi, seen)) sgt_walk_stretch(w, SGT_UNPROVEN, dark.tau, hi);
 }

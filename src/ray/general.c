@@ -7,8 +7,9 @@
  * One root (span.single, or the root near the seed): the quick form (quick.h), where there is a seed; where that has
  * no answer the solver of solve/root.c, in the span.
  *
- * The first of several, or all: by the surface's enclosure (cells.c), where it has one and the stretch is
- * finite; else a march.  Its steps are the clearance, where that is above dt_min: nothing can be missed in
+ * The first of several: where the surface can tell where that is (`first`), as one root.  That failing, or all of them: by the
+ * surface's enclosure (cells.c), where it has one and the stretch is finite; the surfaces that are built in and do not answer by
+ * themselves go by prove.c, which needs no ends.  Else a march.  Its steps are the clearance, where that is above dt_min: nothing can be missed in
  * those; or dt_min, or the estimate, where dt_min is given: something can.  Two neighbours of unlike sign
  * are a bracket.  Two of like sign between which |F| first falls and then rises hold a minimum of |F|:
  * where the tangents at the two meet beyond zero it is searched by bisecting the sign of the slope, and
@@ -123,16 +124,41 @@ static void steps(walk *w, double lo, double hi, double nearest)
     else if (w->list->count == before && w->uncertain) sgt_walk_stretch(w, SGT_UNPROVEN, from, hi);
 }
 
+/* The quick form, where there is a seed, or one root at most in a stretch with two ends; true: it has the answer. */
+static bool quickly(walk *w, const approach *a, bool single)
+{
+    point at = {.tau = (double)NAN};
+    double tau_err, past;
+    if (!a->seeded && !(single && a->middle)) return false;
+    if (sgt_walk_quick(w, a->lo, a->hi, 0, DBL_MAX, -1, &at, &tau_err, &past)) return sgt_walk_take_quick(w, at, tau_err) || (single && w->off);
+    return single && sgt_walk_quick_miss(w, a->lo, a->hi);
+}
+
+/* The same within `first`, where that is single. */
+static bool first_of_several(walk *w)
+{
+    const sgt_ray *ray = w->ray;
+    sgt_span span = w->s.ops->first(w->s.self, ray);
+    if (!span.single) return false;
+    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed, w->s.ops->enclose || w->s.ops->clearance ? 0x1p-50 : 0, true);
+    if (a.passes) return true;
+    w->q = a.q;
+    w->t_tol = w->told.opt->t_tol / a.q.scale;
+    return a.known && quickly(w, &a, true);
+}
+
 /* Adds what there is; the evaluations spent since the last entry. */
 static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list)
 {
-    walk w = {.s = s, .ray = ray, .list = list, .all = all,
+    walk w = {.s = s, .ray = ray, .list = list, .all = all, .rim2 = rim2_of_surface(s),
               .told = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS}};
+    bool near = opt->pick == SGT_NEAR_SEED && !all;
+    if (!near && !all && s.ops->first && first_of_several(&w)) return w.told.evals - w.told.before;
     sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
-    if (s.ops->span) span = s.ops->span(s.self, ray);
+    if (is_catalogue(s.ops) && s.ops->own_->span) span = s.ops->own_->span(s.self, ray, &w.least);
+    else if (s.ops->span) span = s.ops->span(s.self, ray);
     approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed, s.ops->enclose || s.ops->clearance ? 0x1p-50 : 0, true);
     if (a.passes) return 0;
-    bool near = opt->pick == SGT_NEAR_SEED && !all;
     double lo = a.lo, hi = a.hi;
     w.q = a.q;
     w.t_tol = opt->t_tol / a.q.scale;
@@ -144,13 +170,7 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
 
     if (span.single || near) {
         point at = {.tau = (double)NAN};
-        double tau_err, past;
-        bool quick = a.seeded || (span.single && a.middle);
-        if (quick && sgt_walk_quick(&w, lo, hi, 0, DBL_MAX, -1, &at, &tau_err, &past)) {
-            if (sgt_walk_take_quick(&w, at, tau_err) || (span.single && w.off)) return w.told.evals - w.told.before;
-        } else if (quick && span.single && sgt_walk_quick_miss(&w, lo, hi)) {
-            return w.told.evals - w.told.before;
-        }
+        if (quickly(&w, &a, span.single)) return w.told.evals - w.told.before;
         if (!over(&w)) {
             double seed = a.seeded ? span.seed / a.q.scale - a.q.t0 : near ? a.nearest - a.q.t0 : (double)NAN;
             sgt_root r = sgt_walk_solve(&w, sgt_walk_begin(&w, (sgt_span){.lo = lo, .hi = hi, .seed = seed, .single = span.single}), &at);
@@ -159,14 +179,26 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
         }
     }
     if (over(&w)) sgt_walk_stretch(&w, w.told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, lo, hi);
+    else if (is_catalogue(s.ops) && s.ops->enclose) sgt_prove_rest(s, ray, &w.told, all, near, list);
     else if (s.ops->enclose && isfinite(lo) && isfinite(hi) && !(opt->dt_min > 0 && s.ops->estimate)) sgt_walk_cells(&w, lo, hi);
     else if (isfinite(lo) || near) steps(&w, lo, hi, a.nearest);
     else sgt_walk_stretch(&w, SGT_UNPROVEN, lo, hi);
     return w.told.evals - w.told.before;
 }
 
+/* f_tol is not read of a surface that is built in. */
+static const sgt_options *read_of(sgt_surface s, const sgt_options *opt, sgt_options *own)
+{
+    if (!is_catalogue(s.ops) || opt->f_tol == 0) return opt;
+    *own = *opt;
+    own->f_tol = 0;
+    return own;
+}
+
 sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {
+    sgt_options own;
+    opt = read_of(s, opt, &own);
     if (opt->proof) return sgt_prove(s, ray, opt);
     sgt_list list = {.cap = 0, .count = 0};
     int evals = search(s, ray, opt, false, &list);
@@ -175,6 +207,8 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
 
 void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
 {
+    sgt_options own;
+    opt = read_of(s, opt, &own);
     if (opt->proof) sgt_prove_all(s, ray, opt, list);
     else search(s, ray, opt, true, list);
 }

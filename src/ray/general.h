@@ -15,6 +15,12 @@ SGT_INLINE bool ray_valid(sgt_ray *ray)
     return (not_finite(ray->o) + not_finite(ray->d) == 0) & (big >= DBL_MIN) & ends & (ray->tmin < HUGE_VAL);
 }
 
+/* r^2 within which a root of a surface met by its operations counts. */
+SGT_INLINE double rim2_of_surface(sgt_surface s) { return s.ops->own_ && s.ops->own_->rim ? rim2_of(s.ops->own_->rim(s.self)) : HUGE_VAL; }
+
+/* A built-in surface that does not answer by itself says whether it is one. */
+SGT_INLINE bool parameters_valid(sgt_surface s) { return !is_catalogue(s.ops) || !s.ops->own_->object(s.self).reason; }
+
 /* ray and opt have been checked, tmax made explicit. */
 sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
 

@@ -8,7 +8,7 @@
 static bool valid(sgt_surface s, sgt_ray *ray, const sgt_options **opt)
 {
     static const sgt_options none = {0};
-    bool good = s.ops && s.ops->value && ray_valid(ray) && sgt_options_valid(*opt);
+    bool good = s.ops && s.ops->value && ray_valid(ray) && sgt_options_valid(*opt) && parameters_valid(s);
     if (!*opt) *opt = &none;
     return good;
 }
@@ -34,7 +34,7 @@ static sgt_hit proven(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt)
 {
     if (!valid(s, &ray, &opt)) return hit_without(SGT_INVALID, &ray, 0);
-    if (!s.ops->own_) return sgt_intersect_general(s, &ray, opt);
+    if (!answers_itself(s.ops)) return sgt_intersect_general(s, &ray, opt);
     if (opt->proof != SGT_ESTIMATE) return proven(s, &ray, opt);
     return s.ops->own_->meet(s.self, &ray, opt);
 }
@@ -43,7 +43,7 @@ int sgt_intersect_all(sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[], const
 {
     sgt_list list = {.hits = hits, .cap = hits ? cap : 0, .count = 0};
     if (!valid(s, &ray, &opt)) return SGT_INVALID;
-    if (!s.ops->own_) sgt_intersect_all_general(s, &ray, opt, &list);
+    if (!answers_itself(s.ops)) sgt_intersect_all_general(s, &ray, opt, &list);
     else if (s.ops->own_->all(s.self, &ray, opt, &list) < 0) return SGT_INVALID;
     for (int i = 0; i < list.count && i < list.cap; i++) ends_unproven(&list.hits[i], opt);
     return list.count;

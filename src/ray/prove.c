@@ -50,6 +50,7 @@ typedef struct proof {
     double centre, reach;  /* where the ray is nearest to the origin of the surface's frame, and how far that is from its own */
     double seed, near;     /* the seed, and how far from it is: */
     sgt_hit nearest;       /* the entry nearest to it */
+    double rim2;           /* r^2 within which a root counts */
     double least;          /* pieces below it are not divided */
     double lo, hi, done;   /* what is searched; decided up to here */
     bool pending;          /* there is an undecided stretch: */
@@ -92,7 +93,12 @@ static sgt_interval newton_set(double m, sgt_interval g, sgt_interval slope)
 /* ------------------------------------------------------------------- what is told */
 
 /* The point of the ray at t, F there, and what is told of a root that is right to t_err. */
-typedef struct place { taking h; sgt_vec3 p, n; double f, terms, width; /* START_ULPS of them, of t */ } place;
+typedef struct place {
+    taking h;
+    sgt_vec3 p, n;
+    double f, terms, width; /* width: START_ULPS of the terms, of t */
+    double r2, off;         /* r^2, and how far it can be off */
+} place;
 
 static place place_of(proof *w, double t, double t_err)
 {
@@ -103,7 +109,9 @@ static place place_of(proof *w, double t, double t_err)
     at.f = w->s.ops->value(w->s.self, at.p, &at.n);
     around a = around_of(at.p.x, at.p.y, at.p.z, q.l, q.m, q.n, 0, at.p, at.n, 0);
     at.terms = fabs(at.p.x * at.n.x) + fabs(at.p.y * at.n.y) + fabs(at.p.z * at.n.z);
-    at.h = taking_of(&q, 0, t_err * inverse, at.p, at.n, a, ray->tmin, ray->tmax);
+    at.h = taking_of(&q, 0, t_err * inverse, at.p, at.n, a, ray->tmin, ray->tmax, w->rim2);
+    at.r2 = at.p.x * at.p.x + at.p.y * at.p.y;
+    at.off = 1.01 * ((2 * (fabs(at.p.x) + fabs(at.p.y)) + at.h.p_err) * at.h.p_err + 4 * SGT_U * at.r2);
     at.h.t_err = larger(at.h.t_err, t_err);
     at.width = START_ULPS * at.terms / fabs(a.slope) * scale + 8 * SGT_U * fabs(t);
     tell(&w->told, SGT_PROBE, t, at.f, a.slope * inverse, t - t_err, t + t_err);
@@ -140,21 +148,22 @@ static void flush(proof *w)
     if (!w->pending) return;
     w->pending = false;
     w->told_dark = w->dark.hi;
-    sgt_interval at = w->dark, slope, unused;
+    sgt_interval at = w->dark, slope, steep;
     bool whole = at.lo <= finite(w->lo) && at.hi >= finite(w->hi) && at.hi > at.lo, start = at.lo <= w->ray->tmin;
     double t = !whole ? sgt_interval_middle(at) : at.lo > -DBL_MAX ? at.lo : at.hi < w->centre ? at.hi : w->centre;
     if (whole) at = sgt_interval_between(w->lo, w->hi);
-    sgt_interval g = ask(w, at, SGT_PROBE, &slope), middle = ask(w, number(t), SGT_PROBE, &unused);
+    sgt_interval g = ask(w, at, SGT_PROBE, &slope), middle = ask(w, number(t), SGT_PROBE, &steep);
     if (is_bounded(slope)) g = sgt_interval_intersection(g, sgt_interval_sum(middle, sgt_interval_product(slope, sgt_interval_difference(at, number(t)))));
     if (start && !whole && is_bounded(slope) && !over(w)) {
         place here = place_of(w, t, 0);
         if (at.hi - w->ray->tmin < START_ULPS * (1 - 0x1p-20) * here.terms / sgt_interval_greatest(slope)) return;
     }
-    if (is_bounded(g) && sgt_interval_greatest(g) <= 8 * sgt_interval_width(middle) && (whole || !start)) {
+    if (is_bounded(g) && is_bounded(middle) && is_bounded(steep) && sgt_interval_greatest(g) <= 8 * sgt_interval_width(middle) && (whole || !start)) {
         sgt_interval left = ask_at(w, at.lo, SGT_PROBE), right = ask_at(w, at.hi, SGT_PROBE);
         bool crosses = (left.lo > 0 && right.hi < 0) || (left.hi < 0 && right.lo > 0);
         if (!crosses && !over(w)) {
             place here = place_of(w, t, whole ? 0 : sgt_interval_width(at) * (0.5 + 0x1p-40));
+            if (here.r2 - w->rim2 > here.off && !whole) return;
             if (!w->told.stopped && t <= w->ray->tmax && fabs(here.h.t) < HUGE_VAL && here.h.t_err < HUGE_VAL) {
                 add(w, SGT_GRAZE, &here, at.lo, at.hi);
                 return;
@@ -216,7 +225,8 @@ static bool take(proof *w, sgt_interval root, sgt_interval only)
     if (w->told.stopped) return true;
     w->last = root;
     sgt_interval about = sgt_about(at.h.t, at.h.t_err);
-    if (at.h.counts && at.h.t == t) add(w, SGT_HIT, &at, about.lo, about.hi);
+    if (w->told.opt->proof && w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* on the rim */
+    else if (at.h.counts && at.h.t == t) add(w, SGT_HIT, &at, about.lo, about.hi);
     else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width)) stretch(w, SGT_UNPROVEN, root.lo, root.hi);
     return true;
 }
@@ -340,7 +350,8 @@ static void search(proof *w)
     }
     if (w->found) return;
     if (decided) flush(w), next = w->hi;
-    if (w->told.stopped || !decided) stretch(w, w->told.stopped ? SGT_STOPPED : SGT_UNPROVEN, w->pending ? w->dark.lo : next, w->hi);
+    sgt_status spent = w->told.opt->proof ? SGT_UNPROVEN : SGT_EXHAUSTED;
+    if (w->told.stopped || !decided) stretch(w, w->told.stopped ? SGT_STOPPED : spent, w->pending ? w->dark.lo : next, w->hi);
 }
 
 /* ----------------------------------------------------------------------- the doors */
@@ -361,7 +372,7 @@ static bool bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
 
 static proof proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, const sgt_span *span, sgt_list *list, bool all)
 {
-    proof w = {.s = s, .ray = ray, .list = list, .all = all, .anew = all, .lo = span->lo, .hi = span->hi, .seed = span->seed, .near = HUGE_VAL,
+    proof w = {.s = s, .ray = ray, .list = list, .all = all, .anew = all, .lo = span->lo, .hi = span->hi, .seed = span->seed, .near = HUGE_VAL, .rim2 = rim2_of_surface(s),
                .told = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS}};
     const sgt_vec3 o = ray->o, d = ray->d;
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, length2 = l * l + m * m + n * n;
@@ -452,4 +463,16 @@ void sgt_prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sg
     }
     list->last = doubted(list->last, ray);
     if (!list->count) stretch(&w, SGT_UNPROVEN, span.lo, span.hi);
+}
+
+void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bool near, sgt_list *list)
+{
+    sgt_span span;
+    if (!bounds(s, ray, &span)) return;
+    int before = list->count;
+    proof w = proof_of(s, ray, told->opt, &span, list, all || near);
+    w.told = *told;
+    search(&w);
+    *told = w.told;
+    if (near && !w.told.stopped && list->count > before) list->last = w.nearest, list->count = before + 1;
 }

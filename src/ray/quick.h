@@ -4,7 +4,8 @@
  * solve/root.c.  So it is tried without them: each step at most 0.6 of the last, inside the stretch, until |g| is
  * within its rounding or the tolerance is met; then F is looked at on both sides of the root, as far apart
  * as root.c would look (twice what |g|, its rounding and the slope can move it; where a sign is not certain, four and sixteen
- * times that).  Certain, opposite signs there are a hit, the same claim as ever.  Where a step breaks the rule, and the span has one root at most, certain
+ * times that).  Certain, opposite signs there are a hit, the same claim as ever.  Where a bound on |g'| from below is known for the whole
+ * stretch (the built-in sags within a rim), |g| at the root alone says as much, and nothing is looked at beside it.  Where a step breaks the rule, and the span has one root at most, certain
  * signs that are alike at both of its ends are a miss.  Whatever else happens, the quick form has no answer, and
  * the careful path begins anew; what the quick form has spent is counted.
  *
@@ -59,6 +60,7 @@ SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
     approach a;
     double scale = scale_of(d), inverse = inverse_of_scale(d);
     bool passes = from > to;
+    double to_end = to;
     from = from >= tmin ? from : tmin, to = to <= tmax ? to : tmax; /* a NaN end is no end */
     double lo = from * inverse, hi = to * inverse;
     a.q.scale = scale, a.q.l = d.x * scale, a.q.m = d.y * scale, a.q.n = d.z * scale;
@@ -81,7 +83,9 @@ SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
     a.known = (a.q.x - a.q.x) + (a.q.y - a.q.y) + (a.q.z - a.q.z) == 0;
     a.from_tmin = !(from > tmin);
     back = a.from_tmin ? 0 : back;
-    hi += (tmax <= to ? 0x1p-44 : 0x1p-50) * fabs(hi); /* a root at tmax is to be inside */
+    double end = to_end * inverse, most = end + 0x1p-50 * fabs(end);
+    hi += (tmax <= to ? 0x1p-44 : 0x1p-50) * fabs(hi); /* a root at tmax is to be inside, */
+    hi = hi > most ? most : hi;                        /* and what is behind the span is not */
     lo -= back * (fabs(reach) + fabs(t0));
     a.lo = lo - t0, a.hi = hi - t0;
     return a;
@@ -144,6 +148,15 @@ SGT_INLINE double width_of(double g, double slope, double g_err, double tau, dou
     return ulp > w ? ulp : w;
 }
 
+/* Where |g'| is at least `least` all over the stretch, g has a root within (|g| + g_err) / least of tau, if that is inside; and no other. */
+typedef struct certified { double tau_err; bool inside; } certified;
+
+SGT_INLINE certified certified_of(double tau, double g, double g_err, double least, double lo, double hi)
+{
+    double e = (fabs(g) + g_err) / least * (1 + 8 * SGT_U), left = tau - e, right = tau + e;
+    return (certified){larger(e, larger(tau - left, right - tau)), (left > lo) & (right < hi) & (least > 0)};
+}
+
 /* -------------------------------------------------------------------- a root found */
 
 typedef struct taking {
@@ -152,8 +165,8 @@ typedef struct taking {
     bool off;     /* for certain it does not count */
 } taking;
 
-/* The root at tau, right to tau_err, with the gradient at its point p. */
-SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3 p, sgt_vec3 grad, around at, double tmin, double tmax)
+/* The root at tau, right to tau_err, with the gradient at its point p; within r^2 <= rim2, which is infinite where there is none. */
+SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3 p, sgt_vec3 grad, around at, double tmin, double tmax, double rim2)
 {
     taking h;
     twofold t = two_sum(q->t0, tau);
@@ -163,8 +176,10 @@ SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3
     h.p_err = (fabs(q->l) + fabs(q->m) + fabs(q->n)) * tau_err + 1.01 * (SGT_U * (at.ex + at.ey + at.ez));
     width = width < HUGE_VAL ? width : 0;
     width = width * q->scale + 8 * SGT_U * fabs(h.t);
-    h.off = (h.t - h.t_err > tmax) | (h.t + h.t_err <= tmin) | (h.t_err <= width + 64 * SGT_U * fabs(tmin));
-    h.counts = ((tmin == -HUGE_VAL) | (h.t > tmin + (h.t_err + width))) & !(h.t > tmax)
+    double r2 = p.x * p.x + p.y * p.y, hidden = (2 * (fabs(p.x) + fabs(p.y)) + h.p_err) * h.p_err + 4 * SGT_U * r2;
+    bool outside = r2 > rim2;
+    h.off = (r2 - rim2 > hidden) | (h.t - h.t_err > tmax) | (h.t + h.t_err <= tmin) | (h.t_err <= width + 64 * SGT_U * fabs(tmin));
+    h.counts = ((tmin == -HUGE_VAL) | (h.t > tmin + (h.t_err + width))) & !(h.t > tmax) & !outside
              & (fabs(h.t) < HUGE_VAL) & (h.t_err < HUGE_VAL); /* in lengths of d t may be out of range */
     return h;
 }

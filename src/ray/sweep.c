@@ -43,7 +43,7 @@ typedef struct lanes {
     union { row dt, seed; };
     row end, defined;                /* of a march, and whether F was defined; of a root: the sign on its left */
     row px, py, pz;                  /* the point asked for */
-    row slot, state;
+    row slot, state, least;          /* least: of |g'| along the span, where that is known; else 0 */
     row qf, qx, qy, qz;              /* F beside a root; what one loop leaves to the next */
     double none;                     /* 0, of around_of: here, because after a call gcc knows of nothing that is here */
 } lanes;
@@ -56,7 +56,9 @@ typedef struct sweep {
     double budget;
     double near;        /* 1: the root near the seed is wanted, else 0 */
     double back;        /* of approach_of */
+    double rim2;        /* of the surface's rim */
     double walks_from;  /* a stretch that begins behind it can be marched through; infinite: none can */
+    bool slopes;        /* the spans come with bounds on the slope */
     bool moved;         /* some lane is not at its place */
     lanes *a;
     sgt_points points;  /* what `values` is handed, made once: a copy of what has just been written in smaller pieces must wait for it */
@@ -131,16 +133,38 @@ static void ask(sweep *w, size_t n, const sgt_values *out)
     }
 }
 
+/* Where the surface's own is to be asked for (all, where last is NULL). */
+SGT_CLONES_WIDE
+static void add_roundings(size_t n, const double *restrict f, const double *restrict slope, const double *restrict last, double f_tol, const double *restrict own, double *restrict g_err)
+{
+    if (last) {
+        _Pragma("omp simd") for (size_t i = 0; i < n; i++) {
+            double bound = own[i] >= 0 ? own[i] : HUGE_VAL, close = close_of(f[i], slope[i], g_err[i], last[i], f_tol) ? 1.0 : 0.0;
+            g_err[i] += close != 0 ? bound : 0;
+        }
+    } else {
+        _Pragma("omp simd") for (size_t i = 0; i < n; i++) g_err[i] += own[i] >= 0 ? own[i] : HUGE_VAL;
+    }
+}
+
 /* The slope, which may be the first of the gradient, and how far F may be off; last as for close_of, NULL: always. */
 static void bound(sweep *w, size_t n, const double *tau, const sgt_values *f, double *slope, double *g_err, const double *last)
 {
     const sgt_surface_ops *ops = w->s.ops;
     const lanes *a = w->a;
     around_all(a, n, tau, f->grad[0], f->grad[1], f->grad[2], slope, g_err, a->none);
-    for (size_t i = 0; i < n && ops->rounding; i++) {
+    if (!ops->rounding) return;
+    double own[LANES], none = is_catalogue(ops) ? HUGE_VAL : 0; /* what a bound that is none comes to */
+    if (is_catalogue(ops) && ops->own_->roundings && ops->own_->roundings(w->s.self, n, w->points, f->f, own)) {
+        for (size_t i = 0; i < n; i++) /* seldom: beyond the rim */
+            if (!(own[i] >= 0)) own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
+        add_roundings(n, f->f, slope, last, w->opt->f_tol, own, g_err);
+        return;
+    }
+    for (size_t i = 0; i < n; i++) {
         if (!close_of(f->f[i], slope[i], g_err[i], last ? last[i] : (double)NAN, w->opt->f_tol)) continue;
-        double own = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
-        g_err[i] += own >= 0 ? own : 0;
+        own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
+        g_err[i] += own[i] >= 0 ? own[i] : none;
     }
 }
 
@@ -163,6 +187,27 @@ static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
     const sgt_rays *r = &tile->rays;
     lanes *a = w->a;
     bool single[LANES];
+    for (size_t i = 0; i < n; i++) a->least[i] = 0;
+    if (ops->first && w->near == 0) {
+        const double *o[] = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, *d[] = {r->d[0] + from, r->d[1] + from, r->d[2] + from};
+        sgt_rays rays = {{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, a->tmin, a->tmax};
+        if (ops->firsts) ops->firsts(w->s.self, n, rays, (sgt_spans){a->lo, a->hi, a->seed, single});
+        for (size_t i = 0; i < n && !ops->firsts; i++) {
+            sgt_ray ray = {{o[0][i], o[1][i], o[2][i]}, {d[0][i], d[1][i], d[2][i]}, a->tmin[i], a->tmax[i]};
+            sgt_span span = ops->first(w->s.self, &ray);
+            a->lo[i] = span.lo, a->hi[i] = span.hi, a->seed[i] = span.seed, single[i] = span.single;
+        }
+        for (size_t i = 0; i < n; i++)
+            if (!single[i]) a->lo[i] = -HUGE_VAL, a->hi[i] = HUGE_VAL; /* and it does not pass by */
+        widen(n, a->single, single);
+        return;
+    }
+    if (w->slopes) {
+        ops->own_->spans(w->s.self, n, (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
+                         (sgt_spans){a->lo, a->hi, a->seed, single}, a->least);
+        widen(n, a->single, single);
+        return;
+    }
     if (ops->spans && ops->span) { /* alone they are not read, as sgt_intersect would not */
         ops->spans(w->s.self, n, (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
                    (sgt_spans){a->lo, a->hi, a->seed, single});
@@ -552,6 +597,23 @@ static double probe_end(lanes *a, size_t n, double doubtful)
     return more;
 }
 
+/* Those whose slope is known along the span; how far F may be off is in `end`.  How many are still to be asked beside the root. */
+SGT_CLONES_WIDE
+static double certify(lanes *a, size_t n)
+{
+    double more = 0;
+#pragma omp simd reduction(+ : more)
+    for (size_t i = 0; i < n; i++) {
+        certified c = certified_of(a->tau[i], a->f[i], a->end[i], a->least[i], a->lo[i], a->hi[i]);
+        double before = a->tau_err[i], phase = a->state[i], root = c.inside ? (double)ROOT : (double)READY;
+        double state = phase == READY ? root : phase;
+        a->tau_err[i] = state == ROOT && phase == READY ? c.tau_err : before;
+        more += state == READY ? 1.0 : 0.0;
+        a->state[i] = state;
+    }
+    return more;
+}
+
 /* Of the lanes that Newton's steps have been tried on. */
 static void probe(sweep *w, size_t n)
 {
@@ -559,6 +621,10 @@ static void probe(sweep *w, size_t n)
     if (probe_begin(a, n, w->opt->f_tol > 0 ? w->opt->f_tol : -1) < (double)n) {
         miss(w, front(w, n, FAILED));
         n = front(w, n, READY);
+    }
+    if (w->slopes && n) {
+        bound(w, n, a->tau, &w->f, a->qx, a->end, NULL);
+        n = certify(a, n) > 0 ? front(w, n, READY) : 0;
     }
     for (int k = 1; n > 0; k++) {
         if (probe_sides(a, n) < (double)n) n = front(w, n, READY);
@@ -575,7 +641,7 @@ static void probe(sweep *w, size_t n)
 /* Of every lane what is told of it, in rows that are of no more use: t in last, t_err in first, t_lo in dt, p_err in end, the
  * gradient where it is, the point where points are.  How many are hits. */
 SGT_CLONES_WIDE
-static double take(lanes *a, size_t n, double budget)
+static double take(lanes *a, size_t n, double budget, double rim2)
 {
     double hits = 0;
 #pragma omp simd reduction(+ : hits)
@@ -584,7 +650,7 @@ static double take(lanes *a, size_t n, double budget)
         local q = {.l = a->l[i], .m = a->m[i], .n = a->n[i], .t0 = a->t0[i], .scale = a->scale[i]};
         sgt_vec3 grad = {a->fx[i], a->fy[i], a->fz[i]}, p = {a->x[i] + tau * q.l, a->y[i] + tau * q.m, a->z[i] + tau * q.n};
         around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
-        taking h = taking_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i]);
+        taking h = taking_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i], rim2);
         double off = h.off ? (double)SGT_MISS : (double)SGT_HARD, state = a->single[i] != 0 ? off : (double)SGT_HARD;
         state = h.counts ? (double)SGT_HIT : state;
         state = a->evals[i] <= budget ? state : (double)SGT_HARD;
@@ -677,7 +743,7 @@ static size_t run(sweep *w, const sgt_tile *tile, size_t from, size_t n)
         solve(w, solving);
         probe(w, solving);
     }
-    return write(w, n, take(a, n, w->budget) == (double)n, &tile->hits, from);
+    return write(w, n, take(a, n, w->budget, w->rim2) == (double)n, &tile->hits, from);
 }
 
 /* tmax as it is meant, and the state 1 where the ray is one; how many are. */
@@ -701,14 +767,17 @@ static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
 size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_surface_ops *ops = s.ops;
-    if (opt->proof) { /* one by one: prove.c */
+    if (opt->proof || !parameters_valid(s)) { /* one by one: prove.c; the door */
         memset(tile->hits.status, SGT_HARD, tile->n);
         return tile->n;
     }
     lanes a;
-    sweep w = {.s = s, .opt = opt, .a = &a, .near = opt->pick == SGT_NEAR_SEED, .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
+    sgt_options own = *opt;
+    if (is_catalogue(ops)) own.f_tol = 0; /* as general.c */
+    sweep w = {.s = s, .opt = &own, .a = &a, .near = opt->pick == SGT_NEAR_SEED, .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
                .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS,
-               .walks_from = ops->enclose || ops->clearance || (opt->dt_min > 0 && ops->estimate) ? HUGE_VAL : -HUGE_VAL};
+               .rim2 = rim2_of_surface(s), .slopes = is_catalogue(ops) && ops->own_->spans,
+               .walks_from = ops->first || ops->enclose || ops->clearance || (opt->dt_min > 0 && ops->estimate) ? HUGE_VAL : -HUGE_VAL};
     size_t hard = 0;
     a.none = 0;
     for (int i = 0; i < LANES; i++) a.slot[i] = i; /* and so again after each run: see settle */

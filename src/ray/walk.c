@@ -9,13 +9,16 @@
  * began, and at the ends of the bracket, and it is passed by. */
 #include "walk.h"
 
-static double own_rounding(const walk *w, sgt_vec3 p)
+static double own_rounding(const walk *w, sgt_vec3 p, double f)
 {
-    double own = w->s.ops->rounding ? w->s.ops->rounding(w->s.self, p) : 0;
-    return own >= 0 ? own : 0; /* a bound that is none is none */
+    const sgt_surface_ops *ops = w->s.ops;
+    double own = 0;
+    bool known = is_catalogue(ops) && ops->own_->roundings && ops->own_->roundings(w->s.self, 1, (sgt_points){{&p.x, &p.y, &p.z}}, &f, &own);
+    if (!(known && own >= 0) && ops->rounding) own = ops->rounding(w->s.self, p);
+    return own >= 0 ? own : is_catalogue(ops) ? HUGE_VAL : 0; /* a bound that is none is none */
 }
 
-int sgt_walk_sign(const walk *w, const point *at) { return (int)sign_of(at->g, at->g_err + (at->glanced ? own_rounding(w, at->p) : 0)); }
+int sgt_walk_sign(const walk *w, const point *at) { return (int)sign_of(at->g, at->g_err + (at->glanced ? own_rounding(w, at->p, at->g) : 0)); }
 
 point sgt_walk_glance(walk *w, double tau, sgt_move move, double lo, double hi, double last)
 {
@@ -29,7 +32,7 @@ point sgt_walk_glance(walk *w, double tau, sgt_move move, double lo, double hi, 
     e.at = around_of(q->x, q->y, q->z, q->l, q->m, q->n, tau, e.p, e.n, 0);
     e.g_err = e.at.place;
     e.glanced = w->s.ops->rounding && !close_of(e.g, e.at.slope, e.at.place, last, w->told.opt->f_tol);
-    if (!e.glanced) e.g_err += own_rounding(w, e.p);
+    if (!e.glanced) e.g_err += own_rounding(w, e.p, e.g);
     w->defined = w->defined || !isnan(e.g);
     tell(&w->told, move, (q->t0 + tau) * q->scale, e.g, e.at.slope / q->scale, (q->t0 + lo) * q->scale, (q->t0 + hi) * q->scale);
     return e;
@@ -55,6 +58,11 @@ bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, doub
         *tau_err = 2 * (fabs(at->g) + at->g_err) / fabs(at->at.slope); /* twice the first order, for the second */
         *past = hi;
         return *tau_err < HUGE_VAL;
+    }
+    if (w->least > 0) {
+        certified c = certified_of(at->tau, at->g, at->at.place + own_rounding(w, at->p, at->g), w->least, lo, hi);
+        *tau_err = c.tau_err, *past = at->tau + c.tau_err;
+        if (c.inside) return true;
     }
     double width = width_of(at->g, at->at.slope, at->g_err, at->tau, w->t_tol);
     for (int i = 0, signs = 0; i < PROBES && signs == 0; i++, width *= 4) {
@@ -99,7 +107,8 @@ sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at)
 static bool take(walk *w, sgt_status status, point at, double tau_err)
 {
     if (!(fabs(at.g) <= w->first + 16 * at.g_err)) return false; /* a pole: it grew */
-    taking h = taking_of(&w->q, at.tau, tau_err, at.p, at.n, at.at, w->ray->tmin, w->ray->tmax);
+    if (!(at.g_err < HUGE_VAL && fabs(at.g) < HUGE_VAL)) return false; /* nothing is known there */
+    taking h = taking_of(&w->q, at.tau, tau_err, at.p, at.n, at.at, w->ray->tmin, w->ray->tmax, w->rim2);
     w->off = h.off;
     if (!h.counts) return false;
     sgt_interval about = sgt_about(h.t, h.t_err);
@@ -142,7 +151,7 @@ bool sgt_walk_between(walk *w, const point *a, const point *b, double *past)
     sgt_root_tell(&r, b->tau, b->g);
     r = sgt_walk_solve(w, r, &at);
     *past = r.hi;
-    if (r.status <= 0 || w->told.stopped || fabs(at.g) > high) return false; /* or a pole */
+    if (r.status <= 0 || w->told.stopped || fabs(at.g) > 2 * high) return false; /* or a pole */
     w->first = larger(w->first, high); /* the solver may have begun on the root itself */
     return sgt_walk_take(w, &r, at);
 }

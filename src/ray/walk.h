@@ -22,6 +22,8 @@ typedef struct walk {
     double t_tol;   /* of tau */
     double first;   /* |g| where the solver began */
     bool off;       /* the root that does not count can be told not to */
+    double least;   /* a bound from below on |g'| all along the stretch, which has one root at most; 0: not known */
+    double rim2;    /* of the surface's rim; infinite where there is none */
 } walk;
 
 /* No more is to be asked: stopped, spent, or found what was wanted. */

@@ -16,6 +16,7 @@
 
 #include "../solve/root.h"
 #include "asphere_easy.h"
+#include "sag_second.h"
 
 /* ------------------------------------------------------------------- easy */
 
@@ -328,7 +329,9 @@ static bool asphere_alone(const void *self, const sgt_tile *tile, double rim2, m
     return sgt_conic_alone(s->c, s->k, s->semi_diameter, tile, rim2, alone, others);
 }
 
-static const struct sgt_own asphere_own = {.meet = asphere_meet, .all = asphere_all, .sweep = asphere_sweep, .alone = asphere_alone};
+static const struct sgt_own asphere_own = {.meet = asphere_meet, .all = asphere_all, .sweep = asphere_sweep, .alone = asphere_alone,
+                                           .departure = &sgt_asphere_departure};
 
 const sgt_surface_ops sgt_asphere_ops = {.name = "even_asphere", .value = asphere_value, .span = asphere_span,
-                                         .rounding = asphere_rounding, .enclose = asphere_enclose, .own_ = &asphere_own};
+                                         .rounding = asphere_rounding, .enclose = asphere_enclose, .own_ = &asphere_own,
+                                         .second = sgt_asphere_second, .parameters = sgt_asphere_parameters, .by_parameter = sgt_asphere_by_parameter};

@@ -11,4 +11,7 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
 /* Of those rays of a tile that sgt_sweep_monotone has left (alone[i] is 0), the same: all at once, or else each by itself. */
 bool sgt_asphere_alone(const shape *s, const sgt_tile *tile, unsigned long long alone[]);
 
+/* Its terms, for a sum. */
+extern const struct departure sgt_asphere_departure;
+
 #endif

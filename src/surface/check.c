@@ -15,6 +15,9 @@
  * count (surfaces.h), and its span need not hold them.
  * What no two neighbours show is not seen: SOUND says that no fault was found.
  *
+ * THE FIRST root's stretch, where it is single, in the same way: of the roots that are seen and count for certain none may lie before it,
+ * one at most in it, and none behind it if none is in it.
+ *
  * MANY AT ONCE are what one at a time is: `values` at POINTS_AT_ONCE points of the ray, and at few of them, with
  * gradients and without; `spans` of as many of the rays.  Bits are compared, but of NaNs, of the gradient where F is
  * NaN, and of a span that the ray passes by: nobody reads those.  Behind what is asked for stands a number that
@@ -49,6 +52,8 @@
  *
  * So a gradient that is off by 1e-3 in one component is seen unless that component is below
  * 2^-16 of the gradient; one that is off by less than 1e-8 is not. */
+#include "own.h"
+
 #include <sagitta/diagnose.h>
 #include <sagitta/surfaces.h>
 
@@ -67,6 +72,11 @@ typedef struct check {
     sgt_span span;
     double rim2;       /* of a built-in surface; roots beyond do not count */
     int inside;        /* roots found in the span */
+    sgt_span first;    /* that of the first root, where it is single; */
+    double from;       /* what begins the ray; */
+    int in_first;      /* roots found there, */
+    bool behind;       /* and whether one was behind it: */
+    sgt_vec3 beyond;
     sgt_fault fault;
     sgt_vec3 where;
 } check;
@@ -323,6 +333,20 @@ static bool approach(check *c, sample *a, double b)
     return true;
 }
 
+/* A root between a and b, if it is not as near to the start as may make it one that does not count. */
+static bool check_first(check *c, const sample *a, const sample *b)
+{
+    sgt_vec3 o = c->ray->o;
+    double apart = a->t - c->from, near = 0x1p-40 * (fabs(a->t) + fabs(b->t) + fabs(o.x) + fabs(o.y) + fabs(o.z));
+    near += 0x1p-44 * terms_of(a->p, a->n) / fabs(a->n.x * c->ray->d.x + a->n.y * c->ray->d.y + a->n.z * c->ray->d.z);
+    if (!c->first.single || !(apart > near && apart > 16 * (b->t - a->t))) return true;
+    if (b->t < c->first.lo) return fail(c, SGT_WRONG_FIRST, b->p);
+    if (a->t > c->first.hi) c->behind = true, c->beyond = a->p;
+    if (a->t >= c->first.lo && b->t <= c->first.hi && ++c->in_first > 1) return fail(c, SGT_WRONG_FIRST, b->p);
+    if (!(a->t > c->first.hi || b->t < c->first.lo)) c->in_first += c->in_first == 0; /* on its end */
+    return true;
+}
+
 /* A change of sign between a and b. */
 static bool check_root(check *c, sample a, sample b)
 {
@@ -334,7 +358,7 @@ static bool check_root(check *c, sample a, sample b)
     if (!check_enclosures(c, a.t, spacing, spacing) || !check_clearance(c, a.t, spacing)) return false;
     if (b.t < c->span.lo || a.t > c->span.hi) return fail(c, SGT_WRONG_SPAN, b.t < c->span.lo ? b.p : a.p);
     if (a.t >= c->span.lo && b.t <= c->span.hi && ++c->inside > 1 && c->span.single) return fail(c, SGT_WRONG_SPAN, b.p);
-    return true;
+    return check_first(c, &a, &b);
 }
 
 /* One stretch of the ray, wholly in front of the span, in it, or behind it. */
@@ -390,22 +414,25 @@ static bool check_values(check *c, double lo, double hi)
     return true;
 }
 
-/* n rays as arrays. */
-static bool check_spans(check *c, size_t n, double o[3][RAYS_AT_ONCE], double d[3][RAYS_AT_ONCE])
+/* n rays as arrays; with tmin and tmax `firsts`, else `spans`. */
+static bool check_spans(check *c, size_t n, double o[3][RAYS_AT_ONCE], double d[3][RAYS_AT_ONCE], const double *tmin, const double *tmax)
 {
     double lo[RAYS_AT_ONCE + 1], hi[RAYS_AT_ONCE + 1], seed[RAYS_AT_ONCE + 1];
     bool single[RAYS_AT_ONCE + 1];
     if (!n) return true;
-    if (!c->s.ops->span) return fail(c, SGT_WRONG_SPANS, (sgt_vec3){o[0][0], o[1][0], o[2][0]});
+    if (tmin ? !c->s.ops->first : !c->s.ops->span) return fail(c, tmin ? SGT_WRONG_FIRSTS : SGT_WRONG_SPANS, (sgt_vec3){o[0][0], o[1][0], o[2][0]});
     lo[n] = hi[n] = seed[n] = KEPT, single[n] = true;
-    c->s.ops->spans(c->s.self, n, (sgt_rays){.o = {o[0], o[1], o[2]}, .d = {d[0], d[1], d[2]}}, (sgt_spans){lo, hi, seed, single});
+    sgt_rays many = {.o = {o[0], o[1], o[2]}, .d = {d[0], d[1], d[2]}, .tmin = tmin, .tmax = tmax};
+    sgt_fault fault = tmin ? SGT_WRONG_FIRSTS : SGT_WRONG_SPANS;
+    (tmin ? c->s.ops->firsts : c->s.ops->spans)(c->s.self, n, many, (sgt_spans){lo, hi, seed, single});
     for (size_t i = 0; i < n; i++) {
-        sgt_ray ray = {.o = {o[0][i], o[1][i], o[2][i]}, .d = {d[0][i], d[1][i], d[2][i]}};
-        sgt_span one = c->s.ops->span(c->s.self, &ray);
-        if (one.lo > one.hi && lo[i] > hi[i]) continue;
-        if (!(same(one.lo, lo[i]) && same(one.hi, hi[i]) && same(one.seed, seed[i]) && one.single == single[i])) return fail(c, SGT_WRONG_SPANS, ray.o);
+        sgt_ray ray = {.o = {o[0][i], o[1][i], o[2][i]}, .d = {d[0][i], d[1][i], d[2][i]}, .tmin = tmin ? tmin[i] : 0, .tmax = tmax ? tmax[i] : 0};
+        sgt_span one = (tmin ? c->s.ops->first : c->s.ops->span)(c->s.self, &ray);
+        if (tmin && !one.single && !single[i]) continue;
+        if (one.lo > one.hi && lo[i] > hi[i] && one.single == single[i]) continue;
+        if (!(same(one.lo, lo[i]) && same(one.hi, hi[i]) && same(one.seed, seed[i]) && one.single == single[i])) return fail(c, fault, ray.o);
     }
-    return lo[n] == KEPT && hi[n] == KEPT && seed[n] == KEPT && single[n] ? true : fail(c, SGT_WRONG_SPANS, (sgt_vec3){o[0][0], o[1][0], o[2][0]});
+    return lo[n] == KEPT && hi[n] == KEPT && seed[n] == KEPT && single[n] ? true : fail(c, fault, (sgt_vec3){o[0][0], o[1][0], o[2][0]});
 }
 
 static bool check_ray(check *c)
@@ -419,11 +446,21 @@ static bool check_ray(check *c)
     if (!(lo > -HUGE_VAL)) lo = !by && isfinite(s.lo) && s.lo < hi ? s.lo : fmin(0, hi) - CUT;
     if (!(hi < HUGE_VAL)) hi = !by && isfinite(s.hi) && s.hi > lo ? s.hi : fmax(0, lo) + CUT;
     c->span = by ? (sgt_span){.lo = HUGE_VAL, .hi = HUGE_VAL} : s;
-    c->inside = 0;
+    c->inside = c->in_first = 0, c->behind = false;
+    c->first = (sgt_span){.single = false}, c->from = lo;
+    if (c->s.ops->first) {
+        sgt_ray own = *r;
+        if (own.tmax == 0 && own.tmin >= 0) own.tmax = HUGE_VAL;
+        c->first = c->s.ops->first(c->s.self, &own), c->from = own.tmin;
+    }
     if (c->s.ops->values && !check_values(c, lo, hi)) return false;
     if (by) return check_stretch(c, lo, hi);
     double in = fmax(lo, s.lo), out = fmin(hi, s.hi);
-    return check_stretch(c, lo, fmin(s.lo, hi)) && check_stretch(c, in, out) && check_stretch(c, fmax(s.hi, lo), hi);
+    if (!(check_stretch(c, lo, fmin(s.lo, hi)) && check_stretch(c, in, out) && check_stretch(c, fmax(s.hi, lo), hi))) return false;
+    if (!c->behind || c->in_first) return true;
+    sample a, b; /* of two roots between samples nothing is seen: do the ends of the first one's stretch tell of it? */
+    if (!look(c, fmax(c->first.lo, c->from), &a) || !look(c, c->first.hi, &b)) return false;
+    return a.sign * b.sign > 0 ? fail(c, SGT_WRONG_FIRST, c->beyond) : true;
 }
 
 /* The square of the rim of a built-in surface; infinite where it has none. */
@@ -450,25 +487,26 @@ static bool is_usable(const sgt_ray *r)
 }
 
 /* By as many rays as there are room for, the last few with the rest of the room empty. */
-static void check_all_spans(check *c, size_t n, const sgt_ray rays[])
+static void check_all_spans(check *c, size_t n, const sgt_ray rays[], bool firsts)
 {
-    double o[3][RAYS_AT_ONCE], d[3][RAYS_AT_ONCE];
+    double o[3][RAYS_AT_ONCE], d[3][RAYS_AT_ONCE], tmin[RAYS_AT_ONCE], tmax[RAYS_AT_ONCE];
     size_t k = 0;
     for (size_t i = 0; i < n; i++) {
         if (!is_usable(&rays[i])) continue;
         o[0][k] = rays[i].o.x, o[1][k] = rays[i].o.y, o[2][k] = rays[i].o.z;
         d[0][k] = rays[i].d.x, d[1][k] = rays[i].d.y, d[2][k] = rays[i].d.z;
+        tmin[k] = rays[i].tmin, tmax[k] = rays[i].tmax == 0 && rays[i].tmin >= 0 ? HUGE_VAL : rays[i].tmax;
         if (++k < RAYS_AT_ONCE) continue;
-        if (!check_spans(c, k, o, d)) return;
+        if (!check_spans(c, k, o, d, firsts ? tmin : NULL, firsts ? tmax : NULL)) return;
         k = 0;
     }
-    check_spans(c, k, o, d);
+    check_spans(c, k, o, d, firsts ? tmin : NULL, firsts ? tmax : NULL);
 }
 
 sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *where)
 {
     check c = {.s = s, .fault = SGT_SOUND, .where = {(double)NAN, (double)NAN, (double)NAN}};
-    if (!s.ops || !s.ops->value) {
+    if (!s.ops || !s.ops->value || (is_catalogue(s.ops) && s.ops->own_->object(s.self).reason)) {
         c.fault = SGT_NO_VALUE;
     } else {
         c.rim2 = rim2_of_builtin(s);
@@ -477,7 +515,8 @@ sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *whe
             c.ray = &rays[i];
             if (!check_ray(&c)) break;
         }
-        if (s.ops->spans && c.fault == SGT_SOUND) check_all_spans(&c, n, rays);
+        if (s.ops->spans && c.fault == SGT_SOUND) check_all_spans(&c, n, rays, false);
+        if (s.ops->firsts && c.fault == SGT_SOUND) check_all_spans(&c, n, rays, true);
     }
     if (where) *where = c.where;
     return c.fault;
@@ -494,7 +533,9 @@ const char *sgt_fault_text(sgt_fault fault)
     case SGT_WRONG_SPANS: return "wrong spans: they differ from span in a bit, or there is no span";
     case SGT_WRONG_CLEARANCE: return "wrong clearance: the surface is nearer than it says";
     case SGT_WRONG_ENCLOSURE: return "wrong enclosure: F or its slope leaves the interval, or F is defined where it says it is nowhere";
-    case SGT_NO_VALUE: return "no value: the surface has no function F";
+    case SGT_WRONG_FIRST: return "wrong first: a root that counts lies before it, or two in it, or none in it and one behind";
+    case SGT_WRONG_FIRSTS: return "wrong firsts: they differ from first in a bit, or there is no first";
+    case SGT_NO_VALUE: return "no value: the surface has no function F, or a parameter that is not valid";
     }
     return "?";
 }

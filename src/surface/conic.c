@@ -41,6 +41,7 @@
  * Times, worst cases: docs/accuracy.md. */
 #include "conic_easy.h"
 #include "form.h"
+#include "sag_second.h"
 
 static const double EPS = 0x1p-100;
 static const double D_MIN = 0x1p-20;
@@ -494,4 +495,5 @@ static bool conic_alone(const void *self, const sgt_tile *tile, double rim2, mas
 
 static const struct sgt_own conic_own = {.meet = conic_meet, .all = conic_all, .sweep = conic_sweep, .alone = conic_alone};
 
-const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .enclose = conic_enclose, .own_ = &conic_own};
+const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .enclose = conic_enclose, .own_ = &conic_own,
+                                       .second = sgt_conic_second, .parameters = sgt_conic_parameters, .by_parameter = sgt_conic_by_parameter};

@@ -1,10 +1,12 @@
-/* own.h - what a built-in surface can do that a user's cannot: answer by itself, SGT_INVALID
- * included where a parameter is.  ray and opt have been checked. */
+/* own.h - what a built-in surface can do that a user's cannot.  Either it answers by itself, SGT_INVALID included where a
+ * parameter is (`meet` and what belongs to it); ray and opt have been checked.  Or, without `meet`, it is met as a surface of
+ * a user is, by its operations, and says here what they cannot: whether its parameters are valid, and its rim. */
 #ifndef SGT_SURFACE_OWN_H
 #define SGT_SURFACE_OWN_H
 
 #include <math.h>
 #include <sagitta/sagitta.h>
+#include <sagitta/surfaces.h>
 
 /* [t - t_err, t + t_err], rounded outward: where t_err is below an ulp of t, t alone would not have the root. */
 static inline sgt_interval sgt_about(double t, double t_err)
@@ -97,6 +99,25 @@ struct sgt_own {
     bool (*alone)(const void *self, const sgt_tile *tile, double rim2, unsigned long long alone[], sgt_interval others[]);
     /* The most rays the sweep takes in a tile, SGT_TILE ... SGT_MOST_TILE; 0: SGT_TILE. */
     size_t tile;
+
+    /* Without `meet`.  {NULL, NULL} where every parameter is valid, as in sgt_builtin; required. */
+    sgt_objection (*object)(const void *self);
+    /* A bound as `rounding` gives it, at n points where F is f, in lanes, NaN where it is not known.  NULL, or false, always of one surface:
+     * it knows none, and `rounding` is to be asked. */
+    bool (*roundings)(const void *self, size_t n, sgt_points p, const double f[], double out[]);
+    /* As `span` and `spans`, and of rays whose span is single *least, a bound from below on |dF/dtau| all along it, tau in
+     * lengths of d made 1 ... 2 by a power of two (scale_of), or 0: with it a root needs no look at either side.  NULL: as 0. */
+    sgt_span (*span)(const void *self, const sgt_ray *ray, double *least);
+    void (*spans)(const void *self, size_t n, sgt_rays rays, sgt_spans out, double least[]);
+    /* Its semi_diameter; NULL: it has no rim. */
+    double (*rim)(const void *self);
+    /* The sag without its conic base (freeform.h), with or without `meet`; NULL: it has none that can be told apart. */
+    const struct departure *departure;
 };
+
+static inline bool answers_itself(const sgt_surface_ops *ops) { return ops->own_ && ops->own_->meet; }
+
+/* Met by its operations, it is a built-in surface nevertheless. */
+static inline bool is_catalogue(const sgt_surface_ops *ops) { return ops->own_ && !ops->own_->meet; }
 
 #endif

@@ -1,4 +1,5 @@
 /* table.c - the built-in surfaces as data: type, operations, parameters. */
+#include "freeform.h"
 #include "orbit.h"
 
 #include <float.h>
@@ -24,12 +25,55 @@ static const sgt_param asphere[] = {CURVATURE(sgt_asphere), CONIC(sgt_asphere), 
 static const sgt_param julia[] = {{"c", "1", offsetof(sgt_julia, c), 4, -1e6, 1e6, SGT_VECTOR}, SLICE(sgt_julia), END};
 static const sgt_param mandelbrot[] = {SLICE(sgt_mandelbrot), END};
 
+#define BASE(type) CURVATURE(type), CONIC(type), SEMI_DIAMETER(type)
+#define NORM(type, key, of) {key, "length", offsetof(type, of), 1, ANY, SGT_REAL}
+#define LIST(type, key, unit, of, most) {key, unit, offsetof(type, of), most, ANY, SGT_LIST}
+#define TABLE(type, key, unit, of, most) {key, unit, offsetof(type, of), most, ANY, SGT_TABLE}
+
+static const sgt_param odd_asphere[] = {BASE(sgt_odd_asphere), {"coefficients", "1/length^i", offsetof(sgt_odd_asphere, a), 16, ANY, SGT_REAL}, END};
+static const sgt_param polynomial_xy[] = {BASE(sgt_polynomial_xy), TABLE(sgt_polynomial_xy, "coefficients", "1/length^(i+j-1)", a, 32), END};
+static const sgt_param chebyshev[] = {BASE(sgt_chebyshev), NORM(sgt_chebyshev, "norm_x", norm_x), NORM(sgt_chebyshev, "norm_y", norm_y),
+                                      TABLE(sgt_chebyshev, "coefficients", "length", a, 64), END};
+static const sgt_param zernike[] = {BASE(sgt_zernike), NORM(sgt_zernike, "norm", norm), {"order", "noll|fringe", offsetof(sgt_zernike, order), 1, 1, 2, SGT_WORD},
+                                    {"normalised", "1", offsetof(sgt_zernike, normalised), 1, 0, 1, SGT_TRUTH}, LIST(sgt_zernike, "coefficients", "length", a, 5151), END};
+static const sgt_param q_con[] = {BASE(sgt_q_con), NORM(sgt_q_con, "norm", norm), LIST(sgt_q_con, "coefficients", "length", a, 64), END};
+static const sgt_param q_bfs[] = {CURVATURE(sgt_q_bfs), SEMI_DIAMETER(sgt_q_bfs), NORM(sgt_q_bfs, "norm", norm), LIST(sgt_q_bfs, "coefficients", "length", a, 64), END};
+static const sgt_param grid[] = {BASE(sgt_grid), NORM(sgt_grid, "step_x", step_x), NORM(sgt_grid, "step_y", step_y), TABLE(sgt_grid, "sag", "length", z, 4096), END};
+static const sgt_param sum[] = {BASE(sgt_sum), {"terms", "1", offsetof(sgt_sum, terms), 16, ANY, SGT_TERMS}, END};
+static const sgt_param toroidal[] = {CURVATURE(sgt_toroidal), CONIC(sgt_toroidal), {"curvature_x", "1/length", offsetof(sgt_toroidal, c_x), 1, ANY, SGT_REAL},
+                                     SEMI_DIAMETER(sgt_toroidal), {"coefficients", "1/length^(2i+1)", offsetof(sgt_toroidal, a), 8, ANY, SGT_REAL}, END};
+static const sgt_param biconic[] = {{"curvature_x", "1/length", offsetof(sgt_biconic, c_x), 1, ANY, SGT_REAL}, {"conic_x", "1", offsetof(sgt_biconic, k_x), 1, ANY, SGT_REAL},
+                                    {"curvature_y", "1/length", offsetof(sgt_biconic, c_y), 1, ANY, SGT_REAL}, {"conic_y", "1", offsetof(sgt_biconic, k_y), 1, ANY, SGT_REAL},
+                                    SEMI_DIAMETER(sgt_biconic), END};
+static const sgt_param cylinder[] = {{"curvature", "1/length", offsetof(sgt_biconic, c_y), 1, ANY, SGT_REAL}, {"conic", "1", offsetof(sgt_biconic, k_y), 1, ANY, SGT_REAL},
+                                     SEMI_DIAMETER(sgt_biconic), END};
+static const sgt_param quadric[] = {{"squares", "1", offsetof(sgt_quadric, squares), 3, ANY, SGT_VECTOR}, {"products", "1", offsetof(sgt_quadric, products), 3, ANY, SGT_VECTOR},
+                                    {"linear", "length", offsetof(sgt_quadric, linear), 3, ANY, SGT_VECTOR}, {"constant", "length^2", offsetof(sgt_quadric, constant), 1, ANY, SGT_REAL}, END};
+static const sgt_param ellipsoid[] = {{"a", "length", offsetof(sgt_ellipsoid, a), 1, ANY, SGT_REAL}, {"f", "1", offsetof(sgt_ellipsoid, f), 1, ANY, SGT_REAL}, END};
+static const sgt_param torus[] = {{"major", "length", offsetof(sgt_torus, major), 1, ANY, SGT_REAL}, {"minor", "length", offsetof(sgt_torus, minor), 1, ANY, SGT_REAL}, END};
+
+#define CATALOGUE(type) {#type, &sgt_##type##_ops, sizeof(sgt_##type), type, sgt_##type##_object, NULL}
+
 const sgt_builtin sgt_builtins[] = {
-    {"plane", &sgt_conic_ops, sizeof(sgt_conic), plane, NULL},
-    {"sphere", &sgt_conic_ops, sizeof(sgt_conic), sphere, NULL},
-    {"conic", &sgt_conic_ops, sizeof(sgt_conic), conic, NULL},
-    {"even_asphere", &sgt_asphere_ops, sizeof(sgt_asphere), asphere, NULL},
-    {"julia", &sgt_julia_ops, sizeof(sgt_julia), julia, sgt_julia_object},
-    {"mandelbrot", &sgt_mandelbrot_ops, sizeof(sgt_mandelbrot), mandelbrot, sgt_mandelbrot_object},
+    {"plane", &sgt_conic_ops, sizeof(sgt_conic), plane, NULL, NULL},
+    {"sphere", &sgt_conic_ops, sizeof(sgt_conic), sphere, NULL, NULL},
+    {"conic", &sgt_conic_ops, sizeof(sgt_conic), conic, NULL, NULL},
+    {"even_asphere", &sgt_asphere_ops, sizeof(sgt_asphere), asphere, NULL, NULL},
+    {"julia", &sgt_julia_ops, sizeof(sgt_julia), julia, sgt_julia_object, NULL},
+    {"mandelbrot", &sgt_mandelbrot_ops, sizeof(sgt_mandelbrot), mandelbrot, sgt_mandelbrot_object, NULL},
+    CATALOGUE(odd_asphere),
+    CATALOGUE(polynomial_xy),
+    CATALOGUE(toroidal),
+    CATALOGUE(biconic),
+    {"cylinder", &sgt_biconic_ops, sizeof(sgt_biconic), cylinder, sgt_cylinder_object, NULL},
+    CATALOGUE(zernike),
+    CATALOGUE(chebyshev),
+    CATALOGUE(q_con),
+    CATALOGUE(q_bfs),
+    {"grid", &sgt_grid_ops, sizeof(sgt_grid), grid, sgt_grid_object, sgt_grid_prepare},
+    CATALOGUE(sum),
+    CATALOGUE(quadric),
+    CATALOGUE(torus),
+    CATALOGUE(ellipsoid),
     {0},
 };

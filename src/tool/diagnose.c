@@ -30,8 +30,8 @@ static const char help[] =
     "  --method M         safeguarded (the default): what the library does; newton: bare,\n"
     "                     halving t where F is NaN; newton-normalised: with the gradient\n"
     "                     scaled to unit length, the classic mistake; bisection.  The bare\n"
-    "                     methods start where the ray meets the vertex plane (a level set:\n"
-    "                     in the middle of its ball) and stop after --max-evals (100)\n"
+    "                     methods start where the ray meets the vertex plane (of what is no\n"
+    "                     sag: mid-span), and stop after --max-evals (100)\n"
     "  --pick P           the root that the library looks for: first or near-seed\n"
     "  --proof P          what it is to prove: estimate (the default), root or first, as in\n"
     "                     sagitta intersect and sagitta trace\n";

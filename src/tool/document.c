@@ -16,7 +16,7 @@
 
 void document_fail(const document *d, const node *at, const char *key, const char *format, ...)
 {
-    char text[400];
+    char text[1400];
     va_list values;
     va_start(values, format);
     vsnprintf(text, sizeof text, format, values);
@@ -93,7 +93,7 @@ static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t
 
 document document_parse(const char *source, const char *text, size_t length)
 {
-    document d = {.source = source};
+    document d = {.source = source, .folder = ""};
     yaml_parser_t parser;
     yaml_document_t loaded, more;
     char fault[FAULT_SIZE] = "empty";
@@ -183,6 +183,16 @@ const char *document_text(const document *d, const node *n, const char *key)
 {
     if (n->kind != NODE_SCALAR) document_fail(d, n, key, "must be a word or a text");
     return n->text;
+}
+
+const char *document_path(const document *d, const node *n, const char *key)
+{
+    const char *name = document_text(d, n, key);
+    size_t folder = *name == '/' ? 0 : strlen(d->folder);
+    char *path = memory_grow(NULL, folder + strlen(name) + 1, 1);
+    memcpy(path, d->folder, folder);
+    strcpy(path + folder, name);
+    return path;
 }
 
 size_t document_numbers(const document *d, const node *n, const char *key, size_t most, double value[])

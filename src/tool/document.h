@@ -30,6 +30,7 @@ typedef struct node {
 
 typedef struct document {
     const char *source;   /* a file, or the option that held the text */
+    const char *folder;   /* of the file, with the / behind it; "" for the current one */
     node *root;
 } document;
 
@@ -48,6 +49,9 @@ typedef enum number_range { NUMBER_FINITE, NUMBER_MAYBE_INFINITE, NUMBER_ANY } n
 double document_number(const document *d, const node *n, const char *key, number_range range);
 bool document_truth(const document *d, const node *n, const char *key);
 const char *document_text(const document *d, const node *n, const char *key);
+
+/* The name of a file, which is looked for beside the document's. */
+const char *document_path(const document *d, const node *n, const char *key);
 
 /* A list of at least one number and at most `most`; returns how many. */
 size_t document_numbers(const document *d, const node *n, const char *key, size_t most, double value[]);

@@ -18,7 +18,8 @@ static const char *advice(sgt_verdict v, method m, const record *r)
     switch (v) {
     case SGT_LINEAR:
         return normalised ? "linear: a constant factor a step, for the gradient was scaled to unit length"
-                          : "linear: a constant factor a step; the ray grazes: two roots lie together, or nearly";
+             : own ? "linear: a constant factor a step; the ray grazes: two roots lie together, or nearly"
+                   : "linear: a constant factor a step, as where two roots lie together, or are seen from far away";
     case SGT_BISECTING:
         return own ? "bisecting: the bracket did the work, where Newton's steps would have left it; the answer holds all the same"
                    : "bisecting: half the bracket a step, as the method is";
@@ -87,12 +88,13 @@ static void answer(table *t, const search *s, double condition)
                    condition > 100 ? "; the ray grazes" : "");
 }
 
-/* What a row shows, where it is not F at a t on the way to a root.  A level set is searched
- * by cells; on an asphere with terms the library works with a polynomial that has the roots of F. */
+/* What a row shows, where it is not F at a t on the way to a root.  A level set, and any surface of the catalogue, is
+ * searched by cells; on an asphere with terms the library works with a polynomial that has the roots of F. */
 static void explain_rows(table *t, const record *r, const search *s)
 {
     sgt_surface surface = s->surface;
-    if (surface.ops->estimate && !s->fast && method_march_steps(r))
+    bool by_cells = surface.ops->enclose && surface.ops != &sgt_conic_ops && surface.ops != &sgt_asphere_ops;
+    if (by_cells && !s->fast && method_march_steps(r))
         table_line(t, "A march row is a cell about t, free of roots or to be made smaller; lo ... hi is what is left of the ray.");
     const sgt_asphere *asphere = surface.self;
     if (surface.ops != &sgt_asphere_ops || r->count < 2) return;
@@ -120,6 +122,10 @@ static void explain_normalised(table *t, const record *r, const search *s)
     sgt_vec3 grad;
     s->surface.ops->value(s->surface.self, vector_along(s->ray.o, s->ray.d, s->hit->t), &grad);
     double length = vector_length(grad), factor = 1 - length;
+    if (fabs(factor) < 1e-12) { /* a distance */
+        table_line(t, "The gradient was scaled to unit length, which it has at the root: near it nothing is changed.");
+        return;
+    }
     table_line(t, "The gradient was scaled to unit length and F was not: each step is too long by |grad F|,");
     table_line(t, "which is %.6g at the root.  Near it the error is multiplied by 1 - %.6g = %.6g a step:", length, length, factor);
     if (fabs(factor) >= 1) table_line(t, "it goes to and fro and can never settle.  Use the gradient as it is.");
@@ -135,25 +141,25 @@ static double nearest_to_axis(const sgt_ray *ray)
     return across == 0 ? hypot(ray->o.x, ray->o.y) : fabs(ray->o.x * ray->d.y - ray->o.y * ray->d.x) / across;
 }
 
-/* A level set lies in a ball, and the span is the ray's chord of it. */
+/* All of a level set lies in a ball, and the span is the ray's chord of it; of a torus or an ellipsoid that of something
+ * that holds it as well. */
 static void explain_miss_of_set(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
 {
     if (!surface.ops->span) return;
+    const char *what = surface.ops->estimate ? "the ball that holds the set" : "the surface";
     sgt_span span = surface.ops->span(surface.self, ray);
-    if (span.lo > span.hi) table_line(t, "Ray %zu: it passes the ball that holds the set by.", number);
-    else if (span.hi < ray->tmin || span.lo > ray->tmax)
-        table_line(t, "Ray %zu: it crosses the ball that holds the set outside tmin ... tmax only.", number);
+    if (span.lo > span.hi) table_line(t, "Ray %zu: it passes %s by.", number, what);
+    else if (span.hi < ray->tmin || span.lo > ray->tmax) table_line(t, "Ray %zu: it comes to %s outside tmin ... tmax only.", number, what);
 }
 
 void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
 {
-    if (!undecided_is_sag(surface)) {
+    if (!undecided_has_rim(surface)) {
         explain_miss_of_set(t, number, surface, ray);
         return;
     }
     const double margin = 1 + 0x1p-30; /* said only where it is clear */
-    bare_surface b = {.terms = false};
-    sgt_surface free = undecided_without_rim(&b, surface);
+    const bare_surface b = undecided_without_rim(surface);
     sgt_ray line = {.o = ray->o, .d = ray->d, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
     sgt_hit whole = sgt_intersect(surface, line, NULL);
     char at[NUMBER_SIZE];
@@ -163,7 +169,7 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
         return;
     }
     if (whole.status < 0) return;
-    sgt_hit beyond = sgt_intersect(free, line, NULL);
+    sgt_hit beyond = sgt_intersect(b.surface, line, NULL);
     if (beyond.status > 0) {
         number_print_short(at, hypot(beyond.p.x, beyond.p.y), 6);
         table_line(t, "Ray %zu: it meets the surface outside semi_diameter only, first at r = %s.", number, at);
@@ -185,6 +191,11 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
             table_line(t, "Ray %zu: it meets the quadric on its other sheet only (of a sphere, the far half).", number);
         else if (B * B < A * C - (B * B + fabs(A * C)) * 0x1p-20)
             table_line(t, "Ray %zu: it passes the whole quadric by.", number);
+    } else if (b.terms && ray->d.z != 0) {
+        sgt_vec3 plane = vector_along(ray->o, ray->d, -ray->o.z / ray->d.z);
+        plane.z = 0;
+        if (isnan(surface.ops->value(surface.self, plane, NULL)))
+            table_line(t, "Ray %zu: where it comes to the vertex plane there is no surface.", number);
     }
 }
 

@@ -11,23 +11,23 @@
 #include <sys/stat.h>
 
 /* The files in use, by what they are and not by what they are called. */
-enum { USED_MOST = 4 };
-static struct { struct stat is; const char *name; } used[USED_MOST];
-static int used_count;
+typedef struct used_file { struct stat is; const char *name; } used_file;
+static used_file *used;
+static size_t used_count, used_room;
 
 static void remember(FILE *file, const char *name)
 {
     struct stat is;
-    if (used_count == USED_MOST || fstat(fileno(file), &is) != 0 || !S_ISREG(is.st_mode)) return;
-    used[used_count].is = is;
-    used[used_count++].name = name;
+    if (fstat(fileno(file), &is) != 0 || !S_ISREG(is.st_mode)) return;
+    used = memory_room(used, used_count, &used_room, sizeof *used);
+    used[used_count++] = (used_file){is, memory_text(name, strlen(name))};
 }
 
 void output_check(const char *option, const char *path)
 {
     struct stat is;
     if (stat(path, &is) != 0) return;
-    for (int i = 0; i < used_count; i++)
+    for (size_t i = 0; i < used_count; i++)
         if (is.st_dev == used[i].is.st_dev && is.st_ino == used[i].is.st_ino)
             fail_usage("--%s %s: would be written over %s", option, path, used[i].name);
 }
@@ -41,22 +41,35 @@ void output_reserve(const char *option, const char *path)
     fclose(file);
 }
 
+static const char *read_all(FILE *file, input *in)
+{
+    size_t capacity = 0;
+    for (size_t got = 1; got > 0; in->length += got) {
+        capacity = 2 * in->length + 65536;
+        in->text = memory_grow(in->text, capacity, 1);
+        got = fread(in->text + in->length, 1, capacity - in->length - 1, file);
+    }
+    in->text[in->length] = 0;
+    return ferror(file) ? strerror(errno) : NULL;
+}
+
+const char *input_try(const char *path, input *in)
+{
+    *in = (input){.name = path};
+    FILE *file = fopen(path, "rb");
+    if (!file) return strerror(errno);
+    remember(file, path);
+    const char *fault = read_all(file, in);
+    fclose(file);
+    return fault;
+}
+
 input input_read(const char *path)
 {
+    input in = {.name = "standard input"};
     bool standard = strcmp(path, "-") == 0;
-    input in = {.name = standard ? "standard input" : path};
-    FILE *file = standard ? stdin : fopen(path, "rb");
-    if (!file) fail_input("%s: %s", in.name, strerror(errno));
-    remember(file, in.name);
-    size_t capacity = 0;
-    for (size_t got = 1; got > 0; in.length += got) {
-        capacity = 2 * in.length + 65536;
-        in.text = memory_grow(in.text, capacity, 1);
-        got = fread(in.text + in.length, 1, capacity - in.length - 1, file);
-    }
-    int error = ferror(file) ? errno : 0;
-    if (!standard) fclose(file);
-    if (error) fail_input("%s: %s", in.name, strerror(error));
-    in.text[in.length] = 0;
+    if (standard) remember(stdin, in.name);
+    const char *fault = standard ? read_all(stdin, &in) : input_try(path, &in);
+    if (fault) fail_input("%s: %s", in.name, fault);
     return in;
 }

@@ -12,6 +12,9 @@ typedef struct input {
 /* path "-": standard input.  A file that cannot be read ends the command. */
 input input_read(const char *path);
 
+/* A file of that name, be it "-"; NULL, or why it cannot be read. */
+const char *input_try(const char *path, input *in);
+
 /* A usage error if the path is a file that was read, or that is reserved, by whatever name. */
 void output_check(const char *option, const char *path);
 

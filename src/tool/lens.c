@@ -174,14 +174,10 @@ static void read_surfaces(lens *l, size_t wavelength)
         }
         if (rim) e->semi_diameter = document_number(d, rim, "semi_diameter", NUMBER_FINITE);
         if (!(e->semi_diameter >= 0)) document_fail(d, rim, "semi_diameter", "must not be negative");
-        e->surface = surface_read(d, map, SURFACE_NO_RIM, &type);
+        e->surface = surface_read(d, map, SURFACE_NO_RIM, "; semi_diameter, thickness, index, mirror, stop, decenter, tilt, origin", &type);
         s->type = type->type;
         before = s->index;
 
-        char known[900];
-        snprintf(known, sizeof known, "%s; semi_diameter, thickness, index, mirror, stop, decenter, tilt, origin",
-                 surface_keys(type, SURFACE_NO_RIM));
-        document_finish(d, map, known);
         if (!placed && i + 1 < l->count && !document_take(map, "thickness"))
             document_fail(d, map, "thickness", "missing; 0 if that is meant");
     }
@@ -192,6 +188,8 @@ lens lens_read(const char *path, size_t wavelength)
     input file = input_read(path);
     lens l = {.source = document_parse(file.name, file.text, file.length)};
     const document *d = &l.source;
+    const char *behind = strrchr(path, '/');
+    if (behind) l.source.folder = memory_text(path, (size_t)(behind + 1 - path));
     document_map(d, d->root, NULL);
     const node *name = document_take(d->root, "name"), *units = document_take(d->root, "units");
     l.name = name ? document_text(d, name, "name") : "";

@@ -2,7 +2,6 @@
 #include "options.h"
 
 #include "number.h"
-#include "profile.h"
 #include "tiles.h"
 
 #include <limits.h>
@@ -78,19 +77,19 @@ static sgt_proof proof_of(const char *text)
 
 void options_note_unread(const shared_options *o, size_t count, const sgt_element element[])
 {
-    bool set = false, sag = false;
+    bool set = false, other = false;
     for (size_t i = 0; i < count; i++) {
         set = set || element[i].surface.ops->estimate;
-        sag = sag || profile_is_sag(element[i].surface);
+        other = other || !element[i].surface.ops->estimate;
     }
     if (o->solver.dt_min > 0 && set && o->solver.proof) fail_usage("--proof or --dt-min, not both: steps of --dt-min prove nothing");
     if (o->solver.dt_min > 0 && !set) note("--dt-min: not used; it is for level sets (julia, mandelbrot)");
-    if (o->solver.pick == SGT_NEAR_SEED && !sag) note("--pick near-seed: not used; of a level set the first root counts");
+    if (o->solver.pick == SGT_NEAR_SEED && !other) note("--pick near-seed: not used; of a level set the first root counts");
 }
 
 bool options_near_seed(const shared_options *o, sgt_surface s, sgt_pick by_default)
 {
-    return (o->solver.pick ? o->solver.pick : by_default) == SGT_NEAR_SEED && profile_is_sag(s);
+    return (o->solver.pick ? o->solver.pick : by_default) == SGT_NEAR_SEED && !s.ops->estimate;
 }
 
 int options_threads(const shared_options *o)

@@ -124,6 +124,11 @@ static void draw_surfaces(const page *p, const scene *s)
     static const double dashes[] = {3, 3};
     for (size_t i = 0; i < s->job->lens.count; i++) {
         const outline *o = &s->outline[i];
+        for (size_t k = 0; k < o->strokes; k++) {
+            line_to(p, o->stroke[k][0]);
+            line_to(p, o->stroke[k][1]);
+            stroke(p, o->mirror ? MIRROR : SURFACE, 0.15);
+        }
         if (o->half == 0) continue;
         if (scene_glass_behind(s, i)) draw_edges(p, o, &s->outline[i + 1]);
         if (o->mirror) draw_hatching(p, o);

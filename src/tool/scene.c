@@ -50,6 +50,17 @@ static double half_height(const sgt_element *e, double wanted)
     return low;
 }
 
+/* A level set is not drawn: its section would be as fine as the net. */
+static void add_section(outline *o, const sgt_element *e, double reach)
+{
+    sgt_vec3(*own)[2] = NULL;
+    o->strokes = e->surface.ops->estimate ? 0 : profile_section(e, reach, &own);
+    o->stroke = memory_take(o->strokes, sizeof *o->stroke);
+    for (size_t i = 0; i < o->strokes; i++)
+        for (int k = 0; k < 2; k++) o->stroke[i][k] = spot_of(frame_point_out(&e->pose, own[i][k]));
+    for (int k = 0; k < OUTLINE_POINTS; k++) o->at[k] = spot_of(frame_point_out(&e->pose, (sgt_vec3){0, 0, 0}));
+}
+
 static outline outline_of(const scene *s, size_t i, double back)
 {
     const lens *l = &s->job->lens;
@@ -64,6 +75,10 @@ static outline outline_of(const scene *s, size_t i, double back)
     };
     double wanted = e->semi_diameter > 0 ? e->semi_diameter : BEYOND_RAYS * s->reach[i];
     if (wanted == 0 && !isnan(l->pupil_semi_diameter)) wanted = l->pupil_semi_diameter;
+    if (!profile_is_sag(e->surface)) {
+        add_section(&o, e, wanted);
+        return o;
+    }
     o.half = half_height(e, wanted);
     for (int k = 0; k < OUTLINE_POINTS; k++) {
         double y = o.half * (2 * k - (OUTLINE_POINTS - 1)) / (OUTLINE_POINTS - 1);
@@ -146,6 +161,7 @@ void scene_finish(scene *s)
     for (size_t i = 0; i < l->count; i++) {
         s->outline[i] = outline_of(s, i, back);
         for (int k = 0; k < OUTLINE_POINTS; k++) include(s, s->outline[i].at[k]);
+        for (size_t k = 0; k < s->outline[i].strokes; k++) include(s, s->outline[i].stroke[k][0]), include(s, s->outline[i].stroke[k][1]);
         if (l->surface[i].mirror) back = -back;
     }
     for (size_t i = 0; i < l->count; i++)

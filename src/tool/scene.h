@@ -20,6 +20,8 @@ typedef struct outline {
     double half;              /* 0: there is nothing to draw */
     spot up, ahead;           /* its own y and z axes in the picture */
     bool mirror, stop, dummy; /* dummy: the medium does not change, and it is not the last */
+    spot (*stroke)[2];        /* of a surface that is no sag: its section, of which the rest here knows nothing */
+    size_t strokes;
     double back;              /* the side of its own z away from the light: +1 or -1 */
 } outline;
 

@@ -8,9 +8,15 @@
  *
  * Two parameters of a type may lie in the same memory: one is then a short name for a part
  * of the other, and a map that gives both contradicts itself.  What the ranges of single
- * numbers cannot say, the type's `object` does, when all have been read. */
+ * numbers cannot say, the type's `object` does, when all have been read.
+ *
+ * A table of numbers is a list of rows, or the name of a file (matrix.h), which is looked for beside
+ * the lens file.  Rows of `coefficients` may end early, for the coefficients left out are zero; of other
+ * tables all rows are equally long. */
 #include "surface.h"
 
+#include "earth.h"
+#include "matrix.h"
 #include "memory.h"
 #include "number.h"
 
@@ -19,7 +25,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char CURVATURE[] = "curvature", RADIUS[] = "radius";
+static const char CURVATURE[] = "curvature", RADIUS[] = "radius", COEFFICIENTS[] = "coefficients";
 enum { NAME_SIZE = 64 };
 
 /* The name of the radius that stands for a curvature; "" where there is none. */
@@ -32,12 +38,13 @@ static void radius_name(char name[NAME_SIZE], const char *parameter)
 
 static bool not_read(const sgt_param *p, surface_rim rim)
 {
-    return rim == SURFACE_NO_RIM && strcmp(p->name, "semi_diameter") == 0;
+    if (strcmp(p->name, "semi_diameter") == 0) return rim != SURFACE_OWN_RIM;
+    return rim == SURFACE_TERM && (strcmp(p->name, CURVATURE) == 0 || strcmp(p->name, "conic") == 0);
 }
 
-const char *surface_keys(const sgt_builtin *type, surface_rim rim)
+static void check_keys(const document *d, const node *map, const sgt_builtin *type, surface_rim rim, const char *more, const char *others)
 {
-    char text[600];
+    char text[900];
     size_t length = (size_t)snprintf(text, sizeof text, "type");
     for (const sgt_param *p = type->params; p->name && length < sizeof text; p++) {
         if (not_read(p, rim)) continue;
@@ -46,7 +53,8 @@ const char *surface_keys(const sgt_builtin *type, surface_rim rim)
         const char *or = *radius ? " or " : "";
         length += (size_t)snprintf(text + length, sizeof text - length, ", %s%s%s", p->name, or, radius);
     }
-    return memory_text(text, strlen(text));
+    if (length < sizeof text) snprintf(text + length, sizeof text - length, "%s%s", more, others);
+    document_finish(d, map, text);
 }
 
 static const sgt_builtin *type_of(const document *d, const node *map)
@@ -54,13 +62,16 @@ static const sgt_builtin *type_of(const document *d, const node *map)
     const node *n = document_take(map, "type");
     if (!n) document_fail(d, map, "type", "missing: which surface is it?");
     const char *name = document_text(d, n, "type");
-    char known[300];
+    char known[900];
     size_t length = 0;
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
-        if (strcmp(b->type, name) == 0) return b;
-        if (length < sizeof known)
-            length += (size_t)snprintf(known + length, sizeof known - length, "%s%s", length ? ", " : "", b->type);
-    }
+    const sgt_builtin *const several[] = {sgt_builtins, earth_types()};
+    for (int i = 0; i < 2; i++)
+        for (const sgt_builtin *b = several[i]; b->type; b++) {
+            if (strcmp(b->type, name) == 0) return b;
+            if (length < sizeof known) length += (size_t)snprintf(known + length, sizeof known - length, "%s%s", length ? ", " : "", b->type);
+        }
+    const char *missing = earth_missing(name);
+    if (missing) document_fail(d, n, "type", "%.60s: %s", name, missing);
     document_fail(d, n, "type", "no surface \"%.60s\"; there are: %s", name, known);
 }
 
@@ -94,20 +105,85 @@ static double read_number(const document *d, const node *n, const char *key, con
     return x;
 }
 
-static void read_list(const document *d, const node *n, const sgt_param *p, double value[])
+/* "coefficients[3]" */
+enum { KEY_SIZE = NAME_SIZE + 60 };
+static void print_item(char key[KEY_SIZE], const char *list, size_t i) { snprintf(key, KEY_SIZE, "%.*s[%zu]", NAME_SIZE + 24, list, i); }
+
+static void check_count(const document *d, const node *n, const char *key, const char *what, size_t most)
+{
+    if (n->count == 0) document_fail(d, n, key, "must hold at least one %s", what);
+    if (n->count > most) document_fail(d, n, key, "has %zu %ss; %zu are the most", n->count, what, most);
+}
+
+static void read_list(const document *d, const node *n, const char *key, const sgt_param *p, double value[])
 {
     size_t most = (size_t)p->count;
     bool exact = p->kind == SGT_VECTOR;
-    if (n->kind != NODE_LIST) document_fail(d, n, p->name, "must be a list of %s%zu numbers", exact ? "" : "up to ", most);
-    if (n->count == 0) document_fail(d, n, p->name, "must hold at least one number");
-    if (n->count > most || (exact && n->count < most))
-        document_fail(d, n, p->name, "has %zu number%s; %zu are %s", n->count, n->count == 1 ? "" : "s", most,
-                      exact ? "wanted" : "the most");
+    if (n->kind != NODE_LIST) document_fail(d, n, key, "must be a list of %s%zu numbers", exact ? "" : "up to ", most);
+    if (exact && n->count > 0 && n->count != most)
+        document_fail(d, n, key, "has %zu number%s; %zu are wanted", n->count, n->count == 1 ? "" : "s", most);
+    check_count(d, n, key, "number", most);
     for (size_t i = 0; i < n->count; i++) {
-        char key[NAME_SIZE + 30];
-        snprintf(key, sizeof key, "%.*s[%zu]", NAME_SIZE, p->name, i);
-        value[i] = read_number(d, n->item[i], key, p);
+        char item[KEY_SIZE];
+        print_item(item, key, i);
+        value[i] = read_number(d, n->item[i], item, p);
     }
+}
+
+static sgt_numbers read_file(const document *d, const node *n, const sgt_param *p)
+{
+    char why[MATRIX_WHY_SIZE];
+    sgt_numbers t;
+    if (!matrix_read(&t, document_path(d, n, p->name), (size_t)p->count, why)) document_fail(d, n, p->name, "%s", why);
+    for (size_t i = 0; i < t.rows * t.columns; i++) check_range(d, n, p->name, p, t.x[i]);
+    return t;
+}
+
+static sgt_numbers read_table(const document *d, const node *n, const sgt_param *p)
+{
+    if (n->kind == NODE_SCALAR && matrix_is_file(n->text)) return read_file(d, n, p);
+    if (n->kind != NODE_LIST) document_fail(d, n, p->name, "must be a list of rows, as [[1, 2], [3, 4]], or a file, NAME.csv or NAME.npy");
+    check_count(d, n, p->name, "row", (size_t)p->count);
+    bool may_end_early = strcmp(p->name, COEFFICIENTS) == 0;
+    sgt_numbers t = {.rows = n->count};
+    char key[KEY_SIZE];
+    for (size_t i = 0; i < n->count; i++) {
+        const node *row = n->item[i];
+        print_item(key, p->name, i);
+        if (row->kind != NODE_LIST) document_fail(d, row, key, "must be a row, a list of numbers");
+        if (i > 0 && !may_end_early && row->count != t.columns)
+            document_fail(d, row, key, "has %zu number%s, and the rows before have %zu", row->count, row->count == 1 ? "" : "s", t.columns);
+        if (row->count > t.columns) t.columns = row->count;
+        check_count(d, row, key, "number", (size_t)p->count);
+    }
+    double *x = memory_take(t.rows * t.columns, sizeof *x);
+    for (size_t i = 0; i < n->count; i++) {
+        print_item(key, p->name, i);
+        read_list(d, n->item[i], key, p, x + i * t.columns);
+    }
+    t.x = x;
+    return t;
+}
+
+static sgt_numbers read_numbers(const document *d, const node *n, const sgt_param *p)
+{
+    if (p->kind == SGT_TABLE) return read_table(d, n, p);
+    double *x = memory_take(n->kind == NODE_LIST ? n->count : 0, sizeof *x);
+    read_list(d, n, p->name, p, x);
+    return (sgt_numbers){x, 1, n->count};
+}
+
+/* The number of the word, from 1 on; the words are parted by |. */
+static int read_word(const document *d, const node *n, const sgt_param *p)
+{
+    const char *given = document_text(d, n, p->name), *word = p->unit;
+    for (int number = 1;; number++) {
+        size_t length = strcspn(word, "|");
+        if (strlen(given) == length && strncmp(given, word, length) == 0) return number;
+        if (!word[length]) break;
+        word += length + 1;
+    }
+    document_fail(d, n, p->name, "must be one of %s, not \"%.60s\"", p->unit, given);
 }
 
 /* The value of a parameter, and *key, the name it is given by; NULL: it is not given. */
@@ -120,12 +196,26 @@ static node *given_as(const document *d, const node *map, const sgt_param *p, ch
     return reciprocal ? reciprocal : n;
 }
 
+/* What follows a parameter of the kind SGT_TERMS. */
+typedef struct term_list { const sgt_surface *of; size_t count; } term_list;
+
+static size_t end_of(const sgt_param *p)
+{
+    switch (p->kind) {
+    case SGT_WHOLE: case SGT_WORD: case SGT_TRUTH: return p->offset + sizeof(int);
+    case SGT_LIST: case SGT_TABLE: return p->offset + sizeof(sgt_numbers);
+    case SGT_TERMS: return p->offset + sizeof(term_list);
+    case SGT_REAL: case SGT_VECTOR: break;
+    }
+    return p->offset + (size_t)p->count * sizeof(double);
+}
+
 static bool share_memory(const sgt_param *a, const sgt_param *b)
 {
-    size_t end_a = a->offset + (size_t)a->count * (a->kind == SGT_WHOLE ? sizeof(int) : sizeof(double));
-    size_t end_b = b->offset + (size_t)b->count * (b->kind == SGT_WHOLE ? sizeof(int) : sizeof(double));
-    return a->offset < end_b && b->offset < end_a;
+    return a->offset < end_of(b) && b->offset < end_of(a);
 }
+
+static void read_terms(const document *d, const node *n, const sgt_builtin *b, const sgt_param *p, char *self);
 
 static void read_parameter(const document *d, const node *map, const sgt_builtin *b, const sgt_param *p, char *self)
 {
@@ -140,8 +230,16 @@ static void read_parameter(const document *d, const node *map, const sgt_builtin
         double *value = to;
         *value = curvature_of(d, n, key);
         check_range(d, n, key, p, *value);
+    } else if (p->kind == SGT_TERMS) {
+        read_terms(d, n, b, p, self);
+    } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+        sgt_numbers *value = to;
+        *value = read_numbers(d, n, p);
+    } else if (p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
+        int *value = to;
+        *value = p->kind == SGT_WORD ? read_word(d, n, p) : document_truth(d, n, key);
     } else if (p->count > 1) {
-        read_list(d, n, p, to);
+        read_list(d, n, key, p, to);
     } else if (p->kind == SGT_WHOLE) {
         int *value = to;
         *value = (int)read_number(d, n, key, p);
@@ -157,11 +255,39 @@ static void check_whole(const document *d, const node *map, const sgt_builtin *b
 {
     sgt_objection no = b->object ? b->object(self) : (sgt_objection){NULL, NULL};
     if (!no.reason) return;
-    const node *n = document_take(map, no.param);
-    document_fail(d, n ? n : map, no.param, "%s%s", n ? "" : "not given, and so ", no.reason);
+    const sgt_param *p = b->params;
+    while (p->name && strcmp(p->name, no.param) != 0) p++;
+    char key[NAME_SIZE];
+    snprintf(key, NAME_SIZE, "%s", no.param);
+    const node *n = p->name ? given_as(d, map, p, key) : NULL;
+    const char *and = n ? "" : strncmp(no.reason, "must ", 5) == 0 ? "not given, and " : "not given, and so ";
+    document_fail(d, n ? n : map, key, "%s%s", and, no.reason);
 }
 
-sgt_surface surface_read(const document *d, const node *map, surface_rim rim, const sgt_builtin **type)
+/* One after the other, so that the first that the sum cannot have is told. */
+static void read_terms(const document *d, const node *n, const sgt_builtin *b, const sgt_param *p, char *self)
+{
+    if (n->kind != NODE_LIST) document_fail(d, n, p->name, "must be a list of surfaces, as [{type: odd_asphere, coefficients: [0, 1e-3]}]");
+    check_count(d, n, p->name, "surface", (size_t)p->count);
+    sgt_surface *term = memory_take(n->count, sizeof *term);
+    term_list *terms = (void *)(self + p->offset);
+    terms->of = term;
+    for (size_t i = 0; i < n->count; i++) {
+        const node *map = n->item[i];
+        char key[KEY_SIZE];
+        print_item(key, p->name, i);
+        document_map(d, map, key);
+        const sgt_builtin *type = type_of(d, map);
+        for (const sgt_param *q = type->params; q->name; q++)
+            if (q->kind == SGT_TERMS) document_fail(d, map, key, "a %s cannot be a term of another", type->type);
+        term[i] = surface_read(d, map, SURFACE_TERM, "", &type);
+        terms->count = i + 1;
+        sgt_objection no = b->object ? b->object(self) : (sgt_objection){NULL, NULL};
+        if (no.reason && strcmp(no.param, p->name) == 0) document_fail(d, map, key, "a surface of the type %s cannot be a term of a %s", type->type, b->type);
+    }
+}
+
+sgt_surface surface_read(const document *d, const node *map, surface_rim rim, const char *others, const sgt_builtin **type)
 {
     const sgt_builtin *b = type_of(d, map);
     char *self = memory_take(1, b->size);
@@ -169,8 +295,10 @@ sgt_surface surface_read(const document *d, const node *map, surface_rim rim, co
         if (not_read(p, rim)) continue;
         read_parameter(d, map, b, p, self);
     }
+    check_keys(d, map, b, rim, earth_take(d, map, b, self), others);
     check_whole(d, map, b, self);
-    if (type) *type = b;
+    if (b->prepare) b->prepare(self);
+    *type = b;
     return (sgt_surface){.ops = b->ops, .self = self};
 }
 
@@ -179,7 +307,20 @@ sgt_surface surface_parse(const char *option, const char *text)
     document d = document_parse(option, text, strlen(text));
     const sgt_builtin *type;
     document_map(&d, d.root, NULL);
-    sgt_surface s = surface_read(&d, d.root, SURFACE_OWN_RIM, &type);
-    document_finish(&d, d.root, surface_keys(type, SURFACE_OWN_RIM));
-    return s;
+    return surface_read(&d, d.root, SURFACE_OWN_RIM, "", &type);
+}
+
+const sgt_builtin *surface_row(sgt_surface s)
+{
+    const sgt_builtin *b = sgt_builtins;
+    while (b->type && b->ops != s.ops) b++;
+    return b;
+}
+
+const double *surface_number(sgt_surface s, const char *key)
+{
+    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+        for (const sgt_param *p = b->params; b->ops == s.ops && p->name; p++)
+            if (p->kind == SGT_REAL && strcmp(p->name, key) == 0) return (const void *)((const char *)s.self + p->offset);
+    return NULL;
 }

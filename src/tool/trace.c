@@ -260,13 +260,13 @@ static void append(char text[400], size_t n, const char *what, const char *reaso
 static void write_proof(const work *w)
 {
     const arguments *a = w->asked;
-    bool sags = false, sets = false;
+    bool others = false, sets = false;
     if (!a->shared.solver.proof) return;
     for (size_t i = 0; i < w->job->lens.count; i++) {
-        bool sag = profile_is_sag(w->job->element[i].surface);
-        sags = sags || sag, sets = sets || !sag;
+        bool set = w->job->element[i].surface.ops->estimate;
+        sets = sets || set, others = others || !set;
     }
-    const char *what = a->shared.solver.proof == SGT_PROVE_ROOT ? "" : a->shared.solver.pick == SGT_FIRST || !sags ? ", and none before it"
+    const char *what = a->shared.solver.proof == SGT_PROVE_ROOT ? "" : a->shared.solver.pick == SGT_FIRST || !others ? ", and none before it"
                      : sets ? ", and no other within the clear aperture (on a level set: none before it)" : ", and no other within the clear aperture";
     table_line(w->table, "Proven for %zu of them: at each element one root, and only one, lies within t_err of t%s.", w->proven, what);
 }
@@ -334,8 +334,7 @@ exit_status command_trace(int argc, char *argv[])
         if (a.shared.target.path) output_check("output", a.shared.target.path); /* before a picture is begun */
         output_reserve("svg", a.svg);
         for (size_t i = 0; i < count; i++)
-            if (!profile_is_sag(j.element[i].surface))
-                note("--svg: element %zu (%s) is not a sag, and is not drawn", i + 1, j.lens.surface[i].type);
+            if (j.element[i].surface.ops->estimate) note("--svg: element %zu (%s) is a level set, and is not drawn", i + 1, j.lens.surface[i].type);
     }
     scene picture = scene_begin(&j);
     work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room), .picture = a.svg ? &picture : NULL,

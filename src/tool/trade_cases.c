@@ -178,13 +178,6 @@ static void add_settings(trade_case *c, const trade_options *o, setting base, bo
 
 /* ------------------------------------------------- the number of iterations */
 
-static const sgt_builtin *row_of(sgt_surface s)
-{
-    const sgt_builtin *b = sgt_builtins;
-    while (b->type && b->ops != s.ops) b++;
-    return b;
-}
-
 /* Where a surface has its N; NULL: it has none. */
 static const sgt_param *iterations_of(const sgt_builtin *b)
 {
@@ -196,7 +189,7 @@ static const sgt_param *iterations_of(const sgt_builtin *b)
 /* The same surface with another N; self NULL: it cannot have that. */
 static sgt_surface with_iterations(sgt_surface s, int n)
 {
-    const sgt_builtin *b = row_of(s);
+    const sgt_builtin *b = surface_row(s);
     char *self = memory_take(1, b->size);
     memcpy(self, s.self, b->size);
     memcpy(self + iterations_of(b)->offset, &n, sizeof n);
@@ -206,7 +199,7 @@ static sgt_surface with_iterations(sgt_surface s, int n)
 
 static void iterations_case(trade *t, const trade_options *o, const char *name, const char *about, sgt_surface s, const ray_list *rays)
 {
-    const sgt_param *p = iterations_of(row_of(s));
+    const sgt_param *p = iterations_of(surface_row(s));
     int own, deepest = 0;
     if (!p) return;
     memcpy(&own, (const char *)s.self + p->offset, sizeof own);
@@ -235,10 +228,22 @@ static void iterations_case(trade *t, const trade_options *o, const char *name, 
 
 /* ------------------------------------------------------ surfaces and lenses */
 
+/* "--surface", or "element 2": of which type?  An error unless its errors can be told. */
+static void check_known(const char *which, const char *type, sgt_surface s)
+{
+    char known[300] = "";
+    if (quad_knows(s)) return;
+    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
+        size_t length = strlen(known);
+        if (quad_knows((sgt_surface){.ops = b->ops})) snprintf(known + length, sizeof known - length, "%s%s", length ? ", " : "", b->type);
+    }
+    fail_usage("%s: to tell the errors of a surface of the type %s there is no formula in 113 bits here; there is of %s", which, type, known);
+}
+
 static void surface_case(trade *t, const trade_options *o, const char *name, const char *about, sgt_surface s)
 {
+    check_known("--surface", name, s);
     ray_list given = o->rays, rays = given.count ? given : default_rays(s);
-    if (!quad_knows(s)) fail_usage("--surface: of \"%s\" there is no formula in 113 bits here", name);
     trade_case *c = add_case(t, name, &rays);
     snprintf(c->about, sizeof c->about, "%.300s", about);
     setting base = {.surface = s, .outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
@@ -253,7 +258,9 @@ static void lens_case(trade *t, const trade_options *o, const char *name, const 
 {
     bool sag = false, set = false;
     for (size_t i = 0; i < j->lens.count; i++) {
-        if (!quad_knows(j->element[i].surface)) fail_usage("element %zu: of its type there is no formula in 113 bits here", i + 1);
+        char which[40];
+        snprintf(which, sizeof which, "element %zu", i + 1);
+        check_known(which, j->lens.surface[i].type, j->element[i].surface);
         sag = sag || profile_is_sag(j->element[i].surface);
         set = set || j->element[i].surface.ops->estimate;
     }

@@ -6,7 +6,10 @@
 #include "undecided.h"
 
 #include "frame.h"
+#include "memory.h"
 #include "number.h"
+#include "profile.h"
+#include "surface.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,21 +17,28 @@
 
 enum { ENTRIES = 32, DEFAULT_EVALS = 2000 /* sagitta.h */, PLACES_SIZE = 5 * NUMBER_SIZE, REASON_SIZE = 2 * PLACES_SIZE };
 
-bool undecided_is_sag(sgt_surface s) { return s.ops == &sgt_conic_ops || s.ops == &sgt_asphere_ops; }
+static const char RIM[] = "semi_diameter";
 
-sgt_surface undecided_without_rim(bare_surface *b, sgt_surface s)
+bool undecided_has_rim(sgt_surface s) { return surface_number(s, RIM) != NULL; }
+
+bare_surface undecided_without_rim(sgt_surface s)
 {
-    if (s.ops == &sgt_conic_ops) {
-        b->conic = *(const sgt_conic *)s.self;
-        b->c = b->conic.c, b->k = b->conic.k, b->rim = b->conic.semi_diameter;
-        b->conic.semi_diameter = 0;
-        return (sgt_surface){s.ops, &b->conic};
+    bare_surface b = {.surface = s, .terms = s.ops != &sgt_conic_ops};
+    const double *rim = surface_number(s, RIM), *c = surface_number(s, "curvature"), *k = surface_number(s, "conic");
+    if (!rim) return b;
+    size_t size = surface_row(s)->size;
+    char *bare = memory_take(1, size);
+    memcpy(bare, s.self, size);
+    memset(bare + ((const char *)rim - (const char *)s.self), 0, sizeof *rim);
+    b.surface.self = bare;
+    b.rim = *rim;
+    if (!surface_number(s, "curvature_x")) b.c = c ? *c : 0, b.k = k ? *k : 0; /* else it is that of one section alone */
+    if (s.ops == &sgt_asphere_ops) {
+        const sgt_asphere *asphere = s.self;
+        b.terms = false;
+        for (int i = 0; i < 8; i++) b.terms = b.terms || asphere->a[i] != 0;
     }
-    b->asphere = *(const sgt_asphere *)s.self;
-    b->c = b->asphere.c, b->k = b->asphere.k, b->rim = b->asphere.semi_diameter;
-    b->asphere.semi_diameter = 0;
-    for (int i = 0; i < 8; i++) b->terms = b->terms || b->asphere.a[i] != 0;
-    return (sgt_surface){s.ops, &b->asphere};
+    return b;
 }
 
 /* ------------------------------------------------------- what is to be seen */
@@ -53,15 +63,11 @@ static int side_of_rim(const sgt_hit *root, double rim)
 static view look(const search *s)
 {
     view v = {.at_rim = -1, .rim = s->semi_diameter};
-    bare_surface b = {.terms = false};
-    sgt_surface surface = s->surface;
-    if (undecided_is_sag(surface)) {
-        surface = undecided_without_rim(&b, surface);
-        if (!(v.rim > 0)) v.rim = b.rim;
-    }
+    bare_surface b = undecided_without_rim(s->surface);
+    if (!(v.rim > 0)) v.rim = b.rim;
     sgt_hit entry[ENTRIES];
     const sgt_options plain = {.t_tol = s->asked->t_tol};
-    int count = sgt_intersect_all(surface, s->ray, ENTRIES, entry, &plain);
+    int count = sgt_intersect_all(b.surface, s->ray, ENTRIES, entry, &plain);
     for (int i = 0; i < count && i < ENTRIES; i++) {
         if (entry[i].status < 0 || entry[i].hi < s->hit->lo || entry[i].lo > s->hit->hi) continue;
         int side = side_of_rim(&entry[i], v.rim);
@@ -93,9 +99,8 @@ static void print_places(char text[PLACES_SIZE], const view *v)
 static const char *print_where(const search *s, double t)
 {
     const sgt_vec3 d = s->ray.d, p = vector_along(s->ray.o, d, t);
-    bare_surface b = {.terms = false};
+    bare_surface b = undecided_without_rim(s->surface);
     sgt_vec3 n;
-    if (undecided_is_sag(s->surface)) undecided_without_rim(&b, s->surface);
     if (b.k > -1 && fabs((1 + b.k) * b.c * b.c * (p.x * p.x + p.y * p.y) - 1) < 1e-12) return "at the equator, where the surface ends, ";
     double f = s->surface.ops->value(s->surface.self, p, &n);
     return isfinite(f) && fabs(vector_dot(n, d)) < 1e-3 * vector_length(n) * vector_length(d) ? "the ray grazes; " : "";
@@ -132,7 +137,8 @@ static void print_reason_of_unproven(char text[REASON_SIZE], const search *s)
         number_print(edge, edge_of(v.rim), false);
         snprintf(text, REASON_SIZE, "rounding hides on which side of the rim the root at t = %s is: r = %s, and the rim ends at %s", t, r, edge);
     } else if (v.roots > 1 && s->near_seed && s->asked->proof == SGT_PROVE_FIRST) {
-        snprintf(text, REASON_SIZE, "the root near the vertex is not the only one: it meets the surface at %s", places);
+        const char *which = profile_is_sag(s->surface) ? "near the vertex" : "that is picked";
+        snprintf(text, REASON_SIZE, "the root %s is not the only one: it meets the surface at %s", which, places);
     } else if (v.roots > 1) {
         snprintf(text, REASON_SIZE, "it meets the surface at %s, and none of these roots is proven", places);
     } else if (v.roots == 1 && v.root[0].status == SGT_GRAZE) {

@@ -20,9 +20,10 @@ enum { UNDECIDED_SHOWN = 4 };     /* of many rays so many are explained */
 /* A line that begins with `who`: the stretch of the ray that is left, and why. */
 void undecided_explain(table *t, const char *who, const search *s);
 
-/* The same sag without its rim, if it is one of ours; all of them begin with c, k.  rim: what it had, 0: none. */
-typedef struct bare_surface { sgt_conic conic; sgt_asphere asphere; double c, k, rim; bool terms; } bare_surface;
-bool undecided_is_sag(sgt_surface s);
-sgt_surface undecided_without_rim(bare_surface *b, sgt_surface s);
+/* The same surface without its rim, if it can have one.  rim: what it had, 0: none; c and k of the conic that it is, or is
+ * built on (terms: with more than that), 0 where there is no such conic. */
+typedef struct bare_surface { sgt_surface surface; double c, k, rim; bool terms; } bare_surface;
+bool undecided_has_rim(sgt_surface s);
+bare_surface undecided_without_rim(sgt_surface s);
 
 #endif

@@ -10,6 +10,7 @@
 #include "hostile.h"
 
 #include <sagitta/diagnose.h>
+#include <sagitta/sensitivity.h>
 #include <sagitta/system.h>
 
 static uint64_t sum_of_part;
@@ -66,6 +67,27 @@ static void add_arrays(const hit_arrays *a, size_t i)
     for (int j = 0; j < 10; j++) add_number(a->number[j][i]);
 }
 
+/* The derivatives of the hits of a batch: by o and by the first parameters. */
+static void add_derivatives(sgt_surface s, size_t n, sgt_hits hits)
+{
+    enum { FEW = 6, LONGEST = 8192 };
+    static double by_o[12][BATCH], by_a[4][FEW][BATCH];
+    static double *lists[4][LONGEST];
+    size_t count = sgt_parameters(s);
+    if (count > LONGEST) return;
+    for (int k = 0; k < 4; k++)
+        for (size_t j = 0; j < count; j++) lists[k][j] = j < FEW ? by_a[k][j] : NULL;
+    sgt_jacobian out = {.t_by_o = {by_o[0], by_o[1], by_o[2]}, .n_by_o = {{by_o[3], by_o[4], by_o[5]}, {by_o[6], by_o[7], by_o[8]}, {by_o[9], by_o[10], by_o[11]}},
+                        .t_by_a = lists[0], .n_by_a = {lists[1], lists[2], lists[3]}};
+    add_bits((uint64_t)sgt_differentiate_batch(s, n, as_arrays(n), hits, out));
+    for (size_t i = 0; i < n; i++) {
+        for (int k = 0; k < 12; k++) add_number(by_o[k][i]);
+        for (int k = 0; k < 4; k++)
+            for (size_t j = 0; j < FEW && j < count; j++) add_number(by_a[k][j][i]);
+        list_ray(&rays[i], "its derivatives");
+    }
+}
+
 /* Each ray alone, all its roots, and all in a batch. */
 static void add_surface(sgt_surface s, size_t n, const sgt_options *opt)
 {
@@ -86,6 +108,7 @@ static void add_surface(sgt_surface s, size_t n, const sgt_options *opt)
         add_arrays(&out, i);
         list_ray(&rays[i], "in a batch");
     }
+    add_derivatives(s, n, pointers(&out));
 }
 
 /* ------------------------------------------------------------ built-in types */
@@ -275,6 +298,7 @@ int main(int argc, char **argv)
     generator g = {test_seed(2)};
     double scale = test_scale();
     for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
+        if (!answers_itself(b)) continue;
         generator own = {random_bits(&g)};
         bool level = b->ops == &sgt_julia_ops || b->ops == &sgt_mandelbrot_ops;
         if (begin(b->type, argc, argv)) add_type(b, &own, (int)((level ? 40 : 150) * scale) + 1), end(b->type);

@@ -127,6 +127,9 @@ typedef union parameters {
 
 /* A surface, how large it is, and points on it to aim at with the gradient there. */
 enum { ANCHORS = 8 };
+/* A row that answers by itself; those that are met by their operations, `values` among them, have tests of their own (tests/catalogue). */
+static UNUSED bool answers_itself(const sgt_builtin *row) { return !row->ops->values; }
+
 typedef struct specimen {
     const sgt_builtin *type;
     parameters with;

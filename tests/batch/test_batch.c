@@ -220,7 +220,7 @@ int main(int argc, char **argv)
     test_door();
     bool faulty = failures > 0;
     for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
-        if (argc > 1 && strcmp(argv[1], b->type)) continue;
+        if ((argc > 1 && strcmp(argv[1], b->type)) || !answers_itself(b)) continue;
         generator g = {seed ^ (uint64_t)(b - sgt_builtins) << 40};
         bool known = false;
         for (size_t i = 0; i < COUNT_OF(chosen); i++) known |= !strcmp(chosen[i].type, b->type);

@@ -136,7 +136,7 @@ static void spoil_element(generator *g, lens *l, size_t i)
 static void hostile_surface(generator *g, lens *l, size_t i)
 {
     int types = 0;
-    while (sgt_builtins[types].type) types++;
+    while (sgt_builtins[types].type && answers_itself(&sgt_builtins[types])) types++; /* they come first */
     const sgt_builtin *type = &sgt_builtins[below(g, types)];
     if (type->ops != &sgt_conic_ops && type->ops != &sgt_asphere_ops && chance(g, 0.9)) type = &sgt_builtins[0];
     l->s[i] = random_specimen(g, type);

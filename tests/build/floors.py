@@ -17,7 +17,7 @@ CLIENTS = ['geo', 'tool']                              # see <sagitta/...> as an
 C_HEADERS = {'float.h', 'limits.h', 'math.h', 'stdbool.h', 'stddef.h', 'stdint.h', 'string.h'}
 
 # The floor that answers for a public header; those below do not know of it.
-PUBLIC = {'sagitta.h': 'num', 'interval.h': 'num', 'diagnose.h': 'solve', 'surfaces.h': 'surface', 'system.h': 'system'}
+PUBLIC = {'sagitta.h': 'num', 'interval.h': 'num', 'diagnose.h': 'solve', 'surfaces.h': 'surface', 'sensitivity.h': 'ray', 'system.h': 'system', 'geo.h': 'geo'}
 
 # The intervals are inline, and need what they are made of.
 INLINE = {'float.h', 'math.h', 'string.h'}
@@ -47,6 +47,8 @@ def fault_in_library(src, path, floor, kind, name):
             lowest = PUBLIC.get(name[len('sagitta/'):])
             if lowest is None:
                 return 'no such public header'
+            if lowest not in FLOORS:
+                return f'is the header of {lowest}, a client'
             if FLOORS.index(lowest) > FLOORS.index(floor):
                 return f'is the header of {lowest}, a floor above {floor}'
         elif name not in C_HEADERS:
@@ -139,6 +141,7 @@ PLANTED = [
     ('src/tool/in.c', '#include "num/exact.h"\n'),
     ('src/tool/in.c', '#include "../num/exact.h"\n'),
     ('src/geo/in.cpp', '#include "tool/main.h"\n'),
+    ('src/ray/client.c', '#include <sagitta/geo.h>\n'),
     ('examples/in.c', '#include "../src/num/exact.h"\n'),
     ('src/attic/old.c', ''),
     ('src/loose.c', ''),

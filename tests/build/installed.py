@@ -16,7 +16,18 @@ import subprocess
 import sys
 import tempfile
 
-HEADERS = ['diagnose.h', 'interval.h', 'sagitta.h', 'surfaces.h', 'system.h']
+HEADERS = ['diagnose.h', 'interval.h', 'sagitta.h', 'sensitivity.h', 'surfaces.h', 'system.h']
+GEO = r'''
+#include <sagitta/geo.h>
+#include <stdio.h>
+int main(void)
+{
+    sgt_geodetic_height earth = {.h = 100};
+    sgt_hit hit = sgt_intersect((sgt_surface){&sgt_geodetic_height_ops, &earth}, (sgt_ray){.o = {7e6, 0, 0}, .d = {-1, 0, 0}}, NULL);
+    printf("%s at %.3f m\n", sgt_status_text(hit.status), hit.t);
+    return !(hit.status == SGT_HIT && hit.t > 621762.9 && hit.t < 621763.1);
+}
+'''
 
 
 def run(*command, **more):
@@ -35,22 +46,28 @@ def main(build, readme, consumer_c, consumer_cpp, c_compiler, cpp_compiler=None)
         prefix_line = re.search(r'^prefix=(/.*)$', pc.read_text(), re.MULTILINE)[1]
         prefix = there / 'root' / prefix_line.lstrip('/')
         headers = sorted(p.name for p in (prefix / 'include' / 'sagitta').iterdir())
-        if headers != HEADERS:
+        geo = (pc.parent / 'sagitta-geo.pc').exists()  # where GeographicLib was found
+        if headers != sorted(HEADERS + ['geo.h'] * geo):
             sys.exit(f'installed headers: {headers}')
 
-        def pkg_config(*arguments):
+        def pkg_config(*arguments, package='sagitta'):
             environment = {**os.environ, 'PKG_CONFIG_PATH': str(pc.parent)}
             return shlex.split(run('pkg-config', f'--define-variable=prefix={prefix}',
-                                   *arguments, 'sagitta', env=environment))
+                                   *arguments, package, env=environment))
 
         libraries = {
             'shared': pkg_config('--cflags', '--libs'),
             'static': pkg_config('--cflags', '--libs', '--static'),
         }
+        libraries_geo = {
+            'shared': pkg_config('--cflags', '--libs', package='sagitta-geo'),
+            'static': pkg_config('--cflags', '--libs', '--static', package='sagitta-geo'),
+        } if geo else {}
         library_folder = pathlib.Path(pkg_config('--variable=libdir')[0])
         [block] = re.findall(r'^```c\n(.*?)^```', pathlib.Path(readme).read_text(),
                              re.MULTILINE | re.DOTALL)
         (there / 'readme.c').write_text(block)
+        (there / 'geo.c').write_text(GEO)
         shutil.copy(consumer_c, there / 'consumer.c')
         shutil.copy(consumer_cpp, there / 'consumer.cpp')
         programs = [(['-std=c11'], c_compiler, 'consumer.c'), (['-std=c11'], c_compiler, 'readme.c')]
@@ -65,11 +82,12 @@ def main(build, readme, consumer_c, consumer_cpp, c_compiler, cpp_compiler=None)
         for form, flags in libraries.items():
             if form == 'static':
                 # Where both lie side by side the linker takes the shared one.
-                for library in library_folder.glob('libsagitta.so*'):
+                for library in library_folder.glob('libsagitta*.so*'):
                     library.unlink()
-            for standard, compiler, program in programs:
+            of_geo = [(['-std=c11'], c_compiler, 'geo.c')] if geo else []
+            for standard, compiler, program in programs + of_geo:
                 run(*compiler.split(), *standard, '-Wall', '-Wextra', '-Wpedantic', '-Werror',
-                    program, '-o', 'program', *flags, '-lm', cwd=there)  # -lm: the programs' own
+                    program, '-o', 'program', *(libraries_geo[form] if program == 'geo.c' else flags), '-lm', cwd=there)  # -lm: the programs' own
                 environment = {**os.environ, 'LD_LIBRARY_PATH': str(library_folder)}
                 said = run('./program', cwd=there, env=environment)
                 print(f'-- {program}, {form}\n{said}', end='')

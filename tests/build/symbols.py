@@ -2,7 +2,9 @@
 """What the library is made of: only sgt_ names go out, only libm and what the
 compiler itself asks for come in, and nothing in it can be written to.
 
-    python3 symbols.py INCLUDE_FOLDER SHARED_LIBRARY STATIC_LIBRARY
+    python3 symbols.py INCLUDE_FOLDER SHARED_LIBRARY STATIC_LIBRARY [SHARED_LIBRARY_OF_GEO]
+
+Of the library of geo.h, that is C++, only the names are looked at.
 """
 import pathlib
 import re
@@ -33,10 +35,12 @@ def symbols(*arguments):
             yield word[1], word[0].split('@')[0]
 
 
-def declared(include):
-    """The names that the public headers declare."""
+def declared(include, geo=False):
+    """The names that the public headers declare; geo: those of the library of geo.h."""
     names = set()
     for header in sorted(pathlib.Path(include, 'sagitta').glob('*.h')):
+        if (header.name == 'geo.h') != geo:
+            continue
         text = re.sub(r'/\*.*?\*/', '', header.read_text(), flags=re.DOTALL)
         for statement in re.findall(r'\bSGT_API\b([^;{]*);', text):
             before = statement.split('(')[0]
@@ -44,13 +48,21 @@ def declared(include):
     return names
 
 
-def main(include, shared, static):
-    faults = []
-    exported = {name for _, name in symbols('-D', '--defined-only', shared)}
-    promised = declared(include)
-    faults += [f'{name}: exported without the prefix sgt_' for name in exported if not name.startswith('sgt_')]
-    faults += [f'{name}: declared in a public header and not exported' for name in promised - exported]
-    faults += [f'{name}: exported and in no public header' for name in exported - promised if name.startswith('sgt_')]
+def faults_of_names(exported, promised):
+    return ([f'{name}: exported without the prefix sgt_' for name in exported if not name.startswith('sgt_')]
+            + [f'{name}: declared in a public header and not exported' for name in promised - exported]
+            + [f'{name}: exported and in no public header' for name in exported - promised if name.startswith('sgt_')])
+
+
+def exported_of(shared):
+    return {name for _, name in symbols('-D', '--defined-only', shared)}
+
+
+def main(include, shared, static, geo=None):
+    exported, promised = exported_of(shared), declared(include)
+    faults = faults_of_names(exported, promised)
+    if geo:
+        faults += faults_of_names(exported_of(geo), declared(include, geo=True))
 
     needed = re.findall(r'\(NEEDED\).*\[(.*)\]', output('readelf', '-dW', shared))
     faults += [f'{name}: needed by the shared library' for name in needed if not LIBRARIES.match(name)]

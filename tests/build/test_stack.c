@@ -7,6 +7,7 @@
 #include <string.h>
 #include <ucontext.h>
 #include <sagitta/diagnose.h>
+#include <sagitta/sensitivity.h>
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 
@@ -166,6 +167,27 @@ static void intersect(void)
         }
 }
 
+/* Derivatives of the hits there are, by o and by parameters, of t and n; those along a change, which needs the most. */
+static void differentiate(void)
+{
+    static double by_o[12][RAYS], by_a[4][RAYS], change[7][RAYS], da[64];
+    double *t[64], *n[3][64];
+    for (int j = 0; j < 64; j++) t[j] = by_a[0], n[0][j] = by_a[1], n[1][j] = by_a[2], n[2][j] = by_a[3], da[j] = 1;
+    sgt_jacobian all = {.t_by_o = {by_o[0], by_o[1], by_o[2]}, .n_by_o = {{by_o[3], by_o[4], by_o[5]}, {by_o[6], by_o[7], by_o[8]}, {by_o[9], by_o[10], by_o[11]}},
+                        .t_by_a = t, .n_by_a = {n[0], n[1], n[2]}};
+    if (sgt_parameters(surface) > 64) return;
+    sgt_intersect_batch(surface, RAYS, rays, hits_of(0), NULL);
+    met++; /* whether or not a hit is among them */
+    sgt_differentiate_batch(surface, RAYS, rays, hits_of(0), all);
+    sgt_differentiate_forward(surface, RAYS, rays, hits_of(0), rays, da, (sgt_changes){change[0], {change[1], change[2], change[3]}, {change[4], change[5], change[6]}});
+    for (size_t i = 0; i < RAYS; i++) {
+        sgt_ray ray = ray_of(i);
+        sgt_hit hit = sgt_intersect(surface, ray, NULL);
+        sgt_change o[3], a[64];
+        sgt_differentiate(surface, &ray, &hit, o, a);
+    }
+}
+
 static sgt_element elements[3];
 
 static void trace_batch(void)
@@ -208,8 +230,8 @@ int main(void)
                                         .semi_diameter = i ? 3 : 0};
         elements[1].pose = sgt_pose_tilted((sgt_vec3){0.1, 0, 2}, (sgt_vec3){2, 0, 0});
         elements[2].index = SGT_MIRROR;
-        static void (*const calls[])(void) = {intersect_batch, intersect, trace_batch, trace, check};
-        static const char *const names[] = {"intersect_batch", "intersect", "trace_batch", "trace", "check"};
+        static void (*const calls[])(void) = {intersect_batch, intersect, trace_batch, trace, check, differentiate};
+        static const char *const names[] = {"intersect_batch", "intersect", "trace_batch", "trace", "check", "differentiate"};
         printf("%-16s", surfaces[s].name);
         for (size_t c = 0; c < sizeof calls / sizeof calls[0]; c++) {
             size_t used = stack_of(calls[c]);

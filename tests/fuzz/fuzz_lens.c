@@ -1,7 +1,7 @@
 /* fuzz_lens.c - bytes as a lens file, and as a surface given on the command line.
  *
  * What is accepted is finite and legal: a lens of it can be traced, and no surface of it is SGT_INVALID.  What is refused
- * is refused in words that name a line of the text. */
+ * is refused in words that name a line of the text.  A grid's file is a part of the input (tool.h). */
 #include "tool.h"
 
 #include "../../src/tool/lens.h"
@@ -14,12 +14,26 @@ static void require_surface(sgt_surface s, const char *type, double size)
     const sgt_builtin *b = sgt_builtins;
     while (b->type && strcmp(b->type, type) != 0) b++;
     REQUIRE(b->type && b->ops == s.ops, "%s", type);
-    for (const sgt_param *p = b->params; p->name; p++)
-        for (int i = 0; i < p->count; i++) {
-            const char *at = (const char *)s.self + p->offset;
-            double x = p->kind == SGT_WHOLE ? (double)((const int *)(const void *)at)[i] : ((const double *)(const void *)at)[i];
-            REQUIRE(isfinite(x) && (x == 0 || (x >= p->lo && x <= p->hi)), "%s: %s[%d] = %a", type, p->name, i, x);
+    for (const sgt_param *p = b->params; p->name; p++) {
+        const void *at = (const char *)s.self + p->offset;
+        const sgt_numbers *table = at;
+        const double *x = at;
+        size_t count = (size_t)p->count;
+        double whole;
+        if (p->kind == SGT_TERMS) {
+            size_t terms;
+            memcpy(&terms, (const char *)at + sizeof(sgt_surface *), sizeof terms);
+            REQUIRE(terms <= count, "%s: %zu terms", type, terms);
+            continue;
         }
+        if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+            REQUIRE((table->rows <= count || p->kind == SGT_LIST) && table->columns <= count && (!table->rows || table->x), "%s: %s: %zu rows, %zu columns", type, p->name, table->rows, table->columns);
+            x = table->x, count = table->rows * table->columns;
+        } else if (p->kind != SGT_REAL && p->kind != SGT_VECTOR) {
+            whole = *(const int *)at, x = &whole;
+        }
+        for (size_t i = 0; i < count; i++) REQUIRE(isfinite(x[i]) && (x[i] == 0 || (x[i] >= p->lo && x[i] <= p->hi)), "%s: %s[%zu] = %a", type, p->name, i, x[i]);
+    }
     if (b->object) REQUIRE(!b->object(s.self).reason, "%s: %s: %s", type, b->object(s.self).param, b->object(s.self).reason);
     sgt_hit hit = sgt_intersect(s, (sgt_ray){{0, size, -1}, {0, 0.1, 1}, 0, 0}, &(sgt_options){.max_evals = 50});
     REQUIRE(hit.status != SGT_INVALID, "%s", type);
@@ -77,6 +91,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static lens l;
     volatile size_t wavelength = 1, wavelengths = 1;
+    size = split(data, size);
     do {
         read_anew(data, size);
         if (setjmp(refused) == 0) {

@@ -19,7 +19,7 @@ typedef struct row { int count; bool good; char *field[MOST_FIELDS]; char room[8
 
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-static void split(row *r, const char *line, size_t length)
+static void split_line(row *r, const char *line, size_t length)
 {
     char *to = r->room;
     size_t i = 0;
@@ -120,7 +120,7 @@ static ledger audit(const char *text, size_t size, const ray_list *list, bool sk
         at += length + 1;
         while (i < length && is_blank(s[i])) i++;
         if (i == length) continue;
-        split(&r, s, length);
+        split_line(&r, s, length);
         if (!told.header) {
             if (!r.good) return told;
             for (int c = 0; c < NAMES; c++) {

@@ -9,7 +9,7 @@
  *   - a batch gives the bits of the single ray; a list of any cap those of any other; a watcher sees as many evaluations
  *     as are counted, and changes no bit.
  *
- * And of a built-in surface, against F in long double (of sags) or F and its bound `rounding` (of level sets):
+ * And of a built-in surface, against F in long double (of a conic or an even asphere) or F and its bound `rounding` (of others):
  *
  *   - F is 0 within p_err of p; it does not have one certain sign at both ends of [t - t_err, t + t_err];
  *   - where a miss is told, or before a first hit, or between the entries of a list, no two points have certain signs that
@@ -26,6 +26,8 @@ typedef long double wide;
 
 typedef union parameters { sgt_conic conic; sgt_asphere asphere; sgt_julia julia; sgt_mandelbrot mandelbrot; unsigned char byte[512]; } parameters;
 
+typedef struct term_list { const sgt_surface *of; size_t count; } term_list; /* as SGT_TERMS has it */
+
 typedef enum kind { OWN, USER, LIAR } kind;
 
 typedef struct subject {
@@ -34,7 +36,9 @@ typedef struct subject {
     parameters with;
     sgt_surface_ops ops;      /* of a user's */
     sgt_surface surface;
-    bool sag, valid;
+    bool sag, valid;          /* sag: a conic or an even asphere, of which long doubles are known here */
+    bool catalogue, rises;    /* one of those that `value` and `rounding` are asked of; rises: F = z - s(x, y) */
+    double rim;
     sgt_asphere sag_with;     /* of a sag, as long doubles read it */
 } subject;
 
@@ -46,18 +50,38 @@ static const subject *now;
 static sgt_ray now_ray;
 static sgt_options now_opt;
 
+static const sgt_builtin *row_of(const sgt_surface_ops *ops)
+{
+    const sgt_builtin *b = sgt_builtins;
+    while (b->ops != ops) b++;
+    return b;
+}
+
+static void print_parameters(const sgt_builtin *row, const unsigned char *with)
+{
+    for (const sgt_param *p = row->params; p->name; p++) {
+        const void *at = with + p->offset;
+        sgt_numbers numbers = {at, 1, (size_t)p->count};
+        if (p->kind == SGT_WHOLE || p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
+            fprintf(stderr, "  %s %d", p->name, *(const int *)at);
+        } else if (p->kind == SGT_TERMS) {
+            const term_list *terms = at;
+            for (size_t i = 0; i < terms->count; i++) {
+                fprintf(stderr, "  term %s", terms->of[i].ops->name);
+                print_parameters(row_of(terms->of[i].ops), terms->of[i].self);
+            }
+        } else {
+            if (p->kind == SGT_LIST || p->kind == SGT_TABLE) numbers = *(const sgt_numbers *)at, fprintf(stderr, "  %s %zu x %zu", p->name, numbers.rows, numbers.columns);
+            for (size_t i = 0; numbers.x && i < numbers.rows * numbers.columns; i++)
+                if (numbers.x[i] != 0) fprintf(stderr, "  %s[%zu] %a", p->name, i, numbers.x[i]);
+        }
+    }
+}
+
 static void print_now(void)
 {
     fprintf(stderr, "    %s%s", now->row->type, now->kind == OWN ? "" : now->kind == USER ? " as a user's" : " that lies");
-    for (const sgt_param *p = now->row->params; p->name; p++)
-        for (int i = 0; i < p->count; i++) {
-            double x;
-            int whole;
-            memcpy(&x, now->with.byte + p->offset + (size_t)i * sizeof x, sizeof x);
-            memcpy(&whole, now->with.byte + p->offset, sizeof whole);
-            if (p->kind == SGT_WHOLE) fprintf(stderr, "  %s %d", p->name, whole);
-            else if (x != 0) fprintf(stderr, "  %s[%d] %a", p->name, i, x);
-        }
+    print_parameters(now->row, now->with.byte);
     fprintf(stderr, "\n    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", now_ray.o.x, now_ray.o.y, now_ray.o.z, now_ray.d.x, now_ray.d.y,
             now_ray.d.z, now_ray.tmin, now_ray.tmax);
     fprintf(stderr, "    options {.t_tol = %a, .f_tol = %a, .dt_min = %a, .max_evals = %d, .pick = %d, .proof = %d}\n", now_opt.t_tol,
@@ -116,6 +140,7 @@ static known f_at(const subject *s, const sgt_ray *r, wide t)
     wide far = 0x1p-52L * (fabsl(x) + fabsl((wide)r->o.x)) * fabsl((wide)n.x) + 0x1p-52L * (fabsl(y) + fabsl((wide)r->o.y)) * fabsl((wide)n.y)
              + 0x1p-52L * (fabsl(z) + fabsl((wide)r->o.z)) * fabsl((wide)n.z);
     wide err = (wide)own + 4 * far;
+    if (s->catalogue) return !(fabs(n.x) < 1e8 && fabs(n.y) < 1e8 && fabs(n.z) < 1e8) || !(own < 1e150) ? (known){NAN, NAN} : (known){(wide)f, err};
     /* a gradient that the step itself changes says little */
     const double *ex = s->row->ops == &sgt_julia_ops ? s->with.julia.ex : s->with.mandelbrot.ex, *ey = ex + 4, *ez = ex + 8;
     wide longest = 1, step = 0x1p-52L * (fabsl(x) + fabsl(y) + fabsl(z) + fabsl((wide)r->o.x) + fabsl((wide)r->o.y) + fabsl((wide)r->o.z));
@@ -130,8 +155,8 @@ static int sign_of(known k) { return k.f > k.err ? 1 : k.f < -k.err ? -1 : 0; }
 /* Certainly inside the rim: r^2 <= a^2. */
 static bool inside(const subject *s, const sgt_ray *r, wide t)
 {
-    if (!s->sag || !(s->sag_with.semi_diameter > 0)) return true;
-    wide x = (wide)r->o.x + t * (wide)r->d.x, y = (wide)r->o.y + t * (wide)r->d.y, a = s->sag_with.semi_diameter;
+    if (!(s->rim > 0)) return true;
+    wide x = (wide)r->o.x + t * (wide)r->d.x, y = (wide)r->o.y + t * (wide)r->d.y, a = s->rim;
     wide off = 0x1p-60L * (fabsl((wide)r->o.x) + fabsl((wide)r->o.y) + fabsl(t) * (fabsl((wide)r->d.x) + fabsl((wide)r->d.y)));
     return hypotl(x, y) + 2 * off < a;
 }
@@ -166,7 +191,7 @@ static bool crosses(const subject *s, const sgt_ray *r, double from, double to, 
 static bool finite_all(const subject *s)
 {
     for (const sgt_param *p = s->row->params; p->name; p++)
-        for (int i = 0; i < p->count && p->kind != SGT_WHOLE; i++) {
+        for (int i = 0; i < p->count && (p->kind == SGT_REAL || p->kind == SGT_VECTOR); i++) {
             double x;
             memcpy(&x, s->with.byte + p->offset + (size_t)i * sizeof x, sizeof x);
             if (!isfinite(x)) return false;
@@ -259,18 +284,77 @@ static double tame(double x, double most)
     return fabs(x) <= most ? x : fmod(x, most);
 }
 
+/* The numbers of lists and tables, and the terms of sums: of one subject. */
+static double pool[6000];
+static size_t pooled;
+enum { MOST_TERMS = 3 };
+static parameters term_with[MOST_TERMS];
+static sgt_surface term[MOST_TERMS];
+
+static sgt_numbers take_numbers(bytes *b, const sgt_param *p, bool tamed)
+{
+    size_t few = strcmp(p->name, "sag") == 0 ? 4 : 0, rows = p->kind == SGT_LIST ? 1 : few + take_byte(b) % 7, columns = few + take_byte(b) % 9;
+    if (rows * columns == 0) return (sgt_numbers){NULL, rows, columns};
+    if (!tamed && (take_byte(b) & 15) == 0) return (sgt_numbers){NULL, rows, columns};
+    sgt_numbers n = {&pool[pooled], rows, columns};
+    for (size_t i = 0; i < rows * columns; i++) {
+        double x = take_number(b);
+        pool[pooled++] = tamed ? tame(x, 1) : x;
+    }
+    if (!tamed && (take_byte(b) & 15) == 0) n.columns = 5200; /* too many, most often */
+    return pooled + 5200 < COUNT_OF(pool) ? n : (sgt_numbers){pool, 1, 1};
+}
+
+static void take_catalogue(bytes *b, const sgt_builtin *row, unsigned char *with, bool tamed)
+{
+    for (const sgt_param *p = row->params; p->name; p++) {
+        void *to = with + p->offset;
+        if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+            *(sgt_numbers *)to = take_numbers(b, p, tamed);
+        } else if (p->kind == SGT_TERMS) {
+            static const sgt_surface_ops *const kinds[] = {&sgt_odd_asphere_ops, &sgt_polynomial_xy_ops, &sgt_chebyshev_ops, &sgt_zernike_ops,
+                                                           &sgt_q_con_ops, &sgt_q_bfs_ops, &sgt_grid_ops, &sgt_asphere_ops, &sgt_torus_ops};
+            size_t count = take_byte(b) % (MOST_TERMS + 1);
+            for (size_t i = 0; i < count; i++) {
+                memset(&term_with[i], 0, sizeof term_with[i]);
+                term[i] = (sgt_surface){kinds[take_byte(b) % (COUNT_OF(kinds) - tamed)], &term_with[i]};
+                const sgt_builtin *of = row_of(term[i].ops);
+                take_catalogue(b, of, term_with[i].byte, tamed);
+                double flat = 0; /* the base is the sum's */
+                if (tamed && strcmp(of->params[0].name, "curvature") == 0) memcpy(term_with[i].byte + of->params[0].offset, &flat, sizeof flat);
+            }
+            *(term_list *)to = (term_list){term, count};
+        } else if (p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
+            int whole = (int)(int8_t)take_byte(b);
+            *(int *)to = tamed ? (int)p->lo + abs(whole) % (int)(p->hi - p->lo + 1) : whole;
+        } else {
+            bool positive = strncmp(p->name, "norm", 4) == 0 || strncmp(p->name, "step", 4) == 0 || strcmp(p->name, "semi_diameter") == 0;
+            for (int i = 0; i < p->count; i++) {
+                double x = take_number(b);
+                if (tamed) x = tame(x, 1e6);
+                if (tamed && (positive || row->ops == &sgt_torus_ops)) x = fabs(x);
+                ((double *)to)[i] = x;
+            }
+        }
+    }
+}
+
 /* tamed: numbers that are brought to where most surfaces are legal. */
 static subject take_subject(bytes *b)
 {
+    enum { FIRST = 6 }; /* the rows that there were when the corpus was made */
     subject s = {0};
     unsigned which = take_byte(b), flags = take_byte(b), rows = 0;
     while (sgt_builtins[rows].type) rows++;
-    s.row = &sgt_builtins[which % rows];
+    s.catalogue = 0x1188u >> (flags >> 4) & 1;
+    s.row = &sgt_builtins[s.catalogue ? FIRST + which % (rows - FIRST) : which % FIRST];
     bool tamed = flags & 1;
     s.kind = (flags >> 1 & 7) == 6 ? USER : (flags >> 1 & 7) == 7 ? LIAR : OWN;
     s.sag = s.row->ops == &sgt_conic_ops || s.row->ops == &sgt_asphere_ops;
+    pooled = 0;
+    if (s.catalogue) take_catalogue(b, s.row, s.with.byte, tamed);
     for (const sgt_param *p = s.row->params; p->name; p++)
-        for (int i = 0; i < p->count; i++) {
+        for (int i = 0; i < p->count && !s.catalogue; i++) {
             unsigned char *to = s.with.byte + p->offset;
             if (p->kind == SGT_WHOLE) {
                 int whole = (int)(int8_t)take_byte(b);
@@ -287,7 +371,11 @@ static subject take_subject(bytes *b)
         }
     s.valid = finite_all(&s) && !(s.row->object && s.row->object(&s.with).reason);
     if (s.sag) memcpy(&s.sag_with, &s.with, s.row->size);
-    s.valid = s.valid && !(s.sag_with.semi_diameter < 0);
+    for (const sgt_param *p = s.row->params; p->name; p++)
+        if (strcmp(p->name, "semi_diameter") == 0) memcpy(&s.rim, s.with.byte + p->offset, sizeof s.rim), s.rises = true;
+    s.valid = s.valid && !(s.rim < 0);
+    if (s.valid && tamed && s.row->prepare) s.row->prepare(&s.with);
+    if (s.catalogue && !s.valid) s.kind = OWN; /* a list that is longer than said is not for its operations */
     if (s.kind == USER) {
         unsigned offers = take_byte(b);
         s.ops = *s.row->ops, s.ops.own_ = NULL;
@@ -330,7 +418,7 @@ static sgt_ray take_ray(bytes *b, const subject *s, const sgt_ray *before)
     case 1: case 2: case 3: /* at a point, of the surface if that is a sag; across it, or along it */
         p.x = take_number(b), p.y = take_number(b), p.z = 0;
         d = take_vector(b), away = take_number(b);
-        if (s->sag) {
+        if (s->rises && s->valid) {
             double f = s->row->ops->value(&s->with, p, &n);
             if (isfinite(f)) p.z = -f;
         }
@@ -411,9 +499,9 @@ static void check_point(const subject *s, const sgt_hit *h)
     double f = s->surface.ops->value(s->surface.self, h->p, &n);
     bool far = fabs(h->p.x) > 1e150 || fabs(h->p.y) > 1e150; /* r^2 overflows in `value` */
     HOLDS(same(f, h->f) || (f == 0 && h->f == 0) || far, h, "value says %a at p", f);
-    if (!s->sag) return;
-    double a = s->sag_with.semi_diameter;
+    double a = s->rim;
     HOLDS(s->kind != OWN || !(a > 0) || (wide)h->p.x * (wide)h->p.x + (wide)h->p.y * (wide)h->p.y <= (wide)a * (wide)a * (1 + 0x1p-44L + 0x1p-50L) + 1e-320L, h, "outside the rim");
+    if (!s->sag) return;
     known k = sag_at(&s->sag_with, (wide)h->p.x, (wide)h->p.y, (wide)h->p.z, (wide)h->p_err, (wide)h->p_err, (wide)h->p_err);
     if (isfinite((double)k.err)) HOLDS(fabsl(k.f) <= 2 * k.err, h, "F is %Lg +- %Lg there", k.f, k.err);
 }
@@ -443,8 +531,8 @@ static void check_hit(const subject *s, const sgt_ray *ray, const sgt_hit *h, co
     HOLDS(fabs(h->t_lo) <= h->t_err * (1 + 1e-9) || fabs(h->t_lo) <= 2 * fabs(h->t) * DBL_EPSILON, h, "t_lo");
     HOLDS(h->t <= r.tmax && (h->t > r.tmin || r.tmin == -HUGE_VAL || (h->status == SGT_GRAZE && h->t >= r.tmin - 1e-300)), h, "t is not on the ray");
     HOLDS(isfinite(h->p.x) && isfinite(h->p.y) && isfinite(h->p.z) && h->p_err >= 0, h, "p");
-    HOLDS(!isnan(h->f) || s->sag || s->kind != OWN, h, "f");
-    if (s->kind == OWN && s->sag) check_point(s, h);
+    HOLDS(!isnan(h->f) || s->rises || s->kind != OWN, h, "f");
+    if (s->kind == OWN && (s->sag || s->catalogue)) check_point(s, h);
     if (s->kind != OWN) return;
     double from = h->t - h->t_err, to = h->t + h->t_err;
     if (isfinite(h->t_err) && s->row->ops->enclose) {
@@ -504,7 +592,7 @@ static void check_watcher(const subject *s, const sgt_ray *ray, const sgt_hit *h
 static bool counts_surely(const subject *s, const sgt_ray *r, const sgt_hit *h)
 {
     if (!(h->t - h->t_err > behind_start(r, h->t)) || !(h->t + h->t_err < r->tmax - 1e-6 * fabs(h->t))) return false;
-    double a = s->sag ? s->sag_with.semi_diameter : 0;
+    double a = s->rim;
     return !(a > 0) || hypot(h->p.x, h->p.y) + h->p_err < a * (1 - 1e-6);
 }
 
@@ -544,7 +632,7 @@ static void check_list(const subject *s, const sgt_ray *ray, const sgt_hit *firs
             HOLDS(false, &all[i], "entry %d depends on the room", i);
         }
     double from = behind_start(&r, first->t);
-    bool certain = s->kind == OWN && !(opt->dt_min > 0 && !s->sag);
+    bool certain = s->kind == OWN && !(opt->dt_min > 0 && s->row->ops->estimate);
     for (int i = 0; i < kept; i++) {
         check_hit(s, ray, &all[i], opt, true);
         if (i > 0 && (all[i].status == SGT_EXHAUSTED || all[i].status == SGT_STOPPED))
@@ -587,7 +675,7 @@ static sgt_hit check_ray(const subject *s, const sgt_ray *ray, sgt_options opt, 
         return hit;
     }
     if (opt.max_evals && s->kind == OWN && opt.pick != SGT_NEAR_SEED) HOLDS(hit.status != SGT_EXHAUSTED || hit.evals >= opt.max_evals, &hit, "exhausted too soon");
-    bool certain = s->kind == OWN && !(opt.dt_min > 0 && !s->sag);
+    bool certain = s->kind == OWN && !(opt.dt_min > 0 && s->row->ops->estimate);
     if (certain && hit.status == SGT_MISS) check_absence(s, ray, &hit, behind_start(&r, 0), r.tmax, "a miss");
     if (certain && hit.status == SGT_HIT && opt.pick != SGT_NEAR_SEED)
         check_absence(s, ray, &hit, behind_start(&r, hit.t), hit.t - hit.t_err, "it is the first");
@@ -834,7 +922,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             check_enclosure(&s, &ray[i % distinct], (sgt_interval){lo, hi});
         }
     if ((what & 3) == 1) check_trace(&s, &b, (size_t)distinct, ray, &opt);
-    if ((what & 7) == 2) {
+    if ((what & 7) == 2 && (s.valid || !s.catalogue)) {
         sgt_vec3 where;
         sgt_fault fault = sgt_check(s.surface, (size_t)distinct, ray, &where);
         REQUIRE(sgt_fault_text(fault)[0] != '?', "fault %d", (int)fault);

@@ -2,7 +2,8 @@
  *
  * They end the command where they find an error (fail.h), and take their text from a file.  Here an error ends the reading
  * and leaves its message, the text comes from memory, and all blocks are freed after each input: fail.c and input.c are
- * replaced, memory.c is taken in whole. */
+ * replaced, memory.c is taken in whole.  A file that the text names holds what stands in the input behind its first byte 0xff, which
+ * no text has. */
 #ifndef TESTS_FUZZ_TOOL_H
 #define TESTS_FUZZ_TOOL_H
 
@@ -19,7 +20,7 @@ static jmp_buf refused;
 static char message[2000], noted[2000];
 static int message_length;
 static exit_status status; /* EXIT_DECIDED: not refused */
-static struct { const uint8_t *data; size_t size; } given;
+static struct { const uint8_t *data, *file; size_t size, file_size; } given;
 
 LIKE_PRINTF(3, 0) static void say(exit_status s, char to[2000], const char *format, va_list values)
 {
@@ -59,6 +60,24 @@ void note(const char *format, ...)
 input input_read(const char *path)
 {
     return (input){.name = path, .text = memory_text((const char *)given.data, given.size), .length = given.size};
+}
+
+const char *input_try(const char *path, input *in)
+{
+    *in = (input){.name = path};
+    if (!given.file) return "there is none";
+    in->text = memory_text((const char *)given.file, given.file_size), in->length = given.file_size;
+    return NULL;
+}
+
+/* How long the text is that stands before a file's. */
+static UNUSED size_t split(const uint8_t *data, size_t size)
+{
+    given.file = size ? memchr(data, 0xff, size) : NULL;
+    if (!given.file) return given.file_size = 0, size;
+    size_t text = (size_t)(given.file - data);
+    given.file++, given.file_size = size - text - 1;
+    return text;
 }
 
 static UNUSED void read_anew(const uint8_t *data, size_t size)

@@ -113,6 +113,28 @@ def test_nothing_to_draw():
     assert 0 < width < 2000 and 0 < height < 2000
 
 
+def test_bodies():
+    """A body is drawn as its section, in many strokes; a sag that is no conic as any sag."""
+    lens = written('''pupil: {semi_diameter: 11}
+fields: [0]
+surfaces:
+  - {type: plane, thickness: 15, stop: true, semi_diameter: 12}
+  - {type: torus, major: 10, minor: 2, thickness: 15}
+  - {type: plane, semi_diameter: 12}
+''')
+    path = written('').parent / 'picture.svg'
+    assert not run('trace', lens, '--fan', 2, '--svg', path).stderr
+    drawn = list(points(xml.parse(path).getroot()))
+    bare = list(points(picture(written(lens.read_text().replace('torus, major: 10, minor: 2', 'plane, semi_diameter: 12')), '--fan', 2)))
+    assert len(drawn) > len(bare) + 200, (len(drawn), len(bare))
+    cylinder = written(lens.read_text().replace('torus, major: 10, minor: 2', 'cylinder, radius: 20, semi_diameter: 12'))
+    sphere = written(lens.read_text().replace('torus, major: 10, minor: 2', 'sphere, radius: 20, semi_diameter: 12'))
+    first, second = (list(points(picture(lens, '--fan', 3))) for lens in (cylinder, sphere))
+    equal(len(first), len(second))
+    for (a, b), (c, d) in zip(first, second):
+        assert abs(a - c) < 0.01 and abs(b - d) < 0.01, ((a, b), (c, d))
+
+
 def test_level_set():
     """A set has no profile: its rays bend in the empty, and the user is told why."""
     lens = written('''pupil: {semi_diameter: 0.4, distance: 0}

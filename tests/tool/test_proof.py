@@ -10,6 +10,7 @@ import json
 import math
 import os
 import random
+import re
 from decimal import Decimal, getcontext
 
 from command import *
@@ -318,14 +319,23 @@ surfaces:
 
 
 def test_lenses():
-    """Every ray of every example is proven, at the price of no row."""
+    """Every ray of every example is proven, at the price of no row; a surface of the catalogue is searched another way
+    for a proof, and its numbers are the same within their bounds."""
+    def same(got, plain):
+        if not catalogue:
+            return got == plain
+        got, plain = (line.split(',') for line in (got, plain))
+        return got[:4] == plain[:4] and all(abs(float(a) - float(b)) < 1e-9 for a, b in zip(got[4:], plain[4:]))
     for lens in sorted(LENSES.glob('*.yaml')):
+        catalogue = re.search('type: (sum|toroidal)', lens.read_text())
         plain = run('trace', lens, '--grid', 7, '--format', 'csv').stdout.splitlines()
         for proof, pick in (('root', 'near-seed'), ('first', 'near-seed'), ('first', 'first')):
             shown = ('trace', lens, '--grid', 7, '--proof', proof, '--pick', pick)
             got = run(*shown, '--format', 'csv').stdout.splitlines()
             if pick == 'near-seed':
-                equal([line.rsplit(',', 3)[0] for line in got[1:]], [line.rsplit(',', 1)[0] for line in plain[1:]], (lens, proof))
+                equal(len(got), len(plain), (lens, proof))
+                for a, b in zip(got[1:], plain[1:]):
+                    assert same(a.rsplit(',', 3)[0], b.rsplit(',', 1)[0]), (lens, proof, a, b)
             said = words(*shown)
             count = said[-2].split()[0]
             equal(said[-1].split(':')[0], f'Proven for {count} of them', (lens, said))

@@ -147,6 +147,23 @@ def test_entrance_pupil():
     close(stop[0]['y'], 0, 1e-6)
 
 
+def test_pupil_of_the_catalogue_in_front():
+    """The section in y counts.  A normal that is not along z, and the tip of a cone, have no paraxial image."""
+    template = 'pupil: {semi_diameter: 1}\nsurfaces:\n  - {type: %s, thickness: 3, index: 1.5}\n  - {type: plane, thickness: 4, index: 1}\n  - {type: plane, stop: true}\n'
+    def crossing(surface):
+        row, = first_rows(written(template % surface), '--field', '1', '--fan', '1')
+        return float(row['z']) - float(row['y']) / math.tan(math.radians(1))
+    wanted = crossing('sphere, radius: 20')
+    for surface in ('toroidal, radius: 20, radius_x: -7', 'biconic, radius_y: 20', 'cylinder, radius: 20', 'polynomial_xy, coefficients: [[0, 0, 0.025], [0, 1e-3]]',
+                    'chebyshev, norm_x: 2, norm_y: 2, coefficients: [[0, 0, 0.05]]', 'zernike, norm: 2, order: noll, coefficients: [0, 0, 0, 0.05]',
+                    'odd_asphere, coefficients: [0, 0.025, 1e-3]', 'q_con, radius: 20, norm: 2, coefficients: [1e-3]',
+                    'sum, radius: 40, terms: [{type: even_asphere, coefficients: [0.0125]}]'):
+        close(crossing(surface), wanted, 1e-9, surface)
+    for surface in ('polynomial_xy, coefficients: [[0, 1e-3]]', 'odd_asphere, coefficients: [1e-3]', 'torus, major: 3, minor: 1', 'ellipsoid, a: 3'):
+        done = run('trace', written(template % surface), '--fan', 3, exit=BAD_INPUT)
+        assert 'pupil.distance: needed, for element 1' in done.stderr, done.stderr
+
+
 def test_pupil_of_an_asphere_in_front():
     """The r^2 term of an asphere is part of its curvature: 1/20 and 1/40 + 2/80 are the same to a paraxial ray."""
     template = 'pupil: {semi_diameter: 1}\nsurfaces:\n  - {type: %s, thickness: 3, index: 1.5}\n  - {type: plane, thickness: 4, index: 1}\n  - {type: plane, stop: true}\n'

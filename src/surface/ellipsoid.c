@@ -1,0 +1,190 @@
+/* ellipsoid.c - the ellipsoid of revolution about z, oblate or prolate.
+ *
+ * With w = z / (1 - f) it is the sphere x^2 + y^2 + w^2 = a^2, and
+ *     F = (x^2 + y^2 + w^2 - a^2) / 2a,     grad F = (x, y, z / (1 - f)^2) / a.
+ *
+ * THE ROUNDING.  The terms are added to -a^2 one by one, the greatest cancellation last, each by fma:
+ *     ((e z^2 - a^2) + y^2) + x^2,     e = 1 / (1 - f)^2 and a^2 as two doubles each, so that they are exact.
+ * z^2 is rounded (u e z^2), the small parts are 2 u (e z^2 + a^2) at most and rounded to u of that, and each sum rounds by u
+ * of itself: near the surface these are a^2 - w^2 and x^2, so F is right to u a there, less than what the rounding of the point itself
+ * does.  The quotient adds u |F|.
+ *
+ * THE CLEARANCE.  (x, y, z) -> (x, y, w) makes distances longer by no more than K = max(1, 1 / (1 - f)), and so the surface is no
+ * nearer than | |(x, y, w)| - a | / K.
+ *
+ * THE RAY.  In (x, y, w) the local origin is the point of the ray nearest the centre, where the discriminant is that of
+ * half the chord: quadratic.h. */
+#include "quadratic.h"
+
+/* What is shared by all points. */
+typedef struct shell { double a, e, e_lo, a2, a2_lo, half, inverse, stretch; } shell;
+
+SGT_INLINE shell shell_of(const sgt_ellipsoid *s)
+{
+    twofold b = two_sum(1, -s->f), e = twofold_quotient(twofold_of(1), twofold_product(b, b)), a2 = two_product(s->a, s->a);
+    return (shell){s->a, e.hi, e.lo, a2.hi, a2.lo, 0.5 / s->a, 1 / s->a, 1 / b.hi};
+}
+
+SGT_INLINE double shell_at(const shell *s, double x, double y, double z, double *gx, double *gy, double *gz)
+{
+    double z2 = z * z, small = fma(z2, s->e_lo, -s->a2_lo), sum = fma(y, y, fma(z2, s->e, -s->a2));
+    *gx = x * s->inverse, *gy = y * s->inverse, *gz = (z * s->e) * s->inverse;
+    return (fma(x, x, sum) + small) * s->half;
+}
+
+SGT_CLONES
+static double ellipsoid_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    shell s = shell_of(self);
+    sgt_vec3 n;
+    double f = shell_at(&s, p.x, p.y, p.z, &n.x, &n.y, &n.z);
+    if (grad) *grad = n;
+    return f;
+}
+
+SGT_CLONES_WIDE
+static void shell_values(const shell *shared, size_t n, sgt_points p, sgt_values out)
+{
+    const shell s = *shared;
+    const double *x = p.p[0], *y = p.p[1], *z = p.p[2];
+    double *f = out.f, *gx = out.grad[0], *gy = out.grad[1], *gz = out.grad[2];
+    if (gx) {
+        LANES for (size_t i = 0; i < n; i++) {
+            double nx, ny, nz, value = shell_at(&s, x[i], y[i], z[i], &nx, &ny, &nz);
+            f[i] = value, gx[i] = nx, gy[i] = ny, gz[i] = nz;
+        }
+    } else {
+        LANES for (size_t i = 0; i < n; i++) {
+            double nx, ny, nz;
+            f[i] = shell_at(&s, x[i], y[i], z[i], &nx, &ny, &nz);
+        }
+    }
+}
+
+static void ellipsoid_values(const void *self, size_t n, sgt_points p, sgt_values out)
+{
+    shell s = shell_of(self);
+    shell_values(&s, n, p, out);
+}
+
+SGT_INLINE double shell_rounding(const shell *s, double x, double y, double z)
+{
+    double z2 = z * z, w2 = s->e * z2, first = fma(z2, s->e, -s->a2), second = fma(y, y, first), all = fma(x, x, second);
+    return 1.01 * (SGT_U * ((w2 + fabs(first)) + (fabs(second) + 4 * fabs(all)) + 0x1p-48 * (w2 + s->a2)) + 0x1p-1070) * s->half;
+}
+
+SGT_CLONES
+static double ellipsoid_rounding(const void *self, sgt_vec3 p)
+{
+    shell s = shell_of(self);
+    return shell_rounding(&s, p.x, p.y, p.z);
+}
+
+SGT_CLONES_WIDE
+static void shell_roundings(const shell *shared, size_t n, sgt_points p, double *out)
+{
+    const shell s = *shared;
+    const double *x = p.p[0], *y = p.p[1], *z = p.p[2];
+    LANES for (size_t i = 0; i < n; i++) out[i] = shell_rounding(&s, x[i], y[i], z[i]);
+}
+
+static bool ellipsoid_roundings(const void *self, size_t n, sgt_points p, const double f[], double out[])
+{
+    shell s = shell_of(self);
+    (void)f;
+    shell_roundings(&s, n, p, out);
+    return true;
+}
+
+SGT_CLONES
+static double ellipsoid_clearance(const void *self, sgt_vec3 p)
+{
+    shell s = shell_of(self);
+    double w = p.z * s.stretch, r = sqrt(p.x * p.x + p.y * p.y + w * w);
+    return (fabs(r - s.a) - 8 * SGT_U * (r + s.a)) / larger(1, s.stretch) * (1 - 8 * SGT_U);
+}
+
+SGT_INLINE void ellipsoid_approach(const sgt_ellipsoid *s, sgt_vec3 o, sgt_vec3 d, parabola *p, near_ray *r)
+{
+    double a = s->a, by = 1 / (1 - s->f);
+    *r = near_ray_of(d);
+    double l = r->d.x, m = r->d.y, n = r->d.z * by, A = l * l + m * m + n * n;
+    near_ray_at(r, o, -(o.x * l + o.y * m + (o.z * by) * n) / A);
+    double x = r->x.x, y = r->x.y, w = r->x.z * by, xl = x * l, ym = y * m, wn = w * n, r2 = x * x + y * y + w * w, a2 = a * a;
+    *p = (parabola){A, xl + ym + wn, r2 - a2, A, fabs(xl) + fabs(ym) + fabs(wn), r2 + a2};
+}
+
+SGT_INLINE double ellipsoid_terms(const sgt_ellipsoid *s, const near_ray *r, double tau) { return (void)r, (void)tau, 2 * (s->a * s->a); }
+
+QUADRATIC_SPANS(ellipsoid, sgt_ellipsoid, ellipsoid_approach, ellipsoid_terms)
+
+/* F from x, y, z, and its slope along d, as they stand. */
+static sgt_interval ellipsoid_plain(const sgt_ellipsoid *s, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    sgt_interval x = plain_line(ray->o.x, ray->d.x, t), y = plain_line(ray->o.y, ray->d.y, t), z = plain_line(ray->o.z, ray->d.z, t), a = sgt_interval_of(s->a);
+    sgt_interval b = sgt_interval_difference(sgt_interval_of(1), sgt_interval_of(s->f)), w = sgt_interval_quotient(z, b), n = sgt_interval_quotient(sgt_interval_of(ray->d.z), b);
+    sgt_interval half = sgt_interval_sum(sgt_interval_sum(sgt_interval_scaled(x, ray->d.x), sgt_interval_scaled(y, ray->d.y)), sgt_interval_product(w, n));
+    sgt_interval g = sgt_interval_difference(sgt_interval_sum(sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)), sgt_interval_square(w)), sgt_interval_square(a));
+    *slope = sgt_interval_quotient(half, a);
+    return sgt_interval_quotient(g, sgt_interval_scaled(a, 2));
+}
+
+SGT_CLONES
+static sgt_interval ellipsoid_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    const sgt_ellipsoid *s = self;
+    sgt_interval g;
+    fine_ray r;
+    if (!stretch_valid(ray, t, &g, slope)) return g;
+    if (!fine_ray_of(ray, t, &r) || !(s->a > 0x1p-400 && s->a < 0x1p400 && fabs(s->f) < 0x1p200)) return ellipsoid_plain(s, ray, t, slope);
+    twofold b = two_sum(1, -s->f), e = twofold_quotient(twofold_of(1), twofold_product(b, b)), xl = twofold_scaled(r.x, r.l), ym = twofold_scaled(r.y, r.m);
+    twofold zn = twofold_product(twofold_scaled(r.z, r.n), e), n2 = twofold_product(two_product(r.n, r.n), e), w2 = twofold_product(twofold_product(r.z, r.z), e), a2 = two_product(s->a, s->a);
+    twofold r2 = twofold_sum(twofold_sum(twofold_product(r.x, r.x), twofold_product(r.y, r.y)), w2);
+    fine_parabola p = {twofold_sum(twofold_sum(two_product(r.l, r.l), two_product(r.m, r.m)), n2), twofold_sum(twofold_sum(xl, ym), zn), twofold_difference(r2, a2), 0, 0, 0};
+    p.Aa = p.A.hi, p.Ba = fabs(xl.hi) + fabs(ym.hi) + fabs(zn.hi) + 0x1p-700, p.Ca = r2.hi + a2.hi;
+    sgt_interval twice = sgt_interval_of(2 * s->a);
+    g = sgt_interval_quotient(fine_enclose(&p, &r, slope), twice);
+    *slope = sgt_interval_quotient(*slope, twice);
+    return g;
+}
+
+static void ellipsoid_second(const void *self, size_t n, sgt_points p, double *const out[6])
+{
+    shell s = shell_of(self);
+    (void)p;
+    for (size_t i = 0; i < n; i++) {
+        out[0][i] = out[3][i] = s.inverse, out[5][i] = s.e * s.inverse;
+        out[1][i] = out[2][i] = out[4][i] = 0;
+    }
+}
+
+static size_t ellipsoid_parameters(const void *self) { return (void)self, 2; }
+
+/* dF/da = -(x^2 + y^2 + w^2) / 2a^2 - 1/2, dF/df = z^2 / (a (1 - f)^3). */
+static void ellipsoid_by_parameter(const void *self, size_t j, size_t n, sgt_points p, sgt_values out)
+{
+    const shell s = shell_of(self);
+    const double *x = p.p[0], *y = p.p[1], *z = p.p[2], by_f = s.e * s.stretch * s.inverse, i2 = s.inverse * s.inverse;
+    for (size_t i = 0; i < n; i++) {
+        out.f[i] = j ? by_f * (z[i] * z[i]) : -0.5 * ((x[i] * x[i] + y[i] * y[i] + s.e * (z[i] * z[i])) * i2 + 1);
+        if (!out.grad[0]) continue;
+        out.grad[0][i] = j ? 0 : -x[i] * i2, out.grad[1][i] = j ? 0 : -y[i] * i2, out.grad[2][i] = j ? 2 * by_f * z[i] : -(s.e * z[i]) * i2;
+    }
+}
+
+sgt_objection sgt_ellipsoid_object(const void *self)
+{
+    const sgt_ellipsoid *s = self;
+    if (!(fabs(s->a) < HUGE_VAL)) return (sgt_objection){"a", "not finite"};
+    if (!(fabs(s->f) < HUGE_VAL)) return (sgt_objection){"f", "not finite"};
+    if (!(s->a > 0)) return (sgt_objection){"a", "not above 0"};
+    if (!(s->f < 1)) return (sgt_objection){"f", "not below 1"};
+    return (sgt_objection){NULL, NULL};
+}
+
+static const struct sgt_own ellipsoid_own = {.object = sgt_ellipsoid_object, .roundings = ellipsoid_roundings};
+
+const sgt_surface_ops sgt_ellipsoid_ops = {
+    .name = "ellipsoid", .value = ellipsoid_value, .values = ellipsoid_values, .span = ellipsoid_span, .spans = ellipsoid_spans, .rounding = ellipsoid_rounding,
+    .clearance = ellipsoid_clearance, .enclose = ellipsoid_enclose, .first = ellipsoid_first, .firsts = ellipsoid_firsts, .second = ellipsoid_second,
+    .parameters = ellipsoid_parameters, .by_parameter = ellipsoid_by_parameter, .own_ = &ellipsoid_own};
