@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """What README.md shows is what the command says, and what it links to is there.
 
-    python3 readme.py README SAGITTA
+    python3 readme.py README PROGRAM...
 
-In each block marked `console` a line `$ sagitta ...` is run in the folder of the
-README and what follows is compared with what it prints: word by word, numbers to
-1e-9.  A line `...` stands for any number of lines.
+In each block marked `console` a line `$ sagitta ...`, or of another program that is
+given, is run in the folder of the README and what follows is compared with what it
+prints: word by word, numbers to 1e-9.  A line `...` stands for any number of lines.
 """
 import pathlib
 import re
@@ -47,22 +47,22 @@ def dead_links(folder):
                 yield f'{page.relative_to(folder)}: {link}'
 
 
-def main(readme, sagitta):
+def main(readme, *programs):
     text = pathlib.Path(readme).read_text()
-    sagitta = str(pathlib.Path(sagitta).resolve())
+    programs = {pathlib.Path(program).name: str(pathlib.Path(program).resolve()) for program in programs}
     compared, bad = 0, 0
     with tempfile.TemporaryDirectory() as somewhere:
         for block in re.findall(r'^```console\n(.*?)^```', text, re.MULTILINE | re.DOTALL):
             joined = block.replace('\\\n', ' ')
             for command, quoted in re.findall(r'^\$ (.*)\n((?:(?!\$ ).*\n)*)', joined, re.MULTILINE):
                 words = shlex.split(command)
-                if words[0] != 'sagitta':
+                if words[0] not in programs:
                     continue
                 # A picture is drawn, and not where the README says.
                 for i, word in enumerate(words[:-1]):
-                    if word in ('--svg', '--output'):
-                        words[i + 1] = str(pathlib.Path(somewhere, 'out'))
-                said = subprocess.run([sagitta] + words[1:], text=True, capture_output=True,
+                    if word in ('--svg', '--output', '--picture'):
+                        words[i + 1] = str(pathlib.Path(somewhere, 'out' + pathlib.Path(words[i + 1]).suffix))
+                said = subprocess.run([programs[words[0]]] + words[1:], text=True, capture_output=True,
                                       cwd=pathlib.Path(readme).resolve().parent)
                 compared += 1
                 lines = (said.stdout + said.stderr).splitlines()

@@ -1,0 +1,37 @@
+/* fail.c - what is said of an error, and the status the program ends with. */
+#include "fail.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+__attribute__((format(printf, 1, 0))) static void say(const char *format, va_list values)
+{
+    fputs("line_of_sight: ", stderr);
+    vfprintf(stderr, format, values);
+    fputc('\n', stderr);
+}
+
+void fail_usage(const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    say(format, values);
+    va_end(values);
+    fail_hint();
+}
+
+void fail_hint(void)
+{
+    fputs("Try: line_of_sight --help\n", stderr);
+    exit(EXIT_USAGE);
+}
+
+void fail_input(const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    say(format, values);
+    va_end(values);
+    exit(EXIT_BAD_INPUT);
+}
