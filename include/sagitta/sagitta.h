@@ -286,7 +286,7 @@ typedef struct sgt_hits {
  * sgt_intersect would give, bit for bit (a NaN for a NaN), whatever its neighbours are and
  * whatever the processor: a lane never changes its neighbour.  Returns the number of
  * positive statuses.  Outputs must not overlap the rays or each other.  Nothing is
- * allocated; the stack needed is below 64 KiB (of a library built without optimisation a few
+ * allocated; the stack needed is below 80 KiB (of a library built without optimisation a few
  * KiB more).  Where options.watch is set the rays run one
  * by one, in order; sgt_step.ray is the index of the ray, and a watcher that stops, stops
  * that ray.

@@ -27,7 +27,7 @@
  * relative 2^-53 / q, and NaN where rounding has put p outside the domain (the derivatives of t and p by the ray need
  * neither of them and are as good as n).
  *
- * Every function may run in any number of threads; nothing is allocated, and the stack needed is below 64 KiB.  Answers
+ * Every function may run in any number of threads; nothing is allocated, and the stack needed is below 80 KiB.  Answers
  * have the same bits on every processor, alone and among any others. */
 #ifndef SAGITTA_SENSITIVITY_H
 #define SAGITTA_SENSITIVITY_H

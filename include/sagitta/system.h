@@ -77,7 +77,7 @@ typedef struct sgt_passages {
  * NULL, has one entry for each element.  Returns how many rays passed all elements.  Rays are
  * taken through all elements some hundred at a time, in the processor's cache.  Where
  * options.watch is set they run one by one, in order; sgt_step.ray is the index of the ray.
- * Nothing is allocated; the stack needed is below 64 KiB. */
+ * Nothing is allocated; the stack needed is below 80 KiB. */
 SGT_API size_t sgt_trace_batch(size_t elements, const sgt_element e[], double index_before, size_t n, sgt_rays rays,
                                sgt_traced out, const sgt_passages passages[], const sgt_options *opt);
 

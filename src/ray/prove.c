@@ -469,10 +469,15 @@ void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bo
 {
     sgt_span span;
     if (!bounds(s, ray, &span)) return;
-    int before = list->count;
-    proof w = proof_of(s, ray, told->opt, &span, list, all || near);
+    int before = list->count, told_before = told->before;
+    proof w = proof_of(s, ray, told->opt, &span, list, all);
+    w.all = all || near;
     w.told = *told;
     search(&w);
     *told = w.told;
-    if (near && !w.told.stopped && list->count > before) list->last = w.nearest, list->count = before + 1;
+    if (all || (list->count == before && !w.told.stopped)) return;
+    int evals = w.told.evals - told_before;
+    if (w.told.stopped && (list->count == before || list->last.status != SGT_STOPPED)) list->last = hit_without(SGT_STOPPED, ray, evals);
+    else if (near && !w.told.stopped) list->last = w.nearest;
+    list->last.evals = evals, list->count = before + 1;
 }
