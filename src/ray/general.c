@@ -153,9 +153,10 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
     walk w = {.s = s, .ray = ray, .list = list, .all = all, .rim2 = rim2_of_surface(s),
               .told = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS}};
     bool near = opt->pick == SGT_NEAR_SEED && !all;
+    if (is_catalogue(s.ops) && s.ops->own_->share) s.ops->own_->share(s.self, &w.shared);
     if (!near && !all && s.ops->first && first_of_several(&w)) return w.told.evals - w.told.before;
     sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
-    if (is_catalogue(s.ops) && s.ops->own_->span) span = s.ops->own_->span(s.self, ray, &w.least);
+    if (is_catalogue(s.ops) && s.ops->own_->span) span = s.ops->own_->span(s.self, &w.shared, ray, &w.least);
     else if (s.ops->span) span = s.ops->span(s.self, ray);
     approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed, s.ops->enclose || s.ops->clearance ? 0x1p-50 : 0, true);
     if (a.passes) return 0;
@@ -174,6 +175,7 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
         if (!over(&w)) {
             double seed = a.seeded ? span.seed / a.q.scale - a.q.t0 : near ? a.nearest - a.q.t0 : (double)NAN;
             sgt_root r = sgt_walk_solve(&w, sgt_walk_begin(&w, (sgt_span){.lo = lo, .hi = hi, .seed = seed, .single = span.single}), &at);
+            if (is_catalogue(s.ops) && r.status == SGT_GRAZE) r.status = SGT_UNPROVEN; /* prove.c knows how far it touches */
             bool taken = sgt_walk_take(&w, &r, at);
             if (taken || (span.single && (r.status == SGT_MISS || (r.status > 0 && w.off)))) return w.told.evals - w.told.before;
         }

@@ -60,6 +60,7 @@ typedef struct sweep {
     double walks_from;  /* a stretch that begins behind it can be marched through; infinite: none can */
     bool slopes;        /* the spans come with bounds on the slope */
     bool moved;         /* some lane is not at its place */
+    sgt_shared shared;  /* of the surface, where it shares */
     lanes *a;
     sgt_points points;  /* what `values` is handed, made once: a copy of what has just been written in smaller pieces must wait for it */
     sgt_values f, q;    /* F at tau; F beside a root */
@@ -117,6 +118,21 @@ static void around_all(const lanes *a, size_t n, const double *tau, const double
     }
 }
 
+/* The same; how many are so near the root that the surface's own rounding is to be asked for. */
+SGT_CLONES_WIDE
+static double around_close(const lanes *a, size_t n, const double *tau, const sgt_values *f, double *slope, double *g_err, const double *last, double f_tol)
+{
+    const double *g = f->f, *fx = f->grad[0], *fy = f->grad[1], *fz = f->grad[2];
+    double none = a->none, near = 0;
+#pragma omp simd reduction(+ : near)
+    for (size_t i = 0; i < n; i++) {
+        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i], (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){fx[i], fy[i], fz[i]}, none);
+        near += close_of(g[i], at.slope, at.place, last[i], f_tol) ? 1.0 : 0.0;
+        slope[i] = at.slope, g_err[i] = at.place;
+    }
+    return near;
+}
+
 /* F and its gradient at the points. */
 static void ask(sweep *w, size_t n, const sgt_values *out)
 {
@@ -152,10 +168,11 @@ static void bound(sweep *w, size_t n, const double *tau, const sgt_values *f, do
 {
     const sgt_surface_ops *ops = w->s.ops;
     const lanes *a = w->a;
-    around_all(a, n, tau, f->grad[0], f->grad[1], f->grad[2], slope, g_err, a->none);
+    if (!last) around_all(a, n, tau, f->grad[0], f->grad[1], f->grad[2], slope, g_err, a->none);
+    else if (around_close(a, n, tau, f, slope, g_err, last, w->opt->f_tol) == 0) return;
     if (!ops->rounding) return;
     double own[LANES], none = is_catalogue(ops) ? HUGE_VAL : 0; /* what a bound that is none comes to */
-    if (is_catalogue(ops) && ops->own_->roundings && ops->own_->roundings(w->s.self, n, w->points, f->f, own)) {
+    if (is_catalogue(ops) && ops->own_->roundings && ops->own_->roundings(w->s.self, &w->shared, n, w->points, f->f, own)) {
         for (size_t i = 0; i < n; i++) /* seldom: beyond the rim */
             if (!(own[i] >= 0)) own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
         add_roundings(n, f->f, slope, last, w->opt->f_tol, own, g_err);
@@ -181,6 +198,13 @@ static void widen(size_t n, double *restrict out, const bool *restrict of)
     for (size_t i = 0; i < n; i++) out[i] = wide[i];
 }
 
+SGT_CLONES_WIDE
+static void single_all(lanes *a, size_t n)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) a->single[i] = a->least[i] > 0 ? 1.0 : 0.0;
+}
+
 static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
 {
     const sgt_surface_ops *ops = w->s.ops;
@@ -203,9 +227,9 @@ static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
         return;
     }
     if (w->slopes) {
-        ops->own_->spans(w->s.self, n, (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
-                         (sgt_spans){a->lo, a->hi, a->seed, single}, a->least);
-        widen(n, a->single, single);
+        ops->own_->spans(w->s.self, &w->shared, n, (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
+                         (sgt_spans){a->lo, a->hi, a->seed, NULL}, a->least);
+        single_all(a, n);
         return;
     }
     if (ops->spans && ops->span) { /* alone they are not read, as sgt_intersect would not */
@@ -597,14 +621,24 @@ static double probe_end(lanes *a, size_t n, double doubtful)
     return more;
 }
 
-/* Those whose slope is known along the span; how far F may be off is in `end`.  How many are still to be asked beside the root. */
+/* Of some lane a step is enough that is not within the rounding. */
 SGT_CLONES_WIDE
-static double certify(lanes *a, size_t n)
+static bool loose(const lanes *a, size_t n)
+{
+    double some = 0;
+#pragma omp simd reduction(+ : some)
+    for (size_t i = 0; i < n; i++) some += a->t_tol[i] > 0 ? 1.0 : 0.0;
+    return some > 0;
+}
+
+/* Those whose slope is known along the span; off: how far F may be.  How many are still to be asked beside the root. */
+SGT_CLONES_WIDE
+static double certify(lanes *a, size_t n, const double *off)
 {
     double more = 0;
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
-        certified c = certified_of(a->tau[i], a->f[i], a->end[i], a->least[i], a->lo[i], a->hi[i]);
+        certified c = certified_of(a->tau[i], a->f[i], off[i], a->least[i], a->lo[i], a->hi[i]);
         double before = a->tau_err[i], phase = a->state[i], root = c.inside ? (double)ROOT : (double)READY;
         double state = phase == READY ? root : phase;
         a->tau_err[i] = state == ROOT && phase == READY ? c.tau_err : before;
@@ -623,8 +657,10 @@ static void probe(sweep *w, size_t n)
         n = front(w, n, READY);
     }
     if (w->slopes && n) {
-        bound(w, n, a->tau, &w->f, a->qx, a->end, NULL);
-        n = certify(a, n) > 0 ? front(w, n, READY) : 0;
+        /* else all of it is in g_err: what is ready by |F| is close */
+        bool again = loose(a, n);
+        if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL);
+        n = certify(a, n, again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
     }
     for (int k = 1; n > 0; k++) {
         if (probe_sides(a, n) < (double)n) n = front(w, n, READY);
@@ -780,6 +816,7 @@ size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
                .walks_from = ops->first || ops->enclose || ops->clearance || (opt->dt_min > 0 && ops->estimate) ? HUGE_VAL : -HUGE_VAL};
     size_t hard = 0;
     a.none = 0;
+    if (is_catalogue(ops) && ops->own_->share) ops->own_->share(s.self, &w.shared);
     for (int i = 0; i < LANES; i++) a.slot[i] = i; /* and so again after each run: see settle */
     w.points = (sgt_points){{a.px, a.py, a.pz}};
     w.f = (sgt_values){a.f, {a.fx, a.fy, a.fz}}, w.q = (sgt_values){a.qf, {a.qx, a.qy, a.qz}};

@@ -13,7 +13,7 @@ static double own_rounding(const walk *w, sgt_vec3 p, double f)
 {
     const sgt_surface_ops *ops = w->s.ops;
     double own = 0;
-    bool known = is_catalogue(ops) && ops->own_->roundings && ops->own_->roundings(w->s.self, 1, (sgt_points){{&p.x, &p.y, &p.z}}, &f, &own);
+    bool known = is_catalogue(ops) && ops->own_->roundings && ops->own_->roundings(w->s.self, &w->shared, 1, (sgt_points){{&p.x, &p.y, &p.z}}, &f, &own);
     if (!(known && own >= 0) && ops->rounding) own = ops->rounding(w->s.self, p);
     return own >= 0 ? own : is_catalogue(ops) ? HUGE_VAL : 0; /* a bound that is none is none */
 }
@@ -60,7 +60,7 @@ bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, doub
         return *tau_err < HUGE_VAL;
     }
     if (w->least > 0) {
-        certified c = certified_of(at->tau, at->g, at->at.place + own_rounding(w, at->p, at->g), w->least, lo, hi);
+        certified c = certified_of(at->tau, at->g, at->glanced ? at->at.place + own_rounding(w, at->p, at->g) : at->g_err, w->least, lo, hi);
         *tau_err = c.tau_err, *past = at->tau + c.tau_err;
         if (c.inside) return true;
     }

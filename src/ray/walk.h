@@ -24,6 +24,7 @@ typedef struct walk {
     bool off;       /* the root that does not count can be told not to */
     double least;   /* a bound from below on |g'| all along the stretch, which has one root at most; 0: not known */
     double rim2;    /* of the surface's rim; infinite where there is none */
+    sgt_shared shared; /* of the surface, where it shares */
 } walk;
 
 /* No more is to be asked: stopped, spent, or found what was wanted. */

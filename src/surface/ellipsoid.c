@@ -88,10 +88,10 @@ static void shell_roundings(const shell *shared, size_t n, sgt_points p, double 
     LANES for (size_t i = 0; i < n; i++) out[i] = shell_rounding(&s, x[i], y[i], z[i]);
 }
 
-static bool ellipsoid_roundings(const void *self, size_t n, sgt_points p, const double f[], double out[])
+static bool ellipsoid_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[])
 {
     shell s = shell_of(self);
-    (void)f;
+    (void)f, (void)shared;
     shell_roundings(&s, n, p, out);
     return true;
 }

@@ -36,38 +36,40 @@ SGT_INLINE base base_at(double c, double k, double x, double y)
 
 SGT_CLONES_WIDE
 static void on_conic(size_t n, double c, double k, const double *restrict x, const double *restrict y, const double *restrict z,
-                     const double *restrict p, const double *restrict px, const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy)
+                     const double *restrict p, const double *restrict px, const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy,
+                     double *restrict fz)
 {
     LANES for (size_t i = 0; i < n; i++) {
         base e = base_at(c, k, x[i], y[i]);
         f[i] = z[i] - (e.sag + p[i]);
         fx[i] = -(e.by_r * x[i] + px[i]);
         fy[i] = -(e.by_r * y[i] + py[i]);
+        fz[i] = 1;
     }
 }
 
 SGT_CLONES_WIDE
 static void on_plane(size_t n, const double *restrict z, const double *restrict p, const double *restrict px, const double *restrict py,
-                     double *restrict f, double *restrict fx, double *restrict fy)
+                     double *restrict f, double *restrict fx, double *restrict fy, double *restrict fz)
 {
     LANES for (size_t i = 0; i < n; i++) {
         f[i] = z[i] - p[i];
         fx[i] = -px[i];
         fy[i] = -py[i];
+        fz[i] = 1;
     }
 }
 
 void sgt_freeform_values(const freeform *s, size_t n, sgt_points at, sgt_values out)
 {
-    double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK], unwanted[2][FREEFORM_BLOCK];
+    double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK], unwanted[3][FREEFORM_BLOCK];
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;
         const double *x = at.p[0] + i, *y = at.p[1] + i, *z = at.p[2] + i;
-        double *fx = out.grad[0] ? out.grad[0] + i : unwanted[0], *fy = out.grad[0] ? out.grad[1] + i : unwanted[1];
+        double *fx = out.grad[0] ? out.grad[0] + i : unwanted[0], *fy = out.grad[0] ? out.grad[1] + i : unwanted[1], *fz = out.grad[0] ? out.grad[2] + i : unwanted[2];
         s->of->at(s->self, few, x, y, (sag_values){p, px, py});
-        if (s->base) on_conic(few, s->c, s->k, x, y, z, p, px, py, out.f + i, fx, fy);
-        else on_plane(few, z, p, px, py, out.f + i, fx, fy);
-        for (size_t j = 0; out.grad[0] && j < few; j++) out.grad[2][i + j] = 1;
+        if (s->base) on_conic(few, s->c, s->k, x, y, z, p, px, py, out.f + i, fx, fy, fz);
+        else on_plane(few, z, p, px, py, out.f + i, fx, fy, fz);
     }
 }
 
@@ -104,12 +106,10 @@ static void roundings_within(size_t n, double c, double k, double most2, double 
     }
 }
 
-bool sgt_freeform_roundings(const freeform *s, size_t n, sgt_points p, const double f[], double out[])
+bool sgt_freeform_roundings(const sgt_shared *s, size_t n, sgt_points p, const double f[], double out[])
 {
-    double rim2 = rim2_of(s->semi_diameter), most2 = rim2 * (1 + 0x1p-20), e[2] = {(double)NAN, (double)NAN};
-    if (s->of->noise && rim2 < HUGE_VAL) s->of->noise(s->self, sqrt(most2) * (1 + 0x1p-40), e);
-    if (!(e[0] + e[1] < HUGE_VAL)) return false;
-    roundings_within(n, s->base ? s->c : 0, s->base ? s->k : 0, most2, e[0], e[1], p.p[0], p.p[1], p.p[2], f, out);
+    if (!(s->noise[0] + s->noise[1] < HUGE_VAL)) return false;
+    roundings_within(n, s->base_c, s->base_k, s->most2, s->noise[0], s->noise[1], p.p[0], p.p[1], p.p[2], f, out);
     return true;
 }
 
@@ -153,13 +153,12 @@ SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sg
     return (spanned){lo, hi, seed, chosen(MASK(least > 0) & ~none, least, 0)};
 }
 
-/* What all the rays of a call share. */
-typedef struct shared { double c, k1, radius2, steep; } shared;
-
-static shared shared_of(const freeform *s)
+void sgt_freeform_share(const freeform *s, sgt_shared *shared)
 {
     double rim2 = rim2_of(s->semi_diameter), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
-    shared e = {s->c, 1 + s->k, domain2, HUGE_VAL};
+    sgt_shared e = {.c = s->c, .k1 = 1 + s->k, .radius2 = domain2, .steep = HUGE_VAL, .base_c = s->base ? s->c : 0, .base_k = s->base ? s->k : 0,
+                    .most2 = rim2 * (1 + 0x1p-20), .noise = {(double)NAN, (double)NAN}};
+    if (s->of->noise && rim2 < HUGE_VAL) s->of->noise(s->self, sqrt(e.most2) * (1 + 0x1p-40), e.noise);
     if (rim2 > 0 && domain2 == rim2) {
         double r = rim2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT, phi2 = 1 - (1 + s->k) * s->c * s->c * (r * r);
         double conic = !s->base ? 0 : phi2 > 0x1p-30 ? fabs(s->c) * r / sqrt(phi2) : HUGE_VAL; /* it grows with r */
@@ -170,37 +169,35 @@ static shared shared_of(const freeform *s)
         if (defined == 1 && steep < 0x1p500) e.steep = steep * (1 + 0x1p-20);
     }
     if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2)) e.radius2 = s->reach * s->reach * (1 + 0x1p-40);
-    return e;
+    *shared = e;
 }
 
 SGT_CLONES_WIDE
-static void all_spans(const shared *self, size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz,
+static void all_spans(const sgt_shared *self, size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz,
                       const double *restrict dx, const double *restrict dy, const double *restrict dz, double *restrict lo, double *restrict hi,
                       double *restrict seed, double *restrict least)
 {
-    const shared s = *self;
+    const sgt_shared s = *self;
     LANES for (size_t i = 0; i < n; i++) {
         spanned e = span_of(s.c, s.k1, s.radius2, s.steep, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
         lo[i] = e.lo, hi[i] = e.hi, seed[i] = e.seed, least[i] = e.least;
     }
 }
 
-void sgt_freeform_spans(const freeform *s, size_t n, sgt_rays r, sgt_spans out, double *least)
+void sgt_freeform_spans(const sgt_shared *s, size_t n, sgt_rays r, sgt_spans out, double *least)
 {
-    shared e = shared_of(s);
     double own[FREEFORM_BLOCK];
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;
         double *to = least ? least + i : own;
-        all_spans(&e, few, r.o[0] + i, r.o[1] + i, r.o[2] + i, r.d[0] + i, r.d[1] + i, r.d[2] + i, out.lo + i, out.hi + i, out.seed + i, to);
-        for (size_t j = 0; j < few; j++) out.single[i + j] = to[j] > 0;
+        all_spans(s, few, r.o[0] + i, r.o[1] + i, r.o[2] + i, r.d[0] + i, r.d[1] + i, r.d[2] + i, out.lo + i, out.hi + i, out.seed + i, to);
+        for (size_t j = 0; out.single && j < few; j++) out.single[i + j] = to[j] > 0;
     }
 }
 
-sgt_span sgt_freeform_span(const freeform *s, const sgt_ray *ray, double *least)
+sgt_span sgt_freeform_span(const sgt_shared *s, const sgt_ray *ray, double *least)
 {
-    shared e = shared_of(s);
-    spanned a = span_of(e.c, e.k1, e.radius2, e.steep, ray->o, ray->d);
+    spanned a = span_of(s->c, s->k1, s->radius2, s->steep, ray->o, ray->d);
     if (least) *least = a.least;
     return (sgt_span){a.lo, a.hi, a.seed, a.least > 0};
 }

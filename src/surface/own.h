@@ -84,6 +84,9 @@ static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
 enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_HARD = -100, SGT_NOT_ALONE = 1 };
 typedef struct sgt_tile { size_t n; sgt_rays rays; const double *t_tol; sgt_hits hits; } sgt_tile;
 
+/* What the rays and points of one surface share, worked out once for many (share): its use is the surface's own. */
+typedef struct sgt_shared { double c, k1, radius2, steep, base_c, base_k, most2, noise[2]; } sgt_shared;
+
 struct sgt_own {
     sgt_hit (*meet)(const void *self, const sgt_ray *ray, const sgt_options *opt);
     /* SGT_INVALID, or zero with every entry added. */
@@ -102,13 +105,15 @@ struct sgt_own {
 
     /* Without `meet`.  {NULL, NULL} where every parameter is valid, as in sgt_builtin; required. */
     sgt_objection (*object)(const void *self);
+    /* What `roundings`, `span` and `spans` are to be given; NULL: nothing. */
+    void (*share)(const void *self, sgt_shared *shared);
     /* A bound as `rounding` gives it, at n points where F is f, in lanes, NaN where it is not known.  NULL, or false, always of one surface:
      * it knows none, and `rounding` is to be asked. */
-    bool (*roundings)(const void *self, size_t n, sgt_points p, const double f[], double out[]);
-    /* As `span` and `spans`, and of rays whose span is single *least, a bound from below on |dF/dtau| all along it, tau in
+    bool (*roundings)(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[]);
+    /* As `span` and `spans`, and of rays whose span is single (spans: no others, and out.single may be NULL) *least, a bound from below on |dF/dtau| all along it, tau in
      * lengths of d made 1 ... 2 by a power of two (scale_of), or 0: with it a root needs no look at either side.  NULL: as 0. */
-    sgt_span (*span)(const void *self, const sgt_ray *ray, double *least);
-    void (*spans)(const void *self, size_t n, sgt_rays rays, sgt_spans out, double least[]);
+    sgt_span (*span)(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least);
+    void (*spans)(const void *self, const sgt_shared *shared, size_t n, sgt_rays rays, sgt_spans out, double least[]);
     /* Its semi_diameter; NULL: it has no rim. */
     double (*rim)(const void *self);
     /* The sag without its conic base (freeform.h), with or without `meet`; NULL: it has none that can be told apart. */

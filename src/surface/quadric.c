@@ -79,11 +79,11 @@ static double quadric_rounding(const void *self, sgt_vec3 p)
 }
 
 SGT_CLONES_WIDE
-static bool quadric_roundings(const void *self, size_t n, sgt_points p, const double f[], double out[])
+static bool quadric_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[])
 {
     const sgt_quadric sizes = sizes_of(self);
     const double *x = p.p[0], *y = p.p[1], *z = p.p[2];
-    (void)f;
+    (void)f, (void)shared;
     LANES for (size_t i = 0; i < n; i++) out[i] = sizes_rounding(&sizes, x[i], y[i], z[i]);
     return true;
 }

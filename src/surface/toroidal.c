@@ -194,13 +194,21 @@ static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds
     return !some ? 0 : whole ? 1 : -1;
 }
 
+/* In slices only where one rectangle, with its corners beyond the rim, is steep. */
+static int toroidal_over(const sgt_toroidal *a, const region *where, bounds *out, sgt_interval *range, double *q_most, double *m_least)
+{
+    double x = sgt_interval_greatest(where->x), y = sgt_interval_greatest(where->y), r = where->r_hi;
+    int defined = sliced(a, where, 1, out, range, q_most, m_least);
+    if (defined && !(defined == 1 && out->steep < TOROIDAL_GENTLE) && x * x + y * y > r * r * (1 + 0x1p-20)) return sliced(a, where, TOROIDAL_SLICES, out, range, q_most, m_least);
+    return defined;
+}
+
 static int toroidal_bounds(const void *self, region *where, bounds *out)
 {
     const sgt_toroidal *a = self;
-    double q_most, m_least, x = sgt_interval_greatest(where->x), y = sgt_interval_greatest(where->y), r = where->r_hi;
+    double q_most, m_least;
     sgt_interval range;
-    int defined = sliced(a, where, 1, out, &range, &q_most, &m_least);
-    if (defined && !(defined == 1 && out->steep < TOROIDAL_GENTLE) && x * x + y * y > r * r * (1 + 0x1p-20)) defined = sliced(a, where, TOROIDAL_SLICES, out, &range, &q_most, &m_least);
+    int defined = toroidal_over(a, where, out, &range, &q_most, &m_least);
     if (defined != -1) return defined;
     sgt_interval one = {1, 1}, A = sgt_interval_product(sgt_interval_sum(one, sgt_interval_of(a->k)), sgt_interval_square(sgt_interval_of(a->c)));
     sgt_interval far = sgt_interval_quotient(sgt_interval_of(q_most), sgt_interval_absolute(sgt_interval_of(a->c_x)));
@@ -218,7 +226,7 @@ static void toroidal_noise(const void *self, double radius, double e[2])
     bounds most;
     sgt_interval range;
     double q, m, second, first = magnitude(terms_of(a), a->a, r2, &second);
-    if (!(phi2 > 0x1p-20) || sliced(a, &where, TOROIDAL_SLICES, &most, &range, &q, &m) != 1 || !(m > 0x1p-10 * q)) return;
+    if (!(phi2 > 0x1p-20) || toroidal_over(a, &where, &most, &range, &q, &m) != 1 || !(m > 0x1p-10 * q)) return;
     double conic = fabs(a->c) / (1 + phi), w_err = u * (5 * fabs(bent) + 4 + 4 * fabs(bent)) / (1.99 * phi * (1 + phi)) + 3 * u;
     double z = conic + first, z_err = conic * (4 * u + w_err) + 4 * u * first + u * z; /* over y^2 */
     double q_err = c_x * z_err * r2 + u * (c_x * z * r2 + q), m_err = (2 * q * (q_err + 2 * u * q) + q * (q_err + 3 * u * q) + 4 * u * q * q) / (1.99 * m) + 2 * u * q;

@@ -137,11 +137,11 @@ static double torus_rounding(const void *self, sgt_vec3 p)
 }
 
 SGT_CLONES_WIDE
-static bool torus_roundings(const void *self, size_t n, sgt_points p, const double f[], double out[])
+static bool torus_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[])
 {
     const ring s = ring_of(self);
     const double *x = p.p[0], *y = p.p[1], *z = p.p[2];
-    (void)f;
+    (void)f, (void)shared;
     if (s.spindle) {
         LANES for (size_t i = 0; i < n; i++) out[i] = spindle_rounding(&s, x[i], y[i], z[i]);
     } else {

@@ -106,7 +106,7 @@ std::vector<Subject> subjects(Kept &kept)
         { "q_bfs, 8", "q_bfs", { &sgt_q_bfs_ops, kept.keep(sgt_q_bfs{ C, RIM, RIM, kept.list(8, 0.01) }) }, true },
         { "grid, 64 x 64", "grid", { &sgt_grid_ops, grid(kept, 64) }, true },
         { "grid, 512 x 512", "grid", { &sgt_grid_ops, grid(kept, 512) }, true },
-        { "sum, of zernike 16 and even_asphere", "sum", { &sgt_sum_ops, kept.keep(sgt_sum{ C, K, RIM, both->data(), both->size() }) }, true },
+        { "sum, zernike 16 + even_asphere", "sum", { &sgt_sum_ops, kept.keep(sgt_sum{ C, K, RIM, both->data(), both->size() }) }, true },
         { "quadric", "quadric", { &sgt_quadric_ops, kept.keep(saddle) }, false },
         { "torus", "torus", { &sgt_torus_ops, kept.keep(sgt_torus{ 2, 1.5 }) }, false },
         { "ellipsoid", "ellipsoid", { &sgt_ellipsoid_ops, kept.keep(sgt_ellipsoid{ 5, 0.2 }) }, false },
