@@ -31,6 +31,11 @@ extern SGT_API const sgt_surface_ops sgt_conic_ops, sgt_asphere_ops;
 
 /* ------------------------------------------------- sags that are not of revolution, or not even
  *
+ * From here on surfaces are met by their operations, as a user's are, with bounds that are rigorous of F; what rounding of the point
+ * does to F is taken to first order, but under a proof, which takes nothing so.  A batch is fast where semi_diameter is given
+ * and the gradient within it is not too steep for the ray to be met twice; so is a single ray.  Without semi_diameter a miss is often
+ * SGT_UNPROVEN on a ray without an end, and so is a first root on one without a beginning.
+ *
  * A departure P(x, y) on a conic base: s = c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + P, with c, k and
  * semi_diameter as above.  A row that is invalid answers SGT_INVALID: a number that is not finite, a negative
  * semi_diameter, a normalisation that is not above 0, a list longer than said.
