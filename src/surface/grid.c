@@ -175,7 +175,7 @@ static void differences(const double *a, size_t columns, size_t rows, size_t n, 
         double *v = w[p];
         for (size_t q = 0, left = n; q < orders[p] && left > 0; q++, left--) {
             double greatest_yet = most[p][q];
-            _Pragma("omp simd reduction(max:greatest_yet)") for (size_t k = 0; k < left; k++) greatest_yet = larger(fabs(v[k]), greatest_yet);
+            for (size_t k = 0; k < left; k++) greatest_yet = larger(fabs(v[k]), greatest_yet);
             most[p][q] = greatest_yet;
             for (size_t k = 0; k + 1 < left; k++) v[k] = v[k + 1] - v[k];
         }

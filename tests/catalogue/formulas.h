@@ -296,7 +296,7 @@ private:
     {
         quad sum = 0;
         for (std::size_t i = 0; i < points; i++) sum += slope(i, q[i], dq[i]) * slope(i, r[i], dr[i]);
-        return sum / points;
+        return sum / static_cast<int>(points);
     }
     void extend(int most)
     {

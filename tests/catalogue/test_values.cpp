@@ -261,7 +261,7 @@ void order_100(generator &g, int points)
     s.s = {&sgt_zernike_ops, s.keep(sgt_zernike{0, 0, 0, 1, SGT_NOLL, 0, s.numbers(1, terms, a)})};
     std::vector<quad> cosine(4 * nodes);
     for (int i = 0; i < nodes; i++) { // of 2 pi i / nodes, by way of a quarter
-        const quad turn = quad(4 * i) / nodes;
+        const quad turn = quad(4 * i) / static_cast<int>(nodes);
         const int quarter = static_cast<int>(turn);
         const quad rest = half_pi() * (turn - quarter), c = sine(half_pi() - rest), d = sine(rest);
         cosine[static_cast<std::size_t>(i)] = quarter == 0 ? c : quarter == 1 ? -d : quarter == 2 ? -c : d;
@@ -278,7 +278,7 @@ void order_100(generator &g, int points)
             complex<number> turned = w;
             for (std::size_t n = 0; n <= order; n++, turned = turned * w) {
                 const number of_n = turned.im / beside;
-                for (std::size_t m = n % 2; m <= n; m += 2) R[n][m] = R[n][m] + of_n * (cosine[k * m % nodes] / nodes);
+                for (std::size_t m = n % 2; m <= n; m += 2) R[n][m] = R[n][m] + of_n * (cosine[k * m % nodes] / static_cast<int>(nodes));
             }
         }
         std::vector<complex<number>> angle = {{number(quad(1)), number(quad(0))}};

@@ -44,7 +44,6 @@ struct nested {
     friend nested operator+(double a, const nested &b) { return nested(a) + b; }
     friend nested operator-(double a, const nested &b) { return nested(a) - b; }
     friend nested operator*(double a, const nested &b) { return nested(a) * b; }
-    friend nested operator/(double a, const nested &b) { return nested(a) / b; }
     friend nested operator+(const nested &a, double b) { return a + nested(b); }
     friend nested operator-(const nested &a, double b) { return a - nested(b); }
     friend nested operator*(const nested &a, double b) { return a * nested(b); }
