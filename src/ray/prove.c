@@ -105,7 +105,7 @@ static place place_of(proof *w, double t, double t_err)
     const sgt_ray *ray = w->ray;
     double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d);
     local q = {.scale = scale, .l = ray->d.x * scale, .m = ray->d.y * scale, .n = ray->d.z * scale, .t0 = t * inverse};
-    place at = {.p = {moved(ray->o.x, q.t0, q.l), moved(ray->o.y, q.t0, q.m), moved(ray->o.z, q.t0, q.n)}};
+    place at = {.p = {moved_along(ray->o.x, q.t0, q.l), moved_along(ray->o.y, q.t0, q.m), moved_along(ray->o.z, q.t0, q.n)}};
     at.f = w->s.ops->value(w->s.self, at.p, &at.n);
     around a = around_of(at.p.x, at.p.y, at.p.z, q.l, q.m, q.n, 0, at.p, at.n, 0);
     at.terms = fabs(at.p.x * at.n.x) + fabs(at.p.y * at.n.y) + fabs(at.p.z * at.n.z);
@@ -237,7 +237,7 @@ static double guess(proof *w, sgt_interval n)
     const sgt_ray *ray = w->ray;
     double t = sgt_interval_middle(n), last = n.hi - n.lo;
     for (int i = 0; i < GUESSES && !over(w); i++) {
-        sgt_vec3 grad = {0, 0, 0}, p = {moved(ray->o.x, t, ray->d.x), moved(ray->o.y, t, ray->d.y), moved(ray->o.z, t, ray->d.z)};
+        sgt_vec3 grad = {0, 0, 0}, p = {moved_along(ray->o.x, t, ray->d.x), moved_along(ray->o.y, t, ray->d.y), moved_along(ray->o.z, t, ray->d.z)};
         double f = w->s.ops->value(w->s.self, p, &grad), slope = grad.x * ray->d.x + grad.y * ray->d.y + grad.z * ray->d.z, step = f / slope, next = t - step;
         tell(&w->told, SGT_NEWTON, t, f, slope, n.lo, n.hi);
         if (!(next >= n.lo && next <= n.hi && fabs(step) <= 0.6 * last)) break;

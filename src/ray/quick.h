@@ -21,26 +21,6 @@ enum { QUICK_STEPS = 12, PROBES = 3, MARCH_STEPS = 64 };
 
 /* ------------------------------------------------------------ the ray made local */
 
-/* One coordinate of o + t0 d.  The product is hi + lo exactly, so is the sum of o and its hi.  Where they cancel to
- * less than half of the greater, that sum has no lo (Sterbenz 1974) and the product's own is added with one rounding;
- * else both lo are below 2 u of the result, and rounding them costs 4 u^2: right to u (1 + 4 u) of itself. */
-SGT_INLINE double moved(double o, double t0, double d)
-{
-    twofold p = two_product(t0, d), s = two_sum(o, p.hi);
-    return s.hi + (s.lo + p.lo);
-}
-
-/* 1 / scale_of(d), exactly: the power of two in its largest component. */
-SGT_INLINE double inverse_of_scale(sgt_vec3 d)
-{
-    double big = larger(fabs(d.x), larger(fabs(d.y), fabs(d.z)));
-    unsigned long long bits;
-    memcpy(&bits, &big, sizeof bits);
-    bits &= 0x7ff0000000000000ULL;
-    memcpy(&big, &bits, sizeof big);
-    return big;
-}
-
 typedef struct approach {
     local q;
     double inverse;     /* 1 / q.scale, exactly */
@@ -78,7 +58,7 @@ SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
     t0 = t0 < lo ? lo : t0;
     t0 = t0 > hi ? hi : t0;
     a.q.t0 = t0, a.q.t0_lo = 0, a.q.t0_err = 0;
-    a.q.x = moved(o.x, t0, a.q.l), a.q.y = moved(o.y, t0, a.q.m), a.q.z = moved(o.z, t0, a.q.n);
+    a.q.x = moved_along(o.x, t0, a.q.l), a.q.y = moved_along(o.y, t0, a.q.m), a.q.z = moved_along(o.z, t0, a.q.n);
     a.q.xa = fabs(a.q.x), a.q.ya = fabs(a.q.y), a.q.za = fabs(a.q.z);
     a.known = (a.q.x - a.q.x) + (a.q.y - a.q.y) + (a.q.z - a.q.z) == 0;
     a.from_tmin = !(from > tmin);

@@ -125,8 +125,7 @@ SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sg
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m, inverse = 1 / a;
     /* the chord, from the point nearest the axis, and again from there */
     double t0 = -(o.x * l + o.y * m) * inverse;
-    twofold px = two_product(t0, l), py = two_product(t0, m), sx = two_sum(o.x, px.hi), sy = two_sum(o.y, py.hi);
-    double x = sx.hi + (sx.lo + px.lo), y = sy.hi + (sy.lo + py.lo);
+    double x = moved_along(o.x, t0, l), y = moved_along(o.y, t0, m);
     double middle = -(x * l + y * m) * inverse, cross = x * m - y * l, near2 = cross * cross * inverse;
     double half2 = (radius2 * (1 + 0x1p-39) - near2 * (1 - 0x1p-40)) * inverse;
     double half = sqrt(half2) * (1 + 0x1p-40) + 0x1p-49 * (fabs(middle) + fabs(t0));

@@ -155,34 +155,16 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
     static sgt_span NAME##_span(const void *self, const sgt_ray *ray) { return NAME##_alone(self, ray, false); }           \
     static sgt_span NAME##_first(const void *self, const sgt_ray *ray) { return NAME##_alone(self, ray, true); }
 
-/* o + t d, one coordinate, with the product split. */
-SGT_INLINE double quadratic_moved(double o, double t, double d)
-{
-    twofold p = two_product(t, d), s = two_sum(o, p.hi);
-    return s.hi + (s.lo + p.lo);
-}
-
-/* 1 / scale_of(d). */
-SGT_INLINE double quadratic_inverse(sgt_vec3 d)
-{
-    double big = larger(fabs(d.x), larger(fabs(d.y), fabs(d.z)));
-    unsigned long long bits;
-    memcpy(&bits, &big, sizeof bits);
-    bits &= 0x7ff0000000000000ULL;
-    memcpy(&big, &bits, sizeof big);
-    return big;
-}
-
 SGT_INLINE near_ray near_ray_of(sgt_vec3 d)
 {
     double scale = scale_of(d);
-    return (near_ray){.d = {d.x * scale, d.y * scale, d.z * scale}, .scale = scale, .inverse = quadratic_inverse(d)};
+    return (near_ray){.d = {d.x * scale, d.y * scale, d.z * scale}, .scale = scale, .inverse = inverse_of_scale(d)};
 }
 
 SGT_INLINE void near_ray_at(near_ray *r, sgt_vec3 o, double t0)
 {
     r->t0 = t0;
-    r->x = (sgt_vec3){quadratic_moved(o.x, t0, r->d.x), quadratic_moved(o.y, t0, r->d.y), quadratic_moved(o.z, t0, r->d.z)};
+    r->x = (sgt_vec3){moved_along(o.x, t0, r->d.x), moved_along(o.y, t0, r->d.y), moved_along(o.z, t0, r->d.z)};
 }
 
 /* ------------------------------------------------------------------ by intervals
@@ -218,7 +200,7 @@ SGT_INLINE double fine_end(double t, double by, double outward)
 
 SGT_INLINE bool fine_ray_of(const sgt_ray *ray, sgt_interval t, fine_ray *r)
 {
-    double scale = scale_of(ray->d), inverse = quadratic_inverse(ray->d), lo = fine_end(t.lo, inverse, -1), hi = fine_end(t.hi, inverse, 1), far = 0x1p390;
+    double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d), lo = fine_end(t.lo, inverse, -1), hi = fine_end(t.hi, inverse, 1), far = 0x1p390;
     double mid = fabs(lo) < far ? (fabs(hi) < far ? 0.5 * lo + 0.5 * hi : lo) : fabs(hi) < far ? hi : 0;
     r->l = ray->d.x * scale, r->m = ray->d.y * scale, r->n = ray->d.z * scale, r->inverse = inverse;
     if (!(scale > 0x1p-1000 && scale < 0x1p1000)) return false;

@@ -50,6 +50,26 @@ SGT_INLINE double scale_of(sgt_vec3 d)
     return big < 0x1p1023 ? scale : 0x1p-1023;
 }
 
+/* One coordinate of o + t0 d.  The product is hi + lo exactly, so is the sum of o and its hi.  Where they cancel to
+ * less than half of the greater, that sum has no lo (Sterbenz 1974) and the product's own is added with one rounding;
+ * else both lo are below 2 u of the result, and rounding them costs 4 u^2: right to u (1 + 4 u) of itself. */
+SGT_INLINE double moved_along(double o, double t0, double d)
+{
+    twofold p = two_product(t0, d), s = two_sum(o, p.hi);
+    return s.hi + (s.lo + p.lo);
+}
+
+/* 1 / scale_of(d), exactly: the power of two in its largest component. */
+SGT_INLINE double inverse_of_scale(sgt_vec3 d)
+{
+    double big = larger(fabs(d.x), larger(fabs(d.y), fabs(d.z)));
+    unsigned long long bits;
+    memcpy(&bits, &big, sizeof bits);
+    bits &= 0x7ff0000000000000ULL;
+    memcpy(&big, &bits, sizeof big);
+    return big;
+}
+
 /* The local origin where the ray meets the vertex plane; NaN where n = 0. */
 SGT_INLINE local local_at_vertex_plane(const sgt_ray *ray)
 {
