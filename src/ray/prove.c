@@ -1,4 +1,4 @@
-/* prove.c - what can be proven of a ray and a surface of a user, by its enclosure.
+/* prove.c - what can be proven of a ray and a surface that is met by its operations, by its enclosure.
  *
  * Without an enclosure a span that the ray passes by is all the proof there is; the answer is the estimate, told as
  * UNPROVEN.  With one, all that is said rests on the intervals it gives of g and g', in the ray's own t, with the ray
@@ -30,7 +30,11 @@
  * the geometric mean, as often as it takes: a ray is as long as its t can be told.
  *
  * ONE ROOT ALONE that need not be the first (SGT_PROVE_ROOT, near the seed or with span.single) is first looked for by the
- * estimate, with a few evaluations, and proven where that finds it; else it is the one nearest to the seed of all there are. */
+ * estimate, with a few evaluations, and proven where that finds it; else it is the one nearest to the seed of all there are.
+ *
+ * THE CAREFUL PATH of built-in surfaces that do not answer by themselves is the same search, no proof being asked for (general.c).
+ * Their rim, r^2 <= rim2, is a rule in computed numbers, as in sag.h; a root whose side of it its error hides is UNPROVEN under a
+ * proof. */
 #include "prove.h"
 
 #include "../solve/root.h"

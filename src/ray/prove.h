@@ -1,4 +1,4 @@
-/* prove.h - a ray and a surface of a user, where a proof is asked for: options.proof is not SGT_ESTIMATE. */
+/* prove.h - a ray and a surface that is met by its operations, where a proof is asked for: options.proof is not SGT_ESTIMATE. */
 #ifndef SGT_RAY_PROVE_H
 #define SGT_RAY_PROVE_H
 #include "general.h"

@@ -1,4 +1,4 @@
-/* sweep.c - many rays and a surface of a user: the quick form of quick.h with loops around it.
+/* sweep.c - many rays and a surface that is met by its operations: the quick form of quick.h with loops around it.
  *
  * Rays are taken LANES at a time, a number of each in a row of its own.  What the single ray does step by step is done
  * here phase by phase, each phase on the lanes that are still in it, moved to the front of the rows:
@@ -6,7 +6,7 @@
  *     march      where the first of several roots is wanted: equal steps, until two neighbours have unlike signs;
  *     Newton     from the seed, or from the secant of the two;
  *     ends       where that has failed and there is one root at most: the signs at the ends of the span;
- *     probes     the signs beside the root;
+ *     probes     the signs beside the root; where the slope along the span is bounded from below, that instead;
  *     taking     does it count, and what is told of it.
  * In each, the points are made (by the loop before, where it can), `values` is called for all of them at once, and a loop or two
  * look at the answers.
