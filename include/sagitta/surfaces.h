@@ -177,7 +177,7 @@ typedef enum sgt_kind {
     SGT_WHOLE,   /* an int */
     SGT_LIST,    /* sgt_numbers of one row, of up to count numbers */
     SGT_TABLE,   /* sgt_numbers, of up to count rows and count columns */
-    SGT_WORD,    /* an int: 1 for the first of the words in `unit`, which are parted by |, 2 for the second, ... */
+    SGT_WORD,    /* an int: 1 for the first of the words in `unit`, which are parted by |, 2 for the second, ...; 0: not given */
     SGT_TRUTH,   /* an int: 0 or 1 */
     SGT_TERMS    /* sgt_surface pointer, followed by a size_t: up to count surfaces */
 } sgt_kind;

@@ -3,8 +3,8 @@
  * F = z - (s + P), s = c r^2 / (1 + phi), phi^2 = 1 - (1 + k) c^2 r^2; grad F = (-(c x / phi + P_x), -(c y / phi + P_y), 1).
  *
  * THE SPAN.  Within the rim the ray's chord with the cylinder is found from the point of the ray that is nearest the axis, as
- * span.c does it, here without branches, for many rays at once; it is made longer by 16 u of where it is.  The seed is the conic's root near the vertex plane,
- * which a departure moves by little.  With L >= |grad (s + P)| all over the rim, and (l, m, n) the direction,
+ * span.c does it, here without branches, for many rays at once; it is made longer by 16 u of where it is.  The seed is
+ * the conic's root near the vertex plane, which a departure moves by little.  With L >= |grad (s + P)| all over the rim, and (l, m, n) the direction,
  *     g' = n - (s + P)_x l - (s + P)_y m,    |g' - n| <= L sqrt(l^2 + m^2):
  * where |n| is greater, g is monotone along the chord, one root is the only one, and F at a point of the chord says how far it
  * is at most.  L of the conic is c r / phi at the rim.

@@ -100,7 +100,7 @@ struct sgt_own {
      * NULL), unless it is the root that was met itself, and that of a tile never is; else 0.  Of other rays it is of no
      * account; hits and t_tol are not read.  true: all are alone.  NULL: the surface has but first roots. */
     bool (*alone)(const void *self, const sgt_tile *tile, double rim2, unsigned long long alone[], sgt_interval others[]);
-    /* The most rays the sweep takes in a tile, SGT_TILE ... SGT_MOST_TILE; 0: SGT_TILE. */
+    /* With or without `meet`: the most rays in a tile, SGT_TILE ... SGT_MOST_TILE; 0: SGT_TILE. */
     size_t tile;
 
     /* Without `meet`.  {NULL, NULL} where every parameter is valid, as in sgt_builtin; required. */
@@ -110,8 +110,9 @@ struct sgt_own {
     /* A bound as `rounding` gives it, at n points where F is f, in lanes, NaN where it is not known.  NULL, or false, always of one surface:
      * it knows none, and `rounding` is to be asked. */
     bool (*roundings)(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[]);
-    /* As `span` and `spans`, and of rays whose span is single (spans: no others, and out.single may be NULL) *least, a bound from below on |dF/dtau| all along it, tau in
-     * lengths of d made 1 ... 2 by a power of two (scale_of), or 0: with it a root needs no look at either side.  NULL: as 0. */
+    /* As `span` and `spans`, and of rays whose span is single *least, a bound from below on |dF/dtau| all along it, tau in
+     * lengths of d made 1 ... 2 by a power of two (scale_of), or 0: with it a root needs no look at either side.  Of
+     * `spans` it is above 0 just where the span is single, and out.single may be NULL.  NULL: as 0. */
     sgt_span (*span)(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least);
     void (*spans)(const void *self, const sgt_shared *shared, size_t n, sgt_rays rays, sgt_spans out, double least[]);
     /* Its semi_diameter; NULL: it has no rim. */
