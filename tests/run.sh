@@ -9,7 +9,8 @@ sh .ci/install gcc g++ libc6-dev meson pkg-config python3 \
     libyaml-dev libcairo2-dev libcmocka-dev \
     libceres-dev libeigen3-dev libgoogle-glog-dev libmpfr-dev libflint-arb-dev \
     libgeographiclib-dev proj-data \
-    libbenchmark-dev libboost-dev libgsl-dev
+    libbenchmark-dev libboost-dev libgsl-dev \
+    valgrind llvm
 
 if [ -f $build/build.ninja ]; then
     # What was not found before may have been installed since.
