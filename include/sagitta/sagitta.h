@@ -43,8 +43,9 @@ typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
  * the surface you may be on".  Precisely, a root t does not count where
  *     t <= tmin + t_err + 2^-48 (|x Fx| + |y Fy| + |z Fz|) / |grad F . d| + 2^-50 |t|,
  * the products taken at the root: no farther from tmin than 16 ulps in each
- * coordinate of a point on the surface can put it.  Give tmin = -INFINITY, or a
- * tmin a little less than zero, to have such a root.  At tmax a root counts if
+ * coordinate of a point on the surface can put it.  Where rounding hides how far that
+ * is (the gradient nearly vanishes), a root that it may be is UNPROVEN, never dropped.
+ * Give tmin = -INFINITY, or a tmin a little less than zero, to have such a root.  At tmax a root counts if
  * its computed t is at most tmax. */
 typedef struct sgt_ray { sgt_vec3 o, d; double tmin, tmax; } sgt_ray;
 

@@ -26,6 +26,10 @@
  * have not for certain unlike signs, it is a graze.  At tmin it does not count if no root in it could: the slope at
  * any is below max |S|, and that bounds from below how far from tmin a root that counts has to be.
  *
+ * THE START is told from the slope's certain bounds about the root and from the gradient of `value`.  Where rounding makes
+ * the terms of that gradient uncertain by more than half, a root that may be the start is UNPROVEN: near the line in which two
+ * planes meet, both the slope and the terms of `value` are nothing but rounding, and would drop a root far from tmin.
+ *
  * WITHOUT AN END.  The far stretch from T to DBL_MAX is asked as a whole, and if that does not decide it is divided by
  * the geometric mean, as often as it takes: a ray is as long as its t can be told.
  *
@@ -100,11 +104,25 @@ static sgt_interval newton_set(double m, sgt_interval g, sgt_interval slope)
 typedef struct place {
     taking h;
     sgt_vec3 p, n;
-    double f, terms, width; /* width: START_ULPS of the terms, of t */
-    double r2, off;         /* r^2, and how far it can be off */
+    double f, width;       /* width: START_ULPS of the terms, of t */
+    double least, most;    /* what it is at least, and at most */
+    double r2, off;        /* r^2, and how far it can be off */
 } place;
 
-static place place_of(proof *w, double t, double t_err)
+/* The least |x| in it. */
+static double least_of(sgt_interval x) { return x.lo > 0 ? x.lo : x.hi < 0 ? -x.hi : 0; }
+
+/* How far rounding of the gradient can move |x Fx| + |y Fy| + |z Fz|: a part of what it does to F, which is a sum of such terms,
+ * times the degree: 32 of it. */
+static double terms_err(const proof *w, sgt_vec3 p)
+{
+    double own = w->s.ops->rounding ? w->s.ops->rounding(w->s.self, p) : 0;
+    return own >= 0 ? 0x1p5 * own : HUGE_VAL;
+}
+
+/* slope: certain bounds of g' at the root, in the ray's own t.  The gradient of `value` is rounded, and where it nearly vanishes
+ * (where two planes meet, at the apex of a cone) its slope is nothing but rounding: it is taken within these bounds. */
+static place place_of(proof *w, double t, double t_err, sgt_interval slope)
 {
     const sgt_ray *ray = w->ray;
     double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d);
@@ -112,12 +130,15 @@ static place place_of(proof *w, double t, double t_err)
     place at = {.p = {moved_along(ray->o.x, q.t0, q.l), moved_along(ray->o.y, q.t0, q.m), moved_along(ray->o.z, q.t0, q.n)}};
     at.f = w->s.ops->value(w->s.self, at.p, &at.n);
     around a = around_of(at.p.x, at.p.y, at.p.z, q.l, q.m, q.n, 0, at.p, at.n, 0);
-    at.terms = fabs(at.p.x * at.n.x) + fabs(at.p.y * at.n.y) + fabs(at.p.z * at.n.z);
+    double least = least_of(slope) * scale, most = sgt_interval_greatest(slope) * scale, steep = fabs(a.slope);
+    double terms = fabs(at.p.x * at.n.x) + fabs(at.p.y * at.n.y) + fabs(at.p.z * at.n.z), err = terms_err(w, at.p), by = START_ULPS * scale;
+    a.slope = steep < least ? least : steep > most ? most : steep;
+    at.least = by * larger(terms - err, 0) / most, at.most = by * (terms + err) / least;
     at.h = taking_of(&q, 0, t_err * inverse, at.p, at.n, a, ray->tmin, ray->tmax, w->rim2);
     at.r2 = at.p.x * at.p.x + at.p.y * at.p.y;
     at.off = 1.01 * ((2 * (fabs(at.p.x) + fabs(at.p.y)) + at.h.p_err) * at.h.p_err + 4 * SGT_U * at.r2);
     at.h.t_err = larger(at.h.t_err, t_err);
-    at.width = START_ULPS * at.terms / fabs(a.slope) * scale + 8 * SGT_U * fabs(t);
+    at.width = by * terms / a.slope + 8 * SGT_U * fabs(t);
     tell(&w->told, SGT_PROBE, t, at.f, a.slope * inverse, t - t_err, t + t_err);
     return at;
 }
@@ -146,6 +167,28 @@ static void add(proof *w, sgt_status status, const place *at, double lo, double 
     added(w);
 }
 
+/* How far from tmin a root of the stretch has to be for it to count, at least.  x and Fx are looked at on both ends and between
+ * them: where neither changes its sign their product is not below the least of the three (of a quadric, whose gradient is linear;
+ * else as long as the stretch is short for where it is). */
+static double start_width(proof *w, sgt_interval at, sgt_interval slope)
+{
+    double t[3] = {at.lo, sgt_interval_middle(at), at.hi}, x[3][3], terms = 0, err = 0, far = 0;
+    sgt_vec3 d = w->ray->d;
+    for (int i = 0; i < 3; i++) {
+        place here = place_of(w, t[i], 0, sgt_interval_all());
+        const double p[3] = {here.p.x, here.p.y, here.p.z}, n[3] = {here.n.x, here.n.y, here.n.z};
+        for (int k = 0; k < 3; k++) x[k][i] = p[k] * n[k];
+        err = larger(err, terms_err(w, here.p)), far = larger(far, larger(fabs(p[0]), larger(fabs(p[1]), fabs(p[2]))));
+    }
+    if (!((at.hi - at.lo) * larger(fabs(d.x), larger(fabs(d.y), fabs(d.z))) <= 0x1p-10 * far)) return 0;
+    for (int k = 0; k < 3; k++) {
+        bool one = (x[k][0] > 0 && x[k][1] > 0 && x[k][2] > 0) || (x[k][0] < 0 && x[k][1] < 0 && x[k][2] < 0);
+        double a = fabs(x[k][0]), b = fabs(x[k][1]), c = fabs(x[k][2]), least = a < b ? a : b;
+        if (one) terms += c < least ? c : least;
+    }
+    return START_ULPS * larger(terms - err, 0) / sgt_interval_greatest(slope);
+}
+
 /* The undecided stretch, if there is one, ends. */
 static void flush(proof *w)
 {
@@ -159,14 +202,13 @@ static void flush(proof *w)
     sgt_interval g = ask(w, at, SGT_PROBE, &slope), middle = ask(w, number(t), SGT_PROBE, &steep);
     if (is_bounded(slope)) g = sgt_interval_intersection(g, sgt_interval_sum(middle, sgt_interval_product(slope, sgt_interval_difference(at, number(t)))));
     if (start && !whole && is_bounded(slope) && !over(w)) {
-        place here = place_of(w, t, 0);
-        if (at.hi - w->ray->tmin < START_ULPS * (1 - 0x1p-20) * here.terms / sgt_interval_greatest(slope)) return;
+        if (at.hi - w->ray->tmin < (1 - 0x1p-20) * start_width(w, at, slope)) return;
     }
     if (is_bounded(g) && is_bounded(middle) && is_bounded(steep) && sgt_interval_greatest(g) <= 8 * sgt_interval_width(middle) && (whole || !start)) {
         sgt_interval left = ask_at(w, at.lo, SGT_PROBE), right = ask_at(w, at.hi, SGT_PROBE);
         bool crosses = (left.lo > 0 && right.hi < 0) || (left.hi < 0 && right.lo > 0);
         if (!crosses && !over(w)) {
-            place here = place_of(w, t, whole ? 0 : sgt_interval_width(at) * (0.5 + 0x1p-40));
+            place here = place_of(w, t, whole ? 0 : sgt_interval_width(at) * (0.5 + 0x1p-40), sgt_interval_all());
             if (here.r2 - w->rim2 > here.off && !whole) return;
             if (!w->told.stopped && t <= w->ray->tmax && fabs(here.h.t) < HUGE_VAL && here.h.t_err < HUGE_VAL) {
                 add(w, SGT_GRAZE, &here, at.lo, at.hi);
@@ -191,8 +233,11 @@ static void undecided(proof *w, sgt_interval x)
 
 typedef enum verdict { NONE, ROOT, UNSURE } verdict;
 
-/* Is there one in n, and only one?  G is g at m.  *root is where it is, *only where no other is. */
-static verdict certify(proof *w, sgt_interval n, double m, sgt_interval G, sgt_interval *root, sgt_interval *only)
+/* Where a root is, where no other is, and the slope over all of that. */
+typedef struct certain { sgt_interval root, only, slope; } certain;
+
+/* Is there one in n, and only one?  G is g at m. */
+static verdict certify(proof *w, sgt_interval n, double m, sgt_interval G, certain *c)
 {
     n = sgt_interval_hull(n, number(m)); /* between m and the root the mean value theorem is used */
     double pad = sgt_interval_width(n) + 0x1p-51 * fabs(m) + DBL_TRUE_MIN;
@@ -200,10 +245,10 @@ static verdict certify(proof *w, sgt_interval n, double m, sgt_interval G, sgt_i
         sgt_interval slope, x = {-sgt_sum_above(-n.lo, pad), sgt_sum_above(n.hi, pad)};
         if (!has_zero(ask(w, x, SGT_PROBE, &slope))) return NONE;
         if (has_zero(slope) || !is_bounded(slope)) return UNSURE;
-        *root = newton_set(m, G, slope);
-        double t = sgt_interval_middle(*root), far = larger(sgt_sum_above(root->hi, -t), sgt_sum_above(t, -root->lo)) * (1 + 0x1p-48);
-        if (root->lo <= root->hi && sgt_interval_is_in(sgt_interval_about(t, far), x)) {
-            *only = x;
+        sgt_interval root = newton_set(m, G, slope);
+        double t = sgt_interval_middle(root), far = larger(sgt_sum_above(root.hi, -t), sgt_sum_above(t, -root.lo)) * (1 + 0x1p-48);
+        if (root.lo <= root.hi && sgt_interval_is_in(sgt_interval_about(t, far), x)) {
+            *c = (certain){root, x, slope};
             return ROOT;
         }
     }
@@ -211,8 +256,9 @@ static verdict certify(proof *w, sgt_interval n, double m, sgt_interval G, sgt_i
 }
 
 /* Told, if it counts. */
-static bool take(proof *w, sgt_interval root, sgt_interval only)
+static bool take(proof *w, const certain *c)
 {
+    sgt_interval root = c->root, only = c->only;
     if (root.lo <= w->last.hi) { /* the last one once more? */
         if (!sgt_interval_is_in(w->last, only)) return false;
         return true;
@@ -225,11 +271,15 @@ static bool take(proof *w, sgt_interval root, sgt_interval only)
     flush(w);
     if (over(w)) return true;
     double t = sgt_interval_middle(root), t_err = larger(sgt_sum_above(root.hi, -t), sgt_sum_above(t, -root.lo));
-    place at = place_of(w, t, t_err);
+    place at = place_of(w, t, t_err, c->slope);
     if (w->told.stopped) return true;
     w->last = root;
     sgt_interval about = sgt_about(at.h.t, at.h.t_err);
+    /* in computed numbers, as long as they say how far the start reaches; where rounding hides that, by what is certain */
+    double reach = root.hi - (w->ray->tmin + at.h.t_err + 8 * SGT_U * fabs(t));
+    bool hidden = w->ray->tmin > -HUGE_VAL && !(at.most <= 4 * at.least) && !(reach <= at.least) && !(root.lo - w->ray->tmin > 2 * at.h.t_err + at.most + 16 * SGT_U * fabs(t));
     if (w->told.opt->proof && w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* on the rim */
+    else if (hidden && !(root.lo > w->ray->tmax)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
     else if (at.h.counts && at.h.t == t) add(w, SGT_HIT, &at, about.lo, about.hi);
     else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width)) stretch(w, SGT_UNPROVEN, root.lo, root.hi);
     return true;
@@ -253,7 +303,7 @@ static double guess(proof *w, sgt_interval n)
 }
 
 /* The root of X, where g is monotone with a bounded slope; G is g at m. */
-static verdict contract(proof *w, sgt_interval x, sgt_interval slope, double m, sgt_interval G, sgt_interval *root, sgt_interval *only)
+static verdict contract(proof *w, sgt_interval x, sgt_interval slope, double m, sgt_interval G, certain *c)
 {
     sgt_interval n = x;
     for (int slow = 0, i = 0; !(G.lo > G.hi); i++) {
@@ -261,7 +311,7 @@ static verdict contract(proof *w, sgt_interval x, sgt_interval slope, double m, 
         if (sgt_interval_is_empty(next)) return NONE;
         slow += !(sgt_interval_width(next) <= 0.75 * sgt_interval_width(n));
         n = next;
-        if (has_zero(G) || slow > 1 || sgt_interval_width(n) <= w->told.opt->t_tol) return certify(w, n, m, G, root, only);
+        if (has_zero(G) || slow > 1 || sgt_interval_width(n) <= w->told.opt->t_tol) return certify(w, n, m, G, c);
         m = i == 0 ? guess(w, n) : sgt_interval_middle(n);
         G = ask_at(w, m, i == 0 ? SGT_NEWTON : SGT_BISECT);
         if (over(w)) break;
@@ -291,7 +341,8 @@ static double middle_of(const proof *w, sgt_interval x)
 /* false: the search is over, and X is not decided. */
 static bool look(proof *w, sgt_interval x, pieces *rest)
 {
-    sgt_interval slope, root, only, G = sgt_interval_all(), g = ask(w, x, SGT_MARCH, &slope);
+    sgt_interval slope, G = sgt_interval_all(), g = ask(w, x, SGT_MARCH, &slope);
+    certain c;
     if (!has_zero(g)) return true;
     if (over(w)) return false;
     double m = middle_of(w, x), past = m;
@@ -300,11 +351,11 @@ static bool look(proof *w, sgt_interval x, pieces *rest)
     if (asked) G = ask_at(w, m, SGT_MARCH);
     if (over(w)) return false;
     if (smooth && !has_zero(slope)) {
-        switch (contract(w, x, slope, m, G, &root, &only)) {
+        switch (contract(w, x, slope, m, G, &c)) {
         case NONE: return true;
         case ROOT:
-            if (!take(w, root, only)) break;
-            w->done = larger(x.hi, only.hi);
+            if (!take(w, &c)) break;
+            w->done = larger(x.hi, c.only.hi);
             return w->found || !over(w);
         case UNSURE: break;
         }
@@ -408,14 +459,14 @@ static sgt_options plain(const sgt_options *opt)
 static bool prove_estimate(proof *w, sgt_hit *hit)
 {
     sgt_options estimate = plain(w->told.opt);
-    sgt_interval root, only;
+    certain c;
     if (w->told.budget > QUICK) estimate.max_evals = QUICK;
     *hit = sgt_intersect_general(w->s, w->ray, &estimate);
     w->told.evals = hit->evals;
     if (hit->status <= 0) return hit->status == SGT_STOPPED;
     sgt_interval about = sgt_interval_about(hit->t, hit->t_err), G = ask_at(w, hit->t, SGT_PROBE);
     w->last.hi = w->told_dark = -HUGE_VAL;
-    if (certify(w, about, hit->t, G, &root, &only) == ROOT) take(w, root, only);
+    if (certify(w, about, hit->t, G, &c) == ROOT) take(w, &c);
     *hit = w->list->last;
     bool proven = w->list->count > 0 && hit->status > 0;
     w->list->count = 0, w->told.before = 0, w->found = false;
