@@ -27,7 +27,9 @@
  * the guess may be off: three cells, as a rule, to rounding.
  *
  * UNDER PROOF a root has to be in a monotone cell that is twice as long as [t - t_err, t + t_err]: then it is there, since
- * F changes sign, and the only one.  t_tol is not read (a change of sign over so much may be of three roots), nor is dt_min.
+ * F changes sign, and the only one.  From far away one ulp of t, and so t_err, may be wide for the set.  Then a shorter
+ * cell about the root is monotone, and the rest of [t - t_err, t + t_err] is covered by cells without a root.
+ * t_tol is not read (a change of sign over so much may be of three roots), nor is dt_min.
  *
  * THE FAST WAY, dt_min > 0: steps of the larger of dt_min and Hart's estimate A log(A / E) / (2 |dQ_N/dp|), F looked
  * at between them; a change of sign is a bracket for Newton's method.  Thin parts are passed by. */
@@ -99,6 +101,44 @@ bool sgt_level_alone(const orbit *o, path *w, const sgt_ray *ray, double t, doub
     return sgt_orbit_monotone(w, (t / q.scale - q.t0) + t_lo / q.scale, 2 * (t_err / q.scale));
 }
 
+enum { PROOF_CELLS = 256 }; /* of one side; some dozen, as a rule */
+
+/* No root lies in [lo, hi]; h: half the first cell.  false: some cell cannot tell. */
+static bool free_of_roots(walk *w, double lo, double hi, double h)
+{
+    course k = {.tau = lo, .hi = hi, .h = h};
+    for (int i = 0; k.tau < hi; i++) {
+        place at = lay(&k);
+        cell e;
+        if (i == PROOF_CELLS || spent(&w->told)) return false;
+        sgt_orbit_cell(&w->path, at.m, at.h, &e);
+        look_on(w, SGT_PROBE, at.m, k.tau, hi);
+        if (w->told.stopped) return false;
+        bool none = e.verdict == CELL_OUTSIDE || e.verdict == CELL_INSIDE;
+        if (e.verdict == CELL_MONOTONE) {
+            sighting n = sight_of(w->path.E * w->path.E, &e, at.h);
+            none = n.lo > at.h || n.hi < -at.h;
+        }
+        if (none) k.tau = at.end;
+        k.h = at.h * (none ? 2 : 0.5);
+    }
+    return true;
+}
+
+/* The root within tau_err of tau is the only one in [t - t_err, t + t_err]. */
+static bool only_root(walk *w, const meeting *h, double tau, double tau_err)
+{
+    double far = h->t_err / w->q.scale;
+    look_on(w, SGT_PROBE, tau, tau - 2 * far, tau + 2 * far);
+    if (w->told.stopped) return false;
+    if (sgt_level_alone(w->orbit, &w->path, w->ray, h->t, h->t_lo, h->t_err)) return true;
+    /* The ends, and the difference t / scale - t0, are rounded: each by an ulp of what is added here. */
+    double t = h->t / w->q.scale - w->q.t0, end = far + 0x1p-50 * (far + fabs(t)), half = 1.25 * far;
+    while (half > 1.1 * tau_err && !sgt_orbit_monotone(&w->path, tau, half)) half *= 0.5;
+    double inner = half * (1 - 0x1p-20) - 0x1p-50 * fabs(tau);
+    return inner > tau_err && free_of_roots(w, t - end, tau - inner, half) && free_of_roots(w, tau + inner, t + end, half);
+}
+
 /* A root within tau_err of tau, or a graze: an entry, unless it is before or after the ray's ends, or its
  * start.  false: the watcher has stopped the search before. */
 static bool add_root(walk *w, sgt_status status, double tau, double tau_err)
@@ -115,9 +155,9 @@ static bool add_root(walk *w, sgt_status status, double tau, double tau_err)
     }
     if (!root_counts(&h, &w->q, w->ray->tmin, w->ray->tmax)) return true;
     if (w->told.opt->proof != SGT_ESTIMATE && status == SGT_HIT) {
-        look_on(w, SGT_PROBE, tau, tau - 2 * tau_err, tau + 2 * tau_err);
+        bool only = only_root(w, &h, tau, tau_err);
         if (w->told.stopped) return false;
-        if (!sgt_level_alone(w->orbit, &w->path, w->ray, h.t, h.t_lo, h.t_err)) {
+        if (!only) {
             double far = h.t_err / w->q.scale;
             stretch(w, SGT_UNPROVEN, tau - far, tau + far);
             return true;

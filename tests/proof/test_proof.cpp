@@ -66,7 +66,7 @@ void print_roots(const answer &a, const ends &e)
 {
     int left = 12;
     for (const meeting &m : a.roots) if (left-- > 0)
-        std::printf("    root %s counts %d%s%s spread %.3g rim %.3g equator %.3g\n", text(m.t).c_str(), counting(m, e), m.edge ? " edge" : "", m.twice ? " twice" : "",
+        std::printf("    root %s (rounding %.3g) counts %d%s%s spread %.3g rim %.3g equator %.3g\n", text(m.t).c_str(), m.t_err, counting(m, e), m.edge ? " edge" : "", m.twice ? " twice" : "",
                     m.spread.rough(), m.near_rim, m.near_equator);
     for (const stretch &d : a.doubts) std::printf("    doubt %s .. %s\n", text(d.lo).c_str(), text(d.hi).c_str());
 }
@@ -103,6 +103,8 @@ const char *excuse(const oracle_of &q, const answer &a, const sgt_hit &h, const 
     for (std::size_t i = 1; i < a.roots.size(); i++) {
         const ball apart = a.roots[i].t - a.roots[i - 1].t;
         if (less(apart, scaled(start_margin(a.roots[i]) + start_margin(a.roots[i - 1]), 3))) return "two roots as near as rounding";
+        // t_err is at least what rounding of F makes of t; of so many the slope has to keep its sign, by bounds of a cell
+        if (q.set && less(apart, ball(8 * (a.roots[i].t_err + a.roots[i - 1].t_err)))) return "two roots as near as the rounding of the orbit";
     }
     for (const meeting &m : a.roots) { // t +- t_err is as wide as an ulp of t
         static const char steep[] = "from far away the slope may change within an ulp of t";

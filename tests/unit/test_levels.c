@@ -377,6 +377,37 @@ static void test_touching(void **state)
     }
 }
 
+/* -------------------------------------------------------------- from afar */
+
+/* From afar an ulp of t is long beside the folds of the set.  A root is proven nevertheless where the next one is more than
+ * that away. */
+static void test_from_afar(void **state)
+{
+    (void)state;
+    generator g = seeded("from afar");
+    static const sgt_proof proofs[] = {SGT_PROVE_ROOT, SGT_PROVE_FIRST};
+    long n = scaled(1000), met = 0;
+    for (long i = 0; i < n; i++) {
+        sgt_julia s = {.iterations = 6 + below(&g, 15), .escape = chance(&g, 0.5) ? 0 : 3};
+        for (int k = 0; k < 4; k++) s.c[k] = uniform(&g, -0.8, 0.8);
+        sgt_vec3 at = random_point(&g, 0.8), d = random_direction(&g);
+        double away = log_uniform(&g, 1e8, 1e12);
+        sgt_ray ray = {.o = {at.x - away * d.x, at.y - away * d.y, at.z - away * d.z}, .d = d};
+        sgt_hit all[2];
+        int count = sgt_intersect_all(julia_surface(&s), ray, 2, all, NULL);
+        if (count < 1 || all[0].status != SGT_HIT) continue;
+        if (count > 1 && (all[1].status != SGT_HIT || all[1].t - all[1].t_err <= all[0].t + 2 * all[0].t_err)) continue;
+        met++;
+        for (size_t k = 0; k < COUNT_OF(proofs); k++) {
+            sgt_hit hit = sgt_intersect(julia_surface(&s), ray, &(sgt_options){.proof = proofs[k]});
+            REQUIRE(hit.status == SGT_HIT && hit.t == all[0].t,
+                "case %ld, from %g away: the first root, %.17g +- %g, is %s under proof %d", i, away, all[0].t, all[0].t_err,
+                sgt_status_text(hit.status), proofs[k]);
+        }
+    }
+    REQUIRE(10 * met > n, "only %ld of %ld rays are of use", met, n);
+}
+
 /* -------------------------------------------------------------- sgt_check */
 
 static void test_sound(void **state)
@@ -416,7 +447,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rows), cmocka_unit_test(test_one_by_one), cmocka_unit_test(test_of_one_mind), cmocka_unit_test(test_defaults),
-        cmocka_unit_test(test_spheres), cmocka_unit_test(test_on_the_axis), cmocka_unit_test(test_touching), cmocka_unit_test(test_sound),
+        cmocka_unit_test(test_spheres), cmocka_unit_test(test_on_the_axis), cmocka_unit_test(test_touching), cmocka_unit_test(test_from_afar),
+        cmocka_unit_test(test_sound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
