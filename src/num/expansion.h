@@ -72,6 +72,14 @@ static inline expansion expansion_negative(expansion a)
     return a;
 }
 
+/* o + (t0 + t) d, exactly. */
+static inline expansion expansion_along(double o, double d, double t0, double t)
+{
+    twofold p = two_product(t0, d), q = two_product(t, d);
+    double parts[] = {q.lo, p.lo, q.hi, p.hi, o};
+    return expansion_of_list(5, parts, 0);
+}
+
 /* The nearest double, or nearly; *err bounds what it leaves out. */
 static inline double expansion_value(const expansion *a, double *err)
 {

@@ -4,9 +4,11 @@
  *     0 is not in g         there is no root in it (nor where F is undefined all over);
  *     0 is not in g'        g is monotone: one root if the signs at the ends differ, none if they agree; the
  *                           signs must be certain, else the end is moved.
+ * From afar g is enclosed on a ray that begins near (prove.h, sgt_move_exactly), where there is one.
  * A cell that is neither is halved; where it cannot be, or where g has come within its own rounding,
  * it joins an undecided stretch, that ends with the next cell that is decided: unlike signs at its ends are
  * a crossing, and the hit speaks of the whole stretch; |g| within its rounding all over is a graze.  (Moore 1966; Hansen and Walster 2004, chapter 9.) */
+#include "prove.h"
 #include "walk.h"
 
 static bool excludes_zero(sgt_interval x) { return x.lo > 0 || x.hi < 0; }
@@ -25,6 +27,8 @@ void sgt_walk_cells(walk *w, double lo, double hi)
 {
     const local *q = &w->q;
     double tau = lo, h = 0.125 * (hi - lo), past;
+    sgt_ray near;
+    double away = fabs(q->t0) > 8 * larger(-lo, hi) ? sgt_move_exactly(w->ray, q->t0 * q->scale, &near) : 0, base = q->t0 - away / q->scale; /* exact: the two are near */
     point dark = {.tau = lo}, edge = dark; /* [dark, tau] is undecided; edge: of a certain sign, with no root between it and dark */
     double back = lo;                      /* no root between it and tau */
     sgt_interval seen = {0, 0}; /* g there */
@@ -35,11 +39,11 @@ void sgt_walk_cells(walk *w, double lo, double hi)
         double m = tau + h, end = tau + 2 * h;
         if (!(m > tau && end > m)) m = nextafter(tau, HUGE_VAL), end = nextafter(m, HUGE_VAL);
         /* outward by what t0 + tau and the scale can round */
-        double from = (q->t0 + tau) * q->scale, to = (q->t0 + end) * q->scale;
+        double from = (base + tau) * q->scale, to = (base + end) * q->scale;
         sgt_interval t = {larger(from - 0x1p-52 * fabs(from), -DBL_MAX), to + 0x1p-52 * fabs(to)}, slope = {(double)NAN, (double)NAN};
         if (!(t.hi <= DBL_MAX)) t.hi = DBL_MAX;
-        sgt_interval g = w->s.ops->enclose(w->s.self, w->ray, t, &slope);
-        tell(&w->told, SGT_MARCH, (q->t0 + m) * q->scale, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, from, (q->t0 + hi) * q->scale);
+        sgt_interval g = w->s.ops->enclose(w->s.self, away != 0 ? &near : w->ray, t, &slope);
+        tell(&w->told, SGT_MARCH, (q->t0 + m) * q->scale, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, (q->t0 + tau) * q->scale, (q->t0 + hi) * q->scale);
         bool empty = excludes_zero(g) || g.lo > g.hi, monotone = !empty && g.lo <= g.hi && excludes_zero(slope) && slope.lo <= slope.hi;
         point left = {.g = (double)NAN}, right = left;
         int signs = 0;
@@ -82,7 +86,7 @@ void sgt_walk_cells(walk *w, double lo, double hi)
             point middle = {.g = (double)NAN};
             if (h <= 0x1p-20 * (hi - lo)) middle = sgt_walk_look(w, m, SGT_MARCH, tau, hi);
             bool noise = !isnan(middle.g) && g.hi - g.lo <= (sign_at(&middle) ? 3 : 8) * middle.g_err; /* 3: halves would not be narrower */
-            double least = 0x1p-52 * fabs(m) + 0x1p-53 * fabs(q->t0) + 0x1p-90 * (hi - lo);
+            double least = 0x1p-52 * fabs(m) + 0x1p-53 * fabs(base) + 0x1p-90 * (hi - lo);
             if (h > least && !noise && isnan(left.g)) {
                 h *= 0.5;
             } else {

@@ -30,6 +30,16 @@
  * the terms of that gradient uncertain by more than half, a root that may be the start is UNPROVEN: near the line in which two
  * planes meet, both the slope and the terms of `value` are nothing but rounding, and would drop a root far from tmin.
  *
+ * FROM AFAR.  Where the ray's origin is far one ulp of t is a long way, and what is enclosed over it cannot tell a root from a near
+ * miss.  So near its centre, the point nearest the origin of the surface's frame, such a ray is searched in a t that counts from t0, the t
+ * of the centre: all that is written t, lo or hi here counts from t0, exactly.  What is nearer to the ray's own origin than to the
+ * centre is searched with t0 = 0, so that no root loses the digits of its own t.
+ * A built-in surface encloses g(t0 + t) for any t0 (sgt_own, enclose).  A surface of a user is given a ray, and its origin has to be
+ * doubles; the ray through the nearest doubles is another one, and how far its g is from the true one only the gradient would tell.  So t0
+ * is then the multiple of the least power of two, nearest the centre, at which all three coordinates o + t0 d are doubles.  With
+ * components of d alike in size that is some lengths from the centre; with coordinates that begin much smaller than they end there may be
+ * none, and the ray's own t is what is left.
+ *
  * WITHOUT AN END.  The far stretch from T to DBL_MAX is asked as a whole, and if that does not decide it is divided by
  * the geometric mean, as often as it takes: a ray is as long as its t can be told.
  *
@@ -46,7 +56,7 @@
 
 #include <sagitta/interval.h>
 
-enum { PIECES = 96, GUESSES = 10, QUICK = 24 };
+enum { PIECES = 96, GUESSES = 10, QUICK = 24, NEARBY = 4 };
 
 typedef struct proof {
     sgt_surface s;
@@ -56,6 +66,12 @@ typedef struct proof {
     bool all, found;
     bool anew;             /* max_evals is each root's */
     double centre, reach;  /* where the ray is nearest to the origin of the surface's frame, and how far that is from its own */
+    double t0;             /* what t counts from: 0 or */
+    double far;            /* the t of the centre, or near it; 0 where that is not far off */
+    sgt_ray at_far;        /* of a surface of a user the ray that begins there */
+    double foot;           /* the distance of the centre from the origin of the surface's frame */
+    sgt_interval all_t;    /* what is searched, in the ray's own t */
+    sgt_interval tmin;     /* the ray's */
     double seed, near;     /* the seed, and how far from it is: */
     sgt_hit nearest;       /* the entry nearest to it */
     double rim2;           /* r^2 within which a root counts */
@@ -80,8 +96,10 @@ static sgt_interval ask(proof *w, sgt_interval t, sgt_move move, sgt_interval *s
     *slope = sgt_interval_all();
     if (over(w)) return *slope;
     t.lo = finite(t.lo), t.hi = finite(t.hi);
-    sgt_interval g = w->s.ops->enclose(w->s.self, w->ray, t, slope);
-    tell(&w->told, move, 0.5 * t.lo + 0.5 * t.hi, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope->lo + 0.5 * slope->hi, t.lo, w->hi);
+    const sgt_surface_ops *ops = w->s.ops;
+    bool own = ops->own_ && ops->own_->enclose;
+    sgt_interval g = own ? ops->own_->enclose(w->s.self, w->ray, w->t0, t, slope) : ops->enclose(w->s.self, w->t0 != 0 ? &w->at_far : w->ray, t, slope);
+    tell(&w->told, move, w->t0 + (0.5 * t.lo + 0.5 * t.hi), 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope->lo + 0.5 * slope->hi, w->t0 + t.lo, w->t0 + w->hi);
     if (!(slope->lo <= slope->hi)) *slope = sgt_interval_all();
     return isnan(g.lo) || isnan(g.hi) ? sgt_interval_all() : g;
 }
@@ -98,6 +116,60 @@ static sgt_interval newton_set(double m, sgt_interval g, sgt_interval slope)
     return sgt_interval_difference(number(m), sgt_interval_quotient(g, slope));
 }
 
+/* ------------------------------------------------------------------ where t counts from */
+
+/* t + by, rounded up. */
+static double up_by(double t, twofold by) { return t == -HUGE_VAL ? t : sgt_sum_above(t, sgt_sum_above(by.hi, by.lo)); }
+static double down_by(double t, twofold by) { return -up_by(-t, twofold_negative(by)); }
+static sgt_interval out_by(sgt_interval t, twofold by) { return sgt_interval_between(down_by(t.lo, by), up_by(t.hi, by)); }
+
+/* Everything that the search knows, counted from another t0: outward, where that rounds. */
+static void count_from(proof *w, double t0)
+{
+    twofold by = two_sum(w->t0, -t0);
+    if (t0 == w->t0) return;
+    sgt_interval all = w->all_t, tmin = sgt_interval_of(w->ray->tmin);
+    if (t0 != 0) { /* a root at tmax counts where t0 + t is rounded to it */
+        all.hi = sgt_next_above(all.hi);
+        all = out_by(all, twofold_of(-t0)), tmin = out_by(tmin, twofold_of(-t0));
+    }
+    w->lo = all.lo, w->hi = all.hi, w->tmin = tmin;
+    w->done = down_by(w->done, by), w->told_dark = up_by(w->told_dark, by), w->dark = out_by(w->dark, by), w->last = out_by(w->last, by);
+    w->seed += by.hi, w->centre += by.hi;
+    w->t0 = t0;
+}
+
+/* A ray is searched from t0 = far on the one side of it, from 0 on the other. */
+static double border_of(const proof *w) { return w->far != 0 ? 0.5 * w->far : HUGE_VAL; }
+
+/* A point of the ray, in the unit of d times `scale`. */
+static double coordinate_at(double o, double d, double t0, double t) { return t0 == 0 ? moved_along(o, t, d) : coordinate(o, d, t0, t).hi; }
+
+static sgt_vec3 point_at(const sgt_ray *ray, double scale, double t0, double t)
+{
+    sgt_vec3 o = ray->o, d = ray->d;
+    return (sgt_vec3){coordinate_at(o.x, d.x * scale, t0, t), coordinate_at(o.y, d.y * scale, t0, t), coordinate_at(o.z, d.z * scale, t0, t)};
+}
+
+/* o + t0 d, if that is a double. */
+static bool is_double(double o, double d, double t0, double *at)
+{
+    twofold p = two_product(t0, d), s = two_sum(o, p.hi), e = two_sum(s.lo, p.lo), f = two_sum(s.hi, e.hi);
+    *at = d == 0 ? o : f.hi;
+    return d == 0 || (e.lo == 0 && f.lo == 0 && fabs(p.hi) > 0x1p-960 && fabs(f.hi) < HUGE_VAL);
+}
+
+double sgt_move_exactly(const sgt_ray *ray, double about, sgt_ray *moved)
+{
+    *moved = *ray;
+    if (!(fabs(about) > 0x1p-900 && fabs(about) < 0x1p900)) return 0;
+    for (double unit = 0x1p-52 * inverse_of_scale((sgt_vec3){about, 0, 0}); unit <= 0.125 * fabs(about); unit *= 2) {
+        double t0 = rint(about / unit) * unit;
+        if (is_double(ray->o.x, ray->d.x, t0, &moved->o.x) && is_double(ray->o.y, ray->d.y, t0, &moved->o.y) && is_double(ray->o.z, ray->d.z, t0, &moved->o.z)) return t0;
+    }
+    return 0;
+}
+
 /* ------------------------------------------------------------------- what is told */
 
 /* The point of the ray at t, F there, and what is told of a root that is right to t_err. */
@@ -107,6 +179,7 @@ typedef struct place {
     double f, width;       /* width: START_ULPS of the terms, of t */
     double least, most;    /* what it is at least, and at most */
     double r2, off;        /* r^2, and how far it can be off */
+    bool exact;            /* t has lost nothing by being scaled */
 } place;
 
 /* The least |x| in it. */
@@ -126,45 +199,47 @@ static place place_of(proof *w, double t, double t_err, sgt_interval slope)
 {
     const sgt_ray *ray = w->ray;
     double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d);
-    local q = {.scale = scale, .l = ray->d.x * scale, .m = ray->d.y * scale, .n = ray->d.z * scale, .t0 = t * inverse};
-    place at = {.p = {moved_along(ray->o.x, q.t0, q.l), moved_along(ray->o.y, q.t0, q.m), moved_along(ray->o.z, q.t0, q.n)}};
+    double from = w->t0 != 0 ? w->t0 : t, rest = w->t0 != 0 ? t : 0, tau = rest * inverse;
+    local q = {.scale = scale, .l = ray->d.x * scale, .m = ray->d.y * scale, .n = ray->d.z * scale, .t0 = from * inverse};
+    place at = {.p = point_at(ray, scale, q.t0, tau), .exact = q.t0 * scale == from && tau * scale == rest};
     at.f = w->s.ops->value(w->s.self, at.p, &at.n);
     around a = around_of(at.p.x, at.p.y, at.p.z, q.l, q.m, q.n, 0, at.p, at.n, 0);
     double least = least_of(slope) * scale, most = sgt_interval_greatest(slope) * scale, steep = fabs(a.slope);
     double terms = fabs(at.p.x * at.n.x) + fabs(at.p.y * at.n.y) + fabs(at.p.z * at.n.z), err = terms_err(w, at.p), by = START_ULPS * scale;
     a.slope = steep < least ? least : steep > most ? most : steep;
     at.least = by * larger(terms - err, 0) / most, at.most = by * (terms + err) / least;
-    at.h = taking_of(&q, 0, t_err * inverse, at.p, at.n, a, ray->tmin, ray->tmax, w->rim2);
+    at.h = taking_of(&q, tau, t_err * inverse, at.p, at.n, a, ray->tmin, ray->tmax, w->rim2);
     at.r2 = at.p.x * at.p.x + at.p.y * at.p.y;
     at.off = 1.01 * ((2 * (fabs(at.p.x) + fabs(at.p.y)) + at.h.p_err) * at.h.p_err + 4 * SGT_U * at.r2);
     at.h.t_err = larger(at.h.t_err, t_err);
-    at.width = by * terms / a.slope + 8 * SGT_U * fabs(t);
-    tell(&w->told, SGT_PROBE, t, at.f, a.slope * inverse, t - t_err, t + t_err);
+    at.width = by * terms / a.slope + 8 * SGT_U * fabs(w->t0 + t);
+    tell(&w->told, SGT_PROBE, w->t0 + t, at.f, a.slope * inverse, w->t0 + (t - t_err), w->t0 + (t + t_err));
     return at;
 }
 
-static void added(proof *w)
+/* The last entry is of [lo, hi]. */
+static void added(proof *w, double lo, double hi)
 {
-    const sgt_hit *hit = &w->list->last;
-    double off = larger(larger(hit->lo - w->seed, w->seed - hit->hi), 0);
-    if (off <= w->near) w->near = off, w->nearest = *hit;
+    double off = larger(larger(lo - w->seed, w->seed - hi), 0);
+    if (off <= w->near) w->near = off, w->nearest = w->list->last;
     w->found = !w->all;
 }
 
 static void stretch(proof *w, sgt_status status, double lo, double hi)
 {
-    add_stretch(w->list, &w->told, status, w->ray, lo, hi);
-    if (w->list->count) added(w);
+    add_stretch(w->list, &w->told, status, w->ray, w->t0 + lo, w->t0 + hi);
+    if (w->list->count) added(w, lo, hi);
 }
 
-static void add(proof *w, sgt_status status, const place *at, double lo, double hi)
+/* about: it, in the ray's own t. */
+static void add(proof *w, sgt_status status, const place *at, sgt_interval x, sgt_interval about)
 {
-    sgt_hit hit = {.status = status, .t = at->h.t, .t_lo = at->h.t_lo, .t_err = at->h.t_err, .lo = lo, .hi = hi,
+    sgt_hit hit = {.status = status, .t = at->h.t, .t_lo = at->h.t_lo, .t_err = at->h.t_err, .lo = about.lo, .hi = about.hi,
                    .f = at->f, .p = at->p, .n = at->n, .p_err = at->h.p_err, .evals = w->told.evals - w->told.before};
     w->told.before = w->told.evals;
     if (w->anew) w->told.root = w->told.evals;
     sgt_list_add(w->list, &hit);
-    added(w);
+    added(w, x.lo, x.hi);
 }
 
 /* How far from tmin a root of the stretch has to be for it to count, at least.  x and Fx are looked at on both ends and between
@@ -196,13 +271,13 @@ static void flush(proof *w)
     w->pending = false;
     w->told_dark = w->dark.hi;
     sgt_interval at = w->dark, slope, steep;
-    bool whole = at.lo <= finite(w->lo) && at.hi >= finite(w->hi) && at.hi > at.lo, start = at.lo <= w->ray->tmin;
+    bool whole = at.lo <= finite(w->lo) && at.hi >= finite(w->hi) && at.hi > at.lo, start = at.lo <= w->tmin.hi;
     double t = !whole ? sgt_interval_middle(at) : at.lo > -DBL_MAX ? at.lo : at.hi < w->centre ? at.hi : w->centre;
     if (whole) at = sgt_interval_between(w->lo, w->hi);
     sgt_interval g = ask(w, at, SGT_PROBE, &slope), middle = ask(w, number(t), SGT_PROBE, &steep);
     if (is_bounded(slope)) g = sgt_interval_intersection(g, sgt_interval_sum(middle, sgt_interval_product(slope, sgt_interval_difference(at, number(t)))));
     if (start && !whole && is_bounded(slope) && !over(w)) {
-        if (at.hi - w->ray->tmin < (1 - 0x1p-20) * start_width(w, at, slope)) return;
+        if (sgt_sum_above(at.hi, -w->tmin.lo) < (1 - 0x1p-20) * start_width(w, at, slope)) return;
     }
     if (is_bounded(g) && is_bounded(middle) && is_bounded(steep) && sgt_interval_greatest(g) <= 8 * sgt_interval_width(middle) && (whole || !start)) {
         sgt_interval left = ask_at(w, at.lo, SGT_PROBE), right = ask_at(w, at.hi, SGT_PROBE);
@@ -210,8 +285,8 @@ static void flush(proof *w)
         if (!crosses && !over(w)) {
             place here = place_of(w, t, whole ? 0 : sgt_interval_width(at) * (0.5 + 0x1p-40), sgt_interval_all());
             if (here.r2 - w->rim2 > here.off && !whole) return;
-            if (!w->told.stopped && t <= w->ray->tmax && fabs(here.h.t) < HUGE_VAL && here.h.t_err < HUGE_VAL) {
-                add(w, SGT_GRAZE, &here, at.lo, at.hi);
+            if (!w->told.stopped && here.h.t <= w->ray->tmax && fabs(here.h.t) < HUGE_VAL && here.h.t_err < HUGE_VAL) {
+                add(w, SGT_GRAZE, &here, at, w->t0 != 0 ? out_by(at, twofold_of(w->t0)) : at);
                 return;
             }
         }
@@ -255,6 +330,18 @@ static verdict certify(proof *w, sgt_interval n, double m, sgt_interval G, certa
     return UNSURE;
 }
 
+/* What is told of a root is that there is no other within t_err of t.  From afar t_err is half an ulp of t and more, and there may be
+ * one: that of this root is certain only where it is alone in all of that. */
+static bool alone_as_told(proof *w, const place *at, sgt_interval only)
+{
+    sgt_interval slope, told = out_by(sgt_interval_about(at->h.t, at->h.t_err), twofold_of(-w->t0));
+    if (w->t0 == 0 || !w->told.opt->proof || sgt_interval_is_in(told, only)) return true;
+    ask(w, sgt_interval_hull(told, only), SGT_PROBE, &slope);
+    if (!has_zero(slope) && is_bounded(slope)) return true;
+    sgt_interval before = {told.lo, only.lo}, behind = {only.hi, told.hi};
+    return (before.lo > before.hi || !has_zero(ask(w, before, SGT_PROBE, &slope))) && (behind.lo > behind.hi || !has_zero(ask(w, behind, SGT_PROBE, &slope)));
+}
+
 /* Told, if it counts. */
 static bool take(proof *w, const certain *c)
 {
@@ -276,11 +363,11 @@ static bool take(proof *w, const certain *c)
     w->last = root;
     sgt_interval about = sgt_about(at.h.t, at.h.t_err);
     /* in computed numbers, as long as they say how far the start reaches; where rounding hides that, by what is certain */
-    double reach = root.hi - (w->ray->tmin + at.h.t_err + 8 * SGT_U * fabs(t));
-    bool hidden = w->ray->tmin > -HUGE_VAL && !(at.most <= 4 * at.least) && !(reach <= at.least) && !(root.lo - w->ray->tmin > 2 * at.h.t_err + at.most + 16 * SGT_U * fabs(t));
+    double reach = root.hi - (w->tmin.lo + at.h.t_err + 8 * SGT_U * fabs(w->t0 + t));
+    bool hidden = w->ray->tmin > -HUGE_VAL && !(at.most <= 4 * at.least) && !(reach <= at.least) && !(root.lo - w->tmin.hi > 2 * at.h.t_err + at.most + 16 * SGT_U * fabs(w->t0 + t));
     if (w->told.opt->proof && w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* on the rim */
-    else if (hidden && !(root.lo > w->ray->tmax)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
-    else if (at.h.counts && at.h.t == t) add(w, SGT_HIT, &at, about.lo, about.hi);
+    else if (hidden && !(w->t0 + root.lo > w->ray->tmax)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
+    else if (at.h.counts && at.exact && alone_as_told(w, &at, only)) add(w, SGT_HIT, &at, root, about);
     else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width)) stretch(w, SGT_UNPROVEN, root.lo, root.hi);
     return true;
 }
@@ -291,13 +378,13 @@ static double guess(proof *w, sgt_interval n)
     const sgt_ray *ray = w->ray;
     double t = sgt_interval_middle(n), last = n.hi - n.lo;
     for (int i = 0; i < GUESSES && !over(w); i++) {
-        sgt_vec3 grad = {0, 0, 0}, p = {moved_along(ray->o.x, t, ray->d.x), moved_along(ray->o.y, t, ray->d.y), moved_along(ray->o.z, t, ray->d.z)};
+        sgt_vec3 grad = {0, 0, 0}, p = point_at(ray, 1, w->t0, t);
         double f = w->s.ops->value(w->s.self, p, &grad), slope = grad.x * ray->d.x + grad.y * ray->d.y + grad.z * ray->d.z, step = f / slope, next = t - step;
-        tell(&w->told, SGT_NEWTON, t, f, slope, n.lo, n.hi);
+        tell(&w->told, SGT_NEWTON, w->t0 + t, f, slope, w->t0 + n.lo, w->t0 + n.hi);
         if (!(next >= n.lo && next <= n.hi && fabs(step) <= 0.6 * last)) break;
         double shrinks = fabs(step) / last, left = fabs(step) * (shrinks * shrinks); /* what the next step would be, about */
         last = fabs(step), t = next;
-        if (left <= 0x1p-53 * fabs(t) || last < 0.25 * w->told.opt->t_tol) break;
+        if (left <= 0x1p-53 * larger(fabs(t), w->t0 != 0 ? w->foot : 0) || last < 0.25 * w->told.opt->t_tol) break;
     }
     return t;
 }
@@ -380,11 +467,11 @@ static bool look(proof *w, sgt_interval x, pieces *rest)
     return true;
 }
 
-static void search(proof *w)
+/* The part of what is searched that is in `part`; false: it is not all decided, but up to *next. */
+static bool search_part(proof *w, sgt_interval part, double *next)
 {
-    w->done = w->told_dark = -HUGE_VAL, w->last = sgt_interval_between(-HUGE_VAL, -HUGE_VAL);
     pieces rest = {.n = 0};
-    double from = finite(w->lo), to = finite(w->hi);
+    double from = finite(part.lo), to = finite(part.hi);
     double left = w->centre - 2.125 * w->reach, right = w->centre + 2.125 * w->reach;
     bool far_left = from < w->centre - 8 * w->reach && left < to, far_right = to > w->centre + 8 * w->reach && right > from;
     if (far_right) push(&rest, right, to), to = right;
@@ -392,16 +479,33 @@ static void search(proof *w)
     if (far_left) push(&rest, from, left);
     w->least = 0x1p-80 * (to - (far_left ? left : from));
 
-    double next = from; /* decided up to here, but for what is dark */
     bool decided = true;
+    *next = from; /* decided up to here, but for what is dark */
     while (rest.n > 0 && decided && !w->found) {
         sgt_interval x = rest.piece[--rest.n];
         x.lo = larger(x.lo, w->done);
         if (x.lo > x.hi) continue;
-        next = x.lo;
+        *next = x.lo;
         if (w->pending && x.lo - w->dark.hi > 4 * (w->dark.hi - w->dark.lo)) flush(w);
-        if (w->found) return;
+        if (w->found) return true;
         decided = !over(w) && look(w, x, &rest);
+    }
+    return decided;
+}
+
+static void search(proof *w)
+{
+    sgt_interval all = w->all_t;
+    double border = border_of(w), next = all.lo;
+    bool decided = true;
+    count_from(w, 0);
+    w->done = w->told_dark = -HUGE_VAL, w->last = sgt_interval_between(-HUGE_VAL, -HUGE_VAL), w->dark = w->last;
+    for (int i = 0; i < 2 && decided && !w->found; i++) {
+        sgt_interval part = {i ? larger(border, all.lo) : all.lo, i || !(border < all.hi) ? all.hi : border};
+        if (i ? !(border < all.hi) : !(all.lo <= border)) continue;
+        count_from(w, (i == 0) == (w->far < 0) ? w->far : 0);
+        if (w->t0 != 0) part = sgt_interval_between(part.lo == all.lo ? w->lo : down_by(part.lo, twofold_of(-w->t0)), part.hi == all.hi ? w->hi : up_by(part.hi, twofold_of(-w->t0)));
+        decided = search_part(w, part, &next);
     }
     if (w->found) return;
     if (decided) flush(w), next = w->hi;
@@ -427,7 +531,8 @@ static bool bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
 
 static proof proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, const sgt_span *span, sgt_list *list, bool all)
 {
-    proof w = {.s = s, .ray = ray, .list = list, .all = all, .anew = all, .lo = span->lo, .hi = span->hi, .seed = span->seed, .near = HUGE_VAL, .rim2 = rim2_of_surface(s),
+    sgt_interval all_t = {span->lo, span->hi};
+    proof w = {.s = s, .ray = ray, .list = list, .all = all, .anew = all, .lo = span->lo, .hi = span->hi, .all_t = all_t, .tmin = {ray->tmin, ray->tmin}, .seed = span->seed, .near = HUGE_VAL, .rim2 = rim2_of_surface(s),
                .told = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS}};
     const sgt_vec3 o = ray->o, d = ray->d;
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, length2 = l * l + m * m + n * n;
@@ -436,6 +541,10 @@ static proof proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
     if (!(fabs(w.centre) < HUGE_VAL)) w.centre = 0;
     if (!(w.reach > 0 && w.reach < HUGE_VAL)) w.reach = scale;
     if (!(fabs(w.seed) < HUGE_VAL)) w.seed = w.centre;
+    double off = fabs(w.centre) / scale;
+    w.foot = hypot(hypot(moved_along(o.x, w.centre, d.x), moved_along(o.y, w.centre, d.y)), moved_along(o.z, w.centre, d.z)) / sqrt(length2) * scale;
+    if (off > 0x1p-400 && off < 0x1p400 && fabs(w.centre) > NEARBY * w.foot && s.ops->enclose)
+        w.far = s.ops->own_ && s.ops->own_->enclose ? w.centre : sgt_move_exactly(ray, w.centre, &w.at_far);
     return w;
 }
 
@@ -464,9 +573,12 @@ static bool prove_estimate(proof *w, sgt_hit *hit)
     *hit = sgt_intersect_general(w->s, w->ray, &estimate);
     w->told.evals = hit->evals;
     if (hit->status <= 0) return hit->status == SGT_STOPPED;
-    sgt_interval about = sgt_interval_about(hit->t, hit->t_err), G = ask_at(w, hit->t, SGT_PROBE);
-    w->last.hi = w->told_dark = -HUGE_VAL;
-    if (certify(w, about, hit->t, G, &c) == ROOT) take(w, &c);
+    w->done = w->last.hi = w->told_dark = -HUGE_VAL;
+    count_from(w, (w->far > 0 && hit->t > border_of(w)) || (w->far < 0 && hit->t < border_of(w)) ? w->far : 0);
+    twofold from = two_sum(hit->t, -w->t0);
+    double m = w->t0 != 0 ? from.hi + (from.lo + hit->t_lo) : hit->t;
+    sgt_interval about = sgt_interval_about(m, hit->t_err), G = ask_at(w, m, SGT_PROBE);
+    if (certify(w, about, m, G, &c) == ROOT) take(w, &c);
     *hit = w->list->last;
     bool proven = w->list->count > 0 && hit->status > 0;
     w->list->count = 0, w->told.before = 0, w->found = false;

@@ -11,4 +11,7 @@ void    sgt_prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
  * the one nearest to the seed, is added. */
 void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bool near, sgt_list *list);
 
+/* The ray with its origin moved along it to near `about`, exactly (prove.c); the t0 of that, 0 where there is none. */
+double sgt_move_exactly(const sgt_ray *ray, double about, sgt_ray *moved);
+
 #endif

@@ -296,7 +296,7 @@ static sgt_interval asphere_enclose(const void *self, const sgt_ray *ray, sgt_in
     *slope = (sgt_interval){-HUGE_VAL, HUGE_VAL};
     if (!asphere_valid(s)) return *slope;
     shape h = shape_of(s, terms_of(s));
-    return sgt_sag_enclose(&h, ray, t, slope);
+    return sgt_sag_enclose(&h, ray, 0, t, slope);
 }
 
 static size_t asphere_sweep(const void *self, const sgt_tile *tile, const sgt_options *opt)

@@ -478,7 +478,7 @@ static sgt_interval conic_enclose(const void *self, const sgt_ray *ray, sgt_inte
     const sgt_conic *s = self;
     shape h = {.c = s->c, .k = s->k, .ck = (1 + s->k) * s->c};
     *slope = (sgt_interval){-HUGE_VAL, HUGE_VAL};
-    return conic_valid(s->c, s->k, s->semi_diameter) ? sgt_sag_enclose(&h, ray, t, slope) : *slope;
+    return conic_valid(s->c, s->k, s->semi_diameter) ? sgt_sag_enclose(&h, ray, 0, t, slope) : *slope;
 }
 
 static size_t conic_sweep(const void *self, const sgt_tile *tile, const sgt_options *opt)

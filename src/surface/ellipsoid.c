@@ -119,9 +119,9 @@ SGT_INLINE double ellipsoid_terms(const sgt_ellipsoid *s, const near_ray *r, dou
 QUADRATIC_SPANS(ellipsoid, sgt_ellipsoid, ellipsoid_approach, ellipsoid_terms)
 
 /* F from x, y, z, and its slope along d, as they stand. */
-static sgt_interval ellipsoid_plain(const sgt_ellipsoid *s, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+static sgt_interval ellipsoid_plain(const sgt_ellipsoid *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
 {
-    sgt_interval x = plain_line(ray->o.x, ray->d.x, t), y = plain_line(ray->o.y, ray->d.y, t), z = plain_line(ray->o.z, ray->d.z, t), a = sgt_interval_of(s->a);
+    sgt_interval x = plain_line(ray->o.x, ray->d.x, t0, t), y = plain_line(ray->o.y, ray->d.y, t0, t), z = plain_line(ray->o.z, ray->d.z, t0, t), a = sgt_interval_of(s->a);
     sgt_interval b = sgt_interval_difference(sgt_interval_of(1), sgt_interval_of(s->f)), w = sgt_interval_quotient(z, b), n = sgt_interval_quotient(sgt_interval_of(ray->d.z), b);
     sgt_interval half = sgt_interval_sum(sgt_interval_sum(sgt_interval_scaled(x, ray->d.x), sgt_interval_scaled(y, ray->d.y)), sgt_interval_product(w, n));
     sgt_interval g = sgt_interval_difference(sgt_interval_sum(sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)), sgt_interval_square(w)), sgt_interval_square(a));
@@ -130,13 +130,13 @@ static sgt_interval ellipsoid_plain(const sgt_ellipsoid *s, const sgt_ray *ray, 
 }
 
 SGT_CLONES
-static sgt_interval ellipsoid_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+static sgt_interval ellipsoid_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
 {
     const sgt_ellipsoid *s = self;
     sgt_interval g;
     fine_ray r;
     if (!stretch_valid(ray, t, &g, slope)) return g;
-    if (!fine_ray_of(ray, t, &r) || !(s->a > 0x1p-400 && s->a < 0x1p400 && fabs(s->f) < 0x1p200)) return ellipsoid_plain(s, ray, t, slope);
+    if (!fine_ray_of(ray, t0, t, &r) || !(s->a > 0x1p-400 && s->a < 0x1p400 && fabs(s->f) < 0x1p200)) return ellipsoid_plain(s, ray, t0, t, slope);
     twofold b = two_sum(1, -s->f), e = twofold_quotient(twofold_of(1), twofold_product(b, b)), xl = twofold_scaled(r.x, r.l), ym = twofold_scaled(r.y, r.m);
     twofold zn = twofold_product(twofold_scaled(r.z, r.n), e), n2 = twofold_product(two_product(r.n, r.n), e), w2 = twofold_product(twofold_product(r.z, r.z), e), a2 = two_product(s->a, s->a);
     twofold r2 = twofold_sum(twofold_sum(twofold_product(r.x, r.x), twofold_product(r.y, r.y)), w2);
@@ -147,6 +147,8 @@ static sgt_interval ellipsoid_enclose(const void *self, const sgt_ray *ray, sgt_
     *slope = sgt_interval_quotient(*slope, twice);
     return g;
 }
+
+static sgt_interval ellipsoid_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope) { return ellipsoid_enclose_from(self, ray, 0, t, slope); }
 
 static void ellipsoid_second(const void *self, size_t n, sgt_points p, double *const out[6])
 {
@@ -182,7 +184,7 @@ sgt_objection sgt_ellipsoid_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const struct sgt_own ellipsoid_own = {.object = sgt_ellipsoid_object, .roundings = ellipsoid_roundings};
+static const struct sgt_own ellipsoid_own = {.object = sgt_ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from};
 
 const sgt_surface_ops sgt_ellipsoid_ops = {
     .name = "ellipsoid", .value = ellipsoid_value, .values = ellipsoid_values, .span = ellipsoid_span, .spans = ellipsoid_spans, .rounding = ellipsoid_rounding,

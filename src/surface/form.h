@@ -104,8 +104,8 @@ bool sgt_form_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo
 /* There is no root but one in [t - t_err, t + t_err]: G is monotone over twice as much.  One evaluation. */
 bool sgt_form_alone(const shape *s, const sgt_ray *ray, const meeting *at, tally *w);
 
-/* g and g' over t (sgt_surface_ops, enclose): sag_enclose.c says how. */
-sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, sgt_interval t, sgt_interval *slope);
+/* g and g' over t0 + t (sgt_own, enclose): sag_enclose.c says how. */
+sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope);
 
 /* One evaluation told to the watcher, in the ray's t. */
 SGT_INLINE void observe(tally *w, const local *q, double tau, const sample *e, sgt_move move, double lo, double hi)

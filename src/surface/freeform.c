@@ -203,7 +203,17 @@ sgt_span sgt_freeform_span(const sgt_shared *s, const sgt_ray *ray, double *leas
 
 /* ---------------------------------------------------------------------------------- the enclosure */
 
-static sgt_interval along(double o, double d, sgt_interval t) { return sgt_interval_sum(sgt_interval_of(o), sgt_interval_scaled(t, d)); }
+/* o + t0 d: of an origin far off no more is lost than an ulp of what is left of it. */
+static sgt_interval moved_to(double o, double d, double t0)
+{
+    twofold p = two_product(t0, d), s = two_sum(o, p.hi);
+    double size = fabs(p.hi);
+    if (t0 == 0 || d == 0) return sgt_interval_of(o);
+    if (!(size > 0x1p-960 && size < 0x1p1000 && fabs(o) < 0x1p1000)) return sgt_interval_sum(sgt_interval_of(o), sgt_interval_scaled(sgt_interval_of(t0), d));
+    return sgt_interval_between(-sgt_sum_above(-s.hi, sgt_sum_above(-s.lo, -p.lo)), sgt_sum_above(s.hi, sgt_sum_above(s.lo, p.lo)));
+}
+
+static sgt_interval along(sgt_interval from, double d, sgt_interval t) { return sgt_interval_sum(from, sgt_interval_scaled(t, d)); }
 
 static bool bounded(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL; }
 
@@ -216,12 +226,12 @@ static double inside(sgt_interval at, sgt_interval x)
     return m < x.lo ? x.lo : m > x.hi ? x.hi : m;
 }
 
-/* P over t, and its slope along the ray. */
-static sgt_interval departure_over(const freeform *s, const sgt_ray *ray, sgt_interval t, double m, sgt_interval *slope)
+/* P over t0 + t, and its slope along the ray. */
+static sgt_interval departure_over(const freeform *s, const sgt_ray *ray, double t0, sgt_interval t, double m, sgt_interval *slope)
 {
     sgt_vec3 o = ray->o, d = ray->d;
-    sgt_interval none = sgt_interval_empty(), all = sgt_interval_all();
-    region where = {.x = along(o.x, d.x, t), .y = along(o.y, d.y, t)};
+    sgt_interval none = sgt_interval_empty(), all = sgt_interval_all(), x0 = moved_to(o.x, d.x, t0), y0 = moved_to(o.y, d.y, t0);
+    region where = {.x = along(x0, d.x, t), .y = along(y0, d.y, t)};
     *slope = all;
     sgt_interval r = sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(where.x), sgt_interval_square(where.y)));
     where.r_lo = r.lo, where.r_hi = r.hi;
@@ -230,7 +240,7 @@ static sgt_interval departure_over(const freeform *s, const sgt_ray *ray, sgt_in
     if (!defined) return *slope = none;
     if (!(r.hi < 0x1p500)) return all;
 
-    sgt_interval xm = along(o.x, d.x, sgt_interval_of(m)), ym = along(o.y, d.y, sgt_interval_of(m));
+    sgt_interval xm = along(x0, d.x, sgt_interval_of(m)), ym = along(y0, d.y, sgt_interval_of(m));
     double x = inside(xm, where.x), y = inside(ym, where.y), p, px, py, p_err, grad_err;
     s->of->at(s->self, 1, &x, &y, (sag_values){&p, &px, &py});
     s->of->rounding(s->self, x, y, &p_err, &grad_err);
@@ -260,25 +270,25 @@ static sgt_interval departure_over(const freeform *s, const sgt_ray *ray, sgt_in
     return range;
 }
 
-static sgt_interval base_over(const freeform *s, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+static sgt_interval base_over(const freeform *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
 {
     double c = s->base ? s->c : 0;
     shape conic = {.c = c, .k = s->k, .ck = (1 + s->k) * c, .terms = 0, .a = NULL, .rim2 = HUGE_VAL, .domain2 = HUGE_VAL};
-    return sgt_sag_enclose(&conic, ray, t, slope);
+    return sgt_sag_enclose(&conic, ray, t0, t, slope);
 }
 
-sgt_interval sgt_freeform_enclose(const freeform *s, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+sgt_interval sgt_freeform_enclose(const freeform *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
 {
     double m = sgt_interval_middle(t);
-    sgt_interval by_base, by_p, sag = base_over(s, ray, t, &by_base);
+    sgt_interval by_base, by_p, sag = base_over(s, ray, t0, t, &by_base);
     *slope = by_base;
     if (sgt_interval_is_empty(sag)) return sag;
     if (!(t.lo <= t.hi)) return *slope = sgt_interval_all();
-    sgt_interval p = departure_over(s, ray, t, m, &by_p);
+    sgt_interval p = departure_over(s, ray, t0, t, m, &by_p);
     *slope = sgt_interval_difference(by_base, by_p);
     sgt_interval g = sgt_interval_difference(sag, p);
     if (t.lo < t.hi && bounded(*slope) && !sgt_interval_is_empty(g)) {
-        sgt_interval unused, thin = sgt_interval_of(m), here = sgt_interval_difference(base_over(s, ray, thin, &unused), departure_over(s, ray, thin, m, &unused));
+        sgt_interval unused, thin = sgt_interval_of(m), here = sgt_interval_difference(base_over(s, ray, t0, thin, &unused), departure_over(s, ray, t0, thin, m, &unused));
         sgt_interval w = sgt_interval_difference(t, thin);
         if (!sgt_interval_is_empty(here)) g = sgt_interval_intersection(g, sgt_interval_sum(here, sgt_interval_product(*slope, w)));
     }

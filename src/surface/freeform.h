@@ -83,7 +83,7 @@ double sgt_freeform_rounding(const freeform *s, sgt_vec3 p);
 void sgt_freeform_share(const freeform *s, sgt_shared *shared);
 sgt_span sgt_freeform_span(const sgt_shared *shared, const sgt_ray *ray, double *least);
 void sgt_freeform_spans(const sgt_shared *shared, size_t n, sgt_rays rays, sgt_spans out, double *least);
-sgt_interval sgt_freeform_enclose(const freeform *s, const sgt_ray *ray, sgt_interval t, sgt_interval *slope);
+sgt_interval sgt_freeform_enclose(const freeform *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope);
 bool sgt_freeform_roundings(const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[]);
 void sgt_freeform_second(const freeform *s, size_t n, sgt_points p, double *const out[6]);
 size_t sgt_freeform_parameters(const freeform *s);
@@ -120,14 +120,15 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     static void NAME##_own_spans(const void *self, const sgt_shared *shared, size_t n, sgt_rays r, sgt_spans out, double *least) { (void)self; sgt_freeform_spans(shared, n, r, out, least); } \
     static sgt_span NAME##_ops_span(const void *self, const sgt_ray *ray) { sgt_shared e; NAME##_share(self, &e); return sgt_freeform_span(&e, ray, NULL); } \
     static void NAME##_ops_spans(const void *self, size_t n, sgt_rays r, sgt_spans out) { sgt_shared e; NAME##_share(self, &e); sgt_freeform_spans(&e, n, r, out, NULL); } \
-    static sgt_interval NAME##_ops_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope) { freeform v = NAME##_view(self); return sgt_freeform_enclose(&v, ray, t, slope); } \
+    static sgt_interval NAME##_own_enclose(const void *self, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope) { freeform v = NAME##_view(self); return sgt_freeform_enclose(&v, ray, t0, t, slope); } \
+    static sgt_interval NAME##_ops_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope) { return NAME##_own_enclose(self, ray, 0, t, slope); } \
     static void NAME##_ops_second(const void *self, size_t n, sgt_points p, double *const out[6]) { freeform v = NAME##_view(self); sgt_freeform_second(&v, n, p, out); } \
     static size_t NAME##_ops_parameters(const void *self) { freeform v = NAME##_view(self); return sgt_freeform_parameters(&v); }   \
     static void NAME##_ops_by_parameter(const void *self, size_t j, size_t n, sgt_points p, sgt_values out) { freeform v = NAME##_view(self); sgt_freeform_by_parameter(&v, j, n, p, out); } \
     static bool NAME##_ops_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[]) { (void)self; return sgt_freeform_roundings(shared, n, p, f, out); } \
     sgt_objection sgt_##NAME##_object(const void *self) { freeform v = NAME##_view(self); return sgt_freeform_object(&v); }     \
     static double NAME##_rim(const void *self) { const TYPE *s = self; return s->semi_diameter; }                               \
-    static const struct sgt_own NAME##_own = {.object = sgt_##NAME##_object, .tile = SGT_MOST_TILE, .share = NAME##_share, .roundings = NAME##_ops_roundings, .span = NAME##_own_span, .spans = NAME##_own_spans, .rim = NAME##_rim, .departure = &NAME##_departure}; \
+    static const struct sgt_own NAME##_own = {.object = sgt_##NAME##_object, .tile = SGT_MOST_TILE, .share = NAME##_share, .roundings = NAME##_ops_roundings, .span = NAME##_own_span, .spans = NAME##_own_spans, .enclose = NAME##_own_enclose, .rim = NAME##_rim, .departure = &NAME##_departure}; \
     const sgt_surface_ops sgt_##NAME##_ops = {.name = #NAME, .value = NAME##_ops_value, .span = NAME##_ops_span, .rounding = NAME##_ops_rounding, \
         .enclose = NAME##_ops_enclose, .values = NAME##_ops_values, .spans = NAME##_ops_spans, .own_ = &NAME##_own, .second = NAME##_ops_second, \
         .parameters = NAME##_ops_parameters, .by_parameter = NAME##_ops_by_parameter};

@@ -115,6 +115,9 @@ struct sgt_own {
      * `spans` it is above 0 just where the span is single, and out.single may be NULL.  NULL: as 0. */
     sgt_span (*span)(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least);
     void (*spans)(const void *self, const sgt_shared *shared, size_t n, sgt_rays rays, sgt_spans out, double least[]);
+    /* As `enclose` of sgt_surface_ops, t counted from t0 of the ray, t0 + t exactly: from afar an ulp of t alone is wide.  NULL: there
+     * is only that. */
+    sgt_interval (*enclose)(const void *self, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope);
     /* Its semi_diameter; NULL: it has no rim. */
     double (*rim)(const void *self);
     /* The sag without its conic base (freeform.h), with or without `meet`; NULL: it has none that can be told apart. */

@@ -23,6 +23,7 @@
 #ifndef SGT_SURFACE_QUADRATIC_H
 #define SGT_SURFACE_QUADRATIC_H
 
+#include "../num/expansion.h"
 #include "../num/lanes.h"
 #include "freeform.h"
 #include "sag.h"
@@ -198,17 +199,31 @@ SGT_INLINE double fine_end(double t, double by, double outward)
     return (t > 0) == (outward > 0) ? outward * least : 0;
 }
 
-SGT_INLINE bool fine_ray_of(const sgt_ray *ray, sgt_interval t, fine_ray *r)
+/* o + (t0 + t) l; false: the parts that twice the precision leaves out are more than 2^-100 of it. */
+static inline bool fine_along(double o, double l, double t0, double t, twofold *x)
+{
+    if (t0 == 0) {
+        *x = coordinate(o, l, t, 0);
+        return true;
+    }
+    expansion e = expansion_along(o, l, t0, t);
+    *x = two_sum(e.part[0], e.part[1]);
+    return fabs(e.part[2]) + fabs(e.part[3]) + fabs(e.part[4]) <= 0x1p-100 * fabs(x->hi);
+}
+
+/* t counts from t0. */
+SGT_INLINE bool fine_ray_of(const sgt_ray *ray, double t0, sgt_interval t, fine_ray *r)
 {
     double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d), lo = fine_end(t.lo, inverse, -1), hi = fine_end(t.hi, inverse, 1), far = 0x1p390;
     double mid = fabs(lo) < far ? (fabs(hi) < far ? 0.5 * lo + 0.5 * hi : lo) : fabs(hi) < far ? hi : 0;
     r->l = ray->d.x * scale, r->m = ray->d.y * scale, r->n = ray->d.z * scale, r->inverse = inverse;
     if (!(scale > 0x1p-1000 && scale < 0x1p1000)) return false;
     if (fabs(mid) < 0x1p-400) mid = 0;
+    t0 *= inverse;
+    if (!fine_range(ray->o.x, r->l, t0) || !fine_range(ray->o.y, r->m, t0) || !fine_range(ray->o.z, r->n, t0)) return false;
     if (!fine_range(ray->o.x, r->l, mid) || !fine_range(ray->o.y, r->m, mid) || !fine_range(ray->o.z, r->n, mid)) return false;
     r->tau = sgt_interval_between(-sgt_sum_above(-lo, mid), sgt_sum_above(hi, -mid));
-    r->x = coordinate(ray->o.x, r->l, mid, 0), r->y = coordinate(ray->o.y, r->m, mid, 0), r->z = coordinate(ray->o.z, r->n, mid, 0);
-    return true;
+    return fine_along(ray->o.x, r->l, t0, mid, &r->x) && fine_along(ray->o.y, r->m, t0, mid, &r->y) && fine_along(ray->o.z, r->n, t0, mid, &r->z);
 }
 
 SGT_INLINE sgt_interval fine_enclose(const fine_parabola *p, const fine_ray *r, sgt_interval *slope)
@@ -236,8 +251,13 @@ SGT_INLINE sgt_interval fine_enclose(const fine_parabola *p, const fine_ray *r, 
     return g;
 }
 
-/* o + t d, where nothing better is known. */
-SGT_INLINE sgt_interval plain_line(double o, double d, sgt_interval t) { return sgt_interval_sum(sgt_interval_of(o), sgt_interval_scaled(t, d)); }
+/* o + (t0 + t) d, where nothing better is known. */
+SGT_INLINE sgt_interval plain_line(double o, double d, double t0, sgt_interval t)
+{
+    sgt_interval from = sgt_interval_of(o);
+    if (t0 != 0) from = sgt_interval_sum(from, sgt_interval_scaled(sgt_interval_of(t0), d));
+    return sgt_interval_sum(from, sgt_interval_scaled(t, d));
+}
 
 /* false: t or the ray is no stretch to enclose g over; *g is the answer. */
 SGT_INLINE bool stretch_valid(const sgt_ray *ray, sgt_interval t, sgt_interval *g, sgt_interval *slope)

@@ -124,10 +124,10 @@ static sgt_interval form(double a, sgt_interval x, double b, sgt_interval y, dou
     return sgt_interval_sum(sgt_interval_sum(sgt_interval_scaled(x, a), sgt_interval_scaled(y, b)), sgt_interval_sum(sgt_interval_scaled(z, c), sgt_interval_of(d)));
 }
 
-static sgt_interval quadric_plain(const sgt_quadric *s, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+static sgt_interval quadric_plain(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
 {
     const double *a = s->squares, *b = s->products, *c = s->linear;
-    sgt_interval x = plain_line(ray->o.x, ray->d.x, t), y = plain_line(ray->o.y, ray->d.y, t), z = plain_line(ray->o.z, ray->d.z, t);
+    sgt_interval x = plain_line(ray->o.x, ray->d.x, t0, t), y = plain_line(ray->o.y, ray->d.y, t0, t), z = plain_line(ray->o.z, ray->d.z, t0, t);
     sgt_interval gx = form(2 * a[0], x, b[0], y, b[2], z, c[0]), gy = form(b[0], x, 2 * a[1], y, b[1], z, c[1]), gz = form(b[2], x, b[1], y, 2 * a[2], z, c[2]);
     *slope = form(ray->d.x, gx, ray->d.y, gy, ray->d.z, gz, 0);
     gx = form(a[0], x, b[0], y, b[2], z, c[0]), gy = form(0, x, a[1], y, b[1], z, c[1]), gz = form(0, x, 0, y, a[2], z, c[2]);
@@ -159,14 +159,14 @@ static bool moderate(const sgt_quadric *s)
 }
 
 SGT_CLONES
-static sgt_interval quadric_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+static sgt_interval quadric_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
 {
     const sgt_quadric *s = self;
     const double *a = s->squares, *b = s->products, *c = s->linear;
     sgt_interval g;
     fine_ray r;
     if (!stretch_valid(ray, t, &g, slope)) return g;
-    if (!fine_ray_of(ray, t, &r) || !moderate(s)) return quadric_plain(s, ray, t, slope);
+    if (!fine_ray_of(ray, t0, t, &r) || !moderate(s)) return quadric_plain(s, ray, t0, t, slope);
     twofold l = twofold_of(r.l), m = twofold_of(r.m), n = twofold_of(r.n), x = r.x, y = r.y, z = r.z;
     fine_rows full = {fine_form(2 * a[0], x, b[0], y, b[2], z, c[0]), fine_form(b[0], x, 2 * a[1], y, b[1], z, c[1]), fine_form(b[2], x, b[1], y, 2 * a[2], z, c[2])};
     fine_rows upper = {fine_form(a[0], x, b[0], y, b[2], z, c[0]), fine_form(0, x, a[1], y, b[1], z, c[1]), fine_form(0, x, 0, y, a[2], z, c[2])};
@@ -180,6 +180,8 @@ static sgt_interval quadric_enclose(const void *self, const sgt_ray *ray, sgt_in
     p.Ba = 0.5 * (sizes.x * la + sizes.y * ma + sizes.z * na) + tiny;
     return fine_enclose(&p, &r, slope);
 }
+
+static sgt_interval quadric_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope) { return quadric_enclose_from(self, ray, 0, t, slope); }
 
 /* ------------------------------------------------------------------ sensitivities */
 
@@ -221,7 +223,7 @@ sgt_objection sgt_quadric_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const struct sgt_own quadric_own = {.object = sgt_quadric_object, .roundings = quadric_roundings};
+static const struct sgt_own quadric_own = {.object = sgt_quadric_object, .roundings = quadric_roundings, .enclose = quadric_enclose_from};
 
 const sgt_surface_ops sgt_quadric_ops = {
     .name = "quadric", .value = quadric_value, .values = quadric_values, .span = quadric_span, .spans = quadric_spans, .rounding = quadric_rounding,

@@ -8,6 +8,8 @@
  * domain: c h / phi never falls along the ray (a conic is convex).  A negative c is solved as its mirror image: c,
  * a, z and g with the other sign.
  *
+ * t is counted from t0: what is given and enclosed is g(t0 + t).
+ *
  * THE ENDS.  At one t all of it is thin.  A coordinate o + t d is three doubles by error-free product and sums, so that
  * an origin far off costs nothing; rho, h, X and phi^2 come in twice the precision, and only then are rounded to an
  * interval.  g is so known to two or three ulps of the greatest of z, s and P, g' to a few of its terms.
@@ -30,6 +32,7 @@
  *
  * RANGE.  d is scaled by a power of two to [1, 2).  Coordinates so small or so large that twice the precision does not
  * hold are made intervals at once.  What overflows is an end at infinity, and t may have such ends. */
+#include "../num/expansion.h"
 #include "form.h"
 
 #include <sagitta/interval.h>
@@ -86,21 +89,35 @@ SGT_INLINE sgt_interval series(int terms, const sgt_interval *a, sgt_interval rh
     return h;
 }
 
-/* o + t d as s + f.lo exactly, where the product has lost nothing: o + p = s + e, and e with the rest of p is f.
- * f.lo is below 4 u^2 of it. */
-typedef struct triple { twofold s; double rest; bool exact; } triple;
+/* o + (t0 + t) d as s + rest +- slip, where the products have lost nothing.  With t0 = 0 it is s + f.lo exactly: o + p = s + e, and
+ * e with the rest of p is f.  f.lo, and in any case the rest, is below 4 u^2 of it. */
+typedef struct triple { twofold s; double rest, slip; bool exact; } triple;
 
-SGT_INLINE triple triple_of(double o, double d, double t)
+SGT_INLINE bool splits(double p, double t, double d) { return (fabs(p) > 0x1p-960 && fabs(p) < 0x1p1000) || t == 0 || d == 0; }
+
+static triple triple_from(double o, double d, double t0, double t)
 {
-    twofold p = d == 0 ? twofold_of(0) : two_product(t, d), s = two_sum(o, p.hi), f = two_sum(s.lo, p.lo);
-    double size = fabs(p.hi);
-    return (triple){two_sum(s.hi, f.hi), f.lo, ((size > 0x1p-960 && size < 0x1p1000) || t == 0 || d == 0) && fabs(o) < 0x1p1000};
+    expansion e = expansion_along(o, d, t0, t);
+    twofold s = two_sum(e.part[0], e.part[1]);
+    double slip = (fabs(e.part[3]) + fabs(e.part[4])) * (1 + 0x1p-40);
+    bool fine = fabs(e.part[2]) + slip <= 4 * SGT_U * SGT_U * fabs(s.hi);
+    return (triple){s, e.part[2], slip, fine && splits(t0 * d, t0, d) && splits(t * d, t, d) && fabs(o) < 0x1p1000};
 }
 
-SGT_INLINE sgt_interval range_of(const triple *x, double o, double d, double t)
+SGT_INLINE triple triple_of(double o, double d, double t0, double t)
 {
-    if (x->exact) return sgt_interval_between(-sgt_sum_above(-x->s.hi, sgt_sum_above(-x->s.lo, -x->rest)), sgt_sum_above(x->s.hi, sgt_sum_above(x->s.lo, x->rest)));
-    return sgt_interval_sum(sgt_interval_of(o), sgt_interval_product(sgt_interval_of(t), sgt_interval_of(d)));
+    if (t0 != 0) return triple_from(o, d, t0, t);
+    twofold p = d == 0 ? twofold_of(0) : two_product(t, d), s = two_sum(o, p.hi), f = two_sum(s.lo, p.lo);
+    return (triple){two_sum(s.hi, f.hi), f.lo, 0, splits(p.hi, t, d) && fabs(o) < 0x1p1000};
+}
+
+SGT_INLINE sgt_interval range_of(const triple *x, double o, double d, double t0, double t)
+{
+    sgt_interval by = sgt_interval_of(d), from = sgt_interval_of(o), rest = sgt_interval_of(x->rest);
+    if (x->slip > 0) rest = sgt_interval_about(x->rest, x->slip);
+    if (x->exact) return sgt_interval_between(-sgt_sum_above(-x->s.hi, sgt_sum_above(-x->s.lo, -rest.lo)), sgt_sum_above(x->s.hi, sgt_sum_above(x->s.lo, rest.hi)));
+    if (t0 != 0) from = sgt_interval_sum(from, sgt_interval_product(sgt_interval_of(t0), by));
+    return sgt_interval_sum(from, sgt_interval_product(sgt_interval_of(t), by));
 }
 
 SGT_INLINE void phi2_of(const scene *f, ring *e)
@@ -116,11 +133,11 @@ SGT_INLINE void sag_of(const scene *f, ring *e)
 }
 
 SGT_CLONES
-static place place_at(const scene *f, sgt_vec3 o, sgt_vec3 d, double t)
+static place place_at(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, double t)
 {
     place e;
-    triple x = triple_of(o.x, d.x, t), y = triple_of(o.y, d.y, t), z = triple_of(o.z, d.z, t);
-    e.z = range_of(&z, o.z, d.z, t);
+    triple x = triple_of(o.x, d.x, t0, t), y = triple_of(o.y, d.y, t0, t), z = triple_of(o.z, d.z, t0, t);
+    e.z = range_of(&z, o.z, d.z, t0, t);
     /* rho to 2 * 4 + 5 + 3 = 16 u^2, what is taken from 1 to 32 u^2, h to 12 u^2 of its terms; what underflows is
        below 2^-170 of them */
     twofold rho = twofold_sum(twofold_product(x.s, x.s), twofold_product(y.s, y.s)), xl = twofold_scaled(x.s, f->l.lo), ym = twofold_scaled(y.s, f->m.lo);
@@ -129,7 +146,7 @@ static place place_at(const scene *f, sgt_vec3 o, sgt_vec3 d, double t)
     e.at.rho = rounded(rho, 0x1p-101 * rho.hi);
     e.half = rounded(twofold_sum(xl, ym), 0x1p-101 * terms);
     if (!fine || !(terms > 0x1p-800) || f->l.lo < f->l.hi || f->m.lo < f->m.hi) {
-        sgt_interval rx = range_of(&x, o.x, d.x, t), ry = range_of(&y, o.y, d.y, t);
+        sgt_interval rx = range_of(&x, o.x, d.x, t0, t), ry = range_of(&y, o.y, d.y, t0, t);
         e.half = sgt_interval_sum(sgt_interval_product(rx, f->l), sgt_interval_product(ry, f->m));
         if (!fine) e.at.rho = sgt_interval_sum(sgt_interval_square(rx), sgt_interval_square(ry));
     }
@@ -161,9 +178,9 @@ SGT_INLINE sgt_interval cross_of(const scene *f, sgt_vec3 o)
 SGT_INLINE sgt_interval product_of(double a, double b) { return sgt_interval_between(-sgt_product_above(-a, b), sgt_product_above(a, b)); }
 
 SGT_CLONES
-static sgt_interval enclose(const scene *f, sgt_vec3 o, sgt_vec3 d, sgt_interval t, sgt_interval *slope)
+static sgt_interval enclose(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, sgt_interval t, sgt_interval *slope)
 {
-    place a = place_at(f, o, d, t.lo), b = t.lo < t.hi ? place_at(f, o, d, t.hi) : a;
+    place a = place_at(f, o, d, t0, t.lo), b = t.lo < t.hi ? place_at(f, o, d, t0, t.hi) : a;
     sgt_interval half = {a.half.lo, b.half.hi}, z = hull(a.z, b.z), cross = cross_of(f, o);
     ring all = half.lo >= 0 ? a.at : b.at; /* of the least rho; then of the whole stretch */
     if (!(half.lo >= 0 || half.hi <= 0)) {
@@ -212,7 +229,7 @@ static sgt_interval enclose(const scene *f, sgt_vec3 o, sgt_vec3 d, sgt_interval
     return g;
 }
 
-sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
 {
     sgt_vec3 o = ray->o, d = ray->d;
     double sign = s->c < 0 ? -1 : 1, scale = scale_of(d);
@@ -229,7 +246,7 @@ sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, sgt_interval t,
         f.first[i] = product_of(f.p[i].lo, i + 1);
         if (i) f.second[i - 1] = product_of(f.p[i].lo, (i + 1) * i);
     }
-    sgt_interval g = enclose(&f, o, d, t, slope);
+    sgt_interval g = enclose(&f, o, d, t0, t, slope);
     if (sign < 0) *slope = sgt_interval_negative(*slope);
     return sign < 0 ? sgt_interval_negative(g) : g;
 }

@@ -413,7 +413,7 @@ static stretch_of about_middle(const view *v, double R, double r)
     return e;
 }
 
-static sgt_interval torus_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+static sgt_interval torus_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
 {
     const sgt_torus *s = self;
     double R = s->major, r = s->minor, by = 1;
@@ -422,13 +422,13 @@ static sgt_interval torus_enclose(const void *self, const sgt_ray *ray, sgt_inte
     stretch_of near, far = {.g = {1, 1}, .b = {0, 0}};
     fine_ray fine;
     if (!stretch_valid(ray, t, &g, slope)) return g;
-    if (fine_ray_of(ray, t, &fine) && R > 0x1p-300 && R < 0x1p300 && r > 0x1p-300 && r < 0x1p300) {
+    if (fine_ray_of(ray, t0, t, &fine) && R > 0x1p-300 && R < 0x1p300 && r > 0x1p-300 && r < 0x1p300) {
         view v = view_of(&fine);
         near = about_middle(&v, R, r);
         if (spindle) far = about_middle(&v, -R, r);
         by = fine.inverse;
     } else {
-        sgt_interval x = plain_line(ray->o.x, ray->d.x, t), y = plain_line(ray->o.y, ray->d.y, t), z = plain_line(ray->o.z, ray->d.z, t);
+        sgt_interval x = plain_line(ray->o.x, ray->d.x, t0, t), y = plain_line(ray->o.y, ray->d.y, t0, t), z = plain_line(ray->o.z, ray->d.z, t0, t);
         sgt_interval rho = sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y))), h = sgt_interval_sum(sgt_interval_scaled(x, ray->d.x), sgt_interval_scaled(y, ray->d.y));
         sgt_interval steep = sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(sgt_interval_of(ray->d.x)), sgt_interval_square(sgt_interval_of(ray->d.y))));
         near = natural(R, r, rho, h, z, ray->d.z, steep);
@@ -445,6 +445,8 @@ static sgt_interval torus_enclose(const void *self, const sgt_ray *ray, sgt_inte
     *slope = sgt_interval_scaled(sgt_interval_quotient(*slope, k), by);
     return sgt_interval_quotient(g, sgt_interval_scaled(k, 2));
 }
+
+static sgt_interval torus_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope) { return torus_enclose_from(self, ray, 0, t, slope); }
 
 /* ------------------------------------------------------------------ sensitivities */
 
@@ -499,7 +501,7 @@ sgt_objection sgt_torus_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const struct sgt_own torus_own = {.object = sgt_torus_object, .roundings = torus_roundings};
+static const struct sgt_own torus_own = {.object = sgt_torus_object, .roundings = torus_roundings, .enclose = torus_enclose_from};
 
 const sgt_surface_ops sgt_torus_ops = {
     .name = "torus", .value = torus_value, .values = torus_values, .span = torus_span, .spans = torus_spans, .rounding = torus_rounding,
