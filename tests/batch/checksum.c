@@ -4,121 +4,23 @@
  *     checksum                 a line for each part: its name, how many rays, the sum
  *     checksum PART            a line for each ray of that part, to find the first that differs
  *
- * The parts are the types of sgt_builtins with hostile rays (hostile.h), a lens with a mirror, a tilt, an asphere and
- * apertures, and a user's surface in each way the solver treats one.  The rays are fixed: they change with the library
- * where they are aimed by its own answers, and so does the sum. */
-#include "hostile.h"
+ * The parts are all types of sgt_builtins with hostile rays (hostile.h), a lens with a mirror, a tilt, an asphere and
+ * apertures, and a user's surface in each way the solver treats one; the Earth's surfaces are in checksum_earth.c.  Of each ray
+ * there are the first root, all roots, the batch, with and without what need not be wanted, and the derivatives.  The rays
+ * are fixed: they change with the library where they are aimed by its own answers, and so does the sum. */
+#include "checksum.h"
 
 #include <sagitta/diagnose.h>
-#include <sagitta/sensitivity.h>
 #include <sagitta/system.h>
-
-static uint64_t sum_of_part;
-static size_t rays_of_part;
-static bool listed;
-
-static void add_bits(uint64_t bits)
-{
-    sum_of_part = (sum_of_part ^ bits) * 0x9e3779b97f4a7c15u;
-    sum_of_part ^= sum_of_part >> 32;
-}
-
-static void add_number(double x) { add_bits(x == x ? bits_of(x) : 0x7ff8000000000000u); }
-static void add_vector(sgt_vec3 v) { add_number(v.x), add_number(v.y), add_number(v.z); }
-
-static void add_hit(const sgt_hit *h)
-{
-    add_bits((uint64_t)(h->status - SGT_INVALID) << 32 | (uint64_t)h->evals);
-    const double numbers[] = {h->t, h->t_err, h->t_lo, h->lo, h->hi, h->f, h->p_err};
-    for (size_t i = 0; i < COUNT_OF(numbers); i++) add_number(numbers[i]);
-    add_vector(h->p), add_vector(h->n);
-}
-
-static void list_ray(const sgt_ray *ray, const char *how)
-{
-    rays_of_part++;
-    if (listed) printf("%016llx %s\n", (unsigned long long)sum_of_part, how), print_ray(ray);
-}
-
-/* ---------------------------------------------------------------- batches */
-
-enum { BATCH = 300 };
-static sgt_ray rays[BATCH];
-static double in[8][BATCH];
-
-static sgt_rays as_arrays(size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        for (int j = 0; j < 8; j++) in[j][i] = *component(&rays[i], j);
-    return (sgt_rays){{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, in[6], in[7]};
-}
-
-typedef struct hit_arrays { signed char status[BATCH]; int evals[BATCH]; double number[10][BATCH]; } hit_arrays;
-
-static sgt_hits pointers(hit_arrays *a)
-{
-    return (sgt_hits){.status = a->status, .evals = a->evals, .t = a->number[0], .t_err = a->number[1], .t_lo = a->number[2],
-                      .p_err = a->number[3], .p = {a->number[4], a->number[5], a->number[6]}, .n = {a->number[7], a->number[8], a->number[9]}};
-}
-
-static void add_arrays(const hit_arrays *a, size_t i)
-{
-    add_bits((uint64_t)(a->status[i] - SGT_INVALID) << 32 | (uint64_t)a->evals[i]);
-    for (int j = 0; j < 10; j++) add_number(a->number[j][i]);
-}
-
-/* The derivatives of the hits of a batch: by o and by the first parameters. */
-static void add_derivatives(sgt_surface s, size_t n, sgt_hits hits)
-{
-    enum { FEW = 6, LONGEST = 8192 };
-    static double by_o[12][BATCH], by_a[4][FEW][BATCH];
-    static double *lists[4][LONGEST];
-    size_t count = sgt_parameters(s);
-    if (count > LONGEST) return;
-    for (int k = 0; k < 4; k++)
-        for (size_t j = 0; j < count; j++) lists[k][j] = j < FEW ? by_a[k][j] : NULL;
-    sgt_jacobian out = {.t_by_o = {by_o[0], by_o[1], by_o[2]}, .n_by_o = {{by_o[3], by_o[4], by_o[5]}, {by_o[6], by_o[7], by_o[8]}, {by_o[9], by_o[10], by_o[11]}},
-                        .t_by_a = lists[0], .n_by_a = {lists[1], lists[2], lists[3]}};
-    add_bits((uint64_t)sgt_differentiate_batch(s, n, as_arrays(n), hits, out));
-    for (size_t i = 0; i < n; i++) {
-        for (int k = 0; k < 12; k++) add_number(by_o[k][i]);
-        for (int k = 0; k < 4; k++)
-            for (size_t j = 0; j < FEW && j < count; j++) add_number(by_a[k][j][i]);
-        list_ray(&rays[i], "its derivatives");
-    }
-}
-
-/* Each ray alone, all its roots, and all in a batch. */
-static void add_surface(sgt_surface s, size_t n, const sgt_options *opt)
-{
-    static hit_arrays out;
-    sgt_hit all[4];
-    for (size_t i = 0; i < n; i++) {
-        sgt_hit hit = sgt_intersect(s, rays[i], opt);
-        add_hit(&hit);
-        if (i % 4 == 0) {
-            int entries = sgt_intersect_all(s, rays[i], 4, all, opt);
-            add_bits((uint64_t)entries);
-            for (int j = 0; j < entries && j < 4; j++) add_hit(&all[j]);
-        }
-        list_ray(&rays[i], "alone");
-    }
-    add_bits(sgt_intersect_batch(s, n, as_arrays(n), pointers(&out), opt));
-    for (size_t i = 0; i < n; i++) {
-        add_arrays(&out, i);
-        list_ray(&rays[i], "in a batch");
-    }
-    add_derivatives(s, n, pointers(&out));
-}
 
 /* ------------------------------------------------------------ built-in types */
 
-static void add_type(const sgt_builtin *type, generator *g, int rounds)
+static void add_type(const sgt_builtin *type, generator *g, int rounds, int most)
 {
     while (rounds-- > 0) {
         specimen s = random_specimen(g, type);
         sgt_options opt = chance(g, 0.6) ? (sgt_options){0} : hostile_options(g);
-        size_t n = (size_t)below(g, BATCH + 1);
+        size_t n = (size_t)below(g, most + 1);
         for (size_t i = 0; i < n; i++) {
             rays[i] = i % 2 ? hostile_ray(g, &s) : ordinary_ray(g, &s);
             sgt_vec3 p = rays[i].o, gradient;
@@ -282,26 +184,14 @@ static void add_lens(generator *g, int rounds)
 
 /* ---------------------------------------------------------------------------- */
 
-static bool begin(const char *part, int argc, char **argv)
-{
-    sum_of_part = 0, rays_of_part = 0, listed = argc > 1;
-    return argc < 2 || !strcmp(argv[1], part);
-}
-
-static void end(const char *part)
-{
-    if (!listed) printf("%-12s %7zu rays  %016llx\n", part, rays_of_part, (unsigned long long)sum_of_part);
-}
-
 int main(int argc, char **argv)
 {
     generator g = {test_seed(2)};
     double scale = test_scale();
     for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
-        if (!answers_itself(b)) continue;
         generator own = {random_bits(&g)};
-        bool level = b->ops == &sgt_julia_ops || b->ops == &sgt_mandelbrot_ops;
-        if (begin(b->type, argc, argv)) add_type(b, &own, (int)((level ? 40 : 150) * scale) + 1), end(b->type);
+        bool sag = param_of(b, "semi_diameter") != NULL, dear = !answers_itself(b); /* these march by intervals */
+        if (begin(b->type, argc, argv)) add_type(b, &own, (int)((sag && !dear ? 150 : 40) * scale) + 1, dear ? 100 : BATCH), end(b->type);
     }
     generator own = {random_bits(&g)}, lens = {random_bits(&g)};
     if (begin("own surface", argc, argv)) add_own_surface(&own, (int)(60 * scale) + 1), end("own surface");

@@ -5,9 +5,12 @@ The library's sources are compiled anew with the flags that the build under test
 compile_commands.json), but for one kind of processor at a time, as the option `clones` of meson
 does: for each kind by the compiler of the build, for the widest by the other.  Each is linked with
 one and the same checksum.o (checksum.c) and must give the sums that the build under test gives,
-whose kernels the loader has chosen.  Where a sum differs the first ray that differs is shown.
+whose kernels the loader has chosen; and so must the surfaces about the Earth (checksum_earth.c),
+where they are built.  Where a sum differs the first ray that differs is shown.
 
-    python3 clones.py BUILD CHECKSUM
+    python3 clones.py BUILD           all of it, some minutes: tests/nightly.sh
+    python3 clones.py BUILD --quick   the build against one for any processor, of a tenth of the rays;
+                                      that one is compiled with little optimisation, which changes no bit
 """
 import concurrent.futures
 import json
@@ -64,6 +67,11 @@ def flags_of(entry):
     return compiler, flags
 
 
+def plus_plus(compiler):
+    """The C++ compiler that belongs to a C compiler: g++ to gcc, clang++-14 to clang-14."""
+    return compiler[:-1] + [re.sub(r'(gcc|clang|cc)(?=(-[\d.]+)?$)', lambda name: {'gcc': 'g++', 'clang': 'clang++', 'cc': 'c++'}[name[1]], compiler[-1])]
+
+
 def compile_to(entry, compiler, more, target):
     run(*compiler, *flags_of(entry)[1], *more, '-w', '-c', entry['file'], '-o', str(target), cwd=entry['directory'])
     return str(target)
@@ -81,58 +89,75 @@ def first_difference(part, ours, theirs):
     return 'no ray differs: one listing is longer'
 
 
-def main(build, checksum):
+def once(entries):
+    """The sources of a library; those compiled twice, for its static and its shared form, once."""
+    if len({entry['file'] for entry in entries}) < len(entries):
+        entries = [entry for entry in entries if '.so' in entry['output']]
+    return entries
+
+
+def main(build, *words):
+    quick = '--quick' in words
+    if quick:
+        os.environ['SAGITTA_TEST_SCALE'] = str(0.1 * float(os.environ.get('SAGITTA_TEST_SCALE', 1)))
     commands = json.loads(pathlib.Path(build, 'compile_commands.json').read_text())
-    library = [c for c in commands if 'libsagitta' in c['output'] and c['file'].endswith('.c')]
-    [program] = [c for c in commands if c['file'].endswith('batch/checksum.c')]
-    if len({c['file'] for c in library}) < len(library):  # static and shared each for itself
-        library = [c for c in library if '.so' in c['output']]
+    library = once([c for c in commands if '/libsagitta.' in c['output'] and c['file'].endswith('.c')])
+    earth = once([c for c in commands if '/libsagitta_geo.' in c['output']])
     if len(library) < 10:
         sys.exit(f'{len(library)} sources of the library found')
+    programs = {c['output'].split('/')[-2][:-2]: c for c in commands if '/batch/checksum' in c['file']}
 
     own = flags_of(library[0])[0]
     compilers = {family(own): own}
-    for name in ('gcc', 'clang'):
+    for name in () if quick else ('gcc', 'clang'):
         if name in compilers:
             continue
-        if shutil.which(name):
+        if shutil.which(name) and (not earth or shutil.which(plus_plus([name])[-1])):
             compilers[name] = [name]
         else:
             print(f'{name}: skipped, it is not installed')
     features, kinds, needed = processor(), [], set()
     for kind, more in KINDS.items():
         needed |= more
+        if quick and kind != 'none':
+            continue
         if kind != 'none' and (features is None or not needed <= features):
             print(f'{kind}: skipped, this processor is not of its kind')
         else:
             kinds.append(kind)
 
-    wanted = run(str(checksum))
-    print(f'the build under test:\n{wanted}', end='')
+    here = pathlib.Path(build, 'tests', 'batch')
+    geographic = re.search(r'=> (\S*libGeographic\S*)', run('ldd', str(here / 'checksum_earth')))[1] if earth else None
+    wanted = {name: run(str(here / name)) for name in programs}
+    print('the build under test:\n' + ''.join(wanted.values()), end='')
     faults, shown = 0, set()
     with tempfile.TemporaryDirectory() as name, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         there = pathlib.Path(name)
-        main_object = compile_to(program, own, [], there / 'checksum.o')
+        main_objects = {name: compile_to(entry, own, [], there / f'{name}.o') for name, entry in programs.items()}
         waiting = {}
         for by, compiler in compilers.items():
             for kind in kinds if compiler is own else kinds[-1:]:
                 folder = there / f'{by}-{kind}'
                 folder.mkdir()
-                more = [] if kind == 'none' else [f'-march={kind}', '-mtune=generic']
-                waiting[by, kind] = [pool.submit(compile_to, entry, compiler, more, folder / f'{i}.o') for i, entry in enumerate(library)]
+                more = (['-O1'] if quick else []) + ([] if kind == 'none' else [f'-march={kind}', '-mtune=generic'])
+                waiting[by, kind] = [pool.submit(compile_to, entry, plus_plus(compiler) if entry in earth else compiler, more, folder / f'{i}.o')
+                                     for i, entry in enumerate(library + earth)]
         for (by, kind), objects in waiting.items():
-            other = there / f'checksum-{by}-{kind}'
-            run(*compilers[by], main_object, *(o.result() for o in objects), '-o', str(other), '-lm')
-            said = run(str(other))
+            said = {}
+            for name in programs:
+                objects_of = [o.result() for o in (objects if 'earth' in name else objects[:len(library)])]
+                more = [geographic, '-lstdc++'] if 'earth' in name else []
+                run(*compilers[by], main_objects[name], *objects_of, '-o', str(there / f'{name}-{by}-{kind}'), *more, '-lm')
+                said[name] = run(str(there / f'{name}-{by}-{kind}'))
             print(f'by {by}, {kind}: {"the same" if said == wanted else "OTHERS"}')
-            if said == wanted:
-                continue
-            faults += 1
-            for line, its in zip(wanted.splitlines(), said.splitlines()):
-                part = line[:12].strip()
-                if line != its:
-                    print(f'{its}   of {part}' + ('' if its in shown else f', first:\n{first_difference(part, checksum, other)}'))
-                    shown.add(its)
+            faults += said != wanted
+            for name in programs:
+                for line, its in zip(wanted[name].splitlines(), said[name].splitlines()):
+                    part = line[:16].strip()
+                    if line != its:
+                        first = first_difference(part, here / name, there / f'{name}-{by}-{kind}') if its not in shown else ''
+                        print(f'{its}   of {part}' + (f', first:\n{first}' if first else ''))
+                        shown.add(its)
     print(f'{len(waiting)} builds, {faults} with other answers')
     return 1 if faults or not waiting else 0
 

@@ -4,8 +4,8 @@
  * likely but rays that are unlike each other: every way a quick form can be left for the careful one, every way a ray is
  * no ray at all, and these side by side in one register.
  *
- *   surfaces   each type of sgt_builtins by sets chosen by hand, by random sets of its kind, and by any legal (and now
- *              and then illegal) number in each parameter of its row;
+ *   surfaces   each type of sgt_builtins by sets chosen by hand, by random sets of its kind or by its row alone (lists, tables
+ *              and terms too), and by any legal (and now and then illegal) number in each parameter of its row;
  *   rays       by kind, see ray_kinds; points to aim at are taken from the surface itself;
  *   ends       none, all, at a root to the ulp, reversed, NaN.
  *
@@ -127,14 +127,14 @@ typedef union parameters {
 
 /* A surface, how large it is, and points on it to aim at with the gradient there. */
 enum { ANCHORS = 8 };
-/* A row that answers by itself; those that are met by their operations, `values` among them, have tests of their own (tests/catalogue). */
+/* A row that answers by itself, and has sets chosen by hand below; the others are met by their operations, `values` among them. */
 static UNUSED bool answers_itself(const sgt_builtin *row) { return !row->ops->values; }
 
 typedef struct specimen {
     const sgt_builtin *type;
     parameters with;
     double size;
-    bool sag;                            /* a conic or an asphere: points are cheap */
+    bool sag;                            /* F = z - s(x, y): points are cheap */
     sgt_vec3 anchor[ANCHORS], normal[ANCHORS];
 } specimen;
 
@@ -274,19 +274,113 @@ static UNUSED bool random_parameters(generator *g, const sgt_builtin *type, para
     return true;
 }
 
-/* Any number in any parameter of the type's row. */
+/* ------------------------------------------------------- a type known by its row alone */
+
+/* What lists and terms point to: each is overwritten after some twenty more specimens. */
+enum { NUMBERS = 1 << 16, TERMS = 256, LONGEST_LIST = 30, LARGEST_TABLE = 9 };
+
+static UNUSED double *kept_numbers(size_t n)
+{
+    static double all[NUMBERS];
+    static size_t used;
+    if (used + n > NUMBERS) used = 0;
+    used += n;
+    return all + used - n;
+}
+
+static UNUSED const sgt_param *param_of(const sgt_builtin *type, const char *name)
+{
+    for (const sgt_param *p = type->params; p->name; p++)
+        if (!strcmp(p->name, name)) return p;
+    return NULL;
+}
+
+/* The power of a length that `unit` is, of element i, j: "1", "length", "1/length^(i+j-1)", ... */
+static UNUSED int power_of_length(const char *unit, int i, int j)
+{
+    if (!strcmp(unit, "length^2")) return 2;
+    if (!strcmp(unit, "length")) return 1;
+    if (!strcmp(unit, "1/length")) return -1;
+    if (!strcmp(unit, "1/length^i")) return -i;
+    if (!strcmp(unit, "1/length^(2i+1)")) return -2 * i - 1;
+    if (!strcmp(unit, "1/length^(i+j-1)")) return 1 - i - j;
+    return 0;
+}
+
+/* A surface of the size h, its departure `strong` h. */
+static UNUSED void random_by_row(generator *g, const sgt_builtin *type, parameters *with, double h, double strong)
+{
+    static parameters terms_with[TERMS];
+    static sgt_surface terms[TERMS];
+    static size_t used;
+    memset(with, 0, sizeof *with);
+    for (const sgt_param *p = type->params; p->name; p++) {
+        unsigned char *at = with->byte + p->offset;
+        if (p->kind == SGT_WHOLE || p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
+            int whole = (int)p->lo + below(g, (int)(p->hi < 20 ? p->hi - p->lo : 20 - p->lo) + 1);
+            memcpy(at, &whole, sizeof whole);
+        } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+            bool heights = !strcmp(p->name, "sag"); /* at least four by four, of any size in a row */
+            int most = p->kind == SGT_LIST ? LONGEST_LIST : LARGEST_TABLE, least = heights ? 4 : 1;
+            if (chance(g, 0.9)) most /= 3; /* long ones seldom: they are dear */
+            size_t rows = p->kind == SGT_LIST ? 1 : (size_t)(least + below(g, most)), columns = (size_t)(least + below(g, most));
+            if (!heights && chance(g, 0.05)) rows = columns = 0;
+            sgt_numbers all = {kept_numbers(rows * columns), rows, columns};
+            double *x = (double *)(uintptr_t)all.x;
+            for (size_t i = 0; i < rows; i++)
+                for (size_t j = 0; j < columns; j++) {
+                    int m = p->kind == SGT_LIST ? (int)j : (int)i, n = p->kind == SGT_LIST ? 0 : (int)j;
+                    double falling = heights ? 1 : 1 / (1 + (double)(m + n) * (m + n));
+                    x[i * columns + j] = chance(g, 0.15) ? 0 : strong * falling * uniform(g, -1, 1) * pow(h, power_of_length(p->unit, m, n));
+                }
+            memcpy(at, &all, sizeof all);
+        } else if (p->kind == SGT_TERMS) {
+            static const char *const kinds[] = {"even_asphere", "odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "toroidal", "biconic"};
+            size_t n = (size_t)below(g, 4);
+            if (used + n > TERMS) used = 0;
+            const sgt_surface *first = terms + used;
+            for (size_t i = 0; i < n; i++, used++) {
+                const sgt_builtin *kind = sgt_builtins;
+                for (int chosen_kind = below(g, COUNT_OF(kinds)); kind->type && strcmp(kind->type, kinds[chosen_kind]);) kind++;
+                random_by_row(g, kind, &terms_with[used], h, strong / (double)n);
+                terms[used] = (sgt_surface){kind->ops, &terms_with[used]};
+            }
+            memcpy(at, &first, sizeof first), memcpy(at + sizeof first, &n, sizeof n);
+        } else {
+            bool list = p->count > 1 && p->kind == SGT_REAL;
+            for (int i = 0; i < p->count; i++) {
+                int power = power_of_length(p->unit, i, 0);
+                double x = uniform(g, -1, 1);
+                if (list) x = chance(g, 0.2) ? 0 : x * strong / (1 + (double)i * i);
+                else if (power == 1 && p->kind == SGT_REAL) x = uniform(g, 0.3, 1.5);
+                else if (power == -1) x = chance(g, 0.2) ? 0 : either_sign(g) * any_scale(g, -3, 0);
+                else if (power == 0) x *= chance(g, 0.3) ? 0 : 2;
+                if (!strcmp(p->name, "semi_diameter")) x = chance(g, 0.6);
+                if (!strncmp(p->name, "step", 4)) x /= LARGEST_TABLE;
+                x *= pow(h, power);
+                memcpy(at + sizeof x * (size_t)i, &x, sizeof x);
+            }
+        }
+    }
+    if (type->prepare && chance(g, 0.5)) type->prepare(with);
+}
+
+/* Any number in any parameter of the type's row; of a sum its terms are left as they are. */
 static UNUSED void spoil(generator *g, const sgt_builtin *type, parameters *with)
 {
     int rows = 0;
     while (type->params[rows].name) rows++;
     const sgt_param *p = &type->params[below(g, rows)];
-    if (p->kind == SGT_WHOLE) {
+    unsigned char *at = with->byte + p->offset;
+    double x = chance(g, 0.5) ? hostile_number(g) : uniform(g, -2, 2);
+    if (p->kind == SGT_WHOLE || p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
         int whole = chance(g, 0.7) ? (int)uniform(g, p->lo, p->hi + 1) : below(g, 400) - 200;
-        memcpy(with->byte + p->offset, &whole, sizeof whole);
-    } else {
-        double x = chance(g, 0.5) ? hostile_number(g) : uniform(g, -2, 2);
-        memcpy(with->byte + p->offset + sizeof x * (size_t)below(g, p->count), &x, sizeof x);
-    }
+        memcpy(at, &whole, sizeof whole);
+    } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+        sgt_numbers all;
+        memcpy(&all, at, sizeof all);
+        if (all.rows > 0 && all.columns > 0) ((double *)(uintptr_t)all.x)[below(g, (int)(all.rows * all.columns))] = x;
+    } else if (p->kind != SGT_TERMS) memcpy(at + sizeof x * (size_t)below(g, p->count), &x, sizeof x);
 }
 
 static UNUSED sgt_hit alone(const specimen *s, sgt_ray ray, sgt_pick pick)
@@ -294,12 +388,12 @@ static UNUSED sgt_hit alone(const specimen *s, sgt_ray ray, sgt_pick pick)
     return sgt_intersect(surface_of(s), ray, &(sgt_options){.pick = pick});
 }
 
-/* A size, and points to aim at. */
+/* A size, where it is not known, and points to aim at. */
 static UNUSED void survey(generator *g, specimen *s)
 {
-    s->sag = s->type->ops == &sgt_conic_ops || s->type->ops == &sgt_asphere_ops;
-    s->size = 2;
-    if (s->sag) {
+    s->sag = param_of(s->type, "semi_diameter") != NULL;
+    if (!(s->size > 0)) s->size = 2;
+    if (s->type->ops == &sgt_conic_ops || s->type->ops == &sgt_asphere_ops) {
         double v[3]; /* an asphere begins as a conic does */
         memcpy(v, &s->with, sizeof v);
         double e = (1 + v[1]) * v[0] * v[0], edge = e > 0 ? 1 / sqrt(e) : v[0] != 0 ? 2 / fabs(v[0]) : 10;
@@ -346,8 +440,12 @@ static UNUSED specimen random_specimen(generator *g, const sgt_builtin *type)
     sgt_status said;
     do {
         double which = uniform(g, 0, 1);
-        if (sets && (which < 0.6 || !random_parameters(g, type, &s.with))) s.with = chosen[first + below(g, sets)].with;
-        for (bool more = !sets || which > 0.9; more; more = chance(g, 0.5)) spoil(g, type, &s.with);
+        s.size = 0;
+        if (!answers_itself(type)) {
+            s.size = chance(g, 0.7) ? uniform(g, 0.5, 20) : any_scale(g, -3, 3);
+            random_by_row(g, type, &s.with, s.size, any_scale(g, -6, -1));
+        } else if (sets && (which < 0.6 || !random_parameters(g, type, &s.with))) s.with = chosen[first + below(g, sets)].with;
+        for (bool more = (!sets && answers_itself(type)) || which > 0.9; more; more = chance(g, 0.5)) spoil(g, type, &s.with);
         survey(g, &s);
         said = alone(&s, ordinary_ray(g, &s), SGT_FIRST).status;
     } while ((said == SGT_INVALID || said == SGT_UNPROVEN) && chance(g, 0.8));
@@ -598,26 +696,39 @@ static UNUSED void print_options(const sgt_options *o)
         o->t_tol, o->f_tol, o->dt_min, o->max_evals, (int)o->pick, (int)o->proof);
 }
 
-/* By its row, so that any type can be printed; numbers that are zero are left out. */
-static UNUSED void print_specimen(const specimen *s)
+/* By its row, so that any type can be printed. */
+static UNUSED void print_parameters(const sgt_builtin *type, const parameters *with)
 {
-    printf("    %s", s->type->type);
-    for (const sgt_param *p = s->type->params; p->name; p++) {
-        if (p->kind == SGT_WHOLE) {
-            int whole;
-            memcpy(&whole, s->with.byte + p->offset, sizeof whole);
-            printf("  %s %d", p->name, whole);
-            continue;
-        }
+    printf("    %s", type->type);
+    for (const sgt_param *p = type->params; p->name; p++) {
+        const unsigned char *at = with->byte + p->offset;
         printf("  %s", p->name);
-        for (int i = 0; i < p->count; i++) {
+        if (p->kind == SGT_WHOLE || p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
+            int whole;
+            memcpy(&whole, at, sizeof whole);
+            printf(" %d", whole);
+        } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+            sgt_numbers all;
+            memcpy(&all, at, sizeof all);
+            printf(" %zu x %zu", all.rows, all.columns);
+            for (size_t i = 0; i < all.rows * all.columns; i++) print_number(all.x[i]);
+        } else if (p->kind == SGT_TERMS) {
+            const sgt_surface *terms;
+            size_t n;
+            memcpy(&terms, at, sizeof terms), memcpy(&n, at + sizeof terms, sizeof n);
+            for (size_t i = 0; i < n; i++)
+                for (const sgt_builtin *kind = sgt_builtins; kind->type; kind++)
+                    if (!strcmp(kind->type, terms[i].ops->name)) printf("\n    "), print_parameters(kind, terms[i].self);
+        } else for (int i = 0; i < p->count; i++) {
             double x;
-            memcpy(&x, s->with.byte + p->offset + sizeof x * (size_t)i, sizeof x);
+            memcpy(&x, at + sizeof x * (size_t)i, sizeof x);
             print_number(x);
         }
     }
     printf("\n");
 }
+
+static UNUSED void print_specimen(const specimen *s) { print_parameters(s->type, &s->with); }
 
 /* ------------------------------------------------------------------- arrays */
 

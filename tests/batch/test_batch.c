@@ -220,12 +220,12 @@ int main(int argc, char **argv)
     test_door();
     bool faulty = failures > 0;
     for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
-        if ((argc > 1 && strcmp(argv[1], b->type)) || !answers_itself(b)) continue;
+        if (argc > 1 && strcmp(argv[1], b->type)) continue;
         generator g = {seed ^ (uint64_t)(b - sgt_builtins) << 40};
-        bool known = false;
+        bool known = !answers_itself(b);
         for (size_t i = 0; i < COUNT_OF(chosen); i++) known |= !strcmp(chosen[i].type, b->type);
         if (!known || b->size > sizeof(parameters)) faulty = true, printf("FAIL %s: hostile.h has no sets of this type\n", b->type);
-        double wanted = 1e5 * test_scale(), asked = 0;
+        double wanted = (answers_itself(b) ? 1e5 : 2e3) * test_scale(), asked = 0; /* the others march by intervals: dear */
         failures = shown = compared = 0;
         memset(told, 0, sizeof told);
         while (asked < wanted && failures < 1000) asked += (double)round_of(&g, b);
@@ -235,7 +235,7 @@ int main(int argc, char **argv)
         fflush(stdout);
         const long *of = told - SGT_INVALID;
         double few = asked / 100;
-        bool one_sided = (double)of[SGT_HIT] < few || (double)of[SGT_MISS] < few || (double)of[SGT_INVALID] < few || (asked > 1e5 && !of[SGT_GRAZE]);
+        bool one_sided = asked >= 1e4 && ((double)of[SGT_HIT] < few || (double)of[SGT_MISS] < few || (double)of[SGT_INVALID] < few || (asked > 1e5 && !of[SGT_GRAZE]));
         if (one_sided) printf("FAIL %s: these rays are not hostile enough\n", b->type);
         faulty |= failures > 0 || one_sided;
     }

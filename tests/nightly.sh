@@ -1,0 +1,51 @@
+#!/bin/sh
+# sh tests/nightly.sh [FUZZ_SECONDS]   what takes too long for every change; some hours on an idle machine of two cores.
+#
+#   scale      all random tests, oracles and proofs at ten times their scale (SAGITTA_TEST_SCALE=10; SAGITTA_TEST_SEED
+#              chooses other cases: the day of the year, unless it is set)
+#   clones     the library built for each kind of processor, by gcc and by clang, gives the same bits (batch/clones.py)
+#   fuzz       each target for FUZZ_SECONDS (2400), from corpora that grow in build/fuzz/corpus from night to night
+#   mutants    single edits of the library that the tests must notice (mutants/run.py)
+#
+# Each stage runs whatever became of those before it, and writes to build/nightly/STAGE.log; the end of a failed one's
+# log is shown.  Ends with status 1 if a stage failed.  Needs what tests/run.sh installs.
+set -u
+cd "$(dirname "$0")/.."
+fuzz_seconds=${1:-2400}
+logs=build/nightly
+build=build/tests
+failed=
+mkdir -p $logs
+
+stage() {  # stage NAME COMMAND...
+    name=$1
+    shift
+    echo "== $name, $(date +%H:%M)"
+    if "$@" >"$logs/$name.log" 2>&1; then
+        echo "   passed"
+    else
+        echo "   FAILED, see $logs/$name.log:"
+        tail -25 "$logs/$name.log"
+        failed="$failed $name"
+    fi
+}
+
+if [ ! -f $build/build.ninja ]; then
+    meson setup $build || exit 1
+fi
+meson compile -C $build || exit 1
+sh .ci/install clang || exit 1
+
+SAGITTA_TEST_SEED=${SAGITTA_TEST_SEED:-$(date +%j)}
+export SAGITTA_TEST_SEED
+SAGITTA_TEST_SCALE=10 stage scale meson test -C $build --no-rebuild --timeout-multiplier 0 --print-errorlogs \
+    --suite unit --suite batch --suite oracle --suite interval --suite extremes \
+    --suite sensitivity --suite geo --suite catalogue
+stage clones python3 tests/batch/clones.py $build
+stage fuzz sh tests/fuzz/run.sh $((4 * fuzz_seconds))
+if [ -f tests/mutants/run.py ]; then
+    stage mutants python3 tests/mutants/run.py
+fi
+
+echo "== seed $SAGITTA_TEST_SEED, failed:${failed:- none}"
+[ -z "$failed" ]
