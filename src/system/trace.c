@@ -80,7 +80,7 @@ sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, con
     double middle = 0.5 * chord.tmin + 0.5 * chord.tmax;
     *inside = hit.status > 0 && is_inside(hit.p, aperture2);
     for (int ends = 0; ends < 2 && hit.status > 0 && !*inside; ends++) {
-        if (hit.t < middle) chord.tmin = hit.t;
+        if (hit.t < middle) chord.tmin = hit.hi; /* not t, from which the same root may be found once more */
         else chord.tmax = hit.lo;
         if (!(chord.tmin < chord.tmax) || chord.tmax == 0) break;
         sgt_hit next = sgt_intersect(surface, chord, opt);
