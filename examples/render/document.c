@@ -31,6 +31,31 @@ LIKE_PRINTF(3, 4) static _Noreturn void fail_syntax(const document *d, size_t li
     fail_at(d, line, NULL, format, values);
 }
 
+/* Looks through all events before the document is made: the time that libyaml takes to make one grows with the square of
+ * its depth and of its anchors.  What else is wrong the making tells. */
+static void check_events(const document *d, FILE *in)
+{
+    enum { DEPTH_MOST = 64, ANCHORS_MOST = 1000 };
+    yaml_parser_t parser;
+    yaml_event_t e;
+    size_t line = 0;
+    int depth = 0, anchors = 0;
+    if (!yaml_parser_initialize(&parser)) fail_input("out of memory");
+    yaml_parser_set_input_file(&parser, in);
+    for (bool more = true; more && !line && yaml_parser_parse(&parser, &e); yaml_event_delete(&e)) {
+        more = e.type != YAML_STREAM_END_EVENT;
+        depth += e.type == YAML_SEQUENCE_START_EVENT || e.type == YAML_MAPPING_START_EVENT;
+        depth -= e.type == YAML_SEQUENCE_END_EVENT || e.type == YAML_MAPPING_END_EVENT;
+        anchors += (e.type == YAML_SCALAR_EVENT && e.data.scalar.anchor) || (e.type == YAML_SEQUENCE_START_EVENT && e.data.sequence_start.anchor) ||
+                   (e.type == YAML_MAPPING_START_EVENT && e.data.mapping_start.anchor);
+        if (depth > DEPTH_MOST || anchors > ANCHORS_MOST) line = e.start_mark.line + 1;
+    }
+    yaml_parser_delete(&parser);
+    if (line && depth > DEPTH_MOST) fail_syntax(d, line, "lists and maps within each other more than %d deep", DEPTH_MOST);
+    if (line) fail_syntax(d, line, "more than %d anchors", ANCHORS_MOST);
+    rewind(in);
+}
+
 void document_read(document *d, const char *file)
 {
     yaml_parser_t parser;
@@ -41,6 +66,7 @@ void document_read(document *d, const char *file)
     FILE *in = fopen(file, "rb");
     if (!in || getc(in) == EOF) fail_input("%s: %s", file, !in || ferror(in) ? strerror(errno) : "empty");
     rewind(in);
+    check_events(d, in);
     if (!yaml_parser_initialize(&parser)) fail_input("out of memory");
     yaml_parser_set_input_file(&parser, in);
     bool good = yaml_parser_load(&parser, &d->yaml) && (!document_root(d) || yaml_parser_load(&parser, &second));

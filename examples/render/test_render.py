@@ -561,6 +561,9 @@ def test_errors():
     for text, word in (('', 'empty'), ('# nothing', 'empty'), ('[1]', 'map'), (GOOD + '---\n' + GOOD, 'second document'), (GOOD[:GOOD.index('objects')], 'objects')):
         said = run(written(text), exit=BAD_INPUT)
         assert word in said and 'scene.yaml' in said, (text, said)
+    for text, line in (('{a: ' * 100000, 1), ('{a:\n' * 100000, 65), ('[' * 100000, 1), ('- ' * 100000, 1)):
+        assert f'scene.yaml:{line}: lists and maps within each other more than 64 deep' in run(written(text), exit=BAD_INPUT), text[:10]
+    assert 'scene.yaml:1: more than 1000 anchors' in run(written('[' + ''.join(f'&a{i} 1, ' for i in range(100000)) + '1]'), exit=BAD_INPUT)
     assert 'absent.yaml' in run('absent.yaml', exit=BAD_INPUT)
     assert FOLDER.name in run(FOLDER.name, exit=BAD_INPUT)
     assert 'nowhere' in run(written(GOOD), '--output', 'nowhere/out.png', exit=BAD_INPUT)
@@ -584,6 +587,9 @@ def test_usage():
     text = run('--help')
     for option in options():
         assert f'--{option}' in text, option
+    for closed in ('>/dev/full', '>&-') if pathlib.Path('/dev/full').exists() else ():
+        done = subprocess.run(['sh', '-c', f'"$0" --help {closed}', RENDER], stderr=subprocess.PIPE, text=True, timeout=100)
+        assert done.returncode == BAD_INPUT and 'standard output: ' in done.stderr, (closed, done)
 
 
 def test_documented():

@@ -1,8 +1,9 @@
-/* document.c - from libyaml's document to our tree, and the values in it.
+/* document.c - from libyaml's events to our tree, and the values in it.
  *
- * libyaml hands over an array of nodes, in which an alias (*name) is a node met twice.
- * Ours has a node for each of theirs, so that a file of aliases to aliases stays small
- * however large it would be written out. */
+ * The tree is made while the events come, so that nesting is refused where it becomes too
+ * deep: libyaml's own time grows with the square of the depth.  An alias (*name) is a node
+ * met twice, so that a file of aliases to aliases stays small however large it would be
+ * written out.  Time and memory grow with the length of the text and no faster. */
 #include "document.h"
 
 #include "memory.h"
@@ -10,6 +11,7 @@
 
 #include <math.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <yaml.h>
@@ -46,36 +48,139 @@ static size_t line_of(const char *text, size_t at)
 /* Where a mark of libyaml stands; libyaml takes the end of the text for a line of its own. */
 static size_t line_at(yaml_mark_t mark, size_t last) { return mark.line + 1 < last ? mark.line + 1 : last; }
 
-static node *nodes_of(yaml_document_t *from, size_t last)
+/* ------------------------------------------------------------------- names */
+
+/* Names and their nodes: a hash table, at most half full, each name in the first free place from its own on. */
+typedef struct named_node { const char *text; node *of; } named_node;
+typedef struct names { named_node *place; size_t count, capacity; } names;
+
+static named_node *place_of(const names *all, const char *text)
 {
-    size_t count = (size_t)(from->nodes.top - from->nodes.start);
-    node *all = memory_take(count, sizeof *all);
-    for (size_t i = 0; i < count; i++) {
-        const yaml_node_t *y = &from->nodes.start[i];
-        node *n = &all[i];
-        n->line = line_at(y->start_mark, last);
-        if (y->type == YAML_SEQUENCE_NODE) {
-            n->kind = NODE_LIST;
-            n->count = (size_t)(y->data.sequence.items.top - y->data.sequence.items.start);
-            n->item = memory_take(n->count, sizeof *n->item);
-            for (size_t j = 0; j < n->count; j++) n->item[j] = &all[y->data.sequence.items.start[j] - 1];
-        } else if (y->type == YAML_MAPPING_NODE) {
-            n->kind = NODE_MAP;
-            n->count = (size_t)(y->data.mapping.pairs.top - y->data.mapping.pairs.start);
-            n->item = memory_take(n->count, sizeof *n->item);
-            n->key = memory_take(n->count, sizeof *n->key);
-            n->taken = memory_take(n->count, sizeof *n->taken);
-            for (size_t j = 0; j < n->count; j++) {
-                n->key[j] = &all[y->data.mapping.pairs.start[j].key - 1];
-                n->item[j] = &all[y->data.mapping.pairs.start[j].value - 1];
-            }
-        } else {
-            n->kind = NODE_SCALAR;
-            n->text = text_of((const char *)y->data.scalar.value, y->data.scalar.length);
-            n->quoted = y->data.scalar.style != YAML_PLAIN_SCALAR_STYLE;
-        }
+    size_t hash = 14695981039346656037u & SIZE_MAX; /* FNV-1a: Fowler, Noll, Vo */
+    for (const char *c = text; *c; c++) hash = (hash ^ (unsigned char)*c) * (1099511628211u & SIZE_MAX);
+    named_node *place;
+    do place = &all->place[hash++ & (all->capacity - 1)];
+    while (place->text && strcmp(place->text, text) != 0);
+    return place;
+}
+
+static node *named(const names *all, const char *text) { return all->count ? place_of(all, text)->of : NULL; }
+
+/* false: it is there already. */
+static bool add_name(names *all, const char *text, node *of)
+{
+    if (2 * all->count >= all->capacity) {
+        names more = {.capacity = all->capacity ? 2 * all->capacity : 64, .count = all->count};
+        more.place = memory_take(more.capacity, sizeof *more.place);
+        for (size_t i = 0; i < all->capacity; i++)
+            if (all->place[i].text) *place_of(&more, all->place[i].text) = all->place[i];
+        *all = more;
     }
-    return all;
+    named_node *place = place_of(all, text);
+    if (place->text) return false;
+    *place = (named_node){text, of};
+    all->count++;
+    return true;
+}
+
+/* ---------------------------------------------------------------- the tree */
+
+enum { DEPTH_MOST = 64, NODES_AT_ONCE = 64 };
+
+/* A list or map that is not yet closed, and the room of its arrays. */
+typedef struct opened { node *of; size_t keys, room, key_room; } opened;
+
+typedef struct builder {
+    size_t last;                    /* line of the text */
+    node *root, *fresh;             /* fresh: nodes that nobody has yet */
+    size_t left;                    /* of them */
+    opened open[DEPTH_MOST];
+    size_t depth;
+    names anchors;
+} builder;
+
+static node *node_at(builder *b, yaml_mark_t mark, node_kind kind)
+{
+    if (b->left == 0) b->fresh = memory_take(b->left = NODES_AT_ONCE, sizeof *b->fresh);
+    node *n = b->fresh++;
+    b->left--;
+    n->line = line_at(mark, b->last), n->kind = kind;
+    return n;
+}
+
+/* The next item of the innermost list, the next key or value of the innermost map, or the root. */
+static void put_node(builder *b, node *n)
+{
+    if (b->depth == 0) {
+        b->root = n;
+        return;
+    }
+    opened *in = &b->open[b->depth - 1];
+    node *of = in->of;
+    if (of->kind == NODE_MAP && in->keys == of->count) {
+        of->key = memory_room(of->key, in->keys, &in->key_room, sizeof *of->key);
+        of->key[in->keys++] = n;
+    } else {
+        of->item = memory_room(of->item, of->count, &in->room, sizeof *of->item);
+        of->item[of->count++] = n;
+    }
+}
+
+static void close_node(builder *b)
+{
+    node *n = b->open[--b->depth].of;
+    if (n->count == 0) return;
+    n->item = memory_grow(n->item, n->count, sizeof *n->item);
+    if (n->kind == NODE_LIST) return;
+    n->key = memory_grow(n->key, n->count, sizeof *n->key);
+    n->taken = memory_take(n->count, sizeof *n->taken);
+}
+
+/* What is wrong with the event, or NULL. */
+static const char *take_event(builder *b, const yaml_event_t *e)
+{
+    const yaml_char_t *anchor = NULL;
+    node *n;
+    switch (e->type) {
+    case YAML_SCALAR_EVENT:
+        n = node_at(b, e->start_mark, NODE_SCALAR);
+        n->text = text_of((const char *)e->data.scalar.value, e->data.scalar.length);
+        n->quoted = e->data.scalar.style != YAML_PLAIN_SCALAR_STYLE;
+        anchor = e->data.scalar.anchor;
+        put_node(b, n);
+        break;
+    case YAML_SEQUENCE_START_EVENT:
+    case YAML_MAPPING_START_EVENT:
+        if (b->depth == DEPTH_MOST) return "lists and maps within each other more than 64 deep";
+        n = node_at(b, e->start_mark, e->type == YAML_MAPPING_START_EVENT ? NODE_MAP : NODE_LIST);
+        anchor = e->type == YAML_MAPPING_START_EVENT ? e->data.mapping_start.anchor : e->data.sequence_start.anchor;
+        put_node(b, n);
+        b->open[b->depth++] = (opened){.of = n};
+        break;
+    case YAML_ALIAS_EVENT:
+        n = named(&b->anchors, (const char *)e->data.alias.anchor);
+        if (!n) return "found undefined alias";
+        put_node(b, n);
+        break;
+    case YAML_SEQUENCE_END_EVENT:
+    case YAML_MAPPING_END_EVENT: close_node(b); break;
+    default: break;
+    }
+    if (anchor && !add_name(&b->anchors, memory_text((const char *)anchor, strlen((const char *)anchor)), n)) return "found duplicate anchor";
+    return NULL;
+}
+
+/* Lines that begin with % at the start of the text.  libyaml compares each with all before it. */
+enum { DIRECTIVES_MOST = 64 };
+static size_t directives(const char *text, size_t length)
+{
+    size_t count = 0;
+    for (const char *at = text, *end = text + length; at < end && strchr("%# \t\r\n", *at);) {
+        count += *at == '%';
+        const char *stop = memchr(at, '\n', (size_t)(end - at));
+        at = stop ? stop + 1 : end;
+    }
+    return count;
 }
 
 /* What libyaml found wrong: its words, and the line.  Of a byte that is no text it tells the place and not the line. */
@@ -94,43 +199,48 @@ static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t
 document document_parse(const char *source, const char *text, size_t length)
 {
     document d = {.source = source, .folder = ""};
+    builder b = {.last = line_of(text, length ? length - 1 : 0)};
     yaml_parser_t parser;
-    yaml_document_t loaded, more;
-    char fault[FAULT_SIZE] = "empty";
-    size_t line = 1, last = line_of(text, length ? length - 1 : 0);
+    char fault[FAULT_SIZE] = "";
+    size_t line = 1;
+    int documents = 0;
+    if (directives(text, length) > DIRECTIVES_MOST) document_fail(&d, &(node){.line = 1}, NULL, "more than %d lines that begin with %%", DIRECTIVES_MOST);
     if (!yaml_parser_initialize(&parser)) fail_input("out of memory");
     yaml_parser_set_input_string(&parser, (const unsigned char *)text, length);
-
-    if (!yaml_parser_load(&parser, &loaded)) {
-        line = syntax_fault(&parser, text, length, last, fault);
-    } else {
-        if (yaml_document_get_root_node(&loaded)) d.root = nodes_of(&loaded, last);
-        yaml_document_delete(&loaded);
-    }
-    if (d.root) {
-        line = 0;
-        if (!yaml_parser_load(&parser, &more)) {
-            line = syntax_fault(&parser, text, length, last, fault);
-        } else {
-            const yaml_node_t *second = yaml_document_get_root_node(&more);
-            if (second) line = line_at(second->start_mark, last);
-            snprintf(fault, sizeof fault, "a second document; only one is read");
-            yaml_document_delete(&more);
+    for (bool more = true; more && !*fault;) {
+        yaml_event_t e;
+        if (!yaml_parser_parse(&parser, &e)) {
+            line = syntax_fault(&parser, text, length, b.last, fault);
+            break;
         }
+        bool second = e.type == YAML_DOCUMENT_START_EVENT && documents++ > 0;
+        const char *wrong = second ? NULL : take_event(&b, &e);
+        if (wrong) snprintf(fault, sizeof fault, "%s", wrong);
+        if (second) snprintf(fault, sizeof fault, "a second document; only one is read");
+        line = line_at(e.start_mark, b.last);
+        more = e.type != YAML_STREAM_END_EVENT;
+        yaml_event_delete(&e);
     }
     yaml_parser_delete(&parser);
-    if (line) document_fail(&d, &(node){.line = line}, NULL, "%s", fault);
+    if (!*fault && !b.root) line = 1, snprintf(fault, sizeof fault, "empty");
+    if (*fault) document_fail(&d, &(node){.line = line}, NULL, "%s", fault);
+    d.root = b.root;
     return d;
 }
+
+/* No map that is right has more keys: what is wrong with such a one is not looked for pair by pair. */
+enum { KEYS_MANY = 64 };
 
 void document_map(const document *d, const node *n, const char *key)
 {
     if (n->kind != NODE_MAP) document_fail(d, n, key, "must be a map, as {key: value}");
+    names seen = {.count = 0};
     for (size_t i = 0; i < n->count; i++) {
         const node *k = n->key[i];
         if (k->kind != NODE_SCALAR) document_fail(d, k, key, "a key must be a word");
-        for (size_t j = 0; j < i; j++)
-            if (strcmp(n->key[j]->text, k->text) == 0) document_fail(d, k, k->text, "given twice");
+        bool twice = n->count > KEYS_MANY && !add_name(&seen, k->text, n->key[i]);
+        for (size_t j = 0; j < i && n->count <= KEYS_MANY; j++) twice = twice || strcmp(n->key[j]->text, k->text) == 0;
+        if (twice) document_fail(d, k, k->text, "given twice");
         n->taken[i] = false;
     }
 }

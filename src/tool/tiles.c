@@ -24,22 +24,24 @@ int tiles_threads(void)
 
 static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
-static size_t tiles_of(size_t rays) { return rays / TILE_RAYS + (rays % TILE_RAYS != 0); }
+static size_t tile_rays(const tiling *of) { return of->most ? of->most : TILE_RAYS; }
+
+static size_t tiles_of(const tiling *of) { return of->rays / tile_rays(of) + (of->rays % tile_rays(of) != 0); }
 
 static size_t round_of(const tiling *of) { return of->threads > 1 ? (size_t)of->threads * of->share : 1; }
 
-size_t tiles_places(const tiling *of) { return least(tiles_of(of->rays), of->threads > 1 ? 2 * round_of(of) : 1); }
+size_t tiles_places(const tiling *of) { return least(tiles_of(of), of->threads > 1 ? 2 * round_of(of) : 1); }
 
 /* The i-th of the tiles from ray `first` on, whose places begin at `place`. */
-static tile tile_at(size_t rays, size_t first, size_t place, size_t i)
+static tile tile_at(const tiling *of, size_t first, size_t place, size_t i)
 {
-    size_t begin = first + i * TILE_RAYS;
-    return (tile){place + i, begin, least(rays - begin, TILE_RAYS)};
+    size_t begin = first + i * tile_rays(of);
+    return (tile){place + i, begin, least(of->rays - begin, tile_rays(of))};
 }
 
 void tiles_run(const tiling *of, void *data, void (*work)(void *data, const tile *), void (*take)(void *data, const tile *))
 {
-    const size_t rays = of->rays, all = tiles_of(rays), most = round_of(of), places = tiles_places(of);
+    const size_t size = tile_rays(of), all = tiles_of(of), most = round_of(of), places = tiles_places(of);
     for (size_t begin = 0, before = 0; begin < all || before > 0;) {
         size_t tiles = least(all - begin, most), place = begin % places, place_before = (begin - before) % places;
         int several = (int)least((size_t)of->threads, tiles);
@@ -47,11 +49,11 @@ void tiles_run(const tiling *of, void *data, void (*work)(void *data, const tile
         THREADS(omp parallel for schedule(dynamic) num_threads(several > 0 ? several : 1))
         for (size_t i = 0; i <= tiles; i++) {
             for (size_t k = 0; i == 0 && k < before; k++) {
-                tile t = tile_at(rays, (begin - before) * TILE_RAYS, place_before, k);
+                tile t = tile_at(of, (begin - before) * size, place_before, k);
                 take(data, &t);
             }
             if (i == 0) continue;
-            tile t = tile_at(rays, begin * TILE_RAYS, place, i - 1);
+            tile t = tile_at(of, begin * size, place, i - 1);
             work(data, &t);
         }
         begin += tiles, before = tiles;

@@ -14,7 +14,7 @@ typedef struct tile { size_t place, first, count; } tile;
 
 /* So many rays in so many threads, in rounds of `share` tiles for each: more of them wait for
  * each other less often, and need more room. */
-typedef struct tiling { size_t rays; int threads; size_t share; } tiling;
+typedef struct tiling { size_t rays; int threads; size_t share, most; } tiling; /* most: rays in a tile, TILE_RAYS at most; 0: that */
 enum { SHARE_MOST = 32 };
 
 /* How many places are needed. */

@@ -103,11 +103,13 @@ static void count_loss(losses *l, sgt_fate fate, sgt_status status)
     else l->lost[(status < 0 ? (int)status : 0) - SGT_INVALID]++;
 }
 
+enum { RECORDS_MOST = 1 << 16 }; /* rays times elements of a tile */
+
 /* One element as the rays of a tile met it. */
 typedef struct records {
-    signed char status[TILE_RAYS];
-    int evals[TILE_RAYS];
-    double number[9][TILE_RAYS];   /* p, direction, t, t_err, opl */
+    signed char *status;
+    int *evals;
+    double *number[9];             /* p, direction, t, t_err, opl */
 } records;
 
 /* What a tile needs for itself: its rays, what became of them, and rows of the table. */
@@ -117,7 +119,7 @@ typedef struct room {
     int passed[TILE_RAYS];
     records *record;               /* [elements] */
     sgt_passages *passages;        /* [elements]: where record is, for the library */
-    sgt_passage *alone;            /* [elements]: of one ray by itself */
+    sgt_passage *alone;            /* [elements]: of one ray by itself, where stretches are told */
     table *rows;
 } room;
 
@@ -135,14 +137,19 @@ typedef struct work {
     sgt_vec3 *point;               /* [elements + 1] */
 } work;
 
-static room room_for(const work *w)
+static room room_for(const work *w, size_t rays)
 {
     size_t count = w->job->lens.count;
-    room r = {.record = memory_take(count, sizeof *r.record), .passages = memory_take(count, sizeof *r.passages),
-              .alone = memory_take(count, sizeof *r.alone), .rows = table_part(w->table)};
+    room r = {.record = memory_take(count, sizeof *r.record), .passages = memory_take(count, sizeof *r.passages), .rows = table_part(w->table)};
+    if (w->stretches) r.alone = memory_take(count, sizeof *r.alone);
+    signed char *status = memory_take(count, rays * sizeof *status);
+    int *evals = memory_take(count, rays * sizeof *evals);
+    double *number = memory_take(count, 9 * rays * sizeof *number);
     for (size_t i = 0; i < count; i++) {
         records *record = &r.record[i];
-        double(*n)[TILE_RAYS] = record->number;
+        double **n = record->number;
+        record->status = status + i * rays, record->evals = evals + i * rays;
+        for (size_t k = 0; k < 9; k++) n[k] = number + (9 * i + k) * rays;
         r.passages[i] = (sgt_passages){
             .hits = {.status = record->status, .evals = record->evals, .p = {n[0], n[1], n[2]}, .t = n[6], .t_err = n[7]},
             .direction = {n[3], n[4], n[5]}, .opl = n[8]};
@@ -150,7 +157,7 @@ static room room_for(const work *w)
     return r;
 }
 
-static sgt_vec3 vector_at(double (*const n)[TILE_RAYS], size_t i) { return (sgt_vec3){n[0][i], n[1][i], n[2][i]}; }
+static sgt_vec3 vector_at(double *const n[3], size_t i) { return (sgt_vec3){n[0][i], n[1][i], n[2][i]}; }
 
 static void write_vector(table *t, sgt_vec3 v)
 {
@@ -327,8 +334,9 @@ exit_status command_trace(int argc, char *argv[])
     options_note_unread(&a.shared, j.lens.count, j.element);
     const size_t count = j.lens.count;
     const bool text = a.shared.target.format == TABLE_TEXT;
-    /* the room of a tile is some 60 KB for each element: 16 MB a thread, unless elements are very many */
-    const tiling in = {.rays = j.rays.count, .threads = threads, .share = count < 4 ? SHARE_MOST : count < 128 ? 128 / count : 1};
+    /* the room of a tile is some 60 KB for each element: 16 MB a thread; of many elements the tiles have fewer rays */
+    const tiling in = {.rays = j.rays.count, .threads = count > RECORDS_MOST ? 1 : threads, .share = count < 4 ? SHARE_MOST : count < 128 ? 128 / count : 1,
+                       .most = count > RECORDS_MOST ? 1 : count > RECORDS_MOST / TILE_RAYS ? RECORDS_MOST / count : TILE_RAYS};
     const size_t places = tiles_places(&in);
     if (a.svg) {
         if (a.shared.target.path) output_check("output", a.shared.target.path); /* before a picture is begun */
@@ -341,7 +349,7 @@ exit_status command_trace(int argc, char *argv[])
               .stretches = a.shared.solver.proof && !text, .loss = memory_take(count, sizeof *w.loss), .point = memory_take(count + 1, sizeof *w.point)};
     column columns[HEAD_COUNT + 3];
     w.table = table_begin(&a.shared.target, columns_of(&w, columns), columns);
-    for (size_t i = 0; i < places; i++) w.room[i] = room_for(&w);
+    for (size_t i = 0; i < places; i++) w.room[i] = room_for(&w, in.most);
     tiles_run(&in, &w, send, take);
     if (text) {
         table_line(w.table, "%zu of %zu ray%s passed all %zu elements.", w.passed, j.rays.count, j.rays.count == 1 ? "" : "s", count);

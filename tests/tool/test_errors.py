@@ -433,10 +433,100 @@ def test_help_and_version():
     assert all(command in run('--help').stdout for command in ('intersect', 'trace', 'diagnose'))
 
 
+# ------------------------------------------------------------ long and deep input
+
+DEEP = [('{a: ', 1), ('{a:\n', 65), ('[', 1), ('- ', 1), ('? ', 1), ('[{a: ', 1), ('surfaces: [{type: sum, terms: [', 1)]
+
+
+def test_nesting():
+    """Refused while it is read: what is made of it, and the time, would grow with the square of the depth."""
+    for text, line in DEEP:
+        path = written(text * 200000)
+        done = run('trace', path, exit=BAD_INPUT)
+        equal(done.stderr, f'sagitta: {path}:{line}: lists and maps within each other more than 64 deep\n', text)
+    done = run('intersect', '--surface', '{a: ' * 1000, *RAY, exit=BAD_INPUT)
+    assert '--surface:1: lists and maps within' in done.stderr, done.stderr
+    path = written('surfaces: ' + '[' * 62 + ']' * 62)
+    assert 'must be a map' in run('trace', path, exit=BAD_INPUT).stderr  # 63 deep with the file's own map
+
+
+def spent(*arguments):
+    """(seconds of the processor, bytes at most) of a run in one thread, whatever it says."""
+    child = subprocess.Popen([SAGITTA, *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, _, usage = os.wait4(child.pid, 0)
+    child.returncode = 0
+    return usage.ru_utime + usage.ru_stime, 1024 * usage.ru_maxrss
+
+
+def joined(item, n):
+    return ''.join(item.format(i) for i in range(n))
+
+
+PUPIL = 'pupil: {semi_diameter: 1}\n'
+# A text with n of something; the bytes that each may take (before this was made linear a plane took 22,000).
+LONG = {
+    'surfaces': (lambda n: PUPIL + 'surfaces:\n' + joined('  - {{type: plane, thickness: 1}}\n', n), 10000),
+    'surfaces in blocks': (lambda n: PUPIL + 'surfaces:\n' + joined('  - type: plane\n    thickness: 1\n', n), 10000),
+    'fields': (lambda n: PUPIL + 'fields: [' + joined('{0}e-6, ', n) + '0]\nsurfaces: [{type: plane}]\n', 10000),
+    'keys': (lambda n: '{' + joined('k{0}: 1, ', n) + 'a: 1}', 3000),
+    'keys of a surface': (lambda n: 'surfaces:\n  - {type: plane, ' + joined('k{0}: 1, ', n) + 'a: 1}', 3000),
+    'coefficients': (lambda n: 'surfaces: [{type: zernike, coefficients: [' + joined('{0}, ', n) + '1]}]', 3000),
+    'anchors': (lambda n: 'a: [' + joined('&x{0} {0}, ', n) + '1]', 3000),
+    'anchors and aliases': (lambda n: 'a: [' + joined('&x{0} {0}, ', n) + joined('*x{0}, ', n) + '1]', 3000),
+    'aliases of one list': (lambda n: 'a: &x [1, 2]\nb: [' + joined('*x, ', n) + '1]', 3000),
+    'directives': (lambda n: joined('%TAG !a{0}! x\n', n) + '---\na: 1\n', 3000),
+    'long key': (lambda n: 'a' * 50 * n + ': 1', 3000),
+    'long text': (lambda n: 'name: "' + 'a\\n' * 20 * n + '"', 3000),
+    'comments': (lambda n: '# a comment\n' * n + 'a: 1', 3000),
+}
+
+
+def test_time_and_memory_grow_with_the_length():
+    """Four times the length: not more than eight times the time (16 times would be the square), and a few bytes for each."""
+    for what, (text, most) in LONG.items():
+        (seconds, few), (more_seconds, many) = (spent('trace', written(text(n)), '--grid', 1, '--format', 'csv', '--threads', 1) for n in (10000, 40000))
+        assert more_seconds < 8 * seconds + 0.3, f'{what}: {seconds} s, of four times the length {more_seconds} s'
+        assert (many - few) / 30000 < most, f'{what}: {few} bytes, of four times the length {many}'
+
+
+# --------------------------------------------------------------- output that is not written
+
+LENS = 'pupil: {semi_diameter: 1}\nsurfaces:\n  - {type: sphere, radius: 10, thickness: 1, index: 1.5}\n  - {type: plane}\n'
+
+
+def ended(arguments, how):
+    """The status and the words of a run whose standard output is a full device or closed."""
+    path = {'full': ' >/dev/full', 'closed': ' >&-'}[how]
+    done = subprocess.run(['sh', '-c', f'"$0" "$@" {path}', SAGITTA, *map(str, arguments)], stderr=subprocess.PIPE, text=True, timeout=100)
+    return done.returncode, done.stderr
+
+
 def test_output_that_cannot_be_written():
-    import os
-    if os.path.exists('/dev/full'):
-        run('intersect', '--surface', '{type: plane}', *RAY, '--output', '/dev/full', exit=BAD_INPUT)
+    """Of every command each output: an error, with a message and a status."""
+    if not os.path.exists('/dev/full'):
+        return
+    lens, surface = written(LENS), ('--surface', '{type: plane}', *RAY)
+    words = [[command, option] for command in ((), 'intersect', 'trace', 'diagnose', 'trade') for option in ('--help', '--version', '-h')
+             if command or option != '-h']
+    words = [[w for w in line if w] for line in words] + [['-h'], ['help']]
+    data = [[*line, '--format', form] for form in ('text', 'csv', 'json')
+            for line in (['intersect', *surface], ['intersect', *surface, '--all'], ['trace', lens], ['diagnose', *surface], ['diagnose', lens])]
+    data.append(['trade', *surface, '--max-evals', '100', '--format', 'csv'])
+    for line in words + data:
+        for how in ('full', 'closed'):
+            equal(ended(line, how), (BAD_INPUT, 'sagitta: standard output: could not be written\n'), f'{line}, {how}')
+    for line in data:
+        done = run(*line, '--output', '/dev/full', exit=BAD_INPUT)
+        assert done.stderr.endswith('/dev/full: could not be written\n'), (line, done.stderr)
+
+
+def test_what_is_closed_is_not_written_into():
+    """With standard error closed a note must not be written into the file that --output opens."""
+    lens, out = written(LENS), written('', 'out.csv')
+    read = ('trace', lens, '--dt-min', 1, '--format', 'csv')  # says that --dt-min is not used
+    for closed in ('2>&-', '>&- 2>&-', '<&- >&- 2>&-'):
+        subprocess.run(['sh', '-c', f'"$0" "$@" {closed}', SAGITTA, *map(str, read), '--output', str(out)], check=True, timeout=100)
+        equal(out.read_text(), run(*read).stdout, closed)
 
 
 main(globals())
