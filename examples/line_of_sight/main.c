@@ -128,7 +128,9 @@ static request parse(int count, char *words[])
         case COLOUR: r.by_height = choice("colour", optarg, colours) == 1; break;
         case TIME: r.timed = true; break;
         case 'h':
-        case HELP_WANTED: fputs(HELP, stdout); exit(EXIT_DECIDED);
+        case HELP_WANTED:
+            if (fputs(HELP, stdout) < 0 || fflush(stdout)) fail_input("standard output: %s", strerror(errno));
+            exit(EXIT_DECIDED);
         default: fail_hint();
         }
     if (optind != count) fail_usage("what is \"%s\"?", words[optind]);

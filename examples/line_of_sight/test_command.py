@@ -72,6 +72,13 @@ def writes_files():
     assert run('--pixels', 3, '--lines', 1, '--format', 'none').stdout == ''
     assert 'million rays a second' in run('--pixels', 3, '--lines', 1, '--time').stderr
     assert run('--help').stdout.startswith('line_of_sight [options]')
+    if pathlib.Path('/dev/full').exists():
+        few = '--pixels 3 --lines 1'
+        for words in ('--help', f'{few} --format csv', f'{few} --format text'):
+            for closed in ('>/dev/full', '>&-'):
+                done = subprocess.run(['sh', '-c', f'"$0" {words} {closed}', PROGRAM], stderr=subprocess.PIPE, text=True, timeout=60)
+                assert done.returncode == BAD_INPUT and 'standard output: ' in done.stderr, (words, closed, done)
+        run(*few.split(), '--output', '/dev/full', exit=BAD_INPUT)
 
 
 def draws():

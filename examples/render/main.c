@@ -80,7 +80,9 @@ static request parse(int count, char *words[])
         case NORMAL: r.normal = choice("normal", optarg, normals); break;
         case PAINT: r.paint = (paint_kind)(choice("paint", optarg, paints) + 1); break;
         case 'h':
-        case HELP_WANTED: fputs(HELP, stdout); exit(0);
+        case HELP_WANTED:
+            if (fputs(HELP, stdout) < 0 || fflush(stdout)) fail_input("standard output: %s", strerror(errno));
+            exit(0);
         default: fail_hint();
         }
     if (optind + 1 != count) fail_usage(optind == count ? "which scene?" : "one scene at a time");

@@ -43,6 +43,16 @@ void fail_input(const char *format, ...)
     exit(EXIT_BAD_INPUT);
 }
 
+void print_and_end(const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    vprintf(format, values);
+    va_end(values);
+    if (fflush(stdout) != 0 || ferror(stdout)) fail_input("standard output: could not be written");
+    exit(EXIT_DECIDED);
+}
+
 void note(const char *format, ...)
 {
     va_list values;

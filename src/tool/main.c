@@ -2,6 +2,7 @@
 #include "commands.h"
 #include "options.h"
 
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -23,8 +24,16 @@ static const struct { const char *name, *full; exit_status (*run)(int argc, char
     {"trade", "sagitta trade", command_trade},
 };
 
+/* What is closed at the start no file of ours is to be opened as: a word for standard error would be written into it. */
+static void hold_standard_files(void)
+{
+    for (int file = 0; file < 3; file++)
+        if (fcntl(file, F_GETFD) < 0 && open("/dev/null", file == 0 ? O_WRONLY : O_RDONLY) < 0) return; /* reading and writing fail there */
+}
+
 int main(int argc, char *argv[])
 {
+    hold_standard_files();
     const char *name = argc > 1 ? argv[1] : "";
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
         if (strcmp(name, commands[i].name) != 0) continue;
@@ -35,10 +44,7 @@ int main(int argc, char *argv[])
         return (int)commands[i].run(argc - 1, argv + 1);
     }
     if (strcmp(name, "--version") == 0) options_version();
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
-        fputs(help, stdout);
-        return EXIT_DECIDED;
-    }
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) print_and_end("%s", help);
     if (*name) fail_usage("no such command: %s", name);
     fputs(help, stderr);
     return EXIT_USAGE;

@@ -22,7 +22,7 @@ const char options_help[] =
     "  --help, --version\n"
     "\n"
     "Exit status: 0 all rays decided (a miss is a decision), 1 some ray undecided, 2 usage,\n"
-    "3 bad input.\n";
+    "3 bad input, or an output that cannot be written.\n";
 
 enum { THREADS_MOST = 1024 };
 
@@ -106,8 +106,7 @@ int options_threads(const shared_options *o)
 
 void options_version(void)
 {
-    puts("sagitta " SAGITTA_VERSION);
-    exit(EXIT_DECIDED);
+    print_and_end("sagitta %s\n", SAGITTA_VERSION);
 }
 
 void options_take(shared_options *o, int code, const char *help)
@@ -122,11 +121,9 @@ void options_take(shared_options *o, int code, const char *help)
     case OPTION_T_TOL: o->solver.t_tol = length_of("t-tol"); return;
     case OPTION_THREADS: o->threads = (int)options_integer("threads", optarg, 1, THREADS_MOST); return;
     case OPTION_DT_MIN: o->solver.dt_min = length_of("dt-min"); return;
-    case OPTION_VERSION: options_version(); return;
+    case OPTION_VERSION: options_version();
     case 'h':
-    case OPTION_HELP:
-        printf("%s%s", help, options_help);
-        exit(EXIT_DECIDED);
+    case OPTION_HELP: print_and_end("%s%s", help, options_help);
     default: fail_hint();
     }
 }

@@ -43,7 +43,7 @@ extern const char options_help[], options_threads_help[];
  * of which getopt has told the user) is a usage error.  --help and --version end here. */
 void options_take(shared_options *o, int code, const char *help);
 
-void options_version(void);
+_Noreturn void options_version(void);
 
 /* Is a surface searched in the fast way that --dt-min asks for?  Its answers claim less. */
 static inline bool options_fast(const shared_options *o, sgt_surface s) { return o->solver.dt_min > 0 && s.ops->estimate; }

@@ -57,7 +57,8 @@ static const char more_help[] =
     "  --output FILE      write there and not to standard output\n"
     "  --help, --version\n"
     "\n"
-    "Exit status: 0, also where rays are undecided; 2 usage, 3 bad input.\n";
+    "Exit status: 0, also where rays are undecided; 2 usage, 3 bad input,\n"
+    "or an output that cannot be written.\n";
 
 /* -------------------------------------------------------------- arguments */
 
@@ -119,9 +120,7 @@ static arguments arguments_of(int argc, char *argv[])
         case OPTION_DT_MIN: take_list(&a.trade.dt_min, "dt-min", false); break;
         case OPTION_MAX_EVALS: take_list(&a.trade.max_evals, "max-evals", true); break;
         case 'h':
-        case OPTION_HELP:
-            printf("%s%s%s", help, job_help, more_help);
-            exit(EXIT_DECIDED);
+        case OPTION_HELP: print_and_end("%s%s%s", help, job_help, more_help);
         default:
             if (!job_take(&a.trade.job, code)) options_take(&a.shared, code, help);
         }
