@@ -296,9 +296,10 @@ struct above {
             }
         }
         double N = q.h - g - h, off = tilt * ratio * half, most = tilt * ratio * along;
-        // g by the range of the height and that of N; the slope by that of the height and the slope of N
+        // g by the range of the height and that of N; the slope by that of the height and the slope of N.  lean is off by what the
+        // components of grad and up round, however flat N is.
         sgt_vec3 lean = {grad.x - q.up.x, grad.y - q.up.y, grad.z - q.up.z};
-        double now = dot(lean, ray.d), turn = twist * ratio * ratio * along * half + tilt * ratio * 4 / (e.least + low) * along * half + 0x1p-44 * along * tilt;
+        double now = dot(lean, ray.d), turn = twist * ratio * ratio * along * half + tilt * ratio * 4 / (e.least + low) * along * half + along * (0x1p-44 * tilt + 0x1p-50);
         sgt_interval with = {now - turn, now + turn}, steep = sgt_interval_intersection({-most, most}, turn < infinity ? with : all);
         off = std::fmin(off, turn < infinity ? (std::fabs(now) + turn) / along * half * (1 + 0x1p-40) : infinity);
         *slope = sgt_interval_sum(*slope, steep);
