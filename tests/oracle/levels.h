@@ -70,6 +70,7 @@ template <class T> struct dual {
     friend dual operator+(const dual &x, const dual &y) { return {x.v + y.v, x.d + y.d}; }
     friend dual operator-(const dual &x, const dual &y) { return {x.v - y.v, x.d - y.d}; }
     friend dual operator*(const dual &x, const dual &y) { return {x.v * y.v, x.v * y.d + x.d * y.v}; }
+    friend dual operator/(const dual &x, const dual &y) { return {x.v / y.v, (x.d * y.v - x.v * y.d) / (y.v * y.v)}; }
     friend bool operator>(const dual &x, double y) { return x.v > T(y); }
 };
 

@@ -60,6 +60,7 @@ inline double square_root(double x) { return std::sqrt(x); }
 inline quad square_root(quad x)
 {
     if (!(x > 0)) return x == 0 ? x : quad(NAN);
+    if (x - x != 0) return x; // infinity
     quad scale = 1;
     while (x > quad(0x1p1000)) { x *= quad(0x1p-1000); scale *= quad(0x1p500); }
     while (x < quad(0x1p-1000)) { x *= quad(0x1p1000); scale *= quad(0x1p-500); }

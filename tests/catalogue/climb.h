@@ -1,0 +1,279 @@
+// climb.h - the greatest error for its bound that a climb finds.
+//
+// A bound of an error is told with every answer: t_err with t, p_err with p, `rounding` with F, the ends of an enclosure with g
+// and g'.  Random cases come nowhere near it, so that a test which asks for error <= bound does not notice a bound that is made
+// four times too small.  Here a climb makes the quotient error / bound great: from a random surface and a random ray one number
+// after another is changed, by ulps or by more, and the change is kept if the quotient has grown.  The error is that of the
+// answer against 113 bits.
+//
+//   a quotient above 1      is a wrong answer;
+//   one above its limit     is a bound that has become smaller, or an error that has become greater.  The limits are those of
+//                           climb_limits.h: what longer climbs from several seeds have found, and a third more.  Who changes
+//                           an error analysis on purpose writes them anew (--limits), and says why.
+//
+// The rounding of the answer itself to double is in every bound, is half an ulp, and is reached: it would hide the rest.  So
+// of t the quotient that has a limit is that of t + t_lo, over what t_err has beyond |t_lo|; and bounds that are no more than a
+// few ulps of t, F or g have none.
+//
+// One number a type would let through what is not the worst of it.  So the quotients are told apart by what tells paths apart:
+// how the root was asked for, at which angle it is met, where on the surface, and whether there is one term alone.
+#ifndef TESTS_CATALOGUE_CLIMB_H
+#define TESTS_CATALOGUE_CLIMB_H
+
+#include "../oracle/cases.h"
+#include "../oracle/quad.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace climb {
+
+using oracle::generator;
+using oracle::quad;
+
+enum way { plain, tolerant, proven, ways };         // to rounding; to a t_tol; under proof
+enum angle { steep, slanting, grazing, angles };    // between ray and surface: its sine above 1/2, above 1/20, below
+enum zone { inner, middle, outer, zones };          // of the aperture: a third, nine tenths, beyond
+enum cell {
+    of_t,
+    of_p = of_t + int(ways) * int(angles),
+    of_f = of_p + int(ways) * int(angles),
+    of_g = of_f + 2 * int(zones),                   // 2: several terms, one alone
+    of_slope = of_g + 2,
+    of_rim = of_slope + 2,                          // p_err over the distance of p from the rim, of a hit under proof
+    cells
+};
+
+struct name_of_cell {
+    char text[64];
+    explicit name_of_cell(int c)
+    {
+        static const char *const way_names[] = {"to rounding", "to t_tol", "proven"}, *const angle_names[] = {"steep", "slanting", "grazing"}, *const zone_names[] = {"inner", "middle", "outer"};
+        static const char *const parts[] = {"", ", one term"};
+        if (c < of_p) std::snprintf(text, sizeof text, "t %s, %s", way_names[c / int(angles)], angle_names[c % int(angles)]);
+        else if (c < of_f) std::snprintf(text, sizeof text, "p %s, %s", way_names[(c - of_p) / int(angles)], angle_names[(c - of_p) % int(angles)]);
+        else if (c < of_g) std::snprintf(text, sizeof text, "F %s%s", zone_names[(c - of_f) % int(zones)], parts[(c - of_f) / int(zones)]);
+        else if (c < of_slope) std::snprintf(text, sizeof text, "enclosed g%s", parts[c - of_g]);
+        else if (c < of_rim) std::snprintf(text, sizeof text, "enclosed g'%s", parts[c - of_slope]);
+        else std::snprintf(text, sizeof text, "rim");
+    }
+};
+
+// What one climb works on.  A subject draws itself, says which numbers may be changed, and what F is in 113 bits.
+struct subject {
+    sgt_ray ray = {};
+    sgt_vec3 p = {};             // a point near the surface, for F
+    double t = 0;                // of the ray, for the enclosure
+    double t_tol = 0, size = 1;  // a length of the surface
+    double rim = 0;              // 0: none
+    bool alone = false;          // one term
+    virtual ~subject() {}
+    virtual void draw(generator &g) = 0;
+    virtual sgt_surface surface() const = 0;
+    virtual quad value(quad x, quad y, quad z) const = 0;
+    virtual std::vector<double *> numbers() { return {}; } // of the surface
+    virtual void changed() {}                              // one of these
+    virtual quad slope(quad s) const = 0;                  // of F along the ray; NaN: not looked at
+    virtual void print() const = 0;
+    quad along(quad s) const { return value(ray.o.x + s * ray.d.x, ray.o.y + s * ray.d.y, ray.o.z + s * ray.d.z); }
+};
+
+struct table {
+    double found[cells] = {};
+    int told[cells] = {};
+    const double *limits = nullptr; // NULL: 1 everywhere
+    long asked = 0, wrong = 0;
+    std::string type;
+
+    void pin(int c, double quotient) { found[c] = std::max(found[c], quotient); }
+    // 1 is the limit of this.
+    void take(int c, double quotient, const subject &of)
+    {
+        asked++;
+        if (quotient <= 1 || (wrong++, told[c]++ >= 1)) return;
+        std::printf("FAIL %s, %s: %.4g of its bound\n", type.c_str(), name_of_cell(c).text, quotient);
+        std::printf("    ray {%a, %a, %a}, {%a, %a, %a}, %a, %a; point {%a, %a, %a}; t %a, t_tol %a\n", of.ray.o.x, of.ray.o.y, of.ray.o.z, of.ray.d.x, of.ray.d.y, of.ray.d.z, of.ray.tmin,
+                    of.ray.tmax, of.p.x, of.p.y, of.p.z, of.t, of.t_tol);
+        of.print();
+    }
+};
+
+inline double magnitude(quad x) { return std::fabs(oracle::to_double(x)); }
+
+// The quotients of a hit; -1: there are none.  0 of t, 1 of p.
+inline double of_hit(const subject &s, way asked, int which, table *to)
+{
+    sgt_options opt = {};
+    if (asked == tolerant) opt.t_tol = s.t_tol;
+    if (asked == proven) opt.proof = SGT_PROVE_ROOT;
+    const sgt_hit h = sgt_intersect(s.surface(), s.ray, &opt);
+    if (h.status != SGT_HIT || !(h.t_err > 0 && h.t_err < HUGE_VAL)) return -1;
+    // The secant method from there, in 113 bits; where these are not much more than the answer has there is nothing to judge.
+    const double n = std::sqrt(h.n.x * h.n.x + h.n.y * h.n.y + h.n.z * h.n.z), d = std::sqrt(s.ray.d.x * s.ray.d.x + s.ray.d.y * s.ray.d.y + s.ray.d.z * s.ray.d.z);
+    const double g = h.n.x * s.ray.d.x + h.n.y * s.ray.d.y + h.n.z * s.ray.d.z, sine = std::fabs(g) / (n * d);
+    const double spread = std::fabs(h.p.x * h.n.x) + std::fabs(h.p.y * h.n.y) + std::fabs(h.p.z * h.n.z);
+    if (!(0x1p-108 * (spread + n * 0x1p-4 * s.size) < 1e-3 * h.t_err * std::fabs(g))) return -1;
+    quad t = h.t, f = s.along(t), step = f / quad(g);
+    const double enough = h.p_err > 0 && h.p_err / d < h.t_err ? h.p_err / d : h.t_err;
+    bool good = false;
+    for (int i = 0; i < 12 && f == f && magnitude(step) < 1e3 * (h.t_err + s.size / d); i++) {
+        if (magnitude(step) <= 1e-6 * enough) {
+            good = true;
+            break;
+        }
+        const quad next = t - step, now = s.along(next);
+        step = now * (next - t) / (now - f);
+        t = next, f = now;
+    }
+    if (!good || magnitude(t - quad(h.t)) > h.t_err) { // is there any root within t_err?
+        int above = 0, below = 0, none = 0;
+        for (int i = -16; i <= 16; i++) {
+            const quad v = s.along(quad(h.t) + quad(h.t_err) * i / 16);
+            above += v >= 0, below += v <= 0, none += v != v;
+        }
+        if (none) return -1;
+        if (above && below && !good) return -1; // several, or flat
+        if (!good) t = quad(h.t) + 2 * quad(h.t_err);
+        if (above && below) return -1; // another one
+    }
+    const int place = int(asked) * int(angles) + (sine >= 0.5 ? steep : sine >= 0.05 ? slanting : grazing);
+    to->take(of_t + place, magnitude(t - quad(h.t)) / h.t_err, s);
+    const double rest = (h.t_err - std::fabs(h.t_lo)) - 0x1p-52 * h.t_err, by_t = good && rest > 0.05 * h.t_err && rest > 0x1p-50 * std::fabs(h.t) ? magnitude(t - (quad(h.t) + h.t_lo)) / rest : -1;
+    to->pin(of_t + place, by_t);
+    double by_p = -1;
+    if (good && h.p_err > 0 && h.p_err < HUGE_VAL) {
+        const oracle::vector3 off = {s.ray.o.x + t * s.ray.d.x - quad(h.p.x), s.ray.o.y + t * s.ray.d.y - quad(h.p.y), s.ray.o.z + t * s.ray.d.z - quad(h.p.z)};
+        by_p = magnitude(oracle::norm(off)) / h.p_err;
+        to->take(of_p + place, by_p, s);
+        to->pin(of_p + place, by_p);
+        if (asked == proven && s.rim > 0) {
+            const quad r = oracle::square_root(quad(h.p.x) * h.p.x + quad(h.p.y) * h.p.y), beside = magnitude(r - quad(s.rim) * (1 + quad(0x1p-45)));
+            const double hidden = h.p_err / magnitude(beside);
+            to->take(of_rim, hidden, s);
+            to->pin(of_rim, hidden);
+            if (which == 2) return hidden;
+        }
+    }
+    return which == 0 ? by_t : which == 1 ? by_p : -1;
+}
+
+inline double of_value(const subject &s, table *to)
+{
+    const sgt_surface of = s.surface();
+    const double f = of.ops->value(of.self, s.p, nullptr), bound = of.ops->rounding(of.self, s.p);
+    const quad exact = s.value(s.p.x, s.p.y, s.p.z);
+    if (!(exact == exact) || f != f || !(bound > 0 && bound < HUGE_VAL)) return -1;
+    const double r = std::sqrt(s.p.x * s.p.x + s.p.y * s.p.y) / s.size, quotient = magnitude(quad(f) - exact) / bound;
+    const int c = of_f + (s.alone ? int(zones) : 0) + (r < 0.3333 ? inner : r < 0.9 ? middle : outer);
+    to->take(c, quotient, s);
+    if (!(bound > 8 * 0x1p-53 * std::fabs(f))) return -1;
+    to->pin(c, quotient);
+    return quotient;
+}
+
+// Of an interval that is one number: its width is rounding alone.  which: 0 of g, 1 of g'.
+inline double of_enclosure(const subject &s, int which, table *to)
+{
+    const sgt_surface of = s.surface();
+    sgt_interval slope = {(double)NAN, (double)NAN};
+    const sgt_interval g = of.ops->enclose(of.self, &s.ray, {s.t, s.t}, &slope);
+    double quotient[2] = {-1, -1};
+    for (int i = 0; i < 2; i++) {
+        const sgt_interval x = i ? slope : g;
+        if (!(x.hi > x.lo && x.lo > -HUGE_VAL && x.hi < HUGE_VAL)) continue;
+        const quad exact = i ? s.slope(quad(s.t)) : s.along(quad(s.t));
+        if (!(exact == exact)) continue;
+        const int c = (i ? of_slope : of_g) + (s.alone ? 1 : 0);
+        const double half = magnitude((quad(x.hi) - x.lo) / 2), now = magnitude(exact - (quad(x.lo) + x.hi) / 2) / half;
+        to->take(c, now, s);
+        if (!(half > 16 * 0x1p-53 * std::fabs(x.lo))) continue;
+        to->pin(c, quotient[i] = now);
+    }
+    return quotient[which];
+}
+
+// One change of a number.
+inline double moved(generator &g, double x, double size)
+{
+    switch (g.below(4)) {
+    case 0: return x * (1 + g.sign() * (1 + g.below(8)) * 0x1p-52);
+    case 1: return x * (1 + g.sign() * g.log_uniform(1e-15, 1e-6));
+    case 2: return x * (1 + g.sign() * g.log_uniform(1e-6, 0.3));
+    default: return x + g.sign() * size * g.log_uniform(1e-16, 0.1);
+    }
+}
+
+// Restarts, of `steps` changes each.
+inline void go(generator &g, subject *s, long restarts, int steps, table *to)
+{
+    for (long i = 0; i < restarts; i++) {
+        s->draw(g);
+        const int what = g.below(8);
+        const way asked = static_cast<way>(g.below(int(ways)));
+        const auto score = [&] {
+            return what < 3 ? of_hit(*s, asked, 0, to) : what < 4 ? of_hit(*s, asked, 1, to) : what < 5 ? of_hit(*s, proven, 2, to) : what < 7 ? of_value(*s, to) : of_enclosure(*s, i % 2 ? 1 : 0, to);
+        };
+        double best = score();
+        for (int k = 0; k < 8 && best < 0; k++) s->draw(g), best = score();
+        if (best < 0) continue;
+        const std::vector<double *> own = s->numbers();
+        double *const o[] = {&s->ray.o.x, &s->ray.o.y, &s->ray.o.z}, *const d[] = {&s->ray.d.x, &s->ray.d.y, &s->ray.d.z}, *const p[] = {&s->p.x, &s->p.y, &s->p.z};
+        const double length = std::sqrt(s->ray.d.x * s->ray.d.x + s->ray.d.y * s->ray.d.y + s->ray.d.z * s->ray.d.z);
+        for (int k = 0; k < steps; k++) {
+            double *x, by;
+            const bool of_surface = !own.empty() && g.chance(0.3);
+            if (of_surface) x = own[static_cast<std::size_t>(g.below(static_cast<int>(own.size())))], by = 0;
+            else if (what >= 5 && what < 7) x = p[g.below(3)], by = s->size;
+            else if (what == 7 && g.chance(0.4)) x = &s->t, by = s->size / length;
+            else if (g.chance(0.5)) x = o[g.below(3)], by = s->size;
+            else x = d[g.below(3)], by = length;
+            const double before = *x;
+            *x = moved(g, before, by);
+            if (*x == before) continue;
+            if (of_surface) s->changed();
+            const double now = score();
+            if (now >= best) {
+                best = now;
+                continue;
+            }
+            *x = before;
+            if (of_surface) s->changed();
+        }
+    }
+}
+
+// What was found against what may be; the cells that are above.
+inline int judge(const table &t, bool pinned)
+{
+    int above = 0;
+    if (pinned && !t.limits) std::printf("FAIL %s: it has no limits\n", t.type.c_str()), above++;
+    for (int c = 0; c < int(cells); c++)
+        if (pinned && t.limits && t.found[c] > t.limits[c])
+            std::printf("FAIL %s, %s: %.4g of its bound, the limit is %.4g\n", t.type.c_str(), name_of_cell(c).text, t.found[c], t.limits[c]), above++;
+    return above + (t.wrong > 0);
+}
+
+inline double most(const table &t, int from, int to) { return *std::max_element(t.found + from, t.found + to); }
+
+// A line: for climb_limits.h, for docs/accuracy.md, or to be read.
+inline void print(const table &t, bool limits, bool markdown)
+{
+    if (limits) {
+        std::printf("    {\"%s\", {", t.type.c_str());
+        for (int c = 0; c < int(cells); c++) std::printf("%s%.3g", c ? ", " : "", c == int(of_rim) || t.found[c] == 0 ? 1 : 1.3 * t.found[c] + 0.02);
+        std::printf("}},\n");
+    } else if (markdown)
+        std::printf("| %s | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f |\n", t.type.c_str(), most(t, of_t, of_t + int(angles)), most(t, of_t + int(angles) * int(proven), of_p), most(t, of_p, of_f), most(t, of_f, of_g),
+                    most(t, of_g, of_slope), most(t, of_slope, of_rim));
+    else {
+        std::printf("%-14s %7ld asked; t", t.type.c_str(), t.asked);
+        for (int c = 0; c < int(cells); c++)
+            std::printf("%s%.2f", c == int(of_p) ? "; p " : c == int(of_f) ? "; F " : c == int(of_g) ? "; g " : c == int(of_slope) ? "; g' " : c == int(of_rim) ? "; rim " : " ", t.found[c]);
+        std::printf("\n");
+    }
+    std::fflush(stdout);
+}
+
+} // namespace climb
+#endif

@@ -1,0 +1,241 @@
+#!/usr/bin/env python3
+"""run.py - single edits of src, one at a time, and whether a test notices.
+
+    python3 tests/mutants/run.py               every edit of *.txt here
+    python3 tests/mutants/run.py n03 m12       these
+    python3 tests/mutants/run.py --check       only: does each old text still occur once?
+
+--work DIR      holds one copy of the tree for each job, its build, and results.txt (build/mutants); it may be used again
+--jobs N        copies that work side by side (1)
+--threads N     of the compiler in each (2)
+--only-nearest  the tests nearest to the file, not the rest of the suite
+--resume        not those again that results.txt has; and the copies are not brought up to date
+--timeout S     of one test (600): a hang is a kill
+--limit S       of one edit (3600): then it counts as a survivor, and the line says so
+
+An edit is killed by the first test that fails, is stopped by a signal or runs out of time.  What does not compile is no
+edit: mend it.  The line of an edit has its id, what became of it, seconds, and its note.
+
+Edits are kept as text, not by line numbers.  In *.txt an edit is
+
+    == id file
+    wrong answer: what it does           or  margin only: ...
+    -old text, that must occur once in the file
+    +new text; without a line of + the old text goes
+
+`margin only`: a bound is too small, and no ray is known that then gets a wrong answer.  `survives: why` instead of either:
+it is known that no test notices, and why none can; that is no failure of the run.  Several lines of - or + are joined
+by newlines; they need not be whole lines of the file.
+
+A copy is built for one kind of processor (-Dclones=x86-64-v3 where this machine has it), the tests once and for all: they
+are linked to libsagitta.so, and an edit costs its objects and one link.  Where ccache is there the way back is free.
+"""
+import argparse, concurrent.futures, json, os, re, shutil, signal, subprocess, sys, time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(os.path.dirname(HERE))
+
+# The tests nearest to a file of src: the first row whose pattern matches.  Names are those of `meson test --list`.
+NEAREST = [
+    (r'src/num/', ['unit table', 'catalogue climb', 'proof']),
+    (r'src/solve/diagnose', ['unit diagnose', 'tool diagnose']),
+    (r'src/solve/', ['unit root', 'unit intersect', 'unit rows', 'oracle brute']),
+    (r'src/surface/check', ['unit check']),
+    (r'src/surface/(orbit|julia|level|cell|course)', ['unit levels', 'climb', 'oracle levels', 'tool level', 'batch']),
+    (r'src/surface/.*second|src/ray/sensitivity', ['sensitivity', 'catalogue values']),
+    (r'src/surface/(conic|asphere|form|span|sag\.|sweep)', ['climb', 'unit rows', 'oracle quad', 'oracle random', 'oracle hard', 'batch', 'proof']),
+    (r'src/surface/(quadr|ellipsoid|torus)', ['climb', 'catalogue roots', 'catalogue laws', 'catalogue batch', 'catalogue']),
+    (r'src/surface/', ['climb', 'catalogue', 'sensitivity']),
+    (r'src/ray/(sweep|batch)', ['batch', 'catalogue batch']),
+    (r'src/ray/(cells|walk|general|quick)', ['unit intersect', 'unit all', 'unit rows', 'oracle brute', 'catalogue roots', 'batch']),
+    (r'src/ray/(prove|alone)', ['unit prove', 'unit trace', 'proof', 'catalogue roots', 'catalogue laws']),
+    (r'src/system/', ['unit trace', 'unit pose', 'unit refract', 'batch trace', 'oracle reference']),
+    (r'src/geo/', ['earth']),
+    (r'src/tool/', ['tool']),
+]
+# What an edit of src cannot change, or what builds the library anew.
+NEVER = r'^(clones|installed|floors|headers|symbols|readme|vectorised|one surface|interval, builds|cost|no allocation|stack)'
+
+
+def fail(text):
+    sys.exit(f'run.py: {text}')
+
+
+def read_edits():
+    edits = {}
+    for name in sorted(os.listdir(HERE)):
+        if not name.endswith('.txt'):
+            continue
+        edit = None
+        for number, line in enumerate(open(os.path.join(HERE, name)), 1):
+            line = line.rstrip('\n')
+            if line.startswith('== '):
+                _, key, path = line.split()
+                if key in edits:
+                    fail(f'{name}:{number}: {key} is there twice')
+                edit = edits[key] = {'id': key, 'file': path, 'note': '', 'old': [], 'new': []}
+            elif edit and line.startswith('-'):
+                edit['old'].append(line[1:])
+            elif edit and line.startswith('+'):
+                edit['new'].append(line[1:])
+            elif edit and line and not line.startswith('#') and not edit['note']:
+                edit['note'] = line
+            elif line and not line.startswith('#'):
+                fail(f'{name}:{number}: what is this?')
+    for edit in edits.values():
+        edit['old'], edit['new'] = '\n'.join(edit['old']), '\n'.join(edit['new'])
+        if not edit['old'] or not re.match('(wrong answer|margin only|survives): ', edit['note']):
+            fail(f'{edit["id"]}: no old text, or no note')
+    return edits
+
+
+def occurrences(edit, root):
+    try:
+        return open(os.path.join(root, edit['file'])).read().count(edit['old'])
+    except FileNotFoundError:
+        return 0
+
+
+def run(command, log, timeout, **more):
+    """The exit code, or what stopped it."""
+    with open(log, 'wb') as out:
+        process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, start_new_session=True, **more)
+        try:
+            return process.wait(timeout)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+            return 'timeout'
+
+
+class Copy:
+    """A copy of the tree and its build."""
+
+    def __init__(self, work, index, arguments):
+        self.root, self.build, self.arguments = os.path.join(work, f'tree{index}'), os.path.join(work, f'tree{index}', 'build', 'm'), arguments
+        self.log = os.path.join(work, f'log{index}')
+        os.environ.setdefault('CCACHE_BASEDIR', work), os.environ.setdefault('CCACHE_NOHASHDIR', '1')
+        if not os.path.isdir(self.root):
+            os.makedirs(self.root)
+            self.bring()
+        elif not arguments.resume:
+            self.bring()
+        if not os.path.isfile(os.path.join(self.build, 'build.ninja')):
+            flags = ['-Dexamples=false', '-Dbenchmark=disabled']
+            if os.path.exists('/proc/cpuinfo') and ' avx2 ' in open('/proc/cpuinfo').read():
+                flags.append('-Dclones=x86-64-v3')
+            cached = shutil.which('ccache')
+            own = dict(os.environ)
+            if cached:
+                own.update({'CC': os.environ.get('CC', 'ccache gcc'), 'CXX': os.environ.get('CXX', 'ccache g++')})
+            if run(['meson', 'setup', self.build, self.root] + flags, self.log, 600, env=own) != 0:
+                fail(f'meson setup: see {self.log}')
+        if run(['nice', 'ninja', '-C', self.build, '-j', str(arguments.threads)], self.log, 7200) != 0:
+            fail(f'the build of the copy: see {self.log}')
+        listed = subprocess.run(['meson', 'introspect', '--tests', self.build], capture_output=True, check=True).stdout
+        self.tests = [t for t in json.loads(listed) if not re.match(NEVER, t['name'])]
+        self.targets = [os.path.relpath(t['filename'][0], self.build)
+                        for t in json.loads(subprocess.run(['meson', 'introspect', '--targets', self.build], capture_output=True, check=True).stdout)
+                        if t['type'] == 'shared library' or t['name'] == 'sagitta' and t['type'] == 'executable']
+
+    def bring(self):
+        listed = subprocess.run(['git', '-C', ROOT, 'ls-files', '-z', '--cached', '--others', '--exclude-standard'], capture_output=True, check=True).stdout
+        for name in listed.decode().split('\0'):
+            source, target = os.path.join(ROOT, name), os.path.join(self.root, name)
+            if not name or not os.path.isfile(source):
+                continue
+            if os.path.isfile(target) and open(source, 'rb').read() == open(target, 'rb').read():
+                continue
+            os.makedirs(os.path.dirname(target), exist_ok=True)
+            shutil.copy(source, target)
+
+    def order(self, path):
+        """The tests, the nearest first; a name in the table stands for all tests whose name has it."""
+        nearest = next((names for pattern, names in NEAREST if re.match(pattern, path)), [])
+        first = []
+        for name in nearest:
+            first += [t for t in self.tests if name in f'{t["suite"][0].split(":")[-1]} {t["name"]}' and t not in first]
+        return first, [t for t in self.tests if t not in first]
+
+    def make(self):
+        return run(['nice', 'ninja', '-C', self.build, '-j', str(self.arguments.threads)] + self.targets, self.log, 1800)
+
+    def judge(self, edit):
+        path = os.path.join(self.root, edit['file'])
+        text = open(path).read()
+        if text.count(edit['old']) != 1:
+            return 'NOT THERE', f'the old text occurs {text.count(edit["old"])} times', 0
+        began = time.time()
+        try:
+            open(path, 'w').write(text.replace(edit['old'], edit['new']))
+            if self.make() != 0:
+                errors = [l.strip() for l in open(self.log, errors='replace') if 'error' in l]
+                return 'NO BUILD', errors[0] if errors else self.log, time.time() - began
+            first, rest = self.order(edit['file'])
+            for test in first + ([] if self.arguments.only_nearest else rest):
+                if time.time() - began > self.arguments.limit:
+                    return 'SURVIVED', 'the time for it was up', time.time() - began
+                environment = dict(os.environ, **test['env'])
+                environment.pop('SAGITTA_TEST_SEED', None), environment.pop('SAGITTA_TEST_SCALE', None)
+                result = run(['nice'] + test['cmd'], self.log, self.arguments.timeout, env=environment, cwd=test['workdir'] or self.build)
+                if result not in (0, 77):
+                    return 'killed', f'{test["name"]}' + (' (time)' if result == 'timeout' else f' (signal {-result})' if result < 0 else ''), time.time() - began
+            return 'SURVIVED', 'the nearest tests' if self.arguments.only_nearest else 'all tests', time.time() - began
+        finally:
+            open(path, 'w').write(text)
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__, add_help=True)
+    parser.add_argument('ids', nargs='*')
+    parser.add_argument('--work', default=os.path.join(ROOT, 'build', 'mutants'))
+    parser.add_argument('--jobs', type=int, default=1)
+    parser.add_argument('--threads', type=int, default=2)
+    parser.add_argument('--timeout', type=float, default=600)
+    parser.add_argument('--limit', type=float, default=3600)
+    for name in ('only-nearest', 'resume', 'check'):
+        parser.add_argument('--' + name, action='store_true')
+    arguments = parser.parse_args()
+    edits = read_edits()
+    for key in arguments.ids:
+        if key not in edits:
+            fail(f'there is no edit {key}')
+    chosen = [edits[key] for key in arguments.ids or edits]
+    gone = [e for e in chosen if occurrences(e, ROOT) != 1]
+    for edit in gone:
+        print(f'{edit["id"]:5} {edit["file"]}: the old text occurs {occurrences(edit, ROOT)} times')
+    if arguments.check:
+        return len(gone) > 0
+    arguments.work = os.path.abspath(arguments.work)
+    os.makedirs(arguments.work, exist_ok=True)
+    results = os.path.join(arguments.work, 'results.txt')
+    known = {}
+    if os.path.exists(results) and (arguments.resume or arguments.ids):
+        for line in open(results):
+            key, verdict, rest = line.rstrip('\n').split('\t', 2)
+            known[key] = verdict, rest
+    waiting = [e for e in chosen if not (arguments.resume and e['id'] in known)]
+
+    copies = [Copy(arguments.work, i, arguments) for i in range(arguments.jobs)]
+    with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+        def work(edit):
+            copy = copies.pop()
+            try:
+                return edit, copy.judge(edit)
+            finally:
+                copies.append(copy)
+        for done in concurrent.futures.as_completed([pool.submit(work, e) for e in waiting]):
+            edit, (verdict, by, seconds) = done.result()
+            known[edit['id']] = verdict, f'{by}\t{seconds:.0f}\t{edit["note"]}'
+            print(f'{edit["id"]:5} {verdict:9} {by}, {seconds:.0f} s   ({edit["note"]})', flush=True)
+            with open(results, 'w') as out:
+                for key, (what, rest) in known.items():
+                    out.write(f'{key}\t{what}\t{rest}\n')
+    told = [known[e['id']][0] for e in chosen if e['id'] in known]
+    killed, lived = told.count('killed'), told.count('SURVIVED')
+    print(f'{killed} of {killed + lived} killed' + (f' ({100 * killed / (killed + lived):.0f} %)' if killed + lived else '') + f', {len(told) - killed - lived} not run')
+    return any(known.get(e['id'], ('',))[0] != 'killed' and not e['note'].startswith('survives') for e in chosen)
+
+
+if __name__ == '__main__':
+    sys.exit(main())
