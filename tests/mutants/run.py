@@ -13,7 +13,7 @@
 --timeout S     of one test (600): a hang is a kill
 --limit S       of one edit (3600): then it counts as a survivor, and the line says so
 
-An edit is killed by the first test that fails, is stopped by a signal or runs out of time.  What does not compile is no
+An edit is killed by the first test that fails, is stopped by a signal or runs out of time, and passes without the edit.  What does not compile is no
 edit: mend it.  The line of an edit has its id, what became of it, seconds, and its note.
 
 Edits are kept as text, not by line numbers.  In *.txt an edit is
@@ -43,13 +43,13 @@ NEAREST = [
     (r'src/surface/check', ['unit check']),
     (r'src/surface/(orbit|julia|level|cell|course)', ['unit levels', 'climb', 'oracle levels', 'tool level', 'batch']),
     (r'src/surface/.*second|src/ray/sensitivity', ['sensitivity', 'catalogue values']),
-    (r'src/surface/(conic|asphere|form|span|sag\.|sweep)', ['climb', 'unit rows', 'oracle quad', 'oracle random', 'oracle hard', 'batch', 'proof']),
-    (r'src/surface/(quadr|ellipsoid|torus)', ['climb', 'catalogue roots', 'catalogue laws', 'catalogue batch', 'catalogue']),
-    (r'src/surface/', ['climb', 'catalogue', 'sensitivity']),
+    (r'src/surface/(conic|asphere|form|span|sag\.|sweep)', ['climb', 'edges', 'unit rows', 'oracle quad', 'oracle random', 'oracle hard', 'batch', 'proof']),
+    (r'src/surface/(quadr|ellipsoid|torus)', ['climb', 'edges', 'catalogue roots', 'catalogue laws', 'catalogue batch', 'catalogue']),
+    (r'src/surface/', ['climb', 'edges', 'catalogue', 'sensitivity']),
     (r'src/ray/(sweep|batch)', ['batch', 'catalogue batch']),
-    (r'src/ray/(cells|walk|general|quick)', ['unit intersect', 'unit all', 'unit rows', 'oracle brute', 'catalogue roots', 'batch']),
-    (r'src/ray/(prove|alone)', ['unit prove', 'unit trace', 'proof', 'catalogue roots', 'catalogue laws']),
-    (r'src/system/', ['unit trace', 'unit pose', 'unit refract', 'batch trace', 'oracle reference']),
+    (r'src/ray/(cells|walk|general|quick)', ['unit intersect', 'unit all', 'edges', 'unit rows', 'oracle brute', 'catalogue roots', 'batch']),
+    (r'src/ray/(prove|alone)', ['unit prove', 'edges', 'unit trace', 'proof', 'catalogue roots', 'catalogue laws']),
+    (r'src/system/', ['unit trace', 'unit pose', 'edges', 'unit refract', 'batch trace', 'oracle reference']),
     (r'src/geo/', ['earth']),
     (r'src/tool/', ['tool']),
 ]
@@ -115,6 +115,7 @@ class Copy:
         self.root, self.build, self.arguments = os.path.join(work, f'tree{index}'), os.path.join(work, f'tree{index}', 'build', 'm'), arguments
         self.log = os.path.join(work, f'log{index}')
         os.environ.setdefault('CCACHE_BASEDIR', work), os.environ.setdefault('CCACHE_NOHASHDIR', '1')
+        self.trusted = set() # tests that failed with an edit and pass without
         if not os.path.isdir(self.root):
             os.makedirs(self.root)
             self.bring()
@@ -160,14 +161,22 @@ class Copy:
     def make(self):
         return run(['nice', 'ninja', '-C', self.build, '-j', str(self.arguments.threads)] + self.targets, self.log, 1800)
 
+    def passes(self, test):
+        """'' or how it failed."""
+        environment = dict(os.environ, **test['env'])
+        environment.pop('SAGITTA_TEST_SEED', None), environment.pop('SAGITTA_TEST_SCALE', None)
+        result = run(['nice'] + test['cmd'], self.log, self.arguments.timeout, env=environment, cwd=test['workdir'] or self.build)
+        return '' if result in (0, 77) else ' (time)' if result == 'timeout' else f' (signal {-result})' if result < 0 else ' '
+
     def judge(self, edit):
         path = os.path.join(self.root, edit['file'])
         text = open(path).read()
         if text.count(edit['old']) != 1:
             return 'NOT THERE', f'the old text occurs {text.count(edit["old"])} times', 0
         began = time.time()
+        edited = text.replace(edit['old'], edit['new'])
         try:
-            open(path, 'w').write(text.replace(edit['old'], edit['new']))
+            open(path, 'w').write(edited)
             if self.make() != 0:
                 errors = [l.strip() for l in open(self.log, errors='replace') if 'error' in l]
                 return 'NO BUILD', errors[0] if errors else self.log, time.time() - began
@@ -175,11 +184,21 @@ class Copy:
             for test in first + ([] if self.arguments.only_nearest else rest):
                 if time.time() - began > self.arguments.limit:
                     return 'SURVIVED', 'the time for it was up', time.time() - began
-                environment = dict(os.environ, **test['env'])
-                environment.pop('SAGITTA_TEST_SEED', None), environment.pop('SAGITTA_TEST_SCALE', None)
-                result = run(['nice'] + test['cmd'], self.log, self.arguments.timeout, env=environment, cwd=test['workdir'] or self.build)
-                if result not in (0, 77):
-                    return 'killed', f'{test["name"]}' + (' (time)' if result == 'timeout' else f' (signal {-result})' if result < 0 else ''), time.time() - began
+                failed = self.passes(test)
+                if failed and test['name'] not in self.trusted: # does it pass without the edit?
+                    open(path, 'w').write(text)
+                    self.make()
+                    if self.passes(test):
+                        print(f'the test "{test["name"]}" fails without any edit: left out', flush=True)
+                        self.tests.remove(test)
+                        failed = ''
+                    else:
+                        self.trusted.add(test['name'])
+                    if not failed:
+                        open(path, 'w').write(edited)
+                        self.make()
+                if failed:
+                    return 'killed', test['name'] + failed.rstrip(), time.time() - began
             return 'SURVIVED', 'the nearest tests' if self.arguments.only_nearest else 'all tests', time.time() - began
         finally:
             open(path, 'w').write(text)
