@@ -143,7 +143,7 @@ typedef enum sgt_status {
     SGT_HIT       =  1,  /* F changes sign at t */
     SGT_GRAZE     =  2,  /* |F| is within its rounding all over [lo, hi] and no change of sign
                             is certain: the ray touches there as far as can be told
-                            (or lies in the plane: then t is where it starts) */
+                            (or lies in the plane: then t is where it starts, or enters the rim) */
     SGT_MISS      =  0,  /* F has no root on the ray that counts */
     SGT_UNPROVEN  = -1,  /* no root was found, yet none was excluded (or one was found
                             and it could not be told whether it counts) */

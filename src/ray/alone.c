@@ -47,9 +47,8 @@ void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_o
     sgt_interval other;
     unsigned long long known = hit->status > 0 ? at_once(s, ray, rim2, &other) : 0;
     if (known == SGT_NOT_ALONE && (other.lo > hit->t || other.hi < hit->t)) {
-        sgt_hit open = hit_without(SGT_UNPROVEN, ray, hit->evals);
-        open.lo = other.lo < hit->lo ? other.lo : hit->lo, open.hi = other.hi > hit->hi ? other.hi : hit->hi;
-        *hit = open;
+        double lo = other.lo < hit->lo ? other.lo : hit->lo, hi = other.hi > hit->hi ? other.hi : hit->hi;
+        *hit = hit_undecided(SGT_UNPROVEN, ray, hit->evals, lo, hi);
         return;
     }
     if (known && known != SGT_NOT_ALONE) return;
@@ -72,9 +71,9 @@ void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_o
         again.evals += hit->evals;
         bool same = again.status > 0 && again.lo <= hit->hi && again.hi >= hit->lo;
         if (again.status == SGT_MISS || (again.status > 0 && !same)) { /* another, or it is on the edge */
-            none.evals = again.evals;
-            none.lo = again.status > 0 && again.lo < hit->lo ? again.lo : hit->lo, none.hi = again.status > 0 && again.hi > hit->hi ? again.hi : hit->hi;
-            *hit = none;
+            double lo = again.status > 0 && again.lo < hit->lo ? again.lo : hit->lo;
+            double hi = again.status > 0 && again.hi > hit->hi ? again.hi : hit->hi;
+            *hit = hit_undecided(SGT_UNPROVEN, ray, again.evals, lo, hi);
         } else if (same) {
             hit->evals = again.evals;
         } else {
@@ -100,6 +99,5 @@ void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_o
     }
     if (hit->status > 0 && itself == 1 && others == 0 && list.count <= FEW) return;
     if (list.count > FEW && list.last.hi > hi) hi = list.last.hi;
-    none.lo = lo, none.hi = hi;
-    *hit = none;
+    *hit = hit_undecided(none.status, ray, none.evals, lo, hi);
 }

@@ -264,6 +264,16 @@ static double start_width(proof *w, sgt_interval at, sgt_interval slope)
     return START_ULPS * larger(terms - err, 0) / sgt_interval_greatest(slope);
 }
 
+/* All of the stretch is beyond the rim. */
+static bool outside(const proof *w, sgt_interval t)
+{
+    sgt_vec3 o = w->ray->o, d = w->ray->d;
+    t = w->t0 != 0 ? out_by(t, twofold_of(w->t0)) : t;
+    sgt_interval x = sgt_interval_sum(number(o.x), sgt_interval_scaled(t, d.x));
+    sgt_interval y = sgt_interval_sum(number(o.y), sgt_interval_scaled(t, d.y));
+    return sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)).lo > w->rim2;
+}
+
 /* The undecided stretch, if there is one, ends. */
 static void flush(proof *w)
 {
@@ -272,8 +282,13 @@ static void flush(proof *w)
     w->told_dark = w->dark.hi;
     sgt_interval at = w->dark, slope, steep;
     bool whole = at.lo <= finite(w->lo) && at.hi >= finite(w->hi) && at.hi > at.lo, start = at.lo <= w->tmin.hi;
-    double t = !whole ? sgt_interval_middle(at) : at.lo > -DBL_MAX ? at.lo : at.hi < w->centre ? at.hi : w->centre;
+    double t = whole ? start_within(w->ray, w->t0, at.lo, at.hi, w->centre, w->rim2) : sgt_interval_middle(at);
+    if (outside(w, at)) return;
     if (whole) at = sgt_interval_between(w->lo, w->hi);
+    if (isnan(t)) {
+        stretch(w, SGT_UNPROVEN, at.lo, at.hi);
+        return;
+    }
     sgt_interval g = ask(w, at, SGT_PROBE, &slope), middle = ask(w, number(t), SGT_PROBE, &steep);
     if (is_bounded(slope)) g = sgt_interval_intersection(g, sgt_interval_sum(middle, sgt_interval_product(slope, sgt_interval_difference(at, number(t)))));
     if (start && !whole && is_bounded(slope) && !over(w)) {
@@ -284,9 +299,15 @@ static void flush(proof *w)
         bool crosses = (left.lo > 0 && right.hi < 0) || (left.hi < 0 && right.lo > 0);
         if (!crosses && !over(w)) {
             place here = place_of(w, t, whole ? 0 : sgt_interval_width(at) * (0.5 + 0x1p-40), sgt_interval_all());
+            sgt_interval about = w->t0 != 0 ? out_by(at, twofold_of(w->t0)) : at;
             if (here.r2 - w->rim2 > here.off && !whole) return;
-            if (!w->told.stopped && here.h.t <= w->ray->tmax && fabs(here.h.t) < HUGE_VAL && here.h.t_err < HUGE_VAL) {
-                add(w, SGT_GRAZE, &here, at, w->t0 != 0 ? out_by(at, twofold_of(w->t0)) : at);
+            about = sgt_interval_between(larger(about.lo, w->ray->tmin), about.hi < w->ray->tmax ? about.hi : w->ray->tmax);
+            if (whole && w->t0 == 0) here.h.t = t, here.h.t_lo = 0; /* of a short d it may have underflown */
+            if (whole && here.h.t < w->ray->tmin) here.h.t = w->ray->tmin, here.h.t_lo = 0;
+            double at_t = here.h.t;
+            bool inside = here.r2 <= w->rim2 && at_t >= about.lo && at_t <= about.hi;
+            if (!w->told.stopped && inside && fabs(at_t) < HUGE_VAL && here.h.t_err + here.h.p_err < HUGE_VAL) {
+                add(w, SGT_GRAZE, &here, at, about);
                 return;
             }
         }
@@ -362,12 +383,13 @@ static bool take(proof *w, const certain *c)
     if (w->told.stopped) return true;
     w->last = root;
     sgt_interval about = sgt_about(at.h.t, at.h.t_err);
+    bool in_range = larger(fabs(at.n.x), larger(fabs(at.n.y), fabs(at.n.z))) < HUGE_VAL && at.h.p_err < HUGE_VAL;
     /* in computed numbers, as long as they say how far the start reaches; where rounding hides that, by what is certain */
     double reach = root.hi - (w->tmin.lo + at.h.t_err + 8 * SGT_U * fabs(w->t0 + t));
     bool hidden = w->ray->tmin > -HUGE_VAL && !(at.most <= 4 * at.least) && !(reach <= at.least) && !(root.lo - w->tmin.hi > 2 * at.h.t_err + at.most + 16 * SGT_U * fabs(w->t0 + t));
     if (w->told.opt->proof && w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* on the rim */
     else if (hidden && !(w->t0 + root.lo > w->ray->tmax)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
-    else if (at.h.counts && at.exact && alone_as_told(w, &at, only)) add(w, SGT_HIT, &at, root, about);
+    else if (at.h.counts && at.exact && in_range && alone_as_told(w, &at, only)) add(w, SGT_HIT, &at, root, about);
     else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width)) stretch(w, SGT_UNPROVEN, root.lo, root.hi);
     return true;
 }
@@ -552,9 +574,7 @@ static proof proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
 static sgt_hit doubted(sgt_hit hit, const sgt_ray *ray)
 {
     if (hit.status <= 0 && hit.status != SGT_EXHAUSTED) return hit;
-    sgt_hit none = hit_without(SGT_UNPROVEN, ray, hit.evals);
-    none.lo = larger(hit.lo, ray->tmin), none.hi = hit.hi < ray->tmax ? hit.hi : ray->tmax;
-    return none;
+    return hit_undecided(SGT_UNPROVEN, ray, hit.evals, hit.lo, hit.hi);
 }
 
 static sgt_options plain(const sgt_options *opt)
@@ -607,9 +627,8 @@ sgt_hit sgt_prove(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
     hit.evals = w.told.evals;
     if (w.told.stopped && hit.status != SGT_STOPPED) return hit_without(SGT_STOPPED, ray, hit.evals); /* at the very last */
     if (list.count < 2 || (one && !w.told.stopped)) return hit;
-    sgt_hit several = hit_without(hit.status == SGT_STOPPED ? SGT_STOPPED : SGT_UNPROVEN, ray, hit.evals);
-    several.lo = kept.lo, several.hi = hit.hi;
-    return several;
+    sgt_status open = hit.status == SGT_STOPPED ? SGT_STOPPED : SGT_UNPROVEN;
+    return hit_undecided(open, ray, hit.evals, kept.lo, hit.hi);
 }
 
 void sgt_prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)

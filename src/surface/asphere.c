@@ -55,7 +55,7 @@ SGT_INLINE bool easy(const wavy *s, const sgt_ray *ray, lane *e, tally *w)
     d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
     if (!easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, scale, e, w)) return false;
     e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
-    return e->t_err < HUGE_VAL && fabs(e->t) > LEAST_T;
+    return e->t_err < HUGE_VAL && fabs(e->t) > LEAST_T && fabs(e->t) < HUGE_VAL;
 }
 
 /* The loops of a tile, for so many terms. */

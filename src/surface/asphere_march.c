@@ -191,10 +191,8 @@ static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
     if (told->stopped) return hit_without(SGT_STOPPED, ray, told->evals);
     if (!settled || !(at.v > v_err)) return hit_without(SGT_UNPROVEN, ray, told->evals);
     if (told->opt->proof != SGT_ESTIMATE && rim_hidden(&at, s->rim2) && counts(&at, ray, HUGE_VAL, scale)) {
-        sgt_hit hit = hit_without(SGT_UNPROVEN, ray, told->evals);
         sgt_interval about = sgt_about(at.t, at.t_err);
-        hit.lo = about.lo, hit.hi = about.hi;
-        return hit;
+        return hit_undecided(SGT_UNPROVEN, ray, told->evals, about.lo, about.hi);
     }
     if (!counts(&at, ray, s->rim2, scale)) return hit_without(SGT_MISS, ray, told->evals);
     return hit_at(&at, SGT_HIT, asphere_f(s, at.p), SGT_NEWTON, ray, told);
@@ -292,10 +290,8 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
     }
     if (!best.any) return hit_without(SGT_MISS, ray, told->evals);
     if (best.status < 0) {
-        sgt_hit hit = hit_without(best.status, ray, told->evals);
         sgt_interval about = sgt_about(best.at.t, best.at.t_err);
-        hit.lo = larger(about.lo, ray->tmin), hit.hi = fmin(about.hi, ray->tmax);
-        return hit;
+        return hit_undecided(best.status, ray, told->evals, about.lo, about.hi);
     }
     return hit_at(&best.at, best.status, asphere_f(s, best.at.p), SGT_NEWTON, ray, told);
 }

@@ -1,14 +1,21 @@
-/* bend.h - the norm of a second derivative from bounds on its entries. */
+/* bend.h - the length of a gradient, and the norm of a second derivative, from bounds on their entries. */
 #ifndef SGT_SURFACE_BEND_H
 #define SGT_SURFACE_BEND_H
 
 #include "../num/exact.h"
 
+/* sqrt(a^2 + b^2) of a, b >= 0, but for rounding; more, a + b, where the squares leave the range. */
+SGT_INLINE double length_of(double a, double b)
+{
+    double r2 = a * a + b * b;
+    return r2 > 0x1p-960 && r2 < HUGE_VAL ? sqrt(r2) : a + b;
+}
+
 /* The norm of any symmetric matrix whose entries are at most these in magnitude: at most that of these themselves, its
  * greater eigenvalue. */
 SGT_INLINE double norm_of(double xx, double xy, double yy)
 {
-    double half = 0.5 * (xx - yy), norm = (0.5 * (xx + yy) + sqrt(half * half + xy * xy)) * (1 + 0x1p-40);
+    double half = 0.5 * (xx - yy), norm = (0.5 * (xx + yy) + length_of(fabs(half), xy)) * (1 + 0x1p-40);
     return norm < HUGE_VAL ? norm : HUGE_VAL; /* nor NaN */
 }
 

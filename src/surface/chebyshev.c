@@ -17,6 +17,7 @@
  *
  * BOUNDS.  Within |x| <= 1: |T_n| <= 1, |T_n'| <= min(n^2, n / sigma), |T_n''| = |x T_n' - n^2 T_n| / w <= (n / sigma + n^2) / w, and
  * <= n^2 (n^2 - 1) / 3 (V. A. Markov; Mason and Handscomb 2002, section 2.4.5).  Beyond, all derivatives increase: their values at the far end. */
+#include "bend.h"
 #include "freeform.h"
 
 enum { MOST = 64, PANEL = 32, STRIP = 32, NONE = MOST * MOST };
@@ -345,9 +346,7 @@ static int chebyshev_bounds(const void *self, region *where, bounds *out)
         xx += a.e[i] * c0, xy += a.d[i] * c1, yy += a.t[i] * c2;
     }
     px /= s->norm_x, py /= s->norm_y, xx = xx / s->norm_x / s->norm_x, xy = xy / s->norm_x / s->norm_y, yy = yy / s->norm_y / s->norm_y;
-    /* The greater eigenvalue: a matrix whose entries bound those of another bounds its norm. */
-    double mean = 0.5 * (xx + yy), half = 0.5 * (xx - yy);
-    *out = (bounds){known(size * up), known(sqrt(px * px + py * py) * up), known((mean + sqrt(half * half + xy * xy)) * up)};
+    *out = (bounds){known(size * up), known(length_of(px, py) * up), known(norm_of(xx, xy, yy) * up)};
     return 1;
 }
 

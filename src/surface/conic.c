@@ -64,7 +64,7 @@ static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_option
         for (int picks = 0; picks <= far_gone; picks++, first = false) {
             if ((lengths || picks) && easy_at(s, first, o, d, tmin, tmax, t_tol, e)) {
                 e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
-                return e->t_err < HUGE_VAL && fabs(e->t) > LEAST_T ? EASY_HIT : EASY_NOT;
+                return e->t_err < HUGE_VAL && fabs(e->t) > LEAST_T && fabs(e->t) < HUGE_VAL ? EASY_HIT : EASY_NOT;
             }
             if (picks) break;
             verdicts v = easy_away(s, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
@@ -331,20 +331,34 @@ static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, m
 
 /* ---------------------------------------------------------------- planes */
 
+/* The ray lies in the plane: every point within the rim is a root.  UNPROVEN: no t of it is known. */
+static sgt_status in_plane(double rim2, const sgt_ray *ray, meeting *out)
+{
+    stretch chord = sgt_chord(ray, rim2);
+    double lo = larger(chord.lo, ray->tmin), hi = chord.hi < ray->tmax ? chord.hi : ray->tmax;
+    if (!(lo <= hi)) return SGT_MISS;
+    local q = local_at(ray, start_within(ray, 0, lo, hi, 0, rim2) / scale_of(ray->d), 0);
+    meeting_place(out, &q, 0, 0);
+    out->v = 1, out->slope = 0, out->n = (sgt_vec3){0, 0, 1}, out->sag = 0;
+    bool inside = out->p.x * out->p.x + out->p.y * out->p.y <= rim2 && out->t >= lo && out->t <= hi;
+    if (inside && out->t_err < HUGE_VAL && out->p_err < HUGE_VAL) return SGT_GRAZE;
+    out->t_err = (double)NAN;
+    return SGT_UNPROVEN;
+}
+
 /* n tau = -z: exact but for the quotient, and t0_lo carries that. */
 SGT_INLINE sgt_status plane(double rim2, const sgt_ray *ray, bool proof, meeting *out)
 {
-    if (ray->d.z == 0 && ray->o.z != 0) return SGT_MISS;
-    local q = ray->d.z != 0 ? local_at_vertex_plane(ray) : local_at(ray, 0, 0);
-    double start = ray->tmin > -HUGE_VAL ? ray->tmin : ray->tmax < 0 ? ray->tmax : 0;
-    if (ray->d.z == 0) q = local_at(ray, start / q.scale, 0); /* in the plane: every point is a root */
-    if (ray->d.z != 0 && fabs(ray->o.z) < 0x1p-900 && ray->o.z != 0) q.t0_err += 0x1p-1074 / fabs(q.n); /* the remainder has underflown */
+    if (ray->d.z == 0) return ray->o.z != 0 ? SGT_MISS : in_plane(rim2, ray, out);
+    local q = local_at_vertex_plane(ray);
+    if (fabs(ray->o.z) < 0x1p-900 && ray->o.z != 0) q.t0_err += 0x1p-1074 / fabs(q.n); /* the remainder has underflown */
     meeting_place(out, &q, 0, 0);
     out->v = 1, out->slope = fabs(q.n), out->n = (sgt_vec3){0, 0, 1}, out->sag = 0;
-    if (!(out->t_err < HUGE_VAL && out->p_err < HUGE_VAL)) return SGT_UNPROVEN; /* so nearly parallel that t is out of range */
-    if (ray->d.z != 0 && proof && rim_hidden(out, rim2) && counts(out, ray, HUGE_VAL, q.scale)) return SGT_UNPROVEN;
-    if (ray->d.z != 0) return counts(out, ray, rim2, q.scale) ? SGT_HIT : SGT_MISS;
-    return out->p.x * out->p.x + out->p.y * out->p.y <= rim2 ? SGT_GRAZE : SGT_UNPROVEN;
+    if (out->t - out->t_err > ray->tmax || out->t + out->t_err < ray->tmin) return SGT_MISS;
+    /* so nearly parallel that t, or the point, is out of range */
+    if (!(out->t_err < HUGE_VAL && out->p_err < HUGE_VAL)) return SGT_UNPROVEN;
+    if (proof && rim_hidden(out, rim2) && counts(out, ray, HUGE_VAL, q.scale)) return SGT_UNPROVEN;
+    return counts(out, ray, rim2, q.scale) ? SGT_HIT : SGT_MISS;
 }
 
 /* -------------------------------------------------------------- together */
@@ -388,10 +402,10 @@ SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray 
     }
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
     if (status <= 0) {
-        sgt_hit hit = hit_without(status, ray, w.evals);
         sgt_interval about = sgt_about(at.t, at.t_err);
-        if (at.t_err < HUGE_VAL && status == SGT_UNPROVEN) hit.lo = larger(about.lo, hit.lo), hit.hi = about.hi < hit.hi ? about.hi : hit.hi;
-        return hit;
+        bool known = at.t_err < HUGE_VAL && status == SGT_UNPROVEN;
+        if (known) return hit_undecided(status, ray, w.evals, about.lo, about.hi);
+        return hit_without(status, ray, w.evals);
     }
     double f = isnan(at.sag) ? conic_f(c, k, at.p) : at.p.z - at.sag; /* the same number */
     return hit_at(&at, status, f, w.evals ? SGT_NEWTON : SGT_SEED, ray, &w);

@@ -16,12 +16,36 @@
  *     |w'| <= W1 = |n| + |P'| |rho'|,  |w''| <= W2 = |P''| rho'^2 + 2 a |P'|,  a = l^2 + m^2,
  *     M = |c| a + |(1 + k) c| (W1^2 + |w| W2) + W2.
  *
+ * UNDERFLOW.  A product below 2^-1022 is off by up to 2^-1075 whatever its size, and its remainder in twice the precision so
+ * below 2^-969.  What that does to G and G' on its way through the formulas, rho and (1 + k) c included, is `lost` and
+ * `slope_lost`, with LOST = 2^-1066 for each product and all that it is a part of.  In Horner's rule it grows by rho at each
+ * step; from rho = 2^53 on no product of it underflows.
+ *
  * SETTLING.  A root known roughly is settled with the origin of the ray moved onto it and G worked out
  * in twice the precision, so that t comes out to its last bit or nearly; where t itself is near zero
  * (a start on the surface), in five times the precision. */
 #include "form.h"
 
 #include "../num/expansion.h"
+
+static const double LOST = 0x1p-1066;
+
+/* What P and P' at rho can lose. */
+static double lost_in_powers(double rho)
+{
+    double rho2 = rho * rho, rho4 = rho2 * rho2;
+    return rho < 0x1p53 ? LOST * (1 + rho4 * rho4) : 0;
+}
+
+/* Adds it to the errors. */
+static void underflow(const shape *s, double rho, double half_terms, sample *e)
+{
+    double w = fabs(e->w), ckw = fabs(s->ck * w), by_power = lost_in_powers(rho), lost_w = by_power + LOST * (1 + e->first);
+    double lost_dw = 2 * (by_power + LOST * e->second) * half_terms + LOST * (1 + 2 * e->first);
+    e->lost = (1 + ckw) * lost_w + LOST * (1 + fabs(s->c) + w) + (LOST * w) * w;
+    e->slope_lost = (1 + ckw) * lost_dw + LOST * (1 + fabs(s->c) + w * fabs(e->dw));
+    e->w_err += lost_w, e->g_err += e->lost, e->slope_err += e->slope_lost;
+}
 
 void sgt_form_bound(const shape *s, const local *q, double tau, sample *e)
 {
@@ -36,6 +60,9 @@ void sgt_form_bound(const shape *s, const local *q, double tau, sample *e)
     e->slope_err = 32 * SGT_U * (fabs(e->v) * (fabs(q->n) + 2 * (e->first + e->second * rho_err) * half_terms) + fabs(s->c) * half_terms
                                  + (1 + fabs(s->ck) * w_err) * fabs(e->dw));
     e->v_err = SGT_U * (fabs(s->ck) * w_err + 4 * ckw + 1);
+    e->lost = e->slope_lost = 0;
+    double least = e->g_err < e->slope_err ? e->g_err : e->slope_err, most = e->first + e->second + ckw + w + fabs(s->c) + 0x1p60 * rho;
+    if (!(least > 0x1p-400 && most < 0x1p100)) underflow(s, rho, half_terms, e); /* else it is nothing beside them */
 }
 
 sample sgt_form_sample(const shape *s, const local *q, double tau)
@@ -57,7 +84,9 @@ double sgt_form_bend(const shape *s, const local *q, const sample *at, double h)
     double first = magnitude(s->terms, s->a, rho, &second), drho = 2 * half;
     double w1 = fabs(q->n) + first * drho, w2 = second * drho * drho + 2 * a * first;
     double w = fabs(at->w) + at->w_err + h * w1;
-    return (fabs(s->c) * a + fabs(s->ck) * (w1 * w1 + w * w2) + w2) * (1 + 0x1p-30);
+    double bend = (fabs(s->c) * a + fabs(s->ck) * (w1 * w1 + w * w2) + w2) * (1 + 0x1p-30);
+    if (bend > 0x1p-400 && drho < 0x1p60 && w1 < 0x1p300) return bend; /* underflow is nothing beside it */
+    return bend + (LOST * (1 + w * w2) + (LOST * w1) * w1 + (lost_in_powers(rho) * (1 + drho)) * (1 + drho));
 }
 
 double sgt_conic_sag_fine(double c, double k, double x, double y)
@@ -90,6 +119,7 @@ bool sgt_form_apart(const shape *s, const local *q, const sample *at, double h)
     double first = magnitude(s->terms, s->a, high, &second), drho = 2 * (half + h * a);
     double steep = fabs(at->dw) + 0x1p-45 * (fabs(q->n) + 2 * at->first * half);
     double reach = (steep * h + 0.5 * (second * drho * drho + 2 * a * first) * h * h) * (1 + 0x1p-30) + at->w_err;
+    reach += at->lost + at->slope_lost * h;
     double near = sag_bound(s, low, 1), far = sag_bound(s, high, -1); /* the least and the greatest magnitude */
     return at->w - reach > fmax(near, far) || at->w + reach < fmin(near, far);
 }
@@ -99,7 +129,8 @@ int sgt_form_side(const shape *s, const sample *at)
     double rho = at->x * at->x + at->y * at->y, slack = 0x1p-46 * rho + 4 * SGT_U * (fabs(at->x) * at->ex + fabs(at->y) * at->ey), edge = s->ck * s->c * (rho + slack);
     if (!(edge < 1 - 0x1p-40)) return 0;
     double near = sag_bound(s, fmax(0, rho - slack), 1), far = sag_bound(s, rho + slack, -1);
-    return at->w - at->w_err > fmax(near, far) ? 1 : at->w + at->w_err < fmin(near, far) ? -1 : 0;
+    double off = at->w_err + at->lost;
+    return at->w - off > fmax(near, far) ? 1 : at->w + off < fmin(near, far) ? -1 : 0;
 }
 
 bool sgt_form_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol, meeting *out, double *v_err, bool *steady)
@@ -108,9 +139,9 @@ bool sgt_form_certify(const shape *s, const local *q, const sample *at, double t
     double slope = fabs(at->slope) - at->slope_err, g = fabs(at->g) + g_err;
     double h = 1.25 * g / slope;
     *steady = false;
-    if (!(slope > 0 && h < HUGE_VAL)) return false;
+    if (!(slope > LOST && h < HUGE_VAL)) return false;
     double bend = sgt_form_bend(s, q, at, h);
-    if (!(8 * bend * g <= slope * slope)) return false;
+    if (!(6.4 * bend * h <= slope)) return false;
     double step = -at->g / at->slope, curved = 0.5 * bend * h * h, noise = g_err + fabs(step) * at->slope_err;
     double tau_err = 1.01 * (noise + curved) / slope + 2 * SGT_U * fabs(step);
     *steady = curved <= noise || tau_err <= 0.5 * t_tol;
@@ -144,12 +175,12 @@ static void residual(const shape *s, const local *q, twofold x, twofold y, twofo
     twofold slope = twofold_difference(twofold_product(v, dw), twofold_scaled(half_drho, s->c));
     double poly = rho.hi * at->first, ckw = fabs(ck.hi * w.hi), half_terms = fabs(x.hi * q->l) + fabs(y.hi * q->m);
     at->g = g.hi + g.lo;
-    at->g_err = 2 * SGT_TWOFOLD * (fabs(s->c) * rho.hi + (1 + ckw) * (poly + fabs(z.hi))) + SGT_U * fabs(at->g);
+    at->g_err = 2 * SGT_TWOFOLD * (fabs(s->c) * rho.hi + (1 + ckw) * (poly + fabs(z.hi))) + SGT_U * fabs(at->g) + at->lost;
     at->v = v.hi;
     at->v_err = 2 * SGT_TWOFOLD * (1 + ckw + fabs(s->ck) * (poly + fabs(z.hi))) + SGT_U * fabs(v.hi);
     at->slope = slope.hi + slope.lo;
     at->slope_err = 0x1p-97 * ((1 + ckw + fabs(s->ck) * (poly + fabs(z.hi))) * (fabs(q->n) + 2 * (at->first + at->second * rho.hi) * half_terms) + fabs(s->c) * half_terms)
-                  + SGT_U * fabs(at->slope);
+                  + SGT_U * fabs(at->slope) + at->slope_lost;
 }
 
 static void residual_at(const shape *s, const sgt_ray *ray, const local *q, double tau, sample *at)
@@ -181,6 +212,7 @@ static void fine_residual(const shape *s, const sgt_ray *ray, const local *q, sa
     expansion bent = expansion_sum(expansion_scaled(rho, s->c), expansion_product(ck, expansion_product(w, w)));
     expansion g = expansion_sum(w, expansion_scaled(bent, -0.5));
     at->g = expansion_value(&g, &at->g_err);
+    at->g_err += at->lost;
 }
 
 bool sgt_form_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err, tally *w)

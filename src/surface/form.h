@@ -53,6 +53,7 @@ bool sgt_sweep_steeper(double limit, const sgt_tile *tile, unsigned long long al
 typedef struct sample {
     double g, slope;          /* G and dG/dtau */
     double g_err, slope_err;  /* how far they can be off */
+    double lost, slope_lost;  /* what of that is underflow */
     double v, v_err;          /* 1 - (1 + k) c w */
     double w, w_err, dw;      /* z - P, dw/dtau */
     double dp;                /* P' */

@@ -82,6 +82,9 @@ double sgt_freeform_value(const freeform *s, sgt_vec3 p, sgt_vec3 *grad)
     return f;
 }
 
+/* What has underflown on the way to a sum of moderate powers is below it. */
+static const double LOST = 0x1p-1050;
+
 double sgt_freeform_rounding(const freeform *s, sgt_vec3 at)
 {
     double p, px, py, p_err, grad_err, sag = 0, sag_err = 0;
@@ -91,7 +94,7 @@ double sgt_freeform_rounding(const freeform *s, sgt_vec3 at)
         base e = base_at(s->c, s->k, at.x, at.y);
         sag = e.sag, sag_err = SGT_U * conic_sag_rounding(s->c, s->k, e.r2, e.sag, e.phi);
     }
-    return 1.01 * (sag_err + p_err + SGT_U * (fabs(sag + p) + fabs(at.z - (sag + p))));
+    return 1.01 * (sag_err + p_err + SGT_U * (fabs(sag + p) + fabs(at.z - (sag + p)))) + LOST;
 }
 
 /* The same of many points at less cost, F being known: s + P is z - F.  What P adds is one bound for all within the rim. */
@@ -158,13 +161,14 @@ void sgt_freeform_share(const freeform *s, sgt_shared *shared)
     sgt_shared e = {.c = s->c, .k1 = 1 + s->k, .radius2 = domain2, .steep = HUGE_VAL, .base_c = s->base ? s->c : 0, .base_k = s->base ? s->k : 0,
                     .most2 = rim2 * (1 + 0x1p-20), .noise = {(double)NAN, (double)NAN}};
     if (s->of->noise && rim2 < HUGE_VAL) s->of->noise(s->self, sqrt(e.most2) * (1 + 0x1p-40), e.noise);
+    e.noise[0] += LOST;
     if (rim2 > 0 && domain2 == rim2) {
         double r = rim2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT, phi2 = 1 - (1 + s->k) * s->c * s->c * (r * r);
         double conic = !s->base ? 0 : phi2 > 0x1p-30 ? fabs(s->c) * r / sqrt(phi2) : HUGE_VAL; /* it grows with r */
         region where = {{-r, r}, {-r, r}, 0, r};
         bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
         int defined = conic < HUGE_VAL ? s->of->bounds(s->self, &where, &b) : 0;
-        double steep = (conic + b.steep) * (1 + 0x1p-20);
+        double steep = (conic + b.steep + LOST) * (1 + 0x1p-20);
         if (defined == 1 && steep < 0x1p500) e.steep = steep * (1 + 0x1p-20);
     }
     if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2)) e.radius2 = s->reach * s->reach * (1 + 0x1p-40);
@@ -244,6 +248,8 @@ static sgt_interval departure_over(const freeform *s, const sgt_ray *ray, double
     double x = inside(xm, where.x), y = inside(ym, where.y), p, px, py, p_err, grad_err;
     s->of->at(s->self, 1, &x, &y, (sag_values){&p, &px, &py});
     s->of->rounding(s->self, x, y, &p_err, &grad_err);
+    double lost = b.size > 0 ? LOST : 0; /* a plane is one */
+    p_err += lost, grad_err += lost, b.size += lost, b.steep += lost, b.bend += lost;
     sgt_interval whole = !(b.steep < HUGE_VAL) && s->of->range ? s->of->range(s->self, &where) : within(b.size);
     if (!(p_err < HUGE_VAL && fabs(p) < HUGE_VAL)) return whole;
 

@@ -234,7 +234,7 @@ static int grid_bounds(const void *self, region *where, bounds *out)
     double sx = 1.25 * (m[0][1] + 0.5 * larger(m[0][2], m[0][3])) * ax.inverse, sy = 1.25 * (m[1][0] + 0.5 * larger(m[2][0], m[3][0])) * ay.inverse;
     double xx = 1.25 * (m[0][2] + m[0][3]) * ax.inverse * ax.inverse, yy = 1.25 * (m[2][0] + m[3][0]) * ay.inverse * ay.inverse;
     double xy = (m[1][1] + m[1][2] + m[2][1] + m[2][2]) * ax.inverse * ay.inverse;
-    *out = (bounds){1.5625 * m[0][0] * more, sqrt(sx * sx + sy * sy) * more, norm_of(xx, xy, yy) * more};
+    *out = (bounds){1.5625 * m[0][0] * more, length_of(sx, sy) * more, norm_of(xx, xy, yy) * more};
     if (measured(g) && !small) *out = (bounds){g->height, g->steep, g->bend};
     return whole ? 1 : -1;
 }

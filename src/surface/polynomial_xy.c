@@ -6,6 +6,7 @@
  *
  * BOUNDS.  The same steps on intervals, as middle and radius: |h x - h_m x_m| <= |h_m| x_r + h_r (|x_m| + x_r).  Over a small region they
  * are the values at its middle and little more, over one about the origin the sums of the terms' magnitudes. */
+#include "bend.h"
 #include "freeform.h"
 
 enum { MOST_ROWS = 32 };
@@ -147,10 +148,8 @@ static int bounds_over(const void *self, region *where, bounds *out)
         pxy = over(pxy, x, py), py = over(py, x, dw);
         pyy = over(pyy, x, ddw);
     }
-    /* the norm of {{a, b}, {b, c}} is at most that of the magnitudes */
     double size = greatest(p), ax = greatest(px), ay = greatest(py), axx = 2 * greatest(pxx), axy = greatest(pxy), ayy = 2 * greatest(pyy);
-    double half = 0.5 * (axx - ayy), bend = 0.5 * (axx + ayy) + sqrt(half * half + axy * axy);
-    *out = (bounds){bounded(size), bounded(sqrt(ax * ax + ay * ay)), bounded(bend)};
+    *out = (bounds){bounded(size), bounded(length_of(ax, ay)), norm_of(axx, axy, ayy)};
     return 1;
 }
 

@@ -166,12 +166,12 @@ SGT_INLINE bool sharp(const meeting *h, double t_tol)
 
 /* Inside the rim, in (tmin, tmax], and not the start itself: farther from tmin than 16 ulps in each
  * coordinate of the root can put it.  The sum of |p_i F_i| and |grad F . d| share the factor 1/v, which
- * drops out (of a v that is negative, and so no certain one, the ends alone count).  rim2 is infinite where there is none. */
+ * drops out (of a v that is negative, and so no certain one, the ends alone count); at the vertex both are 0.  rim2 is infinite where there is none. */
 SGT_INLINE bool counts(const meeting *h, const sgt_ray *ray, double rim2, double scale)
 {
     double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z));
     double room = h->t - ray->tmin - h->t_err - 8 * SGT_U * fabs(h->t);
-    bool started = ray->tmin == -HUGE_VAL || (room > 0 && (room * h->slope > START_ULPS * terms * scale || terms == 0)); /* 0: at the vertex */
+    bool started = ray->tmin == -HUGE_VAL || (room > 0 && (room * (h->slope / scale) > START_ULPS * terms || terms == 0));
     bool inside = !(h->p.x * h->p.x + h->p.y * h->p.y > rim2);
     return started && h->t <= ray->tmax && inside;
 }
@@ -198,11 +198,34 @@ SGT_INLINE double sure_rim2(double rim2) { return rim2 * (1 - 0x1.dp-45); }
 /* Its square is neither lost nor infinite (where there is one). */
 SGT_INLINE bool rim_in_range(double rim2) { return rim2 > TINY; }
 
+/* Where a ray that lies in the surface from lo to hi begins to count: the first t, as nearly as a few trials tell, whose
+ * point has r^2 <= rim2 as computed (chords are made longer than they are); NaN: none is found.  Of a stretch without a
+ * beginning it is the point nearest to `centre`.  All t count from t0. */
+SGT_INLINE double start_within(const sgt_ray *ray, double t0, double lo, double hi, double centre, double rim2)
+{
+    double begin = lo > -DBL_MAX ? lo : hi < centre ? hi : centre, length = hi - begin, t = begin;
+    for (double part = 0x1p-48;; part *= 64) {
+        double x = coordinate(ray->o.x, ray->d.x, t0, t).hi, y = coordinate(ray->o.y, ray->d.y, t0, t).hi;
+        if (x * x + y * y <= rim2) return t;
+        if (!(part <= 1 && length < HUGE_VAL)) return (double)NAN;
+        t = begin + (part < 1 ? part : 0.5) * length;
+    }
+}
+
 SGT_INLINE sgt_hit hit_without(sgt_status status, const sgt_ray *ray, int evals)
 {
     return (sgt_hit){.status = status, .evals = evals, .t = (double)NAN, .t_err = (double)NAN, .t_lo = (double)NAN,
                      .lo = ray->tmin, .hi = ray->tmax, .f = (double)NAN, .p = {(double)NAN, (double)NAN, (double)NAN},
                      .n = {(double)NAN, (double)NAN, (double)NAN}, .p_err = (double)NAN};
+}
+
+/* What is undecided is in [lo, hi], cut to the ray's ends; where that leaves nothing it is all of the ray. */
+SGT_INLINE sgt_hit hit_undecided(sgt_status status, const sgt_ray *ray, int evals, double lo, double hi)
+{
+    sgt_hit hit = hit_without(status, ray, evals);
+    lo = larger(lo, ray->tmin), hi = hi < ray->tmax ? hi : ray->tmax;
+    if (lo <= hi) hit.lo = lo, hit.hi = hi;
+    return hit;
 }
 
 /* The evaluations spent on one ray, of these the ones told with earlier entries of a list, those up to the
@@ -219,24 +242,16 @@ SGT_INLINE void tell(tally *w, sgt_move move, double t, double f, double slope, 
     if (w->opt->watch(w->opt->watch_data, &step)) w->stopped = true;
 }
 
-/* The hit, with one last evaluation at p: f. */
+/* The hit, with one last evaluation at p: f.  Of numbers that are out of range it is UNPROVEN. */
 SGT_INLINE sgt_hit hit_at(const meeting *h, sgt_status status, double f, sgt_move move, const sgt_ray *ray, tally *w)
 {
     if (w->opt->watch) tell(w, move, h->t, f, h->n.x * ray->d.x + h->n.y * ray->d.y + h->n.z * ray->d.z, h->t - h->t_err, h->t + h->t_err);
     else w->evals++;
     if (w->stopped) return hit_without(SGT_STOPPED, ray, w->evals - w->before);
+    if (!(h->t_err < HUGE_VAL && h->p_err < HUGE_VAL)) return hit_without(SGT_UNPROVEN, ray, w->evals - w->before);
     sgt_interval about = sgt_about(h->t, h->t_err);
     return (sgt_hit){.status = status, .evals = w->evals - w->before, .t = h->t, .t_err = h->t_err, .t_lo = h->t_lo,
                      .lo = about.lo, .hi = about.hi, .f = f, .p = h->p, .n = h->n, .p_err = h->p_err};
-}
-
-/* The same as an entry of a list; what was spent since the last entry is told with it. */
-SGT_INLINE void add_hit(sgt_list *list, const meeting *h, sgt_status status, double f, sgt_move move, const sgt_ray *ray, tally *w)
-{
-    sgt_hit hit = hit_at(h, status, f, move, ray, w);
-    if (w->stopped) return; /* what is left is told by whoever searches */
-    sgt_list_add(list, &hit);
-    w->before = w->root = w->evals;
 }
 
 /* What a search for the first entry came to: that entry, or a miss. */
@@ -255,11 +270,23 @@ SGT_INLINE void add_stretch(sgt_list *list, tally *w, sgt_status status, const s
     lo -= 2 * SGT_U * fabs(lo), hi += 2 * SGT_U * fabs(hi); /* outward, by at least an ulp */
     hit.lo = larger(lo, ray->tmin), hit.hi = hi < ray->tmax ? hi : ray->tmax;
     if (list->count && status != SGT_UNPROVEN) hit.lo = larger(hit.lo, list->last.hi); /* what is left is behind it */
+    if (!(hit.lo <= DBL_MAX)) hit.lo = DBL_MAX; /* beyond the range of t: its t is a number all the same */
+    if (!(hit.hi >= -DBL_MAX)) hit.hi = -DBL_MAX;
     if (hit.lo > hit.hi && status == SGT_STOPPED) hit.lo = hit.hi; /* at the very end: told all the same */
     if (hit.lo > hit.hi) return;
     sgt_list_centre(&hit);
     if (!sgt_list_merge(list, &hit)) sgt_list_add(list, &hit);
     w->before = w->evals;
+}
+
+/* hit_at as an entry of a list; what was spent since the last entry is told with it. */
+SGT_INLINE void add_hit(sgt_list *list, const meeting *h, sgt_status status, double f, sgt_move move, const sgt_ray *ray, tally *w)
+{
+    sgt_hit hit = hit_at(h, status, f, move, ray, w);
+    if (w->stopped) return; /* what is left is told by whoever searches */
+    if (hit.status > 0) sgt_list_add(list, &hit), w->before = w->evals;
+    else add_stretch(list, w, hit.status, ray, hit.lo, hit.hi);
+    w->root = w->evals;
 }
 
 #endif

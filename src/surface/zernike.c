@@ -29,6 +29,7 @@
  * differential equation of R.  Within u < 1 also |grad| <= n / sqrt(1 - u^2) (Bernstein's inequality for a ball: Sarantopoulos
  * 1991, Math. Proc. Camb. Phil. Soc. 110, 307), and by that twice, by way of the circle of radius^2 (1 + u^2) / 2, |second
  * derivative| <= 2 n (n - 1) / (1 - u^2). */
+#include "bend.h"
 #include "freeform.h"
 
 /* The orders of one m: k <= 71 (Fringe: (k + m + 1)^2 - 2 m <= 5151), made a multiple of four. */
@@ -329,7 +330,7 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
     const sgt_zernike *z = self;
     size_t terms = length(z);
     double across = larger(fabs(where->x.lo), fabs(where->x.hi)), along = larger(fabs(where->y.lo), fabs(where->y.hi));
-    double corner = sqrt(across * across + along * along) * (1 + 0x1p-50), r = corner < where->r_hi ? corner : where->r_hi;
+    double corner = length_of(across, along) * (1 + 0x1p-50), r = corner < where->r_hi ? corner : where->r_hi;
     double u = r / z->norm * (1 + 0x1p-50), inside = u < 1 ? (1 - u) * (1 + u) : 0, root = sqrt(inside), w = growth(u), grown = 1;
     double size = 0, steep = 0, bend = 0;
     for (size_t m = 0; place(z, m, 0) < terms; m++, grown *= w) {
