@@ -91,7 +91,8 @@ static bool crosses_sheet(walk *w, meeting *at)
         /* v is lost in its rounding, but on the surface it is phi */
         double dp, rho = at->p.x * at->p.x + at->p.y * at->p.y;
         polynomial(w->s->terms, w->s->a, rho, &dp);
-        double inverse = -w->s->c / sqrt(fmax(1 - w->s->ck * w->s->c * rho, DBL_MIN)) - 2 * dp;
+        at->v = sqrt(fmax(1 - w->s->ck * w->s->c * rho, DBL_MIN));
+        double inverse = -w->s->c / at->v - 2 * dp;
         at->n = (sgt_vec3){at->p.x * inverse, at->p.y * inverse, 1};
         return true;
     }

@@ -246,8 +246,11 @@ static careful_root refined(double c, double k, careful_root r, const local *q, 
     double v_err;
     if (!sgt_form_settle(&s, ray, r.at.t / q->scale, r.at.t_lo / q->scale, &again.at, &v_err, w)) return r;
     if (!(again.at.t_err < r.at.t_err && fabs(again.at.t - r.at.t) <= r.at.t_err + again.at.t_err)) return r;
-    again.ends = counts(&again.at, ray, HUGE_VAL, q->scale);
-    again.counts = counts(&again.at, ray, rim2, q->scale);
+    /* v in one double may be lost in its rounding, at the equator, and with it the rule of the start */
+    meeting judged = again.at;
+    judged.v = r.at.v, judged.slope = r.at.slope, judged.n = r.at.n;
+    again.ends = counts(&judged, ray, HUGE_VAL, q->scale);
+    again.counts = counts(&judged, ray, rim2, q->scale);
     return again;
 }
 

@@ -166,12 +166,14 @@ SGT_INLINE bool sharp(const meeting *h, double t_tol)
 
 /* Inside the rim, in (tmin, tmax], and not the start itself: farther from tmin than 16 ulps in each
  * coordinate of the root can put it.  The sum of |p_i F_i| and |grad F . d| share the factor 1/v, which
- * drops out (of a v that is negative, and so no certain one, the ends alone count); at the vertex both are 0.  rim2 is infinite where there is none. */
+ * drops out; at the vertex both are 0.  Of a v that is negative, and so no certain one, and of one so near 0 that n is
+ * infinite, the ends alone count.  rim2 is infinite where there is none. */
 SGT_INLINE bool counts(const meeting *h, const sgt_ray *ray, double rim2, double scale)
 {
     double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z));
+    bool lost = !(fabs(h->n.x) + fabs(h->n.y) < HUGE_VAL);
     double room = h->t - ray->tmin - h->t_err - 8 * SGT_U * fabs(h->t);
-    bool started = ray->tmin == -HUGE_VAL || (room > 0 && (room * (h->slope / scale) > START_ULPS * terms || terms == 0));
+    bool started = ray->tmin == -HUGE_VAL || (room > 0 && (room * (h->slope / scale) > START_ULPS * terms || terms == 0 || lost));
     bool inside = !(h->p.x * h->p.x + h->p.y * h->p.y > rim2);
     return started && h->t <= ray->tmax && inside;
 }
