@@ -140,7 +140,7 @@ static void close_node(builder *b)
 static const char *take_event(builder *b, const yaml_event_t *e)
 {
     const yaml_char_t *anchor = NULL;
-    node *n;
+    node *n = NULL;
     switch (e->type) {
     case YAML_SCALAR_EVENT:
         n = node_at(b, e->start_mark, NODE_SCALAR);
