@@ -8,7 +8,7 @@
 //
 //   a quotient above 1      is a wrong answer;
 //   one above its limit     is a bound that has become smaller, or an error that has become greater.  The limits are those of
-//                           climb_limits.h: what longer climbs from several seeds have found, and a third more.  Who changes
+//                           climb_limits.h: what longer climbs from several seeds have found, and six tenths more.  Who changes
 //                           an error analysis on purpose writes them anew (--limits), and says why.
 //
 // The rounding of the answer itself to double is in every bound, is half an ulp, and is reached: it would hide the rest.  So
@@ -35,12 +35,13 @@ using oracle::quad;
 enum way { plain, tolerant, proven, ways };         // to rounding; to a t_tol; under proof
 enum angle { steep, slanting, grazing, angles };    // between ray and surface: its sine above 1/2, above 1/20, below
 enum zone { inner, middle, outer, zones };          // of the aperture: a third, nine tenths, beyond
+enum degree { low, medium, high, degrees };         // of a term that is alone: up to 2, up to 6, beyond
 enum cell {
     of_t,
     of_p = of_t + int(ways) * int(angles),
     of_f = of_p + int(ways) * int(angles),
-    of_g = of_f + 2 * int(zones),                   // 2: several terms, one alone
-    of_slope = of_g + 2,
+    of_g = of_f + (1 + int(degrees)) * int(zones),  // several terms; one alone of each degree
+    of_slope = of_g + 2,                            // 2: several terms, one alone
     of_rim = of_slope + 2,                          // p_err over the distance of p from the rim, of a hit under proof
     cells
 };
@@ -50,7 +51,7 @@ struct name_of_cell {
     explicit name_of_cell(int c)
     {
         static const char *const way_names[] = {"to rounding", "to t_tol", "proven"}, *const angle_names[] = {"steep", "slanting", "grazing"}, *const zone_names[] = {"inner", "middle", "outer"};
-        static const char *const parts[] = {"", ", one term"};
+        static const char *const parts[] = {"", ", one term", ", one term of degree 3 to 6", ", one term of a high degree"};
         if (c < of_p) std::snprintf(text, sizeof text, "t %s, %s", way_names[c / int(angles)], angle_names[c % int(angles)]);
         else if (c < of_f) std::snprintf(text, sizeof text, "p %s, %s", way_names[(c - of_p) / int(angles)], angle_names[(c - of_p) % int(angles)]);
         else if (c < of_g) std::snprintf(text, sizeof text, "F %s%s", zone_names[(c - of_f) % int(zones)], parts[(c - of_f) / int(zones)]);
@@ -68,6 +69,7 @@ struct subject {
     double t_tol = 0, size = 1;  // a length of the surface
     double rim = 0;              // 0: none
     bool alone = false;          // one term
+    degree of_it = low;          // and its degree
     virtual ~subject() {}
     virtual void draw(generator &g) = 0;
     virtual sgt_surface surface() const = 0;
@@ -165,7 +167,7 @@ inline double of_value(const subject &s, table *to)
     const quad exact = s.value(s.p.x, s.p.y, s.p.z);
     if (!(exact == exact) || f != f || !(bound > 0 && bound < HUGE_VAL)) return -1;
     const double r = std::sqrt(s.p.x * s.p.x + s.p.y * s.p.y) / s.size, quotient = magnitude(quad(f) - exact) / bound;
-    const int c = of_f + (s.alone ? int(zones) : 0) + (r < 0.3333 ? inner : r < 0.9 ? middle : outer);
+    const int c = of_f + (s.alone ? (1 + int(s.of_it)) * int(zones) : 0) + (r < 0.3333 ? inner : r < 0.9 ? middle : outer);
     to->take(c, quotient, s);
     if (!(bound > 8 * 0x1p-53 * std::fabs(f))) return -1;
     to->pin(c, quotient);
@@ -261,7 +263,7 @@ inline void print(const table &t, bool limits, bool markdown)
 {
     if (limits) {
         std::printf("    {\"%s\", {", t.type.c_str());
-        for (int c = 0; c < int(cells); c++) std::printf("%s%.3g", c ? ", " : "", c == int(of_rim) || t.found[c] == 0 ? 1 : 1.3 * t.found[c] + 0.02);
+        for (int c = 0; c < int(cells); c++) std::printf("%s%.3g", c ? ", " : "", c == int(of_rim) || t.found[c] == 0 ? 1 : 1.6 * t.found[c] + 0.02);
         std::printf("}},\n");
     } else if (markdown)
         std::printf("| %s | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f |\n", t.type.c_str(), most(t, of_t, of_t + int(angles)), most(t, of_t + int(angles) * int(proven), of_p), most(t, of_p, of_f), most(t, of_f, of_g),
