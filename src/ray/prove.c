@@ -274,6 +274,12 @@ static bool outside(const proof *w, sgt_interval t)
     return sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)).lo > w->rim2;
 }
 
+/* Neither the point nor the gradient has overflown. */
+static bool in_range(const place *at)
+{
+    return larger(fabs(at->n.x), larger(fabs(at->n.y), fabs(at->n.z))) < HUGE_VAL && at->h.p_err < HUGE_VAL;
+}
+
 /* The undecided stretch, if there is one, ends. */
 static void flush(proof *w)
 {
@@ -306,7 +312,7 @@ static void flush(proof *w)
             if (whole && here.h.t < w->ray->tmin) here.h.t = w->ray->tmin, here.h.t_lo = 0;
             double at_t = here.h.t;
             bool inside = here.r2 <= w->rim2 && at_t >= about.lo && at_t <= about.hi;
-            if (!w->told.stopped && inside && fabs(at_t) < HUGE_VAL && here.h.t_err + here.h.p_err < HUGE_VAL) {
+            if (!w->told.stopped && inside && fabs(at_t) < HUGE_VAL && here.h.t_err < HUGE_VAL && in_range(&here)) {
                 add(w, SGT_GRAZE, &here, at, about);
                 return;
             }
@@ -383,13 +389,12 @@ static bool take(proof *w, const certain *c)
     if (w->told.stopped) return true;
     w->last = root;
     sgt_interval about = sgt_about(at.h.t, at.h.t_err);
-    bool in_range = larger(fabs(at.n.x), larger(fabs(at.n.y), fabs(at.n.z))) < HUGE_VAL && at.h.p_err < HUGE_VAL;
     /* in computed numbers, as long as they say how far the start reaches; where rounding hides that, by what is certain */
     double reach = root.hi - (w->tmin.lo + at.h.t_err + 8 * SGT_U * fabs(w->t0 + t));
     bool hidden = w->ray->tmin > -HUGE_VAL && !(at.most <= 4 * at.least) && !(reach <= at.least) && !(root.lo - w->tmin.hi > 2 * at.h.t_err + at.most + 16 * SGT_U * fabs(w->t0 + t));
     if (w->told.opt->proof && w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* on the rim */
     else if (hidden && !(w->t0 + root.lo > w->ray->tmax)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
-    else if (at.h.counts && at.exact && in_range && alone_as_told(w, &at, only)) add(w, SGT_HIT, &at, root, about);
+    else if (at.h.counts && at.exact && in_range(&at) && alone_as_told(w, &at, only)) add(w, SGT_HIT, &at, root, about);
     else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width)) stretch(w, SGT_UNPROVEN, root.lo, root.hi);
     return true;
 }

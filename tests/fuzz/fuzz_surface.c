@@ -665,8 +665,8 @@ static void check_list(const subject *s, const sgt_ray *ray, const sgt_hit *firs
         if (i > 0 && (all[i].status == SGT_EXHAUSTED || all[i].status == SGT_STOPPED))
             HOLDS(i + 1 == count && all[i].lo >= all[i - 1].t, &all[i], "what is left of the ray begins before %a, or is not the last of %d", all[i - 1].t, count);
         if (i > 0) HOLDS(all[i].t >= all[i - 1].t || all[i].status < 0 || all[i - 1].status < 0, &all[i], "entry %d comes before the one before, at %a", i, all[i - 1].t);
-        if (certain) check_absence(s, ray, &all[i], from, all[i].t - all[i].t_err, "a list has nothing before this");
-        from = all[i].t + all[i].t_err;
+        if (certain) check_absence(s, ray, &all[i], from, all[i].lo, "a list has nothing before this");
+        from = fmax(all[i].hi, from); /* t + t_err as a double may be t */
     }
     if (!certain) return;
     if (count == kept && !(count > 0 && (all[count - 1].status == SGT_EXHAUSTED || all[count - 1].status == SGT_STOPPED)))
@@ -705,7 +705,7 @@ static sgt_hit check_ray(const subject *s, const sgt_ray *ray, sgt_options opt, 
     bool certain = s->kind == OWN && !(opt.dt_min > 0 && s->row->ops->estimate);
     if (certain && hit.status == SGT_MISS) check_absence(s, ray, &hit, behind_start(&r, 0), r.tmax, "a miss");
     if (certain && hit.status == SGT_HIT && opt.pick != SGT_NEAR_SEED)
-        check_absence(s, ray, &hit, behind_start(&r, hit.t), hit.t - hit.t_err, "it is the first");
+        check_absence(s, ray, &hit, behind_start(&r, hit.t), hit.lo, "it is the first");
     check_watcher(s, ray, &hit, opt, how & 1 ? (int)(how >> 1 & 15) : 0);
     check_list(s, ray, &hit, &opt, (int)(how >> 5 & 3));
     if (certain) {
