@@ -33,7 +33,18 @@ typedef enum sgt_fate {
 
 SGT_API const char *sgt_fate_text(sgt_fate fate);  /* "passed", "clipped", "tir", ... */
 
-/* An element as a ray met it: all in the element's own frame. */
+/* An element as a ray met it: all in the element's own frame.
+ *
+ * Which ray t_err speaks of.  For the first element it is the launch ray as given, with a
+ * direction of any length.  For the others it starts at hit.p of the passage before, along
+ * that passage's direction: these very doubles, taken from frame to frame by the axes and
+ * origins as stored.  The surface is shown that ray as rounded into its frame; what the
+ * rounding does to the root is in t_err, lo, hi and p_err.  Where the ray nearly touches,
+ * |n . d| < 2^-22 |n|, it is there only in part: the given ray may as well have two roots
+ * near by, or none.  status, fate and what a proof says are of the rounded ray, and t_err of
+ * a graze too is as good as its first order.
+ * Axes that are of unit length but for rounding change lengths by 2^-51: t counts those of the
+ * launch ray at the first element, and those of the element's frame behind it. */
 typedef struct sgt_passage {
     sgt_hit  hit;        /* hit.t in lengths (the direction in front is of unit length) */
     sgt_vec3 direction;  /* behind the surface, of unit length; zero unless passed */

@@ -35,7 +35,7 @@ SGT_INLINE bool make_unit(sgt_vec3 *d)
 SGT_INLINE bool launch(const sgt_ray *ray, const sgt_element *first, double index, state *at)
 {
     const sgt_pose nowhere = {.origin = ray->o}, *pose = first ? &first->pose : &nowhere;
-    *at = (state){.base = pose->origin, .index = index == 0 ? 1 : index};
+    *at = (state){.base = pose->origin, .first = true, .index = index == 0 ? 1 : index};
     if (!is_finite(ray->o) || !is_finite(ray->d) || !(largest(ray->d) >= DBL_MIN)) return false;
     launched l = launch_from(ray->o, ray->d, pose->origin, is_turned(pose));
     sgt_vec3 q = minus(ray->o, pose->origin);
@@ -60,16 +60,37 @@ static int watch_shifted(void *data, const sgt_step *step)
     return s->watch(s->data, &own);
 }
 
-/* The same for the answer. */
-static void shift_hit(sgt_hit *hit, double t0)
+/* The errors are made those of the ray as given. */
+SGT_INLINE void widen(sgt_hit *hit, const state *at, const sgt_pose *pose, bool turned, const sgt_ray *ray)
 {
-    hit_place h = from_launch(t0, (hit_place){hit->t, hit->t_lo, hit->t_err});
-    hit->t = h.t, hit->t_lo = h.t_lo, hit->t_err = h.t_err;
-    hit->lo += t0, hit->hi += t0;
+    sgt_vec3 base = at->base, origin = pose->origin, from = at->offset, o = ray->o, d = ray->d, n = hit->n;
+    bool before = at->turned;
+    widening by;
+    if (at->first) {
+        aside a = aside_of(base, origin, turned, true, false);
+        by = widening_by(a, true, turned, was_moved(at->t0) ? 1 : 0, from, o, d, n, hit->t);
+    } else if (turned || before) {
+        by = widening_by(aside_of(base, origin, turned, false, before), false, true, 1, from, o, d, n, hit->t);
+    } else {
+        by = widening_by(aside_of(base, origin, false, false, false), false, false, 1, from, o, d, n, hit->t);
+    }
+    hit->t_err += by.t, hit->p_err += by.p;
+}
+
+/* The answer on the ray in the element's frame is made that on the ray as given; its errors if they are told. */
+SGT_INLINE void tell_of_given(sgt_hit *hit, const state *at, const sgt_pose *pose, bool turned, const sgt_ray *ray,
+                              bool told)
+{
+    if (told) widen(hit, at, pose, turned, ray);
+    if (at->t0 != 0) {
+        hit_place h = from_launch(at->t0, (hit_place){hit->t, hit->t_lo, hit->t_err});
+        hit->t = h.t, hit->t_lo = h.t_lo, hit->t_err = h.t_err;
+        hit->lo += at->t0, hit->hi += at->t0;
+    }
     if (hit->status <= 0) return;
     sgt_interval about = sgt_about(hit->t, hit->t_err);
-    hit->lo = fmin(hit->lo, about.lo);
-    hit->hi = fmax(hit->hi, about.hi);
+    if (about.lo < hit->lo) hit->lo = about.lo;
+    if (about.hi > hit->hi) hit->hi = about.hi;
 }
 
 /* ------------------------------------------------------------------ meeting */
@@ -143,7 +164,9 @@ sgt_passage sgt_not_met(sgt_status why)
     };
 }
 
-SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met, sgt_passage *passage)
+/* told: the caller wants the passage. */
+SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met, bool told,
+                         sgt_passage *passage)
 {
     bool mirror = e->index == SGT_MIRROR, turned = is_turned(&e->pose), inside;
     double n1 = at->index, n2 = index_behind(e, n1);
@@ -165,7 +188,7 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
     choose(e->surface, ray, aperture2_of(e->semi_diameter), &own, &hit, &inside);
     own.proof = opt->proof;
     if (inside && only) sgt_prove_alone(e->surface, &ray, aperture2_of(e->semi_diameter), &own, &hit);
-    if (at->t0 != 0) shift_hit(&hit, at->t0);
+    if (!met) tell_of_given(&hit, at, &e->pose, turned, &ray, told); /* else the batch has */
     passage->hit = hit;
     if (hit.status == SGT_MISS) return SGT_MISSED;
     if (hit.status < 0) return SGT_LOST;
@@ -189,7 +212,7 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
     }
     at->base = e->pose.origin;
     at->offset = turned ? to_global(&e->pose, hit.p) : hit.p;
-    at->t0 = 0;
+    at->t0 = 0, at->first = false, at->turned = turned;
     at->index = n2;
     at->path = path;
     return SGT_PASSED;
@@ -198,7 +221,7 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
 SGT_CLONES
 sgt_fate sgt_pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met, sgt_passage *passage)
 {
-    return pass(e, at, opt, met, passage);
+    return pass(e, at, opt, met, true, passage);
 }
 
 SGT_CLONES
@@ -218,7 +241,7 @@ size_t sgt_trace(size_t n, const sgt_element e[], double index_before, sgt_ray *
     }
     while (last == SGT_PASSED && passed < n) {
         sgt_passage passage;
-        last = pass(&e[passed], &at, &options, NULL, &passage);
+        last = pass(&e[passed], &at, &options, NULL, passages != NULL, &passage);
         if (passages) passages[passed] = passage;
         if (last != SGT_PASSED) break;
         passed++;

@@ -40,7 +40,29 @@
  * One root and one quotient a ray: n is never normalised.  One Newton step brings d' to unit length within
  * 2^-52; where it began farther off than 2^-25 the indices are too unlike for doubles, and the ray is lost.
  * A direction that is of unit length to 2^-50 is left as it is by a change of frame, to the bit, and so is
- * one that passes between equal indices. */
+ * one that passes between equal indices.
+ *
+ * t_err AND p_err ARE THOSE OF THE RAY AS GIVEN, not of the ray that the surface is shown.  The given ray is
+ * the launch ray, or the doubles of the passage before: p, direction.  Rounding puts the shown ray aside.  At the
+ * root, points of the two with the same t are at most e apart.  Then the roots differ, to first order, by
+ *
+ *     |n . e| / |n . d|,
+ *
+ * n the gradient.  The parts of e follow; u = 2^-53, and |.| is the sum of the absolute components:
+ *     u |o_i| in each coordinate      a sum, base - origin and the offset; or a launch moved to its foot;
+ *     what base - origin has lost     exact, the same for all rays;
+ *     3 u |offset|, 3 u |o|           a product with the axes of the element before, or of this one: each of its
+ *                                     three roundings is at most u times a vector no longer than this;
+ *     (3 + 1) u |t| for each of them  the same for the direction, and making it of unit length;
+ *     2 u |d_i t| in each coordinate  making the direction of a launch: a product, a correction;
+ *     4 u |t| at a launch that turns  lengths along the axes are off by 2^-51.
+ * A launch ray that needs none of it is shown as it is.  Besides, t counts lengths: if |d|^2 - 1 = x, t is off by
+ * |t x| / 2.  x is worked out from -1 on, and off by u times each sum on the way.
+ *
+ * The second order is the first one squared, times the curvature over the cosine of incidence.  A sixteenth is
+ * added for it.  That is enough down to |n . d| = 2^-22 |n|, where radii of curvature are an eighth of |o| + |t|
+ * or more.  Below, 2^-22 |n| is taken for n . d: there the given ray may as well miss the surface, or meet it
+ * twice. */
 #ifndef SGT_SYSTEM_TRACE_H
 #define SGT_SYSTEM_TRACE_H
 #include "../surface/conic.h"
@@ -95,7 +117,8 @@ SGT_INLINE bool stays(sgt_vec3 o, sgt_vec3 d, sgt_vec3 origin, bool turned)
     return lost == 0 && fabs(excess(d)) <= (turned ? -1 : UNIT);
 }
 
-/* A ray before its first element: seen from there, of unit length, t0 behind its launch (as a length). */
+/* A ray before its first element: seen from there, of unit length, t0 behind its launch (as a length).  t0 is -0
+ * only where the ray was left as it is (stays); a foot at the launch itself has +0. */
 typedef struct launched { sgt_vec3 offset, d; double t0; } launched;
 
 SGT_INLINE launched launch_from(sgt_vec3 o, sgt_vec3 d, sgt_vec3 origin, bool turned)
@@ -110,7 +133,7 @@ SGT_INLINE launched launch_from(sgt_vec3 o, sgt_vec3 d, sgt_vec3 origin, bool tu
     q = plus(q, (sgt_vec3){0, 0, 0}); /* no -0 */
     return (launched){.offset = {stay ? q.x : foot.x, stay ? q.y : foot.y, stay ? q.z : foot.z},
                       .d = {near ? kept.x : made.x, near ? kept.y : made.y, near ? kept.z : made.z},
-                      .t0 = stay ? 0 : t0 * length};
+                      .t0 = stay ? -0.0 : t0 * length + 0.0};
 }
 
 /* A hit seen from the launch; NaN stays NaN.  t_err takes over what t as one double cannot hold, and the rounding
@@ -146,6 +169,52 @@ SGT_INLINE double tolerance(double semi_diameter, sgt_vec3 o)
 {
     double far = largest(o);
     return 0x1p-48 * (far < semi_diameter ? far : semi_diameter);
+}
+
+/* ------------------------------------------------------------- the ray as given */
+
+/* By how much an element's frame puts a ray aside: the factors of e in the head of this file. */
+typedef struct aside { double own, made, offset, o, way; sgt_vec3 lost; } aside;
+
+/* turned: the element's frame; turned_before: that of the element before. */
+SGT_INLINE aside aside_of(sgt_vec3 base, sgt_vec3 origin, bool turned, bool first, bool turned_before)
+{
+    const double u = SGT_U * (1 + 0x1p-4);
+    aside a = {.own = u, .made = first ? 2 * u : 0};
+    a.offset = turned_before ? 3 * u : 0, a.o = turned ? 3 * u : 0;
+    a.way = (turned ? first ? 8 * u : 4 * u : 0) + (turned_before ? 4 * u : 0);
+    if (first) return a; /* base is the origin */
+    a.lost.x = fabs(two_sum(base.x, -origin.x).lo);
+    a.lost.y = fabs(two_sum(base.y, -origin.y).lo);
+    a.lost.z = fabs(two_sum(base.z, -origin.z).lo);
+    return a;
+}
+
+SGT_INLINE bool was_moved(double t0) { return copysign(1, t0) > 0 || t0 < 0; }
+SGT_INLINE double absolute(sgt_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
+SGT_INLINE double bounded(double a) { return a > 0x1p900 ? 0x1p900 : a < -0x1p900 ? -0x1p900 : a; }
+
+/* What is added to t_err and p_err for it.  o, d, n, t: in the element's frame; turns: one of the two frames does;
+ * moved: 0 at a launch ray that stays, else 1. */
+typedef struct widening { double t, p; } widening;
+
+SGT_INLINE widening widening_by(aside a, bool first, bool turns, double moved, sgt_vec3 offset, sgt_vec3 o, sgt_vec3 d,
+                                sgt_vec3 n, double t)
+{
+    double own = a.own * moved, made = a.made * moved * fabs(t), anywhere = 0;
+    sgt_vec3 e = {own * fabs(o.x), own * fabs(o.y), own * fabs(o.z)};
+    if (first) e = plus(e, (sgt_vec3){made * fabs(d.x), made * fabs(d.y), made * fabs(d.z)});
+    else e = plus(e, a.lost);
+    if (turns) anywhere = a.o * absolute(o) + a.way * fabs(t) + (first ? 0 : a.offset * absolute(offset));
+    sgt_vec3 normal = {bounded(n.x), bounded(n.y), bounded(n.z)}; /* one may be infinite */
+    sgt_vec3 size = {fabs(normal.x), fabs(normal.y), fabs(normal.z)};
+    double all = size.x + size.y + size.z, slope = larger(fabs(dot(normal, d)), 0x1p-22 * all);
+    double slip = (dot(e, size) + anywhere * all) / slope;
+    double z = fma(d.z, d.z, -1), yz = fma(d.y, d.y, z), xyz = fma(d.x, d.x, yz); /* excess */
+    double longer = 0.5 * (fabs(xyz) + SGT_U * (fabs(z) + fabs(yz) + fabs(xyz))) * fabs(t);
+    double more = (slip + longer) * (1 + 8 * SGT_U);
+    double apart = (absolute(e) + anywhere + slip) * (1 + 8 * SGT_U);
+    return (widening){more > 0 ? more : 0, apart > 0 ? apart : 0}; /* NaN: no normal */
 }
 
 /* --------------------------------------------------------- aperture and path */
@@ -231,7 +300,8 @@ SGT_INLINE double where_good(bent b, double if_so)
 /* At base + offset, in global axes, t0 behind its launch. */
 typedef struct state {
     sgt_vec3 base, offset, d;
-    double t0;       /* of the first element only: how far the launch point was moved */
+    double t0;       /* of the first element only: how far the launch point was moved; -0: not */
+    bool first, turned; /* before the first element; the element just passed has turned axes */
     double index;    /* of the medium it is in */
     twofold path;    /* index * length so far */
 } state;

@@ -205,6 +205,36 @@ static double return_all(size_t n, const sgt_pose *pose, bool d_too, const vecto
     return count;
 }
 
+/* The errors of the hits are made those of the rays as given, in place.  t0 NULL: no launch was moved.  One of t_err
+ * and p_err may hold nothing: what was not asked for. */
+SGT_INLINE void widen_by(size_t n, aside a, bool first, bool turns, const double *restrict t0,
+                         const vectors *restrict offset, const vectors *o, const vectors *d,
+                         const vectors *restrict normal, const double *restrict t, double *restrict t_err,
+                         double *restrict p_err)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double moved = first ? 0 : 1;
+        if (first && t0) moved = was_moved(t0[i]) ? 1 : 0;
+        sgt_vec3 from = get(offset, i), at = get(o, i), way = get(d, i), gradient = get(normal, i);
+        widening by = widening_by(a, first, turns, moved, from, at, way, gradient, t[i]);
+        t_err[i] += by.t;
+        p_err[i] += by.p;
+    }
+}
+
+SGT_CLONES_WIDE APART
+static void widen_all(size_t n, aside a, bool first, bool turns, const double *t0, const vectors *offset,
+                      const vectors *o, const vectors *d, const vectors *normal, const double *t, double *t_err,
+                      double *p_err)
+{
+    if (first && turns) widen_by(n, a, true, true, t0, offset, o, d, normal, t, t_err, p_err);
+    else if (first && t0) widen_by(n, a, true, false, t0, offset, o, d, normal, t, t_err, p_err);
+    else if (first) widen_by(n, a, true, false, NULL, offset, o, d, normal, t, t_err, p_err);
+    else if (turns) widen_by(n, a, false, true, NULL, offset, o, d, normal, t, t_err, p_err);
+    else widen_by(n, a, false, false, NULL, offset, o, d, normal, t, t_err, p_err);
+}
+
 /* The hits of moved launches, in place. */
 SGT_CLONES_WIDE APART
 static void shift_all(size_t n, const double *restrict t0, double *restrict t, double *restrict t_lo, double *restrict t_err)
@@ -431,7 +461,8 @@ APART static void pass_rest(const work *job, tile *w, size_t j, const bending *b
             if (told && w->status[i] <= 0) tell_number(told->opl, r, (double)NAN);
         } else {
             state s = {.base = w->base, .offset = offset, .d = d, .index = w->medium, .path = path};
-            if (what == ASK_ANEW && j == 0 && w->moved) s.t0 = w->t0[i]; /* where it has been met t is shifted already */
+            s.first = j == 0, s.turned = j > 0 && is_turned(&job->e[j - 1].pose);
+            if (what == ASK_ANEW && j == 0) s.t0 = w->moved ? w->t0[i] : -0.0; /* else t is shifted already */
             sgt_passage passage;
             sgt_hit hit;
             if (what == ASK) hit = hit_of(w, i, asked);
@@ -468,10 +499,12 @@ static double pass_most(const work *job, tile *w, size_t j, bending by, sgt_hits
     *asked = (sgt_hits){.status = w->status, .p = {w->p->x, w->p->y, w->p->z}};
     if (by.kind != STRAIGHT || h->n[0]) asked->n[0] = w->n_.x, asked->n[1] = w->n_.y, asked->n[2] = w->n_.z;
     bool shifted = j == 0 && w->moved && (job->path || h->t || h->t_lo || h->t_err);
-    if (job->path || h->t || shifted) asked->t = w->t;
+    bool widened = h->t_err || h->p_err;
+    if (job->path || h->t || shifted || widened) asked->t = w->t;
     if (job->path || h->t_lo || shifted) asked->t_lo = w->t_lo;
     if (h->t_err || shifted) asked->t_err = w->t_err;
     if (h->p_err) asked->p_err = w->p_err;
+    if (widened) asked->n[0] = w->n_.x, asked->n[1] = w->n_.y, asked->n[2] = w->n_.z;
     if (h->evals) asked->evals = w->evals;
     sgt_tile rays = {.n = w->n, .t_tol = w->t_tol, .hits = *asked,
                      .rays = {.o = {w->o->x, w->o->y, w->o->z}, .d = {w->d->x, w->d->y, w->d->z},
@@ -481,6 +514,12 @@ static double pass_most(const work *job, tile *w, size_t j, bending by, sgt_hits
     if (met && asks_alone(&job->opt) && hide_others(e, &rays, aperture2_of(e->semi_diameter), w->p)) met = 0;
     for (size_t i = 0; met < w->n && i < w->n; i++)
         if (w->status[i] <= 0) w->p->x[i] = (double)NAN; /* as it is; the loops go by that */
+    if (widened) {
+        bool before = j > 0 && is_turned(&job->e[j - 1].pose);
+        aside a = aside_of(w->base, e->pose.origin, turned, j == 0, before);
+        widen_all(w->n, a, j == 0, turned || before, w->moved ? w->t0 : NULL, w->now.offset, w->o, w->d, &w->n_, w->t,
+                  w->t_err, w->p_err);
+    }
     if (shifted) shift_all(w->n, w->t0, w->t, w->t_lo, w->t_err);
 
     for (size_t i = 0; h->status && i < w->n; i++) h->status[w->first + (size_t)w->index[i]] = w->status[i];

@@ -75,6 +75,32 @@ static void test_against_product(void **state)
     REQUIRE(worst_square <= 0x1p-50L, "axes are %.2Lf times 2^-53 from orthonormal", worst_square * 0x1p53L);
 }
 
+/* About one axis the components are a cosine or a sine, within an ulp.  If pi/180 is a double, a sine is off by up to 1.45
+ * ulps; the products of test_against_product hide that. */
+static void test_one_turn(void **state)
+{
+    (void)state;
+    generator g = seeded("one turn");
+    long double worst = 0;
+    for (long i = 0, n = scaled(100000); i < n; i++) {
+        int axis = below(&g, 3);
+        double size = chance(&g, 0.2) ? log_uniform(&g, 1e-300, 1) : chance(&g, 0.2) ? 1e4 : 45, angle = uniform(&g, -size, size);
+        sgt_vec3 degrees = {axis == 0 ? angle : 0, axis == 1 ? angle : 0, axis == 2 ? angle : 0};
+        sgt_pose pose = sgt_pose_tilted((sgt_vec3){0}, degrees);
+        int quarters;
+        long double rest = remquol(angle, 90, &quarters); /* or a cosine near a quarter had lost what counts */
+        matrix got = matrix_of(&pose), want = turn_degrees(axis, (double)rest);
+        for (int j = quarters & 3; j > 0; j--) want = product(turn(axis, 0, 1), want);
+        for (int j = 0; j < 3; j++)
+            for (int k = 0; k < 3; k++) {
+                long double x = want.a[j][k], ulp = x == 0 ? 1 : ldexpl(1, ilogbl(x) - 52), off = fabsl(got.a[j][k] - x) / ulp;
+                worst = fmaxl(worst, off);
+                REQUIRE(off <= 1.1L, "%.17g degrees about axis %d: %.17Lg, %.17Lg wanted, %.2Lf ulps off", angle, axis, got.a[j][k], x, off);
+            }
+    }
+    print_message("cosines and sines within %.3Lf ulps\n", worst);
+}
+
 static void test_quarters_exact(void **state)
 {
     (void)state;
@@ -128,7 +154,7 @@ static void test_not_finite(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_product), cmocka_unit_test(test_quarters_exact), cmocka_unit_test(test_sense),
+        cmocka_unit_test(test_against_product), cmocka_unit_test(test_one_turn), cmocka_unit_test(test_quarters_exact), cmocka_unit_test(test_sense),
         cmocka_unit_test(test_whole_turns),     cmocka_unit_test(test_not_finite),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
