@@ -140,7 +140,7 @@ typedef struct sgt_surface { const sgt_surface_ops *ops; const void *self; } sgt
 
 /* Positive: met, at hit.t.  Zero: certainly not met.  Negative: undecided. */
 typedef enum sgt_status {
-    SGT_HIT       =  1,  /* F changes sign at t */
+    SGT_HIT       =  1,  /* F changes sign at t: through zero, or in a jump, but not at a pole */
     SGT_GRAZE     =  2,  /* |F| is within its rounding all over [lo, hi] and no change of sign
                             is certain: the ray touches there as far as can be told
                             (or lies in the plane: then t is where it starts, or enters the rim) */
@@ -305,9 +305,10 @@ SGT_API size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_h
  * The ray enters where n . d < 0 (F falls) and leaves where n . d > 0; a graze is one
  * entry.  A stretch of the ray that could not be decided is an entry of negative status,
  * in its place in the order, with t +- t_err, that is [lo, hi], covering it; p, n and f
- * are then NaN.  max_evals is spent on each root anew; where it runs out, or where the
- * watcher stops the search, what is left of the ray is the last entry, EXHAUSTED or
- * STOPPED.  Outside what is reported there is no root, where sgt_intersect would be certain
+ * are then NaN.  max_evals is spent on each root anew, and all roots together may spend
+ * 1024 times as much (2^30 at most).  Where it runs out, or where the watcher stops the
+ * search, what is left of the ray is the last entry, EXHAUSTED or STOPPED.
+ * Outside what is reported there is no root, where sgt_intersect would be certain
  * of it.  A march that is not certain tells the roots it sees, and not what it may have
  * passed by between and behind them; one that sees none reports the whole stretch as
  * UNPROVEN. */

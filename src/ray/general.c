@@ -143,6 +143,7 @@ static bool first_of_several(walk *w)
     approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed, w->s.ops->enclose || w->s.ops->clearance ? 0x1p-50 : 0, true);
     if (a.passes) return true;
     w->q = a.q;
+    w->lo = a.lo, w->hi = a.hi;
     w->t_tol = w->told.opt->t_tol / a.q.scale;
     return a.known && quickly(w, &a, true);
 }
@@ -162,6 +163,7 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
     if (a.passes) return 0;
     double lo = a.lo, hi = a.hi;
     w.q = a.q;
+    w.lo = lo, w.hi = hi;
     w.t_tol = opt->t_tol / a.q.scale;
     w.from_tmin = a.from_tmin;
     if (!a.known) {

@@ -605,14 +605,15 @@ static double probe_sides(lanes *a, size_t n)
     return more;
 }
 
-/* What the signs say; how many are to be asked again. */
+/* What the signs say (to the right of a pole F has not the sign of the slope); how many are to be asked again. */
 SGT_CLONES_WIDE
 static double probe_end(lanes *a, size_t n, double doubtful)
 {
     double more = 0;
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
-        double both = a->end[i] * a->beside[i], state = both < 0 ? (double)ROOT : (double)SGT_HARD;
+        double both = a->end[i] * a->beside[i], slope = a->fx[i] * a->l[i] + a->fy[i] * a->m[i] + a->fz[i] * a->n[i];
+        double rises = slope * a->beside[i], root = rises > 0 ? (double)ROOT : (double)SGT_HARD, state = both < 0 ? root : (double)SGT_HARD;
         state = both == 0 ? doubtful : state;
         more += state == READY ? 1.0 : 0.0;
         a->evals[i] += 2;

@@ -5,8 +5,12 @@
  *
  * A root is looked for in the quick form first (quick.h, which says what it claims), then by solve/root.c.
  *
- * A change of sign through a pole is no root: |F| at the end of the search is greater than where it
- * began, and at the ends of the bracket, and it is passed by. */
+ * A POLE IS NO ROOT.  F changes sign at a pole of odd order as it does at a root, but at a root |F| falls as the bracket
+ * shrinks, at a jump it stays, and at a pole it grows.  Rounding does not hide that: it grows as fast as |F| there, so
+ * that the bounds on it say nothing.  The quick form sees it by the slope: to the right of a root F has the sign of the
+ * slope, to the right of a pole the other.  In the careful path, where slopes are not trusted, a root whose |F| is not
+ * the least of its search is looked at from 16, 256, 4096 ... times its error: where |F| falls outward on both sides it
+ * is a pole, and skipped.  A jump is a change of sign, and a hit. */
 #include "walk.h"
 
 static double own_rounding(const walk *w, sgt_vec3 p, double f)
@@ -43,17 +47,16 @@ point sgt_walk_look(walk *w, double tau, sgt_move move, double lo, double hi) { 
 bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at, double *tau_err, double *past)
 {
     double f_tol = w->told.opt->f_tol;
-    w->first = first;
     for (int i = 1;; i++) {
         *at = sgt_walk_glance(w, tau, i > 1 ? SGT_NEWTON : SGT_SEED, lo, hi, last);
         if (w->told.stopped) return false;
-        if (w->first < 0) w->first = fabs(at->g);
+        if (first < 0) first = fabs(at->g);
         newton s = newton_of(at->g, at->at.slope, at->g_err, tau, last, lo, hi, w->t_tol, f_tol);
         if (s.ready >= 0) break;
         if (!(s.go >= 0) || i == QUICK_STEPS) return false;
         tau -= s.step, last = s.size;
     }
-    if (!(fabs(at->g) <= w->first)) return false;
+    if (!(fabs(at->g) <= first)) return false;
     if (f_tol > 0 && fabs(at->g) <= f_tol) {
         *tau_err = 2 * (fabs(at->g) + at->g_err) / fabs(at->at.slope); /* twice the first order, for the second */
         *past = hi;
@@ -73,7 +76,7 @@ bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, doub
         signs = sign_at(&a) * sign_at(&b);
         *tau_err = larger(at->tau - left, right - at->tau);
         *past = right;
-        if (signs < 0) return true;
+        if (signs < 0) return at->at.slope * sign_at(&b) > 0; /* else a pole */
     }
     return false;
 }
@@ -85,28 +88,49 @@ bool sgt_walk_quick_miss(walk *w, double lo, double hi)
     return !w->told.stopped && sign_at(&a) * sign_at(&b) > 0;
 }
 
-sgt_root sgt_walk_begin(const walk *w, sgt_span span)
+sgt_root sgt_walk_begin(walk *w, sgt_span span)
 {
+    w->lowest = HUGE_VAL;
     return sgt_root_begin(span, &(sgt_options){.t_tol = w->t_tol, .f_tol = w->told.opt->f_tol, .max_evals = w->told.budget});
 }
 
 sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at)
 {
-    w->first = HUGE_VAL;
     while (!over(w)) {
         *at = sgt_walk_look(w, r.t, r.move, r.lo, r.hi);
         if (w->told.stopped) break;
-        if (w->first == HUGE_VAL && fabs(at->g) < HUGE_VAL) w->first = fabs(at->g);
+        if (fabs(at->g) < w->lowest) w->lowest = fabs(at->g);
         r.g_err = at->g_err;
         if (!sgt_root_next(&r, at->g, at->at.slope)) break;
     }
     return r;
 }
 
+/* |F| falls three times outward on both sides of `at`, the end of a search right to tau_err; or the search is over before. */
+static bool is_pole(walk *w, const point *at, double tau_err)
+{
+    double l = fabs(w->q.l), m = fabs(w->q.m), place = l >= 1 ? at->at.ex : m >= 1 ? at->at.ey : at->at.ez; /* one of them is 1 to 2 */
+    double e = larger(tau_err, place * DBL_EPSILON); /* what is nearer may be the same point */
+    bool falls = false;
+    for (int side = -1; side <= 1; side += 2) {
+        double before = fabs(at->g), far = 16 * e;
+        for (int i = 0, times = 0; i < 12 && times < 3; i++, far *= 16) {
+            double tau = at->tau + side * far;
+            if (!(tau >= w->lo && tau <= w->hi)) break;
+            point p = sgt_walk_look(w, tau, SGT_PROBE, at->tau, tau);
+            if (over(w)) return true;
+            if (isnan(p.g)) break;
+            if (fabs(p.g) == before || fabs(p.g) == HUGE_VAL) continue; /* the same point, as rounded */
+            if (!sign_at(&p) || !(1.25 * fabs(p.g) < before)) return false;
+            before = fabs(p.g), falls = true, times++;
+        }
+    }
+    return falls;
+}
+
 /* The root at `at`, if it counts. */
 static bool take(walk *w, sgt_status status, point at, double tau_err)
 {
-    if (!(fabs(at.g) <= w->first + 16 * at.g_err)) return false; /* a pole: it grew */
     if (!(at.g_err < HUGE_VAL && fabs(at.g) < HUGE_VAL)) return false; /* nothing is known there */
     taking h = taking_of(&w->q, at.tau, tau_err, at.p, at.n, at.at, w->ray->tmin, w->ray->tmax, w->rim2);
     w->off = h.off;
@@ -134,14 +158,25 @@ bool sgt_walk_take(walk *w, const sgt_root *r, point at)
         at = sgt_walk_look(w, r->t, SGT_NEWTON, r->lo, r->hi);
         if (isnan(at.g) || w->told.stopped) return false;
     }
-    return take(w, r->status, at, r->t_err);
+    if (!(fabs(at.g) > w->lowest) || is_catalogue(w->s.ops)) return take(w, r->status, at, r->t_err);
+    if (w->t_tol > 0) { /* a root narrower than the tolerance would look like a pole */
+        double t_tol = w->t_tol, lowest = w->lowest;
+        w->t_tol = 0;
+        sgt_root sharp = sgt_walk_begin(w, (sgt_span){.lo = r->lo, .hi = r->hi, .seed = r->t});
+        w->lowest = lowest;
+        sharp = sgt_walk_solve(w, sharp, &at);
+        bool taken = sgt_walk_take(w, &sharp, at);
+        w->t_tol = t_tol;
+        return taken;
+    }
+    return !is_pole(w, &at, r->t_err) && take(w, r->status, at, r->t_err);
 }
 
 bool sgt_walk_between(walk *w, const point *a, const point *b, double *past)
 {
-    double seed = secant_of(mark_of(a), mark_of(b)), ga = fabs(a->g) < HUGE_VAL ? fabs(a->g) : 0, gb = fabs(b->g) < HUGE_VAL ? fabs(b->g) : 0, high = larger(ga, gb), tau_err;
+    double seed = secant_of(mark_of(a), mark_of(b)), ga = fabs(a->g) < HUGE_VAL ? fabs(a->g) : 0, gb = fabs(b->g) < HUGE_VAL ? fabs(b->g) : 0, tau_err;
     point at = *a;
-    if (seed > a->tau && seed < b->tau && sgt_walk_quick(w, a->tau, b->tau, seed, b->tau - a->tau, high, &at, &tau_err, past))
+    if (seed > a->tau && seed < b->tau && sgt_walk_quick(w, a->tau, b->tau, seed, b->tau - a->tau, larger(ga, gb), &at, &tau_err, past))
         return sgt_walk_take_quick(w, at, tau_err);
     *past = b->tau;
     if (over(w) || sgt_walk_sign(w, a) * sgt_walk_sign(w, b) >= 0) return false;
@@ -149,10 +184,9 @@ bool sgt_walk_between(walk *w, const point *a, const point *b, double *past)
     at = *a;
     sgt_root_tell(&r, a->tau, a->g);
     sgt_root_tell(&r, b->tau, b->g);
+    w->lowest = (ga < gb ? ga : gb) * (1 - 0x1p-52); /* a root has to be below both ends */
     r = sgt_walk_solve(w, r, &at);
     *past = r.hi;
-    if (r.status <= 0 || w->told.stopped || fabs(at.g) > 2 * high) return false; /* or a pole */
-    w->first = larger(w->first, high); /* the solver may have begun on the root itself */
     return sgt_walk_take(w, &r, at);
 }
 

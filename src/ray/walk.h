@@ -20,7 +20,8 @@ typedef struct walk {
     bool defined;   /* F was, somewhere */
     bool uncertain; /* a step was taken that a root can hide in */
     double t_tol;   /* of tau */
-    double first;   /* |g| where the solver began */
+    double lo, hi;  /* the stretch that is searched: F is not asked for outside of it */
+    double lowest;  /* the least |g| that the search for the root has seen */
     bool off;       /* the root that does not count can be told not to */
     double least;   /* a bound from below on |g'| all along the stretch, which has one root at most; 0: not known */
     double rim2;    /* of the surface's rim; infinite where there is none */
@@ -45,7 +46,7 @@ int sgt_walk_sign(const walk *w, const point *at);
 
 /* Runs the solver, with the options of the ray; *at is the point it ended on. */
 sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at);
-sgt_root sgt_walk_begin(const walk *w, sgt_span span);
+sgt_root sgt_walk_begin(walk *w, sgt_span span);
 
 /* Adds what the solver found; false where it is no root that counts. */
 bool sgt_walk_take(walk *w, const sgt_root *r, point at);

@@ -234,7 +234,8 @@ SGT_INLINE sgt_hit hit_undecided(sgt_status status, const sgt_ray *ray, int eval
  * last root (the budget is each root's own; an undecided stretch has none), and what its watcher said. */
 typedef struct tally { const sgt_options *opt; int evals, before, root, budget; bool stopped; } tally;
 
-SGT_INLINE bool spent(const tally *w) { return w->evals - w->root >= w->budget; }
+/* Where every root begins a new budget, answers made at random have roots without end: so all of them together have one. */
+SGT_INLINE bool spent(const tally *w) { return w->evals - w->root >= w->budget || w->evals >> 10 >= w->budget || w->evals >= 1 << 30; }
 
 SGT_INLINE void tell(tally *w, sgt_move move, double t, double f, double slope, double lo, double hi)
 {

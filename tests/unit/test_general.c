@@ -1,0 +1,301 @@
+/* What is no root, and what never ends: a user's surface with poles and jumps, one that answers at random, and one whose
+ * enclosure decides little.  Poles and steep roots look alike to a search by signs; all ways to a root are tried: the first
+ * and the one near the seed, single or not, with each thing that a surface can offer, alone, all of them, and in a batch. */
+#include "unit.h"
+
+#include <sagitta/interval.h>
+
+/* ------------------------------------------------- poles, jumps, steep roots */
+
+/* F of w = z - a: */
+typedef enum kind {
+    POLE, POLE_3, POLE_WEAK, POLE_HIGH, POLE_STRONG, POLE_FALLING, POLE_EVEN, POLE_COT, POLES, /* no root where F changes sign */
+    SIGN = POLES, FLOOR, JUMP_UP, JUMP_DOWN, JUMPS,                                 /* F jumps over zero */
+    CUBE_ROOT = JUMPS, ATAN, STEEP, STEEPER, RUNGE, LINE, KINDS                     /* a root */
+} kind;
+static const char *const names[KINDS] = {"1/w", "1/w^3", "w^(-1/3)", "1e20/w", "1e-20/w", "-1/w", "1/w^2", "cot w",
+                                         "sign w", "floor w + 1/2", "sign w (1 + |w|)", "sign w (6 - |w|)",
+                                         "w^(1/3)", "atan 1e12 w", "1e200 w", "1e280 w, above 1e-300", "w / (w^2 + 1e-20)", "w"};
+
+typedef enum lie { HONEST, REVERSED, ZERO, NO_NUMBER, STEEP_LIE, FLAT_LIE, LIES } lie;
+typedef enum bound { NO_BOUND, RELATIVE, WHOLE } bound; /* of rounding */
+
+typedef struct shape {
+    kind kind;
+    lie lie;
+    bound bound;
+    double a, lo, hi, seed; /* lo, hi, seed: in z */
+    bool single;
+} shape;
+
+static double of_w(kind k, double w, double *slope)
+{
+    double size = fabs(w), sign = w < 0 ? -1 : 1, c;
+    switch (k) {
+    case POLE: return *slope = -1 / (w * w), 1 / w;
+    case POLE_3: return *slope = -3 / (w * w * w * w), 1 / (w * w * w);
+    case POLE_WEAK: return *slope = -1 / (3 * size * cbrt(size)), 1 / cbrt(w);
+    case POLE_HIGH: return *slope = -1e20 / (w * w), 1e20 / w;
+    case POLE_STRONG: return *slope = -1e-20 / (w * w), 1e-20 / w;
+    case POLE_FALLING: return *slope = 1 / (w * w), -1 / w;
+    case POLE_EVEN: return *slope = -2 / (w * w * w), 1 / (w * w);
+    case POLE_COT: return c = tan(0.25 * w), *slope = -0.25 * (1 + 1 / (c * c)), 1 / c;
+    case SIGN: return *slope = 0, sign;
+    case FLOOR: return *slope = 0, floor(w) + 0.5;
+    case JUMP_UP: return *slope = 1, sign * (1 + size);
+    case JUMP_DOWN: return *slope = -1, sign * (6 - size);
+    case CUBE_ROOT: return *slope = w == 0 ? NOT : 1 / (3 * cbrt(w * w)), cbrt(w);
+    case ATAN: return *slope = 1e12 / (1 + 1e24 * w * w), atan(1e12 * w);
+    case STEEP: return *slope = 1e200, 1e200 * w;
+    case STEEPER: return *slope = 1e280, w < 0 ? 1e280 * w : w > 0 ? 1e-300 + 1e280 * w : 0;
+    case RUNGE: c = w * w + 1e-20; return *slope = (1e-20 - w * w) / (c * c), w / c;
+    default: return *slope = 1, w;
+    }
+}
+
+static double value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    static const double by[LIES] = {1, -1, 0, NAN, 1e10, 1e-10};
+    const shape *s = self;
+    double slope, f = of_w(s->kind, p.z - s->a, &slope);
+    if (grad) *grad = (sgt_vec3){0, 0, slope * by[s->lie]};
+    return f;
+}
+
+static void values(const void *self, size_t n, sgt_points p, sgt_values out)
+{
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 grad;
+        out.f[i] = value(self, (sgt_vec3){p.p[0][i], p.p[1][i], p.p[2][i]}, &grad);
+        if (out.grad[0]) out.grad[0][i] = grad.x, out.grad[1][i] = grad.y, out.grad[2][i] = grad.z;
+    }
+}
+
+static double rounding(const void *self, sgt_vec3 p)
+{
+    const shape *s = self;
+    double slope, f = of_w(s->kind, p.z - s->a, &slope);
+    return s->bound == WHOLE ? 0x1p-52 * (fabs(f) + fabs(p.z * slope)) : 0x1p-52 * fabs(f);
+}
+
+static sgt_span span(const void *self, const sgt_ray *ray)
+{
+    const shape *s = self;
+    double lo = (s->lo - ray->o.z) / ray->d.z, hi = (s->hi - ray->o.z) / ray->d.z;
+    return (sgt_span){.lo = fmin(lo, hi), .hi = fmax(lo, hi), .seed = (s->seed - ray->o.z) / ray->d.z, .single = s->single};
+}
+
+static double clearance(const void *self, sgt_vec3 p) { return 0.99 * fabs(p.z - ((const shape *)self)->a); }
+static double guess(const void *self, sgt_vec3 p) { return 0.1 * fabs(p.z - ((const shape *)self)->a); }
+
+/* Every kind is monotone on either side of w = 0, Runge's between its extremes, and all but the poles are across it. */
+static sgt_interval enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    const shape *s = self;
+    double a = ray->o.z + t.lo * ray->d.z - s->a, b = ray->o.z + t.hi * ray->d.z - s->a, lo = fmin(a, b), hi = fmax(a, b), unused;
+    double room = 0x1p-50 * (fabs(ray->o.z) + fabs(s->a) + fabs(lo) + fabs(hi));
+    *slope = sgt_interval_all();
+    lo -= room, hi += room;
+    if (s->kind == JUMP_DOWN && lo <= 0 && hi >= 0) return (sgt_interval){-6, 6};
+    if (lo <= 0 && hi >= 0 && s->kind < POLES) return sgt_interval_all();
+    double f = of_w(s->kind, lo, &unused), g = of_w(s->kind, hi, &unused), more = 0x1p-45 * fmax(fabs(f), fabs(g));
+    bool least = s->kind == RUNGE && lo <= -1e-10 && hi >= -1e-10, most = s->kind == RUNGE && lo <= 1e-10 && hi >= 1e-10;
+    return (sgt_interval){least ? -5.1e9 : fmin(f, g) - more, most ? 5.1e9 : fmax(f, g) + more};
+}
+
+enum { OFFERS = 8 };
+static const sgt_surface_ops offers[OFFERS] = {
+    {.name = "value", .value = value, .values = values},
+    {.name = "rounding", .value = value, .values = values, .rounding = rounding},
+    {.name = "span", .value = value, .values = values, .span = span},
+    {.name = "span, rounding", .value = value, .values = values, .span = span, .rounding = rounding},
+    {.name = "first", .value = value, .values = values, .span = span, .first = span},
+    {.name = "clearance", .value = value, .values = values, .clearance = clearance},
+    {.name = "estimate", .value = value, .values = values, .estimate = guess},
+    {.name = "enclose", .value = value, .values = values, .span = span, .enclose = enclose},
+};
+
+/* The hit holds the place where w = 0. */
+static bool is_there(const shape *s, const sgt_ray *ray, const sgt_hit *hit)
+{
+    long double t = ((long double)s->a - ray->o.z) / ray->d.z, slack = 4 * DBL_EPSILON * (fabsl(t) + fabs(s->a / ray->d.z) + fabs(ray->o.z / ray->d.z) + 5 / fabs(ray->d.z)); /* 5: the local origin */
+    return fabsl(hit->t - t) <= hit->t_err + slack;
+}
+
+static void test_poles_and_jumps(void **state)
+{
+    (void)state;
+    generator g = seeded("poles, jumps and steep roots");
+    long n = scaled(20000), met[KINDS] = {0}, asked[KINDS] = {0};
+    for (long i = 0; i < n; i++) {
+        shape s = {.kind = (kind)below(&g, KINDS), .lie = chance(&g, 0.5) ? HONEST : (lie)below(&g, LIES), .bound = (bound)below(&g, 3), .single = chance(&g, 0.5)};
+        sgt_ray ray = {.o = {uniform(&g, -1, 1), 0, uniform(&g, -2, 2)}, .d = {0, chance(&g, 0.5) ? 0 : 0.3, chance(&g, 0.5) ? 1 : either_sign(&g) * log_uniform(&g, 1e-3, 1e3)}};
+        double length = fabs(ray.d.z);
+        ray.d.y *= ray.d.z;
+        ray.tmax = 5 / length;
+        s.a = ray.o.z + ray.d.z * (uniform(&g, 0.05, 4.9) / length);
+        if (chance(&g, 0.2)) s.a = nearbyint(64 * s.a) / 64; /* a point of the march may be the pole itself */
+        double to = ray.o.z + ray.d.z * ray.tmax;
+        s.lo = fmin(ray.o.z, to), s.hi = fmax(ray.o.z, to);
+        s.seed = uniform(&g, s.lo, s.hi);
+        if (chance(&g, 0.3)) s.seed = s.a * (1 + below(&g, 17) * 0x1p-52 - 0x1p-49);
+        if (chance(&g, 0.1)) s.seed = NOT;
+        if (fabs(s.seed - s.a) < 1e-6 && s.lie == REVERSED) s.lie = HONEST; /* a pole with such a slope is a root, as far as the quick form goes */
+        if (!(s.a - s.lo > 0.02 && s.hi - s.a > 0.02 && fabs(s.a) > 0.01)) continue; /* nearer 0 the slope of w^(1/3) is infinite */
+        sgt_options opt = {.pick = chance(&g, 0.5) ? SGT_NEAR_SEED : SGT_FIRST, .t_tol = chance(&g, 0.6) ? 0 : log_uniform(&g, 1e-15, 1e-3) / length,
+                           .dt_min = chance(&g, 0.7) ? 0 : log_uniform(&g, 1e-2, 1) / length};
+        const sgt_surface_ops *ops = &offers[below(&g, OFFERS)];
+        sgt_hit hit[8], h = sgt_intersect((sgt_surface){ops, &s}, ray, &opt);
+        int count = sgt_intersect_all((sgt_surface){ops, &s}, ray, 8, hit, &opt);
+        bool pole = s.kind < POLES;
+#define WHERE "case %ld: %s, %s, slope %d, pick %d, t_tol %g, dt_min %g, single %d"
+#define HERE i, names[s.kind], ops->name, s.lie, opt.pick, opt.t_tol, opt.dt_min, s.single
+        REQUIRE(!pole || h.status <= 0, WHERE ": a pole is a %s, t %.17g +- %g, f %g", HERE, sgt_status_text(h.status), h.t, h.t_err, h.f);
+        for (int j = 0; j < count && j < 8; j++) {
+            REQUIRE(!pole || hit[j].status <= 0, WHERE ": of all, a pole is a %s, t %.17g +- %g, f %g", HERE, sgt_status_text(hit[j].status), hit[j].t, hit[j].t_err, hit[j].f);
+            REQUIRE(hit[j].status <= 0 || is_there(&s, &ray, &hit[j]) || s.kind == FLOOR, WHERE ": t %.17g +- %g is no root", HERE, hit[j].t, hit[j].t_err);
+        }
+        REQUIRE(h.status <= 0 || is_there(&s, &ray, &h), WHERE ": t %.17g +- %g is no root", HERE, h.t, h.t_err);
+        bool hidden = s.lie == STEEP_LIE || (s.kind == RUNGE && s.lie != HONEST); /* by rounding, as the slope tells it */
+        hidden = hidden || (h.status == SGT_EXHAUSTED && ops->enclose); /* cells at the local origin have no least size */
+        REQUIRE(pole || hidden || h.status > 0, WHERE ": %s, and F changes sign at z = %.17g", HERE, sgt_status_text(h.status), s.a);
+        met[s.kind] += h.status > 0, asked[s.kind]++;
+        enum { RAYS = 3 };
+        double o[3][RAYS], d[3][RAYS], tmin[RAYS], tmax[RAYS], t[RAYS], t_err[RAYS];
+        signed char status[RAYS];
+        int evals[RAYS];
+        for (int k = 0; k < RAYS; k++) {
+            o[0][k] = ray.o.x + (k == 0), o[1][k] = ray.o.y, o[2][k] = ray.o.z;
+            d[0][k] = ray.d.x, d[1][k] = ray.d.y, d[2][k] = ray.d.z, tmin[k] = ray.tmin, tmax[k] = ray.tmax;
+        }
+        sgt_intersect_batch((sgt_surface){ops, &s}, RAYS, (sgt_rays){{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, tmin, tmax}, (sgt_hits){.status = status, .evals = evals, .t = t, .t_err = t_err}, &opt);
+        for (int k = 1; k < RAYS; k++)
+            REQUIRE(status[k] == h.status && evals[k] == h.evals && (h.status <= 0 || (same_bits(t[k], h.t) && same_bits(t_err[k], h.t_err))), WHERE ": %s after %d in a batch, %s after %d alone", HERE, sgt_status_text((sgt_status)status[k]), evals[k], sgt_status_text(h.status), h.evals);
+    }
+    for (int k = 0; k < KINDS; k++) print_message("%s: %ld of %ld met\n", names[k], met[k], asked[k]);
+}
+
+/* A root that is not the pole beside it. */
+static double beside_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    double a = *(const double *)self, w = p.z - 1;
+    if (grad) *grad = (sgt_vec3){0, 0, -1 / (w * w)};
+    return 1 / a + 1 / w; /* zero at w = -a */
+}
+
+static void test_root_beside_pole(void **state)
+{
+    (void)state;
+    generator g = seeded("a root beside a pole");
+    long n = scaled(3000), met = 0;
+    for (long i = 0; i < n; i++) {
+        double a = either_sign(&g) * log_uniform(&g, 1e-10, 0.5);
+        sgt_surface s = {&(sgt_surface_ops){.name = "beside", .value = beside_value}, &a};
+        sgt_ray ray = {.o = {0, 0, 0}, .d = {0, 0, 1}, .tmax = uniform(&g, 2, 5)};
+        sgt_hit hit[4];
+        int count = sgt_intersect_all(s, ray, 4, hit, NULL);
+        for (int j = 0; j < count && j < 4; j++) {
+            if (hit[j].status <= 0) continue;
+            REQUIRE(fabs(hit[j].t - (1 - a)) <= hit[j].t_err + 4e-16, "case %ld: the root is %.17g, told %.17g +- %g", i, 1 - a, hit[j].t, hit[j].t_err);
+            met++;
+        }
+    }
+    REQUIRE(met > n / 20, "only %ld roots were met", met);
+    print_message("%ld met\n", met);
+}
+
+/* ------------------------------------------------------- answers at random */
+
+/* Each answer is drawn; now and then one is honest, so that a search goes on. */
+typedef struct gambler { generator g; double part; long calls; } gambler;
+
+static double any_number(generator *g)
+{
+    switch (below(g, 12)) {
+    case 0: return NOT;
+    case 1: return either_sign(g) * FAR;
+    case 2: return 0;
+    case 3: return either_sign(g) * DBL_MAX;
+    case 4: return either_sign(g) * DBL_TRUE_MIN;
+    case 5: case 6: return either_sign(g) * log_uniform(g, 1e-300, 1e300);
+    default: return uniform(g, -1, 1);
+    }
+}
+
+static generator *drawing(const void *self)
+{
+    gambler *s = *(gambler *const *)self;
+    s->calls++;
+    return &s->g;
+}
+static bool honest(const void *self) { return chance(drawing(self), (*(gambler *const *)self)->part); }
+
+static double gamble_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    generator *g = drawing(self);
+    if (grad) *grad = honest(self) ? (sgt_vec3){0, 0, 1} : (sgt_vec3){any_number(g), any_number(g), any_number(g)};
+    return honest(self) ? p.z : any_number(g);
+}
+static double gamble_number(const void *self, sgt_vec3 p) { return (void)p, honest(self) ? 0 : any_number(drawing(self)); }
+static sgt_span gamble_span(const void *self, const sgt_ray *ray)
+{
+    generator *g = drawing(self);
+    if (honest(self)) return (sgt_span){.lo = -10, .hi = 10, .seed = -ray->o.z / ray->d.z};
+    return (sgt_span){any_number(g), any_number(g), any_number(g), chance(g, 0.5)};
+}
+static sgt_interval gamble_interval(generator *g)
+{
+    double a = any_number(g), b = any_number(g);
+    return chance(g, 0.9) && a > b ? (sgt_interval){b, a} : (sgt_interval){a, b};
+}
+static sgt_interval gamble_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    generator *g = drawing(self);
+    *slope = honest(self) ? sgt_interval_of(ray->d.z) : gamble_interval(g);
+    return honest(self) ? (sgt_interval){ray->o.z + t.lo * ray->d.z - 1e-9, ray->o.z + t.hi * ray->d.z + 1e-9} : gamble_interval(g);
+}
+
+/* Every loop of the library has a budget, and all together one: 1024 max_evals, and what confirms the last root. */
+static void test_random_answers(void **state)
+{
+    (void)state;
+    generator g = seeded("answers at random");
+    long n = scaled(400), most = 0, spent[8] = {0};
+    for (long i = 0; i < n; i++) {
+        gambler s = {{random_bits(&g)}, chance(&g, 0.5) ? 0 : uniform(&g, 0, 1), 0}, *self = &s;
+        sgt_surface_ops ops = {.name = "gambler", .value = gamble_value};
+        if (chance(&g, 0.5)) ops.span = gamble_span;
+        if (chance(&g, 0.3)) ops.rounding = gamble_number;
+        if (chance(&g, 0.3)) ops.clearance = gamble_number;
+        if (chance(&g, 0.3)) ops.estimate = gamble_number;
+        if (chance(&g, 0.6)) ops.enclose = gamble_enclose;
+        if (chance(&g, 0.2)) ops.first = gamble_span;
+        const int budgets[] = {1, 7, 50, 300};
+        sgt_options opt = {.max_evals = budgets[below(&g, 4)], .pick = chance(&g, 0.5) ? SGT_FIRST : SGT_NEAR_SEED, .proof = (sgt_proof)below(&g, 3),
+                           .dt_min = chance(&g, 0.3) ? log_uniform(&g, 1e-12, 1) : 0, .t_tol = chance(&g, 0.3) ? log_uniform(&g, 1e-15, 1) : 0};
+        sgt_ray ray = {.o = {0, 0, uniform(&g, -3, 3)}, .d = {uniform(&g, -1, 1), 0, 1}, .tmin = chance(&g, 0.2) ? -FAR : 0, .tmax = chance(&g, 0.3) ? FAR : uniform(&g, 1, 10)};
+        sgt_hit hit[4], h = sgt_intersect((sgt_surface){&ops, &self}, ray, &opt);
+        /* an evaluation is told once, with at most five calls; what is found is confirmed */
+        REQUIRE(h.evals <= opt.max_evals + 32, "case %ld: %d evaluations of %d for one root", i, h.evals, opt.max_evals);
+        REQUIRE(opt.proof == SGT_ESTIMATE || h.status != SGT_EXHAUSTED, "case %ld: exhausted under a proof", i);
+        spent[h.status - SGT_INVALID]++;
+        s.calls = 0;
+        int count = sgt_intersect_all((sgt_surface){&ops, &self}, ray, 4, hit, &opt);
+        long bound = 1024L * opt.max_evals + 64;
+        REQUIRE(s.calls <= 8 * bound, "case %ld: %ld calls for all roots, max_evals %d", i, s.calls, opt.max_evals);
+        REQUIRE(count >= 0, "case %ld: %d roots", i, count);
+        for (int j = 0; j < count && j < 4; j++) REQUIRE(opt.proof == SGT_ESTIMATE || hit[j].status != SGT_EXHAUSTED, "case %ld: exhausted under a proof", i);
+        if (s.calls > most) most = s.calls;
+    }
+    for (int k = 7; k >= 0; k--)
+        if (spent[k]) print_message("%s %ld  ", sgt_status_text((sgt_status)(k + SGT_INVALID)), spent[k]);
+    print_message("\nat most %ld calls for all roots\n", most);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_poles_and_jumps), cmocka_unit_test(test_root_beside_pole), cmocka_unit_test(test_random_answers),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
