@@ -145,7 +145,10 @@ static bool first_of_several(walk *w)
     w->q = a.q;
     w->lo = a.lo, w->hi = a.hi;
     w->t_tol = w->told.opt->t_tol / a.q.scale;
-    return a.known && quickly(w, &a, true);
+    w->margin = END_ERRORS;
+    bool told = a.known && quickly(w, &a, true);
+    w->margin = 0;
+    return told;
 }
 
 /* Adds what there is; the evaluations spent since the last entry. */

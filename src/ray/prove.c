@@ -208,7 +208,7 @@ static place place_of(proof *w, double t, double t_err, sgt_interval slope)
     double terms = fabs(at.p.x * at.n.x) + fabs(at.p.y * at.n.y) + fabs(at.p.z * at.n.z), err = terms_err(w, at.p), by = START_ULPS * scale;
     a.slope = steep < least ? least : steep > most ? most : steep;
     at.least = by * larger(terms - err, 0) / most, at.most = by * (terms + err) / least;
-    at.h = taking_of(&q, tau, t_err * inverse, at.p, at.n, a, ray->tmin, ray->tmax, w->rim2);
+    at.h = taking_of(&q, tau, t_err * inverse, at.p, at.n, a, ray->tmin, ray->tmax, w->rim2, 0);
     at.r2 = at.p.x * at.p.x + at.p.y * at.p.y;
     at.off = 1.01 * ((2 * (fabs(at.p.x) + fabs(at.p.y)) + at.h.p_err) * at.h.p_err + 4 * SGT_U * at.r2);
     at.h.t_err = larger(at.h.t_err, t_err);
@@ -598,6 +598,7 @@ static bool prove_estimate(proof *w, sgt_hit *hit)
     *hit = sgt_intersect_general(w->s, w->ray, &estimate);
     w->told.evals = hit->evals;
     if (hit->status <= 0) return hit->status == SGT_STOPPED;
+    if (fabs(hit->t - w->ray->tmax) <= END_ERRORS * hit->t_err) return false; /* the search tells whether it counts */
     w->done = w->last.hi = w->told_dark = -HUGE_VAL;
     count_from(w, (w->far > 0 && hit->t > border_of(w)) || (w->far < 0 && hit->t < border_of(w)) ? w->far : 0);
     twofold from = two_sum(hit->t, -w->t0);

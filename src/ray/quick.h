@@ -145,8 +145,9 @@ typedef struct taking {
     bool off;     /* for certain it does not count */
 } taking;
 
-/* The root at tau, right to tau_err, with the gradient at its point p; within r^2 <= rim2, which is infinite where there is none. */
-SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3 p, sgt_vec3 grad, around at, double tmin, double tmax, double rim2)
+/* The root at tau, right to tau_err, with the gradient at its point p; within r^2 <= rim2, which is infinite where there is none.
+ * Nearer to tmax than `margin` times t_err, neither is certain. */
+SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3 p, sgt_vec3 grad, around at, double tmin, double tmax, double rim2, double margin)
 {
     taking h;
     twofold t = two_sum(q->t0, tau);
@@ -158,9 +159,10 @@ SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3
     width = width * q->scale + 8 * SGT_U * fabs(h.t);
     double r2 = p.x * p.x + p.y * p.y, hidden = (2 * (fabs(p.x) + fabs(p.y)) + h.p_err) * h.p_err + 4 * SGT_U * r2;
     bool outside = r2 > rim2;
-    bool ends = ((tmin > -HUGE_VAL) & !(h.t > tmin + (h.t_err + width))) | (h.t > tmax);
-    h.off = (r2 - rim2 > hidden) | (h.t - h.t_err > tmax) | (h.t + h.t_err <= tmin) | (ends & (h.t_err <= width + 64 * SGT_U * fabs(tmin)));
-    h.counts = !ends & !outside & (fabs(h.t) < HUGE_VAL) & (h.t_err < HUGE_VAL); /* in lengths of d t may be out of range */
+    double room = margin * h.t_err;
+    bool starts = (tmin > -HUGE_VAL) & !(h.t > tmin + (h.t_err + width)), ends = starts | (h.t - room > tmax);
+    h.off = (r2 - rim2 > hidden) | (h.t - (h.t_err + room) > tmax) | (h.t + h.t_err <= tmin) | (ends & (h.t_err <= width + 64 * SGT_U * fabs(tmin)));
+    h.counts = !starts & !(h.t + room > tmax) & !outside & (fabs(h.t) < HUGE_VAL) & (h.t_err < HUGE_VAL); /* in lengths of d t may be out of range */
     return h;
 }
 

@@ -57,6 +57,7 @@ typedef struct sweep {
     double near;        /* 1: the root near the seed is wanted, else 0 */
     double back;        /* of approach_of */
     double rim2;        /* of the surface's rim */
+    double margin;      /* of taking_of: as the single ray has it */
     double walks_from;  /* a stretch that begins behind it can be marched through; infinite: none can */
     bool slopes;        /* the spans come with bounds on the slope */
     bool moved;         /* some lane is not at its place */
@@ -678,7 +679,7 @@ static void probe(sweep *w, size_t n)
 /* Of every lane what is told of it, in rows that are of no more use: t in last, t_err in first, t_lo in dt, p_err in end, the
  * gradient where it is, the point where points are.  How many are hits. */
 SGT_CLONES_WIDE
-static double take(lanes *a, size_t n, double budget, double rim2)
+static double take(lanes *a, size_t n, double budget, double rim2, double margin)
 {
     double hits = 0;
 #pragma omp simd reduction(+ : hits)
@@ -687,7 +688,7 @@ static double take(lanes *a, size_t n, double budget, double rim2)
         local q = {.l = a->l[i], .m = a->m[i], .n = a->n[i], .t0 = a->t0[i], .scale = a->scale[i]};
         sgt_vec3 grad = {a->fx[i], a->fy[i], a->fz[i]}, p = {a->x[i] + tau * q.l, a->y[i] + tau * q.m, a->z[i] + tau * q.n};
         around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
-        taking h = taking_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i], rim2);
+        taking h = taking_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i], rim2, margin);
         double off = h.off ? (double)SGT_MISS : (double)SGT_HARD, state = a->single[i] != 0 ? off : (double)SGT_HARD;
         state = h.counts ? (double)SGT_HIT : state;
         state = a->evals[i] <= budget ? state : (double)SGT_HARD;
@@ -780,7 +781,7 @@ static size_t run(sweep *w, const sgt_tile *tile, size_t from, size_t n)
         solve(w, solving);
         probe(w, solving);
     }
-    return write(w, n, take(a, n, w->budget, w->rim2) == (double)n, &tile->hits, from);
+    return write(w, n, take(a, n, w->budget, w->rim2, w->margin) == (double)n, &tile->hits, from);
 }
 
 /* tmax as it is meant, and the state 1 where the ray is one; how many are. */
@@ -813,7 +814,7 @@ size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
     if (is_catalogue(ops)) own.f_tol = 0; /* as general.c */
     sweep w = {.s = s, .opt = &own, .a = &a, .near = opt->pick == SGT_NEAR_SEED, .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
                .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS,
-               .rim2 = rim2_of_surface(s), .slopes = is_catalogue(ops) && ops->own_->spans,
+               .rim2 = rim2_of_surface(s), .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0, .slopes = is_catalogue(ops) && ops->own_->spans,
                .walks_from = ops->first || ops->enclose || ops->clearance || (opt->dt_min > 0 && ops->estimate) ? HUGE_VAL : -HUGE_VAL};
     size_t hard = 0;
     a.none = 0;

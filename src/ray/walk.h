@@ -25,6 +25,7 @@ typedef struct walk {
     bool off;       /* the root that does not count can be told not to */
     double least;   /* a bound from below on |g'| all along the stretch, which has one root at most; 0: not known */
     double rim2;    /* of the surface's rim; infinite where there is none */
+    double margin;  /* of taking_of: END_ERRORS where not all roots are found this way */
     sgt_shared shared; /* of the surface, where it shares */
 } walk;
 

@@ -13,7 +13,11 @@
  * ROOTS THAT COUNT.  In this order: on the sheet, inside the rim, in (tmin, tmax], not
  * the start itself (sgt_ray in sagitta.h has the rule).  The rules for rim and ends are
  * stated in computed numbers, so they are sharp and never undecided; where a proof is asked for,
- * a root whose side of the rim rounding hides is. */
+ * a root whose side of the rim rounding hides is.
+ *
+ * Each way to a root computes another t.  So a root next to tmax, by END_ERRORS of its t_err, is
+ * left by the ways that are there for speed to the one that finds every root: the first root and
+ * the first of all are then the same. */
 #ifndef SGT_SURFACE_SAG_H
 #define SGT_SURFACE_SAG_H
 
@@ -26,6 +30,7 @@
 
 static const double SOFT_RIM = 1 + 0x1p-44;  /* of r^2; surfaces.h says why */
 static const double START_ULPS = 0x1p-48;    /* 16 ulps; sagitta.h, sgt_ray */
+static const double END_ERRORS = 16;         /* t of two ways differ by less, times t_err */
 static const double TINY = 0x1p-960;         /* below it, rounding is no longer relative */
 static const double TINY_ERROR = 0x1p-1060;
 

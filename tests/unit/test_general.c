@@ -18,12 +18,12 @@ static const char *const names[KINDS] = {"1/w", "1/w^3", "w^(-1/3)", "1e20/w", "
                                          "w^(1/3)", "atan 1e12 w", "1e200 w", "1e280 w, above 1e-300", "w / (w^2 + 1e-20)", "w"};
 
 typedef enum lie { HONEST, REVERSED, ZERO, NO_NUMBER, STEEP_LIE, FLAT_LIE, LIES } lie;
-typedef enum bound { NO_BOUND, RELATIVE, WHOLE } bound; /* of rounding */
+typedef enum limit { NO_LIMIT, RELATIVE, WHOLE } limit; /* of rounding */
 
 typedef struct shape {
     kind kind;
     lie lie;
-    bound bound;
+    limit bound;
     double a, lo, hi, seed; /* lo, hi, seed: in z */
     bool single;
 } shape;
@@ -128,7 +128,7 @@ static void test_poles_and_jumps(void **state)
     generator g = seeded("poles, jumps and steep roots");
     long n = scaled(20000), met[KINDS] = {0}, asked[KINDS] = {0};
     for (long i = 0; i < n; i++) {
-        shape s = {.kind = (kind)below(&g, KINDS), .lie = chance(&g, 0.5) ? HONEST : (lie)below(&g, LIES), .bound = (bound)below(&g, 3), .single = chance(&g, 0.5)};
+        shape s = {.kind = (kind)below(&g, KINDS), .lie = chance(&g, 0.5) ? HONEST : (lie)below(&g, LIES), .bound = (limit)below(&g, 3), .single = chance(&g, 0.5)};
         sgt_ray ray = {.o = {uniform(&g, -1, 1), 0, uniform(&g, -2, 2)}, .d = {0, chance(&g, 0.5) ? 0 : 0.3, chance(&g, 0.5) ? 1 : either_sign(&g) * log_uniform(&g, 1e-3, 1e3)}};
         double length = fabs(ray.d.z);
         ray.d.y *= ray.d.z;
