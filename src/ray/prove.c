@@ -598,7 +598,7 @@ static bool prove_estimate(proof *w, sgt_hit *hit)
     *hit = sgt_intersect_general(w->s, w->ray, &estimate);
     w->told.evals = hit->evals;
     if (hit->status <= 0) return hit->status == SGT_STOPPED;
-    if (fabs(hit->t - w->ray->tmax) <= END_ERRORS * hit->t_err) return false; /* the search tells whether it counts */
+    if (fabs(hit->t - w->ray->tmax) <= END_ERRORS * (hit->t_err + SGT_U * fabs(hit->t))) return false; /* the search tells whether it counts */
     w->done = w->last.hi = w->told_dark = -HUGE_VAL;
     count_from(w, (w->far > 0 && hit->t > border_of(w)) || (w->far < 0 && hit->t < border_of(w)) ? w->far : 0);
     twofold from = two_sum(hit->t, -w->t0);

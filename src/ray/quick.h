@@ -159,7 +159,7 @@ SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3
     width = width * q->scale + 8 * SGT_U * fabs(h.t);
     double r2 = p.x * p.x + p.y * p.y, hidden = (2 * (fabs(p.x) + fabs(p.y)) + h.p_err) * h.p_err + 4 * SGT_U * r2;
     bool outside = r2 > rim2;
-    double room = margin * h.t_err;
+    double room = margin * (h.t_err + SGT_U * fabs(h.t)); /* t itself is rounded */
     bool starts = (tmin > -HUGE_VAL) & !(h.t > tmin + (h.t_err + width)), ends = starts | (h.t - room > tmax);
     h.off = (r2 - rim2 > hidden) | (h.t - (h.t_err + room) > tmax) | (h.t + h.t_err <= tmin) | (ends & (h.t_err <= width + 64 * SGT_U * fabs(tmin)));
     h.counts = !starts & !(h.t + room > tmax) & !outside & (fabs(h.t) < HUGE_VAL) & (h.t_err < HUGE_VAL); /* in lengths of d t may be out of range */

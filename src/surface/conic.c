@@ -102,7 +102,7 @@ SGT_INLINE verdict quick_root(meeting *at, double tau, const quadric *g, const l
     bool off_sheet = at->v < -v_err;
     /* written so that NaN is not certain; a tiny root is in the hands of the careful form */
     r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms && at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL && sharp(at, opt->t_tol)
-                                && !(fabs(at->t - ray->tmax) <= END_ERRORS * at->t_err)
+                                && !(fabs(at->t - ray->tmax) <= END_ERRORS * (at->t_err + SGT_U * fabs(at->t)))
                                 && (opt->proof == SGT_ESTIMATE || !(rim_hidden(at, rim2) || fabs(g->A) * at->t_err > 0.99 * g->S * q->scale)));
     r.counts = !off_sheet && counts(at, ray, rim2, q->scale);
     return r;

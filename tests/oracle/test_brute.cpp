@@ -19,6 +19,8 @@
 // must have |F| next to nothing at t and t +- t_err, and stands for all roots within its t_err,
 // however many; the columns |t - t_ref| and t_err are those of the other hits.
 //
+// 1 / F has a pole wherever brute force sees F change sign, and no root: no way of a user's surface may tell one.
+//
 //     test_brute                       a few rays of each configuration
 //     test_brute --full                160x120 rays of each for first hits, 60x45 for all roots
 //     test_brute --replay "..."        one ray, as a failure prints it
@@ -408,6 +410,68 @@ void print_case(const level_set &s, const ray &r)
     std::printf(" %a %a %a %a %a %a\"", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z);
 }
 
+// ------------------------------------------------------------------ poles
+//
+// 1 / F of a set, as a user's surface: where the brute force sees a change of sign it has a pole, and nowhere a root.
+
+struct inverse {
+    sgt_surface of;
+    double seed; // NaN: none
+    bool single;
+};
+
+double inverse_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    const sgt_surface &s = static_cast<const inverse *>(self)->of;
+    sgt_vec3 n;
+    const double f = s.ops->value(s.self, p, &n);
+    if (grad) *grad = {-n.x / (f * f), -n.y / (f * f), -n.z / (f * f)};
+    return 1 / f;
+}
+
+double inverse_rounding(const void *self, sgt_vec3 p)
+{
+    const sgt_surface &s = static_cast<const inverse *>(self)->of;
+    const double f = std::fabs(s.ops->value(s.self, p, nullptr)), off = s.ops->rounding(s.self, p);
+    return off < f ? off / (f * (f - off)) + 0x1p-52 / f : HUGE_VAL;
+}
+
+sgt_span inverse_span(const void *self, const sgt_ray *r)
+{
+    const inverse *v = static_cast<const inverse *>(self);
+    sgt_span span = v->of.ops->span(v->of.self, r);
+    if (span.lo < 0) span.lo = 0;
+    if (v->single) span.lo = v->seed - 1e-3, span.hi = v->seed + 1e-3;
+    span.seed = v->seed, span.single = v->single;
+    return span;
+}
+
+long poles(const level_set &s, const ray &r)
+{
+    const library_set set(s);
+    const sgt_ray line_of = {{r.o.x, r.o.y, r.o.z}, {r.d.x, r.d.y, r.d.z}, 0, 0};
+    const std::vector<change> found = changes(s, line(s, r), 1e-3, false);
+    sgt_surface_ops ops = {};
+    ops.name = "inverse", ops.value = inverse_value, ops.span = inverse_span;
+    for (std::size_t i = 0; i < found.size(); i++)
+        for (int way = 0; way < 8; way++) {
+            const inverse v = {set.surface(), way & 1 ? found[i].t : NAN, (way & 3) == 3};
+            sgt_options o = {};
+            o.pick = way & 1 ? SGT_NEAR_SEED : SGT_FIRST;
+            o.dt_min = 1e-2;
+            ops.rounding = way & 4 ? inverse_rounding : nullptr;
+            const sgt_surface surface = {&ops, &v};
+            sgt_hit all[16];
+            const sgt_hit first = sgt_intersect(surface, line_of, &o);
+            const int n = sgt_intersect_all(surface, line_of, 16, all, &o);
+            bool met = first.status > 0;
+            for (int k = 0; k < n && k < 16; k++) met = met || all[k].status > 0;
+            if (!met) continue;
+            if (failures["a pole is a root"]++ < 5) std::printf("FAIL a pole at %.17g is a root, way %d, t %.17g, f %g: ", found[i].t, way, first.t, first.f), print_case(s, r), std::printf("\n");
+        }
+    return static_cast<long>(found.size());
+}
+
 bool read_case(const char *text, level_set *s, ray *r)
 {
     double v[30];
@@ -579,6 +643,7 @@ int main(int argc, char **argv)
     std::vector<row> sets[2];
     row total[2] = {};
     std::string left_out;
+    long of_poles = 0;
     for (int index = 0; index < number_of_families; index++) {
         row here[2] = {};
         for (int slice = 0; slice < number_of_slices; slice++) {
@@ -605,6 +670,7 @@ int main(int argc, char **argv)
                             const double step = g.chance(0.01) ? 2e-6 : 2e-5;
                             rays.add(compare(c.set, ray_of(c, pixel % w, pixel / w, w, h), step, !all));
                         }
+                        for (int k = 0; k < 2 && all && which == 0; k++) of_poles += poles(c.set, ray_of(c, g.below(w), g.below(h), w, h));
                         here[all].add(rays);
                         total[all].add(rays);
                         parts[all][families[index].power == 2 ? iterations : "power above 2"].add(rays);
@@ -630,6 +696,7 @@ int main(int argc, char **argv)
         if (double(r.refuted) > 1 + 1e-4 * double(r.rays)) failures["the brute force is refuted too often"]++;
         if (double(r.stepped_over) > 3 + 1e-2 * double(r.rays)) failures["the brute force steps over roots too often"]++;
     }
+    std::printf("\n1 / F: %ld poles, each asked in eight ways\n", of_poles);
     if (!left_out.empty()) std::printf("\nleft out, no such eye found in the slice:\n%s", left_out.c_str());
     std::printf("\n");
     for (const auto &f : failures) std::printf("FAIL %8ld  %s\n", f.second, f.first.c_str());

@@ -292,10 +292,56 @@ static void test_random_answers(void **state)
     print_message("\nat most %ld calls for all roots\n", most);
 }
 
+/* ------------------------------------------------- enclosures that decide little */
+
+/* z = a; `value` may be off by `off`, the enclosure by `wide`. */
+typedef struct vague { double a, off, wide; } vague;
+
+static double vague_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    if (grad) *grad = (sgt_vec3){0, 0, 1};
+    return p.z - ((const vague *)self)->a;
+}
+static double vague_rounding(const void *self, sgt_vec3 p) { return (void)p, ((const vague *)self)->off; }
+static sgt_interval vague_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    const vague *s = self;
+    sgt_interval z = sgt_interval_sum(sgt_interval_of(ray->o.z), sgt_interval_product(t, sgt_interval_of(ray->d.z)));
+    *slope = sgt_interval_of(ray->d.z);
+    return sgt_interval_sum(sgt_interval_difference(z, sgt_interval_of(s->a)), sgt_interval_between(-s->wide, s->wide));
+}
+
+/* What cannot be decided is told, wherever it lies: in a monotone cell, over the whole ray, at its end. */
+static void test_undecided(void **state)
+{
+    (void)state;
+    generator g = seeded("enclosures that decide little");
+    const sgt_surface_ops ops = {.name = "vague", .value = vague_value, .rounding = vague_rounding, .enclose = vague_enclose};
+    long n = scaled(20000), of[3] = {0}, at_end = 0;
+    for (long i = 0; i < n; i++) {
+        vague s = {.a = uniform(&g, -1, 1), .off = chance(&g, 0.2) ? 0 : log_uniform(&g, 1e-12, 10), .wide = chance(&g, 0.5) ? 0 : log_uniform(&g, 1e-12, 10)};
+        double size = fmax(fmax(s.off, s.wide), 1e-9), before = chance(&g, 0.5) ? uniform(&g, 0.1, 3) : size * log_uniform(&g, 1e-2, 10), behind = chance(&g, 0.5) ? uniform(&g, 0.1, 3) : size * log_uniform(&g, 1e-2, 10);
+        sgt_ray ray = {.o = {0, 0, s.a - before}, .d = {uniform(&g, -1, 1), 0, 1}, .tmin = 0, .tmax = before + behind};
+        sgt_surface surface = {&ops, &s};
+        if (before < 8 * (s.off + s.wide) + 1e-6) continue; /* by the rule of the start it may not count */
+        for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++)
+            for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
+                sgt_options opt = {.pick = (sgt_pick)pick, .proof = (sgt_proof)proof};
+                sgt_hit hit[4], h = sgt_intersect(surface, ray, &opt);
+                int count = sgt_intersect_all(surface, ray, 4, hit, &opt);
+                REQUIRE(h.status != SGT_MISS && count > 0, "case %ld, pick %d, proof %d: a miss, %d of all; rounding %g, enclosure +- %g, the root at %g of [%g, %g]", i, pick, proof, count, s.off, s.wide, before, ray.tmin, ray.tmax);
+                of[h.status < 0 ? 0 : h.status == SGT_HIT ? 1 : 2]++;
+                at_end += count == 1 && hit[0].status < 0 && hit[0].hi == ray.tmax && hit[0].lo > ray.tmin;
+            }
+    }
+    print_message("undecided %ld, hits %ld, grazes %ld; at the end %ld\n", of[0], of[1], of[2], at_end);
+    REQUIRE(of[0] > n / 100 && of[1] > n / 10 && at_end > n / 100, "these rays are no test");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_poles_and_jumps), cmocka_unit_test(test_root_beside_pole), cmocka_unit_test(test_random_answers),
+        cmocka_unit_test(test_poles_and_jumps), cmocka_unit_test(test_root_beside_pole), cmocka_unit_test(test_random_answers), cmocka_unit_test(test_undecided),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -377,6 +377,37 @@ static void test_touching(void **state)
     }
 }
 
+/* The sphere |Q| = 1 (c = 0, E = 1, any N), touched from inside by less than rounding can tell: two roots, told as such, as a
+ * graze or as an undecided stretch, and no miss. */
+static void test_nearly_tangent(void **state)
+{
+    (void)state;
+    generator g = seeded("nearly tangent");
+    static const char *const told[] = {"undecided", "missed", "hits", "grazes"};
+    long n = scaled(20000), of[4] = {0};
+    for (long i = 0; i < n; i++) {
+        sgt_julia s = {.iterations = 1 + below(&g, 12), .power = 2 + below(&g, 3), .escape = 1};
+        sgt_vec3 d = random_direction(&g), u = random_direction(&g);
+        double along = u.x * d.x + u.y * d.y + u.z * d.z, away = chance(&g, 0.5) ? uniform(&g, 1, 5) : log_uniform(&g, 1, 1e8);
+        u = (sgt_vec3){u.x - along * d.x, u.y - along * d.y, u.z - along * d.z};
+        double by = (1 - log_uniform(&g, 1e-17, 1e-11)) / sqrt(u.x * u.x + u.y * u.y + u.z * u.z);
+        sgt_ray ray = {.o = {by * u.x - away * d.x, by * u.y - away * d.y, by * u.z - away * d.z}, .d = d, .tmin = -FAR, .tmax = FAR};
+        wide o = widen(ray.o), w = widen(ray.d), p = wide_sum(o, wide_times(-wide_dot(o, w) / wide_dot(w, w), w));
+        if (!(1 - wide_dot(p, p) > 1e-18L * (1 + away))) continue; /* for certain inside */
+        sgt_hit all[4], first = sgt_intersect(julia_surface(&s), ray, NULL);
+        int count = sgt_intersect_all(julia_surface(&s), ray, 4, all, NULL);
+        REQUIRE(count > 0 && first.status != SGT_MISS, "case %ld: N = %d, power %d, from %g away: a miss, the ray is %Lg inside", i, s.iterations, s.power, away, 0.5L * (1 - wide_dot(p, p)));
+        of[first.status < 0 ? 0 : first.status == SGT_HIT ? 2 : 3]++;
+        for (int proof = SGT_PROVE_ROOT; proof <= SGT_PROVE_FIRST; proof++) {
+            first = sgt_intersect(julia_surface(&s), ray, &(sgt_options){.proof = (sgt_proof)proof});
+            REQUIRE(first.status != SGT_MISS, "case %ld: a proven miss, the ray is %Lg inside", i, 0.5L * (1 - wide_dot(p, p)));
+        }
+    }
+    for (int k = 0; k < 4; k++) print_message("%s %ld  ", told[k], of[k]);
+    print_message("\n");
+    REQUIRE(of[0] > n / 100 && of[2] > n / 100 && of[3] > n / 100, "these rays are no test");
+}
+
 /* -------------------------------------------------------------- from afar */
 
 /* From afar an ulp of t is long beside the folds of the set.  A root is proven nevertheless where the next one is more than
@@ -447,7 +478,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rows), cmocka_unit_test(test_one_by_one), cmocka_unit_test(test_of_one_mind), cmocka_unit_test(test_defaults),
-        cmocka_unit_test(test_spheres), cmocka_unit_test(test_on_the_axis), cmocka_unit_test(test_touching), cmocka_unit_test(test_from_afar),
+        cmocka_unit_test(test_spheres), cmocka_unit_test(test_on_the_axis), cmocka_unit_test(test_touching), cmocka_unit_test(test_nearly_tangent), cmocka_unit_test(test_from_afar),
         cmocka_unit_test(test_sound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

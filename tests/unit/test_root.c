@@ -400,6 +400,35 @@ static void test_random(void **state)
     print_message("%ld of %ld found, %.1f evaluations on average, at most %d\n", found, n, (double)evals / (double)found, most);
 }
 
+/* A hole narrower than the tolerance, with the change of sign in it: a root is nowhere defined.  What was seen is NaN inside of
+ * the bracket; a search that has not seen it cannot know. */
+static void test_narrow_holes(void **state)
+{
+    (void)state;
+    generator g = seeded("narrow holes");
+    long n = scaled(20000), undefined = 0, unseen = 0;
+    for (long i = 0; i < n; i++) {
+        double at = uniform(&g, -1, 1), half = log_uniform(&g, 1e-12, 1e-2), tol = log_uniform(&g, 1e-3, 1e3) * half, steep = chance(&g, 0.3) ? 0 : log_uniform(&g, 1e-3, 1e3), nan = NOT;
+        sgt_span span = {.lo = -2, .hi = 2, .seed = chance(&g, 0.3) ? NOT : uniform(&g, -2, 2), .single = chance(&g, 0.5)};
+        sgt_root r = sgt_root_begin(span, &(sgt_options){.t_tol = tol});
+        double value, slope;
+        bool more;
+        do {
+            double w = r.t - at;
+            value = fabs(w) < half ? nan : copysign(chance(&g, 0.5) ? 1 : 0.5, w) + steep * w, slope = steep;
+            if (isnan(value)) span.seed = r.t; /* the last hole */
+            else if (fabs(span.seed - at) >= half) span.seed = NOT;
+            more = sgt_root_next(&r, value, slope);
+        } while (more);
+        bool seen = !isnan(span.seed) && span.seed > r.lo && span.seed < r.hi;
+        REQUIRE(!seen || r.status < 0, "case %ld: %s at %.17g +- %g, where g is undefined within %g of %.17g; t_tol %g", i, sgt_status_text(r.status), r.t, r.t_err, half, at, tol);
+        REQUIRE(r.status <= 0 || r.t_err >= half || fabs(r.t - at) <= r.t_err, "case %ld: %s at %.17g +- %g, none is there", i, sgt_status_text(r.status), r.t, r.t_err);
+        undefined += r.status == SGT_UNDEFINED, unseen += r.status > 0;
+    }
+    REQUIRE(undefined > n / 4, "only %ld of %ld are undefined", undefined, n);
+    print_message("%ld of %ld undefined, in %ld the hole was not seen\n", undefined, n, unseen);
+}
+
 static void test_texts(void **state)
 {
     (void)state;
@@ -415,7 +444,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_true_slopes), cmocka_unit_test(test_lying_slopes), cmocka_unit_test(test_budget),
-        cmocka_unit_test(test_tolerances),  cmocka_unit_test(test_invalid),      cmocka_unit_test(test_random),
+        cmocka_unit_test(test_tolerances),  cmocka_unit_test(test_invalid),      cmocka_unit_test(test_random), cmocka_unit_test(test_narrow_holes),
         cmocka_unit_test(test_texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
