@@ -34,7 +34,7 @@ typedef struct lanes {
     _Alignas(64) row x;              /* the ray made local; each row begins a line of the cache */
     row y, z, l, m, n, t0, scale;
     row tmin, tmax, t_tol, lo, hi, single;
-    row tau, last, first, evals;     /* last: the size of the step before; first: |g| where the search began, < 0: not yet known */
+    row tau, last, first, evals;     /* last: the size of the step before, of a root the slope; first: |g| where the search began, < 0: not yet known */
     row f, fx, fy, fz, g_err;        /* F at tau, the gradient, and how far F may be off */
     union { row at, left; };         /* of a march: the point before, and F there; of a root: beside it */
     union { row g, right; };
@@ -577,6 +577,7 @@ static double probe_begin(lanes *a, size_t n, double f_tol)
         double tau_err = 2 * (g + a->g_err[i]) / fabs(slope), flat = tau_err < HUGE_VAL ? (double)ROOT : (double)SGT_HARD;
         a->dt[i] = width_of(a->f[i], slope, a->g_err[i], a->tau[i], a->t_tol[i]);
         a->tau_err[i] = tau_err;
+        a->last[i] = slope;
         double phase = a->state[i], state = g <= f_tol ? flat : (double)READY;
         state = g <= a->first[i] ? state : (double)SGT_HARD;
         state = phase == READY ? state : phase;
@@ -613,8 +614,7 @@ static double probe_end(lanes *a, size_t n, double doubtful)
     double more = 0;
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
-        double both = a->end[i] * a->beside[i], slope = a->fx[i] * a->l[i] + a->fy[i] * a->m[i] + a->fz[i] * a->n[i];
-        double rises = slope * a->beside[i], root = rises > 0 ? (double)ROOT : (double)SGT_HARD, state = both < 0 ? root : (double)SGT_HARD;
+        double both = a->end[i] * a->beside[i], most = larger(both, -a->last[i] * a->beside[i]), state = most < 0 ? (double)ROOT : (double)SGT_HARD;
         state = both == 0 ? doubtful : state;
         more += state == READY ? 1.0 : 0.0;
         a->evals[i] += 2;
