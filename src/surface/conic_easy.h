@@ -19,7 +19,9 @@
  * its terms; or D above 2^-10 of them, so that either root is right to a part in 2^40, and each of the two off the sheet,
  * beyond the rim, before or behind the ends by a part in 2^20, or the start itself.  Which of the two the start is, the
  * distances from tmin tell, by a factor of 4; t0 - tmin is off by 3 u |t0|, so roots closer together than that could be
- * taken for each other, but there the rule of the start (2^-50 |t| of it) hides both.
+ * taken for each other, but there the rule of the start (2^-50 |t| of it) hides both.  What t0 + t0_lo is off by moves x and y by
+ * e <= 2^-98 |t0| (|l| + |m|), whatever they are.  It moves D by less than 2^-29 of its terms where e sqrt(Aa |c|) <= 2^-30 |n|,
+ * since 2 |n| sqrt(Aa |c|) |x| is below their sum; and a root by less than 2^-37 rims where e is below 2^-38 of them.
  *
  * PROVEN.  The bound on t proves a root.  It is the only one in [t - t_err, t + t_err] where 2 t_err < S / Aa, since the
  * roots are 2 S / |A| apart.  Within the rim it is for certain if its r^2 is at most rim^2 (1 - 464 u).  For |C| <= (1 +
@@ -116,7 +118,8 @@ SGT_INLINE verdicts easy_away(const bowl *s, double ox, double oy, double oz, do
     double Aa = fma(s->extra, n2, fabs(A)), Ba = fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
     double D = fma(B, B, -A * C), size = fma(Ba, Ba, Aa * fabs(C)), S = sqrt(larger(D, 0)), b = B + copysign(S, B), near = C / b, far = b / A;
     double to_near = fabs((t0 - tmin) + near), to_far = fabs((t0 - tmin) + far);
-    mask usual = MASK(n2 > 0x1p-200) & MASK(a + n2 < 0x1p200) & MASK(r2 < 0x1p600) & MASK(size < 0x1p600) & MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL);
+    double reach = fabs(t0) * (fabs(l) + fabs(m)), off = 0x1p-98 * reach;
+    mask usual = MASK(off * off * (Aa * s->abs_c) <= 0x1p-60 * n2) & MASK(reach <= 0x1p14 * s->reach) & MASK(n2 > 0x1p-200) & MASK(a + n2 < 0x1p200) & MASK(r2 < 0x1p600) & MASK(size < 0x1p600) & MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL);
     mask real = MASK(D > 0x1p-10 * size), start = starts_on(s, ox, oy, oz, l, m, n, tmin), two = MASK(fabs(A) > 0x1p-10 * Aa);
     mask far_gone = (two & (gone(s, x, y, t0, far, l, m, n, tmin, tmax) | (start & MASK(to_far < 0.25 * to_near)))) | (MASK(Aa == 0) & MASK(s->c == 0));
     mask near_gone = gone(s, x, y, t0, near, l, m, n, tmin, tmax) | (start & two & MASK(to_near < 0.25 * to_far));

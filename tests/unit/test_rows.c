@@ -104,9 +104,31 @@ static void test_root_beside_the_aperture(void **state)
     REQUIRE(fate == SGT_PASSED && fabs(hypot(p.hit.p.x, p.hit.p.y) - 30.44) < 0.01, "%s, r = %.17g", sgt_fate_text(fate), hypot(p.hit.p.x, p.hit.p.y));
 }
 
+/* Through the vertex from so far beside the axis that nothing is left of where the ray meets the vertex plane: it was told to
+ * pass by.  The ray's numbers have few bits, so that it meets the vertex exactly. */
+static void test_vertex_from_far_aside(void **state)
+{
+    (void)state;
+    static const double conics[] = {-2, -1, 0, 3, 42624}, slopes[] = {0x1.2c2cp-247, 0x1.2c2cp-60, 0x1.2c2cp-20, 0x1.2c2cp-3};
+    for (size_t k = 0; k < COUNT_OF(conics); k++)
+        for (size_t l = 0; l < COUNT_OF(slopes); l++)
+            for (int e = 20; e < 490; e += 5) {
+                double t = ldexp(0x1.8b5fp-1, e);
+                sgt_conic s = {.c = 21.75, .k = conics[k]};
+                sgt_asphere a = {.c = 21.75, .k = conics[k], .a = {0x1p-30}};
+                sgt_ray ray = {.o = {-slopes[l] * t, 0, -0x1.8b65p0 * t}, .d = {slopes[l], 0, 0x1.8b65p0}};
+                for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
+                    sgt_hit h[2] = {conic(s, ray, (sgt_options){.pick = pick}), asphere(a, ray, (sgt_options){.pick = pick})};
+                    for (int i = 0; i < 2; i++)
+                        REQUIRE(h[i].status != SGT_MISS, "%s, k %g, slope %g, from 2^%d: a miss", i ? "asphere" : "conic", s.k, slopes[l], e);
+                }
+            }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_vertex_from_far_aside),
         cmocka_unit_test(test_vertex_in_its_plane), cmocka_unit_test(test_two_about_the_start), cmocka_unit_test(test_coarse_tolerance),
         cmocka_unit_test(test_start_within_the_tolerance), cmocka_unit_test(test_far_without_a_rim), cmocka_unit_test(test_rim_from_afar),
         cmocka_unit_test(test_dark_from_the_start), cmocka_unit_test(test_other_at_the_end_of_the_chord), cmocka_unit_test(test_root_beside_the_aperture),
