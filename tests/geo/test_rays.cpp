@@ -8,7 +8,9 @@
 //     other way; its point is on the surface to 2e-8 m, by quadruple precision and by GeographicLib's Reverse;
 //   - a miss: F has its least above zero; a graze: to within 1e-7 m of it;
 //   - no ray is undecided; of the level of gravity none ends on the far sheet;
-//   - a batch has the same bits.
+//   - a batch has the same bits;
+//   - of a ray that starts on the surface, 0 ... 20 of the rule's own widths (sgt_ray in sagitta.h) before or behind: the start
+//     itself is not told, and the root behind the start is, inward and outward.
 #include "quad_earth.h"
 
 #include <sagitta/geo.h>
@@ -19,6 +21,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <functional>
+#include <limits>
 #include <random>
 #include <string>
 
@@ -209,6 +212,48 @@ void run(const char *name, long count, const earth::grid *grid, const sgt_geoid 
     faults += n.faults + (n.hits == 0) + (n.misses == 0);
 }
 
+// A ray from on the surface, to some widths of the start.  Convex ones alone: there are two roots, the start and the other.
+void from_surface(const char *name, long count, long &faults)
+{
+    long wrong = 0, undecided = 0, inward = 0, at_start = 0;
+    for (long i = 0; i < count; i++) {
+        double h = height_of_surface(), latitude = uniform(-90, 90), longitude = uniform(-180, 180);
+        sgt_geodetic_height over = {0, 0, h};
+        sgt_level_gravity level = {h, 0};
+        bool gravity = name[0] == 'l';
+        sgt_surface s = gravity ? sgt_surface{&sgt_level_gravity_ops, &level} : sgt_surface{&sgt_geodetic_height_ops, &over};
+        auto F = [&](const earth::vec &p) { return gravity ? earth::over_level(p, h) : earth::height(earth::WGS84, p) - h; };
+        sgt_vec3 p, n, d = direction();
+        GeographicLib::Geocentric::WGS84().Forward(latitude, longitude, h, p.x, p.y, p.z);
+        for (int k = 0; k < 8; k++) { // of a level of gravity heights are some kilometres off
+            s.ops->value(s.self, p, &n);
+            p = sum(1, p, -rounded(F(earth::exact(p))) / dot(n, n), n);
+        }
+        double steep = dot(n, d) / std::sqrt(dot(n, n));
+        if (!(std::fabs(steep) > 1e-3)) continue; // it nearly touches: above
+        sgt_ray ray = {p, d, 0, 0};
+        quad along = dot(n, d), root = 0; // Newton's method, to where the start's own root is
+        for (int k = 0; k < 10; k++) root -= F(earth::at(ray, root)) / along;
+        double spread = std::fabs(p.x * n.x) + std::fabs(p.y * n.y) + std::fabs(p.z * n.z), width = 0x1p-48 * spread / std::fabs(dot(n, d));
+        double step = whole(3) ? uniform(-20, 20) : uniform(-1, 1);
+        ray.tmin = rounded(root) - step * width, ray.tmax = std::numeric_limits<double>::infinity();
+        // Before the start by more than `most` the root there counts; behind by less than `least`, or after, it does not.
+        bool counts = step > 4, gone = step < 0.5;
+        sgt_hit hit = sgt_intersect(s, ray, nullptr);
+        bool inside = steep < 0, told_start = hit.status > 0 && std::fabs(hit.t - rounded(root)) < 1;
+        inward += inside, at_start += told_start, undecided += hit.status < 0;
+        const char *why = nullptr;
+        if (gone && told_start) why = "the start is told";
+        if (counts && hit.status >= 0 && !told_start) why = "a root that counts is not";
+        if (gone && inside && hit.status == SGT_MISS) why = "a miss, from inside";
+        if (gone && !inside && hit.status > 0) why = "a hit, outward";
+        if (why && ++wrong <= 5)
+            std::printf("%s, h = %.17g: %s, %g widths before: %s t = %.17g\n    o = %a %a %a\n    d = %a %a %a tmin %a\n", name, h, why, step, sgt_status_text(hit.status), hit.t, p.x, p.y, p.z, d.x, d.y, d.z, ray.tmin);
+    }
+    std::printf("%s: %ld rays from on it, %ld inward: the start told of %ld, %ld undecided; %ld faults\n", name, count, inward, at_start, undecided, wrong);
+    faults += wrong + (at_start == 0);
+}
+
 } // namespace
 
 int main(int argc, char **argv)
@@ -222,6 +267,8 @@ int main(int argc, char **argv)
     random_bits.seed(number);
     run("geodetic_height", count, nullptr, nullptr, faults);
     run("level_gravity", count, nullptr, nullptr, faults);
+    from_surface("geodetic_height", count, faults);
+    from_surface("level_gravity", count, faults);
     char path[4096], error[4096];
     earth::grid grid;
     if (!sgt_geoid_find(path, sizeof path)) {
