@@ -151,6 +151,30 @@ static void test_where(void **state)
     REQUIRE(fabs(faulty_value(&s, where, NULL)) < 1e-9, "F is %g at the root that shows it", faulty_value(&s, where, NULL));
 }
 
+/* An end of a span that is no number is a fault, either of them. */
+static sgt_span half_told(const void *self, const sgt_ray *ray)
+{
+    sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL};
+    (void)ray;
+    *(*(const int *)self ? &span.hi : &span.lo) = (double)NAN;
+    return span;
+}
+static double flat(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    (void)self;
+    if (grad) *grad = (sgt_vec3){0, 0, 1};
+    return p.z;
+}
+static void test_span_of_nan(void **state)
+{
+    (void)state;
+    generator g = seeded("a span with a NaN");
+    sgt_ray rays[24];
+    rays_through(&g, 1, COUNT_OF(rays), rays);
+    for (int hi = 0; hi < 2; hi++)
+        assert_int_equal(sgt_check((sgt_surface){&(sgt_surface_ops){.value = flat, .span = half_told}, &hi}, COUNT_OF(rays), rays, NULL), SGT_WRONG_SPAN);
+}
+
 static void test_no_value(void **state)
 {
     (void)state;
@@ -456,7 +480,8 @@ static void test_texts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_planted), cmocka_unit_test(test_where), cmocka_unit_test(test_promises), cmocka_unit_test(test_spans_alone), cmocka_unit_test(test_no_value), cmocka_unit_test(test_bad_rays),
+        cmocka_unit_test(test_planted), cmocka_unit_test(test_where), cmocka_unit_test(test_promises), cmocka_unit_test(test_spans_alone),
+        cmocka_unit_test(test_span_of_nan), cmocka_unit_test(test_no_value), cmocka_unit_test(test_bad_rays),
         cmocka_unit_test(test_sound), cmocka_unit_test(test_builtin), cmocka_unit_test(test_level_sets), cmocka_unit_test(test_texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -440,12 +440,28 @@ static void test_texts(void **state)
     assert_string_equal(sgt_move_text((sgt_move)99), "?");
 }
 
+/* g as computed is off by all that g_err allows: with f_tol too t_err holds for the exact g. */
+static void test_uncertain(void **state)
+{
+    (void)state;
+    generator g = seeded("uncertain");
+    for (long i = 0; i < scaled(2000); i++) {
+        double root = uniform(&g, -2, 2), e = log_uniform(&g, 1e-12, 1e-3), off = e * uniform(&g, -1, 1), slope = log_uniform(&g, 1e-3, 1e3);
+        sgt_options opt = {.f_tol = e * log_uniform(&g, 1e-3, 1e3)};
+        sgt_root r = sgt_root_begin((sgt_span){.lo = -3, .hi = 3, .seed = uniform(&g, 0, 1) < 0.3 ? root - off / slope : uniform(&g, -3, 3)}, &opt);
+        r.g_err = e * (1 + 1e-9) + 1e-14 * slope;
+        while (sgt_root_next(&r, slope * (r.t - root) + off, slope))
+            ;
+        REQUIRE(r.status != SGT_HIT || fabs(r.t - root) <= r.t_err, "slope %g, g_err %g, f_tol %g: the root is %g away, t_err is %g", slope, r.g_err, opt.f_tol, fabs(r.t - root), r.t_err);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_true_slopes), cmocka_unit_test(test_lying_slopes), cmocka_unit_test(test_budget),
         cmocka_unit_test(test_tolerances),  cmocka_unit_test(test_invalid),      cmocka_unit_test(test_random), cmocka_unit_test(test_narrow_holes),
-        cmocka_unit_test(test_texts),
+        cmocka_unit_test(test_texts),        cmocka_unit_test(test_uncertain),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
