@@ -175,6 +175,27 @@ static void test_span_of_nan(void **state)
         assert_int_equal(sgt_check((sgt_surface){&(sgt_surface_ops){.value = flat, .span = half_told}, &hi}, COUNT_OF(rays), rays, NULL), SGT_WRONG_SPAN);
 }
 
+/* A number written behind the last, in any of the arrays. */
+static void one_more(const void *self, size_t n, sgt_points p, sgt_values out)
+{
+    int which = *(const int *)self;
+    for (size_t i = 0; i < n; i++) {
+        out.f[i] = p.p[2][i];
+        for (int j = 0; out.grad[0] && j < 3; j++) out.grad[j][i] = j == 2;
+    }
+    if (which == 0) out.f[n] = 7;
+    else if (which < 4 && out.grad[0]) out.grad[which - 1][n] = 7;
+}
+static void test_beyond(void **state)
+{
+    (void)state;
+    generator g = seeded("beyond the end");
+    sgt_ray rays[3];
+    rays_through(&g, 1, COUNT_OF(rays), rays);
+    for (int which = 0; which <= 4; which++)
+        assert_int_equal(sgt_check((sgt_surface){&(sgt_surface_ops){.value = flat, .values = one_more}, &which}, COUNT_OF(rays), rays, NULL), which < 4 ? SGT_WRONG_VALUES : SGT_SOUND);
+}
+
 static void test_no_value(void **state)
 {
     (void)state;
@@ -481,7 +502,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_planted), cmocka_unit_test(test_where), cmocka_unit_test(test_promises), cmocka_unit_test(test_spans_alone),
-        cmocka_unit_test(test_span_of_nan), cmocka_unit_test(test_no_value), cmocka_unit_test(test_bad_rays),
+        cmocka_unit_test(test_span_of_nan), cmocka_unit_test(test_beyond), cmocka_unit_test(test_no_value), cmocka_unit_test(test_bad_rays),
         cmocka_unit_test(test_sound), cmocka_unit_test(test_builtin), cmocka_unit_test(test_level_sets), cmocka_unit_test(test_texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
