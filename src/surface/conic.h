@@ -78,10 +78,10 @@ bool sgt_conic_alone(double c, double k, double semi_diameter, const sgt_tile *t
 typedef struct stretch { double lo, hi; } stretch;
 stretch sgt_chord(const sgt_ray *ray, double radius2);
 
-/* The square of the greatest r where the sag is defined and, with a rim, wanted. */
+/* The square of the greatest r where the sag is defined and, with a rim, wanted; not so small that a square loses digits. */
 SGT_INLINE double domain2_within(double c, double k, double rim2)
 {
-    double k1 = 1 + k, edge = k1 > 0 && c != 0 ? 1 / (fabs(c) * sqrt(k1)) : HUGE_VAL, edge2 = edge * edge * (1 + 16 * SGT_U);
+    double k1 = 1 + k, edge = k1 > 0 && c != 0 ? 1 / (fabs(c) * sqrt(k1)) : HUGE_VAL, edge2 = larger(edge * edge * (1 + 16 * SGT_U), TINY);
     return rim2 < edge2 ? rim2 : edge2;
 }
 

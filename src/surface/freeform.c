@@ -118,7 +118,7 @@ bool sgt_freeform_roundings(const sgt_shared *s, size_t n, sgt_points p, const d
 
 /* --------------------------------------------------------------------------------------- the span */
 
-static const double FAR_OUT = 0x1p500; /* as good as without an end: a flat surface is still flat there */
+static const double FAR_OUT = 0x1p1023; /* no point of a ray whose coordinates are doubles is farther */
 
 typedef struct spanned { double lo, hi, seed, least; } spanned; /* least: > 0 where there is one root */
 
@@ -155,6 +155,15 @@ SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sg
     return (spanned){lo, hi, seed, chosen(MASK(least > 0) & ~none, least, 0)};
 }
 
+/* A bound on the conic's slope within r: w / phi with w = |c| r, which grows with r.  Beyond where its squares are doubles it is
+ * that of the asymptote, which is never reached; w itself, of a paraboloid, is exact. */
+static double conic_slope(double c, double k1, double r)
+{
+    double w = fabs(c) * r, phi2 = 1 - k1 * w * w;
+    if (!(w < HUGE_VAL)) return k1 < 0 ? 1 / sqrt(-k1) : HUGE_VAL;
+    return phi2 == HUGE_VAL ? 1 / sqrt(-k1) : phi2 > 0x1p-30 ? w / sqrt(phi2) : HUGE_VAL;
+}
+
 void sgt_freeform_share(const freeform *s, sgt_shared *shared)
 {
     double rim2 = rim2_of(s->semi_diameter), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
@@ -163,15 +172,14 @@ void sgt_freeform_share(const freeform *s, sgt_shared *shared)
     if (s->of->noise && rim2 < HUGE_VAL) s->of->noise(s->self, sqrt(e.most2) * (1 + 0x1p-40), e.noise);
     e.noise[0] += LOST;
     if (rim2 > 0 && domain2 == rim2) {
-        double r = rim2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT, phi2 = 1 - (1 + s->k) * s->c * s->c * (r * r);
-        double conic = !s->base ? 0 : phi2 > 0x1p-30 ? fabs(s->c) * r / sqrt(phi2) : HUGE_VAL; /* it grows with r */
+        double r = rim2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT, conic = s->base ? conic_slope(s->c, 1 + s->k, r) : 0;
         region where = {{-r, r}, {-r, r}, 0, r};
         bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
         int defined = conic < HUGE_VAL ? s->of->bounds(s->self, &where, &b) : 0;
         double steep = (conic + b.steep + LOST) * (1 + 0x1p-20);
         if (defined == 1 && steep < 0x1p500) e.steep = steep * (1 + 0x1p-20);
     }
-    if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2)) e.radius2 = s->reach * s->reach * (1 + 0x1p-40);
+    if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2)) e.radius2 = larger(s->reach * s->reach * (1 + 0x1p-40), TINY);
     *shared = e;
 }
 
