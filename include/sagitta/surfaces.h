@@ -17,9 +17,10 @@ extern "C" {
  * k: conic constant (0 sphere, -1 paraboloid; below -1 one sheet of a
  * hyperboloid, above 0 an oblate ellipsoid).  The rim is soft by a part in 2^44:
  * r^2 <= semi_diameter^2 (1 + 2^-44) counts, so that a marginal ray at
- * 0.5000000000000004 is inside 0.5.  Where |c| r is beyond 1e150 or coordinates
- * are beyond 1e150 radii apart an answer may be SGT_UNPROVEN; where semi_diameter is
- * 1e150 or more, or so small that its square is below 2^-960, it is.
+ * 0.5000000000000004 is inside 0.5.  A semi_diameter of 2^500 (3e150) or more is no
+ * limit, as 0 is, and one below 2^-480 (3e-145) makes every answer SGT_UNPROVEN: of all
+ * surfaces here.  Where |c| r is beyond 1e150 or coordinates are beyond 1e150 radii
+ * apart an answer may be SGT_UNPROVEN.
  * Source: ISO 10110-12. */
 typedef struct sgt_conic { double c, k, semi_diameter; } sgt_conic;
 

@@ -151,6 +151,17 @@ static bool first_of_several(walk *w)
     return told;
 }
 
+/* An end at infinity made one of 16 times as far from the point nearest the frame's origin as the ray begins: solve/root.c would take samples
+ * among the floating-point numbers, which depends on the unit of length.  What is beyond is left to prove.c. */
+static void cut_to_reach(const approach *a, const sgt_ray *ray, sgt_span *s)
+{
+    const sgt_vec3 o = ray->o;
+    double away = 16 * sqrt(o.x * o.x + o.y * o.y + o.z * o.z) / sqrt(a->q.l * a->q.l + a->q.m * a->q.m + a->q.n * a->q.n), nearest = a->nearest - a->q.t0;
+    if (!(away < HUGE_VAL)) return;
+    if (s->lo == -HUGE_VAL && nearest - away < s->hi) s->lo = nearest - away;
+    if (s->hi == HUGE_VAL && nearest + away > s->lo) s->hi = nearest + away;
+}
+
 /* Adds what there is; the evaluations spent since the last entry. */
 static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list)
 {
@@ -179,7 +190,9 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
         if (quickly(&w, &a, span.single)) return w.told.evals - w.told.before;
         if (!over(&w)) {
             double seed = a.seeded ? span.seed / a.q.scale - a.q.t0 : near ? a.nearest - a.q.t0 : (double)NAN;
-            sgt_root r = sgt_walk_solve(&w, sgt_walk_begin(&w, (sgt_span){.lo = lo, .hi = hi, .seed = seed, .single = span.single}), &at);
+            sgt_span cut = {.lo = lo, .hi = hi, .seed = seed, .single = span.single};
+            if (is_catalogue(s.ops) && !span.single) cut_to_reach(&a, ray, &cut);
+            sgt_root r = sgt_walk_solve(&w, sgt_walk_begin(&w, cut), &at);
             if (is_catalogue(s.ops) && r.status == SGT_GRAZE) r.status = SGT_UNPROVEN; /* prove.c knows how far it touches */
             bool taken = sgt_walk_take(&w, &r, at);
             if (taken || (span.single && (r.status == SGT_MISS || (r.status > 0 && w.off)))) return w.told.evals - w.told.before;
@@ -206,6 +219,7 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
 {
     sgt_options own;
     opt = read_of(s, opt, &own);
+    if (!rim_in_range(rim2_of_surface(s))) return hit_without(SGT_UNPROVEN, ray, 0);
     if (opt->proof) return sgt_prove(s, ray, opt);
     sgt_list list = {.cap = 0, .count = 0};
     int evals = search(s, ray, opt, false, &list);
@@ -215,7 +229,9 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
 void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
 {
     sgt_options own;
+    tally none = {.opt = opt};
     opt = read_of(s, opt, &own);
-    if (opt->proof) sgt_prove_all(s, ray, opt, list);
+    if (!rim_in_range(rim2_of_surface(s))) add_stretch(list, &none, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
+    else if (opt->proof) sgt_prove_all(s, ray, opt, list);
     else search(s, ray, opt, true, list);
 }

@@ -443,12 +443,16 @@ static void push(pieces *p, double lo, double hi)
     if (lo <= hi) p->piece[p->n++] = sgt_interval_between(lo, hi);
 }
 
-/* Its middle; of one that is long for its distance from the centre the geometric one. */
+/* Its middle; of one that is long for its distance from the centre the geometric one.  DBL_MAX, for an end at infinity, is no
+ * length: there it is so many times as far as the other end, whatever the unit of length. */
 static double middle_of(const proof *w, sgt_interval x)
 {
+    const double times = 0x1p32;
     double a = x.lo - w->centre, b = x.hi - w->centre, m = (double)NAN;
-    if (a > 0 && b > 4 * a) m = w->centre + sqrt(a) * sqrt(b);
-    if (b < 0 && a < 4 * b) m = w->centre - sqrt(-a) * sqrt(-b);
+    if (x.hi == DBL_MAX && a > 0 && b > 4 * times * a) m = w->centre + times * a;
+    else if (x.lo == -DBL_MAX && b < 0 && a < 4 * times * b) m = w->centre + times * b;
+    else if (a > 0 && b > 4 * a) m = w->centre + sqrt(a) * sqrt(b);
+    else if (b < 0 && a < 4 * b) m = w->centre - sqrt(-a) * sqrt(-b);
     return m > x.lo && m < x.hi ? m : sgt_interval_middle(x);
 }
 

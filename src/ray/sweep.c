@@ -805,7 +805,7 @@ static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
 size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_surface_ops *ops = s.ops;
-    if (opt->proof || !parameters_valid(s)) { /* one by one: prove.c; the door */
+    if (opt->proof || !parameters_valid(s) || !rim_in_range(rim2_of_surface(s))) { /* one by one: prove.c; the door */
         memset(tile->hits.status, SGT_HARD, tile->n);
         return tile->n;
     }

@@ -13,6 +13,9 @@
  * coordinates among them: less than the 16 u that quadratic.h asks for. */
 #include "quadratic.h"
 
+#include <limits.h>
+#include <stdlib.h>
+
 /* The linear form that is the gradient's row. */
 typedef struct rows { double x, y, z; } rows;
 
@@ -147,7 +150,7 @@ SGT_INLINE twofold fine_dot(twofold a, twofold x, twofold b, twofold y, twofold 
     return twofold_sum(twofold_sum(twofold_product(a, x), twofold_product(b, y)), twofold_product(c, z));
 }
 
-/* Are all the coefficients in the range in which products with them are split exactly? */
+/* Are all the coefficients in the range in which products with them are split exactly?  Where not, quadric_far has another unit. */
 static bool moderate(const sgt_quadric *s)
 {
     bool is = true;
@@ -158,15 +161,13 @@ static bool moderate(const sgt_quadric *s)
     return is;
 }
 
+/* false: not so, or the ray is out of range. */
 SGT_CLONES
-static sgt_interval quadric_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+static bool quadric_fine(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *g, sgt_interval *slope)
 {
-    const sgt_quadric *s = self;
     const double *a = s->squares, *b = s->products, *c = s->linear;
-    sgt_interval g;
     fine_ray r;
-    if (!stretch_valid(ray, t, &g, slope)) return g;
-    if (!fine_ray_of(ray, t0, t, &r) || !moderate(s)) return quadric_plain(s, ray, t0, t, slope);
+    if (!fine_ray_of(ray, t0, t, &r) || !moderate(s)) return false;
     twofold l = twofold_of(r.l), m = twofold_of(r.m), n = twofold_of(r.n), x = r.x, y = r.y, z = r.z;
     fine_rows full = {fine_form(2 * a[0], x, b[0], y, b[2], z, c[0]), fine_form(b[0], x, 2 * a[1], y, b[1], z, c[1]), fine_form(b[2], x, b[1], y, 2 * a[2], z, c[2])};
     fine_rows upper = {fine_form(a[0], x, b[0], y, b[2], z, c[0]), fine_form(0, x, a[1], y, b[1], z, c[1]), fine_form(0, x, 0, y, a[2], z, c[2])};
@@ -178,7 +179,65 @@ static sgt_interval quadric_enclose_from(const void *self, const sgt_ray *ray, d
                        twofold_sum(fine_dot(x, upper.x, y, upper.y, z, upper.z), twofold_of(s->constant)), 0, 0, 0};
     p.Aa = bent(&size, la, ma, na), p.Ca = quadric_at(&size, fabs(x.hi), fabs(y.hi), fabs(z.hi), &sizes) + tiny;
     p.Ba = 0.5 * (sizes.x * la + sizes.y * ma + sizes.z * na) + tiny;
-    return fine_enclose(&p, &r, slope);
+    *g = fine_enclose(&p, &r, slope);
+    return true;
+}
+
+/* The exponent of the greatest of three; INT_MIN: all are 0. */
+static int exponent_of(const double *x)
+{
+    double most = larger(larger(fabs(x[0]), fabs(x[1])), fabs(x[2]));
+    return most > 0 ? ilogb(most) : INT_MIN;
+}
+
+/* The same surface in a unit of length and with a factor, powers of two both, in which it is of the size of 1:
+ * 2^of times F at 2^length times the point.  false: a number would be rounded. */
+static bool in_own_unit(const sgt_quadric *s, sgt_quadric *out, int *length, int *of)
+{
+    int square = exponent_of(s->squares), product = exponent_of(s->products), linear = exponent_of(s->linear), constant = s->constant != 0 ? ilogb(s->constant) : INT_MIN;
+    if (product > square) square = product;
+    *length = 0;
+    if (square == INT_MIN) { /* a plane */
+        if (constant > INT_MIN) *length = constant - linear;
+        square = linear - *length;
+    } else {
+        int by_linear = linear > INT_MIN ? linear - square : INT_MIN, by_constant = constant > INT_MIN ? (constant - square) >> 1 : INT_MIN;
+        if (by_linear > INT_MIN || by_constant > INT_MIN) *length = by_linear > by_constant ? by_linear : by_constant;
+    }
+    *of = -square - 2 * *length;
+    bool exact = true;
+    for (int i = 0; i < 10; i++) {
+        double x = i < 3 ? s->squares[i] : i < 6 ? s->products[i - 3] : i < 9 ? s->linear[i - 6] : s->constant;
+        int by = *of + *length * (i < 6 ? 2 : i < 9 ? 1 : 0);
+        double *to = i < 3 ? &out->squares[i] : i < 6 ? &out->products[i - 3] : i < 9 ? &out->linear[i - 6] : &out->constant;
+        *to = ldexp(x, by);
+        exact = exact && ldexp(*to, -by) == x;
+    }
+    return exact;
+}
+
+/* g and its slope of the surface in its own unit, whatever the caller's is: far from 1 the products are not exact. */
+static bool quadric_far(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *g, sgt_interval *slope)
+{
+    sgt_quadric own;
+    int length, of;
+    if (!in_own_unit(s, &own, &length, &of) || abs(length) > 1000 || abs(of) > 1000 || abs(of + length) > 1000) return false;
+    double unit = ldexp(1, -length);
+    sgt_ray moved = *ray;
+    moved.o = (sgt_vec3){ray->o.x * unit, ray->o.y * unit, ray->o.z * unit};
+    if (moved.o.x / unit != ray->o.x || moved.o.y / unit != ray->o.y || moved.o.z / unit != ray->o.z || t0 * unit / unit != t0) return false;
+    if (!quadric_fine(&own, &moved, t0 * unit, sgt_interval_scaled(t, unit), g, slope)) return false;
+    *g = sgt_interval_scaled(*g, ldexp(1, -of)), *slope = sgt_interval_scaled(*slope, ldexp(1, -of - length));
+    return true;
+}
+
+static sgt_interval quadric_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+{
+    const sgt_quadric *s = self;
+    sgt_interval g;
+    if (!stretch_valid(ray, t, &g, slope)) return g;
+    if (quadric_fine(s, ray, t0, t, &g, slope) || quadric_far(s, ray, t0, t, &g, slope)) return g;
+    return quadric_plain(s, ray, t0, t, slope);
 }
 
 static sgt_interval quadric_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope) { return quadric_enclose_from(self, ray, 0, t, slope); }

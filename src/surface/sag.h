@@ -193,16 +193,19 @@ SGT_INLINE bool rim_hidden(const meeting *h, double rim2)
     return !(fabs(r2 - rim2) > 1.01 * off);
 }
 
+/* Infinite where there is none; 2^500 and beyond is none (surfaces.h). */
+static const double NO_RIM = 0x1p500;
+
 SGT_INLINE double rim2_of(double semi_diameter)
 {
     if (!(semi_diameter > 0)) return HUGE_VAL;
-    return semi_diameter < 1e150 ? semi_diameter * semi_diameter * SOFT_RIM : 0; /* 0: out of range */
+    return semi_diameter < NO_RIM ? semi_diameter * semi_diameter * SOFT_RIM : HUGE_VAL;
 }
 
 /* Of the rim within which a root in lanes is certain: conic_easy.h, asphere_easy.h. */
 SGT_INLINE double sure_rim2(double rim2) { return rim2 * (1 - 0x1.dp-45); }
 
-/* Its square is neither lost nor infinite (where there is one). */
+/* Its square has lost nothing to underflow.  Where it has, no root is told from another: every ray is UNPROVEN. */
 SGT_INLINE bool rim_in_range(double rim2) { return rim2 > TINY; }
 
 /* Where a ray that lies in the surface from lo to hi begins to count: the first t, as nearly as a few trials tell, whose

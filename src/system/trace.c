@@ -187,7 +187,7 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
     sgt_hit hit = met ? *met : sgt_intersect(e->surface, ray, &own);
     choose(e->surface, ray, aperture2_of(e->semi_diameter), &own, &hit, &inside);
     own.proof = opt->proof;
-    if (inside && only) sgt_prove_alone(e->surface, &ray, aperture2_of(e->semi_diameter), &own, &hit);
+    if (inside && only) sgt_prove_alone(e->surface, &ray, aperture2_around(aperture2_of(e->semi_diameter)), &own, &hit);
     if (!met) tell_of_given(&hit, at, &e->pose, turned, &ray, told); /* else the batch has */
     passage->hit = hit;
     if (hit.status == SGT_MISS) return SGT_MISSED;

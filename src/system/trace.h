@@ -219,9 +219,22 @@ SGT_INLINE widening widening_by(aside a, bool first, bool turns, double moved, s
 
 /* --------------------------------------------------------- aperture and path */
 
-/* Of the clear aperture; wider than 1e150 holds whatever can be met. */
-SGT_INLINE double aperture2_of(double semi_diameter) { return semi_diameter < 1e150 ? rim2_of(semi_diameter) : HUGE_VAL; }
-SGT_INLINE bool is_inside(sgt_vec3 p, double aperture2) { return !(p.x * p.x + p.y * p.y > aperture2); }
+/* Of the clear aperture.  Of one whose square would be lost, that of it times 2^900, negative: nothing is inside that to the loops,
+ * and what they leave is told by is_inside. */
+SGT_INLINE double aperture2_of(double semi_diameter)
+{
+    double aperture2 = rim2_of(semi_diameter), large = 0x1p900 * semi_diameter;
+    return rim_in_range(aperture2) ? aperture2 : -rim2_of(large);
+}
+
+SGT_INLINE bool is_inside(sgt_vec3 p, double aperture2)
+{
+    if (aperture2 < 0) p.x *= 0x1p900, p.y *= 0x1p900, aperture2 = -aperture2;
+    return !(p.x * p.x + p.y * p.y > aperture2);
+}
+
+/* That, or all the points whose squares are lost. */
+SGT_INLINE double aperture2_around(double aperture2) { return aperture2 < 0 ? TINY : aperture2; }
 
 /* A root outside the aperture, or no decision, is asked again on the chord of the ray with the aperture's
  * cylinder.  The chord is made longer by 2^-20 at both ends, so that a root on the rim is not taken for the
@@ -232,7 +245,7 @@ SGT_INLINE bool is_worth_more(sgt_status status) { return status != SGT_MISS && 
 SGT_INLINE bool cut_to_chord(sgt_ray *ray, double aperture2)
 {
     sgt_ray flat = {.o = ray->o, .d = {ray->d.x, ray->d.y, 0}}; /* beside z, x and y might be too small to square */
-    stretch chord = sgt_chord(&flat, aperture2);
+    stretch chord = sgt_chord(&flat, aperture2_around(aperture2));
     double more = 0x1p-20 * (chord.hi - chord.lo);
     ray->tmin = chord.lo - more, ray->tmax = chord.hi + more;
     return chord.lo < chord.hi && more < HUGE_VAL && ray->tmax != 0; /* 0 might stand for infinity */

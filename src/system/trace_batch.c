@@ -382,7 +382,7 @@ static sgt_options met_by(const sgt_options *opt)
 APART static bool hide_others(const sgt_element *e, const sgt_tile *rays, double aperture2, const vectors *p)
 {
     unsigned long long alone[TILE];
-    if (sgt_alone_tile(e->surface, rays, aperture2, alone, NULL)) return false;
+    if (sgt_alone_tile(e->surface, rays, aperture2_around(aperture2), alone, NULL)) return false;
     bool any = false;
     for (size_t i = 0; i < rays->n; i++)
         if (~alone[i] && rays->hits.status[i] > 0 && is_inside(get(p, i), aperture2)) rays->hits.status[i] = SGT_HARD, any = true;

@@ -127,8 +127,8 @@ static void print_reason_of_unproven(char text[REASON_SIZE], const search *s)
     view v = look(s);
     char places[PLACES_SIZE];
     print_places(places, &v);
-    if (v.rim > 0 && !(v.rim < 1e150 && v.rim * v.rim > 0x1p-960)) {
-        snprintf(text, REASON_SIZE, "nothing can be told of a semi_diameter whose square leaves the range of a double");
+    if (v.rim > 0 && !(v.rim * v.rim > 0x1p-960)) {
+        snprintf(text, REASON_SIZE, "nothing can be told of a semi_diameter so small that its square is lost");
     } else if (v.at_rim >= 0) {
         const sgt_hit *h = &v.root[v.at_rim];
         char t[NUMBER_SIZE], r[NUMBER_SIZE], edge[NUMBER_SIZE];

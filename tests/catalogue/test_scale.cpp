@@ -1,0 +1,352 @@
+// The unit of length and the length of a direction change nothing: of every row of sgt_builtins.
+//
+// A parameter's unit in that table is its power of length.  All parameters, the ray and its ends are multiplied by the powers of
+// two that 2^k for each length makes, |k| <= 300; or the direction by 2^j, |j| <= 500.  Every operation of the library
+// is then scaled exactly, and so must be every answer: sgt_intersect (first and near the seed, with each proof), sgt_intersect_all,
+// sgt_intersect_batch and sgt_trace, each number of them to the last bit, and the evaluations too.
+//
+// Where a number of the surface or the ray leaves the range of doubles, or its square does, that is too much to ask.
+// There, and far out on a ray that has no end, where squares overflow at one scale and not at another, the answers may differ in what is
+// undecided; but a hit at one scale is no miss at another, nor another root.
+#include "agree.h"
+#include "judge.h"
+
+#include <sagitta/system.h>
+
+#include <cinttypes>
+
+using namespace catalogue;
+
+namespace {
+
+long compared, exactly, failures, undecided_once, of_endless;
+std::map<std::string, long> failed;
+
+// ------------------------------------------------------------------ surfaces at another scale
+
+const sgt_builtin *row_of(const std::string &type)
+{
+    for (const sgt_builtin *row = sgt_builtins; row->type; row++)
+        if (type == row->type) return row;
+    return nullptr;
+}
+const sgt_builtin *row_of(const sgt_surface_ops *ops)
+{
+    for (const sgt_builtin *row = sgt_builtins; row->type; row++)
+        if (row->ops == ops) return row;
+    return nullptr;
+}
+
+// Of number i of a list, or of number j of row i of a table.
+int power_of(const char *unit, int i, int j)
+{
+    const std::string of = unit;
+    if (of == "1") return 0;
+    if (of == "length") return 1;
+    if (of == "length^2") return 2;
+    if (of == "1/length") return -1;
+    if (of == "1/length^i") return -i;
+    if (of == "1/length^(2i+1)") return -(2 * i + 1);
+    if (of == "1/length^(i+j-1)") return 1 - i - j;
+    std::printf("FAIL a unit that this test does not know: %s\n", unit);
+    failures++;
+    return 0;
+}
+
+struct scaling {
+    std::vector<std::shared_ptr<void>> kept;
+    double most;                         // of squares, or of fourth powers, neither is lost
+    bool exact = true, moderate = true;  // no number is rounded; all are below `most` and above its inverse
+    explicit scaling(const std::string &type)
+    {
+        const bool fourth = type == "torus" || type == "toroidal" || type == "biconic" || type == "cylinder" || type == "sum";
+        most = fourth ? 0x1p230 : 0x1p480;
+    }
+
+    double number(double x, int by)
+    {
+        const double y = std::ldexp(x, by);
+        if (y != 0 && !(std::fabs(y) >= DBL_MIN && std::fabs(y) <= DBL_MAX)) exact = false;
+        if (x != 0 && y == 0) exact = false;
+        if (y != 0 && !(std::fabs(y) > 1 / most && std::fabs(y) < most)) moderate = false;
+        return y;
+    }
+    sgt_vec3 vector(const sgt_vec3 &a, int by) { return {number(a.x, by), number(a.y, by), number(a.z, by)}; }
+
+    sgt_surface surface(const sgt_builtin *row, const sgt_surface &s, int k)
+    {
+        std::shared_ptr<std::vector<double>> room = std::make_shared<std::vector<double>>(row->size / sizeof(double) + 2);
+        kept.push_back(room);
+        char *to = reinterpret_cast<char *>(room->data());
+        std::memcpy(to, s.self, row->size);
+        for (const sgt_param *p = row->params; p->name; p++) {
+            if (!std::strcmp(p->name, "slice")) continue; // a part of `at`
+            if (p->kind == SGT_REAL || p->kind == SGT_VECTOR) {
+                double *x = reinterpret_cast<double *>(to + p->offset);
+                for (int i = 0; i < p->count; i++) x[i] = number(x[i], k * power_of(p->unit, i, 0));
+            } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+                sgt_numbers a;
+                std::memcpy(&a, to + p->offset, sizeof a);
+                std::shared_ptr<std::vector<double>> x = std::make_shared<std::vector<double>>(a.x, a.x + a.rows * a.columns);
+                for (std::size_t i = 0; i < x->size(); i++) {
+                    const int at_row = static_cast<int>(i / a.columns), at_column = static_cast<int>(i % a.columns);
+                    (*x)[i] = number((*x)[i], k * power_of(p->unit, p->kind == SGT_LIST ? at_column : at_row, at_column));
+                }
+                kept.push_back(x);
+                a.x = x->data();
+                std::memcpy(to + p->offset, &a, sizeof a);
+            } else if (p->kind == SGT_TERMS) {
+                const sgt_surface *terms;
+                std::size_t count;
+                std::memcpy(&terms, to + p->offset, sizeof terms);
+                std::memcpy(&count, to + p->offset + sizeof terms, sizeof count);
+                std::shared_ptr<std::vector<sgt_surface>> own = std::make_shared<std::vector<sgt_surface>>();
+                for (std::size_t i = 0; i < count; i++) own->push_back(surface(row_of(terms[i].ops), terms[i], k));
+                kept.push_back(own);
+                terms = own->data();
+                std::memcpy(to + p->offset, &terms, sizeof terms);
+            }
+        }
+        if (s.ops == &sgt_grid_ops) {
+            sgt_grid *grid = reinterpret_cast<sgt_grid *>(to);
+            if (grid->steep > 0) sgt_grid_measure(grid); // it was
+        }
+        return {s.ops, to};
+    }
+    sgt_surface surface(const specimen &s, int k) { return surface(row_of(s.type), s.s, k); }
+};
+
+// ------------------------------------------------------------------ surfaces and rays
+
+// A surface, and another of about its shape that rays are aimed at.
+struct target {
+    specimen s, shape;
+};
+
+target random_target(generator &g, const std::string &type)
+{
+    target t = {};
+    if (type == "plane" || type == "sphere" || type == "conic" || type == "even_asphere") {
+        t.shape = random_specimen(g, "sum");
+        sgt_sum sum = *static_cast<const sgt_sum *>(t.shape.s.self);
+        sum.count = 0;
+        sgt_asphere a = {type == "plane" ? 0 : sum.c, type == "plane" || type == "sphere" ? 0 : sum.k, sum.semi_diameter, {}};
+        if (type == "sphere" && a.c * a.c * t.shape.h * t.shape.h > 0.9) a.c *= 0.9 / (std::fabs(a.c) * t.shape.h);
+        t.s = t.shape;
+        if (type == "even_asphere") {
+            const std::vector<double> terms = random_terms(g, random_length(g, 4, 8), t.s.h * g.log_uniform(1e-6, 0.1));
+            for (std::size_t i = 0; i < terms.size(); i++) a.a[i] = terms[i] / std::pow(t.s.h, 2 * static_cast<double>(i) + 2);
+            t.s.s = {&sgt_asphere_ops, t.s.keep(a)};
+            sum.terms = t.s.keep(t.s.s), sum.count = 1;
+        } else t.s.s = {&sgt_conic_ops, t.s.keep(sgt_conic{a.c, a.k, a.semi_diameter})};
+        sum.c = a.c, sum.k = a.k;
+        t.shape.s.self = t.s.keep(sum);
+        t.s.type = t.shape.type = type;
+    } else if (type == "julia" || type == "mandelbrot") {
+        t.shape = random_specimen(g, "ellipsoid");
+        t.s = t.shape;
+        t.s.type = type;
+        const double h = t.s.h, e = 1.2 / h;
+        sgt_julia j = {};
+        sgt_mandelbrot m = {};
+        for (double &x : j.c) x = g.uniform(-0.6, 0.6);
+        j.ex[0] = m.ex[0] = j.ey[1] = m.ey[1] = j.ez[2] = m.ez[2] = e;
+        if (g.chance(0.5)) j.ez[3] = m.ez[3] = e * g.uniform(-1, 1);
+        j.at[3] = m.at[3] = g.uniform(-0.1, 0.1);
+        j.iterations = m.iterations = 3 + g.below(8);
+        j.power = m.power = g.chance(0.7) ? 2 : 3;
+        if (type == "julia") t.s.s = {&sgt_julia_ops, t.s.keep(j)};
+        else t.s.s = {&sgt_mandelbrot_ops, t.s.keep(m)};
+    } else t.s = t.shape = random_specimen(g, type);
+    return t;
+}
+
+sgt_ray random_ray_at(generator &g, const subject &of)
+{
+    sgt_ray r = random_ray(g, of, static_cast<ray_kind>(g.below(ray_kinds)));
+    if (g.chance(0.3)) r.d.z = std::hypot(r.d.x, r.d.y) * g.sign() * g.log_uniform(1e-14, 0.1); // nearly at right angles to the axis
+    if (g.chance(0.03)) r.o.z = 0;
+    if (g.chance(0.2)) r.tmin = -HUGE_VAL, r.tmax = HUGE_VAL;
+    return r;
+}
+
+// ------------------------------------------------------------------ comparison
+
+// Near the smallest normal number an error bound has a number added that does not scale.
+bool same(double a, double b) { return a == b || (a != a && b != b) || (std::fabs(a) < 1e-290 && std::fabs(b) < 1e-290); }
+bool same(const sgt_vec3 &a, const sgt_vec3 &b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z); }
+// The ends of what is not decided: a far one may stand for the greatest number.
+bool same_end(double a, double b) { return same(a, b) || (std::fabs(a) > 1e300 && std::fabs(b) > 1e300 && (a > 0) == (b > 0)); }
+
+double times(double x, int k) { return std::ldexp(x, k); }
+sgt_vec3 times(const sgt_vec3 &a, int k) { return {times(a.x, k), times(a.y, k), times(a.z, k)}; }
+
+// What a hit is where t is in units 2^t, a point in units of 2^k, F of 2^f.
+sgt_hit expected(sgt_hit h, int t, int k, int f)
+{
+    for (double *x : {&h.t, &h.t_err, &h.t_lo, &h.lo, &h.hi}) *x = times(*x, t);
+    h.p = times(h.p, k), h.p_err = times(h.p_err, k);
+    h.n = times(h.n, f - k), h.f = times(h.f, f);
+    return h;
+}
+
+const char *difference(const sgt_hit &a, const sgt_hit &b)
+{
+    if (a.status != b.status) return "status";
+    if (a.evals != b.evals) return "evals";
+    const bool numbers = a.status < 0 || (same(a.t, b.t) && same(a.t_err, b.t_err));
+    if (!(numbers && same(a.t_lo, b.t_lo) && same_end(a.lo, b.lo) && same_end(a.hi, b.hi))) return "t, t_err, t_lo, lo or hi";
+    if (!(same(a.p, b.p) && same(a.n, b.n) && same(a.f, b.f) && same(a.p_err, b.p_err))) return "the point, the normal or F";
+    return nullptr;
+}
+
+struct question {
+    const specimen *s;
+    sgt_ray ray;
+    sgt_options options;
+    int k, j;
+    bool moderate;
+};
+
+void print_ray(const sgt_ray &r) { std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax); }
+void print_hit(const char *name, const sgt_hit &h)
+{
+    std::printf("    %-6s %s evals %d t %.17g t_err %g [%g, %g] p %g %g %g p_err %g n %g %g %g f %g\n", name, sgt_status_text(h.status), h.evals, h.t, h.t_err, h.lo, h.hi, h.p.x, h.p.y, h.p.z, h.p_err,
+                h.n.x, h.n.y, h.n.z, h.f);
+}
+
+bool show(const question &q, const std::string &what)
+{
+    failures++;
+    if (failed[q.s->type + ": " + what]++ >= 1) return false;
+    std::printf("FAIL %s, %s: lengths times 2^%d, direction times 2^%d; pick %d proof %d\n", q.s->type.c_str(), what.c_str(), q.k, q.j, static_cast<int>(q.options.pick), static_cast<int>(q.options.proof));
+    print_surface(q.s->s);
+    print_ray(q.ray);
+    return true;
+}
+
+// All numbers and the evaluations; the status; no contradiction.
+enum strictness { to_the_bit, statuses, nothing_wrong };
+
+void compare(const question &q, const char *by, const sgt_hit &got, const sgt_hit &want, strictness how)
+{
+    compared++;
+    const bool agree = got.status == want.status || (got.status < 0 && want.status < 0);
+    const char *why = how == to_the_bit ? difference(got, want) : first_contradiction(got, want);
+    if (!why && !agree && (how == statuses || (q.moderate && got.status >= 0 && want.status >= 0))) why = "status";
+    if (how == nothing_wrong && !agree) undecided_once++;
+    exactly += how == to_the_bit;
+    if (why && show(q, std::string(by) + ", " + why)) {
+        print_hit("want", want);
+        print_hit("got", got);
+    }
+}
+
+void compare(const question &q, const char *by, const std::vector<sgt_hit> &got, const std::vector<sgt_hit> &want, strictness how)
+{
+    compared++;
+    const char *why = list_contradiction(got, want);
+    const bool agree = got.size() == want.size();
+    if (!why && how < nothing_wrong && !agree) why = "how many";
+    if (how == nothing_wrong && !agree) undecided_once++;
+    for (std::size_t e = 0; e < got.size() && !why && how == to_the_bit; e++) why = difference(got[e], want[e]);
+    if (why && show(q, std::string(by) + ", " + why)) {
+        for (const sgt_hit &h : want) print_hit("want", h);
+        for (const sgt_hit &h : got) print_hit("got", h);
+    }
+}
+
+// ------------------------------------------------------------------ the questions
+
+enum { entries = 12, rays_each = 6, QUICK = 12 };
+
+void one_target(generator &g, const std::string &type)
+{
+    const target t = random_target(g, type);
+    const specimen &s = t.s;
+    const subject of(t.shape);
+    sgt_options options = {};
+    options.pick = g.chance(0.5) ? SGT_FIRST : SGT_NEAR_SEED;
+    options.proof = static_cast<sgt_proof>(g.below(3));
+    if (g.chance(0.2)) options.t_tol = s.h * std::ldexp(1.0, -10 - g.below(40));
+    std::vector<sgt_ray> rays;
+    for (int i = 0; i < rays_each; i++) rays.push_back(random_ray_at(g, of));
+    const int f_power = type == "quadric" ? 2 : type == "julia" || type == "mandelbrot" ? 0 : 1;
+
+    scaling none(type);
+    const sgt_surface plain = none.surface(s, 0);
+    std::vector<sgt_hit> alone;
+    std::vector<std::vector<sgt_hit>> all;
+    for (const sgt_ray &r : rays) {
+        alone.push_back(sgt_intersect(plain, r, &options));
+        std::vector<sgt_hit> list(entries);
+        const int n = sgt_intersect_all(plain, r, entries, list.data(), &options);
+        list.resize(static_cast<std::size_t>(std::max(0, std::min<int>(n, entries))));
+        all.push_back(list);
+    }
+
+    const int far = g.chance(0.5) ? 300 : 40;
+    for (const int k : {20, -20, 1 + g.below(far), -1 - g.below(far), 0}) {
+        const bool lengths = k != 0;
+        const int j = lengths ? (g.chance(0.5) ? k : 0) : g.chance(0.3) ? (g.chance(0.5) ? 500 : -500) : g.below(1000) - 500; // of d, whose length scales t
+        const int by_t = k - j;
+        scaling to(type);
+        const sgt_surface resized = to.surface(s, k);
+        sgt_options o = options;
+        o.t_tol = to.number(o.t_tol, by_t);
+        std::vector<sgt_ray> moved;
+        for (const sgt_ray &r : rays) {
+            sgt_ray m = {to.vector(r.o, k), {}, times(r.tmin, by_t), times(r.tmax, by_t)};
+            scaling other(type); // its square is never formed
+            m.d = other.vector(r.d, j);
+            for (double x : {r.tmin, r.tmax})
+                if (std::isfinite(x)) other.number(x, by_t);
+            to.exact = to.exact && other.exact;
+            moved.push_back(m);
+        }
+        if (!to.exact) continue;
+        std::vector<double> in[8];
+        std::vector<double> t_out(rays.size());
+        std::vector<signed char> status(rays.size());
+        for (const sgt_ray &m : moved) {
+            const double x[8] = {m.o.x, m.o.y, m.o.z, m.d.x, m.d.y, m.d.z, m.tmin, m.tmax};
+            for (int i = 0; i < 8; i++) in[i].push_back(x[i]);
+        }
+        sgt_hits out = {};
+        out.status = status.data(), out.t = t_out.data();
+        sgt_intersect_batch(resized, rays.size(), {{in[0].data(), in[1].data(), in[2].data()}, {in[3].data(), in[4].data(), in[5].data()}, in[6].data(), in[7].data()}, out, &o);
+        for (std::size_t i = 0; i < rays.size(); i++) {
+            const question q = {&s, rays[i], options, k, j, to.moderate};
+            const auto expect = [&](const sgt_hit &h) { return expected(h, by_t, k, f_power * k); };
+            const sgt_hit want = expect(alone[i]), got = sgt_intersect(resized, moved[i], &o);
+            const bool endless = !(std::isfinite(rays[i].tmin) && std::isfinite(rays[i].tmax)), quick = alone[i].evals <= QUICK && !options.proof;
+            const strictness how = !to.moderate ? nothing_wrong : quick && std::abs(k) <= 40 ? to_the_bit : endless ? nothing_wrong : statuses;
+            if (to.moderate && endless) of_endless++;
+            compare(q, endless ? "one ray, endless" : "one ray", got, want, how);
+            if ((status[i] != got.status || !same(t_out[i], got.t)) && show(q, "a batch is not one ray")) print_hit("one", got);
+
+            std::vector<sgt_hit> list(entries), wanted;
+            list.resize(static_cast<std::size_t>(std::max(0, std::min<int>(sgt_intersect_all(resized, moved[i], entries, list.data(), &o), entries))));
+            int evals = 0;
+            for (const sgt_hit &h : all[i]) wanted.push_back(expect(h)), evals += h.evals;
+            compare(q, endless ? "all, endless" : "all", list, wanted, how == to_the_bit && evals > QUICK ? (endless ? nothing_wrong : statuses) : how);
+        }
+    }
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    const oracle::run r(argc, argv, 25, 20260801);
+    const char *only = std::getenv("SAGITTA_TEST_TYPE");
+    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+        if (only && std::strcmp(only, row->type)) continue;
+        generator g(r.seed + static_cast<std::uint64_t>(row - sgt_builtins) * 1000003);
+        for (long i = 0; i < r.count; i++) one_target(g, row->type);
+    }
+    for (const auto &f : failed) std::printf("  FAIL %8ld  %s\n", f.second, f.first.c_str());
+    std::printf("%ld comparisons, %ld of them to the bit, %ld failures; of %ld without an end, and where numbers leave the range of doubles, %ld are undecided at one scale alone\n", compared, exactly, failures, of_endless, undecided_once);
+    if (undecided_once * 50 > compared) failures++, std::printf("FAIL these are too many\n");
+    return failures != 0;
+}
