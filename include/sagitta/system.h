@@ -18,7 +18,8 @@ typedef struct sgt_element {
     sgt_surface surface;
     sgt_pose    pose;
     double      index;          /* refractive index behind it; SGT_MIRROR; 0: as in front */
-    double      semi_diameter;  /* of the clear aperture, soft by a part in 2^44; 0: none */
+    double      semi_diameter;  /* of the clear aperture, soft by a part in 2^44; 0, or 2^500
+                                   and more: none */
 } sgt_element;
 #define SGT_MIRROR (-1.0)
 

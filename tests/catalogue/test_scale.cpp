@@ -256,6 +256,44 @@ void compare(const question &q, const char *by, const std::vector<sgt_hit> &got,
     }
 }
 
+// One element, its pose and clear aperture at the same scale.
+struct traced {
+    sgt_fate fate;
+    sgt_passage passage;
+    sgt_ray out;
+};
+
+traced trace(const sgt_surface &s, double h, int k, bool aperture, sgt_ray r, const sgt_options &o)
+{
+    const double unit = std::ldexp(h, k);
+    const sgt_element e = {s, {{0.125 * unit, 0, unit}, {}, {}, {}}, 1.5, aperture ? 0.75 * unit : 0};
+    traced t = {};
+    t.out = r;
+    sgt_trace(1, &e, 1, &t.out, &t.passage, &t.fate, &o);
+    return t;
+}
+
+void compare(const question &q, const traced &got, const traced &want, int f_power, strictness how)
+{
+    compared++;
+    const bool decided = got.fate >= 0 && want.fate >= 0;
+    const char *why = got.fate != want.fate && (decided || how == to_the_bit) ? "fate" : nullptr;
+    if (!why && how == nothing_wrong && got.fate != want.fate) undecided_once++;
+    const sgt_hit hit = expected(want.passage.hit, q.k, q.k, f_power * q.k);
+    if (!why && how == to_the_bit) {
+        why = difference(got.passage.hit, hit);
+        if (!why && !same(got.passage.direction, want.passage.direction)) why = "direction";
+        if (!why && !same(got.passage.opl, times(want.passage.opl, q.k))) why = "path";
+        if (!why && !same(got.out.o, times(want.out.o, q.k)) && want.fate == SGT_PASSED) why = "the ray behind";
+    }
+    if (!why && want.fate > 0 && got.fate > 0) why = first_contradiction(got.passage.hit, hit);
+    if (why && show(q, std::string("trace, ") + why)) {
+        std::printf("    fates %s and %s\n", sgt_fate_text(want.fate), sgt_fate_text(got.fate));
+        print_hit("want", hit);
+        print_hit("got", got.passage.hit);
+    }
+}
+
 // ------------------------------------------------------------------ the questions
 
 enum { entries = 12, rays_each = 6, QUICK = 6 };
@@ -277,7 +315,10 @@ void one_target(generator &g, const std::string &type)
     const sgt_surface plain = none.surface(s, 0);
     std::vector<sgt_hit> alone;
     std::vector<std::vector<sgt_hit>> all;
+    std::vector<traced> through;
+    const bool aperture = g.chance(0.7);
     for (const sgt_ray &r : rays) {
+        through.push_back(trace(plain, s.h, 0, aperture, r, options));
         alone.push_back(sgt_intersect(plain, r, &options));
         std::vector<sgt_hit> list(entries);
         const int n = sgt_intersect_all(plain, r, entries, list.data(), &options);
@@ -324,6 +365,11 @@ void one_target(generator &g, const std::string &type)
             if (to.moderate && endless) of_endless++;
             compare(q, endless ? "one ray, endless" : "one ray", got, want, how);
             if ((status[i] != got.status || !same(t_out[i], got.t)) && show(q, "a batch is not one ray")) print_hit("one", got);
+
+            sgt_options of_trace = options;
+            of_trace.t_tol = times(options.t_tol, k); // t is in lengths
+            const bool quick_trace = through[i].passage.hit.evals <= QUICK && !options.proof;
+            compare(q, trace(resized, s.h, k, aperture, moved[i], of_trace), through[i], f_power, !to.moderate || !quick_trace || std::abs(k) > 40 ? nothing_wrong : to_the_bit);
 
             std::vector<sgt_hit> list(entries), wanted;
             list.resize(static_cast<std::size_t>(std::max(0, std::min<int>(sgt_intersect_all(resized, moved[i], entries, list.data(), &o), entries))));

@@ -80,7 +80,8 @@ shape asphere_shape(generator &g)
     specimen &s = f.s;
     const int size = g.chance(0.5) ? 0 : g.below(81) - 40;
     const double unit = std::ldexp(1.0, size), n = 2 * unit, h = few_bits(g, 0.5, 1) * n;
-    const double c = g.chance(0.3) ? 0 : few_bits(g, -0.4, 0.4) / n, k = g.chance(0.4) ? -1 : few_bits(g, -3, 1);
+    const bool steep = g.chance(0.2); // nearly a cone
+    const double c = steep ? std::ldexp(g.sign(), g.below(20)) / n : g.chance(0.3) ? 0 : few_bits(g, -0.4, 0.4) / n, k = steep ? few_bits(g, -40, -2) : g.chance(0.4) ? -1 : few_bits(g, -3, 1);
     const double a = few_bits(g, -0.25, 0.25) / n, b = g.chance(0.5) ? 0 : few_bits(g, -0.1, 0.1) / (n * n * n);
     s.type = "asphere", s.h = h, s.sag = true;
     f.rim = s.rim = g.chance(0.6) ? h : 0;
