@@ -97,10 +97,12 @@ static void noise(const void *self, double radius, double e[2])
 /* The least and the greatest of a sum of monotone terms, and the sum of their magnitudes. */
 typedef struct range { double lo, hi, size; } range;
 
-/* Adds a times a number from lo to hi >= lo >= 0. */
+/* Adds a times a number from lo to hi >= lo >= 0.  A power that has underflown has lost digits: it is between 0 and TINY. */
 static void add(range *sum, double a, double lo, double hi)
 {
     if (a == 0) return; /* hi may be infinite */
+    if (lo < TINY) lo = 0;
+    if (hi < TINY) hi = TINY;
     sum->lo += a * (a > 0 ? lo : hi);
     sum->hi += a * (a > 0 ? hi : lo);
     sum->size += fabs(a) * larger(lo, hi);
