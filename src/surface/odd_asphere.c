@@ -97,12 +97,12 @@ static void noise(const void *self, double radius, double e[2])
 /* The least and the greatest of a sum of monotone terms, and the sum of their magnitudes. */
 typedef struct range { double lo, hi, size; } range;
 
-/* Adds a times a number from lo to hi >= lo >= 0.  A power that has underflown has lost digits: it is between 0 and TINY. */
-static void add(range *sum, double a, double lo, double hi)
+/* Adds a times a number from lo to hi >= lo >= 0.  lost: one below TINY has lost digits to underflow, and is between that and 0. */
+SGT_INLINE void add(range *sum, double a, double lo, double hi, bool lost)
 {
     if (a == 0) return; /* hi may be infinite */
-    if (lo < TINY) lo = 0;
-    if (hi < TINY) hi = TINY;
+    if (lost && lo < TINY) lo = 0;
+    if (lost && hi < TINY) hi = TINY;
     sum->lo += a * (a > 0 ? lo : hi);
     sum->hi += a * (a > 0 ? hi : lo);
     sum->size += fabs(a) * larger(lo, hi);
@@ -115,21 +115,32 @@ static double greatest(range e)
     return most < HUGE_VAL ? most : HUGE_VAL;
 }
 
+SGT_INLINE bounds sums_over(const double *a, int terms, double lo, double hi, bool lost)
+{
+    double lo_power = 1, hi_power = 1; /* r^(i-1) */
+    range size = {0}, steep = {0}, bend = {0}, across = {0};
+    add(&size, a[0], lo, hi, lost);
+    add(&steep, a[0], 1, 1, lost);
+    if (a[0] != 0) add(&across, a[0], 1 / hi, 1 / lo, lost);
+    for (int i = 1; i < terms; i++, lo_power *= lo, hi_power *= hi) {
+        add(&bend, i * (i + 1) * a[i], lo_power, hi_power, lost);
+        add(&across, (i + 1) * a[i], lo_power, hi_power, lost);
+        add(&steep, (i + 1) * a[i], lo_power * lo, hi_power * hi, lost);
+        add(&size, a[i], lo_power * lo * lo, hi_power * hi * hi, lost);
+    }
+    return (bounds){greatest(size), greatest(steep), larger(greatest(bend), greatest(across))};
+}
+
+static bounds sums_of_lost(const double *a, int terms, double lo, double hi) { return sums_over(a, terms, lo, hi, true); }
+
+/* The greatest power is r^terms, which is above TINY where r is above 2^-60. */
 static int bounds_over(const void *self, region *where, bounds *out)
 {
     const double *a = ((const sgt_odd_asphere *)self)->a;
-    double lo = where->r_lo, hi = where->r_hi, lo_power = 1, hi_power = 1; /* r^(i-1) */
-    range size = {0}, steep = {0}, bend = {0}, across = {0};
-    add(&size, a[0], lo, hi);
-    add(&steep, a[0], 1, 1);
-    if (a[0] != 0) add(&across, a[0], 1 / hi, 1 / lo);
-    for (int i = 1, terms = terms_of(a); i < terms; i++, lo_power *= lo, hi_power *= hi) {
-        add(&bend, i * (i + 1) * a[i], lo_power, hi_power);
-        add(&across, (i + 1) * a[i], lo_power, hi_power);
-        add(&steep, (i + 1) * a[i], lo_power * lo, hi_power * hi);
-        add(&size, a[i], lo_power * lo * lo, hi_power * hi * hi);
-    }
-    *out = (bounds){greatest(size), greatest(steep), larger(greatest(bend), greatest(across))};
+    double lo = where->r_lo, hi = where->r_hi, deep = 0x1p-60;
+    int terms = terms_of(a);
+    bool lost = hi < deep || (lo > 0 && lo < deep);
+    *out = lost ? sums_of_lost(a, terms, lo, hi) : sums_over(a, terms, lo, hi, false);
     return 1;
 }
 
