@@ -14,7 +14,6 @@
 #include "quadratic.h"
 
 #include <limits.h>
-#include <stdlib.h>
 
 /* The linear form that is the gradient's row. */
 typedef struct rows { double x, y, z; } rows;
@@ -216,12 +215,14 @@ static bool in_own_unit(const sgt_quadric *s, sgt_quadric *out, int *length, int
     return exact;
 }
 
+static bool normal_power(int of_two) { return of_two >= -1000 && of_two <= 1000; }
+
 /* g and its slope of the surface in its own unit, whatever the caller's is: far from 1 the products are not exact. */
 static bool quadric_far(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *g, sgt_interval *slope)
 {
     sgt_quadric own;
     int length, of;
-    if (!in_own_unit(s, &own, &length, &of) || abs(length) > 1000 || abs(of) > 1000 || abs(of + length) > 1000) return false;
+    if (!in_own_unit(s, &own, &length, &of) || !normal_power(length) || !normal_power(of) || !normal_power(of + length)) return false;
     double unit = ldexp(1, -length);
     sgt_ray moved = *ray;
     moved.o = (sgt_vec3){ray->o.x * unit, ray->o.y * unit, ray->o.z * unit};

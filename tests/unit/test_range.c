@@ -71,7 +71,7 @@ static double rim_of(const sgt_builtin *b, const parameters *with)
     double rim = 0;
     for (const sgt_param *p = b->params; p->name; p++)
         if (strcmp(p->name, "semi_diameter") == 0) memcpy(&rim, (const unsigned char *)with + p->offset, sizeof rim);
-    return rim;
+    return rim < 0x1p500 ? rim : 0; /* that is none */
 }
 
 static void print_case(const sgt_builtin *b, const parameters *with, const sgt_ray *r, const sgt_options *o)
