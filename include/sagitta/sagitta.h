@@ -306,8 +306,8 @@ SGT_API size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_h
  * entry.  A stretch of the ray that could not be decided is an entry of negative status,
  * in its place in the order, with t +- t_err, that is [lo, hi], covering it; p, n and f
  * are then NaN.  max_evals is spent on each root anew, and all roots together may spend
- * 1024 times as much (2^30 at most).  Where it runs out, or where the watcher stops the
- * search, what is left of the ray is the last entry, EXHAUSTED or STOPPED.
+ * 1024 times as much.  Where it runs out, or where the watcher stops the search, what is
+ * left of the ray is the last entry, EXHAUSTED or STOPPED.
  * Outside what is reported there is no root, where sgt_intersect would be certain
  * of it.  A march that is not certain tells the roots it sees, and not what it may have
  * passed by between and behind them; one that sees none reports the whole stretch as

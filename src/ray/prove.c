@@ -237,7 +237,7 @@ static void add(proof *w, sgt_status status, const place *at, sgt_interval x, sg
     sgt_hit hit = {.status = status, .t = at->h.t, .t_lo = at->h.t_lo, .t_err = at->h.t_err, .lo = about.lo, .hi = about.hi,
                    .f = at->f, .p = at->p, .n = at->n, .p_err = at->h.p_err, .evals = w->told.evals - w->told.before};
     w->told.before = w->told.evals;
-    if (w->anew) w->told.root = w->told.evals;
+    if (w->anew) next_root(&w->told);
     sgt_list_add(w->list, &hit);
     added(w, x.lo, x.hi);
 }

@@ -9,7 +9,7 @@
  * shrinks, at a jump it stays, and at a pole it grows.  Rounding does not hide that: it grows as fast as |F| there, so
  * that the bounds on it say nothing.  The quick form sees it by the slope: to the right of a root F has the sign of the
  * slope, to the right of a pole the other.  In the careful path, where slopes are not trusted, a root whose |F| is not
- * the least of its search is looked at from 16, 256, 4096 ... times its error: where |F| falls outward on both sides it
+ * the least of its search is looked at from 256, 1024, 4096 ... times its error: where |F| falls outward on both sides it
  * is a pole, and skipped.  A jump is a change of sign, and a hit. */
 #include "walk.h"
 
@@ -106,15 +106,16 @@ sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at)
     return r;
 }
 
-/* |F| falls three times outward on both sides of `at`, the end of a search right to tau_err; or the search is over before. */
+/* |F| falls three times outward on both sides of `at`, the end of a search right to tau_err; or the search is over before.
+ * It begins 256 times as far away: F may be noisier than it says. */
 static bool is_pole(walk *w, const point *at, double tau_err)
 {
     double l = fabs(w->q.l), m = fabs(w->q.m), place = l >= 1 ? at->at.ex : m >= 1 ? at->at.ey : at->at.ez; /* one of them is 1 to 2 */
     double e = larger(tau_err, place * DBL_EPSILON); /* what is nearer may be the same point */
     bool falls = false;
     for (int side = -1; side <= 1; side += 2) {
-        double before = fabs(at->g), far = 16 * e;
-        for (int i = 0, times = 0; i < 12 && times < 3; i++, far *= 16) {
+        double before = fabs(at->g), far = 256 * e;
+        for (int i = 0, times = 0; i < 20 && times < 3; i++, far *= 4) {
             double tau = at->tau + side * far;
             if (!(tau >= w->lo && tau <= w->hi)) break;
             point p = sgt_walk_look(w, tau, SGT_PROBE, at->tau, tau);
@@ -138,7 +139,8 @@ static bool take(walk *w, sgt_status status, point at, double tau_err)
     sgt_interval about = sgt_about(h.t, h.t_err);
     sgt_hit hit = {.status = status, .t = h.t, .t_lo = h.t_lo, .t_err = h.t_err, .lo = about.lo, .hi = about.hi,
                    .f = at.g, .p = at.p, .n = at.n, .p_err = h.p_err, .evals = w->told.evals - w->told.before};
-    w->told.before = w->told.root = w->told.evals;
+    w->told.before = w->told.evals;
+    next_root(&w->told);
     sgt_list_add(w->list, &hit);
     w->found = !w->all;
     return true;

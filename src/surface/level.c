@@ -81,7 +81,8 @@ SGT_INLINE void look_on(walk *w, sgt_move move, double tau, double lo, double hi
 static void add(walk *w, sgt_hit *hit)
 {
     hit->evals = w->told.evals - w->told.before;
-    w->told.before = w->told.root = w->told.evals;
+    w->told.before = w->told.evals;
+    next_root(&w->told);
     sgt_list_add(w->list, hit);
     w->done = w->done || !w->all;
 }

@@ -242,8 +242,15 @@ SGT_INLINE sgt_hit hit_undecided(sgt_status status, const sgt_ray *ray, int eval
  * last root (the budget is each root's own; an undecided stretch has none), and what its watcher said. */
 typedef struct tally { const sgt_options *opt; int evals, before, root, budget; bool stopped; } tally;
 
-/* Where every root begins a new budget, answers made at random have roots without end: so all of them together have one. */
-SGT_INLINE bool spent(const tally *w) { return w->evals - w->root >= w->budget || w->evals >> 10 >= w->budget || w->evals >= 1 << 30; }
+SGT_INLINE bool spent(const tally *w) { return w->evals - w->root >= w->budget; }
+
+/* A root is found: the next has the budget anew.  Answers made at random have roots without end, so all of them together
+ * have one, too: 1024 budgets, of which the last begins here. */
+SGT_INLINE void next_root(tally *w)
+{
+    w->root = w->evals;
+    if (w->evals >= 1023LL * w->budget) w->budget = 0;
+}
 
 SGT_INLINE void tell(tally *w, sgt_move move, double t, double f, double slope, double lo, double hi)
 {
@@ -297,7 +304,7 @@ SGT_INLINE void add_hit(sgt_list *list, const meeting *h, sgt_status status, dou
     if (w->stopped) return; /* what is left is told by whoever searches */
     if (hit.status > 0) sgt_list_add(list, &hit), w->before = w->evals;
     else add_stretch(list, w, hit.status, ray, hit.lo, hit.hi);
-    w->root = w->evals;
+    next_root(w);
 }
 
 #endif
