@@ -62,7 +62,8 @@ void sgt_form_bound(const shape *s, const local *q, double tau, sample *e)
     e->v_err = SGT_U * (fabs(s->ck) * w_err + 4 * ckw + 1);
     e->lost = e->slope_lost = 0;
     double least = e->g_err < e->slope_err ? e->g_err : e->slope_err, most = e->first + e->second + ckw + w + fabs(s->c) + 0x1p60 * rho;
-    if (!(least > 0x1p-400 && most < 0x1p100)) underflow(s, rho, half_terms, e); /* else it is nothing beside them */
+    bool vertex = x == 0 && y == 0 && e->z == 0; /* there every product is 0, exactly */
+    if (!(least > 0x1p-400 && most < 0x1p100) && !vertex) underflow(s, rho, half_terms, e); /* else it is nothing beside them */
 }
 
 sample sgt_form_sample(const shape *s, const local *q, double tau)
