@@ -100,7 +100,9 @@ typedef struct sgt_surface_ops {
      * to be read.  Both may be as wide as they must: -INFINITY to INFINITY says nothing,
      * and so does a NaN.  lo > hi: F is undefined all over t, and so nowhere zero.  A slope
      * with two finite ends says besides that F is defined and continuous all over t: where it
-     * may not be, let the slope be infinite.  interval.h has what it takes to write one. */
+     * may not be, let the slope be infinite.  The ray need not be the
+     * caller's: from afar it is the same line from an origin nearby.  interval.h has what it
+     * takes to write one. */
     sgt_interval (*enclose)(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope);
 
     /* `value` at n points, to the last bit: F, and its gradient where grad[0] is not NULL

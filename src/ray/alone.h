@@ -11,7 +11,21 @@ void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_o
 /* Of a tile, at once, what is certain: as sgt_own's alone. */
 bool sgt_alone_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned long long alone[], sgt_interval others[]);
 
+/* The root near the seed, proven to be the only one within r^2 <= rim2 by one evaluation more than an estimate takes; false: it is not,
+ * and hit->evals evaluations have been spent.  A search that was stopped is true. */
+bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt, sgt_hit *hit);
+
+/* The same of hits that a tile was answered with without a proof, tmin and tmax apart: proven[i], and how many.  Of these t_err, p_err
+ * and evals are then as a proof has them; status, t, t_lo and p are read, and all have to be there. */
+size_t sgt_alone_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, bool proven[]);
+
 /* Does the proof ask for it? */
 static inline bool asks_alone(const sgt_options *opt) { return opt->proof == SGT_PROVE_FIRST && opt->pick == SGT_NEAR_SEED; }
+
+/* Is a proof in a trace first tried by the slope? */
+static inline bool proves_by_slope(sgt_surface s, const sgt_options *opt)
+{
+    return opt->proof != SGT_ESTIMATE && opt->pick == SGT_NEAR_SEED && s.ops && is_catalogue(s.ops) && s.ops->own_->share_within;
+}
 
 #endif

@@ -615,7 +615,9 @@ static bool prove_estimate(proof *w, sgt_hit *hit)
     return proven;
 }
 
-sgt_hit sgt_prove(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+sgt_hit sgt_prove(sgt_surface s, const sgt_ray *ray, const sgt_options *opt) { return sgt_prove_within(s, ray, HUGE_VAL, opt); }
+
+sgt_hit sgt_prove_within(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt)
 {
     sgt_options estimate = plain(opt);
     sgt_span span;
@@ -624,6 +626,7 @@ sgt_hit sgt_prove(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
     bool near = opt->pick == SGT_NEAR_SEED, one = opt->proof == SGT_PROVE_ROOT;
     if (!bounds(s, ray, &span)) return hit_without(SGT_MISS, ray, 0);
     proof w = proof_of(s, ray, opt, &span, &list, false);
+    if (rim2 < w.rim2) w.rim2 = rim2;
     if (!s.ops->enclose) {
         hit = doubted(sgt_intersect_general(s, ray, &estimate), ray);
         if (hit.status == SGT_MISS) hit.status = SGT_UNPROVEN, hit.lo = span.lo, hit.hi = span.hi;

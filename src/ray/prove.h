@@ -7,6 +7,9 @@
 sgt_hit sgt_prove(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
 void    sgt_prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
 
+/* As sgt_prove, only roots within r^2 <= rim2 count. */
+sgt_hit sgt_prove_within(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt);
+
 /* The same search where no proof is asked for, of what has been begun: the rest of its budget, every root of `all`, else the first, or
  * the one nearest to the seed, is added. */
 void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bool near, sgt_list *list);

@@ -77,6 +77,13 @@ typedef struct freeform {
     double reach; /* farther than this from the axis P is not defined; 0: not known */
 } freeform;
 
+/* With a rim no wider than `most`. */
+SGT_INLINE freeform sgt_freeform_narrowed(freeform s, double most)
+{
+    if (!(s.semi_diameter > 0 && s.semi_diameter <= most)) s.semi_diameter = most < HUGE_VAL ? most : s.semi_diameter;
+    return s;
+}
+
 double sgt_freeform_value(const freeform *s, sgt_vec3 p, sgt_vec3 *grad);
 void sgt_freeform_values(const freeform *s, size_t n, sgt_points p, sgt_values out);
 double sgt_freeform_rounding(const freeform *s, sgt_vec3 p);
@@ -116,6 +123,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     static void NAME##_ops_values(const void *self, size_t n, sgt_points p, sgt_values out) { freeform v = NAME##_view(self); sgt_freeform_values(&v, n, p, out); } \
     static double NAME##_ops_rounding(const void *self, sgt_vec3 p) { freeform v = NAME##_view(self); return sgt_freeform_rounding(&v, p); } \
     static void NAME##_share(const void *self, sgt_shared *shared) { freeform v = NAME##_view(self); sgt_freeform_share(&v, shared); } \
+    static void NAME##_share_within(const void *self, double most, sgt_shared *shared) { freeform v = sgt_freeform_narrowed(NAME##_view(self), most); sgt_freeform_share(&v, shared); } \
     static sgt_span NAME##_own_span(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least) { (void)self; return sgt_freeform_span(shared, ray, least); } \
     static void NAME##_own_spans(const void *self, const sgt_shared *shared, size_t n, sgt_rays r, sgt_spans out, double *least) { (void)self; sgt_freeform_spans(shared, n, r, out, least); } \
     static sgt_span NAME##_ops_span(const void *self, const sgt_ray *ray) { sgt_shared e; NAME##_share(self, &e); return sgt_freeform_span(&e, ray, NULL); } \
@@ -128,7 +136,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     static bool NAME##_ops_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[]) { (void)self; return sgt_freeform_roundings(shared, n, p, f, out); } \
     sgt_objection sgt_##NAME##_object(const void *self) { freeform v = NAME##_view(self); return sgt_freeform_object(&v); }     \
     static double NAME##_rim(const void *self) { const TYPE *s = self; return s->semi_diameter; }                               \
-    static const struct sgt_own NAME##_own = {.object = sgt_##NAME##_object, .tile = SGT_MOST_TILE, .share = NAME##_share, .roundings = NAME##_ops_roundings, .span = NAME##_own_span, .spans = NAME##_own_spans, .enclose = NAME##_own_enclose, .rim = NAME##_rim, .departure = &NAME##_departure}; \
+    static const struct sgt_own NAME##_own = {.object = sgt_##NAME##_object, .tile = SGT_MOST_TILE, .share = NAME##_share, .share_within = NAME##_share_within, .roundings = NAME##_ops_roundings, .span = NAME##_own_span, .spans = NAME##_own_spans, .enclose = NAME##_own_enclose, .rim = NAME##_rim, .departure = &NAME##_departure}; \
     const sgt_surface_ops sgt_##NAME##_ops = {.name = #NAME, .value = NAME##_ops_value, .span = NAME##_ops_span, .rounding = NAME##_ops_rounding, \
         .enclose = NAME##_ops_enclose, .values = NAME##_ops_values, .spans = NAME##_ops_spans, .own_ = &NAME##_own, .second = NAME##_ops_second, \
         .parameters = NAME##_ops_parameters, .by_parameter = NAME##_ops_by_parameter};

@@ -107,6 +107,8 @@ struct sgt_own {
     sgt_objection (*object)(const void *self);
     /* What `roundings`, `span` and `spans` are to be given; NULL: nothing. */
     void (*share)(const void *self, sgt_shared *shared);
+    /* The same as if semi_diameter were no more than that.  NULL: `least` of `spans` is not to be had so. */
+    void (*share_within)(const void *self, double semi_diameter, sgt_shared *shared);
     /* A bound as `rounding` gives it, at n points where F is f, in lanes, NaN where it is not known.  NULL, or false, always of one surface:
      * it knows none, and `rounding` is to be asked. */
     bool (*roundings)(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[]);

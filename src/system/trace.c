@@ -184,10 +184,17 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
     if (only) own.proof = SGT_PROVE_ROOT;
     shifted shift = {opt->watch, opt->watch_data, at->t0};
     if (at->t0 != 0 && opt->watch) own.watch = watch_shifted, own.watch_data = &shift;
-    sgt_hit hit = met ? *met : sgt_intersect(e->surface, ray, &own);
-    choose(e->surface, ray, aperture2_of(e->semi_diameter), &own, &hit, &inside);
+    double aperture2 = aperture2_of(e->semi_diameter);
+    bool slopes = aperture2 > 0 && proves_by_slope(e->surface, &own), proven = slopes && met;
+    sgt_hit hit;
+    int spent = 0;
+    if (met) hit = *met;
+    else if (slopes) proven = sgt_meet_by_slope(e->surface, &ray, aperture2, &own, &hit), spent = proven ? 0 : hit.evals;
+    if (!met && !proven) hit = sgt_intersect(e->surface, ray, &own), hit.evals += spent;
+    if (proven) inside = hit.status > 0;
+    else choose(e->surface, ray, aperture2, &own, &hit, &inside);
     own.proof = opt->proof;
-    if (inside && only) sgt_prove_alone(e->surface, &ray, aperture2_around(aperture2_of(e->semi_diameter)), &own, &hit);
+    if (inside && only && !proven) sgt_prove_alone(e->surface, &ray, aperture2_around(aperture2), &own, &hit);
     if (!met) tell_of_given(&hit, at, &e->pose, turned, &ray, told); /* else the batch has */
     passage->hit = hit;
     if (hit.status == SGT_MISS) return SGT_MISSED;

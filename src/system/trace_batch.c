@@ -378,6 +378,18 @@ static sgt_options met_by(const sgt_options *opt)
     return own;
 }
 
+/* Rays that were met without a proof: those that the slope does not prove are hard.  How many are left. */
+APART static size_t prove_by_slope(const sgt_element *e, const sgt_tile *rays, double aperture2, const vectors *p)
+{
+    bool proven[TILE];
+    for (size_t i = 0; i < rays->n; i++)
+        if (rays->hits.status[i] != SGT_HIT || !is_inside(get(p, i), aperture2)) rays->hits.status[i] = SGT_HARD;
+    size_t left = sgt_alone_by_slope(e->surface, rays, aperture2, proven);
+    for (size_t i = 0; left < rays->n && i < rays->n; i++)
+        if (!proven[i]) rays->hits.status[i] = SGT_HARD;
+    return left;
+}
+
 /* Rays that were met inside the aperture and may have another root there are hard: is any? */
 APART static bool hide_others(const sgt_element *e, const sgt_tile *rays, double aperture2, const vectors *p)
 {
@@ -505,13 +517,17 @@ static double pass_most(const work *job, tile *w, size_t j, bending by, sgt_hits
     if (h->t_err || shifted) asked->t_err = w->t_err;
     if (h->p_err) asked->p_err = w->p_err;
     if (widened) asked->n[0] = w->n_.x, asked->n[1] = w->n_.y, asked->n[2] = w->n_.z;
-    if (h->evals) asked->evals = w->evals;
+    bool slopes = aperture2_of(e->semi_diameter) > 0 && proves_by_slope(e->surface, &job->opt);
+    if (h->evals || slopes) asked->evals = w->evals;
+    if (slopes) asked->t = w->t, asked->t_lo = w->t_lo, asked->t_err = w->t_err, asked->p_err = w->p_err;
     sgt_tile rays = {.n = w->n, .t_tol = w->t_tol, .hits = *asked,
                      .rays = {.o = {w->o->x, w->o->y, w->o->z}, .d = {w->d->x, w->d->y, w->d->z},
                               .tmin = line_begins, .tmax = line_ends}};
     sgt_options opt = met_by(&job->opt);
+    if (slopes) opt.proof = SGT_ESTIMATE;
     size_t met = sgt_intersect_tile(e->surface, &rays, &opt);
-    if (met && asks_alone(&job->opt) && hide_others(e, &rays, aperture2_of(e->semi_diameter), w->p)) met = 0;
+    if (slopes) met = prove_by_slope(e, &rays, aperture2_of(e->semi_diameter), w->p);
+    else if (met && asks_alone(&job->opt) && hide_others(e, &rays, aperture2_of(e->semi_diameter), w->p)) met = 0;
     for (size_t i = 0; met < w->n && i < w->n; i++)
         if (w->status[i] <= 0) w->p->x[i] = (double)NAN; /* as it is; the loops go by that */
     if (widened) {
