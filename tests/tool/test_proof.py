@@ -275,8 +275,10 @@ def test_where_rounding_decides():
     assert 'equator' in said and lo <= 1 <= hi, said
     said, lo, hi = unproven(WAVE, (0, -6, 0, 0, 1, 0), '--proof', 'root', '--pick', 'near-seed')
     assert 'grazes' in said and lo <= 6 <= hi, said
-    said, lo, hi = unproven('{type: plane, semi_diameter: 1e200}', (0, 0, -5, 0, 0, 1), '--proof', 'first')
+    said, lo, hi = unproven('{type: plane, semi_diameter: 1e-200}', (0, 0, -5, 0, 0, 1), '--proof', 'first')
     assert 'semi_diameter' in said and (lo, hi) == (0, math.inf), (said, lo, hi)
+    met = words('intersect', '--surface', '{type: plane, semi_diameter: 1e200}', '--ray', '0 0 -5 0 0 1', '--proof', 'first')
+    equal(met[-1], '1 ray: 1 hit proven to be the first.')
 
 
 def test_many_undecided():
