@@ -40,6 +40,7 @@ static double lost_in_powers(double rho)
 /* Adds it to the errors. */
 static void underflow(const shape *s, double rho, double half_terms, sample *e)
 {
+    if (e->x == 0 && e->y == 0 && e->z == 0) return; /* there every product is 0, exactly */
     double w = fabs(e->w), ckw = fabs(s->ck * w), by_power = lost_in_powers(rho), lost_w = by_power + LOST * (1 + e->first);
     double lost_dw = 2 * (by_power + LOST * e->second) * half_terms + LOST * (1 + 2 * e->first);
     e->lost = (1 + ckw) * lost_w + LOST * (1 + fabs(s->c) + w) + (LOST * w) * w;
@@ -62,8 +63,7 @@ void sgt_form_bound(const shape *s, const local *q, double tau, sample *e)
     e->v_err = SGT_U * (fabs(s->ck) * w_err + 4 * ckw + 1);
     e->lost = e->slope_lost = 0;
     double least = e->g_err < e->slope_err ? e->g_err : e->slope_err, most = e->first + e->second + ckw + w + fabs(s->c) + 0x1p60 * rho;
-    bool vertex = x == 0 && y == 0 && e->z == 0; /* there every product is 0, exactly */
-    if (!(least > 0x1p-400 && most < 0x1p100) && !vertex) underflow(s, rho, half_terms, e); /* else it is nothing beside them */
+    if (!(least > 0x1p-400 && most < 0x1p100)) underflow(s, rho, half_terms, e); /* else it is nothing beside them */
 }
 
 sample sgt_form_sample(const shape *s, const local *q, double tau)
