@@ -9,6 +9,7 @@
 #include "judge.h"
 
 #include <sagitta/diagnose.h>
+#include <sagitta/system.h>
 
 using namespace catalogue;
 
@@ -66,13 +67,30 @@ void invalid(const char *type, const char *param, const char *what, const void *
     const sgt_status alone = sgt_intersect(s, ray, nullptr).status;
     const int all = sgt_intersect_all(s, ray, 1, &hit, nullptr);
     sgt_intersect_batch(s, 1, rays, hits, nullptr);
+    // a trace through it, alone and in a batch, under each proof
+    bool traced = true;
+    for (const double aperture : {0.0, 1.0})
+        for (const sgt_proof proof : {SGT_ESTIMATE, SGT_PROVE_ROOT, SGT_PROVE_FIRST}) {
+            sgt_element e = {};
+            e.surface = s, e.index = 1.5, e.semi_diameter = aperture;
+            sgt_options opt = {};
+            opt.proof = proof;
+            sgt_ray launch = ray;
+            sgt_passage passage;
+            sgt_fate fate;
+            signed char fate_of = 77;
+            sgt_traced out = {};
+            out.fate = &fate_of;
+            traced = traced && sgt_trace(1, &e, 1, &launch, &passage, &fate, &opt) == 0 && fate == SGT_LOST;
+            traced = traced && sgt_trace_batch(1, &e, 1, 1, rays, out, nullptr, &opt) == 0 && fate_of == SGT_LOST;
+        }
     const sgt_objection o = row->object(self);
     counted["bad parameters"]++;
     if (!std::strcmp(type, "sum") && !std::strcmp(param, "terms") && o.param && std::strcmp(o.param, "semi_diameter")) param = o.param; // the key of the term
     const bool named = o.param && o.reason && *o.reason && !std::strcmp(o.param, param);
-    if (alone == SGT_INVALID && all == SGT_INVALID && status == SGT_INVALID && t != t && named) return;
+    if (alone == SGT_INVALID && all == SGT_INVALID && status == SGT_INVALID && t != t && named && traced) return;
     failed[std::string(type) + ": " + param + " " + what]++;
-    std::printf("FAIL %s with %s %s: %s, of all %d, in a batch %d, named %s (%s)\n", type, param, what, sgt_status_text(alone), all, status, o.param ? o.param : "-", o.reason ? o.reason : "-");
+    std::printf("FAIL %s with %s %s: %s, of all %d, in a batch %d%s, named %s (%s)\n", type, param, what, sgt_status_text(alone), all, status, traced ? "" : ", not lost in a trace", o.param ? o.param : "-", o.reason ? o.reason : "-");
 }
 
 void valid(const char *type, const char *what, const void *self)

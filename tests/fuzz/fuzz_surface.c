@@ -385,6 +385,7 @@ static subject take_subject(bytes *b)
     for (const sgt_param *p = s.row->params; p->name; p++)
         if (strcmp(p->name, "semi_diameter") == 0) memcpy(&s.rim, s.with.byte + p->offset, sizeof s.rim), s.rises = true;
     s.valid = s.valid && !(s.rim < 0);
+    if (s.rim >= 0x1p500) s.rim = 0; /* no limit: surfaces.h */
     if (s.valid && tamed && s.row->prepare) s.row->prepare(&s.with);
     if (s.catalogue && !s.valid) s.kind = OWN; /* a list that is longer than said is not for its operations */
     if (s.kind == USER) {
