@@ -251,6 +251,7 @@ static double start_width(proof *w, sgt_interval at, sgt_interval slope)
     sgt_vec3 d = w->ray->d;
     for (int i = 0; i < 3; i++) {
         place here = place_of(w, t[i], 0, sgt_interval_all());
+        if (w->told.stopped) return 0;
         const double p[3] = {here.p.x, here.p.y, here.p.z}, n[3] = {here.n.x, here.n.y, here.n.z};
         for (int k = 0; k < 3; k++) x[k][i] = p[k] * n[k];
         err = larger(err, terms_err(w, here.p)), far = larger(far, larger(fabs(p[0]), larger(fabs(p[1]), fabs(p[2]))));
