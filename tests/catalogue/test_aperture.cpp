@@ -146,13 +146,13 @@ void on_the_rim(generator &g, double scale)
             }
             const quad rim2 = quad(s.rim * s.rim * (1 + 0x1p-44)); // as the header says, in doubles
             for (int j = 0; j < 40; j++) {
-                const double a = g.chance(0.3) ? 1.5707963267948966 * g.below(4) : g.uniform(0, 6.2831853), r = s.rim * (1 + 0x1p-45) * (1 + (g.below(33) - 16) * 0x1p-53);
+                const double a = g.chance(0.3) ? 1.5707963267948966 * g.below(4) : g.uniform(0, 6.2831853), r = s.rim * (1 + 0x1p-45) * (1 + (g.below(33) - 16) * (g.chance(0.3) ? 0x1p-46 : 0x1p-53));
                 const double x = g.chance(0.2) ? r : r * std::cos(a), y = x == r ? 0 : r * std::sin(a), below = 3 * s.rim;
                 const sgt_ray ray = {{x, y, -below}, {0, 0, 1}, -HUGE_VAL, HUGE_VAL};
                 const double there = s.s.ops->value(s.s.self, ray.o, nullptr);
                 if (there != there) continue; // beyond the edge of a grid
                 const quad beyond = quad(x) * x + quad(y) * y - rim2;
-                const bool hidden = oracle::magnitude(beyond) <= rim2 * quad(0x1p-48);
+                const bool hidden = oracle::magnitude(beyond) <= rim2 * quad(0x1p-46);
                 for (int ask = 0; ask < 4; ask++) {
                     sgt_options opt = {};
                     opt.proof = ask & 1 ? SGT_PROVE_FIRST : SGT_PROVE_ROOT, opt.pick = ask & 2 ? SGT_NEAR_SEED : SGT_FIRST;

@@ -701,6 +701,49 @@ static void test_pole(void **state)
     }
 }
 
+/* x + r where x > 0, x - r where not: F leaps over zero, which its enclosure tells by a slope without bound, of one sign. */
+static double leap_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    const shape *s = self;
+    if (grad) *grad = (sgt_vec3){1, 0, 0};
+    return p.x > 0 ? p.x + s->r : p.x - s->r;
+}
+static interval leap_enclose(const void *self, const sgt_ray *r, interval t, interval *slope)
+{
+    const shape *s = self;
+    along p = along_of(r, t);
+    bool over = p.x.lo <= 0 && p.x.hi > 0;
+    *slope = over ? (p.dx.lo > 0 ? (interval){p.dx.lo, FAR} : (interval){-FAR, p.dx.hi}) : p.dx;
+    return sum(p.x, over ? (interval){-s->r, s->r} : number(p.x.lo > 0 ? s->r : -s->r));
+}
+static sgt_span leap_span(const void *self, const sgt_ray *ray)
+{
+    (void)self;
+    double t = -ray->o.x / ray->d.x;
+    return (sgt_span){.lo = t - 3, .hi = t + 3, .seed = t + 0.01};
+}
+
+/* No root is there, of however little a leap, under whatever tolerance: g is neither continuous nor is the mean value theorem's. */
+static void test_leap(void **state)
+{
+    (void)state;
+    generator g = seeded("a leap over zero");
+    const sgt_surface_ops ops = {.name = "leap", .value = leap_value, .enclose = leap_enclose, .span = leap_span};
+    long open = 0, n = scaled(2000);
+    for (long i = 0; i < n; i++) {
+        shape s = {.r = log_uniform(&g, 1e-12, 1e-1)};
+        sgt_ray ray = {.o = {either_sign(&g) * log_uniform(&g, 1, 1e6), uniform(&g, -1, 1), 0}, .d = {uniform(&g, 0.1, 1), uniform(&g, -0.5, 0.5), 0}, .tmin = -FAR, .tmax = FAR};
+        if (ray.o.x > 0) ray.d.x = -ray.d.x;
+        for (int ask = 0; ask < 4; ask++) {
+            sgt_options opt = {.proof = ask & 1 ? SGT_PROVE_FIRST : SGT_PROVE_ROOT, .pick = ask & 2 ? SGT_NEAR_SEED : SGT_FIRST, .t_tol = chance(&g, 0.7) ? log_uniform(&g, 1e-9, 1e-1) : 0};
+            sgt_hit h = sgt_intersect((sgt_surface){&ops, &s}, ray, &opt);
+            REQUIRE(h.status == SGT_UNPROVEN, "case %ld: %s at %g of a leap by %g, t_tol %g", i, sgt_status_text(h.status), h.t, 2 * s.r, opt.t_tol);
+            open++;
+        }
+    }
+    REQUIRE(open == 4 * n, "%ld undecided", open);
+}
+
 /* ------------------------------------------------------- without, and many at once */
 
 static void test_without(void **state)
@@ -862,7 +905,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_torus), cmocka_unit_test(test_ball), cmocka_unit_test(test_sheets), cmocka_unit_test(test_wave), cmocka_unit_test(test_start),
-        cmocka_unit_test(test_ends), cmocka_unit_test(test_budget), cmocka_unit_test(test_lies), cmocka_unit_test(test_pole), cmocka_unit_test(test_without),
+        cmocka_unit_test(test_ends), cmocka_unit_test(test_budget), cmocka_unit_test(test_lies), cmocka_unit_test(test_pole), cmocka_unit_test(test_leap), cmocka_unit_test(test_without),
         cmocka_unit_test(test_batch), cmocka_unit_test(test_watch), cmocka_unit_test(test_tolerance),
         cmocka_unit_test(test_touching),
     };
