@@ -97,7 +97,7 @@ struct shapes {
             add("sum", sgt_sum_ops, keep(sgt_sum{0, 0, 1, keep(std::vector<sgt_surface>{{&sgt_odd_asphere_ops, keep(part)}, {&sgt_polynomial_xy_ops, keep(half)}})->data(), 2}));
             std::vector<double> z(19 * 19);
             for (int i = 0; i < 19; i++)
-                for (int j = 0; j < 19; j++) z[19 * i + j] = h * (0x1p-6 * ((i - 9) * (i - 9) + (j - 9) * (j - 9)));
+                for (int j = 0; j < 19; j++) z[static_cast<std::size_t>(19 * i + j)] = h * (0x1p-6 * ((i - 9) * (i - 9) + (j - 9) * (j - 9)));
             add("grid", sgt_grid_ops, keep(sgt_grid{0, 0, 1, 0.125, 0.125, numbers(19, 19, z), 0, 0, 0}));
             add("a user's", *keep(users_ops()), keep(c), true);
         }

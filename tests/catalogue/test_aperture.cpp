@@ -202,7 +202,7 @@ void lens_of_six()
             sgt_options opt = {};
             opt.proof = proof;
             long single = 0;
-            for (int i = 0; i < 2025; i++) {
+            for (std::size_t i = 0; i < 2025; i++) {
                 sgt_ray ray = {{a[0][i], a[1][i], a[2][i]}, {a[3][i], a[4][i], a[5][i]}, 0, 0};
                 single += sgt_trace(6, e, 1, &ray, nullptr, nullptr, &opt) == 6;
             }

@@ -72,7 +72,11 @@ static sgt_ray of_picture(void)  /* of the ball of radius 1.2 about the origin, 
 static double coefficient(size_t i, double first) { return (i % 3 == 1 ? -first : first) / (1 + 0.5 * (double)i * (double)i); }
 
 static double list_a[16], wave_a[25], power_a[9], height_a[64 * 64];
-static const sgt_numbers list_16 = {list_a, 1, 16}, list_8 = {list_a, 1, 8}, wave_5 = {wave_a, 5, 5}, power_3 = {power_a, 3, 3};
+/* Initialisers, as a const variable is none to every compiler. */
+#define LIST_16 {list_a, 1, 16}
+#define LIST_8 {list_a, 1, 8}
+#define WAVE_5 {wave_a, 5, 5}
+#define POWER_3 {power_a, 3, 3}
 
 static void fill(void)
 {
@@ -94,11 +98,11 @@ static const sgt_conic conic = {BASE}, conic_rim = {BASE, .semi_diameter = RIM};
 static const sgt_asphere even = {BASE, .a = {0, 1e-4, -2e-6, 1e-8}}, even_rim = {BASE, .semi_diameter = RIM, .a = {0, 1e-4, -2e-6, 1e-8}};
 #define ODD .a = {0, 0, 5e-4, 1e-4, -2e-5, -2e-6, 1e-7, 1e-8}
 static const sgt_odd_asphere odd = {BASE, ODD}, odd_rim = {BASE, .semi_diameter = RIM, ODD};
-static const sgt_polynomial_xy xy = {BASE, .a = power_3}, xy_rim = {BASE, .semi_diameter = RIM, .a = power_3};
-static const sgt_zernike zernike_rim = {BASE, .semi_diameter = RIM, .norm = RIM, .order = SGT_FRINGE, .a = list_16};
-static const sgt_chebyshev chebyshev_rim = {BASE, .semi_diameter = RIM, .norm_x = RIM, .norm_y = RIM, .a = wave_5};
-static const sgt_q_con q_con_rim = {BASE, .semi_diameter = RIM, .norm = RIM, .a = list_8};
-static const sgt_q_bfs q_bfs = {.c = 0.1, .norm = RIM, .a = list_8}, q_bfs_rim = {.c = 0.1, .semi_diameter = RIM, .norm = RIM, .a = list_8};
+static const sgt_polynomial_xy xy = {BASE, .a = POWER_3}, xy_rim = {BASE, .semi_diameter = RIM, .a = POWER_3};
+static const sgt_zernike zernike_rim = {BASE, .semi_diameter = RIM, .norm = RIM, .order = SGT_FRINGE, .a = LIST_16};
+static const sgt_chebyshev chebyshev_rim = {BASE, .semi_diameter = RIM, .norm_x = RIM, .norm_y = RIM, .a = WAVE_5};
+static const sgt_q_con q_con_rim = {BASE, .semi_diameter = RIM, .norm = RIM, .a = LIST_8};
+static const sgt_q_bfs q_bfs = {.c = 0.1, .norm = RIM, .a = LIST_8}, q_bfs_rim = {.c = 0.1, .semi_diameter = RIM, .norm = RIM, .a = LIST_8};
 static sgt_grid grid_rim = {BASE, .semi_diameter = RIM, .step_x = 2.1 * RIM / 63, .step_y = 2.1 * RIM / 63, .z = {height_a, 64, 64}};
 static const sgt_surface terms[] = {{&sgt_zernike_ops, &zernike_rim}, {&sgt_asphere_ops, &even}};
 static const sgt_sum sum_rim = {BASE, .semi_diameter = RIM, .terms = terms, .count = COUNT_OF(terms)};
@@ -266,7 +270,12 @@ static void trace_batch(const subject *of, size_t n, const sgt_options *opt)
 
 /* cost.py counts from the call of this function to its return, and by its name: not inlined, not copied, seen from outside. */
 void measured(question *ask, const subject *of, size_t n, const sgt_options *opt);
-__attribute__((noinline, noclone)) void measured(question *ask, const subject *of, size_t n, const sgt_options *opt) { ask(of, n, opt); }
+#if defined(__clang__)
+#define AS_IT_IS __attribute__((noinline))
+#else
+#define AS_IT_IS __attribute__((noinline, noclone))
+#endif
+AS_IT_IS void measured(question *ask, const subject *of, size_t n, const sgt_options *opt) { ask(of, n, opt); }
 
 static void ask_case(const char *name, const char *how, question *ask, const subject *of, size_t n, sgt_options opt)
 {

@@ -118,7 +118,7 @@ static void test_vertex_from_far_aside(void **state)
                 sgt_asphere a = {.c = 21.75, .k = conics[k], .a = {0x1p-30}};
                 sgt_ray ray = {.o = {-slopes[l] * t, 0, -0x1.8b65p0 * t}, .d = {slopes[l], 0, 0x1.8b65p0}};
                 for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
-                    sgt_hit h[2] = {conic(s, ray, (sgt_options){.pick = pick}), asphere(a, ray, (sgt_options){.pick = pick})};
+                    sgt_hit h[2] = {conic(s, ray, (sgt_options){.pick = (sgt_pick)pick}), asphere(a, ray, (sgt_options){.pick = (sgt_pick)pick})};
                     for (int i = 0; i < 2; i++)
                         REQUIRE(h[i].status != SGT_MISS, "%s, k %g, slope %g, from 2^%d: a miss", i ? "asphere" : "conic", s.k, slopes[l], e);
                 }
