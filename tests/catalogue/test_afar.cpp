@@ -171,7 +171,8 @@ void ask(const subject &s, double c, double k, const sgt_ray &ray, double t0, sg
         t->hit++;
         if (depth < 0) return fail(s, "a hit where the ray passes by", c, k, ray, proof, h, depth);
         const quad at = quad(h.t) - t0, a = oracle::magnitude(is.first - at), b = oracle::magnitude(is.second - at), fine = at + h.t_lo;
-        const quad near = a < b ? a : b, root = a < b ? is.first : is.second, left = oracle::magnitude(root - fine);
+        const bool first = oracle::magnitude(is.first - fine) < oracle::magnitude(is.second - fine); // both may be within an ulp of t
+        const quad near = first ? a : b, left = oracle::magnitude((first ? is.first : is.second) - fine);
         if (!(near <= quad(h.t_err)) || !(h.lo <= h.t && h.t <= h.hi)) return fail(s, "no root within t_err", c, k, ray, proof, h, to_double(near));
         if (proof && a <= quad(h.t_err) && b <= quad(h.t_err)) return fail(s, "two roots within t_err, under proof", c, k, ray, proof, h, h.t_err);
         // what t_lo leaves: rounding over the slope, which where the ray nearly touches is that of a root of it, and an ulp of the way from t0
