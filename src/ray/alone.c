@@ -162,7 +162,9 @@ size_t sgt_alone_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, bool
     memset(proven, 0, tile->n * sizeof *proven);
     if (!is_catalogue(s.ops) || !own->share_within || !own->spans) return 0;
     /* None was met: perhaps the parameters are invalid, and nothing is to be asked of them. */
-    if (!memchr(tile->hits.status, SGT_HIT, tile->n)) return 0;
+    size_t first = 0;
+    while (first < tile->n && tile->hits.status[first] != SGT_HIT) first++;
+    if (first == tile->n) return 0;
     sgt_shared shared;
     block b;
     own->share_within(s.self, sqrt(rim2), &shared);
