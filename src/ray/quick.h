@@ -30,7 +30,7 @@ typedef struct approach {
     bool seeded;        /* t0 is the surface's own guess, or the end nearest to it */
     bool middle;        /* t0 is the middle of a stretch with two ends */
     bool from_tmin;     /* the search begins at tmin */
-    bool known;         /* the local origin is a number */
+    bool known;         /* the local origin is a number, and the direction has been scaled exactly */
 } approach;
 
 /* from, to and seed are the span's.  back: how far a root at its own end is to be inside, in units of where that is.
@@ -60,7 +60,8 @@ SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
     a.q.t0 = t0, a.q.t0_lo = 0, a.q.t0_err = 0;
     a.q.x = moved_along(o.x, t0, a.q.l), a.q.y = moved_along(o.y, t0, a.q.m), a.q.z = moved_along(o.z, t0, a.q.n);
     a.q.xa = fabs(a.q.x), a.q.ya = fabs(a.q.y), a.q.za = fabs(a.q.z);
-    a.known = (a.q.x - a.q.x) + (a.q.y - a.q.y) + (a.q.z - a.q.z) == 0;
+    bool whole = (a.q.l * inverse == d.x) & (a.q.m * inverse == d.y) & (a.q.n * inverse == d.z); /* nothing of it has underflown */
+    a.known = whole & ((a.q.x - a.q.x) + (a.q.y - a.q.y) + (a.q.z - a.q.z) == 0);
     a.from_tmin = !(from > tmin);
     back = a.from_tmin ? 0 : back;
     double end = to_end * inverse, most = end + 0x1p-50 * fabs(end);
@@ -146,7 +147,7 @@ typedef struct taking {
 } taking;
 
 /* The root at tau, right to tau_err, with the gradient at its point p; within r^2 <= rim2, which is infinite where there is none.
- * Nearer to tmax than `margin` times t_err, neither is certain. */
+ * Nearer to tmax, or to where the start ends, than `margin` times t_err, neither is certain. */
 SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3 p, sgt_vec3 grad, around at, double tmin, double tmax, double rim2, double margin)
 {
     taking h;
@@ -160,9 +161,10 @@ SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3
     double r2 = p.x * p.x + p.y * p.y, hidden = (2 * (fabs(p.x) + fabs(p.y)) + h.p_err) * h.p_err + 4 * SGT_U * r2;
     bool outside = r2 > rim2;
     double room = margin * (h.t_err + SGT_U * fabs(h.t)); /* t itself is rounded */
-    bool starts = (tmin > -HUGE_VAL) & !(h.t > tmin + (h.t_err + width)), ends = starts | (h.t - room > tmax);
-    h.off = (r2 - rim2 > hidden) | (h.t - (h.t_err + room) > tmax) | (h.t + h.t_err <= tmin) | (ends & (h.t_err <= width + 64 * SGT_U * fabs(tmin)));
-    h.counts = !starts & !(h.t + room > tmax) & !outside & (fabs(h.t) < HUGE_VAL) & (h.t_err < HUGE_VAL); /* in lengths of d t may be out of range */
+    double start = tmin + (h.t_err + width);
+    bool far = h.t - room > tmax, sharp = h.t_err <= 64 * SGT_U * fabs(tmax);
+    h.off = (r2 - rim2 > hidden) | (h.t - (h.t_err + room) > tmax) | (far & sharp) | (h.t + h.t_err <= tmin + width);
+    h.counts = (h.t - room > start) & !(h.t + room > tmax) & !outside & (fabs(h.t) < HUGE_VAL) & (h.t_err < HUGE_VAL); /* in lengths of d t may be out of range */
     return h;
 }
 

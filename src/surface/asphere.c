@@ -161,7 +161,7 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
     double D = B * B - A * C, tau = C / (B + copysign(sqrt(D), B)), last = HUGE_VAL;
     if (!(tau > -HUGE_VAL && tau < HUGE_VAL)) tau = 0; /* the conic is not met: from the vertex plane */
     *seed = q.t0 + tau;
-    if (!(fabs(q.n) >= 0x1p-10)) return false;
+    if (!(fabs(q.n) >= 0x1p-10 && direction_is_whole(&q, ray->d))) return false;
     double t_tol = opt->t_tol / q.scale;
     sgt_move move = SGT_SEED;
     for (int i = 0; i < 12 && w->evals < w->budget; i++) {
@@ -184,7 +184,8 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
                 if ((far > 3 * here || fx * fx + fy * fy > STEEP2 || !sharp(out, opt->t_tol)) && !sgt_form_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w)) return false;
                 bool whole = single(s, &q), near = opt->pick == SGT_NEAR_SEED;
                 if (opt->proof != SGT_ESTIMATE && (rim_hidden(out, s->rim2) || !sgt_form_alone(s, ray, out, w) || w->stopped)) return false;
-                return (near || whole) && counts(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL;
+                if (fabs(out->t - ray->tmax) <= END_ERRORS * (out->t_err + SGT_U * fabs(out->t))) return false; /* the march tells whether it counts */
+                return (near || whole) && counts(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL && !place_is_tiny(&q, out->t, out->p);
             }
         }
         tau += step;

@@ -110,6 +110,15 @@ static bool may_count(const walk *w, const meeting *at)
     return !told || counts(&end, w->ray, HUGE_VAL, w->q.scale);
 }
 
+/* The root may be before tmax, though its t is not; of a t that is as sharp as can be that is no question. */
+static bool may_be_before(const walk *w, const meeting *at)
+{
+    meeting end = *at;
+    double tmax = w->ray->tmax;
+    end.t = tmax;
+    return at->t > tmax && at->t - at->t_err <= tmax && at->t_err > 64 * SGT_U * fabs(tmax) && counts(&end, w->ray, w->s->rim2, w->q.scale);
+}
+
 /* Keeps the root if it counts and is the one wanted so far. */
 static void keep(walk *w, meeting *at, double v_err, sgt_status status, double seed, found *best)
 {
@@ -118,7 +127,7 @@ static void keep(walk *w, meeting *at, double v_err, sgt_status status, double s
     bool proof = w->told->opt->proof != SGT_ESTIMATE;
     bool hidden = proof && rim_hidden(at, w->s->rim2);
     if (!counts(at, w->ray, hidden ? HUGE_VAL : w->s->rim2, w->q.scale)) {
-        if (!w->dark || !may_count(w, at)) return;
+        if (!(w->dark && may_count(w, at)) && !may_be_before(w, at)) return;
         status = SGT_UNPROVEN;
     } else if (hidden) {
         status = SGT_UNPROVEN;
@@ -150,6 +159,20 @@ static void take(walk *w, double tau, double tau_err, double lo, double hi, sgt_
     keep(w, &at, e.v_err + fabs(w->s->ck) * (fabs(e.dw) + fabs(w->q.n) + bend * tau_err) * tau_err, status, seed, best);
 }
 
+/* The root at t0 + tau.  Where a tolerance hides on which side of tmax it is, as if there were none. */
+static bool settle(walk *w, double tau, meeting *at, double *v_err)
+{
+    const sgt_options *opt = w->told->opt;
+    bool settled = sgt_form_settle(w->s, w->ray, w->q.t0, tau, at, v_err, w->told);
+    if (!settled || !(opt->t_tol > 0) || fabs(at->t - w->ray->tmax) > END_ERRORS * at->t_err) return settled;
+    sgt_options sharp = *opt;
+    sharp.t_tol = 0;
+    w->told->opt = &sharp;
+    settled = sgt_form_settle(w->s, w->ray, w->q.t0, tau, at, v_err, w->told);
+    w->told->opt = opt;
+    return settled;
+}
+
 /* One root is in [lo, hi], the signs at whose ends are certain. */
 static void polish(walk *w, double lo, const sample *at_lo, double hi, const sample *at_hi, double seed, found *best)
 {
@@ -168,7 +191,7 @@ static void polish(walk *w, double lo, const sample *at_lo, double hi, const sam
         double err = fmax(r.t - lo, hi - r.t), v_err;
         if (r.status == SGT_HIT && r.t_err < err) err = r.t_err;
         meeting at;
-        if (sgt_form_settle(w->s, w->ray, w->q.t0, r.t, &at, &v_err, w->told)
+        if (settle(w, r.t, &at, &v_err)
             && (at.t - w->q.t0 * w->q.scale) + at.t_lo >= lo * w->q.scale - at.t_err && (at.t - w->q.t0 * w->q.scale) + at.t_lo <= hi * w->q.scale + at.t_err) {
             keep(w, &at, v_err, SGT_HIT, seed, best);
             return;
@@ -213,6 +236,7 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
     hi += 0x1p-44 * fabs(hi); /* a root at tmax is to be inside: `counts` has the last word */
     /* the point of the stretch nearest the vertex: the stretch itself may lie far from it */
     w.q = local_at(ray, fmin(fmax(nearest_to_vertex(ray), lo), hi), 0);
+    if (!direction_is_whole(&w.q, ray->d)) return hit_without(SGT_UNPROVEN, ray, told->evals);
     lo -= w.q.t0, hi -= w.q.t0;
     if (!(lo > -HUGE_VAL && hi < HUGE_VAL)) return hit_without(SGT_UNPROVEN, ray, told->evals);
     if (!(fabs(seed) < HUGE_VAL)) seed = w.q.t0;

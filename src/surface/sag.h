@@ -33,6 +33,7 @@ static const double START_ULPS = 0x1p-48;    /* 16 ulps; sagitta.h, sgt_ray */
 static const double END_ERRORS = 16;         /* t of two ways differ by less, times t_err */
 static const double TINY = 0x1p-960;         /* below it, rounding is no longer relative */
 static const double TINY_ERROR = 0x1p-1060;
+static const double LEAST_PLACE = 0x1p-480;  /* what is smaller has a square below TINY */
 
 typedef struct local {
     double x, y, z;       /* the local origin */
@@ -123,6 +124,21 @@ SGT_INLINE bool place_underflows(const local *q)
 {
     double x = fabs(q->l * q->t0), y = fabs(q->m * q->t0), z = fabs(q->n * q->t0);
     return q->t0 != 0 && ((q->l != 0 && x < TINY) || (q->m != 0 && y < TINY) || (q->n != 0 && z < TINY));
+}
+
+/* The direction has been scaled exactly: no component of it has underflown. */
+SGT_INLINE bool direction_is_whole(const local *q, sgt_vec3 d)
+{
+    double inverse = inverse_of_scale(d);
+    return q->l * inverse == d.x && q->m * inverse == d.y && q->n * inverse == d.z;
+}
+
+/* Is the ray so near the vertex, all the way to p at t, that squares of its coordinates have underflown, and t_err does not
+ * hide it? */
+SGT_INLINE bool place_is_tiny(const local *q, double t, sgt_vec3 p)
+{
+    double far = larger(fabs(p.x), larger(fabs(p.y), fabs(p.z)));
+    return far > 0 && far < LEAST_PLACE && fabs(t) < LEAST_PLACE * q->scale;
 }
 
 /* The t0 nearest the vertex: right to an ulp or so, and that is all it needs to be. */

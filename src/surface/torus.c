@@ -216,8 +216,8 @@ SGT_INLINE void course_begin(const ring *s, course *c, size_t i, sgt_vec3 o, sgt
     mask hole = MASK(R - s->r > 0x1p-10 * R), along = MASK(a < 0x1p-100), through = hole & MASK(room > 0) & ~along, in = hole & along & MASK(p < q * q);
     double wide = sqrt(room > 0 ? room : 0) / a;
     c->enter[i] = chosen(in, -HUGE_VAL, chosen(through, -h / a - wide, HUGE_VAL)), c->leave[i] = chosen(in | ~through, HUGE_VAL, -h / a + wide);
-    double near = (cross - off) / sqrt(a) * (1 - 0x1p-40), least = chosen(hole & MASK(q > near), q, near), X = cross + off, bend = R * X * X / (least * least * least);
-    c->kappa[i] = chosen(MASK(least > 0), (A - bend) - 0x1p-40 * (A + bend), -HUGE_VAL);
+    double near = (cross - off) / sqrt(a) * (1 - 0x1p-40), least = chosen(hole & MASK(q > near), q, near), X = cross + off, cube = least * least * least, bend = R * X * X / cube;
+    c->kappa[i] = chosen(MASK(cube > 0x1p-1000), (A - bend) - 0x1p-40 * (A + bend), -HUGE_VAL);
 
     double from = tmin * r.inverse;
     twofold start = two_sum(from, -r.t0);

@@ -10,9 +10,12 @@
 //   reverse    the ray turned round at its origin has the same roots, at -t;
 //   split      cut in two at any t, or at a root and a few ulps beside it, the halves have the roots of the whole; the one
 //              at the cut has to be in one half at most, and in one at least where it is farther from the cut than what
-//              sgt_ray's rule of the start and t_err can hide.
+//              sgt_ray's rule of the start and t_err can hide;
+//   nothing    a coordinate or a component of d that is 0 may as well be 1e-160 or 5e-324 (a cosine of 90 degrees to some power);
+//   tolerance  however coarse t_tol is, with tmax next to the root, a hit does not become a miss.
 //
 // Undecided stretches and grazes say less than a hit or a miss does, and contradict what they exclude alone.
+#include "agree.h"
 #include "judge.h"
 
 using namespace catalogue;
@@ -175,12 +178,12 @@ bool is_told(const list &l, double lo, double hi)
     return l.count > most;
 }
 
-// What sgt_ray's rule of the start can hide about a root, and 4 t_err.
+// What sgt_ray's rule of the start can hide about a root, and 16 t_err: another search may tell that much worse.
 double hidden_at(const sgt_hit &h, const sgt_ray &r)
 {
     const double terms = std::fabs(h.p.x * h.n.x) + std::fabs(h.p.y * h.n.y) + std::fabs(h.p.z * h.n.z), slope = std::fabs(h.n.x * r.d.x + h.n.y * r.d.y + h.n.z * r.d.z);
     const double width = 0x1p-47 * terms / slope;
-    return 4 * h.t_err + (width < HUGE_VAL ? width : HUGE_VAL) + 0x1p-48 * std::fabs(h.t);
+    return 16 * h.t_err + (width < HUGE_VAL ? width : HUGE_VAL) + 0x1p-48 * std::fabs(h.t);
 }
 
 // --------------------------------------------------------------------- checks
@@ -313,6 +316,81 @@ void ask_split(generator &g, const question &q, const sgt_ray &ray, const list &
             if (h.status == SGT_HIT && e.status == SGT_HIT && h.t == e.t && h.t_err == e.t_err && fail("one root in both halves", q, ray)) print_hit("before", h), print_hit("behind", e);
 }
 
+// What is told of the first root, of the one near the seed, and of all.
+struct answers {
+    sgt_hit first, near;
+    list all;
+};
+
+answers answers_of(const question &q, const sgt_ray &ray, sgt_proof proof)
+{
+    return {first_of(q, ray, proof, SGT_FIRST), first_of(q, ray, proof, SGT_NEAR_SEED), all_of(q, ray, proof)};
+}
+
+void ask_nothing(generator &g, const question &q, sgt_proof proof)
+{
+    static const double nothings[] = {1e-160, 1e-200, 0x1p-1000, 1e-310, 0x1p-1074};
+    const double unit = 1 / std::sqrt(q.ray.d.x * q.ray.d.x + q.ray.d.y * q.ray.d.y + q.ray.d.z * q.ray.d.z);
+    sgt_ray zero = q.ray;
+    const int axis = g.below(3); // of a direction one component stays, so that it is one
+    double *const d[] = {&zero.d.x, &zero.d.y, &zero.d.z}, *const o[] = {&zero.o.x, &zero.o.y, &zero.o.z};
+    for (int i = 0; i < 3; i++) {
+        *d[i] *= unit;
+        if (i != axis && g.chance(0.7)) *d[i] = 0;
+        if (g.chance(0.4)) *o[i] = 0;
+    }
+    if (zero.tmin > -HUGE_VAL) zero.tmin /= unit;
+    if (zero.tmax < HUGE_VAL) zero.tmax /= unit;
+    if (!(*d[axis] != 0)) *d[axis] = 1;
+    zero.tmin = std::max(zero.tmin, -1e9), zero.tmax = std::min(zero.tmax, 1e9); // where it makes no difference
+    if (!(zero.tmin < zero.tmax)) return;
+    const sgt_vec3 start = {zero.o.x + zero.tmin * zero.d.x, zero.o.y + zero.tmin * zero.d.y, zero.o.z + zero.tmin * zero.d.z};
+    if (!(std::fabs(q.s.ops->value(q.s.self, start, nullptr)) > 1e-30)) return; // next to the start it does
+    sgt_ray other = zero;
+    for (double *x : {&other.o.x, &other.o.y, &other.o.z, &other.d.x, &other.d.y, &other.d.z})
+        if (*x == 0 && g.chance(0.7)) *x = g.sign() * nothings[g.below(5)];
+    const answers a = answers_of(q, zero, proof), b = answers_of(q, other, proof);
+    counted["nothing"]++;
+    const auto about_zero = [](const sgt_hit &h) { return std::fabs(h.t) <= 1e-60 + h.t_err; }; // there it is not
+    const char *why = about_zero(a.first) || about_zero(b.first) ? nullptr : first_contradiction(a.first, b.first);
+    for (int twice = 0; !why && proof != SGT_PROVE_ROOT && twice < 2; twice++) {
+        std::vector<sgt_hit> of = (twice ? b : a).all.hits;
+        of.erase(std::remove_if(of.begin(), of.end(), about_zero), of.end());
+        why = hits_missing(of, (twice ? a : b).all.hits);
+    }
+    if (!why && (a.near.status == SGT_MISS || b.near.status == SGT_MISS)) why = first_contradiction(a.near, b.near);
+    if (!why || !fail(std::string("a number that is as good as 0: ") + why, q, zero)) return;
+    std::printf("    and {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", other.o.x, other.o.y, other.o.z, other.d.x, other.d.y, other.d.z, other.tmin, other.tmax);
+    for (const answers *of : {&a, &b}) {
+        print_hit("first", of->first), print_hit("near the seed", of->near);
+        for (const sgt_hit &h : of->all.hits) print_hit("of all", h);
+    }
+}
+
+void ask_tolerance(generator &g, const question &q, const list &whole)
+{
+    if (whole.hits.empty()) return;
+    const sgt_hit &h = whole.hits[static_cast<std::size_t>(g.below(static_cast<int>(whole.hits.size())))];
+    if (h.status != SGT_HIT || !std::isfinite(h.t)) return;
+    const double length = std::max(std::fabs(h.t), 64 * h.t_err), before = hidden_at(h, q.ray), beside = g.log_uniform(1e-12, 1) * length;
+    sgt_ray r = q.ray;
+    if (g.chance(0.5)) r.tmin = -HUGE_VAL;
+    if (g.chance(0.8)) r.tmax = std::min(r.tmax, h.t + 32 * h.t_err + beside);
+    sgt_options o = {};
+    o.t_tol = g.log_uniform(1e-3, 1e9) * beside;
+    if (!(h.t - r.tmin > before + 2 * o.t_tol && r.tmax - h.t > 16 * h.t_err)) return; // t_err is a part of what the start hides
+    o.proof = static_cast<sgt_proof>(g.below(3));
+    if (r.tmin >= 0 && r.tmax == 0) return;
+    counted["tolerance"]++;
+    for (sgt_pick pick : {SGT_FIRST, SGT_NEAR_SEED}) {
+        o.pick = pick;
+        const sgt_hit other = sgt_intersect(q.s, r, &o);
+        if (other.status != SGT_MISS || !fail("a tolerance that loses the root", q, r)) continue;
+        std::printf("    t_tol %a, proof %d, pick %d\n", o.t_tol, int(o.proof), int(pick));
+        print_hit("without", h), print_hit("with it", other);
+    }
+}
+
 void ask(generator &g, const question &q)
 {
     list of_proof[3];
@@ -326,6 +404,9 @@ void ask(generator &g, const question &q)
     ask_alike("no proof and proof first", q, q.ray, of_proof[0], of_proof[2]);
     ask_alike("proof root and proof first", q, q.ray, of_proof[1], of_proof[2]);
     if (!q.certain) return;
+    ask_tolerance(g, q, of_proof[0]);
+    if (q.type != offer_names[by_enclosure]) // its rim is in its span alone, which may be longer
+        ask_nothing(g, q, static_cast<sgt_proof>(g.below(3)));
     const sgt_proof any = static_cast<sgt_proof>(g.chance(0.6) ? 0 : 1 + g.below(2));
     ask_ends(g, q, q.ray, of_proof[any], any);
     ask_reverse(q, q.ray, of_proof[any], any);
