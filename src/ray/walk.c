@@ -195,6 +195,7 @@ bool sgt_walk_between(walk *w, const point *a, const point *b, double *past)
 void sgt_walk_stretch(walk *w, sgt_status status, double lo, double hi)
 {
     int count = w->list->count;
+    if (w->told.stopped) status = SGT_STOPPED;
     add_stretch(w->list, &w->told, status, w->ray, (w->q.t0 + lo) * w->q.scale, (w->q.t0 + hi) * w->q.scale);
     w->found = w->found || (w->list->count > count && !w->all);
 }

@@ -67,11 +67,12 @@ static void quadric_values(const void *self, size_t n, sgt_points p, sgt_values 
     }
 }
 
-/* sizes: the magnitudes of the coefficients. */
+/* sizes: the magnitudes of the coefficients.  Last: what underflows where these are multiplied by a coordinate. */
 SGT_INLINE double sizes_rounding(const sgt_quadric *sizes, double x, double y, double z)
 {
     rows unused;
-    return 9 * SGT_U * (1 + 0x1p-40) * quadric_at(sizes, fabs(x), fabs(y), fabs(z), &unused) + 0x1p-1065;
+    x = fabs(x), y = fabs(y), z = fabs(z);
+    return 9 * SGT_U * (1 + 0x1p-40) * quadric_at(sizes, x, y, z, &unused) + 0x1p-1065 * (1 + (x + y + z));
 }
 
 static double quadric_rounding(const void *self, sgt_vec3 p)

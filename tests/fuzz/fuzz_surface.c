@@ -711,11 +711,12 @@ static sgt_hit check_ray(const subject *s, const sgt_ray *ray, sgt_options opt, 
     check_list(s, ray, &hit, &opt, (int)(how >> 5 & 3));
     if (certain) {
         sgt_options other = opt;
+        bool leads = opt.pick != SGT_NEAR_SEED || (s->rises && ray->d.z != 0); /* of several near the seed the seed leads to one */
         for (int proof = SGT_ESTIMATE; proof <= (int)SGT_PROVE_FIRST; proof++) {
             other.proof = (sgt_proof)proof;
             sgt_hit o = sgt_intersect(s->surface, *ray, &other);
             check_hit(s, ray, &o, &other, false);
-            check_pair(s, ray, &hit, &o, true, "under another proof");
+            check_pair(s, ray, &hit, &o, leads, "under another proof");
         }
         other = opt, other.pick = opt.pick == SGT_NEAR_SEED ? SGT_FIRST : SGT_NEAR_SEED;
         sgt_hit o = sgt_intersect(s->surface, *ray, &other);
