@@ -237,7 +237,8 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
     /* the point of the stretch nearest the vertex: the stretch itself may lie far from it */
     w.q = local_at(ray, fmin(fmax(nearest_to_vertex(ray), lo), hi), 0);
     if (!direction_is_whole(&w.q, ray->d)) return hit_without(SGT_UNPROVEN, ray, told->evals);
-    lo -= w.q.t0, hi -= w.q.t0;
+    twofold from = two_sum(lo, -w.q.t0); /* outward, as hi: in twice the precision it is seen what that rounds */
+    lo = from.hi - (from.lo < 0 ? 2 * SGT_U * fabs(from.hi) : 0), hi -= w.q.t0;
     if (chord.hi > ray->tmax) hi += 4 * SGT_U * fabs(w.q.t0); /* that has been rounded, too */
     if (!(lo > -HUGE_VAL && hi < HUGE_VAL)) return hit_without(SGT_UNPROVEN, ray, told->evals);
     if (!(fabs(seed) < HUGE_VAL)) seed = w.q.t0;

@@ -281,6 +281,75 @@ static void test_nearly_touching(void **state)
     print_message("%ld undecided stretches, %ld pairs told apart\n", undecided, parted);
 }
 
+/* Nearly flat aspheres, from a point on them: the rule of the start is then far less than an ulp of where the ray begins or ends otherwise.
+ * A root that the end of the ray is a little behind is found, and one that its start is a little before, by some of that rule's widths. */
+static void test_ends_beside(void **state)
+{
+    (void)state;
+    generator g = seeded("ends beside a root");
+    long n = scaled(4000), asked = 0;
+    for (long i = 0; i < n; i++) {
+        sgt_asphere s = {.c = 0, .k = uniform(&g, -2, 1), .a = {either_sign(&g) * log_uniform(&g, 1e-9, 1e-2), uniform(&g, -1, 1) * 1e-6, uniform(&g, -1, 1) * 1e-7}};
+        sgt_surface surface = {&sgt_asphere_ops, &s};
+        sgt_vec3 p = {uniform(&g, -1, 1), uniform(&g, -1, 1), 0}, d = random_direction(&g);
+        p.z = -surface.ops->value(&s, p, NULL);
+        sgt_ray ray = {.o = p, .d = d, .tmin = -FAR, .tmax = FAR};
+        sgt_hit on = sgt_intersect(surface, ray, &(sgt_options){.pick = SGT_NEAR_SEED});
+        if (fabs(d.z) < 0.1 || on.status != SGT_HIT || fabs(on.t) > 1e-12) continue;
+        double width = 0x1p-48 * (fabs(on.p.x * on.n.x) + fabs(on.p.y * on.n.y) + fabs(on.p.z)) / fabs(along(&on, &ray)) + 2 * on.t_err, far = uniform(&g, 0.01, 3), steps = uniform(&g, 4, 20);
+        for (int start = 0; start < 2; start++) {
+            ray.tmin = start ? on.t - steps * width : -far, ray.tmax = start ? far : on.t + steps * width;
+            if (ray.tmax == 0) continue;
+            for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
+                sgt_hit hit[4], first = sgt_intersect(surface, ray, &(sgt_options){.pick = (sgt_pick)pick});
+                int count = sgt_intersect_all(surface, ray, 4, hit, NULL);
+                bool in = false;
+                for (int j = 0; j < count && j < 4; j++) in = in || (hit[j].lo <= on.t + on.t_err && hit[j].hi >= on.t - on.t_err);
+                asked++;
+                REQUIRE(in && first.status != SGT_MISS, "case %ld: the root %.17g +- %g, %g widths from %s of [%.17g, %.17g], is in none of %d entries, and pick %d says %s", i, on.t, on.t_err, steps, start ? "the start" : "the end",
+                    ray.tmin, ray.tmax, count, pick, sgt_status_text(first.status));
+            }
+        }
+    }
+    REQUIRE(asked > n, "%ld: these rays are no test", asked);
+}
+
+/* A ray that is tangent where the profile has no curvature meets it in three roots that are nearly one.  Where any is told, its normal
+ * is the gradient there. */
+static void test_triple(void **state)
+{
+    (void)state;
+    generator g = seeded("triple roots");
+    long n = scaled(3000), told = 0;
+    for (long i = 0; i < n; i++) {
+        double c = chance(&g, 0.5) ? 0 : uniform(&g, -0.3, 0.3), k = uniform(&g, -2, 1), r = uniform(&g, 0.3, 1), a1 = either_sign(&g) * log_uniform(&g, 0.01, 0.5), about = uniform(&g, 0, 6.283185307179586);
+        /* c r^2 / (1 + phi): its slope is c r / phi, and what that grows by c / phi^3 */
+        double phi = sqrt(1 - (1 + k) * c * c * r * r), a0 = -6 * a1 * r * r - 0.5 * c / (phi * phi * phi);
+        sgt_asphere s = {.c = c, .k = k, .a = {a0, a1}};
+        double z = c * r * r / (1 + phi) + a0 * r * r + a1 * r * r * r * r, slope = c * r / phi + 2 * a0 * r + 4 * a1 * r * r * r, away = uniform(&g, 0.1, 3);
+        sgt_vec3 d = {cos(about), sin(about), slope};
+        sgt_ray ray = {.o = {(r - away) * d.x, (r - away) * d.y, z - away * slope}, .d = d, .tmax = away + 0.05};
+        sgt_surface surface = {&sgt_asphere_ops, &s};
+        sgt_hit hit[8];
+        for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
+            int count = sgt_intersect_all(surface, ray, 7, hit, NULL);
+            if (count > 7) count = 7;
+            hit[count++] = sgt_intersect(surface, ray, &(sgt_options){.pick = (sgt_pick)pick});
+            for (int j = 0; j < count; j++) {
+                if (!(hit[j].status > 0)) continue;
+                sgt_vec3 grad;
+                surface.ops->value(&s, hit[j].p, &grad);
+                wide off = wide_difference(widen(hit[j].n), widen(grad));
+                REQUIRE(wide_length(off) < 1e-3L * wide_length(widen(grad)), "ray %ld: n is {%g, %g, %g} where the gradient is {%g, %g, %g}; t %.17g +- %g", i, hit[j].n.x, hit[j].n.y, hit[j].n.z, grad.x, grad.y, grad.z,
+                    hit[j].t, hit[j].t_err);
+                told++;
+            }
+        }
+    }
+    print_message("%ld roots\n", told);
+    REQUIRE(told > n, "%ld: these rays are no test", told);
+}
+
 /* ------------------------------------------------------ a torus of the user's */
 
 /* F is the true distance: outside sqrt((sqrt(x^2 + y^2) - R)^2 + z^2) - r, and less inside. */
@@ -964,7 +1033,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bowl), cmocka_unit_test(test_cap), cmocka_unit_test(test_ends), cmocka_unit_test(test_rim),
         cmocka_unit_test(test_touching), cmocka_unit_test(test_conics), cmocka_unit_test(test_four_and_a_touch), cmocka_unit_test(test_nearly_touching),
-        cmocka_unit_test(test_value_only), cmocka_unit_test(test_clearance), cmocka_unit_test(test_enclose), cmocka_unit_test(test_estimate),
+        cmocka_unit_test(test_ends_beside), cmocka_unit_test(test_triple), cmocka_unit_test(test_value_only), cmocka_unit_test(test_clearance), cmocka_unit_test(test_enclose), cmocka_unit_test(test_estimate),
         cmocka_unit_test(test_single), cmocka_unit_test(test_no_beginning), cmocka_unit_test(test_watcher), cmocka_unit_test(test_budget),
         cmocka_unit_test(test_invalid), cmocka_unit_test(test_scale_of_direction), cmocka_unit_test(test_lies),
     };
