@@ -87,7 +87,11 @@ void at_equator(generator &g, long *undecided, long *all)
     const double tilt = g.chance(0.3) ? 0 : g.log_uniform(1e-9, 1), turn = g.uniform(0, 6.283185307179586);
     if (g.chance(0.5)) d[0] = std::cos(turn), d[1] = std::sin(turn), d[2] = g.sign() * tilt; // nearly in the plane of the equator
     else d[0] = g.uniform(-1, 1), d[1] = g.uniform(-1, 1), d[2] = g.uniform(-1, 1);
-    const double away = R * (g.chance(0.1) ? 0 : g.log_uniform(1e-3, 1e2)) * g.sign();
+    double away = R * (g.chance(0.1) ? 0 : g.log_uniform(1e-3, 1e2)) * g.sign();
+    if (axis && g.chance(0.5)) { // nearly tangent there: the two roots are as near the equator as each other, and their errors great
+        d[0] = g.sign() * g.below(1 << (4 + g.below(8))) * 0x1p-54, d[1] = g.uniform(-1, 1), d[2] = g.uniform(-1, 1);
+        away = g.chance(0.5) ? 0 : g.sign() * std::ldexp(R, -g.below(20));
+    }
     if (g.chance(0.3)) s.semi_diameter = r * (g.chance(0.5) ? 1 : 2);
     sgt_ray ray = {{p[0] - away * d[0], p[1] - away * d[1], p[2] - away * d[2]}, {d[0], d[1], d[2]}, -HUGE_VAL, HUGE_VAL};
     if (g.chance(0.5)) ray.tmin = 0;

@@ -331,6 +331,9 @@ static void test_undecided(void **state)
                 int count = sgt_intersect_all(surface, ray, 4, hit, &opt);
                 REQUIRE(h.status != SGT_MISS && count > 0, "case %ld, pick %d, proof %d: a miss, %d of all; rounding %g, enclosure +- %g, the root at %g of [%g, %g]", i, pick, proof, count, s.off, s.wide, before, ray.tmin, ray.tmax);
                 of[h.status < 0 ? 0 : h.status == SGT_HIT ? 1 : 2]++;
+                for (int j = 0; j < count && j < 4; j++)
+                    REQUIRE(!(hit[j].status > 0) || (hit[j].lo <= hit[j].t - hit[j].t_err && hit[j].hi >= hit[j].t + hit[j].t_err), "case %ld, pick %d, proof %d: %.17g +- %g is not all in [%.17g, %.17g]", i, pick, proof,
+                            hit[j].t, hit[j].t_err, hit[j].lo, hit[j].hi);
                 at_end += count == 1 && hit[0].status < 0 && hit[0].hi == ray.tmax && hit[0].lo > ray.tmin;
             }
     }
@@ -338,10 +341,79 @@ static void test_undecided(void **state)
     REQUIRE(of[0] > n / 100 && of[1] > n / 10 && at_end > n / 100, "these rays are no test");
 }
 
+/* The ball |p - c| < r, told with its rounding and by intervals, in a span; many roots are possible, as far as the solver knows. */
+typedef struct ball { sgt_vec3 c; double r; } ball;
+
+static double ball_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    const ball *s = self;
+    double x = p.x - s->c.x, y = p.y - s->c.y, z = p.z - s->c.z;
+    if (grad) *grad = (sgt_vec3){2 * x, 2 * y, 2 * z};
+    return x * x + y * y + z * z - s->r * s->r;
+}
+static double ball_rounding(const void *self, sgt_vec3 p)
+{
+    const ball *s = self;
+    double x = fabs(p.x) + fabs(s->c.x), y = fabs(p.y) + fabs(s->c.y), z = fabs(p.z) + fabs(s->c.z);
+    return 0x1p-50 * (x * x + y * y + z * z + s->r * s->r);
+}
+static sgt_span ball_span(const void *self, const sgt_ray *ray)
+{
+    const ball *s = self;
+    double x = s->c.x - ray->o.x, y = s->c.y - ray->o.y, z = s->c.z - ray->o.z, d2 = ray->d.x * ray->d.x + ray->d.y * ray->d.y + ray->d.z * ray->d.z;
+    double middle = (x * ray->d.x + y * ray->d.y + z * ray->d.z) / d2, half = 1.01 * s->r / sqrt(d2);
+    return (sgt_span){.lo = middle - half, .hi = middle + half, .seed = NOT};
+}
+static sgt_interval ball_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    const ball *s = self;
+    const double o[3] = {ray->o.x, ray->o.y, ray->o.z}, d[3] = {ray->d.x, ray->d.y, ray->d.z}, c[3] = {s->c.x, s->c.y, s->c.z};
+    sgt_interval g = sgt_interval_scaled(sgt_interval_square(sgt_interval_of(s->r)), -1), by = sgt_interval_of(0);
+    for (int k = 0; k < 3; k++) {
+        sgt_interval x = sgt_interval_difference(sgt_interval_sum(sgt_interval_of(o[k]), sgt_interval_product(t, sgt_interval_of(d[k]))), sgt_interval_of(c[k]));
+        g = sgt_interval_sum(g, sgt_interval_square(x)), by = sgt_interval_sum(by, sgt_interval_product(x, sgt_interval_of(2 * d[k])));
+    }
+    *slope = by;
+    return g;
+}
+
+/* From the surface outward nothing is met, inward the other side: decided, though the sign of F at the start is not. */
+static void test_from_surface(void **state)
+{
+    (void)state;
+    generator g = seeded("from the surface, by intervals");
+    const sgt_surface_ops ops = {.name = "ball", .value = ball_value, .rounding = ball_rounding, .span = ball_span, .enclose = ball_enclose};
+    long n = scaled(10000), outward = 0, unknown = 0;
+    for (long i = 0; i < n; i++) {
+        ball s = {.c = random_point(&g, 2), .r = log_uniform(&g, 0.1, 10)};
+        sgt_surface surface = {&ops, &s};
+        sgt_vec3 u = random_direction(&g), d = random_direction(&g);
+        double along = u.x * d.x + u.y * d.y + u.z * d.z, beside = chance(&g, 0.3) ? 0 : uniform(&g, -2, 2) * 0x1p-52;
+        if (fabs(along) < 0.05) continue;
+        sgt_ray ray = {.o = {s.c.x + s.r * (1 + beside) * u.x, s.c.y + s.r * (1 + beside) * u.y, s.c.z + s.r * (1 + beside) * u.z}, .d = d};
+        double f = ball_value(&s, ray.o, NULL);
+        unknown += fabs(f) <= ball_rounding(&s, ray.o), outward += along > 0;
+        /* Beside the surface by more than the rule of the start the root there may count. */
+        double spread = 2 * s.r * (fabs(ray.o.x * u.x) + fabs(ray.o.y * u.y) + fabs(ray.o.z * u.z));
+        if (fabs(f) > 0x1p-49 * spread) continue;
+        for (int all = 0; all < 2; all++) {
+            sgt_hit hit[4];
+            int count = 1;
+            if (all) count = sgt_intersect_all(surface, ray, 4, hit, NULL);
+            else hit[0] = sgt_intersect(surface, ray, NULL), count = hit[0].status != SGT_MISS;
+            if (along > 0) REQUIRE(count == 0, "case %ld, %s: outward, and %s at %.17g +- %g, r %g", i, all ? "all" : "the first", sgt_status_text(hit[0].status), hit[0].t, hit[0].t_err, s.r);
+            else REQUIRE(count == 1 && hit[0].status == SGT_HIT && fabs(hit[0].t + 2 * s.r * along) < 1e-12 * (s.r + 4), "case %ld, %s: inward, and %d entries; %s at %.17g, not %.17g", i, all ? "all" : "the first", count,
+                         count ? sgt_status_text(hit[0].status) : "a miss", hit[0].t, -2 * s.r * along);
+        }
+    }
+    print_message("%ld of %ld outward, of %ld the start's sign is not known\n", outward, n, unknown);
+    REQUIRE(outward > n / 4 && unknown > n / 4, "these rays are no test");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_poles_and_jumps), cmocka_unit_test(test_root_beside_pole), cmocka_unit_test(test_random_answers), cmocka_unit_test(test_undecided),
+        cmocka_unit_test(test_poles_and_jumps), cmocka_unit_test(test_root_beside_pole), cmocka_unit_test(test_random_answers), cmocka_unit_test(test_undecided), cmocka_unit_test(test_from_surface),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

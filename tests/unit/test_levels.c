@@ -439,6 +439,70 @@ static void test_from_afar(void **state)
     REQUIRE(10 * met > n, "only %ld of %ld rays are of use", met, n);
 }
 
+/* The list goes on behind what is not proven: from afar some roots are too near to the next for a proof, and others are not. */
+static void test_all_proven_or_not(void **state)
+{
+    (void)state;
+    generator g = seeded("proven or not, all are told");
+    long n = scaled(400), behind = 0;
+    for (long i = 0; i < n; i++) {
+        sgt_julia s = {.iterations = 8 + below(&g, 12), .escape = chance(&g, 0.5) ? 0 : 3};
+        for (int k = 0; k < 4; k++) s.c[k] = uniform(&g, -0.8, 0.8);
+        sgt_vec3 at = random_point(&g, 0.8), d = random_direction(&g);
+        double away = log_uniform(&g, 1e8, 1e13);
+        sgt_ray ray = {.o = {at.x - away * d.x, at.y - away * d.y, at.z - away * d.z}, .d = d};
+        sgt_hit plain[MOST], proven[MOST];
+        const sgt_options opt = {.proof = SGT_PROVE_ROOT, .max_evals = 100000};
+        int count = sgt_intersect_all(julia_surface(&s), ray, MOST, plain, &(sgt_options){.max_evals = 100000}), told = sgt_intersect_all(julia_surface(&s), ray, MOST, proven, &opt);
+        if (count > MOST || told > MOST) continue;
+        bool undecided = false;
+        for (int j = 0; j < told; j++) behind += undecided && proven[j].status > 0, undecided = undecided || proven[j].status < 0;
+        for (int j = 0; j < count; j++) {
+            bool in = plain[j].status < 0;
+            for (int k = 0; k < told; k++) in = in || (plain[j].t >= proven[k].lo && plain[j].t <= proven[k].hi);
+            REQUIRE(in, "case %ld, from %g away: the root %.17g, %d of %d, is in none of %d entries under proof", i, away, plain[j].t, j, count, told);
+        }
+    }
+    print_message("%ld proven roots behind what is not\n", behind);
+    REQUIRE(behind > n / 20, "%ld of %ld: these rays are no test", behind, n);
+}
+
+/* A start on the set, at the origin of its frame: there the rule of the start is t_err and little else, which is wide for t.  What
+ * is told is behind it, alone and in a batch. */
+static void test_start_at_origin(void **state)
+{
+    (void)state;
+    generator g = seeded("a start on the set");
+    long n = scaled(20000), met = 0, at_start = 0;
+    for (long i = 0; i < n; i++) {
+        sgt_julia s = {.ex = {1}, .ey = {0, 1}, .ez = {0, 0, 1}, .iterations = 2 + below(&g, 8), .escape = chance(&g, 0.5) ? 0 : 3};
+        for (int k = 0; k < 4; k++) s.c[k] = uniform(&g, -0.7, 0.7);
+        sgt_mandelbrot m = sliced_alike(&s);
+        sgt_surface surface = chance(&g, 0.5) ? julia_surface(&s) : mandelbrot_surface(&m);
+        sgt_vec3 d = random_direction(&g), at = random_point(&g, 0.5);
+        sgt_hit on = sgt_intersect(surface, (sgt_ray){.o = {at.x - 3 * d.x, at.y - 3 * d.y, at.z - 3 * d.z}, .d = d}, NULL);
+        if (on.status != SGT_HIT) continue;
+        s.at[0] += on.p.x, s.at[1] += on.p.y, s.at[2] += on.p.z; /* the origin is there now, to rounding */
+        m = sliced_alike(&s);
+        double off = chance(&g, 0.3) ? 0 : log_uniform(&g, 1e-18, 1e-14);
+        sgt_ray ray = {.o = {off * d.x, off * d.y, off * d.z}, .d = chance(&g, 0.5) ? d : random_direction(&g)};
+        sgt_hit hit = sgt_intersect(surface, ray, NULL);
+        double t, t_err, tmax = FAR;
+        signed char status;
+        sgt_rays one = {.o = {&ray.o.x, &ray.o.y, &ray.o.z}, .d = {&ray.d.x, &ray.d.y, &ray.d.z}, .tmin = &ray.tmin, .tmax = &tmax};
+        sgt_intersect_batch(surface, 1, one, (sgt_hits){.status = &status, .t = &t, .t_err = &t_err}, NULL);
+        if (hit.status == SGT_HIT) REQUIRE(hit.t > hit.t_err, "case %ld: t %.17g, t_err %g: the start itself", i, hit.t, hit.t_err);
+        if (status == SGT_HIT) REQUIRE(t > t_err, "case %ld, in a batch: t %.17g, t_err %g: the start itself", i, t, t_err);
+        sgt_hit line[MOST];
+        ray.tmin = -FAR, ray.tmax = 1e-12;
+        int roots = sgt_intersect_all(surface, ray, MOST, line, NULL);
+        for (int j = 0; j < roots && j < MOST; j++) at_start += line[j].status == SGT_HIT && line[j].t > 0 && line[j].t <= line[j].t_err;
+        met += hit.status == SGT_HIT;
+    }
+    print_message("%ld rays meet the set, of %ld the start is a root a little ahead\n", met, at_start);
+    REQUIRE(met > n / 10 && at_start > n / 100, "these rays are no test");
+}
+
 /* -------------------------------------------------------------- sgt_check */
 
 static void test_sound(void **state)
@@ -479,7 +543,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rows), cmocka_unit_test(test_one_by_one), cmocka_unit_test(test_of_one_mind), cmocka_unit_test(test_defaults),
         cmocka_unit_test(test_spheres), cmocka_unit_test(test_on_the_axis), cmocka_unit_test(test_touching), cmocka_unit_test(test_nearly_tangent), cmocka_unit_test(test_from_afar),
-        cmocka_unit_test(test_sound),
+        cmocka_unit_test(test_all_proven_or_not), cmocka_unit_test(test_start_at_origin), cmocka_unit_test(test_sound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

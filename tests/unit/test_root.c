@@ -456,12 +456,33 @@ static void test_uncertain(void **state)
     }
 }
 
+/* A straight line in noise, its root now and then at an end of the span, with slopes that are told up to 1.9 times too steep, or too
+ * flat: whatever is told of a root, it is within t_err, which has twice what |g| and its rounding can move it. */
+static void test_in_noise(void **state)
+{
+    (void)state;
+    generator g = seeded("in noise");
+    long n = scaled(50000), hits = 0, grazes = 0;
+    for (long i = 0; i < n; i++) {
+        double lo = uniform(&g, -1, 1), hi = lo + log_uniform(&g, 1e-3, 1), root = chance(&g, 0.3) ? lo : chance(&g, 0.4) ? hi : uniform(&g, lo, hi);
+        double steep = either_sign(&g) * log_uniform(&g, 1e-3, 1e3), noise = fabs(steep) * log_uniform(&g, 1e-12, 1e-2), told = log_uniform(&g, 0.02, 1.9);
+        sgt_root r = sgt_root_begin((sgt_span){.lo = lo, .hi = hi, .seed = uniform(&g, lo, hi)}, NULL);
+        do r.g_err = noise;
+        while (sgt_root_next(&r, steep * (r.t - root) + noise * (chance(&g, 0.5) ? 0.99 * either_sign(&g) : uniform(&g, -0.99, 0.99)), told * steep));
+        hits += r.status == SGT_HIT, grazes += r.status == SGT_GRAZE;
+        if (r.status > 0) REQUIRE(fabs(r.t - root) <= r.t_err * (1 + 1e-12) + 1e-15, "case %ld: %s at %.17g +- %g, the root is at %.17g of [%g, %g]; noise / slope %g, slopes told are %g of the true", i, sgt_status_text(r.status), r.t, r.t_err,
+                                  root, lo, hi, noise / fabs(steep), told);
+    }
+    print_message("%ld hits, %ld grazes\n", hits, grazes);
+    REQUIRE(hits > n / 10 && grazes > n / 100, "these are no test");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_true_slopes), cmocka_unit_test(test_lying_slopes), cmocka_unit_test(test_budget),
         cmocka_unit_test(test_tolerances),  cmocka_unit_test(test_invalid),      cmocka_unit_test(test_random), cmocka_unit_test(test_narrow_holes),
-        cmocka_unit_test(test_texts),        cmocka_unit_test(test_uncertain),
+        cmocka_unit_test(test_texts),        cmocka_unit_test(test_uncertain), cmocka_unit_test(test_in_noise),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -491,6 +491,43 @@ static void test_far_launch(void **state)
     REQUIRE(worst_p < 1e-13L && worst_d < 1e-13L, "point %Lg, direction %Lg", worst_p, worst_d);
 }
 
+/* A launch that is moved, along an axis: its t0 is exact, and t + t_lo is the root to what is left of it, though an ulp of t is long. */
+static void test_far_launch_to_its_last_part(void **state)
+{
+    (void)state;
+    generator g = seeded("far launch, t_lo");
+    long double worst = 0;
+    long n = scaled(20000), rounded = 0;
+    for (long i = 0; i < n; i++) {
+        const sgt_conic flat = {.c = 0};
+        sgt_element e = {.surface = {&sgt_conic_ops, &flat}, .pose = sgt_pose_tilted(random_point(&g, 2), random_point(&g, 50)), .index = 1.5};
+        double away = either_sign(&g) * log_uniform(&g, 1e5, 1e12), side[3] = {uniform(&g, -1, 1), uniform(&g, -1, 1), uniform(&g, -1, 1)}, way[3] = {0};
+        int axis = below(&g, 3);
+        side[axis] -= away, way[axis] = 1;
+        const sgt_vec3 o = {side[0], side[1], side[2]}, d = {way[0], way[1], way[2]}, ez = e.pose.ez, at = e.pose.origin;
+        double slope = way[0] * ez.x + way[1] * ez.y + way[2] * ez.z, t[2], t_lo[2], infinite = FAR, begin = -FAR;
+        if (fabs(slope) < 0.1) continue;
+        sgt_ray ray = {.o = o, .d = d};
+        sgt_passage p;
+        REQUIRE(sgt_trace(1, &e, 1, &ray, &p, NULL, NULL) == 1, "ray %ld is not traced", i);
+        t[0] = p.hit.t, t_lo[0] = p.hit.t_lo;
+        sgt_passages told = {.hits = {.t = &t[1], .t_lo = &t_lo[1]}};
+        sgt_rays one = {.o = {&o.x, &o.y, &o.z}, .d = {&d.x, &d.y, &d.z}, .tmin = &begin, .tmax = &infinite};
+        sgt_trace_batch(1, &e, 1, 1, one, (sgt_traced){0}, &told, NULL);
+        for (int k = 0; k < 2; k++) {
+            double left[3] = {o.x - at.x, o.y - at.y, o.z - at.z}, from = side[axis], to = axis == 0 ? at.x : axis == 1 ? at.y : at.z;
+            left[axis] = ((from + t[k]) - to) + t_lo[k]; /* from + t is exact where t is long: the two are near */
+            if (fabs(from + t[k]) > 0.25 * fabs(from)) continue;
+            long double off = fabsl((long double)left[0] * ez.x + (long double)left[1] * ez.y + (long double)left[2] * ez.z) / fabs(slope);
+            worst = fmaxl(worst, off);
+            rounded += fabs(t_lo[k]) > 1e-13;
+            REQUIRE(off < 1e-13L, "ray %ld from %g away%s: t + t_lo is %Lg off, t_lo %g", i, away, k ? ", in a batch" : "", off, t_lo[k]);
+        }
+    }
+    print_message("t + t_lo off by %Lg at most; t_lo is of account %ld times\n", worst, rounded);
+    REQUIRE(rounded > n / 2, "these rays are no test");
+}
+
 /* ------------------------------------------------------------------ watching */
 
 typedef struct counter { int calls, stop_at; } counter;
@@ -547,7 +584,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_against_wide), cmocka_unit_test(test_reversed),   cmocka_unit_test(test_fates),       cmocka_unit_test(test_invalid),
-        cmocka_unit_test(test_nothing_wanted), cmocka_unit_test(test_aperture_chooses), cmocka_unit_test(test_wide_aperture), cmocka_unit_test(test_far_lens), cmocka_unit_test(test_far_launch),
+        cmocka_unit_test(test_nothing_wanted), cmocka_unit_test(test_aperture_chooses), cmocka_unit_test(test_wide_aperture), cmocka_unit_test(test_far_lens), cmocka_unit_test(test_far_launch), cmocka_unit_test(test_far_launch_to_its_last_part),
         cmocka_unit_test(test_watch),        cmocka_unit_test(test_scan_lens_ray),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
