@@ -7,6 +7,8 @@
  * One root (span.single, or the root near the seed): the quick form (quick.h), where there is a seed; where that has
  * no answer the solver of solve/root.c, in the span.
  *
+ * The root of a sag that may have several: along the stretch of the ray on which F is monotone (vicinity.h), as one root.
+ *
  * The first of several: where the surface can tell where that is (`first`), as one root.  That failing, or all of them: by the
  * surface's enclosure (cells.c), where it has one and the stretch is finite; the surfaces that are built in and do not answer by
  * themselves go by prove.c, which needs no ends.  Else a march.  Its steps are the clearance, where that is above dt_min: nothing can be missed in
@@ -22,7 +24,10 @@
 #include "general.h"
 
 #include "prove.h"
+#include "vicinity.h"
 #include "walk.h"
+
+#include <string.h>
 
 enum { FAR_STEPS = 128 };
 
@@ -151,6 +156,29 @@ static bool first_of_several(walk *w)
     return told;
 }
 
+/* The root along the stretch of the ray on which F is monotone; true: it has the answer. */
+static bool root_nearby(walk *w, const sgt_span *span, bool near)
+{
+    const sgt_ray *ray = w->ray;
+    const sgt_surface_ops *ops = w->s.ops;
+    if (!is_catalogue(ops) || !ops->own_->share_within || !(fabs(span->seed) < HUGE_VAL)) return false;
+    vicinities kept;
+    vicinities_begin(&kept);
+    vicinity v = sgt_vicinity_of(w->s, &w->shared, ray, span->seed, near, &kept);
+    w->nearby = !(w->shared.noise[0] < HUGE_VAL);
+    memcpy(w->noise, v.noise, sizeof w->noise);
+    if (!v.monotone) return false;
+    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, v.lo, v.hi, span->seed, ops->enclose ? 0x1p-50 : 0, true);
+    if (a.passes || !a.known || !a.seeded) return false;
+    w->q = a.q;
+    w->lo = a.lo, w->hi = a.hi, w->least = v.least;
+    w->t_tol = w->told.opt->t_tol / a.q.scale;
+    w->margin = END_ERRORS;
+    bool told = quickly(w, &a, false);
+    w->margin = w->least = 0;
+    return told;
+}
+
 /* An end at infinity made one of 16 times as far from the point nearest the frame's origin as the ray begins: solve/root.c would take samples
  * among the floating-point numbers, which depends on the unit of length.  What is beyond is left to prove.c. */
 static void cut_to_reach(const approach *a, const sgt_ray *ray, sgt_span *s)
@@ -173,8 +201,9 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
     sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
     if (is_catalogue(s.ops) && s.ops->own_->span) span = s.ops->own_->span(s.self, &w.shared, ray, &w.least);
     else if (s.ops->span) span = s.ops->span(s.self, ray);
+    if (!all && !span.single && root_nearby(&w, &span, near)) return w.told.evals - w.told.before;
     approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed, s.ops->enclose || s.ops->clearance ? 0x1p-50 : 0, true);
-    if (a.passes) return 0;
+    if (a.passes) return w.told.evals - w.told.before;
     double lo = a.lo, hi = a.hi;
     w.q = a.q;
     w.lo = lo, w.hi = hi;

@@ -20,6 +20,7 @@
 #include "../solve/root.h"
 #include "general.h"
 #include "quick.h"
+#include "vicinity.h"
 
 #include <stddef.h>
 
@@ -41,9 +42,11 @@ typedef struct lanes {
     union { row slope, beside; };
     union { row sign, tau_err; };
     union { row dt, seed; };
-    row end, defined;                /* of a march, and whether F was defined; of a root: the sign on its left */
+    row end;                         /* of a march; of a root: the sign on its left */
+    union { row defined, most2; };   /* of a march: whether F was; no sag of the catalogue is marched along */
     row px, py, pz;                  /* the point asked for */
     row slot, state, least;          /* least: of |g'| along the span, where that is known; else 0 */
+    row noise0, noise1;              /* of a sag without a rim, as most2: vicinity.h */
     row qf, qx, qy, qz;              /* F beside a root; what one loop leaves to the next */
     double none;                     /* 0, of around_of: here, because after a call gcc knows of nothing that is here */
 } lanes;
@@ -62,6 +65,9 @@ typedef struct sweep {
     bool slopes;        /* the spans come with bounds on the slope */
     bool moved;         /* some lane is not at its place */
     sgt_shared shared;  /* of the surface, where it shares */
+    vicinities kept;    /* and of parts of it */
+    sgt_shared bare;    /* bare_of shared */
+    bool rows;          /* what the departure adds to the rounding is each lane's own */
     lanes *a;
     sgt_points points;  /* what `values` is handed, made once: a copy of what has just been written in smaller pieces must wait for it */
     sgt_values f, q;    /* F at tau; F beside a root */
@@ -164,6 +170,13 @@ static void add_roundings(size_t n, const double *restrict f, const double *rest
     }
 }
 
+SGT_CLONES_WIDE
+static void add_noise(const lanes *a, size_t n, double *own)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) own[i] += vicinity_noise(a->noise0[i], a->noise1[i], a->most2[i], a->px[i] * a->px[i] + a->py[i] * a->py[i]);
+}
+
 /* The slope, which may be the first of the gradient, and how far F may be off; last as for close_of, NULL: always. */
 static void bound(sweep *w, size_t n, const double *tau, const sgt_values *f, double *slope, double *g_err, const double *last)
 {
@@ -173,7 +186,8 @@ static void bound(sweep *w, size_t n, const double *tau, const sgt_values *f, do
     else if (around_close(a, n, tau, f, slope, g_err, last, w->opt->f_tol) == 0) return;
     if (!ops->rounding) return;
     double own[LANES], none = is_catalogue(ops) ? HUGE_VAL : 0; /* what a bound that is none comes to */
-    if (is_catalogue(ops) && ops->own_->roundings && ops->own_->roundings(w->s.self, &w->shared, n, w->points, f->f, own)) {
+    if (is_catalogue(ops) && ops->own_->roundings && ops->own_->roundings(w->s.self, w->rows ? &w->bare : &w->shared, n, w->points, f->f, own)) {
+        if (w->rows) add_noise(a, n, own);
         for (size_t i = 0; i < n; i++) /* seldom: beyond the rim */
             if (!(own[i] >= 0)) own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
         add_roundings(n, f->f, slope, last, w->opt->f_tol, own, g_err);
@@ -206,6 +220,30 @@ static void single_all(lanes *a, size_t n)
     for (size_t i = 0; i < n; i++) a->single[i] = a->least[i] > 0 ? 1.0 : 0.0;
 }
 
+/* Of sags, where several roots may be along the whole of a ray: the stretch on which F is monotone.  No root there is no
+ * miss: such a lane is not single. */
+static void nearby(sweep *w, const sgt_tile *tile, size_t from, size_t n)
+{
+    const sgt_rays *r = &tile->rays;
+    lanes *a = w->a;
+    size_t single = 0;
+    while (single < n && a->least[single] > 0) single++;
+    w->rows = false;
+    if (!w->s.ops->own_->share_within || single == n) return;
+    w->rows = !(w->shared.noise[0] < HUGE_VAL);
+    for (size_t i = 0; i < n; i++) {
+        size_t k = from + i;
+        sgt_ray ray = {{r->o[0][k], r->o[1][k], r->o[2][k]}, {r->d[0][k], r->d[1][k], r->d[2][k]}, a->tmin[i], a->tmax[i]};
+        if (a->single[i] != 0 || !(fabs(a->seed[i]) < HUGE_VAL)) {
+            a->noise0[i] = (double)NAN;
+            continue;
+        }
+        vicinity v = sgt_vicinity_of(w->s, &w->shared, &ray, a->seed[i], w->near != 0, &w->kept);
+        a->noise0[i] = v.noise[0], a->noise1[i] = v.noise[1], a->most2[i] = v.noise[2];
+        if (v.monotone) a->lo[i] = v.lo, a->hi[i] = v.hi, a->least[i] = v.least;
+    }
+}
+
 static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
 {
     const sgt_surface_ops *ops = w->s.ops;
@@ -231,6 +269,7 @@ static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
         ops->own_->spans(w->s.self, &w->shared, n, (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
                          (sgt_spans){a->lo, a->hi, a->seed, NULL}, a->least);
         single_all(a, n);
+        nearby(w, tile, from, n);
         return;
     }
     if (ops->spans && ops->span) { /* alone they are not read, as sgt_intersect would not */
@@ -281,7 +320,7 @@ static double approach_lanes(const sweep *w, const sgt_tile *tile, size_t from, 
     /* gcc makes vector code of two loops where in one the same conditions, chosen by and asked again, are branches to it */
 #pragma omp simd reduction(+ : starting)
     for (size_t i = 0; i < n; i++) {
-        double single = a->single[i], one = single + near;
+        double single = a->single[i], one = single + near + a->least[i];
         bool starts = (one > 0) & (a->f[i] + 0.5 * single >= 1), walks = (one == 0) & (a->lo[i] > walks_from);
         double state = starts ? (double)NEWTON : (double)SGT_HARD;
         state = walks ? (double)MARCH : state;
@@ -688,7 +727,8 @@ static double take(lanes *a, size_t n, double budget, double rim2, double margin
         local q = {.l = a->l[i], .m = a->m[i], .n = a->n[i], .t0 = a->t0[i], .scale = a->scale[i]};
         sgt_vec3 grad = {a->fx[i], a->fy[i], a->fz[i]}, p = {a->x[i] + tau * q.l, a->y[i] + tau * q.m, a->z[i] + tau * q.n};
         around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
-        taking h = taking_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i], rim2, margin);
+        double away = (a->single[i] == 0) & (a->least[i] > 0) ? END_ERRORS : margin; /* vicinity.h */
+        taking h = taking_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i], rim2, away);
         double off = h.off ? (double)SGT_MISS : (double)SGT_HARD, state = a->single[i] != 0 ? off : (double)SGT_HARD;
         state = h.counts ? (double)SGT_HIT : state;
         state = a->evals[i] <= budget ? state : (double)SGT_HARD;
@@ -818,7 +858,8 @@ size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
                .walks_from = ops->first || ops->enclose || ops->clearance || (opt->dt_min > 0 && ops->estimate) ? HUGE_VAL : -HUGE_VAL};
     size_t hard = 0;
     a.none = 0;
-    if (is_catalogue(ops) && ops->own_->share) ops->own_->share(s.self, &w.shared);
+    vicinities_begin(&w.kept);
+    if (is_catalogue(ops) && ops->own_->share) ops->own_->share(s.self, &w.shared), w.bare = bare_of(w.shared);
     for (int i = 0; i < LANES; i++) a.slot[i] = i; /* and so again after each run: see settle */
     w.points = (sgt_points){{a.px, a.py, a.pz}};
     w.f = (sgt_values){a.f, {a.fx, a.fy, a.fz}}, w.q = (sgt_values){a.qf, {a.qx, a.qy, a.qz}};

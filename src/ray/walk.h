@@ -27,6 +27,8 @@ typedef struct walk {
     double rim2;    /* of the surface's rim; infinite where there is none */
     double margin;  /* of taking_of: END_ERRORS where not all roots are found this way */
     sgt_shared shared; /* of the surface, where it shares */
+    bool nearby;       /* and what its departure adds to the rounding is known near this ray alone: */
+    double noise[3];   /* vicinity.h */
 } walk;
 
 /* No more is to be asked: stopped, spent, or found what was wanted. */

@@ -29,16 +29,21 @@ SGT_INLINE bool easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, doubl
     local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
     sample seen = {.g = g, .slope = slope};
     observe(w, &at, r.tau + g / slope, &seen, SGT_SEED, -HUGE_VAL, HUGE_VAL);
+    if (first && wavy_hopeless(s, tmin, d.x, d.y, d.z)) return false;
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
         wavy_newton half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, d.x, d.y, d.z);
-        q = wavy_bound(s, ALL_TERMS, first, r.x, r.y, r.t0, &half, d.x, d.y, d.z, t_tol);
+        q = wavy_bound(s, ALL_TERMS, r.x, r.y, r.t0, &half, d.x, d.y, d.z, t_tol);
         seen = (sample){.g = half.g, .slope = half.slope};
         observe(w, &at, tau, &seen, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
         seen.g = q.g;
         if (!w->stopped) observe(w, &at, half.tau2, &seen, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
     }
     if (w->stopped || !(r.tau == r.tau)) return false;
+    bool is_first = !first || wavy_single(s, d.x, d.y, d.z);
+    for (int halves = 0; halves <= HALVES && !is_first; halves += HALVES)
+        is_first = wavy_first_from(s, ALL_TERMS, halves, o.x, o.y, o.z, tmin, r.t0, r.x, r.y, q.tau, d.x, d.y, d.z);
+    if (!is_first) return false;
     near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
     *e = wavy_end(s, ALL_TERMS, &root, q.v, q.near, d.x, d.y, d.z, tmin, tmax, t_tol);
     return e->hit != 0 && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, d.x, d.y) != 0);
@@ -83,6 +88,26 @@ static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *
     return all;
 }
 
+/* Is each root the first?  Of each in room->again; with halves, of those that were not without. */
+SGT_INLINE bool all_first(const wavy *s, int terms, int halves, const sgt_tile *tile, wavy_room *room)
+{
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin;
+    size_t count = tile->n;
+    mask every = MASK(true);
+    if (!halves) {
+        _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) every &= room->again[i] = wavy_single(s, l[i], m[i], n[i]);
+        if (every) return true;
+        every = MASK(true);
+    }
+    _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
+        mask is = room->again[i] | wavy_first_from(s, terms, halves, ox[i], oy[i], oz[i], tmin[i], room->t0[i], room->x[i], room->y[i], room->tau[i], l[i], m[i], n[i]);
+        room->again[i] = is;
+        every &= is;
+    }
+    return every != 0;
+}
+
 SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich, const sgt_tile *tile, wavy_room *room)
 {
     const wavy own = *self, *s = &own; /* no output is a part of it */
@@ -92,6 +117,7 @@ SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich
     LANES for (size_t i = 0; i < count; i++) {
         double g, slope;
         wavy_start r = wavy_begin(s, terms, ox[i], oy[i], oz[i], l[i], m[i], n[i], &g, &slope);
+        if (first) r.tau = chosen(wavy_hopeless(s, tmin[i], l[i], m[i], n[i]), (double)NAN, r.tau);
         room->x[i] = r.x, room->y[i] = r.y, room->t0[i] = r.t0, room->t0_lo[i] = r.t0_lo, room->from[i] = r.tau;
     }
     int extra[SGT_TILE], rounds = 1;
@@ -104,7 +130,7 @@ SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich
         }
         _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
             wavy_newton h = {room->tau2[i], room->step2[i], room->inverse[i], room->dw[i], room->slant[i], 0, 0};
-            wavy_round q = wavy_bound(s, terms, first, room->x[i], room->y[i], room->t0[i], &h, l[i], m[i], n[i], t_tol[i]);
+            wavy_round q = wavy_bound(s, terms, room->x[i], room->y[i], room->t0[i], &h, l[i], m[i], n[i], t_tol[i]);
             room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->v[i] = q.v, room->near[i] = q.near, room->again[i] = q.again;
             any |= q.again;
         }
@@ -115,6 +141,8 @@ SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich
             if (room->again[i]) room->from[i] = room->tau[i];
         }
     }
+    if (first && !all_first(s, terms, 0, tile, room) && !all_first(s, terms, HALVES, tile, room))
+        LANES for (size_t i = 0; i < count; i++) room->tau_err[i] = chosen(room->again[i], room->tau_err[i], (double)NAN);
     sweep_to to = sweep_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {

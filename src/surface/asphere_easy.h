@@ -126,7 +126,7 @@ SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0,
  * again: another round may bring what this did not.  g is for a watcher. */
 typedef struct wavy_round { double tau, tau_err, v, near, g; mask again; } wavy_round;
 
-SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, bool first_root, double x0, double y0, double t0, const wavy_newton *at, double l, double m, double n, double t_tol)
+SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0, double t0, const wavy_newton *at, double l, double m, double n, double t_tol)
 {
     double x = fma(at->tau2, l, x0), y = fma(at->tau2, m, y0), rho = x * x + y * y, z = at->tau2 * n, w, ckw;
     double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), step = g * at->inverse, as = fabs(step), ai = fabs(at->inverse), aw = fabs(w);
@@ -140,7 +140,6 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, bool first_root, doub
     double noise = e * ai, tau = at->tau2 - step, tau_err = fma(1.16, fma(as, off, noise), SGT_U * (fabs(tau) + (as + as)));
     double terms_of_slope = fma(2, W1, s->abs_c * at->slant);
     mask again = MASK(off < 0x1p20);
-    if (first_root) again &= MASK(n2 > s->single * a);
     mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) & MASK(rho0 <= 4 * rho)
               & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) & MASK(e <= 24 * SGT_U * (aw + az)) & MASK(s->abs_ck * (W1 * H) < 0x1p-10);
     sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol); /* else it can be had better */
@@ -152,6 +151,67 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, bool first_root, doub
 SGT_INLINE mask wavy_sure(const wavy *s, double x, double y, double t0, double tau_err, double l, double m)
 {
     return MASK(fma(fabs(l) + fabs(m), tau_err + 1024 * SGT_U * SGT_U * fabs(t0), 2 * SGT_U * (fabs(x) + fabs(y))) <= s->room);
+}
+
+/* F is monotone all along the chord within the rim. */
+SGT_INLINE mask wavy_single(const wavy *s, double l, double m, double n) { return MASK(n * n > s->single * (l * l + m * m)); }
+
+/* Of a ray without a beginning, across the axis, nothing more is known than that. */
+SGT_INLINE mask wavy_hopeless(const wavy *s, double tmin, double l, double m, double n)
+{
+    return MASK(tmin == -HUGE_VAL) & MASK(l * l + m * m > 0) & ~wavy_single(s, l, m, n);
+}
+
+/* The square of the greatest slope within r^2 <= r2, above it by more than rounding; NaN or infinite where the base has none. */
+SGT_INLINE double wavy_slope2(const wavy *s, int terms, double r2)
+{
+    double phi2 = fma(-s->ck * s->c, r2, 1), steep = (s->abs_c / sqrt(phi2 - 0x1p-30) + 2 * horner(s->size, terms, r2)) * (1 + 0x1p-20);
+    return steep * steep * r2;
+}
+
+/* Where the ray has come to at t: r^2, made larger by far more than rounding and tau_err can do. */
+SGT_INLINE double wavy_r2(double x, double y, double t, double l, double m)
+{
+    double px = fma(t, l, x), py = fma(t, m, y);
+    return (px * px + py * py) * (1 + 0x1p-10);
+}
+
+/* How far the surface may be from the plane z = 0, at that r^2, on the side that a ray comes from, side = 1 where n > 0, else -1:
+ * the terms of one sign; of the base, where it is defined, no more than c r^2. */
+SGT_INLINE double wavy_ahead(const wavy *s, int terms, double r2, double side)
+{
+    double h = 0, base = larger(-side * s->c, 0);
+    if (terms > FEW_TERMS) {
+        h = fma(h, r2, larger(-side * s->a[7], 0)), h = fma(h, r2, larger(-side * s->a[6], 0));
+        h = fma(h, r2, larger(-side * s->a[5], 0)), h = fma(h, r2, larger(-side * s->a[4], 0));
+    }
+    h = fma(h, r2, larger(-side * s->a[3], 0)), h = fma(h, r2, larger(-side * s->a[2], 0));
+    h = fma(h, r2, larger(-side * s->a[1], 0)), h = fma(h, r2, larger(-side * s->a[0], 0));
+    return r2 * (base + h) * (1 + 0x1p-10);
+}
+
+/* THE FIRST ROOT, WITHOUT A RIM OR WITH A WIDE ONE.  r^2 is convex along a ray.  So from a point of it to the root at tau r^2 is
+ * at most R^2, the larger of that at the two, and F is monotone if the slope within R allows it: no root is between.  The start
+ * is such a point, or one behind it: the surface is ahead of the ray by no more than a polynomial in r^2 with terms of one sign,
+ * which is convex along the ray, and z is linear.  Where the ray is farther off at two points, it is so all the way from the
+ * one to the other.  Such a second point is looked for between the start and the root, each half as far from the root as the
+ * last.
+ * halves: how many are tried; none at first, as the start itself is mostly enough. */
+enum { HALVES = 10 };
+
+SGT_INLINE mask wavy_first_from(const wavy *s, int terms, int halves, double ox, double oy, double oz, double tmin, double t0, double x0, double y0, double tau, double l, double m, double n)
+{
+    double a = l * l + m * m, side = copysign(1, n), root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau, start = chosen(MASK(a > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
+    mask known = MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-30 * fabs(t)) & MASK(fabs(start) < HUGE_VAL);
+    mask is = MASK(n * n > wavy_slope2(s, terms, larger(start2, root2)) * a);
+    mask clear = MASK(-side * fma(start, n, oz) > wavy_ahead(s, terms, start2, side));
+    double left = t - start;
+    for (int i = 0; i < halves; i++) {
+        left *= 0.5;
+        double at = t - left, r2 = wavy_r2(ox, oy, at, l, m), off = -side * fma(at, n, oz);
+        is |= clear & MASK(off > wavy_ahead(s, terms, r2, side)) & MASK(n * n > wavy_slope2(s, terms, larger(r2, root2)) * a);
+    }
+    return known & is;
 }
 
 /* The root, for lane_of. */

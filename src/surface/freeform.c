@@ -164,20 +164,36 @@ static double conic_slope(double c, double k1, double r)
     return phi2 == HUGE_VAL ? 1 / sqrt(-k1) : phi2 > 0x1p-30 ? w / sqrt(phi2) : HUGE_VAL;
 }
 
+/* How far the surface is from the plane z = 0 within r, P being at most `size`.  The sag of a conic grows with r. */
+static double size_within(const freeform *s, double r, double size)
+{
+    double cr2 = s->base ? fabs(s->c) * r * r : 0, phi2 = 1 - (1 + s->k) * fabs(s->c) * cr2;
+    return r < 0x1p400 ? (cr2 / (1 + sqrt(phi2 > 0 ? phi2 : 0)) + size) * (1 + 0x1p-20) + LOST : HUGE_VAL;
+}
+
+void sgt_freeform_noise(const freeform *s, double radius, double e[2])
+{
+    e[0] = e[1] = (double)NAN;
+    if (s->of->noise && radius < HUGE_VAL) s->of->noise(s->self, radius, e);
+    e[0] += LOST;
+}
+
 void sgt_freeform_share(const freeform *s, sgt_shared *shared)
 {
     double rim2 = rim2_of(s->semi_diameter), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
     sgt_shared e = {.c = s->c, .k1 = 1 + s->k, .radius2 = domain2, .steep = HUGE_VAL, .base_c = s->base ? s->c : 0, .base_k = s->base ? s->k : 0,
-                    .most2 = rim2 * (1 + 0x1p-20), .noise = {(double)NAN, (double)NAN}};
-    if (s->of->noise && rim2 < HUGE_VAL) s->of->noise(s->self, sqrt(e.most2) * (1 + 0x1p-40), e.noise);
-    e.noise[0] += LOST;
-    if (rim2 > 0 && domain2 == rim2) {
-        double r = rim2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT, conic = s->base ? conic_slope(s->c, 1 + s->k, r) : 0;
+                    .most2 = rim2 * (1 + 0x1p-20), .noise = {(double)NAN, (double)NAN}, .size = HUGE_VAL};
+    sgt_freeform_noise(s, sqrt(e.most2) * (1 + 0x1p-40), e.noise);
+    bool whole = domain2 == rim2; /* else the equator of the base is inside, where its slope has no bound */
+    if (rim2 > 0 && (whole || rim2 < HUGE_VAL)) {
+        double r = domain2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT, conic = s->base ? conic_slope(s->c, 1 + s->k, r) : 0;
         region where = {{-r, r}, {-r, r}, 0, r};
         bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
-        int defined = conic < HUGE_VAL ? s->of->bounds(s->self, &where, &b) : 0;
+        int defined = conic < HUGE_VAL || !whole ? s->of->bounds(s->self, &where, &b) : 0;
         double steep = (conic + b.steep + LOST) * (1 + 0x1p-20);
-        if (defined == 1 && steep < 0x1p500) e.steep = steep * (1 + 0x1p-20);
+        if (whole && defined == 1 && steep < 0x1p500) e.steep = steep * (1 + 0x1p-20);
+        if (!(b.size < HUGE_VAL) && defined && s->of->range) b.size = sgt_interval_greatest(s->of->range(s->self, &where));
+        if (defined) e.size = size_within(s, r, b.size);
     }
     if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2)) e.radius2 = larger(s->reach * s->reach * (1 + 0x1p-40), TINY);
     *shared = e;
@@ -206,9 +222,12 @@ void sgt_freeform_spans(const sgt_shared *s, size_t n, sgt_rays r, sgt_spans out
     }
 }
 
+SGT_CLONES
+static spanned one_span(const sgt_shared *s, const sgt_ray *ray) { return span_of(s->c, s->k1, s->radius2, s->steep, ray->o, ray->d); }
+
 sgt_span sgt_freeform_span(const sgt_shared *s, const sgt_ray *ray, double *least)
 {
-    spanned a = span_of(s->c, s->k1, s->radius2, s->steep, ray->o, ray->d);
+    spanned a = one_span(s, ray);
     if (least) *least = a.least;
     return (sgt_span){a.lo, a.hi, a.seed, a.least > 0};
 }

@@ -84,8 +84,9 @@ static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
 enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_HARD = -100, SGT_NOT_ALONE = 1 };
 typedef struct sgt_tile { size_t n; sgt_rays rays; const double *t_tol; sgt_hits hits; } sgt_tile;
 
-/* What the rays and points of one surface share, worked out once for many (share): its use is the surface's own. */
-typedef struct sgt_shared { double c, k1, radius2, steep, base_c, base_k, most2, noise[2]; } sgt_shared;
+/* What the rays and points of one surface share, worked out once for many (share): its use is the surface's own.  size: no
+ * part of it is farther from the plane z = 0; infinite where that is not known. */
+typedef struct sgt_shared { double c, k1, radius2, steep, base_c, base_k, most2, noise[2], size; } sgt_shared;
 
 struct sgt_own {
     sgt_hit (*meet)(const void *self, const sgt_ray *ray, const sgt_options *opt);
@@ -107,8 +108,10 @@ struct sgt_own {
     sgt_objection (*object)(const void *self);
     /* What `roundings`, `span` and `spans` are to be given; NULL: nothing. */
     void (*share)(const void *self, sgt_shared *shared);
-    /* The same as if semi_diameter were no more than that.  NULL: `least` of `spans` is not to be had so. */
+    /* The same as if semi_diameter were no more than that.  NULL: `least` of `spans` is not to be had so (vicinity.h). */
     void (*share_within)(const void *self, double semi_diameter, sgt_shared *shared);
+    /* What the departure adds to the rounding of F within that radius of the axis, e[0] + e[1] r^2; NaN: not known (vicinity.h). */
+    void (*noise_within)(const void *self, double radius, double e[2]);
     /* A bound as `rounding` gives it, at n points where F is f, in lanes, NaN where it is not known.  NULL, or false, always of one surface:
      * it knows none, and `rounding` is to be asked. */
     bool (*roundings)(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[]);

@@ -1,0 +1,55 @@
+/* vicinity.h - a sag where one ray meets it: the stretch of that ray along which F is monotone, whatever becomes of the
+ * surface farther out.
+ *
+ * r^2 is convex along a ray.  So between two of its points r is at most the larger of their two, R; and a surface cut off at
+ * R has the rim that makes F monotone along the chord, if the slope within R allows it (freeform.c, THE SPAN).  Of the two
+ * points one is where a root is looked for, the seed; the other is where the search begins.  A root within the chord, which
+ * begins before the search does, is then the first.  Nothing is said of a ray that has no root there: it may have one farther
+ * out.  Near the seed there is no second point, and a root within the chord is the one.
+ *
+ * WHERE THE SEARCH BEGINS.  Within R the sag is at most S, so no root is where |z| > S: the ray may as well begin where it
+ * enters |z| <= S, which is nearer to the axis than its start, or R is no smaller.  And so on: of a ray from afar at a lens
+ * R is soon that of the lens.
+ *
+ * RUNGS.  What is known of the surface within R costs more than a root.  So R is rounded up, to a power of two or, where that
+ * says too little, to an eighth of one, and many rays share it.  It depends on nothing but the ray and the surface: a ray in a
+ * batch has the R it has alone.
+ *
+ * THE ROUNDING of the departure, one bound for all within a radius, is that of the eighth next to the seed: high powers of r
+ * would make much more of a wider one. */
+#ifndef SGT_RAY_VICINITY_H
+#define SGT_RAY_VICINITY_H
+
+#include "../surface/sag.h"
+
+/* What is known of a surface within some radii, each at a place of its own; radius 0: nothing is there.  share: of sgt_shared
+ * what depends on the radius (the chord, the slope, the size), where the rest is the surface's. */
+enum { VICINITIES = 16 };
+typedef struct vicinities { double radius[VICINITIES], noise_radius[VICINITIES], noise[VICINITIES][2], radius2[VICINITIES], steep[VICINITIES], size[VICINITIES]; } vicinities;
+
+SGT_INLINE void vicinities_begin(vicinities *v)
+{
+    for (int i = 0; i < VICINITIES; i++) v->radius[i] = v->noise_radius[i] = 0;
+}
+
+/* monotone: the stretch, and `least`, a bound of |dF/dtau| from below all along it (sgt_own, spans); within r^2 <= noise[2] of
+ * the axis F is off by noise[0] + noise[1] r^2 (sgt_shared), where that is known. */
+typedef struct vicinity { bool monotone; double lo, hi, least, noise[3]; } vicinity;
+
+/* What the departure adds to the rounding of F at a point of that r^2, unless that is much nearer to the axis than the radius
+ * that it is known for; the base's is `roundings` of bare_of. */
+SGT_INLINE double vicinity_noise(double e0, double e1, double most2, double r2)
+{
+    return (r2 <= most2) & (r2 >= 0.25 * most2) ? 1.01 * fma(e1, r2, e0) : (double)NAN;
+}
+
+SGT_INLINE sgt_shared bare_of(sgt_shared s)
+{
+    s.noise[0] = s.noise[1] = 0, s.most2 = HUGE_VAL;
+    return s;
+}
+
+/* Of a surface that has share_within, `whole` being what it shares without; the ends of the ray are explicit, and the seed is a number. */
+vicinity sgt_vicinity_of(sgt_surface s, const sgt_shared *whole, const sgt_ray *ray, double seed, bool near, vicinities *kept);
+
+#endif
