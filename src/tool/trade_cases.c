@@ -231,13 +231,8 @@ static void iterations_case(trade *t, const trade_options *o, const char *name, 
 /* "--surface", or "element 2": of which type?  An error unless its errors can be told. */
 static void check_known(const char *which, const char *type, sgt_surface s)
 {
-    char known[300] = "";
-    if (quad_knows(s)) return;
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
-        size_t length = strlen(known);
-        if (quad_knows((sgt_surface){.ops = b->ops})) snprintf(known + length, sizeof known - length, "%s%s", length ? ", " : "", b->type);
-    }
-    fail_usage("%s: to tell the errors of a surface of the type %s there is no formula in 113 bits here; there is of %s", which, type, known);
+    if (quad_formula_of(s)) return;
+    fail_usage("%s: of a surface about the Earth (%s) errors cannot be told: there is no formula in 113 bits of it here", which, type);
 }
 
 static void surface_case(trade *t, const trade_options *o, const char *name, const char *about, sgt_surface s)
