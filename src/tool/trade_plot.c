@@ -18,8 +18,8 @@
 
 static const double WIDTH = 1040, MARGIN = 16, PANEL_HIGH = 300, HEAD_HIGH = 44, FOOT_HIGH = 40, LEFT = 62, GAP = 26;
 static const double FONT = 10.5, DOT = 4, FLOOR = 26, STEM = 3, LINE = 12.5, KEY_HIGH = 76;
-static const char *const knob_name[KNOBS] = {"default", "single ray", "outputs", "t_tol", "max_evals", "pick", "dt_min", "iterations"};
-static const size_t knob_colour[KNOBS] = {4, 2, 6, 0, 5, 4, 1, 3};
+static const char *const knob_name[KNOBS] = {"default", "single ray", "outputs", "t_tol", "max_evals", "pick", "proof", "dt_min", "iterations"};
+static const size_t knob_colour[KNOBS] = {4, 2, 6, 0, 5, 4, 3, 1, 3};
 
 void trade_picture_check(void) {}
 
