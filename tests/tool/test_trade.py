@@ -514,8 +514,38 @@ def test_picture():
         width, height = (float(root.get(side).removesuffix('pt')) for side in ('width', 'height'))
         assert 500 <= width <= 1200 and 200 <= height <= 1200, (width, height)
     assert drawn(two) > drawn(one) > 20, (drawn(one), drawn(two))  # two panels and more dots
-    assert drawn(picture('--surface', CONIC, '--t-tol', '1e-3,1e-4,1e-5,1e-6,1e-7,1e-8,1e-9')) > drawn(one)
+    assert drawn(picture('--surface', JULIA, '--t-tol', '1e-2,1e-3,1e-4,1e-5,1e-6,1e-7,1e-8,1e-9')) > drawn(two)
     picture('--surface', JULIA, '--ray', '5 5 5 1 0 0')  # nothing is met
+
+
+def strokes(root, width):
+    """The numbers of each path of a stroke of this width."""
+    for path in root.iter(SVG + 'path'):
+        style = dict(item.split(':') for item in path.get('style', '').split(';') if ':' in item)
+        if float(path.get('stroke-width') or style.get('stroke-width', 'nan')) == width:
+            yield [float(v) for v in re.findall(r'-?[\d.]+', path.get('d'))]
+
+
+@with_cairo
+def test_what_is_drawn_can_be_seen():
+    """Dots of one place are rings about each other, the stairs go from the top to the right edge, the y axis is labelled."""
+    several = [picture('--surface', f'{{type: {name}, {keys}}}') for name, keys in TYPES.items() if name in ('plane', 'toroidal', 'torus', 'julia')]
+    for root in several + [picture(lens, '--grid', 5) for lens in (LENSES / 'ftheta.yaml', LENSES / 'toroidal_lens.yaml')]:
+        dots = {}
+        for d in strokes(root, 1.3):
+            x, y = d[0::2], d[1::2]
+            ring = tuple(round(v) for v in ((max(x) + min(x)) / 2, (max(y) + min(y)) / 2, (max(x) - min(x)) / 2))
+            assert ring not in dots, ('a dot covers another', ring)
+            dots[ring] = True
+        assert len(dots) > 4, dots
+        for (x, y, r), (u, v, s) in itertools.combinations(dots, 2):
+            assert abs(r - s) > 1 or math.hypot(x - u, y - v) > r, ('dots that hide one another', (x, y, r), (u, v, s))
+        stairs = list(strokes(root, 1.8))
+        width = float(root.get('width').removesuffix('pt'))
+        assert stairs and all(d[0] == d[2] or d[1] == d[3] for d in stairs), stairs
+        assert sum(math.hypot(d[2] - d[0], d[3] - d[1]) for d in stairs) > width / 4, stairs
+        upward = [round(float(u.get('x')), 1) for u in root.iter(SVG + 'use') if u.get('x')]
+        assert max(map(upward.count, upward)) > 20, 'a label along the y axis'
 
 
 @with_cairo
