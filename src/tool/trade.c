@@ -22,9 +22,10 @@ static const char help[] =
     "best marks the settings that no best one beats: is not slower, nor less accurate at the\n"
     "99th percentile, nor leaves more rays undecided or wrong, and is better in one of these, with\n"
     "outputs as many or more, and as much proven.  Of several that are the same the first alone is\n"
-    "marked.  Times within 10 % of each other count as equal, and so do those whose spreads touch\n"
-    "(ns_low to ns_high in csv and json); errors within a factor of 2; a smaller error of fewer\n"
-    "rays, others being undecided, does not count.  What meets nothing is not best.\n"
+    "marked, and nothing that changes nothing.  Times within 10 % of each other count as equal, and\n"
+    "so do those whose spreads touch (ns_low to ns_high in csv and json); errors within a factor of\n"
+    "2; a smaller error of fewer rays, others being undecided, does not count.  What meets nothing\n"
+    "is not best.\n"
     "\n"
     "Times are the processor's, of one thread, rays in memory: medians of several runs in\n"
     "shuffled order.  They differ from run to run, and more from machine to machine: compare\n"
@@ -273,11 +274,10 @@ static void write_words(table *t, const trade_case *c)
     for (size_t i = 0; i < c->settings; i++) {
         const setting *s = &c->setting[i];
         size_t length = strlen(text);
-        if (!s->best || !*s->effect || strchr(s->effect, ';')) continue;
+        if (!s->best || !*s->effect || *s->effect == 'n' || strchr(s->effect, ';')) continue;
         snprintf(text + length, sizeof text - length, "%s%s %s%s", length ? "; " : "", s->name, *s->effect == 'c' ? "" : "is ", s->effect);
     }
-    if (*text) table_line(t, "%s.", text);
-    table_line(t, "%s", "");
+    if (*text) table_line(t, "%s.\n", text);
 }
 
 static void write_rows(table *t, const header *h, const trade *all)

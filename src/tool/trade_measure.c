@@ -354,6 +354,13 @@ static void find_times(trade *t, answers room[], double seconds)
     }
 }
 
+const setting *trade_base(const trade_case *c)
+{
+    for (size_t i = 0; i < c->settings; i++)
+        if (c->setting[i].turned == KNOB_NONE || (c->setting[i].turned == KNOB_ITERATIONS && !c->setting[i].other_model)) return &c->setting[i];
+    return NULL;
+}
+
 /* --------------------------------------------------------------- the best */
 
 /* Ratios that are no difference: what is not worth turning a knob for, and what rounding errors do. */
@@ -393,14 +400,18 @@ static standing standing_of(const trade_case *c, size_t i, const standing now[])
 }
 
 /* Best are those that no best one beats, and of several that are the same the first alone: the default, or what is
- * turned least.  With what counts as equal, "beats" is not handed on: what beats
+ * turned least.  What changes nothing against the default is out.  With what counts as equal, "beats" is not handed on: what beats
  * a setting may be beaten itself by one that does not beat it.  So settings are told one from another,
  * round by round, until nothing changes. */
 static void find_best(trade_case *c)
 {
     standing *now = memory_take(c->settings, sizeof *now);
-    for (size_t i = 0; i < c->settings; i++)
-        if (isnan(c->setting[i].error_99)) now[i] = BEATEN; /* what meets nothing is fast for nothing */
+    const setting *base = trade_base(c);
+    for (size_t i = 0; i < c->settings; i++) {
+        const setting *s = &c->setting[i];
+        bool nothing = base && s != base && gives(base, s) && trade_same(base, s);
+        if (nothing || isnan(s->error_99)) now[i] = BEATEN; /* what meets nothing is fast for nothing */
+    }
     for (bool changed = true; changed;) {
         changed = false;
         for (size_t i = 0; i < c->settings; i++)
@@ -415,13 +426,6 @@ static void find_best(trade_case *c)
 }
 
 /* --------------------------------------------------------------- the words */
-
-const setting *trade_base(const trade_case *c)
-{
-    for (size_t i = 0; i < c->settings; i++)
-        if (c->setting[i].turned == KNOB_NONE || (c->setting[i].turned == KNOB_ITERATIONS && !c->setting[i].other_model)) return &c->setting[i];
-    return NULL;
-}
 
 static void say(setting *s, const char *format, ...) LIKE_PRINTF(2, 3);
 
@@ -454,7 +458,9 @@ static void find_effect(setting *s, const setting *base)
         say(s, "err_99 %.2g, not %.2g", s->error_99, base->error_99);
     say_more(s, s->undecided, base->undecided, "undecided");
     say_more(s, s->wrong, base->wrong, "wrong");
-    if (!*s->effect) say(s, "%s", gives(base, s) ? "changes nothing" : "costs nothing");
+    if (*s->effect) return;
+    bool apart = s->ns > SAME_TIME * base->ns || base->ns > SAME_TIME * s->ns;
+    say(s, "%s", apart ? "nothing beyond the scatter of the runs" : gives(base, s) ? "changes nothing" : "costs nothing");
 }
 
 void trade_measure(trade *t, double seconds)
