@@ -145,8 +145,8 @@ def words(row, base):
     for key in ('undecided', 'wrong'):
         if row[key] != base[key]:
             told.append(f'{abs(int(row[key]) - int(base[key]))} {"more" if int(row[key]) > int(base[key]) else "fewer"}')
-    ratio = float(row['ns']) / float(base['ns'])
-    apart = not 1 / 1.1 <= ratio <= 1.1
+    one, other = float(row['ns']), float(base['ns'])
+    apart = one > 1.1 * other or other > 1.1 * one
     return told or ['nothing beyond the scatter of the runs' if apart else 'changes nothing' if gives(base, row) else 'costs nothing']
 
 
