@@ -268,11 +268,35 @@ template <class T> T zernike_sum(const sgt_zernike &s, const T *a, const T &x, c
     return total;
 }
 
+// C(m, s) C(m + 4, s), s = 0 ... m.
+inline const std::vector<quad> &q_con_factors(int m)
+{
+    static std::map<int, std::vector<quad>> known;
+    std::vector<quad> &c = known[m];
+    for (int s = 0; c.size() <= static_cast<std::size_t>(m); s++) c.push_back(binomial(m, s) * binomial(m + 4, s));
+    return c;
+}
+
+// From the powers of x - 1 and of x.
+template <class T> T q_con_of(int m, const std::vector<T> &less, const std::vector<T> &of_x)
+{
+    const std::vector<quad> &c = q_con_factors(m);
+    T sum(0.0);
+    for (std::size_t s = 0; s < c.size(); s++) sum = sum + times(c[s], less[s] * of_x[c.size() - 1 - s]);
+    return sum;
+}
+
+template <class T> std::vector<T> powers(const T &x, std::size_t n)
+{
+    std::vector<T> p = {T(1.0)};
+    while (p.size() < n) p.push_back(p.back() * x);
+    return p;
+}
+
 template <class T> T q_con_at(int m, const T &x)
 {
-    T sum(0.0);
-    for (int s = 0; s <= m; s++) sum = sum + times(binomial(m, s) * binomial(m + 4, s), power(x - T(1.0), s) * power(x, m - s));
-    return sum;
+    const std::size_t n = static_cast<std::size_t>(m) + 1;
+    return q_con_of(m, powers(T(x - T(1.0)), n), powers(x, n));
 }
 
 // Q_bfs: the next one is (-x Q_m - sum of along[m][j] Q_j) / size[m].
@@ -451,8 +475,9 @@ template <class T> T q_con_departure(const void *self, const T &, const T *a, co
     T sum(0.0);
     if (!count_of(s.a)) return sum;
     const T u2 = (x * x + y * y) / (T(s.norm) * T(s.norm));
+    const std::vector<T> less = powers(T(u2 - T(1.0)), count_of(s.a)), of_u2 = powers(u2, count_of(s.a));
     for (std::size_t m = 0; m < count_of(s.a); m++)
-        if (!nothing(a[m])) sum = sum + a[m] * q_con_at(static_cast<int>(m), u2);
+        if (!nothing(a[m])) sum = sum + a[m] * q_con_of(static_cast<int>(m), less, of_u2);
     return u2 * u2 * sum;
 }
 
