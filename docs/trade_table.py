@@ -12,7 +12,7 @@ import subprocess
 import sys
 
 HERE = pathlib.Path(__file__).resolve().parent
-SECONDS = '6'
+SECONDS = '3'
 SURFACES = '''
 {type: plane}
 {type: sphere, radius: 10}

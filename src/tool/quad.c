@@ -4,8 +4,9 @@
  * no equator to fall off.
  *
  * The start is right to 50 bits and more, so two steps reach the last bits, and a third sees that
- * they have.  That it does, to 2^-96 of the coordinates, is what `quad_meet` asks; a double root does
- * not come to rest so.
+ * they have.  That it does, to 2^-96 of the coordinates, is what `quad_meet` asks; or, where the many terms of a
+ * polynomial cancel, after all its steps to 2^-72, which tells the errors of doubles still.  A double root does not
+ * come to rest so: there each step halves the last.
  *
  * A TRACE takes axes of a pose to be at right angles, as they are meant: the doubles are so to
  * 2^-50, and are made so here. */
@@ -51,14 +52,16 @@ quad quad_distance(quad3 a, sgt_vec3 b)
 
 static bool meet(const quad_formula *f, quad3 o, quad3 d, quad *t, quad3 *grad)
 {
+    bool near = false;
     for (int i = 0; i < 8; i++) {
         quad g = quad_value(f, along(o, *t, d), grad), step = -g / dot(*grad, d);
         if (!(magnitude(step) <= (quad)DBL_MAX)) return false; /* a NaN as well */
         *t += step;
         quad reach = magnitude(*t) * size(d);
         if (magnitude(step) * size(d) <= 0x1p-96 * larger(size(o), reach)) return true;
+        near = magnitude(step) * size(d) <= 0x1p-72 * larger(size(o), reach);
     }
-    return false;
+    return near;
 }
 
 bool quad_meet(sgt_surface s, const sgt_ray *ray, quad *t)

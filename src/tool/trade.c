@@ -226,7 +226,7 @@ static void write_about(table *t, const trade_case *c)
     }
     table_line(t, "%s: %s; %zu ray%s, %zu of them %s", c->name, c->about, c->rays, c->rays == 1 ? "" : "s", met,
                c->lens ? "through to the end" : "met");
-    if (unknown) table_line(t, "(of %zu there is no truth to tell errors by: undecided, or touching)", unknown);
+    if (unknown) table_line(t, "(of %zu there is no truth to tell errors by: undecided, touching, or beyond the digits of 113 bits)", unknown);
 }
 
 /* Words put together: "a", then "a and b", then "a, b and c". */
