@@ -304,10 +304,18 @@ sgt_surface surface_read(const document *d, const node *map, surface_rim rim, co
 
 sgt_surface surface_parse(const char *option, const char *text)
 {
+    const char *type;
+    return surface_parse_typed(option, text, &type);
+}
+
+sgt_surface surface_parse_typed(const char *option, const char *text, const char **type)
+{
     document d = document_parse(option, text, strlen(text));
-    const sgt_builtin *type;
+    const sgt_builtin *row;
     document_map(&d, d.root, NULL);
-    return surface_read(&d, d.root, SURFACE_OWN_RIM, "", &type);
+    sgt_surface s = surface_read(&d, d.root, SURFACE_OWN_RIM, "", &row);
+    *type = row->type;
+    return s;
 }
 
 const sgt_builtin *surface_row(sgt_surface s)

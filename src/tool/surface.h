@@ -23,4 +23,7 @@ const double *surface_number(sgt_surface s, const char *key);
 /* A surface given as text in an option: the whole document is one. */
 sgt_surface surface_parse(const char *option, const char *text);
 
+/* The same, and the name of its type, as the text gives it. */
+sgt_surface surface_parse_typed(const char *option, const char *text, const char **type);
+
 #endif

@@ -16,12 +16,16 @@ static const char help[] =
     "What does accuracy cost, and what is speed paid with?  Turns one knob after another,\n"
     "all others as they are by default, and prints for each setting: nanoseconds a ray,\n"
     "evaluations a ray, the median, the 99th percentile and the worst of the errors against\n"
-    "arithmetic of 113 bits, how many rays are undecided, and how many answers are wrong.\n"
-    "best marks the settings that no best one beats: is not slower, nor less accurate at the 99th\n"
-    "percentile, nor leaves more rays undecided or wrong, and is better in one of these, with\n"
-    "outputs as many or more.  Times within 10 % of each other count as equal, and errors within a\n"
-    "factor of 2; a smaller error of fewer rays, others being undecided, does not count.  What\n"
-    "meets nothing is not best.\n"
+    "arithmetic of 113 bits, how many rays are undecided, how many answers are wrong, and in\n"
+    "words what it changes.  Surfaces of any type but those about the Earth.\n"
+    "\n"
+    "best marks the settings that no best one beats: is not slower, nor less accurate at the\n"
+    "99th percentile, nor leaves more rays undecided or wrong, and is better in one of these, with\n"
+    "outputs as many or more, and as much proven.  Of several that are the same the first alone is\n"
+    "marked, and nothing that changes nothing.  Times within 10 % of each other count as equal, and\n"
+    "so do those whose spreads touch (ns_low to ns_high in csv and json); errors within a factor of\n"
+    "2; a smaller error of fewer rays, others being undecided, does not count.  What meets nothing\n"
+    "is not best.\n"
     "\n"
     "Times are the processor's, of one thread, rays in memory: medians of several runs in\n"
     "shuffled order.  They differ from run to run, and more from machine to machine: compare\n"
@@ -44,6 +48,7 @@ static const char more_help[] =
     "out=all, and these, one by one or separated by commas:\n"
     "  --t-tol X,...      (1e-12,1e-9,1e-6,1e-3)\n"
     "  --max-evals N,...  (a half, a quarter and an eighth of what the worst ray takes)\n"
+    "  --proof P,...      estimate, root or first (root,first)\n"
     "  --dt-min X,...     level sets: the fast way, not certain (1e-1,1e-2,1e-3,1e-4)\n"
     "  --iterations N,... level sets: other N, in a table of their own, with errors against the\n"
     "                     deepest: they are those of the model (N - 4 to N + 4)\n"
@@ -82,6 +87,22 @@ static void take_list(knob_list *list, const char *option, bool whole)
     if (!list->count) fail_usage("--%s wants a number", option);
 }
 
+static void take_proofs(trade_options *o)
+{
+    static const char *const name[] = {"estimate", "root", "first"};
+    char copy[60];
+    snprintf(copy, sizeof copy, "%s", optarg);
+    size_t before = o->proofs;
+    for (char *rest = copy, *word; (word = strtok_r(rest, ", ", &rest));) {
+        size_t i = 0;
+        while (i < 3 && strcmp(word, name[i]) != 0) i++;
+        if (i == 3) fail_usage("--proof wants estimate, root or first, not \"%s\"", word);
+        if (o->proofs == sizeof o->proof / sizeof o->proof[0]) fail_usage("--proof: each of them once");
+        o->proof[o->proofs++] = (sgt_proof)i;
+    }
+    if (o->proofs == before) fail_usage("--proof wants estimate, root or first");
+}
+
 static void check(const arguments *a)
 {
     const job_options *j = &a->trade.job;
@@ -115,7 +136,7 @@ static arguments arguments_of(int argc, char *argv[])
             if (!(a.trade.seconds >= 0)) fail_usage("--seconds must not be negative");
             break;
         case SVG: a.svg = optarg; break;
-        case PROOF: fail_usage("--proof: this version gives no proofs");
+        case PROOF: take_proofs(&a.trade); break;
         case OPTION_T_TOL: take_list(&a.trade.t_tol, "t-tol", false); break;
         case OPTION_DT_MIN: take_list(&a.trade.dt_min, "dt-min", false); break;
         case OPTION_MAX_EVALS: take_list(&a.trade.max_evals, "max-evals", true); break;
@@ -151,27 +172,48 @@ static void note_unread(const arguments *a, const trade *t)
 
 /* ------------------------------------------------------------------ table */
 
+/* For people the case stands above its rows, and the rays with it. */
 static const column head[] = {
     {"case", COLUMN_WORD}, {"setting", COLUMN_WORD}, {"ns", COLUMN_NUMBER}, {"evals", COLUMN_NUMBER},
     {"err_median", COLUMN_ERROR}, {"err_99", COLUMN_ERROR}, {"err_worst", COLUMN_ERROR},
     {"undecided", COLUMN_COUNT}, {"wrong", COLUMN_COUNT}, {"rays", COLUMN_COUNT}, {"best", COLUMN_COUNT},
     {"path_worst", COLUMN_ERROR}, {"waves_worst", COLUMN_ERROR},
+    {"ns_low", COLUMN_NUMBER}, {"ns_high", COLUMN_NUMBER}, {"effect", COLUMN_WORD},
 };
-enum { HEAD_COUNT = sizeof head / sizeof head[0], HEAD_OF_SURFACES = HEAD_COUNT - 2 };
+enum { HEAD_COUNT = sizeof head / sizeof head[0] };
+typedef struct header { column column[HEAD_COUNT]; size_t count; bool text, lens; } header;
 
-static void write_setting(table *t, const trade_case *c, const setting *s, bool with_lens)
+static bool shown(const header *h, const char *name)
 {
-    table_word(t, c->name);
-    table_word(t, s->name);
+    if (strcmp(name, "case") == 0 || strcmp(name, "rays") == 0 || strncmp(name, "ns_", 3) == 0) return !h->text;
+    return h->lens || (strcmp(name, "path_worst") != 0 && strcmp(name, "waves_worst") != 0);
+}
+
+static header header_of(const trade *all, bool text)
+{
+    header h = {.text = text};
+    for (size_t i = 0; i < all->count; i++) h.lens = h.lens || all->list[i].lens;
+    for (size_t i = 0; i < HEAD_COUNT; i++)
+        if (shown(&h, head[i].name)) h.column[h.count++] = head[i];
+    return h;
+}
+
+static void write_setting(table *t, const header *h, const trade_case *c, const setting *s)
+{
     const double numbers[] = {s->ns, s->evals, s->error_median, s->error_99, s->error_worst};
+    if (!h->text) table_word(t, c->name);
+    table_word(t, s->name);
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) table_number(t, numbers[i]);
     table_count(t, (long long)s->undecided);
     table_count(t, (long long)s->wrong);
-    table_count(t, (long long)c->rays);
+    if (!h->text) table_count(t, (long long)c->rays);
     table_count(t, s->best);
-    if (!with_lens) return;
-    table_number(t, c->lens ? s->path_worst : (double)NAN);
-    table_number(t, c->lens ? s->waves_worst : (double)NAN);
+    if (h->lens) {
+        table_number(t, c->lens ? s->path_worst : (double)NAN);
+        table_number(t, c->lens ? s->waves_worst : (double)NAN);
+    }
+    if (!h->text) table_number(t, s->ns_low), table_number(t, s->ns_high);
+    table_word(t, s->effect);
 }
 
 /* Above the rows of a case: what it is, how many rays there are, and of how many the errors. */
@@ -184,24 +226,70 @@ static void write_about(table *t, const trade_case *c)
     }
     table_line(t, "%s: %s; %zu ray%s, %zu of them %s", c->name, c->about, c->rays, c->rays == 1 ? "" : "s", met,
                c->lens ? "through to the end" : "met");
-    if (unknown) table_line(t, "(of %zu there is no truth to tell errors by: undecided, or touching)", unknown);
+    if (unknown) table_line(t, "(of %zu there is no truth to tell errors by: undecided, touching, or beyond the digits of 113 bits)", unknown);
 }
 
-static bool has_lens(const trade *all)
+/* Words put together: "a", then "a and b", then "a, b and c". */
+typedef struct words { char text[600]; size_t count, last; } words;
+
+static void words_add(words *w, const char *more)
 {
-    for (size_t i = 0; i < all->count; i++)
-        if (all->list[i].lens) return true;
-    return false;
+    size_t length = strlen(w->text);
+    w->last = length;
+    w->count++;
+    snprintf(w->text + length, sizeof w->text - length, "%s%s", length ? ", " : "", more);
 }
 
-static void write_rows(table *t, const trade *all)
+static void words_end(words *w)
+{
+    char last[sizeof w->text];
+    if (w->count < 2) return;
+    snprintf(last, sizeof last, "%s", w->text + w->last + 2);
+    snprintf(w->text + w->last, sizeof w->text - w->last, " and %s", last);
+}
+
+/* "t_tol changes nothing here": the knobs of which no setting does anything. */
+static words idle_knobs(const trade_case *c)
+{
+    words idle = {.count = 0};
+    for (int k = KNOB_NONE + 1; k < KNOBS; k++) {
+        size_t tried = 0, nothing = 0;
+        for (size_t i = 0; i < c->settings; i++) {
+            if (c->setting[i].turned != (knob)k) continue;
+            tried++;
+            nothing += strcmp(c->setting[i].effect, "changes nothing") == 0;
+        }
+        if (tried && nothing == tried) words_add(&idle, trade_knob_name[k]);
+    }
+    words_end(&idle);
+    return idle;
+}
+
+/* Under the rows: what is in vain, and what the best of the others do, if it is one thing. */
+static void write_words(table *t, const trade_case *c)
+{
+    char text[1200] = "";
+    words idle = idle_knobs(c);
+    if (idle.count) snprintf(text, sizeof text, "%s %s nothing here", idle.text, idle.count > 1 ? "change" : "changes");
+    for (size_t i = 0; i < c->settings; i++) {
+        const setting *s = &c->setting[i];
+        size_t length = strlen(text);
+        if (!s->best || !*s->effect || *s->effect == 'n' || strchr(s->effect, ';')) continue;
+        snprintf(text + length, sizeof text - length, "%s%s %s%s", length ? "; " : "", s->name, *s->effect == 'c' ? "" : "is ", s->effect);
+    }
+    if (*text) table_line(t, "%s.\n", text);
+}
+
+static void write_rows(table *t, const header *h, const trade *all)
 {
     for (size_t i = 0; i < all->count; i++) {
         const trade_case *c = &all->list[i];
         write_about(t, c);
-        for (size_t k = 0; k < c->settings; k++) write_setting(t, c, &c->setting[k], has_lens(all));
+        for (size_t k = 0; k < c->settings; k++) write_setting(t, h, c, &c->setting[k]);
+        write_words(t, c);
     }
-    table_line(t, "best 1: no best one of its table, with as many outputs, is as good in time, err_99, undecided and wrong, and better in one.");
+    table_line(t, "best 1: no best one of its table, with as many outputs and as much proven, is as good in time, err_99, undecided and wrong, and better in one;");
+    table_line(t, "of several that are the same the first.  Times count as different by more than their spread, and by 10 %%.");
 }
 
 exit_status command_trade(int argc, char *argv[])
@@ -211,9 +299,10 @@ exit_status command_trade(int argc, char *argv[])
     trade t = trade_cases(&a.trade);
     note_unread(&a, &t);
     if (a.svg) output_reserve("svg", a.svg);
-    table *written = table_begin(&a.shared.target, has_lens(&t) ? HEAD_COUNT : HEAD_OF_SURFACES, head);
+    header h = header_of(&t, a.shared.target.format == TABLE_TEXT);
+    table *written = table_begin(&a.shared.target, h.count, h.column);
     trade_measure(&t, a.trade.seconds);
-    write_rows(written, &t);
+    write_rows(written, &h, &t);
     table_end(written);
     if (a.svg) trade_picture(a.svg, &t);
     return EXIT_DECIDED;

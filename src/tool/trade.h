@@ -18,12 +18,15 @@ typedef struct trade_options {
     ray_list rays;             /* --ray */
     knob_list t_tol, dt_min, max_evals, iterations;
     sgt_pick pick;             /* SGT_PICK_DEFAULT: each */
+    size_t proofs;             /* 0: each */
+    sgt_proof proof[3];
     double seconds;
 } trade_options;
 
 /* What a user turns. */
 typedef enum knob {
-    KNOB_NONE, KNOB_CALL, KNOB_OUTPUTS, KNOB_T_TOL, KNOB_MAX_EVALS, KNOB_PICK, KNOB_DT_MIN, KNOB_ITERATIONS, KNOBS
+    KNOB_NONE, KNOB_CALL, KNOB_OUTPUTS, KNOB_T_TOL, KNOB_MAX_EVALS, KNOB_PICK, KNOB_PROOF, KNOB_DT_MIN, KNOB_ITERATIONS,
+    KNOBS
 } knob;
 
 /* Outputs asked for.  Of a surface: t; status, t, t_err, p, n; all there are.  Of a lens: where
@@ -50,10 +53,12 @@ typedef struct setting {
     const truth *truth;        /* [rays] */
     bool other_model;          /* truth is another surface's: t_err does not speak of it */
 
-    double ns, evals, error_median, error_99, error_worst;
+    double ns, ns_low, ns_high; /* the median of the rounds, and their spread: see trade_measure.c */
+    double evals, error_median, error_99, error_worst;
     double path_worst, waves_worst;         /* of a lens */
     size_t undecided, wrong;
     bool best;
+    char effect[160];          /* in words, against the case's base; of the base: empty */
 } setting;
 
 typedef struct trade_case {
@@ -72,6 +77,15 @@ typedef struct trade {
     size_t count, capacity;
 } trade;
 
+/* "t_tol": what stands before = in the names of the knob's settings. */
+extern const char *const trade_knob_name[KNOBS];
+
+/* What the others of a case are compared with: the default, or the deepest N; NULL: there is none. */
+const setting *trade_base(const trade_case *c);
+
+/* Is what it costs and gives the same, as far as repeated runs can tell? */
+bool trade_same(const setting *a, const setting *b);
+
 /* All that is to be tried. */
 trade trade_cases(const trade_options *o);
 
@@ -83,7 +97,6 @@ const truth *trade_truth(const trade_case *c, const setting *s);
 
 /* The most evaluations that a ray takes (of a lens, at one element). */
 int trade_most_evals(const trade_case *c, const setting *s);
-
 
 void trade_picture_check(void);
 void trade_picture(const char *file, const trade *t);

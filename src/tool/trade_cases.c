@@ -5,9 +5,9 @@
  * tried halve what the worst ray takes by default, three times.
  *
  * RAYS BY DEFAULT.  Of a sag: origins uniform in a disk of radius r at z = -2 r, l and m uniform in
- * +-0.15, where r is 5/8 of semi_diameter or 1/4 of the radius, the smaller (1 where there is
- * neither).  Of a level set: from anywhere on a sphere about the origin of its frame, of 1.5 times its
- * escape, toward any point within 3/4 of it.  Random numbers are splitmix64's (Steele, Lea, Flood 2014,
+ * +-0.15, where r is 5/8 of semi_diameter or of the norm of its polynomials or of half a grid, or 1/4 of a radius, the
+ * smallest (1 where there is none).  Of a body or a level set: from anywhere on a sphere about the origin of its frame,
+ * of 1.5 times its reach (as far as the axes meet it; the level set's escape), toward any point within 3/4 of it.  Random numbers are splitmix64's (Steele, Lea, Flood 2014,
  * OOPSLA), from 0x1234567: always the same rays. */
 #include "trade.h"
 
@@ -58,12 +58,6 @@ static sgt_ray set_ray(uint64_t *state, double escape)
     return (sgt_ray){.o = o, .d = {d.x / length, d.y / length, d.z / length}};
 }
 
-static double reach_of(double c, double semi_diameter)
-{
-    double reach = fmin(semi_diameter > 0 ? 0.625 * semi_diameter : HUGE_VAL, c != 0 ? 0.25 / fabs(c) : HUGE_VAL);
-    return reach < HUGE_VAL ? reach : 1;
-}
-
 /* Half the ball's chord on the line through the origin: how far the set reaches, about. */
 static double half_chord(sgt_surface s)
 {
@@ -72,22 +66,45 @@ static double half_chord(sgt_surface s)
     return half > 0 && half < HUGE_VAL ? half : 1;
 }
 
+static double body_reach(sgt_surface s)
+{
+    enum { ROOTS = 8 };
+    double reach = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        sgt_hit hit[ROOTS];
+        sgt_ray line = {.d = {axis == 0, axis == 1, axis == 2}, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
+        int count = sgt_intersect_all(s, line, ROOTS, hit, NULL);
+        for (int i = 0; i < count && i < ROOTS; i++)
+            if (hit[i].status > 0) reach = fmax(reach, fabs(hit[i].t));
+    }
+    return reach > 0 && reach < HUGE_VAL ? reach : 1;
+}
+
+static double sag_reach(sgt_surface s)
+{
+    static const struct { const char *key; bool curvature; } limit[] = {
+        {"semi_diameter", false}, {"norm", false}, {"norm_x", false}, {"norm_y", false},
+        {"curvature", true}, {"curvature_x", true}, {"curvature_y", true},
+    };
+    double reach = HUGE_VAL;
+    for (size_t i = 0; i < sizeof limit / sizeof limit[0]; i++) {
+        const double *x = surface_number(s, limit[i].key);
+        if (x && *x != 0) reach = fmin(reach, limit[i].curvature ? 0.25 / fabs(*x) : 0.625 * *x);
+    }
+    if (s.ops == &sgt_grid_ops) {
+        const sgt_grid *g = s.self;
+        if (g->z.rows) reach = fmin(reach, 0.3125 * fmin(g->step_x * (double)(g->z.columns - 1), g->step_y * (double)(g->z.rows - 1)));
+    }
+    return reach < HUGE_VAL ? reach : 1;
+}
+
 static ray_list default_rays(sgt_surface s)
 {
     ray_list list = {.count = 0};
     uint64_t state = 0x1234567;
-    bool set = s.ops->estimate;
-    double reach = 1;
-    if (set) {
-        reach = half_chord(s);
-    } else if (s.ops == &sgt_conic_ops) {
-        const sgt_conic *sag = s.self;
-        reach = reach_of(sag->c, sag->semi_diameter);
-    } else if (s.ops == &sgt_asphere_ops) {
-        const sgt_asphere *sag = s.self;
-        reach = reach_of(sag->c, sag->semi_diameter);
-    }
-    for (int i = 0; i < RAYS_DEFAULT; i++) rays_add(&list, (launch){.ray = set ? set_ray(&state, reach) : sag_ray(&state, reach)});
+    bool sag = profile_is_sag(s);
+    double reach = sag ? sag_reach(s) : s.ops->estimate ? half_chord(s) : body_reach(s);
+    for (int i = 0; i < RAYS_DEFAULT; i++) rays_add(&list, (launch){.ray = sag ? sag_ray(&state, reach) : set_ray(&state, reach)});
     return list;
 }
 
@@ -112,6 +129,8 @@ static trade_case *add_case(trade *t, const char *name, const ray_list *rays)
     if (ended) c->columns.tmin = array[6], c->columns.tmax = array[7];
     return c;
 }
+
+const char *const trade_knob_name[KNOBS] = {"default", "single", "out", "t_tol", "max_evals", "pick", "proof", "dt_min", "iterations"};
 
 static void add(trade_case *c, setting s, knob turned, const char *format, ...) LIKE_PRINTF(4, 5);
 
@@ -141,8 +160,10 @@ static const char *brief(double x)
 
 static const knob_list *given_or(const knob_list *given, const knob_list *otherwise) { return given->count ? given : otherwise; }
 
-/* One knob after another; sag and set: whose knobs are of use. */
-static void add_settings(trade_case *c, const trade_options *o, setting base, bool sag, bool set)
+static const char *const proof_name[] = {"estimate", "root", "first"};
+
+/* One knob after another; seed (of any but a level set) and set: whose knobs are of use. */
+static void add_settings(trade_case *c, const trade_options *o, setting base, bool seed, bool set)
 {
     static const knob_list t_tol = {4, {1e-12, 1e-9, 1e-6, 1e-3}}, dt_min = {4, {1e-1, 1e-2, 1e-3, 1e-4}};
     setting s = base;
@@ -164,11 +185,18 @@ static void add_settings(trade_case *c, const trade_options *o, setting base, bo
         add(c, s, KNOB_MAX_EVALS, "max_evals=%d", s.options.max_evals);
     }
     s = base;
-    if (sag && o->pick == SGT_PICK_DEFAULT) {
+    if (seed && o->pick == SGT_PICK_DEFAULT) {
         s.options.pick = c->lens ? SGT_FIRST : SGT_NEAR_SEED;
         s.truth = trade_truth(c, &s);
         add(c, s, KNOB_PICK, "pick=%s", c->lens ? "first" : "near-seed"), s = base;
     }
+    static const sgt_proof proofs[] = {SGT_PROVE_ROOT, SGT_PROVE_FIRST};
+    size_t count = o->proofs ? o->proofs : sizeof proofs / sizeof proofs[0];
+    for (size_t i = 0; i < count; i++) {
+        s.options.proof = o->proofs ? o->proof[i] : proofs[i];
+        add(c, s, KNOB_PROOF, "proof=%s", proof_name[s.options.proof]);
+    }
+    s = base;
     list = given_or(&o->dt_min, &dt_min);
     for (size_t i = 0; set && i < list->count; i++) {
         s.options.dt_min = list->value[i];
@@ -231,13 +259,8 @@ static void iterations_case(trade *t, const trade_options *o, const char *name, 
 /* "--surface", or "element 2": of which type?  An error unless its errors can be told. */
 static void check_known(const char *which, const char *type, sgt_surface s)
 {
-    char known[300] = "";
-    if (quad_knows(s)) return;
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
-        size_t length = strlen(known);
-        if (quad_knows((sgt_surface){.ops = b->ops})) snprintf(known + length, sizeof known - length, "%s%s", length ? ", " : "", b->type);
-    }
-    fail_usage("%s: to tell the errors of a surface of the type %s there is no formula in 113 bits here; there is of %s", which, type, known);
+    if (quad_formula_of(s)) return;
+    fail_usage("%s: of a surface about the Earth (%s) errors cannot be told: there is no formula in 113 bits of it here", which, type);
 }
 
 static void surface_case(trade *t, const trade_options *o, const char *name, const char *about, sgt_surface s)
@@ -248,7 +271,7 @@ static void surface_case(trade *t, const trade_options *o, const char *name, con
     snprintf(c->about, sizeof c->about, "%.300s", about);
     setting base = {.surface = s, .outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
     base.truth = trade_truth(c, &base);
-    add_settings(c, o, base, profile_is_sag(s), s.ops->estimate);
+    add_settings(c, o, base, !s.ops->estimate, s.ops->estimate);
     char deeper[100];
     snprintf(deeper, sizeof deeper, "%.60s-iterations", name);
     iterations_case(t, o, deeper, about, s, &rays);
@@ -256,12 +279,12 @@ static void surface_case(trade *t, const trade_options *o, const char *name, con
 
 static void lens_case(trade *t, const trade_options *o, const char *name, const job *j)
 {
-    bool sag = false, set = false;
+    bool seed = false, set = false;
     for (size_t i = 0; i < j->lens.count; i++) {
         char which[40];
         snprintf(which, sizeof which, "element %zu", i + 1);
         check_known(which, j->lens.surface[i].type, j->element[i].surface);
-        sag = sag || profile_is_sag(j->element[i].surface);
+        seed = seed || !j->element[i].surface.ops->estimate;
         set = set || j->element[i].surface.ops->estimate;
     }
     trade_case *c = add_case(t, name, &j->rays);
@@ -269,7 +292,7 @@ static void lens_case(trade *t, const trade_options *o, const char *name, const 
     snprintf(c->about, sizeof c->about, "%zu elements%s%.20s", j->lens.count, *j->lens.units ? ", lengths in " : "", j->lens.units);
     setting base = {.outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
     base.truth = trade_truth(c, &base);
-    add_settings(c, o, base, sag, set);
+    add_settings(c, o, base, seed, set);
 }
 
 /* The scan lens of examples/lenses/ftheta.yaml, at its first wavelength. */
@@ -315,10 +338,11 @@ trade trade_cases(const trade_options *o)
 {
     trade t = {.count = 0};
     if (o->surface) {
-        sgt_surface s = surface_parse("--surface", o->surface);
+        const char *type;
+        sgt_surface s = surface_parse_typed("--surface", o->surface, &type);
         trade_options with_rays = *o;
         if (o->job.rays) rays_read(&with_rays.rays, o->job.rays, o->job.skip_bad);
-        surface_case(&t, &with_rays, s.ops->name, o->surface, s);
+        surface_case(&t, &with_rays, type, o->surface, s);
     } else if (o->job.lens) {
         job *j = memory_take(1, sizeof *j);
         job_options asked = o->job;

@@ -138,8 +138,50 @@ static void others()
     expect("a torus'", 1, formula<quad>({&sgt_torus_ops, &torus})(quad(0), quad(-3), quad(1)), 0, 1e-30);
 }
 
+// Level sets by hand: |Q^2 + c|^2 and the one component that Q^3 + c has on the real axis; the escape that is left open.
+static void level_sets()
+{
+    const quad x = quad(0.3), y = quad(-0.75), z = quad(0.5), w = quad(0.25);
+    const sgt_julia julia = {{-0.5, 0.25, 0.125, -0.0625}, {0, 0, 0, 0.25}, {}, {}, {}, 3, 1, 2};
+    const quad q[4] = {x * x - y * y - z * z - w * w - quad(0.5), 2 * x * y + quad(0.25), 2 * x * z + quad(0.125), 2 * x * w - quad(0.0625)};
+    const quad u = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) / 9;
+    expect("a julia", 1, formula<quad>({&sgt_julia_ops, &julia})(x, y, z), (u - 1) / (u + 1), 1e-30);
+    const sgt_julia cubic = {{-0.5, 0, 0, 0}, {}, {2, 0, 0, 0}, {0, 2, 0, 0}, {0, 0, 2, 0}, 4, 2, 3};
+    const quad r = 8 * x * x * x - quad(0.5), s = r * r * r - quad(0.5), v = s * s / 16;
+    expect("a julia", 2, formula<quad>({&sgt_julia_ops, &cubic})(x, quad(0), quad(0)), (v - 1) / (v + 1), 1e-30);
+    const sgt_mandelbrot set = {{}, {}, {}, {}, 2, 3, 2};
+    const quad t = x * x + x, m = (t * t + x) * (t * t + x) / 4;
+    expect("a mandelbrot", 3, formula<quad>({&sgt_mandelbrot_ops, &set})(x, quad(0), quad(0)), (m - 1) / (m + 1), 1e-30);
+    expect("the safe escape of z^2 + c", 2, catalogue::safe_escape(quad(2), 2, false), 2, 1e-30);
+    expect("the safe escape of z^2 + c", 0, catalogue::safe_escape(quad(0), 2, false), 1, 1e-30);
+    expect("the safe escape of a mandelbrot", 5, power(catalogue::safe_escape(quad(0), 5, true), 4), 2, 1e-30);
+}
+
+// A type that is added to the library wants its row here.
+static void rows()
+{
+    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+        if (!row_of<quad>({b->ops, nullptr})) failures++, std::printf("FAIL %s has no formula\n", b->type);
+}
+
+// The smooth form is zero where F is, and goes on beyond the equator, where F ends.
+static void smooth()
+{
+    const sgt_asphere s = {0.25, 0.5, 0, {1e-3, -1e-5}};
+    const formula<quad> f({&sgt_asphere_ops, &s});
+    for (quad x : {quad(0), quad(1), quad(3)}) {
+        const quad z = -f(x, quad(0.5), quad(0));
+        expect("a smooth form", 0, f.smooth(x, quad(0.5), z), 0, 1e-30);
+    }
+    const quad beyond = f(quad(3.5), quad(0), quad(1)), still = f.smooth(quad(3.5), quad(0), quad(1));
+    if (beyond == beyond || still != still) failures++, std::printf("FAIL beyond the equator\n");
+}
+
 int main()
 {
+    rows();
+    level_sets();
+    smooth();
     indices();
     zernikes();
     chebyshevs();

@@ -13,6 +13,7 @@
 #ifndef ORACLE_LEVELS_H
 #define ORACLE_LEVELS_H
 
+#include "../../src/tool/orbit.hpp"
 #include "cases.h"
 
 #include <sagitta/surfaces.h>
@@ -41,21 +42,7 @@ inline sgt_surface as_surface(const level &f, sgt_mandelbrot *m)
     return {&sgt_mandelbrot_ops, m};
 }
 
-// --------------------------------------------------------------- quaternions
-
-template <class T> struct quaternion {
-    T a, b, c, d;
-};
-template <class T> quaternion<T> operator+(const quaternion<T> &p, const quaternion<T> &q) { return {p.a + q.a, p.b + q.b, p.c + q.c, p.d + q.d}; }
-template <class T> quaternion<T> operator*(const quaternion<T> &p, const quaternion<T> &q)
-{
-    return {p.a * q.a - p.b * q.b - p.c * q.c - p.d * q.d, p.a * q.b + p.b * q.a + p.c * q.d - p.d * q.c,
-            p.a * q.c - p.b * q.d + p.c * q.a + p.d * q.b, p.a * q.d + p.b * q.c - p.c * q.b + p.d * q.a};
-}
-template <class T> quaternion<T> operator*(const T &k, const quaternion<T> &q) { return {k * q.a, k * q.b, k * q.c, k * q.d}; }
-template <class T> T dot(const quaternion<T> &p, const quaternion<T> &q) { return p.a * q.a + p.b * q.b + p.c * q.c + p.d * q.d; }
-template <class T> quaternion<T> power(const quaternion<T> &q, int p) { return p == 1 ? q : p % 2 ? q * power(q, p - 1) : power(q * q, p / 2); }
-template <class T> quaternion<T> constant(const double v[4]) { return {T(v[0]), T(v[1]), T(v[2]), T(v[3])}; }
+// --------------------------------------------------------------- quaternions (orbit.hpp)
 
 // A point of the slice, as a quaternion.
 template <class T> quaternion<T> in_slice(const level &f, const T &x, const T &y, const T &z)
@@ -81,9 +68,7 @@ template <class T> quaternion<T> orbit(const level &f, const quaternion<T> &poin
 {
     static const double zero[4] = {0, 0, 0, 0};
     const quaternion<T> c = f.mandelbrot ? point : constant<T>(f.s.c);
-    quaternion<T> q = f.mandelbrot ? constant<T>(zero) : point;
-    for (*n = 0; *n < levels && !(dot(q, q) > far); ++*n) q = power(q, f.s.power) + c;
-    return q;
+    return orbit(f.mandelbrot ? constant<T>(zero) : point, c, f.s.power, levels, far, n);
 }
 
 // |Q_N|^2 - E^2, or what it has grown to before, which has the same sign.

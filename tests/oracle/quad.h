@@ -33,6 +33,8 @@
 #ifndef ORACLE_QUAD_H
 #define ORACLE_QUAD_H
 
+#include "../../src/tool/quad.hpp"
+
 #include <sagitta/sagitta.h>
 #include <sagitta/surfaces.h>
 
@@ -44,30 +46,6 @@
 #include <vector>
 
 namespace oracle {
-
-#if LDBL_MANT_DIG == 113
-typedef long double quad;
-#else
-__extension__ typedef __float128 quad;
-#endif
-
-inline quad magnitude(quad x) { return x < 0 ? -x : x; }
-inline double magnitude(double x) { return std::fabs(x); }
-inline double to_double(quad x) { return static_cast<double>(x); }
-inline double square_root(double x) { return std::sqrt(x); }
-
-// Newton from the double root: 53 bits, 105, 113.  NaN for x < 0.
-inline quad square_root(quad x)
-{
-    if (!(x > 0)) return x == 0 ? x : quad(NAN);
-    if (x - x != 0) return x; // infinity
-    quad scale = 1;
-    while (x > quad(0x1p1000)) { x *= quad(0x1p-1000); scale *= quad(0x1p500); }
-    while (x < quad(0x1p-1000)) { x *= quad(0x1p1000); scale *= quad(0x1p-500); }
-    quad y = std::sqrt(to_double(x));
-    y = (y + x / y) / 2;
-    return scale * ((y + x / y) / 2);
-}
 
 // The distance to the next double, at least the smallest normal one's.
 inline double ulp(double x)

@@ -311,6 +311,30 @@ def test_radii():
             close(first[0][key], second[0][key], float(first[0]['t_err']) + float(second[0]['t_err']), f'{one} {key}')
 
 
+def without_113_bits(test):
+    """Of a command that tells no errors."""
+    return (lambda: None) if '--without-quad' in sys.argv else test
+
+
+@without_113_bits
+def test_trade_tells_the_errors():
+    """The worst error that `trade` tells of t is the one by these 60 digits, of each type."""
+    for number, s in enumerate(SAGS + BODIES):
+        shots = several(random.Random(number), 4, 20)[:6]
+        worst = D(0)
+        for ray, row in zip(shots, meet(s, shots)):
+            if row['status'] != 'hit':
+                continue
+            t = D(row['t'])
+            for _ in range(12):
+                f = along(s, ray, t)
+                t -= f * STEP / (along(s, ray, t + STEP) - f)
+            worst = max(worst, abs(t - D(float(row['t']))))
+        default = rows('trade', '--surface', spec(s), '--rays', '-', '--seconds', '0', stdin=rays(*([repr(v) for v in ray] for ray in shots)))[0]
+        equal((default['setting'], default['wrong']), ('default', '0'))
+        close(default['err_worst'], float(worst), 1e-6 * float(worst), spec(s))
+
+
 # --------------------------------------------------------------------- files
 
 def npy(z, type='<f8', fortran=False, version=1, shape=None, header=None):

@@ -47,7 +47,6 @@ def test_the_choices_are_named():
         assert '--proof' in run(*command, '--proof', exit=USAGE).stderr
         assert '--proof P' in run(command[0], '--help').stdout
         equal(run(*command, '--proof', 'estimate').stdout, run(*command).stdout)
-    run('trade', '--surface', SPHERE, '--proof', 'first', exit=USAGE)
 
 
 def test_the_fast_way_proves_nothing():

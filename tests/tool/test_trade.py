@@ -17,8 +17,10 @@ from command import *
 
 decimal.getcontext().prec = 60
 QUICK = ('--seconds', '0')
-SURFACE = 'case,setting,ns,evals,err_median,err_99,err_worst,undecided,wrong,rays,best'.split(',')
-LENS = SURFACE + ['path_worst', 'waves_worst']
+FIRST = 'case,setting,ns,evals,err_median,err_99,err_worst,undecided,wrong,rays,best'.split(',')
+LAST = ['ns_low', 'ns_high', 'effect']
+SURFACE = FIRST + LAST
+LENS = FIRST + ['path_worst', 'waves_worst'] + LAST
 CONIC = '{type: conic, radius: 10, conic: -0.6}'
 ASPHERE = '{type: even_asphere, radius: 10, conic: -0.6, coefficients: [0, 1e-4, -2e-6, 1e-8], semi_diameter: 4}'
 JULIA = '{type: julia, c: [-0.2, 0.8, 0, 0], iterations: 4}'
@@ -36,6 +38,10 @@ def settings_of(table):
     return [row['setting'] for row in table]
 
 
+if '--without-quad' in sys.argv:  # there is nothing else to be tried
+    assert '113 bits' in run('trade', exit=USAGE).stderr
+    sys.exit(0)
+
 DEFAULT = trade()
 
 
@@ -50,7 +56,7 @@ def test_columns():
 def test_default_set():
     cases = [case for case, _ in itertools.groupby(row['case'] for row in DEFAULT)]
     equal(cases, ['conic', 'asphere', 'scan-lens', 'julia', 'julia-iterations'])
-    always = ['default', 'single', 'out=all', 't_tol=1e-12', 't_tol=1e-9', 't_tol=1e-6', 't_tol=1e-3']
+    always = ['default', 'single', 'out=all', 't_tol=1e-12', 't_tol=1e-9', 't_tol=1e-6', 't_tol=1e-3', 'proof=root', 'proof=first']
     for case in cases[:4]:
         settings = by_setting(DEFAULT, case)
         assert all(s in settings for s in always), (case, list(settings))
@@ -62,7 +68,7 @@ def test_default_set():
 
 def test_numbers_make_sense():
     for row in DEFAULT:
-        assert float(row['ns']) > 0 and math.isfinite(float(row['ns'])), row
+        assert 0 < float(row['ns_low']) <= float(row['ns']) <= float(row['ns_high']) < math.inf, row
         assert row['best'] in ('0', '1'), row
         assert 0 <= int(row['undecided']) + int(row['wrong']) <= int(row['rays']), row
         errors = [float(row[e]) for e in ('err_median', 'err_99', 'err_worst')]
@@ -82,28 +88,112 @@ def test_json_and_text():
 
 # -------------------------------------------------------------------- the best
 
-def given(row):
-    """How many of the outputs it gives."""
-    return {'out=t': 0, 'out=point': 0, 'out=all': 2}.get(row['setting'], 1)
+def gives(a, b):
+    """It has all the outputs of the other, and as much is proven."""
+    def outputs(row): return {'out=t': 0, 'out=point': 0, 'out=all': 2}.get(row['setting'], 1)
+    def proven(row): return {'proof=root': 1, 'proof=first': 2}.get(row['setting'], 0)
+    return outputs(a) >= outputs(b) and proven(a) >= proven(b)
+
+
+def slower(a, b):
+    return float(a['ns']) > 1.1 * float(b['ns']) and float(a['ns_low']) > float(b['ns_high'])
+
+
+def worse(a, b):
+    undecided, wrong = (int(a[k]) - int(b[k]) for k in ('undecided', 'wrong'))
+    far = float(a['err_99']) > 2 * float(b['err_99']) and undecided >= 0  # never of NaN
+    return slower(a, b) or far or undecided > 0 or wrong > 0
 
 
 def beats(a, b):
     """a gives as much as b, is nowhere worse, and somewhere better."""
-    def worse(x, y):
-        undecided, wrong = (int(x[k]) - int(y[k]) for k in ('undecided', 'wrong'))
-        far = float(x['err_99']) > 2 * float(y['err_99']) and undecided >= 0  # never of NaN
-        return float(x['ns']) > 1.1 * float(y['ns']) or far or undecided > 0 or wrong > 0
-    return given(a) >= given(b) and worse(b, a) and not worse(a, b)
+    return gives(a, b) and worse(b, a) and not worse(a, b)
+
+
+def same(a, b):
+    return math.isnan(float(a['err_99'])) == math.isnan(float(b['err_99'])) and not worse(a, b) and not worse(b, a)
 
 
 def test_best_marks():
     for case in {row['case'] for row in DEFAULT}:
         table = [row for row in DEFAULT if row['case'] == case]
-        for row in table:
-            wanted = not any(beats(other, row) for other in table if other['best'] == '1') and row['err_99'] != 'nan'
-            equal(row['best'] == '1', wanted, (row, table))
-        assert any(row['best'] == '1' for row in table), case
+        best = [row for row in table if row['best'] == '1']
+        assert not any(row['effect'] == 'changes nothing' for row in best), table  # it is the default
+        for i, row in enumerate(table):
+            if row['best'] == '1':
+                assert row['err_99'] != 'nan' and not any(beats(other, row) for other in best), (row, table)
+                assert not any(other['best'] == '1' and gives(other, row) and same(other, row) for other in table[:i]), (row, table)
+            else:
+                assert row['err_99'] == 'nan' or any(beats(other, row) or (gives(other, row) and same(other, row)) for other in table if other is not row), (row, table)
+        assert best, case
     assert any(row['best'] == '0' for row in DEFAULT)
+
+
+# ------------------------------------------------------------------- the words
+
+def words(row, base):
+    """What the row says against the base, by its own numbers."""
+    told = []
+    for name, a, b in (('fast', base, row), ('slow', row, base)):
+        if slower(a, b):
+            told.append(f'times as {name}')
+    error, before = float(row['err_99']), float(base['err_99'])
+    if error > 2 * before or before > 2 * error:
+        told.append('err_99')
+    if math.isnan(error) and not math.isnan(before):
+        told.append('no hit is left')
+    for key in ('undecided', 'wrong'):
+        if row[key] != base[key]:
+            told.append(f'{abs(int(row[key]) - int(base[key]))} {"more" if int(row[key]) > int(base[key]) else "fewer"}')
+    one, other = float(row['ns']), float(base['ns'])
+    apart = one > 1.1 * other or other > 1.1 * one
+    return told or ['nothing beyond the scatter of the runs' if apart else 'changes nothing' if gives(base, row) else 'costs nothing']
+
+
+def test_words():
+    for case in {row['case'] for row in DEFAULT}:
+        table = [row for row in DEFAULT if row['case'] == case]
+        base, = (row for row in table if row['effect'] == '')
+        equal(base['setting'], 'iterations=11' if case == 'julia-iterations' else 'default', case)
+        for row in table:
+            if row is not base:
+                parts, wanted = row['effect'].split('; '), words(row, base)
+                equal(len(parts), len(wanted), (row, base))
+                for part, want in zip(parts, wanted):
+                    assert want in part, (row, base)
+    for row in DEFAULT:
+        if match := re.match(r'([\d.]+) times as (fast|slow)', row['effect']):
+            base = next(r for r in DEFAULT if r['case'] == row['case'] and r['effect'] == '')
+            ratio = float(row['ns']) / float(base['ns'])
+            close(float(match[1]), ratio if match[2] == 'slow' else 1 / ratio, 0.06 * float(match[1]), row)
+
+
+def test_words_of_knobs():
+    """What changes nothing stands in words under the rows, and is not best; the case's name stands once."""
+    table = json.loads(run('trade', '--surface', '{type: sphere, radius: 10}', '--seconds', '0.3', '--format', 'json').stdout)
+    equal({row['case'] for row in table}, {'sphere'})
+    idle = [row['setting'] for row in table if row['effect'] == 'changes nothing']
+    assert not any(row['best'] for row in table if row['setting'] in idle), table
+    text = run('trade', '--surface', '{type: sphere, radius: 10}', '--seconds', '0.3', '--t-tol', '1e-9').stdout
+    equal(text.count('sphere'), 2, text)  # the name, and the surface as it was given
+    assert not re.search(r'^case|^setting.* (rays|ns_low) ', text, re.MULTILINE), text
+    lines = text.splitlines()
+    row, = (line for line in lines if line.startswith('t_tol=1e-9'))
+    said = any(re.match(r'.*\bt_tol\b.* (changes?) nothing here', line) for line in lines)
+    equal(said, row.endswith('changes nothing'), text)
+
+
+# -------------------------------------------------------------------- proofs
+
+def test_proof():
+    table = by_setting(trade('--surface', JULIA, '--proof', 'first'))
+    assert 'proof=first' in table and 'proof=root' not in table, list(table)
+    both = by_setting(trade('--surface', ASPHERE, '--proof', 'root,first'))
+    for name in ('proof=root', 'proof=first'):
+        equal((both[name]['wrong'], both[name]['undecided']), ('0', '0'))
+        assert float(both[name]['err_worst']) < 2e-15, both[name]
+    level = by_setting(trade('--surface', JULIA))
+    assert float(level['proof=first']['evals']) > float(level['default']['evals']), level  # and it is turned at all
 
 
 # ------------------------------------------------------------------ the errors
@@ -113,10 +203,11 @@ def test_full_precision_is_full():
     for case, size in (('conic', 2e-15), ('asphere', 2e-15), ('scan-lens', 1e-13), ('julia', 1e-13)):
         settings = by_setting(DEFAULT, case)
         for name, row in settings.items():
-            if name == 'default' or name.split('=')[0] in ('single', 'out', 'pick'):
+            if name == 'default' or name.split('=')[0] in ('single', 'out', 'pick', 'proof'):
                 equal((row['undecided'], row['wrong']), ('0', '0'), (case, name))
                 assert 0 < float(row['err_worst']) < size, (case, row)
-                equal(row['evals'] if 'pick' not in name else settings['default']['evals'], settings['default']['evals'], name)
+                if name.split('=')[0] not in ('pick', 'proof'):
+                    equal(row['evals'], settings['default']['evals'], name)
     path = float(by_setting(DEFAULT, 'scan-lens')['default']['path_worst'])
     waves = float(by_setting(DEFAULT, 'scan-lens')['default']['waves_worst'])
     assert 0 < path < 1e-13, path
@@ -281,11 +372,14 @@ def test_lens_in_sixty_digits():
 # ---------------------------------------------------------------- other lenses
 
 def test_lenses():
-    for lens in ('newtonian', 'cassegrain', 'cooke_triplet', 'aspheric_singlet'):
-        got = by_setting(trade(LENSES / f'{lens}.yaml', '--grid', 9))
-        for name in ('default', 'single', 'out=point', 'out=all'):
+    lenses = sorted(LENSES.glob('*.yaml'))
+    assert len(lenses) >= 7, lenses
+    for lens in lenses:
+        got = by_setting(trade(lens, '--grid', 9))
+        for name in ('default', 'single', 'out=point', 'out=all', 'proof=root'):
             equal((got[name]['wrong'], got[name]['undecided']), ('0', '0'), (lens, name))
             assert float(got[name]['err_worst']) < 1e-12, (lens, got[name])
+            assert float(got[name]['path_worst']) < 1e-12, (lens, got[name])
     equal(trade(LENSES / 'ftheta.yaml', '--field', 5, '--fan', 7)[0]['rays'], '7')
 
 
@@ -293,6 +387,66 @@ def test_lost_rays_are_no_errors():
     """Clipped and missing rays are decided, and where they should be."""
     got = by_setting(trade(LENSES / 'ftheta.yaml', '--rays', '-', stdin=rays((0, 0, -1, 0, 0, 1), (0, 3, -1, 0, 0, 1), (0, 0, -1, 1, 0, 0))))
     equal((got['default']['rays'], got['default']['wrong'], got['default']['undecided']), ('3', '0', '0'))
+
+
+MIXED = '''units: mm
+surfaces:
+  - {type: q_bfs, radius: 40, norm: 10, coefficients: [0.01, -0.002], thickness: 5, index: 1.5, stop: true, semi_diameter: 9}
+  - {type: zernike, radius: -60, norm: 10, order: noll, coefficients: [0, 0, 0, 0.01, 0.02], thickness: 4, index: 1, semi_diameter: 9}
+  - {type: conic, radius: -80, conic: -2, thickness: 3, index: 1.6, semi_diameter: 9}
+  - {type: biconic, radius_x: 50, radius_y: 60, conic_y: -1, thickness: 30, index: 1, semi_diameter: 9, tilt: [3, -2, 1]}
+  - {type: ellipsoid, a: 40, f: 0.2, decenter: [0, 0, 40], thickness: 40, index: 1}
+pupil: {semi_diameter: 5}
+fields: [0, 2]
+'''
+
+
+def test_lens_of_types_old_and_new():
+    got = by_setting(trade(written(MIXED), '--grid', 7))['default']
+    equal((got['wrong'], got['undecided']), ('0', '0'), got)
+    assert 0 < float(got['err_worst']) < 1e-12, got
+
+
+# ------------------------------------------------------------------- every type
+
+# One surface of each; a number of hits that there must be of the thousand rays that suit it.
+TYPES = {
+    'plane': '', 'sphere': 'radius: 10', 'conic': 'radius: 10, conic: -0.6',
+    'even_asphere': 'radius: 10, coefficients: [0, 1e-4], semi_diameter: 4',
+    'odd_asphere': 'curvature: 0.02, coefficients: [0, -0.002, 1e-4], semi_diameter: 5',
+    'polynomial_xy': 'curvature: 0.01, coefficients: [[0, 0, 0.014], [0, 2e-3]], semi_diameter: 5',
+    'chebyshev': 'curvature: -0.02, norm_x: 7, norm_y: 9, coefficients: [[0, 0.1, 0.2], [0.1, -0.05]], semi_diameter: 5',
+    'zernike': 'curvature: 0.02, norm: 6, order: noll, coefficients: [0.1, 0.02, -0.03, 0.2, 0.1], semi_diameter: 5',
+    'q_con': 'curvature: 0.03, norm: 8, coefficients: [0.3, -0.1, 0.05]', 'q_bfs': 'curvature: 0.03, norm: 8, coefficients: [0.3, -0.1]',
+    'grid': 'step_x: 2, step_y: 3, sag: [[0, 0.1, 0.2, 0], [0.1, 0, 0, 0.1], [0, 0.1, 0.1, 0], [0.1, 0.2, 0, 0]]',
+    'sum': 'curvature: 0.02, semi_diameter: 5, terms: [{type: even_asphere, coefficients: [1e-3]}, {type: zernike, norm: 6, order: fringe, coefficients: [0, 0.1]}]',
+    'toroidal': 'curvature: 0.025, curvature_x: 0.04', 'biconic': 'curvature_x: 0.04, curvature_y: -0.02', 'cylinder': 'radius: 20',
+    'quadric': 'squares: [1, 2, 0.5], products: [0.3, -0.2, 0.1], linear: [1, -1, 0.5], constant: -20', 'ellipsoid': 'a: 5, f: 0.3',
+    'torus': 'major: 5, minor: 2', 'julia': 'c: [-0.2, 0.8, 0, 0], iterations: 4', 'mandelbrot': 'iterations: 4',
+}
+
+
+def test_every_type():
+    earth = {'geodetic_height', 'level_gravity', 'geoid'}
+    known = set(re.findall(r'\w+', run('trade', '--surface', '{type: none}', exit=BAD_INPUT).stderr.split('there are:')[-1]))
+    equal(known - earth, set(TYPES))
+    for name, keys in TYPES.items():
+        lines = run('trade', '--surface', f'{{type: {name}, {keys}}}', *QUICK).stdout.splitlines()
+        rays, met = map(int, re.search(r'; (\d+) rays, (\d+) of them met', lines[0]).groups())
+        assert lines[0].startswith(name + ': ') and rays == 1000 and met > 250, lines[0]
+        assert 'there is no truth' not in lines[1], lines[1]
+        head = next(line for line in lines if line.startswith('setting')).split()
+        default = dict(zip(head, next(line for line in lines if line.startswith('default')).split()))
+        equal((default['undecided'], default['wrong']), ('0', '0'), name)
+        assert 0 < float(default['err_worst']) < 1e-12, default
+
+
+def test_the_earth_is_refused():
+    for name, keys in (('geodetic_height', 'h: 0'), ('level_gravity', 'h: 0')):
+        surface = f'{{type: {name}, {keys}}}'
+        here = name in run('trade', '--surface', '{type: none}', exit=BAD_INPUT).stderr
+        done = run('trade', '--surface', surface, *QUICK, exit=USAGE if here else BAD_INPUT)
+        assert name in done.stderr and ('113 bits' if here else 'GeographicLib') in done.stderr and not done.stdout, done.stderr
 
 
 # ---------------------------------------------------------------------- errors
@@ -304,7 +458,7 @@ def test_bad_options():
             (('--t-tol', ','.join(['1'] * 17)), '--t-tol'), (('--dt-min', 'nan'), '--dt-min'), (('--max-evals', '2.5'), '--max-evals'),
             (('--max-evals', '0'), '--max-evals'), (('--iterations', '0'), '--iterations'), (('--seconds', '-1'), '--seconds'),
             (('--seconds', 'soon'), '--seconds'), (('--pick', 'last'), '--pick'), (('--format', 'xml'), '--format'),
-            (('--proof', 'root'), '--proof'), (('--rays', '-'), '--surface'), (('--ray', '0 0 -5 0 0 1'), '--surface'), (('--fan', '3'), 'lens'),
+            (('--proof', 'roots'), '--proof'), (('--proof', ','), '--proof'), (('--proof', 'root,first,root,first'), '--proof'), (('--rays', '-'), '--surface'), (('--ray', '0 0 -5 0 0 1'), '--surface'), (('--fan', '3'), 'lens'),
             ((lens, lens), 'one lens'), ((lens, '--surface', CONIC), '--surface'), (('--surface', CONIC, '--fan', 3), '--fan'),
             ((lens, '--ray', '0 0 -5 0 0 1'), '--ray'), (('--surface', CONIC, '--ray', '0 0 -5 0 0 1', '--rays', '-'), '--ray'),
             (('--surface', JULIA, '--iterations', '4,5000'), '--iterations'), (('--turbo',), '--turbo')):
@@ -329,7 +483,7 @@ def test_what_is_not_used_is_told():
 
 def test_help():
     text = run('trade', '--help').stdout
-    for option in ('--surface', '--rays', '--ray', '--grid', '--t-tol', '--max-evals', '--dt-min', '--iterations', '--pick', '--seconds', '--svg'):
+    for option in ('--surface', '--rays', '--ray', '--grid', '--t-tol', '--max-evals', '--proof', '--dt-min', '--iterations', '--pick', '--seconds', '--svg'):
         assert option in text, option
     assert 'differ from run to run' in text
     assert max(map(len, text.splitlines())) <= 100
@@ -363,8 +517,38 @@ def test_picture():
         width, height = (float(root.get(side).removesuffix('pt')) for side in ('width', 'height'))
         assert 500 <= width <= 1200 and 200 <= height <= 1200, (width, height)
     assert drawn(two) > drawn(one) > 20, (drawn(one), drawn(two))  # two panels and more dots
-    assert drawn(picture('--surface', CONIC, '--t-tol', '1e-3,1e-4,1e-5,1e-6,1e-7,1e-8,1e-9')) > drawn(one)
+    assert drawn(picture('--surface', JULIA, '--t-tol', '1e-2,1e-3,1e-4,1e-5,1e-6,1e-7,1e-8,1e-9')) > drawn(two)
     picture('--surface', JULIA, '--ray', '5 5 5 1 0 0')  # nothing is met
+
+
+def strokes(root, width):
+    """The numbers of each path of a stroke of this width."""
+    for path in root.iter(SVG + 'path'):
+        style = dict(item.split(':') for item in path.get('style', '').split(';') if ':' in item)
+        if float(path.get('stroke-width') or style.get('stroke-width', 'nan')) == width:
+            yield [float(v) for v in re.findall(r'-?[\d.]+', path.get('d'))]
+
+
+@with_cairo
+def test_what_is_drawn_can_be_seen():
+    """Dots of one place are rings about each other, the stairs go from the top to the right edge, the y axis is labelled."""
+    several = [picture('--surface', f'{{type: {name}, {keys}}}') for name, keys in TYPES.items() if name in ('plane', 'toroidal', 'torus', 'julia')]
+    for root in several + [picture(lens, '--grid', 5) for lens in (LENSES / 'ftheta.yaml', LENSES / 'toroidal_lens.yaml')]:
+        dots = {}
+        for d in strokes(root, 1.3):
+            x, y = d[0::2], d[1::2]
+            ring = tuple(round(v) for v in ((max(x) + min(x)) / 2, (max(y) + min(y)) / 2, (max(x) - min(x)) / 2))
+            assert ring not in dots, ('a dot covers another', ring)
+            dots[ring] = True
+        assert len(dots) > 4, dots
+        for (x, y, r), (u, v, s) in itertools.combinations(dots, 2):
+            assert abs(r - s) > 1 or math.hypot(x - u, y - v) > r, ('dots that hide one another', (x, y, r), (u, v, s))
+        stairs = list(strokes(root, 1.8))
+        width = float(root.get('width').removesuffix('pt'))
+        assert stairs and all(d[0] == d[2] or d[1] == d[3] for d in stairs), stairs
+        assert sum(math.hypot(d[2] - d[0], d[3] - d[1]) for d in stairs) > width / 4, stairs
+        upward = [round(float(u.get('x')), 1) for u in root.iter(SVG + 'use') if u.get('x')]
+        assert max(map(upward.count, upward)) > 20, 'a label along the y axis'
 
 
 @with_cairo
