@@ -1,5 +1,5 @@
-// bench_shared.h - what the benchmarks of sags have in common: the rays, the surfaces, the peers that take one ray at
-// a time, the clock and its table.
+// bench_shared.h - what the benchmarks of sags have in common: the surfaces, the peers that take one ray at a time, the
+// clock and its table.
 #ifndef BENCH_SHARED_H
 #define BENCH_SHARED_H
 #include <algorithm>
@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 #include <sagitta/surfaces.h>
+#include "bench_subjects.h"
 #ifdef HAVE_BOOST
 #include <boost/math/tools/roots.hpp>
 #endif
@@ -23,39 +24,6 @@
 #endif
 
 namespace bench {
-
-// ------------------------------------------------------------------ the rays
-
-constexpr size_t RAYS = 1000000;
-
-class Random {  // splitmix64: Steele, Lea, Flood, OOPSLA 2014
-public:
-    double unit()
-    {
-        uint64_t z = state += 0x9e3779b97f4a7c15u;
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-        return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-    }
-private:
-    uint64_t state = 0x1234567;
-};
-
-// Origins uniform in the disk of radius 2.5 at z = -5, l and m uniform in +-0.15.
-inline const std::vector<sgt_ray> &rays()
-{
-    static const std::vector<sgt_ray> all = [] {
-        std::vector<sgt_ray> made(RAYS);
-        Random random;
-        for (sgt_ray &ray : made) {
-            double r = 2.5 * std::sqrt(random.unit()), phi = 2 * M_PI * random.unit();
-            double l = 0.15 * (2 * random.unit() - 1), m = 0.15 * (2 * random.unit() - 1);
-            ray = { { r * std::cos(phi), r * std::sin(phi), -5 }, { l, m, std::sqrt(1 - l * l - m * m) }, 0, 0 };
-        }
-        return made;
-    }();
-    return all;
-}
 
 // -------------------------------------------------------------- the surfaces
 
