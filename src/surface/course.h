@@ -148,11 +148,22 @@ static inline void step_to(bracket *p, double from, double step, double wide, do
     p->m = next;
 }
 
-typedef enum turn { ON, ROOT, RARE } turn;
+/* The sign of F in the middle of a cell as computed, a guide and no proof; e->level < levels: it is outside. */
+static inline double seen_in_middle(const cell *e, int levels, double E2)
+{
+    return e->level < levels ? 1 : e->verdict == CELL_INSIDE ? -1 : e->A2 - E2;
+}
 
-/* What the cell e at `at` comes to: ON, with the course set to the next; ROOT, with its bracket; RARE: neither, the
- * course and the cell as they are, but for its h. */
-static inline turn decide(course *k, const place *at, const cell *e, const sighting *n, double t_tol, double least, bracket *p)
+typedef enum turn { ON, ROOT, ACROSS, RARE } turn;
+
+/* What a cell's verdict comes to:
+ *     ON      the course is set to the next cell
+ *     ROOT    and its bracket; the course is set to the cell behind it
+ *     ACROSS  [tau, m] is no longer than t_tol, and F seems to change its sign there: look at m alone, then `found_across`
+ *     RARE    none of these; the course and the cell as they are, but for its h.
+ * Whatever t_tol is, the cells are the same until ROOT or ACROSS: it costs one look at most, and as a rule saves some. */
+static inline turn decide(course *k, const place *at, const cell *e, const sighting *n, int levels, double E2,
+                          double t_tol, double least, bracket *p)
 {
     double m = at->m, end = at->end, h = at->h;
     k->h = h;
@@ -190,9 +201,26 @@ static inline turn decide(course *k, const place *at, const cell *e, const sight
         k->side = side;
     }
     bool hopeless = e->W < HUGE_VAL && (fabs(e->qv) + e->W) * h <= 4 * e->g_err;
-    if (hopeless || h <= 2 * SGT_U * fabs(m) || (2 * h <= t_tol && k->side != 0)) return RARE;
+    if (hopeless || h <= 2 * SGT_U * fabs(m)) return RARE;
+    if (h <= t_tol && k->side * seen_in_middle(e, levels, E2) < 0) return ACROSS;
     slower(k);
     return ON;
+}
+
+/* The end of ACROSS; v: the verdict of m alone, h = 0.  true: a root is certain within *err of *root.  false:
+ * rounding hides the sign at m, and may do so in the next cells; the ray goes on without a tolerance. */
+static inline bool found_across(course *k, const place *at, cell_verdict v, double *t_tol, double *root,
+                                double *err)
+{
+    double there = v == CELL_OUTSIDE ? 1 : v == CELL_INSIDE ? -1 : 0;
+    if (!(there * k->side < 0)) {
+        *t_tol = 0;
+        slower(k);
+        return false;
+    }
+    *root = 0.5 * (k->tau + at->m), *err = larger(*root - k->tau, at->m - *root) * (1 + 4 * SGT_U);
+    k->side = there, k->tau = at->m;
+    return true;
 }
 
 /* ------------------------------------------------------------------- the fast way */
@@ -247,9 +275,8 @@ SGT_INLINE double estimate_of(const estimator *s, double A2, double growth2, dou
 static inline bool narrow(bracket *p, const cell *e, const sighting *n, int levels, double E2, double wanted, double least)
 {
     double m = p->m, h = p->h;
-    bool far = e->level < levels; /* then the middle is outside */
-    double f = far ? 1 : e->verdict == CELL_INSIDE ? -1 : e->A2 - E2;
-    if (f * p->falls > 0) p->a = m;
+    bool far = e->level < levels;
+    if (seen_in_middle(e, levels, E2) * p->falls > 0) p->a = m;
     else p->b = m;
     if (++p->looks >= 60) return false;
     if (far) {

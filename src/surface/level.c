@@ -22,6 +22,10 @@
  * whose root may be on either side of its end is laid a little earlier, to have the root within; that root does not
  * count, and behind it the side is known.  Such rays start with a short cell, which doubles (first_course).
  *
+ * T_TOL ends a root's bracket as soon as it is narrow enough.  It also ends a cell that is not decided, if its first half
+ * is no longer than t_tol and F seems to have another sign in its middle than at its start.  One look at the middle
+ * alone makes the change of sign certain, and it is told as a root.  Where neither helps, the cells are those without t_tol.
+ *
  * A root's bracket is narrowed by interval Newton, each cell about where Newton's method on F takes the last one's middle (F is
  * tanh(log(|Q_N| / E)), nearly linear over many lengths where |Q_N|^2 is not), and as wide as by the slope's variation
  * the guess may be off: three cells, as a rule, to rounding.
@@ -249,12 +253,27 @@ static void march(walk *w, double start, double lo, double hi)
             if (w->done) break;
         }
         k.h = h;
-        switch (dark.any && about ? RARE : decide(&k, &at, e, &n, w->t_tol, w->least, &root)) {
+        turn what = RARE;
+        if (!(dark.any && about))
+            what = decide(&k, &at, e, &n, w->path.iterations, E2, w->t_tol, w->least, &root);
+        switch (what) {
         case ON: continue;
         case ROOT:
             if (polish(w, &root)) continue;
             k.tau = tau; /* the root is a part of what is left */
             goto end;
+        case ACROSS: {
+            cell middle;
+            double found, err;
+            if (spent(&w->told)) goto end;
+            sgt_orbit_cell(&w->path, m, 0, &middle);
+            look_on(w, SGT_PROBE, m, tau, hi);
+            if (w->done) goto end;
+            if (!found_across(&k, &at, middle.verdict, &w->t_tol, &found, &err)) continue;
+            if (add_root(w, SGT_HIT, found, err)) continue;
+            k.tau = tau; /* the root is a part of what is left */
+            goto end;
+        }
         case RARE: break;
         }
         if (about && !dark.any) { /* at the very start, which is on the surface: from before it */
@@ -262,17 +281,6 @@ static void march(walk *w, double start, double lo, double hi)
             continue;
         }
         bool hopeless = e->W < HUGE_VAL && (fabs(e->qv) + e->W) * h <= 4 * e->g_err;
-        if (!hopeless && 2 * h <= w->t_tol && k.side != 0) { /* closer than asked for: a change of sign is enough */
-            cell right;
-            sgt_orbit_cell(&w->path, end, 0, &right);
-            look_on(w, SGT_PROBE, end, tau, hi);
-            double there = right.verdict == CELL_OUTSIDE ? 1 : right.verdict == CELL_INSIDE ? -1 : 0;
-            if (there * k.side < 0) {
-                if (w->done || !add_root(w, SGT_HIT, m, h * (1 + 4 * SGT_U))) break;
-                k.side = there, k.tau = end;
-                continue;
-            }
-        }
         if (hopeless || h <= 2 * SGT_U * fabs(m)) {
             if (!dark.any) dark = (dark_stretch){.any = true, .touches = true, .lo = tau, .side = (int)k.side};
             dark.touches = dark.touches && e->W < HUGE_VAL && fabs(e->A2 - E2) <= 5 * e->g_err;

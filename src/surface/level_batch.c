@@ -49,6 +49,9 @@ typedef struct stream {
     double m[WIDTH], h[WIDTH], end[WIDTH], verdict[WIDTH], leave[WIDTH];
 } stream;
 
+/* What a lane near the surface looks for: what a cell comes to, a narrower bracket, the sign of F in its middle. */
+typedef enum errand { MARCH, POLISH, CROSS } errand;
+
 typedef struct near {
     double f[FIELDS][WIDTH];
     double m[WIDTH], h[WIDTH];
@@ -57,7 +60,7 @@ typedef struct near {
     double verdict[WIDTH], W[WIDTH], g_err[WIDTH], lo[WIDTH], hi[WIDTH], newton[WIDTH], wide[WIDTH];
     bracket root[WIDTH];
     place at[WIDTH];
-    bool polish[WIDTH];
+    errand task[WIDTH];
     int count;
 } near;
 
@@ -94,9 +97,9 @@ enum { STAY, MISSED, NEAR, SPENT };
 /* What all the lanes share. */
 typedef struct shared { quaternion c; circle near; double limit, over, growth, E2, levels, budget; } shared;
 
-/* Of a cell: not decided; outside; neither that nor monotone; to be looked at near the surface.  A lane without a ray is
- * live, all NaN. */
-enum { LIVE, OUT, SHUT, CLOSE };
+/* Of a cell: not decided; outside; to be looked at near the surface.  Any other verdict (NaN too) is none of these,
+ * nor monotone: it is |Q_N|^2, infinite where the orbit escaped before.  A lane without a ray is live, all NaN. */
+enum { LIVE = -3, OUT, CLOSE };
 
 /* A cell on its way, and what is known of it. */
 typedef struct flight { one q; double over, left, verdict; } flight;
@@ -111,9 +114,9 @@ SGT_INLINE flight on_a_level(flight s, double h, double h2, const one_constant c
     one_twice_root(&q.A2, &A);
     one_room(&q, w.near.keep, &E, &x, &y, &room);
     /* what `judge` has to look at, and a little more: it may be inside, or monotone, or g near its rounding */
-    double last = larger(x, 0x1p-29 * q.A2) > STEEP * (1 - 0x1p-40) * y ? CLOSE : SHUT;
+    double last = larger(x, 0x1p-29 * q.A2) > STEEP * (1 - 0x1p-40) * y ? CLOSE : q.A2;
     last = (q.A2 + y) + (x + x) < w.E2 ? CLOSE : last;
-    double verdict = q.A2 > w.near.far ? SHUT : LIVE;
+    double verdict = q.A2 > w.near.far ? HUGE_VAL : LIVE;
     verdict = s.left > 0 ? verdict : last;
     verdict = room > 0 ? OUT : verdict;
     s.verdict = s.verdict == LIVE ? verdict : s.verdict;
@@ -150,14 +153,16 @@ SGT_INLINE void fly(stream *s, int l, const shared w, bool mandelbrot)
 }
 
 /* What becomes of the cells that are decided.  MISSED: the ray's end is reached; NEAR: the cell at tau has to be looked at
- * near the surface, as is what is closer than asked for, or than can be told apart. */
+ * near the surface, as is one where t_tol may be met, or that is too short to be told apart. */
 SGT_INLINE double go_on(stream *s, int l, const shared w)
 {
     double verdict = s->verdict[l], h = s->h[l], m = s->m[l], end = s->end[l];
-    double tau = s->f[TAU][l], hi = s->f[HI][l], step = s->f[H][l], growth = s->f[GROWTH][l], side = s->f[SIDE][l], evals = s->f[EVALS][l], t_tol = s->f[T_TOL][l];
-    double fine = 2 * h <= larger(t_tol, 4 * SGT_U * fabs(m)) ? CLOSE : SHUT, longer = grown(growth), shorter = shrunk(growth);
-    verdict = verdict == SHUT ? fine : verdict;
-    bool out = verdict == OUT, shut = verdict == SHUT;
+    double tau = s->f[TAU][l], hi = s->f[HI][l], step = s->f[H][l], growth = s->f[GROWTH][l], side = s->f[SIDE][l], evals = s->f[EVALS][l];
+    double longer = grown(growth), shorter = shrunk(growth);
+    double across = side * (w.E2 - verdict), t_tol = across > 0 ? s->f[T_TOL][l] : 0; /* `decide` may call it ACROSS */
+    double fine = h <= larger(t_tol, 2 * SGT_U * fabs(m)) ? CLOSE : verdict;
+    verdict = verdict <= CLOSE ? verdict : fine;
+    bool out = verdict == OUT, shut = !(verdict <= CLOSE);
     step = shut ? h * 0.5 : step, growth = shut ? shorter : growth, evals = shut ? evals + 1 : evals;
     step = out ? h * longer : step, growth = out ? longer : growth, evals = out ? evals + 1 : evals;
     tau = out ? end : tau, side = out ? 1 : side;
@@ -553,6 +558,16 @@ static void go_back(job *j, const double f[], int apart)
     }
 }
 
+/* A hit so far outside that F = 1 to the last bit, and its gradient 0: with a coarse t_tol, on a steep set. */
+static void count_far(hits *s, size_t l)
+{
+    meeting h = {.t = s->t[l], .t_err = s->t_err[l], .p = {s->p[0][l], s->p[1][l], s->p[2][l]}};
+    local q = {.l = s->l[l], .m = s->m[l], .n = s->n[l], .scale = s->scale[l]};
+    if (!(fabs(h.p.x) + fabs(h.p.y) + fabs(h.p.z) < HUGE_VAL) || !root_in_range(&h)) return;
+    s->y[0][l] = s->y[1][l] = s->y[2][l] = 0;
+    s->counts[l] = root_counts(&h, &q, s->tmin[l], s->tmax[l]) ? 1 : 0;
+}
+
 /* Tells of all the hits there are. */
 static void tell_hits(job *j)
 {
@@ -562,6 +577,7 @@ static void tell_hits(job *j)
     else meet_julia(s, j->set);
     for (size_t l = 0; l < s->count; l++) {
         size_t i = s->ray[l];
+        if (s->far[l] > 0) count_far(s, l);
         if (s->counts[l] < 0) {
             give_up(j, i);
             continue;
@@ -604,6 +620,16 @@ static void add_hit_at(job *j, int from, double tau, double tau_err)
     if (s->count == HITS) tell_hits(j);
 }
 
+static course course_of(const near *s, int l)
+{
+    return (course){s->f[TAU][l], s->f[HI][l], s->f[H][l], s->f[GROWTH][l], s->f[SIDE][l]};
+}
+
+static void set_course(near *s, int l, const course *k)
+{
+    s->f[TAU][l] = k->tau, s->f[H][l] = k->h, s->f[GROWTH][l] = k->growth, s->f[SIDE][l] = k->side;
+}
+
 /* The cell of lane l has been looked at.  false: the ray has left. */
 static bool settle(job *j, int l)
 {
@@ -616,22 +642,32 @@ static bool settle(job *j, int l)
     sighting n = {s->lo[l], s->hi[l], s->newton[l], s->wide[l]};
     s->f[EVALS][l] += 1;
     bool on;
-    if (s->polish[l]) {
+    if (s->task[l] == CROSS) {
+        course k = course_of(s, l);
+        double root, err;
+        bool found = found_across(&k, &s->at[l], e.verdict, &s->f[T_TOL][l], &root, &err);
+        set_course(s, l, &k);
+        if (found) add_hit_at(j, l, root, err);
+        else go_back(j, s->f[0] + l, WIDTH);
+        return false;
+    }
+    if (s->task[l] == POLISH) {
         on = narrow(p, &e, &n, w->path.iterations, E2, wanted, least);
     } else {
-        course k = {s->f[TAU][l], s->f[HI][l], s->f[H][l], s->f[GROWTH][l], s->f[SIDE][l]};
-        turn what = decide(&k, &s->at[l], &e, &n, t_tol, least, p);
+        course k = course_of(s, l);
+        turn what = decide(&k, &s->at[l], &e, &n, w->path.iterations, E2, t_tol, least, p);
         if (what == RARE) {
             give_up(j, i);
             return false;
         }
-        s->f[TAU][l] = k.tau, s->f[H][l] = k.h, s->f[GROWTH][l] = k.growth, s->f[SIDE][l] = k.side;
+        set_course(s, l, &k);
         if (what == ON) {
             go_back(j, s->f[0] + l, WIDTH);
             return false;
         }
-        s->polish[l] = true;
-        on = root_error(p) > wanted;
+        if (what == ACROSS) *p = (bracket){.m = s->at[l].m}; /* with h = 0 the next to look at */
+        s->task[l] = what == ACROSS ? CROSS : POLISH;
+        on = what == ACROSS || root_error(p) > wanted;
     }
     if (s->f[EVALS][l] >= w->budget) {
         give_up(j, i);
@@ -654,7 +690,8 @@ static void look_and_settle(job *j)
         if (!settle(j, l)) continue;
         if (kept < l) {
             for (int f = 0; f < FIELDS; f++) s->f[f][kept] = s->f[f][l];
-            s->m[kept] = s->m[l], s->h[kept] = s->h[l], s->root[kept] = s->root[l], s->polish[kept] = true;
+            s->m[kept] = s->m[l], s->h[kept] = s->h[l];
+            s->root[kept] = s->root[l], s->at[kept] = s->at[l], s->task[kept] = s->task[l];
         }
         kept++;
     }
@@ -672,8 +709,8 @@ static void come_near(job *j, int at)
     }
     int l = s->count++;
     for (int f = 0; f < FIELDS; f++) s->f[f][l] = from->f[f][at];
-    course k = {s->f[TAU][l], s->f[HI][l], s->f[H][l], s->f[GROWTH][l], s->f[SIDE][l]};
-    s->at[l] = lay(&k), s->m[l] = s->at[l].m, s->h[l] = s->at[l].h, s->polish[l] = false;
+    course k = course_of(s, l);
+    s->at[l] = lay(&k), s->m[l] = s->at[l].m, s->h[l] = s->at[l].h, s->task[l] = MARCH;
 }
 
 /* Of a lane of the stream on the fast way, F has changed its sign: a bracket. */
@@ -687,7 +724,7 @@ static void cross(job *j, int at)
     bracket *p = &s->root[l];
     *p = (bracket){.lo = last, .hi = tau, .a = last, .b = tau, .falls = last_f > 0 ? 1 : -1};
     step_to(p, tau, f * (tau - last) / (f - last_f), 0, 0.125 * (tau - last));
-    s->m[l] = p->m, s->h[l] = p->h, s->polish[l] = true;
+    s->m[l] = p->m, s->h[l] = p->h, s->task[l] = POLISH;
     if (root_error(p) > larger(s->f[T_TOL][l], s->f[LEAST][l]) && s->f[EVALS][l] < j->set->budget) return;
     s->count--;
     if (s->f[EVALS][l] < j->set->budget) add_hit_at(j, l, p->m, root_error(p));

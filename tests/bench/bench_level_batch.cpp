@@ -5,6 +5,7 @@
 // The set is c = (-0.083, 0, -0.83, -0.025), N = 7; the rays are those of a 640 x 480 picture (level_sets.h).  Before
 // anything is timed every number of the batch is compared with the single ray's, bit for bit.  The runs of all are shuffled
 // among each other, on one processor; ns is the median of the runs, `ratio` how many times faster the batch is.
+// Then the batch with a tolerance, on this set and two more; there `ratio` is to the batch of the same set without one.
 // levels is how many levels of the orbit a ray takes in the batch, the gradient's among them; busy the share of the lanes'
 // levels that were spent on cells not decided yet (level_counts.c).
 #include <random>
@@ -22,6 +23,51 @@ struct Arrays {
 bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0 || (std::isnan(a) && std::isnan(b)); }
 
 struct Row { const char *name; int povray; std::vector<double> ns; };  // povray: its precision, or 0
+
+const Case LOOSE[] = { CASES[0], CASES[1], { "i-N16", { 0, 1, 0, 0 }, 16, 0 } };
+const double TOLERANCES[] = { 0, 1e-1, 1e-2, 1e-3, 1e-6 };
+
+void print_row(const char *set, const char *name, double ns, double batch, double evals, const level_counts &counts,
+               size_t n)
+{
+    double levels = static_cast<double>(counts.levels), lanes = static_cast<double>(counts.lanes);
+    std::printf("%s,%s,%.1f,%.4g,%.2f,%.2f,%.1f,%.3f,%lld\n", set, name, ns, 1e9 / ns, ns / batch, evals,
+                levels / static_cast<double>(n), levels / lanes, counts.hard);
+}
+
+// The batch with each of the tolerances.
+void with_tolerances(size_t n, const sgt_rays &many, const sgt_hits &hits, size_t runs)
+{
+    const size_t count = sizeof TOLERANCES / sizeof TOLERANCES[0];
+    std::mt19937 random(2);
+    for (const Case &one : LOOSE) {
+        const sgt_julia set = julia(one);
+        std::vector<std::vector<double>> ns(count);
+        std::vector<double> evals(count);
+        std::vector<size_t> order;
+        for (size_t k = 0; k < count; k++)
+            order.push_back(k);
+        for (size_t run = 0; run < runs; run++) {
+            std::shuffle(order.begin(), order.end(), random);
+            for (size_t k : order) {
+                sgt_options options = {};
+                options.t_tol = TOLERANCES[k];
+                double start = now(), sum = 0;
+                sgt_intersect_batch({ &sgt_julia_ops, &set }, n, many, hits, &options);
+                ns[k].push_back(1e9 * (now() - start) / static_cast<double>(n));
+                for (size_t i = 0; i < n; i++)
+                    sum += hits.evals[i];
+                evals[k] = sum / static_cast<double>(n);
+            }
+        }
+        for (size_t k = 0; k < count; k++) {
+            char name[32];
+            std::snprintf(name, sizeof name, "batch t_tol=%g", TOLERANCES[k]);
+            print_row(one.name, name, median(ns[k]), median(ns[0]), evals[k],
+                      level_counts_of(&set, n, many.o, many.d, 1024, TOLERANCES[k]), n);
+        }
+    }
+}
 
 } // namespace
 
@@ -73,8 +119,7 @@ int main(int argc, char **argv)
         std::fprintf(stderr, "%zu of %zu rays are not those of the single ray\n", others, n);
         return 1;
     }
-    const double *const o[3] = { in.at(0), in.at(1), in.at(2) }, *const d[3] = { in.at(3), in.at(4), in.at(5) };
-    const level_counts counts = level_counts_of(&set, n, o, d, 1024);
+    const level_counts counts = level_counts_of(&set, n, many.o, many.d, 1024, 0);
 
     Povray povray;
     if (!povray.found)
@@ -119,14 +164,16 @@ int main(int argc, char **argv)
     double batch = median(rows[0].ns);
     for (const Row &row : rows) {
         double ns = median(row.ns) - (row.povray ? 1e9 * median(empty) / static_cast<double>(n) : 0);
+        if (&row == &rows[0]) {
+            print_row(CASES[0].name, row.name, ns, batch, evaluations / static_cast<double>(n), counts, n);
+            continue;
+        }
         std::printf("%s,%s,%.1f,%.4g,%.2f", CASES[0].name, row.name, ns, 1e9 / ns, ns / batch);
         if (row.povray)
             std::printf(",,,,\n");
-        else if (&row == &rows[0])
-            std::printf(",%.2f,%.1f,%.3f,%lld\n", evaluations / static_cast<double>(n), static_cast<double>(counts.levels) / static_cast<double>(n),
-                        static_cast<double>(counts.levels) / static_cast<double>(counts.lanes), counts.hard);
         else
             std::printf(",%.2f,,,\n", evaluations / static_cast<double>(n));
     }
+    with_tolerances(n, many, hits, runs);
     return 0;
 }

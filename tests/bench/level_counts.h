@@ -11,7 +11,8 @@ extern "C" {
 /* Levels of the orbit; the places for them that lanes had; rays left to the single ray. */
 typedef struct level_counts { long long levels, lanes, hard; } level_counts;
 
-level_counts level_counts_of(const sgt_julia *s, size_t n, const double *const o[3], const double *const d[3], size_t tile_size);
+level_counts level_counts_of(const sgt_julia *s, size_t n, const double *const o[3], const double *const d[3],
+                             size_t tile_size, double t_tol);
 
 #ifdef __cplusplus
 }

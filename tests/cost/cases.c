@@ -114,6 +114,8 @@ static const sgt_quadric quadric = {{0.05, 0.04, 0.01}, {0.01, 0.005, -0.005}, {
 static const sgt_torus torus = {2, 1.5};
 static const sgt_ellipsoid ellipsoid = {5, 0.2};
 static const sgt_julia julia = {.c = {-0.083, 0, -0.83, -0.025}, .iterations = 7};
+static const sgt_julia julia_11 = {.c = {-0.083, 0, -0.83, -0.025}, .iterations = 11};
+static const sgt_julia julia_16 = {.c = {0, 1, 0, 0}, .iterations = 16};
 static const sgt_mandelbrot mandelbrot = {.iterations = 6};
 
 /* A user's own: the saddle z = a x^2 - b y^2, with less and with more told of it. */
@@ -357,6 +359,21 @@ int main(int argc, char **argv)
         if (!of->surface.ops->second) continue;
         batch(of, MANY, &first);
         ask_case(name, "derivatives by the ray", differentiate, of, MANY, first);
+    }
+    /* cost.py sees that a tolerance costs nothing: what it ends has to end in the lanes. */
+    const struct { const char *name; subject of; double t_tol[3]; } loose[] = {
+        {"julia of 11 levels", {{&sgt_julia_ops, &julia_11}, NULL}, {1e-1, 1e-2, 1e-6}},
+        {"julia of 16 levels", {{&sgt_julia_ops, &julia_16}, NULL}, {1e-1, 1e-3, 1e-6}},
+    };
+    draw(of_picture);
+    for (size_t i = 0; i < COUNT_OF(loose); i++) {
+        const subject *of = &loose[i].of;
+        ask_case(loose[i].name, "a batch", batch, of, MANY, first);
+        for (size_t k = 0; k < COUNT_OF(loose[i].t_tol); k++) {
+            char how[64];
+            snprintf(how, sizeof how, "a batch with t_tol %g", loose[i].t_tol[k]);
+            ask_case(loose[i].name, how, batch, of, MANY, (sgt_options){.t_tol = loose[i].t_tol[k]});
+        }
     }
     const struct { const char *name; subject of; } lenses[] = {
         {"lens of spheres", {{NULL, NULL}, lens_of_spheres}},

@@ -503,6 +503,117 @@ static void test_start_at_origin(void **state)
     REQUIRE(met > n / 10 && at_start > n / 100, "these rays are no test");
 }
 
+/* -------------------------------------------------------------- t_tol */
+
+enum { RAYS = 48, NUMBERS = 10 };
+
+static void numbers_of(const sgt_hit *h, double to[NUMBERS])
+{
+    const double all[NUMBERS] = {h->t, h->t_err, h->t_lo, h->p_err, h->p.x, h->p.y, h->p.z, h->n.x, h->n.y, h->n.z};
+    memcpy(to, all, sizeof all);
+}
+
+/* A batch of rays, as hits. */
+static void meet_all(sgt_surface s, const sgt_ray ray[RAYS], const sgt_options *opt, sgt_hit hit[RAYS])
+{
+    static double in[8][RAYS], out[NUMBERS][RAYS];
+    static signed char status[RAYS];
+    static int evals[RAYS];
+    for (int i = 0; i < RAYS; i++) {
+        sgt_vec3 o = ray[i].o, d = ray[i].d;
+        const double numbers[8] = {o.x, o.y, o.z, d.x, d.y, d.z, ray[i].tmin, ray[i].tmax};
+        for (int k = 0; k < 8; k++) in[k][i] = numbers[k];
+    }
+    const sgt_rays rays = {{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, in[6], in[7]};
+    const sgt_hits hits = {.status = status, .evals = evals, .t = out[0], .t_err = out[1], .t_lo = out[2],
+                           .p_err = out[3], .p = {out[4], out[5], out[6]}, .n = {out[7], out[8], out[9]}};
+    sgt_intersect_batch(s, RAYS, rays, hits, opt);
+    for (int i = 0; i < RAYS; i++)
+        hit[i] = (sgt_hit){.status = (sgt_status)status[i], .evals = evals[i], .t = out[0][i], .t_err = out[1][i],
+                           .t_lo = out[2][i], .p_err = out[3][i], .p = {out[4][i], out[5][i], out[6][i]},
+                           .n = {out[7][i], out[8][i], out[9][i]}};
+}
+
+/* A looser t_tol: the batch is the single ray to the bit; the same rays are met, where the root is within t_err, and t_err
+ * as wanted; and a first root takes no more evaluations than to rounding, but one where rounding hides a sign.  Of rays that
+ * start on the surface, which go on behind a root that is refused, all together take no more. */
+static void test_tolerances(void **state)
+{
+    (void)state;
+    generator g = seeded("tolerances");
+    long n = scaled(400), fewer = 0, met = 0, missed = 0, hidden = 0, refused = 0, start_exact = 0, start_loose = 0;
+    for (long i = 0; i < n; i++) {
+        sgt_julia s = {.iterations = 1 + below(&g, chance(&g, 0.1) ? 20 : 16), .power = 2};
+        if (chance(&g, 0.4)) s.power = 2 + below(&g, 7);
+        if (chance(&g, 0.3)) s.escape = uniform(&g, 3, 10);
+        for (int k = 0; k < 4; k++)
+            s.c[k] = uniform(&g, -0.7, 0.7), s.at[k] = chance(&g, 0.5) ? 0 : uniform(&g, -0.3, 0.3);
+        if (chance(&g, 0.2)) memcpy(s.c, (double[4]){-0.083, 0, -0.83, -0.025}, sizeof s.c);
+        if (chance(&g, 0.2)) memcpy(s.c, (double[4]){0, 1, 0, 0}, sizeof s.c);
+        sgt_mandelbrot m = sliced_alike(&s);
+        sgt_surface surface = i % 4 == 3 ? mandelbrot_surface(&m) : julia_surface(&s);
+        double unit = chance(&g, 0.5) ? 1 : log_uniform(&g, 1e-3, 1e3), t_tol = unit * log_uniform(&g, 1e-8, 0.3);
+        sgt_ray ray[RAYS];
+        bool on_surface[RAYS] = {false};
+        for (int k = 0; k < RAYS; k++) {
+            sgt_vec3 at = random_point(&g, 0.9), d = random_direction(&g);
+            double away = chance(&g, 0.2) ? 0 : uniform(&g, 1, 5);
+            ray[k] = (sgt_ray){.o = {at.x - away * d.x, at.y - away * d.y, at.z - away * d.z},
+                               .d = {d.x / unit, d.y / unit, d.z / unit}};
+            if (chance(&g, 0.2))
+                ray[k].tmin = unit * uniform(&g, -3, 3), ray[k].tmax = ray[k].tmin + unit * uniform(&g, 0, 5);
+            if (k > 0 && chance(&g, 0.2)) { /* from the surface */
+                sgt_hit before = sgt_intersect(surface, ray[k - 1], NULL);
+                if (before.status == SGT_HIT) ray[k].o = before.p, on_surface[k] = true;
+            }
+        }
+        sgt_options exactly = {.max_evals = chance(&g, 0.1) ? 1 + below(&g, 60) : 0}, loosely = exactly;
+        loosely.t_tol = t_tol;
+        sgt_hit exact[RAYS], loose[RAYS];
+        meet_all(surface, ray, &exactly, exact), meet_all(surface, ray, &loosely, loose);
+        for (int k = 0; k < RAYS; k++) {
+            sgt_hit alone = sgt_intersect(surface, ray[k], &loosely);
+            double a[NUMBERS], b[NUMBERS];
+            numbers_of(&alone, a), numbers_of(&loose[k], b);
+            bool same = alone.status == loose[k].status && alone.evals == loose[k].evals;
+            for (int j = 0; j < NUMBERS; j++) same = same && (same_bits(a[j], b[j]) || (isnan(a[j]) && isnan(b[j])));
+            char which[96];
+            snprintf(which, sizeof which, "case %ld, %s, N = %d, power %d, t_tol %g, ray %d", i, surface.ops->name,
+                s.iterations, s.power, t_tol, k);
+            REQUIRE(same, "%s: %s at %.17g, %d evaluations, alone %s at %.17g, %d", which, sgt_status_text(loose[k].status),
+                loose[k].t, loose[k].evals, sgt_status_text(alone.status), alone.t, alone.evals);
+            const sgt_hit *e = &exact[k], *l = &loose[k];
+            if (e->status < 0 || e->status == SGT_GRAZE) continue;
+            /* a root that is not farther than t_tol from an end of the ray may be refused */
+            double tmin = ray[k].tmin, tmax = ray[k].tmax, near = 2 * t_tol;
+            bool cut = tmin != 0 || tmax != 0, at_end = e->t < tmin + near || (cut && e->t > tmax - near);
+            if (e->status == SGT_MISS ? cut && l->status != SGT_MISS : at_end) {
+                refused++;
+                continue;
+            }
+            REQUIRE(l->status == e->status, "%s: %s, to rounding %s", which, sgt_status_text(l->status),
+                sgt_status_text(e->status));
+            if (on_surface[k]) start_exact += e->evals, start_loose += l->evals;
+            REQUIRE(on_surface[k] || l->evals <= e->evals + 1, "%s: %d evaluations, to rounding %d", which, l->evals, e->evals);
+            fewer += l->evals < e->evals, hidden += l->evals > e->evals && !on_surface[k];
+            if (e->status == SGT_MISS) {
+                missed++;
+                continue;
+            }
+            met++;
+            REQUIRE(fabs(l->t - e->t) <= l->t_err + e->t_err, "%s: t %.17g +- %g, to rounding %.17g +- %g", which, l->t,
+                l->t_err, e->t, e->t_err);
+            REQUIRE(l->t_err <= t_tol + 4 * e->t_err, "%s: t_err %g, to rounding %g", which, l->t_err, e->t_err);
+        }
+    }
+    print_message("%ld met, %ld missed, %ld with fewer evaluations, %ld with one more; %ld met elsewhere\n", met, missed, fewer,
+        hidden, refused);
+    print_message("from the surface %.3f of the evaluations\n", (double)start_loose / (double)start_exact);
+    REQUIRE(met > 10 * n && missed > 10 * n && fewer > 10 * n, "these rays are no test");
+    REQUIRE(start_loose <= start_exact, "from the surface %ld evaluations, to rounding %ld", start_loose, start_exact);
+    REQUIRE(1000 * hidden < met + missed, "rounding hides a sign on %ld of %ld rays", hidden, met + missed);
+}
+
 /* -------------------------------------------------------------- sgt_check */
 
 static void test_sound(void **state)
@@ -543,7 +654,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rows), cmocka_unit_test(test_one_by_one), cmocka_unit_test(test_of_one_mind), cmocka_unit_test(test_defaults),
         cmocka_unit_test(test_spheres), cmocka_unit_test(test_on_the_axis), cmocka_unit_test(test_touching), cmocka_unit_test(test_nearly_tangent), cmocka_unit_test(test_from_afar),
-        cmocka_unit_test(test_all_proven_or_not), cmocka_unit_test(test_start_at_origin), cmocka_unit_test(test_sound),
+        cmocka_unit_test(test_all_proven_or_not), cmocka_unit_test(test_start_at_origin), cmocka_unit_test(test_tolerances), cmocka_unit_test(test_sound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
