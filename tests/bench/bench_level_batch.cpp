@@ -6,9 +6,13 @@
 // anything is timed every number of the batch is compared with the single ray's, bit for bit.  The runs of all are shuffled
 // among each other, on one processor; ns is the median of the runs, `ratio` how many times faster the batch is.
 // Then the batch with a tolerance, on this set and two more; there `ratio` is to the batch of the same set without one.
+// The rival in speed is a distance march in single precision (float_march.c), t alone, its `ratio` to the batch without a
+// tolerance: `wrong` are the hits that it misses and those it shows where there is none, by the hits there are; err_99 is
+// |t - t_ref| that 99 % of its other hits do not exceed.
 // levels is how many levels of the orbit a ray takes in the batch, the gradient's among them; busy the share of the lanes'
 // levels that were spent on cells not decided yet (level_counts.c).
 #include <random>
+#include "float_march.h"
 #include "level_counts.h"
 #include "level_sets.h"
 
@@ -31,8 +35,54 @@ void print_row(const char *set, const char *name, double ns, double batch, doubl
                size_t n)
 {
     double levels = static_cast<double>(counts.levels), lanes = static_cast<double>(counts.lanes);
-    std::printf("%s,%s,%.1f,%.4g,%.2f,%.2f,%.1f,%.3f,%lld\n", set, name, ns, 1e9 / ns, ns / batch, evals,
+    std::printf("%s,%s,%.1f,%.4g,%.2f,%.2f,%.1f,%.3f,%lld,,\n", set, name, ns, 1e9 / ns, ns / batch, evals,
                 levels / static_cast<double>(n), levels / lanes, counts.hard);
+}
+
+// The march in single precision beside the batch, in the same runs.
+void float_rows(const std::vector<sgt_ray> &rays, const sgt_rays &many, const sgt_hits &hits, size_t runs)
+{
+    static const float EPS[] = { 1e-2F, 1e-3F, 1e-4F };
+    const size_t n = rays.size(), count = sizeof EPS / sizeof EPS[0];
+    std::vector<float> in(6 * n), t(n);
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < 3; k++) {
+            in[k * n + i] = static_cast<float>(many.o[k][i]);
+            in[(3 + k) * n + i] = static_cast<float>(many.d[k][i]);
+        }
+    const float *const o[3] = { &in[0], &in[n], &in[2 * n] }, *const d[3] = { &in[3 * n], &in[4 * n], &in[5 * n] };
+    for (const Case &one : LOOSE) {
+        const sgt_julia set = julia(one);
+        std::vector<std::vector<double>> ns(count);
+        std::vector<double> batch;
+        for (size_t run = 0; run < runs; run++)
+            for (size_t k = 0; k <= count; k++) {
+                double start = now();
+                if (k < count)
+                    float_march(&set, n, o, d, EPS[k], t.data());
+                else
+                    sgt_intersect_batch({ &sgt_julia_ops, &set }, n, many, hits, nullptr);
+                (k < count ? ns[k] : batch).push_back(1e9 * (now() - start) / static_cast<double>(n));
+            }
+        for (size_t k = 0; k < count; k++) {
+            float_march(&set, n, o, d, EPS[k], t.data());
+            size_t wrong = 0, met = 0;
+            std::vector<double> error;
+            for (size_t i = 0; i < n; i++) {
+                bool hit = hits.status[i] > 0, shown = !std::isnan(t[i]);
+                double off = std::fabs(static_cast<double>(t[i]) - hits.t[i]);
+                met += hit;
+                if (hit != shown)
+                    wrong++;
+                else if (hit)
+                    error.push_back(off);
+            }
+            std::sort(error.begin(), error.end());
+            double of = median(ns[k]), least = error.empty() ? march::NONE : error[error.size() * 99 / 100];
+            std::printf("%s,float march eps=%g,%.1f,%.4g,%.2f,,,,,%.4f,%.2g\n", one.name, static_cast<double>(EPS[k]), of, 1e9 / of,
+                        of / median(batch), static_cast<double>(wrong) / static_cast<double>(met), least);
+        }
+    }
 }
 
 // The batch with each of the tolerances.
@@ -160,7 +210,7 @@ int main(int argc, char **argv)
             rows[k].ns.push_back(1e9 * seconds / static_cast<double>(n));
         }
     }
-    std::printf("case,variant,ns,per_second,ratio,evals,levels,busy,hard\n");
+    std::printf("case,variant,ns,per_second,ratio,evals,levels,busy,hard,wrong,err_99\n");
     double batch = median(rows[0].ns);
     for (const Row &row : rows) {
         double ns = median(row.ns) - (row.povray ? 1e9 * median(empty) / static_cast<double>(n) : 0);
@@ -170,10 +220,11 @@ int main(int argc, char **argv)
         }
         std::printf("%s,%s,%.1f,%.4g,%.2f", CASES[0].name, row.name, ns, 1e9 / ns, ns / batch);
         if (row.povray)
-            std::printf(",,,,\n");
+            std::printf(",,,,,,\n");
         else
-            std::printf(",%.2f,,,\n", evaluations / static_cast<double>(n));
+            std::printf(",%.2f,,,,,\n", evaluations / static_cast<double>(n));
     }
     with_tolerances(n, many, hits, runs);
+    float_rows(rays, many, hits, runs);
     return 0;
 }
