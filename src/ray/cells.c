@@ -77,8 +77,11 @@ void sgt_walk_cells(walk *w, double lo, double hi)
         } else if (empty) {
             back = tau, tau = end, h *= 1.5;
         } else if (monotone) {
+            double t_tol = w->t_tol;
+            if (!(end < hi)) w->t_tol = 0; /* at the far end a tolerance would hide whether the root counts */
             if (signs < 0) sgt_walk_between(w, &left, &right, &past);
-            else if (signs == 0) sgt_walk_stretch(w, SGT_UNPROVEN, tau, end);
+            w->t_tol = t_tol;
+            if (signs == 0) sgt_walk_stretch(w, SGT_UNPROVEN, tau, end);
             back = signs > 0 ? tau : end;
             if (w->told.stopped || spent(&w->told)) break;
             tau = end, h *= 1.5;

@@ -145,7 +145,7 @@ static bool first_of_several(walk *w)
     const sgt_ray *ray = w->ray;
     sgt_span span = w->s.ops->first(w->s.self, ray);
     if (!span.single) return false;
-    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed, w->s.ops->enclose || w->s.ops->clearance ? 0x1p-50 : 0, true);
+    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed, w->s.ops->enclose || w->s.ops->clearance ? 0x1p-50 : 0, true, false);
     if (a.passes) return true;
     w->q = a.q;
     w->lo = a.lo, w->hi = a.hi;
@@ -168,7 +168,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
     memcpy(w->noise, v.noise, sizeof w->noise);
     if (!v.monotone) return false;
-    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, v.lo, v.hi, span->seed, ops->enclose ? 0x1p-50 : 0, true);
+    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, v.lo, v.hi, span->seed, ops->enclose ? 0x1p-50 : 0, true, true);
     if (a.passes || !a.known || !a.seeded) return false;
     w->q = a.q;
     w->lo = a.lo, w->hi = a.hi, w->least = v.least;
@@ -202,7 +202,7 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
     if (is_catalogue(s.ops) && s.ops->own_->span) span = s.ops->own_->span(s.self, &w.shared, ray, &w.least);
     else if (s.ops->span) span = s.ops->span(s.self, ray);
     if (!all && !span.single && root_nearby(&w, &span, near)) return w.told.evals - w.told.before;
-    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed, s.ops->enclose || s.ops->clearance ? 0x1p-50 : 0, true);
+    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed, s.ops->enclose || s.ops->clearance ? 0x1p-50 : 0, true, span.single && is_catalogue(s.ops) && s.ops->own_->spans);
     if (a.passes) return w.told.evals - w.told.before;
     double lo = a.lo, hi = a.hi;
     w.q = a.q;

@@ -34,13 +34,14 @@ typedef struct approach {
 } approach;
 
 /* from, to and seed are the span's.  back: how far a root at its own end is to be inside, in units of where that is.
- * everywhere: a ray without a guess that does not end at both sides is of use too. */
-SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double from, double to, double seed, double back, bool everywhere)
+ * everywhere: a ray without a guess that does not end at both sides is of use too.  early: all that is promised of the span holds
+ * before tmin as well; so that a root that is the start itself is inside, and can be told to be. */
+SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double from, double to, double seed, double back, bool everywhere, bool early)
 {
     approach a;
     double scale = scale_of(d), inverse = inverse_of_scale(d);
     bool passes = from > to;
-    double to_end = to;
+    double to_end = to, span_from = from;
     from = from >= tmin ? from : tmin, to = to <= tmax ? to : tmax; /* a NaN end is no end */
     double lo = from * inverse, hi = to * inverse;
     a.q.scale = scale, a.q.l = d.x * scale, a.q.m = d.y * scale, a.q.n = d.z * scale;
@@ -68,6 +69,9 @@ SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
     hi += (tmax <= to ? 0x1p-44 : 0x1p-50) * fabs(hi); /* a root at tmax is to be inside, */
     hi = hi > most ? most : hi;                        /* and what is behind the span is not */
     lo -= back * (fabs(reach) + fabs(t0));
+    double begin = lo - 0x1p-40 * (fabs(reach) + fabs(t0) + (a.q.xa + a.q.ya + a.q.za));
+    begin = larger(span_from * inverse, begin);
+    lo = early & (begin < lo) ? begin : lo;
     a.lo = lo - t0, a.hi = hi - t0;
     return a;
 }

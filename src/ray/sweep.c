@@ -293,10 +293,11 @@ SGT_INLINE void make_local(const sweep *w, const sgt_tile *tile, size_t from, si
     const double *ox = tile->rays.o[0] + from, *oy = tile->rays.o[1] + from, *oz = tile->rays.o[2] + from;
     const double *dx = tile->rays.d[0] + from, *dy = tile->rays.d[1] + from, *dz = tile->rays.d[2] + from, *t_tol = tile->t_tol + from;
     double back = w->back;
+    bool slopes = w->slopes;
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
         sgt_vec3 o = {ox[i], oy[i], oz[i]}, d = {dx[i], dy[i], dz[i]};
-        approach at = approach_of(o, d, a->tmin[i], a->tmax[i], a->lo[i], a->hi[i], a->seed[i], back, everywhere);
+        approach at = approach_of(o, d, a->tmin[i], a->tmax[i], a->lo[i], a->hi[i], a->seed[i], back, everywhere, slopes & (a->least[i] > 0));
         a->f[i] = (at.seeded ? 1.0 : 0.0) + (at.middle ? 0.5 : 0.0), a->fx[i] = (at.passes ? 0.0 : 1.0) + (at.known ? 0.0 : 2.0);
         a->x[i] = at.q.x, a->y[i] = at.q.y, a->z[i] = at.q.z;
         a->l[i] = at.q.l, a->m[i] = at.q.m, a->n[i] = at.q.n;

@@ -179,8 +179,15 @@ SGT_INLINE bool single(const shape *s, const local *q)
     return a == 0 ? q->n != 0 : q->n * q->n > single_limit(s) * a; /* along the axis F is linear */
 }
 
-/* true: a hit. */
-SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *seed, tally *w)
+/* The root is the start itself, whatever way it is found (sgt_ray). */
+SGT_INLINE bool is_start(const meeting *h, const sgt_ray *ray, double scale)
+{
+    double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z)), width = START_ULPS * terms * scale / h->slope;
+    return h->t + h->t_err <= ray->tmin + (width < HUGE_VAL ? width : 0) * (1 - 0x1p-20);
+}
+
+/* true: a hit; or, where *miss is made true, a miss: the start is the only root. */
+SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *seed, bool *miss, tally *w)
 {
     const sgt_options *opt = w->opt;
     local q = local_at_vertex_plane(ray);
@@ -206,11 +213,14 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
             if (!sgt_form_certify(s, &q, &at, tau, t_tol, out, &v_err, &steady)) return false;
             if (steady) {
                 if (!(out->v > 16 * v_err)) return false;
+                bool whole = single(s, &q);
+                *miss = whole && is_start(out, ray, q.scale);
+                if (*miss) return false;
                 /* a start too far off for the terms at the root, or for t, or a steep place: once more from there */
                 double fx = fabs(out->n.x), fy = fabs(out->n.y), far = at.ex * fx + at.ey * fy + at.ez;
                 double here = fabs(at.x) * fx + fabs(at.y) * fy + fabs(at.z) + at.first * (at.x * at.x + at.y * at.y);
                 if ((far > 3 * here || fx * fx + fy * fy > STEEP2 || !sharp(out, opt->t_tol)) && !sgt_form_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w)) return false;
-                bool whole = single(s, &q), near = opt->pick == SGT_NEAR_SEED;
+                bool near = opt->pick == SGT_NEAR_SEED;
                 if (opt->proof != SGT_ESTIMATE && (rim_hidden(out, s->rim2) || !sgt_form_alone(s, ray, out, w) || w->stopped)) return false;
                 if (fabs(out->t - ray->tmax) <= END_ERRORS * (out->t_err + SGT_U * fabs(out->t))) return false; /* the march tells whether it counts */
                 return (near || whole) && counts(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL && !place_is_tiny(&q, out->t, out->p);
@@ -265,8 +275,10 @@ static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_opti
         return w.stopped ? hit_without(SGT_STOPPED, ray, w.evals) : hit_of_lane(&e, w.evals, f);
     }
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
-    if (quick(&h, ray, &at, &seed, &w)) return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
+    bool miss = false;
+    if (quick(&h, ray, &at, &seed, &miss, &w)) return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
+    if (miss) return hit_without(SGT_MISS, ray, w.evals);
     return sgt_asphere_march(&h, ray, seed, &w, NULL);
 }
 
