@@ -30,7 +30,7 @@ typedef double row[LANES];
 /* The state of a lane: a status in the end, or SGT_HARD; before that, its phase. */
 enum { MARCH = 10, VALLEY, NEWTON, FAILED, READY, ROOT };
 
-/* The rows up to `state` are moved with a lane.  The rows of a union serve phases that do not meet. */
+/* The rows up to `most2` are moved with a lane.  The rows of a union serve phases that do not meet. */
 typedef struct lanes {
     _Alignas(64) row x;              /* the ray made local; each row begins a line of the cache */
     row y, z, l, m, n, t0, scale;

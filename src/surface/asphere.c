@@ -176,7 +176,7 @@ SWEEP_TERMS(asphere_sweep_first, ALL_TERMS, true, true)
 SGT_INLINE bool single(const shape *s, const local *q)
 {
     double a = q->l * q->l + q->m * q->m;
-    return a == 0 ? q->n != 0 : q->n * q->n > single_limit(s) * a; /* along the axis F is linear */
+    return q->l == 0 && q->m == 0 ? q->n != 0 : q->n * q->n > single_limit(s) * a; /* along the axis F is linear */
 }
 
 /* The root is the start itself, whatever way it is found (sgt_ray). */
@@ -186,7 +186,7 @@ SGT_INLINE bool is_start(const meeting *h, const sgt_ray *ray, double scale)
     return h->t + h->t_err <= ray->tmin + (width < HUGE_VAL ? width : 0) * (1 - 0x1p-20);
 }
 
-/* true: a hit; or, where *miss is made true, a miss: the start is the only root. */
+/* true: a hit; or, where *miss is made true, a miss: the start is the only root within the rim. */
 SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *seed, bool *miss, tally *w)
 {
     const sgt_options *opt = w->opt;
@@ -214,7 +214,7 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
             if (steady) {
                 if (!(out->v > 16 * v_err)) return false;
                 bool whole = single(s, &q);
-                *miss = whole && is_start(out, ray, q.scale);
+                *miss = whole && out->p.x * out->p.x + out->p.y * out->p.y <= s->rim2 && !rim_hidden(out, s->rim2) && is_start(out, ray, q.scale);
                 if (*miss) return false;
                 /* a start too far off for the terms at the root, or for t, or a steep place: once more from there */
                 double fx = fabs(out->n.x), fy = fabs(out->n.y), far = at.ex * fx + at.ey * fy + at.ez;

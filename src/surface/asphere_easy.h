@@ -159,14 +159,14 @@ SGT_INLINE mask wavy_single(const wavy *s, double l, double m, double n) { retur
 /* Of a ray without a beginning, across the axis, nothing more is known than that. */
 SGT_INLINE mask wavy_hopeless(const wavy *s, double tmin, double l, double m, double n)
 {
-    return MASK(tmin == -HUGE_VAL) & MASK(l * l + m * m > 0) & ~wavy_single(s, l, m, n);
+    return MASK(tmin == -HUGE_VAL) & MASK(fabs(l) + fabs(m) > 0) & ~wavy_single(s, l, m, n);
 }
 
-/* The square of the greatest slope within r^2 <= r2, above it by more than rounding; NaN or infinite where the base has none. */
+/* The square of the greatest slope within r^2 <= r2, above it by more than rounding; infinite where the base has none. */
 SGT_INLINE double wavy_slope2(const wavy *s, int terms, double r2)
 {
     double phi2 = fma(-s->ck * s->c, r2, 1), steep = (s->abs_c / sqrt(phi2 - 0x1p-30) + 2 * horner(s->size, terms, r2)) * (1 + 0x1p-20);
-    return steep * steep * r2;
+    return chosen(MASK(phi2 < HUGE_VAL), bounded_limit(steep, r2), HUGE_VAL);
 }
 
 /* Where the ray has come to at t: r^2, made larger by far more than rounding and tau_err can do. */
@@ -201,7 +201,7 @@ enum { HALVES = 10 };
 
 SGT_INLINE mask wavy_first_from(const wavy *s, int terms, int halves, double ox, double oy, double oz, double tmin, double t0, double x0, double y0, double tau, double l, double m, double n)
 {
-    double a = l * l + m * m, side = copysign(1, n), root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau, start = chosen(MASK(a > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
+    double a = l * l + m * m, side = copysign(1, n), root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau, start = chosen(MASK(fabs(l) + fabs(m) > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
     mask known = MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-30 * fabs(t)) & MASK(fabs(start) < HUGE_VAL);
     mask is = MASK(n * n > wavy_slope2(s, terms, larger(start2, root2)) * a);
     mask clear = MASK(-side * fma(start, n, oz) > wavy_ahead(s, terms, start2, side));

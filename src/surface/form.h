@@ -33,14 +33,25 @@ SGT_INLINE double magnitude(int terms, const double *a, double rho, double *seco
 /* A sag as it is solved: its terms counted (none: a conic), (1 + k) c at hand. */
 typedef struct shape { double c, k, ck; int terms; const double *a; double rim2, domain2; } shape;
 
+/* steep^2 r2.  From 2^500 on it is no limit: below, what has underflown in a, where l and m are tiny and n is not, is far below
+ * n^2 even so times.  A slope below LEAST_STEEP is taken for that, so that its square does not underflow. */
+static const double LEAST_STEEP = 0x1p-250;
+
+SGT_INLINE double bounded_limit(double steep, double r2)
+{
+    steep = steep < LEAST_STEEP ? LEAST_STEEP : steep; /* NaN stays */
+    double limit = steep * steep * r2;
+    return limit < 0x1p500 ? limit : HUGE_VAL;
+}
+
 /* F is monotone along the chord within the rim where n^2 is above this times a; infinite without a rim, or with the
  * equator inside. */
 SGT_INLINE double single_limit(const shape *s)
 {
     double r2 = s->domain2, unused, phi2 = 1 - s->ck * s->c * r2;
-    if (!(r2 < HUGE_VAL && phi2 > 0x1p-30)) return HUGE_VAL;
+    if (!(r2 < HUGE_VAL && phi2 > 0x1p-30 && phi2 < HUGE_VAL)) return HUGE_VAL;
     double steep = (fabs(s->c) / sqrt(phi2) + 2 * magnitude(s->terms, s->a, r2, &unused)) * (1 + 0x1p-20);
-    return steep * steep * r2;
+    return bounded_limit(steep, r2);
 }
 
 /* Rays whose chord is so: alone[i] has all bits set, else 0; true: all of them. */

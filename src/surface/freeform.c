@@ -168,7 +168,7 @@ static double conic_slope(double c, double k1, double r)
 static double size_within(const freeform *s, double r, double size)
 {
     double cr2 = s->base ? fabs(s->c) * r * r : 0, phi2 = 1 - (1 + s->k) * fabs(s->c) * cr2;
-    return r < 0x1p400 ? (cr2 / (1 + sqrt(phi2 > 0 ? phi2 : 0)) + size) * (1 + 0x1p-20) + LOST : HUGE_VAL;
+    return r < 0x1p400 && phi2 < HUGE_VAL ? (cr2 / (1 + sqrt(phi2 > 0 ? phi2 : 0)) + size) * (1 + 0x1p-20) + LOST : HUGE_VAL;
 }
 
 void sgt_freeform_noise(const freeform *s, double radius, double e[2])

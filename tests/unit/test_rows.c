@@ -125,9 +125,43 @@ static void test_vertex_from_far_aside(void **state)
             }
 }
 
+/* The start is on the surface as it goes on beyond the rim: that root says nothing of the one within. */
+static void test_start_beyond_the_rim(void **state)
+{
+    (void)state;
+    sgt_asphere s = {0x1.738506c3aa031p-2, 0x1.f535500360efp-1, 1, {-0x1.abd3b97750abfp-3, 0, -0x1.9ad2b6671712ep-2, -0x1.29c29357b8009p-4}};
+    sgt_ray ray = {{0x1.78a4cd2f1cc16p+0, 0x1.412531a2303afp-1, -0x1.38c7598ce6bc1p+3}, {-0x1.ffe42651d2255p-1, 0x1.51bb570f32b0fp-6, 0x1.132edbff8bbffp+2}, 0, 0};
+    for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
+        sgt_hit h = asphere(s, ray, (sgt_options){.proof = (sgt_proof)proof});
+        REQUIRE(h.status == SGT_HIT && fabs(h.t - 2.176658344377588) < 1e-14, "%s, t = %.17g", sgt_status_text(h.status), h.t);
+    }
+}
+
+/* Bounds of the slope and of the height that overflow or underflow are no bounds: the root told as the first was not. */
+static void test_bounds_out_of_range(void **state)
+{
+    (void)state;
+    static const sgt_asphere even[] = {
+        {1e4, -2, 3e150, {1e-300}}, {0x1p50, -0x1p30, 0, {1e-300}}, {0, 0, 0, {1e16}}, {0, 0, 1e145, {1e6}}, {0, 0, 0, {0x1p-541}}, {0, 0, 0x1p446, {0x1p-541}}};
+    static const sgt_ray rays[] = {
+        {{-10, 0, 5.0000001}, {1, 0, -0.5}, 0, 0}, {{0, 0, 0x1p-90}, {1, 0, -0x1p-16}, -0x1p449, INFINITY}, {{0, 0, 1e-9}, {1.4e-162, 0, -1e-11}, -1e297, INFINITY},
+        {{0, 0, 1e-9}, {1.4e-162, 0, -1e-11}, -1e308, INFINITY}, {{0, 0, 0x1p-110}, {1, 0, -0x1p-97}, -0x1p446, INFINITY}, {{0, 0, 0x1p-110}, {1, 0, -0x1p-97}, -0x1p446, INFINITY}};
+    static const double before[] = {10, 5e-23, 100, 100, 1e-4, 1e-4}; /* there is a root well before it */
+    for (size_t i = 0; i < COUNT_OF(even); i++)
+        for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
+            sgt_hit h = asphere(even[i], rays[i], (sgt_options){.proof = (sgt_proof)proof});
+            REQUIRE(h.status < 0 || (h.status == SGT_HIT && h.t < before[i]), "row %zu: %s, t = %.17g", i, sgt_status_text(h.status), h.t);
+        }
+    sgt_odd_asphere odd = {.c = 1, .k = -0x1p230};
+    sgt_ray ray = {{0, 0, 0x1p-280}, {1, 0, -0x1p-116}, -0x1p398, INFINITY};
+    sgt_hit h = sgt_intersect((sgt_surface){&sgt_odd_asphere_ops, &odd}, ray, NULL);
+    REQUIRE(h.status < 0 || (h.status == SGT_HIT && h.t < 0), "%s, t = %.17g", sgt_status_text(h.status), h.t);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_start_beyond_the_rim), cmocka_unit_test(test_bounds_out_of_range),
         cmocka_unit_test(test_vertex_from_far_aside),
         cmocka_unit_test(test_vertex_in_its_plane), cmocka_unit_test(test_two_about_the_start), cmocka_unit_test(test_coarse_tolerance),
         cmocka_unit_test(test_start_within_the_tolerance), cmocka_unit_test(test_far_without_a_rim), cmocka_unit_test(test_rim_from_afar),
