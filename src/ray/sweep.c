@@ -728,7 +728,7 @@ static double take(lanes *a, size_t n, double budget, double rim2, double margin
         local q = {.l = a->l[i], .m = a->m[i], .n = a->n[i], .t0 = a->t0[i], .scale = a->scale[i]};
         sgt_vec3 grad = {a->fx[i], a->fy[i], a->fz[i]}, p = {a->x[i] + tau * q.l, a->y[i] + tau * q.m, a->z[i] + tau * q.n};
         around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
-        double away = (a->single[i] == 0) & (a->least[i] > 0) ? END_ERRORS : margin; /* vicinity.h */
+        double away = ((a->single[i] == 0) & (a->least[i] > 0)) ? END_ERRORS : margin; /* vicinity.h */
         taking h = taking_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i], rim2, away);
         double off = h.off ? (double)SGT_MISS : (double)SGT_HARD, state = a->single[i] != 0 ? off : (double)SGT_HARD;
         state = h.counts ? (double)SGT_HIT : state;

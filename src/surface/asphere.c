@@ -41,8 +41,8 @@ SGT_INLINE bool easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, doubl
     }
     if (w->stopped || !(r.tau == r.tau)) return false;
     bool is_first = !first || wavy_single(s, d.x, d.y, d.z);
-    for (int halves = 0; halves <= HALVES && !is_first; halves += HALVES)
-        is_first = wavy_first_from(s, ALL_TERMS, halves, o.x, o.y, o.z, tmin, r.t0, r.x, r.y, q.tau, d.x, d.y, d.z);
+    for (int halves = 0; halves < 2 && !is_first; halves++)
+        is_first = wavy_first_from(s, ALL_TERMS, halves != 0, o.x, o.y, o.z, tmin, r.t0, r.x, r.y, q.tau, d.x, d.y, d.z);
     if (!is_first) return false;
     near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
     *e = wavy_end(s, ALL_TERMS, &root, q.v, q.near, d.x, d.y, d.z, tmin, tmax, t_tol);
@@ -89,7 +89,7 @@ static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *
 }
 
 /* Is each root the first?  Of each in room->again; with halves, of those that were not without. */
-SGT_INLINE bool all_first(const wavy *s, int terms, int halves, const sgt_tile *tile, wavy_room *room)
+SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile *tile, wavy_room *room)
 {
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
                  *n = tile->rays.d[2], *tmin = tile->rays.tmin;
@@ -141,7 +141,7 @@ SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich
             if (room->again[i]) room->from[i] = room->tau[i];
         }
     }
-    if (first && !all_first(s, terms, 0, tile, room) && !all_first(s, terms, HALVES, tile, room))
+    if (first && !all_first(s, terms, false, tile, room) && !all_first(s, terms, true, tile, room))
         LANES for (size_t i = 0; i < count; i++) room->tau_err[i] = chosen(room->again[i], room->tau_err[i], (double)NAN);
     sweep_to to = sweep_to_of(tile, &room->ends);
     mask all = MASK(true);

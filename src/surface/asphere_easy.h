@@ -196,20 +196,29 @@ SGT_INLINE double wavy_ahead(const wavy *s, int terms, double r2, double side)
  * which is convex along the ray, and z is linear.  Where the ray is farther off at two points, it is so all the way from the
  * one to the other.  Such a second point is looked for between the start and the root, each half as far from the root as the
  * last.
- * halves: how many are tried; none at first, as the start itself is mostly enough. */
-enum { HALVES = 10 };
+ * halves: are these tried?  Not at first, as the start itself is mostly enough. */
+typedef struct wavy_way { double ox, oy, oz, l, m, n, side, t, root2; } wavy_way;
 
-SGT_INLINE mask wavy_first_from(const wavy *s, int terms, int halves, double ox, double oy, double oz, double tmin, double t0, double x0, double y0, double tau, double l, double m, double n)
+/* Such a point is so far before the root.  (Called once for each half: a loop would keep that over the rays from becoming vector
+ * code.) */
+SGT_INLINE mask wavy_second(const wavy *s, int terms, const wavy_way *w, double before)
+{
+    double at = w->t - before, r2 = wavy_r2(w->ox, w->oy, at, w->l, w->m), off = -w->side * fma(at, w->n, w->oz);
+    return MASK(off > wavy_ahead(s, terms, r2, w->side)) & MASK(w->n * w->n > wavy_slope2(s, terms, larger(r2, w->root2)) * (w->l * w->l + w->m * w->m));
+}
+
+SGT_INLINE mask wavy_first_from(const wavy *s, int terms, bool halves, double ox, double oy, double oz, double tmin, double t0, double x0, double y0, double tau, double l, double m, double n)
 {
     double a = l * l + m * m, side = copysign(1, n), root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau, start = chosen(MASK(fabs(l) + fabs(m) > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
     mask known = MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-30 * fabs(t)) & MASK(fabs(start) < HUGE_VAL);
     mask is = MASK(n * n > wavy_slope2(s, terms, larger(start2, root2)) * a);
-    mask clear = MASK(-side * fma(start, n, oz) > wavy_ahead(s, terms, start2, side));
-    double left = t - start;
-    for (int i = 0; i < halves; i++) {
-        left *= 0.5;
-        double at = t - left, r2 = wavy_r2(ox, oy, at, l, m), off = -side * fma(at, n, oz);
-        is |= clear & MASK(off > wavy_ahead(s, terms, r2, side)) & MASK(n * n > wavy_slope2(s, terms, larger(r2, root2)) * a);
+    if (halves) {
+        wavy_way w = {ox, oy, oz, l, m, n, side, t, root2};
+        double left = t - start;
+        mask second = wavy_second(s, terms, &w, 0x1p-1 * left) | wavy_second(s, terms, &w, 0x1p-2 * left) | wavy_second(s, terms, &w, 0x1p-3 * left)
+                    | wavy_second(s, terms, &w, 0x1p-4 * left) | wavy_second(s, terms, &w, 0x1p-5 * left) | wavy_second(s, terms, &w, 0x1p-6 * left)
+                    | wavy_second(s, terms, &w, 0x1p-7 * left) | wavy_second(s, terms, &w, 0x1p-8 * left) | wavy_second(s, terms, &w, 0x1p-10 * left);
+        is |= second & MASK(-side * fma(start, n, oz) > wavy_ahead(s, terms, start2, side));
     }
     return known & is;
 }

@@ -464,7 +464,7 @@ static void test_all_proven_or_not(void **state)
         }
     }
     print_message("%ld proven roots behind what is not\n", behind);
-    REQUIRE(behind > n / 20, "%ld of %ld: these rays are no test", behind, n);
+    REQUIRE(n < 400 || behind > n / 20, "%ld of %ld: these rays are no test", behind, n);
 }
 
 /* A start on the set, at the origin of its frame: there the rule of the start is t_err and little else, which is wide for t.  What
