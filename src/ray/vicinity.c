@@ -42,17 +42,20 @@ static void noise_near(sgt_surface s, rung r, vicinities *kept, double noise[3])
     noise[0] = e[0], noise[1] = e[1], noise[2] = r.radius * r.radius;
 }
 
+/* Not below it: of a ray from afar x and y are known to an ulp of what they are made of. */
 static double radius_at(const sgt_ray *ray, double t)
 {
-    double x = ray->o.x + t * ray->d.x, y = ray->o.y + t * ray->d.y;
-    return sqrt(x * x + y * y);
+    double tl = t * ray->d.x, tm = t * ray->d.y, x = ray->o.x + tl, y = ray->o.y + tm;
+    return sqrt(x * x + y * y) + 0x1p-51 * ((fabs(ray->o.x) + fabs(tl)) + (fabs(ray->o.y) + fabs(tm)));
 }
 
-/* Where the ray, from t on, enters |z| <= size, made larger by far more than rounding; t itself where it is inside, or leaves. */
+/* Where the ray, from t on, enters |z| <= size, made larger by far more than rounding; t itself where it is inside, or leaves,
+ * or is from so far that an ulp of t is too long for that. */
 static double entry_of(const sgt_ray *ray, double t, double size)
 {
     double thick = size * (1 + 0x1p-10), z = ray->o.z + t * ray->d.z, from = z < 0 ? -thick : thick, to = (from - ray->o.z) / ray->d.z;
-    return fabs(z) > thick && z * ray->d.z < 0 && to > t ? to : t;
+    bool sharp = fabs(ray->o.z) + fabs(t * ray->d.z) + fabs(to * ray->d.z) < 0x1p36 * size;
+    return sharp && fabs(z) > thick && z * ray->d.z < 0 && to > t ? to : t;
 }
 
 /* Is F monotone on the chord within that radius, is some of the ray there, and does it begin before `from`? */

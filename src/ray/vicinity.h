@@ -7,9 +7,9 @@
  * begins before the search does, is then the first.  Nothing is said of a ray that has no root there: it may have one farther
  * out.  Near the seed there is no second point, and a root within the chord is the one.
  *
- * WHERE THE SEARCH BEGINS.  Within R the sag is at most S, so no root is where |z| > S: the ray may as well begin where it
- * enters |z| <= S, which is nearer to the axis than its start, or R is no smaller.  And so on: of a ray from afar at a lens
- * R is soon that of the lens.
+ * WHERE THE SEARCH BEGINS.  Within R the sag is at most S, so no root is where |z| > S, and the ray may as well begin where it
+ * enters |z| <= S.  Where that is nearer to the axis R is smaller, and S with it: the same again.  Of a ray from afar at a lens R
+ * is soon that of the lens.
  *
  * RUNGS.  What is known of the surface within R costs more than a root.  So R is rounded up, to a power of two or, where that
  * says too little, to an eighth of one, and many rays share it.  It depends on nothing but the ray and the surface: a ray in a
@@ -22,8 +22,8 @@
 
 #include "../surface/sag.h"
 
-/* What is known of a surface within some radii, each at a place of its own; radius 0: nothing is there.  share: of sgt_shared
- * what depends on the radius (the chord, the slope, the size), where the rest is the surface's. */
+/* What is known of a surface within some radii, each at a place of its own; radius 0: nothing is there.  radius2, steep and size
+ * are those of sgt_shared, of which the rest does not depend on the radius. */
 enum { VICINITIES = 16 };
 typedef struct vicinities { double radius[VICINITIES], noise_radius[VICINITIES], noise[VICINITIES][2], radius2[VICINITIES], steep[VICINITIES], size[VICINITIES]; } vicinities;
 

@@ -3,11 +3,11 @@
  * F = z - s(r^2) - P(r^2) is solved in the polynomial form G of form.c, which has its roots, and by
  * the certificate there.
  *
- * EASY.  Four evaluations on lens surfaces, by the single ray and by lanes: asphere_easy.h.
+ * EASY.  Four evaluations on lens surfaces, by the single ray and by lanes, the first root without a rim too: asphere_easy.h.
  * QUICK.  What is not easy: Newton from the conic's root near the vertex, each step at most half the last, and where t
  * is not sharp settled from there.  That the root is the only one within the rim is certain where
  *     |n| > L sqrt(a),  L = max |grad s| over the rim,  a = l^2 + m^2:
- * then F is monotone along the chord.
+ * then F is monotone along the chord.  Where that root is the start itself the ray misses.
  * CAREFUL.  All else: the march in asphere_march.c, which is certain too, only slower.
  * THE ONLY ROOT near the seed, under proof: the same test, and where it does not decide asphere_alone.c.
  *

@@ -194,9 +194,10 @@ SGT_INLINE double wavy_ahead(const wavy *s, int terms, double r2, double side)
  * at most R^2, the larger of that at the two, and F is monotone if the slope within R allows it: no root is between.  The start
  * is such a point, or one behind it: the surface is ahead of the ray by no more than a polynomial in r^2 with terms of one sign,
  * which is convex along the ray, and z is linear.  Where the ray is farther off at two points, it is so all the way from the
- * one to the other.  Such a second point is looked for between the start and the root, each half as far from the root as the
- * last.
- * halves: are these tried?  Not at first, as the start itself is mostly enough. */
+ * one to the other.  Such a second point is looked for between the start and the root, at 1/2 ... 1/1024 of the way from the root.
+ * A start nearer to the root than 2^-20 |t| is left to others: so tau_err, at most 40 u |t|, moves r^2 by less than 2^-14 of
+ * itself even from the last of these points.
+ * halves: are they tried?  Not at first, as the start itself is mostly enough. */
 typedef struct wavy_way { double ox, oy, oz, l, m, n, side, t, root2; } wavy_way;
 
 /* Such a point is so far before the root.  (Called once for each half: a loop would keep that over the rays from becoming vector
@@ -210,7 +211,7 @@ SGT_INLINE mask wavy_second(const wavy *s, int terms, const wavy_way *w, double 
 SGT_INLINE mask wavy_first_from(const wavy *s, int terms, bool halves, double ox, double oy, double oz, double tmin, double t0, double x0, double y0, double tau, double l, double m, double n)
 {
     double a = l * l + m * m, side = copysign(1, n), root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau, start = chosen(MASK(fabs(l) + fabs(m) > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
-    mask known = MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-30 * fabs(t)) & MASK(fabs(start) < HUGE_VAL);
+    mask known = MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-20 * fabs(t)) & MASK(fabs(start) < HUGE_VAL);
     mask is = MASK(n * n > wavy_slope2(s, terms, larger(start2, root2)) * a);
     if (halves) {
         wavy_way w = {ox, oy, oz, l, m, n, side, t, root2};
