@@ -5,7 +5,7 @@
  * Upon (T, sqrt(w) U) that is a turn by u, so what a step leaves out stays as it is, where the recurrence of three terms makes n
  * times as much of it near |x| = 1 (Clenshaw's sum, too); beyond |x| = 1 all the terms of a step have one sign.
  *
- * For a block of points the T_j and T_j' of y are tabled, 32 columns at a time; then each coefficient costs two fma, one for
+ * For a block of points the T_j and T_j' of y are tabled, 24 columns at a time; then each coefficient costs two fma, one for
  * B_i = sum over j of a_ij T_j and one for B_i', and P = sum of T_i B_i, P_x = sum of T_i' B_i, P_y = sum of T_i B_i'.  Two rows and four
  * columns at once, so that it is arithmetic and not loads and stores that take the time.
  *
@@ -13,14 +13,14 @@
  * and |U_n| of U_n, upon (T, sigma U) k = sqrt 2 + 4 sigma at most; after n steps T_n is off by n k at most, U_n-1 by n k / sigma.
  * By the second line of the step U_n is off by what U_n-1 is, T_n is, and n + 1: so U_n-1 by (k + 1) n^2 / 2 + n, too.  Beyond
  * |x| = 1 a step adds 5 at most to the relative error of both.  x / norm is off by 1 of itself: T_n by |x T_n'|, T_n' by |x T_n''|.  A
- * term goes through at most 32 sums of its row's panel, and one for each row and panel.
+ * term goes through at most 24 sums of its row's panel, and one for each row and panel.
  *
  * BOUNDS.  Within |x| <= 1: |T_n| <= 1, |T_n'| <= min(n^2, n / sigma), |T_n''| = |x T_n' - n^2 T_n| / w <= (n / sigma + n^2) / w, and
  * <= n^2 (n^2 - 1) / 3 (V. A. Markov; Mason and Handscomb 2002, section 2.4.5).  Beyond, all derivatives increase: their values at the far end. */
 #include "bend.h"
 #include "freeform.h"
 
-enum { MOST = 64, PANEL = 32, STRIP = 32, NONE = MOST * MOST };
+enum { MOST = 64, PANEL = 24, STRIP = 32, NONE = MOST * MOST };
 
 /* Of all points: the argument, 1 - x^2, T_n and U_n-1. */
 typedef struct turning { double x[STRIP], w[STRIP], t[STRIP], u[STRIP]; } turning;
