@@ -27,8 +27,6 @@
 #include "vicinity.h"
 #include "walk.h"
 
-#include <string.h>
-
 enum { FAR_STEPS = 128 };
 
 /* |F| falls after a and rises before b: is there a change of sign between?  *m is then its point. */
@@ -161,17 +159,20 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
 {
     const sgt_ray *ray = w->ray;
     const sgt_surface_ops *ops = w->s.ops;
-    if (!is_catalogue(ops) || !ops->own_->share_within || !(fabs(span->seed) < HUGE_VAL)) return false;
+    if (!is_catalogue(ops) || !ops->own_->extent_within || !(fabs(span->seed) < HUGE_VAL)) return false;
     vicinities kept;
     vicinities_begin(&kept);
-    vicinity v = sgt_vicinity_of(w->s, &w->shared, ray, span->seed, near, &kept);
+    double asked = 1, lo = 0, hi = 0, least = 0, work[VICINITY_ROWS];
+    vicinity v = {&ray->tmin, &ray->tmax, &span->seed, &asked, &lo, &hi, &least, {&w->noise[0], &w->noise[1], &w->noise[2]}, {NULL}};
+    for (int i = 0; i < VICINITY_ROWS; i++) v.work[i] = &work[i];
+    sgt_rays one = {.o = {&ray->o.x, &ray->o.y, &ray->o.z}, .d = {&ray->d.x, &ray->d.y, &ray->d.z}};
+    sgt_vicinity_of(w->s, 1, one, near, &kept, &v);
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
-    memcpy(w->noise, v.noise, sizeof w->noise);
-    if (!v.monotone) return false;
-    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, v.lo, v.hi, span->seed, ops->enclose ? 0x1p-50 : 0, true, true);
+    if (asked != 0) return false;
+    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, lo, hi, span->seed, ops->enclose ? 0x1p-50 : 0, true, true);
     if (a.passes || !a.known || !a.seeded) return false;
     w->q = a.q;
-    w->lo = a.lo, w->hi = a.hi, w->least = v.least;
+    w->lo = a.lo, w->hi = a.hi, w->least = least;
     w->t_tol = w->told.opt->t_tol / a.q.scale;
     w->margin = END_ERRORS;
     bool told = quickly(w, &a, false);

@@ -220,28 +220,29 @@ static void single_all(lanes *a, size_t n)
     for (size_t i = 0; i < n; i++) a->single[i] = a->least[i] > 0 ? 1.0 : 0.0;
 }
 
-/* Of sags, where several roots may be along the whole of a ray: the stretch on which F is monotone.  No root there is no
- * miss: such a lane is not single. */
-static void nearby(sweep *w, const sgt_tile *tile, size_t from, size_t n)
+/* Who is to be asked; the rows of the others are those of nobody. */
+SGT_CLONES_WIDE
+static double nearby_asked(const lanes *a, size_t n, double *asked)
 {
-    const sgt_rays *r = &tile->rays;
-    lanes *a = w->a;
-    size_t single = 0;
-    while (single < n && a->least[single] > 0) single++;
-    w->rows = false;
-    if (!w->s.ops->own_->share_within || single == n) return;
-    w->rows = !(w->shared.noise[0] < HUGE_VAL);
+    double some = 0;
+#pragma omp simd reduction(+ : some)
     for (size_t i = 0; i < n; i++) {
-        size_t k = from + i;
-        sgt_ray ray = {{r->o[0][k], r->o[1][k], r->o[2][k]}, {r->d[0][k], r->d[1][k], r->d[2][k]}, a->tmin[i], a->tmax[i]};
-        if (a->single[i] != 0 || !(fabs(a->seed[i]) < HUGE_VAL)) {
-            a->noise0[i] = (double)NAN;
-            continue;
-        }
-        vicinity v = sgt_vicinity_of(w->s, &w->shared, &ray, a->seed[i], w->near != 0, &w->kept);
-        a->noise0[i] = v.noise[0], a->noise1[i] = v.noise[1], a->most2[i] = v.noise[2];
-        if (v.monotone) a->lo[i] = v.lo, a->hi[i] = v.hi, a->least[i] = v.least;
+        double is = (a->single[i] == 0) & (fabs(a->seed[i]) < HUGE_VAL) ? 1.0 : 0.0;
+        asked[i] = is, some += is;
     }
+    return some;
+}
+
+/* Of sags, where several roots may be along the whole of a ray: the stretch on which F is monotone.  No root there is no
+ * miss: such a lane is not single.  The rows of the rays made local are not yet needed. */
+static void nearby(sweep *w, sgt_rays rays, size_t n)
+{
+    lanes *a = w->a;
+    w->rows = false;
+    if (!w->s.ops->own_->extent_within || nearby_asked(a, n, a->x) == 0) return;
+    w->rows = !(w->shared.noise[0] < HUGE_VAL);
+    vicinity v = {a->tmin, a->tmax, a->seed, a->x, a->lo, a->hi, a->least, {a->noise0, a->noise1, a->most2}, {a->y, a->z, a->l, a->m, a->n, a->t0, a->scale, a->tau}};
+    sgt_vicinity_of(w->s, n, rays, w->near != 0, &w->kept, &v);
 }
 
 static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
@@ -266,10 +267,10 @@ static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
         return;
     }
     if (w->slopes) {
-        ops->own_->spans(w->s.self, &w->shared, n, (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
-                         (sgt_spans){a->lo, a->hi, a->seed, NULL}, a->least);
+        sgt_rays rays = {.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}};
+        ops->own_->spans(w->s.self, &w->shared, n, rays, (sgt_spans){a->lo, a->hi, a->seed, NULL}, a->least);
         single_all(a, n);
-        nearby(w, tile, from, n);
+        nearby(w, rays, n);
         return;
     }
     if (ops->spans && ops->span) { /* alone they are not read, as sgt_intersect would not */

@@ -1,5 +1,7 @@
-/* vicinity.c - see vicinity.h. */
+/* vicinity.c - see vicinity.h.  A ray by itself is a row of one. */
 #include "vicinity.h"
+
+#include "../num/lanes.h"
 
 #include <string.h>
 
@@ -8,90 +10,145 @@ enum { SHRINKS = 12 };
 /* In place of a bound of the slope by which a root would be known less well than by a look on either side. */
 static const double NO_BOUND = 0x1p-1000;
 
-typedef struct rung { double radius; int place; } rung;
+/* ------------------------------------------------------------------------------- rungs */
+
+enum { FINE = 49, COARSE = 52 };
 
 /* A power of two above r, or an eighth of one; infinite beyond 2^400, and never below 2^-400. */
-static rung rung_of(double r, bool fine)
+SGT_INLINE double rung_above(double r, int digits)
 {
-    if (!(r < 0x1p400)) return (rung){HUGE_VAL, 0};
-    r = larger(r, 0x1p-401);
-    double below = inverse_of_scale((sgt_vec3){r, 0, 0});
-    int eighths = fine ? (int)(8 * (r / below)) + 1 : 16; /* 9 ... 16 */
+    unsigned long long bits, unit = 1ULL << digits;
+    double above = larger(r, 0x1p-401);
+    memcpy(&bits, &above, sizeof bits);
+    bits = (bits & ~(unit - 1)) + unit;
+    memcpy(&above, &bits, sizeof above);
+    return chosen(MASK(r < 0x1p400), above, HUGE_VAL);
+}
+
+static int place_of(double rung, int digits, int places)
+{
     unsigned long long bits;
-    memcpy(&bits, &below, sizeof bits);
-    int power = (int)(bits >> 52);
-    return (rung){below * (0.125 * eighths), (fine ? 8 * power + eighths : power) % VICINITIES};
+    memcpy(&bits, &rung, sizeof bits);
+    return (int)(bits >> digits) & (places - 1);
 }
 
-/* Made that of the surface within the radius. */
-static void within(sgt_surface s, rung r, vicinities *kept, sgt_shared *shared)
+/* Of the surface within the radius. */
+static const sgt_extent *within(sgt_surface s, double rung, int digits, vicinities *kept)
 {
-    int i = r.place;
-    if (kept->radius[i] != r.radius) {
-        sgt_shared own;
-        s.ops->own_->share_within(s.self, r.radius, &own);
-        kept->radius[i] = r.radius, kept->radius2[i] = own.radius2, kept->steep[i] = own.steep, kept->size[i] = own.size;
+    int i = place_of(rung, digits, VICINITIES);
+    if (kept->radius[i] != rung) kept->radius[i] = rung, s.ops->own_->extent_within(s.self, rung, &kept->extent[i]);
+    return &kept->extent[i];
+}
+
+/* Where the rung is infinite nothing is known; nor of those who are not asked. */
+static void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked, vicinities *kept, double *radius2, double *steep, double *size)
+{
+    const sgt_extent none = {0, HUGE_VAL, HUGE_VAL};
+    for (size_t i = 0; i < n; i++) {
+        const sgt_extent *e = asked[i] != 0 && rung[i] < HUGE_VAL ? within(s, rung[i], digits, kept) : &none;
+        radius2[i] = e->radius2, steep[i] = e->steep, size[i] = e->size;
     }
-    shared->radius2 = kept->radius2[i], shared->steep = kept->steep[i], shared->size = kept->size[i];
 }
 
-static void noise_near(sgt_surface s, rung r, vicinities *kept, double noise[3])
+static void noises(sgt_surface s, size_t n, const double *rung, vicinities *kept, const vicinity *v)
 {
-    double *e = kept->noise[r.place], radius = r.radius * (1 + 0x1p-20);
-    if (kept->noise_radius[r.place] != r.radius) kept->noise_radius[r.place] = r.radius, s.ops->own_->noise_within(s.self, radius, e);
-    noise[0] = e[0], noise[1] = e[1], noise[2] = r.radius * r.radius;
+    for (size_t i = 0; i < n; i++) {
+        v->noise[0][i] = v->noise[1][i] = v->noise[2][i] = (double)NAN;
+        if (v->asked[i] == 0 || !(rung[i] < HUGE_VAL)) continue;
+        int k = place_of(rung[i], FINE, NOISES);
+        double *e = kept->noise[k];
+        if (kept->noise_radius[k] != rung[i]) kept->noise_radius[k] = rung[i], s.ops->own_->noise_within(s.self, rung[i] * (1 + 0x1p-20), e);
+        v->noise[0][i] = e[0], v->noise[1][i] = e[1], v->noise[2][i] = rung[i] * rung[i];
+    }
 }
+
+/* -------------------------------------------------------------------------- the radius */
 
 /* Not below it: of a ray from afar x and y are known to an ulp of what they are made of. */
-static double radius_at(const sgt_ray *ray, double t)
+SGT_INLINE double radius_at(double ox, double oy, double dx, double dy, double t)
 {
-    double tl = t * ray->d.x, tm = t * ray->d.y, x = ray->o.x + tl, y = ray->o.y + tm;
-    return sqrt(x * x + y * y) + 0x1p-51 * ((fabs(ray->o.x) + fabs(tl)) + (fabs(ray->o.y) + fabs(tm)));
+    double tl = t * dx, tm = t * dy, x = ox + tl, y = oy + tm;
+    return sqrt(x * x + y * y) + 0x1p-51 * ((fabs(ox) + fabs(tl)) + (fabs(oy) + fabs(tm)));
 }
 
-/* Where the ray, from t on, enters |z| <= size, made larger by far more than rounding; t itself where it is inside, or leaves,
- * or is from so far that an ulp of t is too long for that. */
-static double entry_of(const sgt_ray *ray, double t, double size)
+/* What is needed at the seed, and from where the search begins on: the least radius, and the rung about the root. */
+SGT_CLONES_WIDE
+static void begin(size_t n, bool near, const double *restrict ox, const double *restrict oy, const double *restrict dx, const double *restrict dy,
+                  const double *restrict dz, const double *restrict tmin, const double *restrict t, double *restrict at_seed, double *restrict from,
+                  double *restrict radius, double *restrict wide, double *restrict about)
 {
-    double thick = size * (1 + 0x1p-10), z = ray->o.z + t * ray->d.z, from = z < 0 ? -thick : thick, to = (from - ray->o.z) / ray->d.z;
-    bool sharp = fabs(ray->o.z) + fabs(t * ray->d.z) + fabs(to * ray->d.z) < 0x1p36 * size;
-    return sharp && fabs(z) > thick && z * ray->d.z < 0 && to > t ? to : t;
-}
-
-/* Is F monotone on the chord within that radius, is some of the ray there, and does it begin before `from`? */
-static bool monotone_within(sgt_surface s, const sgt_ray *ray, double from, double seed, const sgt_shared *shared, vicinity *v)
-{
-    sgt_span chord = s.ops->own_->span(s.self, shared, ray, &v->least);
-    bool here = chord.lo <= seed && seed <= chord.hi && chord.lo <= ray->tmax && chord.hi >= ray->tmin;
-    v->lo = chord.lo, v->hi = chord.hi;
-    double scale = scale_of(ray->d);
-    if (v->least > 0 && v->least < 0x1p-4 * fabs(ray->d.z * scale)) v->least = NO_BOUND;
-    return v->monotone = chord.single && v->least > 0 && chord.lo <= from && here;
-}
-
-vicinity sgt_vicinity_of(sgt_surface s, const sgt_shared *whole, const sgt_ray *ray, double seed, bool near, vicinities *kept)
-{
-    vicinity v = {.monotone = false, .noise = {(double)NAN, (double)NAN, (double)NAN}};
-    bool along = ray->d.x == 0 && ray->d.y == 0;
-    double from = near ? seed : ray->tmin, far = fabs(seed) * (fabs(ray->d.x) + fabs(ray->d.y) + fabs(ray->d.z)), axis = radius_at(ray, seed);
-    sgt_shared shared = *whole;
-    rung about = rung_of(1.02 * axis, true);
-    if (!(about.radius < HUGE_VAL)) return v;
-    noise_near(s, about, kept, v.noise);
-    double at_seed = 1.125 * axis + 0x1p-10 * far; /* a departure moves the root from the seed */
-    double radius = near || along ? at_seed : larger(at_seed, radius_at(ray, from));
-    rung wide = rung_of(radius, false);
-    for (int i = 0; i < SHRINKS && !near && !along && wide.radius < HUGE_VAL; i++) {
-        within(s, wide, kept, &shared);
-        double entry = entry_of(ray, from, shared.size), smaller = larger(at_seed, radius_at(ray, entry));
-        rung narrow = rung_of(smaller, false);
-        if (!(entry > from && narrow.radius < wide.radius)) break;
-        from = entry, radius = smaller, wide = narrow;
+    const mask only = MASK(near);
+    LANES for (size_t i = 0; i < n; i++) {
+        double seed = t[i], far = fabs(seed) * (fabs(dx[i]) + fabs(dy[i]) + fabs(dz[i])), axis = radius_at(ox[i], oy[i], dx[i], dy[i], seed);
+        double most = 1.125 * axis + 0x1p-10 * far; /* a departure moves the root from the seed */
+        double first = chosen(only, seed, tmin[i]), there = radius_at(ox[i], oy[i], dx[i], dy[i], first);
+        mask along = MASK(fabs(dx[i]) + fabs(dy[i]) == 0);
+        double r = chosen(only | along, most, larger(most, there)), fine = rung_above(1.02 * axis, FINE);
+        at_seed[i] = most, from[i] = first, radius[i] = r, about[i] = fine;
+        wide[i] = chosen(MASK(fine < HUGE_VAL), rung_above(r, COARSE), HUGE_VAL);
     }
-    if (!(wide.radius < HUGE_VAL)) return v;
-    within(s, wide, kept, &shared);
-    if (monotone_within(s, ray, from, seed, &shared, &v)) return v;
-    within(s, rung_of(radius, true), kept, &shared);
-    monotone_within(s, ray, from, seed, &shared, &v);
-    return v;
+}
+
+/* Begins where the ray enters |z| <= size, made larger by far more than rounding, where a smaller radius is enough from there on:
+ * unless it is from so far that an ulp of t is too long for that.  How many did. */
+SGT_CLONES_WIDE
+static double shrink(size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz, const double *restrict dx,
+                     const double *restrict dy, const double *restrict dz, const double *restrict size, const double *restrict at_seed,
+                     double *restrict from, double *restrict radius, double *restrict wide)
+{
+    double more = 0;
+#pragma omp simd reduction(+ : more)
+    for (size_t i = 0; i < n; i++) {
+        double t = from[i], s = size[i], r = radius[i], rung = wide[i], thick = s * (1 + 0x1p-10), z = oz[i] + t * dz[i];
+        double to = (copysign(thick, z) - oz[i]) / dz[i], smaller = larger(at_seed[i], radius_at(ox[i], oy[i], dx[i], dy[i], to)), narrow = rung_above(smaller, COARSE);
+        mask sharp = MASK(fabs(oz[i]) + fabs(t * dz[i]) + fabs(to * dz[i]) < 0x1p36 * s), inward = MASK(fabs(z) > thick) & MASK(z * dz[i] < 0);
+        mask goes = sharp & inward & MASK(to > t) & MASK(narrow < rung) & MASK(fabs(dx[i]) + fabs(dy[i]) > 0);
+        from[i] = chosen(goes, to, t), radius[i] = chosen(goes, smaller, r), wide[i] = chosen(goes, narrow, rung);
+        more += chosen(goes, 1, 0);
+    }
+    return more;
+}
+
+/* ------------------------------------------------------------------------- the stretch */
+
+/* Where F is monotone on the chord within the radius, some of the ray is there, and it begins before the search does.  How many are
+ * left. */
+SGT_CLONES_WIDE
+static double judge(size_t n, const double *restrict dx, const double *restrict dy, const double *restrict dz, const double *restrict tmin,
+                    const double *restrict tmax, const double *restrict seed, const double *restrict from, const double *restrict lo,
+                    const double *restrict hi, const double *restrict slope, double *restrict asked, double *restrict out_lo,
+                    double *restrict out_hi, double *restrict least)
+{
+    double left = 0;
+#pragma omp simd reduction(+ : left)
+    for (size_t i = 0; i < n; i++) {
+        double scale = scale_of((sgt_vec3){dx[i], dy[i], dz[i]}), steep = slope[i];
+        mask here = MASK(lo[i] <= seed[i]) & MASK(seed[i] <= hi[i]) & MASK(lo[i] <= tmax[i]) & MASK(hi[i] >= tmin[i]);
+        mask monotone = here & MASK(steep > 0) & MASK(lo[i] <= from[i]) & MASK(asked[i] != 0);
+        steep = chosen(MASK(steep < 0x1p-4 * fabs(dz[i] * scale)), NO_BOUND, steep);
+        out_lo[i] = chosen(monotone, lo[i], out_lo[i]), out_hi[i] = chosen(monotone, hi[i], out_hi[i]);
+        least[i] = chosen(monotone, steep, least[i]);
+        double rest = chosen(monotone, 0, asked[i]);
+        asked[i] = rest, left += rest;
+    }
+    return left;
+}
+
+void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, vicinities *kept, const vicinity *v)
+{
+    const struct sgt_own *own = s.ops->own_;
+    double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3], *size = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7];
+    begin(n, near, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius, wide, about);
+    noises(s, n, about, kept, v);
+    for (int k = 0;; k++) {
+        extents(s, n, wide, COARSE, v->asked, kept, radius2, steep, size);
+        if (near || k == SHRINKS || shrink(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], size, at_seed, from, radius, wide) == 0) break;
+    }
+    double *lo = at_seed, *hi = size, *least = about;
+    for (int k = 0; k < 2; k++) {
+        own->chords(n, r, radius2, steep, lo, hi, least);
+        if (judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least, v->asked, v->lo, v->hi, v->least) == 0 || k == 1) break;
+        for (size_t i = 0; i < n; i++) wide[i] = rung_above(radius[i], FINE);
+        extents(s, n, wide, FINE, v->asked, kept, radius2, steep, size);
+    }
 }

@@ -22,19 +22,20 @@
 
 #include "../surface/sag.h"
 
-/* What is known of a surface within some radii, each at a place of its own; radius 0: nothing is there.  radius2, steep and size
- * are those of sgt_shared, of which the rest does not depend on the radius. */
-enum { VICINITIES = 16 };
-typedef struct vicinities { double radius[VICINITIES], noise_radius[VICINITIES], noise[VICINITIES][2], radius2[VICINITIES], steep[VICINITIES], size[VICINITIES]; } vicinities;
+/* What is known of a surface within some radii, each at a place of its own; radius 0: nothing is there. */
+enum { VICINITIES = 16, NOISES = 32, VICINITY_ROWS = 8 };
+typedef struct vicinities { double radius[VICINITIES], noise_radius[NOISES], noise[NOISES][2]; sgt_extent extent[VICINITIES]; } vicinities;
 
 SGT_INLINE void vicinities_begin(vicinities *v)
 {
-    for (int i = 0; i < VICINITIES; i++) v->radius[i] = v->noise_radius[i] = 0;
+    for (int i = 0; i < VICINITIES; i++) v->radius[i] = 0;
+    for (int i = 0; i < NOISES; i++) v->noise_radius[i] = 0;
 }
 
-/* monotone: the stretch, and `least`, a bound of |dF/dtau| from below all along it (sgt_own, spans); within r^2 <= noise[2] of
- * the axis F is off by noise[0] + noise[1] r^2 (sgt_shared), where that is known. */
-typedef struct vicinity { bool monotone; double lo, hi, least, noise[3]; } vicinity;
+/* Of some rays, a row each.  asked: 1, else 0; of one that is asked the seed is a number.  After the call it is 1 where nothing was
+ * found, else lo, hi and least are those of the stretch: `least` bounds |dF/dtau| from below all along it (sgt_own, spans).  Within
+ * r^2 <= noise[2] of the axis F is off by noise[0] + noise[1] r^2 (sgt_shared), where that is known. */
+typedef struct vicinity { const double *tmin, *tmax, *seed; double *asked, *lo, *hi, *least, *noise[3], *work[VICINITY_ROWS]; } vicinity;
 
 /* What the departure adds to the rounding of F at a point of that r^2, unless that is much nearer to the axis than the radius
  * that it is known for; the base's is `roundings` of bare_of. */
@@ -49,7 +50,7 @@ SGT_INLINE sgt_shared bare_of(sgt_shared s)
     return s;
 }
 
-/* Of a surface that has share_within, `whole` being what it shares without; the ends of the ray are explicit, and the seed is a number. */
-vicinity sgt_vicinity_of(sgt_surface s, const sgt_shared *whole, const sgt_ray *ray, double seed, bool near, vicinities *kept);
+/* Of a surface that has extent_within; the ends of the rays are explicit. */
+void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays rays, bool near, vicinities *kept, const vicinity *v);
 
 #endif

@@ -122,8 +122,10 @@ static const double FAR_OUT = 0x1p1023; /* no point of a ray whose coordinates a
 
 typedef struct spanned { double lo, hi, seed, least; } spanned; /* least: > 0 where there is one root */
 
+typedef struct chord { double lo, hi, least; } chord;
+
 /* radius2: of the domain, 0x1p-40 and more is added here; steep: L, rounded up by a part in 2^20. */
-SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
+SGT_INLINE chord chord_of(double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
 {
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m, inverse = 1 / a;
     /* the chord, from the point nearest the axis, and again from there */
@@ -137,22 +139,29 @@ SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sg
     mask along = MASK(fabs(d.x) + fabs(d.y) == 0), across = MASK(a > TINY);
     mask outside = MASK(o.x * o.x + o.y * o.y > radius2 * (1 + 0x1p-39));
     mask none = (along & outside) | (across & ~along & MASK(half2 < 0));
-    mask chord = across & ~along & MASK((lo - lo) + (hi - hi) == 0);
-    lo = chosen(chord, lo, -HUGE_VAL), hi = chosen(chord, hi, HUGE_VAL);
+    mask finite = across & ~along & MASK((lo - lo) + (hi - hi) == 0);
+    lo = chosen(finite, lo, -HUGE_VAL), hi = chosen(finite, hi, HUGE_VAL);
     lo = chosen(none, 1, lo), hi = chosen(none, -1, hi);
+    /* L holds a part in 2^20 beyond the rim: is what rounding has added to the chord, here and where the ray is made local, within? */
+    double least = fabs(n) * (1 - 0x1p-40) - steep * sqrt(a), added = 0x1p-48 * (fabs(middle) + fabs(t0));
+    least = chosen(along | (across & MASK(added * added * a <= 0x1p-42 * radius2)), least, 0);
+    return (chord){lo, hi, chosen(MASK(least > 0) & ~none, least, 0)};
+}
+
+SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
+{
+    chord at = chord_of(radius2, steep, o, d);
+    double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m;
     /* the conic near the vertex plane */
     double by_n = 1 / n, tz = -o.z * by_n;
     twofold qx = two_product(tz, l), qy = two_product(tz, m), rx = two_sum(o.x, qx.hi), ry = two_sum(o.y, qy.hi);
     double tz_lo = fma(-tz, n, -o.z) * by_n;
-    x = rx.hi + (rx.lo + qx.lo + tz_lo * l), y = ry.hi + (ry.lo + qy.lo + tz_lo * m);
+    double x = rx.hi + (rx.lo + qx.lo + tz_lo * l), y = ry.hi + (ry.lo + qy.lo + tz_lo * m);
     double A = c * (a + k1 * n * n), B = n - c * (x * l + y * m), C = c * (x * x + y * y);
     double root = sqrt(larger(B * B - A * C, 0)), near = C / (B + copysign(root, B));
     double seed = (tz + (tz_lo + near)) * scale;
-    seed = chosen(MASK(seed >= lo) & MASK(seed <= hi), seed, (double)NAN);
-    /* L holds a part in 2^20 beyond the rim: is what rounding has added to the chord, here and where the ray is made local, within? */
-    double least = fabs(n) * (1 - 0x1p-40) - steep * sqrt(a), added = 0x1p-48 * (fabs(middle) + fabs(t0));
-    least = chosen(along | (across & MASK(added * added * a <= 0x1p-42 * radius2)), least, 0);
-    return (spanned){lo, hi, seed, chosen(MASK(least > 0) & ~none, least, 0)};
+    seed = chosen(MASK(seed >= at.lo) & MASK(seed <= at.hi), seed, (double)NAN);
+    return (spanned){at.lo, at.hi, seed, at.least};
 }
 
 /* A bound on the conic's slope within r: w / phi with w = |c| r, which grows with r.  Beyond where its squares are doubles it is
@@ -178,12 +187,20 @@ void sgt_freeform_noise(const freeform *s, double radius, double e[2])
     e[0] += LOST;
 }
 
-void sgt_freeform_share(const freeform *s, sgt_shared *shared)
+void sgt_freeform_noise_about(const freeform *s, double radius, double e[2])
+{
+    if (!s->of->noise_about || !(radius < HUGE_VAL)) {
+        sgt_freeform_noise(s, radius, e);
+        return;
+    }
+    s->of->noise_about(s->self, radius, e);
+    e[0] += LOST;
+}
+
+void sgt_freeform_within(const freeform *s, sgt_extent *extent)
 {
     double rim2 = rim2_of(s->semi_diameter), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
-    sgt_shared e = {.c = s->c, .k1 = 1 + s->k, .radius2 = domain2, .steep = HUGE_VAL, .base_c = s->base ? s->c : 0, .base_k = s->base ? s->k : 0,
-                    .most2 = rim2 * (1 + 0x1p-20), .noise = {(double)NAN, (double)NAN}, .size = HUGE_VAL};
-    sgt_freeform_noise(s, sqrt(e.most2) * (1 + 0x1p-40), e.noise);
+    sgt_extent e = {.radius2 = domain2, .steep = HUGE_VAL, .size = HUGE_VAL};
     bool whole = domain2 == rim2; /* else the equator of the base is inside, where its slope has no bound */
     if (rim2 > 0 && (whole || rim2 < HUGE_VAL)) {
         double r = domain2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT, conic = s->base ? conic_slope(s->c, 1 + s->k, r) : 0;
@@ -196,7 +213,32 @@ void sgt_freeform_share(const freeform *s, sgt_shared *shared)
         if (defined) e.size = size_within(s, r, b.size);
     }
     if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2)) e.radius2 = larger(s->reach * s->reach * (1 + 0x1p-40), TINY);
-    *shared = e;
+    *extent = e;
+}
+
+void sgt_freeform_share(const freeform *s, sgt_shared *shared)
+{
+    sgt_extent e;
+    sgt_freeform_within(s, &e);
+    *shared = (sgt_shared){.c = s->c, .k1 = 1 + s->k, .radius2 = e.radius2, .steep = e.steep, .base_c = s->base ? s->c : 0, .base_k = s->base ? s->k : 0,
+                           .most2 = rim2_of(s->semi_diameter) * (1 + 0x1p-20)};
+    sgt_freeform_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
+}
+
+SGT_CLONES_WIDE
+static void all_chords(size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz, const double *restrict dx,
+                       const double *restrict dy, const double *restrict dz, const double *restrict radius2, const double *restrict steep,
+                       double *restrict lo, double *restrict hi, double *restrict least)
+{
+    LANES for (size_t i = 0; i < n; i++) {
+        chord e = chord_of(radius2[i], steep[i], (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
+        lo[i] = e.lo, hi[i] = e.hi, least[i] = e.least;
+    }
+}
+
+void sgt_freeform_chords(size_t n, sgt_rays r, const double *radius2, const double *steep, double *lo, double *hi, double *least)
+{
+    all_chords(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], radius2, steep, lo, hi, least);
 }
 
 SGT_CLONES_WIDE

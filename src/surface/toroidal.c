@@ -217,21 +217,51 @@ static int toroidal_bounds(const void *self, region *where, bounds *out)
     return sgt_interval_is_empty(where->x) || sgt_interval_is_empty(where->y) ? 0 : -1;
 }
 
-/* The lines of toroidal_off with the worst there is within the radius: each part of the sag is at most a number times x^2 or y^2. */
-static void toroidal_noise(const void *self, double radius, double e[2])
+/* Of the profile within the radius: its conic's phi, the conic's own term over y^2, and the sum of the magnitudes of its powers over y^2. */
+typedef struct profile_size { double bent, phi, conic, first; } profile_size;
+
+static bool profile_within(const sgt_toroidal *a, double radius, profile_size *s)
 {
-    const sgt_toroidal *a = self;
-    const double u = SGT_U, r2 = radius * radius, bent = (1 + a->k) * a->c * a->c * r2, phi2 = 1 - larger(bent, 0), phi = sqrt(phi2), c_x = fabs(a->c_x);
-    region where = {{-radius, radius}, {-radius, radius}, 0, radius};
-    bounds most;
-    sgt_interval range;
-    double q, m, second, first = magnitude(terms_of(a), a->a, r2, &second);
-    if (!(phi2 > 0x1p-20) || toroidal_over(a, &where, &most, &range, &q, &m) != 1 || !(m > 0x1p-10 * q)) return;
-    double conic = fabs(a->c) / (1 + phi), w_err = u * (5 * fabs(bent) + 4 + 4 * fabs(bent)) / (1.99 * phi * (1 + phi)) + 3 * u;
+    double r2 = radius * radius, second;
+    s->bent = (1 + a->k) * a->c * a->c * r2;
+    double phi2 = 1 - larger(s->bent, 0);
+    s->phi = sqrt(phi2), s->conic = fabs(a->c) / (1 + s->phi), s->first = magnitude(terms_of(a), a->a, r2, &second);
+    return phi2 > 0x1p-20;
+}
+
+/* The lines of toroidal_off with the worst there is within the radius, q at most, m at least that: each part of the sag is at most a
+ * number times x^2 or y^2. */
+static void noise_of(const sgt_toroidal *a, double radius, const profile_size *s, double q, double m, double e[2])
+{
+    const double u = SGT_U, r2 = radius * radius, phi = s->phi, conic = s->conic, first = s->first, c_x = fabs(a->c_x);
+    if (!(m > 0x1p-10 * q)) return;
+    double w_err = u * (5 * fabs(s->bent) + 4 + 4 * fabs(s->bent)) / (1.99 * phi * (1 + phi)) + 3 * u;
     double z = conic + first, z_err = conic * (4 * u + w_err) + 4 * u * first + u * z; /* over y^2 */
     double q_err = c_x * z_err * r2 + u * (c_x * z * r2 + q), m_err = (2 * q * (q_err + 2 * u * q) + q * (q_err + 3 * u * q) + 4 * u * q * q) / (1.99 * m) + 2 * u * q;
     double sweep = c_x / (2 * m), sweep_err = sweep * (4 * u + (q_err + m_err) / (1.99 * m) + u); /* over x^2 */
     e[0] = 0x1p-1060, e[1] = larger(z_err + u * z, sweep_err + u * sweep) * (1 + 0x1p-16);
+}
+
+static void toroidal_noise(const void *self, double radius, double e[2])
+{
+    region where = {{-radius, radius}, {-radius, radius}, 0, radius};
+    bounds most;
+    profile_size s;
+    sgt_interval range;
+    double q, m;
+    if (profile_within(self, radius, &s) && toroidal_over(self, &where, &most, &range, &q, &m) == 1) noise_of(self, radius, &s, q, m, e);
+}
+
+/* q and m without intervals.  With |z_p| <= Z y^2, q >= 1 - |c_x| Z y^2, and so
+ *     m^2 >= 1 - 2 |c_x| Z y^2 - c_x^2 x^2 >= 1 - larger(2 |c_x| Z, c_x^2) r^2. */
+static void toroidal_noise_about(const void *self, double radius, double e[2])
+{
+    const sgt_toroidal *a = self;
+    profile_size s;
+    if (!profile_within(a, radius, &s)) return;
+    double c_x = fabs(a->c_x), r2 = radius * radius * (1 + 0x1p-20), z = c_x * (s.conic + s.first), m2 = 1 - larger(2 * z, c_x * c_x) * r2;
+    if (m2 > 0.25) noise_of(a, radius, &s, 1 + z * r2, sqrt(m2), e);
+    else toroidal_noise(a, radius, e);
 }
 
 static sgt_interval toroidal_range(const void *self, const region *where)
@@ -330,7 +360,7 @@ static sgt_objection toroidal_objection(const void *self)
 }
 
 static const departure toroidal_departure = {.at = toroidal_at, .rounding = toroidal_off, .bounds = toroidal_bounds, .range = toroidal_range, .second = toroidal_second,
-                                             .parameters = toroidal_parameter_count, .by_parameter = toroidal_by_parameter_of, .object = toroidal_objection, .noise = toroidal_noise};
+                                             .parameters = toroidal_parameter_count, .by_parameter = toroidal_by_parameter_of, .object = toroidal_objection, .noise = toroidal_noise, .noise_about = toroidal_noise_about};
 
 /* The seed: a conic of the mean curvature. */
 static freeform toroidal_alone(const sgt_toroidal *a)
