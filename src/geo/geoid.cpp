@@ -10,7 +10,8 @@
 // They are kept for each row of cells, per metre on the ground, with what the meridians' closing in adds: `tilt` bounds
 // the slope of N, `twist` its Lipschitz constant.  At a pole the surface has a corner: all that changes from meridian to meridian
 // grows with s, the part of the cell that is between, by 1.8 s at most of what the nodes do (the |weights| of the other
-// rows are below s / 2, 7 s / 6 and s / 8); so `corner` (south, north) over the distance from the pole is to be added to twist there.
+// rows are below s / 2, 7 s / 6 and s / 8; a pole has one height, or the grid is refused); so `corner` (south, north) over the
+// distance from the pole is to be added to twist there.
 #include "earth.hpp"
 
 #include <algorithm>
@@ -190,6 +191,8 @@ std::string read(const char *path, sgt_geoid &g)
             if (!(std::fabs(z) < 1000) || std::fabs(static_cast<double>(z) - HOLE) < 1e-4)
                 return "a hole in the grid: row " + std::to_string(i + 1) + ", column " + std::to_string(j + 1) + " has no height (" + std::to_string(z) + ")";
             g.height.push_back(z);
+            if ((i == 0 || i == rows - 1) && z != g.height[g.height.size() - 1 - j]) // N would jump there
+                return "the heights of a pole differ: row " + std::to_string(i + 1) + " has " + std::to_string(g.height[g.height.size() - 1 - j]) + " in column 1 and " + std::to_string(z) + " in column " + std::to_string(j + 1);
         }
     }
     if (std::fgetc(file.get()) != EOF) return "too long: more than the " + std::to_string(HEADER + 4 * count) + " bytes of " + std::to_string(rows) + " rows of " + std::to_string(columns) + " columns";

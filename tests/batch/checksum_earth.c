@@ -13,8 +13,11 @@ static sgt_geoid *rough_geoid(generator *g)
     const double where[4] = {-90, -180, 10, 10};
     for (int i = 0; i < 4; i++)
         for (int shift = 56; shift >= 0; shift -= 8) *at++ = (unsigned char)(bits_of(where[i]) >> shift);
+    float pole = 0;
     for (int i = 0; i < 2 + ROWS * COLUMNS; i++) {
         float height = (float)uniform(g, -80, 80);
+        if ((i > 2 && i < 2 + COLUMNS) || i > 2 + (ROWS - 1) * COLUMNS) height = pole; /* one at each */
+        pole = height;
         uint32_t word = i == 0 ? ROWS : COLUMNS;
         if (i > 1) memcpy(&word, &height, sizeof word);
         for (int shift = 24; shift >= 0; shift -= 8) *at++ = (unsigned char)(word >> shift);

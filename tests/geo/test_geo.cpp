@@ -320,6 +320,8 @@ void files()
     refused(written(name, -90, -180, 10, 5, 19, 36, all, flat), "not a grid of the globe");
     refused(written(name, -90, -180, 10, 10, 19, 36, all, [](unsigned i, unsigned j) { return i == 3 && j == 5 ? -88.8888f : 1.0f; }), "row 4, column 6 has no height");
     refused(written(name, -90, -180, 10, 10, 19, 36, all, [](unsigned i, unsigned j) { return i == 18 && j == 35 ? NAN : 1.0f; }), "row 19, column 36 has no height");
+    for (unsigned pole : {0u, 18u}) // N would have a step there, which no bound of its slope holds
+        refused(written(name, -90, -180, 10, 10, 19, 36, all, [pole](unsigned i, unsigned j) { return i == pole && j == 7 ? 1.0001f : 1.0f; }), ("the heights of a pole differ: row " + std::to_string(pole + 1) + " has 1.000000 in column 1 and 1.000100 in column 8").c_str());
     refused(".", "cannot be");
 
     // a smooth geoid: the nodes are met, the seam and the poles are crossed without a step

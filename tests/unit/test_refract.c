@@ -61,7 +61,9 @@ static void test_snell(void **state)
         if (chance(&g, 0.2) && n1 > n2) s = fmin(1, n2 / n1 * (1 + either_sign(&g) * log_uniform(&g, 1e-15, 1e-3))); /* about the limit */
         sgt_vec3 d = at_sine(&g, normal, s), out;
         sgt_passage passage;
-        sgt_fate fate = bend((slant){normal, normal}, d, n1, n2, &out, &passage);
+        slant plane = {normal, normal};
+        if (slant_value(&plane, d, NULL) == 0) continue; /* along the plane, as far as F tells: no root is the one */
+        sgt_fate fate = bend(plane, d, n1, n2, &out, &passage);
         REQUIRE(fate == SGT_PASSED || fate == SGT_TIR, "case %ld: %s, %s", i, sgt_fate_text(fate), sgt_status_text(passage.hit.status));
 
         wide N = wide_unit(widen(normal)), d1 = wide_unit(widen(d));
