@@ -26,7 +26,8 @@ typedef struct sgt_element {
 /* What became of a ray at an element.  Negative is undecided, as everywhere. */
 typedef enum sgt_fate {
     SGT_PASSED  =  1,
-    SGT_CLIPPED =  2,    /* met outside the clear aperture */
+    SGT_CLIPPED =  2,    /* met outside the clear aperture, and certainly not inside; without a
+                            proof, of a user's surface without `enclose`: none was found inside */
     SGT_TIR     =  3,    /* total internal reflection */
     SGT_MISSED  =  0,    /* the surface is certainly not on the ray's line */
     SGT_LOST    = -1     /* hit.status says why */

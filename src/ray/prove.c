@@ -22,8 +22,8 @@
  * at its ends, or is zero there, and S' allows no second zero in X'.  X' is small, and about the root; it may reach beyond
  * the piece, so that it makes no difference where pieces end.
  *
- * UNDECIDED pieces with little between them are one stretch.  Where g over all of it is within eight times G, and its ends
- * have not for certain unlike signs, it is a graze.  At tmin it does not count if no root in it could: the slope at
+ * UNDECIDED pieces with little between them are one stretch.  Where g over all of it is within eight times G, its ends
+ * have not for certain unlike signs, and F in the middle of it is 0 to rounding, it is a graze.  At tmin it does not count if no root in it could: the slope at
  * any is below max |S|, and that bounds from below how far from tmin a root that counts has to be.
  *
  * THE START is told from the slope's certain bounds about the root and from the gradient of `value`.  Where rounding makes
@@ -275,6 +275,15 @@ static bool outside(const proof *w, sgt_interval t)
     return sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)).lo > w->rim2;
 }
 
+/* F as computed there is 0 as far as rounding tells.  An enclosure may be wide for reasons of its own: of a sum of large terms far off it
+ * holds 0 at points where `value` is certainly another. */
+static bool touches(const proof *w, const place *at)
+{
+    double own = w->s.ops->rounding ? w->s.ops->rounding(w->s.self, at->p) : 0;
+    double terms = fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z * at->n.z);
+    return !(fabs(at->f) > 8 * (own + 2 * SGT_U * terms)) || !w->s.ops->rounding;
+}
+
 /* Neither the point nor the gradient has overflown. */
 static bool in_range(const place *at)
 {
@@ -313,7 +322,7 @@ static void flush(proof *w)
             if (whole && here.h.t < w->ray->tmin) here.h.t = w->ray->tmin, here.h.t_lo = 0;
             double at_t = here.h.t;
             bool inside = here.r2 <= w->rim2 && at_t >= about.lo && at_t <= about.hi;
-            if (!w->told.stopped && inside && fabs(at_t) < HUGE_VAL && here.h.t_err < HUGE_VAL && in_range(&here)) {
+            if (!w->told.stopped && inside && touches(w, &here) && fabs(at_t) < HUGE_VAL && here.h.t_err < HUGE_VAL && in_range(&here)) {
                 add(w, SGT_GRAZE, &here, at, about);
                 return;
             }

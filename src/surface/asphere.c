@@ -222,7 +222,7 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
                 if ((far > 3 * here || fx * fx + fy * fy > STEEP2 || !sharp(out, opt->t_tol)) && !sgt_form_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w)) return false;
                 bool near = opt->pick == SGT_NEAR_SEED;
                 if (opt->proof != SGT_ESTIMATE && (rim_hidden(out, s->rim2) || !sgt_form_alone(s, ray, out, w) || w->stopped)) return false;
-                if (fabs(out->t - ray->tmax) <= END_ERRORS * (out->t_err + SGT_U * fabs(out->t))) return false; /* the march tells whether it counts */
+                if (fabs(out->t - ray->tmax) <= larger(END_ERRORS * (out->t_err + SGT_U * fabs(out->t)), TINY)) return false; /* the march tells whether it counts */
                 return (near || whole) && counts(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL && !place_is_tiny(&q, out->t, out->p);
             }
         }

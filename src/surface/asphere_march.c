@@ -119,10 +119,18 @@ static bool may_be_before(const walk *w, const meeting *at)
     return at->t > tmax && at->t - at->t_err <= tmax && at->t_err > 64 * SGT_U * fabs(tmax) && counts(&end, w->ray, w->s->rim2, w->q.scale);
 }
 
+/* What is told of is all within the last hit's t_err of it: it may be the same root. */
+static bool within_last(const sgt_list *list, const meeting *at)
+{
+    sgt_interval about = sgt_about(at->t, at->t_err);
+    return list->count > 0 && list->last.status == SGT_HIT && about.lo >= list->last.lo && about.hi <= list->last.hi;
+}
+
 /* Keeps the root if it counts and is the one wanted so far. */
 static void keep(walk *w, meeting *at, double v_err, sgt_status status, double seed, found *best)
 {
     if (at->v < -v_err) return; /* the other sheet */
+    if (at->t - at->t_err > w->ray->tmax) return; /* the march goes a little beyond the end */
     if (!(at->v > v_err)) status = crosses_sheet(w, at) ? SGT_HIT : SGT_UNPROVEN;
     bool proof = w->told->opt->proof != SGT_ESTIMATE;
     bool hidden = proof && rim_hidden(at, w->s->rim2);
@@ -137,6 +145,7 @@ static void keep(walk *w, meeting *at, double v_err, sgt_status status, double s
     if (w->list) {
         /* at the equator both sheets of G have a root, and F one */
         if (status == SGT_HIT && !proof && sgt_list_same(w->list, at->t, at->t_err)) return;
+        if (status == SGT_UNPROVEN && !proof && within_last(w->list, at)) return; /* and what is between them is about that */
         if (status > 0) add_hit(w->list, at, status, asphere_f(w->s, at->p), SGT_NEWTON, w->ray, w->told);
         else add_stretch(w->list, w->told, status, w->ray, at->t - at->t_err, at->t + at->t_err);
         return;

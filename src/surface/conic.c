@@ -100,9 +100,11 @@ SGT_INLINE verdict quick_root(meeting *at, double tau, const quadric *g, const l
     double terms = fabs(cr2) + fabs(w * at->p.z) + 2 * fabs(at->p.z);
     snap(at, g->c, g->k, square_radius(at->p.x, at->p.y), 0, 0);
     bool off_sheet = at->v < -v_err;
+    double until = larger(END_ERRORS * (at->t_err + SGT_U * fabs(at->t)), TINY); /* nearer to an end the careful form tells whether it counts */
+    double steep = at->slope / q->scale, from_start = (at->t - ray->tmin - 8 * SGT_U * fabs(at->t)) * steep - START_ULPS * at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z));
     /* written so that NaN is not certain; a tiny root is in the hands of the careful form */
     r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms && at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL && sharp(at, opt->t_tol)
-                                && !(fabs(at->t - ray->tmax) <= END_ERRORS * (at->t_err + SGT_U * fabs(at->t)))
+                                && !(fabs(at->t - ray->tmax) <= until) && !(fabs(from_start) <= until * steep)
                                 && (opt->proof == SGT_ESTIMATE || !(rim_hidden(at, rim2) || fabs(g->A) * at->t_err > 0.99 * g->S * q->scale)));
     r.counts = !off_sheet && counts(at, ray, rim2, q->scale);
     return r;

@@ -95,12 +95,44 @@ SGT_INLINE void tell_of_given(sgt_hit *hit, const state *at, const sgt_pose *pos
 
 /* ------------------------------------------------------------------ meeting */
 
+/* How many roots of a chord are looked at; of more nothing is told. */
+enum { FEW = 4 };
+
+/* The roots beside were met outside the aperture, one after the other from the ends of the chord inward, and what is left was not met: it
+ * begins at a root, and one next to that is taken for the start.  So all roots of the chord are asked for: is another inside, or may one
+ * be?  The one next to the first that was met is meant. */
+static sgt_hit ask_all(sgt_surface surface, const sgt_ray *chord, double aperture2, const sgt_options *opt, const sgt_hit beside[], int besides, bool *inside)
+{
+    sgt_hit found[FEW], meant = beside[besides - 1];
+    int count = sgt_intersect_all(surface, *chord, FEW, found, opt), evals = 0;
+    double nearest = HUGE_VAL;
+    bool any = false, stopped = false;
+    for (int i = 0; i < count && i < FEW && !stopped; i++) {
+        const sgt_hit *h = &found[i];
+        bool again = false; /* its side has been told */
+        for (int j = 0; j < besides; j++) again = again || (h->status > 0 && h->lo <= beside[j].hi && h->hi >= beside[j].lo);
+        double away = larger(h->lo - beside[0].t, beside[0].t - h->hi);
+        stopped = h->status == SGT_STOPPED;
+        if (stopped || (!again && !(h->status > 0 && !is_inside(h->p, aperture2)) && !(away >= nearest))) meant = *h, any = true, nearest = away;
+        evals += h->evals;
+    }
+    if (count > FEW && !stopped) meant = hit_without(SGT_UNPROVEN, chord, 0), any = true;
+    if (meant.status < 0) meant.t = meant.t_err = (double)NAN; /* as of one alone */
+    meant.evals = evals;
+    *inside = any && meant.status > 0;
+    return meant;
+}
+
 sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, const sgt_options *opt, bool *inside)
 {
-    sgt_hit hit = sgt_intersect(surface, chord, opt);
+    enum { ENDS = 2 };
+    const sgt_ray whole = chord;
+    sgt_hit beside[ENDS], hit = sgt_intersect(surface, chord, opt);
     double middle = 0.5 * chord.tmin + 0.5 * chord.tmax;
+    int besides = 0;
     *inside = hit.status > 0 && is_inside(hit.p, aperture2);
-    for (int ends = 0; ends < 2 && hit.status > 0 && !*inside; ends++) {
+    while (hit.status > 0 && !*inside && besides < ENDS) {
+        beside[besides++] = hit;
         if (hit.t < middle) chord.tmin = hit.hi; /* not t, from which the same root may be found once more */
         else chord.tmax = hit.lo;
         if (!(chord.tmin < chord.tmax) || chord.tmax == 0) break;
@@ -109,18 +141,22 @@ sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, con
         *inside = next.status > 0 && is_inside(next.p, aperture2);
         hit = next;
     }
+    if (!besides || *inside || hit.status == SGT_STOPPED) return hit;
+    int evals = hit.evals;
+    hit = ask_all(surface, &whole, aperture2, opt, beside, besides, inside);
+    hit.evals += evals;
     return hit;
 }
 
 /* *hit, on the whole line, is made the hit that is meant; *inside: within the clear aperture.  Only an answer
- * inside overrules the first; under proof one that may be inside does as well. */
+ * inside overrules the first, or one that may be inside. */
 static void choose(sgt_surface surface, sgt_ray ray, double aperture2, const sgt_options *opt, sgt_hit *hit, bool *inside)
 {
     *inside = hit->status > 0 && is_inside(hit->p, aperture2);
     if (*inside || !(aperture2 < HUGE_VAL) || !is_worth_more(hit->status) || !cut_to_chord(&ray, aperture2)) return;
     sgt_hit other = sgt_ask_inside(surface, ray, aperture2, opt, inside);
     hit->evals = other.evals += hit->evals;
-    if (*inside || other.status == SGT_STOPPED || (opt->proof != SGT_ESTIMATE && other.status < 0)) *hit = other;
+    if (*inside || may_be_inside(surface, opt, other.status)) *hit = other;
 }
 
 /* ------------------------------------------------------------------ bending */

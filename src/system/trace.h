@@ -251,13 +251,21 @@ SGT_INLINE bool cut_to_chord(sgt_ray *ray, double aperture2)
     return chord.lo < chord.hi && more < HUGE_VAL && ray->tmax != 0; /* 0 might stand for infinity */
 }
 
+/* That was the answer on the chord: may a root be inside?  Where no proof is asked for, of a surface of a user that encloses nothing, a march that has
+ * found nothing is UNPROVEN wherever it is: then the ray is told by the root outside. */
+SGT_INLINE bool may_be_inside(sgt_surface s, const sgt_options *opt, sgt_status status)
+{
+    bool searched = opt->proof != SGT_ESTIMATE || s.ops->own_ || s.ops->enclose;
+    return status < 0 && (searched || status == SGT_STOPPED || status == SGT_EXHAUSTED);
+}
+
 SGT_INLINE twofold longer(twofold path, double index, double t, double t_lo)
 {
     return twofold_sum(twofold_sum(path, two_product(index, t)), twofold_of(index * t_lo));
 }
 
 /* On such a chord the hit that is meant, if it is inside; a root on the stretches by which the chord is longer than the
- * aperture does not hide another (unless two are there). */
+ * aperture does not hide another. */
 sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, const sgt_options *opt, bool *inside);
 
 /* ------------------------------------------------------------------ bending */

@@ -446,7 +446,7 @@ static verdict judge(const work *job, const tile *w, size_t i, size_t j, const b
     if (own.t_tol == 0) own.t_tol = tolerance(e->semi_diameter, ray.o);
     bool inside;
     sgt_hit other = sgt_ask_inside(e->surface, ray, aperture2, &own, &inside);
-    if (inside || (own.proof != SGT_ESTIMATE && other.status < 0)) return ASK_ANEW;
+    if (inside || may_be_inside(e->surface, &own, other.status)) return ASK_ANEW;
     int *evals = job->passages ? job->passages[j].hits.evals : NULL;
     if (evals) evals[w->first + (size_t)w->index[i]] += other.evals;
     return STOPS;

@@ -6,6 +6,7 @@
 // root, which bisection and Newton's method take to 113 bits; between neighbours of like sign with a minimum of |F| in
 // between that is searched for, and where it is within rounding of zero the stretch is doubtful.  An edge of F's domain is
 // a sample.  What is finer than a sample and announces itself by no dip is not seen: a judge of random rays, no proof.
+// About points where a root may be, `crowd` (t), the samples are closer and closer.
 #ifndef TESTS_CATALOGUE_JUDGE_H
 #define TESTS_CATALOGUE_JUDGE_H
 
@@ -63,7 +64,7 @@ public:
     bool everywhere = false; // the ray lies in the surface
     double from = 0, to = 0; // in t: the window
 
-    judgement(const subject &of, const sgt_ray &ray, int samples) : of_(of), line_(ray, 0)
+    judgement(const subject &of, const sgt_ray &ray, int samples, const std::vector<double> &crowd = {}) : of_(of), line_(ray, 0)
     {
         const double near = -(ray.o.x * ray.d.x + ray.o.y * ray.d.y + ray.o.z * ray.d.z) / (ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z);
         if (!std::isfinite(near)) return;
@@ -78,7 +79,7 @@ public:
             lo = lo - middle + by, hi = hi - middle + by;
         }
         from = line_.t0 + lo, to = line_.t0 + hi;
-        walk(lo, hi, samples);
+        walk(lo, hi, samples, crowd);
         std::sort(roots.begin(), roots.end(), [](const root &a, const root &b) { return a.t < b.t; });
     }
 
@@ -125,12 +126,13 @@ private:
     {
         return of_.rough(oracle::to_double(line_.o.x + quad(s) * line_.d.x), oracle::to_double(line_.o.y + quad(s) * line_.d.y), oracle::to_double(line_.o.z + quad(s) * line_.d.z));
     }
-    // -1, 0, 1; 2: not defined
-    int sign(double s, double f) const
+    // -1, 0, 1; 2: not defined.  Where rounding might hide it, f is made right.
+    int sign(double s, double &f) const
     {
         if (f != f) return 2;
         if (std::fabs(f) > 1e-7 * of_.s.h * (of_.s.sag ? 1 : of_.s.type == "ellipsoid" ? 1 : of_.s.type == "quadric" ? of_.s.h : of_.s.h * of_.s.h * of_.s.h)) return f < 0 ? -1 : 1;
         const quad q = value(quad(s));
+        f = oracle::to_double(q);
         return q != q ? 2 : q < 0 ? -1 : q > 0;
     }
 
@@ -152,7 +154,7 @@ private:
         return *lo < *hi && std::isfinite(*lo) && std::isfinite(*hi);
     }
 
-    void walk(double lo, double hi, int samples)
+    void walk(double lo, double hi, int samples, const std::vector<double> &crowd)
     {
         struct sample {
             double s, f;
@@ -160,11 +162,23 @@ private:
         };
         std::vector<sample> all;
         const auto take = [&](double s) {
-            const double f = rough(s);
-            return sample{s, f, sign(s, f)};
+            double f = rough(s);
+            const int side = sign(s, f);
+            return sample{s, f, side};
         };
-        for (int i = 0; i <= samples; i++) {
-            const sample next = take(i == samples ? hi : lo + (hi - lo) * (i + (i ? 0.3 * std::sin(double(i)) : 0)) / samples);
+        std::vector<double> where;
+        for (int i = 0; i < samples; i++) where.push_back(lo + (hi - lo) * (i + (i ? 0.3 * std::sin(double(i)) : 0)) / samples);
+        where.push_back(hi);
+        for (const double t : crowd)
+            for (int k = 8; k < 52; k++)
+                for (const double side : {-1, 1}) {
+                    const double s = oracle::to_double(quad(t) - line_.t0) + side * std::ldexp(hi - lo, -k);
+                    if (s > lo && s < hi) where.push_back(s);
+                }
+        std::sort(where.begin(), where.end());
+        where.erase(std::unique(where.begin(), where.end()), where.end());
+        for (const double here : where) {
+            const sample next = take(here);
             if (!all.empty() && (next.sign == 2) != (all.back().sign == 2)) { // the edge of the domain
                 double a = all.back().s, b = next.s;
                 const bool inside_first = next.sign == 2;
@@ -181,7 +195,7 @@ private:
         }
         long zero = 0;
         for (const sample &a : all) zero += a.sign == 0;
-        if ((everywhere = zero > samples / 2)) return;
+        if ((everywhere = zero > static_cast<long>(all.size() / 2))) return;
         for (std::size_t i = 0; i < all.size(); i++) {
             if (all[i].sign == 0) {
                 add(quad(all[i].s));
@@ -214,10 +228,13 @@ private:
 
     void dip(double a, double m, double b, int was)
     {
-        // Golden section, first in double.
-        double fm = std::fabs(rough(m));
+        // Golden section.
+        double fm = rough(m);
+        sign(m, fm);
+        fm = std::fabs(fm);
         for (int i = 0; i < 70; i++) {
-            const double s = m - a > b - m ? m - 0.381966 * (m - a) : m + 0.381966 * (b - m), f = rough(s);
+            const double s = m - a > b - m ? m - 0.381966 * (m - a) : m + 0.381966 * (b - m);
+            double f = rough(s);
             if (!(s > a && s < b)) break;
             const int now = sign(s, f);
             if (now == 2) return;

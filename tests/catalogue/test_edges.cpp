@@ -2,7 +2,7 @@
 // aperture of an element; of every surface of surfaces.h but the level sets.
 //
 // The roots, and so their r^2 and their distance from the ends, are those of judge.h, in 113 bits, of the surface without
-// its rim.  An edge is where surfaces.h and sgt_ray in sagitta.h put it.  Neither side is wrong within
+// its rim, its samples crowded about the points that the ray is laid through.  An edge is where surfaces.h and sgt_ray in sagitta.h put it.  Neither side is wrong within
 //   the rim      what p_err and 4 u make of r^2;
 //   the start    t_err, from the rule's own width to three times that (a t_err before the last bits are polished is about as much);
 //   the end      t_err, and as much; what is told has a t of at most tmax;
@@ -172,14 +172,15 @@ void ask(const scene &c, bool sharp)
     }
 }
 
-// The roots of the surface without its rim, as the library tells them on the whole line.  false: not all of them are known.
-bool learn(specimen &s, const subject &bare, scene *c)
+// The roots of the surface without its rim, as the library tells them on the whole line.  false: not all of them are known.  laid: where
+// some may be.
+bool learn(specimen &s, const subject &bare, scene *c, const std::vector<double> &laid)
 {
     const double rim = s.rim;
     set_rim(&s, 0);
     sgt_ray line = c->ray;
     line.tmin = -HUGE_VAL, line.tmax = HUGE_VAL;
-    const judgement j(bare, line, 160);
+    const judgement j(bare, line, 160, laid);
     enum { most = 40 };
     sgt_hit hit[most];
     const int n = sgt_intersect_all(s.s, line, most, hit, nullptr);
@@ -255,9 +256,10 @@ void at_rim(generator &g, specimen &s, const subject &bare, const subject &of)
     set_rim(&s, s.h * (g.chance(0.3) ? 1 : g.uniform(0.3, 0.9)));
     if (!at_radius(g, bare, s.rim, n, &p)) return;
     const bool axial = g.chance(0.4);
-    scene c = {&of, through(p, tilted(g, axial), s.h * g.uniform(0.5, 3)), {}, "the rim", double(n)};
+    const double away = s.h * g.uniform(0.5, 3);
+    scene c = {&of, through(p, tilted(g, axial), away), {}, "the rim", double(n)};
     if (g.chance(0.3)) c.ray.tmin = 0;
-    if (!learn(s, bare, &c)) {
+    if (!learn(s, bare, &c, {away})) {
         told.unasked++;
         return;
     }
@@ -273,7 +275,7 @@ void at_ends(generator &g, specimen &s, const subject &bare, const subject &of)
     const sgt_vec3 d = g.chance(0.5) && s.sag ? tilted(g, false) : random_direction(g);
     const double away = g.chance(0.5) ? 0 : g.sign() * s.h * g.log_uniform(1e-6, 3);
     scene c = {&of, through(p, d, away), {}, "", 0};
-    if (!learn(s, bare, &c)) {
+    if (!learn(s, bare, &c, {away})) {
         told.unasked++;
         return;
     }
@@ -320,13 +322,14 @@ void at_aperture(generator &g, specimen &s, const subject &bare, const subject &
     if (g.chance(0.15)) d = tilted(g, g.chance(0.5));
     else if (g.chance(0.7)) d = {-d.x, -d.y, -d.z}; // from the outer one to that on the edge
     const double away = (g.chance(0.5) ? 1 : 0.1) * g.uniform(0, 2) * std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    const double to_q = std::copysign(std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z), (q.x - p.x) * d.x + (q.y - p.y) * d.y + (q.z - p.z) * d.z);
     sgt_ray unit = {{0, 0, 0}, d, 0, 0};
     sgt_trace(0, nullptr, 1, &unit, nullptr, nullptr, nullptr); // of unit length: the trace leaves such a ray as it is
     scene c = {&of, through(p, unit.d, away), {}, "the clear aperture", double(n)};
     const double t_tol = g.chance(0.7) ? 0x1p-1000 : 0; // 0: of a trace, 2^-48 of the aperture
     sgt_element e = {};
     e.surface = s.s, e.index = 1.5, e.semi_diameter = a;
-    if (!learn(s, bare, &c)) {
+    if (!learn(s, bare, &c, {away, away + to_q})) {
         told.unasked++;
         return;
     }

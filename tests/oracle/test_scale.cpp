@@ -5,6 +5,10 @@
 // directions times 2^j, |j| <= 500, scale every operation of the solution exactly, so
 // the answers must scale exactly, wherever no input leaves the normal range.  A turn
 // by 90 degrees about z and the mirror images are exact too.
+//
+// Of evaluations on the way, too, where F and its slope are numbers.  From points far
+// off they may overflow at one scale and not at another: then the answer is the same, but
+// not how many evaluations it took.
 #include "cases.h"
 
 #include <sagitta/sagitta.h>
@@ -83,6 +87,30 @@ void compare(const char *what, int power, const test_case &t, const sgt_hit &got
     print_hit("wanted", want);
 }
 
+int note_overflow(void *data, const sgt_step *step)
+{
+    if (!std::isfinite(step->f) || !std::isfinite(step->slope)) *static_cast<bool *>(data) = true;
+    return 0;
+}
+
+bool overflows(const test_case &t, sgt_pick pick)
+{
+    sgt_conic conic;
+    bool any = false;
+    sgt_options options = {};
+    options.pick = pick, options.watch = note_overflow, options.watch_data = &any;
+    sgt_intersect(as_surface(t, &conic), t.ray, &options);
+    return any;
+}
+
+// As compare, of the same question at another scale.
+void compare_scaled(const char *what, int power, const test_case &t, const test_case &scaled_to, sgt_pick pick, sgt_hit want)
+{
+    const sgt_hit got = ask(scaled_to, pick);
+    if (got.evals != want.evals && (overflows(t, pick) || overflows(scaled_to, pick))) want.evals = got.evals;
+    compare(what, power, scaled_to, got, want);
+}
+
 void lengths(const test_case &t, sgt_pick pick, const sgt_hit &hit, int k)
 {
     test_case u = t;
@@ -96,14 +124,14 @@ void lengths(const test_case &t, sgt_pick pick, const sgt_hit &hit, int k)
     want.f = std::ldexp(want.f, k);
     want.p = scaled(want.p, k);
     want.p_err = std::ldexp(want.p_err, k);
-    compare("lengths", k, u, ask(u, pick), want);
+    compare_scaled("lengths", k, t, u, pick, want);
 
     // ... and with d as it was: t then counts in lengths.
     u.ray.d = t.ray.d;
     u.ray.tmin = std::ldexp(u.ray.tmin, k);
     u.ray.tmax = std::ldexp(u.ray.tmax, k);
     for (double *x : {&want.t, &want.t_err, &want.t_lo, &want.lo, &want.hi}) *x = std::ldexp(*x, k);
-    compare("lengths without d", k, u, ask(u, pick), want);
+    compare_scaled("lengths without d", k, t, u, pick, want);
 }
 
 void directions(const test_case &t, sgt_pick pick, const sgt_hit &hit, int j)
@@ -115,7 +143,7 @@ void directions(const test_case &t, sgt_pick pick, const sgt_hit &hit, int j)
     if (!in_range(u)) { skipped++; return; }
     sgt_hit want = hit;
     for (double *x : {&want.t, &want.t_err, &want.t_lo, &want.lo, &want.hi}) *x = std::ldexp(*x, -j);
-    compare("directions", j, u, ask(u, pick), want);
+    compare_scaled("directions", j, t, u, pick, want);
 }
 
 sgt_vec3 turned(const sgt_vec3 &v) { return {-v.y, v.x, v.z}; }

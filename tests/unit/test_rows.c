@@ -158,9 +158,88 @@ static void test_bounds_out_of_range(void **state)
     REQUIRE(h.status < 0 || (h.status == SGT_HIT && h.t < 0), "%s, t = %.17g", sgt_status_text(h.status), h.t);
 }
 
+/* The ray lies in the plane but for 1e-17 of slope: its root is known to 0.06 alone, was told from outside the aperture, and that
+ * the chord of the aperture was undecided was dropped: clipped, though the root (here in rational numbers) is inside. */
+static void test_undecided_inside_the_aperture(void **state)
+{
+    (void)state;
+    static const double terms[] = {0x1.5ac5ceb637f6dp-12, 0x1.7edec989461e4p-16};
+    sgt_polynomial_xy s = {.a = {terms, 1, 2}};
+    sgt_ray ray = {{0x1.4259198b33942p-9, 0x1.117e7d4c9426fp-2, 0x1.6129f1be178ccp-12}, {-0x1.7b30901a943e4p-2, 0x1.db9a4139cbb5bp-1, 0x1.63a709c1f8efep-16}, 0, 0};
+    const double t = 0.009911956420991056, r = hypot(ray.o.x + t * ray.d.x, ray.o.y + t * ray.d.y);
+    for (int i = 1; i < 1000; i++) {
+        const double aperture = r + 2e-5 * i * r;
+        sgt_element e = {.surface = {&sgt_polynomial_xy_ops, &s}, .semi_diameter = aperture, .index = 1.5};
+        sgt_ray one = ray;
+        signed char of_batch;
+        sgt_fate fate;
+        sgt_options opt = {.t_tol = 0x1p-1000};
+        sgt_rays rays = {{&ray.o.x, &ray.o.y, &ray.o.z}, {&ray.d.x, &ray.d.y, &ray.d.z}, NULL, NULL};
+        sgt_trace(1, &e, 1, &one, NULL, &fate, &opt);
+        sgt_trace_batch(1, &e, 1, 1, rays, (sgt_traced){.fate = &of_batch}, NULL, &opt);
+        REQUIRE(fate != SGT_CLIPPED && fate != SGT_MISSED && of_batch == fate, "aperture %.17g: %s, %s", aperture, sgt_fate_text(fate), sgt_fate_text((sgt_fate)of_batch));
+    }
+}
+
+/* So far off that the enclosure of g at a point is wide, and holds 0 where F is certainly below it: that was told as a graze. */
+static void test_graze_far_from_the_surface(void **state)
+{
+    (void)state;
+    static const double terms[] = {0x1.a46p+35, 0, 0, 0x1.a46p+35};
+    sgt_zernike s = {.c = -0x1.5e2p-41, .k = -0x1.742p+1, .norm = 0x1p39, .order = SGT_NOLL, .a = {terms, 1, 4}};
+    sgt_ray ray = {{-0x1.f691e88863c04p+89, -0x1.1c3fdd3d5f2b5p+80, 0x1.252046f37943p+90}, {0x1.47e15260c36cp-7, 0x1.6a332c7f41d45p-7, -0x1.7e799b3353e96p-7},
+                   0x1.9b743764fc912p+76, 0x1.9b743767fc825p+76};
+    for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++)
+        for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
+            sgt_hit h = sgt_intersect((sgt_surface){&sgt_zernike_ops, &s}, ray, &(sgt_options){.pick = (sgt_pick)pick, .proof = (sgt_proof)proof});
+            REQUIRE(h.status <= 0, "%s where F is %g", sgt_status_text(h.status), h.f);
+        }
+}
+
+/* At the equator both sheets of G have a root, and F one: with an undecided stretch between the two it was told twice. */
+static void test_one_root_of_two_sheets(void **state)
+{
+    (void)state;
+    sgt_asphere s = {0x1.96f5b8f1e0531p-1, -0x1.08e941da180d3p-2, 0,
+                     {0, 0x1.4841d1350f54p+9, 0, -0x1.8289c2505dc99p+28, -0x1.7102828cbf981p+36, -0x1.2fa37a5dcd9fp+45, 0x1.a00155c5b359dp+56, 0}};
+    sgt_ray ray = {{0x1.83170f8b990d3p-1, -0x1.419c0e74d29abp+0, 0x1.48c5b3f4979fcp+64}, {-0x1.57faef4cef1dbp-2, 0x1.705c072584e61p-1, -0x1.373f3b3ed69bfp-1}, -INFINITY, INFINITY};
+    sgt_hit h[4];
+    int n = sgt_intersect_all((sgt_surface){&sgt_asphere_ops, &s}, ray, 4, h, NULL);
+    REQUIRE(n == 2 && h[0].status == SGT_HIT && h[1].status == SGT_HIT, "%d entries", n);
+    REQUIRE(fabs(h[0].t - 0.0063246599381126048) <= h[0].t_err && fabs(h[1].t - 3.6666084510183721) <= h[1].t_err, "t = %.17g and %.17g", h[0].t, h[1].t);
+}
+
+/* What is told first is the first of all: near an end one way to a root told it to count, another not. */
+static void test_first_of_all_at_an_end(void **state)
+{
+    (void)state;
+    /* by t_err from where the start ends; a hair before tmax; undecided, but certainly behind tmax */
+    sgt_conic ball = {.c = -0x1.013e4c9d49c0ep-5};
+    sgt_asphere vertex = {-0x1.b9b320ec2f4fep+0, -0x1.dbc997f8b1f1bp-4, 0x1.cc6c9dec1de0ap-8, {0x1.fa183ce98af62p+0}};
+    sgt_asphere far = {-0x1.938ee88563354p-18, 0x1.dc93cb8589b6cp+0, 0,
+                       {-0x1.98c88b234c3f6p-22, -0x1.a547062a9246fp-43, 0x1.3b210411a9d7cp-69, 0, -0x1.3c7a7cbbbe9c8p-120, 0x1.f809ceafafbdfp-147, 0x1.19cde09b461cap-169, 0}};
+    const struct { sgt_surface s; sgt_ray ray; sgt_proof proof; } rows[] = {
+        {{&sgt_conic_ops, &ball}, {{-0x1.9f6985da5a516p+6, -0x1.5f5e799b56bfdp+7, 0x1.ae1164efddb76p+5}, {-0x1.036045737337ap-1, -0x1.a64b4dac47b25p-1, 0x1.012eb71908166p-2},
+                                   -0x1.b979f31375eb5p+7, INFINITY}, SGT_ESTIMATE},
+        {{&sgt_asphere_ops, &vertex}, {{0, 0, 0}, {0x1.0bc855dfc29fep-9, -0x1.61f77b172708fp-9, -0x1.78b606b2556e5p-10}, -0x1.1926388f8cc2ap-6, DBL_TRUE_MIN}, SGT_PROVE_FIRST},
+        {{&sgt_asphere_ops, &far}, {{0x1.ddd04f035ec62p+16, 0x1.846e205acfabbp+15, 0x1.418edeee487b3p+63}, {-0x1.30a26b50cf454p-5, -0x1.8a579ba54b6aap-6, 0x1.bee7e27fba531p-4},
+                                    -INFINITY, 0x1.35cfda829cebdp+22}, SGT_ESTIMATE},
+    };
+    for (size_t i = 0; i < COUNT_OF(rows); i++) {
+        sgt_options opt = {.proof = rows[i].proof};
+        sgt_hit all[4], first = sgt_intersect(rows[i].s, rows[i].ray, &opt);
+        int n = sgt_intersect_all(rows[i].s, rows[i].ray, 4, all, &opt);
+        sgt_status status = n ? all[0].status : SGT_MISS;
+        REQUIRE(first.status == status, "row %zu: %s, of all %s", i, sgt_status_text(first.status), sgt_status_text(status));
+        REQUIRE(status <= 0 || fabs(first.t - all[0].t) <= first.t_err + all[0].t_err, "row %zu: %.17g, of all %.17g", i, first.t, all[0].t);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_undecided_inside_the_aperture), cmocka_unit_test(test_graze_far_from_the_surface),
+        cmocka_unit_test(test_one_root_of_two_sheets), cmocka_unit_test(test_first_of_all_at_an_end),
         cmocka_unit_test(test_start_beyond_the_rim), cmocka_unit_test(test_bounds_out_of_range),
         cmocka_unit_test(test_vertex_from_far_aside),
         cmocka_unit_test(test_vertex_in_its_plane), cmocka_unit_test(test_two_about_the_start), cmocka_unit_test(test_coarse_tolerance),
