@@ -275,13 +275,17 @@ static bool outside(const proof *w, sgt_interval t)
     return sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)).lo > w->rim2;
 }
 
+static double absolute(sgt_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
+
 /* F as computed there is 0 as far as rounding tells.  An enclosure may be wide for reasons of its own: of a sum of large terms far off it
- * holds 0 at points where `value` is certainly another. */
+ * holds 0 at points where `value` is certainly another.  And where rounding is a part in 2^20 of all that F is made of (a power has left the
+ * range of doubles) nothing is known. */
 static bool touches(const proof *w, const place *at)
 {
-    double own = w->s.ops->rounding ? w->s.ops->rounding(w->s.self, at->p) : 0;
-    double terms = fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z * at->n.z);
-    return !(fabs(at->f) > 8 * (own + 2 * SGT_U * terms)) || !w->s.ops->rounding;
+    const sgt_surface_ops *ops = w->s.ops;
+    double own = ops->rounding ? ops->rounding(w->s.self, at->p) : HUGE_VAL, size = absolute(at->p) * absolute(at->n);
+    if (!(own >= 0 && own < HUGE_VAL)) return !is_catalogue(ops); /* not known */
+    return !(own > 0x1p-20 * size + 0x1p-900) && !(fabs(at->f) > 8 * (own + 2 * SGT_U * size));
 }
 
 /* Neither the point nor the gradient has overflown. */
