@@ -217,7 +217,10 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
 
     if (span.single || near) {
         point at = {.tau = (double)NAN};
+        w.hidden.t = (double)NAN;
         if (quickly(&w, &a, span.single)) return w.told.evals - w.told.before;
+        bool hidden = span.single && is_catalogue(s.ops) && s.ops->enclose && !isnan(w.hidden.t) && !over(&w);
+        if (hidden && sgt_prove_found(s, ray, &w.told, w.hidden.t, w.hidden.t_lo, w.hidden.t_err, list)) return w.told.evals - w.told.before;
         if (!over(&w)) {
             double seed = a.seeded ? span.seed / a.q.scale - a.q.t0 : near ? a.nearest - a.q.t0 : (double)NAN;
             sgt_span cut = {.lo = lo, .hi = hi, .seed = seed, .single = span.single};

@@ -608,22 +608,28 @@ static sgt_options plain(const sgt_options *opt)
     return estimate;
 }
 
+/* Taken, if it is a root: one that has been found at t + t_lo, to t_err. */
+static bool take_found(proof *w, double t, double t_lo, double t_err)
+{
+    certain c;
+    w->done = w->last.hi = w->told_dark = -HUGE_VAL;
+    count_from(w, (w->far > 0 && t > border_of(w)) || (w->far < 0 && t < border_of(w)) ? w->far : 0);
+    twofold from = two_sum(t, -w->t0);
+    double m = w->t0 != 0 ? from.hi + (from.lo + t_lo) : t;
+    sgt_interval about = sgt_interval_about(m, t_err), G = ask_at(w, m, SGT_PROBE);
+    return certify(w, about, m, G, &c) == ROOT && take(w, &c);
+}
+
 /* The root that an estimate finds at once, if it can be proven; or the watcher has stopped it. */
 static bool prove_estimate(proof *w, sgt_hit *hit)
 {
     sgt_options estimate = plain(w->told.opt);
-    certain c;
     if (w->told.budget > QUICK) estimate.max_evals = QUICK;
     *hit = sgt_intersect_general(w->s, w->ray, &estimate);
     w->told.evals = hit->evals;
     if (hit->status <= 0) return hit->status == SGT_STOPPED;
     if (fabs(hit->t - w->ray->tmax) <= END_ERRORS * (hit->t_err + SGT_U * fabs(hit->t))) return false; /* the search tells whether it counts */
-    w->done = w->last.hi = w->told_dark = -HUGE_VAL;
-    count_from(w, (w->far > 0 && hit->t > border_of(w)) || (w->far < 0 && hit->t < border_of(w)) ? w->far : 0);
-    twofold from = two_sum(hit->t, -w->t0);
-    double m = w->t0 != 0 ? from.hi + (from.lo + hit->t_lo) : hit->t;
-    sgt_interval about = sgt_interval_about(m, hit->t_err), G = ask_at(w, m, SGT_PROBE);
-    if (certify(w, about, m, G, &c) == ROOT) take(w, &c);
+    take_found(w, hit->t, hit->t_lo, hit->t_err);
     *hit = w->list->last;
     bool proven = w->list->count > 0 && hit->status > 0;
     w->list->count = 0, w->told.before = 0, w->found = false;
@@ -694,4 +700,15 @@ void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bo
     if (w.told.stopped && (list->count == before || list->last.status != SGT_STOPPED)) list->last = hit_without(SGT_STOPPED, ray, evals);
     else if (near && !w.told.stopped) list->last = w.nearest;
     list->last.evals = evals, list->count = before + 1;
+}
+
+bool sgt_prove_found(sgt_surface s, const sgt_ray *ray, tally *told, double t, double t_lo, double t_err, sgt_list *list)
+{
+    sgt_span span;
+    if (!bounds(s, ray, &span)) return false;
+    proof w = proof_of(s, ray, told->opt, &span, list, false);
+    w.told = *told;
+    bool decided = take_found(&w, t, t_lo, t_err) && (w.found || !over(&w));
+    *told = w.told;
+    return decided;
 }

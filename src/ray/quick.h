@@ -69,7 +69,7 @@ SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
     hi += (tmax <= to ? 0x1p-44 : 0x1p-50) * fabs(hi); /* a root at tmax is to be inside, */
     hi = hi > most ? most : hi;                        /* and what is behind the span is not */
     lo -= back * (fabs(reach) + fabs(t0));
-    double begin = lo - 0x1p-40 * (fabs(reach) + fabs(t0) + (a.q.xa + a.q.ya + a.q.za));
+    double begin = lo - 0x1p-4 * (fabs(reach) + fabs(t0) + (a.q.xa + a.q.ya + a.q.za));
     begin = larger(span_from * inverse, begin);
     lo = (early & (begin < lo)) ? begin : lo;
     a.lo = lo - t0, a.hi = hi - t0;

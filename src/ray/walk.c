@@ -140,7 +140,7 @@ static bool take(walk *w, sgt_status status, point at, double tau_err)
 {
     if (!(at.g_err < HUGE_VAL && fabs(at.g) < HUGE_VAL)) return false; /* nothing is known there */
     taking h = taking_of(&w->q, at.tau, tau_err, at.p, at.n, at.at, w->ray->tmin, w->ray->tmax, w->rim2, w->margin);
-    w->off = h.off;
+    w->off = h.off, w->hidden = h;
     if (!h.counts) return false;
     sgt_interval about = sgt_about(h.t, h.t_err);
     sgt_hit hit = {.status = status, .t = h.t, .t_lo = h.t_lo, .t_err = h.t_err, .lo = about.lo, .hi = about.hi,

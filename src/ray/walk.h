@@ -23,6 +23,7 @@ typedef struct walk {
     double lo, hi;  /* the stretch that is searched: F is not asked for outside of it */
     double lowest;  /* the least |g| that the search for the root has seen */
     bool off;       /* the root that does not count can be told not to */
+    taking hidden;  /* of the quick form: the root that may count or not; its t is NaN where there is none */
     double least;   /* a bound from below on |g'| all along the stretch, which has one root at most; 0: not known */
     double rim2;    /* of the surface's rim; infinite where there is none */
     double margin;  /* of taking_of: END_ERRORS where not all roots are found this way */

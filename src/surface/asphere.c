@@ -20,37 +20,40 @@
 
 /* ------------------------------------------------------------------- easy */
 
+typedef enum easy_answer { EASY_NOT, EASY_MISS, EASY_HIT } easy_answer;
+
 /* One ray, its ends made explicit; the evaluations are counted and told whatever becomes of it. */
-SGT_INLINE bool easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol, double scale, lane *e, tally *w)
+SGT_INLINE easy_answer easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol, double scale, lane *e, tally *w)
 {
     double g, slope;
     wavy_start r = wavy_begin(s, ALL_TERMS, o.x, o.y, o.z, d.x, d.y, d.z, &g, &slope);
     wavy_round q = {.tau = r.tau, .again = MASK(true)};
+    wavy_newton half = {.inverse = 0};
     local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
     sample seen = {.g = g, .slope = slope};
     observe(w, &at, r.tau + g / slope, &seen, SGT_SEED, -HUGE_VAL, HUGE_VAL);
-    if (first && wavy_hopeless(s, tmin, d.x, d.y, d.z)) return false;
+    if (first && wavy_hopeless(s, tmin, d.x, d.y, d.z)) return EASY_NOT;
     for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
         double tau = q.tau;
-        wavy_newton half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, d.x, d.y, d.z);
+        half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, d.x, d.y, d.z);
         q = wavy_bound(s, ALL_TERMS, r.x, r.y, r.t0, &half, d.x, d.y, d.z, t_tol);
         seen = (sample){.g = half.g, .slope = half.slope};
         observe(w, &at, tau, &seen, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
         seen.g = q.g;
         if (!w->stopped) observe(w, &at, half.tau2, &seen, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
     }
-    if (w->stopped || !(r.tau == r.tau)) return false;
+    if (w->stopped || !(r.tau == r.tau)) return EASY_NOT;
+    near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
+    *e = wavy_end(s, ALL_TERMS, &root, q.v, q.near, at_vertex(r.x, r.y, o.z), d.x, d.y, d.z, tmin, tmax, t_tol);
+    if (!e->hit) return wavy_away(s, ALL_TERMS, &root, q.v, half.inverse, o.z, d.x, d.y, d.z, tmin, tmax) ? EASY_MISS : EASY_NOT;
     bool is_first = !first || wavy_single(s, d.x, d.y, d.z);
     for (int halves = 0; halves < 2 && !is_first; halves++)
         is_first = wavy_first_from(s, ALL_TERMS, halves != 0, o.x, o.y, o.z, tmin, r.t0, r.x, r.y, q.tau, d.x, d.y, d.z);
-    if (!is_first) return false;
-    near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
-    *e = wavy_end(s, ALL_TERMS, &root, q.v, q.near, d.x, d.y, d.z, tmin, tmax, t_tol);
-    return e->hit != 0 && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, d.x, d.y) != 0);
+    return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, d.x, d.y) != 0) ? EASY_HIT : EASY_NOT;
 }
 
 /* A direction of unusual length is scaled, by a power of two: of the usual ones that would change no bit. */
-SGT_INLINE bool easy(const wavy *s, const sgt_ray *ray, lane *e, tally *w)
+SGT_INLINE easy_answer easy(const wavy *s, const sgt_ray *ray, lane *e, tally *w)
 {
     const sgt_options *opt = w->opt;
     sgt_vec3 d = ray->d;
@@ -58,9 +61,11 @@ SGT_INLINE bool easy(const wavy *s, const sgt_ray *ray, lane *e, tally *w)
     double scale = scale_of(d);
     if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z)) return easy_at(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, 1, e, w);
     d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
-    if (!easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, scale, e, w)) return false;
+    easy_answer is = easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, scale, e, w);
+    if (is != EASY_HIT) return is;
+    bool exact = e->t == 0;
     e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
-    return e->t_err < HUGE_VAL && fabs(e->t) > LEAST_T && fabs(e->t) < HUGE_VAL;
+    return e->t_err < HUGE_VAL && (exact || fabs(e->t) > LEAST_T) && fabs(e->t) < HUGE_VAL ? EASY_HIT : EASY_NOT;
 }
 
 /* The loops of a tile, for so many terms. */
@@ -88,7 +93,7 @@ static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *
     return all;
 }
 
-/* Is each root the first?  Of each in room->again; with halves, of those that were not without. */
+/* Is each root the first, of those that are hits?  Told in room->again; with halves, of those that were not without. */
 SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile *tile, wavy_room *room)
 {
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
@@ -96,7 +101,7 @@ SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile 
     size_t count = tile->n;
     mask every = MASK(true);
     if (!halves) {
-        _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) every &= room->again[i] = wavy_single(s, l[i], m[i], n[i]);
+        _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) every &= room->again[i] = wavy_single(s, l[i], m[i], n[i]) | ~room->ends.hit[i];
         if (every) return true;
         every = MASK(true);
     }
@@ -108,11 +113,59 @@ SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile 
     return every != 0;
 }
 
+SGT_INLINE void sweep_away(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room)
+{
+    const wavy own = *self, *s = &own;
+    const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        near_root r = wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
+        room->again[i] = wavy_away(s, terms, &r, room->v[i], room->inverse[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+    }
+}
+
+SGT_CLONES_WIDE
+static void asphere_sweep_few_away(const wavy *s, const sgt_tile *tile, wavy_room *room) { sweep_away(s, FEW_TERMS, tile, room); }
+
+SGT_CLONES_WIDE
+static void asphere_sweep_all_away(const wavy *s, const sgt_tile *tile, wavy_room *room) { sweep_away(s, ALL_TERMS, tile, room); }
+
+/* Takes from the hard rays those that certainly miss: so many are left.  F at the point, a hit's last evaluation, they have not. */
+static size_t without_misses(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room, size_t hard)
+{
+    if (terms > FEW_TERMS) asphere_sweep_all_away(s, tile, room);
+    else asphere_sweep_few_away(s, tile, room);
+    for (size_t i = 0; i < tile->n; i++) {
+        if (tile->hits.status[i] != SGT_HARD || !room->again[i]) continue;
+        tile->hits.status[i] = SGT_MISS, hard--;
+        if (tile->hits.evals) tile->hits.evals[i]--;
+    }
+    return hard;
+}
+
+/* The second loop: what is met.  vertex: also of the rays that start there. */
+SGT_INLINE mask sweep_ending(const wavy *s, int terms, bool rich, bool vertex, const sgt_tile *tile, wavy_room *room)
+{
+    const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin,
+                 *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    sweep_to to = sweep_to_of(tile, &room->ends);
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
+        near_root r = wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
+        mask exact = vertex ? at_vertex(r.x, r.y, oz[i]) : 0;
+        lane e = wavy_end(s, terms, &r, room->v[i], room->near[i], exact, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        SWEEP_STORE(to, i, e, rich);
+        all &= e.hit;
+    }
+    return all;
+}
+
 SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich, const sgt_tile *tile, wavy_room *room)
 {
     const wavy own = *self, *s = &own; /* no output is a part of it */
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *t_tol = tile->t_tol;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
         double g, slope;
@@ -141,20 +194,17 @@ SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich
             if (room->again[i]) room->from[i] = room->tau[i];
         }
     }
-    if (first && !all_first(s, terms, false, tile, room) && !all_first(s, terms, true, tile, room))
-        LANES for (size_t i = 0; i < count; i++) room->tau_err[i] = chosen(room->again[i], room->tau_err[i], (double)NAN);
-    sweep_to to = sweep_to_of(tile, &room->ends);
-    mask all = MASK(true);
-    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
-        near_root r = wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
-        lane e = wavy_end(s, terms, &r, room->v[i], room->near[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
-        SWEEP_STORE(to, i, e, rich);
-        all &= e.hit;
+    mask all = sweep_ending(s, terms, rich, false, tile, room), vertex = 0;
+    for (size_t i = 0; !all && i < count; i++) vertex |= at_vertex(room->x[i], room->y[i], oz[i]);
+    if (vertex) all = sweep_ending(s, terms, rich, true, tile, room);
+    if (first && !all_first(s, terms, false, tile, room) && !all_first(s, terms, true, tile, room)) {
+        all = 0;
+        LANES for (size_t i = 0; i < count; i++) room->ends.hit[i] &= room->again[i];
     }
-    if (s->proof) all = asphere_sure_all(self, tile, room);
+    if (s->proof) all &= asphere_sure_all(self, tile, room);
     size_t hard = sweep_told(tile, &room->ends, 4, all);
     for (size_t i = 0; tile->hits.evals && rounds > 1 && i < count; i++) tile->hits.evals[i] += 2 * extra[i];
-    return hard;
+    return 8 * hard > count ? without_misses(self, terms, tile, room, hard) : hard; /* a few go one by one */
 }
 
 #define SWEEP_TERMS(name, terms, first, rich)                                                       \
@@ -268,13 +318,15 @@ static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_opti
     tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
     wavy v;
     lane e;
-    if (w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v) && easy(&v, ray, &e, &w)) {
+    easy_answer is = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v) ? easy(&v, ray, &e, &w) : EASY_NOT;
+    if (is == EASY_HIT) {
         double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});
         if (opt->watch) tell(&w, SGT_NEWTON, e.t, f, e.nx * ray->d.x + e.ny * ray->d.y + ray->d.z, e.t - e.t_err, e.t + e.t_err);
         else w.evals++;
         return w.stopped ? hit_without(SGT_STOPPED, ray, w.evals) : hit_of_lane(&e, w.evals, f);
     }
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
+    if (is == EASY_MISS) return hit_without(SGT_MISS, ray, w.evals);
     bool miss = false;
     if (quick(&h, ray, &at, &seed, &miss, &w)) return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);

@@ -62,14 +62,18 @@ static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_option
     for (int lengths = 0; lengths < 2; lengths++) {
         bool first = opt->pick != SGT_NEAR_SEED, far_gone = false;
         for (int picks = 0; picks <= far_gone; picks++, first = false) {
-            if ((lengths || picks) && easy_at(s, first, o, d, tmin, tmax, t_tol, e)) {
-                e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
-                return e->t_err < HUGE_VAL && fabs(e->t) > LEAST_T && fabs(e->t) < HUGE_VAL ? EASY_HIT : EASY_NOT;
+            bool met = (lengths || picks) && easy_at(s, first, o, d, tmin, tmax, t_tol, e);
+            if (!met && !picks) {
+                verdicts v = {.away = 0};
+                if (s->c == 0) v.away = plane_away(s, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
+                else v = easy_away(s, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
+                if (v.away != 0) return EASY_MISS;
+                far_gone = first && v.far_gone != 0;
             }
-            if (picks) break;
-            verdicts v = easy_away(s, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax);
-            if (v.away != 0) return EASY_MISS;
-            far_gone = first && v.far_gone != 0;
+            if (!met && !nearby_at(s, first, o, d, tmin, tmax, t_tol, e)) continue;
+            bool exact = e->t == 0;
+            e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
+            return e->t_err < HUGE_VAL && (exact || fabs(e->t) > LEAST_T) && fabs(e->t) < HUGE_VAL ? EASY_HIT : EASY_NOT;
         }
         scale = scale_of(d);
         if (lengths || (scale > 0x1p-40 && scale < 0x1p40)) break;

@@ -46,6 +46,16 @@ static void conic_sweep_away(const bowl *self, const sgt_tile *tile, mask *away,
     }
 }
 
+SGT_CLONES_WIDE
+static void conic_sweep_plane_away(const bowl *self, const sgt_tile *tile, mask *away)
+{
+    const bowl own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) away[i] = plane_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+}
+
 /* Of the far roots of all rays. */
 SGT_CLONES_WIDE
 static void conic_sweep_far(const bowl *self, const sgt_tile *tile, mask *gone, mask *counts, double *far, double *slack)
@@ -79,16 +89,56 @@ SWEEP_BOWL(conic_sweep_first_rich, false, true, false, true)
 SWEEP_BOWL(conic_sweep_first_sure, false, true, true, false)
 SWEEP_BOWL(conic_sweep_first_sure_rich, false, true, true, true)
 
-static size_t sweep_near(const bowl *s, bool rich, const sgt_tile *tile, bowl_room *room)
+/* The same of rays that start near the surface, as far as can be told. */
+SGT_INLINE size_t sweep_nearby(const bowl *self, bool plane, bool first, const sgt_tile *tile, bowl_room *room)
 {
+    const bowl own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
+    sweep_to to = sweep_to_of(tile, &room->ends);
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < tile->n; i++) {
+        lane e = plane ? plane_at_start(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i])
+                       : easy_or_nearby(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        SWEEP_STORE(to, i, e, true);
+        all &= e.hit;
+    }
+    return sweep_told(tile, &room->ends, 1, all);
+}
+
+#define SWEEP_NEARBY(name, plane, first)                                                            \
+    SGT_CLONES_WIDE static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
+    {                                                                                               \
+        return sweep_nearby(s, plane, first, tile, room);                                           \
+    }
+
+SWEEP_NEARBY(conic_sweep_plane_nearby, true, false)
+SWEEP_NEARBY(conic_sweep_near_nearby, false, false)
+SWEEP_NEARBY(conic_sweep_first_nearby, false, true)
+
+/* Where the first ray of a tile starts: a guess at all of them, which costs time or saves it.  NEARBY: so near the surface that t
+ * would not be sharp; LEAVING: on it, and that does not count. */
+typedef enum beginning { AWAY, NEARBY, LEAVING } beginning;
+
+static beginning beginning_of(const bowl *s, const sgt_tile *tile)
+{
+    double x = tile->rays.o[0][0], y = tile->rays.o[1][0], z = tile->rays.o[2][0], g = fabs(z - 0.5 * s->c * (x * x + y * y + s->k1 * z * z));
+    if (!(g <= 0x1p-6 * fabs(z))) return AWAY;
+    return tile->rays.tmin[0] >= 0 && g <= 0x1p-44 * fabs(z) ? LEAVING : NEARBY;
+}
+
+static size_t sweep_near(const bowl *s, bool rich, bool nearby, const sgt_tile *tile, bowl_room *room)
+{
+    if (nearby) return s->c == 0 ? conic_sweep_plane_nearby(s, tile, room) : conic_sweep_near_nearby(s, tile, room);
     if (s->c == 0 && s->proof) return rich ? conic_sweep_plane_sure_rich(s, tile, room) : conic_sweep_plane_sure(s, tile, room);
     if (s->c == 0) return rich ? conic_sweep_plane_rich(s, tile, room) : conic_sweep_plane(s, tile, room);
     if (s->proof) return rich ? conic_sweep_near_sure_rich(s, tile, room) : conic_sweep_near_sure(s, tile, room);
     return rich ? conic_sweep_near_rich(s, tile, room) : conic_sweep_near(s, tile, room);
 }
 
-static size_t sweep_first(const bowl *s, bool rich, const sgt_tile *tile, bowl_room *room)
+static size_t sweep_first(const bowl *s, bool rich, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
+    if (nearby) return conic_sweep_first_nearby(s, tile, room);
     if (s->proof) return rich ? conic_sweep_first_sure_rich(s, tile, room) : conic_sweep_first_sure(s, tile, room);
     return rich ? conic_sweep_first_rich(s, tile, room) : conic_sweep_first(s, tile, room);
 }
@@ -106,17 +156,21 @@ size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile 
         return tile->n;
     }
     bool rich = tile->hits.t_lo || tile->hits.p_err, first = opt->pick != SGT_NEAR_SEED && c != 0;
-    bool hollow = first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: a guess, which costs time or saves it */
+    beginning from = beginning_of(&s, tile);
+    bool nearby = from == NEARBY, later = from == LEAVING || (first && c * tile->rays.d[2][0] < 0); /* of the first ray, the same guess */
     size_t hard = tile->n;
-    if (hollow) memset(status, SGT_HARD, tile->n);
-    else hard = first ? sweep_first(&s, rich, tile, &room) : sweep_near(&s, rich, tile, &room);
+    if (later) memset(status, SGT_HARD, tile->n);
+    else hard = first ? sweep_first(&s, rich, nearby, tile, &room) : sweep_near(&s, rich, nearby, tile, &room);
     if (8 * hard <= tile->n) return hard; /* one by one */
-    conic_sweep_away(&s, tile, away, far_gone);
-    if (first) { /* the near roots, all of them: those found before come out the same */
-        for (size_t i = 0; i < tile->n; i++)
-            if (status[i] == SGT_HIT) far_gone[i] = MASK(true);
-        sweep_near(&s, rich, tile, &room);
+    if (c == 0) conic_sweep_plane_away(&s, tile, away);
+    else conic_sweep_away(&s, tile, away, far_gone);
+    mask nearest = 0; /* of some the near root may count, and has not been looked for */
+    for (size_t i = 0; i < tile->n; i++) {
+        if (status[i] == SGT_HIT) far_gone[i] = MASK(true);
+        else nearest |= ~away[i] & (first ? far_gone[i] : MASK(later));
     }
+    if (nearest) sweep_near(&s, rich, nearby, tile, &room); /* all of them: those found before come out the same */
+    else if (later) sweep_nothing(tile, &room.ends);
     hard = 0;
     for (size_t i = 0; i < tile->n; i++) {
         bool met = status[i] == SGT_HIT && (!first || far_gone[i]);

@@ -31,18 +31,21 @@ SGT_INLINE void to_vertex_plane(double ox, double oy, double oz, double l, doubl
 }
 
 /* A root nearer to the origin of t is for the careful forms: what has underflown on the way is no longer small beside an
- * ulp of t.  (t0_lo and tau lose less than 2^-970 that way, where |n| > 2^-100.) */
+ * ulp of t.  (t0_lo and tau lose less than 2^-970 that way, where |n| > 2^-100.)  A root at the origin itself is none of
+ * those where the ray starts in the vertex: there is nothing to underflow, and t = 0 is exact. */
 static const double LEAST_T = 0x1p-900;
+
+SGT_INLINE mask at_vertex(double x, double y, double oz) { return MASK((fabs(x) + fabs(y)) + fabs(oz) == 0); }
 
 /* Does the root count?  The rules of sag.h, where they are certain by far: the start is farther from the root than any
  * rounding (64 near is more than what START_ULPS is a part of), tmax too, t is as sharp as it can be.  g is what takes (px, py) to
- * the gradient (g px, g py, 1). */
+ * the gradient (g px, g py, 1).  exact: the ray starts where it meets the surface, and nothing has been rounded. */
 SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol, double pz, double g,
-                        double near, double rim2, mask also)
+                        double near, double rim2, mask exact, mask also)
 {
     double px = fma(r->tau, l, r->x), py = fma(r->tau, m, r->y), at = fabs(r->t), r2 = px * px + py * py, none = (double)NAN;
     mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol)) & MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near))
-             & MASK(r2 <= rim2) & MASK(fma(END_ERRORS, r->t_err, r->t) <= tmax) & MASK(at > LEAST_PLACE);
+             & MASK(r2 <= rim2) & MASK(fma(END_ERRORS, r->t_err, r->t) <= tmax) & (MASK(at > LEAST_PLACE) | exact);
     lane e = {.hit = hit, .t = chosen(hit, r->t, none), .t_err = chosen(hit, r->t_err, none),
               .px = chosen(hit, px, none), .py = chosen(hit, py, none), .pz = chosen(hit, pz, none),
               .nx = chosen(hit, px * g, none), .ny = chosen(hit, py * g, none)};
@@ -84,6 +87,15 @@ SGT_INLINE sweep_to sweep_to_of(const sgt_tile *tile, sweep_ends *ends)
         (to).nx[i] = (e).nx, (to).ny[i] = (e).ny, (to).nz[i] = chosen((e).hit, 1, (double)NAN), (to).hit[i] = (e).hit;     \
         if (rich) (to).t_lo[i] = (e).t_lo, (to).p_err[i] = (e).p_err;                                                      \
     } while (0)
+
+/* As SWEEP_STORE does of rays that are not met. */
+SGT_INLINE void sweep_nothing(const sgt_tile *tile, sweep_ends *ends)
+{
+    sweep_to to = sweep_to_of(tile, ends);
+    double none = (double)NAN;
+    for (size_t i = 0; i < tile->n; i++)
+        to.t[i] = to.t_err[i] = to.t_lo[i] = to.px[i] = to.py[i] = to.pz[i] = to.nx[i] = to.ny[i] = to.nz[i] = to.p_err[i] = none;
+}
 
 /* Status and evals of the hits; the rest is hard.  all: every ray is one.  Returns how many are hard. */
 SGT_INLINE size_t sweep_told(const sgt_tile *tile, const sweep_ends *ends, int evals, mask all)
