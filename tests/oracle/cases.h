@@ -120,7 +120,7 @@ inline test_case random_case(generator &g)
 
     const double unit = flat || g.chance(0.5) ? h : std::fabs(R);
     t.on_surface = g.chance(0.1);
-    double distance = t.on_surface ? 0 : unit * g.log_uniform(1e-6, 1e12);
+    double distance = t.on_surface ? 0 : unit * g.log_uniform(1e-12, 1e12);
     if (g.chance(0.15)) distance = -distance;
     const double away = distance / length;
     t.ray.o = {target.x - away * d.x, target.y - away * d.y, target.z - away * d.z};
