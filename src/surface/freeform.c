@@ -189,6 +189,7 @@ void sgt_freeform_noise(const freeform *s, double radius, double e[2])
 
 void sgt_freeform_noise_about(const freeform *s, double radius, double e[2])
 {
+    e[0] = e[1] = (double)NAN;
     if (!s->of->noise_about || !(radius < HUGE_VAL)) {
         sgt_freeform_noise(s, radius, e);
         return;
