@@ -57,7 +57,8 @@ static void walk_sees_no_more(generator &g, long count)
         for (const meeting &m : a.roots) {
             const value v = evaluate(s, m.p);
             if (!(magnitude(v.f) <= 4 * m.blur * magnitude(m.slope))) fail("not a root", t);
-            if (!(m.blur <= quad(1e-25) * (magnitude(m.t()) + t.h / magnitude(m.slope)))) fail("a vague root", t);
+            const quad size = t.h + norm(m.p); // of the terms of F: a second root may be far from what the ray is aimed at
+            if (!(m.blur <= quad(1e-25) * (magnitude(m.t()) + size / magnitude(m.slope)))) fail("a vague root", t);
         }
         // Walk in double over 3 h (or the domain) beside the aim, in 4000 steps; on the
         // moved ray, since o + t d is not to be trusted far from o.
