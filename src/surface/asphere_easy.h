@@ -28,7 +28,8 @@
  * by 6 rho + 2 rho0; P by first times that and 2 rho first (each of T fmas rounds once); with Q = 9 rho + 2 rho0
  *     w by first Q + |z| + |w|,   G by e = |v| (w's) + |c| Q / 2 + 3 |w| (1 + |(1 + k) c w|),  v = 1 - (1 + k) c w.
  * s is off by at most 2^-37 of the sum of the magnitudes of its terms, 2 W1 + |c| |x l + y m| (v's share is |(1 + k) c| e /
- * |v| W1, and e < 2^-46 / |(1 + k) c|, |v| > 2^-8), which has to be below 64 |s|; and rho0 <= 4 rho: a start not too far off. */
+ * |v| W1, and e < 2^-46 / |(1 + k) c|, |v| > 2^-8), which has to be below 64 |s|; and rho0 <= 4 rho: a start not too far off.
+ * What underflows, z at t0 among it, is below 2^-1060 in G. */
 #ifndef SGT_SURFACE_ASPHERE_EASY_H
 #define SGT_SURFACE_ASPHERE_EASY_H
 
@@ -137,7 +138,7 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
     double off = fma(M * (H + H), ai, 0x1p-30); /* Delta / |s| */
     double Q = fma(9, rho, rho0 + rho0), az = fabs(z), ackw = fabs(ckw);
     double e = 1.01 * SGT_U * fma(fabs(1 - ckw), fma(first, Q, az + aw), fma(0.5 * s->abs_c, Q, (3 * aw) * (1 + ackw)));
-    double noise = e * ai, tau = at->tau2 - step, tau_err = fma(1.16, fma(as, off, noise), SGT_U * (fabs(tau) + (as + as)));
+    double noise = e * ai, tau = at->tau2 - step, tau_err = fma(1.16, fma(as, off, noise), fma(SGT_U, fabs(tau) + (as + as), 0x1p-1060 * ai));
     double terms_of_slope = fma(2, W1, s->abs_c * at->slant);
     mask again = MASK(off < 0x1p20);
     mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) & MASK(rho0 <= 4 * rho)

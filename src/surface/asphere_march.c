@@ -22,7 +22,7 @@
  * solve/root.c, and its end to sgt_form_settle of form.c, from an origin moved to the root.
  *
  * An undecided stretch is never dropped by the rule of the start: what is known of it is that a root may be in it, not
- * where.  UNDER PROOF a root has to be the only one in t -+ t_err (sgt_form_alone), and its side of the rim certain. */
+ * where.  Nor is a root whose t_err is wider than that rule.  UNDER PROOF a root has to be the only one in t -+ t_err (sgt_form_alone), and its side of the rim certain. */
 #include "../solve/root.h"
 #include "asphere.h"
 
@@ -110,13 +110,11 @@ static bool may_count(const walk *w, const meeting *at)
     return !told || counts(&end, w->ray, HUGE_VAL, w->q.scale);
 }
 
-/* The root may be before tmax, though its t is not; of a t that is as sharp as can be that is no question. */
-static bool may_be_before(const walk *w, const meeting *at)
+/* A root that does not count as told, but may: ends_hide. */
+static bool hides(const shape *s, const meeting *at, const sgt_ray *ray, double scale)
 {
-    meeting end = *at;
-    double tmax = w->ray->tmax;
-    end.t = tmax;
-    return at->t > tmax && at->t - at->t_err <= tmax && at->t_err > 64 * SGT_U * fabs(tmax) && counts(&end, w->ray, w->s->rim2, w->q.scale);
+    double terms = at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z));
+    return !counts(at, ray, HUGE_VAL, scale) && ends_hide(at, ray, s->rim2, terms > 0 ? START_ULPS * terms / at->slope * scale : 0);
 }
 
 /* What is told of is all within the last hit's t_err of it: it may be the same root. */
@@ -135,7 +133,7 @@ static void keep(walk *w, meeting *at, double v_err, sgt_status status, double s
     bool proof = w->told->opt->proof != SGT_ESTIMATE;
     bool hidden = proof && rim_hidden(at, w->s->rim2);
     if (!counts(at, w->ray, hidden ? HUGE_VAL : w->s->rim2, w->q.scale)) {
-        if (!(w->dark && may_count(w, at)) && !may_be_before(w, at)) return;
+        if (!(w->dark && may_count(w, at)) && !hides(w->s, at, w->ray, w->q.scale)) return;
         status = SGT_UNPROVEN;
     } else if (hidden) {
         status = SGT_UNPROVEN;
@@ -168,12 +166,13 @@ static void take(walk *w, double tau, double tau_err, double lo, double hi, sgt_
     keep(w, &at, e.v_err + fabs(w->s->ck) * (fabs(e.dw) + fabs(w->q.n) + bend * tau_err) * tau_err, status, seed, best);
 }
 
-/* The root at t0 + tau.  Where a tolerance hides on which side of tmax it is, as if there were none. */
+/* The root at t0 + tau.  Where a tolerance hides on which side of tmax it is, or whether it is the start, as if there were none. */
 static bool settle(walk *w, double tau, meeting *at, double *v_err)
 {
     const sgt_options *opt = w->told->opt;
     bool settled = sgt_form_settle(w->s, w->ray, w->q.t0, tau, at, v_err, w->told);
-    if (!settled || !(opt->t_tol > 0) || fabs(at->t - w->ray->tmax) > END_ERRORS * at->t_err) return settled;
+    double near = fmin(fabs(at->t - w->ray->tmax), fabs(at->t - w->ray->tmin));
+    if (!settled || !(opt->t_tol > 0) || near > END_ERRORS * at->t_err) return settled;
     sgt_options sharp = *opt;
     sharp.t_tol = 0;
     w->told->opt = &sharp;
@@ -223,7 +222,8 @@ static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
     bool settled = fabs(t0) < HUGE_VAL && sgt_form_settle(s, ray, t0, 0, &at, &v_err, told);
     if (told->stopped) return hit_without(SGT_STOPPED, ray, told->evals);
     if (!settled || !(at.v > v_err)) return hit_without(SGT_UNPROVEN, ray, told->evals);
-    if (told->opt->proof != SGT_ESTIMATE && rim_hidden(&at, s->rim2) && counts(&at, ray, HUGE_VAL, scale)) {
+    bool on_rim = told->opt->proof != SGT_ESTIMATE && rim_hidden(&at, s->rim2) && counts(&at, ray, HUGE_VAL, scale);
+    if (on_rim || hides(s, &at, ray, scale)) {
         sgt_interval about = sgt_about(at.t, at.t_err);
         return hit_undecided(SGT_UNPROVEN, ray, told->evals, about.lo, about.hi);
     }
@@ -303,7 +303,12 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
                 continue;
             }
             if (sign_at(&left) * sign_at(&right) < 0) polish(&w, tau, &left, end, &right, seed, &best);
-            else if (!sign_at(&left) || !sign_at(&right)) take(&w, m, h, tau, end, SGT_UNPROVEN, seed, &best);
+            else if (!sign_at(&left) || !sign_at(&right)) { /* by the least slope, the root is so near that end */
+                const sample *at = sign_at(&left) ? &right : &left;
+                double off = (fabs(at->g) + at->g_err) / (slope - e.slope_err - bend * h) * (1 + 0x1p-20);
+                if (off < h) take(&w, sign_at(&left) ? end : tau, off, tau, end, SGT_UNPROVEN, seed, &best);
+                else take(&w, m, h, tau, end, SGT_UNPROVEN, seed, &best);
+            }
             if (told->stopped || w.spent) break; /* before the root of this cell was told */
             tau = end, h *= 1.5, left = right;
         } else if (bend * h * h > 2 * e.g_err && h > larger(2 * DBL_EPSILON * fabs(m), least)) {

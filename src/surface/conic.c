@@ -166,7 +166,9 @@ typedef struct careful_quadric {
 typedef struct careful_root {
     meeting at;
     bool ends, counts;  /* by the ends; by the rim too */
+    bool hidden;        /* t_err is far wider than rounding, and that cannot be told */
     int sheet;    /* 1 on it, 0 cannot be told, -1 off it */
+    double terms; /* of the rule of the start, at the equator too */
 } careful_root;
 
 SGT_INLINE twofold sum3(twofold a, twofold b, twofold c) { return twofold_sum(twofold_sum(a, b), c); }
@@ -212,6 +214,16 @@ SGT_INLINE careful_quadric careful_setup(double c, double k, const sgt_ray *ray)
     return g;
 }
 
+/* What is said of `at`, which has the rule's v, slope and n. */
+SGT_INLINE void judge(careful_root *r, const meeting *at, const sgt_ray *ray, double rim2, double scale)
+{
+    r->ends = counts(at, ray, HUGE_VAL, scale);
+    r->counts = r->ends && !(at->p.x * at->p.x + at->p.y * at->p.y > rim2);
+    if (r->ends) r->hidden = at->p_err > 0x1p-40 * (fabs(at->p.x) + fabs(at->p.y)) && rim_hidden(at, rim2);
+    else r->hidden = at->t + at->t_err >= ray->tmin && at->t - at->t_err <= ray->tmax
+                  && ends_hide(at, ray, rim2, r->terms > 0 ? START_ULPS * r->terms / at->slope * scale : 0);
+}
+
 SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, double tau_err, double S, const sgt_ray *ray, double rim2)
 {
     const local *q = &g->q;
@@ -239,8 +251,8 @@ SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, d
     double steep = -g->gamma / fmax(v.hi, DBL_MIN); /* at the very equator: as steep as a double can say */
     r.at.n = (sgt_vec3){px.hi * steep, py.hi * steep, 1};
     snap(&r.at, g->c, g->k, square_radius(r.at.p.x, r.at.p.y), 0, 0);
-    r.ends = counts(&r.at, ray, HUGE_VAL, q->scale);
-    r.counts = counts(&r.at, ray, rim2, q->scale);
+    r.terms = g->U * (fabs(g->gamma) * (px.hi * px.hi + py.hi * py.hi) + fabs(v.hi * pz.hi));
+    judge(&r, &r.at, ray, rim2, q->scale);
     return r;
 }
 
@@ -256,8 +268,7 @@ static careful_root refined(double c, double k, careful_root r, const local *q, 
     /* v in one double may be lost in its rounding, at the equator, and with it the rule of the start */
     meeting judged = again.at;
     judged.v = r.at.v, judged.slope = r.at.slope, judged.n = r.at.n;
-    again.ends = counts(&judged, ray, HUGE_VAL, q->scale);
-    again.counts = counts(&judged, ray, rim2, q->scale);
+    judge(&again, &judged, ray, rim2, q->scale);
     return again;
 }
 
@@ -284,6 +295,7 @@ static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *
         p->r[0] = careful_root_at(&g, twofold_quotient(B, A), 2 * half_gap / fabs(A.hi), half_gap, ray, rim2);
         if (!(fabs(p->r[0].at.t) < HUGE_VAL && p->r[0].at.t_err < HUGE_VAL)) return SGT_UNPROVEN; /* in lengths of d */
         bool may = p->r[0].sheet >= 0 && p->r[0].ends;
+        if (p->r[0].sheet >= 0 && p->r[0].hidden) return SGT_UNPROVEN;
         if (may && w->opt->proof != SGT_ESTIMATE && rim_hidden(&p->r[0].at, rim2)) return SGT_UNPROVEN;
         return may && p->r[0].counts ? SGT_GRAZE : SGT_MISS;
     }
@@ -332,9 +344,9 @@ static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, m
         const careful_root *r = wanted[i];
         if (r->sheet < 0) continue;
         if (!(r->at.t_err < HUGE_VAL)) return SGT_UNPROVEN; /* out of range */
-        if (!(proof ? careful_may(r, rim2) : r->counts)) continue;
+        if (!(proof ? careful_may(r, rim2) : r->counts) && !r->hidden) continue;
         *out = r->at;
-        return r->sheet > 0 && (!proof || careful_proof(&p, (int)(r - p.r), rim2)) ? SGT_HIT : SGT_UNPROVEN;
+        return !r->hidden && r->sheet > 0 && (!proof || careful_proof(&p, (int)(r - p.r), rim2)) ? SGT_HIT : SGT_UNPROVEN;
     }
     return SGT_MISS;
 }
@@ -367,7 +379,8 @@ SGT_INLINE sgt_status plane(double rim2, const sgt_ray *ray, bool proof, meeting
     if (out->t - out->t_err > ray->tmax || out->t + out->t_err < ray->tmin) return SGT_MISS;
     /* so nearly parallel that t, or the point, is out of range */
     if (!(out->t_err < HUGE_VAL && out->p_err < HUGE_VAL)) return SGT_UNPROVEN;
-    if (proof && rim_hidden(out, rim2) && counts(out, ray, HUGE_VAL, q.scale)) return SGT_UNPROVEN;
+    bool ends = counts(out, ray, HUGE_VAL, q.scale);
+    if (ends ? proof && rim_hidden(out, rim2) : ray->o.z != 0 && ends_hide(out, ray, rim2, 0)) return SGT_UNPROVEN;
     return counts(out, ray, rim2, q.scale) ? SGT_HIT : SGT_MISS;
 }
 
@@ -458,9 +471,9 @@ sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray
     double reached = ray->tmin;
     for (int i = 0; i < (p.far_exists ? 2 : 1) && !w.stopped; i++) {
         const careful_root *r = &p.r[i];
-        if (status == SGT_HIT && (r->sheet < 0 || (r->at.t_err < HUGE_VAL && !(proof ? careful_may(r, rim2) : r->counts)))) continue;
+        if (status == SGT_HIT && (r->sheet < 0 || (r->at.t_err < HUGE_VAL && !r->hidden && !(proof ? careful_may(r, rim2) : r->counts)))) continue;
         if (!(r->at.t_err < HUGE_VAL)) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL); /* out of range */
-        else if (status == SGT_HIT && (r->sheet == 0 || (proof && c != 0 && !careful_proof(&p, i, rim2)))) unproven_about(list, &r->at, ray, &w);
+        else if (status == SGT_HIT && (r->sheet == 0 || r->hidden || (proof && c != 0 && !careful_proof(&p, i, rim2)))) unproven_about(list, &r->at, ray, &w);
         else add_hit(list, &r->at, status, isnan(r->at.sag) ? conic_f(c, k, r->at.p) : r->at.p.z - r->at.sag, SGT_SEED, ray, &w);
         if (!w.stopped) reached = r->at.t + r->at.t_err;
     }

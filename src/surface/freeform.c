@@ -135,7 +135,7 @@ SGT_INLINE chord chord_of(double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
     double half2 = (radius2 * (1 + 0x1p-39) - near2 * (1 - 0x1p-40)) * inverse;
     double half = sqrt(half2) * (1 + 0x1p-40) + 0x1p-49 * (fabs(middle) + fabs(t0));
     middle += t0;
-    double lo = (middle - half) * scale, hi = (middle + half) * scale;
+    double lo = end_below(middle - half, scale), hi = end_above(middle + half, scale);
     mask along = MASK(fabs(d.x) + fabs(d.y) == 0), across = MASK(a > TINY);
     mask outside = MASK(o.x * o.x + o.y * o.y > radius2 * (1 + 0x1p-39));
     mask none = (along & outside) | (across & ~along & MASK(half2 < 0));
@@ -144,7 +144,7 @@ SGT_INLINE chord chord_of(double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
     lo = chosen(none, 1, lo), hi = chosen(none, -1, hi);
     /* L holds a part in 2^20 beyond the rim: is what rounding has added to the chord, here and where the ray is made local, within? */
     double least = fabs(n) * (1 - 0x1p-40) - steep * sqrt(a), added = 0x1p-48 * (fabs(middle) + fabs(t0));
-    least = chosen(along | (across & MASK(added * added * a <= 0x1p-42 * radius2)), least, 0);
+    least = chosen(along | (across & MASK(added * added * a <= 0x1p-42 * radius2) & MASK(hi - lo > 0x1p-900)), least, 0);
     return (chord){lo, hi, chosen(MASK(least > 0) & ~none, least, 0)};
 }
 

@@ -97,6 +97,9 @@ SGT_INLINE double q_power(double w, size_t n)
     return p;
 }
 
+/* What underflows in a bound of one term: of little account by itself, but the coefficient may be large. */
+#define Q_LOST 0x1p-1040
+
 /* A bound, rounded upward; of a NaN none. */
 SGT_INLINE double q_bound(double x) { return x < HUGE_VAL ? x * (1 + 0x1p-40) : HUGE_VAL; }
 

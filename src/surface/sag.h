@@ -13,7 +13,8 @@
  * ROOTS THAT COUNT.  In this order: on the sheet, inside the rim, in (tmin, tmax], not
  * the start itself (sgt_ray in sagitta.h has the rule).  The rules for rim and ends are
  * stated in computed numbers, so they are sharp and never undecided; where a proof is asked for,
- * a root whose side of the rim rounding hides is.
+ * a root whose side of the rim rounding hides is.  And a root whose t_err is far wider than the rule of the
+ * start (extreme numbers: terms that underflow or cancel) is not taken for the start: it is undecided (ends_hide).
  *
  * Each way to a root computes another t.  So a root next to tmax, by END_ERRORS of its t_err, is
  * left by the ways that are there for speed to the one that finds every root: the first root and
@@ -55,6 +56,10 @@ SGT_INLINE double scale_of(sgt_vec3 d)
     memcpy(&scale, &bits, sizeof scale);
     return big < 0x1p1023 ? scale : 0x1p-1023;
 }
+
+/* An end of a stretch in the ray's own t, outward: where that is subnormal the product loses less. */
+SGT_INLINE double end_below(double t, double scale) { return t * scale - DBL_MIN; }
+SGT_INLINE double end_above(double t, double scale) { return t * scale + DBL_MIN; }
 
 /* One coordinate of o + t0 d.  The product is hi + lo exactly, so is the sum of o and its hi.  Where they cancel to
  * less than half of the greater, that sum has no lo (Sterbenz 1974) and the product's own is added with one rounding;
@@ -207,6 +212,18 @@ SGT_INLINE bool rim_hidden(const meeting *h, double rim2)
     if (!(rim2 < HUGE_VAL)) return false;
     if (!(off < HUGE_VAL)) return !(larger(fabs(h->p.x), fabs(h->p.y)) - h->p_err > 2 * sqrt(rim2)); /* far beyond */
     return !(fabs(r2 - rim2) > 1.01 * off);
+}
+
+/* Of a root that does not count by its ends: t_err is so wide that it may count.  As the start it may be dropped if t_err is
+ * no more than the rule's own width, or if all of t +- t_err is within that; as one behind tmax if t_err is but rounding, or if
+ * all of t +- t_err is behind.  width: of the rule of the start, 16 ulps in each coordinate as a t. */
+SGT_INLINE bool ends_hide(const meeting *h, const sgt_ray *ray, double rim2, double width)
+{
+    double after = h->t - ray->tmin, most = (width < HUGE_VAL ? width : 0) + 8 * SGT_U * fabs(h->t);
+    bool start = after <= h->t_err + most && (h->t_err <= most || after + h->t_err <= most);
+    bool behind = h->t > ray->tmax && (h->t_err <= 64 * SGT_U * fabs(ray->tmax) || h->t - h->t_err > ray->tmax);
+    bool outside = h->p.x * h->p.x + h->p.y * h->p.y > rim2 && !rim_hidden(h, rim2);
+    return !start && !behind && !outside;
 }
 
 /* Infinite where there is none; 2^500 and beyond is none (surfaces.h). */

@@ -23,7 +23,7 @@ stretch sgt_chord(const sgt_ray *ray, double radius2)
     double half = sqrt(half2) * (1 + 0x1p-40) + 0x1p-46 * (fabs(middle) + fabs(q.t0));
     middle += q.t0;
     if (!isfinite(middle) || !isfinite(half)) return all;
-    return (stretch){(middle - half) * scale, (middle + half) * scale};
+    return (stretch){end_below(middle - half, scale), end_above(middle + half, scale)};
 }
 
 sgt_span sgt_sag_span(double c, double k, double semi_diameter, const sgt_ray *ray, bool bare)

@@ -337,6 +337,9 @@ static void search(const void *self, size_t n, sgt_rays rays, bool first, sgt_sp
         begin(&s, &c, few, o, d, first ? rays.tmin + at : whole);
         for (int i = 0; i < STEPS && unfinished(&c, few) > 0; i++) judge(&s, &c, few), move(&c, few);
         end(&c, few, first, out.lo + at, out.hi + at, out.seed + at, out.single + at);
+        for (size_t i = 0; i < few; i++) /* in lengths of so long a d the ends may underflow */
+            if (!(c.scale[i] * (s.R + s.r) > 0x1p-900) && out.lo[at + i] <= out.hi[at + i])
+                out.lo[at + i] = -HUGE_VAL, out.hi[at + i] = HUGE_VAL, out.single[at + i] = false;
     }
 }
 

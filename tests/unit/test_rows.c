@@ -235,12 +235,101 @@ static void test_first_of_all_at_an_end(void **state)
     }
 }
 
+/* t_err was so wide that the first root was taken for the start: of a conic so flat that the vertex plane is far outside it
+ * from the point nearest the vertex, in the list; of an asphere so near the vertex that its terms underflow.  The rays start in the vertex plane,
+ * where the root is known without a difference of like numbers (the asphere's power adds less than rounding). */
+static void test_start_within_a_wide_t_err(void **state)
+{
+    (void)state;
+    for (int e = 0; e < 520; e += 8)
+        for (int place = 20; place < 300; place += 17)
+            for (int which = 0; which < 4; which++) {
+                sgt_conic s = {.c = 3.6, .k = ldexp(which & 1 ? 1 : -1, e), .semi_diameter = 1};
+                sgt_asphere a = {.c = 3.6, .k = s.k, .semi_diameter = 1, .a = {0, 0x1p-200}};
+                sgt_surface surface = which & 2 ? (sgt_surface){&sgt_asphere_ops, &a} : (sgt_surface){&sgt_conic_ops, &s};
+                sgt_ray ray = {{ldexp(1.6, -place), 0, 0}, {1, 0, 0.25}, 0, 0};
+                long double A = s.c * (1 + (1 + (long double)s.k) * 0.0625L), B = 0.25L - (long double)s.c * ray.o.x, C = s.c * (long double)ray.o.x * ray.o.x;
+                long double D = B * B - A * C, t = C / (B + sqrtl(D)), v = 1 - (1 + (long double)s.k) * s.c * t * 0.25L;
+                if (!(D > 0.1L * B * B && v > 0.1L)) continue; /* touched, nearly, or on another sheet */
+                for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
+                    sgt_options opt = {.proof = (sgt_proof)proof};
+                    sgt_hit first = sgt_intersect(surface, ray, &opt), all[2];
+                    int count = sgt_intersect_all(surface, ray, 2, all, &opt);
+                    REQUIRE(first.status != SGT_MISS && count > 0, "k %g, 2^-%d: %s, and %d in the list", s.k, place, sgt_status_text(first.status), count);
+                    REQUIRE((long double)all[0].lo <= t && (long double)all[0].hi >= t * (1 - 0x1p-60L), "k %g, 2^-%d: %Lg is not in [%g, %g]", s.k, place, t, all[0].lo, all[0].hi);
+                    REQUIRE(first.status < 0 || fabsl(first.t - t) <= first.t_err + 0x1p-60L * t, "k %g, 2^-%d: t = %.17g, and it is %.20Lg", s.k, place, first.t, t);
+                }
+            }
+}
+
+/* Of a ray nearly in the vertex plane and close to it, what was to mend the quotient of t0 underflowed: t_err was less than it was off. */
+static void test_vertex_plane_whose_remainder_underflows(void **state)
+{
+    (void)state;
+    sgt_asphere s = {.c = 0x1p-1023, .k = -1, .a = {0, 0x1p-1023}};
+    for (int e = 600; e < 1020; e += 3)
+        for (int i = 1; i < 60; i++) {
+            sgt_ray ray = {{0, 0, -i * 0x1p-1074}, {0, 1, ldexp(1 + i * 0.016180339887498949, -e)}, 0, 0};
+            long double t = -(long double)ray.o.z / ray.d.z; /* the sag there is below 2^-1400 */
+            for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
+                sgt_hit h = asphere(s, ray, (sgt_options){.pick = (sgt_pick)pick});
+                REQUIRE(h.status < 0 || (h.status == SGT_HIT && fabsl(h.t - t) <= h.t_err + 0x1p-62L * t), "%d, slope 2^-%d: %s, t = %a +- %a, and it is %La",
+                        i, e, sgt_status_text(h.status), h.t, h.t_err, t);
+            }
+        }
+}
+
+/* A span whose ends underflow in lengths of a long d had no room for the root: with one sign at both ends it was a miss. */
+static void test_span_that_underflows_in_t(void **state)
+{
+    (void)state;
+    for (int length = 500; length < 1020; length += 20)
+        for (int height = 0; height < 540; height += 20) {
+            sgt_quadric q = {.constant = ldexp(-1, -2 * height), .linear = {0, 0, ldexp(1, -height)}};
+            sgt_quadric ball = {.constant = ldexp(-1, -2 * height), .squares = {1, 1, 1}};
+            sgt_torus torus = {.major = ldexp(1, -height), .minor = ldexp(0.25, -height)};
+            sgt_surface s[3] = {{&sgt_quadric_ops, &q}, {&sgt_quadric_ops, &ball}, {&sgt_torus_ops, &torus}};
+            sgt_ray ray = {{ldexp(0.125, -height), 0, 0}, {ldexp(1, length), 0, ldexp(1, length - 4)}, -INFINITY, INFINITY}; /* they meet it */
+            for (int i = 0; i < 3; i++)
+                for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++)
+                    for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
+                        sgt_hit h = sgt_intersect(s[i], ray, &(sgt_options){.proof = (sgt_proof)proof, .pick = (sgt_pick)pick});
+                        REQUIRE(h.status != SGT_MISS, "surface %d of size 2^-%d, a direction of 2^%d, proof %d, pick %d: a miss", i, height, length, proof, pick);
+                    }
+        }
+}
+
+/* The bound on a term underflowed where the term did not, as its coefficient is large: the enclosure was empty. */
+static void test_term_whose_bound_underflows(void **state)
+{
+    (void)state;
+    for (int norm = 0; norm < 500; norm += 4)
+        for (int size = 0; size < 1020; size += 20)
+            for (int which = 0; which < 2; which++) {
+                double a[8];
+                for (int i = 0; i < 8; i++) a[i] = ldexp(1.17, size);
+                sgt_q_con con = {.norm = ldexp(1.17, norm), .a = {a, 1, 8}};
+                sgt_q_bfs bfs = {.norm = con.norm, .a = con.a};
+                sgt_surface s = which ? (sgt_surface){&sgt_q_bfs_ops, &bfs} : (sgt_surface){&sgt_q_con_ops, &con};
+                for (int r = -10; r < 50; r += 10) {
+                    sgt_ray ray = {{ldexp(1.3, r), 0, 0}, {0, 0.5, 1}, 0, 0};
+                    sgt_interval slope, f = s.ops->enclose(s.self, &ray, (sgt_interval){-1, 0x1p-20}, &slope);
+                    double v = s.ops->value(s.self, ray.o, NULL), off = s.ops->rounding(s.self, ray.o);
+                    if (!(fabs(v) < INFINITY && off < INFINITY)) continue;
+                    REQUIRE(f.lo <= v + off && f.hi >= v - off && slope.lo <= slope.hi, "%s, norm 2^%d, coefficients 2^%d, r 2^%d: [%g, %g], and F is %g",
+                            s.ops->name, norm, size, r, f.lo, f.hi, v);
+                }
+            }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_undecided_inside_the_aperture), cmocka_unit_test(test_graze_far_from_the_surface),
         cmocka_unit_test(test_one_root_of_two_sheets), cmocka_unit_test(test_first_of_all_at_an_end),
         cmocka_unit_test(test_start_beyond_the_rim), cmocka_unit_test(test_bounds_out_of_range),
+        cmocka_unit_test(test_start_within_a_wide_t_err), cmocka_unit_test(test_vertex_plane_whose_remainder_underflows),
+        cmocka_unit_test(test_span_that_underflows_in_t), cmocka_unit_test(test_term_whose_bound_underflows),
         cmocka_unit_test(test_vertex_from_far_aside),
         cmocka_unit_test(test_vertex_in_its_plane), cmocka_unit_test(test_two_about_the_start), cmocka_unit_test(test_coarse_tolerance),
         cmocka_unit_test(test_start_within_the_tolerance), cmocka_unit_test(test_far_without_a_rim), cmocka_unit_test(test_rim_from_afar),
