@@ -68,6 +68,7 @@ struct subject {
     double t = 0;                // of the ray, for the enclosure
     double t_tol = 0, size = 1;  // a length of the surface
     double rim = 0;              // 0: none
+    sgt_pick pick = SGT_FIRST;
     bool alone = false;          // one term
     degree of_it = low;          // and its degree
     virtual ~subject() {}
@@ -112,6 +113,7 @@ inline double magnitude(quad x) { return std::fabs(oracle::to_double(x)); }
 inline void of_hit(const subject &s, way asked, table *to)
 {
     sgt_options opt = {};
+    opt.pick = s.pick;
     if (asked == tolerant) opt.t_tol = s.t_tol;
     if (asked == proven) opt.proof = SGT_PROVE_ROOT;
     const sgt_hit h = sgt_intersect(s.surface(), s.ray, &opt);
@@ -215,6 +217,10 @@ inline void ask(const subject &s, int c, table *to)
     else of_hit(s, proven, to);
 }
 
+// One cell of each kind: asking it tells of all that are like it.
+const int asked_of_all[] = {int(of_t) + int(plain) * int(angles), int(of_t) + int(tolerant) * int(angles),
+                            int(of_t) + int(proven) * int(angles), int(of_f), int(of_g)};
+
 // A subject that has been climbed: how it was drawn, and its numbers now.
 struct place {
     double quotient = -1;
@@ -267,7 +273,7 @@ inline void go(generator &g, subject *s, long evaluations, int steps, table *to)
         number++;
         s->draw(g);
         const std::vector<double *> numbers = numbers_of(s);
-        for (int c : {int(of_t) + int(plain) * int(angles), int(of_t) + int(tolerant) * int(angles), int(of_t) + int(proven) * int(angles), int(of_f), int(of_g)}) ask(*s, c, to), told(from, numbers), done++;
+        for (int c : asked_of_all) ask(*s, c, to), told(from, numbers), done++;
     }
     while (done < evaluations) {
         const int c = g.below(int(cells));

@@ -1,4 +1,5 @@
 // The greatest error for its bound that a climb finds, of each row of sgt_builtins: climb.h has what is looked for and why.
+// And of some surfaces at which one part of a bound has to hold alone, that random ones do not come near.
 //
 //   --limits   prints climb_limits.h: the greatest quotients found, and a fifth more
 //   --table    prints the table of docs/accuracy.md
@@ -176,6 +177,85 @@ struct of_catalogue : climb::subject {
     }
 };
 
+// A departure that is one term, of a high degree, in an aperture that is a small part of its norm: its rounding
+// is then nearly the same all over the aperture, and is what is seen.
+struct of_inner_part : of_catalogue {
+    explicit of_inner_part(const std::string &name) : of_catalogue(name) {}
+    void draw(generator &g) override
+    {
+        s = {};
+        s.type = type, s.sag = true, s.h = size = rim = s.rim = g.log_uniform(1e-2, 1e2);
+        alone = true, of_it = climb::low;
+        const double norm_x = s.h * g.log_uniform(4, 1e3), norm_y = s.h * g.log_uniform(4, 1e3);
+        const int most = type == "zernike" ? 231 : type == "chebyshev" ? 64 : 30;
+        const std::size_t n = static_cast<std::size_t>(most / 2 + 1 + g.below(most / 2));
+        std::vector<double> z(n);
+        const double sign = g.sign(), size_of_it = g.log_uniform(3, 1e3);
+        z[n - 1] = sign * size_of_it * s.h;
+        const bool upright = type == "chebyshev" && g.chance(0.5);
+        const sgt_numbers a = s.numbers(upright ? n : 1, upright ? 1 : n, z);
+        const sgt_chebyshev chebyshev = {0, 0, s.rim, norm_x, norm_y, a};
+        const int order = g.chance(0.5) ? SGT_NOLL : SGT_FRINGE;
+        const sgt_zernike zernike = {0, 0, s.rim, norm_x, order, g.chance(0.5), a};
+        if (type == "chebyshev") s.s = {&sgt_chebyshev_ops, s.keep(chebyshev)};
+        if (type == "zernike") s.s = {&sgt_zernike_ops, s.keep(zernike)};
+        if (type == "q_con") s.s = {&sgt_q_con_ops, s.keep(sgt_q_con{0, 0, s.rim, norm_x, a})};
+        if (type == "q_bfs") s.s = {&sgt_q_bfs_ops, s.keep(sgt_q_bfs{0, s.rim, norm_x, a})};
+        changed();
+        const catalogue::subject of(s);
+        p = random_point(g, s, of.rough, 0.95);
+        const double far = s.h * g.uniform(0.1, 3), way = g.sign(); // along the axis one step is all
+        ray = {{p.x, p.y, p.z - way * far}, {0, 0, way}, g.chance(0.5) ? 0 : -HUGE_VAL, HUGE_VAL};
+        t = far;
+    }
+};
+
+// An even asphere of a base that is nearly flat and strongly aspheric, and a departure that is steep: there each
+// part of the bounds on G' and G'' has its turn to be the greatest.  And tolerances of up to its size, with which
+// the first step that is proven is the last.
+struct of_steep_asphere : of_catalogue {
+    of_steep_asphere() : of_catalogue("even_asphere") {}
+    void draw(generator &g) override
+    {
+        s = {};
+        s.type = type, s.sag = true, s.h = size = g.log_uniform(1e-2, 1e2);
+        s.rim = rim = g.chance(0.67) ? s.h : 0;
+        sgt_asphere a = {};
+        const double bent = g.sign(), flatness = g.log_uniform(1e-3, 0.9), ch = bent * flatness;
+        const double e = g.chance(0.7) ? g.uniform(0.1, 0.95) : g.uniform(-1, 0.1);
+        a.c = ch / s.h, a.k = e / (ch * ch) - 1, a.semi_diameter = s.rim;
+        for (int terms = g.chance(0.8) ? 1 : 2; terms > 0; terms--) {
+            const int i = g.below(g.chance(0.7) ? 1 : 8);
+            const double sign = g.chance(0.7) ? -bent : g.sign(), slope = g.log_uniform(0.1, 7);
+            a.a[i] = sign * slope / ((2 * i + 2) * std::pow(s.h, 2 * i + 1));
+        }
+        s.s = {&sgt_asphere_ops, s.keep(a)};
+        changed();
+        const formula<double> rough(s.s);
+        const double r = s.h * std::sqrt(g.uniform(0, 1)), about = g.uniform(0, 6.283185307179586);
+        const int plane = g.below(5) / 2; // of y and z, of x and z
+        const double x = plane == 1 ? 0 : r * std::cos(about), y = plane == 2 ? 0 : r * std::sin(about);
+        const double z = -rough(x, y, 0.0), far = s.h * g.log_uniform(1e-3, 3);
+        sgt_vec3 d = random_direction(g);
+        if (plane == 1) d.x = 0;
+        if (plane == 2) d.y = 0;
+        if (g.chance(0.8)) { // nearly in the tangent plane, or less steep, or as steep to the other side
+            dual<double, 2> fx(x), fy(y);
+            fx.v[0] = fy.v[1] = 1;
+            const dual<double, 2> f = formula<dual<double, 2>>(s.s)(fx, fy, dual<double, 2>(z));
+            const double flat = -(f.v[0] * d.x + f.v[1] * d.y);
+            const double sign = g.sign(), off = g.log_uniform(1e-4, 1);
+            d.z = g.chance(0.3) ? flat + sign * off : flat * g.uniform(-1, 1);
+        }
+        p = {x, y, z};
+        ray = {{x - far * d.x, y - far * d.y, z - far * d.z}, d, g.chance(0.5) ? 0 : -HUGE_VAL, HUGE_VAL};
+        if (!(z == z)) ray.o = {0, 0, -s.h}, p = {0, 0, 0};
+        t_tol = s.h * g.log_uniform(1e-9, 1);
+        t = far;
+        pick = g.chance(0.5) ? SGT_FIRST : SGT_NEAR_SEED;
+    }
+};
+
 struct of_level_set : climb::subject {
     oracle::level f;
     sgt_mandelbrot m;
@@ -227,6 +307,8 @@ double weight_of(const std::string &type)
 {
     for (const char *cheap : {"plane", "sphere", "conic", "even_asphere", "quadric", "torus", "ellipsoid"})
         if (type == cheap) return 4;
+    if (type == "even_asphere, steep") return 2;
+    if (type.find(", inner part") != std::string::npos) return type[0] == 'c' ? 1 : 0.2;
     return type == "q_con" || type == "sum" ? 0.3 : type == "zernike" || type == "q_bfs" ? 0.6 : 1;
 }
 
@@ -240,20 +322,45 @@ int main(int argc, char **argv)
     const oracle::run r(1, argv, standard, 20261101);
     const bool pinned = r.seed == 20261101 && r.count == standard && !limits && !table;
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
+    std::vector<std::string> names;
+    for (const sgt_builtin *row = sgt_builtins; row->type; row++) names.push_back(row->type);
+    if (!table) {
+        names.push_back("even_asphere, steep");
+        for (const char *type : {"chebyshev", "zernike", "q_con", "q_bfs"})
+            names.push_back(std::string(type) + ", inner part");
+    }
+    const int with_tolerance = int(climb::of_t) + int(climb::tolerant) * int(climb::angles);
     int failed = 0;
-    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
-        if (only && std::strcmp(only, row->type)) continue;
-        const std::string type = row->type;
+    for (const std::string &type : names) {
+        if (only && type != only && type.substr(0, type.find(',')) != only) continue;
+        const bool inner = type.find(", inner part") != std::string::npos;
         std::unique_ptr<climb::subject> s;
         if (type == "julia" || type == "mandelbrot") s.reset(new of_level_set(type == "mandelbrot"));
+        else if (type == "even_asphere, steep") s.reset(new of_steep_asphere);
+        else if (inner) s.reset(new of_inner_part(type.substr(0, type.find(','))));
         else s.reset(new of_catalogue(type));
         climb::table t;
         t.type = type;
         for (const climb_limit &l : climb_limits)
             if (type == l.type) t.limits = l.most;
+        const std::uint64_t row = static_cast<std::uint64_t>(&type - names.data());
         for (int seeds = limits ? -1 : 0; seeds < (limits ? 3 : 1); seeds++) { // -1: as it is by default
-            generator g(r.seed + static_cast<std::uint64_t>(std::max(seeds, 0)) * 7919 + static_cast<std::uint64_t>(row - sgt_builtins) * 0x100000000u);
-            climb::go(g, s.get(), static_cast<long>(weight_of(type) * static_cast<double>(seeds < 0 ? standard : r.count) * 120), 60, &t);
+            generator g(r.seed + static_cast<std::uint64_t>(std::max(seeds, 0)) * 7919 + row * 0x100000000u);
+            const double count = static_cast<double>(seeds < 0 ? standard : r.count);
+            const long evaluations = static_cast<long>(weight_of(type) * count * 120);
+            if (!inner) climb::go(g, s.get(), evaluations, 60, &t);
+            for (long i = 0; inner && i < evaluations; i++) {
+                s->draw(g);
+                for (int c : climb::asked_of_all)
+                    if (c != with_tolerance) climb::ask(*s, c, &t), i++;
+            }
+        }
+        if (type == "even_asphere, steep") { // a quotient above 1 is rare there, and no climb leads to it
+            generator g(r.seed);
+            for (long i = 0; i < 250 * r.count; i++) {
+                s->draw(g);
+                climb::ask(*s, with_tolerance, &t);
+            }
         }
         failed += climb::judge(t, pinned);
         climb::print(t, limits, table);

@@ -10,7 +10,8 @@
 // of the rim is not to be told as one that counts, nor as one that does not; without a proof nothing is undecided.
 // A clear aperture is asked of a trace, the element's surface without a rim, now and then with few evaluations: what was not
 // searched is not told as clipped.
-// Each ray is asked for its first root, for the one near the seed, under each proof, for all of them, and in a batch.
+// Each ray is asked for its first root, for the one near the seed, under each proof, for all of them, and in a
+// batch; and `first` of its surface, if it has one, keeps what `single` promises.
 #include "judge.h"
 
 #include <sagitta/system.h>
@@ -21,7 +22,7 @@ namespace {
 
 std::map<std::string, long> failed;
 struct tally {
-    long asked, hit, miss, undecided, unasked;
+    long asked, hit, miss, undecided, unasked, narrowed;
 } told;
 
 const char *const edge_types[] = {"conic", "even_asphere", "odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "sum",
@@ -131,10 +132,32 @@ void judge(const scene &c, const sgt_hit &h, const sgt_options &o, bool sharp)
     if (h.status < 0 && !o.proof && sharp && c.of->s.sag && c.of->s.rim > 0 && !excused) return fail("undecided without a proof", c, o, 1, &h);
 }
 
+// What `first` promises by `single`: one root at most in its stretch, and if that does not count none does.
+void ask_first(const scene &c)
+{
+    const sgt_surface &s = c.of->s.s;
+    if (!s.ops->first) return;
+    const sgt_span f = s.ops->first(s.self, &c.ray);
+    if (!f.single) return;
+    told.narrowed++;
+    const known *in = nullptr, *first = nullptr;
+    bool perhaps = false;
+    for (const known &k : c.roots) {
+        perhaps = perhaps || k.state == oracle::perhaps;
+        if (k.state == oracle::yes && (!first || k.r.t < first->r.t)) first = &k;
+        if (!(k.r.t >= f.lo && k.r.t <= f.hi)) continue;
+        if (in) fail("first: two roots in a stretch that is single", c, {}, 0, nullptr);
+        in = &k;
+    }
+    if (first && !in) fail("first: the root that counts is not in the stretch", c, {}, 0, nullptr);
+    if (first && in && in != first && !perhaps) fail("first: not the first that counts", c, {}, 0, nullptr);
+}
+
 // sharp: all roots are known.
 void ask(const scene &c, bool sharp)
 {
     const sgt_surface &s = c.of->s.s;
+    if (sharp || (c.of->s.type == "quadric" && c.roots.size() == 2)) ask_first(c);
     for (int proof = 0; proof < 3; proof++)
         for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
             sgt_options o = {};
@@ -398,7 +421,8 @@ int main(int argc, char **argv)
                 at_aperture(apart, s, bare, of, true);
             }
         }
-        std::printf("%-14s %6ld answers: %6ld hits, %6ld misses, %6ld undecided; %ld rays not asked\n", edge_types[k], told.asked, told.hit, told.miss, told.undecided, told.unasked);
+        std::printf("%-14s %6ld answers: %6ld hits, %6ld misses, %6ld undecided; %ld rays not asked; first single %ld times\n",
+                    edge_types[k], told.asked, told.hit, told.miss, told.undecided, told.unasked, told.narrowed);
         std::fflush(stdout);
         if (told.hit < told.asked / 5 || told.miss < told.asked / 50) failed[std::string(edge_types[k]) + ": these rays are no test"]++;
     }

@@ -5,6 +5,10 @@
 // goes unnoticed there.  Here the surfaces are those that come near their bounds: departures of the size of the aperture, grids whose
 // heights jump from one end to the other, quadrics with coefficients so unlike that no power of two makes them alike.  The points are
 // the ends of the stretch, some at random, and those to which a few steps uphill lead, of g and of g' to either side.
+//
+// And what sgt_grid_measure says of P, its gradient and its second derivative, at points of grids whose heights
+// are as unlike in the two directions as can be, in cells far longer one way than the other: a bound of one
+// direction alone has nothing to hide behind.
 #include "judge.h"
 
 #include <map>
@@ -67,6 +71,59 @@ void make_loud(generator &g, specimen *s)
                                                           : nullptr;
         const double by = g.log_uniform(10, 1e4);
         for (std::size_t i = 0; a && i < count_of(*a); i++) const_cast<double *>(a->x)[i] *= by;
+    }
+}
+
+// Heights along one direction: a slope, one height, two by two to either side, one by one, or any.
+std::vector<double> profile(generator &g, std::size_t n)
+{
+    const int kind = g.below(5), from = g.below(4);
+    std::vector<double> z;
+    for (std::size_t i = 0; i < n; i++) {
+        const int at = static_cast<int>(i) + from;
+        const double pairs = at / 2 % 2 ? 1 : -1, singly = at % 2 ? 1 : -1, any = g.uniform(-1, 1);
+        const double profiles[] = {at - 0.5 * static_cast<double>(n), 1, pairs, singly, any};
+        z.push_back(profiles[kind]);
+    }
+    return z;
+}
+
+void measured_grid(generator &g, double nearest[3])
+{
+    typedef dual<dual<double, 2>, 2> number;
+    const std::size_t rows = static_cast<std::size_t>(4 + g.below(8)), columns = static_cast<std::size_t>(4 + g.below(8));
+    const std::vector<double> by_row = profile(g, rows), by_column = profile(g, columns);
+    std::vector<double> z;
+    for (double a : by_row)
+        for (double b : by_column) z.push_back(a * b);
+    const double step = g.log_uniform(1e-3, 1e3);
+    sgt_grid grid = {0, 0, 0, step, step * g.log_uniform(1e-4, 1e4), {z.data(), rows, columns}, 0, 0, 0};
+    sgt_grid_measure(&grid);
+    const formula<number> f({&sgt_grid_ops, &grid});
+    for (int i = 0; i < 60; i++) {
+        double at[2];
+        for (int j = 0; j < 2; j++) {
+            const std::size_t n = j ? rows : columns;
+            const double cell = g.below(static_cast<int>(n) - 1);
+            const double v = g.chance(0.5) ? 0.5 : g.uniform(0.01, 0.99);
+            at[j] = (cell + v - 0.5 * static_cast<double>(n - 1)) * (j ? grid.step_y : grid.step_x);
+        }
+        number x(dual<double, 2>::variable(at[0], 0)), y(dual<double, 2>::variable(at[1], 1));
+        x.v[0] = y.v[1] = dual<double, 2>(1.0);
+        const number p = f(x, y, number(0.0));
+        const double half = 0.5 * (p.v[0].v[0] - p.v[1].v[1]), mean = 0.5 * (p.v[0].v[0] + p.v[1].v[1]);
+        const double bend = std::fabs(mean) + std::hypot(half, p.v[0].v[1]);
+        const double is[3] = {std::fabs(p.a.a), std::hypot(p.v[0].a, p.v[1].a), bend};
+        const double said[3] = {grid.height, grid.steep, grid.bend};
+        static const char *const names[3] = {"|P|", "|grad P|", "the second derivative"};
+        for (int k = 0; k < 3; k++) {
+            nearest[k] = std::max(nearest[k], is[k] / said[k]);
+            if (is[k] <= said[k] * (1 + 1e-9)) continue;
+            if (failed[std::string("grid, measured: ") + names[k]]++ >= 1) continue;
+            std::printf("FAIL grid, measured: %s is %a at %a %a, and said to be at most %a\n", names[k], is[k], at[0],
+                        at[1], said[k]);
+            print_surface({&sgt_grid_ops, &grid});
+        }
     }
 }
 
@@ -139,6 +196,14 @@ int main(int argc, char **argv)
         std::printf("%-14s %6ld stretches, %6ld with a bound on g', %7ld points; |g - middle| up to %.3f, |g'| %.3f of half the width\n", type.c_str(), asked, bounded, points, nearest[0], nearest[1]);
         std::fflush(stdout);
         bad += bounded < asked / 4;
+    }
+    if (!only || !std::strcmp(only, "grid")) {
+        generator g(r.seed ^ 0x6772ULL << 40);
+        double nearest[3] = {0, 0, 0};
+        for (long i = 0; i < 20 * r.count; i++) measured_grid(g, nearest);
+        std::printf("grids measured: |P| up to %.3f, |grad P| %.3f, the second derivative %.3f of what is said\n",
+                    nearest[0], nearest[1], nearest[2]);
+        bad += nearest[0] < 0.9 || nearest[1] < 0.9 || nearest[2] < 0.9;
     }
     for (const auto &f : failed) std::printf("FAIL %6ld  %s\n", f.second, f.first.c_str());
     if (bad) std::printf("FAIL these stretches are no test\n");

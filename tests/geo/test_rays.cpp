@@ -10,7 +10,8 @@
 //   - no ray is undecided; of the level of gravity none ends on the far sheet;
 //   - a batch has the same bits;
 //   - of a ray that starts on the surface, 0 ... 20 of the rule's own widths (sgt_ray in sagitta.h) before or behind: the start
-//     itself is not told, and the root behind the start is, inward and outward; of ellipsoids of any shape, the first root is the first of all.
+//     itself is not told, and the root behind the start is, inward and outward; of ellipsoids of any shape, the first root is the first of all;
+//     and `first` keeps what `single` promises.
 #include "quad_earth.h"
 
 #include <sagitta/geo.h>
@@ -215,7 +216,7 @@ void run(const char *name, long count, const earth::grid *grid, const sgt_geoid 
 // A ray from on the surface, to some widths of the start.  Convex ones alone: there are two roots, the start and the other.
 void from_surface(const char *name, long count, long &faults)
 {
-    long wrong = 0, undecided = 0, inward = 0, at_start = 0;
+    long wrong = 0, undecided = 0, inward = 0, at_start = 0, narrowed = 0;
     for (long i = 0; i < count; i++) {
         double h = height_of_surface(), latitude = uniform(-90, 90), longitude = uniform(-180, 180);
         sgt_geodetic_height over = {0, 0, h};
@@ -247,11 +248,19 @@ void from_surface(const char *name, long count, long &faults)
         if (counts && hit.status >= 0 && !told_start) why = "a root that counts is not";
         if (inside && hit.status == SGT_MISS) why = "a miss, inward"; /* whichever of the two counts */
         if (gone && !inside && hit.status > 0) why = "a hit, outward";
+        // `first`, if single: its one root is the first that counts.  Behind the other one the ray is outside.
+        const sgt_span first = s.ops->first(s.self, &ray);
+        const bool at_root = root >= first.lo && root <= first.hi, at_other = F(earth::at(ray, first.hi)) > 0;
+        narrowed += first.single;
+        const bool start_alone = gone && inside && at_root && root > ray.tmin;
+        if (first.single && start_alone) why = "first: the start alone, which does not count";
+        if (first.single && gone && inside && !at_other) why = "first: the root that counts is not there";
+        if (first.single && counts && !at_root) why = "first: the root behind the start is not there";
         if (why && ++wrong <= 5)
             std::printf("%s, h = %.17g: %s, %g widths before: %s t = %.17g\n    o = %a %a %a\n    d = %a %a %a tmin %a\n", name, h, why, step, sgt_status_text(hit.status), hit.t, p.x, p.y, p.z, d.x, d.y, d.z, ray.tmin);
     }
-    std::printf("%s: %ld rays from on it, %ld inward: the start told of %ld, %ld undecided; %ld faults\n", name, count, inward, at_start, undecided, wrong);
-    faults += wrong + (at_start == 0);
+    std::printf("%s: %ld rays from on it, %ld inward: the start told of %ld, %ld undecided, first single %ld times; %ld faults\n", name, count, inward, at_start, undecided, narrowed, wrong);
+    faults += wrong + (at_start == 0) + (narrowed == 0);
 }
 
 // Of ellipsoids of any shape, from a start on the surface or some roundings of F beside: the first root is the first of all roots, and

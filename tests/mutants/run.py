@@ -28,7 +28,8 @@ it is known that no test notices, and why none can; that is no failure of the ru
 by newlines; they need not be whole lines of the file.
 
 A copy is built for one kind of processor (-Dclones=x86-64-v3 where this machine has it), the tests once and for all: they
-are linked to libsagitta.so, and an edit costs its objects and one link.  Where ccache is there the way back is free.
+are linked to libsagitta.so, and an edit costs its objects and one link, and the few tests that include a
+file of src.  Where ccache is there the way back is free.
 """
 import argparse, concurrent.futures, json, os, re, shutil, signal, subprocess, sys, time
 
@@ -37,7 +38,7 @@ ROOT = os.path.dirname(os.path.dirname(HERE))
 
 # The tests nearest to a file of src: the first row whose pattern matches.  Names are those of `meson test --list`.
 NEAREST = [
-    (r'src/num/', ['unit table', 'catalogue climb', 'proof']),
+    (r'src/num/', ['unit exact', 'unit table', 'catalogue climb', 'proof']),
     (r'src/solve/diagnose', ['unit diagnose', 'tool diagnose']),
     (r'src/solve/', ['unit root', 'unit intersect', 'unit rows', 'oracle brute']),
     (r'src/surface/check', ['unit check']),
@@ -138,7 +139,12 @@ class Copy:
         self.tests = [t for t in json.loads(listed) if not re.match(NEVER, t['name'])]
         self.targets = [os.path.relpath(t['filename'][0], self.build)
                         for t in json.loads(subprocess.run(['meson', 'introspect', '--targets', self.build], capture_output=True, check=True).stdout)
-                        if t['type'] == 'shared library' or t['name'] == 'sagitta' and t['type'] == 'executable']
+                        if t['type'] == 'shared library' or t['type'] == 'executable' and self.depends_on_src(t)]
+
+    def depends_on_src(self, target):
+        sources = [f for group in target['target_sources'] for f in group.get('sources', []) if f.endswith('.c')]
+        included = target['name'].startswith('test_') and any('#include "../../src/' in open(f).read() for f in sources)
+        return target['name'] == 'sagitta' or included
 
     def bring(self):
         listed = subprocess.run(['git', '-C', ROOT, 'ls-files', '-z', '--cached', '--others', '--exclude-standard'], capture_output=True, check=True).stdout

@@ -1,7 +1,8 @@
 // Conics, and even aspheres that are conics, where they are hardest to tell, against quad.h: on the equator, where the sheet of the sag ends, and 1 ... 20
 // ulps beside; and rays that nearly touch, from afar, which the careful path answers.
 //
-//   the equator   a root on the sheet is found by every pick and proof, one behind it never is told;
+//   the equator   a root on the sheet is found by every pick and proof, one behind it never is told; also where
+//                 it is beside the equator by some parts in 2^106, which twice the precision cannot tell;
 //   the careful   |t + t_lo - root| <= t_err / 100, as long as t_err is mostly what one double cannot hold of t.
 #include "cases.h"
 #include "quad.h"
@@ -100,6 +101,38 @@ void at_equator(generator &g, long *undecided, long *all)
     ask(s, ray, a, true, undecided, all);
 }
 
+// Nearly in the plane of the equator, aimed so that the root is some 2^-106 of the radius to one side of it.
+void at_equator_itself(generator &g, long *sides, long *undecided, long *all)
+{
+    const double R = g.log_uniform(1e-2, 1e3);
+    const sgt_conic s = {g.sign() / R, random_k(g), 0};
+    const quad e = 1 + quad(s.k), height = 1 / (e * s.c), r = 1 / (square_root(e) * magnitude(quad(s.c)));
+    const double about = g.uniform(0, 6.283185307179586), turn = about + g.sign() * g.uniform(0, 1.2);
+    const double away = to_double(r) * g.uniform(0.1, 10);
+    sgt_vec3 d = {std::cos(turn), std::sin(turn), 0};
+    const double z = beside(to_double(height), static_cast<int>(g.sign()) * (1 + g.below(4)));
+    const sgt_vec3 p = {to_double(r) * std::cos(about), to_double(r) * std::sin(about), z};
+    const sgt_vec3 o = {p.x - away * d.x, p.y - away * d.y, z};
+    const quad a = quad(d.x) * d.x + quad(d.y) * d.y, b = quad(o.x) * d.x + quad(o.y) * d.y;
+    const quad D = b * b - a * (quad(o.x) * o.x + quad(o.y) * o.y - r * r);
+    if (!(D > 0)) return;
+    const quad t[2] = {(-b - square_root(D)) / a, (-b + square_root(D)) / a};
+    d.z = beside(to_double((height - z) / t[g.below(2)]), static_cast<int>(g.sign()) * g.below(8));
+    const sgt_ray ray = {o, d, -HUGE_VAL, HUGE_VAL};
+    answer known = conic_roots(surface(s), ray);
+    std::vector<meeting> roots;
+    for (meeting m : known.roots) { // its z is right to some 2^-112
+        const quad side = 1 - e * s.c * m.p.z, margin = quad(0x1p-110) + magnitude(e * s.c * d.z) * m.blur;
+        if (magnitude(side) < quad(0x1p-102)) ++*sides;
+        if (side < -margin) continue;
+        m.edge = side < margin;
+        roots.push_back(m);
+    }
+    known.roots = roots;
+    ask(s, ray, known, false, undecided, all);
+    ask(s, ray, known, true, undecided, all);
+}
+
 // The greatest of |t + t_lo - root| / t_err.
 void nearly_touching(generator &g, double *worst, long *asked, long *undecided, long *all)
 {
@@ -135,10 +168,15 @@ int main(int argc, char **argv)
 {
     const run r(argc, argv, 20000, 20241119);
     generator g(r.seed);
-    long undecided = 0, all = 0, asked = 0;
+    long undecided = 0, all = 0, asked = 0, sides = 0;
     double worst = 0;
     for (long i = 0; i < r.count; i++) at_equator(g, &undecided, &all);
     std::printf("the equator: %ld answers, %ld undecided\n", all, undecided);
+    undecided = all = 0;
+    for (long i = 0; i < r.count / 2; i++) at_equator_itself(g, &sides, &undecided, &all);
+    std::printf("the equator itself: %ld answers, %ld undecided; %ld roots within 2^-102\n", all, undecided,
+                sides);
+    if (sides < r.count / 8) failed["these rays are not at the equator"]++;
     undecided = all = 0;
     for (long i = 0; i < r.count; i++) nearly_touching(g, &worst, &asked, &undecided, &all);
     std::printf("nearly touching: %ld answers, %ld undecided; %ld roots of which t_err is a half ulp, t + t_lo off by %.2g of it at most\n", all, undecided, asked, worst);
