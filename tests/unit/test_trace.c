@@ -528,6 +528,38 @@ static void test_far_launch_to_its_last_part(void **state)
     REQUIRE(rounded > n / 2, "these rays are no test");
 }
 
+/* The path is the sum of index times t + t_lo, rounded once, however long one part of it is. */
+static void test_path_rounded_once(void **state)
+{
+    (void)state;
+    generator g = seeded("path, rounded once");
+    long n = scaled(5000), rows = 0;
+    long double worst = 0;
+    for (long i = 0; i < n; i++) {
+        lens l;
+        random_lens(&g, &l);
+        sgt_ray ray = random_launch(&g);
+        double away = chance(&g, 0.5) ? 0 : ldexp(1, below(&g, 40)), before = uniform(&g, 1, 1.9);
+        ray.o = (sgt_vec3){ray.o.x - away * ray.d.x, ray.o.y - away * ray.d.y, ray.o.z - away * ray.d.z};
+        sgt_passage passage[ELEMENTS];
+        size_t passed = sgt_trace(ELEMENTS, l.e, before, &ray, passage, NULL, NULL);
+        long double path = 0, size = 0, index = before;
+        for (size_t j = 0; j < passed; j++, rows++) {
+            const sgt_hit *h = &passage[j].hit;
+            long double part = index * ((long double)h->t + h->t_lo), opl = passage[j].opl;
+            path += part, size += fabsl(part);
+            if (!(size < 1e300L)) break;
+            long double ulp = nextafter(fabs(passage[j].opl), FAR) - fabsl(opl), off = fabsl(opl - path);
+            worst = fmaxl(worst, (off - 0x1p-61L * size) / ulp);
+            REQUIRE(off <= 0.502L * ulp + 0x1p-61L * size, "ray %ld from %g away, element %zu: the path is off by %Lg of its ulp",
+                    i, away, j, off / ulp);
+            if (l.e[j].index != 0 && l.e[j].index != SGT_MIRROR) index = l.e[j].index;
+        }
+    }
+    print_message("%ld paths, off by %.4Lf of an ulp at most\n", rows, worst);
+    REQUIRE(rows > n, "%ld paths", rows);
+}
+
 /* ------------------------------------------------------------------ watching */
 
 typedef struct counter { int calls, stop_at; } counter;
@@ -584,7 +616,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_against_wide), cmocka_unit_test(test_reversed),   cmocka_unit_test(test_fates),       cmocka_unit_test(test_invalid),
-        cmocka_unit_test(test_nothing_wanted), cmocka_unit_test(test_aperture_chooses), cmocka_unit_test(test_wide_aperture), cmocka_unit_test(test_far_lens), cmocka_unit_test(test_far_launch), cmocka_unit_test(test_far_launch_to_its_last_part),
+        cmocka_unit_test(test_nothing_wanted), cmocka_unit_test(test_aperture_chooses), cmocka_unit_test(test_wide_aperture), cmocka_unit_test(test_far_lens), cmocka_unit_test(test_far_launch), cmocka_unit_test(test_far_launch_to_its_last_part), cmocka_unit_test(test_path_rounded_once),
         cmocka_unit_test(test_watch),        cmocka_unit_test(test_scan_lens_ray),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
