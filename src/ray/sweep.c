@@ -227,7 +227,7 @@ static double nearby_asked(const lanes *a, size_t n, double *asked)
     double some = 0;
 #pragma omp simd reduction(+ : some)
     for (size_t i = 0; i < n; i++) {
-        double is = (a->single[i] == 0) & (fabs(a->seed[i]) < HUGE_VAL) ? 1.0 : 0.0;
+        double is = ((a->single[i] == 0) & (fabs(a->seed[i]) < HUGE_VAL)) ? 1.0 : 0.0;
         asked[i] = is, some += is;
     }
     return some;

@@ -198,9 +198,16 @@ void sgt_freeform_noise_about(const freeform *s, double radius, double e[2])
     e[0] += LOST;
 }
 
+/* Of a rectangle its corners, where there is no rim: a ray is in it along one stretch at most. */
+static double rim2_within_frame(const freeform *s)
+{
+    double rim2 = rim2_of(s->semi_diameter);
+    return s->of->framed && s->reach > 0 && !(rim2 < HUGE_VAL) ? s->reach * s->reach * (1 + 0x1p-40) : rim2;
+}
+
 void sgt_freeform_within(const freeform *s, sgt_extent *extent)
 {
-    double rim2 = rim2_of(s->semi_diameter), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
+    double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
     sgt_extent e = {.radius2 = domain2, .steep = HUGE_VAL, .size = HUGE_VAL};
     bool whole = domain2 == rim2; /* else the equator of the base is inside, where its slope has no bound */
     if (rim2 > 0 && (whole || rim2 < HUGE_VAL)) {
@@ -209,7 +216,7 @@ void sgt_freeform_within(const freeform *s, sgt_extent *extent)
         bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
         int defined = conic < HUGE_VAL || !whole ? s->of->bounds(s->self, &where, &b) : 0;
         double steep = (conic + b.steep + LOST) * (1 + 0x1p-20);
-        if (whole && defined == 1 && steep < 0x1p500) e.steep = steep * (1 + 0x1p-20);
+        if (whole && (defined == 1 || s->of->framed) && steep < 0x1p500) e.steep = steep * (1 + 0x1p-20);
         if (!(b.size < HUGE_VAL) && defined && s->of->range) b.size = sgt_interval_greatest(s->of->range(s->self, &where));
         if (defined) e.size = size_within(s, r, b.size);
     }
@@ -222,7 +229,7 @@ void sgt_freeform_share(const freeform *s, sgt_shared *shared)
     sgt_extent e;
     sgt_freeform_within(s, &e);
     *shared = (sgt_shared){.c = s->c, .k1 = 1 + s->k, .radius2 = e.radius2, .steep = e.steep, .base_c = s->base ? s->c : 0, .base_k = s->base ? s->k : 0,
-                           .most2 = rim2_of(s->semi_diameter) * (1 + 0x1p-20)};
+                           .most2 = rim2_within_frame(s) * (1 + 0x1p-20)};
     sgt_freeform_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
 }
 

@@ -65,6 +65,10 @@ typedef struct departure {
     /* The same at less cost, perhaps wider: asked for many radii.  NULL: noise. */
     void (*noise_about)(const void *self, double radius, double e[2]);
 
+    /* P is defined within a rectangle and nowhere else, and where it is defined `bounds` says so much of it although it is not all over
+     * the region. */
+    bool framed;
+
     /* dP/dc with its gradient, where P depends on the curvature of its base; NULL: it does not. */
     void (*by_curvature)(const void *self, size_t n, const double *x, const double *y, sag_values out);
 } departure;

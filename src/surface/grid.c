@@ -267,6 +267,18 @@ void sgt_grid_prepare(void *self) { sgt_grid_measure(self); }
 static size_t grid_parameter_count(const void *self) { (void)self; return 0; }
 
 static const departure grid_departure = {.at = grid_at, .rounding = grid_off, .bounds = grid_bounds, .second = grid_second,
-                                         .parameters = grid_parameter_count, .object = grid_objection, .noise = grid_noise};
+                                         .parameters = grid_parameter_count, .object = grid_objection, .noise = grid_noise, .framed = true};
 
-FREEFORM_ON_CONIC(grid, sgt_grid)
+static freeform grid_on_conic(const sgt_grid *g)
+{
+    double across = axis_of(g->step_x, g->z.columns).edge, along = axis_of(g->step_y, g->z.rows).edge;
+    return (freeform){.c = g->c,
+                      .k = g->k,
+                      .semi_diameter = g->semi_diameter,
+                      .base = true,
+                      .of = &grid_departure,
+                      .self = g,
+                      .reach = length_of(across, along) * (1 + 0x1p-50)};
+}
+
+FREEFORM_OPS(grid, sgt_grid, grid_on_conic)
