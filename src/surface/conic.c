@@ -76,7 +76,7 @@ static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_option
             return e->t_err < HUGE_VAL && (exact || fabs(e->t) > LEAST_T) && fabs(e->t) < HUGE_VAL ? EASY_HIT : EASY_NOT;
         }
         scale = scale_of(d);
-        if (lengths || (scale > 0x1p-40 && scale < 0x1p40)) break;
+        if (lengths || (scale > 0x1p-40 && scale < 0x1p40) || !ends_are_whole(ray, scale)) break;
         d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale}, tmin /= scale, tmax /= scale, t_tol /= scale;
     }
     return EASY_NOT;

@@ -138,6 +138,9 @@ SGT_INLINE bool direction_is_whole(const local *q, sgt_vec3 d)
     return q->l * inverse == d.x && q->m * inverse == d.y && q->n * inverse == d.z;
 }
 
+/* Neither end underflows in the t of the scaled direction: one made 0 would be where the ray starts. */
+SGT_INLINE bool ends_are_whole(const sgt_ray *ray, double scale) { return ray->tmin / scale * scale == ray->tmin && ray->tmax / scale * scale == ray->tmax; }
+
 /* Is the ray so near the vertex, all the way to p at t, that squares of its coordinates have underflown, and t_err does not
  * hide it? */
 SGT_INLINE bool place_is_tiny(const local *q, double t, sgt_vec3 p)

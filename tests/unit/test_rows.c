@@ -322,6 +322,26 @@ static void test_term_whose_bound_underflows(void **state)
             }
 }
 
+/* An end that underflows in the t of the scaled direction was taken for 0: a root at t = 0 behind the start was the start, one
+ * behind tmax was met. */
+static void test_ends_that_underflow(void **state)
+{
+    (void)state;
+    for (int e = 45; e < 1000; e += 5)
+        for (int which = 0; which < 3; which++) {
+            sgt_conic s = {.c = which ? 0.1 : 0};
+            sgt_asphere a = {.c = 0.1, .a = {0, 0x1p-10}};
+            sgt_ray early = {{which ? 0 : 0.6, 0, 0}, {ldexp(1, -e), 0, ldexp(1, -e)}, ldexp(-1.9, -e), INFINITY}, late = early;
+            late.tmin = -INFINITY, late.tmax = early.tmin;
+            for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
+                sgt_options opt = {.pick = (sgt_pick)pick};
+                sgt_hit h = which == 2 ? asphere(a, early, opt) : conic(s, early, opt), l = which == 2 ? asphere(a, late, opt) : conic(s, late, opt);
+                REQUIRE(h.status != SGT_MISS, "surface %d, 2^-%d: %s", which, e, sgt_status_text(h.status));
+                REQUIRE(l.status <= 0 || l.t <= late.tmax, "surface %d, 2^-%d: %s at %g, tmax %g", which, e, sgt_status_text(l.status), l.t, late.tmax);
+            }
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -329,7 +349,7 @@ int main(void)
         cmocka_unit_test(test_one_root_of_two_sheets), cmocka_unit_test(test_first_of_all_at_an_end),
         cmocka_unit_test(test_start_beyond_the_rim), cmocka_unit_test(test_bounds_out_of_range),
         cmocka_unit_test(test_start_within_a_wide_t_err), cmocka_unit_test(test_vertex_plane_whose_remainder_underflows),
-        cmocka_unit_test(test_span_that_underflows_in_t), cmocka_unit_test(test_term_whose_bound_underflows),
+        cmocka_unit_test(test_ends_that_underflow), cmocka_unit_test(test_span_that_underflows_in_t), cmocka_unit_test(test_term_whose_bound_underflows),
         cmocka_unit_test(test_vertex_from_far_aside),
         cmocka_unit_test(test_vertex_in_its_plane), cmocka_unit_test(test_two_about_the_start), cmocka_unit_test(test_coarse_tolerance),
         cmocka_unit_test(test_start_within_the_tolerance), cmocka_unit_test(test_far_without_a_rim), cmocka_unit_test(test_rim_from_afar),
