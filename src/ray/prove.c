@@ -403,9 +403,10 @@ static bool take(proof *w, const certain *c)
     if (w->told.stopped) return true;
     w->last = root;
     sgt_interval about = sgt_about(at.h.t, at.h.t_err);
-    /* in computed numbers, as long as they say how far the start reaches; where rounding hides that, by what is certain */
+    /* in computed numbers, as long as they say how far the start reaches; where rounding hides that, by what is certain, wherever the root
+     * is in its interval: next to the line in which two planes meet the terms are many times as much at one end of that */
     double reach = root.hi - (w->tmin.lo + at.h.t_err + 8 * SGT_U * fabs(w->t0 + t));
-    bool hidden = w->ray->tmin > -HUGE_VAL && !(at.most <= 4 * at.least) && !(reach <= at.least) && !(root.lo - w->tmin.hi > 2 * at.h.t_err + at.most + 16 * SGT_U * fabs(w->t0 + t));
+    bool hidden = w->ray->tmin > -HUGE_VAL && !(at.most <= 4 * at.least) && !(reach <= at.least && reach <= start_width(w, root, c->slope)) && !(root.lo - w->tmin.hi > 2 * at.h.t_err + at.most + 16 * SGT_U * fabs(w->t0 + t));
     if (w->told.opt->proof && w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* on the rim */
     else if (hidden && !(w->t0 + root.lo > w->ray->tmax)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
     else if (at.h.counts && at.exact && in_range(&at) && alone_as_told(w, &at, only)) add(w, SGT_HIT, &at, root, about);
