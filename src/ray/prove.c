@@ -285,7 +285,8 @@ static bool touches(const proof *w, const place *at)
     const sgt_surface_ops *ops = w->s.ops;
     double own = ops->rounding ? ops->rounding(w->s.self, at->p) : HUGE_VAL, size = absolute(at->p) * absolute(at->n);
     if (!(own >= 0 && own < HUGE_VAL)) return !is_catalogue(ops); /* not known */
-    return !(own > 0x1p-20 * size + 0x1p-900) && !(fabs(at->f) > 8 * (own + 2 * SGT_U * size));
+    bool lost = at->n.z == 1 && own > 0x1p-20 * size + 0x1p-900; /* of a sag: the gradient of another may vanish */
+    return !lost && !(fabs(at->f) > 8 * (own + 2 * SGT_U * size));
 }
 
 /* Neither the point nor the gradient has overflown. */
