@@ -12,7 +12,11 @@
  * scaled direction.  Then F at one point, in the aperture or next to it, decides everything: there is one root in the chord, within
  * |F| / least of that point.  The point is o + (t + t_lo) d of a hit that nobody has proven, each coordinate right to u of itself, which
  * moves F by no more than the steepest gradient in the aperture times that: nothing is taken to first order.  Two or three calls of the surface for all rays
- * of a tile, where enclosures cost as much as a dozen for each. */
+ * of a tile, where enclosures cost as much as a dozen for each.
+ *
+ * NEARER.  A root is outside the clear aperture; is there another, inside?  Not where it is the only one within a
+ * radius R of the axis that is not less than its own.  R is rounded up, so that many rays share it, and depends on
+ * nothing but the root. */
 #include "alone.h"
 
 #include "../num/lanes.h"
@@ -207,4 +211,53 @@ bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt
     sgt_step step = {.eval = hit->evals, .move = SGT_PROBE, .t = hit->t, .f = hit->f, .slope = hit->n.x * ray->d.x + hit->n.y * ray->d.y + hit->n.z * ray->d.z, .lo = about.lo, .hi = about.hi};
     if (opt->watch && opt->watch(opt->watch_data, &step)) *hit = hit_without(SGT_STOPPED, ray, hit->evals);
     return true;
+}
+
+/* ------------------------------------------------------------------------------ nearer */
+
+/* R^2: a power of two above r^2, by more than rounding; infinite where r is out of range. */
+static double radius2_about(double x, double y)
+{
+    double r2 = (x * x + y * y) * (1 + 0x1p-20);
+    return r2 > 0x1p-800 && r2 < 0x1p800 ? 2 * inverse_of_scale((sgt_vec3){r2, 0, 0}) : HUGE_VAL;
+}
+
+static const sgt_extent *extent_about(sgt_surface s, double radius2, sgt_extents *kept)
+{
+    int power;
+    frexp(radius2, &power);
+    size_t k = (unsigned)power % SGT_EXTENTS;
+    if (kept->radius2[k] == radius2) return &kept->of[k];
+    kept->radius2[k] = radius2;
+    s.ops->own_->extent_within(s.self, sqrt(radius2), &kept->of[k]);
+    return &kept->of[k];
+}
+
+void sgt_none_nearer(sgt_surface s, const sgt_tile *tile, sgt_extents *kept, unsigned long long none[])
+{
+    const struct sgt_own *own = s.ops->own_;
+    size_t n = tile->n;
+    double within2[SGT_FEW], radius2[SGT_FEW] = {0}, steep[SGT_FEW] = {0};
+    double lo[SGT_FEW], hi[SGT_FEW], least[SGT_FEW];
+    memset(none, 0, n * sizeof *none);
+    for (size_t i = 0; i < n; i++) within2[i] = radius2_about(tile->hits.p[0][i], tile->hits.p[1][i]);
+    if (own && is_catalogue(s.ops) && own->extent_within) {
+        for (size_t i = 0; i < n; i++) {
+            const sgt_extent nothing = {0, HUGE_VAL, HUGE_VAL}, *e = &nothing;
+            if (within2[i] < HUGE_VAL) e = extent_about(s, within2[i], kept);
+            radius2[i] = e->radius2, steep[i] = e->steep;
+        }
+        own->chords(n, tile->rays, radius2, steep, lo, hi, least);
+        for (size_t i = 0; i < n; i++) none[i] = MASK(least[i] > 0);
+    } else if (own && own->alone) {
+        unsigned long long alone[SGT_FEW];
+        for (size_t i = 0; i < n; i++) {
+            bool asked = false; /* with an earlier one */
+            for (size_t k = 0; k < i; k++) asked = asked || within2[k] == within2[i];
+            if (asked) continue;
+            own->alone(s.self, tile, within2[i], alone, NULL);
+            for (size_t k = i; k < n; k++)
+                if (within2[k] == within2[i]) none[k] = MASK(alone[k] == ~0ULL);
+        }
+    }
 }

@@ -95,6 +95,11 @@ SGT_INLINE void tell_of_given(sgt_hit *hit, const state *at, const sgt_pose *pos
 
 /* ------------------------------------------------------------------ meeting */
 
+static sgt_rays rays_of(const sgt_ray *ray)
+{
+    return (sgt_rays){{&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};
+}
+
 /* How many roots of a chord are looked at; of more nothing is told. */
 enum { FEW = 4 };
 
@@ -148,12 +153,25 @@ sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, con
     return hit;
 }
 
+/* It is a root near the seed, as it was asked for, and there is none nearer to the axis. */
+static bool is_nearest(sgt_surface surface, const sgt_ray *ray, const sgt_options *opt, const sgt_hit *hit)
+{
+    unsigned long long none;
+    sgt_extents kept = {.radius2 = {0}};
+    double x = hit->p.x, y = hit->p.y;
+    sgt_tile one = {.n = 1, .rays = rays_of(ray), .hits = {.p = {&x, &y, NULL}}};
+    if (!is_near(hit->status, opt)) return false;
+    sgt_none_nearer(surface, &one, &kept, &none);
+    return none;
+}
+
 /* *hit, on the whole line, is made the hit that is meant; *inside: within the clear aperture.  Only an answer
  * inside overrules the first, or one that may be inside. */
 static void choose(sgt_surface surface, sgt_ray ray, double aperture2, const sgt_options *opt, sgt_hit *hit, bool *inside)
 {
     *inside = hit->status > 0 && is_inside(hit->p, aperture2);
-    if (*inside || !(aperture2 < HUGE_VAL) || !is_worth_more(hit->status) || !cut_to_chord(&ray, aperture2)) return;
+    if (*inside || !(aperture2 < HUGE_VAL) || !is_worth_more(hit->status)) return;
+    if (is_nearest(surface, &ray, opt, hit) || !cut_to_chord(&ray, aperture2)) return;
     sgt_hit other = sgt_ask_inside(surface, ray, aperture2, opt, inside);
     hit->evals = other.evals += hit->evals;
     if (*inside || may_be_inside(surface, opt, other.status)) *hit = other;
@@ -215,7 +233,7 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
         if (!make_unit(&ray.d)) return SGT_LOST;
     }
     sgt_options own = *opt;
-    if (own.t_tol == 0) own.t_tol = tolerance(e->semi_diameter, ray.o);
+    if (own.t_tol == 0) own.t_tol = tolerance(is_open(e->semi_diameter), e->semi_diameter, ray.o, ray.d);
     bool only = asks_alone(&own); /* of the root that is meant, and within the clear aperture */
     if (only) own.proof = SGT_PROVE_ROOT;
     shifted shift = {opt->watch, opt->watch_data, at->t0};

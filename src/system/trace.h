@@ -162,11 +162,20 @@ SGT_INLINE sgt_vec3 to_global(const sgt_pose *pose, sgt_vec3 a)
                       dot(a, (sgt_vec3){ex.z, ey.z, ez.z})};
 }
 
+/* Of a clear aperture; NaN is none that is sound. */
+SGT_INLINE bool is_open(double semi_diameter) { return !(semi_diameter > 0 && semi_diameter < NO_RIM); }
+
 /* The t_tol of a trace: 32 ulps of the aperture.  A point is not known better than that, and t, over a thin
  * gap, need not be.  But of the launch point's coordinates where they are less: an aperture may be put at
- * 1e10, to stand for none. */
-SGT_INLINE double tolerance(double semi_diameter, sgt_vec3 o)
+ * 1e10, to stand for none.  Where there is none (open) it is 32 ulps of the distance at which the ray passes
+ * the vertex, |o x d|: that is about what an aperture would have to be, and not more if the ray comes from
+ * afar. */
+SGT_INLINE double tolerance(bool open, double semi_diameter, sgt_vec3 o, sgt_vec3 d)
 {
+    if (open) {
+        double by = largest((sgt_vec3){o.y * d.z - o.z * d.y, o.z * d.x - o.x * d.z, o.x * d.y - o.y * d.x});
+        return by < HUGE_VAL ? 0x1p-48 * by : 0; /* not of NaN */
+    }
     double far = largest(o);
     return 0x1p-48 * (far < semi_diameter ? far : semi_diameter);
 }
@@ -241,6 +250,12 @@ SGT_INLINE double aperture2_around(double aperture2) { return aperture2 < 0 ? TI
  * start of the ray (see sgt_ray): those within are told from those without by their r^2 alone.  false: no other
  * root, for the ray is beside the cylinder, or along it (or out of range). */
 SGT_INLINE bool is_worth_more(sgt_status status) { return status != SGT_MISS && status != SGT_STOPPED && status != SGT_INVALID; }
+
+/* It is a root near the seed, as it was asked for. */
+SGT_INLINE bool is_near(sgt_status status, const sgt_options *opt)
+{
+    return status == SGT_HIT && opt->pick == SGT_NEAR_SEED;
+}
 
 SGT_INLINE bool cut_to_chord(sgt_ray *ray, double aperture2)
 {

@@ -10,7 +10,9 @@
  * WHAT THE LOOPS LEAVE.  They answer for a ray that is met within the clear aperture and goes on.  Any other
  * (missed, outside, totally reflected; a normal or a direction out of range) is looked at by itself, and
  * where it goes on taken through that one element by sgt_pass; so is a launch by sgt_launch, where the ray is
- * none.  Rays that have stopped leave the tile, and the others move up.
+ * none.  Of those that were met outside, which an aperture may well make half of the rays, it is asked a few
+ * at a time whether they meet the surface inside as well.  Rays that have stopped leave the tile, and the
+ * others move up.
  *
  * Where somebody watches, and where the options make no sense, tiles are of one ray, and all of it is done by
  * sgt_pass. */
@@ -59,7 +61,8 @@ typedef struct tile {
     vectors offsets[3], ds[2]; /* what the pointers above go to */
     paths some_paths[2];
     double t[TILE], t_lo[TILE], t_err[TILE], p_err[TILE];
-    union { double t_tol[TILE], good[TILE]; }; /* to the sweep; then 1: the loops have answered, 0: they have not */
+    union { double t_tol[TILE], good[TILE]; }; /* to the sweep; then 1: the loops have answered, 0: they have not,
+                                                  below 0: a verdict (judge_rest) */
     int evals[TILE];
     signed char status[TILE];
 } tile;
@@ -120,22 +123,29 @@ static double launch_all(size_t n, const sgt_rays *from, size_t first, sgt_vec3 
     return count;
 }
 
-SGT_CLONES_WIDE APART
-static void place_all(size_t n, sgt_vec3 shift, double semi_diameter, const vectors *restrict offset, vectors *restrict out,
-                      double *restrict tol)
+SGT_INLINE void place_by(bool open, size_t n, sgt_vec3 shift, double semi_diameter, const vectors *restrict offset,
+                         const vectors *restrict d, vectors *restrict out, double *restrict tol)
 {
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
         sgt_vec3 o = plus(shift, get(offset, i));
         put(out, i, o);
-        tol[i] = tolerance(semi_diameter, o);
+        tol[i] = tolerance(open, semi_diameter, o, get(d, i));
     }
 }
 
-/* A direction that comes out far from unit length (the axes are not what they should be) is NaN: met by no surface. */
 SGT_CLONES_WIDE APART
-static void turn_all(size_t n, const sgt_pose *pose, sgt_vec3 shift, double semi_diameter, const vectors *restrict offset,
-                     const vectors *restrict d, vectors *restrict out_o, vectors *restrict out_d, double *restrict tol)
+static void place_all(size_t n, sgt_vec3 shift, double semi_diameter, const vectors *offset, const vectors *d,
+                      vectors *out, double *tol)
+{
+    if (is_open(semi_diameter)) place_by(true, n, shift, semi_diameter, offset, d, out, tol);
+    else place_by(false, n, shift, semi_diameter, offset, d, out, tol);
+}
+
+/* A direction that comes out far from unit length (the axes are not what they should be) is NaN: met by no surface. */
+SGT_INLINE void turn_by(bool open, size_t n, const sgt_pose *pose, sgt_vec3 shift, double semi_diameter,
+                        const vectors *restrict offset, const vectors *restrict d, vectors *restrict out_o,
+                        vectors *restrict out_d, double *restrict tol)
 {
     sgt_pose p = *pose;
 #pragma omp simd
@@ -146,8 +156,16 @@ static void turn_all(size_t n, const sgt_pose *pose, sgt_vec3 shift, double semi
         turned.x = fabs(e) <= NEAR_UNIT ? turned.x : (double)NAN;
         put(out_o, i, o);
         put(out_d, i, turned);
-        tol[i] = tolerance(semi_diameter, o);
+        tol[i] = tolerance(open, semi_diameter, o, turned);
     }
+}
+
+SGT_CLONES_WIDE APART
+static void turn_all(size_t n, const sgt_pose *pose, sgt_vec3 shift, double semi_diameter, const vectors *offset,
+                     const vectors *d, vectors *out_o, vectors *out_d, double *tol)
+{
+    if (is_open(semi_diameter)) turn_by(true, n, pose, shift, semi_diameter, offset, d, out_o, out_d, tol);
+    else turn_by(false, n, pose, shift, semi_diameter, offset, d, out_o, out_d, tol);
 }
 
 /* d and out may be the same. */
@@ -323,20 +341,33 @@ static void stop(const work *job, tile *w, size_t i, sgt_fate fate, size_t passe
     w->index[i] = -1;
 }
 
-/* Those that have not stopped move up. */
+/* Those that have not stopped move up.  Which they are is not to be foreseen: so all are moved, and without a
+ * branch. */
 static void close_ranks(const work *job, tile *w, const place *at)
 {
     size_t k = 0;
     for (size_t i = 0; i < w->n; i++) {
-        if (w->index[i] < 0) continue;
-        w->index[k] = w->index[i];
+        int index = w->index[i];
+        w->index[k] = index;
         if (w->moved) w->t0[k] = w->t0[i];
         put(at->offset, k, get(at->offset, i));
         put(at->d, k, get(at->d, i));
         if (job->path) at->path->hi[k] = at->path->hi[i], at->path->lo[k] = at->path->lo[i];
-        k++;
+        k += index >= 0 ? 1 : 0;
     }
     w->n = k;
+}
+
+/* The rays that the loops have not answered for, in order; again without a branch. */
+typedef struct rest { size_t n; unsigned char of[TILE]; } rest;
+
+static void rest_of(const tile *w, rest *r)
+{
+    r->n = 0;
+    for (size_t i = 0; i < w->n; i++) {
+        r->of[r->n] = (unsigned char)i;
+        r->n += w->good[i] > 0 ? 0 : 1;
+    }
 }
 
 /* -------------------------------------------------------------- one by one */
@@ -415,45 +446,131 @@ static sgt_hit hit_of(const tile *w, size_t i, const sgt_hits *asked)
     return hit;
 }
 
-/* The i-th ray at element j: most of those that the loops have left stop there, with the hit that the sweep has
- * found, and that is told already.  ASK: it is inside, sgt_pass is to bend it; ASK_ANEW: it is another hit that is
- * meant, or the sweep was given no ray. */
-typedef enum verdict { STOPS, ASK, ASK_ANEW } verdict;
+/* The fate of a ray that was not met inside. */
+SGT_INLINE sgt_fate stopped_by(sgt_status status)
+{
+    return status == SGT_MISS ? SGT_MISSED : status > 0 ? SGT_CLIPPED : SGT_LOST;
+}
+
+/* What becomes of the i-th ray at element j, which the loops have left.  ASK: it is inside, sgt_pass is to bend
+ * it; ASK_ANEW: it is another hit that is meant, or the sweep was given no ray; ASK_INSIDE: it stops, unless *ray
+ * meets the surface within the aperture.  Most of them stop there, with the hit that the sweep has found, and that
+ * is told already; the fate is then the verdict less STOPS. */
+typedef enum verdict { ASK = 1, ASK_ANEW, ASK_INSIDE, STOPS = 8 } verdict;
 
 SGT_CLONES
-static verdict judge(const work *job, const tile *w, size_t i, size_t j, const bending *by, sgt_fate *fate)
+static int judge(const work *job, const tile *w, size_t i, size_t j, const bending *by, sgt_ray *ray)
 {
     const sgt_element *e = &job->e[j];
     sgt_status status = (sgt_status)w->status[i];
     double aperture2 = aperture2_of(e->semi_diameter);
-    sgt_ray ray = {.o = plus(minus(w->base, e->pose.origin), get(w->now.offset, i)), .d = get(w->now.d, i)};
+    *ray = (sgt_ray){.d = get(w->now.d, i), .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
+    ray->o = plus(minus(w->base, e->pose.origin), get(w->now.offset, i));
     if (is_turned(&e->pose)) {
-        ray.o = to_local(&e->pose, ray.o), ray.d = to_local(&e->pose, ray.d);
-        double off = excess(ray.d);
+        ray->o = to_local(&e->pose, ray->o), ray->d = to_local(&e->pose, ray->d);
+        double off = excess(ray->d);
         if (!(fabs(off) <= NEAR_UNIT)) return ASK_ANEW;
-        ray.d = kept_unit(ray.d, off);
+        ray->d = kept_unit(ray->d, off);
     }
     if (status > 0 && is_inside(get(w->p, i), aperture2)) { /* it goes on, or is reflected */
         if (by->kind == STRAIGHT) return ASK;
-        bent b = bent_by(by->kind, by->r, by->k, ray.d, get(&w->n_, i));
-        *fate = SGT_TIR;
-        return in_range(b.G) && b.D < 0 ? STOPS : ASK;
+        bent b = bent_by(by->kind, by->r, by->k, ray->d, get(&w->n_, i));
+        return in_range(b.G) && b.D < 0 ? STOPS + SGT_TIR : ASK;
     }
     if (w->status[i] == SGT_HARD) return ASK_ANEW;
-    *fate = status == SGT_MISS ? SGT_MISSED : status > 0 ? SGT_CLIPPED : SGT_LOST;
-    if (!(aperture2 < HUGE_VAL) || !is_worth_more(status) || !cut_to_chord(&ray, aperture2)) return STOPS;
-    sgt_options own = met_by(&job->opt);
-    if (own.t_tol == 0) own.t_tol = tolerance(e->semi_diameter, ray.o);
-    bool inside;
-    sgt_hit other = sgt_ask_inside(e->surface, ray, aperture2, &own, &inside);
-    if (inside || may_be_inside(e->surface, &own, other.status)) return ASK_ANEW;
-    int *evals = job->passages ? job->passages[j].hits.evals : NULL;
-    if (evals) evals[w->first + (size_t)w->index[i]] += other.evals;
-    return STOPS;
+    return aperture2 < HUGE_VAL && is_worth_more(status) ? ASK_INSIDE : STOPS + stopped_by(status);
 }
 
-/* The rays that the loops left, through element j; asked, where not NULL: the sweep has met them. */
-APART static void pass_rest(const work *job, tile *w, size_t j, const bending *by, const sgt_hits *asked)
+/* Rays that are asked together whether they meet the surface inside, and whose they are. */
+typedef double few[SGT_FEW];
+typedef struct chords {
+    size_t n, of[SGT_FEW];
+    few ox, oy, oz, dx, dy, dz, tmin, tmax, t_tol, x, y, z;
+    int evals[SGT_FEW];
+    signed char status[SGT_FEW];
+    sgt_extents kept;
+} chords;
+
+static void put_chord(chords *c, size_t k, size_t of, const sgt_ray *ray)
+{
+    c->of[k] = of, c->tmin[k] = ray->tmin, c->tmax[k] = ray->tmax;
+    c->ox[k] = ray->o.x, c->oy[k] = ray->o.y, c->oz[k] = ray->o.z;
+    c->dx[k] = ray->d.x, c->dy[k] = ray->d.y, c->dz[k] = ray->d.z;
+}
+
+static sgt_ray chord_of(const chords *c, size_t k)
+{
+    return (sgt_ray){{c->ox[k], c->oy[k], c->oz[k]}, {c->dx[k], c->dy[k], c->dz[k]}, c->tmin[k], c->tmax[k]};
+}
+
+static void stops(const work *job, tile *w, size_t j, size_t i, int evals)
+{
+    int *told = job->passages ? job->passages[j].hits.evals : NULL;
+    if (told) told[w->first + (size_t)w->index[i]] += evals;
+    w->good[i] = -(STOPS + stopped_by((sgt_status)w->status[i]));
+}
+
+/* The questions are those of sgt_pass, each of all that are left.  A hit outside, on the stretches by which a
+ * chord is longer than the aperture, is looked at by itself. */
+static void ask_inside(const work *job, tile *w, size_t j, chords *c)
+{
+    const sgt_element *e = &job->e[j];
+    double aperture2 = aperture2_of(e->semi_diameter);
+    sgt_options own = met_by(&job->opt);
+    unsigned long long none[SGT_FEW];
+    sgt_tile rays = {.n = c->n, .t_tol = c->t_tol,
+                     .rays = {{c->ox, c->oy, c->oz}, {c->dx, c->dy, c->dz}, c->tmin, c->tmax},
+                     .hits = {.status = c->status, .evals = c->evals, .p = {c->x, c->y, c->z}}};
+    sgt_none_nearer(e->surface, &rays, &c->kept, none);
+    size_t left = 0;
+    for (size_t k = 0; k < c->n; k++) {
+        size_t i = c->of[k];
+        bool nearest = none[k] && is_near((sgt_status)w->status[i], &own);
+        sgt_ray ray = chord_of(c, k);
+        if (nearest || !cut_to_chord(&ray, aperture2)) {
+            stops(job, w, j, i, 0);
+            continue;
+        }
+        c->t_tol[left] = own.t_tol != 0 ? own.t_tol : tolerance(false, e->semi_diameter, ray.o, ray.d);
+        put_chord(c, left++, i, &ray);
+    }
+    rays.n = left, c->n = 0;
+    if (!left) return;
+    sgt_intersect_tile(e->surface, &rays, &own);
+    for (size_t k = 0; k < left; k++) {
+        bool inside = c->status[k] > 0 && is_inside((sgt_vec3){c->x[k], c->y[k], c->z[k]}, aperture2);
+        if (c->status[k] > 0 && !inside) {
+            own.t_tol = c->t_tol[k];
+            sgt_hit other = sgt_ask_inside(e->surface, chord_of(c, k), aperture2, &own, &inside);
+            c->status[k] = (signed char)other.status, c->evals[k] = other.evals;
+        }
+        if (inside || may_be_inside(e->surface, &own, (sgt_status)c->status[k])) w->good[c->of[k]] = -ASK_ANEW;
+        else stops(job, w, j, c->of[k], c->evals[k]);
+    }
+}
+
+/* The verdicts on the rays that the loops have left, negative, where `good` was 0. */
+APART static void judge_rest(const work *job, tile *w, size_t j, const bending *by)
+{
+    chords c = {.n = 0, .kept = {.radius2 = {0}}};
+    rest all;
+    rest_of(w, &all);
+    for (size_t k = 0; k < all.n; k++) {
+        size_t i = all.of[k];
+        sgt_ray ray;
+        int what = judge(job, w, i, j, by, &ray);
+        w->good[i] = -what;
+        if (what != ASK_INSIDE) continue;
+        c.x[c.n] = w->p->x[i], c.y[c.n] = w->p->y[i];
+        put_chord(&c, c.n++, i, &ray);
+        if (c.n == SGT_FEW) ask_inside(job, w, j, &c);
+    }
+    if (c.n) ask_inside(job, w, j, &c);
+}
+
+/* The rays that the loops left, through element j; asked, where not NULL: the sweep has met them, and there are
+ * verdicts. */
+APART static void pass_rest(const work *job, tile *w, size_t j, const sgt_hits *asked)
 {
     const sgt_element *e = &job->e[j];
     const sgt_passages *told = job->passages ? &job->passages[j] : NULL;
@@ -461,14 +578,16 @@ APART static void pass_rest(const work *job, tile *w, size_t j, const bending *b
     numbered watched = {opt.watch, opt.watch_data, w->first};
     if (opt.watch) opt.watch = sgt_watch_numbered, opt.watch_data = &watched;
     size_t stopped = 0;
-    for (size_t i = 0; i < w->n; i++) {
-        if (w->good[i] > 0) continue;
-        size_t r = w->first + (size_t)w->index[i];
+    rest all;
+    rest_of(w, &all);
+    for (size_t k = 0; k < all.n; k++) {
+        size_t i = all.of[k], r = w->first + (size_t)w->index[i];
         sgt_vec3 offset = get(w->now.offset, i), d = get(w->now.d, i);
         twofold path = job->path ? (twofold){w->now.path->hi[i], w->now.path->lo[i]} : twofold_of(0);
         sgt_fate fate;
-        verdict what = asked ? judge(job, w, i, j, by, &fate) : ASK_ANEW;
-        if (what == STOPS) {
+        int what = asked ? -(int)w->good[i] : ASK_ANEW;
+        if (what >= STOPS + SGT_LOST) {
+            fate = (sgt_fate)(what - STOPS);
             if (told) tell_vector(told->direction, r, (sgt_vec3){0, 0, 0});
             if (told && w->status[i] <= 0) tell_number(told->opl, r, (double)NAN);
         } else {
@@ -505,7 +624,7 @@ static double pass_most(const work *job, tile *w, size_t j, bending by, sgt_hits
     bool turned = is_turned(&e->pose);
     sgt_vec3 shift = minus(w->base, e->pose.origin);
     if (turned) turn_all(w->n, &e->pose, shift, e->semi_diameter, w->now.offset, w->now.d, w->o, w->d, w->t_tol);
-    else place_all(w->n, shift, e->semi_diameter, w->now.offset, w->o, w->t_tol);
+    else place_all(w->n, shift, e->semi_diameter, w->now.offset, w->now.d, w->o, w->t_tol);
     for (size_t i = 0; job->opt.t_tol != 0 && i < w->n; i++) w->t_tol[i] = job->opt.t_tol;
 
     *asked = (sgt_hits){.status = w->status, .p = {w->p->x, w->p->y, w->p->z}};
@@ -565,7 +684,9 @@ static void pass_all(const work *job, tile *w, size_t j)
     sgt_hits asked;
     if (loops) good = pass_most(job, w, j, by, &asked);
     else memset(w->good, 0, sizeof w->good);
-    if (good < (double)w->n) pass_rest(job, w, j, &by, loops ? &asked : NULL);
+    bool some = good < (double)w->n;
+    if (some && loops) judge_rest(job, w, j, &by);
+    if (some) pass_rest(job, w, j, loops ? &asked : NULL);
 
     place last = w->now;
     w->now = w->next;

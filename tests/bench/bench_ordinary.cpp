@@ -512,6 +512,49 @@ Table traces()
     return table;
 }
 
+// The lens in another unit; its surfaces are conics.
+std::vector<sgt_element> thousandth(std::vector<sgt_element> lens)
+{
+    for (sgt_element &e : lens) {
+        const sgt_conic *from = static_cast<const sgt_conic *>(e.surface.self);
+        e.surface = conic(1000 * from->c, from->k, 1e-3 * from->semi_diameter);
+        e.pose.origin.z *= 1e-3, e.semi_diameter *= 1e-3;
+    }
+    return lens;
+}
+
+// The surface twice, without a rim, behind apertures of 4, and what may be done with the two.
+void pairs_of(Table &table, const Subject &one)
+{
+    auto pair = [&](double z, double index, double second) {
+        return std::vector<sgt_element>{ element(one.s, 0, index, RIM), element(one.s, z, index < 0 ? index : 1, second) };
+    };
+    std::vector<sgt_ray> narrow = each(bundle(N), [](sgt_ray ray) {
+        ray.o.x *= 0.6, ray.o.y *= 0.6;
+        return ray;
+    });
+    const Side *neighbour = side(pair(3, 1.5, RIM), narrow);
+    auto row = [&](const char *what, const std::vector<sgt_element> &lens, const std::vector<sgt_ray> &rays) {
+        ways(table, one.name + " twice: " + what, neighbour, side(lens, rays), SGT_PICK_DEFAULT);
+    };
+    row("the second clips half against none", pair(3, 1.5, 1.2), narrow);
+    row("mirrors against a lens", pair(-3, SGT_MIRROR, RIM), narrow);
+    row("from 1e6 before it against from 5", pair(3, 1.5, RIM),
+        each(narrow, [](sgt_ray ray) { return moved(ray, -1e6); }));
+    row("from between the two against from 5 before", pair(3, 1.5, RIM),
+        each(narrow, [](sgt_ray ray) { return moved(ray, 6); }));
+    row("directions of length 2 against 1", pair(3, 1.5, RIM), each(narrow, [](sgt_ray ray) {
+            ray.d = { 2 * ray.d.x, 2 * ray.d.y, 2 * ray.d.z };
+            return ray;
+        }));
+    std::vector<sgt_element> backward = pair(3, 1.5, RIM);
+    std::swap(backward[0].pose, backward[1].pose);
+    row("from behind, backward, against from 5 before", backward, each(narrow, [](sgt_ray ray) {
+            ray.o.z = 8, ray.d.z = -ray.d.z;
+            return ray;
+        }));
+}
+
 Table lenses()
 {
     Table table = { "Traces: more of them",
@@ -553,6 +596,23 @@ Table lenses()
              std::string("ten R = 10 spheres tilted by 8.6 degrees, ") +
                  (index == 1 ? "no glass" : "every other of glass") + ": without apertures against with",
              side(with, bundle(N)), side(without, bundle(N)), SGT_PICK_DEFAULT);
+    }
+    std::vector<sgt_element> half_stop = singlet;
+    half_stop[0].semi_diameter = 1.7;
+    ways(table, "a plane stop and a lens: the stop clips half against a tenth", side(singlet, before),
+         side(half_stop, before), SGT_PICK_DEFAULT);
+    ways(table, "a plane stop and a lens: all lengths a thousandth", side(singlet, before),
+         side(thousandth(singlet), each(before,
+                                        [](sgt_ray ray) {
+                                            ray.o = { 1e-3 * ray.o.x, 1e-3 * ray.o.y, 1e-3 * ray.o.z };
+                                            return ray;
+                                        })),
+         SGT_PICK_DEFAULT);
+    for (const Subject &one : sags(0)) {
+        if (one.name != "sphere" && one.name != "even_asphere" && one.name != "toroidal, to y^8" &&
+            one.name != "zernike, fringe, 16")
+            continue;
+        pairs_of(table, one);
     }
     return table;
 }

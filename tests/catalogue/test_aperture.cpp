@@ -5,7 +5,8 @@
 // the judge's roots (judge.h) within the aperture there is one, within t_err.  sgt_trace_batch has the same bits.  Then rays parallel to the axis
 // at the rim and a few ulps beside it, where r^2 in 113 bits says on which side they are: what is proven has to be so.  Then a lens of six odd
 // aspheres in a few millimetres, conic constants up to 39 and slopes beyond a half, whose sags end or turn back not far behind the
-// apertures: every ray of it is proven, singly and in a batch, near the axis and far off it.
+// apertures: every ray of it is proven, singly and in a batch, near the axis and far off it.  And of rays past the aperture, without a
+// proof, which a trace clips: within it the judge finds no root.
 #include "judge.h"
 
 #include <sagitta/system.h>
@@ -79,6 +80,17 @@ sgt_ray aimed(generator &g, const subject &of, double h)
     return {{x - away * d.x, y - away * d.y, z - away * d.z}, d, -HUGE_VAL, HUGE_VAL};
 }
 
+sgt_ray global(const sgt_pose &p, sgt_ray ray)
+{
+    if (p.ex.x == 0 && p.ey.y == 0) return ray;
+    auto turned = [&](sgt_vec3 a) {
+        return sgt_vec3{a.x * p.ex.x + a.y * p.ey.x + a.z * p.ez.x, a.x * p.ex.y + a.y * p.ey.y + a.z * p.ez.y, a.x * p.ex.z + a.y * p.ey.z + a.z * p.ez.z};
+    };
+    ray.o = turned(ray.o), ray.d = turned(ray.d);
+    ray.o = {ray.o.x + p.origin.x, ray.o.y + p.origin.y, ray.o.z + p.origin.z};
+    return ray;
+}
+
 void types_by_aperture(generator &g, double scale)
 {
     std::printf("%-14s %7s %9s %9s %9s\n", "type", "rays", "intersect", "trace", "alone");
@@ -127,6 +139,73 @@ void types_by_aperture(generator &g, double scale)
     }
 }
 
+// A rise and a fall beyond the rim: a ray may be met outside, and twice within.
+specimen hump(generator &g, bool even)
+{
+    specimen s = {};
+    s.type = even ? "even_asphere" : "odd_asphere", s.sag = true, s.rim = s.h = g.uniform(0.5, 2);
+    const double wide = g.uniform(1.2, 1.6) * s.rim, high = g.uniform(-2, 2), a2 = high / wide, a4 = -a2 / wide / wide;
+    if (even) s.s = {&sgt_asphere_ops, s.keep(sgt_asphere{0, 0, s.rim, {a2, a4}})};
+    else s.s = {&sgt_odd_asphere_ops, s.keep(sgt_odd_asphere{0, 0, s.rim, {0, a2, 0, a4}})};
+    return s;
+}
+
+specimen with_rim(generator &g, const std::string &type)
+{
+    specimen s = {};
+    if (type == "hump") return hump(g, g.chance(0.5));
+    if (type != "conic" && type != "asphere") {
+        do s = random_specimen(g, type); while (!(s.rim > 0));
+        return s;
+    }
+    s.type = type, s.sag = true, s.rim = s.h = g.uniform(0.5, 2);
+    const double c = g.chance(0.1) ? 0 : g.uniform(-0.65, 0.65) / s.rim;
+    const sgt_asphere a = {c, g.uniform(-2, 1), s.rim, {0, g.uniform(-0.1, 0.1) / s.rim / s.rim / s.rim}};
+    if (type == "conic") s.s = {&sgt_conic_ops, s.keep(sgt_conic{a.c, a.k, a.semi_diameter})};
+    else s.s = {&sgt_asphere_ops, s.keep(a)};
+    return s;
+}
+
+// A ray that a trace clips meets the surface outside the aperture, and nowhere within: of the judge's roots there is none.
+void clipped(generator &g, double scale)
+{
+    std::printf("%-14s %7s %9s %9s %9s\n", "clipped", "rays", "passed", "clipped", "judged");
+    for (const char *type : {"conic", "asphere", "hump", "odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "sum", "toroidal", "biconic", "cylinder"}) {
+        long asked = 0, passed = 0, stopped = 0, judged = 0;
+        for (int i = 0; i < std::max(1, static_cast<int>(30 * scale)); i++) {
+            const specimen s = with_rim(g, type);
+            const subject of(s);
+            sgt_element e = {};
+            specimen bare = s;
+            e.surface = g.chance(0.8) ? without_rim(&bare) : s.s, e.semi_diameter = s.rim, e.index = 1.3;
+            if (g.chance(0.3)) e.pose = sgt_pose_tilted({g.uniform(-1, 1), 0, 0}, {g.uniform(-20, 20), 0, 0});
+            std::vector<sgt_ray> rays, local;
+            for (int j = 0; j < 20; j++) {
+                const sgt_ray ray = aimed(g, of, g.uniform(0.8, 1.6) * s.rim);
+                if (ray.o.z != ray.o.z) continue;
+                rays.push_back(global(e.pose, ray)), local.push_back(ray);
+            }
+            sgt_options opt = {};
+            opt.pick = g.chance(0.7) ? SGT_NEAR_SEED : SGT_FIRST;
+            const std::vector<traced> all = trace(e, rays, opt, type);
+            for (std::size_t j = 0; j < rays.size(); j++) {
+                asked++, passed += all[j].fate == SGT_PASSED, stopped += all[j].fate == SGT_CLIPPED;
+                if (all[j].fate != SGT_CLIPPED) continue;
+                const judgement is(of, local[j], 300);
+                long inside = 0;
+                for (const root &r : is.roots) inside += !r.edge;
+                judged++;
+                if (inside && is.doubtful.empty() && failures++ < 12) {
+                    std::printf("FAIL %s: clipped at t %.17g +- %g, and %ld roots inside, at %.17g\n", type, all[j].at.hit.t, all[j].at.hit.t_err, inside, plain(is.roots[0].t));
+                    print_surface(e.surface);
+                    std::printf("    aperture %a, ray {{%a, %a, %a}, {%a, %a, %a}}\n", s.rim, local[j].o.x, local[j].o.y, local[j].o.z, local[j].d.x, local[j].d.y, local[j].d.z);
+                }
+            }
+        }
+        std::printf("%-14s %7ld %9ld %9ld %9ld\n", type, asked, passed, stopped, judged);
+    }
+}
+
 // The side of the rim is told from rounded coordinates, and where rounding hides it nothing is proven.
 void on_the_rim(generator &g, double scale)
 {
@@ -134,16 +213,8 @@ void on_the_rim(generator &g, double scale)
     for (const char *type : {"conic", "asphere", "odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "sum", "toroidal", "biconic", "cylinder"}) {
         long asked = 0, hits = 0, misses = 0, unproven = 0;
         for (int i = 0; i < std::max(1, static_cast<int>(20 * scale)); i++) {
-            specimen s = {};
-            const bool even = std::string(type) == "conic" || std::string(type) == "asphere";
-            if (even) {
-                s.rim = g.uniform(0.5, 2);
-                const sgt_asphere a = {g.uniform(-0.4, 0.4) / s.rim, g.uniform(-2, 1), s.rim, {0, 0.01 / s.rim / s.rim / s.rim}};
-                if (std::string(type) == "conic") s.s = {&sgt_conic_ops, s.keep(sgt_conic{a.c, a.k, a.semi_diameter})};
-                else s.s = {&sgt_asphere_ops, s.keep(a)};
-            } else {
-                do s = random_specimen(g, type); while (!(s.rim > 0));
-            }
+            const specimen s = with_rim(g, type);
+            const bool even = s.type == "conic" || s.type == "asphere";
             const quad rim2 = quad(s.rim * s.rim * (1 + 0x1p-44)); // as the header says, in doubles
             for (int j = 0; j < 40; j++) {
                 const double a = g.chance(0.3) ? 1.5707963267948966 * g.below(4) : g.uniform(0, 6.2831853), r = s.rim * (1 + 0x1p-45) * (1 + (g.below(33) - 16) * (g.chance(0.3) ? 0x1p-46 : 0x1p-53));
@@ -221,6 +292,7 @@ int main()
     std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
     generator g(seed);
     types_by_aperture(g, scale_given ? std::atof(scale_given) : 1);
+    clipped(g, scale_given ? std::atof(scale_given) : 1);
     on_the_rim(g, scale_given ? std::atof(scale_given) : 1);
     lens_of_six();
     if (failures) std::printf("%ld failures\n", failures);
