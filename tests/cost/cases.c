@@ -181,6 +181,7 @@ static sgt_conic lens_conic[ELEMENTS];
 static sgt_asphere lens_even[ELEMENTS];
 static sgt_odd_asphere lens_odd[ELEMENTS];
 static sgt_element lens_of_spheres[ELEMENTS], lens_of_aspheres[ELEMENTS], lens_of_odd_aspheres[ELEMENTS];
+static sgt_element open_lens[ELEMENTS], clipping_lens[ELEMENTS];
 
 static void make_lenses(void)
 {
@@ -200,6 +201,16 @@ static void make_lenses(void)
         }
         z += o->thickness;
     }
+}
+
+/* The same lens without clear apertures; and with one in its middle that stops half of the rays. */
+static void make_others(const sgt_element *lens)
+{
+    for (int i = 0; i < ELEMENTS; i++) {
+        open_lens[i] = clipping_lens[i] = lens[i];
+        open_lens[i].semi_diameter = 0;
+    }
+    clipping_lens[ELEMENTS / 2].semi_diameter = 0.42;
 }
 
 /* ------------------------------------------------------------------- the asking */
@@ -386,6 +397,10 @@ int main(int argc, char **argv)
         const char *name = lenses[i].name;
         ask_case(name, "a trace", trace, of, ALONE, near);
         ask_case(name, "a trace batch", trace_batch, of, MANY, near);
+        const subject open = {{NULL, NULL}, open_lens}, clipping = {{NULL, NULL}, clipping_lens};
+        make_others(of->lens);
+        ask_case(name, "a trace batch without apertures", trace_batch, &open, MANY, near);
+        ask_case(name, "a trace batch that loses half", trace_batch, &clipping, MANY, near);
         ask_case(name, "a trace of first roots", trace, of, ALONE, first);
         ask_case(name, "a trace proven", trace, of, ALONE, proven);
         ask_case(name, "a trace batch proven", trace_batch, of, MANY, proven);
