@@ -186,11 +186,11 @@ typedef struct place {
 static double least_of(sgt_interval x) { return x.lo > 0 ? x.lo : x.hi < 0 ? -x.hi : 0; }
 
 /* How far rounding of the gradient can move |x Fx| + |y Fy| + |z Fz|: a part of what it does to F, which is a sum of such terms,
- * times the degree: 32 of it. */
+ * times the degree: 32 of it.  What is below 2^-1000 stands for underflow, whatever the unit of length, and says nothing of terms. */
 static double terms_err(const proof *w, sgt_vec3 p)
 {
     double own = w->s.ops->rounding ? w->s.ops->rounding(w->s.self, p) : 0;
-    return own >= 0 ? 0x1p5 * own : HUGE_VAL;
+    return own >= 0x1p-1000 ? 0x1p5 * own : own >= 0 ? 0 : HUGE_VAL;
 }
 
 /* slope: certain bounds of g' at the root, in the ray's own t.  The gradient of `value` is rounded, and where it nearly vanishes
@@ -404,10 +404,16 @@ static bool take(proof *w, const certain *c)
     if (w->told.stopped) return true;
     w->last = root;
     sgt_interval about = sgt_about(at.h.t, at.h.t_err);
-    /* in computed numbers, as long as they say how far the start reaches; where rounding hides that, by what is certain, wherever the root
-     * is in its interval: next to the line in which two planes meet the terms are many times as much at one end of that */
-    double reach = root.hi - (w->tmin.lo + at.h.t_err + 8 * SGT_U * fabs(w->t0 + t));
-    bool hidden = w->ray->tmin > -HUGE_VAL && !(at.most <= 4 * at.least) && !(reach <= at.least && reach <= start_width(w, root, c->slope)) && !(root.lo - w->tmin.hi > 2 * at.h.t_err + at.most + 16 * SGT_U * fabs(w->t0 + t));
+    /* in computed numbers, as long as they say how far the start reaches; where rounding hides that, or that is many times what is
+     * usual, by what is certain wherever the root is in its interval: next to the line in which two planes meet the terms are many
+     * times as much at one end of that as at the other */
+    double most_p = larger(fabs(at.p.x), larger(fabs(at.p.y), fabs(at.p.z))), steps = 8 * SGT_U * fabs(w->t0 + t);
+    bool steady = at.most <= 4 * at.least && at.most <= 0x1p-36 * most_p * scale_of(w->ray->d), hidden = false;
+    if (w->ray->tmin > -HUGE_VAL && !steady && !(root.lo - w->tmin.hi > 2 * at.h.t_err + at.most + 2 * steps)) {
+        double reach = start_width(w, root, c->slope), sure = reach < at.least ? reach : at.least;
+        hidden = !(root.hi - (w->tmin.lo + steps) <= sure + (at.h.t_err <= 16 * sure ? at.h.t_err : 0));
+        if (w->told.stopped) return true;
+    }
     if (w->told.opt->proof && w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* on the rim */
     else if (hidden && !(w->t0 + root.lo > w->ray->tmax)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
     else if (at.h.counts && at.exact && in_range(&at) && alone_as_told(w, &at, only)) add(w, SGT_HIT, &at, root, about);

@@ -232,18 +232,30 @@ SGT_INLINE near_root wavy_root(double x, double y, double t0, double t0_lo, doub
     return (near_root){.x = x, .y = y, .tau = tau, .t = t, .t_err = fma(1.01 * SGT_U, reach, tau_err), .tau_err = tau_err, .t0 = t0, .small = small};
 }
 
+/* From the vertex itself nothing has underflown either.  A bound that is NaN stays that. */
+SGT_INLINE near_root wavy_exactly(const near_root *r, mask exact)
+{
+    near_root at = *r;
+    at.t_err = chosen(exact, 0 * r->t_err, r->t_err), at.tau_err = chosen(exact, 0 * r->tau_err, r->tau_err);
+    return at;
+}
+
 SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, double v, double near, mask exact, double l, double m, double n, double tmin,
                          double tmax, double t_tol)
 {
     double x = fma(r->tau, l, r->x), y = fma(r->tau, m, r->y), rho = x * x + y * y, dp = horner(s->slope, terms, rho), g = -s->c / v - (dp + dp);
-    return lane_of(r, l, m, n, tmin, tmax, t_tol, r->tau * n, g, near, s->rim2, exact, MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
+    near_root at = wavy_exactly(r, exact);
+    return lane_of(&at, l, m, n, tmin, tmax, t_tol, r->tau * n, g, near, s->rim2, exact, MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
 }
 
 /* AWAY.  The ray certainly misses: the root is the only one within the rim and as far out as the root, by the slope there, and
  * it does not count.  It is beyond tmax; or before tmin, or the start itself by half of what sag.h allows (G' is off from 1 / inverse
- * by an eighth at most); or beyond the rim, by far more than p_err.  r: of wavy_root. */
-SGT_INLINE mask wavy_away(const wavy *s, int terms, const near_root *r, double v, double inverse, double oz, double l, double m, double n, double tmin, double tmax)
+ * by an eighth at most); or beyond the rim, by far more than p_err.  root: of wavy_root. */
+SGT_INLINE mask wavy_away(const wavy *s, int terms, const near_root *root, double v, double inverse, double oz, double l, double m, double n, double tmin, double tmax)
 {
+    mask exact = at_vertex(root->x, root->y, oz);
+    near_root own = wavy_exactly(root, exact);
+    const near_root *r = &own;
     double px = fma(r->tau, l, r->x), py = fma(r->tau, m, r->y), pz = r->tau * n, rho = px * px + py * py, at = fabs(r->t), side = fabs(l) + fabs(m);
     double dp = horner(s->slope, terms, rho), g = fabs(s->c / v + (dp + dp)), width = 0.5 * START_ULPS * (v * fma(g, rho, fabs(pz))) * fabs(inverse);
     double off = fma(side, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))));
@@ -252,7 +264,7 @@ SGT_INLINE mask wavy_away(const wavy *s, int terms, const near_root *r, double v
     mask before = MASK(r->t + r->t_err <= tmin + width), after = MASK(r->t - END_ERRORS * (r->t_err + SGT_U * at) > tmax);
     mask beyond = MASK(rho - 3 * (fabs(px) + fabs(py) + off) * off > edge);
     mask is_ray = MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL) & MASK(rho < HUGE_VAL);
-    return is_ray & only & (before | after | beyond) & MASK(r->t_err < HUGE_VAL) & MASK(at < 0x1p300) & (MASK(at + r->t_err > LEAST_PLACE) | at_vertex(r->x, r->y, oz));
+    return is_ray & only & (before | after | beyond) & MASK(r->t_err < HUGE_VAL) & MASK(at < 0x1p300) & (MASK(at + r->t_err > LEAST_PLACE) | exact);
 }
 
 #endif
