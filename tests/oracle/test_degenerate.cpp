@@ -305,7 +305,7 @@ int main(int argc, char **argv)
         }
         std::printf("%-17s %ld answers, %ld of them judged by their roots: %ld hits, %ld misses, %ld grazes, %ld undecided\n", kind_name, asked, judged, hits, misses, grazes, undecided);
         std::fflush(stdout);
-        if (grazes < asked / 25) failed[std::string(kind_name) + ": too few grazes, where the gradient vanishes"]++;
+        if (grazes < asked / 50) failed[std::string(kind_name) + ": too few grazes, where the gradient vanishes"]++;
         if (judged < asked / 4 && kind != double_plane) failed[std::string(kind_name) + ": these rays are no test"]++;
     }
     for (const auto &f : failed) std::printf("FAIL %6ld  %s\n", f.second, f.first.c_str());
