@@ -23,12 +23,14 @@
  * the piece, so that it makes no difference where pieces end.
  *
  * UNDECIDED pieces with little between them are one stretch.  Where g over all of it is within eight times G, its ends
- * have not for certain unlike signs, and F in the middle of it is 0 to rounding, it is a graze.  At tmin it does not count if no root in it could: the slope at
- * any is below max |S|, and that bounds from below how far from tmin a root that counts has to be.
+ * have not for certain unlike signs, and F in the middle of it is 0 to rounding, it is a graze.  At tmin it does not count if no
+ * root in it could: the slope at any is below max |S|, and that bounds from below how far from tmin a root that counts has to be.
  *
  * THE START is told from the slope's certain bounds about the root and from the gradient of `value`.  Where rounding makes
  * the terms of that gradient uncertain by more than half, a root that may be the start is UNPROVEN: near the line in which two
- * planes meet, both the slope and the terms of `value` are nothing but rounding, and would drop a root far from tmin.
+ * planes meet, both the slope and the terms of `value` are nothing but rounding, and would drop a root far from tmin.  The same where
+ * the rule reaches farther than 2^-36 of the point's distance from the origin, 2^12 times as far as it does of a surface met at a right
+ * angle: then the slope is so small that the terms may change by orders within the root's interval, and the least there decides.
  *
  * FROM AFAR.  Where the ray's origin is far one ulp of t is a long way, and what is enclosed over it cannot tell a root from a near
  * miss.  So near its centre, the point nearest the origin of the surface's frame, such a ray is searched in a t that counts from t0, the t
@@ -404,9 +406,8 @@ static bool take(proof *w, const certain *c)
     if (w->told.stopped) return true;
     w->last = root;
     sgt_interval about = sgt_about(at.h.t, at.h.t_err);
-    /* in computed numbers, as long as they say how far the start reaches; where rounding hides that, or that is many times what is
-     * usual, by what is certain wherever the root is in its interval: next to the line in which two planes meet the terms are many
-     * times as much at one end of that as at the other */
+    /* in computed numbers, as long as they say how far the start reaches; else by what is certain wherever the root is in its
+     * interval (THE START) */
     double most_p = larger(fabs(at.p.x), larger(fabs(at.p.y), fabs(at.p.z))), steps = 8 * SGT_U * fabs(w->t0 + t);
     bool steady = at.most <= 4 * at.least && at.most <= 0x1p-36 * most_p * scale_of(w->ray->d), hidden = false;
     if (w->ray->tmin > -HUGE_VAL && !steady && !(root.lo - w->tmin.hi > 2 * at.h.t_err + at.most + 2 * steps)) {

@@ -20,8 +20,6 @@
 
 /* ------------------------------------------------------------------- easy */
 
-typedef enum easy_answer { EASY_NOT, EASY_MISS, EASY_HIT } easy_answer;
-
 /* One ray, its ends made explicit; the evaluations are counted and told whatever becomes of it. */
 SGT_INLINE easy_answer easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol, double scale, lane *e, tally *w)
 {
@@ -63,10 +61,7 @@ SGT_INLINE easy_answer easy(const wavy *s, const sgt_ray *ray, lane *e, tally *w
     if (!ends_are_whole(ray, scale)) return EASY_NOT;
     d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
     easy_answer is = easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, scale, e, w);
-    if (is != EASY_HIT) return is;
-    bool exact = e->t == 0;
-    e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
-    return e->t_err < HUGE_VAL && (exact || fabs(e->t) > LEAST_T) && fabs(e->t) < HUGE_VAL ? EASY_HIT : EASY_NOT;
+    return is == EASY_HIT ? easy_unscaled(e, scale) : is;
 }
 
 /* The loops of a tile, for so many terms. */

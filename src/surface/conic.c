@@ -50,8 +50,6 @@ static bool before(const meeting *a, const meeting *b) { return a->t < b->t || (
 
 /* ------------------------------------------------------------------- easy */
 
-typedef enum easy_answer { EASY_NOT, EASY_MISS, EASY_HIT } easy_answer;
-
 /* A ray that is not met at once; its ends have been made explicit.  A direction of unusual length is scaled, by a power of
  * two: of the usual ones that would change no bit. */
 SGT_CLONES
@@ -71,9 +69,7 @@ static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_option
                 far_gone = first && v.far_gone != 0;
             }
             if (!met && !nearby_at(s, first, o, d, tmin, tmax, t_tol, e)) continue;
-            bool exact = e->t == 0;
-            e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
-            return e->t_err < HUGE_VAL && (exact || fabs(e->t) > LEAST_T) && fabs(e->t) < HUGE_VAL ? EASY_HIT : EASY_NOT;
+            return easy_unscaled(e, scale);
         }
         scale = scale_of(d);
         if (lengths || (scale > 0x1p-40 && scale < 0x1p40) || !ends_are_whole(ray, scale)) break;

@@ -89,7 +89,8 @@ SWEEP_BOWL(conic_sweep_first_rich, false, true, false, true)
 SWEEP_BOWL(conic_sweep_first_sure, false, true, true, false)
 SWEEP_BOWL(conic_sweep_first_sure_rich, false, true, true, true)
 
-/* The same of rays that start near the surface, as far as can be told. */
+/* The same, and the rays that start near the surface or on it as well: conic_easy.h, NEARBY.  In one loop, as few tiles are
+ * met so. */
 SGT_INLINE size_t sweep_nearby(const bowl *self, bool plane, bool first, const sgt_tile *tile, bowl_room *room)
 {
     const bowl own = *self, *s = &own;
@@ -157,7 +158,8 @@ size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile 
     }
     bool rich = tile->hits.t_lo || tile->hits.p_err, first = opt->pick != SGT_NEAR_SEED && c != 0;
     beginning from = beginning_of(&s, tile);
-    bool nearby = from == NEARBY, later = from == LEAVING || (first && c * tile->rays.d[2][0] < 0); /* of the first ray, the same guess */
+    bool hollow = first && c * tile->rays.d[2][0] < 0;    /* as the first ray sees it: its far root may be the first */
+    bool nearby = from == NEARBY, later = from == LEAVING || hollow; /* later: first who misses, then who is met */
     size_t hard = tile->n;
     if (later) memset(status, SGT_HARD, tile->n);
     else hard = first ? sweep_first(&s, rich, nearby, tile, &room) : sweep_near(&s, rich, nearby, tile, &room);

@@ -56,6 +56,17 @@ SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double
     return e;
 }
 
+/* What the easy form says of a single ray; NOT: nothing. */
+typedef enum easy_answer { EASY_NOT, EASY_MISS, EASY_HIT } easy_answer;
+
+/* A hit along a direction that was scaled, made one in the ray's own t; EASY_NOT where it has left its range. */
+SGT_INLINE easy_answer easy_unscaled(lane *e, double scale)
+{
+    bool exact = e->t == 0; /* a lane has no other 0 */
+    e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
+    return e->t_err < HUGE_VAL && (exact || fabs(e->t) > LEAST_T) && fabs(e->t) < HUGE_VAL ? EASY_HIT : EASY_NOT;
+}
+
 /* A hit of a single ray, as a tile has it. */
 SGT_INLINE sgt_hit hit_of_lane(const lane *e, int evals, double f)
 {
