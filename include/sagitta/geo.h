@@ -49,8 +49,8 @@ typedef struct sgt_geoid sgt_geoid;
 typedef struct sgt_geoid_height { const sgt_geoid *geoid; double h; } sgt_geoid_height;
 
 /* Reads a grid in NOAA's .gtx format that covers the globe, such as egm96_15.gtx of proj-data.  This, alone in the library,
- * allocates.  NULL: error, of `size` bytes, then names the file and what is wrong with it (cut off, too long, absurd, a hole,
- * a pole of more than one height). */
+ * allocates.  NULL: error, of `size` bytes, then names the file and what is wrong with it (cut off, too long,
+ * absurd, a hole, a pole of more than one height). */
 SGT_API sgt_geoid *sgt_geoid_open(const char *path, char *error, size_t size);
 SGT_API void       sgt_geoid_close(sgt_geoid *geoid);  /* NULL is nothing */
 

@@ -10,8 +10,8 @@
 // They are kept for each row of cells, per metre on the ground, with what the meridians' closing in adds: `tilt` bounds
 // the slope of N, `twist` its Lipschitz constant.  At a pole the surface has a corner: all that changes from meridian to meridian
 // grows with s, the part of the cell that is between, by 1.8 s at most of what the nodes do (the |weights| of the other
-// rows are below s / 2, 7 s / 6 and s / 8; a pole has one height, or the grid is refused); so `corner` (south, north) over the
-// distance from the pole is to be added to twist there.
+// rows are below s / 2, 7 s / 6 and s / 8; a pole has one height, or the grid is refused); so `corner`
+// (south, north) over the distance from the pole is to be added to twist there.
 #include "earth.hpp"
 
 #include <algorithm>

@@ -14,9 +14,9 @@
  * moves F by no more than the steepest gradient in the aperture times that: nothing is taken to first order.  Two or three calls of the surface for all rays
  * of a tile, where enclosures cost as much as a dozen for each.
  *
- * NEARER.  A root is outside the clear aperture; is there another, inside?  Not where it is the only one within a
- * radius R of the axis that is not less than its own.  R is rounded up, so that many rays share it, and depends on
- * nothing but the root. */
+ * NEARER.  A root is outside the clear aperture; is there another, inside?  Not where it is the only one
+ * within a radius R of the axis that is not less than its own.  R is rounded up, so that many rays share it,
+ * and depends on nothing but the root. */
 #include "alone.h"
 
 #include "../num/lanes.h"

@@ -19,9 +19,9 @@ bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt
  * and evals are then as a proof has them; status, t, t_lo and p are read, and all have to be there. */
 size_t sgt_alone_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, bool proven[]);
 
-/* Of at most SGT_FEW rays that were met near the seed, at hits.p, which is all that is read of the hits: none[i] is
- * all bits set where certainly no other root that counts lies as near to the axis as that one, or nearer, else 0.
- * kept: what is known of the surface within some radii; radius 0: nothing. */
+/* Of at most SGT_FEW rays that were met near the seed, at hits.p, which is all that is read of the hits:
+ * none[i] is all bits set where certainly no other root that counts lies as near to the axis as that one, or
+ * nearer, else 0. kept: what is known of the surface within some radii; radius 0: nothing. */
 enum { SGT_FEW = 8, SGT_EXTENTS = 4 };
 typedef struct sgt_extents { double radius2[SGT_EXTENTS]; sgt_extent of[SGT_EXTENTS]; } sgt_extents;
 void sgt_none_nearer(sgt_surface s, const sgt_tile *tile, sgt_extents *kept, unsigned long long none[]);

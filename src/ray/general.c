@@ -143,7 +143,8 @@ static bool first_of_several(walk *w)
     const sgt_ray *ray = w->ray;
     sgt_span span = w->s.ops->first(w->s.self, ray);
     if (!span.single) return false;
-    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed, w->s.ops->enclose || w->s.ops->clearance ? 0x1p-50 : 0, true, false);
+    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed,
+                             w->s.ops->enclose || w->s.ops->clearance ? 0x1p-50 : 0, true, false);
     if (a.passes) return true;
     w->q = a.q;
     w->lo = a.lo, w->hi = a.hi;
@@ -163,13 +164,16 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     vicinities kept;
     vicinities_begin(&kept);
     double asked = 1, lo = 0, hi = 0, least = 0, work[VICINITY_ROWS];
-    vicinity v = {&ray->tmin, &ray->tmax, &span->seed, &asked, &lo, &hi, &least, {&w->noise[0], &w->noise[1], &w->noise[2]}, {NULL}};
+    vicinity v = {.tmin = &ray->tmin, .tmax = &ray->tmax, .seed = &span->seed,
+                  .asked = &asked, .lo = &lo, .hi = &hi, .least = &least,
+                  .noise = {&w->noise[0], &w->noise[1], &w->noise[2]}};
     for (int i = 0; i < VICINITY_ROWS; i++) v.work[i] = &work[i];
     sgt_rays one = {.o = {&ray->o.x, &ray->o.y, &ray->o.z}, .d = {&ray->d.x, &ray->d.y, &ray->d.z}};
     sgt_vicinity_of(w->s, 1, one, near, &kept, &v);
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
     if (asked != 0) return false;
-    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, lo, hi, span->seed, ops->enclose ? 0x1p-50 : 0, true, true);
+    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, lo, hi, span->seed,
+                             ops->enclose ? 0x1p-50 : 0, true, true);
     if (a.passes || !a.known || !a.seeded) return false;
     w->q = a.q;
     w->lo = a.lo, w->hi = a.hi, w->least = least;
@@ -203,7 +207,9 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
     if (is_catalogue(s.ops) && s.ops->own_->span) span = s.ops->own_->span(s.self, &w.shared, ray, &w.least);
     else if (s.ops->span) span = s.ops->span(s.self, ray);
     if (!all && !span.single && root_nearby(&w, &span, near)) return w.told.evals - w.told.before;
-    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed, s.ops->enclose || s.ops->clearance ? 0x1p-50 : 0, true, span.single && is_catalogue(s.ops) && s.ops->own_->spans);
+    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed,
+                             s.ops->enclose || s.ops->clearance ? 0x1p-50 : 0, true,
+                             span.single && is_catalogue(s.ops) && s.ops->own_->spans);
     if (a.passes) return w.told.evals - w.told.before;
     double lo = a.lo, hi = a.hi;
     w.q = a.q;
@@ -220,7 +226,8 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
         w.hidden.t = (double)NAN;
         if (quickly(&w, &a, span.single)) return w.told.evals - w.told.before;
         bool hidden = span.single && is_catalogue(s.ops) && s.ops->enclose && !isnan(w.hidden.t) && !over(&w);
-        if (hidden && sgt_prove_found(s, ray, &w.told, w.hidden.t, w.hidden.t_lo, w.hidden.t_err, list)) return w.told.evals - w.told.before;
+        if (hidden && sgt_prove_found(s, ray, &w.told, w.hidden.t, w.hidden.t_lo, w.hidden.t_err, list))
+            return w.told.evals - w.told.before;
         if (!over(&w)) {
             double seed = a.seeded ? span.seed / a.q.scale - a.q.t0 : near ? a.nearest - a.q.t0 : (double)NAN;
             sgt_span cut = {.lo = lo, .hi = hi, .seed = seed, .single = span.single};

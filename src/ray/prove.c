@@ -22,15 +22,17 @@
  * at its ends, or is zero there, and S' allows no second zero in X'.  X' is small, and about the root; it may reach beyond
  * the piece, so that it makes no difference where pieces end.
  *
- * UNDECIDED pieces with little between them are one stretch.  Where g over all of it is within eight times G, its ends
- * have not for certain unlike signs, and F in the middle of it is 0 to rounding, it is a graze.  At tmin it does not count if no
- * root in it could: the slope at any is below max |S|, and that bounds from below how far from tmin a root that counts has to be.
+ * UNDECIDED pieces with little between them are one stretch.  Where g over all of it is within eight times G,
+ * its ends have not for certain unlike signs, and F in the middle of it is 0 to rounding, it is a graze.  At
+ * tmin it does not count if no root in it could: the slope at any is below max |S|, and that bounds from
+ * below how far from tmin a root that counts has to be.
  *
  * THE START is told from the slope's certain bounds about the root and from the gradient of `value`.  Where rounding makes
  * the terms of that gradient uncertain by more than half, a root that may be the start is UNPROVEN: near the line in which two
- * planes meet, both the slope and the terms of `value` are nothing but rounding, and would drop a root far from tmin.  The same where
- * the rule reaches farther than 2^-36 of the point's distance from the origin, 2^12 times as far as it does of a surface met at a right
- * angle: then the slope is so small that the terms may change by orders within the root's interval, and the least there decides.
+ * planes meet, both the slope and the terms of `value` are nothing but rounding, and would drop a root far
+ * from tmin.  The same where the rule reaches farther than 2^-36 of the point's distance from the origin,
+ * 2^12 times as far as it does of a surface met at a right angle: then the slope is so small that the terms
+ * may change by orders within the root's interval, and the least there decides.
  *
  * FROM AFAR.  Where the ray's origin is far one ulp of t is a long way, and what is enclosed over it cannot tell a root from a near
  * miss.  So near its centre, the point nearest the origin of the surface's frame, such a ray is searched in a t that counts from t0, the t
@@ -188,7 +190,8 @@ typedef struct place {
 static double least_of(sgt_interval x) { return x.lo > 0 ? x.lo : x.hi < 0 ? -x.hi : 0; }
 
 /* How far rounding of the gradient can move |x Fx| + |y Fy| + |z Fz|: a part of what it does to F, which is a sum of such terms,
- * times the degree: 32 of it.  What is below 2^-1000 stands for underflow, whatever the unit of length, and says nothing of terms. */
+ * times the degree: 32 of it.  What is below 2^-1000 stands for underflow, whatever the unit of length, and
+ * says nothing of terms. */
 static double terms_err(const proof *w, sgt_vec3 p)
 {
     double own = w->s.ops->rounding ? w->s.ops->rounding(w->s.self, p) : 0;
@@ -279,15 +282,17 @@ static bool outside(const proof *w, sgt_interval t)
 
 static double absolute(sgt_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
 
-/* F as computed there is 0 as far as rounding tells.  An enclosure may be wide for reasons of its own: of a sum of large terms far off it
- * holds 0 at points where `value` is certainly another.  And where rounding is a part in 2^20 of all that F is made of (a power has left the
- * range of doubles) nothing is known. */
+/* F as computed there is 0 as far as rounding tells.  An enclosure may be wide for reasons of its own: of a
+ * sum of large terms far off it holds 0 at points where `value` is certainly another.  And where rounding is
+ * a part in 2^20 of all that F is made of (a power has left the range of doubles) nothing is known. */
 static bool touches(const proof *w, const place *at)
 {
     const sgt_surface_ops *ops = w->s.ops;
-    double own = ops->rounding ? ops->rounding(w->s.self, at->p) : HUGE_VAL, size = absolute(at->p) * absolute(at->n);
+    double own = ops->rounding ? ops->rounding(w->s.self, at->p) : HUGE_VAL,
+           size = absolute(at->p) * absolute(at->n);
     if (!(own >= 0 && own < HUGE_VAL)) return !is_catalogue(ops); /* not known */
-    bool lost = at->n.z == 1 && own > 0x1p-20 * size + 0x1p-900; /* of a sag: the gradient of another may vanish */
+    bool lost =
+        at->n.z == 1 && own > 0x1p-20 * size + 0x1p-900; /* of a sag: the gradient of another may vanish */
     return !lost && !(fabs(at->f) > 8 * (own + 2 * SGT_U * size));
 }
 
@@ -329,7 +334,8 @@ static void flush(proof *w)
             if (whole && here.h.t < w->ray->tmin) here.h.t = w->ray->tmin, here.h.t_lo = 0;
             double at_t = here.h.t;
             bool inside = here.r2 <= w->rim2 && at_t >= about.lo && at_t <= about.hi;
-            if (!w->told.stopped && inside && touches(w, &here) && fabs(at_t) < HUGE_VAL && here.h.t_err < HUGE_VAL && in_range(&here)) {
+            if (!w->told.stopped && inside && touches(w, &here) && fabs(at_t) < HUGE_VAL
+                && here.h.t_err < HUGE_VAL && in_range(&here)) {
                 add(w, SGT_GRAZE, &here, at, about);
                 return;
             }
@@ -406,11 +412,14 @@ static bool take(proof *w, const certain *c)
     if (w->told.stopped) return true;
     w->last = root;
     sgt_interval about = sgt_about(at.h.t, at.h.t_err);
-    /* in computed numbers, as long as they say how far the start reaches; else by what is certain wherever the root is in its
-     * interval (THE START) */
-    double most_p = larger(fabs(at.p.x), larger(fabs(at.p.y), fabs(at.p.z))), steps = 8 * SGT_U * fabs(w->t0 + t);
-    bool steady = at.most <= 4 * at.least && at.most <= 0x1p-36 * most_p * scale_of(w->ray->d), hidden = false;
-    if (w->ray->tmin > -HUGE_VAL && !steady && !(root.lo - w->tmin.hi > 2 * at.h.t_err + at.most + 2 * steps)) {
+    /* in computed numbers, as long as they say how far the start reaches; else by what is certain wherever
+     * the root is in its interval (THE START) */
+    double most_p = larger(fabs(at.p.x), larger(fabs(at.p.y), fabs(at.p.z))),
+           steps = 8 * SGT_U * fabs(w->t0 + t);
+    bool steady = at.most <= 4 * at.least && at.most <= 0x1p-36 * most_p * scale_of(w->ray->d),
+         hidden = false;
+    if (w->ray->tmin > -HUGE_VAL && !steady
+        && !(root.lo - w->tmin.hi > 2 * at.h.t_err + at.most + 2 * steps)) {
         double reach = start_width(w, root, c->slope), sure = reach < at.least ? reach : at.least;
         hidden = !(root.hi - (w->tmin.lo + steps) <= sure + (at.h.t_err <= 16 * sure ? at.h.t_err : 0));
         if (w->told.stopped) return true;
@@ -711,7 +720,8 @@ void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bo
     list->last.evals = evals, list->count = before + 1;
 }
 
-bool sgt_prove_found(sgt_surface s, const sgt_ray *ray, tally *told, double t, double t_lo, double t_err, sgt_list *list)
+bool sgt_prove_found(sgt_surface s, const sgt_ray *ray, tally *told, double t, double t_lo, double t_err,
+                     sgt_list *list)
 {
     sgt_span span;
     if (!bounds(s, ray, &span)) return false;

@@ -14,9 +14,10 @@ sgt_hit sgt_prove_within(sgt_surface s, const sgt_ray *ray, double rim2, const s
  * the one nearest to the seed, is added. */
 void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bool near, sgt_list *list);
 
-/* A root that has been found at t + t_lo, right to t_err, on a ray that meets no other, where rounding hides whether it counts.
- * true: it is decided, and added if it counts, or cannot be told. */
-bool sgt_prove_found(sgt_surface s, const sgt_ray *ray, tally *told, double t, double t_lo, double t_err, sgt_list *list);
+/* A root that has been found at t + t_lo, right to t_err, on a ray that meets no other, where rounding hides
+ * whether it counts. true: it is decided, and added if it counts, or cannot be told. */
+bool sgt_prove_found(sgt_surface s, const sgt_ray *ray, tally *told, double t, double t_lo, double t_err,
+                     sgt_list *list);
 
 /* The ray with its origin moved along it to near `about`, exactly (prove.c); the t0 of that, 0 where there is none. */
 double sgt_move_exactly(const sgt_ray *ray, double about, sgt_ray *moved);

@@ -34,10 +34,12 @@ typedef struct approach {
 } approach;
 
 /* from, to and seed are the span's.  back: how far a root at its own end is to be inside, in units of where that is.
- * everywhere: a ray without a guess that does not end at both sides is of use too.  early: all that is promised of the span holds
- * before tmin as well; so that a root that is the start itself is inside, and can be told to be.  It reaches back by a part of how
- * far the ray is from the origin: so Newton's steps, which may pass the root, do not leave what is searched. */
-SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double from, double to, double seed, double back, bool everywhere, bool early)
+ * everywhere: a ray without a guess that does not end at both sides is of use too.  early: all that is
+ * promised of the span holds before tmin as well; so that a root that is the start itself is inside, and can
+ * be told to be.  It reaches back by a part of how far the ray is from the origin: so Newton's steps, which
+ * may pass the root, do not leave what is searched. */
+SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double from, double to,
+                                double seed, double back, bool everywhere, bool early)
 {
     approach a;
     double scale = scale_of(d), inverse = inverse_of_scale(d);

@@ -241,7 +241,10 @@ static void nearby(sweep *w, sgt_rays rays, size_t n)
     w->rows = false;
     if (!w->s.ops->own_->extent_within || nearby_asked(a, n, a->x) == 0) return;
     w->rows = !(w->shared.noise[0] < HUGE_VAL);
-    vicinity v = {a->tmin, a->tmax, a->seed, a->x, a->lo, a->hi, a->least, {a->noise0, a->noise1, a->most2}, {a->y, a->z, a->l, a->m, a->n, a->t0, a->scale, a->tau}};
+    vicinity v = {.tmin = a->tmin, .tmax = a->tmax, .seed = a->seed,
+                  .asked = a->x, .lo = a->lo, .hi = a->hi, .least = a->least,
+                  .noise = {a->noise0, a->noise1, a->most2},
+                  .work = {a->y, a->z, a->l, a->m, a->n, a->t0, a->scale, a->tau}};
     sgt_vicinity_of(w->s, n, rays, w->near != 0, &w->kept, &v);
 }
 
@@ -267,7 +270,8 @@ static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
         return;
     }
     if (w->slopes) {
-        sgt_rays rays = {.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}};
+        sgt_rays rays = {.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from},
+                         .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}};
         ops->own_->spans(w->s.self, &w->shared, n, rays, (sgt_spans){a->lo, a->hi, a->seed, NULL}, a->least);
         single_all(a, n);
         nearby(w, rays, n);
@@ -298,7 +302,8 @@ SGT_INLINE void make_local(const sweep *w, const sgt_tile *tile, size_t from, si
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
         sgt_vec3 o = {ox[i], oy[i], oz[i]}, d = {dx[i], dy[i], dz[i]};
-        approach at = approach_of(o, d, a->tmin[i], a->tmax[i], a->lo[i], a->hi[i], a->seed[i], back, everywhere, slopes & (a->least[i] > 0));
+        approach at = approach_of(o, d, a->tmin[i], a->tmax[i], a->lo[i], a->hi[i], a->seed[i], back,
+                                  everywhere, slopes & (a->least[i] > 0));
         a->f[i] = (at.seeded ? 1.0 : 0.0) + (at.middle ? 0.5 : 0.0), a->fx[i] = (at.passes ? 0.0 : 1.0) + (at.known ? 0.0 : 2.0);
         a->x[i] = at.q.x, a->y[i] = at.q.y, a->z[i] = at.q.z;
         a->l[i] = at.q.l, a->m[i] = at.q.m, a->n[i] = at.q.n;

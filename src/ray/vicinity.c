@@ -36,12 +36,14 @@ static int place_of(double rung, int digits, int places)
 static const sgt_extent *within(sgt_surface s, double rung, int digits, vicinities *kept)
 {
     int i = place_of(rung, digits, VICINITIES);
-    if (kept->radius[i] != rung) kept->radius[i] = rung, s.ops->own_->extent_within(s.self, rung, &kept->extent[i]);
+    if (kept->radius[i] != rung)
+        kept->radius[i] = rung, s.ops->own_->extent_within(s.self, rung, &kept->extent[i]);
     return &kept->extent[i];
 }
 
 /* Where the rung is infinite nothing is known; nor of those who are not asked. */
-static void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked, vicinities *kept, double *radius2, double *steep, double *size)
+static void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked,
+                    vicinities *kept, double *radius2, double *steep, double *size)
 {
     const sgt_extent none = {0, HUGE_VAL, HUGE_VAL};
     for (size_t i = 0; i < n; i++) {
@@ -57,7 +59,8 @@ static void noises(sgt_surface s, size_t n, const double *rung, vicinities *kept
         if (v->asked[i] == 0 || !(rung[i] < HUGE_VAL)) continue;
         int k = place_of(rung[i], FINE, NOISES);
         double *e = kept->noise[k];
-        if (kept->noise_radius[k] != rung[i]) kept->noise_radius[k] = rung[i], s.ops->own_->noise_within(s.self, rung[i] * (1 + 0x1p-20), e);
+        if (kept->noise_radius[k] != rung[i])
+            kept->noise_radius[k] = rung[i], s.ops->own_->noise_within(s.self, rung[i] * (1 + 0x1p-20), e);
         v->noise[0][i] = e[0], v->noise[1][i] = e[1], v->noise[2][i] = rung[i] * rung[i];
     }
 }
@@ -71,15 +74,19 @@ SGT_INLINE double radius_at(double ox, double oy, double dx, double dy, double t
     return sqrt(x * x + y * y) + 0x1p-51 * ((fabs(ox) + fabs(tl)) + (fabs(oy) + fabs(tm)));
 }
 
-/* What is needed at the seed, and from where the search begins on: the least radius, and the rung about the root. */
+/* What is needed at the seed, and from where the search begins on: the least radius, and the rung about the
+ * root. */
 SGT_CLONES_WIDE
-static void begin(size_t n, bool near, const double *restrict ox, const double *restrict oy, const double *restrict dx, const double *restrict dy,
-                  const double *restrict dz, const double *restrict tmin, const double *restrict t, double *restrict at_seed, double *restrict from,
-                  double *restrict radius, double *restrict wide, double *restrict about)
+static void begin(size_t n, bool near, const double *restrict ox, const double *restrict oy,
+                  const double *restrict dx, const double *restrict dy, const double *restrict dz,
+                  const double *restrict tmin, const double *restrict t, double *restrict at_seed,
+                  double *restrict from, double *restrict radius, double *restrict wide,
+                  double *restrict about)
 {
     const mask only = MASK(near);
     LANES for (size_t i = 0; i < n; i++) {
-        double seed = t[i], far = fabs(seed) * (fabs(dx[i]) + fabs(dy[i]) + fabs(dz[i])), axis = radius_at(ox[i], oy[i], dx[i], dy[i], seed);
+        double seed = t[i], far = fabs(seed) * (fabs(dx[i]) + fabs(dy[i]) + fabs(dz[i])),
+               axis = radius_at(ox[i], oy[i], dx[i], dy[i], seed);
         double most = 1.125 * axis + 0x1p-10 * far; /* a departure moves the root from the seed */
         double first = chosen(only, seed, tmin[i]), there = radius_at(ox[i], oy[i], dx[i], dy[i], first);
         mask along = MASK(fabs(dx[i]) + fabs(dy[i]) == 0);
@@ -89,21 +96,27 @@ static void begin(size_t n, bool near, const double *restrict ox, const double *
     }
 }
 
-/* Begins where the ray enters |z| <= size, made larger by far more than rounding, where a smaller radius is enough from there on:
- * unless it is from so far that an ulp of t is too long for that.  How many did. */
+/* Begins where the ray enters |z| <= size, made larger by far more than rounding, where a smaller radius is
+ * enough from there on: unless it is from so far that an ulp of t is too long for that.  How many did. */
 SGT_CLONES_WIDE
-static double shrink(size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz, const double *restrict dx,
-                     const double *restrict dy, const double *restrict dz, const double *restrict size, const double *restrict at_seed,
+static double shrink(size_t n, const double *restrict ox, const double *restrict oy,
+                     const double *restrict oz, const double *restrict dx, const double *restrict dy,
+                     const double *restrict dz, const double *restrict size, const double *restrict at_seed,
                      double *restrict from, double *restrict radius, double *restrict wide)
 {
     double more = 0;
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
-        double t = from[i], s = size[i], r = radius[i], rung = wide[i], thick = s * (1 + 0x1p-10), z = oz[i] + t * dz[i];
-        double to = (copysign(thick, z) - oz[i]) / dz[i], smaller = larger(at_seed[i], radius_at(ox[i], oy[i], dx[i], dy[i], to)), narrow = rung_above(smaller, COARSE);
-        mask sharp = MASK(fabs(oz[i]) + fabs(t * dz[i]) + fabs(to * dz[i]) < 0x1p36 * s), inward = MASK(fabs(z) > thick) & MASK(z * dz[i] < 0);
+        double t = from[i], s = size[i], r = radius[i], rung = wide[i], thick = s * (1 + 0x1p-10),
+               z = oz[i] + t * dz[i];
+        double to = (copysign(thick, z) - oz[i]) / dz[i],
+               smaller = larger(at_seed[i], radius_at(ox[i], oy[i], dx[i], dy[i], to)),
+               narrow = rung_above(smaller, COARSE);
+        mask sharp = MASK(fabs(oz[i]) + fabs(t * dz[i]) + fabs(to * dz[i]) < 0x1p36 * s),
+             inward = MASK(fabs(z) > thick) & MASK(z * dz[i] < 0);
         mask goes = sharp & inward & MASK(to > t) & MASK(narrow < rung) & MASK(fabs(dx[i]) + fabs(dy[i]) > 0);
-        from[i] = chosen(goes, to, t), radius[i] = chosen(goes, smaller, r), wide[i] = chosen(goes, narrow, rung);
+        from[i] = chosen(goes, to, t), radius[i] = chosen(goes, smaller, r),
+        wide[i] = chosen(goes, narrow, rung);
         more += chosen(goes, 1, 0);
     }
     return more;
@@ -111,19 +124,21 @@ static double shrink(size_t n, const double *restrict ox, const double *restrict
 
 /* ------------------------------------------------------------------------- the stretch */
 
-/* Where F is monotone on the chord within the radius, some of the ray is there, and it begins before the search does.  How many are
- * left. */
+/* Where F is monotone on the chord within the radius, some of the ray is there, and it begins before the
+ * search does.  How many are left. */
 SGT_CLONES_WIDE
-static double judge(size_t n, const double *restrict dx, const double *restrict dy, const double *restrict dz, const double *restrict tmin,
-                    const double *restrict tmax, const double *restrict seed, const double *restrict from, const double *restrict lo,
-                    const double *restrict hi, const double *restrict slope, double *restrict asked, double *restrict out_lo,
+static double judge(size_t n, const double *restrict dx, const double *restrict dy, const double *restrict dz,
+                    const double *restrict tmin, const double *restrict tmax, const double *restrict seed,
+                    const double *restrict from, const double *restrict lo, const double *restrict hi,
+                    const double *restrict slope, double *restrict asked, double *restrict out_lo,
                     double *restrict out_hi, double *restrict least)
 {
     double left = 0;
 #pragma omp simd reduction(+ : left)
     for (size_t i = 0; i < n; i++) {
         double scale = scale_of((sgt_vec3){dx[i], dy[i], dz[i]}), steep = slope[i];
-        mask here = MASK(lo[i] <= seed[i]) & MASK(seed[i] <= hi[i]) & MASK(lo[i] <= tmax[i]) & MASK(hi[i] >= tmin[i]);
+        mask here =
+            MASK(lo[i] <= seed[i]) & MASK(seed[i] <= hi[i]) & MASK(lo[i] <= tmax[i]) & MASK(hi[i] >= tmin[i]);
         mask monotone = here & MASK(steep > 0) & MASK(lo[i] <= from[i]) & MASK(asked[i] != 0);
         steep = chosen(MASK(steep < 0x1p-4 * fabs(dz[i] * scale)), NO_BOUND, steep);
         out_lo[i] = chosen(monotone, lo[i], out_lo[i]), out_hi[i] = chosen(monotone, hi[i], out_hi[i]);
@@ -137,17 +152,26 @@ static double judge(size_t n, const double *restrict dx, const double *restrict 
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, vicinities *kept, const vicinity *v)
 {
     const struct sgt_own *own = s.ops->own_;
-    double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3], *size = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7];
-    begin(n, near, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius, wide, about);
+    double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3],
+           *size = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7];
+    begin(n, near, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius, wide,
+          about);
     noises(s, n, about, kept, v);
     for (int k = 0;; k++) {
         extents(s, n, wide, COARSE, v->asked, kept, radius2, steep, size);
-        if (near || k == SHRINKS || shrink(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], size, at_seed, from, radius, wide) == 0) break;
+        if (near || k == SHRINKS
+            || shrink(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], size, at_seed, from, radius, wide)
+                   == 0)
+            break;
     }
     double *lo = at_seed, *hi = size, *least = about;
     for (int k = 0; k < 2; k++) {
         own->chords(n, r, radius2, steep, lo, hi, least);
-        if (judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least, v->asked, v->lo, v->hi, v->least) == 0 || k == 1) break;
+        if (judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least, v->asked, v->lo,
+                  v->hi, v->least)
+                == 0
+            || k == 1)
+            break;
         for (size_t i = 0; i < n; i++) wide[i] = rung_above(radius[i], FINE);
         extents(s, n, wide, FINE, v->asked, kept, radius2, steep, size);
     }

@@ -7,9 +7,9 @@
  * begins before the search does, is then the first.  Nothing is said of a ray that has no root there: it may have one farther
  * out.  Near the seed there is no second point, and a root within the chord is the one.
  *
- * WHERE THE SEARCH BEGINS.  Within R the sag is at most S, so no root is where |z| > S, and the ray may as well begin where it
- * enters |z| <= S.  Where that is nearer to the axis R is smaller, and S with it: the same again.  Of a ray from afar at a lens R
- * is soon that of the lens.
+ * WHERE THE SEARCH BEGINS.  Within R the sag is at most S, so no root is where |z| > S, and the ray may as
+ * well begin where it enters |z| <= S.  Where that is nearer to the axis R is smaller, and S with it: the
+ * same again.  Of a ray from afar at a lens R is soon that of the lens.
  *
  * RUNGS.  What is known of the surface within R costs more than a root.  So R is rounded up, to a power of two or, where that
  * says too little, to an eighth of one, and many rays share it.  It depends on nothing but the ray and the surface: a ray in a
@@ -24,7 +24,10 @@
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: nothing is there. */
 enum { VICINITIES = 16, NOISES = 32, VICINITY_ROWS = 8 };
-typedef struct vicinities { double radius[VICINITIES], noise_radius[NOISES], noise[NOISES][2]; sgt_extent extent[VICINITIES]; } vicinities;
+typedef struct vicinities {
+    double radius[VICINITIES], noise_radius[NOISES], noise[NOISES][2];
+    sgt_extent extent[VICINITIES];
+} vicinities;
 
 SGT_INLINE void vicinities_begin(vicinities *v)
 {
@@ -32,10 +35,14 @@ SGT_INLINE void vicinities_begin(vicinities *v)
     for (int i = 0; i < NOISES; i++) v->noise_radius[i] = 0;
 }
 
-/* Of some rays, a row each.  asked: 1, else 0; of one that is asked the seed is a number.  After the call it is 1 where nothing was
- * found, else lo, hi and least are those of the stretch: `least` bounds |dF/dtau| from below all along it (sgt_own, spans).  Within
- * r^2 <= noise[2] of the axis F is off by noise[0] + noise[1] r^2 (sgt_shared), where that is known. */
-typedef struct vicinity { const double *tmin, *tmax, *seed; double *asked, *lo, *hi, *least, *noise[3], *work[VICINITY_ROWS]; } vicinity;
+/* Of some rays, a row each.  asked: 1, else 0; of one that is asked the seed is a number.  After the call it
+ * is 1 where nothing was found, else lo, hi and least are those of the stretch: `least` bounds |dF/dtau| from
+ * below all along it (sgt_own, spans).  Within r^2 <= noise[2] of the axis F is off by noise[0] + noise[1]
+ * r^2 (sgt_shared), where that is known. */
+typedef struct vicinity {
+    const double *tmin, *tmax, *seed;
+    double *asked, *lo, *hi, *least, *noise[3], *work[VICINITY_ROWS];
+} vicinity;
 
 /* What the departure adds to the rounding of F at a point of that r^2, unless that is much nearer to the axis than the radius
  * that it is known for; the base's is `roundings` of bare_of. */

@@ -3,7 +3,8 @@
  * F = z - s(r^2) - P(r^2) is solved in the polynomial form G of form.c, which has its roots, and by
  * the certificate there.
  *
- * EASY.  Four evaluations on lens surfaces, by the single ray and by lanes, the first root without a rim too: asphere_easy.h.
+ * EASY.  Four evaluations on lens surfaces, by the single ray and by lanes, the first root without a rim too:
+ * asphere_easy.h.
  * QUICK.  What is not easy: Newton from the conic's root near the vertex, each step at most half the last, and where t
  * is not sharp settled from there.  That the root is the only one within the rim is certain where
  *     |n| > L sqrt(a),  L = max |grad s| over the rim,  a = l^2 + m^2:
@@ -21,7 +22,8 @@
 /* ------------------------------------------------------------------- easy */
 
 /* One ray, its ends made explicit; the evaluations are counted and told whatever becomes of it. */
-SGT_INLINE easy_answer easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol, double scale, lane *e, tally *w)
+SGT_INLINE easy_answer easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax,
+                               double t_tol, double scale, lane *e, tally *w)
 {
     double g, slope;
     wavy_start r = wavy_begin(s, ALL_TERMS, o.x, o.y, o.z, d.x, d.y, d.z, &g, &slope);
@@ -42,12 +44,17 @@ SGT_INLINE easy_answer easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d
     }
     if (w->stopped || !(r.tau == r.tau)) return EASY_NOT;
     near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
-    *e = wavy_end(s, ALL_TERMS, &root, q.v, q.near, at_vertex(r.x, r.y, o.z), d.x, d.y, d.z, tmin, tmax, t_tol);
-    if (!e->hit) return wavy_away(s, ALL_TERMS, &root, q.v, half.inverse, o.z, d.x, d.y, d.z, tmin, tmax) ? EASY_MISS : EASY_NOT;
+    *e = wavy_end(s, ALL_TERMS, &root, q.v, q.near, at_vertex(r.x, r.y, o.z), d.x, d.y, d.z, tmin, tmax,
+                  t_tol);
+    if (!e->hit)
+        return wavy_away(s, ALL_TERMS, &root, q.v, half.inverse, o.z, d.x, d.y, d.z, tmin, tmax) ? EASY_MISS
+                                                                                                 : EASY_NOT;
     bool is_first = !first || wavy_single(s, d.x, d.y, d.z);
     for (int halves = 0; halves < 2 && !is_first; halves++)
-        is_first = wavy_first_from(s, ALL_TERMS, halves != 0, o.x, o.y, o.z, tmin, r.t0, r.x, r.y, q.tau, d.x, d.y, d.z);
-    return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, d.x, d.y) != 0) ? EASY_HIT : EASY_NOT;
+        is_first = wavy_first_from(s, ALL_TERMS, halves != 0, o.x, o.y, o.z, tmin, r.t0, r.x, r.y, q.tau, d.x,
+                                   d.y, d.z);
+    return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, d.x, d.y) != 0) ? EASY_HIT
+                                                                                             : EASY_NOT;
 }
 
 /* A direction of unusual length is scaled, by a power of two: of the usual ones that would change no bit. */
@@ -60,7 +67,8 @@ SGT_INLINE easy_answer easy(const wavy *s, const sgt_ray *ray, lane *e, tally *w
     if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z)) return easy_at(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, 1, e, w);
     if (!ends_are_whole(ray, scale)) return EASY_NOT;
     d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
-    easy_answer is = easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, scale, e, w);
+    easy_answer is =
+        easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, scale, e, w);
     return is == EASY_HIT ? easy_unscaled(e, scale) : is;
 }
 
@@ -89,7 +97,8 @@ static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *
     return all;
 }
 
-/* Is each root the first, of those that are hits?  Told in room->again; with halves, of those that were not without. */
+/* Is each root the first, of those that are hits?  Told in room->again; with halves, of those that were not
+ * without. */
 SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile *tile, wavy_room *room)
 {
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
@@ -97,7 +106,11 @@ SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile 
     size_t count = tile->n;
     mask every = MASK(true);
     if (!halves) {
-        _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) every &= room->again[i] = wavy_single(s, l[i], m[i], n[i]) | ~room->ends.hit[i];
+        _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
+            mask is = wavy_single(s, l[i], m[i], n[i]) | ~room->ends.hit[i];
+            room->again[i] = is;
+            every &= is;
+        }
         if (every) return true;
         every = MASK(true);
     }
@@ -112,21 +125,31 @@ SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile 
 SGT_INLINE void sweep_away(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room)
 {
     const wavy own = *self, *s = &own;
-    const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
+    const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2],
+                 *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
-        near_root r = wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
-        room->again[i] = wavy_away(s, terms, &r, room->v[i], room->inverse[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+        near_root r =
+            wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
+        room->again[i] =
+            wavy_away(s, terms, &r, room->v[i], room->inverse[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
     }
 }
 
 SGT_CLONES_WIDE
-static void asphere_sweep_few_away(const wavy *s, const sgt_tile *tile, wavy_room *room) { sweep_away(s, FEW_TERMS, tile, room); }
+static void asphere_sweep_few_away(const wavy *s, const sgt_tile *tile, wavy_room *room)
+{
+    sweep_away(s, FEW_TERMS, tile, room);
+}
 
 SGT_CLONES_WIDE
-static void asphere_sweep_all_away(const wavy *s, const sgt_tile *tile, wavy_room *room) { sweep_away(s, ALL_TERMS, tile, room); }
+static void asphere_sweep_all_away(const wavy *s, const sgt_tile *tile, wavy_room *room)
+{
+    sweep_away(s, ALL_TERMS, tile, room);
+}
 
-/* Takes from the hard rays those that certainly miss: so many are left.  F at the point, a hit's last evaluation, they have not. */
+/* Takes from the hard rays those that certainly miss: so many are left.  F at the point, a hit's last
+ * evaluation, they have not. */
 static size_t without_misses(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room, size_t hard)
 {
     if (terms > FEW_TERMS) asphere_sweep_all_away(s, tile, room);
@@ -140,17 +163,20 @@ static size_t without_misses(const wavy *s, int terms, const sgt_tile *tile, wav
 }
 
 /* The second loop: what is met.  vertex: also of the rays that start there. */
-SGT_INLINE mask sweep_ending(const wavy *s, int terms, bool rich, bool vertex, const sgt_tile *tile, wavy_room *room)
+SGT_INLINE mask sweep_ending(const wavy *s, int terms, bool rich, bool vertex, const sgt_tile *tile,
+                             wavy_room *room)
 {
-    const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin,
-                 *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
+    const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2],
+                 *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
     size_t count = tile->n;
     sweep_to to = sweep_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
-        near_root r = wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
+        near_root r =
+            wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
         mask exact = vertex ? at_vertex(r.x, r.y, oz[i]) : 0;
-        lane e = wavy_end(s, terms, &r, room->v[i], room->near[i], exact, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        lane e = wavy_end(s, terms, &r, room->v[i], room->near[i], exact, l[i], m[i], n[i], tmin[i], tmax[i],
+                          t_tol[i]);
         SWEEP_STORE(to, i, e, rich);
         all &= e.hit;
     }
@@ -222,13 +248,15 @@ SWEEP_TERMS(asphere_sweep_first, ALL_TERMS, true, true)
 SGT_INLINE bool single(const shape *s, const local *q)
 {
     double a = q->l * q->l + q->m * q->m;
-    return q->l == 0 && q->m == 0 ? q->n != 0 : q->n * q->n > single_limit(s) * a; /* along the axis F is linear */
+    return q->l == 0 && q->m == 0 ? q->n != 0
+                                  : q->n * q->n > single_limit(s) * a; /* along the axis F is linear */
 }
 
 /* The root is the start itself, whatever way it is found (sgt_ray). */
 SGT_INLINE bool is_start(const meeting *h, const sgt_ray *ray, double scale)
 {
-    double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z)), width = START_ULPS * terms * scale / h->slope;
+    double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z)),
+           width = START_ULPS * terms * scale / h->slope;
     return h->t + h->t_err <= ray->tmin + (width < HUGE_VAL ? width : 0) * (1 - 0x1p-20);
 }
 
@@ -260,7 +288,8 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
             if (steady) {
                 if (!(out->v > 16 * v_err)) return false;
                 bool whole = single(s, &q);
-                *miss = whole && out->p.x * out->p.x + out->p.y * out->p.y <= s->rim2 && !rim_hidden(out, s->rim2) && is_start(out, ray, q.scale);
+                *miss = whole && out->p.x * out->p.x + out->p.y * out->p.y <= s->rim2
+                        && !rim_hidden(out, s->rim2) && is_start(out, ray, q.scale);
                 if (*miss) return false;
                 /* a start too far off for the terms at the root, or for t, or a steep place: once more from there */
                 double fx = fabs(out->n.x), fy = fabs(out->n.y), far = at.ex * fx + at.ey * fy + at.ez;
@@ -268,7 +297,9 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
                 if ((far > 3 * here || fx * fx + fy * fy > STEEP2 || !sharp(out, opt->t_tol)) && !sgt_form_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w)) return false;
                 bool near = opt->pick == SGT_NEAR_SEED;
                 if (opt->proof != SGT_ESTIMATE && (rim_hidden(out, s->rim2) || !sgt_form_alone(s, ray, out, w) || w->stopped)) return false;
-                if (fabs(out->t - ray->tmax) <= larger(END_ERRORS * (out->t_err + SGT_U * fabs(out->t)), TINY)) return false; /* the march tells whether it counts */
+                if (fabs(out->t - ray->tmax)
+                    <= larger(END_ERRORS * (out->t_err + SGT_U * fabs(out->t)), TINY))
+                    return false; /* the march tells whether it counts */
                 return (near || whole) && counts(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL && !place_is_tiny(&q, out->t, out->p);
             }
         }
@@ -314,7 +345,9 @@ static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_opti
     tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
     wavy v;
     lane e;
-    easy_answer is = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v) ? easy(&v, ray, &e, &w) : EASY_NOT;
+    easy_answer is = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)
+                         ? easy(&v, ray, &e, &w)
+                         : EASY_NOT;
     if (is == EASY_HIT) {
         double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});
         if (opt->watch) tell(&w, SGT_NEWTON, e.t, f, e.nx * ray->d.x + e.ny * ray->d.y + ray->d.z, e.t - e.t_err, e.t + e.t_err);
@@ -324,7 +357,8 @@ static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_opti
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
     if (is == EASY_MISS) return hit_without(SGT_MISS, ray, w.evals);
     bool miss = false;
-    if (quick(&h, ray, &at, &seed, &miss, &w)) return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
+    if (quick(&h, ray, &at, &seed, &miss, &w))
+        return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
     if (miss) return hit_without(SGT_MISS, ray, w.evals);
     return sgt_asphere_march(&h, ray, seed, &w, NULL);

@@ -28,8 +28,8 @@
  * by 6 rho + 2 rho0; P by first times that and 2 rho first (each of T fmas rounds once); with Q = 9 rho + 2 rho0
  *     w by first Q + |z| + |w|,   G by e = |v| (w's) + |c| Q / 2 + 3 |w| (1 + |(1 + k) c w|),  v = 1 - (1 + k) c w.
  * s is off by at most 2^-37 of the sum of the magnitudes of its terms, 2 W1 + |c| |x l + y m| (v's share is |(1 + k) c| e /
- * |v| W1, and e < 2^-46 / |(1 + k) c|, |v| > 2^-8), which has to be below 64 |s|; and rho0 <= 4 rho: a start not too far off.
- * What underflows, z at t0 among it, is below 2^-1060 in G. */
+ * |v| W1, and e < 2^-46 / |(1 + k) c|, |v| > 2^-8), which has to be below 64 |s|; and rho0 <= 4 rho: a start
+ * not too far off. What underflows, z at t0 among it, is below 2^-1060 in G. */
 #ifndef SGT_SURFACE_ASPHERE_EASY_H
 #define SGT_SURFACE_ASPHERE_EASY_H
 
@@ -138,7 +138,8 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
     double off = fma(M * (H + H), ai, 0x1p-30); /* Delta / |s| */
     double Q = fma(9, rho, rho0 + rho0), az = fabs(z), ackw = fabs(ckw);
     double e = 1.01 * SGT_U * fma(fabs(1 - ckw), fma(first, Q, az + aw), fma(0.5 * s->abs_c, Q, (3 * aw) * (1 + ackw)));
-    double noise = e * ai, tau = at->tau2 - step, tau_err = fma(1.16, fma(as, off, noise), fma(SGT_U, fabs(tau) + (as + as), 0x1p-1060 * ai));
+    double noise = e * ai, tau = at->tau2 - step,
+           tau_err = fma(1.16, fma(as, off, noise), fma(SGT_U, fabs(tau) + (as + as), 0x1p-1060 * ai));
     double terms_of_slope = fma(2, W1, s->abs_c * at->slant);
     mask again = MASK(off < 0x1p20);
     mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) & MASK(rho0 <= 4 * rho)
@@ -163,7 +164,8 @@ SGT_INLINE mask wavy_hopeless(const wavy *s, double tmin, double l, double m, do
     return MASK(tmin == -HUGE_VAL) & MASK(fabs(l) + fabs(m) > 0) & ~wavy_single(s, l, m, n);
 }
 
-/* The square of the greatest slope within r^2 <= r2, above it by more than rounding; infinite where the base has none. */
+/* The square of the greatest slope within r^2 <= r2, above it by more than rounding; infinite where the base
+ * has none. */
 SGT_INLINE double wavy_slope2(const wavy *s, int terms, double r2)
 {
     double phi2 = fma(-s->ck * s->c, r2, 1), steep = (s->abs_c / sqrt(phi2 - 0x1p-30) + 2 * horner(s->size, terms, r2)) * (1 + 0x1p-20);
@@ -195,31 +197,39 @@ SGT_INLINE double wavy_ahead(const wavy *s, int terms, double r2, double side)
  * at most R^2, the larger of that at the two, and F is monotone if the slope within R allows it: no root is between.  The start
  * is such a point, or one behind it: the surface is ahead of the ray by no more than a polynomial in r^2 with terms of one sign,
  * which is convex along the ray, and z is linear.  Where the ray is farther off at two points, it is so all the way from the
- * one to the other.  Such a second point is looked for between the start and the root, at 1/2 ... 1/1024 of the way from the root.
- * A start nearer to the root than 2^-20 |t| is left to others: so tau_err, at most 40 u |t|, moves r^2 by less than 2^-14 of
- * itself even from the last of these points.
+ * one to the other.  Such a second point is looked for between the start and the root, at 1/2 ... 1/1024 of
+ * the way from the root. A start nearer to the root than 2^-20 |t| is left to others: so tau_err, at most 40
+ * u |t|, moves r^2 by less than 2^-14 of itself even from the last of these points.
  * halves: are they tried?  Not at first, as the start itself is mostly enough. */
 typedef struct wavy_way { double ox, oy, oz, l, m, n, side, t, root2; } wavy_way;
 
-/* Such a point is so far before the root.  (Called once for each half: a loop would keep that over the rays from becoming vector
- * code.) */
+/* Such a point is so far before the root.  (Called once for each half: a loop would keep that over the rays
+ * from becoming vector code.) */
 SGT_INLINE mask wavy_second(const wavy *s, int terms, const wavy_way *w, double before)
 {
-    double at = w->t - before, r2 = wavy_r2(w->ox, w->oy, at, w->l, w->m), off = -w->side * fma(at, w->n, w->oz);
-    return MASK(off > wavy_ahead(s, terms, r2, w->side)) & MASK(w->n * w->n > wavy_slope2(s, terms, larger(r2, w->root2)) * (w->l * w->l + w->m * w->m));
+    double at = w->t - before, r2 = wavy_r2(w->ox, w->oy, at, w->l, w->m),
+           off = -w->side * fma(at, w->n, w->oz);
+    return MASK(off > wavy_ahead(s, terms, r2, w->side))
+           & MASK(w->n * w->n > wavy_slope2(s, terms, larger(r2, w->root2)) * (w->l * w->l + w->m * w->m));
 }
 
-SGT_INLINE mask wavy_first_from(const wavy *s, int terms, bool halves, double ox, double oy, double oz, double tmin, double t0, double x0, double y0, double tau, double l, double m, double n)
+SGT_INLINE mask wavy_first_from(const wavy *s, int terms, bool halves, double ox, double oy, double oz,
+                                double tmin, double t0, double x0, double y0, double tau, double l, double m,
+                                double n)
 {
-    double a = l * l + m * m, side = copysign(1, n), root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau, start = chosen(MASK(fabs(l) + fabs(m) > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
-    mask known = MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-20 * fabs(t)) & MASK(fabs(start) < HUGE_VAL);
+    double a = l * l + m * m, side = copysign(1, n), root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau,
+           start = chosen(MASK(fabs(l) + fabs(m) > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
+    mask known = MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-20 * fabs(t))
+                 & MASK(fabs(start) < HUGE_VAL);
     mask is = MASK(n * n > wavy_slope2(s, terms, larger(start2, root2)) * a);
     if (halves) {
         wavy_way w = {ox, oy, oz, l, m, n, side, t, root2};
         double left = t - start;
-        mask second = wavy_second(s, terms, &w, 0x1p-1 * left) | wavy_second(s, terms, &w, 0x1p-2 * left) | wavy_second(s, terms, &w, 0x1p-3 * left)
-                    | wavy_second(s, terms, &w, 0x1p-4 * left) | wavy_second(s, terms, &w, 0x1p-5 * left) | wavy_second(s, terms, &w, 0x1p-6 * left)
-                    | wavy_second(s, terms, &w, 0x1p-7 * left) | wavy_second(s, terms, &w, 0x1p-8 * left) | wavy_second(s, terms, &w, 0x1p-10 * left);
+        mask second = wavy_second(s, terms, &w, 0x1p-1 * left) | wavy_second(s, terms, &w, 0x1p-2 * left)
+                      | wavy_second(s, terms, &w, 0x1p-3 * left) | wavy_second(s, terms, &w, 0x1p-4 * left)
+                      | wavy_second(s, terms, &w, 0x1p-5 * left) | wavy_second(s, terms, &w, 0x1p-6 * left)
+                      | wavy_second(s, terms, &w, 0x1p-7 * left) | wavy_second(s, terms, &w, 0x1p-8 * left)
+                      | wavy_second(s, terms, &w, 0x1p-10 * left);
         is |= second & MASK(-side * fma(start, n, oz) > wavy_ahead(s, terms, start2, side));
     }
     return known & is;
@@ -240,31 +250,39 @@ SGT_INLINE near_root wavy_exactly(const near_root *r, mask exact)
     return at;
 }
 
-SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, double v, double near, mask exact, double l, double m, double n, double tmin,
-                         double tmax, double t_tol)
+SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, double v, double near, mask exact,
+                         double l, double m, double n, double tmin, double tmax, double t_tol)
 {
     double x = fma(r->tau, l, r->x), y = fma(r->tau, m, r->y), rho = x * x + y * y, dp = horner(s->slope, terms, rho), g = -s->c / v - (dp + dp);
     near_root at = wavy_exactly(r, exact);
-    return lane_of(&at, l, m, n, tmin, tmax, t_tol, r->tau * n, g, near, s->rim2, exact, MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
+    return lane_of(&at, l, m, n, tmin, tmax, t_tol, r->tau * n, g, near, s->rim2, exact,
+                   MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
 }
 
-/* AWAY.  The ray certainly misses: the root is the only one within the rim and as far out as the root, by the slope there, and
- * it does not count.  It is beyond tmax; or before tmin, or the start itself by half of what sag.h allows (G' is off from 1 / inverse
- * by an eighth at most); or beyond the rim, by far more than p_err.  root: of wavy_root. */
-SGT_INLINE mask wavy_away(const wavy *s, int terms, const near_root *root, double v, double inverse, double oz, double l, double m, double n, double tmin, double tmax)
+/* AWAY.  The ray certainly misses: the root is the only one within the rim and as far out as the root, by the
+ * slope there, and it does not count.  It is beyond tmax; or before tmin, or the start itself by half of what
+ * sag.h allows (G' is off from 1 / inverse by an eighth at most); or beyond the rim, by far more than p_err.
+ * root: of wavy_root. */
+SGT_INLINE mask wavy_away(const wavy *s, int terms, const near_root *root, double v, double inverse,
+                          double oz, double l, double m, double n, double tmin, double tmax)
 {
     mask exact = at_vertex(root->x, root->y, oz);
     near_root own = wavy_exactly(root, exact);
     const near_root *r = &own;
-    double px = fma(r->tau, l, r->x), py = fma(r->tau, m, r->y), pz = r->tau * n, rho = px * px + py * py, at = fabs(r->t), side = fabs(l) + fabs(m);
-    double dp = horner(s->slope, terms, rho), g = fabs(s->c / v + (dp + dp)), width = 0.5 * START_ULPS * (v * fma(g, rho, fabs(pz))) * fabs(inverse);
-    double off = fma(side, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))));
+    double px = fma(r->tau, l, r->x), py = fma(r->tau, m, r->y), pz = r->tau * n, rho = px * px + py * py,
+           at = fabs(r->t), side = fabs(l) + fabs(m);
+    double dp = horner(s->slope, terms, rho), g = fabs(s->c / v + (dp + dp)),
+           width = 0.5 * START_ULPS * (v * fma(g, rho, fabs(pz))) * fabs(inverse);
+    double off = fma(side, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0),
+                     SGT_U * (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))));
     double edge = s->rim2 * (1 + 0x1p-20), slope2 = wavy_slope2(s, terms, larger(rho * (1 + 0x1p-10), edge));
     mask only = MASK(n * n > slope2 * (l * l + m * m)) | MASK(side == 0);
-    mask before = MASK(r->t + r->t_err <= tmin + width), after = MASK(r->t - END_ERRORS * (r->t_err + SGT_U * at) > tmax);
+    mask before = MASK(r->t + r->t_err <= tmin + width),
+         after = MASK(r->t - END_ERRORS * (r->t_err + SGT_U * at) > tmax);
     mask beyond = MASK(rho - 3 * (fabs(px) + fabs(py) + off) * off > edge);
     mask is_ray = MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL) & MASK(rho < HUGE_VAL);
-    return is_ray & only & (before | after | beyond) & MASK(r->t_err < HUGE_VAL) & MASK(at < 0x1p300) & (MASK(at + r->t_err > LEAST_PLACE) | exact);
+    return is_ray & only & (before | after | beyond) & MASK(r->t_err < HUGE_VAL) & MASK(at < 0x1p300)
+           & (MASK(at + r->t_err > LEAST_PLACE) | exact);
 }
 
 #endif

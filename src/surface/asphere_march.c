@@ -22,7 +22,8 @@
  * solve/root.c, and its end to sgt_form_settle of form.c, from an origin moved to the root.
  *
  * An undecided stretch is never dropped by the rule of the start: what is known of it is that a root may be in it, not
- * where.  Nor is a root whose t_err is wider than that rule.  UNDER PROOF a root has to be the only one in t -+ t_err (sgt_form_alone), and its side of the rim certain. */
+ * where.  Nor is a root whose t_err is wider than that rule.  UNDER PROOF a root has to be the only one in t
+ * -+ t_err (sgt_form_alone), and its side of the rim certain. */
 #include "../solve/root.h"
 #include "asphere.h"
 
@@ -114,14 +115,16 @@ static bool may_count(const walk *w, const meeting *at)
 static bool hides(const shape *s, const meeting *at, const sgt_ray *ray, double scale)
 {
     double terms = at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z));
-    return !counts(at, ray, HUGE_VAL, scale) && ends_hide(at, ray, s->rim2, terms > 0 ? START_ULPS * terms / at->slope * scale : 0);
+    return !counts(at, ray, HUGE_VAL, scale)
+           && ends_hide(at, ray, s->rim2, terms > 0 ? START_ULPS * terms / at->slope * scale : 0);
 }
 
 /* What is told of is all within the last hit's t_err of it: it may be the same root. */
 static bool within_last(const sgt_list *list, const meeting *at)
 {
     sgt_interval about = sgt_about(at->t, at->t_err);
-    return list->count > 0 && list->last.status == SGT_HIT && about.lo >= list->last.lo && about.hi <= list->last.hi;
+    return list->count > 0 && list->last.status == SGT_HIT && about.lo >= list->last.lo
+           && about.hi <= list->last.hi;
 }
 
 /* Keeps the root if it counts and is the one wanted so far. */
@@ -143,7 +146,8 @@ static void keep(walk *w, meeting *at, double v_err, sgt_status status, double s
     if (w->list) {
         /* at the equator both sheets of G have a root, and F one */
         if (status == SGT_HIT && !proof && sgt_list_same(w->list, at->t, at->t_err)) return;
-        if (status == SGT_UNPROVEN && !proof && within_last(w->list, at)) return; /* and what is between them is about that */
+        if (status == SGT_UNPROVEN && !proof && within_last(w->list, at))
+            return; /* and what is between them is about that */
         if (status > 0) add_hit(w->list, at, status, asphere_f(w->s, at->p), SGT_NEWTON, w->ray, w->told);
         else add_stretch(w->list, w->told, status, w->ray, at->t - at->t_err, at->t + at->t_err);
         return;
@@ -166,7 +170,8 @@ static void take(walk *w, double tau, double tau_err, double lo, double hi, sgt_
     keep(w, &at, e.v_err + fabs(w->s->ck) * (fabs(e.dw) + fabs(w->q.n) + bend * tau_err) * tau_err, status, seed, best);
 }
 
-/* The root at t0 + tau.  Where a tolerance hides on which side of tmax it is, or whether it is the start, as if there were none. */
+/* The root at t0 + tau.  Where a tolerance hides on which side of tmax it is, or whether it is the start, as
+ * if there were none. */
 static bool settle(walk *w, double tau, meeting *at, double *v_err)
 {
     const sgt_options *opt = w->told->opt;
@@ -222,7 +227,8 @@ static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
     bool settled = fabs(t0) < HUGE_VAL && sgt_form_settle(s, ray, t0, 0, &at, &v_err, told);
     if (told->stopped) return hit_without(SGT_STOPPED, ray, told->evals);
     if (!settled || !(at.v > v_err)) return hit_without(SGT_UNPROVEN, ray, told->evals);
-    bool on_rim = told->opt->proof != SGT_ESTIMATE && rim_hidden(&at, s->rim2) && counts(&at, ray, HUGE_VAL, scale);
+    bool on_rim =
+        told->opt->proof != SGT_ESTIMATE && rim_hidden(&at, s->rim2) && counts(&at, ray, HUGE_VAL, scale);
     if (on_rim || hides(s, &at, ray, scale)) {
         sgt_interval about = sgt_about(at.t, at.t_err);
         return hit_undecided(SGT_UNPROVEN, ray, told->evals, about.lo, about.hi);
@@ -303,7 +309,8 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
                 continue;
             }
             if (sign_at(&left) * sign_at(&right) < 0) polish(&w, tau, &left, end, &right, seed, &best);
-            else if (!sign_at(&left) || !sign_at(&right)) { /* by the least slope, the root is so near that end */
+            else if (!sign_at(&left)
+                     || !sign_at(&right)) { /* by the least slope, the root is so near that end */
                 const sample *at = sign_at(&left) ? &right : &left;
                 double off = (fabs(at->g) + at->g_err) / (slope - e.slope_err - bend * h) * (1 + 0x1p-20);
                 if (off < h) take(&w, sign_at(&left) ? end : tau, off, tau, end, SGT_UNPROVEN, seed, &best);

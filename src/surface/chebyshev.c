@@ -5,9 +5,10 @@
  * Upon (T, sqrt(w) U) that is a turn by u, so what a step leaves out stays as it is, where the recurrence of three terms makes n
  * times as much of it near |x| = 1 (Clenshaw's sum, too); beyond |x| = 1 all the terms of a step have one sign.
  *
- * For a block of points the T_j and T_j' of y are tabled, 24 columns at a time; then each coefficient costs two fma, one for
- * B_i = sum over j of a_ij T_j and one for B_i', and P = sum of T_i B_i, P_x = sum of T_i' B_i, P_y = sum of T_i B_i'.  Two rows and four
- * columns at once, so that it is arithmetic and not loads and stores that take the time.
+ * For a block of points the T_j and T_j' of y are tabled, 24 columns at a time; then each coefficient costs
+ * two fma, one for B_i = sum over j of a_ij T_j and one for B_i', and P = sum of T_i B_i, P_x = sum of T_i'
+ * B_i, P_y = sum of T_i B_i'.  Two rows and four columns at once, so that it is arithmetic and not loads and
+ * stores that take the time.
  *
  * ROUNDING.  In units of u = 2^-53, with sigma = sqrt w: 1 - x^2 is off by 3 of itself, so a step leaves out |T_n+1| + 4 |w U_n-1| of T_n+1
  * and |U_n| of U_n, upon (T, sigma U) k = sqrt 2 + 4 sigma at most; after n steps T_n is off by n k at most, U_n-1 by n k / sigma.

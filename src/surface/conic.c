@@ -100,8 +100,12 @@ SGT_INLINE verdict quick_root(meeting *at, double tau, const quadric *g, const l
     double terms = fabs(cr2) + fabs(w * at->p.z) + 2 * fabs(at->p.z);
     snap(at, g->c, g->k, square_radius(at->p.x, at->p.y), 0, 0);
     bool off_sheet = at->v < -v_err;
-    double until = larger(END_ERRORS * (at->t_err + SGT_U * fabs(at->t)), TINY); /* nearer to an end the careful form tells whether it counts */
-    double steep = at->slope / q->scale, from_start = (at->t - ray->tmin - 8 * SGT_U * fabs(at->t)) * steep - START_ULPS * at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z));
+    double until = larger(END_ERRORS * (at->t_err + SGT_U * fabs(at->t)),
+                          TINY); /* nearer to an end the careful form tells whether it counts */
+    double steep = at->slope / q->scale,
+           from_start =
+               (at->t - ray->tmin - 8 * SGT_U * fabs(at->t)) * steep
+               - START_ULPS * at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z));
     /* written so that NaN is not certain; a tiny root is in the hands of the careful form */
     r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms && at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL && sharp(at, opt->t_tol)
                                 && !(fabs(at->t - ray->tmax) <= until) && !(fabs(from_start) <= until * steep)
@@ -342,7 +346,9 @@ static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, m
         if (!(r->at.t_err < HUGE_VAL)) return SGT_UNPROVEN; /* out of range */
         if (!(proof ? careful_may(r, rim2) : r->counts) && !r->hidden) continue;
         *out = r->at;
-        return !r->hidden && r->sheet > 0 && (!proof || careful_proof(&p, (int)(r - p.r), rim2)) ? SGT_HIT : SGT_UNPROVEN;
+        return !r->hidden && r->sheet > 0 && (!proof || careful_proof(&p, (int)(r - p.r), rim2))
+                   ? SGT_HIT
+                   : SGT_UNPROVEN;
     }
     return SGT_MISS;
 }
@@ -376,7 +382,8 @@ SGT_INLINE sgt_status plane(double rim2, const sgt_ray *ray, bool proof, meeting
     /* so nearly parallel that t, or the point, is out of range */
     if (!(out->t_err < HUGE_VAL && out->p_err < HUGE_VAL)) return SGT_UNPROVEN;
     bool ends = counts(out, ray, HUGE_VAL, q.scale);
-    if (ends ? proof && rim_hidden(out, rim2) : ray->o.z != 0 && ends_hide(out, ray, rim2, 0)) return SGT_UNPROVEN;
+    if (ends ? proof && rim_hidden(out, rim2) : ray->o.z != 0 && ends_hide(out, ray, rim2, 0))
+        return SGT_UNPROVEN;
     return counts(out, ray, rim2, q.scale) ? SGT_HIT : SGT_MISS;
 }
 
@@ -467,9 +474,14 @@ sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray
     double reached = ray->tmin;
     for (int i = 0; i < (p.far_exists ? 2 : 1) && !w.stopped; i++) {
         const careful_root *r = &p.r[i];
-        if (status == SGT_HIT && (r->sheet < 0 || (r->at.t_err < HUGE_VAL && !r->hidden && !(proof ? careful_may(r, rim2) : r->counts)))) continue;
+        if (status == SGT_HIT
+            && (r->sheet < 0
+                || (r->at.t_err < HUGE_VAL && !r->hidden && !(proof ? careful_may(r, rim2) : r->counts))))
+            continue;
         if (!(r->at.t_err < HUGE_VAL)) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL); /* out of range */
-        else if (status == SGT_HIT && (r->sheet == 0 || r->hidden || (proof && c != 0 && !careful_proof(&p, i, rim2)))) unproven_about(list, &r->at, ray, &w);
+        else if (status == SGT_HIT
+                 && (r->sheet == 0 || r->hidden || (proof && c != 0 && !careful_proof(&p, i, rim2))))
+            unproven_about(list, &r->at, ray, &w);
         else add_hit(list, &r->at, status, isnan(r->at.sag) ? conic_f(c, k, r->at.p) : r->at.p.z - r->at.sag, SGT_SEED, ray, &w);
         if (!w.stopped) reached = r->at.t + r->at.t_err;
     }

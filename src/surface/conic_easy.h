@@ -50,7 +50,15 @@ typedef struct bowl { double c, abs_c, k1, k1_lo, ck, extra, rim2, reach; bool p
 SGT_INLINE bool bowl_of(double c, double k, double rim2, bool proof, bowl *s)
 {
     double most = rim2 < 0x1p600 ? rim2 : 0x1p600;
-    *s = (bowl){c, fabs(c), 1 + k, two_sum(1, k).lo, (1 + k) * c, 1 + k < 0 ? 2 * fabs(1 + k) * fabs(c) : 0, proof ? sure_rim2(most) : most, 0x1p46 * sqrt(most), proof};
+    *s = (bowl){c,
+                fabs(c),
+                1 + k,
+                two_sum(1, k).lo,
+                (1 + k) * c,
+                1 + k < 0 ? 2 * fabs(1 + k) * fabs(c) : 0,
+                proof ? sure_rim2(most) : most,
+                0x1p46 * sqrt(most),
+                proof};
     return (c == 0 || (fabs(c) > 0x1p-60 && fabs(c) < 0x1p60)) && fabs(k) < 0x1p60 && rim_in_range(rim2);
 }
 
@@ -78,7 +86,8 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, double ox
 SGT_INLINE lane easy_end(const bowl *s, const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol)
 {
     double pz = r->tau * n, w = s->ck * pz, g = -s->c / (1 - w);
-    return lane_of(r, l, m, n, tmin, tmax, t_tol, pz, g, fabs(r->tau), s->rim2, MASK(false), MASK(fabs(w) < 1 - 0x1p-8));
+    return lane_of(r, l, m, n, tmin, tmax, t_tol, pz, g, fabs(r->tau), s->rim2, MASK(false),
+                   MASK(fabs(w) < 1 - 0x1p-8));
 }
 
 /* t0 + tau does not count; its point is (x, y, 0) + tau d. */
@@ -121,9 +130,11 @@ SGT_INLINE verdicts easy_away(const bowl *s, double ox, double oy, double oz, do
     double reach = fabs(t0) * (fabs(l) + fabs(m)), off = 0x1p-98 * reach;
     mask usual = MASK(off * off * (Aa * s->abs_c) <= 0x1p-60 * n2) & MASK(reach <= 0x1p14 * s->reach) & MASK(n2 > 0x1p-200) & MASK(a + n2 < 0x1p200) & MASK(r2 < 0x1p600) & MASK(size < 0x1p600) & MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL);
     mask real = MASK(D > 0x1p-10 * size), start = starts_on(s, ox, oy, oz, l, m, n, tmin), two = MASK(fabs(A) > 0x1p-10 * Aa);
-    mask far_gone = two & (gone(s, x, y, t0, far, l, m, n, tmin, tmax) | (start & MASK(to_far < 0.25 * to_near)));
+    mask far_gone =
+        two & (gone(s, x, y, t0, far, l, m, n, tmin, tmax) | (start & MASK(to_far < 0.25 * to_near)));
     mask from_it = at_vertex(x, y, oz) & MASK(tmin >= 0); /* near is t = 0, and the start */
-    mask near_gone = gone(s, x, y, t0, near, l, m, n, tmin, tmax) | (start & two & MASK(to_near < 0.25 * to_far)) | from_it;
+    mask near_gone = gone(s, x, y, t0, near, l, m, n, tmin, tmax)
+                     | (start & two & MASK(to_near < 0.25 * to_far)) | from_it;
     far_gone &= usual & real;
     double slack = 0x1p-20 * (fabs(t0) + fabs(far));
     mask far_counts = usual & real & two & MASK(fabs(far - near) > 2 * slack) & stays(s, x, y, t0, far, l, m, n, tmin, tmax, S);
@@ -147,18 +158,21 @@ SGT_INLINE lane plane_end(const bowl *s, const near_root *r, double l, double m,
 }
 
 /* AWAY, of a plane: it has one root, the start itself where the ray begins on it. */
-SGT_INLINE mask plane_away(const bowl *s, double ox, double oy, double oz, double l, double m, double n, double tmin, double tmax)
+SGT_INLINE mask plane_away(const bowl *s, double ox, double oy, double oz, double l, double m, double n,
+                           double tmin, double tmax)
 {
     double t0, t0_lo, x, y;
     to_vertex_plane(ox, oy, oz, l, m, n, &t0, &t0_lo, &x, &y);
     double d2 = (l * l + m * m) + n * n, r2 = x * x + y * y;
-    mask usual = MASK(fabs(t0) * (fabs(l) + fabs(m)) <= 0x1p14 * s->reach) & MASK(n * n > 0x1p-200) & MASK(d2 < 0x1p200) & MASK(r2 < 0x1p600)
-               & MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL);
+    mask usual = MASK(fabs(t0) * (fabs(l) + fabs(m)) <= 0x1p14 * s->reach) & MASK(n * n > 0x1p-200)
+                 & MASK(d2 < 0x1p200) & MASK(r2 < 0x1p600) & MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL)
+                 & MASK(tmax > -HUGE_VAL);
     return usual & (gone(s, x, y, t0, 0, l, m, n, tmin, tmax) | (MASK(oz == 0) & MASK(tmin >= 0)));
 }
 
 /* The same as `plane_start` and `plane_end`, of rays that start on it too: all is 0 then, and t exact. */
-SGT_INLINE lane plane_at_start(const bowl *s, double ox, double oy, double oz, double l, double m, double n, double tmin, double tmax, double t_tol)
+SGT_INLINE lane plane_at_start(const bowl *s, double ox, double oy, double oz, double l, double m, double n,
+                               double tmin, double tmax, double t_tol)
 {
     near_root r = plane_start(s, true, ox, oy, oz, l, m, n);
     return lane_of(&r, l, m, n, tmin, tmax, t_tol, 0, 0, 0, s->rim2, MASK(oz == 0), MASK(true));
@@ -171,42 +185,64 @@ SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, doubl
     return e->hit != 0;
 }
 
-/* NEARBY.  A ray that starts near the surface, for how far that is from the vertex plane: t = t0 + tau cancels, and is not sharp.  Its
- * root once more, by the same equation from the ray's own origin, where C is all that cancels: in twice the precision.  C is
- * off by 27 u^2 of its terms, so by u of itself where it is above 2^-47 of them; B, with one term more than in EASY, by 7 u Ba;
- * and q = 4/3 gives |dt| <= 23 u |t|, of which 24 are taken.  It is the root that EASY has met from the vertex plane, and that no
- * other counts before: the two differ by less than their errors.  Where the ray starts in the vertex all is 0 and t is exact, as
- * from on a plane.  The point is rounded once in each coordinate. */
-SGT_INLINE lane nearby(const bowl *s, const near_root *at, double ox, double oy, double oz, double l, double m, double n, double tmin, double tmax,
-                       double t_tol)
+/* NEARBY.  A ray that starts near the surface, for how far that is from the vertex plane: t = t0 + tau
+ * cancels, and is not sharp.  Its root once more, by the same equation from the ray's own origin, where C is
+ * all that cancels: in twice the precision.  C is off by 27 u^2 of its terms, so by u of itself where it is
+ * above 2^-47 of them; B, with one term more than in EASY, by 7 u Ba; and q = 4/3 gives |dt| <= 23 u |t|, of
+ * which 24 are taken.  It is the root that EASY has met from the vertex plane, and that no other counts
+ * before: the two differ by less than their errors. Where the ray starts in the vertex all is 0 and t is
+ * exact, as from on a plane.  The point is rounded once in each coordinate. */
+SGT_INLINE lane nearby(const bowl *s, const near_root *at, double ox, double oy, double oz, double l,
+                       double m, double n, double tmin, double tmax, double t_tol)
 {
     twofold zz = two_product(oz, oz), k1zz = twofold_product((twofold){s->k1, s->k1_lo}, zz);
-    twofold C2 = twofold_difference(twofold_scaled(twofold_sum(twofold_sum(two_product(ox, ox), two_product(oy, oy)), k1zz), s->c), twofold_of(2 * oz));
-    double a = l * l + m * m, n2 = n * n, A = s->c * fma(s->k1, n2, a), Aa = fma(s->extra, n2, fabs(A)), C = C2.hi;
-    double xl = ox * l, ym = oy * m, kzn = s->k1 * oz * n, B = fma(-s->c, xl + ym + kzn, n), Ba = fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n));
+    twofold C2 = twofold_difference(
+        twofold_scaled(twofold_sum(twofold_sum(two_product(ox, ox), two_product(oy, oy)), k1zz), s->c),
+        twofold_of(2 * oz));
+    double a = l * l + m * m, n2 = n * n, A = s->c * fma(s->k1, n2, a), Aa = fma(s->extra, n2, fabs(A)),
+           C = C2.hi;
+    double xl = ox * l, ym = oy * m, kzn = s->k1 * oz * n, B = fma(-s->c, xl + ym + kzn, n),
+           Ba = fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n));
     double D = fma(B, B, -A * C), size = fma(Ba, Ba, Aa * fabs(C)), S = sqrt(D), t = C / (B + copysign(S, B));
-    double px = fma(t, l, ox), py = fma(t, m, oy), pz = fma(t, n, oz), w = s->ck * pz, g = -s->c / (1 - w), side = fabs(l) + fabs(m);
-    double terms = fma(s->abs_c, ox * ox + oy * oy + fabs(k1zz.hi), 2 * fabs(oz)), around = fma(s->abs_c, px * px + py * py, fabs(pz) * (2 + fabs(w)));
-    near_root r = {.x = ox, .y = oy, .tau = t, .t = t, .t_err = 25.1 * SGT_U * fabs(t), .tau_err = 25.1 * SGT_U * fabs(t), .small = t};
-    mask exact = at_vertex(ox, oy, oz), sharp = MASK(fabs(C) > 0x1p-47 * terms) & MASK(terms > 0x1p-400) & MASK(terms < 0x1p400);
-    mask same = MASK(fabs(t - at->t) <= 4 * at->t_err) & MASK(4 * D >= 3 * size) & MASK(fabs(t) * side <= 0x1p-44 * s->reach) & MASK((Aa + Aa) * r.t_err < S);
-    return lane_of(&r, l, m, n, tmin, tmax, t_tol, pz, g, around / fabs(n), s->rim2, exact, same & (sharp | exact) & MASK(fabs(w) < 1 - 0x1p-8));
+    double px = fma(t, l, ox), py = fma(t, m, oy), pz = fma(t, n, oz), w = s->ck * pz, g = -s->c / (1 - w),
+           side = fabs(l) + fabs(m);
+    double terms = fma(s->abs_c, ox * ox + oy * oy + fabs(k1zz.hi), 2 * fabs(oz)),
+           around = fma(s->abs_c, px * px + py * py, fabs(pz) * (2 + fabs(w)));
+    near_root r = {.x = ox,
+                   .y = oy,
+                   .tau = t,
+                   .t = t,
+                   .t_err = 25.1 * SGT_U * fabs(t),
+                   .tau_err = 25.1 * SGT_U * fabs(t),
+                   .small = t};
+    mask exact = at_vertex(ox, oy, oz),
+         sharp = MASK(fabs(C) > 0x1p-47 * terms) & MASK(terms > 0x1p-400) & MASK(terms < 0x1p400);
+    mask same = MASK(fabs(t - at->t) <= 4 * at->t_err) & MASK(4 * D >= 3 * size)
+                & MASK(fabs(t) * side <= 0x1p-44 * s->reach) & MASK((Aa + Aa) * r.t_err < S);
+    return lane_of(&r, l, m, n, tmin, tmax, t_tol, pz, g, around / fabs(n), s->rim2, exact,
+                   same & (sharp | exact) & MASK(fabs(w) < 1 - 0x1p-8));
 }
 
 /* Of both, in one lane. */
-SGT_INLINE lane easy_or_nearby(const bowl *s, bool first, double ox, double oy, double oz, double l, double m, double n, double tmin, double tmax, double t_tol)
+SGT_INLINE lane easy_or_nearby(const bowl *s, bool first, double ox, double oy, double oz, double l, double m,
+                               double n, double tmin, double tmax, double t_tol)
 {
     near_root r = easy_start(s, first, true, ox, oy, oz, l, m, n);
-    lane a = easy_end(s, &r, l, m, n, tmin, tmax, t_tol), b = nearby(s, &r, ox, oy, oz, l, m, n, tmin, tmax, t_tol);
+    lane a = easy_end(s, &r, l, m, n, tmin, tmax, t_tol),
+         b = nearby(s, &r, ox, oy, oz, l, m, n, tmin, tmax, t_tol);
     mask e = a.hit;
-    return (lane){chosen(e, a.t, b.t), chosen(e, a.t_err, b.t_err), chosen(e, a.t_lo, b.t_lo), chosen(e, a.px, b.px), chosen(e, a.py, b.py), chosen(e, a.pz, b.pz),
-                  chosen(e, a.nx, b.nx), chosen(e, a.ny, b.ny), chosen(e, a.p_err, b.p_err), a.hit | b.hit};
+    return (lane){chosen(e, a.t, b.t),   chosen(e, a.t_err, b.t_err), chosen(e, a.t_lo, b.t_lo),
+                  chosen(e, a.px, b.px), chosen(e, a.py, b.py),       chosen(e, a.pz, b.pz),
+                  chosen(e, a.nx, b.nx), chosen(e, a.ny, b.ny),       chosen(e, a.p_err, b.p_err),
+                  a.hit | b.hit};
 }
 
-SGT_INLINE bool nearby_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double t_tol, lane *e)
+SGT_INLINE bool nearby_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax,
+                          double t_tol, lane *e)
 {
     near_root at = easy_start(s, first, true, o.x, o.y, o.z, d.x, d.y, d.z);
-    *e = s->c == 0 ? plane_at_start(s, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax, t_tol) : nearby(s, &at, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax, t_tol);
+    *e = s->c == 0 ? plane_at_start(s, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax, t_tol)
+                   : nearby(s, &at, o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax, t_tol);
     return e->hit != 0;
 }
 

@@ -50,10 +50,12 @@ SGT_CLONES_WIDE
 static void conic_sweep_plane_away(const bowl *self, const sgt_tile *tile, mask *away)
 {
     const bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
     size_t count = tile->n;
-    LANES for (size_t i = 0; i < count; i++) away[i] = plane_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+    LANES
+    for (size_t i = 0; i < count; i++)
+        away[i] = plane_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
 }
 
 /* Of the far roots of all rays. */
@@ -89,18 +91,21 @@ SWEEP_BOWL(conic_sweep_first_rich, false, true, false, true)
 SWEEP_BOWL(conic_sweep_first_sure, false, true, true, false)
 SWEEP_BOWL(conic_sweep_first_sure_rich, false, true, true, true)
 
-/* The same, and the rays that start near the surface or on it as well: conic_easy.h, NEARBY.  In one loop, as few tiles are
- * met so. */
-SGT_INLINE size_t sweep_nearby(const bowl *self, bool plane, bool first, const sgt_tile *tile, bowl_room *room)
+/* The same, and the rays that start near the surface or on it as well: conic_easy.h, NEARBY.  In one loop, as
+ * few tiles are met so. */
+SGT_INLINE size_t sweep_nearby(const bowl *self, bool plane, bool first, const sgt_tile *tile,
+                               bowl_room *room)
 {
     const bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
+                 *t_tol = tile->t_tol;
     sweep_to to = sweep_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < tile->n; i++) {
         lane e = plane ? plane_at_start(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i])
-                       : easy_or_nearby(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+                       : easy_or_nearby(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i],
+                                        t_tol[i]);
         SWEEP_STORE(to, i, e, true);
         all &= e.hit;
     }
@@ -117,20 +122,22 @@ SWEEP_NEARBY(conic_sweep_plane_nearby, true, false)
 SWEEP_NEARBY(conic_sweep_near_nearby, false, false)
 SWEEP_NEARBY(conic_sweep_first_nearby, false, true)
 
-/* Where the first ray of a tile starts: a guess at all of them, which costs time or saves it.  NEARBY: so near the surface that t
- * would not be sharp; LEAVING: on it, and that does not count. */
+/* Where the first ray of a tile starts: a guess at all of them, which costs time or saves it.  NEARBY: so
+ * near the surface that t would not be sharp; LEAVING: on it, and that does not count. */
 typedef enum beginning { AWAY, NEARBY, LEAVING } beginning;
 
 static beginning beginning_of(const bowl *s, const sgt_tile *tile)
 {
-    double x = tile->rays.o[0][0], y = tile->rays.o[1][0], z = tile->rays.o[2][0], g = fabs(z - 0.5 * s->c * (x * x + y * y + s->k1 * z * z));
+    double x = tile->rays.o[0][0], y = tile->rays.o[1][0], z = tile->rays.o[2][0],
+           g = fabs(z - 0.5 * s->c * (x * x + y * y + s->k1 * z * z));
     if (!(g <= 0x1p-6 * fabs(z))) return AWAY;
     return tile->rays.tmin[0] >= 0 && g <= 0x1p-44 * fabs(z) ? LEAVING : NEARBY;
 }
 
 static size_t sweep_near(const bowl *s, bool rich, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
-    if (nearby) return s->c == 0 ? conic_sweep_plane_nearby(s, tile, room) : conic_sweep_near_nearby(s, tile, room);
+    if (nearby)
+        return s->c == 0 ? conic_sweep_plane_nearby(s, tile, room) : conic_sweep_near_nearby(s, tile, room);
     if (s->c == 0 && s->proof) return rich ? conic_sweep_plane_sure_rich(s, tile, room) : conic_sweep_plane_sure(s, tile, room);
     if (s->c == 0) return rich ? conic_sweep_plane_rich(s, tile, room) : conic_sweep_plane(s, tile, room);
     if (s->proof) return rich ? conic_sweep_near_sure_rich(s, tile, room) : conic_sweep_near_sure(s, tile, room);
@@ -158,11 +165,14 @@ size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile 
     }
     bool rich = tile->hits.t_lo || tile->hits.p_err, first = opt->pick != SGT_NEAR_SEED && c != 0;
     beginning from = beginning_of(&s, tile);
-    bool hollow = first && c * tile->rays.d[2][0] < 0;    /* as the first ray sees it: its far root may be the first */
-    bool nearby = from == NEARBY, later = from == LEAVING || hollow; /* later: first who misses, then who is met */
+    bool hollow =
+        first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: its far root may be the first */
+    bool nearby = from == NEARBY,
+         later = from == LEAVING || hollow; /* later: first who misses, then who is met */
     size_t hard = tile->n;
     if (later) memset(status, SGT_HARD, tile->n);
-    else hard = first ? sweep_first(&s, rich, nearby, tile, &room) : sweep_near(&s, rich, nearby, tile, &room);
+    else
+        hard = first ? sweep_first(&s, rich, nearby, tile, &room) : sweep_near(&s, rich, nearby, tile, &room);
     if (8 * hard <= tile->n) return hard; /* one by one */
     if (c == 0) conic_sweep_plane_away(&s, tile, away);
     else conic_sweep_away(&s, tile, away, far_gone);
@@ -171,7 +181,8 @@ size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile 
         if (status[i] == SGT_HIT) far_gone[i] = MASK(true);
         else nearest |= ~away[i] & (first ? far_gone[i] : MASK(later));
     }
-    if (nearest) sweep_near(&s, rich, nearby, tile, &room); /* all of them: those found before come out the same */
+    if (nearest)
+        sweep_near(&s, rich, nearby, tile, &room); /* all of them: those found before come out the same */
     else if (later) sweep_nothing(tile, &room.ends);
     hard = 0;
     for (size_t i = 0; i < tile->n; i++) {

@@ -33,8 +33,9 @@ SGT_INLINE double magnitude(int terms, const double *a, double rho, double *seco
 /* A sag as it is solved: its terms counted (none: a conic), (1 + k) c at hand. */
 typedef struct shape { double c, k, ck; int terms; const double *a; double rim2, domain2; } shape;
 
-/* steep^2 r2.  From 2^500 on it is no limit: below, what has underflown in a, where l and m are tiny and n is not, is far below
- * n^2 even so times.  A slope below LEAST_STEEP is taken for that, so that its square does not underflow. */
+/* steep^2 r2.  From 2^500 on it is no limit: below, what has underflown in a, where l and m are tiny and n is
+ * not, is far below n^2 even so times.  A slope below LEAST_STEEP is taken for that, so that its square does
+ * not underflow. */
 static const double LEAST_STEEP = 0x1p-250;
 
 SGT_INLINE double bounded_limit(double steep, double r2)

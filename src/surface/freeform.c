@@ -142,9 +142,11 @@ SGT_INLINE chord chord_of(double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
     mask finite = across & ~along & MASK((lo - lo) + (hi - hi) == 0);
     lo = chosen(finite, lo, -HUGE_VAL), hi = chosen(finite, hi, HUGE_VAL);
     lo = chosen(none, 1, lo), hi = chosen(none, -1, hi);
-    /* L holds a part in 2^20 beyond the rim: is what rounding has added to the chord, here and where the ray is made local, within? */
+    /* L holds a part in 2^20 beyond the rim: is what rounding has added to the chord, here and where the ray
+     * is made local, within? */
     double least = fabs(n) * (1 - 0x1p-40) - steep * sqrt(a), added = 0x1p-48 * (fabs(middle) + fabs(t0));
-    least = chosen(along | (across & MASK(added * added * a <= 0x1p-42 * radius2) & MASK(hi - lo > 0x1p-900)), least, 0);
+    least = chosen(along | (across & MASK(added * added * a <= 0x1p-42 * radius2) & MASK(hi - lo > 0x1p-900)),
+                   least, 0);
     return (chord){lo, hi, chosen(MASK(least > 0) & ~none, least, 0)};
 }
 
@@ -177,7 +179,9 @@ static double conic_slope(double c, double k1, double r)
 static double size_within(const freeform *s, double r, double size)
 {
     double cr2 = s->base ? fabs(s->c) * r * r : 0, phi2 = 1 - (1 + s->k) * fabs(s->c) * cr2;
-    return r < 0x1p400 && phi2 < HUGE_VAL ? (cr2 / (1 + sqrt(phi2 > 0 ? phi2 : 0)) + size) * (1 + 0x1p-20) + LOST : HUGE_VAL;
+    return r < 0x1p400 && phi2 < HUGE_VAL
+               ? (cr2 / (1 + sqrt(phi2 > 0 ? phi2 : 0)) + size) * (1 + 0x1p-20) + LOST
+               : HUGE_VAL;
 }
 
 void sgt_freeform_noise(const freeform *s, double radius, double e[2])
@@ -228,23 +232,32 @@ void sgt_freeform_share(const freeform *s, sgt_shared *shared)
 {
     sgt_extent e;
     sgt_freeform_within(s, &e);
-    *shared = (sgt_shared){.c = s->c, .k1 = 1 + s->k, .radius2 = e.radius2, .steep = e.steep, .base_c = s->base ? s->c : 0, .base_k = s->base ? s->k : 0,
+    *shared = (sgt_shared){.c = s->c,
+                           .k1 = 1 + s->k,
+                           .radius2 = e.radius2,
+                           .steep = e.steep,
+                           .base_c = s->base ? s->c : 0,
+                           .base_k = s->base ? s->k : 0,
                            .most2 = rim2_within_frame(s) * (1 + 0x1p-20)};
     sgt_freeform_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
 }
 
 SGT_CLONES_WIDE
-static void all_chords(size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz, const double *restrict dx,
-                       const double *restrict dy, const double *restrict dz, const double *restrict radius2, const double *restrict steep,
-                       double *restrict lo, double *restrict hi, double *restrict least)
+static void all_chords(size_t n, const double *restrict ox, const double *restrict oy,
+                       const double *restrict oz, const double *restrict dx, const double *restrict dy,
+                       const double *restrict dz, const double *restrict radius2,
+                       const double *restrict steep, double *restrict lo, double *restrict hi,
+                       double *restrict least)
 {
     LANES for (size_t i = 0; i < n; i++) {
-        chord e = chord_of(radius2[i], steep[i], (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
+        chord e =
+            chord_of(radius2[i], steep[i], (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
         lo[i] = e.lo, hi[i] = e.hi, least[i] = e.least;
     }
 }
 
-void sgt_freeform_chords(size_t n, sgt_rays r, const double *radius2, const double *steep, double *lo, double *hi, double *least)
+void sgt_freeform_chords(size_t n, sgt_rays r, const double *radius2, const double *steep, double *lo,
+                         double *hi, double *least)
 {
     all_chords(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], radius2, steep, lo, hi, least);
 }

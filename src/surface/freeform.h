@@ -65,8 +65,8 @@ typedef struct departure {
     /* The same at less cost, perhaps wider: asked for many radii.  NULL: noise. */
     void (*noise_about)(const void *self, double radius, double e[2]);
 
-    /* P is defined within a rectangle and nowhere else, and where it is defined `bounds` says so much of it although it is not all over
-     * the region. */
+    /* P is defined within a rectangle and nowhere else, and where it is defined `bounds` says so much of it
+     * although it is not all over the region. */
     bool framed;
 
     /* dP/dc with its gradient, where P depends on the curvature of its base; NULL: it does not. */
@@ -96,7 +96,8 @@ void sgt_freeform_values(const freeform *s, size_t n, sgt_points p, sgt_values o
 double sgt_freeform_rounding(const freeform *s, sgt_vec3 p);
 void sgt_freeform_share(const freeform *s, sgt_shared *shared);
 void sgt_freeform_within(const freeform *s, sgt_extent *extent);
-void sgt_freeform_chords(size_t n, sgt_rays rays, const double *radius2, const double *steep, double *lo, double *hi, double *least);
+void sgt_freeform_chords(size_t n, sgt_rays rays, const double *radius2, const double *steep, double *lo,
+                         double *hi, double *least);
 void sgt_freeform_noise(const freeform *s, double radius, double e[2]);
 void sgt_freeform_noise_about(const freeform *s, double radius, double e[2]);
 sgt_span sgt_freeform_span(const sgt_shared *shared, const sgt_ray *ray, double *least);
@@ -128,31 +129,137 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
 
 /* The operations of a surface whose parameters are a TYPE: VIEW(s) is an expression of type freeform for a pointer s to
  * one, and the surface is sgt_NAME_ops. */
-#define FREEFORM_OPS(NAME, TYPE, VIEW)                                                                                          \
-    static freeform NAME##_view(const void *self) { const TYPE *s = self; return VIEW(s); }                                     \
-    static double NAME##_ops_value(const void *self, sgt_vec3 p, sgt_vec3 *grad) { freeform v = NAME##_view(self); return sgt_freeform_value(&v, p, grad); } \
-    static void NAME##_ops_values(const void *self, size_t n, sgt_points p, sgt_values out) { freeform v = NAME##_view(self); sgt_freeform_values(&v, n, p, out); } \
-    static double NAME##_ops_rounding(const void *self, sgt_vec3 p) { freeform v = NAME##_view(self); return sgt_freeform_rounding(&v, p); } \
-    static void NAME##_share(const void *self, sgt_shared *shared) { freeform v = NAME##_view(self); sgt_freeform_share(&v, shared); } \
-    static void NAME##_share_within(const void *self, double most, sgt_shared *shared) { freeform v = sgt_freeform_narrowed(NAME##_view(self), most); sgt_freeform_share(&v, shared); } \
-    static void NAME##_extent_within(const void *self, double most, sgt_extent *extent) { freeform v = sgt_freeform_narrowed(NAME##_view(self), most); sgt_freeform_within(&v, extent); } \
-    static void NAME##_noise_within(const void *self, double radius, double e[2]) { freeform v = NAME##_view(self); sgt_freeform_noise_about(&v, radius, e); } \
-    static sgt_span NAME##_own_span(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least) { (void)self; return sgt_freeform_span(shared, ray, least); } \
-    static void NAME##_own_spans(const void *self, const sgt_shared *shared, size_t n, sgt_rays r, sgt_spans out, double *least) { (void)self; sgt_freeform_spans(shared, n, r, out, least); } \
-    static sgt_span NAME##_ops_span(const void *self, const sgt_ray *ray) { sgt_shared e; NAME##_share(self, &e); return sgt_freeform_span(&e, ray, NULL); } \
-    static void NAME##_ops_spans(const void *self, size_t n, sgt_rays r, sgt_spans out) { sgt_shared e; NAME##_share(self, &e); sgt_freeform_spans(&e, n, r, out, NULL); } \
-    static sgt_interval NAME##_own_enclose(const void *self, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope) { freeform v = NAME##_view(self); return sgt_freeform_enclose(&v, ray, t0, t, slope); } \
-    static sgt_interval NAME##_ops_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope) { return NAME##_own_enclose(self, ray, 0, t, slope); } \
-    static void NAME##_ops_second(const void *self, size_t n, sgt_points p, double *const out[6]) { freeform v = NAME##_view(self); sgt_freeform_second(&v, n, p, out); } \
-    static size_t NAME##_ops_parameters(const void *self) { freeform v = NAME##_view(self); return sgt_freeform_parameters(&v); }   \
-    static void NAME##_ops_by_parameter(const void *self, size_t j, size_t n, sgt_points p, sgt_values out) { freeform v = NAME##_view(self); sgt_freeform_by_parameter(&v, j, n, p, out); } \
-    static bool NAME##_ops_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[]) { (void)self; return sgt_freeform_roundings(shared, n, p, f, out); } \
-    sgt_objection sgt_##NAME##_object(const void *self) { freeform v = NAME##_view(self); return sgt_freeform_object(&v); }     \
-    static double NAME##_rim(const void *self) { const TYPE *s = self; return s->semi_diameter; }                               \
-    static const struct sgt_own NAME##_own = {.object = sgt_##NAME##_object, .tile = SGT_MOST_TILE, .share = NAME##_share, .share_within = NAME##_share_within, .extent_within = NAME##_extent_within, .chords = sgt_freeform_chords, .noise_within = NAME##_noise_within, .roundings = NAME##_ops_roundings, .span = NAME##_own_span, .spans = NAME##_own_spans, .enclose = NAME##_own_enclose, .rim = NAME##_rim, .departure = &NAME##_departure}; \
-    const sgt_surface_ops sgt_##NAME##_ops = {.name = #NAME, .value = NAME##_ops_value, .span = NAME##_ops_span, .rounding = NAME##_ops_rounding, \
-        .enclose = NAME##_ops_enclose, .values = NAME##_ops_values, .spans = NAME##_ops_spans, .own_ = &NAME##_own, .second = NAME##_ops_second, \
-        .parameters = NAME##_ops_parameters, .by_parameter = NAME##_ops_by_parameter};
+#define FREEFORM_OPS(NAME, TYPE, VIEW)                                                                      \
+    static freeform NAME##_view(const void *self)                                                           \
+    {                                                                                                       \
+        const TYPE *s = self;                                                                               \
+        return VIEW(s);                                                                                     \
+    }                                                                                                       \
+    static double NAME##_ops_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)                            \
+    {                                                                                                       \
+        freeform v = NAME##_view(self);                                                                     \
+        return sgt_freeform_value(&v, p, grad);                                                             \
+    }                                                                                                       \
+    static void NAME##_ops_values(const void *self, size_t n, sgt_points p, sgt_values out)                 \
+    {                                                                                                       \
+        freeform v = NAME##_view(self);                                                                     \
+        sgt_freeform_values(&v, n, p, out);                                                                 \
+    }                                                                                                       \
+    static double NAME##_ops_rounding(const void *self, sgt_vec3 p)                                         \
+    {                                                                                                       \
+        freeform v = NAME##_view(self);                                                                     \
+        return sgt_freeform_rounding(&v, p);                                                                \
+    }                                                                                                       \
+    static void NAME##_share(const void *self, sgt_shared *shared)                                          \
+    {                                                                                                       \
+        freeform v = NAME##_view(self);                                                                     \
+        sgt_freeform_share(&v, shared);                                                                     \
+    }                                                                                                       \
+    static void NAME##_share_within(const void *self, double most, sgt_shared *shared)                      \
+    {                                                                                                       \
+        freeform v = sgt_freeform_narrowed(NAME##_view(self), most);                                        \
+        sgt_freeform_share(&v, shared);                                                                     \
+    }                                                                                                       \
+    static void NAME##_extent_within(const void *self, double most, sgt_extent *extent)                     \
+    {                                                                                                       \
+        freeform v = sgt_freeform_narrowed(NAME##_view(self), most);                                        \
+        sgt_freeform_within(&v, extent);                                                                    \
+    }                                                                                                       \
+    static void NAME##_noise_within(const void *self, double radius, double e[2])                           \
+    {                                                                                                       \
+        freeform v = NAME##_view(self);                                                                     \
+        sgt_freeform_noise_about(&v, radius, e);                                                            \
+    }                                                                                                       \
+    static sgt_span NAME##_own_span(const void *self, const sgt_shared *shared, const sgt_ray *ray,         \
+                                    double *least)                                                          \
+    {                                                                                                       \
+        (void)self;                                                                                         \
+        return sgt_freeform_span(shared, ray, least);                                                       \
+    }                                                                                                       \
+    static void NAME##_own_spans(const void *self, const sgt_shared *shared, size_t n, sgt_rays r,          \
+                                 sgt_spans out, double *least)                                              \
+    {                                                                                                       \
+        (void)self;                                                                                         \
+        sgt_freeform_spans(shared, n, r, out, least);                                                       \
+    }                                                                                                       \
+    static sgt_span NAME##_ops_span(const void *self, const sgt_ray *ray)                                   \
+    {                                                                                                       \
+        sgt_shared e;                                                                                       \
+        NAME##_share(self, &e);                                                                             \
+        return sgt_freeform_span(&e, ray, NULL);                                                            \
+    }                                                                                                       \
+    static void NAME##_ops_spans(const void *self, size_t n, sgt_rays r, sgt_spans out)                     \
+    {                                                                                                       \
+        sgt_shared e;                                                                                       \
+        NAME##_share(self, &e);                                                                             \
+        sgt_freeform_spans(&e, n, r, out, NULL);                                                            \
+    }                                                                                                       \
+    static sgt_interval NAME##_own_enclose(const void *self, const sgt_ray *ray, double t0, sgt_interval t, \
+                                           sgt_interval *slope)                                             \
+    {                                                                                                       \
+        freeform v = NAME##_view(self);                                                                     \
+        return sgt_freeform_enclose(&v, ray, t0, t, slope);                                                 \
+    }                                                                                                       \
+    static sgt_interval NAME##_ops_enclose(const void *self, const sgt_ray *ray, sgt_interval t,            \
+                                           sgt_interval *slope)                                             \
+    {                                                                                                       \
+        return NAME##_own_enclose(self, ray, 0, t, slope);                                                  \
+    }                                                                                                       \
+    static void NAME##_ops_second(const void *self, size_t n, sgt_points p, double *const out[6])           \
+    {                                                                                                       \
+        freeform v = NAME##_view(self);                                                                     \
+        sgt_freeform_second(&v, n, p, out);                                                                 \
+    }                                                                                                       \
+    static size_t NAME##_ops_parameters(const void *self)                                                   \
+    {                                                                                                       \
+        freeform v = NAME##_view(self);                                                                     \
+        return sgt_freeform_parameters(&v);                                                                 \
+    }                                                                                                       \
+    static void NAME##_ops_by_parameter(const void *self, size_t j, size_t n, sgt_points p, sgt_values out) \
+    {                                                                                                       \
+        freeform v = NAME##_view(self);                                                                     \
+        sgt_freeform_by_parameter(&v, j, n, p, out);                                                        \
+    }                                                                                                       \
+    static bool NAME##_ops_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p,    \
+                                     const double f[], double out[])                                        \
+    {                                                                                                       \
+        (void)self;                                                                                         \
+        return sgt_freeform_roundings(shared, n, p, f, out);                                                \
+    }                                                                                                       \
+    sgt_objection sgt_##NAME##_object(const void *self)                                                     \
+    {                                                                                                       \
+        freeform v = NAME##_view(self);                                                                     \
+        return sgt_freeform_object(&v);                                                                     \
+    }                                                                                                       \
+    static double NAME##_rim(const void *self)                                                              \
+    {                                                                                                       \
+        const TYPE *s = self;                                                                               \
+        return s->semi_diameter;                                                                            \
+    }                                                                                                       \
+    static const struct sgt_own NAME##_own = {.object = sgt_##NAME##_object,                                \
+                                              .tile = SGT_MOST_TILE,                                        \
+                                              .share = NAME##_share,                                        \
+                                              .share_within = NAME##_share_within,                          \
+                                              .extent_within = NAME##_extent_within,                        \
+                                              .chords = sgt_freeform_chords,                                \
+                                              .noise_within = NAME##_noise_within,                          \
+                                              .roundings = NAME##_ops_roundings,                            \
+                                              .span = NAME##_own_span,                                      \
+                                              .spans = NAME##_own_spans,                                    \
+                                              .enclose = NAME##_own_enclose,                                \
+                                              .rim = NAME##_rim,                                            \
+                                              .departure = &NAME##_departure};                              \
+    const sgt_surface_ops sgt_##NAME##_ops = {.name = #NAME,                                                \
+                                              .value = NAME##_ops_value,                                    \
+                                              .span = NAME##_ops_span,                                      \
+                                              .rounding = NAME##_ops_rounding,                              \
+                                              .enclose = NAME##_ops_enclose,                                \
+                                              .values = NAME##_ops_values,                                  \
+                                              .spans = NAME##_ops_spans,                                    \
+                                              .own_ = &NAME##_own,                                          \
+                                              .second = NAME##_ops_second,                                  \
+                                              .parameters = NAME##_ops_parameters,                          \
+                                              .by_parameter = NAME##_ops_by_parameter};
 
 /* On a conic base of its own. */
 #define FREEFORM_ON_CONIC(NAME, TYPE)                                                                                           \

@@ -266,8 +266,14 @@ void sgt_grid_prepare(void *self) { sgt_grid_measure(self); }
 
 static size_t grid_parameter_count(const void *self) { (void)self; return 0; }
 
-static const departure grid_departure = {.at = grid_at, .rounding = grid_off, .bounds = grid_bounds, .second = grid_second,
-                                         .parameters = grid_parameter_count, .object = grid_objection, .noise = grid_noise, .framed = true};
+static const departure grid_departure = {.at = grid_at,
+                                         .rounding = grid_off,
+                                         .bounds = grid_bounds,
+                                         .second = grid_second,
+                                         .parameters = grid_parameter_count,
+                                         .object = grid_objection,
+                                         .noise = grid_noise,
+                                         .framed = true};
 
 static freeform grid_on_conic(const sgt_grid *g)
 {

@@ -63,7 +63,9 @@ sgt_span sgt_level_span(const orbit *o, const sgt_ray *ray)
     if (chord_of(o, s.limit + s.over, ray, &q, &w, &lo, &hi) < 0) return (sgt_span){.lo = 1, .hi = 0, .seed = NAN};
     double slack = 0x1p-48 * (fabs(q.t0) + fabs(lo) + fabs(hi));
     if (!(hi - lo < HUGE_VAL)) return (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = NAN};
-    return (sgt_span){.lo = end_below(q.t0 + lo - slack, q.scale), .hi = end_above(q.t0 + hi + slack, q.scale), .seed = NAN};
+    return (sgt_span){.lo = end_below(q.t0 + lo - slack, q.scale),
+                      .hi = end_above(q.t0 + hi + slack, q.scale),
+                      .seed = NAN};
 }
 
 /* ----------------------------------------------------------------- entries */

@@ -84,11 +84,12 @@ static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
 enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_HARD = -100, SGT_NOT_ALONE = 1 };
 typedef struct sgt_tile { size_t n; sgt_rays rays; const double *t_tol; sgt_hits hits; } sgt_tile;
 
-/* What the rays and points of one surface share, worked out once for many (share): its use is the surface's own. */
+/* What the rays and points of one surface share, worked out once for many (share): its use is the surface's
+ * own. */
 typedef struct sgt_shared { double c, k1, radius2, steep, base_c, base_k, most2, noise[2]; } sgt_shared;
 
-/* What is known of the part of a surface within some radius: radius2 and steep as a sgt_shared has them; size: no part of it is
- * farther from the plane z = 0; infinite where that is not known. */
+/* What is known of the part of a surface within some radius: radius2 and steep as a sgt_shared has them;
+ * size: no part of it is farther from the plane z = 0; infinite where that is not known. */
 typedef struct sgt_extent { double radius2, steep, size; } sgt_extent;
 
 struct sgt_own {
@@ -113,11 +114,13 @@ struct sgt_own {
     void (*share)(const void *self, sgt_shared *shared);
     /* The same as if semi_diameter were no more than that.  NULL: `least` of `spans` is not to be had so (vicinity.h). */
     void (*share_within)(const void *self, double semi_diameter, sgt_shared *shared);
-    /* Of vicinity.h, all of them or none: what is known within a radius; of n rays, each with such a part of the surface of its own,
-     * what `spans` says but for the seed; */
+    /* Of vicinity.h, all of them or none: what is known within a radius; of n rays, each with such a part of
+     * the surface of its own, what `spans` says but for the seed; */
     void (*extent_within)(const void *self, double radius, sgt_extent *extent);
-    void (*chords)(size_t n, sgt_rays rays, const double *radius2, const double *steep, double *lo, double *hi, double *least);
-    /* what the departure adds to the rounding of F within that radius of the axis, e[0] + e[1] r^2; NaN: not known. */
+    void (*chords)(size_t n, sgt_rays rays, const double *radius2, const double *steep, double *lo,
+                   double *hi, double *least);
+    /* what the departure adds to the rounding of F within that radius of the axis, e[0] + e[1] r^2; NaN: not
+     * known. */
     void (*noise_within)(const void *self, double radius, double e[2]);
     /* A bound as `rounding` gives it, at n points where F is f, in lanes, NaN where it is not known.  NULL, or false, always of one surface:
      * it knows none, and `rounding` is to be asked. */

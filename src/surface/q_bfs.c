@@ -73,7 +73,8 @@ static bounds term_bounds(size_t m, double u)
     double cosine = sqrt(larger(1 - v, 0)), vm = v < 0.5 ? v : 0.5, us = u < 0.577 ? u * (1 - v) : 0.3850, sine = 1.5708 * M * u, B = M * sqrt(vm * (1 - vm));
     double A = larger(1, 3 * v - 1), root = sqrt(A * A + B * B), plain = A * sine + B, steep_sine = sine < 1 ? sine : 1;
     double quotient = M * cosine < 1 ? M : 1 / cosine;
-    return (bounds){us * steep_sine + (u > 0 ? Q_LOST : 0), plain < root ? plain : root, (M * M + 6) * u * steep_sine + M * larger(2, 5 * v - 2) * quotient};
+    return (bounds){us * steep_sine + (u > 0 ? Q_LOST : 0), plain < root ? plain : root,
+                    (M * M + 6) * u * steep_sine + M * larger(2, 5 * v - 2) * quotient};
 }
 
 /* Times u: u p_m = sin M t, and u v p_m' = (M u cos M t / cos t - sin M t) / 2. */

@@ -25,7 +25,8 @@ static bounds term_bounds(size_t m, double u)
     double b4 = (k + 4) * (k + 3) * (k + 2) * (k + 1) / 24, q1 = (k + 5) * (b4 * k / 5), q2 = q1 * (k + 6) * (k - 1) / 6;
     bounds e = {1, N, 0.25 * ((2 * N - 4) * N + 32)}, bernstein = {1, n / sine, (n * n + n * u / sine) / sine2};
     double lost = u > 0 ? Q_LOST : 0;
-    bounds axis = {v * v * b4 + lost, u * v * (4 * b4 + 2 * v * q1) + lost, v * (12 * b4 + v * (18 * q1 + v * 4 * q2)) + lost};
+    bounds axis = {v * v * b4 + lost, u * v * (4 * b4 + 2 * v * q1) + lost,
+                   v * (12 * b4 + v * (18 * q1 + v * 4 * q2)) + lost};
     if (u < 1 && bernstein.steep < e.steep) e.steep = bernstein.steep;
     if (u < 1 && bernstein.bend < e.bend) e.bend = bernstein.bend;
     if (axis.size < e.size) e.size = axis.size;

@@ -83,8 +83,14 @@ SGT_INLINE crossings crossings_of(const parabola *p, double t0)
 }
 
 /* In the ray's own t, outward. */
-SGT_INLINE double quadratic_below(const near_ray *r, double tau) { return end_below((r->t0 + tau) - 0x1p-51 * (fabs(r->t0) + fabs(tau)), r->scale); }
-SGT_INLINE double quadratic_above(const near_ray *r, double tau) { return end_above((r->t0 + tau) + 0x1p-51 * (fabs(r->t0) + fabs(tau)), r->scale); }
+SGT_INLINE double quadratic_below(const near_ray *r, double tau)
+{
+    return end_below((r->t0 + tau) - 0x1p-51 * (fabs(r->t0) + fabs(tau)), r->scale);
+}
+SGT_INLINE double quadratic_above(const near_ray *r, double tau)
+{
+    return end_above((r->t0 + tau) + 0x1p-51 * (fabs(r->t0) + fabs(tau)), r->scale);
+}
 
 typedef struct lane_span { double lo, hi, seed; mask single; } lane_span;
 
@@ -103,7 +109,8 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
     double from = tmin * r->inverse, gap = c->first - (from - r->t0), width = START_ULPS * terms / (2 * c->slope);
     double at = chosen(MASK(fabs(from) < HUGE_VAL), fabs(from), 0), blur = 2 * c->first_off + 0x1p-50 * (fabs(r->t0) + fabs(c->first) + at);
     mask two = c->two & MASK((c->second - c->first) * r->scale > 0x1p-900); /* else mid may be none in t */
-    mask counts = two & MASK(gap > 8 * width + 16 * blur + 0x1p-45 * at), behind = two & MASK(gap + blur < 0.75 * width);
+    mask counts = two & MASK(gap > 8 * width + 16 * blur + 0x1p-45 * at),
+         behind = two & MASK(gap + blur < 0.75 * width);
     double mid = (r->t0 + c->mid) * r->scale;
     a.hi = chosen(counts, mid, a.hi), a.lo = chosen(behind, mid, a.lo);
     a.seed = chosen(behind, (r->t0 + c->second) * r->scale, a.seed);

@@ -14,7 +14,8 @@
  * the start itself (sgt_ray in sagitta.h has the rule).  The rules for rim and ends are
  * stated in computed numbers, so they are sharp and never undecided; where a proof is asked for,
  * a root whose side of the rim rounding hides is.  And a root whose t_err is far wider than the rule of the
- * start (extreme numbers: terms that underflow or cancel) is not taken for the start: it is undecided (ends_hide).
+ * start (extreme numbers: terms that underflow or cancel) is not taken for the start: it is undecided
+ * (ends_hide).
  *
  * Each way to a root computes another t.  So a root next to tmax, by END_ERRORS of its t_err, is
  * left by the ways that are there for speed to the one that finds every root: the first root and
@@ -139,7 +140,10 @@ SGT_INLINE bool direction_is_whole(const local *q, sgt_vec3 d)
 }
 
 /* Neither end underflows in the t of the scaled direction: one made 0 would be where the ray starts. */
-SGT_INLINE bool ends_are_whole(const sgt_ray *ray, double scale) { return ray->tmin / scale * scale == ray->tmin && ray->tmax / scale * scale == ray->tmax; }
+SGT_INLINE bool ends_are_whole(const sgt_ray *ray, double scale)
+{
+    return ray->tmin / scale * scale == ray->tmin && ray->tmax / scale * scale == ray->tmax;
+}
 
 /* Is the ray so near the vertex, all the way to p at t, that squares of its coordinates have underflown, and t_err does not
  * hide it? */
@@ -217,14 +221,16 @@ SGT_INLINE bool rim_hidden(const meeting *h, double rim2)
     return !(fabs(r2 - rim2) > 1.01 * off);
 }
 
-/* Of a root that does not count by its ends: t_err is so wide that it may count.  As the start it may be dropped if t_err is
- * no more than the rule's own width, or if all of t +- t_err is within that; as one behind tmax if t_err is but rounding, or if
- * all of t +- t_err is behind.  width: of the rule of the start, 16 ulps in each coordinate as a t. */
+/* Of a root that does not count by its ends: t_err is so wide that it may count.  As the start it may be
+ * dropped if t_err is no more than the rule's own width, or if all of t +- t_err is within that; as one
+ * behind tmax if t_err is but rounding, or if all of t +- t_err is behind.  width: of the rule of the start,
+ * 16 ulps in each coordinate as a t. */
 SGT_INLINE bool ends_hide(const meeting *h, const sgt_ray *ray, double rim2, double width)
 {
     double after = h->t - ray->tmin, most = (width < HUGE_VAL ? width : 0) + 8 * SGT_U * fabs(h->t);
     bool start = after <= h->t_err + most && (h->t_err <= most || after + h->t_err <= most);
-    bool behind = h->t > ray->tmax && (h->t_err <= 64 * SGT_U * fabs(ray->tmax) || h->t - h->t_err > ray->tmax);
+    bool behind =
+        h->t > ray->tmax && (h->t_err <= 64 * SGT_U * fabs(ray->tmax) || h->t - h->t_err > ray->tmax);
     bool outside = h->p.x * h->p.x + h->p.y * h->p.y > rim2 && !rim_hidden(h, rim2);
     return !start && !behind && !outside;
 }

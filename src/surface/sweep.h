@@ -31,22 +31,24 @@ SGT_INLINE void to_vertex_plane(double ox, double oy, double oz, double l, doubl
 }
 
 /* A root nearer to the origin of t is for the careful forms: what has underflown on the way is no longer small beside an
- * ulp of t.  (t0_lo and tau lose less than 2^-970 that way, where |n| > 2^-100.)  A root at the origin itself is none of
- * those where the ray starts in the vertex: there is nothing to underflow, and t = 0 is exact. */
+ * ulp of t.  (t0_lo and tau lose less than 2^-970 that way, where |n| > 2^-100.)  A root at the origin itself
+ * is none of those where the ray starts in the vertex: there is nothing to underflow, and t = 0 is exact. */
 static const double LEAST_T = 0x1p-900;
 
 SGT_INLINE mask at_vertex(double x, double y, double oz) { return MASK((fabs(x) + fabs(y)) + fabs(oz) == 0); }
 
 /* Does the root count?  The rules of sag.h, where they are certain by far: the start is farther from the root than any
  * rounding (64 near is more than what START_ULPS is a part of), tmax too, t is as sharp as it can be.  g is what takes (px, py) to
- * the gradient (g px, g py, 1).  exact: the ray starts where it meets the surface, and nothing has been rounded;
- * where an end is about as near as what underflows, that is left to others. */
+ * the gradient (g px, g py, 1).  exact: the ray starts where it meets the surface, and nothing has been
+ * rounded; where an end is about as near as what underflows, that is left to others. */
 SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol, double pz, double g,
                         double near, double rim2, mask exact, mask also)
 {
     double px = fma(r->tau, l, r->x), py = fma(r->tau, m, r->y), at = fabs(r->t), r2 = px * px + py * py, none = (double)NAN;
-    mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol)) & MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near))
-             & MASK(r2 <= rim2) & MASK(fma(END_ERRORS, r->t_err, r->t) <= tmax) & (MASK(at > LEAST_PLACE) | (exact & MASK(tmin < -LEAST_PLACE) & MASK(tmax > LEAST_PLACE)));
+    mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol))
+               & MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near)) & MASK(r2 <= rim2)
+               & MASK(fma(END_ERRORS, r->t_err, r->t) <= tmax)
+               & (MASK(at > LEAST_PLACE) | (exact & MASK(tmin < -LEAST_PLACE) & MASK(tmax > LEAST_PLACE)));
     lane e = {.hit = hit, .t = chosen(hit, r->t, none), .t_err = chosen(hit, r->t_err, none),
               .px = chosen(hit, px, none), .py = chosen(hit, py, none), .pz = chosen(hit, pz, none),
               .nx = chosen(hit, px * g, none), .ny = chosen(hit, py * g, none)};
@@ -59,12 +61,14 @@ SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double
 /* What the easy form says of a single ray; NOT: nothing. */
 typedef enum easy_answer { EASY_NOT, EASY_MISS, EASY_HIT } easy_answer;
 
-/* A hit along a direction that was scaled, made one in the ray's own t; EASY_NOT where it has left its range. */
+/* A hit along a direction that was scaled, made one in the ray's own t; EASY_NOT where it has left its range.
+ * */
 SGT_INLINE easy_answer easy_unscaled(lane *e, double scale)
 {
     bool exact = e->t == 0; /* a lane has no other 0 */
     e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
-    return e->t_err < HUGE_VAL && (exact || fabs(e->t) > LEAST_T) && fabs(e->t) < HUGE_VAL ? EASY_HIT : EASY_NOT;
+    return e->t_err < HUGE_VAL && (exact || fabs(e->t) > LEAST_T) && fabs(e->t) < HUGE_VAL ? EASY_HIT
+                                                                                           : EASY_NOT;
 }
 
 /* A hit of a single ray, as a tile has it. */
@@ -106,7 +110,8 @@ SGT_INLINE void sweep_nothing(const sgt_tile *tile, sweep_ends *ends)
     sweep_to to = sweep_to_of(tile, ends);
     double none = (double)NAN;
     for (size_t i = 0; i < tile->n; i++)
-        to.t[i] = to.t_err[i] = to.t_lo[i] = to.px[i] = to.py[i] = to.pz[i] = to.nx[i] = to.ny[i] = to.nz[i] = to.p_err[i] = none;
+        to.t[i] = to.t_err[i] = to.t_lo[i] = to.px[i] = to.py[i] = to.pz[i] = to.nx[i] = to.ny[i] = to.nz[i] =
+            to.p_err[i] = none;
 }
 
 /* Status and evals of the hits; the rest is hard.  all: every ray is one.  Returns how many are hard. */

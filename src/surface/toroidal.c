@@ -217,7 +217,8 @@ static int toroidal_bounds(const void *self, region *where, bounds *out)
     return sgt_interval_is_empty(where->x) || sgt_interval_is_empty(where->y) ? 0 : -1;
 }
 
-/* Of the profile within the radius: its conic's phi, the conic's own term over y^2, and the sum of the magnitudes of its powers over y^2. */
+/* Of the profile within the radius: its conic's phi, the conic's own term over y^2, and the sum of the
+ * magnitudes of its powers over y^2. */
 typedef struct profile_size { double bent, phi, conic, first; } profile_size;
 
 static bool profile_within(const sgt_toroidal *a, double radius, profile_size *s)
@@ -225,15 +226,18 @@ static bool profile_within(const sgt_toroidal *a, double radius, profile_size *s
     double r2 = radius * radius, second;
     s->bent = (1 + a->k) * a->c * a->c * r2;
     double phi2 = 1 - larger(s->bent, 0);
-    s->phi = sqrt(phi2), s->conic = fabs(a->c) / (1 + s->phi), s->first = magnitude(terms_of(a), a->a, r2, &second);
+    s->phi = sqrt(phi2), s->conic = fabs(a->c) / (1 + s->phi),
+    s->first = magnitude(terms_of(a), a->a, r2, &second);
     return phi2 > 0x1p-20;
 }
 
-/* The lines of toroidal_off with the worst there is within the radius, q at most, m at least that: each part of the sag is at most a
- * number times x^2 or y^2. */
-static void noise_of(const sgt_toroidal *a, double radius, const profile_size *s, double q, double m, double e[2])
+/* The lines of toroidal_off with the worst there is within the radius, q at most, m at least that: each part
+ * of the sag is at most a number times x^2 or y^2. */
+static void noise_of(const sgt_toroidal *a, double radius, const profile_size *s, double q, double m,
+                     double e[2])
 {
-    const double u = SGT_U, r2 = radius * radius, phi = s->phi, conic = s->conic, first = s->first, c_x = fabs(a->c_x);
+    const double u = SGT_U, r2 = radius * radius, phi = s->phi, conic = s->conic, first = s->first,
+                 c_x = fabs(a->c_x);
     if (!(m > 0x1p-10 * q)) return;
     double w_err = u * (5 * fabs(s->bent) + 4 + 4 * fabs(s->bent)) / (1.99 * phi * (1 + phi)) + 3 * u;
     double z = conic + first, z_err = conic * (4 * u + w_err) + 4 * u * first + u * z; /* over y^2 */
@@ -249,7 +253,8 @@ static void toroidal_noise(const void *self, double radius, double e[2])
     profile_size s;
     sgt_interval range;
     double q, m;
-    if (profile_within(self, radius, &s) && toroidal_over(self, &where, &most, &range, &q, &m) == 1) noise_of(self, radius, &s, q, m, e);
+    if (profile_within(self, radius, &s) && toroidal_over(self, &where, &most, &range, &q, &m) == 1)
+        noise_of(self, radius, &s, q, m, e);
 }
 
 /* q and m without intervals.  With |z_p| <= Z y^2, q >= 1 - |c_x| Z y^2, and so
@@ -259,7 +264,8 @@ static void toroidal_noise_about(const void *self, double radius, double e[2])
     const sgt_toroidal *a = self;
     profile_size s;
     if (!profile_within(a, radius, &s)) return;
-    double c_x = fabs(a->c_x), r2 = radius * radius * (1 + 0x1p-20), z = c_x * (s.conic + s.first), m2 = 1 - larger(2 * z, c_x * c_x) * r2;
+    double c_x = fabs(a->c_x), r2 = radius * radius * (1 + 0x1p-20), z = c_x * (s.conic + s.first),
+           m2 = 1 - larger(2 * z, c_x * c_x) * r2;
     if (m2 > 0.25) noise_of(a, radius, &s, 1 + z * r2, sqrt(m2), e);
     else toroidal_noise(a, radius, e);
 }
@@ -359,8 +365,16 @@ static sgt_objection toroidal_objection(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const departure toroidal_departure = {.at = toroidal_at, .rounding = toroidal_off, .bounds = toroidal_bounds, .range = toroidal_range, .second = toroidal_second,
-                                             .parameters = toroidal_parameter_count, .by_parameter = toroidal_by_parameter_of, .object = toroidal_objection, .noise = toroidal_noise, .noise_about = toroidal_noise_about};
+static const departure toroidal_departure = {.at = toroidal_at,
+                                             .rounding = toroidal_off,
+                                             .bounds = toroidal_bounds,
+                                             .range = toroidal_range,
+                                             .second = toroidal_second,
+                                             .parameters = toroidal_parameter_count,
+                                             .by_parameter = toroidal_by_parameter_of,
+                                             .object = toroidal_objection,
+                                             .noise = toroidal_noise,
+                                             .noise_about = toroidal_noise_about};
 
 /* The seed: a conic of the mean curvature. */
 static freeform toroidal_alone(const sgt_toroidal *a)

@@ -97,16 +97,19 @@ SGT_INLINE void tell_of_given(sgt_hit *hit, const state *at, const sgt_pose *pos
 
 static sgt_rays rays_of(const sgt_ray *ray)
 {
-    return (sgt_rays){{&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};
+    return (sgt_rays){
+        {&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};
 }
 
 /* How many roots of a chord are looked at; of more nothing is told. */
 enum { FEW = 4 };
 
-/* The roots beside were met outside the aperture, one after the other from the ends of the chord inward, and what is left was not met: it
- * begins at a root, and one next to that is taken for the start.  So all roots of the chord are asked for: is another inside, or may one
- * be?  The one next to the first that was met is meant. */
-static sgt_hit ask_all(sgt_surface surface, const sgt_ray *chord, double aperture2, const sgt_options *opt, const sgt_hit beside[], int besides, bool *inside)
+/* The roots beside were met outside the aperture, one after the other from the ends of the chord inward, and
+ * what is left was not met: it begins at a root, and one next to that is taken for the start.  So all roots
+ * of the chord are asked for: is another inside, or may one be?  The one next to the first that was met is
+ * meant. */
+static sgt_hit ask_all(sgt_surface surface, const sgt_ray *chord, double aperture2, const sgt_options *opt,
+                       const sgt_hit beside[], int besides, bool *inside)
 {
     sgt_hit found[FEW], meant = beside[besides - 1];
     int count = sgt_intersect_all(surface, *chord, FEW, found, opt), evals = 0;
@@ -115,10 +118,12 @@ static sgt_hit ask_all(sgt_surface surface, const sgt_ray *chord, double apertur
     for (int i = 0; i < count && i < FEW && !stopped; i++) {
         const sgt_hit *h = &found[i];
         bool again = false; /* its side has been told */
-        for (int j = 0; j < besides; j++) again = again || (h->status > 0 && h->lo <= beside[j].hi && h->hi >= beside[j].lo);
+        for (int j = 0; j < besides; j++)
+            again = again || (h->status > 0 && h->lo <= beside[j].hi && h->hi >= beside[j].lo);
         double away = larger(h->lo - beside[0].t, beside[0].t - h->hi);
         stopped = h->status == SGT_STOPPED;
-        if (stopped || (!again && !(h->status > 0 && !is_inside(h->p, aperture2)) && !(away >= nearest))) meant = *h, any = true, nearest = away;
+        if (stopped || (!again && !(h->status > 0 && !is_inside(h->p, aperture2)) && !(away >= nearest)))
+            meant = *h, any = true, nearest = away;
         evals += h->evals;
     }
     if (count > FEW && !stopped) meant = hit_without(SGT_UNPROVEN, chord, 0), any = true;

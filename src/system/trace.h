@@ -266,8 +266,9 @@ SGT_INLINE bool cut_to_chord(sgt_ray *ray, double aperture2)
     return chord.lo < chord.hi && more < HUGE_VAL && ray->tmax != 0; /* 0 might stand for infinity */
 }
 
-/* That was the answer on the chord: may a root be inside?  Where no proof is asked for, of a surface of a user that encloses nothing, a march that has
- * found nothing is UNPROVEN wherever it is: then the ray is told by the root outside. */
+/* That was the answer on the chord: may a root be inside?  Where no proof is asked for, of a surface of a
+ * user that encloses nothing, a march that has found nothing is UNPROVEN wherever it is: then the ray is told
+ * by the root outside. */
 SGT_INLINE bool may_be_inside(sgt_surface s, const sgt_options *opt, sgt_status status)
 {
     bool searched = opt->proof != SGT_ESTIMATE || s.ops->own_ || s.ops->enclose;

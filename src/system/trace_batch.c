@@ -61,7 +61,9 @@ typedef struct tile {
     vectors offsets[3], ds[2]; /* what the pointers above go to */
     paths some_paths[2];
     double t[TILE], t_lo[TILE], t_err[TILE], p_err[TILE];
-    union { double t_tol[TILE], good[TILE]; }; /* to the sweep; then 1: the loops have answered, 0: they have not,
+    union {
+        double t_tol[TILE], good[TILE];
+    }; /* to the sweep; then 1: the loops have answered, 0: they have not,
                                                   below 0: a verdict (judge_rest) */
     int evals[TILE];
     signed char status[TILE];
@@ -123,8 +125,9 @@ static double launch_all(size_t n, const sgt_rays *from, size_t first, sgt_vec3 
     return count;
 }
 
-SGT_INLINE void place_by(bool open, size_t n, sgt_vec3 shift, double semi_diameter, const vectors *restrict offset,
-                         const vectors *restrict d, vectors *restrict out, double *restrict tol)
+SGT_INLINE void place_by(bool open, size_t n, sgt_vec3 shift, double semi_diameter,
+                         const vectors *restrict offset, const vectors *restrict d, vectors *restrict out,
+                         double *restrict tol)
 {
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
@@ -142,7 +145,8 @@ static void place_all(size_t n, sgt_vec3 shift, double semi_diameter, const vect
     else place_by(false, n, shift, semi_diameter, offset, d, out, tol);
 }
 
-/* A direction that comes out far from unit length (the axes are not what they should be) is NaN: met by no surface. */
+/* A direction that comes out far from unit length (the axes are not what they should be) is NaN: met by no
+ * surface. */
 SGT_INLINE void turn_by(bool open, size_t n, const sgt_pose *pose, sgt_vec3 shift, double semi_diameter,
                         const vectors *restrict offset, const vectors *restrict d, vectors *restrict out_o,
                         vectors *restrict out_d, double *restrict tol)
@@ -160,9 +164,9 @@ SGT_INLINE void turn_by(bool open, size_t n, const sgt_pose *pose, sgt_vec3 shif
     }
 }
 
-SGT_CLONES_WIDE APART
-static void turn_all(size_t n, const sgt_pose *pose, sgt_vec3 shift, double semi_diameter, const vectors *offset,
-                     const vectors *d, vectors *out_o, vectors *out_d, double *tol)
+SGT_CLONES_WIDE APART static void turn_all(size_t n, const sgt_pose *pose, sgt_vec3 shift,
+                                           double semi_diameter, const vectors *offset, const vectors *d,
+                                           vectors *out_o, vectors *out_d, double *tol)
 {
     if (is_open(semi_diameter)) turn_by(true, n, pose, shift, semi_diameter, offset, d, out_o, out_d, tol);
     else turn_by(false, n, pose, shift, semi_diameter, offset, d, out_o, out_d, tol);
@@ -452,10 +456,10 @@ SGT_INLINE sgt_fate stopped_by(sgt_status status)
     return status == SGT_MISS ? SGT_MISSED : status > 0 ? SGT_CLIPPED : SGT_LOST;
 }
 
-/* What becomes of the i-th ray at element j, which the loops have left.  ASK: it is inside, sgt_pass is to bend
- * it; ASK_ANEW: it is another hit that is meant, or the sweep was given no ray; ASK_INSIDE: it stops, unless *ray
- * meets the surface within the aperture.  Most of them stop there, with the hit that the sweep has found, and that
- * is told already; the fate is then the verdict less STOPS. */
+/* What becomes of the i-th ray at element j, which the loops have left.  ASK: it is inside, sgt_pass is to
+ * bend it; ASK_ANEW: it is another hit that is meant, or the sweep was given no ray; ASK_INSIDE: it stops,
+ * unless *ray meets the surface within the aperture.  Most of them stop there, with the hit that the sweep
+ * has found, and that is told already; the fate is then the verdict less STOPS. */
 typedef enum verdict { ASK = 1, ASK_ANEW, ASK_INSIDE, STOPS = 8 } verdict;
 
 SGT_CLONES
@@ -544,7 +548,8 @@ static void ask_inside(const work *job, tile *w, size_t j, chords *c)
             sgt_hit other = sgt_ask_inside(e->surface, chord_of(c, k), aperture2, &own, &inside);
             c->status[k] = (signed char)other.status, c->evals[k] = other.evals;
         }
-        if (inside || may_be_inside(e->surface, &own, (sgt_status)c->status[k])) w->good[c->of[k]] = -ASK_ANEW;
+        if (inside || may_be_inside(e->surface, &own, (sgt_status)c->status[k]))
+            w->good[c->of[k]] = -ASK_ANEW;
         else stops(job, w, j, c->of[k], c->evals[k]);
     }
 }
@@ -568,8 +573,8 @@ APART static void judge_rest(const work *job, tile *w, size_t j, const bending *
     if (c.n) ask_inside(job, w, j, &c);
 }
 
-/* The rays that the loops left, through element j; asked, where not NULL: the sweep has met them, and there are
- * verdicts. */
+/* The rays that the loops left, through element j; asked, where not NULL: the sweep has met them, and there
+ * are verdicts. */
 APART static void pass_rest(const work *job, tile *w, size_t j, const sgt_hits *asked)
 {
     const sgt_element *e = &job->e[j];
