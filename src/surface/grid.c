@@ -215,12 +215,15 @@ static bool table_of(const sgt_grid *g, axis ax, axis ay, const region *where, d
 
 enum { SMALL = 12 };
 
+/* A bound that is none, as 0 of a flat grid times the infinite inverse of a step below 2^-1024, is infinite. */
+static double bound_of(double most) { return most >= 0 ? most * (1 + 0x1p-40) : HUGE_VAL; }
+
 /* The bounds of a measured grid are those of every region of more than a few cells. */
 static int grid_bounds(const void *self, region *where, bounds *out)
 {
     const sgt_grid *g = self;
     const axis ax = axis_of(g->step_x, g->z.columns), ay = axis_of(g->step_y, g->z.rows);
-    double m[4][4] = {{0}}, more = 1 + 0x1p-40;
+    double m[4][4] = {{0}};
     bool small = (where->x.hi - where->x.lo) * ax.inverse <= SMALL && (where->y.hi - where->y.lo) * ay.inverse <= SMALL;
     if (measured(g) && !small) {
         size_t unused;
@@ -234,7 +237,7 @@ static int grid_bounds(const void *self, region *where, bounds *out)
     double sx = 1.25 * (m[0][1] + 0.5 * larger(m[0][2], m[0][3])) * ax.inverse, sy = 1.25 * (m[1][0] + 0.5 * larger(m[2][0], m[3][0])) * ay.inverse;
     double xx = 1.25 * (m[0][2] + m[0][3]) * ax.inverse * ax.inverse, yy = 1.25 * (m[2][0] + m[3][0]) * ay.inverse * ay.inverse;
     double xy = (m[1][1] + m[1][2] + m[2][1] + m[2][2]) * ax.inverse * ay.inverse;
-    *out = (bounds){1.5625 * m[0][0] * more, length_of(sx, sy) * more, norm_of(xx, xy, yy) * more};
+    *out = (bounds){bound_of(1.5625 * m[0][0]), bound_of(length_of(sx, sy)), bound_of(norm_of(xx, xy, yy))};
     if (measured(g) && !small) *out = (bounds){g->height, g->steep, g->bend};
     return whole ? 1 : -1;
 }

@@ -371,10 +371,34 @@ static void test_start_beside_a_double_line(void **state)
     }
 }
 
+/* A flat grid with steps below 2^-1024: its slope was bounded by 0 times infinity, and what sgt_grid_measure wrote
+ * was refused as not measured.  A grid is as valid with the bounds as without them, whatever its heights and steps. */
+static void test_grid_measured_at_the_limits(void **state)
+{
+    (void)state;
+    static const double steps[] = {0x1p-1074, 0x1p-1030, 0x1p-700, 1, 0x1p700, 0x1.fp1023};
+    static const double heights[] = {0, 0x1p-1074, 1, 0x1p1000};
+    for (size_t h = 0; h < sizeof heights / sizeof *heights; h++)
+        for (size_t i = 0; i < sizeof steps / sizeof *steps; i++)
+            for (size_t j = 0; j < sizeof steps / sizeof *steps; j++)
+                for (int rough = 0; rough < 2; rough++) {
+                    double z[16];
+                    for (int k = 0; k < 16; k++) z[k] = rough && k % 3 == 0 ? -heights[h] : heights[h];
+                    sgt_grid grid = {0, 0, 0, steps[i], steps[j], {z, 4, 4}, 0, 0, 0};
+                    sgt_ray ray = {{0, 0, -1}, {0, 0, 1}, 0, HUGE_VAL};
+                    for (int measured = 0; measured < 2; measured++) {
+                        if (measured) sgt_grid_measure(&grid);
+                        sgt_hit hit = sgt_intersect((sgt_surface){&sgt_grid_ops, &grid}, ray, NULL);
+                        REQUIRE(hit.status != SGT_INVALID, "steps %a, %a, height %a, rough %d, measured %d", steps[i], steps[j],
+                                heights[h], rough, measured);
+                    }
+                }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_start_beside_a_double_line),
+        cmocka_unit_test(test_grid_measured_at_the_limits), cmocka_unit_test(test_start_beside_a_double_line),
         cmocka_unit_test(test_start_between_two_planes), cmocka_unit_test(test_undecided_inside_the_aperture), cmocka_unit_test(test_graze_far_from_the_surface),
         cmocka_unit_test(test_one_root_of_two_sheets), cmocka_unit_test(test_first_of_all_at_an_end),
         cmocka_unit_test(test_start_beyond_the_rim), cmocka_unit_test(test_bounds_out_of_range),
