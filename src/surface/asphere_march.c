@@ -248,6 +248,7 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
     double scale = scale_of(ray->d), lo = fmax(chord.lo, ray->tmin), hi = fmin(chord.hi, ray->tmax);
     if (chord.lo > chord.hi || lo > hi) return hit_without(SGT_MISS, ray, told->evals);
     lo /= scale, hi /= scale;
+    if (!(lo < hi)) lo -= 0x1p-1074, hi += 0x1p-1074; /* one point, or both ends have underflowed */
     hi += 0x1p-44 * fabs(hi); /* a root at tmax is to be inside: `counts` has the last word */
     /* the point of the stretch nearest the vertex: the stretch itself may lie far from it */
     w.q = local_at(ray, fmin(fmax(nearest_to_vertex(ray), lo), hi), 0);
