@@ -289,8 +289,8 @@ static inline bool narrow(bracket *p, const cell *e, const sighting *n, int leve
             step_to(p, m, n->newton, n->wide, least);
             bool to_rounding = p->hi - p->lo <= 8 * e->g_err / fabs(e->qv); /* nothing more to be had of the bracket */
             if (root_error(p) <= wanted || (to_rounding && p->h <= 2 * least)) return false; /* and Newton's step has settled */
-        } else {
-            step_to(p, m, n->newton, n->wide, larger(least, h));
+        } else { /* a cell has to hold what rounding leaves of the root */
+            step_to(p, m, n->newton, n->wide, larger(least, larger(h, 4 * e->g_err / fabs(e->qv))));
         }
     } else {
         if (h <= least) return false;

@@ -786,7 +786,8 @@ size_t sgt_level_sweep(const orbit *o, const sgt_tile *tile, const sgt_options *
     int busy = 0;
     for (int l = 0; l < WIDTH; l++) busy += fill(&j, l);
     while (busy || close.count || met.count) {
-        if (busy) {
+        bool drains = 2 * busy <= close.count; /* the rays that come back from the surface fill the lanes */
+        if (busy && !drains) {
             unsigned leaving = w.dt_min > 0 ? (w.path.mandelbrot ? advance_fast_mandelbrot : advance_fast_julia)(&s, &w)
                                             : (w.path.mandelbrot ? advance_mandelbrot : advance_julia)(&s, &w);
             for (; leaving; leaving &= leaving - 1) {
@@ -798,7 +799,8 @@ size_t sgt_level_sweep(const orbit *o, const sgt_tile *tile, const sgt_options *
         }
         if (close.count) look_and_settle(&j);
         else tell_hits(&j);
-        for (int l = 0; l < WIDTH; l++) busy += fill(&j, l);
+        for (int l = 0; l < WIDTH; l++)
+            if (s.f[RAY][l] < 0) busy += fill(&j, l);
     }
     return j.hard;
 }

@@ -323,7 +323,7 @@ static void test_term_whose_bound_underflows(void **state)
 }
 
 /* An end that underflows in the t of the scaled direction was taken for 0: a root at t = 0 behind the start was the start, one
- * behind tmax was met. */
+ * behind tmax was met; between two such ends there was none. */
 static void test_ends_that_underflow(void **state)
 {
     (void)state;
@@ -337,6 +337,10 @@ static void test_ends_that_underflow(void **state)
                 sgt_options opt = {.pick = (sgt_pick)pick};
                 sgt_hit h = which == 2 ? asphere(a, early, opt) : conic(s, early, opt), l = which == 2 ? asphere(a, late, opt) : conic(s, late, opt);
                 REQUIRE(h.status != SGT_MISS, "surface %d, 2^-%d: %s", which, e, sgt_status_text(h.status));
+                sgt_ray both = early; /* every root, where both ends underflow */
+                both.tmax = -both.tmin;
+                sgt_surface of = which == 2 ? (sgt_surface){&sgt_asphere_ops, &a} : (sgt_surface){&sgt_conic_ops, &s};
+                REQUIRE(sgt_intersect_all(of, both, 0, NULL, &opt) != 0, "surface %d, 2^-%d: none of all", which, e);
                 REQUIRE(l.status <= 0 || l.t <= late.tmax, "surface %d, 2^-%d: %s at %g, tmax %g", which, e, sgt_status_text(l.status), l.t, late.tmax);
             }
         }
@@ -395,10 +399,32 @@ static void test_grid_measured_at_the_limits(void **state)
                 }
 }
 
+/* A root's cell became shorter than what rounding leaves of the root, and its bracket as wide as it had been stayed, after
+ * sixty looks: from 1e-12 before the root that much t_err made it the start, and the miss was proven. */
+static void test_level_set_from_close_before_a_root(void **state)
+{
+    (void)state;
+    sgt_julia julia = {.c = {0x1.6889f4bc166bcp-2, 0, -0x1.64af14a4fedf9p-2, 0x1.55f8f8cd3afccp-3}, .iterations = 6, .power = 2};
+    sgt_surface s = {&sgt_julia_ops, &julia};
+    sgt_ray ray = {{0x1.c63683bb19418p-4, -0x1.59c4e192ded97p-5, 0x1.7c44a0ca0f60bp-3},
+                   {-0x1.50aa295ef79e1p-3, -0x1.28b0bd82bd029p-5, -0x1.643511c671812p-4}, 0, HUGE_VAL};
+    sgt_hit whole = sgt_intersect(s, ray, NULL);
+    REQUIRE(whole.status == SGT_HIT, "%s", sgt_status_text(whole.status));
+    for (double gap = 1; gap > 1e-12; gap *= 0.5)
+        for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
+            ray.tmin = whole.t - gap;
+            sgt_hit h = sgt_intersect(s, ray, &(sgt_options){.proof = (sgt_proof)proof});
+            REQUIRE(h.status == SGT_HIT && fabs(h.t - whole.t) <= h.t_err + whole.t_err, "%g before: %s, %a, not %a", gap,
+                    sgt_status_text(h.status), h.t, whole.t);
+            REQUIRE(h.t_err <= 4 * whole.t_err && h.evals <= 24, "%g before: t_err %g, not %g, %d evaluations", gap, h.t_err,
+                    whole.t_err, h.evals);
+        }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_grid_measured_at_the_limits), cmocka_unit_test(test_start_beside_a_double_line),
+        cmocka_unit_test(test_level_set_from_close_before_a_root), cmocka_unit_test(test_grid_measured_at_the_limits), cmocka_unit_test(test_start_beside_a_double_line),
         cmocka_unit_test(test_start_between_two_planes), cmocka_unit_test(test_undecided_inside_the_aperture), cmocka_unit_test(test_graze_far_from_the_surface),
         cmocka_unit_test(test_one_root_of_two_sheets), cmocka_unit_test(test_first_of_all_at_an_end),
         cmocka_unit_test(test_start_beyond_the_rim), cmocka_unit_test(test_bounds_out_of_range),
