@@ -243,7 +243,7 @@ void sgt_none_nearer(sgt_surface s, const sgt_tile *tile, sgt_extents *kept, uns
     for (size_t i = 0; i < n; i++) within2[i] = radius2_about(tile->hits.p[0][i], tile->hits.p[1][i]);
     if (own && is_catalogue(s.ops) && own->extent_within) {
         for (size_t i = 0; i < n; i++) {
-            const sgt_extent nothing = {0, HUGE_VAL, HUGE_VAL}, *e = &nothing;
+            const sgt_extent nothing = {0, HUGE_VAL, HUGE_VAL, HUGE_VAL}, *e = &nothing;
             if (within2[i] < HUGE_VAL) e = extent_about(s, within2[i], kept);
             radius2[i] = e->radius2, steep[i] = e->steep;
         }

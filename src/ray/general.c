@@ -163,16 +163,18 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     if (!is_catalogue(ops) || !ops->own_->extent_within || !(fabs(span->seed) < HUGE_VAL)) return false;
     vicinities kept;
     vicinities_begin(&kept);
-    double asked = 1, lo = 0, hi = 0, least = 0, work[VICINITY_ROWS];
-    vicinity v = {.tmin = &ray->tmin, .tmax = &ray->tmax, .seed = &span->seed,
+    double seed = span->seed, asked = 1, lo = 0, hi = 0, least = 0, evals = w->told.evals,
+           work[VICINITY_ROWS];
+    vicinity v = {.tmin = &ray->tmin, .tmax = &ray->tmax, .seed = &seed,
                   .asked = &asked, .lo = &lo, .hi = &hi, .least = &least,
-                  .noise = {&w->noise[0], &w->noise[1], &w->noise[2]}};
+                  .noise = {&w->noise[0], &w->noise[1], &w->noise[2]},
+                  .evals = &evals, .budget = w->told.budget, .told = &w->told};
     for (int i = 0; i < VICINITY_ROWS; i++) v.work[i] = &work[i];
     sgt_rays one = {.o = {&ray->o.x, &ray->o.y, &ray->o.z}, .d = {&ray->d.x, &ray->d.y, &ray->d.z}};
-    sgt_vicinity_of(w->s, 1, one, near, &kept, &v);
+    sgt_vicinity_of(w->s, 1, one, near, &w->shared, &kept, &v);
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
     if (asked != 0) return false;
-    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, lo, hi, span->seed,
+    approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, lo, hi, seed,
                              ops->enclose ? 0x1p-50 : 0, true, true);
     if (a.passes || !a.known || !a.seeded) return false;
     w->q = a.q;

@@ -65,7 +65,7 @@ typedef struct sweep {
     bool slopes;        /* the spans come with bounds on the slope */
     bool moved;         /* some lane is not at its place */
     sgt_shared shared;  /* of the surface, where it shares */
-    vicinities kept;    /* and of parts of it */
+    vicinities *kept;   /* and of parts of it */
     sgt_shared bare;    /* bare_of shared */
     bool rows;          /* what the departure adds to the rounding is each lane's own */
     lanes *a;
@@ -243,9 +243,11 @@ static void nearby(sweep *w, sgt_rays rays, size_t n)
     w->rows = !(w->shared.noise[0] < HUGE_VAL);
     vicinity v = {.tmin = a->tmin, .tmax = a->tmax, .seed = a->seed,
                   .asked = a->x, .lo = a->lo, .hi = a->hi, .least = a->least,
-                  .noise = {a->noise0, a->noise1, a->most2},
-                  .work = {a->y, a->z, a->l, a->m, a->n, a->t0, a->scale, a->tau}};
-    sgt_vicinity_of(w->s, n, rays, w->near != 0, &w->kept, &v);
+                  .noise = {a->noise0, a->noise1, a->most2}, .evals = a->evals, .budget = w->budget,
+                  .work = {a->y, a->z, a->l, a->m, a->n, a->t0, a->scale, a->tau, a->last, a->first,
+                           a->f, a->fx, a->fy, a->fz, a->g_err, a->at, a->g, a->slope, a->sign, a->end,
+                           a->px, a->py, a->pz, a->qf, a->qx, a->qy, a->qz, a->t_tol}};
+    sgt_vicinity_of(w->s, n, rays, w->near != 0, &w->shared, w->kept, &v);
 }
 
 static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
@@ -254,7 +256,7 @@ static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
     const sgt_rays *r = &tile->rays;
     lanes *a = w->a;
     bool single[LANES];
-    for (size_t i = 0; i < n; i++) a->least[i] = 0;
+    for (size_t i = 0; i < n; i++) a->least[i] = a->evals[i] = 0;
     if (ops->first && w->near == 0) {
         const double *o[] = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, *d[] = {r->d[0] + from, r->d[1] + from, r->d[2] + from};
         sgt_rays rays = {{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, a->tmin, a->tmax};
@@ -311,7 +313,7 @@ SGT_INLINE void make_local(const sweep *w, const sgt_tile *tile, size_t from, si
         a->lo[i] = at.lo, a->hi[i] = at.hi;
         a->t_tol[i] = t_tol[i] * at.inverse;
         if (everywhere) a->end[i] = far_end(o, at.q.l, at.q.m, at.q.n, at.q.t0, at.nearest, at.lo);
-        a->tau[i] = 0, a->last[i] = DBL_MAX, a->first[i] = -1, a->evals[i] = 0;
+        a->tau[i] = 0, a->last[i] = DBL_MAX, a->first[i] = -1;
     }
 }
 
@@ -859,13 +861,14 @@ size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
     lanes a;
     sgt_options own = *opt;
     if (is_catalogue(ops)) own.f_tol = 0; /* as general.c */
-    sweep w = {.s = s, .opt = &own, .a = &a, .near = opt->pick == SGT_NEAR_SEED, .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
+    vicinities kept; /* not cleared with the rest of w */
+    sweep w = {.s = s, .opt = &own, .a = &a, .kept = &kept, .near = opt->pick == SGT_NEAR_SEED, .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
                .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS,
                .rim2 = rim2_of_surface(s), .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0, .slopes = is_catalogue(ops) && ops->own_->spans,
                .walks_from = ops->first || ops->enclose || ops->clearance || (opt->dt_min > 0 && ops->estimate) ? HUGE_VAL : -HUGE_VAL};
     size_t hard = 0;
     a.none = 0;
-    vicinities_begin(&w.kept);
+    vicinities_begin(w.kept);
     if (is_catalogue(ops) && ops->own_->share) ops->own_->share(s.self, &w.shared), w.bare = bare_of(w.shared);
     for (int i = 0; i < LANES; i++) a.slot[i] = i; /* and so again after each run: see settle */
     w.points = (sgt_points){{a.px, a.py, a.pz}};

@@ -1,9 +1,5 @@
 /* vicinity.c - see vicinity.h.  A ray by itself is a row of one. */
-#include "vicinity.h"
-
-#include "../num/lanes.h"
-
-#include <string.h>
+#include "inward.h"
 
 enum { SHRINKS = 12 };
 
@@ -11,26 +7,6 @@ enum { SHRINKS = 12 };
 static const double NO_BOUND = 0x1p-1000;
 
 /* ------------------------------------------------------------------------------- rungs */
-
-enum { FINE = 49, COARSE = 52 };
-
-/* A power of two above r, or an eighth of one; infinite beyond 2^400, and never below 2^-400. */
-SGT_INLINE double rung_above(double r, int digits)
-{
-    unsigned long long bits, unit = 1ULL << digits;
-    double above = larger(r, 0x1p-401);
-    memcpy(&bits, &above, sizeof bits);
-    bits = (bits & ~(unit - 1)) + unit;
-    memcpy(&above, &bits, sizeof above);
-    return chosen(MASK(r < 0x1p400), above, HUGE_VAL);
-}
-
-static int place_of(double rung, int digits, int places)
-{
-    unsigned long long bits;
-    memcpy(&bits, &rung, sizeof bits);
-    return (int)(bits >> digits) & (places - 1);
-}
 
 /* Of the surface within the radius. */
 static const sgt_extent *within(sgt_surface s, double rung, int digits, vicinities *kept)
@@ -42,37 +18,46 @@ static const sgt_extent *within(sgt_surface s, double rung, int digits, viciniti
 }
 
 /* Where the rung is infinite nothing is known; nor of those who are not asked. */
-static void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked,
+SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked,
                     vicinities *kept, double *radius2, double *steep, double *size)
 {
-    const sgt_extent none = {0, HUGE_VAL, HUGE_VAL};
+    const sgt_extent none = {0, HUGE_VAL, HUGE_VAL, HUGE_VAL};
     for (size_t i = 0; i < n; i++) {
         const sgt_extent *e = asked[i] != 0 && rung[i] < HUGE_VAL ? within(s, rung[i], digits, kept) : &none;
         radius2[i] = e->radius2, steep[i] = e->steep, size[i] = e->size;
     }
 }
 
-static void noises(sgt_surface s, size_t n, const double *rung, vicinities *kept, const vicinity *v)
+const ring *sgt_ring_of(sgt_surface s, double rung, rings *kept)
 {
-    for (size_t i = 0; i < n; i++) {
-        v->noise[0][i] = v->noise[1][i] = v->noise[2][i] = (double)NAN;
-        if (v->asked[i] == 0 || !(rung[i] < HUGE_VAL)) continue;
-        int k = place_of(rung[i], FINE, NOISES);
-        double *e = kept->noise[k];
-        if (kept->noise_radius[k] != rung[i])
-            kept->noise_radius[k] = rung[i], s.ops->own_->noise_within(s.self, rung[i] * (1 + 0x1p-20), e);
-        v->noise[0][i] = e[0], v->noise[1][i] = e[1], v->noise[2][i] = rung[i] * rung[i];
-    }
+    if (!kept->any)
+        for (int i = 0; i < RINGS; i++) kept->of[i].radius = 0;
+    kept->any = true;
+    ring *e = &kept->of[place_of(rung, FINE, RINGS)];
+    if (e->radius == rung) return e;
+    *e = (ring){rung, HUGE_VAL, HUGE_VAL, {(double)NAN, (double)NAN}};
+    double rim = s.ops->own_->rim(s.self);
+    if (!(rung < HUGE_VAL) || (rim > 0 && !(rung <= rim))) return e;
+    sgt_extent extent;
+    s.ops->own_->extent_within(s.self, rung, &extent);
+    s.ops->own_->noise_within(s.self, rung * (1 + 0x1p-20), e->noise);
+    e->steep = extent.steep, e->bend = extent.bend;
+    return e;
+}
+
+/* About the root, whose rung that is. */
+SGT_INLINE void noise_about(sgt_surface s, double rung, size_t i, vicinities *kept, const vicinity *v)
+{
+    v->noise[0][i] = v->noise[1][i] = v->noise[2][i] = (double)NAN;
+    if (!(rung < HUGE_VAL)) return;
+    int k = place_of(rung, FINE, NOISES);
+    double *e = kept->noise[k];
+    if (kept->noise_radius[k] != rung)
+        kept->noise_radius[k] = rung, s.ops->own_->noise_within(s.self, rung * (1 + 0x1p-20), e);
+    v->noise[0][i] = e[0], v->noise[1][i] = e[1], v->noise[2][i] = rung * rung;
 }
 
 /* -------------------------------------------------------------------------- the radius */
-
-/* Not below it: of a ray from afar x and y are known to an ulp of what they are made of. */
-SGT_INLINE double radius_at(double ox, double oy, double dx, double dy, double t)
-{
-    double tl = t * dx, tm = t * dy, x = ox + tl, y = oy + tm;
-    return sqrt(x * x + y * y) + 0x1p-51 * ((fabs(ox) + fabs(tl)) + (fabs(oy) + fabs(tm)));
-}
 
 /* What is needed at the seed, and from where the search begins on: the least radius, and the rung about the
  * root. */
@@ -149,14 +134,15 @@ static double judge(size_t n, const double *restrict dx, const double *restrict 
     return left;
 }
 
-void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, vicinities *kept, const vicinity *v)
+void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_shared *whole,
+                     vicinities *kept, const vicinity *v)
 {
     const struct sgt_own *own = s.ops->own_;
     double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3],
            *size = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7];
     begin(n, near, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius, wide,
           about);
-    noises(s, n, about, kept, v);
+    for (size_t i = 0; i < n; i++) noise_about(s, v->asked[i] != 0 ? about[i] : HUGE_VAL, i, kept, v);
     for (int k = 0;; k++) {
         extents(s, n, wide, COARSE, v->asked, kept, radius2, steep, size);
         if (near || k == SHRINKS
@@ -164,15 +150,21 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, vicinities 
                    == 0)
             break;
     }
-    double *lo = at_seed, *hi = size, *least = about;
+    double *lo = at_seed, *hi = size, *least = about, left = 0;
     for (int k = 0; k < 2; k++) {
         own->chords(n, r, radius2, steep, lo, hi, least);
-        if (judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least, v->asked, v->lo,
-                  v->hi, v->least)
-                == 0
-            || k == 1)
-            break;
+        left = judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least, v->asked, v->lo,
+                     v->hi, v->least);
+        if (left == 0 || k == 1) break;
         for (size_t i = 0; i < n; i++) wide[i] = rung_above(radius[i], FINE);
         extents(s, n, wide, FINE, v->asked, kept, radius2, steep, size);
+    }
+    if (left == 0 || near || !own->roundings || whole->noise[0] < HUGE_VAL) return;
+    sgt_shared bare = bare_of(*whole);
+    sgt_march_inward(s, n, r, from, &bare, &kept->rings, v, v->work);
+    for (size_t i = 0; i < n; i++) {
+        if (!(v->evals[i] > 0) || v->asked[i] != 0) continue;
+        double axis = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
+        noise_about(s, rung_above(1.02 * axis, FINE), i, kept, v);
     }
 }

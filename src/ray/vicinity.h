@@ -11,6 +11,9 @@
  * well begin where it enters |z| <= S.  Where that is nearer to the axis R is smaller, and S with it: the
  * same again.  Of a ray from afar at a lens R is soon that of the lens.
  *
+ * FROM AFAR the surface may be so steep within R that this says nothing, and a root farther out may be the
+ * first: there F is looked at, point by point, on the way in (inward.c).
+ *
  * RUNGS.  What is known of the surface within R costs more than a root.  So R is rounded up, to a power of two or, where that
  * says too little, to an eighth of one, and many rays share it.  It depends on nothing but the ray and the surface: a ray in a
  * batch has the R it has alone.
@@ -23,25 +26,32 @@
 #include "../surface/sag.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: nothing is there. */
-enum { VICINITIES = 16, NOISES = 32, VICINITY_ROWS = 8 };
+enum { VICINITIES = 16, NOISES = 32, RINGS = 32, INWARD_ROWS = 28, VICINITY_ROWS = INWARD_ROWS };
+typedef struct ring { double radius, steep, bend, noise[2]; } ring;
+typedef struct rings { bool any; ring of[RINGS]; } rings; /* of inward.c */
 typedef struct vicinities {
     double radius[VICINITIES], noise_radius[NOISES], noise[NOISES][2];
     sgt_extent extent[VICINITIES];
+    rings rings;
 } vicinities;
 
 SGT_INLINE void vicinities_begin(vicinities *v)
 {
     for (int i = 0; i < VICINITIES; i++) v->radius[i] = 0;
     for (int i = 0; i < NOISES; i++) v->noise_radius[i] = 0;
+    v->rings.any = false;
 }
 
 /* Of some rays, a row each.  asked: 1, else 0; of one that is asked the seed is a number.  After the call it
- * is 1 where nothing was found, else lo, hi and least are those of the stretch: `least` bounds |dF/dtau| from
- * below all along it (sgt_own, spans).  Within r^2 <= noise[2] of the axis F is off by noise[0] + noise[1]
- * r^2 (sgt_shared), where that is known. */
+ * is 1 where nothing was found, else lo, hi and least are those of the stretch, and the seed may be another:
+ * `least` bounds |dF/dtau| from below all along it (sgt_own, spans).  Within r^2 <= noise[2] of the axis F is
+ * off by noise[0] + noise[1] r^2 (sgt_shared), where that is known.  What was spent is added to evals, and
+ * told, of a row by itself, unless that is NULL. */
 typedef struct vicinity {
-    const double *tmin, *tmax, *seed;
-    double *asked, *lo, *hi, *least, *noise[3], *work[VICINITY_ROWS];
+    const double *tmin, *tmax;
+    double *seed, *asked, *lo, *hi, *least, *noise[3], *evals, budget;
+    tally *told;
+    double *work[VICINITY_ROWS];
 } vicinity;
 
 /* What the departure adds to the rounding of F at a point of that r^2, unless that is much nearer to the axis than the radius
@@ -57,7 +67,8 @@ SGT_INLINE sgt_shared bare_of(sgt_shared s)
     return s;
 }
 
-/* Of a surface that has extent_within; the ends of the rays are explicit. */
-void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays rays, bool near, vicinities *kept, const vicinity *v);
+/* Of a surface that has extent_within, `whole` being what it shares; the ends of the rays are explicit. */
+void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays rays, bool near, const sgt_shared *whole,
+                     vicinities *kept, const vicinity *v);
 
 #endif

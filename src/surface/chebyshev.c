@@ -17,7 +17,11 @@
  * term goes through at most 24 sums of its row's panel, and one for each row and panel.
  *
  * BOUNDS.  Within |x| <= 1: |T_n| <= 1, |T_n'| <= min(n^2, n / sigma), |T_n''| = |x T_n' - n^2 T_n| / w <= (n / sigma + n^2) / w, and
- * <= n^2 (n^2 - 1) / 3 (V. A. Markov; Mason and Handscomb 2002, section 2.4.5).  Beyond, all derivatives increase: their values at the far end. */
+ * <= n^2 (n^2 - 1) / 3 (V. A. Markov; Mason and Handscomb 2002, section 2.4.5).  Beyond, all derivatives
+ * increase: their values at the far end.  Far out, over a disc of radius r, r = R norm, more is known: T_i(x)
+ * / x^i increases beyond 1 (all its zeros are nearer), so |T_i(x)| <= T_i(R) max(x / R, 1 / R)^i, and of the
+ * derivatives so; of two such factors the greatest product over the disc is that of x^i y^j, or one of them
+ * is 1 / R^i. */
 #include "bend.h"
 #include "freeform.h"
 
@@ -327,6 +331,16 @@ static void chebyshev_noise(const void *self, double radius, double e[2])
     e[0] = known(p * SGT_U * (1 + 0x1p-20)), e[1] = 0;
 }
 
+/* The most, over a disc, of what is left of T_i and T_j, derived a and b times, at the far end: the head of
+ * this file. */
+static double in_disc(const double *h, const double *x_low, const double *y_low, size_t i, size_t j, size_t a,
+                      size_t b)
+{
+    return i < a || j < b ? 0 : larger(corner_of(h, i - a, j - b), larger(x_low[i - a], y_low[j - b]));
+}
+
+static const double FAR_OUT_OF_SQUARE = 4; /* in norms */
+
 static int chebyshev_bounds(const void *self, region *where, bounds *out)
 {
     const sgt_chebyshev *s = self;
@@ -336,8 +350,26 @@ static int chebyshev_bounds(const void *self, region *where, bounds *out)
     if (along > where->r_hi) along = where->r_hi;
     sizes_of(across / s->norm_x * (1 + 0x1p-50), s->a.rows, &a);
     sizes_of(along / s->norm_y * (1 + 0x1p-50), s->a.columns, &b);
-    double size = 0, px = 0, py = 0, xx = 0, xy = 0, yy = 0;
-    for (size_t i = 0; i < s->a.rows; i++) {
+    double size = 0, px = 0, py = 0, xx = 0, xy = 0, yy = 0, u = across / s->norm_x, v = along / s->norm_y;
+    bool disc = is_disc(across, along, where->r_hi) && u > FAR_OUT_OF_SQUARE && v > FAR_OUT_OF_SQUARE;
+    if (disc) {
+        double h[2 * MOST], x_low[MOST], y_low[MOST];
+        half_powers(s->a.rows + s->a.columns, h);
+        x_low[0] = y_low[0] = 1;
+        for (size_t i = 1; i < MOST; i++) x_low[i] = x_low[i - 1] / u, y_low[i] = y_low[i - 1] / v;
+        for (size_t i = 0; i < s->a.rows; i++)
+            for (size_t j = 0; j < s->a.columns; j++) {
+                double c = fabs(s->a.x[i * s->a.columns + j]);
+                if (c == 0) continue;
+                size += c * a.t[i] * b.t[j] * in_disc(h, x_low, y_low, i, j, 0, 0);
+                px += c * a.d[i] * b.t[j] * in_disc(h, x_low, y_low, i, j, 1, 0),
+                    py += c * a.t[i] * b.d[j] * in_disc(h, x_low, y_low, i, j, 0, 1);
+                xx += c * a.e[i] * b.t[j] * in_disc(h, x_low, y_low, i, j, 2, 0),
+                    xy += c * a.d[i] * b.d[j] * in_disc(h, x_low, y_low, i, j, 1, 1),
+                    yy += c * a.t[i] * b.e[j] * in_disc(h, x_low, y_low, i, j, 0, 2);
+            }
+    }
+    for (size_t i = 0; i < s->a.rows && !disc; i++) {
         double c0 = 0, c1 = 0, c2 = 0;
         for (size_t j = 0; j < s->a.columns; j++) {
             double c = fabs(s->a.x[i * s->a.columns + j]);

@@ -175,6 +175,13 @@ static double conic_slope(double c, double k1, double r)
     return phi2 == HUGE_VAL ? 1 / sqrt(-k1) : phi2 > 0x1p-30 ? w / sqrt(phi2) : HUGE_VAL;
 }
 
+/* A bound on the norm of the conic's second derivative within r, c / phi^3 by r and c / phi across. */
+static double conic_bend(double c, double k1, double r)
+{
+    double w = fabs(c) * r, phi2 = 1 - larger(k1 * w * w, 0);
+    return phi2 > 0x1p-30 ? fabs(c) / (phi2 * sqrt(phi2)) * (1 + 0x1p-18) : HUGE_VAL;
+}
+
 /* How far the surface is from the plane z = 0 within r, P being at most `size`.  The sag of a conic grows with r. */
 static double size_within(const freeform *s, double r, double size)
 {
@@ -212,7 +219,7 @@ static double rim2_within_frame(const freeform *s)
 void sgt_freeform_within(const freeform *s, sgt_extent *extent)
 {
     double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
-    sgt_extent e = {.radius2 = domain2, .steep = HUGE_VAL, .size = HUGE_VAL};
+    sgt_extent e = {.radius2 = domain2, .steep = HUGE_VAL, .size = HUGE_VAL, .bend = HUGE_VAL};
     bool whole = domain2 == rim2; /* else the equator of the base is inside, where its slope has no bound */
     if (rim2 > 0 && (whole || rim2 < HUGE_VAL)) {
         double r = domain2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT, conic = s->base ? conic_slope(s->c, 1 + s->k, r) : 0;
@@ -220,7 +227,9 @@ void sgt_freeform_within(const freeform *s, sgt_extent *extent)
         bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
         int defined = conic < HUGE_VAL || !whole ? s->of->bounds(s->self, &where, &b) : 0;
         double steep = (conic + b.steep + LOST) * (1 + 0x1p-20);
-        if (whole && (defined == 1 || s->of->framed) && steep < 0x1p500) e.steep = steep * (1 + 0x1p-20);
+        if (whole && (defined == 1 || s->of->framed) && steep < 0x1p500)
+            e.steep = steep * (1 + 0x1p-20),
+            e.bend = (conic_bend(s->base ? s->c : 0, 1 + s->k, r) + b.bend + LOST) * (1 + 0x1p-20);
         if (!(b.size < HUGE_VAL) && defined && s->of->range) b.size = sgt_interval_greatest(s->of->range(s->self, &where));
         if (defined) e.size = size_within(s, r, b.size);
     }

@@ -89,8 +89,9 @@ typedef struct sgt_tile { size_t n; sgt_rays rays; const double *t_tol; sgt_hits
 typedef struct sgt_shared { double c, k1, radius2, steep, base_c, base_k, most2, noise[2]; } sgt_shared;
 
 /* What is known of the part of a surface within some radius: radius2 and steep as a sgt_shared has them;
- * size: no part of it is farther from the plane z = 0; infinite where that is not known. */
-typedef struct sgt_extent { double radius2, steep, size; } sgt_extent;
+ * size: no part of it is farther from the plane z = 0; bend: the norm of the second derivative of the sag is
+ * nowhere above it; infinite where that is not known. */
+typedef struct sgt_extent { double radius2, steep, size, bend; } sgt_extent;
 
 struct sgt_own {
     sgt_hit (*meet)(const void *self, const sgt_ray *ray, const sgt_options *opt);

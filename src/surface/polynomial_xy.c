@@ -132,6 +132,30 @@ static double greatest(disc e) { return fabs(e.middle) + e.radius; }
 
 static double bounded(double x) { return x < HUGE_VAL ? x * (1 + 0x1p-40) : HUGE_VAL; }
 
+/* Of a disc: x^i y^j is far less there than in the corners of the square, where both are r. */
+static bounds disc_bounds(sgt_numbers a, double r)
+{
+    double h[MOST_HALF_POWERS], size = 0, px = 0, py = 0, xx = 0, xy = 0, yy = 0;
+    half_powers(a.rows + a.columns, h);
+    for (size_t i = 0; i < a.rows; i++)
+        for (size_t j = 0; j < a.columns; j++) {
+            double most = fabs(a.x[i * a.columns + j]), n = (double)i, m = (double)j;
+            if (most == 0) continue;
+            most *= pow(r, n + m);
+            size += most * corner_of(h, i, j), most /= r;
+            if (i > 0) px += most * n * corner_of(h, i - 1, j);
+            if (j > 0) py += most * m * corner_of(h, i, j - 1);
+            most /= r;
+            if (i > 1) xx += most * n * (n - 1) * corner_of(h, i - 2, j);
+            if (i > 0 && j > 0) xy += most * n * m * corner_of(h, i - 1, j - 1);
+            if (j > 1) yy += most * m * (m - 1) * corner_of(h, i, j - 2);
+        }
+    const double up = 1 + 0x1p-30;
+    return (bounds){bounded(size * up), bounded(length_of(px, py) * up), norm_of(xx, xy, yy) * up};
+}
+
+static const double STEEP = 64; /* far out; nearer by the square does as well */
+
 static int bounds_over(const void *self, region *where, bounds *out)
 {
     sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
@@ -150,6 +174,11 @@ static int bounds_over(const void *self, region *where, bounds *out)
     }
     double size = greatest(p), ax = greatest(px), ay = greatest(py), axx = 2 * greatest(pxx), axy = greatest(pxy), ayy = 2 * greatest(pyy);
     *out = (bounds){bounded(size), bounded(length_of(ax, ay)), norm_of(axx, axy, ayy)};
+    if (out->steep > STEEP && a.rows + a.columns <= MOST_HALF_POWERS
+        && is_disc(greatest(x), greatest(y), where->r_hi)) {
+        bounds by_disc = disc_bounds(a, where->r_hi);
+        if (by_disc.bend < out->bend) *out = by_disc;
+    }
     return 1;
 }
 

@@ -88,6 +88,9 @@ SGT_INLINE q_rounded q_rounding(q_steps *step, q_weights *weigh, size_t terms, c
 /* No polynomial of degree n that is at most 1 on [-1, 1] is above this to the n at u > 1 (Chebyshev): its logarithm grows as T_n's. */
 SGT_INLINE double q_growth(double u) { return u > 1 ? u + sqrt(u * u - 1) : 1; }
 
+/* One over it, where that is worth while: a derivative is of a degree less. */
+SGT_INLINE double q_less(double u) { return u > 1.0625 ? 1 / q_growth(u) * (1 + 0x1p-50) : 1; }
+
 /* w^n. */
 SGT_INLINE double q_power(double w, size_t n)
 {

@@ -10,7 +10,8 @@
  * With u = r / norm = sin t and M = 2 m + 1, P_m / 2 = sin(M t) / sin t, hence of each term T = v (1 - v) P_m / 2, all by u,
  *     T = u (1 - u^2) sin M t,    T' = (1 - 3 u^2) sin M t + M u cos t cos M t,    T'' = -(M^2 + 6) u sin M t + M (2 - 5 u^2) cos M t / cos t,
  * where |sin M t| <= min(1, M t), |cos M t / cos t| <= min(M, 1 / cos t), and of a sum A sin + B cos the root of A^2 + B^2 is a bound.
- * Beyond u = 1, sin M t is +-T_M(u) of Chebyshev, whose derivatives are at most M^2 and M^2 (M^2 - 1) / 3 times what T_M may have grown to (q_growth).
+ * Beyond u = 1, sin M t is +-T_M(u) of Chebyshev, whose derivatives are at most M^2 and M^2 (M^2 - 1) / 3
+ * times what a polynomial of a degree less may have grown to (q_growth).
  *
  * With w = 1 - c^2 r^2 the factor 1 / sqrt(w) has the derivatives c^2 r w^-3/2 and c^2 w^-3/2 + 3 c^4 r^2 w^-5/2 by r, and r^2 c w^-3/2 by c: all grow
  * with r.  w is off by 4 u c^2 r^2 + u w.  P is undefined where w <= 0. */
@@ -66,7 +67,8 @@ static bounds term_bounds(size_t m, double u)
 {
     double M = 2 * (double)m + 1, v = u * u, beyond = v - 1;
     if (u > 1) {
-        double grown = q_power(q_growth(u), 2 * m + 1), first = M * M * grown, second = first * (M * M - 1) / 3;
+        double grown = q_power(q_growth(u), 2 * m + 1), less = q_less(u), first = M * M * (grown * less),
+               second = first * less * (M * M - 1) / 3;
         return (bounds){larger(0.385, u * beyond * grown), larger(2 + 0.5 * M, (3 * v - 1) * grown + u * beyond * first),
                         6 * u * grown + 2 * (3 * v - 1) * first + u * beyond * second}; /* no less than within */
     }
@@ -184,6 +186,27 @@ static void rounding(const void *self, double x, double y, double *p_err, double
     if (terms > 0) *p_err += 0x1p-1000, *grad_err += v < 0x1p-900 ? 2 * r * T.bend + 0x1p-500 : 0x1p-1000; /* squares underflow */
 }
 
+/* Next to the edge: v (1 - v) S at the middle of the ring, give or take what its slope allows, over sqrt(w),
+ * which falls to 0. */
+static sgt_interval range(const void *self, const region *where)
+{
+    sgt_q_bfs flat = *(const sgt_q_bfs *)self;
+    double c = flat.c, lo = where->r_lo, hi = where->r_hi,
+           rim = c != 0 ? 1 / fabs(c) * (1 + 0x1p-40) : HUGE_VAL;
+    if (hi > rim) hi = rim;
+    if (lo > hi) return sgt_interval_empty();
+    flat.c = 0;
+    double m = 0.5 * lo + 0.5 * hi, zero = 0, p, px, py, p_err, unused;
+    at(&flat, 1, &m, &zero, (sag_values){&p, &px, &py});
+    rounding(&flat, m, 0, &p_err, &unused);
+    double off = p_err + all_bounds(&flat, hi).steep * (0.5 * (hi - lo)) * (1 + 0x1p-40), most = p + off,
+           least = p - off;
+    if (!(off < HUGE_VAL) || (least <= 0 && most >= 0)) return sgt_interval_all();
+    double w = larger(1 - c * lo * (c * lo), 0) + 0x1p-50, by = (1 - 0x1p-40) / sqrt(w);
+    return least > 0 ? sgt_interval_between(least * by, HUGE_VAL)
+                     : sgt_interval_between(-HUGE_VAL, most * by);
+}
+
 /* As in q_con.c: what the errors of v (1 - v) S sum to for b[m] = 1, over v, is below 1.31 (m + 1)^3 + 12 (m + 1) (worked out: 9, 33,
  * 69, 125 for the first, 3.43e5 for the last), and (1 - v) P_m / 2 is at most 2 m + 1. */
 static void noise(const void *self, double radius, double e[2])
@@ -266,8 +289,16 @@ static sgt_objection object(const void *self)
     return object_to_list("coefficients", s->a, Q_TERMS, "must have at most 64 numbers");
 }
 
-static const departure q_bfs_departure = {.at = at, .rounding = rounding, .bounds = bounds_over, .second = second, .parameters = parameters,
-                                          .by_parameter = by_parameter, .object = object, .noise = noise, .by_curvature = by_curvature};
+static const departure q_bfs_departure = {.at = at,
+                                          .rounding = rounding,
+                                          .bounds = bounds_over,
+                                          .range = range,
+                                          .second = second,
+                                          .parameters = parameters,
+                                          .by_parameter = by_parameter,
+                                          .object = object,
+                                          .noise = noise,
+                                          .by_curvature = by_curvature};
 
 static freeform on_sphere(const sgt_q_bfs *s)
 {

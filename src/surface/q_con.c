@@ -7,7 +7,8 @@
  * as R' is a sum of radial polynomials with coefficients that are not negative (Janssen 2014, J. Eur. Opt. Soc. Rapid Publ. 9, 14028),
  * and by Bernstein's inequality, sine^2 = 1 - u^2, |R'| <= n / sine, |R''| <= (n^2 + n u / sine) / sine^2.  Near the axis the polynomials'
  * own greatest values count, those at v = 0 (Szego, Orthogonal Polynomials, 7.32): |Q| <= B4, |Q'| <= (m + 5) B5,
- * |Q''| <= (m + 5) (m + 6) B6, Bi the binomial coefficient of m + 4 over i.  Beyond u = 1 all grow as q_growth says.
+ * |Q''| <= (m + 5) (m + 6) B6, Bi the binomial coefficient of m + 4 over i.  Beyond u = 1 all grow as
+ * q_growth says, each derivative as a polynomial of a degree less.
  *
  * Of the second derivative of P along the radius, and across it, P'/r, the greater counts: on [0, r] the latter is a mean of the former. */
 #include "q.h"
@@ -32,8 +33,8 @@ static bounds term_bounds(size_t m, double u)
     if (axis.size < e.size) e.size = axis.size;
     if (axis.steep < e.steep) e.steep = axis.steep;
     if (axis.bend < e.bend) e.bend = axis.bend;
-    double grown = u > 1 ? q_power(q_growth(u), 2 * m + 4) : 1;
-    return (bounds){e.size * grown, e.steep * grown, e.bend * grown};
+    double grown = u > 1 ? q_power(q_growth(u), 2 * m + 4) : 1, less = q_less(u);
+    return (bounds){e.size * grown, e.steep * (grown * less), e.bend * (grown * (less * less))};
 }
 
 /* Times v^2: v^2 Q = R, v^3 Q' = (u R' - 4 R) / 2. */

@@ -28,7 +28,8 @@
  * there.  Hence |grad V| <= R'(1) = L / 2 and |second derivative| <= R''(1) = (L (L - 4) + 4 m^2) / 8, L = n (n + 2) - m^2, by the
  * differential equation of R.  Within u < 1 also |grad| <= n / sqrt(1 - u^2) (Bernstein's inequality for a ball: Sarantopoulos
  * 1991, Math. Proc. Camb. Phil. Soc. 110, 307), and by that twice, by way of the circle of radius^2 (1 + u^2) / 2, |second
- * derivative| <= 2 n (n - 1) / (1 - u^2). */
+ * derivative| <= 2 n (n - 1) / (1 - u^2).  Beyond the circle a derivative grows as a polynomial of a degree
+ * less. */
 #include "bend.h"
 #include "freeform.h"
 
@@ -331,7 +332,8 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
     size_t terms = length(z);
     double across = larger(fabs(where->x.lo), fabs(where->x.hi)), along = larger(fabs(where->y.lo), fabs(where->y.hi));
     double corner = length_of(across, along) * (1 + 0x1p-50), r = corner < where->r_hi ? corner : where->r_hi;
-    double u = r / z->norm * (1 + 0x1p-50), inside = u < 1 ? (1 - u) * (1 + u) : 0, root = sqrt(inside), w = growth(u), grown = 1;
+    double u = r / z->norm * (1 + 0x1p-50), inside = u < 1 ? (1 - u) * (1 + u) : 0, root = sqrt(inside),
+           w = growth(u), less = u > 1.0625 ? 1 / w : 1, grown = 1;
     double size = 0, steep = 0, bend = 0;
     for (size_t m = 0; place(z, m, 0) < terms; m++, grown *= w) {
         double power = grown; /* w^n */
@@ -341,8 +343,9 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
             double n = (double)(m + 2 * k), m2 = (double)(m * m), l = n * (n + 2) - m2, n2 = 2 * n * (n - 1);
             double first = 0.5 * l, second = 0.125 * (l * (l - 4) + 4 * m2);
             size += both;
-            steep += both * (first * root > n ? n / root : first);
-            bend += both * (second * inside > n2 ? n2 / inside : second);
+            steep +=
+                both * less * (first * root > n ? n / root : first); /* each derivative is of a degree less */
+            bend += both * (less * less) * (second * inside > n2 ? n2 / inside : second);
         }
     }
     double up = 1 + 0x1p-30;

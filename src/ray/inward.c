@@ -1,0 +1,246 @@
+/* inward.c - the first root on the way in from afar, where the surface farther out is steep: vicinity.h.
+ *
+ * THE MARCH.  From where the search begins on F is looked at again and again.  Between two points of the ray,
+ * h apart in t, at which F is for certain at least a and at least b on the same side of zero, |F''| <= B all
+ * the way between, F is above the parabola through (0, a) and (h, b) of second derivative B,
+ *     a (1 - w) + b w - B h^2 w (1 - w) / 2,   0 <= w <= 1,
+ * which is > 0 all over it where h sqrt(B / 2) < sqrt a + sqrt b (its least value is zero just where the two
+ * are equal).  So no root is between them, and the march is at the second.
+ *
+ * THE ROOT.  Where the signs are unlike, |F| at least a and b, F' is somewhere the mean slope, at least (a +
+ * b) / h, and no more than B h from that anywhere.  Where (a + b) / h is above 3 B h, F is monotone between
+ * the two, with that less B h for a bound, and Newton's steps will do; else a shorter step is tried.  Where
+ * the ray is made local the stretch is made longer by 2^-50 of t at either end (quick.h): by less than a
+ * sixteenth of h, which is what 1.125 B h is for, and no farther out than the radius is good for, a part in
+ * 2^19 more.
+ *
+ * B.  F is z less the sag, so F'' is the second derivative of the sag along (d_x, d_y): at most its norm
+ * within a radius that holds both points (and with them, r^2 being convex, all between) times d_x^2 + d_y^2.
+ * The radius is an eighth of a power of two: on the way in it becomes smaller with r, and B with it.
+ *
+ * THE ROUNDING of F is that of the surface at the computed point, and the gradient within the radius times
+ * how far that is off.
+ *
+ * THE EDGE.  Where the base ends its slope has no bound.  A ray that begins outside, or next to it, is first
+ * asked about as far as a part in 256 inside, by the enclosure.
+ *
+ * A step of 0.98 sqrt(2 a / B) is never refused where the sign stays; far out, where F is a power of r, the
+ * next b is to a as the last was, and the step may be longer.  Each lane is by itself; those that are done
+ * make room for the last.  A march that has taken half of max_evals leaves the rest to the search through
+ * enclosures, which begins anew. */
+#include "inward.h"
+
+#include <sagitta/interval.h>
+
+enum { MOST_STEPS = 1024, EDGE_RUNGS = 9 };
+
+/* Of a lane: the ray, t in lengths of d made 1 ... 2 by a power of two; where the march is, the step, F there
+ * at least, and its sign (0: not yet known), b / a of the last step's root; the radius and what is known
+ * within it; the seed, and how far out the ray is followed; its row and its evaluations; the next point. */
+enum {
+    OX, OY, OZ, DX, DY, DZ, T, H, A, SIGN, RATIO, RADIUS, STEEP, BEND, E0, E1, SEED, LIMIT, LANE, EVALS, NEXT,
+    PX, PY, PZ, F, OWN, VERDICT, WANTED, ROWS
+};
+_Static_assert((int)ROWS == (int)INWARD_ROWS, "the rows of vicinity.h");
+
+enum { GOES_ON, MOVED, FOUND, GIVEN_UP };
+
+typedef double *const *rows;
+
+SGT_INLINE double radius_of(double x, double y) { return sqrt(x * x + y * y); }
+
+/* On the way out there is to be room for a step. */
+SGT_INLINE double radius_wanted(double r, double outward)
+{
+    return rung_above(r * chosen(MASK(outward > 0), 1.25, 1 + 0x1p-20), FINE);
+}
+
+/* ------------------------------------------------------------------------- a step */
+
+/* Its length, where it is not that of a step refused; the point it leads to. */
+SGT_CLONES_WIDE
+static void step(size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz,
+                 const double *restrict dx, const double *restrict dy, const double *restrict dz,
+                 const double *restrict at, const double *restrict h, const double *restrict a,
+                 const double *restrict sign, const double *restrict ratio, const double *restrict radius,
+                 const double *restrict bend, const double *restrict seed, double *restrict next,
+                 double *restrict px, double *restrict py, double *restrict pz)
+{
+    LANES for (size_t i = 0; i < n; i++) {
+        double l = dx[i], m = dy[i], t = at[i], x = ox[i] + t * l, y = oy[i] + t * m, along = l * l + m * m;
+        double nearest = -(x * l + y * m) / along, cross = (x * m - y * l), R = radius[i];
+        double leaves = nearest + sqrt(larger(R * R - cross * cross / along, 0) / along);
+        double by_bend = 0.98 * sqrt(2 * a[i] / bend[i]) * (1 + 0.8 * ratio[i]), ahead = seed[i] - t,
+               past = 1.25 * ahead;
+        double length = chosen(MASK(by_bend < 0.98 * leaves), by_bend, 0.98 * leaves);
+        length = chosen(MASK(ahead > 0) & MASK(past < length), past, length);
+        length = chosen(MASK(h[i] > 0), h[i], length);
+        t = chosen(MASK(sign[i] != 0), t + length, t);
+        next[i] = t;
+        px[i] = ox[i] + t * l, py[i] = oy[i] + t * m, pz[i] = oz[i] + t * dz[i];
+    }
+}
+
+/* What it has shown. */
+SGT_CLONES_WIDE
+static void judge(size_t n, const double *restrict dx, const double *restrict dy, const double *restrict dz,
+                  double *restrict at, double *restrict h, double *restrict a, double *restrict sign,
+                  double *restrict ratio, const double *restrict radius, const double *restrict steep,
+                  const double *restrict bend, const double *restrict e0, const double *restrict e1,
+                  double *restrict limit, double *restrict evals, const double *restrict next,
+                  const double *restrict px, const double *restrict py, const double *restrict pz,
+                  const double *restrict f, const double *restrict own, double *restrict verdict,
+                  double *restrict wanted)
+{
+    LANES for (size_t i = 0; i < n; i++) {
+        double t = next[i], was = at[i], s = sign[i], before = a[i], x = px[i], y = py[i], z = pz[i],
+               r2 = x * x + y * y, B = bend[i];
+        double tx = fabs(t * dx[i]), ty = fabs(t * dy[i]), tz = fabs(t * dz[i]),
+               off = steep[i] * (tx + fabs(x) + ty + fabs(y)) + tz + fabs(z);
+        double err = own[i] + 1.01 * (fma(e1[i], r2, e0[i]) + SGT_U * off + 0x1p-1000 * (1 + steep[i]));
+        double b = fabs(f[i]) - err, is = copysign(1, f[i]), length = t - was;
+        double r = sqrt(r2) + 0x1p-51 * (tx + ty + fabs(x) + fabs(y));
+        mask certain = MASK(b > 0), like = certain & MASK(is == s), unlike = certain & MASK(is == -s),
+             first = MASK(s == 0), in = MASK(r <= radius[i]);
+        double root_a = sqrt(before), root_b = sqrt(larger(b, 0)),
+               curved = length * sqrt(0.5 * B) * (1 + 0x1p-20);
+        mask moves = (first & certain & in) | (like & in & MASK(curved < root_a + root_b) & MASK(t > was));
+        mask found = unlike & in & MASK(3 * (1 + 0x1p-20) * B * length * length < before + b);
+        found &= MASK(length >= 0x1p-44 * larger(fabs(t), fabs(was))) &
+                 MASK(0x1p-48 * (tx + ty) <= 0x1p-20 * radius[i]);
+        double safe = 0.98 * sqrt(2 * before / B),
+               longer = 1.7 * length; /* over a root that rounding hides, if one step can */
+        double shorter = chosen(unlike | like, 0.5 * length,
+                                chosen(in & MASK(4 * B * longer * longer < before), longer, 0.3 * length));
+        shorter = chosen(like & in & MASK(safe < length), safe, shorter);
+        double k = evals[i] + 1, outward = x * dx[i] + y * dy[i];
+        mask over =
+            (first & ~moves) | ~(first | MASK(length > 0)) | (moves & MASK(outward > 0) & MASK(r > limit[i]));
+        over |= MASK(k >= MOST_STEPS) | MASK(!(b == b)); /* NaN: it leaves the domain */
+        double v = chosen(moves, (double)MOVED, chosen(found, (double)FOUND, (double)GOES_ON));
+        verdict[i] = chosen(over & ~found, (double)GIVEN_UP, v);
+        h[i] = chosen(moves, 0, chosen(found, length, shorter));
+        ratio[i] = chosen(moves & ~first, root_b / root_a, ratio[i]);
+        ratio[i] = chosen(MASK(ratio[i] < 1), ratio[i], 1);
+        at[i] = chosen(moves, t, was);
+        a[i] = chosen(moves | found, b, before);
+        sign[i] = chosen(first & moves, is, s);
+        evals[i] = k;
+        wanted[i] = radius_wanted(r, outward);
+        /* of a root what was known before it, in a row that is of no more use */
+        limit[i] = chosen(found, before, limit[i]);
+    }
+}
+
+/* --------------------------------------------------------------------------- the lanes */
+
+/* edge: of the domain, where the base has no slope any more. */
+static void enclose_in(sgt_surface s, double edge, rings *kept, rows a, size_t i)
+{
+    double rung = a[WANTED][i];
+    for (int k = 1; k <= EDGE_RUNGS && rung > edge * (1 - 0x1p-10); k++) {
+        double t = a[T][i], level = edge * (1 - ldexp(1, -k));
+        if (radius_at(a[OX][i], a[OY][i], a[DX][i], a[DY][i], t) * (1 + 0x1p-20) < level) rung = level;
+    }
+    if (rung == a[RADIUS][i]) return;
+    a[RADIUS][i] = rung;
+    const ring *e = sgt_ring_of(s, rung, kept);
+    a[STEEP][i] = e->steep, a[E0][i] = e->noise[0], a[E1][i] = e->noise[1];
+    a[BEND][i] = e->bend * (a[DX][i] * a[DX][i] + a[DY][i] * a[DY][i]) * (1 + 0x1p-20);
+}
+
+/* Its stretch, and where Newton's steps begin. */
+static void tell_root(rows a, size_t i, double scale, const vicinity *v)
+{
+    size_t k = (size_t)a[LANE][i];
+    double lo = a[T][i], h = a[H][i], before = a[LIMIT][i], b = a[A][i];
+    v->lo[k] = lo * scale, v->hi[k] = a[NEXT][i] * scale, v->asked[k] = 0;
+    v->least[k] = ((before + b) / h - 1.125 * a[BEND][i] * h) * (1 - 0x1p-20);
+    if (!(v->seed[k] > v->lo[k] && v->seed[k] < v->hi[k]))
+        v->seed[k] = (lo + h * (before / (before + b))) * scale;
+}
+
+/* Where the ray is inside the edge by a part in 256, if there is certainly no root before: a base is at its
+ * edge steeper than anything.  NaN: it is not known; *evals: what it took. */
+static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double edge, const vicinity *v,
+                          double *evals)
+{
+    const struct sgt_own *own = s.ops->own_;
+    double x = ray->o.x + from * ray->d.x, y = ray->o.y + from * ray->d.y;
+    if (!(edge < HUGE_VAL) || radius_of(x, y) < edge * (1 - 0x1p-8)) return from;
+    sgt_rays one = {.o = {&ray->o.x, &ray->o.y, &ray->o.z}, .d = {&ray->d.x, &ray->d.y, &ray->d.z}};
+    double outer2 = edge * edge * (1 + 0x1p-40), inner2 = outer2 * (1 - 0x1p-7), steep = 0, lo, hi, begin,
+           least;
+    own->chords(1, one, &inner2, &steep, &lo, &hi, &least);
+    own->chords(1, one, &outer2, &steep, &begin, &hi, &least);
+    begin = larger(begin, from);
+    if (!(lo <= hi && begin < lo && fabs(lo) < HUGE_VAL)) return (double)NAN;
+    sgt_interval slope, t = {0, sgt_sum_above(lo, -begin)}, g = own->enclose(s.self, ray, begin, t, &slope);
+    *evals += 1;
+    if (v->told)
+        tell(v->told, SGT_MARCH, begin, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, begin, lo);
+    return g.lo > 0 || g.hi < 0 ? lo : (double)NAN; /* an empty one, too */
+}
+
+static void leave(rows a, size_t i, size_t last)
+{
+    for (int j = 0; j < ROWS; j++) a[j][i] = a[j][last];
+}
+
+void sgt_march_inward(sgt_surface s, size_t n, sgt_rays r, const double *from, const sgt_shared *bare,
+                      rings *kept, const vicinity *v, double *const a[INWARD_ROWS])
+{
+    const struct sgt_own *own = s.ops->own_;
+    double edge = sqrt(bare->radius2);
+    size_t left = 0;
+    for (size_t i = 0; i < n; i++) {
+        double t = from[i]; /* perhaps one of the rows */
+        if (v->asked[i] == 0 || !(fabs(t) < HUGE_VAL)) continue;
+        sgt_ray ray = {
+            {r.o[0][i], r.o[1][i], r.o[2][i]}, {r.d[0][i], r.d[1][i], r.d[2][i]}, v->tmin[i], v->tmax[i]};
+        t = inside_edge(s, &ray, t, edge, v, &v->evals[i]);
+        if (!(t <= ray.tmax) || (v->told && v->told->stopped)) continue; /* nor NaN */
+        size_t k = left++;
+        double scale = scale_of(ray.d), inverse = inverse_of_scale(ray.d);
+        a[OX][k] = ray.o.x, a[OY][k] = ray.o.y, a[OZ][k] = ray.o.z;
+        a[DX][k] = ray.d.x * scale, a[DY][k] = ray.d.y * scale, a[DZ][k] = ray.d.z * scale;
+        a[T][k] = t * inverse, a[H][k] = 0, a[A][k] = 0, a[SIGN][k] = 0, a[RATIO][k] = 0, a[RADIUS][k] = 0,
+        a[SEED][k] = v->seed[i] * inverse;
+        a[LANE][k] = (double)i, a[EVALS][k] = 0;
+        double x = ray.o.x + t * ray.d.x, y = ray.o.y + t * ray.d.y;
+        double begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
+        a[LIMIT][k] = 4 * larger(begins, radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, v->seed[i]));
+        a[WANTED][k] = radius_wanted(begins, x * ray.d.x + y * ray.d.y);
+        enclose_in(s, edge, kept, a, k);
+    }
+    while (left > 0) {
+        double grad[3], *g = v->told ? grad : NULL;
+        step(left, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[RATIO], a[RADIUS],
+             a[BEND], a[SEED], a[NEXT], a[PX], a[PY], a[PZ]);
+        sgt_points at = {{a[PX], a[PY], a[PZ]}};
+        s.ops->values(s.self, left, at, (sgt_values){a[F], {g, g ? g + 1 : NULL, g ? g + 2 : NULL}});
+        if (!own->roundings(s.self, bare, left, at, a[F], a[OWN])) return;
+        if (v->told) {
+            double scale = scale_of((sgt_vec3){r.d[0][0], r.d[1][0], r.d[2][0]});
+            double slope = grad[0] * r.d[0][0] + grad[1] * r.d[1][0] + grad[2] * r.d[2][0],
+                   next = a[NEXT][0] * scale;
+            tell(v->told, SGT_MARCH, next, a[F][0], slope, a[T][0] * scale, next);
+        }
+        judge(left, a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[RATIO], a[RADIUS], a[STEEP], a[BEND],
+              a[E0], a[E1], a[LIMIT], a[EVALS], a[NEXT], a[PX], a[PY], a[PZ], a[F], a[OWN], a[VERDICT],
+              a[WANTED]);
+        for (size_t i = left; i-- > 0;) {
+            size_t k = (size_t)a[LANE][i];
+            v->evals[k] += 1;
+            double scale = scale_of((sgt_vec3){r.d[0][k], r.d[1][k], r.d[2][k]});
+            bool spent =
+                v->evals[k] >= 0.5 * v->budget || (v->told && v->told->stopped) || !(a[T][i] * scale <= v->tmax[k]);
+            if (a[VERDICT][i] == MOVED && !spent) {
+                enclose_in(s, edge, kept, a, i);
+            } else if (a[VERDICT][i] != GOES_ON || spent) {
+                if (a[VERDICT][i] == FOUND && !spent) tell_root(a, i, scale, v);
+                leave(a, i, --left);
+            }
+        }
+    }
+}

@@ -1,0 +1,49 @@
+/* inward.h - the first root on the way in from afar: inward.c. */
+#ifndef SGT_RAY_INWARD_H
+#define SGT_RAY_INWARD_H
+
+#include "../num/lanes.h"
+
+#include "vicinity.h"
+
+#include <string.h>
+
+enum { FINE = 49, COARSE = 52 };
+
+/* A power of two above r, or an eighth of one; infinite beyond 2^400, and never below 2^-400. */
+SGT_INLINE double rung_above(double r, int digits)
+{
+    unsigned long long bits, unit = 1ULL << digits;
+    double above = larger(r, 0x1p-401);
+    memcpy(&bits, &above, sizeof bits);
+    bits = (bits & ~(unit - 1)) + unit;
+    memcpy(&above, &bits, sizeof above);
+    return chosen(MASK(r < 0x1p400), above, HUGE_VAL);
+}
+
+/* Not below it: of a ray from afar x and y are known to an ulp of what they are made of. */
+SGT_INLINE double radius_at(double ox, double oy, double dx, double dy, double t)
+{
+    double tl = t * dx, tm = t * dy, x = ox + tl, y = oy + tm;
+    return sqrt(x * x + y * y) + 0x1p-51 * ((fabs(ox) + fabs(tl)) + (fabs(oy) + fabs(tm)));
+}
+
+/* Where it is kept. */
+SGT_INLINE int place_of(double rung, int digits, int places)
+{
+    unsigned long long bits;
+    memcpy(&bits, &rung, sizeof bits);
+    return (int)(bits >> digits) & (places - 1);
+}
+
+/* What is known within a radius: bounds on the gradient and the norm of the second derivative of the sag,
+ * infinite or NaN where there is none, and what the departure adds to its rounding, noise[0] + noise[1] r^2.
+ */
+const ring *sgt_ring_of(sgt_surface s, double rung, rings *kept);
+
+/* Of each lane that is asked, from `from` on; work may be the rows of `from`.  Spends evaluations; those of a
+ * row by itself are told. */
+void sgt_march_inward(sgt_surface s, size_t n, sgt_rays rays, const double *from, const sgt_shared *bare,
+                      rings *kept, const vicinity *v, double *const work[INWARD_ROWS]);
+
+#endif
