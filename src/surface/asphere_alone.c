@@ -6,6 +6,13 @@
  * rises).  So a ring where S = s + P is less than q (inner - r0) has no root ahead; one where -S is, or that the ray did
  * not come from, none behind; and within the rings where all |dS/dr| < q F is monotone.  There is but one root if for some
  * J the first J rings are such and the others have none: if q > K, the least over J of the greatest of these.
+ *
+ * RING BY RING, where that does not decide either, as of rays that are nearly parallel to the vertex plane.
+ * A ring cuts the ray into a piece before the point nearest the axis and one behind it.  On each z = n tau is
+ * within bounds, and so is F' = n - S'(r) u, u = dr / dtau = a s / r at s from that point.  Where on every
+ * piece either F has no root, since its z are all above S or all below, or F rises, there is one root at
+ * most: behind it F is above zero, and stays there.  So it is where F falls.
+ *
  * In a ring, m +- h in rho, P' is off from P'(m) by at most |P''(m)| h + third h^2 / 2, and P from P(m) by |P'(m)| h +
  * second h^2 / 2, the bounds `magnitude` has at its outer rim; s and ds/drho are monotone.  2^-40 of all terms is far
  * more than rounding. */
@@ -13,13 +20,20 @@
 #include "sweep.h"
 
 enum { RINGS = 16 };
-typedef struct rings { double inner[RINGS], slope[RINGS], above[RINGS], below[RINGS]; } rings;
+
+SGT_INLINE double lesser(double a, double b) { return chosen(MASK(a < b), a, b); }
+
+/* slope: |dS/dr| at most, `least` and `most` that with its sign. */
+typedef struct rings {
+    double width, inner[RINGS], slope[RINGS], least[RINGS], most[RINGS], above[RINGS], below[RINGS];
+} rings;
 
 SGT_CLONES_WIDE
 static void asphere_rings(const shape *s, rings *out)
 {
     double m[RINGS], h[RINGS], outer2[RINGS], p[RINGS], p1[RINGS], p2[RINGS], first[RINGS], second[RINGS], third[RINGS];
     double width = sqrt(s->domain2) * (1 + 0x1p-40) / RINGS, c = s->c, ckc = s->ck * s->c;
+    out->width = width;
     LANES for (int j = 0; j < RINGS; j++) {
         double inner = j * width, outer = (j + 1) * width;
         out->inner[j] = inner, outer2[j] = outer * outer;
@@ -40,7 +54,11 @@ static void asphere_rings(const shape *s, rings *out)
         double rise = fabs(d1) * h[j] + 0.5 * second[j] * (h[j] * h[j]) + 0x1p-40 * rho * (fabs(c) + first[j]);
         double z1 = c * rho_in / (1 + near), z2 = c * rho / (1 + far), z = m[j] * p[j];
         double slope = 2 * (out->inner[j] + width) * (larger(fabs(s1 + d1), fabs(s2 + d1)) + tilt), above = larger(z1, z2) + z + rise, below = larger(-z1, -z2) - z + rise;
+        double in = 2 * out->inner[j], end = 2 * (out->inner[j] + width); /* dS/dr = 2 r (s' + P') */
+        double least = lesser(s1, s2) + d1 - tilt, most = larger(s1, s2) + d1 + tilt;
         out->slope[j] = chosen(MASK(slope < HUGE_VAL), slope, HUGE_VAL); /* NaN as well */
+        out->least[j] = least * chosen(MASK(least > 0), in, end);
+        out->most[j] = most * chosen(MASK(most > 0), end, in);
         out->above[j] = chosen(MASK(above < HUGE_VAL), above, HUGE_VAL), out->below[j] = chosen(MASK(below < HUGE_VAL), below, HUGE_VAL);
     }
 }
@@ -86,6 +104,58 @@ static void asphere_courses(const sgt_tile *tile, double *q2, course *way)
     }
 }
 
+/* ---------------------------------------------------------------------- ring by ring */
+
+/* A ray about the vertex plane: s = tau - foot is 0 where it is nearest to the axis, at r = nearest; tau
+ * where it begins and ends; t is off by `off`, and r by `aside`. */
+typedef struct line { double a, n, foot, nearest, from, to, off, aside; } line;
+
+static line line_of(const sgt_tile *tile, size_t i)
+{
+    double l = tile->rays.d[0][i], m = tile->rays.d[1][i], t0, t0_lo, x, y;
+    line w = {.a = l * l + m * m, .n = tile->rays.d[2][i]};
+    to_vertex_plane(tile->rays.o[0][i], tile->rays.o[1][i], tile->rays.o[2][i], l, m, w.n, &t0, &t0_lo, &x,
+                    &y);
+    w.foot = -(x * l + y * m) / w.a, w.nearest = fabs(x * m - y * l) / sqrt(w.a);
+    w.aside = 0x1p-40 * (fabs(x) + fabs(y)), w.off = 2 * w.aside / sqrt(w.a);
+    w.from = tile->rays.tmin[i] - t0 - 0x1p-40 * fabs(t0);
+    w.to = tile->rays.tmax[i] - t0 + 0x1p-40 * fabs(t0);
+    return w;
+}
+
+/* At most one root: on every piece F has none or rises, or on every piece none or falls.  s and u are in the
+ * ranges told behind the point nearest the axis, in those of the other sign before it; NaN proves nothing. */
+SGT_CLONES_WIDE
+static mask asphere_one_root(const rings *g, const line *w)
+{
+    const double a = w->a, n = w->n, more = 1 + 0x1p-40, less = 1 - 0x1p-40;
+    const double far = w->nearest + w->aside, near = larger(w->nearest - w->aside, 0),
+                 far2 = far * far * more, near2 = near * near * less;
+    mask rises = MASK(true), falls = rises;
+#pragma omp simd reduction(& : rises, falls)
+    for (int j = 0; j < RINGS; j++) {
+        double in = g->inner[j], out = (in + g->width) * more;
+        double s_in = sqrt(larger(in * in * less - far2, 0) / a) * less - w->off,
+               s_out = sqrt(larger(out * out * more - near2, 0) / a) * more + w->off;
+        double u_in = a * larger(s_in, 0) / larger(larger(in, far) * more, 0x1p-500) * less,
+               u_out = a * s_out / out * more;
+        double top = g->above[j], bottom = -g->below[j],
+               steepest = larger(g->most[j] * u_in, g->most[j] * u_out),
+               flattest = lesser(g->least[j] * u_in, g->least[j] * u_out);
+        double unsure = 0x1p-40 * (fabs(n) + fabs(steepest) + fabs(flattest));
+        mask passed_by = MASK(out < near);
+        for (int side = -1; side <= 1; side += 2) {
+            double begins = w->foot + (side < 0 ? -s_out : s_in), ends = w->foot + (side < 0 ? -s_in : s_out);
+            double z1 = n * begins, z2 = n * ends, slack = 0x1p-40 * (fabs(z1) + fabs(z2));
+            mask none = passed_by | MASK(ends < w->from) | MASK(begins > w->to)
+                        | MASK(lesser(z1, z2) - slack > top) | MASK(larger(z1, z2) + slack < bottom);
+            double most = side < 0 ? -flattest : steepest, least = side < 0 ? -steepest : flattest;
+            rises &= none | MASK(n - most > unsure), falls &= none | MASK(n - least < -unsure);
+        }
+    }
+    return rises | falls;
+}
+
 /* Those that are left by sgt_sweep_monotone: all at once, or else each by itself. */
 bool sgt_asphere_alone(const shape *s, const sgt_tile *tile, mask alone[])
 {
@@ -108,6 +178,10 @@ bool sgt_asphere_alone(const shape *s, const sgt_tile *tile, mask alone[])
         if (alone[i]) continue;
         double own = q2[i] > k * k || tile->n == 1 ? k : steepness(&g, way[i], tile->rays.d[2][i] > 0);
         alone[i] = MASK(q2[i] > own * own);
+        if (!alone[i] && q2[i] > 0) { /* nor NaN: the tilt is in range */
+            line w = line_of(tile, i);
+            alone[i] = asphere_one_root(&g, &w);
+        }
         all &= alone[i] != 0;
     }
     return all;
