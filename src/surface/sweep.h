@@ -40,7 +40,8 @@ SGT_INLINE mask at_vertex(double x, double y, double oz) { return MASK((fabs(x) 
 /* Does the root count?  The rules of sag.h, where they are certain by far: the start is farther from the root than any
  * rounding (64 near is more than what START_ULPS is a part of), tmax too, t is as sharp as it can be.  g is what takes (px, py) to
  * the gradient (g px, g py, 1).  exact: the ray starts where it meets the surface, and nothing has been
- * rounded; where an end is about as near as what underflows, that is left to others. */
+ * rounded; where an end is about as near as what underflows, that is left to others.  (Beside a
+ * t_err of LEAST_PLACE nothing that has underflown counts: t may be 0.) */
 SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol, double pz, double g,
                         double near, double rim2, mask exact, mask also)
 {
@@ -48,7 +49,7 @@ SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double
     mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol))
                & MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near)) & MASK(r2 <= rim2)
                & MASK(fma(END_ERRORS, r->t_err, r->t) <= tmax)
-               & (MASK(at > LEAST_PLACE) | (exact & MASK(tmin < -LEAST_PLACE) & MASK(tmax > LEAST_PLACE)));
+               & (MASK(at + r->t_err > LEAST_PLACE) | (exact & MASK(tmin < -LEAST_PLACE) & MASK(tmax > LEAST_PLACE)));
     lane e = {.hit = hit, .t = chosen(hit, r->t, none), .t_err = chosen(hit, r->t_err, none),
               .px = chosen(hit, px, none), .py = chosen(hit, py, none), .pz = chosen(hit, pz, none),
               .nx = chosen(hit, px * g, none), .ny = chosen(hit, py * g, none)};

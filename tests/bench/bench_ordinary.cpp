@@ -371,13 +371,18 @@ void picks(Table &table, const std::string &name, const Side *a, const Side *b, 
 }
 
 // A batch and single rays.
-void ways(Table &table, const std::string &name, const Side *a, const Side *b, sgt_pick pick)
+void ways(Table &table, const std::string &name, const Side *a, const Side *b, const sgt_options &opt)
 {
     if (!wanted(name))
         return;
     table.rows.push_back({ name, {} });
     for (bool single : { false, true })
-        table.rows.back().lines.emplace_back(a, b, pick, single);
+        table.rows.back().lines.emplace_back(a, b, opt, opt, single);
+}
+
+void ways(Table &table, const std::string &name, const Side *a, const Side *b, sgt_pick pick)
+{
+    ways(table, name, a, b, picking(pick));
 }
 
 // ------------------------------------------------------------- the input
@@ -547,6 +552,9 @@ void pairs_of(Table &table, const Subject &one)
             ray.d = { 2 * ray.d.x, 2 * ray.d.y, 2 * ray.d.z };
             return ray;
         }));
+    sgt_options loose = picking(SGT_PICK_DEFAULT);
+    loose.t_tol = 1e-9;
+    ways(table, one.name + " twice: in one place, t_tol 1e-9, against 3 apart", neighbour, side(pair(0, 1.5, RIM), narrow), loose);
     std::vector<sgt_element> backward = pair(3, 1.5, RIM);
     std::swap(backward[0].pose, backward[1].pose);
     row("from behind, backward, against from 5 before", backward, each(narrow, [](sgt_ray ray) {
