@@ -22,9 +22,11 @@
  * HOW GOOD.  A few roundings of each term, where terms cancel of the largest, and what s is
  * off by.  Where the ray grazes, c = |n| |d| / |s| is large: the root runs away from any
  * change, and all outputs are large and uncertain.  dt/do is off by up to
- *     8 u c + p_err |H d| / |s|,     u = 2^-53,
+ *     8 u c + p_err |H d| / |s| + p_err |H| / |n|,     u = 2^-53,
  * of its largest component, and the other outputs with it.  First, s is a sum of three
- * products.  Second, n and s are those at p, and the root is within p_err of p.  Conics and
+ * products.  Second and third, n and s are those at p, and the root is within p_err of p; or, where that
+ * is more, u times the surface's own lengths: they are rounded on the way, which tells where the radius of
+ * curvature is small beside them, as at the pinch of a torus.  Conics and
  * even aspheres polish the roots of grazing rays in twice the precision: their dt/do is
  * within 64 u c besides (20 u c has been seen).  Other surfaces know a root, along the ray,
  * to about u c lengths, since their F has a rounding of its own; one more Newton step from p

@@ -19,7 +19,7 @@ static bool touches(walk *w, const point *dark, double to, sgt_interval seen)
     sgt_root r = {.t = 0.5 * dark->tau + 0.5 * to, .t_err = 0.5 * (to - dark->tau) * (1 + 0x1p-40), .status = SGT_GRAZE};
     point middle = sgt_walk_look(w, r.t, SGT_PROBE, dark->tau, to);
     if (over(w) || !(larger(-seen.lo, seen.hi) <= 8 * middle.g_err)) return false;
-    w->lowest = HUGE_VAL; /* g is bounded all over the stretch: no pole */
+    w->lowest = w->highest = HUGE_VAL; /* g is bounded all over the stretch: no pole */
     return sgt_walk_take(w, &r, middle);
 }
 

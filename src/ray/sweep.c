@@ -585,6 +585,14 @@ static void signs(sweep *w, size_t n, const double *tau, double *sign)
     for (size_t i = 0; i < n; i++) sign[i] = sign_of(a->qf[i], sign[i]);
 }
 
+/* Beside a root |F| is greater than at it: a sign that does not come with that, as next to a pole, is doubtful. */
+SGT_CLONES_WIDE
+static void unless_greater(const lanes *a, size_t n, double *sign)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) sign[i] = fabs(a->qf[i]) > fabs(a->f[i]) ? sign[i] : 0;
+}
+
 SGT_CLONES_WIDE
 static void ends(lanes *a, size_t n)
 {
@@ -716,8 +724,10 @@ static void probe(sweep *w, size_t n)
         if (probe_sides(a, n) < (double)n) n = front(w, n, READY);
         if (!n) break;
         signs(w, n, a->left, a->end);
+        unless_greater(a, n, a->end);
         points(a, n, a->right);
         signs(w, n, a->right, a->beside);
+        unless_greater(a, n, a->beside);
         n = probe_end(a, n, k < PROBES ? (double)READY : (double)SGT_HARD) > 0 ? front(w, n, READY) : 0;
     }
 }

@@ -7,9 +7,9 @@
  *
  * A POLE IS NO ROOT.  F changes sign at a pole of odd order as it does at a root, but at a root |F| falls as the bracket
  * shrinks, at a jump it stays, and at a pole it grows.  Rounding does not hide that: it grows as fast as |F| there, so
- * that the bounds on it say nothing.  The quick form sees it by the slope: to the right of a root F has the sign of the
- * slope, to the right of a pole the other.  In the careful path, where slopes are not trusted, a root whose |F| is not
- * the least of its search is looked at from 256, 1024, 4096 ... times its error: where |F| falls outward on both sides it
+ * that the bounds on it say nothing.  The quick form sees it by |F|, which is greater beside a root, and by the slope: to the right of a root F has the sign
+ * of the slope, to the right of a pole the other.  In the careful path, where slopes are not trusted, a root whose |F| is not
+ * the least of its search, or not far below the greatest (the seed may be as near to the pole), is looked at from 256, 1024, 4096 ... times its error: where |F| falls outward on both sides it
  * is a pole, and skipped.  A jump is a change of sign, and a hit. */
 #include "walk.h"
 
@@ -79,7 +79,8 @@ bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, doub
         if (!(left >= lo && right <= hi)) return false;
         point a = sgt_walk_look(w, left, SGT_PROBE, left, right), b = sgt_walk_look(w, right, SGT_PROBE, left, right);
         if (w->told.stopped) return false;
-        signs = sign_at(&a) * sign_at(&b);
+        bool greater = fabs(a.g) > fabs(at->g) && fabs(b.g) > fabs(at->g); /* as beside a root, not a pole */
+        signs = greater ? sign_at(&a) * sign_at(&b) : 0;
         *tau_err = larger(at->tau - left, right - at->tau);
         *past = right;
         if (signs < 0) return at->at.slope * sign_at(&b) > 0; /* else a pole */
@@ -96,7 +97,7 @@ bool sgt_walk_quick_miss(walk *w, double lo, double hi)
 
 sgt_root sgt_walk_begin(walk *w, sgt_span span)
 {
-    w->lowest = HUGE_VAL;
+    w->lowest = HUGE_VAL, w->highest = 0;
     return sgt_root_begin(span, &(sgt_options){.t_tol = w->t_tol, .f_tol = w->told.opt->f_tol, .max_evals = w->told.budget});
 }
 
@@ -106,6 +107,7 @@ sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at)
         *at = sgt_walk_look(w, r.t, r.move, r.lo, r.hi);
         if (w->told.stopped) break;
         if (fabs(at->g) < w->lowest) w->lowest = fabs(at->g);
+        if (fabs(at->g) > w->highest) w->highest = fabs(at->g);
         r.g_err = at->g_err;
         if (!sgt_root_next(&r, at->g, at->at.slope)) break;
     }
@@ -116,8 +118,8 @@ sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at)
  * It begins 256 times as far away: F may be noisier than it says. */
 static bool is_pole(walk *w, const point *at, double tau_err)
 {
-    double l = fabs(w->q.l), m = fabs(w->q.m), place = l >= 1 ? at->at.ex : m >= 1 ? at->at.ey : at->at.ez; /* one of them is 1 to 2 */
-    double e = larger(tau_err, place * DBL_EPSILON); /* what is nearer may be the same point */
+    double place = larger(larger(at->at.ex, at->at.ey), at->at.ez);
+    double e = larger(tau_err, place * DBL_EPSILON); /* what is nearer may be lost in the rounding of the point */
     bool falls = false;
     for (int side = -1; side <= 1; side += 2) {
         double before = fabs(at->g), far = 256 * e;
@@ -158,6 +160,12 @@ bool sgt_walk_take_quick(walk *w, point at, double tau_err)
     return take(w, SGT_HIT, at, tau_err);
 }
 
+/* |F| at the end of a search is not far below all that it has seen: it rose, or began there. */
+static bool may_be_pole(const walk *w, double g)
+{
+    return fabs(g) > w->lowest || fabs(g) > (w->t_tol > 0 ? 0x1p-4 : 0x1p-10) * w->highest;
+}
+
 bool sgt_walk_take(walk *w, const sgt_root *r, point at)
 {
     w->off = false;
@@ -166,12 +174,12 @@ bool sgt_walk_take(walk *w, const sgt_root *r, point at)
         at = sgt_walk_look(w, r->t, SGT_NEWTON, r->lo, r->hi);
         if (isnan(at.g) || w->told.stopped) return false;
     }
-    if (!(fabs(at.g) > w->lowest) || is_catalogue(w->s.ops)) return take(w, r->status, at, r->t_err);
+    if (is_catalogue(w->s.ops) || !may_be_pole(w, at.g)) return take(w, r->status, at, r->t_err);
     if (w->t_tol > 0) { /* a root narrower than the tolerance would look like a pole */
-        double t_tol = w->t_tol, lowest = w->lowest;
+        double t_tol = w->t_tol, lowest = w->lowest, highest = w->highest;
         w->t_tol = 0;
         sgt_root sharp = sgt_walk_begin(w, (sgt_span){.lo = r->lo, .hi = r->hi, .seed = r->t});
-        w->lowest = lowest;
+        w->lowest = lowest, w->highest = highest;
         sharp = sgt_walk_solve(w, sharp, &at);
         bool taken = sgt_walk_take(w, &sharp, at);
         w->t_tol = t_tol;
@@ -192,7 +200,7 @@ bool sgt_walk_between(walk *w, const point *a, const point *b, double *past)
     at = *a;
     sgt_root_tell(&r, a->tau, a->g);
     sgt_root_tell(&r, b->tau, b->g);
-    w->lowest = (ga < gb ? ga : gb) * (1 - 0x1p-52); /* a root has to be below both ends */
+    w->lowest = (ga < gb ? ga : gb) * (1 - 0x1p-52), w->highest = larger(ga, gb); /* a root has to be below both ends */
     r = sgt_walk_solve(w, r, &at);
     *past = r.hi;
     return sgt_walk_take(w, &r, at);

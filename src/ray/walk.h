@@ -21,7 +21,7 @@ typedef struct walk {
     bool uncertain; /* a step was taken that a root can hide in */
     double t_tol;   /* of tau */
     double lo, hi;  /* the stretch that is searched: F is not asked for outside of it */
-    double lowest;  /* the least |g| that the search for the root has seen */
+    double lowest, highest; /* the least and the greatest |g| that the search for the root has seen */
     bool off;       /* the root that does not count can be told not to */
     taking hidden;  /* of the quick form: the root that may count or not; its t is NaN where there is none */
     double least;   /* a bound from below on |g'| all along the stretch, which has one root at most; 0: not known */

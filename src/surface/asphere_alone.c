@@ -8,20 +8,17 @@
  * J the first J rings are such and the others have none: if q > K, the least over J of the greatest of these.
  *
  * RING BY RING, where that does not decide either, as of rays that are nearly parallel to the vertex plane.
- * A ring cuts the ray into a piece before the point nearest the axis and one behind it.  On each z = n tau is
- * within bounds, and so is F' = n - S'(r) u, u = dr / dtau = a s / r at s from that point.  Where on every
- * piece either F has no root, since its z are all above S or all below, or F rises, there is one root at
- * most: behind it F is above zero, and stays there.  So it is where F falls.
+ * On a piece of the ray (piece.h) F' = n - S'(r) u, u = dr / dtau = a s / r, is within bounds.  Where on every
+ * piece F has no root, or rises, there is one root at most: behind it F is above zero, and stays there.  So it
+ * is where F falls.
  *
  * In a ring, m +- h in rho, P' is off from P'(m) by at most |P''(m)| h + third h^2 / 2, and P from P(m) by |P'(m)| h +
  * second h^2 / 2, the bounds `magnitude` has at its outer rim; s and ds/drho are monotone.  2^-40 of all terms is far
  * more than rounding. */
 #include "asphere.h"
-#include "sweep.h"
+#include "piece.h"
 
 enum { RINGS = 16 };
-
-SGT_INLINE double lesser(double a, double b) { return chosen(MASK(a < b), a, b); }
 
 /* slope: |dS/dr| at most, `least` and `most` that with its sign. */
 typedef struct rings {
@@ -106,52 +103,26 @@ static void asphere_courses(const sgt_tile *tile, double *q2, course *way)
 
 /* ---------------------------------------------------------------------- ring by ring */
 
-/* A ray about the vertex plane: s = tau - foot is 0 where it is nearest to the axis, at r = nearest; tau
- * where it begins and ends; t is off by `off`, and r by `aside`. */
-typedef struct line { double a, n, foot, nearest, from, to, off, aside; } line;
-
-static line line_of(const sgt_tile *tile, size_t i)
-{
-    double l = tile->rays.d[0][i], m = tile->rays.d[1][i], t0, t0_lo, x, y;
-    line w = {.a = l * l + m * m, .n = tile->rays.d[2][i]};
-    to_vertex_plane(tile->rays.o[0][i], tile->rays.o[1][i], tile->rays.o[2][i], l, m, w.n, &t0, &t0_lo, &x,
-                    &y);
-    w.foot = -(x * l + y * m) / w.a, w.nearest = fabs(x * m - y * l) / sqrt(w.a);
-    w.aside = 0x1p-40 * (fabs(x) + fabs(y)), w.off = 2 * w.aside / sqrt(w.a);
-    w.from = tile->rays.tmin[i] - t0 - 0x1p-40 * fabs(t0);
-    w.to = tile->rays.tmax[i] - t0 + 0x1p-40 * fabs(t0);
-    return w;
-}
-
 /* At most one root: on every piece F has none or rises, or on every piece none or falls.  s and u are in the
  * ranges told behind the point nearest the axis, in those of the other sign before it; NaN proves nothing. */
 SGT_CLONES_WIDE
 static mask asphere_one_root(const rings *g, const line *w)
 {
-    const double a = w->a, n = w->n, more = 1 + 0x1p-40, less = 1 - 0x1p-40;
-    const double far = w->nearest + w->aside, near = larger(w->nearest - w->aside, 0),
-                 far2 = far * far * more, near2 = near * near * less;
+    const double more = 1 + 0x1p-40, less = 1 - 0x1p-40, a = w->a, n = w->n, far = w->nearest + w->aside;
     mask rises = MASK(true), falls = rises;
 #pragma omp simd reduction(& : rises, falls)
     for (int j = 0; j < RINGS; j++) {
         double in = g->inner[j], out = (in + g->width) * more;
-        double s_in = sqrt(larger(in * in * less - far2, 0) / a) * less - w->off,
-               s_out = sqrt(larger(out * out * more - near2, 0) / a) * more + w->off;
-        double u_in = a * larger(s_in, 0) / larger(larger(in, far) * more, 0x1p-500) * less,
-               u_out = a * s_out / out * more;
-        double top = g->above[j], bottom = -g->below[j],
-               steepest = larger(g->most[j] * u_in, g->most[j] * u_out),
-               flattest = lesser(g->least[j] * u_in, g->least[j] * u_out);
-        double unsure = 0x1p-40 * (fabs(n) + fabs(steepest) + fabs(flattest));
-        mask passed_by = MASK(out < near);
-        for (int side = -1; side <= 1; side += 2) {
-            double begins = w->foot + (side < 0 ? -s_out : s_in), ends = w->foot + (side < 0 ? -s_in : s_out);
-            double z1 = n * begins, z2 = n * ends, slack = 0x1p-40 * (fabs(z1) + fabs(z2));
-            mask none = passed_by | MASK(ends < w->from) | MASK(begins > w->to)
-                        | MASK(lesser(z1, z2) - slack > top) | MASK(larger(z1, z2) + slack < bottom);
-            double most = side < 0 ? -flattest : steepest, least = side < 0 ? -steepest : flattest;
-            rises &= none | MASK(n - most > unsure), falls &= none | MASK(n - least < -unsure);
-        }
+        piece p = piece_of(w, in, out);
+        double u_in = a * larger(p.s_in, 0) / larger(larger(in, far) * more, 0x1p-500) * less,
+               u_out = a * p.s_out / out * more;
+        double most = larger(g->most[j] * u_in, g->most[j] * u_out),
+               least = lesser(g->least[j] * u_in, g->least[j] * u_out);
+        double unsure = 0x1p-40 * (fabs(n) + fabs(most) + fabs(least));
+        mask behind = p.passed_by | is_apart(w, p.s_in, p.s_out, -g->below[j], g->above[j]),
+             before = p.passed_by | is_apart(w, -p.s_out, -p.s_in, -g->below[j], g->above[j]);
+        rises &= (behind | MASK(n - most > unsure)) & (before | MASK(n + least > unsure));
+        falls &= (behind | MASK(n - least < -unsure)) & (before | MASK(n + most < -unsure));
     }
     return rises | falls;
 }
@@ -179,7 +150,9 @@ bool sgt_asphere_alone(const shape *s, const sgt_tile *tile, mask alone[])
         double own = q2[i] > k * k || tile->n == 1 ? k : steepness(&g, way[i], tile->rays.d[2][i] > 0);
         alone[i] = MASK(q2[i] > own * own);
         if (!alone[i] && q2[i] > 0) { /* nor NaN: the tilt is in range */
-            line w = line_of(tile, i);
+            const sgt_rays *r = &tile->rays;
+            line w = line_of((sgt_vec3){r->o[0][i], r->o[1][i], r->o[2][i]},
+                             (sgt_vec3){r->d[0][i], r->d[1][i], r->d[2][i]}, r->tmin[i], r->tmax[i]);
             alone[i] = asphere_one_root(&g, &w);
         }
         all &= alone[i] != 0;

@@ -3,9 +3,9 @@
 // Rays meet each type at angles down to 1e-8 from the tangent plane.  The root near t is polished in 113 bits; with
 // the gradient n there dt/do is -n / s, s = n . d.  With u = 2^-53, the error may be, of the largest component,
 //
-//     PART u c + p_err |H d| / |s|,    c = |n| |d| / |s|:
+//     PART u c + p_err (|H d| / |s| + |H| / |n|),    c = |n| |d| / |s|:
 //
-// the rounding of s, and what s changes by within p_err of p.  Where a root is known to u c lengths (F has no more
+// the rounding of s, and what s and n change by within p_err of p, or u times the surface's size.  Where a root is known to u c lengths (F has no more
 // than doubles) the second is u c^2.  Conics and even aspheres polish the roots of grazing rays in twice the
 // precision: of them it is within TWICE u c besides.
 #include "../catalogue/specimens.h"
@@ -93,9 +93,15 @@ void grazing(generator &g, const std::string &type, long count)
             const quad slope = dot(root.n, way);
             const double c = plain(length(root.n) * length(way) / magnitude(slope));
             // H d p_err by a difference along the ray.
-            const quad e = quad(h.p_err) / length(way);
+            const quad off_p = std::max(quad(h.p_err), quad(0x1p-53 * s.h)), e = off_p / length(way);
             const v3 ahead = level_at(f, from + (t + e) * way).n, back = level_at(f, from + (t - e) * way).n;
-            const double bent = plain(length(ahead + quad(-1) * back) * length(way) / (2 * magnitude(slope)));
+            quad turned2 = 0;
+            const v3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, place = from + t * way;
+            for (const v3 &axis : axes) {
+                const v3 turn = level_at(f, place + off_p * axis).n + quad(-1) * level_at(f, place + (-off_p) * axis).n;
+                turned2 += dot(turn, turn) / 4;
+            }
+            const double bent = plain(length(ahead + quad(-1) * back) * length(way) / (2 * magnitude(slope)) + square_root(turned2) / length(root.n));
             if (!(bent < 0.1) || !(c < 1e9)) {
                 steep++;
                 continue;
