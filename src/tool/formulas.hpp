@@ -485,12 +485,12 @@ template <class T> T q_bfs_departure(const void *self, const T &c, const T *a, c
 {
     const sgt_q_bfs &s = as<sgt_q_bfs>(self);
     T sum(0.0);
-    if (!count_of(s.a)) return sum;
+    const T r2 = x * x + y * y, u2 = r2 / (T(s.norm) * T(s.norm)), root = square_root(T(1.0) - c * c * r2);
+    if (!count_of(s.a)) return sum / root; // not defined beyond its end, either
     const int n = static_cast<int>(count_of(s.a));
-    const T r2 = x * x + y * y, u2 = r2 / (T(s.norm) * T(s.norm));
     const std::vector<T> q = slopes::up_to(n).at(u2, n);
     for (std::size_t m = 0; m < count_of(s.a); m++) sum = sum + a[m] * q[m];
-    return u2 * (T(1.0) - u2) * sum / square_root(T(1.0) - c * c * r2);
+    return u2 * (T(1.0) - u2) * sum / root;
 }
 
 template <class T> T grid_departure(const void *self, const T &, const T *, const T &x, const T &y)
