@@ -174,6 +174,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     sgt_vicinity_of(w->s, 1, one, near, &w->shared, &kept, &v);
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
     if (asked != 0) return false;
+    if (lo > hi) return true; /* it passes the surface by */
     approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, lo, hi, seed,
                              ops->enclose ? 0x1p-50 : 0, true, true);
     if (a.passes || !a.known || !a.seeded) return false;

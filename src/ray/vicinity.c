@@ -1,6 +1,8 @@
 /* vicinity.c - see vicinity.h.  A ray by itself is a row of one. */
 #include "inward.h"
 
+#include "../surface/piece.h"
+
 enum { SHRINKS = 12 };
 
 /* In place of a bound of the slope by which a root would be known less well than by a look on either side. */
@@ -134,10 +136,54 @@ static double judge(size_t n, const double *restrict dx, const double *restrict 
     return left;
 }
 
+/* ---------------------------------------------------------------------------- passed by */
+
+SGT_CLONES_WIDE
+static mask passed_by(const sgt_heights *g, const line *w)
+{
+    mask all = MASK(true);
+#pragma omp simd reduction(& : all)
+    for (int j = 0; j < SGT_RINGS; j++) {
+        piece p = piece_of(w, (double)j * g->width, (double)(j + 1) * g->width);
+        all &= p.passed_by | (is_apart(w, p.s_in, p.s_out, g->low[j], g->high[j])
+                              & is_apart(w, -p.s_out, -p.s_in, g->low[j], g->high[j]));
+    }
+    return all;
+}
+
+/* How many begin behind the seed. */
+static double begin_behind(size_t n, const double *restrict asked, const double *restrict seed,
+                           const double *restrict tmin)
+{
+    double some = 0;
+#pragma omp simd reduction(+ : some)
+    for (size_t i = 0; i < n; i++) some += seed[i] < tmin[i] ? asked[i] : 0;
+    return some;
+}
+
+/* Those that pass the whole surface by are asked no more; of the rays that begin behind the seed, which may
+ * well leave it, or of the others. */
+static void without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, vicinities *kept,
+                            const vicinity *v)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (v->asked[i] == 0 || behind != (v->seed[i] < v->tmin[i])) continue;
+        if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
+        kept->any_heights = true;
+        sgt_vec3 o = {r.o[0][i], r.o[1][i], r.o[2][i]}, d = {r.d[0][i], r.d[1][i], r.d[2][i]};
+        double scale = scale_of(d), inverse = inverse_of_scale(d);
+        line w = line_of(o, (sgt_vec3){d.x * scale, d.y * scale, d.z * scale}, v->tmin[i] * inverse,
+                         v->tmax[i] * inverse);
+        bool passes = kept->heights.width > 0 && line_in_range(&w) && passed_by(&kept->heights, &w);
+        if (passes) v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
+    }
+}
+
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v)
 {
     const struct sgt_own *own = s.ops->own_;
+    if (begin_behind(n, v->asked, v->seed, v->tmin) > 0) without_passing(s, n, r, true, kept, v);
     double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3],
            *size = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7];
     begin(n, near, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius, wide,
@@ -159,6 +205,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
         for (size_t i = 0; i < n; i++) wide[i] = rung_above(radius[i], FINE);
         extents(s, n, wide, FINE, v->asked, kept, radius2, steep, size);
     }
+    if (left != 0 && !near) without_passing(s, n, r, false, kept, v);
     if (left == 0 || near || !own->roundings || whole->noise[0] < HUGE_VAL) return;
     sgt_shared bare = bare_of(*whole);
     sgt_march_inward(s, n, r, from, &bare, &kept->rings, v, v->work);

@@ -11,6 +11,9 @@
  * well begin where it enters |z| <= S.  Where that is nearer to the axis R is smaller, and S with it: the
  * same again.  Of a ray from afar at a lens R is soon that of the lens.
  *
+ * PASSED BY.  Where the surface ends, its rings have heights (own.h), and a ray that is above or below them
+ * on every piece of it (piece.h) meets nothing: so a ray that leaves the surface, where it has no rim.
+ *
  * FROM AFAR the surface may be so steep within R that this says nothing, and a root farther out may be the
  * first: there F is looked at, point by point, on the way in (inward.c).
  *
@@ -33,20 +36,22 @@ typedef struct vicinities {
     double radius[VICINITIES], noise_radius[NOISES], noise[NOISES][2];
     sgt_extent extent[VICINITIES];
     rings rings;
+    bool any_heights;
+    sgt_heights heights; /* of the whole surface */
 } vicinities;
 
 SGT_INLINE void vicinities_begin(vicinities *v)
 {
     for (int i = 0; i < VICINITIES; i++) v->radius[i] = 0;
     for (int i = 0; i < NOISES; i++) v->noise_radius[i] = 0;
-    v->rings.any = false;
+    v->rings.any = v->any_heights = false;
 }
 
 /* Of some rays, a row each.  asked: 1, else 0; of one that is asked the seed is a number.  After the call it
- * is 1 where nothing was found, else lo, hi and least are those of the stretch, and the seed may be another:
- * `least` bounds |dF/dtau| from below all along it (sgt_own, spans).  Within r^2 <= noise[2] of the axis F is
- * off by noise[0] + noise[1] r^2 (sgt_shared), where that is known.  What was spent is added to evals, and
- * told, of a row by itself, unless that is NULL. */
+ * is 1 where nothing was found; 0 with lo > hi where nothing is met; else lo, hi and least are those of the
+ * stretch, and the seed may be another: `least` bounds |dF/dtau| from below all along it (sgt_own, spans).
+ * Within r^2 <= noise[2] of the axis F is off by noise[0] + noise[1] r^2 (sgt_shared), where that is known.
+ * What was spent is added to evals, and told, of a row by itself, unless that is NULL. */
 typedef struct vicinity {
     const double *tmin, *tmax;
     double *seed, *asked, *lo, *hi, *least, *noise[3], *evals, budget;

@@ -149,11 +149,11 @@ bool sgt_asphere_alone(const shape *s, const sgt_tile *tile, mask alone[])
         if (alone[i]) continue;
         double own = q2[i] > k * k || tile->n == 1 ? k : steepness(&g, way[i], tile->rays.d[2][i] > 0);
         alone[i] = MASK(q2[i] > own * own);
-        if (!alone[i] && q2[i] > 0) { /* nor NaN: the tilt is in range */
+        if (!alone[i]) {
             const sgt_rays *r = &tile->rays;
             line w = line_of((sgt_vec3){r->o[0][i], r->o[1][i], r->o[2][i]},
                              (sgt_vec3){r->d[0][i], r->d[1][i], r->d[2][i]}, r->tmin[i], r->tmax[i]);
-            alone[i] = asphere_one_root(&g, &w);
+            alone[i] = line_in_range(&w) & asphere_one_root(&g, &w);
         }
         all &= alone[i] != 0;
     }

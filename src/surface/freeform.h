@@ -95,6 +95,7 @@ double sgt_freeform_value(const freeform *s, sgt_vec3 p, sgt_vec3 *grad);
 void sgt_freeform_values(const freeform *s, size_t n, sgt_points p, sgt_values out);
 double sgt_freeform_rounding(const freeform *s, sgt_vec3 p);
 void sgt_freeform_share(const freeform *s, sgt_shared *shared);
+void sgt_freeform_heights(const freeform *s, sgt_heights *out);
 void sgt_freeform_within(const freeform *s, sgt_extent *extent);
 void sgt_freeform_chords(size_t n, sgt_rays rays, const double *radius2, const double *steep, double *lo,
                          double *hi, double *least);
@@ -164,6 +165,11 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     {                                                                                                       \
         freeform v = sgt_freeform_narrowed(NAME##_view(self), most);                                        \
         sgt_freeform_within(&v, extent);                                                                    \
+    }                                                                                                       \
+    static void NAME##_heights(const void *self, sgt_heights *out)                                          \
+    {                                                                                                       \
+        freeform v = NAME##_view(self);                                                                     \
+        sgt_freeform_heights(&v, out);                                                                      \
     }                                                                                                       \
     static void NAME##_noise_within(const void *self, double radius, double e[2])                           \
     {                                                                                                       \
@@ -241,6 +247,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                                               .share = NAME##_share,                                        \
                                               .share_within = NAME##_share_within,                          \
                                               .extent_within = NAME##_extent_within,                        \
+                                              .heights = NAME##_heights,                                    \
                                               .chords = sgt_freeform_chords,                                \
                                               .noise_within = NAME##_noise_within,                          \
                                               .roundings = NAME##_ops_roundings,                            \

@@ -93,6 +93,11 @@ typedef struct sgt_shared { double c, k1, radius2, steep, base_c, base_k, most2,
  * nowhere above it; infinite where that is not known. */
 typedef struct sgt_extent { double radius2, steep, size, bend; } sgt_extent;
 
+/* What is known of a surface ring by ring: from j to j + 1 widths of the axis its sag is in [low[j],
+ * high[j]]; low > high: there is none of it, nor beyond the last ring.  width 0: nothing is known. */
+enum { SGT_RINGS = 16 };
+typedef struct sgt_heights { double width, low[SGT_RINGS], high[SGT_RINGS]; } sgt_heights;
+
 struct sgt_own {
     sgt_hit (*meet)(const void *self, const sgt_ray *ray, const sgt_options *opt);
     /* SGT_INVALID, or zero with every entry added. */
@@ -120,6 +125,7 @@ struct sgt_own {
     void (*extent_within)(const void *self, double radius, sgt_extent *extent);
     void (*chords)(size_t n, sgt_rays rays, const double *radius2, const double *steep, double *lo,
                    double *hi, double *least);
+    void (*heights)(const void *self, sgt_heights *out);
     /* what the departure adds to the rounding of F within that radius of the axis, e[0] + e[1] r^2; NaN: not
      * known. */
     void (*noise_within)(const void *self, double radius, double e[2]);

@@ -27,10 +27,12 @@ SGT_INLINE line line_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax)
     return w;
 }
 
-/* Is the tilt to the axis in range? */
+/* Are the numbers in range? */
 SGT_INLINE mask line_in_range(const line *w)
 {
-    return MASK(w->a > 0x1p-400) & MASK(w->a < 0x1p400) & MASK(w->n * w->n > 0x1p-200) & MASK(w->n * w->n < 0x1p400);
+    return MASK(w->a > 0x1p-400) & MASK(w->a < 0x1p400) & MASK(w->n * w->n > 0x1p-200)
+           & MASK(w->n * w->n < 0x1p400) & MASK(fabs(w->foot) < 0x1p400) & MASK(w->nearest < 0x1p400)
+           & MASK(w->from <= w->to);
 }
 
 typedef struct piece { double s_in, s_out; mask passed_by; } piece;
@@ -44,12 +46,13 @@ SGT_INLINE piece piece_of(const line *w, double in, double out)
     return p;
 }
 
-/* No root where s is in [begins, ends] and the sag in [bottom, top]; NaN tells nothing. */
+/* No root where s is in [begins, ends], the ray's ends apart, and the sag in [bottom, top]; NaN of these
+ * tells nothing. */
 SGT_INLINE mask is_apart(const line *w, double begins, double ends, double bottom, double top)
 {
-    double z1 = w->n * (w->foot + begins), z2 = w->n * (w->foot + ends), slack = 0x1p-40 * (fabs(z1) + fabs(z2));
-    return MASK(w->foot + ends < w->from) | MASK(w->foot + begins > w->to) | MASK(lesser(z1, z2) - slack > top)
-           | MASK(larger(z1, z2) + slack < bottom);
+    double from = larger(w->foot + begins, w->from), to = lesser(w->foot + ends, w->to);
+    double z1 = w->n * from, z2 = w->n * to, slack = 0x1p-40 * (fabs(z1) + fabs(z2));
+    return MASK(from > to) | MASK(lesser(z1, z2) - slack > top) | MASK(larger(z1, z2) + slack < bottom);
 }
 
 #endif
