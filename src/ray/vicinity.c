@@ -151,14 +151,12 @@ static mask passed_by(const sgt_heights *g, const line *w)
     return all;
 }
 
-/* How many begin behind the seed. */
-static double begin_behind(size_t n, const double *restrict asked, const double *restrict seed,
-                           const double *restrict tmin)
+/* Does any begin behind the seed? */
+static bool any_behind(size_t n, const double *asked, const double *seed, const double *tmin)
 {
-    double some = 0;
-#pragma omp simd reduction(+ : some)
-    for (size_t i = 0; i < n; i++) some += seed[i] < tmin[i] ? asked[i] : 0;
-    return some;
+    bool any = false;
+    for (size_t i = 0; i < n; i++) any |= (asked[i] != 0) & (seed[i] < tmin[i]);
+    return any;
 }
 
 /* Those that pass the whole surface by are asked no more; of the rays that begin behind the seed, which may
@@ -171,9 +169,7 @@ static void without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, vi
         if (!kept->any_heights) s.ops->own_->heights(s.self, &kept->heights);
         kept->any_heights = true;
         sgt_vec3 o = {r.o[0][i], r.o[1][i], r.o[2][i]}, d = {r.d[0][i], r.d[1][i], r.d[2][i]};
-        double scale = scale_of(d), inverse = inverse_of_scale(d);
-        line w = line_of(o, (sgt_vec3){d.x * scale, d.y * scale, d.z * scale}, v->tmin[i] * inverse,
-                         v->tmax[i] * inverse);
+        line w = line_of(o, d, v->tmin[i], v->tmax[i]);
         bool passes = kept->heights.width > 0 && line_in_range(&w) && passed_by(&kept->heights, &w);
         if (passes) v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
     }
@@ -183,7 +179,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
                      vicinities *kept, const vicinity *v)
 {
     const struct sgt_own *own = s.ops->own_;
-    if (begin_behind(n, v->asked, v->seed, v->tmin) > 0) without_passing(s, n, r, true, kept, v);
+    if (any_behind(n, v->asked, v->seed, v->tmin)) without_passing(s, n, r, true, kept, v);
     double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3],
            *size = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7];
     begin(n, near, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius, wide,

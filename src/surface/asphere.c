@@ -331,6 +331,17 @@ static bool asphere_valid(const sgt_asphere *s)
     return sum == 0 && s->semi_diameter >= 0;
 }
 
+static bool passes_by(const shape *s, const sgt_ray *ray)
+{
+    mask passes = MASK(true);
+    sgt_tile one = {
+        .n = 1,
+        .rays = {
+            {&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax}};
+    sgt_asphere_pass(s, &one, &passes);
+    return passes != 0;
+}
+
 SGT_CLONES
 static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
@@ -355,7 +366,7 @@ static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_opti
         return w.stopped ? hit_without(SGT_STOPPED, ray, w.evals) : hit_of_lane(&e, w.evals, f);
     }
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
-    if (is == EASY_MISS) return hit_without(SGT_MISS, ray, w.evals);
+    if (is == EASY_MISS || passes_by(&h, ray)) return hit_without(SGT_MISS, ray, w.evals);
     bool miss = false;
     if (quick(&h, ray, &at, &seed, &miss, &w))
         return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
@@ -422,6 +433,26 @@ static sgt_interval asphere_enclose(const void *self, const sgt_ray *ray, sgt_in
     return sgt_sag_enclose(&h, ray, 0, t, slope);
 }
 
+/* The same of those that pass the whole surface by (asphere_alone.c), as the single ray tells them: where the
+ * easy form has been tried on the direction as it is. */
+static size_t without_passing(const shape *s, const sgt_tile *tile, const wavy_room *room, size_t hard)
+{
+    const double *const *d = tile->rays.d;
+    mask passes[SGT_TILE];
+    for (size_t i = 0; i < tile->n; i++) {
+        double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i];
+        passes[i] =
+            MASK(tile->hits.status[i] == SGT_HARD && usual_length(d2) && room->tau[i] == room->tau[i]);
+    }
+    sgt_asphere_pass(s, tile, passes);
+    for (size_t i = 0; i < tile->n; i++) {
+        if (!passes[i]) continue;
+        tile->hits.status[i] = SGT_MISS, hard--;
+        if (tile->hits.evals) tile->hits.evals[i]--;
+    }
+    return hard;
+}
+
 static size_t asphere_sweep(const void *self, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_asphere *s = self;
@@ -433,9 +464,17 @@ static size_t asphere_sweep(const void *self, const sgt_tile *tile, const sgt_op
     if (asphere_valid(s) && enough) {
         shape h = shape_of(s, terms);
         if (rim_in_range(h.rim2) && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)) {
-            if (terms > FEW_TERMS) return near ? asphere_sweep_near(&v, tile, &room) : asphere_sweep_first(&v, tile, &room);
-            if (rich) return near ? asphere_sweep_few_near_rich(&v, tile, &room) : asphere_sweep_few_first_rich(&v, tile, &room);
-            return near ? asphere_sweep_few_near(&v, tile, &room) : asphere_sweep_few_first(&v, tile, &room);
+            size_t hard;
+            if (terms > FEW_TERMS)
+                hard = near ? asphere_sweep_near(&v, tile, &room) : asphere_sweep_first(&v, tile, &room);
+            else if (rich)
+                hard = near ? asphere_sweep_few_near_rich(&v, tile, &room)
+                            : asphere_sweep_few_first_rich(&v, tile, &room);
+            else
+                hard =
+                    near ? asphere_sweep_few_near(&v, tile, &room) : asphere_sweep_few_first(&v, tile, &room);
+            return 8 * hard > tile->n ? without_passing(&h, tile, &room, hard)
+                                      : hard; /* a few go one by one */
         }
     }
     memset(tile->hits.status, SGT_HARD, tile->n);

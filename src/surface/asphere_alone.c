@@ -1,4 +1,5 @@
 /* asphere_alone.c - a root of an asphere that was met near the vertex: is it the only one within the rim?
+ * And a ray that leaves the surface: does it meet nothing?
  *
  * Along a ray F is monotone within the rim where |n| > L sqrt a (form.h, single_limit).  Where that does not decide it is told
  * by rings.  Let q = |n| / sqrt a, and r0 be how far from the axis the ray meets the vertex plane.
@@ -158,4 +159,41 @@ bool sgt_asphere_alone(const shape *s, const sgt_tile *tile, mask alone[])
         all &= alone[i] != 0;
     }
     return all;
+}
+
+/* ------------------------------------------------------------------------- misses */
+
+SGT_CLONES_WIDE
+static mask asphere_passed_by(const rings *g, const line *w)
+{
+    mask all = MASK(true);
+#pragma omp simd reduction(& : all)
+    for (int j = 0; j < RINGS; j++) {
+        piece p = piece_of(w, g->inner[j], (g->inner[j] + g->width) * (1 + 0x1p-40));
+        all &= p.passed_by | (is_apart(w, p.s_in, p.s_out, -g->below[j], g->above[j])
+                              & is_apart(w, -p.s_out, -p.s_in, -g->below[j], g->above[j]));
+    }
+    return all;
+}
+
+/* From the vertex itself the root at the start does not count, and there is no other where there is but one.
+ * */
+void sgt_asphere_pass(const shape *s, const sgt_tile *tile, mask passes[])
+{
+    const sgt_rays *r = &tile->rays;
+    rings g;
+    bool any = false, in_range = s->domain2 < 0x1p600 && s->domain2 > 0x1p-600;
+    for (size_t i = 0; i < tile->n; i++) {
+        if (!passes[i]) continue;
+        sgt_vec3 o = {r->o[0][i], r->o[1][i], r->o[2][i]}, d = {r->d[0][i], r->d[1][i], r->d[2][i]};
+        double tmin = r->tmin[i], tmax = r->tmax[i];
+        line w = line_of(o, d, tmin, tmax);
+        bool is_ray = tmin <= tmax && tmin < HUGE_VAL && tmax > -HUGE_VAL,
+             vertex = at_vertex(o.x, o.y, o.z) && tmin >= 0;
+        passes[i] = 0;
+        if (!(in_range && is_ray && line_in_range(&w) && (vertex || w.from > 0))) continue;
+        if (!any) asphere_rings(s, &g);
+        any = true;
+        passes[i] = vertex ? asphere_one_root(&g, &w) : asphere_passed_by(&g, &w);
+    }
 }

@@ -11,19 +11,21 @@
 
 SGT_INLINE double lesser(double a, double b) { return chosen(MASK(a < b), a, b); }
 
-/* A ray about the vertex plane: s = tau - foot is 0 where it is nearest to the axis, at r = nearest; tau
- * where it begins and ends; s is off by `off`, and r by `aside`. */
+/* A ray about the vertex plane, in lengths of d made 1 ... 2 by a power of two: s = tau - foot is 0 where it
+ * is nearest to the axis, at r = nearest; tau where it begins and ends; s is off by `off`, and r by `aside`.
+ * */
 typedef struct line { double a, n, foot, nearest, from, to, off, aside; } line;
 
-SGT_INLINE line line_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax)
+SGT_INLINE line line_of(sgt_vec3 o, sgt_vec3 way, double tmin, double tmax)
 {
-    double t0, t0_lo, x, y;
+    double t0, t0_lo, x, y, scale = scale_of(way), inverse = inverse_of_scale(way);
+    sgt_vec3 d = {way.x * scale, way.y * scale, way.z * scale};
     line w = {.a = d.x * d.x + d.y * d.y, .n = d.z};
     to_vertex_plane(o.x, o.y, o.z, d.x, d.y, d.z, &t0, &t0_lo, &x, &y);
     w.foot = -(x * d.x + y * d.y) / w.a, w.nearest = fabs(x * d.y - y * d.x) / sqrt(w.a);
     w.aside = 0x1p-40 * (fabs(x) + fabs(y)), w.off = 2 * w.aside / sqrt(w.a);
-    w.from = tmin - t0 - 0x1p-40 * fabs(t0);
-    w.to = tmax - t0 + 0x1p-40 * fabs(t0);
+    w.from = tmin * inverse - t0 - 0x1p-40 * fabs(t0);
+    w.to = tmax * inverse - t0 + 0x1p-40 * fabs(t0);
     return w;
 }
 
