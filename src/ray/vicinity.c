@@ -141,14 +141,15 @@ static double judge(size_t n, const double *restrict dx, const double *restrict 
 SGT_CLONES_WIDE
 static mask passed_by(const sgt_heights *g, const line *w)
 {
-    mask all = MASK(true);
-#pragma omp simd reduction(& : all)
+    double left = 0;
+#pragma omp simd reduction(+ : left)
     for (int j = 0; j < SGT_RINGS; j++) {
         piece p = piece_of(w, (double)j * g->width, (double)(j + 1) * g->width);
-        all &= p.passed_by | (is_apart(w, p.s_in, p.s_out, g->low[j], g->high[j])
-                              & is_apart(w, -p.s_out, -p.s_in, g->low[j], g->high[j]));
+        mask apart = is_apart(w, p.s_in, p.s_out, g->low[j], g->high[j])
+                     & is_apart(w, -p.s_out, -p.s_in, g->low[j], g->high[j]);
+        left += (p.passed_by | apart) != 0 ? 0.0 : 1.0;
     }
-    return all;
+    return MASK(left == 0);
 }
 
 /* Does any begin behind the seed? */

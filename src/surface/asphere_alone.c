@@ -166,14 +166,15 @@ bool sgt_asphere_alone(const shape *s, const sgt_tile *tile, mask alone[])
 SGT_CLONES_WIDE
 static mask asphere_passed_by(const rings *g, const line *w)
 {
-    mask all = MASK(true);
-#pragma omp simd reduction(& : all)
+    double left = 0;
+#pragma omp simd reduction(+ : left)
     for (int j = 0; j < RINGS; j++) {
         piece p = piece_of(w, g->inner[j], (g->inner[j] + g->width) * (1 + 0x1p-40));
-        all &= p.passed_by | (is_apart(w, p.s_in, p.s_out, -g->below[j], g->above[j])
-                              & is_apart(w, -p.s_out, -p.s_in, -g->below[j], g->above[j]));
+        mask apart = is_apart(w, p.s_in, p.s_out, -g->below[j], g->above[j])
+                     & is_apart(w, -p.s_out, -p.s_in, -g->below[j], g->above[j]);
+        left += (p.passed_by | apart) != 0 ? 0.0 : 1.0;
     }
-    return all;
+    return MASK(left == 0);
 }
 
 /* From the vertex itself the root at the start does not count, and there is no other where there is but one.
