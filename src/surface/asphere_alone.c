@@ -190,7 +190,7 @@ void sgt_asphere_pass(const shape *s, const sgt_tile *tile, mask passes[])
         double tmin = r->tmin[i], tmax = r->tmax[i];
         line w = line_of(o, d, tmin, tmax);
         bool is_ray = tmin <= tmax && tmin < HUGE_VAL && tmax > -HUGE_VAL,
-             vertex = at_vertex(o.x, o.y, o.z) && tmin >= 0;
+             vertex = at_vertex(o.x, o.y, o.z) && tmin == 0; /* behind a later start there may be the one */
         passes[i] = 0;
         if (!(in_range && is_ray && line_in_range(&w) && (vertex || w.from > 0))) continue;
         if (!any) asphere_rings(s, &g);

@@ -421,10 +421,25 @@ static void test_level_set_from_close_before_a_root(void **state)
         }
 }
 
+/* From the vertex, at a start behind it: that there is one root at most told a miss, and the one was behind. */
+static void test_one_root_behind_a_later_start(void **state)
+{
+    (void)state;
+    for (int e = -60; e <= 12; e++)
+        for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++)
+            for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
+                sgt_asphere a = {.c = 0.1, .k = -0.6, .a = {0, 1e-4}};
+                sgt_ray ray = {{0, 0, 0}, {0.9, 0, 0.2}, e < 12 ? ldexp(1.1, e) : 0, HUGE_VAL};
+                if (ray.tmin > 4.6) ray.tmin = 4.6;
+                sgt_hit h = asphere(a, ray, (sgt_options){.pick = (sgt_pick)pick, .proof = (sgt_proof)proof});
+                REQUIRE(h.status != SGT_MISS, "tmin %g, pick %d, proof %d: the root at 4.685 is missed", ray.tmin, pick, proof);
+            }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_level_set_from_close_before_a_root), cmocka_unit_test(test_grid_measured_at_the_limits), cmocka_unit_test(test_start_beside_a_double_line),
+        cmocka_unit_test(test_one_root_behind_a_later_start), cmocka_unit_test(test_level_set_from_close_before_a_root), cmocka_unit_test(test_grid_measured_at_the_limits), cmocka_unit_test(test_start_beside_a_double_line),
         cmocka_unit_test(test_start_between_two_planes), cmocka_unit_test(test_undecided_inside_the_aperture), cmocka_unit_test(test_graze_far_from_the_surface),
         cmocka_unit_test(test_one_root_of_two_sheets), cmocka_unit_test(test_first_of_all_at_an_end),
         cmocka_unit_test(test_start_beyond_the_rim), cmocka_unit_test(test_bounds_out_of_range),
