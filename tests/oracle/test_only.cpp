@@ -2,7 +2,9 @@
 // quadruple precision (quad.h).
 //
 //   the only one  where the root near the seed is a hit under SGT_PROVE_FIRST, no other root of the ray counts;
-//   decided       most rays that have one root are hits: the proof is no refusal.
+//   decided       most rays that have one root are hits: the proof is no refusal;
+//   leaving       rays that begin in the vertex, or behind the vertex plane, or behind the surface, with tmin = 0 or
+//                 later, by every pick and proof, alone and in a batch: a miss has no root that counts.
 #include "cases.h"
 #include "quad.h"
 
@@ -42,6 +44,45 @@ test_case tilted_case(generator &g)
     return t;
 }
 
+// Mostly without a rim; the start is the ray's origin, or later.
+test_case leaving_case(generator &g)
+{
+    test_case t = tilted_case(g);
+    if (g.chance(0.7)) t.surface.semi_diameter = 0;
+    const double r = t.h * std::sqrt(g.uniform(0, 1)), at = g.uniform(0, 6.283185307179586);
+    t.ray.d.z = std::fabs(t.ray.d.z) * (t.surface.c < 0 ? -1 : 1);
+    t.ray.o = {0, 0, 0};
+    if (g.chance(0.6)) t.ray.o = {r * std::cos(at), r * std::sin(at), rough_sag(t.surface, r * r) * g.uniform(0, 3)};
+    t.ray.tmin = g.chance(0.4) ? 0 : t.h * g.log_uniform(1e-6, 10);
+    t.ray.tmax = g.chance(0.5) ? HUGE_VAL : t.ray.tmin + t.h * g.log_uniform(0.1, 10);
+    return t;
+}
+
+// The misses of all ways to ask, told.
+long misses_of(const test_case &t, const answer &a)
+{
+    long misses = 0;
+    const sgt_surface s = {&sgt_asphere_ops, &t.surface};
+    for (int proof = 0; proof < 3; proof++)
+        for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
+            sgt_options o = {};
+            o.proof = static_cast<sgt_proof>(proof), o.pick = static_cast<sgt_pick>(pick);
+            const sgt_hit h = sgt_intersect(s, t.ray, &o);
+            const sgt_ray &r = t.ray;
+            signed char status;
+            int evals;
+            sgt_hits out = {};
+            out.status = &status, out.evals = &evals;
+            sgt_intersect_batch(s, 1, {{&r.o.x, &r.o.y, &r.o.z}, {&r.d.x, &r.d.y, &r.d.z}, &r.tmin, &r.tmax}, out, &o);
+            if (status != h.status || evals != h.evals) fail("a batch says something else", t, a, h);
+            if (h.status != SGT_MISS) continue;
+            misses++;
+            for (const meeting &m : a.roots)
+                if (counting(m, t.ray.tmin, t.ray.tmax) == yes) fail("a miss that meets", t, a, h);
+        }
+    return misses;
+}
+
 }  // namespace
 
 int main(int argc, char **argv)
@@ -71,6 +112,14 @@ int main(int argc, char **argv)
         single++, decided += h.status == SGT_HIT;
     }
     std::printf("%ld rays of one root, %ld proven to be; %ld of several, %ld too close to tell\n", single, decided, several, vague);
+    long misses = 0, leaving = 0;
+    for (long i = 0; i < r.count; i++) {
+        const test_case t = leaving_case(g);
+        const answer a = all_roots(surface(t.surface), t.ray);
+        if (a.gave_up || !a.doubtful.empty()) continue;
+        leaving++, misses += misses_of(t, a);
+    }
+    std::printf("%ld rays that leave, %ld misses of %ld answers\n", leaving, misses, 6 * leaving);
     if (static_cast<double>(decided) < 0.97 * static_cast<double>(single)) failures++, std::printf("FAIL: too few are decided\n");
     return failures != 0;
 }
