@@ -24,10 +24,10 @@
  * change, and all outputs are large and uncertain.  dt/do is off by up to
  *     8 u c + p_err |H d| / |s| + p_err |H| / |n|,     u = 2^-53,
  * of its largest component, and the other outputs with it.  First, s is a sum of three
- * products.  Second and third, n and s are those at p, and the root is within p_err of p; or, where that
- * is more, u times the surface's own lengths: they are rounded on the way, which tells where the radius of
- * curvature is small beside them, as at the pinch of a torus.  Conics and
- * even aspheres polish the roots of grazing rays in twice the precision: their dt/do is
+ * products.  Second and third, s and n are those at p, and the root is within p_err of p.  Where the
+ * radius of curvature is far below the surface's own lengths, as at the pinch of a torus, u times these
+ * lengths stands in place of a smaller p_err: they are rounded on the way to n.  Conics and even aspheres
+ * polish the roots of grazing rays in twice the precision: their dt/do is
  * within 64 u c besides (20 u c has been seen).  Other surfaces know a root, along the ray,
  * to about u c lengths, since their F has a rounding of its own; one more Newton step from p
  * would be off by as much.  So the second is about u c^2: at c = 1e6 a relative 1e-4, and at

@@ -233,8 +233,8 @@ void sgt_march_inward(sgt_surface s, size_t n, sgt_rays r, const double *from, c
             size_t k = (size_t)a[LANE][i];
             v->evals[k] += 1;
             double scale = scale_of((sgt_vec3){r.d[0][k], r.d[1][k], r.d[2][k]});
-            bool spent =
-                v->evals[k] >= 0.5 * v->budget || (v->told && v->told->stopped) || !(a[T][i] * scale <= v->tmax[k]);
+            bool spent = v->evals[k] >= 0.5 * v->budget || (v->told && v->told->stopped)
+                         || !(a[T][i] * scale <= v->tmax[k]);
             if (a[VERDICT][i] == MOVED && !spent) {
                 enclose_in(s, edge, kept, a, i);
             } else if (a[VERDICT][i] != GOES_ON || spent) {

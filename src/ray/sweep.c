@@ -585,7 +585,7 @@ static void signs(sweep *w, size_t n, const double *tau, double *sign)
     for (size_t i = 0; i < n; i++) sign[i] = sign_of(a->qf[i], sign[i]);
 }
 
-/* Beside a root |F| is greater than at it: a sign that does not come with that, as next to a pole, is doubtful. */
+/* Beside a root |F| is greater than at it: a sign where it is not, as next to a pole, is doubtful. */
 SGT_CLONES_WIDE
 static void unless_greater(const lanes *a, size_t n, double *sign)
 {
@@ -872,7 +872,8 @@ size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
     sgt_options own = *opt;
     if (is_catalogue(ops)) own.f_tol = 0; /* as general.c */
     vicinities kept; /* not cleared with the rest of w */
-    sweep w = {.s = s, .opt = &own, .a = &a, .kept = &kept, .near = opt->pick == SGT_NEAR_SEED, .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
+    sweep w = {.s = s, .opt = &own, .a = &a, .kept = &kept, .near = opt->pick == SGT_NEAR_SEED,
+               .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
                .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS,
                .rim2 = rim2_of_surface(s), .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0, .slopes = is_catalogue(ops) && ops->own_->spans,
                .walks_from = ops->first || ops->enclose || ops->clearance || (opt->dt_min > 0 && ops->estimate) ? HUGE_VAL : -HUGE_VAL};

@@ -196,8 +196,8 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
     double *lo = at_seed, *hi = size, *least = about, left = 0;
     for (int k = 0; k < 2; k++) {
         own->chords(n, r, radius2, steep, lo, hi, least);
-        left = judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least, v->asked, v->lo,
-                     v->hi, v->least);
+        left = judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least, v->asked,
+                     v->lo, v->hi, v->least);
         if (left == 0 || k == 1) break;
         for (size_t i = 0; i < n; i++) wide[i] = rung_above(radius[i], FINE);
         extents(s, n, wide, FINE, v->asked, kept, radius2, steep, size);

@@ -5,12 +5,14 @@
  *
  * A root is looked for in the quick form first (quick.h, which says what it claims), then by solve/root.c.
  *
- * A POLE IS NO ROOT.  F changes sign at a pole of odd order as it does at a root, but at a root |F| falls as the bracket
- * shrinks, at a jump it stays, and at a pole it grows.  Rounding does not hide that: it grows as fast as |F| there, so
- * that the bounds on it say nothing.  The quick form sees it by |F|, which is greater beside a root, and by the slope: to the right of a root F has the sign
- * of the slope, to the right of a pole the other.  In the careful path, where slopes are not trusted, a root whose |F| is not
- * the least of its search, or not far below the greatest (the seed may be as near to the pole), is looked at from 256, 1024, 4096 ... times its error: where |F| falls outward on both sides it
- * is a pole, and skipped.  A jump is a change of sign, and a hit. */
+ * A POLE IS NO ROOT.  F changes sign at a pole of odd order as it does at a root, but at a root |F| falls as
+ * the bracket shrinks, at a jump it stays, and at a pole it grows.  Rounding does not hide that: it grows as
+ * fast as |F| there, so that the bounds on it say nothing.  The quick form tells a root by |F|, which is
+ * greater beside it, and by the slope: to the right of a root F has the sign of the slope, to the right of a
+ * pole the other.  The careful path does not trust slopes.  A root whose |F| is not the least of its search,
+ * or not far below the greatest (the seed itself may be next to a pole), is looked at from 256, 1024, 4096 ...
+ * times its error: where |F| falls outward on both sides it is a pole, and skipped.  A jump is a change of
+ * sign, and a hit. */
 #include "walk.h"
 
 #include "vicinity.h"
@@ -119,7 +121,7 @@ sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at)
 static bool is_pole(walk *w, const point *at, double tau_err)
 {
     double place = larger(larger(at->at.ex, at->at.ey), at->at.ez);
-    double e = larger(tau_err, place * DBL_EPSILON); /* what is nearer may be lost in the rounding of the point */
+    double e = larger(tau_err, place * DBL_EPSILON); /* the rounding of the point hides what is nearer */
     bool falls = false;
     for (int side = -1; side <= 1; side += 2) {
         double before = fabs(at->g), far = 256 * e;
@@ -200,7 +202,8 @@ bool sgt_walk_between(walk *w, const point *a, const point *b, double *past)
     at = *a;
     sgt_root_tell(&r, a->tau, a->g);
     sgt_root_tell(&r, b->tau, b->g);
-    w->lowest = (ga < gb ? ga : gb) * (1 - 0x1p-52), w->highest = larger(ga, gb); /* a root has to be below both ends */
+    w->lowest = (ga < gb ? ga : gb) * (1 - 0x1p-52); /* a root has to be below both ends */
+    w->highest = larger(ga, gb);
     r = sgt_walk_solve(w, r, &at);
     *past = r.hi;
     return sgt_walk_take(w, &r, at);

@@ -9,9 +9,9 @@
  * J the first J rings are such and the others have none: if q > K, the least over J of the greatest of these.
  *
  * RING BY RING, where that does not decide either, as of rays that are nearly parallel to the vertex plane.
- * On a piece of the ray (piece.h) F' = n - S'(r) u, u = dr / dtau = a s / r, is within bounds.  Where on every
- * piece F has no root, or rises, there is one root at most: behind it F is above zero, and stays there.  So it
- * is where F falls.
+ * On a piece of the ray (piece.h) F' = n - S'(r) u, u = dr / dtau = a s / r, is within bounds.  Where F rises
+ * on each piece on which it may have a root, there is one root at most: behind it F is above zero, and stays
+ * there.  The same where it falls.  Where no piece may have a root, the ray is a miss.
  *
  * In a ring, m +- h in rho, P' is off from P'(m) by at most |P''(m)| h + third h^2 / 2, and P from P(m) by |P'(m)| h +
  * second h^2 / 2, the bounds `magnitude` has at its outer rim; s and ds/drho are monotone.  2^-40 of all terms is far
@@ -177,8 +177,7 @@ static mask asphere_passed_by(const rings *g, const line *w)
     return MASK(left == 0);
 }
 
-/* From the vertex itself the root at the start does not count, and there is no other where there is but one.
- * */
+/* Of a ray that starts in the vertex, at t = 0: one root at most is the start itself, which does not count. */
 void sgt_asphere_pass(const shape *s, const sgt_tile *tile, mask passes[])
 {
     const sgt_rays *r = &tile->rays;
@@ -190,7 +189,7 @@ void sgt_asphere_pass(const shape *s, const sgt_tile *tile, mask passes[])
         double tmin = r->tmin[i], tmax = r->tmax[i];
         line w = line_of(o, d, tmin, tmax);
         bool is_ray = tmin <= tmax && tmin < HUGE_VAL && tmax > -HUGE_VAL,
-             vertex = at_vertex(o.x, o.y, o.z) && tmin == 0; /* behind a later start there may be the one */
+             vertex = at_vertex(o.x, o.y, o.z) && tmin == 0;
         passes[i] = 0;
         if (!(in_range && is_ray && line_in_range(&w) && (vertex || w.from > 0))) continue;
         if (!any) asphere_rings(s, &g);

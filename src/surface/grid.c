@@ -215,7 +215,7 @@ static bool table_of(const sgt_grid *g, axis ax, axis ay, const region *where, d
 
 enum { SMALL = 12 };
 
-/* A bound that is none, as 0 of a flat grid times the infinite inverse of a step below 2^-1024, is infinite. */
+/* NaN is no bound: 0 of a flat grid times the infinite inverse of a step below 2^-1024. */
 static double bound_of(double most) { return most >= 0 ? most * (1 + 0x1p-40) : HUGE_VAL; }
 
 /* The bounds of a measured grid are those of every region of more than a few cells. */

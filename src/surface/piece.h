@@ -11,9 +11,9 @@
 
 SGT_INLINE double lesser(double a, double b) { return chosen(MASK(a < b), a, b); }
 
-/* A ray about the vertex plane, in lengths of d made 1 ... 2 by a power of two: s = tau - foot is 0 where it
- * is nearest to the axis, at r = nearest; tau where it begins and ends; s is off by `off`, and r by `aside`.
- * */
+/* A ray about the vertex plane, tau in lengths of d made 1 ... 2 by a power of two.  s = tau - foot is 0 where
+ * it is nearest to the axis, at r = nearest; it begins at tau = from and ends at to.  s is off by `off`, r by
+ * `aside`. */
 typedef struct line { double a, n, foot, nearest, from, to, off, aside; } line;
 
 SGT_INLINE line line_of(sgt_vec3 o, sgt_vec3 way, double tmin, double tmax)
@@ -41,7 +41,8 @@ typedef struct piece { double s_in, s_out; mask passed_by; } piece;
 
 SGT_INLINE piece piece_of(const line *w, double in, double out)
 {
-    double far = w->nearest + w->aside, near = larger(w->nearest - w->aside, 0), more = 1 + 0x1p-40, less = 1 - 0x1p-40;
+    double far = w->nearest + w->aside, near = larger(w->nearest - w->aside, 0);
+    double more = 1 + 0x1p-40, less = 1 - 0x1p-40;
     piece p = {.passed_by = MASK(out < near)};
     p.s_in = sqrt(larger(in * in * less - far * far * more, 0) / w->a) * less - w->off;
     p.s_out = sqrt(larger(out * out * more - near * near * less, 0) / w->a) * more + w->off;

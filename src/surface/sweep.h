@@ -49,7 +49,8 @@ SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double
     mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol))
                & MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near)) & MASK(r2 <= rim2)
                & MASK(fma(END_ERRORS, r->t_err, r->t) <= tmax)
-               & (MASK(at + r->t_err > LEAST_PLACE) | (exact & MASK(tmin < -LEAST_PLACE) & MASK(tmax > LEAST_PLACE)));
+               & (MASK(at + r->t_err > LEAST_PLACE)
+                  | (exact & MASK(tmin < -LEAST_PLACE) & MASK(tmax > LEAST_PLACE)));
     lane e = {.hit = hit, .t = chosen(hit, r->t, none), .t_err = chosen(hit, r->t_err, none),
               .px = chosen(hit, px, none), .py = chosen(hit, py, none), .pz = chosen(hit, pz, none),
               .nx = chosen(hit, px * g, none), .ny = chosen(hit, py * g, none)};
