@@ -1,4 +1,5 @@
-/* inward.c - the first root on the way in from afar, where the surface farther out is steep: vicinity.h.
+/* inward.c - the first root on the way in from afar, where the surface farther out is steep, or that there
+ * is none on the way out: vicinity.h.
  *
  * THE MARCH.  From where the search begins on F is looked at again and again.  Between two points of the ray,
  * h apart in t, at which F is for certain at least a and at least b on the same side of zero, |F''| <= B all
@@ -22,7 +23,9 @@
  * how far that is off.
  *
  * THE EDGE.  Where the base ends its slope has no bound.  A ray that begins outside, or next to it, is first
- * asked about as far as a part in 256 inside, by the enclosure.
+ * asked about as far as a part in 256 inside, by the enclosure; and so is a ray that leaves, from as near to
+ * the edge on.  Where there is no root there either, and as far as the end of a ray that has one, it is a miss.
+ * Where there is no edge, a ray that leaves is followed to four times the radius where it began.
  *
  * A step of 0.98 sqrt(2 a / B) is never refused where the sign stays; far out, where F is a power of r, the
  * next b is to a as the last was, and the step may be longer.  Each lane is by itself; those that are done
@@ -32,7 +35,7 @@
 
 #include <sagitta/interval.h>
 
-enum { MOST_STEPS = 1024, EDGE_RUNGS = 9 };
+enum { MOST_STEPS = 1024, EDGE_RUNGS = 9, LEAVING = 32 };
 
 /* Of a lane: the ray, t in lengths of d made 1 ... 2 by a power of two; where the march is, the step, F there
  * at least, and its sign (0: not yet known), b / a of the last step's root; the radius and what is known
@@ -49,10 +52,15 @@ typedef double *const *rows;
 
 SGT_INLINE double radius_of(double x, double y) { return sqrt(x * x + y * y); }
 
-/* On the way out there is to be room for a step. */
+/* Of those about r.  High powers of r make much of a radius that is too wide: where the steps are short it is
+ * a finer rung, and on the way out there is room for a few steps as the last, but no more.  outward: d(r^2 / 2)
+ * in that step. */
 SGT_INLINE double radius_wanted(double r, double outward)
 {
-    return rung_above(r * chosen(MASK(outward > 0), 1.25, 1 + 0x1p-20), FINE);
+    double step = outward / (r * r), room = chosen(MASK(step < 0x1p-4), 3 * step, 0.25);
+    room = chosen(MASK(step > 0), larger(room, 0x1p-7), 0x1p-20);
+    double wide = rung_above(r * (1 + room), FINE), narrow = rung_above(r * (1 + room), FINER);
+    return chosen(MASK(fabs(step) < 0x1p-6), narrow, wide);
 }
 
 /* ------------------------------------------------------------------------- a step */
@@ -126,7 +134,7 @@ static void judge(size_t n, const double *restrict dx, const double *restrict dy
         a[i] = chosen(moves | found, b, before);
         sign[i] = chosen(first & moves, is, s);
         evals[i] = k;
-        wanted[i] = radius_wanted(r, outward);
+        wanted[i] = radius_wanted(r, outward * larger(length, 0x1p-1000));
         /* of a root what was known before it, in a row that is of no more use */
         limit[i] = chosen(found, before, limit[i]);
     }
@@ -182,13 +190,41 @@ static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double
     return g.lo > 0 || g.hi < 0 ? lo : (double)NAN; /* an empty one, too */
 }
 
+/* Past the last rung: does the ray leave the surface, or end, for certain without a root?  In pieces, where the
+ * enclosure knows too little of all of it. */
+static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows a, size_t i, double scale,
+                           const vicinity *v)
+{
+    if (!(a[RADIUS][i] > edge * (1 - 0x1p-10))) return false;
+    sgt_rays one = {.o = {&ray->o.x, &ray->o.y, &ray->o.z}, .d = {&ray->d.x, &ray->d.y, &ray->d.z}};
+    double outer2 = edge * edge * (1 + 0x1p-40), steep = 0, lo, end, least, from = a[T][i] * scale;
+    s.ops->own_->chords(1, one, &outer2, &steep, &lo, &end, &least);
+    if (end > ray->tmax) end = ray->tmax;
+    if (!(from < end && end < HUGE_VAL)) return false;
+    double width = end - from;
+    for (int k = 0; k < LEAVING && from < end; k++) {
+        double to = width < end - from ? from + width : end;
+        sgt_interval slope, t = {0, sgt_sum_above(to, -from)},
+                            g = s.ops->own_->enclose(s.self, ray, from, t, &slope);
+        v->evals[(size_t)a[LANE][i]] += 1;
+        if (v->told)
+            tell(v->told, SGT_MARCH, from, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, from, to);
+        bool certain = g.lo > 0 || g.hi < 0; /* an empty one, too */
+        from = certain ? to : from;
+        width *= certain ? 2 : 0.25;
+    }
+    return !(from < end);
+}
+
+static void is_miss(const vicinity *v, size_t k) { v->asked[k] = 0, v->lo[k] = 1, v->hi[k] = 0; }
+
 static void leave(rows a, size_t i, size_t last)
 {
     for (int j = 0; j < ROWS; j++) a[j][i] = a[j][last];
 }
 
-void sgt_march_inward(sgt_surface s, size_t n, sgt_rays r, const double *from, const sgt_shared *bare,
-                      rings *kept, const vicinity *v, double *const a[INWARD_ROWS])
+void sgt_march_inward(sgt_surface s, size_t n, sgt_rays r, const double *from, bool behind,
+                      const sgt_shared *bare, rings *kept, const vicinity *v, double *const a[INWARD_ROWS])
 {
     const struct sgt_own *own = s.ops->own_;
     double edge = sqrt(bare->radius2);
@@ -196,6 +232,7 @@ void sgt_march_inward(sgt_surface s, size_t n, sgt_rays r, const double *from, c
     for (size_t i = 0; i < n; i++) {
         double t = from[i]; /* perhaps one of the rows */
         if (v->asked[i] == 0 || !(fabs(t) < HUGE_VAL)) continue;
+        if (edge < HUGE_VAL && behind != (v->seed[i] < v->tmin[i])) continue;
         sgt_ray ray = {
             {r.o[0][i], r.o[1][i], r.o[2][i]}, {r.d[0][i], r.d[1][i], r.d[2][i]}, v->tmin[i], v->tmax[i]};
         t = inside_edge(s, &ray, t, edge, v, &v->evals[i]);
@@ -210,6 +247,7 @@ void sgt_march_inward(sgt_surface s, size_t n, sgt_rays r, const double *from, c
         double x = ray.o.x + t * ray.d.x, y = ray.o.y + t * ray.d.y;
         double begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
         a[LIMIT][k] = 4 * larger(begins, radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, v->seed[i]));
+        if (edge < HUGE_VAL) a[LIMIT][k] = HUGE_VAL;
         a[WANTED][k] = radius_wanted(begins, x * ray.d.x + y * ray.d.y);
         enclose_in(s, edge, kept, a, k);
     }
@@ -233,10 +271,15 @@ void sgt_march_inward(sgt_surface s, size_t n, sgt_rays r, const double *from, c
             size_t k = (size_t)a[LANE][i];
             v->evals[k] += 1;
             double scale = scale_of((sgt_vec3){r.d[0][k], r.d[1][k], r.d[2][k]});
-            bool spent = v->evals[k] >= 0.5 * v->budget || (v->told && v->told->stopped)
-                         || !(a[T][i] * scale <= v->tmax[k]);
+            bool spent = v->evals[k] >= 0.5 * v->budget || (v->told && v->told->stopped);
             if (a[VERDICT][i] == MOVED && !spent) {
+                sgt_ray ray = {{r.o[0][k], r.o[1][k], r.o[2][k]}, {r.d[0][k], r.d[1][k], r.d[2][k]},
+                               v->tmin[k], v->tmax[k]};
                 enclose_in(s, edge, kept, a, i);
+                if (a[T][i] * scale > ray.tmax || leaves_by_edge(s, &ray, edge, a, i, scale, v)) {
+                    is_miss(v, k);
+                    leave(a, i, --left);
+                }
             } else if (a[VERDICT][i] != GOES_ON || spent) {
                 if (a[VERDICT][i] == FOUND && !spent) tell_root(a, i, scale, v);
                 leave(a, i, --left);

@@ -35,7 +35,8 @@ const ring *sgt_ring_of(sgt_surface s, double rung, rings *kept)
     if (!kept->any)
         for (int i = 0; i < RINGS; i++) kept->of[i].radius = 0;
     kept->any = true;
-    ring *e = &kept->of[place_of(rung, FINE, RINGS)];
+    /* those of two octaves and every fourth of eight each at a place of its own */
+    ring *e = &kept->of[place_of(rung, FINER, RINGS) ^ place_of(rung, FINER + 6, 4)];
     if (e->radius == rung) return e;
     *e = (ring){rung, HUGE_VAL, HUGE_VAL, {(double)NAN, (double)NAN}};
     double rim = s.ops->own_->rim(s.self);
@@ -180,7 +181,14 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
                      vicinities *kept, const vicinity *v)
 {
     const struct sgt_own *own = s.ops->own_;
-    if (any_behind(n, v->asked, v->seed, v->tmin)) without_passing(s, n, r, true, kept, v);
+    const bool marches = !near && own->roundings && !(whole->noise[0] < HUGE_VAL);
+    sgt_shared bare = bare_of(*whole);
+    const bool behind = any_behind(n, v->asked, v->seed, v->tmin);
+    if (behind) {
+        without_passing(s, n, r, true, kept, v);
+        if (marches && bare.radius2 < HUGE_VAL)
+            sgt_march_inward(s, n, r, v->tmin, true, &bare, &kept->rings, v, v->work);
+    }
     double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3],
            *size = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7];
     begin(n, near, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius, wide,
@@ -203,11 +211,10 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
         extents(s, n, wide, FINE, v->asked, kept, radius2, steep, size);
     }
     if (left != 0 && !near) without_passing(s, n, r, false, kept, v);
-    if (left == 0 || near || !own->roundings || whole->noise[0] < HUGE_VAL) return;
-    sgt_shared bare = bare_of(*whole);
-    sgt_march_inward(s, n, r, from, &bare, &kept->rings, v, v->work);
+    if (!marches || !(left != 0 || behind)) return;
+    if (left != 0) sgt_march_inward(s, n, r, from, false, &bare, &kept->rings, v, v->work);
     for (size_t i = 0; i < n; i++) {
-        if (!(v->evals[i] > 0) || v->asked[i] != 0) continue;
+        if (!(v->evals[i] > 0 && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
         double axis = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);
         noise_about(s, rung_above(1.02 * axis, FINE), i, kept, v);
     }

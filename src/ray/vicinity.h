@@ -12,7 +12,8 @@
  * same again.  Of a ray from afar at a lens R is soon that of the lens.
  *
  * PASSED BY.  Where the surface ends, its rings have heights (own.h), and a ray that is above or below them
- * on every piece of it (piece.h) meets nothing: so a ray that leaves the surface, where it has no rim.
+ * on every piece of it (piece.h) meets nothing: so a ray that leaves the surface, where it has no rim.  Where
+ * that says too little, F is looked at all the way out (inward.c).
  *
  * FROM AFAR the surface may be so steep within R that this says nothing, and a root farther out may be the
  * first: there F is looked at, point by point, on the way in (inward.c).
@@ -29,7 +30,7 @@
 #include "../surface/sag.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: nothing is there. */
-enum { VICINITIES = 16, NOISES = 32, RINGS = 32, INWARD_ROWS = 28, VICINITY_ROWS = INWARD_ROWS };
+enum { VICINITIES = 16, NOISES = 32, RINGS = 64, INWARD_ROWS = 28, VICINITY_ROWS = INWARD_ROWS };
 typedef struct ring { double radius, steep, bend, noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of inward.c */
 typedef struct vicinities {

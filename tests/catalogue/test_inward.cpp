@@ -1,11 +1,13 @@
-// The first root of sags without a rim, from afar: the ray comes in through the wings, which a departure of high powers
-// makes as steep as can be, and a wing may be met before what is near the axis is.
+// The first root of sags without a rim.  Coming from afar the ray passes the wings, which a departure of high powers
+// makes as steep as can be, and a wing may be met before what is near the axis is.  Leaving from beside the surface
+// it may meet one, too, or none: with an end to the ray, or as far as the surface goes.
 //
 // The judge is F in 113 bits (formulas.h), at points between the start and the root that are closer together the nearer they are to the
 // axis and to the root:
 //     a hit           F has unlike signs on either side of t, as far off as t_err says (and no rounding);
 //     the first       F has one sign from the start, or the edge of its domain, up to it;
-//     undecided       seldom: these rays have no end, but there is a root near the axis on each.
+//     a miss          F has one sign from the start to the end, or the edge of its domain; of rays that come, none;
+//     undecided       seldom: rays that come have no end, but there is a root near the axis on each.
 // Batches and single rays are the same to the last bit.
 #include "specimens.h"
 
@@ -43,11 +45,37 @@ bool earlier(const formula<quad> &f, const sgt_ray &r, quad to)
         if (!(t >= r.tmin && t < end)) continue;
         const quad g = along(f, r, t);
         const int is = sign(g);
+        if (g != g) before = 0; // across a gap of the domain F may change its sign
         if (!is || g != g) continue;
         if (before && is != before) return true;
         before = is;
     }
     return before && sign(along(f, r, to)) == -before;
+}
+
+// One sign from the start to where the ray ends, or F is defined no more, as far as 600 points tell.
+bool changes(const formula<quad> &f, const sgt_ray &r, double h)
+{
+    const double length = std::hypot(r.d.x, r.d.y, r.d.z), from = r.tmin;
+    double end = std::min(r.tmax, from + 1e4 * h / length);
+    if (along(f, r, end) != along(f, r, end) && along(f, r, from) == along(f, r, from)) {
+        double in = from;
+        for (int i = 0; i < 60; i++) {
+            const double middle = in + (end - in) / 2;
+            (along(f, r, middle) == along(f, r, middle) ? in : end) = middle;
+        }
+        end = in;
+    }
+    int before = 0;
+    for (int i = 0; i < 600; i++) {
+        const double part = std::pow(1e-9, i / 600.0), t = i % 2 ? end - part * (end - from) : from + (end - from) / (1e9 * part);
+        const quad g = along(f, r, i == 599 ? end : t);
+        const int is = g == g ? sign(g) : 0;
+        if (g != g) before = 0;
+        if (is && before && is != before) return true;
+        if (is) before = is;
+    }
+    return false;
 }
 
 }  // namespace
@@ -62,19 +90,22 @@ int main()
     for (const char *type : {"odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "sum", "toroidal", "biconic", "cylinder"}) {
         if (only && std::string(only) != type) continue;
         generator g(from ^ (static_cast<std::uint64_t>(type[0]) << 8 | static_cast<std::uint64_t>(type[2])));
-        long rays = 0, decided = 0, wings = 0;
+        long rays = 0, decided = 0, wings = 0, leaving = 0, told = 0, misses = 0;
         for (int round = 0; round < rounds; round++) {
             specimen s = random_specimen(g, type);
             while (s.rim > 0) s = random_specimen(g, type);
             const formula<double> rough(s.s);
             const formula<quad> exact(s.s);
             const double away = s.h * g.log_uniform(3, 3e4);
+            const bool leave = round % 2;
             std::vector<sgt_ray> all;
             for (int i = 0; i < RAYS; i++) {
                 const double r = s.h * std::sqrt(g.uniform(0, 0.9)), about = g.uniform(0, 6.283185307179586), x = r * std::cos(about), y = r * std::sin(about), z = -rough(x, y, 0.0);
                 const double tilt = g.uniform(0.002, 0.7), to = g.uniform(0, 6.283185307179586), size = g.chance(0.5) ? 1 : g.log_uniform(1e-3, 1e3);
                 const sgt_vec3 d = {std::sin(tilt) * std::cos(to), std::sin(tilt) * std::sin(to), (g.chance(0.3) ? -1 : 1) * std::cos(tilt)};
-                if (z == z) all.push_back({{x - away * d.x, y - away * d.y, z - away * d.z}, {d.x * size, d.y * size, d.z * size}, 0, INFINITY});
+                const double beside = s.h * g.log_uniform(1e-6, 3), last = g.chance(0.3) ? beside + s.h * g.log_uniform(1e-3, 1e2) : INFINITY;
+                if (z == z && leave) all.push_back({{x + beside * d.x, y + beside * d.y, z + beside * d.z}, {d.x * size, d.y * size, d.z * size}, 0, last / size});
+                if (z == z && !leave) all.push_back({{x - away * d.x, y - away * d.y, z - away * d.z}, {d.x * size, d.y * size, d.z * size}, 0, INFINITY});
             }
             const std::size_t n = all.size();
             if (!n) continue;
@@ -99,8 +130,10 @@ int main()
                 bool same = h.status == status[i] && h.evals == evals[i];
                 for (int k = 0; k < 5; k++) same = same && (std::memcmp(&one[k], &batch[k], sizeof(double)) == 0 || (one[k] != one[k] && batch[k] != batch[k]));
                 if (!same) fail("a batch is not the single ray", s, ray, h);
-                rays++, decided += h.status >= 0;
-                if (h.status == SGT_MISS) fail("a miss", s, ray, h);
+                rays += !leave, decided += !leave && h.status >= 0;
+                leaving += leave, told += leave && h.status >= 0, misses += leave && h.status == SGT_MISS;
+                if (h.status == SGT_MISS && !leave) fail("a miss", s, ray, h);
+                if (h.status == SGT_MISS && leave && changes(exact, ray, s.h)) fail("a miss that meets", s, ray, h);
                 if (h.status != SGT_HIT) continue;
                 wings += std::hypot(h.p.x, h.p.y) > 1.1 * s.h;
                 const quad at = quad(h.t) + quad(h.t_lo), off = quad(h.t_err) * (1 + quad(0x1p-20));
@@ -109,11 +142,11 @@ int main()
                 if (earlier(exact, ray, at - off)) fail("another root is nearer", s, ray, h);
             }
         }
-        std::printf("%-14s %6ld rays, %6ld decided, %5ld in the wings\n", type, rays, decided, wings);
+        std::printf("%-14s %6ld rays come, %6ld decided, %5ld in the wings; %6ld leave, %6ld decided, %6ld misses\n", type, rays, decided, wings, leaving, told, misses);
         std::fflush(stdout);
         // a sphere under it ends, where a q_bfs is without bound; the rays of a round are of one surface
         const bool ends = std::string(type) == "q_bfs" || std::string(type) == "sum";
-        const double most = (ends ? 0.12 : 0.04) + 2 / static_cast<double>(rounds);
+        const double most = (ends ? 0.2 : 0.04) + 4 / static_cast<double>(rounds);
         if (static_cast<double>(rays - decided) > most * static_cast<double>(rays)) failed[std::string(type) + ": too many are undecided"]++;
     }
     for (const auto &f : failed) std::printf("FAIL %6d  %s\n", f.second, f.first.c_str());

@@ -1,8 +1,8 @@
 // Every derivative against Ceres' Jets: Newton's method runs once more, in numbers that carry their derivatives by the ray
 // and by each parameter, on a formula that shares nothing with the library.
 //
-// From the t of sgt_intersect two steps t <- t - F(o + t d; a) / s are taken, s the slope at the hit: t itself hardly moves,
-// and its derivatives come from those of F.  p is o + t d.  n is the gradient of the formula by Jets whose numbers are Jets.
+// From the t of sgt_intersect two steps t <- t - F(o + t d; a) / s are taken, s the slope at the hit: its derivatives come
+// from those of F, and t itself is kept, since what its error does to them is not asked here (test_grazing).  p is o + t d.  n is the gradient of the formula by Jets whose numbers are Jets.
 // Compared are the Jacobian of a single ray, and the forward product with a random change.
 //
 // Tolerances: PART of each derivative's own size, times |n| |d| / |s|, by which a grazing ray enlarges all that rounding does.
@@ -78,6 +78,7 @@ template <class Subject> void by_jets(const Subject &subject, const std::vector<
     for (int step = 0; step < 2; step++) {
         for (int i = 0; i < 3; i++) a.p[i] = o[i] + a.t * d[i];
         a.t -= subject.formula(of, a.p[0], a.p[1], a.p[2]) / a.slope;
+        a.t.a = a.hit.t;
     }
     for (int i = 0; i < 3; i++) a.p[i] = o[i] + a.t * d[i];
     std::vector<nested> nested_of;
