@@ -25,6 +25,7 @@
  * All functions are pure, and safe in any number of threads. */
 #ifndef SAGITTA_INTERVAL_H
 #define SAGITTA_INTERVAL_H
+#include <sagitta/fma.h>
 #include <sagitta/sagitta.h>
 
 #include <float.h>
@@ -83,7 +84,7 @@ static inline double sgt_sum_above(double a, double b)
 static inline double sgt_product_above(double a, double b)
 {
     double p = a * b, size = fabs(p);
-    if (size > 1e-289 && size < 1e307) return sgt_raised(p, fma(a, b, -p) > 0);
+    if (size > 1e-289 && size < 1e307) return sgt_raised(p, sgt_fma(a, b, -p) > 0);
     if (a == 0 || b == 0) return 0;
     if (p == 0 && (a > 0) != (b > 0)) return 0;
     return sgt_next_above(p < -DBL_MAX ? sgt_within(a) * sgt_within(b) : p);
@@ -94,7 +95,7 @@ static inline double sgt_quotient_above(double a, double b)
 {
     double q = a / b, size = fabs(q);
     if (fabs(a) > 1e-289 && fabs(a) <= DBL_MAX && fabs(b) <= DBL_MAX && size > 1e-289 && size < 1e307) {
-        double left = fma(-q, b, a); /* a - q b: exact */
+        double left = sgt_fma(-q, b, a); /* a - q b: exact */
         return sgt_raised(q, b > 0 ? left > 0 : left < 0);
     }
     if (a == 0) return 0;
@@ -107,14 +108,14 @@ static inline double sgt_quotient_above(double a, double b)
 static inline double sgt_square_root_above(double a)
 {
     double s = sqrt(a);
-    if (a > 1e-289 && a <= DBL_MAX) return sgt_raised(s, fma(-s, s, a) > 0);
+    if (a > 1e-289 && a <= DBL_MAX) return sgt_raised(s, sgt_fma(-s, s, a) > 0);
     return a == 0 ? 0 : sgt_next_above(s);
 }
 
 static inline double sgt_square_root_below(double a)
 {
     double s = sqrt(a);
-    if (a > 1e-289 && a <= DBL_MAX) return -sgt_raised(-s, fma(-s, s, a) < 0);
+    if (a > 1e-289 && a <= DBL_MAX) return -sgt_raised(-s, sgt_fma(-s, s, a) < 0);
     return a == 0 ? 0 : sgt_next_below(sqrt(sgt_within(a)));
 }
 

@@ -33,7 +33,7 @@ foot ellipsoid::below(const sgt_vec3 &p) const
     double r = std::hypot(p.x, p.y), z = (1 - f) * s, sigma = a * std::sqrt(c * c + z * z);
     q.sin_latitude = s, q.cos_latitude = c;
     q.cos_longitude = r > 0 ? p.x / r : 1, q.sin_longitude = r > 0 ? p.y / r : 0;
-    q.h = std::fma(c, r, std::fma(s, p.z, -sigma));
+    q.h = sgt_fma(c, r, sgt_fma(s, p.z, -sigma));
     q.up = {c * q.cos_longitude, c * q.sin_longitude, s};
     return q;
 }
@@ -60,7 +60,7 @@ chord chord_of(const shell &s, const sgt_ray &ray)
     sgt_vec3 e = {ray.d.x * scale / s.a, ray.d.y * scale / s.a, ray.d.z * scale / s.b};
     double far = length(q), fast = length(e), slack = 0x1p-37 * (far / fast + 1 / fast);
     double middle = -(dot(q, e) / dot(e, e));
-    sgt_vec3 n = {std::fma(middle, e.x, q.x), std::fma(middle, e.y, q.y), std::fma(middle, e.z, q.z)};
+    sgt_vec3 n = {sgt_fma(middle, e.x, q.x), sgt_fma(middle, e.y, q.y), sgt_fma(middle, e.z, q.z)};
     double off = length(n), doubt = 0x1p-47 * (far + 1), near = (off - doubt) / s.outer, deep = s.inner > 0 ? (off + doubt) / s.inner : 2;
     if (!(far < 1e150 && fast > 1e-150 && slack < infinity)) return c;
     c.known = true;

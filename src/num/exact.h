@@ -13,10 +13,11 @@
  * all below SGT_TWOFOLD = 16 u^2 = 2^-102.  The exponent range is that of a double,
  * so callers scale first.
  *
- * fma() is exact by the C standard; where the processor has none the C library
- * works it out, and the bits are the same. */
+ * sgt_fma() is rounded once on every system (fma.h). */
 #ifndef SGT_NUM_EXACT_H
 #define SGT_NUM_EXACT_H
+
+#include <sagitta/fma.h>
 
 #include <math.h>
 
@@ -62,7 +63,7 @@ SGT_INLINE twofold quick_two_sum(double a, double b)
 SGT_INLINE twofold two_product(double a, double b)
 {
     double p = a * b;
-    return (twofold){p, fma(a, b, -p)};
+    return (twofold){p, sgt_fma(a, b, -p)};
 }
 
 SGT_INLINE twofold twofold_of(double a) { return (twofold){a, 0}; }
@@ -81,7 +82,7 @@ SGT_INLINE twofold twofold_difference(twofold a, twofold b) { return twofold_sum
 SGT_INLINE twofold twofold_product(twofold a, twofold b)
 {
     twofold p = two_product(a.hi, b.hi);
-    return quick_two_sum(p.hi, p.lo + fma(a.lo, b.hi, fma(a.hi, b.lo, a.lo * b.lo)));
+    return quick_two_sum(p.hi, p.lo + sgt_fma(a.lo, b.hi, sgt_fma(a.hi, b.lo, a.lo * b.lo)));
 }
 
 SGT_INLINE twofold twofold_scaled(twofold a, double b) { return twofold_product(a, twofold_of(b)); }

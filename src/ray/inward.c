@@ -105,7 +105,7 @@ static void judge(size_t n, const double *restrict dx, const double *restrict dy
                r2 = x * x + y * y, B = bend[i];
         double tx = fabs(t * dx[i]), ty = fabs(t * dy[i]), tz = fabs(t * dz[i]),
                off = steep[i] * (tx + fabs(x) + ty + fabs(y)) + tz + fabs(z);
-        double err = own[i] + 1.01 * (fma(e1[i], r2, e0[i]) + SGT_U * off + 0x1p-1000 * (1 + steep[i]));
+        double err = own[i] + 1.01 * (sgt_fma(e1[i], r2, e0[i]) + SGT_U * off + 0x1p-1000 * (1 + steep[i]));
         double b = fabs(f[i]) - err, is = copysign(1, f[i]), length = t - was;
         double r = sqrt(r2) + 0x1p-51 * (tx + ty + fabs(x) + fabs(y));
         mask certain = MASK(b > 0), like = certain & MASK(is == s), unlike = certain & MASK(is == -s),

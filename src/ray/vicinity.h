@@ -64,7 +64,7 @@ typedef struct vicinity {
  * that it is known for; the base's is `roundings` of bare_of. */
 SGT_INLINE double vicinity_noise(double e0, double e1, double most2, double r2)
 {
-    return ((r2 <= most2) & (r2 >= 0.25 * most2)) ? 1.01 * fma(e1, r2, e0) : (double)NAN;
+    return ((r2 <= most2) & (r2 >= 0.25 * most2)) ? 1.01 * sgt_fma(e1, r2, e0) : (double)NAN;
 }
 
 SGT_INLINE sgt_shared bare_of(sgt_shared s)

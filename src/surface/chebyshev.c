@@ -41,8 +41,8 @@ SGT_INLINE void start(turning *a, double norm, size_t n, const double *x)
 
 SGT_INLINE void turn_one(double x, double w, double *t, double *u)
 {
-    double t1 = fma(x, *t, -w * *u);
-    *u = fma(x, *u, *t), *t = t1;
+    double t1 = sgt_fma(x, *t, -w * *u);
+    *u = sgt_fma(x, *u, *t), *t = t1;
 }
 
 /* The coefficient, or 0 beyond the table; with `only` < NONE that one is 1, all others 0. */
@@ -91,10 +91,10 @@ static void chebyshev_sums(const sgt_chebyshev *s, size_t only, size_t n, const 
                 LANES
                 for (size_t i = 0; i < n; i++) {
                     double v0 = t0[i], v1 = t1[i], v2 = t2[i], v3 = t3[i], w0 = e0[i], w1 = e1[i], w2 = e2[i], w3 = e3[i];
-                    b0[i] = fma(a03, v3, fma(a02, v2, fma(a01, v1, fma(a00, v0, b0[i]))));
-                    b1[i] = fma(a13, v3, fma(a12, v2, fma(a11, v1, fma(a10, v0, b1[i]))));
-                    d0[i] = fma(a03, w3, fma(a02, w2, fma(a01, w1, fma(a00, w0, d0[i]))));
-                    d1[i] = fma(a13, w3, fma(a12, w2, fma(a11, w1, fma(a10, w0, d1[i]))));
+                    b0[i] = sgt_fma(a03, v3, sgt_fma(a02, v2, sgt_fma(a01, v1, sgt_fma(a00, v0, b0[i]))));
+                    b1[i] = sgt_fma(a13, v3, sgt_fma(a12, v2, sgt_fma(a11, v1, sgt_fma(a10, v0, b1[i]))));
+                    d0[i] = sgt_fma(a03, w3, sgt_fma(a02, w2, sgt_fma(a01, w1, sgt_fma(a00, w0, d0[i]))));
+                    d1[i] = sgt_fma(a13, w3, sgt_fma(a12, w2, sgt_fma(a11, w1, sgt_fma(a10, w0, d1[i]))));
                 }
             }
             const double degree = (double)row, next = degree + 1;
@@ -102,9 +102,9 @@ static void chebyshev_sums(const sgt_chebyshev *s, size_t only, size_t n, const 
             for (size_t i = 0; i < n; i++) {
                 double tn = a.t[i], un = a.u[i], tm = tn, um = un;
                 turn_one(a.x[i], a.w[i], &tm, &um);
-                p[i] = fma(tm, b1[i], fma(tn, b0[i], p[i]));
-                px[i] = fma(next * um, b1[i], fma(degree * un, b0[i], px[i]));
-                py[i] = fma(tm, d1[i], fma(tn, d0[i], py[i]));
+                p[i] = sgt_fma(tm, b1[i], sgt_fma(tn, b0[i], p[i]));
+                px[i] = sgt_fma(next * um, b1[i], sgt_fma(degree * un, b0[i], px[i]));
+                py[i] = sgt_fma(tm, d1[i], sgt_fma(tn, d0[i], py[i]));
                 turn_one(a.x[i], a.w[i], &tm, &um);
                 a.t[i] = tm, a.u[i] = um;
             }
@@ -188,8 +188,8 @@ SGT_INLINE void turn_bending(bending *a, double degree, size_t n)
     LANES
     for (size_t i = 0; i < n; i++) {
         double x = a->x[i], t = a->t[i], u = a->u[i];
-        a->v[i] = fma(x, a->v[i], fma(degree, u, u));
-        a->t[i] = fma(x, t, -a->w[i] * u), a->u[i] = fma(x, u, t);
+        a->v[i] = sgt_fma(x, a->v[i], sgt_fma(degree, u, u));
+        a->t[i] = sgt_fma(x, t, -a->w[i] * u), a->u[i] = sgt_fma(x, u, t);
     }
 }
 
@@ -210,12 +210,12 @@ static void chebyshev_bends(const sgt_chebyshev *s, size_t n, const double *x, c
         for (size_t column = 0; column < s->a.columns; column++) {
             const double c = s->a.x[row * s->a.columns + column], cn = c * (double)column;
             LANES
-            for (size_t i = 0; i < n; i++) b0[i] = fma(c, b.t[i], b0[i]), b1[i] = fma(cn, b.u[i], b1[i]), b2[i] = fma(cn, b.v[i], b2[i]);
+            for (size_t i = 0; i < n; i++) b0[i] = sgt_fma(c, b.t[i], b0[i]), b1[i] = sgt_fma(cn, b.u[i], b1[i]), b2[i] = sgt_fma(cn, b.v[i], b2[i]);
             turn_bending(&b, (double)column, n);
         }
         LANES
         for (size_t i = 0; i < n; i++) {
-            pxx[i] = fma(degree * a.v[i], b0[i], pxx[i]), pxy[i] = fma(degree * a.u[i], b1[i], pxy[i]), pyy[i] = fma(a.t[i], b2[i], pyy[i]);
+            pxx[i] = sgt_fma(degree * a.v[i], b0[i], pxx[i]), pxy[i] = sgt_fma(degree * a.u[i], b1[i], pxy[i]), pyy[i] = sgt_fma(a.t[i], b2[i], pyy[i]);
         }
         turn_bending(&a, degree, n);
     }
@@ -281,7 +281,7 @@ static void column_sums(const sgt_chebyshev *s, const errors *of, double *restri
         LANES
         for (size_t j = 0; j < columns; j++) {
             double c = fabs(a[j]);
-            t[j] = fma(c, size, t[j]), t_err[j] = fma(c, size_err, t_err[j]), d[j] = fma(c, first, d[j]), d_err[j] = fma(c, first_err, d_err[j]);
+            t[j] = sgt_fma(c, size, t[j]), t_err[j] = sgt_fma(c, size_err, t_err[j]), d[j] = sgt_fma(c, first, d[j]), d_err[j] = sgt_fma(c, first_err, d_err[j]);
         }
     }
 }

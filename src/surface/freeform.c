@@ -105,7 +105,7 @@ static void roundings_within(size_t n, double c, double k, double most2, double 
     LANES for (size_t i = 0; i < n; i++) {
         base e = base_at(c, k, x[i], y[i]);
         double sag = conic_sag_rounding(c, k, e.r2, e.sag, e.phi), sum = fabs(z[i] - f[i]) + fabs(f[i]);
-        out[i] = chosen(MASK(e.r2 <= most2), 1.01 * (SGT_U * (sag + 2 * sum) + fma(e1, e.r2, e0)), (double)NAN);
+        out[i] = chosen(MASK(e.r2 <= most2), 1.01 * (SGT_U * (sag + 2 * sum) + sgt_fma(e1, e.r2, e0)), (double)NAN);
     }
 }
 
@@ -157,7 +157,7 @@ SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sg
     /* the conic near the vertex plane */
     double by_n = 1 / n, tz = -o.z * by_n;
     twofold qx = two_product(tz, l), qy = two_product(tz, m), rx = two_sum(o.x, qx.hi), ry = two_sum(o.y, qy.hi);
-    double tz_lo = fma(-tz, n, -o.z) * by_n;
+    double tz_lo = sgt_fma(-tz, n, -o.z) * by_n;
     double x = rx.hi + (rx.lo + qx.lo + tz_lo * l), y = ry.hi + (ry.lo + qy.lo + tz_lo * m);
     double A = c * (a + k1 * n * n), B = n - c * (x * l + y * m), C = c * (x * x + y * y);
     double root = sqrt(larger(B * B - A * C, 0)), near = C / (B + copysign(root, B));

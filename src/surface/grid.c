@@ -57,9 +57,9 @@ SGT_INLINE double clamped(double j, double last) { return chosen(MASK(j < last),
 /* j is a whole number, of 0 ... count - 2 wherever x is. */
 SGT_INLINE cell cell_of(axis a, double x)
 {
-    double j = (double)(int)clamped(x * a.inverse + a.half, a.last), off = fma(a.half - j, a.step, x);
+    double j = (double)(int)clamped(x * a.inverse + a.half, a.last), off = sgt_fma(a.half - j, a.step, x);
     j = clamped(j + (chosen(MASK(off >= a.step), 1, 0) - chosen(MASK(off < 0), 1, 0)), a.last);
-    return (cell){j, fma(a.half - j, a.step, x) * a.inverse};
+    return (cell){j, sgt_fma(a.half - j, a.step, x) * a.inverse};
 }
 
 /* A row between four heights. */

@@ -36,13 +36,13 @@ SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *restr
     for (int k = terms - 1; k > 0; k--) {
         double next = a[k];
         LANES for (size_t i = 0; i < n; i++) {
-            dh[i] = fma(dh[i], r[i], h[i]);
-            h[i] = fma(h[i], r[i], next);
+            dh[i] = sgt_fma(dh[i], r[i], h[i]);
+            h[i] = sgt_fma(h[i], r[i], next);
         }
     }
     LANES for (size_t i = 0; i < n; i++) {
-        double G = by_radius(tip, r[i]) + fma(r[i], dh[i], h[i] + h[i]);
-        p[i] = r[i] * fma(r[i], h[i], tip);
+        double G = by_radius(tip, r[i]) + sgt_fma(r[i], dh[i], h[i] + h[i]);
+        p[i] = r[i] * sgt_fma(r[i], h[i], tip);
         px[i] = x[i] * G, py[i] = y[i] * G;
     }
 }
@@ -152,18 +152,18 @@ static void odd_second(size_t n, int terms, const double *a, const double *restr
     for (int k = terms - 1; k > 0; k--) {
         double next = a[k];
         LANES for (size_t i = 0; i < n; i++) {
-            half_ddh[i] = fma(half_ddh[i], r[i], dh[i]);
-            dh[i] = fma(dh[i], r[i], h[i]);
-            h[i] = fma(h[i], r[i], next);
+            half_ddh[i] = sgt_fma(half_ddh[i], r[i], dh[i]);
+            dh[i] = sgt_fma(dh[i], r[i], h[i]);
+            h[i] = sgt_fma(h[i], r[i], next);
         }
     }
     LANES for (size_t i = 0; i < n; i++) {
-        double cone = by_radius(tip, r[i]), G = cone + fma(r[i], dh[i], h[i] + h[i]);
-        double along = r[i] * fma(3, dh[i], 2 * r[i] * half_ddh[i]) - cone; /* P'' - G */
+        double cone = by_radius(tip, r[i]), G = cone + sgt_fma(r[i], dh[i], h[i] + h[i]);
+        double along = r[i] * sgt_fma(3, dh[i], 2 * r[i] * half_ddh[i]) - cone; /* P'' - G */
         double cosine = by_radius(x[i], r[i]), sine = by_radius(y[i], r[i]);
-        pxx[i] = fma(cosine * cosine, along, G);
+        pxx[i] = sgt_fma(cosine * cosine, along, G);
         pxy[i] = cosine * sine * along;
-        pyy[i] = fma(sine * sine, along, G);
+        pyy[i] = sgt_fma(sine * sine, along, G);
     }
 }
 

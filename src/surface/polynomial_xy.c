@@ -36,17 +36,17 @@ SGT_INLINE void polynomial_in(size_t n, sgt_numbers a, const double *restrict x,
             double a3 = j > of.terms ? 0 : of.a[j - 1], a2 = j > of.terms + 1 ? 0 : of.a[j - 2], a1 = j > of.terms + 2 ? 0 : of.a[j - 3], a0 = of.a[j - 4];
             LANES for (size_t k = 0; k < n; k++) {
                 double t = y[k], d = dw[k], h = w[k];
-                d = fma(d, t, h), h = fma(h, t, a3);
-                d = fma(d, t, h), h = fma(h, t, a2);
-                d = fma(d, t, h), h = fma(h, t, a1);
-                d = fma(d, t, h), h = fma(h, t, a0);
+                d = sgt_fma(d, t, h), h = sgt_fma(h, t, a3);
+                d = sgt_fma(d, t, h), h = sgt_fma(h, t, a2);
+                d = sgt_fma(d, t, h), h = sgt_fma(h, t, a1);
+                d = sgt_fma(d, t, h), h = sgt_fma(h, t, a0);
                 dw[k] = d, w[k] = h;
             }
         }
         LANES for (size_t k = 0; k < n; k++) {
-            px[k] = fma(px[k], x[k], p[k]);
-            p[k] = fma(p[k], x[k], w[k]);
-            py[k] = fma(py[k], x[k], dw[k]);
+            px[k] = sgt_fma(px[k], x[k], p[k]);
+            p[k] = sgt_fma(p[k], x[k], w[k]);
+            py[k] = sgt_fma(py[k], x[k], dw[k]);
         }
     }
 }
@@ -195,18 +195,18 @@ static void polynomial_second(size_t n, sgt_numbers a, const double *restrict x,
         for (size_t j = of.terms; j-- > 0;) {
             double next = of.a[j];
             LANES for (size_t k = 0; k < n; k++) {
-                ddw[k] = fma(ddw[k], y[k], 2 * dw[k]);
-                dw[k] = fma(dw[k], y[k], w[k]);
-                w[k] = fma(w[k], y[k], next);
+                ddw[k] = sgt_fma(ddw[k], y[k], 2 * dw[k]);
+                dw[k] = sgt_fma(dw[k], y[k], w[k]);
+                w[k] = sgt_fma(w[k], y[k], next);
             }
         }
         LANES for (size_t k = 0; k < n; k++) {
-            pxx[k] = fma(pxx[k], x[k], 2 * px[k]);
-            px[k] = fma(px[k], x[k], p[k]);
-            p[k] = fma(p[k], x[k], w[k]);
-            pxy[k] = fma(pxy[k], x[k], py[k]);
-            py[k] = fma(py[k], x[k], dw[k]);
-            pyy[k] = fma(pyy[k], x[k], ddw[k]);
+            pxx[k] = sgt_fma(pxx[k], x[k], 2 * px[k]);
+            px[k] = sgt_fma(px[k], x[k], p[k]);
+            p[k] = sgt_fma(p[k], x[k], w[k]);
+            pxy[k] = sgt_fma(pxy[k], x[k], py[k]);
+            py[k] = sgt_fma(py[k], x[k], dw[k]);
+            pyy[k] = sgt_fma(pyy[k], x[k], ddw[k]);
         }
     }
 }

@@ -50,7 +50,7 @@ static size_t basis(sgt_numbers a, double *b, double *b_err)
     size_t terms = q_terms(a);
     double b1 = 0, b2 = 0, err1 = 0, err2 = 0;
     for (size_t m = terms; m-- > 0;) {
-        double k = (double)m, by_f = inverse_f[m], h = 0.5 * (k + 1) * (k + 2) * by_f, inner = fma(h, b2, a.x[m]), sum = fma(-g[m], b1, inner), now = by_f * sum;
+        double k = (double)m, by_f = inverse_f[m], h = 0.5 * (k + 1) * (k + 2) * by_f, inner = sgt_fma(h, b2, a.x[m]), sum = sgt_fma(-g[m], b1, inner), now = by_f * sum;
         double err = SGT_U * (2 * fabs(h * b2) + fabs(g[m] * b1) + fabs(inner) + fabs(sum)) + h * err2 + fabs(g[m]) * err1;
         err = 1.001 * (by_f * err + 2 * SGT_U * fabs(now));
         b2 = b1, err2 = err1, b1 = now, err1 = err;
@@ -142,7 +142,7 @@ SGT_INLINE void q_bfs_in(size_t n, size_t terms, const double *b, double c, doub
     q_sum(step, terms, b, n, v, s, ds);
     LANES for (size_t i = 0; i < n; i++) {
         double f = factor_at(c, x[i] * x[i] + y[i] * y[i]), U = v[i] * (1 - v[i]), is = U * s[i] * f;
-        double G = fma(scale * f, fma(U, ds[i], (1 - 2 * v[i]) * s[i]), is * (c2 * (f * f)));
+        double G = sgt_fma(scale * f, sgt_fma(U, ds[i], (1 - 2 * v[i]) * s[i]), is * (c2 * (f * f)));
         p[i] = is;
         px[i] = x[i] * G, py[i] = y[i] * G;
     }
@@ -233,11 +233,11 @@ static void q_bfs_second(size_t n, size_t terms, const double *b, double c, doub
     q_second(step, terms, b, n, v, s, ds, dds);
     LANES for (size_t i = 0; i < n; i++) {
         double f = factor_at(c, x[i] * x[i] + y[i] * y[i]), cf = c2 * (f * f), U = v[i] * (1 - v[i]), dU = 1 - 2 * v[i];
-        double V = U * s[i], dV = scale * fma(U, ds[i], dU * s[i]), ddV = scale * scale * fma(U, dds[i], 2 * (dU * ds[i] - s[i]));
-        double G = 2 * f * fma(0.5 * cf, V, dV), bent = 4 * f * (ddV + cf * fma(0.75 * cf, V, dV));
-        pxx[i] = fma(x[i] * x[i], bent, G);
+        double V = U * s[i], dV = scale * sgt_fma(U, ds[i], dU * s[i]), ddV = scale * scale * sgt_fma(U, dds[i], 2 * (dU * ds[i] - s[i]));
+        double G = 2 * f * sgt_fma(0.5 * cf, V, dV), bent = 4 * f * (ddV + cf * sgt_fma(0.75 * cf, V, dV));
+        pxx[i] = sgt_fma(x[i] * x[i], bent, G);
         pxy[i] = x[i] * y[i] * bent;
-        pyy[i] = fma(y[i] * y[i], bent, G);
+        pyy[i] = sgt_fma(y[i] * y[i], bent, G);
     }
 }
 
@@ -270,7 +270,7 @@ static void curved(size_t n, double c, const double *restrict x, const double *r
 {
     LANES for (size_t i = 0; i < n; i++) {
         double r2 = x[i] * x[i] + y[i] * y[i], f = factor_at(c, r2), f2 = f * f, q = c * r2 * f2, G = 2 * c * (f2 * f2) * p[i];
-        px[i] = fma(px[i], q, x[i] * G), py[i] = fma(py[i], q, y[i] * G);
+        px[i] = sgt_fma(px[i], q, x[i] * G), py[i] = sgt_fma(py[i], q, y[i] * G);
         p[i] *= q;
     }
 }

@@ -91,7 +91,7 @@ SGT_INLINE local local_at_vertex_plane(const sgt_ray *ray)
     double inverse = 1 / q.n;
     q.t0 = -ray->o.z * inverse;
     /* what t0 leaves of z is a double, up to a last bit: the quotient is within an ulp or two */
-    q.t0_lo = fma(-q.t0, q.n, -ray->o.z) * inverse;
+    q.t0_lo = sgt_fma(-q.t0, q.n, -ray->o.z) * inverse;
     twofold px = two_product(q.t0, q.l), py = two_product(q.t0, q.m);
     twofold sx = two_sum(ray->o.x, px.hi), sy = two_sum(ray->o.y, py.hi);
     q.x = sx.hi + (sx.lo + px.lo + q.t0_lo * q.l);

@@ -25,9 +25,9 @@ SGT_INLINE void to_vertex_plane(double ox, double oy, double oz, double l, doubl
 {
     double inverse = 1 / n;
     *t0 = -oz * inverse;
-    *t0_lo = fma(-*t0, n, -oz) * inverse;
-    *x = fma(*t0_lo, l, fma(*t0, l, ox));
-    *y = fma(*t0_lo, m, fma(*t0, m, oy));
+    *t0_lo = sgt_fma(-*t0, n, -oz) * inverse;
+    *x = sgt_fma(*t0_lo, l, sgt_fma(*t0, l, ox));
+    *y = sgt_fma(*t0_lo, m, sgt_fma(*t0, m, oy));
 }
 
 /* A root nearer to the origin of t is for the careful forms: what has underflown on the way is no longer small beside an
@@ -45,10 +45,10 @@ SGT_INLINE mask at_vertex(double x, double y, double oz) { return MASK((fabs(x) 
 SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol, double pz, double g,
                         double near, double rim2, mask exact, mask also)
 {
-    double px = fma(r->tau, l, r->x), py = fma(r->tau, m, r->y), at = fabs(r->t), r2 = px * px + py * py, none = (double)NAN;
+    double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), at = fabs(r->t), r2 = px * px + py * py, none = (double)NAN;
     mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol))
                & MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near)) & MASK(r2 <= rim2)
-               & MASK(fma(END_ERRORS, r->t_err, r->t) <= tmax)
+               & MASK(sgt_fma(END_ERRORS, r->t_err, r->t) <= tmax)
                & (MASK(at + r->t_err > LEAST_PLACE)
                   | (exact & MASK(tmin < -LEAST_PLACE) & MASK(tmax > LEAST_PLACE)));
     lane e = {.hit = hit, .t = chosen(hit, r->t, none), .t_err = chosen(hit, r->t_err, none),
@@ -56,7 +56,7 @@ SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double
               .nx = chosen(hit, px * g, none), .ny = chosen(hit, py * g, none)};
     e.t_lo = chosen(hit, two_sum(r->t0, r->small).lo, none);
     double length = fabs(l) + fabs(m) + fabs(n), place = (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))) + fabs(pz);
-    e.p_err = chosen(hit, 1.01 * fma(length, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * place), none);
+    e.p_err = chosen(hit, 1.01 * sgt_fma(length, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * place), none);
     return e;
 }
 

@@ -48,7 +48,7 @@ typedef struct tube { double rho, off, g; } tube;
 SGT_INLINE tube tube_at(const ring *s, double x, double y, double z)
 {
     double rho = sqrt(x * x + y * y), off = rho - s->R;
-    return (tube){rho, off, fma(off, off, fma(z, z, -s->r2)) - s->r2_lo};
+    return (tube){rho, off, sgt_fma(off, off, sgt_fma(z, z, -s->r2)) - s->r2_lo};
 }
 
 SGT_INLINE double ring_at(const ring *s, double x, double y, double z, double *gx, double *gy, double *gz)

@@ -96,7 +96,7 @@ SGT_INLINE void begin(work *w, double norm, size_t n, const double *x, const dou
     LANES
     for (size_t i = 0; i < n; i++) {
         double px = x[i] / norm, py = y[i] / norm;
-        w->x[i] = px, w->y[i] = py, w->s[i] = fma(px, px, py * py);
+        w->x[i] = px, w->y[i] = py, w->s[i] = sgt_fma(px, px, py * py);
         w->re[i] = 1, w->im[i] = 0, w->re1[i] = 0, w->im1[i] = 0;
         w->p[i] = 0, w->g[i] = 0, w->gx[i] = 0, w->gy[i] = 0;
     }
@@ -109,15 +109,15 @@ SGT_INLINE void turn(work *w, size_t n)
     for (size_t i = 0; i < n; i++) {
         double re = w->re[i], im = w->im[i], x = w->x[i], y = w->y[i];
         w->re1[i] = re, w->im1[i] = im;
-        w->re[i] = fma(re, x, -im * y), w->im[i] = fma(re, y, im * x);
+        w->re[i] = sgt_fma(re, x, -im * y), w->im[i] = sgt_fma(re, y, im * x);
     }
 }
 
 #define STEP(K)                                                                                                                 \
     do {                                                                                                                        \
         double a = s - beta##K, q2, d2;                                                                                         \
-        c = fma(c##K, q, c), sn = fma(s##K, q, sn), dc = fma(c##K, d, dc), ds = fma(s##K, d, ds);                               \
-        q2 = fma(a, q, -gamma##K * q1), d2 = fma(a, d, fma(-gamma##K, d1, q));                                                  \
+        c = sgt_fma(c##K, q, c), sn = sgt_fma(s##K, q, sn), dc = sgt_fma(c##K, d, dc), ds = sgt_fma(s##K, d, ds);                               \
+        q2 = sgt_fma(a, q, -gamma##K * q1), d2 = sgt_fma(a, d, sgt_fma(-gamma##K, d1, q));                                                  \
         q1 = q, q = q2, d1 = d, d = d2;                                                                                         \
     } while (0)
 
@@ -165,10 +165,10 @@ SGT_INLINE void add_harmonic(const harmonic *h, work *w, size_t n)
     LANES
     for (size_t i = 0; i < n; i++) {
         double re = w->re[i], im = w->im[i], re1 = w->re1[i], im1 = w->im1[i], c = w->c[i], s = w->sn[i], mc = m * c, ms = m * s;
-        w->p[i] = fma(c, re, fma(s, im, w->p[i]));
-        w->g[i] = fma(w->dc[i], re, fma(w->ds[i], im, w->g[i]));
-        w->gx[i] = fma(mc, re1, fma(ms, im1, w->gx[i]));
-        w->gy[i] = fma(ms, re1, fma(-mc, im1, w->gy[i]));
+        w->p[i] = sgt_fma(c, re, sgt_fma(s, im, w->p[i]));
+        w->g[i] = sgt_fma(w->dc[i], re, sgt_fma(w->ds[i], im, w->g[i]));
+        w->gx[i] = sgt_fma(mc, re1, sgt_fma(ms, im1, w->gx[i]));
+        w->gy[i] = sgt_fma(ms, re1, sgt_fma(-mc, im1, w->gy[i]));
     }
 }
 
@@ -191,7 +191,7 @@ static void zernike_sums(const sgt_zernike *z, size_t only, size_t n, const doub
     LANES
     for (size_t i = 0; i < n; i++) {
         double g2 = w.g[i] + w.g[i];
-        p[i] = w.p[i], px[i] = fma(g2, w.x[i], w.gx[i]) * back, py[i] = fma(g2, w.y[i], w.gy[i]) * back;
+        p[i] = w.p[i], px[i] = sgt_fma(g2, w.x[i], w.gx[i]) * back, py[i] = sgt_fma(g2, w.y[i], w.gy[i]) * back;
     }
 }
 
@@ -237,9 +237,9 @@ static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const
             LANES
             for (size_t i = 0; i < n; i++) {
                 double a = w.s[i] - beta, q = w.q[i], d = w.d[i], e = b[i];
-                w.c[i] = fma(ck, q, w.c[i]), w.dc[i] = fma(ck, d, w.dc[i]), bc[i] = fma(ck, e, bc[i]);
-                w.sn[i] = fma(sk, q, w.sn[i]), w.ds[i] = fma(sk, d, w.ds[i]), bs[i] = fma(sk, e, bs[i]);
-                w.q[i] = fma(a, q, -gamma * w.q1[i]), w.d[i] = fma(a, d, fma(-gamma, w.d1[i], q)), b[i] = fma(a, e, fma(-gamma, b1[i], d + d));
+                w.c[i] = sgt_fma(ck, q, w.c[i]), w.dc[i] = sgt_fma(ck, d, w.dc[i]), bc[i] = sgt_fma(ck, e, bc[i]);
+                w.sn[i] = sgt_fma(sk, q, w.sn[i]), w.ds[i] = sgt_fma(sk, d, w.ds[i]), bs[i] = sgt_fma(sk, e, bs[i]);
+                w.q[i] = sgt_fma(a, q, -gamma * w.q1[i]), w.d[i] = sgt_fma(a, d, sgt_fma(-gamma, w.d1[i], q)), b[i] = sgt_fma(a, e, sgt_fma(-gamma, b1[i], d + d));
                 w.q1[i] = q, w.d1[i] = d, b1[i] = e;
             }
         }
@@ -247,12 +247,12 @@ static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const
         LANES
         for (size_t i = 0; i < n; i++) {
             double X = w.x[i], Y = w.y[i], re = w.re[i], im = w.im[i], c = w.c[i], s = w.sn[i], dc = m1 * w.dc[i], ds = m1 * w.ds[i];
-            double t2 = 4 * fma(bc[i], re, bs[i] * im), t1 = 2 * fma(w.dc[i], re, w.ds[i] * im);
-            double tx = 2 * fma(dc, w.re1[i], ds * w.im1[i]), ty = 2 * fma(ds, w.re1[i], -dc * w.im1[i]);
-            double u = m2 * fma(c, re2[i], s * im2[i]), v = m2 * fma(s, re2[i], -c * im2[i]);
-            pxx[i] += fma(X, fma(X, t2, tx + tx), t1 + u);
-            pxy[i] += fma(X, fma(Y, t2, ty), fma(Y, tx, v));
-            pyy[i] += fma(Y, fma(Y, t2, ty + ty), t1 - u);
+            double t2 = 4 * sgt_fma(bc[i], re, bs[i] * im), t1 = 2 * sgt_fma(w.dc[i], re, w.ds[i] * im);
+            double tx = 2 * sgt_fma(dc, w.re1[i], ds * w.im1[i]), ty = 2 * sgt_fma(ds, w.re1[i], -dc * w.im1[i]);
+            double u = m2 * sgt_fma(c, re2[i], s * im2[i]), v = m2 * sgt_fma(s, re2[i], -c * im2[i]);
+            pxx[i] += sgt_fma(X, sgt_fma(X, t2, tx + tx), t1 + u);
+            pxy[i] += sgt_fma(X, sgt_fma(Y, t2, ty), sgt_fma(Y, tx, v));
+            pyy[i] += sgt_fma(Y, sgt_fma(Y, t2, ty + ty), t1 - u);
         }
     }
     LANES

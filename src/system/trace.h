@@ -75,13 +75,13 @@ SGT_INLINE sgt_vec3 minus(sgt_vec3 a, sgt_vec3 b) { return (sgt_vec3){a.x - b.x,
 SGT_INLINE sgt_vec3 times(double a, sgt_vec3 b) { return (sgt_vec3){a * b.x, a * b.y, a * b.z}; }
 SGT_INLINE bool is_zero(sgt_vec3 a) { return a.x == 0 && a.y == 0 && a.z == 0; }
 SGT_INLINE double largest(sgt_vec3 a) { return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z))); }
-SGT_INLINE double dot(sgt_vec3 a, sgt_vec3 b) { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
+SGT_INLINE double dot(sgt_vec3 a, sgt_vec3 b) { return sgt_fma(a.x, b.x, sgt_fma(a.y, b.y, a.z * b.z)); }
 
 /* a b - c d within 2 ulps (Kahan; Jeannerod, Louvet & Muller 2013, Math. Comp. 82, 2245). */
 SGT_INLINE double difference_of_products(double a, double b, double c, double d)
 {
-    double w = c * d, e = fma(-c, d, w);
-    return fma(a, b, -w) + e;
+    double w = c * d, e = sgt_fma(-c, d, w);
+    return sgt_fma(a, b, -w) + e;
 }
 
 /* ---------------------------------------------------------------- unit length */
@@ -90,13 +90,13 @@ static const double UNIT = 0x1p-50;      /* of |d|^2 - 1: what plain normalising
 static const double NEAR_UNIT = 0x1p-25; /* from here one Newton step leads to 3/8 of UNIT */
 
 /* |a|^2 - 1 within 2^-52, for |a| near 1: each fma rounds a number of at most 1. */
-SGT_INLINE double excess(sgt_vec3 a) { return fma(a.x, a.x, fma(a.y, a.y, fma(a.z, a.z, -1))); }
+SGT_INLINE double excess(sgt_vec3 a) { return sgt_fma(a.x, a.x, sgt_fma(a.y, a.y, sgt_fma(a.z, a.z, -1))); }
 
 /* By one Newton step for 1/sqrt, e the excess: |d|^-1 = 1 - e/2 + 3/8 e^2 - ... */
 SGT_INLINE sgt_vec3 corrected(sgt_vec3 d, double e)
 {
     double by = -0.5 * e;
-    return (sgt_vec3){fma(by, d.x, d.x), fma(by, d.y, d.y), fma(by, d.z, d.z)};
+    return (sgt_vec3){sgt_fma(by, d.x, d.x), sgt_fma(by, d.y, d.y), sgt_fma(by, d.z, d.z)};
 }
 
 /* The same, but a direction that is of unit length stays as it is (-0 too: x + 0 x with a 0 that is positive). */
@@ -219,7 +219,7 @@ SGT_INLINE widening widening_by(aside a, bool first, bool turns, double moved, s
     sgt_vec3 size = {fabs(normal.x), fabs(normal.y), fabs(normal.z)};
     double all = size.x + size.y + size.z, slope = larger(fabs(dot(normal, d)), 0x1p-22 * all);
     double slip = (dot(e, size) + anywhere * all) / slope;
-    double z = fma(d.z, d.z, -1), yz = fma(d.y, d.y, z), xyz = fma(d.x, d.x, yz); /* excess */
+    double z = sgt_fma(d.z, d.z, -1), yz = sgt_fma(d.y, d.y, z), xyz = sgt_fma(d.x, d.x, yz); /* excess */
     double longer = 0.5 * (fabs(xyz) + SGT_U * (fabs(z) + fabs(yz) + fabs(xyz))) * fabs(t);
     double more = (slip + longer) * (1 + 8 * SGT_U);
     double apart = (absolute(e) + anywhere + slip) * (1 + 8 * SGT_U);
@@ -308,15 +308,15 @@ SGT_INLINE bent bent_by(bend_kind kind, double r, double k, sgt_vec3 d, sgt_vec3
     } else {
         double rg = r * g;
         if (kind == ON) {
-            b.D = fma(k, b.G, rg * rg);
+            b.D = sgt_fma(k, b.G, rg * rg);
         } else {
             sgt_vec3 c = {difference_of_products(d.y, n.z, d.z, n.y), difference_of_products(d.z, n.x, d.x, n.z),
                           difference_of_products(d.x, n.y, d.y, n.x)};
-            b.D = fma(-r * r, dot(c, c), b.G);
+            b.D = sgt_fma(-r * r, dot(c, c), b.G);
         }
         f = k / (rg + copysign(sqrt(b.D), g));
     }
-    b.d = (sgt_vec3){fma(f, n.x, r * d.x), fma(f, n.y, r * d.y), fma(f, n.z, r * d.z)};
+    b.d = (sgt_vec3){sgt_fma(f, n.x, r * d.x), sgt_fma(f, n.y, r * d.y), sgt_fma(f, n.z, r * d.z)};
     b.e = excess(b.d);
     b.d = corrected(b.d, b.e);
     return b;

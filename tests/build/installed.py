@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-HEADERS = ['diagnose.h', 'interval.h', 'sagitta.h', 'sensitivity.h', 'surfaces.h', 'system.h']
+HEADERS = ['diagnose.h', 'fma.h', 'interval.h', 'sagitta.h', 'sensitivity.h', 'surfaces.h', 'system.h']
 GEO = r'''
 #include <sagitta/geo.h>
 #include <stdio.h>
