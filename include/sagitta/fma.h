@@ -23,7 +23,7 @@ static double sgt_fma_exactly(double a, double b, double c)
 
 static inline double sgt_fma(double a, double b, double c)
 {
-#if defined(__FMA__) || defined(__aarch64__) || defined(__s390x__) || defined(__FP_FAST_FMA) || defined(SGT_HAVE_CLONES)
+#if defined(__FMA__) || defined(__aarch64__) || defined(__s390x__) || defined(__FP_FAST_FMA)
     return __builtin_fma(a, b, c);
 #else
     return sgt_fma_exactly(a, b, c);

@@ -27,14 +27,20 @@
 #define SGT_INLINE static inline
 #endif
 
-/* A function with hardware fma where the processor has it, one name, same bits; and one that has use for twice the
- * registers. */
-#if defined(SGT_HAVE_CLONES)
-#define SGT_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
-#define SGT_CLONES_WIDE __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#if defined(__clang__)
+#define SGT_NOINLINE __attribute__((noinline))
+#elif defined(__GNUC__)
+#define SGT_NOINLINE __attribute__((noinline, noclone))
 #else
-#define SGT_CLONES
-#define SGT_CLONES_WIDE
+#define SGT_NOINLINE
+#endif
+
+/* A loop over rays that is to be made vector code of, by itself: inlined, or cloned for some of its arguments, it
+ * may lose that.  In a section of its own, where tests/build/vectorised.py finds it. */
+#if defined(__ELF__)
+#define SGT_KERNEL SGT_NOINLINE __attribute__((section(".text.sgt_kernels")))
+#else
+#define SGT_KERNEL SGT_NOINLINE
 #endif
 
 #define SGT_U 0x1p-53        /* half an ulp of 1: one rounding is at most u |result| */

@@ -124,7 +124,7 @@ typedef double row[BLOCK];
 /* What a block of rays is asked. */
 typedef struct block { row lo, hi, seed, least, x, y, z, tau_lo, f, own; } block;
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void points_of(block *b, size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz, const double *restrict dx,
                       const double *restrict dy, const double *restrict dz, const double *restrict t, const double *restrict t_lo)
 {

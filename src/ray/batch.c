@@ -48,7 +48,7 @@ static size_t positives(const signed char status[], size_t n)
 }
 
 /* Of rays that have another root; where none was met it is NaN, or still to be written. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void hide(size_t n, const unsigned long long alone[], double *a)
 {
     LANES for (size_t i = 0; i < n; i++) a[i] = chosen(MASK(alone[i] == SGT_NOT_ALONE), (double)NAN, a[i]);
@@ -137,6 +137,7 @@ static void explicit_ends(size_t n, const double tmin[], const double given[], d
 size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt)
 {
     static const sgt_options none = {0};
+    s = in_set(s);
     if (!opt) opt = &none;
     if (opt->watch || !sgt_options_valid(opt)) return one_by_one(s, n, &rays, &hits, opt);
     signed char status[SGT_MOST_TILE];

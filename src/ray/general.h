@@ -21,6 +21,9 @@ SGT_INLINE double rim2_of_surface(sgt_surface s) { return s.ops->own_ && s.ops->
 /* A built-in surface that does not answer by itself says whether it is one. */
 SGT_INLINE bool parameters_valid(sgt_surface s) { return !is_catalogue(s.ops) || !s.ops->own_->object(s.self).reason; }
 
+/* sgt_intersect of a ray that may be written to. */
+sgt_hit sgt_intersect_copy(sgt_surface s, sgt_ray *ray, const sgt_options *opt);
+
 /* ray and opt have been checked, tmax made explicit. */
 sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
 

@@ -31,17 +31,21 @@ static sgt_hit proven(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
     return hit;
 }
 
-sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt)
+sgt_hit sgt_intersect_copy(sgt_surface s, sgt_ray *ray, const sgt_options *opt)
 {
-    if (!valid(s, &ray, &opt)) return hit_without(SGT_INVALID, &ray, 0);
-    if (!answers_itself(s.ops)) return sgt_intersect_general(s, &ray, opt);
-    if (opt->proof != SGT_ESTIMATE) return proven(s, &ray, opt);
-    return s.ops->own_->meet(s.self, &ray, opt);
+    s = in_set(s);
+    if (!valid(s, ray, &opt)) return hit_without(SGT_INVALID, ray, 0);
+    if (!answers_itself(s.ops)) return sgt_intersect_general(s, ray, opt);
+    if (opt->proof != SGT_ESTIMATE) return proven(s, ray, opt);
+    return s.ops->own_->meet(s.self, ray, opt);
 }
+
+sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt) { return sgt_intersect_copy(s, &ray, opt); }
 
 int sgt_intersect_all(sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[], const sgt_options *opt)
 {
     sgt_list list = {.hits = hits, .cap = hits ? cap : 0, .count = 0};
+    s = in_set(s);
     if (!valid(s, &ray, &opt)) return SGT_INVALID;
     if (!answers_itself(s.ops)) sgt_intersect_all_general(s, &ray, opt, &list);
     else if (s.ops->own_->all(s.self, &ray, opt, &list) < 0) return SGT_INVALID;

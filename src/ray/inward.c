@@ -66,7 +66,7 @@ SGT_INLINE double radius_wanted(double r, double outward)
 /* ------------------------------------------------------------------------- a step */
 
 /* Its length, where it is not that of a step refused; the point it leads to. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void step(size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz,
                  const double *restrict dx, const double *restrict dy, const double *restrict dz,
                  const double *restrict at, const double *restrict h, const double *restrict a,
@@ -90,7 +90,7 @@ static void step(size_t n, const double *restrict ox, const double *restrict oy,
 }
 
 /* What it has shown. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void judge(size_t n, const double *restrict dx, const double *restrict dy, const double *restrict dz,
                   double *restrict at, double *restrict h, double *restrict a, double *restrict sign,
                   double *restrict ratio, const double *restrict radius, const double *restrict steep,

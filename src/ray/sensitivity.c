@@ -11,6 +11,7 @@
  *
  * ROUNDING.  1/s rounds once and each product once or twice: w is within 2 1/2 u of -n / s, beside what the sum of products s
  * is off by, 3 u (|nx dx| + |ny dy| + |nz dz|) / |s|; u = 2^-53. */
+#include "../surface/own.h"
 #include "../num/lanes.h"
 
 #include <sagitta/sensitivity.h>
@@ -37,7 +38,7 @@ static const int ENTRY[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 /* ------------------------------------------------------------------------- rows */
 
 /* By way of int, a loop for each: bytes beside doubles in one loop are much code. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void positive(size_t n, const signed char *status, double *out)
 {
     int wide[BLOCK];
@@ -46,7 +47,7 @@ static void positive(size_t n, const signed char *status, double *out)
 }
 
 /* -1 / s and w; met: 1 or 0.  Returns how many were met. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double invert(block *b)
 {
     const double *dx = b->d[0], *dy = b->d[1], *dz = b->d[2], *nx = b->normal[0], *ny = b->normal[1], *nz = b->normal[2];
@@ -62,44 +63,44 @@ static double invert(block *b)
     return count;
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void fill(size_t n, double value, double *out)
 {
     LANES for (size_t i = 0; i < n; i++) out[i] = value;
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void choose(size_t n, const double *which, const double *a, double other, double *out)
 {
     LANES for (size_t i = 0; i < n; i++) out[i] = which[i] != 0 ? a[i] : other;
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void product(size_t n, const double *a, const double *b, double *out)
 {
     LANES for (size_t i = 0; i < n; i++) out[i] = a[i] * b[i];
 }
 
 /* c + a b */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void sum(size_t n, const double *c, const double *a, const double *b, double *out)
 {
     LANES for (size_t i = 0; i < n; i++) out[i] = c[i] + a[i] * b[i];
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void sum_one(size_t n, double c, const double *a, const double *b, double *out)
 {
     LANES for (size_t i = 0; i < n; i++) out[i] = c + a[i] * b[i];
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void add_times(size_t n, double factor, const double *a, double *to)
 {
     LANES for (size_t i = 0; i < n; i++) to[i] += factor * a[i];
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void dot(size_t n, const double *ax, const double *ay, const double *az, const double *bx, const double *by, const double *bz, double *out)
 {
     LANES for (size_t i = 0; i < n; i++) out[i] = ax[i] * bx[i] + ay[i] * by[i] + az[i] * bz[i];
@@ -160,10 +161,15 @@ static void parameter(block *b, size_t j, bool gradient)
 static bool has_parameters(sgt_surface s) { return s.ops && s.ops->parameters && s.ops->by_parameter; }
 static int lacks(bool second, bool parameters) { return (second ? SGT_LACKS_SECOND : 0) | (parameters ? SGT_LACKS_PARAMETERS : 0); }
 
-size_t sgt_parameters(sgt_surface s) { return has_parameters(s) ? s.ops->parameters(s.self) : 0; }
+size_t sgt_parameters(sgt_surface s)
+{
+    s = in_set(s);
+    return has_parameters(s) ? s.ops->parameters(s.self) : 0;
+}
 
 int sgt_differentiate(sgt_surface s, const sgt_ray *ray, const sgt_hit *hit, sgt_change by_o[3], sgt_change by_a[])
 {
+    s = in_set(s);
     block b;
     double d[3] = {ray->d.x, ray->d.y, ray->d.z}, p[3] = {hit->p.x, hit->p.y, hit->p.z}, n[3] = {hit->n.x, hit->n.y, hit->n.z};
     signed char status = hit->status > 0;
@@ -191,6 +197,7 @@ static double *listed(double *const *list, size_t j, size_t at) { return list &&
 
 int sgt_differentiate_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, sgt_jacobian out)
 {
+    s = in_set(s);
     block b;
     bool turns = false, lists = out.t_by_a != NULL, turn_lists = false;
     for (int i = 0; i < 3; i++) {
@@ -240,6 +247,7 @@ static void shift(const block *b, const sgt_rays *change, const double *t, size_
 
 int sgt_differentiate_forward(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, sgt_rays change, const double da[], sgt_changes out)
 {
+    s = in_set(s);
     block b;
     row shifted[3], turned[3];
     double *q[3] = {shifted[0], shifted[1], shifted[2]};

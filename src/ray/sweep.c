@@ -73,7 +73,7 @@ typedef struct sweep {
     sgt_values f, q;    /* F at tau; F beside a root */
 } sweep;
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static size_t count_of(const lanes *a, size_t n, double state)
 {
     double count = 0;
@@ -103,7 +103,7 @@ static size_t front(sweep *w, size_t n, double state)
 
 /* -------------------------------------------------------------------- evaluations */
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void points(lanes *a, size_t n, const double *tau)
 {
 #pragma omp simd
@@ -115,7 +115,7 @@ static void points(lanes *a, size_t n, const double *tau)
 }
 
 /* The slope, and what rounding of the point does to F. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void around_all(const lanes *a, size_t n, const double *tau, const double *fx, const double *fy, const double *fz, double *slope, double *g_err, double none)
 {
 #pragma omp simd
@@ -126,7 +126,7 @@ static void around_all(const lanes *a, size_t n, const double *tau, const double
 }
 
 /* The same; how many are so near the root that the surface's own rounding is to be asked for. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double around_close(const lanes *a, size_t n, const double *tau, const sgt_values *f, double *slope, double *g_err, const double *last, double f_tol)
 {
     const double *g = f->f, *fx = f->grad[0], *fy = f->grad[1], *fz = f->grad[2];
@@ -157,7 +157,7 @@ static void ask(sweep *w, size_t n, const sgt_values *out)
 }
 
 /* Where the surface's own is to be asked for (all, where last is NULL). */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void add_roundings(size_t n, const double *restrict f, const double *restrict slope, const double *restrict last, double f_tol, const double *restrict own, double *restrict g_err)
 {
     if (last) {
@@ -170,7 +170,7 @@ static void add_roundings(size_t n, const double *restrict f, const double *rest
     }
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void add_noise(const lanes *a, size_t n, double *own)
 {
 #pragma omp simd
@@ -203,7 +203,7 @@ static void bound(sweep *w, size_t n, const double *tau, const sgt_values *f, do
 /* ----------------------------------------------------------------------- approach */
 
 /* By way of int, a loop for each: bytes beside doubles in one loop are much code. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void widen(size_t n, double *restrict out, const bool *restrict of)
 {
     int wide[LANES];
@@ -213,7 +213,7 @@ static void widen(size_t n, double *restrict out, const bool *restrict of)
     for (size_t i = 0; i < n; i++) out[i] = wide[i];
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void single_all(lanes *a, size_t n)
 {
 #pragma omp simd
@@ -221,7 +221,7 @@ static void single_all(lanes *a, size_t n)
 }
 
 /* Who is to be asked; the rows of the others are those of nobody. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double nearby_asked(const lanes *a, size_t n, double *asked)
 {
     double some = 0;
@@ -318,7 +318,7 @@ SGT_INLINE void make_local(const sweep *w, const sgt_tile *tile, size_t from, si
 }
 
 /* Returns how many start at once. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double approach_lanes(const sweep *w, const sgt_tile *tile, size_t from, size_t n)
 {
     lanes *a = w->a;
@@ -345,7 +345,7 @@ static double approach_lanes(const sweep *w, const sgt_tile *tile, size_t from, 
 /* -------------------------------------------------------------------------- march */
 
 /* Its end, where the ray has none, and its steps. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void march_begin(lanes *a, size_t n, double dt_min, bool everywhere)
 {
 #pragma omp simd
@@ -407,9 +407,9 @@ SGT_INLINE double march_steps(lanes *a, size_t n, double k, bool known, double n
     return more;
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double march_step(lanes *a, size_t n, double k, double none) { return march_steps(a, n, k, false, none); }
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double march_step_known(lanes *a, size_t n, double k) { return march_steps(a, n, k, true, 0); }
 
 /* The lanes before a valley, one by one: hard, or on. */
@@ -444,7 +444,7 @@ static void march_end(lanes *a, size_t n)
 }
 
 /* Where the march has ended between unlike signs: from the secant of the two. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void bracket(lanes *a, size_t n)
 {
 #pragma omp simd
@@ -494,7 +494,7 @@ static void march(sweep *w, size_t n)
 
 /* ------------------------------------------------------------------ Newton's steps */
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void newton_begin(lanes *a, size_t n)
 {
 #pragma omp simd
@@ -536,9 +536,9 @@ SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, 
     return more;
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double newton_step(lanes *a, size_t n, bool last_one, double f_tol, double none) { return newton_steps(a, n, last_one, f_tol, false, none); }
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double newton_step_known(lanes *a, size_t n, bool last_one, double f_tol) { return newton_steps(a, n, last_one, f_tol, true, 0); }
 
 static void solve(sweep *w, size_t n)
@@ -562,7 +562,7 @@ static void solve(sweep *w, size_t n)
 
 /* ------------------------------------------------------------------- beside a root */
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void sign_all(const lanes *a, size_t n, const double *tau, double *sign, double none)
 {
 #pragma omp simd
@@ -586,14 +586,14 @@ static void signs(sweep *w, size_t n, const double *tau, double *sign)
 }
 
 /* Beside a root |F| is greater than at it: a sign where it is not, as next to a pole, is doubtful. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void unless_greater(const lanes *a, size_t n, double *sign)
 {
 #pragma omp simd
     for (size_t i = 0; i < n; i++) sign[i] = fabs(a->qf[i]) > fabs(a->f[i]) ? sign[i] : 0;
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void ends(lanes *a, size_t n)
 {
 #pragma omp simd
@@ -623,7 +623,7 @@ static void miss(sweep *w, size_t n)
 
 /* How far to look from where Newton's steps have ended; who need not, or does not stand at a root: |F| has grown.  How many
  * are to look. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double probe_begin(lanes *a, size_t n, double f_tol)
 {
     double more = 0;
@@ -644,7 +644,7 @@ static double probe_begin(lanes *a, size_t n, double f_tol)
 }
 
 /* Both sides, and the points on the left; how many have both. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double probe_sides(lanes *a, size_t n)
 {
     double more = 0;
@@ -664,7 +664,7 @@ static double probe_sides(lanes *a, size_t n)
 }
 
 /* What the signs say (to the right of a pole F has not the sign of the slope); how many are to be asked again. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double probe_end(lanes *a, size_t n, double doubtful)
 {
     double more = 0;
@@ -680,7 +680,7 @@ static double probe_end(lanes *a, size_t n, double doubtful)
 }
 
 /* Of some lane a step is enough that is not within the rounding. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static bool loose(const lanes *a, size_t n)
 {
     double some = 0;
@@ -690,7 +690,7 @@ static bool loose(const lanes *a, size_t n)
 }
 
 /* Those whose slope is known along the span; off: how far F may be.  How many are still to be asked beside the root. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double certify(lanes *a, size_t n, const double *off)
 {
     double more = 0;
@@ -736,7 +736,7 @@ static void probe(sweep *w, size_t n)
 
 /* Of every lane what is told of it, in rows that are of no more use: t in last, t_err in first, t_lo in dt, p_err in end, the
  * gradient where it is, the point where points are.  How many are hits. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double take(lanes *a, size_t n, double budget, double rim2, double margin)
 {
     double hits = 0;
@@ -784,7 +784,7 @@ static size_t settle(const sweep *w, size_t n, bool hits, double *const row_of[T
 }
 
 /* Each row to where it is wanted.  By vectors: what becomes of a memcpy of unknown length in code for any processor is slower. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void copy(size_t n, double *const outs[TOLD], double *const rows[TOLD], size_t from)
 {
     for (size_t j = 0; j < TOLD; j++) {
@@ -796,7 +796,7 @@ static void copy(size_t n, double *const outs[TOLD], double *const rows[TOLD], s
     }
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void narrow(const lanes *a, size_t n, signed char *status, int *evals)
 {
     int state[LANES];
@@ -844,7 +844,7 @@ static size_t run(sweep *w, const sgt_tile *tile, size_t from, size_t n)
 }
 
 /* tmax as it is meant, and the state 1 where the ray is one; how many are. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
 {
     const double *ox = tile->rays.o[0] + from, *oy = tile->rays.o[1] + from, *oz = tile->rays.o[2] + from, *tmin = tile->rays.tmin + from;

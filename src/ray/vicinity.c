@@ -64,7 +64,7 @@ SGT_INLINE void noise_about(sgt_surface s, double rung, size_t i, vicinities *ke
 
 /* What is needed at the seed, and from where the search begins on: the least radius, and the rung about the
  * root. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void begin(size_t n, bool near, const double *restrict ox, const double *restrict oy,
                   const double *restrict dx, const double *restrict dy, const double *restrict dz,
                   const double *restrict tmin, const double *restrict t, double *restrict at_seed,
@@ -86,7 +86,7 @@ static void begin(size_t n, bool near, const double *restrict ox, const double *
 
 /* Begins where the ray enters |z| <= size, made larger by far more than rounding, where a smaller radius is
  * enough from there on: unless it is from so far that an ulp of t is too long for that.  How many did. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double shrink(size_t n, const double *restrict ox, const double *restrict oy,
                      const double *restrict oz, const double *restrict dx, const double *restrict dy,
                      const double *restrict dz, const double *restrict size, const double *restrict at_seed,
@@ -114,7 +114,7 @@ static double shrink(size_t n, const double *restrict ox, const double *restrict
 
 /* Where F is monotone on the chord within the radius, some of the ray is there, and it begins before the
  * search does.  How many are left. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double judge(size_t n, const double *restrict dx, const double *restrict dy, const double *restrict dz,
                     const double *restrict tmin, const double *restrict tmax, const double *restrict seed,
                     const double *restrict from, const double *restrict lo, const double *restrict hi,
@@ -139,7 +139,7 @@ static double judge(size_t n, const double *restrict dx, const double *restrict 
 
 /* ---------------------------------------------------------------------------- passed by */
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static mask passed_by(const sgt_heights *g, const line *w)
 {
     double left = 0;

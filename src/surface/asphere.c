@@ -82,7 +82,7 @@ typedef struct wavy_room {
 } wavy_room;
 
 /* Takes from the hits those whose side of the rim is not certain; all are left: all bits. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *room)
 {
     const wavy own = *self, *s = &own;
@@ -136,13 +136,13 @@ SGT_INLINE void sweep_away(const wavy *self, int terms, const sgt_tile *tile, wa
     }
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void asphere_sweep_few_away(const wavy *s, const sgt_tile *tile, wavy_room *room)
 {
     sweep_away(s, FEW_TERMS, tile, room);
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void asphere_sweep_all_away(const wavy *s, const sgt_tile *tile, wavy_room *room)
 {
     sweep_away(s, ALL_TERMS, tile, room);
@@ -230,7 +230,7 @@ SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich
 }
 
 #define SWEEP_TERMS(name, terms, first, rich)                                                       \
-    SGT_CLONES_WIDE static size_t name(const wavy *s, const sgt_tile *tile, wavy_room *room)        \
+    SGT_KERNEL static size_t name(const wavy *s, const sgt_tile *tile, wavy_room *room)        \
     {                                                                                               \
         return sweep_terms(s, terms, first, rich, tile, room);                                      \
     }
@@ -342,8 +342,7 @@ static bool passes_by(const shape *s, const sgt_ray *ray)
     return passes != 0;
 }
 
-SGT_CLONES
-static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
+SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
     const sgt_asphere *s = self;
     if (!asphere_valid(s)) return hit_without(SGT_INVALID, ray, 0);

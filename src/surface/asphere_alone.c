@@ -26,7 +26,7 @@ typedef struct rings {
     double width, inner[RINGS], slope[RINGS], least[RINGS], most[RINGS], above[RINGS], below[RINGS];
 } rings;
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void asphere_rings(const shape *s, rings *out)
 {
     double m[RINGS], h[RINGS], outer2[RINGS], p[RINGS], p1[RINGS], p2[RINGS], first[RINGS], second[RINGS], third[RINGS];
@@ -87,7 +87,7 @@ static double steepness(const rings *g, course way, bool rises)
 }
 
 /* Of all rays; q2 is the square of q. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void asphere_courses(const sgt_tile *tile, double *q2, course *way)
 {
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
@@ -106,7 +106,7 @@ static void asphere_courses(const sgt_tile *tile, double *q2, course *way)
 
 /* At most one root: on every piece F has none or rises, or on every piece none or falls.  s and u are in the
  * ranges told behind the point nearest the axis, in those of the other sign before it; NaN proves nothing. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static mask asphere_one_root(const rings *g, const line *w)
 {
     const double more = 1 + 0x1p-40, less = 1 - 0x1p-40, a = w->a, n = w->n, far = w->nearest + w->aside;
@@ -163,7 +163,7 @@ bool sgt_asphere_alone(const shape *s, const sgt_tile *tile, mask alone[])
 
 /* ------------------------------------------------------------------------- misses */
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static mask asphere_passed_by(const rings *g, const line *w)
 {
     double left = 0;

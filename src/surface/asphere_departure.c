@@ -15,7 +15,7 @@ static int terms_of(const sgt_asphere *s)
 }
 
 /* p and its first two derivatives of each rho. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void horner(int terms, const double *a, size_t n, const double *restrict x, const double *restrict y, double *restrict p, double *restrict p1, double *restrict p2)
 {
     double rho[FREEFORM_BLOCK];

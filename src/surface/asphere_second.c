@@ -5,7 +5,7 @@
 
 #include <sagitta/surfaces.h>
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void second(const double *a, size_t n, const double *x, const double *y, double *xx, double *xy, double *yy)
 {
     double a0 = a[0], a1 = 2 * a[1], a2 = 3 * a[2], a3 = 4 * a[3], a4 = 5 * a[4], a5 = 6 * a[5], a6 = 7 * a[6], a7 = 8 * a[7];
@@ -40,7 +40,7 @@ SGT_INLINE double power(double q, int i)
     return (i & 1 ? q : 1) * (i & 2 ? q2 : 1) * (i & 4 ? q2 * q2 : 1);
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void by_term(int term, size_t n, const double *x, const double *y, double *f)
 {
     LANES for (size_t i = 0; i < n; i++) {
@@ -49,7 +49,7 @@ static void by_term(int term, size_t n, const double *x, const double *y, double
     }
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void by_term_all(int term, size_t n, const double *x, const double *y, double *f, double *fx, double *fy, double *fz)
 {
     double factor = -2.0 * (term + 1);

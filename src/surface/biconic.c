@@ -20,7 +20,7 @@
 #include "bend.h"
 #include "freeform.h"
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void biconic_sag(const sgt_biconic *self, size_t n, const double *restrict px, const double *restrict py, double *restrict p,
                         double *restrict gx, double *restrict gy)
 {
@@ -162,7 +162,7 @@ static void biconic_noise(const void *self, double radius, double e[2])
     e[0] = 0x1p-1060, e[1] = c / (1 + phi) * (4 * u + w_err) * (1 + 0x1p-20);
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void biconic_bent(const sgt_biconic *self, size_t n, const double *restrict px, const double *restrict py, double *restrict pxx,
                          double *restrict pxy, double *restrict pyy)
 {
@@ -185,7 +185,7 @@ static void biconic_second(const void *self, size_t n, const double *x, const do
 static size_t biconic_parameter_count(const void *self) { (void)self; return 4; }
 
 /* By c or k of the x axis; that of y is the same with the axes exchanged. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void biconic_by_axis(double cx, double kx, double cy, double ky, bool by_c, size_t n, const double *restrict px, const double *restrict py,
                             double *restrict p, double *restrict gx, double *restrict gy)
 {

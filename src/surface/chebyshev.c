@@ -5,7 +5,7 @@
  * Upon (T, sqrt(w) U) that is a turn by u, so what a step leaves out stays as it is, where the recurrence of three terms makes n
  * times as much of it near |x| = 1 (Clenshaw's sum, too); beyond |x| = 1 all the terms of a step have one sign.
  *
- * For a block of points the T_j and T_j' of y are tabled, 24 columns at a time; then each coefficient costs
+ * For a block of points the T_j and T_j' of y are tabled, 20 columns at a time; then each coefficient costs
  * two fma, one for B_i = sum over j of a_ij T_j and one for B_i', and P = sum of T_i B_i, P_x = sum of T_i'
  * B_i, P_y = sum of T_i B_i'.  Two rows and four columns at once, so that it is arithmetic and not loads and
  * stores that take the time.
@@ -25,7 +25,7 @@
 #include "bend.h"
 #include "freeform.h"
 
-enum { MOST = 64, PANEL = 24, STRIP = 32, NONE = MOST * MOST };
+enum { MOST = 64, PANEL = 20, STRIP = 32, NONE = MOST * MOST };
 
 /* Of all points: the argument, 1 - x^2, T_n and U_n-1. */
 typedef struct turning { double x[STRIP], w[STRIP], t[STRIP], u[STRIP]; } turning;
@@ -53,7 +53,7 @@ static double coefficient(const sgt_chebyshev *s, size_t only, size_t i, size_t 
     return only < NONE ? at == only : s->a.x[at];
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void chebyshev_sums(const sgt_chebyshev *s, size_t only, size_t n, const double *x, const double *y, double *restrict p, double *restrict px,
                            double *restrict py)
 {
@@ -133,7 +133,7 @@ static size_t chebyshev_parameters(const void *self)
 }
 
 /* T_n and dT_n/dx. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void one_polynomial(double norm, size_t degree, size_t n, const double *x, double *restrict t, double *restrict slope)
 {
     const double back = (double)degree / norm;
@@ -155,7 +155,7 @@ static void one_polynomial(double norm, size_t degree, size_t n, const double *x
     for (size_t i = 0; i < n; i++) slope[i] = back * u[i];
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void product(size_t n, const double *a, const double *da, const double *b, const double *db, double *restrict p, double *restrict px, double *restrict py)
 {
     LANES
@@ -193,7 +193,7 @@ SGT_INLINE void turn_bending(bending *a, double degree, size_t n)
     }
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void chebyshev_bends(const sgt_chebyshev *s, size_t n, const double *x, const double *y, double *restrict pxx, double *restrict pxy,
                             double *restrict pyy)
 {
@@ -269,7 +269,7 @@ static void errors_of(double x, size_t count, errors *out)
 }
 
 /* A column's sums over the rows of |a| times |T_i|, its error, |T_i'|, its error. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void column_sums(const sgt_chebyshev *s, const errors *of, double *restrict t, double *restrict t_err, double *restrict d,
                         double *restrict d_err)
 {

@@ -505,11 +505,13 @@ static void check_all_spans(check *c, size_t n, const sgt_ray rays[], bool first
 
 sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *where)
 {
+    double rim2 = s.ops ? rim2_of_builtin(s) : HUGE_VAL; /* by the table, of the operations as they are seen */
+    s = in_set(s);
     check c = {.s = s, .fault = SGT_SOUND, .where = {(double)NAN, (double)NAN, (double)NAN}};
     if (!s.ops || !s.ops->value || (is_catalogue(s.ops) && s.ops->own_->object(s.self).reason)) {
         c.fault = SGT_NO_VALUE;
     } else {
-        c.rim2 = rim2_of_builtin(s);
+        c.rim2 = rim2;
         for (size_t i = 0; i < n; i++) {
             if (!is_usable(&rays[i])) continue; /* what is no ray says nothing of the surface */
             c.ray = &rays[i];

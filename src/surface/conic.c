@@ -52,7 +52,6 @@ static bool before(const meeting *a, const meeting *b) { return a->t < b->t || (
 
 /* A ray that is not met at once; its ends have been made explicit.  A direction of unusual length is scaled, by a power of
  * two: of the usual ones that would change no bit. */
-SGT_CLONES
 static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
 {
     sgt_vec3 o = ray->o, d = ray->d;
@@ -437,13 +436,11 @@ SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray 
     return hit_at(&at, status, f, w.evals ? SGT_NEWTON : SGT_SEED, ray, &w);
 }
 
-SGT_CLONES
 sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
 {
     return meet(c, k, semi_diameter, ray, opt);
 }
 
-SGT_CLONES
 static sgt_hit conic_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
     const sgt_conic *s = self;

@@ -4,7 +4,7 @@
 #include <sagitta/surfaces.h>
 #include <string.h>
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void second(double c, double k, size_t n, const double *x, const double *y, double *xx, double *xy, double *xz, double *yy, double *yz, double *zz)
 {
     LANES for (size_t i = 0; i < n; i++) {
@@ -28,12 +28,12 @@ size_t sgt_conic_parameters(const void *self)
 
 /* The loops over points: F alone, and F with its gradient. */
 #define BY(NAME)                                                                                                                \
-    SGT_CLONES_WIDE                                                                                                             \
+    SGT_KERNEL                                                                                                             \
     static void NAME##_alone(double c, double k, size_t n, const double *x, const double *y, double *f)                         \
     {                                                                                                                           \
         LANES for (size_t i = 0; i < n; i++) f[i] = -conic_##NAME(c, k, x[i] * x[i] + y[i] * y[i]).f;                           \
     }                                                                                                                           \
-    SGT_CLONES_WIDE                                                                                                             \
+    SGT_KERNEL                                                                                                             \
     static void NAME##_all(double c, double k, size_t n, const double *x, const double *y, double *f, double *fx, double *fy, double *fz) \
     {                                                                                                                           \
         LANES for (size_t i = 0; i < n; i++) {                                                                                  \
@@ -45,7 +45,7 @@ BY(by_c)
 BY(by_k)
 
 /* Of a plane: r^2 / 2 and (x, y) by c, nothing by k. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void plane_by_c(size_t n, const double *x, const double *y, double *f)
 {
     LANES for (size_t i = 0; i < n; i++) f[i] = -0.5 * (x[i] * x[i] + y[i] * y[i]);

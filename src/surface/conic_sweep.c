@@ -33,7 +33,7 @@ SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool proo
 }
 
 /* The verdicts of all rays. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void conic_sweep_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone)
 {
     const bowl own = *self, *s = &own;
@@ -46,7 +46,7 @@ static void conic_sweep_away(const bowl *self, const sgt_tile *tile, mask *away,
     }
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void conic_sweep_plane_away(const bowl *self, const sgt_tile *tile, mask *away)
 {
     const bowl own = *self, *s = &own;
@@ -59,7 +59,7 @@ static void conic_sweep_plane_away(const bowl *self, const sgt_tile *tile, mask 
 }
 
 /* Of the far roots of all rays. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void conic_sweep_far(const bowl *self, const sgt_tile *tile, mask *gone, mask *counts, double *far, double *slack)
 {
     const bowl own = *self, *s = &own;
@@ -73,7 +73,7 @@ static void conic_sweep_far(const bowl *self, const sgt_tile *tile, mask *gone, 
 }
 
 #define SWEEP_BOWL(name, plane, first, proof, rich)                                                 \
-    SGT_CLONES_WIDE static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
+    SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
     {                                                                                               \
         return sweep_bowl(s, plane, first, proof, rich, tile, room);                                \
     }
@@ -113,7 +113,7 @@ SGT_INLINE size_t sweep_nearby(const bowl *self, bool plane, bool first, const s
 }
 
 #define SWEEP_NEARBY(name, plane, first)                                                            \
-    SGT_CLONES_WIDE static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
+    SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
     {                                                                                               \
         return sweep_nearby(s, plane, first, tile, room);                                           \
     }
@@ -195,7 +195,7 @@ size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile 
 }
 
 /* n^2 > limit (l^2 + m^2); where a square has underflown it is small beside n^2 times 2^-500. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static mask sweep_monotone(double limit, const sgt_tile *tile, mask alone[])
 {
     const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];

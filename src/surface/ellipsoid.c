@@ -32,7 +32,6 @@ SGT_INLINE double shell_at(const shell *s, double x, double y, double z, double 
     return (sgt_fma(x, x, sum) + small) * s->half;
 }
 
-SGT_CLONES
 static double ellipsoid_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
     shell s = shell_of(self);
@@ -42,7 +41,7 @@ static double ellipsoid_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
     return f;
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void shell_values(const shell *shared, size_t n, sgt_points p, sgt_values out)
 {
     const shell s = *shared;
@@ -73,14 +72,13 @@ SGT_INLINE double shell_rounding(const shell *s, double x, double y, double z)
     return 1.01 * (SGT_U * ((w2 + fabs(first)) + (fabs(second) + 4 * fabs(all)) + 0x1p-48 * (w2 + s->a2)) + 0x1p-1070) * s->half;
 }
 
-SGT_CLONES
 static double ellipsoid_rounding(const void *self, sgt_vec3 p)
 {
     shell s = shell_of(self);
     return shell_rounding(&s, p.x, p.y, p.z);
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void shell_roundings(const shell *shared, size_t n, sgt_points p, double *out)
 {
     const shell s = *shared;
@@ -96,7 +94,6 @@ static bool ellipsoid_roundings(const void *self, const sgt_shared *shared, size
     return true;
 }
 
-SGT_CLONES
 static double ellipsoid_clearance(const void *self, sgt_vec3 p)
 {
     shell s = shell_of(self);
@@ -129,7 +126,6 @@ static sgt_interval ellipsoid_plain(const sgt_ellipsoid *s, const sgt_ray *ray, 
     return sgt_interval_quotient(g, sgt_interval_scaled(a, 2));
 }
 
-SGT_CLONES
 static sgt_interval ellipsoid_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
 {
     const sgt_ellipsoid *s = self;

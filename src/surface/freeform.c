@@ -34,7 +34,7 @@ SGT_INLINE base base_at(double c, double k, double x, double y)
     return e;
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void on_conic(size_t n, double c, double k, const double *restrict x, const double *restrict y, const double *restrict z,
                      const double *restrict p, const double *restrict px, const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy,
                      double *restrict fz)
@@ -48,7 +48,7 @@ static void on_conic(size_t n, double c, double k, const double *restrict x, con
     }
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void on_plane(size_t n, const double *restrict z, const double *restrict p, const double *restrict px, const double *restrict py,
                      double *restrict f, double *restrict fx, double *restrict fy, double *restrict fz)
 {
@@ -98,7 +98,7 @@ double sgt_freeform_rounding(const freeform *s, sgt_vec3 at)
 }
 
 /* The same of many points at less cost, F being known: s + P is z - F.  What P adds is one bound for all within the rim. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void roundings_within(size_t n, double c, double k, double most2, double e0, double e1, const double *restrict x, const double *restrict y,
                              const double *restrict z, const double *restrict f, double *restrict out)
 {
@@ -286,7 +286,7 @@ void sgt_freeform_share(const freeform *s, sgt_shared *shared)
     sgt_freeform_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void all_chords(size_t n, const double *restrict ox, const double *restrict oy,
                        const double *restrict oz, const double *restrict dx, const double *restrict dy,
                        const double *restrict dz, const double *restrict radius2,
@@ -306,7 +306,7 @@ void sgt_freeform_chords(size_t n, sgt_rays r, const double *radius2, const doub
     all_chords(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], radius2, steep, lo, hi, least);
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void all_spans(const sgt_shared *self, size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz,
                       const double *restrict dx, const double *restrict dy, const double *restrict dz, double *restrict lo, double *restrict hi,
                       double *restrict seed, double *restrict least)
@@ -329,7 +329,6 @@ void sgt_freeform_spans(const sgt_shared *s, size_t n, sgt_rays r, sgt_spans out
     }
 }
 
-SGT_CLONES
 static spanned one_span(const sgt_shared *s, const sgt_ray *ray) { return span_of(s->c, s->k1, s->radius2, s->steep, ray->o, ray->d); }
 
 sgt_span sgt_freeform_span(const sgt_shared *s, const sgt_ray *ray, double *least)
@@ -437,7 +436,7 @@ sgt_interval sgt_freeform_enclose(const freeform *s, const sgt_ray *ray, double 
 
 /* ----------------------------------------------------------------------------- sensitivities */
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void second_of(size_t n, double c, double k, const double *restrict x, const double *restrict y, const double *restrict pxx,
                       const double *restrict pxy, const double *restrict pyy, double *restrict xx, double *restrict xy, double *restrict yy)
 {
@@ -468,7 +467,7 @@ size_t sgt_freeform_parameters(const freeform *s) { return of_base(s) + s->of->p
 
 /* ds/dc = r^2 / (phi (1 + phi)), its gradient (x, y) / phi^3; ds/dk = c^3 r^4 / (2 phi (1 + phi)^2), its gradient
  * c^3 r^2 (x, y) / (2 phi^3); less what P adds to either. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void by_base(size_t n, bool by_c, double c, double k, const double *restrict x, const double *restrict y, const double *restrict p,
                     const double *restrict px, const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy)
 {

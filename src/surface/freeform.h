@@ -55,7 +55,7 @@ typedef struct departure {
     void (*by_parameter)(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out);
 
     /* {NULL, NULL} where the parameters of P are valid (those of the base are not asked for).  The name is that of the
-     * parameter in the table (table.c), the reason goes behind it: "must be above 0". */
+     * parameter in the table (builtins.c), the reason goes behind it: "must be above 0". */
     sgt_objection (*object)(const void *self);
 
     /* Within `radius` of the axis |computed P - exact P| <= e[0] + e[1] r^2: coarser than `rounding`, and the same for all

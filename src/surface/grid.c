@@ -93,7 +93,7 @@ SGT_INLINE patch patch_at(const double *z, int columns, axis ax, axis ay, double
                    28 * dx + 20 * sx + 10 * dy + 6 * p.s, 7 * dx + 22 * sx + 7 * q.d + 5 * q.s, 32 * dx + 22 * sx + 7 * dy + 17 * p.s};
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void grid_sag(const sgt_grid *self, size_t n, const double *restrict px, const double *restrict py, double *restrict p, double *restrict gx,
                      double *restrict gy)
 {
@@ -123,7 +123,7 @@ static void grid_off(const void *self, double x, double y, double *p_err, double
     *grad_err = larger(x_err, y_err) * more + least;
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void grid_bent(const sgt_grid *self, size_t n, const double *restrict px, const double *restrict py, double *restrict pxx, double *restrict pxy,
                       double *restrict pyy)
 {
@@ -161,7 +161,7 @@ static sgt_objection grid_objection(const void *self)
 /* ----------------------------------------------------------------------------------------- bounds */
 
 /* Adds to most[p][q] the p-th difference by row of q-th differences in n columns of the rows from a on; q by column. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void differences(const double *a, size_t columns, size_t rows, size_t n, double most[4][4])
 {
     static const size_t orders[4] = {4, 3, 3, 1};

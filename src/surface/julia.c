@@ -43,7 +43,6 @@ static sgt_vec3 back_to_point(const orbit *o, const quaternion at[], int n, quat
     return (sgt_vec3){quaternion_dot(o->x, sum), quaternion_dot(o->y, sum), quaternion_dot(o->z, sum)};
 }
 
-SGT_CLONES
 double sgt_level_value(const orbit *o, sgt_vec3 p, sgt_vec3 *grad)
 {
     quaternion at[SGT_LEVELS + 1];

@@ -191,8 +191,8 @@ SGT_INLINE unsigned advance(stream *s, const set *o, bool mandelbrot)
 }
 
 /* Until some lane leaves. */
-SGT_CLONES_WIDE static unsigned advance_julia(stream *s, const set *w) { return advance(s, w, false); }
-SGT_CLONES_WIDE static unsigned advance_mandelbrot(stream *s, const set *w) { return advance(s, w, true); }
+SGT_KERNEL static unsigned advance_julia(stream *s, const set *w) { return advance(s, w, false); }
+SGT_KERNEL static unsigned advance_mandelbrot(stream *s, const set *w) { return advance(s, w, true); }
 
 /* ---------------------------------------------------------------- the fast way */
 
@@ -259,8 +259,8 @@ SGT_INLINE unsigned advance_fast(stream *s, const set *w, bool mandelbrot)
     return which;
 }
 
-SGT_CLONES_WIDE static unsigned advance_fast_julia(stream *s, const set *w) { return advance_fast(s, w, false); }
-SGT_CLONES_WIDE static unsigned advance_fast_mandelbrot(stream *s, const set *w) { return advance_fast(s, w, true); }
+SGT_KERNEL static unsigned advance_fast_julia(stream *s, const set *w) { return advance_fast(s, w, false); }
+SGT_KERNEL static unsigned advance_fast_mandelbrot(stream *s, const set *w) { return advance_fast(s, w, true); }
 
 /* ------------------------------------------------------------- near the surface */
 
@@ -349,8 +349,8 @@ SGT_INLINE void look_near(near *s, const set *w, bool mandelbrot)
     for (int l = 0; l < count; l++) judge_near(s, l, E_n, E_err, E2);
 }
 
-SGT_CLONES_WIDE static void look_near_julia(near *s, const set *w) { look_near(s, w, false); }
-SGT_CLONES_WIDE static void look_near_mandelbrot(near *s, const set *w) { look_near(s, w, true); }
+SGT_KERNEL static void look_near_julia(near *s, const set *w) { look_near(s, w, false); }
+SGT_KERNEL static void look_near_mandelbrot(near *s, const set *w) { look_near(s, w, true); }
 
 /* --------------------------------------------------------------- from here to there */
 
@@ -408,7 +408,7 @@ SGT_INLINE double make_ready(waiting *s, size_t i, const sgt_rays *rays, const d
     return fits;
 }
 
-SGT_CLONES_WIDE static void make_all_ready(waiting *s, size_t n, const sgt_tile *tile, size_t from, const set *w, double verdict[])
+SGT_KERNEL static void make_all_ready(waiting *s, size_t n, const sgt_tile *tile, size_t from, const set *w, double verdict[])
 {
     const orbit o = *w->o;
     const sgt_rays rays = tile->rays;
@@ -539,8 +539,8 @@ SGT_INLINE void meet(hits *s, const set *w, bool mandelbrot)
     for (size_t l = 0; l < HITS; l++) count_at(s, l, &o);
 }
 
-SGT_CLONES_WIDE static void meet_julia(hits *s, const set *w) { meet(s, w, false); }
-SGT_CLONES_WIDE static void meet_mandelbrot(hits *s, const set *w) { meet(s, w, true); }
+SGT_KERNEL static void meet_julia(hits *s, const set *w) { meet(s, w, false); }
+SGT_KERNEL static void meet_mandelbrot(hits *s, const set *w) { meet(s, w, true); }
 
 /* A ray, its fields `apart` from each other, goes on: to the stream again, if anything of it is left. */
 static void go_back(job *j, const double f[], int apart)

@@ -48,7 +48,7 @@ SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *restr
 }
 
 /* One point by itself is worth loops without loops in them. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void odd_at(size_t n, int terms, const double *a, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
 {
     if (n == 1) odd_in(1, terms, a, x, y, p, px, py);
@@ -144,7 +144,7 @@ static int bounds_over(const void *self, region *where, bounds *out)
     return 1;
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void odd_second(size_t n, int terms, const double *a, const double *restrict x, const double *restrict y, double *restrict pxx, double *restrict pxy, double *restrict pyy)
 {
     double r[FREEFORM_BLOCK], h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], half_ddh[FREEFORM_BLOCK], tip = a[0];
@@ -180,7 +180,7 @@ static size_t parameters(const void *self)
 }
 
 /* r^(j+1), and its gradient (j + 1) r^(j-1) (x, y). */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void power(size_t j, size_t n, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
 {
     double r[FREEFORM_BLOCK], q[FREEFORM_BLOCK], times = (double)j + 1;

@@ -265,10 +265,10 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
 }
 #endif
 
-SGT_CLONES_WIDE static void look_at_julia(const path *w, const double m[4], const double h[4], cell r[4], bool known[4]) { look_at_squares(w, m, h, false, r, known); }
-SGT_CLONES_WIDE static void look_at_mandelbrot(const path *w, const double m[4], const double h[4], cell r[4], bool known[4]) { look_at_squares(w, m, h, true, r, known); }
-SGT_CLONES static void look_at_any(const path *w, double m, double h, cell *r) { look_at_powers(w, m, h, false, r); }
-SGT_CLONES static void look_thoroughly(const path *w, double m, double h, cell *r) { look_at_powers(w, m, h, true, r); }
+SGT_KERNEL static void look_at_julia(const path *w, const double m[4], const double h[4], cell r[4], bool known[4]) { look_at_squares(w, m, h, false, r, known); }
+SGT_KERNEL static void look_at_mandelbrot(const path *w, const double m[4], const double h[4], cell r[4], bool known[4]) { look_at_squares(w, m, h, true, r, known); }
+static void look_at_any(const path *w, double m, double h, cell *r) { look_at_powers(w, m, h, false, r); }
+static void look_thoroughly(const path *w, double m, double h, cell *r) { look_at_powers(w, m, h, true, r); }
 
 void sgt_orbit_cells(const path *w, const double m[4], const double h[4], cell r[4], bool known[4])
 {
@@ -289,7 +289,6 @@ void sgt_orbit_cell(const path *w, double m, double h, cell *r)
     *r = all[0];
 }
 
-SGT_CLONES
 bool sgt_orbit_monotone(const path *w, double m, double h)
 {
     quaternion v = w->along, q = quaternion_sum(w->start, quaternion_times(w->along, m)), c = w->mandelbrot ? q : w->c;
@@ -355,8 +354,8 @@ SGT_INLINE double value_along(const path *w, double m, double *slope, int power,
     return (A2 - E2) * inverse;
 }
 
-SGT_CLONES static double value_of_square(const path *w, double m, double *slope) { return value_along(w, m, slope, 2, false); }
-SGT_CLONES static double value_of_any(const path *w, double m, double *slope) { return value_along(w, m, slope, w->power, w->mandelbrot); }
+static double value_of_square(const path *w, double m, double *slope) { return value_along(w, m, slope, 2, false); }
+static double value_of_any(const path *w, double m, double *slope) { return value_along(w, m, slope, w->power, w->mandelbrot); }
 
 double sgt_orbit_value(const path *w, double m, double *slope)
 {

@@ -99,6 +99,9 @@ enum { SGT_RINGS = 16 };
 typedef struct sgt_heights { double width, low[SGT_RINGS], high[SGT_RINGS]; } sgt_heights;
 
 struct sgt_own {
+    /* Of the table of operations that a program sees: those of each set of instructions (dispatch.h), and nothing
+     * else; NULL in those. */
+    const sgt_surface_ops *const *in_set;
     sgt_hit (*meet)(const void *self, const sgt_ray *ray, const sgt_options *opt);
     /* SGT_INVALID, or zero with every entry added. */
     sgt_status (*all)(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
@@ -145,6 +148,15 @@ struct sgt_own {
     /* The sag without its conic base (freeform.h), with or without `meet`; NULL: it has none that can be told apart. */
     const struct departure *departure;
 };
+
+#ifdef SGT_SET_NUMBER
+/* The same surface with the operations of the set that this is compiled for. */
+static inline sgt_surface in_set(sgt_surface s)
+{
+    if (s.ops && s.ops->own_ && s.ops->own_->in_set) s.ops = s.ops->own_->in_set[SGT_SET_NUMBER];
+    return s;
+}
+#endif
 
 static inline bool answers_itself(const sgt_surface_ops *ops) { return ops->own_ && ops->own_->meet; }
 

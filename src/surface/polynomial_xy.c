@@ -52,7 +52,7 @@ SGT_INLINE void polynomial_in(size_t n, sgt_numbers a, const double *restrict x,
 }
 
 /* One point by itself is worth loops without loops in them. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void polynomial_at(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
 {
     if (n == 1) polynomial_in(1, a, x, y, p, px, py);
@@ -184,7 +184,7 @@ static int bounds_over(const void *self, region *where, bounds *out)
 
 /* ------------------------------------------------------------------------------------ sensitivities */
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void polynomial_second(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y, double *restrict pxx, double *restrict pxy, double *restrict pyy)
 {
     double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK], w[FREEFORM_BLOCK], dw[FREEFORM_BLOCK], ddw[FREEFORM_BLOCK];
@@ -223,7 +223,7 @@ static size_t parameters(const void *self)
 }
 
 /* x^i y^j, i x^(i-1) y^j, j x^i y^(j-1). */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void monomial(size_t i, size_t j, size_t n, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
 {
     double u[FREEFORM_BLOCK], v[FREEFORM_BLOCK], di = (double)i, dj = (double)j; /* x^(i-1), y^(j-1), or 1 */

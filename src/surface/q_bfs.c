@@ -149,7 +149,7 @@ SGT_INLINE void q_bfs_in(size_t n, size_t terms, const double *b, double c, doub
 }
 
 /* One point by itself is worth loops without loops in them. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void q_bfs_at(size_t n, size_t terms, const double *b, double c, double norm2, const double *restrict x, const double *restrict y,
                      double *restrict p, double *restrict px, double *restrict py)
 {
@@ -224,7 +224,7 @@ static void noise(const void *self, double radius, double e[2])
 /* ------------------------------------------------------------------------------------ sensitivities */
 
 /* By r^2, with primes by v, V = U S: P' = (V' / norm^2) f + V c^2 f^3 / 2, P'' = (V'' / norm^4) f + (V' / norm^2) c^2 f^3 + V c^4 f^5 3 / 4. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void q_bfs_second(size_t n, size_t terms, const double *b, double c, double norm2, const double *restrict x, const double *restrict y,
                          double *restrict pxx, double *restrict pxy, double *restrict pyy)
 {
@@ -265,7 +265,7 @@ static void by_parameter(const void *self, size_t j, size_t n, const double *x, 
 }
 
 /* dP/dc = P q with q = r^2 c f^2, and grad q = (x, y) 2 c f^4. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void curved(size_t n, double c, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
 {
     LANES for (size_t i = 0; i < n; i++) {

@@ -78,7 +78,7 @@ SGT_INLINE void q_con_in(size_t n, size_t terms, const double *a, double norm2, 
 }
 
 /* One point by itself is worth loops without loops in them. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void q_con_at(size_t n, size_t terms, const double *a, double norm2, const double *restrict x, const double *restrict y,
                      double *restrict p, double *restrict px, double *restrict py)
 {
@@ -120,7 +120,7 @@ static void noise(const void *self, double radius, double e[2])
 }
 
 /* By v, P' = v (2 S + v S') and P'' = 2 S + v (4 S' + v S''). */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void q_con_second(size_t n, size_t terms, const double *a, double norm2, const double *restrict x, const double *restrict y,
                          double *restrict pxx, double *restrict pxy, double *restrict pyy)
 {

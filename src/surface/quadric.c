@@ -47,7 +47,7 @@ static double quadric_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
     return f;
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void quadric_values(const void *self, size_t n, sgt_points p, sgt_values out)
 {
     const sgt_quadric s = *(const sgt_quadric *)self;
@@ -81,7 +81,7 @@ static double quadric_rounding(const void *self, sgt_vec3 p)
     return sizes_rounding(&sizes, p.x, p.y, p.z);
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static bool quadric_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[])
 {
     const sgt_quadric sizes = sizes_of(self);
@@ -162,7 +162,6 @@ static bool moderate(const sgt_quadric *s)
 }
 
 /* false: not so, or the ray is out of range. */
-SGT_CLONES
 static bool quadric_fine(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *g, sgt_interval *slope)
 {
     const double *a = s->squares, *b = s->products, *c = s->linear;

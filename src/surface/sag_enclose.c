@@ -54,16 +54,13 @@ typedef struct place { sgt_interval z, half, g; ring at; } place;
 
 /* The operations of interval.h, where the signs are known and nothing is empty; a NaN at an end goes through.  Functions, with
  * hardware fma: inlined they would be 50 KB more and no faster. */
-SGT_CLONES
 static sgt_interval plus(sgt_interval x, sgt_interval y) { return sgt_interval_between(-sgt_sum_above(-x.lo, -y.lo), sgt_sum_above(x.hi, y.hi)); }
 
-SGT_CLONES
 static sgt_interval minus(sgt_interval x, sgt_interval y) { return sgt_interval_between(-sgt_sum_above(-x.lo, y.hi), sgt_sum_above(x.hi, -y.lo)); }
 
 SGT_INLINE sgt_interval hull(sgt_interval x, sgt_interval y) { return sgt_interval_between(x.lo < y.lo ? x.lo : y.lo, larger(x.hi, y.hi)); }
 
 /* x y, y >= 0. */
-SGT_CLONES
 static sgt_interval times(sgt_interval x, sgt_interval y)
 {
     return sgt_interval_between(-sgt_product_above(-x.lo, x.lo >= 0 ? y.lo : y.hi), sgt_product_above(x.hi, x.hi >= 0 ? y.hi : y.lo));
@@ -72,7 +69,6 @@ static sgt_interval times(sgt_interval x, sgt_interval y)
 SGT_INLINE sgt_interval scaled(sgt_interval x, double by) { return times(x, sgt_interval_of(by)); }
 
 /* x / y, x >= 0, y > 0. */
-SGT_CLONES
 static sgt_interval over(sgt_interval x, sgt_interval y)
 {
     return sgt_interval_between(y.hi < HUGE_VAL ? -sgt_quotient_above(-x.lo, y.hi) : 0, sgt_quotient_above(x.hi, y.lo));
@@ -132,7 +128,6 @@ SGT_INLINE void sag_of(const scene *f, ring *e)
     e->sag = over(scaled(e->rho, f->c), plus(sgt_interval_of(1), e->phi));
 }
 
-SGT_CLONES
 static place place_at(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, double t)
 {
     place e;
@@ -177,7 +172,6 @@ SGT_INLINE sgt_interval cross_of(const scene *f, sgt_vec3 o)
 
 SGT_INLINE sgt_interval product_of(double a, double b) { return sgt_interval_between(-sgt_product_above(-a, b), sgt_product_above(a, b)); }
 
-SGT_CLONES
 static sgt_interval enclose(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, sgt_interval t, sgt_interval *slope)
 {
     place a = place_at(f, o, d, t0, t.lo), b = t.lo < t.hi ? place_at(f, o, d, t0, t.hi) : a;

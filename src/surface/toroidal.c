@@ -63,7 +63,7 @@ SGT_INLINE swept swept_at(double c, double k1, double c_x, double x, double y, d
     return s;
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void toroidal_sag(const sgt_toroidal *self, size_t n, const double *restrict px, const double *restrict py, double *restrict p,
                          double *restrict gx, double *restrict gy)
 {
@@ -278,7 +278,7 @@ static sgt_interval toroidal_range(const void *self, const region *where)
     return sliced(self, where, 1, &most, &range, &q, &m) ? range : sgt_interval_empty();
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void toroidal_bent(const sgt_toroidal *self, size_t n, const double *restrict px, const double *restrict py, double *restrict pxx,
                           double *restrict pxy, double *restrict pyy)
 {
@@ -309,7 +309,7 @@ static void toroidal_second(const void *self, size_t n, const double *x, const d
 
 static size_t toroidal_parameter_count(const void *self) { (void)self; return 3 + TOROIDAL_TERMS; }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void toroidal_by(const sgt_toroidal *self, size_t j, size_t n, const double *restrict px, const double *restrict py, double *restrict p,
                         double *restrict gx, double *restrict gy)
 {

@@ -67,7 +67,6 @@ SGT_INLINE double spindle_at(const ring *s, double x, double y, double z, double
     return p.g * (p.g + 2 * twice * p.rho) * s->k;
 }
 
-SGT_CLONES
 static double torus_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
     ring s = ring_of(self);
@@ -78,7 +77,7 @@ static double torus_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 }
 
 #define TORUS_VALUES(NAME)                                                                                                 \
-    SGT_CLONES_WIDE                                                                                                        \
+    SGT_KERNEL                                                                                                        \
     static void NAME##_values(const ring *shared, size_t n, sgt_points p, sgt_values out)                                  \
     {                                                                                                                      \
         const ring s = *shared;                                                                                            \
@@ -129,14 +128,13 @@ SGT_INLINE double spindle_rounding(const ring *s, double x, double y, double z)
     return 1.01 * s->k * (g * h_err + (h + h_err) * g_err + 8 * SGT_U * g * h) + 0x1p-1060;
 }
 
-SGT_CLONES
 static double torus_rounding(const void *self, sgt_vec3 p)
 {
     ring s = ring_of(self);
     return s.spindle ? spindle_rounding(&s, p.x, p.y, p.z) : ring_rounding(&s, p.x, p.y, p.z);
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static bool torus_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[])
 {
     const ring s = ring_of(self);
@@ -150,7 +148,6 @@ static bool torus_roundings(const void *self, const sgt_shared *shared, size_t n
     return true;
 }
 
-SGT_CLONES
 static double torus_clearance(const void *self, sgt_vec3 p)
 {
     ring s = ring_of(self);
@@ -282,7 +279,7 @@ SGT_INLINE void course_move(course *c, size_t i)
     c->none[i] += none, c->met[i] += one;
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void begin(const ring *shared, course *c, size_t n, const double *const o[3], const double *const d[3], const double *tmin)
 {
     const ring s = *shared;
@@ -290,21 +287,21 @@ static void begin(const ring *shared, course *c, size_t n, const double *const o
     LANES for (size_t i = 0; i < n; i++) course_begin(&s, c, i, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]}, tmin[i]);
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void judge(const ring *shared, course *c, size_t n)
 {
     const ring s = *shared;
     LANES for (size_t i = 0; i < n; i++) course_judge(&s, c, i);
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void move(course *c, size_t n)
 {
     LANES for (size_t i = 0; i < n; i++) course_move(c, i);
 }
 
 /* 0: all have come to an end. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static double unfinished(const course *c, size_t n)
 {
     double more = 0;
@@ -313,7 +310,7 @@ static double unfinished(const course *c, size_t n)
 }
 
 /* single: as far as the search has come; else the span, with its seed. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void end(const course *c, size_t n, bool single, double *lo, double *hi, double *seed, bool *is_single)
 {
     LANES for (size_t i = 0; i < n; i++) {
@@ -373,7 +370,6 @@ static stretch_of natural(double R, double r, sgt_interval rho, sgt_interval h, 
 /* What a stretch is, for G and for H. */
 typedef struct view { fine_ray r; twofold rho, h, ratio; sgt_interval all_rho, all_h, all_z, steep, a, cross; double length; } view;
 
-SGT_CLONES
 static view view_of(const fine_ray *r)
 {
     view v = {.r = *r};
@@ -394,7 +390,6 @@ static view view_of(const fine_ray *r)
     return v;
 }
 
-SGT_CLONES
 static stretch_of about_middle(const view *v, double R, double r)
 {
     stretch_of e = natural(R, r, v->all_rho, v->all_h, v->all_z, v->r.n, v->steep);

@@ -172,7 +172,7 @@ SGT_INLINE void add_harmonic(const harmonic *h, work *w, size_t n)
     }
 }
 
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void zernike_sums(const sgt_zernike *z, size_t only, size_t n, const double *x, const double *y, double *restrict p, double *restrict px,
                          double *restrict py)
 {
@@ -210,7 +210,7 @@ static void zernike_by_parameter(const void *self, size_t j, size_t n, const dou
 /* As above, one order at a time, with the second derivatives by s: of T = C Re zeta^m + S Im zeta^m
  *     T_xx = 4 x^2 T'' + 2 T' + 4 x T'_x + m (m - 1) (C Re zeta^(m-2) + S Im zeta^(m-2)),   and so on,
  * where ' and '' are upon C and S, and _x and _y upon zeta^m. */
-SGT_CLONES_WIDE
+SGT_KERNEL
 static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const double *y, double *restrict pxx, double *restrict pxy,
                           double *restrict pyy)
 {

@@ -46,7 +46,6 @@ SGT_INLINE bool launch(const sgt_ray *ray, const sgt_element *first, double inde
     return true;
 }
 
-SGT_CLONES
 bool sgt_launch(const sgt_ray *ray, const sgt_element *first, double index, state *at) { return launch(ray, first, index, at); }
 
 /* A watcher of the first element, told the t of the launch ray. */
@@ -243,17 +242,18 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
     if (only) own.proof = SGT_PROVE_ROOT;
     shifted shift = {opt->watch, opt->watch_data, at->t0};
     if (at->t0 != 0 && opt->watch) own.watch = watch_shifted, own.watch_data = &shift;
+    const sgt_surface surface = in_set(e->surface);
     double aperture2 = aperture2_of(e->semi_diameter);
-    bool slopes = aperture2 > 0 && proves_by_slope(e->surface, &own), proven = slopes && met;
+    bool slopes = aperture2 > 0 && proves_by_slope(surface, &own), proven = slopes && met;
     sgt_hit hit;
     int spent = 0;
     if (met) hit = *met;
-    else if (slopes) proven = sgt_meet_by_slope(e->surface, &ray, aperture2, &own, &hit), spent = proven ? 0 : hit.evals;
-    if (!met && !proven) hit = sgt_intersect(e->surface, ray, &own), hit.evals += spent;
+    else if (slopes) proven = sgt_meet_by_slope(surface, &ray, aperture2, &own, &hit), spent = proven ? 0 : hit.evals;
+    if (!met && !proven) hit = sgt_intersect(surface, ray, &own), hit.evals += spent;
     if (proven) inside = hit.status > 0;
-    else choose(e->surface, ray, aperture2, &own, &hit, &inside);
+    else choose(surface, ray, aperture2, &own, &hit, &inside);
     own.proof = opt->proof;
-    if (inside && only && !proven) sgt_prove_alone(e->surface, &ray, aperture2_around(aperture2), &own, &hit);
+    if (inside && only && !proven) sgt_prove_alone(surface, &ray, aperture2_around(aperture2), &own, &hit);
     if (!met) tell_of_given(&hit, at, &e->pose, turned, &ray, told); /* else the batch has */
     passage->hit = hit;
     if (hit.status == SGT_MISS) return SGT_MISSED;
@@ -284,13 +284,11 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
     return SGT_PASSED;
 }
 
-SGT_CLONES
 sgt_fate sgt_pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met, sgt_passage *passage)
 {
     return pass(e, at, opt, met, true, passage);
 }
 
-SGT_CLONES
 size_t sgt_trace(size_t n, const sgt_element e[], double index_before, sgt_ray *ray, sgt_passage passages[],
                  sgt_fate *fate, const sgt_options *opt)
 {

@@ -38,7 +38,7 @@ typedef struct paths { double hi[TILE], lo[TILE]; } paths;
 SGT_INLINE sgt_vec3 get(const vectors *v, size_t i) { return (sgt_vec3){v->x[i], v->y[i], v->z[i]}; }
 SGT_INLINE void put(vectors *v, size_t i, sgt_vec3 a) { v->x[i] = a.x, v->y[i] = a.y, v->z[i] = a.z; }
 
-/* Not inlined, with clones or without: what it has on the stack need not lie there while a surface's sweep runs. */
+/* Not inlined: what it has on the stack need not lie there while a surface's sweep runs. */
 #if defined(__GNUC__)
 #define APART __attribute__((noinline))
 #else
@@ -86,7 +86,7 @@ typedef struct work {
 /* Each returns how many rays it answered for. */
 
 /* Where all that is needed is a sum. */
-SGT_CLONES_WIDE APART
+SGT_KERNEL APART
 static double launch_near(size_t n, const sgt_rays *from, size_t first, sgt_vec3 origin, vectors *restrict offset,
                           vectors *restrict out_d, double *restrict good)
 {
@@ -104,7 +104,7 @@ static double launch_near(size_t n, const sgt_rays *from, size_t first, sgt_vec3
     return count;
 }
 
-SGT_CLONES_WIDE APART
+SGT_KERNEL APART
 static double launch_all(size_t n, const sgt_rays *from, size_t first, sgt_vec3 origin, bool turned, vectors *restrict offset,
                          vectors *restrict out_d, double *restrict t0, double *restrict good)
 {
@@ -137,7 +137,7 @@ SGT_INLINE void place_by(bool open, size_t n, sgt_vec3 shift, double semi_diamet
     }
 }
 
-SGT_CLONES_WIDE APART
+SGT_KERNEL APART
 static void place_all(size_t n, sgt_vec3 shift, double semi_diameter, const vectors *offset, const vectors *d,
                       vectors *out, double *tol)
 {
@@ -164,7 +164,7 @@ SGT_INLINE void turn_by(bool open, size_t n, const sgt_pose *pose, sgt_vec3 shif
     }
 }
 
-SGT_CLONES_WIDE APART static void turn_all(size_t n, const sgt_pose *pose, sgt_vec3 shift,
+SGT_KERNEL APART static void turn_all(size_t n, const sgt_pose *pose, sgt_vec3 shift,
                                            double semi_diameter, const vectors *offset, const vectors *d,
                                            vectors *out_o, vectors *out_d, double *tol)
 {
@@ -191,7 +191,7 @@ SGT_INLINE double bend_by(bend_kind kind, size_t n, bending by, double aperture2
     return count;
 }
 
-SGT_CLONES_WIDE APART
+SGT_KERNEL APART
 static double bend_all(size_t n, bending by, double aperture2, const vectors *p, const vectors *d, const vectors *normal,
                        vectors *out, double *good)
 {
@@ -205,7 +205,7 @@ static double bend_all(size_t n, bending by, double aperture2, const vectors *p,
 }
 
 /* Back to global axes; d too, in place, where it was bent. */
-SGT_CLONES_WIDE APART
+SGT_KERNEL APART
 static double return_all(size_t n, const sgt_pose *pose, bool d_too, const vectors *restrict p, vectors *restrict offset,
                          vectors *restrict d, double *restrict good)
 {
@@ -245,7 +245,7 @@ SGT_INLINE void widen_by(size_t n, aside a, bool first, bool turns, const double
     }
 }
 
-SGT_CLONES_WIDE APART
+SGT_KERNEL APART
 static void widen_all(size_t n, aside a, bool first, bool turns, const double *t0, const vectors *offset,
                       const vectors *o, const vectors *d, const vectors *normal, const double *t, double *t_err,
                       double *p_err)
@@ -258,7 +258,7 @@ static void widen_all(size_t n, aside a, bool first, bool turns, const double *t
 }
 
 /* The hits of moved launches, in place. */
-SGT_CLONES_WIDE APART
+SGT_KERNEL APART
 static void shift_all(size_t n, const double *restrict t0, double *restrict t, double *restrict t_lo, double *restrict t_err)
 {
 #pragma omp simd
@@ -270,7 +270,7 @@ static void shift_all(size_t n, const double *restrict t0, double *restrict t, d
     }
 }
 
-SGT_CLONES_WIDE APART
+SGT_KERNEL APART
 static void lengthen_all(size_t n, double index, const double *restrict t, const double *restrict t_lo,
                          const paths *restrict path, paths *restrict out)
 {
@@ -419,7 +419,7 @@ APART static size_t prove_by_slope(const sgt_element *e, const sgt_tile *rays, d
     bool proven[TILE];
     for (size_t i = 0; i < rays->n; i++)
         if (rays->hits.status[i] != SGT_HIT || !is_inside(get(p, i), aperture2)) rays->hits.status[i] = SGT_HARD;
-    size_t left = sgt_alone_by_slope(e->surface, rays, aperture2, proven);
+    size_t left = sgt_alone_by_slope(in_set(e->surface), rays, aperture2, proven);
     for (size_t i = 0; left < rays->n && i < rays->n; i++)
         if (!proven[i]) rays->hits.status[i] = SGT_HARD;
     return left;
@@ -429,7 +429,7 @@ APART static size_t prove_by_slope(const sgt_element *e, const sgt_tile *rays, d
 APART static bool hide_others(const sgt_element *e, const sgt_tile *rays, double aperture2, const vectors *p)
 {
     unsigned long long alone[TILE];
-    if (sgt_alone_tile(e->surface, rays, aperture2_around(aperture2), alone, NULL)) return false;
+    if (sgt_alone_tile(in_set(e->surface), rays, aperture2_around(aperture2), alone, NULL)) return false;
     bool any = false;
     for (size_t i = 0; i < rays->n; i++)
         if (~alone[i] && rays->hits.status[i] > 0 && is_inside(get(p, i), aperture2)) rays->hits.status[i] = SGT_HARD, any = true;
@@ -462,7 +462,6 @@ SGT_INLINE sgt_fate stopped_by(sgt_status status)
  * has found, and that is told already; the fate is then the verdict less STOPS. */
 typedef enum verdict { ASK = 1, ASK_ANEW, ASK_INSIDE, STOPS = 8 } verdict;
 
-SGT_CLONES
 static int judge(const work *job, const tile *w, size_t i, size_t j, const bending *by, sgt_ray *ray)
 {
     const sgt_element *e = &job->e[j];
@@ -525,7 +524,7 @@ static void ask_inside(const work *job, tile *w, size_t j, chords *c)
     sgt_tile rays = {.n = c->n, .t_tol = c->t_tol,
                      .rays = {{c->ox, c->oy, c->oz}, {c->dx, c->dy, c->dz}, c->tmin, c->tmax},
                      .hits = {.status = c->status, .evals = c->evals, .p = {c->x, c->y, c->z}}};
-    sgt_none_nearer(e->surface, &rays, &c->kept, none);
+    sgt_none_nearer(in_set(e->surface), &rays, &c->kept, none);
     size_t left = 0;
     for (size_t k = 0; k < c->n; k++) {
         size_t i = c->of[k];
@@ -540,15 +539,15 @@ static void ask_inside(const work *job, tile *w, size_t j, chords *c)
     }
     rays.n = left, c->n = 0;
     if (!left) return;
-    sgt_intersect_tile(e->surface, &rays, &own);
+    sgt_intersect_tile(in_set(e->surface), &rays, &own);
     for (size_t k = 0; k < left; k++) {
         bool inside = c->status[k] > 0 && is_inside((sgt_vec3){c->x[k], c->y[k], c->z[k]}, aperture2);
         if (c->status[k] > 0 && !inside) {
             own.t_tol = c->t_tol[k];
-            sgt_hit other = sgt_ask_inside(e->surface, chord_of(c, k), aperture2, &own, &inside);
+            sgt_hit other = sgt_ask_inside(in_set(e->surface), chord_of(c, k), aperture2, &own, &inside);
             c->status[k] = (signed char)other.status, c->evals[k] = other.evals;
         }
-        if (inside || may_be_inside(e->surface, &own, (sgt_status)c->status[k]))
+        if (inside || may_be_inside(in_set(e->surface), &own, (sgt_status)c->status[k]))
             w->good[c->of[k]] = -ASK_ANEW;
         else stops(job, w, j, c->of[k], c->evals[k]);
     }
@@ -641,7 +640,7 @@ static double pass_most(const work *job, tile *w, size_t j, bending by, sgt_hits
     if (h->t_err || shifted) asked->t_err = w->t_err;
     if (h->p_err) asked->p_err = w->p_err;
     if (widened) asked->n[0] = w->n_.x, asked->n[1] = w->n_.y, asked->n[2] = w->n_.z;
-    bool slopes = aperture2_of(e->semi_diameter) > 0 && proves_by_slope(e->surface, &job->opt);
+    bool slopes = aperture2_of(e->semi_diameter) > 0 && proves_by_slope(in_set(e->surface), &job->opt);
     if (h->evals || slopes) asked->evals = w->evals;
     if (slopes) asked->t = w->t, asked->t_lo = w->t_lo, asked->t_err = w->t_err, asked->p_err = w->p_err;
     sgt_tile rays = {.n = w->n, .t_tol = w->t_tol, .hits = *asked,
@@ -649,7 +648,7 @@ static double pass_most(const work *job, tile *w, size_t j, bending by, sgt_hits
                               .tmin = line_begins, .tmax = line_ends}};
     sgt_options opt = met_by(&job->opt);
     if (slopes) opt.proof = SGT_ESTIMATE;
-    size_t met = sgt_intersect_tile(e->surface, &rays, &opt);
+    size_t met = sgt_intersect_tile(in_set(e->surface), &rays, &opt);
     if (slopes) met = prove_by_slope(e, &rays, aperture2_of(e->semi_diameter), w->p);
     else if (met && asks_alone(&job->opt) && hide_others(e, &rays, aperture2_of(e->semi_diameter), w->p)) met = 0;
     for (size_t i = 0; met < w->n && i < w->n; i++)

@@ -11,7 +11,7 @@
 // Before the clock starts each variant has answered, and the answer was compared (of 10^6 rays every 17th): a batch's
 // with the single ray's, to the last bit; a peer's t, point and gradient within 8e-15, a lens's last point and direction
 // within 1e-12.  The repetitions of all are shuffled among each other; the csv has the medians, case,variant,ns,per_second, per ray, of a
-// lens per ray and surface.  Behind it stands what is to be reached.  Which of the library's clones runs is the
+// lens per ray and surface.  Behind it stands what is to be reached.  Which set of instructions runs is the
 // processor's choice; one built with -Dclones=x86-64-v3 shows what AVX2 does.
 #include <cstring>
 #include <deque>
@@ -472,7 +472,7 @@ const Target TARGETS[] = {
     { "lens-of-aspheres-1e6/batch", 10, 18, "lens-of-aspheres-1e6/copy", nullptr, 0 },
 };
 
-// 512: the clones for x86-64-v4 run; 256: those for v3; 0: neither.
+// 512: the library for x86-64-v4 runs; 256: that for v3; 0: neither.
 int width()
 {
     int own = 0;

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#if defined(SGT_HAVE_CLONES)
+#if defined(HAVE_CLONES)
 #define CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define CLONES

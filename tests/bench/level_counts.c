@@ -9,6 +9,7 @@ static volatile long long levels_of_lanes, levels_busy;
 #endif
 
 #define SGT_COUNT_LEVEL(busy) (levels_of_lanes = levels_of_lanes + 1, levels_busy = levels_busy + ((busy) ? 1 : 0))
+#undef sgt_level_sweep
 #define sgt_level_sweep counted_sweep
 #include "../../src/surface/level_batch.c"
 

@@ -9,12 +9,15 @@ import re
 import sys
 import tempfile
 
-FLOORS = ['num', 'solve', 'surface', 'ray', 'system']  # the library, from the ground up
+FLOORS = ['num', 'solve', 'surface', 'ray', 'system', 'dispatch']  # the library, from the ground up
 CLIENTS = ['geo', 'tool']                              # see <sagitta/...> as any program does
 
 # All the library may ask of C: nothing that allocates, prints, ends the program
 # or keeps a state (errno, the locale).
 C_HEADERS = {'float.h', 'limits.h', 'math.h', 'stdbool.h', 'stddef.h', 'stdint.h', 'string.h'}
+
+# And what asks the processor and the environment.
+ASKING = {'choose.c': {'cpuid.h', 'stdlib.h'}}
 
 # The floor that answers for a public header; those below do not know of it.
 PUBLIC = {'sagitta.h': 'num', 'fma.h': 'num', 'interval.h': 'num', 'diagnose.h': 'solve', 'surfaces.h': 'surface', 'sensitivity.h': 'ray', 'system.h': 'system', 'geo.h': 'geo'}
@@ -51,7 +54,7 @@ def fault_in_library(src, path, floor, kind, name):
                 return f'is the header of {lowest}, a client'
             if FLOORS.index(lowest) > FLOORS.index(floor):
                 return f'is the header of {lowest}, a floor above {floor}'
-        elif name not in C_HEADERS:
+        elif name not in C_HEADERS | ASKING.get(path.name, set()):
             return 'the library does without it'
         return None
     for base in (path.parent, src):

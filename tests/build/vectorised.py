@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
 """Loops that are meant to become vector code have: the instructions of the library are counted.
 
-Meant to are the functions with a clone for x86-64-v4 (SGT_CLONES_WIDE of src/num/exact.h): loops
+Meant to are the kernels (SGT_KERNEL of src/num/exact.h): loops
 over rays or cells.  A loop that has become vector code is there several times, one instruction for
 one operation each time: in the widest registers, in narrower ones, and up to three times ray by
 ray, for the last few and for arrays that might overlap (of a short one the last seven are written
 out one by one); one that has not is there once, ray by ray.
-So in the clones for v3 and v4 of each the packed operations in the widest registers (ymm, zmm) must
+So for x86-64-v3 and v4, of each, the packed operations in the widest registers (ymm, zmm) must
 be a quarter of the scalar ones (an eighth, where those are below 64), among which is also what is worked out once for all rays; where the
 work is, certain operations must be among the packed.
 
-    python3 vectorised.py SHARED_LIBRARY
+    python3 vectorised.py LIBRARY_FOR_V3 LIBRARY_FOR_V4
 """
 import collections
 import re
@@ -29,29 +29,31 @@ NEEDED = {
 }
 WIDE = {'v3': {'ymm'}, 'v4': {'ymm', 'zmm'}}
 OPERATION = re.compile(r'\tv?(add|sub|mul|div|sqrt|min|max|cmp\w*?|u?comi|fn?m(?:add|sub)\d*)(pd|sd)\s+(.*)')
-CLONE = re.compile(r'^[0-9a-f]+ <([A-Za-z_]\w*)\.(?:\w+\.)*?arch_x86_64_(v[34])\b[\w.]*>:$')
+START = re.compile(r'^[0-9a-f]+ <([A-Za-z_]\w*?)(?:_v[34])?(?:\.[\w.]*)?>:$')
+SECTION = '.text.sgt_kernels'
 
 
-def count(lines):
-    """{function: {kind: Counter of (operation, width)}}; width is xmm, ymm, zmm or scalar."""
-    found, now = collections.defaultdict(lambda: collections.defaultdict(collections.Counter)), None
+def count(kind, lines, found):
+    """Into found {function: {kind: Counter of (operation, width)}}; width is xmm, ymm, zmm or scalar."""
+    now, kernels = None, False
     for line in lines:
-        if line.endswith('>:'):
-            clone = CLONE.match(line)
-            now = found[clone[1]][clone[2]] if clone else None
+        if line.startswith('Disassembly of section'):
+            kernels, now = line.startswith(f'Disassembly of section {SECTION}'), None
+        elif line.endswith('>:'):
+            start = START.match(line)
+            now = found[start[1]][kind] if kernels and start else None
         elif now is not None:
             said = OPERATION.search(line)
             if said:
                 operation = 'fma' if said[1].startswith('f') else 'cmp' if 'c' in said[1] else said[1]
                 width = 'scalar' if said[2] == 'sd' else max(re.findall(r'%([xyz]mm)', said[3]), default='xmm')
                 now[operation, width] += 1
-    return found
 
 
 def faults_of(found):
     for name, kinds in sorted(found.items()):
         if set(kinds) != set(WIDE):
-            continue  # no clone for v4
+            yield f'{name}: not there for each of {", ".join(WIDE)}'
         for kind, counts in sorted(kinds.items()):
             by = collections.Counter()
             for (_, width), n in counts.items():
@@ -66,17 +68,20 @@ def faults_of(found):
                     yield from (f'{name}, {kind}: no packed {o}' for o in sorted(operations - there))
     for pattern in NEEDED:
         if not any(re.fullmatch(pattern, name) and set(kinds) == set(WIDE) for name, kinds in found.items()):
-            yield f'{pattern}: no such function with clones for v3 and v4'
+            yield f'{pattern}: no such kernel'
 
 
-def main(library):
-    try:
-        listing = subprocess.run(['objdump', '-d', '--no-show-raw-insn', library], text=True, check=True, capture_output=True).stdout
-    except FileNotFoundError:
-        print('skipped: there is no objdump')
-        return 77
-    faults = list(faults_of(count(listing.splitlines())))
-    print('\n'.join(faults + [f'{len(faults)} faults']))
+def main(*libraries):
+    found = collections.defaultdict(lambda: collections.defaultdict(collections.Counter))
+    for kind, library in zip(WIDE, libraries):
+        try:
+            listing = subprocess.run(['objdump', '-d', '--no-show-raw-insn', library], text=True, check=True, capture_output=True).stdout
+        except FileNotFoundError:
+            print('skipped: there is no objdump')
+            return 77
+        count(kind, listing.splitlines(), found)
+    faults = list(faults_of(found))
+    print('\n'.join(faults + [f'{len(found)} kernels, {len(faults)} faults']))
     return 1 if faults else 0
 
 

@@ -13,8 +13,8 @@ is a fault whatever the table says.
 Counted is what runs between the call of `measured` and its return, of the library, the program and libm; not of libc
 and the dynamic linker, which differ from machine to machine.  An instruction of a vector counts as one.  The counts are
 exact and the same in each run, but belong to one compiler and its flags: the first line of the table names them, and
-where the build has others nothing is compared.  Valgrind has no AVX-512, so the kernels that run are those for
-x86-64-v3.  The dearest of those for x86-64-v4 (KERNELS) are counted by llvm-mca, without being run: the
+where the build has others nothing is compared.  Valgrind has no AVX-512, so what runs is the library for x86-64-v3.
+The dearest kernels of that for x86-64-v4 (KERNELS) are counted by llvm-mca, without being run: the
 micro-operations of a pass through each innermost loop with 512-bit registers, summed, on a Skylake server.
 """
 import collections
@@ -94,13 +94,12 @@ def loops(lines):
 
 def wide_kernels(build):
     """{function: micro-operations of its loops} of the kernels for x86-64-v4."""
-    library = next(path for path in sorted((build / 'src').glob('libsagitta.so.*')) if path.is_file() and path.suffix != '.p')
-    listing, name, lines = run('objdump', '-d', '--no-show-raw-insn', str(library)), None, collections.defaultdict(list)
+    listing, name = run('objdump', '-d', '--no-show-raw-insn', str(build / 'src/libsagitta_v4.a')), None
+    lines = collections.defaultdict(list)
     for line in listing.splitlines():
-        start = re.match(r'[0-9a-f]+ <([\w.]+)>:$', line)
+        start = re.match(r'[0-9a-f]+ <([A-Za-z_]\w*)[\w.]*>:$', line)
         if start:
-            kernel = re.match(r'([A-Za-z_]\w*)\.(?:\w+\.)*?arch_x86_64_v4\b', start[1])
-            name = kernel and KERNELS.fullmatch(kernel[1]) and kernel[1]
+            name = KERNELS.fullmatch(start[1]) and start[1]
         elif name:
             lines[name].append(line)
     counts = {}
@@ -185,8 +184,8 @@ def main(build, *words):
                 return 0
         sys.exit(f'no case {wanted}')
     costs = {case: sum(functions.values()) / rays for case, rays, functions in counted}
-    if 'kernels for x86-64-v3' in head and not any('arch_x86_64_v3' in f for _, _, functions in counted for f in functions):
-        sys.exit('no kernel for x86-64-v3 has run')
+    if 'kernels for x86-64-v3' in head and not any(f.endswith('_v3') for _, _, functions in counted for f in functions):
+        sys.exit('nothing for x86-64-v3 has run')
     if mca and (same_mca or '--write' in words):
         costs.update((f'{name} of x86-64-v4: micro-operations', count) for name, count in wide_kernels(build).items())
     elif not mca or not same_mca:

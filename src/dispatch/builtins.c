@@ -1,6 +1,7 @@
-/* table.c - the built-in surfaces as data: type, operations, parameters. */
-#include "freeform.h"
-#include "orbit.h"
+/* builtins.c - the built-in surfaces as data: type, operations, parameters. */
+#include "../surface/freeform.h"
+#include "../surface/orbit.h"
+#include "dispatch.h"
 
 #include <float.h>
 
@@ -51,6 +52,13 @@ static const sgt_param quadric[] = {{"squares", "1", offsetof(sgt_quadric, squar
                                     {"linear", "length", offsetof(sgt_quadric, linear), 3, ANY, SGT_VECTOR}, {"constant", "length^2", offsetof(sgt_quadric, constant), 1, ANY, SGT_REAL}, END};
 static const sgt_param ellipsoid[] = {{"a", "length", offsetof(sgt_ellipsoid, a), 1, ANY, SGT_REAL}, {"f", "1", offsetof(sgt_ellipsoid, f), 1, ANY, SGT_REAL}, END};
 static const sgt_param torus[] = {{"major", "length", offsetof(sgt_torus, major), 1, ANY, SGT_REAL}, {"minor", "length", offsetof(sgt_torus, minor), 1, ANY, SGT_REAL}, END};
+
+/* The objections are the same in all sets of instructions. */
+#define OBJECT(type) SGT_EXPORT(sgt_objection, sgt_##type##_object, (const void *self), (self))
+OBJECT(julia) OBJECT(mandelbrot) OBJECT(odd_asphere) OBJECT(polynomial_xy) OBJECT(toroidal) OBJECT(biconic)
+OBJECT(cylinder) OBJECT(zernike) OBJECT(chebyshev) OBJECT(q_con) OBJECT(q_bfs) OBJECT(grid) OBJECT(sum)
+OBJECT(quadric) OBJECT(torus) OBJECT(ellipsoid)
+SGT_DISPATCH_VOID(sgt_grid_prepare, (void *self), (self))
 
 #define CATALOGUE(type) {#type, &sgt_##type##_ops, sizeof(sgt_##type), type, sgt_##type##_object, NULL}
 

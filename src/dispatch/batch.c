@@ -1,0 +1,7 @@
+/* batch.c - many rays: sagitta.h. */
+#include "dispatch.h"
+
+#include <sagitta/sagitta.h>
+
+SGT_DISPATCH(size_t, sgt_intersect_batch, (sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt),
+             (s, n, rays, hits, opt))

@@ -1,0 +1,13 @@
+/* intersect.c - one ray: sagitta.h. */
+#include "dispatch.h"
+
+#include <sagitta/sagitta.h>
+
+/* A ray is eight numbers on the stack: its place is handed on, and not the ray once more. */
+SGT_IN_SETS(sgt_hit, sgt_intersect_copy, (sgt_surface s, sgt_ray *ray, const sgt_options *opt))
+sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt)
+{
+    return sgt_intersect_copy_in_set[sgt_set()](s, &ray, opt);
+}
+SGT_DISPATCH(int, sgt_intersect_all, (sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[], const sgt_options *opt),
+             (s, ray, cap, hits, opt))
