@@ -9,6 +9,8 @@
 #include "cell.h"
 #include "sag.h"
 
+#include <sagitta/interval.h>
+
 /* ------------------------------------------------------------------- setup */
 
 SGT_INLINE quaternion along_of(const orbit *o, double l, double m, double n)
@@ -127,7 +129,7 @@ typedef struct place { double m, h, end; } place;
 static inline place lay(const course *k)
 {
     double tau = k->tau, h = 2 * k->h > k->hi - tau ? 0.5 * (k->hi - tau) : k->h, m = tau + h, end = m + h;
-    if (!(m > tau && end > m)) m = nextafter(tau, HUGE_VAL), end = nextafter(m, HUGE_VAL);
+    if (!(m > tau && end > m)) m = sgt_next_above(tau), end = sgt_next_above(m);
     return (place){m, larger(m - tau, end - m), end};
 }
 
