@@ -19,6 +19,7 @@
  * and depends on nothing but the root. */
 #include "alone.h"
 
+#include "../num/bits.h"
 #include "../num/lanes.h"
 
 #include "../surface/conic.h"
@@ -225,7 +226,7 @@ static double radius2_about(double x, double y)
 static const sgt_extent *extent_about(sgt_surface s, double radius2, sgt_extents *kept)
 {
     int power;
-    frexp(radius2, &power);
+    (void)binary_mantissa(radius2, &power);
     size_t k = (unsigned)power % SGT_EXTENTS;
     if (kept->radius2[k] == radius2) return &kept->of[k];
     kept->radius2[k] = radius2;

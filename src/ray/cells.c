@@ -11,6 +11,8 @@
 #include "prove.h"
 #include "walk.h"
 
+#include <sagitta/interval.h>
+
 static bool excludes_zero(sgt_interval x) { return x.lo > 0 || x.hi < 0; }
 
 /* All over the undecided stretch from `dark` to `to`, where g is in `seen`, g is within its rounding: the ray touches there, as far as can be told. */
@@ -37,7 +39,7 @@ void sgt_walk_cells(walk *w, double lo, double hi)
     while (tau < hi && !over(w)) {
         if (2 * h > hi - tau) h = 0.5 * (hi - tau);
         double m = tau + h, end = tau + 2 * h;
-        if (!(m > tau && end > m)) m = nextafter(tau, HUGE_VAL), end = nextafter(m, HUGE_VAL);
+        if (!(m > tau && end > m)) m = sgt_next_above(tau), end = sgt_next_above(m);
         /* outward by what t0 + tau and the scale can round */
         double from = (base + tau) * q->scale, to = (base + end) * q->scale;
         sgt_interval t = {larger(from - 0x1p-52 * fabs(from), -DBL_MAX), to + 0x1p-52 * fabs(to)}, slope = {(double)NAN, (double)NAN};

@@ -23,11 +23,15 @@
  * there on each is half again as long as the last.  From a near end at infinity there is no first step. */
 #include "general.h"
 
+#include "../num/bits.h"
 #include "prove.h"
 #include "vicinity.h"
 #include "walk.h"
 
-enum { FAR_STEPS = 128 };
+#include <sagitta/interval.h>
+
+/* 1.5^128, to nearest: each far step is half as long again as the last. */
+static const double GROWN = 0x1.d59239a436969p+74;
 
 /* |F| falls after a and rises before b: is there a change of sign between?  *m is then its point. */
 static bool dips(walk *w, point a, point b, point *m)
@@ -87,13 +91,13 @@ static bool march(walk *w, double lo, double hi, double dt, double growth, doubl
         if (!(next > a.tau)) { /* a step below an ulp of lo: the first that is one */
             w->uncertain = true;
             if (!(dt > 0) || i > 1LL << 40) return false;
-            next = nextafter(a.tau, HUGE_VAL);
+            next = sgt_next_above(a.tau);
             if (next > hi) return false;
         }
         b = sgt_walk_glance(w, next, SGT_MARCH, a.tau, hi, all);
         if (!sign_at(&b) && !isnan(b.g) && next < hi) b = sgt_walk_look(w, next - 0.01 * (next - a.tau), SGT_MARCH, a.tau, hi); /* on a root: from beside it */
         if (!sign_at(&a) && !isnan(a.g)) { /* the start is on the surface: from just behind it */
-            double off = fmin(8 * (fabs(a.g) + a.g_err) / fabs(a.at.slope), 0.25 * (next - a.tau));
+            double off = smaller(8 * (fabs(a.g) + a.g_err) / fabs(a.at.slope), 0.25 * (next - a.tau));
             a = sgt_walk_look(w, a.tau + (off > 0 ? off : 0.25 * (next - a.tau)), SGT_MARCH, a.tau, hi);
         }
         if (!over(w)) step(w, &a, &b);
@@ -118,7 +122,7 @@ static void steps(walk *w, double lo, double hi, double nearest)
     w->uncertain = far || lo != from;
     if (lo < end) more = march(w, lo, end, dt, 1, &reached);
     if (more && far) { /* grows to 1e22 times the first */
-        double first = dt > 0 ? dt : 0x1p-20 / length, last = end + first * (pow(1.5, FAR_STEPS) - 1) / 0.5;
+        double first = dt > 0 ? dt : 0x1p-20 / length, last = end + first * (GROWN - 1) / 0.5;
         if (last < HUGE_VAL) more = march(w, end, last, first, 1.5, &reached);
     }
     if (w->found) return;

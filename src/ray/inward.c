@@ -33,6 +33,8 @@
  * enclosures, which begins anew. */
 #include "inward.h"
 
+#include "../num/bits.h"
+
 #include <sagitta/interval.h>
 
 enum { MOST_STEPS = 1024, EDGE_RUNGS = 9, LEAVING = 32 };
@@ -147,7 +149,7 @@ static void enclose_in(sgt_surface s, double edge, rings *kept, rows a, size_t i
 {
     double rung = a[WANTED][i];
     for (int k = 1; k <= EDGE_RUNGS && rung > edge * (1 - 0x1p-10); k++) {
-        double t = a[T][i], level = edge * (1 - ldexp(1, -k));
+        double t = a[T][i], level = edge * (1 - power_of_two(-k));
         if (radius_at(a[OX][i], a[OY][i], a[DX][i], a[DY][i], t) * (1 + 0x1p-20) < level) rung = level;
     }
     if (rung == a[RADIUS][i]) return;

@@ -55,6 +55,7 @@
  * proof. */
 #include "prove.h"
 
+#include "../num/bits.h"
 #include "../solve/root.h"
 #include "quick.h"
 
@@ -168,7 +169,7 @@ double sgt_move_exactly(const sgt_ray *ray, double about, sgt_ray *moved)
     *moved = *ray;
     if (!(fabs(about) > 0x1p-900 && fabs(about) < 0x1p900)) return 0;
     for (double unit = 0x1p-52 * inverse_of_scale((sgt_vec3){about, 0, 0}); unit <= 0.125 * fabs(about); unit *= 2) {
-        double t0 = rint(about / unit) * unit;
+        double t0 = nearest_integer(about / unit) * unit;
         if (is_double(ray->o.x, ray->d.x, t0, &moved->o.x) && is_double(ray->o.y, ray->d.y, t0, &moved->o.y) && is_double(ray->o.z, ray->d.z, t0, &moved->o.z)) return t0;
     }
     return 0;
@@ -593,6 +594,13 @@ static bool bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
     return !by && span->lo <= span->hi;
 }
 
+/* |v|, within 3 ulps, where its square would leave the range of a double too. */
+static double length_of(sgt_vec3 v)
+{
+    double scale = scale_of(v), x = v.x * scale, y = v.y * scale, z = v.z * scale;
+    return sqrt(x * x + y * y + z * z) / scale;
+}
+
 static proof proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, const sgt_span *span, sgt_list *list, bool all)
 {
     sgt_interval all_t = {span->lo, span->hi};
@@ -601,12 +609,14 @@ static proof proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
     const sgt_vec3 o = ray->o, d = ray->d;
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, length2 = l * l + m * m + n * n;
     w.centre = -(o.x * l + o.y * m + o.z * n) / length2 * scale;
-    w.reach = hypot(hypot(o.x, o.y), o.z) / sqrt(length2) * scale;
+    w.reach = length_of(o) / sqrt(length2) * scale;
     if (!(fabs(w.centre) < HUGE_VAL)) w.centre = 0;
     if (!(w.reach > 0 && w.reach < HUGE_VAL)) w.reach = scale;
     if (!(fabs(w.seed) < HUGE_VAL)) w.seed = w.centre;
     double off = fabs(w.centre) / scale;
-    w.foot = hypot(hypot(moved_along(o.x, w.centre, d.x), moved_along(o.y, w.centre, d.y)), moved_along(o.z, w.centre, d.z)) / sqrt(length2) * scale;
+    double c = w.centre;
+    sgt_vec3 foot = {moved_along(o.x, c, d.x), moved_along(o.y, c, d.y), moved_along(o.z, c, d.z)};
+    w.foot = length_of(foot) / sqrt(length2) * scale;
     if (off > 0x1p-400 && off < 0x1p400 && fabs(w.centre) > NEARBY * w.foot && s.ops->enclose)
         w.far = s.ops->own_ && s.ops->own_->enclose ? w.centre : sgt_move_exactly(ray, w.centre, &w.at_far);
     return w;

@@ -37,6 +37,8 @@
  *     normalised gradient of the scan lens (tests/unit/test_diagnose.c) shows 0.93 to 0.99. */
 #include <sagitta/diagnose.h>
 
+#include "../num/elementary.h"
+
 #include <float.h>
 #include <limits.h>
 #include <math.h>
@@ -88,17 +90,17 @@ static run last_run(const sgt_step *step, int n, bool any_move, double least)
 static bool oscillates(const run *r)
 {
     if (!r->to_and_fro || r->n < 3 || !isnan(r->lost)) return false;
-    return pow(r->size[0] / r->size[r->n - 1], 1.0 / (r->n - 1)) > SETTLING;
+    return r->size[0] / r->size[r->n - 1] > integer_power(SETTLING, (unsigned)r->n - 1);
 }
 
 /* Order and rate from s1, s2, s3, and the verdict they carry; WANDERING: none. */
 static sgt_verdict judge(double s1, double s2, double s3, sgt_diagnosis *d)
 {
     if (!(s3 < s2 && s2 < s1)) return SGT_WANDERING;
-    double order = log2(s3 / s2) / log2(s2 / s1);
+    double order = logarithm(s3 / s2) / logarithm(s2 / s1);
     sgt_verdict v = order >= 1.5 ? (s3 <= 0.25 * s2 ? SGT_QUADRATIC : SGT_WANDERING)
                   : order > 0.6 ? SGT_LINEAR : SGT_WANDERING;
-    if (v != SGT_WANDERING) d->order = order, d->rate = s3 / pow(s2, order);
+    if (v != SGT_WANDERING) d->order = order, d->rate = exponential(logarithm(s3) - order * logarithm(s2));
     return v;
 }
 
@@ -122,14 +124,14 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
         if (!is_iterate(&step[i])) continue;
         if (!first) first = &step[i];
         last = &step[i];
-        big = fmax(big, fabs(last->t));
-        spread = fmax(spread, fabs(last->t - first->t));
+        big = maximum_number(big, fabs(last->t));
+        spread = maximum_number(spread, fabs(last->t - first->t));
         defined++;
     }
     if (!defined) return d;
 
     double least = FLOOR_ULPS * DBL_EPSILON * big, bracket = last->hi - last->lo;
-    if (bracket <= CLOSED * big) least = fmax(least, bracket);
+    if (bracket <= CLOSED * big) least = maximum_number(least, bracket);
     run all = last_run(step, n, true, least), newton = last_run(step, n, false, least);
     if (first->f == 0 || (spread <= least && (defined > 1 || all.next <= least))) d.verdict = SGT_ROUNDING;
     else if (d.bisect > d.newton) d.verdict = SGT_BISECTING;
@@ -144,7 +146,8 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
     /* the newest may be noise all the same (the slope of a double root): two may be dropped */
     for (int i = 0; i < 3 && i + 2 < left && d.verdict == SGT_WANDERING; i++) d.verdict = judge(s[i + 2], s[i + 1], s[i], &d);
     if (d.verdict == SGT_WANDERING && left >= 1) {
-        double later = isnan(lost) ? s[0] : fmin(lost, least), before = isnan(lost) ? (left >= 2 ? s[1] : 0) : s[0];
+        double later = isnan(lost) ? s[0] : minimum_number(lost, least);
+        double before = isnan(lost) ? (left >= 2 ? s[1] : 0) : s[0];
         if (later <= NEWTON_GAIN * before) d.verdict = SGT_QUADRATIC;
     }
     return d;

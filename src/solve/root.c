@@ -36,6 +36,8 @@
  * The budget bounds everything: each stage either narrows, or counts. */
 #include "root.h"
 
+#include "../num/bits.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdint.h>
@@ -102,7 +104,7 @@ static bool finish_between(sgt_root *r, double t)
 {
     if (P(HOLE) > r->lo && P(HOLE) < r->hi) return finish(r, SGT_UNDEFINED);
     r->t = t;
-    r->t_err = fmax(t - r->lo, r->hi - t);
+    r->t_err = maximum_number(t - r->lo, r->hi - t);
     return finish(r, SGT_HIT);
 }
 
@@ -110,7 +112,7 @@ static bool go(sgt_root *r, double t, sgt_move move)
 {
     if (r->evals >= (int)P(BUDGET)) {
         if (!isnan(P(PREV))) r->t = P(PREV);
-        r->t_err = P(BRACKETED) != 0 ? fmax(r->t - r->lo, r->hi - r->t) : HUGE_VAL;
+        r->t_err = P(BRACKETED) != 0 ? maximum_number(r->t - r->lo, r->hi - r->t) : HUGE_VAL;
         return finish(r, SGT_EXHAUSTED);
     }
     t = t < r->lo ? r->lo : t > r->hi ? r->hi : t;
@@ -269,8 +271,8 @@ static bool probe_next(sgt_root *r)
     }
     double width = P(WIDTH);
     r->t = c;
-    r->lo = fmax(r->lo, c - width), r->hi = fmin(r->hi, c + width);
-    r->t_err = fmax(c - r->lo, r->hi - c);
+    r->lo = maximum_number(r->lo, c - width), r->hi = minimum_number(r->hi, c + width);
+    r->t_err = maximum_number(c - r->lo, r->hi - c);
     return finish(r, P(LEFT) * P(RIGHT) < 0 ? SGT_HIT : SGT_GRAZE);
 }
 
@@ -280,7 +282,7 @@ static bool probe_begin(sgt_root *r, double g, double slope)
     P(CANDIDATE) = r->t;
     P(LEFT) = P(RIGHT) = P(SIDE) = 0;
     if (!isfinite(w)) w = 0; /* the slope is of no use: begin at an ulp and widen */
-    P(WIDTH) = fmax(fmax(w, P(T_TOL)), ulp(r->t));
+    P(WIDTH) = maximum_number(maximum_number(w, P(T_TOL)), ulp(r->t));
     if (g == 0 && r->g_err == 0 && P(BRACKETED) != 0) { /* the root itself */
         r->t_err = 0;
         return finish(r, SGT_HIT);
@@ -324,12 +326,13 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
     if (P(F_TOL) > 0 && fabs(g) <= P(F_TOL)) {
         double off = fabs(g) + r->g_err;
         r->t_err = off > 0 ? 2 * off / fabs(slope) : 0; /* twice the first order, for the second */
-        if (off > 0 && !(r->t_err > 0 && r->t_err < HUGE_VAL)) r->t_err = fmax(r->t - r->lo, r->hi - r->t); /* a slope that says nothing */
+        if (off > 0 && !(r->t_err > 0 && r->t_err < HUGE_VAL)) /* a slope that says nothing */
+            r->t_err = maximum_number(r->t - r->lo, r->hi - r->t);
         return finish(r, SGT_HIT);
     }
     if (sign_of(r, g) == 0) return probe_begin(r, g, slope);
 
-    double t = r->t, tol = fmax(P(T_TOL), 2 * ulp(t));
+    double t = r->t, tol = maximum_number(P(T_TOL), 2 * ulp(t));
     bool bracketed = P(BRACKETED) != 0;
     if (bracketed && r->hi - r->lo <= 2 * tol) return finish_between(r, fabs(P(GLO)) < fabs(P(GHI)) ? r->lo : r->hi);
 
@@ -342,7 +345,7 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
                 P(OVERSHOOT) = 0;
                 return bracketed ? bisect(r) : look_elsewhere(r);
             }
-            next -= copysign(ldexp(0.5 * tol, (int)P(OVERSHOOT)), step);
+            next -= copysign(0.5 * tol * power_of_two((int)P(OVERSHOOT)), step);
             P(OVERSHOOT)++;
             step = tol; /* may be repeated */
         }

@@ -66,9 +66,9 @@ SGT_INLINE mask usual_length(double d2) { return MASK(d2 > 0x1p-78) & MASK(d2 < 
 SGT_INLINE double horner(const double *a, int terms, double rho)
 {
     double h = 0;
-    if (terms > FEW_TERMS) h = sgt_fma(fma(sgt_fma(fma(a[7], rho, a[6]), rho, a[5]), rho, a[4]), rho, a[3]);
+    if (terms > FEW_TERMS) h = sgt_fma(sgt_fma(sgt_fma(sgt_fma(a[7], rho, a[6]), rho, a[5]), rho, a[4]), rho, a[3]);
     else h = a[3];
-    return sgt_fma(fma(sgt_fma(h, rho, a[2]), rho, a[1]), rho, a[0]);
+    return sgt_fma(sgt_fma(sgt_fma(h, rho, a[2]), rho, a[1]), rho, a[0]);
 }
 
 /* The same with the derivative. */
@@ -134,7 +134,7 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
     double a = l * l + m * m, n2 = n * n, H = sgt_fma(0x1p-50, fabs(t0), sgt_fma(0x1p-40, fabs(at->tau2), fabs(at->step2) + (as + as))), wide = sgt_fma(17 * a, H * H, 1.0625 * rho);
     double first = horner(s->size, terms, wide), rho0 = x0 * x0 + y0 * y0;
     double W1 = sgt_fma(first + first, sgt_fma(a, H + H, at->slant), fabs(n)), W2 = s->bend * (a * first);
-    double M = sgt_fma(s->abs_ck, sgt_fma(fma(W1, H, aw), W2, W1 * W1), sgt_fma(s->abs_c, a, W2));
+    double M = sgt_fma(s->abs_ck, sgt_fma(sgt_fma(W1, H, aw), W2, W1 * W1), sgt_fma(s->abs_c, a, W2));
     double off = sgt_fma(M * (H + H), ai, 0x1p-30); /* Delta / |s| */
     double Q = sgt_fma(9, rho, rho0 + rho0), az = fabs(z), ackw = fabs(ckw);
     double e = 1.01 * SGT_U * sgt_fma(fabs(1 - ckw), sgt_fma(first, Q, az + aw), sgt_fma(0.5 * s->abs_c, Q, (3 * aw) * (1 + ackw)));

@@ -21,11 +21,15 @@
  * G and G' vanish together, the march ends.  A root's bracket goes to the solver of
  * solve/root.c, and its end to sgt_form_settle of form.c, from an origin moved to the root.
  *
- * An undecided stretch is never dropped by the rule of the start: what is known of it is that a root may be in it, not
- * where.  Nor is a root whose t_err is wider than that rule.  UNDER PROOF a root has to be the only one in t
- * -+ t_err (sgt_form_alone), and its side of the rim certain. */
+ * An undecided stretch is never dropped by the rule of the start: what is known of it is that a root may be
+ * in it, not where.  Nor is a root whose t_err is wider than that rule.  UNDER PROOF a root has to be the
+ * only one in t -+ t_err (sgt_form_alone), and its side of the rim certain. */
+#include "../num/bits.h"
 #include "../solve/root.h"
 #include "asphere.h"
+
+#include <limits.h>
+#include <sagitta/interval.h>
 
 typedef struct walk {
     const shape *s;
@@ -50,6 +54,24 @@ static double middle(double a, double b) { return 0.5 * a + 0.5 * b; }
 
 static int sign_at(const sample *e) { return e->g > e->g_err ? 1 : e->g < -e->g_err ? -1 : 0; }
 
+/* The smallest e with 2^e > 1.01 (of / by)^(2 / n), of > 0, by > 0; 1024 where the quotient overflows.  With
+ * 1.01^n (of / by)^2 = f 2^E, 1/2 <= f < 1, that is 2^(e n) > f 2^E: true of e n >= E, false of e n = E - 1
+ * and less.  So e = E / n, rounded up.  Only f is rounded, by a few u, and 1.01 has room for that.  A
+ * quotient that underflows is raised to the smallest normal number. */
+static int power_above_root(double of, double by, int n)
+{
+    int E, more, e;
+    double y = larger(of / by, DBL_MIN);
+    if (!(y < HUGE_VAL)) return 1024;
+    y = binary_mantissa(y, &E);
+    double f = y * y;
+    for (int i = 0; i < n; i++) f *= 1.01;
+    (void)binary_mantissa(f, &more);
+    E = 2 * E + more;
+    for (e = E / n - 1; e * n < E;) e++;
+    return e;
+}
+
 /* The square of the radius beyond which no root can lie; infinite where that cannot be said. */
 static double reach2(const shape *s, const sgt_ray *ray)
 {
@@ -64,15 +86,23 @@ static double reach2(const shape *s, const sgt_ray *ray)
     else b[0] += top > 0 ? fabs(s->c) : -fabs(s->c); /* an ellipsoid: its sag is at most |c| rho */
     while (top > 0 && b[top] == 0) top--;
     lead = b[top];
-    double count = top + 3, reach = pow(count * z0 / lead, 1.0 / (top + 1));
-    reach = fmax(reach, pow(count * growth / lead, 1 / (top + 0.5)));
-    for (int i = 0; i < top; i++) reach = fmax(reach, pow(count * b[i] / lead, 1.0 / (top - i)));
-    if (!(reach < 0x1p1000 && z0 < HUGE_VAL && growth < HUGE_VAL)) return HUGE_VAL;
-    /* up to a power of two, so that lengths times 2^k give the same cells times 2^k */
-    int exponent;
-    frexp(1.01 * reach, &exponent);
-    reach = ldexp(1, exponent);
-    return lead > 0 && a > 0 ? reach : HUGE_VAL;
+    double count = top + 3;
+    if (!(lead > 0 && lead < HUGE_VAL && a > 0 && z0 < HUGE_VAL && growth < HUGE_VAL)) return HUGE_VAL;
+    /* the greatest of the roots of count z0 / lead, count growth / lead and count b[i] / lead; up to a power
+     * of two, so that lengths times 2^k give the same cells times 2^k */
+    int exponent = INT_MIN, next;
+    if (z0 > 0) exponent = power_above_root(count * z0, lead, 2 * (top + 1));
+    if (growth > 0) {
+        next = power_above_root(count * growth, lead, 2 * top + 1);
+        if (next > exponent) exponent = next;
+    }
+    for (int i = 0; i < top; i++) {
+        if (!(b[i] > 0)) continue;
+        next = power_above_root(count * b[i], lead, 2 * (top - i));
+        if (next > exponent) exponent = next;
+    }
+    if (exponent == INT_MIN) return 1;
+    return exponent <= 1000 ? power_of_two(exponent) : HUGE_VAL;
 }
 
 typedef struct found { meeting at; sgt_status status; double distance; bool any; } found;
@@ -92,7 +122,7 @@ static bool crosses_sheet(walk *w, meeting *at)
         /* v is lost in its rounding, but on the surface it is phi */
         double dp, rho = at->p.x * at->p.x + at->p.y * at->p.y;
         polynomial(w->s->terms, w->s->a, rho, &dp);
-        at->v = sqrt(fmax(1 - w->s->ck * w->s->c * rho, DBL_MIN));
+        at->v = sqrt(larger(1 - w->s->ck * w->s->c * rho, DBL_MIN));
         double inverse = -w->s->c / at->v - 2 * dp;
         at->n = (sgt_vec3){at->p.x * inverse, at->p.y * inverse, 1};
         return true;
@@ -100,8 +130,8 @@ static bool crosses_sheet(walk *w, meeting *at)
     return false;
 }
 
-/* An undecided stretch about tmin may hold a root behind the start as well as the start itself; and of one where numbers
- * overflow nothing is known. */
+/* An undecided stretch about tmin may hold a root behind the start as well as the start itself; and of one
+ * where numbers overflow nothing is known. */
 static bool may_count(const walk *w, const meeting *at)
 {
     meeting end = *at;
@@ -162,7 +192,7 @@ static void take(walk *w, double tau, double tau_err, double lo, double hi, sgt_
 {
     meeting at = {.sag = NAN};
     sample e = look(w, tau, SGT_PROBE, lo, hi);
-    double inverse = -w->s->c / fmax(e.v, DBL_MIN) - 2 * e.dp;
+    double inverse = -w->s->c / larger(e.v, DBL_MIN) - 2 * e.dp;
     meeting_place(&at, &w->q, tau, tau_err);
     at.v = e.v, at.slope = fabs(e.slope);
     at.n = (sgt_vec3){at.p.x * inverse, at.p.y * inverse, 1};
@@ -176,7 +206,7 @@ static bool settle(walk *w, double tau, meeting *at, double *v_err)
 {
     const sgt_options *opt = w->told->opt;
     bool settled = sgt_form_settle(w->s, w->ray, w->q.t0, tau, at, v_err, w->told);
-    double near = fmin(fabs(at->t - w->ray->tmax), fabs(at->t - w->ray->tmin));
+    double near = smaller(fabs(at->t - w->ray->tmax), fabs(at->t - w->ray->tmin));
     if (!settled || !(opt->t_tol > 0) || near > END_ERRORS * at->t_err) return settled;
     sgt_options sharp = *opt;
     sharp.t_tol = 0;
@@ -201,7 +231,7 @@ static void polish(walk *w, double lo, const sample *at_lo, double hi, const sam
         } while (sgt_root_next(&r, e.g, e.slope) && !w->told->stopped && !w->spent);
         if (w->told->stopped || w->spent) return;
         /* monotone, so a status other than a hit means only that rounding hides the very crossing */
-        double err = fmax(r.t - lo, hi - r.t), v_err;
+        double err = larger(r.t - lo, hi - r.t), v_err;
         if (r.status == SGT_HIT && r.t_err < err) err = r.t_err;
         meeting at;
         if (settle(w, r.t, &at, &v_err)
@@ -244,14 +274,14 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
     if (!(s->domain2 > TINY)) return hit_without(SGT_UNPROVEN, ray, told->evals); /* r^2 is out of range */
     if (ray->d.x == 0 && ray->d.y == 0) return parallel(s, ray, told);
     /* without a rim the equator of a base that is nearly flat may be far beyond */
-    stretch chord = sgt_chord(ray, s->rim2 < HUGE_VAL ? s->domain2 : fmin(s->domain2, reach2(s, ray)));
-    double scale = scale_of(ray->d), lo = fmax(chord.lo, ray->tmin), hi = fmin(chord.hi, ray->tmax);
+    stretch chord = sgt_chord(ray, s->rim2 < HUGE_VAL ? s->domain2 : smaller(s->domain2, reach2(s, ray)));
+    double scale = scale_of(ray->d), lo = larger(chord.lo, ray->tmin), hi = smaller(chord.hi, ray->tmax);
     if (chord.lo > chord.hi || lo > hi) return hit_without(SGT_MISS, ray, told->evals);
     lo /= scale, hi /= scale;
     if (!(lo < hi)) lo -= 0x1p-1074, hi += 0x1p-1074; /* one point, or both ends have underflowed */
     hi += 0x1p-44 * fabs(hi); /* a root at tmax is to be inside: `counts` has the last word */
     /* the point of the stretch nearest the vertex: the stretch itself may lie far from it */
-    w.q = local_at(ray, fmin(fmax(nearest_to_vertex(ray), lo), hi), 0);
+    w.q = local_at(ray, smaller(larger(nearest_to_vertex(ray), lo), hi), 0);
     if (!direction_is_whole(&w.q, ray->d)) return hit_without(SGT_UNPROVEN, ray, told->evals);
     twofold from = two_sum(lo, -w.q.t0); /* outward, as hi: in twice the precision it is seen what that rounds */
     lo = from.hi - (from.lo < 0 ? 2 * SGT_U * fabs(from.hi) : 0), hi -= w.q.t0;
@@ -261,15 +291,16 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
 
     found best = {.any = false};
     double h = 0.125 * (hi - lo), tau = lo, begin = lo, dark = 0;
-    double least = 0x1p-90 * fmin(hi - lo, fabs(w.q.x) + fabs(w.q.y) + fabs(w.q.z) + 0x1p-60 * (hi - lo)); /* cells below it are not divided */
+    double away = fabs(w.q.x) + fabs(w.q.y) + fabs(w.q.z) + 0x1p-60 * (hi - lo);
+    double least = 0x1p-90 * smaller(away, hi - lo); /* cells below it are not divided */
     sample left = look(&w, tau, SGT_MARCH, lo, hi), before = left;
     int moved = 0;
     bool known = true, pending = false; /* left is the sample at tau; [dark, tau] is undecided, before the sample at dark */
     while (tau < hi && !told->stopped && !w.spent && !(best.any && opt->pick != SGT_NEAR_SEED)) {
         if (h > 0.5 * (hi - tau)) h = 0.5 * (hi - tau);
         double m = tau + h, end = m + h;
-        if (!(m > tau && end > m)) m = nextafter(tau, HUGE_VAL), end = nextafter(m, HUGE_VAL);
-        h = fmax(m - tau, end - m); /* as they came out, not as they were meant */
+        if (!(m > tau && end > m)) m = sgt_next_above(tau), end = sgt_next_above(m);
+        h = larger(m - tau, end - m); /* as they came out, not as they were meant */
         sample e = look(&w, m, SGT_MARCH, tau, hi);
         double bend = sgt_form_bend(s, &w.q, &e, h), slope = fabs(e.slope);
         bool empty = fabs(e.g) > (slope + e.slope_err) * h + 0.5 * bend * h * h + e.g_err || sgt_form_apart(s, &w.q, &e, h);
@@ -290,7 +321,7 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
             sample right = look(&w, end, SGT_MARCH, tau, hi);
             if (!known) left = look(&w, tau, SGT_MARCH, tau, hi), known = true;
             for (int i = 0; tau == begin && !sign_at(&left) && i < 8; i++) { /* the start is on the surface: from before it */
-                double back = tau - ldexp(4 * (left.g_err + fabs(left.g)) / slope, i), far = m - back;
+                double back = tau - 4 * (left.g_err + fabs(left.g)) / slope * power_of_two(i), far = m - back;
                 if (!(slope - e.slope_err > sgt_form_bend(s, &w.q, &e, far) * far)) break; /* G is not monotone from so far before */
                 sample behind = look(&w, back, SGT_MARCH, tau, hi);
                 if (sign_at(&behind)) left = behind, tau = begin = back;
@@ -334,7 +365,8 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
     if (pending && !told->stopped && !w.spent) take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_UNPROVEN, seed, &best);
     if (told->stopped || (w.spent && !(best.any && opt->pick != SGT_NEAR_SEED))) {
         sgt_hit hit = hit_without(told->stopped ? SGT_STOPPED : SGT_EXHAUSTED, ray, told->evals);
-        hit.lo = fmin(larger((w.q.t0 + (pending ? dark : tau)) * w.q.scale, ray->tmin), ray->tmax); /* hi was moved outward */
+        double reached = (w.q.t0 + (pending ? dark : tau)) * w.q.scale;
+        hit.lo = smaller(larger(reached, ray->tmin), ray->tmax); /* hi was moved outward */
         return hit;
     }
     if (!best.any) return hit_without(SGT_MISS, ray, told->evals);

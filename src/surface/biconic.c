@@ -17,6 +17,7 @@
  * and greatest are at the corners of that pentagon.  From them, by intervals, the lines above.  |grad s|^2 = G_x^2 x^2 + G_y^2 y^2 is
  * bounded so too; the norm of diag(G) + (M_ij x_i x_j) by that of the magnitudes, and by the greatest |G| + the greatest |M| r^2:
  * of a sphere's numbers that is what a sphere has at r_hi. */
+#include "../num/bits.h"
 #include "bend.h"
 #include "freeform.h"
 
@@ -68,8 +69,10 @@ static pentagon squares_in(const region *where)
 {
     sgt_interval x = sgt_interval_square(where->x), y = sgt_interval_square(where->y);
     double r2 = sgt_product_above(where->r_hi, where->r_hi), x_far, y_far, x_by, y_by;
-    x_far = fmin(x.hi, larger(sgt_sum_above(r2, -y.lo), x.lo)), y_far = fmin(y.hi, larger(sgt_sum_above(r2, -x.lo), y.lo));
-    x_by = fmin(x_far, larger(sgt_sum_above(r2, -y_far), x.lo)), y_by = fmin(y_far, larger(sgt_sum_above(r2, -x_far), y.lo));
+    x_far = smaller(x.hi, larger(sgt_sum_above(r2, -y.lo), x.lo));
+    y_far = smaller(y.hi, larger(sgt_sum_above(r2, -x.lo), y.lo));
+    x_by = smaller(x_far, larger(sgt_sum_above(r2, -y_far), x.lo));
+    y_by = smaller(y_far, larger(sgt_sum_above(r2, -x_far), y.lo));
     return (pentagon){{x.lo, x_far, x_far, x_by, x.lo}, {y.lo, y.lo, y_by, y_far, y_far}};
 }
 

@@ -52,6 +52,7 @@
  *
  * So a gradient that is off by 1e-3 in one component is seen unless that component is below
  * 2^-16 of the gradient; one that is off by less than 1e-8 is not. */
+#include "../num/bits.h"
 #include "own.h"
 
 #include <sagitta/diagnose.h>
@@ -86,6 +87,9 @@ static bool fail(check *c, sgt_fault fault, sgt_vec3 where)
     c->fault = fault, c->where = where;
     return false;
 }
+
+/* The greatest component, in magnitude, that is not NaN. */
+static double greatest(sgt_vec3 v) { return maximum_number(fabs(v.x), maximum_number(fabs(v.y), fabs(v.z))); }
 
 static double value_at(const check *c, sgt_vec3 p, sgt_vec3 *grad) { return c->s.ops->value(c->s.self, p, grad); }
 
@@ -138,15 +142,15 @@ static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i
                          double *doubt, double *kink, sgt_vec3 *bend)
 {
     double best = 0, before = (double)NAN, x = *component(&p, i), h = longest;
-    double big = fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))), noise = noise_at(c, p, f, n, longest), noise_before = (double)NAN;
+    double big = greatest(p), noise = noise_at(c, p, f, n, longest), noise_before = (double)NAN;
     *doubt = *kink = HUGE_VAL, *bend = (sgt_vec3){0};
-    for (int level = 0; level < LEVELS && h > 0x1p-42 * fmax(big, longest); level++, h *= 0.125) {
+    for (int level = 0; level < LEVELS && h > 0x1p-42 * maximum_number(big, longest); level++, h *= 0.125) {
         sgt_vec3 right = p, left = p, nr = {0}, nl = {0};
         *component(&right, i) = x + h, *component(&left, i) = x - h;
         double ahead = *component(&right, i) - x, behind = x - *component(&left, i); /* exact */
         double width = ahead + behind, fr = value_at(c, right, &nr), fl = value_at(c, left, &nl);
-        double beside = fmax(noise_at(c, right, fr, nr, longest), noise_at(c, left, fl, nl, longest));
-        double slope = (fr - fl) / width, own = fmax(noise, beside) * 2 / width;
+        double beside = maximum_number(noise_at(c, right, fr, nr, longest), noise_at(c, left, fl, nl, longest));
+        double slope = (fr - fl) / width, own = maximum_number(noise, beside) * 2 / width;
         double now = fabs(slope - before) + own + noise_before;
         if (fabs(slope - best) > 4 * (*doubt + own)) *doubt = HUGE_VAL; /* a finer structure than the steps before */
         if (now < *doubt) { /* false for NaN */
@@ -167,8 +171,8 @@ static bool is_wrong(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double lo
     for (int i = 0; i < 3; i++) {
         d[i] = difference(c, p, f, n, i, longest, &doubt[i], &kink[i], &bend[i]);
         double own = fabs(*component(&n, i));
-        if (doubt[i] < HUGE_VAL) size = fmax(size, fabs(d[i]));
-        if (own < HUGE_VAL) size = fmax(size, own);
+        if (doubt[i] < HUGE_VAL) size = maximum_number(size, fabs(d[i]));
+        if (own < HUGE_VAL) size = maximum_number(size, own);
     }
     for (int i = 0; i < 3; i++) {
         double own = *component(&n, i), slack = 0;
@@ -186,9 +190,9 @@ static bool check_gradient(check *c, double t, double spacing)
     sample a;
     sgt_vec3 d = c->ray->d, n = {(double)NAN, (double)NAN, (double)NAN};
     if (!look(c, t, &a)) return false;
-    double f = value_at(c, a.p, &n), big = fmax(fabs(a.p.x), fmax(fabs(a.p.y), fabs(a.p.z)));
+    double f = value_at(c, a.p, &n), big = greatest(a.p);
     if (!isfinite(f)) return true;
-    double longest = fmax(spacing * fmax(fabs(d.x), fmax(fabs(d.y), fabs(d.z))), 0x1p-10 * big);
+    double longest = maximum_number(spacing * greatest(d), 0x1p-10 * big);
     if (!is_wrong(c, a.p, f, n, longest) || !is_wrong(c, a.p, f, n, 0.7 * longest)) return true;
     return fail(c, SGT_WRONG_GRADIENT, a.p);
 }
@@ -199,7 +203,7 @@ static bool check_gradient(check *c, double t, double spacing)
 static bool well_defined(check *c, double t)
 {
     sgt_vec3 o = c->ray->o, d = c->ray->d;
-    double far = fmax(fabs(o.x), fmax(fabs(o.y), fabs(o.z))), along = fmax(fabs(d.x), fmax(fabs(d.y), fabs(d.z)));
+    double far = greatest(o), along = greatest(d);
     double off = 0x1p-44 * (far / along + fabs(t));
     for (int i = -1; i <= 1; i++)
         if (isnan(value_at(c, (sgt_vec3){o.x + (t + i * off) * d.x, o.y + (t + i * off) * d.y, o.z + (t + i * off) * d.z}, NULL))) return false;
@@ -209,7 +213,7 @@ static bool well_defined(check *c, double t)
 /* By how much a sample can be off: its own doubt, and the noise of a surface that does not tell it. */
 static double doubt_of(const check *c, const sample *a, double across)
 {
-    double size = fmax(fabs(c->ray->d.x), fmax(fabs(c->ray->d.y), fabs(c->ray->d.z)));
+    double size = greatest(c->ray->d);
     return 2 * a->doubt + (c->s.ops->rounding ? 0 : noise_at(c, a->p, a->f, a->n, across * size));
 }
 
@@ -220,7 +224,7 @@ static bool steeper(const check *c, const sample *a, sgt_interval slope)
     sgt_vec3 d = c->ray->d, o = c->ray->o, left = {0}, right = {0};
     double now = a->n.x * d.x + a->n.y * d.y + a->n.z * d.z, doubt = 0x1p-26 * terms_of(a->n, d), bend = 0;
     if (!(now + doubt < slope.lo || now - doubt > slope.hi || slope.lo > slope.hi)) return false;
-    double far = fmax(fabs(o.x), fmax(fabs(o.y), fabs(o.z))), along = fmax(fabs(d.x), fmax(fabs(d.y), fabs(d.z))), off = 0x1p-44 * (far + fabs(a->t) * along);
+    double far = greatest(o), along = greatest(d), off = 0x1p-44 * (far + fabs(a->t) * along);
     for (int i = 0; i < 3; i++) {
         sgt_vec3 p = a->p, q = a->p;
         *component(&p, i) -= off, *component(&q, i) += off;
@@ -288,8 +292,9 @@ static bool check_line(check *c, sgt_vec3 p, sgt_vec3 u, double clear)
         if (isnan(a.f)) last.sign = 0;
         if (a.sign * last.sign < 0) {
             sample left = last, right = a;
-            double high = fmax(fabs(left.f), fabs(right.f));
-            if (approach(c, &left, right.t) && approach(c, &right, left.t) && fmin(fabs(left.f), fabs(right.f)) <= high) fail(c, SGT_WRONG_CLEARANCE, left.p);
+            double high = maximum_number(fabs(left.f), fabs(right.f));
+            if (approach(c, &left, right.t) && approach(c, &right, left.t)
+                && minimum_number(fabs(left.f), fabs(right.f)) <= high) fail(c, SGT_WRONG_CLEARANCE, left.p);
         }
         if (a.sign) last = a;
     }
@@ -325,7 +330,7 @@ static bool approach(check *c, sample *a, double b)
     for (int i = 0; i < 100; i++) {
         sample m;
         double t = 0.5 * a->t + 0.5 * b;
-        if (!(t > fmin(a->t, b) && t < fmax(a->t, b))) return true; /* neighbours */
+        if (!(t > minimum_number(a->t, b) && t < maximum_number(a->t, b))) return true; /* neighbours */
         if (!look(c, t, &m) || isnan(m.f)) return false;
         if (m.sign == a->sign) *a = m;
         else b = t;
@@ -350,9 +355,9 @@ static bool check_first(check *c, const sample *a, const sample *b)
 /* A change of sign between a and b. */
 static bool check_root(check *c, sample a, sample b)
 {
-    double high = fmax(fabs(a.f), fabs(b.f)), spacing = b.t - a.t;
+    double high = maximum_number(fabs(a.f), fabs(b.f)), spacing = b.t - a.t;
     if (!approach(c, &a, b.t) || !approach(c, &b, a.t)) return c->fault == SGT_SOUND;
-    if (fmin(fabs(a.f), fabs(b.f)) > high) return true; /* a pole */
+    if (minimum_number(fabs(a.f), fabs(b.f)) > high) return true; /* a pole */
     if (a.p.x * a.p.x + a.p.y * a.p.y > c->rim2 || b.p.x * b.p.x + b.p.y * b.p.y > c->rim2) return true;
     if (!check_gradient(c, a.t, spacing) || !check_gradient(c, b.t, spacing)) return false;
     if (!check_enclosures(c, a.t, spacing, spacing) || !check_clearance(c, a.t, spacing)) return false;
@@ -443,8 +448,8 @@ static bool check_ray(check *c)
     if (isnan(s.lo) || isnan(s.hi)) return fail(c, SGT_WRONG_SPAN, r->o);
     double lo = r->tmin, hi = r->tmax == 0 && r->tmin >= 0 ? HUGE_VAL : r->tmax;
     bool by = s.lo > s.hi; /* the ray passes by: all of it is outside */
-    if (!(lo > -HUGE_VAL)) lo = !by && isfinite(s.lo) && s.lo < hi ? s.lo : fmin(0, hi) - CUT;
-    if (!(hi < HUGE_VAL)) hi = !by && isfinite(s.hi) && s.hi > lo ? s.hi : fmax(0, lo) + CUT;
+    if (!(lo > -HUGE_VAL)) lo = !by && isfinite(s.lo) && s.lo < hi ? s.lo : minimum_number(0, hi) - CUT;
+    if (!(hi < HUGE_VAL)) hi = !by && isfinite(s.hi) && s.hi > lo ? s.hi : maximum_number(0, lo) + CUT;
     c->span = by ? (sgt_span){.lo = HUGE_VAL, .hi = HUGE_VAL} : s;
     c->inside = c->in_first = 0, c->behind = false;
     c->first = (sgt_span){.single = false}, c->from = lo;
@@ -455,11 +460,12 @@ static bool check_ray(check *c)
     }
     if (c->s.ops->values && !check_values(c, lo, hi)) return false;
     if (by) return check_stretch(c, lo, hi);
-    double in = fmax(lo, s.lo), out = fmin(hi, s.hi);
-    if (!(check_stretch(c, lo, fmin(s.lo, hi)) && check_stretch(c, in, out) && check_stretch(c, fmax(s.hi, lo), hi))) return false;
+    double in = maximum_number(lo, s.lo), out = minimum_number(hi, s.hi);
+    if (!(check_stretch(c, lo, minimum_number(s.lo, hi)) && check_stretch(c, in, out)
+          && check_stretch(c, maximum_number(s.hi, lo), hi))) return false;
     if (!c->behind || c->in_first) return true;
     sample a, b; /* of two roots between samples nothing is seen: do the ends of the first one's stretch tell of it? */
-    if (!look(c, fmax(c->first.lo, c->from), &a) || !look(c, c->first.hi, &b)) return false;
+    if (!look(c, maximum_number(c->first.lo, c->from), &a) || !look(c, c->first.hi, &b)) return false;
     return a.sign * b.sign > 0 ? fail(c, SGT_WRONG_FIRST, c->beyond) : true;
 }
 
@@ -481,7 +487,7 @@ static double rim2_of_builtin(sgt_surface s)
 
 static bool is_usable(const sgt_ray *r)
 {
-    double big = fmax(fabs(r->d.x), fmax(fabs(r->d.y), fabs(r->d.z)));
+    double big = greatest(r->d);
     return isfinite(r->o.x) && isfinite(r->o.y) && isfinite(r->o.z) && isfinite(r->d.x) && isfinite(r->d.y) && isfinite(r->d.z)
         && big >= DBL_MIN && r->tmin < HUGE_VAL && (r->tmax >= r->tmin || (r->tmax == 0 && r->tmin >= 0));
 }

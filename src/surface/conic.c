@@ -39,6 +39,7 @@
  * the quick form 0.99 of half that), and the side of the rim certain (rim_hidden).
  *
  * Times, worst cases: docs/accuracy.md. */
+#include "../num/bits.h"
 #include "conic_easy.h"
 #include "form.h"
 #include "sag_second.h"
@@ -178,15 +179,15 @@ SGT_INLINE careful_quadric careful_setup(double c, double k, const sgt_ray *ray)
     double t0 = nearest_to_vertex(ray);
     local q = g.q = local_at(ray, t0, 0);
     twofold x = coordinate(ray->o.x, q.l, t0, 0), y = coordinate(ray->o.y, q.m, t0, 0), z = coordinate(ray->o.z, q.n, t0, 0);
-    double big = fmax(fabs(x.hi), fmax(fabs(y.hi), fabs(z.hi)));
+    double big = maximum_number(fabs(x.hi), maximum_number(fabs(y.hi), fabs(z.hi)));
     int place, curve;
-    frexp(big > 0 ? big : 1, &place);
-    double mantissa = frexp(c, &curve);
+    (void)binary_mantissa(big > 0 ? big : 1, &place);
+    double mantissa = binary_mantissa(c, &curve);
     if (!(big > 0)) place = curve > -1000 ? -curve : 1000; /* through the vertex: the radius is the measure */
-    g.U = ldexp(1, place > 1000 ? 1000 : place < -1000 ? -1000 : place);
+    g.U = power_of_two(place > 1000 ? 1000 : place < -1000 ? -1000 : place);
     int power = curve + (place > 1000 ? 1000 : place < -1000 ? -1000 : place);
-    g.gamma = ldexp(mantissa, power < 0 ? power : 0);
-    g.beta = ldexp(1, power < 0 ? 0 : -power);
+    g.gamma = times_power_of_two(mantissa, power < 0 ? power : 0);
+    g.beta = power_of_two(power < 0 ? 0 : -power);
     x = g.x = twofold_times_power(x, 1 / g.U), y = g.y = twofold_times_power(y, 1 / g.U), z = g.z = twofold_times_power(z, 1 / g.U);
 
     twofold k1 = g.k1 = two_sum(1, k), r2 = twofold_sum(twofold_product(x, x), twofold_product(y, y));
@@ -247,7 +248,7 @@ SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, d
     r.sheet = v.hi > v_err ? 1 : v.hi < -v_err ? -1 : 0;
     r.at.v = v.hi;
     r.at.slope = S;
-    double steep = -g->gamma / fmax(v.hi, DBL_MIN); /* at the very equator: as steep as a double can say */
+    double steep = -g->gamma / larger(v.hi, DBL_MIN); /* at the very equator: as steep as a double can say */
     r.at.n = (sgt_vec3){px.hi * steep, py.hi * steep, 1};
     snap(&r.at, g->c, g->k, square_radius(r.at.p.x, r.at.p.y), 0, 0);
     r.terms = g->U * (fabs(g->gamma) * (px.hi * px.hi + py.hi * py.hi) + fabs(v.hi * pz.hi));

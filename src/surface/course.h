@@ -9,6 +9,8 @@
 #include "cell.h"
 #include "sag.h"
 
+#include <sagitta/interval.h>
+
 /* ------------------------------------------------------------------- setup */
 
 SGT_INLINE quaternion along_of(const orbit *o, double l, double m, double n)
@@ -121,13 +123,19 @@ static inline void faster(course *k) { k->growth = grown(k->growth), k->h *= k->
 
 static inline void slower(course *k) { k->growth = shrunk(k->growth), k->h *= 0.5; }
 
+/* The next double above x.  Rarely needed: in line it costs the march registers, 2.4 % of its instructions. */
+#if defined(__GNUC__)
+__attribute__((noinline, cold, unused))
+#endif
+static double next_double(double x) { return sgt_next_above(x); }
+
 /* A cell as it is laid: [tau, end], or what is left of [tau, hi], about m; h is as it came out. */
 typedef struct place { double m, h, end; } place;
 
 static inline place lay(const course *k)
 {
     double tau = k->tau, h = 2 * k->h > k->hi - tau ? 0.5 * (k->hi - tau) : k->h, m = tau + h, end = m + h;
-    if (!(m > tau && end > m)) m = nextafter(tau, HUGE_VAL), end = nextafter(m, HUGE_VAL);
+    if (!(m > tau && end > m)) m = next_double(tau), end = next_double(m);
     return (place){m, larger(m - tau, end - m), end};
 }
 

@@ -101,7 +101,7 @@ double sgt_conic_sag_fine(double c, double k, double x, double y)
 static double sag_bound(const shape *s, double rho, double outward)
 {
     double phi2 = 1 - s->ck * s->c * rho + outward * 0x1p-48;
-    return s->c * rho / (1 + sqrt(fmax(phi2, 0))) * (1 - outward * 0x1p-48);
+    return s->c * rho / (1 + sqrt(larger(phi2, 0))) * (1 - outward * 0x1p-48);
 }
 
 /* G has the square of w in it, and far from the surface M is large for no good reason: this is the
@@ -113,7 +113,7 @@ bool sgt_form_apart(const shape *s, const local *q, const sample *at, double h)
     double high = (rho + 2 * half * h + a * h * h) * (1 + 0x1p-40), low = half < a * h ? rho - half * half / a : rho - 2 * half * h + a * h * h;
     double blur = 4 * SGT_U * (fabs(at->x) * at->ex + fabs(at->y) * at->ey); /* of rho, by the coordinates */
     high += blur;
-    low = fmax(0, low - 0x1p-40 * high - blur);
+    low = larger(low - 0x1p-40 * high - blur, 0);
     double edge = s->ck * s->c > 0 ? 1 / (s->ck * s->c) * (1 + 0x1p-40) : HUGE_VAL;
     if (low > edge) return true;
     if (high > edge) high = edge;
@@ -122,16 +122,17 @@ bool sgt_form_apart(const shape *s, const local *q, const sample *at, double h)
     double reach = (steep * h + 0.5 * (second * drho * drho + 2 * a * first) * h * h) * (1 + 0x1p-30) + at->w_err;
     reach += at->lost + at->slope_lost * h;
     double near = sag_bound(s, low, 1), far = sag_bound(s, high, -1); /* the least and the greatest magnitude */
-    return at->w - reach > fmax(near, far) || at->w + reach < fmin(near, far);
+    double below = at->w - reach, above = at->w + reach; /* a near or far that is NaN says nothing */
+    return (below > near && below > far) || (above < near && above < far);
 }
 
 int sgt_form_side(const shape *s, const sample *at)
 {
     double rho = at->x * at->x + at->y * at->y, slack = 0x1p-46 * rho + 4 * SGT_U * (fabs(at->x) * at->ex + fabs(at->y) * at->ey), edge = s->ck * s->c * (rho + slack);
     if (!(edge < 1 - 0x1p-40)) return 0;
-    double near = sag_bound(s, fmax(0, rho - slack), 1), far = sag_bound(s, rho + slack, -1);
-    double off = at->w_err + at->lost;
-    return at->w - off > fmax(near, far) ? 1 : at->w + off < fmin(near, far) ? -1 : 0;
+    double near = sag_bound(s, larger(rho - slack, 0), 1), far = sag_bound(s, rho + slack, -1);
+    double off = at->w_err + at->lost, below = at->w - off, above = at->w + off;
+    return below > near && below > far ? 1 : above < near && above < far ? -1 : 0;
 }
 
 bool sgt_form_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol, meeting *out, double *v_err, bool *steady)

@@ -11,6 +11,7 @@
  * ROUNDING.  |Q_N| is off by at most e, the recursion of orbit.h with h = 0, and F is monotone in |Q_N|.
  *
  * Tests: tests/oracle/test_levels.cpp, test_brute.cpp, test_ceres.cpp, tests/unit/test_levels.c. */
+#include "../num/elementary.h"
 #include "level.h"
 
 #include "course.h"
@@ -79,16 +80,16 @@ static double potential_at(const orbit *o, sgt_vec3 p, sgt_vec3 *grad)
 {
     quaternion at[FAR_LEVELS + 1];
     int n = levels_of(o, p, FAR_LEVELS, 0x1p64, at);
-    double A2 = quaternion_dot(at[n], at[n]), scale = pow(o->power, -n);
+    double A2 = quaternion_dot(at[n], at[n]), scale = 1 / twofold_power(o->power, (unsigned)n).hi;
     if (grad) *grad = (sgt_vec3){0, 0, 0};
     if (A2 < 0x1p64) return 0;
     if (!(A2 < HUGE_VAL)) { /* farther than squares reach */
         bool finite = isfinite(p.x) && isfinite(p.y) && isfinite(p.z);
         double far = larger(fabs(p.x) * o->x_length, larger(fabs(p.y) * o->y_length, fabs(p.z) * o->z_length));
-        return !finite ? (double)NAN : scale * log(far < HUGE_VAL ? far : DBL_MAX);
+        return !finite ? (double)NAN : scale * logarithm(far < HUGE_VAL ? far : DBL_MAX);
     }
     if (grad) *grad = back_to_point(o, at, n, quaternion_times(at[n], scale / A2));
-    return scale * 0.5 * log(A2);
+    return scale * 0.5 * logarithm(A2);
 }
 
 /* About the middle of t, in the scaled direction: of a d that is very short the squares would be lost.  Where the ray is

@@ -352,7 +352,7 @@ static void march_fast(walk *w, double lo, double hi, double dt_min)
         if (!(tau < hi)) break;
         if (f != 0) last = tau, last_f = f;
         double next = tau + larger(away, dt_min);
-        tau = next > hi ? hi : next > tau ? next : nextafter(tau, HUGE_VAL);
+        tau = next > hi ? hi : next > tau ? next : next_double(tau);
     }
     if (w->told.stopped) stretch(w, SGT_STOPPED, last, hi);
     else if (!any && !w->done) stretch(w, SGT_UNPROVEN, lo, hi);

@@ -1,4 +1,5 @@
 /* orbit.c - cells and values of an orbit along a ray; orbit.h has the mathematics. */
+#include "../num/elementary.h"
 #include "cell.h"
 
 static const double FAR2 = 0x1p64; /* u beyond it is infinity: F = 1 - 2/u rounds to 1 */
@@ -70,6 +71,12 @@ static sgt_objection axes(const slice *s, orbit *o)
     return independent(o->x, o->y, o->z);
 }
 
+/* 2^(1/(p - 1)) for p = 2 ... 8, to nearest. */
+static const double mandelbrot_escape[] = {
+    2, 0x1.6a09e667f3bcdp+0, 0x1.428a2f98d728bp+0, 0x1.306fe0a31b715p+0,
+    0x1.2611186bae675p+0, 0x1.1f59ac3c7d6c0p+0, 0x1.1aa59c4115e7dp+0,
+};
+
 static sgt_objection common(const slice *s, const double *c, orbit *o)
 {
     static const char finite[] = "a number that is not finite, or above 1e6";
@@ -87,7 +94,7 @@ static sgt_objection common(const slice *s, const double *c, orbit *o)
         o->c_abs = sqrt(cc) * (1 + 4 * SGT_U);
         o->safe = safe_escape(o->c_abs, o->power);
     } else {
-        o->safe = o->power == 2 ? 2 : pow(2, 1.0 / (o->power - 1));
+        o->safe = mandelbrot_escape[o->power - 2];
     }
     if (s->escape != 0 && !(s->escape >= o->safe * (1 - 0x1p-40))) return (sgt_objection){"escape", c ? "below the safe value, the root of x^power = x + |c|" : "below the safe value, 2^(1/(power - 1))"};
     if (!(s->escape <= 1e6)) return (sgt_objection){"escape", "above 1e6"};
@@ -96,7 +103,8 @@ static sgt_objection common(const slice *s, const double *c, orbit *o)
     if (!c) o->c_abs = larger(o->safe, o->E) * (1 + 0x1p-40);
     /* the derivative of the orbit, at most (p R^(p-1))^N on the set, has to be a double */
     double growth = o->power * small_power(c ? o->safe : o->c_abs, o->power - 1);
-    if (growth > 16 && o->iterations * log2(growth) > 480) return (sgt_objection){"iterations", "too many for so large a c: the derivative leaves the range of a double"};
+    if (growth > 16 && integer_power(growth, (unsigned)o->iterations) > 0x1p480)
+        return (sgt_objection){"iterations", "too many for so large a c: the derivative leaves the range of a double"};
     o->stretch = growth;
     return (sgt_objection){NULL, NULL};
 }

@@ -11,6 +11,7 @@
  * THE RAY.  The local origin is the point of the ray that is nearest the origin of the frame, and the parabola there is that of
  * quadratic.h: B is half the slope, C is F, A the squares and products of the direction.  Their terms are rounded at most 9 times, the
  * coordinates among them: less than the 16 u that quadratic.h asks for. */
+#include "../num/bits.h"
 #include "quadratic.h"
 
 #include <limits.h>
@@ -186,14 +187,15 @@ static bool quadric_fine(const sgt_quadric *s, const sgt_ray *ray, double t0, sg
 static int exponent_of(const double *x)
 {
     double most = larger(larger(fabs(x[0]), fabs(x[1])), fabs(x[2]));
-    return most > 0 ? ilogb(most) : INT_MIN;
+    return most > 0 ? binary_exponent(most) : INT_MIN;
 }
 
 /* The same surface in a unit of length and with a factor, powers of two both, in which it is of the size of 1:
  * 2^of times F at 2^length times the point.  false: a number would be rounded. */
 static bool in_own_unit(const sgt_quadric *s, sgt_quadric *out, int *length, int *of)
 {
-    int square = exponent_of(s->squares), product = exponent_of(s->products), linear = exponent_of(s->linear), constant = s->constant != 0 ? ilogb(s->constant) : INT_MIN;
+    int square = exponent_of(s->squares), product = exponent_of(s->products), linear = exponent_of(s->linear);
+    int constant = s->constant != 0 ? binary_exponent(s->constant) : INT_MIN;
     if (product > square) square = product;
     *length = 0;
     if (square == INT_MIN) { /* a plane */
@@ -209,8 +211,8 @@ static bool in_own_unit(const sgt_quadric *s, sgt_quadric *out, int *length, int
         double x = i < 3 ? s->squares[i] : i < 6 ? s->products[i - 3] : i < 9 ? s->linear[i - 6] : s->constant;
         int by = *of + *length * (i < 6 ? 2 : i < 9 ? 1 : 0);
         double *to = i < 3 ? &out->squares[i] : i < 6 ? &out->products[i - 3] : i < 9 ? &out->linear[i - 6] : &out->constant;
-        *to = ldexp(x, by);
-        exact = exact && ldexp(*to, -by) == x;
+        *to = times_power_of_two(x, by);
+        exact = exact && times_power_of_two(*to, -by) == x;
     }
     return exact;
 }
@@ -223,12 +225,13 @@ static bool quadric_far(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt
     sgt_quadric own;
     int length, of;
     if (!in_own_unit(s, &own, &length, &of) || !normal_power(length) || !normal_power(of) || !normal_power(of + length)) return false;
-    double unit = ldexp(1, -length);
+    double unit = power_of_two(-length);
     sgt_ray moved = *ray;
     moved.o = (sgt_vec3){ray->o.x * unit, ray->o.y * unit, ray->o.z * unit};
     if (moved.o.x / unit != ray->o.x || moved.o.y / unit != ray->o.y || moved.o.z / unit != ray->o.z || t0 * unit / unit != t0) return false;
     if (!quadric_fine(&own, &moved, t0 * unit, sgt_interval_scaled(t, unit), g, slope)) return false;
-    *g = sgt_interval_scaled(*g, ldexp(1, -of)), *slope = sgt_interval_scaled(*slope, ldexp(1, -of - length));
+    *g = sgt_interval_scaled(*g, power_of_two(-of));
+    *slope = sgt_interval_scaled(*slope, power_of_two(-of - length));
     return true;
 }
 

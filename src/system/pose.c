@@ -13,34 +13,53 @@
  * which lists the rows of the inverse).
  *
  * Degrees are an exact unit and radians are not: pi/180 has no double.  So the whole
- * turns and the quarters are taken off in degrees, where remquo is exact; what is left
+ * turns and the quarters are taken off in degrees, where that is exact; what is left
  * is at most 45 degrees, and zero for every multiple of 90, whose cosines and sines are
- * then 0 and +-1 to the bit.  The rest is multiplied by pi/180 in twice the precision,
- * and sin(a + b) = sin a + b cos a to b^2 carries the low part in: each cosine and sine
- * is within an ulp, each component of an axis within 3 * 2^-53 (two products and a sum
+ * then 0 and +-1 to the bit.  The rest is multiplied by pi/180 in twice the precision
+ * (2^-101 relative), and num/elementary.h takes the product as it is: each cosine and sine
+ * is within 0.65 ulp, each component of an axis within 3 * 2^-53 (two products and a sum
  * of numbers of at most 1), and the axes are of unit length and at right angles within
  * 2^-50 (each dot product of two axes has three such errors).
  *
  * An angle that is not finite gives NaN axes, which sgt_trace answers with INVALID. */
 #include <sagitta/system.h>
 
-#include "../num/exact.h"
+#include "../num/elementary.h"
 
 typedef struct turn { double c, s; } turn;
+
+/* degrees - 90 n, at most 45 in magnitude, and n modulo 4; exact.
+ *     |degrees| < 2^53: 90 n is exact, for it is even and at most 2^53 + 90.  degrees and 90 n are multiples
+ *     of an ulp of degrees (of 1, if that is less), and their difference is at most 46: fewer than 2^53 of
+ *     those, so it is a double.  If rounding has made the quotient an integer and a half, n is one off, and
+ *     is mended.
+ *     Above: degrees is m 2^e, m < 2^53, e > 0.  It is first reduced modulo 360, in integers, by e doublings. */
+static double rest_of_quarters(double degrees, int *quarters)
+{
+    *quarters = 0;
+    if (!(fabs(degrees) <= DBL_MAX)) return (double)NAN;
+    if (fabs(degrees) >= 0x1p53) {
+        int e;
+        unsigned rest = (unsigned)((unsigned long long)(fabs(binary_mantissa(degrees, &e)) * 0x1p53) % 360);
+        for (; e > 53; e--) rest = 2 * rest % 360;
+        degrees = copysign(rest, degrees);
+    }
+    double n = nearest_integer(degrees / 90), rest = degrees - 90 * n;
+    if (fabs(rest) > 45) n += copysign(1, rest), rest -= copysign(90, rest);
+    *quarters = (int)((long long)n & 3);
+    return rest;
+}
 
 static turn turn_of(double degrees)
 {
     static const twofold radian = {0x1.1df46a2529d39p-6, 0x1.5c1d8becdd291p-62}; /* pi / 180 */
     int quarters;
-    double rest = remquo(degrees, 90, &quarters);
-    twofold a = twofold_scaled(radian, rest);
-    double c = cos(a.hi), s = sin(a.hi);
-    turn r = {c - s * a.lo, s + c * a.lo};
-    switch (quarters & 3) { /* remquo promises at least the three lowest bits, and the sign */
-    case 1: return (turn){-r.s, r.c};
-    case 2: return (turn){-r.c, -r.s};
-    case 3: return (turn){r.s, -r.c};
-    default: return r;
+    sine_cosine r = sine_cosine_of(twofold_scaled(radian, rest_of_quarters(degrees, &quarters)));
+    switch (quarters) {
+    case 1: return (turn){-r.sine, r.cosine};
+    case 2: return (turn){-r.cosine, -r.sine};
+    case 3: return (turn){r.sine, -r.cosine};
+    default: return (turn){r.cosine, r.sine};
     }
 }
 

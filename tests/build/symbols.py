@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What the library is made of: only sgt_ names go out, only libm and what the
-compiler itself asks for come in, and nothing in it can be written to but one number.
+"""What the library is made of: only sgt_ names go out, only copies of memory
+and what the compiler itself asks for come in, and nothing in it can be written to but one number.
 
     python3 symbols.py INCLUDE_FOLDER SHARED_LIBRARY STATIC_LIBRARY [SHARED_LIBRARY_OF_GEO]
 
@@ -11,16 +11,22 @@ import re
 import subprocess
 import sys
 
-# Everything an object may ask of others.  Of C's library: mathematics that keeps
-# no state, and blocks of memory.  Not here, for it must not be: malloc, free,
-# printf, abort, exit, errno.
-MATHEMATICS = set('''acos asin atan atan2 cbrt ceil copysign cos exp exp2 expm1 fabs fdim floor fma
-    fmax fmin fmod frexp hypot ilogb ldexp log log1p log2 logb lrint modf nearbyint nextafter pow
-    remainder remquo rint round scalbn scalbln sin sincos sqrt tan trunc'''.split())
-ENVIRONMENT = {'getenv'}  # SAGITTA_SET, once
-MEMORY = {'bcmp', 'memcmp', 'memcpy', 'memmove', 'memset', 'strcmp', 'strlen'}
-COMPILER = {'_GLOBAL_OFFSET_TABLE_', '__cpu_model', '__cpu_indicator_init', '__cpu_features2',
-            '__stack_chk_fail'}
+# All that an object may ask of others, each with its reason.  Not here, for it must not be: log, pow, sin,
+# hypot and all else that computes, whose bits differ from one C library to the next (src/num has our own);
+# malloc, free, printf, abort, exit and errno.
+MEMORY = {  # what compilers make of copies and comparisons, and asks nothing of the system
+    'memcpy': 'copies of structures, and of the bits of a double',
+    'memmove': 'the same where source and target may be one',
+    'memset': 'structures that begin as zeros',
+    'memcmp': 'equal surfaces and arrays',
+    'bcmp': 'what clang makes of memcmp(...) == 0',
+}
+ENVIRONMENT = {'getenv': 'SAGITTA_SET, once (src/dispatch/choose.c)', 'strcmp': 'its value'}
+COMPILER = {  # what its own runtime and the linker answer
+    '_GLOBAL_OFFSET_TABLE_': 'position-independent code',
+    '__stack_chk_fail': '-fstack-protector of a distribution',
+}
+ALLOWED = MEMORY.keys() | ENVIRONMENT.keys() | COMPILER.keys()
 LIBRARIES = re.compile(r'^(libm|libc|ld-linux[\w-]*)\.so')
 
 
@@ -80,7 +86,7 @@ def main(include, shared, static, geo=None):
         elif kind in 'Cc':
             faults.append(f'{name}: a common variable')
     faults += [f'{name}: asked for by the library' for name in asked
-               if not name.startswith('sgt_') and name not in MATHEMATICS | MEMORY | COMPILER | ENVIRONMENT]
+               if not name.startswith('sgt_') and name not in ALLOWED]
 
     # The set of instructions that was chosen is the one number that is written to (src/dispatch/choose.c).
     # Tables of constant pointers are in .data.rel.ro: written by the loader, then sealed.
