@@ -2,8 +2,9 @@
  *
  * Error terms and outward rounding rest on it, and the fma of some C libraries is not
  * rounded once (mingw-w64's is not).  Where the compiler's target has the instruction,
- * sgt_fma is that instruction.  Elsewhere it is sgt_fma_exactly, which gives the same
- * bits and calls no library.
+ * sgt_fma is that instruction; so it is in a program for any x86-64 that runs where there
+ * is one.  Elsewhere it is sgt_fma_exactly, which gives the same bits and calls no library.
+ * (The library itself is compiled once with the instruction and once without.)
  *
  * METHOD.  Where no step can overflow and no product loses bits by underflow (the ranges
  * below), the sum is worked out from error-free pieces (Boldo and Melquiond 2008,
@@ -200,6 +201,10 @@ static inline double sgt_fma(double a, double b, double c)
 {
 #if defined(__FMA__) || defined(__aarch64__) || defined(__s390x__) || defined(__FP_FAST_FMA)
     return __builtin_fma(a, b, c);
+#elif defined(__x86_64__) && defined(__GNUC__) && !defined(SGT_SET)
+    if (!__builtin_cpu_supports("fma")) return sgt_fma_exactly(a, b, c);
+    __asm__("vfmadd231sd %2, %1, %0" : "+x"(c) : "x"(a), "x"(b));
+    return c;
 #else
     return sgt_fma_exactly(a, b, c);
 #endif
