@@ -3,12 +3,13 @@
 #
 #   scale      all random tests, oracles and proofs at ten times their scale (SAGITTA_TEST_SCALE=10; SAGITTA_TEST_SEED
 #              chooses other cases: the day of the year, unless it is set)
-#   clones     the library built for each kind of processor, by gcc and by clang, gives the same bits (batch/clones.py)
+#   platforms  the library on other systems (platforms/run.py): all sums, the speed, and the oracles by wine and qemu at
+#              a tenth of their scale
 #   fuzz       each target for FUZZ_SECONDS (2400), from corpora that grow in build/fuzz/corpus from night to night
 #   mutants    single edits of the library that the tests must notice (mutants/run.py)
 #
 # Each stage runs whatever became of those before it, and writes to build/nightly/STAGE.log; the end of a failed one's
-# log is shown.  Ends with status 1 if a stage failed.  Needs what tests/run.sh installs.
+# log is shown.  Ends with status 1 if a stage failed.  Needs what tests/run.sh installs; more it installs itself.
 set -u
 cd "$(dirname "$0")/.."
 fuzz_seconds=${1:-2400}
@@ -41,7 +42,10 @@ export SAGITTA_TEST_SEED
 SAGITTA_TEST_SCALE=10 stage scale meson test -C $build --no-rebuild --timeout-multiplier 0 --print-errorlogs \
     --suite unit --suite batch --suite oracle --suite interval --suite extremes \
     --suite sensitivity --suite geo --suite catalogue
-stage clones python3 tests/batch/clones.py $build
+sh .ci/install ninja-build musl-tools gcc-mingw-w64-x86-64-posix g++-mingw-w64-x86-64-posix wine64 qemu-user \
+    gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross \
+    gcc-s390x-linux-gnu g++-s390x-linux-gnu libc6-dev-s390x-cross || exit 1
+stage platforms python3 tests/platforms/run.py --oracles --known
 stage fuzz sh tests/fuzz/run.sh $((4 * fuzz_seconds))
 if [ -f tests/mutants/run.py ]; then
     stage mutants python3 tests/mutants/run.py

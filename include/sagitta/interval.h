@@ -32,9 +32,12 @@
 #include <math.h>
 #include <string.h>
 
-/* 16 and 32 are of types narrower than a double (ISO/IEC TS 18661-3). */
-#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0) || \
-    (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16 && FLT_EVAL_METHOD != 32)
+/* 16 and 32 are of types narrower than a double (ISO/IEC TS 18661-3); with 1, on s390x, floats are worked out as doubles,
+ * and there are none here. */
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0) || \
+    (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 1 && FLT_EVAL_METHOD != 16 && \
+     FLT_EVAL_METHOD != 32)
 #error "sagitta/interval.h needs arithmetic that rounds each operation to double: no -ffast-math, and on 32-bit x86 -msse2 -mfpmath=sse"
 #endif
 

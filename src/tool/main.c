@@ -27,8 +27,10 @@ static const struct { const char *name, *full; exit_status (*run)(int argc, char
 /* What is closed at the start no file of ours is to be opened as: a word for standard error would be written into it. */
 static void hold_standard_files(void)
 {
+#ifdef F_GETFD /* Windows has it not */
     for (int file = 0; file < 3; file++)
         if (fcntl(file, F_GETFD) < 0 && open("/dev/null", file == 0 ? O_WRONLY : O_RDONLY) < 0) return; /* reading and writing fail there */
+#endif
 }
 
 int main(int argc, char *argv[])

@@ -5,9 +5,12 @@
  *     checksum PART            a line for each ray of that part, to find the first that differs
  *
  * The parts are all types of sgt_builtins with hostile rays (hostile.h), a lens with a mirror, a tilt, an asphere and
- * apertures, and a user's surface in each way the solver treats one; the Earth's surfaces are in checksum_earth.c.  Of each ray
- * there are the first root, all roots, the batch, with and without what need not be wanted, and the derivatives.  The rays
- * are fixed: they change with the library where they are aimed by its own answers, and so does the sum. */
+ * apertures, a user's surface in each way the solver treats one, and tilted poses; the Earth's surfaces are in
+ * checksum_earth.c.  Of each ray there are the first root (or the one near the seed, proven or not, as the options are
+ * drawn), all roots, the batch, with and without what need not be wanted, and the derivatives.  The rays are fixed, on
+ * every system: they change with the library where they are aimed by its own answers, and so does the sum.
+ *
+ * checksum.txt has the sums that are expected (sums.py); platforms/run.py compares other systems with them. */
 #include "checksum.h"
 
 #include <sagitta/diagnose.h>
@@ -182,6 +185,24 @@ static void add_lens(generator *g, int rounds)
     }
 }
 
+/* ------------------------------------------------------------------- poses */
+
+static void add_poses(generator *g, int rounds)
+{
+    while (rounds-- > 0) {
+        double *place, whole = 15.0 * (below(g, 49) - 24);
+        sgt_vec3 origin = random_vector(g), degrees = random_direction(g);
+        degrees = times(any_scale(g, -10, 5), degrees);
+        if (chance(g, 0.3)) degrees.x = whole;
+        if (chance(g, 0.3)) degrees.y = whole, degrees.z = -whole;
+        place = chance(g, 0.5) ? &degrees.x : &degrees.z;
+        if (chance(g, 0.02)) *place = hostile_number(g);
+        sgt_pose pose = sgt_pose_tilted(origin, degrees);
+        add_vector(pose.origin), add_vector(pose.ex), add_vector(pose.ey), add_vector(pose.ez);
+        list_ray(&(sgt_ray){.o = origin, .d = degrees}, "turned by so many degrees");
+    }
+}
+
 /* ---------------------------------------------------------------------------- */
 
 int main(int argc, char **argv)
@@ -193,8 +214,9 @@ int main(int argc, char **argv)
         bool sag = param_of(b, "semi_diameter") != NULL, dear = !answers_itself(b); /* these march by intervals */
         if (begin(b->type, argc, argv)) add_type(b, &own, (int)((sag && !dear ? 150 : 40) * scale) + 1, dear ? 100 : BATCH), end(b->type);
     }
-    generator own = {random_bits(&g)}, lens = {random_bits(&g)};
+    generator own = {random_bits(&g)}, lens = {random_bits(&g)}, poses = {random_bits(&g)};
     if (begin("own surface", argc, argv)) add_own_surface(&own, (int)(60 * scale) + 1), end("own surface");
     if (begin("lens", argc, argv)) add_lens(&lens, (int)(60 * scale) + 1), end("lens");
+    if (begin("poses", argc, argv)) add_poses(&poses, (int)(1000 * scale) + 1), end("poses");
     return 0;
 }

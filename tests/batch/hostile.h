@@ -9,7 +9,9 @@
  *   rays       by kind, see ray_kinds; points to aim at are taken from the surface itself;
  *   ends       none, all, at a root to the ulp, reversed, NaN.
  *
- * The generator is its own (splitmix64), and a seed means the same case everywhere with one C library. */
+ * The generator is its own (splitmix64).  A seed means the same case on every system, as long as the library aims alike:
+ * numbers are made by whole numbers, sums, products, quotients and square roots alone, nothing of the C library's
+ * mathematics, and no two draws stand in one expression whose order C leaves open (arguments, operands, initialisers). */
 #ifndef TESTS_BATCH_HOSTILE_H
 #define TESTS_BATCH_HOSTILE_H
 
@@ -50,8 +52,34 @@ static UNUSED double uniform(generator *g, double lo, double hi)
 static UNUSED int below(generator *g, int n) { return (int)(random_bits(g) % (uint64_t)n); }
 static UNUSED bool chance(generator *g, double p) { return uniform(g, 0, 1) < p; }
 static UNUSED double either_sign(generator *g) { return chance(g, 0.5) ? 1 : -1; }
-/* A power of ten from 10^lo to 10^hi, not a round one. */
-static UNUSED double any_scale(generator *g, double lo, double hi) { return pow(10, uniform(g, lo, hi)); }
+
+/* 10^x to some ulps, |x| < 400.  exp(u) by its series: u <= log(10) / 16 = 0.144, and u^10 / 10! is below 2^-49. */
+static UNUSED double power_of_ten(double x)
+{
+    int whole = (int)x - (x < 0);
+    double u = (x - whole) * (2.302585092994046 / 16), y = 1;
+    for (int i = 9; i > 0; i--) y = 1 + u / i * y;
+    for (int i = 0; i < 4; i++) y *= y;
+    for (; whole > 0; whole--) y *= 10;
+    for (; whole < 0; whole++) y /= 10;
+    return y;
+}
+
+/* x^n. */
+static UNUSED double whole_power(double x, int n)
+{
+    double y = 1;
+    for (int i = n < 0 ? -n : n; i > 0; i--) y *= x;
+    return n < 0 ? 1 / y : y;
+}
+
+/* A power of ten from 10^lo to 10^hi, not a round one; the same of either sign. */
+static UNUSED double any_scale(generator *g, double lo, double hi) { return power_of_ten(uniform(g, lo, hi)); }
+static UNUSED double signed_scale(generator *g, double lo, double hi)
+{
+    double sign = either_sign(g);
+    return sign * any_scale(g, lo, hi);
+}
 
 static UNUSED double from_bits(uint64_t bits)
 {
@@ -67,12 +95,17 @@ static UNUSED uint64_t bits_of(double x)
     return bits;
 }
 
-/* x moved by n ulps. */
+/* x moved by n ulps, to an infinity and no farther: doubles of one sign are in the order of their bits. */
 static UNUSED double ulps(double x, int n)
 {
-    for (; n > 0; n--) x = nextafter(x, FAR);
-    for (; n < 0; n++) x = nextafter(x, -FAR);
-    return x;
+    const int64_t infinity = 0x7ff0000000000000;
+    if (x != x) return x;
+    int64_t place = (int64_t)(bits_of(x) & 0x7fffffffffffffff);
+    if (bits_of(x) >> 63) place = -place;
+    place += n;
+    if (place > infinity) place = infinity;
+    if (place < -infinity) place = -infinity;
+    return place < 0 ? -from_bits((uint64_t)-place) : from_bits((uint64_t)place);
 }
 
 /* A number that no formula likes. */
@@ -106,13 +139,37 @@ static UNUSED sgt_vec3 difference(sgt_vec3 a, sgt_vec3 b) { return (sgt_vec3){a.
 static UNUSED sgt_vec3 times(double k, sgt_vec3 a) { return (sgt_vec3){k * a.x, k * a.y, k * a.z}; }
 static UNUSED double dot(sgt_vec3 a, sgt_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
+/* A point of the cube about the origin whose edge is 2. */
+static UNUSED sgt_vec3 random_vector(generator *g)
+{
+    double x = uniform(g, -1, 1), y = uniform(g, -1, 1), z = uniform(g, -1, 1);
+    return (sgt_vec3){x, y, z};
+}
+
 static UNUSED sgt_vec3 random_direction(generator *g)
 {
     for (;;) {
-        sgt_vec3 v = {uniform(g, -1, 1), uniform(g, -1, 1), uniform(g, -1, 1)};
+        sgt_vec3 v = random_vector(g);
         double n2 = dot(v, v);
         if (n2 > 1e-2 && n2 < 1) return times(1 / sqrt(n2), v);
     }
+}
+
+/* A direction across the axis. */
+static UNUSED sgt_vec3 random_radius(generator *g)
+{
+    for (;;) {
+        sgt_vec3 v = random_vector(g);
+        v.z = 0;
+        double n2 = dot(v, v);
+        if (n2 > 1e-2 && n2 < 1) return times(1 / sqrt(n2), v);
+    }
+}
+
+static UNUSED sgt_vec3 random_vector_of(generator *g, double lo, double hi)
+{
+    double length = uniform(g, lo, hi);
+    return times(length, random_direction(g));
 }
 
 /* ----------------------------------------------------------------- surfaces */
@@ -226,8 +283,8 @@ static UNUSED double random_conic_constant(generator *g)
     case 0: return 0;
     case 1: return -1;
     case 2: return -1 + either_sign(g) * 1e-12;
-    case 3: return either_sign(g) * any_scale(g, 3, 30);
-    case 4: case 5: return either_sign(g) * any_scale(g, -3, 3);
+    case 3: return signed_scale(g, 3, 30);
+    case 4: case 5: return signed_scale(g, -3, 3);
     default: return uniform(g, -3, 3);
     }
 }
@@ -238,7 +295,8 @@ static UNUSED bool random_parameters(generator *g, const sgt_builtin *type, para
     memset(with, 0, sizeof *with);
     if (type->ops == &sgt_conic_ops || type->ops == &sgt_asphere_ops) {
         bool plane = !strcmp(type->type, "plane"), sphere = !strcmp(type->type, "sphere");
-        sgt_conic s = {.c = plane ? 0 : either_sign(g) * any_scale(g, -4, 2), .k = plane || sphere ? 0 : random_conic_constant(g)};
+        sgt_conic s = {.c = plane ? 0 : signed_scale(g, -4, 2)};
+        if (!plane && !sphere) s.k = random_conic_constant(g);
         double e = (1 + s.k) * s.c * s.c, edge = e > 0 ? 1 / sqrt(e) : s.c != 0 ? 2 / fabs(s.c) : 10;
         double rim = edge * uniform(g, 0.05, 1.1);
         if (chance(g, 0.6)) s.semi_diameter = chance(g, 0.1) ? edge : rim;
@@ -248,11 +306,12 @@ static UNUSED bool random_parameters(generator *g, const sgt_builtin *type, para
             int terms = below(g, 9);
             double strong = any_scale(g, -6, chance(g, 0.2) ? 1.5 : 0);
             for (int i = 0; i < terms; i++)
-                with->asphere.a[i] = chance(g, 0.2) ? 0 : either_sign(g) * uniform(g, 0, strong) * pow(rim, -(2 * i + 1));
+                with->asphere.a[i] = chance(g, 0.2) ? 0 : uniform(g, -strong, strong) * whole_power(rim, -(2 * i + 1));
         }
         return true;
     }
-    sgt_julia j = {.iterations = below(g, 13), .power = chance(g, 0.6) ? 2 : below(g, 9)};
+    sgt_julia j = {.iterations = below(g, 13)};
+    j.power = chance(g, 0.6) ? 2 : below(g, 9);
     if (j.power == 1) j.power = 3;
     if (j.power > 3 && j.iterations > 5) j.iterations = 5;
     for (int i = 0; i < 4; i++) {
@@ -331,7 +390,7 @@ static UNUSED void random_by_row(generator *g, const sgt_builtin *type, paramete
                 for (size_t j = 0; j < columns; j++) {
                     int m = p->kind == SGT_LIST ? (int)j : (int)i, n = p->kind == SGT_LIST ? 0 : (int)j;
                     double falling = heights ? 1 : 1 / (1 + (double)(m + n) * (m + n));
-                    x[i * columns + j] = chance(g, 0.15) ? 0 : strong * falling * uniform(g, -1, 1) * pow(h, power_of_length(p->unit, m, n));
+                    x[i * columns + j] = chance(g, 0.15) ? 0 : strong * falling * uniform(g, -1, 1) * whole_power(h, power_of_length(p->unit, m, n));
                 }
             memcpy(at, &all, sizeof all);
         } else if (p->kind == SGT_TERMS) {
@@ -353,11 +412,11 @@ static UNUSED void random_by_row(generator *g, const sgt_builtin *type, paramete
                 double x = uniform(g, -1, 1);
                 if (list) x = chance(g, 0.2) ? 0 : x * strong / (1 + (double)i * i);
                 else if (power == 1 && p->kind == SGT_REAL) x = uniform(g, 0.3, 1.5);
-                else if (power == -1) x = chance(g, 0.2) ? 0 : either_sign(g) * any_scale(g, -3, 0);
+                else if (power == -1) x = chance(g, 0.2) ? 0 : signed_scale(g, -3, 0);
                 else if (power == 0) x *= chance(g, 0.3) ? 0 : 2;
                 if (!strcmp(p->name, "semi_diameter")) x = chance(g, 0.6);
                 if (!strncmp(p->name, "step", 4)) x /= LARGEST_TABLE;
-                x *= pow(h, power);
+                x *= whole_power(h, power);
                 memcpy(at + sizeof x * (size_t)i, &x, sizeof x);
             }
         }
@@ -405,7 +464,7 @@ static UNUSED void survey(generator *g, specimen *s)
     }
     if (!(s->size > 1e-280 && s->size < 1e280)) s->size = 1;
     for (int i = 0; i < ANCHORS; i++) {
-        sgt_vec3 from = times(2 * s->size, random_direction(g)), to = times(0.5 * s->size * uniform(g, 0, 1), random_direction(g));
+        sgt_vec3 from = times(2 * s->size, random_direction(g)), to = random_vector_of(g, 0, 0.5 * s->size);
         sgt_hit hit = s->sag ? (sgt_hit){0} : alone(s, (sgt_ray){from, times(1 / s->size, difference(to, from)), 0, 0}, SGT_FIRST);
         s->anchor[i] = hit.status > 0 ? hit.p : to;
         s->normal[i] = hit.status > 0 ? hit.n : random_direction(g);
@@ -418,13 +477,13 @@ static UNUSED sgt_ray ordinary_ray(generator *g, const specimen *s)
     sgt_ray ray = {.tmin = 0, .tmax = FAR};
     double h = s->size;
     if (s->sag) {
-        double r = 0.6 * h * sqrt(uniform(g, 0, 1)), about = uniform(g, 0, 6.283185307179586);
-        double l = uniform(g, -0.15, 0.15), m = uniform(g, -0.15, 0.15);
-        ray.o = (sgt_vec3){r * cos(about), r * sin(about), -2 * h};
+        double r = 0.6 * h * sqrt(uniform(g, 0, 1)), l = uniform(g, -0.15, 0.15), m = uniform(g, -0.15, 0.15);
+        ray.o = times(r, random_radius(g));
+        ray.o.z = -2 * h;
         ray.d = (sgt_vec3){l, m, sqrt(1 - l * l - m * m)};
     } else {
         ray.o = times(2 * h, random_direction(g));
-        ray.d = difference(times(uniform(g, 0, 0.9) * h, random_direction(g)), ray.o);
+        ray.d = difference(random_vector_of(g, 0, 0.9 * h), ray.o);
         ray.d = times(1 / sqrt(dot(ray.d, ray.d)), ray.d);
     }
     return ray;
@@ -462,7 +521,7 @@ static UNUSED sgt_vec3 point_on(generator *g, const specimen *s, sgt_vec3 *norma
         *normal = s->normal[i];
         return s->anchor[i];
     }
-    double r = s->size, about = uniform(g, 0, 6.283185307179586);
+    double r = s->size;
     switch (below(g, 8)) {
     case 0: r *= any_scale(g, -9, 0); break;
     case 1: r = ulps(r, below(g, 9) - 4); break;         /* the rim, or the equator */
@@ -470,7 +529,7 @@ static UNUSED sgt_vec3 point_on(generator *g, const specimen *s, sgt_vec3 *norma
     case 3: r *= uniform(g, 0.99, 1.3); break;
     default: r *= sqrt(uniform(g, 0, 1)); break;
     }
-    sgt_vec3 p = {r * cos(about), r * sin(about), 0};
+    sgt_vec3 p = times(r, random_radius(g));
     if (chance(g, 0.1)) p.x = r, p.y = 0;
     double F = s->type->ops->value(&s->with, p, normal);
     p.z = F == F ? -F : uniform(g, -1, 1) * s->size; /* F = z - s(x, y) */
@@ -501,16 +560,25 @@ static UNUSED double *component(sgt_ray *ray, int i)
     return all[i];
 }
 
+/* A hostile number in any place. */
+static UNUSED void spoil_ray(generator *g, sgt_ray *ray)
+{
+    double *place = component(ray, below(g, 8));
+    *place = hostile_number(g);
+}
+
 static UNUSED sgt_ray ray_of_kind(generator *g, const specimen *s, ray_kind kind)
 {
     sgt_vec3 n, p, d;
     sgt_ray ray = ordinary_ray(g, s);
-    double h = s->size;
+    double h = s->size, away;
+    int which;
     switch (kind) {
     case ORDINARY: break;
     case AIMED:
         p = point_on(g, s, &n);
-        ray = ray_through(p, random_direction(g), h * any_scale(g, -3, 2));
+        d = random_direction(g);
+        ray = ray_through(p, d, h * any_scale(g, -3, 2));
         break;
     case LONG_OR_SHORT: {
         double k = chance(g, 0.5) ? any_scale(g, -3, 3) : any_scale(g, -200, 200);
@@ -519,7 +587,7 @@ static UNUSED sgt_ray ray_of_kind(generator *g, const specimen *s, ray_kind kind
         break;
     }
     case MISSING:
-        ray.o = sum(ray.o, times(h * uniform(g, 2, 50), random_direction(g)));
+        ray.o = sum(ray.o, random_vector_of(g, 2 * h, 50 * h));
         if (chance(g, 0.3)) ray.d = times(-1, ray.d);
         break;
     case GRAZING: {
@@ -530,7 +598,7 @@ static UNUSED sgt_ray ray_of_kind(generator *g, const specimen *s, ray_kind kind
             n = times(1 / sqrt(nn), n);
             u = difference(u, times(dot(u, n), n));
             u = times(1 / sqrt(dot(u, u)), u);
-            double off = chance(g, 0.3) ? 0 : either_sign(g) * any_scale(g, -17, -1);
+            double off = chance(g, 0.3) ? 0 : signed_scale(g, -17, -1);
             if (chance(g, 0.5)) p = sum(p, times(off * h, n));
             else u = sum(u, times(off, n));
         }
@@ -547,35 +615,40 @@ static UNUSED sgt_ray ray_of_kind(generator *g, const specimen *s, ray_kind kind
         ray.o = p;
         if (chance(g, 0.5)) ray.d = random_direction(g);
         if (chance(g, 0.3)) ray.tmin = -any_scale(g, -20, 0) * h;
-        if (chance(g, 0.3)) *component(&ray, below(g, 3)) *= 1 + either_sign(g) * any_scale(g, -16, -8);
+        which = below(g, 3);
+        if (chance(g, 0.3)) *component(&ray, which) *= 1 + signed_scale(g, -16, -8);
         break;
     case AXIAL:
         ray.o = (sgt_vec3){0, 0, chance(g, 0.2) ? 0 : either_sign(g) * h * any_scale(g, -3, 3)};
         ray.d = (sgt_vec3){0, 0, either_sign(g)};
         if (chance(g, 0.3)) ray.o.x = h * uniform(g, -1, 1);
         if (chance(g, 0.2)) ray.o.y = either_sign(g) * h * any_scale(g, -300, 0);
-        if (chance(g, 0.2)) ray.d.x = either_sign(g) * any_scale(g, -320, -5);
+        if (chance(g, 0.2)) ray.d.x = signed_scale(g, -320, -5);
         if (chance(g, 0.2)) ray.o.x = -0.0, ray.d.y = -0.0;
         break;
     case LEVEL:
         p = point_on(g, s, &n);
-        d = (sgt_vec3){uniform(g, -1, 1), chance(g, 0.3) ? 0 : uniform(g, -1, 1), 0};
-        if (chance(g, 0.4)) d.z = either_sign(g) * any_scale(g, -320, -6);
+        d = random_vector(g);
+        d.z = 0;
+        if (chance(g, 0.3)) d.y = 0;
+        if (chance(g, 0.4)) d.z = signed_scale(g, -320, -6);
         ray = ray_through(p, d, h * uniform(g, 0, 4));
         if (chance(g, 0.3)) ray.o.z = chance(g, 0.7) ? 0 : hostile_number(g);
         if (chance(g, 0.2)) { /* touching at the vertex, exactly or nearly */
-            ray = ray_through((sgt_vec3){0, 0, 0}, (sgt_vec3){1, below(g, 2), 0}, ldexp(h, below(g, 9) - 4));
+            which = below(g, 2);
+            ray = ray_through((sgt_vec3){0, 0, 0}, (sgt_vec3){1, which, 0}, h * whole_power(2, below(g, 9) - 4));
             if (chance(g, 0.3)) ray.o.z = either_sign(g) * h * any_scale(g, -300, -3);
         }
         if (chance(g, 0.5)) ray.tmin = -FAR;
         break;
     case FARAWAY:
         p = point_on(g, s, &n);
-        ray = ray_through(p, chance(g, 0.5) ? ray.d : random_direction(g), h * either_sign(g) * any_scale(g, 2, 15));
+        d = chance(g, 0.5) ? ray.d : random_direction(g);
+        ray = ray_through(p, d, h * signed_scale(g, 2, 15));
         if (chance(g, 0.5)) ray.tmin = -FAR;
         break;
     case SPOILT:
-        do *component(&ray, below(g, 8)) = hostile_number(g);
+        do spoil_ray(g, &ray);
         while (chance(g, 0.3));
         break;
     case TINY_RAY: {
@@ -598,11 +671,12 @@ static UNUSED sgt_ray ray_of_kind(generator *g, const specimen *s, ray_kind kind
         double v[2];
         memcpy(v, &s->with, sizeof v);
         double z = s->sag && (1 + v[1]) * v[0] != 0 ? 1 / ((1 + v[1]) * v[0]) : h;
-        if (chance(g, 0.8)) z *= 1 + either_sign(g) * any_scale(g, -17, -1);
-        double about = uniform(g, 0, 6.283185307179586);
-        p = (sgt_vec3){h * cos(about), h * sin(about), z};
+        if (chance(g, 0.8)) z *= 1 + signed_scale(g, -17, -1);
+        p = times(h, random_radius(g));
+        p.z = z;
         if (chance(g, 0.3)) p.x *= uniform(g, 0, 2), p.y *= uniform(g, 0, 2);
-        ray = ray_through(p, random_direction(g), h * uniform(g, 0, 4));
+        away = h * uniform(g, 0, 4);
+        ray = ray_through(p, random_direction(g), away);
         if (chance(g, 0.2)) ray = ray_through((sgt_vec3){h, 0, z}, (sgt_vec3){0, below(g, 2), 1}, h);
         if (chance(g, 0.1)) ray = ray_through((sgt_vec3){h, 0, z}, (sgt_vec3){0, 1, 0}, h); /* touching there */
         break;
@@ -633,8 +707,8 @@ static UNUSED void hostile_ends(generator *g, const specimen *s, sgt_ray *ray)
     sgt_hit hit = alone(s, line, chance(g, 0.5) ? SGT_FIRST : SGT_NEAR_SEED);
     if (!(hit.status > 0)) return;
     double at = ulps(hit.t, below(g, 7) - 3);
-    if (chance(g, 0.3)) at = hit.t + either_sign(g) * uniform(g, 0, 3) * hit.t_err;
-    if (chance(g, 0.3)) at = hit.t + either_sign(g) * any_scale(g, -18, -10) * (fabs(hit.t) + s->size);
+    if (chance(g, 0.3)) at = hit.t + uniform(g, -3, 3) * hit.t_err;
+    if (chance(g, 0.3)) at = hit.t + signed_scale(g, -18, -10) * (fabs(hit.t) + s->size);
     if (chance(g, 0.5)) ray->tmin = at;
     else ray->tmax = at;
     if (chance(g, 0.1)) ray->tmin = ray->tmax = at;
@@ -644,7 +718,7 @@ static UNUSED sgt_ray hostile_ray(generator *g, const specimen *s)
 {
     sgt_ray ray = ray_of_kind(g, s, (ray_kind)below(g, RAY_KINDS));
     if (chance(g, 0.15)) hostile_ends(g, s, &ray);
-    if (chance(g, 0.02)) *component(&ray, below(g, 8)) = hostile_number(g);
+    if (chance(g, 0.02)) spoil_ray(g, &ray);
     return ray;
 }
 

@@ -1,0 +1,207 @@
+#!/usr/bin/env python3
+"""The library on other systems: the same bits, and how fast.
+
+    python3 tests/platforms/run.py [NAME ...]   builds the library for each system (all of them, or those named) in
+                                                build/platforms/NAME, compares the sums of batch/checksum.c with
+                                                batch/checksum.txt and measures batches.  Prints a table
+    --quick     sums of a tenth of the rays, and no times
+    --oracles   and the tests in plain C or C++ that need no other library (the batches, the oracles in 113 bits, the
+                catalogue, the extremes), at a tenth of their scale; tests/nightly.sh
+    --write     puts the table into docs/platforms.md
+    --known     ends with status 0 where sums differ: they are in the table
+
+What is not installed is skipped, and the line says what.  Under qemu it is always a tenth of the rays, and nothing is
+timed.  Times are medians of runs of platforms/speed.c that take turns, all systems in each round; a ratio is the median
+of the ratios to `gcc` of the same round.
+"""
+import os
+import pathlib
+import shlex
+import shutil
+import statistics
+import subprocess
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+TREE = HERE.parents[1]
+sys.path.insert(0, str(HERE.parent / 'batch'))
+sys.dont_write_bytecode = True
+import sums  # noqa: E402
+
+ROUNDS = 9
+BEGIN, END = '<!-- tests/platforms/run.py --write -->', '<!-- end -->'
+WINE = '/usr/lib/wine'  # where Debian has wine64, which is not in the PATH
+
+GCC_MINGW = 'x86_64-w64-mingw32-gcc-posix'
+# Name: (system, compiler, machine file or None, more for meson, how it runs: '', 'wine' or 'qemu').
+SYSTEMS = {
+    'gcc': ('Linux, glibc', 'gcc', None, [], ''),
+    'clang': ('Linux, glibc', 'clang', None, [], ''),
+    'musl': ('Linux, musl', 'musl-gcc', 'musl.ini', [], ''),
+    'musl-static': ('Linux, musl, static', 'musl-gcc', 'musl-static.ini', [], ''),
+    'mingw-gcc': ('Windows, DLL', GCC_MINGW, 'mingw-gcc.ini', [], 'wine'),
+    'mingw-gcc-static': ('Windows, static', GCC_MINGW, 'mingw-gcc.ini', ['-Ddefault_library=static'], 'wine'),
+    'mingw-clang': ('Windows, DLL', 'clang', 'mingw-clang.ini', [], 'wine'),
+    'aarch64': ('Linux, aarch64', 'aarch64-linux-gnu-gcc', 'aarch64.ini', [], 'qemu'),
+    's390x': ('Linux, s390x (big-endian)', 's390x-linux-gnu-gcc', 's390x.ini', [], 'qemu'),
+}
+ORACLES = ['batch', 'oracle', 'catalogue', 'extremes', 'sensitivity']
+
+
+def environment():
+    """wine64 in the PATH, in a folder of its own and quiet; no options of a caller's build."""
+    words = {name: value for name, value in os.environ.items() if name not in ('CC', 'CXX', 'CFLAGS', 'CXXFLAGS', 'LDFLAGS')}
+    words['PATH'] = words.get('PATH', '') + os.pathsep + WINE
+    words.setdefault('WINEPREFIX', str(TREE / 'build' / 'platforms' / 'wine'))
+    words.setdefault('WINEDEBUG', '-all')
+    return words
+
+
+class Failed(Exception):
+    pass
+
+
+class Platform:
+    def __init__(self, name):
+        self.name, (self.system, self.compiler, self.machine, self.more, self.by) = name, SYSTEMS[name]
+        self.folder = TREE / 'build' / 'platforms' / name
+        self.words = environment()
+        self.note = self.ran = self.bits = ''
+        self.times, self.differ = [], []
+
+    def missing(self):
+        """What it needs and is not there, or ''."""
+        needed = [self.compiler] + {'': [], 'wine': ['wine64'], 'qemu': [f'qemu-{self.name}']}[self.by]
+        if self.name == 'mingw-clang':
+            needed.append(GCC_MINGW)  # whose headers and libraries it takes
+        return ', '.join(word for word in needed if not shutil.which(word, path=self.words['PATH']))
+
+    def run(self, *command, **more):
+        done = subprocess.run(command, text=True, capture_output=True, env={**self.words, **more}, cwd=TREE)
+        if done.returncode:
+            raise Failed(f'{shlex.join(map(str, command))}\n{done.stdout[-4000:]}{done.stderr[-4000:]}')
+        return done.stdout
+
+    def overlay(self, oracles):
+        """A machine file more: ccache where it is, and where clang finds the libgcc of mingw-w64."""
+        cached = ['ccache'] if shutil.which('ccache') else []
+        target = ['--target=x86_64-w64-mingw32'] if self.name == 'mingw-clang' else []
+        lines = ['[binaries]', f'c = {cached + [self.compiler] + target}']
+        if not oracles or self.name not in ('gcc', 'clang', 'mingw-gcc', 'mingw-gcc-static', 'aarch64', 's390x'):
+            lines.append("cpp = 'false'")
+        elif self.name == 'clang':
+            lines.append(f"cpp = {cached + ['clang++']}")
+        if self.name == 'mingw-clang':
+            libgcc = self.run(GCC_MINGW, '-print-libgcc-file-name').strip()
+            lines += ['[built-in options]', f"c_link_args = ['-L{pathlib.Path(libgcc).parent}']"]
+        return '\n'.join(lines) + '\n'
+
+    def build(self, oracles):
+        self.folder.parent.mkdir(parents=True, exist_ok=True)
+        kind = '--cross-file' if self.by else '--native-file'
+        overlay, text = pathlib.Path(f'{self.folder}.ini'), self.overlay(oracles)
+        if not overlay.exists() or overlay.read_text() != text or not (self.folder / 'build.ninja').exists():
+            overlay.write_text(text)
+            shutil.rmtree(self.folder, ignore_errors=True)
+            files = ([f'{kind}={HERE / self.machine}'] if self.machine else []) + [f'{kind}={overlay}']
+            self.run('meson', 'setup', self.folder, *files, '-Dexamples=false', '-Dauto_features=disabled', *self.more)
+        targets = [] if oracles else [f'tests/{name}' + ('.exe' if self.by == 'wine' else '')
+                                      for name in ('batch/checksum', 'platforms/speed')]
+        self.run('ninja', '-C', self.folder, *targets)
+
+    def program(self, path):
+        """The command that runs a program of the build."""
+        program = str(self.folder / 'tests' / path)
+        if self.by == 'wine':
+            self.words['WINEPATH'] = 'Z:' + str(self.folder / 'src')
+            return ['wine64', program + '.exe']
+        return ([f'qemu-{self.name}', '-L', f'/usr/{self.name}-linux-gnu'] if self.by == 'qemu' else []) + [program]
+
+    def compare(self, quick):
+        scale = 'tenth' if quick or self.by == 'qemu' else 'full'
+        said = sums.asked(self.program('batch/checksum'), scale, env=self.words)
+        self.differ = sums.others(said, scale)
+        self.bits = f'differ in {len(self.differ)} of {len(said)}' if self.differ else f'the same, {len(said)} sums'
+        self.ran = f'checksums, {"all" if scale == "full" else "a tenth"}'
+
+    def test(self):
+        suites = [word for suite in ORACLES for word in ('--suite', suite)]
+        said = self.run('meson', 'test', '-C', self.folder, '--no-rebuild', '--print-errorlogs', '--timeout-multiplier', '20',
+                        *suites, SAGITTA_TEST_SCALE='0.1')
+        passed = [line.split()[-1] for line in said.splitlines() if line.startswith('Ok:')]
+        self.ran += f', {passed[0] if passed else 0} tests'
+
+    def measure(self):
+        said = self.run(*self.program('platforms/speed'))
+        self.times.append({family: float(ns) for family, ns in (line.split() for line in said.splitlines())})
+
+
+def guarded(platform, step, *words):
+    if platform.note:
+        return
+    try:
+        step(*words)
+    except (Failed, RuntimeError, OSError, ValueError) as fault:
+        platform.note = f'FAILED: {step.__name__}'
+        print(f'{platform.name}: {platform.note}\n{fault}', flush=True)
+
+
+def table(platforms):
+    timed = [p for p in platforms if p.times]
+    families = list(timed[0].times[0]) if timed else []
+    reference = next((p for p in timed if p.name == 'gcc'), None)
+    lines = ['| name | system | compiler | ran | bits |' + ''.join(f' {family} |' for family in families),
+             '|---|---|---|---|---|' + '---|' * len(families)]
+    for p in platforms:
+        cells = []
+        for family in families:
+            if not p.times or p.note:
+                cells.append('-')
+                continue
+            cell = f'{statistics.median(one[family] for one in p.times):.3g}'
+            if reference and p is not reference:
+                ratio = statistics.median(one[family] / its[family] for one, its in zip(p.times, reference.times))
+                cell += f' ({ratio:.2f})'
+            cells.append(cell)
+        how = {'': '', 'wine': ', wine', 'qemu': ', qemu'}[p.by]
+        ran, bits = (p.note, '-') if p.note else (p.ran + how, p.bits)
+        lines.append(f'| {p.name} | {p.system} | {p.compiler} | {ran} | {bits} |' + ''.join(f' {c} |' for c in cells))
+    if families:
+        lines += ['', 'Times: nanoseconds a ray, in brackets the ratio to gcc.']
+    return '\n'.join(lines)
+
+
+def main(*words):
+    options = {word for word in words if word.startswith('--')}
+    names = [word for word in words if word not in options] or list(SYSTEMS)
+    unknown = [word for word in names if word not in SYSTEMS] + sorted(
+        options - {'--quick', '--oracles', '--write', '--known'})
+    if unknown:
+        sys.exit(f'{", ".join(unknown)}: unknown.  Systems: {", ".join(SYSTEMS)}\n\n{__doc__}')
+    quick = '--quick' in options
+    timed_names = names if quick or 'gcc' in names else ['gcc'] + names
+    platforms = [Platform(name) for name in timed_names]
+    for p in platforms:
+        if p.missing():
+            p.note = f'skipped: {p.missing()} not installed'
+        guarded(p, p.build, '--oracles' in options)
+        guarded(p, p.compare, quick)
+        if '--oracles' in options:
+            guarded(p, p.test)
+        print(f'{p.name}: {p.note or p.bits}' + (f': {", ".join(p.differ)}' if p.differ else ''), flush=True)
+    for _ in range(0 if quick else ROUNDS):
+        for p in platforms:
+            if p.by != 'qemu':
+                guarded(p, p.measure)
+    text = table(platforms)
+    print(text)
+    if '--write' in options:
+        page = TREE / 'docs' / 'platforms.md'
+        before, rest = page.read_text().split(BEGIN)
+        page.write_text(f'{before}{BEGIN}\n{text}\n{END}{rest.split(END, 1)[1]}')
+    failed = any(p.note.startswith('FAILED') for p in platforms)
+    return 1 if failed or any(p.differ for p in platforms) and '--known' not in options else 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(*sys.argv[1:]))
