@@ -4,13 +4,14 @@
 #   scale      all random tests, oracles and proofs at ten times their scale (SAGITTA_TEST_SCALE=10; SAGITTA_TEST_SEED
 #              chooses other cases: the day of the year, unless it is set)
 #   clones     the library built for each kind of processor, by gcc and by clang, gives the same bits (batch/clones.py)
-#   platforms  the library on other systems (platforms/run.py): all sums, the speed, and the oracles by wine and qemu at
-#              a tenth of their scale
+#   platforms  the library on other systems (platforms/run.py): all sums, the speed, and the oracles by wine
+#              and qemu at a tenth of their scale
 #   fuzz       each target for FUZZ_SECONDS (2400), from corpora that grow in build/fuzz/corpus from night to night
 #   mutants    single edits of the library that the tests must notice (mutants/run.py)
 #
 # Each stage runs whatever became of those before it, and writes to build/nightly/STAGE.log; the end of a failed one's
-# log is shown.  Ends with status 1 if a stage failed.  Needs what tests/run.sh installs; more it installs itself.
+# log is shown.  Ends with status 1 if a stage failed.  Needs what tests/run.sh installs; more it installs
+# itself.
 set -u
 cd "$(dirname "$0")/.."
 fuzz_seconds=${1:-2400}
