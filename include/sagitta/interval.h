@@ -32,8 +32,8 @@
 #include <math.h>
 #include <string.h>
 
-/* 16 and 32 are of types narrower than a double (ISO/IEC TS 18661-3); with 1, on s390x, floats are worked out as doubles,
- * and there are none here. */
+/* 16 and 32 are of types narrower than a double (ISO/IEC TS 18661-3); with 1, on s390x, floats are worked
+ * out as doubles, and there are none here. */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0) || \
     (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 1 && FLT_EVAL_METHOD != 16 && \

@@ -20,10 +20,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* On Windows a program says nothing of DLLs: one header serves the DLL and the static library.  A dllimport would make
- * &sgt_conic_ops no constant, and a table of surfaces no static one.  Without it the linker of mingw-w64 finds the
- * table in the DLL ("auto-import") and the start-up code enters its address; functions go through the import library.
- * What a DLL of sagitta exports is said when it is linked (src/meson.build). */
+/* On Windows a program says nothing of DLLs: one header serves the DLL and the static
+ * library.  With a dllimport &sgt_conic_ops would be no constant, and no table of surfaces
+ * could be static.  Without it the linker of mingw-w64 finds the table in the DLL
+ * ("auto-import") and the start-up code enters its address; functions go through the import
+ * library.  What the DLL exports is said when it is linked (src/meson.build). */
 #if !defined(SGT_API)
 #if defined(__GNUC__) && !defined(_WIN32) && !defined(__CYGWIN__)
 #define SGT_API __attribute__((visibility("default")))

@@ -5,12 +5,13 @@
  *     checksum PART            a line for each ray of that part, to find the first that differs
  *
  * The parts are all types of sgt_builtins with hostile rays (hostile.h), a lens with a mirror, a tilt, an asphere and
- * apertures, a user's surface in each way the solver treats one, and tilted poses; the Earth's surfaces are in
- * checksum_earth.c.  Of each ray there are the first root (or the one near the seed, proven or not, as the options are
- * drawn), all roots, the batch, with and without what need not be wanted, and the derivatives.  The rays are fixed, on
- * every system: they change with the library where they are aimed by its own answers, and so does the sum.
+ * apertures, a user's surface in each way the solver treats one, and tilted poses; the Earth's surfaces are
+ * in checksum_earth.c.  Of each ray there are the first root (or the one near the seed, proven or not, as
+ * the options are drawn), all roots, the batch, with and without what need not be wanted, and the
+ * derivatives.  The rays are fixed, on every system: they change with the library where they are aimed by
+ * its own answers, and so does the sum.
  *
- * checksum.txt has the sums that are expected (sums.py); platforms/run.py compares other systems with them. */
+ * checksum.txt has the sums that are expected (sums.py); platforms/run.py asks other systems for them. */
 #include "checksum.h"
 
 #include <sagitta/diagnose.h>
@@ -131,12 +132,16 @@ static void add_own_surface(generator *g, int rounds)
 
 /* -------------------------------------------------------------------- a lens */
 
+/* A constant of the program with the address of a table that may lie in a DLL (sagitta.h). */
+static const sgt_conic front = {.c = 0.05};
+static const sgt_surface front_surface = {&sgt_conic_ops, &front};
+
 static void add_lens(generator *g, int rounds)
 {
-    const sgt_conic front = {.c = 0.05}, back = {.c = -0.03, .k = -0.6}, flat = {0}, mirror = {.c = -0.02, .k = -1};
+    const sgt_conic back = {.c = -0.03, .k = -0.6}, flat = {0}, mirror = {.c = -0.02, .k = -1};
     const sgt_asphere corrector = {.c = 0.01, .k = -1, .semi_diameter = 9, .a = {0, 1e-5, -2e-8, 1e-11}};
     const sgt_element e[] = {
-        {.surface = {&sgt_conic_ops, &front}, .pose = {.origin = {0, 0, 5}}, .index = 1.62, .semi_diameter = 8},
+        {.surface = front_surface, .pose = {.origin = {0, 0, 5}}, .index = 1.62, .semi_diameter = 8},
         {.surface = {&sgt_conic_ops, &back}, .pose = {.origin = {0, 0, 9}}, .index = 1, .semi_diameter = 8},
         {.surface = {&sgt_conic_ops, &flat}, .pose = sgt_pose_tilted((sgt_vec3){0, 0.1, 12}, (sgt_vec3){2, -3, 10}), .semi_diameter = 5},
         {.surface = {&sgt_asphere_ops, &corrector}, .pose = {.origin = {0, 0, 15}}, .index = 1.5},

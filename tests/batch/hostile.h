@@ -9,9 +9,10 @@
  *   rays       by kind, see ray_kinds; points to aim at are taken from the surface itself;
  *   ends       none, all, at a root to the ulp, reversed, NaN.
  *
- * The generator is its own (splitmix64).  A seed means the same case on every system, as long as the library aims alike:
- * numbers are made by whole numbers, sums, products, quotients and square roots alone, nothing of the C library's
- * mathematics, and no two draws stand in one expression whose order C leaves open (arguments, operands, initialisers). */
+ * The generator is its own (splitmix64).  A seed means the same case on every system, as long as the
+ * library aims alike: numbers are made by whole numbers, sums, products, quotients and square roots alone,
+ * nothing of the C library's mathematics, and no two draws stand in one expression whose order C leaves
+ * open (arguments, operands, initialisers). */
 #ifndef TESTS_BATCH_HOSTILE_H
 #define TESTS_BATCH_HOSTILE_H
 
@@ -53,7 +54,7 @@ static UNUSED int below(generator *g, int n) { return (int)(random_bits(g) % (ui
 static UNUSED bool chance(generator *g, double p) { return uniform(g, 0, 1) < p; }
 static UNUSED double either_sign(generator *g) { return chance(g, 0.5) ? 1 : -1; }
 
-/* 10^x to some ulps, |x| < 400.  exp(u) by its series: u <= log(10) / 16 = 0.144, and u^10 / 10! is below 2^-49. */
+/* 10^x to some ulps, |x| < 400.  exp(u) by its series: u <= log(10) / 16 = 0.144, and u^10 / 10! < 2^-49. */
 static UNUSED double power_of_ten(double x)
 {
     int whole = (int)x - (x < 0);
@@ -74,7 +75,11 @@ static UNUSED double whole_power(double x, int n)
 }
 
 /* A power of ten from 10^lo to 10^hi, not a round one; the same of either sign. */
-static UNUSED double any_scale(generator *g, double lo, double hi) { return power_of_ten(uniform(g, lo, hi)); }
+static UNUSED double any_scale(generator *g, double lo, double hi)
+{
+    return power_of_ten(uniform(g, lo, hi));
+}
+
 static UNUSED double signed_scale(generator *g, double lo, double hi)
 {
     double sign = either_sign(g);
@@ -306,7 +311,8 @@ static UNUSED bool random_parameters(generator *g, const sgt_builtin *type, para
             int terms = below(g, 9);
             double strong = any_scale(g, -6, chance(g, 0.2) ? 1.5 : 0);
             for (int i = 0; i < terms; i++)
-                with->asphere.a[i] = chance(g, 0.2) ? 0 : uniform(g, -strong, strong) * whole_power(rim, -(2 * i + 1));
+                with->asphere.a[i] =
+                    chance(g, 0.2) ? 0 : uniform(g, -strong, strong) * whole_power(rim, -(2 * i + 1));
         }
         return true;
     }
@@ -390,7 +396,8 @@ static UNUSED void random_by_row(generator *g, const sgt_builtin *type, paramete
                 for (size_t j = 0; j < columns; j++) {
                     int m = p->kind == SGT_LIST ? (int)j : (int)i, n = p->kind == SGT_LIST ? 0 : (int)j;
                     double falling = heights ? 1 : 1 / (1 + (double)(m + n) * (m + n));
-                    x[i * columns + j] = chance(g, 0.15) ? 0 : strong * falling * uniform(g, -1, 1) * whole_power(h, power_of_length(p->unit, m, n));
+                    falling *= strong * whole_power(h, power_of_length(p->unit, m, n));
+                    x[i * columns + j] = chance(g, 0.15) ? 0 : falling * uniform(g, -1, 1);
                 }
             memcpy(at, &all, sizeof all);
         } else if (p->kind == SGT_TERMS) {
@@ -636,7 +643,8 @@ static UNUSED sgt_ray ray_of_kind(generator *g, const specimen *s, ray_kind kind
         if (chance(g, 0.3)) ray.o.z = chance(g, 0.7) ? 0 : hostile_number(g);
         if (chance(g, 0.2)) { /* touching at the vertex, exactly or nearly */
             which = below(g, 2);
-            ray = ray_through((sgt_vec3){0, 0, 0}, (sgt_vec3){1, which, 0}, h * whole_power(2, below(g, 9) - 4));
+            away = h * whole_power(2, below(g, 9) - 4);
+            ray = ray_through((sgt_vec3){0, 0, 0}, (sgt_vec3){1, which, 0}, away);
             if (chance(g, 0.3)) ray.o.z = either_sign(g) * h * any_scale(g, -300, -3);
         }
         if (chance(g, 0.5)) ray.tmin = -FAR;

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""The sums of checksum.c against those that are expected, in checksum.txt: an answer that changed by one bit is seen.
+"""The sums of checksum.c against those in checksum.txt: an answer that changed by one bit is seen.
 
-    python3 tests/batch/sums.py COMMAND...           COMMAND runs checksum, of a tenth of the rays: `sums.py checksum`,
-                                                     `sums.py qemu-s390x -L /usr/s390x-linux-gnu checksum`
+    python3 tests/batch/sums.py COMMAND...           of a tenth of the rays; COMMAND is checksum, or
+                                                     `qemu-s390x checksum`
     python3 tests/batch/sums.py --full COMMAND...    of all rays, ten times as long
-    python3 tests/batch/sums.py --write COMMAND...   writes checksum.txt: where answers were changed on purpose, and where
-                                                     hostile.h or checksum.c were
+    python3 tests/batch/sums.py --write COMMAND...   writes checksum.txt: where answers were changed on
+                                                     purpose, and where hostile.h or checksum.c were
 
 Where a sum differs, `checksum PART` lists that part ray by ray, on both systems.
 """
@@ -21,13 +21,14 @@ HEAD = '''# The sums of checksum.c, of a tenth of the rays and of all, on every 
 '''
 
 
-def asked(command, scale, **more):
+def asked(command, scale, environment=None):
     """{part: sum} as the program says it."""
-    environment = {name: value for name, value in os.environ.items() if name != 'SAGITTA_TEST_SEED'}
-    environment['SAGITTA_TEST_SCALE'] = SCALES[scale]
-    done = subprocess.run(command, text=True, capture_output=True, env={**environment, **more.get('env', {})})
+    environment = {**(environment or os.environ), 'SAGITTA_TEST_SCALE': SCALES[scale]}
+    environment.pop('SAGITTA_TEST_SEED', None)
+    done = subprocess.run(command, text=True, capture_output=True, env=environment)
     if done.returncode:
-        raise RuntimeError(f'{" ".join(map(str, command))}: exit status {done.returncode}\n{done.stdout}{done.stderr}')
+        said = f'{done.stdout}{done.stderr}exit status {done.returncode}'
+        raise RuntimeError(f'{" ".join(map(str, command))}\n{said}')
     return {line[:16].strip(): line.split()[-1] for line in done.stdout.splitlines()}
 
 

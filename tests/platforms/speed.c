@@ -1,10 +1,11 @@
-/* Nanoseconds a ray of batches of first roots, a line for each family: its name and the number.  run.py runs it on one
- * system after the other, again and again, and takes medians.
+/* Nanoseconds a ray of batches of first roots, a line for each family: its name and the number.  run.py
+ * runs it on one system after the other, again and again, and takes medians.
  *
  *     speed [MILLISECONDS]    for each family at least so long (20)
  *
- * Surfaces and rays are those of tests/cost/cases.c: c = 0.1, k = -0.6, rim 4, departures of 0.01; 1000 rays from z = -5,
- * uniform in the disk of radius 2.5, with slopes up to 0.15.  Arrays are in the processor's cache. */
+ * Surfaces and rays are of the kind of tests/cost/cases.c: c = 0.1, k = -0.6, rim 4, departures of 0.01;
+ * 1000 rays from z = -5, uniform in the disk of radius 2.5, with slopes up to 0.15.  Arrays are in the
+ * processor's cache. */
 #include <math.h>
 #include <sagitta/surfaces.h>
 #include <stdint.h>
@@ -61,7 +62,8 @@ static void measure(const char *family, const sgt_surface_ops *ops, const void *
 {
     const sgt_surface surface = {ops, self};
     const sgt_rays rays = {{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, NULL, NULL};
-    const sgt_hits hits = {.status = status, .t = t, .t_err = t_err, .p = {p[0], p[1], p[2]}, .n = {n[0], n[1], n[2]}};
+    const sgt_hits hits = {
+        .status = status, .t = t, .t_err = t_err, .p = {p[0], p[1], p[2]}, .n = {n[0], n[1], n[2]}};
     size_t hit = sgt_intersect_batch(surface, RAYS, rays, hits, NULL); /* the first touch of all */
     double best = HUGE_VAL, end = now() + least;
     for (int turn = 0; turn < 3 || now() < end; turn++) {
@@ -78,7 +80,8 @@ int main(int argc, char **argv)
     static const double terms[] = {0, 0, 0, 0.01, -0.004, 0.006, 0.003, -0.002, 0.001, 0.002, 0.001};
     const sgt_conic sphere = {.c = 0.1, .semi_diameter = RIM};
     const sgt_asphere asphere = {BASE, .a = {0, 1e-4, -2e-6, 1e-8}};
-    const sgt_zernike zernike = {BASE, .norm = RIM, .order = SGT_NOLL, .a = {terms, 1, sizeof terms / sizeof *terms}};
+    const sgt_numbers of_terms = {terms, 1, sizeof terms / sizeof *terms};
+    const sgt_zernike zernike = {BASE, .norm = RIM, .order = SGT_NOLL, .a = of_terms};
     const sgt_biconic biconic = {.c_x = 0.1, .k_x = -0.6, .c_y = 0.08, .k_y = 0.2, .semi_diameter = RIM};
     const sgt_torus torus = {.major = 2, .minor = 0.8};
     const sgt_julia julia = {.c = {-0.2, 0.8, 0, 0}, .iterations = 8};
