@@ -18,6 +18,8 @@
  * Source of "10^22 is exact": Clinger 1990, How to read floating point numbers accurately. */
 #include "number.h"
 
+#include <sagitta/fma.h>
+
 #include <errno.h>
 #include <math.h>
 #include <stddef.h>
@@ -42,7 +44,7 @@ static double double_of(uint64_t digits, int places)
     if (places < -POWER_MOST || places > POWER_MOST) return (double)NAN;
     double h = (double)digits, l = (double)((int64_t)digits - (int64_t)h);
     if (places <= 0) return l == 0 ? h * power[-places] : (double)NAN;
-    double q = h / power[places], more = (fma(-q, power[places], h) + l) / power[places];
+    double q = h / power[places], more = (sgt_fma(-q, power[places], h) + l) / power[places];
     double least = q + more * (1 - 0x1p-50), most = q + more * (1 + 0x1p-50);
     return least == most ? least : (double)NAN;
 }
@@ -133,7 +135,7 @@ static int first_place(double x)
 static decimal rounded(double x, int places, double *p)
 {
     *p = x * power[places];
-    double e = fma(x, power[places], -*p);
+    double e = sgt_fma(x, power[places], -*p);
     int64_t digits = llrint(*p);
     double half = *p - (double)digits; /* exact */
     /* Where p has a fraction, e is less than half a unit of its last bit and counts only if p
