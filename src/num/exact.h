@@ -21,6 +21,18 @@
 
 #include <math.h>
 
+/* Those of mingw-w64 go through memory or the x87, and a loop with one of them is no vector code. */
+#if defined(__MINGW32__)
+#undef copysign
+#undef isfinite
+#undef isnan
+#undef signbit
+#define copysign(x, sign) __builtin_copysign(x, sign)
+#define isfinite(x) __builtin_isfinite(x)
+#define isnan(x) __builtin_isnan(x)
+#define signbit(x) __builtin_signbit(x)
+#endif
+
 #if defined(__GNUC__)
 #define SGT_INLINE static inline __attribute__((always_inline, unused))
 #else
