@@ -104,30 +104,31 @@ enum { LIVE = -3, OUT, CLOSE };
 /* A cell on its way, and what is known of it. */
 typedef struct flight { one q; double over, left, verdict; } flight;
 
-/* One level on, and what can be said of the level before it. */
-SGT_INLINE flight on_a_level(flight s, double h, double h2, const one_constant c, const quaternion along, const shared w, bool mandelbrot)
+/* One level on, and what can be said of the level before it.  (By pointers: on Windows a structure that is handed on by value
+ * is one in memory, and clang makes no vector code of that.) */
+SGT_INLINE void on_a_level(flight *s, double h, double h2, const one_constant *c, const quaternion *along,
+                           const shared *w, bool mandelbrot)
 {
-    SGT_COUNT_LEVEL(s.verdict == LIVE && s.left < HUGE_VAL);
-    one q = s.q;
+    SGT_COUNT_LEVEL(s->verdict == LIVE && s->left < HUGE_VAL);
+    one q = s->q;
     one_norms(&q);
-    double A, y = h2 * q.V2, x = fabs(q.qv) * h, E = w.limit + s.over, room;
+    double A, y = h2 * q.V2, x = fabs(q.qv) * h, E = w->limit + s->over, room;
     one_twice_root(&q.A2, &A);
-    one_room(&q, w.near.keep, &E, &x, &y, &room);
+    one_room(&q, w->near.keep, &E, &x, &y, &room);
     /* what `judge` has to look at, and a little more: it may be inside, or monotone, or g near its rounding */
     double last = larger(x, 0x1p-29 * q.A2) > STEEP * (1 - 0x1p-40) * y ? CLOSE : q.A2;
-    last = (q.A2 + y) + (x + x) < w.E2 ? CLOSE : last;
-    double verdict = q.A2 > w.near.far ? HUGE_VAL : LIVE;
-    verdict = s.left > 0 ? verdict : last;
+    last = (q.A2 + y) + (x + x) < w->E2 ? CLOSE : last;
+    double verdict = q.A2 > w->near.far ? HUGE_VAL : LIVE;
+    verdict = s->left > 0 ? verdict : last;
     verdict = room > 0 ? OUT : verdict;
-    s.verdict = s.verdict == LIVE ? verdict : s.verdict;
-    one_step(&q, &A, &y, w.near.round, &c, mandelbrot);
-    if (mandelbrot) q.va += along.a, q.vb += along.b, q.vc += along.c, q.vd += along.d;
-    s.q = q, s.over *= w.growth, s.left -= 1;
-    return s;
+    s->verdict = s->verdict == LIVE ? verdict : s->verdict;
+    one_step(&q, &A, &y, w->near.round, c, mandelbrot);
+    if (mandelbrot) q.va += along->a, q.vb += along->b, q.vc += along->c, q.vd += along->d;
+    s->q = q, s->over *= w->growth, s->left -= 1;
 }
 
 /* Lays the next cell, where the last is decided, and takes it two levels on. */
-SGT_INLINE void fly(stream *s, int l, const shared w, bool mandelbrot)
+SGT_INLINE void fly(stream *s, int l, const shared *w, bool mandelbrot)
 {
     flight f = {{.a = s->a[l], .b = s->b[l], .c = s->c[l], .d = s->d[l], .va = s->va[l], .vb = s->vb[l], .vc = s->vc[l], .vd = s->vd[l], .e = s->e[l]},
                 s->over[l], s->left[l], s->verdict[l]};
@@ -141,13 +142,13 @@ SGT_INLINE void fly(stream *s, int l, const shared w, bool mandelbrot)
     double e = place_error(s->f[START_SIZE][l], s->f[ALONG_SIZE][l], m, h);
     f.q.a = live ? f.q.a : q.a, f.q.b = live ? f.q.b : q.b, f.q.c = live ? f.q.c : q.c, f.q.d = live ? f.q.d : q.d;
     f.q.va = live ? f.q.va : v.a, f.q.vb = live ? f.q.vb : v.b, f.q.vc = live ? f.q.vc : v.c, f.q.vd = live ? f.q.vd : v.d;
-    f.q.e = live ? f.q.e : e, f.over = live ? f.over : w.over, f.left = live ? f.left : w.levels;
+    f.q.e = live ? f.q.e : e, f.over = live ? f.over : w->over, f.left = live ? f.left : w->levels;
     f.verdict = live ? LIVE : odd;
-    one_constant c = {w.c.a, w.c.b, w.c.c, w.c.d, 0};
+    one_constant c = {w->c.a, w->c.b, w->c.c, w->c.d, 0};
     if (mandelbrot) c = (one_constant){q.a, q.b, q.c, q.d, e};
     double h2 = h * h;
-    f = on_a_level(f, h, h2, c, v, w, mandelbrot);
-    f = on_a_level(f, h, h2, c, v, w, mandelbrot);
+    on_a_level(&f, h, h2, &c, &v, w, mandelbrot);
+    on_a_level(&f, h, h2, &c, &v, w, mandelbrot);
     s->a[l] = f.q.a, s->b[l] = f.q.b, s->c[l] = f.q.c, s->d[l] = f.q.d, s->va[l] = f.q.va, s->vb[l] = f.q.vb, s->vc[l] = f.q.vc, s->vd[l] = f.q.vd;
     s->e[l] = f.q.e, s->over[l] = f.over, s->left[l] = f.left, s->verdict[l] = f.verdict, s->m[l] = m, s->h[l] = h, s->end[l] = end;
 }
@@ -180,7 +181,7 @@ SGT_INLINE unsigned advance(stream *s, const set *o, bool mandelbrot)
     double leaving = 0;
     do {
 #pragma omp simd
-        for (int l = 0; l < WIDTH; l++) fly(s, l, w, mandelbrot);
+        for (int l = 0; l < WIDTH; l++) fly(s, l, &w, mandelbrot);
         leaving = 0;
 #pragma omp simd reduction(+ : leaving)
         for (int l = 0; l < WIDTH; l++) leaving += go_on(s, l, w);
