@@ -3,5 +3,6 @@
 
 #include <sagitta/sagitta.h>
 
-SGT_DISPATCH(size_t, sgt_intersect_batch, (sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt),
+SGT_DISPATCH(size_t, sgt_intersect_batch,
+             (sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, const sgt_options *opt),
              (s, n, rays, hits, opt))

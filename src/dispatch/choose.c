@@ -1,10 +1,10 @@
 /* choose.c - which set of instructions the processor has.
  *
- * As the x86-64 psABI (1.0, table 3.1) has it: v3 is AVX, AVX2, BMI1, BMI2, F16C, FMA, LZCNT, MOVBE and a system
- * that keeps the registers of AVX; v4 is AVX512F, BW, CD, DQ, VL besides, and their registers.
+ * As the x86-64 psABI (1.0, table 3.1) has it: v3 is AVX, AVX2, BMI1, BMI2, F16C, FMA, LZCNT, MOVBE and a
+ * system that keeps the registers of AVX; v4 is AVX512F, BW, CD, DQ, VL besides, and their registers.
  *
- * The environment variable SAGITTA_SET names one of base, v3 and v4, for tests: it is taken where the processor has
- * it, and else the best there is. */
+ * The environment variable SAGITTA_SET names one of base, v3 and v4, for tests: it is taken where the
+ * processor has it, and else the best there is. */
 #include "dispatch.h"
 
 #if SGT_SETS > 1
@@ -25,12 +25,15 @@ static unsigned kept_by_system(void)
 
 static int best_set(void)
 {
-    const unsigned v3_1 = bit_FMA | bit_MOVBE | bit_OSXSAVE | bit_AVX | bit_F16C, v3_7 = bit_BMI | bit_AVX2 | bit_BMI2;
-    const unsigned v4_7 = bit_AVX512F | bit_AVX512DQ | bit_AVX512CD | bit_AVX512BW | bit_AVX512VL, lzcnt = 1u << 5;
+    const unsigned v3_1 = bit_FMA | bit_MOVBE | bit_OSXSAVE | bit_AVX | bit_F16C,
+                   v3_7 = bit_BMI | bit_AVX2 | bit_BMI2;
+    const unsigned v4_7 = bit_AVX512F | bit_AVX512DQ | bit_AVX512CD | bit_AVX512BW | bit_AVX512VL,
+                   lzcnt = 1u << 5;
     unsigned a, b, c, d, b7, c7, of_lzcnt;
     if (!__get_cpuid(1, &a, &b, &c, &d) || (c & v3_1) != v3_1) return SGT_BASE;
     unsigned kept = kept_by_system();
-    if (!__get_cpuid_count(7, 0, &a, &b7, &c7, &d) || !__get_cpuid(0x80000001, &a, &b, &of_lzcnt, &d)) return SGT_BASE;
+    if (!__get_cpuid_count(7, 0, &a, &b7, &c7, &d) || !__get_cpuid(0x80000001, &a, &b, &of_lzcnt, &d))
+        return SGT_BASE;
     if ((b7 & v3_7) != v3_7 || !(of_lzcnt & lzcnt) || (kept & KEPT_AVX) != KEPT_AVX) return SGT_BASE;
     return (b7 & v4_7) == v4_7 && (kept & KEPT_AVX512) == KEPT_AVX512 ? SGT_V4 : SGT_V3;
 }

@@ -3,4 +3,4 @@
 
 #include <sagitta/surfaces.h>
 
-SGT_DISPATCH_VOID(sgt_grid_measure, (sgt_grid *grid), (grid))
+SGT_DISPATCH_VOID(sgt_grid_measure, (sgt_grid * grid), (grid))

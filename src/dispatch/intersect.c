@@ -9,5 +9,6 @@ sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt)
 {
     return sgt_intersect_copy_in_set[sgt_set()](s, &ray, opt);
 }
-SGT_DISPATCH(int, sgt_intersect_all, (sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[], const sgt_options *opt),
+SGT_DISPATCH(int, sgt_intersect_all,
+             (sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[], const sgt_options *opt),
              (s, ray, cap, hits, opt))

@@ -1,8 +1,8 @@
 /* names.h - each name of the library that leaves its file, with the set that it is compiled for.
  *
- * The library is compiled whole for each set of instructions (dispatch.h).  This file comes before every other in
- * those compilations, so that a function or table of each is another one, with the set's name at its end.  A name
- * that is missing here is defined twice, and does not link; tests/build/sets.py finds it, too. */
+ * The library is compiled whole for each set of instructions (dispatch.h).  This file comes before every
+ * other in those compilations, so that a function or table of each is another one, with the set's name at its
+ * end.  A name that is missing here is defined once for each set, and the library does not link. */
 #ifndef SGT_DISPATCH_NAMES_H
 #define SGT_DISPATCH_NAMES_H
 

@@ -1,6 +1,7 @@
 /* operations.h - the operations of a built-in type as a program sees them: each jumps to that of a set.
  *
- * Inside the library they are not called: a surface that comes in is given the operations of its set (in_set). */
+ * Inside the library they are not called: a surface that comes in is given the operations of its set
+ * (in_set). */
 #ifndef SGT_DISPATCH_OPERATIONS_H
 #define SGT_DISPATCH_OPERATIONS_H
 
@@ -8,13 +9,13 @@
 #include "dispatch.h"
 
 #if SGT_SETS > 1
-#define SETS_OF(NAME)                                                       \
-    extern const sgt_surface_ops sgt_##NAME##_ops_base, sgt_##NAME##_ops_v3, sgt_##NAME##_ops_v4; \
-    static const sgt_surface_ops *const NAME##_in_set[] = {                 \
-        &sgt_##NAME##_ops_base, &sgt_##NAME##_ops_v3, &sgt_##NAME##_ops_v4};
+#define SETS_OF(NAME)                                                                                    \
+    extern const sgt_surface_ops sgt_##NAME##_ops_base, sgt_##NAME##_ops_v3, sgt_##NAME##_ops_v4;        \
+    static const sgt_surface_ops *const NAME##_in_set[] = {&sgt_##NAME##_ops_base, &sgt_##NAME##_ops_v3, \
+                                                           &sgt_##NAME##_ops_v4};
 #else
-#define SETS_OF(NAME)                                                       \
-    extern const sgt_surface_ops sgt_##NAME##_ops_base;                     \
+#define SETS_OF(NAME)                                   \
+    extern const sgt_surface_ops sgt_##NAME##_ops_base; \
     static const sgt_surface_ops *const NAME##_in_set[] = {&sgt_##NAME##_ops_base};
 #endif
 
@@ -23,65 +24,80 @@
 #define OPERATION_VOID(NAME, WHICH, PARAMETERS, ARGUMENTS) \
     static void NAME##_##WHICH PARAMETERS { NAME##_in_set[sgt_set()]->WHICH ARGUMENTS; }
 
-#define ALL_HAVE(NAME)                                                                                             \
-    SETS_OF(NAME)                                                                                                  \
-    static const struct sgt_own NAME##_own = {.in_set = NAME##_in_set};                                            \
-    OPERATION(NAME, double, value, (const void *self, sgt_vec3 p, sgt_vec3 *grad), (self, p, grad))                \
-    OPERATION(NAME, sgt_span, span, (const void *self, const sgt_ray *ray), (self, ray))                           \
-    OPERATION(NAME, double, rounding, (const void *self, sgt_vec3 p), (self, p))                                   \
-    OPERATION(NAME, sgt_interval, enclose,                                                                         \
-              (const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope), (self, ray, t, slope))
-#define DERIVATIVES(NAME)                                                                                          \
-    OPERATION_VOID(NAME, second, (const void *self, size_t n, sgt_points p, double *const out[6]), (self, n, p, out)) \
-    OPERATION(NAME, size_t, parameters, (const void *self), (self))                                                \
-    OPERATION_VOID(NAME, by_parameter, (const void *self, size_t j, size_t n, sgt_points p, sgt_values out),       \
+#define ALL_HAVE(NAME)                                                                              \
+    SETS_OF(NAME)                                                                                   \
+    static const struct sgt_own NAME##_own = {.in_set = NAME##_in_set};                             \
+    OPERATION(NAME, double, value, (const void *self, sgt_vec3 p, sgt_vec3 *grad), (self, p, grad)) \
+    OPERATION(NAME, sgt_span, span, (const void *self, const sgt_ray *ray), (self, ray))            \
+    OPERATION(NAME, double, rounding, (const void *self, sgt_vec3 p), (self, p))                    \
+    OPERATION(NAME, sgt_interval, enclose,                                                          \
+              (const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope),          \
+              (self, ray, t, slope))
+#define DERIVATIVES(NAME)                                                                          \
+    OPERATION_VOID(NAME, second, (const void *self, size_t n, sgt_points p, double *const out[6]), \
+                   (self, n, p, out))                                                              \
+    OPERATION(NAME, size_t, parameters, (const void *self), (self))                                \
+    OPERATION_VOID(NAME, by_parameter,                                                             \
+                   (const void *self, size_t j, size_t n, sgt_points p, sgt_values out),           \
                    (self, j, n, p, out))
-#define MANY(NAME)                                                                                                 \
-    OPERATION_VOID(NAME, values, (const void *self, size_t n, sgt_points p, sgt_values out), (self, n, p, out))    \
-    OPERATION_VOID(NAME, spans, (const void *self, size_t n, sgt_rays rays, sgt_spans out), (self, n, rays, out))
-#define FIRSTS(NAME)                                                                                               \
-    OPERATION(NAME, sgt_span, first, (const void *self, const sgt_ray *ray), (self, ray))                          \
-    OPERATION_VOID(NAME, firsts, (const void *self, size_t n, sgt_rays rays, sgt_spans out), (self, n, rays, out))
+#define MANY(NAME)                                                                           \
+    OPERATION_VOID(NAME, values, (const void *self, size_t n, sgt_points p, sgt_values out), \
+                   (self, n, p, out))                                                        \
+    OPERATION_VOID(NAME, spans, (const void *self, size_t n, sgt_rays rays, sgt_spans out),  \
+                   (self, n, rays, out))
+#define FIRSTS(NAME)                                                                         \
+    OPERATION(NAME, sgt_span, first, (const void *self, const sgt_ray *ray), (self, ray))    \
+    OPERATION_VOID(NAME, firsts, (const void *self, size_t n, sgt_rays rays, sgt_spans out), \
+                   (self, n, rays, out))
 #define CLEARANCE(NAME) OPERATION(NAME, double, clearance, (const void *self, sgt_vec3 p), (self, p))
 #define ESTIMATE(NAME) OPERATION(NAME, double, estimate, (const void *self, sgt_vec3 p), (self, p))
 
-#define TABLE_OF_ALL(NAME) \
-    .value = NAME##_value, .span = NAME##_span, .rounding = NAME##_rounding, .enclose = NAME##_enclose, .own_ = &NAME##_own
+#define TABLE_OF_ALL(NAME)                                                                              \
+    .value = NAME##_value, .span = NAME##_span, .rounding = NAME##_rounding, .enclose = NAME##_enclose, \
+    .own_ = &NAME##_own
 #define TABLE_OF_DERIVATIVES(NAME) \
     .second = NAME##_second, .parameters = NAME##_parameters, .by_parameter = NAME##_by_parameter
 #define TABLE_OF_MANY(NAME) .values = NAME##_values, .spans = NAME##_spans
 #define TABLE_OF_FIRSTS(NAME) .first = NAME##_first, .firsts = NAME##_firsts
 
-/* Conics and even aspheres; the sags met by their operations; bodies without and with a clearance; level sets. */
-#define SGT_SAG(NAME, SAID)             \
-    ALL_HAVE(NAME)                      \
-    DERIVATIVES(NAME)                   \
+/* Conics and even aspheres; the sags met by their operations; bodies without and with a clearance; level
+ * sets. */
+#define SGT_SAG(NAME, SAID) \
+    ALL_HAVE(NAME)          \
+    DERIVATIVES(NAME)       \
     const sgt_surface_ops sgt_##NAME##_ops = {.name = SAID, TABLE_OF_ALL(NAME), TABLE_OF_DERIVATIVES(NAME)};
-#define SGT_FREEFORM(NAME, SAID)        \
-    ALL_HAVE(NAME)                      \
-    DERIVATIVES(NAME)                   \
-    MANY(NAME)                          \
-    const sgt_surface_ops sgt_##NAME##_ops = {                                                  \
+#define SGT_FREEFORM(NAME, SAID)               \
+    ALL_HAVE(NAME)                             \
+    DERIVATIVES(NAME)                          \
+    MANY(NAME)                                 \
+    const sgt_surface_ops sgt_##NAME##_ops = { \
         .name = SAID, TABLE_OF_ALL(NAME), TABLE_OF_DERIVATIVES(NAME), TABLE_OF_MANY(NAME)};
-#define SGT_QUADRIC(NAME, SAID)         \
-    ALL_HAVE(NAME)                      \
-    DERIVATIVES(NAME)                   \
-    MANY(NAME)                          \
-    FIRSTS(NAME)                        \
-    const sgt_surface_ops sgt_##NAME##_ops = {                                                  \
-        .name = SAID, TABLE_OF_ALL(NAME), TABLE_OF_DERIVATIVES(NAME), TABLE_OF_MANY(NAME), TABLE_OF_FIRSTS(NAME)};
-#define SGT_BODY(NAME, SAID)            \
-    ALL_HAVE(NAME)                      \
-    DERIVATIVES(NAME)                   \
-    MANY(NAME)                          \
-    FIRSTS(NAME)                        \
-    CLEARANCE(NAME)                     \
-    const sgt_surface_ops sgt_##NAME##_ops = {                                                  \
-        .name = SAID, TABLE_OF_ALL(NAME), TABLE_OF_DERIVATIVES(NAME), TABLE_OF_MANY(NAME), TABLE_OF_FIRSTS(NAME), \
-        .clearance = NAME##_clearance};
-#define SGT_LEVEL_SET(NAME, SAID)       \
-    ALL_HAVE(NAME)                      \
-    ESTIMATE(NAME)                      \
-    const sgt_surface_ops sgt_##NAME##_ops = {.name = SAID, TABLE_OF_ALL(NAME), .estimate = NAME##_estimate};
+#define SGT_QUADRIC(NAME, SAID)                                           \
+    ALL_HAVE(NAME)                                                        \
+    DERIVATIVES(NAME)                                                     \
+    MANY(NAME)                                                            \
+    FIRSTS(NAME)                                                          \
+    const sgt_surface_ops sgt_##NAME##_ops = {.name = SAID,               \
+                                              TABLE_OF_ALL(NAME),         \
+                                              TABLE_OF_DERIVATIVES(NAME), \
+                                              TABLE_OF_MANY(NAME),        \
+                                              TABLE_OF_FIRSTS(NAME)};
+#define SGT_BODY(NAME, SAID)                                              \
+    ALL_HAVE(NAME)                                                        \
+    DERIVATIVES(NAME)                                                     \
+    MANY(NAME)                                                            \
+    FIRSTS(NAME)                                                          \
+    CLEARANCE(NAME)                                                       \
+    const sgt_surface_ops sgt_##NAME##_ops = {.name = SAID,               \
+                                              TABLE_OF_ALL(NAME),         \
+                                              TABLE_OF_DERIVATIVES(NAME), \
+                                              TABLE_OF_MANY(NAME),        \
+                                              TABLE_OF_FIRSTS(NAME),      \
+                                              .clearance = NAME##_clearance};
+#define SGT_LEVEL_SET(NAME, SAID)              \
+    ALL_HAVE(NAME)                             \
+    ESTIMATE(NAME)                             \
+    const sgt_surface_ops sgt_##NAME##_ops = { \
+        .name = SAID, TABLE_OF_ALL(NAME), .estimate = NAME##_estimate};
 
 #endif

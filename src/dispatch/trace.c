@@ -4,7 +4,7 @@
 #include <sagitta/system.h>
 
 SGT_DISPATCH(size_t, sgt_trace,
-             (size_t n, const sgt_element e[], double index_before, sgt_ray *ray, sgt_passage passages[], sgt_fate *fate,
-              const sgt_options *opt),
+             (size_t n, const sgt_element e[], double index_before, sgt_ray *ray, sgt_passage passages[],
+              sgt_fate *fate, const sgt_options *opt),
              (n, e, index_before, ray, passages, fate, opt))
 SGT_EXPORT(const char *, sgt_fate_text, (sgt_fate fate), (fate))

@@ -24,8 +24,8 @@
  *
  * THE EDGE.  Where the base ends its slope has no bound.  A ray that begins outside, or next to it, is first
  * asked about as far as a part in 256 inside, by the enclosure; and so is a ray that leaves, from as near to
- * the edge on.  Where there is no root there either, and as far as the end of a ray that has one, it is a miss.
- * Where there is no edge, a ray that leaves is followed to four times the radius where it began.
+ * the edge on.  Where there is no root there either, it is a miss; and so where the ray ends before.  Where
+ * there is no edge, a ray that leaves is followed to four times the radius where it began.
  *
  * A step of 0.98 sqrt(2 a / B) is never refused where the sign stays; far out, where F is a power of r, the
  * next b is to a as the last was, and the step may be longer.  Each lane is by itself; those that are done
@@ -55,8 +55,8 @@ typedef double *const *rows;
 SGT_INLINE double radius_of(double x, double y) { return sqrt(x * x + y * y); }
 
 /* Of those about r.  High powers of r make much of a radius that is too wide: where the steps are short it is
- * a finer rung, and on the way out there is room for a few steps as the last, but no more.  outward: d(r^2 / 2)
- * in that step. */
+ * a finer rung, and on the way out there is room for a few steps as the last, but no more.  outward:
+ * d(r^2 / 2) in that step. */
 SGT_INLINE double radius_wanted(double r, double outward)
 {
     double step = outward / (r * r), room = chosen(MASK(step < 0x1p-4), 3 * step, 0.25);
@@ -192,8 +192,8 @@ static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double
     return g.lo > 0 || g.hi < 0 ? lo : (double)NAN; /* an empty one, too */
 }
 
-/* Past the last rung: does the ray leave the surface, or end, for certain without a root?  In pieces, where the
- * enclosure knows too little of all of it. */
+/* Past the last rung: does the ray leave the surface, or end, for certain without a root?  In pieces, where
+ * the enclosure knows too little of all of it. */
 static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows a, size_t i, double scale,
                            const vicinity *v)
 {
@@ -210,7 +210,8 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
                             g = s.ops->own_->enclose(s.self, ray, from, t, &slope);
         v->evals[(size_t)a[LANE][i]] += 1;
         if (v->told)
-            tell(v->told, SGT_MARCH, from, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, from, to);
+            tell(v->told, SGT_MARCH, from, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, from,
+                 to);
         bool certain = g.lo > 0 || g.hi < 0; /* an empty one, too */
         from = certain ? to : from;
         width *= certain ? 2 : 0.25;

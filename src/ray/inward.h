@@ -10,7 +10,8 @@
 
 enum { FINER = 47, FINE = 49, COARSE = 52 };
 
-/* A power of two above r, or an eighth of one, or a thirty-second; infinite beyond 2^400, and never below 2^-400. */
+/* A power of two above r, or an eighth of one, or a thirty-second; infinite beyond 2^400, and never below
+ * 2^-400. */
 SGT_INLINE double rung_above(double r, int digits)
 {
     unsigned long long bits, unit = 1ULL << digits;
@@ -42,8 +43,8 @@ SGT_INLINE int place_of(double rung, int digits, int places)
 const ring *sgt_ring_of(sgt_surface s, double rung, rings *kept);
 
 /* Of each lane that is asked, from `from` on; work may be the rows of `from`.  Where the surface has an edge,
- * of those alone that begin behind the seed, or of the others.  Spends evaluations; those of a row by itself
- * are told. */
+ * of those alone that begin behind the seed, or of the others.  Spends evaluations; those of a row by
+ * itself are told. */
 void sgt_march_inward(sgt_surface s, size_t n, sgt_rays rays, const double *from, bool behind,
                       const sgt_shared *bare, rings *kept, const vicinity *v, double *const work[INWARD_ROWS]);
 
