@@ -5,7 +5,7 @@
     python3 docs/render_costs.py --check build/examples/render/render  compares rays and evaluations with the page
 
 Each scene is drawn at 192 x 128 with 4 samples.  Rays and evaluations do not depend on the machine, but for the last
-bits of its libm, which a few rays see.  The time is that of the processor, of one thread, the least of five runs.
+bits of the libm that the renderer makes its rays with, which a few of them see.  The time is that of the processor, of one thread, the least of five runs.
 """
 import os
 import pathlib

@@ -1,26 +1,27 @@
 /* interval.h - intervals of doubles, rounded outward: what is needed to write `enclose`.
  *
- * An interval is the set of the real numbers x with lo <= x <= hi; an end at infinity says that there is none.  Each
- * operation returns an interval that contains every value its operation has on members of its arguments, where it has
- * one: the set-based flavour of IEEE 1788-2015, without its decorations.
+ * An interval is the set of the real numbers x with lo <= x <= hi; an end at infinity says that there is
+ * none.  Each operation returns an interval that contains every value its operation has on members of its
+ * arguments, where it has one: the set-based flavour of IEEE 1788-2015, without its decorations.
  *   - Empty: lo > hi, as operations return it {INFINITY, -INFINITY}.  An operation on it is empty; so is the
  *     square root of negative numbers, and a quotient by zero alone.
- *   - A NaN at either end says that nothing is known: the result is then all numbers (an intersection is with all numbers).
- *     Emptiness, which proves, is never made of a NaN, which does not know.
- *   - An interval that is INFINITY or -INFINITY at both ends stands for the numbers beyond the largest double.
+ *   - A NaN at either end says that nothing is known: the result is then all numbers (an intersection is with
+ * all numbers). Emptiness, which proves, is never made of a NaN, which does not know.
+ *   - An interval that is INFINITY or -INFINITY at both ends stands for the numbers beyond the largest
+ * double.
  *
- * ROUNDING.  Ends are worked out to nearest, and what that leaves out is looked at: it is a double, and its sign says
- * whether to go one double outward.  So a result is the least interval of doubles that contains its set, but for
- *     operands and results, other than 0, of 1e-289 and less or 1e307 and more, where what is left out is not always a double,
- *     sgt_interval_power, which is made of products:
- * there each operation may go one double farther out than it has to.  No end crosses zero by that, but that of a sum whose
- * operands are of 1e307 and more.  The processor's rounding mode is left alone, and has to be to nearest, with subnormal
- * numbers kept; fma rounds once, by the C standard; and no product stands beside a sum that a compiler could fuse it with:
- * so the results are the same bits on every processor.
- * The user's compiler has to keep to IEEE 754 (no -ffast-math, no registers wider than a double).
- * Sources: Moller 1965 (BIT 5, 37) and Knuth (TAOCP vol. 2, 4.2.2, theorem B) for what a sum leaves out; Boldo and Daumas 2003
- * (16th IEEE Symposium on Computer Arithmetic, 79) for products, quotients and roots, and when it is a double; Hickey, Ju and
- * van Emden 2001 (J. ACM 48, 1038) for the cases of product and quotient.
+ * ROUNDING.  Ends are worked out to nearest, and what that leaves out is looked at: it is a double, and its
+ * sign says whether to go one double outward.  So a result is the least interval of doubles that contains its
+ * set, but for operands and results, other than 0, of 1e-289 and less or 1e307 and more, where what is left
+ * out is not always a double, sgt_interval_power, which is made of products: there each operation may go one
+ * double farther out than it has to.  No end crosses zero by that, but that of a sum whose operands are of
+ * 1e307 and more.  The processor's rounding mode is left alone, and has to be to nearest, with subnormal
+ * numbers kept; sgt_fma rounds once on every system (fma.h); and no product stands beside a sum that a
+ * compiler could fuse it with: so the results are the same bits on every processor. The user's compiler has
+ * to keep to IEEE 754 (no -ffast-math, no registers wider than a double). Sources: Moller 1965 (BIT 5, 37)
+ * and Knuth (TAOCP vol. 2, 4.2.2, theorem B) for what a sum leaves out; Boldo and Daumas 2003 (16th IEEE
+ * Symposium on Computer Arithmetic, 79) for products, quotients and roots, and when it is a double; Hickey,
+ * Ju and van Emden 2001 (J. ACM 48, 1038) for the cases of product and quotient.
  *
  * All functions are pure, and safe in any number of threads. */
 #ifndef SAGITTA_INTERVAL_H

@@ -94,7 +94,7 @@
 #define sgt_mandelbrot_object SGT_SET_NAME(sgt_mandelbrot_object)
 #define sgt_mandelbrot_ops SGT_SET_NAME(sgt_mandelbrot_ops)
 #define sgt_mandelbrot_potential SGT_SET_NAME(sgt_mandelbrot_potential)
-#define sgt_march_inward SGT_SET_NAME(sgt_march_inward)
+#define sgt_march_wings SGT_SET_NAME(sgt_march_wings)
 #define sgt_meet_by_slope SGT_SET_NAME(sgt_meet_by_slope)
 #define sgt_move_exactly SGT_SET_NAME(sgt_move_exactly)
 #define sgt_move_text SGT_SET_NAME(sgt_move_text)

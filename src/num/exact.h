@@ -47,8 +47,8 @@
 #define SGT_NOINLINE
 #endif
 
-/* A loop over rays that is to be made vector code of, by itself: inlined, or cloned for some of its arguments, it
- * may lose that.  In a section of its own, where tests/build/vectorised.py finds it. */
+/* A loop over rays that is to be made vector code of, by itself: inlined, or cloned for some of its
+ * arguments, it may lose that.  In a section of its own, where tests/build/vectorised.py finds it. */
 #if defined(__ELF__)
 #define SGT_KERNEL SGT_NOINLINE __attribute__((section(".text.sgt_kernels")))
 #else

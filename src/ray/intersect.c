@@ -20,9 +20,7 @@ static void ends_unproven(sgt_hit *hit, const sgt_options *opt)
 }
 
 /* With a proof.  Apart: a hit whose address is taken is copied at return, 8 ns. */
-#if defined(__GNUC__)
-__attribute__((noinline))
-#endif
+SGT_NOINLINE
 static sgt_hit proven(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {
     sgt_hit hit = s.ops->own_->meet(s.self, ray, opt);
@@ -40,7 +38,10 @@ sgt_hit sgt_intersect_copy(sgt_surface s, sgt_ray *ray, const sgt_options *opt)
     return s.ops->own_->meet(s.self, ray, opt);
 }
 
-sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt) { return sgt_intersect_copy(s, &ray, opt); }
+sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt)
+{
+    return sgt_intersect_copy(s, &ray, opt);
+}
 
 int sgt_intersect_all(sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[], const sgt_options *opt)
 {

@@ -1,5 +1,5 @@
 /* vicinity.c - see vicinity.h.  A ray by itself is a row of one. */
-#include "inward.h"
+#include "wings.h"
 
 #include "../surface/piece.h"
 
@@ -187,7 +187,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
     if (behind) {
         without_passing(s, n, r, true, kept, v);
         if (marches && bare.radius2 < HUGE_VAL)
-            sgt_march_inward(s, n, r, v->tmin, true, &bare, &kept->rings, v, v->work);
+            sgt_march_wings(s, n, r, v->tmin, true, &bare, &kept->rings, v, v->work);
     }
     double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3],
            *size = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7];
@@ -212,7 +212,7 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
     }
     if (left != 0 && !near) without_passing(s, n, r, false, kept, v);
     if (!marches || !(left != 0 || behind)) return;
-    if (left != 0) sgt_march_inward(s, n, r, from, false, &bare, &kept->rings, v, v->work);
+    if (left != 0) sgt_march_wings(s, n, r, from, false, &bare, &kept->rings, v, v->work);
     for (size_t i = 0; i < n; i++) {
         if (!(v->evals[i] > 0 && v->asked[i] == 0 && v->lo[i] <= v->hi[i])) continue;
         double axis = radius_at(r.o[0][i], r.o[1][i], r.d[0][i], r.d[1][i], v->seed[i]);

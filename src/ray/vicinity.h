@@ -13,10 +13,10 @@
  *
  * PASSED BY.  Where the surface ends, its rings have heights (own.h), and a ray that is above or below them
  * on every piece of it (piece.h) meets nothing: so a ray that leaves the surface, where it has no rim.  Where
- * that says too little, F is looked at all the way out (inward.c).
+ * that says too little, F is looked at all the way out (wings.c).
  *
  * FROM AFAR the surface may be so steep within R that this says nothing, and a root farther out may be the
- * first: there F is looked at, point by point, on the way in (inward.c).
+ * first: there F is looked at, point by point, on the way in (wings.c).
  *
  * RUNGS.  What is known of the surface within R costs more than a root.  So R is rounded up, to a power of two or, where that
  * says too little, to an eighth of one, and many rays share it.  It depends on nothing but the ray and the surface: a ray in a
@@ -30,9 +30,9 @@
 #include "../surface/sag.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: nothing is there. */
-enum { VICINITIES = 16, NOISES = 32, RINGS = 64, INWARD_ROWS = 28, VICINITY_ROWS = INWARD_ROWS };
+enum { VICINITIES = 16, NOISES = 32, RINGS = 64, WINGS_ROWS = 28, VICINITY_ROWS = WINGS_ROWS };
 typedef struct ring { double radius, steep, bend, noise[2]; } ring;
-typedef struct rings { bool any; ring of[RINGS]; } rings; /* of inward.c */
+typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
 typedef struct vicinities {
     double radius[VICINITIES], noise_radius[NOISES], noise[NOISES][2];
     sgt_extent extent[VICINITIES];

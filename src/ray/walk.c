@@ -10,9 +10,9 @@
  * fast as |F| there, so that the bounds on it say nothing.  The quick form tells a root by |F|, which is
  * greater beside it, and by the slope: to the right of a root F has the sign of the slope, to the right of a
  * pole the other.  The careful path does not trust slopes.  A root whose |F| is not the least of its search,
- * or not far below the greatest (the seed itself may be next to a pole), is looked at from 256, 1024, 4096 ...
- * times its error: where |F| falls outward on both sides it is a pole, and skipped.  A jump is a change of
- * sign, and a hit. */
+ * or not far below the greatest (the seed itself may be next to a pole), is looked at from 256, 1024, 4096
+ * ... times its error: where |F| falls outward on both sides it is a pole, and skipped.  A jump is a change
+ * of sign, and a hit. */
 #include "walk.h"
 
 #include "vicinity.h"

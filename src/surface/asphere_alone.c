@@ -177,7 +177,8 @@ static mask asphere_passed_by(const rings *g, const line *w)
     return MASK(left == 0);
 }
 
-/* Of a ray that starts in the vertex, at t = 0: one root at most is the start itself, which does not count. */
+/* Of a ray that starts in the vertex, at t = 0: one root at most is the start itself, which does not count.
+ */
 void sgt_asphere_pass(const shape *s, const sgt_tile *tile, mask passes[])
 {
     const sgt_rays *r = &tile->rays;

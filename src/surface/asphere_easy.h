@@ -66,7 +66,8 @@ SGT_INLINE mask usual_length(double d2) { return MASK(d2 > 0x1p-78) & MASK(d2 < 
 SGT_INLINE double horner(const double *a, int terms, double rho)
 {
     double h = 0;
-    if (terms > FEW_TERMS) h = sgt_fma(sgt_fma(sgt_fma(sgt_fma(a[7], rho, a[6]), rho, a[5]), rho, a[4]), rho, a[3]);
+    if (terms > FEW_TERMS)
+        h = sgt_fma(sgt_fma(sgt_fma(sgt_fma(a[7], rho, a[6]), rho, a[5]), rho, a[4]), rho, a[3]);
     else h = a[3];
     return sgt_fma(sgt_fma(sgt_fma(h, rho, a[2]), rho, a[1]), rho, a[0]);
 }
@@ -101,8 +102,10 @@ SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, double ox, double oy,
 {
     wavy_start r;
     to_vertex_plane(ox, oy, oz, l, m, n, &r.t0, &r.t0_lo, &r.x, &r.y);
-    double a = l * l + m * m, A = s->c * sgt_fma(s->k1, n * n, a), B = sgt_fma(-s->c, r.x * l + r.y * m, n), C = s->c * (r.x * r.x + r.y * r.y);
-    double inverse = 1 / B, q = C * inverse, e = A * inverse * q, tau = chosen(MASK(fabs(e) < 1), q * sgt_fma(0.125, e, 0.5), (double)NAN), w, ckw;
+    double a = l * l + m * m, A = s->c * sgt_fma(s->k1, n * n, a), B = sgt_fma(-s->c, r.x * l + r.y * m, n),
+           C = s->c * (r.x * r.x + r.y * r.y);
+    double inverse = 1 / B, q = C * inverse, e = A * inverse * q,
+           tau = chosen(MASK(fabs(e) < 1), q * sgt_fma(0.125, e, 0.5), (double)NAN), w, ckw;
     double x = sgt_fma(tau, l, r.x), y = sgt_fma(tau, m, r.y), rho = x * x + y * y;
     *g = wavy_g(s, rho, tau * n, horner(s->a, terms, rho), &w, &ckw);
     *slope = B;
@@ -116,7 +119,8 @@ typedef struct wavy_newton { double tau2, step2, inverse, dw, slant, g, slope; }
 
 SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0, double tau1, double l, double m, double n)
 {
-    double x = sgt_fma(tau1, l, x0), y = sgt_fma(tau1, m, y0), rho = x * x + y * y, w, ckw, xl = x * l, ym = y * m, half = xl + ym;
+    double x = sgt_fma(tau1, l, x0), y = sgt_fma(tau1, m, y0), rho = x * x + y * y, w, ckw, xl = x * l,
+           ym = y * m, half = xl + ym;
     double dh, h = horner_slope(s->a, terms, rho, &dh), dp = sgt_fma(rho, dh, h);
     double g = wavy_g(s, rho, tau1 * n, h, &w, &ckw), dw = sgt_fma(-(dp + dp), half, n);
     double slope = sgt_fma(-s->c, half, (1 - ckw) * dw), inverse = 1 / slope, step2 = g * inverse;
@@ -129,30 +133,42 @@ typedef struct wavy_round { double tau, tau_err, v, near, g; mask again; } wavy_
 
 SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0, double t0, const wavy_newton *at, double l, double m, double n, double t_tol)
 {
-    double x = sgt_fma(at->tau2, l, x0), y = sgt_fma(at->tau2, m, y0), rho = x * x + y * y, z = at->tau2 * n, w, ckw;
+    double x = sgt_fma(at->tau2, l, x0), y = sgt_fma(at->tau2, m, y0), rho = x * x + y * y, z = at->tau2 * n,
+           w, ckw;
     double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), step = g * at->inverse, as = fabs(step), ai = fabs(at->inverse), aw = fabs(w);
-    double a = l * l + m * m, n2 = n * n, H = sgt_fma(0x1p-50, fabs(t0), sgt_fma(0x1p-40, fabs(at->tau2), fabs(at->step2) + (as + as))), wide = sgt_fma(17 * a, H * H, 1.0625 * rho);
+    double a = l * l + m * m, n2 = n * n,
+           H = sgt_fma(0x1p-50, fabs(t0), sgt_fma(0x1p-40, fabs(at->tau2), fabs(at->step2) + (as + as))),
+           wide = sgt_fma(17 * a, H * H, 1.0625 * rho);
     double first = horner(s->size, terms, wide), rho0 = x0 * x0 + y0 * y0;
     double W1 = sgt_fma(first + first, sgt_fma(a, H + H, at->slant), fabs(n)), W2 = s->bend * (a * first);
     double M = sgt_fma(s->abs_ck, sgt_fma(sgt_fma(W1, H, aw), W2, W1 * W1), sgt_fma(s->abs_c, a, W2));
     double off = sgt_fma(M * (H + H), ai, 0x1p-30); /* Delta / |s| */
     double Q = sgt_fma(9, rho, rho0 + rho0), az = fabs(z), ackw = fabs(ckw);
-    double e = 1.01 * SGT_U * sgt_fma(fabs(1 - ckw), sgt_fma(first, Q, az + aw), sgt_fma(0.5 * s->abs_c, Q, (3 * aw) * (1 + ackw)));
+    double e = 1.01 * SGT_U
+               * sgt_fma(fabs(1 - ckw), sgt_fma(first, Q, az + aw),
+                         sgt_fma(0.5 * s->abs_c, Q, (3 * aw) * (1 + ackw)));
     double noise = e * ai, tau = at->tau2 - step,
-           tau_err = sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1060 * ai));
+           tau_err
+           = sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1060 * ai));
     double terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant);
     mask again = MASK(off < 0x1p20);
     mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) & MASK(rho0 <= 4 * rho)
               & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) & MASK(e <= 24 * SGT_U * (aw + az)) & MASK(s->abs_ck * (W1 * H) < 0x1p-10);
     sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol); /* else it can be had better */
-    return (wavy_round){.tau = tau, .tau_err = chosen(sure, tau_err, (double)NAN), .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
-                        .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)), .g = g, .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2))};
+    return (wavy_round){.tau = tau,
+                        .tau_err = chosen(sure, tau_err, (double)NAN),
+                        .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
+                        .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)),
+                        .g = g,
+                        .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2))};
 }
 
 /* The root is within the rim for certain, where rim2 says it is. */
 SGT_INLINE mask wavy_sure(const wavy *s, double x, double y, double t0, double tau_err, double l, double m)
 {
-    return MASK(sgt_fma(fabs(l) + fabs(m), tau_err + 1024 * SGT_U * SGT_U * fabs(t0), 2 * SGT_U * (fabs(x) + fabs(y))) <= s->room);
+    return MASK(
+        sgt_fma(fabs(l) + fabs(m), tau_err + 1024 * SGT_U * SGT_U * fabs(t0), 2 * SGT_U * (fabs(x) + fabs(y)))
+        <= s->room);
 }
 
 /* F is monotone all along the chord within the rim. */
@@ -168,7 +184,8 @@ SGT_INLINE mask wavy_hopeless(const wavy *s, double tmin, double l, double m, do
  * has none. */
 SGT_INLINE double wavy_slope2(const wavy *s, int terms, double r2)
 {
-    double phi2 = sgt_fma(-s->ck * s->c, r2, 1), steep = (s->abs_c / sqrt(phi2 - 0x1p-30) + 2 * horner(s->size, terms, r2)) * (1 + 0x1p-20);
+    double phi2 = sgt_fma(-s->ck * s->c, r2, 1),
+           steep = (s->abs_c / sqrt(phi2 - 0x1p-30) + 2 * horner(s->size, terms, r2)) * (1 + 0x1p-20);
     return chosen(MASK(phi2 < HUGE_VAL), bounded_limit(steep, r2), HUGE_VAL);
 }
 
@@ -239,7 +256,14 @@ SGT_INLINE mask wavy_first_from(const wavy *s, int terms, bool halves, double ox
 SGT_INLINE near_root wavy_root(double x, double y, double t0, double t0_lo, double tau, double tau_err)
 {
     double small = t0_lo + tau, t = t0 + small, reach = fabs(t) + fabs(small);
-    return (near_root){.x = x, .y = y, .tau = tau, .t = t, .t_err = sgt_fma(1.01 * SGT_U, reach, tau_err), .tau_err = tau_err, .t0 = t0, .small = small};
+    return (near_root){.x = x,
+                       .y = y,
+                       .tau = tau,
+                       .t = t,
+                       .t_err = sgt_fma(1.01 * SGT_U, reach, tau_err),
+                       .tau_err = tau_err,
+                       .t0 = t0,
+                       .small = small};
 }
 
 /* From the vertex itself nothing has underflown either.  A bound that is NaN stays that. */
@@ -253,7 +277,8 @@ SGT_INLINE near_root wavy_exactly(const near_root *r, mask exact)
 SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, double v, double near, mask exact,
                          double l, double m, double n, double tmin, double tmax, double t_tol)
 {
-    double x = sgt_fma(r->tau, l, r->x), y = sgt_fma(r->tau, m, r->y), rho = x * x + y * y, dp = horner(s->slope, terms, rho), g = -s->c / v - (dp + dp);
+    double x = sgt_fma(r->tau, l, r->x), y = sgt_fma(r->tau, m, r->y), rho = x * x + y * y,
+           dp = horner(s->slope, terms, rho), g = -s->c / v - (dp + dp);
     near_root at = wavy_exactly(r, exact);
     return lane_of(&at, l, m, n, tmin, tmax, t_tol, r->tau * n, g, near, s->rim2, exact,
                    MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
@@ -269,8 +294,8 @@ SGT_INLINE mask wavy_away(const wavy *s, int terms, const near_root *root, doubl
     mask exact = at_vertex(root->x, root->y, oz);
     near_root own = wavy_exactly(root, exact);
     const near_root *r = &own;
-    double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), pz = r->tau * n, rho = px * px + py * py,
-           at = fabs(r->t), side = fabs(l) + fabs(m);
+    double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), pz = r->tau * n,
+           rho = px * px + py * py, at = fabs(r->t), side = fabs(l) + fabs(m);
     double dp = horner(s->slope, terms, rho), g = fabs(s->c / v + (dp + dp)),
            width = 0.5 * START_ULPS * (v * sgt_fma(g, rho, fabs(pz))) * fabs(inverse);
     double off = sgt_fma(side, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0),

@@ -210,12 +210,15 @@ static void chebyshev_bends(const sgt_chebyshev *s, size_t n, const double *x, c
         for (size_t column = 0; column < s->a.columns; column++) {
             const double c = s->a.x[row * s->a.columns + column], cn = c * (double)column;
             LANES
-            for (size_t i = 0; i < n; i++) b0[i] = sgt_fma(c, b.t[i], b0[i]), b1[i] = sgt_fma(cn, b.u[i], b1[i]), b2[i] = sgt_fma(cn, b.v[i], b2[i]);
+            for (size_t i = 0; i < n; i++)
+                b0[i] = sgt_fma(c, b.t[i], b0[i]), b1[i] = sgt_fma(cn, b.u[i], b1[i]),
+                b2[i] = sgt_fma(cn, b.v[i], b2[i]);
             turn_bending(&b, (double)column, n);
         }
         LANES
         for (size_t i = 0; i < n; i++) {
-            pxx[i] = sgt_fma(degree * a.v[i], b0[i], pxx[i]), pxy[i] = sgt_fma(degree * a.u[i], b1[i], pxy[i]), pyy[i] = sgt_fma(a.t[i], b2[i], pyy[i]);
+            pxx[i] = sgt_fma(degree * a.v[i], b0[i], pxx[i]),
+            pxy[i] = sgt_fma(degree * a.u[i], b1[i], pxy[i]), pyy[i] = sgt_fma(a.t[i], b2[i], pyy[i]);
         }
         turn_bending(&a, degree, n);
     }
@@ -281,7 +284,8 @@ static void column_sums(const sgt_chebyshev *s, const errors *of, double *restri
         LANES
         for (size_t j = 0; j < columns; j++) {
             double c = fabs(a[j]);
-            t[j] = sgt_fma(c, size, t[j]), t_err[j] = sgt_fma(c, size_err, t_err[j]), d[j] = sgt_fma(c, first, d[j]), d_err[j] = sgt_fma(c, first_err, d_err[j]);
+            t[j] = sgt_fma(c, size, t[j]), t_err[j] = sgt_fma(c, size_err, t_err[j]),
+            d[j] = sgt_fma(c, first, d[j]), d_err[j] = sgt_fma(c, first_err, d_err[j]);
         }
     }
 }

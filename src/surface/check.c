@@ -149,7 +149,8 @@ static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i
         *component(&right, i) = x + h, *component(&left, i) = x - h;
         double ahead = *component(&right, i) - x, behind = x - *component(&left, i); /* exact */
         double width = ahead + behind, fr = value_at(c, right, &nr), fl = value_at(c, left, &nl);
-        double beside = maximum_number(noise_at(c, right, fr, nr, longest), noise_at(c, left, fl, nl, longest));
+        double beside
+            = maximum_number(noise_at(c, right, fr, nr, longest), noise_at(c, left, fl, nl, longest));
         double slope = (fr - fl) / width, own = maximum_number(noise, beside) * 2 / width;
         double now = fabs(slope - before) + own + noise_before;
         if (fabs(slope - best) > 4 * (*doubt + own)) *doubt = HUGE_VAL; /* a finer structure than the steps before */
@@ -511,7 +512,8 @@ static void check_all_spans(check *c, size_t n, const sgt_ray rays[], bool first
 
 sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *where)
 {
-    double rim2 = s.ops ? rim2_of_builtin(s) : HUGE_VAL; /* by the table, of the operations as they are seen */
+    double rim2
+        = s.ops ? rim2_of_builtin(s) : HUGE_VAL; /* by the table, of the operations as they are seen */
     s = in_set(s);
     check c = {.s = s, .fault = SGT_SOUND, .where = {(double)NAN, (double)NAN, (double)NAN}};
     if (!s.ops || !s.ops->value || (is_catalogue(s.ops) && s.ops->own_->object(s.self).reason)) {

@@ -73,7 +73,8 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, double ox
     double S = sqrt(D), b = B + copysign(S, B), tau = C / b, small = t0_lo + tau, t = t0 + small, reach = fabs(t) + fabs(small);
     double n4 = (n2 + n2) + (n2 + n2), n16 = (n4 + n4) + (n4 + n4); /* sums: products are what there is most of */
     double tau_err = (D4 >= size + size + size ? 24 * SGT_U : 48 * SGT_U) * fabs(tau);
-    double none = (double)NAN, t_err = sgt_fma(1.01 * SGT_U, reach, tau_err); /* one choice after another: shorter than masks */
+    double none = (double)NAN,
+           t_err = sgt_fma(1.01 * SGT_U, reach, tau_err); /* one choice after another: shorter than masks */
     t_err = D4 > size ? t_err : none;
     t_err = D <= n16 ? t_err : none;
     t_err = n2 > 0x1p-200 ? t_err : none;
@@ -93,7 +94,8 @@ SGT_INLINE lane easy_end(const bowl *s, const near_root *r, double l, double m, 
 /* t0 + tau does not count; its point is (x, y, 0) + tau d. */
 SGT_INLINE mask gone(const bowl *s, double x, double y, double t0, double tau, double l, double m, double n, double tmin, double tmax)
 {
-    double px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), t = t0 + tau, slack = 0x1p-20 * (fabs(t0) + fabs(tau));
+    double px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), t = t0 + tau,
+           slack = 0x1p-20 * (fabs(t0) + fabs(tau));
     return MASK(s->ck * (tau * n) > 1 + 0x1p-8) | MASK(px * px + py * py > s->rim2 * (1 + 0x1p-20)) | MASK(t - slack > tmax) | MASK(t + slack < tmin);
 }
 
@@ -102,9 +104,11 @@ SGT_INLINE mask gone(const bowl *s, double x, double y, double t0, double tau, d
  * much again makes up for G's curvature, where D is above 2^-10 of its terms; half of what the rule allows is left. */
 SGT_INLINE mask starts_on(const bowl *s, double ox, double oy, double oz, double l, double m, double n, double tmin)
 {
-    double x = sgt_fma(tmin, l, ox), y = sgt_fma(tmin, m, oy), z = sgt_fma(tmin, n, oz), r2 = x * x + y * y, w = s->ck * z;
+    double x = sgt_fma(tmin, l, ox), y = sgt_fma(tmin, m, oy), z = sgt_fma(tmin, n, oz), r2 = x * x + y * y,
+           w = s->ck * z;
     double G = z - 0.5 * sgt_fma(s->c, r2, w * z), terms = sgt_fma(s->abs_c, r2, fabs(z) * (1 + fabs(w)));
-    return MASK(fabs(G) + 6 * SGT_U * terms < 0.5 * START_ULPS * sgt_fma(s->abs_c, r2, fabs(z * (1 - w)))) & MASK(terms > 0x1p-600);
+    return MASK(fabs(G) + 6 * SGT_U * terms < 0.5 * START_ULPS * sgt_fma(s->abs_c, r2, fabs(z * (1 - w))))
+           & MASK(terms > 0x1p-600);
 }
 
 /* Neither root counts; and of the far one alone: it does not, it does, it is in far +- slack. */
@@ -113,9 +117,11 @@ typedef struct verdicts { mask away, far_gone, far_counts; double far, slack; } 
 /* It counts, as certainly as `gone` says that it does not; S is G' there, but for its sign. */
 SGT_INLINE mask stays(const bowl *s, double x, double y, double t0, double tau, double l, double m, double n, double tmin, double tmax, double S)
 {
-    double px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), pz = tau * n, w = s->ck * pz, r2 = px * px + py * py, t = t0 + tau, slack = 0x1p-20 * (fabs(t0) + fabs(tau));
+    double px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), pz = tau * n, w = s->ck * pz,
+           r2 = px * px + py * py, t = t0 + tau, slack = 0x1p-20 * (fabs(t0) + fabs(tau));
     return MASK(w < 1 - 0x1p-8) & MASK(r2 < s->rim2 * (1 - 0x1p-20)) & MASK(t + slack < tmax)
-         & MASK(t - slack > tmin) & MASK((t - tmin) * S > 0x1p-20 * sgt_fma(s->abs_c, r2, fabs(pz) * (1 + fabs(w))));
+           & MASK(t - slack > tmin)
+           & MASK((t - tmin) * S > 0x1p-20 * sgt_fma(s->abs_c, r2, fabs(pz) * (1 + fabs(w))));
 }
 
 SGT_INLINE verdicts easy_away(const bowl *s, double ox, double oy, double oz, double l, double m, double n, double tmin, double tmax)
@@ -125,7 +131,8 @@ SGT_INLINE verdicts easy_away(const bowl *s, double ox, double oy, double oz, do
     double xl = x * l, ym = y * m, a = l * l + m * m, n2 = n * n, r2 = x * x + y * y;
     double A = s->c * sgt_fma(s->k1, n2, a), B = sgt_fma(-s->c, xl + ym, n), C = s->c * r2;
     double Aa = sgt_fma(s->extra, n2, fabs(A)), Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym), fabs(n));
-    double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * fabs(C)), S = sqrt(larger(D, 0)), b = B + copysign(S, B), near = C / b, far = b / A;
+    double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * fabs(C)), S = sqrt(larger(D, 0)),
+           b = B + copysign(S, B), near = C / b, far = b / A;
     double to_near = fabs((t0 - tmin) + near), to_far = fabs((t0 - tmin) + far);
     double reach = fabs(t0) * (fabs(l) + fabs(m)), off = 0x1p-98 * reach;
     mask usual = MASK(off * off * (Aa * s->abs_c) <= 0x1p-60 * n2) & MASK(reach <= 0x1p14 * s->reach) & MASK(n2 > 0x1p-200) & MASK(a + n2 < 0x1p200) & MASK(r2 < 0x1p600) & MASK(size < 0x1p600) & MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL);
@@ -199,13 +206,14 @@ SGT_INLINE lane nearby(const bowl *s, const near_root *at, double ox, double oy,
     twofold C2 = twofold_difference(
         twofold_scaled(twofold_sum(twofold_sum(two_product(ox, ox), two_product(oy, oy)), k1zz), s->c),
         twofold_of(2 * oz));
-    double a = l * l + m * m, n2 = n * n, A = s->c * sgt_fma(s->k1, n2, a), Aa = sgt_fma(s->extra, n2, fabs(A)),
-           C = C2.hi;
+    double a = l * l + m * m, n2 = n * n, A = s->c * sgt_fma(s->k1, n2, a),
+           Aa = sgt_fma(s->extra, n2, fabs(A)), C = C2.hi;
     double xl = ox * l, ym = oy * m, kzn = s->k1 * oz * n, B = sgt_fma(-s->c, xl + ym + kzn, n),
            Ba = sgt_fma(s->abs_c, fabs(xl) + fabs(ym) + fabs(kzn), fabs(n));
-    double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * fabs(C)), S = sqrt(D), t = C / (B + copysign(S, B));
-    double px = sgt_fma(t, l, ox), py = sgt_fma(t, m, oy), pz = sgt_fma(t, n, oz), w = s->ck * pz, g = -s->c / (1 - w),
-           side = fabs(l) + fabs(m);
+    double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * fabs(C)), S = sqrt(D),
+           t = C / (B + copysign(S, B));
+    double px = sgt_fma(t, l, ox), py = sgt_fma(t, m, oy), pz = sgt_fma(t, n, oz), w = s->ck * pz,
+           g = -s->c / (1 - w), side = fabs(l) + fabs(m);
     double terms = sgt_fma(s->abs_c, ox * ox + oy * oy + fabs(k1zz.hi), 2 * fabs(oz)),
            around = sgt_fma(s->abs_c, px * px + py * py, fabs(pz) * (2 + fabs(w)));
     near_root r = {.x = ox,

@@ -27,19 +27,21 @@ size_t sgt_conic_parameters(const void *self)
 }
 
 /* The loops over points: F alone, and F with its gradient. */
-#define BY(NAME)                                                                                                                \
-    SGT_KERNEL                                                                                                             \
-    static void NAME##_alone(double c, double k, size_t n, const double *x, const double *y, double *f)                         \
-    {                                                                                                                           \
-        LANES for (size_t i = 0; i < n; i++) f[i] = -conic_##NAME(c, k, x[i] * x[i] + y[i] * y[i]).f;                           \
-    }                                                                                                                           \
-    SGT_KERNEL                                                                                                             \
-    static void NAME##_all(double c, double k, size_t n, const double *x, const double *y, double *f, double *fx, double *fy, double *fz) \
-    {                                                                                                                           \
-        LANES for (size_t i = 0; i < n; i++) {                                                                                  \
-            derivative by = conic_##NAME(c, k, x[i] * x[i] + y[i] * y[i]);                                                      \
-            f[i] = -by.f, fx[i] = -x[i] * by.g, fy[i] = -y[i] * by.g, fz[i] = 0;                                                \
-        }                                                                                                                       \
+#define BY(NAME)                                                                                        \
+    SGT_KERNEL                                                                                          \
+    static void NAME##_alone(double c, double k, size_t n, const double *x, const double *y, double *f) \
+    {                                                                                                   \
+        LANES for (size_t i = 0; i < n; i++) f[i] = -conic_##NAME(c, k, x[i] * x[i] + y[i] * y[i]).f;   \
+    }                                                                                                   \
+    SGT_KERNEL                                                                                          \
+    static void NAME##_all(double c, double k, size_t n, const double *x, const double *y, double *f,   \
+                           double *fx, double *fy, double *fz)                                          \
+    {                                                                                                   \
+        LANES for (size_t i = 0; i < n; i++)                                                            \
+        {                                                                                               \
+            derivative by = conic_##NAME(c, k, x[i] * x[i] + y[i] * y[i]);                              \
+            f[i] = -by.f, fx[i] = -x[i] * by.g, fy[i] = -y[i] * by.g, fz[i] = 0;                        \
+        }                                                                                               \
     }
 BY(by_c)
 BY(by_k)

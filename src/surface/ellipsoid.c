@@ -27,7 +27,8 @@ SGT_INLINE shell shell_of(const sgt_ellipsoid *s)
 
 SGT_INLINE double shell_at(const shell *s, double x, double y, double z, double *gx, double *gy, double *gz)
 {
-    double z2 = z * z, small = sgt_fma(z2, s->e_lo, -s->a2_lo), sum = sgt_fma(y, y, sgt_fma(z2, s->e, -s->a2));
+    double z2 = z * z, small = sgt_fma(z2, s->e_lo, -s->a2_lo),
+           sum = sgt_fma(y, y, sgt_fma(z2, s->e, -s->a2));
     *gx = x * s->inverse, *gy = y * s->inverse, *gz = (z * s->e) * s->inverse;
     return (sgt_fma(x, x, sum) + small) * s->half;
 }
@@ -68,7 +69,8 @@ static void ellipsoid_values(const void *self, size_t n, sgt_points p, sgt_value
 
 SGT_INLINE double shell_rounding(const shell *s, double x, double y, double z)
 {
-    double z2 = z * z, w2 = s->e * z2, first = sgt_fma(z2, s->e, -s->a2), second = sgt_fma(y, y, first), all = sgt_fma(x, x, second);
+    double z2 = z * z, w2 = s->e * z2, first = sgt_fma(z2, s->e, -s->a2), second = sgt_fma(y, y, first),
+           all = sgt_fma(x, x, second);
     return 1.01 * (SGT_U * ((w2 + fabs(first)) + (fabs(second) + 4 * fabs(all)) + 0x1p-48 * (w2 + s->a2)) + 0x1p-1070) * s->half;
 }
 

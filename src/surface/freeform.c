@@ -105,7 +105,8 @@ static void roundings_within(size_t n, double c, double k, double most2, double 
     LANES for (size_t i = 0; i < n; i++) {
         base e = base_at(c, k, x[i], y[i]);
         double sag = conic_sag_rounding(c, k, e.r2, e.sag, e.phi), sum = fabs(z[i] - f[i]) + fabs(f[i]);
-        out[i] = chosen(MASK(e.r2 <= most2), 1.01 * (SGT_U * (sag + 2 * sum) + sgt_fma(e1, e.r2, e0)), (double)NAN);
+        out[i] = chosen(MASK(e.r2 <= most2), 1.01 * (SGT_U * (sag + 2 * sum) + sgt_fma(e1, e.r2, e0)),
+                        (double)NAN);
     }
 }
 

@@ -104,8 +104,8 @@ enum { LIVE = -3, OUT, CLOSE };
 /* A cell on its way, and what is known of it. */
 typedef struct flight { one q; double over, left, verdict; } flight;
 
-/* One level on, and what can be said of the level before it.  (By pointers: on Windows a structure that is handed on by value
- * is one in memory, and clang makes no vector code of that.) */
+/* One level on, and what can be said of the level before it.  (By pointers: on Windows a structure that is
+ * handed on by value is one in memory, and clang makes no vector code of that.) */
 SGT_INLINE void on_a_level(flight *s, double h, double h2, const one_constant *c, const quaternion *along,
                            const shared *w, bool mandelbrot)
 {
@@ -261,7 +261,10 @@ SGT_INLINE unsigned advance_fast(stream *s, const set *w, bool mandelbrot)
 }
 
 SGT_KERNEL static unsigned advance_fast_julia(stream *s, const set *w) { return advance_fast(s, w, false); }
-SGT_KERNEL static unsigned advance_fast_mandelbrot(stream *s, const set *w) { return advance_fast(s, w, true); }
+SGT_KERNEL static unsigned advance_fast_mandelbrot(stream *s, const set *w)
+{
+    return advance_fast(s, w, true);
+}
 
 /* ------------------------------------------------------------- near the surface */
 
@@ -409,7 +412,8 @@ SGT_INLINE double make_ready(waiting *s, size_t i, const sgt_rays *rays, const d
     return fits;
 }
 
-SGT_KERNEL static void make_all_ready(waiting *s, size_t n, const sgt_tile *tile, size_t from, const set *w, double verdict[])
+SGT_KERNEL static void make_all_ready(waiting *s, size_t n, const sgt_tile *tile, size_t from, const set *w,
+                                      double verdict[])
 {
     const orbit o = *w->o;
     const sgt_rays rays = tile->rays;

@@ -104,7 +104,8 @@ static sgt_objection common(const slice *s, const double *c, orbit *o)
     /* the derivative of the orbit, at most (p R^(p-1))^N on the set, has to be a double */
     double growth = o->power * small_power(c ? o->safe : o->c_abs, o->power - 1);
     if (growth > 16 && integer_power(growth, (unsigned)o->iterations) > 0x1p480)
-        return (sgt_objection){"iterations", "too many for so large a c: the derivative leaves the range of a double"};
+        return (sgt_objection){"iterations",
+                               "too many for so large a c: the derivative leaves the range of a double"};
     o->stretch = growth;
     return (sgt_objection){NULL, NULL};
 }
@@ -273,8 +274,16 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
 }
 #endif
 
-SGT_KERNEL static void look_at_julia(const path *w, const double m[4], const double h[4], cell r[4], bool known[4]) { look_at_squares(w, m, h, false, r, known); }
-SGT_KERNEL static void look_at_mandelbrot(const path *w, const double m[4], const double h[4], cell r[4], bool known[4]) { look_at_squares(w, m, h, true, r, known); }
+SGT_KERNEL static void look_at_julia(const path *w, const double m[4], const double h[4], cell r[4],
+                                     bool known[4])
+{
+    look_at_squares(w, m, h, false, r, known);
+}
+SGT_KERNEL static void look_at_mandelbrot(const path *w, const double m[4], const double h[4], cell r[4],
+                                          bool known[4])
+{
+    look_at_squares(w, m, h, true, r, known);
+}
 static void look_at_any(const path *w, double m, double h, cell *r) { look_at_powers(w, m, h, false, r); }
 static void look_thoroughly(const path *w, double m, double h, cell *r) { look_at_powers(w, m, h, true, r); }
 
@@ -362,8 +371,14 @@ SGT_INLINE double value_along(const path *w, double m, double *slope, int power,
     return (A2 - E2) * inverse;
 }
 
-static double value_of_square(const path *w, double m, double *slope) { return value_along(w, m, slope, 2, false); }
-static double value_of_any(const path *w, double m, double *slope) { return value_along(w, m, slope, w->power, w->mandelbrot); }
+static double value_of_square(const path *w, double m, double *slope)
+{
+    return value_along(w, m, slope, 2, false);
+}
+static double value_of_any(const path *w, double m, double *slope)
+{
+    return value_along(w, m, slope, w->power, w->mandelbrot);
+}
 
 double sgt_orbit_value(const path *w, double m, double *slope)
 {

@@ -99,8 +99,8 @@ enum { SGT_RINGS = 16 };
 typedef struct sgt_heights { double width, low[SGT_RINGS], high[SGT_RINGS]; } sgt_heights;
 
 struct sgt_own {
-    /* Of the table of operations that a program sees: those of each set of instructions (dispatch.h), and nothing
-     * else; NULL in those. */
+    /* Of the table of operations that a program sees: those of each set of instructions (dispatch.h), and
+     * nothing else; NULL in those. */
     const sgt_surface_ops *const *in_set;
     sgt_hit (*meet)(const void *self, const sgt_ray *ray, const sgt_options *opt);
     /* SGT_INVALID, or zero with every entry added. */

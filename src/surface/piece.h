@@ -11,9 +11,9 @@
 
 SGT_INLINE double lesser(double a, double b) { return chosen(MASK(a < b), a, b); }
 
-/* A ray about the vertex plane, tau in lengths of d made 1 ... 2 by a power of two.  s = tau - foot is 0 where
- * it is nearest to the axis, at r = nearest; it begins at tau = from and ends at to.  s is off by `off`, r by
- * `aside`. */
+/* A ray about the vertex plane, tau in lengths of d made 1 ... 2 by a power of two.  s = tau - foot is 0
+ * where it is nearest to the axis, at r = nearest; it begins at tau = from and ends at to.  s is off by
+ * `off`, r by `aside`. */
 typedef struct line { double a, n, foot, nearest, from, to, off, aside; } line;
 
 SGT_INLINE line line_of(sgt_vec3 o, sgt_vec3 way, double tmin, double tmax)

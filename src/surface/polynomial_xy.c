@@ -141,7 +141,8 @@ static bounds disc_bounds(sgt_numbers a, double r)
         for (size_t j = 0; j < a.columns; j++) {
             double most = fabs(a.x[i * a.columns + j]), n = (double)i, m = (double)j;
             if (most == 0) continue;
-            most *= larger(integer_power(r, (unsigned)(i + j)), DBL_MIN); /* more than a power that underflows */
+            most *= larger(integer_power(r, (unsigned)(i + j)),
+                           DBL_MIN); /* more than a power that underflows */
             size += most * corner_of(h, i, j), most /= r;
             if (i > 0) px += most * n * corner_of(h, i - 1, j);
             if (j > 0) py += most * m * corner_of(h, i, j - 1);

@@ -36,8 +36,10 @@ SGT_INLINE void q_sum(q_steps *step, size_t terms, const double *b, size_t n, co
         double eb = m > terms ? 0 : b[m - 1], fb = b[m - 2];
         LANES for (size_t i = 0; i < n; i++) {
             double te = sgt_fma(e.beta, v[i], e.alpha), tf = sgt_fma(f.beta, v[i], f.alpha);
-            double de = sgt_fma(te, ds[i], sgt_fma(e.beta, s[i], -e.gamma * ds2[i])), se = sgt_fma(te, s[i], sgt_fma(-e.gamma, s2[i], eb));
-            double df = sgt_fma(tf, de, sgt_fma(f.beta, se, -f.gamma * ds[i])), sf = sgt_fma(tf, se, sgt_fma(-f.gamma, s[i], fb));
+            double de = sgt_fma(te, ds[i], sgt_fma(e.beta, s[i], -e.gamma * ds2[i])),
+                   se = sgt_fma(te, s[i], sgt_fma(-e.gamma, s2[i], eb));
+            double df = sgt_fma(tf, de, sgt_fma(f.beta, se, -f.gamma * ds[i])),
+                   sf = sgt_fma(tf, se, sgt_fma(-f.gamma, s[i], fb));
             s2[i] = se, ds2[i] = de, s[i] = sf, ds[i] = df;
         }
     }
@@ -52,7 +54,8 @@ SGT_INLINE void q_second(q_steps *step, size_t terms, const double *b, size_t n,
         double bm = b[m];
         LANES for (size_t i = 0; i < n; i++) {
             double t = sgt_fma(e.beta, v[i], e.alpha);
-            double dde = sgt_fma(t, dds[i], sgt_fma(2 * e.beta, ds[i], -e.gamma * dds2[i])), de = sgt_fma(t, ds[i], sgt_fma(e.beta, s[i], -e.gamma * ds2[i]));
+            double dde = sgt_fma(t, dds[i], sgt_fma(2 * e.beta, ds[i], -e.gamma * dds2[i])),
+                   de = sgt_fma(t, ds[i], sgt_fma(e.beta, s[i], -e.gamma * ds2[i]));
             double se = sgt_fma(t, s[i], sgt_fma(-e.gamma, s2[i], bm));
             dds2[i] = dds[i], ds2[i] = ds[i], s2[i] = s[i], dds[i] = dde, ds[i] = de, s[i] = se;
         }

@@ -50,7 +50,8 @@ static size_t basis(sgt_numbers a, double *b, double *b_err)
     size_t terms = q_terms(a);
     double b1 = 0, b2 = 0, err1 = 0, err2 = 0;
     for (size_t m = terms; m-- > 0;) {
-        double k = (double)m, by_f = inverse_f[m], h = 0.5 * (k + 1) * (k + 2) * by_f, inner = sgt_fma(h, b2, a.x[m]), sum = sgt_fma(-g[m], b1, inner), now = by_f * sum;
+        double k = (double)m, by_f = inverse_f[m], h = 0.5 * (k + 1) * (k + 2) * by_f,
+               inner = sgt_fma(h, b2, a.x[m]), sum = sgt_fma(-g[m], b1, inner), now = by_f * sum;
         double err = SGT_U * (2 * fabs(h * b2) + fabs(g[m] * b1) + fabs(inner) + fabs(sum)) + h * err2 + fabs(g[m]) * err1;
         err = 1.001 * (by_f * err + 2 * SGT_U * fabs(now));
         b2 = b1, err2 = err1, b1 = now, err1 = err;
@@ -233,7 +234,8 @@ static void q_bfs_second(size_t n, size_t terms, const double *b, double c, doub
     q_second(step, terms, b, n, v, s, ds, dds);
     LANES for (size_t i = 0; i < n; i++) {
         double f = factor_at(c, x[i] * x[i] + y[i] * y[i]), cf = c2 * (f * f), U = v[i] * (1 - v[i]), dU = 1 - 2 * v[i];
-        double V = U * s[i], dV = scale * sgt_fma(U, ds[i], dU * s[i]), ddV = scale * scale * sgt_fma(U, dds[i], 2 * (dU * ds[i] - s[i]));
+        double V = U * s[i], dV = scale * sgt_fma(U, ds[i], dU * s[i]),
+               ddV = scale * scale * sgt_fma(U, dds[i], 2 * (dU * ds[i] - s[i]));
         double G = 2 * f * sgt_fma(0.5 * cf, V, dV), bent = 4 * f * (ddV + cf * sgt_fma(0.75 * cf, V, dV));
         pxx[i] = sgt_fma(x[i] * x[i], bent, G);
         pxy[i] = x[i] * y[i] * bent;

@@ -99,7 +99,8 @@ static void rounding(const void *self, double x, double y, double *p_err, double
     double r2 = x * x + y * y, r = sqrt(r2), v = r2 / (s->norm * s->norm);
     q_rounded e = q_rounding(step, weigh, q_terms(s->a), s->a.x, NULL, 1, v);
     bounds b = all_bounds(s, r * (1 + 0x1p-40));
-    double inner = sgt_fma(v, e.ds, e.s + e.s), by_r = 2 / r * (v * v), slope = fabs(by_r * inner), p = fabs(v * (v * e.s));
+    double inner = sgt_fma(v, e.ds, e.s + e.s), by_r = 2 / r * (v * v), slope = fabs(by_r * inner),
+           p = fabs(v * (v * e.s));
     double slope_err = v > 0 ? 2 / r * (2 * e.s_err + e.ds_err) + 7 * SGT_U * slope : 0;
     *p_err = 1.01 * (e.s_err + 2 * SGT_U * p + 2 * SGT_U * r * (v > 0 ? slope + slope_err : 0));
     *grad_err = 1.01 * (slope_err + 4 * SGT_U * r * b.bend);
@@ -128,7 +129,8 @@ static void q_con_second(size_t n, size_t terms, const double *a, double norm2, 
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
     q_second(step, terms, a, n, v, s, ds, dds);
     LANES for (size_t i = 0; i < n; i++) {
-        double G = v[i] * sgt_fma(v[i], ds[i], 2 * s[i]) * scale, bent = scale * scale * sgt_fma(v[i], sgt_fma(v[i], dds[i], 4 * ds[i]), 2 * s[i]);
+        double G = v[i] * sgt_fma(v[i], ds[i], 2 * s[i]) * scale,
+               bent = scale * scale * sgt_fma(v[i], sgt_fma(v[i], dds[i], 4 * ds[i]), 2 * s[i]);
         pxx[i] = sgt_fma(x[i] * x[i], bent, G);
         pxy[i] = x[i] * y[i] * bent;
         pyy[i] = sgt_fma(y[i] * y[i], bent, G);

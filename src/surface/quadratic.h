@@ -120,23 +120,24 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
 
 /* Every surface of this kind answers so: SELF is its type, APPROACH(s, o, d, &p, &r) makes the parabola and the local ray,
  * TERMS(s, &r, tau) are the terms at tau.  (Truth values go out by a loop of their own: bytes beside doubles make no vector code.) */
-#define QUADRATIC_LANES(NAME, SELF, APPROACH, ANSWER)                                                                      \
-    SGT_KERNEL                                                                                                        \
-    static void NAME(const SELF *self, size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz, const double *restrict dx, \
-                     const double *restrict dy, const double *restrict dz, const double *restrict tmin, double *restrict lo, double *restrict hi, \
-                     double *restrict seed, double *restrict single)                                                       \
-    {                                                                                                                      \
-        const SELF s = *self;                                                                                              \
-        (void)tmin;                                                                                                        \
-        LANES for (size_t i = 0; i < n; i++)                                                                               \
-        {                                                                                                                  \
-            parabola p;                                                                                                    \
-            near_ray r;                                                                                                    \
-            APPROACH(&s, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]}, &p, &r);                        \
-            crossings c = crossings_of(&p, r.t0);                                                                          \
-            lane_span a = ANSWER;                                                                                          \
-            lo[i] = a.lo, hi[i] = a.hi, seed[i] = a.seed, single[i] = chosen(a.single, 1.0, 0.0);                          \
-        }                                                                                                                  \
+#define QUADRATIC_LANES(NAME, SELF, APPROACH, ANSWER)                                                  \
+    SGT_KERNEL                                                                                         \
+    static void NAME(const SELF *self, size_t n, const double *restrict ox, const double *restrict oy, \
+                     const double *restrict oz, const double *restrict dx, const double *restrict dy,  \
+                     const double *restrict dz, const double *restrict tmin, double *restrict lo,      \
+                     double *restrict hi, double *restrict seed, double *restrict single)              \
+    {                                                                                                  \
+        const SELF s = *self;                                                                          \
+        (void)tmin;                                                                                    \
+        LANES for (size_t i = 0; i < n; i++)                                                           \
+        {                                                                                              \
+            parabola p;                                                                                \
+            near_ray r;                                                                                \
+            APPROACH(&s, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]}, &p, &r);    \
+            crossings c = crossings_of(&p, r.t0);                                                      \
+            lane_span a = ANSWER;                                                                      \
+            lo[i] = a.lo, hi[i] = a.hi, seed[i] = a.seed, single[i] = chosen(a.single, 1.0, 0.0);      \
+        }                                                                                              \
     }
 
 #define QUADRATIC_SPANS(NAME, SELF, APPROACH, TERMS)                                                                       \

@@ -101,7 +101,8 @@ static sgt_objection sum_object(const void *self)
     if (s->count && !s->terms) return (sgt_objection){"terms", "is not there"};
     for (size_t k = 0; k < s->count; k++) {
         const sgt_surface *term = &s->terms[k];
-        if (!term->ops || in_set(*term).ops == &sgt_sum_ops || !term->ops->own_ || !of(term) || !term->self) return (sgt_objection){"terms", "holds what is no sag, or another sum"};
+        if (!term->ops || in_set(*term).ops == &sgt_sum_ops || !term->ops->own_ || !of(term) || !term->self)
+            return (sgt_objection){"terms", "holds what is no sag, or another sum"};
         if (of(term)->object(term->self).reason) return (sgt_objection){"terms", "holds one whose parameters are not valid"};
     }
     return fine;

@@ -45,7 +45,8 @@ SGT_INLINE mask at_vertex(double x, double y, double oz) { return MASK((fabs(x) 
 SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol, double pz, double g,
                         double near, double rim2, mask exact, mask also)
 {
-    double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), at = fabs(r->t), r2 = px * px + py * py, none = (double)NAN;
+    double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), at = fabs(r->t),
+           r2 = px * px + py * py, none = (double)NAN;
     mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol))
                & MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near)) & MASK(r2 <= rim2)
                & MASK(sgt_fma(END_ERRORS, r->t_err, r->t) <= tmax)
@@ -56,7 +57,8 @@ SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double
               .nx = chosen(hit, px * g, none), .ny = chosen(hit, py * g, none)};
     e.t_lo = chosen(hit, two_sum(r->t0, r->small).lo, none);
     double length = fabs(l) + fabs(m) + fabs(n), place = (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))) + fabs(pz);
-    e.p_err = chosen(hit, 1.01 * sgt_fma(length, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * place), none);
+    e.p_err = chosen(
+        hit, 1.01 * sgt_fma(length, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * place), none);
     return e;
 }
 

@@ -76,26 +76,26 @@ static double torus_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
     return f;
 }
 
-#define TORUS_VALUES(NAME)                                                                                                 \
-    SGT_KERNEL                                                                                                        \
-    static void NAME##_values(const ring *shared, size_t n, sgt_points p, sgt_values out)                                  \
-    {                                                                                                                      \
-        const ring s = *shared;                                                                                            \
-        const double *x = p.p[0], *y = p.p[1], *z = p.p[2];                                                                \
-        double *f = out.f, *gx = out.grad[0], *gy = out.grad[1], *gz = out.grad[2];                                        \
-        if (gx) {                                                                                                          \
-            LANES for (size_t i = 0; i < n; i++)                                                                           \
-            {                                                                                                              \
-                double nx, ny, nz, value = NAME##_at(&s, x[i], y[i], z[i], &nx, &ny, &nz);                                 \
-                f[i] = value, gx[i] = nx, gy[i] = ny, gz[i] = nz;                                                          \
-            }                                                                                                              \
-        } else {                                                                                                           \
-            LANES for (size_t i = 0; i < n; i++)                                                                           \
-            {                                                                                                              \
-                double nx, ny, nz;                                                                                         \
-                f[i] = NAME##_at(&s, x[i], y[i], z[i], &nx, &ny, &nz);                                                     \
-            }                                                                                                              \
-        }                                                                                                                  \
+#define TORUS_VALUES(NAME)                                                                 \
+    SGT_KERNEL                                                                             \
+    static void NAME##_values(const ring *shared, size_t n, sgt_points p, sgt_values out)  \
+    {                                                                                      \
+        const ring s = *shared;                                                            \
+        const double *x = p.p[0], *y = p.p[1], *z = p.p[2];                                \
+        double *f = out.f, *gx = out.grad[0], *gy = out.grad[1], *gz = out.grad[2];        \
+        if (gx) {                                                                          \
+            LANES for (size_t i = 0; i < n; i++)                                           \
+            {                                                                              \
+                double nx, ny, nz, value = NAME##_at(&s, x[i], y[i], z[i], &nx, &ny, &nz); \
+                f[i] = value, gx[i] = nx, gy[i] = ny, gz[i] = nz;                          \
+            }                                                                              \
+        } else {                                                                           \
+            LANES for (size_t i = 0; i < n; i++)                                           \
+            {                                                                              \
+                double nx, ny, nz;                                                         \
+                f[i] = NAME##_at(&s, x[i], y[i], z[i], &nx, &ny, &nz);                     \
+            }                                                                              \
+        }                                                                                  \
     }
 
 TORUS_VALUES(ring)

@@ -113,12 +113,13 @@ SGT_INLINE void turn(work *w, size_t n)
     }
 }
 
-#define STEP(K)                                                                                                                 \
-    do {                                                                                                                        \
-        double a = s - beta##K, q2, d2;                                                                                         \
-        c = sgt_fma(c##K, q, c), sn = sgt_fma(s##K, q, sn), dc = sgt_fma(c##K, d, dc), ds = sgt_fma(s##K, d, ds);                               \
-        q2 = sgt_fma(a, q, -gamma##K * q1), d2 = sgt_fma(a, d, sgt_fma(-gamma##K, d1, q));                                                  \
-        q1 = q, q = q2, d1 = d, d = d2;                                                                                         \
+#define STEP(K)                                                                            \
+    do {                                                                                   \
+        double a = s - beta##K, q2, d2;                                                    \
+        c = sgt_fma(c##K, q, c), sn = sgt_fma(s##K, q, sn), dc = sgt_fma(c##K, d, dc),     \
+        ds = sgt_fma(s##K, d, ds);                                                         \
+        q2 = sgt_fma(a, q, -gamma##K * q1), d2 = sgt_fma(a, d, sgt_fma(-gamma##K, d1, q)); \
+        q1 = q, q = q2, d1 = d, d = d2;                                                    \
     } while (0)
 
 /* One to four orders from k on: `first` and `steps` are known where this is written in. */
@@ -191,7 +192,8 @@ static void zernike_sums(const sgt_zernike *z, size_t only, size_t n, const doub
     LANES
     for (size_t i = 0; i < n; i++) {
         double g2 = w.g[i] + w.g[i];
-        p[i] = w.p[i], px[i] = sgt_fma(g2, w.x[i], w.gx[i]) * back, py[i] = sgt_fma(g2, w.y[i], w.gy[i]) * back;
+        p[i] = w.p[i], px[i] = sgt_fma(g2, w.x[i], w.gx[i]) * back,
+        py[i] = sgt_fma(g2, w.y[i], w.gy[i]) * back;
     }
 }
 
@@ -237,9 +239,12 @@ static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const
             LANES
             for (size_t i = 0; i < n; i++) {
                 double a = w.s[i] - beta, q = w.q[i], d = w.d[i], e = b[i];
-                w.c[i] = sgt_fma(ck, q, w.c[i]), w.dc[i] = sgt_fma(ck, d, w.dc[i]), bc[i] = sgt_fma(ck, e, bc[i]);
-                w.sn[i] = sgt_fma(sk, q, w.sn[i]), w.ds[i] = sgt_fma(sk, d, w.ds[i]), bs[i] = sgt_fma(sk, e, bs[i]);
-                w.q[i] = sgt_fma(a, q, -gamma * w.q1[i]), w.d[i] = sgt_fma(a, d, sgt_fma(-gamma, w.d1[i], q)), b[i] = sgt_fma(a, e, sgt_fma(-gamma, b1[i], d + d));
+                w.c[i] = sgt_fma(ck, q, w.c[i]), w.dc[i] = sgt_fma(ck, d, w.dc[i]),
+                bc[i] = sgt_fma(ck, e, bc[i]);
+                w.sn[i] = sgt_fma(sk, q, w.sn[i]), w.ds[i] = sgt_fma(sk, d, w.ds[i]),
+                bs[i] = sgt_fma(sk, e, bs[i]);
+                w.q[i] = sgt_fma(a, q, -gamma * w.q1[i]), w.d[i] = sgt_fma(a, d, sgt_fma(-gamma, w.d1[i], q)),
+                b[i] = sgt_fma(a, e, sgt_fma(-gamma, b1[i], d + d));
                 w.q1[i] = q, w.d1[i] = d, b1[i] = e;
             }
         }
@@ -248,7 +253,8 @@ static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const
         for (size_t i = 0; i < n; i++) {
             double X = w.x[i], Y = w.y[i], re = w.re[i], im = w.im[i], c = w.c[i], s = w.sn[i], dc = m1 * w.dc[i], ds = m1 * w.ds[i];
             double t2 = 4 * sgt_fma(bc[i], re, bs[i] * im), t1 = 2 * sgt_fma(w.dc[i], re, w.ds[i] * im);
-            double tx = 2 * sgt_fma(dc, w.re1[i], ds * w.im1[i]), ty = 2 * sgt_fma(ds, w.re1[i], -dc * w.im1[i]);
+            double tx = 2 * sgt_fma(dc, w.re1[i], ds * w.im1[i]),
+                   ty = 2 * sgt_fma(ds, w.re1[i], -dc * w.im1[i]);
             double u = m2 * sgt_fma(c, re2[i], s * im2[i]), v = m2 * sgt_fma(s, re2[i], -c * im2[i]);
             pxx[i] += sgt_fma(X, sgt_fma(X, t2, tx + tx), t1 + u);
             pxy[i] += sgt_fma(X, sgt_fma(Y, t2, ty), sgt_fma(Y, tx, v));

@@ -33,7 +33,8 @@ typedef struct turn { double c, s; } turn;
  *     of an ulp of degrees (of 1, if that is less), and their difference is at most 46: fewer than 2^53 of
  *     those, so it is a double.  If rounding has made the quotient an integer and a half, n is one off, and
  *     is mended.
- *     Above: degrees is m 2^e, m < 2^53, e > 0.  It is first reduced modulo 360, in integers, by e doublings. */
+ *     Above: degrees is m 2^e, m < 2^53, e > 0.  It is first reduced modulo 360, in integers, by e doublings.
+ */
 static double rest_of_quarters(double degrees, int *quarters)
 {
     *quarters = 0;

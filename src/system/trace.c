@@ -248,7 +248,8 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
     sgt_hit hit;
     int spent = 0;
     if (met) hit = *met;
-    else if (slopes) proven = sgt_meet_by_slope(surface, &ray, aperture2, &own, &hit), spent = proven ? 0 : hit.evals;
+    else if (slopes)
+        proven = sgt_meet_by_slope(surface, &ray, aperture2, &own, &hit), spent = proven ? 0 : hit.evals;
     if (!met && !proven) hit = sgt_intersect(surface, ray, &own), hit.evals += spent;
     if (proven) inside = hit.status > 0;
     else choose(surface, ray, aperture2, &own, &hit, &inside);

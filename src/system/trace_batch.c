@@ -38,13 +38,6 @@ typedef struct paths { double hi[TILE], lo[TILE]; } paths;
 SGT_INLINE sgt_vec3 get(const vectors *v, size_t i) { return (sgt_vec3){v->x[i], v->y[i], v->z[i]}; }
 SGT_INLINE void put(vectors *v, size_t i, sgt_vec3 a) { v->x[i] = a.x, v->y[i] = a.y, v->z[i] = a.z; }
 
-/* Not inlined: what it has on the stack need not lie there while a surface's sweep runs. */
-#if defined(__GNUC__)
-#define APART __attribute__((noinline))
-#else
-#define APART
-#endif
-
 /* Where the rays are and whence they came, as a state has it. */
 typedef struct place { vectors *offset, *d; paths *path; } place;
 
@@ -86,7 +79,7 @@ typedef struct work {
 /* Each returns how many rays it answered for. */
 
 /* Where all that is needed is a sum. */
-SGT_KERNEL APART
+SGT_KERNEL
 static double launch_near(size_t n, const sgt_rays *from, size_t first, sgt_vec3 origin, vectors *restrict offset,
                           vectors *restrict out_d, double *restrict good)
 {
@@ -104,7 +97,7 @@ static double launch_near(size_t n, const sgt_rays *from, size_t first, sgt_vec3
     return count;
 }
 
-SGT_KERNEL APART
+SGT_KERNEL
 static double launch_all(size_t n, const sgt_rays *from, size_t first, sgt_vec3 origin, bool turned, vectors *restrict offset,
                          vectors *restrict out_d, double *restrict t0, double *restrict good)
 {
@@ -137,7 +130,7 @@ SGT_INLINE void place_by(bool open, size_t n, sgt_vec3 shift, double semi_diamet
     }
 }
 
-SGT_KERNEL APART
+SGT_KERNEL
 static void place_all(size_t n, sgt_vec3 shift, double semi_diameter, const vectors *offset, const vectors *d,
                       vectors *out, double *tol)
 {
@@ -164,7 +157,7 @@ SGT_INLINE void turn_by(bool open, size_t n, const sgt_pose *pose, sgt_vec3 shif
     }
 }
 
-SGT_KERNEL APART static void turn_all(size_t n, const sgt_pose *pose, sgt_vec3 shift,
+SGT_KERNEL static void turn_all(size_t n, const sgt_pose *pose, sgt_vec3 shift,
                                            double semi_diameter, const vectors *offset, const vectors *d,
                                            vectors *out_o, vectors *out_d, double *tol)
 {
@@ -191,7 +184,7 @@ SGT_INLINE double bend_by(bend_kind kind, size_t n, bending by, double aperture2
     return count;
 }
 
-SGT_KERNEL APART
+SGT_KERNEL
 static double bend_all(size_t n, bending by, double aperture2, const vectors *p, const vectors *d, const vectors *normal,
                        vectors *out, double *good)
 {
@@ -205,7 +198,7 @@ static double bend_all(size_t n, bending by, double aperture2, const vectors *p,
 }
 
 /* Back to global axes; d too, in place, where it was bent. */
-SGT_KERNEL APART
+SGT_KERNEL
 static double return_all(size_t n, const sgt_pose *pose, bool d_too, const vectors *restrict p, vectors *restrict offset,
                          vectors *restrict d, double *restrict good)
 {
@@ -245,7 +238,7 @@ SGT_INLINE void widen_by(size_t n, aside a, bool first, bool turns, const double
     }
 }
 
-SGT_KERNEL APART
+SGT_KERNEL
 static void widen_all(size_t n, aside a, bool first, bool turns, const double *t0, const vectors *offset,
                       const vectors *o, const vectors *d, const vectors *normal, const double *t, double *t_err,
                       double *p_err)
@@ -258,7 +251,7 @@ static void widen_all(size_t n, aside a, bool first, bool turns, const double *t
 }
 
 /* The hits of moved launches, in place. */
-SGT_KERNEL APART
+SGT_KERNEL
 static void shift_all(size_t n, const double *restrict t0, double *restrict t, double *restrict t_lo, double *restrict t_err)
 {
 #pragma omp simd
@@ -270,7 +263,7 @@ static void shift_all(size_t n, const double *restrict t0, double *restrict t, d
     }
 }
 
-SGT_KERNEL APART
+SGT_KERNEL
 static void lengthen_all(size_t n, double index, const double *restrict t, const double *restrict t_lo,
                          const paths *restrict path, paths *restrict out)
 {
@@ -381,7 +374,9 @@ static sgt_ray ray_of(const sgt_rays *r, size_t i)
     return (sgt_ray){.o = {r->o[0][i], r->o[1][i], r->o[2][i]}, .d = {r->d[0][i], r->d[1][i], r->d[2][i]}};
 }
 
-APART static void launch_rest(const work *job, tile *w)
+/* This and others are not inlined: what they have on the stack need not lie there while a surface's sweep
+ * runs. */
+SGT_NOINLINE static void launch_rest(const work *job, tile *w)
 {
     size_t stopped = 0;
     for (size_t i = 0; i < w->n; i++) {
@@ -414,7 +409,8 @@ static sgt_options met_by(const sgt_options *opt)
 }
 
 /* Rays that were met without a proof: those that the slope does not prove are hard.  How many are left. */
-APART static size_t prove_by_slope(const sgt_element *e, const sgt_tile *rays, double aperture2, const vectors *p)
+SGT_NOINLINE static size_t prove_by_slope(const sgt_element *e, const sgt_tile *rays, double aperture2,
+                                          const vectors *p)
 {
     bool proven[TILE];
     for (size_t i = 0; i < rays->n; i++)
@@ -426,7 +422,8 @@ APART static size_t prove_by_slope(const sgt_element *e, const sgt_tile *rays, d
 }
 
 /* Rays that were met inside the aperture and may have another root there are hard: is any? */
-APART static bool hide_others(const sgt_element *e, const sgt_tile *rays, double aperture2, const vectors *p)
+SGT_NOINLINE static bool hide_others(const sgt_element *e, const sgt_tile *rays, double aperture2,
+                                     const vectors *p)
 {
     unsigned long long alone[TILE];
     if (sgt_alone_tile(in_set(e->surface), rays, aperture2_around(aperture2), alone, NULL)) return false;
@@ -554,7 +551,7 @@ static void ask_inside(const work *job, tile *w, size_t j, chords *c)
 }
 
 /* The verdicts on the rays that the loops have left, negative, where `good` was 0. */
-APART static void judge_rest(const work *job, tile *w, size_t j, const bending *by)
+SGT_NOINLINE static void judge_rest(const work *job, tile *w, size_t j, const bending *by)
 {
     chords c = {.n = 0, .kept = {.radius2 = {0}}};
     rest all;
@@ -574,7 +571,7 @@ APART static void judge_rest(const work *job, tile *w, size_t j, const bending *
 
 /* The rays that the loops left, through element j; asked, where not NULL: the sweep has met them, and there
  * are verdicts. */
-APART static void pass_rest(const work *job, tile *w, size_t j, const sgt_hits *asked)
+SGT_NOINLINE static void pass_rest(const work *job, tile *w, size_t j, const sgt_hits *asked)
 {
     const sgt_element *e = &job->e[j];
     const sgt_passages *told = job->passages ? &job->passages[j] : NULL;

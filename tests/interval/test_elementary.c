@@ -3,6 +3,7 @@
  *     test_elementary      SAGITTA_TEST_SCALE multiplies the random cases, SAGITTA_TEST_SEED
  *
  * The error is in ulps of the right result, and the worst is printed with its input. */
+#include "random_bits.h"
 #include "../../src/num/elementary.h"
 
 #include <inttypes.h>
@@ -11,16 +12,6 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-static uint64_t state;
-
-static uint64_t random_bits(void) /* splitmix64 (Steele, Lea & Flood 2014) */
-{
-    uint64_t z = (state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
 
 static double uniform(double lo, double hi)
 {

@@ -10,6 +10,7 @@
  * taken. */
 #include <sagitta/fma.h>
 
+#include "random_bits.h"
 #include "fma_instruction.h"
 
 #include <float.h>
@@ -23,16 +24,6 @@
 #endif
 
 /* ------------------------------------------------------------------ random doubles */
-
-static uint64_t state;
-
-static uint64_t random_bits(void) /* splitmix64 (Steele, Lea & Flood 2014) */
-{
-    uint64_t z = (state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
 
 static int between(int lo, int hi) { return lo + (int)(random_bits() % (uint64_t)(hi - lo + 1)); }
 

@@ -1,5 +1,5 @@
-/* inward.c - the first root on the way in from afar, where the surface farther out is steep, or that there
- * is none on the way out: vicinity.h.
+/* wings.c - the wings of a sag, steep as they are: the first root on the way in from afar, or that there is
+ * none on the way out (vicinity.h).
  *
  * THE MARCH.  From where the search begins on F is looked at again and again.  Between two points of the ray,
  * h apart in t, at which F is for certain at least a and at least b on the same side of zero, |F''| <= B all
@@ -31,7 +31,7 @@
  * next b is to a as the last was, and the step may be longer.  Each lane is by itself; those that are done
  * make room for the last.  A march that has taken half of max_evals leaves the rest to the search through
  * enclosures, which begins anew. */
-#include "inward.h"
+#include "wings.h"
 
 #include "../num/bits.h"
 
@@ -46,7 +46,7 @@ enum {
     OX, OY, OZ, DX, DY, DZ, T, H, A, SIGN, RATIO, RADIUS, STEEP, BEND, E0, E1, SEED, LIMIT, LANE, EVALS, NEXT,
     PX, PY, PZ, F, OWN, VERDICT, WANTED, ROWS
 };
-_Static_assert((int)ROWS == (int)INWARD_ROWS, "the rows of vicinity.h");
+_Static_assert((int)ROWS == (int)WINGS_ROWS, "the rows of vicinity.h");
 
 enum { GOES_ON, MOVED, FOUND, GIVEN_UP };
 
@@ -226,8 +226,8 @@ static void leave(rows a, size_t i, size_t last)
     for (int j = 0; j < ROWS; j++) a[j][i] = a[j][last];
 }
 
-void sgt_march_inward(sgt_surface s, size_t n, sgt_rays r, const double *from, bool behind,
-                      const sgt_shared *bare, rings *kept, const vicinity *v, double *const a[INWARD_ROWS])
+void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bool behind,
+                      const sgt_shared *bare, rings *kept, const vicinity *v, double *const a[WINGS_ROWS])
 {
     const struct sgt_own *own = s.ops->own_;
     double edge = sqrt(bare->radius2);

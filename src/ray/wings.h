@@ -1,6 +1,6 @@
-/* inward.h - the first root on the way in from afar: inward.c. */
-#ifndef SGT_RAY_INWARD_H
-#define SGT_RAY_INWARD_H
+/* wings.h - a march through the wings of a sag: wings.c. */
+#ifndef SGT_RAY_WINGS_H
+#define SGT_RAY_WINGS_H
 
 #include "../num/lanes.h"
 
@@ -45,7 +45,7 @@ const ring *sgt_ring_of(sgt_surface s, double rung, rings *kept);
 /* Of each lane that is asked, from `from` on; work may be the rows of `from`.  Where the surface has an edge,
  * of those alone that begin behind the seed, or of the others.  Spends evaluations; those of a row by
  * itself are told. */
-void sgt_march_inward(sgt_surface s, size_t n, sgt_rays rays, const double *from, bool behind,
-                      const sgt_shared *bare, rings *kept, const vicinity *v, double *const work[INWARD_ROWS]);
+void sgt_march_wings(sgt_surface s, size_t n, sgt_rays rays, const double *from, bool behind,
+                     const sgt_shared *bare, rings *kept, const vicinity *v, double *const work[WINGS_ROWS]);
 
 #endif
