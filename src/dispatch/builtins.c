@@ -1,6 +1,6 @@
 /* builtins.c - the built-in surfaces as data: type, operations, parameters. */
-#include "../surface/freeform.h"
-#include "../surface/orbit.h"
+#include "../surface/departure/departure.h"
+#include "../surface/orbit/orbit.h"
 #include "dispatch.h"
 
 #include <float.h>

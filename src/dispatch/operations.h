@@ -5,7 +5,7 @@
 #ifndef SGT_DISPATCH_OPERATIONS_H
 #define SGT_DISPATCH_OPERATIONS_H
 
-#include "../surface/own.h"
+#include "../surface/builtin.h"
 #include "dispatch.h"
 
 #if SGT_SETS > 1

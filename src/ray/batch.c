@@ -9,7 +9,7 @@
 
 #include "../num/lanes.h"
 #include "../solve/root.h"
-#include "alone.h"
+#include "unique.h"
 #include "general.h"
 
 #include <string.h>

@@ -4,7 +4,7 @@
  * error-free products and sums, to the surface's own guess, or the middle of its span, or the point of
  * the ray nearest the origin of its frame (walk.c evaluates F there).
  *
- * One root (span.single, or the root near the seed): the quick form (quick.h), where there is a seed; where that has
+ * One root (span.single, or the root near the seed): the quick form (step.h), where there is a seed; where that has
  * no answer the solver of solve/root.c, in the span.
  *
  * The root of a sag that may have several: along the stretch of the ray on which F is monotone (vicinity.h), as one root.

@@ -1,7 +1,7 @@
 /* general.h - a ray and any surface, by nothing but what its operations answer. */
 #ifndef SGT_RAY_GENERAL_H
 #define SGT_RAY_GENERAL_H
-#include "../surface/sag.h"
+#include "../surface/builtin.h"
 
 /* x - x is 0 for a finite x, NaN for another: one comparison for all. */
 SGT_INLINE double not_finite(sgt_vec3 v) { return (v.x - v.x) + (v.y - v.y) + (v.z - v.z); }
@@ -30,7 +30,7 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
 /* Every entry; a list's first is what the other returns. */
 void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
 
-/* A tile of rays and a surface of a user, as sgt_own.sweep of own.h answers it: how many rays are left SGT_HARD. */
+/* A tile of rays and a surface of a user, as sgt_own.sweep of builtin.h answers it: how many rays are left SGT_HARD. */
 size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt);
 
 #endif

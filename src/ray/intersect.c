@@ -1,7 +1,7 @@
 /* intersect.c - one ray meets one surface: the door, and what is checked there. */
 #include "../solve/root.h"
-#include "../surface/sag.h"
-#include "alone.h"
+#include "../surface/builtin.h"
+#include "unique.h"
 #include "general.h"
 
 /* The door: *opt is then not NULL, the ray has its ends. */

@@ -51,13 +51,13 @@
  * estimate, with a few evaluations, and proven where that finds it; else it is the one nearest to the seed of all there are.
  *
  * THE CAREFUL PATH of built-in surfaces that do not answer by themselves is the same search, no proof being asked for (general.c).
- * Their rim, r^2 <= rim2, is a rule in computed numbers, as in sag.h; a root whose side of it its error hides is UNPROVEN under a
+ * Their rim, r^2 <= rim2, is a rule in computed numbers, as in accept.h; a root whose side of it its error hides is UNPROVEN under a
  * proof. */
 #include "prove.h"
 
 #include "../num/bits.h"
 #include "../solve/root.h"
-#include "quick.h"
+#include "../solve/step.h"
 
 #include <sagitta/interval.h>
 

@@ -11,7 +11,7 @@
  *
  * ROUNDING.  1/s rounds once and each product once or twice: w is within 2 1/2 u of -n / s, beside what the sum of products s
  * is off by, 3 u (|nx dx| + |ny dy| + |nz dz|) / |s|; u = 2^-53. */
-#include "../surface/own.h"
+#include "../surface/builtin.h"
 #include "../num/lanes.h"
 
 #include <sagitta/sensitivity.h>

@@ -1,7 +1,7 @@
 /* vicinity.c - see vicinity.h.  A ray by itself is a row of one. */
 #include "wings.h"
 
-#include "../surface/piece.h"
+#include "../surface/sag/piece.h"
 
 enum { SHRINKS = 12 };
 

@@ -2,7 +2,7 @@
  * surface farther out.
  *
  * r^2 is convex along a ray.  So between two of its points r is at most the larger of their two, R; and a surface cut off at
- * R has the rim that makes F monotone along the chord, if the slope within R allows it (freeform.c, THE SPAN).  Of the two
+ * R has the rim that makes F monotone along the chord, if the slope within R allows it (departure/departure.c, THE SPAN).  Of the two
  * points one is where a root is looked for, the seed; the other is where the search begins.  A root within the chord, which
  * begins before the search does, is then the first.  Nothing is said of a ray that has no root there: it may have one farther
  * out.  Near the seed there is no second point, and a root within the chord is the one.
@@ -11,7 +11,7 @@
  * well begin where it enters |z| <= S.  Where that is nearer to the axis R is smaller, and S with it: the
  * same again.  Of a ray from afar at a lens R is soon that of the lens.
  *
- * PASSED BY.  Where the surface ends, its rings have heights (own.h), and a ray that is above or below them
+ * PASSED BY.  Where the surface ends, its rings have heights (builtin.h), and a ray that is above or below them
  * on every piece of it (piece.h) meets nothing: so a ray that leaves the surface, where it has no rim.  Where
  * that says too little, F is looked at all the way out (wings.c).
  *
@@ -27,7 +27,7 @@
 #ifndef SGT_RAY_VICINITY_H
 #define SGT_RAY_VICINITY_H
 
-#include "../surface/sag.h"
+#include "../surface/builtin.h"
 
 /* What is known of a surface within some radii, each at a place of its own; radius 0: nothing is there. */
 enum { VICINITIES = 16, NOISES = 32, RINGS = 64, WINGS_ROWS = 28, VICINITY_ROWS = WINGS_ROWS };

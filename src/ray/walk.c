@@ -3,7 +3,7 @@
  * F is evaluated at the local point x + tau d; what rounding of that point does to F, e_i |F_i| per
  * coordinate, is added to the surface's own `rounding`.
  *
- * A root is looked for in the quick form first (quick.h, which says what it claims), then by solve/root.c.
+ * A root is looked for in the quick form first (step.h, which says what it claims), then by solve/root.c.
  *
  * A POLE IS NO ROOT.  F changes sign at a pole of odd order as it does at a root, but at a root |F| falls as
  * the bracket shrinks, at a jump it stays, and at a pole it grows.  Rounding does not hide that: it grows as

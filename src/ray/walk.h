@@ -3,7 +3,8 @@
 #define SGT_RAY_WALK_H
 
 #include "../solve/root.h"
-#include "quick.h"
+#include "../solve/step.h"
+#include "../surface/builtin.h"
 
 /* F at one local point of the ray, and how far it can be off there. */
 typedef struct point { double tau, g, g_err; sgt_vec3 p, n; around at; bool glanced; /* the surface's own rounding is left out of g_err */ } point;
@@ -42,7 +43,7 @@ SGT_INLINE mark mark_of(const point *e) { return (mark){e->tau, e->g, e->at.slop
 /* F at tau; NaN without an evaluation where the search is over. */
 point sgt_walk_look(walk *w, double tau, sgt_move move, double lo, double hi);
 
-/* The same, the surface's own rounding left out where it can be: close_of in quick.h. */
+/* The same, the surface's own rounding left out where it can be: close_of in step.h. */
 point sgt_walk_glance(walk *w, double tau, sgt_move move, double lo, double hi, double last);
 
 /* Its sign with the surface's own rounding. */
@@ -55,7 +56,7 @@ sgt_root sgt_walk_begin(walk *w, sgt_span span);
 /* Adds what the solver found; false where it is no root that counts. */
 bool sgt_walk_take(walk *w, const sgt_root *r, point at);
 
-/* The quick form (quick.h) from tau, `last` the step before, |g| at first (< 0: at tau): *at is the root, right to
+/* The quick form (step.h) from tau, `last` the step before, |g| at first (< 0: at tau): *at is the root, right to
  * *tau_err; *past is behind it. */
 bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at, double *tau_err, double *past);
 bool sgt_walk_take_quick(walk *w, point at, double tau_err);

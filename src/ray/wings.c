@@ -11,7 +11,7 @@
  * THE ROOT.  Where the signs are unlike, |F| at least a and b, F' is somewhere the mean slope, at least (a +
  * b) / h, and no more than B h from that anywhere.  Where (a + b) / h is above 3 B h, F is monotone between
  * the two, with that less B h for a bound, and Newton's steps will do; else a shorter step is tried.  Where
- * the ray is made local the stretch is made longer by 2^-50 of t at either end (quick.h): by less than a
+ * the ray is made local the stretch is made longer by 2^-50 of t at either end (step.h): by less than a
  * sixteenth of h, which is what 1.125 B h is for, and no farther out than the radius is good for, a part in
  * 2^19 more.
  *

@@ -10,7 +10,7 @@
  * needed). */
 #include "trace.h"
 
-#include "../ray/alone.h"
+#include "../ray/unique.h"
 
 /* ------------------------------------------------------------------ launch */
 

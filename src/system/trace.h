@@ -65,7 +65,7 @@
  * twice. */
 #ifndef SGT_SYSTEM_TRACE_H
 #define SGT_SYSTEM_TRACE_H
-#include "../surface/conic.h"
+#include "../surface/sag/sag.h"
 #include <sagitta/system.h>
 
 /* ------------------------------------------------------------------ vectors */

@@ -18,7 +18,7 @@
  * sgt_pass. */
 #include "trace.h"
 
-#include "../ray/alone.h"
+#include "../ray/unique.h"
 #include "../ray/batch.h"
 #include "../solve/root.h"
 

@@ -1,6 +1,6 @@
 /* main.c - which subcommand? */
-#include "commands.h"
-#include "options.h"
+#include "command/commands.h"
+#include "job/options.h"
 
 #include <fcntl.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* level_counts.c - src/surface/level_batch.c once more, counting: how many levels of the orbit its lanes take, and in how many
+/* level_counts.c - src/surface/orbit/level_batch.c once more, counting: how many levels of the orbit its lanes take, and in how many
  * of them they are busy with a cell that is not decided yet.  The way back to the gradient is not counted. */
 #include "level_counts.h"
 
@@ -11,7 +11,7 @@ static volatile long long levels_of_lanes, levels_busy;
 #define SGT_COUNT_LEVEL(busy) (levels_of_lanes = levels_of_lanes + 1, levels_busy = levels_busy + ((busy) ? 1 : 0))
 #undef sgt_level_sweep
 #define sgt_level_sweep counted_sweep
-#include "../../src/surface/level_batch.c"
+#include "../../src/surface/orbit/level_batch.c"
 
 /* A whole batch in tiles of the size given; the rays are halves of lines. */
 level_counts level_counts_of(const sgt_julia *s, size_t n, const double *const o[3], const double *const d[3],

@@ -1,8 +1,8 @@
 /* proof_lenses.c - see proof_lenses.h. */
 #include "proof_lenses.h"
 
-#include "../../src/tool/launch.h"
-#include "../../src/tool/memory.h"
+#include "../../src/tool/job/launch.h"
+#include "../../src/tool/base/memory.h"
 
 #include <math.h>
 

@@ -9,7 +9,7 @@ import re
 import sys
 import tempfile
 
-FLOORS = ['num', 'solve', 'surface', 'ray', 'system', 'dispatch']  # the library, from the ground up
+FLOORS = ['num', 'solve', 'surface', 'ray', 'check', 'system', 'dispatch']  # the library, from the ground up
 CLIENTS = ['geo', 'tool']                              # see <sagitta/...> as any program does
 
 # All the library may ask of C: nothing that allocates, prints, ends the program
@@ -20,7 +20,7 @@ C_HEADERS = {'float.h', 'limits.h', 'math.h', 'stdbool.h', 'stddef.h', 'stdint.h
 ASKING = {'choose.c': {'cpuid.h', 'stdlib.h'}}
 
 # The floor that answers for a public header; those below do not know of it.
-PUBLIC = {'sagitta.h': 'num', 'fma.h': 'num', 'interval.h': 'num', 'diagnose.h': 'solve', 'surfaces.h': 'surface', 'sensitivity.h': 'ray', 'system.h': 'system', 'geo.h': 'geo'}
+PUBLIC = {'sagitta.h': 'num', 'fma.h': 'num', 'interval.h': 'num', 'diagnose.h': 'check', 'surfaces.h': 'surface', 'sensitivity.h': 'ray', 'system.h': 'system', 'geo.h': 'geo'}
 
 # The intervals and the fma are inline, and need what they are made of.
 INLINE = {'float.h', 'math.h', 'string.h'}

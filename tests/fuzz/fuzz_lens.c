@@ -4,8 +4,8 @@
  * is refused in words that name a line of the text.  A grid's file is a part of the input (tool.h). */
 #include "tool.h"
 
-#include "../../src/tool/lens.h"
-#include "../../src/tool/surface.h"
+#include "../../src/tool/read/lens.h"
+#include "../../src/tool/read/surface.h"
 
 static const char SOURCE[] = "text";
 

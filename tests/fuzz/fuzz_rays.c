@@ -5,8 +5,8 @@
  * holds; both must agree on every ray to the bit, on which rows are bad and how many, and on the line of the first. */
 #include "tool.h"
 
-#include "../../src/tool/number.h"
-#include "../../src/tool/rays.h"
+#include "../../src/tool/base/number.h"
+#include "../../src/tool/read/rays.h"
 
 #include <ctype.h>
 #include <sagitta/surfaces.h>

@@ -12,9 +12,9 @@
 #include <setjmp.h>
 #include <stdarg.h>
 
-#include "../../src/tool/fail.h"
-#include "../../src/tool/input.h"
-#include "../../src/tool/memory.c"
+#include "../../src/tool/base/fail.h"
+#include "../../src/tool/base/input.h"
+#include "../../src/tool/base/memory.c"
 
 static jmp_buf refused;
 static char message[2000], noted[2000];

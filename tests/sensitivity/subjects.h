@@ -492,7 +492,7 @@ private:
     sgt_ellipsoid s;
 };
 
-// F as src/surface/torus.c has it: surfaces.h promises the surface, not how long its gradient is.
+// F as src/surface/body/torus.c has it: surfaces.h promises the surface, not how long its gradient is.
 class torus {
 public:
     static const char *name() { return "torus"; }

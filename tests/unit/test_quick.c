@@ -1,8 +1,8 @@
-/* What one step of the quick form claims (src/ray/quick.h), by itself: a root that is certified is inside of the stretch for
+/* What one step of the quick form claims (src/solve/step.h), by itself: a root that is certified is inside of the stretch for
  * which the slope is bounded, and a root is told not to count only where no point within its error does. */
 #include "unit.h"
 
-#include "../../src/ray/quick.h"
+#include "../../src/solve/step.h"
 
 static void test_certified(void **state)
 {

@@ -1,0 +1,551 @@
+/* check.c - does a surface keep its word?
+ *
+ * Each ray is walked in SAMPLES steps on the stretch in front of its span, in it, and behind
+ * it, and five promises are put to the test; two more are between the surface and itself.
+ *
+ * THE ROUNDING is finite and not negative wherever F is.
+ *
+ * THE SPAN holds every root, and only one if it says so.  Two neighbours of unlike sign, with
+ * F defined between them, hold a root.  A sign counts only where |F| is beyond what rounding
+ * can do: the surface's own bound (without one: 8 ulps of the terms x Fx, y Fy, z Fz), and
+ * what the rounding of o + t d, at most 2^-51 of |o| + |t d| in each coordinate, does to F.
+ * The pair is narrowed to where signs stop being certain.  If all of it lies outside the span,
+ * so does the root; two such pairs in the span are two roots.  A pole changes sign too, but
+ * |F| grows toward it: no root.  Where a built-in surface has a rim, roots beyond it do not
+ * count (surfaces.h), and its span need not hold them.
+ * What no two neighbours show is not seen: SOUND says that no fault was found.
+ *
+ * THE FIRST root's stretch, where it is single, in the same way: of the roots that are seen and count for certain none may lie before it,
+ * one at most in it, and none behind it if none is in it.
+ *
+ * MANY AT ONCE are what one at a time is: `values` at POINTS_AT_ONCE points of the ray, and at few of them, with
+ * gradients and without; `spans` of as many of the rays.  Bits are compared, but of NaNs, of the gradient where F is
+ * NaN, and of a span that the ray passes by: nobody reads those.  Behind what is asked for stands a number that
+ * must not change.
+ *
+ * THE GRADIENT is compared with central differences
+ *     D(h) = (F(p + h e) - F(p - h e)) / 2h = F_e + h^2 F_eee / 6 + ... + noise / h
+ * (Press et al. 2007, section 5.7).  No one h is right: 1e-5 of the distance to the edge of a
+ * sphere is right near it, and lost in noise far away.  So h runs down by eights from the
+ * distance between samples to 2^-42 of it, or of |p|.  Of two neighbours D(8h), D(h) the
+ * difference is 63/64 of the truncation of the first, 64 times that of the second; with the
+ * noise of both that is the doubt of D(h), and the h with the least doubt is taken - unless a
+ * smaller h says otherwise by more than doubt and noise (a pole between the larger steps, say):
+ * then only those from there on.  A comparison is made where
+ *   - the doubt is below 2^-16 of the gradient (else there is nothing to compare with),
+ *   - F is defined on both sides and the two one-sided differences agree to 2^-6 (at a kink
+ *     they do not, and a gradient there is one of several),
+ *   - the surface gives a number (NaN: not defined here).
+ * It shows a fault where the two differ by more than 8 times the doubt, and by more than 4
+ * times what 16 ulps of the coordinates do to the surface's gradient (near an edge that is much:
+ * a gradient is good to the rounding of its argument, no better), and by more than 2^-26 of the
+ * gradient; and where a second row of steps, shorter by 0.7, shows the same, since noise is not
+ * bounded on a surface without `rounding` and can, once, look like agreement.
+ * THE ENCLOSURE is asked over stretches of many widths, about points of each stretch and about the roots that were seen, and of single
+ * points.  F at samples, their doubt as above, has to be in it; grad . d there in the interval of the slope, but
+ * for 2^-26 and what 2^-44 of the place does to the gradient; and where that interval is bounded, and F defined, so has each
+ * difference quotient (the mean value theorem, on which every proof rests: a slope that is bounded where F jumps is a
+ * fault).  Empty is a fault where F is defined on both sides of a sample.
+ *
+ * THE CLEARANCE at points of the ray: on lines through them, along the ray, the gradient and six others, no certain change of
+ * sign may be nearer.
+ *
+ * So a gradient that is off by 1e-3 in one component is seen unless that component is below
+ * 2^-16 of the gradient; one that is off by less than 1e-8 is not. */
+#include "../num/bits.h"
+#include "../surface/builtin.h"
+
+#include <sagitta/diagnose.h>
+#include <sagitta/surfaces.h>
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { SAMPLES = 256, POINTS = 16, LEVELS = 18, POINTS_AT_ONCE = 67, FEW = 3, RAYS_AT_ONCE = 35, WIDTHS = 9, WITHIN = 5 };
+static const double CUT = 1000; /* lengths, where neither ray nor span has an end */
+
+typedef struct sample { double t, f, doubt; int sign; sgt_vec3 p, n; } sample;
+
+typedef struct check {
+    sgt_surface s;
+    const sgt_ray *ray;
+    sgt_span span;
+    double rim2;       /* of a built-in surface; roots beyond do not count */
+    int inside;        /* roots found in the span */
+    sgt_span first;    /* that of the first root, where it is single; */
+    double from;       /* what begins the ray; */
+    int in_first;      /* roots found there, */
+    bool behind;       /* and whether one was behind it: */
+    sgt_vec3 beyond;
+    sgt_fault fault;
+    sgt_vec3 where;
+} check;
+
+static bool fail(check *c, sgt_fault fault, sgt_vec3 where)
+{
+    c->fault = fault, c->where = where;
+    return false;
+}
+
+/* The greatest component, in magnitude, that is not NaN. */
+static double greatest(sgt_vec3 v) { return maximum_number(fabs(v.x), maximum_number(fabs(v.y), fabs(v.z))); }
+
+static double value_at(const check *c, sgt_vec3 p, sgt_vec3 *grad) { return c->s.ops->value(c->s.self, p, grad); }
+
+static double terms_of(sgt_vec3 p, sgt_vec3 n)
+{
+    double sum = fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z);
+    return sum < HUGE_VAL ? sum : 0; /* a gradient that is no number bounds nothing */
+}
+
+/* F at t, its sign where that is certain; false: `rounding` broke its word. */
+static bool look(check *c, double t, sample *a)
+{
+    sgt_vec3 o = c->ray->o, d = c->ray->d, n = {0};
+    *a = (sample){.t = t, .p = {o.x + t * d.x, o.y + t * d.y, o.z + t * d.z}};
+    a->f = value_at(c, a->p, &n);
+    a->n = n;
+    if (isnan(a->f)) return true;
+    sgt_vec3 moved = {fabs(o.x) + fabs(t * d.x), fabs(o.y) + fabs(t * d.y), fabs(o.z) + fabs(t * d.z)};
+    double doubt = 0x1p-50 * terms_of(moved, n);
+    if (c->s.ops->rounding) {
+        double own = c->s.ops->rounding(c->s.self, a->p);
+        if (isfinite(a->f) && !(own >= 0 && own < HUGE_VAL)) return fail(c, SGT_WRONG_ROUNDING, a->p);
+        doubt += own;
+    } else {
+        doubt += 0x1p-50 * (terms_of(a->p, n) + fabs(a->f));
+    }
+    a->doubt = doubt;
+    a->sign = a->f > doubt ? 1 : a->f < -doubt ? -1 : 0;
+    return true;
+}
+
+/* --------------------------------------------------------------- gradient */
+
+static double *component(sgt_vec3 *v, int i) { return i == 0 ? &v->x : i == 1 ? &v->y : &v->z; }
+
+/* The noise of F near p: the surface's bound, but no less than an honest one can be.  Without
+ * a bound, terms may cancel unseen (the 1 - 1 in the vertex of 1 - sqrt(1 - r^2)); they are
+ * taken to be of the size by which F changes over `across`. */
+static double noise_at(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double across)
+{
+    double floor = 0x1p-51 * (fabs(f) + terms_of(p, n));
+    if (!c->s.ops->rounding) return 4 * (floor + 0x1p-51 * terms_of((sgt_vec3){across, across, across}, n));
+    double own = c->s.ops->rounding(c->s.self, p);
+    return own > floor ? own : floor;
+}
+
+/* dF/dx_i by differences with steps from `longest` down; *doubt is infinite where there is
+ * nothing to compare with; *bend is how the surface's own gradient varies along i. */
+static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i, double longest,
+                         double *doubt, double *kink, sgt_vec3 *bend)
+{
+    double best = 0, before = (double)NAN, x = *component(&p, i), h = longest;
+    double big = greatest(p), noise = noise_at(c, p, f, n, longest), noise_before = (double)NAN;
+    *doubt = *kink = HUGE_VAL, *bend = (sgt_vec3){0};
+    for (int level = 0; level < LEVELS && h > 0x1p-42 * maximum_number(big, longest); level++, h *= 0.125) {
+        sgt_vec3 right = p, left = p, nr = {0}, nl = {0};
+        *component(&right, i) = x + h, *component(&left, i) = x - h;
+        double ahead = *component(&right, i) - x, behind = x - *component(&left, i); /* exact */
+        double width = ahead + behind, fr = value_at(c, right, &nr), fl = value_at(c, left, &nl);
+        double beside
+            = maximum_number(noise_at(c, right, fr, nr, longest), noise_at(c, left, fl, nl, longest));
+        double slope = (fr - fl) / width, own = maximum_number(noise, beside) * 2 / width;
+        double now = fabs(slope - before) + own + noise_before;
+        if (fabs(slope - best) > 4 * (*doubt + own)) *doubt = HUGE_VAL; /* a finer structure than the steps before */
+        if (now < *doubt) { /* false for NaN */
+            best = slope, *doubt = now;
+            *kink = fabs((fr - f) / ahead - (f - fl) / behind);
+            *bend = (sgt_vec3){(nr.x - nl.x) / width, (nr.y - nl.y) / width, (nr.z - nl.z) / width};
+        }
+        before = slope, noise_before = own;
+    }
+    return best;
+}
+
+/* Is the gradient at p shown to be wrong by steps from `longest` down? */
+static bool is_wrong(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double longest)
+{
+    double d[3], doubt[3], kink[3], size = 0;
+    sgt_vec3 bend[3];
+    for (int i = 0; i < 3; i++) {
+        d[i] = difference(c, p, f, n, i, longest, &doubt[i], &kink[i], &bend[i]);
+        double own = fabs(*component(&n, i));
+        if (doubt[i] < HUGE_VAL) size = maximum_number(size, fabs(d[i]));
+        if (own < HUGE_VAL) size = maximum_number(size, own);
+    }
+    for (int i = 0; i < 3; i++) {
+        double own = *component(&n, i), slack = 0;
+        if (isnan(own) || !(doubt[i] <= 0x1p-16 * size) || !(kink[i] <= 0x1p-6 * size)) continue;
+        if (isinf(own)) return true;
+        for (int j = 0; j < 3; j++) slack += 0x1p-49 * fabs(*component(&p, j) * *component(&bend[j], i));
+        if (isnan(slack)) continue;
+        if (!(fabs(own - d[i]) <= 8 * doubt[i] + 4 * slack + 0x1p-26 * size)) return true;
+    }
+    return false;
+}
+
+static bool check_gradient(check *c, double t, double spacing)
+{
+    sample a;
+    sgt_vec3 d = c->ray->d, n = {(double)NAN, (double)NAN, (double)NAN};
+    if (!look(c, t, &a)) return false;
+    double f = value_at(c, a.p, &n), big = greatest(a.p);
+    if (!isfinite(f)) return true;
+    double longest = maximum_number(spacing * greatest(d), 0x1p-10 * big);
+    if (!is_wrong(c, a.p, f, n, longest) || !is_wrong(c, a.p, f, n, 0.7 * longest)) return true;
+    return fail(c, SGT_WRONG_GRADIENT, a.p);
+}
+
+/* --------------------------------------------------------------- enclosure */
+
+/* F is defined here, and as far around as the rounding of o + t d can reach, and farther. */
+static bool well_defined(check *c, double t)
+{
+    sgt_vec3 o = c->ray->o, d = c->ray->d;
+    double far = greatest(o), along = greatest(d);
+    double off = 0x1p-44 * (far / along + fabs(t));
+    for (int i = -1; i <= 1; i++)
+        if (isnan(value_at(c, (sgt_vec3){o.x + (t + i * off) * d.x, o.y + (t + i * off) * d.y, o.z + (t + i * off) * d.z}, NULL))) return false;
+    return true;
+}
+
+/* By how much a sample can be off: its own doubt, and the noise of a surface that does not tell it. */
+static double doubt_of(const check *c, const sample *a, double across)
+{
+    double size = greatest(c->ray->d);
+    return 2 * a->doubt + (c->s.ops->rounding ? 0 : noise_at(c, a->p, a->f, a->n, across * size));
+}
+
+/* Is grad . d outside of what is said of the slope?  By more than 2^-26, which `value` is free to be wrong by, and what
+ * 2^-44 of the way, either way, does to it. */
+static bool steeper(const check *c, const sample *a, sgt_interval slope)
+{
+    sgt_vec3 d = c->ray->d, o = c->ray->o, left = {0}, right = {0};
+    double now = a->n.x * d.x + a->n.y * d.y + a->n.z * d.z, doubt = 0x1p-26 * terms_of(a->n, d), bend = 0;
+    if (!(now + doubt < slope.lo || now - doubt > slope.hi || slope.lo > slope.hi)) return false;
+    double far = greatest(o), along = greatest(d), off = 0x1p-44 * (far + fabs(a->t) * along);
+    for (int i = 0; i < 3; i++) {
+        sgt_vec3 p = a->p, q = a->p;
+        *component(&p, i) -= off, *component(&q, i) += off;
+        value_at(c, p, &left), value_at(c, q, &right);
+        bend += fabs((right.x - left.x) * d.x + (right.y - left.y) * d.y + (right.z - left.z) * d.z);
+    }
+    doubt += 2 * bend;
+    return now + doubt < slope.lo || now - doubt > slope.hi || slope.lo > slope.hi;
+}
+
+/* Samples of [lo, hi] against what is said of it. */
+static bool check_enclosure(check *c, double lo, double hi, double across)
+{
+    static const double where[WITHIN] = {0, 0.109, 0.382, 0.691, 1};
+    sgt_interval slope = {(double)NAN, (double)NAN}, g = c->s.ops->enclose(c->s.self, c->ray, (sgt_interval){lo, hi}, &slope);
+    bool bounded = slope.lo > -HUGE_VAL && slope.hi < HUGE_VAL, defined = true;
+    sample before = {.f = (double)NAN}, a;
+    double doubt_before = 0;
+    for (int i = 0; i < WITHIN; i++) {
+        double t = i == WITHIN - 1 ? hi : lo + (hi - lo) * where[i], doubt;
+        if (i && !(t > before.t)) continue;
+        if (!look(c, t, &a)) return false;
+        bool regular = isfinite(a.f) && isfinite(a.n.x) && isfinite(a.n.y) && isfinite(a.n.z);
+        defined = defined && !isnan(a.f);
+        doubt = doubt_of(c, &a, across);
+        if (g.lo > g.hi && isfinite(a.f) && well_defined(c, t)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
+        if (regular && g.lo <= g.hi && (a.f + doubt < g.lo || a.f - doubt > g.hi)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
+        if (regular && !(g.lo > g.hi) && (slope.lo > -HUGE_VAL || slope.hi < HUGE_VAL)) { /* a slope that says something */
+            if (steeper(c, &a, slope)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
+            double width = t - before.t, quotient = (a.f - before.f) / width, off = (doubt + doubt_before) / width * (1 + 0x1p-20);
+            if (bounded && i && defined && (quotient + off < slope.lo || quotient - off > slope.hi)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
+        }
+        before = a, doubt_before = doubt;
+        if (!regular) defined = false;
+    }
+    return true;
+}
+
+/* Stretches about t, from `longest` down to t alone. */
+static bool check_enclosures(check *c, double t, double longest, double across)
+{
+    if (!c->s.ops->enclose) return true;
+    for (int level = 0; level < WIDTHS; level++, longest *= 0x1p-6) {
+        double lo = t - 0.382 * longest, hi = t + 0.618 * longest;
+        if (level == WIDTHS - 1) lo = hi = t;
+        if (fabs(lo) <= DBL_MAX && fabs(hi) <= DBL_MAX && !check_enclosure(c, lo, hi, across)) return false;
+    }
+    return true;
+}
+
+/* --------------------------------------------------------------- clearance */
+
+static bool approach(check *c, sample *a, double b);
+
+/* Along a line through p, a unit of length a unit of t: no change of sign before `clear`, but at a pole. */
+static bool check_line(check *c, sgt_vec3 p, sgt_vec3 u, double clear)
+{
+    static const double at[] = {0.1, 0.25, 0.5, 0.75, 0.9, 0.97, 0.99, 0.999, 0.9999, 1 - 0x1p-20, 1 - 0x1p-30};
+    enum { HALF = sizeof at / sizeof at[0] };
+    const sgt_ray *own = c->ray, line = {.o = p, .d = u};
+    sample last = {.sign = 0}, a;
+    c->ray = &line;
+    for (int i = -HALF; i <= HALF && c->fault == SGT_SOUND; i++) {
+        if (!look(c, i < 0 ? -clear * at[-i - 1] : i > 0 ? clear * at[i - 1] : 0, &a)) break;
+        if (isnan(a.f)) last.sign = 0;
+        if (a.sign * last.sign < 0) {
+            sample left = last, right = a;
+            double high = maximum_number(fabs(left.f), fabs(right.f));
+            if (approach(c, &left, right.t) && approach(c, &right, left.t)
+                && minimum_number(fabs(left.f), fabs(right.f)) <= high) fail(c, SGT_WRONG_CLEARANCE, left.p);
+        }
+        if (a.sign) last = a;
+    }
+    c->ray = own;
+    return c->fault == SGT_SOUND;
+}
+
+/* What is said at t: in the direction of the ray, of the gradient, and in a few others. */
+static bool check_clearance(check *c, double t, double extent)
+{
+    static const sgt_vec3 others[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.6, 0, 0.8}, {0.8, 0.6, 0}, {0, -0.6, 0.8}};
+    sample a;
+    if (!c->s.ops->clearance) return true;
+    if (!look(c, t, &a)) return false;
+    sgt_vec3 d = c->ray->d;
+    double clear = c->s.ops->clearance(c->s.self, a.p), length = sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    double most = 4 * (extent * length + fabs(a.p.x) + fabs(a.p.y) + fabs(a.p.z)), steep = sqrt(a.n.x * a.n.x + a.n.y * a.n.y + a.n.z * a.n.z);
+    if (!(clear > 0)) return true;
+    if (clear > most) clear = most;
+    if (length > 0 && length < HUGE_VAL && !check_line(c, a.p, (sgt_vec3){d.x / length, d.y / length, d.z / length}, clear)) return false;
+    if (steep > 0 && steep < HUGE_VAL && !check_line(c, a.p, (sgt_vec3){a.n.x / steep, a.n.y / steep, a.n.z / steep}, clear)) return false;
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+        if (!check_line(c, a.p, others[i], clear)) return false;
+    return true;
+}
+
+/* ------------------------------------------------------------------- span */
+
+/* Moves *a, of certain sign, as near to b as its sign stays certain; b's is not a's.
+ * false: F is not defined between them, or a promise was broken on the way. */
+static bool approach(check *c, sample *a, double b)
+{
+    for (int i = 0; i < 100; i++) {
+        sample m;
+        double t = 0.5 * a->t + 0.5 * b;
+        if (!(t > minimum_number(a->t, b) && t < maximum_number(a->t, b))) return true; /* neighbours */
+        if (!look(c, t, &m) || isnan(m.f)) return false;
+        if (m.sign == a->sign) *a = m;
+        else b = t;
+    }
+    return true;
+}
+
+/* A root between a and b, if it is not as near to the start as may make it one that does not count. */
+static bool check_first(check *c, const sample *a, const sample *b)
+{
+    sgt_vec3 o = c->ray->o;
+    double apart = a->t - c->from, near = 0x1p-40 * (fabs(a->t) + fabs(b->t) + fabs(o.x) + fabs(o.y) + fabs(o.z));
+    near += 0x1p-44 * terms_of(a->p, a->n) / fabs(a->n.x * c->ray->d.x + a->n.y * c->ray->d.y + a->n.z * c->ray->d.z);
+    if (!c->first.single || !(apart > near && apart > 16 * (b->t - a->t))) return true;
+    if (b->t < c->first.lo) return fail(c, SGT_WRONG_FIRST, b->p);
+    if (a->t > c->first.hi) c->behind = true, c->beyond = a->p;
+    if (a->t >= c->first.lo && b->t <= c->first.hi && ++c->in_first > 1) return fail(c, SGT_WRONG_FIRST, b->p);
+    if (!(a->t > c->first.hi || b->t < c->first.lo)) c->in_first += c->in_first == 0; /* on its end */
+    return true;
+}
+
+/* A change of sign between a and b. */
+static bool check_root(check *c, sample a, sample b)
+{
+    double high = maximum_number(fabs(a.f), fabs(b.f)), spacing = b.t - a.t;
+    if (!approach(c, &a, b.t) || !approach(c, &b, a.t)) return c->fault == SGT_SOUND;
+    if (minimum_number(fabs(a.f), fabs(b.f)) > high) return true; /* a pole */
+    if (a.p.x * a.p.x + a.p.y * a.p.y > c->rim2 || b.p.x * b.p.x + b.p.y * b.p.y > c->rim2) return true;
+    if (!check_gradient(c, a.t, spacing) || !check_gradient(c, b.t, spacing)) return false;
+    if (!check_enclosures(c, a.t, spacing, spacing) || !check_clearance(c, a.t, spacing)) return false;
+    if (b.t < c->span.lo || a.t > c->span.hi) return fail(c, SGT_WRONG_SPAN, b.t < c->span.lo ? b.p : a.p);
+    if (a.t >= c->span.lo && b.t <= c->span.hi && ++c->inside > 1 && c->span.single) return fail(c, SGT_WRONG_SPAN, b.p);
+    return check_first(c, &a, &b);
+}
+
+/* One stretch of the ray, wholly in front of the span, in it, or behind it. */
+static bool check_stretch(check *c, double lo, double hi)
+{
+    sample last = {.sign = 0}, a;
+    if (!(lo < hi)) return true;
+    for (int i = 0; i <= SAMPLES; i++) {
+        double t = i == 0 ? lo : i == SAMPLES ? hi : lo + (hi - lo) * (i / (double)SAMPLES);
+        if (!look(c, t, &a)) return false;
+        if (isnan(a.f)) last.sign = 0;
+        if (a.sign * last.sign < 0 && !check_root(c, last, a)) return false;
+        if (a.sign) last = a;
+    }
+    /* beside the round fractions, where symmetry may hide a fault */
+    for (int i = 0; i < POINTS; i++) {
+        double t = lo + (hi - lo) * ((i + 0.382) / POINTS), spacing = (hi - lo) / (4 * POINTS);
+        if (!check_gradient(c, t, spacing)) return false;
+        if (i % 4 == 1 && (!check_enclosures(c, t, hi - lo, spacing) || !check_clearance(c, t, hi - lo))) return false;
+    }
+    return true;
+}
+
+/* ------------------------------------------------------------ many at once */
+
+static bool same(double a, double b) { return memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b); }
+
+static const double KEPT = 0x1.23456789abcdep+100; /* what stands behind the last that is asked for */
+
+static bool check_values(check *c, double lo, double hi)
+{
+    double p[3][POINTS_AT_ONCE], f[POINTS_AT_ONCE + 1], grad[3][POINTS_AT_ONCE + 1];
+    sgt_vec3 o = c->ray->o, d = c->ray->d;
+    for (int i = 0; i < POINTS_AT_ONCE; i++) {
+        double t = lo + (hi - lo) * ((i + 0.382) / POINTS_AT_ONCE);
+        p[0][i] = o.x + t * d.x, p[1][i] = o.y + t * d.y, p[2][i] = o.z + t * d.z;
+    }
+    for (int way = 0; way < 4; way++) {
+        size_t n = way & 1 ? FEW : POINTS_AT_ONCE, from = way & 1 ? POINTS_AT_ONCE - FEW : 0;
+        bool slopes = way < 2;
+        f[n] = grad[0][n] = grad[1][n] = grad[2][n] = KEPT;
+        for (size_t i = 0; i < n; i++) f[i] = grad[0][i] = grad[1][i] = grad[2][i] = KEPT;
+        c->s.ops->values(c->s.self, n, (sgt_points){{p[0] + from, p[1] + from, p[2] + from}},
+                         (sgt_values){f, {slopes ? grad[0] : NULL, slopes ? grad[1] : NULL, slopes ? grad[2] : NULL}});
+        for (size_t i = 0; i < n; i++) {
+            sgt_vec3 at = {p[0][from + i], p[1][from + i], p[2][from + i]}, g = {0};
+            double one = value_at(c, at, &g);
+            bool good = same(one, f[i]) && (!slopes || isnan(one) || (same(g.x, grad[0][i]) && same(g.y, grad[1][i]) && same(g.z, grad[2][i])));
+            if (!good) return fail(c, SGT_WRONG_VALUES, at);
+        }
+        if (!(f[n] == KEPT && grad[0][n] == KEPT && grad[1][n] == KEPT && grad[2][n] == KEPT)) return fail(c, SGT_WRONG_VALUES, o);
+    }
+    return true;
+}
+
+/* n rays as arrays; with tmin and tmax `firsts`, else `spans`. */
+static bool check_spans(check *c, size_t n, double o[3][RAYS_AT_ONCE], double d[3][RAYS_AT_ONCE], const double *tmin, const double *tmax)
+{
+    double lo[RAYS_AT_ONCE + 1], hi[RAYS_AT_ONCE + 1], seed[RAYS_AT_ONCE + 1];
+    bool single[RAYS_AT_ONCE + 1];
+    if (!n) return true;
+    if (tmin ? !c->s.ops->first : !c->s.ops->span) return fail(c, tmin ? SGT_WRONG_FIRSTS : SGT_WRONG_SPANS, (sgt_vec3){o[0][0], o[1][0], o[2][0]});
+    lo[n] = hi[n] = seed[n] = KEPT, single[n] = true;
+    sgt_rays many = {.o = {o[0], o[1], o[2]}, .d = {d[0], d[1], d[2]}, .tmin = tmin, .tmax = tmax};
+    sgt_fault fault = tmin ? SGT_WRONG_FIRSTS : SGT_WRONG_SPANS;
+    (tmin ? c->s.ops->firsts : c->s.ops->spans)(c->s.self, n, many, (sgt_spans){lo, hi, seed, single});
+    for (size_t i = 0; i < n; i++) {
+        sgt_ray ray = {.o = {o[0][i], o[1][i], o[2][i]}, .d = {d[0][i], d[1][i], d[2][i]}, .tmin = tmin ? tmin[i] : 0, .tmax = tmax ? tmax[i] : 0};
+        sgt_span one = (tmin ? c->s.ops->first : c->s.ops->span)(c->s.self, &ray);
+        if (tmin && !one.single && !single[i]) continue;
+        if (one.lo > one.hi && lo[i] > hi[i] && one.single == single[i]) continue;
+        if (!(same(one.lo, lo[i]) && same(one.hi, hi[i]) && same(one.seed, seed[i]) && one.single == single[i])) return fail(c, fault, ray.o);
+    }
+    return lo[n] == KEPT && hi[n] == KEPT && seed[n] == KEPT && single[n] ? true : fail(c, fault, (sgt_vec3){o[0][0], o[1][0], o[2][0]});
+}
+
+static bool check_ray(check *c)
+{
+    const sgt_ray *r = c->ray;
+    sgt_span s = {.lo = -HUGE_VAL, .hi = HUGE_VAL};
+    if (c->s.ops->span) s = c->s.ops->span(c->s.self, r);
+    if (isnan(s.lo) || isnan(s.hi)) return fail(c, SGT_WRONG_SPAN, r->o);
+    double lo = r->tmin, hi = r->tmax == 0 && r->tmin >= 0 ? HUGE_VAL : r->tmax;
+    bool by = s.lo > s.hi; /* the ray passes by: all of it is outside */
+    if (!(lo > -HUGE_VAL)) lo = !by && isfinite(s.lo) && s.lo < hi ? s.lo : minimum_number(0, hi) - CUT;
+    if (!(hi < HUGE_VAL)) hi = !by && isfinite(s.hi) && s.hi > lo ? s.hi : maximum_number(0, lo) + CUT;
+    c->span = by ? (sgt_span){.lo = HUGE_VAL, .hi = HUGE_VAL} : s;
+    c->inside = c->in_first = 0, c->behind = false;
+    c->first = (sgt_span){.single = false}, c->from = lo;
+    if (c->s.ops->first) {
+        sgt_ray own = *r;
+        if (own.tmax == 0 && own.tmin >= 0) own.tmax = HUGE_VAL;
+        c->first = c->s.ops->first(c->s.self, &own), c->from = own.tmin;
+    }
+    if (c->s.ops->values && !check_values(c, lo, hi)) return false;
+    if (by) return check_stretch(c, lo, hi);
+    double in = maximum_number(lo, s.lo), out = minimum_number(hi, s.hi);
+    if (!(check_stretch(c, lo, minimum_number(s.lo, hi)) && check_stretch(c, in, out)
+          && check_stretch(c, maximum_number(s.hi, lo), hi))) return false;
+    if (!c->behind || c->in_first) return true;
+    sample a, b; /* of two roots between samples nothing is seen: do the ends of the first one's stretch tell of it? */
+    if (!look(c, maximum_number(c->first.lo, c->from), &a) || !look(c, c->first.hi, &b)) return false;
+    return a.sign * b.sign > 0 ? fail(c, SGT_WRONG_FIRST, c->beyond) : true;
+}
+
+/* The square of the rim of a built-in surface; infinite where it has none. */
+static double rim2_of_builtin(sgt_surface s)
+{
+    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+        if (row->ops != s.ops) continue;
+        for (const sgt_param *p = row->params; p->name; p++) {
+            const char *a = p->name, *b = "semi_diameter";
+            while (*a && *a == *b) a++, b++;
+            if (*a || *b) continue;
+            double rim = *(const double *)(const void *)((const char *)s.self + p->offset);
+            if (rim > 0) return rim * rim;
+        }
+    }
+    return HUGE_VAL;
+}
+
+static bool is_usable(const sgt_ray *r)
+{
+    double big = greatest(r->d);
+    return isfinite(r->o.x) && isfinite(r->o.y) && isfinite(r->o.z) && isfinite(r->d.x) && isfinite(r->d.y) && isfinite(r->d.z)
+        && big >= DBL_MIN && r->tmin < HUGE_VAL && (r->tmax >= r->tmin || (r->tmax == 0 && r->tmin >= 0));
+}
+
+/* By as many rays as there are room for, the last few with the rest of the room empty. */
+static void check_all_spans(check *c, size_t n, const sgt_ray rays[], bool firsts)
+{
+    double o[3][RAYS_AT_ONCE], d[3][RAYS_AT_ONCE], tmin[RAYS_AT_ONCE], tmax[RAYS_AT_ONCE];
+    size_t k = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (!is_usable(&rays[i])) continue;
+        o[0][k] = rays[i].o.x, o[1][k] = rays[i].o.y, o[2][k] = rays[i].o.z;
+        d[0][k] = rays[i].d.x, d[1][k] = rays[i].d.y, d[2][k] = rays[i].d.z;
+        tmin[k] = rays[i].tmin, tmax[k] = rays[i].tmax == 0 && rays[i].tmin >= 0 ? HUGE_VAL : rays[i].tmax;
+        if (++k < RAYS_AT_ONCE) continue;
+        if (!check_spans(c, k, o, d, firsts ? tmin : NULL, firsts ? tmax : NULL)) return;
+        k = 0;
+    }
+    check_spans(c, k, o, d, firsts ? tmin : NULL, firsts ? tmax : NULL);
+}
+
+sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *where)
+{
+    double rim2
+        = s.ops ? rim2_of_builtin(s) : HUGE_VAL; /* by the table, of the operations as they are seen */
+    s = in_set(s);
+    check c = {.s = s, .fault = SGT_SOUND, .where = {(double)NAN, (double)NAN, (double)NAN}};
+    if (!s.ops || !s.ops->value || (is_catalogue(s.ops) && s.ops->own_->object(s.self).reason)) {
+        c.fault = SGT_NO_VALUE;
+    } else {
+        c.rim2 = rim2;
+        for (size_t i = 0; i < n; i++) {
+            if (!is_usable(&rays[i])) continue; /* what is no ray says nothing of the surface */
+            c.ray = &rays[i];
+            if (!check_ray(&c)) break;
+        }
+        if (s.ops->spans && c.fault == SGT_SOUND) check_all_spans(&c, n, rays, false);
+        if (s.ops->firsts && c.fault == SGT_SOUND) check_all_spans(&c, n, rays, true);
+    }
+    if (where) *where = c.where;
+    return c.fault;
+}
+
+const char *sgt_fault_text(sgt_fault fault)
+{
+    switch (fault) {
+    case SGT_SOUND: return "sound: no fault was found";
+    case SGT_WRONG_GRADIENT: return "wrong gradient: it differs from differences of F (it must not be normalised)";
+    case SGT_WRONG_SPAN: return "wrong span: a root lies outside it, or two inside one that is said to be single";
+    case SGT_WRONG_ROUNDING: return "wrong rounding: not finite or negative where F is defined";
+    case SGT_WRONG_VALUES: return "wrong values: they differ from value in a bit, or write where they are not asked to";
+    case SGT_WRONG_SPANS: return "wrong spans: they differ from span in a bit, or there is no span";
+    case SGT_WRONG_CLEARANCE: return "wrong clearance: the surface is nearer than it says";
+    case SGT_WRONG_ENCLOSURE: return "wrong enclosure: F or its slope leaves the interval, or F is defined where it says it is nowhere";
+    case SGT_WRONG_FIRST: return "wrong first: a root that counts lies before it, or two in it, or none in it and one behind";
+    case SGT_WRONG_FIRSTS: return "wrong firsts: they differ from first in a bit, or there is no first";
+    case SGT_NO_VALUE: return "no value: the surface has no function F, or a parameter that is not valid";
+    }
+    return "?";
+}

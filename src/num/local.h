@@ -1,0 +1,146 @@
+/* local.h - a ray made local: the origin moved near the surface, the direction scaled.
+ *
+ * THE RAY MADE LOCAL.  The direction is scaled by a power of two, so that its largest
+ * component lies in [1, 2); t_ray = t * scale, exactly.  Then the origin is moved to a
+ * point t0 of the ray near the surface.  With t0 n and o + t0 l split by error-free
+ * products and sums, the new origin is right to a relative u in each coordinate,
+ * however far the old one was: a ray from 1e12 away is as good as one from nearby.
+ * Two places are used: where the ray meets the vertex plane (z = 0: then the constant
+ * term of the conic's equation, c r^2, is free of cancellation), and, for rays nearly
+ * parallel to that plane, and to polish, any other t0. */
+#ifndef SGT_NUM_LOCAL_H
+#define SGT_NUM_LOCAL_H
+
+#include "exact.h"
+
+#include <float.h>
+#include <sagitta/sagitta.h>
+#include <string.h>
+
+static const double TINY = 0x1p-960;        /* below it, rounding is no longer relative */
+static const double LEAST_PLACE = 0x1p-480; /* what is smaller has a square below TINY */
+
+typedef struct local {
+    double x, y, z;       /* the local origin */
+    double xa, ya, za;    /* |x| and what u * xa must be to bound its error */
+    double l, m, n;       /* the scaled direction */
+    double t0, t0_lo;     /* o + (t0 + t0_lo) d is the local origin */
+    double t0_err;        /* for a t0_lo that is itself off by as much */
+    double scale;         /* t_ray = t * scale */
+} local;
+
+/* The power of two that brings the largest component of d to [1, 2). */
+SGT_INLINE double scale_of(sgt_vec3 d)
+{
+    double big = larger(fabs(d.x), larger(fabs(d.y), fabs(d.z)));
+    unsigned long long bits;
+    memcpy(&bits, &big, sizeof bits);
+    bits = (2046ULL << 52) - (bits & 0x7ff0000000000000ULL); /* 2^-e from 2^e */
+    double scale;
+    memcpy(&scale, &bits, sizeof scale);
+    return big < 0x1p1023 ? scale : 0x1p-1023;
+}
+
+/* An end of a stretch in the ray's own t, outward: where that is subnormal the product loses less. */
+SGT_INLINE double end_below(double t, double scale) { return t * scale - DBL_MIN; }
+SGT_INLINE double end_above(double t, double scale) { return t * scale + DBL_MIN; }
+
+/* One coordinate of o + t0 d.  The product is hi + lo exactly, so is the sum of o and its hi.  Where they cancel to
+ * less than half of the greater, that sum has no lo (Sterbenz 1974) and the product's own is added with one rounding;
+ * else both lo are below 2 u of the result, and rounding them costs 4 u^2: right to u (1 + 4 u) of itself. */
+SGT_INLINE double moved_along(double o, double t0, double d)
+{
+    twofold p = two_product(t0, d), s = two_sum(o, p.hi);
+    return s.hi + (s.lo + p.lo);
+}
+
+/* 1 / scale_of(d), exactly: the power of two in its largest component. */
+SGT_INLINE double inverse_of_scale(sgt_vec3 d)
+{
+    double big = larger(fabs(d.x), larger(fabs(d.y), fabs(d.z)));
+    unsigned long long bits;
+    memcpy(&bits, &big, sizeof bits);
+    bits &= 0x7ff0000000000000ULL;
+    memcpy(&big, &bits, sizeof big);
+    return big;
+}
+
+/* The local origin where the ray meets the vertex plane; NaN where n = 0. */
+SGT_INLINE local local_at_vertex_plane(const sgt_ray *ray)
+{
+    local q;
+    q.scale = scale_of(ray->d);
+    q.l = ray->d.x * q.scale, q.m = ray->d.y * q.scale, q.n = ray->d.z * q.scale;
+    double inverse = 1 / q.n;
+    q.t0 = -ray->o.z * inverse;
+    /* what t0 leaves of z is a double, up to a last bit: the quotient is within an ulp or two */
+    q.t0_lo = sgt_fma(-q.t0, q.n, -ray->o.z) * inverse;
+    twofold px = two_product(q.t0, q.l), py = two_product(q.t0, q.m);
+    twofold sx = two_sum(ray->o.x, px.hi), sy = two_sum(ray->o.y, py.hi);
+    q.x = sx.hi + (sx.lo + px.lo + q.t0_lo * q.l);
+    q.y = sy.hi + (sy.lo + py.lo + q.t0_lo * q.m);
+    q.z = 0;
+    q.t0_err = 8 * SGT_U * fabs(q.t0_lo);
+    /* the small terms are below 4 u (|o| + |t0 l|), and rounded four times */
+    q.xa = fabs(q.x) + 16 * SGT_U * (fabs(ray->o.x) + fabs(px.hi));
+    q.ya = fabs(q.y) + 16 * SGT_U * (fabs(ray->o.y) + fabs(py.hi));
+    q.za = 0;
+    return q;
+}
+
+/* o + (t0 + t0_lo) d, one coordinate: right to 3 u^2 of the greater of the result and t0_lo d. */
+SGT_INLINE twofold coordinate(double o, double d, double t0, double t0_lo)
+{
+    return twofold_sum(twofold_sum(twofold_of(o), two_product(t0, d)), two_product(t0_lo, d));
+}
+
+/* The local origin at a t0 + t0_lo (scaled) of the caller's. */
+SGT_INLINE local local_at(const sgt_ray *ray, double t0, double t0_lo)
+{
+    local q;
+    q.scale = scale_of(ray->d);
+    q.l = ray->d.x * q.scale, q.m = ray->d.y * q.scale, q.n = ray->d.z * q.scale;
+    q.t0 = t0, q.t0_lo = t0_lo, q.t0_err = 0;
+    q.x = coordinate(ray->o.x, q.l, t0, t0_lo).hi;
+    q.y = coordinate(ray->o.y, q.m, t0, t0_lo).hi;
+    q.z = coordinate(ray->o.z, q.n, t0, t0_lo).hi;
+    q.xa = fabs(q.x), q.ya = fabs(q.y), q.za = fabs(q.z);
+    return q;
+}
+
+/* Are the local origin's coordinates off by products with t0 that have underflown, 2^-1070 at most? */
+SGT_INLINE bool place_underflows(const local *q)
+{
+    double x = fabs(q->l * q->t0), y = fabs(q->m * q->t0), z = fabs(q->n * q->t0);
+    return q->t0 != 0 && ((q->l != 0 && x < TINY) || (q->m != 0 && y < TINY) || (q->n != 0 && z < TINY));
+}
+
+/* The direction has been scaled exactly: no component of it has underflown. */
+SGT_INLINE bool direction_is_whole(const local *q, sgt_vec3 d)
+{
+    double inverse = inverse_of_scale(d);
+    return q->l * inverse == d.x && q->m * inverse == d.y && q->n * inverse == d.z;
+}
+
+/* Neither end underflows in the t of the scaled direction: one made 0 would be where the ray starts. */
+SGT_INLINE bool ends_are_whole(const sgt_ray *ray, double scale)
+{
+    return ray->tmin / scale * scale == ray->tmin && ray->tmax / scale * scale == ray->tmax;
+}
+
+/* Is the ray so near the vertex, all the way to p at t, that squares of its coordinates have underflown, and t_err does not
+ * hide it? */
+SGT_INLINE bool place_is_tiny(const local *q, double t, sgt_vec3 p)
+{
+    double far = larger(fabs(p.x), larger(fabs(p.y), fabs(p.z)));
+    return far > 0 && far < LEAST_PLACE && fabs(t) < LEAST_PLACE * q->scale;
+}
+
+/* The t0 nearest the vertex: right to an ulp or so, and that is all it needs to be. */
+SGT_INLINE double nearest_to_vertex(const sgt_ray *ray)
+{
+    double s = scale_of(ray->d), l = ray->d.x * s, m = ray->d.y * s, n = ray->d.z * s;
+    return -(ray->o.x * l + ray->o.y * m + ray->o.z * n) / (l * l + m * m + n * n);
+}
+
+#endif

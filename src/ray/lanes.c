@@ -1,0 +1,896 @@
+/* ray/lanes.c - many rays and a surface that is met by its operations: the quick form of step.h with loops around it.
+ *
+ * Rays are taken LANES at a time, a number of each in a row of its own.  What the single ray does step by step is done
+ * here phase by phase, each phase on the lanes that are still in it, moved to the front of the rows:
+ *     approach   the span, and the ray made local;
+ *     march      where the first of several roots is wanted: equal steps, until two neighbours have unlike signs;
+ *     Newton     from the seed, or from the secant of the two;
+ *     ends       where that has failed and there is one root at most: the signs at the ends of the span;
+ *     probes     the signs beside the root; where the slope along the span is bounded from below, that instead;
+ *     taking     does it count, and what is told of it.
+ * In each, the points are made (by the loop before, where it can), `values` is called for all of them at once, and a loop or two
+ * look at the answers.
+ * What a loop chooses by is a number and not a truth value, and two choices by the same condition are in two loops: so gcc
+ * makes vector code of them, and not branches.  Lanes that are done and not yet moved away are asked again where they stand, and told nothing new; they are moved as soon as
+ * a quarter of the lanes are done.
+ *
+ * A lane never changes its neighbour: no statement but those of the moves has two of them in it.  A lane for which
+ * the quick form has no answer is left to the single ray.  No point is asked for outside the stretch that is
+ * searched, and no ray shown to the surface that the single ray's door would have turned away. */
+#include "../solve/root.h"
+#include "general.h"
+#include "../solve/step.h"
+#include "vicinity.h"
+
+#include <stddef.h>
+
+enum { LANES = 64, ABREAST = 8 };
+typedef double row[LANES];
+
+/* The state of a lane: a status in the end, or SGT_HARD; before that, its phase. */
+enum { MARCH = 10, VALLEY, NEWTON, FAILED, READY, ROOT };
+
+/* The rows up to `most2` are moved with a lane.  The rows of a union serve phases that do not meet. */
+typedef struct lanes {
+    _Alignas(64) row x;              /* the ray made local; each row begins a line of the cache */
+    row y, z, l, m, n, t0, scale;
+    row tmin, tmax, t_tol, lo, hi, single;
+    row tau, last, first, evals;     /* last: the size of the step before, of a root the slope; first: |g| where the search began, < 0: not yet known */
+    row f, fx, fy, fz, g_err;        /* F at tau, the gradient, and how far F may be off */
+    union { row at, left; };         /* of a march: the point before, and F there; of a root: beside it */
+    union { row g, right; };
+    union { row slope, beside; };
+    union { row sign, tau_err; };
+    union { row dt, seed; };
+    row end;                         /* of a march; of a root: the sign on its left */
+    union { row defined, most2; };   /* of a march: whether F was; no sag of the catalogue is marched along */
+    row px, py, pz;                  /* the point asked for */
+    row slot, state, least;          /* least: of |g'| along the span, where that is known; else 0 */
+    row noise0, noise1;              /* of a sag without a rim, as most2: vicinity.h */
+    row qf, qx, qy, qz;              /* F beside a root; what one loop leaves to the next */
+    double none;                     /* 0, of around_of: here, because after a call gcc knows of nothing that is here */
+} lanes;
+
+enum { MOVED = offsetof(lanes, qf) / sizeof(row) };
+
+typedef struct sweep {
+    sgt_surface s;
+    const sgt_options *opt;
+    double budget;
+    double near;        /* 1: the root near the seed is wanted, else 0 */
+    double back;        /* of approach_of */
+    double rim2;        /* of the surface's rim */
+    double margin;      /* of taking_of: as the single ray has it */
+    double walks_from;  /* a stretch that begins behind it can be marched through; infinite: none can */
+    bool slopes;        /* the spans come with bounds on the slope */
+    bool moved;         /* some lane is not at its place */
+    sgt_shared shared;  /* of the surface, where it shares */
+    vicinities *kept;   /* and of parts of it */
+    sgt_shared bare;    /* bare_of shared */
+    bool rows;          /* what the departure adds to the rounding is each lane's own */
+    lanes *a;
+    sgt_points points;  /* what `values` is handed, made once: a copy of what has just been written in smaller pieces must wait for it */
+    sgt_values f, q;    /* F at tau; F beside a root */
+} sweep;
+
+SGT_KERNEL
+static size_t count_of(const lanes *a, size_t n, double state)
+{
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) count += a->state[i] == state ? 1.0 : 0.0;
+    return (size_t)count;
+}
+
+/* The lanes of that state to the front; how many there are. */
+static size_t front(sweep *w, size_t n, double state)
+{
+    size_t i = 0, count = count_of(w->a, n, state);
+    if (count == n || count == 0) return count;
+    double *rows = w->a->x;
+    for (size_t j = n - 1; i < count; i++) {
+        if (w->a->state[i] == state) continue;
+        while (w->a->state[j] != state) j--;
+        if (j < i) break;
+        w->moved = true;
+        for (size_t k = 0; k < MOVED; k++) {
+            double other = rows[k * LANES + i];
+            rows[k * LANES + i] = rows[k * LANES + j], rows[k * LANES + j] = other;
+        }
+    }
+    return count;
+}
+
+/* -------------------------------------------------------------------- evaluations */
+
+SGT_KERNEL
+static void points(lanes *a, size_t n, const double *tau)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        a->px[i] = a->x[i] + tau[i] * a->l[i];
+        a->py[i] = a->y[i] + tau[i] * a->m[i];
+        a->pz[i] = a->z[i] + tau[i] * a->n[i];
+    }
+}
+
+/* The slope, and what rounding of the point does to F. */
+SGT_KERNEL
+static void around_all(const lanes *a, size_t n, const double *tau, const double *fx, const double *fy, const double *fz, double *slope, double *g_err, double none)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i], (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){fx[i], fy[i], fz[i]}, none);
+        slope[i] = at.slope, g_err[i] = at.place;
+    }
+}
+
+/* The same; how many are so near the root that the surface's own rounding is to be asked for. */
+SGT_KERNEL
+static double around_close(const lanes *a, size_t n, const double *tau, const sgt_values *f, double *slope, double *g_err, const double *last, double f_tol)
+{
+    const double *g = f->f, *fx = f->grad[0], *fy = f->grad[1], *fz = f->grad[2];
+    double none = a->none, near = 0;
+#pragma omp simd reduction(+ : near)
+    for (size_t i = 0; i < n; i++) {
+        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i], (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){fx[i], fy[i], fz[i]}, none);
+        near += close_of(g[i], at.slope, at.place, last[i], f_tol) ? 1.0 : 0.0;
+        slope[i] = at.slope, g_err[i] = at.place;
+    }
+    return near;
+}
+
+/* F and its gradient at the points. */
+static void ask(sweep *w, size_t n, const sgt_values *out)
+{
+    const sgt_surface_ops *ops = w->s.ops;
+    const lanes *a = w->a;
+    if (ops->values) {
+        ops->values(w->s.self, n, w->points, *out);
+        return;
+    }
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 grad;
+        out->f[i] = ops->value(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, &grad);
+        out->grad[0][i] = grad.x, out->grad[1][i] = grad.y, out->grad[2][i] = grad.z;
+    }
+}
+
+/* Where the surface's own is to be asked for (all, where last is NULL). */
+SGT_KERNEL
+static void add_roundings(size_t n, const double *restrict f, const double *restrict slope, const double *restrict last, double f_tol, const double *restrict own, double *restrict g_err)
+{
+    if (last) {
+        _Pragma("omp simd") for (size_t i = 0; i < n; i++) {
+            double bound = own[i] >= 0 ? own[i] : HUGE_VAL, close = close_of(f[i], slope[i], g_err[i], last[i], f_tol) ? 1.0 : 0.0;
+            g_err[i] += close != 0 ? bound : 0;
+        }
+    } else {
+        _Pragma("omp simd") for (size_t i = 0; i < n; i++) g_err[i] += own[i] >= 0 ? own[i] : HUGE_VAL;
+    }
+}
+
+SGT_KERNEL
+static void add_noise(const lanes *a, size_t n, double *own)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) own[i] += vicinity_noise(a->noise0[i], a->noise1[i], a->most2[i], a->px[i] * a->px[i] + a->py[i] * a->py[i]);
+}
+
+/* The slope, which may be the first of the gradient, and how far F may be off; last as for close_of, NULL: always. */
+static void bound(sweep *w, size_t n, const double *tau, const sgt_values *f, double *slope, double *g_err, const double *last)
+{
+    const sgt_surface_ops *ops = w->s.ops;
+    const lanes *a = w->a;
+    if (!last) around_all(a, n, tau, f->grad[0], f->grad[1], f->grad[2], slope, g_err, a->none);
+    else if (around_close(a, n, tau, f, slope, g_err, last, w->opt->f_tol) == 0) return;
+    if (!ops->rounding) return;
+    double own[LANES], none = is_catalogue(ops) ? HUGE_VAL : 0; /* what a bound that is none comes to */
+    if (is_catalogue(ops) && ops->own_->roundings && ops->own_->roundings(w->s.self, w->rows ? &w->bare : &w->shared, n, w->points, f->f, own)) {
+        if (w->rows) add_noise(a, n, own);
+        for (size_t i = 0; i < n; i++) /* seldom: beyond the rim */
+            if (!(own[i] >= 0)) own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
+        add_roundings(n, f->f, slope, last, w->opt->f_tol, own, g_err);
+        return;
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (!close_of(f->f[i], slope[i], g_err[i], last ? last[i] : (double)NAN, w->opt->f_tol)) continue;
+        own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
+        g_err[i] += own[i] >= 0 ? own[i] : none;
+    }
+}
+
+/* ----------------------------------------------------------------------- approach */
+
+/* By way of int, a loop for each: bytes beside doubles in one loop are much code. */
+SGT_KERNEL
+static void widen(size_t n, double *restrict out, const bool *restrict of)
+{
+    int wide[LANES];
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) wide[i] = of[i];
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) out[i] = wide[i];
+}
+
+SGT_KERNEL
+static void single_all(lanes *a, size_t n)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) a->single[i] = a->least[i] > 0 ? 1.0 : 0.0;
+}
+
+/* Who is to be asked; the rows of the others are those of nobody. */
+SGT_KERNEL
+static double nearby_asked(const lanes *a, size_t n, double *asked)
+{
+    double some = 0;
+#pragma omp simd reduction(+ : some)
+    for (size_t i = 0; i < n; i++) {
+        double is = ((a->single[i] == 0) & (fabs(a->seed[i]) < HUGE_VAL)) ? 1.0 : 0.0;
+        asked[i] = is, some += is;
+    }
+    return some;
+}
+
+/* Of sags, where several roots may be along the whole of a ray: the stretch on which F is monotone.  No root there is no
+ * miss: such a lane is not single.  The rows of the rays made local are not yet needed. */
+static void nearby(sweep *w, sgt_rays rays, size_t n)
+{
+    lanes *a = w->a;
+    w->rows = false;
+    if (!w->s.ops->own_->extent_within || nearby_asked(a, n, a->x) == 0) return;
+    w->rows = !(w->shared.noise[0] < HUGE_VAL);
+    vicinity v = {.tmin = a->tmin, .tmax = a->tmax, .seed = a->seed,
+                  .asked = a->x, .lo = a->lo, .hi = a->hi, .least = a->least,
+                  .noise = {a->noise0, a->noise1, a->most2}, .evals = a->evals, .budget = w->budget,
+                  .work = {a->y, a->z, a->l, a->m, a->n, a->t0, a->scale, a->tau, a->last, a->first,
+                           a->f, a->fx, a->fy, a->fz, a->g_err, a->at, a->g, a->slope, a->sign, a->end,
+                           a->px, a->py, a->pz, a->qf, a->qx, a->qy, a->qz, a->t_tol}};
+    sgt_vicinity_of(w->s, n, rays, w->near != 0, &w->shared, w->kept, &v);
+}
+
+static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
+{
+    const sgt_surface_ops *ops = w->s.ops;
+    const sgt_rays *r = &tile->rays;
+    lanes *a = w->a;
+    bool single[LANES];
+    for (size_t i = 0; i < n; i++) a->least[i] = a->evals[i] = 0;
+    if (ops->first && w->near == 0) {
+        const double *o[] = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, *d[] = {r->d[0] + from, r->d[1] + from, r->d[2] + from};
+        sgt_rays rays = {{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, a->tmin, a->tmax};
+        if (ops->firsts) ops->firsts(w->s.self, n, rays, (sgt_spans){a->lo, a->hi, a->seed, single});
+        for (size_t i = 0; i < n && !ops->firsts; i++) {
+            sgt_ray ray = {{o[0][i], o[1][i], o[2][i]}, {d[0][i], d[1][i], d[2][i]}, a->tmin[i], a->tmax[i]};
+            sgt_span span = ops->first(w->s.self, &ray);
+            a->lo[i] = span.lo, a->hi[i] = span.hi, a->seed[i] = span.seed, single[i] = span.single;
+        }
+        for (size_t i = 0; i < n; i++)
+            if (!single[i]) a->lo[i] = -HUGE_VAL, a->hi[i] = HUGE_VAL; /* and it does not pass by */
+        widen(n, a->single, single);
+        return;
+    }
+    if (w->slopes) {
+        sgt_rays rays = {.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from},
+                         .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}};
+        ops->own_->spans(w->s.self, &w->shared, n, rays, (sgt_spans){a->lo, a->hi, a->seed, NULL}, a->least);
+        single_all(a, n);
+        nearby(w, rays, n);
+        return;
+    }
+    if (ops->spans && ops->span) { /* alone they are not read, as sgt_intersect would not */
+        ops->spans(w->s.self, n, (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
+                   (sgt_spans){a->lo, a->hi, a->seed, single});
+        widen(n, a->single, single);
+        return;
+    }
+    for (size_t i = 0; i < n; i++) {
+        size_t k = from + i;
+        sgt_ray ray = {{r->o[0][k], r->o[1][k], r->o[2][k]}, {r->d[0][k], r->d[1][k], r->d[2][k]}, a->tmin[i], a->tmax[i]};
+        sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
+        if (ops->span) span = ops->span(w->s.self, &ray);
+        a->lo[i] = span.lo, a->hi[i] = span.hi, a->seed[i] = span.seed, a->single[i] = span.single ? 1.0 : 0.0;
+    }
+}
+
+SGT_INLINE void make_local(const sweep *w, const sgt_tile *tile, size_t from, size_t n, bool everywhere)
+{
+    lanes *a = w->a;
+    const double *ox = tile->rays.o[0] + from, *oy = tile->rays.o[1] + from, *oz = tile->rays.o[2] + from;
+    const double *dx = tile->rays.d[0] + from, *dy = tile->rays.d[1] + from, *dz = tile->rays.d[2] + from, *t_tol = tile->t_tol + from;
+    double back = w->back;
+    bool slopes = w->slopes;
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        sgt_vec3 o = {ox[i], oy[i], oz[i]}, d = {dx[i], dy[i], dz[i]};
+        approach at = approach_of(o, d, a->tmin[i], a->tmax[i], a->lo[i], a->hi[i], a->seed[i], back,
+                                  everywhere, slopes & (a->least[i] > 0));
+        a->f[i] = (at.seeded ? 1.0 : 0.0) + (at.middle ? 0.5 : 0.0), a->fx[i] = (at.passes ? 0.0 : 1.0) + (at.known ? 0.0 : 2.0);
+        a->x[i] = at.q.x, a->y[i] = at.q.y, a->z[i] = at.q.z;
+        a->l[i] = at.q.l, a->m[i] = at.q.m, a->n[i] = at.q.n;
+        a->t0[i] = at.q.t0, a->scale[i] = at.q.scale;
+        a->lo[i] = at.lo, a->hi[i] = at.hi;
+        a->t_tol[i] = t_tol[i] * at.inverse;
+        if (everywhere) a->end[i] = far_end(o, at.q.l, at.q.m, at.q.n, at.q.t0, at.nearest, at.lo);
+        a->tau[i] = 0, a->last[i] = DBL_MAX, a->first[i] = -1;
+    }
+}
+
+/* Returns how many start at once. */
+SGT_KERNEL
+static double approach_lanes(const sweep *w, const sgt_tile *tile, size_t from, size_t n)
+{
+    lanes *a = w->a;
+    const double *t_tol = tile->t_tol + from;
+    double near = w->near, walks_from = w->walks_from, starting = 0;
+    if (walks_from < HUGE_VAL && !w->s.ops->span) make_local(w, tile, from, n, true);
+    else make_local(w, tile, from, n, false);
+    /* gcc makes vector code of two loops where in one the same conditions, chosen by and asked again, are branches to it */
+#pragma omp simd reduction(+ : starting)
+    for (size_t i = 0; i < n; i++) {
+        double single = a->single[i], one = single + near + a->least[i];
+        bool starts = (one > 0) & (a->f[i] + 0.5 * single >= 1), walks = (one == 0) & (a->lo[i] > walks_from);
+        double state = starts ? (double)NEWTON : (double)SGT_HARD;
+        state = walks ? (double)MARCH : state;
+        state = a->fx[i] > 1 ? (double)SGT_HARD : state;
+        state = a->fx[i] < 1 ? (double)SGT_MISS : state;
+        state = t_tol[i] >= 0 ? state : (double)SGT_HARD;
+        starting += state == NEWTON ? 1.0 : 0.0;
+        a->state[i] = state;
+    }
+    return starting;
+}
+
+/* -------------------------------------------------------------------------- march */
+
+/* Its end, where the ray has none, and its steps. */
+SGT_KERNEL
+static void march_begin(lanes *a, size_t n, double dt_min, bool everywhere)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double lo = a->lo[i], end = a->hi[i] < HUGE_VAL ? a->hi[i] : everywhere ? a->end[i] : HUGE_VAL, given = dt_min / a->scale[i], own = (end - lo) * (1.0 / MARCH_STEPS);
+        a->end[i] = end;
+        a->dt[i] = dt_min > 0 ? given : own;
+        double state = end < HUGE_VAL ? a->state[i] : (double)SGT_HARD;
+        a->state[i] = lo < end ? state : (double)SGT_HARD;
+        a->tau[i] = lo, a->defined[i] = 0;
+        a->at[i] = -HUGE_VAL, a->g[i] = (double)NAN, a->slope[i] = a->sign[i] = 0; /* no step before the first */
+    }
+}
+
+SGT_INLINE mark before(const lanes *a, size_t i) { return (mark){a->at[i], a->g[i], a->slope[i], a->sign[i]}; }
+SGT_INLINE mark after(const lanes *a, size_t i) { return (mark){a->tau[i], a->f[i], a->qx[i], a->qf[i]}; }
+
+/* As many as fill the registers: a few lanes by themselves cost as much as all of those.  What lies behind n is in another phase. */
+SGT_INLINE size_t filled(size_t n) { return (n + ABREAST - 1) / ABREAST * ABREAST; }
+
+/* What the step to tau has shown, and the next; k of them were taken.  A lane that stands before a valley waits for
+ * march_over.  known: as for Newton's steps, below.  Returns how many go on. */
+SGT_INLINE double march_steps(lanes *a, size_t n, double k, bool known, double none)
+{
+    double more = 0;
+#pragma omp simd reduction(+ : more)
+    for (size_t i = 0; i < filled(n); i++) {
+        double x = a->x[i], y = a->y[i], z = a->z[i], l = a->l[i], m = a->m[i], dn = a->n[i];
+        double f = a->f[i], tau = a->tau[i], end = a->end[i], defined = a->defined[i], phase = a->state[i], slope, g_err;
+        if (known) {
+            slope = a->qx[i], g_err = a->g_err[i];
+        } else {
+            around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
+            slope = at.slope, g_err = at.place;
+        }
+        mark was = before(a, i);
+        double sign = sign_of(f, g_err), both = was.sign * sign, falls = -was.sign * was.slope, rises = was.sign * slope, next = a->lo[i] + (k + 1) * a->dt[i];
+        double valley = falls < rises ? falls : rises, told = fabs(sign) + (f == f ? 0.0 : 1.0) + (tau < end ? 0.0 : 1.0);
+        valley = both < valley ? both : valley;
+        defined = f == f ? 1.0 : defined;
+        double seen = defined != 0 ? (double)SGT_UNPROVEN : (double)SGT_UNDEFINED, state = tau < end ? (double)MARCH : seen;
+        state = both < 0 ? (double)NEWTON : state;
+        state = valley > 0 ? (double)VALLEY : state;
+        state = told == 0 ? (double)SGT_HARD : state;
+        state = tau > was.tau ? state : (double)SGT_HARD;
+        state = phase == MARCH ? state : phase;
+        next = next < end ? next : end;
+        bool goes = state == MARCH;
+        more += goes ? 1.0 : 0.0;
+        a->evals[i] += phase == MARCH ? 1.0 : 0.0;
+        a->at[i] = goes ? tau : was.tau, a->g[i] = goes ? f : was.g;
+        a->slope[i] = goes ? slope : was.slope, a->sign[i] = goes ? sign : was.sign;
+        a->qx[i] = slope, a->qf[i] = sign;
+        tau = goes ? next : tau;
+        a->tau[i] = tau;
+        a->defined[i] = defined;
+        a->state[i] = state;
+    }
+    return more;
+}
+
+SGT_KERNEL
+static double march_step(lanes *a, size_t n, double k, double none) { return march_steps(a, n, k, false, none); }
+SGT_KERNEL
+static double march_step_known(lanes *a, size_t n, double k) { return march_steps(a, n, k, true, 0); }
+
+/* The lanes before a valley, one by one: hard, or on. */
+static void march_over(lanes *a, size_t n, double k)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (a->state[i] != VALLEY) continue;
+        mark was = before(a, i), is = after(a, i);
+        if (dip_of(was, is)) {
+            a->state[i] = SGT_HARD;
+        } else if (!(is.tau < a->end[i])) {
+            a->state[i] = a->defined[i] != 0 ? SGT_UNPROVEN : SGT_UNDEFINED;
+        } else {
+            double next = a->lo[i] + (k + 1) * a->dt[i];
+            a->at[i] = is.tau, a->g[i] = is.g, a->slope[i] = is.slope, a->sign[i] = is.sign;
+            a->tau[i] = next < a->end[i] ? next : a->end[i];
+            a->state[i] = MARCH;
+        }
+    }
+}
+
+/* Where nothing was seen, what is told of it is the stretch, if any of it is left between the ray's ends. */
+static void march_end(lanes *a, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (a->state[i] != SGT_UNPROVEN && a->state[i] != SGT_UNDEFINED) continue;
+        double from = (a->t0[i] + a->lo[i]) * a->scale[i], to = (a->t0[i] + a->hi[i]) * a->scale[i];
+        from -= 2 * SGT_U * fabs(from), to += 2 * SGT_U * fabs(to);
+        from = larger(from, a->tmin[i]), to = to < a->tmax[i] ? to : a->tmax[i];
+        if (from > to || !(a->hi[i] <= a->end[i])) a->state[i] = SGT_HARD;
+    }
+}
+
+/* Where the march has ended between unlike signs: from the secant of the two. */
+SGT_KERNEL
+static void bracket(lanes *a, size_t n)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double at = a->at[i], tau = a->tau[i], g = a->g[i], f = a->f[i], width = tau - at, gm = fabs(g), gb = fabs(f);
+        double seed = secant_of((mark){.tau = at, .g = g}, (mark){.tau = tau, .g = f}), state = a->state[i];
+        bool crossed = state == NEWTON;
+        double start = seed > at ? (double)NEWTON : (double)SGT_HARD;
+        start = seed < tau ? start : (double)SGT_HARD;
+        gm = gm < HUGE_VAL ? gm : 0, gb = gb < HUGE_VAL ? gb : 0;
+        gm = larger(gm, gb);
+        a->lo[i] = crossed ? at : a->lo[i];
+        a->hi[i] = crossed ? tau : a->hi[i];
+        a->tau[i] = crossed ? seed : tau;
+        a->last[i] = crossed ? width : a->last[i];
+        a->first[i] = crossed ? gm : a->first[i];
+        a->state[i] = crossed ? start : state;
+    }
+}
+
+static void march(sweep *w, size_t n)
+{
+    lanes *a = w->a;
+    march_begin(a, n, w->opt->dt_min, !w->s.ops->span);
+    size_t all = n;
+    n = front(w, n, MARCH);
+    for (double k = 0; n > 0; k++) {
+        if (k + 1 >= w->budget) { /* spent, but for what would be needed to confirm a root */
+            for (size_t i = 0; i < n; i++) a->state[i] = a->state[i] == MARCH ? (double)SGT_HARD : a->state[i];
+            break;
+        }
+        double more;
+        points(a, n, a->tau);
+        ask(w, n, &w->f);
+        if (w->s.ops->rounding) {
+            bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last);
+            more = march_step_known(a, n, k);
+        } else {
+            more = march_step(a, n, k, a->none);
+        }
+        if (more < (double)n) march_over(a, n, k);
+        if (4 * more <= 3 * (double)n) n = front(w, n, MARCH);
+    }
+    march_end(a, all);
+    bracket(a, all);
+}
+
+/* ------------------------------------------------------------------ Newton's steps */
+
+SGT_KERNEL
+static void newton_begin(lanes *a, size_t n)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        double first = a->first[i], f = fabs(a->f[i]);
+        a->first[i] = first < 0 ? f : first;
+    }
+}
+
+/* The step, and the points it leads to; how many go on.  known: the slope is in qx, and g_err is there.  What a lane that is
+ * done is not to do is told by numbers that change nothing, and not by leaving a row as it is: that would be a branch. */
+SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, bool known, double none)
+{
+    double more = 0, again = last_one ? FAILED : NEWTON;
+#pragma omp simd reduction(+ : more)
+    for (size_t i = 0; i < filled(n); i++) {
+        double x = a->x[i], y = a->y[i], z = a->z[i], l = a->l[i], m = a->m[i], dn = a->n[i];
+        double f = a->f[i], tau = a->tau[i], last = a->last[i], phase = a->state[i], slope, g_err;
+        if (known) {
+            slope = a->qx[i], g_err = a->g_err[i];
+        } else {
+            around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
+            slope = at.slope, g_err = at.place;
+        }
+        newton s = newton_of(f, slope, g_err, tau, last, a->lo[i], a->hi[i], a->t_tol[i], f_tol);
+        double state = s.go >= 0 ? again : (double)FAILED;
+        state = s.ready >= 0 ? (double)READY : state;
+        state = phase == NEWTON ? state : phase;
+        double step = state == NEWTON ? s.step : 0, size = state == NEWTON ? s.size : HUGE_VAL;
+        tau -= step;
+        more += state == NEWTON ? 1.0 : 0.0;
+        a->evals[i] += phase == NEWTON ? 1.0 : 0.0;
+        a->tau[i] = tau;
+        a->px[i] = x + tau * l, a->py[i] = y + tau * m, a->pz[i] = z + tau * dn;
+        a->last[i] = size < last ? size : last;
+        if (!known) a->g_err[i] = g_err;
+        a->state[i] = state;
+    }
+    return more;
+}
+
+SGT_KERNEL
+static double newton_step(lanes *a, size_t n, bool last_one, double f_tol, double none) { return newton_steps(a, n, last_one, f_tol, false, none); }
+SGT_KERNEL
+static double newton_step_known(lanes *a, size_t n, bool last_one, double f_tol) { return newton_steps(a, n, last_one, f_tol, true, 0); }
+
+static void solve(sweep *w, size_t n)
+{
+    lanes *a = w->a;
+    double f_tol = w->opt->f_tol;
+    points(a, n, a->tau);
+    for (int i = 1; n > 0; i++) {
+        double more;
+        ask(w, n, &w->f);
+        if (i == 1) newton_begin(a, n);
+        if (w->s.ops->rounding) {
+            bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last);
+            more = newton_step_known(a, n, i == QUICK_STEPS, f_tol);
+        } else {
+            more = newton_step(a, n, i == QUICK_STEPS, f_tol, a->none);
+        }
+        if (4 * more <= 3 * (double)n) n = front(w, n, NEWTON);
+    }
+}
+
+/* ------------------------------------------------------------------- beside a root */
+
+SGT_KERNEL
+static void sign_all(const lanes *a, size_t n, const double *tau, double *sign, double none)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i], (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->qx[i], a->qy[i], a->qz[i]}, none);
+        sign[i] = sign_of(a->qf[i], at.place);
+    }
+}
+
+/* The signs at `tau`, of each lane, whose points are there. */
+static void signs(sweep *w, size_t n, const double *tau, double *sign)
+{
+    lanes *a = w->a;
+    ask(w, n, &w->q);
+    if (!w->s.ops->rounding) {
+        sign_all(a, n, tau, sign, a->none);
+        return;
+    }
+    bound(w, n, tau, &w->q, a->qx, sign, NULL);
+    for (size_t i = 0; i < n; i++) sign[i] = sign_of(a->qf[i], sign[i]);
+}
+
+/* Beside a root |F| is greater than at it: a sign where it is not, as next to a pole, is doubtful. */
+SGT_KERNEL
+static void unless_greater(const lanes *a, size_t n, double *sign)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) sign[i] = fabs(a->qf[i]) > fabs(a->f[i]) ? sign[i] : 0;
+}
+
+SGT_KERNEL
+static void ends(lanes *a, size_t n)
+{
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        bool finite = (a->lo[i] > -HUGE_VAL) & (a->hi[i] < HUGE_VAL) & (a->single[i] != 0);
+        a->state[i] = finite ? (double)FAILED : (double)SGT_HARD;
+    }
+}
+
+/* One certain sign at both ends of a span with one root at most is a miss. */
+static void miss(sweep *w, size_t n)
+{
+    lanes *a = w->a;
+    if (!n) return;
+    ends(a, n);
+    n = front(w, n, FAILED);
+    if (!n) return;
+    points(a, n, a->lo);
+    signs(w, n, a->lo, a->end);
+    points(a, n, a->hi);
+    signs(w, n, a->hi, a->beside);
+    for (size_t i = 0; i < n; i++) {
+        a->evals[i] += 2;
+        a->state[i] = a->end[i] * a->beside[i] > 0 && a->evals[i] <= w->budget ? (double)SGT_MISS : (double)SGT_HARD;
+    }
+}
+
+/* How far to look from where Newton's steps have ended; who need not, or does not stand at a root: |F| has grown.  How many
+ * are to look. */
+SGT_KERNEL
+static double probe_begin(lanes *a, size_t n, double f_tol)
+{
+    double more = 0;
+#pragma omp simd reduction(+ : more)
+    for (size_t i = 0; i < n; i++) {
+        double slope = a->fx[i] * a->l[i] + a->fy[i] * a->m[i] + a->fz[i] * a->n[i], g = fabs(a->f[i]);
+        double tau_err = 2 * (g + a->g_err[i]) / fabs(slope), flat = tau_err < HUGE_VAL ? (double)ROOT : (double)SGT_HARD;
+        a->dt[i] = width_of(a->f[i], slope, a->g_err[i], a->tau[i], a->t_tol[i]);
+        a->tau_err[i] = tau_err;
+        a->last[i] = slope;
+        double phase = a->state[i], state = g <= f_tol ? flat : (double)READY;
+        state = g <= a->first[i] ? state : (double)SGT_HARD;
+        state = phase == READY ? state : phase;
+        more += state == READY ? 1.0 : 0.0;
+        a->state[i] = state;
+    }
+    return more;
+}
+
+/* Both sides, and the points on the left; how many have both. */
+SGT_KERNEL
+static double probe_sides(lanes *a, size_t n)
+{
+    double more = 0;
+#pragma omp simd reduction(+ : more)
+    for (size_t i = 0; i < n; i++) {
+        double tau = a->tau[i], width = a->dt[i], left = tau - width, right = tau + width;
+        bool inside = (left >= a->lo[i]) & (right <= a->hi[i]);
+        a->tau_err[i] = larger(tau - left, right - tau);
+        left = inside ? left : tau, right = inside ? right : tau;
+        a->left[i] = left, a->right[i] = right;
+        a->px[i] = a->x[i] + left * a->l[i], a->py[i] = a->y[i] + left * a->m[i], a->pz[i] = a->z[i] + left * a->n[i];
+        a->dt[i] = 4 * width;
+        more += inside ? 1.0 : 0.0;
+        a->state[i] = inside ? (double)READY : (double)SGT_HARD;
+    }
+    return more;
+}
+
+/* What the signs say (to the right of a pole F has not the sign of the slope); how many are to be asked again. */
+SGT_KERNEL
+static double probe_end(lanes *a, size_t n, double doubtful)
+{
+    double more = 0;
+#pragma omp simd reduction(+ : more)
+    for (size_t i = 0; i < n; i++) {
+        double both = a->end[i] * a->beside[i], most = larger(both, -a->last[i] * a->beside[i]), state = most < 0 ? (double)ROOT : (double)SGT_HARD;
+        state = both == 0 ? doubtful : state;
+        more += state == READY ? 1.0 : 0.0;
+        a->evals[i] += 2;
+        a->state[i] = state;
+    }
+    return more;
+}
+
+/* Of some lane a step is enough that is not within the rounding. */
+SGT_KERNEL
+static bool loose(const lanes *a, size_t n)
+{
+    double some = 0;
+#pragma omp simd reduction(+ : some)
+    for (size_t i = 0; i < n; i++) some += a->t_tol[i] > 0 ? 1.0 : 0.0;
+    return some > 0;
+}
+
+/* Those whose slope is known along the span; off: how far F may be.  How many are still to be asked beside the root. */
+SGT_KERNEL
+static double certify(lanes *a, size_t n, const double *off)
+{
+    double more = 0;
+#pragma omp simd reduction(+ : more)
+    for (size_t i = 0; i < n; i++) {
+        certified c = certified_of(a->tau[i], a->f[i], off[i], a->least[i], a->lo[i], a->hi[i]);
+        double before = a->tau_err[i], phase = a->state[i], root = c.inside ? (double)ROOT : (double)READY;
+        double state = phase == READY ? root : phase;
+        a->tau_err[i] = state == ROOT && phase == READY ? c.tau_err : before;
+        more += state == READY ? 1.0 : 0.0;
+        a->state[i] = state;
+    }
+    return more;
+}
+
+/* Of the lanes that Newton's steps have been tried on. */
+static void probe(sweep *w, size_t n)
+{
+    lanes *a = w->a;
+    if (probe_begin(a, n, w->opt->f_tol > 0 ? w->opt->f_tol : -1) < (double)n) {
+        miss(w, front(w, n, FAILED));
+        n = front(w, n, READY);
+    }
+    if (w->slopes && n) {
+        /* else all of it is in g_err: what is ready by |F| is close */
+        bool again = loose(a, n);
+        if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL);
+        n = certify(a, n, again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
+    }
+    for (int k = 1; n > 0; k++) {
+        if (probe_sides(a, n) < (double)n) n = front(w, n, READY);
+        if (!n) break;
+        signs(w, n, a->left, a->end);
+        unless_greater(a, n, a->end);
+        points(a, n, a->right);
+        signs(w, n, a->right, a->beside);
+        unless_greater(a, n, a->beside);
+        n = probe_end(a, n, k < PROBES ? (double)READY : (double)SGT_HARD) > 0 ? front(w, n, READY) : 0;
+    }
+}
+
+/* -------------------------------------------------------------------------- taking */
+
+/* Of every lane what is told of it, in rows that are of no more use: t in last, t_err in first, t_lo in dt, p_err in end, the
+ * gradient where it is, the point where points are.  How many are hits. */
+SGT_KERNEL
+static double take(lanes *a, size_t n, double budget, double rim2, double margin)
+{
+    double hits = 0;
+#pragma omp simd reduction(+ : hits)
+    for (size_t i = 0; i < n; i++) {
+        double tau = a->tau[i];
+        local q = {.l = a->l[i], .m = a->m[i], .n = a->n[i], .t0 = a->t0[i], .scale = a->scale[i]};
+        sgt_vec3 grad = {a->fx[i], a->fy[i], a->fz[i]}, p = {a->x[i] + tau * q.l, a->y[i] + tau * q.m, a->z[i] + tau * q.n};
+        around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
+        double away = ((a->single[i] == 0) & (a->least[i] > 0)) ? END_ERRORS : margin; /* vicinity.h */
+        taking h = taking_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i], rim2, away);
+        double off = h.off ? (double)SGT_MISS : (double)SGT_HARD, state = a->single[i] != 0 ? off : (double)SGT_HARD;
+        state = h.counts ? (double)SGT_HIT : state;
+        state = a->evals[i] <= budget ? state : (double)SGT_HARD;
+        double phase = a->state[i];
+        state = phase == ROOT ? state : phase;
+        hits += state == SGT_HIT ? 1.0 : 0.0;
+        a->state[i] = state;
+        a->last[i] = h.t, a->first[i] = h.t_err, a->dt[i] = h.t_lo, a->end[i] = h.p_err;
+        a->px[i] = p.x, a->py[i] = p.y, a->pz[i] = p.z;
+    }
+    return hits;
+}
+
+enum { TOLD = 10 };
+
+/* Lanes back to their places, and NaN to those without a root.  How many are hard. */
+static size_t settle(const sweep *w, size_t n, bool hits, double *const row_of[TOLD])
+{
+    lanes *a = w->a;
+    for (size_t i = 0; i < n && w->moved; i++)
+        for (size_t k; (k = (size_t)a->slot[i]) != i;) {
+            double slot = a->slot[k], state = a->state[k], evals = a->evals[k];
+            a->slot[k] = a->slot[i], a->state[k] = a->state[i], a->evals[k] = a->evals[i];
+            a->slot[i] = slot, a->state[i] = state, a->evals[i] = evals;
+            for (size_t j = 0; j < TOLD; j++) {
+                double other = row_of[j][k];
+                row_of[j][k] = row_of[j][i], row_of[j][i] = other;
+            }
+        }
+    if (hits) return 0;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < TOLD && !(a->state[i] > 0); j++) row_of[j][i] = (double)NAN;
+    return count_of(a, n, SGT_HARD);
+}
+
+/* Each row to where it is wanted.  By vectors: what becomes of a memcpy of unknown length in code for any processor is slower. */
+SGT_KERNEL
+static void copy(size_t n, double *const outs[TOLD], double *const rows[TOLD], size_t from)
+{
+    for (size_t j = 0; j < TOLD; j++) {
+        if (!outs[j]) continue;
+        double *out = outs[j] + from;
+        const double *of = rows[j];
+#pragma omp simd
+        for (size_t i = 0; i < n; i++) out[i] = of[i];
+    }
+}
+
+SGT_KERNEL
+static void narrow(const lanes *a, size_t n, signed char *status, int *evals)
+{
+    int state[LANES];
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) state[i] = (int)a->state[i];
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) status[i] = (signed char)state[i];
+    if (!evals) return;
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) evals[i] = (int)a->evals[i];
+}
+
+/* hits: each one is. */
+static size_t write(const sweep *w, size_t n, bool hits, const sgt_hits *h, size_t from)
+{
+    lanes *a = w->a;
+    double *const row_of[TOLD] = {a->last, a->first, a->dt, a->end, a->px, a->py, a->pz, a->fx, a->fy, a->fz};
+    double *const out[TOLD] = {h->t, h->t_err, h->t_lo, h->p_err, h->p[0], h->p[1], h->p[2], h->n[0], h->n[1], h->n[2]};
+    size_t hard = settle(w, n, hits, row_of);
+    copy(n, out, row_of, from);
+    narrow(a, n, h->status + from, h->evals ? h->evals + from : NULL);
+    return hard;
+}
+
+/* ------------------------------------------------------------------------ the whole */
+
+/* Rays that the door lets in, at most LANES, tmin and tmax of each in its lane. */
+static size_t run(sweep *w, const sgt_tile *tile, size_t from, size_t n)
+{
+    lanes *a = w->a;
+    w->moved = false;
+    for (size_t i = n; i < filled(n); i++) a->state[i] = SGT_HARD;
+    spans(w, tile, from, n);
+    size_t solving = n;
+    if (approach_lanes(w, tile, from, n) < (double)n) {
+        size_t marching = front(w, n, MARCH);
+        if (marching) march(w, marching);
+        solving = front(w, n, NEWTON);
+    }
+    if (solving) {
+        solve(w, solving);
+        probe(w, solving);
+    }
+    return write(w, n, take(a, n, w->budget, w->rim2, w->margin) == (double)n, &tile->hits, from);
+}
+
+/* tmax as it is meant, and the state 1 where the ray is one; how many are. */
+SGT_KERNEL
+static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
+{
+    const double *ox = tile->rays.o[0] + from, *oy = tile->rays.o[1] + from, *oz = tile->rays.o[2] + from, *tmin = tile->rays.tmin + from;
+    const double *dx = tile->rays.d[0] + from, *dy = tile->rays.d[1] + from, *dz = tile->rays.d[2] + from, *tmax = tile->rays.tmax + from;
+    double valid = 0;
+#pragma omp simd reduction(+ : valid)
+    for (size_t i = 0; i < n; i++) {
+        sgt_ray ray = {{ox[i], oy[i], oz[i]}, {dx[i], dy[i], dz[i]}, tmin[i], tmax[i]};
+        double is = ray_valid(&ray) ? 1.0 : 0.0;
+        valid += is;
+        a->state[i] = is;
+        a->tmin[i] = ray.tmin, a->tmax[i] = ray.tmax;
+    }
+    return valid;
+}
+
+size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+{
+    const sgt_surface_ops *ops = s.ops;
+    if (opt->proof || !parameters_valid(s) || !rim_in_range(rim2_of_surface(s))) { /* one by one: prove.c; the door */
+        memset(tile->hits.status, SGT_HARD, tile->n);
+        return tile->n;
+    }
+    lanes a;
+    sgt_options own = *opt;
+    if (is_catalogue(ops)) own.f_tol = 0; /* as general.c */
+    vicinities kept; /* not cleared with the rest of w */
+    sweep w = {.s = s, .opt = &own, .a = &a, .kept = &kept, .near = opt->pick == SGT_NEAR_SEED,
+               .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
+               .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS,
+               .rim2 = rim2_of_surface(s), .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0, .slopes = is_catalogue(ops) && ops->own_->spans,
+               .walks_from = ops->first || ops->enclose || ops->clearance || (opt->dt_min > 0 && ops->estimate) ? HUGE_VAL : -HUGE_VAL};
+    size_t hard = 0;
+    a.none = 0;
+    vicinities_begin(w.kept);
+    if (is_catalogue(ops) && ops->own_->share) ops->own_->share(s.self, &w.shared), w.bare = bare_of(w.shared);
+    for (int i = 0; i < LANES; i++) a.slot[i] = i; /* and so again after each run: see settle */
+    w.points = (sgt_points){{a.px, a.py, a.pz}};
+    w.f = (sgt_values){a.f, {a.fx, a.fy, a.fz}}, w.q = (sgt_values){a.qf, {a.qx, a.qy, a.qz}};
+    for (size_t i = 0, n; i < tile->n; i += n) {
+        size_t most = tile->n - i < LANES ? tile->n - i : LANES;
+        n = most;
+        if (door(&a, tile, i, most) < (double)most)
+            for (n = 0; n < most && a.state[n] != 0;) n++;
+        if (n) hard += run(&w, tile, i, n);
+        else tile->hits.status[i] = SGT_HARD, hard++, n = 1;
+    }
+    return hard;
+}

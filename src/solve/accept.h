@@ -1,0 +1,127 @@
+/* accept.h - which roots are accepted, and what is known of them.
+ *
+ * ACCEPTED ROOTS.  In this order: on the sheet, inside the rim, in (tmin, tmax], not
+ * the start itself (sgt_ray in sagitta.h has the rule).  The rules for rim and ends are
+ * stated in computed numbers, so they are sharp and never undecided; where a proof is asked for,
+ * a root whose side of the rim rounding hides is.  And a root whose t_err is far wider than the rule of the
+ * start (extreme numbers: terms that underflow or cancel) is not taken for the start: it is undecided
+ * (ends_hide).
+ *
+ * Each way to a root computes another t.  So a root next to tmax, by END_ERRORS of its t_err, is
+ * left by the ways that are there for speed to the one that finds every root: the first root and
+ * the first of all are then the same. */
+#ifndef SGT_SOLVE_ACCEPT_H
+#define SGT_SOLVE_ACCEPT_H
+
+#include "../num/local.h"
+
+static const double SOFT_RIM = 1 + 0x1p-44; /* of r^2; surfaces.h says why */
+static const double START_ULPS = 0x1p-48;   /* 16 ulps; sagitta.h, sgt_ray */
+static const double END_ERRORS = 16;        /* t of two ways differ by less, times t_err */
+static const double TINY_ERROR = 0x1p-1060;
+
+/* A root, with all that a hit says of it. */
+typedef struct meeting {
+    double t, t_lo, t_err;   /* the ray's own */
+    sgt_vec3 p, n;           /* point and gradient of F */
+    double p_err;
+    double slope;            /* |grad F . d| for the scaled d, times v; see below */
+    double v;                /* 1 - (1 + k) c w: positive on the sheet, 0 at the equator */
+    double sag;              /* the conic's s(x, y) as `value` has it; NaN: not worked out */
+} meeting;
+
+/* t = t0 + t0_lo + tau, with tau known to tau_err, in the ray's own measure. */
+SGT_INLINE void meeting_place(meeting *h, const local *q, double tau, double tau_err)
+{
+    double small = q->t0_lo + tau;
+    twofold t = two_sum(q->t0, small);
+    double e = tau_err + SGT_U * fabs(small) + q->t0_err;
+    h->t = t.hi * q->scale;
+    h->t_lo = t.lo * q->scale;
+    h->t_err = (fabs(t.lo) + e * (1 + 4 * SGT_U)) * (1 + 4 * SGT_U) * q->scale;
+    if (!(fabs(h->t) < HUGE_VAL)) h->t_err = HUGE_VAL; /* in lengths of d */
+    bool away = (q->x != 0 || q->y != 0) && larger(fabs(q->x), fabs(q->y)) < 0x1p-60; /* powers of theirs may underflow */
+    if (fabs(h->t) < TINY && (h->t != 0 || h->t_err != 0 || away)) h->t_err += TINY_ERROR;
+    double tl = tau * q->l, tm = tau * q->m, tn = tau * q->n;
+    h->p = (sgt_vec3){q->x + tl, q->y + tm, q->z + tn};
+    h->p_err = (fabs(q->l) + fabs(q->m) + fabs(q->n)) * tau_err * (1 + 4 * SGT_U)
+             + 1.01 * SGT_U * ((q->xa + fabs(tl) + fabs(h->p.x)) + (q->ya + fabs(tm) + fabs(h->p.y))
+                               + (q->za + fabs(tn) + fabs(h->p.z)));
+    if (h->p_err < TINY && (h->p_err != 0 || away)) h->p_err += TINY_ERROR;
+}
+
+/* Is t as sharp as asked for?  Where t is much smaller than the sag (a start near the surface),
+ * rounding at the surface's scale leaves t with many of its last bits unknown. */
+SGT_INLINE bool sharp(const meeting *h, double t_tol)
+{
+    return h->t_err <= 40 * SGT_U * fabs(h->t) || h->t_err <= t_tol;
+}
+
+/* Inside the rim, in (tmin, tmax], and not the start itself: farther from tmin than 16 ulps in each
+ * coordinate of the root can put it.  The sum of |p_i F_i| and |grad F . d| share the factor 1/v, which
+ * drops out; at the vertex both are 0.  Of a v that is negative, and so no certain one, and of one so near 0 that n is
+ * infinite, the ends alone count.  rim2 is infinite where there is none. */
+SGT_INLINE bool counts(const meeting *h, const sgt_ray *ray, double rim2, double scale)
+{
+    double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z));
+    bool lost = !(fabs(h->n.x) + fabs(h->n.y) < HUGE_VAL);
+    double room = h->t - ray->tmin - h->t_err - 8 * SGT_U * fabs(h->t);
+    bool started = ray->tmin == -HUGE_VAL || (room > 0 && (room * (h->slope / scale) > START_ULPS * terms || terms == 0 || lost));
+    bool inside = !(h->p.x * h->p.x + h->p.y * h->p.y > rim2);
+    return started && h->t <= ray->tmax && inside;
+}
+
+/* Rounding hides on which side of the rim the root is: its r^2 is off by twice (|x| + |y|) p_err and what that makes of
+ * itself, and 4 u.  Asked under proof alone; without, the rule is as sharp as it is stated. */
+SGT_INLINE bool rim_hidden(const meeting *h, double rim2)
+{
+    double r2 = h->p.x * h->p.x + h->p.y * h->p.y, off = (2 * (fabs(h->p.x) + fabs(h->p.y)) + h->p_err) * h->p_err + 4 * SGT_U * r2;
+    if (!(rim2 < HUGE_VAL)) return false;
+    if (!(off < HUGE_VAL)) return !(larger(fabs(h->p.x), fabs(h->p.y)) - h->p_err > 2 * sqrt(rim2)); /* far beyond */
+    return !(fabs(r2 - rim2) > 1.01 * off);
+}
+
+/* Of a root that does not count by its ends: t_err is so wide that it may count.  As the start it may be
+ * dropped if t_err is no more than the rule's own width, or if all of t +- t_err is within that; as one
+ * behind tmax if t_err is but rounding, or if all of t +- t_err is behind.  width: of the rule of the start,
+ * 16 ulps in each coordinate as a t. */
+SGT_INLINE bool ends_hide(const meeting *h, const sgt_ray *ray, double rim2, double width)
+{
+    double after = h->t - ray->tmin, most = (width < HUGE_VAL ? width : 0) + 8 * SGT_U * fabs(h->t);
+    bool start = after <= h->t_err + most && (h->t_err <= most || after + h->t_err <= most);
+    bool behind =
+        h->t > ray->tmax && (h->t_err <= 64 * SGT_U * fabs(ray->tmax) || h->t - h->t_err > ray->tmax);
+    bool outside = h->p.x * h->p.x + h->p.y * h->p.y > rim2 && !rim_hidden(h, rim2);
+    return !start && !behind && !outside;
+}
+
+/* Infinite where there is none; 2^500 and beyond is none (surfaces.h). */
+static const double NO_RIM = 0x1p500;
+
+SGT_INLINE double rim2_of(double semi_diameter)
+{
+    if (!(semi_diameter > 0)) return HUGE_VAL;
+    return semi_diameter < NO_RIM ? semi_diameter * semi_diameter * SOFT_RIM : HUGE_VAL;
+}
+
+/* Of the rim within which a root in lanes is certain: conic/easy.h, asphere/easy.h. */
+SGT_INLINE double sure_rim2(double rim2) { return rim2 * (1 - 0x1.dp-45); }
+
+/* Its square has lost nothing to underflow.  Where it has, no root is told from another: every ray is UNPROVEN. */
+SGT_INLINE bool rim_in_range(double rim2) { return rim2 > TINY; }
+
+/* Where a ray that lies in the surface from lo to hi begins to count: the first t, as nearly as a few trials tell, whose
+ * point has r^2 <= rim2 as computed (chords are made longer than they are); NaN: none is found.  Of a stretch without a
+ * beginning it is the point nearest to `centre`.  All t count from t0. */
+SGT_INLINE double start_within(const sgt_ray *ray, double t0, double lo, double hi, double centre, double rim2)
+{
+    double begin = lo > -DBL_MAX ? lo : hi < centre ? hi : centre, length = hi - begin, t = begin;
+    for (double part = 0x1p-48;; part *= 64) {
+        double x = coordinate(ray->o.x, ray->d.x, t0, t).hi, y = coordinate(ray->o.y, ray->d.y, t0, t).hi;
+        if (x * x + y * y <= rim2) return t;
+        if (!(part <= 1 && length < HUGE_VAL)) return (double)NAN;
+        t = begin + (part < 1 ? part : 0.5) * length;
+    }
+}
+
+#endif

@@ -1,0 +1,498 @@
+/* asphere.c - a conic plus the sum P of a[i] r^(2i+2): Newton's method, certified.
+ *
+ * F = z - s(r^2) - P(r^2) is solved in the polynomial form G of poly.c, which has its roots, and by
+ * the certificate there.
+ *
+ * EASY.  Four evaluations on lens surfaces, by the single ray and by lanes, the first root without a rim too:
+ * asphere/easy.h.
+ * QUICK.  What is not easy: Newton from the conic's root near the vertex, each step at most half the last, and where t
+ * is not sharp settled from there.  That the root is the only one within the rim is certain where
+ *     |n| > L sqrt(a),  L = max |grad s| over the rim,  a = l^2 + m^2:
+ * then F is monotone along the chord.  Where that root is the start itself the ray misses.
+ * CAREFUL.  All else: the march in classify.c, which is certain too, only slower.
+ * THE ONLY ROOT near the seed, under proof: the same test, and where it does not decide asphere/unique.c.
+ *
+ * The last evaluation of a hit is that of F at the point returned. */
+#include "asphere.h"
+
+#include "../../solve/root.h"
+#include "easy.h"
+#include "../sag/second.h"
+
+/* ------------------------------------------------------------------- easy */
+
+/* One ray, its ends made explicit; the evaluations are counted and told whatever becomes of it. */
+SGT_INLINE easy_answer easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax,
+                               double t_tol, double scale, lane *e, tally *w)
+{
+    double g, slope;
+    wavy_start r = wavy_begin(s, ALL_TERMS, o.x, o.y, o.z, d.x, d.y, d.z, &g, &slope);
+    wavy_round q = {.tau = r.tau, .again = MASK(true)};
+    wavy_newton half = {.inverse = 0};
+    local at = {.t0 = r.t0, .t0_lo = r.t0_lo, .scale = scale};
+    sample seen = {.g = g, .slope = slope};
+    observe(w, &at, r.tau + g / slope, &seen, SGT_SEED, -HUGE_VAL, HUGE_VAL);
+    if (first && wavy_hopeless(s, tmin, d.x, d.y, d.z)) return EASY_NOT;
+    for (int i = 0; i < ROUNDS && q.again && r.tau == r.tau && !w->stopped; i++) {
+        double tau = q.tau;
+        half = wavy_half(s, ALL_TERMS, r.x, r.y, tau, d.x, d.y, d.z);
+        q = wavy_bound(s, ALL_TERMS, r.x, r.y, r.t0, &half, d.x, d.y, d.z, t_tol);
+        seen = (sample){.g = half.g, .slope = half.slope};
+        observe(w, &at, tau, &seen, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
+        seen.g = q.g;
+        if (!w->stopped) observe(w, &at, half.tau2, &seen, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
+    }
+    if (w->stopped || !(r.tau == r.tau)) return EASY_NOT;
+    near_root root = wavy_root(r.x, r.y, r.t0, r.t0_lo, q.tau, q.tau_err);
+    *e = wavy_end(s, ALL_TERMS, &root, q.v, q.near, at_vertex(r.x, r.y, o.z), d.x, d.y, d.z, tmin, tmax,
+                  t_tol);
+    if (!e->hit)
+        return wavy_away(s, ALL_TERMS, &root, q.v, half.inverse, o.z, d.x, d.y, d.z, tmin, tmax) ? EASY_MISS
+                                                                                                 : EASY_NOT;
+    bool is_first = !first || wavy_single(s, d.x, d.y, d.z);
+    for (int halves = 0; halves < 2 && !is_first; halves++)
+        is_first = wavy_first_from(s, ALL_TERMS, halves != 0, o.x, o.y, o.z, tmin, r.t0, r.x, r.y, q.tau, d.x,
+                                   d.y, d.z);
+    return is_first && (!s->proof || wavy_sure(s, r.x, r.y, r.t0, q.tau_err, d.x, d.y) != 0) ? EASY_HIT
+                                                                                             : EASY_NOT;
+}
+
+/* A direction of unusual length is scaled, by a power of two: of the usual ones that would change no bit. */
+SGT_INLINE easy_answer easy(const wavy *s, const sgt_ray *ray, lane *e, tally *w)
+{
+    const sgt_options *opt = w->opt;
+    sgt_vec3 d = ray->d;
+    bool first = opt->pick != SGT_NEAR_SEED;
+    double scale = scale_of(d);
+    if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z)) return easy_at(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, 1, e, w);
+    if (!ends_are_whole(ray, scale)) return EASY_NOT;
+    d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
+    easy_answer is =
+        easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, scale, e, w);
+    return is == EASY_HIT ? easy_unscaled(e, scale) : is;
+}
+
+/* The loops of a tile, for so many terms. */
+typedef struct wavy_room {
+    _Alignas(64) double x[SGT_TILE];
+    double y[SGT_TILE], t0[SGT_TILE], t0_lo[SGT_TILE], from[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE], v[SGT_TILE], near[SGT_TILE];
+    double tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
+    mask again[SGT_TILE];
+    sweep_ends ends;
+} wavy_room;
+
+/* Takes from the hits those whose side of the rim is not certain; all are left: all bits. */
+SGT_KERNEL
+static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *room)
+{
+    const wavy own = *self, *s = &own;
+    const double *l = tile->rays.d[0], *m = tile->rays.d[1];
+    size_t count = tile->n;
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
+        mask hit = room->ends.hit[i] & wavy_sure(s, room->x[i], room->y[i], room->t0[i], room->tau_err[i], l[i], m[i]);
+        room->ends.hit[i] = hit;
+        all &= hit;
+    }
+    return all;
+}
+
+/* Is each root the first, of those that are hits?  Told in room->again; with halves, of those that were not
+ * without. */
+SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile *tile, wavy_room *room)
+{
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin;
+    size_t count = tile->n;
+    mask every = MASK(true);
+    if (!halves) {
+        _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
+            mask is = wavy_single(s, l[i], m[i], n[i]) | ~room->ends.hit[i];
+            room->again[i] = is;
+            every &= is;
+        }
+        if (every) return true;
+        every = MASK(true);
+    }
+    _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
+        mask is = room->again[i] | wavy_first_from(s, terms, halves, ox[i], oy[i], oz[i], tmin[i], room->t0[i], room->x[i], room->y[i], room->tau[i], l[i], m[i], n[i]);
+        room->again[i] = is;
+        every &= is;
+    }
+    return every != 0;
+}
+
+SGT_INLINE void sweep_away(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room)
+{
+    const wavy own = *self, *s = &own;
+    const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2],
+                 *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        near_root r =
+            wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
+        room->again[i] =
+            wavy_away(s, terms, &r, room->v[i], room->inverse[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+    }
+}
+
+SGT_KERNEL
+static void asphere_sweep_few_away(const wavy *s, const sgt_tile *tile, wavy_room *room)
+{
+    sweep_away(s, FEW_TERMS, tile, room);
+}
+
+SGT_KERNEL
+static void asphere_sweep_all_away(const wavy *s, const sgt_tile *tile, wavy_room *room)
+{
+    sweep_away(s, ALL_TERMS, tile, room);
+}
+
+/* Takes from the hard rays those that certainly miss: so many are left.  F at the point, a hit's last
+ * evaluation, they have not. */
+static size_t without_misses(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room, size_t hard)
+{
+    if (terms > FEW_TERMS) asphere_sweep_all_away(s, tile, room);
+    else asphere_sweep_few_away(s, tile, room);
+    for (size_t i = 0; i < tile->n; i++) {
+        if (tile->hits.status[i] != SGT_HARD || !room->again[i]) continue;
+        tile->hits.status[i] = SGT_MISS, hard--;
+        if (tile->hits.evals) tile->hits.evals[i]--;
+    }
+    return hard;
+}
+
+/* The second loop: what is met.  vertex: also of the rays that start there. */
+SGT_INLINE mask sweep_ending(const wavy *s, int terms, bool rich, bool vertex, const sgt_tile *tile,
+                             wavy_room *room)
+{
+    const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2],
+                 *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    sweep_to to = sweep_to_of(tile, &room->ends);
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
+        near_root r =
+            wavy_root(room->x[i], room->y[i], room->t0[i], room->t0_lo[i], room->tau[i], room->tau_err[i]);
+        mask exact = vertex ? at_vertex(r.x, r.y, oz[i]) : 0;
+        lane e = wavy_end(s, terms, &r, room->v[i], room->near[i], exact, l[i], m[i], n[i], tmin[i], tmax[i],
+                          t_tol[i]);
+        SWEEP_STORE(to, i, e, rich);
+        all &= e.hit;
+    }
+    return all;
+}
+
+SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich, const sgt_tile *tile, wavy_room *room)
+{
+    const wavy own = *self, *s = &own; /* no output is a part of it */
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        double g, slope;
+        wavy_start r = wavy_begin(s, terms, ox[i], oy[i], oz[i], l[i], m[i], n[i], &g, &slope);
+        if (first) r.tau = chosen(wavy_hopeless(s, tmin[i], l[i], m[i], n[i]), (double)NAN, r.tau);
+        room->x[i] = r.x, room->y[i] = r.y, room->t0[i] = r.t0, room->t0_lo[i] = r.t0_lo, room->from[i] = r.tau;
+    }
+    int extra[SGT_TILE], rounds = 1;
+    mask any = 0;
+    for (;; rounds++) {
+        any = 0;
+        LANES for (size_t i = 0; i < count; i++) {
+            wavy_newton h = wavy_half(s, terms, room->x[i], room->y[i], room->from[i], l[i], m[i], n[i]);
+            room->tau2[i] = h.tau2, room->step2[i] = h.step2, room->inverse[i] = h.inverse, room->dw[i] = h.dw, room->slant[i] = h.slant;
+        }
+        _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
+            wavy_newton h = {room->tau2[i], room->step2[i], room->inverse[i], room->dw[i], room->slant[i], 0, 0};
+            wavy_round q = wavy_bound(s, terms, room->x[i], room->y[i], room->t0[i], &h, l[i], m[i], n[i], t_tol[i]);
+            room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->v[i] = q.v, room->near[i] = q.near, room->again[i] = q.again;
+            any |= q.again;
+        }
+        if (!any || rounds == ROUNDS) break;
+        /* those that are done go through it once more with the same result */
+        for (size_t i = 0; i < count; i++) {
+            extra[i] = (rounds > 1 ? extra[i] : 0) + (room->again[i] ? 1 : 0);
+            if (room->again[i]) room->from[i] = room->tau[i];
+        }
+    }
+    mask all = sweep_ending(s, terms, rich, false, tile, room), vertex = 0;
+    for (size_t i = 0; !all && i < count; i++) vertex |= at_vertex(room->x[i], room->y[i], oz[i]);
+    if (vertex) all = sweep_ending(s, terms, rich, true, tile, room);
+    if (first && !all_first(s, terms, false, tile, room) && !all_first(s, terms, true, tile, room)) {
+        all = 0;
+        LANES for (size_t i = 0; i < count; i++) room->ends.hit[i] &= room->again[i];
+    }
+    if (s->proof) all &= asphere_sure_all(self, tile, room);
+    size_t hard = sweep_told(tile, &room->ends, 4, all);
+    for (size_t i = 0; tile->hits.evals && rounds > 1 && i < count; i++) tile->hits.evals[i] += 2 * extra[i];
+    return 8 * hard > count ? without_misses(self, terms, tile, room, hard) : hard; /* a few go one by one */
+}
+
+#define SWEEP_TERMS(name, terms, first, rich)                                                       \
+    SGT_KERNEL static size_t name(const wavy *s, const sgt_tile *tile, wavy_room *room)        \
+    {                                                                                               \
+        return sweep_terms(s, terms, first, rich, tile, room);                                      \
+    }
+
+SWEEP_TERMS(asphere_sweep_few_near, FEW_TERMS, false, false)
+SWEEP_TERMS(asphere_sweep_few_first, FEW_TERMS, true, false)
+SWEEP_TERMS(asphere_sweep_few_near_rich, FEW_TERMS, false, true)
+SWEEP_TERMS(asphere_sweep_few_first_rich, FEW_TERMS, true, true)
+SWEEP_TERMS(asphere_sweep_near, ALL_TERMS, false, true)
+SWEEP_TERMS(asphere_sweep_first, ALL_TERMS, true, true)
+
+/* ------------------------------------------------------------------ quick */
+
+/* F is monotone along the chord within the rim, by its slope. */
+SGT_INLINE bool single(const shape *s, const local *q)
+{
+    double a = q->l * q->l + q->m * q->m;
+    return q->l == 0 && q->m == 0 ? q->n != 0
+                                  : q->n * q->n > single_limit(s) * a; /* along the axis F is linear */
+}
+
+/* The root is the start itself, whatever way it is found (sgt_ray). */
+SGT_INLINE bool is_start(const meeting *h, const sgt_ray *ray, double scale)
+{
+    double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z)),
+           width = START_ULPS * terms * scale / h->slope;
+    return h->t + h->t_err <= ray->tmin + (width < HUGE_VAL ? width : 0) * (1 - 0x1p-20);
+}
+
+/* true: a hit; or, where *miss is made true, a miss: the start is the only root within the rim. */
+SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *seed, bool *miss, tally *w)
+{
+    const sgt_options *opt = w->opt;
+    local q = local_at_vertex_plane(ray);
+    double a = q.l * q.l + q.m * q.m, k1 = 1 + s->k;
+    double A = s->c * (a + k1 * q.n * q.n), B = q.n - s->c * (q.x * q.l + q.y * q.m), C = s->c * (q.x * q.x + q.y * q.y);
+    double D = B * B - A * C, tau = C / (B + copysign(sqrt(D), B)), last = HUGE_VAL;
+    if (!(tau > -HUGE_VAL && tau < HUGE_VAL)) tau = 0; /* the conic is not met: from the vertex plane */
+    *seed = q.t0 + tau;
+    if (!(fabs(q.n) >= 0x1p-10 && direction_is_whole(&q, ray->d))) return false;
+    double t_tol = opt->t_tol / q.scale;
+    sgt_move move = SGT_SEED;
+    for (int i = 0; i < 12 && w->evals < w->budget; i++) {
+        sample at = form_at(s, &q, tau);
+        observe(w, &q, tau, &at, move, -HUGE_VAL, HUGE_VAL);
+        if (w->stopped) return false;
+        move = SGT_NEWTON;
+        double step = -at.g / at.slope, v_err;
+        bool steady, close = fabs(at.g) <= 0x1p-20 * (fabs(at.z) + fabs(at.w)) || fabs(step) <= t_tol, shrinks = fabs(step) <= 0.5 * last; /* not of NaN */
+        last = fabs(step);
+        if (close || !shrinks) {
+            sgt_form_bound(s, &q, tau, &at);
+            if (!shrinks && !(fabs(at.g) <= at.g_err)) return false; /* noise at the root is no reason to give up */
+            if (!sgt_form_certify(s, &q, &at, tau, t_tol, out, &v_err, &steady)) return false;
+            if (steady) {
+                if (!(out->v > 16 * v_err)) return false;
+                bool whole = single(s, &q);
+                *miss = whole && out->p.x * out->p.x + out->p.y * out->p.y <= s->rim2
+                        && !rim_hidden(out, s->rim2) && is_start(out, ray, q.scale);
+                if (*miss) return false;
+                /* a start too far off for the terms at the root, or for t, or a steep place: once more from there */
+                double fx = fabs(out->n.x), fy = fabs(out->n.y), far = at.ex * fx + at.ey * fy + at.ez;
+                double here = fabs(at.x) * fx + fabs(at.y) * fy + fabs(at.z) + at.first * (at.x * at.x + at.y * at.y);
+                if ((far > 3 * here || fx * fx + fy * fy > STEEP2 || !sharp(out, opt->t_tol)) && !sgt_form_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w)) return false;
+                bool near = opt->pick == SGT_NEAR_SEED;
+                if (opt->proof != SGT_ESTIMATE && (rim_hidden(out, s->rim2) || !sgt_form_alone(s, ray, out, w) || w->stopped)) return false;
+                if (fabs(out->t - ray->tmax)
+                    <= larger(END_ERRORS * (out->t_err + SGT_U * fabs(out->t)), TINY))
+                    return false; /* the march tells whether it counts */
+                return (near || whole) && counts(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL && !place_is_tiny(&q, out->t, out->p);
+            }
+        }
+        tau += step;
+    }
+    return false;
+}
+
+/* -------------------------------------------------------------- together */
+
+static int terms_of(const sgt_asphere *s)
+{
+    int terms = 8;
+    while (terms > 0 && s->a[terms - 1] == 0) terms--;
+    return terms;
+}
+
+static shape shape_of(const sgt_asphere *s, int terms)
+{
+    return (shape){.c = s->c, .k = s->k, .ck = (1 + s->k) * s->c, .terms = terms, .a = s->a, .rim2 = rim2_of(s->semi_diameter),
+                   .domain2 = domain2_of(s->c, s->k, s->semi_diameter)};
+}
+
+/* x - x is 0 for a finite x, NaN for another. */
+static bool asphere_valid(const sgt_asphere *s)
+{
+    double sum = (s->c - s->c) + (s->k - s->k) + (s->semi_diameter - s->semi_diameter);
+    for (int i = 0; i < 8; i++) sum += s->a[i] - s->a[i];
+    return sum == 0 && s->semi_diameter >= 0;
+}
+
+static bool passes_by(const shape *s, const sgt_ray *ray)
+{
+    mask passes = MASK(true);
+    sgt_tile one = {
+        .n = 1,
+        .rays = {
+            {&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax}};
+    sgt_asphere_pass(s, &one, &passes);
+    return passes != 0;
+}
+
+SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
+{
+    const sgt_asphere *s = self;
+    if (!asphere_valid(s)) return hit_without(SGT_INVALID, ray, 0);
+    int terms = terms_of(s);
+    if (!terms) return sgt_conic_meet(s->c, s->k, s->semi_diameter, ray, opt);
+    shape h = shape_of(s, terms);
+    if (!rim_in_range(h.rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
+    meeting at;
+    double seed;
+    tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
+    wavy v;
+    lane e;
+    easy_answer is = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)
+                         ? easy(&v, ray, &e, &w)
+                         : EASY_NOT;
+    if (is == EASY_HIT) {
+        double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});
+        if (opt->watch) tell(&w, SGT_NEWTON, e.t, f, e.nx * ray->d.x + e.ny * ray->d.y + ray->d.z, e.t - e.t_err, e.t + e.t_err);
+        else w.evals++;
+        return w.stopped ? hit_without(SGT_STOPPED, ray, w.evals) : hit_of_lane(&e, w.evals, f);
+    }
+    if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
+    if (is == EASY_MISS || passes_by(&h, ray)) return hit_without(SGT_MISS, ray, w.evals);
+    bool miss = false;
+    if (quick(&h, ray, &at, &seed, &miss, &w))
+        return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
+    if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
+    if (miss) return hit_without(SGT_MISS, ray, w.evals);
+    return sgt_asphere_march(&h, ray, seed, &w, NULL);
+}
+
+static sgt_status asphere_all(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
+{
+    const sgt_asphere *s = self;
+    int terms = terms_of(s);
+    if (!asphere_valid(s)) return SGT_INVALID;
+    if (!terms) return sgt_conic_all(s->c, s->k, s->semi_diameter, ray, opt, list);
+    shape h = shape_of(s, terms);
+    tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
+    if (rim_in_range(h.rim2)) sgt_asphere_march(&h, ray, (double)NAN, &w, list);
+    else add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
+    list->evals = w.evals;
+    return SGT_MISS;
+}
+
+static double asphere_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    const sgt_asphere *s = self;
+    int terms = terms_of(s);
+    double r2 = p.x * p.x + p.y * p.y, phi, slope, dp = 0, sag = conic_sag(s->c, s->k, r2, &phi, &slope);
+    if (terms) sag += polynomial(terms, s->a, r2, &dp);
+    slope += dp;
+    if (grad) *grad = (sgt_vec3){-2 * p.x * slope, -2 * p.y * slope, 1};
+    return p.z - sag;
+}
+
+static double asphere_rounding(const void *self, sgt_vec3 p)
+{
+    const sgt_asphere *s = self;
+    int terms = terms_of(s);
+    double r2 = p.x * p.x + p.y * p.y, phi, slope, dp, second, base = conic_sag(s->c, s->k, r2, &phi, &slope), sag = base, noise = 0;
+    if (terms) {
+        sag += polynomial(terms, s->a, r2, &dp);
+        noise = 4 * r2 * magnitude(terms, s->a, r2, &second) + fabs(sag); /* r2 itself is off by 2 u */
+    }
+    return 1.01 * SGT_U * (conic_sag_rounding(s->c, s->k, r2, base, phi) + noise + fabs(p.z - sag));
+}
+
+static sgt_span asphere_span(const void *self, const sgt_ray *ray)
+{
+    const sgt_asphere *s = self;
+    shape h = shape_of(s, terms_of(s));
+    sgt_span span = sgt_sag_span(s->c, s->k, s->semi_diameter, ray, !h.terms);
+    if (h.terms) {
+        local q = local_at_vertex_plane(ray);
+        span.single = single(&h, &q);
+    }
+    return span;
+}
+
+static sgt_interval asphere_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    const sgt_asphere *s = self;
+    *slope = (sgt_interval){-HUGE_VAL, HUGE_VAL};
+    if (!asphere_valid(s)) return *slope;
+    shape h = shape_of(s, terms_of(s));
+    return sgt_sag_enclose(&h, ray, 0, t, slope);
+}
+
+/* The same of those that pass the whole surface by (asphere/unique.c), as the single ray tells them: where the
+ * easy form has been tried on the direction as it is. */
+static size_t without_passing(const shape *s, const sgt_tile *tile, const wavy_room *room, size_t hard)
+{
+    const double *const *d = tile->rays.d;
+    mask passes[SGT_TILE];
+    for (size_t i = 0; i < tile->n; i++) {
+        double d2 = (d[0][i] * d[0][i] + d[1][i] * d[1][i]) + d[2][i] * d[2][i];
+        passes[i] =
+            MASK(tile->hits.status[i] == SGT_HARD && usual_length(d2) && room->tau[i] == room->tau[i]);
+    }
+    sgt_asphere_pass(s, tile, passes);
+    for (size_t i = 0; i < tile->n; i++) {
+        if (!passes[i]) continue;
+        tile->hits.status[i] = SGT_MISS, hard--;
+        if (tile->hits.evals) tile->hits.evals[i]--;
+    }
+    return hard;
+}
+
+static size_t asphere_sweep(const void *self, const sgt_tile *tile, const sgt_options *opt)
+{
+    const sgt_asphere *s = self;
+    wavy_room room;
+    wavy v;
+    int terms = terms_of(s);
+    bool rich = tile->hits.t_lo || tile->hits.p_err, near = opt->pick == SGT_NEAR_SEED, enough = !opt->max_evals || opt->max_evals > MOST_EASY;
+    if (asphere_valid(s) && !terms) return sgt_conic_sweep(s->c, s->k, s->semi_diameter, tile, opt);
+    if (asphere_valid(s) && enough) {
+        shape h = shape_of(s, terms);
+        if (rim_in_range(h.rim2) && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)) {
+            size_t hard;
+            if (terms > FEW_TERMS)
+                hard = near ? asphere_sweep_near(&v, tile, &room) : asphere_sweep_first(&v, tile, &room);
+            else if (rich)
+                hard = near ? asphere_sweep_few_near_rich(&v, tile, &room)
+                            : asphere_sweep_few_first_rich(&v, tile, &room);
+            else
+                hard =
+                    near ? asphere_sweep_few_near(&v, tile, &room) : asphere_sweep_few_first(&v, tile, &room);
+            return 8 * hard > tile->n ? without_passing(&h, tile, &room, hard)
+                                      : hard; /* a few go one by one */
+        }
+    }
+    memset(tile->hits.status, SGT_HARD, tile->n);
+    return tile->n;
+}
+
+static bool asphere_alone(const void *self, const sgt_tile *tile, double rim2, mask alone[], sgt_interval others[])
+{
+    const sgt_asphere *s = self;
+    int terms = terms_of(s);
+    shape h = shape_of(s, terms);
+    if (rim2 < h.rim2) h.rim2 = rim2, h.domain2 = domain2_within(s->c, s->k, rim2);
+    if (terms) return sgt_sweep_monotone(&h, tile, alone) || sgt_asphere_alone(&h, tile, alone);
+    return sgt_conic_alone(s->c, s->k, s->semi_diameter, tile, rim2, alone, others);
+}
+
+static const struct sgt_own asphere_own = {.meet = asphere_meet, .all = asphere_all, .sweep = asphere_sweep, .alone = asphere_alone,
+                                           .departure = &sgt_asphere_departure};
+
+const sgt_surface_ops sgt_asphere_ops = {.name = "even_asphere", .value = asphere_value, .span = asphere_span,
+                                         .rounding = asphere_rounding, .enclose = asphere_enclose, .own_ = &asphere_own,
+                                         .second = sgt_asphere_second, .parameters = sgt_asphere_parameters, .by_parameter = sgt_asphere_by_parameter};

@@ -1,0 +1,386 @@
+/* classify.c - every root of an asphere on a stretch of a ray, in order, none missed.
+ *
+ * The stretch is the chord of the rim, or, where there is none, of the nearer of the equator and the
+ * cylinder beyond which the highest term of P outgrows all the others together (Cauchy's bound on
+ * the roots of a polynomial, with z <= z0 + |n| sqrt(rho / a) along the ray).  It is covered by cells
+ * [m - h, m + h], nearest first.  With G and G' at m, their rounding e and e', and M >= |G''| over
+ * the cell (poly.c),
+ *     |G| > |G'| h + M h^2 / 2 + e + e' h    there is no root in it, or
+ *     z - P and s have no value in common    there is none (a test for far from the surface);
+ *     |G'| - e' > M h                        G is monotone: one root if the signs at the ends
+ *                                            differ, none if they agree; the signs must be certain,
+ *                                            else the end is moved, and at last looked at in twice
+ *                                            the precision;
+ *     neither, and M h^2 below 2 e           G is within a few e of zero all over the cell.  Then the
+ *                                            march goes on with G in twice the precision; if that is
+ *                                            of no help the cell joins an undecided stretch, that ends
+ *                                            with the next decided cell whose sign is certain: unlike
+ *                                            signs at its ends are a crossing; like ones leave it
+ *                                            UNPROVEN whether the ray touches there or just does not.
+ * Otherwise h is halved; after a success it grows by half.  Since both tests hold for small h unless
+ * G and G' vanish together, the march ends.  A root's bracket goes to the solver of
+ * solve/root.c, and its end to sgt_form_settle of poly.c, from an origin moved to the root.
+ *
+ * An undecided stretch is never dropped by the rule of the start: what is known of it is that a root may be
+ * in it, not where.  Nor is a root whose t_err is wider than that rule.  UNDER PROOF a root has to be the
+ * only one in t -+ t_err (sgt_form_alone), and its side of the rim certain. */
+#include "../../num/bits.h"
+#include "../../solve/root.h"
+#include "asphere.h"
+
+#include <limits.h>
+#include <sagitta/interval.h>
+
+typedef struct walk {
+    const shape *s;
+    const sgt_ray *ray;
+    tally *told;
+    local q;
+    sgt_list *list; /* NULL: one root is wanted */
+    bool spent, fine;
+    bool dark;      /* what is told of is a stretch that was not decided, not one with a monotone G */
+} walk;
+
+static sample look(walk *w, double tau, sgt_move move, double lo, double hi)
+{
+    w->spent = w->spent || spent(w->told);
+    if (w->told->stopped || w->spent) return (sample){.g = NAN, .slope = NAN};
+    sample e = w->fine ? sgt_form_sample_fine(w->s, w->ray, &w->q, tau) : sgt_form_sample(w->s, &w->q, tau);
+    observe(w->told, &w->q, tau, &e, move, lo, hi);
+    return e;
+}
+
+static double middle(double a, double b) { return 0.5 * a + 0.5 * b; }
+
+static int sign_at(const sample *e) { return e->g > e->g_err ? 1 : e->g < -e->g_err ? -1 : 0; }
+
+/* The smallest e with 2^e > 1.01 (of / by)^(2 / n), of > 0, by > 0; 1024 where the quotient overflows.  With
+ * 1.01^n (of / by)^2 = f 2^E, 1/2 <= f < 1, that is 2^(e n) > f 2^E: true of e n >= E, false of e n = E - 1
+ * and less.  So e = E / n, rounded up.  Only f is rounded, by a few u, and 1.01 has room for that.  A
+ * quotient that underflows is raised to the smallest normal number. */
+static int power_above_root(double of, double by, int n)
+{
+    int E, more, e;
+    double y = larger(of / by, DBL_MIN);
+    if (!(y < HUGE_VAL)) return 1024;
+    y = binary_mantissa(y, &E);
+    double f = y * y;
+    for (int i = 0; i < n; i++) f *= 1.01;
+    (void)binary_mantissa(f, &more);
+    E = 2 * E + more;
+    for (e = E / n - 1; e * n < E;) e++;
+    return e;
+}
+
+/* The square of the radius beyond which no root can lie; infinite where that cannot be said. */
+static double reach2(const shape *s, const sgt_ray *ray)
+{
+    double scale = scale_of(ray->d), l = ray->d.x * scale, m = ray->d.y * scale, n = ray->d.z * scale, a = l * l + m * m;
+    double near_axis = -(ray->o.x * l + ray->o.y * m) / a, z0, k1 = 1 + s->k;
+    z0 = fabs(local_at(ray, near_axis, 0).z);
+    int top = s->terms - 1;
+    double b[8] = {0}, lead, growth = 2 * fabs(n) / sqrt(a);
+    for (int i = 0; i <= top; i++) b[i] = fabs(s->a[i]);
+    if (k1 == 0) b[0] = fabs(s->a[0] + 0.5 * s->c);  /* a paraboloid is a term like the others */
+    else if (k1 < 0 && s->c != 0) growth += 1 / sqrt(-k1); /* a hyperboloid grows as its asymptote */
+    else b[0] += top > 0 ? fabs(s->c) : -fabs(s->c); /* an ellipsoid: its sag is at most |c| rho */
+    while (top > 0 && b[top] == 0) top--;
+    lead = b[top];
+    double count = top + 3;
+    if (!(lead > 0 && lead < HUGE_VAL && a > 0 && z0 < HUGE_VAL && growth < HUGE_VAL)) return HUGE_VAL;
+    /* the greatest of the roots of count z0 / lead, count growth / lead and count b[i] / lead; up to a power
+     * of two, so that lengths times 2^k give the same cells times 2^k */
+    int exponent = INT_MIN, next;
+    if (z0 > 0) exponent = power_above_root(count * z0, lead, 2 * (top + 1));
+    if (growth > 0) {
+        next = power_above_root(count * growth, lead, 2 * top + 1);
+        if (next > exponent) exponent = next;
+    }
+    for (int i = 0; i < top; i++) {
+        if (!(b[i] > 0)) continue;
+        next = power_above_root(count * b[i], lead, 2 * (top - i));
+        if (next > exponent) exponent = next;
+    }
+    if (exponent == INT_MIN) return 1;
+    return exponent <= 1000 ? power_of_two(exponent) : HUGE_VAL;
+}
+
+typedef struct found { meeting at; sgt_status status; double distance; bool any; } found;
+
+/* At the very equator the two sheets of G are too close to tell which of them the root is on.  But F
+ * itself is continuous up to there: if it is certainly of unlike sign on the two sides of t, and defined
+ * on both (and so between them, since rho is convex), there is a root of F between. */
+static bool crosses_sheet(walk *w, meeting *at)
+{
+    double tau = at->t / w->q.scale - w->q.t0, d = larger(at->t_err / w->q.scale, 4 * DBL_EPSILON * fabs(tau));
+    for (int i = 0; i < 24 && !w->told->stopped && !w->spent; i++, d *= 2) {
+        sample l = look(w, tau - d, SGT_PROBE, tau - d, tau + d), r = look(w, tau + d, SGT_PROBE, tau - d, tau + d);
+        int left = sgt_form_side(w->s, &l), right = sgt_form_side(w->s, &r);
+        if (!left || !right) continue;
+        if (left == right) return false;
+        meeting_place(at, &w->q, tau, d);
+        /* v is lost in its rounding, but on the surface it is phi */
+        double dp, rho = at->p.x * at->p.x + at->p.y * at->p.y;
+        polynomial(w->s->terms, w->s->a, rho, &dp);
+        at->v = sqrt(larger(1 - w->s->ck * w->s->c * rho, DBL_MIN));
+        double inverse = -w->s->c / at->v - 2 * dp;
+        at->n = (sgt_vec3){at->p.x * inverse, at->p.y * inverse, 1};
+        return true;
+    }
+    return false;
+}
+
+/* An undecided stretch about tmin may hold a root behind the start as well as the start itself; and of one
+ * where numbers overflow nothing is known. */
+static bool may_count(const walk *w, const meeting *at)
+{
+    meeting end = *at;
+    end.t += end.t_err, end.t_err = 0;
+    double terms = at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z)) * w->q.scale; /* as `counts` has them */
+    bool told = at->slope < HUGE_VAL && fabs(terms) < HUGE_VAL && at->p.x * at->p.x + at->p.y * at->p.y < HUGE_VAL;
+    return !told || counts(&end, w->ray, HUGE_VAL, w->q.scale);
+}
+
+/* A root that does not count as told, but may: ends_hide. */
+static bool hides(const shape *s, const meeting *at, const sgt_ray *ray, double scale)
+{
+    double terms = at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z));
+    return !counts(at, ray, HUGE_VAL, scale)
+           && ends_hide(at, ray, s->rim2, terms > 0 ? START_ULPS * terms / at->slope * scale : 0);
+}
+
+/* What is told of is all within the last hit's t_err of it: it may be the same root. */
+static bool within_last(const sgt_list *list, const meeting *at)
+{
+    sgt_interval about = sgt_about(at->t, at->t_err);
+    return list->count > 0 && list->last.status == SGT_HIT && about.lo >= list->last.lo
+           && about.hi <= list->last.hi;
+}
+
+/* Keeps the root if it counts and is the one wanted so far. */
+static void keep(walk *w, meeting *at, double v_err, sgt_status status, double seed, found *best)
+{
+    if (at->v < -v_err) return; /* the other sheet */
+    if (at->t - at->t_err > w->ray->tmax) return; /* the march goes a little beyond the end */
+    if (!(at->v > v_err)) status = crosses_sheet(w, at) ? SGT_HIT : SGT_UNPROVEN;
+    bool proof = w->told->opt->proof != SGT_ESTIMATE;
+    bool hidden = proof && rim_hidden(at, w->s->rim2);
+    if (!counts(at, w->ray, hidden ? HUGE_VAL : w->s->rim2, w->q.scale)) {
+        if (!(w->dark && may_count(w, at)) && !hides(w->s, at, w->ray, w->q.scale)) return;
+        status = SGT_UNPROVEN;
+    } else if (hidden) {
+        status = SGT_UNPROVEN;
+    }
+    if (proof && status == SGT_HIT && !sgt_form_alone(w->s, w->ray, at, w->told)) status = SGT_UNPROVEN;
+    if (w->told->stopped) return;
+    if (w->list) {
+        /* at the equator both sheets of G have a root, and F one */
+        if (status == SGT_HIT && !proof && sgt_list_same(w->list, at->t, at->t_err)) return;
+        if (status == SGT_UNPROVEN && !proof && within_last(w->list, at))
+            return; /* and what is between them is about that */
+        if (status > 0) add_hit(w->list, at, status, asphere_f(w->s, at->p), SGT_NEWTON, w->ray, w->told);
+        else add_stretch(w->list, w->told, status, w->ray, at->t - at->t_err, at->t + at->t_err);
+        return;
+    }
+    double distance = fabs(at->t / w->q.scale - seed);
+    if (best->any && !(distance < best->distance)) return;
+    *best = (found){.at = *at, .status = status, .distance = distance, .any = true};
+}
+
+/* What the signs at the ends of tau +- tau_err have proven, where the root is too flat to settle. */
+static void take(walk *w, double tau, double tau_err, double lo, double hi, sgt_status status, double seed, found *best)
+{
+    meeting at = {.sag = NAN};
+    sample e = look(w, tau, SGT_PROBE, lo, hi);
+    double inverse = -w->s->c / larger(e.v, DBL_MIN) - 2 * e.dp;
+    meeting_place(&at, &w->q, tau, tau_err);
+    at.v = e.v, at.slope = fabs(e.slope);
+    at.n = (sgt_vec3){at.p.x * inverse, at.p.y * inverse, 1};
+    double bend = sgt_form_bend(w->s, &w->q, &e, tau_err); /* no less than that of w */
+    keep(w, &at, e.v_err + fabs(w->s->ck) * (fabs(e.dw) + fabs(w->q.n) + bend * tau_err) * tau_err, status, seed, best);
+}
+
+/* The root at t0 + tau.  Where a tolerance hides on which side of tmax it is, or whether it is the start, as
+ * if there were none. */
+static bool settle(walk *w, double tau, meeting *at, double *v_err)
+{
+    const sgt_options *opt = w->told->opt;
+    bool settled = sgt_form_settle(w->s, w->ray, w->q.t0, tau, at, v_err, w->told);
+    double near = smaller(fabs(at->t - w->ray->tmax), fabs(at->t - w->ray->tmin));
+    if (!settled || !(opt->t_tol > 0) || near > END_ERRORS * at->t_err) return settled;
+    sgt_options sharp = *opt;
+    sharp.t_tol = 0;
+    w->told->opt = &sharp;
+    settled = sgt_form_settle(w->s, w->ray, w->q.t0, tau, at, v_err, w->told);
+    w->told->opt = opt;
+    return settled;
+}
+
+/* One root is in [lo, hi], the signs at whose ends are certain. */
+static void polish(walk *w, double lo, const sample *at_lo, double hi, const sample *at_hi, double seed, found *best)
+{
+    for (;;) {
+        sgt_root r = sgt_root_begin((sgt_span){.lo = lo, .hi = hi, .seed = lo - at_lo->g * (hi - lo) / (at_hi->g - at_lo->g)},
+                                    &(sgt_options){.t_tol = 0});
+        sgt_root_tell(&r, lo, at_lo->g);
+        sgt_root_tell(&r, hi, at_hi->g);
+        sample e;
+        do {
+            e = look(w, r.t, r.evals ? r.move : SGT_NEWTON, r.lo, r.hi);
+            r.g_err = e.g_err;
+        } while (sgt_root_next(&r, e.g, e.slope) && !w->told->stopped && !w->spent);
+        if (w->told->stopped || w->spent) return;
+        /* monotone, so a status other than a hit means only that rounding hides the very crossing */
+        double err = larger(r.t - lo, hi - r.t), v_err;
+        if (r.status == SGT_HIT && r.t_err < err) err = r.t_err;
+        meeting at;
+        if (settle(w, r.t, &at, &v_err)
+            && (at.t - w->q.t0 * w->q.scale) + at.t_lo >= lo * w->q.scale - at.t_err && (at.t - w->q.t0 * w->q.scale) + at.t_lo <= hi * w->q.scale + at.t_err) {
+            keep(w, &at, v_err, SGT_HIT, seed, best);
+            return;
+        }
+        if (w->fine) {
+            take(w, r.t, err, lo, hi, SGT_HIT, seed, best);
+            return;
+        }
+        w->fine = true; /* a flat root, not found well enough to settle */
+    }
+}
+
+static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
+{
+    double rho = ray->o.x * ray->o.x + ray->o.y * ray->o.y, phi, slope, v_err, dp, edge = s->ck * s->c * rho;
+    if (edge > 1 + 16 * SGT_U || rho > s->rim2 * (1 + 16 * SGT_U)) return hit_without(SGT_MISS, ray, told->evals);
+    double sag = conic_sag(s->c, s->k, rho, &phi, &slope) + polynomial(s->terms, s->a, rho, &dp);
+    double scale = scale_of(ray->d), t0 = (sag - ray->o.z) / (ray->d.z * scale);
+    meeting at;
+    bool settled = fabs(t0) < HUGE_VAL && sgt_form_settle(s, ray, t0, 0, &at, &v_err, told);
+    if (told->stopped) return hit_without(SGT_STOPPED, ray, told->evals);
+    if (!settled || !(at.v > v_err)) return hit_without(SGT_UNPROVEN, ray, told->evals);
+    bool on_rim =
+        told->opt->proof != SGT_ESTIMATE && rim_hidden(&at, s->rim2) && counts(&at, ray, HUGE_VAL, scale);
+    if (on_rim || hides(s, &at, ray, scale)) {
+        sgt_interval about = sgt_about(at.t, at.t_err);
+        return hit_undecided(SGT_UNPROVEN, ray, told->evals, about.lo, about.hi);
+    }
+    if (!counts(&at, ray, s->rim2, scale)) return hit_without(SGT_MISS, ray, told->evals);
+    return hit_at(&at, SGT_HIT, asphere_f(s, at.p), SGT_NEWTON, ray, told);
+}
+
+static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *told, sgt_list *list)
+{
+    const sgt_options *opt = told->opt;
+    walk w = {.s = s, .ray = ray, .told = told, .list = list};
+    if (!(s->domain2 > TINY)) return hit_without(SGT_UNPROVEN, ray, told->evals); /* r^2 is out of range */
+    if (ray->d.x == 0 && ray->d.y == 0) return parallel(s, ray, told);
+    /* without a rim the equator of a base that is nearly flat may be far beyond */
+    stretch chord = sgt_chord(ray, s->rim2 < HUGE_VAL ? s->domain2 : smaller(s->domain2, reach2(s, ray)));
+    double scale = scale_of(ray->d), lo = larger(chord.lo, ray->tmin), hi = smaller(chord.hi, ray->tmax);
+    if (chord.lo > chord.hi || lo > hi) return hit_without(SGT_MISS, ray, told->evals);
+    lo /= scale, hi /= scale;
+    if (!(lo < hi)) lo -= 0x1p-1074, hi += 0x1p-1074; /* one point, or both ends have underflowed */
+    hi += 0x1p-44 * fabs(hi); /* a root at tmax is to be inside: `counts` has the last word */
+    /* the point of the stretch nearest the vertex: the stretch itself may lie far from it */
+    w.q = local_at(ray, smaller(larger(nearest_to_vertex(ray), lo), hi), 0);
+    if (!direction_is_whole(&w.q, ray->d)) return hit_without(SGT_UNPROVEN, ray, told->evals);
+    twofold from = two_sum(lo, -w.q.t0); /* outward, as hi: in twice the precision it is seen what that rounds */
+    lo = from.hi - (from.lo < 0 ? 2 * SGT_U * fabs(from.hi) : 0), hi -= w.q.t0;
+    if (chord.hi > ray->tmax) hi += 4 * SGT_U * fabs(w.q.t0); /* that has been rounded, too */
+    if (!(lo > -HUGE_VAL && hi < HUGE_VAL)) return hit_without(SGT_UNPROVEN, ray, told->evals);
+    if (!(fabs(seed) < HUGE_VAL)) seed = w.q.t0;
+
+    found best = {.any = false};
+    double h = 0.125 * (hi - lo), tau = lo, begin = lo, dark = 0;
+    double away = fabs(w.q.x) + fabs(w.q.y) + fabs(w.q.z) + 0x1p-60 * (hi - lo);
+    double least = 0x1p-90 * smaller(away, hi - lo); /* cells below it are not divided */
+    sample left = look(&w, tau, SGT_MARCH, lo, hi), before = left;
+    int moved = 0;
+    bool known = true, pending = false; /* left is the sample at tau; [dark, tau] is undecided, before the sample at dark */
+    while (tau < hi && !told->stopped && !w.spent && !(best.any && opt->pick != SGT_NEAR_SEED)) {
+        if (h > 0.5 * (hi - tau)) h = 0.5 * (hi - tau);
+        double m = tau + h, end = m + h;
+        if (!(m > tau && end > m)) m = sgt_next_above(tau), end = sgt_next_above(m);
+        h = larger(m - tau, end - m); /* as they came out, not as they were meant */
+        sample e = look(&w, m, SGT_MARCH, tau, hi);
+        double bend = sgt_form_bend(s, &w.q, &e, h), slope = fabs(e.slope);
+        bool empty = fabs(e.g) > (slope + e.slope_err) * h + 0.5 * bend * h * h + e.g_err || sgt_form_apart(s, &w.q, &e, h);
+        bool monotone = !empty && slope - e.slope_err > bend * h;
+        if ((empty || monotone) && pending) {
+            left = look(&w, tau, SGT_MARCH, tau, hi), known = true;
+            if (sign_at(&left)) { /* the undecided stretch ends here */
+                w.dark = true;
+                take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, sign_at(&before) * sign_at(&left) < 0 ? SGT_HIT : SGT_UNPROVEN, seed, &best);
+                if (told->stopped || w.spent) break;
+                pending = w.dark = false;
+                continue;
+            }
+        }
+        if (empty) {
+            tau = end, h *= 1.5, known = false;
+        } else if (monotone) {
+            sample right = look(&w, end, SGT_MARCH, tau, hi);
+            if (!known) left = look(&w, tau, SGT_MARCH, tau, hi), known = true;
+            for (int i = 0; tau == begin && !sign_at(&left) && i < 8; i++) { /* the start is on the surface: from before it */
+                double back = tau - 4 * (left.g_err + fabs(left.g)) / slope * power_of_two(i), far = m - back;
+                if (!(slope - e.slope_err > sgt_form_bend(s, &w.q, &e, far) * far)) break; /* G is not monotone from so far before */
+                sample behind = look(&w, back, SGT_MARCH, tau, hi);
+                if (sign_at(&behind)) left = behind, tau = begin = back;
+            }
+            if (tau == begin && !sign_at(&left) && !w.fine) {
+                w.fine = true, known = false;
+                continue;
+            }
+            if (!sign_at(&right) && moved < 16) {
+                moved++;
+                h *= 0.75;
+                continue;
+            }
+            moved = 0;
+            if (!w.fine && (!sign_at(&left) || !sign_at(&right))) { /* once more, in twice the precision */
+                w.fine = true, known = false;
+                continue;
+            }
+            if (sign_at(&left) * sign_at(&right) < 0) polish(&w, tau, &left, end, &right, seed, &best);
+            else if (!sign_at(&left)
+                     || !sign_at(&right)) { /* by the least slope, the root is so near that end */
+                const sample *at = sign_at(&left) ? &right : &left;
+                double off = (fabs(at->g) + at->g_err) / (slope - e.slope_err - bend * h) * (1 + 0x1p-20);
+                if (off < h) take(&w, sign_at(&left) ? end : tau, off, tau, end, SGT_UNPROVEN, seed, &best);
+                else take(&w, m, h, tau, end, SGT_UNPROVEN, seed, &best);
+            }
+            if (told->stopped || w.spent) break; /* before the root of this cell was told */
+            tau = end, h *= 1.5, left = right;
+        } else if (bend * h * h > 2 * e.g_err && h > larger(2 * DBL_EPSILON * fabs(m), least)) {
+            h *= 0.5;
+        } else if (!w.fine) { /* from here on in twice the precision, the rest of the ray too */
+            w.fine = true;
+            known = false;
+        } else {
+            if (!known) left = look(&w, tau, SGT_MARCH, tau, hi);
+            if (!pending) dark = tau, before = left, pending = true;
+            tau = end, known = false;
+        }
+    }
+    w.dark = true;
+    if (pending && !told->stopped && !w.spent) take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_UNPROVEN, seed, &best);
+    if (told->stopped || (w.spent && !(best.any && opt->pick != SGT_NEAR_SEED))) {
+        sgt_hit hit = hit_without(told->stopped ? SGT_STOPPED : SGT_EXHAUSTED, ray, told->evals);
+        double reached = (w.q.t0 + (pending ? dark : tau)) * w.q.scale;
+        hit.lo = smaller(larger(reached, ray->tmin), ray->tmax); /* hi was moved outward */
+        return hit;
+    }
+    if (!best.any) return hit_without(SGT_MISS, ray, told->evals);
+    if (best.status < 0) {
+        sgt_interval about = sgt_about(best.at.t, best.at.t_err);
+        return hit_undecided(best.status, ray, told->evals, about.lo, about.hi);
+    }
+    return hit_at(&best.at, best.status, asphere_f(s, best.at.p), SGT_NEWTON, ray, told);
+}
+
+sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally *told, sgt_list *list)
+{
+    sgt_hit hit = march(s, ray, seed, told, list);
+    if (list && hit.status > 0) sgt_list_add(list, &hit);
+    else if (list && hit.status < 0) add_stretch(list, told, hit.status, ray, hit.lo, hit.hi); /* what was not searched */
+    return hit;
+}

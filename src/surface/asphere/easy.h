@@ -1,0 +1,313 @@
+/* asphere/easy.h - an asphere met as lanes are: no branch, a fixed number of evaluations, a bound at the end.
+ *
+ * G = w - (c rho + (1 + k) c w^2) / 2 with rho = x^2 + y^2, w = z - P(rho) (poly.c), along (x0, y0, 0) + tau d from the
+ * point on the vertex plane.
+ *
+ * THE SEED.  The conic alone has A tau^2 - 2 B tau + C = 0; with e = A C / B^2 its root near the vertex is
+ * tau = C / (2 B) (1 + e/4 + ...), and there G' = B sqrt(1 - e), 1 / G' = (1 + e/2 + ...) / B.  No root need be taken:
+ * what the series leave is less than what P is; where |e| >= 1 a ray is not easy.  One step with that slope from G, P
+ * included, is the start.
+ *
+ * A ROUND.  Newton's step from tau_1, with G and G'; then a step from there, tau_2, with G alone and the slope of before:
+ * tau_3 = tau_2 + step, step = -G(tau_2) / s, s = G'(tau_1) as computed.  Lens surfaces are done after one round; a ray that
+ * is not goes through another from tau_3, if the second step was at most half the first.  Where e below is more than
+ * 24 u (|w| + |z|), terms cancel, and there is better to be had.
+ *
+ * THE BOUND.  Let M >= |G''| within H = |tau_2 - tau_1| + 2 |step| + 2^-40 |tau_2| + 2^-50 |t0| of tau_2, and G' be off there from s by at most
+ * Delta = 2 M H + 2^-30 |s| <= |s| / 8.  Then G' keeps its sign, |G'| >= 7/8 |s|, and with |G(tau_2)| known to e the
+ * root exists, lies within 8/7 (|G| + e) / |s| <= 4/7 H of tau_2, and
+ *     |root - tau_3| <= 8/7 (e + |step| Delta) / |s|                    (the mean value theorem).
+ * It is the only one within H, and [t - t_err, t + t_err] is in there: |step| and that bound are below 0.6 H, and what is lost
+ * where t is put together, 2 u (|t0| + 2 |tau|), is below a quarter of what H has for it.  So each root is proven; its
+ * side of the rim is as with a conic (conic/easy.h), with tau_err in place of 48 u |tau|.
+ * M = |c| a + |(1 + k) c| (W1^2 + |w| W2) + W2 (poly.c), a = l^2 + m^2, from first = sum (i+1) |a_i| rho^i >= |P'| at the
+ * largest rho of the cell, rho' = 1.0625 rho + 17 a H^2 >= (sqrt rho + H sqrt a)^2:
+ *     |w'| <= W1 = |n| + 2 first (|x l| + |y m| + 2 a H), x and y those of tau_1,
+ *     |w''| <= W2 = 2 a first (2 T - 1) for T terms, since |P''| <= (T - 1) first / rho' and (x l + y m)^2 <= rho' a.
+ * Rounding, in units of u = 2^-53: x0 is off by 2 |x0|, x by that and |x|; 2 (|x x0| + |y y0|) <= rho + rho0, so rho is off
+ * by 6 rho + 2 rho0; P by first times that and 2 rho first (each of T fmas rounds once); with Q = 9 rho + 2 rho0
+ *     w by first Q + |z| + |w|,   G by e = |v| (w's) + |c| Q / 2 + 3 |w| (1 + |(1 + k) c w|),  v = 1 - (1 + k) c w.
+ * s is off by at most 2^-37 of the sum of the magnitudes of its terms, 2 W1 + |c| |x l + y m| (v's share is |(1 + k) c| e /
+ * |v| W1, and e < 2^-46 / |(1 + k) c|, |v| > 2^-8), which has to be below 64 |s|; and rho0 <= 4 rho: a start
+ * not too far off. What underflows, z at t0 among it, is below 2^-1060 in G. */
+#ifndef SGT_SURFACE_ASPHERE_EASY_H
+#define SGT_SURFACE_ASPHERE_EASY_H
+
+#include "../sag/poly.h"
+#include "../sag/lanes.h"
+
+enum { ROUNDS = 4, MOST_EASY = 2 * ROUNDS + 2, FEW_TERMS = 4, ALL_TERMS = 8 }; /* MOST_EASY: evaluations */
+
+/* What a surface brings to all its rays. */
+typedef struct wavy {
+    double c, abs_c, k1, ck, abs_ck;
+    double a[ALL_TERMS], slope[ALL_TERMS], size[ALL_TERMS];  /* a_i, (i+1) a_i, its magnitude */
+    double bend;              /* 2 (2 T - 1) */
+    double rim2, single;      /* n^2 > single a: one root within the rim */
+    double room;              /* of a proof: 98 u rims; rim2 is then the one within which a root is certain */
+    bool proof;
+    double most_e;            /* 2^-46 / |ck|: v, at least 2^-8, is not off by more than 2^-38 */
+} wavy;
+
+/* false: no ray is easy. */
+SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
+{
+    double rim2 = s->rim2 < 0x1p1000 ? s->rim2 : 0x1p1000;
+    *v = (wavy){.c = s->c, .abs_c = fabs(s->c), .k1 = 1 + s->k, .ck = s->ck, .abs_ck = fabs(s->ck), .bend = 2 * (2 * s->terms - 1),
+                .rim2 = proof ? sure_rim2(rim2) : rim2, .room = proof ? 98 * SGT_U * sqrt(rim2) : 0, .proof = proof, .single = single_limit(s), .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-46 / fabs(s->ck)};
+    for (int i = 0; i < s->terms; i++) v->a[i] = s->a[i], v->slope[i] = (i + 1) * s->a[i], v->size[i] = (i + 1) * fabs(s->a[i]);
+    return v->abs_c < 0x1p60 && fabs(s->k) < 0x1p60;
+}
+
+/* Of a direction, by its square. */
+SGT_INLINE mask usual_length(double d2) { return MASK(d2 > 0x1p-78) & MASK(d2 < 0x1p78); }
+
+/* Written out: a loop within the loop over rays would keep that from becoming vector code. */
+SGT_INLINE double horner(const double *a, int terms, double rho)
+{
+    double h = 0;
+    if (terms > FEW_TERMS)
+        h = sgt_fma(sgt_fma(sgt_fma(sgt_fma(a[7], rho, a[6]), rho, a[5]), rho, a[4]), rho, a[3]);
+    else h = a[3];
+    return sgt_fma(sgt_fma(sgt_fma(h, rho, a[2]), rho, a[1]), rho, a[0]);
+}
+
+/* The same with the derivative. */
+SGT_INLINE double horner_slope(const double *a, int terms, double rho, double *slope)
+{
+    double h = a[3], d = 0;
+    if (terms > FEW_TERMS) {
+        h = sgt_fma(a[7], rho, a[6]), d = a[7];
+        d = sgt_fma(d, rho, h), h = sgt_fma(h, rho, a[5]);
+        d = sgt_fma(d, rho, h), h = sgt_fma(h, rho, a[4]);
+        d = sgt_fma(d, rho, h), h = sgt_fma(h, rho, a[3]);
+    }
+    d = sgt_fma(d, rho, h), h = sgt_fma(h, rho, a[2]);
+    d = sgt_fma(d, rho, h), h = sgt_fma(h, rho, a[1]);
+    d = sgt_fma(d, rho, h), h = sgt_fma(h, rho, a[0]);
+    *slope = d;
+    return h;
+}
+
+/* The ray at the vertex plane, and tau there. */
+typedef struct wavy_start { double x, y, t0, t0_lo, tau; } wavy_start;
+
+SGT_INLINE double wavy_g(const wavy *s, double rho, double z, double h, double *w, double *ckw)
+{
+    *w = sgt_fma(-rho, h, z), *ckw = s->ck * *w;
+    return sgt_fma(-0.5, sgt_fma(s->c, rho, *ckw * *w), *w);
+}
+
+SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, double ox, double oy, double oz, double l, double m, double n, double *g, double *slope)
+{
+    wavy_start r;
+    to_vertex_plane(ox, oy, oz, l, m, n, &r.t0, &r.t0_lo, &r.x, &r.y);
+    double a = l * l + m * m, A = s->c * sgt_fma(s->k1, n * n, a), B = sgt_fma(-s->c, r.x * l + r.y * m, n),
+           C = s->c * (r.x * r.x + r.y * r.y);
+    double inverse = 1 / B, q = C * inverse, e = A * inverse * q,
+           tau = chosen(MASK(fabs(e) < 1), q * sgt_fma(0.125, e, 0.5), (double)NAN), w, ckw;
+    double x = sgt_fma(tau, l, r.x), y = sgt_fma(tau, m, r.y), rho = x * x + y * y;
+    *g = wavy_g(s, rho, tau * n, horner(s->a, terms, rho), &w, &ckw);
+    *slope = B;
+    r.tau = tau - *g * (inverse * sgt_fma(0.5, e, 1));
+    return r;
+}
+
+/* A round's first half, at tau_1: Newton's step to tau_2, and what is kept of the slope: its inverse, dw/dtau, the
+ * magnitudes of x l + y m.  g and slope are for a watcher. */
+typedef struct wavy_newton { double tau2, step2, inverse, dw, slant, g, slope; } wavy_newton;
+
+SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0, double tau1, double l, double m, double n)
+{
+    double x = sgt_fma(tau1, l, x0), y = sgt_fma(tau1, m, y0), rho = x * x + y * y, w, ckw, xl = x * l,
+           ym = y * m, half = xl + ym;
+    double dh, h = horner_slope(s->a, terms, rho, &dh), dp = sgt_fma(rho, dh, h);
+    double g = wavy_g(s, rho, tau1 * n, h, &w, &ckw), dw = sgt_fma(-(dp + dp), half, n);
+    double slope = sgt_fma(-s->c, half, (1 - ckw) * dw), inverse = 1 / slope, step2 = g * inverse;
+    return (wavy_newton){tau1 - step2, step2, inverse, dw, fabs(xl) + fabs(ym), g, slope};
+}
+
+/* What a round leaves: the root with its bound, NaN where nothing is certain; 1 - (1 + k) c w there; for lane_of, near;
+ * again: another round may bring what this did not.  g is for a watcher. */
+typedef struct wavy_round { double tau, tau_err, v, near, g; mask again; } wavy_round;
+
+SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0, double t0, const wavy_newton *at, double l, double m, double n, double t_tol)
+{
+    double x = sgt_fma(at->tau2, l, x0), y = sgt_fma(at->tau2, m, y0), rho = x * x + y * y, z = at->tau2 * n,
+           w, ckw;
+    double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), step = g * at->inverse, as = fabs(step), ai = fabs(at->inverse), aw = fabs(w);
+    double a = l * l + m * m, n2 = n * n,
+           H = sgt_fma(0x1p-50, fabs(t0), sgt_fma(0x1p-40, fabs(at->tau2), fabs(at->step2) + (as + as))),
+           wide = sgt_fma(17 * a, H * H, 1.0625 * rho);
+    double first = horner(s->size, terms, wide), rho0 = x0 * x0 + y0 * y0;
+    double W1 = sgt_fma(first + first, sgt_fma(a, H + H, at->slant), fabs(n)), W2 = s->bend * (a * first);
+    double M = sgt_fma(s->abs_ck, sgt_fma(sgt_fma(W1, H, aw), W2, W1 * W1), sgt_fma(s->abs_c, a, W2));
+    double off = sgt_fma(M * (H + H), ai, 0x1p-30); /* Delta / |s| */
+    double Q = sgt_fma(9, rho, rho0 + rho0), az = fabs(z), ackw = fabs(ckw);
+    double e = 1.01 * SGT_U
+               * sgt_fma(fabs(1 - ckw), sgt_fma(first, Q, az + aw),
+                         sgt_fma(0.5 * s->abs_c, Q, (3 * aw) * (1 + ackw)));
+    double noise = e * ai, tau = at->tau2 - step,
+           tau_err
+           = sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1060 * ai));
+    double terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant);
+    mask again = MASK(off < 0x1p20);
+    mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) & MASK(rho0 <= 4 * rho)
+              & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) & MASK(e <= 24 * SGT_U * (aw + az)) & MASK(s->abs_ck * (W1 * H) < 0x1p-10);
+    sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol); /* else it can be had better */
+    return (wavy_round){.tau = tau,
+                        .tau_err = chosen(sure, tau_err, (double)NAN),
+                        .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
+                        .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)),
+                        .g = g,
+                        .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2))};
+}
+
+/* The root is within the rim for certain, where rim2 says it is. */
+SGT_INLINE mask wavy_sure(const wavy *s, double x, double y, double t0, double tau_err, double l, double m)
+{
+    return MASK(
+        sgt_fma(fabs(l) + fabs(m), tau_err + 1024 * SGT_U * SGT_U * fabs(t0), 2 * SGT_U * (fabs(x) + fabs(y)))
+        <= s->room);
+}
+
+/* F is monotone all along the chord within the rim. */
+SGT_INLINE mask wavy_single(const wavy *s, double l, double m, double n) { return MASK(n * n > s->single * (l * l + m * m)); }
+
+/* Of a ray without a beginning, across the axis, nothing more is known than that. */
+SGT_INLINE mask wavy_hopeless(const wavy *s, double tmin, double l, double m, double n)
+{
+    return MASK(tmin == -HUGE_VAL) & MASK(fabs(l) + fabs(m) > 0) & ~wavy_single(s, l, m, n);
+}
+
+/* The square of the greatest slope within r^2 <= r2, above it by more than rounding; infinite where the base
+ * has none. */
+SGT_INLINE double wavy_slope2(const wavy *s, int terms, double r2)
+{
+    double phi2 = sgt_fma(-s->ck * s->c, r2, 1),
+           steep = (s->abs_c / sqrt(phi2 - 0x1p-30) + 2 * horner(s->size, terms, r2)) * (1 + 0x1p-20);
+    return chosen(MASK(phi2 < HUGE_VAL), bounded_limit(steep, r2), HUGE_VAL);
+}
+
+/* Where the ray has come to at t: r^2, made larger by far more than rounding and tau_err can do. */
+SGT_INLINE double wavy_r2(double x, double y, double t, double l, double m)
+{
+    double px = sgt_fma(t, l, x), py = sgt_fma(t, m, y);
+    return (px * px + py * py) * (1 + 0x1p-10);
+}
+
+/* How far the surface may be from the plane z = 0, at that r^2, on the side that a ray comes from, side = 1 where n > 0, else -1:
+ * the terms of one sign; of the base, where it is defined, no more than c r^2. */
+SGT_INLINE double wavy_ahead(const wavy *s, int terms, double r2, double side)
+{
+    double h = 0, base = larger(-side * s->c, 0);
+    if (terms > FEW_TERMS) {
+        h = sgt_fma(h, r2, larger(-side * s->a[7], 0)), h = sgt_fma(h, r2, larger(-side * s->a[6], 0));
+        h = sgt_fma(h, r2, larger(-side * s->a[5], 0)), h = sgt_fma(h, r2, larger(-side * s->a[4], 0));
+    }
+    h = sgt_fma(h, r2, larger(-side * s->a[3], 0)), h = sgt_fma(h, r2, larger(-side * s->a[2], 0));
+    h = sgt_fma(h, r2, larger(-side * s->a[1], 0)), h = sgt_fma(h, r2, larger(-side * s->a[0], 0));
+    return r2 * (base + h) * (1 + 0x1p-10);
+}
+
+/* THE FIRST ROOT, WITHOUT A RIM OR WITH A WIDE ONE.  r^2 is convex along a ray.  So from a point of it to the root at tau r^2 is
+ * at most R^2, the larger of that at the two, and F is monotone if the slope within R allows it: no root is between.  The start
+ * is such a point, or one behind it: the surface is ahead of the ray by no more than a polynomial in r^2 with terms of one sign,
+ * which is convex along the ray, and z is linear.  Where the ray is farther off at two points, it is so all the way from the
+ * one to the other.  Such a second point is looked for between the start and the root, at 1/2 ... 1/1024 of
+ * the way from the root. A start nearer to the root than 2^-20 |t| is left to others: so tau_err, at most 40
+ * u |t|, moves r^2 by less than 2^-14 of itself even from the last of these points.
+ * halves: are they tried?  Not at first, as the start itself is mostly enough. */
+typedef struct wavy_way { double ox, oy, oz, l, m, n, side, t, root2; } wavy_way;
+
+/* Such a point is so far before the root.  (Called once for each half: a loop would keep that over the rays
+ * from becoming vector code.) */
+SGT_INLINE mask wavy_second(const wavy *s, int terms, const wavy_way *w, double before)
+{
+    double at = w->t - before, r2 = wavy_r2(w->ox, w->oy, at, w->l, w->m),
+           off = -w->side * sgt_fma(at, w->n, w->oz);
+    return MASK(off > wavy_ahead(s, terms, r2, w->side))
+           & MASK(w->n * w->n > wavy_slope2(s, terms, larger(r2, w->root2)) * (w->l * w->l + w->m * w->m));
+}
+
+SGT_INLINE mask wavy_first_from(const wavy *s, int terms, bool halves, double ox, double oy, double oz,
+                                double tmin, double t0, double x0, double y0, double tau, double l, double m,
+                                double n)
+{
+    double a = l * l + m * m, side = copysign(1, n), root2 = wavy_r2(x0, y0, tau, l, m), t = t0 + tau,
+           start = chosen(MASK(fabs(l) + fabs(m) > 0), tmin, t), start2 = wavy_r2(ox, oy, start, l, m);
+    mask known = MASK(larger(start2, root2) < 0x1p900) & MASK(t - tmin > 0x1p-20 * fabs(t))
+                 & MASK(fabs(start) < HUGE_VAL);
+    mask is = MASK(n * n > wavy_slope2(s, terms, larger(start2, root2)) * a);
+    if (halves) {
+        wavy_way w = {ox, oy, oz, l, m, n, side, t, root2};
+        double left = t - start;
+        mask second = wavy_second(s, terms, &w, 0x1p-1 * left) | wavy_second(s, terms, &w, 0x1p-2 * left)
+                      | wavy_second(s, terms, &w, 0x1p-3 * left) | wavy_second(s, terms, &w, 0x1p-4 * left)
+                      | wavy_second(s, terms, &w, 0x1p-5 * left) | wavy_second(s, terms, &w, 0x1p-6 * left)
+                      | wavy_second(s, terms, &w, 0x1p-7 * left) | wavy_second(s, terms, &w, 0x1p-8 * left)
+                      | wavy_second(s, terms, &w, 0x1p-10 * left);
+        is |= second & MASK(-side * sgt_fma(start, n, oz) > wavy_ahead(s, terms, start2, side));
+    }
+    return known & is;
+}
+
+/* The root, for lane_of. */
+SGT_INLINE near_root wavy_root(double x, double y, double t0, double t0_lo, double tau, double tau_err)
+{
+    double small = t0_lo + tau, t = t0 + small, reach = fabs(t) + fabs(small);
+    return (near_root){.x = x,
+                       .y = y,
+                       .tau = tau,
+                       .t = t,
+                       .t_err = sgt_fma(1.01 * SGT_U, reach, tau_err),
+                       .tau_err = tau_err,
+                       .t0 = t0,
+                       .small = small};
+}
+
+/* From the vertex itself nothing has underflown either.  A bound that is NaN stays that. */
+SGT_INLINE near_root wavy_exactly(const near_root *r, mask exact)
+{
+    near_root at = *r;
+    at.t_err = chosen(exact, 0 * r->t_err, r->t_err), at.tau_err = chosen(exact, 0 * r->tau_err, r->tau_err);
+    return at;
+}
+
+SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, double v, double near, mask exact,
+                         double l, double m, double n, double tmin, double tmax, double t_tol)
+{
+    double x = sgt_fma(r->tau, l, r->x), y = sgt_fma(r->tau, m, r->y), rho = x * x + y * y,
+           dp = horner(s->slope, terms, rho), g = -s->c / v - (dp + dp);
+    near_root at = wavy_exactly(r, exact);
+    return lane_of(&at, l, m, n, tmin, tmax, t_tol, r->tau * n, g, near, s->rim2, exact,
+                   MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
+}
+
+/* AWAY.  The ray certainly misses: the root is the only one within the rim and as far out as the root, by the
+ * slope there, and it does not count.  It is beyond tmax; or before tmin, or the start itself by half of what
+ * accept.h allows (G' is off from 1 / inverse by an eighth at most); or beyond the rim, by far more than p_err.
+ * root: of wavy_root. */
+SGT_INLINE mask wavy_away(const wavy *s, int terms, const near_root *root, double v, double inverse,
+                          double oz, double l, double m, double n, double tmin, double tmax)
+{
+    mask exact = at_vertex(root->x, root->y, oz);
+    near_root own = wavy_exactly(root, exact);
+    const near_root *r = &own;
+    double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), pz = r->tau * n,
+           rho = px * px + py * py, at = fabs(r->t), side = fabs(l) + fabs(m);
+    double dp = horner(s->slope, terms, rho), g = fabs(s->c / v + (dp + dp)),
+           width = 0.5 * START_ULPS * (v * sgt_fma(g, rho, fabs(pz))) * fabs(inverse);
+    double off = sgt_fma(side, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0),
+                     SGT_U * (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))));
+    double edge = s->rim2 * (1 + 0x1p-20), slope2 = wavy_slope2(s, terms, larger(rho * (1 + 0x1p-10), edge));
+    mask only = MASK(n * n > slope2 * (l * l + m * m)) | MASK(side == 0);
+    mask before = MASK(r->t + r->t_err <= tmin + width),
+         after = MASK(r->t - END_ERRORS * (r->t_err + SGT_U * at) > tmax);
+    mask beyond = MASK(rho - 3 * (fabs(px) + fabs(py) + off) * off > edge);
+    mask is_ray = MASK(tmin <= tmax) & MASK(tmin < HUGE_VAL) & MASK(tmax > -HUGE_VAL) & MASK(rho < HUGE_VAL);
+    return is_ray & only & (before | after | beyond) & MASK(r->t_err < HUGE_VAL) & MASK(at < 0x1p300)
+           & (MASK(at + r->t_err > LEAST_PLACE) | exact);
+}
+
+#endif

@@ -1,0 +1,200 @@
+/* asphere/unique.c - a root of an asphere that was met near the vertex: is it the only one within the rim?
+ * And a ray that leaves the surface: does it meet nothing?
+ *
+ * Along a ray F is monotone within the rim where |n| > L sqrt a (poly.h, single_limit).  Where that does not decide it is told
+ * by rings.  Let q = |n| / sqrt a, and r0 be how far from the axis the ray meets the vertex plane.
+ * At r the ray is at least q (r - r0) away from that plane, above it ahead of there and below it behind (of one that
+ * rises).  So a ring where S = s + P is less than q (inner - r0) has no root ahead; one where -S is, or that the ray did
+ * not come from, none behind; and within the rings where all |dS/dr| < q F is monotone.  There is but one root if for some
+ * J the first J rings are such and the others have none: if q > K, the least over J of the greatest of these.
+ *
+ * RING BY RING, where that does not decide either, as of rays that are nearly parallel to the vertex plane.
+ * On a piece of the ray (piece.h) F' = n - S'(r) u, u = dr / dtau = a s / r, is within bounds.  Where F rises
+ * on each piece on which it may have a root, there is one root at most: behind it F is above zero, and stays
+ * there.  The same where it falls.  Where no piece may have a root, the ray is a miss.
+ *
+ * In a ring, m +- h in rho, P' is off from P'(m) by at most |P''(m)| h + third h^2 / 2, and P from P(m) by |P'(m)| h +
+ * second h^2 / 2, the bounds `magnitude` has at its outer rim; s and ds/drho are monotone.  2^-40 of all terms is far
+ * more than rounding. */
+#include "asphere.h"
+#include "../sag/piece.h"
+
+enum { RINGS = 16 };
+
+/* slope: |dS/dr| at most, `least` and `most` that with its sign. */
+typedef struct rings {
+    double width, inner[RINGS], slope[RINGS], least[RINGS], most[RINGS], above[RINGS], below[RINGS];
+} rings;
+
+SGT_KERNEL
+static void asphere_rings(const shape *s, rings *out)
+{
+    double m[RINGS], h[RINGS], outer2[RINGS], p[RINGS], p1[RINGS], p2[RINGS], first[RINGS], second[RINGS], third[RINGS];
+    double width = sqrt(s->domain2) * (1 + 0x1p-40) / RINGS, c = s->c, ckc = s->ck * s->c;
+    out->width = width;
+    LANES for (int j = 0; j < RINGS; j++) {
+        double inner = j * width, outer = (j + 1) * width;
+        out->inner[j] = inner, outer2[j] = outer * outer;
+        m[j] = 0.5 * (outer * outer + inner * inner), h[j] = (0.5 + 0x1p-40) * (outer * outer - inner * inner);
+        p[j] = p1[j] = p2[j] = first[j] = second[j] = third[j] = 0;
+    }
+    for (int i = s->terms - 1; i >= 0; i--) { /* of Q = P / rho: P' = Q + rho Q', P'' = 2 Q' + rho Q''; p2 is Q'' / 2, third of the bound as well */
+        double a = s->a[i], by = (i + 1) * fabs(a);
+        LANES for (int j = 0; j < RINGS; j++) {
+            p2[j] = p2[j] * m[j] + p1[j], p1[j] = p1[j] * m[j] + p[j], p[j] = p[j] * m[j] + a;
+            third[j] = third[j] * outer2[j] + second[j], second[j] = second[j] * outer2[j] + first[j], first[j] = first[j] * outer2[j] + by;
+        }
+    }
+    LANES for (int j = 0; j < RINGS; j++) {
+        double rho = outer2[j], rho_in = out->inner[j] * out->inner[j], d1 = p[j] + m[j] * p1[j], d2 = 2 * (p1[j] + m[j] * p2[j]);
+        double near = sqrt(larger(1 - ckc * rho_in, 0)), far = sqrt(larger(1 - ckc * rho, 0)), s1 = 0.5 * c / near, s2 = 0.5 * c / far;
+        double tilt = fabs(d2) * h[j] + third[j] * (h[j] * h[j]) + 0x1p-40 * (fabs(s1) + fabs(s2) + first[j]);
+        double rise = fabs(d1) * h[j] + 0.5 * second[j] * (h[j] * h[j]) + 0x1p-40 * rho * (fabs(c) + first[j]);
+        double z1 = c * rho_in / (1 + near), z2 = c * rho / (1 + far), z = m[j] * p[j];
+        double slope = 2 * (out->inner[j] + width) * (larger(fabs(s1 + d1), fabs(s2 + d1)) + tilt), above = larger(z1, z2) + z + rise, below = larger(-z1, -z2) - z + rise;
+        double in = 2 * out->inner[j], end = 2 * (out->inner[j] + width); /* dS/dr = 2 r (s' + P') */
+        double least = lesser(s1, s2) + d1 - tilt, most = larger(s1, s2) + d1 + tilt;
+        out->slope[j] = chosen(MASK(slope < HUGE_VAL), slope, HUGE_VAL); /* NaN as well */
+        out->least[j] = least * chosen(MASK(least > 0), in, end);
+        out->most[j] = most * chosen(MASK(most > 0), end, in);
+        out->above[j] = chosen(MASK(above < HUGE_VAL), above, HUGE_VAL), out->below[j] = chosen(MASK(below < HUGE_VAL), below, HUGE_VAL);
+    }
+}
+
+/* Of a ray, or no less than any of a tile's: r0; how far from the axis it may have come from, and go. */
+typedef struct course { double r0, from, to; } course;
+
+SGT_INLINE void widen(course *most, course one)
+{
+    most->r0 = larger(one.r0, most->r0), most->from = larger(one.from, most->from), most->to = larger(one.to, most->to);
+}
+
+/* K, or more; rises: n > 0. */
+static double steepness(const rings *g, course way, bool rises)
+{
+    const double *ahead = rises ? g->above : g->below, *behind = rises ? g->below : g->above;
+    double lead[RINGS + 1], tail = 0, least = HUGE_VAL;
+    lead[0] = 0;
+    for (int j = 0; j < RINGS; j++) lead[j + 1] = larger(lead[j], g->slope[j]);
+    for (int j = RINGS;; j--) {
+        double k = larger(lead[j], tail);
+        least = k < least ? k : least;
+        if (j == 0 || !(g->inner[j - 1] > way.r0)) break;
+        double in = g->inner[j - 1], height = larger(in <= way.to ? ahead[j - 1] : 0, in <= way.from ? behind[j - 1] : 0);
+        tail = larger(tail, height / (in - way.r0));
+    }
+    return least * (1 + 0x1p-20);
+}
+
+/* Of all rays; q2 is the square of q. */
+SGT_KERNEL
+static void asphere_courses(const sgt_tile *tile, double *q2, course *way)
+{
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, slack = 1 + 0x1p-20;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        double t0, t0_lo, x, y, a = l[i] * l[i] + m[i] * m[i], n2 = n[i] * n[i];
+        to_vertex_plane(ox[i], oy[i], oz[i], l[i], m[i], n[i], &t0, &t0_lo, &x, &y);
+        double r0 = slack * sqrt(x * x + y * y), side = slack * sqrt(a), off = 0x1p-40 * fabs(t0);
+        q2[i] = chosen(MASK(a > 0x1p-400) & MASK(n2 > 0x1p-200), n2 / a, (double)NAN);
+        way[i].r0 = r0, way[i].from = r0 + side * larger(t0 - tmin[i] + off, 0), way[i].to = r0 + side * larger(tmax[i] - t0 + off, 0);
+    }
+}
+
+/* ---------------------------------------------------------------------- ring by ring */
+
+/* At most one root: on every piece F has none or rises, or on every piece none or falls.  s and u are in the
+ * ranges told behind the point nearest the axis, in those of the other sign before it; NaN proves nothing. */
+SGT_KERNEL
+static mask asphere_one_root(const rings *g, const line *w)
+{
+    const double more = 1 + 0x1p-40, less = 1 - 0x1p-40, a = w->a, n = w->n, far = w->nearest + w->aside;
+    mask rises = MASK(true), falls = rises;
+#pragma omp simd reduction(& : rises, falls)
+    for (int j = 0; j < RINGS; j++) {
+        double in = g->inner[j], out = (in + g->width) * more;
+        piece p = piece_of(w, in, out);
+        double u_in = a * larger(p.s_in, 0) / larger(larger(in, far) * more, 0x1p-500) * less,
+               u_out = a * p.s_out / out * more;
+        double most = larger(g->most[j] * u_in, g->most[j] * u_out),
+               least = lesser(g->least[j] * u_in, g->least[j] * u_out);
+        double unsure = 0x1p-40 * (fabs(n) + fabs(most) + fabs(least));
+        mask behind = p.passed_by | is_apart(w, p.s_in, p.s_out, -g->below[j], g->above[j]),
+             before = p.passed_by | is_apart(w, -p.s_out, -p.s_in, -g->below[j], g->above[j]);
+        rises &= (behind | MASK(n - most > unsure)) & (before | MASK(n + least > unsure));
+        falls &= (behind | MASK(n - least < -unsure)) & (before | MASK(n + most < -unsure));
+    }
+    return rises | falls;
+}
+
+/* Those that are left by sgt_sweep_monotone: all at once, or else each by itself. */
+bool sgt_asphere_alone(const shape *s, const sgt_tile *tile, mask alone[])
+{
+    double q2[SGT_TILE], k;
+    course way[SGT_TILE], most = {0, 0, 0};
+    rings g;
+    bool all = true, rise = false, fall = false;
+    if (!(s->domain2 < 0x1p600 && s->domain2 > 0x1p-600)) return false;
+    asphere_rings(s, &g);
+    k = steepness(&g, (course){HUGE_VAL, 0, 0}, true); /* monotone all over */
+    if (k * k < single_limit(s) && sgt_sweep_steeper(k * k, tile, alone)) return true;
+    asphere_courses(tile, q2, way);
+    for (size_t i = 0; i < tile->n; i++) {
+        if (alone[i]) continue;
+        widen(&most, way[i]);
+        *(tile->rays.d[2][i] > 0 ? &rise : &fall) = true;
+    }
+    k = larger(rise ? steepness(&g, most, true) : 0, fall ? steepness(&g, most, false) : 0);
+    for (size_t i = 0; i < tile->n; i++) {
+        if (alone[i]) continue;
+        double own = q2[i] > k * k || tile->n == 1 ? k : steepness(&g, way[i], tile->rays.d[2][i] > 0);
+        alone[i] = MASK(q2[i] > own * own);
+        if (!alone[i]) {
+            const sgt_rays *r = &tile->rays;
+            line w = line_of((sgt_vec3){r->o[0][i], r->o[1][i], r->o[2][i]},
+                             (sgt_vec3){r->d[0][i], r->d[1][i], r->d[2][i]}, r->tmin[i], r->tmax[i]);
+            alone[i] = line_in_range(&w) & asphere_one_root(&g, &w);
+        }
+        all &= alone[i] != 0;
+    }
+    return all;
+}
+
+/* ------------------------------------------------------------------------- misses */
+
+SGT_KERNEL
+static mask asphere_passed_by(const rings *g, const line *w)
+{
+    double left = 0;
+#pragma omp simd reduction(+ : left)
+    for (int j = 0; j < RINGS; j++) {
+        piece p = piece_of(w, g->inner[j], (g->inner[j] + g->width) * (1 + 0x1p-40));
+        mask apart = is_apart(w, p.s_in, p.s_out, -g->below[j], g->above[j])
+                     & is_apart(w, -p.s_out, -p.s_in, -g->below[j], g->above[j]);
+        left += (p.passed_by | apart) != 0 ? 0.0 : 1.0;
+    }
+    return MASK(left == 0);
+}
+
+/* Of a ray that starts in the vertex, at t = 0: one root at most is the start itself, which does not count.
+ */
+void sgt_asphere_pass(const shape *s, const sgt_tile *tile, mask passes[])
+{
+    const sgt_rays *r = &tile->rays;
+    rings g;
+    bool any = false, in_range = s->domain2 < 0x1p600 && s->domain2 > 0x1p-600;
+    for (size_t i = 0; i < tile->n; i++) {
+        if (!passes[i]) continue;
+        sgt_vec3 o = {r->o[0][i], r->o[1][i], r->o[2][i]}, d = {r->d[0][i], r->d[1][i], r->d[2][i]};
+        double tmin = r->tmin[i], tmax = r->tmax[i];
+        line w = line_of(o, d, tmin, tmax);
+        bool is_ray = tmin <= tmax && tmin < HUGE_VAL && tmax > -HUGE_VAL,
+             vertex = at_vertex(o.x, o.y, o.z) && tmin == 0;
+        passes[i] = 0;
+        if (!(in_range && is_ray && line_in_range(&w) && (vertex || w.from > 0))) continue;
+        if (!any) asphere_rings(s, &g);
+        any = true;
+        passes[i] = vertex ? asphere_one_root(&g, &w) : asphere_passed_by(&g, &w);
+    }
+}

@@ -1,0 +1,240 @@
+/* conic/lanes.c - tiles of rays and a conic, or a plane: the lanes of conic/easy.h in loops. */
+#include "easy.h"
+#include "../sag/poly.h"
+
+/* Between the two loops. */
+typedef struct bowl_room {
+    _Alignas(64) double x[SGT_TILE];
+    double y[SGT_TILE], tau[SGT_TILE], t[SGT_TILE], t_err[SGT_TILE], tau_err[SGT_TILE], t0[SGT_TILE], small[SGT_TILE];
+    sweep_ends ends;
+} bowl_room;
+
+SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool proof, bool rich, const sgt_tile *tile, bowl_room *room)
+{
+    const bowl own = *self, *s = &own; /* no output is a part of it */
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        near_root r = plane ? plane_start(s, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i]) : easy_start(s, first, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
+        room->x[i] = r.x, room->y[i] = r.y, room->tau[i] = r.tau, room->t[i] = r.t, room->t_err[i] = r.t_err;
+        if (rich) room->tau_err[i] = r.tau_err, room->t0[i] = r.t0, room->small[i] = r.small;
+    }
+    sweep_to to = sweep_to_of(tile, &room->ends);
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
+        near_root r = {.x = room->x[i], .y = room->y[i], .tau = room->tau[i], .t = room->t[i], .t_err = room->t_err[i]};
+        if (rich) r.tau_err = room->tau_err[i], r.t0 = room->t0[i], r.small = room->small[i];
+        lane e = plane ? plane_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]) : easy_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        SWEEP_STORE(to, i, e, rich);
+        all &= e.hit;
+    }
+    return sweep_told(tile, &room->ends, 1, all);
+}
+
+/* The verdicts of all rays. */
+SGT_KERNEL
+static void conic_sweep_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone)
+{
+    const bowl own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        verdicts v = easy_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+        away[i] = v.away, far_gone[i] = v.far_gone;
+    }
+}
+
+SGT_KERNEL
+static void conic_sweep_plane_away(const bowl *self, const sgt_tile *tile, mask *away)
+{
+    const bowl own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
+    size_t count = tile->n;
+    LANES
+    for (size_t i = 0; i < count; i++)
+        away[i] = plane_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+}
+
+/* Of the far roots of all rays. */
+SGT_KERNEL
+static void conic_sweep_far(const bowl *self, const sgt_tile *tile, mask *gone, mask *counts, double *far, double *slack)
+{
+    const bowl own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
+                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
+    size_t count = tile->n;
+    LANES for (size_t i = 0; i < count; i++) {
+        verdicts v = easy_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
+        gone[i] = v.far_gone, counts[i] = v.far_counts, far[i] = v.far, slack[i] = v.slack;
+    }
+}
+
+#define SWEEP_BOWL(name, plane, first, proof, rich)                                                 \
+    SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
+    {                                                                                               \
+        return sweep_bowl(s, plane, first, proof, rich, tile, room);                                \
+    }
+
+SWEEP_BOWL(conic_sweep_plane, true, false, false, false)
+SWEEP_BOWL(conic_sweep_plane_rich, true, false, false, true)
+SWEEP_BOWL(conic_sweep_plane_sure, true, false, true, false)
+SWEEP_BOWL(conic_sweep_plane_sure_rich, true, false, true, true)
+SWEEP_BOWL(conic_sweep_near, false, false, false, false)
+SWEEP_BOWL(conic_sweep_near_rich, false, false, false, true)
+SWEEP_BOWL(conic_sweep_near_sure, false, false, true, false)
+SWEEP_BOWL(conic_sweep_near_sure_rich, false, false, true, true)
+SWEEP_BOWL(conic_sweep_first, false, true, false, false)
+SWEEP_BOWL(conic_sweep_first_rich, false, true, false, true)
+SWEEP_BOWL(conic_sweep_first_sure, false, true, true, false)
+SWEEP_BOWL(conic_sweep_first_sure_rich, false, true, true, true)
+
+/* The same, and the rays that start near the surface or on it as well: conic/easy.h, NEARBY.  In one loop, as
+ * few tiles are met so. */
+SGT_INLINE size_t sweep_nearby(const bowl *self, bool plane, bool first, const sgt_tile *tile,
+                               bowl_room *room)
+{
+    const bowl own = *self, *s = &own;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
+                 *t_tol = tile->t_tol;
+    sweep_to to = sweep_to_of(tile, &room->ends);
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < tile->n; i++) {
+        lane e = plane ? plane_at_start(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i])
+                       : easy_or_nearby(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i],
+                                        t_tol[i]);
+        SWEEP_STORE(to, i, e, true);
+        all &= e.hit;
+    }
+    return sweep_told(tile, &room->ends, 1, all);
+}
+
+#define SWEEP_NEARBY(name, plane, first)                                                            \
+    SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
+    {                                                                                               \
+        return sweep_nearby(s, plane, first, tile, room);                                           \
+    }
+
+SWEEP_NEARBY(conic_sweep_plane_nearby, true, false)
+SWEEP_NEARBY(conic_sweep_near_nearby, false, false)
+SWEEP_NEARBY(conic_sweep_first_nearby, false, true)
+
+/* Where the first ray of a tile starts: a guess at all of them, which costs time or saves it.  NEARBY: so
+ * near the surface that t would not be sharp; LEAVING: on it, and that does not count. */
+typedef enum beginning { AWAY, NEARBY, LEAVING } beginning;
+
+static beginning beginning_of(const bowl *s, const sgt_tile *tile)
+{
+    double x = tile->rays.o[0][0], y = tile->rays.o[1][0], z = tile->rays.o[2][0],
+           g = fabs(z - 0.5 * s->c * (x * x + y * y + s->k1 * z * z));
+    if (!(g <= 0x1p-6 * fabs(z))) return AWAY;
+    return tile->rays.tmin[0] >= 0 && g <= 0x1p-44 * fabs(z) ? LEAVING : NEARBY;
+}
+
+static size_t sweep_near(const bowl *s, bool rich, bool nearby, const sgt_tile *tile, bowl_room *room)
+{
+    if (nearby)
+        return s->c == 0 ? conic_sweep_plane_nearby(s, tile, room) : conic_sweep_near_nearby(s, tile, room);
+    if (s->c == 0 && s->proof) return rich ? conic_sweep_plane_sure_rich(s, tile, room) : conic_sweep_plane_sure(s, tile, room);
+    if (s->c == 0) return rich ? conic_sweep_plane_rich(s, tile, room) : conic_sweep_plane(s, tile, room);
+    if (s->proof) return rich ? conic_sweep_near_sure_rich(s, tile, room) : conic_sweep_near_sure(s, tile, room);
+    return rich ? conic_sweep_near_rich(s, tile, room) : conic_sweep_near(s, tile, room);
+}
+
+static size_t sweep_first(const bowl *s, bool rich, bool nearby, const sgt_tile *tile, bowl_room *room)
+{
+    if (nearby) return conic_sweep_first_nearby(s, tile, room);
+    if (s->proof) return rich ? conic_sweep_first_sure_rich(s, tile, room) : conic_sweep_first_sure(s, tile, room);
+    return rich ? conic_sweep_first_rich(s, tile, room) : conic_sweep_first(s, tile, room);
+}
+
+/* First hits that are found at once, as is usual where a surface bulges toward the ray; where many are not, those whose
+ * far root, which comes first, does not count; and misses. */
+size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt)
+{
+    bowl_room room;
+    bowl s;
+    signed char *status = tile->hits.status;
+    mask away[SGT_TILE], far_gone[SGT_TILE];
+    if (!conic_valid(c, k, semi_diameter) || !bowl_of(c, k, rim2_of(semi_diameter), opt->proof != SGT_ESTIMATE, &s)) {
+        memset(status, SGT_HARD, tile->n);
+        return tile->n;
+    }
+    bool rich = tile->hits.t_lo || tile->hits.p_err, first = opt->pick != SGT_NEAR_SEED && c != 0;
+    beginning from = beginning_of(&s, tile);
+    bool hollow =
+        first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: its far root may be the first */
+    bool nearby = from == NEARBY,
+         later = from == LEAVING || hollow; /* later: first who misses, then who is met */
+    size_t hard = tile->n;
+    if (later) memset(status, SGT_HARD, tile->n);
+    else
+        hard = first ? sweep_first(&s, rich, nearby, tile, &room) : sweep_near(&s, rich, nearby, tile, &room);
+    if (8 * hard <= tile->n) return hard; /* one by one */
+    if (c == 0) conic_sweep_plane_away(&s, tile, away);
+    else conic_sweep_away(&s, tile, away, far_gone);
+    mask nearest = 0; /* of some the near root may count, and has not been looked for */
+    for (size_t i = 0; i < tile->n; i++) {
+        if (status[i] == SGT_HIT) far_gone[i] = MASK(true);
+        else nearest |= ~away[i] & (first ? far_gone[i] : MASK(later));
+    }
+    if (nearest)
+        sweep_near(&s, rich, nearby, tile, &room); /* all of them: those found before come out the same */
+    else if (later) sweep_nothing(tile, &room.ends);
+    hard = 0;
+    for (size_t i = 0; i < tile->n; i++) {
+        bool met = status[i] == SGT_HIT && (!first || far_gone[i]);
+        status[i] = met ? SGT_HIT : away[i] ? SGT_MISS : SGT_HARD;
+        if (!met && tile->hits.evals) tile->hits.evals[i] = 0;
+        hard += status[i] == SGT_HARD;
+    }
+    return hard;
+}
+
+/* n^2 > limit (l^2 + m^2); where a square has underflown it is small beside n^2 times 2^-500. */
+SGT_KERNEL
+static mask sweep_monotone(double limit, const sgt_tile *tile, mask alone[])
+{
+    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
+    size_t count = tile->n;
+    mask all = MASK(true);
+    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
+        double a = l[i] * l[i] + m[i] * m[i], n2 = n[i] * n[i];
+        alone[i] = MASK(n2 > limit * a) & MASK(a + n2 > 0x1p-200);
+        all &= alone[i];
+    }
+    return all;
+}
+
+bool sgt_sweep_steeper(double limit, const sgt_tile *tile, mask alone[])
+{
+    return sweep_monotone(limit < 0x1p500 ? limit : HUGE_VAL, tile, alone) != 0;
+}
+
+bool sgt_sweep_monotone(const shape *s, const sgt_tile *tile, mask alone[]) { return sgt_sweep_steeper(single_limit(s), tile, alone); }
+
+/* The far root is elsewhere: F is monotone within the rim, or that root is known not to count (if the one that was met is
+ * itself the far one, that is not said of it); or it is known to count. */
+bool sgt_conic_alone(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2, mask alone[], sgt_interval others[])
+{
+    mask gone[SGT_TILE], counts[SGT_TILE];
+    double far[SGT_TILE], slack[SGT_TILE], own = rim2_of(semi_diameter);
+    bowl b;
+    shape s = {.c = c, .k = k, .ck = (1 + k) * c, .rim2 = rim2 < own ? rim2 : own};
+    s.domain2 = domain2_within(c, k, s.rim2);
+    if (c == 0) memset(alone, 0xff, tile->n * sizeof *alone);
+    if (c == 0 || sgt_sweep_monotone(&s, tile, alone)) return true;
+    if (!bowl_of(c, k, s.rim2, false, &b)) return false;
+    conic_sweep_far(&b, tile, gone, counts, far, slack);
+    mask all = MASK(true);
+    for (size_t i = 0; i < tile->n; i++) {
+        alone[i] |= gone[i], all &= alone[i];
+        if (alone[i] || !counts[i]) continue;
+        alone[i] = SGT_NOT_ALONE;
+        if (others) others[i] = (sgt_interval){far[i] - slack[i], far[i] + slack[i]};
+    }
+    return all != 0;
+}

@@ -1,0 +1,70 @@
+/* conic/second.c - what the conic tells of sensitivities; second.h has the formulas. */
+#include "../sag/second.h"
+
+#include <sagitta/surfaces.h>
+#include <string.h>
+
+SGT_KERNEL
+static void second(double c, double k, size_t n, const double *x, const double *y, double *xx, double *xy, double *xz, double *yy, double *yz, double *zz)
+{
+    LANES for (size_t i = 0; i < n; i++) {
+        curvatures s = conic_second(c, k, x[i], y[i]);
+        xx[i] = -s.xx, xy[i] = -s.xy, yy[i] = -s.yy;
+        xz[i] = yz[i] = zz[i] = 0;
+    }
+}
+
+void sgt_conic_second(const void *self, size_t n, sgt_points p, double *const out[6])
+{
+    const sgt_conic *s = self;
+    second(s->c, s->k, n, p.p[0], p.p[1], out[0], out[1], out[2], out[3], out[4], out[5]);
+}
+
+size_t sgt_conic_parameters(const void *self)
+{
+    (void)self;
+    return 2;
+}
+
+/* The loops over points: F alone, and F with its gradient. */
+#define BY(NAME)                                                                                        \
+    SGT_KERNEL                                                                                          \
+    static void NAME##_alone(double c, double k, size_t n, const double *x, const double *y, double *f) \
+    {                                                                                                   \
+        LANES for (size_t i = 0; i < n; i++) f[i] = -conic_##NAME(c, k, x[i] * x[i] + y[i] * y[i]).f;   \
+    }                                                                                                   \
+    SGT_KERNEL                                                                                          \
+    static void NAME##_all(double c, double k, size_t n, const double *x, const double *y, double *f,   \
+                           double *fx, double *fy, double *fz)                                          \
+    {                                                                                                   \
+        LANES for (size_t i = 0; i < n; i++)                                                            \
+        {                                                                                               \
+            derivative by = conic_##NAME(c, k, x[i] * x[i] + y[i] * y[i]);                              \
+            f[i] = -by.f, fx[i] = -x[i] * by.g, fy[i] = -y[i] * by.g, fz[i] = 0;                        \
+        }                                                                                               \
+    }
+BY(by_c)
+BY(by_k)
+
+/* Of a plane: r^2 / 2 and (x, y) by c, nothing by k. */
+SGT_KERNEL
+static void plane_by_c(size_t n, const double *x, const double *y, double *f)
+{
+    LANES for (size_t i = 0; i < n; i++) f[i] = -0.5 * (x[i] * x[i] + y[i] * y[i]);
+}
+
+static void plane_by(size_t j, size_t n, const double *x, const double *y, sgt_values out)
+{
+    if (j == 0) plane_by_c(n, x, y, out.f);
+    else memset(out.f, 0, n * sizeof(double));
+    for (size_t i = 0; out.grad[0] && i < n; i++) out.grad[0][i] = j ? 0 : -x[i], out.grad[1][i] = j ? 0 : -y[i], out.grad[2][i] = 0;
+}
+
+void sgt_conic_by_parameter(const void *self, size_t j, size_t n, sgt_points p, sgt_values out)
+{
+    const sgt_conic *s = self;
+    const double *x = p.p[0], *y = p.p[1];
+    if (s->c == 0) plane_by(j, n, x, y, out);
+    else if (!out.grad[0]) (j ? by_k_alone : by_c_alone)(s->c, s->k, n, x, y, out.f);
+    else (j ? by_k_all : by_c_all)(s->c, s->k, n, x, y, out.f, out.grad[0], out.grad[1], out.grad[2]);
+}

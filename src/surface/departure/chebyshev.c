@@ -1,0 +1,407 @@
+/* chebyshev.c - a sum of products of Chebyshev polynomials of x and of y on a conic.
+ *
+ * T_n and U_n-1 = T_n' / n are worked out by the addition theorem of the angle, x = cos u, with w = 1 - x^2 = (1 - x)(1 + x):
+ *     T_n+1 = x T_n - w U_n-1,   U_n = x U_n-1 + T_n.
+ * Upon (T, sqrt(w) U) that is a turn by u, so what a step leaves out stays as it is, where the recurrence of three terms makes n
+ * times as much of it near |x| = 1 (Clenshaw's sum, too); beyond |x| = 1 all the terms of a step have one sign.
+ *
+ * For a block of points the T_j and T_j' of y are tabled, 20 columns at a time; then each coefficient costs
+ * two fma, one for B_i = sum over j of a_ij T_j and one for B_i', and P = sum of T_i B_i, P_x = sum of T_i'
+ * B_i, P_y = sum of T_i B_i'.  Two rows and four columns at once, so that it is arithmetic and not loads and
+ * stores that take the time.
+ *
+ * ROUNDING.  In units of u = 2^-53, with sigma = sqrt w: 1 - x^2 is off by 3 of itself, so a step leaves out |T_n+1| + 4 |w U_n-1| of T_n+1
+ * and |U_n| of U_n, upon (T, sigma U) k = sqrt 2 + 4 sigma at most; after n steps T_n is off by n k at most, U_n-1 by n k / sigma.
+ * By the second line of the step U_n is off by what U_n-1 is, T_n is, and n + 1: so U_n-1 by (k + 1) n^2 / 2 + n, too.  Beyond
+ * |x| = 1 a step adds 5 at most to the relative error of both.  x / norm is off by 1 of itself: T_n by |x T_n'|, T_n' by |x T_n''|.  A
+ * term goes through at most 24 sums of its row's panel, and one for each row and panel.
+ *
+ * BOUNDS.  Within |x| <= 1: |T_n| <= 1, |T_n'| <= min(n^2, n / sigma), |T_n''| = |x T_n' - n^2 T_n| / w <= (n / sigma + n^2) / w, and
+ * <= n^2 (n^2 - 1) / 3 (V. A. Markov; Mason and Handscomb 2002, section 2.4.5).  Beyond, all derivatives
+ * increase: their values at the far end.  Far out, over a disc of radius r, r = R norm, more is known: T_i(x)
+ * / x^i increases beyond 1 (all its zeros are nearer), so |T_i(x)| <= T_i(R) max(x / R, 1 / R)^i, and of the
+ * derivatives so; of two such factors the greatest product over the disc is that of x^i y^j, or one of them
+ * is 1 / R^i. */
+#include "bend.h"
+#include "departure.h"
+
+enum { MOST = 64, PANEL = 20, STRIP = 32, NONE = MOST * MOST };
+
+/* Of all points: the argument, 1 - x^2, T_n and U_n-1. */
+typedef struct turning { double x[STRIP], w[STRIP], t[STRIP], u[STRIP]; } turning;
+
+SGT_INLINE void start(turning *a, double norm, size_t n, const double *x)
+{
+    LANES
+    for (size_t i = 0; i < n; i++) {
+        double v = x[i] / norm;
+        a->x[i] = v, a->w[i] = (1 - v) * (1 + v), a->t[i] = 1, a->u[i] = 0;
+    }
+}
+
+SGT_INLINE void turn_one(double x, double w, double *t, double *u)
+{
+    double t1 = sgt_fma(x, *t, -w * *u);
+    *u = sgt_fma(x, *u, *t), *t = t1;
+}
+
+/* The coefficient, or 0 beyond the table; with `only` < NONE that one is 1, all others 0. */
+static double coefficient(const sgt_chebyshev *s, size_t only, size_t i, size_t j)
+{
+    if (i >= s->a.rows || j >= s->a.columns) return 0;
+    size_t at = i * s->a.columns + j;
+    return only < NONE ? at == only : s->a.x[at];
+}
+
+SGT_KERNEL
+static void chebyshev_sums(const sgt_chebyshev *s, size_t only, size_t n, const double *x, const double *y, double *restrict p, double *restrict px,
+                           double *restrict py)
+{
+    turning a, b;
+    double t[PANEL][STRIP], d[PANEL][STRIP]; /* T_j and T_j' of the panel */
+    double b0[STRIP], b1[STRIP], d0[STRIP], d1[STRIP];
+    size_t rows = s->a.rows, columns = s->a.columns;
+    LANES
+    for (size_t i = 0; i < n; i++) p[i] = px[i] = py[i] = 0;
+    start(&b, s->norm_y, n, y);
+    for (size_t from = 0; from < columns; from += PANEL) {
+        size_t wide = columns - from < PANEL ? (columns - from + 3) / 4 * 4 : PANEL;
+        for (size_t j = 0; j < wide; j++) {
+            const double degree = (double)(from + j);
+            double *restrict tj = t[j], *restrict dj = d[j];
+            LANES
+            for (size_t i = 0; i < n; i++) {
+                double tn = b.t[i], un = b.u[i];
+                tj[i] = tn, dj[i] = degree * un;
+                turn_one(b.x[i], b.w[i], &tn, &un);
+                b.t[i] = tn, b.u[i] = un;
+            }
+        }
+        start(&a, s->norm_x, n, x);
+        for (size_t row = 0; row < rows; row += 2) {
+            LANES
+            for (size_t i = 0; i < n; i++) b0[i] = b1[i] = d0[i] = d1[i] = 0;
+            for (size_t j = 0; j < wide; j += 4) {
+                const double a00 = coefficient(s, only, row, from + j), a01 = coefficient(s, only, row, from + j + 1);
+                const double a02 = coefficient(s, only, row, from + j + 2), a03 = coefficient(s, only, row, from + j + 3);
+                const double a10 = coefficient(s, only, row + 1, from + j), a11 = coefficient(s, only, row + 1, from + j + 1);
+                const double a12 = coefficient(s, only, row + 1, from + j + 2), a13 = coefficient(s, only, row + 1, from + j + 3);
+                const double *restrict t0 = t[j], *restrict t1 = t[j + 1], *restrict t2 = t[j + 2], *restrict t3 = t[j + 3];
+                const double *restrict e0 = d[j], *restrict e1 = d[j + 1], *restrict e2 = d[j + 2], *restrict e3 = d[j + 3];
+                LANES
+                for (size_t i = 0; i < n; i++) {
+                    double v0 = t0[i], v1 = t1[i], v2 = t2[i], v3 = t3[i], w0 = e0[i], w1 = e1[i], w2 = e2[i], w3 = e3[i];
+                    b0[i] = sgt_fma(a03, v3, sgt_fma(a02, v2, sgt_fma(a01, v1, sgt_fma(a00, v0, b0[i]))));
+                    b1[i] = sgt_fma(a13, v3, sgt_fma(a12, v2, sgt_fma(a11, v1, sgt_fma(a10, v0, b1[i]))));
+                    d0[i] = sgt_fma(a03, w3, sgt_fma(a02, w2, sgt_fma(a01, w1, sgt_fma(a00, w0, d0[i]))));
+                    d1[i] = sgt_fma(a13, w3, sgt_fma(a12, w2, sgt_fma(a11, w1, sgt_fma(a10, w0, d1[i]))));
+                }
+            }
+            const double degree = (double)row, next = degree + 1;
+            LANES
+            for (size_t i = 0; i < n; i++) {
+                double tn = a.t[i], un = a.u[i], tm = tn, um = un;
+                turn_one(a.x[i], a.w[i], &tm, &um);
+                p[i] = sgt_fma(tm, b1[i], sgt_fma(tn, b0[i], p[i]));
+                px[i] = sgt_fma(next * um, b1[i], sgt_fma(degree * un, b0[i], px[i]));
+                py[i] = sgt_fma(tm, d1[i], sgt_fma(tn, d0[i], py[i]));
+                turn_one(a.x[i], a.w[i], &tm, &um);
+                a.t[i] = tm, a.u[i] = um;
+            }
+        }
+    }
+    const double back_x = 1 / s->norm_x, back_y = 1 / s->norm_y;
+    LANES
+    for (size_t i = 0; i < n; i++) px[i] *= back_x, py[i] *= back_y;
+}
+
+static void strips(const sgt_chebyshev *s, size_t only, size_t n, const double *x, const double *y, sag_values out)
+{
+    for (size_t i = 0; i < n; i += STRIP)
+        chebyshev_sums(s, only, n - i < STRIP ? n - i : STRIP, x + i, y + i, out.p + i, out.px + i, out.py + i);
+}
+
+static void chebyshev_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
+{
+    strips(self, NONE, n, x, y, out);
+}
+
+static size_t chebyshev_parameters(const void *self)
+{
+    const sgt_chebyshev *s = self;
+    return s->a.rows * s->a.columns;
+}
+
+/* T_n and dT_n/dx. */
+SGT_KERNEL
+static void one_polynomial(double norm, size_t degree, size_t n, const double *x, double *restrict t, double *restrict slope)
+{
+    const double back = (double)degree / norm;
+    double u[FREEFORM_BLOCK], v[FREEFORM_BLOCK], w[FREEFORM_BLOCK];
+    LANES
+    for (size_t i = 0; i < n; i++) {
+        double at = x[i] / norm;
+        v[i] = at, w[i] = (1 - at) * (1 + at), t[i] = 1, u[i] = 0;
+    }
+    for (size_t k = 0; k < degree; k++) {
+        LANES
+        for (size_t i = 0; i < n; i++) {
+            double tn = t[i], un = u[i];
+            turn_one(v[i], w[i], &tn, &un);
+            t[i] = tn, u[i] = un;
+        }
+    }
+    LANES
+    for (size_t i = 0; i < n; i++) slope[i] = back * u[i];
+}
+
+SGT_KERNEL
+static void product(size_t n, const double *a, const double *da, const double *b, const double *db, double *restrict p, double *restrict px, double *restrict py)
+{
+    LANES
+    for (size_t i = 0; i < n; i++) p[i] = a[i] * b[i], px[i] = da[i] * b[i], py[i] = a[i] * db[i];
+}
+
+static void chebyshev_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+{
+    const sgt_chebyshev *s = self;
+    double a[FREEFORM_BLOCK], da[FREEFORM_BLOCK], b[FREEFORM_BLOCK], db[FREEFORM_BLOCK];
+    one_polynomial(s->norm_x, j / s->a.columns, n, x, a, da);
+    one_polynomial(s->norm_y, j % s->a.columns, n, y, b, db);
+    product(n, a, da, b, db, out.p, out.px, out.py);
+}
+
+/* U_n-1 and its derivative V_n-1 by the same theorem: U_n' = U_n-1 + x U_n-1' + n U_n-1; T_n'' = n U_n-1'. */
+typedef struct bending { double x[FREEFORM_BLOCK], w[FREEFORM_BLOCK], t[FREEFORM_BLOCK], u[FREEFORM_BLOCK], v[FREEFORM_BLOCK]; } bending;
+
+SGT_INLINE void start_bending(bending *a, double norm, size_t n, const double *x)
+{
+    LANES
+    for (size_t i = 0; i < n; i++) {
+        double v = x[i] / norm;
+        a->x[i] = v, a->w[i] = (1 - v) * (1 + v), a->t[i] = 1, a->u[i] = a->v[i] = 0;
+    }
+}
+
+SGT_INLINE void turn_bending(bending *a, double degree, size_t n)
+{
+    LANES
+    for (size_t i = 0; i < n; i++) {
+        double x = a->x[i], t = a->t[i], u = a->u[i];
+        a->v[i] = sgt_fma(x, a->v[i], sgt_fma(degree, u, u));
+        a->t[i] = sgt_fma(x, t, -a->w[i] * u), a->u[i] = sgt_fma(x, u, t);
+    }
+}
+
+SGT_KERNEL
+static void chebyshev_bends(const sgt_chebyshev *s, size_t n, const double *x, const double *y, double *restrict pxx, double *restrict pxy,
+                            double *restrict pyy)
+{
+    bending a, b;
+    double b0[FREEFORM_BLOCK], b1[FREEFORM_BLOCK], b2[FREEFORM_BLOCK];
+    LANES
+    for (size_t i = 0; i < n; i++) pxx[i] = pxy[i] = pyy[i] = 0;
+    start_bending(&a, s->norm_x, n, x);
+    for (size_t row = 0; row < s->a.rows; row++) {
+        const double degree = (double)row;
+        start_bending(&b, s->norm_y, n, y);
+        LANES
+        for (size_t i = 0; i < n; i++) b0[i] = b1[i] = b2[i] = 0;
+        for (size_t column = 0; column < s->a.columns; column++) {
+            const double c = s->a.x[row * s->a.columns + column], cn = c * (double)column;
+            LANES
+            for (size_t i = 0; i < n; i++)
+                b0[i] = sgt_fma(c, b.t[i], b0[i]), b1[i] = sgt_fma(cn, b.u[i], b1[i]),
+                b2[i] = sgt_fma(cn, b.v[i], b2[i]);
+            turn_bending(&b, (double)column, n);
+        }
+        LANES
+        for (size_t i = 0; i < n; i++) {
+            pxx[i] = sgt_fma(degree * a.v[i], b0[i], pxx[i]),
+            pxy[i] = sgt_fma(degree * a.u[i], b1[i], pxy[i]), pyy[i] = sgt_fma(a.t[i], b2[i], pyy[i]);
+        }
+        turn_bending(&a, degree, n);
+    }
+    const double back_x = 1 / s->norm_x, back_y = 1 / s->norm_y;
+    LANES
+    for (size_t i = 0; i < n; i++) pxx[i] = pxx[i] * back_x * back_x, pxy[i] = pxy[i] * back_x * back_y, pyy[i] = pyy[i] * back_y * back_y;
+}
+
+static void chebyshev_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+{
+    chebyshev_bends(self, n, x, y, pxx, pxy, pyy);
+}
+
+/* Far out infinity times 0 is a NaN: no bound. */
+static double known(double x) { return x < HUGE_VAL ? x : HUGE_VAL; }
+
+/* The greatest |T_n|, |T_n'|, |T_n''| where |argument| <= x. */
+typedef struct sizes { double t[MOST], d[MOST], e[MOST]; } sizes;
+
+static void sizes_of(double x, size_t count, sizes *out)
+{
+    double w = (1 - x) * (1 + x), root = sqrt(w > 0 ? w : 0), t = 1, u = 0, v = 0;
+    if (x > 1) {
+        for (size_t i = 0; i < count; i++) {
+            double n = (double)i, turned = x * t - w * u;
+            out->t[i] = t, out->d[i] = n * u, out->e[i] = n * v;
+            v = x * v + (n + 1) * u, u = x * u + t, t = turned;
+        }
+        return;
+    }
+    const double over = root > 0 ? 1 / root : HUGE_VAL, over2 = w > 0 ? 1 / w : HUGE_VAL;
+    for (size_t i = 0; i < count; i++) {
+        double n = (double)i, n2 = n * n, most = n2 * (n2 - 1) * (1.0 / 3), d = n > over ? n * over : n2, e = i > 0 ? (d + n2) * over2 : 0;
+        out->t[i] = 1, out->d[i] = d, out->e[i] = most > e ? e : most;
+    }
+}
+
+/* The same at a point, with what T_n and T_n' can be off by there, in units of u. */
+typedef struct errors { sizes of; double t[MOST], d[MOST]; } errors;
+
+static void errors_of(double x, size_t count, errors *out)
+{
+    double w = x < 1 ? (1 - x) * (1 + x) : 0, sigma = sqrt(w), k = x <= 1 ? 1.4143 + 4 * sigma : 5, over = sigma > 0 ? k / sigma : HUGE_VAL;
+    sizes_of(x, count, &out->of);
+    for (size_t i = 0; i < count; i++) {
+        double n = (double)i, slow = 0.5 * (k + 1) * n + 1, u = slow < over ? slow : over; /* times n */
+        double d = x <= 1 ? n * n * u : 5 * n * out->of.d[i];
+        out->t[i] = n * k * out->of.t[i] + x * out->of.d[i];
+        out->d[i] = d + out->of.d[i] + x * out->of.e[i];
+    }
+}
+
+/* A column's sums over the rows of |a| times |T_i|, its error, |T_i'|, its error. */
+SGT_KERNEL
+static void column_sums(const sgt_chebyshev *s, const errors *of, double *restrict t, double *restrict t_err, double *restrict d,
+                        double *restrict d_err)
+{
+    const size_t columns = s->a.columns;
+    LANES
+    for (size_t j = 0; j < columns; j++) t[j] = t_err[j] = d[j] = d_err[j] = 0;
+    for (size_t i = 0; i < s->a.rows; i++) {
+        const double *a = columns ? s->a.x + i * columns : NULL, size = of->of.t[i], size_err = of->t[i], first = of->of.d[i], first_err = of->d[i];
+        LANES
+        for (size_t j = 0; j < columns; j++) {
+            double c = fabs(a[j]);
+            t[j] = sgt_fma(c, size, t[j]), t_err[j] = sgt_fma(c, size_err, t_err[j]),
+            d[j] = sgt_fma(c, first, d[j]), d_err[j] = sgt_fma(c, first_err, d_err[j]);
+        }
+    }
+}
+
+/* A term goes through at most so many. */
+static double sums_of(const sgt_chebyshev *s)
+{
+    return (double)((s->a.columns < PANEL ? s->a.columns : PANEL) + s->a.rows * ((s->a.columns + PANEL - 1) / PANEL));
+}
+
+static void chebyshev_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
+{
+    const sgt_chebyshev *s = self;
+    errors a, b;
+    double t[MOST], t_err[MOST], d[MOST], d_err[MOST], p = 0, px = 0, py = 0;
+    double sums = sums_of(s);
+    errors_of(fabs(x) / s->norm_x, s->a.rows, &a);
+    errors_of(fabs(y) / s->norm_y, s->a.columns, &b);
+    column_sums(s, &a, t, t_err, d, d_err);
+    for (size_t j = 0; j < s->a.columns; j++) {
+        double tj = b.of.t[j], dj = b.of.d[j];
+        p += (t_err[j] + sums * t[j]) * tj + t[j] * b.t[j];
+        px += (d_err[j] + (sums + 3) * d[j]) * tj + d[j] * b.t[j]; /* + 3: T_i' itself, 1 / norm and its product */
+        py += (t_err[j] + (sums + 3) * t[j]) * dj + t[j] * b.d[j];
+    }
+    px /= s->norm_x, py /= s->norm_y;
+    double up = SGT_U * (1 + 0x1p-20);
+    *p_err = known(p * up), *grad_err = known((px > py ? px : py) * up);
+}
+
+/* sigma <= 1: k <= 5.4143; and |x T_n'| is the greatest at the far end. */
+static void chebyshev_noise(const void *self, double radius, double e[2])
+{
+    const sgt_chebyshev *s = self;
+    sizes a, b;
+    double x = radius / s->norm_x * (1 + 0x1p-50), y = radius / s->norm_y * (1 + 0x1p-50), sums = sums_of(s), p = 0;
+    sizes_of(x, s->a.rows, &a);
+    sizes_of(y, s->a.columns, &b);
+    for (size_t i = 0; i < s->a.rows; i++) {
+        double of_x = 5.4143 * (double)i * a.t[i] + x * a.d[i] + sums * a.t[i], inner = 0, inner_err = 0;
+        for (size_t j = 0; j < s->a.columns; j++) {
+            double c = fabs(s->a.x[i * s->a.columns + j]);
+            inner += c * b.t[j], inner_err += c * (5.4143 * (double)j * b.t[j] + y * b.d[j]);
+        }
+        p += of_x * inner + a.t[i] * inner_err;
+    }
+    e[0] = known(p * SGT_U * (1 + 0x1p-20)), e[1] = 0;
+}
+
+/* The most, over a disc, of what is left of T_i and T_j, derived a and b times, at the far end: the head of
+ * this file. */
+static double in_disc(const double *h, const double *x_low, const double *y_low, size_t i, size_t j, size_t a,
+                      size_t b)
+{
+    return i < a || j < b ? 0 : larger(corner_of(h, i - a, j - b), larger(x_low[i - a], y_low[j - b]));
+}
+
+static const double FAR_OUT_OF_SQUARE = 4; /* in norms */
+
+static int chebyshev_bounds(const void *self, region *where, bounds *out)
+{
+    const sgt_chebyshev *s = self;
+    sizes a, b;
+    double up = 1 + 0x1p-30, across = larger(fabs(where->x.lo), fabs(where->x.hi)), along = larger(fabs(where->y.lo), fabs(where->y.hi));
+    if (across > where->r_hi) across = where->r_hi;
+    if (along > where->r_hi) along = where->r_hi;
+    sizes_of(across / s->norm_x * (1 + 0x1p-50), s->a.rows, &a);
+    sizes_of(along / s->norm_y * (1 + 0x1p-50), s->a.columns, &b);
+    double size = 0, px = 0, py = 0, xx = 0, xy = 0, yy = 0, u = across / s->norm_x, v = along / s->norm_y;
+    bool disc = is_disc(across, along, where->r_hi) && u > FAR_OUT_OF_SQUARE && v > FAR_OUT_OF_SQUARE;
+    if (disc) {
+        double h[2 * MOST], x_low[MOST], y_low[MOST];
+        half_powers(s->a.rows + s->a.columns, h);
+        x_low[0] = y_low[0] = 1;
+        for (size_t i = 1; i < MOST; i++) x_low[i] = x_low[i - 1] / u, y_low[i] = y_low[i - 1] / v;
+        for (size_t i = 0; i < s->a.rows; i++)
+            for (size_t j = 0; j < s->a.columns; j++) {
+                double c = fabs(s->a.x[i * s->a.columns + j]);
+                if (c == 0) continue;
+                size += c * a.t[i] * b.t[j] * in_disc(h, x_low, y_low, i, j, 0, 0);
+                px += c * a.d[i] * b.t[j] * in_disc(h, x_low, y_low, i, j, 1, 0),
+                    py += c * a.t[i] * b.d[j] * in_disc(h, x_low, y_low, i, j, 0, 1);
+                xx += c * a.e[i] * b.t[j] * in_disc(h, x_low, y_low, i, j, 2, 0),
+                    xy += c * a.d[i] * b.d[j] * in_disc(h, x_low, y_low, i, j, 1, 1),
+                    yy += c * a.t[i] * b.e[j] * in_disc(h, x_low, y_low, i, j, 0, 2);
+            }
+    }
+    for (size_t i = 0; i < s->a.rows && !disc; i++) {
+        double c0 = 0, c1 = 0, c2 = 0;
+        for (size_t j = 0; j < s->a.columns; j++) {
+            double c = fabs(s->a.x[i * s->a.columns + j]);
+            c0 += c * b.t[j], c1 += c * b.d[j], c2 += c * b.e[j];
+        }
+        size += a.t[i] * c0, px += a.d[i] * c0, py += a.t[i] * c1;
+        xx += a.e[i] * c0, xy += a.d[i] * c1, yy += a.t[i] * c2;
+    }
+    px /= s->norm_x, py /= s->norm_y, xx = xx / s->norm_x / s->norm_x, xy = xy / s->norm_x / s->norm_y, yy = yy / s->norm_y / s->norm_y;
+    *out = (bounds){known(size * up), known(length_of(px, py) * up), known(norm_of(xx, xy, yy) * up)};
+    return 1;
+}
+
+static sgt_objection object(const void *self)
+{
+    const sgt_chebyshev *s = self;
+    if (!(s->norm_x > 0 && s->norm_x < HUGE_VAL)) return (sgt_objection){"norm_x", "must be above 0"};
+    if (!(s->norm_y > 0 && s->norm_y < HUGE_VAL)) return (sgt_objection){"norm_y", "must be above 0"};
+    if (s->a.rows > MOST || s->a.columns > MOST) return (sgt_objection){"coefficients", "must be at most 64 rows and 64 columns"};
+    if (s->a.rows == 0 || s->a.columns == 0) return (sgt_objection){NULL, NULL};
+    if (!s->a.x) return (sgt_objection){"coefficients", "has no numbers"};
+    if (!numbers_finite(s->a.rows * s->a.columns, s->a.x)) return (sgt_objection){"coefficients", "must be finite"};
+    return (sgt_objection){NULL, NULL};
+}
+
+static const departure chebyshev_departure = {
+    .at = chebyshev_at, .rounding = chebyshev_rounding, .bounds = chebyshev_bounds, .second = chebyshev_second,
+    .parameters = chebyshev_parameters, .by_parameter = chebyshev_by_parameter, .object = object, .noise = chebyshev_noise,
+};
+
+FREEFORM_ON_CONIC(chebyshev, sgt_chebyshev)

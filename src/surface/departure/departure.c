@@ -1,0 +1,520 @@
+/* departure/departure.c - a departure P(x, y) on a conic base, and all that a surface answers about it: departure.h.
+ *
+ * F = z - (s + P), s = c r^2 / (1 + phi), phi^2 = 1 - (1 + k) c^2 r^2; grad F = (-(c x / phi + P_x), -(c y / phi + P_y), 1).
+ *
+ * THE SPAN.  Within the rim the ray's chord with the cylinder is found from the point of the ray that is nearest the axis, as
+ * chord.c does it, here without branches, for many rays at once; it is made longer by 16 u of where it is.  The seed is
+ * the conic's root near the vertex plane, which a departure moves by little.  With L >= |grad (s + P)| all over the rim, and (l, m, n) the direction,
+ *     g' = n - (s + P)_x l - (s + P)_y m,    |g' - n| <= L sqrt(l^2 + m^2):
+ * where |n| is greater, g is monotone along the chord, one root is the only one, and F at a point of the chord says how far it
+ * is at most.  L of the conic is c r / phi at the rim.
+ *
+ * THE ENCLOSURE.  That of the base is enclose.c's.  P is taken at the middle m of the stretch, and from there by its bounds over
+ * the box of the stretch: with w = t - m, the slope p' of P along the ray at m, A = dx^2 + dy^2, and B, S >= |P''|, |P'|
+ *     P in P(m) + p' w +- B A w^2 / 2,    P in P(m) +- S sqrt(A) |w|,    slope in p' +- B A |w|,    |slope| <= S sqrt(A).
+ * x(m) and y(m) are doubles near the point of the ray; P there differs by S times how far they are off.  Where the slope g' so
+ * found is bounded, g is also in g(m) + g' w: the mean value theorem, whose width falls with w^2.  A gradient that
+ * jumps (a grid's does not, a cone's does at its tip) has no B; what the mean value theorem needs is S alone.
+ *
+ * ROUNDING.  That of conic_sag (sag.h), that of P, the sum of the two and the difference from z. */
+#include "departure.h"
+
+/* ------------------------------------------------------------------------- F and its gradient */
+
+/* phi and what the base adds; NaN outside its domain, and where c^2 r^2 overflows. */
+typedef struct base { double r2, phi, sag, by_r; } base;
+
+SGT_INLINE base base_at(double c, double k, double x, double y)
+{
+    base e = {.r2 = x * x + y * y};
+    double cr2 = c * e.r2;
+    e.phi = sqrt(1 - (1 + k) * c * cr2);
+    e.sag = cr2 / (1 + e.phi) + (e.phi - e.phi);
+    e.by_r = c / e.phi; /* over r */
+    return e;
+}
+
+SGT_KERNEL
+static void on_conic(size_t n, double c, double k, const double *restrict x, const double *restrict y, const double *restrict z,
+                     const double *restrict p, const double *restrict px, const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy,
+                     double *restrict fz)
+{
+    LANES for (size_t i = 0; i < n; i++) {
+        base e = base_at(c, k, x[i], y[i]);
+        f[i] = z[i] - (e.sag + p[i]);
+        fx[i] = -(e.by_r * x[i] + px[i]);
+        fy[i] = -(e.by_r * y[i] + py[i]);
+        fz[i] = 1;
+    }
+}
+
+SGT_KERNEL
+static void on_plane(size_t n, const double *restrict z, const double *restrict p, const double *restrict px, const double *restrict py,
+                     double *restrict f, double *restrict fx, double *restrict fy, double *restrict fz)
+{
+    LANES for (size_t i = 0; i < n; i++) {
+        f[i] = z[i] - p[i];
+        fx[i] = -px[i];
+        fy[i] = -py[i];
+        fz[i] = 1;
+    }
+}
+
+void sgt_freeform_values(const freeform *s, size_t n, sgt_points at, sgt_values out)
+{
+    double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK], unwanted[3][FREEFORM_BLOCK];
+    for (size_t i = 0, few; i < n; i += few) {
+        few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;
+        const double *x = at.p[0] + i, *y = at.p[1] + i, *z = at.p[2] + i;
+        double *fx = out.grad[0] ? out.grad[0] + i : unwanted[0], *fy = out.grad[0] ? out.grad[1] + i : unwanted[1], *fz = out.grad[0] ? out.grad[2] + i : unwanted[2];
+        s->of->at(s->self, few, x, y, (sag_values){p, px, py});
+        if (s->base) on_conic(few, s->c, s->k, x, y, z, p, px, py, out.f + i, fx, fy, fz);
+        else on_plane(few, z, p, px, py, out.f + i, fx, fy, fz);
+    }
+}
+
+double sgt_freeform_value(const freeform *s, sgt_vec3 p, sgt_vec3 *grad)
+{
+    double f;
+    sgt_vec3 n;
+    sgt_freeform_values(s, 1, (sgt_points){{&p.x, &p.y, &p.z}}, (sgt_values){&f, {&n.x, &n.y, &n.z}});
+    if (grad) *grad = n;
+    return f;
+}
+
+/* What has underflown on the way to a sum of moderate powers is below it. */
+static const double LOST = 0x1p-1050;
+
+double sgt_freeform_rounding(const freeform *s, sgt_vec3 at)
+{
+    double p, px, py, p_err, grad_err, sag = 0, sag_err = 0;
+    s->of->at(s->self, 1, &at.x, &at.y, (sag_values){&p, &px, &py});
+    s->of->rounding(s->self, at.x, at.y, &p_err, &grad_err);
+    if (s->base) {
+        base e = base_at(s->c, s->k, at.x, at.y);
+        sag = e.sag, sag_err = SGT_U * conic_sag_rounding(s->c, s->k, e.r2, e.sag, e.phi);
+    }
+    return 1.01 * (sag_err + p_err + SGT_U * (fabs(sag + p) + fabs(at.z - (sag + p)))) + LOST;
+}
+
+/* The same of many points at less cost, F being known: s + P is z - F.  What P adds is one bound for all within the rim. */
+SGT_KERNEL
+static void roundings_within(size_t n, double c, double k, double most2, double e0, double e1, const double *restrict x, const double *restrict y,
+                             const double *restrict z, const double *restrict f, double *restrict out)
+{
+    LANES for (size_t i = 0; i < n; i++) {
+        base e = base_at(c, k, x[i], y[i]);
+        double sag = conic_sag_rounding(c, k, e.r2, e.sag, e.phi), sum = fabs(z[i] - f[i]) + fabs(f[i]);
+        out[i] = chosen(MASK(e.r2 <= most2), 1.01 * (SGT_U * (sag + 2 * sum) + sgt_fma(e1, e.r2, e0)),
+                        (double)NAN);
+    }
+}
+
+bool sgt_freeform_roundings(const sgt_shared *s, size_t n, sgt_points p, const double f[], double out[])
+{
+    if (!(s->noise[0] + s->noise[1] < HUGE_VAL)) return false;
+    roundings_within(n, s->base_c, s->base_k, s->most2, s->noise[0], s->noise[1], p.p[0], p.p[1], p.p[2], f, out);
+    return true;
+}
+
+/* --------------------------------------------------------------------------------------- the span */
+
+static const double FAR_OUT = 0x1p1023; /* no point of a ray whose coordinates are doubles is farther */
+
+typedef struct spanned { double lo, hi, seed, least; } spanned; /* least: > 0 where there is one root */
+
+typedef struct chord { double lo, hi, least; } chord;
+
+/* radius2: of the domain, 0x1p-40 and more is added here; steep: L, rounded up by a part in 2^20. */
+SGT_INLINE chord chord_of(double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
+{
+    double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m, inverse = 1 / a;
+    /* the chord, from the point nearest the axis, and again from there */
+    double t0 = -(o.x * l + o.y * m) * inverse;
+    double x = moved_along(o.x, t0, l), y = moved_along(o.y, t0, m);
+    double middle = -(x * l + y * m) * inverse, cross = x * m - y * l, near2 = cross * cross * inverse;
+    double half2 = (radius2 * (1 + 0x1p-39) - near2 * (1 - 0x1p-40)) * inverse;
+    double half = sqrt(half2) * (1 + 0x1p-40) + 0x1p-49 * (fabs(middle) + fabs(t0));
+    middle += t0;
+    double lo = end_below(middle - half, scale), hi = end_above(middle + half, scale);
+    mask along = MASK(fabs(d.x) + fabs(d.y) == 0), across = MASK(a > TINY);
+    mask outside = MASK(o.x * o.x + o.y * o.y > radius2 * (1 + 0x1p-39));
+    mask none = (along & outside) | (across & ~along & MASK(half2 < 0));
+    mask finite = across & ~along & MASK((lo - lo) + (hi - hi) == 0);
+    lo = chosen(finite, lo, -HUGE_VAL), hi = chosen(finite, hi, HUGE_VAL);
+    lo = chosen(none, 1, lo), hi = chosen(none, -1, hi);
+    /* L holds a part in 2^20 beyond the rim: is what rounding has added to the chord, here and where the ray
+     * is made local, within? */
+    double least = fabs(n) * (1 - 0x1p-40) - steep * sqrt(a), added = 0x1p-48 * (fabs(middle) + fabs(t0));
+    least = chosen(along | (across & MASK(added * added * a <= 0x1p-42 * radius2) & MASK(hi - lo > 0x1p-900)),
+                   least, 0);
+    return (chord){lo, hi, chosen(MASK(least > 0) & ~none, least, 0)};
+}
+
+SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
+{
+    chord at = chord_of(radius2, steep, o, d);
+    double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m;
+    /* the conic near the vertex plane */
+    double by_n = 1 / n, tz = -o.z * by_n;
+    twofold qx = two_product(tz, l), qy = two_product(tz, m), rx = two_sum(o.x, qx.hi), ry = two_sum(o.y, qy.hi);
+    double tz_lo = sgt_fma(-tz, n, -o.z) * by_n;
+    double x = rx.hi + (rx.lo + qx.lo + tz_lo * l), y = ry.hi + (ry.lo + qy.lo + tz_lo * m);
+    double A = c * (a + k1 * n * n), B = n - c * (x * l + y * m), C = c * (x * x + y * y);
+    double root = sqrt(larger(B * B - A * C, 0)), near = C / (B + copysign(root, B));
+    double seed = (tz + (tz_lo + near)) * scale;
+    seed = chosen(MASK(seed >= at.lo) & MASK(seed <= at.hi), seed, (double)NAN);
+    return (spanned){at.lo, at.hi, seed, at.least};
+}
+
+/* A bound on the conic's slope within r: w / phi with w = |c| r, which grows with r.  Beyond where its squares are doubles it is
+ * that of the asymptote, which is never reached; w itself, of a paraboloid, is exact. */
+static double conic_slope(double c, double k1, double r)
+{
+    double w = fabs(c) * r, phi2 = 1 - k1 * w * w;
+    if (!(w < HUGE_VAL)) return k1 < 0 ? 1 / sqrt(-k1) : HUGE_VAL;
+    return phi2 == HUGE_VAL ? 1 / sqrt(-k1) : phi2 > 0x1p-30 ? w / sqrt(phi2) : HUGE_VAL;
+}
+
+/* A bound on the norm of the conic's second derivative within r, c / phi^3 by r and c / phi across. */
+static double conic_bend(double c, double k1, double r)
+{
+    double w = fabs(c) * r, phi2 = 1 - larger(k1 * w * w, 0);
+    return phi2 > 0x1p-30 ? fabs(c) / (phi2 * sqrt(phi2)) * (1 + 0x1p-18) : HUGE_VAL;
+}
+
+/* How far the surface is from the plane z = 0 within r, P being at most `size`.  The sag of a conic grows with r. */
+static double size_within(const freeform *s, double r, double size)
+{
+    double cr2 = s->base ? fabs(s->c) * r * r : 0, phi2 = 1 - (1 + s->k) * fabs(s->c) * cr2;
+    return r < 0x1p400 && phi2 < HUGE_VAL
+               ? (cr2 / (1 + sqrt(phi2 > 0 ? phi2 : 0)) + size) * (1 + 0x1p-20) + LOST
+               : HUGE_VAL;
+}
+
+void sgt_freeform_noise(const freeform *s, double radius, double e[2])
+{
+    e[0] = e[1] = (double)NAN;
+    if (s->of->noise && radius < HUGE_VAL) s->of->noise(s->self, radius, e);
+    e[0] += LOST;
+}
+
+void sgt_freeform_noise_about(const freeform *s, double radius, double e[2])
+{
+    e[0] = e[1] = (double)NAN;
+    if (!s->of->noise_about || !(radius < HUGE_VAL)) {
+        sgt_freeform_noise(s, radius, e);
+        return;
+    }
+    s->of->noise_about(s->self, radius, e);
+    e[0] += LOST;
+}
+
+/* Of a rectangle its corners, where there is no rim: a ray is in it along one stretch at most. */
+static double rim2_within_frame(const freeform *s)
+{
+    double rim2 = rim2_of(s->semi_diameter);
+    return s->of->framed && s->reach > 0 && !(rim2 < HUGE_VAL) ? s->reach * s->reach * (1 + 0x1p-40) : rim2;
+}
+
+void sgt_freeform_within(const freeform *s, sgt_extent *extent)
+{
+    double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
+    sgt_extent e = {.radius2 = domain2, .steep = HUGE_VAL, .size = HUGE_VAL, .bend = HUGE_VAL};
+    bool whole = domain2 == rim2; /* else the equator of the base is inside, where its slope has no bound */
+    if (rim2 > 0 && (whole || rim2 < HUGE_VAL)) {
+        double r = domain2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT, conic = s->base ? conic_slope(s->c, 1 + s->k, r) : 0;
+        region where = {{-r, r}, {-r, r}, 0, r};
+        bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+        int defined = conic < HUGE_VAL || !whole ? s->of->bounds(s->self, &where, &b) : 0;
+        double steep = (conic + b.steep + LOST) * (1 + 0x1p-20);
+        if (whole && (defined == 1 || s->of->framed) && steep < 0x1p500)
+            e.steep = steep * (1 + 0x1p-20),
+            e.bend = (conic_bend(s->base ? s->c : 0, 1 + s->k, r) + b.bend + LOST) * (1 + 0x1p-20);
+        if (!(b.size < HUGE_VAL) && defined && s->of->range) b.size = sgt_interval_greatest(s->of->range(s->self, &where));
+        if (defined) e.size = size_within(s, r, b.size);
+    }
+    if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2)) e.radius2 = larger(s->reach * s->reach * (1 + 0x1p-40), TINY);
+    *extent = e;
+}
+
+/* Where the surface ends, or HUGE_VAL; a departure that is all of the sag may say so itself. */
+static double end_of_surface(const freeform *s)
+{
+    double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
+    region all = {{-FAR_OUT, FAR_OUT}, {-FAR_OUT, FAR_OUT}, 0, FAR_OUT};
+    bounds b;
+    if (!(domain2 < HUGE_VAL) && s->of->bounds(s->self, &all, &b) == -1) {
+        double x = sgt_interval_greatest(all.x), y = sgt_interval_greatest(all.y);
+        domain2 = x < 0x1p400 && y < 0x1p400 ? x * x + y * y : HUGE_VAL;
+    }
+    return domain2 > 0x1p-400 && domain2 < 0x1p400 ? sqrt(domain2) * (1 + 0x1p-19) : HUGE_VAL;
+}
+
+/* The base's sag grows with r, or falls; next to its equator a rounding is 2^-26 of it. */
+void sgt_freeform_heights(const freeform *s, sgt_heights *out)
+{
+    double end = end_of_surface(s), width = end / SGT_RINGS, k1 = 1 + s->k;
+    out->width = end < HUGE_VAL ? width * (1 + 0x1p-40) : 0;
+    for (int j = 0; j < SGT_RINGS && out->width > 0; j++) {
+        double in = j * width * (1 - 0x1p-40), r = (j + 1) * width * (1 + 0x1p-40);
+        region where = {{-r, r}, {-r, r}, in, r};
+        bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+        out->low[j] = HUGE_VAL, out->high[j] = -HUGE_VAL;
+        if (!s->of->bounds(s->self, &where, &b)) continue;
+        sgt_interval p = sgt_interval_between(-b.size, b.size);
+        if (s->of->range) p = sgt_interval_intersection(p, s->of->range(s->self, &where));
+        double c = s->base ? s->c : 0, u = 1 - k1 * c * c * (in * in), v = 1 - k1 * c * c * (r * r);
+        double near = c * (in * in) / (1 + sqrt(u > 0 ? u : 0)),
+               far = c * (r * r) / (1 + sqrt(v > 0 ? v : 0));
+        double off = 0x1p-20 * (fabs(near) + fabs(far) + sgt_interval_greatest(p)) + LOST;
+        out->low[j] = (near < far ? near : far) + p.lo - off;
+        out->high[j] = (near > far ? near : far) + p.hi + off;
+    }
+}
+
+void sgt_freeform_share(const freeform *s, sgt_shared *shared)
+{
+    sgt_extent e;
+    sgt_freeform_within(s, &e);
+    *shared = (sgt_shared){.c = s->c,
+                           .k1 = 1 + s->k,
+                           .radius2 = e.radius2,
+                           .steep = e.steep,
+                           .base_c = s->base ? s->c : 0,
+                           .base_k = s->base ? s->k : 0,
+                           .most2 = rim2_within_frame(s) * (1 + 0x1p-20)};
+    sgt_freeform_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
+}
+
+SGT_KERNEL
+static void all_chords(size_t n, const double *restrict ox, const double *restrict oy,
+                       const double *restrict oz, const double *restrict dx, const double *restrict dy,
+                       const double *restrict dz, const double *restrict radius2,
+                       const double *restrict steep, double *restrict lo, double *restrict hi,
+                       double *restrict least)
+{
+    LANES for (size_t i = 0; i < n; i++) {
+        chord e =
+            chord_of(radius2[i], steep[i], (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
+        lo[i] = e.lo, hi[i] = e.hi, least[i] = e.least;
+    }
+}
+
+void sgt_freeform_chords(size_t n, sgt_rays r, const double *radius2, const double *steep, double *lo,
+                         double *hi, double *least)
+{
+    all_chords(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], radius2, steep, lo, hi, least);
+}
+
+SGT_KERNEL
+static void all_spans(const sgt_shared *self, size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz,
+                      const double *restrict dx, const double *restrict dy, const double *restrict dz, double *restrict lo, double *restrict hi,
+                      double *restrict seed, double *restrict least)
+{
+    const sgt_shared s = *self;
+    LANES for (size_t i = 0; i < n; i++) {
+        spanned e = span_of(s.c, s.k1, s.radius2, s.steep, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
+        lo[i] = e.lo, hi[i] = e.hi, seed[i] = e.seed, least[i] = e.least;
+    }
+}
+
+void sgt_freeform_spans(const sgt_shared *s, size_t n, sgt_rays r, sgt_spans out, double *least)
+{
+    double own[FREEFORM_BLOCK];
+    for (size_t i = 0, few; i < n; i += few) {
+        few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;
+        double *to = least ? least + i : own;
+        all_spans(s, few, r.o[0] + i, r.o[1] + i, r.o[2] + i, r.d[0] + i, r.d[1] + i, r.d[2] + i, out.lo + i, out.hi + i, out.seed + i, to);
+        for (size_t j = 0; out.single && j < few; j++) out.single[i + j] = to[j] > 0;
+    }
+}
+
+static spanned one_span(const sgt_shared *s, const sgt_ray *ray) { return span_of(s->c, s->k1, s->radius2, s->steep, ray->o, ray->d); }
+
+sgt_span sgt_freeform_span(const sgt_shared *s, const sgt_ray *ray, double *least)
+{
+    spanned a = one_span(s, ray);
+    if (least) *least = a.least;
+    return (sgt_span){a.lo, a.hi, a.seed, a.least > 0};
+}
+
+/* ---------------------------------------------------------------------------------- the enclosure */
+
+/* o + t0 d: of an origin far off no more is lost than an ulp of what is left of it. */
+static sgt_interval moved_to(double o, double d, double t0)
+{
+    twofold p = two_product(t0, d), s = two_sum(o, p.hi);
+    double size = fabs(p.hi);
+    if (t0 == 0 || d == 0) return sgt_interval_of(o);
+    if (!(size > 0x1p-960 && size < 0x1p1000 && fabs(o) < 0x1p1000)) return sgt_interval_sum(sgt_interval_of(o), sgt_interval_scaled(sgt_interval_of(t0), d));
+    return sgt_interval_between(-sgt_sum_above(-s.hi, sgt_sum_above(-s.lo, -p.lo)), sgt_sum_above(s.hi, sgt_sum_above(s.lo, p.lo)));
+}
+
+static sgt_interval along(sgt_interval from, double d, sgt_interval t) { return sgt_interval_sum(from, sgt_interval_scaled(t, d)); }
+
+static bool bounded(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL; }
+
+static sgt_interval within(double size) { return size < HUGE_VAL ? sgt_interval_between(-size, size) : sgt_interval_all(); }
+
+/* The double nearest the middle of at, moved into x. */
+static double inside(sgt_interval at, sgt_interval x)
+{
+    double m = sgt_interval_middle(at);
+    return m < x.lo ? x.lo : m > x.hi ? x.hi : m;
+}
+
+/* P over t0 + t, and its slope along the ray. */
+static sgt_interval departure_over(const freeform *s, const sgt_ray *ray, double t0, sgt_interval t, double m, sgt_interval *slope)
+{
+    sgt_vec3 o = ray->o, d = ray->d;
+    sgt_interval none = sgt_interval_empty(), all = sgt_interval_all(), x0 = moved_to(o.x, d.x, t0), y0 = moved_to(o.y, d.y, t0);
+    region where = {.x = along(x0, d.x, t), .y = along(y0, d.y, t)};
+    *slope = all;
+    sgt_interval r = sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(where.x), sgt_interval_square(where.y)));
+    where.r_lo = r.lo, where.r_hi = r.hi;
+    bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    int defined = s->of->bounds(s->self, &where, &b);
+    if (!defined) return *slope = none;
+    if (!(r.hi < 0x1p500)) return all;
+
+    sgt_interval xm = along(x0, d.x, sgt_interval_of(m)), ym = along(y0, d.y, sgt_interval_of(m));
+    double x = inside(xm, where.x), y = inside(ym, where.y), p, px, py, p_err, grad_err;
+    s->of->at(s->self, 1, &x, &y, (sag_values){&p, &px, &py});
+    s->of->rounding(s->self, x, y, &p_err, &grad_err);
+    double lost = b.size > 0 ? LOST : 0; /* a plane is one */
+    p_err += lost, grad_err += lost, b.size += lost, b.steep += lost, b.bend += lost;
+    sgt_interval whole = !(b.steep < HUGE_VAL) && s->of->range ? s->of->range(s->self, &where) : within(b.size);
+    if (!(p_err < HUGE_VAL && fabs(p) < HUGE_VAL)) return whole;
+
+    sgt_interval here = sgt_interval_about(p, p_err), w = sgt_interval_difference(t, sgt_interval_of(m));
+    sgt_interval lm2 = sgt_interval_sum(sgt_interval_square(sgt_interval_of(d.x)), sgt_interval_square(sgt_interval_of(d.y)));
+    double length = sgt_interval_square_root(lm2).hi, w_most = sgt_interval_greatest(w);
+    /* how far (x, y) is from the point of the ray; all of the stretch where it was moved */
+    sgt_interval off_x = sgt_interval_difference(defined < 0 ? where.x : xm, sgt_interval_of(x)), off_y = sgt_interval_difference(defined < 0 ? where.y : ym, sgt_interval_of(y));
+    double off = sgt_sum_above(sgt_interval_greatest(off_x), sgt_interval_greatest(off_y));
+    sgt_interval moved = sgt_interval_sum(here, within(sgt_product_above(b.steep, off)));
+    if (defined < 0) return sgt_interval_intersection(moved, whole);
+
+    sgt_interval run = within(sgt_product_above(sgt_product_above(b.steep, length), w_most));
+    sgt_interval range = sgt_interval_intersection(sgt_interval_sum(moved, run), whole);
+    sgt_interval steep = within(sgt_product_above(b.steep, length));
+    *slope = steep;
+    if (b.bend < HUGE_VAL && grad_err < HUGE_VAL && fabs(px) < HUGE_VAL && fabs(py) < HUGE_VAL) {
+        double bent = sgt_product_above(b.bend, off), reach = sgt_product_above(lm2.hi, w_most), sideways = sgt_sum_above(grad_err, bent);
+        sgt_interval at = sgt_interval_sum(sgt_interval_scaled(sgt_interval_about(px, sideways), d.x), sgt_interval_scaled(sgt_interval_about(py, sideways), d.y));
+        *slope = sgt_interval_intersection(steep, sgt_interval_sum(at, within(sgt_product_above(b.bend, reach))));
+        double half = sgt_product_above(0.5 * b.bend, sgt_product_above(reach, w_most));
+        range = sgt_interval_intersection(range, sgt_interval_sum(moved, sgt_interval_sum(sgt_interval_product(at, w), within(half))));
+    }
+    return range;
+}
+
+static sgt_interval base_over(const freeform *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+{
+    double c = s->base ? s->c : 0;
+    shape conic = {.c = c, .k = s->k, .ck = (1 + s->k) * c, .terms = 0, .a = NULL, .rim2 = HUGE_VAL, .domain2 = HUGE_VAL};
+    return sgt_sag_enclose(&conic, ray, t0, t, slope);
+}
+
+sgt_interval sgt_freeform_enclose(const freeform *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+{
+    double m = sgt_interval_middle(t);
+    sgt_interval by_base, by_p, sag = base_over(s, ray, t0, t, &by_base);
+    *slope = by_base;
+    if (sgt_interval_is_empty(sag)) return sag;
+    if (!(t.lo <= t.hi)) return *slope = sgt_interval_all();
+    sgt_interval p = departure_over(s, ray, t0, t, m, &by_p);
+    *slope = sgt_interval_difference(by_base, by_p);
+    sgt_interval g = sgt_interval_difference(sag, p);
+    if (t.lo < t.hi && bounded(*slope) && !sgt_interval_is_empty(g)) {
+        sgt_interval unused, thin = sgt_interval_of(m), here = sgt_interval_difference(base_over(s, ray, t0, thin, &unused), departure_over(s, ray, t0, thin, m, &unused));
+        sgt_interval w = sgt_interval_difference(t, thin);
+        if (!sgt_interval_is_empty(here)) g = sgt_interval_intersection(g, sgt_interval_sum(here, sgt_interval_product(*slope, w)));
+    }
+    return g;
+}
+
+/* ----------------------------------------------------------------------------- sensitivities */
+
+SGT_KERNEL
+static void second_of(size_t n, double c, double k, const double *restrict x, const double *restrict y, const double *restrict pxx,
+                      const double *restrict pxy, const double *restrict pyy, double *restrict xx, double *restrict xy, double *restrict yy)
+{
+    LANES for (size_t i = 0; i < n; i++) {
+        base e = base_at(c, k, x[i], y[i]);
+        double bent = (1 + k) * (e.by_r * e.by_r) * e.by_r;
+        xx[i] = -(e.by_r + bent * (x[i] * x[i]) + pxx[i]);
+        xy[i] = -(bent * (x[i] * y[i]) + pxy[i]);
+        yy[i] = -(e.by_r + bent * (y[i] * y[i]) + pyy[i]);
+    }
+}
+
+void sgt_freeform_second(const freeform *s, size_t n, sgt_points at, double *const out[6])
+{
+    double pxx[FREEFORM_BLOCK], pxy[FREEFORM_BLOCK], pyy[FREEFORM_BLOCK];
+    for (size_t i = 0, few; i < n; i += few) {
+        few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;
+        const double *x = at.p[0] + i, *y = at.p[1] + i;
+        s->of->second(s->self, few, x, y, pxx, pxy, pyy);
+        second_of(few, s->base ? s->c : 0, s->k, x, y, pxx, pxy, pyy, out[0] + i, out[1] + i, out[3] + i);
+        for (size_t j = i; j < i + few; j++) out[2][j] = out[4][j] = out[5][j] = 0;
+    }
+}
+
+static size_t of_base(const freeform *s) { return s->base ? (s->fixed_k ? 1 : 2) : 0; }
+
+size_t sgt_freeform_parameters(const freeform *s) { return of_base(s) + s->of->parameters(s->self); }
+
+/* ds/dc = r^2 / (phi (1 + phi)), its gradient (x, y) / phi^3; ds/dk = c^3 r^4 / (2 phi (1 + phi)^2), its gradient
+ * c^3 r^2 (x, y) / (2 phi^3); less what P adds to either. */
+SGT_KERNEL
+static void by_base(size_t n, bool by_c, double c, double k, const double *restrict x, const double *restrict y, const double *restrict p,
+                    const double *restrict px, const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy)
+{
+    if (by_c) {
+        LANES for (size_t i = 0; i < n; i++) {
+            base e = base_at(c, k, x[i], y[i]);
+            double cube = 1 / (e.phi * e.phi * e.phi);
+            f[i] = -(e.r2 / (e.phi * (1 + e.phi)) + p[i]);
+            fx[i] = -(x[i] * cube + px[i]), fy[i] = -(y[i] * cube + py[i]);
+        }
+    } else {
+        LANES for (size_t i = 0; i < n; i++) {
+            base e = base_at(c, k, x[i], y[i]);
+            double h = 0.5 * (c * c * c) * e.r2, bent = h / (e.phi * e.phi * e.phi);
+            f[i] = -(h * e.r2 / (e.phi * (1 + e.phi) * (1 + e.phi)) + p[i]);
+            fx[i] = -(x[i] * bent + px[i]), fy[i] = -(y[i] * bent + py[i]);
+        }
+    }
+}
+
+void sgt_freeform_by_parameter(const freeform *s, size_t j, size_t n, sgt_points at, sgt_values out)
+{
+    size_t own = of_base(s);
+    double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK], unwanted[2][FREEFORM_BLOCK];
+    for (size_t i = 0, few; i < n; i += few) {
+        few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;
+        const double *x = at.p[0] + i, *y = at.p[1] + i;
+        double *f = out.f + i, *fx = out.grad[0] ? out.grad[0] + i : unwanted[0], *fy = out.grad[0] ? out.grad[1] + i : unwanted[1];
+        if (j < own) {
+            if (j == 0 && s->of->by_curvature) s->of->by_curvature(s->self, few, x, y, (sag_values){p, px, py});
+            else for (size_t m = 0; m < few; m++) p[m] = px[m] = py[m] = 0;
+            by_base(few, j == 0, s->c, s->k, x, y, p, px, py, f, fx, fy);
+        } else {
+            s->of->by_parameter(s->self, j - own, few, x, y, (sag_values){f, fx, fy});
+            for (size_t m = 0; m < few; m++) f[m] = -f[m], fx[m] = -fx[m], fy[m] = -fy[m];
+        }
+        for (size_t m = 0; out.grad[0] && m < few; m++) out.grad[2][i + m] = 0;
+    }
+}
+
+/* --------------------------------------------------------------------------------- parameters */
+
+sgt_objection sgt_freeform_object(const freeform *s)
+{
+    if (!(s->semi_diameter >= 0 && s->semi_diameter < HUGE_VAL)) return (sgt_objection){"semi_diameter", "must be finite and not below 0"};
+    if (s->base && !(fabs(s->c) < HUGE_VAL)) return (sgt_objection){"curvature", "must be finite"};
+    if (s->base && !s->fixed_k && !(fabs(s->k) < HUGE_VAL)) return (sgt_objection){"conic", "must be finite"};
+    return s->of->object(s->self);
+}

@@ -1,0 +1,210 @@
+/* odd_asphere.c - P = sum of a[i] r^(i+1): odd and even powers of the distance from the axis.
+ *
+ * P is split at the tip of the cone a[0] r: with h(r) = sum over i > 0 of a[i] r^(i-1),
+ *     P = r (a[0] + r h),    grad P = (x, y) G,    G = P'/r = a[0]/r + 2 h + r h',
+ * and all but a[0]/r is smooth at r = 0, where that is left out: (0, 0) is the mean of the cone's gradients.
+ * The second derivative has P'' along the radius and G across it: pxx = G + (x/r)^2 (P'' - G), pxy = (x y / r^2) (P'' - G), with
+ * P'' - G = -a[0]/r + r (3 h' + r h'').  Its norm is the greater of |P''| and |G|.
+ *
+ * h and its derivatives are by Horner's rule, each step one fma, which is stable: what a step rounds, at most u of its result,
+ * comes to the sum multiplied by the powers of r behind it and no more.  The bound carries that along the same steps
+ * (Higham 2002, section 5.1).  r is off by 2 u r (2 u in r^2, half of it in the root, and u of the root), which moves P by 2 u r |P'|, and
+ * G by 2 u |P'' - G|, of which the sum of the magnitudes of its terms is taken.
+ *
+ * BOUNDS.  Each term is monotone in r >= 0, so those that rise at one end and those that fall at the other bound the sum. */
+#include "departure.h"
+
+enum { ODD_TERMS = 16 };
+
+/* Without the zeros at the end. */
+static int terms_of(const double *a)
+{
+    int terms = ODD_TERMS;
+    while (terms > 0 && a[terms - 1] == 0) terms--;
+    return terms;
+}
+
+SGT_INLINE double radius(double x, double y) { return sqrt(x * x + y * y); }
+
+/* a / r; at the tip 0. */
+SGT_INLINE double by_radius(double a, double r) { return chosen(MASK(r > 0), a / r, 0); }
+
+SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+{
+    double r[FREEFORM_BLOCK], h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], tip = a[0];
+    LANES for (size_t i = 0; i < n; i++) r[i] = radius(x[i], y[i]), h[i] = dh[i] = 0;
+    for (int k = terms - 1; k > 0; k--) {
+        double next = a[k];
+        LANES for (size_t i = 0; i < n; i++) {
+            dh[i] = sgt_fma(dh[i], r[i], h[i]);
+            h[i] = sgt_fma(h[i], r[i], next);
+        }
+    }
+    LANES for (size_t i = 0; i < n; i++) {
+        double G = by_radius(tip, r[i]) + sgt_fma(r[i], dh[i], h[i] + h[i]);
+        p[i] = r[i] * sgt_fma(r[i], h[i], tip);
+        px[i] = x[i] * G, py[i] = y[i] * G;
+    }
+}
+
+/* One point by itself is worth loops without loops in them. */
+SGT_KERNEL
+static void odd_at(size_t n, int terms, const double *a, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+{
+    if (n == 1) odd_in(1, terms, a, x, y, p, px, py);
+    else odd_in(n, terms, a, x, y, p, px, py);
+}
+
+static void at(const void *self, size_t n, const double *x, const double *y, sag_values out)
+{
+    const sgt_odd_asphere *s = self;
+    odd_at(n, terms_of(s->a), s->a, x, y, out.p, out.px, out.py);
+}
+
+SGT_INLINE double rounded(double x) { return SGT_U * fabs(x) + 0x1p-1074; }
+
+/* Without fma, which may be a call: the numbers differ from those of odd_at by no more than their errors, which is u times as much in the bound. */
+static void rounding(const void *self, double x, double y, double *p_err, double *grad_err)
+{
+    const double *a = ((const sgt_odd_asphere *)self)->a;
+    double r = radius(x, y), h = 0, dh = 0, h_err = 0, dh_err = 0, bent = 0, sum = fabs(a[0]);
+    int terms = terms_of(a);
+    for (int k = terms - 1; k > 0; k--) {
+        dh = dh * r + h;
+        dh_err = dh_err * r + h_err + rounded(dh);
+        h = h * r + a[k];
+        h_err = h_err * r + rounded(h);
+        bent = bent * r + (k + 1) * (k - 1) * fabs(a[k]);
+        sum += fabs(a[k]);
+    }
+    double tip = by_radius(a[0], r), smooth = r * dh + (h + h), G = tip + smooth, inner = r * h + a[0], far = larger(fabs(x), fabs(y));
+    double G_err = rounded(tip) + (r * dh_err + 2 * h_err) + rounded(smooth) + rounded(G);
+    *p_err = 1.01 * (r * (r * h_err + rounded(inner) + 2 * SGT_U * r * (fabs(G) + G_err)) + rounded(r * inner));
+    *grad_err = 1.01 * (far * (G_err + 2 * SGT_U * (fabs(tip) + bent)) + rounded(far * G));
+    if (terms > 0 && r < 0x1p-480) *p_err += 0x1p-470 * sum, *grad_err += 3 * fabs(a[0]) + 0x1p-470 * sum; /* squares underflow */
+}
+
+/* A term is rounded i times in h, twice behind it, and i + 1 times the 2 u of r. */
+static void noise(const void *self, double radius, double e[2])
+{
+    const double *a = ((const sgt_odd_asphere *)self)->a;
+    double sum = 0;
+    for (int i = terms_of(a) - 1; i > 0; i--) sum = sum * radius + (3 * i + 4) * fabs(a[i]);
+    e[0] = 1.01 * SGT_U * 4 * fabs(a[0]) * radius + 0x1p-470 * fabs(a[0]);
+    e[1] = 1.01 * SGT_U * sum;
+}
+
+/* The least and the greatest of a sum of monotone terms, and the sum of their magnitudes. */
+typedef struct range { double lo, hi, size; } range;
+
+/* Adds a times a number from lo to hi >= lo >= 0.  lost: one below TINY has lost digits to underflow, and is between that and 0. */
+SGT_INLINE void add(range *sum, double a, double lo, double hi, bool lost)
+{
+    if (a == 0) return; /* hi may be infinite */
+    if (lost && lo < TINY) lo = 0;
+    if (lost && hi < TINY) hi = TINY;
+    sum->lo += a * (a > 0 ? lo : hi);
+    sum->hi += a * (a > 0 ? hi : lo);
+    sum->size += fabs(a) * larger(lo, hi);
+}
+
+/* Each end is off by less than 2^-46 of the magnitudes. */
+static double greatest(range e)
+{
+    double most = larger(-e.lo, e.hi) + 0x1p-40 * e.size;
+    return most < HUGE_VAL ? most : HUGE_VAL;
+}
+
+SGT_INLINE bounds sums_over(const double *a, int terms, double lo, double hi, bool lost)
+{
+    double lo_power = 1, hi_power = 1; /* r^(i-1) */
+    range size = {0}, steep = {0}, bend = {0}, across = {0};
+    add(&size, a[0], lo, hi, lost);
+    add(&steep, a[0], 1, 1, lost);
+    if (a[0] != 0) add(&across, a[0], 1 / hi, 1 / lo, lost);
+    for (int i = 1; i < terms; i++, lo_power *= lo, hi_power *= hi) {
+        add(&bend, i * (i + 1) * a[i], lo_power, hi_power, lost);
+        add(&across, (i + 1) * a[i], lo_power, hi_power, lost);
+        add(&steep, (i + 1) * a[i], lo_power * lo, hi_power * hi, lost);
+        add(&size, a[i], lo_power * lo * lo, hi_power * hi * hi, lost);
+    }
+    return (bounds){greatest(size), greatest(steep), larger(greatest(bend), greatest(across))};
+}
+
+static bounds sums_of_lost(const double *a, int terms, double lo, double hi) { return sums_over(a, terms, lo, hi, true); }
+
+/* The greatest power is r^terms, which is above TINY where r is above 2^-60. */
+static int bounds_over(const void *self, region *where, bounds *out)
+{
+    const double *a = ((const sgt_odd_asphere *)self)->a;
+    double lo = where->r_lo, hi = where->r_hi, deep = 0x1p-60;
+    int terms = terms_of(a);
+    bool lost = hi < deep || (lo > 0 && lo < deep);
+    *out = lost ? sums_of_lost(a, terms, lo, hi) : sums_over(a, terms, lo, hi, false);
+    return 1;
+}
+
+SGT_KERNEL
+static void odd_second(size_t n, int terms, const double *a, const double *restrict x, const double *restrict y, double *restrict pxx, double *restrict pxy, double *restrict pyy)
+{
+    double r[FREEFORM_BLOCK], h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], half_ddh[FREEFORM_BLOCK], tip = a[0];
+    LANES for (size_t i = 0; i < n; i++) r[i] = radius(x[i], y[i]), h[i] = dh[i] = half_ddh[i] = 0;
+    for (int k = terms - 1; k > 0; k--) {
+        double next = a[k];
+        LANES for (size_t i = 0; i < n; i++) {
+            half_ddh[i] = sgt_fma(half_ddh[i], r[i], dh[i]);
+            dh[i] = sgt_fma(dh[i], r[i], h[i]);
+            h[i] = sgt_fma(h[i], r[i], next);
+        }
+    }
+    LANES for (size_t i = 0; i < n; i++) {
+        double cone = by_radius(tip, r[i]), G = cone + sgt_fma(r[i], dh[i], h[i] + h[i]);
+        double along = r[i] * sgt_fma(3, dh[i], 2 * r[i] * half_ddh[i]) - cone; /* P'' - G */
+        double cosine = by_radius(x[i], r[i]), sine = by_radius(y[i], r[i]);
+        pxx[i] = sgt_fma(cosine * cosine, along, G);
+        pxy[i] = cosine * sine * along;
+        pyy[i] = sgt_fma(sine * sine, along, G);
+    }
+}
+
+static void second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+{
+    const sgt_odd_asphere *s = self;
+    odd_second(n, terms_of(s->a), s->a, x, y, pxx, pxy, pyy);
+}
+
+static size_t parameters(const void *self)
+{
+    (void)self;
+    return ODD_TERMS;
+}
+
+/* r^(j+1), and its gradient (j + 1) r^(j-1) (x, y). */
+SGT_KERNEL
+static void power(size_t j, size_t n, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+{
+    double r[FREEFORM_BLOCK], q[FREEFORM_BLOCK], times = (double)j + 1;
+    LANES for (size_t i = 0; i < n; i++) r[i] = radius(x[i], y[i]), q[i] = chosen(MASK(j > 0), 1, by_radius(1, r[i]));
+    for (size_t k = 1; k < j; k++)
+        LANES for (size_t i = 0; i < n; i++) q[i] *= r[i];
+    LANES for (size_t i = 0; i < n; i++) {
+        p[i] = q[i] * r[i] * r[i];
+        px[i] = times * q[i] * x[i], py[i] = times * q[i] * y[i];
+    }
+}
+
+static void by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+{
+    (void)self;
+    power(j, n, x, y, out.p, out.px, out.py);
+}
+
+static sgt_objection object(const void *self)
+{
+    return numbers_finite(ODD_TERMS, ((const sgt_odd_asphere *)self)->a) ? (sgt_objection){NULL, NULL} : (sgt_objection){"coefficients", "must be finite"};
+}
+
+static const departure odd_asphere_departure = {
+    .at = at, .rounding = rounding, .bounds = bounds_over, .second = second, .parameters = parameters, .by_parameter = by_parameter, .object = object, .noise = noise};
+
+FREEFORM_ON_CONIC(odd_asphere, sgt_odd_asphere)

@@ -1,0 +1,263 @@
+/* polynomial_xy.c - P = sum of a[i][j] x^i y^j.
+ *
+ * Horner's rule in y for each row, w = sum of a[i][j] y^j with dw/dy, within Horner's rule in x over the rows; the derivative is
+ * carried along: (sum h)' = h' x + h.  Each step is one fma, and what it rounds, at most u of its result, comes to P multiplied by the powers
+ * behind it and no more: the bound is carried along the same steps (Higham 2002, section 5.1).  x and y are exact.
+ *
+ * BOUNDS.  The same steps on intervals, as middle and radius: |h x - h_m x_m| <= |h_m| x_r + h_r (|x_m| + x_r).  Over a small region they
+ * are the values at its middle and little more, over one about the origin the sums of the terms' magnitudes. */
+#include "bend.h"
+#include "departure.h"
+
+enum { MOST_ROWS = 32 };
+
+/* Row i without the zeros at its end. */
+typedef struct row { const double *a; size_t terms; } row;
+
+static row row_of(sgt_numbers a, size_t i)
+{
+    row e = {a.x + i * a.columns, a.columns};
+    while (e.terms > 0 && e.a[e.terms - 1] == 0) e.terms--;
+    return e;
+}
+
+static size_t rows_of(sgt_numbers a) { return a.columns > 0 ? a.rows : 0; }
+
+/* ---------------------------------------------------------------------------------- P and gradient */
+
+SGT_INLINE void polynomial_in(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+{
+    double w[FREEFORM_BLOCK], dw[FREEFORM_BLOCK];
+    LANES for (size_t k = 0; k < n; k++) p[k] = px[k] = py[k] = 0;
+    for (size_t i = rows_of(a); i-- > 0;) {
+        row of = row_of(a, i);
+        LANES for (size_t k = 0; k < n; k++) w[k] = dw[k] = 0;
+        for (size_t j = of.terms + 3 - (of.terms + 3) % 4; j > 0; j -= 4) { /* four terms for one load and store; zeros go first */
+            double a3 = j > of.terms ? 0 : of.a[j - 1], a2 = j > of.terms + 1 ? 0 : of.a[j - 2], a1 = j > of.terms + 2 ? 0 : of.a[j - 3], a0 = of.a[j - 4];
+            LANES for (size_t k = 0; k < n; k++) {
+                double t = y[k], d = dw[k], h = w[k];
+                d = sgt_fma(d, t, h), h = sgt_fma(h, t, a3);
+                d = sgt_fma(d, t, h), h = sgt_fma(h, t, a2);
+                d = sgt_fma(d, t, h), h = sgt_fma(h, t, a1);
+                d = sgt_fma(d, t, h), h = sgt_fma(h, t, a0);
+                dw[k] = d, w[k] = h;
+            }
+        }
+        LANES for (size_t k = 0; k < n; k++) {
+            px[k] = sgt_fma(px[k], x[k], p[k]);
+            p[k] = sgt_fma(p[k], x[k], w[k]);
+            py[k] = sgt_fma(py[k], x[k], dw[k]);
+        }
+    }
+}
+
+/* One point by itself is worth loops without loops in them. */
+SGT_KERNEL
+static void polynomial_at(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+{
+    if (n == 1) polynomial_in(1, a, x, y, p, px, py);
+    else polynomial_in(n, a, x, y, p, px, py);
+}
+
+static void at(const void *self, size_t n, const double *x, const double *y, sag_values out)
+{
+    polynomial_at(n, ((const sgt_polynomial_xy *)self)->a, x, y, out.p, out.px, out.py);
+}
+
+/* ------------------------------------------------------------------------------------- rounding */
+
+/* A computed number and how far it is off. */
+typedef struct rounded { double is, err; } rounded;
+
+/* h x + a, without fma, which may be a call: the numbers differ from those of polynomial_at by no more than their errors, which
+ * is u times as much in the bound. */
+static rounded horner(rounded h, double x, rounded a)
+{
+    double is = h.is * x + a.is;
+    return (rounded){is, h.err * fabs(x) + a.err + SGT_U * fabs(is) + 0x1p-1074};
+}
+
+static void rounding(const void *self, double x, double y, double *p_err, double *grad_err)
+{
+    sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
+    rounded p = {0, 0}, px = p, py = p;
+    for (size_t i = rows_of(a); i-- > 0;) {
+        row of = row_of(a, i);
+        rounded w = {0, 0}, dw = w;
+        for (size_t j = of.terms; j-- > 0;) {
+            dw = horner(dw, y, w);
+            w = horner(w, y, (rounded){of.a[j], 0});
+        }
+        px = horner(px, x, p);
+        p = horner(p, x, w);
+        py = horner(py, x, dw);
+    }
+    *p_err = 1.01 * p.err;
+    *grad_err = 1.01 * larger(px.err, py.err);
+}
+
+/* A term is rounded j + 1 times in its row and i + 1 times over the rows. */
+static void noise(const void *self, double radius, double e[2])
+{
+    sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
+    double power = 1; /* radius to the degree d, then to d - 2 */
+    e[0] = e[1] = 0;
+    for (size_t d = 0; a.columns > 0 && d + 1 < a.rows + a.columns; d++) {
+        double sum = 0;
+        for (size_t i = d < a.columns ? 0 : d + 1 - a.columns; i < a.rows && i <= d; i++) sum += fabs(a.x[i * a.columns + (d - i)]);
+        e[d > 1] += 1.01 * SGT_U * ((double)d + 2) * sum * power;
+        power = d == 1 ? 1 : power * radius;
+    }
+}
+
+/* --------------------------------------------------------------------------------------- bounds */
+
+typedef struct disc { double middle, radius; } disc;
+
+/* h x + a. */
+static disc over(disc h, disc x, disc a)
+{
+    double product = h.middle * x.middle, middle = product + a.middle;
+    double radius = fabs(h.middle) * x.radius + h.radius * (fabs(x.middle) + x.radius) + a.radius;
+    return (disc){middle, radius * (1 + 0x1p-50) + 0x1p-52 * (fabs(product) + fabs(middle)) + 0x1p-1060};
+}
+
+static disc disc_of(sgt_interval x)
+{
+    double middle = 0.5 * x.lo + 0.5 * x.hi;
+    return (disc){middle, (0.5 * x.hi - 0.5 * x.lo) * (1 + 0x1p-50) + 0x1p-52 * fabs(middle)};
+}
+
+static double greatest(disc e) { return fabs(e.middle) + e.radius; }
+
+static double bounded(double x) { return x < HUGE_VAL ? x * (1 + 0x1p-40) : HUGE_VAL; }
+
+/* Of a disc: x^i y^j is far less there than in the corners of the square, where both are r. */
+static bounds disc_bounds(sgt_numbers a, double r)
+{
+    double h[MOST_HALF_POWERS], size = 0, px = 0, py = 0, xx = 0, xy = 0, yy = 0;
+    half_powers(a.rows + a.columns, h);
+    for (size_t i = 0; i < a.rows; i++)
+        for (size_t j = 0; j < a.columns; j++) {
+            double most = fabs(a.x[i * a.columns + j]), n = (double)i, m = (double)j;
+            if (most == 0) continue;
+            most *= larger(integer_power(r, (unsigned)(i + j)),
+                           DBL_MIN); /* more than a power that underflows */
+            size += most * corner_of(h, i, j), most /= r;
+            if (i > 0) px += most * n * corner_of(h, i - 1, j);
+            if (j > 0) py += most * m * corner_of(h, i, j - 1);
+            most /= r;
+            if (i > 1) xx += most * n * (n - 1) * corner_of(h, i - 2, j);
+            if (i > 0 && j > 0) xy += most * n * m * corner_of(h, i - 1, j - 1);
+            if (j > 1) yy += most * m * (m - 1) * corner_of(h, i, j - 2);
+        }
+    const double up = 1 + 0x1p-30;
+    return (bounds){bounded(size * up), bounded(length_of(px, py) * up), norm_of(xx, xy, yy) * up};
+}
+
+static const double STEEP = 64; /* far out; nearer by the square does as well */
+
+static int bounds_over(const void *self, region *where, bounds *out)
+{
+    sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
+    disc none = {0, 0}, p = none, px = none, py = none, pxx = none, pxy = none, pyy = none, x = disc_of(where->x), y = disc_of(where->y);
+    for (size_t i = rows_of(a); i-- > 0;) {
+        row of = row_of(a, i);
+        disc w = none, dw = none, ddw = none; /* the second derivatives halved */
+        for (size_t j = of.terms; j-- > 0;) {
+            ddw = over(ddw, y, dw);
+            dw = over(dw, y, w);
+            w = over(w, y, (disc){of.a[j], 0});
+        }
+        pxx = over(pxx, x, px), px = over(px, x, p), p = over(p, x, w);
+        pxy = over(pxy, x, py), py = over(py, x, dw);
+        pyy = over(pyy, x, ddw);
+    }
+    double size = greatest(p), ax = greatest(px), ay = greatest(py), axx = 2 * greatest(pxx), axy = greatest(pxy), ayy = 2 * greatest(pyy);
+    *out = (bounds){bounded(size), bounded(length_of(ax, ay)), norm_of(axx, axy, ayy)};
+    if (out->steep > STEEP && a.rows + a.columns <= MOST_HALF_POWERS
+        && is_disc(greatest(x), greatest(y), where->r_hi)) {
+        bounds by_disc = disc_bounds(a, where->r_hi);
+        if (by_disc.bend < out->bend) *out = by_disc;
+    }
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------ sensitivities */
+
+SGT_KERNEL
+static void polynomial_second(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y, double *restrict pxx, double *restrict pxy, double *restrict pyy)
+{
+    double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK], w[FREEFORM_BLOCK], dw[FREEFORM_BLOCK], ddw[FREEFORM_BLOCK];
+    LANES for (size_t k = 0; k < n; k++) p[k] = px[k] = py[k] = pxx[k] = pxy[k] = pyy[k] = 0;
+    for (size_t i = rows_of(a); i-- > 0;) {
+        row of = row_of(a, i);
+        LANES for (size_t k = 0; k < n; k++) w[k] = dw[k] = ddw[k] = 0;
+        for (size_t j = of.terms; j-- > 0;) {
+            double next = of.a[j];
+            LANES for (size_t k = 0; k < n; k++) {
+                ddw[k] = sgt_fma(ddw[k], y[k], 2 * dw[k]);
+                dw[k] = sgt_fma(dw[k], y[k], w[k]);
+                w[k] = sgt_fma(w[k], y[k], next);
+            }
+        }
+        LANES for (size_t k = 0; k < n; k++) {
+            pxx[k] = sgt_fma(pxx[k], x[k], 2 * px[k]);
+            px[k] = sgt_fma(px[k], x[k], p[k]);
+            p[k] = sgt_fma(p[k], x[k], w[k]);
+            pxy[k] = sgt_fma(pxy[k], x[k], py[k]);
+            py[k] = sgt_fma(py[k], x[k], dw[k]);
+            pyy[k] = sgt_fma(pyy[k], x[k], ddw[k]);
+        }
+    }
+}
+
+static void second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+{
+    polynomial_second(n, ((const sgt_polynomial_xy *)self)->a, x, y, pxx, pxy, pyy);
+}
+
+static size_t parameters(const void *self)
+{
+    sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
+    return a.rows * a.columns;
+}
+
+/* x^i y^j, i x^(i-1) y^j, j x^i y^(j-1). */
+SGT_KERNEL
+static void monomial(size_t i, size_t j, size_t n, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+{
+    double u[FREEFORM_BLOCK], v[FREEFORM_BLOCK], di = (double)i, dj = (double)j; /* x^(i-1), y^(j-1), or 1 */
+    LANES for (size_t k = 0; k < n; k++) u[k] = v[k] = 1;
+    for (size_t m = 1; m < i; m++)
+        LANES for (size_t k = 0; k < n; k++) u[k] *= x[k];
+    for (size_t m = 1; m < j; m++)
+        LANES for (size_t k = 0; k < n; k++) v[k] *= y[k];
+    LANES for (size_t k = 0; k < n; k++) {
+        double xi = chosen(MASK(i > 0), u[k] * x[k], 1), yj = chosen(MASK(j > 0), v[k] * y[k], 1);
+        p[k] = xi * yj;
+        px[k] = di * u[k] * yj;
+        py[k] = dj * xi * v[k];
+    }
+}
+
+static void by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+{
+    size_t columns = ((const sgt_polynomial_xy *)self)->a.columns;
+    monomial(j / columns, j % columns, n, x, y, out.p, out.px, out.py);
+}
+
+static sgt_objection object(const void *self)
+{
+    sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
+    const char *reason = a.rows == 0 || a.columns == 0 ? NULL
+                       : a.rows > MOST_ROWS || a.columns > MOST_ROWS ? "must have at most 32 rows and 32 columns"
+                       : !a.x ? "has no numbers"
+                       : !numbers_finite(a.rows * a.columns, a.x) ? "must be finite" : NULL;
+    return (sgt_objection){reason ? "coefficients" : NULL, reason};
+}
+
+static const departure polynomial_xy_departure = {
+    .at = at, .rounding = rounding, .bounds = bounds_over, .second = second, .parameters = parameters, .by_parameter = by_parameter, .object = object, .noise = noise};
+
+FREEFORM_ON_CONIC(polynomial_xy, sgt_polynomial_xy)

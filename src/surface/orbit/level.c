@@ -1,0 +1,383 @@
+/* level.c - every root of a level set |Q_N| = E along a ray, in order, none missed.
+ *
+ * The ray is made local at its point nearest the centre of the set's ball (the set lies in |Q_0| <= E_0);
+ * the ball cuts it to a chord, and a ray that passes by is done.  The chord is covered by cells, nearest
+ * first; orbit.h says what makes a cell outside, inside or monotone.  Outside and inside cells hold no root.
+ * In a monotone cell |Q_N|^2 has a slope between S- and S+ of one sign, so the root of the whole, if there is
+ * one, lies in m - (|Q_N(m)|^2 - E^2 -+ g_err) / [S-, S+] (interval Newton; Moore 1966, Nickel 1971): wholly
+ * inside the cell it exists and is the only one; beyond the cell's end, the part before it is
+ * free of roots; before its start there is none, since the side on which the cell begins is
+ * known: it is that of the cell before.  A cell that is none of these is made smaller, unless its variation
+ * is already below the rounding of |Q_N|^2: then it joins an undecided stretch, which ends with the next
+ * cell that is decided: unlike sides are a crossing; like ones a graze if |F| was within a few roundings all over it,
+ * else UNPROVEN.
+ *
+ * h is halved after a failure, and after a success multiplied by a factor that itself has grown, by 1.08 and beyond 1.2 by
+ * 1.15 (to 2 at most), and after a failure shrunk by 0.8 (to between 0.7 and 1.2): on the way toward a surface cells have to
+ * shrink, and learn it; on the way from one they have to grow.  A flat optimum among some dozens tried: fixed
+ * factors of 1.15 and 0.35 take 7 % more levels of the orbit on rays from without, and a factor of at most 1.2 twice the
+ * cells on rays that start on the surface.  A Newton step out of a failed cell could only shorten it.
+ *
+ * THE START.  A ray that starts on the surface has no cell before it that tells the side.  A monotone cell about the start
+ * whose root may be on either side of its end is laid a little earlier, to have the root within; that root does not
+ * count, and behind it the side is known.  Such rays start with a short cell, which doubles (first_course).
+ *
+ * T_TOL ends a root's bracket as soon as it is narrow enough.  It also ends a cell that is not decided, if its first half
+ * is no longer than t_tol and F seems to have another sign in its middle than at its start.  One look at the middle
+ * alone makes the change of sign certain, and it is told as a root.  Where neither helps, the cells are those without t_tol.
+ *
+ * A root's bracket is narrowed by interval Newton, each cell about where Newton's method on F takes the last one's middle (F is
+ * tanh(log(|Q_N| / E)), nearly linear over many lengths where |Q_N|^2 is not), and as wide as by the slope's variation
+ * the guess may be off: three cells, as a rule, to rounding.
+ *
+ * UNDER PROOF a root has to be in a monotone cell that is twice as long as [t - t_err, t + t_err]: then it is there, since
+ * F changes sign, and the only one.  From far away one ulp of t, and so t_err, may be wide for the set.  Then a shorter
+ * cell about the root is monotone, and the rest of [t - t_err, t + t_err] is covered by cells without a root.
+ * t_tol is not read (a change of sign over so much may be of three roots), nor is dt_min.
+ *
+ * THE FAST WAY, dt_min > 0: steps of the larger of dt_min and Hart's estimate A log(A / E) / (2 |dQ_N/dp|), F looked
+ * at between them; a change of sign is a bracket for Newton's method.  Thin parts are passed by. */
+#include "level.h"
+
+#include "course.h"
+#include "../../solve/root.h"
+#include "../builtin.h"
+
+typedef struct walk {
+    path path;
+    const orbit *orbit;
+    const sgt_ray *ray;
+    tally told;
+    local q;
+    double t_tol, least; /* of tau; what rounding leaves of it */
+    bool all, done;
+    sgt_list *list;
+} walk;
+
+sgt_span sgt_level_span(const orbit *o, const sgt_ray *ray)
+{
+    path w;
+    local q;
+    double lo, hi;
+    escape s = escape_of(o);
+    if (chord_of(o, s.limit + s.over, ray, &q, &w, &lo, &hi) < 0) return (sgt_span){.lo = 1, .hi = 0, .seed = NAN};
+    double slack = 0x1p-48 * (fabs(q.t0) + fabs(lo) + fabs(hi));
+    if (!(hi - lo < HUGE_VAL)) return (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = NAN};
+    return (sgt_span){.lo = end_below(q.t0 + lo - slack, q.scale),
+                      .hi = end_above(q.t0 + hi + slack, q.scale),
+                      .seed = NAN};
+}
+
+/* ----------------------------------------------------------------- entries */
+
+static void tell_of(walk *w, sgt_move move, double tau, double lo, double hi)
+{
+    double slope, f = sgt_orbit_value(&w->path, tau, &slope), t0 = w->q.t0, scale = w->q.scale;
+    tell(&w->told, move, (t0 + tau) * scale, f, slope / scale, (t0 + lo) * scale, (t0 + hi) * scale);
+    w->done = w->done || w->told.stopped;
+}
+
+/* One evaluation more, at tau. */
+SGT_INLINE void look_on(walk *w, sgt_move move, double tau, double lo, double hi)
+{
+    if (w->told.opt->watch) tell_of(w, move, tau, lo, hi);
+    else w->told.evals++;
+}
+
+static void add(walk *w, sgt_hit *hit)
+{
+    hit->evals = w->told.evals - w->told.before;
+    w->told.before = w->told.evals;
+    next_root(&w->told);
+    sgt_list_add(w->list, hit);
+    w->done = w->done || !w->all;
+}
+
+static void stretch(walk *w, sgt_status status, double lo, double hi)
+{
+    int count = w->list->count;
+    add_stretch(w->list, &w->told, status, w->ray, (w->q.t0 + lo) * w->q.scale, (w->q.t0 + hi) * w->q.scale);
+    w->done = w->done || (w->list->count > count && !w->all);
+}
+
+bool sgt_level_alone(const orbit *o, path *w, const sgt_ray *ray, double t, double t_lo, double t_err)
+{
+    local q;
+    double lo, hi;
+    chord_of(o, w->escape[o->mandelbrot ? 1 : 0], ray, &q, w, &lo, &hi);
+    return sgt_orbit_monotone(w, (t / q.scale - q.t0) + t_lo / q.scale, 2 * (t_err / q.scale));
+}
+
+enum { PROOF_CELLS = 256 }; /* of one side; some dozen, as a rule */
+
+/* No root lies in [lo, hi]; h: half the first cell.  false: some cell cannot tell. */
+static bool free_of_roots(walk *w, double lo, double hi, double h)
+{
+    course k = {.tau = lo, .hi = hi, .h = h};
+    for (int i = 0; k.tau < hi; i++) {
+        place at = lay(&k);
+        cell e;
+        if (i == PROOF_CELLS || spent(&w->told)) return false;
+        sgt_orbit_cell(&w->path, at.m, at.h, &e);
+        look_on(w, SGT_PROBE, at.m, k.tau, hi);
+        if (w->told.stopped) return false;
+        bool none = e.verdict == CELL_OUTSIDE || e.verdict == CELL_INSIDE;
+        if (e.verdict == CELL_MONOTONE) {
+            sighting n = sight_of(w->path.E * w->path.E, &e, at.h);
+            none = n.lo > at.h || n.hi < -at.h;
+        }
+        if (none) k.tau = at.end;
+        k.h = at.h * (none ? 2 : 0.5);
+    }
+    return true;
+}
+
+/* The root within tau_err of tau is the only one in [t - t_err, t + t_err]. */
+static bool only_root(walk *w, const meeting *h, double tau, double tau_err)
+{
+    double far = h->t_err / w->q.scale;
+    look_on(w, SGT_PROBE, tau, tau - 2 * far, tau + 2 * far);
+    if (w->told.stopped) return false;
+    if (sgt_level_alone(w->orbit, &w->path, w->ray, h->t, h->t_lo, h->t_err)) return true;
+    /* The ends, and the difference t / scale - t0, are rounded: each by an ulp of what is added here. */
+    double t = h->t / w->q.scale - w->q.t0, end = far + 0x1p-50 * (far + fabs(t)), half = 1.25 * far;
+    while (half > 1.1 * tau_err && !sgt_orbit_monotone(&w->path, tau, half)) half *= 0.5;
+    double inner = half * (1 - 0x1p-20) - 0x1p-50 * fabs(tau);
+    return inner > tau_err && free_of_roots(w, t - end, tau - inner, half) && free_of_roots(w, tau + inner, t + end, half);
+}
+
+/* A root within tau_err of tau, or a graze: an entry, unless it is before or after the ray's ends, or its
+ * start.  false: the watcher has stopped the search before. */
+static bool add_root(walk *w, sgt_status status, double tau, double tau_err)
+{
+    meeting h;
+    meeting_place(&h, &w->q, tau, tau_err);
+    h.v = 1;
+    double f = sgt_level_value(w->orbit, h.p, &h.n);
+    look_on(w, SGT_NEWTON, tau, tau - tau_err, tau + tau_err);
+    if (w->told.stopped) return false;
+    if (!root_in_range(&h)) { /* t is out of range in lengths of d */
+        stretch(w, SGT_UNPROVEN, -HUGE_VAL, HUGE_VAL);
+        return true;
+    }
+    if (!root_counts(&h, &w->q, w->ray->tmin, w->ray->tmax)) return true;
+    if (w->told.opt->proof != SGT_ESTIMATE && status == SGT_HIT) {
+        bool only = only_root(w, &h, tau, tau_err);
+        if (w->told.stopped) return false;
+        if (!only) {
+            double far = h.t_err / w->q.scale;
+            stretch(w, SGT_UNPROVEN, tau - far, tau + far);
+            return true;
+        }
+    }
+    sgt_interval about = sgt_about(h.t, h.t_err);
+    add(w, &(sgt_hit){.status = status, .t = h.t, .t_err = h.t_err, .t_lo = h.t_lo, .lo = about.lo, .hi = about.hi,
+                      .f = f, .p = h.p, .n = h.n, .p_err = h.p_err});
+    return true;
+}
+
+/* ----------------------------------------------------------- the certified march */
+
+/* A root in the bracket.  false: the search was stopped before it was told. */
+static bool polish(walk *w, bracket *p)
+{
+    double E2 = w->path.E * w->path.E, wanted = larger(w->t_tol, w->least);
+    bool on = root_error(p) > wanted;
+    while (on && !w->done && !spent(&w->told)) {
+        cell e;
+        sgt_orbit_cell(&w->path, p->m, p->h, &e);
+        look_on(w, SGT_NEWTON, p->m, p->lo, p->hi);
+        sighting n = sight_of(E2, &e, p->h);
+        on = narrow(p, &e, &n, w->path.iterations, E2, wanted, w->least);
+    }
+    return !w->told.stopped && add_root(w, SGT_HIT, p->m, root_error(p));
+}
+
+/* A stretch where rounding hides the sign of F: before it, behind it, and whether |F| was within a few of its
+ * roundings all over. */
+typedef struct dark_stretch { bool any, touches; double lo; int side; } dark_stretch;
+
+/* It ends at tau, with a cell where F has the sign `here`.  false: not told. */
+static bool end_dark(walk *w, const dark_stretch *dark, double tau, double here)
+{
+    double middle = 0.5 * (dark->lo + tau), half = 0.5 * (tau - dark->lo) * (1 + 4 * SGT_U);
+    if (dark->side * here < 0) return add_root(w, SGT_HIT, middle, half);
+    if (dark->side && dark->touches) return add_root(w, SGT_GRAZE, middle, half);
+    stretch(w, SGT_UNPROVEN, dark->lo, tau);
+    return true;
+}
+
+/* Cells that the march may come to next, looked at together. */
+typedef struct ahead { double m[4], h[4]; cell seen[4]; bool known[4]; } ahead;
+
+static const cell *look_at(const walk *w, ahead *a, place at, course k)
+{
+    for (int i = 0; i < 4; i++)
+        if (a->known[i] && a->m[i] == at.m && a->h[i] == at.h) return &a->seen[i];
+    for (int i = 0; i < 4; i++) {
+        a->m[i] = at.m, a->h[i] = at.h;
+        k.tau = at.end, k.h = at.h, faster(&k);
+        if (at.end < k.hi) at = lay(&k);
+    }
+    sgt_orbit_cells(&w->path, a->m, a->h, a->seen, a->known);
+    return &a->seen[0];
+}
+
+/* The march proper, over [lo, hi] of a chord that begins at `start`. */
+static void march(walk *w, double start, double lo, double hi)
+{
+    double E2 = w->path.E * w->path.E;
+    course k = first_course(start, lo, hi);
+    dark_stretch dark = {.any = false};
+    ahead near;
+    bracket root;
+    for (int i = 0; i < 4; i++) near.known[i] = false;
+    while (k.tau < hi && !w->done && !spent(&w->told)) {
+        place at = lay(&k);
+        const cell *e = look_at(w, &near, at, k);
+        double tau = k.tau, m = at.m, end = at.end, h = at.h;
+        look_on(w, SGT_MARCH, m, tau, hi);
+        if (w->done) break;
+        bool monotone = e->verdict == CELL_MONOTONE, bright = e->verdict == CELL_OUTSIDE || e->verdict == CELL_INSIDE;
+        sighting n = {0, 0, 0, 0};
+        double falls = e->qv < 0 ? 1 : -1;
+        if (monotone) n = sight_of(E2, e, h);
+        bool about = monotone && k.side == 0 && n.lo < -h && n.hi > -h; /* a root before the cell, or in it? */
+        if (dark.any && about && n.hi < h) { /* behind the root, if it is one, the sign is known */
+            if (!end_dark(w, &dark, m + n.hi, -falls)) break;
+            dark.any = false, k.side = -falls, k.tau = end, k.h = h, faster(&k);
+            continue;
+        }
+        if (dark.any && (bright || (monotone && !about))) { /* the undecided stretch ends here */
+            double here = bright ? e->verdict == CELL_OUTSIDE ? 1 : -1 : n.lo >= -h ? falls : -falls;
+            if (!end_dark(w, &dark, tau, here)) break;
+            dark.any = false;
+            if (w->done) break;
+        }
+        k.h = h;
+        turn what = RARE;
+        if (!(dark.any && about))
+            what = decide(&k, &at, e, &n, w->path.iterations, E2, w->t_tol, w->least, &root);
+        switch (what) {
+        case ON: continue;
+        case ROOT:
+            if (polish(w, &root)) continue;
+            k.tau = tau; /* the root is a part of what is left */
+            goto end;
+        case ACROSS: {
+            cell middle;
+            double found, err;
+            if (spent(&w->told)) goto end;
+            sgt_orbit_cell(&w->path, m, 0, &middle);
+            look_on(w, SGT_PROBE, m, tau, hi);
+            if (w->done) goto end;
+            if (!found_across(&k, &at, middle.verdict, &w->t_tol, &found, &err)) continue;
+            if (add_root(w, SGT_HIT, found, err)) continue;
+            k.tau = tau; /* the root is a part of what is left */
+            goto end;
+        }
+        case RARE: break;
+        }
+        if (about && !dark.any) { /* at the very start, which is on the surface: from before it */
+            k.tau = tau - 4 * h;
+            continue;
+        }
+        bool hopeless = e->W < HUGE_VAL && (fabs(e->qv) + e->W) * h <= 4 * e->g_err;
+        if (hopeless || h <= 2 * SGT_U * fabs(m)) {
+            if (!dark.any) dark = (dark_stretch){.any = true, .touches = true, .lo = tau, .side = (int)k.side};
+            dark.touches = dark.touches && e->W < HUGE_VAL && fabs(e->A2 - E2) <= 5 * e->g_err;
+            k.side = 0, k.tau = end;
+        } else {
+            slower(&k);
+        }
+    }
+end:;
+    double from = dark.any ? dark.lo : k.tau;
+    if (w->told.stopped) stretch(w, SGT_STOPPED, from, hi);
+    else if (!w->done && k.tau < hi) stretch(w, SGT_EXHAUSTED, from, hi);
+    else if (!w->done && dark.any) stretch(w, SGT_UNPROVEN, from, hi);
+}
+
+/* ------------------------------------------------------------------- the fast way */
+
+/* The distance, and F itself. */
+static double estimate_at(const orbit *o, const estimator *s, quaternion q, double *f)
+{
+    slice_orbit at = slice_orbit_at(s, q);
+    for (int k = o->mandelbrot ? 1 : 0; k < o->iterations && at.A2 < FAR_ENOUGH * s->E2; k++) {
+        if (o->power == 2) {
+            at = slice_orbit_squared(at, s, o->mandelbrot);
+            continue;
+        }
+        at.growth2 *= s->power2 * small_power(at.A2, o->power - 1);
+        if (o->mandelbrot) at.growth2 = (sqrt(at.growth2) + 1) * (sqrt(at.growth2) + 1);
+        power_of r = power_alone((quaternion){at.a, at.b, sqrt(at.rest), 0}, o->power);
+        at = (slice_orbit){r.s + s->along_c.a, r.f * at.b + s->im, at.rest * (r.f * r.f), 0, at.growth2};
+        at.A2 = at.a * at.a + (at.b * at.b + at.rest);
+    }
+    return estimate_of(s, at.A2, at.growth2, f);
+}
+
+double sgt_level_estimate(const orbit *o, sgt_vec3 p, double *f)
+{
+    quaternion q = quaternion_at(o, p.x, p.y, p.z);
+    estimator s = estimator_of(o, o->mandelbrot ? q : o->c);
+    return estimate_at(o, &s, q, f);
+}
+
+static void march_fast(walk *w, double lo, double hi, double dt_min)
+{
+    const orbit *o = w->orbit;
+    double inverse = 1 / sqrt(w->q.l * w->q.l + w->q.m * w->q.m + w->q.n * w->q.n), last = lo, last_f = NAN, tau = lo, f;
+    estimator s = estimator_of(o, o->c);
+    bool any = false;
+    for (;;) {
+        if (spent(&w->told)) {
+            stretch(w, SGT_EXHAUSTED, last, hi);
+            return;
+        }
+        quaternion q = quaternion_sum(w->path.start, quaternion_times(w->path.along, tau));
+        if (o->mandelbrot) s = estimator_of(o, q);
+        double away = estimate_at(o, &s, q, &f) * inverse;
+        look_on(w, SGT_MARCH, tau, last, hi);
+        if (w->done) break;
+        if (last_f * f < 0) { /* a change of sign, and so a root: as certain as the two signs */
+            int before = w->list->count;
+            bracket root = {.lo = last, .hi = tau, .a = last, .b = tau, .falls = last_f > 0 ? 1 : -1};
+            step_to(&root, tau, f * (tau - last) / (f - last_f), 0, 0.125 * (tau - last));
+            if (!polish(w, &root)) break;
+            any = any || w->list->count > before;
+            if (w->done) break;
+        }
+        if (!(tau < hi)) break;
+        if (f != 0) last = tau, last_f = f;
+        double next = tau + larger(away, dt_min);
+        tau = next > hi ? hi : next > tau ? next : next_double(tau);
+    }
+    if (w->told.stopped) stretch(w, SGT_STOPPED, last, hi);
+    else if (!any && !w->done) stretch(w, SGT_UNPROVEN, lo, hi);
+}
+
+int sgt_level_march(const orbit *o, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list)
+{
+    walk w;
+    double lo, hi;
+    set_of(o, &w.path);
+    if (chord_of(o, w.path.escape[o->mandelbrot ? 1 : 0], ray, &w.q, &w.path, &lo, &hi) < 0) return 0;
+    w.orbit = o, w.ray = ray, w.all = all, w.done = false, w.list = list;
+    w.told = (tally){.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
+    if (!(hi - lo > 0 && hi - lo < HUGE_VAL)) {
+        stretch(&w, SGT_UNPROVEN, -HUGE_VAL, HUGE_VAL); /* out of range */
+        return 0;
+    }
+    double scale = w.q.scale, tmin = ray->tmin / scale - w.q.t0, tmax = ray->tmax / scale - w.q.t0;
+    w.t_tol = opt->proof == SGT_ESTIMATE ? opt->t_tol / scale : 0;
+    w.least = 0x1p-48 * (larger(fabs(lo), fabs(hi)) + w.path.start_size / w.path.along_size);
+    double start = lo;
+    cut_to_ends(&w.q, tmin, tmax, &lo, &hi);
+    if (lo > hi || tmin > hi || tmax < lo) return 0;
+    if (opt->dt_min > 0 && opt->proof == SGT_ESTIMATE) march_fast(&w, lo, hi, opt->dt_min / scale);
+    else march(&w, start, lo, hi);
+    list->evals = w.told.evals;
+    return w.told.evals - w.told.before;
+}

@@ -1,0 +1,135 @@
+/* sag/lanes.h - a tile of rays met quickly: what the sweeps of the sags share.
+ *
+ * A sweep has two loops.  The first goes from the ray to its root near the vertex plane, the second from there to the
+ * point, the gradient, and whether it counts; between the two a ray is a `near_root`, in arrays that stay in the
+ * first cache.  One loop would do, but a root, three quotients and what is between them are a chain of more than a
+ * hundred cycles, as long as a processor can look ahead: in two loops it has several rays' chains at work
+ * (docs/accuracy.md, "Batches: speed"). */
+#ifndef SGT_SURFACE_SAG_LANES_H
+#define SGT_SURFACE_SAG_LANES_H
+
+#include "../../num/lanes.h"
+#include "../builtin.h"
+
+/* The ray at its root: t = t0 + small, the point (x, y, 0) + tau d.  tau_err bounds the error of tau; t_err is NaN where
+ * the quick form gives no answer. */
+typedef struct near_root { double x, y, tau, t, t_err, tau_err, t0, small; } near_root;
+
+/* The ray met; hit: certainly, and it counts. */
+typedef struct lane { double t, t_err, t_lo, px, py, pz, nx, ny, p_err; mask hit; } lane;
+
+/* (x, y, 0) where the ray meets the vertex plane, in t0 + t0_lo: each coordinate is rounded twice, by u of itself and of
+ * t0_lo l at most, and t0 + t0_lo is off by 9 u^2 |t0|.  Either moves a root by no more than 64 times as much, with S or
+ * the slope as steep as the sweeps ask: 1024 u^2 |t0| in p_err is above it, and nothing beside an ulp of t0. */
+SGT_INLINE void to_vertex_plane(double ox, double oy, double oz, double l, double m, double n, double *t0, double *t0_lo, double *x, double *y)
+{
+    double inverse = 1 / n;
+    *t0 = -oz * inverse;
+    *t0_lo = sgt_fma(-*t0, n, -oz) * inverse;
+    *x = sgt_fma(*t0_lo, l, sgt_fma(*t0, l, ox));
+    *y = sgt_fma(*t0_lo, m, sgt_fma(*t0, m, oy));
+}
+
+/* A root nearer to the origin of t is for the careful forms: what has underflown on the way is no longer small beside an
+ * ulp of t.  (t0_lo and tau lose less than 2^-970 that way, where |n| > 2^-100.)  A root at the origin itself
+ * is none of those where the ray starts in the vertex: there is nothing to underflow, and t = 0 is exact. */
+static const double LEAST_T = 0x1p-900;
+
+SGT_INLINE mask at_vertex(double x, double y, double oz) { return MASK((fabs(x) + fabs(y)) + fabs(oz) == 0); }
+
+/* Does the root count?  The rules of accept.h, where they are certain by far: the start is farther from the root than any
+ * rounding (64 near is more than what START_ULPS is a part of), tmax too, t is as sharp as it can be.  g is what takes (px, py) to
+ * the gradient (g px, g py, 1).  exact: the ray starts where it meets the surface, and nothing has been
+ * rounded; where an end is about as near as what underflows, that is left to others.  (Beside a
+ * t_err of LEAST_PLACE nothing that has underflown counts: t may be 0.) */
+SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol, double pz, double g,
+                        double near, double rim2, mask exact, mask also)
+{
+    double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), at = fabs(r->t),
+           r2 = px * px + py * py, none = (double)NAN;
+    mask hit = also & MASK(r->t_err <= larger(40 * SGT_U * at, t_tol))
+               & MASK(r->t - r->t_err - tmin > 0x1p-42 * (at + near)) & MASK(r2 <= rim2)
+               & MASK(sgt_fma(END_ERRORS, r->t_err, r->t) <= tmax)
+               & (MASK(at + r->t_err > LEAST_PLACE)
+                  | (exact & MASK(tmin < -LEAST_PLACE) & MASK(tmax > LEAST_PLACE)));
+    lane e = {.hit = hit, .t = chosen(hit, r->t, none), .t_err = chosen(hit, r->t_err, none),
+              .px = chosen(hit, px, none), .py = chosen(hit, py, none), .pz = chosen(hit, pz, none),
+              .nx = chosen(hit, px * g, none), .ny = chosen(hit, py * g, none)};
+    e.t_lo = chosen(hit, two_sum(r->t0, r->small).lo, none);
+    double length = fabs(l) + fabs(m) + fabs(n), place = (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))) + fabs(pz);
+    e.p_err = chosen(
+        hit, 1.01 * sgt_fma(length, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * place), none);
+    return e;
+}
+
+/* What the easy form says of a single ray; NOT: nothing. */
+typedef enum easy_answer { EASY_NOT, EASY_MISS, EASY_HIT } easy_answer;
+
+/* A hit along a direction that was scaled, made one in the ray's own t; EASY_NOT where it has left its range.
+ * */
+SGT_INLINE easy_answer easy_unscaled(lane *e, double scale)
+{
+    bool exact = e->t == 0; /* a lane has no other 0 */
+    e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
+    return e->t_err < HUGE_VAL && (exact || fabs(e->t) > LEAST_T) && fabs(e->t) < HUGE_VAL ? EASY_HIT
+                                                                                           : EASY_NOT;
+}
+
+/* A hit of a single ray, as a tile has it. */
+SGT_INLINE sgt_hit hit_of_lane(const lane *e, int evals, double f)
+{
+    sgt_interval about = sgt_about(e->t, e->t_err);
+    return (sgt_hit){.status = SGT_HIT, .evals = evals, .t = e->t, .t_err = e->t_err, .t_lo = e->t_lo, .lo = about.lo,
+                     .hi = about.hi, .f = f, .p = {e->px, e->py, e->pz}, .n = {e->nx, e->ny, 1}, .p_err = e->p_err};
+}
+
+/* Where a sweep's second loop writes, and what for: outputs that are not wanted go to a place in the first cache. */
+typedef struct sweep_ends {
+    _Alignas(64) double unwanted[SGT_TILE];
+    mask hit[SGT_TILE];
+} sweep_ends;
+
+typedef struct sweep_to { double *t, *t_err, *t_lo, *px, *py, *pz, *nx, *ny, *nz, *p_err; mask *hit; } sweep_to;
+
+SGT_INLINE sweep_to sweep_to_of(const sgt_tile *tile, sweep_ends *ends)
+{
+    const sgt_hits *h = &tile->hits;
+    double *no = ends->unwanted;
+    return (sweep_to){h->t ? h->t : no, h->t_err ? h->t_err : no, h->t_lo ? h->t_lo : no, h->p[0] ? h->p[0] : no, h->p[0] ? h->p[1] : no,
+                      h->p[0] ? h->p[2] : no, h->n[0] ? h->n[0] : no, h->n[0] ? h->n[1] : no, h->n[0] ? h->n[2] : no,
+                      h->p_err ? h->p_err : no, ends->hit};
+}
+
+/* rich: t_lo and p_err are wanted. */
+#define SWEEP_STORE(to, i, e, rich)                                                                                        \
+    do {                                                                                                                   \
+        (to).t[i] = (e).t, (to).t_err[i] = (e).t_err, (to).px[i] = (e).px, (to).py[i] = (e).py, (to).pz[i] = (e).pz;       \
+        (to).nx[i] = (e).nx, (to).ny[i] = (e).ny, (to).nz[i] = chosen((e).hit, 1, (double)NAN), (to).hit[i] = (e).hit;     \
+        if (rich) (to).t_lo[i] = (e).t_lo, (to).p_err[i] = (e).p_err;                                                      \
+    } while (0)
+
+/* As SWEEP_STORE does of rays that are not met. */
+SGT_INLINE void sweep_nothing(const sgt_tile *tile, sweep_ends *ends)
+{
+    sweep_to to = sweep_to_of(tile, ends);
+    double none = (double)NAN;
+    for (size_t i = 0; i < tile->n; i++)
+        to.t[i] = to.t_err[i] = to.t_lo[i] = to.px[i] = to.py[i] = to.pz[i] = to.nx[i] = to.ny[i] = to.nz[i] =
+            to.p_err[i] = none;
+}
+
+/* Status and evals of the hits; the rest is hard.  all: every ray is one.  Returns how many are hard. */
+SGT_INLINE size_t sweep_told(const sgt_tile *tile, const sweep_ends *ends, int evals, mask all)
+{
+    signed char *status = tile->hits.status;
+    size_t hard = 0;
+    if (all) memset(status, SGT_HIT, tile->n);
+    for (size_t i = 0; !all && i < tile->n; i++) {
+        status[i] = (signed char)((int)(ends->hit[i] & (SGT_HIT - SGT_HARD)) + SGT_HARD);
+        hard += ends->hit[i] == 0;
+    }
+    for (size_t i = 0; tile->hits.evals && i < tile->n; i++) tile->hits.evals[i] = evals;
+    return hard;
+}
+
+#endif

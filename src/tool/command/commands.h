@@ -1,0 +1,12 @@
+/* commands.h - the subcommands.  Each takes its own argv, whose [0] is its name for
+ * messages ("sagitta trace"), and returns the exit status. */
+#ifndef TOOL_COMMANDS_H
+#define TOOL_COMMANDS_H
+#include "../base/fail.h"
+
+exit_status command_intersect(int argc, char *argv[]);
+exit_status command_trace(int argc, char *argv[]);
+exit_status command_diagnose(int argc, char *argv[]);
+exit_status command_trade(int argc, char *argv[]);
+
+#endif

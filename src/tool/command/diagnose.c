@@ -1,0 +1,239 @@
+/* diagnose.c - sagitta diagnose: the solver watched, evaluation by evaluation.
+ *
+ * Either one surface and one ray, or a ray through a lens.  Through a lens the ray is
+ * taken from element to element by the library; a bare method only replaces the search on
+ * each element, so that all of them are seen with the same ray. */
+#include "commands.h"
+#include "explain.h"
+#include "../job/job.h"
+#include "../base/memory.h"
+#include "../base/number.h"
+#include "../read/surface.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char help[] =
+    "sagitta diagnose --surface SPEC --ray \"ox oy oz dx dy dz\" [--method M] [options]\n"
+    "sagitta diagnose LENS [--ray I] [--element J] [--method M] [options]\n"
+    "\n"
+    "Shows every evaluation of F on the way to a root: how its t was chosen (move), F, the\n"
+    "slope along the ray, and the bracket; and says what to conclude.\n"
+    "\n"
+    "  --surface SPEC     one surface, as in sagitta intersect\n"
+    "  --ray ...          with --surface: a ray as six numbers, or eight with tmin tmax;\n"
+    "                     with LENS: its number, from 0.  Default: the one that took most\n"
+    "                     evaluations\n"
+    "  --element J        this element only, counted from 1.  Default: all\n"
+    "  --method M         safeguarded (the default): what the library does; newton: bare,\n"
+    "                     halving t where F is NaN; newton-normalised: with the gradient\n"
+    "                     scaled to unit length, the classic mistake; bisection.  The bare\n"
+    "                     methods start where the ray meets the vertex plane (of what is no\n"
+    "                     sag: mid-span), and stop after --max-evals (100)\n"
+    "  --pick P           the root that the library looks for: first or near-seed\n"
+    "  --proof P          what it is to prove: estimate (the default), root or first, as in\n"
+    "                     sagitta intersect and sagitta trace\n";
+
+static const column head[] = {
+    {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"eval", COLUMN_COUNT}, {"move", COLUMN_WORD},
+    {"t", COLUMN_EXACT}, {"f", COLUMN_NUMBER}, {"slope", COLUMN_NUMBER},
+    {"lo", COLUMN_EXACT}, {"hi", COLUMN_EXACT},
+};
+enum { HEAD_COUNT = sizeof head / sizeof head[0], BARE_EVALS = 100 };
+
+typedef struct arguments {
+    shared_options shared;
+    job_options job;
+    const char *surface, *ray;
+    long element;         /* 0: all */
+    method method;
+} arguments;
+
+static method method_of(const char *name)
+{
+    static const char *const names[] = {"safeguarded", "newton", "newton-normalised", "bisection"};
+    for (int m = 0; m < 4; m++)
+        if (strcmp(name, names[m]) == 0) return (method)m;
+    fail_usage("--method wants safeguarded, newton, newton-normalised or bisection, not \"%s\"", name);
+}
+
+static arguments arguments_of(int argc, char *argv[])
+{
+    enum { SURFACE = OPTION_AFTER_JOB, RAY, ELEMENT, METHOD };
+    static const struct option known[] = {
+        {"surface", required_argument, NULL, SURFACE}, {"ray", required_argument, NULL, RAY},
+        {"element", required_argument, NULL, ELEMENT}, {"method", required_argument, NULL, METHOD},
+        JOB_OPTIONS, PROOF_OPTION, SHARED_OPTIONS, {0},
+    };
+    char all_help[6000];
+    snprintf(all_help, sizeof all_help, "%s%s", help, job_help);
+    arguments a = {.method = METHOD_SAFEGUARDED};
+    bool rays_of_lens = false;
+    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+        switch (code) {
+        case SURFACE: a.surface = optarg; break;
+        case RAY: a.ray = optarg; break;
+        case ELEMENT: a.element = options_integer("element", optarg, 1, INT_MAX); break;
+        case METHOD: a.method = method_of(optarg); break;
+        default:
+            if (job_take(&a.job, code)) rays_of_lens = true;
+            else options_take(&a.shared, code, all_help);
+        }
+    }
+    if (optind + 1 < argc) fail_usage("one lens at a time; what is \"%s\"?", argv[optind + 1]);
+    if (optind < argc) a.job.lens = argv[optind];
+    if (!a.surface == !a.job.lens) fail_usage(a.surface ? "--surface or a lens, not both" : "--surface or a lens is missing");
+    if (a.surface && !a.ray) fail_usage("--ray is missing");
+    if (a.surface && (rays_of_lens || a.element)) fail_usage("an option that goes with a lens, beside --surface");
+    return a;
+}
+
+/* --------------------------------------------------------------- one search */
+
+static void write_rows(table *t, size_t ray, size_t element, const record *r)
+{
+    for (size_t i = 0; i < r->count; i++) {
+        const sgt_step *s = &r->step[i];
+        table_count(t, (long long)ray);
+        table_count(t, (long long)element + 1);
+        table_count(t, s->eval);
+        table_word(t, sgt_move_text(s->move));
+        const double numbers[] = {s->t, s->f, s->slope, s->lo, s->hi};
+        for (int k = 0; k < 5; k++) table_number(t, numbers[k]);
+    }
+}
+
+/* Shows a search and what to conclude; is it decided? */
+static bool show(table *t, const arguments *a, size_t number, size_t element, const record *watched, const search *s)
+{
+    if (a->method == METHOD_SAFEGUARDED) {
+        write_rows(t, number, element, watched);
+        explain_safeguarded(t, watched, s);
+        return s->hit->status >= 0;
+    }
+    int most = a->shared.solver.max_evals ? a->shared.solver.max_evals : BARE_EVALS;
+    record bare = method_run(a->method, s->surface, s->semi_diameter, &s->ray, most);
+    write_rows(t, number, element, &bare);
+    explain_bare(t, a->method, &bare, s);
+    return bare.settled;
+}
+
+/* The options of the library's own search: --max-evals is for the method shown. */
+static sgt_options watching(const arguments *a, record *r)
+{
+    sgt_options o = a->shared.solver;
+    if (a->method != METHOD_SAFEGUARDED) o.max_evals = 0;
+    o.watch = method_watch;
+    o.watch_data = r;
+    return o;
+}
+
+static bool diagnose_surface(table *t, const arguments *a, sgt_surface surface, const sgt_ray *ray)
+{
+    record watched = {.count = 0};
+    sgt_options o = watching(a, &watched);
+    sgt_hit hit = sgt_intersect(surface, *ray, &o);
+    const search made = {.surface = surface, .ray = *ray, .asked = &a->shared.solver, .near_seed = options_near_seed(&a->shared, surface, SGT_FIRST),
+                         .fast = options_fast(&a->shared, surface), .hit = &hit};
+    bool decided = show(t, a, 0, 0, &watched, &made);
+    if (hit.status == SGT_MISS) explain_miss(t, 0, surface, ray);
+    return decided;
+}
+
+/* -------------------------------------------------------------------- a lens */
+
+/* Evaluations of a ray, at one element or all; reached: how many it saw. */
+static long evaluations(const arguments *a, const job *j, const launch *l, sgt_passage passage[], size_t *reached,
+                        sgt_fate *fate)
+{
+    sgt_options o = watching(a, NULL);
+    o.watch = NULL;
+    sgt_ray ray = l->ray;
+    size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &ray, passage, fate, &o);
+    *reached = passed + (*fate != SGT_PASSED);
+    long n = 0;
+    for (size_t i = 0; i < *reached; i++)
+        if (!a->element || (size_t)a->element == i + 1) n += passage[i].hit.evals;
+    return n;
+}
+
+/* *how: by what it was chosen, in words. */
+static const launch *chosen_ray(const arguments *a, const job *j, const char **how)
+{
+    sgt_passage *passage = memory_take(j->lens.count, sizeof *passage);
+    const launch *chosen = NULL;
+    long number = 0, most = -1;
+    size_t reached = 0, chosen_reached = 0, alike = 0;
+    sgt_fate fate, chosen_fate = SGT_PASSED;
+    if (a->ray && !number_read_integer(a->ray, 0, LONG_MAX, &number))
+        fail_usage("--ray: with a lens, the number of a ray, from 0; not \"%s\"", a->ray);
+    if ((size_t)a->element > j->lens.count) fail_usage("--element %ld: the lens has %zu", a->element, j->lens.count);
+    for (size_t i = 0; i < j->rays.count; i++) {
+        const launch *l = &j->rays.ray[i];
+        if (a->ray && l->number != (size_t)number) continue;
+        long n = evaluations(a, j, l, passage, &reached, &fate);
+        alike = n > most ? 1 : alike + (n == most);
+        if (n > most) chosen = l, most = n, chosen_reached = reached, chosen_fate = fate;
+    }
+    if (!j->rays.count) fail_input("there are no rays");
+    if (!chosen) fail_usage("--ray %s: there is no such ray; there %s %zu, counted from 0", a->ray, j->rays.count == 1 ? "is" : "are", j->rays.count);
+    *how = a->ray || j->rays.count == 1 ? "" : alike == 1 ? ", the one that took most evaluations"
+         : alike == j->rays.count ? ", the first; each took as many evaluations" : ", the first of those that took most evaluations";
+    if ((size_t)a->element > chosen_reached)
+        fail_usage("--element %ld: ray %zu does not come that far; it is %s at element %zu", a->element, chosen->number,
+                   sgt_fate_text(chosen_fate), chosen_reached);
+    return chosen;
+}
+
+static bool diagnose_lens(table *t, const arguments *a, const job *j, const launch *l, const char *how)
+{
+    sgt_ray ray = l->ray;
+    double index = j->lens.object_index;
+    bool decided = true;
+    table_line(t, "%s: ray %zu%s.", *j->lens.name ? j->lens.name : j->lens.source.source, l->number,
+               how);
+    for (size_t i = 0; i < j->lens.count; i++) {
+        const sgt_element *e = &j->element[i];
+        record watched = {.count = 0};
+        sgt_options o = watching(a, &watched);
+        search made = {.surface = e->surface, .semi_diameter = e->semi_diameter, .ray = job_own_ray(&e->pose, &ray), .asked = &a->shared.solver,
+                       .near_seed = options_near_seed(&a->shared, e->surface, SGT_NEAR_SEED), .fast = options_fast(&a->shared, e->surface)};
+        sgt_passage passage;
+        sgt_fate fate;
+        sgt_trace(1, e, index, &ray, &passage, &fate, &o);
+        if (!a->element || (size_t)a->element == i + 1) {
+            table_line(t, "\nElement %zu (%s): %s", i + 1, j->lens.surface[i].type, sgt_fate_text(fate));
+            made.hit = &passage.hit;
+            decided = show(t, a, l->number, i, &watched, &made) && decided;
+        }
+        if (fate != SGT_PASSED) return decided && fate >= 0;
+        index = j->lens.surface[i].index;
+    }
+    return decided;
+}
+
+exit_status command_diagnose(int argc, char *argv[])
+{
+    arguments a = arguments_of(argc, argv);
+    bool decided;
+    table *t;
+    if (a.surface) {
+        ray_list rays = {.count = 0};
+        rays_parse(&rays, a.ray);
+        sgt_surface surface = surface_parse("--surface", a.surface);
+        options_note_unread(&a.shared, 1, &(sgt_element){.surface = surface});
+        t = table_begin(&a.shared.target, HEAD_COUNT, head);
+        decided = diagnose_surface(t, &a, surface, &rays.ray[0].ray);
+    } else {
+        job j = job_read(&a.job);
+        options_note_unread(&a.shared, j.lens.count, j.element);
+        const char *how = "";
+        const launch *l = chosen_ray(&a, &j, &how);
+        t = table_begin(&a.shared.target, HEAD_COUNT, head);
+        decided = diagnose_lens(t, &a, &j, l, how);
+    }
+    table_end(t);
+    return decided ? EXIT_DECIDED : EXIT_UNDECIDED;
+}

@@ -1,0 +1,224 @@
+/* explain.c - one line of verdict, and the numbers it rests on. */
+#include "explain.h"
+
+#include "../show/frame.h"
+#include "../base/number.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { ROOT_SIZE = 4 * NUMBER_SIZE };
+
+/* What a person at the command can do; the library's own words are for who calls it. */
+static const char *advice(sgt_verdict v, method m, const record *r)
+{
+    bool own = m == METHOD_SAFEGUARDED, normalised = m == METHOD_NORMALISED;
+    if (own && r->count == method_march_steps(r)) return "marching: along the ray, and nowhere near enough to a root to solve for it";
+    if (!own && method_only_retreated(r)) return "backing off: halving t leads from one undefined point to the next";
+    switch (v) {
+    case SGT_LINEAR:
+        return normalised ? "linear: a constant factor a step, for the gradient was scaled to unit length"
+             : own ? "linear: a constant factor a step; the ray grazes: two roots lie together, or nearly"
+                   : "linear: a constant factor a step, as where two roots lie together, or are seen from far away";
+    case SGT_BISECTING:
+        return own ? "bisecting: the bracket did the work, where Newton's steps would have left it; the answer holds all the same"
+                   : "bisecting: half the bracket a step, as the method is";
+    case SGT_OSCILLATING:
+        return normalised ? "oscillating: to and fro without closing in, as a gradient scaled to unit length does"
+             : own ? "oscillating: to and fro without closing in; the rows show where"
+                   : "oscillating: to and fro without closing in; --method safeguarded keeps a bracket that ends it";
+    case SGT_WANDERING:
+        return own ? "wandering: no pattern, or too few steps to tell; the rows show the way it took"
+                   : "wandering: no pattern, or too few steps to tell; compare the rows with --method safeguarded";
+    case SGT_QUADRATIC: case SGT_ROUNDING: break;
+    }
+    return sgt_verdict_text(v);
+}
+
+/* "7 evaluations: 5 Newton, 1 backing off; order 2, rate 0.139." */
+static void verdict(table *t, method m, const record *r)
+{
+    sgt_diagnosis d = method_diagnose(r);
+    const struct { int n; const char *what; } kinds[] = {
+        {d.newton, "Newton"}, {d.bisect, "bisecting"}, {d.march, "marching"}, {d.retreat, "backing off"},
+    };
+    char text[200];
+    int length = snprintf(text, sizeof text, "%zu evaluation%s", r->count, r->count == 1 ? "" : "s");
+    const char *between = ": ";
+    for (int i = 0; i < 4; i++) {
+        if (kinds[i].n == 0) continue;
+        length += snprintf(text + length, sizeof text - (size_t)length, "%s%d %s", between, kinds[i].n, kinds[i].what);
+        between = ", ";
+    }
+    if (isfinite(d.order))
+        snprintf(text + length, sizeof text - (size_t)length, "; order %.3g, rate %.3g", d.order, d.rate);
+    table_line(t, "%s", advice(d.verdict, m, r));
+    table_line(t, "%s.", text);
+}
+
+/* "hit at t = 4.1, at most 3.6e-15 off" */
+static void print_root(char text[ROOT_SIZE], const sgt_hit *hit)
+{
+    char t[NUMBER_SIZE], off[NUMBER_SIZE] = "exactly";
+    number_print(t, hit->t, false);
+    if (hit->t_err > 0) snprintf(off, sizeof off, "at most %.2g off", hit->t_err);
+    snprintf(text, ROOT_SIZE, "%s at t = %s, %s", sgt_status_text(hit->status), t, off);
+}
+
+const char explain_fast[] = "Marched in steps of --dt-min and more: thin parts may have been passed by.  Without it none are.";
+
+const char *explain_proof(const sgt_options *asked, bool near_seed, bool several)
+{
+    if (asked->proof == SGT_PROVE_ROOT) return several ? "proven to be single roots" : "proven to be a single root";
+    return !near_seed ? "proven to be the first" : several ? "proven to be the only roots" : "proven to be the only root";
+}
+
+static void answer(table *t, const search *s, double condition)
+{
+    const sgt_hit *hit = s->hit;
+    if (hit->status == SGT_MISS) table_line(t, "miss: the ray certainly does not meet the surface.");
+    if (hit->status < 0) undecided_explain(t, "", s);
+    if (hit->status <= 0) return;
+    char root[ROOT_SIZE];
+    print_root(root, hit);
+    bool proven = s->asked->proof && hit->status == SGT_HIT;
+    table_line(t, "%s%s%s.", root, proven ? ", " : "", proven ? explain_proof(s->asked, s->near_seed, false) : "");
+    if (isfinite(condition))
+        table_line(t, "Condition %.3g: an error of 1 in F would move t by as much%s.", condition,
+                   condition > 100 ? "; the ray grazes" : "");
+}
+
+/* What a row shows, where it is not F at a t on the way to a root.  A level set, and any surface of the catalogue, is
+ * searched by cells; on an asphere with terms the library works with a polynomial that has the roots of F. */
+static void explain_rows(table *t, const record *r, const search *s)
+{
+    sgt_surface surface = s->surface;
+    bool by_cells = surface.ops->enclose && surface.ops != &sgt_conic_ops && surface.ops != &sgt_asphere_ops;
+    if (by_cells && !s->fast && method_march_steps(r))
+        table_line(t, "A march row is a cell about t, free of roots or to be made smaller; lo ... hi is what is left of the ray.");
+    const sgt_asphere *asphere = surface.self;
+    if (surface.ops != &sgt_asphere_ops || r->count < 2) return;
+    double terms = 0;
+    for (int i = 0; i < 8; i++) terms += fabs(asphere->a[i]);
+    if (terms == 0) return;
+    table_line(t, "%s of the polynomial form", s->hit->status > 0 ? "f and slope in the rows before the last are" : "f and slope in the rows are");
+    table_line(t, "G = (z - P) - (c r^2 + (1+k) c (z-P)^2)/2, which has the same roots%s.",
+               s->hit->status > 0 ? "; the last row is F itself" : "");
+}
+
+void explain_safeguarded(table *t, const record *r, const search *s)
+{
+    if (r->count > 0) verdict(t, METHOD_SAFEGUARDED, r);
+    else table_line(t, "Answered without an evaluation.");
+    answer(t, s, r->count > 0 ? method_diagnose(r).condition : (double)NAN);
+    if (s->fast && s->hit->status != SGT_MISS) table_line(t, "%s", explain_fast);
+    explain_rows(t, r, s);
+}
+
+/* Near a root the normalised step multiplies the error by 1 - |grad F|. */
+static void explain_normalised(table *t, const record *r, const search *s)
+{
+    if (s->hit->status <= 0) return;
+    sgt_vec3 grad;
+    s->surface.ops->value(s->surface.self, vector_along(s->ray.o, s->ray.d, s->hit->t), &grad);
+    double length = vector_length(grad), factor = 1 - length;
+    if (fabs(factor) < 1e-12) { /* a distance */
+        table_line(t, "The gradient was scaled to unit length, which it has at the root: near it nothing is changed.");
+        return;
+    }
+    table_line(t, "The gradient was scaled to unit length and F was not: each step is too long by |grad F|,");
+    table_line(t, "which is %.6g at the root.  Near it the error is multiplied by 1 - %.6g = %.6g a step:", length, length, factor);
+    if (fabs(factor) >= 1) table_line(t, "it goes to and fro and can never settle.  Use the gradient as it is.");
+    else if (fabs(factor) > 0.9) table_line(t, "it goes to and fro and hardly closes in.  Use the gradient as it is.");
+    else if (r->settled) table_line(t, "it settled, one constant factor at a time.  With the gradient as it is, digits double.");
+    else table_line(t, "close to the root it would settle, but it does not come close.  Use the gradient as it is.");
+}
+
+/* How near a line comes to the z axis. */
+static double nearest_to_axis(const sgt_ray *ray)
+{
+    double across = hypot(ray->d.x, ray->d.y);
+    return across == 0 ? hypot(ray->o.x, ray->o.y) : fabs(ray->o.x * ray->d.y - ray->o.y * ray->d.x) / across;
+}
+
+/* All of a level set lies in a ball, and the span is the ray's chord of it; of a torus or an ellipsoid that of something
+ * that holds it as well. */
+static void explain_miss_of_set(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
+{
+    if (!surface.ops->span) return;
+    const char *what = surface.ops->estimate ? "the ball that holds the set" : "the surface";
+    sgt_span span = surface.ops->span(surface.self, ray);
+    if (span.lo > span.hi) table_line(t, "Ray %zu: it passes %s by.", number, what);
+    else if (span.hi < ray->tmin || span.lo > ray->tmax) table_line(t, "Ray %zu: it comes to %s outside tmin ... tmax only.", number, what);
+}
+
+void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
+{
+    if (!undecided_has_rim(surface)) {
+        explain_miss_of_set(t, number, surface, ray);
+        return;
+    }
+    const double margin = 1 + 0x1p-30; /* said only where it is clear */
+    const bare_surface b = undecided_without_rim(surface);
+    sgt_ray line = {.o = ray->o, .d = ray->d, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
+    sgt_hit whole = sgt_intersect(surface, line, NULL);
+    char at[NUMBER_SIZE];
+    if (whole.status > 0) {
+        number_print_short(at, whole.t, 6);
+        table_line(t, "Ray %zu: there is a root at t = %s, and tmin ... tmax, or its own start, leaves it out.", number, at);
+        return;
+    }
+    if (whole.status < 0) return;
+    sgt_hit beyond = sgt_intersect(b.surface, line, NULL);
+    if (beyond.status > 0) {
+        number_print_short(at, hypot(beyond.p.x, beyond.p.y), 6);
+        table_line(t, "Ray %zu: it meets the surface outside semi_diameter only, first at r = %s.", number, at);
+        return;
+    }
+    if (beyond.status < 0) return;
+    double domain = b.k > -1 && b.c != 0 ? 1 / (fabs(b.c) * sqrt(1 + b.k)) : HUGE_VAL;
+    if (nearest_to_axis(ray) > domain * margin) {
+        number_print_short(at, domain, 6);
+        table_line(t, "Ray %zu: it never comes within r = %s of the axis, where the surface is.", number, at);
+    } else if (b.c == 0 && !b.terms && ray->d.z == 0) {
+        table_line(t, "Ray %zu: it is parallel to the surface.", number);
+    } else if (b.c != 0 && !b.terms) {
+        sgt_vec3 o = ray->o, d = ray->d; /* A t^2 - 2 B t + C = 0 of the whole quadric */
+        double A = b.c * (d.x * d.x + d.y * d.y + (1 + b.k) * d.z * d.z);
+        double B = d.z - b.c * (o.x * d.x + o.y * d.y + (1 + b.k) * o.z * d.z);
+        double C = b.c * (o.x * o.x + o.y * o.y + (1 + b.k) * o.z * o.z) - 2 * o.z;
+        if (B * B > A * C + (B * B + fabs(A * C)) * 0x1p-20)
+            table_line(t, "Ray %zu: it meets the quadric on its other sheet only (of a sphere, the far half).", number);
+        else if (B * B < A * C - (B * B + fabs(A * C)) * 0x1p-20)
+            table_line(t, "Ray %zu: it passes the whole quadric by.", number);
+    } else if (b.terms && ray->d.z != 0) {
+        sgt_vec3 plane = vector_along(ray->o, ray->d, -ray->o.z / ray->d.z);
+        plane.z = 0;
+        if (isnan(surface.ops->value(surface.self, plane, NULL)))
+            table_line(t, "Ray %zu: where it comes to the vertex plane there is no surface.", number);
+    }
+}
+
+void explain_bare(table *t, method m, const record *r, const search *s)
+{
+    const sgt_hit *hit = s->hit;
+    if (r->count > 0) verdict(t, m, r);
+    char end[NUMBER_SIZE], root[ROOT_SIZE];
+    number_print(end, r->t, false);
+    print_root(root, hit);
+    if (!r->settled) table_line(t, "Not settled after %zu evaluation%s: %s.", r->count,
+                               r->count == 1 ? "" : "s", r->stopped);
+    else table_line(t, "Settled at t = %s.", end);
+    if (hit->status == SGT_MISS) {
+        table_line(t, "The library's answer: miss: the ray certainly does not meet the surface.");
+    } else if (hit->status < 0) {
+        undecided_explain(t, "The library's answer: ", s);
+    } else {
+        /* a bare method rounds o + t d: some ulps beside the library's bound are no disagreement */
+        double apart = fabs(r->t - hit->t), close = hit->t_err + 0x1p-40 * fabs(hit->t);
+        const char *how = !r->settled ? "" : apart <= close ? ": the same" : ": another root, or none";
+        table_line(t, "The library's answer: %s%s.", root, how);
+    }
+    if (m == METHOD_NORMALISED) explain_normalised(t, r, s);
+    if (m == METHOD_BISECTION && r->settled) table_line(t, "Each evaluation halves the bracket: one bit of t for each.");
+}

@@ -1,0 +1,297 @@
+/* intersect.c - sagitta intersect: one surface, many rays. */
+#include "commands.h"
+#include "explain.h"
+#include "../base/memory.h"
+#include "../job/options.h"
+#include "../read/rays.h"
+#include "../read/surface.h"
+#include "../base/tiles.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char help[] =
+    "sagitta intersect --surface SPEC [--rays FILE] [--ray \"ox oy oz dx dy dz\"] [options]\n"
+    "\n"
+    "Where do rays meet a surface?  One row a ray: its number, the number of the root, the\n"
+    "status, t (in lengths of the direction) and a bound on its error, the point, the\n"
+    "gradient of F there (not normalised), and the evaluations spent.  root is -1 where\n"
+    "there is none.  With --all: one row a root, counted from 0 along the ray.\n"
+    "\n"
+    "  --surface SPEC     YAML: '{type: conic, radius: -2.2136, conic: -0.6, semi_diameter: 2}'\n"
+    "                     or '{type: julia, c: [-0.2, 0.8, 0, 0], iterations: 8}';\n"
+    "                     docs/lens_file.md has every type and its keys\n"
+    "  --rays FILE        csv with a header: ox,oy,oz,dx,dy,dz and optionally tmin,tmax,id;\n"
+    "                     - for standard input.  ray counts the data rows from 0\n"
+    "  --ray \"...\"        a ray as six numbers, or eight with tmin tmax; may be repeated\n"
+    "  --skip-bad         leave bad rows out, and say how many\n"
+    "  --all              every root, and every stretch of the ray that could not be decided:\n"
+    "                     its t and t_err are its middle and half its length\n"
+    "  --pick P           first (the default): the smallest t that counts; near-seed, of\n"
+    "                     a sag: the one the crossing of the vertex plane leads to\n"
+    "  --proof P          what a hit is to prove.  estimate (the default): a root lies within\n"
+    "                     t_err of t; root: one, and only one; first: and it is the first that\n"
+    "                     counts (with near-seed: the only one on the ray).  What is not proven\n"
+    "                     is unproven; csv and json then have the columns lo and hi, the stretch\n"
+    "                     of the ray that is left\n";
+
+static const column head[] = {
+    {"ray", COLUMN_COUNT}, {"root", COLUMN_COUNT}, {"status", COLUMN_WORD},
+    {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR},
+    {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER}, {"z", COLUMN_NUMBER},
+    {"nx", COLUMN_NUMBER}, {"ny", COLUMN_NUMBER}, {"nz", COLUMN_NUMBER},
+    {"evals", COLUMN_COUNT},
+};
+static const column id = {"id", COLUMN_WORD}, left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
+enum { HEAD_COUNT = sizeof head / sizeof head[0] };
+
+typedef struct arguments {
+    shared_options shared;
+    const char *surface;
+    ray_list rays;
+    bool all;
+} arguments;
+
+static arguments arguments_of(int argc, char *argv[])
+{
+    enum { SURFACE = OPTION_OWN, RAYS, RAY, SKIP_BAD, ALL };
+    static const struct option known[] = {
+        {"surface", required_argument, NULL, SURFACE}, {"rays", required_argument, NULL, RAYS},
+        {"ray", required_argument, NULL, RAY}, {"skip-bad", no_argument, NULL, SKIP_BAD},
+        {"all", no_argument, NULL, ALL},
+        PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
+    };
+    arguments a = {.surface = NULL};
+    const char *file = NULL;
+    bool skip_bad = false;
+    char all_help[6000];
+    snprintf(all_help, sizeof all_help, "%s%s", help, options_threads_help);
+    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+        switch (code) {
+        case SURFACE: a.surface = optarg; break;
+        case RAYS: file = optarg; break;
+        case RAY: rays_parse(&a.rays, optarg); break;
+        case SKIP_BAD: skip_bad = true; break;
+        case ALL: a.all = true; break;
+        default: options_take(&a.shared, code, all_help);
+        }
+    }
+    if (optind < argc) fail_usage("what is \"%s\"?  The surface goes with --surface, rays with --rays", argv[optind]);
+    if (!a.surface) fail_usage("--surface is missing");
+    if (a.all && a.shared.solver.pick) fail_usage("--pick or --all, not both");
+    if (!file == !a.rays.count) fail_usage("%s", file ? "--rays or --ray, not both" : "--rays or --ray is missing");
+    a.rays.threads = options_threads(&a.shared);
+    if (file) rays_read(&a.rays, file, skip_bad);
+    return a;
+}
+
+/* ------------------------------------------------------------------ tiles */
+
+enum { STATUS_COUNT = SGT_GRAZE - SGT_INVALID + 1 };
+
+/* What is said of them all when they are done: how many there are of each status, the first that missed, and
+ * the first that are undecided. */
+typedef struct findings {
+    size_t count[STATUS_COUNT];
+    const launch *missed, *undecided[UNDECIDED_SHOWN];
+    int shown;
+} findings;
+
+/* What a tile needs for itself: its rays and their answers as arrays, and what becomes of
+ * them: rows of the table, and what is found. */
+typedef struct room {
+    double ray[8][TILE_RAYS];                  /* o, d, tmin, tmax */
+    double number[8][TILE_RAYS];               /* t, t_err, p, n */
+    signed char status[TILE_RAYS];
+    int evals[TILE_RAYS];
+    sgt_hit *hit;                              /* of --all: of one ray */
+    int capacity;
+    table *rows;
+    findings found;
+} room;
+
+typedef struct work {
+    const arguments *asked;
+    sgt_surface surface;
+    room *room;
+    table *table;
+    bool stretches;                            /* lo and hi have columns */
+    findings found;
+} work;
+
+/* A miss, and a ray that is none, have no root; an undecided stretch is numbered as one. */
+static void write_row(const work *w, room *r, const launch *l, int root, const sgt_hit *h)
+{
+    table *t = r->rows;
+    bool none = h->status == SGT_MISS || h->status == SGT_INVALID;
+    bool met = h->status > 0;
+    const double no = (double)NAN;
+    const double numbers[] = {met ? h->p.x : no, met ? h->p.y : no, met ? h->p.z : no,
+                              met ? h->n.x : no, met ? h->n.y : no, met ? h->n.z : no};
+    table_count(t, (long long)l->number);
+    table_count(t, none ? -1 : root);
+    table_word(t, sgt_status_text(h->status));
+    table_number_within(t, h->t, h->t_err);
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) table_number(t, numbers[i]);
+    table_count(t, h->evals);
+    if (w->asked->rays.named) table_word(t, l->id);
+    if (w->stretches) {
+        table_number(t, h->status < 0 ? h->lo : no);
+        table_number(t, h->status < 0 ? h->hi : no);
+    }
+    findings *f = &r->found;
+    f->count[h->status - SGT_INVALID]++;
+    if (h->status == SGT_MISS && !f->missed) f->missed = l;
+    if (h->status < 0 && f->shown < UNDECIDED_SHOWN) f->undecided[f->shown++] = l;
+}
+
+static void find_one_each(const work *w, room *r, const tile *t)
+{
+    const launch *l = &w->asked->rays.ray[t->first];
+    for (size_t i = 0; i < t->count; i++) {
+        const sgt_ray *ray = &l[i].ray;
+        const double numbers[] = {ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z, ray->tmin, ray->tmax};
+        for (int k = 0; k < 8; k++) r->ray[k][i] = numbers[k];
+    }
+    const sgt_rays rays = {.o = {r->ray[0], r->ray[1], r->ray[2]}, .d = {r->ray[3], r->ray[4], r->ray[5]},
+                           .tmin = r->ray[6], .tmax = r->ray[7]};
+    double(*n)[TILE_RAYS] = r->number;
+    const sgt_hits hits = {.status = r->status, .evals = r->evals, .t = n[0], .t_err = n[1],
+                           .p = {n[2], n[3], n[4]}, .n = {n[5], n[6], n[7]}};
+    sgt_intersect_batch(w->surface, t->count, rays, hits, &w->asked->shared.solver);
+    for (size_t i = 0; i < t->count; i++) {
+        sgt_hit h = {.status = (sgt_status)r->status[i], .evals = r->evals[i], .t = n[0][i], .t_err = n[1][i],
+                     .p = {n[2][i], n[3][i], n[4][i]}, .n = {n[5][i], n[6][i], n[7][i]}};
+        if (w->stretches && h.status < 0) h = sgt_intersect(w->surface, l[i].ray, &w->asked->shared.solver); /* a batch does not tell lo and hi */
+        write_row(w, r, &l[i], 0, &h);
+    }
+}
+
+/* The room for the roots of one ray grows to what the richest ray needs. */
+static void find_all(const work *w, room *r, const tile *t)
+{
+    const sgt_options *opt = &w->asked->shared.solver;
+    for (size_t i = t->first; i < t->first + t->count; i++) {
+        const launch *l = &w->asked->rays.ray[i];
+        int count;
+        while ((count = sgt_intersect_all(w->surface, l->ray, r->capacity, r->hit, opt)) > r->capacity) {
+            r->capacity = count;
+            r->hit = memory_grow(r->hit, (size_t)count, sizeof *r->hit);
+        }
+        if (i > 0) table_gap(r->rows);
+        for (int root = 0; root < count; root++) write_row(w, r, l, root, &r->hit[root]);
+        if (count > 0) continue;
+        sgt_hit none = sgt_intersect(w->surface, l->ray, opt); /* the search for one says what that took */
+        write_row(w, r, l, 0, &none);
+    }
+}
+
+static void find(void *data, const tile *t)
+{
+    const work *w = data;
+    (w->asked->all ? find_all : find_one_each)(w, &w->room[t->place], t);
+}
+
+static void take(void *data, const tile *t)
+{
+    work *w = data;
+    room *r = &w->room[t->place];
+    table_join(w->table, r->rows);
+    findings *all = &w->found, *f = &r->found;
+    for (int s = 0; s < STATUS_COUNT; s++) all->count[s] += f->count[s];
+    if (!all->missed) all->missed = f->missed;
+    for (int i = 0; i < f->shown && all->shown < UNDECIDED_SHOWN; i++) all->undecided[all->shown++] = f->undecided[i];
+    *f = (findings){.missed = NULL};
+}
+
+/* ---------------------------------------------------------------- verdict */
+
+/* "3 hits proven to be the first", "1 miss proven"; without a proof asked for "3 hit", "1 miss". */
+static int print_count(char *text, size_t size, const work *w, sgt_status status, size_t n)
+{
+    const sgt_options *asked = &w->asked->shared.solver;
+    if (asked->proof && status == SGT_HIT) {
+        bool near_seed = options_near_seed(&w->asked->shared, w->surface, SGT_FIRST);
+        const char *proven = w->asked->all ? n > 1 ? "proven to be single roots" : "proven to be a single root" : explain_proof(asked, near_seed, n > 1);
+        return snprintf(text, size, "%zu hit%s %s", n, n > 1 ? "s" : "", proven);
+    }
+    if (asked->proof && status == SGT_GRAZE) return snprintf(text, size, "%zu graze%s (touches, as far as can be told)", n, n > 1 ? "s" : "");
+    if (asked->proof && status == SGT_MISS) return snprintf(text, size, "%zu miss%s proven", n, n > 1 ? "es" : "");
+    return snprintf(text, size, "%zu %s", n, sgt_status_text(status));
+}
+
+/* "5 rays: 3 hit, 2 miss.  Every answer is certain." */
+static void write_verdict(const work *w, size_t undecided)
+{
+    table *t = w->table;
+    const arguments *a = w->asked;
+    char text[400] = "", rows[60] = "";
+    size_t length = 0, all = 0, rays = a->rays.count;
+    for (int s = SGT_GRAZE; s >= SGT_INVALID; s--) {
+        size_t n = w->found.count[s - SGT_INVALID];
+        if (n == 0) continue;
+        all += n;
+        length += (size_t)snprintf(text + length, sizeof text - length, "%s ", length ? "," : "");
+        length += (size_t)print_count(text + length, sizeof text - length, w, (sgt_status)s, n);
+    }
+    if (a->all) snprintf(rows, sizeof rows, ", %zu row%s", all, all == 1 ? "" : "s");
+    bool fast = options_fast(&a->shared, w->surface);
+    table_line(t, "%zu ray%s%s:%s.%s", rays, rays == 1 ? "" : "s", rows, rays ? text : " nothing to decide",
+               undecided || fast || a->shared.solver.proof ? "" : "  Every answer is certain.");
+    if (undecided && a->all) {
+        table_line(t, "Of an undecided row t +- t_err is the stretch that may hold roots, or none; sagitta diagnose,");
+        table_line(t, "with its ends as tmin and tmax, says why.");
+    } else if (w->found.shown == UNDECIDED_SHOWN && undecided > UNDECIDED_SHOWN) {
+        table_line(t, "%zu more undecided: sagitta diagnose says why.", undecided - UNDECIDED_SHOWN);
+    }
+    if (fast) table_line(t, "%s", explain_fast);
+}
+
+static void write_undecided(const work *w)
+{
+    const arguments *a = w->asked;
+    search s = {.surface = w->surface, .asked = &a->shared.solver, .near_seed = options_near_seed(&a->shared, w->surface, SGT_FIRST),
+                .fast = options_fast(&a->shared, w->surface)};
+    for (int i = 0; i < w->found.shown && !a->all; i++) {
+        char who[40];
+        s.ray = w->found.undecided[i]->ray;
+        sgt_hit hit = sgt_intersect(s.surface, s.ray, s.asked);
+        s.hit = &hit;
+        snprintf(who, sizeof who, "Ray %zu: ", w->found.undecided[i]->number);
+        undecided_explain(w->table, who, &s);
+    }
+}
+
+/* Every column but those of things that were not asked for. */
+static size_t columns_of(const work *w, column to[HEAD_COUNT + 3])
+{
+    size_t n = HEAD_COUNT;
+    memcpy(to, head, sizeof head);
+    if (w->asked->rays.named) to[n++] = id;
+    if (w->stretches) to[n++] = left[0], to[n++] = left[1];
+    return n;
+}
+
+exit_status command_intersect(int argc, char *argv[])
+{
+    arguments a = arguments_of(argc, argv);
+    const bool text = a.shared.target.format == TABLE_TEXT;
+    work w = {.asked = &a, .surface = surface_parse("--surface", a.surface), .stretches = a.shared.solver.proof && !text};
+    column columns[HEAD_COUNT + 3];
+    options_note_unread(&a.shared, 1, &(sgt_element){.surface = w.surface});
+    w.table = table_begin(&a.shared.target, columns_of(&w, columns), columns);
+    const tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};
+    size_t places = tiles_places(&in), undecided = 0;
+    w.room = memory_take(places, sizeof *w.room);
+    for (size_t i = 0; i < places; i++) w.room[i].rows = table_part(w.table);
+    tiles_run(&in, &w, find, take);
+    for (int s = SGT_INVALID; s < 0; s++) undecided += w.found.count[s - SGT_INVALID];
+    if (text) {
+        if (w.found.missed) explain_miss(w.table, w.found.missed->number, w.surface, &w.found.missed->ray);
+        write_undecided(&w);
+        write_verdict(&w, undecided);
+    }
+    table_end(w.table);
+    return undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
+}

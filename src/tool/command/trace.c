@@ -1,0 +1,366 @@
+/* trace.c - sagitta trace: rays through a lens. */
+#include "commands.h"
+#include "../show/frame.h"
+#include "../base/input.h"
+#include "../job/job.h"
+#include "../base/memory.h"
+#include "../draw/picture.h"
+#include "../show/profile.h"
+#include "../draw/scene.h"
+#include "../base/tiles.h"
+#include "../show/undecided.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char help[] =
+    "sagitta trace LENS [options]\n"
+    "\n"
+    "Traces rays through a lens file.  One row for each ray and each element it reached: the\n"
+    "ray (from 0, field after field), the element (from 1), its fate there (passed, missed,\n"
+    "clipped, tir, lost), the solver's status, the point and the direction behind the\n"
+    "surface, t from the element before and a bound on its error, the optical path length\n"
+    "from the launch, and the evaluations spent.  Object at infinity: the rays of a field\n"
+    "start on a common wavefront.\n"
+    "\n"
+    "A lens file is YAML; docs/lens_file.md has every key, examples/lenses complete files.\n"
+    "  file:     name, units, wavelengths: [um], object: {distance, index},\n"
+    "            pupil: {semi_diameter, distance}, fields: [degrees], surfaces: [...]\n"
+    "  surface:  type, radius or curvature, conic, coefficients, semi_diameter,\n"
+    "            thickness (to the next), index (behind it), mirror, stop,\n"
+    "            decenter and tilt: [x, y, z]; or origin and tilt in all of them\n"
+    "\n";
+static const char more_help[] =
+    "  --frame F          local (the default): points and directions in each surface's own\n"
+    "                     frame; global: in that of the first vertex\n"
+    "  --svg FILE         draws the y-z section with the rays\n"
+    "  --pick P           near-seed (the default): the root near the surface's vertex; first\n"
+    "  --proof P          what a root is to prove.  estimate (the default): one lies within t_err\n"
+    "                     of t; root: one, and only one; first: and it is the only one within the\n"
+    "                     clear aperture (with --pick first, and on a level set: the first).  Where\n"
+    "                     that is not proven the ray is lost (unproven); csv and json then have the\n"
+    "                     columns lo and hi, the stretch of the ray, in its t, that is left\n";
+
+static const column head[] = {
+    {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"fate", COLUMN_WORD}, {"status", COLUMN_WORD},
+    {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER}, {"z", COLUMN_NUMBER},
+    {"l", COLUMN_NUMBER}, {"m", COLUMN_NUMBER}, {"n", COLUMN_NUMBER},
+    {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR}, {"opl", COLUMN_NUMBER}, {"evals", COLUMN_COUNT},
+};
+static const column id = {"id", COLUMN_WORD}, left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
+enum { HEAD_COUNT = sizeof head / sizeof head[0] };
+
+typedef struct arguments {
+    shared_options shared;
+    job_options job;
+    bool global;
+    const char *svg;
+} arguments;
+
+static arguments arguments_of(int argc, char *argv[])
+{
+    enum { FRAME = OPTION_AFTER_JOB, SVG, RAY };
+    static const struct option known[] = {
+        {"frame", required_argument, NULL, FRAME}, {"svg", required_argument, NULL, SVG},
+        {"ray", required_argument, NULL, RAY},
+        JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
+    };
+    char all_help[6000];
+    snprintf(all_help, sizeof all_help, "%s%s%s%s", help, job_help, more_help, options_threads_help);
+    arguments a = {.svg = NULL};
+    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+        if (code == SVG) {
+            a.svg = optarg;
+        } else if (code == FRAME) {
+            a.global = strcmp(optarg, "global") == 0;
+            if (!a.global && strcmp(optarg, "local") != 0) fail_usage("--frame wants local or global, not \"%s\"", optarg);
+        } else if (code == RAY) { /* else getopt takes it for a short --rays */
+            fail_usage("--ray: rays through a lens come from a file, --rays FILE, or from standard input, --rays -");
+        } else if (!job_take(&a.job, code)) {
+            options_take(&a.shared, code, all_help);
+        }
+    }
+    if (optind == argc) fail_usage("which lens?");
+    if (optind + 1 < argc) fail_usage("one lens at a time; what is \"%s\"?", argv[optind + 1]);
+    a.job.lens = argv[optind];
+    if (a.svg) picture_check();
+    return a;
+}
+
+/* ------------------------------------------------------------------ tiles */
+
+/* What each element did to rays that ended there. */
+typedef struct losses {
+    size_t clipped, tir, missed, lost[SGT_HIT - SGT_INVALID + 1]; /* lost: by status */
+} losses;
+
+static void count_loss(losses *l, sgt_fate fate, sgt_status status)
+{
+    if (fate == SGT_CLIPPED) l->clipped++;
+    else if (fate == SGT_TIR) l->tir++;
+    else if (fate == SGT_MISSED) l->missed++;
+    else l->lost[(status < 0 ? (int)status : 0) - SGT_INVALID]++;
+}
+
+enum { RECORDS_MOST = 1 << 16 }; /* rays times elements of a tile */
+
+/* One element as the rays of a tile met it. */
+typedef struct records {
+    signed char *status;
+    int *evals;
+    double *number[9];             /* p, direction, t, t_err, opl */
+} records;
+
+/* What a tile needs for itself: its rays, what became of them, and rows of the table. */
+typedef struct room {
+    double ray[6][TILE_RAYS];      /* o, d; after the trace as it left them */
+    signed char fate[TILE_RAYS];
+    int passed[TILE_RAYS];
+    records *record;               /* [elements] */
+    sgt_passages *passages;        /* [elements]: where record is, for the library */
+    sgt_passage *alone;            /* [elements]: of one ray by itself, where stretches are told */
+    table *rows;
+} room;
+
+typedef struct work {
+    const arguments *asked;
+    const job *job;
+    room *room;
+    table *table;
+    scene *picture;                /* NULL: none */
+    bool stretches;                /* lo and hi have columns */
+    size_t passed, proven, undecided; /* of all rays; proven: no element was grazed */
+    const launch *lost[UNDECIDED_SHOWN];
+    int shown;
+    losses *loss;                  /* [elements] */
+    sgt_vec3 *point;               /* [elements + 1] */
+} work;
+
+static room room_for(const work *w, size_t rays)
+{
+    size_t count = w->job->lens.count;
+    room r = {.record = memory_take(count, sizeof *r.record), .passages = memory_take(count, sizeof *r.passages), .rows = table_part(w->table)};
+    if (w->stretches) r.alone = memory_take(count, sizeof *r.alone);
+    signed char *status = memory_take(count, rays * sizeof *status);
+    int *evals = memory_take(count, rays * sizeof *evals);
+    double *number = memory_take(count, 9 * rays * sizeof *number);
+    for (size_t i = 0; i < count; i++) {
+        records *record = &r.record[i];
+        double **n = record->number;
+        record->status = status + i * rays, record->evals = evals + i * rays;
+        for (size_t k = 0; k < 9; k++) n[k] = number + (9 * i + k) * rays;
+        r.passages[i] = (sgt_passages){
+            .hits = {.status = record->status, .evals = record->evals, .p = {n[0], n[1], n[2]}, .t = n[6], .t_err = n[7]},
+            .direction = {n[3], n[4], n[5]}, .opl = n[8]};
+    }
+    return r;
+}
+
+static sgt_vec3 vector_at(double *const n[3], size_t i) { return (sgt_vec3){n[0][i], n[1][i], n[2][i]}; }
+
+static void write_vector(table *t, sgt_vec3 v)
+{
+    table_number(t, v.x);
+    table_number(t, v.y);
+    table_number(t, v.z);
+}
+
+/* A ray by itself, of which more is told than in a batch: how it was met at the element where it ended. */
+static const sgt_hit *ended(const work *w, const launch *l, sgt_passage alone[], size_t element)
+{
+    sgt_ray ray = l->ray;
+    sgt_trace(element + 1, w->job->element, w->job->lens.object_index, &ray, alone, NULL, &w->asked->shared.solver);
+    return &alone[element].hit;
+}
+
+static void write_row(const work *w, room *own, const launch *l, size_t element, sgt_fate fate, records *r, size_t i)
+{
+    /* what is not: the point of a miss, the direction of a ray that went no farther */
+    const sgt_vec3 nowhere = {(double)NAN, (double)NAN, (double)NAN};
+    sgt_vec3 point = r->status[i] > 0 ? vector_at(r->number, i) : nowhere;
+    sgt_vec3 direction = fate == SGT_PASSED ? vector_at(r->number + 3, i) : nowhere;
+    const sgt_pose *pose = w->asked->global ? &w->job->element[element].pose : NULL;
+    table *t = own->rows;
+    table_count(t, (long long)l->number);
+    table_count(t, (long long)element + 1);
+    table_word(t, sgt_fate_text(fate));
+    table_word(t, sgt_status_text((sgt_status)r->status[i]));
+    write_vector(t, pose ? frame_point_out(pose, point) : point);
+    write_vector(t, pose ? frame_direction_out(pose, direction) : direction);
+    table_number_within(t, r->number[6][i], r->number[7][i]);
+    table_number(t, r->number[8][i]);
+    table_count(t, r->evals[i]);
+    if (w->job->rays.named) table_word(t, l->id);
+    if (!w->stretches) return;
+    const sgt_hit *hit = r->status[i] < 0 ? ended(w, l, own->alone, element) : NULL;
+    table_number(t, hit ? hit->lo : (double)NAN);
+    table_number(t, hit ? hit->hi : (double)NAN);
+}
+
+static void send(void *data, const tile *t)
+{
+    const work *w = data;
+    const job *j = w->job;
+    const launch *l = &j->rays.ray[t->first];
+    room *r = &w->room[t->place];
+    for (size_t i = 0; i < t->count; i++) {
+        const sgt_ray *ray = &l[i].ray;
+        const double numbers[] = {ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z};
+        for (int k = 0; k < 6; k++) r->ray[k][i] = numbers[k];
+    }
+    const sgt_rays rays = {.o = {r->ray[0], r->ray[1], r->ray[2]}, .d = {r->ray[3], r->ray[4], r->ray[5]}};
+    const sgt_traced out = {.fate = r->fate, .passed = r->passed, .o = {r->ray[0], r->ray[1], r->ray[2]},
+                            .d = {r->ray[3], r->ray[4], r->ray[5]}};
+    sgt_trace_batch(j->lens.count, j->element, j->lens.object_index, t->count, rays, out, r->passages,
+                    &w->asked->shared.solver);
+    for (size_t i = 0; i < t->count; i++) {
+        size_t passed = (size_t)r->passed[i];
+        if (t->first + i > 0) table_gap(r->rows);
+        for (size_t k = 0; k < passed; k++) write_row(w, r, &l[i], k, SGT_PASSED, &r->record[k], i);
+        if (r->fate[i] != SGT_PASSED) write_row(w, r, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
+    }
+}
+
+static void draw(work *w, const room *r, const launch *l, size_t i)
+{
+    sgt_fate fate = (sgt_fate)r->fate[i];
+    size_t met = (size_t)r->passed[i] + (fate == SGT_CLIPPED || fate == SGT_TIR);
+    w->point[0] = l->ray.o;
+    for (size_t k = 0; k < met; k++) w->point[k + 1] = frame_point_out(&w->job->element[k].pose, vector_at(r->record[k].number, i));
+    scene_add(w->picture, l->field, met + 1, w->point, fate, (sgt_vec3){r->ray[3][i], r->ray[4][i], r->ray[5][i]});
+}
+
+/* Did it cross every element for certain?  A graze is a touch as far as can be told. */
+static bool crossed_all(const work *w, const room *r, size_t i)
+{
+    for (size_t k = 0; k < w->job->lens.count; k++)
+        if (r->record[k].status[i] != SGT_HIT) return false;
+    return true;
+}
+
+static void take(void *data, const tile *t)
+{
+    work *w = data;
+    room *r = &w->room[t->place];
+    table_join(w->table, r->rows);
+    for (size_t i = 0; i < t->count; i++) {
+        int passed = r->passed[i];
+        const launch *l = &w->job->rays.ray[t->first + i];
+        if (r->fate[i] == SGT_PASSED) w->passed++, w->proven += crossed_all(w, r, i);
+        else count_loss(&w->loss[passed], (sgt_fate)r->fate[i], (sgt_status)r->record[passed].status[i]);
+        if (r->fate[i] < 0) w->undecided++;
+        if (r->fate[i] < 0 && r->record[passed].status[i] < 0 && w->shown < UNDECIDED_SHOWN) w->lost[w->shown++] = l;
+        if (w->picture) draw(w, r, l, i);
+    }
+}
+
+/* ---------------------------------------------------------------- verdict */
+
+static void append(char text[400], size_t n, const char *what, const char *reason)
+{
+    size_t length = strlen(text);
+    if (n) snprintf(text + length, 400 - length, "%s %zu %s%s", length ? "," : "", n, what, reason);
+}
+
+/* What is proven of the rays that passed. */
+static void write_proof(const work *w)
+{
+    const arguments *a = w->asked;
+    bool others = false, sets = false;
+    if (!a->shared.solver.proof) return;
+    for (size_t i = 0; i < w->job->lens.count; i++) {
+        bool set = w->job->element[i].surface.ops->estimate;
+        sets = sets || set, others = others || !set;
+    }
+    const char *what = a->shared.solver.proof == SGT_PROVE_ROOT ? "" : a->shared.solver.pick == SGT_FIRST || !others ? ", and none before it"
+                     : sets ? ", and no other within the clear aperture (on a level set: none before it)" : ", and no other within the clear aperture";
+    table_line(w->table, "Proven for %zu of them: at each element one root, and only one, lies within t_err of t%s.", w->proven, what);
+}
+
+static void write_losses(table *t, const job *j, const losses loss[])
+{
+    for (size_t i = 0; i < j->lens.count; i++) {
+        char text[400] = "";
+        append(text, loss[i].missed, "missed it", "");
+        append(text, loss[i].clipped, "clipped at its rim", "");
+        append(text, loss[i].tir, "totally reflected", "");
+        for (int s = 0; s >= SGT_INVALID; s--) {
+            char reason[40];
+            snprintf(reason, sizeof reason, " (%s)", s ? sgt_status_text((sgt_status)s) : "where to?");
+            append(text, loss[i].lost[s - SGT_INVALID], "lost", reason);
+        }
+        if (*text) table_line(t, "element %zu (%s):%s", i + 1, j->lens.surface[i].type, text);
+    }
+}
+
+/* The first rays that were lost: where, and why. */
+static void write_lost(const work *w)
+{
+    const job *j = w->job;
+    sgt_passage *alone = memory_take(j->lens.count, sizeof *alone);
+    for (int i = 0; i < w->shown; i++) {
+        const shared_options *asked = &w->asked->shared;
+        sgt_ray ray = w->lost[i]->ray;
+        size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &ray, alone, NULL, &asked->solver);
+        if (passed == j->lens.count) continue; /* never: a batch tells what a ray alone does */
+        const sgt_element *e = &j->element[passed];
+        const search s = {.surface = e->surface, .semi_diameter = e->semi_diameter, .ray = job_own_ray(&e->pose, &ray), .asked = &asked->solver,
+                          .near_seed = options_near_seed(asked, e->surface, SGT_NEAR_SEED), .fast = options_fast(asked, e->surface),
+                          .hit = &alone[passed].hit};
+        char who[80];
+        snprintf(who, sizeof who, "Ray %zu at element %zu: ", w->lost[i]->number, passed + 1);
+        undecided_explain(w->table, who, &s);
+    }
+    if (w->undecided > (size_t)w->shown) table_line(w->table, "%zu more lost: sagitta diagnose says why.", w->undecided - (size_t)w->shown);
+}
+
+static size_t columns_of(const work *w, column to[HEAD_COUNT + 3])
+{
+    size_t n = HEAD_COUNT;
+    memcpy(to, head, sizeof head);
+    if (w->job->rays.named) to[n++] = id;
+    if (w->stretches) to[n++] = left[0], to[n++] = left[1];
+    return n;
+}
+
+/* ------------------------------------------------------------------ trace */
+
+exit_status command_trace(int argc, char *argv[])
+{
+    arguments a = arguments_of(argc, argv);
+    int threads = a.job.threads = options_threads(&a.shared);
+    job j = job_read(&a.job);
+    options_note_unread(&a.shared, j.lens.count, j.element);
+    const size_t count = j.lens.count;
+    const bool text = a.shared.target.format == TABLE_TEXT;
+    /* the room of a tile is some 60 KB for each element: 16 MB a thread; of many elements the tiles have fewer rays */
+    const tiling in = {.rays = j.rays.count, .threads = count > RECORDS_MOST ? 1 : threads, .share = count < 4 ? SHARE_MOST : count < 128 ? 128 / count : 1,
+                       .most = count > RECORDS_MOST ? 1 : count > RECORDS_MOST / TILE_RAYS ? RECORDS_MOST / count : TILE_RAYS};
+    const size_t places = tiles_places(&in);
+    if (a.svg) {
+        if (a.shared.target.path) output_check("output", a.shared.target.path); /* before a picture is begun */
+        output_reserve("svg", a.svg);
+        for (size_t i = 0; i < count; i++)
+            if (j.element[i].surface.ops->estimate) note("--svg: element %zu (%s) is a level set, and is not drawn", i + 1, j.lens.surface[i].type);
+    }
+    scene picture = scene_begin(&j);
+    work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room), .picture = a.svg ? &picture : NULL,
+              .stretches = a.shared.solver.proof && !text, .loss = memory_take(count, sizeof *w.loss), .point = memory_take(count + 1, sizeof *w.point)};
+    column columns[HEAD_COUNT + 3];
+    w.table = table_begin(&a.shared.target, columns_of(&w, columns), columns);
+    for (size_t i = 0; i < places; i++) w.room[i] = room_for(&w, in.most);
+    tiles_run(&in, &w, send, take);
+    if (text) {
+        table_line(w.table, "%zu of %zu ray%s passed all %zu elements.", w.passed, j.rays.count, j.rays.count == 1 ? "" : "s", count);
+        write_proof(&w);
+        write_losses(w.table, &j, w.loss);
+        write_lost(&w);
+    }
+    table_end(w.table);
+    if (a.svg) {
+        scene_finish(&picture);
+        picture_write(a.svg, &picture);
+    }
+    return w.undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
+}

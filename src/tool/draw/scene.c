@@ -1,0 +1,185 @@
+/* scene.c - outlines of the elements and paths of the rays, cut to what a page shows. */
+#include "scene.h"
+
+#include "../show/frame.h"
+#include "../base/memory.h"
+#include "../show/profile.h"
+
+#include <math.h>
+
+static const double LEAD = 0.08;       /* of the lens's extent: rays drawn before the first surface */
+static const double NEAR_OBJECT = 1.5; /* of the lens's length: an object that near is shown */
+static const double BEYOND_LENS = 3;   /* of the lens's extent: so far a ray that met nothing is followed */
+static const double BEYOND_RAYS = 1.1; /* a surface without a clear aperture is drawn so much wider than the rays */
+
+static spot spot_of(sgt_vec3 p) { return (spot){p.z, p.y}; }
+
+scene scene_begin(const job *j)
+{
+    return (scene){.job = j, .reach = memory_take(j->lens.count, sizeof(double)),
+                   .outline = memory_take(j->lens.count, sizeof(outline))};
+}
+
+void scene_add(scene *s, size_t field, size_t points, const sgt_vec3 point[], sgt_fate fate, sgt_vec3 direction)
+{
+    bool astray = fate == SGT_MISSED || fate == SGT_LOST;
+    path p = {.field = field, .count = points, .fate = fate, .at = memory_take(points + 1, sizeof *p.at)};
+    for (size_t i = 0; i < points; i++) {
+        p.at[i] = spot_of(point[i]);
+        if (i == 0) continue;
+        sgt_vec3 own = frame_point_in(&s->job->element[i - 1].pose, point[i]);
+        s->reach[i - 1] = fmax(s->reach[i - 1], hypot(own.x, own.y));
+    }
+    if (astray) p.at[p.count++] = spot_of(direction); /* made a point when the extent is known */
+    s->path = memory_room(s->path, s->paths, &s->capacity, sizeof *s->path);
+    s->path[s->paths++] = p;
+}
+
+/* --------------------------------------------------------------- outlines */
+
+/* The widest half height up to `wanted` at which the surface is there on both sides. */
+static double half_height(const sgt_element *e, double wanted)
+{
+    double low = 0, high = wanted;
+    if (!isnan(profile_sag(e, 0, high) + profile_sag(e, 0, -high))) return high;
+    for (int i = 0; i < 40; i++) {
+        double middle = (low + high) / 2;
+        if (isnan(profile_sag(e, 0, middle) + profile_sag(e, 0, -middle))) high = middle;
+        else low = middle;
+    }
+    return low;
+}
+
+/* A level set is not drawn: its section would be as fine as the net. */
+static void add_section(outline *o, const sgt_element *e, double reach)
+{
+    sgt_vec3(*own)[2] = NULL;
+    o->strokes = e->surface.ops->estimate ? 0 : profile_section(e, reach, &own);
+    o->stroke = memory_take(o->strokes, sizeof *o->stroke);
+    for (size_t i = 0; i < o->strokes; i++)
+        for (int k = 0; k < 2; k++) o->stroke[i][k] = spot_of(frame_point_out(&e->pose, own[i][k]));
+    for (int k = 0; k < OUTLINE_POINTS; k++) o->at[k] = spot_of(frame_point_out(&e->pose, (sgt_vec3){0, 0, 0}));
+}
+
+static outline outline_of(const scene *s, size_t i, double back)
+{
+    const lens *l = &s->job->lens;
+    const sgt_element *e = &l->element[i];
+    double before = i ? l->surface[i - 1].index : l->object_index;
+    bool mirror = l->surface[i].mirror;
+    outline o = {
+        .up = spot_of(frame_direction_out(&e->pose, (sgt_vec3){0, 1, 0})),
+        .ahead = spot_of(frame_direction_out(&e->pose, (sgt_vec3){0, 0, 1})),
+        .mirror = mirror, .stop = l->stop_marked && l->stop == i, .back = back,
+        .dummy = !mirror && l->surface[i].index == before && i + 1 < l->count,
+    };
+    double wanted = e->semi_diameter > 0 ? e->semi_diameter : BEYOND_RAYS * s->reach[i];
+    if (wanted == 0 && !isnan(l->pupil_semi_diameter)) wanted = l->pupil_semi_diameter;
+    if (!profile_is_sag(e->surface)) {
+        add_section(&o, e, wanted);
+        return o;
+    }
+    o.half = half_height(e, wanted);
+    for (int k = 0; k < OUTLINE_POINTS; k++) {
+        double y = o.half * (2 * k - (OUTLINE_POINTS - 1)) / (OUTLINE_POINTS - 1);
+        double sag = profile_sag(e, 0, y);
+        if (isnan(sag)) o.half = 0; /* a hole in the middle: not a shape that a line can show */
+        o.at[k] = spot_of(frame_point_out(&e->pose, (sgt_vec3){0, y, isnan(sag) ? 0 : sag}));
+    }
+    return o;
+}
+
+bool scene_glass_behind(const scene *s, size_t i)
+{
+    const lens *l = &s->job->lens;
+    return i + 1 < l->count && l->surface[i].index != 1 && s->outline[i].half > 0 && s->outline[i + 1].half > 0;
+}
+
+spot scene_corner(const outline *o, int side, double half)
+{
+    spot rim = o->at[side ? OUTLINE_POINTS - 1 : 0];
+    double more = (side ? 1 : -1) * (half - o->half);
+    return (spot){rim.z + more * o->up.z, rim.y + more * o->up.y};
+}
+
+/* ----------------------------------------------------------------- extent */
+
+static void include(scene *s, spot p)
+{
+    if (!isfinite(p.z) || !isfinite(p.y)) return;
+    s->low = (spot){fmin(s->low.z, p.z), fmin(s->low.y, p.y)};
+    s->high = (spot){fmax(s->high.z, p.z), fmax(s->high.y, p.y)};
+}
+
+/* The edge of the glass behind element i is as wide as the wider of its faces. */
+static void include_edges(scene *s, size_t i)
+{
+    const outline *a = &s->outline[i], *b = a + 1;
+    for (int side = 0; side < 2; side++) {
+        include(s, scene_corner(a, side, fmax(a->half, b->half)));
+        include(s, scene_corner(b, side, fmax(a->half, b->half)));
+    }
+}
+
+/* How far from `a` toward `b` (0 ... 1) one coordinate comes inside [low, high]. */
+static double enters(double a, double b, double low, double high)
+{
+    if (a < low && b > a) return (low - a) / (b - a);
+    if (a > high && b < a) return (a - high) / (a - b);
+    return 0;
+}
+
+/* From a, if it lies outside the lens and its lead, along the line to b until it does not. */
+static spot brought_in(const scene *s, spot a, spot b, spot low, spot high)
+{
+    double u = fmax(enters(a.z, b.z, low.z - s->lead, high.z + s->lead), enters(a.y, b.y, low.y - s->lead, high.y + s->lead));
+    u = fmin(1, u);
+    return (spot){a.z + u * (b.z - a.z), a.y + u * (b.y - a.y)};
+}
+
+/* Where a ray begins in the picture: a beam from afar at a line before the lens, common to
+ * all; a ray of a file at its own start, or where it enters what the picture shows. */
+static void cut_start(const scene *s, path *p, spot low, spot high)
+{
+    const lens *l = &s->job->lens;
+    double left = low.z - s->lead;
+    bool beam = s->job->fields > 0;
+    if (p->count < 2 || (beam && l->object_distance <= NEAR_OBJECT * (high.z - low.z))) return;
+    spot a = p->at[0], b = p->at[1];
+    if (beam && b.z > a.z && b.z > left) {
+        double u = (a.z - left) / (b.z - a.z);
+        a = (spot){left, a.y - u * (b.y - a.y)};
+    }
+    p->at[0] = brought_in(s, a, b, low, high);
+}
+
+void scene_finish(scene *s)
+{
+    const lens *l = &s->job->lens;
+    double back = 1; /* light that goes toward +z leaves a mirror's +z side dark */
+    s->low = (spot){HUGE_VAL, HUGE_VAL}, s->high = (spot){-HUGE_VAL, -HUGE_VAL};
+    for (size_t i = 0; i < l->count; i++) {
+        s->outline[i] = outline_of(s, i, back);
+        for (int k = 0; k < OUTLINE_POINTS; k++) include(s, s->outline[i].at[k]);
+        for (size_t k = 0; k < s->outline[i].strokes; k++) include(s, s->outline[i].stroke[k][0]), include(s, s->outline[i].stroke[k][1]);
+        if (l->surface[i].mirror) back = -back;
+    }
+    for (size_t i = 0; i < l->count; i++)
+        if (scene_glass_behind(s, i)) include_edges(s, i);
+    double size = fmax(s->high.z - s->low.z, s->high.y - s->low.y);
+    s->lead = LEAD * (size > 0 ? size : 1);
+    spot low = s->low, high = s->high;
+    for (size_t i = 0; i < s->paths; i++) {
+        path *p = &s->path[i];
+        if (p->fate == SGT_MISSED || p->fate == SGT_LOST) {
+            spot from = p->at[p->count - 2], d = p->at[p->count - 1];
+            double far = s->lead, first = (l->surface[0].z - from.z) / d.z;
+            if (p->count == 2 && first > 0 && first < BEYOND_LENS * size) far += first; /* it met nothing at all */
+            p->at[p->count - 1] = (spot){from.z + far * d.z, from.y + far * d.y};
+        }
+        cut_start(s, p, low, high);
+        if (p->fate == SGT_CLIPPED)
+            p->at[p->count - 1] = brought_in(s, p->at[p->count - 1], p->at[p->count - 2], low, high);
+        for (size_t k = 0; k < p->count; k++) include(s, p->at[k]);
+    }
+}

@@ -1,0 +1,50 @@
+/* job.h - a lens and the rays to send through it, as the arguments ask for them. */
+#ifndef TOOL_JOB_H
+#define TOOL_JOB_H
+#include "../read/lens.h"
+#include "options.h"
+#include "../read/rays.h"
+
+typedef struct job_options {
+    const char *lens, *rays;          /* files */
+    double *field;                    /* --field, one after another */
+    size_t fields, capacity;
+    long fan, grid, wavelength;       /* 0: not given */
+    bool skip_bad, no_apertures;
+    int threads;                      /* that read rays; 0: one */
+} job_options;
+
+enum {
+    JOB_FIELD = OPTION_OWN, JOB_FAN, JOB_GRID, JOB_RAYS, JOB_SKIP_BAD, JOB_WAVELENGTH, JOB_NO_APERTURES,
+    OPTION_AFTER_JOB
+};
+
+#define JOB_OPTIONS                                             \
+    {"field", required_argument, NULL, JOB_FIELD},              \
+    {"fan", required_argument, NULL, JOB_FAN},                  \
+    {"grid", required_argument, NULL, JOB_GRID},                \
+    {"rays", required_argument, NULL, JOB_RAYS},                \
+    {"skip-bad", no_argument, NULL, JOB_SKIP_BAD},              \
+    {"wavelength", required_argument, NULL, JOB_WAVELENGTH},    \
+    {"no-apertures", no_argument, NULL, JOB_NO_APERTURES}
+
+extern const char job_help[];
+
+/* Takes one of the codes above; false: it is another. */
+bool job_take(job_options *o, int code);
+
+typedef struct job {
+    lens lens;
+    sgt_element *element;     /* the lens's, without apertures where none are wanted */
+    ray_list rays;
+    size_t fields;            /* 0: the rays came from a file */
+    const double *field;
+} job;
+
+/* The whole line of a ray as an element sees it: in its own frame. */
+sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray);
+
+/* Reads what the options name.  Whatever is wrong ends the command. */
+job job_read(const job_options *o);
+
+#endif

@@ -1,0 +1,129 @@
+/* options.c - the options that several subcommands share. */
+#include "options.h"
+
+#include "../base/number.h"
+#include "../base/tiles.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char options_help[] =
+    "  --t-tol X          stop when t is known to X (lengths of the direction); 0: to rounding\n"
+    "  --dt-min X         level sets (julia, mandelbrot): go on in steps of X (lengths of the\n"
+    "                     direction) and more: faster, but no proof, and thin parts may be\n"
+    "                     passed by\n"
+    "  --max-evals N      give a root up after N evaluations (2000)\n"
+    "  --format F         text (for people, the default), csv or json\n"
+    "  --hex              numbers in hexadecimal\n"
+    "  --output FILE      write there and not to standard output\n"
+    "  --help, --version\n"
+    "\n"
+    "Exit status: 0 all rays decided (a miss is a decision), 1 some ray undecided, 2 usage,\n"
+    "3 bad input, or an output that cannot be written.\n";
+
+enum { THREADS_MOST = 1024 };
+
+const char options_threads_help[] =
+    "  --threads N        work in N threads; the output is the same for any number.  Default: one\n"
+    "                     for each processor, or as OMP_NUM_THREADS says\n";
+
+double options_number(const char *option, const char *text)
+{
+    double x;
+    if (!number_read(text, &x) || !isfinite(x)) fail_usage("--%s wants a finite number, and \"%s\" is none", option, text);
+    return x;
+}
+
+long options_integer(const char *option, const char *text, long lowest, long highest)
+{
+    long n;
+    if (!number_read_integer(text, lowest, highest, &n))
+        fail_usage("--%s wants a whole number from %ld to %ld, not \"%s\"", option, lowest, highest, text);
+    return n;
+}
+
+static double length_of(const char *option)
+{
+    double x = options_number(option, optarg);
+    if (x < 0) fail_usage("--%s must not be negative", option);
+    return x;
+}
+
+static table_format format_of(const char *text)
+{
+    if (strcmp(text, "text") == 0) return TABLE_TEXT;
+    if (strcmp(text, "csv") == 0) return TABLE_CSV;
+    if (strcmp(text, "json") == 0) return TABLE_JSON;
+    fail_usage("--format wants text, csv or json, not \"%s\"", text);
+}
+
+static sgt_pick pick_of(const char *text)
+{
+    if (strcmp(text, "first") == 0) return SGT_FIRST;
+    if (strcmp(text, "near-seed") == 0) return SGT_NEAR_SEED;
+    fail_usage("--pick wants first or near-seed, not \"%s\"", text);
+}
+
+static sgt_proof proof_of(const char *text)
+{
+    if (strcmp(text, "estimate") == 0) return SGT_ESTIMATE;
+    if (strcmp(text, "root") == 0) return SGT_PROVE_ROOT;
+    if (strcmp(text, "first") == 0) return SGT_PROVE_FIRST;
+    fail_usage("--proof wants estimate, root or first, not \"%s\"", text);
+}
+
+void options_note_unread(const shared_options *o, size_t count, const sgt_element element[])
+{
+    bool set = false, other = false;
+    for (size_t i = 0; i < count; i++) {
+        set = set || element[i].surface.ops->estimate;
+        other = other || !element[i].surface.ops->estimate;
+    }
+    if (o->solver.dt_min > 0 && set && o->solver.proof) fail_usage("--proof or --dt-min, not both: steps of --dt-min prove nothing");
+    if (o->solver.dt_min > 0 && !set) note("--dt-min: not used; it is for level sets (julia, mandelbrot)");
+    if (o->solver.pick == SGT_NEAR_SEED && !other) note("--pick near-seed: not used; of a level set the first root counts");
+}
+
+bool options_near_seed(const shared_options *o, sgt_surface s, sgt_pick by_default)
+{
+    return (o->solver.pick ? o->solver.pick : by_default) == SGT_NEAR_SEED && !s.ops->estimate;
+}
+
+int options_threads(const shared_options *o)
+{
+    int most = tiles_threads();
+    if (o->threads == 0) return most;
+#ifndef _OPENMP
+    if (o->threads > 1) note("--threads %d: this command is built without OpenMP, and works in one thread", o->threads);
+    return 1;
+#else
+    return o->threads;
+#endif
+}
+
+void options_version(void)
+{
+    print_and_end("sagitta %s\n", SAGITTA_VERSION);
+}
+
+void options_take(shared_options *o, int code, const char *help)
+{
+    switch (code) {
+    case OPTION_FORMAT: o->target.format = format_of(optarg); return;
+    case OPTION_OUTPUT: o->target.path = optarg; return;
+    case OPTION_HEX: o->target.hexadecimal = true; return;
+    case OPTION_PICK: o->solver.pick = pick_of(optarg); return;
+    case OPTION_PROOF: o->solver.proof = proof_of(optarg); return;
+    case OPTION_MAX_EVALS: o->solver.max_evals = (int)options_integer("max-evals", optarg, 1, INT_MAX); return;
+    case OPTION_T_TOL: o->solver.t_tol = length_of("t-tol"); return;
+    case OPTION_THREADS: o->threads = (int)options_integer("threads", optarg, 1, THREADS_MOST); return;
+    case OPTION_DT_MIN: o->solver.dt_min = length_of("dt-min"); return;
+    case OPTION_VERSION: options_version();
+    case 'h':
+    case OPTION_HELP: print_and_end("%s%s", help, options_help);
+    default: fail_hint();
+    }
+}

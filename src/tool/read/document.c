@@ -1,0 +1,319 @@
+/* document.c - from libyaml's events to our tree, and the values in it.
+ *
+ * The tree is made while the events come, so that nesting is refused where it becomes too
+ * deep: libyaml's own time grows with the square of the depth.  An alias (*name) is a node
+ * met twice, so that a file of aliases to aliases stays small however large it would be
+ * written out.  Time and memory grow with the length of the text and no faster. */
+#include "document.h"
+
+#include "../base/memory.h"
+#include "../base/number.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <yaml.h>
+
+void document_fail(const document *d, const node *at, const char *key, const char *format, ...)
+{
+    char text[1400];
+    va_list values;
+    va_start(values, format);
+    vsnprintf(text, sizeof text, format, values);
+    va_end(values);
+    fail_input("%s:%zu: %s%s%s", d->source, at->line, key ? key : "", key ? ": " : "", text);
+}
+
+enum { FAULT_SIZE = 300 };
+
+/* A zero byte, that YAML can write as "\0", is not to end a word early. */
+static const char *text_of(const char *value, size_t length)
+{
+    char *text = memory_text(value, length);
+    for (size_t i = 0; i < length; i++)
+        if (text[i] == 0) text[i] = '?';
+    return text;
+}
+
+/* The line of a byte of the text, counts from 1; a \r alone ends one too. */
+static size_t line_of(const char *text, size_t at)
+{
+    size_t line = 1;
+    for (size_t i = 0; i < at; i++) line += text[i] == '\n' || (text[i] == '\r' && text[i + 1] != '\n');
+    return line;
+}
+
+/* Where a mark of libyaml stands; libyaml takes the end of the text for a line of its own. */
+static size_t line_at(yaml_mark_t mark, size_t last) { return mark.line + 1 < last ? mark.line + 1 : last; }
+
+/* ------------------------------------------------------------------- names */
+
+/* Names and their nodes: a hash table, at most half full, each name in the first free place from its own on. */
+typedef struct named_node { const char *text; node *of; } named_node;
+typedef struct names { named_node *place; size_t count, capacity; } names;
+
+static named_node *place_of(const names *all, const char *text)
+{
+    size_t hash = 14695981039346656037u & SIZE_MAX; /* FNV-1a: Fowler, Noll, Vo */
+    for (const char *c = text; *c; c++) hash = (hash ^ (unsigned char)*c) * (1099511628211u & SIZE_MAX);
+    named_node *place;
+    do place = &all->place[hash++ & (all->capacity - 1)];
+    while (place->text && strcmp(place->text, text) != 0);
+    return place;
+}
+
+static node *named(const names *all, const char *text) { return all->count ? place_of(all, text)->of : NULL; }
+
+/* false: it is there already. */
+static bool add_name(names *all, const char *text, node *of)
+{
+    if (2 * all->count >= all->capacity) {
+        names more = {.capacity = all->capacity ? 2 * all->capacity : 64, .count = all->count};
+        more.place = memory_take(more.capacity, sizeof *more.place);
+        for (size_t i = 0; i < all->capacity; i++)
+            if (all->place[i].text) *place_of(&more, all->place[i].text) = all->place[i];
+        *all = more;
+    }
+    named_node *place = place_of(all, text);
+    if (place->text) return false;
+    *place = (named_node){text, of};
+    all->count++;
+    return true;
+}
+
+/* ---------------------------------------------------------------- the tree */
+
+enum { DEPTH_MOST = 64, NODES_AT_ONCE = 64 };
+
+/* A list or map that is not yet closed, and the room of its arrays. */
+typedef struct opened { node *of; size_t keys, room, key_room; } opened;
+
+typedef struct builder {
+    size_t last;                    /* line of the text */
+    node *root, *fresh;             /* fresh: nodes that nobody has yet */
+    size_t left;                    /* of them */
+    opened open[DEPTH_MOST];
+    size_t depth;
+    names anchors;
+} builder;
+
+static node *node_at(builder *b, yaml_mark_t mark, node_kind kind)
+{
+    if (b->left == 0) b->fresh = memory_take(b->left = NODES_AT_ONCE, sizeof *b->fresh);
+    node *n = b->fresh++;
+    b->left--;
+    n->line = line_at(mark, b->last), n->kind = kind;
+    return n;
+}
+
+/* The next item of the innermost list, the next key or value of the innermost map, or the root. */
+static void put_node(builder *b, node *n)
+{
+    if (b->depth == 0) {
+        b->root = n;
+        return;
+    }
+    opened *in = &b->open[b->depth - 1];
+    node *of = in->of;
+    if (of->kind == NODE_MAP && in->keys == of->count) {
+        of->key = memory_room(of->key, in->keys, &in->key_room, sizeof *of->key);
+        of->key[in->keys++] = n;
+    } else {
+        of->item = memory_room(of->item, of->count, &in->room, sizeof *of->item);
+        of->item[of->count++] = n;
+    }
+}
+
+static void close_node(builder *b)
+{
+    node *n = b->open[--b->depth].of;
+    if (n->count == 0) return;
+    n->item = memory_grow(n->item, n->count, sizeof *n->item);
+    if (n->kind == NODE_LIST) return;
+    n->key = memory_grow(n->key, n->count, sizeof *n->key);
+    n->taken = memory_take(n->count, sizeof *n->taken);
+}
+
+/* What is wrong with the event, or NULL. */
+static const char *take_event(builder *b, const yaml_event_t *e)
+{
+    const yaml_char_t *anchor = NULL;
+    node *n = NULL;
+    switch (e->type) {
+    case YAML_SCALAR_EVENT:
+        n = node_at(b, e->start_mark, NODE_SCALAR);
+        n->text = text_of((const char *)e->data.scalar.value, e->data.scalar.length);
+        n->quoted = e->data.scalar.style != YAML_PLAIN_SCALAR_STYLE;
+        anchor = e->data.scalar.anchor;
+        put_node(b, n);
+        break;
+    case YAML_SEQUENCE_START_EVENT:
+    case YAML_MAPPING_START_EVENT:
+        if (b->depth == DEPTH_MOST) return "lists and maps within each other more than 64 deep";
+        n = node_at(b, e->start_mark, e->type == YAML_MAPPING_START_EVENT ? NODE_MAP : NODE_LIST);
+        anchor = e->type == YAML_MAPPING_START_EVENT ? e->data.mapping_start.anchor : e->data.sequence_start.anchor;
+        put_node(b, n);
+        b->open[b->depth++] = (opened){.of = n};
+        break;
+    case YAML_ALIAS_EVENT:
+        n = named(&b->anchors, (const char *)e->data.alias.anchor);
+        if (!n) return "found undefined alias";
+        put_node(b, n);
+        break;
+    case YAML_SEQUENCE_END_EVENT:
+    case YAML_MAPPING_END_EVENT: close_node(b); break;
+    default: break;
+    }
+    if (anchor && !add_name(&b->anchors, memory_text((const char *)anchor, strlen((const char *)anchor)), n)) return "found duplicate anchor";
+    return NULL;
+}
+
+/* Lines that begin with % at the start of the text.  libyaml compares each with all before it. */
+enum { DIRECTIVES_MOST = 64 };
+static size_t directives(const char *text, size_t length)
+{
+    size_t count = 0;
+    for (const char *at = text, *end = text + length; at < end && strchr("%# \t\r\n", *at);) {
+        count += *at == '%';
+        const char *stop = memchr(at, '\n', (size_t)(end - at));
+        at = stop ? stop + 1 : end;
+    }
+    return count;
+}
+
+/* What libyaml found wrong: its words, and the line.  Of a byte that is no text it tells the place and not the line. */
+static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t length, size_t last, char fault[FAULT_SIZE])
+{
+    snprintf(fault, FAULT_SIZE, "%s", parser->problem ? parser->problem : "not YAML");
+    if (parser->context) {
+        size_t so_far = strlen(fault);
+        snprintf(fault + so_far, FAULT_SIZE - so_far, ", %s that begins in line %zu", parser->context,
+                 line_at(parser->context_mark, last));
+    }
+    if (parser->error != YAML_READER_ERROR) return line_at(parser->problem_mark, last);
+    return line_of(text, parser->problem_offset < length ? parser->problem_offset : length);
+}
+
+document document_parse(const char *source, const char *text, size_t length)
+{
+    document d = {.source = source, .folder = ""};
+    builder b = {.last = line_of(text, length ? length - 1 : 0)};
+    yaml_parser_t parser;
+    char fault[FAULT_SIZE] = "";
+    size_t line = 1;
+    int documents = 0;
+    if (directives(text, length) > DIRECTIVES_MOST) document_fail(&d, &(node){.line = 1}, NULL, "more than %d lines that begin with %%", DIRECTIVES_MOST);
+    if (!yaml_parser_initialize(&parser)) fail_input("out of memory");
+    yaml_parser_set_input_string(&parser, (const unsigned char *)text, length);
+    for (bool more = true; more && !*fault;) {
+        yaml_event_t e;
+        if (!yaml_parser_parse(&parser, &e)) {
+            line = syntax_fault(&parser, text, length, b.last, fault);
+            break;
+        }
+        bool second = e.type == YAML_DOCUMENT_START_EVENT && documents++ > 0;
+        const char *wrong = second ? NULL : take_event(&b, &e);
+        if (wrong) snprintf(fault, sizeof fault, "%s", wrong);
+        if (second) snprintf(fault, sizeof fault, "a second document; only one is read");
+        line = line_at(e.start_mark, b.last);
+        more = e.type != YAML_STREAM_END_EVENT;
+        yaml_event_delete(&e);
+    }
+    yaml_parser_delete(&parser);
+    if (!*fault && !b.root) line = 1, snprintf(fault, sizeof fault, "empty");
+    if (*fault) document_fail(&d, &(node){.line = line}, NULL, "%s", fault);
+    d.root = b.root;
+    return d;
+}
+
+/* No map that is right has more keys: what is wrong with such a one is not looked for pair by pair. */
+enum { KEYS_MANY = 64 };
+
+void document_map(const document *d, const node *n, const char *key)
+{
+    if (n->kind != NODE_MAP) document_fail(d, n, key, "must be a map, as {key: value}");
+    names seen = {.count = 0};
+    for (size_t i = 0; i < n->count; i++) {
+        const node *k = n->key[i];
+        if (k->kind != NODE_SCALAR) document_fail(d, k, key, "a key must be a word");
+        bool twice = n->count > KEYS_MANY && !add_name(&seen, k->text, n->key[i]);
+        for (size_t j = 0; j < i && n->count <= KEYS_MANY; j++) twice = twice || strcmp(n->key[j]->text, k->text) == 0;
+        if (twice) document_fail(d, k, k->text, "given twice");
+        n->taken[i] = false;
+    }
+}
+
+node *document_take(const node *map, const char *key)
+{
+    for (size_t i = 0; i < map->count; i++) {
+        if (strcmp(map->key[i]->text, key) != 0) continue;
+        map->taken[i] = true;
+        return map->item[i];
+    }
+    return NULL;
+}
+
+void document_finish(const document *d, const node *map, const char *known)
+{
+    for (size_t i = 0; i < map->count; i++)
+        if (!map->taken[i]) {
+            const char *key = map->key[i]->text;
+            bool digits = *key && key[strspn(key, "0123456789")] == 0; /* {radius: 51,68} */
+            document_fail(d, map->key[i], key, "unknown key; %sknown here: %s",
+                          digits ? "a decimal point is wanted, not a comma?  " : "", known);
+        }
+}
+
+double document_number(const document *d, const node *n, const char *key, number_range range)
+{
+    if (n->kind != NODE_SCALAR) document_fail(d, n, key, "must be a number");
+    double value;
+    bool good = number_read(n->text, &value);
+    /* JSON has no infinity but as a string */
+    if (!good && !n->quoted && n->text[strspn(n->text, "+-0123456789")] == ',')
+        document_fail(d, n, key, "must be a number, and \"%.60s\" is none; a decimal point is wanted, not a comma", n->text);
+    if (!good || (n->quoted && !isinf(value))) document_fail(d, n, key, "must be a number, and \"%.60s\" is none", n->text);
+    if ((isnan(value) && range != NUMBER_ANY) || (isinf(value) && range == NUMBER_FINITE))
+        document_fail(d, n, key, "must be finite, not %.60s", n->text);
+    return value;
+}
+
+bool document_truth(const document *d, const node *n, const char *key)
+{
+    static const char *const words[] = {"false", "true", "False", "True", "FALSE", "TRUE"};
+    if (n->kind == NODE_SCALAR && !n->quoted)
+        for (int i = 0; i < 6; i++)
+            if (strcmp(n->text, words[i]) == 0) return i % 2 == 1;
+    document_fail(d, n, key, "must be true or false");
+}
+
+const char *document_text(const document *d, const node *n, const char *key)
+{
+    if (n->kind != NODE_SCALAR) document_fail(d, n, key, "must be a word or a text");
+    return n->text;
+}
+
+const char *document_path(const document *d, const node *n, const char *key)
+{
+    const char *name = document_text(d, n, key);
+    size_t folder = *name == '/' ? 0 : strlen(d->folder);
+    char *path = memory_grow(NULL, folder + strlen(name) + 1, 1);
+    memcpy(path, d->folder, folder);
+    strcpy(path + folder, name);
+    return path;
+}
+
+size_t document_numbers(const document *d, const node *n, const char *key, size_t most, double value[])
+{
+    if (n->kind != NODE_LIST) document_fail(d, n, key, "must be a list of numbers, as [1, 2]");
+    if (n->count == 0) document_fail(d, n, key, "must hold at least one number");
+    if (n->count > most) document_fail(d, n, key, "has %zu numbers, and %zu are the most", n->count, most);
+    for (size_t i = 0; i < n->count; i++) {
+        char name[120];
+        snprintf(name, sizeof name, "%.90s[%zu]", key, i);
+        value[i] = document_number(d, n->item[i], name, NUMBER_FINITE);
+    }
+    return n->count;
+}

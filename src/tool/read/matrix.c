@@ -1,0 +1,183 @@
+/* matrix.c - a table of numbers from a file.
+ *
+ * CSV: a line is a row, commas between the numbers; blanks around a number, CR LF or LF, a
+ * byte order mark, a last line without an end and empty lines behind it are let pass.  There
+ * is no header, no comment, no quote: what is no number is an error, and so is a hole, be it an empty field
+ * or nan.
+ *
+ * NPY, format 1.0 to 3.0 of NumPy: "\x93NUMPY", two bytes of version, the length of the header
+ * in 2 bytes (1.0) or 4, the header, a Python dictionary as text, then the numbers, row by
+ * row or, in Fortran's order, column by column.  Source: NumPy's enhancement proposal 1 and
+ * numpy.lib.format.  Read are two dimensions of '<f8' and '<f4'. */
+#include "matrix.h"
+
+#include "../base/input.h"
+#include "../base/memory.h"
+#include "../base/number.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+static bool ends_in(const char *name, const char *end)
+{
+    size_t length = strlen(name), behind = strlen(end);
+    return length > behind && strcasecmp(name + length - behind, end) == 0;
+}
+
+bool matrix_is_file(const char *name) { return ends_in(name, ".csv") || ends_in(name, ".npy"); }
+
+LIKE_PRINTF(2, 3) static bool bad(char why[MATRIX_WHY_SIZE], const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    vsnprintf(why, MATRIX_WHY_SIZE, format, values);
+    va_end(values);
+    return false;
+}
+
+/* -------------------------------------------------------------------- csv */
+
+static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+/* The number in [s, end), with a zero byte written at its end. */
+static bool read_field(char *s, char *end, size_t line, size_t column, const char *name, double *x, char why[MATRIX_WHY_SIZE])
+{
+    while (s < end && is_blank(*s)) s++;
+    while (end > s && is_blank(end[-1])) end--;
+    *end = 0;
+    if (s == end) return bad(why, "%s:%zu: column %zu: empty; there must be no holes", name, line, column);
+    if (strlen(s) != (size_t)(end - s)) return bad(why, "%s:%zu: column %zu: a zero byte", name, line, column);
+    if (!number_read(s, x)) {
+        const char *hint = strpbrk(s, " \t;") ? "; commas go between numbers" : line == 1 && column == 1 ? "; there is to be no header row" : "";
+        return bad(why, "%s:%zu: column %zu: \"%.60s\" is not a number%s", name, line, column, s, hint);
+    }
+    if (!isfinite(*x)) return bad(why, "%s:%zu: column %zu: %.60s; every number must be finite, there must be no holes", name, line, column, s);
+    return true;
+}
+
+static bool read_csv(sgt_numbers *to, const input *in, size_t most, char why[MATRIX_WHY_SIZE])
+{
+    char *s = in->text, *last = in->text + in->length;
+    if (in->length >= 3 && memcmp(s, "\xef\xbb\xbf", 3) == 0) s += 3;
+    while (last > s && (is_blank(last[-1]) || last[-1] == '\n')) last--;
+    if (s == last) return bad(why, "%s: empty", in->name);
+    double *x = NULL;
+    size_t rows = 0, columns = 0, count = 0, room = 0;
+    for (bool more = true; more; rows++) {
+        char *stop = memchr(s, '\n', (size_t)(last - s));
+        more = stop != NULL;
+        if (!stop) stop = last;
+        if (rows == most) return bad(why, "%s:%zu: more than %zu rows", in->name, rows + 1, most);
+        size_t column = 0;
+        for (bool within = true; within; column++) {
+            char *comma = memchr(s, ',', (size_t)(stop - s));
+            within = comma != NULL;
+            if (column == most) return bad(why, "%s:%zu: more than %zu columns", in->name, rows + 1, most);
+            x = memory_room(x, count, &room, sizeof *x);
+            if (!read_field(s, within ? comma : stop, rows + 1, column + 1, in->name, &x[count], why)) return false;
+            count++;
+            s = (within ? comma : stop) + 1;
+        }
+        if (rows == 0) columns = column;
+        if (column != columns)
+            return bad(why, "%s:%zu: %zu number%s, and the rows above have %zu", in->name, rows + 1, column, column == 1 ? "" : "s", columns);
+    }
+    *to = (sgt_numbers){x, rows, columns};
+    return true;
+}
+
+/* -------------------------------------------------------------------- npy */
+
+/* The value of a key of the header, behind the colon; NULL: it is not there. */
+static const char *header_value(const char *header, const char *key)
+{
+    const char *s = strstr(header, key);
+    if (!s) return NULL;
+    s += strlen(key);
+    s += strspn(s, " ");
+    if (*s != ':') return NULL;
+    return s + 1 + strspn(s + 1, " ");
+}
+
+/* A whole number and what stands behind it; NULL: there is none, or it is beyond any table. */
+static const char *read_whole(const char *s, size_t *n)
+{
+    const char *first = s;
+    for (*n = 0; *s >= '0' && *s <= '9' && s - first < 12; s++) *n = 10 * *n + (size_t)(*s - '0');
+    return s == first || (*s >= '0' && *s <= '9') ? NULL : s + strspn(s, " ");
+}
+
+typedef struct npy { size_t rows, columns, size; bool fortran; } npy;
+
+static bool read_header(npy *n, const char *header, const char *name, char why[MATRIX_WHY_SIZE])
+{
+    const char *type = header_value(header, "'descr'"), *order = header_value(header, "'fortran_order'"), *s = header_value(header, "'shape'");
+    if (!type || !order || !s) return bad(why, "%s: no header of an npy file", name);
+    n->size = strncmp(type, "'<f8'", 5) == 0 ? 8 : strncmp(type, "'<f4'", 5) == 0 ? 4 : 0;
+    if (n->size == 0) {
+        const char *behind = strpbrk(type, ",}");
+        return bad(why, "%s: numbers of the type %.*s; '<f8' and '<f4' can be read", name, behind ? (int)(behind - type) % 60 : 0, type);
+    }
+    n->fortran = strncmp(order, "True", 4) == 0;
+    if (!n->fortran && strncmp(order, "False", 5) != 0) return bad(why, "%s: no header of an npy file", name);
+    s = *s == '(' ? read_whole(s + 1, &n->rows) : NULL;
+    s = s && *s == ',' ? read_whole(s + 1 + strspn(s + 1, " "), &n->columns) : NULL;
+    if (!s || *s != ')') return bad(why, "%s: two dimensions are wanted, rows and columns, and the shape is another", name);
+    return true;
+}
+
+static double number_at(const unsigned char *at, size_t size)
+{
+    uint64_t bits = 0;
+    for (size_t i = size; i-- > 0;) bits = bits << 8 | at[i];
+    if (size == 8) {
+        double x;
+        memcpy(&x, &bits, sizeof x);
+        return x;
+    }
+    uint32_t half = (uint32_t)bits;
+    float x;
+    memcpy(&x, &half, sizeof x);
+    return (double)x;
+}
+
+static bool read_npy(sgt_numbers *to, const input *in, size_t most, char why[MATRIX_WHY_SIZE])
+{
+    const unsigned char *text = (const unsigned char *)in->text;
+    if (in->length < 10 || memcmp(text, "\x93NUMPY", 6) != 0) return bad(why, "%s: not an npy file", in->name);
+    if (text[6] < 1 || text[6] > 3) return bad(why, "%s: version %d of the npy format; 1 to 3 can be read", in->name, text[6]);
+    size_t start = text[6] == 1 ? 10 : 12, header = text[8] | (size_t)text[9] << 8;
+    if (start == 12 && in->length >= 12) header |= (size_t)text[10] << 16 | (size_t)text[11] << 24;
+    if (in->length < start || in->length - start < header) return bad(why, "%s: cut off within its header", in->name);
+    npy n = {.size = 0};
+    if (!read_header(&n, memory_text(in->text + start, header), in->name, why)) return false;
+    if (n.rows == 0 || n.columns == 0) return bad(why, "%s: empty", in->name);
+    if (n.rows > most || n.columns > most)
+        return bad(why, "%s: %zu rows and %zu columns; %zu are the most of either", in->name, n.rows, n.columns, most);
+    size_t count = n.rows * n.columns, have = in->length - start - header;
+    if (have < count * n.size) return bad(why, "%s: cut off: %zu numbers, and the header tells of %zu", in->name, have / n.size, count);
+    if (have > count * n.size) return bad(why, "%s: %zu bytes behind the last number", in->name, have - count * n.size);
+    double *x = memory_take(count, sizeof *x);
+    const unsigned char *at = text + start + header;
+    for (size_t i = 0; i < count; i++, at += n.size) {
+        size_t row = n.fortran ? i % n.rows : i / n.columns, column = n.fortran ? i / n.rows : i % n.columns;
+        double value = x[row * n.columns + column] = number_at(at, n.size);
+        if (!isfinite(value))
+            return bad(why, "%s: row %zu, column %zu: %g; every number must be finite, there must be no holes", in->name, row + 1, column + 1, value);
+    }
+    *to = (sgt_numbers){x, n.rows, n.columns};
+    return true;
+}
+
+bool matrix_read(sgt_numbers *to, const char *path, size_t most, char why[MATRIX_WHY_SIZE])
+{
+    input in;
+    const char *fault = input_try(path, &in);
+    if (fault) return bad(why, "%s: %s", path, fault);
+    return ends_in(path, ".npy") ? read_npy(to, &in, most, why) : read_csv(to, &in, most, why);
+}

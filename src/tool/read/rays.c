@@ -1,0 +1,273 @@
+/* rays.c - rays from CSV.
+ *
+ * RFC 4180 with room for what spreadsheets do: CR LF or LF, blanks around a field, a
+ * field in quotes, a byte order mark, a last line without an end, empty lines between
+ * (they are no rows).  The header says which column is which.
+ *
+ * A row is bad if a field is missing, superfluous or no number, or if the library would
+ * have to call the ray invalid: then the user hears of the line and not of a status.
+ *
+ * A line ends where its \n is, in quotes or not: so the text can be cut at any \n and the
+ * pieces read in threads.  First the rows of each are counted, and then each piece knows
+ * where its rays go, and the numbers of its rows and lines. */
+#include "rays.h"
+
+#include "../base/fail.h"
+#include "../base/input.h"
+#include "../base/memory.h"
+#include "../base/number.h"
+#include "../base/threads.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { COLUMN_COUNT = 9, TMIN = 6, TMAX = 7, ID = 8, REQUIRED = 6 };
+static const char *const column_name[COLUMN_COUNT] = {"ox", "oy", "oz", "dx", "dy", "dz", "tmin", "tmax", "id"};
+
+enum { FIELDS_MOST = COLUMN_COUNT + 1 };
+#ifndef PIECE
+#define PIECE (1 << 18) /* bytes of the text, at least; a test may want them shorter */
+#endif
+static const char BROKEN[] = "a zero byte, a quote without an end, or something behind one";
+
+void rays_add(ray_list *list, launch ray)
+{
+    list->ray = memory_room(list->ray, list->count, &list->capacity, sizeof *list->ray);
+    list->ray[list->count++] = ray;
+}
+
+/* ---------------------------------------------------------------- one ray */
+
+LIKE_PRINTF(2, 3) static bool bad(char why[120], const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    vsnprintf(why, 120, format, values);
+    va_end(values);
+    return false;
+}
+
+/* value[0 ... 7] as the columns; given[] says which of the ends there are. */
+static bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, char why[120])
+{
+    for (int i = 0; i < TMIN; i++)
+        if (!isfinite(value[i])) return bad(why, "%s: must be finite", column_name[i]);
+    *ray = (sgt_ray){.o = {value[0], value[1], value[2]}, .d = {value[3], value[4], value[5]}};
+    double longest = fmax(fabs(ray->d.x), fmax(fabs(ray->d.y), fabs(ray->d.z)));
+    if (longest == 0) return bad(why, "dx, dy, dz: a direction must not be zero");
+    if (longest < DBL_MIN) return bad(why, "dx, dy, dz: too short a direction to have one (subnormal)");
+    ray->tmin = has_tmin ? value[TMIN] : 0;
+    ray->tmax = has_tmax ? value[TMAX] : HUGE_VAL;
+    if (isnan(ray->tmin) || isnan(ray->tmax)) return bad(why, "tmin, tmax: must not be nan");
+    if (ray->tmin > ray->tmax) return bad(why, "tmin, tmax: %g is more than %g", ray->tmin, ray->tmax);
+    if (ray->tmin == HUGE_VAL || ray->tmax == -HUGE_VAL) return bad(why, "tmin, tmax: nothing lies between %g and %g", ray->tmin, ray->tmax);
+    /* to the library tmax = 0 after tmin = 0 is "no end"; here it was written down, and means 0 */
+    if (ray->tmax == 0 && ray->tmin == 0) ray->tmax = DBL_MIN * DBL_EPSILON;
+    return true;
+}
+
+void rays_parse(ray_list *list, const char *text)
+{
+    char copy[400], why[120];
+    double value[8] = {0};
+    int count = 0;
+    if (snprintf(copy, sizeof copy, "%s", text) >= (int)sizeof copy) fail_input("--ray: too long");
+    for (char *rest = copy, *word; (word = strtok_r(rest, " \t\n,", &rest)); count++) {
+        double x;
+        if (!number_read(word, &x)) fail_input("--ray: \"%s\" is not a number", word);
+        if (count < 8) value[count] = x;
+    }
+    if (count != 6 && count != 8) fail_input("--ray: wants 6 numbers, ox oy oz dx dy dz, or 8, with tmin tmax; not %d", count);
+    launch l = {.number = list->count};
+    if (!ray_of(value, count == 8, count == 8, &l.ray, why)) fail_input("--ray: %s", why);
+    rays_add(list, l);
+}
+
+/* -------------------------------------------------------------------- csv */
+
+typedef struct reader {
+    const char *source; /* for messages */
+    char *at, *end;     /* the next line, and the end of the last; a zero byte is written over each line's \n */
+    size_t line;        /* of the line last split, counts from 1 */
+    int count;          /* its fields, FIELDS_MOST for more */
+    char *field[FIELDS_MOST];
+    bool broken;        /* a quote that does not end, a zero byte */
+} reader;
+
+static char *skip_blanks(char *s) { return s + strspn(s, " \t\r"); }
+
+/* Each splitter sets *field and returns where the next one starts, NULL after the last. */
+static char *split_bare(char *s, char **field)
+{
+    char *comma = strchr(s, ','), *end = comma ? comma : s + strlen(s);
+    while (end > s && strchr(" \t\r", end[-1])) end--;
+    *end = 0;
+    *field = s;
+    return comma ? comma + 1 : NULL;
+}
+
+static char *split_quoted(reader *r, char *s, char **field)
+{
+    char *to = *field = s + 1, *from = to;
+    for (; *from && !(from[0] == '"' && from[1] != '"'); from++) {
+        if (*from == '"') from++; /* "" inside is one " */
+        *to++ = *from;
+    }
+    char *behind = *from ? skip_blanks(from + 1) : from;
+    if (!*from || (*behind && *behind != ',')) r->broken = true;
+    char *next = *behind == ',' ? behind + 1 : NULL;
+    *to = 0;
+    return next;
+}
+
+/* The next line that is not empty and where it ends; NULL at the end. */
+static char *find_line(reader *r, char **stop)
+{
+    while (r->at < r->end) {
+        char *s = r->at;
+        *stop = memchr(s, '\n', (size_t)(r->end - s));
+        if (!*stop) *stop = r->end;
+        r->at = *stop + (*stop < r->end);
+        r->line++;
+        if (skip_blanks(s) < *stop) return s;
+    }
+    return NULL;
+}
+
+/* Splits it into its fields; false at the end. */
+static bool next_line(reader *r)
+{
+    char *stop, *s = find_line(r, &stop);
+    if (!s) return false;
+    *stop = 0;
+    r->broken = strlen(s) != (size_t)(stop - s);
+    r->count = 0;
+    while (s && r->count < FIELDS_MOST) {
+        char **field = &r->field[r->count++];
+        s = skip_blanks(s);
+        s = *s == '"' ? split_quoted(r, s, field) : split_bare(s, field);
+    }
+    return true;
+}
+
+/* Which field is which column: place[c], or -1. */
+static void read_header(reader *r, int place[COLUMN_COUNT])
+{
+    const char *source = r->source;
+    if (r->end - r->at >= 3 && memcmp(r->at, "\xef\xbb\xbf", 3) == 0) r->at += 3;
+    if (!next_line(r)) fail_input("%s: empty; a header row is wanted, as ox,oy,oz,dx,dy,dz", source);
+    if (r->broken) fail_input("%s:%zu: %s", source, r->line, BROKEN);
+    for (int c = 0; c < COLUMN_COUNT; c++) place[c] = -1;
+    for (int f = 0; f < r->count; f++) {
+        int c = 0;
+        while (c < COLUMN_COUNT && strcmp(r->field[f], column_name[c]) != 0) c++;
+        if (c == COLUMN_COUNT) {
+            double x;
+            const char *hint = number_read(r->field[f], &x) ? "is the header missing?  "
+                             : strpbrk(r->field[f], " \t;") ? "a comma goes between two columns; " : "";
+            fail_input("%s:%zu: %.60s: unknown column; %sknown are ox, oy, oz, dx, dy, dz, tmin, tmax, id", source, r->line,
+                       r->field[f], hint);
+        }
+        if (place[c] >= 0) fail_input("%s:%zu: %s: a column given twice", source, r->line, column_name[c]);
+        place[c] = f;
+    }
+    for (int c = 0; c < REQUIRED; c++)
+        if (place[c] < 0) fail_input("%s:%zu: %s: no such column, and it is needed", source, r->line, column_name[c]);
+}
+
+static bool row_of(const reader *r, const int place[COLUMN_COUNT], int columns, launch *l, char why[120])
+{
+    double value[8] = {0};
+    if (r->broken) return bad(why, "%s", BROKEN);
+    if (r->count != columns) return bad(why, "%s fields than the header's %d", r->count < columns ? "fewer" : "more", columns);
+    for (int c = 0; c < ID; c++)
+        if (place[c] >= 0 && !number_read(r->field[place[c]], &value[c]))
+            return bad(why, "%s: \"%.60s\" is not a number", column_name[c], r->field[place[c]]);
+    return ray_of(value, place[TMIN] >= 0, place[TMAX] >= 0, &l->ray, why);
+}
+
+/* A piece of the text, whole lines of it. */
+typedef struct piece {
+    reader reader;
+    size_t lines, rows;         /* in it */
+    size_t number, good, bad;   /* of its first row; rows that are rays, and those that are none */
+    size_t bad_line;            /* of the first of these */
+    char why[120];
+} piece;
+
+static piece *cut(const reader *r, size_t *count)
+{
+    const size_t most = (size_t)(r->end - r->at) / PIECE + 1;
+    piece *p = memory_take(most, sizeof *p);
+    *count = 0;
+    for (char *at = r->at; at < r->end; ++*count) {
+        char *stop = r->end - at > PIECE ? memchr(at + PIECE, '\n', (size_t)(r->end - at - PIECE)) : NULL;
+        p[*count].reader = (reader){.source = r->source, .at = at, .end = stop ? stop + 1 : r->end};
+        at = p[*count].reader.end;
+    }
+    return p;
+}
+
+static void count_rows(piece *p)
+{
+    reader r = p->reader;
+    char *stop;
+    while (find_line(&r, &stop)) p->rows++;
+    p->lines = r.line;
+}
+
+/* Its rays, one behind another from ray on. */
+static void read_piece(piece *p, const int place[COLUMN_COUNT], int columns, launch *ray, bool skip_bad)
+{
+    reader *r = &p->reader;
+    char why[120];
+    for (size_t number = p->number; next_line(r); number++) {
+        launch *l = &ray[p->good];
+        *l = (launch){.number = number};
+        if (row_of(r, place, columns, l, why)) {
+            if (place[ID] >= 0) l->id = r->field[place[ID]];
+            p->good++;
+        } else if (p->bad++ == 0) {
+            p->bad_line = r->line;
+            memcpy(p->why, why, sizeof p->why);
+            if (!skip_bad) return;
+        }
+    }
+}
+
+void rays_read(ray_list *list, const char *path, bool skip_bad)
+{
+    input file = input_read(path);
+    reader r = {.source = file.name, .at = file.text, .end = file.text + file.length};
+    int place[COLUMN_COUNT];
+    read_header(&r, place);
+    list->ended = place[TMIN] >= 0 || place[TMAX] >= 0;
+    list->named = place[ID] >= 0;
+    const int columns = r.count;
+    size_t pieces, rows = 0, bad = 0;
+    piece *p = cut(&r, &pieces), *first_bad = NULL;
+    int threads = list->threads > 1 && pieces > 1 ? list->threads : 1;
+    (void)threads; /* without OpenMP nobody reads it */
+    THREADS(omp parallel for schedule(dynamic) num_threads(threads))
+    for (size_t i = 0; i < pieces; i++) count_rows(&p[i]);
+    for (size_t i = 0, line = r.line; i < pieces; line += p[i].lines, rows += p[i].rows, i++)
+        p[i].reader.line = line, p[i].number = rows;
+    if (rows == 0) fail_input("%s: a header row and no rays under it", r.source);
+    list->ray = memory_grow(NULL, rows, sizeof *list->ray);
+    list->capacity = rows;
+    THREADS(omp parallel for schedule(dynamic) num_threads(threads))
+    for (size_t i = 0; i < pieces; i++) read_piece(&p[i], place, columns, &list->ray[p[i].number], skip_bad);
+    for (size_t i = 0; i < pieces; i++) {
+        if (p[i].bad && !skip_bad) fail_input("%s:%zu: %s", r.source, p[i].bad_line, p[i].why);
+        if (p[i].bad && !first_bad) first_bad = &p[i];
+        memmove(&list->ray[list->count], &list->ray[p[i].number], bad ? p[i].good * sizeof *list->ray : 0);
+        list->count += p[i].good;
+        bad += p[i].bad;
+    }
+    if (bad)
+        note("%s: %zu bad row%s skipped, the first in line %zu: %s", r.source, bad, bad == 1 ? "" : "s",
+             first_bad->bad_line, first_bad->why);
+}

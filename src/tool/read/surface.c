@@ -1,0 +1,334 @@
+/* surface.c - a surface from its YAML map, by the library's table.
+ *
+ * The keys are the names of the parameters in sgt_builtins, their places and limits the
+ * table's: a surface added there can be read here.  One convenience is ours: wherever a
+ * parameter is a `curvature`, the map may give the `radius` instead, and the parameter is
+ * 1/radius, rounded once (an infinite one is a plane).  `curvature_x` has its `radius_x`
+ * in the same way.
+ *
+ * Two parameters of a type may lie in the same memory: one is then a short name for a part
+ * of the other, and a map that gives both contradicts itself.  What the ranges of single
+ * numbers cannot say, the type's `object` does, when all have been read.
+ *
+ * A table of numbers is a list of rows, or the name of a file (matrix.h), which is looked for beside
+ * the lens file.  Rows of `coefficients` may end early, for the coefficients left out are zero; of other
+ * tables all rows are equally long. */
+#include "surface.h"
+
+#include "earth.h"
+#include "matrix.h"
+#include "../base/memory.h"
+#include "../base/number.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char CURVATURE[] = "curvature", RADIUS[] = "radius", COEFFICIENTS[] = "coefficients";
+enum { NAME_SIZE = 64 };
+
+/* The name of the radius that stands for a curvature; "" where there is none. */
+static void radius_name(char name[NAME_SIZE], const char *parameter)
+{
+    size_t stem = strlen(CURVATURE);
+    if (strncmp(parameter, CURVATURE, stem) == 0) snprintf(name, NAME_SIZE, "%s%s", RADIUS, parameter + stem);
+    else name[0] = 0;
+}
+
+static bool not_read(const sgt_param *p, surface_rim rim)
+{
+    if (strcmp(p->name, "semi_diameter") == 0) return rim != SURFACE_OWN_RIM;
+    return rim == SURFACE_TERM && (strcmp(p->name, CURVATURE) == 0 || strcmp(p->name, "conic") == 0);
+}
+
+static void check_keys(const document *d, const node *map, const sgt_builtin *type, surface_rim rim, const char *more, const char *others)
+{
+    char text[900];
+    size_t length = (size_t)snprintf(text, sizeof text, "type");
+    for (const sgt_param *p = type->params; p->name && length < sizeof text; p++) {
+        if (not_read(p, rim)) continue;
+        char radius[NAME_SIZE];
+        radius_name(radius, p->name);
+        const char *or = *radius ? " or " : "";
+        length += (size_t)snprintf(text + length, sizeof text - length, ", %s%s%s", p->name, or, radius);
+    }
+    if (length < sizeof text) snprintf(text + length, sizeof text - length, "%s%s", more, others);
+    document_finish(d, map, text);
+}
+
+static const sgt_builtin *type_of(const document *d, const node *map)
+{
+    const node *n = document_take(map, "type");
+    if (!n) document_fail(d, map, "type", "missing: which surface is it?");
+    const char *name = document_text(d, n, "type");
+    char known[900];
+    size_t length = 0;
+    const sgt_builtin *const several[] = {sgt_builtins, earth_types()};
+    for (int i = 0; i < 2; i++)
+        for (const sgt_builtin *b = several[i]; b->type; b++) {
+            if (strcmp(b->type, name) == 0) return b;
+            if (length < sizeof known) length += (size_t)snprintf(known + length, sizeof known - length, "%s%s", length ? ", " : "", b->type);
+        }
+    const char *missing = earth_missing(name);
+    if (missing) document_fail(d, n, "type", "%.60s: %s", name, missing);
+    document_fail(d, n, "type", "no surface \"%.60s\"; there are: %s", name, known);
+}
+
+static double curvature_of(const document *d, const node *n, const char *key)
+{
+    double radius = document_number(d, n, key, NUMBER_MAYBE_INFINITE);
+    if (isinf(radius)) return 0;
+    if (radius == 0) document_fail(d, n, key, "must not be zero; a flat surface has the radius .inf");
+    if (isinf(1 / radius)) document_fail(d, n, key, "too small: %.60s", n->text);
+    return 1 / radius;
+}
+
+/* The legal values in words: "a whole number from 1 to 100". */
+static void check_range(const document *d, const node *n, const char *key, const sgt_param *p, double x)
+{
+    bool whole = p->kind == SGT_WHOLE;
+    if (x >= p->lo && x <= p->hi && !(whole && x != floor(x))) return;
+    char range[120], given[NUMBER_SIZE];
+    number_print(given, x, false);
+    if (p->hi < DBL_MAX) snprintf(range, sizeof range, "%sfrom %.10g to %.10g", whole ? "a whole number " : "", p->lo, p->hi);
+    else if (p->lo > -DBL_MAX) snprintf(range, sizeof range, "finite and at least %.10g", p->lo);
+    else snprintf(range, sizeof range, "finite");
+    const char *unit = strcmp(p->unit, "1") == 0 ? "" : p->unit;
+    document_fail(d, n, key, "must be %s%s%s%s, not %s", range, *unit ? " (unit: " : "", unit, *unit ? ")" : "", given);
+}
+
+static double read_number(const document *d, const node *n, const char *key, const sgt_param *p)
+{
+    double x = document_number(d, n, key, NUMBER_ANY);
+    check_range(d, n, key, p, x);
+    return x;
+}
+
+/* "coefficients[3]" */
+enum { KEY_SIZE = NAME_SIZE + 60 };
+static void print_item(char key[KEY_SIZE], const char *list, size_t i) { snprintf(key, KEY_SIZE, "%.*s[%zu]", NAME_SIZE + 24, list, i); }
+
+static void check_count(const document *d, const node *n, const char *key, const char *what, size_t most)
+{
+    if (n->count == 0) document_fail(d, n, key, "must hold at least one %s", what);
+    if (n->count > most) document_fail(d, n, key, "has %zu %ss; %zu are the most", n->count, what, most);
+}
+
+static void read_list(const document *d, const node *n, const char *key, const sgt_param *p, double value[])
+{
+    size_t most = (size_t)p->count;
+    bool exact = p->kind == SGT_VECTOR;
+    if (n->kind != NODE_LIST) document_fail(d, n, key, "must be a list of %s%zu numbers", exact ? "" : "up to ", most);
+    if (exact && n->count > 0 && n->count != most)
+        document_fail(d, n, key, "has %zu number%s; %zu are wanted", n->count, n->count == 1 ? "" : "s", most);
+    check_count(d, n, key, "number", most);
+    for (size_t i = 0; i < n->count; i++) {
+        char item[KEY_SIZE];
+        print_item(item, key, i);
+        value[i] = read_number(d, n->item[i], item, p);
+    }
+}
+
+static sgt_numbers read_file(const document *d, const node *n, const sgt_param *p)
+{
+    char why[MATRIX_WHY_SIZE];
+    sgt_numbers t;
+    if (!matrix_read(&t, document_path(d, n, p->name), (size_t)p->count, why)) document_fail(d, n, p->name, "%s", why);
+    for (size_t i = 0; i < t.rows * t.columns; i++) check_range(d, n, p->name, p, t.x[i]);
+    return t;
+}
+
+static sgt_numbers read_table(const document *d, const node *n, const sgt_param *p)
+{
+    if (n->kind == NODE_SCALAR && matrix_is_file(n->text)) return read_file(d, n, p);
+    if (n->kind != NODE_LIST) document_fail(d, n, p->name, "must be a list of rows, as [[1, 2], [3, 4]], or a file, NAME.csv or NAME.npy");
+    check_count(d, n, p->name, "row", (size_t)p->count);
+    bool may_end_early = strcmp(p->name, COEFFICIENTS) == 0;
+    sgt_numbers t = {.rows = n->count};
+    char key[KEY_SIZE];
+    for (size_t i = 0; i < n->count; i++) {
+        const node *row = n->item[i];
+        print_item(key, p->name, i);
+        if (row->kind != NODE_LIST) document_fail(d, row, key, "must be a row, a list of numbers");
+        if (i > 0 && !may_end_early && row->count != t.columns)
+            document_fail(d, row, key, "has %zu number%s, and the rows before have %zu", row->count, row->count == 1 ? "" : "s", t.columns);
+        if (row->count > t.columns) t.columns = row->count;
+        check_count(d, row, key, "number", (size_t)p->count);
+    }
+    double *x = memory_take(t.rows * t.columns, sizeof *x);
+    for (size_t i = 0; i < n->count; i++) {
+        print_item(key, p->name, i);
+        read_list(d, n->item[i], key, p, x + i * t.columns);
+    }
+    t.x = x;
+    return t;
+}
+
+static sgt_numbers read_numbers(const document *d, const node *n, const sgt_param *p)
+{
+    if (p->kind == SGT_TABLE) return read_table(d, n, p);
+    double *x = memory_take(n->kind == NODE_LIST ? n->count : 0, sizeof *x);
+    read_list(d, n, p->name, p, x);
+    return (sgt_numbers){x, 1, n->count};
+}
+
+/* The number of the word, from 1 on; the words are parted by |. */
+static int read_word(const document *d, const node *n, const sgt_param *p)
+{
+    const char *given = document_text(d, n, p->name), *word = p->unit;
+    for (int number = 1;; number++) {
+        size_t length = strcspn(word, "|");
+        if (strlen(given) == length && strncmp(given, word, length) == 0) return number;
+        if (!word[length]) break;
+        word += length + 1;
+    }
+    document_fail(d, n, p->name, "must be one of %s, not \"%.60s\"", p->unit, given);
+}
+
+/* The value of a parameter, and *key, the name it is given by; NULL: it is not given. */
+static node *given_as(const document *d, const node *map, const sgt_param *p, char key[NAME_SIZE])
+{
+    radius_name(key, p->name);
+    node *n = document_take(map, p->name), *reciprocal = *key ? document_take(map, key) : NULL;
+    if (n && reciprocal) document_fail(d, reciprocal, key, "given beside %s; one of the two is enough", p->name);
+    if (!reciprocal) snprintf(key, NAME_SIZE, "%s", p->name);
+    return reciprocal ? reciprocal : n;
+}
+
+/* What follows a parameter of the kind SGT_TERMS. */
+typedef struct term_list { const sgt_surface *of; size_t count; } term_list;
+
+static size_t end_of(const sgt_param *p)
+{
+    switch (p->kind) {
+    case SGT_WHOLE: case SGT_WORD: case SGT_TRUTH: return p->offset + sizeof(int);
+    case SGT_LIST: case SGT_TABLE: return p->offset + sizeof(sgt_numbers);
+    case SGT_TERMS: return p->offset + sizeof(term_list);
+    case SGT_REAL: case SGT_VECTOR: break;
+    }
+    return p->offset + (size_t)p->count * sizeof(double);
+}
+
+static bool share_memory(const sgt_param *a, const sgt_param *b)
+{
+    return a->offset < end_of(b) && b->offset < end_of(a);
+}
+
+static void read_terms(const document *d, const node *n, const sgt_builtin *b, const sgt_param *p, char *self);
+
+static void read_parameter(const document *d, const node *map, const sgt_builtin *b, const sgt_param *p, char *self)
+{
+    char key[NAME_SIZE];
+    const node *n = given_as(d, map, p, key);
+    if (!n) return;
+    for (const sgt_param *q = b->params; q < p; q++)
+        if (share_memory(p, q) && document_take(map, q->name))
+            document_fail(d, n, key, "given beside %s, of which it is a part; one of the two is enough", q->name);
+    void *to = self + p->offset;
+    if (strcmp(key, p->name) != 0) {
+        double *value = to;
+        *value = curvature_of(d, n, key);
+        check_range(d, n, key, p, *value);
+    } else if (p->kind == SGT_TERMS) {
+        read_terms(d, n, b, p, self);
+    } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+        sgt_numbers *value = to;
+        *value = read_numbers(d, n, p);
+    } else if (p->kind == SGT_WORD || p->kind == SGT_TRUTH) {
+        int *value = to;
+        *value = p->kind == SGT_WORD ? read_word(d, n, p) : document_truth(d, n, key);
+    } else if (p->count > 1) {
+        read_list(d, n, key, p, to);
+    } else if (p->kind == SGT_WHOLE) {
+        int *value = to;
+        *value = (int)read_number(d, n, key, p);
+    } else {
+        double *value = to;
+        *value = read_number(d, n, key, p);
+    }
+}
+
+/* What is wrong with the whole is told of the parameter that makes it so, or, if that was
+ * left out, of the map. */
+static void check_whole(const document *d, const node *map, const sgt_builtin *b, const void *self)
+{
+    sgt_objection no = b->object ? b->object(self) : (sgt_objection){NULL, NULL};
+    if (!no.reason) return;
+    const sgt_param *p = b->params;
+    while (p->name && strcmp(p->name, no.param) != 0) p++;
+    char key[NAME_SIZE];
+    snprintf(key, NAME_SIZE, "%s", no.param);
+    const node *n = p->name ? given_as(d, map, p, key) : NULL;
+    const char *and = n ? "" : strncmp(no.reason, "must ", 5) == 0 ? "not given, and " : "not given, and so ";
+    document_fail(d, n ? n : map, key, "%s%s", and, no.reason);
+}
+
+/* One after the other, so that the first that the sum cannot have is told. */
+static void read_terms(const document *d, const node *n, const sgt_builtin *b, const sgt_param *p, char *self)
+{
+    if (n->kind != NODE_LIST) document_fail(d, n, p->name, "must be a list of surfaces, as [{type: odd_asphere, coefficients: [0, 1e-3]}]");
+    check_count(d, n, p->name, "surface", (size_t)p->count);
+    sgt_surface *term = memory_take(n->count, sizeof *term);
+    term_list *terms = (void *)(self + p->offset);
+    terms->of = term;
+    for (size_t i = 0; i < n->count; i++) {
+        const node *map = n->item[i];
+        char key[KEY_SIZE];
+        print_item(key, p->name, i);
+        document_map(d, map, key);
+        const sgt_builtin *type = type_of(d, map);
+        for (const sgt_param *q = type->params; q->name; q++)
+            if (q->kind == SGT_TERMS) document_fail(d, map, key, "a %s cannot be a term of another", type->type);
+        term[i] = surface_read(d, map, SURFACE_TERM, "", &type);
+        terms->count = i + 1;
+        sgt_objection no = b->object ? b->object(self) : (sgt_objection){NULL, NULL};
+        if (no.reason && strcmp(no.param, p->name) == 0) document_fail(d, map, key, "a surface of the type %s cannot be a term of a %s", type->type, b->type);
+    }
+}
+
+sgt_surface surface_read(const document *d, const node *map, surface_rim rim, const char *others, const sgt_builtin **type)
+{
+    const sgt_builtin *b = type_of(d, map);
+    char *self = memory_take(1, b->size);
+    for (const sgt_param *p = b->params; p->name; p++) {
+        if (not_read(p, rim)) continue;
+        read_parameter(d, map, b, p, self);
+    }
+    check_keys(d, map, b, rim, earth_take(d, map, b, self), others);
+    check_whole(d, map, b, self);
+    if (b->prepare) b->prepare(self);
+    *type = b;
+    return (sgt_surface){.ops = b->ops, .self = self};
+}
+
+sgt_surface surface_parse(const char *option, const char *text)
+{
+    const char *type;
+    return surface_parse_typed(option, text, &type);
+}
+
+sgt_surface surface_parse_typed(const char *option, const char *text, const char **type)
+{
+    document d = document_parse(option, text, strlen(text));
+    const sgt_builtin *row;
+    document_map(&d, d.root, NULL);
+    sgt_surface s = surface_read(&d, d.root, SURFACE_OWN_RIM, "", &row);
+    *type = row->type;
+    return s;
+}
+
+const sgt_builtin *surface_row(sgt_surface s)
+{
+    const sgt_builtin *b = sgt_builtins;
+    while (b->type && b->ops != s.ops) b++;
+    return b;
+}
+
+const double *surface_number(sgt_surface s, const char *key)
+{
+    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+        for (const sgt_param *p = b->params; b->ops == s.ops && p->name; p++)
+            if (p->kind == SGT_REAL && strcmp(p->name, key) == 0) return (const void *)((const char *)s.self + p->offset);
+    return NULL;
+}

@@ -1,0 +1,120 @@
+/* profile.c - sag and vertex curvature of any surface that has them.
+ *
+ * A surface that has a sag is told by its gradient: of z - s(x, y) dF/dz is 1, exactly, at
+ * any z; of a level set it is not, at the two points of the axis that are looked at.
+ *
+ * The sag is where a line parallel to z meets the surface.  The curvature: on the surface
+ * the slope of the section is s'(y) = -F_y / F_z, and s'(y) = C y + O(y^3), so the gradient
+ * at y = h gives C = -F_y / (F_z h) to a relative (C h)^2, and to rounding: the gradient is
+ * worked out, not differenced.  On an even asphere that is c + 2 a_1, as it should be.  A surface that
+ * tells its second derivative has C = -F_yy there; the gradient then says whether there is a vertex at all: on
+ * a cone, and where the normal is not along z, it is not C h.
+ *
+ * THE SECTION of what is no sag is where F = 0 in a square net: how far it goes in z the lines parallel to
+ * z tell that meet it; in each cell at whose corners F has both signs a stroke goes from side to side,
+ * where F is 0 if it is linear between corners. */
+#include "profile.h"
+
+#include "../base/memory.h"
+
+#include <math.h>
+
+static const double SMOOTH = 0x1p-10, FLAT = 0x1p-40; /* of C; of the slope at y = h, h a 2^-30 of the aperture */
+
+bool profile_is_sag(sgt_surface s)
+{
+    sgt_vec3 low, high;
+    s.ops->value(s.self, (sgt_vec3){0, 0, 0}, &low);
+    s.ops->value(s.self, (sgt_vec3){0, 0, 1}, &high);
+    return low.z == 1 && high.z == 1;
+}
+
+double profile_sag(const sgt_element *e, double x, double y)
+{
+    if (!profile_is_sag(e->surface)) return (double)NAN;
+    sgt_ray line = {.o = {x, y, 0}, .d = {0, 0, 1}, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
+    sgt_hit hit = sgt_intersect(e->surface, line, &(sgt_options){.pick = SGT_NEAR_SEED});
+    return hit.status > 0 ? hit.p.z : (double)NAN;
+}
+
+double profile_curvature(const sgt_element *e, double step)
+{
+    const sgt_surface s = e->surface;
+    if (!profile_is_sag(s)) return (double)NAN;
+    sgt_vec3 slope;
+    double f = s.ops->value(s.self, (sgt_vec3){0, step, 0}, &slope), c = -slope.y / (slope.z * step);
+    if (!isfinite(f) || !isfinite(c) || !s.ops->second) return isfinite(f) && isfinite(c) ? c : (double)NAN;
+    const double zero = 0;
+    double second[6], *to[6];
+    for (int i = 0; i < 6; i++) to[i] = &second[i];
+    s.ops->second(s.self, 1, (sgt_points){{&zero, &zero, &zero}}, to);
+    double at_vertex = -second[3];
+    return fabs(c - at_vertex) <= SMOOTH * fabs(at_vertex) || fabs(c - at_vertex) * step < FLAT ? at_vertex : (double)NAN;
+}
+
+enum { NET = 128, ROOTS = 16 };
+
+/* As far as the line along y meets it, if that is not much more than `reach`; else reach. */
+static double whole(sgt_surface s, double reach)
+{
+    const double MUCH = 4, MARGIN = 1.02;
+    double far = 0;
+    sgt_hit hit[ROOTS];
+    int count = sgt_intersect_all(s, (sgt_ray){.o = {0, 0, 0}, .d = {0, 1, 0}, .tmin = -HUGE_VAL, .tmax = HUGE_VAL}, ROOTS, hit, NULL);
+    for (int i = 0; i < count && i < ROOTS; i++)
+        if (hit[i].status > 0) far = fmax(far, MARGIN * fabs(hit[i].p.y));
+    return far <= MUCH * reach ? fmax(far, reach) : reach;
+}
+
+/* Lines parallel to z, at net heights: the least and the greatest z at which one meets the surface. */
+static bool section_ends(sgt_surface s, double reach, double *low, double *high)
+{
+    *low = HUGE_VAL, *high = -HUGE_VAL;
+    for (int k = 0; k <= NET; k++) {
+        sgt_hit hit[ROOTS];
+        sgt_ray line = {.o = {0, reach * (2.0 * k / NET - 1), 0}, .d = {0, 0, 1}, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
+        int count = sgt_intersect_all(s, line, ROOTS, hit, NULL);
+        for (int i = 0; i < count && i < ROOTS; i++)
+            if (hit[i].status > 0) *low = fmin(*low, hit[i].p.z), *high = fmax(*high, hit[i].p.z);
+    }
+    return *low <= *high;
+}
+
+/* Where F = 0 on the side from a to b of a cell; false: it has one sign there. */
+static bool crosses(sgt_vec3 a, double f, sgt_vec3 b, double g, sgt_vec3 *at)
+{
+    if ((f > 0) == (g > 0) || isnan(f + g)) return false;
+    double u = f / (f - g);
+    *at = (sgt_vec3){0, a.y + u * (b.y - a.y), a.z + u * (b.z - a.z)};
+    return true;
+}
+
+size_t profile_section(const sgt_element *e, double reach, sgt_vec3 (**stroke)[2])
+{
+    const sgt_surface s = e->surface;
+    double low, high;
+    size_t count = 0, room = 0;
+    *stroke = NULL;
+    if (!(e->semi_diameter > 0)) reach = whole(s, reach);
+    if (!(reach > 0) || !section_ends(s, reach, &low, &high)) return 0;
+    double beyond = 2 * ((high - low) / NET + reach * 0x1p-20);
+    low -= beyond, high += beyond;
+    for (int i = 0; i < NET; i++)
+        for (int j = 0; j < NET; j++) {
+            sgt_vec3 p[5], end[4];
+            double f[5];
+            int ends = 0;
+            for (int k = 0; k < 5; k++) { /* round the cell, and back to where it began */
+                double y = (double)(i + (k == 1 || k == 2)) / NET, z = (double)(j + (k == 2 || k == 3)) / NET;
+                p[k] = (sgt_vec3){0, reach * (2 * y - 1), low + (high - low) * z};
+                f[k] = s.ops->value(s.self, p[k], NULL);
+                if (k > 0 && crosses(p[k - 1], f[k - 1], p[k], f[k], &end[ends])) ends++;
+            }
+            for (int k = 0; k + 1 < ends; k += 2) {
+                *stroke = memory_room(*stroke, count, &room, sizeof **stroke);
+                (*stroke)[count][0] = end[k], (*stroke)[count][1] = end[k + 1];
+                count++;
+            }
+        }
+    return count;
+}

@@ -1,0 +1,186 @@
+/* undecided.c - the stretch that is left of a ray, and a reason.
+ *
+ * The library says what is left, [lo, hi].  Why, is looked for by asking once more what is to be seen there: every
+ * entry, without a proof and without the rim.  What is said of these is true as it stands, and how far each is from
+ * the rim is worked out here. */
+#include "undecided.h"
+
+#include "frame.h"
+#include "../base/memory.h"
+#include "../base/number.h"
+#include "profile.h"
+#include "../read/surface.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { ENTRIES = 32, DEFAULT_EVALS = 2000 /* sagitta.h */, PLACES_SIZE = 5 * NUMBER_SIZE, REASON_SIZE = 2 * PLACES_SIZE };
+
+static const char RIM[] = "semi_diameter";
+
+bool undecided_has_rim(sgt_surface s) { return surface_number(s, RIM) != NULL; }
+
+bare_surface undecided_without_rim(sgt_surface s)
+{
+    bare_surface b = {.surface = s, .terms = s.ops != &sgt_conic_ops};
+    const double *rim = surface_number(s, RIM), *c = surface_number(s, "curvature"), *k = surface_number(s, "conic");
+    if (!rim) return b;
+    size_t size = surface_row(s)->size;
+    char *bare = memory_take(1, size);
+    memcpy(bare, s.self, size);
+    memset(bare + ((const char *)rim - (const char *)s.self), 0, sizeof *rim);
+    b.surface.self = bare;
+    b.rim = *rim;
+    if (!surface_number(s, "curvature_x")) b.c = c ? *c : 0, b.k = k ? *k : 0; /* else it is that of one section alone */
+    if (s.ops == &sgt_asphere_ops) {
+        const sgt_asphere *asphere = s.self;
+        b.terms = false;
+        for (int i = 0; i < 8; i++) b.terms = b.terms || asphere->a[i] != 0;
+    }
+    return b;
+}
+
+/* ------------------------------------------------------- what is to be seen */
+
+typedef struct view {
+    sgt_hit root[ENTRIES];   /* inside the rim, or as good as on it */
+    int roots, at_rim;       /* at_rim: which of them is on it; -1: none */
+    double rim;
+} view;
+
+/* The rim is soft by a part in 2^44 of r^2 (surfaces.h). */
+static double edge_of(double rim) { return rim * (1 + 0x1p-45); }
+
+/* 0: on the rim, as far as rounding lets it be told. */
+static int side_of_rim(const sgt_hit *root, double rim)
+{
+    double r = hypot(root->p.x, root->p.y), edge = edge_of(rim), slack = 2 * root->p_err + 0x1p-50 * edge;
+    if (!(rim > 0) || r < edge - slack) return -1;
+    return r > edge + slack ? 1 : 0;
+}
+
+static view look(const search *s)
+{
+    view v = {.at_rim = -1, .rim = s->semi_diameter};
+    bare_surface b = undecided_without_rim(s->surface);
+    if (!(v.rim > 0)) v.rim = b.rim;
+    sgt_hit entry[ENTRIES];
+    const sgt_options plain = {.t_tol = s->asked->t_tol};
+    int count = sgt_intersect_all(b.surface, s->ray, ENTRIES, entry, &plain);
+    for (int i = 0; i < count && i < ENTRIES; i++) {
+        if (entry[i].status < 0 || entry[i].hi < s->hit->lo || entry[i].lo > s->hit->hi) continue;
+        int side = side_of_rim(&entry[i], v.rim);
+        if (side == 0) v.at_rim = v.roots;
+        if (side <= 0) v.root[v.roots++] = entry[i];
+    }
+    return v;
+}
+
+/* ---------------------------------------------------------------- the reason */
+
+static const char budget_spent[] = "--max-evals was spent first";
+
+/* "t = 1.5 and 2", "t = 1, 2, 3 and 2 more" */
+static void print_places(char text[PLACES_SIZE], const view *v)
+{
+    enum { SHOWN = 3 };
+    int length = 0;
+    for (int i = 0; i < v->roots && i < SHOWN; i++) {
+        char at[NUMBER_SIZE];
+        number_print(at, v->root[i].t, false);
+        const char *before = i == 0 ? "t = " : i + 1 == v->roots ? " and " : ", ";
+        length += snprintf(text + length, (size_t)(PLACES_SIZE - length), "%s%s", before, at);
+    }
+    if (v->roots > SHOWN) snprintf(text + length, (size_t)(PLACES_SIZE - length), " and %d more", v->roots - SHOWN);
+}
+
+/* At t: does the ray run along the surface, to a thousandth of a radian, or along the equator, where it ends? */
+static const char *print_where(const search *s, double t)
+{
+    const sgt_vec3 d = s->ray.d, p = vector_along(s->ray.o, d, t);
+    bare_surface b = undecided_without_rim(s->surface);
+    sgt_vec3 n;
+    if (b.k > -1 && fabs((1 + b.k) * b.c * b.c * (p.x * p.x + p.y * p.y) - 1) < 1e-12) return "at the equator, where the surface ends, ";
+    double f = s->surface.ops->value(s->surface.self, p, &n);
+    return isfinite(f) && fabs(vector_dot(n, d)) < 1e-3 * vector_length(n) * vector_length(d) ? "the ray grazes; " : "";
+}
+
+/* Under a proof the library tells no budget from other reasons. */
+static bool is_spent(const search *s)
+{
+    sgt_options same = *s->asked;
+    same.proof = SGT_ESTIMATE, same.watch = NULL;
+    return s->hit->evals >= (same.max_evals ? same.max_evals : DEFAULT_EVALS) || sgt_intersect(s->surface, s->ray, &same).status == SGT_EXHAUSTED;
+}
+
+static void print_reason_of_unproven(char text[REASON_SIZE], const search *s)
+{
+    if (s->fast) {
+        snprintf(text, REASON_SIZE, "no root was seen, which proves nothing");
+        return;
+    }
+    if (is_spent(s)) {
+        snprintf(text, REASON_SIZE, "%s", budget_spent);
+        return;
+    }
+    view v = look(s);
+    char places[PLACES_SIZE];
+    print_places(places, &v);
+    if (v.rim > 0 && !(v.rim * v.rim > 0x1p-960)) {
+        snprintf(text, REASON_SIZE, "nothing can be told of a semi_diameter so small that its square is lost");
+    } else if (v.at_rim >= 0) {
+        const sgt_hit *h = &v.root[v.at_rim];
+        char t[NUMBER_SIZE], r[NUMBER_SIZE], edge[NUMBER_SIZE];
+        number_print(t, h->t, false);
+        number_print(r, hypot(h->p.x, h->p.y), false);
+        number_print(edge, edge_of(v.rim), false);
+        snprintf(text, REASON_SIZE, "rounding hides on which side of the rim the root at t = %s is: r = %s, and the rim ends at %s", t, r, edge);
+    } else if (v.roots > 1 && s->near_seed && s->asked->proof == SGT_PROVE_FIRST) {
+        const char *which = profile_is_sag(s->surface) ? "near the vertex" : "that is picked";
+        snprintf(text, REASON_SIZE, "the root %s is not the only one: it meets the surface at %s", which, places);
+    } else if (v.roots > 1) {
+        snprintf(text, REASON_SIZE, "it meets the surface at %s, and none of these roots is proven", places);
+    } else if (v.roots == 1 && v.root[0].status == SGT_GRAZE) {
+        snprintf(text, REASON_SIZE, "it touches the surface at %s as far as can be told: one root, two or none", places);
+    } else if (v.roots == 1) {
+        snprintf(text, REASON_SIZE, "%sthere is a root at %s, at most %.2g off; that there is no other is not proven%s", print_where(s, v.root[0].t), places,
+                 v.root[0].t_err, s->asked->t_tol > 0 ? ", and may be with a smaller --t-tol" : "");
+    } else {
+        snprintf(text, REASON_SIZE, "%sthere may be a root or none: rounding does not let it be told", print_where(s, 0.5 * s->hit->lo + 0.5 * s->hit->hi));
+    }
+}
+
+static void print_reason(char text[REASON_SIZE], const search *s)
+{
+    switch (s->hit->status) {
+    case SGT_UNPROVEN: print_reason_of_unproven(text, s); break;
+    case SGT_UNDEFINED: snprintf(text, REASON_SIZE, "F is NaN where the root would have to be"); break;
+    case SGT_EXHAUSTED: snprintf(text, REASON_SIZE, "%s", budget_spent); break;
+    case SGT_INVALID: snprintf(text, REASON_SIZE, "this is no ray, or no surface"); break;
+    default: snprintf(text, REASON_SIZE, "no answer");
+    }
+}
+
+/* " from t = 1 to 2"; nothing of the whole ray. */
+static void print_stretch(char text[REASON_SIZE], const search *s)
+{
+    char from[NUMBER_SIZE], to[NUMBER_SIZE];
+    double lo = s->hit->lo, hi = s->hit->hi, tmax = s->ray.tmax == 0 && s->ray.tmin >= 0 ? HUGE_VAL : s->ray.tmax;
+    bool starts = lo > s->ray.tmin, ends = hi < tmax;
+    number_print(from, lo, false);
+    number_print(to, hi, false);
+    *text = 0;
+    if (starts && ends && strcmp(from, to) == 0) snprintf(text, REASON_SIZE, " at t = %s", from);
+    else if (starts && ends) snprintf(text, REASON_SIZE, " from t = %s to %s", from, to);
+    else if (starts) snprintf(text, REASON_SIZE, " from t = %s on", from);
+    else if (ends) snprintf(text, REASON_SIZE, " up to t = %s", to);
+}
+
+void undecided_explain(table *t, const char *who, const search *s)
+{
+    char stretch[REASON_SIZE], reason[REASON_SIZE];
+    print_stretch(stretch, s);
+    print_reason(reason, s);
+    table_line(t, "%s%s%s: %s.", who, sgt_status_text(s->hit->status), stretch, reason);
+}

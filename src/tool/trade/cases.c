@@ -1,0 +1,356 @@
+/* cases.c - surfaces, rays, and the settings to try on them.
+ *
+ * One knob is turned at a time, all others as they are by default: the batch; status, t, t_err, p, n (of a
+ * lens fate, the last point and direction, the path); t_tol 0; the default budget and pick.  The budgets
+ * tried halve what the worst ray takes by default, three times.
+ *
+ * RAYS BY DEFAULT.  Of a sag: origins uniform in a disk of radius r at z = -2 r, l and m uniform in
+ * +-0.15, where r is 5/8 of semi_diameter or of the norm of its polynomials or of half a grid, or 1/4 of a radius, the
+ * smallest (1 where there is none).  Of a body or a level set: from anywhere on a sphere about the origin of its frame,
+ * of 1.5 times its reach (as far as the axes meet it; the level set's escape), toward any point within 3/4 of it.  Random numbers are splitmix64's (Steele, Lea, Flood 2014,
+ * OOPSLA), from 0x1234567: always the same rays. */
+#include "trade.h"
+
+#include "../job/launch.h"
+#include "../base/memory.h"
+#include "../show/profile.h"
+#include "../read/surface.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { RAYS_DEFAULT = 1000, GRID_DEFAULT = 21 };
+
+/* ------------------------------------------------------------------- rays */
+
+static double unit_random(uint64_t *state)
+{
+    uint64_t z = *state += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static const double TURN = 6.283185307179586;
+
+static sgt_ray sag_ray(uint64_t *state, double reach)
+{
+    double r = reach * sqrt(unit_random(state)), angle = TURN * unit_random(state);
+    double l = 0.15 * (2 * unit_random(state) - 1), m = 0.15 * (2 * unit_random(state) - 1);
+    return (sgt_ray){.o = {r * cos(angle), r * sin(angle), -2 * reach}, .d = {l, m, sqrt(1 - l * l - m * m)}};
+}
+
+static sgt_vec3 on_sphere(uint64_t *state, double radius)
+{
+    double z = 2 * unit_random(state) - 1, r = sqrt(1 - z * z), angle = TURN * unit_random(state);
+    return (sgt_vec3){radius * r * cos(angle), radius * r * sin(angle), radius * z};
+}
+
+static sgt_ray set_ray(uint64_t *state, double escape)
+{
+    sgt_vec3 o = on_sphere(state, 1.5 * escape), to = on_sphere(state, 0.75 * escape * cbrt(unit_random(state)));
+    sgt_vec3 d = {to.x - o.x, to.y - o.y, to.z - o.z};
+    double length = sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    return (sgt_ray){.o = o, .d = {d.x / length, d.y / length, d.z / length}};
+}
+
+/* Half the ball's chord on the line through the origin: how far the set reaches, about. */
+static double half_chord(sgt_surface s)
+{
+    sgt_span span = s.ops->span(s.self, &(sgt_ray){.o = {0, 0, 0}, .d = {0, 0, 1}});
+    double half = 0.5 * (span.hi - span.lo);
+    return half > 0 && half < HUGE_VAL ? half : 1;
+}
+
+static double body_reach(sgt_surface s)
+{
+    enum { ROOTS = 8 };
+    double reach = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        sgt_hit hit[ROOTS];
+        sgt_ray line = {.d = {axis == 0, axis == 1, axis == 2}, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
+        int count = sgt_intersect_all(s, line, ROOTS, hit, NULL);
+        for (int i = 0; i < count && i < ROOTS; i++)
+            if (hit[i].status > 0) reach = fmax(reach, fabs(hit[i].t));
+    }
+    return reach > 0 && reach < HUGE_VAL ? reach : 1;
+}
+
+static double sag_reach(sgt_surface s)
+{
+    static const struct { const char *key; bool curvature; } limit[] = {
+        {"semi_diameter", false}, {"norm", false}, {"norm_x", false}, {"norm_y", false},
+        {"curvature", true}, {"curvature_x", true}, {"curvature_y", true},
+    };
+    double reach = HUGE_VAL;
+    for (size_t i = 0; i < sizeof limit / sizeof limit[0]; i++) {
+        const double *x = surface_number(s, limit[i].key);
+        if (x && *x != 0) reach = fmin(reach, limit[i].curvature ? 0.25 / fabs(*x) : 0.625 * *x);
+    }
+    if (s.ops == &sgt_grid_ops) {
+        const sgt_grid *g = s.self;
+        if (g->z.rows) reach = fmin(reach, 0.3125 * fmin(g->step_x * (double)(g->z.columns - 1), g->step_y * (double)(g->z.rows - 1)));
+    }
+    return reach < HUGE_VAL ? reach : 1;
+}
+
+static ray_list default_rays(sgt_surface s)
+{
+    ray_list list = {.count = 0};
+    uint64_t state = 0x1234567;
+    bool sag = profile_is_sag(s);
+    double reach = sag ? sag_reach(s) : s.ops->estimate ? half_chord(s) : body_reach(s);
+    for (int i = 0; i < RAYS_DEFAULT; i++) rays_add(&list, (launch){.ray = sag ? sag_ray(&state, reach) : set_ray(&state, reach)});
+    return list;
+}
+
+/* ------------------------------------------------------------------ cases */
+
+static trade_case *add_case(trade *t, const char *name, const ray_list *rays)
+{
+    t->list = memory_room(t->list, t->count, &t->capacity, sizeof *t->list);
+    trade_case *c = &t->list[t->count++];
+    *c = (trade_case){.name = name, .rays = rays->count, .ray = memory_take(rays->count, sizeof *c->ray)};
+    double *array[8];
+    for (int k = 0; k < 8; k++) array[k] = memory_take(rays->count, sizeof **array);
+    bool ended = false;
+    for (size_t i = 0; i < c->rays; i++) {
+        const sgt_ray *r = &rays->ray[i].ray;
+        const double number[8] = {r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z, r->tmin, r->tmax == 0 && r->tmin >= 0 ? HUGE_VAL : r->tmax};
+        for (int k = 0; k < 8; k++) array[k][i] = number[k];
+        ended = ended || number[6] != 0 || number[7] < HUGE_VAL;
+        c->ray[i] = *r;
+    }
+    c->columns = (sgt_rays){.o = {array[0], array[1], array[2]}, .d = {array[3], array[4], array[5]}};
+    if (ended) c->columns.tmin = array[6], c->columns.tmax = array[7];
+    return c;
+}
+
+const char *const trade_knob_name[KNOBS] = {"default", "single", "out", "t_tol", "max_evals", "pick", "proof", "dt_min", "iterations"};
+
+static void add(trade_case *c, setting s, knob turned, const char *format, ...) LIKE_PRINTF(4, 5);
+
+static void add(trade_case *c, setting s, knob turned, const char *format, ...)
+{
+    va_list values;
+    va_start(values, format);
+    vsnprintf(s.name, sizeof s.name, format, values);
+    va_end(values);
+    s.turned = turned;
+    c->setting = memory_room(c->setting, c->settings, &c->capacity, sizeof *c->setting);
+    c->setting[c->settings++] = s;
+}
+
+/* 1e-9, and not 1e-09; 1e-1 and 1e-2 in one way. */
+static const char *brief(double x)
+{
+    char text[40];
+    int digits = 0;
+    do snprintf(text, sizeof text, "%.*e", digits, x);
+    while (strtod(text, NULL) != x && digits++ < 16);
+    if (x >= 1) snprintf(text, sizeof text, "%.17g", x);
+    char *e = strstr(text, "e-0");
+    if (e) memmove(e + 2, e + 3, strlen(e + 3) + 1);
+    return memory_text(text, strlen(text));
+}
+
+static const knob_list *given_or(const knob_list *given, const knob_list *otherwise) { return given->count ? given : otherwise; }
+
+static const char *const proof_name[] = {"estimate", "root", "first"};
+
+/* One knob after another; seed (of any but a level set) and set: whose knobs are of use. */
+static void add_settings(trade_case *c, const trade_options *o, setting base, bool seed, bool set)
+{
+    static const knob_list t_tol = {4, {1e-12, 1e-9, 1e-6, 1e-3}}, dt_min = {4, {1e-1, 1e-2, 1e-3, 1e-4}};
+    setting s = base;
+    add(c, base, KNOB_NONE, "default");
+    s.single = true, add(c, s, KNOB_CALL, "single"), s = base;
+    s.outputs = OUTPUTS_LEAST, add(c, s, KNOB_OUTPUTS, c->lens ? "out=point" : "out=t");
+    s.outputs = OUTPUTS_ALL, add(c, s, KNOB_OUTPUTS, "out=all"), s = base;
+    const knob_list *list = given_or(&o->t_tol, &t_tol);
+    for (size_t i = 0; i < list->count; i++) {
+        s.options.t_tol = list->value[i];
+        add(c, s, KNOB_T_TOL, "t_tol=%s", brief(list->value[i]));
+    }
+    s = base;
+    knob_list budgets = {0};
+    for (int most = trade_most_evals(c, &base) / 2; most > 0 && budgets.count < 3; most /= 2) budgets.value[budgets.count++] = most;
+    list = given_or(&o->max_evals, &budgets);
+    for (size_t i = 0; i < list->count; i++) {
+        s.options.max_evals = (int)list->value[i];
+        add(c, s, KNOB_MAX_EVALS, "max_evals=%d", s.options.max_evals);
+    }
+    s = base;
+    if (seed && o->pick == SGT_PICK_DEFAULT) {
+        s.options.pick = c->lens ? SGT_FIRST : SGT_NEAR_SEED;
+        s.truth = trade_truth(c, &s);
+        add(c, s, KNOB_PICK, "pick=%s", c->lens ? "first" : "near-seed"), s = base;
+    }
+    static const sgt_proof proofs[] = {SGT_PROVE_ROOT, SGT_PROVE_FIRST};
+    size_t count = o->proofs ? o->proofs : sizeof proofs / sizeof proofs[0];
+    for (size_t i = 0; i < count; i++) {
+        s.options.proof = o->proofs ? o->proof[i] : proofs[i];
+        add(c, s, KNOB_PROOF, "proof=%s", proof_name[s.options.proof]);
+    }
+    s = base;
+    list = given_or(&o->dt_min, &dt_min);
+    for (size_t i = 0; set && i < list->count; i++) {
+        s.options.dt_min = list->value[i];
+        add(c, s, KNOB_DT_MIN, "dt_min=%s", brief(list->value[i]));
+    }
+}
+
+/* ------------------------------------------------- the number of iterations */
+
+/* Where a surface has its N; NULL: it has none. */
+static const sgt_param *iterations_of(const sgt_builtin *b)
+{
+    for (const sgt_param *p = b->params; b->type && p->name; p++)
+        if (strcmp(p->name, "iterations") == 0) return p;
+    return NULL;
+}
+
+/* The same surface with another N; self NULL: it cannot have that. */
+static sgt_surface with_iterations(sgt_surface s, int n)
+{
+    const sgt_builtin *b = surface_row(s);
+    char *self = memory_take(1, b->size);
+    memcpy(self, s.self, b->size);
+    memcpy(self + iterations_of(b)->offset, &n, sizeof n);
+    if (b->object && b->object(self).reason) return (sgt_surface){.ops = s.ops, .self = NULL};
+    return (sgt_surface){.ops = s.ops, .self = self};
+}
+
+static void iterations_case(trade *t, const trade_options *o, const char *name, const char *about, sgt_surface s, const ray_list *rays)
+{
+    const sgt_param *p = iterations_of(surface_row(s));
+    int own, deepest = 0;
+    if (!p) return;
+    memcpy(&own, (const char *)s.self + p->offset, sizeof own);
+    if (own == 0) own = 10;
+    knob_list around = {0};
+    for (int n = own - 4; n <= own + 4; n += 2)
+        if (n >= 1 && n <= p->hi && with_iterations(s, n).self) around.value[around.count++] = n;
+    const knob_list *list = given_or(&o->iterations, &around);
+    for (size_t i = 0; i < list->count; i++) {
+        int n = (int)list->value[i];
+        if (!with_iterations(s, n).self) fail_usage("--iterations %d: more than this surface can have", n);
+        if (n > deepest) deepest = n;
+    }
+    if (list->count < 2) return;
+    trade_case *c = add_case(t, memory_text(name, strlen(name)), rays);
+    snprintf(c->about, sizeof c->about, "%.300s; errors against N = %d", about, deepest);
+    setting s_of_n = {.surface = with_iterations(s, deepest), .outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
+    s_of_n.truth = trade_truth(c, &s_of_n);
+    for (size_t i = 0; i < list->count; i++) {
+        int n = (int)list->value[i];
+        s_of_n.surface = with_iterations(s, n);
+        s_of_n.other_model = n != deepest;
+        add(c, s_of_n, KNOB_ITERATIONS, "iterations=%d", n);
+    }
+}
+
+/* ------------------------------------------------------ surfaces and lenses */
+
+/* "--surface", or "element 2": of which type?  An error unless its errors can be told. */
+static void check_known(const char *which, const char *type, sgt_surface s)
+{
+    if (quad_formula_of(s)) return;
+    fail_usage("%s: of a surface about the Earth (%s) errors cannot be told: there is no formula in 113 bits of it here", which, type);
+}
+
+static void surface_case(trade *t, const trade_options *o, const char *name, const char *about, sgt_surface s)
+{
+    check_known("--surface", name, s);
+    ray_list given = o->rays, rays = given.count ? given : default_rays(s);
+    trade_case *c = add_case(t, name, &rays);
+    snprintf(c->about, sizeof c->about, "%.300s", about);
+    setting base = {.surface = s, .outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
+    base.truth = trade_truth(c, &base);
+    add_settings(c, o, base, !s.ops->estimate, s.ops->estimate);
+    char deeper[100];
+    snprintf(deeper, sizeof deeper, "%.60s-iterations", name);
+    iterations_case(t, o, deeper, about, s, &rays);
+}
+
+static void lens_case(trade *t, const trade_options *o, const char *name, const job *j)
+{
+    bool seed = false, set = false;
+    for (size_t i = 0; i < j->lens.count; i++) {
+        char which[40];
+        snprintf(which, sizeof which, "element %zu", i + 1);
+        check_known(which, j->lens.surface[i].type, j->element[i].surface);
+        seed = seed || !j->element[i].surface.ops->estimate;
+        set = set || j->element[i].surface.ops->estimate;
+    }
+    trade_case *c = add_case(t, name, &j->rays);
+    c->lens = j;
+    snprintf(c->about, sizeof c->about, "%zu elements%s%.20s", j->lens.count, *j->lens.units ? ", lengths in " : "", j->lens.units);
+    setting base = {.outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
+    base.truth = trade_truth(c, &base);
+    add_settings(c, o, base, seed, set);
+}
+
+/* The scan lens of examples/lenses/ftheta.yaml, at its first wavelength. */
+static const job *scan_lens(void)
+{
+    static const struct { double radius, thickness, index, semi_diameter; } row[] = {
+        {HUGE_VAL, 5, 1, 0.5},          {-2.2136, 0.3, 1.84666, 2.0},  {-2.6575, 0.02, 1, 2.25},    {-5.5022, 0.5292, 1.84666, 2.5},
+        {-3.8129, 4.2927, 1, 2.6},      {7.9951, 0.59, 1.84666, 4.05}, {8.3651, 18.0014, 1, 4.0},   {HUGE_VAL, 0, 1, 7.2},
+    };
+    static const double field[] = {0, 10, 20};
+    enum { COUNT = sizeof row / sizeof row[0] };
+    sgt_conic *sag = memory_take(COUNT, sizeof *sag);
+    job *j = memory_take(1, sizeof *j);
+    j->lens = (lens){.name = "f-theta scan lens", .units = "in", .wavelengths = 1, .wavelength = 0.5876, .object_distance = HUGE_VAL,
+                     .object_index = 1, .pupil_semi_diameter = 0.5, .pupil_distance = 0, .count = COUNT,
+                     .element = memory_take(COUNT, sizeof *j->lens.element), .surface = memory_take(COUNT, sizeof *j->lens.surface)};
+    double z = 0;
+    for (int i = 0; i < COUNT; i++) {
+        sag[i].c = 1 / row[i].radius;
+        j->lens.surface[i] = (lens_surface){.type = isinf(row[i].radius) ? "plane" : "sphere", .index = row[i].index, .z = z};
+        j->lens.element[i] = (sgt_element){.surface = {&sgt_conic_ops, &sag[i]}, .pose = {.origin = {0, 0, z}},
+                                           .index = row[i].index, .semi_diameter = row[i].semi_diameter};
+        z += row[i].thickness;
+    }
+    j->element = j->lens.element;
+    j->fields = 3, j->field = field;
+    for (size_t f = 0; f < j->fields; f++) launch_field(&j->rays, &j->lens, f, field[f], PUPIL_GRID, GRID_DEFAULT);
+    return j;
+}
+
+static void default_set(trade *t, const trade_options *o)
+{
+    static const sgt_conic conic = {.c = 0.1, .k = -0.6};
+    static const sgt_asphere asphere = {.c = 0.1, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
+    static const sgt_julia julia = {.c = {-0.083, 0, -0.83, -0.025}, .iterations = 7};
+    surface_case(t, o, "conic", "R = 10, k = -0.6", (sgt_surface){&sgt_conic_ops, &conic});
+    surface_case(t, o, "asphere", "that conic with 1e-4 r^4 - 2e-6 r^6 + 1e-8 r^8, semi-diameter 4", (sgt_surface){&sgt_asphere_ops, &asphere});
+    lens_case(t, o, "scan-lens", scan_lens());
+    surface_case(t, o, "julia", "c = (-0.083, 0, -0.83, -0.025), N = 7", (sgt_surface){&sgt_julia_ops, &julia});
+}
+
+trade trade_cases(const trade_options *o)
+{
+    trade t = {.count = 0};
+    if (o->surface) {
+        const char *type;
+        sgt_surface s = surface_parse_typed("--surface", o->surface, &type);
+        trade_options with_rays = *o;
+        if (o->job.rays) rays_read(&with_rays.rays, o->job.rays, o->job.skip_bad);
+        surface_case(&t, &with_rays, type, o->surface, s);
+    } else if (o->job.lens) {
+        job *j = memory_take(1, sizeof *j);
+        job_options asked = o->job;
+        if (!asked.rays && !asked.fan && !asked.grid) asked.grid = GRID_DEFAULT;
+        *j = job_read(&asked);
+        lens_case(&t, o, *j->lens.name ? j->lens.name : o->job.lens, j);
+    } else {
+        default_set(&t, o);
+    }
+    return t;
+}

@@ -1,0 +1,478 @@
+/* measure.c - how long a setting takes, and how far off it is.
+ *
+ * ERRORS are those of every ray, against its truth: the library's answer at full care says which root is
+ * meant, and Newton's method in 113 bits (quad.c) where it is.  Rays that are undecided even so, or on
+ * which that method does not come to rest (a graze), have no truth and count in no error.
+ *
+ * TIMES are the thread's own, of a call with the rays in memory.  Each setting runs as often in a row as
+ * fills its share of the seconds; all settings take turns, in another order each round, so that a busy
+ * moment of the machine falls on none alone; the median of the rounds counts.  Their spread is an interval that
+ * holds the true median with 95 % whatever the times are like, from one of them to another (order statistics, David
+ * and Nagaraja 2003, section 7.1): of 31 rounds from the 10th to the 22nd, of few all.  Times are told apart only
+ * where their spreads do not touch. */
+#include "trade.h"
+
+#include "../base/memory.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { ROUNDS = 31, ROUNDS_LEAST = 5 };
+
+/* --------------------------------------------------------------- one call */
+
+/* Room for all that a surface or a lens can tell of its rays. */
+typedef struct answers {
+    sgt_hits hits;
+    sgt_traced traced;
+    sgt_passages *element;   /* [elements] */
+    sgt_passage *passage;    /* [elements], of one ray */
+} answers;
+
+static double *numbers(size_t n) { return memory_take(n, sizeof(double)); }
+
+static sgt_hits room_for_hits(size_t n)
+{
+    sgt_hits h = {.status = memory_take(n, 1), .evals = memory_take(n, sizeof(int)), .t = numbers(n), .t_err = numbers(n),
+                  .t_lo = numbers(n), .p_err = numbers(n)};
+    for (int k = 0; k < 3; k++) h.p[k] = numbers(n), h.n[k] = numbers(n);
+    return h;
+}
+
+static answers room_for(const trade_case *c)
+{
+    answers a = {.element = NULL};
+    if (!c->lens) {
+        a.hits = room_for_hits(c->rays);
+        return a;
+    }
+    a.traced = (sgt_traced){.fate = memory_take(c->rays, 1), .passed = memory_take(c->rays, sizeof(int)), .opl = numbers(c->rays)};
+    for (int k = 0; k < 3; k++) a.traced.o[k] = numbers(c->rays), a.traced.d[k] = numbers(c->rays);
+    a.element = memory_take(c->lens->lens.count, sizeof *a.element);
+    a.passage = memory_take(c->lens->lens.count, sizeof *a.passage);
+    for (size_t i = 0; i < c->lens->lens.count; i++) {
+        a.element[i] = (sgt_passages){.hits = room_for_hits(c->rays), .opl = numbers(c->rays)};
+        for (int k = 0; k < 3; k++) a.element[i].direction[k] = numbers(c->rays);
+    }
+    return a;
+}
+
+static void put(double *const to[3], size_t i, sgt_vec3 v)
+{
+    if (to[0]) to[0][i] = v.x, to[1][i] = v.y, to[2][i] = v.z;
+}
+
+static void put_hit(const sgt_hits *to, size_t i, const sgt_hit *h)
+{
+    if (to->status) to->status[i] = (signed char)h->status;
+    if (to->evals) to->evals[i] = h->evals;
+    if (to->t) to->t[i] = h->t;
+    if (to->t_err) to->t_err[i] = h->t_err;
+    if (to->t_lo) to->t_lo[i] = h->t_lo;
+    if (to->p_err) to->p_err[i] = h->p_err;
+    put(to->p, i, h->p);
+    put(to->n, i, h->n);
+}
+
+static void meet_surface(const trade_case *c, const setting *s, const sgt_hits *to)
+{
+    if (!s->single) {
+        sgt_intersect_batch(s->surface, c->rays, c->columns, *to, &s->options);
+        return;
+    }
+    for (size_t i = 0; i < c->rays; i++) {
+        sgt_hit h = sgt_intersect(s->surface, c->ray[i], &s->options);
+        put_hit(to, i, &h);
+    }
+}
+
+static void trace_lens(const trade_case *c, const setting *s, const sgt_traced *to, const sgt_passages *element, sgt_passage *passage)
+{
+    const job *j = c->lens;
+    if (!s->single) {
+        sgt_trace_batch(j->lens.count, j->element, j->lens.object_index, c->rays, c->columns, *to, element, &s->options);
+        return;
+    }
+    for (size_t i = 0; i < c->rays; i++) {
+        sgt_ray ray = c->ray[i];
+        sgt_fate fate;
+        size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &ray, passage, &fate, &s->options);
+        if (to->fate) to->fate[i] = (signed char)fate;
+        if (to->passed) to->passed[i] = (int)passed;
+        if (to->opl) to->opl[i] = passed ? passage[passed - 1].opl : 0;
+        put(to->o, i, ray.o);
+        put(to->d, i, ray.d);
+        size_t reached = passed + (fate != SGT_PASSED);
+        for (size_t e = 0; element && e < j->lens.count; e++)
+            put_hit(&element[e].hits, i, e < reached ? &passage[e].hit : &(sgt_hit){.status = SGT_MISS});
+    }
+}
+
+/* The call with the outputs that are asked for. */
+static void call(const trade_case *c, const setting *s, outputs wanted, answers *a)
+{
+    bool all = wanted == OUTPUTS_ALL, least = wanted == OUTPUTS_LEAST;
+    if (c->lens) {
+        sgt_traced to = a->traced;
+        if (least) to = (sgt_traced){.o = {to.o[0], to.o[1], to.o[2]}};
+        else if (!all) to.passed = NULL;
+        trace_lens(c, s, &to, all ? a->element : NULL, a->passage);
+    } else {
+        sgt_hits to = a->hits;
+        if (least) to = (sgt_hits){.t = to.t};
+        else if (!all) to.evals = NULL, to.t_lo = NULL, to.p_err = NULL;
+        meet_surface(c, s, &to);
+    }
+}
+
+/* ------------------------------------------------------------------ truth */
+
+static truth truth_of_hit(sgt_surface s, const sgt_ray *ray, const sgt_hit *h)
+{
+    truth is = {.known = h->status >= 0, .met = h->status > 0};
+    if (!is.met) return is;
+    is.t = (quad)h->t + h->t_lo;
+    is.known = quad_meet(s, ray, &is.t);
+    return is;
+}
+
+static truth truth_of_trace(const job *j, const sgt_ray *ray, const sgt_options *opt, sgt_passage *seen)
+{
+    sgt_ray end = *ray;
+    sgt_fate fate;
+    size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &end, seen, &fate, opt);
+    truth is = {.known = fate >= 0, .met = fate == SGT_PASSED, .kind = (signed char)fate, .passed = (int)passed};
+    if (is.met) is.known = quad_trace(passed, j->element, j->lens.object_index, ray, seen, &is.point, &is.path);
+    return is;
+}
+
+const truth *trade_truth(const trade_case *c, const setting *s)
+{
+    truth *is = memory_take(c->rays, sizeof *is);
+    sgt_passage *seen = c->lens ? memory_take(c->lens->lens.count, sizeof *seen) : NULL;
+    for (size_t i = 0; i < c->rays; i++) {
+        if (c->lens) {
+            is[i] = truth_of_trace(c->lens, &c->ray[i], &s->options, seen);
+        } else {
+            sgt_hit h = sgt_intersect(s->surface, c->ray[i], &s->options);
+            is[i] = truth_of_hit(s->surface, &c->ray[i], &h);
+        }
+    }
+    return is;
+}
+
+/* ----------------------------------------------------------------- errors */
+
+static double distance(quad a, double b)
+{
+    double d = (double)(a - b);
+    return fabs(d);
+}
+
+static int ascending(const void *a, const void *b)
+{
+    const double *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* The smallest that `part` of them do not exceed; NaN of none.  Sorts them. */
+static double quantile(size_t n, double *x, double part)
+{
+    if (n == 0) return (double)NAN;
+    qsort(x, n, sizeof *x, ascending);
+    size_t below = (size_t)ceil(part * (double)n);
+    return x[below > 0 ? below - 1 : 0];
+}
+
+/* So many digits as a measured figure has. */
+static double rounded(double x, int digits)
+{
+    char text[40];
+    snprintf(text, sizeof text, "%.*e", digits - 1, x);
+    return strtod(text, NULL);
+}
+
+static void find_quantiles(setting *s, size_t n, double *error)
+{
+    s->error_median = quantile(n, error, 0.5);
+    s->error_99 = quantile(n, error, 0.99);
+    s->error_worst = quantile(n, error, 1);
+}
+
+/* A root is wrong where the truth is farther off than t_err. */
+static void judge_hits(const trade_case *c, setting *s, const answers *a, double *error)
+{
+    size_t n = 0;
+    long long evals = 0;
+    for (size_t i = 0; i < c->rays; i++) {
+        int status = a->hits.status[i];
+        const truth *is = &s->truth[i];
+        evals += a->hits.evals[i];
+        if (status < 0) s->undecided++;
+        if (status < 0 || !is->known) continue;
+        if ((status > 0) != is->met) {
+            s->wrong++;
+        } else if (is->met) {
+            error[n] = distance(is->t, a->hits.t[i]);
+            if (!s->other_model && !(error[n] <= a->hits.t_err[i])) s->wrong++;
+            n++;
+        }
+    }
+    s->evals = rounded((double)evals / (double)c->rays, 4);
+    find_quantiles(s, n, error);
+}
+
+/* Micrometres in a unit of the lens; NaN of a label that is not known. */
+static double micrometres(const char *unit)
+{
+    static const struct { const char *name; double is; } known[] = {
+        {"um", 1}, {"mm", 1e3}, {"cm", 1e4}, {"m", 1e6}, {"in", 25400}, {"inch", 25400},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if (strcmp(unit, known[i].name) == 0) return known[i].is;
+    return (double)NAN;
+}
+
+/* A trace is wrong where the ray ends elsewhere, or otherwise, than it should. */
+static void judge_traces(const trade_case *c, setting *s, const answers *a, double *error)
+{
+    const job *j = c->lens;
+    size_t n = 0;
+    long long evals = 0;
+    double path = 0;
+    for (size_t i = 0; i < c->rays; i++) {
+        const truth *is = &s->truth[i];
+        int fate = a->traced.fate[i];
+        for (size_t e = 0; e < j->lens.count; e++) evals += a->element[e].hits.evals[i];
+        if (fate < 0) s->undecided++;
+        if (fate < 0 || !is->known) continue;
+        if (fate != is->kind || a->traced.passed[i] != is->passed) {
+            s->wrong++;
+        } else if (is->met) {
+            sgt_vec3 end = {a->traced.o[0][i], a->traced.o[1][i], a->traced.o[2][i]};
+            error[n++] = (double)quad_distance(is->point, end);
+            path = fmax(path, distance(is->path, a->traced.opl[i]));
+        }
+    }
+    s->evals = rounded((double)evals / (double)c->rays, 4);
+    s->path_worst = n ? path : (double)NAN;
+    s->waves_worst = s->path_worst * micrometres(j->lens.units) / j->lens.wavelength;
+    find_quantiles(s, n, error);
+}
+
+static void find_errors(trade_case *c, answers *room)
+{
+    double *error = numbers(c->rays);
+    for (size_t i = 0; i < c->settings; i++) {
+        call(c, &c->setting[i], OUTPUTS_ALL, room);
+        (c->lens ? judge_traces : judge_hits)(c, &c->setting[i], room, error);
+    }
+}
+
+int trade_most_evals(const trade_case *c, const setting *s)
+{
+    answers a = room_for(c);
+    int most = 0;
+    call(c, s, OUTPUTS_ALL, &a);
+    for (size_t e = 0; e < (c->lens ? c->lens->lens.count : 1); e++) {
+        const int *evals = c->lens ? a.element[e].hits.evals : a.hits.evals;
+        for (size_t i = 0; i < c->rays; i++)
+            if (evals[i] > most) most = evals[i];
+    }
+    return most;
+}
+
+/* ------------------------------------------------------------------ times */
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+typedef struct timed {
+    const trade_case *c;
+    setting *s;
+    answers *room;       /* the case's */
+    double repeats, round[ROUNDS];
+} timed;
+
+static double seconds_of(const timed *x)
+{
+    double begin = now();
+    for (double i = 0; i < x->repeats; i++) call(x->c, x->s, x->s->outputs, x->room);
+    return (now() - begin) / x->repeats;
+}
+
+static void shuffle(size_t n, timed *list[])
+{
+    static uint32_t state = 1; /* Marsaglia 2003, Journal of Statistical Software 8(14) */
+    for (size_t i = n; i > 1; i--) {
+        state ^= state << 13, state ^= state >> 17, state ^= state << 5;
+        size_t k = state % i;
+        timed *swapped = list[i - 1];
+        list[i - 1] = list[k], list[k] = swapped;
+    }
+}
+
+static void find_times(trade *t, answers room[], double seconds)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < t->count; i++) n += t->list[i].settings;
+    timed *all = memory_take(n, sizeof *all), **order = memory_take(n, sizeof *order);
+    n = 0;
+    for (size_t i = 0; i < t->count; i++) {
+        trade_case *c = &t->list[i];
+        for (size_t k = 0; k < c->settings; k++, n++) {
+            all[n] = (timed){.c = c, .s = &c->setting[k], .room = &room[i], .repeats = 1};
+            order[n] = &all[n];
+        }
+    }
+    double begin = now(), share = seconds / (double)(ROUNDS * n);
+    for (size_t i = 0; i < n; i++) {
+        double first = seconds_of(&all[i]), again = seconds_of(&all[i]); /* the first brings the rays into the cache */
+        all[i].repeats = fmax(1, ceil(share / fmax(fmin(first, again), 1e-9)));
+    }
+    int rounds = 0;
+    for (; rounds < ROUNDS && (rounds < ROUNDS_LEAST || now() < begin + seconds); rounds++) {
+        shuffle(n, order);
+        for (size_t i = 0; i < n; i++) order[i]->round[rounds] = seconds_of(order[i]);
+    }
+    for (size_t i = 0; i < n; i++) {
+        setting *s = all[i].s;
+        double each = 1e9 / (double)all[i].c->rays;
+        int cut = (int)fmax(0, floor((rounds - 1) / 2.0 - 0.98 * sqrt(rounds)));
+        s->ns = rounded(each * quantile((size_t)rounds, all[i].round, 0.5), 3); /* and sorts them */
+        s->ns_low = rounded(each * all[i].round[cut], 3);
+        s->ns_high = rounded(each * all[i].round[rounds - 1 - cut], 3);
+    }
+}
+
+const setting *trade_base(const trade_case *c)
+{
+    for (size_t i = 0; i < c->settings; i++)
+        if (c->setting[i].turned == KNOB_NONE || (c->setting[i].turned == KNOB_ITERATIONS && !c->setting[i].other_model)) return &c->setting[i];
+    return NULL;
+}
+
+/* --------------------------------------------------------------- the best */
+
+/* Ratios that are no difference: what is not worth turning a knob for, and what rounding errors do. */
+static const double SAME_TIME = 1.1, SAME_ERROR = 2;
+
+/* By more than the spread of the rounds, and so much that it matters. */
+static bool slower(const setting *a, const setting *b) { return a->ns > SAME_TIME * b->ns && a->ns_low > b->ns_high; }
+
+/* Is it worse in something?  An error is no worse than another's that is told of fewer rays. */
+static bool worse(const setting *a, const setting *b)
+{
+    bool far = a->error_99 > SAME_ERROR * b->error_99 && b->undecided <= a->undecided;
+    return slower(a, b) || far || a->undecided > b->undecided || a->wrong > b->wrong;
+}
+
+bool trade_same(const setting *a, const setting *b)
+{
+    return isnan(a->error_99) == isnan(b->error_99) && !worse(a, b) && !worse(b, a);
+}
+
+/* Has it all that the other has, outputs and what is proven? */
+static bool gives(const setting *a, const setting *b) { return a->outputs >= b->outputs && a->options.proof >= b->options.proof; }
+
+static bool beats(const setting *a, const setting *b) { return gives(a, b) && worse(b, a) && !worse(a, b); }
+
+typedef enum standing { OPEN, BEST, BEATEN } standing;
+
+static standing standing_of(const trade_case *c, size_t i, const standing now[])
+{
+    bool open = false;
+    for (size_t k = 0; k < c->settings; k++) {
+        if (now[k] == BEATEN || !beats(&c->setting[k], &c->setting[i])) continue;
+        if (now[k] == BEST) return BEATEN;
+        open = true;
+    }
+    return open ? OPEN : BEST;
+}
+
+/* Best are those that no best one beats, and of several that are the same the first alone: the default, or what is
+ * turned least.  What changes nothing against the default is out.  With what counts as equal, "beats" is not handed on: what beats
+ * a setting may be beaten itself by one that does not beat it.  So settings are told one from another,
+ * round by round, until nothing changes. */
+static void find_best(trade_case *c)
+{
+    standing *now = memory_take(c->settings, sizeof *now);
+    const setting *base = trade_base(c);
+    for (size_t i = 0; i < c->settings; i++) {
+        const setting *s = &c->setting[i];
+        bool nothing = base && s != base && gives(base, s) && trade_same(base, s);
+        if (nothing || isnan(s->error_99)) now[i] = BEATEN; /* what meets nothing is fast for nothing */
+    }
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (size_t i = 0; i < c->settings; i++)
+            if (now[i] == OPEN && (now[i] = standing_of(c, i, now)) != OPEN) changed = true;
+    }
+    for (size_t i = 0; i < c->settings; i++) {
+        setting *s = &c->setting[i];
+        s->best = now[i] != BEATEN;
+        for (const setting *k = c->setting; k < s && s->best; k++)
+            if (k->best && gives(k, s) && trade_same(k, s)) s->best = false;
+    }
+}
+
+/* --------------------------------------------------------------- the words */
+
+static void say(setting *s, const char *format, ...) LIKE_PRINTF(2, 3);
+
+static void say(setting *s, const char *format, ...)
+{
+    size_t length = strlen(s->effect);
+    va_list values;
+    if (length) length += (size_t)snprintf(s->effect + length, sizeof s->effect - length, "; ");
+    va_start(values, format);
+    vsnprintf(s->effect + length, sizeof s->effect - length, format, values);
+    va_end(values);
+}
+
+/* 1.52 and 15.2 as 1.5 and 15. */
+static double two_digits(double x) { return x < 100 ? rounded(x, 2) : rounded(x, 3); }
+
+static void say_more(setting *s, size_t now, size_t before, const char *what)
+{
+    if (now == before) return;
+    size_t n = now > before ? now - before : before - now;
+    say(s, "%zu %s ray%s %s", n, now > before ? "more" : "fewer", n == 1 ? "" : "s", what);
+}
+
+static void find_effect(setting *s, const setting *base)
+{
+    if (slower(base, s)) say(s, "%.15g times as fast", two_digits(base->ns / s->ns));
+    if (slower(s, base)) say(s, "%.15g times as slow", two_digits(s->ns / base->ns));
+    if (isnan(s->error_99) && !isnan(base->error_99)) say(s, "no hit is left");
+    else if (s->error_99 > SAME_ERROR * base->error_99 || base->error_99 > SAME_ERROR * s->error_99)
+        say(s, "err_99 %.2g, not %.2g", s->error_99, base->error_99);
+    say_more(s, s->undecided, base->undecided, "undecided");
+    say_more(s, s->wrong, base->wrong, "wrong");
+    if (*s->effect) return;
+    bool apart = s->ns > SAME_TIME * base->ns || base->ns > SAME_TIME * s->ns;
+    say(s, "%s", apart ? "nothing beyond the scatter of the runs" : gives(base, s) ? "changes nothing" : "costs nothing");
+}
+
+void trade_measure(trade *t, double seconds)
+{
+    answers *room = memory_take(t->count, sizeof *room);
+    for (size_t i = 0; i < t->count; i++) room[i] = room_for(&t->list[i]), find_errors(&t->list[i], &room[i]);
+    find_times(t, room, seconds);
+    for (size_t i = 0; i < t->count; i++) {
+        trade_case *c = &t->list[i];
+        const setting *base = trade_base(c);
+        find_best(c);
+        for (size_t k = 0; k < c->settings && base; k++)
+            if (&c->setting[k] != base) find_effect(&c->setting[k], base);
+    }
+}

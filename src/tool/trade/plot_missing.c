@@ -1,0 +1,11 @@
+/* plot_missing.c - in the place of plot.c where there is no cairo. */
+#include "../draw/picture.h"
+#include "trade.h"
+
+void trade_picture_check(void) { picture_check(); }
+
+void trade_picture(const char *file, const trade *t)
+{
+    (void)file, (void)t;
+    picture_check();
+}

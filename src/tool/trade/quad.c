@@ -1,0 +1,125 @@
+/* quad.c - Newton's method in 113 bits, on the formulas of formulas.hpp.
+ *
+ * Of a sag on a conic base the function is the polynomial in z - P that has the same zeros: no square root, and
+ * no equator to fall off.
+ *
+ * The start is right to 50 bits and more, so two steps reach the last bits, and a third sees that
+ * they have.  That it does, to 2^-96 of the coordinates, is what `quad_meet` asks; or, where the many terms of a
+ * polynomial cancel, after all its steps to 2^-72, which tells the errors of doubles still.  A double root does not
+ * come to rest so: there each step halves the last.
+ *
+ * A TRACE takes axes of a pose to be at right angles, as they are meant: the doubles are so to
+ * 2^-50, and are made so here. */
+#include "quad.h"
+
+#include "../base/fail.h"
+
+#include <math.h>
+
+void quad_check(void)
+{
+#ifdef QUAD_MISSING
+    fail_usage("this sagitta was built without numbers of 113 bits, by which errors are told, or without C++, in which their formulas are written");
+#endif
+}
+
+static quad magnitude(quad x) { return x < 0 ? -x : x; }
+static quad larger(quad a, quad b) { return a > b ? a : b; }
+
+/* Newton from the double's root: 53 bits, 105, 113.  0 of what a double cannot tell from it. */
+static quad root(quad x)
+{
+    quad y = sqrt((double)x);
+    if (!(y > 0)) return 0;
+    y = (y + x / y) / 2;
+    return (y + x / y) / 2;
+}
+
+static quad dot(quad3 a, quad3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static quad3 along(quad3 o, quad t, quad3 d) { return (quad3){o.x + t * d.x, o.y + t * d.y, o.z + t * d.z}; }
+static quad3 times(quad k, quad3 a) { return (quad3){k * a.x, k * a.y, k * a.z}; }
+static quad3 unit(quad3 a) { return times(1 / root(dot(a, a)), a); }
+static quad3 widened(sgt_vec3 a) { return (quad3){a.x, a.y, a.z}; }
+static quad size(quad3 a) { return larger(magnitude(a.x), larger(magnitude(a.y), magnitude(a.z))); }
+
+quad quad_distance(quad3 a, sgt_vec3 b)
+{
+    quad3 between = along(a, -1, widened(b));
+    return root(dot(between, between));
+}
+
+/* ------------------------------------------------------------------ roots */
+
+static bool meet(const quad_formula *f, quad3 o, quad3 d, quad *t, quad3 *grad)
+{
+    bool near = false;
+    for (int i = 0; i < 8; i++) {
+        quad g = quad_value(f, along(o, *t, d), grad), step = -g / dot(*grad, d);
+        if (!(magnitude(step) <= (quad)DBL_MAX)) return false; /* a NaN as well */
+        *t += step;
+        quad reach = magnitude(*t) * size(d);
+        if (magnitude(step) * size(d) <= 0x1p-96 * larger(size(o), reach)) return true;
+        near = magnitude(step) * size(d) <= 0x1p-72 * larger(size(o), reach);
+    }
+    return near;
+}
+
+bool quad_meet(sgt_surface s, const sgt_ray *ray, quad *t)
+{
+    quad3 grad;
+    return meet(quad_formula_of(s), widened(ray->o), widened(ray->d), t, &grad);
+}
+
+/* ----------------------------------------------------------------- traces */
+
+static const double SAME_ROOT = 0x1p-26; /* of the lengths that are added up */
+
+typedef struct frame { quad3 origin, x, y, z; } frame;
+
+static frame frame_of(const sgt_pose *pose)
+{
+    frame f = {widened(pose->origin), widened(pose->ex), widened(pose->ey), widened(pose->ez)};
+    if (dot(f.x, f.x) == 0) return (frame){f.origin, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    f.x = unit(f.x);
+    f.y = unit(along(f.y, -dot(f.x, f.y), f.x));
+    f.z = unit(along(along(f.z, -dot(f.x, f.z), f.x), -dot(f.y, f.z), f.y));
+    return f;
+}
+
+static quad3 into(const frame *f, quad3 v) { return (quad3){dot(v, f->x), dot(v, f->y), dot(v, f->z)}; }
+static quad3 out_of(const frame *f, quad3 v) { return along(along(times(v.x, f->x), v.y, f->y), v.z, f->z); }
+
+/* d = r d + (sqrt(1 - r^2 (1 - cos^2)) - r cos) n with n on the side to which the light goes. */
+static quad3 refracted(quad3 d, quad3 n, quad ratio)
+{
+    quad cosine = dot(d, n);
+    if (cosine < 0) n = times(-1, n), cosine = -cosine;
+    quad behind = root(1 - ratio * ratio * (1 - cosine * cosine));
+    return unit(along(times(ratio, d), behind - ratio * cosine, n));
+}
+
+bool quad_trace(size_t passed, const sgt_element e[], double index_before, const sgt_ray *ray, const sgt_passage seen[],
+                quad3 *point, quad *path)
+{
+    quad3 o = widened(ray->o), d = unit(widened(ray->d));
+    quad index = index_before == 0 ? 1 : index_before;
+    *path = 0;
+    for (size_t i = 0; i < passed; i++) {
+        frame f = frame_of(&e[i].pose);
+        quad3 q = into(&f, along(o, -1, f.origin)), v = into(&f, d), grad;
+        quad guess = (quad)seen[i].hit.t + seen[i].hit.t_lo, t = guess;
+        if (!meet(quad_formula_of(e[i].surface), q, v, &t, &grad)) return false;
+        if (!(magnitude(t - guess) <= SAME_ROOT * (size(q) + magnitude(guess)))) return false;
+        o = along(o, t, d);
+        *path += index * t;
+        quad3 n = unit(out_of(&f, grad));
+        if (e[i].index == SGT_MIRROR) {
+            d = unit(along(d, -2 * dot(d, n), n));
+        } else if (e[i].index != 0 && e[i].index != (double)index) {
+            d = refracted(d, n, index / e[i].index);
+            index = e[i].index;
+        }
+    }
+    *point = o;
+    return true;
+}
