@@ -8,7 +8,7 @@
  * A cell that is neither is halved; where it cannot be, or where g has come within its own rounding,
  * it joins an undecided stretch, that ends with the next cell that is decided: unlike signs at its ends are
  * a crossing, and the hit speaks of the whole stretch; |g| within its rounding all over is a graze.  (Moore 1966; Hansen and Walster 2004, chapter 9.) */
-#include "prove.h"
+#include "move.h"
 #include "walk.h"
 
 #include <sagitta/interval.h>

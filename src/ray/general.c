@@ -24,7 +24,7 @@
 #include "general.h"
 
 #include "../num/bits.h"
-#include "prove.h"
+#include "proof.h"
 #include "vicinity.h"
 #include "walk.h"
 
@@ -253,32 +253,14 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
     return w.told.evals - w.told.before;
 }
 
-/* f_tol is not read of a surface that is built in. */
-static const sgt_options *read_of(sgt_surface s, const sgt_options *opt, sgt_options *own)
+sgt_hit sgt_search_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {
-    if (!is_catalogue(s.ops) || opt->f_tol == 0) return opt;
-    *own = *opt;
-    own->f_tol = 0;
-    return own;
-}
-
-sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
-{
-    sgt_options own;
-    opt = read_of(s, opt, &own);
-    if (!rim_in_range(rim2_of_surface(s))) return hit_without(SGT_UNPROVEN, ray, 0);
-    if (opt->proof) return sgt_prove(s, ray, opt);
     sgt_list list = {.cap = 0, .count = 0};
     int evals = search(s, ray, opt, false, &list);
     return first_entry(&list, ray, evals);
 }
 
-void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
+void sgt_search_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
 {
-    sgt_options own;
-    tally none = {.opt = opt};
-    opt = read_of(s, opt, &own);
-    if (!rim_in_range(rim2_of_surface(s))) add_stretch(list, &none, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
-    else if (opt->proof) sgt_prove_all(s, ray, opt, list);
-    else search(s, ray, opt, true, list);
+    search(s, ray, opt, true, list);
 }

@@ -30,6 +30,10 @@ sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_optio
 /* Every entry; a list's first is what the other returns. */
 void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
 
+/* The same where no proof is asked for. */
+sgt_hit sgt_search_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
+void sgt_search_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
+
 /* A tile of rays and a surface of a user, as sgt_own.sweep of builtin.h answers it: how many rays are left SGT_HARD. */
 size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt);
 

@@ -53,39 +53,16 @@
  * THE CAREFUL PATH of built-in surfaces that do not answer by themselves is the same search, no proof being asked for (general.c).
  * Their rim, r^2 <= rim2, is a rule in computed numbers, as in accept.h; a root whose side of it its error hides is UNPROVEN under a
  * proof. */
-#include "prove.h"
+#include "proof.h"
 
 #include "../num/bits.h"
 #include "../solve/root.h"
 #include "../solve/step.h"
+#include "move.h"
 
 #include <sagitta/interval.h>
 
-enum { PIECES = 96, GUESSES = 10, QUICK = 24, NEARBY = 4 };
-
-typedef struct proof {
-    sgt_surface s;
-    const sgt_ray *ray;
-    tally told;
-    sgt_list *list;
-    bool all, found;
-    bool anew;             /* max_evals is each root's */
-    double centre, reach;  /* where the ray is nearest to the origin of the surface's frame, and how far that is from its own */
-    double t0;             /* what t counts from: 0 or */
-    double far;            /* the t of the centre, or near it; 0 where that is not far off */
-    sgt_ray at_far;        /* of a surface of a user the ray that begins there */
-    double foot;           /* the distance of the centre from the origin of the surface's frame */
-    sgt_interval all_t;    /* what is searched, in the ray's own t */
-    sgt_interval tmin;     /* the ray's */
-    double seed, near;     /* the seed, and how far from it is: */
-    sgt_hit nearest;       /* the entry nearest to it */
-    double rim2;           /* r^2 within which a root counts */
-    double least;          /* pieces below it are not divided */
-    double lo, hi, done;   /* what is searched; decided up to here */
-    bool pending;          /* there is an undecided stretch: */
-    sgt_interval dark, last; /* it, and where the last root was */
-    double told_dark;      /* where the last such stretch that was told of ended */
-} proof;
+enum { PIECES = 96, GUESSES = 10, NEARBY = 4 };
 
 static bool over(const proof *w) { return w->found || w->told.stopped || spent(&w->told); }
 
@@ -156,25 +133,6 @@ static sgt_vec3 point_at(const sgt_ray *ray, double scale, double t0, double t)
     return (sgt_vec3){coordinate_at(o.x, d.x * scale, t0, t), coordinate_at(o.y, d.y * scale, t0, t), coordinate_at(o.z, d.z * scale, t0, t)};
 }
 
-/* o + t0 d, if that is a double. */
-static bool is_double(double o, double d, double t0, double *at)
-{
-    twofold p = two_product(t0, d), s = two_sum(o, p.hi), e = two_sum(s.lo, p.lo), f = two_sum(s.hi, e.hi);
-    *at = d == 0 ? o : f.hi;
-    return d == 0 || (e.lo == 0 && f.lo == 0 && fabs(p.hi) > 0x1p-960 && fabs(f.hi) < HUGE_VAL);
-}
-
-double sgt_move_exactly(const sgt_ray *ray, double about, sgt_ray *moved)
-{
-    *moved = *ray;
-    if (!(fabs(about) > 0x1p-900 && fabs(about) < 0x1p900)) return 0;
-    for (double unit = 0x1p-52 * inverse_of_scale((sgt_vec3){about, 0, 0}); unit <= 0.125 * fabs(about); unit *= 2) {
-        double t0 = nearest_integer(about / unit) * unit;
-        if (is_double(ray->o.x, ray->d.x, t0, &moved->o.x) && is_double(ray->o.y, ray->d.y, t0, &moved->o.y) && is_double(ray->o.z, ray->d.z, t0, &moved->o.z)) return t0;
-    }
-    return 0;
-}
-
 /* ------------------------------------------------------------------- what is told */
 
 /* The point of the ray at t, F there, and what is told of a root that is right to t_err. */
@@ -231,7 +189,7 @@ static void added(proof *w, double lo, double hi)
     w->found = !w->all;
 }
 
-static void stretch(proof *w, sgt_status status, double lo, double hi)
+void sgt_proof_stretch(proof *w, sgt_status status, double lo, double hi)
 {
     add_stretch(w->list, &w->told, status, w->ray, w->t0 + lo, w->t0 + hi);
     if (w->list->count) added(w, lo, hi);
@@ -315,7 +273,7 @@ static void flush(proof *w)
     if (outside(w, at)) return;
     if (whole) at = sgt_interval_between(w->lo, w->hi);
     if (isnan(t)) {
-        stretch(w, SGT_UNPROVEN, at.lo, at.hi);
+        sgt_proof_stretch(w, SGT_UNPROVEN, at.lo, at.hi);
         return;
     }
     sgt_interval g = ask(w, at, SGT_PROBE, &slope), middle = ask(w, number(t), SGT_PROBE, &steep);
@@ -342,7 +300,7 @@ static void flush(proof *w)
             }
         }
     }
-    stretch(w, SGT_UNPROVEN, at.lo, at.hi);
+    sgt_proof_stretch(w, SGT_UNPROVEN, at.lo, at.hi);
 }
 
 static void undecided(proof *w, sgt_interval x)
@@ -425,10 +383,10 @@ static bool take(proof *w, const certain *c)
         hidden = !(root.hi - (w->tmin.lo + steps) <= sure + (at.h.t_err <= 16 * sure ? at.h.t_err : 0));
         if (w->told.stopped) return true;
     }
-    if (w->told.opt->proof && w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* on the rim */
-    else if (hidden && !(w->t0 + root.lo > w->ray->tmax)) stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
+    if (w->told.opt->proof && w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off)) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* on the rim */
+    else if (hidden && !(w->t0 + root.lo > w->ray->tmax)) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
     else if (at.h.counts && at.exact && in_range(&at) && alone_as_told(w, &at, only)) add(w, SGT_HIT, &at, root, about);
-    else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width)) stretch(w, SGT_UNPROVEN, root.lo, root.hi);
+    else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width)) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi);
     return true;
 }
 
@@ -558,7 +516,7 @@ static bool search_part(proof *w, sgt_interval part, double *next)
     return decided;
 }
 
-static void search(proof *w)
+void sgt_proof_search(proof *w)
 {
     sgt_interval all = w->all_t;
     double border = border_of(w), next = all.lo;
@@ -575,13 +533,13 @@ static void search(proof *w)
     if (w->found) return;
     if (decided) flush(w), next = w->hi;
     sgt_status spent = w->told.opt->proof ? SGT_UNPROVEN : SGT_EXHAUSTED;
-    if (w->told.stopped || !decided) stretch(w, w->told.stopped ? SGT_STOPPED : spent, w->pending ? w->dark.lo : next, w->hi);
+    if (w->told.stopped || !decided) sgt_proof_stretch(w, w->told.stopped ? SGT_STOPPED : spent, w->pending ? w->dark.lo : next, w->hi);
 }
 
 /* ----------------------------------------------------------------------- the doors */
 
 /* Where a root can be; false: nowhere. */
-static bool bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
+bool sgt_proof_bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
 {
     *span = (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL};
     if (s.ops->span) *span = s.ops->span(s.self, ray);
@@ -601,7 +559,7 @@ static double length_of(sgt_vec3 v)
     return sqrt(x * x + y * y + z * z) / scale;
 }
 
-static proof proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, const sgt_span *span, sgt_list *list, bool all)
+proof sgt_proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, const sgt_span *span, sgt_list *list, bool all)
 {
     sgt_interval all_t = {span->lo, span->hi};
     proof w = {.s = s, .ray = ray, .list = list, .all = all, .anew = all, .lo = span->lo, .hi = span->hi, .all_t = all_t, .tmin = {ray->tmin, ray->tmin}, .seed = span->seed, .near = HUGE_VAL, .rim2 = rim2_of_surface(s),
@@ -622,22 +580,8 @@ static proof proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
     return w;
 }
 
-/* What nobody proves. */
-static sgt_hit doubted(sgt_hit hit, const sgt_ray *ray)
-{
-    if (hit.status <= 0 && hit.status != SGT_EXHAUSTED) return hit;
-    return hit_undecided(SGT_UNPROVEN, ray, hit.evals, hit.lo, hit.hi);
-}
-
-static sgt_options plain(const sgt_options *opt)
-{
-    sgt_options estimate = *opt;
-    estimate.proof = SGT_ESTIMATE;
-    return estimate;
-}
-
 /* Taken, if it is a root: one that has been found at t + t_lo, to t_err. */
-static bool take_found(proof *w, double t, double t_lo, double t_err)
+bool sgt_proof_take(proof *w, double t, double t_lo, double t_err)
 {
     certain c;
     w->done = w->last.hi = w->told_dark = -HUGE_VAL;
@@ -648,80 +592,15 @@ static bool take_found(proof *w, double t, double t_lo, double t_err)
     return certify(w, about, m, G, &c) == ROOT && take(w, &c);
 }
 
-/* The root that an estimate finds at once, if it can be proven; or the watcher has stopped it. */
-static bool prove_estimate(proof *w, sgt_hit *hit)
-{
-    sgt_options estimate = plain(w->told.opt);
-    if (w->told.budget > QUICK) estimate.max_evals = QUICK;
-    *hit = sgt_intersect_general(w->s, w->ray, &estimate);
-    w->told.evals = hit->evals;
-    if (hit->status <= 0) return hit->status == SGT_STOPPED;
-    if (fabs(hit->t - w->ray->tmax) <= END_ERRORS * (hit->t_err + SGT_U * fabs(hit->t))) return false; /* the search tells whether it counts */
-    take_found(w, hit->t, hit->t_lo, hit->t_err);
-    *hit = w->list->last;
-    bool proven = w->list->count > 0 && hit->status > 0;
-    w->list->count = 0, w->told.before = 0, w->found = false;
-    return proven;
-}
-
-sgt_hit sgt_prove(sgt_surface s, const sgt_ray *ray, const sgt_options *opt) { return sgt_prove_within(s, ray, HUGE_VAL, opt); }
-
-sgt_hit sgt_prove_within(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt)
-{
-    sgt_options estimate = plain(opt);
-    sgt_span span;
-    sgt_hit kept, hit;
-    sgt_list list = {.hits = &kept, .cap = 1, .count = 0};
-    bool near = opt->pick == SGT_NEAR_SEED, one = opt->proof == SGT_PROVE_ROOT;
-    if (!bounds(s, ray, &span)) return hit_without(SGT_MISS, ray, 0);
-    proof w = proof_of(s, ray, opt, &span, &list, false);
-    if (rim2 < w.rim2) w.rim2 = rim2;
-    if (!s.ops->enclose) {
-        hit = doubted(sgt_intersect_general(s, ray, &estimate), ray);
-        if (hit.status == SGT_MISS) hit.status = SGT_UNPROVEN, hit.lo = span.lo, hit.hi = span.hi;
-        return hit;
-    }
-    if (one && (near || span.single) && prove_estimate(&w, &hit)) return hit;
-    w.all = near;
-    search(&w);
-    if (list.count > 1 && one && !w.told.stopped) list.last = w.nearest;
-    hit = first_entry(&list, ray, w.told.evals);
-    hit.evals = w.told.evals;
-    if (w.told.stopped && hit.status != SGT_STOPPED) return hit_without(SGT_STOPPED, ray, hit.evals); /* at the very last */
-    if (list.count < 2 || (one && !w.told.stopped)) return hit;
-    sgt_status open = hit.status == SGT_STOPPED ? SGT_STOPPED : SGT_UNPROVEN;
-    return hit_undecided(open, ray, hit.evals, kept.lo, hit.hi);
-}
-
-void sgt_prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
-{
-    sgt_span span;
-    if (!bounds(s, ray, &span)) return;
-    proof w = proof_of(s, ray, opt, &span, list, true);
-    if (s.ops->enclose) {
-        search(&w);
-        return;
-    }
-    sgt_options estimate = plain(opt);
-    sgt_intersect_all_general(s, ray, &estimate, list);
-    for (int i = 0; i < list->count && i < list->cap; i++) {
-        sgt_hit *hit = &list->hits[i];
-        *hit = doubted(*hit, ray);
-        if (isnan(hit->t)) sgt_list_centre(hit);
-    }
-    list->last = doubted(list->last, ray);
-    if (!list->count) stretch(&w, SGT_UNPROVEN, span.lo, span.hi);
-}
-
 void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bool near, sgt_list *list)
 {
     sgt_span span;
-    if (!bounds(s, ray, &span)) return;
+    if (!sgt_proof_bounds(s, ray, &span)) return;
     int before = list->count, told_before = told->before;
-    proof w = proof_of(s, ray, told->opt, &span, list, all);
+    proof w = sgt_proof_of(s, ray, told->opt, &span, list, all);
     w.all = all || near;
     w.told = *told;
-    search(&w);
+    sgt_proof_search(&w);
     *told = w.told;
     if (all || (list->count == before && !w.told.stopped)) return;
     int evals = w.told.evals - told_before;
@@ -734,10 +613,10 @@ bool sgt_prove_found(sgt_surface s, const sgt_ray *ray, tally *told, double t, d
                      sgt_list *list)
 {
     sgt_span span;
-    if (!bounds(s, ray, &span)) return false;
-    proof w = proof_of(s, ray, told->opt, &span, list, false);
+    if (!sgt_proof_bounds(s, ray, &span)) return false;
+    proof w = sgt_proof_of(s, ray, told->opt, &span, list, false);
     w.told = *told;
-    bool decided = take_found(&w, t, t_lo, t_err) && (w.found || !over(&w));
+    bool decided = sgt_proof_take(&w, t, t_lo, t_err) && (w.found || !over(&w));
     *told = w.told;
     return decided;
 }

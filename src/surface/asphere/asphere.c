@@ -16,6 +16,7 @@
 #include "asphere.h"
 
 #include "../../solve/root.h"
+#include "../conic/conic.h"
 #include "easy.h"
 #include "../sag/second.h"
 

@@ -33,7 +33,7 @@
 #ifndef SGT_SURFACE_CONIC_EASY_H
 #define SGT_SURFACE_CONIC_EASY_H
 
-#include "../sag/sag.h"
+#include "conic.h"
 #include "../sag/lanes.h"
 
 /* x - x is 0 for a finite x, NaN for another. */

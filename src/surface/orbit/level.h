@@ -22,6 +22,13 @@ double sgt_level_estimate(const orbit *o, sgt_vec3 p, double *f);
 /* F, and its gradient where grad is not NULL. */
 double sgt_level_value(const orbit *o, sgt_vec3 p, sgt_vec3 *grad);
 
+/* How far F can be off at p, in units of F. */
+double sgt_level_rounding(const orbit *o, sgt_vec3 p);
+
+/* log |Q_n| / p^n at the first level n whose |Q_n| is beyond 2^32, 0 where there is none; and its gradient
+ * where grad is not NULL. */
+double sgt_level_potential(const orbit *o, sgt_vec3 p, sgt_vec3 *grad);
+
 /* sgt_own's sweep. */
 size_t sgt_level_sweep(const orbit *o, const sgt_tile *tile, const sgt_options *opt);
 

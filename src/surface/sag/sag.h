@@ -1,4 +1,4 @@
-/* sag.h - the conic's formulas, shared with the surfaces that have a conic base. */
+/* sag.h - the conic base that every sag has: its formulas, its domain and its span. */
 #ifndef SGT_SURFACE_SAG_SAG_H
 #define SGT_SURFACE_SAG_SAG_H
 
@@ -60,18 +60,6 @@ SGT_INLINE void snap(meeting *h, double c, double k, twofold r2, double p, doubl
                  + SGT_U * (24 * fabs(sag) + fabs(h->p.z)) + p_err; /* 24: conic_sag_rounding at phi = 1/2 */
     }
 }
-
-/* The hit, by closed form; opt is never NULL.  src/surface/conic/conic.c says how. */
-sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt);
-
-/* Its part of sgt_intersect_all. */
-sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
-
-/* Its sweep. */
-size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt);
-
-/* Its part of sgt_own's alone. */
-bool sgt_conic_alone(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2, unsigned long long alone[], sgt_interval others[]);
 
 /* The stretch of the ray, in its own t, within r^2 <= radius2 (1 + 2^-43) of the axis; all of it
  * for an infinite radius2, lo > hi where it passes by. */

@@ -1,0 +1,119 @@
+/* proven.c - the answers about a surface that is met by its operations, under a proof or without.
+ *
+ * Without one, what general.c finds.
+ * The estimate of general.c finds a root with a few evaluations, and prove.c proves it; where that fails, or
+ * more than one root is wanted, prove.c searches the whole ray.  Without an enclosure nothing can be proven but
+ * that the ray passes the span by: the answer is the estimate, told as UNPROVEN. */
+#include "prove.h"
+
+#include "proof.h"
+
+/* Evaluations of an estimate that is to be proven. */
+enum { QUICK = 24 };
+
+/* What nobody proves. */
+static sgt_hit doubted(sgt_hit hit, const sgt_ray *ray)
+{
+    if (hit.status <= 0 && hit.status != SGT_EXHAUSTED) return hit;
+    return hit_undecided(SGT_UNPROVEN, ray, hit.evals, hit.lo, hit.hi);
+}
+
+static sgt_options plain(const sgt_options *opt)
+{
+    sgt_options estimate = *opt;
+    estimate.proof = SGT_ESTIMATE;
+    return estimate;
+}
+
+/* The root that an estimate finds at once, if it can be proven; or the watcher has stopped it. */
+static bool prove_estimate(proof *w, sgt_hit *hit)
+{
+    sgt_options estimate = plain(w->told.opt);
+    if (w->told.budget > QUICK) estimate.max_evals = QUICK;
+    *hit = sgt_search_first(w->s, w->ray, &estimate);
+    w->told.evals = hit->evals;
+    if (hit->status <= 0) return hit->status == SGT_STOPPED;
+    if (fabs(hit->t - w->ray->tmax) <= END_ERRORS * (hit->t_err + SGT_U * fabs(hit->t))) return false; /* the search tells whether it counts */
+    sgt_proof_take(w, hit->t, hit->t_lo, hit->t_err);
+    *hit = w->list->last;
+    bool proven = w->list->count > 0 && hit->status > 0;
+    w->list->count = 0, w->told.before = 0, w->found = false;
+    return proven;
+}
+
+sgt_hit sgt_prove_within(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt)
+{
+    sgt_options estimate = plain(opt);
+    sgt_span span;
+    sgt_hit kept, hit;
+    sgt_list list = {.hits = &kept, .cap = 1, .count = 0};
+    bool near = opt->pick == SGT_NEAR_SEED, one = opt->proof == SGT_PROVE_ROOT;
+    if (!sgt_proof_bounds(s, ray, &span)) return hit_without(SGT_MISS, ray, 0);
+    proof w = sgt_proof_of(s, ray, opt, &span, &list, false);
+    if (rim2 < w.rim2) w.rim2 = rim2;
+    if (!s.ops->enclose) {
+        hit = doubted(sgt_search_first(s, ray, &estimate), ray);
+        if (hit.status == SGT_MISS) hit.status = SGT_UNPROVEN, hit.lo = span.lo, hit.hi = span.hi;
+        return hit;
+    }
+    if (one && (near || span.single) && prove_estimate(&w, &hit)) return hit;
+    w.all = near;
+    sgt_proof_search(&w);
+    if (list.count > 1 && one && !w.told.stopped) list.last = w.nearest;
+    hit = first_entry(&list, ray, w.told.evals);
+    hit.evals = w.told.evals;
+    if (w.told.stopped && hit.status != SGT_STOPPED) return hit_without(SGT_STOPPED, ray, hit.evals); /* at the very last */
+    if (list.count < 2 || (one && !w.told.stopped)) return hit;
+    sgt_status open = hit.status == SGT_STOPPED ? SGT_STOPPED : SGT_UNPROVEN;
+    return hit_undecided(open, ray, hit.evals, kept.lo, hit.hi);
+}
+
+static void prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
+{
+    sgt_span span;
+    if (!sgt_proof_bounds(s, ray, &span)) return;
+    proof w = sgt_proof_of(s, ray, opt, &span, list, true);
+    if (s.ops->enclose) {
+        sgt_proof_search(&w);
+        return;
+    }
+    sgt_options estimate = plain(opt);
+    sgt_search_all(s, ray, &estimate, list);
+    for (int i = 0; i < list->count && i < list->cap; i++) {
+        sgt_hit *hit = &list->hits[i];
+        *hit = doubted(*hit, ray);
+        if (isnan(hit->t)) sgt_list_centre(hit);
+    }
+    list->last = doubted(list->last, ray);
+    if (!list->count) sgt_proof_stretch(&w, SGT_UNPROVEN, span.lo, span.hi);
+}
+
+/* --------------------------------------------------------------- with a proof, or without */
+
+/* f_tol is not read of a surface that is built in. */
+static const sgt_options *read_of(sgt_surface s, const sgt_options *opt, sgt_options *own)
+{
+    if (!is_catalogue(s.ops) || opt->f_tol == 0) return opt;
+    *own = *opt;
+    own->f_tol = 0;
+    return own;
+}
+
+sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+{
+    sgt_options own;
+    opt = read_of(s, opt, &own);
+    if (!rim_in_range(rim2_of_surface(s))) return hit_without(SGT_UNPROVEN, ray, 0);
+    if (opt->proof) return sgt_prove_within(s, ray, HUGE_VAL, opt);
+    return sgt_search_first(s, ray, opt);
+}
+
+void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
+{
+    sgt_options own;
+    tally none = {.opt = opt};
+    opt = read_of(s, opt, &own);
+    if (!rim_in_range(rim2_of_surface(s))) add_stretch(list, &none, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
+    else if (opt->proof) prove_all(s, ray, opt, list);
+    else sgt_search_all(s, ray, opt, list);
+}

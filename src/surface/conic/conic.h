@@ -1,0 +1,15 @@
+/* conic.h - the conic, for the surfaces that become one where they have no terms. */
+#ifndef SGT_SURFACE_CONIC_CONIC_H
+#define SGT_SURFACE_CONIC_CONIC_H
+
+#include "../sag/sag.h"
+
+/* Of sgt_own, by parameters; opt is never NULL. */
+sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt);
+sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray *ray,
+                         const sgt_options *opt, sgt_list *list);
+size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt);
+bool sgt_conic_alone(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2,
+                     unsigned long long alone[], sgt_interval others[]);
+
+#endif
