@@ -52,7 +52,7 @@
  *
  * THE CAREFUL PATH of built-in surfaces that do not answer by themselves is the same search, no proof being asked for (general.c).
  * Their rim, r^2 <= rim2, is a rule in computed numbers, as in accept.h; a root whose side of it its error hides is UNPROVEN under a
- * proof. */
+ * proof, and where the error is greater than what the rim is soft by. */
 #include "proof.h"
 
 #include "../num/bits.h"
@@ -383,7 +383,11 @@ static bool take(proof *w, const certain *c)
         hidden = !(root.hi - (w->tmin.lo + steps) <= sure + (at.h.t_err <= 16 * sure ? at.h.t_err : 0));
         if (w->told.stopped) return true;
     }
-    if (w->told.opt->proof && w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off)) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* on the rim */
+    bool on_rim = w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off);
+    /* Without a proof the rule of the rim decides there.  What it drops is no root within the semi_diameter
+     * itself: rounding moves r^2 by less than the rim is soft by. */
+    if (on_rim && !w->told.opt->proof && at.r2 > w->rim2 && at.off <= 0x1p-45 * w->rim2) return true;
+    if (on_rim && w->told.opt->proof) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi);
     else if (hidden && !(w->t0 + root.lo > w->ray->tmax)) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
     else if (at.h.counts && at.exact && in_range(&at) && alone_as_told(w, &at, only)) add(w, SGT_HIT, &at, root, about);
     else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width)) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi);

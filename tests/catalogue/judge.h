@@ -182,10 +182,11 @@ private:
             if (!all.empty() && (next.sign == 2) != (all.back().sign == 2)) { // the edge of the domain
                 double a = all.back().s, b = next.s;
                 const bool inside_first = next.sign == 2;
-                for (int k = 0; k < 60; k++) {
+                for (int k = 0; k < 60; k++) { // in 113 bits: `rough` may be defined where F is not, its point rounded inward
                     const double m = a + (b - a) / 2;
                     if (!(m > a && m < b)) break;
-                    ((rough(m) == rough(m)) == inside_first ? a : b) = m;
+                    const quad there = value(quad(m));
+                    ((there == there) == inside_first ? a : b) = m;
                 }
                 const double beside = inside_first ? a : b;
                 const quad q = value(quad(beside));

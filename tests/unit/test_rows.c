@@ -436,9 +436,26 @@ static void test_one_root_behind_a_later_start(void **state)
             }
 }
 
+/* 1.5e-15 of r^2 beyond the soft rim, t known to an ulp: without a proof the rule of the rim decides, and it was UNPROVEN. */
+static void test_root_beyond_the_rim_by_rounding(void **state)
+{
+    (void)state;
+    sgt_odd_asphere a = {.k = -1, .semi_diameter = 0x1.0395b494c893p+0, .a = {-0x1.8c9b19cbc4d6dp-13}};
+    sgt_surface s = {&sgt_odd_asphere_ops, &a};
+    sgt_ray ray = {{0x1.8743f94f969fep+0, 0x1.9192929903p-2, 0x1.7aa820b377e7cp+1},
+                   {-0x1.5bdd11fe5cc18p-3, -0x1.0935e33fc1ceap-3, -0x1.f42f531cbe87cp-1}, -INFINITY, INFINITY};
+    for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
+        sgt_hit h = sgt_intersect(s, ray, &(sgt_options){.pick = (sgt_pick)pick});
+        REQUIRE(h.status == SGT_MISS, "pick %d: %s", pick, sgt_status_text(h.status));
+        h = sgt_intersect(s, ray, &(sgt_options){.pick = (sgt_pick)pick, .proof = SGT_PROVE_ROOT});
+        REQUIRE(h.status == SGT_UNPROVEN, "pick %d, with a proof: %s", pick, sgt_status_text(h.status));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_root_beyond_the_rim_by_rounding),
         cmocka_unit_test(test_one_root_behind_a_later_start), cmocka_unit_test(test_level_set_from_close_before_a_root), cmocka_unit_test(test_grid_measured_at_the_limits), cmocka_unit_test(test_start_beside_a_double_line),
         cmocka_unit_test(test_start_between_two_planes), cmocka_unit_test(test_undecided_inside_the_aperture), cmocka_unit_test(test_graze_far_from_the_surface),
         cmocka_unit_test(test_one_root_of_two_sheets), cmocka_unit_test(test_first_of_all_at_an_end),
