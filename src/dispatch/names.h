@@ -158,6 +158,7 @@
 #define sgt_walk_look SGT_SET_NAME(sgt_walk_look)
 #define sgt_walk_quick SGT_SET_NAME(sgt_walk_quick)
 #define sgt_walk_quick_miss SGT_SET_NAME(sgt_walk_quick_miss)
+#define sgt_walk_sharpen SGT_SET_NAME(sgt_walk_sharpen)
 #define sgt_walk_sign SGT_SET_NAME(sgt_walk_sign)
 #define sgt_walk_solve SGT_SET_NAME(sgt_walk_solve)
 #define sgt_walk_stretch SGT_SET_NAME(sgt_walk_stretch)

@@ -137,7 +137,9 @@ static bool quickly(walk *w, const approach *a, bool single)
     point at = {.tau = (double)NAN};
     double tau_err, past;
     if (!a->seeded && !(single && a->middle)) return false;
-    if (sgt_walk_quick(w, a->lo, a->hi, 0, DBL_MAX, -1, &at, &tau_err, &past)) return sgt_walk_take_quick(w, at, tau_err) || (single && w->off);
+    if (sgt_walk_quick(w, a->lo, a->hi, 0, DBL_MAX, -1, &at, &tau_err, &past))
+        return sgt_walk_take_quick(w, at, tau_err)
+               || (single && (w->off || (w->least > 0 && sgt_walk_sharpen(w, at, a->lo, a->hi))));
     return single && sgt_walk_quick_miss(w, a->lo, a->hi);
 }
 

@@ -28,7 +28,7 @@ enum { LANES = 64, ABREAST = 8 };
 typedef double row[LANES];
 
 /* The state of a lane: a status in the end, or SGT_HARD; before that, its phase. */
-enum { MARCH = 10, VALLEY, NEWTON, FAILED, READY, ROOT };
+enum { MARCH = 10, VALLEY, NEWTON, FAILED, READY, ROOT, DOUBTED };
 
 /* The rows up to `most2` are moved with a lane.  The rows of a union serve phases that do not meet. */
 typedef struct lanes {
@@ -748,7 +748,8 @@ static double take(lanes *a, size_t n, double budget, double rim2, double margin
         around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
         double away = ((a->single[i] == 0) & (a->least[i] > 0)) ? END_ERRORS : margin; /* vicinity.h */
         taking h = taking_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i], rim2, away);
-        double off = h.off ? (double)SGT_MISS : (double)SGT_HARD, state = a->single[i] != 0 ? off : (double)SGT_HARD;
+        double doubt = a->least[i] > 0 ? (double)DOUBTED : (double)SGT_HARD;
+        double off = h.off ? (double)SGT_MISS : doubt, state = a->single[i] != 0 ? off : (double)SGT_HARD;
         state = h.counts ? (double)SGT_HIT : state;
         state = a->evals[i] <= budget ? state : (double)SGT_HARD;
         double phase = a->state[i];
@@ -759,6 +760,38 @@ static double take(lanes *a, size_t n, double budget, double rim2, double margin
         a->px[i] = p.x, a->py[i] = p.y, a->pz[i] = p.z;
     }
     return hits;
+}
+
+/* Of those that may count or not, as sgt_walk_sharpen has it. */
+SGT_NOINLINE static void take_doubted(sweep *w, const sgt_tile *tile, size_t from, size_t n)
+{
+    lanes *a = w->a;
+    const sgt_rays *r = &tile->rays;
+    for (size_t i = 0; i < n; i++) {
+        if (a->state[i] != DOUBTED) continue;
+        size_t k = from + (size_t)a->slot[i];
+        local q = {.l = a->l[i], .m = a->m[i], .n = a->n[i], .t0 = a->t0[i], .scale = a->scale[i]};
+        sgt_vec3 grad = {a->fx[i], a->fy[i], a->fz[i]}, p = {a->px[i], a->py[i], a->pz[i]};
+        sgt_vec3 o = {r->o[0][k], r->o[1][k], r->o[2][k]};
+        double tau = a->tau[i], g = a->f[i], lo = a->lo[i], hi = a->hi[i];
+        around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
+        a->state[i] = SGT_HARD;
+        for (int j = 0; j < SHARPER && a->state[i] == SGT_HARD && a->evals[i] + j <= w->budget; j++) {
+            if (j) {
+                q = moved_onto(&q, o, tau - g / at.slope, &lo, &hi);
+                tau = 0, p = (sgt_vec3){q.x + tau * q.l, q.y + tau * q.m, q.z + tau * q.n};
+                g = w->s.ops->value(w->s.self, p, &grad);
+                at = around_of(q.x, q.y, q.z, q.l, q.m, q.n, tau, p, grad, 0);
+            }
+            sharpened s = sharpened_of(w->s, &q, tau, g, p, grad, at, a->least[i], lo, hi, a->tmin[i],
+                                       a->tmax[i], w->rim2, w->margin);
+            if (!s.known || !(s.h.counts | s.h.off)) continue;
+            a->state[i] = s.h.counts ? (double)SGT_HIT : (double)SGT_MISS, a->evals[i] += j;
+            a->last[i] = s.h.t, a->first[i] = s.h.t_err, a->dt[i] = s.h.t_lo, a->end[i] = s.h.p_err;
+            a->px[i] = p.x, a->py[i] = p.y, a->pz[i] = p.z;
+            a->fx[i] = grad.x, a->fy[i] = grad.y, a->fz[i] = grad.z;
+        }
+    }
 }
 
 enum { TOLD = 10 };
@@ -840,7 +873,9 @@ static size_t run(sweep *w, const sgt_tile *tile, size_t from, size_t n)
         solve(w, solving);
         probe(w, solving);
     }
-    return write(w, n, take(a, n, w->budget, w->rim2, w->margin) == (double)n, &tile->hits, from);
+    bool hits = take(a, n, w->budget, w->rim2, w->margin) == (double)n;
+    if (!hits) take_doubted(w, tile, from, n);
+    return write(w, n, hits, &tile->hits, from);
 }
 
 /* tmax as it is meant, and the state 1 where the ray is one; how many are. */

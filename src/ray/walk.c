@@ -162,6 +162,23 @@ bool sgt_walk_take_quick(walk *w, point at, double tau_err)
     return take(w, SGT_HIT, at, tau_err);
 }
 
+bool sgt_walk_sharpen(walk *w, point at, double lo, double hi)
+{
+    local before = w->q;
+    bool decided = false;
+    for (int i = 0; i < SHARPER && !decided && !w->told.stopped; i++) {
+        if (i) {
+            w->q = moved_onto(&w->q, w->ray->o, at.tau - at.g / at.at.slope, &lo, &hi);
+            at = sgt_walk_look(w, 0, SGT_PROBE, lo, hi);
+        }
+        sharpened s = sharpened_of(w->s, &w->q, at.tau, at.g, at.p, at.n, at.at, w->least, lo, hi,
+                                   w->ray->tmin, w->ray->tmax, w->rim2, w->margin);
+        decided = s.known && (s.h.counts ? take(w, SGT_HIT, at, s.tau_err) : s.h.off);
+    }
+    w->q = before;
+    return decided;
+}
+
 /* |F| at the end of a search is not far below all that it has seen: it rose, or began there. */
 static bool may_be_pole(const walk *w, double g)
 {

@@ -61,6 +61,10 @@ bool sgt_walk_take(walk *w, const sgt_root *r, point at);
 bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at, double *tau_err, double *past);
 bool sgt_walk_take_quick(walk *w, point at, double tau_err);
 
+/* The same of one that may count or not, where `least` is known, with the rounding of F at the very point;
+ * true: it counts, or certainly does not. */
+bool sgt_walk_sharpen(walk *w, point at, double lo, double hi);
+
 /* One certain sign at both ends. */
 bool sgt_walk_quick_miss(walk *w, double lo, double hi);
 

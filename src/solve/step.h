@@ -17,7 +17,7 @@
 
 #include "accept.h"
 
-enum { QUICK_STEPS = 12, PROBES = 3, MARCH_STEPS = 64 };
+enum { QUICK_STEPS = 12, PROBES = 3, MARCH_STEPS = 64, SHARPER = 3 };
 
 /* ------------------------------------------------------------ the ray made local */
 
@@ -173,6 +173,49 @@ SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3
     h.off = (r2 - rim2 > hidden) | (h.t - (h.t_err + room) > tmax) | (far & sharp) | (h.t + h.t_err <= tmin + width);
     h.counts = (h.t - room > start) & !(h.t + room > tmax) & !outside & (fabs(h.t) < HUGE_VAL) & (h.t_err < HUGE_VAL); /* in lengths of d t may be out of range */
     return h;
+}
+
+/* Does a root near the start count?  The rule of the start is made of the terms of F, which vanish toward the
+ * axis.  One bound of the rounding for all points within the rim does not: then it hides where the root is, of
+ * most rays that begin there.  Of these alone `rounding` is asked, at the very point; the rest is as above, and
+ * `least` is above 0, so that the root is the only one (certified_of).
+ *
+ * Where rounding of F itself is still more than what the start reaches, and all else far less, the rule of
+ * sagitta.h decides as in a search (prove.c, take): a root that may be nearer to tmin than that reach does not
+ * count, as long as its error is not above 16 times the reach, and the terms themselves are known: rounding of
+ * the gradient moves them by no more than 32 times what it does to F (prove.c, terms_err), which here is half of
+ * them. */
+typedef struct sharpened { taking h; double tau_err; bool known; } sharpened;
+
+SGT_INLINE sharpened sharpened_of(sgt_surface s, const local *q, double tau, double g, sgt_vec3 p, sgt_vec3 grad,
+                                  around at, double least, double lo, double hi, double tmin, double tmax,
+                                  double rim2, double margin)
+{
+    double own = s.ops->rounding ? s.ops->rounding(s.self, p) : HUGE_VAL;
+    certified c = certified_of(tau, g, at.place + (own >= 0 ? own : HUGE_VAL), least, lo, hi);
+    taking h = taking_of(q, tau, c.tau_err, p, grad, at, tmin, tmax, rim2, margin);
+    double terms = fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z),
+           far = larger(fabs(p.x), larger(fabs(p.y), fabs(p.z))), slope = larger(fabs(at.slope), least),
+           width = START_ULPS * terms / slope * q->scale;
+    double hides = own / slope * q->scale;
+    bool steady = (own >= 0x1p-1000) & (64 * own <= terms) & (width <= 0x1p-38 * far * q->scale)
+                  & (4 * (fabs(g) + at.place) <= own);
+    h.off |= steady & (h.t - hides <= tmin + width) & (hides <= 16 * width);
+    return (sharpened){h, c.tau_err, c.inside};
+}
+
+/* The local origin moved onto the root, SHARPER - 1 times at most: a bad guess has left it far off, and beside
+ * terms that vanish rounding of the way from there is much.  F has to be asked for anew, at 0; *lo and *hi are
+ * less than what they were by more than their rounding. */
+SGT_INLINE local moved_onto(const local *q, sgt_vec3 o, double tau, double *lo, double *hi)
+{
+    local r = *q;
+    double off = 0x1p-48 * (fabs(q->t0) + fabs(tau));
+    r.t0 = q->t0 + tau;
+    r.x = moved_along(o.x, r.t0, q->l), r.y = moved_along(o.y, r.t0, q->m), r.z = moved_along(o.z, r.t0, q->n);
+    r.xa = fabs(r.x), r.ya = fabs(r.y), r.za = fabs(r.z);
+    *lo = *lo * (1 - copysign(0x1p-48, *lo)) - tau + off, *hi = *hi * (1 - copysign(0x1p-48, *hi)) - tau - off;
+    return r;
 }
 
 /* ------------------------------------------------------------------------- a march */
