@@ -24,7 +24,7 @@ def same(word, other):
         a, b = float(word), float(other)
     except ValueError:
         return False
-    return '.' in word and abs(a - b) <= 1e-9 * max(1, abs(a))
+    return '.' in word and abs(a - b) <= 1e-9 * abs(a)
 
 
 def same_line(line, other):
