@@ -8,6 +8,9 @@ given, is run in the folder of the README and what follows is compared with what
 prints: word by word, numbers to 1e-9.  A line `...` stands for any number of lines.
 A block marked with a language and a name, `yaml lens.yaml`, is a file of that name,
 for the commands of its page.
+
+The first section of docs/accuracy.md repeats numbers of the sections below it.  Each
+number of a row has to stand in a section that the row links to.
 """
 import pathlib
 import re
@@ -41,11 +44,31 @@ def matches(quoted, said):
     return bool(said) and same_line(quoted[0], said[0]) and matches(quoted[1:], said[1:])
 
 
-def anchors(page):
-    """What GitHub makes of the headings of a page: `#...` in a link leads there."""
-    text = re.sub(r'^```.*?^```', '', page.read_text(), flags=re.MULTILINE | re.DOTALL)
-    for heading in re.findall(r'^#+ (.*)$', text, re.MULTILINE):
-        yield re.sub(r'[^\w\- ]', '', re.sub(r'\[(.*?)\]\(.*?\)', r'\1', heading).lower()).replace(' ', '-')
+def anchor_of(heading):
+    """What GitHub makes of a heading: `#...` in a link leads there."""
+    return re.sub(r'[^\w\- ]', '', re.sub(r'\[(.*?)\]\(.*?\)', r'\1', heading).lower()).replace(' ', '-')
+
+
+def sections(page):
+    """{anchor: the text from its heading to the next of the same level or a higher one}"""
+    text = re.sub(r'^```.*?^```', lambda block: re.sub('^#', ' #', block[0], flags=re.MULTILINE), page.read_text(),
+                  flags=re.MULTILINE | re.DOTALL)
+    return {anchor_of(title): re.split(rf'^#{{1,{len(level)}}} ', rest, maxsplit=1, flags=re.MULTILINE)[0]
+            for level, title, rest in ((m[1], m[2], text[m.end():]) for m in re.finditer(r'^(#+) (.*)$', text, re.MULTILINE))}
+
+
+def numbers(text):
+    return set(re.findall(r'\d+(?:\.\d+)?(?:e-?\d+)?', text.replace(',', '')))
+
+
+def unsourced(page):
+    """Numbers of the first section's rows that are in none of the sections that their row links to."""
+    parts = sections(page)
+    for row in re.findall(r'^\|.*\|$', parts['on-one-page'], re.MULTILINE):
+        links = re.findall(r'\]\(#(.*?)\)', row)
+        if links:
+            missing = numbers(re.sub(r'\(#.*?\)', '', row)) - set().union(*(numbers(parts.get(link, '')) for link in links))
+            yield from (f'{page.name}, on one page: {number} is not in {", ".join(links)}' for number in sorted(missing))
 
 
 def dead_links(folder, pages):
@@ -57,7 +80,7 @@ def dead_links(folder, pages):
                 continue
             name, _, anchor = link.partition('#')
             there = page.parent / name if name else page
-            if not there.exists() or anchor and anchor not in anchors(there):
+            if not there.exists() or anchor and anchor not in sections(there):
                 yield f'{page.relative_to(folder)}: {link}'
 
 
@@ -95,11 +118,11 @@ def main(readme, *programs):
     with tempfile.TemporaryDirectory() as somewhere:
         found = {page: differing(page, programs, folder, pathlib.Path(somewhere)) for page in pages}
     bad = sum(b for _, b in found.values())
-    dead = list(dead_links(folder, pages))
+    dead = [*dead_links(folder, pages), *unsourced(folder / 'docs' / 'accuracy.md')]
     for page, (compared, _) in found.items():
         if compared:
             print(f'{page.relative_to(folder)}: {compared} commands compared')
-    print(*dead, f'{len(pages)} pages, {bad} commands differ; {len(dead)} dead links', sep='\n')
+    print(*dead, f'{len(pages)} pages, {bad} commands differ; {len(dead)} dead links and numbers without a source', sep='\n')
     return 1 if bad or dead or not found[folder / 'README.md'][0] else 0
 
 
