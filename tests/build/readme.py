@@ -1,11 +1,16 @@
 #!/usr/bin/env python3
-"""What README.md shows is what the command says, and what it links to is there.
+"""What README.md and the pages of docs/ show is what the command says, and what they link to is there.
 
     python3 readme.py README PROGRAM...
 
 In each block marked `console` a line `$ sagitta ...`, or of another program that is
 given, is run in the folder of the README and what follows is compared with what it
 prints: word by word, numbers to 1e-9.  A line `...` stands for any number of lines.
+A block marked with a language and a name, `yaml lens.yaml`, is a file of that name,
+for the commands of its page.
+
+The first section of docs/accuracy.md repeats numbers of the sections below it.  Each
+number of a row has to stand in a section that the row links to.
 """
 import pathlib
 import re
@@ -22,7 +27,7 @@ def same(word, other):
         a, b = float(word), float(other)
     except ValueError:
         return False
-    return '.' in word and abs(a - b) <= 1e-9 * max(1, abs(a))
+    return '.' in word and abs(a - b) <= 1e-9 * abs(a)
 
 
 def same_line(line, other):
@@ -39,39 +44,86 @@ def matches(quoted, said):
     return bool(said) and same_line(quoted[0], said[0]) and matches(quoted[1:], said[1:])
 
 
-def dead_links(folder):
-    """Links of README.md and docs/ to files that are not there."""
-    for page in [folder / 'README.md', *sorted((folder / 'docs').glob('*.md'))]:
-        for link in re.findall(r'\]\(([^)\s#]+)', page.read_text()):
-            if '://' not in link and not (page.parent / link).exists():
+def anchor_of(heading):
+    """What GitHub makes of a heading: `#...` in a link leads there."""
+    return re.sub(r'[^\w\- ]', '', re.sub(r'\[(.*?)\]\(.*?\)', r'\1', heading).lower()).replace(' ', '-')
+
+
+def sections(page):
+    """{anchor: the text from its heading to the next of the same level or a higher one}"""
+    text = re.sub(r'^```.*?^```', lambda block: re.sub('^#', ' #', block[0], flags=re.MULTILINE), page.read_text(),
+                  flags=re.MULTILINE | re.DOTALL)
+    return {anchor_of(title): re.split(rf'^#{{1,{len(level)}}} ', rest, maxsplit=1, flags=re.MULTILINE)[0]
+            for level, title, rest in ((m[1], m[2], text[m.end():]) for m in re.finditer(r'^(#+) (.*)$', text, re.MULTILINE))}
+
+
+def numbers(text):
+    return set(re.findall(r'\d+(?:\.\d+)?(?:e-?\d+)?', text.replace(',', '')))
+
+
+def unsourced(page):
+    """Numbers of the first section's rows that are in none of the sections that their row links to."""
+    parts = sections(page)
+    for row in re.findall(r'^\|.*\|$', parts['on-one-page'], re.MULTILINE):
+        links = re.findall(r'\]\(#(.*?)\)', row)
+        if links:
+            missing = numbers(re.sub(r'\(#.*?\)', '', row)) - set().union(*(numbers(parts.get(link, '')) for link in links))
+            yield from (f'{page.name}, on one page: {number} is not in {", ".join(links)}' for number in sorted(missing))
+
+
+def dead_links(folder, pages):
+    """Links of the pages to files, pictures and headings that are not there."""
+    for page in pages:
+        text = page.read_text()
+        for link in re.findall(r'\]\(([^)\s]+)', text) + re.findall(r'\bsrc="([^"]+)"', text):
+            if '://' in link:
+                continue
+            name, _, anchor = link.partition('#')
+            there = page.parent / name if name else page
+            if not there.exists() or anchor and anchor not in sections(there):
                 yield f'{page.relative_to(folder)}: {link}'
 
 
-def main(readme, *programs):
-    text = pathlib.Path(readme).read_text()
-    programs = {pathlib.Path(program).name: str(pathlib.Path(program).resolve()) for program in programs}
+def differing(page, programs, folder, somewhere):
+    """Runs the commands of a page; (how many were compared, how many of them say something else)."""
+    text = page.read_text()
+    files = {name: block for name, block in re.findall(r'^```\w+ (\S+)\n(.*?)^```', text, re.MULTILINE | re.DOTALL)}
+    for name, block in files.items():
+        (somewhere / name).write_text(block)
     compared, bad = 0, 0
+    for block in re.findall(r'^```console\n(.*?)^```', text, re.MULTILINE | re.DOTALL):
+        joined = block.replace('\\\n', ' ')
+        for command, quoted in re.findall(r'^\$ (.*)\n((?:(?!\$ ).*\n)*)', joined, re.MULTILINE):
+            words = shlex.split(command)
+            if words[0] not in programs:
+                continue
+            words = [str(somewhere / word) if word in files else word for word in words]
+            # A picture is drawn, and not where the page says.
+            for i, word in enumerate(words[:-1]):
+                if word in ('--svg', '--output', '--picture'):
+                    words[i + 1] = str(somewhere / ('out' + pathlib.Path(words[i + 1]).suffix))
+            said = subprocess.run([programs[words[0]]] + words[1:], text=True, capture_output=True, cwd=folder)
+            compared += 1
+            lines = (said.stdout + said.stderr).splitlines()
+            if not matches(quoted.splitlines(), lines):
+                bad += 1
+                print(f'$ {command}\n{page.relative_to(folder)} says:\n{quoted}\nthe command says:', *lines, sep='\n')
+    return compared, bad
+
+
+def main(readme, *programs):
+    folder = pathlib.Path(readme).resolve().parent
+    pages = [*sorted(folder.glob('*.md')), *sorted((folder / 'docs').rglob('*.md'))]
+    programs = {pathlib.Path(program).name: str(pathlib.Path(program).resolve()) for program in programs}
     with tempfile.TemporaryDirectory() as somewhere:
-        for block in re.findall(r'^```console\n(.*?)^```', text, re.MULTILINE | re.DOTALL):
-            joined = block.replace('\\\n', ' ')
-            for command, quoted in re.findall(r'^\$ (.*)\n((?:(?!\$ ).*\n)*)', joined, re.MULTILINE):
-                words = shlex.split(command)
-                if words[0] not in programs:
-                    continue
-                # A picture is drawn, and not where the README says.
-                for i, word in enumerate(words[:-1]):
-                    if word in ('--svg', '--output', '--picture'):
-                        words[i + 1] = str(pathlib.Path(somewhere, 'out' + pathlib.Path(words[i + 1]).suffix))
-                said = subprocess.run([programs[words[0]]] + words[1:], text=True, capture_output=True,
-                                      cwd=pathlib.Path(readme).resolve().parent)
-                compared += 1
-                lines = (said.stdout + said.stderr).splitlines()
-                if not matches(quoted.splitlines(), lines):
-                    bad += 1
-                    print(f'$ {command}\nthe README says:\n{quoted}\nthe command says:', *lines, sep='\n')
-    dead = list(dead_links(pathlib.Path(readme).resolve().parent))
-    print(*dead, f'{compared} commands compared, {bad} differ; {len(dead)} dead links', sep='\n')
-    return 1 if bad or dead or not compared else 0
+        found = {page: differing(page, programs, folder, pathlib.Path(somewhere)) for page in pages}
+    bad = sum(b for _, b in found.values())
+    dead = [*dead_links(folder, pages), *unsourced(folder / 'docs' / 'accuracy.md')]
+    for page, (compared, _) in found.items():
+        if compared:
+            print(f'{page.relative_to(folder)}: {compared} commands compared')
+    print(*dead, f'{len(pages)} pages, {bad} commands differ; {len(dead)} dead links and numbers without a source', sep='\n')
+    return 1 if bad or dead or not found[folder / 'README.md'][0] else 0
 
 
 if __name__ == '__main__':
