@@ -452,9 +452,32 @@ static void test_root_beyond_the_rim_by_rounding(void **state)
     }
 }
 
+/* Between two planes, two roots 1e-11 apart: the terms at the second were uncertain by a part in twenty, and it was told
+ * though the rule of the start reaches beyond it, by a part in two hundred. */
+static void test_start_reaches_a_little_beyond(void **state)
+{
+    (void)state;
+    sgt_quadric q = {{48, 8, -20}, {-56, 36, -16}, {42, -47, 29}, -6};
+    sgt_surface s = {&sgt_quadric_ops, &q};
+    sgt_ray ray = {{0x1.e253061e9d7f3p+2, 0x1.3771c41bb3d7p+3, 0x1.28e523043f515p+2},
+                   {-0x1.013622a205c17p-1, -0x1.280ae7a2e21ecp-4, 0x1.b9276dbbc6c5p-1}, 0x1.42ea8afb0b107p+1, INFINITY};
+    double counts = 0x1.42ea8afb388acp+1, start = 0x1.42ea8afb3eda9p+1;
+    for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
+        sgt_hit h[4];
+        bool in = false;
+        int n = sgt_intersect_all(s, ray, 4, h, &(sgt_options){.proof = (sgt_proof)proof});
+        for (int i = 0; i < n && i < 4; i++) {
+            REQUIRE(h[i].status != SGT_HIT || fabs(h[i].t - start) > h[i].t_err, "proof %d: the start is told", proof);
+            in = in || (h[i].lo <= counts && counts <= h[i].hi);
+        }
+        REQUIRE(in, "proof %d: the first root is lost", proof);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_start_reaches_a_little_beyond),
         cmocka_unit_test(test_root_beyond_the_rim_by_rounding),
         cmocka_unit_test(test_one_root_behind_a_later_start), cmocka_unit_test(test_level_set_from_close_before_a_root), cmocka_unit_test(test_grid_measured_at_the_limits), cmocka_unit_test(test_start_beside_a_double_line),
         cmocka_unit_test(test_start_between_two_planes), cmocka_unit_test(test_undecided_inside_the_aperture), cmocka_unit_test(test_graze_far_from_the_surface),
