@@ -474,9 +474,28 @@ static void test_start_reaches_a_little_beyond(void **state)
     }
 }
 
+/* The first radius of a march through the wings was chosen by a number in 1/length: in another unit of length the
+ * last bits of the errors were others. */
+static void test_march_in_another_unit(void **state)
+{
+    (void)state;
+    sgt_hit h[2];
+    for (int k = 0; k < 2; k++) {
+        double unit = k ? 0x1p20 : 1;
+        sgt_biconic cylinder = {.c_y = -0x1.8cada47495899p+1 / unit};
+        sgt_ray ray = {{0x1.de9510d71ab36p+23 * unit, 0x1.a4a5b82a4a195p+22 * unit, -0x1.f8078e2b75b8cp+25 * unit},
+                       {-0x1.d696aa89db8f2p-3, -0x1.9d9f0c1ef4aa6p-4, 0x1.ef9c583367c9ep-1}, 0, INFINITY};
+        h[k] = sgt_intersect((sgt_surface){&sgt_biconic_ops, &cylinder}, ray, NULL);
+        REQUIRE(h[k].status == SGT_HIT, "%s", sgt_status_text(h[k].status));
+        h[k].p_err /= unit, h[k].t /= unit, h[k].t_err /= unit;
+    }
+    REQUIRE(h[0].t == h[1].t && h[0].t_err == h[1].t_err && h[0].p_err == h[1].p_err, "p_err %a, not %a", h[1].p_err, h[0].p_err);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_march_in_another_unit),
         cmocka_unit_test(test_start_reaches_a_little_beyond),
         cmocka_unit_test(test_root_beyond_the_rim_by_rounding),
         cmocka_unit_test(test_one_root_behind_a_later_start), cmocka_unit_test(test_level_set_from_close_before_a_root), cmocka_unit_test(test_grid_measured_at_the_limits), cmocka_unit_test(test_start_beside_a_double_line),
