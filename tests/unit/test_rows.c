@@ -492,9 +492,26 @@ static void test_march_in_another_unit(void **state)
     REQUIRE(h[0].t == h[1].t && h[0].t_err == h[1].t_err && h[0].p_err == h[1].p_err, "p_err %a, not %a", h[1].p_err, h[0].p_err);
 }
 
+/* A torus so small that F underflows is grazed along all of a chord: told at its begin, outside the aperture,
+ * the ray was clipped, and in another unit it has a root inside. */
+static void test_graze_that_reaches_inside_the_aperture(void **state)
+{
+    (void)state;
+    const double q = 0x1p-294;
+    sgt_torus torus = {0x1.cdefb5bf55564p+3 * q, 0x1.159b91ba51106p+4 * q};
+    double unit = 0x1.cdefb5bf55564p+3 * q;
+    sgt_element e = {{&sgt_torus_ops, &torus}, {{0.125 * unit, 0, unit}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, 1.5, 0.75 * unit};
+    sgt_ray ray = {{0x1.8a9dd4b6e8738p+4 * q, -0x1.4816fa38627dfp+6 * q, -0x1.b753bc838208p+6 * q},
+                   {0x1.0086998d46e9bp-9, -0x1.f01237670aa67p-8, -0x1.52e44f3b08bcbp-7}, 0, 0};
+    sgt_fate fate;
+    sgt_trace(1, &e, 1, &ray, NULL, &fate, &(sgt_options){.pick = SGT_FIRST});
+    REQUIRE(fate != SGT_CLIPPED && fate != SGT_MISSED, "%s", sgt_fate_text(fate));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_graze_that_reaches_inside_the_aperture),
         cmocka_unit_test(test_march_in_another_unit),
         cmocka_unit_test(test_start_reaches_a_little_beyond),
         cmocka_unit_test(test_root_beyond_the_rim_by_rounding),
