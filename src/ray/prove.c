@@ -30,7 +30,8 @@
  * THE START is told from the slope's certain bounds about the root and from the gradient of `value`.  Where rounding makes
  * the terms of that gradient uncertain by more than half, a root that may be the start is UNPROVEN: near the line in which two
  * planes meet, both the slope and the terms of `value` are nothing but rounding, and would drop a root far
- * from tmin.  The same where the rule reaches farther than 2^-36 of the point's distance from the origin,
+ * from tmin.  Where they are less uncertain, UNPROVEN is what lies between the least and the most that the rule
+ * may reach.  The same where the rule reaches farther than 2^-36 of the point's distance from the origin,
  * 2^12 times as far as it does of a surface met at a right angle: then the slope is so small that the terms
  * may change by orders within the root's interval, and the least there decides.
  *
@@ -374,9 +375,9 @@ static bool take(proof *w, const certain *c)
     /* in computed numbers, as long as they say how far the start reaches; else by what is certain wherever
      * the root is in its interval (THE START) */
     double most_p = larger(fabs(at.p.x), larger(fabs(at.p.y), fabs(at.p.z))),
-           steps = 8 * SGT_U * fabs(w->t0 + t);
+           steps = 8 * SGT_U * fabs(w->t0 + t), gap = at.h.t - (w->ray->tmin + at.h.t_err + steps);
     bool steady = at.most <= 4 * at.least && at.most <= 0x1p-36 * most_p * scale_of(w->ray->d),
-         hidden = false;
+         hidden = steady && gap > at.least && gap <= at.most;
     if (w->ray->tmin > -HUGE_VAL && !steady
         && !(root.lo - w->tmin.hi > 2 * at.h.t_err + at.most + 2 * steps)) {
         double reach = start_width(w, root, c->slope), sure = reach < at.least ? reach : at.least;

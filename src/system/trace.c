@@ -132,6 +132,17 @@ static sgt_hit ask_all(sgt_surface surface, const sgt_ray *chord, double apertur
     return meant;
 }
 
+/* A graze whose stretch is longer than what its t may be off by (the ray lies in the surface as far as can be
+ * told) is told at its begin.  Is another part of it inside? */
+static bool reaches_inside(const sgt_ray *ray, const sgt_hit *hit, double aperture2)
+{
+    const sgt_vec3 o = ray->o, d = ray->d;
+    if (hit->status != SGT_GRAZE || !(hit->hi - hit->lo > 4 * hit->t_err)) return false;
+    double t = -(o.x * d.x + o.y * d.y) / (d.x * d.x + d.y * d.y);
+    t = larger(hit->lo, t < hit->hi ? t : hit->hi);
+    return is_inside((sgt_vec3){o.x + t * d.x, o.y + t * d.y, 0}, aperture2);
+}
+
 sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, const sgt_options *opt, bool *inside)
 {
     enum { ENDS = 2 };
@@ -141,6 +152,8 @@ sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, con
     int besides = 0;
     *inside = hit.status > 0 && is_inside(hit.p, aperture2);
     while (hit.status > 0 && !*inside && besides < ENDS) {
+        if (reaches_inside(&whole, &hit, aperture2))
+            return hit_undecided(SGT_UNPROVEN, &whole, hit.evals, hit.lo, hit.hi);
         beside[besides++] = hit;
         if (hit.t < middle) chord.tmin = hit.hi; /* not t, from which the same root may be found once more */
         else chord.tmax = hit.lo;

@@ -452,9 +452,68 @@ static void test_root_beyond_the_rim_by_rounding(void **state)
     }
 }
 
+/* Between two planes, two roots 1e-11 apart: the terms at the second were uncertain by a part in twenty, and it was told
+ * though the rule of the start reaches beyond it, by a part in two hundred. */
+static void test_start_reaches_a_little_beyond(void **state)
+{
+    (void)state;
+    sgt_quadric q = {{48, 8, -20}, {-56, 36, -16}, {42, -47, 29}, -6};
+    sgt_surface s = {&sgt_quadric_ops, &q};
+    sgt_ray ray = {{0x1.e253061e9d7f3p+2, 0x1.3771c41bb3d7p+3, 0x1.28e523043f515p+2},
+                   {-0x1.013622a205c17p-1, -0x1.280ae7a2e21ecp-4, 0x1.b9276dbbc6c5p-1}, 0x1.42ea8afb0b107p+1, INFINITY};
+    double counts = 0x1.42ea8afb388acp+1, start = 0x1.42ea8afb3eda9p+1;
+    for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
+        sgt_hit h[4];
+        bool in = false;
+        int n = sgt_intersect_all(s, ray, 4, h, &(sgt_options){.proof = (sgt_proof)proof});
+        for (int i = 0; i < n && i < 4; i++) {
+            REQUIRE(h[i].status != SGT_HIT || fabs(h[i].t - start) > h[i].t_err, "proof %d: the start is told", proof);
+            in = in || (h[i].lo <= counts && counts <= h[i].hi);
+        }
+        REQUIRE(in, "proof %d: the first root is lost", proof);
+    }
+}
+
+/* The first radius of a march through the wings was chosen by a number in 1/length: in another unit of length the
+ * last bits of the errors were others. */
+static void test_march_in_another_unit(void **state)
+{
+    (void)state;
+    sgt_hit h[2];
+    for (int k = 0; k < 2; k++) {
+        double unit = k ? 0x1p20 : 1;
+        sgt_biconic cylinder = {.c_y = -0x1.8cada47495899p+1 / unit};
+        sgt_ray ray = {{0x1.de9510d71ab36p+23 * unit, 0x1.a4a5b82a4a195p+22 * unit, -0x1.f8078e2b75b8cp+25 * unit},
+                       {-0x1.d696aa89db8f2p-3, -0x1.9d9f0c1ef4aa6p-4, 0x1.ef9c583367c9ep-1}, 0, INFINITY};
+        h[k] = sgt_intersect((sgt_surface){&sgt_biconic_ops, &cylinder}, ray, NULL);
+        REQUIRE(h[k].status == SGT_HIT, "%s", sgt_status_text(h[k].status));
+        h[k].p_err /= unit, h[k].t /= unit, h[k].t_err /= unit;
+    }
+    REQUIRE(h[0].t == h[1].t && h[0].t_err == h[1].t_err && h[0].p_err == h[1].p_err, "p_err %a, not %a", h[1].p_err, h[0].p_err);
+}
+
+/* A torus so small that F underflows is grazed along all of a chord: told at its begin, outside the aperture,
+ * the ray was clipped, and in another unit it has a root inside. */
+static void test_graze_that_reaches_inside_the_aperture(void **state)
+{
+    (void)state;
+    const double q = 0x1p-294;
+    sgt_torus torus = {0x1.cdefb5bf55564p+3 * q, 0x1.159b91ba51106p+4 * q};
+    double unit = 0x1.cdefb5bf55564p+3 * q;
+    sgt_element e = {{&sgt_torus_ops, &torus}, {{0.125 * unit, 0, unit}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, 1.5, 0.75 * unit};
+    sgt_ray ray = {{0x1.8a9dd4b6e8738p+4 * q, -0x1.4816fa38627dfp+6 * q, -0x1.b753bc838208p+6 * q},
+                   {0x1.0086998d46e9bp-9, -0x1.f01237670aa67p-8, -0x1.52e44f3b08bcbp-7}, 0, 0};
+    sgt_fate fate;
+    sgt_trace(1, &e, 1, &ray, NULL, &fate, &(sgt_options){.pick = SGT_FIRST});
+    REQUIRE(fate != SGT_CLIPPED && fate != SGT_MISSED, "%s", sgt_fate_text(fate));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_graze_that_reaches_inside_the_aperture),
+        cmocka_unit_test(test_march_in_another_unit),
+        cmocka_unit_test(test_start_reaches_a_little_beyond),
         cmocka_unit_test(test_root_beyond_the_rim_by_rounding),
         cmocka_unit_test(test_one_root_behind_a_later_start), cmocka_unit_test(test_level_set_from_close_before_a_root), cmocka_unit_test(test_grid_measured_at_the_limits), cmocka_unit_test(test_start_beside_a_double_line),
         cmocka_unit_test(test_start_between_two_planes), cmocka_unit_test(test_undecided_inside_the_aperture), cmocka_unit_test(test_graze_far_from_the_surface),
