@@ -603,7 +603,8 @@ static void ends(lanes *a, size_t n)
     }
 }
 
-/* One certain sign at both ends of a span with one root at most is a miss. */
+/* One certain sign at both ends of a span with one root at most is a miss; so is one, where `least` is
+ * known and F is not defined at the other end (gone_by). */
 static void miss(sweep *w, size_t n)
 {
     lanes *a = w->a;
@@ -617,7 +618,8 @@ static void miss(sweep *w, size_t n)
     signs(w, n, a->hi, a->beside);
     for (size_t i = 0; i < n; i++) {
         a->evals[i] += 2;
-        a->state[i] = a->end[i] * a->beside[i] > 0 && a->evals[i] <= w->budget ? (double)SGT_MISS : (double)SGT_HARD;
+        bool none = a->end[i] * a->beside[i] > 0 || gone_by(a->end[i], a->beside[i], a->n[i], a->least[i]);
+        a->state[i] = none && a->evals[i] <= w->budget ? (double)SGT_MISS : (double)SGT_HARD;
     }
 }
 

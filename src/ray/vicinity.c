@@ -139,12 +139,31 @@ static double judge(size_t n, const double *restrict dx, const double *restrict 
 
 /* ---------------------------------------------------------------------------- passed by */
 
+/* The cone of asphere_alone.c, from where the ray begins: behind it, r from the axis, it is no lower than
+ * high + q max(r - r0, 0), on the side it goes to.  Coarser than ring by ring, and a few operations; where
+ * the last ring is endless, all that is known of it.  Of the rings from `first` on. */
 SGT_KERNEL
-static mask passed_by(const sgt_heights *g, const line *w)
+static mask is_above(const sgt_heights *g, const line *w, int first)
+{
+    double along = fabs(w->from - w->foot) + w->off, z = w->n * w->from, less = 1 - 0x1p-40, left = 0;
+    double r0 = sqrt(w->nearest * w->nearest + w->a * (along * along)) * (1 + 0x1p-40) + w->aside,
+           q = fabs(w->n) / sqrt(w->a) * less, high = (w->n > 0 ? z : -z) - 0x1p-40 * fabs(z);
+    mask rises = MASK(w->n > 0);
+#pragma omp simd reduction(+ : left)
+    for (int j = first; j < SGT_RINGS; j++) {
+        double rise = q * larger((double)j * g->width * less - r0, 0),
+               least = (high - 0x1p-40 * fabs(high)) + rise * less;
+        left += chosen(rises, g->high[j], -g->low[j]) < least ? 0.0 : 1.0;
+    }
+    return MASK(left == 0);
+}
+
+SGT_KERNEL
+static mask passed_by(const sgt_heights *g, const line *w, int ended)
 {
     double left = 0;
 #pragma omp simd reduction(+ : left)
-    for (int j = 0; j < SGT_RINGS; j++) {
+    for (int j = 0; j < ended; j++) {
         piece p = piece_of(w, (double)j * g->width, (double)(j + 1) * g->width);
         mask apart = is_apart(w, p.s_in, p.s_out, g->low[j], g->high[j])
                      & is_apart(w, -p.s_out, -p.s_in, g->low[j], g->high[j]);
@@ -172,7 +191,10 @@ static void without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, vi
         kept->any_heights = true;
         sgt_vec3 o = {r.o[0][i], r.o[1][i], r.o[2][i]}, d = {r.d[0][i], r.d[1][i], r.d[2][i]};
         line w = line_of(o, d, v->tmin[i], v->tmax[i]);
-        bool passes = kept->heights.width > 0 && line_in_range(&w) && passed_by(&kept->heights, &w);
+        const sgt_heights *g = &kept->heights;
+        int ended = g->endless ? SGT_RINGS - 1 : SGT_RINGS;
+        bool known = g->width > 0 && line_in_range(&w),
+             passes = known && (is_above(g, &w, 0) || (passed_by(g, &w, ended) && is_above(g, &w, ended)));
         if (passes) v->asked[i] = 0, v->lo[i] = 1, v->hi[i] = 0;
     }
 }

@@ -94,7 +94,8 @@ bool sgt_walk_quick_miss(walk *w, double lo, double hi)
 {
     if (!(lo > -HUGE_VAL && hi < HUGE_VAL) || over(w)) return false;
     point a = sgt_walk_look(w, lo, SGT_SEED, lo, hi), b = sgt_walk_look(w, hi, SGT_SEED, lo, hi);
-    return !w->told.stopped && sign_at(&a) * sign_at(&b) > 0;
+    int first = sign_at(&a), last = sign_at(&b);
+    return !w->told.stopped && (first * last > 0 || gone_by(first, last, w->q.n, w->least));
 }
 
 sgt_root sgt_walk_begin(walk *w, sgt_span span)

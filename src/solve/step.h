@@ -105,6 +105,15 @@ SGT_INLINE bool close_of(double g, double slope, double place, double last, doub
 /* 1, -1, or 0 where it is not certain. */
 SGT_INLINE double sign_of(double g, double g_err) { return (g > g_err ? 1.0 : 0.0) - (g < -g_err ? 1.0 : 0.0); }
 
+/* Where `least` is known F rises all along the stretch where n > 0, or falls where n < 0 (freeform.c, THE
+ * SPAN): with a certain sign behind the root at its first end, or before it at its last, there is none,
+ * even where F is not defined at the other (the corners of a rectangle are farther from the axis than its
+ * sides). */
+SGT_INLINE bool gone_by(double sign_first, double sign_last, double n, double least)
+{
+    return (least > 0) & ((sign_first * n > 0) | (sign_last * n < 0));
+}
+
 /* -------------------------------------------------------------------- Newton's step */
 
 /* ready, go: not negative where it is so.  (Of two conditions the lesser or the greater margin: gcc works with masks, one by
@@ -175,21 +184,21 @@ SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3
     return h;
 }
 
-/* Does a root near the start count?  The rule of the start is made of the terms of F, which vanish toward the
- * axis.  One bound of the rounding for all points within the rim does not: then it hides where the root is, of
- * most rays that begin there.  Of these alone `rounding` is asked, at the very point; the rest is as above, and
- * `least` is above 0, so that the root is the only one (certified_of).
+/* Does a root near the start count?  The rule of the start is made of the terms of F, which vanish toward
+ * the axis.  One bound of the rounding for all points within the rim does not: then it hides where the root
+ * is, of most rays that begin there.  Of these alone `rounding` is asked, at the very point; the rest is as
+ * above, and `least` is above 0, so that the root is the only one (certified_of).
  *
  * Where rounding of F itself is still more than what the start reaches, and all else far less, the rule of
- * sagitta.h decides as in a search (prove.c, take): a root that may be nearer to tmin than that reach does not
- * count, as long as its error is not above 16 times the reach, and the terms themselves are known: rounding of
- * the gradient moves them by no more than 32 times what it does to F (prove.c, terms_err), which here is half of
- * them. */
+ * sagitta.h decides as in a search (prove.c, take): a root that may be nearer to tmin than that reach does
+ * not count, as long as its error is not above 16 times the reach, and the terms themselves are known:
+ * rounding of the gradient moves them by no more than 32 times what it does to F (prove.c, terms_err),
+ * which here is half of them. */
 typedef struct sharpened { taking h; double tau_err; bool known; } sharpened;
 
-SGT_INLINE sharpened sharpened_of(sgt_surface s, const local *q, double tau, double g, sgt_vec3 p, sgt_vec3 grad,
-                                  around at, double least, double lo, double hi, double tmin, double tmax,
-                                  double rim2, double margin)
+SGT_INLINE sharpened sharpened_of(sgt_surface s, const local *q, double tau, double g, sgt_vec3 p,
+                                  sgt_vec3 grad, around at, double least, double lo, double hi, double tmin,
+                                  double tmax, double rim2, double margin)
 {
     double own = s.ops->rounding ? s.ops->rounding(s.self, p) : HUGE_VAL;
     certified c = certified_of(tau, g, at.place + (own >= 0 ? own : HUGE_VAL), least, lo, hi);
@@ -204,17 +213,19 @@ SGT_INLINE sharpened sharpened_of(sgt_surface s, const local *q, double tau, dou
     return (sharpened){h, c.tau_err, c.inside};
 }
 
-/* The local origin moved onto the root, SHARPER - 1 times at most: a bad guess has left it far off, and beside
- * terms that vanish rounding of the way from there is much.  F has to be asked for anew, at 0; *lo and *hi are
- * less than what they were by more than their rounding. */
+/* The local origin moved onto the root, SHARPER - 1 times at most: a bad guess has left it far off, and
+ * beside terms that vanish rounding of the way from there is much.  F has to be asked for anew, at 0; *lo
+ * and *hi are less than what they were by more than their rounding. */
 SGT_INLINE local moved_onto(const local *q, sgt_vec3 o, double tau, double *lo, double *hi)
 {
     local r = *q;
     double off = 0x1p-48 * (fabs(q->t0) + fabs(tau));
     r.t0 = q->t0 + tau;
-    r.x = moved_along(o.x, r.t0, q->l), r.y = moved_along(o.y, r.t0, q->m), r.z = moved_along(o.z, r.t0, q->n);
+    r.x = moved_along(o.x, r.t0, q->l), r.y = moved_along(o.y, r.t0, q->m);
+    r.z = moved_along(o.z, r.t0, q->n);
     r.xa = fabs(r.x), r.ya = fabs(r.y), r.za = fabs(r.z);
-    *lo = *lo * (1 - copysign(0x1p-48, *lo)) - tau + off, *hi = *hi * (1 - copysign(0x1p-48, *hi)) - tau - off;
+    *lo = *lo * (1 - copysign(0x1p-48, *lo)) - tau + off; /* perhaps without bound */
+    *hi = *hi * (1 - copysign(0x1p-48, *hi)) - tau - off;
     return r;
 }
 

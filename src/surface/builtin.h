@@ -25,9 +25,10 @@ typedef struct sgt_shared { double c, k1, radius2, steep, base_c, base_k, most2,
 typedef struct sgt_extent { double radius2, steep, size, bend; } sgt_extent;
 
 /* What is known of a surface ring by ring: from j to j + 1 widths of the axis its sag is in [low[j],
- * high[j]]; low > high: there is none of it, nor beyond the last ring.  width 0: nothing is known. */
+ * high[j]]; low > high: there is none of it, nor beyond the last ring, which where it is endless has no outer
+ * rim.  width 0: nothing is known. */
 enum { SGT_RINGS = 16 };
-typedef struct sgt_heights { double width, low[SGT_RINGS], high[SGT_RINGS]; } sgt_heights;
+typedef struct sgt_heights { double width, low[SGT_RINGS], high[SGT_RINGS]; bool endless; } sgt_heights;
 
 struct sgt_own {
     /* Of the table of operations that a program sees: those of each set of instructions (dispatch.h), and

@@ -61,6 +61,16 @@ static int asphere_bounds(const void *self, region *where, bounds *out)
     return 1;
 }
 
+/* Over a ring, by Horner's rule. */
+static sgt_interval asphere_range(const void *self, const region *where)
+{
+    const sgt_asphere *s = self;
+    sgt_interval rho = sgt_interval_square(sgt_interval_between(where->r_lo, where->r_hi)), p = {0, 0};
+    for (int i = terms_of(s) - 1; i >= 0; i--)
+        p = sgt_interval_product(sgt_interval_sum(p, sgt_interval_of(s->a[i])), rho);
+    return p;
+}
+
 static void asphere_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
 {
     const sgt_asphere *s = self;
@@ -92,5 +102,6 @@ static sgt_objection asphere_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-const departure sgt_asphere_departure = {.at = asphere_at, .rounding = asphere_rounding, .bounds = asphere_bounds, .second = asphere_second,
+const departure sgt_asphere_departure = {.at = asphere_at, .rounding = asphere_rounding,
+                                         .bounds = asphere_bounds, .range = asphere_range, .second = asphere_second,
                                          .parameters = asphere_parameters, .by_parameter = asphere_by_parameter, .object = asphere_object, .noise = asphere_noise};

@@ -177,15 +177,71 @@ static mask asphere_passed_by(const rings *g, const line *w)
     return MASK(left == 0);
 }
 
+/* THE CONE, of all rays at once.  Along a ray that leaves the vertex plane r grows by no more than sqrt a a
+ * unit of tau, and its height above that plane, on the side it goes to, by |n|.  From r0 and h0 where it
+ * begins, at r it is at least h0 + q max(r - r0, 0) high.  A ring whose sag is less at its inner edge is
+ * passed by.  A ring farther out than r0 may also be so flat that F is monotone in it, |dS/dr| < q: the ray
+ * enters it above the surface, for it has passed by all rings before, and stays above.  So it does all the
+ * way where it begins in the vertex, at t = 0, where F is 0: the start does not count.  (There r0 is a
+ * little less than 0, so that the first ring is farther out, too.)  2^-40 is far more than rounding. */
+typedef struct cones { double high[SGT_TILE], r[SGT_TILE], q[SGT_TILE]; } cones;
+
+/* How many are asked about that leave. */
+SGT_KERNEL
+static double cones_of(const sgt_tile *tile, mask asked[], cones *e)
+{
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
+                 off = 0x1p-40;
+    double some = 0;
+#pragma omp simd reduction(+ : some)
+    for (size_t i = 0; i < tile->n; i++) {
+        double scale = scale_of((sgt_vec3){l[i], m[i], n[i]}), ls = l[i] * scale, ms = m[i] * scale,
+               ns = n[i] * scale, a = ls * ls + ms * ms, n2 = ns * ns;
+        double tl = tmin[i] * l[i], tm = tmin[i] * m[i], tn = tmin[i] * n[i], x = ox[i] + tl, y = oy[i] + tm,
+               z = oz[i] + tn;
+        double high = copysign(1, n[i]) * z - off * (fabs(oz[i]) + fabs(tn));
+        mask vertex = at_vertex(ox[i], oy[i], oz[i]) & MASK(tmin[i] == 0);
+        mask is = asked[i] & MASK(a > 0x1p-400) & MASK(a < 0x1p400) & MASK(n2 > 0x1p-200) & MASK(n2 < 0x1p400)
+                  & MASK(tmin[i] <= tmax[i]) & (vertex | MASK(high > 0x1p-400));
+        double r = sqrt(x * x + y * y) * (1 + off) + off * (fabs(ox[i]) + fabs(tl) + fabs(oy[i]) + fabs(tm));
+        e->high[i] = high, e->q[i] = sqrt(n2 / a) * (1 - off), e->r[i] = chosen(vertex, -0x1p-1000, r);
+        asked[i] = is, some += chosen(is, 1, 0);
+    }
+    return some;
+}
+
+SGT_KERNEL
+static void asphere_over(const rings *g, const sgt_tile *tile, const cones *e, mask over[])
+{
+    const double *n = tile->rays.d[2], less = 1 - 0x1p-40;
+    for (int j = 0; j < RINGS; j++) {
+        const double in = g->inner[j] * less, slope = g->slope[j], above = g->above[j], below = g->below[j];
+        LANES for (size_t i = 0; i < tile->n; i++) {
+            double q = e->q[i], out = in - e->r[i], sag = chosen(MASK(n[i] > 0), above, below);
+            over[i] &=
+                (MASK(slope < q) & MASK(out > 0)) | MASK(sag < (e->high[i] + q * larger(out, 0)) * less);
+        }
+    }
+}
+
 /* Of a ray that starts in the vertex, at t = 0: one root at most is the start itself, which does not count.
  */
 void sgt_asphere_pass(const shape *s, const sgt_tile *tile, mask passes[])
 {
     const sgt_rays *r = &tile->rays;
     rings g;
+    cones e;
+    mask over[SGT_TILE];
     bool any = false, in_range = s->domain2 < 0x1p600 && s->domain2 > 0x1p-600;
+    memcpy(over, passes, tile->n * sizeof over[0]);
+    if (in_range && cones_of(tile, over, &e) > 0) {
+        asphere_rings(s, &g);
+        any = true;
+        asphere_over(&g, tile, &e, over);
+    }
     for (size_t i = 0; i < tile->n; i++) {
-        if (!passes[i]) continue;
+        if (!passes[i] || (any && over[i])) continue;
         sgt_vec3 o = {r->o[0][i], r->o[1][i], r->o[2][i]}, d = {r->d[0][i], r->d[1][i], r->d[2][i]};
         double tmin = r->tmin[i], tmax = r->tmax[i];
         line w = line_of(o, d, tmin, tmax);

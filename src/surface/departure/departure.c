@@ -238,38 +238,53 @@ void sgt_freeform_within(const freeform *s, sgt_extent *extent)
     *extent = e;
 }
 
-/* Where the surface ends, or HUGE_VAL; a departure that is all of the sag may say so itself. */
-static double end_of_surface(const freeform *s)
+/* Where the surface ends, or HUGE_VAL; a departure that is all of the sag may say so itself.  endless: it
+ * ends so in one direction, and farther out in the other, or nowhere (a cylinder). */
+static double end_of_surface(const freeform *s, bool *endless)
 {
     double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
     region all = {{-FAR_OUT, FAR_OUT}, {-FAR_OUT, FAR_OUT}, 0, FAR_OUT};
     bounds b;
+    *endless = false;
     if (!(domain2 < HUGE_VAL) && s->of->bounds(s->self, &all, &b) == -1) {
-        double x = sgt_interval_greatest(all.x), y = sgt_interval_greatest(all.y);
+        double x = sgt_interval_greatest(all.x), y = sgt_interval_greatest(all.y), least = x < y ? x : y;
         domain2 = x < 0x1p400 && y < 0x1p400 ? x * x + y * y : HUGE_VAL;
+        *endless = !(domain2 < HUGE_VAL) && !s->base && s->of->range;
+        if (*endless) domain2 = least < 0x1p400 ? least * least : HUGE_VAL;
     }
     return domain2 > 0x1p-400 && domain2 < 0x1p400 ? sqrt(domain2) * (1 + 0x1p-19) : HUGE_VAL;
+}
+
+/* What P can be where it is defined; empty: nowhere. */
+static sgt_interval range_over(const freeform *s, region *where)
+{
+    bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    if (s->of->range) return s->of->range(s->self, where);
+    return s->of->bounds(s->self, where, &b) ? sgt_interval_between(-b.size, b.size) : sgt_interval_empty();
 }
 
 /* The base's sag grows with r, or falls; next to its equator a rounding is 2^-26 of it. */
 void sgt_freeform_heights(const freeform *s, sgt_heights *out)
 {
-    double end = end_of_surface(s), width = end / SGT_RINGS, k1 = 1 + s->k;
+    double end = end_of_surface(s, &out->endless), width = end / SGT_RINGS, k1 = 1 + s->k;
     out->width = end < HUGE_VAL ? width * (1 + 0x1p-40) : 0;
     for (int j = 0; j < SGT_RINGS && out->width > 0; j++) {
         double in = j * width * (1 - 0x1p-40), r = (j + 1) * width * (1 + 0x1p-40);
         region where = {{-r, r}, {-r, r}, in, r};
-        bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+        if (out->endless && j == SGT_RINGS - 1) {
+            bounds unused;
+            where = (region){{-FAR_OUT, FAR_OUT}, {-FAR_OUT, FAR_OUT}, in, FAR_OUT};
+            s->of->bounds(s->self, &where, &unused); /* cuts it to where P is defined */
+        }
         out->low[j] = HUGE_VAL, out->high[j] = -HUGE_VAL;
-        if (!s->of->bounds(s->self, &where, &b)) continue;
-        sgt_interval p = sgt_interval_between(-b.size, b.size);
-        if (s->of->range) p = sgt_interval_intersection(p, s->of->range(s->self, &where));
+        sgt_interval p = range_over(s, &where);
+        if (sgt_interval_is_empty(p)) continue;
         double c = s->base ? s->c : 0, u = 1 - k1 * c * c * (in * in), v = 1 - k1 * c * c * (r * r);
         double near = c * (in * in) / (1 + sqrt(u > 0 ? u : 0)),
                far = c * (r * r) / (1 + sqrt(v > 0 ? v : 0));
-        double off = 0x1p-20 * (fabs(near) + fabs(far) + sgt_interval_greatest(p)) + LOST;
-        out->low[j] = (near < far ? near : far) + p.lo - off;
-        out->high[j] = (near > far ? near : far) + p.hi + off;
+        double off = 0x1p-20 * (fabs(near) + fabs(far)) + LOST;
+        out->low[j] = (near < far ? near : far) + p.lo - (off + 0x1p-20 * fabs(p.lo));
+        out->high[j] = (near > far ? near : far) + p.hi + (off + 0x1p-20 * fabs(p.hi));
     }
 }
 

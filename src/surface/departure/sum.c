@@ -66,6 +66,23 @@ static int sum_bounds(const void *self, region *where, bounds *out)
     return all;
 }
 
+static sgt_interval sum_range(const void *self, const region *where)
+{
+    const sgt_sum *s = self;
+    sgt_interval sum = {0, 0};
+    for (size_t k = 0; k < s->count; k++) {
+        const departure *term = of(&s->terms[k]);
+        region part = *where;
+        bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
+        if (!term->range && !term->bounds(s->terms[k].self, &part, &b)) return sgt_interval_empty();
+        sgt_interval p = sgt_interval_between(-b.size, b.size);
+        if (term->range) p = term->range(s->terms[k].self, where);
+        if (sgt_interval_is_empty(p)) return p;
+        sum = sgt_interval_sum(sum, p);
+    }
+    return sum;
+}
+
 static void sum_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
 {
     const sgt_sum *s = self;
@@ -108,7 +125,8 @@ static sgt_objection sum_object(const void *self)
     return fine;
 }
 
-static const departure sum_departure = {.at = sum_at, .rounding = sum_rounding, .bounds = sum_bounds, .second = sum_second,
+static const departure sum_departure = {.at = sum_at, .rounding = sum_rounding, .bounds = sum_bounds,
+                                        .range = sum_range, .second = sum_second,
                                         .parameters = sum_parameters, .by_parameter = sum_by_parameter, .object = sum_object, .noise = sum_noise};
 
 FREEFORM_ON_CONIC(sum, sgt_sum)

@@ -275,7 +275,13 @@ static sgt_interval toroidal_range(const void *self, const region *where)
     bounds most;
     sgt_interval range;
     double q, m;
-    return sliced(self, where, 1, &most, &range, &q, &m) ? range : sgt_interval_empty();
+    if (!sliced(self, where, 1, &most, &range, &q, &m)) return sgt_interval_empty();
+    /* q - c_x e = m >= 0: c_x s is at most 1, where the sweep turns back */
+    double c_x = ((const sgt_toroidal *)self)->c_x;
+    sgt_interval back = sgt_interval_quotient(sgt_interval_of(1), sgt_interval_of(c_x));
+    if (c_x > 0 && back.hi < range.hi) range.hi = back.hi;
+    if (c_x < 0 && back.lo > range.lo) range.lo = back.lo;
+    return range;
 }
 
 SGT_KERNEL
