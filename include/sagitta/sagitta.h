@@ -121,7 +121,7 @@ typedef struct sgt_surface_ops {
     void (*spans)(const void *self, size_t n, sgt_rays rays, sgt_spans out);
 
     /* The built-in surfaces' own; leave it NULL. */
-    const struct sgt_own *own_;
+    const struct sgt_builtin_ops *own_;
 
     /* `span`, narrowed to the first root that counts on [tmin, tmax] of the ray, which are to be read here (tmax may be
      * infinite): with single there is at most one root in [lo, hi], F changes sign at it, and if none there counts, none

@@ -65,7 +65,7 @@
 enum { SAMPLES = 256, POINTS = 16, LEVELS = 18, POINTS_AT_ONCE = 67, FEW = 3, RAYS_AT_ONCE = 35, WIDTHS = 9, WITHIN = 5 };
 static const double CUT = 1000; /* lengths, where neither ray nor span has an end */
 
-typedef struct sample { double t, f, doubt; int sign; sgt_vec3 p, n; } sample;
+typedef struct check_sample { double t, f, doubt; int sign; sgt_vec3 p, n; } check_sample;
 
 typedef struct check {
     sgt_surface s;
@@ -89,32 +89,32 @@ static bool fail(check *c, sgt_fault fault, sgt_vec3 where)
 }
 
 /* The greatest component, in magnitude, that is not NaN. */
-static double greatest(sgt_vec3 v) { return maximum_number(fabs(v.x), maximum_number(fabs(v.y), fabs(v.z))); }
+static double check_greatest(sgt_vec3 v) { return maximum_number(fabs(v.x), maximum_number(fabs(v.y), fabs(v.z))); }
 
 static double value_at(const check *c, sgt_vec3 p, sgt_vec3 *grad) { return c->s.ops->value(c->s.self, p, grad); }
 
-static double terms_of(sgt_vec3 p, sgt_vec3 n)
+static double check_terms_of(sgt_vec3 p, sgt_vec3 n)
 {
     double sum = fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z);
     return sum < HUGE_VAL ? sum : 0; /* a gradient that is no number bounds nothing */
 }
 
 /* F at t, its sign where that is certain; false: `rounding` broke its word. */
-static bool look(check *c, double t, sample *a)
+static bool check_look(check *c, double t, check_sample *a)
 {
     sgt_vec3 o = c->ray->o, d = c->ray->d, n = {0};
-    *a = (sample){.t = t, .p = {o.x + t * d.x, o.y + t * d.y, o.z + t * d.z}};
+    *a = (check_sample){.t = t, .p = {o.x + t * d.x, o.y + t * d.y, o.z + t * d.z}};
     a->f = value_at(c, a->p, &n);
     a->n = n;
     if (isnan(a->f)) return true;
     sgt_vec3 moved = {fabs(o.x) + fabs(t * d.x), fabs(o.y) + fabs(t * d.y), fabs(o.z) + fabs(t * d.z)};
-    double doubt = 0x1p-50 * terms_of(moved, n);
+    double doubt = 0x1p-50 * check_terms_of(moved, n);
     if (c->s.ops->rounding) {
         double own = c->s.ops->rounding(c->s.self, a->p);
         if (isfinite(a->f) && !(own >= 0 && own < HUGE_VAL)) return fail(c, SGT_WRONG_ROUNDING, a->p);
         doubt += own;
     } else {
-        doubt += 0x1p-50 * (terms_of(a->p, n) + fabs(a->f));
+        doubt += 0x1p-50 * (check_terms_of(a->p, n) + fabs(a->f));
     }
     a->doubt = doubt;
     a->sign = a->f > doubt ? 1 : a->f < -doubt ? -1 : 0;
@@ -130,8 +130,8 @@ static double *component(sgt_vec3 *v, int i) { return i == 0 ? &v->x : i == 1 ? 
  * taken to be of the size by which F changes over `across`. */
 static double noise_at(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double across)
 {
-    double floor = 0x1p-51 * (fabs(f) + terms_of(p, n));
-    if (!c->s.ops->rounding) return 4 * (floor + 0x1p-51 * terms_of((sgt_vec3){across, across, across}, n));
+    double floor = 0x1p-51 * (fabs(f) + check_terms_of(p, n));
+    if (!c->s.ops->rounding) return 4 * (floor + 0x1p-51 * check_terms_of((sgt_vec3){across, across, across}, n));
     double own = c->s.ops->rounding(c->s.self, p);
     return own > floor ? own : floor;
 }
@@ -142,7 +142,7 @@ static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i
                          double *doubt, double *kink, sgt_vec3 *bend)
 {
     double best = 0, before = (double)NAN, x = *component(&p, i), h = longest;
-    double big = greatest(p), noise = noise_at(c, p, f, n, longest), noise_before = (double)NAN;
+    double big = check_greatest(p), noise = noise_at(c, p, f, n, longest), noise_before = (double)NAN;
     *doubt = *kink = HUGE_VAL, *bend = (sgt_vec3){0};
     for (int level = 0; level < LEVELS && h > 0x1p-42 * maximum_number(big, longest); level++, h *= 0.125) {
         sgt_vec3 right = p, left = p, nr = {0}, nl = {0};
@@ -188,12 +188,12 @@ static bool is_wrong(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double lo
 
 static bool check_gradient(check *c, double t, double spacing)
 {
-    sample a;
+    check_sample a;
     sgt_vec3 d = c->ray->d, n = {(double)NAN, (double)NAN, (double)NAN};
-    if (!look(c, t, &a)) return false;
-    double f = value_at(c, a.p, &n), big = greatest(a.p);
+    if (!check_look(c, t, &a)) return false;
+    double f = value_at(c, a.p, &n), big = check_greatest(a.p);
     if (!isfinite(f)) return true;
-    double longest = maximum_number(spacing * greatest(d), 0x1p-10 * big);
+    double longest = maximum_number(spacing * check_greatest(d), 0x1p-10 * big);
     if (!is_wrong(c, a.p, f, n, longest) || !is_wrong(c, a.p, f, n, 0.7 * longest)) return true;
     return fail(c, SGT_WRONG_GRADIENT, a.p);
 }
@@ -204,7 +204,7 @@ static bool check_gradient(check *c, double t, double spacing)
 static bool well_defined(check *c, double t)
 {
     sgt_vec3 o = c->ray->o, d = c->ray->d;
-    double far = greatest(o), along = greatest(d);
+    double far = check_greatest(o), along = check_greatest(d);
     double off = 0x1p-44 * (far / along + fabs(t));
     for (int i = -1; i <= 1; i++)
         if (isnan(value_at(c, (sgt_vec3){o.x + (t + i * off) * d.x, o.y + (t + i * off) * d.y, o.z + (t + i * off) * d.z}, NULL))) return false;
@@ -212,20 +212,20 @@ static bool well_defined(check *c, double t)
 }
 
 /* By how much a sample can be off: its own doubt, and the noise of a surface that does not tell it. */
-static double doubt_of(const check *c, const sample *a, double across)
+static double doubt_of(const check *c, const check_sample *a, double across)
 {
-    double size = greatest(c->ray->d);
+    double size = check_greatest(c->ray->d);
     return 2 * a->doubt + (c->s.ops->rounding ? 0 : noise_at(c, a->p, a->f, a->n, across * size));
 }
 
 /* Is grad . d outside of what is said of the slope?  By more than 2^-26, which `value` is free to be wrong by, and what
  * 2^-44 of the way, either way, does to it. */
-static bool steeper(const check *c, const sample *a, sgt_interval slope)
+static bool steeper(const check *c, const check_sample *a, sgt_interval slope)
 {
     sgt_vec3 d = c->ray->d, o = c->ray->o, left = {0}, right = {0};
-    double now = a->n.x * d.x + a->n.y * d.y + a->n.z * d.z, doubt = 0x1p-26 * terms_of(a->n, d), bend = 0;
+    double now = a->n.x * d.x + a->n.y * d.y + a->n.z * d.z, doubt = 0x1p-26 * check_terms_of(a->n, d), bend = 0;
     if (!(now + doubt < slope.lo || now - doubt > slope.hi || slope.lo > slope.hi)) return false;
-    double far = greatest(o), along = greatest(d), off = 0x1p-44 * (far + fabs(a->t) * along);
+    double far = check_greatest(o), along = check_greatest(d), off = 0x1p-44 * (far + fabs(a->t) * along);
     for (int i = 0; i < 3; i++) {
         sgt_vec3 p = a->p, q = a->p;
         *component(&p, i) -= off, *component(&q, i) += off;
@@ -242,12 +242,12 @@ static bool check_enclosure(check *c, double lo, double hi, double across)
     static const double where[WITHIN] = {0, 0.109, 0.382, 0.691, 1};
     sgt_interval slope = {(double)NAN, (double)NAN}, g = c->s.ops->enclose(c->s.self, c->ray, (sgt_interval){lo, hi}, &slope);
     bool bounded = slope.lo > -HUGE_VAL && slope.hi < HUGE_VAL, defined = true;
-    sample before = {.f = (double)NAN}, a;
+    check_sample before = {.f = (double)NAN}, a;
     double doubt_before = 0;
     for (int i = 0; i < WITHIN; i++) {
         double t = i == WITHIN - 1 ? hi : lo + (hi - lo) * where[i], doubt;
         if (i && !(t > before.t)) continue;
-        if (!look(c, t, &a)) return false;
+        if (!check_look(c, t, &a)) return false;
         bool regular = isfinite(a.f) && isfinite(a.n.x) && isfinite(a.n.y) && isfinite(a.n.z);
         defined = defined && !isnan(a.f);
         doubt = doubt_of(c, &a, across);
@@ -278,7 +278,7 @@ static bool check_enclosures(check *c, double t, double longest, double across)
 
 /* --------------------------------------------------------------- clearance */
 
-static bool approach(check *c, sample *a, double b);
+static bool check_approach(check *c, check_sample *a, double b);
 
 /* Along a line through p, a unit of length a unit of t: no change of sign before `clear`, but at a pole. */
 static bool check_line(check *c, sgt_vec3 p, sgt_vec3 u, double clear)
@@ -286,15 +286,15 @@ static bool check_line(check *c, sgt_vec3 p, sgt_vec3 u, double clear)
     static const double at[] = {0.1, 0.25, 0.5, 0.75, 0.9, 0.97, 0.99, 0.999, 0.9999, 1 - 0x1p-20, 1 - 0x1p-30};
     enum { HALF = sizeof at / sizeof at[0] };
     const sgt_ray *own = c->ray, line = {.o = p, .d = u};
-    sample last = {.sign = 0}, a;
+    check_sample last = {.sign = 0}, a;
     c->ray = &line;
     for (int i = -HALF; i <= HALF && c->fault == SGT_SOUND; i++) {
-        if (!look(c, i < 0 ? -clear * at[-i - 1] : i > 0 ? clear * at[i - 1] : 0, &a)) break;
+        if (!check_look(c, i < 0 ? -clear * at[-i - 1] : i > 0 ? clear * at[i - 1] : 0, &a)) break;
         if (isnan(a.f)) last.sign = 0;
         if (a.sign * last.sign < 0) {
-            sample left = last, right = a;
+            check_sample left = last, right = a;
             double high = maximum_number(fabs(left.f), fabs(right.f));
-            if (approach(c, &left, right.t) && approach(c, &right, left.t)
+            if (check_approach(c, &left, right.t) && check_approach(c, &right, left.t)
                 && minimum_number(fabs(left.f), fabs(right.f)) <= high) fail(c, SGT_WRONG_CLEARANCE, left.p);
         }
         if (a.sign) last = a;
@@ -307,9 +307,9 @@ static bool check_line(check *c, sgt_vec3 p, sgt_vec3 u, double clear)
 static bool check_clearance(check *c, double t, double extent)
 {
     static const sgt_vec3 others[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.6, 0, 0.8}, {0.8, 0.6, 0}, {0, -0.6, 0.8}};
-    sample a;
+    check_sample a;
     if (!c->s.ops->clearance) return true;
-    if (!look(c, t, &a)) return false;
+    if (!check_look(c, t, &a)) return false;
     sgt_vec3 d = c->ray->d;
     double clear = c->s.ops->clearance(c->s.self, a.p), length = sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
     double most = 4 * (extent * length + fabs(a.p.x) + fabs(a.p.y) + fabs(a.p.z)), steep = sqrt(a.n.x * a.n.x + a.n.y * a.n.y + a.n.z * a.n.z);
@@ -326,13 +326,13 @@ static bool check_clearance(check *c, double t, double extent)
 
 /* Moves *a, of certain sign, as near to b as its sign stays certain; b's is not a's.
  * false: F is not defined between them, or a promise was broken on the way. */
-static bool approach(check *c, sample *a, double b)
+static bool check_approach(check *c, check_sample *a, double b)
 {
     for (int i = 0; i < 100; i++) {
-        sample m;
+        check_sample m;
         double t = 0.5 * a->t + 0.5 * b;
         if (!(t > minimum_number(a->t, b) && t < maximum_number(a->t, b))) return true; /* neighbours */
-        if (!look(c, t, &m) || isnan(m.f)) return false;
+        if (!check_look(c, t, &m) || isnan(m.f)) return false;
         if (m.sign == a->sign) *a = m;
         else b = t;
     }
@@ -340,11 +340,11 @@ static bool approach(check *c, sample *a, double b)
 }
 
 /* A root between a and b, if it is not as near to the start as may make it one that does not count. */
-static bool check_first(check *c, const sample *a, const sample *b)
+static bool check_first(check *c, const check_sample *a, const check_sample *b)
 {
     sgt_vec3 o = c->ray->o;
     double apart = a->t - c->from, near = 0x1p-40 * (fabs(a->t) + fabs(b->t) + fabs(o.x) + fabs(o.y) + fabs(o.z));
-    near += 0x1p-44 * terms_of(a->p, a->n) / fabs(a->n.x * c->ray->d.x + a->n.y * c->ray->d.y + a->n.z * c->ray->d.z);
+    near += 0x1p-44 * check_terms_of(a->p, a->n) / fabs(a->n.x * c->ray->d.x + a->n.y * c->ray->d.y + a->n.z * c->ray->d.z);
     if (!c->first.single || !(apart > near && apart > 16 * (b->t - a->t))) return true;
     if (b->t < c->first.lo) return fail(c, SGT_WRONG_FIRST, b->p);
     if (a->t > c->first.hi) c->behind = true, c->beyond = a->p;
@@ -354,10 +354,10 @@ static bool check_first(check *c, const sample *a, const sample *b)
 }
 
 /* A change of sign between a and b. */
-static bool check_root(check *c, sample a, sample b)
+static bool check_root(check *c, check_sample a, check_sample b)
 {
     double high = maximum_number(fabs(a.f), fabs(b.f)), spacing = b.t - a.t;
-    if (!approach(c, &a, b.t) || !approach(c, &b, a.t)) return c->fault == SGT_SOUND;
+    if (!check_approach(c, &a, b.t) || !check_approach(c, &b, a.t)) return c->fault == SGT_SOUND;
     if (minimum_number(fabs(a.f), fabs(b.f)) > high) return true; /* a pole */
     if (a.p.x * a.p.x + a.p.y * a.p.y > c->rim2 || b.p.x * b.p.x + b.p.y * b.p.y > c->rim2) return true;
     if (!check_gradient(c, a.t, spacing) || !check_gradient(c, b.t, spacing)) return false;
@@ -370,11 +370,11 @@ static bool check_root(check *c, sample a, sample b)
 /* One stretch of the ray, wholly in front of the span, in it, or behind it. */
 static bool check_stretch(check *c, double lo, double hi)
 {
-    sample last = {.sign = 0}, a;
+    check_sample last = {.sign = 0}, a;
     if (!(lo < hi)) return true;
     for (int i = 0; i <= SAMPLES; i++) {
         double t = i == 0 ? lo : i == SAMPLES ? hi : lo + (hi - lo) * (i / (double)SAMPLES);
-        if (!look(c, t, &a)) return false;
+        if (!check_look(c, t, &a)) return false;
         if (isnan(a.f)) last.sign = 0;
         if (a.sign * last.sign < 0 && !check_root(c, last, a)) return false;
         if (a.sign) last = a;
@@ -465,8 +465,8 @@ static bool check_ray(check *c)
     if (!(check_stretch(c, lo, minimum_number(s.lo, hi)) && check_stretch(c, in, out)
           && check_stretch(c, maximum_number(s.hi, lo), hi))) return false;
     if (!c->behind || c->in_first) return true;
-    sample a, b; /* of two roots between samples nothing is seen: do the ends of the first one's stretch tell of it? */
-    if (!look(c, maximum_number(c->first.lo, c->from), &a) || !look(c, c->first.hi, &b)) return false;
+    check_sample a, b; /* of two roots between samples nothing is seen: do the ends of the first one's stretch tell of it? */
+    if (!check_look(c, maximum_number(c->first.lo, c->from), &a) || !check_look(c, c->first.hi, &b)) return false;
     return a.sign * b.sign > 0 ? fail(c, SGT_WRONG_FIRST, c->beyond) : true;
 }
 
@@ -488,7 +488,7 @@ static double rim2_of_builtin(sgt_surface s)
 
 static bool is_usable(const sgt_ray *r)
 {
-    double big = greatest(r->d);
+    double big = check_greatest(r->d);
     return isfinite(r->o.x) && isfinite(r->o.y) && isfinite(r->o.z) && isfinite(r->d.x) && isfinite(r->d.y) && isfinite(r->d.z)
         && big >= DBL_MIN && r->tmin < HUGE_VAL && (r->tmax >= r->tmin || (r->tmax == 0 && r->tmin >= 0));
 }

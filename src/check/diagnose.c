@@ -58,12 +58,12 @@ static bool is_iterate(const sgt_step *s) { return s->move != SGT_PROBE && isfin
 /* The last steps that are longer than `least`, newest first; lost: the one after them, if it
  * is not (NaN: none); next: the step that the last slope would take (NaN: none). */
 enum { STEPS = 8 };
-typedef struct run { double next, lost, size[STEPS]; int n; bool to_and_fro; } run;
+typedef struct diagnose_run { double next, lost, size[STEPS]; int n; bool to_and_fro; } diagnose_run;
 
 /* The last run of Newton steps in step[0 ... n-1]; any_move: of steps of whatever kind. */
-static run last_run(const sgt_step *step, int n, bool any_move, double least)
+static diagnose_run last_run(const sgt_step *step, int n, bool any_move, double least)
 {
-    run r = {.next = (double)NAN, .lost = (double)NAN, .to_and_fro = true};
+    diagnose_run r = {.next = (double)NAN, .lost = (double)NAN, .to_and_fro = true};
     const sgt_step *later = NULL;
     double before = 0;
     for (int i = n - 1; i >= 0 && r.n < STEPS; i--) {
@@ -87,14 +87,14 @@ static run last_run(const sgt_step *step, int n, bool any_move, double least)
 }
 
 /* To and fro: three steps or more, each against the one before, and not closing in. */
-static bool oscillates(const run *r)
+static bool oscillates(const diagnose_run *r)
 {
     if (!r->to_and_fro || r->n < 3 || !isnan(r->lost)) return false;
     return r->size[0] / r->size[r->n - 1] > integer_power(SETTLING, (unsigned)r->n - 1);
 }
 
 /* Order and rate from s1, s2, s3, and the verdict they carry; WANDERING: none. */
-static sgt_verdict judge(double s1, double s2, double s3, sgt_diagnosis *d)
+static sgt_verdict diagnose_judge(double s1, double s2, double s3, sgt_diagnosis *d)
 {
     if (!(s3 < s2 && s2 < s1)) return SGT_WANDERING;
     double order = logarithm(s3 / s2) / logarithm(s2 / s1);
@@ -132,7 +132,7 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
 
     double least = FLOOR_ULPS * DBL_EPSILON * big, bracket = last->hi - last->lo;
     if (bracket <= CLOSED * big) least = maximum_number(least, bracket);
-    run all = last_run(step, n, true, least), newton = last_run(step, n, false, least);
+    diagnose_run all = last_run(step, n, true, least), newton = last_run(step, n, false, least);
     if (first->f == 0 || (spread <= least && (defined > 1 || all.next <= least))) d.verdict = SGT_ROUNDING;
     else if (d.bisect > d.newton) d.verdict = SGT_BISECTING;
     else if (oscillates(&newton) || oscillates(&all)) d.verdict = SGT_OSCILLATING;
@@ -144,7 +144,7 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
     else if (newton.next <= least && isnan(lost)) lost = newton.next;
     for (int i = 0; i < newton.n; i++) s[left++] = newton.size[i];
     /* the newest may be noise all the same (the slope of a double root): two may be dropped */
-    for (int i = 0; i < 3 && i + 2 < left && d.verdict == SGT_WANDERING; i++) d.verdict = judge(s[i + 2], s[i + 1], s[i], &d);
+    for (int i = 0; i < 3 && i + 2 < left && d.verdict == SGT_WANDERING; i++) d.verdict = diagnose_judge(s[i + 2], s[i + 1], s[i], &d);
     if (d.verdict == SGT_WANDERING && left >= 1) {
         double later = isnan(lost) ? s[0] : minimum_number(lost, least);
         double before = isnan(lost) ? (left >= 2 ? s[1] : 0) : s[0];

@@ -26,7 +26,7 @@
 
 #define ALL_HAVE(NAME)                                                                              \
     SETS_OF(NAME)                                                                                   \
-    static const struct sgt_own NAME##_own = {.in_set = NAME##_in_set};                             \
+    static const struct sgt_builtin_ops NAME##_builtin = {.in_set = NAME##_in_set};                             \
     OPERATION(NAME, double, value, (const void *self, sgt_vec3 p, sgt_vec3 *grad), (self, p, grad)) \
     OPERATION(NAME, sgt_span, span, (const void *self, const sgt_ray *ray), (self, ray))            \
     OPERATION(NAME, double, rounding, (const void *self, sgt_vec3 p), (self, p))                    \
@@ -54,7 +54,7 @@
 
 #define TABLE_OF_ALL(NAME)                                                                              \
     .value = NAME##_value, .span = NAME##_span, .rounding = NAME##_rounding, .enclose = NAME##_enclose, \
-    .own_ = &NAME##_own
+    .own_ = &NAME##_builtin
 #define TABLE_OF_DERIVATIVES(NAME) \
     .second = NAME##_second, .parameters = NAME##_parameters, .by_parameter = NAME##_by_parameter
 #define TABLE_OF_MANY(NAME) .values = NAME##_values, .spans = NAME##_spans
@@ -66,7 +66,7 @@
     ALL_HAVE(NAME)          \
     DERIVATIVES(NAME)       \
     const sgt_surface_ops sgt_##NAME##_ops = {.name = SAID, TABLE_OF_ALL(NAME), TABLE_OF_DERIVATIVES(NAME)};
-#define SGT_FREEFORM(NAME, SAID)               \
+#define SGT_DEPARTURE(NAME, SAID)               \
     ALL_HAVE(NAME)                             \
     DERIVATIVES(NAME)                          \
     MANY(NAME)                                 \

@@ -4,7 +4,7 @@
  * ray's answer with a loop around it: the same operations on each ray in the same order, and so the same bits.
  * Rays that the quick form does not accept (and those that are no rays at all) it marks as hard, and these
  * go one by one through the door of the single ray.  Under a proof near the seed, rays that were met and certainly have
- * another root are made UNPROVEN at once, and those that may have one are hard (not_alone). */
+ * another root are made UNPROVEN at once, and those that may have one are hard (not_unique). */
 #include "batch.h"
 
 #include "../num/lanes.h"
@@ -14,7 +14,7 @@
 
 #include <string.h>
 
-static sgt_ray ray_of(const sgt_rays *r, size_t i)
+static sgt_ray batch_ray_of(const sgt_rays *r, size_t i)
 {
     return (sgt_ray){{r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]}, r->tmin ? r->tmin[i] : 0, r->tmax ? r->tmax[i] : HUGE_VAL};
 }
@@ -49,28 +49,28 @@ static size_t positives(const signed char status[], size_t n)
 
 /* Of rays that have another root; where none was met it is NaN, or still to be written. */
 SGT_KERNEL
-static void hide(size_t n, const unsigned long long alone[], double *a)
+static void hide(size_t n, const unsigned long long unique[], double *a)
 {
-    LANES for (size_t i = 0; i < n; i++) a[i] = chosen(MASK(alone[i] == SGT_NOT_ALONE), (double)NAN, a[i]);
+    LANES for (size_t i = 0; i < n; i++) a[i] = chosen(MASK(unique[i] == SGT_NOT_UNIQUE), (double)NAN, a[i]);
 }
 
 /* Rays that were met and have another root are UNPROVEN, those that may have one hard: how many. */
-static size_t not_alone(sgt_surface s, const sgt_tile *tile)
+static size_t not_unique(sgt_surface s, const sgt_tile *tile)
 {
-    unsigned long long alone[SGT_TILE];
+    unsigned long long unique[SGT_TILE];
     size_t more = 0;
-    if (s.ops->own_->alone(s.self, tile, HUGE_VAL, alone, NULL)) return 0;
+    if (s.ops->own_->unique(s.self, tile, HUGE_VAL, unique, NULL)) return 0;
     bool others = false;
     for (size_t i = 0; i < tile->n; i++) {
         if (!(tile->hits.status[i] > 0)) continue;
-        if (!alone[i]) tile->hits.status[i] = SGT_HARD, more++;
-        if (alone[i] == SGT_NOT_ALONE) tile->hits.status[i] = SGT_UNPROVEN, others = true;
+        if (!unique[i]) tile->hits.status[i] = SGT_HARD, more++;
+        if (unique[i] == SGT_NOT_UNIQUE) tile->hits.status[i] = SGT_UNPROVEN, others = true;
     }
     if (others) {
         const sgt_hits *h = &tile->hits;
         double *const arrays[] = {h->t, h->t_err, h->t_lo, h->p_err, h->p[0], h->p[1], h->p[2], h->n[0], h->n[1], h->n[2]};
         for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
-            if (arrays[k]) hide(tile->n, alone, arrays[k]);
+            if (arrays[k]) hide(tile->n, unique, arrays[k]);
     }
     return more;
 }
@@ -78,15 +78,15 @@ static size_t not_alone(sgt_surface s, const sgt_tile *tile)
 size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     size_t hard = tile->n;
-    if (s.ops && s.ops->own_ && s.ops->own_->sweep) hard = s.ops->own_->sweep(s.self, tile, opt);
-    else if (s.ops && s.ops->value && !answers_itself(s.ops)) hard = sgt_sweep_general(s, tile, opt);
+    if (s.ops && s.ops->own_ && s.ops->own_->lanes) hard = s.ops->own_->lanes(s.self, tile, opt);
+    else if (s.ops && s.ops->value && !answers_itself(s.ops)) hard = sgt_lanes_general(s, tile, opt);
     else memset(tile->hits.status, SGT_HARD, tile->n);
-    if (hard < tile->n && s.ops->own_ && s.ops->own_->alone && asks_alone(opt)) hard += not_alone(s, tile);
+    if (hard < tile->n && s.ops->own_ && s.ops->own_->unique && asks_unique(opt)) hard += not_unique(s, tile);
     sgt_options own = *opt;
     for (size_t i = 0; hard > 0; i++) {
         if (tile->hits.status[i] != SGT_HARD) continue;
         own.t_tol = tile->t_tol[i];
-        sgt_hit hit = sgt_intersect(s, ray_of(&tile->rays, i), &own);
+        sgt_hit hit = sgt_intersect(s, batch_ray_of(&tile->rays, i), &own);
         write_hit(&tile->hits, i, &hit);
         hard--;
     }
@@ -109,7 +109,7 @@ static size_t one_by_one(sgt_surface s, size_t n, const sgt_rays *rays, const sg
     size_t met = 0;
     for (size_t i = 0; i < n; i++) {
         told.ray = i;
-        sgt_hit hit = sgt_intersect(s, ray_of(rays, i), &own);
+        sgt_hit hit = sgt_intersect(s, batch_ray_of(rays, i), &own);
         write_hit(hits, i, &hit);
         met += hit.status > 0;
     }

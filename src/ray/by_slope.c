@@ -16,10 +16,10 @@ enum { BLOCK = 64 };
 typedef double row[BLOCK];
 
 /* What a block of rays is asked. */
-typedef struct block { row lo, hi, seed, least, x, y, z, tau_lo, f, own; } block;
+typedef struct slope_block { row lo, hi, seed, least, x, y, z, tau_lo, f, own; } slope_block;
 
 SGT_KERNEL
-static void points_of(block *b, size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz, const double *restrict dx,
+static void points_of(slope_block *b, size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz, const double *restrict dx,
                       const double *restrict dy, const double *restrict dz, const double *restrict t, const double *restrict t_lo)
 {
     LANES for (size_t i = 0; i < n; i++) {
@@ -34,8 +34,8 @@ static void points_of(block *b, size_t n, const double *restrict ox, const doubl
     }
 }
 
-/* t_err and p_err of a hit that is proven, as sgt_alone_by_slope says. */
-static bool proven_by(const block *b, size_t i, const sgt_shared *shared, const sgt_tile *tile, size_t k, double rim2)
+/* t_err and p_err of a hit that is proven, as sgt_unique_by_slope says. */
+static bool proven_by(const slope_block *b, size_t i, const sgt_shared *shared, const sgt_tile *tile, size_t k, double rim2)
 {
     const sgt_hits *h = &tile->hits;
     sgt_vec3 d = {tile->rays.d[0][k], tile->rays.d[1][k], tile->rays.d[2][k]};
@@ -53,29 +53,29 @@ static bool proven_by(const block *b, size_t i, const sgt_shared *shared, const 
     return true;
 }
 
-size_t sgt_alone_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, bool proven[])
+size_t sgt_unique_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, bool proven[])
 {
-    const struct sgt_own *own = s.ops->own_;
+    const struct sgt_builtin_ops *builtin = s.ops->own_;
     size_t count = 0;
     memset(proven, 0, tile->n * sizeof *proven);
-    if (!is_catalogue(s.ops) || !own->share_within || !own->spans) return 0;
+    if (!is_catalogue(s.ops) || !builtin->share_within || !builtin->spans) return 0;
     /* None was met: perhaps the parameters are invalid, and nothing is to be asked of them. */
     size_t first = 0;
     while (first < tile->n && tile->hits.status[first] != SGT_HIT) first++;
     if (first == tile->n) return 0;
     sgt_shared shared;
-    block b;
-    own->share_within(s.self, sqrt(rim2), &shared);
+    slope_block b;
+    builtin->share_within(s.self, sqrt(rim2), &shared);
     double own_rim2 = rim2_of_surface(s);
     for (size_t from = 0, n; from < tile->n; from += n) {
         n = tile->n - from < BLOCK ? tile->n - from : BLOCK;
         const sgt_rays *r = &tile->rays;
         sgt_rays rays = {.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}};
         sgt_points p = {{b.x, b.y, b.z}};
-        own->spans(s.self, &shared, n, rays, (sgt_spans){b.lo, b.hi, b.seed, NULL}, b.least);
+        builtin->spans(s.self, &shared, n, rays, (sgt_spans){b.lo, b.hi, b.seed, NULL}, b.least);
         points_of(&b, n, rays.o[0], rays.o[1], rays.o[2], rays.d[0], rays.d[1], rays.d[2], tile->hits.t + from, tile->hits.t_lo + from);
         s.ops->values(s.self, n, p, (sgt_values){.f = b.f});
-        bool all = own->roundings && own->roundings(s.self, &shared, n, p, b.f, b.own);
+        bool all = builtin->roundings && builtin->roundings(s.self, &shared, n, p, b.f, b.own);
         for (size_t i = 0; i < n; i++) {
             size_t k = from + i;
             if (tile->hits.status[k] != SGT_HIT || !(b.least[i] > 0)) continue;
@@ -99,7 +99,7 @@ bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt
     bool proven;
     sgt_tile one = {.n = 1, .rays = {{&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax},
                     .hits = {.status = &status, .evals = &hit->evals, .t = &hit->t, .t_err = &hit->t_err, .t_lo = &hit->t_lo, .p = {&hit->p.x, &hit->p.y, &hit->p.z}, .p_err = &hit->p_err}};
-    if (!sgt_alone_by_slope(s, &one, rim2, &proven)) return false;
+    if (!sgt_unique_by_slope(s, &one, rim2, &proven)) return false;
     sgt_interval about = sgt_about(hit->t, hit->t_err);
     hit->lo = about.lo, hit->hi = about.hi;
     sgt_step step = {.eval = hit->evals, .move = SGT_PROBE, .t = hit->t, .f = hit->f, .slope = hit->n.x * ray->d.x + hit->n.y * ray->d.y + hit->n.z * ray->d.z, .lo = about.lo, .hi = about.hi};

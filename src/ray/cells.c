@@ -16,7 +16,7 @@
 static bool excludes_zero(sgt_interval x) { return x.lo > 0 || x.hi < 0; }
 
 /* All over the undecided stretch from `dark` to `to`, where g is in `seen`, g is within its rounding: the ray touches there, as far as can be told. */
-static bool touches(walk *w, const point *dark, double to, sgt_interval seen)
+static bool cells_touches(walk *w, const point *dark, double to, sgt_interval seen)
 {
     sgt_root r = {.t = 0.5 * dark->tau + 0.5 * to, .t_err = 0.5 * (to - dark->tau) * (1 + 0x1p-40), .status = SGT_GRAZE};
     point middle = sgt_walk_look(w, r.t, SGT_PROBE, dark->tau, to);
@@ -74,7 +74,7 @@ void sgt_walk_cells(walk *w, double lo, double hi)
             bool crossed = !over(w) && sign_at(&edge) * sign_at(&beyond) < 0 && sgt_walk_between(w, &edge, &beyond, &past);
             if (over(w) && !crossed) break;
             if (crossed) sgt_list_cover(w->list, (q->t0 + edge.tau) * q->scale, (q->t0 + beyond.tau) * q->scale);
-            else if (sign_at(&edge) * sign_at(&beyond) < 0 || !touches(w, &dark, tau, seen)) sgt_walk_stretch(w, SGT_UNPROVEN, dark.tau, tau);
+            else if (sign_at(&edge) * sign_at(&beyond) < 0 || !cells_touches(w, &dark, tau, seen)) sgt_walk_stretch(w, SGT_UNPROVEN, dark.tau, tau);
             pending = false, back = tau;
         } else if (empty) {
             back = tau, tau = end, h *= 1.5;
@@ -108,5 +108,5 @@ void sgt_walk_cells(walk *w, double lo, double hi)
     }
     if (w->found) return;
     if (over(w)) sgt_walk_stretch(w, w->told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, pending ? dark.tau : tau, hi);
-    else if (pending && !touches(w, &dark, hi, seen)) sgt_walk_stretch(w, SGT_UNPROVEN, dark.tau, hi);
+    else if (pending && !cells_touches(w, &dark, hi, seen)) sgt_walk_stretch(w, SGT_UNPROVEN, dark.tau, hi);
 }

@@ -48,7 +48,7 @@ static bool dips(walk *w, point a, point b, point *m)
 }
 
 /* What lies between a and b, the ends of one step. */
-static void step(walk *w, const point *a, const point *b)
+static void search_step(walk *w, const point *a, const point *b)
 {
     double past;
     point m, c = *a;
@@ -72,7 +72,7 @@ static void step(walk *w, const point *a, const point *b)
 
 /* From lo to hi by dt, each step `growth` times the last, or farther where the surface is known, or thought,
  * to be away; false where the search is over before. */
-static bool march(walk *w, double lo, double hi, double dt, double growth, double *reached)
+static bool search_march(walk *w, double lo, double hi, double dt, double growth, double *reached)
 {
     const sgt_surface_ops *ops = w->s.ops;
     bool guess = w->told.opt->dt_min > 0 && ops->estimate;
@@ -100,7 +100,7 @@ static bool march(walk *w, double lo, double hi, double dt, double growth, doubl
             double off = smaller(8 * (fabs(a.g) + a.g_err) / fabs(a.at.slope), 0.25 * (next - a.tau));
             a = sgt_walk_look(w, a.tau + (off > 0 ? off : 0.25 * (next - a.tau)), SGT_MARCH, a.tau, hi);
         }
-        if (!over(w)) step(w, &a, &b);
+        if (!over(w)) search_step(w, &a, &b);
         a = b;
         next = b.tau;
     }
@@ -120,10 +120,10 @@ static void steps(walk *w, double lo, double hi, double nearest)
     if (far) end = far_end(ray->o, w->q.l, w->q.m, w->q.n, w->q.t0, nearest, lo);
     double dt = opt->dt_min > 0 ? opt->dt_min / w->q.scale : (end - lo) * (w->s.ops->clearance ? 0x1p-20 : 1.0 / MARCH_STEPS);
     w->uncertain = far || lo != from;
-    if (lo < end) more = march(w, lo, end, dt, 1, &reached);
+    if (lo < end) more = search_march(w, lo, end, dt, 1, &reached);
     if (more && far) { /* grows to 1e22 times the first */
         double first = dt > 0 ? dt : 0x1p-20 / length, last = end + first * (GROWN - 1) / 0.5;
-        if (last < HUGE_VAL) more = march(w, end, last, first, 1.5, &reached);
+        if (last < HUGE_VAL) more = search_march(w, end, last, first, 1.5, &reached);
     }
     if (w->found) return;
     if (over(w)) sgt_walk_stretch(w, w->told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, reached, hi);
@@ -205,7 +205,7 @@ static void cut_to_reach(const approach *a, const sgt_ray *ray, sgt_span *s)
 }
 
 /* Adds what there is; the evaluations spent since the last entry. */
-static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list)
+static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list)
 {
     walk w = {.s = s, .ray = ray, .list = list, .all = all, .rim2 = rim2_of_surface(s),
               .told = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS}};
@@ -258,11 +258,11 @@ static int search(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, boo
 sgt_hit sgt_search_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {
     sgt_list list = {.cap = 0, .count = 0};
-    int evals = search(s, ray, opt, false, &list);
+    int evals = search_along(s, ray, opt, false, &list);
     return first_entry(&list, ray, evals);
 }
 
 void sgt_search_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
 {
-    search(s, ray, opt, true, list);
+    search_along(s, ray, opt, true, list);
 }

@@ -34,7 +34,7 @@ void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_opti
 sgt_hit sgt_search_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
 void sgt_search_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
 
-/* A tile of rays and a surface of a user, as sgt_own.sweep of builtin.h answers it: how many rays are left SGT_HARD. */
-size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt);
+/* A tile of rays and a surface of a user, as sgt_builtin_ops.sweep of builtin.h answers it: how many rays are left SGT_HARD. */
+size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt);
 
 #endif

@@ -53,14 +53,14 @@ typedef struct lanes {
 
 enum { MOVED = offsetof(lanes, qf) / sizeof(row) };
 
-typedef struct sweep {
+typedef struct lanes_job {
     sgt_surface s;
     const sgt_options *opt;
     double budget;
     double near;        /* 1: the root near the seed is wanted, else 0 */
     double back;        /* of approach_of */
     double rim2;        /* of the surface's rim */
-    double margin;      /* of taking_of: as the single ray has it */
+    double margin;      /* of acceptance_of: as the single ray has it */
     double walks_from;  /* a stretch that begins behind it can be marched through; infinite: none can */
     bool slopes;        /* the spans come with bounds on the slope */
     bool moved;         /* some lane is not at its place */
@@ -71,7 +71,7 @@ typedef struct sweep {
     lanes *a;
     sgt_points points;  /* what `values` is handed, made once: a copy of what has just been written in smaller pieces must wait for it */
     sgt_values f, q;    /* F at tau; F beside a root */
-} sweep;
+} lanes_job;
 
 SGT_KERNEL
 static size_t count_of(const lanes *a, size_t n, double state)
@@ -83,7 +83,7 @@ static size_t count_of(const lanes *a, size_t n, double state)
 }
 
 /* The lanes of that state to the front; how many there are. */
-static size_t front(sweep *w, size_t n, double state)
+static size_t front(lanes_job *w, size_t n, double state)
 {
     size_t i = 0, count = count_of(w->a, n, state);
     if (count == n || count == 0) return count;
@@ -141,7 +141,7 @@ static double around_close(const lanes *a, size_t n, const double *tau, const sg
 }
 
 /* F and its gradient at the points. */
-static void ask(sweep *w, size_t n, const sgt_values *out)
+static void lanes_ask(lanes_job *w, size_t n, const sgt_values *out)
 {
     const sgt_surface_ops *ops = w->s.ops;
     const lanes *a = w->a;
@@ -178,7 +178,7 @@ static void add_noise(const lanes *a, size_t n, double *own)
 }
 
 /* The slope, which may be the first of the gradient, and how far F may be off; last as for close_of, NULL: always. */
-static void bound(sweep *w, size_t n, const double *tau, const sgt_values *f, double *slope, double *g_err, const double *last)
+static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f, double *slope, double *g_err, const double *last)
 {
     const sgt_surface_ops *ops = w->s.ops;
     const lanes *a = w->a;
@@ -204,7 +204,7 @@ static void bound(sweep *w, size_t n, const double *tau, const sgt_values *f, do
 
 /* By way of int, a loop for each: bytes beside doubles in one loop are much code. */
 SGT_KERNEL
-static void widen(size_t n, double *restrict out, const bool *restrict of)
+static void lanes_widen(size_t n, double *restrict out, const bool *restrict of)
 {
     int wide[LANES];
 #pragma omp simd
@@ -235,7 +235,7 @@ static double nearby_asked(const lanes *a, size_t n, double *asked)
 
 /* Of sags, where several roots may be along the whole of a ray: the stretch on which F is monotone.  No root there is no
  * miss: such a lane is not single.  The rows of the rays made local are not yet needed. */
-static void nearby(sweep *w, sgt_rays rays, size_t n)
+static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
 {
     lanes *a = w->a;
     w->rows = false;
@@ -250,7 +250,7 @@ static void nearby(sweep *w, sgt_rays rays, size_t n)
     sgt_vicinity_of(w->s, n, rays, w->near != 0, &w->shared, w->kept, &v);
 }
 
-static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
+static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
 {
     const sgt_surface_ops *ops = w->s.ops;
     const sgt_rays *r = &tile->rays;
@@ -268,7 +268,7 @@ static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
         }
         for (size_t i = 0; i < n; i++)
             if (!single[i]) a->lo[i] = -HUGE_VAL, a->hi[i] = HUGE_VAL; /* and it does not pass by */
-        widen(n, a->single, single);
+        lanes_widen(n, a->single, single);
         return;
     }
     if (w->slopes) {
@@ -276,13 +276,13 @@ static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
                          .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}};
         ops->own_->spans(w->s.self, &w->shared, n, rays, (sgt_spans){a->lo, a->hi, a->seed, NULL}, a->least);
         single_all(a, n);
-        nearby(w, rays, n);
+        lanes_nearby(w, rays, n);
         return;
     }
     if (ops->spans && ops->span) { /* alone they are not read, as sgt_intersect would not */
         ops->spans(w->s.self, n, (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
                    (sgt_spans){a->lo, a->hi, a->seed, single});
-        widen(n, a->single, single);
+        lanes_widen(n, a->single, single);
         return;
     }
     for (size_t i = 0; i < n; i++) {
@@ -294,7 +294,7 @@ static void spans(sweep *w, const sgt_tile *tile, size_t from, size_t n)
     }
 }
 
-SGT_INLINE void make_local(const sweep *w, const sgt_tile *tile, size_t from, size_t n, bool everywhere)
+SGT_INLINE void make_local(const lanes_job *w, const sgt_tile *tile, size_t from, size_t n, bool everywhere)
 {
     lanes *a = w->a;
     const double *ox = tile->rays.o[0] + from, *oy = tile->rays.o[1] + from, *oz = tile->rays.o[2] + from;
@@ -319,7 +319,7 @@ SGT_INLINE void make_local(const sweep *w, const sgt_tile *tile, size_t from, si
 
 /* Returns how many start at once. */
 SGT_KERNEL
-static double approach_lanes(const sweep *w, const sgt_tile *tile, size_t from, size_t n)
+static double approach_lanes(const lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
 {
     lanes *a = w->a;
     const double *t_tol = tile->t_tol + from;
@@ -360,7 +360,7 @@ static void march_begin(lanes *a, size_t n, double dt_min, bool everywhere)
     }
 }
 
-SGT_INLINE mark before(const lanes *a, size_t i) { return (mark){a->at[i], a->g[i], a->slope[i], a->sign[i]}; }
+SGT_INLINE mark lanes_before(const lanes *a, size_t i) { return (mark){a->at[i], a->g[i], a->slope[i], a->sign[i]}; }
 SGT_INLINE mark after(const lanes *a, size_t i) { return (mark){a->tau[i], a->f[i], a->qx[i], a->qf[i]}; }
 
 /* As many as fill the registers: a few lanes by themselves cost as much as all of those.  What lies behind n is in another phase. */
@@ -381,7 +381,7 @@ SGT_INLINE double march_steps(lanes *a, size_t n, double k, bool known, double n
             around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
             slope = at.slope, g_err = at.place;
         }
-        mark was = before(a, i);
+        mark was = lanes_before(a, i);
         double sign = sign_of(f, g_err), both = was.sign * sign, falls = -was.sign * was.slope, rises = was.sign * slope, next = a->lo[i] + (k + 1) * a->dt[i];
         double valley = falls < rises ? falls : rises, told = fabs(sign) + (f == f ? 0.0 : 1.0) + (tau < end ? 0.0 : 1.0);
         valley = both < valley ? both : valley;
@@ -417,7 +417,7 @@ static void march_over(lanes *a, size_t n, double k)
 {
     for (size_t i = 0; i < n; i++) {
         if (a->state[i] != VALLEY) continue;
-        mark was = before(a, i), is = after(a, i);
+        mark was = lanes_before(a, i), is = after(a, i);
         if (dip_of(was, is)) {
             a->state[i] = SGT_HARD;
         } else if (!(is.tau < a->end[i])) {
@@ -445,7 +445,7 @@ static void march_end(lanes *a, size_t n)
 
 /* Where the march has ended between unlike signs: from the secant of the two. */
 SGT_KERNEL
-static void bracket(lanes *a, size_t n)
+static void lanes_bracket(lanes *a, size_t n)
 {
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
@@ -465,7 +465,7 @@ static void bracket(lanes *a, size_t n)
     }
 }
 
-static void march(sweep *w, size_t n)
+static void lanes_march(lanes_job *w, size_t n)
 {
     lanes *a = w->a;
     march_begin(a, n, w->opt->dt_min, !w->s.ops->span);
@@ -478,7 +478,7 @@ static void march(sweep *w, size_t n)
         }
         double more;
         points(a, n, a->tau);
-        ask(w, n, &w->f);
+        lanes_ask(w, n, &w->f);
         if (w->s.ops->rounding) {
             bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last);
             more = march_step_known(a, n, k);
@@ -489,7 +489,7 @@ static void march(sweep *w, size_t n)
         if (4 * more <= 3 * (double)n) n = front(w, n, MARCH);
     }
     march_end(a, all);
-    bracket(a, all);
+    lanes_bracket(a, all);
 }
 
 /* ------------------------------------------------------------------ Newton's steps */
@@ -541,14 +541,14 @@ static double newton_step(lanes *a, size_t n, bool last_one, double f_tol, doubl
 SGT_KERNEL
 static double newton_step_known(lanes *a, size_t n, bool last_one, double f_tol) { return newton_steps(a, n, last_one, f_tol, true, 0); }
 
-static void solve(sweep *w, size_t n)
+static void solve(lanes_job *w, size_t n)
 {
     lanes *a = w->a;
     double f_tol = w->opt->f_tol;
     points(a, n, a->tau);
     for (int i = 1; n > 0; i++) {
         double more;
-        ask(w, n, &w->f);
+        lanes_ask(w, n, &w->f);
         if (i == 1) newton_begin(a, n);
         if (w->s.ops->rounding) {
             bound(w, n, a->tau, &w->f, a->qx, a->g_err, a->last);
@@ -573,10 +573,10 @@ static void sign_all(const lanes *a, size_t n, const double *tau, double *sign, 
 }
 
 /* The signs at `tau`, of each lane, whose points are there. */
-static void signs(sweep *w, size_t n, const double *tau, double *sign)
+static void signs(lanes_job *w, size_t n, const double *tau, double *sign)
 {
     lanes *a = w->a;
-    ask(w, n, &w->q);
+    lanes_ask(w, n, &w->q);
     if (!w->s.ops->rounding) {
         sign_all(a, n, tau, sign, a->none);
         return;
@@ -605,7 +605,7 @@ static void ends(lanes *a, size_t n)
 
 /* One certain sign at both ends of a span with one root at most is a miss; so is one, where `least` is
  * known and F is not defined at the other end (gone_by). */
-static void miss(sweep *w, size_t n)
+SGT_NOINLINE static void miss(lanes_job *w, size_t n)
 {
     lanes *a = w->a;
     if (!n) return;
@@ -626,7 +626,7 @@ static void miss(sweep *w, size_t n)
 /* How far to look from where Newton's steps have ended; who need not, or does not stand at a root: |F| has grown.  How many
  * are to look. */
 SGT_KERNEL
-static double probe_begin(lanes *a, size_t n, double f_tol)
+static double lanes_probe_begin(lanes *a, size_t n, double f_tol)
 {
     double more = 0;
 #pragma omp simd reduction(+ : more)
@@ -693,7 +693,7 @@ static bool loose(const lanes *a, size_t n)
 
 /* Those whose slope is known along the span; off: how far F may be.  How many are still to be asked beside the root. */
 SGT_KERNEL
-static double certify(lanes *a, size_t n, const double *off)
+static double lanes_certify(lanes *a, size_t n, const double *off)
 {
     double more = 0;
 #pragma omp simd reduction(+ : more)
@@ -709,10 +709,10 @@ static double certify(lanes *a, size_t n, const double *off)
 }
 
 /* Of the lanes that Newton's steps have been tried on. */
-static void probe(sweep *w, size_t n)
+static void probe(lanes_job *w, size_t n)
 {
     lanes *a = w->a;
-    if (probe_begin(a, n, w->opt->f_tol > 0 ? w->opt->f_tol : -1) < (double)n) {
+    if (lanes_probe_begin(a, n, w->opt->f_tol > 0 ? w->opt->f_tol : -1) < (double)n) {
         miss(w, front(w, n, FAILED));
         n = front(w, n, READY);
     }
@@ -720,7 +720,7 @@ static void probe(sweep *w, size_t n)
         /* else all of it is in g_err: what is ready by |F| is close */
         bool again = loose(a, n);
         if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL);
-        n = certify(a, n, again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
+        n = lanes_certify(a, n, again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
     }
     for (int k = 1; n > 0; k++) {
         if (probe_sides(a, n) < (double)n) n = front(w, n, READY);
@@ -739,7 +739,7 @@ static void probe(sweep *w, size_t n)
 /* Of every lane what is told of it, in rows that are of no more use: t in last, t_err in first, t_lo in dt, p_err in end, the
  * gradient where it is, the point where points are.  How many are hits. */
 SGT_KERNEL
-static double take(lanes *a, size_t n, double budget, double rim2, double margin)
+static double lanes_take(lanes *a, size_t n, double budget, double rim2, double margin)
 {
     double hits = 0;
 #pragma omp simd reduction(+ : hits)
@@ -749,10 +749,10 @@ static double take(lanes *a, size_t n, double budget, double rim2, double margin
         sgt_vec3 grad = {a->fx[i], a->fy[i], a->fz[i]}, p = {a->x[i] + tau * q.l, a->y[i] + tau * q.m, a->z[i] + tau * q.n};
         around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
         double away = ((a->single[i] == 0) & (a->least[i] > 0)) ? END_ERRORS : margin; /* vicinity.h */
-        taking h = taking_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i], rim2, away);
+        acceptance h = acceptance_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i], rim2, away);
         double doubt = a->least[i] > 0 ? (double)DOUBTED : (double)SGT_HARD;
         double off = h.off ? (double)SGT_MISS : doubt, state = a->single[i] != 0 ? off : (double)SGT_HARD;
-        state = h.counts ? (double)SGT_HIT : state;
+        state = h.accepted ? (double)SGT_HIT : state;
         state = a->evals[i] <= budget ? state : (double)SGT_HARD;
         double phase = a->state[i];
         state = phase == ROOT ? state : phase;
@@ -765,7 +765,7 @@ static double take(lanes *a, size_t n, double budget, double rim2, double margin
 }
 
 /* Of those that may count or not, as sgt_walk_sharpen has it. */
-SGT_NOINLINE static void take_doubted(sweep *w, const sgt_tile *tile, size_t from, size_t n)
+SGT_NOINLINE static void take_doubted(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
 {
     lanes *a = w->a;
     const sgt_rays *r = &tile->rays;
@@ -787,8 +787,8 @@ SGT_NOINLINE static void take_doubted(sweep *w, const sgt_tile *tile, size_t fro
             }
             sharpened s = sharpened_of(w->s, &q, tau, g, p, grad, at, a->least[i], lo, hi, a->tmin[i],
                                        a->tmax[i], w->rim2, w->margin);
-            if (!s.known || !(s.h.counts | s.h.off)) continue;
-            a->state[i] = s.h.counts ? (double)SGT_HIT : (double)SGT_MISS, a->evals[i] += j;
+            if (!s.known || !(s.h.accepted | s.h.off)) continue;
+            a->state[i] = s.h.accepted ? (double)SGT_HIT : (double)SGT_MISS, a->evals[i] += j;
             a->last[i] = s.h.t, a->first[i] = s.h.t_err, a->dt[i] = s.h.t_lo, a->end[i] = s.h.p_err;
             a->px[i] = p.x, a->py[i] = p.y, a->pz[i] = p.z;
             a->fx[i] = grad.x, a->fy[i] = grad.y, a->fz[i] = grad.z;
@@ -799,7 +799,7 @@ SGT_NOINLINE static void take_doubted(sweep *w, const sgt_tile *tile, size_t fro
 enum { TOLD = 10 };
 
 /* Lanes back to their places, and NaN to those without a root.  How many are hard. */
-static size_t settle(const sweep *w, size_t n, bool hits, double *const row_of[TOLD])
+static size_t lanes_settle(const lanes_job *w, size_t n, bool hits, double *const row_of[TOLD])
 {
     lanes *a = w->a;
     for (size_t i = 0; i < n && w->moved; i++)
@@ -832,7 +832,7 @@ static void copy(size_t n, double *const outs[TOLD], double *const rows[TOLD], s
 }
 
 SGT_KERNEL
-static void narrow(const lanes *a, size_t n, signed char *status, int *evals)
+static void lanes_narrow(const lanes *a, size_t n, signed char *status, int *evals)
 {
     int state[LANES];
 #pragma omp simd
@@ -845,21 +845,21 @@ static void narrow(const lanes *a, size_t n, signed char *status, int *evals)
 }
 
 /* hits: each one is. */
-static size_t write(const sweep *w, size_t n, bool hits, const sgt_hits *h, size_t from)
+static size_t write(const lanes_job *w, size_t n, bool hits, const sgt_hits *h, size_t from)
 {
     lanes *a = w->a;
     double *const row_of[TOLD] = {a->last, a->first, a->dt, a->end, a->px, a->py, a->pz, a->fx, a->fy, a->fz};
     double *const out[TOLD] = {h->t, h->t_err, h->t_lo, h->p_err, h->p[0], h->p[1], h->p[2], h->n[0], h->n[1], h->n[2]};
-    size_t hard = settle(w, n, hits, row_of);
+    size_t hard = lanes_settle(w, n, hits, row_of);
     copy(n, out, row_of, from);
-    narrow(a, n, h->status + from, h->evals ? h->evals + from : NULL);
+    lanes_narrow(a, n, h->status + from, h->evals ? h->evals + from : NULL);
     return hard;
 }
 
 /* ------------------------------------------------------------------------ the whole */
 
 /* Rays that the door lets in, at most LANES, tmin and tmax of each in its lane. */
-static size_t run(sweep *w, const sgt_tile *tile, size_t from, size_t n)
+static size_t lanes_run(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
 {
     lanes *a = w->a;
     w->moved = false;
@@ -868,14 +868,14 @@ static size_t run(sweep *w, const sgt_tile *tile, size_t from, size_t n)
     size_t solving = n;
     if (approach_lanes(w, tile, from, n) < (double)n) {
         size_t marching = front(w, n, MARCH);
-        if (marching) march(w, marching);
+        if (marching) lanes_march(w, marching);
         solving = front(w, n, NEWTON);
     }
     if (solving) {
         solve(w, solving);
         probe(w, solving);
     }
-    bool hits = take(a, n, w->budget, w->rim2, w->margin) == (double)n;
+    bool hits = lanes_take(a, n, w->budget, w->rim2, w->margin) == (double)n;
     if (!hits) take_doubted(w, tile, from, n);
     return write(w, n, hits, &tile->hits, from);
 }
@@ -898,7 +898,7 @@ static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
     return valid;
 }
 
-size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_surface_ops *ops = s.ops;
     if (opt->proof || !parameters_valid(s) || !rim_in_range(rim2_of_surface(s))) { /* one by one: prove.c; the door */
@@ -909,7 +909,7 @@ size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
     sgt_options own = *opt;
     if (is_catalogue(ops)) own.f_tol = 0; /* as general.c */
     vicinities kept; /* not cleared with the rest of w */
-    sweep w = {.s = s, .opt = &own, .a = &a, .kept = &kept, .near = opt->pick == SGT_NEAR_SEED,
+    lanes_job w = {.s = s, .opt = &own, .a = &a, .kept = &kept, .near = opt->pick == SGT_NEAR_SEED,
                .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
                .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS,
                .rim2 = rim2_of_surface(s), .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0, .slopes = is_catalogue(ops) && ops->own_->spans,
@@ -926,7 +926,7 @@ size_t sgt_sweep_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
         n = most;
         if (door(&a, tile, i, most) < (double)most)
             for (n = 0; n < most && a.state[n] != 0;) n++;
-        if (n) hard += run(&w, tile, i, n);
+        if (n) hard += lanes_run(&w, tile, i, n);
         else tile->hits.status[i] = SGT_HARD, hard++, n = 1;
     }
     return hard;

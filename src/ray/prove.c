@@ -39,7 +39,7 @@
  * miss.  So near its centre, the point nearest the origin of the surface's frame, such a ray is searched in a t that counts from t0, the t
  * of the centre: all that is written t, lo or hi here counts from t0, exactly.  What is nearer to the ray's own origin than to the
  * centre is searched with t0 = 0, so that no root loses the digits of its own t.
- * A built-in surface encloses g(t0 + t) for any t0 (sgt_own, enclose).  A surface of a user is given a ray, and its origin has to be
+ * A built-in surface encloses g(t0 + t) for any t0 (sgt_builtin_ops, enclose).  A surface of a user is given a ray, and its origin has to be
  * doubles; the ray through the nearest doubles is another one, and how far its g is from the true one only the gradient would tell.  So t0
  * is then the multiple of the least power of two, nearest the centre, at which all three coordinates o + t0 d are doubles.  With
  * components of d alike in size that is some lengths from the centre; with coordinates that begin much smaller than they end there may be
@@ -65,7 +65,7 @@
 
 enum { PIECES = 96, GUESSES = 10, NEARBY = 4 };
 
-static bool over(const proof *w) { return w->found || w->told.stopped || spent(&w->told); }
+static bool proof_over(const proof *w) { return w->found || w->told.stopped || spent(&w->told); }
 
 static bool has_zero(sgt_interval x) { return x.lo <= 0 && x.hi >= 0; }
 static bool is_bounded(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL; } /* nor NaN */
@@ -74,10 +74,10 @@ static sgt_interval number(double x) { return sgt_interval_of(x); }
 static double finite(double t) { return t < -DBL_MAX ? -DBL_MAX : t > DBL_MAX ? DBL_MAX : t; }
 
 /* g over t, all numbers where nothing is known (or nothing more is to be asked). */
-static sgt_interval ask(proof *w, sgt_interval t, sgt_move move, sgt_interval *slope)
+static sgt_interval proof_ask(proof *w, sgt_interval t, sgt_move move, sgt_interval *slope)
 {
     *slope = sgt_interval_all();
-    if (over(w)) return *slope;
+    if (proof_over(w)) return *slope;
     t.lo = finite(t.lo), t.hi = finite(t.hi);
     const sgt_surface_ops *ops = w->s.ops;
     bool own = ops->own_ && ops->own_->enclose;
@@ -90,7 +90,7 @@ static sgt_interval ask(proof *w, sgt_interval t, sgt_move move, sgt_interval *s
 static sgt_interval ask_at(proof *w, double t, sgt_move move)
 {
     sgt_interval slope;
-    return ask(w, number(t), move, &slope);
+    return proof_ask(w, number(t), move, &slope);
 }
 
 /* m - G / S */
@@ -137,14 +137,14 @@ static sgt_vec3 point_at(const sgt_ray *ray, double scale, double t0, double t)
 /* ------------------------------------------------------------------- what is told */
 
 /* The point of the ray at t, F there, and what is told of a root that is right to t_err. */
-typedef struct place {
-    taking h;
+typedef struct proof_place {
+    acceptance h;
     sgt_vec3 p, n;
     double f, width;       /* width: START_ULPS of the terms, of t */
     double least, most;    /* what it is at least, and at most */
     double r2, off;        /* r^2, and how far it can be off */
     bool exact;            /* t has lost nothing by being scaled */
-} place;
+} proof_place;
 
 /* The least |x| in it. */
 static double least_of(sgt_interval x) { return x.lo > 0 ? x.lo : x.hi < 0 ? -x.hi : 0; }
@@ -160,20 +160,20 @@ static double terms_err(const proof *w, sgt_vec3 p)
 
 /* slope: certain bounds of g' at the root, in the ray's own t.  The gradient of `value` is rounded, and where it nearly vanishes
  * (where two planes meet, at the apex of a cone) its slope is nothing but rounding: it is taken within these bounds. */
-static place place_of(proof *w, double t, double t_err, sgt_interval slope)
+static proof_place proof_place_of(proof *w, double t, double t_err, sgt_interval slope)
 {
     const sgt_ray *ray = w->ray;
     double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d);
     double from = w->t0 != 0 ? w->t0 : t, rest = w->t0 != 0 ? t : 0, tau = rest * inverse;
     local q = {.scale = scale, .l = ray->d.x * scale, .m = ray->d.y * scale, .n = ray->d.z * scale, .t0 = from * inverse};
-    place at = {.p = point_at(ray, scale, q.t0, tau), .exact = q.t0 * scale == from && tau * scale == rest};
+    proof_place at = {.p = point_at(ray, scale, q.t0, tau), .exact = q.t0 * scale == from && tau * scale == rest};
     at.f = w->s.ops->value(w->s.self, at.p, &at.n);
     around a = around_of(at.p.x, at.p.y, at.p.z, q.l, q.m, q.n, 0, at.p, at.n, 0);
     double least = least_of(slope) * scale, most = sgt_interval_greatest(slope) * scale, steep = fabs(a.slope);
     double terms = fabs(at.p.x * at.n.x) + fabs(at.p.y * at.n.y) + fabs(at.p.z * at.n.z), err = terms_err(w, at.p), by = START_ULPS * scale;
     a.slope = steep < least ? least : steep > most ? most : steep;
     at.least = by * larger(terms - err, 0) / most, at.most = by * (terms + err) / least;
-    at.h = taking_of(&q, tau, t_err * inverse, at.p, at.n, a, ray->tmin, ray->tmax, w->rim2, 0);
+    at.h = acceptance_of(&q, tau, t_err * inverse, at.p, at.n, a, ray->tmin, ray->tmax, w->rim2, 0);
     at.r2 = at.p.x * at.p.x + at.p.y * at.p.y;
     at.off = 1.01 * ((2 * (fabs(at.p.x) + fabs(at.p.y)) + at.h.p_err) * at.h.p_err + 4 * SGT_U * at.r2);
     at.h.t_err = larger(at.h.t_err, t_err);
@@ -197,7 +197,7 @@ void sgt_proof_stretch(proof *w, sgt_status status, double lo, double hi)
 }
 
 /* about: it, in the ray's own t. */
-static void add(proof *w, sgt_status status, const place *at, sgt_interval x, sgt_interval about)
+static void proof_add(proof *w, sgt_status status, const proof_place *at, sgt_interval x, sgt_interval about)
 {
     sgt_hit hit = {.status = status, .t = at->h.t, .t_lo = at->h.t_lo, .t_err = at->h.t_err, .lo = about.lo, .hi = about.hi,
                    .f = at->f, .p = at->p, .n = at->n, .p_err = at->h.p_err, .evals = w->told.evals - w->told.before};
@@ -215,7 +215,7 @@ static double start_width(proof *w, sgt_interval at, sgt_interval slope)
     double t[3] = {at.lo, sgt_interval_middle(at), at.hi}, x[3][3], terms = 0, err = 0, far = 0;
     sgt_vec3 d = w->ray->d;
     for (int i = 0; i < 3; i++) {
-        place here = place_of(w, t[i], 0, sgt_interval_all());
+        proof_place here = proof_place_of(w, t[i], 0, sgt_interval_all());
         if (w->told.stopped) return 0;
         const double p[3] = {here.p.x, here.p.y, here.p.z}, n[3] = {here.n.x, here.n.y, here.n.z};
         for (int k = 0; k < 3; k++) x[k][i] = p[k] * n[k];
@@ -231,7 +231,7 @@ static double start_width(proof *w, sgt_interval at, sgt_interval slope)
 }
 
 /* All of the stretch is beyond the rim. */
-static bool outside(const proof *w, sgt_interval t)
+static bool proof_outside(const proof *w, sgt_interval t)
 {
     sgt_vec3 o = w->ray->o, d = w->ray->d;
     t = w->t0 != 0 ? out_by(t, twofold_of(w->t0)) : t;
@@ -240,16 +240,16 @@ static bool outside(const proof *w, sgt_interval t)
     return sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)).lo > w->rim2;
 }
 
-static double absolute(sgt_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
+static double proof_absolute(sgt_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
 
 /* F as computed there is 0 as far as rounding tells.  An enclosure may be wide for reasons of its own: of a
  * sum of large terms far off it holds 0 at points where `value` is certainly another.  And where rounding is
  * a part in 2^20 of all that F is made of (a power has left the range of doubles) nothing is known. */
-static bool touches(const proof *w, const place *at)
+static bool proof_touches(const proof *w, const proof_place *at)
 {
     const sgt_surface_ops *ops = w->s.ops;
     double own = ops->rounding ? ops->rounding(w->s.self, at->p) : HUGE_VAL,
-           size = absolute(at->p) * absolute(at->n);
+           size = proof_absolute(at->p) * proof_absolute(at->n);
     if (!(own >= 0 && own < HUGE_VAL)) return !is_catalogue(ops); /* not known */
     bool lost =
         at->n.z == 1 && own > 0x1p-20 * size + 0x1p-900; /* of a sag: the gradient of another may vanish */
@@ -257,7 +257,7 @@ static bool touches(const proof *w, const place *at)
 }
 
 /* Neither the point nor the gradient has overflown. */
-static bool in_range(const place *at)
+static bool proof_in_range(const proof_place *at)
 {
     return larger(fabs(at->n.x), larger(fabs(at->n.y), fabs(at->n.z))) < HUGE_VAL && at->h.p_err < HUGE_VAL;
 }
@@ -271,22 +271,22 @@ static void flush(proof *w)
     sgt_interval at = w->dark, slope, steep;
     bool whole = at.lo <= finite(w->lo) && at.hi >= finite(w->hi) && at.hi > at.lo, start = at.lo <= w->tmin.hi;
     double t = whole ? start_within(w->ray, w->t0, at.lo, at.hi, w->centre, w->rim2) : sgt_interval_middle(at);
-    if (outside(w, at)) return;
+    if (proof_outside(w, at)) return;
     if (whole) at = sgt_interval_between(w->lo, w->hi);
     if (isnan(t)) {
         sgt_proof_stretch(w, SGT_UNPROVEN, at.lo, at.hi);
         return;
     }
-    sgt_interval g = ask(w, at, SGT_PROBE, &slope), middle = ask(w, number(t), SGT_PROBE, &steep);
+    sgt_interval g = proof_ask(w, at, SGT_PROBE, &slope), middle = proof_ask(w, number(t), SGT_PROBE, &steep);
     if (is_bounded(slope)) g = sgt_interval_intersection(g, sgt_interval_sum(middle, sgt_interval_product(slope, sgt_interval_difference(at, number(t)))));
-    if (start && !whole && is_bounded(slope) && !over(w)) {
+    if (start && !whole && is_bounded(slope) && !proof_over(w)) {
         if (sgt_sum_above(at.hi, -w->tmin.lo) < (1 - 0x1p-20) * start_width(w, at, slope)) return;
     }
     if (is_bounded(g) && is_bounded(middle) && is_bounded(steep) && sgt_interval_greatest(g) <= 8 * sgt_interval_width(middle) && (whole || !start)) {
         sgt_interval left = ask_at(w, at.lo, SGT_PROBE), right = ask_at(w, at.hi, SGT_PROBE);
         bool crosses = (left.lo > 0 && right.hi < 0) || (left.hi < 0 && right.lo > 0);
-        if (!crosses && !over(w)) {
-            place here = place_of(w, t, whole ? 0 : sgt_interval_width(at) * (0.5 + 0x1p-40), sgt_interval_all());
+        if (!crosses && !proof_over(w)) {
+            proof_place here = proof_place_of(w, t, whole ? 0 : sgt_interval_width(at) * (0.5 + 0x1p-40), sgt_interval_all());
             sgt_interval about = w->t0 != 0 ? out_by(at, twofold_of(w->t0)) : at;
             if (here.r2 - w->rim2 > here.off && !whole) return;
             about = sgt_interval_between(larger(about.lo, w->ray->tmin), about.hi < w->ray->tmax ? about.hi : w->ray->tmax);
@@ -294,9 +294,9 @@ static void flush(proof *w)
             if (whole && here.h.t < w->ray->tmin) here.h.t = w->ray->tmin, here.h.t_lo = 0;
             double at_t = here.h.t;
             bool inside = here.r2 <= w->rim2 && at_t >= about.lo && at_t <= about.hi;
-            if (!w->told.stopped && inside && touches(w, &here) && fabs(at_t) < HUGE_VAL
-                && here.h.t_err < HUGE_VAL && in_range(&here)) {
-                add(w, SGT_GRAZE, &here, at, about);
+            if (!w->told.stopped && inside && proof_touches(w, &here) && fabs(at_t) < HUGE_VAL
+                && here.h.t_err < HUGE_VAL && proof_in_range(&here)) {
+                proof_add(w, SGT_GRAZE, &here, at, about);
                 return;
             }
         }
@@ -316,19 +316,19 @@ static void undecided(proof *w, sgt_interval x)
 
 /* --------------------------------------------------------------------------- a root */
 
-typedef enum verdict { NONE, ROOT, UNSURE } verdict;
+typedef enum proof_verdict { NONE, ROOT, UNSURE } proof_verdict;
 
 /* Where a root is, where no other is, and the slope over all of that. */
 typedef struct certain { sgt_interval root, only, slope; } certain;
 
 /* Is there one in n, and only one?  G is g at m. */
-static verdict certify(proof *w, sgt_interval n, double m, sgt_interval G, certain *c)
+static proof_verdict proof_certify(proof *w, sgt_interval n, double m, sgt_interval G, certain *c)
 {
     n = sgt_interval_hull(n, number(m)); /* between m and the root the mean value theorem is used */
     double pad = sgt_interval_width(n) + 0x1p-51 * fabs(m) + DBL_TRUE_MIN;
     for (int i = 0; i < 3; i++, pad *= 8) {
         sgt_interval slope, x = {-sgt_sum_above(-n.lo, pad), sgt_sum_above(n.hi, pad)};
-        if (!has_zero(ask(w, x, SGT_PROBE, &slope))) return NONE;
+        if (!has_zero(proof_ask(w, x, SGT_PROBE, &slope))) return NONE;
         if (has_zero(slope) || !is_bounded(slope)) return UNSURE;
         sgt_interval root = newton_set(m, G, slope);
         double t = sgt_interval_middle(root), far = larger(sgt_sum_above(root.hi, -t), sgt_sum_above(t, -root.lo)) * (1 + 0x1p-48);
@@ -342,18 +342,18 @@ static verdict certify(proof *w, sgt_interval n, double m, sgt_interval G, certa
 
 /* What is told of a root is that there is no other within t_err of t.  From afar t_err is half an ulp of t and more, and there may be
  * one: that of this root is certain only where it is alone in all of that. */
-static bool alone_as_told(proof *w, const place *at, sgt_interval only)
+static bool unique_as_told(proof *w, const proof_place *at, sgt_interval only)
 {
     sgt_interval slope, told = out_by(sgt_interval_about(at->h.t, at->h.t_err), twofold_of(-w->t0));
     if (w->t0 == 0 || !w->told.opt->proof || sgt_interval_is_in(told, only)) return true;
-    ask(w, sgt_interval_hull(told, only), SGT_PROBE, &slope);
+    proof_ask(w, sgt_interval_hull(told, only), SGT_PROBE, &slope);
     if (!has_zero(slope) && is_bounded(slope)) return true;
     sgt_interval before = {told.lo, only.lo}, behind = {only.hi, told.hi};
-    return (before.lo > before.hi || !has_zero(ask(w, before, SGT_PROBE, &slope))) && (behind.lo > behind.hi || !has_zero(ask(w, behind, SGT_PROBE, &slope)));
+    return (before.lo > before.hi || !has_zero(proof_ask(w, before, SGT_PROBE, &slope))) && (behind.lo > behind.hi || !has_zero(proof_ask(w, behind, SGT_PROBE, &slope)));
 }
 
 /* Told, if it counts. */
-static bool take(proof *w, const certain *c)
+static bool proof_take(proof *w, const certain *c)
 {
     sgt_interval root = c->root, only = c->only;
     if (root.lo <= w->last.hi) { /* the last one once more? */
@@ -366,9 +366,9 @@ static bool take(proof *w, const certain *c)
         w->pending = false;
     }
     flush(w);
-    if (over(w)) return true;
+    if (proof_over(w)) return true;
     double t = sgt_interval_middle(root), t_err = larger(sgt_sum_above(root.hi, -t), sgt_sum_above(t, -root.lo));
-    place at = place_of(w, t, t_err, c->slope);
+    proof_place at = proof_place_of(w, t, t_err, c->slope);
     if (w->told.stopped) return true;
     w->last = root;
     sgt_interval about = sgt_about(at.h.t, at.h.t_err);
@@ -390,7 +390,7 @@ static bool take(proof *w, const certain *c)
     if (on_rim && !w->told.opt->proof && at.r2 > w->rim2 && at.off <= 0x1p-45 * w->rim2) return true;
     if (on_rim && w->told.opt->proof) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi);
     else if (hidden && !(w->t0 + root.lo > w->ray->tmax)) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
-    else if (at.h.counts && at.exact && in_range(&at) && alone_as_told(w, &at, only)) add(w, SGT_HIT, &at, root, about);
+    else if (at.h.accepted && at.exact && proof_in_range(&at) && unique_as_told(w, &at, only)) proof_add(w, SGT_HIT, &at, root, about);
     else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width)) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi);
     return true;
 }
@@ -400,7 +400,7 @@ static double guess(proof *w, sgt_interval n)
 {
     const sgt_ray *ray = w->ray;
     double t = sgt_interval_middle(n), last = n.hi - n.lo;
-    for (int i = 0; i < GUESSES && !over(w); i++) {
+    for (int i = 0; i < GUESSES && !proof_over(w); i++) {
         sgt_vec3 grad = {0, 0, 0}, p = point_at(ray, 1, w->t0, t);
         double f = w->s.ops->value(w->s.self, p, &grad), slope = grad.x * ray->d.x + grad.y * ray->d.y + grad.z * ray->d.z, step = f / slope, next = t - step;
         tell(&w->told, SGT_NEWTON, w->t0 + t, f, slope, w->t0 + n.lo, w->t0 + n.hi);
@@ -413,7 +413,7 @@ static double guess(proof *w, sgt_interval n)
 }
 
 /* The root of X, where g is monotone with a bounded slope; G is g at m. */
-static verdict contract(proof *w, sgt_interval x, sgt_interval slope, double m, sgt_interval G, certain *c)
+static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, double m, sgt_interval G, certain *c)
 {
     sgt_interval n = x;
     for (int slow = 0, i = 0; !(G.lo > G.hi); i++) {
@@ -422,10 +422,10 @@ static verdict contract(proof *w, sgt_interval x, sgt_interval slope, double m, 
         slow += !(sgt_interval_width(next) <= 0.75 * sgt_interval_width(n));
         n = next;
         bool inside = n.lo > w->lo && n.hi < w->hi; /* at an end a tolerance would hide whether the root counts */
-        if (has_zero(G) || slow > 1 || sgt_interval_width(n) <= (inside ? w->told.opt->t_tol : 0)) return certify(w, n, m, G, c);
+        if (has_zero(G) || slow > 1 || sgt_interval_width(n) <= (inside ? w->told.opt->t_tol : 0)) return proof_certify(w, n, m, G, c);
         m = i == 0 ? guess(w, n) : sgt_interval_middle(n);
         G = ask_at(w, m, i == 0 ? SGT_NEWTON : SGT_BISECT);
-        if (over(w)) break;
+        if (proof_over(w)) break;
     }
     return UNSURE;
 }
@@ -454,34 +454,34 @@ static double middle_of(const proof *w, sgt_interval x)
 }
 
 /* false: the search is over, and X is not decided. */
-static bool look(proof *w, sgt_interval x, pieces *rest)
+static bool proof_look(proof *w, sgt_interval x, pieces *rest)
 {
-    sgt_interval slope, G = sgt_interval_all(), g = ask(w, x, SGT_MARCH, &slope);
+    sgt_interval slope, G = sgt_interval_all(), g = proof_ask(w, x, SGT_MARCH, &slope);
     certain c;
     if (!has_zero(g)) return true;
-    if (over(w)) return false;
+    if (proof_over(w)) return false;
     double m = middle_of(w, x), past = m;
     bool smooth = is_bounded(slope), room = m > x.lo && m < x.hi && x.hi - x.lo > w->least && rest->n + 2 <= PIECES;
     bool asked = smooth || !is_bounded(g) || !room;
     if (asked) G = ask_at(w, m, SGT_MARCH);
-    if (over(w)) return false;
+    if (proof_over(w)) return false;
     if (smooth && !has_zero(slope)) {
         switch (contract(w, x, slope, m, G, &c)) {
         case NONE: return true;
         case ROOT:
-            if (!take(w, &c)) break;
+            if (!proof_take(w, &c)) break;
             w->done = larger(x.hi, c.only.hi);
-            return w->found || !over(w);
+            return w->found || !proof_over(w);
         case UNSURE: break;
         }
-        if (over(w)) return false;
+        if (proof_over(w)) return false;
     }
     bool noise = asked && ((has_zero(G) && sgt_interval_width(g) <= 4 * sgt_interval_width(G))
                            || sgt_interval_greatest(slope) * (x.hi - x.lo) <= sgt_interval_width(G));
     if (noise && room && !is_bounded(G)) noise = !is_bounded(ask_at(w, x.lo, SGT_MARCH)); /* out of range there, and here? */
     if (!room || noise) {
         undecided(w, x);
-        return !over(w) || w->found;
+        return !proof_over(w) || w->found;
     }
     if (smooth && G.lo <= G.hi && !has_zero(G)) {
         double size = G.lo > 0 ? G.lo : -G.hi, down = G.lo > 0 ? slope.hi : -slope.lo, up = G.lo > 0 ? -slope.lo : slope.hi;
@@ -516,7 +516,7 @@ static bool search_part(proof *w, sgt_interval part, double *next)
         *next = x.lo;
         if (w->pending && x.lo - w->dark.hi > 4 * (w->dark.hi - w->dark.lo)) flush(w);
         if (w->found) return true;
-        decided = !over(w) && look(w, x, &rest);
+        decided = !proof_over(w) && proof_look(w, x, &rest);
     }
     return decided;
 }
@@ -558,7 +558,7 @@ bool sgt_proof_bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
 }
 
 /* |v|, within 3 ulps, where its square would leave the range of a double too. */
-static double length_of(sgt_vec3 v)
+static double proof_length_of(sgt_vec3 v)
 {
     double scale = scale_of(v), x = v.x * scale, y = v.y * scale, z = v.z * scale;
     return sqrt(x * x + y * y + z * z) / scale;
@@ -572,14 +572,14 @@ proof sgt_proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, co
     const sgt_vec3 o = ray->o, d = ray->d;
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, length2 = l * l + m * m + n * n;
     w.centre = -(o.x * l + o.y * m + o.z * n) / length2 * scale;
-    w.reach = length_of(o) / sqrt(length2) * scale;
+    w.reach = proof_length_of(o) / sqrt(length2) * scale;
     if (!(fabs(w.centre) < HUGE_VAL)) w.centre = 0;
     if (!(w.reach > 0 && w.reach < HUGE_VAL)) w.reach = scale;
     if (!(fabs(w.seed) < HUGE_VAL)) w.seed = w.centre;
     double off = fabs(w.centre) / scale;
     double c = w.centre;
     sgt_vec3 foot = {moved_along(o.x, c, d.x), moved_along(o.y, c, d.y), moved_along(o.z, c, d.z)};
-    w.foot = length_of(foot) / sqrt(length2) * scale;
+    w.foot = proof_length_of(foot) / sqrt(length2) * scale;
     if (off > 0x1p-400 && off < 0x1p400 && fabs(w.centre) > NEARBY * w.foot && s.ops->enclose)
         w.far = s.ops->own_ && s.ops->own_->enclose ? w.centre : sgt_move_exactly(ray, w.centre, &w.at_far);
     return w;
@@ -594,7 +594,7 @@ bool sgt_proof_take(proof *w, double t, double t_lo, double t_err)
     twofold from = two_sum(t, -w->t0);
     double m = w->t0 != 0 ? from.hi + (from.lo + t_lo) : t;
     sgt_interval about = sgt_interval_about(m, t_err), G = ask_at(w, m, SGT_PROBE);
-    return certify(w, about, m, G, &c) == ROOT && take(w, &c);
+    return proof_certify(w, about, m, G, &c) == ROOT && proof_take(w, &c);
 }
 
 void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bool near, sgt_list *list)
@@ -621,7 +621,7 @@ bool sgt_prove_found(sgt_surface s, const sgt_ray *ray, tally *told, double t, d
     if (!sgt_proof_bounds(s, ray, &span)) return false;
     proof w = sgt_proof_of(s, ray, told->opt, &span, list, false);
     w.told = *told;
-    bool decided = sgt_proof_take(&w, t, t_lo, t_err) && (w.found || !over(&w));
+    bool decided = sgt_proof_take(&w, t, t_lo, t_err) && (w.found || !proof_over(&w));
     *told = w.told;
     return decided;
 }

@@ -22,7 +22,7 @@
 enum { BLOCK = 128 };
 typedef double row[BLOCK];
 
-typedef struct block {
+typedef struct sensitivity_block {
     _Alignas(64) row inverse;            /* -1 / s */
     row met, place[3], shifts[3], h[6], hd[3], t, f, g[3];
     double *w[3];                        /* `shifts`, or the caller's */
@@ -30,7 +30,7 @@ typedef struct block {
     size_t n, count;                     /* rays; of these were met */
     const double *d[3], *normal[3];
     sgt_points p;                        /* the hits', or `place` */
-} block;
+} sensitivity_block;
 
 /* xx, xy, xz, yy, yz, zz by coordinates. */
 static const int ENTRY[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
@@ -48,7 +48,7 @@ static void positive(size_t n, const signed char *status, double *out)
 
 /* -1 / s and w; met: 1 or 0.  Returns how many were met. */
 SGT_KERNEL
-static double invert(block *b)
+static double invert(sensitivity_block *b)
 {
     const double *dx = b->d[0], *dy = b->d[1], *dz = b->d[2], *nx = b->normal[0], *ny = b->normal[1], *nz = b->normal[2];
     double *met = b->met, *inverse = b->inverse, *wx = b->w[0], *wy = b->w[1], *wz = b->w[2], count = 0;
@@ -64,19 +64,19 @@ static double invert(block *b)
 }
 
 SGT_KERNEL
-static void fill(size_t n, double value, double *out)
+static void sensitivity_fill(size_t n, double value, double *out)
 {
     LANES for (size_t i = 0; i < n; i++) out[i] = value;
 }
 
 SGT_KERNEL
-static void choose(size_t n, const double *which, const double *a, double other, double *out)
+static void sensitivity_choose(size_t n, const double *which, const double *a, double other, double *out)
 {
     LANES for (size_t i = 0; i < n; i++) out[i] = which[i] != 0 ? a[i] : other;
 }
 
 SGT_KERNEL
-static void product(size_t n, const double *a, const double *b, double *out)
+static void sensitivity_product(size_t n, const double *a, const double *b, double *out)
 {
     LANES for (size_t i = 0; i < n; i++) out[i] = a[i] * b[i];
 }
@@ -101,14 +101,14 @@ static void add_times(size_t n, double factor, const double *a, double *to)
 }
 
 SGT_KERNEL
-static void dot(size_t n, const double *ax, const double *ay, const double *az, const double *bx, const double *by, const double *bz, double *out)
+static void sensitivity_dot(size_t n, const double *ax, const double *ay, const double *az, const double *bx, const double *by, const double *bz, double *out)
 {
     LANES for (size_t i = 0; i < n; i++) out[i] = ax[i] * bx[i] + ay[i] * by[i] + az[i] * bz[i];
 }
 
 /* ------------------------------------------------------------------------ a block */
 
-static void begin(block *b, sgt_surface s, size_t n, const double *const d[3], const sgt_hits *hits, double *const w[3], size_t from)
+static void sensitivity_begin(sensitivity_block *b, sgt_surface s, size_t n, const double *const d[3], const sgt_hits *hits, double *const w[3], size_t from)
 {
     b->s = s, b->n = n;
     for (int i = 0; i < 3; i++) {
@@ -116,35 +116,35 @@ static void begin(block *b, sgt_surface s, size_t n, const double *const d[3], c
         b->w[i] = w && w[i] ? w[i] + from : b->shifts[i];
     }
     if (hits->status) positive(n, hits->status + from, b->met);
-    else fill(n, 1, b->met);
+    else sensitivity_fill(n, 1, b->met);
     b->count = (size_t)invert(b);
     if (b->count == 0 || b->count == n) return;
     size_t first = 0;
     while (b->met[first] == 0) first++;
-    for (int i = 0; i < 3; i++) choose(n, b->met, b->p.p[i], b->p.p[i][first], b->place[i]), b->p.p[i] = b->place[i];
+    for (int i = 0; i < 3; i++) sensitivity_choose(n, b->met, b->p.p[i], b->p.p[i][first], b->place[i]), b->p.p[i] = b->place[i];
 }
 
 /* H; NaN where there is none, anything where no ray was met. */
-static void second(block *b)
+static void sensitivity_second(sensitivity_block *b)
 {
     double *const out[6] = {b->h[0], b->h[1], b->h[2], b->h[3], b->h[4], b->h[5]};
     if (b->count > 0 && b->s.ops->second) b->s.ops->second(b->s.self, b->n, b->p, out);
-    else for (int k = 0; k < 6; k++) fill(b->n, (double)NAN, out[k]);
+    else for (int k = 0; k < 6; k++) sensitivity_fill(b->n, (double)NAN, out[k]);
 }
 
-static void second_times(const block *b, int i, const double *x, const double *y, const double *z, double *out)
+static void second_times(const sensitivity_block *b, int i, const double *x, const double *y, const double *z, double *out)
 {
-    dot(b->n, b->h[ENTRY[i][0]], b->h[ENTRY[i][1]], b->h[ENTRY[i][2]], x, y, z, out);
+    sensitivity_dot(b->n, b->h[ENTRY[i][0]], b->h[ENTRY[i][1]], b->h[ENTRY[i][2]], x, y, z, out);
 }
 
 /* H d. */
-static void bend(block *b)
+static void sensitivity_bend(sensitivity_block *b)
 {
     for (int i = 0; i < 3; i++) second_times(b, i, b->d[0], b->d[1], b->d[2], b->hd[i]);
 }
 
 /* F_j, and its gradient where that is wanted. */
-static void parameter(block *b, size_t j, bool gradient)
+static void parameter(sensitivity_block *b, size_t j, bool gradient)
 {
     sgt_values out = {b->f, {NULL, NULL, NULL}};
     for (int i = 0; i < 3 && gradient; i++) out.grad[i] = b->g[i];
@@ -152,8 +152,8 @@ static void parameter(block *b, size_t j, bool gradient)
         b->s.ops->by_parameter(b->s.self, j, b->n, b->p, out);
         return;
     }
-    fill(b->n, (double)NAN, b->f);
-    for (int i = 0; i < 3 && gradient; i++) fill(b->n, (double)NAN, b->g[i]);
+    sensitivity_fill(b->n, (double)NAN, b->f);
+    for (int i = 0; i < 3 && gradient; i++) sensitivity_fill(b->n, (double)NAN, b->g[i]);
 }
 
 /* ----------------------------------------------------------------------- the door */
@@ -170,13 +170,13 @@ size_t sgt_parameters(sgt_surface s)
 int sgt_differentiate(sgt_surface s, const sgt_ray *ray, const sgt_hit *hit, sgt_change by_o[3], sgt_change by_a[])
 {
     s = in_set(s);
-    block b;
+    sensitivity_block b;
     double d[3] = {ray->d.x, ray->d.y, ray->d.z}, p[3] = {hit->p.x, hit->p.y, hit->p.z}, n[3] = {hit->n.x, hit->n.y, hit->n.z};
     signed char status = hit->status > 0;
     sgt_hits hits = {.status = &status, .p = {p, p + 1, p + 2}, .n = {n, n + 1, n + 2}};
-    begin(&b, s, 1, (const double *const[3]){d, d + 1, d + 2}, &hits, NULL, 0);
-    second(&b);
-    bend(&b);
+    sensitivity_begin(&b, s, 1, (const double *const[3]){d, d + 1, d + 2}, &hits, NULL, 0);
+    sensitivity_second(&b);
+    sensitivity_bend(&b);
     for (int j = 0; by_o && j < 3; j++) {
         double c[6];
         for (int i = 0; i < 3; i++) sum_one(1, i == j, d + i, b.w[j], c + i), sum(1, b.h[ENTRY[i][j]], b.hd[i], b.w[j], c + 3 + i);
@@ -185,8 +185,8 @@ int sgt_differentiate(sgt_surface s, const sgt_ray *ray, const sgt_hit *hit, sgt
     for (size_t j = 0, count = by_a ? sgt_parameters(s) : 0; j < count; j++) {
         double c[6];
         parameter(&b, j, true);
-        product(1, b.f, b.inverse, b.t);
-        for (int i = 0; i < 3; i++) product(1, d + i, b.t, c + i), sum(1, b.g[i], b.hd[i], b.t, c + 3 + i);
+        sensitivity_product(1, b.f, b.inverse, b.t);
+        for (int i = 0; i < 3; i++) sensitivity_product(1, d + i, b.t, c + i), sum(1, b.g[i], b.hd[i], b.t, c + 3 + i);
         by_a[j] = (sgt_change){b.t[0], {c[0], c[1], c[2]}, {c[3], c[4], c[5]}};
     }
     return lacks((by_o || (by_a && has_parameters(s))) && !(s.ops && s.ops->second), by_a && !has_parameters(s));
@@ -198,7 +198,7 @@ static double *listed(double *const *list, size_t j, size_t at) { return list &&
 int sgt_differentiate_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, sgt_jacobian out)
 {
     s = in_set(s);
-    block b;
+    sensitivity_block b;
     bool turns = false, lists = out.t_by_a != NULL, turn_lists = false;
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) turns |= out.n_by_o[i][j] != NULL;
@@ -207,8 +207,8 @@ int sgt_differentiate_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hit
     size_t count = lists ? sgt_parameters(s) : 0;
     for (size_t at = 0; at < n; at += BLOCK) {
         size_t here = n - at < BLOCK ? n - at : BLOCK;
-        begin(&b, s, here, rays.d, &hits, out.t_by_o, at);
-        if (turns || turn_lists) second(&b), bend(&b);
+        sensitivity_begin(&b, s, here, rays.d, &hits, out.t_by_o, at);
+        if (turns || turn_lists) sensitivity_second(&b), sensitivity_bend(&b);
         for (int i = 0; i < 3; i++)
             for (int j = 0; j < 3; j++) {
                 if (out.p_by_o[i][j]) sum_one(here, i == j, b.d[i], b.w[j], out.p_by_o[i][j] + at);
@@ -224,9 +224,9 @@ int sgt_differentiate_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hit
             if (!t && !moved && !turned) continue;
             parameter(&b, j, turned);
             if (!t) t = b.t;
-            product(here, b.f, b.inverse, t);
+            sensitivity_product(here, b.f, b.inverse, t);
             for (int i = 0; i < 3; i++) {
-                if (p[i]) product(here, b.d[i], t, p[i]);
+                if (p[i]) sensitivity_product(here, b.d[i], t, p[i]);
                 if (turn[i]) sum(here, b.g[i], b.hd[i], t, turn[i]);
             }
         }
@@ -235,43 +235,43 @@ int sgt_differentiate_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hit
 }
 
 /* The shift do + t dd, a row each. */
-static void shift(const block *b, const sgt_rays *change, const double *t, size_t at, double *q[3])
+static void shift(const sensitivity_block *b, const sgt_rays *change, const double *t, size_t at, double *q[3])
 {
     for (int i = 0; i < 3; i++) {
         if (change->o[0] && change->d[0]) sum(b->n, change->o[i] + at, t + at, change->d[i] + at, q[i]);
-        else if (change->d[0]) product(b->n, t + at, change->d[i] + at, q[i]);
+        else if (change->d[0]) sensitivity_product(b->n, t + at, change->d[i] + at, q[i]);
         else if (change->o[0]) memcpy(q[i], change->o[i] + at, b->n * sizeof(double));
-        else fill(b->n, 0, q[i]);
+        else sensitivity_fill(b->n, 0, q[i]);
     }
 }
 
 int sgt_differentiate_forward(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, sgt_rays change, const double da[], sgt_changes out)
 {
     s = in_set(s);
-    block b;
+    sensitivity_block b;
     row shifted[3], turned[3];
     double *q[3] = {shifted[0], shifted[1], shifted[2]};
     bool turns = out.n[0] != NULL;
     size_t count = da ? sgt_parameters(s) : 0;
     for (size_t at = 0; at < n; at += BLOCK) {
         size_t here = n - at < BLOCK ? n - at : BLOCK;
-        begin(&b, s, here, rays.d, &hits, NULL, at);
+        sensitivity_begin(&b, s, here, rays.d, &hits, NULL, at);
         shift(&b, &change, hits.t, at, q);
-        dot(here, b.normal[0], b.normal[1], b.normal[2], q[0], q[1], q[2], b.t);
-        if (da && !has_parameters(s)) fill(here, (double)NAN, b.t);
-        for (int i = 0; i < 3 && turns; i++) fill(here, 0, turned[i]);
+        sensitivity_dot(here, b.normal[0], b.normal[1], b.normal[2], q[0], q[1], q[2], b.t);
+        if (da && !has_parameters(s)) sensitivity_fill(here, (double)NAN, b.t);
+        for (int i = 0; i < 3 && turns; i++) sensitivity_fill(here, 0, turned[i]);
         for (size_t j = 0; j < count; j++) {
             if (da[j] == 0) continue;
             parameter(&b, j, turns);
             add_times(here, da[j], b.f, b.t);
             for (int i = 0; i < 3 && turns; i++) add_times(here, da[j], b.g[i], turned[i]);
         }
-        product(here, b.t, b.inverse, b.t);
+        sensitivity_product(here, b.t, b.inverse, b.t);
         for (int i = 0; i < 3; i++) sum(here, q[i], b.d[i], b.t, q[i]); /* now it is dp */
         if (out.t) memcpy(out.t + at, b.t, here * sizeof(double));
         for (int i = 0; i < 3 && out.p[0]; i++) memcpy(out.p[i] + at, q[i], here * sizeof(double));
         if (!turns) continue;
-        second(&b);
+        sensitivity_second(&b);
         for (int i = 0; i < 3; i++) {
             second_times(&b, i, q[0], q[1], q[2], b.f);
             add_times(here, 1, b.f, turned[i]);

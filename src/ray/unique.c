@@ -1,6 +1,6 @@
 /* ray/unique.c - the root near the seed, proven to be the only one.
  *
- * Most often the surface knows at once (sgt_own, alone; a loop over lanes, of which one ray is a tile of one): along the ray
+ * Most often the surface knows at once (sgt_builtin_ops, alone; a loop over lanes, of which one ray is a tile of one): along the ray
  * F is monotone within the rim; the other root of a conic is on the other sheet, beyond the rim or outside the ray's ends, or
  * it certainly counts; no ring of an asphere holds another.  Where it does not, every root is asked for: there has to be
  * one, and it decided.  With a clear aperture narrower than the surface the ray is cut to three times its chord with the
@@ -22,21 +22,21 @@
 
 enum { FEW = 4 };
 
-bool sgt_alone_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned long long alone[], sgt_interval others[])
+bool sgt_unique_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned long long unique[], sgt_interval others[])
 {
-    if (s.ops->own_ && s.ops->own_->alone) return s.ops->own_->alone(s.self, tile, rim2, alone, others);
+    if (s.ops->own_ && s.ops->own_->unique) return s.ops->own_->unique(s.self, tile, rim2, unique, others);
     bool itself = answers_itself(s.ops);
-    memset(alone, itself ? 0xff : 0, tile->n * sizeof *alone); /* level sets: the first is what was asked for */
+    memset(unique, itself ? 0xff : 0, tile->n * sizeof *unique); /* level sets: the first is what was asked for */
     return itself;
 }
 
 /* 0: nothing is known. */
 static unsigned long long at_once(sgt_surface s, const sgt_ray *ray, double rim2, sgt_interval *other)
 {
-    unsigned long long alone;
+    unsigned long long unique;
     sgt_tile one = {.n = 1, .rays = {{&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax}};
-    sgt_alone_tile(s, &one, rim2, &alone, other);
-    return alone;
+    sgt_unique_tile(s, &one, rim2, &unique, other);
+    return unique;
 }
 
 /* A watcher of a second search, which counts on. */
@@ -50,17 +50,17 @@ static int watch_on(void *data, const sgt_step *step)
     return c->watch(c->data, &own);
 }
 
-void sgt_prove_alone(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt, sgt_hit *hit)
+void sgt_prove_unique(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt, sgt_hit *hit)
 {
-    if (answers_itself(s.ops) && !s.ops->own_->alone) return;
+    if (answers_itself(s.ops) && !s.ops->own_->unique) return;
     sgt_interval other;
     unsigned long long known = hit->status > 0 ? at_once(s, ray, rim2, &other) : 0;
-    if (known == SGT_NOT_ALONE && (other.lo > hit->t || other.hi < hit->t)) {
+    if (known == SGT_NOT_UNIQUE && (other.lo > hit->t || other.hi < hit->t)) {
         double lo = other.lo < hit->lo ? other.lo : hit->lo, hi = other.hi > hit->hi ? other.hi : hit->hi;
         *hit = hit_undecided(SGT_UNPROVEN, ray, hit->evals, lo, hi);
         return;
     }
-    if (known && known != SGT_NOT_ALONE) return;
+    if (known && known != SGT_NOT_UNIQUE) return;
     sgt_ray cut = *ray;
     stretch chord = sgt_chord(ray, rim2);
     double more = chord.hi - chord.lo;
@@ -134,29 +134,29 @@ static const sgt_extent *extent_about(sgt_surface s, double radius2, sgt_extents
 
 void sgt_none_nearer(sgt_surface s, const sgt_tile *tile, sgt_extents *kept, unsigned long long none[])
 {
-    const struct sgt_own *own = s.ops->own_;
+    const struct sgt_builtin_ops *builtin = s.ops->own_;
     size_t n = tile->n;
     double within2[SGT_FEW], radius2[SGT_FEW] = {0}, steep[SGT_FEW] = {0};
     double lo[SGT_FEW], hi[SGT_FEW], least[SGT_FEW];
     memset(none, 0, n * sizeof *none);
     for (size_t i = 0; i < n; i++) within2[i] = radius2_about(tile->hits.p[0][i], tile->hits.p[1][i]);
-    if (own && is_catalogue(s.ops) && own->extent_within) {
+    if (builtin && is_catalogue(s.ops) && builtin->extent_within) {
         for (size_t i = 0; i < n; i++) {
             const sgt_extent nothing = {0, HUGE_VAL, HUGE_VAL, HUGE_VAL}, *e = &nothing;
             if (within2[i] < HUGE_VAL) e = extent_about(s, within2[i], kept);
             radius2[i] = e->radius2, steep[i] = e->steep;
         }
-        own->chords(n, tile->rays, radius2, steep, lo, hi, least);
+        builtin->chords(n, tile->rays, radius2, steep, lo, hi, least);
         for (size_t i = 0; i < n; i++) none[i] = MASK(least[i] > 0);
-    } else if (own && own->alone) {
-        unsigned long long alone[SGT_FEW];
+    } else if (builtin && builtin->unique) {
+        unsigned long long unique[SGT_FEW];
         for (size_t i = 0; i < n; i++) {
             bool asked = false; /* with an earlier one */
             for (size_t k = 0; k < i; k++) asked = asked || within2[k] == within2[i];
             if (asked) continue;
-            own->alone(s.self, tile, within2[i], alone, NULL);
+            builtin->unique(s.self, tile, within2[i], unique, NULL);
             for (size_t k = i; k < n; k++)
-                if (within2[k] == within2[i]) none[k] = MASK(alone[k] == ~0ULL);
+                if (within2[k] == within2[i]) none[k] = MASK(unique[k] == ~0ULL);
         }
     }
 }

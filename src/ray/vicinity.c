@@ -11,7 +11,7 @@ static const double NO_BOUND = 0x1p-1000;
 /* ------------------------------------------------------------------------------- rungs */
 
 /* Of the surface within the radius. */
-static const sgt_extent *within(sgt_surface s, double rung, int digits, vicinities *kept)
+static const sgt_extent *vicinity_within(sgt_surface s, double rung, int digits, vicinities *kept)
 {
     int i = place_of(rung, digits, VICINITIES);
     if (kept->radius[i] != rung)
@@ -25,7 +25,7 @@ SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits,
 {
     const sgt_extent none = {0, HUGE_VAL, HUGE_VAL, HUGE_VAL};
     for (size_t i = 0; i < n; i++) {
-        const sgt_extent *e = asked[i] != 0 && rung[i] < HUGE_VAL ? within(s, rung[i], digits, kept) : &none;
+        const sgt_extent *e = asked[i] != 0 && rung[i] < HUGE_VAL ? vicinity_within(s, rung[i], digits, kept) : &none;
         radius2[i] = e->radius2, steep[i] = e->steep, size[i] = e->size;
     }
 }
@@ -65,7 +65,7 @@ SGT_INLINE void noise_about(sgt_surface s, double rung, size_t i, vicinities *ke
 /* What is needed at the seed, and from where the search begins on: the least radius, and the rung about the
  * root. */
 SGT_KERNEL
-static void begin(size_t n, bool near, const double *restrict ox, const double *restrict oy,
+static void vicinity_begin(size_t n, bool near, const double *restrict ox, const double *restrict oy,
                   const double *restrict dx, const double *restrict dy, const double *restrict dz,
                   const double *restrict tmin, const double *restrict t, double *restrict at_seed,
                   double *restrict from, double *restrict radius, double *restrict wide,
@@ -115,7 +115,7 @@ static double shrink(size_t n, const double *restrict ox, const double *restrict
 /* Where F is monotone on the chord within the radius, some of the ray is there, and it begins before the
  * search does.  How many are left. */
 SGT_KERNEL
-static double judge(size_t n, const double *restrict dx, const double *restrict dy, const double *restrict dz,
+static double vicinity_judge(size_t n, const double *restrict dx, const double *restrict dy, const double *restrict dz,
                     const double *restrict tmin, const double *restrict tmax, const double *restrict seed,
                     const double *restrict from, const double *restrict lo, const double *restrict hi,
                     const double *restrict slope, double *restrict asked, double *restrict out_lo,
@@ -139,7 +139,7 @@ static double judge(size_t n, const double *restrict dx, const double *restrict 
 
 /* ---------------------------------------------------------------------------- passed by */
 
-/* The cone of asphere_alone.c, from where the ray begins: behind it, r from the axis, it is no lower than
+/* The cone of asphere_unique.c, from where the ray begins: behind it, r from the axis, it is no lower than
  * high + q max(r - r0, 0), on the side it goes to.  Coarser than ring by ring, and a few operations; where
  * the last ring is endless, all that is known of it.  Of the rings from `first` on. */
 SGT_KERNEL
@@ -182,7 +182,7 @@ static bool any_behind(size_t n, const double *asked, const double *seed, const 
 
 /* Those that pass the whole surface by are asked no more; of the rays that begin behind the seed, which may
  * well leave it, or of the others. */
-static void without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, vicinities *kept,
+static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, vicinities *kept,
                             const vicinity *v)
 {
     for (size_t i = 0; i < n; i++) {
@@ -202,18 +202,18 @@ static void without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, vi
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v)
 {
-    const struct sgt_own *own = s.ops->own_;
-    const bool marches = !near && own->roundings && !(whole->noise[0] < HUGE_VAL);
+    const struct sgt_builtin_ops *builtin = s.ops->own_;
+    const bool marches = !near && builtin->roundings && !(whole->noise[0] < HUGE_VAL);
     sgt_shared bare = bare_of(*whole);
     const bool behind = any_behind(n, v->asked, v->seed, v->tmin);
     if (behind) {
-        without_passing(s, n, r, true, kept, v);
+        vicinity_without_passing(s, n, r, true, kept, v);
         if (marches && bare.radius2 < HUGE_VAL)
             sgt_march_wings(s, n, r, v->tmin, true, &bare, &kept->rings, v, v->work);
     }
     double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3],
            *size = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7];
-    begin(n, near, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius, wide,
+    vicinity_begin(n, near, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius, wide,
           about);
     for (size_t i = 0; i < n; i++) noise_about(s, v->asked[i] != 0 ? about[i] : HUGE_VAL, i, kept, v);
     for (int k = 0;; k++) {
@@ -225,14 +225,14 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
     }
     double *lo = at_seed, *hi = size, *least = about, left = 0;
     for (int k = 0; k < 2; k++) {
-        own->chords(n, r, radius2, steep, lo, hi, least);
-        left = judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least, v->asked,
+        builtin->chords(n, r, radius2, steep, lo, hi, least);
+        left = vicinity_judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least, v->asked,
                      v->lo, v->hi, v->least);
         if (left == 0 || k == 1) break;
         for (size_t i = 0; i < n; i++) wide[i] = rung_above(radius[i], FINE);
         extents(s, n, wide, FINE, v->asked, kept, radius2, steep, size);
     }
-    if (left != 0 && !near) without_passing(s, n, r, false, kept, v);
+    if (left != 0 && !near) vicinity_without_passing(s, n, r, false, kept, v);
     if (!marches || !(left != 0 || behind)) return;
     if (left != 0) sgt_march_wings(s, n, r, from, false, &bare, &kept->rings, v, v->work);
     for (size_t i = 0; i < n; i++) {

@@ -50,7 +50,7 @@ SGT_INLINE void vicinities_begin(vicinities *v)
 
 /* Of some rays, a row each.  asked: 1, else 0; of one that is asked the seed is a number.  After the call it
  * is 1 where nothing was found; 0 with lo > hi where nothing is met; else lo, hi and least are those of the
- * stretch, and the seed may be another: `least` bounds |dF/dtau| from below all along it (sgt_own, spans).
+ * stretch, and the seed may be another: `least` bounds |dF/dtau| from below all along it (sgt_builtin_ops, spans).
  * Within r^2 <= noise[2] of the axis F is off by noise[0] + noise[1] r^2 (sgt_shared), where that is known.
  * What was spent is added to evals, and told, of a row by itself, unless that is NULL. */
 typedef struct vicinity {

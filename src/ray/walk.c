@@ -141,12 +141,12 @@ static bool is_pole(walk *w, const point *at, double tau_err)
 }
 
 /* The root at `at`, if it counts. */
-static bool take(walk *w, sgt_status status, point at, double tau_err)
+static bool walk_take(walk *w, sgt_status status, point at, double tau_err)
 {
     if (!(at.g_err < HUGE_VAL && fabs(at.g) < HUGE_VAL)) return false; /* nothing is known there */
-    taking h = taking_of(&w->q, at.tau, tau_err, at.p, at.n, at.at, w->ray->tmin, w->ray->tmax, w->rim2, w->margin);
+    acceptance h = acceptance_of(&w->q, at.tau, tau_err, at.p, at.n, at.at, w->ray->tmin, w->ray->tmax, w->rim2, w->margin);
     w->off = h.off, w->hidden = h;
-    if (!h.counts) return false;
+    if (!h.accepted) return false;
     sgt_interval about = sgt_about(h.t, h.t_err);
     sgt_hit hit = {.status = status, .t = h.t, .t_lo = h.t_lo, .t_err = h.t_err, .lo = about.lo, .hi = about.hi,
                    .f = at.g, .p = at.p, .n = at.n, .p_err = h.p_err, .evals = w->told.evals - w->told.before};
@@ -160,7 +160,7 @@ static bool take(walk *w, sgt_status status, point at, double tau_err)
 bool sgt_walk_take_quick(walk *w, point at, double tau_err)
 {
     w->off = false;
-    return take(w, SGT_HIT, at, tau_err);
+    return walk_take(w, SGT_HIT, at, tau_err);
 }
 
 bool sgt_walk_sharpen(walk *w, point at, double lo, double hi)
@@ -174,7 +174,7 @@ bool sgt_walk_sharpen(walk *w, point at, double lo, double hi)
         }
         sharpened s = sharpened_of(w->s, &w->q, at.tau, at.g, at.p, at.n, at.at, w->least, lo, hi,
                                    w->ray->tmin, w->ray->tmax, w->rim2, w->margin);
-        decided = s.known && (s.h.counts ? take(w, SGT_HIT, at, s.tau_err) : s.h.off);
+        decided = s.known && (s.h.accepted ? walk_take(w, SGT_HIT, at, s.tau_err) : s.h.off);
     }
     w->q = before;
     return decided;
@@ -194,7 +194,7 @@ bool sgt_walk_take(walk *w, const sgt_root *r, point at)
         at = sgt_walk_look(w, r->t, SGT_NEWTON, r->lo, r->hi);
         if (isnan(at.g) || w->told.stopped) return false;
     }
-    if (is_catalogue(w->s.ops) || !may_be_pole(w, at.g)) return take(w, r->status, at, r->t_err);
+    if (is_catalogue(w->s.ops) || !may_be_pole(w, at.g)) return walk_take(w, r->status, at, r->t_err);
     if (w->t_tol > 0) { /* a root narrower than the tolerance would look like a pole */
         double t_tol = w->t_tol, lowest = w->lowest, highest = w->highest;
         w->t_tol = 0;
@@ -205,7 +205,7 @@ bool sgt_walk_take(walk *w, const sgt_root *r, point at)
         w->t_tol = t_tol;
         return taken;
     }
-    return !is_pole(w, &at, r->t_err) && take(w, r->status, at, r->t_err);
+    return !is_pole(w, &at, r->t_err) && walk_take(w, r->status, at, r->t_err);
 }
 
 bool sgt_walk_between(walk *w, const point *a, const point *b, double *past)

@@ -24,10 +24,10 @@ typedef struct walk {
     double lo, hi;  /* the stretch that is searched: F is not asked for outside of it */
     double lowest, highest; /* the least and the greatest |g| that the search for the root has seen */
     bool off;       /* the root that does not count can be told not to */
-    taking hidden;  /* of the quick form: the root that may count or not; its t is NaN where there is none */
+    acceptance hidden;  /* of the quick form: the root that may count or not; its t is NaN where there is none */
     double least;   /* a bound from below on |g'| all along the stretch, which has one root at most; 0: not known */
     double rim2;    /* of the surface's rim; infinite where there is none */
-    double margin;  /* of taking_of: END_ERRORS where not all roots are found this way */
+    double margin;  /* of acceptance_of: END_ERRORS where not all roots are found this way */
     sgt_shared shared; /* of the surface, where it shares */
     bool nearby;       /* and what its departure adds to the rounding is known near this ray alone: */
     double noise[3];   /* vicinity.h */

@@ -69,7 +69,7 @@ SGT_INLINE double radius_wanted(double r, double outward)
 
 /* Its length, where it is not that of a step refused; the point it leads to. */
 SGT_KERNEL
-static void step(size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz,
+static void wings_step(size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz,
                  const double *restrict dx, const double *restrict dy, const double *restrict dz,
                  const double *restrict at, const double *restrict h, const double *restrict a,
                  const double *restrict sign, const double *restrict ratio, const double *restrict radius,
@@ -93,7 +93,7 @@ static void step(size_t n, const double *restrict ox, const double *restrict oy,
 
 /* What it has shown. */
 SGT_KERNEL
-static void judge(size_t n, const double *restrict dx, const double *restrict dy, const double *restrict dz,
+static void wings_judge(size_t n, const double *restrict dx, const double *restrict dy, const double *restrict dz,
                   double *restrict at, double *restrict h, double *restrict a, double *restrict sign,
                   double *restrict ratio, const double *restrict radius, const double *restrict steep,
                   const double *restrict bend, const double *restrict e0, const double *restrict e1,
@@ -175,17 +175,17 @@ static void tell_root(rows a, size_t i, double scale, const vicinity *v)
 static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double edge, const vicinity *v,
                           double *evals)
 {
-    const struct sgt_own *own = s.ops->own_;
+    const struct sgt_builtin_ops *builtin = s.ops->own_;
     double x = ray->o.x + from * ray->d.x, y = ray->o.y + from * ray->d.y;
     if (!(edge < HUGE_VAL) || radius_of(x, y) < edge * (1 - 0x1p-8)) return from;
     sgt_rays one = {.o = {&ray->o.x, &ray->o.y, &ray->o.z}, .d = {&ray->d.x, &ray->d.y, &ray->d.z}};
     double outer2 = edge * edge * (1 + 0x1p-40), inner2 = outer2 * (1 - 0x1p-7), steep = 0, lo, hi, begin,
            least;
-    own->chords(1, one, &inner2, &steep, &lo, &hi, &least);
-    own->chords(1, one, &outer2, &steep, &begin, &hi, &least);
+    builtin->chords(1, one, &inner2, &steep, &lo, &hi, &least);
+    builtin->chords(1, one, &outer2, &steep, &begin, &hi, &least);
     begin = larger(begin, from);
     if (!(lo <= hi && begin < lo && fabs(lo) < HUGE_VAL)) return (double)NAN;
-    sgt_interval slope, t = {0, sgt_sum_above(lo, -begin)}, g = own->enclose(s.self, ray, begin, t, &slope);
+    sgt_interval slope, t = {0, sgt_sum_above(lo, -begin)}, g = builtin->enclose(s.self, ray, begin, t, &slope);
     *evals += 1;
     if (v->told)
         tell(v->told, SGT_MARCH, begin, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, begin, lo);
@@ -221,7 +221,7 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
 
 static void is_miss(const vicinity *v, size_t k) { v->asked[k] = 0, v->lo[k] = 1, v->hi[k] = 0; }
 
-static void leave(rows a, size_t i, size_t last)
+static void wings_leave(rows a, size_t i, size_t last)
 {
     for (int j = 0; j < ROWS; j++) a[j][i] = a[j][last];
 }
@@ -229,7 +229,7 @@ static void leave(rows a, size_t i, size_t last)
 void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bool behind,
                       const sgt_shared *bare, rings *kept, const vicinity *v, double *const a[WINGS_ROWS])
 {
-    const struct sgt_own *own = s.ops->own_;
+    const struct sgt_builtin_ops *builtin = s.ops->own_;
     double edge = sqrt(bare->radius2);
     size_t left = 0;
     for (size_t i = 0; i < n; i++) {
@@ -257,18 +257,18 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
     }
     while (left > 0) {
         double grad[3], *g = v->told ? grad : NULL;
-        step(left, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[RATIO], a[RADIUS],
+        wings_step(left, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[RATIO], a[RADIUS],
              a[BEND], a[SEED], a[NEXT], a[PX], a[PY], a[PZ]);
         sgt_points at = {{a[PX], a[PY], a[PZ]}};
         s.ops->values(s.self, left, at, (sgt_values){a[F], {g, g ? g + 1 : NULL, g ? g + 2 : NULL}});
-        if (!own->roundings(s.self, bare, left, at, a[F], a[OWN])) return;
+        if (!builtin->roundings(s.self, bare, left, at, a[F], a[OWN])) return;
         if (v->told) {
             double scale = scale_of((sgt_vec3){r.d[0][0], r.d[1][0], r.d[2][0]});
             double slope = grad[0] * r.d[0][0] + grad[1] * r.d[1][0] + grad[2] * r.d[2][0],
                    next = a[NEXT][0] * scale;
             tell(v->told, SGT_MARCH, next, a[F][0], slope, a[T][0] * scale, next);
         }
-        judge(left, a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[RATIO], a[RADIUS], a[STEEP], a[BEND],
+        wings_judge(left, a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[RATIO], a[RADIUS], a[STEEP], a[BEND],
               a[E0], a[E1], a[LIMIT], a[EVALS], a[NEXT], a[PX], a[PY], a[PZ], a[F], a[OWN], a[VERDICT],
               a[WANTED]);
         for (size_t i = left; i-- > 0;) {
@@ -282,11 +282,11 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
                 enclose_in(s, edge, kept, a, i);
                 if (a[T][i] * scale > ray.tmax || leaves_by_edge(s, &ray, edge, a, i, scale, v)) {
                     is_miss(v, k);
-                    leave(a, i, --left);
+                    wings_leave(a, i, --left);
                 }
             } else if (a[VERDICT][i] != GOES_ON || spent) {
                 if (a[VERDICT][i] == FOUND && !spent) tell_root(a, i, scale, v);
-                leave(a, i, --left);
+                wings_leave(a, i, --left);
             }
         }
     }

@@ -61,7 +61,7 @@ SGT_INLINE bool sharp(const meeting *h, double t_tol)
  * coordinate of the root can put it.  The sum of |p_i F_i| and |grad F . d| share the factor 1/v, which
  * drops out; at the vertex both are 0.  Of a v that is negative, and so no certain one, and of one so near 0 that n is
  * infinite, the ends alone count.  rim2 is infinite where there is none. */
-SGT_INLINE bool counts(const meeting *h, const sgt_ray *ray, double rim2, double scale)
+SGT_INLINE bool accepted(const meeting *h, const sgt_ray *ray, double rim2, double scale)
 {
     double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z));
     bool lost = !(fabs(h->n.x) + fabs(h->n.y) < HUGE_VAL);

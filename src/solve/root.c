@@ -59,7 +59,7 @@ _Static_assert(COUNT <= 32, "sgt_root.private_ is too small");
 
 enum { SAMPLES = 32, RETREATS_MAX = 128 };
 
-static int sign_of(const sgt_root *r, double g) { return g > r->g_err ? 1 : g < -r->g_err ? -1 : 0; }
+static int root_sign_of(const sgt_root *r, double g) { return g > r->g_err ? 1 : g < -r->g_err ? -1 : 0; }
 
 static double ulp(double t)
 {
@@ -90,7 +90,7 @@ static double among_numbers(double lo, double hi, double fraction)
     return number_at((int64_t)((double)a * (1 - fraction) + (double)b * fraction));
 }
 
-static double middle(double lo, double hi) { return 0.5 * lo + 0.5 * hi; }
+static double root_middle(double lo, double hi) { return 0.5 * lo + 0.5 * hi; }
 
 static bool finish(sgt_root *r, sgt_status status)
 {
@@ -130,7 +130,7 @@ static double fraction_of(int i)
     return f;
 }
 
-static double sample(const sgt_root *r, int i)
+static double root_sample(const sgt_root *r, int i)
 {
     double f = fraction_of(i);
     return isfinite(r->lo) && isfinite(r->hi) ? r->lo * (1 - f) + r->hi * f : among_numbers(r->lo, r->hi, f);
@@ -152,7 +152,7 @@ sgt_root sgt_root_begin(sgt_span span, const sgt_options *opt)
         finish(r, SGT_INVALID);
         return root;
     }
-    if (!isfinite(root.t)) root.t = sample(r, 1);
+    if (!isfinite(root.t)) root.t = root_sample(r, 1);
     if (!isfinite(span.lo) && !isfinite(span.hi) && !isfinite(span.seed)) root.t = 0;
     root.t = root.t < span.lo ? span.lo : root.t > span.hi ? span.hi : root.t;
     return root;
@@ -161,7 +161,7 @@ sgt_root sgt_root_begin(sgt_span span, const sgt_options *opt)
 /* Shrinks the bracket, or finds one: g at t is defined, its sign certain. */
 static void note(sgt_root *r, double t, double g)
 {
-    int s = sign_of(r, g);
+    int s = root_sign_of(r, g);
     if (s && P(BRACKETED) != 0) {
         if (!(t >= r->lo && t <= r->hi)) return;
         if (s == P(SLO)) r->lo = t, P(GLO) = g;
@@ -188,16 +188,16 @@ static void note(sgt_root *r, double t, double g)
 void sgt_root_tell(sgt_root *r, double t, double g)
 {
     note(r, t, g);
-    if (P(BRACKETED) == 0) P(PREV) = t, P(GPREV) = g, P(SPREV) = sign_of(r, g);
+    if (P(BRACKETED) == 0) P(PREV) = t, P(GPREV) = g, P(SPREV) = root_sign_of(r, g);
 }
 
 static bool bisect(sgt_root *r)
 {
     bool endless = !(r->lo > -HUGE_VAL && r->hi < HUGE_VAL);
-    double m = endless ? among_numbers(r->lo, r->hi, 0.5) : middle(r->lo, r->hi);
+    double m = endless ? among_numbers(r->lo, r->hi, 0.5) : root_middle(r->lo, r->hi);
     P(BISECTIONS)++;
     if (P(BISECTIONS) > 16 && ((int)P(BISECTIONS) & 1) == 0) m = among_numbers(r->lo, r->hi, 0.5);
-    if (!(m > r->lo && m < r->hi)) m = middle(r->lo, r->hi);
+    if (!(m > r->lo && m < r->hi)) m = root_middle(r->lo, r->hi);
     if (!(m > r->lo && m < r->hi)) /* neighbours */
         return finish_between(r, fabs(P(GLO)) < fabs(P(GHI)) ? r->lo : r->hi);
     P(STEP2) = P(STEP) = r->hi - r->lo;
@@ -221,7 +221,7 @@ static bool look_elsewhere(sgt_root *r)
         return finish(r, undefined ? SGT_UNDEFINED : SGT_UNPROVEN);
     }
     P(STEP) = P(STEP2) = HUGE_VAL;
-    return go(r, sample(r, (int)P(SAMPLED) - 2), SGT_MARCH);
+    return go(r, root_sample(r, (int)P(SAMPLED) - 2), SGT_MARCH);
 }
 
 /* g is NaN at t. */
@@ -232,13 +232,13 @@ static bool retreat(sgt_root *r)
     if (P(RETREATS) > RETREATS_MAX) return r->t = NAN, finish(r, SGT_UNDEFINED);
     if (P(BRACKETED) != 0) { /* toward the better end, then the other, in turn */
         bool left = (fabs(P(GLO)) < fabs(P(GHI))) == (((int)P(RETREATS) & 1) != 0);
-        double end = left ? r->lo : r->hi, m = middle(r->t, end);
+        double end = left ? r->lo : r->hi, m = root_middle(r->t, end);
         if (m == r->t || m == end) return r->t = NAN, finish(r, SGT_UNDEFINED);
         P(STEP2) = P(STEP) = r->hi - r->lo;
         return go(r, m, SGT_RETREAT);
     }
     if (isnan(P(PREV)) || P(SAMPLED) > 0) return look_elsewhere(r);
-    double m = middle(r->t, P(PREV));
+    double m = root_middle(r->t, P(PREV));
     if (m == r->t || m == P(PREV)) return look_elsewhere(r);
     P(STEP2) = P(STEP) = HUGE_VAL;
     return go(r, m, SGT_RETREAT);
@@ -276,7 +276,7 @@ static bool probe_next(sgt_root *r)
     return finish(r, P(LEFT) * P(RIGHT) < 0 ? SGT_HIT : SGT_GRAZE);
 }
 
-static bool probe_begin(sgt_root *r, double g, double slope)
+static bool root_probe_begin(sgt_root *r, double g, double slope)
 {
     double w = 2 * (fabs(g) + r->g_err) / fabs(slope);
     P(CANDIDATE) = r->t;
@@ -293,7 +293,7 @@ static bool probe_begin(sgt_root *r, double g, double slope)
 /* g at a probe; false: the candidate is given up, go on with Newton from here. */
 static bool probe_tell(sgt_root *r, double g, bool *more)
 {
-    int side = P(SIDE) < 0 ? -1 : 1, s = isnan(g) ? 0 : sign_of(r, g);
+    int side = P(SIDE) < 0 ? -1 : 1, s = isnan(g) ? 0 : root_sign_of(r, g);
     P(SIDE) = 0;
     if (P(BRACKETED) != 0 && s != 0 && s != P(side < 0 ? SLO : SHI)) return false;
     if (s == 0) {
@@ -322,7 +322,7 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
     if (isnan(g)) return retreat(r);
 
     note(r, r->t, g);
-    P(PREV) = r->t, P(GPREV) = g, P(SPREV) = sign_of(r, g);
+    P(PREV) = r->t, P(GPREV) = g, P(SPREV) = root_sign_of(r, g);
     if (P(F_TOL) > 0 && fabs(g) <= P(F_TOL)) {
         double off = fabs(g) + r->g_err;
         r->t_err = off > 0 ? 2 * off / fabs(slope) : 0; /* twice the first order, for the second */
@@ -330,7 +330,7 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
             r->t_err = maximum_number(r->t - r->lo, r->hi - r->t);
         return finish(r, SGT_HIT);
     }
-    if (sign_of(r, g) == 0) return probe_begin(r, g, slope);
+    if (root_sign_of(r, g) == 0) return root_probe_begin(r, g, slope);
 
     double t = r->t, tol = maximum_number(P(T_TOL), 2 * ulp(t));
     bool bracketed = P(BRACKETED) != 0;

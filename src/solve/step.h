@@ -156,17 +156,17 @@ SGT_INLINE certified certified_of(double tau, double g, double g_err, double lea
 
 /* -------------------------------------------------------------------- a root found */
 
-typedef struct taking {
+typedef struct acceptance {
     double t, t_lo, t_err, p_err;
-    bool counts;
+    bool accepted;
     bool off;     /* for certain it does not count */
-} taking;
+} acceptance;
 
 /* The root at tau, right to tau_err, with the gradient at its point p; within r^2 <= rim2, which is infinite where there is none.
  * Nearer to tmax, or to where the start ends, than `margin` times t_err, neither is certain. */
-SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3 p, sgt_vec3 grad, around at, double tmin, double tmax, double rim2, double margin)
+SGT_INLINE acceptance acceptance_of(const local *q, double tau, double tau_err, sgt_vec3 p, sgt_vec3 grad, around at, double tmin, double tmax, double rim2, double margin)
 {
-    taking h;
+    acceptance h;
     twofold t = two_sum(q->t0, tau);
     double terms = fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z), width = START_ULPS * terms / fabs(at.slope);
     h.t = t.hi * q->scale, h.t_lo = t.lo * q->scale;
@@ -180,7 +180,7 @@ SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3
     double start = tmin + (h.t_err + width);
     bool far = h.t - room > tmax, sharp = h.t_err <= 64 * SGT_U * fabs(tmax);
     h.off = (r2 - rim2 > hidden) | (h.t - (h.t_err + room) > tmax) | (far & sharp) | (h.t + h.t_err <= tmin + width);
-    h.counts = (h.t - room > start) & !(h.t + room > tmax) & !outside & (fabs(h.t) < HUGE_VAL) & (h.t_err < HUGE_VAL); /* in lengths of d t may be out of range */
+    h.accepted = (h.t - room > start) & !(h.t + room > tmax) & !outside & (fabs(h.t) < HUGE_VAL) & (h.t_err < HUGE_VAL); /* in lengths of d t may be out of range */
     return h;
 }
 
@@ -194,7 +194,7 @@ SGT_INLINE taking taking_of(const local *q, double tau, double tau_err, sgt_vec3
  * not count, as long as its error is not above 16 times the reach, and the terms themselves are known:
  * rounding of the gradient moves them by no more than 32 times what it does to F (prove.c, terms_err),
  * which here is half of them. */
-typedef struct sharpened { taking h; double tau_err; bool known; } sharpened;
+typedef struct sharpened { acceptance h; double tau_err; bool known; } sharpened;
 
 SGT_INLINE sharpened sharpened_of(sgt_surface s, const local *q, double tau, double g, sgt_vec3 p,
                                   sgt_vec3 grad, around at, double least, double lo, double hi, double tmin,
@@ -202,7 +202,7 @@ SGT_INLINE sharpened sharpened_of(sgt_surface s, const local *q, double tau, dou
 {
     double own = s.ops->rounding ? s.ops->rounding(s.self, p) : HUGE_VAL;
     certified c = certified_of(tau, g, at.place + (own >= 0 ? own : HUGE_VAL), least, lo, hi);
-    taking h = taking_of(q, tau, c.tau_err, p, grad, at, tmin, tmax, rim2, margin);
+    acceptance h = acceptance_of(q, tau, c.tau_err, p, grad, at, tmin, tmax, rim2, margin);
     double terms = fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z),
            far = larger(fabs(p.x), larger(fabs(p.y), fabs(p.z))), slope = larger(fabs(at.slope), least),
            width = START_ULPS * terms / slope * q->scale;

@@ -12,7 +12,7 @@
 
 /* Some rays of a batch: at most SGT_TILE, or the surface's own `tile`, each array at the first of them.  Of the rays no
  * array is NULL, of the hits status is not; tmax is explicit.  t_tol: of each ray its own. */
-enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_HARD = -100, SGT_NOT_ALONE = 1 };
+enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_HARD = -100, SGT_NOT_UNIQUE = 1 };
 typedef struct sgt_tile { size_t n; sgt_rays rays; const double *t_tol; sgt_hits hits; } sgt_tile;
 
 /* What the rays and points of one surface share, worked out once for many (share): its use is the surface's
@@ -30,7 +30,7 @@ typedef struct sgt_extent { double radius2, steep, size, bend; } sgt_extent;
 enum { SGT_RINGS = 16 };
 typedef struct sgt_heights { double width, low[SGT_RINGS], high[SGT_RINGS]; bool endless; } sgt_heights;
 
-struct sgt_own {
+struct sgt_builtin_ops {
     /* Of the table of operations that a program sees: those of each set of instructions (dispatch.h), and
      * nothing else; NULL in those. */
     const sgt_surface_ops *const *in_set;
@@ -40,12 +40,12 @@ struct sgt_own {
     /* Answers what it can of a tile, each ray as `meet` would, unchecked rays among them; gives the rest the status
      * SGT_HARD (what it leaves in their other outputs is of no account) and returns how many those are.  opt has been
      * checked and asks for no watcher; its t_tol is not to be read.  May be NULL. */
-    size_t (*sweep)(const void *self, const sgt_tile *tile, const sgt_options *opt);
+    size_t (*lanes)(const void *self, const sgt_tile *tile, const sgt_options *opt);
     /* Of the rays of a tile that have met the root near the seed: alone[i] is made all bits set where certainly no other
-     * root that counts lies on the ray within r^2 <= rim2; SGT_NOT_ALONE where certainly one does, in others[i] (may be
+     * root that counts lies on the ray within r^2 <= rim2; SGT_NOT_UNIQUE where certainly one does, in others[i] (may be
      * NULL), unless it is the root that was met itself, and that of a tile never is; else 0.  Of other rays it is of no
      * account; hits and t_tol are not read.  true: all are alone.  NULL: the surface has but first roots. */
-    bool (*alone)(const void *self, const sgt_tile *tile, double rim2, unsigned long long alone[], sgt_interval others[]);
+    bool (*unique)(const void *self, const sgt_tile *tile, double rim2, unsigned long long unique[], sgt_interval others[]);
     /* With or without `meet`: the most rays in a tile, SGT_TILE ... SGT_MOST_TILE; 0: SGT_TILE. */
     size_t tile;
 

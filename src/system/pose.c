@@ -26,7 +26,7 @@
 
 #include "../num/elementary.h"
 
-typedef struct turn { double c, s; } turn;
+typedef struct pose_turn { double c, s; } pose_turn;
 
 /* degrees - 90 n, at most 45 in magnitude, and n modulo 4; exact.
  *     |degrees| < 2^53: 90 n is exact, for it is even and at most 2^53 + 90.  degrees and 90 n are multiples
@@ -51,23 +51,23 @@ static double rest_of_quarters(double degrees, int *quarters)
     return rest;
 }
 
-static turn turn_of(double degrees)
+static pose_turn turn_of(double degrees)
 {
     static const twofold radian = {0x1.1df46a2529d39p-6, 0x1.5c1d8becdd291p-62}; /* pi / 180 */
     int quarters;
     sine_cosine r = sine_cosine_of(twofold_scaled(radian, rest_of_quarters(degrees, &quarters)));
     switch (quarters) {
-    case 1: return (turn){-r.sine, r.cosine};
-    case 2: return (turn){-r.cosine, -r.sine};
-    case 3: return (turn){r.sine, -r.cosine};
-    default: return (turn){r.cosine, r.sine};
+    case 1: return (pose_turn){-r.sine, r.cosine};
+    case 2: return (pose_turn){-r.cosine, -r.sine};
+    case 3: return (pose_turn){r.sine, -r.cosine};
+    default: return (pose_turn){r.cosine, r.sine};
     }
 }
 
 /* 0.0 + x: a zero of either sign becomes +0, so that equal tilts print equal. */
 sgt_pose sgt_pose_tilted(sgt_vec3 origin, sgt_vec3 degrees)
 {
-    turn x = turn_of(degrees.x), y = turn_of(degrees.y), z = turn_of(degrees.z);
+    pose_turn x = turn_of(degrees.x), y = turn_of(degrees.y), z = turn_of(degrees.z);
     return (sgt_pose){
         .origin = origin,
         .ex = {0.0 + z.c * y.c, 0.0 + z.s * y.c, 0.0 - y.s},

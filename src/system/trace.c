@@ -60,7 +60,7 @@ static int watch_shifted(void *data, const sgt_step *step)
 }
 
 /* The errors are made those of the ray as given. */
-SGT_INLINE void widen(sgt_hit *hit, const state *at, const sgt_pose *pose, bool turned, const sgt_ray *ray)
+SGT_INLINE void trace_widen(sgt_hit *hit, const state *at, const sgt_pose *pose, bool turned, const sgt_ray *ray)
 {
     sgt_vec3 base = at->base, origin = pose->origin, from = at->offset, o = ray->o, d = ray->d, n = hit->n;
     bool before = at->turned;
@@ -80,7 +80,7 @@ SGT_INLINE void widen(sgt_hit *hit, const state *at, const sgt_pose *pose, bool 
 SGT_INLINE void tell_of_given(sgt_hit *hit, const state *at, const sgt_pose *pose, bool turned, const sgt_ray *ray,
                               bool told)
 {
-    if (told) widen(hit, at, pose, turned, ray);
+    if (told) trace_widen(hit, at, pose, turned, ray);
     if (at->t0 != 0) {
         hit_place h = from_launch(at->t0, (hit_place){hit->t, hit->t_lo, hit->t_err});
         hit->t = h.t, hit->t_lo = h.t_lo, hit->t_err = h.t_err;
@@ -184,7 +184,7 @@ static bool is_nearest(sgt_surface surface, const sgt_ray *ray, const sgt_option
 
 /* *hit, on the whole line, is made the hit that is meant; *inside: within the clear aperture.  Only an answer
  * inside overrules the first, or one that may be inside. */
-static void choose(sgt_surface surface, sgt_ray ray, double aperture2, const sgt_options *opt, sgt_hit *hit, bool *inside)
+static void trace_choose(sgt_surface surface, sgt_ray ray, double aperture2, const sgt_options *opt, sgt_hit *hit, bool *inside)
 {
     *inside = hit->status > 0 && is_inside(hit->p, aperture2);
     if (*inside || !(aperture2 < HUGE_VAL) || !is_worth_more(hit->status)) return;
@@ -212,7 +212,7 @@ SGT_INLINE bool along_normal(sgt_vec3 n, sgt_vec3 *q)
     return true;
 }
 
-SGT_INLINE sgt_fate bend(const bending *by, sgt_vec3 *d, sgt_vec3 n)
+SGT_INLINE sgt_fate trace_bend(const bending *by, sgt_vec3 *d, sgt_vec3 n)
 {
     if (by->kind == STRAIGHT) return SGT_PASSED;
     if (!in_range(dot(n, n)) && !along_normal(n, &n)) return SGT_LOST;
@@ -251,7 +251,7 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
     }
     sgt_options own = *opt;
     if (own.t_tol == 0) own.t_tol = tolerance(is_open(e->semi_diameter), e->semi_diameter, ray.o, ray.d);
-    bool only = asks_alone(&own); /* of the root that is meant, and within the clear aperture */
+    bool only = asks_unique(&own); /* of the root that is meant, and within the clear aperture */
     if (only) own.proof = SGT_PROVE_ROOT;
     shifted shift = {opt->watch, opt->watch_data, at->t0};
     if (at->t0 != 0 && opt->watch) own.watch = watch_shifted, own.watch_data = &shift;
@@ -265,9 +265,9 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
         proven = sgt_meet_by_slope(surface, &ray, aperture2, &own, &hit), spent = proven ? 0 : hit.evals;
     if (!met && !proven) hit = sgt_intersect(surface, ray, &own), hit.evals += spent;
     if (proven) inside = hit.status > 0;
-    else choose(surface, ray, aperture2, &own, &hit, &inside);
+    else trace_choose(surface, ray, aperture2, &own, &hit, &inside);
     own.proof = opt->proof;
-    if (inside && only && !proven) sgt_prove_alone(surface, &ray, aperture2_around(aperture2), &own, &hit);
+    if (inside && only && !proven) sgt_prove_unique(surface, &ray, aperture2_around(aperture2), &own, &hit);
     if (!met) tell_of_given(&hit, at, &e->pose, turned, &ray, told); /* else the batch has */
     passage->hit = hit;
     if (hit.status == SGT_MISS) return SGT_MISSED;
@@ -279,7 +279,7 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
 
     bending by = bending_of(n1, n2, mirror);
     sgt_vec3 d = ray.d;
-    sgt_fate fate = bend(&by, &d, hit.n);
+    sgt_fate fate = trace_bend(&by, &d, hit.n);
     if (fate == SGT_LOST) { /* no normal there */
         *passage = sgt_not_met(SGT_UNDEFINED);
         passage->hit.evals = hit.evals;

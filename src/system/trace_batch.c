@@ -39,7 +39,7 @@ SGT_INLINE sgt_vec3 get(const vectors *v, size_t i) { return (sgt_vec3){v->x[i],
 SGT_INLINE void put(vectors *v, size_t i, sgt_vec3 a) { v->x[i] = a.x, v->y[i] = a.y, v->z[i] = a.z; }
 
 /* Where the rays are and whence they came, as a state has it. */
-typedef struct place { vectors *offset, *d; paths *path; } place;
+typedef struct bundle_place { vectors *offset, *d; paths *path; } bundle_place;
 
 typedef struct tile {
     size_t first, n;        /* the first of its rays; how many are still on their way, */
@@ -48,7 +48,7 @@ typedef struct tile {
     sgt_vec3 base;          /* see state */
     double medium, t0[TILE]; /* t0: of the first element, and only if some launch may have been moved */
     bool moved;
-    place now, next;        /* before an element and behind it */
+    bundle_place now, next;        /* before an element and behind it */
     vectors *o, *p, *d;     /* in its frame: where from, where it is met, and the direction before */
     _Alignas(64) vectors n_; /* 64: a line of the cache */
     vectors offsets[3], ds[2]; /* what the pointers above go to */
@@ -63,7 +63,7 @@ typedef struct tile {
 } tile;
 
 /* What was asked for. */
-typedef struct work {
+typedef struct bundle_work {
     size_t elements;
     const sgt_element *e;
     const sgt_rays *rays;
@@ -72,7 +72,7 @@ typedef struct work {
     sgt_options opt;
     double index;
     bool by_hand, path;     /* all by sgt_pass; some path is asked for */
-} work;
+} bundle_work;
 
 /* -------------------------------------------------------------- the loops */
 
@@ -327,7 +327,7 @@ static void tell_fate(const sgt_traced *out, size_t i, sgt_fate fate, size_t pas
 }
 
 /* The i-th ray of the tile stops at element `passed`, of which it has been told, and is to be told of none behind. */
-static void stop(const work *job, tile *w, size_t i, sgt_fate fate, size_t passed, sgt_vec3 o, sgt_vec3 d, double opl)
+static void stop(const bundle_work *job, tile *w, size_t i, sgt_fate fate, size_t passed, sgt_vec3 o, sgt_vec3 d, double opl)
 {
     size_t ray = w->first + (size_t)w->index[i];
     if (job->passages && passed + 1 < job->elements) {
@@ -340,7 +340,7 @@ static void stop(const work *job, tile *w, size_t i, sgt_fate fate, size_t passe
 
 /* Those that have not stopped move up.  Which they are is not to be foreseen: so all are moved, and without a
  * branch. */
-static void close_ranks(const work *job, tile *w, const place *at)
+static void close_ranks(const bundle_work *job, tile *w, const bundle_place *at)
 {
     size_t k = 0;
     for (size_t i = 0; i < w->n; i++) {
@@ -369,20 +369,20 @@ static void rest_of(const tile *w, rest *r)
 
 /* -------------------------------------------------------------- one by one */
 
-static sgt_ray ray_of(const sgt_rays *r, size_t i)
+static sgt_ray bundle_ray_of(const sgt_rays *r, size_t i)
 {
     return (sgt_ray){.o = {r->o[0][i], r->o[1][i], r->o[2][i]}, .d = {r->d[0][i], r->d[1][i], r->d[2][i]}};
 }
 
 /* This and others are not inlined: what they have on the stack need not lie there while a surface's sweep
  * runs. */
-SGT_NOINLINE static void launch_rest(const work *job, tile *w)
+SGT_NOINLINE static void launch_rest(const bundle_work *job, tile *w)
 {
     size_t stopped = 0;
     for (size_t i = 0; i < w->n; i++) {
         if (w->good[i] > 0) continue;
         size_t r = w->first + (size_t)w->index[i];
-        sgt_ray ray = ray_of(job->rays, r);
+        sgt_ray ray = bundle_ray_of(job->rays, r);
         state s;
         if (sgt_launch(&ray, job->elements ? job->e : NULL, job->index, &s)) {
             put(w->now.offset, i, s.offset);
@@ -404,7 +404,7 @@ SGT_NOINLINE static void launch_rest(const work *job, tile *w)
 static sgt_options met_by(const sgt_options *opt)
 {
     sgt_options own = *opt;
-    if (asks_alone(opt)) own.proof = SGT_PROVE_ROOT;
+    if (asks_unique(opt)) own.proof = SGT_PROVE_ROOT;
     return own;
 }
 
@@ -415,7 +415,7 @@ SGT_NOINLINE static size_t prove_by_slope(const sgt_element *e, const sgt_tile *
     bool proven[TILE];
     for (size_t i = 0; i < rays->n; i++)
         if (rays->hits.status[i] != SGT_HIT || !is_inside(get(p, i), aperture2)) rays->hits.status[i] = SGT_HARD;
-    size_t left = sgt_alone_by_slope(in_set(e->surface), rays, aperture2, proven);
+    size_t left = sgt_unique_by_slope(in_set(e->surface), rays, aperture2, proven);
     for (size_t i = 0; left < rays->n && i < rays->n; i++)
         if (!proven[i]) rays->hits.status[i] = SGT_HARD;
     return left;
@@ -425,11 +425,11 @@ SGT_NOINLINE static size_t prove_by_slope(const sgt_element *e, const sgt_tile *
 SGT_NOINLINE static bool hide_others(const sgt_element *e, const sgt_tile *rays, double aperture2,
                                      const vectors *p)
 {
-    unsigned long long alone[TILE];
-    if (sgt_alone_tile(in_set(e->surface), rays, aperture2_around(aperture2), alone, NULL)) return false;
+    unsigned long long unique[TILE];
+    if (sgt_unique_tile(in_set(e->surface), rays, aperture2_around(aperture2), unique, NULL)) return false;
     bool any = false;
     for (size_t i = 0; i < rays->n; i++)
-        if (~alone[i] && rays->hits.status[i] > 0 && is_inside(get(p, i), aperture2)) rays->hits.status[i] = SGT_HARD, any = true;
+        if (~unique[i] && rays->hits.status[i] > 0 && is_inside(get(p, i), aperture2)) rays->hits.status[i] = SGT_HARD, any = true;
     return any;
 }
 
@@ -457,9 +457,9 @@ SGT_INLINE sgt_fate stopped_by(sgt_status status)
  * bend it; ASK_ANEW: it is another hit that is meant, or the sweep was given no ray; ASK_INSIDE: it stops,
  * unless *ray meets the surface within the aperture.  Most of them stop there, with the hit that the sweep
  * has found, and that is told already; the fate is then the verdict less STOPS. */
-typedef enum verdict { ASK = 1, ASK_ANEW, ASK_INSIDE, STOPS = 8 } verdict;
+typedef enum bundle_verdict { ASK = 1, ASK_ANEW, ASK_INSIDE, STOPS = 8 } bundle_verdict;
 
-static int judge(const work *job, const tile *w, size_t i, size_t j, const bending *by, sgt_ray *ray)
+static int bundle_judge(const bundle_work *job, const tile *w, size_t i, size_t j, const bending *by, sgt_ray *ray)
 {
     const sgt_element *e = &job->e[j];
     sgt_status status = (sgt_status)w->status[i];
@@ -498,12 +498,12 @@ static void put_chord(chords *c, size_t k, size_t of, const sgt_ray *ray)
     c->dx[k] = ray->d.x, c->dy[k] = ray->d.y, c->dz[k] = ray->d.z;
 }
 
-static sgt_ray chord_of(const chords *c, size_t k)
+static sgt_ray bundle_chord_of(const chords *c, size_t k)
 {
     return (sgt_ray){{c->ox[k], c->oy[k], c->oz[k]}, {c->dx[k], c->dy[k], c->dz[k]}, c->tmin[k], c->tmax[k]};
 }
 
-static void stops(const work *job, tile *w, size_t j, size_t i, int evals)
+static void stops(const bundle_work *job, tile *w, size_t j, size_t i, int evals)
 {
     int *told = job->passages ? job->passages[j].hits.evals : NULL;
     if (told) told[w->first + (size_t)w->index[i]] += evals;
@@ -512,7 +512,7 @@ static void stops(const work *job, tile *w, size_t j, size_t i, int evals)
 
 /* The questions are those of sgt_pass, each of all that are left.  A hit outside, on the stretches by which a
  * chord is longer than the aperture, is looked at by itself. */
-static void ask_inside(const work *job, tile *w, size_t j, chords *c)
+static void ask_inside(const bundle_work *job, tile *w, size_t j, chords *c)
 {
     const sgt_element *e = &job->e[j];
     double aperture2 = aperture2_of(e->semi_diameter);
@@ -526,7 +526,7 @@ static void ask_inside(const work *job, tile *w, size_t j, chords *c)
     for (size_t k = 0; k < c->n; k++) {
         size_t i = c->of[k];
         bool nearest = none[k] && is_near((sgt_status)w->status[i], &own);
-        sgt_ray ray = chord_of(c, k);
+        sgt_ray ray = bundle_chord_of(c, k);
         if (nearest || !cut_to_chord(&ray, aperture2)) {
             stops(job, w, j, i, 0);
             continue;
@@ -541,7 +541,7 @@ static void ask_inside(const work *job, tile *w, size_t j, chords *c)
         bool inside = c->status[k] > 0 && is_inside((sgt_vec3){c->x[k], c->y[k], c->z[k]}, aperture2);
         if (c->status[k] > 0 && !inside) {
             own.t_tol = c->t_tol[k];
-            sgt_hit other = sgt_ask_inside(in_set(e->surface), chord_of(c, k), aperture2, &own, &inside);
+            sgt_hit other = sgt_ask_inside(in_set(e->surface), bundle_chord_of(c, k), aperture2, &own, &inside);
             c->status[k] = (signed char)other.status, c->evals[k] = other.evals;
         }
         if (inside || may_be_inside(in_set(e->surface), &own, (sgt_status)c->status[k]))
@@ -551,7 +551,7 @@ static void ask_inside(const work *job, tile *w, size_t j, chords *c)
 }
 
 /* The verdicts on the rays that the loops have left, negative, where `good` was 0. */
-SGT_NOINLINE static void judge_rest(const work *job, tile *w, size_t j, const bending *by)
+SGT_NOINLINE static void judge_rest(const bundle_work *job, tile *w, size_t j, const bending *by)
 {
     chords c = {.n = 0, .kept = {.radius2 = {0}}};
     rest all;
@@ -559,7 +559,7 @@ SGT_NOINLINE static void judge_rest(const work *job, tile *w, size_t j, const be
     for (size_t k = 0; k < all.n; k++) {
         size_t i = all.of[k];
         sgt_ray ray;
-        int what = judge(job, w, i, j, by, &ray);
+        int what = bundle_judge(job, w, i, j, by, &ray);
         w->good[i] = -what;
         if (what != ASK_INSIDE) continue;
         c.x[c.n] = w->p->x[i], c.y[c.n] = w->p->y[i];
@@ -571,7 +571,7 @@ SGT_NOINLINE static void judge_rest(const work *job, tile *w, size_t j, const be
 
 /* The rays that the loops left, through element j; asked, where not NULL: the sweep has met them, and there
  * are verdicts. */
-SGT_NOINLINE static void pass_rest(const work *job, tile *w, size_t j, const sgt_hits *asked)
+SGT_NOINLINE static void pass_rest(const bundle_work *job, tile *w, size_t j, const sgt_hits *asked)
 {
     const sgt_element *e = &job->e[j];
     const sgt_passages *told = job->passages ? &job->passages[j] : NULL;
@@ -607,7 +607,7 @@ SGT_NOINLINE static void pass_rest(const work *job, tile *w, size_t j, const sgt
                 continue;
             }
         }
-        stop(job, w, i, fate, j, j ? plus(w->base, offset) : ray_of(job->rays, r).o, d, path.hi);
+        stop(job, w, i, fate, j, j ? plus(w->base, offset) : bundle_ray_of(job->rays, r).o, d, path.hi);
         stopped++;
     }
     if (stopped) close_ranks(job, w, &w->next);
@@ -616,7 +616,7 @@ SGT_NOINLINE static void pass_rest(const work *job, tile *w, size_t j, const sgt
 /* --------------------------------------------------------------- an element */
 
 /* By the loops, as far as they go: how many rays; *asked: what the sweep was asked. */
-static double pass_most(const work *job, tile *w, size_t j, bending by, sgt_hits *asked)
+static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, sgt_hits *asked)
 {
     const sgt_element *e = &job->e[j];
     static const sgt_passages none = {0};
@@ -647,7 +647,7 @@ static double pass_most(const work *job, tile *w, size_t j, bending by, sgt_hits
     if (slopes) opt.proof = SGT_ESTIMATE;
     size_t met = sgt_intersect_tile(in_set(e->surface), &rays, &opt);
     if (slopes) met = prove_by_slope(e, &rays, aperture2_of(e->semi_diameter), w->p);
-    else if (met && asks_alone(&job->opt) && hide_others(e, &rays, aperture2_of(e->semi_diameter), w->p)) met = 0;
+    else if (met && asks_unique(&job->opt) && hide_others(e, &rays, aperture2_of(e->semi_diameter), w->p)) met = 0;
     for (size_t i = 0; met < w->n && i < w->n; i++)
         if (w->status[i] <= 0) w->p->x[i] = (double)NAN; /* as it is; the loops go by that */
     if (widened) {
@@ -672,7 +672,7 @@ static double pass_most(const work *job, tile *w, size_t j, bending by, sgt_hits
     return good;
 }
 
-static void pass_all(const work *job, tile *w, size_t j)
+static void pass_all(const bundle_work *job, tile *w, size_t j)
 {
     const sgt_element *e = &job->e[j];
     bool turned = is_turned(&e->pose), loops = !job->by_hand && is_sound(e, w->medium);
@@ -689,7 +689,7 @@ static void pass_all(const work *job, tile *w, size_t j)
     if (some && loops) judge_rest(job, w, j, &by);
     if (some) pass_rest(job, w, j, loops ? &asked : NULL);
 
-    place last = w->now;
+    bundle_place last = w->now;
     w->now = w->next;
     w->next.path = last.path;
     if (turned) w->o = last.offset;
@@ -699,13 +699,13 @@ static void pass_all(const work *job, tile *w, size_t j)
 
 /* ---------------------------------------------------------------- together */
 
-static void trace_tile(const work *job, tile *w)
+static void trace_tile(const bundle_work *job, tile *w)
 {
     const sgt_element *first = job->elements ? job->e : NULL;
     double good = 0;
     w->n = w->whole;
     w->medium = job->index == 0 ? 1 : job->index;
-    w->now = (place){&w->offsets[0], &w->ds[0], &w->some_paths[0]};
+    w->now = (bundle_place){&w->offsets[0], &w->ds[0], &w->some_paths[0]};
     w->next.path = &w->some_paths[1];
     w->o = &w->offsets[1], w->p = &w->offsets[2];
     for (size_t i = 0; i < w->n; i++) w->index[i] = (int)i;
@@ -723,13 +723,13 @@ static void trace_tile(const work *job, tile *w)
 }
 
 /* Those that have passed all, as they are at return. */
-static void tell_passed(const work *job, tile *w)
+static void tell_passed(const bundle_work *job, tile *w)
 {
     const sgt_traced *out = job->out;
     if (job->elements)
         for (size_t i = 0; i < w->n; i++) put(w->o, i, plus(w->base, get(w->now.offset, i)));
     else
-        for (size_t i = 0; i < w->n; i++) put(w->o, i, ray_of(job->rays, w->first + (size_t)w->index[i]).o);
+        for (size_t i = 0; i < w->n; i++) put(w->o, i, bundle_ray_of(job->rays, w->first + (size_t)w->index[i]).o);
     tell_vectors(w, out->o, w->o);
     tell_vectors(w, out->d, w->now.d);
     if (job->path) tell_all(w, out->opl, w->now.path->hi);
@@ -740,7 +740,7 @@ static void tell_passed(const work *job, tile *w)
 size_t sgt_trace_batch(size_t elements, const sgt_element e[], double index_before, size_t n, sgt_rays rays,
                        sgt_traced out, const sgt_passages passages[], const sgt_options *opt)
 {
-    work job = {.elements = elements, .e = e, .rays = &rays, .out = &out, .passages = passages,
+    bundle_work job = {.elements = elements, .e = e, .rays = &rays, .out = &out, .passages = passages,
                 .index = index_before, .path = out.opl};
     if (opt) job.opt = *opt;
     if (job.opt.pick == SGT_PICK_DEFAULT) job.opt.pick = SGT_NEAR_SEED;

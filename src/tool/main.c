@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char help[] =
+static const char main_help[] =
     "sagitta: where does a ray meet a surface, and how sure is the answer?\n"
     "\n"
     "  sagitta intersect --surface SPEC --rays FILE      one surface, many rays\n"
@@ -46,8 +46,8 @@ int main(int argc, char *argv[])
         return (int)commands[i].run(argc - 1, argv + 1);
     }
     if (strcmp(name, "--version") == 0) options_version();
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) print_and_end("%s", help);
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) print_and_end("%s", main_help);
     if (*name) fail_usage("no such command: %s", name);
-    fputs(help, stderr);
+    fputs(main_help, stderr);
     return EXIT_USAGE;
 }

@@ -9,8 +9,8 @@ static volatile long long levels_of_lanes, levels_busy;
 #endif
 
 #define SGT_COUNT_LEVEL(busy) (levels_of_lanes = levels_of_lanes + 1, levels_busy = levels_busy + ((busy) ? 1 : 0))
-#undef sgt_level_sweep
-#define sgt_level_sweep counted_sweep
+#undef sgt_level_lanes
+#define sgt_level_lanes counted_lanes
 #include "../../src/surface/orbit/level_batch.c"
 
 /* A whole batch in tiles of the size given; the rays are halves of lines. */
@@ -29,7 +29,7 @@ level_counts level_counts_of(const sgt_julia *s, size_t n, const double *const o
     for (size_t i = 0; i < n; i += tile_size) {
         const sgt_tile tile = {.n = n - i < tile_size ? n - i : tile_size, .t_tol = tolerances, .hits = {.status = status},
                                .rays = {{o[0] + i, o[1] + i, o[2] + i}, {d[0] + i, d[1] + i, d[2] + i}, tmin, tmax}};
-        r.hard += (long long)counted_sweep(&checked, &tile, &options);
+        r.hard += (long long)counted_lanes(&checked, &tile, &options);
     }
     r.levels = levels_busy, r.lanes = levels_of_lanes;
     return r;

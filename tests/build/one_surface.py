@@ -24,7 +24,7 @@ def main(program, alone):
     names = {line.split()[0] for line in subprocess.run(
         ['nm', '--format=posix', program], text=True, check=True, capture_output=True).stdout.splitlines()}
     carried = sorted(name for name in names if name.startswith('sgt_'))
-    too_many = [name for name in names if 'asphere' in name or 'freeform' in name or name in ('sgt_builtins', 'sgt_trace')]
+    too_many = [name for name in names if 'asphere' in name or 'departure' in name or name in ('sgt_builtins', 'sgt_trace')]
     size, least = sizes(program), sizes(alone)
     larger = any(a > b + BETWEEN for a, b in zip(size, least))
     said = subprocess.run([program], text=True, capture_output=True)

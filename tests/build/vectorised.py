@@ -20,9 +20,9 @@ import sys
 LEAST, LEAST_SHORT, SHORT = 0.25, 0.125, 64  # packed operations, in the widest registers, for one that is scalar
 # Functions (a pattern; at least one must be there) and what must occur packed in each.
 NEEDED = {
-    r'conic_sweep_(first|near)\w*': {'sqrt', 'div', 'fma'},
-    r'conic_sweep_plane\w*': {'div', 'fma'},
-    r'asphere_sweep\w*': {'div', 'fma'},
+    r'conic_lanes_(first|near)\w*': {'sqrt', 'div', 'fma'},
+    r'conic_lanes_plane\w*': {'div', 'fma'},
+    r'asphere_lanes\w*': {'div', 'fma'},
     r'(look|meet)_\w*(julia|mandelbrot)': {'mul', 'add', 'cmp'},
     r'newton_step\w*': {'mul', 'sub', 'cmp'},
     r'bend_all': {'sqrt', 'div', 'mul'},

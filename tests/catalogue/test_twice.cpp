@@ -200,8 +200,9 @@ void ask_first(const question &q, const sgt_ray &ray, sgt_proof proof, const lis
             same = (proof == SGT_PROVE_ROOT ? e.status == h.status : e.status < 0) && meet(h, e);
             if (same || e.status > 0) break;
         }
-    // the march through the wings spends evaluations that `all` does not, and shows misses that `all` has not the evaluations for
-    const bool exhausted = h.status == SGT_EXHAUSTED || (h.status == SGT_MISS && all.hits[0].status == SGT_EXHAUSTED);
+    // the march through the wings spends evaluations that `all` does not, and shows misses that `all` has not
+    // the evaluations for; so do the heights of a surface without an end, where enclosures leave what is far out
+    const bool exhausted = h.status == SGT_EXHAUSTED || (h.status == SGT_MISS && all.hits[0].status < 0);
     if (!same && exhausted && proof == SGT_ESTIMATE && ++counted["first exhausted"] <= counted["first"] / 1000 + 1) return;
     if (same) return;
     if (!fail(std::string("first is not the first of all, ") + proofs[proof], q, ray)) return;

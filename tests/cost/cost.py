@@ -31,7 +31,7 @@ LIMIT = 0.02
 SKIPPED = 77
 NOT_COUNTED = re.compile(r'/(libc|ld-linux)[-.\w]*$')
 PROCESSOR = 'skylake-avx512'
-KERNELS = re.compile(r'((conic|asphere)_sweep|newton_step|march_step)\w*|(look_near|meet|advance)_julia|(launch|return)_all')
+KERNELS = re.compile(r'((conic|asphere)_lanes|newton_step|march_step)\w*|(look_near|meet|advance)_julia|(launch|return)_all')
 
 
 def run(*command, **more):

@@ -42,16 +42,16 @@ static void test_certain_to_be_off(void **state)
         sgt_vec3 grad = {uniform(&g, -0.3, 0.3), uniform(&g, -0.3, 0.3), 1};
         around at = around_of(q.x, q.y, q.z, q.l, q.m, q.n, 0, p, grad, 0);
         double margin = chance(&g, 0.5) ? 0 : END_ERRORS;
-        taking h = taking_of(&q, 0, tau_err, p, grad, at, tmin, tmax, rim2, margin);
-        REQUIRE(!(h.counts && h.off), "case %ld: it counts, and certainly not", i);
-        off += h.off, counted += h.counts;
+        acceptance h = acceptance_of(&q, 0, tau_err, p, grad, at, tmin, tmax, rim2, margin);
+        REQUIRE(!(h.accepted && h.off), "case %ld: it counts, and certainly not", i);
+        off += h.off, counted += h.accepted;
         if (h.off && !(tmax < FAR))
             for (int k = -8; k <= 8; k++) { /* where the root may be */
                 long double s = k / 8.0L * tau_err, x = p.x + s * q.l, y = p.y + s * q.m;
                 REQUIRE(x * x + y * y > (long double)rim2, "case %ld: certainly beyond the rim, and %Lg inside at %Lg of %g", i, rim2 - x * x - y * y, s, tau_err);
             }
         if (h.off && r + 2 * tau_err < rim && tmax < FAR) REQUIRE(h.t > tmax, "case %ld: certainly behind tmax at %.17g, which is %.17g", i, h.t, tmax);
-        if (margin > 0 && fabs(h.t - tmax) < 15 * h.t_err && r + 2 * tau_err < rim) REQUIRE(!h.off && !h.counts, "case %ld: told next to tmax", i);
+        if (margin > 0 && fabs(h.t - tmax) < 15 * h.t_err && r + 2 * tau_err < rim) REQUIRE(!h.off && !h.accepted, "case %ld: told next to tmax", i);
     }
     REQUIRE(off > n / 20 && counted > n / 20, "%ld off and %ld counted", off, counted);
     print_message("%ld certainly off, %ld counted\n", off, counted);

@@ -23,7 +23,7 @@
 /* ------------------------------------------------------------------- easy */
 
 /* One ray, its ends made explicit; the evaluations are counted and told whatever becomes of it. */
-SGT_INLINE easy_answer easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax,
+SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax,
                                double t_tol, double scale, lane *e, tally *w)
 {
     double g, slope;
@@ -65,11 +65,11 @@ SGT_INLINE easy_answer easy(const wavy *s, const sgt_ray *ray, lane *e, tally *w
     sgt_vec3 d = ray->d;
     bool first = opt->pick != SGT_NEAR_SEED;
     double scale = scale_of(d);
-    if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z)) return easy_at(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, 1, e, w);
+    if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z)) return asphere_easy_at(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, 1, e, w);
     if (!ends_are_whole(ray, scale)) return EASY_NOT;
     d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
     easy_answer is =
-        easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, scale, e, w);
+        asphere_easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, scale, e, w);
     return is == EASY_HIT ? easy_unscaled(e, scale) : is;
 }
 
@@ -79,7 +79,7 @@ typedef struct wavy_room {
     double y[SGT_TILE], t0[SGT_TILE], t0_lo[SGT_TILE], from[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE], v[SGT_TILE], near[SGT_TILE];
     double tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
     mask again[SGT_TILE];
-    sweep_ends ends;
+    lane_ends ends;
 } wavy_room;
 
 /* Takes from the hits those whose side of the rim is not certain; all are left: all bits. */
@@ -123,7 +123,7 @@ SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile 
     return every != 0;
 }
 
-SGT_INLINE void sweep_away(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room)
+SGT_INLINE void lane_away(const wavy *self, int terms, const sgt_tile *tile, wavy_room *room)
 {
     const wavy own = *self, *s = &own;
     const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2],
@@ -138,23 +138,23 @@ SGT_INLINE void sweep_away(const wavy *self, int terms, const sgt_tile *tile, wa
 }
 
 SGT_KERNEL
-static void asphere_sweep_few_away(const wavy *s, const sgt_tile *tile, wavy_room *room)
+static void asphere_lanes_few_away(const wavy *s, const sgt_tile *tile, wavy_room *room)
 {
-    sweep_away(s, FEW_TERMS, tile, room);
+    lane_away(s, FEW_TERMS, tile, room);
 }
 
 SGT_KERNEL
-static void asphere_sweep_all_away(const wavy *s, const sgt_tile *tile, wavy_room *room)
+static void asphere_lanes_all_away(const wavy *s, const sgt_tile *tile, wavy_room *room)
 {
-    sweep_away(s, ALL_TERMS, tile, room);
+    lane_away(s, ALL_TERMS, tile, room);
 }
 
 /* Takes from the hard rays those that certainly miss: so many are left.  F at the point, a hit's last
  * evaluation, they have not. */
 static size_t without_misses(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room, size_t hard)
 {
-    if (terms > FEW_TERMS) asphere_sweep_all_away(s, tile, room);
-    else asphere_sweep_few_away(s, tile, room);
+    if (terms > FEW_TERMS) asphere_lanes_all_away(s, tile, room);
+    else asphere_lanes_few_away(s, tile, room);
     for (size_t i = 0; i < tile->n; i++) {
         if (tile->hits.status[i] != SGT_HARD || !room->again[i]) continue;
         tile->hits.status[i] = SGT_MISS, hard--;
@@ -164,13 +164,13 @@ static size_t without_misses(const wavy *s, int terms, const sgt_tile *tile, wav
 }
 
 /* The second loop: what is met.  vertex: also of the rays that start there. */
-SGT_INLINE mask sweep_ending(const wavy *s, int terms, bool rich, bool vertex, const sgt_tile *tile,
+SGT_INLINE mask lane_ending(const wavy *s, int terms, bool rich, bool vertex, const sgt_tile *tile,
                              wavy_room *room)
 {
     const double *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2],
                  *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
     size_t count = tile->n;
-    sweep_to to = sweep_to_of(tile, &room->ends);
+    lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         near_root r =
@@ -178,13 +178,13 @@ SGT_INLINE mask sweep_ending(const wavy *s, int terms, bool rich, bool vertex, c
         mask exact = vertex ? at_vertex(r.x, r.y, oz[i]) : 0;
         lane e = wavy_end(s, terms, &r, room->v[i], room->near[i], exact, l[i], m[i], n[i], tmin[i], tmax[i],
                           t_tol[i]);
-        SWEEP_STORE(to, i, e, rich);
+        LANE_STORE(to, i, e, rich);
         all &= e.hit;
     }
     return all;
 }
 
-SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich, const sgt_tile *tile, wavy_room *room)
+SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, bool rich, const sgt_tile *tile, wavy_room *room)
 {
     const wavy own = *self, *s = &own; /* no output is a part of it */
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
@@ -217,15 +217,15 @@ SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich
             if (room->again[i]) room->from[i] = room->tau[i];
         }
     }
-    mask all = sweep_ending(s, terms, rich, false, tile, room), vertex = 0;
+    mask all = lane_ending(s, terms, rich, false, tile, room), vertex = 0;
     for (size_t i = 0; !all && i < count; i++) vertex |= at_vertex(room->x[i], room->y[i], oz[i]);
-    if (vertex) all = sweep_ending(s, terms, rich, true, tile, room);
+    if (vertex) all = lane_ending(s, terms, rich, true, tile, room);
     if (first && !all_first(s, terms, false, tile, room) && !all_first(s, terms, true, tile, room)) {
         all = 0;
         LANES for (size_t i = 0; i < count; i++) room->ends.hit[i] &= room->again[i];
     }
     if (s->proof) all &= asphere_sure_all(self, tile, room);
-    size_t hard = sweep_told(tile, &room->ends, 4, all);
+    size_t hard = lane_told(tile, &room->ends, 4, all);
     for (size_t i = 0; tile->hits.evals && rounds > 1 && i < count; i++) tile->hits.evals[i] += 2 * extra[i];
     return 8 * hard > count ? without_misses(self, terms, tile, room, hard) : hard; /* a few go one by one */
 }
@@ -233,15 +233,15 @@ SGT_INLINE size_t sweep_terms(const wavy *self, int terms, bool first, bool rich
 #define SWEEP_TERMS(name, terms, first, rich)                                                       \
     SGT_KERNEL static size_t name(const wavy *s, const sgt_tile *tile, wavy_room *room)        \
     {                                                                                               \
-        return sweep_terms(s, terms, first, rich, tile, room);                                      \
+        return lane_terms(s, terms, first, rich, tile, room);                                      \
     }
 
-SWEEP_TERMS(asphere_sweep_few_near, FEW_TERMS, false, false)
-SWEEP_TERMS(asphere_sweep_few_first, FEW_TERMS, true, false)
-SWEEP_TERMS(asphere_sweep_few_near_rich, FEW_TERMS, false, true)
-SWEEP_TERMS(asphere_sweep_few_first_rich, FEW_TERMS, true, true)
-SWEEP_TERMS(asphere_sweep_near, ALL_TERMS, false, true)
-SWEEP_TERMS(asphere_sweep_first, ALL_TERMS, true, true)
+SWEEP_TERMS(asphere_lanes_few_near, FEW_TERMS, false, false)
+SWEEP_TERMS(asphere_lanes_few_first, FEW_TERMS, true, false)
+SWEEP_TERMS(asphere_lanes_few_near_rich, FEW_TERMS, false, true)
+SWEEP_TERMS(asphere_lanes_few_first_rich, FEW_TERMS, true, true)
+SWEEP_TERMS(asphere_lanes_near, ALL_TERMS, false, true)
+SWEEP_TERMS(asphere_lanes_first, ALL_TERMS, true, true)
 
 /* ------------------------------------------------------------------ quick */
 
@@ -262,7 +262,7 @@ SGT_INLINE bool is_start(const meeting *h, const sgt_ray *ray, double scale)
 }
 
 /* true: a hit; or, where *miss is made true, a miss: the start is the only root within the rim. */
-SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *seed, bool *miss, tally *w)
+SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, double *seed, bool *miss, tally *w)
 {
     const sgt_options *opt = w->opt;
     local q = local_at_vertex_plane(ray);
@@ -275,7 +275,7 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
     double t_tol = opt->t_tol / q.scale;
     sgt_move move = SGT_SEED;
     for (int i = 0; i < 12 && w->evals < w->budget; i++) {
-        sample at = form_at(s, &q, tau);
+        sample at = poly_at(s, &q, tau);
         observe(w, &q, tau, &at, move, -HUGE_VAL, HUGE_VAL);
         if (w->stopped) return false;
         move = SGT_NEWTON;
@@ -283,9 +283,9 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
         bool steady, close = fabs(at.g) <= 0x1p-20 * (fabs(at.z) + fabs(at.w)) || fabs(step) <= t_tol, shrinks = fabs(step) <= 0.5 * last; /* not of NaN */
         last = fabs(step);
         if (close || !shrinks) {
-            sgt_form_bound(s, &q, tau, &at);
+            sgt_poly_bound(s, &q, tau, &at);
             if (!shrinks && !(fabs(at.g) <= at.g_err)) return false; /* noise at the root is no reason to give up */
-            if (!sgt_form_certify(s, &q, &at, tau, t_tol, out, &v_err, &steady)) return false;
+            if (!sgt_poly_certify(s, &q, &at, tau, t_tol, out, &v_err, &steady)) return false;
             if (steady) {
                 if (!(out->v > 16 * v_err)) return false;
                 bool whole = single(s, &q);
@@ -295,13 +295,13 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
                 /* a start too far off for the terms at the root, or for t, or a steep place: once more from there */
                 double fx = fabs(out->n.x), fy = fabs(out->n.y), far = at.ex * fx + at.ey * fy + at.ez;
                 double here = fabs(at.x) * fx + fabs(at.y) * fy + fabs(at.z) + at.first * (at.x * at.x + at.y * at.y);
-                if ((far > 3 * here || fx * fx + fy * fy > STEEP2 || !sharp(out, opt->t_tol)) && !sgt_form_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w)) return false;
+                if ((far > 3 * here || fx * fx + fy * fy > STEEP2 || !sharp(out, opt->t_tol)) && !sgt_poly_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w)) return false;
                 bool near = opt->pick == SGT_NEAR_SEED;
-                if (opt->proof != SGT_ESTIMATE && (rim_hidden(out, s->rim2) || !sgt_form_alone(s, ray, out, w) || w->stopped)) return false;
+                if (opt->proof != SGT_ESTIMATE && (rim_hidden(out, s->rim2) || !sgt_poly_unique(s, ray, out, w) || w->stopped)) return false;
                 if (fabs(out->t - ray->tmax)
                     <= larger(END_ERRORS * (out->t_err + SGT_U * fabs(out->t)), TINY))
                     return false; /* the march tells whether it counts */
-                return (near || whole) && counts(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL && !place_is_tiny(&q, out->t, out->p);
+                return (near || whole) && accepted(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL && !place_is_tiny(&q, out->t, out->p);
             }
         }
         tau += step;
@@ -311,7 +311,7 @@ SGT_INLINE bool quick(const shape *s, const sgt_ray *ray, meeting *out, double *
 
 /* -------------------------------------------------------------- together */
 
-static int terms_of(const sgt_asphere *s)
+static int asphere_terms_of(const sgt_asphere *s)
 {
     int terms = 8;
     while (terms > 0 && s->a[terms - 1] == 0) terms--;
@@ -347,7 +347,7 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
 {
     const sgt_asphere *s = self;
     if (!asphere_valid(s)) return hit_without(SGT_INVALID, ray, 0);
-    int terms = terms_of(s);
+    int terms = asphere_terms_of(s);
     if (!terms) return sgt_conic_meet(s->c, s->k, s->semi_diameter, ray, opt);
     shape h = shape_of(s, terms);
     if (!rim_in_range(h.rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
@@ -368,7 +368,7 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
     if (is == EASY_MISS || passes_by(&h, ray)) return hit_without(SGT_MISS, ray, w.evals);
     bool miss = false;
-    if (quick(&h, ray, &at, &seed, &miss, &w))
+    if (asphere_quick(&h, ray, &at, &seed, &miss, &w))
         return hit_at(&at, SGT_HIT, asphere_f(&h, at.p), SGT_NEWTON, ray, &w);
     if (w.stopped) return hit_without(SGT_STOPPED, ray, w.evals);
     if (miss) return hit_without(SGT_MISS, ray, w.evals);
@@ -378,7 +378,7 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
 static sgt_status asphere_all(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
 {
     const sgt_asphere *s = self;
-    int terms = terms_of(s);
+    int terms = asphere_terms_of(s);
     if (!asphere_valid(s)) return SGT_INVALID;
     if (!terms) return sgt_conic_all(s->c, s->k, s->semi_diameter, ray, opt, list);
     shape h = shape_of(s, terms);
@@ -392,7 +392,7 @@ static sgt_status asphere_all(const void *self, const sgt_ray *ray, const sgt_op
 static double asphere_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
     const sgt_asphere *s = self;
-    int terms = terms_of(s);
+    int terms = asphere_terms_of(s);
     double r2 = p.x * p.x + p.y * p.y, phi, slope, dp = 0, sag = conic_sag(s->c, s->k, r2, &phi, &slope);
     if (terms) sag += polynomial(terms, s->a, r2, &dp);
     slope += dp;
@@ -403,7 +403,7 @@ static double asphere_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 static double asphere_rounding(const void *self, sgt_vec3 p)
 {
     const sgt_asphere *s = self;
-    int terms = terms_of(s);
+    int terms = asphere_terms_of(s);
     double r2 = p.x * p.x + p.y * p.y, phi, slope, dp, second, base = conic_sag(s->c, s->k, r2, &phi, &slope), sag = base, noise = 0;
     if (terms) {
         sag += polynomial(terms, s->a, r2, &dp);
@@ -415,7 +415,7 @@ static double asphere_rounding(const void *self, sgt_vec3 p)
 static sgt_span asphere_span(const void *self, const sgt_ray *ray)
 {
     const sgt_asphere *s = self;
-    shape h = shape_of(s, terms_of(s));
+    shape h = shape_of(s, asphere_terms_of(s));
     sgt_span span = sgt_sag_span(s->c, s->k, s->semi_diameter, ray, !h.terms);
     if (h.terms) {
         local q = local_at_vertex_plane(ray);
@@ -429,13 +429,13 @@ static sgt_interval asphere_enclose(const void *self, const sgt_ray *ray, sgt_in
     const sgt_asphere *s = self;
     *slope = (sgt_interval){-HUGE_VAL, HUGE_VAL};
     if (!asphere_valid(s)) return *slope;
-    shape h = shape_of(s, terms_of(s));
+    shape h = shape_of(s, asphere_terms_of(s));
     return sgt_sag_enclose(&h, ray, 0, t, slope);
 }
 
 /* The same of those that pass the whole surface by (asphere/unique.c), as the single ray tells them: where the
  * easy form has been tried on the direction as it is. */
-static size_t without_passing(const shape *s, const sgt_tile *tile, const wavy_room *room, size_t hard)
+static size_t asphere_without_passing(const shape *s, const sgt_tile *tile, const wavy_room *room, size_t hard)
 {
     const double *const *d = tile->rays.d;
     mask passes[SGT_TILE];
@@ -453,27 +453,27 @@ static size_t without_passing(const shape *s, const sgt_tile *tile, const wavy_r
     return hard;
 }
 
-static size_t asphere_sweep(const void *self, const sgt_tile *tile, const sgt_options *opt)
+static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_asphere *s = self;
     wavy_room room;
     wavy v;
-    int terms = terms_of(s);
+    int terms = asphere_terms_of(s);
     bool rich = tile->hits.t_lo || tile->hits.p_err, near = opt->pick == SGT_NEAR_SEED, enough = !opt->max_evals || opt->max_evals > MOST_EASY;
-    if (asphere_valid(s) && !terms) return sgt_conic_sweep(s->c, s->k, s->semi_diameter, tile, opt);
+    if (asphere_valid(s) && !terms) return sgt_conic_lanes(s->c, s->k, s->semi_diameter, tile, opt);
     if (asphere_valid(s) && enough) {
         shape h = shape_of(s, terms);
         if (rim_in_range(h.rim2) && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)) {
             size_t hard;
             if (terms > FEW_TERMS)
-                hard = near ? asphere_sweep_near(&v, tile, &room) : asphere_sweep_first(&v, tile, &room);
+                hard = near ? asphere_lanes_near(&v, tile, &room) : asphere_lanes_first(&v, tile, &room);
             else if (rich)
-                hard = near ? asphere_sweep_few_near_rich(&v, tile, &room)
-                            : asphere_sweep_few_first_rich(&v, tile, &room);
+                hard = near ? asphere_lanes_few_near_rich(&v, tile, &room)
+                            : asphere_lanes_few_first_rich(&v, tile, &room);
             else
                 hard =
-                    near ? asphere_sweep_few_near(&v, tile, &room) : asphere_sweep_few_first(&v, tile, &room);
-            return 8 * hard > tile->n ? without_passing(&h, tile, &room, hard)
+                    near ? asphere_lanes_few_near(&v, tile, &room) : asphere_lanes_few_first(&v, tile, &room);
+            return 8 * hard > tile->n ? asphere_without_passing(&h, tile, &room, hard)
                                       : hard; /* a few go one by one */
         }
     }
@@ -481,19 +481,19 @@ static size_t asphere_sweep(const void *self, const sgt_tile *tile, const sgt_op
     return tile->n;
 }
 
-static bool asphere_alone(const void *self, const sgt_tile *tile, double rim2, mask alone[], sgt_interval others[])
+static bool asphere_unique(const void *self, const sgt_tile *tile, double rim2, mask unique[], sgt_interval others[])
 {
     const sgt_asphere *s = self;
-    int terms = terms_of(s);
+    int terms = asphere_terms_of(s);
     shape h = shape_of(s, terms);
     if (rim2 < h.rim2) h.rim2 = rim2, h.domain2 = domain2_within(s->c, s->k, rim2);
-    if (terms) return sgt_sweep_monotone(&h, tile, alone) || sgt_asphere_alone(&h, tile, alone);
-    return sgt_conic_alone(s->c, s->k, s->semi_diameter, tile, rim2, alone, others);
+    if (terms) return sgt_lanes_monotone(&h, tile, unique) || sgt_asphere_unique(&h, tile, unique);
+    return sgt_conic_unique(s->c, s->k, s->semi_diameter, tile, rim2, unique, others);
 }
 
-static const struct sgt_own asphere_own = {.meet = asphere_meet, .all = asphere_all, .sweep = asphere_sweep, .alone = asphere_alone,
+static const struct sgt_builtin_ops asphere_builtin = {.meet = asphere_meet, .all = asphere_all, .lanes = asphere_lanes, .unique = asphere_unique,
                                            .departure = &sgt_asphere_departure};
 
 const sgt_surface_ops sgt_asphere_ops = {.name = "even_asphere", .value = asphere_value, .span = asphere_span,
-                                         .rounding = asphere_rounding, .enclose = asphere_enclose, .own_ = &asphere_own,
+                                         .rounding = asphere_rounding, .enclose = asphere_enclose, .own_ = &asphere_builtin,
                                          .second = sgt_asphere_second, .parameters = sgt_asphere_parameters, .by_parameter = sgt_asphere_by_parameter};

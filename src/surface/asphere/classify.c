@@ -19,11 +19,11 @@
  *                                            UNPROVEN whether the ray touches there or just does not.
  * Otherwise h is halved; after a success it grows by half.  Since both tests hold for small h unless
  * G and G' vanish together, the march ends.  A root's bracket goes to the solver of
- * solve/root.c, and its end to sgt_form_settle of poly.c, from an origin moved to the root.
+ * solve/root.c, and its end to sgt_poly_settle of poly.c, from an origin moved to the root.
  *
  * An undecided stretch is never dropped by the rule of the start: what is known of it is that a root may be
  * in it, not where.  Nor is a root whose t_err is wider than that rule.  UNDER PROOF a root has to be the
- * only one in t -+ t_err (sgt_form_alone), and its side of the rim certain. */
+ * only one in t -+ t_err (sgt_poly_unique), and its side of the rim certain. */
 #include "../../num/bits.h"
 #include "../../solve/root.h"
 #include "asphere.h"
@@ -31,7 +31,7 @@
 #include <limits.h>
 #include <sagitta/interval.h>
 
-typedef struct walk {
+typedef struct cell_walk {
     const shape *s;
     const sgt_ray *ray;
     tally *told;
@@ -39,20 +39,20 @@ typedef struct walk {
     sgt_list *list; /* NULL: one root is wanted */
     bool spent, fine;
     bool dark;      /* what is told of is a stretch that was not decided, not one with a monotone G */
-} walk;
+} cell_walk;
 
-static sample look(walk *w, double tau, sgt_move move, double lo, double hi)
+static sample cell_look(cell_walk *w, double tau, sgt_move move, double lo, double hi)
 {
     w->spent = w->spent || spent(w->told);
     if (w->told->stopped || w->spent) return (sample){.g = NAN, .slope = NAN};
-    sample e = w->fine ? sgt_form_sample_fine(w->s, w->ray, &w->q, tau) : sgt_form_sample(w->s, &w->q, tau);
+    sample e = w->fine ? sgt_poly_sample_fine(w->s, w->ray, &w->q, tau) : sgt_poly_sample(w->s, &w->q, tau);
     observe(w->told, &w->q, tau, &e, move, lo, hi);
     return e;
 }
 
-static double middle(double a, double b) { return 0.5 * a + 0.5 * b; }
+static double cell_middle(double a, double b) { return 0.5 * a + 0.5 * b; }
 
-static int sign_at(const sample *e) { return e->g > e->g_err ? 1 : e->g < -e->g_err ? -1 : 0; }
+static int cell_sign_at(const sample *e) { return e->g > e->g_err ? 1 : e->g < -e->g_err ? -1 : 0; }
 
 /* The smallest e with 2^e > 1.01 (of / by)^(2 / n), of > 0, by > 0; 1024 where the quotient overflows.  With
  * 1.01^n (of / by)^2 = f 2^E, 1/2 <= f < 1, that is 2^(e n) > f 2^E: true of e n >= E, false of e n = E - 1
@@ -110,12 +110,12 @@ typedef struct found { meeting at; sgt_status status; double distance; bool any;
 /* At the very equator the two sheets of G are too close to tell which of them the root is on.  But F
  * itself is continuous up to there: if it is certainly of unlike sign on the two sides of t, and defined
  * on both (and so between them, since rho is convex), there is a root of F between. */
-static bool crosses_sheet(walk *w, meeting *at)
+static bool crosses_sheet(cell_walk *w, meeting *at)
 {
     double tau = at->t / w->q.scale - w->q.t0, d = larger(at->t_err / w->q.scale, 4 * DBL_EPSILON * fabs(tau));
     for (int i = 0; i < 24 && !w->told->stopped && !w->spent; i++, d *= 2) {
-        sample l = look(w, tau - d, SGT_PROBE, tau - d, tau + d), r = look(w, tau + d, SGT_PROBE, tau - d, tau + d);
-        int left = sgt_form_side(w->s, &l), right = sgt_form_side(w->s, &r);
+        sample l = cell_look(w, tau - d, SGT_PROBE, tau - d, tau + d), r = cell_look(w, tau + d, SGT_PROBE, tau - d, tau + d);
+        int left = sgt_poly_side(w->s, &l), right = sgt_poly_side(w->s, &r);
         if (!left || !right) continue;
         if (left == right) return false;
         meeting_place(at, &w->q, tau, d);
@@ -132,20 +132,20 @@ static bool crosses_sheet(walk *w, meeting *at)
 
 /* An undecided stretch about tmin may hold a root behind the start as well as the start itself; and of one
  * where numbers overflow nothing is known. */
-static bool may_count(const walk *w, const meeting *at)
+static bool may_count(const cell_walk *w, const meeting *at)
 {
     meeting end = *at;
     end.t += end.t_err, end.t_err = 0;
     double terms = at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z)) * w->q.scale; /* as `counts` has them */
     bool told = at->slope < HUGE_VAL && fabs(terms) < HUGE_VAL && at->p.x * at->p.x + at->p.y * at->p.y < HUGE_VAL;
-    return !told || counts(&end, w->ray, HUGE_VAL, w->q.scale);
+    return !told || accepted(&end, w->ray, HUGE_VAL, w->q.scale);
 }
 
 /* A root that does not count as told, but may: ends_hide. */
 static bool hides(const shape *s, const meeting *at, const sgt_ray *ray, double scale)
 {
     double terms = at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z));
-    return !counts(at, ray, HUGE_VAL, scale)
+    return !accepted(at, ray, HUGE_VAL, scale)
            && ends_hide(at, ray, s->rim2, terms > 0 ? START_ULPS * terms / at->slope * scale : 0);
 }
 
@@ -158,20 +158,20 @@ static bool within_last(const sgt_list *list, const meeting *at)
 }
 
 /* Keeps the root if it counts and is the one wanted so far. */
-static void keep(walk *w, meeting *at, double v_err, sgt_status status, double seed, found *best)
+static void keep(cell_walk *w, meeting *at, double v_err, sgt_status status, double seed, found *best)
 {
     if (at->v < -v_err) return; /* the other sheet */
     if (at->t - at->t_err > w->ray->tmax) return; /* the march goes a little beyond the end */
     if (!(at->v > v_err)) status = crosses_sheet(w, at) ? SGT_HIT : SGT_UNPROVEN;
     bool proof = w->told->opt->proof != SGT_ESTIMATE;
     bool hidden = proof && rim_hidden(at, w->s->rim2);
-    if (!counts(at, w->ray, hidden ? HUGE_VAL : w->s->rim2, w->q.scale)) {
+    if (!accepted(at, w->ray, hidden ? HUGE_VAL : w->s->rim2, w->q.scale)) {
         if (!(w->dark && may_count(w, at)) && !hides(w->s, at, w->ray, w->q.scale)) return;
         status = SGT_UNPROVEN;
     } else if (hidden) {
         status = SGT_UNPROVEN;
     }
-    if (proof && status == SGT_HIT && !sgt_form_alone(w->s, w->ray, at, w->told)) status = SGT_UNPROVEN;
+    if (proof && status == SGT_HIT && !sgt_poly_unique(w->s, w->ray, at, w->told)) status = SGT_UNPROVEN;
     if (w->told->stopped) return;
     if (w->list) {
         /* at the equator both sheets of G have a root, and F one */
@@ -188,36 +188,36 @@ static void keep(walk *w, meeting *at, double v_err, sgt_status status, double s
 }
 
 /* What the signs at the ends of tau +- tau_err have proven, where the root is too flat to settle. */
-static void take(walk *w, double tau, double tau_err, double lo, double hi, sgt_status status, double seed, found *best)
+static void cell_take(cell_walk *w, double tau, double tau_err, double lo, double hi, sgt_status status, double seed, found *best)
 {
     meeting at = {.sag = NAN};
-    sample e = look(w, tau, SGT_PROBE, lo, hi);
+    sample e = cell_look(w, tau, SGT_PROBE, lo, hi);
     double inverse = -w->s->c / larger(e.v, DBL_MIN) - 2 * e.dp;
     meeting_place(&at, &w->q, tau, tau_err);
     at.v = e.v, at.slope = fabs(e.slope);
     at.n = (sgt_vec3){at.p.x * inverse, at.p.y * inverse, 1};
-    double bend = sgt_form_bend(w->s, &w->q, &e, tau_err); /* no less than that of w */
+    double bend = sgt_poly_bend(w->s, &w->q, &e, tau_err); /* no less than that of w */
     keep(w, &at, e.v_err + fabs(w->s->ck) * (fabs(e.dw) + fabs(w->q.n) + bend * tau_err) * tau_err, status, seed, best);
 }
 
 /* The root at t0 + tau.  Where a tolerance hides on which side of tmax it is, or whether it is the start, as
  * if there were none. */
-static bool settle(walk *w, double tau, meeting *at, double *v_err)
+static bool cell_settle(cell_walk *w, double tau, meeting *at, double *v_err)
 {
     const sgt_options *opt = w->told->opt;
-    bool settled = sgt_form_settle(w->s, w->ray, w->q.t0, tau, at, v_err, w->told);
+    bool settled = sgt_poly_settle(w->s, w->ray, w->q.t0, tau, at, v_err, w->told);
     double near = smaller(fabs(at->t - w->ray->tmax), fabs(at->t - w->ray->tmin));
     if (!settled || !(opt->t_tol > 0) || near > END_ERRORS * at->t_err) return settled;
     sgt_options sharp = *opt;
     sharp.t_tol = 0;
     w->told->opt = &sharp;
-    settled = sgt_form_settle(w->s, w->ray, w->q.t0, tau, at, v_err, w->told);
+    settled = sgt_poly_settle(w->s, w->ray, w->q.t0, tau, at, v_err, w->told);
     w->told->opt = opt;
     return settled;
 }
 
 /* One root is in [lo, hi], the signs at whose ends are certain. */
-static void polish(walk *w, double lo, const sample *at_lo, double hi, const sample *at_hi, double seed, found *best)
+static void cell_polish(cell_walk *w, double lo, const sample *at_lo, double hi, const sample *at_hi, double seed, found *best)
 {
     for (;;) {
         sgt_root r = sgt_root_begin((sgt_span){.lo = lo, .hi = hi, .seed = lo - at_lo->g * (hi - lo) / (at_hi->g - at_lo->g)},
@@ -226,7 +226,7 @@ static void polish(walk *w, double lo, const sample *at_lo, double hi, const sam
         sgt_root_tell(&r, hi, at_hi->g);
         sample e;
         do {
-            e = look(w, r.t, r.evals ? r.move : SGT_NEWTON, r.lo, r.hi);
+            e = cell_look(w, r.t, r.evals ? r.move : SGT_NEWTON, r.lo, r.hi);
             r.g_err = e.g_err;
         } while (sgt_root_next(&r, e.g, e.slope) && !w->told->stopped && !w->spent);
         if (w->told->stopped || w->spent) return;
@@ -234,13 +234,13 @@ static void polish(walk *w, double lo, const sample *at_lo, double hi, const sam
         double err = larger(r.t - lo, hi - r.t), v_err;
         if (r.status == SGT_HIT && r.t_err < err) err = r.t_err;
         meeting at;
-        if (settle(w, r.t, &at, &v_err)
+        if (cell_settle(w, r.t, &at, &v_err)
             && (at.t - w->q.t0 * w->q.scale) + at.t_lo >= lo * w->q.scale - at.t_err && (at.t - w->q.t0 * w->q.scale) + at.t_lo <= hi * w->q.scale + at.t_err) {
             keep(w, &at, v_err, SGT_HIT, seed, best);
             return;
         }
         if (w->fine) {
-            take(w, r.t, err, lo, hi, SGT_HIT, seed, best);
+            cell_take(w, r.t, err, lo, hi, SGT_HIT, seed, best);
             return;
         }
         w->fine = true; /* a flat root, not found well enough to settle */
@@ -254,23 +254,23 @@ static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
     double sag = conic_sag(s->c, s->k, rho, &phi, &slope) + polynomial(s->terms, s->a, rho, &dp);
     double scale = scale_of(ray->d), t0 = (sag - ray->o.z) / (ray->d.z * scale);
     meeting at;
-    bool settled = fabs(t0) < HUGE_VAL && sgt_form_settle(s, ray, t0, 0, &at, &v_err, told);
+    bool settled = fabs(t0) < HUGE_VAL && sgt_poly_settle(s, ray, t0, 0, &at, &v_err, told);
     if (told->stopped) return hit_without(SGT_STOPPED, ray, told->evals);
     if (!settled || !(at.v > v_err)) return hit_without(SGT_UNPROVEN, ray, told->evals);
     bool on_rim =
-        told->opt->proof != SGT_ESTIMATE && rim_hidden(&at, s->rim2) && counts(&at, ray, HUGE_VAL, scale);
+        told->opt->proof != SGT_ESTIMATE && rim_hidden(&at, s->rim2) && accepted(&at, ray, HUGE_VAL, scale);
     if (on_rim || hides(s, &at, ray, scale)) {
         sgt_interval about = sgt_about(at.t, at.t_err);
         return hit_undecided(SGT_UNPROVEN, ray, told->evals, about.lo, about.hi);
     }
-    if (!counts(&at, ray, s->rim2, scale)) return hit_without(SGT_MISS, ray, told->evals);
+    if (!accepted(&at, ray, s->rim2, scale)) return hit_without(SGT_MISS, ray, told->evals);
     return hit_at(&at, SGT_HIT, asphere_f(s, at.p), SGT_NEWTON, ray, told);
 }
 
-static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *told, sgt_list *list)
+static sgt_hit cell_march(const shape *s, const sgt_ray *ray, double seed, tally *told, sgt_list *list)
 {
     const sgt_options *opt = told->opt;
-    walk w = {.s = s, .ray = ray, .told = told, .list = list};
+    cell_walk w = {.s = s, .ray = ray, .told = told, .list = list};
     if (!(s->domain2 > TINY)) return hit_without(SGT_UNPROVEN, ray, told->evals); /* r^2 is out of range */
     if (ray->d.x == 0 && ray->d.y == 0) return parallel(s, ray, told);
     /* without a rim the equator of a base that is nearly flat may be far beyond */
@@ -293,7 +293,7 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
     double h = 0.125 * (hi - lo), tau = lo, begin = lo, dark = 0;
     double away = fabs(w.q.x) + fabs(w.q.y) + fabs(w.q.z) + 0x1p-60 * (hi - lo);
     double least = 0x1p-90 * smaller(away, hi - lo); /* cells below it are not divided */
-    sample left = look(&w, tau, SGT_MARCH, lo, hi), before = left;
+    sample left = cell_look(&w, tau, SGT_MARCH, lo, hi), before = left;
     int moved = 0;
     bool known = true, pending = false; /* left is the sample at tau; [dark, tau] is undecided, before the sample at dark */
     while (tau < hi && !told->stopped && !w.spent && !(best.any && opt->pick != SGT_NEAR_SEED)) {
@@ -301,15 +301,15 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
         double m = tau + h, end = m + h;
         if (!(m > tau && end > m)) m = sgt_next_above(tau), end = sgt_next_above(m);
         h = larger(m - tau, end - m); /* as they came out, not as they were meant */
-        sample e = look(&w, m, SGT_MARCH, tau, hi);
-        double bend = sgt_form_bend(s, &w.q, &e, h), slope = fabs(e.slope);
-        bool empty = fabs(e.g) > (slope + e.slope_err) * h + 0.5 * bend * h * h + e.g_err || sgt_form_apart(s, &w.q, &e, h);
+        sample e = cell_look(&w, m, SGT_MARCH, tau, hi);
+        double bend = sgt_poly_bend(s, &w.q, &e, h), slope = fabs(e.slope);
+        bool empty = fabs(e.g) > (slope + e.slope_err) * h + 0.5 * bend * h * h + e.g_err || sgt_poly_apart(s, &w.q, &e, h);
         bool monotone = !empty && slope - e.slope_err > bend * h;
         if ((empty || monotone) && pending) {
-            left = look(&w, tau, SGT_MARCH, tau, hi), known = true;
-            if (sign_at(&left)) { /* the undecided stretch ends here */
+            left = cell_look(&w, tau, SGT_MARCH, tau, hi), known = true;
+            if (cell_sign_at(&left)) { /* the undecided stretch ends here */
                 w.dark = true;
-                take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, sign_at(&before) * sign_at(&left) < 0 ? SGT_HIT : SGT_UNPROVEN, seed, &best);
+                cell_take(&w, cell_middle(dark, tau), 0.5 * (tau - dark), dark, tau, cell_sign_at(&before) * cell_sign_at(&left) < 0 ? SGT_HIT : SGT_UNPROVEN, seed, &best);
                 if (told->stopped || w.spent) break;
                 pending = w.dark = false;
                 continue;
@@ -318,35 +318,35 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
         if (empty) {
             tau = end, h *= 1.5, known = false;
         } else if (monotone) {
-            sample right = look(&w, end, SGT_MARCH, tau, hi);
-            if (!known) left = look(&w, tau, SGT_MARCH, tau, hi), known = true;
-            for (int i = 0; tau == begin && !sign_at(&left) && i < 8; i++) { /* the start is on the surface: from before it */
+            sample right = cell_look(&w, end, SGT_MARCH, tau, hi);
+            if (!known) left = cell_look(&w, tau, SGT_MARCH, tau, hi), known = true;
+            for (int i = 0; tau == begin && !cell_sign_at(&left) && i < 8; i++) { /* the start is on the surface: from before it */
                 double back = tau - 4 * (left.g_err + fabs(left.g)) / slope * power_of_two(i), far = m - back;
-                if (!(slope - e.slope_err > sgt_form_bend(s, &w.q, &e, far) * far)) break; /* G is not monotone from so far before */
-                sample behind = look(&w, back, SGT_MARCH, tau, hi);
-                if (sign_at(&behind)) left = behind, tau = begin = back;
+                if (!(slope - e.slope_err > sgt_poly_bend(s, &w.q, &e, far) * far)) break; /* G is not monotone from so far before */
+                sample behind = cell_look(&w, back, SGT_MARCH, tau, hi);
+                if (cell_sign_at(&behind)) left = behind, tau = begin = back;
             }
-            if (tau == begin && !sign_at(&left) && !w.fine) {
+            if (tau == begin && !cell_sign_at(&left) && !w.fine) {
                 w.fine = true, known = false;
                 continue;
             }
-            if (!sign_at(&right) && moved < 16) {
+            if (!cell_sign_at(&right) && moved < 16) {
                 moved++;
                 h *= 0.75;
                 continue;
             }
             moved = 0;
-            if (!w.fine && (!sign_at(&left) || !sign_at(&right))) { /* once more, in twice the precision */
+            if (!w.fine && (!cell_sign_at(&left) || !cell_sign_at(&right))) { /* once more, in twice the precision */
                 w.fine = true, known = false;
                 continue;
             }
-            if (sign_at(&left) * sign_at(&right) < 0) polish(&w, tau, &left, end, &right, seed, &best);
-            else if (!sign_at(&left)
-                     || !sign_at(&right)) { /* by the least slope, the root is so near that end */
-                const sample *at = sign_at(&left) ? &right : &left;
+            if (cell_sign_at(&left) * cell_sign_at(&right) < 0) cell_polish(&w, tau, &left, end, &right, seed, &best);
+            else if (!cell_sign_at(&left)
+                     || !cell_sign_at(&right)) { /* by the least slope, the root is so near that end */
+                const sample *at = cell_sign_at(&left) ? &right : &left;
                 double off = (fabs(at->g) + at->g_err) / (slope - e.slope_err - bend * h) * (1 + 0x1p-20);
-                if (off < h) take(&w, sign_at(&left) ? end : tau, off, tau, end, SGT_UNPROVEN, seed, &best);
-                else take(&w, m, h, tau, end, SGT_UNPROVEN, seed, &best);
+                if (off < h) cell_take(&w, cell_sign_at(&left) ? end : tau, off, tau, end, SGT_UNPROVEN, seed, &best);
+                else cell_take(&w, m, h, tau, end, SGT_UNPROVEN, seed, &best);
             }
             if (told->stopped || w.spent) break; /* before the root of this cell was told */
             tau = end, h *= 1.5, left = right;
@@ -356,13 +356,13 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
             w.fine = true;
             known = false;
         } else {
-            if (!known) left = look(&w, tau, SGT_MARCH, tau, hi);
+            if (!known) left = cell_look(&w, tau, SGT_MARCH, tau, hi);
             if (!pending) dark = tau, before = left, pending = true;
             tau = end, known = false;
         }
     }
     w.dark = true;
-    if (pending && !told->stopped && !w.spent) take(&w, middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_UNPROVEN, seed, &best);
+    if (pending && !told->stopped && !w.spent) cell_take(&w, cell_middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_UNPROVEN, seed, &best);
     if (told->stopped || (w.spent && !(best.any && opt->pick != SGT_NEAR_SEED))) {
         sgt_hit hit = hit_without(told->stopped ? SGT_STOPPED : SGT_EXHAUSTED, ray, told->evals);
         double reached = (w.q.t0 + (pending ? dark : tau)) * w.q.scale;
@@ -379,7 +379,7 @@ static sgt_hit march(const shape *s, const sgt_ray *ray, double seed, tally *tol
 
 sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally *told, sgt_list *list)
 {
-    sgt_hit hit = march(s, ray, seed, told, list);
+    sgt_hit hit = cell_march(s, ray, seed, told, list);
     if (list && hit.status > 0) sgt_list_add(list, &hit);
     else if (list && hit.status < 0) add_stretch(list, told, hit.status, ray, hit.lo, hit.hi); /* what was not searched */
     return hit;

@@ -7,7 +7,7 @@
 #include "asphere.h"
 #include "../departure/departure.h"
 
-static int terms_of(const sgt_asphere *s)
+static int terms_count(const sgt_asphere *s)
 {
     int n = 8;
     while (n > 0 && s->a[n - 1] == 0) n--;
@@ -16,7 +16,7 @@ static int terms_of(const sgt_asphere *s)
 
 /* p and its first two derivatives of each rho. */
 SGT_KERNEL
-static void horner(int terms, const double *a, size_t n, const double *restrict x, const double *restrict y, double *restrict p, double *restrict p1, double *restrict p2)
+static void terms_horner(int terms, const double *a, size_t n, const double *restrict x, const double *restrict y, double *restrict p, double *restrict p1, double *restrict p2)
 {
     double rho[FREEFORM_BLOCK];
     LANES for (size_t i = 0; i < n; i++) rho[i] = x[i] * x[i] + y[i] * y[i], p[i] = p1[i] = p2[i] = 0;
@@ -34,14 +34,14 @@ static void asphere_at(const void *self, size_t n, const double *x, const double
 {
     const sgt_asphere *s = self;
     double p1[FREEFORM_BLOCK], p2[FREEFORM_BLOCK];
-    horner(terms_of(s), s->a, n, x, y, out.p, p1, p2);
+    terms_horner(terms_count(s), s->a, n, x, y, out.p, p1, p2);
     for (size_t i = 0; i < n; i++) out.px[i] = 2 * p1[i] * x[i], out.py[i] = 2 * p1[i] * y[i];
 }
 
-static void asphere_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
+static void terms_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const sgt_asphere *s = self;
-    double rho = x * x + y * y, second, first = magnitude(terms_of(s), s->a, rho, &second);
+    double rho = x * x + y * y, second, first = magnitude(terms_count(s), s->a, rho, &second);
     *p_err = 5 * SGT_U * rho * first;
     *grad_err = 2 * SGT_U * larger(fabs(x), fabs(y)) * (20 * first + 3 * rho * second); /* p' has two roundings more for each term, and rho two */
 }
@@ -50,13 +50,13 @@ static void asphere_noise(const void *self, double radius, double e[2])
 {
     const sgt_asphere *s = self;
     double second;
-    e[0] = 0, e[1] = 5 * SGT_U * magnitude(terms_of(s), s->a, radius * radius * (1 + 0x1p-40), &second);
+    e[0] = 0, e[1] = 5 * SGT_U * magnitude(terms_count(s), s->a, radius * radius * (1 + 0x1p-40), &second);
 }
 
 static int asphere_bounds(const void *self, region *where, bounds *out)
 {
     const sgt_asphere *s = self;
-    double rho = where->r_hi * where->r_hi, second, first = magnitude(terms_of(s), s->a, rho, &second), up = 1 + 0x1p-40;
+    double rho = where->r_hi * where->r_hi, second, first = magnitude(terms_count(s), s->a, rho, &second), up = 1 + 0x1p-40;
     *out = (bounds){rho * first * up, 2 * where->r_hi * first * up, (2 * first + 4 * second * rho) * up};
     return 1;
 }
@@ -66,7 +66,7 @@ static sgt_interval asphere_range(const void *self, const region *where)
 {
     const sgt_asphere *s = self;
     sgt_interval rho = sgt_interval_square(sgt_interval_between(where->r_lo, where->r_hi)), p = {0, 0};
-    for (int i = terms_of(s) - 1; i >= 0; i--)
+    for (int i = terms_count(s) - 1; i >= 0; i--)
         p = sgt_interval_product(sgt_interval_sum(p, sgt_interval_of(s->a[i])), rho);
     return p;
 }
@@ -75,7 +75,7 @@ static void asphere_second(const void *self, size_t n, const double *x, const do
 {
     const sgt_asphere *s = self;
     double p[FREEFORM_BLOCK], p1[FREEFORM_BLOCK], p2[FREEFORM_BLOCK];
-    horner(terms_of(s), s->a, n, x, y, p, p1, p2);
+    terms_horner(terms_count(s), s->a, n, x, y, p, p1, p2);
     for (size_t i = 0; i < n; i++) {
         double bent = 8 * p2[i]; /* p2 is half of p'' */
         pxx[i] = 2 * p1[i] + bent * (x[i] * x[i]), pxy[i] = bent * (x[i] * y[i]), pyy[i] = 2 * p1[i] + bent * (y[i] * y[i]);
@@ -102,6 +102,6 @@ static sgt_objection asphere_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-const departure sgt_asphere_departure = {.at = asphere_at, .rounding = asphere_rounding,
+const departure sgt_asphere_departure = {.at = asphere_at, .rounding = terms_rounding,
                                          .bounds = asphere_bounds, .range = asphere_range, .second = asphere_second,
                                          .parameters = asphere_parameters, .by_parameter = asphere_by_parameter, .object = asphere_object, .noise = asphere_noise};

@@ -6,7 +6,7 @@
 #include <sagitta/surfaces.h>
 
 SGT_KERNEL
-static void second(const double *a, size_t n, const double *x, const double *y, double *xx, double *xy, double *yy)
+static void asphere_second_lanes(const double *a, size_t n, const double *x, const double *y, double *xx, double *xy, double *yy)
 {
     double a0 = a[0], a1 = 2 * a[1], a2 = 3 * a[2], a3 = 4 * a[3], a4 = 5 * a[4], a5 = 6 * a[5], a6 = 7 * a[6], a7 = 8 * a[7];
     LANES for (size_t i = 0; i < n; i++) {
@@ -24,7 +24,7 @@ void sgt_asphere_second(const void *self, size_t n, sgt_points p, double *const 
     const sgt_asphere *s = self;
     sgt_conic base = {.c = s->c, .k = s->k};
     sgt_conic_second(&base, n, p, out);
-    second(s->a, n, p.p[0], p.p[1], out[0], out[1], out[3]);
+    asphere_second_lanes(s->a, n, p.p[0], p.p[1], out[0], out[1], out[3]);
 }
 
 size_t sgt_asphere_parameters(const void *self)
@@ -34,7 +34,7 @@ size_t sgt_asphere_parameters(const void *self)
 }
 
 /* q^i, i = 0 ... 7, by squares: a multiplication by 1 costs nothing that counts. */
-SGT_INLINE double power(double q, int i)
+SGT_INLINE double asphere_power(double q, int i)
 {
     double q2 = q * q;
     return (i & 1 ? q : 1) * (i & 2 ? q2 : 1) * (i & 4 ? q2 * q2 : 1);
@@ -45,7 +45,7 @@ static void by_term(int term, size_t n, const double *x, const double *y, double
 {
     LANES for (size_t i = 0; i < n; i++) {
         double q = x[i] * x[i] + y[i] * y[i];
-        f[i] = -(q * power(q, term));
+        f[i] = -(q * asphere_power(q, term));
     }
 }
 
@@ -54,7 +54,7 @@ static void by_term_all(int term, size_t n, const double *x, const double *y, do
 {
     double factor = -2.0 * (term + 1);
     LANES for (size_t i = 0; i < n; i++) {
-        double q = x[i] * x[i] + y[i] * y[i], to = power(q, term), g = factor * to;
+        double q = x[i] * x[i] + y[i] * y[i], to = asphere_power(q, term), g = factor * to;
         f[i] = -(q * to), fx[i] = x[i] * g, fy[i] = y[i] * g, fz[i] = 0;
     }
 }

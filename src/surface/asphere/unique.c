@@ -22,12 +22,12 @@
 enum { RINGS = 16 };
 
 /* slope: |dS/dr| at most, `least` and `most` that with its sign. */
-typedef struct rings {
+typedef struct slope_rings {
     double width, inner[RINGS], slope[RINGS], least[RINGS], most[RINGS], above[RINGS], below[RINGS];
-} rings;
+} slope_rings;
 
 SGT_KERNEL
-static void asphere_rings(const shape *s, rings *out)
+static void asphere_rings(const shape *s, slope_rings *out)
 {
     double m[RINGS], h[RINGS], outer2[RINGS], p[RINGS], p1[RINGS], p2[RINGS], first[RINGS], second[RINGS], third[RINGS];
     double width = sqrt(s->domain2) * (1 + 0x1p-40) / RINGS, c = s->c, ckc = s->ck * s->c;
@@ -62,15 +62,15 @@ static void asphere_rings(const shape *s, rings *out)
 }
 
 /* Of a ray, or no less than any of a tile's: r0; how far from the axis it may have come from, and go. */
-typedef struct course { double r0, from, to; } course;
+typedef struct ring_slopes { double r0, from, to; } ring_slopes;
 
-SGT_INLINE void widen(course *most, course one)
+SGT_INLINE void ring_widen(ring_slopes *most, ring_slopes one)
 {
     most->r0 = larger(one.r0, most->r0), most->from = larger(one.from, most->from), most->to = larger(one.to, most->to);
 }
 
 /* K, or more; rises: n > 0. */
-static double steepness(const rings *g, course way, bool rises)
+static double steepness(const slope_rings *g, ring_slopes way, bool rises)
 {
     const double *ahead = rises ? g->above : g->below, *behind = rises ? g->below : g->above;
     double lead[RINGS + 1], tail = 0, least = HUGE_VAL;
@@ -88,7 +88,7 @@ static double steepness(const rings *g, course way, bool rises)
 
 /* Of all rays; q2 is the square of q. */
 SGT_KERNEL
-static void asphere_courses(const sgt_tile *tile, double *q2, course *way)
+static void asphere_courses(const sgt_tile *tile, double *q2, ring_slopes *way)
 {
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
                  *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, slack = 1 + 0x1p-20;
@@ -107,7 +107,7 @@ static void asphere_courses(const sgt_tile *tile, double *q2, course *way)
 /* At most one root: on every piece F has none or rises, or on every piece none or falls.  s and u are in the
  * ranges told behind the point nearest the axis, in those of the other sign before it; NaN proves nothing. */
 SGT_KERNEL
-static mask asphere_one_root(const rings *g, const line *w)
+static mask asphere_one_root(const slope_rings *g, const line *w)
 {
     const double more = 1 + 0x1p-40, less = 1 - 0x1p-40, a = w->a, n = w->n, far = w->nearest + w->aside;
     mask rises = MASK(true), falls = rises;
@@ -128,35 +128,35 @@ static mask asphere_one_root(const rings *g, const line *w)
     return rises | falls;
 }
 
-/* Those that are left by sgt_sweep_monotone: all at once, or else each by itself. */
-bool sgt_asphere_alone(const shape *s, const sgt_tile *tile, mask alone[])
+/* Those that are left by sgt_lanes_monotone: all at once, or else each by itself. */
+bool sgt_asphere_unique(const shape *s, const sgt_tile *tile, mask unique[])
 {
     double q2[SGT_TILE], k;
-    course way[SGT_TILE], most = {0, 0, 0};
-    rings g;
+    ring_slopes way[SGT_TILE], most = {0, 0, 0};
+    slope_rings g;
     bool all = true, rise = false, fall = false;
     if (!(s->domain2 < 0x1p600 && s->domain2 > 0x1p-600)) return false;
     asphere_rings(s, &g);
-    k = steepness(&g, (course){HUGE_VAL, 0, 0}, true); /* monotone all over */
-    if (k * k < single_limit(s) && sgt_sweep_steeper(k * k, tile, alone)) return true;
+    k = steepness(&g, (ring_slopes){HUGE_VAL, 0, 0}, true); /* monotone all over */
+    if (k * k < single_limit(s) && sgt_lanes_steeper(k * k, tile, unique)) return true;
     asphere_courses(tile, q2, way);
     for (size_t i = 0; i < tile->n; i++) {
-        if (alone[i]) continue;
-        widen(&most, way[i]);
+        if (unique[i]) continue;
+        ring_widen(&most, way[i]);
         *(tile->rays.d[2][i] > 0 ? &rise : &fall) = true;
     }
     k = larger(rise ? steepness(&g, most, true) : 0, fall ? steepness(&g, most, false) : 0);
     for (size_t i = 0; i < tile->n; i++) {
-        if (alone[i]) continue;
+        if (unique[i]) continue;
         double own = q2[i] > k * k || tile->n == 1 ? k : steepness(&g, way[i], tile->rays.d[2][i] > 0);
-        alone[i] = MASK(q2[i] > own * own);
-        if (!alone[i]) {
+        unique[i] = MASK(q2[i] > own * own);
+        if (!unique[i]) {
             const sgt_rays *r = &tile->rays;
             line w = line_of((sgt_vec3){r->o[0][i], r->o[1][i], r->o[2][i]},
                              (sgt_vec3){r->d[0][i], r->d[1][i], r->d[2][i]}, r->tmin[i], r->tmax[i]);
-            alone[i] = line_in_range(&w) & asphere_one_root(&g, &w);
+            unique[i] = line_in_range(&w) & asphere_one_root(&g, &w);
         }
-        all &= alone[i] != 0;
+        all &= unique[i] != 0;
     }
     return all;
 }
@@ -164,7 +164,7 @@ bool sgt_asphere_alone(const shape *s, const sgt_tile *tile, mask alone[])
 /* ------------------------------------------------------------------------- misses */
 
 SGT_KERNEL
-static mask asphere_passed_by(const rings *g, const line *w)
+static mask asphere_passed_by(const slope_rings *g, const line *w)
 {
     double left = 0;
 #pragma omp simd reduction(+ : left)
@@ -212,7 +212,7 @@ static double cones_of(const sgt_tile *tile, mask asked[], cones *e)
 }
 
 SGT_KERNEL
-static void asphere_over(const rings *g, const sgt_tile *tile, const cones *e, mask over[])
+static void asphere_over(const slope_rings *g, const sgt_tile *tile, const cones *e, mask over[])
 {
     const double *n = tile->rays.d[2], less = 1 - 0x1p-40;
     for (int j = 0; j < RINGS; j++) {
@@ -230,7 +230,7 @@ static void asphere_over(const rings *g, const sgt_tile *tile, const cones *e, m
 void sgt_asphere_pass(const shape *s, const sgt_tile *tile, mask passes[])
 {
     const sgt_rays *r = &tile->rays;
-    rings g;
+    slope_rings g;
     cones e;
     mask over[SGT_TILE];
     bool any = false, in_range = s->domain2 < 0x1p600 && s->domain2 > 0x1p-600;

@@ -182,9 +182,9 @@ sgt_objection sgt_ellipsoid_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const struct sgt_own ellipsoid_own = {.object = sgt_ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from};
+static const struct sgt_builtin_ops ellipsoid_builtin = {.object = sgt_ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from};
 
 const sgt_surface_ops sgt_ellipsoid_ops = {
     .name = "ellipsoid", .value = ellipsoid_value, .values = ellipsoid_values, .span = ellipsoid_span, .spans = ellipsoid_spans, .rounding = ellipsoid_rounding,
     .clearance = ellipsoid_clearance, .enclose = ellipsoid_enclose, .first = ellipsoid_first, .firsts = ellipsoid_firsts, .second = ellipsoid_second,
-    .parameters = ellipsoid_parameters, .by_parameter = ellipsoid_by_parameter, .own_ = &ellipsoid_own};
+    .parameters = ellipsoid_parameters, .by_parameter = ellipsoid_by_parameter, .own_ = &ellipsoid_builtin};

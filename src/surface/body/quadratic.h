@@ -109,12 +109,12 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
     double from = tmin * r->inverse, gap = c->first - (from - r->t0), width = START_ULPS * terms / (2 * c->slope);
     double at = chosen(MASK(fabs(from) < HUGE_VAL), fabs(from), 0), blur = 2 * c->first_off + 0x1p-50 * (fabs(r->t0) + fabs(c->first) + at);
     mask two = c->two & MASK((c->second - c->first) * r->scale > 0x1p-900); /* else mid may be none in t */
-    mask counts = two & MASK(gap > 8 * width + 16 * blur + 0x1p-45 * at),
+    mask accepted = two & MASK(gap > 8 * width + 16 * blur + 0x1p-45 * at),
          behind = two & MASK(gap + blur < 0.75 * width);
     double mid = (r->t0 + c->mid) * r->scale;
-    a.hi = chosen(counts, mid, a.hi), a.lo = chosen(behind, mid, a.lo);
+    a.hi = chosen(accepted, mid, a.hi), a.lo = chosen(behind, mid, a.lo);
     a.seed = chosen(behind, (r->t0 + c->second) * r->scale, a.seed);
-    a.single |= counts | behind;
+    a.single |= accepted | behind;
     return a;
 }
 
@@ -155,15 +155,15 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
     }                                                                                                                      \
     static void NAME##_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out) { NAME##_blocks(self, n, rays, out, false); } \
     static void NAME##_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out) { NAME##_blocks(self, n, rays, out, true); } \
-    static sgt_span NAME##_alone(const void *self, const sgt_ray *ray, bool first)                                         \
+    static sgt_span NAME##_unique(const void *self, const sgt_ray *ray, bool first)                                         \
     {                                                                                                                      \
         sgt_span a;                                                                                                        \
         sgt_rays rays = {{&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};    \
         NAME##_blocks(self, 1, rays, (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single}, first);                                \
         return a;                                                                                                          \
     }                                                                                                                      \
-    static sgt_span NAME##_span(const void *self, const sgt_ray *ray) { return NAME##_alone(self, ray, false); }           \
-    static sgt_span NAME##_first(const void *self, const sgt_ray *ray) { return NAME##_alone(self, ray, true); }
+    static sgt_span NAME##_span(const void *self, const sgt_ray *ray) { return NAME##_unique(self, ray, false); }           \
+    static sgt_span NAME##_first(const void *self, const sgt_ray *ray) { return NAME##_unique(self, ray, true); }
 
 SGT_INLINE near_ray near_ray_of(sgt_vec3 d)
 {

@@ -19,7 +19,7 @@
 /* The linear form that is the gradient's row. */
 typedef struct rows { double x, y, z; } rows;
 
-SGT_INLINE rows rows_of(const sgt_quadric *s, double x, double y, double z)
+SGT_INLINE rows quadric_rows_of(const sgt_quadric *s, double x, double y, double z)
 {
     const double *a = s->squares, *b = s->products, *c = s->linear;
     return (rows){((2 * a[0]) * x + b[0] * y) + (b[2] * z + c[0]), (b[0] * x + (2 * a[1]) * y) + (b[1] * z + c[1]), (b[2] * x + b[1] * y) + ((2 * a[2]) * z + c[2])};
@@ -27,12 +27,12 @@ SGT_INLINE rows rows_of(const sgt_quadric *s, double x, double y, double z)
 
 SGT_INLINE double quadric_at(const sgt_quadric *s, double x, double y, double z, rows *g)
 {
-    *g = rows_of(s, x, y, z);
+    *g = quadric_rows_of(s, x, y, z);
     return 0.5 * ((x * (g->x + s->linear[0]) + y * (g->y + s->linear[1])) + z * (g->z + s->linear[2])) + s->constant;
 }
 
 /* The magnitudes of the coefficients. */
-SGT_INLINE sgt_quadric sizes_of(const sgt_quadric *s)
+SGT_INLINE sgt_quadric quadric_sizes_of(const sgt_quadric *s)
 {
     sgt_quadric a;
     for (int i = 0; i < 3; i++) a.squares[i] = fabs(s->squares[i]), a.products[i] = fabs(s->products[i]), a.linear[i] = fabs(s->linear[i]);
@@ -78,14 +78,14 @@ SGT_INLINE double sizes_rounding(const sgt_quadric *sizes, double x, double y, d
 
 static double quadric_rounding(const void *self, sgt_vec3 p)
 {
-    sgt_quadric sizes = sizes_of(self);
+    sgt_quadric sizes = quadric_sizes_of(self);
     return sizes_rounding(&sizes, p.x, p.y, p.z);
 }
 
 SGT_KERNEL
 static bool quadric_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[])
 {
-    const sgt_quadric sizes = sizes_of(self);
+    const sgt_quadric sizes = quadric_sizes_of(self);
     const double *x = p.p[0], *y = p.p[1], *z = p.p[2];
     (void)f, (void)shared;
     LANES for (size_t i = 0; i < n; i++) out[i] = sizes_rounding(&sizes, x[i], y[i], z[i]);
@@ -93,7 +93,7 @@ static bool quadric_roundings(const void *self, const sgt_shared *shared, size_t
 }
 
 /* Half the second derivative along d, and the sum of its terms' magnitudes. */
-SGT_INLINE double bent(const sgt_quadric *s, double l, double m, double n)
+SGT_INLINE double quadric_bent(const sgt_quadric *s, double l, double m, double n)
 {
     const double *a = s->squares, *b = s->products;
     return l * ((a[0] * l + b[0] * m) + b[2] * n) + (m * (a[1] * m + b[1] * n) + n * (a[2] * n));
@@ -101,20 +101,20 @@ SGT_INLINE double bent(const sgt_quadric *s, double l, double m, double n)
 
 SGT_INLINE void quadric_approach(const sgt_quadric *s, sgt_vec3 o, sgt_vec3 d, parabola *p, near_ray *r)
 {
-    sgt_quadric size = sizes_of(s);
+    sgt_quadric size = quadric_sizes_of(s);
     rows g, ga;
     *r = near_ray_of(d);
     double l = r->d.x, m = r->d.y, n = r->d.z, la = fabs(l), ma = fabs(m), na = fabs(n);
     near_ray_at(r, o, -(o.x * l + o.y * m + o.z * n) / (l * l + m * m + n * n));
     p->C = quadric_at(s, r->x.x, r->x.y, r->x.z, &g), p->Ca = quadric_at(&size, fabs(r->x.x), fabs(r->x.y), fabs(r->x.z), &ga);
-    p->A = bent(s, l, m, n), p->Aa = bent(&size, la, ma, na);
+    p->A = quadric_bent(s, l, m, n), p->Aa = quadric_bent(&size, la, ma, na);
     p->B = 0.5 * (g.x * l + g.y * m + g.z * n), p->Ba = 0.5 * (ga.x * la + ga.y * ma + ga.z * na);
 }
 
 SGT_INLINE double quadric_terms(const sgt_quadric *s, const near_ray *r, double tau)
 {
     double x = r->x.x + tau * r->d.x, y = r->x.y + tau * r->d.y, z = r->x.z + tau * r->d.z;
-    rows g = rows_of(s, x, y, z);
+    rows g = quadric_rows_of(s, x, y, z);
     return fabs(x * g.x) + fabs(y * g.y) + fabs(z * g.z);
 }
 
@@ -172,12 +172,12 @@ static bool quadric_fine(const sgt_quadric *s, const sgt_ray *ray, double t0, sg
     fine_rows full = {fine_form(2 * a[0], x, b[0], y, b[2], z, c[0]), fine_form(b[0], x, 2 * a[1], y, b[1], z, c[1]), fine_form(b[2], x, b[1], y, 2 * a[2], z, c[2])};
     fine_rows upper = {fine_form(a[0], x, b[0], y, b[2], z, c[0]), fine_form(0, x, a[1], y, b[1], z, c[1]), fine_form(0, x, 0, y, a[2], z, c[2])};
     fine_rows along = {fine_form(a[0], l, b[0], m, b[2], n, 0), fine_form(0, l, a[1], m, b[1], n, 0), fine_form(0, l, 0, m, a[2], n, 0)};
-    sgt_quadric size = sizes_of(s);
+    sgt_quadric size = quadric_sizes_of(s);
     rows sizes;
     double la = fabs(r.l), ma = fabs(r.m), na = fabs(r.n), tiny = 0x1p-700; /* of what underflows */
     fine_parabola p = {fine_dot(l, along.x, m, along.y, n, along.z), twofold_times_power(fine_dot(l, full.x, m, full.y, n, full.z), 0.5),
                        twofold_sum(fine_dot(x, upper.x, y, upper.y, z, upper.z), twofold_of(s->constant)), 0, 0, 0};
-    p.Aa = bent(&size, la, ma, na), p.Ca = quadric_at(&size, fabs(x.hi), fabs(y.hi), fabs(z.hi), &sizes) + tiny;
+    p.Aa = quadric_bent(&size, la, ma, na), p.Ca = quadric_at(&size, fabs(x.hi), fabs(y.hi), fabs(z.hi), &sizes) + tiny;
     p.Ba = 0.5 * (sizes.x * la + sizes.y * ma + sizes.z * na) + tiny;
     *g = fine_enclose(&p, &r, slope);
     return true;
@@ -286,9 +286,9 @@ sgt_objection sgt_quadric_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const struct sgt_own quadric_own = {.object = sgt_quadric_object, .roundings = quadric_roundings, .enclose = quadric_enclose_from};
+static const struct sgt_builtin_ops quadric_builtin = {.object = sgt_quadric_object, .roundings = quadric_roundings, .enclose = quadric_enclose_from};
 
 const sgt_surface_ops sgt_quadric_ops = {
     .name = "quadric", .value = quadric_value, .values = quadric_values, .span = quadric_span, .spans = quadric_spans, .rounding = quadric_rounding,
     .enclose = quadric_enclose, .first = quadric_first, .firsts = quadric_firsts, .second = quadric_second,
-    .parameters = quadric_parameters, .by_parameter = quadric_by_parameter, .own_ = &quadric_own};
+    .parameters = quadric_parameters, .by_parameter = quadric_by_parameter, .own_ = &quadric_builtin};

@@ -34,24 +34,24 @@
 
 enum { STEPS = 8 };
 
-typedef struct ring { double R, r, r2, r2_lo, half, inverse, k; mask spindle; } ring;
+typedef struct torus_ring { double R, r, r2, r2_lo, half, inverse, k; mask spindle; } torus_ring;
 
-SGT_INLINE ring ring_of(const sgt_torus *s)
+SGT_INLINE torus_ring ring_of(const sgt_torus *s)
 {
     twofold r2 = two_product(s->minor, s->minor);
     double R = s->major, r = s->minor;
-    return (ring){R, r, r2.hi, r2.lo, 0.5 / r, 1 / r, 1 / (8 * r * R * (R + r)), MASK(r > R)};
+    return (torus_ring){R, r, r2.hi, r2.lo, 0.5 / r, 1 / r, 1 / (8 * r * R * (R + r)), MASK(r > R)};
 }
 
 typedef struct tube { double rho, off, g; } tube;
 
-SGT_INLINE tube tube_at(const ring *s, double x, double y, double z)
+SGT_INLINE tube tube_at(const torus_ring *s, double x, double y, double z)
 {
     double rho = sqrt(x * x + y * y), off = rho - s->R;
     return (tube){rho, off, sgt_fma(off, off, sgt_fma(z, z, -s->r2)) - s->r2_lo};
 }
 
-SGT_INLINE double ring_at(const ring *s, double x, double y, double z, double *gx, double *gy, double *gz)
+SGT_INLINE double ring_at(const torus_ring *s, double x, double y, double z, double *gx, double *gy, double *gz)
 {
     tube p = tube_at(s, x, y, z);
     double by = chosen(MASK(p.rho > 0), p.off * s->inverse / p.rho, 0);
@@ -59,7 +59,7 @@ SGT_INLINE double ring_at(const ring *s, double x, double y, double z, double *g
     return p.g * s->half;
 }
 
-SGT_INLINE double spindle_at(const ring *s, double x, double y, double z, double *gx, double *gy, double *gz)
+SGT_INLINE double spindle_at(const torus_ring *s, double x, double y, double z, double *gx, double *gy, double *gz)
 {
     tube p = tube_at(s, x, y, z);
     double twice = 2 * s->R, by = 4 * s->k * (p.g + twice * p.off);
@@ -69,7 +69,7 @@ SGT_INLINE double spindle_at(const ring *s, double x, double y, double z, double
 
 static double torus_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
-    ring s = ring_of(self);
+    torus_ring s = ring_of(self);
     sgt_vec3 n;
     double f = s.spindle ? spindle_at(&s, p.x, p.y, p.z, &n.x, &n.y, &n.z) : ring_at(&s, p.x, p.y, p.z, &n.x, &n.y, &n.z);
     if (grad) *grad = n;
@@ -78,9 +78,9 @@ static double torus_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 
 #define TORUS_VALUES(NAME)                                                                 \
     SGT_KERNEL                                                                             \
-    static void NAME##_values(const ring *shared, size_t n, sgt_points p, sgt_values out)  \
+    static void NAME##_values(const torus_ring *shared, size_t n, sgt_points p, sgt_values out)  \
     {                                                                                      \
-        const ring s = *shared;                                                            \
+        const torus_ring s = *shared;                                                            \
         const double *x = p.p[0], *y = p.p[1], *z = p.p[2];                                \
         double *f = out.f, *gx = out.grad[0], *gy = out.grad[1], *gz = out.grad[2];        \
         if (gx) {                                                                          \
@@ -103,25 +103,25 @@ TORUS_VALUES(spindle)
 
 static void torus_values(const void *self, size_t n, sgt_points p, sgt_values out)
 {
-    ring s = ring_of(self);
+    torus_ring s = ring_of(self);
     if (s.spindle) spindle_values(&s, n, p, out);
     else ring_values(&s, n, p, out);
 }
 
 /* Of G. */
-SGT_INLINE double tube_rounding(const ring *s, const tube *p, double z)
+SGT_INLINE double tube_rounding(const torus_ring *s, const tube *p, double z)
 {
     double off = SGT_U * (2 * p->rho + fabs(p->off));
     return (2 * fabs(p->off) + off) * off + SGT_U * (fabs(z * z - s->r2) + 2 * fabs(p->g)) + 0x1p-100 * (z * z + s->r2);
 }
 
-SGT_INLINE double ring_rounding(const ring *s, double x, double y, double z)
+SGT_INLINE double ring_rounding(const torus_ring *s, double x, double y, double z)
 {
     tube at = tube_at(s, x, y, z);
     return 1.01 * s->half * (tube_rounding(s, &at, z) + 2 * SGT_U * fabs(at.g)) + 0x1p-1060;
 }
 
-SGT_INLINE double spindle_rounding(const ring *s, double x, double y, double z)
+SGT_INLINE double spindle_rounding(const torus_ring *s, double x, double y, double z)
 {
     tube at = tube_at(s, x, y, z);
     double g = fabs(at.g), g_err = tube_rounding(s, &at, z), far = 4 * s->R * at.rho, h = fabs(at.g + far), h_err = g_err + SGT_U * (3 * far + h);
@@ -130,14 +130,14 @@ SGT_INLINE double spindle_rounding(const ring *s, double x, double y, double z)
 
 static double torus_rounding(const void *self, sgt_vec3 p)
 {
-    ring s = ring_of(self);
+    torus_ring s = ring_of(self);
     return s.spindle ? spindle_rounding(&s, p.x, p.y, p.z) : ring_rounding(&s, p.x, p.y, p.z);
 }
 
 SGT_KERNEL
 static bool torus_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[])
 {
-    const ring s = ring_of(self);
+    const torus_ring s = ring_of(self);
     const double *x = p.p[0], *y = p.p[1], *z = p.p[2];
     (void)f, (void)shared;
     if (s.spindle) {
@@ -150,7 +150,7 @@ static bool torus_roundings(const void *self, const sgt_shared *shared, size_t n
 
 static double torus_clearance(const void *self, sgt_vec3 p)
 {
-    ring s = ring_of(self);
+    torus_ring s = ring_of(self);
     double rho = sqrt(p.x * p.x + p.y * p.y), near = sqrt((rho - s.R) * (rho - s.R) + p.z * p.z), far = sqrt((rho + s.R) * (rho + s.R) + p.z * p.z);
     double one = fabs(near - s.r), other = s.spindle ? fabs(far - s.r) : one;
     return (one < other ? one : other) - 8 * SGT_U * (rho + fabs(p.z) + s.R + s.r);
@@ -164,19 +164,19 @@ typedef double row[BLOCK];
 /* What is known of n rays on their way.  seek: 1 as long as a root is looked for; left: the steps that are left to bring tau nearer to one that is
  * found; when both are 0 nothing changes any more, so that it makes no difference how many rays go together.  none: 1: there is
  * no root; met: 1: there is one, alone in [from, to].  (A row for each: of conditions on one number gcc makes branches.) */
-typedef struct course {
+typedef struct torus_course {
     row x, y, z, l, m, n, t0, scale;
     row lo, hi, enter, leave;    /* no root is outside [lo, hi], nor between enter and leave */
     row kappa, start, at;        /* tmin, and its magnitude */
     row tau, side, from, to, seek, left, none, met;
     row g, b, g_err, b_err, radius, one; /* of one step: at tau, with the signs of `side` */
-} course;
+} torus_course;
 
-typedef struct look { tube at; double b, g_err, b_err, terms; } look;
+typedef struct torus_look { tube at; double b, g_err, b_err, terms; } torus_look;
 
-SGT_INLINE look look_at(const ring *s, const course *c, size_t i, double tau)
+SGT_INLINE torus_look torus_look_at(const torus_ring *s, const torus_course *c, size_t i, double tau)
 {
-    look e;
+    torus_look e;
     double l = c->l[i], m = c->m[i], n = c->n[i], x = c->x[i] + tau * l, y = c->y[i] + tau * m, z = c->z[i] + tau * n;
     e.at = tube_at(s, x, y, z);
     double turn = e.at.off / e.at.rho, gx = fabs(turn * x), gy = fabs(turn * y), gz = fabs(z);
@@ -191,7 +191,7 @@ SGT_INLINE look look_at(const ring *s, const course *c, size_t i, double tau)
     return e;
 }
 
-SGT_INLINE void course_begin(const ring *s, course *c, size_t i, sgt_vec3 o, sgt_vec3 d, double tmin)
+SGT_INLINE void course_begin(const torus_ring *s, torus_course *c, size_t i, sgt_vec3 o, sgt_vec3 d, double tmin)
 {
     near_ray r = near_ray_of(d);
     double l = r.d.x, m = r.d.y, n = r.d.z, a = l * l + m * m, A = a + n * n, R = s->R;
@@ -228,7 +228,7 @@ SGT_INLINE void course_begin(const ring *s, course *c, size_t i, sgt_vec3 o, sgt
 
     /* inside or outside; on the surface: past it */
     c->tau[i] = tau;
-    look e = look_at(s, c, i, tau);
+    torus_look e = torus_look_at(s, c, i, tau);
     mask on = ~endless & MASK(fabs(e.at.g) + 2 * e.g_err + 4 * fabs(e.b * start.lo) <= 0.75 * START_ULPS * e.terms);
     mask out = (on & MASK(e.b > 16 * e.b_err)) | (~on & MASK(e.at.g > 4 * e.g_err)), deep = (on & MASK(e.b < -16 * e.b_err)) | (~on & MASK(e.at.g < -4 * e.g_err));
     double kappa = c->kappa[i], turn = chosen(out, chosen(MASK(kappa < 0), 0.5 * e.b / -kappa, HUGE_VAL), 0.5 * -e.b / A), past = tau + chosen(on, turn, 0);
@@ -240,10 +240,10 @@ SGT_INLINE void course_begin(const ring *s, course *c, size_t i, sgt_vec3 o, sgt
 }
 
 /* Is there one root, and not the start? */
-SGT_INLINE void course_judge(const ring *s, course *c, size_t i)
+SGT_INLINE void course_judge(const torus_ring *s, torus_course *c, size_t i)
 {
     double tau = c->tau[i], side = c->side[i], l = c->l[i], m = c->m[i], n = c->n[i], a = l * l + m * m;
-    look e = look_at(s, c, i, tau);
+    torus_look e = torus_look_at(s, c, i, tau);
     double g = side * e.at.g, b = side * e.b, over = chosen(MASK(side > 0), a + n * n, -c->kappa[i]);
     double ease = -b - 4 * e.b_err, most = larger(over, 0.4 * b * b / g), way = 0.75 * ease / most, width = START_ULPS * e.terms / -b;
     way = chosen(MASK(side < 0) & MASK(tau + way > c->enter[i]) & MASK(tau < c->enter[i]), c->enter[i] - tau, way);
@@ -261,7 +261,7 @@ SGT_INLINE void course_judge(const ring *s, course *c, size_t i)
 }
 
 /* To where no root is before; of one that is found by Newton's step. */
-SGT_INLINE void course_move(course *c, size_t i)
+SGT_INLINE void course_move(torus_course *c, size_t i)
 {
     double tau = c->tau[i], side = c->side[i], l = c->l[i], m = c->m[i], n = c->n[i], A = (l * l + m * m) + n * n, g = c->g[i], b = c->b[i];
     double under = chosen(MASK(side > 0), c->kappa[i], -A), low = g - 2 * c->g_err[i], fall = -b + 2 * c->b_err[i], root = fall * fall - under * low;
@@ -280,29 +280,29 @@ SGT_INLINE void course_move(course *c, size_t i)
 }
 
 SGT_KERNEL
-static void begin(const ring *shared, course *c, size_t n, const double *const o[3], const double *const d[3], const double *tmin)
+static void torus_begin(const torus_ring *shared, torus_course *c, size_t n, const double *const o[3], const double *const d[3], const double *tmin)
 {
-    const ring s = *shared;
+    const torus_ring s = *shared;
     const double *ox = o[0], *oy = o[1], *oz = o[2], *dx = d[0], *dy = d[1], *dz = d[2];
     LANES for (size_t i = 0; i < n; i++) course_begin(&s, c, i, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]}, tmin[i]);
 }
 
 SGT_KERNEL
-static void judge(const ring *shared, course *c, size_t n)
+static void torus_judge(const torus_ring *shared, torus_course *c, size_t n)
 {
-    const ring s = *shared;
+    const torus_ring s = *shared;
     LANES for (size_t i = 0; i < n; i++) course_judge(&s, c, i);
 }
 
 SGT_KERNEL
-static void move(course *c, size_t n)
+static void move(torus_course *c, size_t n)
 {
     LANES for (size_t i = 0; i < n; i++) course_move(c, i);
 }
 
 /* 0: all have come to an end. */
 SGT_KERNEL
-static double unfinished(const course *c, size_t n)
+static double unfinished(const torus_course *c, size_t n)
 {
     double more = 0;
     _Pragma("omp simd reduction(+ : more)") for (size_t i = 0; i < n; i++) more += c->seek[i] + c->left[i];
@@ -311,7 +311,7 @@ static double unfinished(const course *c, size_t n)
 
 /* single: as far as the search has come; else the span, with its seed. */
 SGT_KERNEL
-static void end(const course *c, size_t n, bool single, double *lo, double *hi, double *seed, bool *is_single)
+static void end(const torus_course *c, size_t n, bool single, double *lo, double *hi, double *seed, bool *is_single)
 {
     LANES for (size_t i = 0; i < n; i++) {
         mask none = MASK(c->none[i] > 0), found = MASK(single) & MASK(c->met[i] > 0);
@@ -322,17 +322,17 @@ static void end(const course *c, size_t n, bool single, double *lo, double *hi, 
     }
 }
 
-static void search(const void *self, size_t n, sgt_rays rays, bool first, sgt_spans out)
+static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, sgt_spans out)
 {
-    ring s = ring_of(self);
-    course c;
+    torus_ring s = ring_of(self);
+    torus_course c;
     row whole;
     for (size_t i = 0; i < BLOCK; i++) whole[i] = -HUGE_VAL;
     for (size_t at = 0, few; at < n; at += few) {
         few = n - at < BLOCK ? n - at : BLOCK;
         const double *const o[3] = {rays.o[0] + at, rays.o[1] + at, rays.o[2] + at}, *const d[3] = {rays.d[0] + at, rays.d[1] + at, rays.d[2] + at};
-        begin(&s, &c, few, o, d, first ? rays.tmin + at : whole);
-        for (int i = 0; i < STEPS && unfinished(&c, few) > 0; i++) judge(&s, &c, few), move(&c, few);
+        torus_begin(&s, &c, few, o, d, first ? rays.tmin + at : whole);
+        for (int i = 0; i < STEPS && unfinished(&c, few) > 0; i++) torus_judge(&s, &c, few), move(&c, few);
         end(&c, few, first, out.lo + at, out.hi + at, out.seed + at, out.single + at);
         for (size_t i = 0; i < few; i++) /* in lengths of so long a d the ends may underflow */
             if (!(c.scale[i] * (s.R + s.r) > 0x1p-900) && out.lo[at + i] <= out.hi[at + i])
@@ -340,19 +340,19 @@ static void search(const void *self, size_t n, sgt_rays rays, bool first, sgt_sp
     }
 }
 
-static void torus_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out) { search(self, n, rays, false, out); }
-static void torus_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out) { search(self, n, rays, true, out); }
+static void torus_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out) { torus_search(self, n, rays, false, out); }
+static void torus_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out) { torus_search(self, n, rays, true, out); }
 
-static sgt_span alone(const void *self, const sgt_ray *ray, bool first)
+static sgt_span unique(const void *self, const sgt_ray *ray, bool first)
 {
     sgt_span a;
     sgt_rays rays = {{&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};
-    search(self, 1, rays, first, (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single});
+    torus_search(self, 1, rays, first, (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single});
     return a;
 }
 
-static sgt_span torus_span(const void *self, const sgt_ray *ray) { return alone(self, ray, false); }
-static sgt_span torus_first(const void *self, const sgt_ray *ray) { return alone(self, ray, true); }
+static sgt_span torus_span(const void *self, const sgt_ray *ray) { return unique(self, ray, false); }
+static sgt_span torus_first(const void *self, const sgt_ray *ray) { return unique(self, ray, true); }
 
 /* ------------------------------------------------------------------ by intervals */
 
@@ -450,7 +450,7 @@ static sgt_interval torus_enclose(const void *self, const sgt_ray *ray, sgt_inte
 
 static void torus_second(const void *self, size_t n, sgt_points p, double *const out[6])
 {
-    ring s = ring_of(self);
+    torus_ring s = ring_of(self);
     for (size_t i = 0; i < n; i++) {
         double x = p.p[0][i], y = p.p[1][i], z = p.p[2][i];
         tube at = tube_at(&s, x, y, z);
@@ -470,7 +470,7 @@ static size_t torus_parameters(const void *self) { return (void)self, 2; }
 
 static void torus_by_parameter(const void *self, size_t j, size_t n, sgt_points p, sgt_values out)
 {
-    ring s = ring_of(self);
+    torus_ring s = ring_of(self);
     for (size_t i = 0; i < n; i++) {
         double x = p.p[0][i], y = p.p[1][i], z = p.p[2][i], f, gx, gy, gz;
         tube at = tube_at(&s, x, y, z);
@@ -499,9 +499,9 @@ sgt_objection sgt_torus_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const struct sgt_own torus_own = {.object = sgt_torus_object, .roundings = torus_roundings, .enclose = torus_enclose_from};
+static const struct sgt_builtin_ops torus_builtin = {.object = sgt_torus_object, .roundings = torus_roundings, .enclose = torus_enclose_from};
 
 const sgt_surface_ops sgt_torus_ops = {
     .name = "torus", .value = torus_value, .values = torus_values, .span = torus_span, .spans = torus_spans, .rounding = torus_rounding,
     .clearance = torus_clearance, .enclose = torus_enclose, .first = torus_first, .firsts = torus_firsts, .second = torus_second,
-    .parameters = torus_parameters, .by_parameter = torus_by_parameter, .own_ = &torus_own};
+    .parameters = torus_parameters, .by_parameter = torus_by_parameter, .own_ = &torus_builtin};

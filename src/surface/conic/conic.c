@@ -47,7 +47,7 @@
 static const double EPS = 0x1p-100;
 static const double D_MIN = 0x1p-20;
 
-static bool before(const meeting *a, const meeting *b) { return a->t < b->t || (a->t == b->t && a->t_lo < b->t_lo); }
+static bool conic_before(const meeting *a, const meeting *b) { return a->t < b->t || (a->t == b->t && a->t_lo < b->t_lo); }
 
 /* ------------------------------------------------------------------- easy */
 
@@ -80,13 +80,13 @@ static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_option
 
 /* ------------------------------------------------------------------ quick */
 
-typedef struct verdict { bool counts, certain; } verdict;
+typedef struct conic_verdict { bool accepted, certain; } conic_verdict;
 
 typedef struct quadric { double c, k, k1, abs_k1, A, Aa, Ba, Ca, S; } quadric;
 
-SGT_INLINE verdict quick_root(meeting *at, double tau, const quadric *g, const local *q, const sgt_ray *ray, double rim2, const sgt_options *opt)
+SGT_INLINE conic_verdict quick_root(meeting *at, double tau, const quadric *g, const local *q, const sgt_ray *ray, double rim2, const sgt_options *opt)
 {
-    verdict r;
+    conic_verdict r;
     double spread = (g->Aa * tau * tau + 2 * g->Ba * fabs(tau) + g->Ca);
     double tau_err = 3.25 * SGT_U * spread / g->S + 4.25 * SGT_U * fabs(tau);
     meeting_place(at, q, tau, tau_err);
@@ -110,13 +110,13 @@ SGT_INLINE verdict quick_root(meeting *at, double tau, const quadric *g, const l
     r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms && at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL && sharp(at, opt->t_tol)
                                 && !(fabs(at->t - ray->tmax) <= until) && !(fabs(from_start) <= until * steep)
                                 && (opt->proof == SGT_ESTIMATE || !(rim_hidden(at, rim2) || fabs(g->A) * at->t_err > 0.99 * g->S * q->scale)));
-    r.counts = !off_sheet && counts(at, ray, rim2, q->scale);
+    r.accepted = !off_sheet && accepted(at, ray, rim2, q->scale);
     return r;
 }
 
 typedef enum quick_answer { QUICK_HARD, QUICK_MISS, QUICK_HIT } quick_answer;
 
-SGT_INLINE quick_answer quick(double c, double k, double rim2, bool started, const sgt_ray *ray, const sgt_options *opt, meeting *out)
+SGT_INLINE quick_answer conic_quick(double c, double k, double rim2, bool started, const sgt_ray *ray, const sgt_options *opt, meeting *out)
 {
     local q = local_at_vertex_plane(ray);
     quadric g = {.c = c, .k = k, .k1 = 1 + k, .abs_k1 = fabs(1 + k)};
@@ -133,22 +133,22 @@ SGT_INLINE quick_answer quick(double c, double k, double rim2, bool started, con
     if (!(D > D_MIN * size && ranges)) return QUICK_HARD;
     g.S = sqrt(D);
     double b = B + copysign(g.S, B), tau = C / b; /* the other root is b / A: away where A = 0 */
-    verdict near = quick_root(out, tau, &g, &q, ray, rim2, opt);
+    conic_verdict near = quick_root(out, tau, &g, &q, ray, rim2, opt);
     /* the other is of no interest where the near one counts and is wanted, or is certainly the first */
     bool bounded = fabs(g.A) > 0x1p-40 * g.Aa;
     bool behind = bounded ? b * g.A > 0 && fabs(b) > fabs(g.A) * (larger(tau, 0) + 0x1p-20 * (fabs(q.t0) + fabs(tau))) : g.Aa == 0;
-    if (near.certain && near.counts && (opt->pick == SGT_NEAR_SEED || behind)) return QUICK_HIT;
+    if (near.certain && near.accepted && (opt->pick == SGT_NEAR_SEED || behind)) return QUICK_HIT;
     meeting other;
-    verdict far = {.certain = g.Aa == 0};
+    conic_verdict far = {.certain = g.Aa == 0};
     if (bounded) far = quick_root(&other, b / g.A, &g, &q, ray, rim2, opt);
     if (started && fabs(g.A) > 0x1p-10 * g.Aa && D > 0x1p-10 * size) { /* one of the two is the start, as long as there is a sheet of it */
         double to_near = fabs(out->t - ray->tmin), to_far = fabs(other.t - ray->tmin);
-        if (to_near < 0.25 * to_far) near = (verdict){.counts = false, .certain = true};
-        if (to_far < 0.25 * to_near) far = (verdict){.counts = false, .certain = true};
+        if (to_near < 0.25 * to_far) near = (conic_verdict){.accepted = false, .certain = true};
+        if (to_far < 0.25 * to_near) far = (conic_verdict){.accepted = false, .certain = true};
     }
     if (!near.certain || !far.certain) return QUICK_HARD;
-    if (!near.counts && !far.counts) return QUICK_MISS;
-    if (far.counts && !(near.counts && (opt->pick == SGT_NEAR_SEED || before(out, &other)))) *out = other;
+    if (!near.accepted && !far.accepted) return QUICK_MISS;
+    if (far.accepted && !(near.accepted && (opt->pick == SGT_NEAR_SEED || conic_before(out, &other)))) *out = other;
     return QUICK_HIT;
 }
 
@@ -165,7 +165,7 @@ typedef struct careful_quadric {
 
 typedef struct careful_root {
     meeting at;
-    bool ends, counts;  /* by the ends; by the rim too */
+    bool ends, accepted;  /* by the ends; by the rim too */
     bool hidden;        /* t_err is far wider than rounding, and that cannot be told */
     int sheet;    /* 1 on it, 0 cannot be told, -1 off it */
     double terms; /* of the rule of the start, at the equator too */
@@ -215,10 +215,10 @@ SGT_INLINE careful_quadric careful_setup(double c, double k, const sgt_ray *ray)
 }
 
 /* What is said of `at`, which has the rule's v, slope and n. */
-SGT_INLINE void judge(careful_root *r, const meeting *at, const sgt_ray *ray, double rim2, double scale)
+SGT_INLINE void conic_judge(careful_root *r, const meeting *at, const sgt_ray *ray, double rim2, double scale)
 {
-    r->ends = counts(at, ray, HUGE_VAL, scale);
-    r->counts = r->ends && !(at->p.x * at->p.x + at->p.y * at->p.y > rim2);
+    r->ends = accepted(at, ray, HUGE_VAL, scale);
+    r->accepted = r->ends && !(at->p.x * at->p.x + at->p.y * at->p.y > rim2);
     if (r->ends) r->hidden = at->p_err > 0x1p-40 * (fabs(at->p.x) + fabs(at->p.y)) && rim_hidden(at, rim2);
     else r->hidden = at->t + at->t_err >= ray->tmin && at->t - at->t_err <= ray->tmax
                   && ends_hide(at, ray, rim2, r->terms > 0 ? START_ULPS * r->terms / at->slope * scale : 0);
@@ -252,7 +252,7 @@ SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, d
     r.at.n = (sgt_vec3){px.hi * steep, py.hi * steep, 1};
     snap(&r.at, g->c, g->k, square_radius(r.at.p.x, r.at.p.y), 0, 0);
     r.terms = g->U * (fabs(g->gamma) * (px.hi * px.hi + py.hi * py.hi) + fabs(v.hi * pz.hi));
-    judge(&r, &r.at, ray, rim2, q->scale);
+    conic_judge(&r, &r.at, ray, rim2, q->scale);
     return r;
 }
 
@@ -263,12 +263,12 @@ static careful_root refined(double c, double k, careful_root r, const local *q, 
     shape s = {.c = c, .k = k, .ck = (1 + k) * c, .rim2 = rim2};
     careful_root again = r;
     double v_err;
-    if (!sgt_form_settle(&s, ray, r.at.t / q->scale, r.at.t_lo / q->scale, &again.at, &v_err, w)) return r;
+    if (!sgt_poly_settle(&s, ray, r.at.t / q->scale, r.at.t_lo / q->scale, &again.at, &v_err, w)) return r;
     if (!(again.at.t_err < r.at.t_err && fabs(again.at.t - r.at.t) <= r.at.t_err + again.at.t_err)) return r;
     /* v in one double may be lost in its rounding, at the equator, and with it the rule of the start */
     meeting judged = again.at;
     judged.v = r.at.v, judged.slope = r.at.slope, judged.n = r.at.n;
-    judge(&again, &judged, ray, rim2, q->scale);
+    conic_judge(&again, &judged, ray, rim2, q->scale);
     return again;
 }
 
@@ -297,7 +297,7 @@ static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *
         bool may = p->r[0].sheet >= 0 && p->r[0].ends;
         if (p->r[0].sheet >= 0 && p->r[0].hidden) return SGT_UNPROVEN;
         if (may && w->opt->proof != SGT_ESTIMATE && rim_hidden(&p->r[0].at, rim2)) return SGT_UNPROVEN;
-        return may && p->r[0].counts ? SGT_GRAZE : SGT_MISS;
+        return may && p->r[0].accepted ? SGT_GRAZE : SGT_MISS;
     }
     twofold S = twofold_root(D), b = B.hi < 0 ? twofold_difference(B, S) : twofold_sum(B, S);
     p->far_exists = fabs(A.hi) > 2 * dA;
@@ -309,13 +309,13 @@ static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *
         double s = fabs(tau[i].hi), e = (dA * s * s + 2 * dB * s + dC) / S.hi + EPS * s;
         r[i] = refined(c, k, careful_root_at(&g, tau[i], e, S.hi, ray, rim2), &g.q, ray, rim2, w);
     }
-    p->near_second = p->far_exists && before(&r[1].at, &r[0].at); /* not of NaN */
+    p->near_second = p->far_exists && conic_before(&r[1].at, &r[0].at); /* not of NaN */
     p->r[0] = r[p->near_second], p->r[1] = r[!p->near_second];
     return SGT_HIT;
 }
 
 /* Does it count, or may it, as far as the rim can be told? */
-static bool careful_may(const careful_root *r, double rim2) { return r->counts || (r->ends && rim_hidden(&r->at, rim2)); }
+static bool careful_may(const careful_root *r, double rim2) { return r->accepted || (r->ends && rim_hidden(&r->at, rim2)); }
 
 /* The i-th root, on the sheet as far as can be told, is proven: alone in [t - t_err, t + t_err], its side of the rim certain. */
 static bool careful_proof(const careful_pair *p, int i, double rim2)
@@ -336,15 +336,15 @@ static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, m
     const careful_root *near = &p.r[p.near_second];
     /* A within its rounding of 0: the far root is farther than the near one by 2^90, if anywhere */
     if (p.away < HUGE_VAL) {
-        bool near_counts = near->counts && near->sheet > 0, after = ray->tmax >= p.away, before_it = ray->tmin <= -p.away;
-        if (near_counts ? before_it && pick != SGT_NEAR_SEED : after || before_it) return SGT_UNPROVEN;
+        bool near_accepted = near->accepted && near->sheet > 0, after = ray->tmax >= p.away, before_it = ray->tmin <= -p.away;
+        if (near_accepted ? before_it && pick != SGT_NEAR_SEED : after || before_it) return SGT_UNPROVEN;
     }
     const careful_root *wanted[2] = {pick == SGT_NEAR_SEED ? near : &p.r[0], pick == SGT_NEAR_SEED ? &p.r[!p.near_second] : &p.r[1]};
     for (int i = 0; i < (p.far_exists ? 2 : 1); i++) {
         const careful_root *r = wanted[i];
         if (r->sheet < 0) continue;
         if (!(r->at.t_err < HUGE_VAL)) return SGT_UNPROVEN; /* out of range */
-        if (!(proof ? careful_may(r, rim2) : r->counts) && !r->hidden) continue;
+        if (!(proof ? careful_may(r, rim2) : r->accepted) && !r->hidden) continue;
         *out = r->at;
         return !r->hidden && r->sheet > 0 && (!proof || careful_proof(&p, (int)(r - p.r), rim2))
                    ? SGT_HIT
@@ -381,10 +381,10 @@ SGT_INLINE sgt_status plane(double rim2, const sgt_ray *ray, bool proof, meeting
     if (out->t - out->t_err > ray->tmax || out->t + out->t_err < ray->tmin) return SGT_MISS;
     /* so nearly parallel that t, or the point, is out of range */
     if (!(out->t_err < HUGE_VAL && out->p_err < HUGE_VAL)) return SGT_UNPROVEN;
-    bool ends = counts(out, ray, HUGE_VAL, q.scale);
+    bool ends = accepted(out, ray, HUGE_VAL, q.scale);
     if (ends ? proof && rim_hidden(out, rim2) : ray->o.z != 0 && ends_hide(out, ray, rim2, 0))
         return SGT_UNPROVEN;
-    return counts(out, ray, rim2, q.scale) ? SGT_HIT : SGT_MISS;
+    return accepted(out, ray, rim2, q.scale) ? SGT_HIT : SGT_MISS;
 }
 
 /* -------------------------------------------------------------- together */
@@ -395,7 +395,7 @@ static double conic_f(double c, double k, sgt_vec3 p)
     return p.z - conic_sag(c, k, p.x * p.x + p.y * p.y, &phi, &slope);
 }
 
-SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
+SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
 {
     double rim2 = rim2_of(semi_diameter);
     meeting at = {.t_err = (double)NAN};
@@ -422,7 +422,7 @@ SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray 
         status = plane(rim2, ray, opt->proof != SGT_ESTIMATE, &at);
     } else {
         bool started = usual && starts_on(&b, ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z, ray->tmin) != 0;
-        quick_answer answer = quick(c, k, rim2, started, ray, opt, &at);
+        quick_answer answer = conic_quick(c, k, rim2, started, ray, opt, &at);
         status = answer == QUICK_HIT ? SGT_HIT : SGT_MISS;
         if (answer == QUICK_HARD) at.t_err = (double)NAN, status = careful(c, k, rim2, ray, &at, &w);
     }
@@ -439,13 +439,13 @@ SGT_INLINE sgt_hit meet(double c, double k, double semi_diameter, const sgt_ray 
 
 sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
 {
-    return meet(c, k, semi_diameter, ray, opt);
+    return conic_first(c, k, semi_diameter, ray, opt);
 }
 
 static sgt_hit conic_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
 {
     const sgt_conic *s = self;
-    return meet(s->c, s->k, s->semi_diameter, ray, opt);
+    return conic_first(s->c, s->k, s->semi_diameter, ray, opt);
 }
 
 static void unproven_about(sgt_list *list, const meeting *at, const sgt_ray *ray, tally *w)
@@ -464,7 +464,7 @@ sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray
     bool proof = opt->proof != SGT_ESTIMATE;
     p.r[0].at.t_err = (double)NAN;
     if (rim_in_range(rim2)) status = c == 0 ? plane(rim2, ray, proof, &p.r[0].at) : careful_roots(c, k, rim2, ray, &p, &w);
-    if (c == 0) p.r[0].counts = true, p.r[0].sheet = 1;
+    if (c == 0) p.r[0].accepted = true, p.r[0].sheet = 1;
     if (status == SGT_UNPROVEN && (c == 0 || p.touches) && p.r[0].at.t_err < HUGE_VAL) unproven_about(list, &p.r[0].at, ray, &w);
     else if (status == SGT_UNPROVEN) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
     if (status < 0 || status == SGT_MISS) return SGT_MISS;
@@ -474,7 +474,7 @@ sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray
         const careful_root *r = &p.r[i];
         if (status == SGT_HIT
             && (r->sheet < 0
-                || (r->at.t_err < HUGE_VAL && !r->hidden && !(proof ? careful_may(r, rim2) : r->counts))))
+                || (r->at.t_err < HUGE_VAL && !r->hidden && !(proof ? careful_may(r, rim2) : r->accepted))))
             continue;
         if (!(r->at.t_err < HUGE_VAL)) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL); /* out of range */
         else if (status == SGT_HIT
@@ -524,19 +524,19 @@ static sgt_interval conic_enclose(const void *self, const sgt_ray *ray, sgt_inte
     return conic_valid(s->c, s->k, s->semi_diameter) ? sgt_sag_enclose(&h, ray, 0, t, slope) : *slope;
 }
 
-static size_t conic_sweep(const void *self, const sgt_tile *tile, const sgt_options *opt)
+static size_t conic_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_conic *s = self;
-    return sgt_conic_sweep(s->c, s->k, s->semi_diameter, tile, opt);
+    return sgt_conic_lanes(s->c, s->k, s->semi_diameter, tile, opt);
 }
 
-static bool conic_alone(const void *self, const sgt_tile *tile, double rim2, mask alone[], sgt_interval others[])
+static bool conic_unique(const void *self, const sgt_tile *tile, double rim2, mask unique[], sgt_interval others[])
 {
     const sgt_conic *s = self;
-    return sgt_conic_alone(s->c, s->k, s->semi_diameter, tile, rim2, alone, others);
+    return sgt_conic_unique(s->c, s->k, s->semi_diameter, tile, rim2, unique, others);
 }
 
-static const struct sgt_own conic_own = {.meet = conic_meet, .all = conic_all, .sweep = conic_sweep, .alone = conic_alone};
+static const struct sgt_builtin_ops conic_builtin = {.meet = conic_meet, .all = conic_all, .lanes = conic_lanes, .unique = conic_unique};
 
-const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .enclose = conic_enclose, .own_ = &conic_own,
+const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .enclose = conic_enclose, .own_ = &conic_builtin,
                                        .second = sgt_conic_second, .parameters = sgt_conic_parameters, .by_parameter = sgt_conic_by_parameter};

@@ -112,10 +112,10 @@ SGT_INLINE mask starts_on(const bowl *s, double ox, double oy, double oz, double
 }
 
 /* Neither root counts; and of the far one alone: it does not, it does, it is in far +- slack. */
-typedef struct verdicts { mask away, far_gone, far_counts; double far, slack; } verdicts;
+typedef struct verdicts { mask away, far_gone, far_accepted; double far, slack; } verdicts;
 
 /* It counts, as certainly as `gone` says that it does not; S is G' there, but for its sign. */
-SGT_INLINE mask stays(const bowl *s, double x, double y, double t0, double tau, double l, double m, double n, double tmin, double tmax, double S)
+SGT_INLINE mask conic_stays(const bowl *s, double x, double y, double t0, double tau, double l, double m, double n, double tmin, double tmax, double S)
 {
     double px = sgt_fma(tau, l, x), py = sgt_fma(tau, m, y), pz = tau * n, w = s->ck * pz,
            r2 = px * px + py * py, t = t0 + tau, slack = 0x1p-20 * (fabs(t0) + fabs(tau));
@@ -144,8 +144,8 @@ SGT_INLINE verdicts easy_away(const bowl *s, double ox, double oy, double oz, do
                      | (start & two & MASK(to_near < 0.25 * to_far)) | from_it;
     far_gone &= usual & real;
     double slack = 0x1p-20 * (fabs(t0) + fabs(far));
-    mask far_counts = usual & real & two & MASK(fabs(far - near) > 2 * slack) & stays(s, x, y, t0, far, l, m, n, tmin, tmax, S);
-    return (verdicts){(usual & MASK(D < -0x1p-20 * size)) | (far_gone & near_gone), far_gone, far_counts, t0 + far, slack};
+    mask far_accepted = usual & real & two & MASK(fabs(far - near) > 2 * slack) & conic_stays(s, x, y, t0, far, l, m, n, tmin, tmax, S);
+    return (verdicts){(usual & MASK(D < -0x1p-20 * size)) | (far_gone & near_gone), far_gone, far_accepted, t0 + far, slack};
 }
 
 /* A plane: the same with tau = 0. */

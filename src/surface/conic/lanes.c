@@ -6,10 +6,10 @@
 typedef struct bowl_room {
     _Alignas(64) double x[SGT_TILE];
     double y[SGT_TILE], tau[SGT_TILE], t[SGT_TILE], t_err[SGT_TILE], tau_err[SGT_TILE], t0[SGT_TILE], small[SGT_TILE];
-    sweep_ends ends;
+    lane_ends ends;
 } bowl_room;
 
-SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool proof, bool rich, const sgt_tile *tile, bowl_room *room)
+SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof, bool rich, const sgt_tile *tile, bowl_room *room)
 {
     const bowl own = *self, *s = &own; /* no output is a part of it */
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
@@ -20,21 +20,21 @@ SGT_INLINE size_t sweep_bowl(const bowl *self, bool plane, bool first, bool proo
         room->x[i] = r.x, room->y[i] = r.y, room->tau[i] = r.tau, room->t[i] = r.t, room->t_err[i] = r.t_err;
         if (rich) room->tau_err[i] = r.tau_err, room->t0[i] = r.t0, room->small[i] = r.small;
     }
-    sweep_to to = sweep_to_of(tile, &room->ends);
+    lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         near_root r = {.x = room->x[i], .y = room->y[i], .tau = room->tau[i], .t = room->t[i], .t_err = room->t_err[i]};
         if (rich) r.tau_err = room->tau_err[i], r.t0 = room->t0[i], r.small = room->small[i];
         lane e = plane ? plane_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]) : easy_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
-        SWEEP_STORE(to, i, e, rich);
+        LANE_STORE(to, i, e, rich);
         all &= e.hit;
     }
-    return sweep_told(tile, &room->ends, 1, all);
+    return lane_told(tile, &room->ends, 1, all);
 }
 
 /* The verdicts of all rays. */
 SGT_KERNEL
-static void conic_sweep_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone)
+static void conic_lanes_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone)
 {
     const bowl own = *self, *s = &own;
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
@@ -47,7 +47,7 @@ static void conic_sweep_away(const bowl *self, const sgt_tile *tile, mask *away,
 }
 
 SGT_KERNEL
-static void conic_sweep_plane_away(const bowl *self, const sgt_tile *tile, mask *away)
+static void conic_lanes_plane_away(const bowl *self, const sgt_tile *tile, mask *away)
 {
     const bowl own = *self, *s = &own;
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
@@ -60,7 +60,7 @@ static void conic_sweep_plane_away(const bowl *self, const sgt_tile *tile, mask 
 
 /* Of the far roots of all rays. */
 SGT_KERNEL
-static void conic_sweep_far(const bowl *self, const sgt_tile *tile, mask *gone, mask *counts, double *far, double *slack)
+static void conic_lanes_far(const bowl *self, const sgt_tile *tile, mask *gone, mask *accepted, double *far, double *slack)
 {
     const bowl own = *self, *s = &own;
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
@@ -68,59 +68,59 @@ static void conic_sweep_far(const bowl *self, const sgt_tile *tile, mask *gone, 
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
         verdicts v = easy_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
-        gone[i] = v.far_gone, counts[i] = v.far_counts, far[i] = v.far, slack[i] = v.slack;
+        gone[i] = v.far_gone, accepted[i] = v.far_accepted, far[i] = v.far, slack[i] = v.slack;
     }
 }
 
 #define SWEEP_BOWL(name, plane, first, proof, rich)                                                 \
     SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
     {                                                                                               \
-        return sweep_bowl(s, plane, first, proof, rich, tile, room);                                \
+        return lane_bowl(s, plane, first, proof, rich, tile, room);                                \
     }
 
-SWEEP_BOWL(conic_sweep_plane, true, false, false, false)
-SWEEP_BOWL(conic_sweep_plane_rich, true, false, false, true)
-SWEEP_BOWL(conic_sweep_plane_sure, true, false, true, false)
-SWEEP_BOWL(conic_sweep_plane_sure_rich, true, false, true, true)
-SWEEP_BOWL(conic_sweep_near, false, false, false, false)
-SWEEP_BOWL(conic_sweep_near_rich, false, false, false, true)
-SWEEP_BOWL(conic_sweep_near_sure, false, false, true, false)
-SWEEP_BOWL(conic_sweep_near_sure_rich, false, false, true, true)
-SWEEP_BOWL(conic_sweep_first, false, true, false, false)
-SWEEP_BOWL(conic_sweep_first_rich, false, true, false, true)
-SWEEP_BOWL(conic_sweep_first_sure, false, true, true, false)
-SWEEP_BOWL(conic_sweep_first_sure_rich, false, true, true, true)
+SWEEP_BOWL(conic_lanes_plane, true, false, false, false)
+SWEEP_BOWL(conic_lanes_plane_rich, true, false, false, true)
+SWEEP_BOWL(conic_lanes_plane_sure, true, false, true, false)
+SWEEP_BOWL(conic_lanes_plane_sure_rich, true, false, true, true)
+SWEEP_BOWL(conic_lanes_near, false, false, false, false)
+SWEEP_BOWL(conic_lanes_near_rich, false, false, false, true)
+SWEEP_BOWL(conic_lanes_near_sure, false, false, true, false)
+SWEEP_BOWL(conic_lanes_near_sure_rich, false, false, true, true)
+SWEEP_BOWL(conic_lanes_first, false, true, false, false)
+SWEEP_BOWL(conic_lanes_first_rich, false, true, false, true)
+SWEEP_BOWL(conic_lanes_first_sure, false, true, true, false)
+SWEEP_BOWL(conic_lanes_first_sure_rich, false, true, true, true)
 
 /* The same, and the rays that start near the surface or on it as well: conic/easy.h, NEARBY.  In one loop, as
  * few tiles are met so. */
-SGT_INLINE size_t sweep_nearby(const bowl *self, bool plane, bool first, const sgt_tile *tile,
+SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, const sgt_tile *tile,
                                bowl_room *room)
 {
     const bowl own = *self, *s = &own;
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
                  *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
                  *t_tol = tile->t_tol;
-    sweep_to to = sweep_to_of(tile, &room->ends);
+    lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < tile->n; i++) {
         lane e = plane ? plane_at_start(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i])
                        : easy_or_nearby(s, first, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i],
                                         t_tol[i]);
-        SWEEP_STORE(to, i, e, true);
+        LANE_STORE(to, i, e, true);
         all &= e.hit;
     }
-    return sweep_told(tile, &room->ends, 1, all);
+    return lane_told(tile, &room->ends, 1, all);
 }
 
 #define SWEEP_NEARBY(name, plane, first)                                                            \
     SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
     {                                                                                               \
-        return sweep_nearby(s, plane, first, tile, room);                                           \
+        return lane_nearby(s, plane, first, tile, room);                                           \
     }
 
-SWEEP_NEARBY(conic_sweep_plane_nearby, true, false)
-SWEEP_NEARBY(conic_sweep_near_nearby, false, false)
-SWEEP_NEARBY(conic_sweep_first_nearby, false, true)
+SWEEP_NEARBY(conic_lanes_plane_nearby, true, false)
+SWEEP_NEARBY(conic_lanes_near_nearby, false, false)
+SWEEP_NEARBY(conic_lanes_first_nearby, false, true)
 
 /* Where the first ray of a tile starts: a guess at all of them, which costs time or saves it.  NEARBY: so
  * near the surface that t would not be sharp; LEAVING: on it, and that does not count. */
@@ -134,26 +134,26 @@ static beginning beginning_of(const bowl *s, const sgt_tile *tile)
     return tile->rays.tmin[0] >= 0 && g <= 0x1p-44 * fabs(z) ? LEAVING : NEARBY;
 }
 
-static size_t sweep_near(const bowl *s, bool rich, bool nearby, const sgt_tile *tile, bowl_room *room)
+static size_t lane_near(const bowl *s, bool rich, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
     if (nearby)
-        return s->c == 0 ? conic_sweep_plane_nearby(s, tile, room) : conic_sweep_near_nearby(s, tile, room);
-    if (s->c == 0 && s->proof) return rich ? conic_sweep_plane_sure_rich(s, tile, room) : conic_sweep_plane_sure(s, tile, room);
-    if (s->c == 0) return rich ? conic_sweep_plane_rich(s, tile, room) : conic_sweep_plane(s, tile, room);
-    if (s->proof) return rich ? conic_sweep_near_sure_rich(s, tile, room) : conic_sweep_near_sure(s, tile, room);
-    return rich ? conic_sweep_near_rich(s, tile, room) : conic_sweep_near(s, tile, room);
+        return s->c == 0 ? conic_lanes_plane_nearby(s, tile, room) : conic_lanes_near_nearby(s, tile, room);
+    if (s->c == 0 && s->proof) return rich ? conic_lanes_plane_sure_rich(s, tile, room) : conic_lanes_plane_sure(s, tile, room);
+    if (s->c == 0) return rich ? conic_lanes_plane_rich(s, tile, room) : conic_lanes_plane(s, tile, room);
+    if (s->proof) return rich ? conic_lanes_near_sure_rich(s, tile, room) : conic_lanes_near_sure(s, tile, room);
+    return rich ? conic_lanes_near_rich(s, tile, room) : conic_lanes_near(s, tile, room);
 }
 
-static size_t sweep_first(const bowl *s, bool rich, bool nearby, const sgt_tile *tile, bowl_room *room)
+static size_t lane_first(const bowl *s, bool rich, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
-    if (nearby) return conic_sweep_first_nearby(s, tile, room);
-    if (s->proof) return rich ? conic_sweep_first_sure_rich(s, tile, room) : conic_sweep_first_sure(s, tile, room);
-    return rich ? conic_sweep_first_rich(s, tile, room) : conic_sweep_first(s, tile, room);
+    if (nearby) return conic_lanes_first_nearby(s, tile, room);
+    if (s->proof) return rich ? conic_lanes_first_sure_rich(s, tile, room) : conic_lanes_first_sure(s, tile, room);
+    return rich ? conic_lanes_first_rich(s, tile, room) : conic_lanes_first(s, tile, room);
 }
 
 /* First hits that are found at once, as is usual where a surface bulges toward the ray; where many are not, those whose
  * far root, which comes first, does not count; and misses. */
-size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt)
+size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt)
 {
     bowl_room room;
     bowl s;
@@ -172,18 +172,18 @@ size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile 
     size_t hard = tile->n;
     if (later) memset(status, SGT_HARD, tile->n);
     else
-        hard = first ? sweep_first(&s, rich, nearby, tile, &room) : sweep_near(&s, rich, nearby, tile, &room);
+        hard = first ? lane_first(&s, rich, nearby, tile, &room) : lane_near(&s, rich, nearby, tile, &room);
     if (8 * hard <= tile->n) return hard; /* one by one */
-    if (c == 0) conic_sweep_plane_away(&s, tile, away);
-    else conic_sweep_away(&s, tile, away, far_gone);
+    if (c == 0) conic_lanes_plane_away(&s, tile, away);
+    else conic_lanes_away(&s, tile, away, far_gone);
     mask nearest = 0; /* of some the near root may count, and has not been looked for */
     for (size_t i = 0; i < tile->n; i++) {
         if (status[i] == SGT_HIT) far_gone[i] = MASK(true);
         else nearest |= ~away[i] & (first ? far_gone[i] : MASK(later));
     }
     if (nearest)
-        sweep_near(&s, rich, nearby, tile, &room); /* all of them: those found before come out the same */
-    else if (later) sweep_nothing(tile, &room.ends);
+        lane_near(&s, rich, nearby, tile, &room); /* all of them: those found before come out the same */
+    else if (later) lane_nothing(tile, &room.ends);
     hard = 0;
     for (size_t i = 0; i < tile->n; i++) {
         bool met = status[i] == SGT_HIT && (!first || far_gone[i]);
@@ -196,44 +196,44 @@ size_t sgt_conic_sweep(double c, double k, double semi_diameter, const sgt_tile 
 
 /* n^2 > limit (l^2 + m^2); where a square has underflown it is small beside n^2 times 2^-500. */
 SGT_KERNEL
-static mask sweep_monotone(double limit, const sgt_tile *tile, mask alone[])
+static mask lane_monotone(double limit, const sgt_tile *tile, mask unique[])
 {
     const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
     size_t count = tile->n;
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
         double a = l[i] * l[i] + m[i] * m[i], n2 = n[i] * n[i];
-        alone[i] = MASK(n2 > limit * a) & MASK(a + n2 > 0x1p-200);
-        all &= alone[i];
+        unique[i] = MASK(n2 > limit * a) & MASK(a + n2 > 0x1p-200);
+        all &= unique[i];
     }
     return all;
 }
 
-bool sgt_sweep_steeper(double limit, const sgt_tile *tile, mask alone[])
+bool sgt_lanes_steeper(double limit, const sgt_tile *tile, mask unique[])
 {
-    return sweep_monotone(limit < 0x1p500 ? limit : HUGE_VAL, tile, alone) != 0;
+    return lane_monotone(limit < 0x1p500 ? limit : HUGE_VAL, tile, unique) != 0;
 }
 
-bool sgt_sweep_monotone(const shape *s, const sgt_tile *tile, mask alone[]) { return sgt_sweep_steeper(single_limit(s), tile, alone); }
+bool sgt_lanes_monotone(const shape *s, const sgt_tile *tile, mask unique[]) { return sgt_lanes_steeper(single_limit(s), tile, unique); }
 
 /* The far root is elsewhere: F is monotone within the rim, or that root is known not to count (if the one that was met is
  * itself the far one, that is not said of it); or it is known to count. */
-bool sgt_conic_alone(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2, mask alone[], sgt_interval others[])
+bool sgt_conic_unique(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2, mask unique[], sgt_interval others[])
 {
-    mask gone[SGT_TILE], counts[SGT_TILE];
+    mask gone[SGT_TILE], accepted[SGT_TILE];
     double far[SGT_TILE], slack[SGT_TILE], own = rim2_of(semi_diameter);
     bowl b;
     shape s = {.c = c, .k = k, .ck = (1 + k) * c, .rim2 = rim2 < own ? rim2 : own};
     s.domain2 = domain2_within(c, k, s.rim2);
-    if (c == 0) memset(alone, 0xff, tile->n * sizeof *alone);
-    if (c == 0 || sgt_sweep_monotone(&s, tile, alone)) return true;
+    if (c == 0) memset(unique, 0xff, tile->n * sizeof *unique);
+    if (c == 0 || sgt_lanes_monotone(&s, tile, unique)) return true;
     if (!bowl_of(c, k, s.rim2, false, &b)) return false;
-    conic_sweep_far(&b, tile, gone, counts, far, slack);
+    conic_lanes_far(&b, tile, gone, accepted, far, slack);
     mask all = MASK(true);
     for (size_t i = 0; i < tile->n; i++) {
-        alone[i] |= gone[i], all &= alone[i];
-        if (alone[i] || !counts[i]) continue;
-        alone[i] = SGT_NOT_ALONE;
+        unique[i] |= gone[i], all &= unique[i];
+        if (unique[i] || !accepted[i]) continue;
+        unique[i] = SGT_NOT_UNIQUE;
         if (others) others[i] = (sgt_interval){far[i] - slack[i], far[i] + slack[i]};
     }
     return all != 0;

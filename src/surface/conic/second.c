@@ -5,7 +5,7 @@
 #include <string.h>
 
 SGT_KERNEL
-static void second(double c, double k, size_t n, const double *x, const double *y, double *xx, double *xy, double *xz, double *yy, double *yz, double *zz)
+static void conic_second_lanes(double c, double k, size_t n, const double *x, const double *y, double *xx, double *xy, double *xz, double *yy, double *yz, double *zz)
 {
     LANES for (size_t i = 0; i < n; i++) {
         curvatures s = conic_second(c, k, x[i], y[i]);
@@ -17,7 +17,7 @@ static void second(double c, double k, size_t n, const double *x, const double *
 void sgt_conic_second(const void *self, size_t n, sgt_points p, double *const out[6])
 {
     const sgt_conic *s = self;
-    second(s->c, s->k, n, p.p[0], p.p[1], out[0], out[1], out[2], out[3], out[4], out[5]);
+    conic_second_lanes(s->c, s->k, n, p.p[0], p.p[1], out[0], out[1], out[2], out[3], out[4], out[5]);
 }
 
 size_t sgt_conic_parameters(const void *self)
@@ -29,7 +29,7 @@ size_t sgt_conic_parameters(const void *self)
 /* The loops over points: F alone, and F with its gradient. */
 #define BY(NAME)                                                                                        \
     SGT_KERNEL                                                                                          \
-    static void NAME##_alone(double c, double k, size_t n, const double *x, const double *y, double *f) \
+    static void NAME##_only(double c, double k, size_t n, const double *x, const double *y, double *f) \
     {                                                                                                   \
         LANES for (size_t i = 0; i < n; i++) f[i] = -conic_##NAME(c, k, x[i] * x[i] + y[i] * y[i]).f;   \
     }                                                                                                   \
@@ -65,6 +65,6 @@ void sgt_conic_by_parameter(const void *self, size_t j, size_t n, sgt_points p, 
     const sgt_conic *s = self;
     const double *x = p.p[0], *y = p.p[1];
     if (s->c == 0) plane_by(j, n, x, y, out);
-    else if (!out.grad[0]) (j ? by_k_alone : by_c_alone)(s->c, s->k, n, x, y, out.f);
+    else if (!out.grad[0]) (j ? by_k_only : by_c_only)(s->c, s->k, n, x, y, out.f);
     else (j ? by_k_all : by_c_all)(s->c, s->k, n, x, y, out.f, out.grad[0], out.grad[1], out.grad[2]);
 }

@@ -93,7 +93,7 @@ static sgt_interval clipped(sgt_interval x, sgt_interval a, sgt_interval by)
 }
 
 /* (1 + k) c^2. */
-static sgt_interval bent_by(double c, double k)
+static sgt_interval biconic_bent_by(double c, double k)
 {
     sgt_interval of = sgt_interval_of(c);
     return sgt_interval_product(sgt_interval_product(sgt_interval_sum(sgt_interval_of(1), sgt_interval_of(k)), of), of);
@@ -102,7 +102,7 @@ static sgt_interval bent_by(double c, double k)
 /* phi and s over the region, which is clipped; as `bounds`. */
 static int biconic_over(const sgt_biconic *b, region *where, sgt_interval *root, sgt_interval *sag)
 {
-    sgt_interval one = {1, 1}, cx = sgt_interval_of(b->c_x), cy = sgt_interval_of(b->c_y), A = bent_by(b->c_x, b->k_x), B = bent_by(b->c_y, b->k_y);
+    sgt_interval one = {1, 1}, cx = sgt_interval_of(b->c_x), cy = sgt_interval_of(b->c_y), A = biconic_bent_by(b->c_x, b->k_x), B = biconic_bent_by(b->c_y, b->k_y);
     pentagon at = squares_in(where);
     sgt_interval D = sgt_interval_difference(one, linear_over(&at, A, B));
     int defined = 1;
@@ -129,7 +129,7 @@ static sgt_interval biconic_range(const void *self, const region *where)
 static int biconic_bounds(const void *self, region *where, bounds *out)
 {
     const sgt_biconic *b = self;
-    sgt_interval phi, s, cx = sgt_interval_of(b->c_x), cy = sgt_interval_of(b->c_y), A = bent_by(b->c_x, b->k_x), B = bent_by(b->c_y, b->k_y);
+    sgt_interval phi, s, cx = sgt_interval_of(b->c_x), cy = sgt_interval_of(b->c_y), A = biconic_bent_by(b->c_x, b->k_x), B = biconic_bent_by(b->c_y, b->k_y);
     int defined = biconic_over(b, where, &phi, &s);
     if (!defined) return 0;
     pentagon at = squares_in(where);
@@ -225,14 +225,14 @@ static const departure biconic_departure = {.at = biconic_at, .rounding = biconi
                                             .parameters = biconic_parameter_count, .by_parameter = biconic_by_parameter_of, .object = biconic_objection, .noise = biconic_noise};
 
 /* The seed: a conic of the mean curvature, and the conic constant of the stronger. */
-static freeform biconic_alone(const sgt_biconic *b)
+static departure_sag biconic_unique(const sgt_biconic *b)
 {
     double k = fabs(b->c_x) > fabs(b->c_y) ? b->k_x : b->k_y;
     double A = (1 + b->k_x) * b->c_x * b->c_x, B = (1 + b->k_y) * b->c_y * b->c_y, least = A < B ? A : B, reach = least > 0x1p-900 ? (1 + 0x1p-40) / sqrt(least) : 0;
-    return (freeform){.c = 0.5 * (b->c_x + b->c_y), .k = k, .semi_diameter = b->semi_diameter, .of = &biconic_departure, .self = b, .reach = reach};
+    return (departure_sag){.c = 0.5 * (b->c_x + b->c_y), .k = k, .semi_diameter = b->semi_diameter, .of = &biconic_departure, .self = b, .reach = reach};
 }
 
-FREEFORM_OPS(biconic, sgt_biconic, biconic_alone)
+FREEFORM_OPS(biconic, sgt_biconic, biconic_unique)
 
 /* The same of a cylinder, by the names that row has for them. */
 sgt_objection sgt_cylinder_object(const void *self)

@@ -156,7 +156,7 @@ static void one_polynomial(double norm, size_t degree, size_t n, const double *x
 }
 
 SGT_KERNEL
-static void product(size_t n, const double *a, const double *da, const double *b, const double *db, double *restrict p, double *restrict px, double *restrict py)
+static void chebyshev_product(size_t n, const double *a, const double *da, const double *b, const double *db, double *restrict p, double *restrict px, double *restrict py)
 {
     LANES
     for (size_t i = 0; i < n; i++) p[i] = a[i] * b[i], px[i] = da[i] * b[i], py[i] = a[i] * db[i];
@@ -168,13 +168,13 @@ static void chebyshev_by_parameter(const void *self, size_t j, size_t n, const d
     double a[FREEFORM_BLOCK], da[FREEFORM_BLOCK], b[FREEFORM_BLOCK], db[FREEFORM_BLOCK];
     one_polynomial(s->norm_x, j / s->a.columns, n, x, a, da);
     one_polynomial(s->norm_y, j % s->a.columns, n, y, b, db);
-    product(n, a, da, b, db, out.p, out.px, out.py);
+    chebyshev_product(n, a, da, b, db, out.p, out.px, out.py);
 }
 
 /* U_n-1 and its derivative V_n-1 by the same theorem: U_n' = U_n-1 + x U_n-1' + n U_n-1; T_n'' = n U_n-1'. */
-typedef struct bending { double x[FREEFORM_BLOCK], w[FREEFORM_BLOCK], t[FREEFORM_BLOCK], u[FREEFORM_BLOCK], v[FREEFORM_BLOCK]; } bending;
+typedef struct chebyshev_bending { double x[FREEFORM_BLOCK], w[FREEFORM_BLOCK], t[FREEFORM_BLOCK], u[FREEFORM_BLOCK], v[FREEFORM_BLOCK]; } chebyshev_bending;
 
-SGT_INLINE void start_bending(bending *a, double norm, size_t n, const double *x)
+SGT_INLINE void start_bending(chebyshev_bending *a, double norm, size_t n, const double *x)
 {
     LANES
     for (size_t i = 0; i < n; i++) {
@@ -183,7 +183,7 @@ SGT_INLINE void start_bending(bending *a, double norm, size_t n, const double *x
     }
 }
 
-SGT_INLINE void turn_bending(bending *a, double degree, size_t n)
+SGT_INLINE void turn_bending(chebyshev_bending *a, double degree, size_t n)
 {
     LANES
     for (size_t i = 0; i < n; i++) {
@@ -197,7 +197,7 @@ SGT_KERNEL
 static void chebyshev_bends(const sgt_chebyshev *s, size_t n, const double *x, const double *y, double *restrict pxx, double *restrict pxy,
                             double *restrict pyy)
 {
-    bending a, b;
+    chebyshev_bending a, b;
     double b0[FREEFORM_BLOCK], b1[FREEFORM_BLOCK], b2[FREEFORM_BLOCK];
     LANES
     for (size_t i = 0; i < n; i++) pxx[i] = pxy[i] = pyy[i] = 0;
@@ -233,12 +233,12 @@ static void chebyshev_second(const void *self, size_t n, const double *x, const 
 }
 
 /* Far out infinity times 0 is a NaN: no bound. */
-static double known(double x) { return x < HUGE_VAL ? x : HUGE_VAL; }
+static double chebyshev_known(double x) { return x < HUGE_VAL ? x : HUGE_VAL; }
 
 /* The greatest |T_n|, |T_n'|, |T_n''| where |argument| <= x. */
 typedef struct sizes { double t[MOST], d[MOST], e[MOST]; } sizes;
 
-static void sizes_of(double x, size_t count, sizes *out)
+static void chebyshev_sizes_of(double x, size_t count, sizes *out)
 {
     double w = (1 - x) * (1 + x), root = sqrt(w > 0 ? w : 0), t = 1, u = 0, v = 0;
     if (x > 1) {
@@ -262,7 +262,7 @@ typedef struct errors { sizes of; double t[MOST], d[MOST]; } errors;
 static void errors_of(double x, size_t count, errors *out)
 {
     double w = x < 1 ? (1 - x) * (1 + x) : 0, sigma = sqrt(w), k = x <= 1 ? 1.4143 + 4 * sigma : 5, over = sigma > 0 ? k / sigma : HUGE_VAL;
-    sizes_of(x, count, &out->of);
+    chebyshev_sizes_of(x, count, &out->of);
     for (size_t i = 0; i < count; i++) {
         double n = (double)i, slow = 0.5 * (k + 1) * n + 1, u = slow < over ? slow : over; /* times n */
         double d = x <= 1 ? n * n * u : 5 * n * out->of.d[i];
@@ -291,7 +291,7 @@ static void column_sums(const sgt_chebyshev *s, const errors *of, double *restri
 }
 
 /* A term goes through at most so many. */
-static double sums_of(const sgt_chebyshev *s)
+static double chebyshev_sums_of(const sgt_chebyshev *s)
 {
     return (double)((s->a.columns < PANEL ? s->a.columns : PANEL) + s->a.rows * ((s->a.columns + PANEL - 1) / PANEL));
 }
@@ -301,7 +301,7 @@ static void chebyshev_rounding(const void *self, double x, double y, double *p_e
     const sgt_chebyshev *s = self;
     errors a, b;
     double t[MOST], t_err[MOST], d[MOST], d_err[MOST], p = 0, px = 0, py = 0;
-    double sums = sums_of(s);
+    double sums = chebyshev_sums_of(s);
     errors_of(fabs(x) / s->norm_x, s->a.rows, &a);
     errors_of(fabs(y) / s->norm_y, s->a.columns, &b);
     column_sums(s, &a, t, t_err, d, d_err);
@@ -313,7 +313,7 @@ static void chebyshev_rounding(const void *self, double x, double y, double *p_e
     }
     px /= s->norm_x, py /= s->norm_y;
     double up = SGT_U * (1 + 0x1p-20);
-    *p_err = known(p * up), *grad_err = known((px > py ? px : py) * up);
+    *p_err = chebyshev_known(p * up), *grad_err = chebyshev_known((px > py ? px : py) * up);
 }
 
 /* sigma <= 1: k <= 5.4143; and |x T_n'| is the greatest at the far end. */
@@ -321,9 +321,9 @@ static void chebyshev_noise(const void *self, double radius, double e[2])
 {
     const sgt_chebyshev *s = self;
     sizes a, b;
-    double x = radius / s->norm_x * (1 + 0x1p-50), y = radius / s->norm_y * (1 + 0x1p-50), sums = sums_of(s), p = 0;
-    sizes_of(x, s->a.rows, &a);
-    sizes_of(y, s->a.columns, &b);
+    double x = radius / s->norm_x * (1 + 0x1p-50), y = radius / s->norm_y * (1 + 0x1p-50), sums = chebyshev_sums_of(s), p = 0;
+    chebyshev_sizes_of(x, s->a.rows, &a);
+    chebyshev_sizes_of(y, s->a.columns, &b);
     for (size_t i = 0; i < s->a.rows; i++) {
         double of_x = 5.4143 * (double)i * a.t[i] + x * a.d[i] + sums * a.t[i], inner = 0, inner_err = 0;
         for (size_t j = 0; j < s->a.columns; j++) {
@@ -332,7 +332,7 @@ static void chebyshev_noise(const void *self, double radius, double e[2])
         }
         p += of_x * inner + a.t[i] * inner_err;
     }
-    e[0] = known(p * SGT_U * (1 + 0x1p-20)), e[1] = 0;
+    e[0] = chebyshev_known(p * SGT_U * (1 + 0x1p-20)), e[1] = 0;
 }
 
 /* The most, over a disc, of what is left of T_i and T_j, derived a and b times, at the far end: the head of
@@ -352,8 +352,8 @@ static int chebyshev_bounds(const void *self, region *where, bounds *out)
     double up = 1 + 0x1p-30, across = larger(fabs(where->x.lo), fabs(where->x.hi)), along = larger(fabs(where->y.lo), fabs(where->y.hi));
     if (across > where->r_hi) across = where->r_hi;
     if (along > where->r_hi) along = where->r_hi;
-    sizes_of(across / s->norm_x * (1 + 0x1p-50), s->a.rows, &a);
-    sizes_of(along / s->norm_y * (1 + 0x1p-50), s->a.columns, &b);
+    chebyshev_sizes_of(across / s->norm_x * (1 + 0x1p-50), s->a.rows, &a);
+    chebyshev_sizes_of(along / s->norm_y * (1 + 0x1p-50), s->a.columns, &b);
     double size = 0, px = 0, py = 0, xx = 0, xy = 0, yy = 0, u = across / s->norm_x, v = along / s->norm_y;
     bool disc = is_disc(across, along, where->r_hi) && u > FAR_OUT_OF_SQUARE && v > FAR_OUT_OF_SQUARE;
     if (disc) {
@@ -383,11 +383,11 @@ static int chebyshev_bounds(const void *self, region *where, bounds *out)
         xx += a.e[i] * c0, xy += a.d[i] * c1, yy += a.t[i] * c2;
     }
     px /= s->norm_x, py /= s->norm_y, xx = xx / s->norm_x / s->norm_x, xy = xy / s->norm_x / s->norm_y, yy = yy / s->norm_y / s->norm_y;
-    *out = (bounds){known(size * up), known(length_of(px, py) * up), known(norm_of(xx, xy, yy) * up)};
+    *out = (bounds){chebyshev_known(size * up), chebyshev_known(length_of(px, py) * up), chebyshev_known(norm_of(xx, xy, yy) * up)};
     return 1;
 }
 
-static sgt_objection object(const void *self)
+static sgt_objection chebyshev_object(const void *self)
 {
     const sgt_chebyshev *s = self;
     if (!(s->norm_x > 0 && s->norm_x < HUGE_VAL)) return (sgt_objection){"norm_x", "must be above 0"};
@@ -401,7 +401,7 @@ static sgt_objection object(const void *self)
 
 static const departure chebyshev_departure = {
     .at = chebyshev_at, .rounding = chebyshev_rounding, .bounds = chebyshev_bounds, .second = chebyshev_second,
-    .parameters = chebyshev_parameters, .by_parameter = chebyshev_by_parameter, .object = object, .noise = chebyshev_noise,
+    .parameters = chebyshev_parameters, .by_parameter = chebyshev_by_parameter, .object = chebyshev_object, .noise = chebyshev_noise,
 };
 
 FREEFORM_ON_CONIC(chebyshev, sgt_chebyshev)

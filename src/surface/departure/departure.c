@@ -60,7 +60,7 @@ static void on_plane(size_t n, const double *restrict z, const double *restrict 
     }
 }
 
-void sgt_freeform_values(const freeform *s, size_t n, sgt_points at, sgt_values out)
+void sgt_departure_values(const departure_sag *s, size_t n, sgt_points at, sgt_values out)
 {
     double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK], unwanted[3][FREEFORM_BLOCK];
     for (size_t i = 0, few; i < n; i += few) {
@@ -73,19 +73,19 @@ void sgt_freeform_values(const freeform *s, size_t n, sgt_points at, sgt_values 
     }
 }
 
-double sgt_freeform_value(const freeform *s, sgt_vec3 p, sgt_vec3 *grad)
+double sgt_departure_value(const departure_sag *s, sgt_vec3 p, sgt_vec3 *grad)
 {
     double f;
     sgt_vec3 n;
-    sgt_freeform_values(s, 1, (sgt_points){{&p.x, &p.y, &p.z}}, (sgt_values){&f, {&n.x, &n.y, &n.z}});
+    sgt_departure_values(s, 1, (sgt_points){{&p.x, &p.y, &p.z}}, (sgt_values){&f, {&n.x, &n.y, &n.z}});
     if (grad) *grad = n;
     return f;
 }
 
 /* What has underflown on the way to a sum of moderate powers is below it. */
-static const double LOST = 0x1p-1050;
+static const double DEPARTURE_LOST = 0x1p-1050;
 
-double sgt_freeform_rounding(const freeform *s, sgt_vec3 at)
+double sgt_departure_rounding(const departure_sag *s, sgt_vec3 at)
 {
     double p, px, py, p_err, grad_err, sag = 0, sag_err = 0;
     s->of->at(s->self, 1, &at.x, &at.y, (sag_values){&p, &px, &py});
@@ -94,7 +94,7 @@ double sgt_freeform_rounding(const freeform *s, sgt_vec3 at)
         base e = base_at(s->c, s->k, at.x, at.y);
         sag = e.sag, sag_err = SGT_U * conic_sag_rounding(s->c, s->k, e.r2, e.sag, e.phi);
     }
-    return 1.01 * (sag_err + p_err + SGT_U * (fabs(sag + p) + fabs(at.z - (sag + p)))) + LOST;
+    return 1.01 * (sag_err + p_err + SGT_U * (fabs(sag + p) + fabs(at.z - (sag + p)))) + DEPARTURE_LOST;
 }
 
 /* The same of many points at less cost, F being known: s + P is z - F.  What P adds is one bound for all within the rim. */
@@ -110,7 +110,7 @@ static void roundings_within(size_t n, double c, double k, double most2, double 
     }
 }
 
-bool sgt_freeform_roundings(const sgt_shared *s, size_t n, sgt_points p, const double f[], double out[])
+bool sgt_departure_roundings(const sgt_shared *s, size_t n, sgt_points p, const double f[], double out[])
 {
     if (!(s->noise[0] + s->noise[1] < HUGE_VAL)) return false;
     roundings_within(n, s->base_c, s->base_k, s->most2, s->noise[0], s->noise[1], p.p[0], p.p[1], p.p[2], f, out);
@@ -126,7 +126,7 @@ typedef struct spanned { double lo, hi, seed, least; } spanned; /* least: > 0 wh
 typedef struct chord { double lo, hi, least; } chord;
 
 /* radius2: of the domain, 0x1p-40 and more is added here; steep: L, rounded up by a part in 2^20. */
-SGT_INLINE chord chord_of(double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
+SGT_INLINE chord departure_chord_of(double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
 {
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m, inverse = 1 / a;
     /* the chord, from the point nearest the axis, and again from there */
@@ -153,7 +153,7 @@ SGT_INLINE chord chord_of(double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
 
 SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
 {
-    chord at = chord_of(radius2, steep, o, d);
+    chord at = departure_chord_of(radius2, steep, o, d);
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m;
     /* the conic near the vertex plane */
     double by_n = 1 / n, tz = -o.z * by_n;
@@ -184,40 +184,40 @@ static double conic_bend(double c, double k1, double r)
 }
 
 /* How far the surface is from the plane z = 0 within r, P being at most `size`.  The sag of a conic grows with r. */
-static double size_within(const freeform *s, double r, double size)
+static double size_within(const departure_sag *s, double r, double size)
 {
     double cr2 = s->base ? fabs(s->c) * r * r : 0, phi2 = 1 - (1 + s->k) * fabs(s->c) * cr2;
     return r < 0x1p400 && phi2 < HUGE_VAL
-               ? (cr2 / (1 + sqrt(phi2 > 0 ? phi2 : 0)) + size) * (1 + 0x1p-20) + LOST
+               ? (cr2 / (1 + sqrt(phi2 > 0 ? phi2 : 0)) + size) * (1 + 0x1p-20) + DEPARTURE_LOST
                : HUGE_VAL;
 }
 
-void sgt_freeform_noise(const freeform *s, double radius, double e[2])
+void sgt_departure_noise(const departure_sag *s, double radius, double e[2])
 {
     e[0] = e[1] = (double)NAN;
     if (s->of->noise && radius < HUGE_VAL) s->of->noise(s->self, radius, e);
-    e[0] += LOST;
+    e[0] += DEPARTURE_LOST;
 }
 
-void sgt_freeform_noise_about(const freeform *s, double radius, double e[2])
+void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2])
 {
     e[0] = e[1] = (double)NAN;
     if (!s->of->noise_about || !(radius < HUGE_VAL)) {
-        sgt_freeform_noise(s, radius, e);
+        sgt_departure_noise(s, radius, e);
         return;
     }
     s->of->noise_about(s->self, radius, e);
-    e[0] += LOST;
+    e[0] += DEPARTURE_LOST;
 }
 
 /* Of a rectangle its corners, where there is no rim: a ray is in it along one stretch at most. */
-static double rim2_within_frame(const freeform *s)
+static double rim2_within_frame(const departure_sag *s)
 {
     double rim2 = rim2_of(s->semi_diameter);
     return s->of->framed && s->reach > 0 && !(rim2 < HUGE_VAL) ? s->reach * s->reach * (1 + 0x1p-40) : rim2;
 }
 
-void sgt_freeform_within(const freeform *s, sgt_extent *extent)
+void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
 {
     double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
     sgt_extent e = {.radius2 = domain2, .steep = HUGE_VAL, .size = HUGE_VAL, .bend = HUGE_VAL};
@@ -227,10 +227,10 @@ void sgt_freeform_within(const freeform *s, sgt_extent *extent)
         region where = {{-r, r}, {-r, r}, 0, r};
         bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
         int defined = conic < HUGE_VAL || !whole ? s->of->bounds(s->self, &where, &b) : 0;
-        double steep = (conic + b.steep + LOST) * (1 + 0x1p-20);
+        double steep = (conic + b.steep + DEPARTURE_LOST) * (1 + 0x1p-20);
         if (whole && (defined == 1 || s->of->framed) && steep < 0x1p500)
             e.steep = steep * (1 + 0x1p-20),
-            e.bend = (conic_bend(s->base ? s->c : 0, 1 + s->k, r) + b.bend + LOST) * (1 + 0x1p-20);
+            e.bend = (conic_bend(s->base ? s->c : 0, 1 + s->k, r) + b.bend + DEPARTURE_LOST) * (1 + 0x1p-20);
         if (!(b.size < HUGE_VAL) && defined && s->of->range) b.size = sgt_interval_greatest(s->of->range(s->self, &where));
         if (defined) e.size = size_within(s, r, b.size);
     }
@@ -240,7 +240,7 @@ void sgt_freeform_within(const freeform *s, sgt_extent *extent)
 
 /* Where the surface ends, or HUGE_VAL; a departure that is all of the sag may say so itself.  endless: it
  * ends so in one direction, and farther out in the other, or nowhere (a cylinder). */
-static double end_of_surface(const freeform *s, bool *endless)
+static double end_of_surface(const departure_sag *s, bool *endless)
 {
     double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
     region all = {{-FAR_OUT, FAR_OUT}, {-FAR_OUT, FAR_OUT}, 0, FAR_OUT};
@@ -256,7 +256,7 @@ static double end_of_surface(const freeform *s, bool *endless)
 }
 
 /* What P can be where it is defined; empty: nowhere. */
-static sgt_interval range_over(const freeform *s, region *where)
+static sgt_interval range_over(const departure_sag *s, region *where)
 {
     bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
     if (s->of->range) return s->of->range(s->self, where);
@@ -264,7 +264,7 @@ static sgt_interval range_over(const freeform *s, region *where)
 }
 
 /* The base's sag grows with r, or falls; next to its equator a rounding is 2^-26 of it. */
-void sgt_freeform_heights(const freeform *s, sgt_heights *out)
+void sgt_departure_heights(const departure_sag *s, sgt_heights *out)
 {
     double end = end_of_surface(s, &out->endless), width = end / SGT_RINGS, k1 = 1 + s->k;
     out->width = end < HUGE_VAL ? width * (1 + 0x1p-40) : 0;
@@ -282,16 +282,16 @@ void sgt_freeform_heights(const freeform *s, sgt_heights *out)
         double c = s->base ? s->c : 0, u = 1 - k1 * c * c * (in * in), v = 1 - k1 * c * c * (r * r);
         double near = c * (in * in) / (1 + sqrt(u > 0 ? u : 0)),
                far = c * (r * r) / (1 + sqrt(v > 0 ? v : 0));
-        double off = 0x1p-20 * (fabs(near) + fabs(far)) + LOST;
+        double off = 0x1p-20 * (fabs(near) + fabs(far)) + DEPARTURE_LOST;
         out->low[j] = (near < far ? near : far) + p.lo - (off + 0x1p-20 * fabs(p.lo));
         out->high[j] = (near > far ? near : far) + p.hi + (off + 0x1p-20 * fabs(p.hi));
     }
 }
 
-void sgt_freeform_share(const freeform *s, sgt_shared *shared)
+void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
 {
     sgt_extent e;
-    sgt_freeform_within(s, &e);
+    sgt_departure_within(s, &e);
     *shared = (sgt_shared){.c = s->c,
                            .k1 = 1 + s->k,
                            .radius2 = e.radius2,
@@ -299,7 +299,7 @@ void sgt_freeform_share(const freeform *s, sgt_shared *shared)
                            .base_c = s->base ? s->c : 0,
                            .base_k = s->base ? s->k : 0,
                            .most2 = rim2_within_frame(s) * (1 + 0x1p-20)};
-    sgt_freeform_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
+    sgt_departure_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
 }
 
 SGT_KERNEL
@@ -311,12 +311,12 @@ static void all_chords(size_t n, const double *restrict ox, const double *restri
 {
     LANES for (size_t i = 0; i < n; i++) {
         chord e =
-            chord_of(radius2[i], steep[i], (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
+            departure_chord_of(radius2[i], steep[i], (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
         lo[i] = e.lo, hi[i] = e.hi, least[i] = e.least;
     }
 }
 
-void sgt_freeform_chords(size_t n, sgt_rays r, const double *radius2, const double *steep, double *lo,
+void sgt_departure_chords(size_t n, sgt_rays r, const double *radius2, const double *steep, double *lo,
                          double *hi, double *least)
 {
     all_chords(n, r.o[0], r.o[1], r.o[2], r.d[0], r.d[1], r.d[2], radius2, steep, lo, hi, least);
@@ -334,7 +334,7 @@ static void all_spans(const sgt_shared *self, size_t n, const double *restrict o
     }
 }
 
-void sgt_freeform_spans(const sgt_shared *s, size_t n, sgt_rays r, sgt_spans out, double *least)
+void sgt_departure_spans(const sgt_shared *s, size_t n, sgt_rays r, sgt_spans out, double *least)
 {
     double own[FREEFORM_BLOCK];
     for (size_t i = 0, few; i < n; i += few) {
@@ -347,7 +347,7 @@ void sgt_freeform_spans(const sgt_shared *s, size_t n, sgt_rays r, sgt_spans out
 
 static spanned one_span(const sgt_shared *s, const sgt_ray *ray) { return span_of(s->c, s->k1, s->radius2, s->steep, ray->o, ray->d); }
 
-sgt_span sgt_freeform_span(const sgt_shared *s, const sgt_ray *ray, double *least)
+sgt_span sgt_departure_span(const sgt_shared *s, const sgt_ray *ray, double *least)
 {
     spanned a = one_span(s, ray);
     if (least) *least = a.least;
@@ -368,9 +368,9 @@ static sgt_interval moved_to(double o, double d, double t0)
 
 static sgt_interval along(sgt_interval from, double d, sgt_interval t) { return sgt_interval_sum(from, sgt_interval_scaled(t, d)); }
 
-static bool bounded(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL; }
+static bool departure_bounded(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL; }
 
-static sgt_interval within(double size) { return size < HUGE_VAL ? sgt_interval_between(-size, size) : sgt_interval_all(); }
+static sgt_interval departure_within(double size) { return size < HUGE_VAL ? sgt_interval_between(-size, size) : sgt_interval_all(); }
 
 /* The double nearest the middle of at, moved into x. */
 static double inside(sgt_interval at, sgt_interval x)
@@ -380,7 +380,7 @@ static double inside(sgt_interval at, sgt_interval x)
 }
 
 /* P over t0 + t, and its slope along the ray. */
-static sgt_interval departure_over(const freeform *s, const sgt_ray *ray, double t0, sgt_interval t, double m, sgt_interval *slope)
+static sgt_interval departure_over(const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t, double m, sgt_interval *slope)
 {
     sgt_vec3 o = ray->o, d = ray->d;
     sgt_interval none = sgt_interval_empty(), all = sgt_interval_all(), x0 = moved_to(o.x, d.x, t0), y0 = moved_to(o.y, d.y, t0);
@@ -397,9 +397,9 @@ static sgt_interval departure_over(const freeform *s, const sgt_ray *ray, double
     double x = inside(xm, where.x), y = inside(ym, where.y), p, px, py, p_err, grad_err;
     s->of->at(s->self, 1, &x, &y, (sag_values){&p, &px, &py});
     s->of->rounding(s->self, x, y, &p_err, &grad_err);
-    double lost = b.size > 0 ? LOST : 0; /* a plane is one */
+    double lost = b.size > 0 ? DEPARTURE_LOST : 0; /* a plane is one */
     p_err += lost, grad_err += lost, b.size += lost, b.steep += lost, b.bend += lost;
-    sgt_interval whole = !(b.steep < HUGE_VAL) && s->of->range ? s->of->range(s->self, &where) : within(b.size);
+    sgt_interval whole = !(b.steep < HUGE_VAL) && s->of->range ? s->of->range(s->self, &where) : departure_within(b.size);
     if (!(p_err < HUGE_VAL && fabs(p) < HUGE_VAL)) return whole;
 
     sgt_interval here = sgt_interval_about(p, p_err), w = sgt_interval_difference(t, sgt_interval_of(m));
@@ -408,31 +408,31 @@ static sgt_interval departure_over(const freeform *s, const sgt_ray *ray, double
     /* how far (x, y) is from the point of the ray; all of the stretch where it was moved */
     sgt_interval off_x = sgt_interval_difference(defined < 0 ? where.x : xm, sgt_interval_of(x)), off_y = sgt_interval_difference(defined < 0 ? where.y : ym, sgt_interval_of(y));
     double off = sgt_sum_above(sgt_interval_greatest(off_x), sgt_interval_greatest(off_y));
-    sgt_interval moved = sgt_interval_sum(here, within(sgt_product_above(b.steep, off)));
+    sgt_interval moved = sgt_interval_sum(here, departure_within(sgt_product_above(b.steep, off)));
     if (defined < 0) return sgt_interval_intersection(moved, whole);
 
-    sgt_interval run = within(sgt_product_above(sgt_product_above(b.steep, length), w_most));
+    sgt_interval run = departure_within(sgt_product_above(sgt_product_above(b.steep, length), w_most));
     sgt_interval range = sgt_interval_intersection(sgt_interval_sum(moved, run), whole);
-    sgt_interval steep = within(sgt_product_above(b.steep, length));
+    sgt_interval steep = departure_within(sgt_product_above(b.steep, length));
     *slope = steep;
     if (b.bend < HUGE_VAL && grad_err < HUGE_VAL && fabs(px) < HUGE_VAL && fabs(py) < HUGE_VAL) {
         double bent = sgt_product_above(b.bend, off), reach = sgt_product_above(lm2.hi, w_most), sideways = sgt_sum_above(grad_err, bent);
         sgt_interval at = sgt_interval_sum(sgt_interval_scaled(sgt_interval_about(px, sideways), d.x), sgt_interval_scaled(sgt_interval_about(py, sideways), d.y));
-        *slope = sgt_interval_intersection(steep, sgt_interval_sum(at, within(sgt_product_above(b.bend, reach))));
+        *slope = sgt_interval_intersection(steep, sgt_interval_sum(at, departure_within(sgt_product_above(b.bend, reach))));
         double half = sgt_product_above(0.5 * b.bend, sgt_product_above(reach, w_most));
-        range = sgt_interval_intersection(range, sgt_interval_sum(moved, sgt_interval_sum(sgt_interval_product(at, w), within(half))));
+        range = sgt_interval_intersection(range, sgt_interval_sum(moved, sgt_interval_sum(sgt_interval_product(at, w), departure_within(half))));
     }
     return range;
 }
 
-static sgt_interval base_over(const freeform *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+static sgt_interval base_over(const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
 {
     double c = s->base ? s->c : 0;
     shape conic = {.c = c, .k = s->k, .ck = (1 + s->k) * c, .terms = 0, .a = NULL, .rim2 = HUGE_VAL, .domain2 = HUGE_VAL};
     return sgt_sag_enclose(&conic, ray, t0, t, slope);
 }
 
-sgt_interval sgt_freeform_enclose(const freeform *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+sgt_interval sgt_departure_enclose(const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
 {
     double m = sgt_interval_middle(t);
     sgt_interval by_base, by_p, sag = base_over(s, ray, t0, t, &by_base);
@@ -442,7 +442,7 @@ sgt_interval sgt_freeform_enclose(const freeform *s, const sgt_ray *ray, double 
     sgt_interval p = departure_over(s, ray, t0, t, m, &by_p);
     *slope = sgt_interval_difference(by_base, by_p);
     sgt_interval g = sgt_interval_difference(sag, p);
-    if (t.lo < t.hi && bounded(*slope) && !sgt_interval_is_empty(g)) {
+    if (t.lo < t.hi && departure_bounded(*slope) && !sgt_interval_is_empty(g)) {
         sgt_interval unused, thin = sgt_interval_of(m), here = sgt_interval_difference(base_over(s, ray, t0, thin, &unused), departure_over(s, ray, t0, thin, m, &unused));
         sgt_interval w = sgt_interval_difference(t, thin);
         if (!sgt_interval_is_empty(here)) g = sgt_interval_intersection(g, sgt_interval_sum(here, sgt_interval_product(*slope, w)));
@@ -465,7 +465,7 @@ static void second_of(size_t n, double c, double k, const double *restrict x, co
     }
 }
 
-void sgt_freeform_second(const freeform *s, size_t n, sgt_points at, double *const out[6])
+void sgt_departure_second(const departure_sag *s, size_t n, sgt_points at, double *const out[6])
 {
     double pxx[FREEFORM_BLOCK], pxy[FREEFORM_BLOCK], pyy[FREEFORM_BLOCK];
     for (size_t i = 0, few; i < n; i += few) {
@@ -477,9 +477,9 @@ void sgt_freeform_second(const freeform *s, size_t n, sgt_points at, double *con
     }
 }
 
-static size_t of_base(const freeform *s) { return s->base ? (s->fixed_k ? 1 : 2) : 0; }
+static size_t of_base(const departure_sag *s) { return s->base ? (s->fixed_k ? 1 : 2) : 0; }
 
-size_t sgt_freeform_parameters(const freeform *s) { return of_base(s) + s->of->parameters(s->self); }
+size_t sgt_departure_parameters(const departure_sag *s) { return of_base(s) + s->of->parameters(s->self); }
 
 /* ds/dc = r^2 / (phi (1 + phi)), its gradient (x, y) / phi^3; ds/dk = c^3 r^4 / (2 phi (1 + phi)^2), its gradient
  * c^3 r^2 (x, y) / (2 phi^3); less what P adds to either. */
@@ -504,7 +504,7 @@ static void by_base(size_t n, bool by_c, double c, double k, const double *restr
     }
 }
 
-void sgt_freeform_by_parameter(const freeform *s, size_t j, size_t n, sgt_points at, sgt_values out)
+void sgt_departure_by_parameter(const departure_sag *s, size_t j, size_t n, sgt_points at, sgt_values out)
 {
     size_t own = of_base(s);
     double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK], unwanted[2][FREEFORM_BLOCK];
@@ -526,7 +526,7 @@ void sgt_freeform_by_parameter(const freeform *s, size_t j, size_t n, sgt_points
 
 /* --------------------------------------------------------------------------------- parameters */
 
-sgt_objection sgt_freeform_object(const freeform *s)
+sgt_objection sgt_departure_object(const departure_sag *s)
 {
     if (!(s->semi_diameter >= 0 && s->semi_diameter < HUGE_VAL)) return (sgt_objection){"semi_diameter", "must be finite and not below 0"};
     if (s->base && !(fabs(s->c) < HUGE_VAL)) return (sgt_objection){"curvature", "must be finite"};

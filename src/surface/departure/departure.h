@@ -75,40 +75,40 @@ typedef struct departure {
 
 /* A sag as departure/departure.c sees it.  base: c and k are parameters of F; without, the base is a plane, and c and k are those of
  * a conic that leads to a good seed. */
-typedef struct freeform {
+typedef struct departure_sag {
     double c, k, semi_diameter;
     bool base;
     const departure *of;
     const void *self;
     bool fixed_k; /* k is no parameter */
     double reach; /* farther than this from the axis P is not defined; 0: not known */
-} freeform;
+} departure_sag;
 
 /* With a rim no wider than `most`. */
-SGT_INLINE freeform sgt_freeform_narrowed(freeform s, double most)
+SGT_INLINE departure_sag sgt_departure_narrowed(departure_sag s, double most)
 {
     if (!(s.semi_diameter > 0 && s.semi_diameter <= most)) s.semi_diameter = most < HUGE_VAL ? most : s.semi_diameter;
     return s;
 }
 
-double sgt_freeform_value(const freeform *s, sgt_vec3 p, sgt_vec3 *grad);
-void sgt_freeform_values(const freeform *s, size_t n, sgt_points p, sgt_values out);
-double sgt_freeform_rounding(const freeform *s, sgt_vec3 p);
-void sgt_freeform_share(const freeform *s, sgt_shared *shared);
-void sgt_freeform_heights(const freeform *s, sgt_heights *out);
-void sgt_freeform_within(const freeform *s, sgt_extent *extent);
-void sgt_freeform_chords(size_t n, sgt_rays rays, const double *radius2, const double *steep, double *lo,
+double sgt_departure_value(const departure_sag *s, sgt_vec3 p, sgt_vec3 *grad);
+void sgt_departure_values(const departure_sag *s, size_t n, sgt_points p, sgt_values out);
+double sgt_departure_rounding(const departure_sag *s, sgt_vec3 p);
+void sgt_departure_share(const departure_sag *s, sgt_shared *shared);
+void sgt_departure_heights(const departure_sag *s, sgt_heights *out);
+void sgt_departure_within(const departure_sag *s, sgt_extent *extent);
+void sgt_departure_chords(size_t n, sgt_rays rays, const double *radius2, const double *steep, double *lo,
                          double *hi, double *least);
-void sgt_freeform_noise(const freeform *s, double radius, double e[2]);
-void sgt_freeform_noise_about(const freeform *s, double radius, double e[2]);
-sgt_span sgt_freeform_span(const sgt_shared *shared, const sgt_ray *ray, double *least);
-void sgt_freeform_spans(const sgt_shared *shared, size_t n, sgt_rays rays, sgt_spans out, double *least);
-sgt_interval sgt_freeform_enclose(const freeform *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope);
-bool sgt_freeform_roundings(const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[]);
-void sgt_freeform_second(const freeform *s, size_t n, sgt_points p, double *const out[6]);
-size_t sgt_freeform_parameters(const freeform *s);
-void sgt_freeform_by_parameter(const freeform *s, size_t j, size_t n, sgt_points p, sgt_values out);
-sgt_objection sgt_freeform_object(const freeform *s);
+void sgt_departure_noise(const departure_sag *s, double radius, double e[2]);
+void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2]);
+sgt_span sgt_departure_span(const sgt_shared *shared, const sgt_ray *ray, double *least);
+void sgt_departure_spans(const sgt_shared *shared, size_t n, sgt_rays rays, sgt_spans out, double *least);
+sgt_interval sgt_departure_enclose(const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope);
+bool sgt_departure_roundings(const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[]);
+void sgt_departure_second(const departure_sag *s, size_t n, sgt_points p, double *const out[6]);
+size_t sgt_departure_parameters(const departure_sag *s);
+void sgt_departure_by_parameter(const departure_sag *s, size_t j, size_t n, sgt_points p, sgt_values out);
+sgt_objection sgt_departure_object(const departure_sag *s);
 
 /* What the objects of several share: the first number of a list that is not finite, or too many of them. */
 SGT_INLINE bool numbers_finite(size_t n, const double *x)
@@ -131,80 +131,80 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
 /* The operations of a surface whose parameters are a TYPE: VIEW(s) is an expression of type freeform for a pointer s to
  * one, and the surface is sgt_NAME_ops. */
 #define FREEFORM_OPS(NAME, TYPE, VIEW)                                                                      \
-    static freeform NAME##_view(const void *self)                                                           \
+    static departure_sag NAME##_view(const void *self)                                                           \
     {                                                                                                       \
         const TYPE *s = self;                                                                               \
         return VIEW(s);                                                                                     \
     }                                                                                                       \
     static double NAME##_ops_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)                            \
     {                                                                                                       \
-        freeform v = NAME##_view(self);                                                                     \
-        return sgt_freeform_value(&v, p, grad);                                                             \
+        departure_sag v = NAME##_view(self);                                                                     \
+        return sgt_departure_value(&v, p, grad);                                                             \
     }                                                                                                       \
     static void NAME##_ops_values(const void *self, size_t n, sgt_points p, sgt_values out)                 \
     {                                                                                                       \
-        freeform v = NAME##_view(self);                                                                     \
-        sgt_freeform_values(&v, n, p, out);                                                                 \
+        departure_sag v = NAME##_view(self);                                                                     \
+        sgt_departure_values(&v, n, p, out);                                                                 \
     }                                                                                                       \
     static double NAME##_ops_rounding(const void *self, sgt_vec3 p)                                         \
     {                                                                                                       \
-        freeform v = NAME##_view(self);                                                                     \
-        return sgt_freeform_rounding(&v, p);                                                                \
+        departure_sag v = NAME##_view(self);                                                                     \
+        return sgt_departure_rounding(&v, p);                                                                \
     }                                                                                                       \
     static void NAME##_share(const void *self, sgt_shared *shared)                                          \
     {                                                                                                       \
-        freeform v = NAME##_view(self);                                                                     \
-        sgt_freeform_share(&v, shared);                                                                     \
+        departure_sag v = NAME##_view(self);                                                                     \
+        sgt_departure_share(&v, shared);                                                                     \
     }                                                                                                       \
     static void NAME##_share_within(const void *self, double most, sgt_shared *shared)                      \
     {                                                                                                       \
-        freeform v = sgt_freeform_narrowed(NAME##_view(self), most);                                        \
-        sgt_freeform_share(&v, shared);                                                                     \
+        departure_sag v = sgt_departure_narrowed(NAME##_view(self), most);                                        \
+        sgt_departure_share(&v, shared);                                                                     \
     }                                                                                                       \
     static void NAME##_extent_within(const void *self, double most, sgt_extent *extent)                     \
     {                                                                                                       \
-        freeform v = sgt_freeform_narrowed(NAME##_view(self), most);                                        \
-        sgt_freeform_within(&v, extent);                                                                    \
+        departure_sag v = sgt_departure_narrowed(NAME##_view(self), most);                                        \
+        sgt_departure_within(&v, extent);                                                                    \
     }                                                                                                       \
     static void NAME##_heights(const void *self, sgt_heights *out)                                          \
     {                                                                                                       \
-        freeform v = NAME##_view(self);                                                                     \
-        sgt_freeform_heights(&v, out);                                                                      \
+        departure_sag v = NAME##_view(self);                                                                     \
+        sgt_departure_heights(&v, out);                                                                      \
     }                                                                                                       \
     static void NAME##_noise_within(const void *self, double radius, double e[2])                           \
     {                                                                                                       \
-        freeform v = NAME##_view(self);                                                                     \
-        sgt_freeform_noise_about(&v, radius, e);                                                            \
+        departure_sag v = NAME##_view(self);                                                                     \
+        sgt_departure_noise_about(&v, radius, e);                                                            \
     }                                                                                                       \
     static sgt_span NAME##_own_span(const void *self, const sgt_shared *shared, const sgt_ray *ray,         \
                                     double *least)                                                          \
     {                                                                                                       \
         (void)self;                                                                                         \
-        return sgt_freeform_span(shared, ray, least);                                                       \
+        return sgt_departure_span(shared, ray, least);                                                       \
     }                                                                                                       \
     static void NAME##_own_spans(const void *self, const sgt_shared *shared, size_t n, sgt_rays r,          \
                                  sgt_spans out, double *least)                                              \
     {                                                                                                       \
         (void)self;                                                                                         \
-        sgt_freeform_spans(shared, n, r, out, least);                                                       \
+        sgt_departure_spans(shared, n, r, out, least);                                                       \
     }                                                                                                       \
     static sgt_span NAME##_ops_span(const void *self, const sgt_ray *ray)                                   \
     {                                                                                                       \
         sgt_shared e;                                                                                       \
         NAME##_share(self, &e);                                                                             \
-        return sgt_freeform_span(&e, ray, NULL);                                                            \
+        return sgt_departure_span(&e, ray, NULL);                                                            \
     }                                                                                                       \
     static void NAME##_ops_spans(const void *self, size_t n, sgt_rays r, sgt_spans out)                     \
     {                                                                                                       \
         sgt_shared e;                                                                                       \
         NAME##_share(self, &e);                                                                             \
-        sgt_freeform_spans(&e, n, r, out, NULL);                                                            \
+        sgt_departure_spans(&e, n, r, out, NULL);                                                            \
     }                                                                                                       \
     static sgt_interval NAME##_own_enclose(const void *self, const sgt_ray *ray, double t0, sgt_interval t, \
                                            sgt_interval *slope)                                             \
     {                                                                                                       \
-        freeform v = NAME##_view(self);                                                                     \
-        return sgt_freeform_enclose(&v, ray, t0, t, slope);                                                 \
+        departure_sag v = NAME##_view(self);                                                                     \
+        return sgt_departure_enclose(&v, ray, t0, t, slope);                                                 \
     }                                                                                                       \
     static sgt_interval NAME##_ops_enclose(const void *self, const sgt_ray *ray, sgt_interval t,            \
                                            sgt_interval *slope)                                             \
@@ -213,42 +213,42 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     }                                                                                                       \
     static void NAME##_ops_second(const void *self, size_t n, sgt_points p, double *const out[6])           \
     {                                                                                                       \
-        freeform v = NAME##_view(self);                                                                     \
-        sgt_freeform_second(&v, n, p, out);                                                                 \
+        departure_sag v = NAME##_view(self);                                                                     \
+        sgt_departure_second(&v, n, p, out);                                                                 \
     }                                                                                                       \
     static size_t NAME##_ops_parameters(const void *self)                                                   \
     {                                                                                                       \
-        freeform v = NAME##_view(self);                                                                     \
-        return sgt_freeform_parameters(&v);                                                                 \
+        departure_sag v = NAME##_view(self);                                                                     \
+        return sgt_departure_parameters(&v);                                                                 \
     }                                                                                                       \
     static void NAME##_ops_by_parameter(const void *self, size_t j, size_t n, sgt_points p, sgt_values out) \
     {                                                                                                       \
-        freeform v = NAME##_view(self);                                                                     \
-        sgt_freeform_by_parameter(&v, j, n, p, out);                                                        \
+        departure_sag v = NAME##_view(self);                                                                     \
+        sgt_departure_by_parameter(&v, j, n, p, out);                                                        \
     }                                                                                                       \
     static bool NAME##_ops_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p,    \
                                      const double f[], double out[])                                        \
     {                                                                                                       \
         (void)self;                                                                                         \
-        return sgt_freeform_roundings(shared, n, p, f, out);                                                \
+        return sgt_departure_roundings(shared, n, p, f, out);                                                \
     }                                                                                                       \
     sgt_objection sgt_##NAME##_object(const void *self)                                                     \
     {                                                                                                       \
-        freeform v = NAME##_view(self);                                                                     \
-        return sgt_freeform_object(&v);                                                                     \
+        departure_sag v = NAME##_view(self);                                                                     \
+        return sgt_departure_object(&v);                                                                     \
     }                                                                                                       \
     static double NAME##_rim(const void *self)                                                              \
     {                                                                                                       \
         const TYPE *s = self;                                                                               \
         return s->semi_diameter;                                                                            \
     }                                                                                                       \
-    static const struct sgt_own NAME##_own = {.object = sgt_##NAME##_object,                                \
+    static const struct sgt_builtin_ops NAME##_builtin = {.object = sgt_##NAME##_object,                                \
                                               .tile = SGT_MOST_TILE,                                        \
                                               .share = NAME##_share,                                        \
                                               .share_within = NAME##_share_within,                          \
                                               .extent_within = NAME##_extent_within,                        \
                                               .heights = NAME##_heights,                                    \
-                                              .chords = sgt_freeform_chords,                                \
+                                              .chords = sgt_departure_chords,                                \
                                               .noise_within = NAME##_noise_within,                          \
                                               .roundings = NAME##_ops_roundings,                            \
                                               .span = NAME##_own_span,                                      \
@@ -263,14 +263,14 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                                               .enclose = NAME##_ops_enclose,                                \
                                               .values = NAME##_ops_values,                                  \
                                               .spans = NAME##_ops_spans,                                    \
-                                              .own_ = &NAME##_own,                                          \
+                                              .own_ = &NAME##_builtin,                                          \
                                               .second = NAME##_ops_second,                                  \
                                               .parameters = NAME##_ops_parameters,                          \
                                               .by_parameter = NAME##_ops_by_parameter};
 
 /* On a conic base of its own. */
 #define FREEFORM_ON_CONIC(NAME, TYPE)                                                                                           \
-    static freeform NAME##_on_conic(const TYPE *s) { return (freeform){s->c, s->k, s->semi_diameter, true, &NAME##_departure, s, false, 0}; } \
+    static departure_sag NAME##_on_conic(const TYPE *s) { return (departure_sag){s->c, s->k, s->semi_diameter, true, &NAME##_departure, s, false, 0}; } \
     FREEFORM_OPS(NAME, TYPE, NAME##_on_conic)
 
 /* The objections of each (sgt_builtin, object). */

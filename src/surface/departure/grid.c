@@ -31,20 +31,20 @@
 enum { GRID_LEAST = 4, GRID_MOST = 4096 };
 
 /* A piece of a cubic: what is added to the first height, the derivatives by v; d and s of the head. */
-typedef struct piece { double rise, slope, bend, d, s; } piece;
+typedef struct grid_piece { double rise, slope, bend, d, s; } grid_piece;
 
 SGT_INLINE double greater(double a, double b) { return larger(fabs(a), fabs(b)); }
 
-SGT_INLINE piece piece_of(double d0, double d1, double d2, double v, mask first, mask last)
+SGT_INLINE grid_piece grid_piece_of(double d0, double d1, double d2, double v, mask first, mask last)
 {
     double before = d1 - d0, after = d2 - d1, s0 = chosen(first, after, before), s1 = chosen(last, before, after), turn = s1 - s0;
     double blend = s0 + v * turn, lens = 0.5 * (v * (1 - v)), lean = 1 - 2 * v;
-    return (piece){v * d1 - lens * blend, d1 - (0.5 * lean * blend + lens * turn), blend - lean * turn, greater(d1, greater(d0, d2)), greater(s0, s1)};
+    return (grid_piece){v * d1 - lens * blend, d1 - (0.5 * lean * blend + lens * turn), blend - lean * turn, greater(d1, greater(d0, d2)), greater(s0, s1)};
 }
 
 /* One direction: where x is. */
 typedef struct axis { double step, inverse, half, edge, last; } axis;
-typedef struct cell { double j, v; } cell;
+typedef struct grid_cell { double j, v; } grid_cell;
 
 static axis axis_of(double step, size_t count)
 {
@@ -55,19 +55,19 @@ static axis axis_of(double step, size_t count)
 SGT_INLINE double clamped(double j, double last) { return chosen(MASK(j < last), larger(j, 0), last); } /* NaN: last */
 
 /* j is a whole number, of 0 ... count - 2 wherever x is. */
-SGT_INLINE cell cell_of(axis a, double x)
+SGT_INLINE grid_cell cell_of(axis a, double x)
 {
     double j = (double)(int)clamped(x * a.inverse + a.half, a.last), off = sgt_fma(a.half - j, a.step, x);
     j = clamped(j + (chosen(MASK(off >= a.step), 1, 0) - chosen(MASK(off < 0), 1, 0)), a.last);
-    return (cell){j, sgt_fma(a.half - j, a.step, x) * a.inverse};
+    return (grid_cell){j, sgt_fma(a.half - j, a.step, x) * a.inverse};
 }
 
 /* A row between four heights. */
-typedef struct row { double z; piece of; } row;
+typedef struct grid_row { double z; grid_piece of; } grid_row;
 
-SGT_INLINE row row_of(const double *z, int a, int b, int c, int d, double v, mask first, mask last)
+SGT_INLINE grid_row grid_row_of(const double *z, int a, int b, int c, int d, double v, mask first, mask last)
 {
-    return (row){z[b], piece_of(z[b] - z[a], z[c] - z[b], z[d] - z[c], v, first, last)};
+    return (grid_row){z[b], grid_piece_of(z[b] - z[a], z[c] - z[b], z[d] - z[c], v, first, last)};
 }
 
 /* All of a cell, in steps of the grid: P = z + rise; and how far it, P_x, P_y can be off, in w, but for what is of their own size. */
@@ -75,17 +75,17 @@ typedef struct patch { double z, rise, x, y, xx, xy, yy, rise_off, x_off, y_off;
 
 SGT_INLINE patch patch_at(const double *z, int columns, axis ax, axis ay, double x, double y)
 {
-    cell cx = cell_of(ax, x), cy = cell_of(ay, y);
+    grid_cell cx = cell_of(ax, x), cy = cell_of(ay, y);
     mask left = MASK(cx.j == 0), right = MASK(cx.j == ax.last), low = MASK(cy.j == 0), high = MASK(cy.j == ay.last);
     int b = (int)cx.j + (int)cy.j * columns, a = b - (int)chosen(left, 0, 1), c = b + 1, d = c + (int)chosen(right, 0, 1);
     int down = (int)chosen(low, 0, columns), up = columns + (int)chosen(high, 0, columns);
-    row r0 = row_of(z, a - down, b - down, c - down, d - down, cx.v, left, right), r1 = row_of(z, a, b, c, d, cx.v, left, right);
-    row r2 = row_of(z, a + columns, b + columns, c + columns, d + columns, cx.v, left, right), r3 = row_of(z, a + up, b + up, c + up, d + up, cx.v, left, right);
+    grid_row r0 = grid_row_of(z, a - down, b - down, c - down, d - down, cx.v, left, right), r1 = grid_row_of(z, a, b, c, d, cx.v, left, right);
+    grid_row r2 = grid_row_of(z, a + columns, b + columns, c + columns, d + columns, cx.v, left, right), r3 = grid_row_of(z, a + up, b + up, c + up, d + up, cx.v, left, right);
     double z0 = r1.z - r0.z, z1 = r2.z - r1.z, z2 = r3.z - r2.z;
     double d0 = z0 + (r1.of.rise - r0.of.rise), d1 = z1 + (r2.of.rise - r1.of.rise), d2 = z2 + (r3.of.rise - r2.of.rise);
     double q0 = r1.of.slope - r0.of.slope, q1 = r2.of.slope - r1.of.slope, q2 = r3.of.slope - r2.of.slope;
-    piece p = piece_of(d0, d1, d2, cy.v, low, high), q = piece_of(q0, q1, q2, cy.v, low, high);
-    piece bend = piece_of(r1.of.bend - r0.of.bend, r2.of.bend - r1.of.bend, r3.of.bend - r2.of.bend, cy.v, low, high);
+    grid_piece p = grid_piece_of(d0, d1, d2, cy.v, low, high), q = grid_piece_of(q0, q1, q2, cy.v, low, high);
+    grid_piece bend = grid_piece_of(r1.of.bend - r0.of.bend, r2.of.bend - r1.of.bend, r3.of.bend - r2.of.bend, cy.v, low, high);
     double inside = chosen(MASK(fabs(x) <= ax.edge) & MASK(fabs(y) <= ay.edge), 0, (double)NAN);
     double dx = greater(greater(r0.of.d, r1.of.d), greater(r2.of.d, r3.of.d)), sx = greater(greater(r0.of.s, r1.of.s), greater(r2.of.s, r3.of.s));
     double dy = greater(p.d, greater(z0, greater(z1, z2)));
@@ -278,10 +278,10 @@ static const departure grid_departure = {.at = grid_at,
                                          .noise = grid_noise,
                                          .framed = true};
 
-static freeform grid_on_conic(const sgt_grid *g)
+static departure_sag grid_on_conic(const sgt_grid *g)
 {
     double across = axis_of(g->step_x, g->z.columns).edge, along = axis_of(g->step_y, g->z.rows).edge;
-    return (freeform){.c = g->c,
+    return (departure_sag){.c = g->c,
                       .k = g->k,
                       .semi_diameter = g->semi_diameter,
                       .base = true,

@@ -17,7 +17,7 @@
 enum { ODD_TERMS = 16 };
 
 /* Without the zeros at the end. */
-static int terms_of(const double *a)
+static int odd_terms_of(const double *a)
 {
     int terms = ODD_TERMS;
     while (terms > 0 && a[terms - 1] == 0) terms--;
@@ -55,50 +55,50 @@ static void odd_at(size_t n, int terms, const double *a, const double *restrict 
     else odd_in(n, terms, a, x, y, p, px, py);
 }
 
-static void at(const void *self, size_t n, const double *x, const double *y, sag_values out)
+static void odd_sag(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
     const sgt_odd_asphere *s = self;
-    odd_at(n, terms_of(s->a), s->a, x, y, out.p, out.px, out.py);
+    odd_at(n, odd_terms_of(s->a), s->a, x, y, out.p, out.px, out.py);
 }
 
-SGT_INLINE double rounded(double x) { return SGT_U * fabs(x) + 0x1p-1074; }
+SGT_INLINE double odd_rounded(double x) { return SGT_U * fabs(x) + 0x1p-1074; }
 
 /* Without fma, which may be a call: the numbers differ from those of odd_at by no more than their errors, which is u times as much in the bound. */
-static void rounding(const void *self, double x, double y, double *p_err, double *grad_err)
+static void odd_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const double *a = ((const sgt_odd_asphere *)self)->a;
     double r = radius(x, y), h = 0, dh = 0, h_err = 0, dh_err = 0, bent = 0, sum = fabs(a[0]);
-    int terms = terms_of(a);
+    int terms = odd_terms_of(a);
     for (int k = terms - 1; k > 0; k--) {
         dh = dh * r + h;
-        dh_err = dh_err * r + h_err + rounded(dh);
+        dh_err = dh_err * r + h_err + odd_rounded(dh);
         h = h * r + a[k];
-        h_err = h_err * r + rounded(h);
+        h_err = h_err * r + odd_rounded(h);
         bent = bent * r + (k + 1) * (k - 1) * fabs(a[k]);
         sum += fabs(a[k]);
     }
     double tip = by_radius(a[0], r), smooth = r * dh + (h + h), G = tip + smooth, inner = r * h + a[0], far = larger(fabs(x), fabs(y));
-    double G_err = rounded(tip) + (r * dh_err + 2 * h_err) + rounded(smooth) + rounded(G);
-    *p_err = 1.01 * (r * (r * h_err + rounded(inner) + 2 * SGT_U * r * (fabs(G) + G_err)) + rounded(r * inner));
-    *grad_err = 1.01 * (far * (G_err + 2 * SGT_U * (fabs(tip) + bent)) + rounded(far * G));
+    double G_err = odd_rounded(tip) + (r * dh_err + 2 * h_err) + odd_rounded(smooth) + odd_rounded(G);
+    *p_err = 1.01 * (r * (r * h_err + odd_rounded(inner) + 2 * SGT_U * r * (fabs(G) + G_err)) + odd_rounded(r * inner));
+    *grad_err = 1.01 * (far * (G_err + 2 * SGT_U * (fabs(tip) + bent)) + odd_rounded(far * G));
     if (terms > 0 && r < 0x1p-480) *p_err += 0x1p-470 * sum, *grad_err += 3 * fabs(a[0]) + 0x1p-470 * sum; /* squares underflow */
 }
 
 /* A term is rounded i times in h, twice behind it, and i + 1 times the 2 u of r. */
-static void noise(const void *self, double radius, double e[2])
+static void odd_noise(const void *self, double radius, double e[2])
 {
     const double *a = ((const sgt_odd_asphere *)self)->a;
     double sum = 0;
-    for (int i = terms_of(a) - 1; i > 0; i--) sum = sum * radius + (3 * i + 4) * fabs(a[i]);
+    for (int i = odd_terms_of(a) - 1; i > 0; i--) sum = sum * radius + (3 * i + 4) * fabs(a[i]);
     e[0] = 1.01 * SGT_U * 4 * fabs(a[0]) * radius + 0x1p-470 * fabs(a[0]);
     e[1] = 1.01 * SGT_U * sum;
 }
 
 /* The least and the greatest of a sum of monotone terms, and the sum of their magnitudes. */
-typedef struct range { double lo, hi, size; } range;
+typedef struct odd_range { double lo, hi, size; } odd_range;
 
 /* Adds a times a number from lo to hi >= lo >= 0.  lost: one below TINY has lost digits to underflow, and is between that and 0. */
-SGT_INLINE void add(range *sum, double a, double lo, double hi, bool lost)
+SGT_INLINE void odd_add(odd_range *sum, double a, double lo, double hi, bool lost)
 {
     if (a == 0) return; /* hi may be infinite */
     if (lost && lo < TINY) lo = 0;
@@ -109,7 +109,7 @@ SGT_INLINE void add(range *sum, double a, double lo, double hi, bool lost)
 }
 
 /* Each end is off by less than 2^-46 of the magnitudes. */
-static double greatest(range e)
+static double odd_greatest(odd_range e)
 {
     double most = larger(-e.lo, e.hi) + 0x1p-40 * e.size;
     return most < HUGE_VAL ? most : HUGE_VAL;
@@ -118,27 +118,27 @@ static double greatest(range e)
 SGT_INLINE bounds sums_over(const double *a, int terms, double lo, double hi, bool lost)
 {
     double lo_power = 1, hi_power = 1; /* r^(i-1) */
-    range size = {0}, steep = {0}, bend = {0}, across = {0};
-    add(&size, a[0], lo, hi, lost);
-    add(&steep, a[0], 1, 1, lost);
-    if (a[0] != 0) add(&across, a[0], 1 / hi, 1 / lo, lost);
+    odd_range size = {0}, steep = {0}, bend = {0}, across = {0};
+    odd_add(&size, a[0], lo, hi, lost);
+    odd_add(&steep, a[0], 1, 1, lost);
+    if (a[0] != 0) odd_add(&across, a[0], 1 / hi, 1 / lo, lost);
     for (int i = 1; i < terms; i++, lo_power *= lo, hi_power *= hi) {
-        add(&bend, i * (i + 1) * a[i], lo_power, hi_power, lost);
-        add(&across, (i + 1) * a[i], lo_power, hi_power, lost);
-        add(&steep, (i + 1) * a[i], lo_power * lo, hi_power * hi, lost);
-        add(&size, a[i], lo_power * lo * lo, hi_power * hi * hi, lost);
+        odd_add(&bend, i * (i + 1) * a[i], lo_power, hi_power, lost);
+        odd_add(&across, (i + 1) * a[i], lo_power, hi_power, lost);
+        odd_add(&steep, (i + 1) * a[i], lo_power * lo, hi_power * hi, lost);
+        odd_add(&size, a[i], lo_power * lo * lo, hi_power * hi * hi, lost);
     }
-    return (bounds){greatest(size), greatest(steep), larger(greatest(bend), greatest(across))};
+    return (bounds){odd_greatest(size), odd_greatest(steep), larger(odd_greatest(bend), odd_greatest(across))};
 }
 
 static bounds sums_of_lost(const double *a, int terms, double lo, double hi) { return sums_over(a, terms, lo, hi, true); }
 
 /* The greatest power is r^terms, which is above TINY where r is above 2^-60. */
-static int bounds_over(const void *self, region *where, bounds *out)
+static int odd_bounds_over(const void *self, region *where, bounds *out)
 {
     const double *a = ((const sgt_odd_asphere *)self)->a;
     double lo = where->r_lo, hi = where->r_hi, deep = 0x1p-60;
-    int terms = terms_of(a);
+    int terms = odd_terms_of(a);
     bool lost = hi < deep || (lo > 0 && lo < deep);
     *out = lost ? sums_of_lost(a, terms, lo, hi) : sums_over(a, terms, lo, hi, false);
     return 1;
@@ -167,13 +167,13 @@ static void odd_second(size_t n, int terms, const double *a, const double *restr
     }
 }
 
-static void second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void odd_bend(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
 {
     const sgt_odd_asphere *s = self;
-    odd_second(n, terms_of(s->a), s->a, x, y, pxx, pxy, pyy);
+    odd_second(n, odd_terms_of(s->a), s->a, x, y, pxx, pxy, pyy);
 }
 
-static size_t parameters(const void *self)
+static size_t odd_parameters(const void *self)
 {
     (void)self;
     return ODD_TERMS;
@@ -181,7 +181,7 @@ static size_t parameters(const void *self)
 
 /* r^(j+1), and its gradient (j + 1) r^(j-1) (x, y). */
 SGT_KERNEL
-static void power(size_t j, size_t n, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+static void odd_power(size_t j, size_t n, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
 {
     double r[FREEFORM_BLOCK], q[FREEFORM_BLOCK], times = (double)j + 1;
     LANES for (size_t i = 0; i < n; i++) r[i] = radius(x[i], y[i]), q[i] = chosen(MASK(j > 0), 1, by_radius(1, r[i]));
@@ -193,18 +193,18 @@ static void power(size_t j, size_t n, const double *restrict x, const double *re
     }
 }
 
-static void by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void odd_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
 {
     (void)self;
-    power(j, n, x, y, out.p, out.px, out.py);
+    odd_power(j, n, x, y, out.p, out.px, out.py);
 }
 
-static sgt_objection object(const void *self)
+static sgt_objection odd_object(const void *self)
 {
     return numbers_finite(ODD_TERMS, ((const sgt_odd_asphere *)self)->a) ? (sgt_objection){NULL, NULL} : (sgt_objection){"coefficients", "must be finite"};
 }
 
 static const departure odd_asphere_departure = {
-    .at = at, .rounding = rounding, .bounds = bounds_over, .second = second, .parameters = parameters, .by_parameter = by_parameter, .object = object, .noise = noise};
+    .at = odd_sag, .rounding = odd_rounding, .bounds = odd_bounds_over, .second = odd_bend, .parameters = odd_parameters, .by_parameter = odd_by_parameter, .object = odd_object, .noise = odd_noise};
 
 FREEFORM_ON_CONIC(odd_asphere, sgt_odd_asphere)

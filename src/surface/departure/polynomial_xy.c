@@ -12,16 +12,16 @@
 enum { MOST_ROWS = 32 };
 
 /* Row i without the zeros at its end. */
-typedef struct row { const double *a; size_t terms; } row;
+typedef struct xy_row { const double *a; size_t terms; } xy_row;
 
-static row row_of(sgt_numbers a, size_t i)
+static xy_row xy_row_of(sgt_numbers a, size_t i)
 {
-    row e = {a.x + i * a.columns, a.columns};
+    xy_row e = {a.x + i * a.columns, a.columns};
     while (e.terms > 0 && e.a[e.terms - 1] == 0) e.terms--;
     return e;
 }
 
-static size_t rows_of(sgt_numbers a) { return a.columns > 0 ? a.rows : 0; }
+static size_t xy_rows_of(sgt_numbers a) { return a.columns > 0 ? a.rows : 0; }
 
 /* ---------------------------------------------------------------------------------- P and gradient */
 
@@ -29,8 +29,8 @@ SGT_INLINE void polynomial_in(size_t n, sgt_numbers a, const double *restrict x,
 {
     double w[FREEFORM_BLOCK], dw[FREEFORM_BLOCK];
     LANES for (size_t k = 0; k < n; k++) p[k] = px[k] = py[k] = 0;
-    for (size_t i = rows_of(a); i-- > 0;) {
-        row of = row_of(a, i);
+    for (size_t i = xy_rows_of(a); i-- > 0;) {
+        xy_row of = xy_row_of(a, i);
         LANES for (size_t k = 0; k < n; k++) w[k] = dw[k] = 0;
         for (size_t j = of.terms + 3 - (of.terms + 3) % 4; j > 0; j -= 4) { /* four terms for one load and store; zeros go first */
             double a3 = j > of.terms ? 0 : of.a[j - 1], a2 = j > of.terms + 1 ? 0 : of.a[j - 2], a1 = j > of.terms + 2 ? 0 : of.a[j - 3], a0 = of.a[j - 4];
@@ -59,7 +59,7 @@ static void polynomial_at(size_t n, sgt_numbers a, const double *restrict x, con
     else polynomial_in(n, a, x, y, p, px, py);
 }
 
-static void at(const void *self, size_t n, const double *x, const double *y, sag_values out)
+static void xy_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
     polynomial_at(n, ((const sgt_polynomial_xy *)self)->a, x, y, out.p, out.px, out.py);
 }
@@ -67,37 +67,37 @@ static void at(const void *self, size_t n, const double *x, const double *y, sag
 /* ------------------------------------------------------------------------------------- rounding */
 
 /* A computed number and how far it is off. */
-typedef struct rounded { double is, err; } rounded;
+typedef struct xy_rounded { double is, err; } xy_rounded;
 
 /* h x + a, without fma, which may be a call: the numbers differ from those of polynomial_at by no more than their errors, which
  * is u times as much in the bound. */
-static rounded horner(rounded h, double x, rounded a)
+static xy_rounded xy_horner(xy_rounded h, double x, xy_rounded a)
 {
     double is = h.is * x + a.is;
-    return (rounded){is, h.err * fabs(x) + a.err + SGT_U * fabs(is) + 0x1p-1074};
+    return (xy_rounded){is, h.err * fabs(x) + a.err + SGT_U * fabs(is) + 0x1p-1074};
 }
 
-static void rounding(const void *self, double x, double y, double *p_err, double *grad_err)
+static void xy_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
-    rounded p = {0, 0}, px = p, py = p;
-    for (size_t i = rows_of(a); i-- > 0;) {
-        row of = row_of(a, i);
-        rounded w = {0, 0}, dw = w;
+    xy_rounded p = {0, 0}, px = p, py = p;
+    for (size_t i = xy_rows_of(a); i-- > 0;) {
+        xy_row of = xy_row_of(a, i);
+        xy_rounded w = {0, 0}, dw = w;
         for (size_t j = of.terms; j-- > 0;) {
-            dw = horner(dw, y, w);
-            w = horner(w, y, (rounded){of.a[j], 0});
+            dw = xy_horner(dw, y, w);
+            w = xy_horner(w, y, (xy_rounded){of.a[j], 0});
         }
-        px = horner(px, x, p);
-        p = horner(p, x, w);
-        py = horner(py, x, dw);
+        px = xy_horner(px, x, p);
+        p = xy_horner(p, x, w);
+        py = xy_horner(py, x, dw);
     }
     *p_err = 1.01 * p.err;
     *grad_err = 1.01 * larger(px.err, py.err);
 }
 
 /* A term is rounded j + 1 times in its row and i + 1 times over the rows. */
-static void noise(const void *self, double radius, double e[2])
+static void xy_noise(const void *self, double radius, double e[2])
 {
     sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
     double power = 1; /* radius to the degree d, then to d - 2 */
@@ -115,7 +115,7 @@ static void noise(const void *self, double radius, double e[2])
 typedef struct disc { double middle, radius; } disc;
 
 /* h x + a. */
-static disc over(disc h, disc x, disc a)
+static disc xy_over(disc h, disc x, disc a)
 {
     double product = h.middle * x.middle, middle = product + a.middle;
     double radius = fabs(h.middle) * x.radius + h.radius * (fabs(x.middle) + x.radius) + a.radius;
@@ -128,9 +128,9 @@ static disc disc_of(sgt_interval x)
     return (disc){middle, (0.5 * x.hi - 0.5 * x.lo) * (1 + 0x1p-50) + 0x1p-52 * fabs(middle)};
 }
 
-static double greatest(disc e) { return fabs(e.middle) + e.radius; }
+static double xy_greatest(disc e) { return fabs(e.middle) + e.radius; }
 
-static double bounded(double x) { return x < HUGE_VAL ? x * (1 + 0x1p-40) : HUGE_VAL; }
+static double xy_bounded(double x) { return x < HUGE_VAL ? x * (1 + 0x1p-40) : HUGE_VAL; }
 
 /* Of a disc: x^i y^j is far less there than in the corners of the square, where both are r. */
 static bounds disc_bounds(sgt_numbers a, double r)
@@ -152,31 +152,31 @@ static bounds disc_bounds(sgt_numbers a, double r)
             if (j > 1) yy += most * m * (m - 1) * corner_of(h, i, j - 2);
         }
     const double up = 1 + 0x1p-30;
-    return (bounds){bounded(size * up), bounded(length_of(px, py) * up), norm_of(xx, xy, yy) * up};
+    return (bounds){xy_bounded(size * up), xy_bounded(length_of(px, py) * up), norm_of(xx, xy, yy) * up};
 }
 
-static const double STEEP = 64; /* far out; nearer by the square does as well */
+static const double XY_STEEP = 64; /* far out; nearer by the square does as well */
 
-static int bounds_over(const void *self, region *where, bounds *out)
+static int xy_bounds_over(const void *self, region *where, bounds *out)
 {
     sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
     disc none = {0, 0}, p = none, px = none, py = none, pxx = none, pxy = none, pyy = none, x = disc_of(where->x), y = disc_of(where->y);
-    for (size_t i = rows_of(a); i-- > 0;) {
-        row of = row_of(a, i);
+    for (size_t i = xy_rows_of(a); i-- > 0;) {
+        xy_row of = xy_row_of(a, i);
         disc w = none, dw = none, ddw = none; /* the second derivatives halved */
         for (size_t j = of.terms; j-- > 0;) {
-            ddw = over(ddw, y, dw);
-            dw = over(dw, y, w);
-            w = over(w, y, (disc){of.a[j], 0});
+            ddw = xy_over(ddw, y, dw);
+            dw = xy_over(dw, y, w);
+            w = xy_over(w, y, (disc){of.a[j], 0});
         }
-        pxx = over(pxx, x, px), px = over(px, x, p), p = over(p, x, w);
-        pxy = over(pxy, x, py), py = over(py, x, dw);
-        pyy = over(pyy, x, ddw);
+        pxx = xy_over(pxx, x, px), px = xy_over(px, x, p), p = xy_over(p, x, w);
+        pxy = xy_over(pxy, x, py), py = xy_over(py, x, dw);
+        pyy = xy_over(pyy, x, ddw);
     }
-    double size = greatest(p), ax = greatest(px), ay = greatest(py), axx = 2 * greatest(pxx), axy = greatest(pxy), ayy = 2 * greatest(pyy);
-    *out = (bounds){bounded(size), bounded(length_of(ax, ay)), norm_of(axx, axy, ayy)};
-    if (out->steep > STEEP && a.rows + a.columns <= MOST_HALF_POWERS
-        && is_disc(greatest(x), greatest(y), where->r_hi)) {
+    double size = xy_greatest(p), ax = xy_greatest(px), ay = xy_greatest(py), axx = 2 * xy_greatest(pxx), axy = xy_greatest(pxy), ayy = 2 * xy_greatest(pyy);
+    *out = (bounds){xy_bounded(size), xy_bounded(length_of(ax, ay)), norm_of(axx, axy, ayy)};
+    if (out->steep > XY_STEEP && a.rows + a.columns <= MOST_HALF_POWERS
+        && is_disc(xy_greatest(x), xy_greatest(y), where->r_hi)) {
         bounds by_disc = disc_bounds(a, where->r_hi);
         if (by_disc.bend < out->bend) *out = by_disc;
     }
@@ -190,8 +190,8 @@ static void polynomial_second(size_t n, sgt_numbers a, const double *restrict x,
 {
     double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK], w[FREEFORM_BLOCK], dw[FREEFORM_BLOCK], ddw[FREEFORM_BLOCK];
     LANES for (size_t k = 0; k < n; k++) p[k] = px[k] = py[k] = pxx[k] = pxy[k] = pyy[k] = 0;
-    for (size_t i = rows_of(a); i-- > 0;) {
-        row of = row_of(a, i);
+    for (size_t i = xy_rows_of(a); i-- > 0;) {
+        xy_row of = xy_row_of(a, i);
         LANES for (size_t k = 0; k < n; k++) w[k] = dw[k] = ddw[k] = 0;
         for (size_t j = of.terms; j-- > 0;) {
             double next = of.a[j];
@@ -212,12 +212,12 @@ static void polynomial_second(size_t n, sgt_numbers a, const double *restrict x,
     }
 }
 
-static void second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void xy_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
 {
     polynomial_second(n, ((const sgt_polynomial_xy *)self)->a, x, y, pxx, pxy, pyy);
 }
 
-static size_t parameters(const void *self)
+static size_t xy_parameters(const void *self)
 {
     sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
     return a.rows * a.columns;
@@ -241,13 +241,13 @@ static void monomial(size_t i, size_t j, size_t n, const double *restrict x, con
     }
 }
 
-static void by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void xy_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
 {
     size_t columns = ((const sgt_polynomial_xy *)self)->a.columns;
     monomial(j / columns, j % columns, n, x, y, out.p, out.px, out.py);
 }
 
-static sgt_objection object(const void *self)
+static sgt_objection xy_object(const void *self)
 {
     sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
     const char *reason = a.rows == 0 || a.columns == 0 ? NULL
@@ -258,6 +258,6 @@ static sgt_objection object(const void *self)
 }
 
 static const departure polynomial_xy_departure = {
-    .at = at, .rounding = rounding, .bounds = bounds_over, .second = second, .parameters = parameters, .by_parameter = by_parameter, .object = object, .noise = noise};
+    .at = xy_at, .rounding = xy_rounding, .bounds = xy_bounds_over, .second = xy_second, .parameters = xy_parameters, .by_parameter = xy_by_parameter, .object = xy_object, .noise = xy_noise};
 
 FREEFORM_ON_CONIC(polynomial_xy, sgt_polynomial_xy)

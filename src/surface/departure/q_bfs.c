@@ -42,7 +42,7 @@ static const double g[Q_TERMS] = {
     -0.7026358548464484,
 };
 
-static q_step step(size_t m) { return (q_step){m == 0 ? 3 : 2, -4, 1}; }
+static q_step bfs_step(size_t m) { return (q_step){m == 0 ? 3 : 2, -4, 1}; }
 
 /* b of P_m / 2, and how far it is off; returns how many there are. */
 static size_t basis(sgt_numbers a, double *b, double *b_err)
@@ -64,7 +64,7 @@ static size_t basis(sgt_numbers a, double *b, double *b_err)
 /* ------------------------------------------------------------------------------------- bounds of one term */
 
 /* Of T, T' and T'' over [0, u]. */
-static bounds term_bounds(size_t m, double u)
+static bounds bfs_term_bounds(size_t m, double u)
 {
     double M = 2 * (double)m + 1, v = u * u, beyond = v - 1;
     if (u > 1) {
@@ -81,7 +81,7 @@ static bounds term_bounds(size_t m, double u)
 }
 
 /* Times u: u p_m = sin M t, and u v p_m' = (M u cos M t / cos t - sin M t) / 2. */
-static q_weight weigh(size_t m, double v)
+static q_weight bfs_weigh(size_t m, double v)
 {
     double u = sqrt(v), M = 2 * (double)m + 1;
     if (u > 1) {
@@ -93,12 +93,12 @@ static q_weight weigh(size_t m, double v)
     return (q_weight){sine, 0.5 * (M * u * (M * cosine < 1 ? M : 1 / cosine) + sine)};
 }
 
-static bounds all_bounds(const sgt_q_bfs *s, double r)
+static bounds bfs_all_bounds(const sgt_q_bfs *s, double r)
 {
     double b[Q_TERMS], b_err[Q_TERMS], u = r / s->norm * (1 + 0x1p-50), by_norm = 1 / s->norm;
     bounds T = {0, 0, 0};
     for (size_t m = 0, terms = basis(s->a, b, b_err); m < terms; m++) {
-        bounds e = term_bounds(m, u);
+        bounds e = bfs_term_bounds(m, u);
         double most = fabs(b[m]) + b_err[m];
         T.size += most * e.size, T.steep += most * e.steep, T.bend += most * e.bend;
     }
@@ -110,11 +110,11 @@ static bounds all_bounds(const sgt_q_bfs *s, double r)
     return (bounds){q_bound(T.size * f), q_bound(T.steep * f + T.size * df), q_bound(T.bend * f + 2 * T.steep * df + T.size * ddf)};
 }
 
-static int bounds_over(const void *self, region *where, bounds *out)
+static int bfs_bounds_over(const void *self, region *where, bounds *out)
 {
     const sgt_q_bfs *s = self;
     double lo = s->c * where->r_lo, hi = s->c * where->r_hi;
-    *out = all_bounds(s, where->r_hi);
+    *out = bfs_all_bounds(s, where->r_hi);
     if (fabs(lo) > 1 + 0x1p-40) return 0;
     if (!(fabs(hi) > 1 - 0x1p-40)) return 1;
     double rim = 1 / fabs(s->c) * (1 + 0x1p-40);
@@ -140,7 +140,7 @@ SGT_INLINE void q_bfs_in(size_t n, size_t terms, const double *b, double c, doub
 {
     double v[FREEFORM_BLOCK], s[FREEFORM_BLOCK], ds[FREEFORM_BLOCK], scale = 2 / norm2, c2 = c * c;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
-    q_sum(step, terms, b, n, v, s, ds);
+    q_sum(bfs_step, terms, b, n, v, s, ds);
     LANES for (size_t i = 0; i < n; i++) {
         double f = factor_at(c, x[i] * x[i] + y[i] * y[i]), U = v[i] * (1 - v[i]), is = U * s[i] * f;
         double G = sgt_fma(scale * f, sgt_fma(U, ds[i], (1 - 2 * v[i]) * s[i]), is * (c2 * (f * f)));
@@ -158,7 +158,7 @@ static void q_bfs_at(size_t n, size_t terms, const double *b, double c, double n
     else q_bfs_in(n, terms, b, c, norm2, x, y, p, px, py);
 }
 
-static void at(const void *self, size_t n, const double *x, const double *y, sag_values out)
+static void bfs_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
     const sgt_q_bfs *s = self;
     double b[Q_TERMS];
@@ -168,15 +168,15 @@ static void at(const void *self, size_t n, const double *x, const double *y, sag
 
 /* v is off by 4 u v, that is by 2 u r of r, which moves v (1 - v) S by that times its derivative and the slope by that times the second;
  * w as said above, which is e of f, relative. */
-static void rounding(const void *self, double x, double y, double *p_err, double *grad_err)
+static void bfs_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const sgt_q_bfs *s = self;
     double b[Q_TERMS], b_err[Q_TERMS], r2 = x * x + y * y, r = sqrt(r2), v = r2 / (s->norm * s->norm), u = r / s->norm, c = s->c;
     size_t terms = basis(s->a, b, b_err);
-    q_rounded S = q_rounding(step, weigh, terms, b, b_err, 0, v);
+    q_rounded S = q_rounding(bfs_step, bfs_weigh, terms, b, b_err, 0, v);
     sgt_q_bfs flat = *s;
     flat.c = 0;
-    bounds T = all_bounds(&flat, r * (1 + 0x1p-40));
+    bounds T = bfs_all_bounds(&flat, r * (1 + 0x1p-40));
     double w = 1 - c * (c * r2), f = factor_at(c, r2), U = v * (1 - v), rest = fabs(1 - v), c2f2 = c * c * f * f;
     double e = SGT_U * (2.5 * (c * c * r2) / w + 2.5); /* of f: half of w's, the root and the quotient */
     double first = (1 - 2 * v) * S.s, second = U * S.ds, by_v = 2 * u / s->norm, slope = by_v * (fabs(first) + fabs(second)); /* of U S */
@@ -189,7 +189,7 @@ static void rounding(const void *self, double x, double y, double *p_err, double
 
 /* Next to the edge: v (1 - v) S at the middle of the ring, give or take what its slope allows, over sqrt(w),
  * which falls to 0. */
-static sgt_interval range(const void *self, const region *where)
+static sgt_interval bfs_range(const void *self, const region *where)
 {
     sgt_q_bfs flat = *(const sgt_q_bfs *)self;
     double c = flat.c, lo = where->r_lo, hi = where->r_hi,
@@ -198,9 +198,9 @@ static sgt_interval range(const void *self, const region *where)
     if (lo > hi) return sgt_interval_empty();
     flat.c = 0;
     double m = 0.5 * lo + 0.5 * hi, zero = 0, p, px, py, p_err, unused;
-    at(&flat, 1, &m, &zero, (sag_values){&p, &px, &py});
-    rounding(&flat, m, 0, &p_err, &unused);
-    double off = p_err + all_bounds(&flat, hi).steep * (0.5 * (hi - lo)) * (1 + 0x1p-40), most = p + off,
+    bfs_at(&flat, 1, &m, &zero, (sag_values){&p, &px, &py});
+    bfs_rounding(&flat, m, 0, &p_err, &unused);
+    double off = p_err + bfs_all_bounds(&flat, hi).steep * (0.5 * (hi - lo)) * (1 + 0x1p-40), most = p + off,
            least = p - off;
     if (!(off < HUGE_VAL) || (least <= 0 && most >= 0)) return sgt_interval_all();
     double w = larger(1 - c * lo * (c * lo), 0) + 0x1p-50, by = (1 - 0x1p-40) / sqrt(w);
@@ -210,7 +210,7 @@ static sgt_interval range(const void *self, const region *where)
 
 /* As in q_con.c: what the errors of v (1 - v) S sum to for b[m] = 1, over v, is below 1.31 (m + 1)^3 + 12 (m + 1) (worked out: 9, 33,
  * 69, 125 for the first, 3.43e5 for the last), and (1 - v) P_m / 2 is at most 2 m + 1. */
-static void noise(const void *self, double radius, double e[2])
+static void bfs_noise(const void *self, double radius, double e[2])
 {
     const sgt_q_bfs *s = self;
     double b[Q_TERMS], b_err[Q_TERMS], grown = q_growth(radius / s->norm), sum = 0, size = 0, cr2 = s->c * radius * (s->c * radius), w = 1 - cr2 * (1 + 0x1p-40);
@@ -231,7 +231,7 @@ static void q_bfs_second(size_t n, size_t terms, const double *b, double c, doub
 {
     double v[FREEFORM_BLOCK], s[FREEFORM_BLOCK], ds[FREEFORM_BLOCK], dds[FREEFORM_BLOCK], scale = 1 / norm2, c2 = c * c;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
-    q_second(step, terms, b, n, v, s, ds, dds);
+    q_second(bfs_step, terms, b, n, v, s, ds, dds);
     LANES for (size_t i = 0; i < n; i++) {
         double f = factor_at(c, x[i] * x[i] + y[i] * y[i]), cf = c2 * (f * f), U = v[i] * (1 - v[i]), dU = 1 - 2 * v[i];
         double V = U * s[i], dV = scale * sgt_fma(U, ds[i], dU * s[i]),
@@ -243,7 +243,7 @@ static void q_bfs_second(size_t n, size_t terms, const double *b, double c, doub
     }
 }
 
-static void second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void bfs_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
 {
     const sgt_q_bfs *s = self;
     double b[Q_TERMS];
@@ -251,19 +251,19 @@ static void second(const void *self, size_t n, const double *x, const double *y,
     q_bfs_second(n, terms, b, s->c, s->norm * s->norm, x, y, pxx, pxy, pyy);
 }
 
-static size_t parameters(const void *self)
+static size_t bfs_parameters(const void *self)
 {
     sgt_numbers a = ((const sgt_q_bfs *)self)->a;
     return a.rows * a.columns;
 }
 
-static void by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void bfs_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
 {
     const sgt_q_bfs *s = self;
     double unit[Q_TERMS] = {0};
     unit[j] = 1;
     sgt_q_bfs one = {s->c, s->semi_diameter, s->norm, {unit, 1, j + 1}};
-    at(&one, n, x, y, out);
+    bfs_at(&one, n, x, y, out);
 }
 
 /* dP/dc = P q with q = r^2 c f^2, and grad q = (x, y) 2 c f^4. */
@@ -279,11 +279,11 @@ static void curved(size_t n, double c, const double *restrict x, const double *r
 
 static void by_curvature(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
-    at(self, n, x, y, out);
+    bfs_at(self, n, x, y, out);
     curved(n, ((const sgt_q_bfs *)self)->c, x, y, out.p, out.px, out.py);
 }
 
-static sgt_objection object(const void *self)
+static sgt_objection bfs_object(const void *self)
 {
     const sgt_q_bfs *s = self;
     if (!(fabs(s->c) < HUGE_VAL)) return (sgt_objection){"curvature", "must be finite"};
@@ -291,20 +291,20 @@ static sgt_objection object(const void *self)
     return object_to_list("coefficients", s->a, Q_TERMS, "must have at most 64 numbers");
 }
 
-static const departure q_bfs_departure = {.at = at,
-                                          .rounding = rounding,
-                                          .bounds = bounds_over,
-                                          .range = range,
-                                          .second = second,
-                                          .parameters = parameters,
-                                          .by_parameter = by_parameter,
-                                          .object = object,
-                                          .noise = noise,
+static const departure q_bfs_departure = {.at = bfs_at,
+                                          .rounding = bfs_rounding,
+                                          .bounds = bfs_bounds_over,
+                                          .range = bfs_range,
+                                          .second = bfs_second,
+                                          .parameters = bfs_parameters,
+                                          .by_parameter = bfs_by_parameter,
+                                          .object = bfs_object,
+                                          .noise = bfs_noise,
                                           .by_curvature = by_curvature};
 
-static freeform on_sphere(const sgt_q_bfs *s)
+static departure_sag on_sphere(const sgt_q_bfs *s)
 {
-    return (freeform){.c = s->c, .k = 0, .semi_diameter = s->semi_diameter, .base = true, .of = &q_bfs_departure, .self = s, .fixed_k = true};
+    return (departure_sag){.c = s->c, .k = 0, .semi_diameter = s->semi_diameter, .base = true, .of = &q_bfs_departure, .self = s, .fixed_k = true};
 }
 
 FREEFORM_OPS(q_bfs, sgt_q_bfs, on_sphere)

@@ -13,14 +13,14 @@
  * Of the second derivative of P along the radius, and across it, P'/r, the greater counts: on [0, r] the latter is a mean of the former. */
 #include "q.h"
 
-static q_step step(size_t m)
+static q_step con_step(size_t m)
 {
     double k = (double)m, den = (k + 1) * (k + 2) * (k + 5), square = (k + 2) * (k + 3), odd = 2 * k + 5;
     return (q_step){-odd * (square + 4) / den, 2 * odd * square / den, (k + 1) * (k + 4) * (k + 5) / ((k + 2) * (k + 3) * (k + 6))};
 }
 
 /* Of R, R' and R'' over [0, u]. */
-static bounds term_bounds(size_t m, double u)
+static bounds con_term_bounds(size_t m, double u)
 {
     double k = (double)m, n = 2 * k + 4, N = 0.5 * (n * (n + 2) - 16), v = u * u, sine2 = 1 - v, sine = sqrt(larger(sine2, 0));
     double b4 = (k + 4) * (k + 3) * (k + 2) * (k + 1) / 24, q1 = (k + 5) * (b4 * k / 5), q2 = q1 * (k + 6) * (k - 1) / 6;
@@ -38,28 +38,28 @@ static bounds term_bounds(size_t m, double u)
 }
 
 /* Times v^2: v^2 Q = R, v^3 Q' = (u R' - 4 R) / 2. */
-static q_weight weigh(size_t m, double v)
+static q_weight con_weigh(size_t m, double v)
 {
     double u = sqrt(v);
-    bounds e = term_bounds(m, u);
+    bounds e = con_term_bounds(m, u);
     return (q_weight){e.size, 0.5 * u * e.steep + 2 * e.size};
 }
 
-static bounds all_bounds(const sgt_q_con *s, double r)
+static bounds con_all_bounds(const sgt_q_con *s, double r)
 {
     double u = r / s->norm * (1 + 0x1p-50);
     bounds sum = {0, 0, 0};
     for (size_t m = 0, terms = q_terms(s->a); m < terms; m++) {
-        bounds e = term_bounds(m, u);
+        bounds e = con_term_bounds(m, u);
         double a = fabs(s->a.x[m]);
         if (a > 0) sum.size += a * e.size, sum.steep += a * e.steep, sum.bend += a * e.bend;
     }
     return (bounds){q_bound(sum.size), q_bound(sum.steep / s->norm), q_bound(sum.bend / s->norm / s->norm)};
 }
 
-static int bounds_over(const void *self, region *where, bounds *out)
+static int con_bounds_over(const void *self, region *where, bounds *out)
 {
-    *out = all_bounds(self, where->r_hi);
+    *out = con_all_bounds(self, where->r_hi);
     return 1;
 }
 
@@ -69,7 +69,7 @@ SGT_INLINE void q_con_in(size_t n, size_t terms, const double *a, double norm2, 
 {
     double v[FREEFORM_BLOCK], s[FREEFORM_BLOCK], ds[FREEFORM_BLOCK], scale = 2 / norm2;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
-    q_sum(step, terms, a, n, v, s, ds);
+    q_sum(con_step, terms, a, n, v, s, ds);
     LANES for (size_t i = 0; i < n; i++) {
         double G = v[i] * sgt_fma(v[i], ds[i], s[i] + s[i]) * scale;
         p[i] = v[i] * (v[i] * s[i]);
@@ -86,19 +86,19 @@ static void q_con_at(size_t n, size_t terms, const double *a, double norm2, cons
     else q_con_in(n, terms, a, norm2, x, y, p, px, py);
 }
 
-static void at(const void *self, size_t n, const double *x, const double *y, sag_values out)
+static void con_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
     const sgt_q_con *s = self;
     q_con_at(n, q_terms(s->a), s->a.x, s->norm * s->norm, x, y, out.p, out.px, out.py);
 }
 
 /* v is off by 4 u v, which is 2 u r of r: P is moved by that times P', and the gradient, r G, by 2 u r |P'' - G|. */
-static void rounding(const void *self, double x, double y, double *p_err, double *grad_err)
+static void con_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const sgt_q_con *s = self;
     double r2 = x * x + y * y, r = sqrt(r2), v = r2 / (s->norm * s->norm);
-    q_rounded e = q_rounding(step, weigh, q_terms(s->a), s->a.x, NULL, 1, v);
-    bounds b = all_bounds(s, r * (1 + 0x1p-40));
+    q_rounded e = q_rounding(con_step, con_weigh, q_terms(s->a), s->a.x, NULL, 1, v);
+    bounds b = con_all_bounds(s, r * (1 + 0x1p-40));
     double inner = sgt_fma(v, e.ds, e.s + e.s), by_r = 2 / r * (v * v), slope = fabs(by_r * inner),
            p = fabs(v * (v * e.s));
     double slope_err = v > 0 ? 2 / r * (2 * e.s_err + e.ds_err) + 7 * SGT_U * slope : 0;
@@ -109,7 +109,7 @@ static void rounding(const void *self, double x, double y, double *p_err, double
 
 /* What q_rounding and the rest of `rounding` would sum to, for a[m] = 1, over v: its maximum over v <= 1 is below
  * (m + 1)^2 (12.5 + (m + 1)^2 / 30) for each m (worked out at 20,000 v: 12, 49, 99.7, 164 for the first, 5.47e5 for the last). */
-static void noise(const void *self, double radius, double e[2])
+static void con_noise(const void *self, double radius, double e[2])
 {
     const sgt_q_con *s = self;
     double grown = q_growth(radius / s->norm), sum = 0;
@@ -127,7 +127,7 @@ static void q_con_second(size_t n, size_t terms, const double *a, double norm2, 
 {
     double v[FREEFORM_BLOCK], s[FREEFORM_BLOCK], ds[FREEFORM_BLOCK], dds[FREEFORM_BLOCK], scale = 2 / norm2;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
-    q_second(step, terms, a, n, v, s, ds, dds);
+    q_second(con_step, terms, a, n, v, s, ds, dds);
     LANES for (size_t i = 0; i < n; i++) {
         double G = v[i] * sgt_fma(v[i], ds[i], 2 * s[i]) * scale,
                bent = scale * scale * sgt_fma(v[i], sgt_fma(v[i], dds[i], 4 * ds[i]), 2 * s[i]);
@@ -137,19 +137,19 @@ static void q_con_second(size_t n, size_t terms, const double *a, double norm2, 
     }
 }
 
-static void second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void con_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
 {
     const sgt_q_con *s = self;
     q_con_second(n, q_terms(s->a), s->a.x, s->norm * s->norm, x, y, pxx, pxy, pyy);
 }
 
-static size_t parameters(const void *self)
+static size_t con_parameters(const void *self)
 {
     sgt_numbers a = ((const sgt_q_con *)self)->a;
     return a.rows * a.columns;
 }
 
-static void by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void con_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
 {
     const sgt_q_con *s = self;
     double unit[Q_TERMS] = {0};
@@ -157,7 +157,7 @@ static void by_parameter(const void *self, size_t j, size_t n, const double *x, 
     q_con_at(n, j + 1, unit, s->norm * s->norm, x, y, out.p, out.px, out.py);
 }
 
-static sgt_objection object(const void *self)
+static sgt_objection con_object(const void *self)
 {
     const sgt_q_con *s = self;
     if (!(s->norm > 0 && s->norm < HUGE_VAL)) return (sgt_objection){"norm", "must be above 0"};
@@ -165,6 +165,6 @@ static sgt_objection object(const void *self)
 }
 
 static const departure q_con_departure = {
-    .at = at, .rounding = rounding, .bounds = bounds_over, .second = second, .parameters = parameters, .by_parameter = by_parameter, .object = object, .noise = noise};
+    .at = con_at, .rounding = con_rounding, .bounds = con_bounds_over, .second = con_second, .parameters = con_parameters, .by_parameter = con_by_parameter, .object = con_object, .noise = con_noise};
 
 FREEFORM_ON_CONIC(q_con, sgt_q_con)

@@ -24,7 +24,7 @@
 enum { TOROIDAL_TERMS = 8, TOROIDAL_SLICES = 8 };
 static const double TOROIDAL_GENTLE = 1; /* a slope that is less does no harm */
 
-static int terms_of(const sgt_toroidal *s)
+static int toroidal_terms_of(const sgt_toroidal *s)
 {
     int terms = TOROIDAL_TERMS;
     while (terms > 0 && s->a[terms - 1] == 0) terms--;
@@ -34,7 +34,7 @@ static int terms_of(const sgt_toroidal *s)
 /* sum of a[i] y^(2i), and its derivative by y^2. */
 SGT_INLINE void powers_of(const sgt_toroidal *s, size_t n, const double *restrict y, double *restrict h, double *restrict dh)
 {
-    int terms = terms_of(s);
+    int terms = toroidal_terms_of(s);
     const double last = terms ? s->a[terms - 1] : 0;
     LANES for (size_t i = 0; i < n; i++) h[i] = last, dh[i] = 0;
     for (int j = terms - 2; j >= 0; j--) {
@@ -93,7 +93,7 @@ static void toroidal_off(const void *self, double x, double y, double *p_err, do
 {
     const sgt_toroidal *a = self;
     const double u = SGT_U, least = 0x1p-1060, more = 1 + 0x1p-20;
-    int terms = terms_of(a);
+    int terms = toroidal_terms_of(a);
     double h, dh, second, first = magnitude(terms, a->a, y * y, &second), low, m_low;
     powers_of(a, 1, &y, &h, &dh);
     swept s = swept_at(a->c, 1 + a->k, a->c_x, x, y, h, dh);
@@ -126,7 +126,7 @@ static void toroidal_off(const void *self, double x, double y, double *p_err, do
 static sgt_interval powers_over(const sgt_toroidal *a, sgt_interval rho, sgt_interval *sum, sgt_interval *second)
 {
     sgt_interval h = {0, 0}, dh = {0, 0}, ddh = {0, 0};
-    for (int i = terms_of(a) - 1; i >= 0; i--) {
+    for (int i = toroidal_terms_of(a) - 1; i >= 0; i--) {
         sgt_interval of = sgt_interval_of(a->a[i]), first = sgt_interval_scaled(of, i + 1);
         if (i > 0) ddh = sgt_interval_sum(sgt_interval_product(ddh, rho), sgt_interval_scaled(first, i));
         dh = sgt_interval_sum(sgt_interval_product(dh, rho), first);
@@ -137,9 +137,9 @@ static sgt_interval powers_over(const sgt_toroidal *a, sgt_interval rho, sgt_int
 }
 
 /* |x| and |y| of a rectangle, and what is known of s over it; q_most, m_least: of q and m.  As `bounds`, but that `where` is left. */
-typedef struct slice { sgt_interval x, y, s; double q_most, m_least; bounds most; } slice;
+typedef struct toroidal_slice { sgt_interval x, y, s; double q_most, m_least; bounds most; } toroidal_slice;
 
-static int slice_bounds(const sgt_toroidal *a, slice *at)
+static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
 {
     sgt_interval one = {1, 1}, c = sgt_interval_of(a->c), c_x = sgt_interval_of(a->c_x), rho = sgt_interval_square(at->y), v = sgt_interval_product(c, at->y);
     sgt_interval phi2 = sgt_interval_difference(one, sgt_interval_product(sgt_interval_sum(one, sgt_interval_of(a->k)), sgt_interval_square(v)));
@@ -179,7 +179,7 @@ static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds
     *out = (bounds){0, 0, 0}, *range = sgt_interval_empty(), *q_most = 0, *m_least = HUGE_VAL;
     for (int i = 0; i < slices; i++) {
         double from = y.lo + (y.hi - y.lo) * i / slices, to = i + 1 < slices ? y.lo + (y.hi - y.lo) * (i + 1) / slices : y.hi;
-        slice at = {.x = x, .y = {from, to}};
+        toroidal_slice at = {.x = x, .y = {from, to}};
         double x2 = sgt_sum_above(r2, -sgt_interval_square(at.y).lo); /* at most */
         at.x = x2 >= 0 ? sgt_interval_intersection(x, sgt_interval_between(0, sgt_square_root_above(x2))) : sgt_interval_empty();
         if (sgt_interval_is_empty(at.x)) continue;
@@ -227,7 +227,7 @@ static bool profile_within(const sgt_toroidal *a, double radius, profile_size *s
     s->bent = (1 + a->k) * a->c * a->c * r2;
     double phi2 = 1 - larger(s->bent, 0);
     s->phi = sqrt(phi2), s->conic = fabs(a->c) / (1 + s->phi),
-    s->first = magnitude(terms_of(a), a->a, r2, &second);
+    s->first = magnitude(toroidal_terms_of(a), a->a, r2, &second);
     return phi2 > 0x1p-20;
 }
 
@@ -242,8 +242,8 @@ static void noise_of(const sgt_toroidal *a, double radius, const profile_size *s
     double w_err = u * (5 * fabs(s->bent) + 4 + 4 * fabs(s->bent)) / (1.99 * phi * (1 + phi)) + 3 * u;
     double z = conic + first, z_err = conic * (4 * u + w_err) + 4 * u * first + u * z; /* over y^2 */
     double q_err = c_x * z_err * r2 + u * (c_x * z * r2 + q), m_err = (2 * q * (q_err + 2 * u * q) + q * (q_err + 3 * u * q) + 4 * u * q * q) / (1.99 * m) + 2 * u * q;
-    double sweep = c_x / (2 * m), sweep_err = sweep * (4 * u + (q_err + m_err) / (1.99 * m) + u); /* over x^2 */
-    e[0] = 0x1p-1060, e[1] = larger(z_err + u * z, sweep_err + u * sweep) * (1 + 0x1p-16);
+    double lanes = c_x / (2 * m), lane_err = lanes * (4 * u + (q_err + m_err) / (1.99 * m) + u); /* over x^2 */
+    e[0] = 0x1p-1060, e[1] = larger(z_err + u * z, lane_err + u * lanes) * (1 + 0x1p-16);
 }
 
 static void toroidal_noise(const void *self, double radius, double e[2])
@@ -290,7 +290,7 @@ static void toroidal_bent(const sgt_toroidal *self, size_t n, const double *rest
 {
     const double c = self->c, k1 = 1 + self->k, c_x = self->c_x;
     double h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], ddh[FREEFORM_BLOCK];
-    int terms = terms_of(self);
+    int terms = toroidal_terms_of(self);
     powers_of(self, n, py, h, dh);
     LANES for (size_t i = 0; i < n; i++) ddh[i] = 0; /* of rho h, by rho, twice: sum of i (i + 1) a[i] rho^(i-1) */
     for (int j = terms - 1; j > 0; j--) {
@@ -383,10 +383,10 @@ static const departure toroidal_departure = {.at = toroidal_at,
                                              .noise_about = toroidal_noise_about};
 
 /* The seed: a conic of the mean curvature. */
-static freeform toroidal_alone(const sgt_toroidal *a)
+static departure_sag toroidal_unique(const sgt_toroidal *a)
 {
     double c_y = a->c + 2 * a->a[0];
-    return (freeform){.c = 0.5 * (a->c_x + c_y), .k = fabs(a->c_x) > fabs(c_y) ? 0 : a->k, .semi_diameter = a->semi_diameter, .of = &toroidal_departure, .self = a};
+    return (departure_sag){.c = 0.5 * (a->c_x + c_y), .k = fabs(a->c_x) > fabs(c_y) ? 0 : a->k, .semi_diameter = a->semi_diameter, .of = &toroidal_departure, .self = a};
 }
 
-FREEFORM_OPS(toroidal, sgt_toroidal, toroidal_alone)
+FREEFORM_OPS(toroidal, sgt_toroidal, toroidal_unique)

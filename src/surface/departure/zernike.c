@@ -38,7 +38,7 @@ enum { MOST_TERMS = 5151, MOST_ORDERS = 72, MOST_DEGREE = 142 };
 
 /* The place in the list of the first polynomial of order n = m + 2 k: of m = 0 it is the only one, of another the sine stands
  * beside the cosine. */
-static size_t place(const sgt_zernike *z, size_t m, size_t k)
+static size_t zernike_place(const sgt_zernike *z, size_t m, size_t k)
 {
     size_t n = m + 2 * k, half = m + k;
     if (z->order == SGT_NOLL) return n * (n + 1) / 2 + (m > 0 ? m - 1 : 0);
@@ -60,7 +60,7 @@ SGT_INLINE void gather(const sgt_zernike *z, size_t only, size_t m, harmonic *h)
     size_t terms = length(z), k = 0, first;
     h->count = 0;
     h->m = (double)m;
-    for (; (first = place(z, m, k)) < terms; k++) {
+    for (; (first = zernike_place(z, m, k)) < terms; k++) {
         size_t cosine = cosine_first(z, m, first) ? first : first + 1, sine = m == 0 ? terms : cosine == first ? first + 1 : first;
         h->c[k] = only < terms ? cosine == only : cosine < terms ? z->a.x[cosine] : 0;
         h->s[k] = only < terms ? sine == only : sine < terms ? z->a.x[sine] : 0;
@@ -84,14 +84,14 @@ SGT_INLINE void gather(const sgt_zernike *z, size_t only, size_t m, harmonic *h)
 
 /* Of all points: zeta and s; zeta^m and zeta^(m-1); q_k, q_k-1 and their derivatives; the sums over k and their derivatives; over
  * m those of C Re zeta^m + S Im zeta^m, of the same with C' and S', and of its derivatives by x and y with C and S as constants. */
-typedef struct work {
+typedef struct zernike_work {
     double x[FREEFORM_BLOCK], y[FREEFORM_BLOCK], s[FREEFORM_BLOCK], re[FREEFORM_BLOCK], im[FREEFORM_BLOCK], re1[FREEFORM_BLOCK], im1[FREEFORM_BLOCK];
     double q[FREEFORM_BLOCK], q1[FREEFORM_BLOCK], d[FREEFORM_BLOCK], d1[FREEFORM_BLOCK];
     double c[FREEFORM_BLOCK], sn[FREEFORM_BLOCK], dc[FREEFORM_BLOCK], ds[FREEFORM_BLOCK];
     double p[FREEFORM_BLOCK], g[FREEFORM_BLOCK], gx[FREEFORM_BLOCK], gy[FREEFORM_BLOCK];
-} work;
+} zernike_work;
 
-SGT_INLINE void begin(work *w, double norm, size_t n, const double *x, const double *y)
+SGT_INLINE void zernike_begin(zernike_work *w, double norm, size_t n, const double *x, const double *y)
 {
     LANES
     for (size_t i = 0; i < n; i++) {
@@ -103,7 +103,7 @@ SGT_INLINE void begin(work *w, double norm, size_t n, const double *x, const dou
 }
 
 /* To the next m. */
-SGT_INLINE void turn(work *w, size_t n)
+SGT_INLINE void zernike_turn(zernike_work *w, size_t n)
 {
     LANES
     for (size_t i = 0; i < n; i++) {
@@ -123,7 +123,7 @@ SGT_INLINE void turn(work *w, size_t n)
     } while (0)
 
 /* One to four orders from k on: `first` and `steps` are known where this is written in. */
-SGT_INLINE void add_orders(const harmonic *h, size_t k, bool first, int steps, work *w, size_t n)
+SGT_INLINE void add_orders(const harmonic *h, size_t k, bool first, int steps, zernike_work *w, size_t n)
 {
     const double beta0 = h->beta[k], beta1 = h->beta[k + 1], beta2 = h->beta[k + 2], beta3 = h->beta[k + 3];
     const double gamma0 = h->gamma[k], gamma1 = h->gamma[k + 1], gamma2 = h->gamma[k + 2], gamma3 = h->gamma[k + 3];
@@ -142,7 +142,7 @@ SGT_INLINE void add_orders(const harmonic *h, size_t k, bool first, int steps, w
     }
 }
 
-SGT_INLINE void sum_orders(const harmonic *h, work *w, size_t n)
+SGT_INLINE void sum_orders(const harmonic *h, zernike_work *w, size_t n)
 {
     switch (h->count) {
     case 1: add_orders(h, 0, true, 1, w, n); return;
@@ -160,7 +160,7 @@ SGT_INLINE void sum_orders(const harmonic *h, work *w, size_t n)
     }
 }
 
-SGT_INLINE void add_harmonic(const harmonic *h, work *w, size_t n)
+SGT_INLINE void add_harmonic(const harmonic *h, zernike_work *w, size_t n)
 {
     const double m = h->m;
     LANES
@@ -177,12 +177,12 @@ SGT_KERNEL
 static void zernike_sums(const sgt_zernike *z, size_t only, size_t n, const double *x, const double *y, double *restrict p, double *restrict px,
                          double *restrict py)
 {
-    work w;
+    zernike_work w;
     harmonic h;
     const double back = 1 / z->norm;
-    begin(&w, z->norm, n, x, y);
-    for (size_t m = 0; place(z, m, 0) < length(z); m++) {
-        if (m > 0) turn(&w, n);
+    zernike_begin(&w, z->norm, n, x, y);
+    for (size_t m = 0; zernike_place(z, m, 0) < length(z); m++) {
+        if (m > 0) zernike_turn(&w, n);
         gather(z, only, m, &h);
         if (h.count == 0) continue;
         sum_orders(&h, &w, n);
@@ -216,17 +216,17 @@ SGT_KERNEL
 static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const double *y, double *restrict pxx, double *restrict pxy,
                           double *restrict pyy)
 {
-    work w;
+    zernike_work w;
     harmonic h;
     double re2[FREEFORM_BLOCK], im2[FREEFORM_BLOCK], b[FREEFORM_BLOCK], b1[FREEFORM_BLOCK], bc[FREEFORM_BLOCK], bs[FREEFORM_BLOCK];
     const double back = 1 / z->norm, back2 = back * back;
-    begin(&w, z->norm, n, x, y);
+    zernike_begin(&w, z->norm, n, x, y);
     LANES
     for (size_t i = 0; i < n; i++) pxx[i] = pxy[i] = pyy[i] = re2[i] = im2[i] = 0;
-    for (size_t m = 0; place(z, m, 0) < length(z); m++) {
+    for (size_t m = 0; zernike_place(z, m, 0) < length(z); m++) {
         LANES
         for (size_t i = 0; i < n; i++) re2[i] = w.re1[i], im2[i] = w.im1[i];
-        if (m > 0) turn(&w, n);
+        if (m > 0) zernike_turn(&w, n);
         gather(z, MOST_TERMS, m, &h);
         if (h.count == 0) continue;
         LANES
@@ -274,7 +274,7 @@ static void zernike_second(const void *self, size_t n, const double *x, const do
 static double growth(double u) { return u > 1 ? (u + sqrt(u * u - 1)) * (1 + 0x1p-30) : 1; }
 
 /* Far out infinity times 0 is a NaN: no bound. */
-static double known(double x) { return x < HUGE_VAL ? x : HUGE_VAL; }
+static double zernike_known(double x) { return x < HUGE_VAL ? x : HUGE_VAL; }
 
 /* Sums of |a| over the terms of each degree, with their normalisation at most; returns the number of degrees. */
 static size_t by_degree(const sgt_zernike *z, double sum[MOST_DEGREE + 1])
@@ -301,7 +301,7 @@ static size_t by_degree(const sgt_zernike *z, double sum[MOST_DEGREE + 1])
 }
 
 /* Each sum rounds once for each term that goes through it: over k, then two for each m, then three. */
-static double sums_of(const sgt_zernike *z, size_t degrees) { return z->order == SGT_NOLL ? 2.5 * (double)degrees + 4 : 1.5 * (double)degrees + 6; }
+static double zernike_sums_of(const sgt_zernike *z, size_t degrees) { return z->order == SGT_NOLL ? 2.5 * (double)degrees + 4 : 1.5 * (double)degrees + 6; }
 
 /* In units of u, a polynomial of degree n is off by at most
  *     1.7 n^2 + 3 n + 4 and (2 n + 4) / (v sqrt(1 - v^2)),   v = r / norm,
@@ -311,7 +311,7 @@ static void zernike_rounding(const void *self, double x, double y, double *p_err
     const sgt_zernike *z = self;
     double sum[MOST_DEGREE + 1], v = sqrt(x * x + y * y) / z->norm, inside = v < 1 ? (1 - v) * (1 + v) : 0, root = sqrt(inside), w = growth(v);
     size_t degrees = by_degree(z, sum);
-    double sums = sums_of(z, degrees), by_root = root > 0 ? 1 / root : HUGE_VAL, by_p = v * root > 0 ? 1 / (v * root) : HUGE_VAL, by_grad = by_p < HUGE_VAL ? by_p / root : HUGE_VAL;
+    double sums = zernike_sums_of(z, degrees), by_root = root > 0 ? 1 / root : HUGE_VAL, by_p = v * root > 0 ? 1 / (v * root) : HUGE_VAL, by_grad = by_p < HUGE_VAL ? by_p / root : HUGE_VAL;
     double p = 0, grad = 0, grown = 1;
     for (size_t i = 0; i < degrees; i++, grown *= w) {
         double n = (double)i, n2 = n * n, a = sum[i] * grown;
@@ -320,7 +320,7 @@ static void zernike_rounding(const void *self, double x, double y, double *p_err
         if (i > 0) grad += a * ((grad_most < grad_here ? grad_most : grad_here) + sums * (n > by_root ? n * by_root : n2));
     }
     double up = SGT_U * (1 + 0x1p-20);
-    *p_err = known(p * up), *grad_err = known(grad / z->norm * up);
+    *p_err = zernike_known(p * up), *grad_err = zernike_known(grad / z->norm * up);
 }
 
 static void zernike_noise(const void *self, double radius, double e[2])
@@ -328,8 +328,8 @@ static void zernike_noise(const void *self, double radius, double e[2])
     const sgt_zernike *z = self;
     double sum[MOST_DEGREE + 1], w = growth(radius / z->norm * (1 + 0x1p-50)), p = 0, grown = 1;
     size_t degrees = by_degree(z, sum);
-    for (size_t i = 0; i < degrees; i++, grown *= w) p += sum[i] * grown * (1.7 * (double)(i * i) + 3 * (double)i + 4 + sums_of(z, degrees));
-    e[0] = known(p * SGT_U * (1 + 0x1p-20)), e[1] = 0;
+    for (size_t i = 0; i < degrees; i++, grown *= w) p += sum[i] * grown * (1.7 * (double)(i * i) + 3 * (double)i + 4 + zernike_sums_of(z, degrees));
+    e[0] = zernike_known(p * SGT_U * (1 + 0x1p-20)), e[1] = 0;
 }
 
 static int zernike_bounds(const void *self, region *where, bounds *out)
@@ -341,9 +341,9 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
     double u = r / z->norm * (1 + 0x1p-50), inside = u < 1 ? (1 - u) * (1 + u) : 0, root = sqrt(inside),
            w = growth(u), less = u > 1.0625 ? 1 / w : 1, grown = 1;
     double size = 0, steep = 0, bend = 0;
-    for (size_t m = 0; place(z, m, 0) < terms; m++, grown *= w) {
+    for (size_t m = 0; zernike_place(z, m, 0) < terms; m++, grown *= w) {
         double power = grown; /* w^n */
-        for (size_t k = 0, at; (at = place(z, m, k)) < terms; k++, power *= w * w) {
+        for (size_t k = 0, at; (at = zernike_place(z, m, k)) < terms; k++, power *= w * w) {
             double a = fabs(z->a.x[at]), b = m > 0 && at + 1 < terms ? fabs(z->a.x[at + 1]) : 0;
             double both = ((a > b ? a : b) + 0.4142136 * (a > b ? b : a)) * unit(z, m, k) * power; /* >= sqrt(a^2 + b^2) */
             double n = (double)(m + 2 * k), m2 = (double)(m * m), l = n * (n + 2) - m2, n2 = 2 * n * (n - 1);
@@ -355,11 +355,11 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
         }
     }
     double up = 1 + 0x1p-30;
-    *out = (bounds){known(size * up), known(steep / z->norm * up), known(bend / z->norm / z->norm * up)};
+    *out = (bounds){zernike_known(size * up), zernike_known(steep / z->norm * up), zernike_known(bend / z->norm / z->norm * up)};
     return 1;
 }
 
-static sgt_objection object(const void *self)
+static sgt_objection zernike_object(const void *self)
 {
     const sgt_zernike *z = self;
     if (!(z->norm > 0 && z->norm < HUGE_VAL)) return (sgt_objection){"norm", "must be above 0"};
@@ -370,7 +370,7 @@ static sgt_objection object(const void *self)
 
 static const departure zernike_departure = {
     .at = zernike_at, .rounding = zernike_rounding, .bounds = zernike_bounds, .second = zernike_second,
-    .parameters = zernike_parameters, .by_parameter = zernike_by_parameter, .object = object, .noise = zernike_noise,
+    .parameters = zernike_parameters, .by_parameter = zernike_by_parameter, .object = zernike_object, .noise = zernike_noise,
 };
 
 FREEFORM_ON_CONIC(zernike, sgt_zernike)

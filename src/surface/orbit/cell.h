@@ -108,13 +108,13 @@ SGT_INLINE double judge(double E, double E_err, pair_norms at, double V, double 
     return inside > 0 ? 1 : asked;
 }
 
-typedef struct bounds { double W, g_err; } bounds;
+typedef struct orbit_bounds { double W, g_err; } orbit_bounds;
 
 /* With d and the bound `center` of what Q at m itself is off by. */
-SGT_INLINE bounds judge_slope(double E, double E_err, pair_norms at, double A, double V, double e, double d, double center, double h)
+SGT_INLINE orbit_bounds judge_slope(double E, double E_err, pair_norms at, double A, double V, double e, double d, double center, double h)
 {
     double D = V * h + e, slack = 1 + 0x1p-38;
-    return (bounds){(at.V2 * h + e * V + (A + D) * d) * slack + 16 * SGT_U * A * V,
+    return (orbit_bounds){(at.V2 * h + e * V + (A + D) * d) * slack + 16 * SGT_U * A * V,
                     ((2 * A + center) * center) * slack + 8 * SGT_U * at.A2 + 4 * (E + E_err) * (E_err + SGT_U * E)};
 }
 

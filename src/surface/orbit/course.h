@@ -51,19 +51,19 @@ static inline void set_of(const orbit *o, path *w)
 }
 
 /* The ray's point nearest the centre: where, and how near. */
-typedef struct approach { double middle, off2, V, slip; } approach;
+typedef struct course_approach { double middle, off2, V, slip; } course_approach;
 
-SGT_INLINE approach approach_of(const path *w)
+SGT_INLINE course_approach course_approach_of(const path *w)
 {
     double V2 = quaternion_dot(w->along, w->along), b = -quaternion_dot(w->start, w->along) / V2;
     quaternion off = quaternion_sum(w->start, quaternion_times(w->along, b));
-    return (approach){b, quaternion_dot(off, off), sqrt(V2), 32 * SGT_U * w->along_size};
+    return (course_approach){b, quaternion_dot(off, off), sqrt(V2), 32 * SGT_U * w->along_size};
 }
 
 /* Half the chord of the ball |Q| <= radius; negative: passes by; NaN or infinite: out of range.  `along` is off by
  * `slip` (much of it, where axes nearly cancel), which over the chord moves the ray by slip times its half, at most the
  * radius over what is left of |along|. */
-SGT_INLINE double half_chord(const path *w, const approach *a, double radius)
+SGT_INLINE double half_chord(const path *w, const course_approach *a, double radius)
 {
     double err = 32 * SGT_U * w->start_size + a->slip * (fabs(a->middle) + 4 * radius / (a->V - a->slip));
     radius = radius * (1 + 0x1p-40) + err;
@@ -79,7 +79,7 @@ SGT_INLINE double chord_of(const orbit *o, double radius, const sgt_ray *ray, lo
     quaternion far = quaternion_at(o, ray->o.x, ray->o.y, ray->o.z), v = along_of(o, ray->d.x * scale, ray->d.y * scale, ray->d.z * scale);
     *q = local_at(ray, -quaternion_dot(far, v) / quaternion_dot(v, v), 0);
     path_of(o, (sgt_vec3){q->x, q->y, q->z}, q->l, q->m, q->n, w);
-    approach a = approach_of(w);
+    course_approach a = course_approach_of(w);
     double half = half_chord(w, &a, radius);
     *lo = a.middle - half, *hi = a.middle + half;
     return half;
@@ -308,7 +308,7 @@ static inline bool narrow(bracket *p, const cell *e, const sighting *n, int leve
 /* ------------------------------------------------------------------- a root */
 
 /* In (tmin, tmax], and not the start itself: sgt_ray in sagitta.h has the rule. */
-SGT_INLINE bool root_counts(const meeting *h, const local *q, double tmin, double tmax)
+SGT_INLINE bool root_accepted(const meeting *h, const local *q, double tmin, double tmax)
 {
     double terms = fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z * h->n.z);
     double slope = fabs(h->n.x * q->l + h->n.y * q->m + h->n.z * q->n), gap = h->t - tmin - h->t_err - 8 * SGT_U * fabs(h->t);

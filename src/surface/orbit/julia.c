@@ -79,17 +79,17 @@ static sgt_hit first_of(const orbit *o, const sgt_ray *ray, const sgt_options *o
         sgt_level_march(&o, ray, opt, true, list);                                                                   \
         return 0;                                                                                                    \
     }                                                                                                                \
-    static size_t kind##_sweep(const void *self, const sgt_tile *tile, const sgt_options *opt)                       \
+    static size_t kind##_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)                       \
     {                                                                                                                \
         orbit o;                                                                                                     \
-        if (!sgt_orbit_of_##kind(self, &o).param) return sgt_level_sweep(&o, tile, opt);                             \
+        if (!sgt_orbit_of_##kind(self, &o).param) return sgt_level_lanes(&o, tile, opt);                             \
         memset(tile->hits.status, SGT_HARD, tile->n);                                                                \
         return tile->n;                                                                                              \
     }                                                                                                                \
-    static const struct sgt_own kind##_own = {.meet = kind##_meet, .all = kind##_all, .sweep = kind##_sweep, .tile = SGT_MOST_TILE}; \
+    static const struct sgt_builtin_ops kind##_builtin = {.meet = kind##_meet, .all = kind##_all, .lanes = kind##_lanes, .tile = SGT_MOST_TILE}; \
     const sgt_surface_ops sgt_##kind##_ops = {.name = #kind, .value = kind##_value, .span = kind##_span,             \
                                               .rounding = kind##_rounding, .estimate = kind##_estimate,              \
-                                              .enclose = kind##_enclose, .own_ = &kind##_own};                       \
+                                              .enclose = kind##_enclose, .own_ = &kind##_builtin};                       \
     double sgt_##kind##_potential(const sgt_##kind *s, sgt_vec3 p, sgt_vec3 *grad)                                   \
     {                                                                                                                \
         orbit o;                                                                                                     \

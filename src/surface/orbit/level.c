@@ -43,7 +43,7 @@
 #include "../../solve/root.h"
 #include "../builtin.h"
 
-typedef struct walk {
+typedef struct level_walk {
     path path;
     const orbit *orbit;
     const sgt_ray *ray;
@@ -52,7 +52,7 @@ typedef struct walk {
     double t_tol, least; /* of tau; what rounding leaves of it */
     bool all, done;
     sgt_list *list;
-} walk;
+} level_walk;
 
 sgt_span sgt_level_span(const orbit *o, const sgt_ray *ray)
 {
@@ -70,7 +70,7 @@ sgt_span sgt_level_span(const orbit *o, const sgt_ray *ray)
 
 /* ----------------------------------------------------------------- entries */
 
-static void tell_of(walk *w, sgt_move move, double tau, double lo, double hi)
+static void tell_of(level_walk *w, sgt_move move, double tau, double lo, double hi)
 {
     double slope, f = sgt_orbit_value(&w->path, tau, &slope), t0 = w->q.t0, scale = w->q.scale;
     tell(&w->told, move, (t0 + tau) * scale, f, slope / scale, (t0 + lo) * scale, (t0 + hi) * scale);
@@ -78,13 +78,13 @@ static void tell_of(walk *w, sgt_move move, double tau, double lo, double hi)
 }
 
 /* One evaluation more, at tau. */
-SGT_INLINE void look_on(walk *w, sgt_move move, double tau, double lo, double hi)
+SGT_INLINE void look_on(level_walk *w, sgt_move move, double tau, double lo, double hi)
 {
     if (w->told.opt->watch) tell_of(w, move, tau, lo, hi);
     else w->told.evals++;
 }
 
-static void add(walk *w, sgt_hit *hit)
+static void level_add(level_walk *w, sgt_hit *hit)
 {
     hit->evals = w->told.evals - w->told.before;
     w->told.before = w->told.evals;
@@ -93,14 +93,14 @@ static void add(walk *w, sgt_hit *hit)
     w->done = w->done || !w->all;
 }
 
-static void stretch(walk *w, sgt_status status, double lo, double hi)
+static void level_stretch(level_walk *w, sgt_status status, double lo, double hi)
 {
     int count = w->list->count;
     add_stretch(w->list, &w->told, status, w->ray, (w->q.t0 + lo) * w->q.scale, (w->q.t0 + hi) * w->q.scale);
     w->done = w->done || (w->list->count > count && !w->all);
 }
 
-bool sgt_level_alone(const orbit *o, path *w, const sgt_ray *ray, double t, double t_lo, double t_err)
+bool sgt_level_unique(const orbit *o, path *w, const sgt_ray *ray, double t, double t_lo, double t_err)
 {
     local q;
     double lo, hi;
@@ -111,7 +111,7 @@ bool sgt_level_alone(const orbit *o, path *w, const sgt_ray *ray, double t, doub
 enum { PROOF_CELLS = 256 }; /* of one side; some dozen, as a rule */
 
 /* No root lies in [lo, hi]; h: half the first cell.  false: some cell cannot tell. */
-static bool free_of_roots(walk *w, double lo, double hi, double h)
+static bool free_of_roots(level_walk *w, double lo, double hi, double h)
 {
     course k = {.tau = lo, .hi = hi, .h = h};
     for (int i = 0; k.tau < hi; i++) {
@@ -133,12 +133,12 @@ static bool free_of_roots(walk *w, double lo, double hi, double h)
 }
 
 /* The root within tau_err of tau is the only one in [t - t_err, t + t_err]. */
-static bool only_root(walk *w, const meeting *h, double tau, double tau_err)
+static bool only_root(level_walk *w, const meeting *h, double tau, double tau_err)
 {
     double far = h->t_err / w->q.scale;
     look_on(w, SGT_PROBE, tau, tau - 2 * far, tau + 2 * far);
     if (w->told.stopped) return false;
-    if (sgt_level_alone(w->orbit, &w->path, w->ray, h->t, h->t_lo, h->t_err)) return true;
+    if (sgt_level_unique(w->orbit, &w->path, w->ray, h->t, h->t_lo, h->t_err)) return true;
     /* The ends, and the difference t / scale - t0, are rounded: each by an ulp of what is added here. */
     double t = h->t / w->q.scale - w->q.t0, end = far + 0x1p-50 * (far + fabs(t)), half = 1.25 * far;
     while (half > 1.1 * tau_err && !sgt_orbit_monotone(&w->path, tau, half)) half *= 0.5;
@@ -148,7 +148,7 @@ static bool only_root(walk *w, const meeting *h, double tau, double tau_err)
 
 /* A root within tau_err of tau, or a graze: an entry, unless it is before or after the ray's ends, or its
  * start.  false: the watcher has stopped the search before. */
-static bool add_root(walk *w, sgt_status status, double tau, double tau_err)
+static bool add_root(level_walk *w, sgt_status status, double tau, double tau_err)
 {
     meeting h;
     meeting_place(&h, &w->q, tau, tau_err);
@@ -157,21 +157,21 @@ static bool add_root(walk *w, sgt_status status, double tau, double tau_err)
     look_on(w, SGT_NEWTON, tau, tau - tau_err, tau + tau_err);
     if (w->told.stopped) return false;
     if (!root_in_range(&h)) { /* t is out of range in lengths of d */
-        stretch(w, SGT_UNPROVEN, -HUGE_VAL, HUGE_VAL);
+        level_stretch(w, SGT_UNPROVEN, -HUGE_VAL, HUGE_VAL);
         return true;
     }
-    if (!root_counts(&h, &w->q, w->ray->tmin, w->ray->tmax)) return true;
+    if (!root_accepted(&h, &w->q, w->ray->tmin, w->ray->tmax)) return true;
     if (w->told.opt->proof != SGT_ESTIMATE && status == SGT_HIT) {
         bool only = only_root(w, &h, tau, tau_err);
         if (w->told.stopped) return false;
         if (!only) {
             double far = h.t_err / w->q.scale;
-            stretch(w, SGT_UNPROVEN, tau - far, tau + far);
+            level_stretch(w, SGT_UNPROVEN, tau - far, tau + far);
             return true;
         }
     }
     sgt_interval about = sgt_about(h.t, h.t_err);
-    add(w, &(sgt_hit){.status = status, .t = h.t, .t_err = h.t_err, .t_lo = h.t_lo, .lo = about.lo, .hi = about.hi,
+    level_add(w, &(sgt_hit){.status = status, .t = h.t, .t_err = h.t_err, .t_lo = h.t_lo, .lo = about.lo, .hi = about.hi,
                       .f = f, .p = h.p, .n = h.n, .p_err = h.p_err});
     return true;
 }
@@ -179,7 +179,7 @@ static bool add_root(walk *w, sgt_status status, double tau, double tau_err)
 /* ----------------------------------------------------------- the certified march */
 
 /* A root in the bracket.  false: the search was stopped before it was told. */
-static bool polish(walk *w, bracket *p)
+static bool level_polish(level_walk *w, bracket *p)
 {
     double E2 = w->path.E * w->path.E, wanted = larger(w->t_tol, w->least);
     bool on = root_error(p) > wanted;
@@ -198,19 +198,19 @@ static bool polish(walk *w, bracket *p)
 typedef struct dark_stretch { bool any, touches; double lo; int side; } dark_stretch;
 
 /* It ends at tau, with a cell where F has the sign `here`.  false: not told. */
-static bool end_dark(walk *w, const dark_stretch *dark, double tau, double here)
+static bool end_dark(level_walk *w, const dark_stretch *dark, double tau, double here)
 {
     double middle = 0.5 * (dark->lo + tau), half = 0.5 * (tau - dark->lo) * (1 + 4 * SGT_U);
     if (dark->side * here < 0) return add_root(w, SGT_HIT, middle, half);
     if (dark->side && dark->touches) return add_root(w, SGT_GRAZE, middle, half);
-    stretch(w, SGT_UNPROVEN, dark->lo, tau);
+    level_stretch(w, SGT_UNPROVEN, dark->lo, tau);
     return true;
 }
 
 /* Cells that the march may come to next, looked at together. */
 typedef struct ahead { double m[4], h[4]; cell seen[4]; bool known[4]; } ahead;
 
-static const cell *look_at(const walk *w, ahead *a, place at, course k)
+static const cell *level_look_at(const level_walk *w, ahead *a, place at, course k)
 {
     for (int i = 0; i < 4; i++)
         if (a->known[i] && a->m[i] == at.m && a->h[i] == at.h) return &a->seen[i];
@@ -224,7 +224,7 @@ static const cell *look_at(const walk *w, ahead *a, place at, course k)
 }
 
 /* The march proper, over [lo, hi] of a chord that begins at `start`. */
-static void march(walk *w, double start, double lo, double hi)
+static void level_march(level_walk *w, double start, double lo, double hi)
 {
     double E2 = w->path.E * w->path.E;
     course k = first_course(start, lo, hi);
@@ -234,7 +234,7 @@ static void march(walk *w, double start, double lo, double hi)
     for (int i = 0; i < 4; i++) near.known[i] = false;
     while (k.tau < hi && !w->done && !spent(&w->told)) {
         place at = lay(&k);
-        const cell *e = look_at(w, &near, at, k);
+        const cell *e = level_look_at(w, &near, at, k);
         double tau = k.tau, m = at.m, end = at.end, h = at.h;
         look_on(w, SGT_MARCH, m, tau, hi);
         if (w->done) break;
@@ -261,7 +261,7 @@ static void march(walk *w, double start, double lo, double hi)
         switch (what) {
         case ON: continue;
         case ROOT:
-            if (polish(w, &root)) continue;
+            if (level_polish(w, &root)) continue;
             k.tau = tau; /* the root is a part of what is left */
             goto end;
         case ACROSS: {
@@ -293,9 +293,9 @@ static void march(walk *w, double start, double lo, double hi)
     }
 end:;
     double from = dark.any ? dark.lo : k.tau;
-    if (w->told.stopped) stretch(w, SGT_STOPPED, from, hi);
-    else if (!w->done && k.tau < hi) stretch(w, SGT_EXHAUSTED, from, hi);
-    else if (!w->done && dark.any) stretch(w, SGT_UNPROVEN, from, hi);
+    if (w->told.stopped) level_stretch(w, SGT_STOPPED, from, hi);
+    else if (!w->done && k.tau < hi) level_stretch(w, SGT_EXHAUSTED, from, hi);
+    else if (!w->done && dark.any) level_stretch(w, SGT_UNPROVEN, from, hi);
 }
 
 /* ------------------------------------------------------------------- the fast way */
@@ -311,7 +311,7 @@ static double estimate_at(const orbit *o, const estimator *s, quaternion q, doub
         }
         at.growth2 *= s->power2 * small_power(at.A2, o->power - 1);
         if (o->mandelbrot) at.growth2 = (sqrt(at.growth2) + 1) * (sqrt(at.growth2) + 1);
-        power_of r = power_alone((quaternion){at.a, at.b, sqrt(at.rest), 0}, o->power);
+        power_of r = power_only((quaternion){at.a, at.b, sqrt(at.rest), 0}, o->power);
         at = (slice_orbit){r.s + s->along_c.a, r.f * at.b + s->im, at.rest * (r.f * r.f), 0, at.growth2};
         at.A2 = at.a * at.a + (at.b * at.b + at.rest);
     }
@@ -325,7 +325,7 @@ double sgt_level_estimate(const orbit *o, sgt_vec3 p, double *f)
     return estimate_at(o, &s, q, f);
 }
 
-static void march_fast(walk *w, double lo, double hi, double dt_min)
+static void march_fast(level_walk *w, double lo, double hi, double dt_min)
 {
     const orbit *o = w->orbit;
     double inverse = 1 / sqrt(w->q.l * w->q.l + w->q.m * w->q.m + w->q.n * w->q.n), last = lo, last_f = NAN, tau = lo, f;
@@ -333,7 +333,7 @@ static void march_fast(walk *w, double lo, double hi, double dt_min)
     bool any = false;
     for (;;) {
         if (spent(&w->told)) {
-            stretch(w, SGT_EXHAUSTED, last, hi);
+            level_stretch(w, SGT_EXHAUSTED, last, hi);
             return;
         }
         quaternion q = quaternion_sum(w->path.start, quaternion_times(w->path.along, tau));
@@ -345,7 +345,7 @@ static void march_fast(walk *w, double lo, double hi, double dt_min)
             int before = w->list->count;
             bracket root = {.lo = last, .hi = tau, .a = last, .b = tau, .falls = last_f > 0 ? 1 : -1};
             step_to(&root, tau, f * (tau - last) / (f - last_f), 0, 0.125 * (tau - last));
-            if (!polish(w, &root)) break;
+            if (!level_polish(w, &root)) break;
             any = any || w->list->count > before;
             if (w->done) break;
         }
@@ -354,20 +354,20 @@ static void march_fast(walk *w, double lo, double hi, double dt_min)
         double next = tau + larger(away, dt_min);
         tau = next > hi ? hi : next > tau ? next : next_double(tau);
     }
-    if (w->told.stopped) stretch(w, SGT_STOPPED, last, hi);
-    else if (!any && !w->done) stretch(w, SGT_UNPROVEN, lo, hi);
+    if (w->told.stopped) level_stretch(w, SGT_STOPPED, last, hi);
+    else if (!any && !w->done) level_stretch(w, SGT_UNPROVEN, lo, hi);
 }
 
 int sgt_level_march(const orbit *o, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list)
 {
-    walk w;
+    level_walk w;
     double lo, hi;
     set_of(o, &w.path);
     if (chord_of(o, w.path.escape[o->mandelbrot ? 1 : 0], ray, &w.q, &w.path, &lo, &hi) < 0) return 0;
     w.orbit = o, w.ray = ray, w.all = all, w.done = false, w.list = list;
     w.told = (tally){.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
     if (!(hi - lo > 0 && hi - lo < HUGE_VAL)) {
-        stretch(&w, SGT_UNPROVEN, -HUGE_VAL, HUGE_VAL); /* out of range */
+        level_stretch(&w, SGT_UNPROVEN, -HUGE_VAL, HUGE_VAL); /* out of range */
         return 0;
     }
     double scale = w.q.scale, tmin = ray->tmin / scale - w.q.t0, tmax = ray->tmax / scale - w.q.t0;
@@ -377,7 +377,7 @@ int sgt_level_march(const orbit *o, const sgt_ray *ray, const sgt_options *opt, 
     cut_to_ends(&w.q, tmin, tmax, &lo, &hi);
     if (lo > hi || tmin > hi || tmax < lo) return 0;
     if (opt->dt_min > 0 && opt->proof == SGT_ESTIMATE) march_fast(&w, lo, hi, opt->dt_min / scale);
-    else march(&w, start, lo, hi);
+    else level_march(&w, start, lo, hi);
     list->evals = w.told.evals;
     return w.told.evals - w.told.before;
 }

@@ -11,7 +11,7 @@ int sgt_level_march(const orbit *o, const sgt_ray *ray, const sgt_options *opt, 
 
 /* There is no root but one in [t - t_err, t + t_err]: F is monotone over twice as much.  w is one of the set; it
  * becomes that of the ray. */
-bool sgt_level_alone(const orbit *o, path *w, const sgt_ray *ray, double t, double t_lo, double t_err);
+bool sgt_level_unique(const orbit *o, path *w, const sgt_ray *ray, double t, double t_lo, double t_err);
 
 /* The stretch of t outside which |Q_0| (Mandelbrot: |Q_1|) is above the greatest E_k: lo > hi where there is none. */
 sgt_span sgt_level_span(const orbit *o, const sgt_ray *ray);
@@ -29,7 +29,7 @@ double sgt_level_rounding(const orbit *o, sgt_vec3 p);
  * where grad is not NULL. */
 double sgt_level_potential(const orbit *o, sgt_vec3 p, sgt_vec3 *grad);
 
-/* sgt_own's sweep. */
-size_t sgt_level_sweep(const orbit *o, const sgt_tile *tile, const sgt_options *opt);
+/* sgt_builtin_ops's sweep. */
+size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *opt);
 
 #endif

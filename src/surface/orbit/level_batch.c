@@ -74,7 +74,7 @@ typedef struct hits {
     double o[3][HITS], d[3][HITS], tmin[HITS], tmax[HITS], tau[HITS], tau_err[HITS];
     double t[HITS], t_err[HITS], t_lo[HITS], p[3][HITS], p_err[HITS], l[HITS], m[HITS], n[HITS], scale[HITS];
     double a[MOST_LEVELS + 1][HITS], b[MOST_LEVELS + 1][HITS], c[MOST_LEVELS + 1][HITS], d_[MOST_LEVELS + 1][HITS]; /* Q at each level */
-    double y[4][HITS], sum[4][HITS], far[HITS], counts[HITS]; /* at last y is the gradient; counts < 0: not to be told here */
+    double y[4][HITS], sum[4][HITS], far[HITS], accepted[HITS]; /* at last y is the gradient; counts < 0: not to be told here */
     double f[FIELDS][HITS]; /* the ray, and how it goes on if the root does not count */
     size_t ray[HITS], count;
 } hits;
@@ -321,7 +321,7 @@ SGT_INLINE void judge_near(near *s, int l, double E, double E_err, double E2)
     double V2 = s->V2[l], V = sqrt(V2), A = 0.5 * s->A[l], e = s->e[l], h = s->h[l], live = s->live[l], out = s->out[l];
     pair_norms n = {s->A2[l], V2, s->qv[l]};
     double told = judge(E, E_err, n, V, e, h);
-    bounds b = judge_slope(E, E_err, n, A, V, e, s->slope[l], s->center[l], h);
+    orbit_bounds b = judge_slope(E, E_err, n, A, V, e, s->slope[l], s->center[l], h);
     double verdict = fabs(n.qv) > b.W ? CELL_MONOTONE : CELL_OPEN, W = told == 2 ? b.W : HUGE_VAL, g_err = told == 2 ? b.g_err : HUGE_VAL;
     verdict = told == 2 ? verdict : CELL_OPEN, verdict = told == 1 ? CELL_INSIDE : verdict;
     verdict = live > 0 ? verdict : CELL_OPEN, verdict = out > 0 ? CELL_OUTSIDE : verdict;
@@ -440,7 +440,7 @@ static void set_up(job *j)
 }
 
 /* The next ray to lane l of the stream; none: it is idle. */
-static bool fill(job *j, int l)
+static bool stream_fill(job *j, int l)
 {
     stream *s = j->stream;
     s->verdict[l] = OUT;
@@ -487,7 +487,7 @@ SGT_INLINE void on_to(hits *s, size_t l, int k, const orbit *o, double most, boo
     quaternion q = {s->a[k][l], s->b[k][l], s->c[k][l], s->d_[k][l]}, c = o->c;
     if (mandelbrot) c = (quaternion){s->a[1][l], s->b[1][l], s->c[1][l], s->d_[1][l]};
     double far = s->far[l];
-    power_of r = power_alone(q, 2);
+    power_of r = power_only(q, 2);
     s->far[l] = quaternion_dot(q, q) < most ? far : 1;
     s->a[k + 1][l] = r.s + c.a, s->b[k + 1][l] = r.f * q.b + c.b, s->c[k + 1][l] = r.f * q.c + c.c, s->d_[k + 1][l] = r.f * q.d + c.d;
 }
@@ -519,11 +519,11 @@ SGT_INLINE void count_at(hits *s, size_t l, const orbit *o)
     s->y[0][l] = nx, s->y[1][l] = ny, s->y[2][l] = nz;
     meeting h = {.t = s->t[l], .t_err = s->t_err[l], .p = {s->p[0][l], s->p[1][l], s->p[2][l]}, .n = {nx, ny, nz}};
     local q = {.l = s->l[l], .m = s->m[l], .n = s->n[l], .scale = s->scale[l]};
-    double far = s->far[l], good = root_counts(&h, &q, s->tmin[l], s->tmax[l]) ? 1 : 0, fits = root_in_range(&h) ? good : -1;
-    s->counts[l] = far > 0 ? -1 : fits;
+    double far = s->far[l], good = root_accepted(&h, &q, s->tmin[l], s->tmax[l]) ? 1 : 0, fits = root_in_range(&h) ? good : -1;
+    s->accepted[l] = far > 0 ? -1 : fits;
 }
 
-SGT_INLINE void meet(hits *s, const set *w, bool mandelbrot)
+SGT_INLINE void stream_meet(hits *s, const set *w, bool mandelbrot)
 {
     const orbit o = *w->o;
     const double radius = w->escape.limit + w->escape.over, E2 = w->E2, most = 0x1p64 * (1 + E2);
@@ -544,8 +544,8 @@ SGT_INLINE void meet(hits *s, const set *w, bool mandelbrot)
     for (size_t l = 0; l < HITS; l++) count_at(s, l, &o);
 }
 
-SGT_KERNEL static void meet_julia(hits *s, const set *w) { meet(s, w, false); }
-SGT_KERNEL static void meet_mandelbrot(hits *s, const set *w) { meet(s, w, true); }
+SGT_KERNEL static void meet_julia(hits *s, const set *w) { stream_meet(s, w, false); }
+SGT_KERNEL static void meet_mandelbrot(hits *s, const set *w) { stream_meet(s, w, true); }
 
 /* A ray, its fields `apart` from each other, goes on: to the stream again, if anything of it is left. */
 static void go_back(job *j, const double f[], int apart)
@@ -570,7 +570,7 @@ static void count_far(hits *s, size_t l)
     local q = {.l = s->l[l], .m = s->m[l], .n = s->n[l], .scale = s->scale[l]};
     if (!(fabs(h.p.x) + fabs(h.p.y) + fabs(h.p.z) < HUGE_VAL) || !root_in_range(&h)) return;
     s->y[0][l] = s->y[1][l] = s->y[2][l] = 0;
-    s->counts[l] = root_counts(&h, &q, s->tmin[l], s->tmax[l]) ? 1 : 0;
+    s->accepted[l] = root_accepted(&h, &q, s->tmin[l], s->tmax[l]) ? 1 : 0;
 }
 
 /* Tells of all the hits there are. */
@@ -583,18 +583,18 @@ static void tell_hits(job *j)
     for (size_t l = 0; l < s->count; l++) {
         size_t i = s->ray[l];
         if (s->far[l] > 0) count_far(s, l);
-        if (s->counts[l] < 0) {
+        if (s->accepted[l] < 0) {
             give_up(j, i);
             continue;
         }
-        if (s->counts[l] == 0) {
+        if (s->accepted[l] == 0) {
             go_back(j, s->f[0] + l, HITS);
             continue;
         }
         if (j->set->proof) {
             sgt_ray ray = ray_at(&j->tile->rays, i);
             s->f[EVALS][l] += 1;
-            if (!sgt_level_alone(j->set->o, &j->set->path, &ray, s->t[l], s->t_lo[l], s->t_err[l])) {
+            if (!sgt_level_unique(j->set->o, &j->set->path, &ray, s->t[l], s->t_lo[l], s->t_err[l])) {
                 give_up(j, i);
                 continue;
             }
@@ -636,7 +636,7 @@ static void set_course(near *s, int l, const course *k)
 }
 
 /* The cell of lane l has been looked at.  false: the ray has left. */
-static bool settle(job *j, int l)
+static bool stream_settle(job *j, int l)
 {
     near *s = j->near;
     const set *w = j->set;
@@ -692,7 +692,7 @@ static void look_and_settle(job *j)
     else look_near_julia(s, j->set);
     int kept = 0;
     for (int l = 0; l < s->count; l++) {
-        if (!settle(j, l)) continue;
+        if (!stream_settle(j, l)) continue;
         if (kept < l) {
             for (int f = 0; f < FIELDS; f++) s->f[f][kept] = s->f[f][l];
             s->m[kept] = s->m[l], s->h[kept] = s->h[l];
@@ -737,7 +737,7 @@ static void cross(job *j, int at)
 }
 
 /* The ray of lane l leaves the stream. */
-static void leave(job *j, int l)
+static void stream_leave(job *j, int l)
 {
     const stream *s = j->stream;
     bool fast = j->set->dt_min > 0;
@@ -766,9 +766,9 @@ enum { SAME_CELLS = true };
 enum { SAME_CELLS = false }; /* the single ray has no vectors, and other formulas */
 #endif
 
-size_t sgt_level_sweep(const orbit *o, const sgt_tile *tile, const sgt_options *opt)
+size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *opt)
 {
-    static const double rounding_alone[SGT_MOST_TILE]; /* the t_tol of a proof */
+    static const double rounding_only[SGT_MOST_TILE]; /* the t_tol of a proof */
     set w = {.o = o, .proof = opt->proof != SGT_ESTIMATE};
     sgt_tile own = *tile;
     stream s;
@@ -783,13 +783,13 @@ size_t sgt_level_sweep(const orbit *o, const sgt_tile *tile, const sgt_options *
     }
     set_of(o, &w.path);
     w.escape = escape_of(o), w.E2 = o->E * o->E, w.budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, w.dt_min = w.proof ? 0 : opt->dt_min;
-    if (w.proof) own.t_tol = rounding_alone;
+    if (w.proof) own.t_tol = rounding_only;
     memset(&close, 0, sizeof close);
     memset(&s, 0, sizeof s);
     memset(&met, 0, sizeof met);
     waits.count = back.count = 0;
     int busy = 0;
-    for (int l = 0; l < WIDTH; l++) busy += fill(&j, l);
+    for (int l = 0; l < WIDTH; l++) busy += stream_fill(&j, l);
     while (busy || close.count || met.count) {
         bool drains = 2 * busy <= close.count; /* the rays that come back from the surface fill the lanes */
         if (busy && !drains) {
@@ -797,15 +797,15 @@ size_t sgt_level_sweep(const orbit *o, const sgt_tile *tile, const sgt_options *
                                             : (w.path.mandelbrot ? advance_mandelbrot : advance_julia)(&s, &w);
             for (; leaving; leaving &= leaving - 1) {
                 int l = lowest(leaving);
-                leave(&j, l);
-                busy -= !fill(&j, l);
+                stream_leave(&j, l);
+                busy -= !stream_fill(&j, l);
             }
             continue;
         }
         if (close.count) look_and_settle(&j);
         else tell_hits(&j);
         for (int l = 0; l < WIDTH; l++)
-            if (s.f[RAY][l] < 0) busy += fill(&j, l);
+            if (s.f[RAY][l] < 0) busy += stream_fill(&j, l);
     }
     return j.hard;
 }

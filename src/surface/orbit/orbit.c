@@ -23,10 +23,10 @@ static double safe_escape(double b, int power)
 static quaternion quaternion_of(const double q[4]) { return (quaternion){q[0], q[1], q[2], q[3]}; }
 
 /* What two kinds of set have in common. */
-typedef struct slice { const double *at, *ex, *ey, *ez; double escape; int iterations, power; } slice;
+typedef struct orbit_slice { const double *at, *ex, *ey, *ez; double escape; int iterations, power; } orbit_slice;
 
 /* Each component at most `most`; not of NaN. */
-static bool bounded(const double q[4], double most)
+static bool orbit_bounded(const double q[4], double most)
 {
     return fabs(q[0]) <= most && fabs(q[1]) <= most && fabs(q[2]) <= most && fabs(q[3]) <= most;
 }
@@ -46,12 +46,12 @@ static sgt_objection independent(quaternion x, quaternion y, quaternion z)
     return (sgt_objection){NULL, NULL};
 }
 
-static sgt_objection axes(const slice *s, orbit *o)
+static sgt_objection axes(const orbit_slice *s, orbit *o)
 {
     o->x = quaternion_of(s->ex), o->y = quaternion_of(s->ey), o->z = quaternion_of(s->ez);
     double xx = quaternion_dot(o->x, o->x), yy = quaternion_dot(o->y, o->y), zz = quaternion_dot(o->z, o->z);
-    if (!(xx + yy + zz <= 1e200) && !(bounded(s->ex, 1e100) && bounded(s->ey, 1e100) && bounded(s->ez, 1e100))) { /* not of NaN */
-        const char *key = !bounded(s->ex, 1e100) ? "ex" : !bounded(s->ey, 1e100) ? "ey" : "ez";
+    if (!(xx + yy + zz <= 1e200) && !(orbit_bounded(s->ex, 1e100) && orbit_bounded(s->ey, 1e100) && orbit_bounded(s->ez, 1e100))) { /* not of NaN */
+        const char *key = !orbit_bounded(s->ex, 1e100) ? "ex" : !orbit_bounded(s->ey, 1e100) ? "ey" : "ez";
         return (sgt_objection){key, "a number that is not finite, or above 1e100"};
     }
     bool none = xx + yy + zz == 0;
@@ -77,15 +77,15 @@ static const double mandelbrot_escape[] = {
     0x1.2611186bae675p+0, 0x1.1f59ac3c7d6c0p+0, 0x1.1aa59c4115e7dp+0,
 };
 
-static sgt_objection common(const slice *s, const double *c, orbit *o)
+static sgt_objection common(const orbit_slice *s, const double *c, orbit *o)
 {
     static const char finite[] = "a number that is not finite, or above 1e6";
     if (s->iterations < 0 || s->iterations > SGT_LEVELS) return (sgt_objection){"iterations", "not within 1 ... 100"};
     if (s->power != 0 && (s->power < 2 || s->power > 8)) return (sgt_objection){"power", "not within 2 ... 8"};
     o->c = c ? quaternion_of(c) : (quaternion){0, 0, 0, 0}, o->at = quaternion_of(s->at);
     double cc = quaternion_dot(o->c, o->c), aa = quaternion_dot(o->at, o->at);
-    if (!(cc <= 1e12) && c && !bounded(c, 1e6)) return (sgt_objection){"c", finite}; /* not of NaN */
-    if (!(aa <= 1e12) && !bounded(s->at, 1e6)) return (sgt_objection){"at", finite};
+    if (!(cc <= 1e12) && c && !orbit_bounded(c, 1e6)) return (sgt_objection){"c", finite}; /* not of NaN */
+    if (!(aa <= 1e12) && !orbit_bounded(s->at, 1e6)) return (sgt_objection){"at", finite};
     o->at_length = sqrt(aa);
     o->iterations = s->iterations ? s->iterations : 10, o->power = s->power ? s->power : 2, o->mandelbrot = !c;
     sgt_objection fault = axes(s, o);
@@ -113,13 +113,13 @@ static sgt_objection common(const slice *s, const double *c, orbit *o)
 sgt_objection sgt_orbit_of_julia(const void *self, orbit *o)
 {
     const sgt_julia *s = self;
-    return common(&(slice){s->at, s->ex, s->ey, s->ez, s->escape, s->iterations, s->power}, s->c, o);
+    return common(&(orbit_slice){s->at, s->ex, s->ey, s->ez, s->escape, s->iterations, s->power}, s->c, o);
 }
 
 sgt_objection sgt_orbit_of_mandelbrot(const void *self, orbit *o)
 {
     const sgt_mandelbrot *s = self;
-    return common(&(slice){s->at, s->ex, s->ey, s->ez, s->escape, s->iterations, s->power}, NULL, o);
+    return common(&(orbit_slice){s->at, s->ex, s->ey, s->ez, s->escape, s->iterations, s->power}, NULL, o);
 }
 
 /* ------------------------------------------------------------------ cells */
@@ -134,7 +134,7 @@ SGT_INLINE double next_d(double A, double V, double e, double d, double h, int p
 }
 
 /* Is the whole cell outside, |Q + v s| > E + e?  |Q|^2 > E^2 is known. */
-SGT_INLINE bool outside(pair_norms n, double E, double e, double h)
+SGT_INLINE bool orbit_outside(pair_norms n, double E, double e, double h)
 {
     double reach = n.V2 * h, T = E + e, ends = n.A2 + reach * h;
     T = T * T * (1 + 0x1p-38) + 64 * SGT_U * ends;
@@ -145,7 +145,7 @@ SGT_INLINE bool left_at(const path *w, pair_norms n, double e, double h, int k, 
 {
     double E = w->escape[k];
     if (!(n.A2 > E * E)) return false;
-    bool out = outside(n, E, e, h);
+    bool out = orbit_outside(n, E, e, h);
     if (out ? thorough && k == w->iterations : !(n.A2 > 3 * E * E && k < w->iterations)) return false;
     r->verdict = out ? CELL_OUTSIDE : CELL_OPEN, r->level = k;
     r->A2 = n.A2, r->V2 = n.V2, r->qv = n.qv, r->e = e, r->W = r->g_err = HUGE_VAL;
@@ -162,7 +162,7 @@ SGT_INLINE bool at_the_end(const path *w, pair_norms n, double e, double h, cell
 
 SGT_INLINE void bound_slope(const path *w, double A, double V, double d, double center, double h, cell *r)
 {
-    bounds b = judge_slope(w->E, w->E_err, (pair_norms){r->A2, r->V2, r->qv}, A, V, r->e, d, center, h);
+    orbit_bounds b = judge_slope(w->E, w->E_err, (pair_norms){r->A2, r->V2, r->qv}, A, V, r->e, d, center, h);
     r->W = b.W, r->g_err = b.g_err;
     if (fabs(r->qv) > r->W && r->verdict == CELL_OPEN) r->verdict = CELL_MONOTONE;
 }
@@ -206,7 +206,7 @@ SGT_INLINE void four_positive(const lanes *x, lanes *r) { *r = (lanes)((lane_bit
 
 SGT_SQUARES(four, lanes)
 
-#define ANY(b) ((((b)[0] | (b)[1]) | ((b)[2] | (b)[3])) != 0)
+#define ORBIT_ANY(b) ((((b)[0] | (b)[1]) | ((b)[2] | (b)[3])) != 0)
 
 SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h[4], bool mandelbrot, cell r[4], bool known[4])
 {
@@ -227,7 +227,7 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
         double E = w->escape[k], E2 = E * E;
         lanes y = half2 * s.V2;
         lane_bits over = (lane_bits)(s.A2 > E2) & live;
-        if (ANY(over)) {
+        if (ORBIT_ANY(over)) {
             lanes escape = E + zero, x, room;
             four_magnitude(&s.qv, &x);
             x *= half;
@@ -240,7 +240,7 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
             for (int l = 0; l < 3; l++)
                 if (!(live[l] | outside[l])) wanted &= before[l];
             lane_bits left = live & wanted;
-            if (!ANY(left)) break;
+            if (!ORBIT_ANY(left)) break;
         }
         four_twice_root(&s.A2, &A[k]), V2s[k] = s.V2, es[k] = s.e;
         if (k == n) break;

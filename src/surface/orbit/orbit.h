@@ -93,7 +93,7 @@ SGT_INLINE power_of power_along(quaternion q, quaternion v, int power)
 }
 
 /* The same without a v. */
-SGT_INLINE power_of power_alone(quaternion q, int power)
+SGT_INLINE power_of power_only(quaternion q, int power)
 {
     double n2 = q.b * q.b + (q.c * q.c + q.d * q.d);
     if (power == 2) return (power_of){q.a * q.a - n2, 2 * q.a, 0, 0};

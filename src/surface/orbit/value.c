@@ -21,7 +21,7 @@ static int levels_of(const orbit *o, sgt_vec3 p, int last, double most, quaterni
     int k = o->mandelbrot ? 1 : 0;
     at[k] = q;
     while (k < last && quaternion_dot(q, q) < most) {
-        power_of r = power_alone(q, o->power);
+        power_of r = power_only(q, o->power);
         q = (quaternion){r.s + c.a, r.f * q.b + c.b, r.f * q.c + c.c, r.f * q.d + c.d};
         at[++k] = q;
     }

@@ -47,41 +47,41 @@ typedef struct scene {
 } scene;
 
 /* What depends on rho alone.  phi and s are of the part of phi^2 that is not negative. */
-typedef struct ring { sgt_interval rho, phi2, phi, sag; } ring;
+typedef struct interval_ring { sgt_interval rho, phi2, phi, sag; } interval_ring;
 
 /* One t. */
-typedef struct place { sgt_interval z, half, g; ring at; } place;
+typedef struct interval_place { sgt_interval z, half, g; interval_ring at; } interval_place;
 
 /* The operations of interval.h, where the signs are known and nothing is empty; a NaN at an end goes through.  Functions, with
  * hardware fma: inlined they would be 50 KB more and no faster. */
-static sgt_interval plus(sgt_interval x, sgt_interval y) { return sgt_interval_between(-sgt_sum_above(-x.lo, -y.lo), sgt_sum_above(x.hi, y.hi)); }
+static sgt_interval interval_plus(sgt_interval x, sgt_interval y) { return sgt_interval_between(-sgt_sum_above(-x.lo, -y.lo), sgt_sum_above(x.hi, y.hi)); }
 
-static sgt_interval minus(sgt_interval x, sgt_interval y) { return sgt_interval_between(-sgt_sum_above(-x.lo, y.hi), sgt_sum_above(x.hi, -y.lo)); }
+static sgt_interval interval_minus(sgt_interval x, sgt_interval y) { return sgt_interval_between(-sgt_sum_above(-x.lo, y.hi), sgt_sum_above(x.hi, -y.lo)); }
 
 SGT_INLINE sgt_interval hull(sgt_interval x, sgt_interval y) { return sgt_interval_between(x.lo < y.lo ? x.lo : y.lo, larger(x.hi, y.hi)); }
 
 /* x y, y >= 0. */
-static sgt_interval times(sgt_interval x, sgt_interval y)
+static sgt_interval interval_times(sgt_interval x, sgt_interval y)
 {
     return sgt_interval_between(-sgt_product_above(-x.lo, x.lo >= 0 ? y.lo : y.hi), sgt_product_above(x.hi, x.hi >= 0 ? y.hi : y.lo));
 }
 
-SGT_INLINE sgt_interval scaled(sgt_interval x, double by) { return times(x, sgt_interval_of(by)); }
+SGT_INLINE sgt_interval scaled(sgt_interval x, double by) { return interval_times(x, sgt_interval_of(by)); }
 
 /* x / y, x >= 0, y > 0. */
-static sgt_interval over(sgt_interval x, sgt_interval y)
+static sgt_interval interval_over(sgt_interval x, sgt_interval y)
 {
     return sgt_interval_between(y.hi < HUGE_VAL ? -sgt_quotient_above(-x.lo, y.hi) : 0, sgt_quotient_above(x.hi, y.lo));
 }
 
 /* x +- by, of moderate numbers. */
-SGT_INLINE sgt_interval rounded(twofold x, double by) { return sgt_interval_between(-sgt_sum_above(-x.hi, by - x.lo), sgt_sum_above(x.hi, x.lo + by)); }
+SGT_INLINE sgt_interval interval_rounded(twofold x, double by) { return sgt_interval_between(-sgt_sum_above(-x.hi, by - x.lo), sgt_sum_above(x.hi, x.lo + by)); }
 
 /* The sum of a[i] rho^i. */
 SGT_INLINE sgt_interval series(int terms, const sgt_interval *a, sgt_interval rho)
 {
     sgt_interval h = a[terms - 1];
-    for (int i = terms - 2; i >= 0; i--) h = plus(times(h, rho), a[i]);
+    for (int i = terms - 2; i >= 0; i--) h = interval_plus(interval_times(h, rho), a[i]);
     return h;
 }
 
@@ -116,21 +116,21 @@ SGT_INLINE sgt_interval range_of(const triple *x, double o, double d, double t0,
     return sgt_interval_sum(from, sgt_interval_product(sgt_interval_of(t), by));
 }
 
-SGT_INLINE void phi2_of(const scene *f, ring *e)
+SGT_INLINE void phi2_of(const scene *f, interval_ring *e)
 {
     sgt_interval c = sgt_interval_of(f->c);
-    e->phi2 = minus(sgt_interval_of(1), times(times(f->k1, times(e->rho, c)), c));
+    e->phi2 = interval_minus(sgt_interval_of(1), interval_times(interval_times(f->k1, interval_times(e->rho, c)), c));
 }
 
-SGT_INLINE void sag_of(const scene *f, ring *e)
+SGT_INLINE void sag_of(const scene *f, interval_ring *e)
 {
     e->phi = sgt_interval_between(e->phi2.lo > 0 ? sgt_square_root_below(e->phi2.lo) : 0, e->phi2.hi < 0 ? 0 : sgt_square_root_above(e->phi2.hi));
-    e->sag = over(scaled(e->rho, f->c), plus(sgt_interval_of(1), e->phi));
+    e->sag = interval_over(scaled(e->rho, f->c), interval_plus(sgt_interval_of(1), e->phi));
 }
 
-static place place_at(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, double t)
+static interval_place place_at(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, double t)
 {
-    place e;
+    interval_place e;
     triple x = triple_of(o.x, d.x, t0, t), y = triple_of(o.y, d.y, t0, t), z = triple_of(o.z, d.z, t0, t);
     e.z = range_of(&z, o.z, d.z, t0, t);
     /* rho to 2 * 4 + 5 + 3 = 16 u^2, what is taken from 1 to 32 u^2, h to 12 u^2 of its terms; what underflows is
@@ -138,19 +138,19 @@ static place place_at(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, double 
     twofold rho = twofold_sum(twofold_product(x.s, x.s), twofold_product(y.s, y.s)), xl = twofold_scaled(x.s, f->l.lo), ym = twofold_scaled(y.s, f->m.lo);
     double terms = fabs(xl.hi) + fabs(ym.hi);
     bool fine = x.exact && y.exact && rho.hi > 0x1p-800 && rho.hi < 0x1p1000;
-    e.at.rho = rounded(rho, 0x1p-101 * rho.hi);
-    e.half = rounded(twofold_sum(xl, ym), 0x1p-101 * terms);
+    e.at.rho = interval_rounded(rho, 0x1p-101 * rho.hi);
+    e.half = interval_rounded(twofold_sum(xl, ym), 0x1p-101 * terms);
     if (!fine || !(terms > 0x1p-800) || f->l.lo < f->l.hi || f->m.lo < f->m.hi) {
         sgt_interval rx = range_of(&x, o.x, d.x, t0, t), ry = range_of(&y, o.y, d.y, t0, t);
         e.half = sgt_interval_sum(sgt_interval_product(rx, f->l), sgt_interval_product(ry, f->m));
         if (!fine) e.at.rho = sgt_interval_sum(sgt_interval_square(rx), sgt_interval_square(ry));
     }
     twofold bent = twofold_scaled(twofold_product(twofold_scaled(rho, f->c), two_sum(1, f->k)), f->c), phi2 = twofold_difference(twofold_of(1), bent);
-    if (fine && f->c < 0x1p600 && fabs(f->k) < 0x1p200 && fabs(bent.hi) < 0x1p900) e.at.phi2 = rounded(phi2, 0x1p-100 * (1 + fabs(bent.hi)));
+    if (fine && f->c < 0x1p600 && fabs(f->k) < 0x1p200 && fabs(bent.hi) < 0x1p900) e.at.phi2 = interval_rounded(phi2, 0x1p-100 * (1 + fabs(bent.hi)));
     else phi2_of(f, &e.at);
     sag_of(f, &e.at);
-    e.g = minus(e.z, e.at.sag);
-    if (f->terms) e.g = minus(e.g, times(series(f->terms, f->p, e.at.rho), e.at.rho));
+    e.g = interval_minus(e.z, e.at.sag);
+    if (f->terms) e.g = interval_minus(e.g, interval_times(series(f->terms, f->p, e.at.rho), e.at.rho));
     return e;
 }
 
@@ -166,7 +166,7 @@ SGT_INLINE sgt_interval cross_of(const scene *f, sgt_vec3 o)
     twofold cross = twofold_difference(two_product(o.x, f->m.lo), two_product(o.y, f->l.lo));
     double size = fabs(cross.hi);
     if (size > 0x1p-800 && size < 0x1p500 && f->l.lo == f->l.hi && f->m.lo == f->m.hi)
-        return rounded((twofold){size, cross.hi > 0 ? cross.lo : -cross.lo}, 0x1p-101 * size);
+        return interval_rounded((twofold){size, cross.hi > 0 ? cross.lo : -cross.lo}, 0x1p-101 * size);
     return sgt_interval_absolute(sgt_interval_difference(sgt_interval_product(sgt_interval_of(o.x), f->m), sgt_interval_product(sgt_interval_of(o.y), f->l)));
 }
 
@@ -174,9 +174,9 @@ SGT_INLINE sgt_interval product_of(double a, double b) { return sgt_interval_bet
 
 static sgt_interval enclose(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, sgt_interval t, sgt_interval *slope)
 {
-    place a = place_at(f, o, d, t0, t.lo), b = t.lo < t.hi ? place_at(f, o, d, t0, t.hi) : a;
+    interval_place a = place_at(f, o, d, t0, t.lo), b = t.lo < t.hi ? place_at(f, o, d, t0, t.hi) : a;
     sgt_interval half = {a.half.lo, b.half.hi}, z = hull(a.z, b.z), cross = cross_of(f, o);
-    ring all = half.lo >= 0 ? a.at : b.at; /* of the least rho; then of the whole stretch */
+    interval_ring all = half.lo >= 0 ? a.at : b.at; /* of the least rho; then of the whole stretch */
     if (!(half.lo >= 0 || half.hi <= 0)) {
         all.rho = sgt_interval_of(larger(sgt_interval_quotient(sgt_interval_square(cross), f->a).lo, 0));
         phi2_of(f, &all);
@@ -190,32 +190,32 @@ static sgt_interval enclose(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, s
     bool whole = all.phi2.lo > 0;
     sgt_interval c = sgt_interval_of(f->c);
     if (!whole && f->k1.lo > 0) {
-        sgt_interval edge = sgt_interval_quotient(sgt_interval_of(1), times(f->k1, c)), rim = sgt_interval_quotient(edge, c);
+        sgt_interval edge = sgt_interval_quotient(sgt_interval_of(1), interval_times(f->k1, c)), rim = sgt_interval_quotient(edge, c);
         all.sag.hi = edge.hi;
         if (rim.hi < all.rho.hi) all.rho.hi = rim.hi;
     }
-    sgt_interval g = minus(z, all.sag);
-    if (f->terms) g = minus(g, times(series(f->terms, f->p, all.rho), all.rho));
+    sgt_interval g = interval_minus(z, all.sag);
+    if (f->terms) g = interval_minus(g, interval_times(series(f->terms, f->p, all.rho), all.rho));
     if (!whole) return g;
 
-    sgt_interval from = minus(f->n, times(a.half, over(c, a.at.phi))), to = minus(f->n, times(b.half, over(c, b.at.phi)));
-    *slope = minus(sgt_interval_between(to.lo, from.hi), wave_of(f, all.rho, half));
+    sgt_interval from = interval_minus(f->n, interval_times(a.half, interval_over(c, a.at.phi))), to = interval_minus(f->n, interval_times(b.half, interval_over(c, b.at.phi)));
+    *slope = interval_minus(sgt_interval_between(to.lo, from.hi), wave_of(f, all.rho, half));
     if (t.lo < t.hi) {
         sgt_interval reach = {0, sgt_product_above(sgt_interval_width(t), 1 / f->scale)}, ends = hull(a.g, b.g);
-        sgt_interval k = minus(f->a, times(f->k1, sgt_interval_square(times(cross, c))));
+        sgt_interval k = interval_minus(f->a, interval_times(f->k1, sgt_interval_square(interval_times(cross, c))));
         k.lo = larger(k.lo, 0);
-        sgt_interval bend = scaled(over(times(k, c), times(all.phi2, all.phi)), 0.5); /* -g'' / 2 */
+        sgt_interval bend = scaled(interval_over(interval_times(k, c), interval_times(all.phi2, all.phi)), 0.5); /* -g'' / 2 */
         if (f->terms) {
-            bend = plus(bend, times(series(f->terms, f->first, all.rho), f->a));
-            if (f->terms > 1) bend = plus(bend, scaled(times(series(f->terms - 1, f->second, all.rho), sgt_interval_square(half)), 2));
-            from = minus(from, wave_of(f, a.at.rho, a.half)), to = minus(to, wave_of(f, b.at.rho, b.half));
-            sgt_interval turn = scaled(times(bend, reach), 2);
-            *slope = sgt_interval_intersection(*slope, sgt_interval_intersection(minus(from, turn), plus(to, turn)));
+            bend = interval_plus(bend, interval_times(series(f->terms, f->first, all.rho), f->a));
+            if (f->terms > 1) bend = interval_plus(bend, scaled(interval_times(series(f->terms - 1, f->second, all.rho), sgt_interval_square(half)), 2));
+            from = interval_minus(from, wave_of(f, a.at.rho, a.half)), to = interval_minus(to, wave_of(f, b.at.rho, b.half));
+            sgt_interval turn = scaled(interval_times(bend, reach), 2);
+            *slope = sgt_interval_intersection(*slope, sgt_interval_intersection(interval_minus(from, turn), interval_plus(to, turn)));
         }
         if (!(slope->lo >= 0 || slope->hi <= 0)) {
-            sgt_interval change = times(*slope, reach);
-            g = sgt_interval_intersection(g, sgt_interval_intersection(plus(a.g, change), minus(b.g, change)));
-            ends = plus(ends, scaled(times(bend, times(reach, reach)), 0.25));
+            sgt_interval change = interval_times(*slope, reach);
+            g = sgt_interval_intersection(g, sgt_interval_intersection(interval_plus(a.g, change), interval_minus(b.g, change)));
+            ends = interval_plus(ends, scaled(interval_times(bend, interval_times(reach, reach)), 0.25));
         }
         g = sgt_interval_intersection(g, ends);
     } else g = a.g;
@@ -234,7 +234,7 @@ sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, double t0, sgt_
     scene f = {.c = fabs(s->c), .k = s->k, .terms = s->terms, .scale = scale};
     f.k1 = sgt_interval_sum(sgt_interval_of(1), sgt_interval_of(s->k));
     f.l = product_of(d.x, scale), f.m = product_of(d.y, scale), f.n = product_of(d.z, scale);
-    f.a = plus(sgt_interval_square(f.l), sgt_interval_square(f.m));
+    f.a = interval_plus(sgt_interval_square(f.l), sgt_interval_square(f.m));
     for (int i = 0; i < s->terms; i++) {
         f.p[i] = sgt_interval_of(sign * s->a[i]);
         f.first[i] = product_of(f.p[i].lo, i + 1);

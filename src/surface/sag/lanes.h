@@ -84,34 +84,34 @@ SGT_INLINE sgt_hit hit_of_lane(const lane *e, int evals, double f)
 }
 
 /* Where a sweep's second loop writes, and what for: outputs that are not wanted go to a place in the first cache. */
-typedef struct sweep_ends {
+typedef struct lane_ends {
     _Alignas(64) double unwanted[SGT_TILE];
     mask hit[SGT_TILE];
-} sweep_ends;
+} lane_ends;
 
-typedef struct sweep_to { double *t, *t_err, *t_lo, *px, *py, *pz, *nx, *ny, *nz, *p_err; mask *hit; } sweep_to;
+typedef struct lane_to { double *t, *t_err, *t_lo, *px, *py, *pz, *nx, *ny, *nz, *p_err; mask *hit; } lane_to;
 
-SGT_INLINE sweep_to sweep_to_of(const sgt_tile *tile, sweep_ends *ends)
+SGT_INLINE lane_to lane_to_of(const sgt_tile *tile, lane_ends *ends)
 {
     const sgt_hits *h = &tile->hits;
     double *no = ends->unwanted;
-    return (sweep_to){h->t ? h->t : no, h->t_err ? h->t_err : no, h->t_lo ? h->t_lo : no, h->p[0] ? h->p[0] : no, h->p[0] ? h->p[1] : no,
+    return (lane_to){h->t ? h->t : no, h->t_err ? h->t_err : no, h->t_lo ? h->t_lo : no, h->p[0] ? h->p[0] : no, h->p[0] ? h->p[1] : no,
                       h->p[0] ? h->p[2] : no, h->n[0] ? h->n[0] : no, h->n[0] ? h->n[1] : no, h->n[0] ? h->n[2] : no,
                       h->p_err ? h->p_err : no, ends->hit};
 }
 
 /* rich: t_lo and p_err are wanted. */
-#define SWEEP_STORE(to, i, e, rich)                                                                                        \
+#define LANE_STORE(to, i, e, rich)                                                                                        \
     do {                                                                                                                   \
         (to).t[i] = (e).t, (to).t_err[i] = (e).t_err, (to).px[i] = (e).px, (to).py[i] = (e).py, (to).pz[i] = (e).pz;       \
         (to).nx[i] = (e).nx, (to).ny[i] = (e).ny, (to).nz[i] = chosen((e).hit, 1, (double)NAN), (to).hit[i] = (e).hit;     \
         if (rich) (to).t_lo[i] = (e).t_lo, (to).p_err[i] = (e).p_err;                                                      \
     } while (0)
 
-/* As SWEEP_STORE does of rays that are not met. */
-SGT_INLINE void sweep_nothing(const sgt_tile *tile, sweep_ends *ends)
+/* As LANE_STORE does of rays that are not met. */
+SGT_INLINE void lane_nothing(const sgt_tile *tile, lane_ends *ends)
 {
-    sweep_to to = sweep_to_of(tile, ends);
+    lane_to to = lane_to_of(tile, ends);
     double none = (double)NAN;
     for (size_t i = 0; i < tile->n; i++)
         to.t[i] = to.t_err[i] = to.t_lo[i] = to.px[i] = to.py[i] = to.pz[i] = to.nx[i] = to.ny[i] = to.nz[i] =
@@ -119,7 +119,7 @@ SGT_INLINE void sweep_nothing(const sgt_tile *tile, sweep_ends *ends)
 }
 
 /* Status and evals of the hits; the rest is hard.  all: every ray is one.  Returns how many are hard. */
-SGT_INLINE size_t sweep_told(const sgt_tile *tile, const sweep_ends *ends, int evals, mask all)
+SGT_INLINE size_t lane_told(const sgt_tile *tile, const lane_ends *ends, int evals, mask all)
 {
     signed char *status = tile->hits.status;
     size_t hard = 0;

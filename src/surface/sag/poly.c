@@ -28,27 +28,27 @@
 
 #include "../../num/expansion.h"
 
-static const double LOST = 0x1p-1066;
+static const double POLY_LOST = 0x1p-1066;
 
 /* What P and P' at rho can lose. */
 static double lost_in_powers(double rho)
 {
     double rho2 = rho * rho, rho4 = rho2 * rho2;
-    return rho < 0x1p53 ? LOST * (1 + rho4 * rho4) : 0;
+    return rho < 0x1p53 ? POLY_LOST * (1 + rho4 * rho4) : 0;
 }
 
 /* Adds it to the errors. */
 static void underflow(const shape *s, double rho, double half_terms, sample *e)
 {
     if (e->x == 0 && e->y == 0 && e->z == 0) return; /* there every product is 0, exactly */
-    double w = fabs(e->w), ckw = fabs(s->ck * w), by_power = lost_in_powers(rho), lost_w = by_power + LOST * (1 + e->first);
-    double lost_dw = 2 * (by_power + LOST * e->second) * half_terms + LOST * (1 + 2 * e->first);
-    e->lost = (1 + ckw) * lost_w + LOST * (1 + fabs(s->c) + w) + (LOST * w) * w;
-    e->slope_lost = (1 + ckw) * lost_dw + LOST * (1 + fabs(s->c) + w * fabs(e->dw));
+    double w = fabs(e->w), ckw = fabs(s->ck * w), by_power = lost_in_powers(rho), lost_w = by_power + POLY_LOST * (1 + e->first);
+    double lost_dw = 2 * (by_power + POLY_LOST * e->second) * half_terms + POLY_LOST * (1 + 2 * e->first);
+    e->lost = (1 + ckw) * lost_w + POLY_LOST * (1 + fabs(s->c) + w) + (POLY_LOST * w) * w;
+    e->slope_lost = (1 + ckw) * lost_dw + POLY_LOST * (1 + fabs(s->c) + w * fabs(e->dw));
     e->w_err += lost_w, e->g_err += e->lost, e->slope_err += e->slope_lost;
 }
 
-void sgt_form_bound(const shape *s, const local *q, double tau, sample *e)
+void sgt_poly_bound(const shape *s, const local *q, double tau, sample *e)
 {
     double x = fabs(e->x), y = fabs(e->y), rho = x * x + y * y, half_terms = fabs(x * q->l) + fabs(y * q->m);
     e->first = magnitude(s->terms, s->a, rho, &e->second);
@@ -66,14 +66,14 @@ void sgt_form_bound(const shape *s, const local *q, double tau, sample *e)
     if (!(least > 0x1p-400 && most < 0x1p100)) underflow(s, rho, half_terms, e); /* else it is nothing beside them */
 }
 
-sample sgt_form_sample(const shape *s, const local *q, double tau)
+sample sgt_poly_sample(const shape *s, const local *q, double tau)
 {
-    sample e = form_at(s, q, tau);
-    sgt_form_bound(s, q, tau, &e);
+    sample e = poly_at(s, q, tau);
+    sgt_poly_bound(s, q, tau, &e);
     return e;
 }
 
-double sgt_form_bend(const shape *s, const local *q, const sample *at, double h)
+double sgt_poly_bend(const shape *s, const local *q, const sample *at, double h)
 {
     double xl = fabs(at->x) + h * fabs(q->l), ym = fabs(at->y) + h * fabs(q->m);
     double a = q->l * q->l + q->m * q->m, half = fabs(at->x * q->l + at->y * q->m) + h * a;
@@ -87,7 +87,7 @@ double sgt_form_bend(const shape *s, const local *q, const sample *at, double h)
     double w = fabs(at->w) + at->w_err + h * w1;
     double bend = (fabs(s->c) * a + fabs(s->ck) * (w1 * w1 + w * w2) + w2) * (1 + 0x1p-30);
     if (bend > 0x1p-400 && drho < 0x1p60 && w1 < 0x1p300) return bend; /* underflow is nothing beside it */
-    return bend + (LOST * (1 + w * w2) + (LOST * w1) * w1 + (lost_in_powers(rho) * (1 + drho)) * (1 + drho));
+    return bend + (POLY_LOST * (1 + w * w2) + (POLY_LOST * w1) * w1 + (lost_in_powers(rho) * (1 + drho)) * (1 + drho));
 }
 
 double sgt_conic_sag_fine(double c, double k, double x, double y)
@@ -107,7 +107,7 @@ static double sag_bound(const shape *s, double rho, double outward)
 /* G has the square of w in it, and far from the surface M is large for no good reason: this is the
  * test for there.  rho over the cell is a parabola with an exact range, s is monotone in rho, and w is
  * within its tangent and W2 h^2 / 2. */
-bool sgt_form_apart(const shape *s, const local *q, const sample *at, double h)
+bool sgt_poly_apart(const shape *s, const local *q, const sample *at, double h)
 {
     double a = q->l * q->l + q->m * q->m, half = fabs(at->x * q->l + at->y * q->m), rho = at->x * at->x + at->y * at->y, second;
     double high = (rho + 2 * half * h + a * h * h) * (1 + 0x1p-40), low = half < a * h ? rho - half * half / a : rho - 2 * half * h + a * h * h;
@@ -126,7 +126,7 @@ bool sgt_form_apart(const shape *s, const local *q, const sample *at, double h)
     return (below > near && below > far) || (above < near && above < far);
 }
 
-int sgt_form_side(const shape *s, const sample *at)
+int sgt_poly_side(const shape *s, const sample *at)
 {
     double rho = at->x * at->x + at->y * at->y, slack = 0x1p-46 * rho + 4 * SGT_U * (fabs(at->x) * at->ex + fabs(at->y) * at->ey), edge = s->ck * s->c * (rho + slack);
     if (!(edge < 1 - 0x1p-40)) return 0;
@@ -135,14 +135,14 @@ int sgt_form_side(const shape *s, const sample *at)
     return below > near && below > far ? 1 : above < near && above < far ? -1 : 0;
 }
 
-bool sgt_form_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol, meeting *out, double *v_err, bool *steady)
+bool sgt_poly_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol, meeting *out, double *v_err, bool *steady)
 {
     double g_err = at->g_err + (place_underflows(q) ? 0x1p-1070 : 0);
     double slope = fabs(at->slope) - at->slope_err, g = fabs(at->g) + g_err;
     double h = 1.25 * g / slope;
     *steady = false;
-    if (!(slope > LOST && h < HUGE_VAL)) return false;
-    double bend = sgt_form_bend(s, q, at, h);
+    if (!(slope > POLY_LOST && h < HUGE_VAL)) return false;
+    double bend = sgt_poly_bend(s, q, at, h);
     if (!(6.4 * bend * h <= slope)) return false;
     double step = -at->g / at->slope, curved = 0.5 * bend * h * h, noise = g_err + fabs(step) * at->slope_err;
     double tau_err = 1.01 * (noise + curved) / slope + 2 * SGT_U * fabs(step);
@@ -191,14 +191,14 @@ static void residual_at(const shape *s, const sgt_ray *ray, const local *q, doub
     residual(s, q, coordinate(ray->o.x, q->l, t.hi, t.lo), coordinate(ray->o.y, q->m, t.hi, t.lo), coordinate(ray->o.z, q->n, t.hi, t.lo), at);
 }
 
-sample sgt_form_sample_fine(const shape *s, const sgt_ray *ray, const local *q, double tau)
+sample sgt_poly_sample_fine(const shape *s, const sgt_ray *ray, const local *q, double tau)
 {
-    sample at = sgt_form_sample(s, q, tau);
+    sample at = sgt_poly_sample(s, q, tau);
     residual_at(s, ray, q, tau, &at);
     return at;
 }
 
-static expansion place(double o, double d, double t0, double t0_lo)
+static expansion poly_place(double o, double d, double t0, double t0_lo)
 {
     twofold a = two_product(t0, d), b = two_product(t0_lo, d);
     return expansion_of_list(5, (double[]){b.lo, b.hi, a.lo, a.hi, o}, 0);
@@ -207,7 +207,7 @@ static expansion place(double o, double d, double t0, double t0_lo)
 /* The same, at t0 + t0_lo, in five times the precision. */
 static void fine_residual(const shape *s, const sgt_ray *ray, const local *q, sample *at)
 {
-    expansion x = place(ray->o.x, q->l, q->t0, q->t0_lo), y = place(ray->o.y, q->m, q->t0, q->t0_lo), z = place(ray->o.z, q->n, q->t0, q->t0_lo);
+    expansion x = poly_place(ray->o.x, q->l, q->t0, q->t0_lo), y = poly_place(ray->o.y, q->m, q->t0, q->t0_lo), z = poly_place(ray->o.z, q->n, q->t0, q->t0_lo);
     expansion rho = expansion_sum(expansion_product(x, x), expansion_product(y, y)), p = expansion_of(0);
     for (int i = s->terms - 1; i >= 0; i--) p = expansion_product(expansion_sum(p, expansion_of(s->a[i])), rho);
     expansion w = expansion_sum(z, expansion_negative(p)), ck = expansion_scaled(expansion_sum(expansion_of(1), expansion_of(s->k)), s->c);
@@ -217,18 +217,18 @@ static void fine_residual(const shape *s, const sgt_ray *ray, const local *q, sa
     at->g_err += at->lost;
 }
 
-bool sgt_form_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err, tally *w)
+bool sgt_poly_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err, tally *w)
 {
     bool steady = false, fine = false;
     double last = HUGE_VAL;
     for (int i = 0; i < 9 && !w->stopped; i++) {
         if (w->evals >= w->budget) return false;
         local q = local_at(ray, t0, t0_lo);
-        sample at = sgt_form_sample(s, &q, 0);
+        sample at = sgt_poly_sample(s, &q, 0);
         if (fine) fine_residual(s, ray, &q, &at);
         else residual_at(s, ray, &q, 0, &at);
         observe(w, &q, 0, &at, SGT_NEWTON, -HUGE_VAL, HUGE_VAL);
-        if (w->stopped || !sgt_form_certify(s, &q, &at, 0, 0, out, v_err, &steady)) return false;
+        if (w->stopped || !sgt_poly_certify(s, &q, &at, 0, 0, out, v_err, &steady)) return false;
         twofold next = two_sum(t0, t0_lo - at.g / at.slope);
         bool still = next.hi == t0 && next.lo == t0_lo;
         if (steady || still) {
@@ -241,11 +241,11 @@ bool sgt_form_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo
     return !w->stopped;
 }
 
-bool sgt_form_alone(const shape *s, const sgt_ray *ray, const meeting *at, tally *w)
+bool sgt_poly_unique(const shape *s, const sgt_ray *ray, const meeting *at, tally *w)
 {
     double scale = scale_of(ray->d), h = 2 * at->t_err / scale;
     local q = local_at(ray, at->t / scale, at->t_lo / scale);
-    sample e = sgt_form_sample(s, &q, 0);
+    sample e = sgt_poly_sample(s, &q, 0);
     observe(w, &q, 0, &e, SGT_PROBE, -h, h);
-    return fabs(e.slope) - e.slope_err > sgt_form_bend(s, &q, &e, h) * h; /* not of NaN */
+    return fabs(e.slope) - e.slope_err > sgt_poly_bend(s, &q, &e, h) * h; /* not of NaN */
 }

@@ -56,10 +56,10 @@ SGT_INLINE double single_limit(const shape *s)
 }
 
 /* Rays whose chord is so: alone[i] has all bits set, else 0; true: all of them. */
-bool sgt_sweep_monotone(const shape *s, const sgt_tile *tile, unsigned long long alone[]);
+bool sgt_lanes_monotone(const shape *s, const sgt_tile *tile, unsigned long long unique[]);
 
 /* The same with a limit of the caller's. */
-bool sgt_sweep_steeper(double limit, const sgt_tile *tile, unsigned long long alone[]);
+bool sgt_lanes_steeper(double limit, const sgt_tile *tile, unsigned long long unique[]);
 
 /* G at one point of the ray, and what is known of it. */
 typedef struct sample {
@@ -74,7 +74,7 @@ typedef struct sample {
 } sample;
 
 /* G, its slope, and what they are made of; no errors yet. */
-SGT_INLINE sample form_at(const shape *s, const local *q, double tau)
+SGT_INLINE sample poly_at(const shape *s, const local *q, double tau)
 {
     sample e;
     e.x = q->x + tau * q->l, e.y = q->y + tau * q->m, e.z = q->z + tau * q->n;
@@ -88,36 +88,36 @@ SGT_INLINE sample form_at(const shape *s, const local *q, double tau)
 }
 
 /* Adds the errors. */
-void sgt_form_bound(const shape *s, const local *q, double tau, sample *e);
+void sgt_poly_bound(const shape *s, const local *q, double tau, sample *e);
 
 /* Both. */
-sample sgt_form_sample(const shape *s, const local *q, double tau);
+sample sgt_poly_sample(const shape *s, const local *q, double tau);
 
 /* The same with G itself in twice the precision; q->t0 + q->t0_lo is the local origin. */
-sample sgt_form_sample_fine(const shape *s, const sgt_ray *ray, const local *q, double tau);
+sample sgt_poly_sample_fine(const shape *s, const sgt_ray *ray, const local *q, double tau);
 
 /* A bound on |d2G/dtau2| over [tau - h, tau + h]; at: the sample at tau. */
-double sgt_form_bend(const shape *s, const local *q, const sample *at, double h);
+double sgt_poly_bend(const shape *s, const local *q, const sample *at, double h);
 
 /* No root on the sheet in [tau - h, tau + h], for certain: there z - P and the conic's sag have no value
  * in common.  at: the sample at tau. */
-bool sgt_form_apart(const shape *s, const local *q, const sample *at, double h);
+bool sgt_poly_apart(const shape *s, const local *q, const sample *at, double h);
 
 /* The sign of F itself, z - P against s: 0 where it is not certain, or the point not certainly in the
  * domain. */
-int sgt_form_side(const shape *s, const sample *at);
+int sgt_poly_side(const shape *s, const sample *at);
 
 /* Is there a root near tau, and how near?  On true, *out has the root with its bound, one
  * Newton step from tau.  steady says that a further step would bring nothing. */
-bool sgt_form_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol, meeting *out, double *v_err, bool *steady);
+bool sgt_poly_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol, meeting *out, double *v_err, bool *steady);
 
 /* From t0 + t0_lo (scaled, near a root) with the origin moved there.  false: the root is too flat. */
-bool sgt_form_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err, tally *w);
+bool sgt_poly_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err, tally *w);
 
 /* There is no root but one in [t - t_err, t + t_err]: G is monotone over twice as much.  One evaluation. */
-bool sgt_form_alone(const shape *s, const sgt_ray *ray, const meeting *at, tally *w);
+bool sgt_poly_unique(const shape *s, const sgt_ray *ray, const meeting *at, tally *w);
 
-/* g and g' over t0 + t (sgt_own, enclose): enclose.c says how. */
+/* g and g' over t0 + t (sgt_builtin_ops, enclose): enclose.c says how. */
 sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope);
 
 /* One evaluation told to the watcher, in the ray's t. */

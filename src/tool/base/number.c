@@ -51,7 +51,7 @@ static double double_of(uint64_t digits, int places)
 
 /* -------------------------------------------------------------------- in */
 
-static bool named(const char *text, const char *name)
+static bool number_named(const char *text, const char *name)
 {
     return strcasecmp(text, name) == 0 || (*text == '.' && strcasecmp(text + 1, name) == 0);
 }
@@ -99,8 +99,8 @@ bool number_read(const char *text, double *value)
     const char *bare = text + (*text == '+' || *text == '-');
     double sign = *text == '-' ? -1 : 1;
     if (read_quick(bare, value)) return *value *= sign, true;
-    if (named(bare, "inf")) return *value = sign * HUGE_VAL, true;
-    if (named(bare, "nan")) return *value = (double)NAN, true;
+    if (number_named(bare, "inf")) return *value = sign * HUGE_VAL, true;
+    if (number_named(bare, "nan")) return *value = (double)NAN, true;
     if (!strchr("0123456789.", *bare) || !*bare) return false; /* strtod takes blanks, "infinity", "nan(x)" */
     char *end;
     *value = strtod(text, &end);
@@ -132,7 +132,7 @@ static int first_place(double x)
 }
 
 /* x rounded to so many places, half to even as printf does; x 10^places < 10^17.  *p is it without rounding, nearly. */
-static decimal rounded(double x, int places, double *p)
+static decimal number_rounded(double x, int places, double *p)
 {
     *p = x * power[places];
     double e = sgt_fma(x, power[places], -*p);
@@ -166,7 +166,7 @@ static bool shortest_quick(double x, decimal *d)
         if (digits == 15 && places > POWER_MOST) places = POWER_MOST; /* fewer than 15 may do as well */
         if (places > POWER_MOST) return false;
         double p;
-        *d = rounded(x, places, &p);
+        *d = number_rounded(x, places, &p);
         back = digits == 17 ? 1 : reads_back(d, x, p);
     }
     return back == 1;
@@ -187,7 +187,7 @@ static int digits_of(char *text, uint64_t n)
     return (int)sizeof backward - at;
 }
 
-static char *put(char *to, const char *from, int count) { return memcpy(to, from, (size_t)count), to + count; }
+static char *number_put(char *to, const char *from, int count) { return memcpy(to, from, (size_t)count), to + count; }
 
 /* digits / 10^places as %.*g has it, without zeros at its end. */
 static int lay_out(char text[NUMBER_SIZE], bool minus, uint64_t digits, int places, int precision)
@@ -198,17 +198,17 @@ static int lay_out(char text[NUMBER_SIZE], bool minus, uint64_t digits, int plac
     if (minus) *to++ = '-';
     if (first < -4 || first >= precision) {
         *to++ = d[0];
-        if (count > 1) *to++ = '.', to = put(to, d + 1, count - 1);
+        if (count > 1) *to++ = '.', to = number_put(to, d + 1, count - 1);
         *to++ = 'e', *to++ = first < 0 ? '-' : '+';
         if (abs(first) < 10) *to++ = '0';
         to += digits_of(to, (uint64_t)abs(first));
     } else if (whole <= 0) {
-        to = put(put(to, "0.000", 2 - whole), d, count);
+        to = number_put(number_put(to, "0.000", 2 - whole), d, count);
     } else if (count > whole) {
-        to = put(put(to, d, whole), ".", 1);
-        to = put(to, d + whole, count - whole);
+        to = number_put(number_put(to, d, whole), ".", 1);
+        to = number_put(to, d + whole, count - whole);
     } else {
-        to = put(put(to, d, count), "00000000000000000", whole - count);
+        to = number_put(number_put(to, d, count), "00000000000000000", whole - count);
     }
     *to = 0;
     return (int)(to - text);
@@ -269,7 +269,7 @@ double number_round_up(double x)
     double raised = x * 1.005;
     if (raised >= QUICK_LEAST && raised < 1e2) {
         double p;
-        decimal d = rounded(raised, 2 - first_place(raised), &p);
+        decimal d = number_rounded(raised, 2 - first_place(raised), &p);
         double value = double_of(d.digits, d.places);
         if (!isnan(value)) return fmax(x, value);
     }
@@ -285,7 +285,7 @@ int number_print_short(char text[NUMBER_SIZE], double value, int digits)
         double p;
         int places = digits - 1 - first_place(size);
         if (places >= 0 && places <= POWER_MOST)
-            return lay_out(text, value < 0, rounded(size, places, &p).digits, places, digits);
+            return lay_out(text, value < 0, number_rounded(size, places, &p).digits, places, digits);
     }
     return snprintf(text, NUMBER_SIZE, "%.*g", digits, value);
 }

@@ -15,7 +15,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char help[] =
+static const char diagnose_help[] =
     "sagitta diagnose --surface SPEC --ray \"ox oy oz dx dy dz\" [--method M] [options]\n"
     "sagitta diagnose LENS [--ray I] [--element J] [--method M] [options]\n"
     "\n"
@@ -36,20 +36,20 @@ static const char help[] =
     "  --proof P          what it is to prove: estimate (the default), root or first, as in\n"
     "                     sagitta intersect and sagitta trace\n";
 
-static const column head[] = {
+static const column diagnose_head[] = {
     {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"eval", COLUMN_COUNT}, {"move", COLUMN_WORD},
     {"t", COLUMN_EXACT}, {"f", COLUMN_NUMBER}, {"slope", COLUMN_NUMBER},
     {"lo", COLUMN_EXACT}, {"hi", COLUMN_EXACT},
 };
-enum { HEAD_COUNT = sizeof head / sizeof head[0], BARE_EVALS = 100 };
+enum { HEAD_COUNT = sizeof diagnose_head / sizeof diagnose_head[0], BARE_EVALS = 100 };
 
-typedef struct arguments {
+typedef struct diagnose_arguments {
     shared_options shared;
     job_options job;
     const char *surface, *ray;
     long element;         /* 0: all */
     method method;
-} arguments;
+} diagnose_arguments;
 
 static method method_of(const char *name)
 {
@@ -59,7 +59,7 @@ static method method_of(const char *name)
     fail_usage("--method wants safeguarded, newton, newton-normalised or bisection, not \"%s\"", name);
 }
 
-static arguments arguments_of(int argc, char *argv[])
+static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
 {
     enum { SURFACE = OPTION_AFTER_JOB, RAY, ELEMENT, METHOD };
     static const struct option known[] = {
@@ -68,8 +68,8 @@ static arguments arguments_of(int argc, char *argv[])
         JOB_OPTIONS, PROOF_OPTION, SHARED_OPTIONS, {0},
     };
     char all_help[6000];
-    snprintf(all_help, sizeof all_help, "%s%s", help, job_help);
-    arguments a = {.method = METHOD_SAFEGUARDED};
+    snprintf(all_help, sizeof all_help, "%s%s", diagnose_help, job_help);
+    diagnose_arguments a = {.method = METHOD_SAFEGUARDED};
     bool rays_of_lens = false;
     for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         switch (code) {
@@ -92,7 +92,7 @@ static arguments arguments_of(int argc, char *argv[])
 
 /* --------------------------------------------------------------- one search */
 
-static void write_rows(table *t, size_t ray, size_t element, const record *r)
+static void diagnose_write_rows(table *t, size_t ray, size_t element, const record *r)
 {
     for (size_t i = 0; i < r->count; i++) {
         const sgt_step *s = &r->step[i];
@@ -106,22 +106,22 @@ static void write_rows(table *t, size_t ray, size_t element, const record *r)
 }
 
 /* Shows a search and what to conclude; is it decided? */
-static bool show(table *t, const arguments *a, size_t number, size_t element, const record *watched, const search *s)
+static bool show(table *t, const diagnose_arguments *a, size_t number, size_t element, const record *watched, const search *s)
 {
     if (a->method == METHOD_SAFEGUARDED) {
-        write_rows(t, number, element, watched);
+        diagnose_write_rows(t, number, element, watched);
         explain_safeguarded(t, watched, s);
         return s->hit->status >= 0;
     }
     int most = a->shared.solver.max_evals ? a->shared.solver.max_evals : BARE_EVALS;
     record bare = method_run(a->method, s->surface, s->semi_diameter, &s->ray, most);
-    write_rows(t, number, element, &bare);
+    diagnose_write_rows(t, number, element, &bare);
     explain_bare(t, a->method, &bare, s);
     return bare.settled;
 }
 
 /* The options of the library's own search: --max-evals is for the method shown. */
-static sgt_options watching(const arguments *a, record *r)
+static sgt_options watching(const diagnose_arguments *a, record *r)
 {
     sgt_options o = a->shared.solver;
     if (a->method != METHOD_SAFEGUARDED) o.max_evals = 0;
@@ -130,7 +130,7 @@ static sgt_options watching(const arguments *a, record *r)
     return o;
 }
 
-static bool diagnose_surface(table *t, const arguments *a, sgt_surface surface, const sgt_ray *ray)
+static bool diagnose_surface(table *t, const diagnose_arguments *a, sgt_surface surface, const sgt_ray *ray)
 {
     record watched = {.count = 0};
     sgt_options o = watching(a, &watched);
@@ -145,7 +145,7 @@ static bool diagnose_surface(table *t, const arguments *a, sgt_surface surface, 
 /* -------------------------------------------------------------------- a lens */
 
 /* Evaluations of a ray, at one element or all; reached: how many it saw. */
-static long evaluations(const arguments *a, const job *j, const launch *l, sgt_passage passage[], size_t *reached,
+static long evaluations(const diagnose_arguments *a, const job *j, const launch *l, sgt_passage passage[], size_t *reached,
                         sgt_fate *fate)
 {
     sgt_options o = watching(a, NULL);
@@ -160,7 +160,7 @@ static long evaluations(const arguments *a, const job *j, const launch *l, sgt_p
 }
 
 /* *how: by what it was chosen, in words. */
-static const launch *chosen_ray(const arguments *a, const job *j, const char **how)
+static const launch *chosen_ray(const diagnose_arguments *a, const job *j, const char **how)
 {
     sgt_passage *passage = memory_take(j->lens.count, sizeof *passage);
     const launch *chosen = NULL;
@@ -187,7 +187,7 @@ static const launch *chosen_ray(const arguments *a, const job *j, const char **h
     return chosen;
 }
 
-static bool diagnose_lens(table *t, const arguments *a, const job *j, const launch *l, const char *how)
+static bool diagnose_lens(table *t, const diagnose_arguments *a, const job *j, const launch *l, const char *how)
 {
     sgt_ray ray = l->ray;
     double index = j->lens.object_index;
@@ -216,7 +216,7 @@ static bool diagnose_lens(table *t, const arguments *a, const job *j, const laun
 
 exit_status command_diagnose(int argc, char *argv[])
 {
-    arguments a = arguments_of(argc, argv);
+    diagnose_arguments a = diagnose_arguments_of(argc, argv);
     bool decided;
     table *t;
     if (a.surface) {
@@ -224,14 +224,14 @@ exit_status command_diagnose(int argc, char *argv[])
         rays_parse(&rays, a.ray);
         sgt_surface surface = surface_parse("--surface", a.surface);
         options_note_unread(&a.shared, 1, &(sgt_element){.surface = surface});
-        t = table_begin(&a.shared.target, HEAD_COUNT, head);
+        t = table_begin(&a.shared.target, HEAD_COUNT, diagnose_head);
         decided = diagnose_surface(t, &a, surface, &rays.ray[0].ray);
     } else {
         job j = job_read(&a.job);
         options_note_unread(&a.shared, j.lens.count, j.element);
         const char *how = "";
         const launch *l = chosen_ray(&a, &j, &how);
-        t = table_begin(&a.shared.target, HEAD_COUNT, head);
+        t = table_begin(&a.shared.target, HEAD_COUNT, diagnose_head);
         decided = diagnose_lens(t, &a, &j, l, how);
     }
     table_end(t);

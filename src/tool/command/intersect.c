@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char help[] =
+static const char intersect_help[] =
     "sagitta intersect --surface SPEC [--rays FILE] [--ray \"ox oy oz dx dy dz\"] [options]\n"
     "\n"
     "Where do rays meet a surface?  One row a ray: its number, the number of the root, the\n"
@@ -36,24 +36,24 @@ static const char help[] =
     "                     is unproven; csv and json then have the columns lo and hi, the stretch\n"
     "                     of the ray that is left\n";
 
-static const column head[] = {
+static const column intersect_head[] = {
     {"ray", COLUMN_COUNT}, {"root", COLUMN_COUNT}, {"status", COLUMN_WORD},
     {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR},
     {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER}, {"z", COLUMN_NUMBER},
     {"nx", COLUMN_NUMBER}, {"ny", COLUMN_NUMBER}, {"nz", COLUMN_NUMBER},
     {"evals", COLUMN_COUNT},
 };
-static const column id = {"id", COLUMN_WORD}, left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
-enum { HEAD_COUNT = sizeof head / sizeof head[0] };
+static const column intersect_id = {"id", COLUMN_WORD}, left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
+enum { HEAD_COUNT = sizeof intersect_head / sizeof intersect_head[0] };
 
-typedef struct arguments {
+typedef struct intersect_arguments {
     shared_options shared;
     const char *surface;
     ray_list rays;
     bool all;
-} arguments;
+} intersect_arguments;
 
-static arguments arguments_of(int argc, char *argv[])
+static intersect_arguments intersect_arguments_of(int argc, char *argv[])
 {
     enum { SURFACE = OPTION_OWN, RAYS, RAY, SKIP_BAD, ALL };
     static const struct option known[] = {
@@ -62,11 +62,11 @@ static arguments arguments_of(int argc, char *argv[])
         {"all", no_argument, NULL, ALL},
         PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
     };
-    arguments a = {.surface = NULL};
+    intersect_arguments a = {.surface = NULL};
     const char *file = NULL;
     bool skip_bad = false;
     char all_help[6000];
-    snprintf(all_help, sizeof all_help, "%s%s", help, options_threads_help);
+    snprintf(all_help, sizeof all_help, "%s%s", intersect_help, options_threads_help);
     for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         switch (code) {
         case SURFACE: a.surface = optarg; break;
@@ -100,7 +100,7 @@ typedef struct findings {
 
 /* What a tile needs for itself: its rays and their answers as arrays, and what becomes of
  * them: rows of the table, and what is found. */
-typedef struct room {
+typedef struct intersect_room {
     double ray[8][TILE_RAYS];                  /* o, d, tmin, tmax */
     double number[8][TILE_RAYS];               /* t, t_err, p, n */
     signed char status[TILE_RAYS];
@@ -109,19 +109,19 @@ typedef struct room {
     int capacity;
     table *rows;
     findings found;
-} room;
+} intersect_room;
 
-typedef struct work {
-    const arguments *asked;
+typedef struct intersect_work {
+    const intersect_arguments *asked;
     sgt_surface surface;
-    room *room;
+    intersect_room *room;
     table *table;
     bool stretches;                            /* lo and hi have columns */
     findings found;
-} work;
+} intersect_work;
 
 /* A miss, and a ray that is none, have no root; an undecided stretch is numbered as one. */
-static void write_row(const work *w, room *r, const launch *l, int root, const sgt_hit *h)
+static void intersect_write_row(const intersect_work *w, intersect_room *r, const launch *l, int root, const sgt_hit *h)
 {
     table *t = r->rows;
     bool none = h->status == SGT_MISS || h->status == SGT_INVALID;
@@ -146,7 +146,7 @@ static void write_row(const work *w, room *r, const launch *l, int root, const s
     if (h->status < 0 && f->shown < UNDECIDED_SHOWN) f->undecided[f->shown++] = l;
 }
 
-static void find_one_each(const work *w, room *r, const tile *t)
+static void find_one_each(const intersect_work *w, intersect_room *r, const tile *t)
 {
     const launch *l = &w->asked->rays.ray[t->first];
     for (size_t i = 0; i < t->count; i++) {
@@ -164,12 +164,12 @@ static void find_one_each(const work *w, room *r, const tile *t)
         sgt_hit h = {.status = (sgt_status)r->status[i], .evals = r->evals[i], .t = n[0][i], .t_err = n[1][i],
                      .p = {n[2][i], n[3][i], n[4][i]}, .n = {n[5][i], n[6][i], n[7][i]}};
         if (w->stretches && h.status < 0) h = sgt_intersect(w->surface, l[i].ray, &w->asked->shared.solver); /* a batch does not tell lo and hi */
-        write_row(w, r, &l[i], 0, &h);
+        intersect_write_row(w, r, &l[i], 0, &h);
     }
 }
 
 /* The room for the roots of one ray grows to what the richest ray needs. */
-static void find_all(const work *w, room *r, const tile *t)
+static void find_all(const intersect_work *w, intersect_room *r, const tile *t)
 {
     const sgt_options *opt = &w->asked->shared.solver;
     for (size_t i = t->first; i < t->first + t->count; i++) {
@@ -180,23 +180,23 @@ static void find_all(const work *w, room *r, const tile *t)
             r->hit = memory_grow(r->hit, (size_t)count, sizeof *r->hit);
         }
         if (i > 0) table_gap(r->rows);
-        for (int root = 0; root < count; root++) write_row(w, r, l, root, &r->hit[root]);
+        for (int root = 0; root < count; root++) intersect_write_row(w, r, l, root, &r->hit[root]);
         if (count > 0) continue;
         sgt_hit none = sgt_intersect(w->surface, l->ray, opt); /* the search for one says what that took */
-        write_row(w, r, l, 0, &none);
+        intersect_write_row(w, r, l, 0, &none);
     }
 }
 
 static void find(void *data, const tile *t)
 {
-    const work *w = data;
+    const intersect_work *w = data;
     (w->asked->all ? find_all : find_one_each)(w, &w->room[t->place], t);
 }
 
-static void take(void *data, const tile *t)
+static void intersect_take(void *data, const tile *t)
 {
-    work *w = data;
-    room *r = &w->room[t->place];
+    intersect_work *w = data;
+    intersect_room *r = &w->room[t->place];
     table_join(w->table, r->rows);
     findings *all = &w->found, *f = &r->found;
     for (int s = 0; s < STATUS_COUNT; s++) all->count[s] += f->count[s];
@@ -208,7 +208,7 @@ static void take(void *data, const tile *t)
 /* ---------------------------------------------------------------- verdict */
 
 /* "3 hits proven to be the first", "1 miss proven"; without a proof asked for "3 hit", "1 miss". */
-static int print_count(char *text, size_t size, const work *w, sgt_status status, size_t n)
+static int print_count(char *text, size_t size, const intersect_work *w, sgt_status status, size_t n)
 {
     const sgt_options *asked = &w->asked->shared.solver;
     if (asked->proof && status == SGT_HIT) {
@@ -222,10 +222,10 @@ static int print_count(char *text, size_t size, const work *w, sgt_status status
 }
 
 /* "5 rays: 3 hit, 2 miss.  Every answer is certain." */
-static void write_verdict(const work *w, size_t undecided)
+static void write_verdict(const intersect_work *w, size_t undecided)
 {
     table *t = w->table;
-    const arguments *a = w->asked;
+    const intersect_arguments *a = w->asked;
     char text[400] = "", rows[60] = "";
     size_t length = 0, all = 0, rays = a->rays.count;
     for (int s = SGT_GRAZE; s >= SGT_INVALID; s--) {
@@ -248,9 +248,9 @@ static void write_verdict(const work *w, size_t undecided)
     if (fast) table_line(t, "%s", explain_fast);
 }
 
-static void write_undecided(const work *w)
+static void write_undecided(const intersect_work *w)
 {
-    const arguments *a = w->asked;
+    const intersect_arguments *a = w->asked;
     search s = {.surface = w->surface, .asked = &a->shared.solver, .near_seed = options_near_seed(&a->shared, w->surface, SGT_FIRST),
                 .fast = options_fast(&a->shared, w->surface)};
     for (int i = 0; i < w->found.shown && !a->all; i++) {
@@ -264,28 +264,28 @@ static void write_undecided(const work *w)
 }
 
 /* Every column but those of things that were not asked for. */
-static size_t columns_of(const work *w, column to[HEAD_COUNT + 3])
+static size_t intersect_columns_of(const intersect_work *w, column to[HEAD_COUNT + 3])
 {
     size_t n = HEAD_COUNT;
-    memcpy(to, head, sizeof head);
-    if (w->asked->rays.named) to[n++] = id;
+    memcpy(to, intersect_head, sizeof intersect_head);
+    if (w->asked->rays.named) to[n++] = intersect_id;
     if (w->stretches) to[n++] = left[0], to[n++] = left[1];
     return n;
 }
 
 exit_status command_intersect(int argc, char *argv[])
 {
-    arguments a = arguments_of(argc, argv);
+    intersect_arguments a = intersect_arguments_of(argc, argv);
     const bool text = a.shared.target.format == TABLE_TEXT;
-    work w = {.asked = &a, .surface = surface_parse("--surface", a.surface), .stretches = a.shared.solver.proof && !text};
+    intersect_work w = {.asked = &a, .surface = surface_parse("--surface", a.surface), .stretches = a.shared.solver.proof && !text};
     column columns[HEAD_COUNT + 3];
     options_note_unread(&a.shared, 1, &(sgt_element){.surface = w.surface});
-    w.table = table_begin(&a.shared.target, columns_of(&w, columns), columns);
+    w.table = table_begin(&a.shared.target, intersect_columns_of(&w, columns), columns);
     const tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};
     size_t places = tiles_places(&in), undecided = 0;
     w.room = memory_take(places, sizeof *w.room);
     for (size_t i = 0; i < places; i++) w.room[i].rows = table_part(w.table);
-    tiles_run(&in, &w, find, take);
+    tiles_run(&in, &w, find, intersect_take);
     for (int s = SGT_INVALID; s < 0; s++) undecided += w.found.count[s - SGT_INVALID];
     if (text) {
         if (w.found.missed) explain_miss(w.table, w.found.missed->number, w.surface, &w.found.missed->ray);

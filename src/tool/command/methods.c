@@ -26,19 +26,19 @@ int method_watch(void *data, const sgt_step *step)
     return 0;
 }
 
-typedef struct search {
+typedef struct methods_search {
     sgt_surface surface;
     const sgt_ray *ray;
     record *record;
     double semi_diameter; /* of the clear aperture; 0: none */
     int left;             /* evaluations that may still be made */
     bool normalised;
-} search;
+} methods_search;
 
 static const char SPENT[] = "--max-evals is spent";
 
 /* F and its slope at t, as a row of the record. */
-static double evaluate(search *s, sgt_move move, double t, double lo, double hi, double *slope)
+static double evaluate(methods_search *s, sgt_move move, double t, double lo, double hi, double *slope)
 {
     sgt_vec3 p = vector_along(s->ray->o, s->ray->d, t), grad;
     double f = s->surface.ops->value(s->surface.self, p, &grad);
@@ -49,7 +49,7 @@ static double evaluate(search *s, sgt_move move, double t, double lo, double hi,
     return f;
 }
 
-static sgt_span span_of(const search *s)
+static sgt_span span_of(const methods_search *s)
 {
     sgt_span all = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
     if (s->surface.ops->span) all = s->surface.ops->span(s->surface.self, s->ray);
@@ -59,7 +59,7 @@ static sgt_span span_of(const search *s)
 }
 
 /* A sag: where the ray meets the vertex plane.  Else the middle of the span; NaN: it has none. */
-static double start_of(const search *s)
+static double start_of(const methods_search *s)
 {
     double plane = -s->ray->o.z / s->ray->d.z;
     if (isfinite(plane) && profile_is_sag(s->surface)) return plane;
@@ -69,7 +69,7 @@ static double start_of(const search *s)
     return isfinite(middle) ? middle : isfinite(span.seed) ? span.seed : 0;
 }
 
-static void newton(search *s)
+static void newton(methods_search *s)
 {
     const double none = (double)NAN;
     double t = start_of(s);
@@ -108,7 +108,7 @@ static void newton(search *s)
 
 /* F at an end of the span, or as near to it as F is defined (the span may reach an ulp
  * beyond the domain): the end moves toward the middle by 2^-40 of the way, 2^-38 ... */
-static double end_value(search *s, double *end, double other, double *slope)
+static double end_value(methods_search *s, double *end, double other, double *slope)
 {
     double at = *end, f = evaluate(s, SGT_SEED, at, fmin(at, other), fmax(at, other), slope);
     for (int k = -40; isnan(f) && k < 0 && s->left > 0; k += 2) {
@@ -120,7 +120,7 @@ static double end_value(search *s, double *end, double other, double *slope)
 
 /* An infinite end is cut to the chord of the aperture, x^2 + y^2 <= a^2; along the axis,
  * where that has no end, to so many times a on both sides of the vertex plane. */
-static void cut_to_aperture(const search *s, sgt_span *span)
+static void cut_to_aperture(const methods_search *s, sgt_span *span)
 {
     const double AXIAL = 4;
     sgt_vec3 o = s->ray->o, d = s->ray->d;
@@ -134,7 +134,7 @@ static void cut_to_aperture(const search *s, sgt_span *span)
     span->hi = fmin(span->hi, nearest + half);
 }
 
-static void bisect(search *s)
+static void bisect(methods_search *s)
 {
     record *r = s->record;
     sgt_span span = span_of(s);
@@ -181,7 +181,7 @@ size_t method_march_steps(const record *r)
 record method_run(method m, sgt_surface s, double semi_diameter, const sgt_ray *ray, int max_evals)
 {
     record r = {.t = (double)NAN};
-    search q = {.surface = s, .ray = ray, .record = &r, .semi_diameter = semi_diameter, .left = max_evals, .normalised = m == METHOD_NORMALISED};
+    methods_search q = {.surface = s, .ray = ray, .record = &r, .semi_diameter = semi_diameter, .left = max_evals, .normalised = m == METHOD_NORMALISED};
     if (m == METHOD_BISECTION) bisect(&q);
     else newton(&q);
     return r;

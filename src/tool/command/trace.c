@@ -14,7 +14,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char help[] =
+static const char trace_help[] =
     "sagitta trace LENS [options]\n"
     "\n"
     "Traces rays through a lens file.  One row for each ray and each element it reached: the\n"
@@ -31,7 +31,7 @@ static const char help[] =
     "            thickness (to the next), index (behind it), mirror, stop,\n"
     "            decenter and tilt: [x, y, z]; or origin and tilt in all of them\n"
     "\n";
-static const char more_help[] =
+static const char trace_more_help[] =
     "  --frame F          local (the default): points and directions in each surface's own\n"
     "                     frame; global: in that of the first vertex\n"
     "  --svg FILE         draws the y-z section with the rays\n"
@@ -42,23 +42,23 @@ static const char more_help[] =
     "                     that is not proven the ray is lost (unproven); csv and json then have the\n"
     "                     columns lo and hi, the stretch of the ray, in its t, that is left\n";
 
-static const column head[] = {
+static const column trace_head[] = {
     {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"fate", COLUMN_WORD}, {"status", COLUMN_WORD},
     {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER}, {"z", COLUMN_NUMBER},
     {"l", COLUMN_NUMBER}, {"m", COLUMN_NUMBER}, {"n", COLUMN_NUMBER},
     {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR}, {"opl", COLUMN_NUMBER}, {"evals", COLUMN_COUNT},
 };
-static const column id = {"id", COLUMN_WORD}, left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
-enum { HEAD_COUNT = sizeof head / sizeof head[0] };
+static const column trace_id = {"id", COLUMN_WORD}, left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
+enum { HEAD_COUNT = sizeof trace_head / sizeof trace_head[0] };
 
-typedef struct arguments {
+typedef struct trace_arguments {
     shared_options shared;
     job_options job;
     bool global;
     const char *svg;
-} arguments;
+} trace_arguments;
 
-static arguments arguments_of(int argc, char *argv[])
+static trace_arguments trace_arguments_of(int argc, char *argv[])
 {
     enum { FRAME = OPTION_AFTER_JOB, SVG, RAY };
     static const struct option known[] = {
@@ -67,8 +67,8 @@ static arguments arguments_of(int argc, char *argv[])
         JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
     };
     char all_help[6000];
-    snprintf(all_help, sizeof all_help, "%s%s%s%s", help, job_help, more_help, options_threads_help);
-    arguments a = {.svg = NULL};
+    snprintf(all_help, sizeof all_help, "%s%s%s%s", trace_help, job_help, trace_more_help, options_threads_help);
+    trace_arguments a = {.svg = NULL};
     for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         if (code == SVG) {
             a.svg = optarg;
@@ -113,7 +113,7 @@ typedef struct records {
 } records;
 
 /* What a tile needs for itself: its rays, what became of them, and rows of the table. */
-typedef struct room {
+typedef struct trace_room {
     double ray[6][TILE_RAYS];      /* o, d; after the trace as it left them */
     signed char fate[TILE_RAYS];
     int passed[TILE_RAYS];
@@ -121,12 +121,12 @@ typedef struct room {
     sgt_passages *passages;        /* [elements]: where record is, for the library */
     sgt_passage *alone;            /* [elements]: of one ray by itself, where stretches are told */
     table *rows;
-} room;
+} trace_room;
 
-typedef struct work {
-    const arguments *asked;
+typedef struct trace_work {
+    const trace_arguments *asked;
     const job *job;
-    room *room;
+    trace_room *room;
     table *table;
     scene *picture;                /* NULL: none */
     bool stretches;                /* lo and hi have columns */
@@ -135,12 +135,12 @@ typedef struct work {
     int shown;
     losses *loss;                  /* [elements] */
     sgt_vec3 *point;               /* [elements + 1] */
-} work;
+} trace_work;
 
-static room room_for(const work *w, size_t rays)
+static trace_room trace_room_for(const trace_work *w, size_t rays)
 {
     size_t count = w->job->lens.count;
-    room r = {.record = memory_take(count, sizeof *r.record), .passages = memory_take(count, sizeof *r.passages), .rows = table_part(w->table)};
+    trace_room r = {.record = memory_take(count, sizeof *r.record), .passages = memory_take(count, sizeof *r.passages), .rows = table_part(w->table)};
     if (w->stretches) r.alone = memory_take(count, sizeof *r.alone);
     signed char *status = memory_take(count, rays * sizeof *status);
     int *evals = memory_take(count, rays * sizeof *evals);
@@ -167,14 +167,14 @@ static void write_vector(table *t, sgt_vec3 v)
 }
 
 /* A ray by itself, of which more is told than in a batch: how it was met at the element where it ended. */
-static const sgt_hit *ended(const work *w, const launch *l, sgt_passage alone[], size_t element)
+static const sgt_hit *ended(const trace_work *w, const launch *l, sgt_passage alone[], size_t element)
 {
     sgt_ray ray = l->ray;
     sgt_trace(element + 1, w->job->element, w->job->lens.object_index, &ray, alone, NULL, &w->asked->shared.solver);
     return &alone[element].hit;
 }
 
-static void write_row(const work *w, room *own, const launch *l, size_t element, sgt_fate fate, records *r, size_t i)
+static void trace_write_row(const trace_work *w, trace_room *own, const launch *l, size_t element, sgt_fate fate, records *r, size_t i)
 {
     /* what is not: the point of a miss, the direction of a ray that went no farther */
     const sgt_vec3 nowhere = {(double)NAN, (double)NAN, (double)NAN};
@@ -200,10 +200,10 @@ static void write_row(const work *w, room *own, const launch *l, size_t element,
 
 static void send(void *data, const tile *t)
 {
-    const work *w = data;
+    const trace_work *w = data;
     const job *j = w->job;
     const launch *l = &j->rays.ray[t->first];
-    room *r = &w->room[t->place];
+    trace_room *r = &w->room[t->place];
     for (size_t i = 0; i < t->count; i++) {
         const sgt_ray *ray = &l[i].ray;
         const double numbers[] = {ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z};
@@ -217,12 +217,12 @@ static void send(void *data, const tile *t)
     for (size_t i = 0; i < t->count; i++) {
         size_t passed = (size_t)r->passed[i];
         if (t->first + i > 0) table_gap(r->rows);
-        for (size_t k = 0; k < passed; k++) write_row(w, r, &l[i], k, SGT_PASSED, &r->record[k], i);
-        if (r->fate[i] != SGT_PASSED) write_row(w, r, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
+        for (size_t k = 0; k < passed; k++) trace_write_row(w, r, &l[i], k, SGT_PASSED, &r->record[k], i);
+        if (r->fate[i] != SGT_PASSED) trace_write_row(w, r, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
     }
 }
 
-static void draw(work *w, const room *r, const launch *l, size_t i)
+static void draw(trace_work *w, const trace_room *r, const launch *l, size_t i)
 {
     sgt_fate fate = (sgt_fate)r->fate[i];
     size_t met = (size_t)r->passed[i] + (fate == SGT_CLIPPED || fate == SGT_TIR);
@@ -232,17 +232,17 @@ static void draw(work *w, const room *r, const launch *l, size_t i)
 }
 
 /* Did it cross every element for certain?  A graze is a touch as far as can be told. */
-static bool crossed_all(const work *w, const room *r, size_t i)
+static bool crossed_all(const trace_work *w, const trace_room *r, size_t i)
 {
     for (size_t k = 0; k < w->job->lens.count; k++)
         if (r->record[k].status[i] != SGT_HIT) return false;
     return true;
 }
 
-static void take(void *data, const tile *t)
+static void trace_take(void *data, const tile *t)
 {
-    work *w = data;
-    room *r = &w->room[t->place];
+    trace_work *w = data;
+    trace_room *r = &w->room[t->place];
     table_join(w->table, r->rows);
     for (size_t i = 0; i < t->count; i++) {
         int passed = r->passed[i];
@@ -257,16 +257,16 @@ static void take(void *data, const tile *t)
 
 /* ---------------------------------------------------------------- verdict */
 
-static void append(char text[400], size_t n, const char *what, const char *reason)
+static void trace_append(char text[400], size_t n, const char *what, const char *reason)
 {
     size_t length = strlen(text);
     if (n) snprintf(text + length, 400 - length, "%s %zu %s%s", length ? "," : "", n, what, reason);
 }
 
 /* What is proven of the rays that passed. */
-static void write_proof(const work *w)
+static void write_proof(const trace_work *w)
 {
-    const arguments *a = w->asked;
+    const trace_arguments *a = w->asked;
     bool others = false, sets = false;
     if (!a->shared.solver.proof) return;
     for (size_t i = 0; i < w->job->lens.count; i++) {
@@ -282,20 +282,20 @@ static void write_losses(table *t, const job *j, const losses loss[])
 {
     for (size_t i = 0; i < j->lens.count; i++) {
         char text[400] = "";
-        append(text, loss[i].missed, "missed it", "");
-        append(text, loss[i].clipped, "clipped at its rim", "");
-        append(text, loss[i].tir, "totally reflected", "");
+        trace_append(text, loss[i].missed, "missed it", "");
+        trace_append(text, loss[i].clipped, "clipped at its rim", "");
+        trace_append(text, loss[i].tir, "totally reflected", "");
         for (int s = 0; s >= SGT_INVALID; s--) {
             char reason[40];
             snprintf(reason, sizeof reason, " (%s)", s ? sgt_status_text((sgt_status)s) : "where to?");
-            append(text, loss[i].lost[s - SGT_INVALID], "lost", reason);
+            trace_append(text, loss[i].lost[s - SGT_INVALID], "lost", reason);
         }
         if (*text) table_line(t, "element %zu (%s):%s", i + 1, j->lens.surface[i].type, text);
     }
 }
 
 /* The first rays that were lost: where, and why. */
-static void write_lost(const work *w)
+static void write_lost(const trace_work *w)
 {
     const job *j = w->job;
     sgt_passage *alone = memory_take(j->lens.count, sizeof *alone);
@@ -315,11 +315,11 @@ static void write_lost(const work *w)
     if (w->undecided > (size_t)w->shown) table_line(w->table, "%zu more lost: sagitta diagnose says why.", w->undecided - (size_t)w->shown);
 }
 
-static size_t columns_of(const work *w, column to[HEAD_COUNT + 3])
+static size_t trace_columns_of(const trace_work *w, column to[HEAD_COUNT + 3])
 {
     size_t n = HEAD_COUNT;
-    memcpy(to, head, sizeof head);
-    if (w->job->rays.named) to[n++] = id;
+    memcpy(to, trace_head, sizeof trace_head);
+    if (w->job->rays.named) to[n++] = trace_id;
     if (w->stretches) to[n++] = left[0], to[n++] = left[1];
     return n;
 }
@@ -328,7 +328,7 @@ static size_t columns_of(const work *w, column to[HEAD_COUNT + 3])
 
 exit_status command_trace(int argc, char *argv[])
 {
-    arguments a = arguments_of(argc, argv);
+    trace_arguments a = trace_arguments_of(argc, argv);
     int threads = a.job.threads = options_threads(&a.shared);
     job j = job_read(&a.job);
     options_note_unread(&a.shared, j.lens.count, j.element);
@@ -345,12 +345,12 @@ exit_status command_trace(int argc, char *argv[])
             if (j.element[i].surface.ops->estimate) note("--svg: element %zu (%s) is a level set, and is not drawn", i + 1, j.lens.surface[i].type);
     }
     scene picture = scene_begin(&j);
-    work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room), .picture = a.svg ? &picture : NULL,
+    trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room), .picture = a.svg ? &picture : NULL,
               .stretches = a.shared.solver.proof && !text, .loss = memory_take(count, sizeof *w.loss), .point = memory_take(count + 1, sizeof *w.point)};
     column columns[HEAD_COUNT + 3];
-    w.table = table_begin(&a.shared.target, columns_of(&w, columns), columns);
-    for (size_t i = 0; i < places; i++) w.room[i] = room_for(&w, in.most);
-    tiles_run(&in, &w, send, take);
+    w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
+    for (size_t i = 0; i < places; i++) w.room[i] = trace_room_for(&w, in.most);
+    tiles_run(&in, &w, send, trace_take);
     if (text) {
         table_line(w.table, "%zu of %zu ray%s passed all %zu elements.", w.passed, j.rays.count, j.rays.count == 1 ? "" : "s", count);
         write_proof(&w);

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char help[] =
+static const char trade_help[] =
     "sagitta trade [--surface SPEC [--rays FILE] [--ray \"...\"] | LENS [rays]] [options]\n"
     "\n"
     "What does accuracy cost, and what is speed paid with?  Turns one knob after another,\n"
@@ -41,7 +41,7 @@ static const char help[] =
     "                     in waves; wrong: its fate is another\n"
     "  neither            a conic, an asphere, a scan lens and a Julia set\n"
     "\n";
-static const char more_help[] =
+static const char trade_more_help[] =
     "\n"
     "Settings: default (in a batch; status, t, t_err, p, n, or of a lens fate, point,\n"
     "direction, path), single (one ray a call), out=t or out=point (nothing else asked for),\n"
@@ -67,11 +67,11 @@ static const char more_help[] =
 
 /* -------------------------------------------------------------- arguments */
 
-typedef struct arguments {
+typedef struct trade_arguments {
     shared_options shared;
     trade_options trade;
     const char *svg;
-} arguments;
+} trade_arguments;
 
 /* Numbers separated by commas, after those that are there. */
 static void take_list(knob_list *list, const char *option, bool whole)
@@ -103,7 +103,7 @@ static void take_proofs(trade_options *o)
     if (o->proofs == before) fail_usage("--proof wants estimate, root or first");
 }
 
-static void check(const arguments *a)
+static void check(const trade_arguments *a)
 {
     const job_options *j = &a->trade.job;
     bool rays = j->rays || a->trade.rays.count;
@@ -116,7 +116,7 @@ static void check(const arguments *a)
         fail_usage("rays of whom?  A lens, or --surface, is missing");
 }
 
-static arguments arguments_of(int argc, char *argv[])
+static trade_arguments trade_arguments_of(int argc, char *argv[])
 {
     enum { SURFACE = OPTION_AFTER_JOB, RAY, ITERATIONS, SECONDS, SVG, PROOF };
     static const struct option known[] = {
@@ -125,7 +125,7 @@ static arguments arguments_of(int argc, char *argv[])
         {"svg", required_argument, NULL, SVG}, {"proof", required_argument, NULL, PROOF},
         JOB_OPTIONS, SHARED_OPTIONS, {0},
     };
-    arguments a = {.trade = {.seconds = 10}};
+    trade_arguments a = {.trade = {.seconds = 10}};
     for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         switch (code) {
         case SURFACE: a.trade.surface = optarg; break;
@@ -141,9 +141,9 @@ static arguments arguments_of(int argc, char *argv[])
         case OPTION_DT_MIN: take_list(&a.trade.dt_min, "dt-min", false); break;
         case OPTION_MAX_EVALS: take_list(&a.trade.max_evals, "max-evals", true); break;
         case 'h':
-        case OPTION_HELP: print_and_end("%s%s%s", help, job_help, more_help);
+        case OPTION_HELP: print_and_end("%s%s%s", trade_help, job_help, trade_more_help);
         default:
-            if (!job_take(&a.trade.job, code)) options_take(&a.shared, code, help);
+            if (!job_take(&a.trade.job, code)) options_take(&a.shared, code, trade_help);
         }
     }
     a.trade.pick = a.shared.solver.pick;
@@ -156,7 +156,7 @@ static arguments arguments_of(int argc, char *argv[])
 }
 
 /* A word on standard error of what was asked for and is of no use. */
-static void note_unread(const arguments *a, const trade *t)
+static void note_unread(const trade_arguments *a, const trade *t)
 {
     shared_options asked = {.solver = {.pick = a->trade.pick, .dt_min = a->trade.dt_min.count ? a->trade.dt_min.value[0] : 0}};
     bool deep = false;
@@ -173,17 +173,17 @@ static void note_unread(const arguments *a, const trade *t)
 /* ------------------------------------------------------------------ table */
 
 /* For people the case stands above its rows, and the rays with it. */
-static const column head[] = {
+static const column trade_head[] = {
     {"case", COLUMN_WORD}, {"setting", COLUMN_WORD}, {"ns", COLUMN_NUMBER}, {"evals", COLUMN_NUMBER},
     {"err_median", COLUMN_ERROR}, {"err_99", COLUMN_ERROR}, {"err_worst", COLUMN_ERROR},
     {"undecided", COLUMN_COUNT}, {"wrong", COLUMN_COUNT}, {"rays", COLUMN_COUNT}, {"best", COLUMN_COUNT},
     {"path_worst", COLUMN_ERROR}, {"waves_worst", COLUMN_ERROR},
     {"ns_low", COLUMN_NUMBER}, {"ns_high", COLUMN_NUMBER}, {"effect", COLUMN_WORD},
 };
-enum { HEAD_COUNT = sizeof head / sizeof head[0] };
+enum { HEAD_COUNT = sizeof trade_head / sizeof trade_head[0] };
 typedef struct header { column column[HEAD_COUNT]; size_t count; bool text, lens; } header;
 
-static bool shown(const header *h, const char *name)
+static bool trade_shown(const header *h, const char *name)
 {
     if (strcmp(name, "case") == 0 || strcmp(name, "rays") == 0 || strncmp(name, "ns_", 3) == 0) return !h->text;
     return h->lens || (strcmp(name, "path_worst") != 0 && strcmp(name, "waves_worst") != 0);
@@ -194,7 +194,7 @@ static header header_of(const trade *all, bool text)
     header h = {.text = text};
     for (size_t i = 0; i < all->count; i++) h.lens = h.lens || all->list[i].lens;
     for (size_t i = 0; i < HEAD_COUNT; i++)
-        if (shown(&h, head[i].name)) h.column[h.count++] = head[i];
+        if (trade_shown(&h, trade_head[i].name)) h.column[h.count++] = trade_head[i];
     return h;
 }
 
@@ -280,7 +280,7 @@ static void write_words(table *t, const trade_case *c)
     if (*text) table_line(t, "%s.\n", text);
 }
 
-static void write_rows(table *t, const header *h, const trade *all)
+static void trade_write_rows(table *t, const header *h, const trade *all)
 {
     for (size_t i = 0; i < all->count; i++) {
         const trade_case *c = &all->list[i];
@@ -294,7 +294,7 @@ static void write_rows(table *t, const header *h, const trade *all)
 
 exit_status command_trade(int argc, char *argv[])
 {
-    arguments a = arguments_of(argc, argv);
+    trade_arguments a = trade_arguments_of(argc, argv);
     if (a.shared.target.path) output_check("output", a.shared.target.path);
     trade t = trade_cases(&a.trade);
     note_unread(&a, &t);
@@ -302,7 +302,7 @@ exit_status command_trade(int argc, char *argv[])
     header h = header_of(&t, a.shared.target.format == TABLE_TEXT);
     table *written = table_begin(&a.shared.target, h.count, h.column);
     trade_measure(&t, a.trade.seconds);
-    write_rows(written, &h, &t);
+    trade_write_rows(written, &h, &t);
     table_end(written);
     if (a.svg) trade_picture(a.svg, &t);
     return EXIT_DECIDED;

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 
-static const double ROW = 18, SAMPLE = 20, GAP = 6, BETWEEN = 22, BAR_ROOM = 190, BAR_LONGEST = 150, TICK = 3;
+static const double LEGEND_ROW = 18, SAMPLE = 20, GAP = 6, BETWEEN = 22, BAR_ROOM = 190, BAR_LONGEST = 150, TICK = 3;
 
 /* Colours that stay apart for the colour-blind, and in grey (Okabe & Ito 2008, jfly.uni-koeln.de/color). */
 static const double colour[][3] = {
@@ -50,7 +50,7 @@ static double entry(flow *f, double sample, const char *text)
     cairo_text_extents_t size;
     cairo_text_extents(f->cr, text, &size);
     double wide = sample + GAP + size.x_advance;
-    if (f->x > f->left && f->x + wide > f->right) f->x = f->left, f->y += ROW;
+    if (f->x > f->left && f->x + wide > f->right) f->x = f->left, f->y += LEGEND_ROW;
     double x = f->x;
     cairo_set_source_rgb(f->cr, 0.2, 0.2, 0.2);
     cairo_move_to(f->cr, x + sample + GAP, f->y);
@@ -134,5 +134,5 @@ double legend_draw(cairo_t *cr, const scene *s, double left, double right, doubl
     if (s->job->lens.stop_marked) stop_entry(&f, s);
     fate_entries(&f, s);
     scale_bar(cr, s, right, top, scale);
-    return f.y - top + ROW;
+    return f.y - top + LEGEND_ROW;
 }

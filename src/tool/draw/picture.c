@@ -12,7 +12,7 @@
 #include <math.h>
 #include <stdio.h>
 
-static const double WIDTH = 900, MARGIN = 34, TOP = 68, PLOT_HIGHEST = 460, PLOT_LOWEST = 110;
+static const double PICTURE_WIDTH = 900, MARGIN = 34, TOP = 68, PLOT_HIGHEST = 460, PLOT_LOWEST = 110;
 static const double THIN = 0.5, SURFACE = 0.9, MIRROR = 1.6;
 static const double HATCH_STEP = 5, HATCH_LENGTH = 5, STOP_TICK = 13, AXIS_BEYOND = 12, RAY = 0.6, RAY_MANY = 0.3;
 enum { MANY_RAYS = 60 };
@@ -27,16 +27,16 @@ typedef struct page {
     double height, legend_top;
 } page;
 
-typedef struct dot { double x, y; } dot;
+typedef struct picture_dot { double x, y; } picture_dot;
 
-static dot on_page(const page *p, spot s)
+static picture_dot on_page(const page *p, spot s)
 {
-    return (dot){p->left + p->scale * s.z, p->middle - p->scale * s.y};
+    return (picture_dot){p->left + p->scale * s.z, p->middle - p->scale * s.y};
 }
 
 static page page_of(const scene *s, double legend_height)
 {
-    double z = s->high.z - s->low.z, y = s->high.y - s->low.y, room = WIDTH - 2 * MARGIN;
+    double z = s->high.z - s->low.z, y = s->high.y - s->low.y, room = PICTURE_WIDTH - 2 * MARGIN;
     page p = {.scale = fmin(room / z, PLOT_HIGHEST / y)};
     if (!(p.scale > 0 && isfinite(p.scale))) p.scale = 1;
     double plot = fmax(PLOT_LOWEST, p.scale * y);
@@ -49,11 +49,11 @@ static page page_of(const scene *s, double legend_height)
 
 static void line_to(const page *p, spot s)
 {
-    dot d = on_page(p, s);
+    picture_dot d = on_page(p, s);
     cairo_line_to(p->cr, d.x, d.y);
 }
 
-static void stroke(const page *p, double width, double grey)
+static void picture_stroke(const page *p, double width, double grey)
 {
     cairo_set_source_rgb(p->cr, grey, grey, grey);
     cairo_set_line_width(p->cr, width);
@@ -85,7 +85,7 @@ static void draw_edges(const page *p, const outline *a, const outline *b)
         line_to(p, scene_corner(a, side, half));
         line_to(p, scene_corner(b, side, half));
         line_to(p, scene_corner(b, side, b->half));
-        stroke(p, SURFACE, 0.15);
+        picture_stroke(p, SURFACE, 0.15);
     }
 }
 
@@ -93,7 +93,7 @@ static void draw_hatching(const page *p, const outline *o)
 {
     double rest = HATCH_STEP / 2;
     for (int k = 1; k < OUTLINE_POINTS; k++) {
-        dot a = on_page(p, o->at[k - 1]), b = on_page(p, o->at[k]);
+        picture_dot a = on_page(p, o->at[k - 1]), b = on_page(p, o->at[k]);
         double length = hypot(b.x - a.x, b.y - a.y), done = rest;
         for (; done < length; done += HATCH_STEP) {
             double u = done / length, along = HATCH_LENGTH / length;
@@ -104,7 +104,7 @@ static void draw_hatching(const page *p, const outline *o)
         }
         rest = done - length;
     }
-    stroke(p, THIN, 0.35);
+    picture_stroke(p, THIN, 0.35);
 }
 
 /* From the aperture outward, across the glass where that is wider. */
@@ -112,10 +112,10 @@ static void draw_stop(const page *p, const outline *o)
 {
     for (int side = 0; side < 2; side++) {
         double sign = side ? 1 : -1;
-        dot d = on_page(p, scene_corner(o, side, o->half));
+        picture_dot d = on_page(p, scene_corner(o, side, o->half));
         cairo_move_to(p->cr, d.x, d.y);
         cairo_line_to(p->cr, d.x + sign * STOP_TICK * o->up.z, d.y - sign * STOP_TICK * o->up.y);
-        stroke(p, LEGEND_STOP_WIDTH, 0);
+        picture_stroke(p, LEGEND_STOP_WIDTH, 0);
     }
 }
 
@@ -127,7 +127,7 @@ static void draw_surfaces(const page *p, const scene *s)
         for (size_t k = 0; k < o->strokes; k++) {
             line_to(p, o->stroke[k][0]);
             line_to(p, o->stroke[k][1]);
-            stroke(p, o->mirror ? MIRROR : SURFACE, 0.15);
+            picture_stroke(p, o->mirror ? MIRROR : SURFACE, 0.15);
         }
         if (o->half == 0) continue;
         if (scene_glass_behind(s, i)) draw_edges(p, o, &s->outline[i + 1]);
@@ -138,7 +138,7 @@ static void draw_surfaces(const page *p, const scene *s)
         }
         for (int k = 0; k < OUTLINE_POINTS; k++) line_to(p, o->at[k]);
         if (o->dummy) cairo_set_dash(p->cr, dashes, 2, 0);
-        stroke(p, o->dummy ? THIN : o->mirror ? MIRROR : SURFACE, o->dummy ? 0.5 : 0.15);
+        picture_stroke(p, o->dummy ? THIN : o->mirror ? MIRROR : SURFACE, o->dummy ? 0.5 : 0.15);
         cairo_set_dash(p->cr, NULL, 0, 0);
     }
 }
@@ -151,7 +151,7 @@ static void draw_axis(const page *p, const scene *s)
     cairo_set_dash(p->cr, dashes, 4, 0);
     line_to(p, (spot){s->low.z - AXIS_BEYOND / p->scale, 0});
     line_to(p, (spot){s->high.z + AXIS_BEYOND / p->scale, 0});
-    stroke(p, THIN, 0.6);
+    picture_stroke(p, THIN, 0.6);
     cairo_set_dash(p->cr, NULL, 0, 0);
 }
 
@@ -174,7 +174,7 @@ static void draw_marks(const page *p, const scene *s)
     for (size_t i = 0; i < s->paths; i++) {
         const path *r = &s->path[i];
         if (r->fate == SGT_PASSED) continue;
-        dot d = on_page(p, r->at[r->count - 1]);
+        picture_dot d = on_page(p, r->at[r->count - 1]);
         legend_colour(p->cr, r->field);
         legend_mark(p->cr, r->fate, d.x, d.y);
     }
@@ -202,7 +202,7 @@ static double measured_legend(const scene *s)
 {
     cairo_surface_t *nowhere = cairo_recording_surface_create(CAIRO_CONTENT_COLOR, NULL);
     cairo_t *cr = cairo_create(nowhere);
-    double height = legend_draw(cr, s, MARGIN, WIDTH - MARGIN, 0, 1);
+    double height = legend_draw(cr, s, MARGIN, PICTURE_WIDTH - MARGIN, 0, 1);
     cairo_destroy(cr);
     cairo_surface_destroy(nowhere);
     return height;
@@ -211,7 +211,7 @@ static double measured_legend(const scene *s)
 void picture_write(const char *file, const scene *s)
 {
     page p = page_of(s, measured_legend(s));
-    cairo_surface_t *surface = cairo_svg_surface_create(file, WIDTH, p.height);
+    cairo_surface_t *surface = cairo_svg_surface_create(file, PICTURE_WIDTH, p.height);
     p.cr = cairo_create(surface);
     cairo_set_line_cap(p.cr, CAIRO_LINE_CAP_ROUND);
     cairo_set_line_join(p.cr, CAIRO_LINE_JOIN_ROUND);
@@ -224,7 +224,7 @@ void picture_write(const char *file, const scene *s)
     draw_surfaces(&p, s);
     draw_marks(&p, s);
     draw_title(&p, &s->job->lens);
-    legend_draw(p.cr, s, MARGIN, WIDTH - MARGIN, p.legend_top, p.scale);
+    legend_draw(p.cr, s, MARGIN, PICTURE_WIDTH - MARGIN, p.legend_top, p.scale);
     cairo_destroy(p.cr);
     cairo_surface_finish(surface);
     cairo_status_t status = cairo_surface_status(surface);

@@ -122,7 +122,7 @@ static void include_edges(scene *s, size_t i)
 }
 
 /* How far from `a` toward `b` (0 ... 1) one coordinate comes inside [low, high]. */
-static double enters(double a, double b, double low, double high)
+static double scene_enters(double a, double b, double low, double high)
 {
     if (a < low && b > a) return (low - a) / (b - a);
     if (a > high && b < a) return (a - high) / (a - b);
@@ -132,7 +132,7 @@ static double enters(double a, double b, double low, double high)
 /* From a, if it lies outside the lens and its lead, along the line to b until it does not. */
 static spot brought_in(const scene *s, spot a, spot b, spot low, spot high)
 {
-    double u = fmax(enters(a.z, b.z, low.z - s->lead, high.z + s->lead), enters(a.y, b.y, low.y - s->lead, high.y + s->lead));
+    double u = fmax(scene_enters(a.z, b.z, low.z - s->lead, high.z + s->lead), scene_enters(a.y, b.y, low.y - s->lead, high.y + s->lead));
     u = fmin(1, u);
     return (spot){a.z + u * (b.z - a.z), a.y + u * (b.y - a.y)};
 }

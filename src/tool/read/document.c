@@ -64,7 +64,7 @@ static named_node *place_of(const names *all, const char *text)
     return place;
 }
 
-static node *named(const names *all, const char *text) { return all->count ? place_of(all, text)->of : NULL; }
+static node *document_named(const names *all, const char *text) { return all->count ? place_of(all, text)->of : NULL; }
 
 /* false: it is there already. */
 static bool add_name(names *all, const char *text, node *of)
@@ -158,7 +158,7 @@ static const char *take_event(builder *b, const yaml_event_t *e)
         b->open[b->depth++] = (opened){.of = n};
         break;
     case YAML_ALIAS_EVENT:
-        n = named(&b->anchors, (const char *)e->data.alias.anchor);
+        n = document_named(&b->anchors, (const char *)e->data.alias.anchor);
         if (!n) return "found undefined alias";
         put_node(b, n);
         break;

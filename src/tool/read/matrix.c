@@ -114,7 +114,7 @@ static const char *read_whole(const char *s, size_t *n)
 
 typedef struct npy { size_t rows, columns, size; bool fortran; } npy;
 
-static bool read_header(npy *n, const char *header, const char *name, char why[MATRIX_WHY_SIZE])
+static bool matrix_read_header(npy *n, const char *header, const char *name, char why[MATRIX_WHY_SIZE])
 {
     const char *type = header_value(header, "'descr'"), *order = header_value(header, "'fortran_order'"), *s = header_value(header, "'shape'");
     if (!type || !order || !s) return bad(why, "%s: no header of an npy file", name);
@@ -155,7 +155,7 @@ static bool read_npy(sgt_numbers *to, const input *in, size_t most, char why[MAT
     if (start == 12 && in->length >= 12) header |= (size_t)text[10] << 16 | (size_t)text[11] << 24;
     if (in->length < start || in->length - start < header) return bad(why, "%s: cut off within its header", in->name);
     npy n = {.size = 0};
-    if (!read_header(&n, memory_text(in->text + start, header), in->name, why)) return false;
+    if (!matrix_read_header(&n, memory_text(in->text + start, header), in->name, why)) return false;
     if (n.rows == 0 || n.columns == 0) return bad(why, "%s: empty", in->name);
     if (n.rows > most || n.columns > most)
         return bad(why, "%s: %zu rows and %zu columns; %zu are the most of either", in->name, n.rows, n.columns, most);

@@ -154,7 +154,7 @@ static bool next_line(reader *r)
 }
 
 /* Which field is which column: place[c], or -1. */
-static void read_header(reader *r, int place[COLUMN_COUNT])
+static void rays_read_header(reader *r, int place[COLUMN_COUNT])
 {
     const char *source = r->source;
     if (r->end - r->at >= 3 && memcmp(r->at, "\xef\xbb\xbf", 3) == 0) r->at += 3;
@@ -243,7 +243,7 @@ void rays_read(ray_list *list, const char *path, bool skip_bad)
     input file = input_read(path);
     reader r = {.source = file.name, .at = file.text, .end = file.text + file.length};
     int place[COLUMN_COUNT];
-    read_header(&r, place);
+    rays_read_header(&r, place);
     list->ended = place[TMIN] >= 0 || place[TMAX] >= 0;
     list->named = place[ID] >= 0;
     const int columns = r.count;

@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char ROW = 'r', GAP = 'g';
+static const char TABLE_ROW = 'r', GAP = 'g';
 enum {
     SPACE_BETWEEN = 2,
     WRITE_AT = 1 << 16   /* bytes kept, of csv and json, before they are written */
@@ -43,7 +43,7 @@ static void write_kept(table *t)
 }
 
 /* Room for so many bytes more. */
-static char *room(table *t, size_t more)
+static char *table_room(table *t, size_t more)
 {
     if (t->capacity - t->length < more) {
         t->capacity = 2 * t->capacity + more;
@@ -52,15 +52,15 @@ static char *room(table *t, size_t more)
     return t->kept + t->length;
 }
 
-static void put(table *t, const char *text, size_t length)
+static void table_put(table *t, const char *text, size_t length)
 {
-    memcpy(room(t, length), text, length);
+    memcpy(table_room(t, length), text, length);
     t->length += length;
 }
 
-static void put_text(table *t, const char *text) { put(t, text, strlen(text)); }
+static void put_text(table *t, const char *text) { table_put(t, text, strlen(text)); }
 
-static void put_byte(table *t, char c) { put(t, &c, 1); }
+static void put_byte(table *t, char c) { table_put(t, &c, 1); }
 
 static table *table_new(const table_target *target, size_t columns, const column *head)
 {
@@ -105,7 +105,7 @@ static void put_csv_field(table *t, const char *text)
 {
     size_t plain = strcspn(text, ",\"\r\n");
     if (!text[plain]) {
-        put(t, text, plain);
+        table_put(t, text, plain);
         return;
     }
     put_byte(t, '"');
@@ -123,7 +123,7 @@ static void cell_begin(table *t)
     size_t i = t->cells % t->columns;
     put_text(t, i ? ", \"" : t->cells == 0 && t->file ? "\n{\"" : ",\n{\"");
     put_text(t, t->column[i].name);
-    put(t, "\": ", 3);
+    table_put(t, "\": ", 3);
 }
 
 static void cell_end(table *t)
@@ -136,7 +136,7 @@ static void cell_end(table *t)
 
 /* ------------------------------------------------------------------- text */
 
-static width width_of(const char *cell, size_t length, column_kind kind)
+static width table_width_of(const char *cell, size_t length, column_kind kind)
 {
     size_t before = kind == COLUMN_NUMBER || kind == COLUMN_EXACT ? strcspn(cell, ".e") : length;
     return (width){before, length - before};
@@ -151,15 +151,15 @@ static void widen(width *w, width by)
 static void keep_cell(table *t, const char *text, size_t length)
 {
     size_t i = t->cells++ % t->columns;
-    if (i == 0) put_byte(t, ROW);
-    put(t, text, length + 1);
-    widen(&t->width[i], width_of(text, length, t->column[i].kind));
+    if (i == 0) put_byte(t, TABLE_ROW);
+    table_put(t, text, length + 1);
+    widen(&t->width[i], table_width_of(text, length, t->column[i].kind));
 }
 
 static char *fill(char *to, size_t count) { return memset(to, ' ', count), to + count; }
 
 /* cell: the cells of the row one behind another; where they end is returned. */
-static const char *write_row(const table *t, const char *cell, char *line, bool header)
+static const char *table_write_row(const table *t, const char *cell, char *line, bool header)
 {
     char *to = line;
     for (size_t i = 0; i < t->columns; i++) {
@@ -168,7 +168,7 @@ static const char *write_row(const table *t, const char *cell, char *line, bool 
         if (header) cell = t->column[i].name;
         const width *w = &t->width[i];
         size_t length = strlen(cell);
-        width own = header ? (width){length, 0} : width_of(cell, length, kind);
+        width own = header ? (width){length, 0} : table_width_of(cell, length, kind);
         size_t all = w->before + w->after;
         size_t left = words ? 0 : header ? all - own.before : w->before - own.before;
         size_t right = i + 1 < t->columns ? all - left - length : 0;
@@ -194,9 +194,9 @@ static void write_block(table *t)
     }
     char *line = memory_grow(NULL, longest, 1);
     if (t->block_written) fputc('\n', t->file);
-    write_row(t, NULL, line, true);
+    table_write_row(t, NULL, line, true);
     for (const char *at = t->kept, *end = at + t->length; at < end;) {
-        if (*at++ == ROW) at = write_row(t, at, line, false);
+        if (*at++ == TABLE_ROW) at = table_write_row(t, at, line, false);
         else if (at < end) fputc('\n', t->file);
     }
     t->length = 0;
@@ -214,7 +214,7 @@ static void put_cell(table *t, const char *text, size_t length, bool bare)
         return;
     }
     cell_begin(t);
-    if (bare) put(t, text, length);
+    if (bare) table_put(t, text, length);
     else if (t->to.format == TABLE_CSV) put_csv_field(t, text);
     else put_json_string(t, text);
     cell_end(t);
@@ -278,7 +278,7 @@ void table_join(table *t, table *part)
 {
     if (part->length == 0) return;
     size_t comma = t->to.format == TABLE_JSON && t->cells == 0;
-    put(t, part->kept + comma, part->length - comma);
+    table_put(t, part->kept + comma, part->length - comma);
     for (size_t c = 0; c < t->columns; c++) widen(&t->width[c], part->width[c]);
     if (t->to.format != TABLE_TEXT && t->length >= WRITE_AT) write_kept(t);
     t->cells += part->cells;

@@ -44,7 +44,7 @@ static sgt_hits room_for_hits(size_t n)
     return h;
 }
 
-static answers room_for(const trade_case *c)
+static answers measure_room_for(const trade_case *c)
 {
     answers a = {.element = NULL};
     if (!c->lens) {
@@ -62,7 +62,7 @@ static answers room_for(const trade_case *c)
     return a;
 }
 
-static void put(double *const to[3], size_t i, sgt_vec3 v)
+static void measure_put(double *const to[3], size_t i, sgt_vec3 v)
 {
     if (to[0]) to[0][i] = v.x, to[1][i] = v.y, to[2][i] = v.z;
 }
@@ -75,8 +75,8 @@ static void put_hit(const sgt_hits *to, size_t i, const sgt_hit *h)
     if (to->t_err) to->t_err[i] = h->t_err;
     if (to->t_lo) to->t_lo[i] = h->t_lo;
     if (to->p_err) to->p_err[i] = h->p_err;
-    put(to->p, i, h->p);
-    put(to->n, i, h->n);
+    measure_put(to->p, i, h->p);
+    measure_put(to->n, i, h->n);
 }
 
 static void meet_surface(const trade_case *c, const setting *s, const sgt_hits *to)
@@ -105,8 +105,8 @@ static void trace_lens(const trade_case *c, const setting *s, const sgt_traced *
         if (to->fate) to->fate[i] = (signed char)fate;
         if (to->passed) to->passed[i] = (int)passed;
         if (to->opl) to->opl[i] = passed ? passage[passed - 1].opl : 0;
-        put(to->o, i, ray.o);
-        put(to->d, i, ray.d);
+        measure_put(to->o, i, ray.o);
+        measure_put(to->d, i, ray.d);
         size_t reached = passed + (fate != SGT_PASSED);
         for (size_t e = 0; element && e < j->lens.count; e++)
             put_hit(&element[e].hits, i, e < reached ? &passage[e].hit : &(sgt_hit){.status = SGT_MISS});
@@ -190,7 +190,7 @@ static double quantile(size_t n, double *x, double part)
 }
 
 /* So many digits as a measured figure has. */
-static double rounded(double x, int digits)
+static double measure_rounded(double x, int digits)
 {
     char text[40];
     snprintf(text, sizeof text, "%.*e", digits - 1, x);
@@ -223,7 +223,7 @@ static void judge_hits(const trade_case *c, setting *s, const answers *a, double
             n++;
         }
     }
-    s->evals = rounded((double)evals / (double)c->rays, 4);
+    s->evals = measure_rounded((double)evals / (double)c->rays, 4);
     find_quantiles(s, n, error);
 }
 
@@ -259,7 +259,7 @@ static void judge_traces(const trade_case *c, setting *s, const answers *a, doub
             path = fmax(path, distance(is->path, a->traced.opl[i]));
         }
     }
-    s->evals = rounded((double)evals / (double)c->rays, 4);
+    s->evals = measure_rounded((double)evals / (double)c->rays, 4);
     s->path_worst = n ? path : (double)NAN;
     s->waves_worst = s->path_worst * micrometres(j->lens.units) / j->lens.wavelength;
     find_quantiles(s, n, error);
@@ -276,7 +276,7 @@ static void find_errors(trade_case *c, answers *room)
 
 int trade_most_evals(const trade_case *c, const setting *s)
 {
-    answers a = room_for(c);
+    answers a = measure_room_for(c);
     int most = 0;
     call(c, s, OUTPUTS_ALL, &a);
     for (size_t e = 0; e < (c->lens ? c->lens->lens.count : 1); e++) {
@@ -348,9 +348,9 @@ static void find_times(trade *t, answers room[], double seconds)
         setting *s = all[i].s;
         double each = 1e9 / (double)all[i].c->rays;
         int cut = (int)fmax(0, floor((rounds - 1) / 2.0 - 0.98 * sqrt(rounds)));
-        s->ns = rounded(each * quantile((size_t)rounds, all[i].round, 0.5), 3); /* and sorts them */
-        s->ns_low = rounded(each * all[i].round[cut], 3);
-        s->ns_high = rounded(each * all[i].round[rounds - 1 - cut], 3);
+        s->ns = measure_rounded(each * quantile((size_t)rounds, all[i].round, 0.5), 3); /* and sorts them */
+        s->ns_low = measure_rounded(each * all[i].round[cut], 3);
+        s->ns_high = measure_rounded(each * all[i].round[rounds - 1 - cut], 3);
     }
 }
 
@@ -440,7 +440,7 @@ static void say(setting *s, const char *format, ...)
 }
 
 /* 1.52 and 15.2 as 1.5 and 15. */
-static double two_digits(double x) { return x < 100 ? rounded(x, 2) : rounded(x, 3); }
+static double two_digits(double x) { return x < 100 ? measure_rounded(x, 2) : measure_rounded(x, 3); }
 
 static void say_more(setting *s, size_t now, size_t before, const char *what)
 {
@@ -466,7 +466,7 @@ static void find_effect(setting *s, const setting *base)
 void trade_measure(trade *t, double seconds)
 {
     answers *room = memory_take(t->count, sizeof *room);
-    for (size_t i = 0; i < t->count; i++) room[i] = room_for(&t->list[i]), find_errors(&t->list[i], &room[i]);
+    for (size_t i = 0; i < t->count; i++) room[i] = measure_room_for(&t->list[i]), find_errors(&t->list[i], &room[i]);
     find_times(t, room, seconds);
     for (size_t i = 0; i < t->count; i++) {
         trade_case *c = &t->list[i];

@@ -20,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double WIDTH = 1040, MARGIN = 16, PANEL_HIGH = 312, HEAD_HIGH = 44, FOOT_HIGH = 46, LEFT = 70, GAP = 26;
+static const double PLOT_WIDTH = 1040, MARGIN = 16, PANEL_HIGH = 312, HEAD_HIGH = 44, FOOT_HIGH = 46, LEFT = 70, GAP = 26;
 static const double FONT = 10.5, DOT = 4, RING = 3.4, FLOOR = 26, STEM = 3, LINE = 12.5, KEY_HIGH = 104;
 static const char *const knob_name[KNOBS] = {"default", "single ray", "outputs", "t_tol", "max_evals", "pick", "proof", "dt_min", "iterations"};
 static const size_t knob_colour[KNOBS] = {4, 2, 6, 0, 5, 4, 3, 1, 3};
@@ -29,14 +29,14 @@ void trade_picture_check(void) {}
 
 typedef struct box { double left, top, right, bottom; } box;
 
-typedef struct stroke { double x0, y0, x1, y1; } stroke;
+typedef struct plot_stroke { double x0, y0, x1, y1; } plot_stroke;
 
 /* A dot, and whose it is: of the settings that are the same the first. */
-typedef struct dot {
+typedef struct plot_dot {
     double x, y, radius;
     const setting *of;
     bool best;
-} dot;
+} plot_dot;
 
 typedef struct panel {
     cairo_t *cr;
@@ -45,17 +45,17 @@ typedef struct panel {
     double x_low, x_high, y_low, y_high;  /* decades */
     bool floor;                           /* is there an error of 0? */
     const setting **stands_for;           /* [settings]: whose dot it shares; NULL: it has no error */
-    dot *dot;
+    plot_dot *dot;
     size_t dots;
     box *taken;                           /* names, dots, stems and stairs so far */
     size_t taken_count, taken_capacity;
     box *name;                            /* those of the names once more */
     size_t names, name_capacity;
-    stroke *leader;
+    plot_stroke *leader;
     size_t leaders, leader_capacity;
 } panel;
 
-static bool shown(const setting *s) { return s->error_99 >= 0; }
+static bool plot_shown(const setting *s) { return s->error_99 >= 0; }
 
 static double x_of(const panel *p, double ns)
 {
@@ -75,7 +75,7 @@ static panel panel_of(cairo_t *cr, const trade_case *c, double left, double top,
     double x[2] = {HUGE_VAL, -HUGE_VAL}, y[2] = {HUGE_VAL, -HUGE_VAL};
     for (size_t i = 0; i < c->settings; i++) {
         const setting *s = &c->setting[i];
-        if (!shown(s)) continue;
+        if (!plot_shown(s)) continue;
         x[0] = fmin(x[0], log10(s->ns)), x[1] = fmax(x[1], log10(s->ns));
         if (s->error_99 > 0) y[0] = fmin(y[0], log10(s->error_99));
         if (s->error_worst > 0) y[1] = fmax(y[1], log10(s->error_worst));
@@ -99,7 +99,7 @@ static void font(cairo_t *cr, double size, bool bold)
     cairo_set_font_size(cr, size);
 }
 
-static double width_of(cairo_t *cr, const char *text)
+static double plot_width_of(cairo_t *cr, const char *text)
 {
     cairo_text_extents_t size;
     cairo_text_extents(cr, text, &size);
@@ -109,7 +109,7 @@ static double width_of(cairo_t *cr, const char *text)
 /* At x, or ending there, or about it: part 0, 1, 0.5. */
 static void write_text(cairo_t *cr, double x, double y, double part, const char *text)
 {
-    cairo_move_to(cr, x - part * width_of(cr, text), y);
+    cairo_move_to(cr, x - part * plot_width_of(cr, text), y);
     cairo_show_text(cr, text);
 }
 
@@ -180,7 +180,7 @@ static void error_axis(const panel *p)
 
 /* ------------------------------------------------------------------- dots */
 
-static void take(panel *p, box b)
+static void plot_take(panel *p, box b)
 {
     p->taken = memory_room(p->taken, p->taken_count, &p->taken_capacity, sizeof *p->taken);
     p->taken[p->taken_count++] = b;
@@ -191,8 +191,8 @@ static bool changes_nothing(const setting *s) { return strstr(s->effect, "nothin
 static const setting *shared_dot(const panel *p, size_t i)
 {
     const setting *s = &p->c->setting[i], *base = trade_base(p->c);
-    if (!shown(s)) return NULL;
-    if (base && shown(base) && changes_nothing(s)) return base;
+    if (!plot_shown(s)) return NULL;
+    if (base && plot_shown(base) && changes_nothing(s)) return base;
     for (size_t k = 0; k < i; k++) {
         const setting *other = p->stands_for[k];
         if (other == &p->c->setting[k] && other != base && other->turned == s->turned && other->outputs == s->outputs && trade_same(other, s)) return other;
@@ -210,9 +210,9 @@ static void find_dots(panel *p)
         const setting *s = &c->setting[i];
         p->stands_for[i] = shared_dot(p, i);
         if (p->stands_for[i] != s) continue;
-        dot d = {.x = x_of(p, s->ns), .y = y_of(p, s->error_99), .radius = DOT, .of = s};
+        plot_dot d = {.x = x_of(p, s->ns), .y = y_of(p, s->error_99), .radius = DOT, .of = s};
         for (size_t k = 0; k < p->dots; k++) {
-            const dot *o = &p->dot[k];
+            const plot_dot *o = &p->dot[k];
             if (hypot(o->x - d.x, o->y - d.y) < o->radius + DOT) d.radius = fmax(d.radius, o->radius + RING);
         }
         p->dot[p->dots++] = d;
@@ -243,31 +243,31 @@ static void draw_dot(cairo_t *cr, double x, double y, double radius, knob turned
     cairo_stroke(cr);
 }
 
-static void draw_stem(panel *p, const dot *d)
+static void draw_stem(panel *p, const plot_dot *d)
 {
     double top = d->of->error_worst > 0 ? y_of(p, d->of->error_worst) : d->y;
     if (d->y - top < DOT) return;
     grey(p->cr, 0.55);
     line(p->cr, d->x, d->y, d->x, top, 0.7);
     line(p->cr, d->x - 2.5, top, d->x + 2.5, top, 0.7);
-    take(p, (box){d->x - 1, top, d->x + 1, d->y});
+    plot_take(p, (box){d->x - 1, top, d->x + 1, d->y});
 }
 
 static int by_time(const void *a, const void *b)
 {
-    const dot *const *x = a, *const *y = b;
+    const plot_dot *const *x = a, *const *y = b;
     return ((*x)->x > (*y)->x) - ((*x)->x < (*y)->x);
 }
 
 static int by_size(const void *a, const void *b)
 {
-    const dot *const *x = a, *const *y = b;
+    const plot_dot *const *x = a, *const *y = b;
     return ((*x)->radius < (*y)->radius) - ((*x)->radius > (*y)->radius);
 }
 
-static const dot **dots_sorted(const panel *p, int (*order)(const void *, const void *))
+static const plot_dot **dots_sorted(const panel *p, int (*order)(const void *, const void *))
 {
-    const dot **list = memory_take(p->dots, sizeof *list);
+    const plot_dot **list = memory_take(p->dots, sizeof *list);
     for (size_t i = 0; i < p->dots; i++) list[i] = &p->dot[i];
     qsort(list, p->dots, sizeof *list, order);
     return list;
@@ -276,12 +276,12 @@ static const dot **dots_sorted(const panel *p, int (*order)(const void *, const 
 static void stair(panel *p, double x0, double y0, double x1, double y1)
 {
     line(p->cr, x0, y0, x1, y1, 1.8);
-    take(p, (box){fmin(x0, x1) - 1, fmin(y0, y1) - 1, fmax(x0, x1) + 1, fmax(y0, y1) + 1});
+    plot_take(p, (box){fmin(x0, x1) - 1, fmin(y0, y1) - 1, fmax(x0, x1) + 1, fmax(y0, y1) + 1});
 }
 
 static void draw_stairs(panel *p)
 {
-    const dot **step = dots_sorted(p, by_time);
+    const plot_dot **step = dots_sorted(p, by_time);
     const setting *base = trade_base(p->c);
     double x = 0, y = p->plot.top;
     bool begun = false;
@@ -305,14 +305,14 @@ static void draw_stairs(panel *p)
 
 enum { TEXT_SIZE = 160, LINES = 8, LONG_LINE = 30 };
 
-static void append(char text[TEXT_SIZE], const char *more)
+static void plot_append(char text[TEXT_SIZE], const char *more)
 {
     size_t length = strlen(text);
     snprintf(text + length, TEXT_SIZE - length, "%s", more);
 }
 
 typedef struct name {
-    const dot *of;
+    const plot_dot *of;
     int lines;
     char line[LINES][TEXT_SIZE];
 } name;
@@ -333,12 +333,12 @@ static void add_word(name *n, const char *before, const char *word)
 {
     char *last = n->line[n->lines - 1];
     if (strlen(last) + strlen(word) > LONG_LINE && n->lines < LINES) {
-        append(last, *before == ',' ? "," : "");
+        plot_append(last, *before == ',' ? "," : "");
         last = n->line[n->lines++];
         before = "";
     }
-    append(last, before);
-    append(last, word);
+    plot_append(last, before);
+    plot_append(last, word);
 }
 
 /* "default", and in a line of its own "= t_tol, pick, out=t": what is the same, a knob whole where it is so. */
@@ -365,10 +365,10 @@ static void name_same(name *n, const panel *p)
     }
 }
 
-static name name_of(const panel *p, const dot *d)
+static name name_of(const panel *p, const plot_dot *d)
 {
     name n = {.of = d, .lines = 1};
-    append(n.line[0], d->of->name);
+    plot_append(n.line[0], d->of->name);
     if (d->of == trade_base(p->c)) {
         add_shares(&n, d->of, p->c->rays);
         name_same(&n, p);
@@ -385,7 +385,7 @@ static name name_of(const panel *p, const dot *d)
 static bool overlap(const box *a, const box *b) { return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom; }
 
 /* Has it a part inside?  Cut to one pair of edges after the other (Liang and Barsky 1984, ACM TOG 3, 1). */
-static bool enters(const stroke *s, const box *b)
+static bool plot_enters(const plot_stroke *s, const box *b)
 {
     double from = 0, to = 1, dx = s->x1 - s->x0, dy = s->y1 - s->y0;
     const double way[4] = {-dx, dx, -dy, dy}, room[4] = {s->x0 - b->left, b->right - s->x0, s->y0 - b->top, b->bottom - s->y0};
@@ -397,9 +397,9 @@ static bool enters(const stroke *s, const box *b)
     return from < to;
 }
 
-static double side(const stroke *s, double x, double y) { return (s->x1 - s->x0) * (y - s->y0) - (s->y1 - s->y0) * (x - s->x0); }
+static double side(const plot_stroke *s, double x, double y) { return (s->x1 - s->x0) * (y - s->y0) - (s->y1 - s->y0) * (x - s->x0); }
 
-static bool cross(const stroke *a, const stroke *b)
+static bool cross(const plot_stroke *a, const plot_stroke *b)
 {
     return side(a, b->x0, b->y0) * side(a, b->x1, b->y1) <= 0 && side(b, a->x0, a->y0) * side(b, a->x1, a->y1) <= 0;
 }
@@ -416,24 +416,24 @@ static bool free_place(const panel *p, box b, respect of)
     for (size_t i = 0; i < p->taken_count; i++)
         if (!(of != RESPECT_ALL && thin(&p->taken[i])) && overlap(&b, &p->taken[i])) return false;
     for (size_t i = 0; i < p->leaders && of < RESPECT_DOTS; i++)
-        if (enters(&p->leader[i], &b)) return false;
+        if (plot_enters(&p->leader[i], &b)) return false;
     return true;
 }
 
 /* From the edge of the dot to the nearest place of the name. */
-static stroke leader_to(const dot *d, const box *b)
+static plot_stroke leader_to(const plot_dot *d, const box *b)
 {
     double x = fmin(fmax(d->x, b->left), b->right), y = fmin(fmax(d->y, b->top), b->bottom), length = fmax(hypot(x - d->x, y - d->y), 1);
-    return (stroke){d->x + d->radius * (x - d->x) / length, d->y + d->radius * (y - d->y) / length, x, y};
+    return (plot_stroke){d->x + d->radius * (x - d->x) / length, d->y + d->radius * (y - d->y) / length, x, y};
 }
 
-static bool hits(const stroke *s, const dot *d)
+static bool hits(const plot_stroke *s, const plot_dot *d)
 {
-    return enters(s, &(box){d->x - d->radius, d->y - d->radius, d->x + d->radius, d->y + d->radius});
+    return plot_enters(s, &(box){d->x - d->radius, d->y - d->radius, d->x + d->radius, d->y + d->radius});
 }
 
 /* It may cross stems and stairs, but no dot except those about its own; and no name, and no other leader. */
-static bool free_leader(const panel *p, const stroke *s, const dot *of, respect respected)
+static bool free_leader(const panel *p, const plot_stroke *s, const plot_dot *of, respect respected)
 {
     for (size_t i = 0; i < p->dots && respected <= RESPECT_DOTS; i++)
         if (hypot(p->dot[i].x - of->x, p->dot[i].y - of->y) > p->dot[i].radius + of->radius && hits(s, &p->dot[i])) return false;
@@ -441,18 +441,18 @@ static bool free_leader(const panel *p, const stroke *s, const dot *of, respect 
     for (size_t i = 0; i < p->leaders; i++)
         if (cross(s, &p->leader[i])) return false;
     for (size_t i = 0; i < p->names; i++)
-        if (enters(s, &p->name[i])) return false;
+        if (plot_enters(s, &p->name[i])) return false;
     return true;
 }
 
-static double off(const dot *d, const box *b)
+static double off(const plot_dot *d, const box *b)
 {
     double x = fmin(fmax(d->x, b->left), b->right), y = fmin(fmax(d->y, b->top), b->bottom);
     return hypot(x - d->x, y - d->y) - d->radius;
 }
 
 /* Does the place belong to its dot at first sight?  No other may be nearer, if it is next to it. */
-static bool clear_whose(const panel *p, const box *b, const dot *of)
+static bool clear_whose(const panel *p, const box *b, const plot_dot *of)
 {
     const double NEXT = 10;
     double own = fmin(off(of, b), NEXT);
@@ -473,7 +473,7 @@ static bool find_place(const panel *p, const name *n, double wide, double high, 
             double left = n->of->x + d * x - wide * (1 - x) / 2, top = n->of->y + d * y - high * (1 - y) / 2;
             *led = d > near;
             *b = (box){left - 2, top - 1, left + wide + 2, top + high + 1};
-            stroke leader = leader_to(n->of, b);
+            plot_stroke leader = leader_to(n->of, b);
             if (of < RESPECT_DOTS && !clear_whose(p, b, n->of)) continue;
             if (free_place(p, *b, of) && (!*led || free_leader(p, &leader, n->of, of))) return true;
         }
@@ -486,17 +486,17 @@ static void place_name(panel *p, const name *n)
     double wide = 0, high = n->lines * LINE;
     bool found = false, led = false;
     box b;
-    for (int i = 0; i < n->lines; i++) wide = fmax(wide, width_of(cr, n->line[i]));
+    for (int i = 0; i < n->lines; i++) wide = fmax(wide, plot_width_of(cr, n->line[i]));
     for (int of = RESPECT_ALL; of < RESPECTS && !found; of++) found = find_place(p, n, wide, high, (respect)of, &led, &b);
     if (!found) return; /* it would cover others, or is wider than the panel */
     if (led) {
-        stroke s = leader_to(n->of, &b);
+        plot_stroke s = leader_to(n->of, &b);
         colour_of(cr, n->of->of->turned);
         line(cr, s.x0, s.y0, s.x1, s.y1, 0.8);
         p->leader = memory_room(p->leader, p->leaders, &p->leader_capacity, sizeof *p->leader);
         p->leader[p->leaders++] = s;
     }
-    take(p, b);
+    plot_take(p, b);
     p->name = memory_room(p->name, p->names, &p->name_capacity, sizeof *p->name);
     p->name[p->names++] = b;
     cairo_set_source_rgba(cr, 1, 1, 1, 0.8);
@@ -515,7 +515,7 @@ static void write_fitting(const panel *p, double y, const char *text)
     char fitting[sizeof p->c->about + 4];
     size_t length = strlen(text);
     snprintf(fitting, sizeof fitting, "%s", text);
-    while (width_of(p->cr, fitting) > p->plot.right - p->plot.left && length > 0) {
+    while (plot_width_of(p->cr, fitting) > p->plot.right - p->plot.left && length > 0) {
         length--;
         snprintf(fitting + length, sizeof fitting - length, "...");
     }
@@ -537,11 +537,11 @@ static void draw_panel(panel *p)
     if (p->dots == 0) write_text(cr, (p->plot.left + p->plot.right) / 2, (p->plot.top + p->plot.bottom) / 2, 0.5, "no ray is met");
     draw_stairs(p);
     for (size_t i = 0; i < p->dots; i++) draw_stem(p, &p->dot[i]);
-    const dot **order = dots_sorted(p, by_size);
+    const plot_dot **order = dots_sorted(p, by_size);
     for (size_t i = 0; i < p->dots; i++) {
-        const dot *d = order[i];
+        const plot_dot *d = order[i];
         draw_dot(cr, d->x, d->y, d->radius, d->of->turned, d->best);
-        take(p, (box){d->x - d->radius, d->y - d->radius, d->x + d->radius, d->y + d->radius});
+        plot_take(p, (box){d->x - d->radius, d->y - d->radius, d->x + d->radius, d->y + d->radius});
     }
     for (size_t i = 0; i < p->dots; i++) {
         name n = name_of(p, &p->dot[i]);
@@ -559,7 +559,7 @@ static double write_wrapped(cairo_t *cr, double left, double right, double y, co
     for (char *rest = all; *rest; y += LINE + 2) {
         size_t length = strlen(rest), fits = length;
         char cut = 0;
-        while (width_of(cr, rest) > right - left && fits > 0) {
+        while (plot_width_of(cr, rest) > right - left && fits > 0) {
             rest[fits] = cut;
             do fits--;
             while (fits > 0 && rest[fits] != ' ');
@@ -583,11 +583,11 @@ static void draw_key(cairo_t *cr, const trade *t, double left, double right, dou
     bool used[KNOBS] = {false};
     for (size_t i = 0; i < t->count; i++)
         for (size_t k = 0; k < t->list[i].settings; k++)
-            if (shown(&t->list[i].setting[k])) used[t->list[i].setting[k].turned] = true;
+            if (plot_shown(&t->list[i].setting[k])) used[t->list[i].setting[k].turned] = true;
     font(cr, FONT, false);
     for (int k = 0; k < KNOBS; k++) {
         if (!used[k]) continue;
-        double wide = 9 + width_of(cr, knob_name[k]) + 16;
+        double wide = 9 + plot_width_of(cr, knob_name[k]) + 16;
         if (x + wide > right) x = left, y += LINE + 4;
         draw_dot(cr, x + DOT, y - 3.5, DOT, (knob)k, true);
         grey(cr, 0.2);
@@ -603,7 +603,7 @@ void trade_picture(const char *file, const trade *t)
 {
     int columns = t->count > 1 ? 2 : 1, rows = ((int)t->count + columns - 1) / columns;
     bool gap = columns == 2 && t->count % 2; /* a panel's place for the key */
-    double width = (columns == 2 ? 1 : 1.4) * (WIDTH - 2 * MARGIN - GAP) / 2;
+    double width = (columns == 2 ? 1 : 1.4) * (PLOT_WIDTH - 2 * MARGIN - GAP) / 2;
     double page = columns * width + (columns - 1) * GAP + 2 * MARGIN, height = rows * PANEL_HIGH + (gap ? 0 : KEY_HIGH) + MARGIN;
     cairo_surface_t *surface = cairo_svg_surface_create(file, page, height);
     cairo_t *cr = cairo_create(surface);

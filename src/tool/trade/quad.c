@@ -35,17 +35,17 @@ static quad root(quad x)
     return (y + x / y) / 2;
 }
 
-static quad dot(quad3 a, quad3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static quad quad_dot(quad3 a, quad3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 static quad3 along(quad3 o, quad t, quad3 d) { return (quad3){o.x + t * d.x, o.y + t * d.y, o.z + t * d.z}; }
 static quad3 times(quad k, quad3 a) { return (quad3){k * a.x, k * a.y, k * a.z}; }
-static quad3 unit(quad3 a) { return times(1 / root(dot(a, a)), a); }
+static quad3 unit(quad3 a) { return times(1 / root(quad_dot(a, a)), a); }
 static quad3 widened(sgt_vec3 a) { return (quad3){a.x, a.y, a.z}; }
 static quad size(quad3 a) { return larger(magnitude(a.x), larger(magnitude(a.y), magnitude(a.z))); }
 
 quad quad_distance(quad3 a, sgt_vec3 b)
 {
     quad3 between = along(a, -1, widened(b));
-    return root(dot(between, between));
+    return root(quad_dot(between, between));
 }
 
 /* ------------------------------------------------------------------ roots */
@@ -54,7 +54,7 @@ static bool meet(const quad_formula *f, quad3 o, quad3 d, quad *t, quad3 *grad)
 {
     bool near = false;
     for (int i = 0; i < 8; i++) {
-        quad g = quad_value(f, along(o, *t, d), grad), step = -g / dot(*grad, d);
+        quad g = quad_value(f, along(o, *t, d), grad), step = -g / quad_dot(*grad, d);
         if (!(magnitude(step) <= (quad)DBL_MAX)) return false; /* a NaN as well */
         *t += step;
         quad reach = magnitude(*t) * size(d);
@@ -79,20 +79,20 @@ typedef struct frame { quad3 origin, x, y, z; } frame;
 static frame frame_of(const sgt_pose *pose)
 {
     frame f = {widened(pose->origin), widened(pose->ex), widened(pose->ey), widened(pose->ez)};
-    if (dot(f.x, f.x) == 0) return (frame){f.origin, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    if (quad_dot(f.x, f.x) == 0) return (frame){f.origin, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     f.x = unit(f.x);
-    f.y = unit(along(f.y, -dot(f.x, f.y), f.x));
-    f.z = unit(along(along(f.z, -dot(f.x, f.z), f.x), -dot(f.y, f.z), f.y));
+    f.y = unit(along(f.y, -quad_dot(f.x, f.y), f.x));
+    f.z = unit(along(along(f.z, -quad_dot(f.x, f.z), f.x), -quad_dot(f.y, f.z), f.y));
     return f;
 }
 
-static quad3 into(const frame *f, quad3 v) { return (quad3){dot(v, f->x), dot(v, f->y), dot(v, f->z)}; }
+static quad3 into(const frame *f, quad3 v) { return (quad3){quad_dot(v, f->x), quad_dot(v, f->y), quad_dot(v, f->z)}; }
 static quad3 out_of(const frame *f, quad3 v) { return along(along(times(v.x, f->x), v.y, f->y), v.z, f->z); }
 
 /* d = r d + (sqrt(1 - r^2 (1 - cos^2)) - r cos) n with n on the side to which the light goes. */
 static quad3 refracted(quad3 d, quad3 n, quad ratio)
 {
-    quad cosine = dot(d, n);
+    quad cosine = quad_dot(d, n);
     if (cosine < 0) n = times(-1, n), cosine = -cosine;
     quad behind = root(1 - ratio * ratio * (1 - cosine * cosine));
     return unit(along(times(ratio, d), behind - ratio * cosine, n));
@@ -114,7 +114,7 @@ bool quad_trace(size_t passed, const sgt_element e[], double index_before, const
         *path += index * t;
         quad3 n = unit(out_of(&f, grad));
         if (e[i].index == SGT_MIRROR) {
-            d = unit(along(d, -2 * dot(d, n), n));
+            d = unit(along(d, -2 * quad_dot(d, n), n));
         } else if (e[i].index != 0 && e[i].index != (double)index) {
             d = refracted(d, n, index / e[i].index);
             index = e[i].index;
