@@ -10,7 +10,8 @@
 enum { RAYS = 1000 };
 
 static double x[RAYS], y[RAYS], z[RAYS], l[RAYS], m[RAYS], n[RAYS];
-static double t[RAYS], t_err[RAYS], end_x[RAYS], end_y[RAYS], end_z[RAYS], end_l[RAYS], end_m[RAYS], end_n[RAYS];
+static double t[RAYS], t_err[RAYS], end_x[RAYS], end_y[RAYS], end_z[RAYS], end_l[RAYS], end_m[RAYS],
+    end_n[RAYS];
 
 int main(void)
 {
@@ -27,12 +28,14 @@ int main(void)
     int equal = 0;
     double worst = 0, bound = 0;
     for (int i = 0; i < RAYS; i++) {
-        sgt_hit alone = sgt_intersect(surface, (sgt_ray){.o = {x[i], y[i], z[i]}, .d = {l[i], m[i], n[i]}}, NULL);
+        sgt_hit alone = sgt_intersect(surface, (sgt_ray){.o = {x[i], y[i], z[i]}, .d = {l[i], m[i], n[i]}},
+                                      NULL);
         equal += alone.t == t[i] && alone.t_err == t_err[i];
         worst = fmax(worst, fabs(t[i] - (20 - (x[i] * x[i] + y[i] * y[i]) / 20)));
         bound = fmax(bound, t_err[i]);
     }
-    printf("%zu of %d rays meet it, t right within %.1e; %d are what the ray gets alone\n", met, RAYS, bound, equal);
+    printf("%zu of %d rays meet it, t right within %.1e; %d are what the ray gets alone\n", met, RAYS, bound,
+           equal);
 
     /* As a mirror it sends them all through its focus, 5 from the vertex. */
     sgt_conic plane = {0};

@@ -44,13 +44,14 @@ static double torus_rounding(const void *self, sgt_vec3 p)
     return 24 * 0x1p-53 * (w * w + 4 * R2 * q);
 }
 
-/* The same at n points, for batches: a loop that the compiler makes vector code of, `restrict` because the arrays never
- * overlap.  To the last bit the same: so by the same function. */
+/* The same at n points, for batches: a loop that the compiler makes vector code of, `restrict` because the
+ * arrays never overlap.  To the last bit the same: so by the same function. */
 static void torus_values(const void *self, size_t n, sgt_points p, sgt_values out)
 {
     const torus s = *(const torus *)self;
     const double *restrict x = p.p[0], *restrict y = p.p[1], *restrict z = p.p[2];
-    double *restrict f = out.f, *restrict nx = out.grad[0], *restrict ny = out.grad[1], *restrict nz = out.grad[2];
+    double *restrict f = out.f, *restrict nx = out.grad[0], *restrict ny = out.grad[1],
+                     *restrict nz = out.grad[2];
     for (size_t i = 0; i < n; i++) {
         sgt_vec3 grad;
         f[i] = torus_value(&s, (sgt_vec3){x[i], y[i], z[i]}, &grad);
@@ -61,14 +62,19 @@ static void torus_values(const void *self, size_t n, sgt_points p, sgt_values ou
 static void torus_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out)
 {
     for (size_t i = 0; i < n; i++) {
-        sgt_ray ray = {.o = {rays.o[0][i], rays.o[1][i], rays.o[2][i]}, .d = {rays.d[0][i], rays.d[1][i], rays.d[2][i]}};
+        sgt_ray ray = {.o = {rays.o[0][i], rays.o[1][i], rays.o[2][i]},
+                       .d = {rays.d[0][i], rays.d[1][i], rays.d[2][i]}};
         sgt_span span = torus_span(self, &ray);
         out.lo[i] = span.lo, out.hi[i] = span.hi, out.seed[i] = span.seed, out.single[i] = span.single;
     }
 }
 
-static const sgt_surface_ops torus_ops = {
-    .name = "torus", .value = torus_value, .span = torus_span, .rounding = torus_rounding, .values = torus_values, .spans = torus_spans};
+static const sgt_surface_ops torus_ops = {.name = "torus",
+                                          .value = torus_value,
+                                          .span = torus_span,
+                                          .rounding = torus_rounding,
+                                          .values = torus_values,
+                                          .spans = torus_spans};
 
 /* The classic mistake: a gradient of unit length. */
 static double normalised_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
@@ -79,7 +85,8 @@ static double normalised_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
     return f;
 }
 
-static const sgt_surface_ops normalised_ops = {.name = "torus, normalised", .value = normalised_value, .span = torus_span};
+static const sgt_surface_ops normalised_ops = {
+    .name = "torus, normalised", .value = normalised_value, .span = torus_span};
 
 enum { RAYS = 100 };
 
@@ -102,7 +109,8 @@ int main(void)
     /* Many rays at once, as arrays: each answer is the one it gets alone. */
     double x[RAYS], y[RAYS], z[RAYS], along[RAYS], none[RAYS], t[RAYS];
     for (int i = 0; i < RAYS; i++) x[i] = -5, y[i] = 1.5 * i / RAYS, z[i] = 0.1, along[i] = 1, none[i] = 0;
-    size_t met = sgt_intersect_batch(surface, RAYS, (sgt_rays){.o = {x, y, z}, .d = {along, none, none}}, (sgt_hits){.t = t}, NULL);
+    size_t met = sgt_intersect_batch(surface, RAYS, (sgt_rays){.o = {x, y, z}, .d = {along, none, none}},
+                                     (sgt_hits){.t = t}, NULL);
     sgt_hit last = sgt_intersect(surface, (sgt_ray){.o = {x[80], y[80], z[80]}, .d = {1, 0, 0}}, NULL);
     printf("%zu of %d rays meet it, the 81st at t = %.17g\n", met, RAYS, t[80]);
 
@@ -118,6 +126,9 @@ int main(void)
     printf("torus: %s\n", sgt_fault_text(fault));
     printf("normalised: %s, at (%g, %g, %g)\n", sgt_fault_text(noticed), where.x, where.y, where.z);
 
-    return hit.status == SGT_HIT && fabs(hit.t - 3.75) <= hit.t_err && next.status == SGT_HIT
-            && fabs(next.t - 4.25) <= next.t_err && met == 82 && t[80] == last.t && fault == SGT_SOUND && noticed == SGT_WRONG_GRADIENT ? 0 : 1;
+    return hit.status == SGT_HIT && fabs(hit.t - 3.75) <= hit.t_err && next.status == SGT_HIT &&
+                   fabs(next.t - 4.25) <= next.t_err && met == 82 && t[80] == last.t && fault == SGT_SOUND &&
+                   noticed == SGT_WRONG_GRADIENT
+               ? 0
+               : 1;
 }

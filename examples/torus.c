@@ -36,30 +36,39 @@ static double torus_clearance(const void *self, sgt_vec3 p)
 }
 
 /* o + t d, and sqrt(a^2 + b^2). */
-static sgt_interval line(double o, double d, sgt_interval t) { return sgt_interval_sum(sgt_interval_of(o), sgt_interval_scaled(t, d)); }
+static sgt_interval line(double o, double d, sgt_interval t)
+{
+    return sgt_interval_sum(sgt_interval_of(o), sgt_interval_scaled(t, d));
+}
 
 static sgt_interval length(sgt_interval a, sgt_interval b)
 {
     return sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(a), sgt_interval_square(b)));
 }
 
-/* The formulas of the value and of its derivative along the ray, with intervals in place of numbers.  On the axis, and in
- * the middle of the tube, F has a kink: the quotient by an interval that holds 0 is without bound, as it should be. */
+/* The formulas of the value and of its derivative along the ray, with intervals in place of numbers.  On
+ * the axis, and in the middle of the tube, F has a kink: the quotient by an interval that holds 0 is
+ * without bound, as it should be. */
 static sgt_interval torus_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
     const torus *s = self;
     sgt_vec3 o = ray->o, d = ray->d;
     sgt_interval x = line(o.x, d.x, t), y = line(o.y, d.y, t), z = line(o.z, d.z, t), axis = length(x, y);
     sgt_interval off = sgt_interval_difference(axis, sgt_interval_of(s->major)), circle = length(off, z);
-    sgt_interval outward = sgt_interval_quotient(sgt_interval_sum(sgt_interval_scaled(x, d.x), sgt_interval_scaled(y, d.y)), axis);
-    *slope = sgt_interval_quotient(sgt_interval_sum(sgt_interval_product(off, outward), sgt_interval_scaled(z, d.z)), circle);
+    sgt_interval outward = sgt_interval_quotient(
+        sgt_interval_sum(sgt_interval_scaled(x, d.x), sgt_interval_scaled(y, d.y)), axis);
+    *slope = sgt_interval_quotient(
+        sgt_interval_sum(sgt_interval_product(off, outward), sgt_interval_scaled(z, d.z)), circle);
     return sgt_interval_difference(circle, sgt_interval_of(s->minor));
 }
 
 /* One surface that says more and more of itself. */
 static const sgt_surface_ops torus_ops[] = {
     {.name = "value", .value = torus_value, .rounding = torus_rounding},
-    {.name = "value and clearance", .value = torus_value, .rounding = torus_rounding, .clearance = torus_clearance},
+    {.name = "value and clearance",
+     .value = torus_value,
+     .rounding = torus_rounding,
+     .clearance = torus_clearance},
     {.name = "value and enclose", .value = torus_value, .rounding = torus_rounding, .enclose = torus_enclose},
 };
 static const char *const claim[] = {
@@ -79,7 +88,8 @@ static int print_all(const sgt_surface_ops *ops, const torus *shape, sgt_ray ray
         const sgt_hit *h = &hits[i];
         double slope = h->n.x * ray.d.x + h->n.y * ray.d.y + h->n.z * ray.d.z; /* n . d */
         if (h->status == SGT_HIT)
-            printf("    %s at t = %.15f, right within %.1g, %d evaluations\n", slope < 0 ? "enters" : "leaves", h->t, h->t_err, h->evals);
+            printf("    %s at t = %.15f, right within %.1g, %d evaluations\n",
+                   slope < 0 ? "enters" : "leaves", h->t, h->t_err, h->evals);
         else
             printf("    %s, t from %g to %g\n", sgt_status_text(h->status), h->lo, h->hi);
     }
@@ -91,11 +101,14 @@ static sgt_hit print_proof(const sgt_surface_ops *ops, const torus *shape, sgt_r
 {
     sgt_hit h = sgt_intersect((sgt_surface){ops, shape}, ray, &(sgt_options){.proof = SGT_PROVE_FIRST});
     if (h.status == SGT_HIT)
-        printf("    one root within %.1g of t = %.15f, and none before it: %d evaluations\n", h.t_err, h.t, h.evals);
+        printf("    one root within %.1g of t = %.15f, and none before it: %d evaluations\n", h.t_err, h.t,
+               h.evals);
     else if (h.status == SGT_MISS)
         printf("    no root: %d evaluations\n", h.evals);
     else if (h.status == SGT_GRAZE)
-        printf("    none before t = %.11f; to %.11f F is 0 as far as can be told: none, one or two roots; %d evaluations\n", h.lo, h.hi, h.evals);
+        printf("    none before t = %.11f; to %.11f F is 0 as far as can be told: none, one or two roots; %d "
+               "evaluations\n",
+               h.lo, h.hi, h.evals);
     else
         printf("    nothing is proven of t from %.15f to %.15f\n", h.lo, h.hi);
     return h;
@@ -112,19 +125,22 @@ int main(void)
     const sgt_ray rays[] = {across, past, near, touching};
     int wrong = 0;
 
-    for (int i = 0; i < 3; i++) wrong += sgt_check((sgt_surface){&torus_ops[i], &shape}, 4, rays, NULL) != SGT_SOUND;
+    for (int i = 0; i < 3; i++)
+        wrong += sgt_check((sgt_surface){&torus_ops[i], &shape}, 4, rays, NULL) != SGT_SOUND;
 
     for (int i = 0; i < 3; i++) {
         sgt_hit hits[MOST];
         printf("%s: %s\n  across the tube, twice\n", torus_ops[i].name, claim[i]);
         int count = print_all(&torus_ops[i], &shape, across, hits);
-        wrong += i == 0 ? count != 1 || hits[0].status != SGT_UNPROVEN : count != 4; /* the tube is thinner than a step */
+        /* the tube is thinner than a step */
+        wrong += i == 0 ? count != 1 || hits[0].status != SGT_UNPROVEN : count != 4;
 
         /* At z = 0.0004 the ring is 1 -+ half wide; the ray is 0.9 off its middle. */
         double half = sqrt(0.001 * 0.001 - 0.0004 * 0.0004);
         for (int j = 0; i > 0 && j < count && j < 4; j++) {
             double edge = 1 + (j == 0 || j == 3 ? half : -half), x = sqrt(edge * edge - 0.9 * 0.9);
-            wrong += !(hits[j].status == SGT_HIT && fabs(hits[j].t - (5 + (j < 2 ? -x : x))) <= hits[j].t_err + 4e-15);
+            wrong += !(hits[j].status == SGT_HIT &&
+                       fabs(hits[j].t - (5 + (j < 2 ? -x : x))) <= hits[j].t_err + 4e-15);
         }
 
         printf("  past it, 0.001 away\n");
@@ -140,14 +156,16 @@ int main(void)
         printf("proof, %s\n  across the tube\n", torus_ops[i].name);
         sgt_hit h = print_proof(&torus_ops[i], &shape, across);
         double root = 5 - sqrt(pow(1 + sqrt(0.001 * 0.001 - 0.0004 * 0.0004), 2) - 0.9 * 0.9);
-        wrong += i == 1 ? h.status != SGT_UNPROVEN : h.status != SGT_HIT || !(fabs(h.t - root) <= h.t_err + 4e-15);
+        wrong += i == 1 ? h.status != SGT_UNPROVEN
+                        : h.status != SGT_HIT || !(fabs(h.t - root) <= h.t_err + 4e-15);
         wrong += !(h.lo < root + 4e-15 && h.hi > root - 4e-15);
         if (i == 1) continue;
         printf("  past it, 0.000001 away\n");
         wrong += print_proof(&torus_ops[i], &shape, near).status != SGT_MISS;
         printf("  touching it\n");
         h = print_proof(&torus_ops[i], &shape, touching);
-        wrong += h.status == SGT_HIT || h.status == SGT_MISS || !(h.lo <= 5 - sqrt(0.19) && h.hi >= 5 - sqrt(0.19));
+        wrong += h.status == SGT_HIT || h.status == SGT_MISS ||
+                 !(h.lo <= 5 - sqrt(0.19) && h.hi >= 5 - sqrt(0.19));
     }
     return wrong ? 1 : 0;
 }

@@ -13,7 +13,10 @@ int main(void)
     sgt_conic front = {.c = 1 / 51.68}, back = {0};
     sgt_element lens[] = {
         {.surface = {&sgt_conic_ops, &front}, .index = 1.5168, .semi_diameter = 12.7},
-        {.surface = {&sgt_conic_ops, &back}, .pose = {.origin = {0, 0, 5}}, .index = 1, .semi_diameter = 12.7},
+        {.surface = {&sgt_conic_ops, &back},
+         .pose = {.origin = {0, 0, 5}},
+         .index = 1,
+         .semi_diameter = 12.7},
     };
     double paraxial = 51.68 / 0.5168 - 5 / 1.5168, last = paraxial; /* behind the flat face */
 
@@ -28,7 +31,8 @@ int main(void)
         }
         /* ray starts at the last point passed, in the global frame */
         double focus = ray.o.z - ray.o.y * ray.d.z / ray.d.y - 5;
-        printf("height %4.1f: crosses the axis %.6f behind the lens, path %.9f\n", 2.0 * i, focus, passages[1].opl);
+        printf("height %4.1f: crosses the axis %.6f behind the lens, path %.9f\n", 2.0 * i, focus,
+               passages[1].opl);
         if (!(focus < last)) return 1; /* each nearer than the one before */
         last = focus;
     }

@@ -30,9 +30,12 @@ static sgt_diagnosis bare_newton(sgt_surface s, sgt_ray ray, double t, bool norm
         double f = s.ops->value(s.self, p, &n), length = sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
         double slope = n.x * ray.d.x + n.y * ray.d.y + n.z * ray.d.z;
         if (normalise) slope /= length;
-        sgt_step step = {.eval = i, .move = move, .t = t, .f = f, .slope = slope, .lo = -HUGE_VAL, .hi = HUGE_VAL};
+        sgt_step step = {
+            .eval = i, .move = move, .t = t, .f = f, .slope = slope, .lo = -HUGE_VAL, .hi = HUGE_VAL};
         sgt_log_step(&log, &step);
-        if (i <= 5) printf("  %-8s t = %-18.16g F = %g\n", sgt_move_text(move), t, isnan(f) ? (double)NAN : f); /* not "-nan" */
+        if (i <= 5)
+            printf("  %-8s t = %-18.16g F = %g\n", sgt_move_text(move), t,
+                   isnan(f) ? (double)NAN : f); /* not "-nan" */
         if (f == 0) break;
         move = isnan(f) ? SGT_RETREAT : SGT_NEWTON;
         t = isnan(f) ? t / 2 : t - f / slope;
@@ -44,7 +47,8 @@ int main(void)
 {
     sphere lens = {.radius = -2.2136};
     sgt_surface surface = {&(sgt_surface_ops){.name = "sphere", .value = sphere_value}, &lens};
-    sgt_ray ray = {.o = {0, 0.5, -5}, .d = {0, 0.3420201433256687, 0.9396926207859084}, .tmin = 0, .tmax = 10};
+    sgt_ray ray = {
+        .o = {0, 0.5, -5}, .d = {0, 0.3420201433256687, 0.9396926207859084}, .tmin = 0, .tmax = 10};
 
     /* What the library does: each evaluation is kept in the caller's array. */
     sgt_step steps[200];

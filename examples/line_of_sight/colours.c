@@ -1,11 +1,13 @@
-/* colours.c - viridis (S. van der Walt and N. Smith, 2015) grows evenly in lightness and can be read by the colour-blind and in grey. */
+/* colours.c - viridis (S. van der Walt and N. Smith, 2015) grows evenly in lightness and can be read by the
+ * colour-blind and in grey. */
 #include "colours.h"
 
 #include <math.h>
 
 unsigned colours_viridis(double x)
 {
-    static const unsigned stops[] = {0x440154, 0x482878, 0x3e4a89, 0x31688e, 0x26828e, 0x1f9e89, 0x35b779, 0x6ece58, 0xb5de2b, 0xfde725};
+    static const unsigned stops[] = {0x440154, 0x482878, 0x3e4a89, 0x31688e, 0x26828e,
+                                     0x1f9e89, 0x35b779, 0x6ece58, 0xb5de2b, 0xfde725};
     enum { LAST = sizeof stops / sizeof *stops - 1 };
     double at = fmax(0, fmin(1, x)) * LAST;
     int i = at < LAST ? (int)at : LAST - 1;

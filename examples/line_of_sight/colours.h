@@ -3,7 +3,14 @@
 #define LINE_OF_SIGHT_COLOURS_H
 #include <cairo.h>
 
-enum { INK = 0x202020, FAINT = 0xb4b4b4, PAPER = 0xffffff, MISSED = 0xe8e8e8, UNDECIDED = 0xd55e00, TRACK = 0xd6336c };
+enum {
+    INK = 0x202020,
+    FAINT = 0xb4b4b4,
+    PAPER = 0xffffff,
+    MISSED = 0xe8e8e8,
+    UNDECIDED = 0xd55e00,
+    TRACK = 0xd6336c
+};
 
 unsigned colours_viridis(double x); /* 0 ... 1; other numbers: the nearer end */
 void colours_set(cairo_t *cr, unsigned code);

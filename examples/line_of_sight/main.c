@@ -1,7 +1,7 @@
 /* main.c - line_of_sight: from the pixels of a camera in orbit to latitude, longitude and height.
  *
- * An example of a client: where a ray meets the Earth is asked of <sagitta/geo.h>, in one batch; GeographicLib makes latitude,
- * longitude and height of the points. */
+ * An example of a client: where a ray meets the Earth is asked of <sagitta/geo.h>, in one batch;
+ * GeographicLib makes latitude, longitude and height of the points. */
 #include "fail.h"
 #include "picture.h"
 #include "table.h"
@@ -16,7 +16,8 @@
 static const char HELP[] =
     "line_of_sight [options]\n"
     "\n"
-    "A camera on a circular orbit sees the Earth line by line.  For each pixel: latitude, longitude and height of the\n"
+    "A camera on a circular orbit sees the Earth line by line.  For each pixel: latitude, longitude and "
+    "height of the\n"
     "point it sees, on WGS84, the angle of incidence there, and how far away it is.\n"
     "\n"
     "  the orbit\n"
@@ -32,10 +33,13 @@ static const char HELP[] =
     "  --lines N           (512)\n"
     "  --duration S        from the first line to the last, in seconds (80)\n"
     "  the Earth\n"
-    "  --surface NAME      geodetic_height (the default): so high over the ellipsoid; geoid: over the sea (EGM96);\n"
-    "                      level_gravity: where gravity has the potential that it has so high over the equator\n"
+    "  --surface NAME      geodetic_height (the default): so high over the ellipsoid; geoid: over the sea "
+    "(EGM96);\n"
+    "                      level_gravity: where gravity has the potential that it has so high over the "
+    "equator\n"
     "  --height M          so high (0)\n"
-    "  --geoid FILE        a grid in NOAA's .gtx format; absent: egm96_15.gtx, where PROJ's data are installed\n"
+    "  --geoid FILE        a grid in NOAA's .gtx format; absent: egm96_15.gtx, where PROJ's data are "
+    "installed\n"
     "  what comes out\n"
     "  --format FORMAT     text (the default), csv (numbers that read back to the same double) or none\n"
     "  --output FILE       absent: standard output\n"
@@ -44,7 +48,8 @@ static const char HELP[] =
     "  --time              how long the rays took, on standard error\n"
     "  --help\n"
     "\n"
-    "Exit status: 0 all pixels decided, 1 some undecided, 2 usage, 3 bad input.  A pixel that looks past the Earth is a miss, and decided.\n";
+    "Exit status: 0 all pixels decided, 1 some undecided, 2 usage, 3 bad input.  A pixel that looks past the "
+    "Earth is a miss, and decided.\n";
 
 static const double DEGREE = 0.017453292519943295769;
 
@@ -64,7 +69,8 @@ static double number(const char *option, const char *text, double least, double 
 {
     char *end;
     double x = strtod(text, &end);
-    if (end == text || *end || !(x >= least && x <= most)) fail_usage("--%s wants a number from %.9g to %.9g, not \"%s\"", option, least, most, text);
+    if (end == text || *end || !(x >= least && x <= most))
+        fail_usage("--%s wants a number from %.9g to %.9g, not \"%s\"", option, least, most, text);
     return x;
 }
 
@@ -73,7 +79,8 @@ static int whole(const char *option, const char *text, int most)
     char *end;
     errno = 0;
     long n = *text >= '0' && *text <= '9' ? strtol(text, &end, 10) : 0;
-    if (n < 1 || n > most || errno || *end) fail_usage("--%s wants a whole number from 1 to %d, not \"%s\"", option, most, text);
+    if (n < 1 || n > most || errno || *end)
+        fail_usage("--%s wants a whole number from 1 to %d, not \"%s\"", option, most, text);
     return (int)n;
 }
 
@@ -82,7 +89,8 @@ static int choice(const char *option, const char *text, const char *const words[
     for (int i = 0; words[i]; i++)
         if (strcmp(words[i], text) == 0) return i;
     char known[200] = "";
-    for (int i = 0; words[i]; i++) snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? ", " : "", words[i]);
+    for (int i = 0; words[i]; i++)
+        snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? ", " : "", words[i]);
     fail_usage("--%s is one of %s, not \"%s\"", option, known, text);
 }
 
@@ -95,18 +103,58 @@ static int surface_named(const char *text)
 
 static request parse(int count, char *words[])
 {
-    enum { ALTITUDE, INCLINATION, NODE, START, FIELD, ROLL, PITCH, PIXELS, LINES, DURATION, SURFACE, HEIGHT, GEOID, FORMAT, OUTPUT, PICTURE, COLOUR, TIME, HELP_WANTED };
-    static const struct option options[] = {
-        {"altitude", required_argument, NULL, ALTITUDE}, {"inclination", required_argument, NULL, INCLINATION}, {"node", required_argument, NULL, NODE},
-        {"start", required_argument, NULL, START}, {"field", required_argument, NULL, FIELD}, {"roll", required_argument, NULL, ROLL},
-        {"pitch", required_argument, NULL, PITCH}, {"pixels", required_argument, NULL, PIXELS}, {"lines", required_argument, NULL, LINES},
-        {"duration", required_argument, NULL, DURATION}, {"surface", required_argument, NULL, SURFACE}, {"height", required_argument, NULL, HEIGHT},
-        {"geoid", required_argument, NULL, GEOID}, {"format", required_argument, NULL, FORMAT}, {"output", required_argument, NULL, OUTPUT},
-        {"picture", required_argument, NULL, PICTURE}, {"colour", required_argument, NULL, COLOUR}, {"time", no_argument, NULL, TIME},
-        {"help", no_argument, NULL, HELP_WANTED}, {0}};
-    static const char *const formats[] = {"text", "csv", "none", NULL}, *const colours[] = {"incidence", "height", NULL};
-    request r = {.camera = {.altitude = 700e3, .inclination = 98 * DEGREE, .node = 30 * DEGREE, .start = 35 * DEGREE, .field = 60 * DEGREE, .pixels = 512, .lines = 512},
-                 .duration = 80, .surface = surface_named("geodetic_height")};
+    enum {
+        ALTITUDE,
+        INCLINATION,
+        NODE,
+        START,
+        FIELD,
+        ROLL,
+        PITCH,
+        PIXELS,
+        LINES,
+        DURATION,
+        SURFACE,
+        HEIGHT,
+        GEOID,
+        FORMAT,
+        OUTPUT,
+        PICTURE,
+        COLOUR,
+        TIME,
+        HELP_WANTED
+    };
+    static const struct option options[] = {{"altitude", required_argument, NULL, ALTITUDE},
+                                            {"inclination", required_argument, NULL, INCLINATION},
+                                            {"node", required_argument, NULL, NODE},
+                                            {"start", required_argument, NULL, START},
+                                            {"field", required_argument, NULL, FIELD},
+                                            {"roll", required_argument, NULL, ROLL},
+                                            {"pitch", required_argument, NULL, PITCH},
+                                            {"pixels", required_argument, NULL, PIXELS},
+                                            {"lines", required_argument, NULL, LINES},
+                                            {"duration", required_argument, NULL, DURATION},
+                                            {"surface", required_argument, NULL, SURFACE},
+                                            {"height", required_argument, NULL, HEIGHT},
+                                            {"geoid", required_argument, NULL, GEOID},
+                                            {"format", required_argument, NULL, FORMAT},
+                                            {"output", required_argument, NULL, OUTPUT},
+                                            {"picture", required_argument, NULL, PICTURE},
+                                            {"colour", required_argument, NULL, COLOUR},
+                                            {"time", no_argument, NULL, TIME},
+                                            {"help", no_argument, NULL, HELP_WANTED},
+                                            {0}};
+    static const char *const formats[] = {"text", "csv", "none", NULL}, *const colours[] = {"incidence",
+                                                                                            "height", NULL};
+    request r = {.camera = {.altitude = 700e3,
+                            .inclination = 98 * DEGREE,
+                            .node = 30 * DEGREE,
+                            .start = 35 * DEGREE,
+                            .field = 60 * DEGREE,
+                            .pixels = 512,
+                            .lines = 512},
+                 .duration = 80,
+                 .surface = surface_named("geodetic_height")};
     camera *c = &r.camera;
     for (int code; (code = getopt_long(count, words, "h", options, NULL)) != -1;) switch (code) {
         case ALTITUDE: c->altitude = 1e3 * number("altitude", optarg, 1, 1e6); break;
@@ -134,13 +182,16 @@ static request parse(int count, char *words[])
         default: fail_hint();
         }
     if (optind != count) fail_usage("what is \"%s\"?", words[optind]);
-    if ((double)c->lines * c->pixels > MOST_RAYS) fail_usage("--pixels times --lines is at most %d", MOST_RAYS);
+    if ((double)c->lines * c->pixels > MOST_RAYS)
+        fail_usage("--pixels times --lines is at most %d", MOST_RAYS);
     if (r.height > c->altitude - 1e3) fail_usage("--height wants to be 1 km below --altitude, and more");
-    if (r.geoid && sgt_geo_builtins[r.surface].ops != &sgt_geoid_height_ops) fail_usage("--geoid goes with --surface geoid");
+    if (r.geoid && sgt_geo_builtins[r.surface].ops != &sgt_geoid_height_ops)
+        fail_usage("--geoid goes with --surface geoid");
     if (r.output && r.format == NONE) fail_usage("--output, and --format none?");
     if (r.picture) {
         const char *dot = strrchr(r.picture, '.');
-        if (!dot || strcmp(dot, ".png") != 0) fail_usage("--picture wants a name that ends with .png, not \"%s\"", r.picture);
+        if (!dot || strcmp(dot, ".png") != 0)
+            fail_usage("--picture wants a name that ends with .png, not \"%s\"", r.picture);
         if (!picture_can()) fail_usage("--picture: this was built without cairo, which draws it");
     }
     c->line_time = c->lines > 1 ? r.duration / (c->lines - 1) : 0;
@@ -161,7 +212,9 @@ typedef union earth { sgt_geodetic_height ellipsoid; sgt_level_gravity level; sg
 static sgt_geoid *open_geoid(const request *r)
 {
     char found[4096], error[4096];
-    if (!r->geoid && !sgt_geoid_find(found, sizeof found)) fail_input("--surface geoid: egm96_15.gtx is not installed (Debian: proj-data); --geoid names a grid");
+    if (!r->geoid && !sgt_geoid_find(found, sizeof found))
+        fail_input(
+            "--surface geoid: egm96_15.gtx is not installed (Debian: proj-data); --geoid names a grid");
     sgt_geoid *geoid = sgt_geoid_open(r->geoid ? r->geoid : found, error, sizeof error);
     if (!geoid) fail_input("%s", error);
     return geoid;
@@ -185,17 +238,25 @@ static void write_table(const request *r, const scan *s, FILE *to)
 {
     if (r->format == NONE) return;
     (r->format == CSV ? table_csv : table_text)(to, s);
-    if (fflush(to) || ferror(to) || (r->output && fclose(to))) fail_input("%s: %s", r->output ? r->output : "standard output", strerror(errno));
+    if (fflush(to) || ferror(to) || (r->output && fclose(to)))
+        fail_input("%s: %s", r->output ? r->output : "standard output", strerror(errno));
 }
 
 static void draw(const request *r, const scan *s)
 {
     const camera *c = &r->camera;
     const sgt_surface_ops *ops = sgt_geo_builtins[r->surface].ops;
-    const char *level = ops == &sgt_level_gravity_ops ? "level of gravity " : "", *over = *level ? "equator" : ops == &sgt_geoid_height_ops ? "geoid" : "ellipsoid";
+    const char *level = ops == &sgt_level_gravity_ops ? "level of gravity " : "",
+               *over = *level                         ? "equator"
+                       : ops == &sgt_geoid_height_ops ? "geoid"
+                                                      : "ellipsoid";
     char title[240];
-    snprintf(title, sizeof title, "From %g km, inclination %g\302\260, field %g\302\260: %d line%s of %d pixel%s in %g s, %s%g m over the %s", c->altitude / 1e3, c->inclination / DEGREE, c->field / DEGREE,
-             c->lines, c->lines == 1 ? "" : "s", c->pixels, c->pixels == 1 ? "" : "s", c->line_time * (c->lines - 1), level, r->height, over);
+    snprintf(title, sizeof title,
+             "From %g km, inclination %g\302\260, field %g\302\260: %d line%s of %d pixel%s in %g s, %s%g m "
+             "over the %s",
+             c->altitude / 1e3, c->inclination / DEGREE, c->field / DEGREE, c->lines,
+             c->lines == 1 ? "" : "s", c->pixels, c->pixels == 1 ? "" : "s", c->line_time * (c->lines - 1),
+             level, r->height, over);
     picture_write(r->picture, s, title, r->by_height);
 }
 
@@ -207,9 +268,14 @@ static void tell(const request *r, const scan *s)
         evals += s->evals[i];
         if (s->evals[i] > most) most = s->evals[i];
     }
-    fprintf(stderr, "%zu pixel%s: %zu on the Earth, %zu past it, %zu undecided.  %.2f evaluations each, at most %d.\n", s->rays, s->rays == 1 ? "" : "s", s->met,
-            s->rays - s->met - s->undecided, s->undecided, evals / (double)s->rays, most);
-    if (r->timed) fprintf(stderr, "%.3g s, in one thread: %.3g million rays a second.\n", s->seconds, 1e-6 * (double)s->rays / s->seconds);
+    fprintf(
+        stderr,
+        "%zu pixel%s: %zu on the Earth, %zu past it, %zu undecided.  %.2f evaluations each, at most %d.\n",
+        s->rays, s->rays == 1 ? "" : "s", s->met, s->rays - s->met - s->undecided, s->undecided,
+        evals / (double)s->rays, most);
+    if (r->timed)
+        fprintf(stderr, "%.3g s, in one thread: %.3g million rays a second.\n", s->seconds,
+                1e-6 * (double)s->rays / s->seconds);
 }
 
 int main(int count, char *words[])

@@ -13,8 +13,10 @@ typedef struct map {
     double scale;                     /* of the page for a km, in the middle */
 } map;
 
-bool map_spot(const map *m, double latitude, double longitude, spot *at); /* on the page; false: too far round the Earth */
-void map_fit(map *m, size_t n, const double latitude[], const double longitude[]); /* middle and scale, so that all of these are on it; NaN are passed by */
+/* on the page; false: too far round the Earth */
+bool map_spot(const map *m, double latitude, double longitude, spot *at);
+/* middle and scale, so that all of these are on it; NaN are passed by */
+void map_fit(map *m, size_t n, const double latitude[], const double longitude[]);
 void map_graticule(const map *m, cairo_t *cr);      /* with its labels, to the left, below and above */
 void map_scale_bar(const map *m, cairo_t *cr);
 

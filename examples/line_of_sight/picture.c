@@ -1,7 +1,8 @@
-/* picture.c - the page: to the left the swath on a map, to the right the camera's own image, painted with what each ray cost.
+/* picture.c - the page: to the left the swath on a map, to the right the camera's own image, painted with
+ * what each ray cost.
  *
- * On the map four pixels that are neighbours are the corners of a patch, of the colour of their mean; pixels of a scan that is too
- * coarse for that are dots. */
+ * On the map four pixels that are neighbours are the corners of a patch, of the colour of their mean;
+ * pixels of a scan that is too coarse for that are dots. */
 #include "picture.h"
 
 #include "colours.h"
@@ -39,13 +40,16 @@ static void draw_patches(cairo_t *cr, const map *m, const scan *s, const double 
     cairo_set_antialias(cr, CAIRO_ANTIALIAS_NONE);
     for (int line = 0; line + skip < s->camera.lines; line += skip)
         for (int pixel = 0; pixel + stride < s->camera.pixels; pixel += stride) {
-            const size_t corner[4] = {scan_index(s, line, pixel), scan_index(s, line, pixel + stride), scan_index(s, line + skip, pixel + stride), scan_index(s, line + skip, pixel)};
+            const size_t corner[4] = {scan_index(s, line, pixel), scan_index(s, line, pixel + stride),
+                                      scan_index(s, line + skip, pixel + stride),
+                                      scan_index(s, line + skip, pixel)};
             double sum = 0;
             bool there = true;
             for (int k = 0; k < 4; k++) {
                 spot at;
                 sum += value[corner[k]];
-                there = there && !isnan(value[corner[k]]) && map_spot(m, s->latitude[corner[k]], s->longitude[corner[k]], &at);
+                there = there && !isnan(value[corner[k]]) &&
+                        map_spot(m, s->latitude[corner[k]], s->longitude[corner[k]], &at);
                 if (there) (k ? cairo_line_to : cairo_move_to)(cr, at.x, at.y);
             }
             if (!there) {
@@ -100,11 +104,14 @@ static void draw_map(cairo_t *cr, const scan *s, bool by_height)
 {
     const double *value = by_height ? s->height : s->incidence;
     size_t n = s->rays + TRACK_POINTS;
-    double *latitude = malloc(2 * n * sizeof *latitude), *longitude = latitude + n; /* what is to be on the map: points, and the track */
+    /* what is to be on the map: points, and the track */
+    double *latitude = malloc(2 * n * sizeof *latitude), *longitude = latitude + n;
     if (!latitude) fail_input("out of memory for the picture");
     for (size_t i = 0; i < s->rays; i++) latitude[i] = s->latitude[i], longitude[i] = s->longitude[i];
     for (int i = 0; i < TRACK_POINTS; i++) {
-        geodetic g = geodetic_of(camera_station(&s->camera, s->camera.line_time * (s->camera.lines - 1) * i / (TRACK_POINTS - 1)).place);
+        geodetic g = geodetic_of(
+            camera_station(&s->camera, s->camera.line_time * (s->camera.lines - 1) * i / (TRACK_POINTS - 1))
+                .place);
         latitude[s->rays + (size_t)i] = g.latitude, longitude[s->rays + (size_t)i] = g.longitude;
     }
     map m = {.left = MAP_LEFT, .top = TOP, .width = MAP_WIDTH, .height = PLOT};
@@ -132,9 +139,14 @@ static void draw_map_legend(cairo_t *cr, const scan *s, bool by_height)
     range r = range_of(s->rays, by_height ? s->height : s->incidence);
     double left = MAP_LEFT, wide = 230;
     if (s->met) {
-        for (double x = 0; x < wide; x++) colours_box(cr, left + x, LEGEND, 1, 12, colours_viridis(x / (wide - 1)));
+        for (double x = 0; x < wide; x++)
+            colours_box(cr, left + x, LEGEND, 1, 12, colours_viridis(x / (wide - 1)));
         const char *unit = by_height ? " m" : "\302\260";
-        int places = by_height ? (r.hi - r.lo > 20 ? 0 : r.hi - r.lo > 0.2 ? 2 : 9) : r.hi - r.lo > 0.2 ? 1 : 4;
+        int places = by_height           ? (r.hi - r.lo > 20    ? 0
+                                            : r.hi - r.lo > 0.2 ? 2
+                                                                : 9)
+                     : r.hi - r.lo > 0.2 ? 1
+                                         : 4;
         colours_set(cr, INK);
         snprintf(words, sizeof words, "%.*f%s", places, r.lo, unit);
         colours_text(cr, left, LEGEND + 27, 0, words);
@@ -144,7 +156,8 @@ static void draw_map_legend(cairo_t *cr, const scan *s, bool by_height)
             snprintf(words, sizeof words, "%.*f%s", places, (r.lo + r.hi) / 2, unit);
             colours_text(cr, left + wide / 2, LEGEND + 27, 0.5, words);
         }
-        colours_text(cr, left + wide + 12, LEGEND + 11, 0, by_height ? "height over WGS84" : "angle of incidence");
+        colours_text(cr, left + wide + 12, LEGEND + 11, 0,
+                     by_height ? "height over WGS84" : "angle of incidence");
     }
     colours_box(cr, left + wide + 12, LEGEND + 21, 22, 2, TRACK);
     colours_set(cr, INK);
@@ -153,10 +166,14 @@ static void draw_map_legend(cairo_t *cr, const scan *s, bool by_height)
 
 /* ----------------------------------------------------------------- image */
 
-/* Of the rays that met the Earth: classes 0 ... CLASSES - 2 are so many evaluations more than the least, the last class: more still. */
+/* Of the rays that met the Earth: classes 0 ... CLASSES - 2 are so many evaluations more than the least,
+ * the last class: more still. */
 typedef struct costs { int least, most; size_t count[CLASSES]; } costs;
 
-static int class_of(const costs *c, int evals) { return evals - c->least < CLASSES - 1 ? evals - c->least : CLASSES - 1; }
+static int class_of(const costs *c, int evals)
+{
+    return evals - c->least < CLASSES - 1 ? evals - c->least : CLASSES - 1;
+}
 
 static unsigned class_colour(int class) { return colours_viridis((class + 0.5) / CLASSES); }
 
@@ -176,15 +193,20 @@ static costs costs_of(const scan *s)
 /* Time runs upward, as the camera flies; the left of the track is left. */
 static void draw_image(cairo_t *cr, const scan *s, const costs *c)
 {
-    int wide = s->camera.pixels < 840 ? s->camera.pixels : 840, high = s->camera.lines < 840 ? s->camera.lines : 840;
+    int wide = s->camera.pixels < 840 ? s->camera.pixels : 840,
+        high = s->camera.lines < 840 ? s->camera.lines : 840;
     cairo_surface_t *image = cairo_image_surface_create(CAIRO_FORMAT_RGB24, wide, high);
     if (cairo_surface_status(image) != CAIRO_STATUS_SUCCESS) fail_input("out of memory for the picture");
     for (int y = 0; y < high; y++) {
-        uint32_t *row = (uint32_t *)(void *)(cairo_image_surface_get_data(image) + (ptrdiff_t)y * cairo_image_surface_get_stride(image));
+        uint32_t *row = (uint32_t *)(void *)(cairo_image_surface_get_data(image) +
+                                             (ptrdiff_t)y * cairo_image_surface_get_stride(image));
         for (int x = 0; x < wide; x++) {
-            int line = (int)((long long)(high - 1 - y) * s->camera.lines / high), pixel = (int)((long long)x * s->camera.pixels / wide);
+            int line = (int)((long long)(high - 1 - y) * s->camera.lines / high),
+                pixel = (int)((long long)x * s->camera.pixels / wide);
             size_t i = scan_index(s, line, pixel);
-            row[x] = s->status[i] > 0 ? class_colour(class_of(c, s->evals[i])) : s->status[i] < 0 ? (unsigned)UNDECIDED : (unsigned)MISSED;
+            row[x] = s->status[i] > 0   ? class_colour(class_of(c, s->evals[i]))
+                     : s->status[i] < 0 ? (unsigned)UNDECIDED
+                                        : (unsigned)MISSED;
         }
     }
     cairo_surface_mark_dirty(image);
@@ -208,7 +230,8 @@ static void draw_image_axes(cairo_t *cr, const scan *s)
     double bottom = TOP + PLOT;
     colours_set(cr, INK);
     colours_text(cr, IMAGE_LEFT, bottom + 17, 0, "pixel 0");
-    colours_text(cr, IMAGE_LEFT + IMAGE_WIDTH / 2, bottom + 17, 0.5, "left   \342\200\224   across the track   \342\200\224   right");
+    colours_text(cr, IMAGE_LEFT + IMAGE_WIDTH / 2, bottom + 17, 0.5,
+                 "left   \342\200\224   across the track   \342\200\224   right");
     snprintf(words, sizeof words, "%d", s->camera.pixels - 1);
     if (s->camera.pixels > 1) colours_text(cr, IMAGE_LEFT + IMAGE_WIDTH, bottom + 17, 1, words);
     colours_text(cr, IMAGE_LEFT - 7, bottom, 1, "line 0");
@@ -221,7 +244,8 @@ static void draw_entry(cairo_t *cr, spot *at, unsigned code, const char *words)
 {
     cairo_text_extents_t size;
     cairo_text_extents(cr, words, &size);
-    if (at->x > IMAGE_LEFT && at->x + 18 + size.x_advance > IMAGE_LEFT + IMAGE_WIDTH) *at = (spot){IMAGE_LEFT, at->y + 18};
+    if (at->x > IMAGE_LEFT && at->x + 18 + size.x_advance > IMAGE_LEFT + IMAGE_WIDTH)
+        *at = (spot){IMAGE_LEFT, at->y + 18};
     colours_box(cr, at->x, at->y, 12, 12, code);
     colours_set(cr, INK);
     at->x += 18 + colours_text(cr, at->x + 18, at->y + 10, 0, words) + 16;
@@ -234,7 +258,9 @@ static void draw_image_legend(cairo_t *cr, const scan *s, const costs *c)
     for (int class = 0; class < CLASSES; class++) {
         if (!c->count[class]) continue;
         double share = 100.0 * (double)c->count[class] / (double)s->rays;
-        if (class < CLASSES - 1 || c->most == c->least + class) snprintf(words, sizeof words, "%d evaluation%s: %.3g %%", c->least + class, c->least + class == 1 ? "" : "s", share);
+        if (class < CLASSES - 1 || c->most == c->least + class)
+            snprintf(words, sizeof words, "%d evaluation%s: %.3g %%", c->least + class,
+                     c->least + class == 1 ? "" : "s", share);
         else snprintf(words, sizeof words, "%d to %d: %.3g %%", c->least + class, c->most, share);
         draw_entry(cr, &at, class_colour(class), words);
     }

@@ -27,8 +27,9 @@ static double now(void)
 scan scan_begin(const camera *c)
 {
     scan s = {.camera = *c, .rays = (size_t)c->lines * (size_t)c->pixels};
-    double **array[] = {&s.o[0], &s.o[1], &s.o[2], &s.d[0], &s.d[1], &s.d[2], &s.range, &s.range_err, &s.p[0], &s.p[1], &s.p[2],
-                        &s.n[0], &s.n[1], &s.n[2], &s.latitude, &s.longitude, &s.height, &s.incidence};
+    double **array[] = {&s.o[0],  &s.o[1],      &s.o[2],     &s.d[0],      &s.d[1],   &s.d[2],
+                        &s.range, &s.range_err, &s.p[0],     &s.p[1],      &s.p[2],   &s.n[0],
+                        &s.n[1],  &s.n[2],      &s.latitude, &s.longitude, &s.height, &s.incidence};
     size_t arrays = sizeof array / sizeof *array;
     s.memory_ = room(arrays * s.rays, sizeof *s.memory_);
     for (size_t i = 0; i < arrays; i++) *array[i] = s.memory_ + i * s.rays;
@@ -49,14 +50,16 @@ scan scan_begin(const camera *c)
 /* By the tangent, which is as good at 0 and 90 degrees as between. */
 static double incidence(const scan *s, size_t i)
 {
-    double dx = s->d[0][i], dy = s->d[1][i], dz = s->d[2][i], nx = s->n[0][i], ny = s->n[1][i], nz = s->n[2][i];
+    double dx = s->d[0][i], dy = s->d[1][i], dz = s->d[2][i], nx = s->n[0][i], ny = s->n[1][i],
+           nz = s->n[2][i];
     double x = dy * nz - dz * ny, y = dz * nx - dx * nz, z = dx * ny - dy * nx;
     return DEGREE * atan2(sqrt(x * x + y * y + z * z), -(dx * nx + dy * ny + dz * nz));
 }
 
 void scan_meet(scan *s, sgt_surface surface)
 {
-    sgt_rays rays = {.o = {s->o[0], s->o[1], s->o[2]}, .d = {s->d[0], s->d[1], s->d[2]}}; /* tmin and tmax left NULL: from o on */
+    /* tmin and tmax left NULL: from o on */
+    sgt_rays rays = {.o = {s->o[0], s->o[1], s->o[2]}, .d = {s->d[0], s->d[1], s->d[2]}};
     sgt_hits hits = {.status = s->status, .evals = s->evals, .t = s->range, .t_err = s->range_err,
                      .p = {s->p[0], s->p[1], s->p[2]}, .n = {s->n[0], s->n[1], s->n[2]}};
     double began = now();

@@ -15,7 +15,8 @@ typedef struct scan {
     int *evals;
     double *range, *range_err, *p[3], *n[3];          /* metres */
     double *latitude, *longitude, *height;            /* degrees, metres over WGS84 */
-    double *incidence;                                /* degrees between the ray and the surface's downward normal */
+    /* degrees between the ray and the surface's downward normal */
+    double *incidence;
     double seconds;                                   /* of the processor, that the batch took */
     double *memory_;
 } scan;
@@ -24,7 +25,10 @@ scan scan_begin(const camera *c);                     /* o and d; ends the progr
 void scan_meet(scan *s, sgt_surface surface);         /* the rest */
 void scan_end(scan *s);
 
-static inline size_t scan_index(const scan *s, int line, int pixel) { return (size_t)line * (size_t)s->camera.pixels + (size_t)pixel; }
+static inline size_t scan_index(const scan *s, int line, int pixel)
+{
+    return (size_t)line * (size_t)s->camera.pixels + (size_t)pixel;
+}
 
 #ifdef __cplusplus
 }

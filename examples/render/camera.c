@@ -16,7 +16,8 @@ static vec3 bezier(const path *p, double u)
 view camera_at(const scene *s, double u)
 {
     view v = {.eye = bezier(&s->camera.position, u)};
-    vec3 ahead = unit(subtract(bezier(&s->camera.look_at, u), v.eye)), right = unit(cross(ahead, s->camera.up));
+    vec3 ahead = unit(subtract(bezier(&s->camera.look_at, u), v.eye)),
+         right = unit(cross(ahead, s->camera.up));
     double step = 2 * tan(s->camera.field / 2) / s->height; /* of a pixel, at distance 1 */
     v.right = scaled(right, step);
     v.down = scaled(cross(ahead, right), step);
@@ -24,4 +25,7 @@ view camera_at(const scene *s, double u)
     return v;
 }
 
-vec3 camera_direction(const view *v, double x, double y) { return unit(along(along(v->corner, x, v->right), y, v->down)); }
+vec3 camera_direction(const view *v, double x, double y)
+{
+    return unit(along(along(v->corner, x, v->right), y, v->down));
+}

@@ -3,7 +3,8 @@
 #define RENDER_CAMERA_H
 #include "scene.h"
 
-typedef struct view { vec3 eye, right, down, corner; } view; /* direction = corner + x right + y down, in pixels */
+/* direction = corner + x right + y down, in pixels */
+typedef struct view { vec3 eye, right, down, corner; } view;
 
 /* At u of its paths, from 0 to 1. */
 view camera_at(const scene *s, double u);

@@ -10,7 +10,9 @@
 
 enum { FAULT_SIZE = 300 };
 
-LIKE_PRINTF(4, 0) static _Noreturn void fail_at(const document *d, size_t line, const char *key, const char *format, va_list values)
+LIKE_PRINTF(4, 0)
+static _Noreturn void fail_at(const document *d, size_t line, const char *key, const char *format,
+                              va_list values)
 {
     char text[2 * FAULT_SIZE];
     vsnprintf(text, sizeof text, format, values);
@@ -31,8 +33,8 @@ LIKE_PRINTF(3, 4) static _Noreturn void fail_syntax(const document *d, size_t li
     fail_at(d, line, NULL, format, values);
 }
 
-/* Looks through all events before the document is made: the time that libyaml takes to make one grows with the square of
- * its depth and of its anchors.  What else is wrong the making tells. */
+/* Looks through all events before the document is made: the time that libyaml takes to make one grows with
+ * the square of its depth and of its anchors.  What else is wrong the making tells. */
 static void check_events(const document *d, FILE *in)
 {
     enum { DEPTH_MOST = 64, ANCHORS_MOST = 1000 };
@@ -46,12 +48,14 @@ static void check_events(const document *d, FILE *in)
         more = e.type != YAML_STREAM_END_EVENT;
         depth += e.type == YAML_SEQUENCE_START_EVENT || e.type == YAML_MAPPING_START_EVENT;
         depth -= e.type == YAML_SEQUENCE_END_EVENT || e.type == YAML_MAPPING_END_EVENT;
-        anchors += (e.type == YAML_SCALAR_EVENT && e.data.scalar.anchor) || (e.type == YAML_SEQUENCE_START_EVENT && e.data.sequence_start.anchor) ||
+        anchors += (e.type == YAML_SCALAR_EVENT && e.data.scalar.anchor) ||
+                   (e.type == YAML_SEQUENCE_START_EVENT && e.data.sequence_start.anchor) ||
                    (e.type == YAML_MAPPING_START_EVENT && e.data.mapping_start.anchor);
         if (depth > DEPTH_MOST || anchors > ANCHORS_MOST) line = e.start_mark.line + 1;
     }
     yaml_parser_delete(&parser);
-    if (line && depth > DEPTH_MOST) fail_syntax(d, line, "lists and maps within each other more than %d deep", DEPTH_MOST);
+    if (line && depth > DEPTH_MOST)
+        fail_syntax(d, line, "lists and maps within each other more than %d deep", DEPTH_MOST);
     if (line) fail_syntax(d, line, "more than %d anchors", ANCHORS_MOST);
     rewind(in);
 }
@@ -69,7 +73,8 @@ void document_read(document *d, const char *file)
     check_events(d, in);
     if (!yaml_parser_initialize(&parser)) fail_input("out of memory");
     yaml_parser_set_input_file(&parser, in);
-    bool good = yaml_parser_load(&parser, &d->yaml) && (!document_root(d) || yaml_parser_load(&parser, &second));
+    bool good = yaml_parser_load(&parser, &d->yaml) &&
+                (!document_root(d) || yaml_parser_load(&parser, &second));
     if (!good) {
         line = parser.problem_mark.line + 1;
         snprintf(fault, sizeof fault, "%s", parser.problem ? parser.problem : "not YAML");
@@ -77,7 +82,9 @@ void document_read(document *d, const char *file)
         snprintf(fault, sizeof fault, "empty");
     } else {
         const node *root = yaml_document_get_root_node(&second);
-        if (root) line = root->start_mark.line + 1, snprintf(fault, sizeof fault, "a second document; only one is read");
+        if (root)
+            line = root->start_mark.line + 1,
+            snprintf(fault, sizeof fault, "a second document; only one is read");
         yaml_document_delete(&second);
     }
     yaml_parser_delete(&parser);
@@ -103,7 +110,8 @@ static bool is_among(const char *word, const char *list)
 {
     size_t size = strlen(word);
     for (const char *at = list; size && (at = strstr(at, word)); at++)
-        if ((at == list || at[-1] == ' ') && (at[size] == ' ' || !at[size]) && !strchr(word, ' ')) return true;
+        if ((at == list || at[-1] == ' ') && (at[size] == ' ' || !at[size]) && !strchr(word, ' '))
+            return true;
     return false;
 }
 
@@ -131,9 +139,11 @@ double document_number(const document *d, const node *n, const char *key, double
 {
     const char *text = text_of(n);
     char *end;
-    if (!text || n->data.scalar.style != YAML_PLAIN_SCALAR_STYLE) document_fail(d, n, key, "must be a number");
+    if (!text || n->data.scalar.style != YAML_PLAIN_SCALAR_STYLE)
+        document_fail(d, n, key, "must be a number");
     double x = strtod(text, &end);
-    bool named = text[strcspn(text, "iInN")] && strcspn(text, "0123456789") == strlen(text); /* .inf, .NaN, nan */
+    /* .inf, .NaN, nan */
+    bool named = text[strcspn(text, "iInN")] && strcspn(text, "0123456789") == strlen(text);
     if (named || !isfinite(x)) document_fail(d, n, key, "must be a finite number, not %.60s", text);
     if (end == text || *end) document_fail(d, n, key, "must be a number, and \"%.60s\" is none", text);
     if (!(x >= lo && x <= hi)) document_fail(d, n, key, "must be from %g to %g, not %.60s", lo, hi, text);
@@ -178,7 +188,8 @@ int document_list(const document *d, const node *n, const char *key, int least, 
 
 node *document_item(document *d, const node *n, int i) { return node_of(d, n->data.sequence.items.start[i]); }
 
-int document_numbers(document *d, const node *n, const char *key, int least, int most, double lo, double hi, double value[])
+int document_numbers(document *d, const node *n, const char *key, int least, int most, double lo, double hi,
+                     double value[])
 {
     int count = document_list(d, n, key, least, most);
     for (int i = 0; i < count; i++) value[i] = document_number(d, document_item(d, n, i), key, lo, hi);

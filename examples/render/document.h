@@ -34,13 +34,15 @@ node *document_find(document *d, const node *map, const char *key); /* NULL: abs
 double document_number(const document *d, const node *n, const char *key, double lo, double hi);
 int document_whole(const document *d, const node *n, const char *key, int lo, int hi);
 const char *document_word(const document *d, const node *n, const char *key);
-int document_choice(const document *d, const node *n, const char *key, const char *const words[]); /* ends with NULL */
+/* ends with NULL */
+int document_choice(const document *d, const node *n, const char *key, const char *const words[]);
 
 /* A list: how many items, from `least` to `most`; the i-th. */
 int document_list(const document *d, const node *n, const char *key, int least, int most);
 node *document_item(document *d, const node *n, int i);
 
 /* A list of numbers; returns how many. */
-int document_numbers(document *d, const node *n, const char *key, int least, int most, double lo, double hi, double value[]);
+int document_numbers(document *d, const node *n, const char *key, int least, int most, double lo, double hi,
+                     double value[]);
 
 #endif

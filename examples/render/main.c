@@ -52,7 +52,8 @@ static int choice(const char *option, const char *text, const char *const words[
     for (int i = 0; words[i]; i++)
         if (strcmp(words[i], text) == 0) return i;
     char known[100] = "";
-    for (int i = 0; words[i]; i++) snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? ", " : "", words[i]);
+    for (int i = 0; words[i]; i++)
+        snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", i ? ", " : "", words[i]);
     fail_usage("--%s is one of %s, not \"%s\"", option, known, text);
 }
 
@@ -64,7 +65,9 @@ static request parse(int count, char *words[])
         {"samples", required_argument, NULL, SAMPLES}, {"threads", required_argument, NULL, THREADS},
         {"frames", required_argument, NULL, FRAMES}, {"normal", required_argument, NULL, NORMAL},
         {"paint", required_argument, NULL, PAINT}, {"help", no_argument, NULL, HELP_WANTED}, {0}};
-    static const char *const normals[] = {"gradient", "difference", "potential", NULL}, *const paints[] = {"evaluations", "status", NULL};
+    static const char *const normals[] = {"gradient", "difference", "potential", NULL}, *const paints[] = {
+                                                                                            "evaluations",
+                                                                                            "status", NULL};
     request r = {.threads = tiles_threads(), .normal = -1};
     const char *end;
     for (int code; (code = getopt_long(count, words, "h", options, NULL)) != -1;) switch (code) {
@@ -96,9 +99,11 @@ static void name_frame(char name[], size_t size, const request *r, int frame)
     const char *base = strrchr(r->scene, '/'), *from = r->output ? r->output : base ? base + 1 : r->scene;
     const char *dot = strrchr(from, '.');
     int stem = dot && !strchr(dot, '/') ? (int)(dot - from) : (int)strlen(from);
-    int written = r->frames ? snprintf(name, size, "%.*s-%04d.png", stem, from, frame + 1) : snprintf(name, size, "%.*s.png", stem, from);
+    int written = r->frames ? snprintf(name, size, "%.*s-%04d.png", stem, from, frame + 1)
+                            : snprintf(name, size, "%.*s.png", stem, from);
     if (written < 0 || (size_t)written >= size) fail_usage("--output: a name too long");
-    if (r->output && (!dot || strcmp(dot, ".png") != 0)) fail_usage("--output wants a name that ends with .png, not \"%s\"", r->output);
+    if (r->output && (!dot || strcmp(dot, ".png") != 0))
+        fail_usage("--output wants a name that ends with .png, not \"%s\"", r->output);
 }
 
 static void tell(const tally *t)
@@ -108,7 +113,8 @@ static void tell(const tally *t)
     fprintf(stderr, "render: %" PRIu64 " rays, %.1f evaluations each, %" PRIu64 " undecided", t->rays,
             (double)t->evals / (double)t->rays, undecided);
     for (int i = 0; i < UNDECIDED_KINDS; i++)
-        if (t->undecided[i]) fprintf(stderr, ", %" PRIu64 " %s", t->undecided[i], sgt_status_text((sgt_status)(-1 - i)));
+        if (t->undecided[i])
+            fprintf(stderr, ", %" PRIu64 " %s", t->undecided[i], sgt_status_text((sgt_status)(-1 - i)));
     fputc('\n', stderr);
 }
 

@@ -34,7 +34,10 @@ static const double U = 0x1p-53;
 
 typedef struct complex2 { double re, im; } complex2;
 
-static complex2 times(complex2 a, complex2 b) { return (complex2){a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re}; }
+static complex2 times(complex2 a, complex2 b)
+{
+    return (complex2){a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
 
 static complex2 squared(complex2 a) { return (complex2){(a.re - a.im) * (a.re + a.im), 2 * a.re * a.im}; }
 
@@ -101,18 +104,19 @@ static double bulb_value(const void *self, vec3 p, vec3 *grad)
     return u < HUGE_VAL ? (u - 1) / (u + 1) : 1;
 }
 
-/* The largest J in the ball of radius e about x, by sin theta >= (rho - e) / (r + e) and an angle that changes by
- * no more than asin(e/r) <= pi e / 2r. */
+/* The largest J in the ball of radius e about x, by sin theta >= (rho - e) / (r + e) and an angle that
+ * changes by no more than asin(e/r) <= pi e / 2r. */
 static double stretch(const triplex *x, double e)
 {
     double R = x->r + e, R2 = R * R;
-    double sine = x->rho - e, sine8 = R * fmin(1, fabs(x->a8.im) / x->r8 + 12.6 * e / x->r); /* both times R */
+    /* both times R */
+    double sine = x->rho - e, sine8 = R * fmin(1, fabs(x->a8.im) / x->r8 + 12.6 * e / x->r);
     double quotient = sine8 < 8 * sine ? sine8 / sine : 8;
     return 8 * R2 * R2 * R2 * R * fmax(1, quotient) * (1 + 1e-9);
 }
 
-/* What rounding adds to a level: 3 squarings of a leave 28 U, 3 of e (with its division) 52 U, the products and
- * the sum a few more. */
+/* What rounding adds to a level: 3 squarings of a leave 28 U, 3 of e (with its division) 52 U, the products
+ * and the sum a few more. */
 static double level_rounding(const triplex *x, double c) { return 128 * U * (x->r8 + c); }
 
 static double threshold(double escape, double c) { return sqrt(sqrt(sqrt(escape + c))) * (1 + 1e-9); }
@@ -160,7 +164,8 @@ static double bulb_rounding(const void *self, vec3 p)
     follow(&o, s, p, GONE);
     for (int n = 0; n < o.count - 1; n++) e = stretch(&o.x[n], e) * e + level_rounding(&o.x[n], o.x[0].r);
     double nearest = (o.x[o.count - 1].r - e) / escape, q = 1 + nearest * nearest;
-    return fmin(2, (nearest > 0.6 ? 4 * nearest / (q * q) : 1.3) * e / escape + 8 * U); /* F itself is from -1 to 1; NaN: 2 */
+    /* F itself is from -1 to 1; NaN: 2 */
+    return fmin(2, (nearest > 0.6 ? 4 * nearest / (q * q) : 1.3) * e / escape + 8 * U);
 }
 
 /* Beyond (E + 2)^(1/8) a point is beyond T, as long as E is at most 100. */
@@ -170,5 +175,8 @@ static sgt_span bulb_span(const void *self, const sgt_ray *ray)
     return own_ball(threshold(escape_of(s), 2), ray->o, ray->d);
 }
 
-const sgt_surface_ops mandelbulb_ops = {.name = "mandelbulb", .value = bulb_value, .span = bulb_span, .rounding = bulb_rounding,
+const sgt_surface_ops mandelbulb_ops = {.name = "mandelbulb",
+                                        .value = bulb_value,
+                                        .span = bulb_span,
+                                        .rounding = bulb_rounding,
                                         .clearance = bulb_clearance};

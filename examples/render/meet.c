@@ -28,7 +28,10 @@ static inline vec3 direction_in(const sgt_pose *p, double small, vec3 d)
     return scaled((vec3){dot(p->ex, d), dot(p->ey, d), dot(p->ez, d)}, small);
 }
 
-static inline vec3 point_in(const sgt_pose *p, double small, vec3 at) { return direction_in(p, small, subtract(at, p->origin)); }
+static inline vec3 point_in(const sgt_pose *p, double small, vec3 at)
+{
+    return direction_in(p, small, subtract(at, p->origin));
+}
 
 static bool is_start_again(const object *o, const beam *b, sgt_status status, vec3 n, vec3 d)
 {
@@ -39,7 +42,9 @@ static bool is_start_again(const object *o, const beam *b, sgt_status status, ve
 static sgt_hit meet_alone(const object *o, const beam *b, double far)
 {
     double small = 1 / o->scale;
-    sgt_ray ray = {.o = b->from == o ? b->at : point_in(&o->pose, small, b->o), .d = direction_in(&o->pose, small, b->d), .tmax = far};
+    sgt_ray ray = {.o = b->from == o ? b->at : point_in(&o->pose, small, b->o),
+                   .d = direction_in(&o->pose, small, b->d),
+                   .tmax = far};
     for (int i = 0, spent = 0;; i++) {
         sgt_hit hit = sgt_intersect(o->surface, ray, &o->options);
         hit.evals = spent += hit.evals;
@@ -73,7 +78,11 @@ static void meet_object(const object *o, size_t n, const beam b[], lot *l)
     for (size_t i = 0; i < n; i++)
         if (b[i].from == o) put_vector(l->o, i, b[i].at);
     sgt_rays rays = {.o = {l->o[0], l->o[1], l->o[2]}, .d = {l->d[0], l->d[1], l->d[2]}, .tmax = l->far};
-    sgt_hits hits = {.status = l->status, .evals = l->evals, .t = l->t, .p = {l->p[0], l->p[1], l->p[2]}, .n = {l->n[0], l->n[1], l->n[2]}};
+    sgt_hits hits = {.status = l->status,
+                     .evals = l->evals,
+                     .t = l->t,
+                     .p = {l->p[0], l->p[1], l->p[2]},
+                     .n = {l->n[0], l->n[1], l->n[2]}};
     sgt_intersect_batch(o->surface, n, rays, hits, &o->options);
     for (size_t i = 0; i < n; i++) {
         if (!is_start_again(o, &b[i], l->status[i], vector_of(l->n, i), vector_of(l->d, i))) continue;
@@ -126,7 +135,8 @@ static void meet_lot(const scene *s, size_t n, const beam b[], meeting m[], tall
         }
     }
     for (size_t i = 0; i < n; i++) {
-        if (undecided[i] && m[i].object) undecided[i] = undecided_before(s, &b[i], m[i].t); /* or was it behind? */
+        /* or was it behind? */
+        if (undecided[i] && m[i].object) undecided[i] = undecided_before(s, &b[i], m[i].t);
         if (undecided[i]) m[i].status = undecided[i], sum->undecided[-1 - undecided[i]]++;
         if (m[i].object) place(&b[i], &m[i]);
         sum->evals += (uint64_t)m[i].evals;
@@ -148,5 +158,11 @@ void tally_add(tally *to, const tally *of)
 
 beam leaving(const meeting *m, vec3 direction, double far, double side, const object *medium)
 {
-    return (beam){.o = m->p, .d = direction, .far = far, .from = m->object, .at = m->at, .side = side, .medium = medium};
+    return (beam){.o = m->p,
+                  .d = direction,
+                  .far = far,
+                  .from = m->object,
+                  .at = m->at,
+                  .side = side,
+                  .medium = medium};
 }

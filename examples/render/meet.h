@@ -19,10 +19,12 @@ typedef struct beam {
 
 typedef struct meeting {
     const object *object;  /* the first that is met; NULL: none, and only status and evals are told */
-    sgt_status status;     /* of the hit; or negative: what an object answered that could not tell of the way there */
+    /* of the hit; or negative: what an object answered that could not tell of the way there */
+    sgt_status status;
     int evals;             /* spent on all objects */
     double t;
-    vec3 p, n;             /* in the world; n of unit length, as the object's `normal` says, toward where the ray came from */
+    /* in the world; n of unit length, as the object's `normal` says, toward where the ray came from */
+    vec3 p, n;
     vec3 at;               /* the point in the object's own frame */
     double side;           /* where it came from: +1 where F > 0 */
 } meeting;

@@ -16,16 +16,20 @@ static vec3 difference(const object *o, vec3 p)
     const void *self = o->surface.self;
     return (vec3){value(self, (vec3){p.x + h, p.y, p.z}, NULL) - value(self, (vec3){p.x - h, p.y, p.z}, NULL),
                   value(self, (vec3){p.x, p.y + h, p.z}, NULL) - value(self, (vec3){p.x, p.y - h, p.z}, NULL),
-                  value(self, (vec3){p.x, p.y, p.z + h}, NULL) - value(self, (vec3){p.x, p.y, p.z - h}, NULL)};
+                  value(self, (vec3){p.x, p.y, p.z + h}, NULL) -
+                      value(self, (vec3){p.x, p.y, p.z - h}, NULL)};
 }
 
 vec3 normal_at(const object *o, vec3 p, vec3 gradient)
 {
     vec3 n = {0};
     if (o->normal == NORMAL_DIFFERENCE) n = difference(o, p);
-    if (o->normal == NORMAL_POTENTIAL && o->surface.ops == &sgt_julia_ops) sgt_julia_potential(o->surface.self, p, &n);
-    if (o->normal == NORMAL_POTENTIAL && o->surface.ops == &sgt_mandelbrot_ops) sgt_mandelbrot_potential(o->surface.self, p, &n);
+    if (o->normal == NORMAL_POTENTIAL && o->surface.ops == &sgt_julia_ops)
+        sgt_julia_potential(o->surface.self, p, &n);
+    if (o->normal == NORMAL_POTENTIAL && o->surface.ops == &sgt_mandelbrot_ops)
+        sgt_mandelbrot_potential(o->surface.self, p, &n);
     double size = length(n);
-    if (!(size > 0 && size < HUGE_VAL)) n = gradient, size = length(n); /* the gradient, or where the other says nothing */
+    /* the gradient, or where the other says nothing */
+    if (!(size > 0 && size < HUGE_VAL)) n = gradient, size = length(n);
     return size > 0 && size < HUGE_VAL ? scaled(n, 1 / size) : (vec3){0};
 }

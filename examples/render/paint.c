@@ -1,16 +1,17 @@
 /* paint.c - numbers as colours.
  *
- * Evaluations go through viridis (S. van der Walt and N. Smith, 2015), which grows evenly in lightness and can be
- * read by the colour-blind and in grey, on a scale of logarithms, because a grazing ray may cost a
- * hundred times what another does.  A status has one of the colours of M. Okabe and K. Ito (2008):
- * what is decided is cool or pale, what is undecided is warm or black. */
+ * Evaluations go through viridis (S. van der Walt and N. Smith, 2015), which grows evenly in lightness and
+ * can be read by the colour-blind and in grey, on a scale of logarithms, because a grazing ray may cost a
+ * hundred times what another does.  A status has one of the colours of M. Okabe and K. Ito (2008): what is
+ * decided is cool or pale, what is undecided is warm or black. */
 #include "paint.h"
 
 #include <stdio.h>
 
 enum { STRIP = 62, MARGIN = 10, WIDTH_LEAST = 440, STOPS = 10 };
 
-static const unsigned VIRIDIS[STOPS] = {0x440154, 0x482878, 0x3e4a89, 0x31688e, 0x26828e, 0x1f9e89, 0x35b779, 0x6ece58, 0xb5de2b, 0xfde725};
+static const unsigned VIRIDIS[STOPS] = {0x440154, 0x482878, 0x3e4a89, 0x31688e, 0x26828e,
+                                        0x1f9e89, 0x35b779, 0x6ece58, 0xb5de2b, 0xfde725};
 static const unsigned NOTHING_SPENT = 0xd9d9d9, PAPER = 0xffffff;
 
 static unsigned viridis(double x)
@@ -64,10 +65,13 @@ static void evaluations_legend(cairo_t *cr, double top, double width, double mos
 {
     char words[120];
     double left = MARGIN, right = width - MARGIN - 120, decades = fmax(log10(most), 1e-9);
-    snprintf(words, sizeof words, "evaluations of F for each ray of the camera: mean %.1f, most %.0f", mean, most);
+    snprintf(words, sizeof words, "evaluations of F for each ray of the camera: mean %.1f, most %.0f", mean,
+             most);
     text(cr, left, top + 18, 0, words);
-    for (double x = left; x < right; x++) box(cr, x, top + 26, 1, 12, viridis((x - left) / (right - 1 - left)));
-    for (double tick = 1; tick <= most; tick = tick < most && 10 * tick > most ? most : 10 * tick) { /* decades, and the end */
+    for (double x = left; x < right; x++)
+        box(cr, x, top + 26, 1, 12, viridis((x - left) / (right - 1 - left)));
+    /* decades, and the end */
+    for (double tick = 1; tick <= most; tick = tick < most && 10 * tick > most ? most : 10 * tick) {
         double x = left + log10(tick) / decades * (right - left);
         if (tick < most && right - x < 40) continue;
         box(cr, fmin(x, right - 1), top + 38, 1, 4, 0x202020);

@@ -28,13 +28,15 @@ cairo_surface_t *picture_surface(int width, int height)
 {
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
     cairo_status_t status = cairo_surface_status(surface);
-    if (status != CAIRO_STATUS_SUCCESS) fail_input("a picture of %d x %d: %s", width, height, cairo_status_to_string(status));
+    if (status != CAIRO_STATUS_SUCCESS)
+        fail_input("a picture of %d x %d: %s", width, height, cairo_status_to_string(status));
     return surface;
 }
 
 void picture_put(cairo_surface_t *surface, int x, int y, unsigned code)
 {
-    unsigned char *row = cairo_image_surface_get_data(surface) + (ptrdiff_t)y * cairo_image_surface_get_stride(surface);
+    unsigned char *row = cairo_image_surface_get_data(surface) +
+                         (ptrdiff_t)y * cairo_image_surface_get_stride(surface);
     ((uint32_t *)(void *)row)[x] = code;
 }
 
@@ -54,7 +56,8 @@ void picture_write(const picture *p, double exposure, const char *file)
     for (int y = 0; y < p->height; y++)
         for (int x = 0; x < p->width; x++) {
             vec3 c = scaled(p->pixel[(size_t)y * (size_t)p->width + (size_t)x], exposure);
-            picture_put(surface, x, y, picture_code((vec3){shouldered(c.x), shouldered(c.y), shouldered(c.z)}));
+            picture_put(surface, x, y,
+                        picture_code((vec3){shouldered(c.x), shouldered(c.y), shouldered(c.z)}));
         }
     picture_save(surface, file);
 }

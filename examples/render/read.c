@@ -39,7 +39,10 @@ static void read_vector(document *d, const node *map, const char *key, double lo
     if (n) *v = vector_of(d, n, key, lo, hi);
 }
 
-static void read_colour(document *d, const node *map, const char *key, double hi, vec3 *v) { read_vector(d, map, key, 0, hi, v); }
+static void read_colour(document *d, const node *map, const char *key, double hi, vec3 *v)
+{
+    read_vector(d, map, key, 0, hi, v);
+}
 
 /* A point, or a list of points. */
 static void read_path(document *d, const node *map, const char *key, path *p)
@@ -49,7 +52,8 @@ static void read_path(document *d, const node *map, const char *key, path *p)
     bool several = n->type == YAML_SEQUENCE_NODE && document_list(d, n, key, 1, MOST_POINTS) > 0
                 && document_item(d, n, 0)->type == YAML_SEQUENCE_NODE;
     p->count = several ? document_list(d, n, key, 1, MOST_POINTS) : 1;
-    for (int i = 0; i < p->count; i++) p->point[i] = vector_of(d, several ? document_item(d, n, i) : n, key, -FAR, FAR);
+    for (int i = 0; i < p->count; i++)
+        p->point[i] = vector_of(d, several ? document_item(d, n, i) : n, key, -FAR, FAR);
 }
 
 static void read_camera(document *d, const node *map, scene *s)
@@ -63,7 +67,8 @@ static void read_camera(document *d, const node *map, scene *s)
     s->camera.field = degrees * 0.017453292519943295;
     vec3 forward = subtract(s->camera.look_at.point[0], s->camera.position.point[0]);
     if (!(length(cross(forward, s->camera.up)) > 1e-9 * length(forward) * length(s->camera.up)))
-        document_fail(d, map, "look_at", "must be another point than position, and not straight up or down from it");
+        document_fail(d, map, "look_at",
+                      "must be another point than position, and not straight up or down from it");
 }
 
 static void read_picture(document *d, const node *map, scene *s)
@@ -118,7 +123,8 @@ static void read_colours(document *d, const node *map, int least, pattern *p)
     const node *list = document_find(d, map, "colours");
     if (!list) document_fail(d, map, "colours", "missing");
     p->count = document_list(d, list, "colours", least, p->kind == PATTERN_CHECKS ? 2 : MOST_COLOURS);
-    for (int i = 0; i < p->count; i++) p->colour[i] = vector_of(d, document_item(d, list, i), "colours", 0, 1);
+    for (int i = 0; i < p->count; i++)
+        p->colour[i] = vector_of(d, document_item(d, list, i), "colours", 0, 1);
 }
 
 /* [r, g, b], or {checks: size, colours: [...]}, or {blend: radius, from: 0, to: 1, colours: [...]}. */
@@ -163,7 +169,9 @@ static void read_object(document *d, const node *map, object *o)
 {
     static const char *const normals[] = {"gradient", "difference", "potential", NULL};
     vec3 position = {0}, rotation = {0};
-    *o = (object){.scale = 1, .material = {.pattern = {.count = 1, .colour = {{0.7, 0.7, 0.7}}}, .diffuse = 1, .shininess = 40}};
+    *o = (object){
+        .scale = 1,
+        .material = {.pattern = {.count = 1, .colour = {{0.7, 0.7, 0.7}}}, .diffuse = 1, .shininess = 40}};
     shape_read(d, map, "position rotation scale t_tol dt_min max_evals normal material", o);
     read_vector(d, map, "position", -FAR, FAR, &position);
     read_vector(d, map, "rotation", -FAR, FAR, &rotation);
@@ -175,7 +183,8 @@ static void read_object(document *d, const node *map, object *o)
     const node *normal = document_find(d, map, "normal"), *of = document_find(d, map, "material");
     if (normal) {
         o->normal = (normal_kind)document_choice(d, normal, "normal", normals);
-        if (o->normal == NORMAL_POTENTIAL && o->surface.ops != &sgt_julia_ops && o->surface.ops != &sgt_mandelbrot_ops)
+        if (o->normal == NORMAL_POTENTIAL && o->surface.ops != &sgt_julia_ops &&
+            o->surface.ops != &sgt_mandelbrot_ops)
             document_fail(d, normal, "normal", "only julia and mandelbrot have a potential");
     }
     if (of) read_material(d, of, &o->material);
@@ -186,7 +195,12 @@ void read_scene(scene *s, const char *file)
     static document d; /* is found at exit, whatever happens here */
     document_read(&d, file);
     const node *root = document_root(&d);
-    *s = (scene){.width = 640, .height = 400, .samples = 16, .depth = 6, .exposure = 1, .camera.up = {0, 0, 1},
+    *s = (scene){.width = 640,
+                 .height = 400,
+                 .samples = 16,
+                 .depth = 6,
+                 .exposure = 1,
+                 .camera.up = {0, 0, 1},
                  .sky = {.zenith = {0.35, 0.5, 0.8}, .horizon = {0.8, 0.85, 0.9}, .ground = {0.4, 0.4, 0.4}},
                  .ambient = {.strength = 0.5, .rays = 1}};
     document_map(&d, root, NULL, "name picture camera sky ambient lights objects");

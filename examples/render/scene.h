@@ -5,7 +5,14 @@
 
 #include <sagitta/system.h>
 
-enum { MOST_OBJECTS = 64, MOST_LIGHTS = 16, MOST_POINTS = 16, MOST_COLOURS = 8, MOST_DEPTH = 12, SELF_SIZE = 256 };
+enum {
+    MOST_OBJECTS = 64,
+    MOST_LIGHTS = 16,
+    MOST_POINTS = 16,
+    MOST_COLOURS = 8,
+    MOST_DEPTH = 12,
+    SELF_SIZE = 256
+};
 
 /* A colour that may change from place to place, in the object's own frame. */
 typedef enum pattern_kind { PATTERN_PLAIN, PATTERN_CHECKS, PATTERN_BLEND } pattern_kind;
@@ -52,8 +59,10 @@ typedef struct scene {
     int width, height, samples, depth;
     double exposure;
     struct { path position, look_at; vec3 up; double field; } camera;  /* field: across the height, radians */
-    struct { vec3 zenith, horizon, ground; double haze; } sky;         /* haze: where 1/e of a thing is seen; 0: none */
-    struct { double strength, reach; int rays; } ambient;              /* reach 0: to the sky; rays 0: no occlusion */
+    /* haze: where 1/e of a thing is seen; 0: none */
+    struct { vec3 zenith, horizon, ground; double haze; } sky;
+    /* reach 0: to the sky; rays 0: no occlusion */
+    struct { double strength, reach; int rays; } ambient;
     int lights, objects;
     light light[MOST_LIGHTS];
     object object[MOST_OBJECTS];

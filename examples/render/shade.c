@@ -7,11 +7,12 @@
  * divides light as Fresnel's formula has it between the reflected ray and the refracted one.  A lamp
  * shines through glass in a straight line, less what is reflected and absorbed: there are no caustics.
  *
- * WAVES.  Rays are not followed one by one to their ends: a wave is all rays, of all looks, that have turned
- * equally often.  The whole wave is put to the scene at once; then, for each lamp and each ray of the sky, all shadow
- * rays of the wave; and what is reflected and refracted is the next wave.  Light goes the other way, but its parts
- * multiply in any order: a ray carries the part of the picture that it is, and adds the light it finds to its look.
- * The sum is in the order of waves, the same whatever other looks there are.
+ * WAVES.  Rays are not followed one by one to their ends: a wave is all rays, of all looks, that have
+ * turned equally often.  The whole wave is put to the scene at once; then, for each lamp and each ray of
+ * the sky, all shadow rays of the wave; and what is reflected and refracted is the next wave.  Light goes
+ * the other way, but its parts multiply in any order: a ray carries the part of the picture that it is, and
+ * adds the light it finds to its look.  The sum is in the order of waves, the same whatever other looks
+ * there are.
  *
  * A ray has a number in the tree of its look: 1 from the camera, 2 v reflected and 2 v + 1 refracted from v.
  * With the lamp's it names the sequence of random points, so that no two uses share one. */
@@ -22,7 +23,8 @@
 #include <stdlib.h>
 
 enum { OF_LENS = 0, OF_SKY = 1, OF_LAMPS = 2, SEQUENCES = OF_LAMPS + MOST_LIGHTS };
-static const double FAINT = 0.002, TURN = 6.283185307179586; /* a ray whose part of the picture is less is left out */
+/* a ray whose part of the picture is less is left out */
+static const double FAINT = 0.002, TURN = 6.283185307179586;
 
 typedef struct ray {
     look *of;         /* whom it brings light */
@@ -77,7 +79,8 @@ static void shine(const ray *r, vec3 colour) { r->of->light = add(r->of->light, 
 
 static vec3 sky(const scene *s, vec3 d)
 {
-    return d.z >= 0 ? mixed(s->sky.horizon, s->sky.zenith, sqrt(d.z)) : mixed(s->sky.horizon, s->sky.ground, fmin(1, -6 * d.z));
+    return d.z >= 0 ? mixed(s->sky.horizon, s->sky.zenith, sqrt(d.z))
+                    : mixed(s->sky.horizon, s->sky.ground, fmin(1, -6 * d.z));
 }
 
 static vec3 darkened(vec3 a, double t) { return (vec3){exp(-t * a.x), exp(-t * a.y), exp(-t * a.z)}; }
@@ -86,7 +89,8 @@ static vec3 mirrored(vec3 d, vec3 n) { return along(d, -2 * dot(d, n), n); }
 
 static vec3 colour_at(const pattern *p, vec3 at)
 {
-    if (p->kind == PATTERN_CHECKS) return p->colour[fmod(floor(at.x / p->size) + floor(at.y / p->size), 2) != 0];
+    if (p->kind == PATTERN_CHECKS)
+        return p->colour[fmod(floor(at.x / p->size) + floor(at.y / p->size), 2) != 0];
     if (p->kind == PATTERN_PLAIN) return p->colour[0];
     const double by[] = {at.x, at.y, at.z, length(at)};
     double x = fmax(0, fmin(1, (by[p->by] - p->from) / (p->to - p->from))) * (p->count - 1);
@@ -112,7 +116,8 @@ static double index_of(const object *medium) { return medium ? medium->material.
 /* Glass is entered from the air and left into it. */
 static const object *behind(const object *medium, const object *glass) { return medium ? NULL : glass; }
 
-/* What of the light from its far end comes along each shadow ray: *lit[i] is multiplied by it.  They are used up. */
+/* What of the light from its far end comes along each shadow ray: *lit[i] is multiplied by it.  They are
+ * used up. */
 static void reaches(const scene *s, size_t n, desk *d, tally *sum)
 {
     for (int i = 0; i <= s->depth && n > 0; i++) {
@@ -124,7 +129,8 @@ static void reaches(const scene *s, size_t n, desk *d, tally *sum)
             vec3 *lit = d->lit[k];
             if (!m->object) continue;
             double inside, index = m->object->material.index;
-            *lit = scaled(*lit, index > 0 ? 1 - fresnel(1, index, -dot(b->d, m->n), &inside) : 0); /* as if from the air */
+            /* as if from the air */
+            *lit = scaled(*lit, index > 0 ? 1 - fresnel(1, index, -dot(b->d, m->n), &inside) : 0);
             if (index == 0) continue;
             if (b->medium) *lit = filtered(*lit, darkened(b->medium->material.absorption, m->t));
             d->shadow[left] = leaving(m, b->d, b->far - m->t, -m->side, behind(b->medium, m->object));
@@ -156,7 +162,9 @@ static bool aim(const scene *s, int source, const ray *r, const beam *b, const m
         const light *l = &s->light[source];
         vec3 to = subtract(l->position, m->p);
         if (l->radius > 0)
-            to = along(to, l->radius, on_disc(of->pixel, sequence(r->number, OF_LAMPS + (uint32_t)source), of->index, unit(to)));
+            to = along(
+                to, l->radius,
+                on_disc(of->pixel, sequence(r->number, OF_LAMPS + (uint32_t)source), of->index, unit(to)));
         double far = length(to);
         *out = leaving(m, scaled(to, 1 / far), far, m->side, b->medium);
         return dot(to, m->n) > 0;
@@ -177,7 +185,8 @@ static void receive(const scene *s, int source, const beam *b, const meeting *m,
         p->diffuse = along(p->diffuse, dot(p->toward, m->n), lit);
         if (shine > 0) p->highlight = along(p->highlight, of->specular * pow(shine, of->shininess), lit);
     } else {
-        p->diffuse = along(p->diffuse, s->ambient.strength / s->ambient.rays, filtered(p->part, sky(s, p->toward)));
+        p->diffuse = along(p->diffuse, s->ambient.strength / s->ambient.rays,
+                           filtered(p->part, sky(s, p->toward)));
     }
 }
 
@@ -186,13 +195,16 @@ static void light_up(const scene *s, desk *d, tally *sum)
     size_t all = d->now.n;
     for (size_t i = 0; i < all; i++) {
         d->at[i] = (place){0};
-        if (s->ambient.rays == 0 && d->met[i].object) d->at[i].diffuse = scaled(sky(s, d->met[i].n), s->ambient.strength);
+        if (s->ambient.rays == 0 && d->met[i].object)
+            d->at[i].diffuse = scaled(sky(s, d->met[i].n), s->ambient.strength);
     }
     for (int source = 0; source < s->lights + s->ambient.rays; source++) {
         size_t n = 0;
         for (size_t i = 0; i < all; i++) {
             d->at[i].part = (vec3){0, 0, 0};
-            if (!d->met[i].object || !aim(s, source, &d->now.ray[i], &d->now.beam[i], &d->met[i], &d->shadow[n])) continue;
+            if (!d->met[i].object ||
+                !aim(s, source, &d->now.ray[i], &d->now.beam[i], &d->met[i], &d->shadow[n]))
+                continue;
             d->at[i].part = (vec3){1, 1, 1};
             d->at[i].toward = d->shadow[n].d;
             d->lit[n++] = &d->at[i].part;
@@ -213,7 +225,8 @@ static void turn(const scene *s, const ray *r, beam b, uint32_t number, double p
 }
 
 /* What a ray sees where it ends, and where it goes from there. */
-static void end(const scene *s, ray r, const beam *b, const meeting *m, const place *at, int depth, wave *next)
+static void end(const scene *s, ray r, const beam *b, const meeting *m, const place *at, int depth,
+                wave *next)
 {
     if (!m->object) {
         shine(&r, sky(s, b->d));
@@ -233,23 +246,27 @@ static void end(const scene *s, ray r, const beam *b, const meeting *m, const pl
         double inside, ratio = index_of(b->medium) / index_of(medium);
         reflected = fresnel(index_of(b->medium), index_of(medium), cosine, &inside);
         vec3 refracted = along(scaled(b->d, ratio), ratio * cosine - inside, m->n);
-        turn(s, &r, leaving(m, unit(refracted), HUGE_VAL, -m->side, medium), 2 * r.number + 1, 1 - reflected, depth, next);
+        turn(s, &r, leaving(m, unit(refracted), HUGE_VAL, -m->side, medium), 2 * r.number + 1, 1 - reflected,
+             depth, next);
     } else {
-        shine(&r, scaled(filtered(at->diffuse, colour_at(&of->pattern, m->at)), of->diffuse * (1 - reflected)));
+        shine(&r,
+              scaled(filtered(at->diffuse, colour_at(&of->pattern, m->at)), of->diffuse * (1 - reflected)));
     }
-    turn(s, &r, leaving(m, unit(mirrored(b->d, m->n)), HUGE_VAL, m->side, b->medium), 2 * r.number, reflected, depth, next);
+    turn(s, &r, leaving(m, unit(mirrored(b->d, m->n)), HUGE_VAL, m->side, b->medium), 2 * r.number, reflected,
+         depth, next);
     shine(&r, at->highlight);
 }
 
-/* A ray of the camera: its place in the pixel is spread as a tent of two pixels, which is a picture's reconstruction
- * by straight lines. */
+/* A ray of the camera: its place in the pixel is spread as a tent of two pixels, which is a picture's
+ * reconstruction by straight lines. */
 static beam first(const view *v, const look *of)
 {
     double x, y;
     sample_square(of->pixel, OF_LENS, of->index, &x, &y);
     x = x < 0.5 ? sqrt(2 * x) - 1 : 1 - sqrt(2 - 2 * x);
     y = y < 0.5 ? sqrt(2 * y) - 1 : 1 - sqrt(2 - 2 * y);
-    return (beam){.o = v->eye, .d = camera_direction(v, of->pixel.x + 0.5 + x, of->pixel.y + 0.5 + y), .far = HUGE_VAL};
+    return (beam){
+        .o = v->eye, .d = camera_direction(v, of->pixel.x + 0.5 + x, of->pixel.y + 0.5 + y), .far = HUGE_VAL};
 }
 
 void shade(const scene *s, const view *v, size_t n, look looks[], desk *d, tally *sum)
@@ -265,7 +282,8 @@ void shade(const scene *s, const view *v, size_t n, look looks[], desk *d, tally
         meet(s, d->now.n, d->now.beam, d->met, sum);
         light_up(s, d, sum);
         d->next.n = 0;
-        for (size_t i = 0; i < d->now.n; i++) end(s, d->now.ray[i], &d->now.beam[i], &d->met[i], &d->at[i], depth, &d->next);
+        for (size_t i = 0; i < d->now.n; i++)
+            end(s, d->now.ray[i], &d->now.beam[i], &d->met[i], &d->at[i], depth, &d->next);
         wave done = d->now;
         d->now = d->next, d->next = done;
     }

@@ -35,7 +35,10 @@ static const sgt_builtin *type_named(const char *name, char known[KNOWN_SIZE])
 
 static bool is_curvature(const sgt_param *p) { return strcmp(p->name, "curvature") == 0; }
 
-static size_t size_of(const sgt_param *p) { return (size_t)p->count * (p->kind == SGT_WHOLE ? sizeof(int) : sizeof(double)); }
+static size_t size_of(const sgt_param *p)
+{
+    return (size_t)p->count * (p->kind == SGT_WHOLE ? sizeof(int) : sizeof(double));
+}
 
 /* "slice" is at[3]: two names of one number contradict each other. */
 static bool overlap(const sgt_param *p, const sgt_param *q)
@@ -45,7 +48,8 @@ static bool overlap(const sgt_param *p, const sgt_param *q)
 
 static void read_parameter(document *d, const node *map, const sgt_builtin *b, const sgt_param *p, char *self)
 {
-    const node *n = document_find(d, map, p->name), *radius = is_curvature(p) ? document_find(d, map, "radius") : NULL;
+    const node *n = document_find(d, map, p->name),
+               *radius = is_curvature(p) ? document_find(d, map, "radius") : NULL;
     if (n && radius) document_fail(d, radius, "radius", "given beside curvature; one of the two is enough");
     for (const sgt_param *q = b->params; n && q < p; q++)
         if (overlap(p, q) && document_find(d, map, q->name))
@@ -53,7 +57,8 @@ static void read_parameter(document *d, const node *map, const sgt_builtin *b, c
     double value[64] = {0};
     if (radius) {
         double r = document_number(d, radius, "radius", -1e300, 1e300);
-        if (fabs(r) < 1e-300) document_fail(d, radius, "radius", "must not be zero; a flat surface is a plane");
+        if (fabs(r) < 1e-300)
+            document_fail(d, radius, "radius", "must not be zero; a flat surface is a plane");
         value[0] = 1 / r;
     } else if (!n) {
         return;
@@ -70,7 +75,8 @@ static void read_parameter(document *d, const node *map, const sgt_builtin *b, c
 void shape_read(document *d, const node *map, const char *more, object *o)
 {
     char known[KNOWN_SIZE];
-    if (map->type != YAML_MAPPING_NODE) document_fail(d, map, "objects", "each must be a map, as {type: torus}");
+    if (map->type != YAML_MAPPING_NODE)
+        document_fail(d, map, "objects", "each must be a map, as {type: torus}");
     const node *type = document_find(d, map, "type");
     if (!type) document_fail(d, map, "type", "missing: which surface is it?");
     const char *name = document_word(d, type, "type");

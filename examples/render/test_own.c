@@ -41,11 +41,13 @@ static bool same(double a, double b) { return (isnan(a) && isnan(b)) || memcmp(&
 /* ---------------------------------------------------------------- the bulb */
 
 /* F by angles; *radius is |v_N|. */
-static long double bulb_by_angles(const mandelbulb *s, vec3 at, long double dx, long double dy, long double dz)
+static long double bulb_by_angles(const mandelbulb *s, vec3 at, long double dx, long double dy,
+                                  long double dz)
 {
     long double x = at.x + dx, y = at.y + dy, z = at.z + dz, cx = x, cy = y, cz = z;
     for (int n = 1; n < s->iterations; n++) {
-        long double r = sqrtl(x * x + y * y + z * z), theta = 8 * atan2l(sqrtl(x * x + y * y), z), phi = 8 * atan2l(y, x);
+        long double r = sqrtl(x * x + y * y + z * z), theta = 8 * atan2l(sqrtl(x * x + y * y), z),
+                    phi = 8 * atan2l(y, x);
         if (r > 1e15L) return 1;
         r = powl(r, 8);
         x = r * sinl(theta) * cosl(phi) + cx, y = r * sinl(theta) * sinl(phi) + cy, z = r * cosl(theta) + cz;
@@ -72,7 +74,8 @@ static void test_bulb(long count)
     double useful = 0;
     long outside = 0;
     for (long i = 0; i < count; i++) {
-        const mandelbulb s = {.escape = uniform(1.2, 1) < 1.1 ? 2 : uniform(1.2, 4), .iterations = 1 + (int)uniform(1, 6)};
+        const mandelbulb s = {.escape = uniform(1.2, 1) < 1.1 ? 2 : uniform(1.2, 4),
+                              .iterations = 1 + (int)uniform(1, 6)};
         vec3 p = near_bulb(&s), n;
         if (i % 50 == 0) p.x = p.y = 0; /* the axis, where the power has no derivative, and near it */
         if (i % 10 == 1) p = (vec3){p.x * pow(10, uniform(-4, 0)), p.y * pow(10, uniform(-4, 0)), p.z};
@@ -84,17 +87,23 @@ static void test_bulb(long count)
                                        bulb_by_angles(&s, p, 0, h, 0) - bulb_by_angles(&s, p, 0, -h, 0),
                                        bulb_by_angles(&s, p, 0, 0, h) - bulb_by_angles(&s, p, 0, 0, -h)};
         vec3 m = {(double)(q[0] / (2 * h)), (double)(q[1] / (2 * h)), (double)(q[2] / (2 * h))};
-        /* the third derivatives times h^2 / 6 are below this where the gradient is moderate and the axis is away */
+        /* the third derivatives times h^2 / 6 are below this where the gradient is moderate and the axis is
+         * away */
         if (length(m) < 1e3 && p.x * p.x + p.y * p.y > 1e-3)
-            require(length(subtract(m, n)) <= 1e-5 * (1 + length(m) * length(m)), "bulb, gradient", p, length(n), length(m));
+            require(length(subtract(m, n)) <= 1e-5 * (1 + length(m) * length(m)), "bulb, gradient", p,
+                    length(n), length(m));
 
         double clear = mandelbulb_ops.clearance(&s, p);
         require(clear >= 0 && clear < 2, "bulb, clearance", p, clear, 0);
         vec3 uphill = scaled(n, 1 / fmax(length(n), 1e-300));
         for (int k = 0; k < 12 && clear > 0; k++) {
-            vec3 d = scaled(k == 0 ? uphill : k == 1 ? scaled(uphill, -1) : direction(), clear * (k < 6 ? 1 : uniform(0, 1)));
+            vec3 d = scaled(k == 0   ? uphill
+                            : k == 1 ? scaled(uphill, -1)
+                                     : direction(),
+                            clear * (k < 6 ? 1 : uniform(0, 1)));
             long double there = bulb_by_angles(&s, p, d.x, d.y, d.z);
-            require(f > 0 ? there > 0 : there < 0, "bulb, a root within the clearance", p, clear, (double)there);
+            require(f > 0 ? there > 0 : there < 0, "bulb, a root within the clearance", p, clear,
+                    (double)there);
         }
         if (f > 0) { /* how far along 20 directions until F changes sign: the distance is no more */
             double far = 2;
@@ -112,27 +121,32 @@ static void test_bulb(long count)
             outside++, useful += clear / far;
         }
     }
-    printf("bulb: %ld points, the clearance is %.2f of the distance on the mean\n", count, useful / (double)outside);
-    require(useful / (double)outside > 0.05, "bulb, a clearance of some use", (vec3){0}, useful, (double)outside);
+    printf("bulb: %ld points, the clearance is %.2f of the distance on the mean\n", count,
+           useful / (double)outside);
+    require(useful / (double)outside > 0.05, "bulb, a clearance of some use", (vec3){0}, useful,
+            (double)outside);
 }
 
 /* -------------------------------------------------- -------- the edge */
 
 /* g and its slope, along a ray. */
-static void edge_along(const void *self, const sgt_ray *ray, long double t, long double *g, long double *slope)
+static void edge_along(const void *self, const sgt_ray *ray, long double t, long double *g,
+                       long double *slope)
 {
     const edge *s = self;
     long double x = ray->o.x + t * ray->d.x, y = ray->o.y + t * ray->d.y, r = s->radius;
     *g = (x * x + y * y - r * r) / (2 * r), *slope = (x * ray->d.x + y * ray->d.y) / r;
 }
 
-typedef void along_a_ray(const void *self, const sgt_ray *ray, long double t, long double *g, long double *slope);
+typedef void along_a_ray(const void *self, const sgt_ray *ray, long double t, long double *g,
+                         long double *slope);
 
 static void test_enclosure(sgt_surface of, along_a_ray *exact, double degree)
 {
     double size = pow(10, uniform(-2, 3)), width = pow(10, uniform(-9, 1)), stretch = pow(10, uniform(-1, 1));
     sgt_ray ray = {.o = scaled(direction(), size), .d = scaled(direction(), stretch)};
-    double t0 = uniform(0, 1) < 0.5 ? uniform(-2, 1) * size / stretch : -dot(ray.o, ray.d) / (stretch * stretch) - uniform(0, width);
+    double t0 = uniform(0, 1) < 0.5 ? uniform(-2, 1) * size / stretch
+                                    : -dot(ray.o, ray.d) / (stretch * stretch) - uniform(0, width);
     sgt_interval t = {t0, t0 + width}, slope, g = of.ops->enclose(of.self, &ray, t, &slope);
     long double lowest = HUGE_VALL, highest = -HUGE_VALL, here, there;
     for (int k = 0; k <= 16; k++) {
@@ -145,7 +159,8 @@ static void test_enclosure(sgt_surface of, along_a_ray *exact, double degree)
     /* narrow: by the slope, over a small width; what rounding makes of it at the distance */
     double reach = fmax(fabs(t.lo), fabs(t.hi)) * stretch + size + 3;
     double loose = 1e-11 * pow(reach, degree) + 3 * width * fmax(fabs(slope.lo), fabs(slope.hi));
-    require(g.hi - g.lo <= (double)(highest - lowest) + loose, of.ops->name, ray.o, g.hi - g.lo, (double)(highest - lowest));
+    require(g.hi - g.lo <= (double)(highest - lowest) + loose, of.ops->name, ray.o, g.hi - g.lo,
+            (double)(highest - lowest));
 }
 
 static void test_enclosures(long count)
@@ -158,27 +173,32 @@ static void test_enclosures(long count)
 
 /* ------------------------------------------------- where the edge can be met */
 
-/* The roots of the quadratic along a ray, in long double, against the span: none is outside, one that is `single` has
- * no more than one, with a seed that is near it, and of the rest only those near a border are searched in vain. */
+/* The roots of the quadratic along a ray, in long double, against the span: none is outside, one that is
+ * `single` has no more than one, with a seed that is near it, and of the rest only those near a border are
+ * searched in vain. */
 static void test_edge_spans(long count)
 {
     long singles = 0, vain = 0;
     for (long i = 0; i < count; i++) {
         const edge rim = {.radius = uniform(0.1, 2), .from = uniform(-1, 0), .to = uniform(0.001, 1)};
-        sgt_ray ray = {.o = scaled(direction(), pow(10, uniform(-2, 2))), .d = scaled(direction(), pow(10, uniform(-1, 1)))};
-        if (i % 3) ray.d = subtract((vec3){uniform(-2, 2), uniform(-2, 2), uniform(-1, 1)}, ray.o); /* toward it */
+        sgt_ray ray = {.o = scaled(direction(), pow(10, uniform(-2, 2))),
+                       .d = scaled(direction(), pow(10, uniform(-1, 1)))};
+        /* toward it */
+        if (i % 3) ray.d = subtract((vec3){uniform(-2, 2), uniform(-2, 2), uniform(-1, 1)}, ray.o);
         if (i % 50 == 0) ray.d.z = 0;
         if (i % 50 == 1) ray.d.x = ray.d.y = 0;
         sgt_span span = edge_ops.span(&rim, &ray);
         long double ox = ray.o.x, oy = ray.o.y, dx = ray.d.x, dy = ray.d.y, r = rim.radius;
-        long double a = dx * dx + dy * dy, b = ox * dx + oy * dy, c = ox * ox + oy * oy - r * r, w = b * b - a * c;
+        long double a = dx * dx + dy * dy, b = ox * dx + oy * dy, c = ox * ox + oy * oy - r * r,
+                    w = b * b - a * c;
         int met = 0;
         for (int sign = -1; sign <= 1 && w > 0 && a > 0; sign += 2) {
             long double root = sign * b > 0 ? -c / (b + sign * sqrtl(w)) : (-b + sign * sqrtl(w)) / a;
             long double z = ray.o.z + root * ray.d.z;
             if (!(z > rim.from + 1e-12L && z < rim.to - 1e-12L)) continue;
             met++;
-            require(span.lo <= root && root <= span.hi, "edge, a root outside the span", ray.o, (double)root, span.lo);
+            require(span.lo <= root && root <= span.hi, "edge, a root outside the span", ray.o, (double)root,
+                    span.lo);
             bool near = !span.single || fabsl(span.seed - root) <= 1e-9L * fabsl(root) + 1e-7L;
             require(near, "edge, the seed", ray.o, span.seed, (double)root);
         }
@@ -186,7 +206,8 @@ static void test_edge_spans(long count)
         if (span.single) require(met <= 1, "edge, one root", ray.o, met, span.seed);
         vain += span.lo <= span.hi && met == 0 && ray.d.z != 0;
     }
-    require(singles > count / 20 && vain <= count / 1000, "edge, spans of some use", (vec3){0}, (double)singles, (double)vain);
+    require(singles > count / 20 && vain <= count / 1000, "edge, spans of some use", (vec3){0},
+            (double)singles, (double)vain);
 }
 
 /* ------------------------------------------------------------ all of them */
@@ -219,14 +240,16 @@ static void test_many(long count)
         for (int k = 0; k < MOST; k++) {
             vec3 p = scaled(direction(), uniform(0, 3)), q = direction();
             if (k % 7 == 0) q.z = 0;
-            o[0][k] = p.x, o[1][k] = p.y, o[2][k] = k % 5 ? p.z : (double)NAN, d[0][k] = q.x, d[1][k] = q.y, d[2][k] = q.z;
+            o[0][k] = p.x, o[1][k] = p.y, o[2][k] = k % 5 ? p.z : (double)NAN, d[0][k] = q.x, d[1][k] = q.y,
+            d[2][k] = q.z;
         }
         const sgt_rays rays = {.o = {o[0], o[1], o[2]}, .d = {d[0], d[1], d[2]}};
         const sgt_surface_ops *ops = several[i % 2].ops;
         const void *self = several[i % 2].self;
         size_t n = 1 + (size_t)uniform(0, MOST);
         if (ops->values) {
-            ops->values(self, n, (sgt_points){{o[0], o[1], o[2]}}, (sgt_values){f[0], {grad[0], grad[1], grad[2]}});
+            ops->values(self, n, (sgt_points){{o[0], o[1], o[2]}},
+                        (sgt_values){f[0], {grad[0], grad[1], grad[2]}});
             ops->values(self, n, (sgt_points){{o[0], o[1], o[2]}}, (sgt_values){.f = f[1]});
         }
         if (ops->spans) ops->spans(self, n, rays, (sgt_spans){lo, hi, seed, single});
@@ -241,7 +264,8 @@ static void test_many(long count)
             }
             if (ops->spans) {
                 sgt_span span = ops->span(self, &ray);
-                bool all = same(lo[k], span.lo) && same(hi[k], span.hi) && same(seed[k], span.seed) && single[k] == span.single;
+                bool all = same(lo[k], span.lo) && same(hi[k], span.hi) && same(seed[k], span.seed) &&
+                           single[k] == span.single;
                 require(all, ops->name, ray.o, lo[k], span.lo);
             }
         }

@@ -37,13 +37,18 @@ static size_t pixels_of(const tile *t) { return (size_t)(t->x1 - t->x0) * (size_
 static pixel pixel_at(const tile *t, const order *o, size_t i)
 {
     size_t width = (size_t)(t->x1 - t->x0);
-    return (pixel){(uint32_t)(t->x0 + (int)(i % width)), (uint32_t)(t->y0 + (int)(i / width)), (uint32_t)o->frame};
+    return (pixel){(uint32_t)(t->x0 + (int)(i % width)), (uint32_t)(t->y0 + (int)(i / width)),
+                   (uint32_t)o->frame};
 }
 
-static vec3 *place_of(const picture *p, pixel at) { return &p->pixel[(size_t)at.y * (size_t)p->width + at.x]; }
+static vec3 *place_of(const picture *p, pixel at)
+{
+    return &p->pixel[(size_t)at.y * (size_t)p->width + at.x];
+}
 
 /* All pixels at once, some samples of each at a time: that many looks are one wave. */
-static void shine(const scene *s, const view *v, const order *o, const tile *t, picture *p, desk *d, tally *sum)
+static void shine(const scene *s, const view *v, const order *o, const tile *t, picture *p, desk *d,
+                  tally *sum)
 {
     size_t n = pixels_of(t), samples = (size_t)o->samples, most = n < WAVE ? WAVE / n : 1;
     look *looks = room(NULL, n * most, sizeof *looks);
@@ -91,7 +96,8 @@ void tiles_render(const scene *s, double along_path, const order *o, picture *p,
         PRAGMA(omp for schedule(dynamic))
         for (int i = 0; i < all; i++) {
             int x = i % across * o->tile, y = i / across * o->tile;
-            tile t = {x, y, x + o->tile < p->width ? x + o->tile : p->width, y + o->tile < p->height ? y + o->tile : p->height};
+            tile t = {x, y, x + o->tile < p->width ? x + o->tile : p->width,
+                      y + o->tile < p->height ? y + o->tile : p->height};
             tally sum = {0};
             if (o->paint == PAINT_LIGHT) shine(s, &v, o, &t, p, d, &sum);
             else paint(s, &v, o, &t, p, &sum);

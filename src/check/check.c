@@ -15,13 +15,13 @@
  * count (surfaces.h), and its span need not hold them.
  * What no two neighbours show is not seen: SOUND says that no fault was found.
  *
- * THE FIRST root's stretch, where it is single, in the same way: of the roots that are seen and count for certain none may lie before it,
- * one at most in it, and none behind it if none is in it.
+ * THE FIRST root's stretch, where it is single, in the same way: of the roots that are seen and count for
+ * certain none may lie before it, one at most in it, and none behind it if none is in it.
  *
- * MANY AT ONCE are what one at a time is: `values` at POINTS_AT_ONCE points of the ray, and at few of them, with
- * gradients and without; `spans` of as many of the rays.  Bits are compared, but of NaNs, of the gradient where F is
- * NaN, and of a span that the ray passes by: nobody reads those.  Behind what is asked for stands a number that
- * must not change.
+ * MANY AT ONCE are what one at a time is: `values` at POINTS_AT_ONCE points of the ray, and at few of them,
+ * with gradients and without; `spans` of as many of the rays.  Bits are compared, but of NaNs, of the
+ * gradient where F is NaN, and of a span that the ray passes by: nobody reads those.  Behind what is asked
+ * for stands a number that must not change.
  *
  * THE GRADIENT is compared with central differences
  *     D(h) = (F(p + h e) - F(p - h e)) / 2h = F_e + h^2 F_eee / 6 + ... + noise / h
@@ -36,19 +36,19 @@
  *   - F is defined on both sides and the two one-sided differences agree to 2^-6 (at a kink
  *     they do not, and a gradient there is one of several),
  *   - the surface gives a number (NaN: not defined here).
- * It shows a fault where the two differ by more than 8 times the doubt, and by more than 4
- * times what 16 ulps of the coordinates do to the surface's gradient (near an edge that is much:
- * a gradient is good to the rounding of its argument, no better), and by more than 2^-26 of the
- * gradient; and where a second row of steps, shorter by 0.7, shows the same, since noise is not
- * bounded on a surface without `rounding` and can, once, look like agreement.
- * THE ENCLOSURE is asked over stretches of many widths, about points of each stretch and about the roots that were seen, and of single
- * points.  F at samples, their doubt as above, has to be in it; grad . d there in the interval of the slope, but
- * for 2^-26 and what 2^-44 of the place does to the gradient; and where that interval is bounded, and F defined, so has each
- * difference quotient (the mean value theorem, on which every proof rests: a slope that is bounded where F jumps is a
+ * It shows a fault where the two differ by more than 8 times the doubt, and by more than 4 times what 16
+ * ulps of the coordinates do to the surface's gradient (near an edge that is much: a gradient is good to
+ * the rounding of its argument, no better), and by more than 2^-26 of the gradient; and where a second row
+ * of steps, shorter by 0.7, shows the same, since noise is not bounded on a surface without `rounding` and
+ * can, once, look like agreement.  THE ENCLOSURE is asked over stretches of many widths, about points of
+ * each stretch and about the roots that were seen, and of single points.  F at samples, their doubt as
+ * above, has to be in it; grad . d there in the interval of the slope, but for 2^-26 and what 2^-44 of the
+ * place does to the gradient; and where that interval is bounded, and F defined, so has each difference
+ * quotient (the mean value theorem, on which every proof rests: a slope that is bounded where F jumps is a
  * fault).  Empty is a fault where F is defined on both sides of a sample.
  *
- * THE CLEARANCE at points of the ray: on lines through them, along the ray, the gradient and six others, no certain change of
- * sign may be nearer.
+ * THE CLEARANCE at points of the ray: on lines through them, along the ray, the gradient and six others, no
+ * certain change of sign may be nearer.
  *
  * So a gradient that is off by 1e-3 in one component is seen unless that component is below
  * 2^-16 of the gradient; one that is off by less than 1e-8 is not. */
@@ -62,7 +62,16 @@
 #include <math.h>
 #include <string.h>
 
-enum { SAMPLES = 256, POINTS = 16, LEVELS = 18, POINTS_AT_ONCE = 67, FEW = 3, RAYS_AT_ONCE = 35, WIDTHS = 9, WITHIN = 5 };
+enum {
+    SAMPLES = 256,
+    POINTS = 16,
+    LEVELS = 18,
+    POINTS_AT_ONCE = 67,
+    FEW = 3,
+    RAYS_AT_ONCE = 35,
+    WIDTHS = 9,
+    WITHIN = 5
+};
 static const double CUT = 1000; /* lengths, where neither ray nor span has an end */
 
 typedef struct check_sample { double t, f, doubt; int sign; sgt_vec3 p, n; } check_sample;
@@ -89,9 +98,15 @@ static bool fail(check *c, sgt_fault fault, sgt_vec3 where)
 }
 
 /* The greatest component, in magnitude, that is not NaN. */
-static double check_greatest(sgt_vec3 v) { return maximum_number(fabs(v.x), maximum_number(fabs(v.y), fabs(v.z))); }
+static double check_greatest(sgt_vec3 v)
+{
+    return maximum_number(fabs(v.x), maximum_number(fabs(v.y), fabs(v.z)));
+}
 
-static double value_at(const check *c, sgt_vec3 p, sgt_vec3 *grad) { return c->s.ops->value(c->s.self, p, grad); }
+static double value_at(const check *c, sgt_vec3 p, sgt_vec3 *grad)
+{
+    return c->s.ops->value(c->s.self, p, grad);
+}
 
 static double check_terms_of(sgt_vec3 p, sgt_vec3 n)
 {
@@ -131,7 +146,8 @@ static double *component(sgt_vec3 *v, int i) { return i == 0 ? &v->x : i == 1 ? 
 static double noise_at(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double across)
 {
     double floor = 0x1p-51 * (fabs(f) + check_terms_of(p, n));
-    if (!c->s.ops->rounding) return 4 * (floor + 0x1p-51 * check_terms_of((sgt_vec3){across, across, across}, n));
+    if (!c->s.ops->rounding)
+        return 4 * (floor + 0x1p-51 * check_terms_of((sgt_vec3){across, across, across}, n));
     double own = c->s.ops->rounding(c->s.self, p);
     return own > floor ? own : floor;
 }
@@ -153,7 +169,8 @@ static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i
             = maximum_number(noise_at(c, right, fr, nr, longest), noise_at(c, left, fl, nl, longest));
         double slope = (fr - fl) / width, own = maximum_number(noise, beside) * 2 / width;
         double now = fabs(slope - before) + own + noise_before;
-        if (fabs(slope - best) > 4 * (*doubt + own)) *doubt = HUGE_VAL; /* a finer structure than the steps before */
+        /* a finer structure than the steps before */
+        if (fabs(slope - best) > 4 * (*doubt + own)) *doubt = HUGE_VAL;
         if (now < *doubt) { /* false for NaN */
             best = slope, *doubt = now;
             *kink = fabs((fr - f) / ahead - (f - fl) / behind);
@@ -207,7 +224,11 @@ static bool well_defined(check *c, double t)
     double far = check_greatest(o), along = check_greatest(d);
     double off = 0x1p-44 * (far / along + fabs(t));
     for (int i = -1; i <= 1; i++)
-        if (isnan(value_at(c, (sgt_vec3){o.x + (t + i * off) * d.x, o.y + (t + i * off) * d.y, o.z + (t + i * off) * d.z}, NULL))) return false;
+        if (isnan(value_at(
+                c,
+                (sgt_vec3){o.x + (t + i * off) * d.x, o.y + (t + i * off) * d.y, o.z + (t + i * off) * d.z},
+                NULL)))
+            return false;
     return true;
 }
 
@@ -218,12 +239,13 @@ static double doubt_of(const check *c, const check_sample *a, double across)
     return 2 * a->doubt + (c->s.ops->rounding ? 0 : noise_at(c, a->p, a->f, a->n, across * size));
 }
 
-/* Is grad . d outside of what is said of the slope?  By more than 2^-26, which `value` is free to be wrong by, and what
- * 2^-44 of the way, either way, does to it. */
+/* Is grad . d outside of what is said of the slope?  By more than 2^-26, which `value` is free to be wrong
+ * by, and what 2^-44 of the way, either way, does to it. */
 static bool steeper(const check *c, const check_sample *a, sgt_interval slope)
 {
     sgt_vec3 d = c->ray->d, o = c->ray->o, left = {0}, right = {0};
-    double now = a->n.x * d.x + a->n.y * d.y + a->n.z * d.z, doubt = 0x1p-26 * check_terms_of(a->n, d), bend = 0;
+    double now = a->n.x * d.x + a->n.y * d.y + a->n.z * d.z, doubt = 0x1p-26 * check_terms_of(a->n, d),
+           bend = 0;
     if (!(now + doubt < slope.lo || now - doubt > slope.hi || slope.lo > slope.hi)) return false;
     double far = check_greatest(o), along = check_greatest(d), off = 0x1p-44 * (far + fabs(a->t) * along);
     for (int i = 0; i < 3; i++) {
@@ -240,7 +262,8 @@ static bool steeper(const check *c, const check_sample *a, sgt_interval slope)
 static bool check_enclosure(check *c, double lo, double hi, double across)
 {
     static const double where[WITHIN] = {0, 0.109, 0.382, 0.691, 1};
-    sgt_interval slope = {(double)NAN, (double)NAN}, g = c->s.ops->enclose(c->s.self, c->ray, (sgt_interval){lo, hi}, &slope);
+    sgt_interval slope = {(double)NAN, (double)NAN},
+                 g = c->s.ops->enclose(c->s.self, c->ray, (sgt_interval){lo, hi}, &slope);
     bool bounded = slope.lo > -HUGE_VAL && slope.hi < HUGE_VAL, defined = true;
     check_sample before = {.f = (double)NAN}, a;
     double doubt_before = 0;
@@ -252,11 +275,15 @@ static bool check_enclosure(check *c, double lo, double hi, double across)
         defined = defined && !isnan(a.f);
         doubt = doubt_of(c, &a, across);
         if (g.lo > g.hi && isfinite(a.f) && well_defined(c, t)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
-        if (regular && g.lo <= g.hi && (a.f + doubt < g.lo || a.f - doubt > g.hi)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
-        if (regular && !(g.lo > g.hi) && (slope.lo > -HUGE_VAL || slope.hi < HUGE_VAL)) { /* a slope that says something */
+        if (regular && g.lo <= g.hi && (a.f + doubt < g.lo || a.f - doubt > g.hi))
+            return fail(c, SGT_WRONG_ENCLOSURE, a.p);
+        /* a slope that says something */
+        if (regular && !(g.lo > g.hi) && (slope.lo > -HUGE_VAL || slope.hi < HUGE_VAL)) {
             if (steeper(c, &a, slope)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
-            double width = t - before.t, quotient = (a.f - before.f) / width, off = (doubt + doubt_before) / width * (1 + 0x1p-20);
-            if (bounded && i && defined && (quotient + off < slope.lo || quotient - off > slope.hi)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
+            double width = t - before.t, quotient = (a.f - before.f) / width,
+                   off = (doubt + doubt_before) / width * (1 + 0x1p-20);
+            if (bounded && i && defined && (quotient + off < slope.lo || quotient - off > slope.hi))
+                return fail(c, SGT_WRONG_ENCLOSURE, a.p);
         }
         before = a, doubt_before = doubt;
         if (!regular) defined = false;
@@ -283,7 +310,8 @@ static bool check_approach(check *c, check_sample *a, double b);
 /* Along a line through p, a unit of length a unit of t: no change of sign before `clear`, but at a pole. */
 static bool check_line(check *c, sgt_vec3 p, sgt_vec3 u, double clear)
 {
-    static const double at[] = {0.1, 0.25, 0.5, 0.75, 0.9, 0.97, 0.99, 0.999, 0.9999, 1 - 0x1p-20, 1 - 0x1p-30};
+    static const double at[] = {0.1,  0.25,  0.5,    0.75,        0.9,        0.97,
+                                0.99, 0.999, 0.9999, 1 - 0x1p-20, 1 - 0x1p-30};
     enum { HALF = sizeof at / sizeof at[0] };
     const sgt_ray *own = c->ray, line = {.o = p, .d = u};
     check_sample last = {.sign = 0}, a;
@@ -306,17 +334,23 @@ static bool check_line(check *c, sgt_vec3 p, sgt_vec3 u, double clear)
 /* What is said at t: in the direction of the ray, of the gradient, and in a few others. */
 static bool check_clearance(check *c, double t, double extent)
 {
-    static const sgt_vec3 others[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.6, 0, 0.8}, {0.8, 0.6, 0}, {0, -0.6, 0.8}};
+    static const sgt_vec3 others[] = {{1, 0, 0},     {0, 1, 0},     {0, 0, 1},
+                                      {0.6, 0, 0.8}, {0.8, 0.6, 0}, {0, -0.6, 0.8}};
     check_sample a;
     if (!c->s.ops->clearance) return true;
     if (!check_look(c, t, &a)) return false;
     sgt_vec3 d = c->ray->d;
     double clear = c->s.ops->clearance(c->s.self, a.p), length = sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-    double most = 4 * (extent * length + fabs(a.p.x) + fabs(a.p.y) + fabs(a.p.z)), steep = sqrt(a.n.x * a.n.x + a.n.y * a.n.y + a.n.z * a.n.z);
+    double most = 4 * (extent * length + fabs(a.p.x) + fabs(a.p.y) + fabs(a.p.z)),
+           steep = sqrt(a.n.x * a.n.x + a.n.y * a.n.y + a.n.z * a.n.z);
     if (!(clear > 0)) return true;
     if (clear > most) clear = most;
-    if (length > 0 && length < HUGE_VAL && !check_line(c, a.p, (sgt_vec3){d.x / length, d.y / length, d.z / length}, clear)) return false;
-    if (steep > 0 && steep < HUGE_VAL && !check_line(c, a.p, (sgt_vec3){a.n.x / steep, a.n.y / steep, a.n.z / steep}, clear)) return false;
+    if (length > 0 && length < HUGE_VAL &&
+        !check_line(c, a.p, (sgt_vec3){d.x / length, d.y / length, d.z / length}, clear))
+        return false;
+    if (steep > 0 && steep < HUGE_VAL &&
+        !check_line(c, a.p, (sgt_vec3){a.n.x / steep, a.n.y / steep, a.n.z / steep}, clear))
+        return false;
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
         if (!check_line(c, a.p, others[i], clear)) return false;
     return true;
@@ -343,12 +377,15 @@ static bool check_approach(check *c, check_sample *a, double b)
 static bool check_first(check *c, const check_sample *a, const check_sample *b)
 {
     sgt_vec3 o = c->ray->o;
-    double apart = a->t - c->from, near = 0x1p-40 * (fabs(a->t) + fabs(b->t) + fabs(o.x) + fabs(o.y) + fabs(o.z));
-    near += 0x1p-44 * check_terms_of(a->p, a->n) / fabs(a->n.x * c->ray->d.x + a->n.y * c->ray->d.y + a->n.z * c->ray->d.z);
+    double apart = a->t - c->from,
+           near = 0x1p-40 * (fabs(a->t) + fabs(b->t) + fabs(o.x) + fabs(o.y) + fabs(o.z));
+    near += 0x1p-44 * check_terms_of(a->p, a->n) /
+            fabs(a->n.x * c->ray->d.x + a->n.y * c->ray->d.y + a->n.z * c->ray->d.z);
     if (!c->first.single || !(apart > near && apart > 16 * (b->t - a->t))) return true;
     if (b->t < c->first.lo) return fail(c, SGT_WRONG_FIRST, b->p);
     if (a->t > c->first.hi) c->behind = true, c->beyond = a->p;
-    if (a->t >= c->first.lo && b->t <= c->first.hi && ++c->in_first > 1) return fail(c, SGT_WRONG_FIRST, b->p);
+    if (a->t >= c->first.lo && b->t <= c->first.hi && ++c->in_first > 1)
+        return fail(c, SGT_WRONG_FIRST, b->p);
     if (!(a->t > c->first.hi || b->t < c->first.lo)) c->in_first += c->in_first == 0; /* on its end */
     return true;
 }
@@ -363,7 +400,8 @@ static bool check_root(check *c, check_sample a, check_sample b)
     if (!check_gradient(c, a.t, spacing) || !check_gradient(c, b.t, spacing)) return false;
     if (!check_enclosures(c, a.t, spacing, spacing) || !check_clearance(c, a.t, spacing)) return false;
     if (b.t < c->span.lo || a.t > c->span.hi) return fail(c, SGT_WRONG_SPAN, b.t < c->span.lo ? b.p : a.p);
-    if (a.t >= c->span.lo && b.t <= c->span.hi && ++c->inside > 1 && c->span.single) return fail(c, SGT_WRONG_SPAN, b.p);
+    if (a.t >= c->span.lo && b.t <= c->span.hi && ++c->inside > 1 && c->span.single)
+        return fail(c, SGT_WRONG_SPAN, b.p);
     return check_first(c, &a, &b);
 }
 
@@ -383,7 +421,8 @@ static bool check_stretch(check *c, double lo, double hi)
     for (int i = 0; i < POINTS; i++) {
         double t = lo + (hi - lo) * ((i + 0.382) / POINTS), spacing = (hi - lo) / (4 * POINTS);
         if (!check_gradient(c, t, spacing)) return false;
-        if (i % 4 == 1 && (!check_enclosures(c, t, hi - lo, spacing) || !check_clearance(c, t, hi - lo))) return false;
+        if (i % 4 == 1 && (!check_enclosures(c, t, hi - lo, spacing) || !check_clearance(c, t, hi - lo)))
+            return false;
     }
     return true;
 }
@@ -407,38 +446,51 @@ static bool check_values(check *c, double lo, double hi)
         bool slopes = way < 2;
         f[n] = grad[0][n] = grad[1][n] = grad[2][n] = KEPT;
         for (size_t i = 0; i < n; i++) f[i] = grad[0][i] = grad[1][i] = grad[2][i] = KEPT;
-        c->s.ops->values(c->s.self, n, (sgt_points){{p[0] + from, p[1] + from, p[2] + from}},
-                         (sgt_values){f, {slopes ? grad[0] : NULL, slopes ? grad[1] : NULL, slopes ? grad[2] : NULL}});
+        c->s.ops->values(
+            c->s.self, n, (sgt_points){{p[0] + from, p[1] + from, p[2] + from}},
+            (sgt_values){f, {slopes ? grad[0] : NULL, slopes ? grad[1] : NULL, slopes ? grad[2] : NULL}});
         for (size_t i = 0; i < n; i++) {
             sgt_vec3 at = {p[0][from + i], p[1][from + i], p[2][from + i]}, g = {0};
             double one = value_at(c, at, &g);
-            bool good = same(one, f[i]) && (!slopes || isnan(one) || (same(g.x, grad[0][i]) && same(g.y, grad[1][i]) && same(g.z, grad[2][i])));
+            bool good = same(one, f[i]) &&
+                        (!slopes || isnan(one) ||
+                         (same(g.x, grad[0][i]) && same(g.y, grad[1][i]) && same(g.z, grad[2][i])));
             if (!good) return fail(c, SGT_WRONG_VALUES, at);
         }
-        if (!(f[n] == KEPT && grad[0][n] == KEPT && grad[1][n] == KEPT && grad[2][n] == KEPT)) return fail(c, SGT_WRONG_VALUES, o);
+        if (!(f[n] == KEPT && grad[0][n] == KEPT && grad[1][n] == KEPT && grad[2][n] == KEPT))
+            return fail(c, SGT_WRONG_VALUES, o);
     }
     return true;
 }
 
 /* n rays as arrays; with tmin and tmax `firsts`, else `spans`. */
-static bool check_spans(check *c, size_t n, double o[3][RAYS_AT_ONCE], double d[3][RAYS_AT_ONCE], const double *tmin, const double *tmax)
+static bool check_spans(check *c, size_t n, double o[3][RAYS_AT_ONCE], double d[3][RAYS_AT_ONCE],
+                        const double *tmin, const double *tmax)
 {
     double lo[RAYS_AT_ONCE + 1], hi[RAYS_AT_ONCE + 1], seed[RAYS_AT_ONCE + 1];
     bool single[RAYS_AT_ONCE + 1];
     if (!n) return true;
-    if (tmin ? !c->s.ops->first : !c->s.ops->span) return fail(c, tmin ? SGT_WRONG_FIRSTS : SGT_WRONG_SPANS, (sgt_vec3){o[0][0], o[1][0], o[2][0]});
+    if (tmin ? !c->s.ops->first : !c->s.ops->span)
+        return fail(c, tmin ? SGT_WRONG_FIRSTS : SGT_WRONG_SPANS, (sgt_vec3){o[0][0], o[1][0], o[2][0]});
     lo[n] = hi[n] = seed[n] = KEPT, single[n] = true;
     sgt_rays many = {.o = {o[0], o[1], o[2]}, .d = {d[0], d[1], d[2]}, .tmin = tmin, .tmax = tmax};
     sgt_fault fault = tmin ? SGT_WRONG_FIRSTS : SGT_WRONG_SPANS;
     (tmin ? c->s.ops->firsts : c->s.ops->spans)(c->s.self, n, many, (sgt_spans){lo, hi, seed, single});
     for (size_t i = 0; i < n; i++) {
-        sgt_ray ray = {.o = {o[0][i], o[1][i], o[2][i]}, .d = {d[0][i], d[1][i], d[2][i]}, .tmin = tmin ? tmin[i] : 0, .tmax = tmax ? tmax[i] : 0};
+        sgt_ray ray = {.o = {o[0][i], o[1][i], o[2][i]},
+                       .d = {d[0][i], d[1][i], d[2][i]},
+                       .tmin = tmin ? tmin[i] : 0,
+                       .tmax = tmax ? tmax[i] : 0};
         sgt_span one = (tmin ? c->s.ops->first : c->s.ops->span)(c->s.self, &ray);
         if (tmin && !one.single && !single[i]) continue;
         if (one.lo > one.hi && lo[i] > hi[i] && one.single == single[i]) continue;
-        if (!(same(one.lo, lo[i]) && same(one.hi, hi[i]) && same(one.seed, seed[i]) && one.single == single[i])) return fail(c, fault, ray.o);
+        if (!(same(one.lo, lo[i]) && same(one.hi, hi[i]) && same(one.seed, seed[i]) &&
+              one.single == single[i]))
+            return fail(c, fault, ray.o);
     }
-    return lo[n] == KEPT && hi[n] == KEPT && seed[n] == KEPT && single[n] ? true : fail(c, fault, (sgt_vec3){o[0][0], o[1][0], o[2][0]});
+    return lo[n] == KEPT && hi[n] == KEPT && seed[n] == KEPT && single[n]
+               ? true
+               : fail(c, fault, (sgt_vec3){o[0][0], o[1][0], o[2][0]});
 }
 
 static bool check_ray(check *c)
@@ -465,8 +517,10 @@ static bool check_ray(check *c)
     if (!(check_stretch(c, lo, minimum_number(s.lo, hi)) && check_stretch(c, in, out)
           && check_stretch(c, maximum_number(s.hi, lo), hi))) return false;
     if (!c->behind || c->in_first) return true;
-    check_sample a, b; /* of two roots between samples nothing is seen: do the ends of the first one's stretch tell of it? */
-    if (!check_look(c, maximum_number(c->first.lo, c->from), &a) || !check_look(c, c->first.hi, &b)) return false;
+    /* of two roots between samples nothing is seen: do the ends of the first one's stretch tell of it? */
+    check_sample a, b;
+    if (!check_look(c, maximum_number(c->first.lo, c->from), &a) || !check_look(c, c->first.hi, &b))
+        return false;
     return a.sign * b.sign > 0 ? fail(c, SGT_WRONG_FIRST, c->beyond) : true;
 }
 
@@ -489,8 +543,9 @@ static double rim2_of_builtin(sgt_surface s)
 static bool is_usable(const sgt_ray *r)
 {
     double big = check_greatest(r->d);
-    return isfinite(r->o.x) && isfinite(r->o.y) && isfinite(r->o.z) && isfinite(r->d.x) && isfinite(r->d.y) && isfinite(r->d.z)
-        && big >= DBL_MIN && r->tmin < HUGE_VAL && (r->tmax >= r->tmin || (r->tmax == 0 && r->tmin >= 0));
+    return isfinite(r->o.x) && isfinite(r->o.y) && isfinite(r->o.z) && isfinite(r->d.x) && isfinite(r->d.y) &&
+           isfinite(r->d.z) && big >= DBL_MIN && r->tmin < HUGE_VAL &&
+           (r->tmax >= r->tmin || (r->tmax == 0 && r->tmin >= 0));
 }
 
 /* By as many rays as there are room for, the last few with the rest of the room empty. */
@@ -536,14 +591,20 @@ const char *sgt_fault_text(sgt_fault fault)
 {
     switch (fault) {
     case SGT_SOUND: return "sound: no fault was found";
-    case SGT_WRONG_GRADIENT: return "wrong gradient: it differs from differences of F (it must not be normalised)";
-    case SGT_WRONG_SPAN: return "wrong span: a root lies outside it, or two inside one that is said to be single";
+    case SGT_WRONG_GRADIENT:
+        return "wrong gradient: it differs from differences of F (it must not be normalised)";
+    case SGT_WRONG_SPAN:
+        return "wrong span: a root lies outside it, or two inside one that is said to be single";
     case SGT_WRONG_ROUNDING: return "wrong rounding: not finite or negative where F is defined";
-    case SGT_WRONG_VALUES: return "wrong values: they differ from value in a bit, or write where they are not asked to";
+    case SGT_WRONG_VALUES:
+        return "wrong values: they differ from value in a bit, or write where they are not asked to";
     case SGT_WRONG_SPANS: return "wrong spans: they differ from span in a bit, or there is no span";
     case SGT_WRONG_CLEARANCE: return "wrong clearance: the surface is nearer than it says";
-    case SGT_WRONG_ENCLOSURE: return "wrong enclosure: F or its slope leaves the interval, or F is defined where it says it is nowhere";
-    case SGT_WRONG_FIRST: return "wrong first: a root that counts lies before it, or two in it, or none in it and one behind";
+    case SGT_WRONG_ENCLOSURE:
+        return "wrong enclosure: F or its slope leaves the interval, or F is defined where it says it is "
+               "nowhere";
+    case SGT_WRONG_FIRST:
+        return "wrong first: a root that counts lies before it, or two in it, or none in it and one behind";
     case SGT_WRONG_FIRSTS: return "wrong firsts: they differ from first in a bit, or there is no first";
     case SGT_NO_VALUE: return "no value: the surface has no function F, or a parameter that is not valid";
     }

@@ -106,7 +106,8 @@ static sgt_verdict diagnose_judge(double s1, double s2, double s3, sgt_diagnosis
 
 sgt_diagnosis sgt_diagnose(const sgt_log *log)
 {
-    sgt_diagnosis d = {.verdict = SGT_WANDERING, .order = (double)NAN, .rate = (double)NAN, .condition = (double)NAN};
+    sgt_diagnosis d = {
+        .verdict = SGT_WANDERING, .order = (double)NAN, .rate = (double)NAN, .condition = (double)NAN};
     const sgt_step *step = log ? log->step : NULL, *first = NULL, *last = NULL;
     int n = !step ? 0 : log->n < log->cap ? log->n : log->cap, defined = 0;
     for (int i = n - 1; i > 0; i--)
@@ -144,7 +145,8 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
     else if (newton.next <= least && isnan(lost)) lost = newton.next;
     for (int i = 0; i < newton.n; i++) s[left++] = newton.size[i];
     /* the newest may be noise all the same (the slope of a double root): two may be dropped */
-    for (int i = 0; i < 3 && i + 2 < left && d.verdict == SGT_WANDERING; i++) d.verdict = diagnose_judge(s[i + 2], s[i + 1], s[i], &d);
+    for (int i = 0; i < 3 && i + 2 < left && d.verdict == SGT_WANDERING; i++)
+        d.verdict = diagnose_judge(s[i + 2], s[i + 1], s[i], &d);
     if (d.verdict == SGT_WANDERING && left >= 1) {
         double later = isnan(lost) ? s[0] : minimum_number(lost, least);
         double before = isnan(lost) ? (left >= 2 ? s[1] : 0) : s[0];
@@ -167,9 +169,11 @@ const char *sgt_verdict_text(sgt_verdict v)
         return "oscillating: to and fro without closing in; "
                "is the gradient normalised? It must keep its length: run sgt_check";
     case SGT_WANDERING:
-        return "wandering: no pattern, or too few steps to tell; look at the rows: give a span and a seed near the root";
+        return "wandering: no pattern, or too few steps to tell; look at the rows: give a span and a seed "
+               "near the root";
     case SGT_ROUNDING:
-        return "rounding: at the limit of rounding from the first evaluation on; the seed is the root, nothing to gain";
+        return "rounding: at the limit of rounding from the first evaluation on; the seed is the root, "
+               "nothing to gain";
     }
     return "?";
 }

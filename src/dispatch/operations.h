@@ -26,7 +26,7 @@
 
 #define ALL_HAVE(NAME)                                                                              \
     SETS_OF(NAME)                                                                                   \
-    static const struct sgt_builtin_ops NAME##_builtin = {.in_set = NAME##_in_set};                             \
+    static const struct sgt_builtin_ops NAME##_builtin = {.in_set = NAME##_in_set};                 \
     OPERATION(NAME, double, value, (const void *self, sgt_vec3 p, sgt_vec3 *grad), (self, p, grad)) \
     OPERATION(NAME, sgt_span, span, (const void *self, const sgt_ray *ray), (self, ray))            \
     OPERATION(NAME, double, rounding, (const void *self, sgt_vec3 p), (self, p))                    \

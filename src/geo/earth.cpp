@@ -8,7 +8,10 @@ namespace geo {
 using GeographicLib::Math;
 
 ellipsoid::ellipsoid(double a_, double f_)
-    : a(a_), f(f_), b(a_ * (1 - f_)), most(std::fmax(a, b)), least(a < b ? a * (a / b) : b * (b / a)), geocentric(a_, f_) {}
+    : a(a_), f(f_), b(a_ * (1 - f_)), most(std::fmax(a, b)), least(a < b ? a * (a / b) : b * (b / a)),
+      geocentric(a_, f_)
+{
+}
 
 const ellipsoid &wgs84()
 {
@@ -41,14 +44,15 @@ foot ellipsoid::below(const sgt_vec3 &p) const
 shell shell_of(const ellipsoid &e, double h)
 {
     shell s = {e.a + h, e.b + h, 1, 1};
-    double thin = std::fmin(s.a, s.b), k = std::fabs(h) * (e.a - e.b) * (e.a - e.b) / (2 * std::fmin(e.a, e.b) * thin * thin);
+    double thin = std::fmin(s.a, s.b),
+           k = std::fabs(h) * (e.a - e.b) * (e.a - e.b) / (2 * std::fmin(e.a, e.b) * thin * thin);
     if (h >= 0) s.outer = std::sqrt(1 + k);
     else s.inner = k < 1 ? std::sqrt(1 - k) : 0;
     return s;
 }
 
-// In the frame where the ellipsoid is the unit sphere, q + t e, from the point nearest the centre.  Its distance c is off by 32 units of
-// 2^-53 of |q|, its t by 16 of |q| / |e|; the slack is 2^11 times that.
+// In the frame where the ellipsoid is the unit sphere, q + t e, from the point nearest the centre.  Its
+// distance c is off by 32 units of 2^-53 of |q|, its t by 16 of |q| / |e|; the slack is 2^11 times that.
 chord chord_of(const shell &s, const sgt_ray &ray)
 {
     chord c = {};
@@ -61,7 +65,8 @@ chord chord_of(const shell &s, const sgt_ray &ray)
     double far = length(q), fast = length(e), slack = 0x1p-37 * (far / fast + 1 / fast);
     double middle = -(dot(q, e) / dot(e, e));
     sgt_vec3 n = {sgt_fma(middle, e.x, q.x), sgt_fma(middle, e.y, q.y), sgt_fma(middle, e.z, q.z)};
-    double off = length(n), doubt = 0x1p-47 * (far + 1), near = (off - doubt) / s.outer, deep = s.inner > 0 ? (off + doubt) / s.inner : 2;
+    double off = length(n), doubt = 0x1p-47 * (far + 1), near = (off - doubt) / s.outer,
+           deep = s.inner > 0 ? (off + doubt) / s.inner : 2;
     if (!(far < 1e150 && fast > 1e-150 && slack < infinity)) return c;
     c.known = true;
     c.by = near > 1;
@@ -83,13 +88,17 @@ chord chord_of(const shell &s, const sgt_ray &ray)
 
 sgt_interval convex(sgt_interval t, const reading &from, const reading &to, sgt_interval *slope)
 {
-    double w = (t.hi - t.lo) * (1 - 0x1p-50), fall = from.slope - from.slope_err, rise = to.slope + to.slope_err; // w, rounded either way, is in the margin
-    double p = from.g - from.g_err, q = to.g - to.g_err, high = std::fmax(from.g + from.g_err, to.g + to.g_err), low;
+    double w = (t.hi - t.lo) * (1 - 0x1p-50), fall = from.slope - from.slope_err,
+           rise = to.slope + to.slope_err; // w, rounded either way, is in the margin
+    double p = from.g - from.g_err, q = to.g - to.g_err,
+           high = std::fmax(from.g + from.g_err, to.g + to.g_err), low;
     *slope = {fall, rise};
     if (!(p > -infinity && q > -infinity && high < infinity)) return sgt_interval_all();
     if (fall >= 0) low = p;
     else if (rise <= 0) low = q;
-    else if (fall > -infinity && rise < infinity) low = (p * rise - q * fall + fall * rise * w) / (rise - fall) + 0x1p-47 * (fall * w - std::fabs(p) - std::fabs(q));
+    else if (fall > -infinity && rise < infinity)
+        low = (p * rise - q * fall + fall * rise * w) / (rise - fall) +
+              0x1p-47 * (fall * w - std::fabs(p) - std::fabs(q));
     else low = -infinity;
     low = std::fmin(low, std::fmin(p, q)); // what rounding has made of a tangent never parts g from its ends
     return {std::isnan(low) ? -infinity : low, high};

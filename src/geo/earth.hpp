@@ -1,5 +1,5 @@
-// earth.hpp - what the surfaces about the Earth share: the height over an ellipsoid and its error, the ellipsoids that hold
-// a ray's roots, and which root is the first.
+// earth.hpp - what the surfaces about the Earth share: the height over an ellipsoid and its error, the
+// ellipsoids that hold a ray's roots, and which root is the first.
 #ifndef SGT_GEO_EARTH_HPP
 #define SGT_GEO_EARTH_HPP
 
@@ -20,18 +20,22 @@ inline double dot(const sgt_vec3 &a, const sgt_vec3 &b) { return a.x * b.x + a.y
 inline double length(const sgt_vec3 &a) { return std::sqrt(dot(a, a)); }
 
 // Each coordinate rounded once, however far o is: off by at most 2^-53 of itself.
-inline sgt_vec3 at(const sgt_ray &ray, double t) { return {std::fma(t, ray.d.x, ray.o.x), std::fma(t, ray.d.y, ray.o.y), std::fma(t, ray.d.z, ray.o.z)}; }
+inline sgt_vec3 at(const sgt_ray &ray, double t)
+{
+    return {std::fma(t, ray.d.x, ray.o.x), std::fma(t, ray.d.y, ray.o.y), std::fma(t, ray.d.z, ray.o.z)};
+}
 
 // ---------------------------------------------------------------- the height
 
-// The height h over an ellipsoid is the signed distance to a convex body: with sigma(n) the distance from the origin of its
-// tangent plane of normal n,
+// The height h over an ellipsoid is the signed distance to a convex body: with sigma(n) the distance from
+// the origin of its tangent plane of normal n,
 //     h(p) = max over unit n of n . p - sigma(n),   sigma = sqrt(a^2 (nx^2 + ny^2) + b^2 nz^2),
-// at the up vector n (Rockafellar 1970, section 16: outside; inside the nearest tangent plane is that of the nearest point).
-// Three things follow.
+// at the up vector n (Rockafellar 1970, section 16: outside; inside the nearest tangent plane is that of
+// the nearest point).  Three things follow.
 //   - h is convex along every ray, and changes by no more than the way gone.
 //   - An error e of n changes the right side by (M + h) e^2 / 2 alone, M a radius of curvature.  So n is from
-//     GeographicLib's Reverse (Vermeille 2002; Karney 2011), that need only be right to 1e-10, and is to 1e-15, and h is
+//     GeographicLib's Reverse (Vermeille 2002; Karney 2011), that need only be right to 1e-10, and is to
+//       1e-15, and h is
 //     from the right side, with the rounding of that: no more of Reverse's own error comes in.
 //   - the Hessian of h is that of a parallel surface: 1 / (M + h) northward, 1 / (N + h) eastward.
 struct foot { // of p on the ellipsoid
@@ -49,17 +53,28 @@ struct ellipsoid {
 
     foot below(const sgt_vec3 &p) const;
 
-    // A bound on |computed h - exact h| at p, from |p|.  In units of 2^-53, first order: r is off by 2, c r, s z and sigma by 1, 1 and
-    // 5 of themselves, s z - sigma (fused) and h by 1 of themselves, the length of (c, s) by 2; with c r + |s z| <= |p|,
-    // sigma <= most, |h| <= |p| + most: 3 |p| + 6 most + 3 |h|.
-    double rounding(double size, double h) const { return 0x1p-53 * (1 + 0x1p-40) * (3 * size + 6 * most + 3 * std::fabs(h)); }
+    // A bound on |computed h - exact h| at p, from |p|.  In units of 2^-53, first order: r is off by 2, c
+    // r, s z and sigma by 1, 1 and 5 of themselves, s z - sigma (fused) and h by 1 of themselves, the
+    // length of (c, s) by 2; with c r + |s z| <= |p|, sigma <= most, |h| <= |p| + most: 3 |p| + 6 most + 3
+    // |h|.
+    double rounding(double size, double h) const
+    {
+        return 0x1p-53 * (1 + 0x1p-40) * (3 * size + 6 * most + 3 * std::fabs(h));
+    }
 
     // At most |h|: a ball of the least radius is in the ellipsoid, which is in one of the greatest.
-    double farthest(double size) const { return std::fmax(std::fabs(size - most), std::fabs(size - std::fmin(a, b))); }
+    double farthest(double size) const
+    {
+        return std::fmax(std::fabs(size - most), std::fabs(size - std::fmin(a, b)));
+    }
 
-    // And on the error of n, where h is not near the evolute.  Observed, against quadruple precision (f = -5 ... 0.9, from half way
-    // to the evolute to 1000 a): 1.3 units of 2^-53 (|p| + most) / (least + h) at most; the bound is 64.
-    double direction(double size, double h) const { return h + least > 0x1p-6 * least ? 0x1p-47 * (size + most) / (least + h) + 0x1p-50 : infinity; }
+    // And on the error of n, where h is not near the evolute.  Observed, against quadruple precision (f =
+    // -5 ... 0.9, from half way to the evolute to 1000 a): 1.3 units of 2^-53 (|p| + most) / (least + h) at
+    // most; the bound is 64.
+    double direction(double size, double h) const
+    {
+        return h + least > 0x1p-6 * least ? 0x1p-47 * (size + most) / (least + h) + 0x1p-50 : infinity;
+    }
 
     double meridian(double sine) const; // radii of curvature
     double vertical(double sine) const;
@@ -72,9 +87,9 @@ const ellipsoid &wgs84();
 // Two ellipsoids of radii a, a, b times inner and times outer: the convex body is between them.
 struct shell { double a, b, inner, outer; };
 
-// The body of height at most h: its tangent planes are at sigma + h, those of the ellipsoid of radii a + h, b + h at |u + h n|,
-// u = (a c, b s), |u| = sigma.  (|u| + h)^2 = |u + h n|^2 + 2 h (|u| - u.n), and 0 <= |u| - u.n <= (a - b)^2 / (4 |u|): the angle
-// between u and n has the sine (a - b) c s / |u|.
+// The body of height at most h: its tangent planes are at sigma + h, those of the ellipsoid of radii a + h,
+// b + h at |u + h n|, u = (a c, b s), |u| = sigma.  (|u| + h)^2 = |u + h n|^2 + 2 h (|u| - u.n), and 0 <=
+// |u| - u.n <= (a - b)^2 / (4 |u|): the angle between u and n has the sine (a - b) c s / |u|.
 shell shell_of(const ellipsoid &e, double h);
 
 // A ray through it, t outward (inward for `inside`) by more than rounding can do.
@@ -98,10 +113,11 @@ inline sgt_span span_of(const chord &c)
 // F along the ray and its slope, and how far each can be off.
 struct reading { double g, g_err, slope, slope_err; };
 
-// The first root that counts, of a convex body: `entry` if the ray starts before, `exit` if inside, none behind.  A point of the
-// ray certainly inside parts the two, and g falls before the one and rises behind the other; by convexity the slope at a root is
-// at least depth / (way to the point).  bend: how concave g may be all over the chord, g'' >= -bend.
-// Where rounding hides on which side of the surface tmin is, or whether the ray touches, nothing is said.
+// The first root that counts, of a convex body: `entry` if the ray starts before, `exit` if inside, none
+// behind.  A point of the ray certainly inside parts the two, and g falls before the one and rises behind
+// the other; by convexity the slope at a root is at least depth / (way to the point).  bend: how concave g
+// may be all over the chord, g'' >= -bend.  Where rounding hides on which side of the surface tmin is, or
+// whether the ray touches, nothing is said.
 template <typename Read> sgt_span first_of(const chord &c, const sgt_ray &ray, double bend, Read &&read)
 {
     const sgt_span none = {infinity, -infinity, nothing, false};
@@ -119,7 +135,8 @@ template <typename Read> sgt_span first_of(const chord &c, const sgt_ray &ray, d
             inside = r.g < -4 * r.g_err;
             depth = 0.5 * (-r.g - 4 * r.g_err);
             if (inside) break;
-            double rest = std::fmax(middle - c.lo, c.hi - middle), fall = std::fabs(r.slope) + r.slope_err; // the tangent, and what bends below
+            double rest = std::fmax(middle - c.lo, c.hi - middle),
+                   fall = std::fabs(r.slope) + r.slope_err; // the tangent, and what bends below
             if (r.g - r.g_err - fall * rest - 0.5 * bend * rest * rest > 0) return none;
             if (r.slope > 0) high = middle;
             else low = middle;
@@ -135,9 +152,11 @@ template <typename Read> sgt_span first_of(const chord &c, const sgt_ray &ray, d
     }
 
     double far = std::fabs(ray.o.x) + std::fabs(ray.o.y) + std::fabs(ray.o.z), along = length(ray.d);
-    double unsure = 0x1p-40 * (far + (std::fabs(c.lo) + std::fabs(c.hi)) * along); // of F: 256 times what a start on the surface is given
-    double steep = 0.5 * depth / (c.hi - c.lo);                                  // of g, at least, at either root
-    if (ray.tmin <= c.lo && (ray.tmin == -infinity || (c.lo - ray.tmin) * steep > unsure)) return {c.lo, middle, c.entry, true};
+    double unsure = 0x1p-40 * (far + (std::fabs(c.lo) + std::fabs(c.hi)) *
+                                         along); // of F: 256 times what a start on the surface is given
+    double steep = 0.5 * depth / (c.hi - c.lo);  // of g, at least, at either root
+    if (ray.tmin <= c.lo && (ray.tmin == -infinity || (c.lo - ray.tmin) * steep > unsure))
+        return {c.lo, middle, c.entry, true};
     if (ray.tmin >= in && ray.tmin <= out) return {ray.tmin, c.hi, c.exit, true};
     if (!(ray.tmin > c.lo)) return span_of(c);
     reading r = read(ray.tmin);
@@ -147,7 +166,8 @@ template <typename Read> sgt_span first_of(const chord &c, const sgt_ray &ray, d
     return span_of(c);
 }
 
-// g over [lo, hi] of a convex g, from its ends: below the chord, above both tangents; the slope is between those of the ends.
+// g over [lo, hi] of a convex g, from its ends: below the chord, above both tangents; the slope is between
+// those of the ends.
 sgt_interval convex(sgt_interval t, const reading &from, const reading &to, sgt_interval *slope);
 
 inline double no_gradient(sgt_vec3 *grad)
@@ -158,8 +178,9 @@ inline double no_gradient(sgt_vec3 *grad)
 
 // --------------------------------------------------------- a surface as its operations
 
-// S is what a struct of parameters stands for, worked out once per call: valid, value(p, grad), rounding(p), span(ray),
-// first(ray) - these two after prepare() -, enclose(ray, t, slope), by_parameter(), the same at every point.  None throws.
+// S is what a struct of parameters stands for, worked out once per call: valid, value(p, grad),
+// rounding(p), span(ray), first(ray) - these two after prepare() -, enclose(ray, t, slope), by_parameter(),
+// the same at every point.  None throws.
 template <typename S> struct operations {
     static double value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
     {
@@ -195,8 +216,10 @@ template <typename S> struct operations {
     template <typename One> static void each(size_t n, sgt_rays rays, sgt_spans out, One &&one)
     {
         for (size_t i = 0; i < n; i++) {
-            sgt_span s = one(sgt_ray{{rays.o[0][i], rays.o[1][i], rays.o[2][i]}, {rays.d[0][i], rays.d[1][i], rays.d[2][i]},
-                                     rays.tmin ? rays.tmin[i] : 0, rays.tmax ? rays.tmax[i] : infinity});
+            sgt_span s = one(sgt_ray{{rays.o[0][i], rays.o[1][i], rays.o[2][i]},
+                                     {rays.d[0][i], rays.d[1][i], rays.d[2][i]},
+                                     rays.tmin ? rays.tmin[i] : 0,
+                                     rays.tmax ? rays.tmax[i] : infinity});
             out.lo[i] = s.lo, out.hi[i] = s.hi, out.seed[i] = s.seed, out.single[i] = s.single;
         }
     }
@@ -233,7 +256,8 @@ template <typename S> struct operations {
     static constexpr sgt_surface_ops named(const char *name)
     {
         sgt_surface_ops ops = {};
-        ops.name = name, ops.value = value, ops.values = values, ops.rounding = rounding, ops.enclose = enclose;
+        ops.name = name, ops.value = value, ops.values = values, ops.rounding = rounding,
+        ops.enclose = enclose;
         ops.span = span, ops.spans = spans, ops.first = first, ops.firsts = firsts;
         ops.parameters = parameters, ops.by_parameter = by_parameter;
         return ops;
@@ -241,7 +265,8 @@ template <typename S> struct operations {
 };
 
 // What the rows of the table say of their parameters.
-sgt_objection object_to_geodetic_height(const void *self), object_to_level_gravity(const void *self), object_to_geoid_height(const void *self);
+sgt_objection object_to_geodetic_height(const void *self), object_to_level_gravity(const void *self),
+    object_to_geoid_height(const void *self);
 
 } // namespace geo
 

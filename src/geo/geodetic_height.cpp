@@ -1,6 +1,8 @@
-// geodetic_height.cpp - the surface at a height over an ellipsoid.  earth.hpp says why the height is a convex distance; so
+// geodetic_height.cpp - the surface at a height over an ellipsoid.  earth.hpp says why the height is a
+// convex distance; so
 //   - |F| less its rounding is a clearance, everywhere;
-//   - a ray enters once and leaves once, `first` tells which, and the two ends of a stretch enclose g and its slope.
+//   - a ray enters once and leaves once, `first` tells which, and the two ends of a stretch enclose g and
+//     its slope.
 #include "earth.hpp"
 
 namespace geo {
@@ -19,7 +21,8 @@ sgt_objection object(const sgt_geodetic_height &s)
     double b = a * (1 - f), least = a < b ? a * (a / b) : b * (b / a);
     if (!(b > 0 && least > 1e-100)) return {"a", "so small that the ellipsoid is none"};
     if (!(s.h <= 1e100)) return {"h", "not at most 1e100"};
-    if (!(s.h > -DEEPEST * least)) return {"h", "not above -0.99 of the least radius of curvature: the surface folds there"};
+    if (!(s.h > -DEEPEST * least))
+        return {"h", "not above -0.99 of the least radius of curvature: the surface folds there"};
     return {nullptr, nullptr};
 }
 
@@ -40,7 +43,10 @@ struct height {
         if (grad) *grad = q.up;
         return q.h - h;
     }
-    double rounding(double size, double over) const { return e.rounding(size, over) + 0x1p-53 * (std::fabs(over) + std::fabs(h)); }
+    double rounding(double size, double over) const
+    {
+        return e.rounding(size, over) + 0x1p-53 * (std::fabs(over) + std::fabs(h));
+    }
     double rounding(const sgt_vec3 &p) const { return rounding(length(p), e.farthest(length(p))); }
 
     reading read(const sgt_ray &ray, double t) const
@@ -48,7 +54,8 @@ struct height {
         sgt_vec3 p = at(ray, t);
         foot q = e.below(p);
         double size = length(p);
-        return {q.h - h, rounding(size, q.h) + 0x1p-53 * size, dot(q.up, ray.d), length(ray.d) * (e.direction(size, q.h) + 0x1p-50)};
+        return {q.h - h, rounding(size, q.h) + 0x1p-53 * size, dot(q.up, ray.d),
+                length(ray.d) * (e.direction(size, q.h) + 0x1p-50)};
     }
     chord across(const sgt_ray &ray) const { return chord_of(body, ray); }
     sgt_span span(const sgt_ray &ray) const { return span_of(across(ray)); }
@@ -56,7 +63,10 @@ struct height {
     {
         return first_of(across(ray), ray, 0, [&](double t) { return read(ray, t); });
     }
-    sgt_interval enclose(const sgt_ray &ray, sgt_interval t, sgt_interval *slope) const { return convex(t, read(ray, t.lo), read(ray, t.hi), slope); }
+    sgt_interval enclose(const sgt_ray &ray, sgt_interval t, sgt_interval *slope) const
+    {
+        return convex(t, read(ray, t.lo), read(ray, t.hi), slope);
+    }
     double by_parameter() const { return -1; }
 };
 
@@ -74,10 +84,14 @@ void second(const void *self, size_t n, sgt_points p, double *const out[6])
     height s(self);
     for (size_t i = 0; i < n; i++) {
         foot q = s.e.below({p.p[0][i], p.p[1][i], p.p[2][i]});
-        double along = s.valid ? 1 / (s.e.meridian(q.sin_latitude) + q.h) : nothing, across = 1 / (s.e.vertical(q.sin_latitude) + q.h);
-        double north[3] = {-q.sin_latitude * q.cos_longitude, -q.sin_latitude * q.sin_longitude, q.cos_latitude}, east[3] = {-q.sin_longitude, q.cos_longitude, 0};
+        double along = s.valid ? 1 / (s.e.meridian(q.sin_latitude) + q.h) : nothing,
+               across = 1 / (s.e.vertical(q.sin_latitude) + q.h);
+        double north[3] = {-q.sin_latitude * q.cos_longitude, -q.sin_latitude * q.sin_longitude,
+                           q.cos_latitude},
+               east[3] = {-q.sin_longitude, q.cos_longitude, 0};
         for (int j = 0, m = 0; j < 3; j++)
-            for (int k = j; k < 3; k++, m++) out[m][i] = along * north[j] * north[k] + across * east[j] * east[k];
+            for (int k = j; k < 3; k++, m++)
+                out[m][i] = along * north[j] * north[k] + across * east[j] * east[k];
     }
 }
 
@@ -90,7 +104,10 @@ constexpr sgt_surface_ops with_all()
 
 } // namespace
 
-sgt_objection object_to_geodetic_height(const void *self) { return object(*static_cast<const sgt_geodetic_height *>(self)); }
+sgt_objection object_to_geodetic_height(const void *self)
+{
+    return object(*static_cast<const sgt_geodetic_height *>(self));
+}
 
 } // namespace geo
 

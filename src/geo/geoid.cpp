@@ -1,17 +1,20 @@
 // geoid.cpp - the surface h above a geoid whose heights N over WGS84 a grid gives.
 //
-// F = (geodetic height) - N(latitude, longitude) - h.  N between the nodes is the bicubic convolution of Keys 1981 (IEEE Trans.
-// ASSP 29, 1153; a = -1/2): along each axis the cubic through z1 and z2 with the slopes (z2 - z0) / 2 and (z3 - z1) / 2.  Beyond a
-// pole the grid goes on half a turn away.
+// F = (geodetic height) - N(latitude, longitude) - h.  N between the nodes is the bicubic convolution of
+// Keys 1981 (IEEE Trans.  ASSP 29, 1153; a = -1/2): along each axis the cubic through z1 and z2 with the
+// slopes (z2 - z0) / 2 and (z3 - z1) / 2.  Beyond a pole the grid goes on half a turn away.
 //
-// BOUNDS.  With first, second and mixed differences of the nodes about a cell at most D, E and X along one axis or both,
-//     slope <= 1.5 D,  second <= 3 E  along one axis, each times 1.25, the most the sum of the |weights| of the other can be;
+// BOUNDS.  With first, second and mixed differences of the nodes about a cell at most D, E and X along one
+// axis or both,
+//     slope <= 1.5 D,  second <= 3 E  along one axis, each times 1.25, the most the sum of the |weights| of
+//       the other can be;
 //     mixed <= 2.25 X.
-// They are kept for each row of cells, per metre on the ground, with what the meridians' closing in adds: `tilt` bounds
-// the slope of N, `twist` its Lipschitz constant.  At a pole the surface has a corner: all that changes from meridian to meridian
-// grows with s, the part of the cell that is between, by 1.8 s at most of what the nodes do (the |weights| of the other
-// rows are below s / 2, 7 s / 6 and s / 8; a pole has one height, or the grid is refused); so `corner`
-// (south, north) over the distance from the pole is to be added to twist there.
+// They are kept for each row of cells, per metre on the ground, with what the meridians' closing in adds:
+// `tilt` bounds the slope of N, `twist` its Lipschitz constant.  At a pole the surface has a corner: all
+// that changes from meridian to meridian grows with s, the part of the cell that is between, by 1.8 s at
+// most of what the nodes do (the |weights| of the other rows are below s / 2, 7 s / 6 and s / 8; a pole has
+// one height, or the grid is refused); so `corner` (south, north) over the distance from the pole is to be
+// added to twist there.
 #include "earth.hpp"
 
 #include <algorithm>
@@ -30,7 +33,8 @@
 #endif
 
 struct sgt_geoid {
-    int rows = 0, columns = 0; // rows from south to north, both poles among them; columns eastward, all around
+    int rows = 0,
+        columns = 0; // rows from south to north, both poles among them; columns eastward, all around
     double west = 0;           // longitude of the first
     std::vector<float> height;
     std::vector<double> tilt, twist; // of the cells north of row i
@@ -42,7 +46,8 @@ struct sgt_geoid {
         if (i < 0) i = -i, j += columns / 2;
         if (i > rows - 1) i = 2 * (rows - 1) - i, j += columns / 2;
         j %= columns;
-        return static_cast<double>(height[static_cast<size_t>(i) * static_cast<size_t>(columns) + static_cast<size_t>(j < 0 ? j + columns : j)]);
+        return static_cast<double>(height[static_cast<size_t>(i) * static_cast<size_t>(columns) +
+                                          static_cast<size_t>(j < 0 ? j + columns : j)]);
     }
 };
 
@@ -72,7 +77,8 @@ undulation undulation_at(const sgt_geoid &g, double latitude, double longitude)
 {
     double y = (latitude + 90) * (g.rows - 1) / 180, x = (longitude - g.west) * g.columns / 360;
     x -= g.columns * std::floor(x / g.columns);
-    int i = std::clamp(static_cast<int>(y), 0, g.rows - 2), j = std::clamp(static_cast<int>(x), 0, g.columns - 1);
+    int i = std::clamp(static_cast<int>(y), 0, g.rows - 2),
+        j = std::clamp(static_cast<int>(x), 0, g.columns - 1);
     weights u = weights_at(y - i), v = weights_at(x - j);
     undulation n = {0, 0, 0};
     for (int k = 0; k < 4; k++) {
@@ -90,9 +96,11 @@ undulation undulation_at(const sgt_geoid &g, double latitude, double longitude)
 // tilt and twist of every row of cells.
 void bound(sgt_geoid &g)
 {
-    const double ground = wgs84().least * 0.999, step_y = 180 * DEGREE / (g.rows - 1), step_x = 360 * DEGREE / g.columns;
+    const double ground = wgs84().least * 0.999, step_y = 180 * DEGREE / (g.rows - 1),
+                 step_x = 360 * DEGREE / g.columns;
     size_t rows = static_cast<size_t>(g.rows);
-    std::vector<double> north(rows + 3), north2(rows + 3), east(rows + 3), east2(rows + 3), mixed(rows + 3); // of node row i - 1, and the step north of it
+    std::vector<double> north(rows + 3), north2(rows + 3), east(rows + 3), east2(rows + 3),
+        mixed(rows + 3); // of node row i - 1, and the step north of it
     g.low = g.high = g.node(0, 0);
     for (int i = -1; i <= g.rows; i++) {
         size_t at = static_cast<size_t>(i + 1);
@@ -109,17 +117,28 @@ void bound(sgt_geoid &g)
         }
     }
     for (int i = 0; i + 1 < g.rows; i++) { // node rows i - 1 ... i + 2 are at i ... i + 3
-        auto most = [&](const std::vector<double> &of, int from, int to) { return *std::max_element(of.begin() + i + from, of.begin() + i + to + 1); };
-        double pole = std::max(std::fabs(-90 + 180.0 * i / (g.rows - 1)), std::fabs(-90 + 180.0 * (i + 1) / (g.rows - 1))), close = std::cos(pole * DEGREE);
-        double y1 = 1.875 * most(north, 0, 2) / step_y, x1 = 1.875 * most(east, 0, 3) / step_x, y2 = 3.75 * most(north2, 1, 2) / (step_y * step_y);
-        double x2 = 3.75 * most(east2, 0, 3) / (step_x * step_x), xy = 2.25 * most(mixed, 0, 2) / (step_x * step_y);
+        auto most = [&](const std::vector<double> &of, int from, int to) {
+            return *std::max_element(of.begin() + i + from, of.begin() + i + to + 1);
+        };
+        double pole = std::max(std::fabs(-90 + 180.0 * i / (g.rows - 1)),
+                               std::fabs(-90 + 180.0 * (i + 1) / (g.rows - 1))),
+               close = std::cos(pole * DEGREE);
+        double y1 = 1.875 * most(north, 0, 2) / step_y, x1 = 1.875 * most(east, 0, 3) / step_x,
+               y2 = 3.75 * most(north2, 1, 2) / (step_y * step_y);
+        double x2 = 3.75 * most(east2, 0, 3) / (step_x * step_x),
+               xy = 2.25 * most(mixed, 0, 2) / (step_x * step_y);
         if (close > 1e-9) {
             double tilt = std::hypot(y1, x1 / close) / ground;
             g.tilt.push_back(tilt);
-            g.twist.push_back((y2 + x2 / (close * close) + 2 * xy / close) / (ground * ground) + tilt * (4 + 2 / close) / ground);
-        } else { // N is that of the pole at it: what is east of a meridian grows from there as the way from the pole does
+            g.twist.push_back((y2 + x2 / (close * close) + 2 * xy / close) / (ground * ground) +
+                              tilt * (4 + 2 / close) / ground);
+        } else {
+            // N is that of the pole at it: what is east of a meridian grows from there as the way from the
+            // pole does
             double near = std::cos((pole - 180.0 / (g.rows - 1)) * DEGREE);
-            double x1_s = 1.5 * 1.8 * most(east, 0, 3) / step_x, x2_s = 3 * 1.8 * most(east2, 0, 3) / (step_x * step_x), tilt = std::hypot(y1, x1_s / near) / ground;
+            double x1_s = 1.5 * 1.8 * most(east, 0, 3) / step_x,
+                   x2_s = 3 * 1.8 * most(east2, 0, 3) / (step_x * step_x),
+                   tilt = std::hypot(y1, x1_s / near) / ground;
             g.tilt.push_back(tilt);
             g.twist.push_back(y2 / (ground * ground) + 4 * tilt / ground);
             g.corner[i > 0] = 1.1 / ground * ((x2_s + 2 * x1_s) / step_y + 2 * xy + 2 * y1);
@@ -174,28 +193,42 @@ std::string read(const char *path, sgt_geoid &g)
     double south = real(head), west = real(head + 8), step_y = real(head + 16), step_x = real(head + 24);
     uint64_t rows = whole(head + 32, 4), columns = whole(head + 36, 4);
     if (!(rows >= 5 && rows <= MOST && columns >= 8 && columns <= 2 * (MOST - 1)))
-        return "not a .gtx grid: " + std::to_string(rows) + " rows of " + std::to_string(columns) + " columns (5 to " + std::to_string(MOST) + ", 8 to " + std::to_string(2 * (MOST - 1)) + ")";
-    if (!(std::fabs(west) <= 360 && std::fabs(south + 90) < 1e-6 && std::fabs(step_y * static_cast<double>(rows - 1) - 180) < 1e-6 && std::fabs(step_x * static_cast<double>(columns) - 360) < 1e-6 && columns % 2 == 0))
-        return "not a grid of the globe, from pole to pole and all around in an even number of columns: it begins at latitude " + std::to_string(south) + " and longitude " + std::to_string(west) + ", in steps of "
-            + std::to_string(step_y) + " and " + std::to_string(step_x) + " degrees, " + std::to_string(rows) + " rows of " + std::to_string(columns) + " columns";
+        return "not a .gtx grid: " + std::to_string(rows) + " rows of " + std::to_string(columns) +
+               " columns (5 to " + std::to_string(MOST) + ", 8 to " + std::to_string(2 * (MOST - 1)) + ")";
+    if (!(std::fabs(west) <= 360 && std::fabs(south + 90) < 1e-6 &&
+          std::fabs(step_y * static_cast<double>(rows - 1) - 180) < 1e-6 &&
+          std::fabs(step_x * static_cast<double>(columns) - 360) < 1e-6 && columns % 2 == 0))
+        return "not a grid of the globe, from pole to pole and all around in an even number of columns: it "
+               "begins at latitude " +
+               std::to_string(south) + " and longitude " + std::to_string(west) + ", in steps of " +
+               std::to_string(step_y) + " and " + std::to_string(step_x) + " degrees, " +
+               std::to_string(rows) + " rows of " + std::to_string(columns) + " columns";
     g.rows = static_cast<int>(rows), g.columns = static_cast<int>(columns), g.west = west;
     size_t count = static_cast<size_t>(rows * columns);
     std::vector<unsigned char> row(static_cast<size_t>(columns) * 4);
     for (uint64_t i = 0; i < rows; i++) { // no more is asked for than the file has
         got = std::fread(row.data(), 1, row.size(), file.get());
-        if (std::ferror(file.get())) return std::string("cannot be read: ") + std::strerror(errno ? errno : EIO);
+        if (std::ferror(file.get()))
+            return std::string("cannot be read: ") + std::strerror(errno ? errno : EIO);
         if (got < row.size())
-            return "cut off: " + std::to_string(HEADER + i * row.size() + got) + " bytes, and " + std::to_string(rows) + " rows of " + std::to_string(columns) + " columns need " + std::to_string(HEADER + 4 * count);
+            return "cut off: " + std::to_string(HEADER + i * row.size() + got) + " bytes, and " +
+                   std::to_string(rows) + " rows of " + std::to_string(columns) + " columns need " +
+                   std::to_string(HEADER + 4 * count);
         for (size_t j = 0; j < columns; j++) {
             float z = single(&row[4 * j]);
             if (!(std::fabs(z) < 1000) || std::fabs(static_cast<double>(z) - HOLE) < 1e-4)
-                return "a hole in the grid: row " + std::to_string(i + 1) + ", column " + std::to_string(j + 1) + " has no height (" + std::to_string(z) + ")";
+                return "a hole in the grid: row " + std::to_string(i + 1) + ", column " +
+                       std::to_string(j + 1) + " has no height (" + std::to_string(z) + ")";
             g.height.push_back(z);
             if ((i == 0 || i == rows - 1) && z != g.height[g.height.size() - 1 - j]) // N would jump there
-                return "the heights of a pole differ: row " + std::to_string(i + 1) + " has " + std::to_string(g.height[g.height.size() - 1 - j]) + " in column 1 and " + std::to_string(z) + " in column " + std::to_string(j + 1);
+                return "the heights of a pole differ: row " + std::to_string(i + 1) + " has " +
+                       std::to_string(g.height[g.height.size() - 1 - j]) + " in column 1 and " +
+                       std::to_string(z) + " in column " + std::to_string(j + 1);
         }
     }
-    if (std::fgetc(file.get()) != EOF) return "too long: more than the " + std::to_string(HEADER + 4 * count) + " bytes of " + std::to_string(rows) + " rows of " + std::to_string(columns) + " columns";
+    if (std::fgetc(file.get()) != EOF)
+        return "too long: more than the " + std::to_string(HEADER + 4 * count) + " bytes of " +
+               std::to_string(rows) + " rows of " + std::to_string(columns) + " columns";
     bound(g);
     return "";
 }
@@ -216,9 +249,13 @@ struct above {
     const ellipsoid &e;
     shell body; // once prepared
     explicit above(const void *self) : above(*static_cast<const sgt_geoid_height *>(self)) {}
-    explicit above(const sgt_geoid_height &s) : valid(!object(s).param), geoid(s.geoid), h(s.h), e(wgs84()), body() {}
+    explicit above(const sgt_geoid_height &s)
+        : valid(!object(s).param), geoid(s.geoid), h(s.h), e(wgs84()), body()
+    {
+    }
 
-    // Over the highest N, and under the lowest: cubics go beyond their nodes by an eighth of what these differ by, twice.
+    // Over the highest N, and under the lowest: cubics go beyond their nodes by an eighth of what these
+    // differ by, twice.
     void prepare()
     {
         double beyond = 0.3 * (geoid->high - geoid->low);
@@ -233,9 +270,12 @@ struct above {
         if (!(std::fabs(q.latitude) <= 90 && std::fabs(q.longitude) <= 180)) return no_gradient(grad);
         undulation n = undulation_at(*geoid, q.latitude, q.longitude);
         if (grad) {
-            double north = n.by_latitude / (e.meridian(q.sin_latitude) + q.h), circle = (e.vertical(q.sin_latitude) + q.h) * q.cos_latitude, east = circle > 0 ? n.by_longitude / circle : 0;
+            double north = n.by_latitude / (e.meridian(q.sin_latitude) + q.h),
+                   circle = (e.vertical(q.sin_latitude) + q.h) * q.cos_latitude,
+                   east = circle > 0 ? n.by_longitude / circle : 0;
             if (!(circle > 0)) north = 0; // a pole
-            *grad = {q.up.x + north * q.sin_latitude * q.cos_longitude + east * q.sin_longitude, q.up.y + north * q.sin_latitude * q.sin_longitude - east * q.cos_longitude,
+            *grad = {q.up.x + north * q.sin_latitude * q.cos_longitude + east * q.sin_longitude,
+                     q.up.y + north * q.sin_latitude * q.sin_longitude - east * q.cos_longitude,
                      q.up.z - north * q.cos_latitude};
         }
         return q.h - n.N - h;
@@ -243,77 +283,104 @@ struct above {
     // Of N: 64 units of its nodes, and its slope times 4 of the place on the ground.
     double rounding_of_N(double size) const
     {
-        return 0x1p-53 * (64 * std::fmax(std::fabs(geoid->low), std::fabs(geoid->high)) + 4 * geoid->steepest * (e.most + size));
+        return 0x1p-53 * (64 * std::fmax(std::fabs(geoid->low), std::fabs(geoid->high)) +
+                          4 * geoid->steepest * (e.most + size));
     }
-    double rounding(double size, double over) const { return e.rounding(size, over) + rounding_of_N(size) + 0x1p-52 * (std::fabs(over) + std::fabs(h)); }
+    double rounding(double size, double over) const
+    {
+        return e.rounding(size, over) + rounding_of_N(size) + 0x1p-52 * (std::fabs(over) + std::fabs(h));
+    }
     double rounding(const sgt_vec3 &p) const { return rounding(length(p), e.farthest(length(p))); }
 
     chord across(const sgt_ray &ray) const { return chord_of(body, ray); }
     sgt_span span(const sgt_ray &ray) const { return span_of(across(ray)); }
 
-    // A ray that, where it comes to the inner ellipsoid, falls more steeply than N can rise has fallen so since it came to the
-    // outer one, for the height is convex along it; and so from where it leaves.
+    // A ray that, where it comes to the inner ellipsoid, falls more steeply than N can rise has fallen so
+    // since it came to the outer one, for the height is convex along it; and so from where it leaves.
     sgt_span first(const sgt_ray &ray) const
     {
         chord c = across(ray);
         if (!c.known || c.by) return span_of(c);
         double tmax = ray.tmax == 0 && ray.tmin >= 0 ? infinity : ray.tmax, along = length(ray.d);
-        double margin = 1e-3 / along + 0x1p-46 * std::fabs(c.lo), steep = 1.1 * geoid->steepest * along * e.least / (e.least + std::fmin(h + geoid->low, 0) - 100);
+        double margin = 1e-3 / along + 0x1p-46 * std::fabs(c.lo),
+               steep = 1.1 * geoid->steepest * along * e.least /
+                       (e.least + std::fmin(h + geoid->low, 0) - 100);
         if (ray.tmin > c.hi || tmax < c.lo) return {infinity, -infinity, nothing, false};
         if (!(c.in < c.out)) return span_of(c);
-        if (ray.tmin < c.lo - margin && dot(e.below(at(ray, c.in)).up, ray.d) < -steep - 1e-3 * along) return {c.lo, c.in, c.entry, true};
-        if (ray.tmin >= c.in && ray.tmin <= c.out && dot(e.below(at(ray, c.out)).up, ray.d) > steep + 1e-3 * along) return {ray.tmin, c.hi, c.exit, true};
+        if (ray.tmin < c.lo - margin && dot(e.below(at(ray, c.in)).up, ray.d) < -steep - 1e-3 * along)
+            return {c.lo, c.in, c.entry, true};
+        if (ray.tmin >= c.in && ray.tmin <= c.out &&
+            dot(e.below(at(ray, c.out)).up, ray.d) > steep + 1e-3 * along)
+            return {ray.tmin, c.hi, c.exit, true};
         return span_of(c);
     }
 
-    // The height as earth.cpp has it; N about the middle.  Points of the ground move as those of the ray do, but for the ratio of
-    // radii e / (e + h).
+    // The height as earth.cpp has it; N about the middle.  Points of the ground move as those of the ray
+    // do, but for the ratio of radii e / (e + h).
     sgt_interval enclose(const sgt_ray &ray, sgt_interval t, sgt_interval *slope) const
     {
-        double middle = 0.5 * t.lo + 0.5 * t.hi, along = length(ray.d), half = std::fmax(t.hi - middle, middle - t.lo) * (1 + 0x1p-50) * along;
+        double middle = 0.5 * t.lo + 0.5 * t.hi, along = length(ray.d),
+               half = std::fmax(t.hi - middle, middle - t.lo) * (1 + 0x1p-50) * along;
         foot ends[2] = {e.below(at(ray, t.lo)), e.below(at(ray, t.hi))}, q = e.below(at(ray, middle));
         reading r[2];
         for (int i = 0; i < 2; i++) {
             double size = length(at(ray, i ? t.hi : t.lo));
-            r[i] = {ends[i].h, e.rounding(size, ends[i].h) + 0x1p-53 * size, dot(ends[i].up, ray.d), along * (e.direction(size, ends[i].h) + 0x1p-50)};
+            r[i] = {ends[i].h, e.rounding(size, ends[i].h) + 0x1p-53 * size, dot(ends[i].up, ray.d),
+                    along * (e.direction(size, ends[i].h) + 0x1p-50)};
         }
         sgt_interval all = sgt_interval_all(), high = convex(t, r[0], r[1], slope);
         double low = q.h - half, ratio = e.most / (e.least + low); // of the ground to the ray
         sgt_vec3 grad;
-        double g = value_over(q, &grad), size = length(at(ray, middle)), N_err = rounding_of_N(size) + 0x1p-51 * (std::fabs(q.h) + std::fabs(h)) + 0x1p-52 * geoid->steepest * size;
+        double g = value_over(q, &grad), size = length(at(ray, middle)),
+               N_err = rounding_of_N(size) + 0x1p-51 * (std::fabs(q.h) + std::fabs(h)) +
+                       0x1p-52 * geoid->steepest * size;
         if (!(low > -0.9 * e.least && half < infinity) || std::isnan(g)) {
             *slope = all;
-            return sgt_interval_sum(high, {-geoid->high - 0.3 * (geoid->high - geoid->low) - h, -geoid->low + 0.3 * (geoid->high - geoid->low) - h});
+            return sgt_interval_sum(high, {-geoid->high - 0.3 * (geoid->high - geoid->low) - h,
+                                           -geoid->low + 0.3 * (geoid->high - geoid->low) - h});
         }
         // the rows of cells under it
-        double rows = geoid->rows - 1, y = (q.latitude + 90) * rows / 180, reach = half * ratio / e.least / DEGREE * rows / 180 * (1 + 1e-9) + 1e-9;
-        int from = static_cast<int>(std::clamp(std::floor(y - reach), 0.0, rows - 1)), to = static_cast<int>(std::clamp(std::floor(y + reach), 0.0, rows - 1));
+        double rows = geoid->rows - 1, y = (q.latitude + 90) * rows / 180,
+               reach = half * ratio / e.least / DEGREE * rows / 180 * (1 + 1e-9) + 1e-9;
+        int from = static_cast<int>(std::clamp(std::floor(y - reach), 0.0, rows - 1)),
+            to = static_cast<int>(std::clamp(std::floor(y + reach), 0.0, rows - 1));
         double tilt = geoid->steepest, twist = infinity;
         if (to - from < 64) {
             tilt = twist = 0;
-            for (int i = from; i <= to; i++) tilt = std::max(tilt, geoid->tilt[static_cast<size_t>(i)]), twist = std::max(twist, geoid->twist[static_cast<size_t>(i)]);
+            for (int i = from; i <= to; i++)
+                tilt = std::max(tilt, geoid->tilt[static_cast<size_t>(i)]),
+                twist = std::max(twist, geoid->twist[static_cast<size_t>(i)]);
             if (from == 0 || to == geoid->rows - 2) {
                 sgt_vec3 p = at(ray, middle);
-                double away = 0.98 * (std::hypot(p.x, p.y) - half) * e.least / (e.most + q.h + half); // from the pole, on the ground
+                double away = 0.98 * (std::hypot(p.x, p.y) - half) * e.least /
+                              (e.most + q.h + half); // from the pole, on the ground
                 twist = away > 0 ? twist + geoid->corner[q.latitude > 0] / away : infinity;
             }
         }
         double N = q.h - g - h, off = tilt * ratio * half, most = tilt * ratio * along;
-        // g by the range of the height and that of N; the slope by that of the height and the slope of N.  lean is off by what the
-        // components of grad and up round, however flat N is.
+        // g by the range of the height and that of N; the slope by that of the height and the slope of N.
+        // lean is off by what the components of grad and up round, however flat N is.
         sgt_vec3 lean = {grad.x - q.up.x, grad.y - q.up.y, grad.z - q.up.z};
-        double now = dot(lean, ray.d), turn = twist * ratio * ratio * along * half + tilt * ratio * 4 / (e.least + low) * along * half + along * (0x1p-44 * tilt + 0x1p-50);
-        sgt_interval with = {now - turn, now + turn}, steep = sgt_interval_intersection({-most, most}, turn < infinity ? with : all);
-        off = std::fmin(off, turn < infinity ? (std::fabs(now) + turn) / along * half * (1 + 0x1p-40) : infinity);
+        double now = dot(lean, ray.d), turn = twist * ratio * ratio * along * half +
+                                              tilt * ratio * 4 / (e.least + low) * along * half +
+                                              along * (0x1p-44 * tilt + 0x1p-50);
+        sgt_interval with = {now - turn, now + turn},
+                     steep = sgt_interval_intersection({-most, most}, turn < infinity ? with : all);
+        off = std::fmin(off,
+                        turn < infinity ? (std::fabs(now) + turn) / along * half * (1 + 0x1p-40) : infinity);
         *slope = sgt_interval_sum(*slope, steep);
-        return sgt_interval_sum(high, sgt_interval_sum({-N - off - N_err, -N + off + N_err}, sgt_interval_of(-h)));
+        return sgt_interval_sum(high,
+                                sgt_interval_sum({-N - off - N_err, -N + off + N_err}, sgt_interval_of(-h)));
     }
     double by_parameter() const { return -1; }
 };
 
 } // namespace
 
-sgt_objection object_to_geoid_height(const void *self) { return object(*static_cast<const sgt_geoid_height *>(self)); }
+sgt_objection object_to_geoid_height(const void *self)
+{
+    return object(*static_cast<const sgt_geoid_height *>(self));
+}
 
 } // namespace geo
 
@@ -336,7 +403,8 @@ void sgt_geoid_close(sgt_geoid *geoid) { delete geoid; }
 
 bool sgt_geoid_find(char *path, size_t size)
 {
-    const char *folders[] = {std::getenv("PROJ_DATA"), std::getenv("PROJ_LIB"), SGT_PROJ_DATA, "/usr/share/proj", "/usr/local/share/proj"};
+    const char *folders[] = {std::getenv("PROJ_DATA"), std::getenv("PROJ_LIB"), SGT_PROJ_DATA,
+                             "/usr/share/proj", "/usr/local/share/proj"};
     for (const char *folder : folders) {
         if (!folder || !*folder) continue;
         int n = std::snprintf(path, size, "%s/egm96_15.gtx", folder);

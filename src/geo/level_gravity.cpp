@@ -1,20 +1,24 @@
 // level_gravity.cpp - a level surface of normal gravity about the Earth.
 //
-// F = G(p) - G of the level, G = GM / U.  Of a point mass at rest G is the distance from it, so G is nearly that: its
-// gradient is nearly a unit vector, Newton's method walks it in two steps from anywhere, and it is nearly convex.
-// U is from GeographicLib's NormalGravity (Heiskanen and Moritz 1967, section 2-7, in Karney's form).
+// F = G(p) - G of the level, G = GM / U.  Of a point mass at rest G is the distance from it, so G is nearly
+// that: its gradient is nearly a unit vector, Newton's method walks it in two steps from anywhere, and it
+// is nearly convex.  U is from GeographicLib's NormalGravity (Heiskanen and Moritz 1967, section 2-7, in
+// Karney's form).
 //
-// THE FAR SHEET.  U = GM / r + omega^2 rho^2 / 2 and small things: along a radius it falls up to r^3 sin^2(colatitude) =
-// GM / omega^2, on the equator 42164 km, and rises from there on, so that U is that of the level again far out.  F is
-// defined inside a sphere that keeps clear of that; the span, closer still.
+// THE FAR SHEET.  U = GM / r + omega^2 rho^2 / 2 and small things: along a radius it falls up to r^3
+// sin^2(colatitude) = GM / omega^2, on the equator 42164 km, and rises from there on, so that U is that of
+// the level again far out.  F is defined inside a sphere that keeps clear of that; the span, closer still.
 //
-// THE BODY inside is convex: across the vertical the second derivative of U is -GM / r^3 (1 - q), q = omega^2 r^3 / GM, but for
-// parts in 100, and q is below 0.06 where r <= a + MOST.  Its surface is all but the ellipsoid of its own two radii: exactly that
-// at h = 0; below, it is outside of it, above inside, farthest at latitude 45 (to 1e-3 of the most; observed for -100 km ...
-// 10000 km, every tenth of a degree), by 0.4 m at 100 km.
+// THE BODY inside is convex: across the vertical the second derivative of U is -GM / r^3 (1 - q), q =
+// omega^2 r^3 / GM, but for parts in 100, and q is below 0.06 where r <= a + MOST.  Its surface is all but
+// the ellipsoid of its own two radii: exactly that at h = 0; below, it is outside of it, above inside,
+// farthest at latitude 45 (to 1e-3 of the most; observed for -100 km ...  10000 km, every tenth of a
+// degree), by 0.4 m at 100 km.
 //
-// THE BOUNDS of the derivatives of F, times r: observed at 200,000 points and directions on spheres of 6280 km and more,
-//     second derivative -0.0206 (6280 km), -0.028 (7000 km), -0.078 (10000 km), -0.53 (20000 km) ... 1.0006, gradient 0.97 ... 0.999;
+// THE BOUNDS of the derivatives of F, times r: observed at 200,000 points and directions on spheres of 6280
+// km and more,
+//     second derivative -0.0206 (6280 km), -0.028 (7000 km), -0.078 (10000 km), -0.53 (20000 km) ...
+//       1.0006, gradient 0.97 ... 0.999;
 // what is used is 0.04 (r / 7000 km)^3 and 1.05, and 1.01.
 #include "earth.hpp"
 
@@ -41,7 +45,8 @@ sgt_objection object(const sgt_level_gravity &s)
     const double a = wgs84().a;
     if (!(s.h >= LEAST && s.h <= MOST)) return {"h", "not between -100 km and 10000 km"};
     if (s.potential != 0 && s.h != 0) return {"potential", "given besides h"};
-    if (s.potential != 0 && !(s.potential >= potential_at(a + MOST, 0) && s.potential <= potential_at(a + LEAST, 0)))
+    if (s.potential != 0 &&
+        !(s.potential >= potential_at(a + MOST, 0) && s.potential <= potential_at(a + LEAST, 0)))
         return {"potential", "not that of a level from -100 km to 10000 km high on the equator"};
     return {nullptr, nullptr};
 }
@@ -52,7 +57,8 @@ double radius_of(double U, bool axis)
     const NormalGravity &field = NormalGravity::WGS84();
     double r = field.MassConstant() / U, gx, gy, gz;
     for (int i = 0; i < 5; i++) {
-        double here = axis ? field.U(0, 0, r, gx, gy, gz) : field.U(r, 0, 0, gx, gy, gz), slope = axis ? gz : gx;
+        double here = axis ? field.U(0, 0, r, gx, gy, gz) : field.U(r, 0, 0, gx, gy, gz),
+               slope = axis ? gz : gx;
         double step = (1 - here / U) * here / slope;
         r += step;
         if (!(std::fabs(step) > 1e-7 * r)) break; // the next would be 1e-14 of r
@@ -66,13 +72,17 @@ struct level {
     shell body;     // once prepared
     explicit level(const void *self) : level(*static_cast<const sgt_level_gravity *>(self)) {}
     explicit level(const sgt_level_gravity &s)
-        : valid(!object(s).param), by_height(s.potential == 0), a(wgs84().a + s.h), U(by_height ? potential_at(a, 0) : s.potential),
-          G(NormalGravity::WGS84().MassConstant() / U), body() {}
+        : valid(!object(s).param), by_height(s.potential == 0), a(wgs84().a + s.h),
+          U(by_height ? potential_at(a, 0) : s.potential), G(NormalGravity::WGS84().MassConstant() / U),
+          body()
+    {
+    }
 
     void prepare()
     {
         if (!by_height) a = radius_of(U, false);
-        double b = radius_of(U, true), half = std::sqrt(0.5), off = 1.25 * std::fabs(value({a * half, 0, b * half}, nullptr)) / b + 1e-9;
+        double b = radius_of(U, true), half = std::sqrt(0.5),
+               off = 1.25 * std::fabs(value({a * half, 0, b * half}, nullptr)) / b + 1e-9;
         body = {a, b, 1 - off, 1 + off};
     }
 
@@ -81,7 +91,8 @@ struct level {
         const NormalGravity &field = NormalGravity::WGS84();
         sgt_vec3 g;
         if (!(length(p) <= EDGE)) return no_gradient(grad);
-        double own = field.U(p.x, p.y, p.z, g.x, g.y, g.z), here = field.MassConstant() / own, scale = -here / own;
+        double own = field.U(p.x, p.y, p.z, g.x, g.y, g.z), here = field.MassConstant() / own,
+               scale = -here / own;
         if (grad) *grad = {g.x * scale, g.y * scale, g.z * scale};
         return here - G;
     }
@@ -98,23 +109,28 @@ struct level {
     sgt_span span(const sgt_ray &ray) const { return span_of(across(ray)); }
     sgt_span first(const sgt_ray &ray) const
     {
-        return first_of(across(ray), ray, bends_down(a) / DEEP * dot(ray.d, ray.d), [&](double t) { return read(ray, t); });
+        return first_of(across(ray), ray, bends_down(a) / DEEP * dot(ray.d, ray.d),
+                        [&](double t) { return read(ray, t); });
     }
-    // About the middle, by Taylor; deep down, where the field has its sources, only that U is more than GM / r, to 1.2e-3, of the
-    // farther end (a potential has its minimum on the boundary): F is negative.
+    // About the middle, by Taylor; deep down, where the field has its sources, only that U is more than GM
+    // / r, to 1.2e-3, of the farther end (a potential has its minimum on the boundary): F is negative.
     sgt_interval enclose(const sgt_ray &ray, sgt_interval t, sgt_interval *slope) const
     {
-        double middle = 0.5 * t.lo + 0.5 * t.hi, half = std::fmax(t.hi - middle, middle - t.lo) * (1 + 0x1p-50), along = length(ray.d);
+        double middle = 0.5 * t.lo + 0.5 * t.hi,
+               half = std::fmax(t.hi - middle, middle - t.lo) * (1 + 0x1p-50), along = length(ray.d);
         double far = std::fmax(length(at(ray, t.lo)), length(at(ray, t.hi))) * (1 + 0x1p-50);
         if (!(far <= EDGE)) return sgt_interval_all();
         sgt_vec3 p = at(ray, middle);
         double near = length(p) - half * along * (1 + 0x1p-50);
         if (!(near >= DEEP)) return {-2 * G, std::fmax(far, DEEP) * 1.0015 - G};
         reading r = read(ray, middle);
-        double bend = along * along / near * (1 + 0x1p-40), up = 0.5 * BENDS * bend * half * half, down = 0.5 * bends_down(far) * bend * half * half;
-        double steep = std::fabs(r.slope) + r.slope_err, turn = std::fmax(BENDS, bends_down(far)) * bend * half + r.slope_err, most = STEEP * along;
+        double bend = along * along / near * (1 + 0x1p-40), up = 0.5 * BENDS * bend * half * half,
+               down = 0.5 * bends_down(far) * bend * half * half;
+        double steep = std::fabs(r.slope) + r.slope_err,
+               turn = std::fmax(BENDS, bends_down(far)) * bend * half + r.slope_err, most = STEEP * along;
         *slope = {std::fmax(r.slope - turn, -most), std::fmin(r.slope + turn, most)};
-        return {r.g - r.g_err - steep * half * (1 + 0x1p-50) - down, r.g + r.g_err + steep * half * (1 + 0x1p-50) + up};
+        return {r.g - r.g_err - steep * half * (1 + 0x1p-50) - down,
+                r.g + r.g_err + steep * half * (1 + 0x1p-50) + up};
     }
     // By h: the level's own G changes; by U: dG / dU = -G / U.
     double by_parameter() const
@@ -128,7 +144,10 @@ struct level {
 
 } // namespace
 
-sgt_objection object_to_level_gravity(const void *self) { return object(*static_cast<const sgt_level_gravity *>(self)); }
+sgt_objection object_to_level_gravity(const void *self)
+{
+    return object(*static_cast<const sgt_level_gravity *>(self));
+}
 
 } // namespace geo
 

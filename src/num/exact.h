@@ -86,7 +86,10 @@ SGT_INLINE twofold two_product(double a, double b)
 
 SGT_INLINE twofold twofold_of(double a) { return (twofold){a, 0}; }
 SGT_INLINE twofold twofold_negative(twofold a) { return (twofold){-a.hi, -a.lo}; }
-SGT_INLINE twofold twofold_times_power(twofold a, double power) { return (twofold){a.hi * power, a.lo * power}; }
+SGT_INLINE twofold twofold_times_power(twofold a, double power)
+{
+    return (twofold){a.hi * power, a.lo * power};
+}
 
 SGT_INLINE twofold twofold_sum(twofold a, twofold b)
 {

@@ -52,7 +52,8 @@ static inline expansion expansion_sum(expansion a, expansion b)
 
 static inline expansion expansion_product(expansion a, expansion b)
 {
-    double x[PARTS * (PARTS + 1)], err = (a.err * expansion_size(&b) + b.err * expansion_size(&a)) * (1 + 0x1p-40);
+    double x[PARTS * (PARTS + 1)],
+        err = (a.err * expansion_size(&b) + b.err * expansion_size(&a)) * (1 + 0x1p-40);
     int n = 0;
     for (int sum = PARTS - 1; sum >= 0; sum--)
         for (int i = 0; i <= sum; i++) {
@@ -64,7 +65,10 @@ static inline expansion expansion_product(expansion a, expansion b)
     return expansion_of_list(n, x, err);
 }
 
-static inline expansion expansion_scaled(expansion a, double b) { return expansion_product(a, expansion_of(b)); }
+static inline expansion expansion_scaled(expansion a, double b)
+{
+    return expansion_product(a, expansion_of(b));
+}
 
 static inline expansion expansion_negative(expansion a)
 {

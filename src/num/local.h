@@ -45,9 +45,10 @@ SGT_INLINE double scale_of(sgt_vec3 d)
 SGT_INLINE double end_below(double t, double scale) { return t * scale - DBL_MIN; }
 SGT_INLINE double end_above(double t, double scale) { return t * scale + DBL_MIN; }
 
-/* One coordinate of o + t0 d.  The product is hi + lo exactly, so is the sum of o and its hi.  Where they cancel to
- * less than half of the greater, that sum has no lo (Sterbenz 1974) and the product's own is added with one rounding;
- * else both lo are below 2 u of the result, and rounding them costs 4 u^2: right to u (1 + 4 u) of itself. */
+/* One coordinate of o + t0 d.  The product is hi + lo exactly, so is the sum of o and its hi.  Where they
+ * cancel to less than half of the greater, that sum has no lo (Sterbenz 1974) and the product's own is
+ * added with one rounding; else both lo are below 2 u of the result, and rounding them costs 4 u^2: right
+ * to u (1 + 4 u) of itself. */
 SGT_INLINE double moved_along(double o, double t0, double d)
 {
     twofold p = two_product(t0, d), s = two_sum(o, p.hi);
@@ -128,8 +129,8 @@ SGT_INLINE bool ends_are_whole(const sgt_ray *ray, double scale)
     return ray->tmin / scale * scale == ray->tmin && ray->tmax / scale * scale == ray->tmax;
 }
 
-/* Is the ray so near the vertex, all the way to p at t, that squares of its coordinates have underflown, and t_err does not
- * hide it? */
+/* Is the ray so near the vertex, all the way to p at t, that squares of its coordinates have underflown,
+ * and t_err does not hide it? */
 SGT_INLINE bool place_is_tiny(const local *q, double t, sgt_vec3 p)
 {
     double far = larger(fabs(p.x), larger(fabs(p.y), fabs(p.z)));

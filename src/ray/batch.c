@@ -1,10 +1,11 @@
 /* batch.c - many rays and one surface: tiles, and who answers for them.
  *
- * QUICK, THEN CAREFUL.  A tile of rays is offered to the surface's sweep, which is the quick form of the single
- * ray's answer with a loop around it: the same operations on each ray in the same order, and so the same bits.
- * Rays that the quick form does not accept (and those that are no rays at all) it marks as hard, and these
- * go one by one through the door of the single ray.  Under a proof near the seed, rays that were met and certainly have
- * another root are made UNPROVEN at once, and those that may have one are hard (not_unique). */
+ * QUICK, THEN CAREFUL.  A tile of rays is offered to the surface's sweep, which is the quick form of the
+ * single ray's answer with a loop around it: the same operations on each ray in the same order, and so the
+ * same bits.  Rays that the quick form does not accept (and those that are no rays at all) it marks as
+ * hard, and these go one by one through the door of the single ray.  Under a proof near the seed, rays that
+ * were met and certainly have another root are made UNPROVEN at once, and those that may have one are hard
+ * (not_unique). */
 #include "batch.h"
 
 #include "../num/lanes.h"
@@ -16,7 +17,10 @@
 
 static sgt_ray batch_ray_of(const sgt_rays *r, size_t i)
 {
-    return (sgt_ray){{r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]}, r->tmin ? r->tmin[i] : 0, r->tmax ? r->tmax[i] : HUGE_VAL};
+    return (sgt_ray){{r->o[0][i], r->o[1][i], r->o[2][i]},
+                     {r->d[0][i], r->d[1][i], r->d[2][i]},
+                     r->tmin ? r->tmin[i] : 0,
+                     r->tmax ? r->tmax[i] : HUGE_VAL};
 }
 
 static void write_hit(const sgt_hits *out, size_t i, const sgt_hit *hit)
@@ -68,7 +72,8 @@ static size_t not_unique(sgt_surface s, const sgt_tile *tile)
     }
     if (others) {
         const sgt_hits *h = &tile->hits;
-        double *const arrays[] = {h->t, h->t_err, h->t_lo, h->p_err, h->p[0], h->p[1], h->p[2], h->n[0], h->n[1], h->n[2]};
+        double *const arrays[] = {h->t,    h->t_err, h->t_lo, h->p_err, h->p[0],
+                                  h->p[1], h->p[2],  h->n[0], h->n[1],  h->n[2]};
         for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
             if (arrays[k]) hide(tile->n, unique, arrays[k]);
     }
@@ -101,7 +106,8 @@ int sgt_watch_numbered(void *data, const sgt_step *step)
     return n->watch(n->data, &own);
 }
 
-static size_t one_by_one(sgt_surface s, size_t n, const sgt_rays *rays, const sgt_hits *hits, const sgt_options *opt)
+static size_t one_by_one(sgt_surface s, size_t n, const sgt_rays *rays, const sgt_hits *hits,
+                         const sgt_options *opt)
 {
     sgt_options own = *opt;
     numbered told = {opt->watch, opt->watch_data, 0};
@@ -122,9 +128,14 @@ static double *from(double *a, size_t i) { return a ? a + i : NULL; }
 static sgt_hits hits_from(const sgt_hits *h, size_t i)
 {
     return (sgt_hits){
-        .status = h->status ? h->status + i : NULL, .evals = h->evals ? h->evals + i : NULL,
-        .t = from(h->t, i), .t_err = from(h->t_err, i), .t_lo = from(h->t_lo, i), .p_err = from(h->p_err, i),
-        .p = {from(h->p[0], i), from(h->p[1], i), from(h->p[2], i)}, .n = {from(h->n[0], i), from(h->n[1], i), from(h->n[2], i)},
+        .status = h->status ? h->status + i : NULL,
+        .evals = h->evals ? h->evals + i : NULL,
+        .t = from(h->t, i),
+        .t_err = from(h->t_err, i),
+        .t_lo = from(h->t_lo, i),
+        .p_err = from(h->p_err, i),
+        .p = {from(h->p[0], i), from(h->p[1], i), from(h->p[2], i)},
+        .n = {from(h->n[0], i), from(h->n[1], i), from(h->n[2], i)},
     };
 }
 
@@ -145,9 +156,13 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
     size_t met = 0, most = s.ops && s.ops->own_ && s.ops->own_->tile ? s.ops->own_->tile : SGT_TILE;
     for (size_t i = 0; i < most && i < n; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
     for (size_t i = 0; i < n; i += most) {
-        sgt_tile tile = {.n = n - i < most ? n - i : most, .t_tol = t_tol, .hits = hits_from(&hits, i),
-                         .rays = {{rays.o[0] + i, rays.o[1] + i, rays.o[2] + i}, {rays.d[0] + i, rays.d[1] + i, rays.d[2] + i},
-                                  rays.tmin ? rays.tmin + i : tmin, tmax}};
+        sgt_tile tile = {.n = n - i < most ? n - i : most,
+                         .t_tol = t_tol,
+                         .hits = hits_from(&hits, i),
+                         .rays = {{rays.o[0] + i, rays.o[1] + i, rays.o[2] + i},
+                                  {rays.d[0] + i, rays.d[1] + i, rays.d[2] + i},
+                                  rays.tmin ? rays.tmin + i : tmin,
+                                  tmax}};
         if (rays.tmax) explicit_ends(tile.n, tile.rays.tmin, rays.tmax + i, tmax);
         if (!tile.hits.status) tile.hits.status = status;
         met += sgt_intersect_tile(s, &tile, opt);

@@ -1,10 +1,11 @@
 /* by_slope.c - a root proven by a bound on the slope.
  *
- * Within the aperture a sag made by departure/departure.c has |dF/dtau| >= least all along most rays, tau in lengths of the
- * scaled direction.  Then F at one point, in the aperture or next to it, decides everything: there is one root in the chord, within
- * |F| / least of that point.  The point is o + (t + t_lo) d of a hit that nobody has proven, each coordinate right to u of itself, which
- * moves F by no more than the steepest gradient in the aperture times that: nothing is taken to first order.  Two or three calls of the surface for all rays
- * of a tile, where enclosures cost as much as a dozen for each. */
+ * Within the aperture a sag made by departure/departure.c has |dF/dtau| >= least all along most rays, tau
+ * in lengths of the scaled direction.  Then F at one point, in the aperture or next to it, decides
+ * everything: there is one root in the chord, within |F| / least of that point.  The point is o + (t +
+ * t_lo) d of a hit that nobody has proven, each coordinate right to u of itself, which moves F by no more
+ * than the steepest gradient in the aperture times that: nothing is taken to first order.  Two or three
+ * calls of the surface for all rays of a tile, where enclosures cost as much as a dozen for each. */
 #include "unique.h"
 
 #include "../num/lanes.h"
@@ -19,12 +20,14 @@ typedef double row[BLOCK];
 typedef struct slope_block { row lo, hi, seed, least, x, y, z, tau_lo, f, own; } slope_block;
 
 SGT_KERNEL
-static void points_of(slope_block *b, size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz, const double *restrict dx,
-                      const double *restrict dy, const double *restrict dz, const double *restrict t, const double *restrict t_lo)
+static void points_of(slope_block *b, size_t n, const double *restrict ox, const double *restrict oy,
+                      const double *restrict oz, const double *restrict dx, const double *restrict dy,
+                      const double *restrict dz, const double *restrict t, const double *restrict t_lo)
 {
     LANES for (size_t i = 0; i < n; i++) {
         sgt_vec3 d = {dx[i], dy[i], dz[i]};
-        double scale = scale_of(d), inverse = inverse_of_scale(d), from = t[i] * inverse, rest = t_lo[i] * inverse;
+        double scale = scale_of(d), inverse = inverse_of_scale(d), from = t[i] * inverse,
+               rest = t_lo[i] * inverse;
         mask met = MASK(fabs(from) < HUGE_VAL) & MASK(fabs(rest) < HUGE_VAL);
         from = chosen(met, from, 0), rest = chosen(met, rest, 0);
         b->x[i] = coordinate(ox[i], dx[i] * scale, from, rest).hi;
@@ -35,19 +38,27 @@ static void points_of(slope_block *b, size_t n, const double *restrict ox, const
 }
 
 /* t_err and p_err of a hit that is proven, as sgt_unique_by_slope says. */
-static bool proven_by(const slope_block *b, size_t i, const sgt_shared *shared, const sgt_tile *tile, size_t k, double rim2)
+static bool proven_by(const slope_block *b, size_t i, const sgt_shared *shared, const sgt_tile *tile,
+                      size_t k, double rim2)
 {
     const sgt_hits *h = &tile->hits;
     sgt_vec3 d = {tile->rays.d[0][k], tile->rays.d[1][k], tile->rays.d[2][k]};
-    double scale = scale_of(d), x = b->x[i], y = b->y[i], z = b->z[i], far = fabs(x) + fabs(y) + fabs(z), t = h->t[k];
-    double moved = SGT_U * (shared->steep * (fabs(x) + fabs(y)) + fabs(z)) + 0x1p-100 * (1 + shared->steep) * fabs(b->tau_lo[i]);
+    double scale = scale_of(d), x = b->x[i], y = b->y[i], z = b->z[i], far = fabs(x) + fabs(y) + fabs(z),
+           t = h->t[k];
+    double moved = SGT_U * (shared->steep * (fabs(x) + fabs(y)) + fabs(z)) +
+                   0x1p-100 * (1 + shared->steep) * fabs(b->tau_lo[i]);
     double e = (fabs(b->f[i]) + 1.01 * (b->own[i] + moved)) / b->least[i] * (1 + 8 * SGT_U);
     double t_err = larger(h->t_err[k], (fabs(h->t_lo[k]) + e * scale) * (1 + 8 * SGT_U));
     double px = h->p[0][k], py = h->p[1][k], pz = h->p[2][k];
-    double p_err = (fabs(px - x) + fabs(py - y) + fabs(pz - z) + (fabs(d.x) + fabs(d.y) + fabs(d.z)) * scale * e + 1.01 * SGT_U * far) * (1 + 8 * SGT_U);
-    double r2 = px * px + py * py, hidden = 1.01 * ((2 * (fabs(px) + fabs(py)) + p_err) * p_err + 4 * SGT_U * r2);
+    double p_err = (fabs(px - x) + fabs(py - y) + fabs(pz - z) +
+                    (fabs(d.x) + fabs(d.y) + fabs(d.z)) * scale * e + 1.01 * SGT_U * far) *
+                   (1 + 8 * SGT_U);
+    double r2 = px * px + py * py,
+           hidden = 1.01 * ((2 * (fabs(px) + fabs(py)) + p_err) * p_err + 4 * SGT_U * r2);
     bool inside = !(rim2 < HUGE_VAL) || rim2 - r2 > hidden;
-    if (!(h->status[k] == SGT_HIT && b->least[i] > 0 && inside && t - t_err > b->lo[i] && t + t_err < b->hi[i])) return false;
+    if (!(h->status[k] == SGT_HIT && b->least[i] > 0 && inside && t - t_err > b->lo[i] &&
+          t + t_err < b->hi[i]))
+        return false;
     h->t_err[k] = t_err, h->p_err[k] = larger(h->p_err[k], p_err);
     h->evals[k]++;
     return true;
@@ -70,16 +81,19 @@ size_t sgt_unique_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, boo
     for (size_t from = 0, n; from < tile->n; from += n) {
         n = tile->n - from < BLOCK ? tile->n - from : BLOCK;
         const sgt_rays *r = &tile->rays;
-        sgt_rays rays = {.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}};
+        sgt_rays rays = {.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from},
+                         .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}};
         sgt_points p = {{b.x, b.y, b.z}};
         builtin->spans(s.self, &shared, n, rays, (sgt_spans){b.lo, b.hi, b.seed, NULL}, b.least);
-        points_of(&b, n, rays.o[0], rays.o[1], rays.o[2], rays.d[0], rays.d[1], rays.d[2], tile->hits.t + from, tile->hits.t_lo + from);
+        points_of(&b, n, rays.o[0], rays.o[1], rays.o[2], rays.d[0], rays.d[1], rays.d[2],
+                  tile->hits.t + from, tile->hits.t_lo + from);
         s.ops->values(s.self, n, p, (sgt_values){.f = b.f});
         bool all = builtin->roundings && builtin->roundings(s.self, &shared, n, p, b.f, b.own);
         for (size_t i = 0; i < n; i++) {
             size_t k = from + i;
             if (tile->hits.status[k] != SGT_HIT || !(b.least[i] > 0)) continue;
-            if (!all || !(b.own[i] >= 0)) b.own[i] = s.ops->rounding(s.self, (sgt_vec3){b.x[i], b.y[i], b.z[i]});
+            if (!all || !(b.own[i] >= 0))
+                b.own[i] = s.ops->rounding(s.self, (sgt_vec3){b.x[i], b.y[i], b.z[i]});
             proven[k] = proven_by(&b, i, &shared, tile, k, own_rim2);
             count += proven[k];
         }
@@ -97,12 +111,28 @@ bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt
     if (hit->status != SGT_HIT || r2 > rim2) return false;
     signed char status = SGT_HIT;
     bool proven;
-    sgt_tile one = {.n = 1, .rays = {{&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax},
-                    .hits = {.status = &status, .evals = &hit->evals, .t = &hit->t, .t_err = &hit->t_err, .t_lo = &hit->t_lo, .p = {&hit->p.x, &hit->p.y, &hit->p.z}, .p_err = &hit->p_err}};
+    sgt_tile one = {.n = 1,
+                    .rays = {{&ray->o.x, &ray->o.y, &ray->o.z},
+                             {&ray->d.x, &ray->d.y, &ray->d.z},
+                             &ray->tmin,
+                             &ray->tmax},
+                    .hits = {.status = &status,
+                             .evals = &hit->evals,
+                             .t = &hit->t,
+                             .t_err = &hit->t_err,
+                             .t_lo = &hit->t_lo,
+                             .p = {&hit->p.x, &hit->p.y, &hit->p.z},
+                             .p_err = &hit->p_err}};
     if (!sgt_unique_by_slope(s, &one, rim2, &proven)) return false;
     sgt_interval about = sgt_about(hit->t, hit->t_err);
     hit->lo = about.lo, hit->hi = about.hi;
-    sgt_step step = {.eval = hit->evals, .move = SGT_PROBE, .t = hit->t, .f = hit->f, .slope = hit->n.x * ray->d.x + hit->n.y * ray->d.y + hit->n.z * ray->d.z, .lo = about.lo, .hi = about.hi};
+    sgt_step step = {.eval = hit->evals,
+                     .move = SGT_PROBE,
+                     .t = hit->t,
+                     .f = hit->f,
+                     .slope = hit->n.x * ray->d.x + hit->n.y * ray->d.y + hit->n.z * ray->d.z,
+                     .lo = about.lo,
+                     .hi = about.hi};
     if (opt->watch && opt->watch(opt->watch_data, &step)) *hit = hit_without(SGT_STOPPED, ray, hit->evals);
     return true;
 }

@@ -4,10 +4,11 @@
  *     0 is not in g         there is no root in it (nor where F is undefined all over);
  *     0 is not in g'        g is monotone: one root if the signs at the ends differ, none if they agree; the
  *                           signs must be certain, else the end is moved.
- * From afar g is enclosed on a ray that begins near (prove.h, sgt_move_exactly), where there is one.
- * A cell that is neither is halved; where it cannot be, or where g has come within its own rounding,
- * it joins an undecided stretch, that ends with the next cell that is decided: unlike signs at its ends are
- * a crossing, and the hit speaks of the whole stretch; |g| within its rounding all over is a graze.  (Moore 1966; Hansen and Walster 2004, chapter 9.) */
+ * From afar g is enclosed on a ray that begins near (prove.h, sgt_move_exactly), where there is one.  A
+ * cell that is neither is halved; where it cannot be, or where g has come within its own rounding, it joins
+ * an undecided stretch, that ends with the next cell that is decided: unlike signs at its ends are a
+ * crossing, and the hit speaks of the whole stretch; |g| within its rounding all over is a graze.  (Moore
+ * 1966; Hansen and Walster 2004, chapter 9.) */
 #include "move.h"
 #include "walk.h"
 
@@ -15,10 +16,13 @@
 
 static bool excludes_zero(sgt_interval x) { return x.lo > 0 || x.hi < 0; }
 
-/* All over the undecided stretch from `dark` to `to`, where g is in `seen`, g is within its rounding: the ray touches there, as far as can be told. */
+/* All over the undecided stretch from `dark` to `to`, where g is in `seen`, g is within its rounding: the
+ * ray touches there, as far as can be told. */
 static bool cells_touches(walk *w, const point *dark, double to, sgt_interval seen)
 {
-    sgt_root r = {.t = 0.5 * dark->tau + 0.5 * to, .t_err = 0.5 * (to - dark->tau) * (1 + 0x1p-40), .status = SGT_GRAZE};
+    sgt_root r = {.t = 0.5 * dark->tau + 0.5 * to,
+                  .t_err = 0.5 * (to - dark->tau) * (1 + 0x1p-40),
+                  .status = SGT_GRAZE};
     point middle = sgt_walk_look(w, r.t, SGT_PROBE, dark->tau, to);
     if (over(w) || !(larger(-seen.lo, seen.hi) <= 8 * middle.g_err)) return false;
     w->lowest = w->highest = HUGE_VAL; /* g is bounded all over the stretch: no pole */
@@ -30,8 +34,11 @@ void sgt_walk_cells(walk *w, double lo, double hi)
     const local *q = &w->q;
     double tau = lo, h = 0.125 * (hi - lo), past;
     sgt_ray near;
-    double away = fabs(q->t0) > 8 * larger(-lo, hi) ? sgt_move_exactly(w->ray, q->t0 * q->scale, &near) : 0, base = q->t0 - away / q->scale; /* exact: the two are near */
-    point dark = {.tau = lo}, edge = dark; /* [dark, tau] is undecided; edge: of a certain sign, with no root between it and dark */
+    /* exact: the two are near */
+    double away = fabs(q->t0) > 8 * larger(-lo, hi) ? sgt_move_exactly(w->ray, q->t0 * q->scale, &near) : 0,
+           base = q->t0 - away / q->scale;
+    /* [dark, tau] is undecided; edge: of a certain sign, with no root between it and dark */
+    point dark = {.tau = lo}, edge = dark;
     double back = lo;                      /* no root between it and tau */
     sgt_interval seen = {0, 0}; /* g there */
     bool pending = false;
@@ -42,15 +49,19 @@ void sgt_walk_cells(walk *w, double lo, double hi)
         if (!(m > tau && end > m)) m = sgt_next_above(tau), end = sgt_next_above(m);
         /* outward by what t0 + tau and the scale can round */
         double from = (base + tau) * q->scale, to = (base + end) * q->scale;
-        sgt_interval t = {larger(from - 0x1p-52 * fabs(from), -DBL_MAX), to + 0x1p-52 * fabs(to)}, slope = {(double)NAN, (double)NAN};
+        sgt_interval t = {larger(from - 0x1p-52 * fabs(from), -DBL_MAX), to + 0x1p-52 * fabs(to)},
+                     slope = {(double)NAN, (double)NAN};
         if (!(t.hi <= DBL_MAX)) t.hi = DBL_MAX;
         sgt_interval g = w->s.ops->enclose(w->s.self, away != 0 ? &near : w->ray, t, &slope);
-        tell(&w->told, SGT_MARCH, (q->t0 + m) * q->scale, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, (q->t0 + tau) * q->scale, (q->t0 + hi) * q->scale);
-        bool empty = excludes_zero(g) || g.lo > g.hi, monotone = !empty && g.lo <= g.hi && excludes_zero(slope) && slope.lo <= slope.hi;
+        tell(&w->told, SGT_MARCH, (q->t0 + m) * q->scale, 0.5 * g.lo + 0.5 * g.hi,
+             0.5 * slope.lo + 0.5 * slope.hi, (q->t0 + tau) * q->scale, (q->t0 + hi) * q->scale);
+        bool empty = excludes_zero(g) || g.lo > g.hi,
+             monotone = !empty && g.lo <= g.hi && excludes_zero(slope) && slope.lo <= slope.hi;
         point left = {.g = (double)NAN}, right = left;
         int signs = 0;
         if (monotone) {
-            left = sgt_walk_look(w, tau, SGT_MARCH, tau, hi), right = sgt_walk_look(w, end, SGT_MARCH, tau, hi);
+            left = sgt_walk_look(w, tau, SGT_MARCH, tau, hi),
+            right = sgt_walk_look(w, end, SGT_MARCH, tau, hi);
             if (over(w)) break;
             if (!sign_at(&right) && sign_at(&left) && !pending && moved++ < 16) {
                 h *= 0.75;
@@ -58,11 +69,14 @@ void sgt_walk_cells(walk *w, double lo, double hi)
             }
             moved = 0;
             signs = sign_at(&left) * sign_at(&right);
-            if (signs == 0 && tau == lo && w->from_tmin) { /* the start is on the surface, and does not count; a root behind it is one */
+            /* the start is on the surface, and does not count; a root behind it is one */
+            if (signs == 0 && tau == lo && w->from_tmin) {
                 signs = sign_at(&right) * (slope.lo > 0 ? 1 : -1) > 0 ? 1 : 0;
             }
             double most = larger(fabs(left.g) + left.g_err, fabs(right.g) + right.g_err);
-            if (signs == 0 && most <= 4 * larger(-g.lo, g.hi)) { /* undecided, between its ends; unless the slope of `value` is such that its rounding is beyond what encloses g */
+            /* undecided, between its ends; unless the slope of `value` is such that its rounding is beyond
+             * what encloses g */
+            if (signs == 0 && most <= 4 * larger(-g.lo, g.hi)) {
                 monotone = false;
                 g = (sgt_interval){-most, most};
             }
@@ -70,11 +84,15 @@ void sgt_walk_cells(walk *w, double lo, double hi)
         if ((empty || monotone) && pending) { /* the undecided stretch ends here */
             left = sgt_walk_look(w, tau, SGT_PROBE, dark.tau, tau);
             point beyond = left;
-            for (double part = 0x1p-10; empty && part < 1 && !sign_at(&beyond) && !over(w); part *= 8) beyond = sgt_walk_look(w, tau + part * (end - tau), SGT_PROBE, dark.tau, end);
-            bool crossed = !over(w) && sign_at(&edge) * sign_at(&beyond) < 0 && sgt_walk_between(w, &edge, &beyond, &past);
+            for (double part = 0x1p-10; empty && part < 1 && !sign_at(&beyond) && !over(w); part *= 8)
+                beyond = sgt_walk_look(w, tau + part * (end - tau), SGT_PROBE, dark.tau, end);
+            bool crossed = !over(w) && sign_at(&edge) * sign_at(&beyond) < 0 &&
+                           sgt_walk_between(w, &edge, &beyond, &past);
             if (over(w) && !crossed) break;
-            if (crossed) sgt_list_cover(w->list, (q->t0 + edge.tau) * q->scale, (q->t0 + beyond.tau) * q->scale);
-            else if (sign_at(&edge) * sign_at(&beyond) < 0 || !cells_touches(w, &dark, tau, seen)) sgt_walk_stretch(w, SGT_UNPROVEN, dark.tau, tau);
+            if (crossed)
+                sgt_list_cover(w->list, (q->t0 + edge.tau) * q->scale, (q->t0 + beyond.tau) * q->scale);
+            else if (sign_at(&edge) * sign_at(&beyond) < 0 || !cells_touches(w, &dark, tau, seen))
+                sgt_walk_stretch(w, SGT_UNPROVEN, dark.tau, tau);
             pending = false, back = tau;
         } else if (empty) {
             back = tau, tau = end, h *= 1.5;
@@ -90,14 +108,17 @@ void sgt_walk_cells(walk *w, double lo, double hi)
         } else {
             point middle = {.g = (double)NAN};
             if (h <= 0x1p-20 * (hi - lo)) middle = sgt_walk_look(w, m, SGT_MARCH, tau, hi);
-            bool noise = !isnan(middle.g) && g.hi - g.lo <= (sign_at(&middle) ? 3 : 8) * middle.g_err; /* 3: halves would not be narrower */
+            /* 3: halves would not be narrower */
+            bool noise = !isnan(middle.g) && g.hi - g.lo <= (sign_at(&middle) ? 3 : 8) * middle.g_err;
             double least = 0x1p-52 * fabs(m) + 0x1p-53 * fabs(base) + 0x1p-90 * (hi - lo);
             if (h > least && !noise && isnan(left.g)) {
                 h *= 0.5;
             } else {
                 if (!pending) {
                     dark = edge = sgt_walk_look(w, tau, SGT_PROBE, tau, end), seen = g;
-                    for (double part = 0x1p-10; back < tau && part < 1 && !sign_at(&edge) && !over(w); part *= 8) edge = sgt_walk_look(w, tau - part * (tau - back), SGT_PROBE, back, end);
+                    for (double part = 0x1p-10; back < tau && part < 1 && !sign_at(&edge) && !over(w);
+                         part *= 8)
+                        edge = sgt_walk_look(w, tau - part * (tau - back), SGT_PROBE, back, end);
                 }
                 if (!(g.lo >= seen.lo)) seen.lo = g.lo;
                 if (!(g.hi <= seen.hi)) seen.hi = g.hi;
@@ -107,6 +128,7 @@ void sgt_walk_cells(walk *w, double lo, double hi)
         }
     }
     if (w->found) return;
-    if (over(w)) sgt_walk_stretch(w, w->told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, pending ? dark.tau : tau, hi);
+    if (over(w))
+        sgt_walk_stretch(w, w->told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, pending ? dark.tau : tau, hi);
     else if (pending && !cells_touches(w, &dark, hi, seen)) sgt_walk_stretch(w, SGT_UNPROVEN, dark.tau, hi);
 }

@@ -4,19 +4,21 @@
  * error-free products and sums, to the surface's own guess, or the middle of its span, or the point of
  * the ray nearest the origin of its frame (walk.c evaluates F there).
  *
- * One root (span.single, or the root near the seed): the quick form (step.h), where there is a seed; where that has
- * no answer the solver of solve/root.c, in the span.
+ * One root (span.single, or the root near the seed): the quick form (step.h), where there is a seed; where
+ * that has no answer the solver of solve/root.c, in the span.
  *
- * The root of a sag that may have several: along the stretch of the ray on which F is monotone (vicinity.h), as one root.
+ * The root of a sag that may have several: along the stretch of the ray on which F is monotone
+ * (vicinity.h), as one root.
  *
- * The first of several: where the surface can tell where that is (`first`), as one root.  That failing, or all of them: by the
- * surface's enclosure (cells.c), where it has one and the stretch is finite; the surfaces that are built in and do not answer by
- * themselves go by prove.c, which needs no ends.  Else a march.  Its steps are the clearance, where that is above dt_min: nothing can be missed in
- * those; or dt_min, or the estimate, where dt_min is given: something can.  Two neighbours of unlike sign
- * are a bracket.  Two of like sign between which |F| first falls and then rises hold a minimum of |F|:
- * where the tangents at the two meet beyond zero it is searched by bisecting the sign of the slope, and
- * a change of sign found on the way is a bracket again.  What is thinner than a step and is not
- * announced by the slopes is not seen; so a march with such steps that finds nothing is UNPROVEN.
+ * The first of several: where the surface can tell where that is (`first`), as one root.  That failing, or
+ * all of them: by the surface's enclosure (cells.c), where it has one and the stretch is finite; the
+ * surfaces that are built in and do not answer by themselves go by prove.c, which needs no ends.  Else a
+ * march.  Its steps are the clearance, where that is above dt_min: nothing can be missed in those; or
+ * dt_min, or the estimate, where dt_min is given: something can.  Two neighbours of unlike sign are a
+ * bracket.  Two of like sign between which |F| first falls and then rises hold a minimum of |F|: where the
+ * tangents at the two meet beyond zero it is searched by bisecting the sign of the slope, and a change of
+ * sign found on the way is a bracket again.  What is thinner than a step and is not announced by the slopes
+ * is not seen; so a march with such steps that finds nothing is UNPROVEN.
  *
  * Toward a far end at infinity the steps go on until the ray is farther from the origin of the surface's
  * frame than where it starts from (a surface is written about its origin, and looked at from outside); from
@@ -39,7 +41,8 @@ static bool dips(walk *w, point a, point b, point *m)
     int sign = sign_at(&a);
     for (int i = 0; i < 60 && !over(w); i++) {
         if (!dip_of(mark_of(&a), mark_of(&b))) return false;
-        *m = sgt_walk_look(w, (i & 1) ? 0.5 * (a.tau + b.tau) : tangents_meet(mark_of(&a), mark_of(&b)), SGT_MARCH, a.tau, b.tau);
+        *m = sgt_walk_look(w, (i & 1) ? 0.5 * (a.tau + b.tau) : tangents_meet(mark_of(&a), mark_of(&b)),
+                           SGT_MARCH, a.tau, b.tau);
         if (isnan(m->g) || sign * m->g < 0 || !sign_at(m)) return !isnan(m->g);
         if (sign * m->at.slope < 0) a = *m;
         else b = *m;
@@ -63,7 +66,8 @@ static void search_step(walk *w, const point *a, const point *b)
         if (!over(w)) sgt_walk_between(w, &m, b, &past);
         return;
     }
-    sgt_root r = sgt_walk_begin(w, (sgt_span){.lo = c.tau, .hi = b->tau, .seed = m.tau}); /* touches as far as can be told */
+    /* touches as far as can be told */
+    sgt_root r = sgt_walk_begin(w, (sgt_span){.lo = c.tau, .hi = b->tau, .seed = m.tau});
     if (sgt_walk_sign(w, &c)) sgt_root_tell(&r, c.tau, c.g);
     point at = m;
     r = sgt_walk_solve(w, r, &at);
@@ -95,7 +99,9 @@ static bool search_march(walk *w, double lo, double hi, double dt, double growth
             if (next > hi) return false;
         }
         b = sgt_walk_glance(w, next, SGT_MARCH, a.tau, hi, all);
-        if (!sign_at(&b) && !isnan(b.g) && next < hi) b = sgt_walk_look(w, next - 0.01 * (next - a.tau), SGT_MARCH, a.tau, hi); /* on a root: from beside it */
+        /* on a root: from beside it */
+        if (!sign_at(&b) && !isnan(b.g) && next < hi)
+            b = sgt_walk_look(w, next - 0.01 * (next - a.tau), SGT_MARCH, a.tau, hi);
         if (!sign_at(&a) && !isnan(a.g)) { /* the start is on the surface: from just behind it */
             double off = smaller(8 * (fabs(a.g) + a.g_err) / fabs(a.at.slope), 0.25 * (next - a.tau));
             a = sgt_walk_look(w, a.tau + (off > 0 ? off : 0.25 * (next - a.tau)), SGT_MARCH, a.tau, hi);
@@ -116,9 +122,12 @@ static void steps(walk *w, double lo, double hi, double nearest)
     double end = hi;
     bool far = !isfinite(hi), more = true;
     int before = w->list->count;
-    if (!isfinite(lo)) lo = nearest - sqrt(ray->o.x * ray->o.x + ray->o.y * ray->o.y + ray->o.z * ray->o.z) / length - w->q.t0;
+    if (!isfinite(lo))
+        lo = nearest - sqrt(ray->o.x * ray->o.x + ray->o.y * ray->o.y + ray->o.z * ray->o.z) / length -
+             w->q.t0;
     if (far) end = far_end(ray->o, w->q.l, w->q.m, w->q.n, w->q.t0, nearest, lo);
-    double dt = opt->dt_min > 0 ? opt->dt_min / w->q.scale : (end - lo) * (w->s.ops->clearance ? 0x1p-20 : 1.0 / MARCH_STEPS);
+    double dt = opt->dt_min > 0 ? opt->dt_min / w->q.scale
+                                : (end - lo) * (w->s.ops->clearance ? 0x1p-20 : 1.0 / MARCH_STEPS);
     w->uncertain = far || lo != from;
     if (lo < end) more = search_march(w, lo, end, dt, 1, &reached);
     if (more && far) { /* grows to 1e22 times the first */
@@ -127,11 +136,13 @@ static void steps(walk *w, double lo, double hi, double nearest)
     }
     if (w->found) return;
     if (over(w)) sgt_walk_stretch(w, w->told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, reached, hi);
-    else if (w->list->count == before && w->told.evals && !w->defined) sgt_walk_stretch(w, SGT_UNDEFINED, from, hi);
+    else if (w->list->count == before && w->told.evals && !w->defined)
+        sgt_walk_stretch(w, SGT_UNDEFINED, from, hi);
     else if (w->list->count == before && w->uncertain) sgt_walk_stretch(w, SGT_UNPROVEN, from, hi);
 }
 
-/* The quick form, where there is a seed, or one root at most in a stretch with two ends; true: it has the answer. */
+/* The quick form, where there is a seed, or one root at most in a stretch with two ends; true: it has the
+ * answer. */
 static bool quickly(walk *w, const approach *a, bool single)
 {
     point at = {.tau = (double)NAN};
@@ -193,12 +204,15 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     return told;
 }
 
-/* An end at infinity made one of 16 times as far from the point nearest the frame's origin as the ray begins: solve/root.c would take samples
- * among the floating-point numbers, which depends on the unit of length.  What is beyond is left to prove.c. */
+/* An end at infinity made one of 16 times as far from the point nearest the frame's origin as the ray
+ * begins: solve/root.c would take samples among the floating-point numbers, which depends on the unit of
+ * length.  What is beyond is left to prove.c. */
 static void cut_to_reach(const approach *a, const sgt_ray *ray, sgt_span *s)
 {
     const sgt_vec3 o = ray->o;
-    double away = 16 * sqrt(o.x * o.x + o.y * o.y + o.z * o.z) / sqrt(a->q.l * a->q.l + a->q.m * a->q.m + a->q.n * a->q.n), nearest = a->nearest - a->q.t0;
+    double away = 16 * sqrt(o.x * o.x + o.y * o.y + o.z * o.z) /
+                  sqrt(a->q.l * a->q.l + a->q.m * a->q.m + a->q.n * a->q.n),
+           nearest = a->nearest - a->q.t0;
     if (!(away < HUGE_VAL)) return;
     if (s->lo == -HUGE_VAL && nearest - away < s->hi) s->lo = nearest - away;
     if (s->hi == HUGE_VAL && nearest + away > s->lo) s->hi = nearest + away;
@@ -242,14 +256,17 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
             sgt_span cut = {.lo = lo, .hi = hi, .seed = seed, .single = span.single};
             if (is_catalogue(s.ops) && !span.single) cut_to_reach(&a, ray, &cut);
             sgt_root r = sgt_walk_solve(&w, sgt_walk_begin(&w, cut), &at);
-            if (is_catalogue(s.ops) && r.status == SGT_GRAZE) r.status = SGT_UNPROVEN; /* prove.c knows how far it touches */
+            /* prove.c knows how far it touches */
+            if (is_catalogue(s.ops) && r.status == SGT_GRAZE) r.status = SGT_UNPROVEN;
             bool taken = sgt_walk_take(&w, &r, at);
-            if (taken || (span.single && (r.status == SGT_MISS || (r.status > 0 && w.off)))) return w.told.evals - w.told.before;
+            if (taken || (span.single && (r.status == SGT_MISS || (r.status > 0 && w.off))))
+                return w.told.evals - w.told.before;
         }
     }
     if (over(&w)) sgt_walk_stretch(&w, w.told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, lo, hi);
     else if (is_catalogue(s.ops) && s.ops->enclose) sgt_prove_rest(s, ray, &w.told, all, near, list);
-    else if (s.ops->enclose && isfinite(lo) && isfinite(hi) && !(opt->dt_min > 0 && s.ops->estimate)) sgt_walk_cells(&w, lo, hi);
+    else if (s.ops->enclose && isfinite(lo) && isfinite(hi) && !(opt->dt_min > 0 && s.ops->estimate))
+        sgt_walk_cells(&w, lo, hi);
     else if (isfinite(lo) || near) steps(&w, lo, hi, a.nearest);
     else sgt_walk_stretch(&w, SGT_UNPROVEN, lo, hi);
     return w.told.evals - w.told.before;

@@ -25,7 +25,8 @@ static sgt_hit proven(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {
     sgt_hit hit = s.ops->own_->meet(s.self, ray, opt);
     ends_unproven(&hit, opt);
-    if ((hit.status > 0 || hit.status == SGT_UNPROVEN) && asks_unique(opt)) sgt_prove_unique(s, ray, HUGE_VAL, opt, &hit);
+    if ((hit.status > 0 || hit.status == SGT_UNPROVEN) && asks_unique(opt))
+        sgt_prove_unique(s, ray, HUGE_VAL, opt, &hit);
     return hit;
 }
 

@@ -1,22 +1,27 @@
-/* ray/lanes.c - many rays and a surface that is met by its operations: the quick form of step.h with loops around it.
+/* ray/lanes.c - many rays and a surface that is met by its operations: the quick form of step.h with loops
+ * around it.
  *
- * Rays are taken LANES at a time, a number of each in a row of its own.  What the single ray does step by step is done
- * here phase by phase, each phase on the lanes that are still in it, moved to the front of the rows:
+ * Rays are taken LANES at a time, a number of each in a row of its own.  What the single ray does step by
+ * step is done here phase by phase, each phase on the lanes that are still in it, moved to the front of the
+ * rows:
  *     approach   the span, and the ray made local;
- *     march      where the first of several roots is wanted: equal steps, until two neighbours have unlike signs;
+ *     march      where the first of several roots is wanted: equal steps, until two neighbours have unlike
+ *                signs;
  *     Newton     from the seed, or from the secant of the two;
  *     ends       where that has failed and there is one root at most: the signs at the ends of the span;
- *     probes     the signs beside the root; where the slope along the span is bounded from below, that instead;
+ *     probes     the signs beside the root; where the slope along the span is bounded from below, that
+ *                instead;
  *     taking     does it count, and what is told of it.
- * In each, the points are made (by the loop before, where it can), `values` is called for all of them at once, and a loop or two
- * look at the answers.
- * What a loop chooses by is a number and not a truth value, and two choices by the same condition are in two loops: so gcc
- * makes vector code of them, and not branches.  Lanes that are done and not yet moved away are asked again where they stand, and told nothing new; they are moved as soon as
- * a quarter of the lanes are done.
+ * In each, the points are made (by the loop before, where it can), `values` is called for all of them at
+ * once, and a loop or two look at the answers.  What a loop chooses by is a number and not a truth value,
+ * and two choices by the same condition are in two loops: so gcc makes vector code of them, and not
+ * branches.  Lanes that are done and not yet moved away are asked again where they stand, and told nothing
+ * new; they are moved as soon as a quarter of the lanes are done.
  *
- * A lane never changes its neighbour: no statement but those of the moves has two of them in it.  A lane for which
- * the quick form has no answer is left to the single ray.  No point is asked for outside the stretch that is
- * searched, and no ray shown to the surface that the single ray's door would have turned away. */
+ * A lane never changes its neighbour: no statement but those of the moves has two of them in it.  A lane
+ * for which the quick form has no answer is left to the single ray.  No point is asked for outside the
+ * stretch that is searched, and no ray shown to the surface that the single ray's door would have turned
+ * away. */
 #include "../solve/root.h"
 #include "general.h"
 #include "../solve/step.h"
@@ -35,7 +40,9 @@ typedef struct lanes {
     _Alignas(64) row x;              /* the ray made local; each row begins a line of the cache */
     row y, z, l, m, n, t0, scale;
     row tmin, tmax, t_tol, lo, hi, single;
-    row tau, last, first, evals;     /* last: the size of the step before, of a root the slope; first: |g| where the search began, < 0: not yet known */
+    /* last: the size of the step before, of a root the slope; first: |g| where the search began, < 0: not
+     * yet known */
+    row tau, last, first, evals;
     row f, fx, fy, fz, g_err;        /* F at tau, the gradient, and how far F may be off */
     union { row at, left; };         /* of a march: the point before, and F there; of a root: beside it */
     union { row g, right; };
@@ -48,7 +55,8 @@ typedef struct lanes {
     row slot, state, least;          /* least: of |g'| along the span, where that is known; else 0 */
     row noise0, noise1;              /* of a sag without a rim, as most2: vicinity.h */
     row qf, qx, qy, qz;              /* F beside a root; what one loop leaves to the next */
-    double none;                     /* 0, of around_of: here, because after a call gcc knows of nothing that is here */
+    /* 0, of around_of: here, because after a call gcc knows of nothing that is here */
+    double none;
 } lanes;
 
 enum { MOVED = offsetof(lanes, qf) / sizeof(row) };
@@ -69,7 +77,9 @@ typedef struct lanes_job {
     sgt_shared bare;    /* bare_of shared */
     bool rows;          /* what the departure adds to the rounding is each lane's own */
     lanes *a;
-    sgt_points points;  /* what `values` is handed, made once: a copy of what has just been written in smaller pieces must wait for it */
+    /* what `values` is handed, made once: a copy of what has just been written in smaller pieces must wait
+     * for it */
+    sgt_points points;
     sgt_values f, q;    /* F at tau; F beside a root */
 } lanes_job;
 
@@ -116,24 +126,30 @@ static void points(lanes *a, size_t n, const double *tau)
 
 /* The slope, and what rounding of the point does to F. */
 SGT_KERNEL
-static void around_all(const lanes *a, size_t n, const double *tau, const double *fx, const double *fy, const double *fz, double *slope, double *g_err, double none)
+static void around_all(const lanes *a, size_t n, const double *tau, const double *fx, const double *fy,
+                       const double *fz, double *slope, double *g_err, double none)
 {
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
-        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i], (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){fx[i], fy[i], fz[i]}, none);
+        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i],
+                              (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){fx[i], fy[i], fz[i]},
+                              none);
         slope[i] = at.slope, g_err[i] = at.place;
     }
 }
 
 /* The same; how many are so near the root that the surface's own rounding is to be asked for. */
 SGT_KERNEL
-static double around_close(const lanes *a, size_t n, const double *tau, const sgt_values *f, double *slope, double *g_err, const double *last, double f_tol)
+static double around_close(const lanes *a, size_t n, const double *tau, const sgt_values *f, double *slope,
+                           double *g_err, const double *last, double f_tol)
 {
     const double *g = f->f, *fx = f->grad[0], *fy = f->grad[1], *fz = f->grad[2];
     double none = a->none, near = 0;
 #pragma omp simd reduction(+ : near)
     for (size_t i = 0; i < n; i++) {
-        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i], (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){fx[i], fy[i], fz[i]}, none);
+        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i],
+                              (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){fx[i], fy[i], fz[i]},
+                              none);
         near += close_of(g[i], at.slope, at.place, last[i], f_tol) ? 1.0 : 0.0;
         slope[i] = at.slope, g_err[i] = at.place;
     }
@@ -158,11 +174,14 @@ static void lanes_ask(lanes_job *w, size_t n, const sgt_values *out)
 
 /* Where the surface's own is to be asked for (all, where last is NULL). */
 SGT_KERNEL
-static void add_roundings(size_t n, const double *restrict f, const double *restrict slope, const double *restrict last, double f_tol, const double *restrict own, double *restrict g_err)
+static void add_roundings(size_t n, const double *restrict f, const double *restrict slope,
+                          const double *restrict last, double f_tol, const double *restrict own,
+                          double *restrict g_err)
 {
     if (last) {
         _Pragma("omp simd") for (size_t i = 0; i < n; i++) {
-            double bound = own[i] >= 0 ? own[i] : HUGE_VAL, close = close_of(f[i], slope[i], g_err[i], last[i], f_tol) ? 1.0 : 0.0;
+            double bound = own[i] >= 0 ? own[i] : HUGE_VAL,
+                   close = close_of(f[i], slope[i], g_err[i], last[i], f_tol) ? 1.0 : 0.0;
             g_err[i] += close != 0 ? bound : 0;
         }
     } else {
@@ -174,11 +193,15 @@ SGT_KERNEL
 static void add_noise(const lanes *a, size_t n, double *own)
 {
 #pragma omp simd
-    for (size_t i = 0; i < n; i++) own[i] += vicinity_noise(a->noise0[i], a->noise1[i], a->most2[i], a->px[i] * a->px[i] + a->py[i] * a->py[i]);
+    for (size_t i = 0; i < n; i++)
+        own[i] += vicinity_noise(a->noise0[i], a->noise1[i], a->most2[i],
+                                 a->px[i] * a->px[i] + a->py[i] * a->py[i]);
 }
 
-/* The slope, which may be the first of the gradient, and how far F may be off; last as for close_of, NULL: always. */
-static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f, double *slope, double *g_err, const double *last)
+/* The slope, which may be the first of the gradient, and how far F may be off; last as for close_of, NULL:
+ * always. */
+static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f, double *slope,
+                  double *g_err, const double *last)
 {
     const sgt_surface_ops *ops = w->s.ops;
     const lanes *a = w->a;
@@ -186,7 +209,8 @@ static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f
     else if (around_close(a, n, tau, f, slope, g_err, last, w->opt->f_tol) == 0) return;
     if (!ops->rounding) return;
     double own[LANES], none = is_catalogue(ops) ? HUGE_VAL : 0; /* what a bound that is none comes to */
-    if (is_catalogue(ops) && ops->own_->roundings && ops->own_->roundings(w->s.self, w->rows ? &w->bare : &w->shared, n, w->points, f->f, own)) {
+    if (is_catalogue(ops) && ops->own_->roundings &&
+        ops->own_->roundings(w->s.self, w->rows ? &w->bare : &w->shared, n, w->points, f->f, own)) {
         if (w->rows) add_noise(a, n, own);
         for (size_t i = 0; i < n; i++) /* seldom: beyond the rim */
             if (!(own[i] >= 0)) own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
@@ -233,8 +257,8 @@ static double nearby_asked(const lanes *a, size_t n, double *asked)
     return some;
 }
 
-/* Of sags, where several roots may be along the whole of a ray: the stretch on which F is monotone.  No root there is no
- * miss: such a lane is not single.  The rows of the rays made local are not yet needed. */
+/* Of sags, where several roots may be along the whole of a ray: the stretch on which F is monotone.  No
+ * root there is no miss: such a lane is not single.  The rows of the rays made local are not yet needed. */
 static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
 {
     lanes *a = w->a;
@@ -258,7 +282,8 @@ static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
     bool single[LANES];
     for (size_t i = 0; i < n; i++) a->least[i] = a->evals[i] = 0;
     if (ops->first && w->near == 0) {
-        const double *o[] = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, *d[] = {r->d[0] + from, r->d[1] + from, r->d[2] + from};
+        const double *o[] = {r->o[0] + from, r->o[1] + from, r->o[2] + from},
+                     *d[] = {r->d[0] + from, r->d[1] + from, r->d[2] + from};
         sgt_rays rays = {{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, a->tmin, a->tmax};
         if (ops->firsts) ops->firsts(w->s.self, n, rays, (sgt_spans){a->lo, a->hi, a->seed, single});
         for (size_t i = 0; i < n && !ops->firsts; i++) {
@@ -280,17 +305,23 @@ static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
         return;
     }
     if (ops->spans && ops->span) { /* alone they are not read, as sgt_intersect would not */
-        ops->spans(w->s.self, n, (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from}, .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
+        ops->spans(w->s.self, n,
+                   (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from},
+                              .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
                    (sgt_spans){a->lo, a->hi, a->seed, single});
         lanes_widen(n, a->single, single);
         return;
     }
     for (size_t i = 0; i < n; i++) {
         size_t k = from + i;
-        sgt_ray ray = {{r->o[0][k], r->o[1][k], r->o[2][k]}, {r->d[0][k], r->d[1][k], r->d[2][k]}, a->tmin[i], a->tmax[i]};
+        sgt_ray ray = {{r->o[0][k], r->o[1][k], r->o[2][k]},
+                       {r->d[0][k], r->d[1][k], r->d[2][k]},
+                       a->tmin[i],
+                       a->tmax[i]};
         sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
         if (ops->span) span = ops->span(w->s.self, &ray);
-        a->lo[i] = span.lo, a->hi[i] = span.hi, a->seed[i] = span.seed, a->single[i] = span.single ? 1.0 : 0.0;
+        a->lo[i] = span.lo, a->hi[i] = span.hi, a->seed[i] = span.seed,
+        a->single[i] = span.single ? 1.0 : 0.0;
     }
 }
 
@@ -298,7 +329,8 @@ SGT_INLINE void make_local(const lanes_job *w, const sgt_tile *tile, size_t from
 {
     lanes *a = w->a;
     const double *ox = tile->rays.o[0] + from, *oy = tile->rays.o[1] + from, *oz = tile->rays.o[2] + from;
-    const double *dx = tile->rays.d[0] + from, *dy = tile->rays.d[1] + from, *dz = tile->rays.d[2] + from, *t_tol = tile->t_tol + from;
+    const double *dx = tile->rays.d[0] + from, *dy = tile->rays.d[1] + from, *dz = tile->rays.d[2] + from,
+                 *t_tol = tile->t_tol + from;
     double back = w->back;
     bool slopes = w->slopes;
 #pragma omp simd
@@ -306,7 +338,8 @@ SGT_INLINE void make_local(const lanes_job *w, const sgt_tile *tile, size_t from
         sgt_vec3 o = {ox[i], oy[i], oz[i]}, d = {dx[i], dy[i], dz[i]};
         approach at = approach_of(o, d, a->tmin[i], a->tmax[i], a->lo[i], a->hi[i], a->seed[i], back,
                                   everywhere, slopes & (a->least[i] > 0));
-        a->f[i] = (at.seeded ? 1.0 : 0.0) + (at.middle ? 0.5 : 0.0), a->fx[i] = (at.passes ? 0.0 : 1.0) + (at.known ? 0.0 : 2.0);
+        a->f[i] = (at.seeded ? 1.0 : 0.0) + (at.middle ? 0.5 : 0.0),
+        a->fx[i] = (at.passes ? 0.0 : 1.0) + (at.known ? 0.0 : 2.0);
         a->x[i] = at.q.x, a->y[i] = at.q.y, a->z[i] = at.q.z;
         a->l[i] = at.q.l, a->m[i] = at.q.m, a->n[i] = at.q.n;
         a->t0[i] = at.q.t0, a->scale[i] = at.q.scale;
@@ -326,7 +359,8 @@ static double approach_lanes(const lanes_job *w, const sgt_tile *tile, size_t fr
     double near = w->near, walks_from = w->walks_from, starting = 0;
     if (walks_from < HUGE_VAL && !w->s.ops->span) make_local(w, tile, from, n, true);
     else make_local(w, tile, from, n, false);
-    /* gcc makes vector code of two loops where in one the same conditions, chosen by and asked again, are branches to it */
+    /* gcc makes vector code of two loops where in one the same conditions, chosen by and asked again, are
+     * branches to it */
 #pragma omp simd reduction(+ : starting)
     for (size_t i = 0; i < n; i++) {
         double single = a->single[i], one = single + near + a->least[i];
@@ -350,43 +384,57 @@ static void march_begin(lanes *a, size_t n, double dt_min, bool everywhere)
 {
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
-        double lo = a->lo[i], end = a->hi[i] < HUGE_VAL ? a->hi[i] : everywhere ? a->end[i] : HUGE_VAL, given = dt_min / a->scale[i], own = (end - lo) * (1.0 / MARCH_STEPS);
+        double lo = a->lo[i],
+               end = a->hi[i] < HUGE_VAL ? a->hi[i]
+                     : everywhere        ? a->end[i]
+                                         : HUGE_VAL,
+               given = dt_min / a->scale[i], own = (end - lo) * (1.0 / MARCH_STEPS);
         a->end[i] = end;
         a->dt[i] = dt_min > 0 ? given : own;
         double state = end < HUGE_VAL ? a->state[i] : (double)SGT_HARD;
         a->state[i] = lo < end ? state : (double)SGT_HARD;
         a->tau[i] = lo, a->defined[i] = 0;
-        a->at[i] = -HUGE_VAL, a->g[i] = (double)NAN, a->slope[i] = a->sign[i] = 0; /* no step before the first */
+        /* no step before the first */
+        a->at[i] = -HUGE_VAL, a->g[i] = (double)NAN, a->slope[i] = a->sign[i] = 0;
     }
 }
 
-SGT_INLINE mark lanes_before(const lanes *a, size_t i) { return (mark){a->at[i], a->g[i], a->slope[i], a->sign[i]}; }
+SGT_INLINE mark lanes_before(const lanes *a, size_t i)
+{
+    return (mark){a->at[i], a->g[i], a->slope[i], a->sign[i]};
+}
 SGT_INLINE mark after(const lanes *a, size_t i) { return (mark){a->tau[i], a->f[i], a->qx[i], a->qf[i]}; }
 
-/* As many as fill the registers: a few lanes by themselves cost as much as all of those.  What lies behind n is in another phase. */
+/* As many as fill the registers: a few lanes by themselves cost as much as all of those.  What lies behind
+ * n is in another phase. */
 SGT_INLINE size_t filled(size_t n) { return (n + ABREAST - 1) / ABREAST * ABREAST; }
 
-/* What the step to tau has shown, and the next; k of them were taken.  A lane that stands before a valley waits for
- * march_over.  known: as for Newton's steps, below.  Returns how many go on. */
+/* What the step to tau has shown, and the next; k of them were taken.  A lane that stands before a valley
+ * waits for march_over.  known: as for Newton's steps, below.  Returns how many go on. */
 SGT_INLINE double march_steps(lanes *a, size_t n, double k, bool known, double none)
 {
     double more = 0;
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < filled(n); i++) {
         double x = a->x[i], y = a->y[i], z = a->z[i], l = a->l[i], m = a->m[i], dn = a->n[i];
-        double f = a->f[i], tau = a->tau[i], end = a->end[i], defined = a->defined[i], phase = a->state[i], slope, g_err;
+        double f = a->f[i], tau = a->tau[i], end = a->end[i], defined = a->defined[i], phase = a->state[i],
+               slope, g_err;
         if (known) {
             slope = a->qx[i], g_err = a->g_err[i];
         } else {
-            around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
+            around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]},
+                                  (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
             slope = at.slope, g_err = at.place;
         }
         mark was = lanes_before(a, i);
-        double sign = sign_of(f, g_err), both = was.sign * sign, falls = -was.sign * was.slope, rises = was.sign * slope, next = a->lo[i] + (k + 1) * a->dt[i];
-        double valley = falls < rises ? falls : rises, told = fabs(sign) + (f == f ? 0.0 : 1.0) + (tau < end ? 0.0 : 1.0);
+        double sign = sign_of(f, g_err), both = was.sign * sign, falls = -was.sign * was.slope,
+               rises = was.sign * slope, next = a->lo[i] + (k + 1) * a->dt[i];
+        double valley = falls < rises ? falls : rises,
+               told = fabs(sign) + (f == f ? 0.0 : 1.0) + (tau < end ? 0.0 : 1.0);
         valley = both < valley ? both : valley;
         defined = f == f ? 1.0 : defined;
-        double seen = defined != 0 ? (double)SGT_UNPROVEN : (double)SGT_UNDEFINED, state = tau < end ? (double)MARCH : seen;
+        double seen = defined != 0 ? (double)SGT_UNPROVEN : (double)SGT_UNDEFINED,
+               state = tau < end ? (double)MARCH : seen;
         state = both < 0 ? (double)NEWTON : state;
         state = valley > 0 ? (double)VALLEY : state;
         state = told == 0 ? (double)SGT_HARD : state;
@@ -408,7 +456,10 @@ SGT_INLINE double march_steps(lanes *a, size_t n, double k, bool known, double n
 }
 
 SGT_KERNEL
-static double march_step(lanes *a, size_t n, double k, double none) { return march_steps(a, n, k, false, none); }
+static double march_step(lanes *a, size_t n, double k, double none)
+{
+    return march_steps(a, n, k, false, none);
+}
 SGT_KERNEL
 static double march_step_known(lanes *a, size_t n, double k) { return march_steps(a, n, k, true, 0); }
 
@@ -449,7 +500,8 @@ static void lanes_bracket(lanes *a, size_t n)
 {
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
-        double at = a->at[i], tau = a->tau[i], g = a->g[i], f = a->f[i], width = tau - at, gm = fabs(g), gb = fabs(f);
+        double at = a->at[i], tau = a->tau[i], g = a->g[i], f = a->f[i], width = tau - at, gm = fabs(g),
+               gb = fabs(f);
         double seed = secant_of((mark){.tau = at, .g = g}, (mark){.tau = tau, .g = f}), state = a->state[i];
         bool crossed = state == NEWTON;
         double start = seed > at ? (double)NEWTON : (double)SGT_HARD;
@@ -473,7 +525,8 @@ static void lanes_march(lanes_job *w, size_t n)
     n = front(w, n, MARCH);
     for (double k = 0; n > 0; k++) {
         if (k + 1 >= w->budget) { /* spent, but for what would be needed to confirm a root */
-            for (size_t i = 0; i < n; i++) a->state[i] = a->state[i] == MARCH ? (double)SGT_HARD : a->state[i];
+            for (size_t i = 0; i < n; i++)
+                a->state[i] = a->state[i] == MARCH ? (double)SGT_HARD : a->state[i];
             break;
         }
         double more;
@@ -504,8 +557,9 @@ static void newton_begin(lanes *a, size_t n)
     }
 }
 
-/* The step, and the points it leads to; how many go on.  known: the slope is in qx, and g_err is there.  What a lane that is
- * done is not to do is told by numbers that change nothing, and not by leaving a row as it is: that would be a branch. */
+/* The step, and the points it leads to; how many go on.  known: the slope is in qx, and g_err is there.
+ * What a lane that is done is not to do is told by numbers that change nothing, and not by leaving a row as
+ * it is: that would be a branch. */
 SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, bool known, double none)
 {
     double more = 0, again = last_one ? FAILED : NEWTON;
@@ -516,7 +570,8 @@ SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, 
         if (known) {
             slope = a->qx[i], g_err = a->g_err[i];
         } else {
-            around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
+            around at = around_of(x, y, z, l, m, dn, tau, (sgt_vec3){a->px[i], a->py[i], a->pz[i]},
+                                  (sgt_vec3){a->fx[i], a->fy[i], a->fz[i]}, none);
             slope = at.slope, g_err = at.place;
         }
         newton s = newton_of(f, slope, g_err, tau, last, a->lo[i], a->hi[i], a->t_tol[i], f_tol);
@@ -537,9 +592,15 @@ SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, 
 }
 
 SGT_KERNEL
-static double newton_step(lanes *a, size_t n, bool last_one, double f_tol, double none) { return newton_steps(a, n, last_one, f_tol, false, none); }
+static double newton_step(lanes *a, size_t n, bool last_one, double f_tol, double none)
+{
+    return newton_steps(a, n, last_one, f_tol, false, none);
+}
 SGT_KERNEL
-static double newton_step_known(lanes *a, size_t n, bool last_one, double f_tol) { return newton_steps(a, n, last_one, f_tol, true, 0); }
+static double newton_step_known(lanes *a, size_t n, bool last_one, double f_tol)
+{
+    return newton_steps(a, n, last_one, f_tol, true, 0);
+}
 
 static void solve(lanes_job *w, size_t n)
 {
@@ -567,7 +628,9 @@ static void sign_all(const lanes *a, size_t n, const double *tau, double *sign, 
 {
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
-        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i], (sgt_vec3){a->px[i], a->py[i], a->pz[i]}, (sgt_vec3){a->qx[i], a->qy[i], a->qz[i]}, none);
+        around at = around_of(a->x[i], a->y[i], a->z[i], a->l[i], a->m[i], a->n[i], tau[i],
+                              (sgt_vec3){a->px[i], a->py[i], a->pz[i]},
+                              (sgt_vec3){a->qx[i], a->qy[i], a->qz[i]}, none);
         sign[i] = sign_of(a->qf[i], at.place);
     }
 }
@@ -623,8 +686,8 @@ SGT_NOINLINE static void miss(lanes_job *w, size_t n)
     }
 }
 
-/* How far to look from where Newton's steps have ended; who need not, or does not stand at a root: |F| has grown.  How many
- * are to look. */
+/* How far to look from where Newton's steps have ended; who need not, or does not stand at a root: |F| has
+ * grown.  How many are to look. */
 SGT_KERNEL
 static double lanes_probe_begin(lanes *a, size_t n, double f_tol)
 {
@@ -632,7 +695,8 @@ static double lanes_probe_begin(lanes *a, size_t n, double f_tol)
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
         double slope = a->fx[i] * a->l[i] + a->fy[i] * a->m[i] + a->fz[i] * a->n[i], g = fabs(a->f[i]);
-        double tau_err = 2 * (g + a->g_err[i]) / fabs(slope), flat = tau_err < HUGE_VAL ? (double)ROOT : (double)SGT_HARD;
+        double tau_err = 2 * (g + a->g_err[i]) / fabs(slope),
+               flat = tau_err < HUGE_VAL ? (double)ROOT : (double)SGT_HARD;
         a->dt[i] = width_of(a->f[i], slope, a->g_err[i], a->tau[i], a->t_tol[i]);
         a->tau_err[i] = tau_err;
         a->last[i] = slope;
@@ -657,7 +721,8 @@ static double probe_sides(lanes *a, size_t n)
         a->tau_err[i] = larger(tau - left, right - tau);
         left = inside ? left : tau, right = inside ? right : tau;
         a->left[i] = left, a->right[i] = right;
-        a->px[i] = a->x[i] + left * a->l[i], a->py[i] = a->y[i] + left * a->m[i], a->pz[i] = a->z[i] + left * a->n[i];
+        a->px[i] = a->x[i] + left * a->l[i], a->py[i] = a->y[i] + left * a->m[i],
+        a->pz[i] = a->z[i] + left * a->n[i];
         a->dt[i] = 4 * width;
         more += inside ? 1.0 : 0.0;
         a->state[i] = inside ? (double)READY : (double)SGT_HARD;
@@ -665,14 +730,16 @@ static double probe_sides(lanes *a, size_t n)
     return more;
 }
 
-/* What the signs say (to the right of a pole F has not the sign of the slope); how many are to be asked again. */
+/* What the signs say (to the right of a pole F has not the sign of the slope); how many are to be asked
+ * again. */
 SGT_KERNEL
 static double probe_end(lanes *a, size_t n, double doubtful)
 {
     double more = 0;
 #pragma omp simd reduction(+ : more)
     for (size_t i = 0; i < n; i++) {
-        double both = a->end[i] * a->beside[i], most = larger(both, -a->last[i] * a->beside[i]), state = most < 0 ? (double)ROOT : (double)SGT_HARD;
+        double both = a->end[i] * a->beside[i], most = larger(both, -a->last[i] * a->beside[i]),
+               state = most < 0 ? (double)ROOT : (double)SGT_HARD;
         state = both == 0 ? doubtful : state;
         more += state == READY ? 1.0 : 0.0;
         a->evals[i] += 2;
@@ -691,7 +758,8 @@ static bool loose(const lanes *a, size_t n)
     return some > 0;
 }
 
-/* Those whose slope is known along the span; off: how far F may be.  How many are still to be asked beside the root. */
+/* Those whose slope is known along the span; off: how far F may be.  How many are still to be asked beside
+ * the root. */
 SGT_KERNEL
 static double lanes_certify(lanes *a, size_t n, const double *off)
 {
@@ -736,8 +804,8 @@ static void probe(lanes_job *w, size_t n)
 
 /* -------------------------------------------------------------------------- taking */
 
-/* Of every lane what is told of it, in rows that are of no more use: t in last, t_err in first, t_lo in dt, p_err in end, the
- * gradient where it is, the point where points are.  How many are hits. */
+/* Of every lane what is told of it, in rows that are of no more use: t in last, t_err in first, t_lo in dt,
+ * p_err in end, the gradient where it is, the point where points are.  How many are hits. */
 SGT_KERNEL
 static double lanes_take(lanes *a, size_t n, double budget, double rim2, double margin)
 {
@@ -746,7 +814,8 @@ static double lanes_take(lanes *a, size_t n, double budget, double rim2, double 
     for (size_t i = 0; i < n; i++) {
         double tau = a->tau[i];
         local q = {.l = a->l[i], .m = a->m[i], .n = a->n[i], .t0 = a->t0[i], .scale = a->scale[i]};
-        sgt_vec3 grad = {a->fx[i], a->fy[i], a->fz[i]}, p = {a->x[i] + tau * q.l, a->y[i] + tau * q.m, a->z[i] + tau * q.n};
+        sgt_vec3 grad = {a->fx[i], a->fy[i], a->fz[i]},
+                 p = {a->x[i] + tau * q.l, a->y[i] + tau * q.m, a->z[i] + tau * q.n};
         around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
         double away = ((a->single[i] == 0) & (a->least[i] > 0)) ? END_ERRORS : margin; /* vicinity.h */
         acceptance h = acceptance_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i], rim2, away);
@@ -818,7 +887,8 @@ static size_t lanes_settle(const lanes_job *w, size_t n, bool hits, double *cons
     return count_of(a, n, SGT_HARD);
 }
 
-/* Each row to where it is wanted.  By vectors: what becomes of a memcpy of unknown length in code for any processor is slower. */
+/* Each row to where it is wanted.  By vectors: what becomes of a memcpy of unknown length in code for any
+ * processor is slower. */
 SGT_KERNEL
 static void copy(size_t n, double *const outs[TOLD], double *const rows[TOLD], size_t from)
 {
@@ -849,7 +919,8 @@ static size_t write(const lanes_job *w, size_t n, bool hits, const sgt_hits *h, 
 {
     lanes *a = w->a;
     double *const row_of[TOLD] = {a->last, a->first, a->dt, a->end, a->px, a->py, a->pz, a->fx, a->fy, a->fz};
-    double *const out[TOLD] = {h->t, h->t_err, h->t_lo, h->p_err, h->p[0], h->p[1], h->p[2], h->n[0], h->n[1], h->n[2]};
+    double *const out[TOLD] = {h->t,    h->t_err, h->t_lo, h->p_err, h->p[0],
+                               h->p[1], h->p[2],  h->n[0], h->n[1],  h->n[2]};
     size_t hard = lanes_settle(w, n, hits, row_of);
     copy(n, out, row_of, from);
     lanes_narrow(a, n, h->status + from, h->evals ? h->evals + from : NULL);
@@ -884,8 +955,10 @@ static size_t lanes_run(lanes_job *w, const sgt_tile *tile, size_t from, size_t 
 SGT_KERNEL
 static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
 {
-    const double *ox = tile->rays.o[0] + from, *oy = tile->rays.o[1] + from, *oz = tile->rays.o[2] + from, *tmin = tile->rays.tmin + from;
-    const double *dx = tile->rays.d[0] + from, *dy = tile->rays.d[1] + from, *dz = tile->rays.d[2] + from, *tmax = tile->rays.tmax + from;
+    const double *ox = tile->rays.o[0] + from, *oy = tile->rays.o[1] + from, *oz = tile->rays.o[2] + from,
+                 *tmin = tile->rays.tmin + from;
+    const double *dx = tile->rays.d[0] + from, *dy = tile->rays.d[1] + from, *dz = tile->rays.d[2] + from,
+                 *tmax = tile->rays.tmax + from;
     double valid = 0;
 #pragma omp simd reduction(+ : valid)
     for (size_t i = 0; i < n; i++) {
@@ -901,7 +974,8 @@ static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
 size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_surface_ops *ops = s.ops;
-    if (opt->proof || !parameters_valid(s) || !rim_in_range(rim2_of_surface(s))) { /* one by one: prove.c; the door */
+    /* one by one: prove.c; the door */
+    if (opt->proof || !parameters_valid(s) || !rim_in_range(rim2_of_surface(s))) {
         memset(tile->hits.status, SGT_HARD, tile->n);
         return tile->n;
     }
@@ -909,15 +983,25 @@ size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
     sgt_options own = *opt;
     if (is_catalogue(ops)) own.f_tol = 0; /* as general.c */
     vicinities kept; /* not cleared with the rest of w */
-    lanes_job w = {.s = s, .opt = &own, .a = &a, .kept = &kept, .near = opt->pick == SGT_NEAR_SEED,
-               .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
-               .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS,
-               .rim2 = rim2_of_surface(s), .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0, .slopes = is_catalogue(ops) && ops->own_->spans,
-               .walks_from = ops->first || ops->enclose || ops->clearance || (opt->dt_min > 0 && ops->estimate) ? HUGE_VAL : -HUGE_VAL};
+    lanes_job w = {.s = s,
+                   .opt = &own,
+                   .a = &a,
+                   .kept = &kept,
+                   .near = opt->pick == SGT_NEAR_SEED,
+                   .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
+                   .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS,
+                   .rim2 = rim2_of_surface(s),
+                   .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0,
+                   .slopes = is_catalogue(ops) && ops->own_->spans,
+                   .walks_from = ops->first || ops->enclose || ops->clearance ||
+                                         (opt->dt_min > 0 && ops->estimate)
+                                     ? HUGE_VAL
+                                     : -HUGE_VAL};
     size_t hard = 0;
     a.none = 0;
     vicinities_begin(w.kept);
-    if (is_catalogue(ops) && ops->own_->share) ops->own_->share(s.self, &w.shared), w.bare = bare_of(w.shared);
+    if (is_catalogue(ops) && ops->own_->share)
+        ops->own_->share(s.self, &w.shared), w.bare = bare_of(w.shared);
     for (int i = 0; i < LANES; i++) a.slot[i] = i; /* and so again after each run: see settle */
     w.points = (sgt_points){{a.px, a.py, a.pz}};
     w.f = (sgt_values){a.f, {a.fx, a.fy, a.fz}}, w.q = (sgt_values){a.qf, {a.qx, a.qy, a.qz}};

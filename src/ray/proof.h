@@ -1,4 +1,5 @@
-/* proof.h - a ray and a surface that is met by its operations, proven by its enclosure: the search of prove.c. */
+/* proof.h - a ray and a surface that is met by its operations, proven by its enclosure: the search of
+ * prove.c. */
 #ifndef SGT_RAY_PROOF_H
 #define SGT_RAY_PROOF_H
 
@@ -11,7 +12,8 @@ typedef struct proof {
     sgt_list *list;
     bool all, found;
     bool anew;             /* max_evals is each root's */
-    double centre, reach;  /* where the ray is nearest to the origin of the surface's frame, and how far that is from its own */
+    /* where the ray is nearest to the origin of the surface's frame, and how far that is from its own */
+    double centre, reach;
     double t0;             /* what t counts from: 0 or */
     double far;            /* the t of the centre, or near it; 0 where that is not far off */
     sgt_ray at_far;        /* of a surface of a user the ray that begins there */

@@ -1,59 +1,68 @@
 /* prove.c - what can be proven of a ray and a surface that is met by its operations, by its enclosure.
  *
- * Without an enclosure a span that the ray passes by is all the proof there is; the answer is the estimate, told as
- * UNPROVEN.  With one, all that is said rests on the intervals it gives of g and g', in the ray's own t, with the ray
- * as given, and on the span; `value` guesses where to look, and is what f and n are.
+ * Without an enclosure a span that the ray passes by is all the proof there is; the answer is the estimate,
+ * told as UNPROVEN.  With one, all that is said rests on the intervals it gives of g and g', in the ray's
+ * own t, with the ray as given, and on the span; `value` guesses where to look, and is what f and n are.
  *
- * The stretch is a row of pieces, searched from the near end.  Let g and S be the intervals of a piece X, and G that of g
- * at a point m of it alone.
+ * The stretch is a row of pieces, searched from the near end.  Let g and S be the intervals of a piece X,
+ * and G that of g at a point m of it alone.
  *     0 is not in g          no root in X (nor where F is undefined all over it);
- *     0 is not in S          g is monotone, and a root of X is in m - G / S (Moore 1966): none, if that is outside of X.
+ *     0 is not in S          g is monotone, and a root of X is in m - G / S (Moore 1966): none, if that is
+ *                            outside of X.
  *                            Else m moves into it, by Newton's steps on `value`, until 0 is in G.
  *     else, 0 not in G       the mean value theorem keeps roots away from m: where G > 0 none is in
- *                            (m - min G / max S, m + min G / -min S), and so with signs changed.  What is left on
+ *                            (m - min G / max S, m + min G / -min S), and so with signs changed.  What is
+ *                                left on
  *                            either side is a piece (Hansen and Walster 2004, chapter 9).
- *     else                   X is divided; unless m is at the limit of doubles, or g over all of X no wider than four
- *                            times G, or S times the length of X no more than that of G: then more pieces would not tell
+ *     else                   X is divided; unless m is at the limit of doubles, or g over all of X no wider
+ *                            than four
+ *                            times G, or S times the length of X no more than that of G: then more pieces
+ *                                would not tell
  *                            more, and X is undecided.
- * A slope that is without bound says nothing of a root, for g may jump there, or not be defined; one that is bounded promises
- * that it does not (surfaces.md says so to whoever writes an enclosure).
+ * A slope that is without bound says nothing of a root, for g may jump there, or not be defined; one that
+ * is bounded promises that it does not (surfaces.md says so to whoever writes an enclosure).
  *
- * A ROOT IS PROVEN where m - G / S', S' the slope over X', lies inside X': by the mean value theorem g then has unlike signs
- * at its ends, or is zero there, and S' allows no second zero in X'.  X' is small, and about the root; it may reach beyond
- * the piece, so that it makes no difference where pieces end.
+ * A ROOT IS PROVEN where m - G / S', S' the slope over X', lies inside X': by the mean value theorem g then
+ * has unlike signs at its ends, or is zero there, and S' allows no second zero in X'.  X' is small, and
+ * about the root; it may reach beyond the piece, so that it makes no difference where pieces end.
  *
  * UNDECIDED pieces with little between them are one stretch.  Where g over all of it is within eight times G,
  * its ends have not for certain unlike signs, and F in the middle of it is 0 to rounding, it is a graze.  At
  * tmin it does not count if no root in it could: the slope at any is below max |S|, and that bounds from
  * below how far from tmin a root that counts has to be.
  *
- * THE START is told from the slope's certain bounds about the root and from the gradient of `value`.  Where rounding makes
- * the terms of that gradient uncertain by more than half, a root that may be the start is UNPROVEN: near the line in which two
- * planes meet, both the slope and the terms of `value` are nothing but rounding, and would drop a root far
- * from tmin.  Where they are less uncertain, UNPROVEN is what lies between the least and the most that the rule
- * may reach.  The same where the rule reaches farther than 2^-36 of the point's distance from the origin,
- * 2^12 times as far as it does of a surface met at a right angle: then the slope is so small that the terms
- * may change by orders within the root's interval, and the least there decides.
+ * THE START is told from the slope's certain bounds about the root and from the gradient of `value`.  Where
+ * rounding makes the terms of that gradient uncertain by more than half, a root that may be the start is
+ * UNPROVEN: near the line in which two planes meet, both the slope and the terms of `value` are nothing but
+ * rounding, and would drop a root far from tmin.  Where they are less uncertain, UNPROVEN is what lies
+ * between the least and the most that the rule may reach.  The same where the rule reaches farther than
+ * 2^-36 of the point's distance from the origin, 2^12 times as far as it does of a surface met at a right
+ * angle: then the slope is so small that the terms may change by orders within the root's interval, and the
+ * least there decides.
  *
- * FROM AFAR.  Where the ray's origin is far one ulp of t is a long way, and what is enclosed over it cannot tell a root from a near
- * miss.  So near its centre, the point nearest the origin of the surface's frame, such a ray is searched in a t that counts from t0, the t
- * of the centre: all that is written t, lo or hi here counts from t0, exactly.  What is nearer to the ray's own origin than to the
- * centre is searched with t0 = 0, so that no root loses the digits of its own t.
- * A built-in surface encloses g(t0 + t) for any t0 (sgt_builtin_ops, enclose).  A surface of a user is given a ray, and its origin has to be
- * doubles; the ray through the nearest doubles is another one, and how far its g is from the true one only the gradient would tell.  So t0
- * is then the multiple of the least power of two, nearest the centre, at which all three coordinates o + t0 d are doubles.  With
- * components of d alike in size that is some lengths from the centre; with coordinates that begin much smaller than they end there may be
- * none, and the ray's own t is what is left.
+ * FROM AFAR.  Where the ray's origin is far one ulp of t is a long way, and what is enclosed over it cannot
+ * tell a root from a near miss.  So near its centre, the point nearest the origin of the surface's frame,
+ * such a ray is searched in a t that counts from t0, the t of the centre: all that is written t, lo or hi
+ * here counts from t0, exactly.  What is nearer to the ray's own origin than to the centre is searched with
+ * t0 = 0, so that no root loses the digits of its own t.  A built-in surface encloses g(t0 + t) for any t0
+ * (sgt_builtin_ops, enclose).  A surface of a user is given a ray, and its origin has to be doubles; the
+ * ray through the nearest doubles is another one, and how far its g is from the true one only the gradient
+ * would tell.  So t0 is then the multiple of the least power of two, nearest the centre, at which all three
+ * coordinates o + t0 d are doubles.  With components of d alike in size that is some lengths from the
+ * centre; with coordinates that begin much smaller than they end there may be none, and the ray's own t is
+ * what is left.
  *
- * WITHOUT AN END.  The far stretch from T to DBL_MAX is asked as a whole, and if that does not decide it is divided by
- * the geometric mean, as often as it takes: a ray is as long as its t can be told.
+ * WITHOUT AN END.  The far stretch from T to DBL_MAX is asked as a whole, and if that does not decide it is
+ * divided by the geometric mean, as often as it takes: a ray is as long as its t can be told.
  *
- * ONE ROOT ALONE that need not be the first (SGT_PROVE_ROOT, near the seed or with span.single) is first looked for by the
- * estimate, with a few evaluations, and proven where that finds it; else it is the one nearest to the seed of all there are.
+ * ONE ROOT ALONE that need not be the first (SGT_PROVE_ROOT, near the seed or with span.single) is first
+ * looked for by the estimate, with a few evaluations, and proven where that finds it; else it is the one
+ * nearest to the seed of all there are.
  *
- * THE CAREFUL PATH of built-in surfaces that do not answer by themselves is the same search, no proof being asked for (general.c).
- * Their rim, r^2 <= rim2, is a rule in computed numbers, as in accept.h; a root whose side of it its error hides is UNPROVEN under a
- * proof, and where the error is greater than what the rim is soft by. */
+ * THE CAREFUL PATH of built-in surfaces that do not answer by themselves is the same search, no proof being
+ * asked for (general.c).  Their rim, r^2 <= rim2, is a rule in computed numbers, as in accept.h; a root
+ * whose side of it its error hides is UNPROVEN under a proof, and where the error is greater than what the
+ * rim is soft by. */
 #include "proof.h"
 
 #include "../num/bits.h"
@@ -81,8 +90,10 @@ static sgt_interval proof_ask(proof *w, sgt_interval t, sgt_move move, sgt_inter
     t.lo = finite(t.lo), t.hi = finite(t.hi);
     const sgt_surface_ops *ops = w->s.ops;
     bool own = ops->own_ && ops->own_->enclose;
-    sgt_interval g = own ? ops->own_->enclose(w->s.self, w->ray, w->t0, t, slope) : ops->enclose(w->s.self, w->t0 != 0 ? &w->at_far : w->ray, t, slope);
-    tell(&w->told, move, w->t0 + (0.5 * t.lo + 0.5 * t.hi), 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope->lo + 0.5 * slope->hi, w->t0 + t.lo, w->t0 + w->hi);
+    sgt_interval g = own ? ops->own_->enclose(w->s.self, w->ray, w->t0, t, slope)
+                         : ops->enclose(w->s.self, w->t0 != 0 ? &w->at_far : w->ray, t, slope);
+    tell(&w->told, move, w->t0 + (0.5 * t.lo + 0.5 * t.hi), 0.5 * g.lo + 0.5 * g.hi,
+         0.5 * slope->lo + 0.5 * slope->hi, w->t0 + t.lo, w->t0 + w->hi);
     if (!(slope->lo <= slope->hi)) *slope = sgt_interval_all();
     return isnan(g.lo) || isnan(g.hi) ? sgt_interval_all() : g;
 }
@@ -102,9 +113,15 @@ static sgt_interval newton_set(double m, sgt_interval g, sgt_interval slope)
 /* ------------------------------------------------------------------ where t counts from */
 
 /* t + by, rounded up. */
-static double up_by(double t, twofold by) { return t == -HUGE_VAL ? t : sgt_sum_above(t, sgt_sum_above(by.hi, by.lo)); }
+static double up_by(double t, twofold by)
+{
+    return t == -HUGE_VAL ? t : sgt_sum_above(t, sgt_sum_above(by.hi, by.lo));
+}
 static double down_by(double t, twofold by) { return -up_by(-t, twofold_negative(by)); }
-static sgt_interval out_by(sgt_interval t, twofold by) { return sgt_interval_between(down_by(t.lo, by), up_by(t.hi, by)); }
+static sgt_interval out_by(sgt_interval t, twofold by)
+{
+    return sgt_interval_between(down_by(t.lo, by), up_by(t.hi, by));
+}
 
 /* Everything that the search knows, counted from another t0: outward, where that rounds. */
 static void count_from(proof *w, double t0)
@@ -117,7 +134,8 @@ static void count_from(proof *w, double t0)
         all = out_by(all, twofold_of(-t0)), tmin = out_by(tmin, twofold_of(-t0));
     }
     w->lo = all.lo, w->hi = all.hi, w->tmin = tmin;
-    w->done = down_by(w->done, by), w->told_dark = up_by(w->told_dark, by), w->dark = out_by(w->dark, by), w->last = out_by(w->last, by);
+    w->done = down_by(w->done, by), w->told_dark = up_by(w->told_dark, by), w->dark = out_by(w->dark, by),
+    w->last = out_by(w->last, by);
     w->seed += by.hi, w->centre += by.hi;
     w->t0 = t0;
 }
@@ -126,12 +144,16 @@ static void count_from(proof *w, double t0)
 static double border_of(const proof *w) { return w->far != 0 ? 0.5 * w->far : HUGE_VAL; }
 
 /* A point of the ray, in the unit of d times `scale`. */
-static double coordinate_at(double o, double d, double t0, double t) { return t0 == 0 ? moved_along(o, t, d) : coordinate(o, d, t0, t).hi; }
+static double coordinate_at(double o, double d, double t0, double t)
+{
+    return t0 == 0 ? moved_along(o, t, d) : coordinate(o, d, t0, t).hi;
+}
 
 static sgt_vec3 point_at(const sgt_ray *ray, double scale, double t0, double t)
 {
     sgt_vec3 o = ray->o, d = ray->d;
-    return (sgt_vec3){coordinate_at(o.x, d.x * scale, t0, t), coordinate_at(o.y, d.y * scale, t0, t), coordinate_at(o.z, d.z * scale, t0, t)};
+    return (sgt_vec3){coordinate_at(o.x, d.x * scale, t0, t), coordinate_at(o.y, d.y * scale, t0, t),
+                      coordinate_at(o.z, d.z * scale, t0, t)};
 }
 
 /* ------------------------------------------------------------------- what is told */
@@ -149,28 +171,36 @@ typedef struct proof_place {
 /* The least |x| in it. */
 static double least_of(sgt_interval x) { return x.lo > 0 ? x.lo : x.hi < 0 ? -x.hi : 0; }
 
-/* How far rounding of the gradient can move |x Fx| + |y Fy| + |z Fz|: a part of what it does to F, which is a sum of such terms,
- * times the degree: 32 of it.  What is below 2^-1000 stands for underflow, whatever the unit of length, and
- * says nothing of terms. */
+/* How far rounding of the gradient can move |x Fx| + |y Fy| + |z Fz|: a part of what it does to F, which is
+ * a sum of such terms, times the degree: 32 of it.  What is below 2^-1000 stands for underflow, whatever
+ * the unit of length, and says nothing of terms. */
 static double terms_err(const proof *w, sgt_vec3 p)
 {
     double own = w->s.ops->rounding ? w->s.ops->rounding(w->s.self, p) : 0;
     return own >= 0x1p-1000 ? 0x1p5 * own : own >= 0 ? 0 : HUGE_VAL;
 }
 
-/* slope: certain bounds of g' at the root, in the ray's own t.  The gradient of `value` is rounded, and where it nearly vanishes
- * (where two planes meet, at the apex of a cone) its slope is nothing but rounding: it is taken within these bounds. */
+/* slope: certain bounds of g' at the root, in the ray's own t.  The gradient of `value` is rounded, and
+ * where it nearly vanishes (where two planes meet, at the apex of a cone) its slope is nothing but
+ * rounding: it is taken within these bounds. */
 static proof_place proof_place_of(proof *w, double t, double t_err, sgt_interval slope)
 {
     const sgt_ray *ray = w->ray;
     double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d);
     double from = w->t0 != 0 ? w->t0 : t, rest = w->t0 != 0 ? t : 0, tau = rest * inverse;
-    local q = {.scale = scale, .l = ray->d.x * scale, .m = ray->d.y * scale, .n = ray->d.z * scale, .t0 = from * inverse};
-    proof_place at = {.p = point_at(ray, scale, q.t0, tau), .exact = q.t0 * scale == from && tau * scale == rest};
+    local q = {.scale = scale,
+               .l = ray->d.x * scale,
+               .m = ray->d.y * scale,
+               .n = ray->d.z * scale,
+               .t0 = from * inverse};
+    proof_place at = {.p = point_at(ray, scale, q.t0, tau),
+                      .exact = q.t0 * scale == from && tau * scale == rest};
     at.f = w->s.ops->value(w->s.self, at.p, &at.n);
     around a = around_of(at.p.x, at.p.y, at.p.z, q.l, q.m, q.n, 0, at.p, at.n, 0);
-    double least = least_of(slope) * scale, most = sgt_interval_greatest(slope) * scale, steep = fabs(a.slope);
-    double terms = fabs(at.p.x * at.n.x) + fabs(at.p.y * at.n.y) + fabs(at.p.z * at.n.z), err = terms_err(w, at.p), by = START_ULPS * scale;
+    double least = least_of(slope) * scale, most = sgt_interval_greatest(slope) * scale,
+           steep = fabs(a.slope);
+    double terms = fabs(at.p.x * at.n.x) + fabs(at.p.y * at.n.y) + fabs(at.p.z * at.n.z),
+           err = terms_err(w, at.p), by = START_ULPS * scale;
     a.slope = steep < least ? least : steep > most ? most : steep;
     at.least = by * larger(terms - err, 0) / most, at.most = by * (terms + err) / least;
     at.h = acceptance_of(&q, tau, t_err * inverse, at.p, at.n, a, ray->tmin, ray->tmax, w->rim2, 0);
@@ -199,17 +229,26 @@ void sgt_proof_stretch(proof *w, sgt_status status, double lo, double hi)
 /* about: it, in the ray's own t. */
 static void proof_add(proof *w, sgt_status status, const proof_place *at, sgt_interval x, sgt_interval about)
 {
-    sgt_hit hit = {.status = status, .t = at->h.t, .t_lo = at->h.t_lo, .t_err = at->h.t_err, .lo = about.lo, .hi = about.hi,
-                   .f = at->f, .p = at->p, .n = at->n, .p_err = at->h.p_err, .evals = w->told.evals - w->told.before};
+    sgt_hit hit = {.status = status,
+                   .t = at->h.t,
+                   .t_lo = at->h.t_lo,
+                   .t_err = at->h.t_err,
+                   .lo = about.lo,
+                   .hi = about.hi,
+                   .f = at->f,
+                   .p = at->p,
+                   .n = at->n,
+                   .p_err = at->h.p_err,
+                   .evals = w->told.evals - w->told.before};
     w->told.before = w->told.evals;
     if (w->anew) next_root(&w->told);
     sgt_list_add(w->list, &hit);
     added(w, x.lo, x.hi);
 }
 
-/* How far from tmin a root of the stretch has to be for it to count, at least.  x and Fx are looked at on both ends and between
- * them: where neither changes its sign their product is not below the least of the three (of a quadric, whose gradient is linear;
- * else as long as the stretch is short for where it is). */
+/* How far from tmin a root of the stretch has to be for it to count, at least.  x and Fx are looked at on
+ * both ends and between them: where neither changes its sign their product is not below the least of the
+ * three (of a quadric, whose gradient is linear; else as long as the stretch is short for where it is). */
 static double start_width(proof *w, sgt_interval at, sgt_interval slope)
 {
     double t[3] = {at.lo, sgt_interval_middle(at), at.hi}, x[3][3], terms = 0, err = 0, far = 0;
@@ -219,7 +258,8 @@ static double start_width(proof *w, sgt_interval at, sgt_interval slope)
         if (w->told.stopped) return 0;
         const double p[3] = {here.p.x, here.p.y, here.p.z}, n[3] = {here.n.x, here.n.y, here.n.z};
         for (int k = 0; k < 3; k++) x[k][i] = p[k] * n[k];
-        err = larger(err, terms_err(w, here.p)), far = larger(far, larger(fabs(p[0]), larger(fabs(p[1]), fabs(p[2]))));
+        err = larger(err, terms_err(w, here.p)),
+        far = larger(far, larger(fabs(p[0]), larger(fabs(p[1]), fabs(p[2]))));
     }
     if (!((at.hi - at.lo) * larger(fabs(d.x), larger(fabs(d.y), fabs(d.z))) <= 0x1p-10 * far)) return 0;
     for (int k = 0; k < 3; k++) {
@@ -269,8 +309,10 @@ static void flush(proof *w)
     w->pending = false;
     w->told_dark = w->dark.hi;
     sgt_interval at = w->dark, slope, steep;
-    bool whole = at.lo <= finite(w->lo) && at.hi >= finite(w->hi) && at.hi > at.lo, start = at.lo <= w->tmin.hi;
-    double t = whole ? start_within(w->ray, w->t0, at.lo, at.hi, w->centre, w->rim2) : sgt_interval_middle(at);
+    bool whole = at.lo <= finite(w->lo) && at.hi >= finite(w->hi) && at.hi > at.lo,
+         start = at.lo <= w->tmin.hi;
+    double t = whole ? start_within(w->ray, w->t0, at.lo, at.hi, w->centre, w->rim2)
+                     : sgt_interval_middle(at);
     if (proof_outside(w, at)) return;
     if (whole) at = sgt_interval_between(w->lo, w->hi);
     if (isnan(t)) {
@@ -278,18 +320,23 @@ static void flush(proof *w)
         return;
     }
     sgt_interval g = proof_ask(w, at, SGT_PROBE, &slope), middle = proof_ask(w, number(t), SGT_PROBE, &steep);
-    if (is_bounded(slope)) g = sgt_interval_intersection(g, sgt_interval_sum(middle, sgt_interval_product(slope, sgt_interval_difference(at, number(t)))));
+    if (is_bounded(slope))
+        g = sgt_interval_intersection(
+            g, sgt_interval_sum(middle, sgt_interval_product(slope, sgt_interval_difference(at, number(t)))));
     if (start && !whole && is_bounded(slope) && !proof_over(w)) {
         if (sgt_sum_above(at.hi, -w->tmin.lo) < (1 - 0x1p-20) * start_width(w, at, slope)) return;
     }
-    if (is_bounded(g) && is_bounded(middle) && is_bounded(steep) && sgt_interval_greatest(g) <= 8 * sgt_interval_width(middle) && (whole || !start)) {
+    if (is_bounded(g) && is_bounded(middle) && is_bounded(steep) &&
+        sgt_interval_greatest(g) <= 8 * sgt_interval_width(middle) && (whole || !start)) {
         sgt_interval left = ask_at(w, at.lo, SGT_PROBE), right = ask_at(w, at.hi, SGT_PROBE);
         bool crosses = (left.lo > 0 && right.hi < 0) || (left.hi < 0 && right.lo > 0);
         if (!crosses && !proof_over(w)) {
-            proof_place here = proof_place_of(w, t, whole ? 0 : sgt_interval_width(at) * (0.5 + 0x1p-40), sgt_interval_all());
+            proof_place here = proof_place_of(w, t, whole ? 0 : sgt_interval_width(at) * (0.5 + 0x1p-40),
+                                              sgt_interval_all());
             sgt_interval about = w->t0 != 0 ? out_by(at, twofold_of(w->t0)) : at;
             if (here.r2 - w->rim2 > here.off && !whole) return;
-            about = sgt_interval_between(larger(about.lo, w->ray->tmin), about.hi < w->ray->tmax ? about.hi : w->ray->tmax);
+            about = sgt_interval_between(larger(about.lo, w->ray->tmin),
+                                         about.hi < w->ray->tmax ? about.hi : w->ray->tmax);
             if (whole && w->t0 == 0) here.h.t = t, here.h.t_lo = 0; /* of a short d it may have underflown */
             if (whole && here.h.t < w->ray->tmin) here.h.t = w->ray->tmin, here.h.t_lo = 0;
             double at_t = here.h.t;
@@ -331,7 +378,8 @@ static proof_verdict proof_certify(proof *w, sgt_interval n, double m, sgt_inter
         if (!has_zero(proof_ask(w, x, SGT_PROBE, &slope))) return NONE;
         if (has_zero(slope) || !is_bounded(slope)) return UNSURE;
         sgt_interval root = newton_set(m, G, slope);
-        double t = sgt_interval_middle(root), far = larger(sgt_sum_above(root.hi, -t), sgt_sum_above(t, -root.lo)) * (1 + 0x1p-48);
+        double t = sgt_interval_middle(root),
+               far = larger(sgt_sum_above(root.hi, -t), sgt_sum_above(t, -root.lo)) * (1 + 0x1p-48);
         if (root.lo <= root.hi && sgt_interval_is_in(sgt_interval_about(t, far), x)) {
             *c = (certain){root, x, slope};
             return ROOT;
@@ -340,8 +388,8 @@ static proof_verdict proof_certify(proof *w, sgt_interval n, double m, sgt_inter
     return UNSURE;
 }
 
-/* What is told of a root is that there is no other within t_err of t.  From afar t_err is half an ulp of t and more, and there may be
- * one: that of this root is certain only where it is alone in all of that. */
+/* What is told of a root is that there is no other within t_err of t.  From afar t_err is half an ulp of t
+ * and more, and there may be one: that of this root is certain only where it is alone in all of that. */
 static bool unique_as_told(proof *w, const proof_place *at, sgt_interval only)
 {
     sgt_interval slope, told = out_by(sgt_interval_about(at->h.t, at->h.t_err), twofold_of(-w->t0));
@@ -349,7 +397,8 @@ static bool unique_as_told(proof *w, const proof_place *at, sgt_interval only)
     proof_ask(w, sgt_interval_hull(told, only), SGT_PROBE, &slope);
     if (!has_zero(slope) && is_bounded(slope)) return true;
     sgt_interval before = {told.lo, only.lo}, behind = {only.hi, told.hi};
-    return (before.lo > before.hi || !has_zero(proof_ask(w, before, SGT_PROBE, &slope))) && (behind.lo > behind.hi || !has_zero(proof_ask(w, behind, SGT_PROBE, &slope)));
+    return (before.lo > before.hi || !has_zero(proof_ask(w, before, SGT_PROBE, &slope))) &&
+           (behind.lo > behind.hi || !has_zero(proof_ask(w, behind, SGT_PROBE, &slope)));
 }
 
 /* Told, if it counts. */
@@ -367,7 +416,8 @@ static bool proof_take(proof *w, const certain *c)
     }
     flush(w);
     if (proof_over(w)) return true;
-    double t = sgt_interval_middle(root), t_err = larger(sgt_sum_above(root.hi, -t), sgt_sum_above(t, -root.lo));
+    double t = sgt_interval_middle(root),
+           t_err = larger(sgt_sum_above(root.hi, -t), sgt_sum_above(t, -root.lo));
     proof_place at = proof_place_of(w, t, t_err, c->slope);
     if (w->told.stopped) return true;
     w->last = root;
@@ -389,9 +439,12 @@ static bool proof_take(proof *w, const certain *c)
      * itself: rounding moves r^2 by less than the rim is soft by. */
     if (on_rim && !w->told.opt->proof && at.r2 > w->rim2 && at.off <= 0x1p-45 * w->rim2) return true;
     if (on_rim && w->told.opt->proof) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi);
-    else if (hidden && !(w->t0 + root.lo > w->ray->tmax)) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
-    else if (at.h.accepted && at.exact && proof_in_range(&at) && unique_as_told(w, &at, only)) proof_add(w, SGT_HIT, &at, root, about);
-    else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width)) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi);
+    else if (hidden && !(w->t0 + root.lo > w->ray->tmax))
+        sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
+    else if (at.h.accepted && at.exact && proof_in_range(&at) && unique_as_told(w, &at, only))
+        proof_add(w, SGT_HIT, &at, root, about);
+    else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width))
+        sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi);
     return true;
 }
 
@@ -402,18 +455,23 @@ static double guess(proof *w, sgt_interval n)
     double t = sgt_interval_middle(n), last = n.hi - n.lo;
     for (int i = 0; i < GUESSES && !proof_over(w); i++) {
         sgt_vec3 grad = {0, 0, 0}, p = point_at(ray, 1, w->t0, t);
-        double f = w->s.ops->value(w->s.self, p, &grad), slope = grad.x * ray->d.x + grad.y * ray->d.y + grad.z * ray->d.z, step = f / slope, next = t - step;
+        double f = w->s.ops->value(w->s.self, p, &grad),
+               slope = grad.x * ray->d.x + grad.y * ray->d.y + grad.z * ray->d.z, step = f / slope,
+               next = t - step;
         tell(&w->told, SGT_NEWTON, w->t0 + t, f, slope, w->t0 + n.lo, w->t0 + n.hi);
         if (!(next >= n.lo && next <= n.hi && fabs(step) <= 0.6 * last)) break;
-        double shrinks = fabs(step) / last, left = fabs(step) * (shrinks * shrinks); /* what the next step would be, about */
+        /* what the next step would be, about */
+        double shrinks = fabs(step) / last, left = fabs(step) * (shrinks * shrinks);
         last = fabs(step), t = next;
-        if (left <= 0x1p-53 * larger(fabs(t), w->t0 != 0 ? w->foot : 0) || last < 0.25 * w->told.opt->t_tol) break;
+        if (left <= 0x1p-53 * larger(fabs(t), w->t0 != 0 ? w->foot : 0) || last < 0.25 * w->told.opt->t_tol)
+            break;
     }
     return t;
 }
 
 /* The root of X, where g is monotone with a bounded slope; G is g at m. */
-static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, double m, sgt_interval G, certain *c)
+static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, double m, sgt_interval G,
+                              certain *c)
 {
     sgt_interval n = x;
     for (int slow = 0, i = 0; !(G.lo > G.hi); i++) {
@@ -421,8 +479,10 @@ static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, doub
         if (sgt_interval_is_empty(next)) return NONE;
         slow += !(sgt_interval_width(next) <= 0.75 * sgt_interval_width(n));
         n = next;
-        bool inside = n.lo > w->lo && n.hi < w->hi; /* at an end a tolerance would hide whether the root counts */
-        if (has_zero(G) || slow > 1 || sgt_interval_width(n) <= (inside ? w->told.opt->t_tol : 0)) return proof_certify(w, n, m, G, c);
+        /* at an end a tolerance would hide whether the root counts */
+        bool inside = n.lo > w->lo && n.hi < w->hi;
+        if (has_zero(G) || slow > 1 || sgt_interval_width(n) <= (inside ? w->told.opt->t_tol : 0))
+            return proof_certify(w, n, m, G, c);
         m = i == 0 ? guess(w, n) : sgt_interval_middle(n);
         G = ask_at(w, m, i == 0 ? SGT_NEWTON : SGT_BISECT);
         if (proof_over(w)) break;
@@ -440,8 +500,9 @@ static void push(pieces *p, double lo, double hi)
     if (lo <= hi) p->piece[p->n++] = sgt_interval_between(lo, hi);
 }
 
-/* Its middle; of one that is long for its distance from the centre the geometric one.  DBL_MAX, for an end at infinity, is no
- * length: there it is so many times as far as the other end, whatever the unit of length. */
+/* Its middle; of one that is long for its distance from the centre the geometric one.  DBL_MAX, for an end
+ * at infinity, is no length: there it is so many times as far as the other end, whatever the unit of
+ * length. */
 static double middle_of(const proof *w, sgt_interval x)
 {
     const double times = 0x1p32;
@@ -461,7 +522,8 @@ static bool proof_look(proof *w, sgt_interval x, pieces *rest)
     if (!has_zero(g)) return true;
     if (proof_over(w)) return false;
     double m = middle_of(w, x), past = m;
-    bool smooth = is_bounded(slope), room = m > x.lo && m < x.hi && x.hi - x.lo > w->least && rest->n + 2 <= PIECES;
+    bool smooth = is_bounded(slope),
+         room = m > x.lo && m < x.hi && x.hi - x.lo > w->least && rest->n + 2 <= PIECES;
     bool asked = smooth || !is_bounded(g) || !room;
     if (asked) G = ask_at(w, m, SGT_MARCH);
     if (proof_over(w)) return false;
@@ -478,13 +540,15 @@ static bool proof_look(proof *w, sgt_interval x, pieces *rest)
     }
     bool noise = asked && ((has_zero(G) && sgt_interval_width(g) <= 4 * sgt_interval_width(G))
                            || sgt_interval_greatest(slope) * (x.hi - x.lo) <= sgt_interval_width(G));
-    if (noise && room && !is_bounded(G)) noise = !is_bounded(ask_at(w, x.lo, SGT_MARCH)); /* out of range there, and here? */
+    /* out of range there, and here? */
+    if (noise && room && !is_bounded(G)) noise = !is_bounded(ask_at(w, x.lo, SGT_MARCH));
     if (!room || noise) {
         undecided(w, x);
         return !proof_over(w) || w->found;
     }
     if (smooth && G.lo <= G.hi && !has_zero(G)) {
-        double size = G.lo > 0 ? G.lo : -G.hi, down = G.lo > 0 ? slope.hi : -slope.lo, up = G.lo > 0 ? -slope.lo : slope.hi;
+        double size = G.lo > 0 ? G.lo : -G.hi, down = G.lo > 0 ? slope.hi : -slope.lo,
+               up = G.lo > 0 ? -slope.lo : slope.hi;
         m = down > 0 ? sgt_sum_above(m, sgt_quotient_above(-size, down)) : -HUGE_VAL;
         past = up > 0 ? -sgt_sum_above(-past, sgt_quotient_above(-size, up)) : HUGE_VAL;
     } else if (smooth) { /* m may be a root: divide elsewhere */
@@ -501,7 +565,8 @@ static bool search_part(proof *w, sgt_interval part, double *next)
     pieces rest = {.n = 0};
     double from = finite(part.lo), to = finite(part.hi);
     double left = w->centre - 2.125 * w->reach, right = w->centre + 2.125 * w->reach;
-    bool far_left = from < w->centre - 8 * w->reach && left < to, far_right = to > w->centre + 8 * w->reach && right > from;
+    bool far_left = from < w->centre - 8 * w->reach && left<to, far_right = to> w->centre + 8 * w->reach &&
+                    right > from;
     if (far_right) push(&rest, right, to), to = right;
     push(&rest, far_left ? left : from, to);
     if (far_left) push(&rest, from, left);
@@ -527,18 +592,22 @@ void sgt_proof_search(proof *w)
     double border = border_of(w), next = all.lo;
     bool decided = true;
     count_from(w, 0);
-    w->done = w->told_dark = -HUGE_VAL, w->last = sgt_interval_between(-HUGE_VAL, -HUGE_VAL), w->dark = w->last;
+    w->done = w->told_dark = -HUGE_VAL, w->last = sgt_interval_between(-HUGE_VAL, -HUGE_VAL),
+    w->dark = w->last;
     for (int i = 0; i < 2 && decided && !w->found; i++) {
         sgt_interval part = {i ? larger(border, all.lo) : all.lo, i || !(border < all.hi) ? all.hi : border};
         if (i ? !(border < all.hi) : !(all.lo <= border)) continue;
         count_from(w, (i == 0) == (w->far < 0) ? w->far : 0);
-        if (w->t0 != 0) part = sgt_interval_between(part.lo == all.lo ? w->lo : down_by(part.lo, twofold_of(-w->t0)), part.hi == all.hi ? w->hi : up_by(part.hi, twofold_of(-w->t0)));
+        if (w->t0 != 0)
+            part = sgt_interval_between(part.lo == all.lo ? w->lo : down_by(part.lo, twofold_of(-w->t0)),
+                                        part.hi == all.hi ? w->hi : up_by(part.hi, twofold_of(-w->t0)));
         decided = search_part(w, part, &next);
     }
     if (w->found) return;
     if (decided) flush(w), next = w->hi;
     sgt_status spent = w->told.opt->proof ? SGT_UNPROVEN : SGT_EXHAUSTED;
-    if (w->told.stopped || !decided) sgt_proof_stretch(w, w->told.stopped ? SGT_STOPPED : spent, w->pending ? w->dark.lo : next, w->hi);
+    if (w->told.stopped || !decided)
+        sgt_proof_stretch(w, w->told.stopped ? SGT_STOPPED : spent, w->pending ? w->dark.lo : next, w->hi);
 }
 
 /* ----------------------------------------------------------------------- the doors */
@@ -550,7 +619,8 @@ bool sgt_proof_bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
     if (s.ops->span) *span = s.ops->span(s.self, ray);
     bool by = span->lo > span->hi;
     /* a root at an end of the span is inside */
-    double room = 0x1p-50 * ((fabs(span->lo) < HUGE_VAL ? fabs(span->lo) : 0) + (fabs(span->hi) < HUGE_VAL ? fabs(span->hi) : 0));
+    double room = 0x1p-50 * ((fabs(span->lo) < HUGE_VAL ? fabs(span->lo) : 0) +
+                             (fabs(span->hi) < HUGE_VAL ? fabs(span->hi) : 0));
     span->lo -= room, span->hi += room;
     if (!(span->lo >= ray->tmin)) span->lo = ray->tmin;
     if (!(span->hi <= ray->tmax)) span->hi = ray->tmax;
@@ -564,13 +634,26 @@ static double proof_length_of(sgt_vec3 v)
     return sqrt(x * x + y * y + z * z) / scale;
 }
 
-proof sgt_proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, const sgt_span *span, sgt_list *list, bool all)
+proof sgt_proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, const sgt_span *span,
+                   sgt_list *list, bool all)
 {
     sgt_interval all_t = {span->lo, span->hi};
-    proof w = {.s = s, .ray = ray, .list = list, .all = all, .anew = all, .lo = span->lo, .hi = span->hi, .all_t = all_t, .tmin = {ray->tmin, ray->tmin}, .seed = span->seed, .near = HUGE_VAL, .rim2 = rim2_of_surface(s),
+    proof w = {.s = s,
+               .ray = ray,
+               .list = list,
+               .all = all,
+               .anew = all,
+               .lo = span->lo,
+               .hi = span->hi,
+               .all_t = all_t,
+               .tmin = {ray->tmin, ray->tmin},
+               .seed = span->seed,
+               .near = HUGE_VAL,
+               .rim2 = rim2_of_surface(s),
                .told = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS}};
     const sgt_vec3 o = ray->o, d = ray->d;
-    double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, length2 = l * l + m * m + n * n;
+    double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale,
+           length2 = l * l + m * m + n * n;
     w.centre = -(o.x * l + o.y * m + o.z * n) / length2 * scale;
     w.reach = proof_length_of(o) / sqrt(length2) * scale;
     if (!(fabs(w.centre) < HUGE_VAL)) w.centre = 0;
@@ -609,7 +692,8 @@ void sgt_prove_rest(sgt_surface s, const sgt_ray *ray, tally *told, bool all, bo
     *told = w.told;
     if (all || (list->count == before && !w.told.stopped)) return;
     int evals = w.told.evals - told_before;
-    if (w.told.stopped && (list->count == before || list->last.status != SGT_STOPPED)) list->last = hit_without(SGT_STOPPED, ray, evals);
+    if (w.told.stopped && (list->count == before || list->last.status != SGT_STOPPED))
+        list->last = hit_without(SGT_STOPPED, ray, evals);
     else if (near && !w.told.stopped) list->last = w.nearest;
     list->last.evals = evals, list->count = before + 1;
 }

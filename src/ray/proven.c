@@ -1,9 +1,9 @@
 /* proven.c - the answers about a surface that is met by its operations, under a proof or without.
  *
- * Without one, what general.c finds.
- * The estimate of general.c finds a root with a few evaluations, and prove.c proves it; where that fails, or
- * more than one root is wanted, prove.c searches the whole ray.  Without an enclosure nothing can be proven but
- * that the ray passes the span by: the answer is the estimate, told as UNPROVEN. */
+ * Without one, what general.c finds.  The estimate of general.c finds a root with a few evaluations, and
+ * prove.c proves it; where that fails, or more than one root is wanted, prove.c searches the whole ray.
+ * Without an enclosure nothing can be proven but that the ray passes the span by: the answer is the
+ * estimate, told as UNPROVEN. */
 #include "prove.h"
 
 #include "proof.h"
@@ -33,7 +33,8 @@ static bool prove_estimate(proof *w, sgt_hit *hit)
     *hit = sgt_search_first(w->s, w->ray, &estimate);
     w->told.evals = hit->evals;
     if (hit->status <= 0) return hit->status == SGT_STOPPED;
-    if (fabs(hit->t - w->ray->tmax) <= END_ERRORS * (hit->t_err + SGT_U * fabs(hit->t))) return false; /* the search tells whether it counts */
+    /* the search tells whether it counts */
+    if (fabs(hit->t - w->ray->tmax) <= END_ERRORS * (hit->t_err + SGT_U * fabs(hit->t))) return false;
     sgt_proof_take(w, hit->t, hit->t_lo, hit->t_err);
     *hit = w->list->last;
     bool proven = w->list->count > 0 && hit->status > 0;
@@ -62,7 +63,8 @@ sgt_hit sgt_prove_within(sgt_surface s, const sgt_ray *ray, double rim2, const s
     if (list.count > 1 && one && !w.told.stopped) list.last = w.nearest;
     hit = first_entry(&list, ray, w.told.evals);
     hit.evals = w.told.evals;
-    if (w.told.stopped && hit.status != SGT_STOPPED) return hit_without(SGT_STOPPED, ray, hit.evals); /* at the very last */
+    /* at the very last */
+    if (w.told.stopped && hit.status != SGT_STOPPED) return hit_without(SGT_STOPPED, ray, hit.evals);
     if (list.count < 2 || (one && !w.told.stopped)) return hit;
     sgt_status open = hit.status == SGT_STOPPED ? SGT_STOPPED : SGT_UNPROVEN;
     return hit_undecided(open, ray, hit.evals, kept.lo, hit.hi);

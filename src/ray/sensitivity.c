@@ -5,12 +5,13 @@
  *     w = dt/dq = -n / s,    dt/da_j = -F_j / s,    s = n . d,
  * the changes are
  *     dp = q + d dt,    dn = H dp + grad F_j da_j:
- *     dp_i/dq_j = (i = j) + d_i w_j,    dn_i/dq_j = H_ij + (H d)_i w_j,    dn_i/da_j = (H d)_i dt/da_j + grad F_j.
- * All of them have the factor 1 / s, which is made NaN where a ray was not met.  The point of such a ray is never shown to
- * the surface: a neighbour's stands in for it.
+ *     dp_i/dq_j = (i = j) + d_i w_j,    dn_i/dq_j = H_ij + (H d)_i w_j,    dn_i/da_j = (H d)_i dt/da_j +
+ *                                       grad F_j.
+ * All of them have the factor 1 / s, which is made NaN where a ray was not met.  The point of such a ray is
+ * never shown to the surface: a neighbour's stands in for it.
  *
- * ROUNDING.  1/s rounds once and each product once or twice: w is within 2 1/2 u of -n / s, beside what the sum of products s
- * is off by, 3 u (|nx dx| + |ny dy| + |nz dz|) / |s|; u = 2^-53. */
+ * ROUNDING.  1/s rounds once and each product once or twice: w is within 2 1/2 u of -n / s, beside what the
+ * sum of products s is off by, 3 u (|nx dx| + |ny dy| + |nz dz|) / |s|; u = 2^-53. */
 #include "../surface/builtin.h"
 #include "../num/lanes.h"
 
@@ -50,7 +51,8 @@ static void positive(size_t n, const signed char *status, double *out)
 SGT_KERNEL
 static double invert(sensitivity_block *b)
 {
-    const double *dx = b->d[0], *dy = b->d[1], *dz = b->d[2], *nx = b->normal[0], *ny = b->normal[1], *nz = b->normal[2];
+    const double *dx = b->d[0], *dy = b->d[1], *dz = b->d[2], *nx = b->normal[0], *ny = b->normal[1],
+                 *nz = b->normal[2];
     double *met = b->met, *inverse = b->inverse, *wx = b->w[0], *wy = b->w[1], *wz = b->w[2], count = 0;
 #pragma omp simd reduction(+ : count)
     for (size_t i = 0; i < b->n; i++) {
@@ -101,14 +103,16 @@ static void add_times(size_t n, double factor, const double *a, double *to)
 }
 
 SGT_KERNEL
-static void sensitivity_dot(size_t n, const double *ax, const double *ay, const double *az, const double *bx, const double *by, const double *bz, double *out)
+static void sensitivity_dot(size_t n, const double *ax, const double *ay, const double *az, const double *bx,
+                            const double *by, const double *bz, double *out)
 {
     LANES for (size_t i = 0; i < n; i++) out[i] = ax[i] * bx[i] + ay[i] * by[i] + az[i] * bz[i];
 }
 
 /* ------------------------------------------------------------------------ a block */
 
-static void sensitivity_begin(sensitivity_block *b, sgt_surface s, size_t n, const double *const d[3], const sgt_hits *hits, double *const w[3], size_t from)
+static void sensitivity_begin(sensitivity_block *b, sgt_surface s, size_t n, const double *const d[3],
+                              const sgt_hits *hits, double *const w[3], size_t from)
 {
     b->s = s, b->n = n;
     for (int i = 0; i < 3; i++) {
@@ -121,7 +125,8 @@ static void sensitivity_begin(sensitivity_block *b, sgt_surface s, size_t n, con
     if (b->count == 0 || b->count == n) return;
     size_t first = 0;
     while (b->met[first] == 0) first++;
-    for (int i = 0; i < 3; i++) sensitivity_choose(n, b->met, b->p.p[i], b->p.p[i][first], b->place[i]), b->p.p[i] = b->place[i];
+    for (int i = 0; i < 3; i++)
+        sensitivity_choose(n, b->met, b->p.p[i], b->p.p[i][first], b->place[i]), b->p.p[i] = b->place[i];
 }
 
 /* H; NaN where there is none, anything where no ray was met. */
@@ -132,7 +137,8 @@ static void sensitivity_second(sensitivity_block *b)
     else for (int k = 0; k < 6; k++) sensitivity_fill(b->n, (double)NAN, out[k]);
 }
 
-static void second_times(const sensitivity_block *b, int i, const double *x, const double *y, const double *z, double *out)
+static void second_times(const sensitivity_block *b, int i, const double *x, const double *y, const double *z,
+                         double *out)
 {
     sensitivity_dot(b->n, b->h[ENTRY[i][0]], b->h[ENTRY[i][1]], b->h[ENTRY[i][2]], x, y, z, out);
 }
@@ -159,7 +165,10 @@ static void parameter(sensitivity_block *b, size_t j, bool gradient)
 /* ----------------------------------------------------------------------- the door */
 
 static bool has_parameters(sgt_surface s) { return s.ops && s.ops->parameters && s.ops->by_parameter; }
-static int lacks(bool second, bool parameters) { return (second ? SGT_LACKS_SECOND : 0) | (parameters ? SGT_LACKS_PARAMETERS : 0); }
+static int lacks(bool second, bool parameters)
+{
+    return (second ? SGT_LACKS_SECOND : 0) | (parameters ? SGT_LACKS_PARAMETERS : 0);
+}
 
 size_t sgt_parameters(sgt_surface s)
 {
@@ -167,11 +176,13 @@ size_t sgt_parameters(sgt_surface s)
     return has_parameters(s) ? s.ops->parameters(s.self) : 0;
 }
 
-int sgt_differentiate(sgt_surface s, const sgt_ray *ray, const sgt_hit *hit, sgt_change by_o[3], sgt_change by_a[])
+int sgt_differentiate(sgt_surface s, const sgt_ray *ray, const sgt_hit *hit, sgt_change by_o[3],
+                      sgt_change by_a[])
 {
     s = in_set(s);
     sensitivity_block b;
-    double d[3] = {ray->d.x, ray->d.y, ray->d.z}, p[3] = {hit->p.x, hit->p.y, hit->p.z}, n[3] = {hit->n.x, hit->n.y, hit->n.z};
+    double d[3] = {ray->d.x, ray->d.y, ray->d.z}, p[3] = {hit->p.x, hit->p.y, hit->p.z},
+           n[3] = {hit->n.x, hit->n.y, hit->n.z};
     signed char status = hit->status > 0;
     sgt_hits hits = {.status = &status, .p = {p, p + 1, p + 2}, .n = {n, n + 1, n + 2}};
     sensitivity_begin(&b, s, 1, (const double *const[3]){d, d + 1, d + 2}, &hits, NULL, 0);
@@ -179,21 +190,27 @@ int sgt_differentiate(sgt_surface s, const sgt_ray *ray, const sgt_hit *hit, sgt
     sensitivity_bend(&b);
     for (int j = 0; by_o && j < 3; j++) {
         double c[6];
-        for (int i = 0; i < 3; i++) sum_one(1, i == j, d + i, b.w[j], c + i), sum(1, b.h[ENTRY[i][j]], b.hd[i], b.w[j], c + 3 + i);
+        for (int i = 0; i < 3; i++)
+            sum_one(1, i == j, d + i, b.w[j], c + i), sum(1, b.h[ENTRY[i][j]], b.hd[i], b.w[j], c + 3 + i);
         by_o[j] = (sgt_change){b.w[j][0], {c[0], c[1], c[2]}, {c[3], c[4], c[5]}};
     }
     for (size_t j = 0, count = by_a ? sgt_parameters(s) : 0; j < count; j++) {
         double c[6];
         parameter(&b, j, true);
         sensitivity_product(1, b.f, b.inverse, b.t);
-        for (int i = 0; i < 3; i++) sensitivity_product(1, d + i, b.t, c + i), sum(1, b.g[i], b.hd[i], b.t, c + 3 + i);
+        for (int i = 0; i < 3; i++)
+            sensitivity_product(1, d + i, b.t, c + i), sum(1, b.g[i], b.hd[i], b.t, c + 3 + i);
         by_a[j] = (sgt_change){b.t[0], {c[0], c[1], c[2]}, {c[3], c[4], c[5]}};
     }
-    return lacks((by_o || (by_a && has_parameters(s))) && !(s.ops && s.ops->second), by_a && !has_parameters(s));
+    return lacks((by_o || (by_a && has_parameters(s))) && !(s.ops && s.ops->second),
+                 by_a && !has_parameters(s));
 }
 
 /* The j-th array of a list, from the ray `at` on. */
-static double *listed(double *const *list, size_t j, size_t at) { return list && list[j] ? list[j] + at : NULL; }
+static double *listed(double *const *list, size_t j, size_t at)
+{
+    return list && list[j] ? list[j] + at : NULL;
+}
 
 int sgt_differentiate_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, sgt_jacobian out)
 {
@@ -231,11 +248,13 @@ int sgt_differentiate_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hit
             }
         }
     }
-    return lacks((turns || (turn_lists && has_parameters(s))) && !(s.ops && s.ops->second), lists && !has_parameters(s));
+    return lacks((turns || (turn_lists && has_parameters(s))) && !(s.ops && s.ops->second),
+                 lists && !has_parameters(s));
 }
 
 /* The shift do + t dd, a row each. */
-static void shift(const sensitivity_block *b, const sgt_rays *change, const double *t, size_t at, double *q[3])
+static void shift(const sensitivity_block *b, const sgt_rays *change, const double *t, size_t at,
+                  double *q[3])
 {
     for (int i = 0; i < 3; i++) {
         if (change->o[0] && change->d[0]) sum(b->n, change->o[i] + at, t + at, change->d[i] + at, q[i]);
@@ -245,7 +264,8 @@ static void shift(const sensitivity_block *b, const sgt_rays *change, const doub
     }
 }
 
-int sgt_differentiate_forward(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, sgt_rays change, const double da[], sgt_changes out)
+int sgt_differentiate_forward(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, sgt_rays change,
+                              const double da[], sgt_changes out)
 {
     s = in_set(s);
     sensitivity_block b;

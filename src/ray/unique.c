@@ -1,12 +1,13 @@
 /* ray/unique.c - the root near the seed, proven to be the only one.
  *
- * Most often the surface knows at once (sgt_builtin_ops, alone; a loop over lanes, of which one ray is a tile of one): along the ray
- * F is monotone within the rim; the other root of a conic is on the other sheet, beyond the rim or outside the ray's ends, or
- * it certainly counts; no ring of an asphere holds another.  Where it does not, every root is asked for: there has to be
- * one, and it decided.  With a clear aperture narrower than the surface the ray is cut to three times its chord with the
- * aperture's cylinder, so that no root within is taken for the start of what is left, and what is certainly outside of that
- * chord is passed over.  Of a surface that is met by its operations it is cut to that chord and a part in 2^20, and the
- * aperture is its rim: beyond it there may be other roots, and the edge of its domain.
+ * Most often the surface knows at once (sgt_builtin_ops, alone; a loop over lanes, of which one ray is a
+ * tile of one): along the ray F is monotone within the rim; the other root of a conic is on the other
+ * sheet, beyond the rim or outside the ray's ends, or it certainly counts; no ring of an asphere holds
+ * another.  Where it does not, every root is asked for: there has to be one, and it decided.  With a clear
+ * aperture narrower than the surface the ray is cut to three times its chord with the aperture's cylinder,
+ * so that no root within is taken for the start of what is left, and what is certainly outside of that
+ * chord is passed over.  Of a surface that is met by its operations it is cut to that chord and a part in
+ * 2^20, and the aperture is its rim: beyond it there may be other roots, and the edge of its domain.
  *
  * NEARER.  A root is outside the clear aperture; is there another, inside?  Not where it is the only one
  * within a radius R of the axis that is not less than its own.  R is rounded up, so that many rays share it,
@@ -22,11 +23,13 @@
 
 enum { FEW = 4 };
 
-bool sgt_unique_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned long long unique[], sgt_interval others[])
+bool sgt_unique_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned long long unique[],
+                     sgt_interval others[])
 {
     if (s.ops->own_ && s.ops->own_->unique) return s.ops->own_->unique(s.self, tile, rim2, unique, others);
     bool itself = answers_itself(s.ops);
-    memset(unique, itself ? 0xff : 0, tile->n * sizeof *unique); /* level sets: the first is what was asked for */
+    /* level sets: the first is what was asked for */
+    memset(unique, itself ? 0xff : 0, tile->n * sizeof *unique);
     return itself;
 }
 
@@ -34,7 +37,10 @@ bool sgt_unique_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned 
 static unsigned long long at_once(sgt_surface s, const sgt_ray *ray, double rim2, sgt_interval *other)
 {
     unsigned long long unique;
-    sgt_tile one = {.n = 1, .rays = {{&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax}};
+    sgt_tile one = {
+        .n = 1,
+        .rays = {
+            {&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax}};
     sgt_unique_tile(s, &one, rim2, &unique, other);
     return unique;
 }

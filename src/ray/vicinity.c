@@ -25,7 +25,8 @@ SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits,
 {
     const sgt_extent none = {0, HUGE_VAL, HUGE_VAL, HUGE_VAL};
     for (size_t i = 0; i < n; i++) {
-        const sgt_extent *e = asked[i] != 0 && rung[i] < HUGE_VAL ? vicinity_within(s, rung[i], digits, kept) : &none;
+        const sgt_extent *e = asked[i] != 0 && rung[i] < HUGE_VAL ? vicinity_within(s, rung[i], digits, kept)
+                                                                  : &none;
         radius2[i] = e->radius2, steep[i] = e->steep, size[i] = e->size;
     }
 }
@@ -115,11 +116,12 @@ static double shrink(size_t n, const double *restrict ox, const double *restrict
 /* Where F is monotone on the chord within the radius, some of the ray is there, and it begins before the
  * search does.  How many are left. */
 SGT_KERNEL
-static double vicinity_judge(size_t n, const double *restrict dx, const double *restrict dy, const double *restrict dz,
-                    const double *restrict tmin, const double *restrict tmax, const double *restrict seed,
-                    const double *restrict from, const double *restrict lo, const double *restrict hi,
-                    const double *restrict slope, double *restrict asked, double *restrict out_lo,
-                    double *restrict out_hi, double *restrict least)
+static double vicinity_judge(size_t n, const double *restrict dx, const double *restrict dy,
+                             const double *restrict dz, const double *restrict tmin,
+                             const double *restrict tmax, const double *restrict seed,
+                             const double *restrict from, const double *restrict lo,
+                             const double *restrict hi, const double *restrict slope, double *restrict asked,
+                             double *restrict out_lo, double *restrict out_hi, double *restrict least)
 {
     double left = 0;
 #pragma omp simd reduction(+ : left)
@@ -213,8 +215,8 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
     }
     double *at_seed = v->work[0], *from = v->work[1], *radius = v->work[2], *wide = v->work[3],
            *size = v->work[4], *steep = v->work[5], *radius2 = v->work[6], *about = v->work[7];
-    vicinity_begin(n, near, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius, wide,
-          about);
+    vicinity_begin(n, near, r.o[0], r.o[1], r.d[0], r.d[1], r.d[2], v->tmin, v->seed, at_seed, from, radius,
+                   wide, about);
     for (size_t i = 0; i < n; i++) noise_about(s, v->asked[i] != 0 ? about[i] : HUGE_VAL, i, kept, v);
     for (int k = 0;; k++) {
         extents(s, n, wide, COARSE, v->asked, kept, radius2, steep, size);
@@ -226,8 +228,8 @@ void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays r, bool near, const sgt_s
     double *lo = at_seed, *hi = size, *least = about, left = 0;
     for (int k = 0; k < 2; k++) {
         builtin->chords(n, r, radius2, steep, lo, hi, least);
-        left = vicinity_judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least, v->asked,
-                     v->lo, v->hi, v->least);
+        left = vicinity_judge(n, r.d[0], r.d[1], r.d[2], v->tmin, v->tmax, v->seed, from, lo, hi, least,
+                              v->asked, v->lo, v->hi, v->least);
         if (left == 0 || k == 1) break;
         for (size_t i = 0; i < n; i++) wide[i] = rung_above(radius[i], FINE);
         extents(s, n, wide, FINE, v->asked, kept, radius2, steep, size);

@@ -24,13 +24,17 @@ static double own_rounding(const walk *w, sgt_vec3 p, double f)
     const sgt_shared *shared = &w->shared;
     sgt_shared bare;
     if (w->nearby) bare = bare_of(w->shared), shared = &bare;
-    bool known = is_catalogue(ops) && ops->own_->roundings && ops->own_->roundings(w->s.self, shared, 1, (sgt_points){{&p.x, &p.y, &p.z}}, &f, &own);
+    bool known = is_catalogue(ops) && ops->own_->roundings &&
+                 ops->own_->roundings(w->s.self, shared, 1, (sgt_points){{&p.x, &p.y, &p.z}}, &f, &own);
     if (w->nearby) own += vicinity_noise(w->noise[0], w->noise[1], w->noise[2], p.x * p.x + p.y * p.y);
     if (!(known && own >= 0) && ops->rounding) own = ops->rounding(w->s.self, p);
     return own >= 0 ? own : is_catalogue(ops) ? HUGE_VAL : 0; /* a bound that is none is none */
 }
 
-int sgt_walk_sign(const walk *w, const point *at) { return (int)sign_of(at->g, at->g_err + (at->glanced ? own_rounding(w, at->p, at->g) : 0)); }
+int sgt_walk_sign(const walk *w, const point *at)
+{
+    return (int)sign_of(at->g, at->g_err + (at->glanced ? own_rounding(w, at->p, at->g) : 0));
+}
 
 point sgt_walk_glance(walk *w, double tau, sgt_move move, double lo, double hi, double last)
 {
@@ -46,13 +50,18 @@ point sgt_walk_glance(walk *w, double tau, sgt_move move, double lo, double hi, 
     e.glanced = w->s.ops->rounding && !close_of(e.g, e.at.slope, e.at.place, last, w->told.opt->f_tol);
     if (!e.glanced) e.g_err += own_rounding(w, e.p, e.g);
     w->defined = w->defined || !isnan(e.g);
-    tell(&w->told, move, (q->t0 + tau) * q->scale, e.g, e.at.slope / q->scale, (q->t0 + lo) * q->scale, (q->t0 + hi) * q->scale);
+    tell(&w->told, move, (q->t0 + tau) * q->scale, e.g, e.at.slope / q->scale, (q->t0 + lo) * q->scale,
+         (q->t0 + hi) * q->scale);
     return e;
 }
 
-point sgt_walk_look(walk *w, double tau, sgt_move move, double lo, double hi) { return sgt_walk_glance(w, tau, move, lo, hi, (double)NAN); }
+point sgt_walk_look(walk *w, double tau, sgt_move move, double lo, double hi)
+{
+    return sgt_walk_glance(w, tau, move, lo, hi, (double)NAN);
+}
 
-bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at, double *tau_err, double *past)
+bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at,
+                    double *tau_err, double *past)
 {
     double f_tol = w->told.opt->f_tol;
     for (int i = 1;; i++) {
@@ -66,12 +75,15 @@ bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, doub
     }
     if (!(fabs(at->g) <= first)) return false;
     if (f_tol > 0 && fabs(at->g) <= f_tol) {
-        *tau_err = 2 * (fabs(at->g) + at->g_err) / fabs(at->at.slope); /* twice the first order, for the second */
+        /* twice the first order, for the second */
+        *tau_err = 2 * (fabs(at->g) + at->g_err) / fabs(at->at.slope);
         *past = hi;
         return *tau_err < HUGE_VAL;
     }
     if (w->least > 0) {
-        certified c = certified_of(at->tau, at->g, at->glanced ? at->at.place + own_rounding(w, at->p, at->g) : at->g_err, w->least, lo, hi);
+        certified c = certified_of(at->tau, at->g,
+                                   at->glanced ? at->at.place + own_rounding(w, at->p, at->g) : at->g_err,
+                                   w->least, lo, hi);
         *tau_err = c.tau_err, *past = at->tau + c.tau_err;
         if (c.inside) return true;
     }
@@ -79,7 +91,8 @@ bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, doub
     for (int i = 0, signs = 0; i < PROBES && signs == 0; i++, width *= 4) {
         double left = at->tau - width, right = at->tau + width;
         if (!(left >= lo && right <= hi)) return false;
-        point a = sgt_walk_look(w, left, SGT_PROBE, left, right), b = sgt_walk_look(w, right, SGT_PROBE, left, right);
+        point a = sgt_walk_look(w, left, SGT_PROBE, left, right),
+              b = sgt_walk_look(w, right, SGT_PROBE, left, right);
         if (w->told.stopped) return false;
         bool greater = fabs(a.g) > fabs(at->g) && fabs(b.g) > fabs(at->g); /* as beside a root, not a pole */
         signs = greater ? sign_at(&a) * sign_at(&b) : 0;
@@ -101,7 +114,8 @@ bool sgt_walk_quick_miss(walk *w, double lo, double hi)
 sgt_root sgt_walk_begin(walk *w, sgt_span span)
 {
     w->lowest = HUGE_VAL, w->highest = 0;
-    return sgt_root_begin(span, &(sgt_options){.t_tol = w->t_tol, .f_tol = w->told.opt->f_tol, .max_evals = w->told.budget});
+    return sgt_root_begin(
+        span, &(sgt_options){.t_tol = w->t_tol, .f_tol = w->told.opt->f_tol, .max_evals = w->told.budget});
 }
 
 sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at)
@@ -117,8 +131,8 @@ sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at)
     return r;
 }
 
-/* |F| falls three times outward on both sides of `at`, the end of a search right to tau_err; or the search is over before.
- * It begins 256 times as far away: F may be noisier than it says. */
+/* |F| falls three times outward on both sides of `at`, the end of a search right to tau_err; or the search
+ * is over before.  It begins 256 times as far away: F may be noisier than it says. */
 static bool is_pole(walk *w, const point *at, double tau_err)
 {
     double place = larger(larger(at->at.ex, at->at.ey), at->at.ez);
@@ -144,12 +158,22 @@ static bool is_pole(walk *w, const point *at, double tau_err)
 static bool walk_take(walk *w, sgt_status status, point at, double tau_err)
 {
     if (!(at.g_err < HUGE_VAL && fabs(at.g) < HUGE_VAL)) return false; /* nothing is known there */
-    acceptance h = acceptance_of(&w->q, at.tau, tau_err, at.p, at.n, at.at, w->ray->tmin, w->ray->tmax, w->rim2, w->margin);
+    acceptance h = acceptance_of(&w->q, at.tau, tau_err, at.p, at.n, at.at, w->ray->tmin, w->ray->tmax,
+                                 w->rim2, w->margin);
     w->off = h.off, w->hidden = h;
     if (!h.accepted) return false;
     sgt_interval about = sgt_about(h.t, h.t_err);
-    sgt_hit hit = {.status = status, .t = h.t, .t_lo = h.t_lo, .t_err = h.t_err, .lo = about.lo, .hi = about.hi,
-                   .f = at.g, .p = at.p, .n = at.n, .p_err = h.p_err, .evals = w->told.evals - w->told.before};
+    sgt_hit hit = {.status = status,
+                   .t = h.t,
+                   .t_lo = h.t_lo,
+                   .t_err = h.t_err,
+                   .lo = about.lo,
+                   .hi = about.hi,
+                   .f = at.g,
+                   .p = at.p,
+                   .n = at.n,
+                   .p_err = h.p_err,
+                   .evals = w->told.evals - w->told.before};
     w->told.before = w->told.evals;
     next_root(&w->told);
     sgt_list_add(w->list, &hit);
@@ -210,9 +234,11 @@ bool sgt_walk_take(walk *w, const sgt_root *r, point at)
 
 bool sgt_walk_between(walk *w, const point *a, const point *b, double *past)
 {
-    double seed = secant_of(mark_of(a), mark_of(b)), ga = fabs(a->g) < HUGE_VAL ? fabs(a->g) : 0, gb = fabs(b->g) < HUGE_VAL ? fabs(b->g) : 0, tau_err;
+    double seed = secant_of(mark_of(a), mark_of(b)), ga = fabs(a->g) < HUGE_VAL ? fabs(a->g) : 0,
+           gb = fabs(b->g) < HUGE_VAL ? fabs(b->g) : 0, tau_err;
     point at = *a;
-    if (seed > a->tau && seed < b->tau && sgt_walk_quick(w, a->tau, b->tau, seed, b->tau - a->tau, larger(ga, gb), &at, &tau_err, past))
+    if (seed > a->tau && seed < b->tau &&
+        sgt_walk_quick(w, a->tau, b->tau, seed, b->tau - a->tau, larger(ga, gb), &at, &tau_err, past))
         return sgt_walk_take_quick(w, at, tau_err);
     *past = b->tau;
     if (over(w) || sgt_walk_sign(w, a) * sgt_walk_sign(w, b) >= 0) return false;

@@ -7,7 +7,12 @@
 #include "../surface/builtin.h"
 
 /* F at one local point of the ray, and how far it can be off there. */
-typedef struct point { double tau, g, g_err; sgt_vec3 p, n; around at; bool glanced; /* the surface's own rounding is left out of g_err */ } point;
+typedef struct point {
+    double tau, g, g_err;
+    sgt_vec3 p, n;
+    around at;
+    bool glanced; /* the surface's own rounding is left out of g_err */
+} point;
 
 typedef struct walk {
     sgt_surface s;
@@ -24,8 +29,10 @@ typedef struct walk {
     double lo, hi;  /* the stretch that is searched: F is not asked for outside of it */
     double lowest, highest; /* the least and the greatest |g| that the search for the root has seen */
     bool off;       /* the root that does not count can be told not to */
-    acceptance hidden;  /* of the quick form: the root that may count or not; its t is NaN where there is none */
-    double least;   /* a bound from below on |g'| all along the stretch, which has one root at most; 0: not known */
+    /* of the quick form: the root that may count or not; its t is NaN where there is none */
+    acceptance hidden;
+    /* a bound from below on |g'| all along the stretch, which has one root at most; 0: not known */
+    double least;
     double rim2;    /* of the surface's rim; infinite where there is none */
     double margin;  /* of acceptance_of: END_ERRORS where not all roots are found this way */
     sgt_shared shared; /* of the surface, where it shares */
@@ -56,9 +63,10 @@ sgt_root sgt_walk_begin(walk *w, sgt_span span);
 /* Adds what the solver found; false where it is no root that counts. */
 bool sgt_walk_take(walk *w, const sgt_root *r, point at);
 
-/* The quick form (step.h) from tau, `last` the step before, |g| at first (< 0: at tau): *at is the root, right to
- * *tau_err; *past is behind it. */
-bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at, double *tau_err, double *past);
+/* The quick form (step.h) from tau, `last` the step before, |g| at first (< 0: at tau): *at is the root,
+ * right to *tau_err; *past is behind it. */
+bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at,
+                    double *tau_err, double *past);
 bool sgt_walk_take_quick(walk *w, point at, double tau_err);
 
 /* The same of one that may count or not, where `least` is known, with the rounding of F at the very point;

@@ -69,12 +69,13 @@ SGT_INLINE double radius_wanted(double r, double outward)
 
 /* Its length, where it is not that of a step refused; the point it leads to. */
 SGT_KERNEL
-static void wings_step(size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz,
-                 const double *restrict dx, const double *restrict dy, const double *restrict dz,
-                 const double *restrict at, const double *restrict h, const double *restrict a,
-                 const double *restrict sign, const double *restrict ratio, const double *restrict radius,
-                 const double *restrict bend, const double *restrict seed, double *restrict next,
-                 double *restrict px, double *restrict py, double *restrict pz)
+static void wings_step(size_t n, const double *restrict ox, const double *restrict oy,
+                       const double *restrict oz, const double *restrict dx, const double *restrict dy,
+                       const double *restrict dz, const double *restrict at, const double *restrict h,
+                       const double *restrict a, const double *restrict sign, const double *restrict ratio,
+                       const double *restrict radius, const double *restrict bend,
+                       const double *restrict seed, double *restrict next, double *restrict px,
+                       double *restrict py, double *restrict pz)
 {
     LANES for (size_t i = 0; i < n; i++) {
         double l = dx[i], m = dy[i], t = at[i], x = ox[i] + t * l, y = oy[i] + t * m, along = l * l + m * m;
@@ -93,14 +94,15 @@ static void wings_step(size_t n, const double *restrict ox, const double *restri
 
 /* What it has shown. */
 SGT_KERNEL
-static void wings_judge(size_t n, const double *restrict dx, const double *restrict dy, const double *restrict dz,
-                  double *restrict at, double *restrict h, double *restrict a, double *restrict sign,
-                  double *restrict ratio, const double *restrict radius, const double *restrict steep,
-                  const double *restrict bend, const double *restrict e0, const double *restrict e1,
-                  double *restrict limit, double *restrict evals, const double *restrict next,
-                  const double *restrict px, const double *restrict py, const double *restrict pz,
-                  const double *restrict f, const double *restrict own, double *restrict verdict,
-                  double *restrict wanted)
+static void wings_judge(size_t n, const double *restrict dx, const double *restrict dy,
+                        const double *restrict dz, double *restrict at, double *restrict h,
+                        double *restrict a, double *restrict sign, double *restrict ratio,
+                        const double *restrict radius, const double *restrict steep,
+                        const double *restrict bend, const double *restrict e0, const double *restrict e1,
+                        double *restrict limit, double *restrict evals, const double *restrict next,
+                        const double *restrict px, const double *restrict py, const double *restrict pz,
+                        const double *restrict f, const double *restrict own, double *restrict verdict,
+                        double *restrict wanted)
 {
     LANES for (size_t i = 0; i < n; i++) {
         double t = next[i], was = at[i], s = sign[i], before = a[i], x = px[i], y = py[i], z = pz[i],
@@ -185,7 +187,8 @@ static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double
     builtin->chords(1, one, &outer2, &steep, &begin, &hi, &least);
     begin = larger(begin, from);
     if (!(lo <= hi && begin < lo && fabs(lo) < HUGE_VAL)) return (double)NAN;
-    sgt_interval slope, t = {0, sgt_sum_above(lo, -begin)}, g = builtin->enclose(s.self, ray, begin, t, &slope);
+    sgt_interval slope, t = {0, sgt_sum_above(lo, -begin)},
+                        g = builtin->enclose(s.self, ray, begin, t, &slope);
     *evals += 1;
     if (v->told)
         tell(v->told, SGT_MARCH, begin, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, begin, lo);
@@ -257,8 +260,8 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
     }
     while (left > 0) {
         double grad[3], *g = v->told ? grad : NULL;
-        wings_step(left, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[RATIO], a[RADIUS],
-             a[BEND], a[SEED], a[NEXT], a[PX], a[PY], a[PZ]);
+        wings_step(left, a[OX], a[OY], a[OZ], a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[RATIO],
+                   a[RADIUS], a[BEND], a[SEED], a[NEXT], a[PX], a[PY], a[PZ]);
         sgt_points at = {{a[PX], a[PY], a[PZ]}};
         s.ops->values(s.self, left, at, (sgt_values){a[F], {g, g ? g + 1 : NULL, g ? g + 2 : NULL}});
         if (!builtin->roundings(s.self, bare, left, at, a[F], a[OWN])) return;
@@ -268,9 +271,9 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
                    next = a[NEXT][0] * scale;
             tell(v->told, SGT_MARCH, next, a[F][0], slope, a[T][0] * scale, next);
         }
-        wings_judge(left, a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[RATIO], a[RADIUS], a[STEEP], a[BEND],
-              a[E0], a[E1], a[LIMIT], a[EVALS], a[NEXT], a[PX], a[PY], a[PZ], a[F], a[OWN], a[VERDICT],
-              a[WANTED]);
+        wings_judge(left, a[DX], a[DY], a[DZ], a[T], a[H], a[A], a[SIGN], a[RATIO], a[RADIUS], a[STEEP],
+                    a[BEND], a[E0], a[E1], a[LIMIT], a[EVALS], a[NEXT], a[PX], a[PY], a[PZ], a[F], a[OWN],
+                    a[VERDICT], a[WANTED]);
         for (size_t i = left; i-- > 0;) {
             size_t k = (size_t)a[LANE][i];
             v->evals[k] += 1;

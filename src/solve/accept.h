@@ -40,7 +40,8 @@ SGT_INLINE void meeting_place(meeting *h, const local *q, double tau, double tau
     h->t_lo = t.lo * q->scale;
     h->t_err = (fabs(t.lo) + e * (1 + 4 * SGT_U)) * (1 + 4 * SGT_U) * q->scale;
     if (!(fabs(h->t) < HUGE_VAL)) h->t_err = HUGE_VAL; /* in lengths of d */
-    bool away = (q->x != 0 || q->y != 0) && larger(fabs(q->x), fabs(q->y)) < 0x1p-60; /* powers of theirs may underflow */
+    /* powers of theirs may underflow */
+    bool away = (q->x != 0 || q->y != 0) && larger(fabs(q->x), fabs(q->y)) < 0x1p-60;
     if (fabs(h->t) < TINY && (h->t != 0 || h->t_err != 0 || away)) h->t_err += TINY_ERROR;
     double tl = tau * q->l, tm = tau * q->m, tn = tau * q->n;
     h->p = (sgt_vec3){q->x + tl, q->y + tm, q->z + tn};
@@ -59,25 +60,28 @@ SGT_INLINE bool sharp(const meeting *h, double t_tol)
 
 /* Inside the rim, in (tmin, tmax], and not the start itself: farther from tmin than 16 ulps in each
  * coordinate of the root can put it.  The sum of |p_i F_i| and |grad F . d| share the factor 1/v, which
- * drops out; at the vertex both are 0.  Of a v that is negative, and so no certain one, and of one so near 0 that n is
- * infinite, the ends alone count.  rim2 is infinite where there is none. */
+ * drops out; at the vertex both are 0.  Of a v that is negative, and so no certain one, and of one so near
+ * 0 that n is infinite, the ends alone count.  rim2 is infinite where there is none. */
 SGT_INLINE bool accepted(const meeting *h, const sgt_ray *ray, double rim2, double scale)
 {
     double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z));
     bool lost = !(fabs(h->n.x) + fabs(h->n.y) < HUGE_VAL);
     double room = h->t - ray->tmin - h->t_err - 8 * SGT_U * fabs(h->t);
-    bool started = ray->tmin == -HUGE_VAL || (room > 0 && (room * (h->slope / scale) > START_ULPS * terms || terms == 0 || lost));
+    bool started = ray->tmin == -HUGE_VAL ||
+                   (room > 0 && (room * (h->slope / scale) > START_ULPS * terms || terms == 0 || lost));
     bool inside = !(h->p.x * h->p.x + h->p.y * h->p.y > rim2);
     return started && h->t <= ray->tmax && inside;
 }
 
-/* Rounding hides on which side of the rim the root is: its r^2 is off by twice (|x| + |y|) p_err and what that makes of
- * itself, and 4 u.  Asked under proof alone; without, the rule is as sharp as it is stated. */
+/* Rounding hides on which side of the rim the root is: its r^2 is off by twice (|x| + |y|) p_err and what
+ * that makes of itself, and 4 u.  Asked under proof alone; without, the rule is as sharp as it is stated. */
 SGT_INLINE bool rim_hidden(const meeting *h, double rim2)
 {
-    double r2 = h->p.x * h->p.x + h->p.y * h->p.y, off = (2 * (fabs(h->p.x) + fabs(h->p.y)) + h->p_err) * h->p_err + 4 * SGT_U * r2;
+    double r2 = h->p.x * h->p.x + h->p.y * h->p.y,
+           off = (2 * (fabs(h->p.x) + fabs(h->p.y)) + h->p_err) * h->p_err + 4 * SGT_U * r2;
     if (!(rim2 < HUGE_VAL)) return false;
-    if (!(off < HUGE_VAL)) return !(larger(fabs(h->p.x), fabs(h->p.y)) - h->p_err > 2 * sqrt(rim2)); /* far beyond */
+    /* far beyond */
+    if (!(off < HUGE_VAL)) return !(larger(fabs(h->p.x), fabs(h->p.y)) - h->p_err > 2 * sqrt(rim2));
     return !(fabs(r2 - rim2) > 1.01 * off);
 }
 
@@ -107,13 +111,15 @@ SGT_INLINE double rim2_of(double semi_diameter)
 /* Of the rim within which a root in lanes is certain: conic/easy.h, asphere/easy.h. */
 SGT_INLINE double sure_rim2(double rim2) { return rim2 * (1 - 0x1.dp-45); }
 
-/* Its square has lost nothing to underflow.  Where it has, no root is told from another: every ray is UNPROVEN. */
+/* Its square has lost nothing to underflow.  Where it has, no root is told from another: every ray is
+ * UNPROVEN. */
 SGT_INLINE bool rim_in_range(double rim2) { return rim2 > TINY; }
 
-/* Where a ray that lies in the surface from lo to hi begins to count: the first t, as nearly as a few trials tell, whose
- * point has r^2 <= rim2 as computed (chords are made longer than they are); NaN: none is found.  Of a stretch without a
- * beginning it is the point nearest to `centre`.  All t count from t0. */
-SGT_INLINE double start_within(const sgt_ray *ray, double t0, double lo, double hi, double centre, double rim2)
+/* Where a ray that lies in the surface from lo to hi begins to count: the first t, as nearly as a few
+ * trials tell, whose point has r^2 <= rim2 as computed (chords are made longer than they are); NaN: none is
+ * found.  Of a stretch without a beginning it is the point nearest to `centre`.  All t count from t0. */
+SGT_INLINE double start_within(const sgt_ray *ray, double t0, double lo, double hi, double centre,
+                               double rim2)
 {
     double begin = lo > -DBL_MAX ? lo : hi < centre ? hi : centre, length = hi - begin, t = begin;
     for (double part = 0x1p-48;; part *= 64) {

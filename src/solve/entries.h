@@ -4,15 +4,16 @@
 
 #include "accept.h"
 
-/* [t - t_err, t + t_err], rounded outward: where t_err is below an ulp of t, t alone would not have the root. */
+/* [t - t_err, t + t_err], rounded outward: where t_err is below an ulp of t, t alone would not have the
+ * root. */
 static inline sgt_interval sgt_about(double t, double t_err)
 {
     double e = t_err * (1 + 0x1p-50) + 0x1p-52 * fabs(t);
     return (sgt_interval){t - e, t + e};
 }
 
-/* The entries of sgt_intersect_all: those beyond cap are counted and not kept, but for the last.  evals: all that were
- * spent, by the surfaces that answer by themselves. */
+/* The entries of sgt_intersect_all: those beyond cap are counted and not kept, but for the last.  evals:
+ * all that were spent, by the surfaces that answer by themselves. */
 typedef struct sgt_list { sgt_hit *hits; int cap, count, evals; sgt_hit last; } sgt_list;
 
 static inline void sgt_list_add(sgt_list *list, const sgt_hit *hit)
@@ -54,7 +55,8 @@ static inline void sgt_list_cover(sgt_list *list, double lo, double hi)
     sgt_hit *last = &list->last;
     if (lo < last->lo) last->lo = lo;
     if (hi > last->hi) last->hi = hi;
-    double far = (last->hi - last->t > last->t - last->lo ? last->hi - last->t : last->t - last->lo) * (1 + 0x1p-50);
+    double far = (last->hi - last->t > last->t - last->lo ? last->hi - last->t : last->t - last->lo) *
+                 (1 + 0x1p-50);
     if (far > last->t_err) last->t_err = far;
     sgt_interval about = sgt_about(last->t, last->t_err);
     if (about.lo < last->lo) last->lo = about.lo;
@@ -62,8 +64,8 @@ static inline void sgt_list_cover(sgt_list *list, double lo, double hi)
     if (list->count <= list->cap) list->hits[list->count - 1] = *last;
 }
 
-/* A hit as near to the last as the errors of both: one root seen twice, or two that cannot be told apart.  The last
- * is made to cover both; false: it is another. */
+/* A hit as near to the last as the errors of both: one root seen twice, or two that cannot be told apart.
+ * The last is made to cover both; false: it is another. */
 static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
 {
     sgt_hit *last = &list->last;
@@ -77,9 +79,17 @@ static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
 
 SGT_INLINE sgt_hit hit_without(sgt_status status, const sgt_ray *ray, int evals)
 {
-    return (sgt_hit){.status = status, .evals = evals, .t = (double)NAN, .t_err = (double)NAN, .t_lo = (double)NAN,
-                     .lo = ray->tmin, .hi = ray->tmax, .f = (double)NAN, .p = {(double)NAN, (double)NAN, (double)NAN},
-                     .n = {(double)NAN, (double)NAN, (double)NAN}, .p_err = (double)NAN};
+    return (sgt_hit){.status = status,
+                     .evals = evals,
+                     .t = (double)NAN,
+                     .t_err = (double)NAN,
+                     .t_lo = (double)NAN,
+                     .lo = ray->tmin,
+                     .hi = ray->tmax,
+                     .f = (double)NAN,
+                     .p = {(double)NAN, (double)NAN, (double)NAN},
+                     .n = {(double)NAN, (double)NAN, (double)NAN},
+                     .p_err = (double)NAN};
 }
 
 /* What is undecided is in [lo, hi], cut to the ray's ends; where that leaves nothing it is all of the ray. */
@@ -97,8 +107,8 @@ typedef struct tally { const sgt_options *opt; int evals, before, root, budget; 
 
 SGT_INLINE bool spent(const tally *w) { return w->evals - w->root >= w->budget; }
 
-/* A root is found: the next has the budget anew.  Answers made at random have roots without end, so all of them together
- * have one, too: 1024 budgets, of which the last begins here. */
+/* A root is found: the next has the budget anew.  Answers made at random have roots without end, so all of
+ * them together have one, too: 1024 budgets, of which the last begins here. */
 SGT_INLINE void next_root(tally *w)
 {
     w->root = w->evals;
@@ -114,15 +124,28 @@ SGT_INLINE void tell(tally *w, sgt_move move, double t, double f, double slope, 
 }
 
 /* The hit, with one last evaluation at p: f.  Of numbers that are out of range it is UNPROVEN. */
-SGT_INLINE sgt_hit hit_at(const meeting *h, sgt_status status, double f, sgt_move move, const sgt_ray *ray, tally *w)
+SGT_INLINE sgt_hit hit_at(const meeting *h, sgt_status status, double f, sgt_move move, const sgt_ray *ray,
+                          tally *w)
 {
-    if (w->opt->watch) tell(w, move, h->t, f, h->n.x * ray->d.x + h->n.y * ray->d.y + h->n.z * ray->d.z, h->t - h->t_err, h->t + h->t_err);
+    if (w->opt->watch)
+        tell(w, move, h->t, f, h->n.x * ray->d.x + h->n.y * ray->d.y + h->n.z * ray->d.z, h->t - h->t_err,
+             h->t + h->t_err);
     else w->evals++;
     if (w->stopped) return hit_without(SGT_STOPPED, ray, w->evals - w->before);
-    if (!(h->t_err < HUGE_VAL && h->p_err < HUGE_VAL)) return hit_without(SGT_UNPROVEN, ray, w->evals - w->before);
+    if (!(h->t_err < HUGE_VAL && h->p_err < HUGE_VAL))
+        return hit_without(SGT_UNPROVEN, ray, w->evals - w->before);
     sgt_interval about = sgt_about(h->t, h->t_err);
-    return (sgt_hit){.status = status, .evals = w->evals - w->before, .t = h->t, .t_err = h->t_err, .t_lo = h->t_lo,
-                     .lo = about.lo, .hi = about.hi, .f = f, .p = h->p, .n = h->n, .p_err = h->p_err};
+    return (sgt_hit){.status = status,
+                     .evals = w->evals - w->before,
+                     .t = h->t,
+                     .t_err = h->t_err,
+                     .t_lo = h->t_lo,
+                     .lo = about.lo,
+                     .hi = about.hi,
+                     .f = f,
+                     .p = h->p,
+                     .n = h->n,
+                     .p_err = h->p_err};
 }
 
 /* What a search for the first entry came to: that entry, or a miss. */
@@ -135,12 +158,14 @@ SGT_INLINE sgt_hit first_entry(const sgt_list *list, const sgt_ray *ray, int eva
 }
 
 /* [lo, hi], cut to the ray's ends, is not decided, or was not searched. */
-SGT_INLINE void add_stretch(sgt_list *list, tally *w, sgt_status status, const sgt_ray *ray, double lo, double hi)
+SGT_INLINE void add_stretch(sgt_list *list, tally *w, sgt_status status, const sgt_ray *ray, double lo,
+                            double hi)
 {
     sgt_hit hit = hit_without(status, ray, w->evals - w->before);
     lo -= 2 * SGT_U * fabs(lo), hi += 2 * SGT_U * fabs(hi); /* outward, by at least an ulp */
     hit.lo = larger(lo, ray->tmin), hit.hi = hi < ray->tmax ? hi : ray->tmax;
-    if (list->count && status != SGT_UNPROVEN) hit.lo = larger(hit.lo, list->last.hi); /* what is left is behind it */
+    /* what is left is behind it */
+    if (list->count && status != SGT_UNPROVEN) hit.lo = larger(hit.lo, list->last.hi);
     if (!(hit.lo <= DBL_MAX)) hit.lo = DBL_MAX; /* beyond the range of t: its t is a number all the same */
     if (!(hit.hi >= -DBL_MAX)) hit.hi = -DBL_MAX;
     if (hit.lo > hit.hi && status == SGT_STOPPED) hit.lo = hit.hi; /* at the very end: told all the same */
@@ -151,7 +176,8 @@ SGT_INLINE void add_stretch(sgt_list *list, tally *w, sgt_status status, const s
 }
 
 /* hit_at as an entry of a list; what was spent since the last entry is told with it. */
-SGT_INLINE void add_hit(sgt_list *list, const meeting *h, sgt_status status, double f, sgt_move move, const sgt_ray *ray, tally *w)
+SGT_INLINE void add_hit(sgt_list *list, const meeting *h, sgt_status status, double f, sgt_move move,
+                        const sgt_ray *ray, tally *w)
 {
     sgt_hit hit = hit_at(h, status, f, move, ray, w);
     if (w->stopped) return; /* what is left is told by whoever searches */

@@ -139,7 +139,12 @@ static double root_sample(const sgt_root *r, int i)
 sgt_root sgt_root_begin(sgt_span span, const sgt_options *opt)
 {
     sgt_options o = opt ? *opt : (sgt_options){0};
-    sgt_root root = {.lo = span.lo, .hi = span.hi, .t_err = HUGE_VAL, .move = SGT_SEED, .status = SGT_UNPROVEN}, *r = &root;
+    sgt_root root = {.lo = span.lo,
+                     .hi = span.hi,
+                     .t_err = HUGE_VAL,
+                     .move = SGT_SEED,
+                     .status = SGT_UNPROVEN},
+             *r = &root;
     P(GLO) = P(GHI) = P(PREV) = P(GPREV) = P(HOLE) = P(CANDIDATE) = NAN;
     P(STEP) = P(STEP2) = HUGE_VAL;
     P(SINGLE) = span.single;
@@ -251,7 +256,8 @@ static bool probe_next(sgt_root *r)
     double c = P(CANDIDATE);
     for (int side = -1; side <= 1; side += 2) {
         int at = side < 0 ? LEFT : RIGHT;
-        double end = side < 0 ? r->lo : r->hi, gend = side < 0 ? P(GLO) : P(GHI), send = side < 0 ? P(SLO) : P(SHI), t;
+        double end = side < 0 ? r->lo : r->hi, gend = side < 0 ? P(GLO) : P(GHI),
+               send = side < 0 ? P(SLO) : P(SHI), t;
         if (r->private_[at] != 0) continue;
         t = c + side * P(WIDTH);
         if (side < 0 ? t <= end : t >= end) { /* the end of what may be asked */
@@ -334,10 +340,12 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
 
     double t = r->t, tol = maximum_number(P(T_TOL), 2 * ulp(t));
     bool bracketed = P(BRACKETED) != 0;
-    if (bracketed && r->hi - r->lo <= 2 * tol) return finish_between(r, fabs(P(GLO)) < fabs(P(GHI)) ? r->lo : r->hi);
+    if (bracketed && r->hi - r->lo <= 2 * tol)
+        return finish_between(r, fabs(P(GLO)) < fabs(P(GHI)) ? r->lo : r->hi);
 
     double step = g / slope, allowed = bracketed ? 0.5 * fabs(P(STEP2)) : 0.6 * fabs(P(STEP));
-    bool crawls = r->evals > 200 && (r->evals & 1); /* a root at 0 has no ulp for steps of a half to stop at */
+    /* a root at 0 has no ulp for steps of a half to stop at */
+    bool crawls = r->evals > 200 && (r->evals & 1);
     if (isfinite(step) && step != 0 && fabs(step) <= allowed && !crawls) {
         double next = t - step;
         if (fabs(step) <= tol) {
@@ -352,7 +360,8 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
         if (bracketed ? next > r->lo && next < r->hi : next >= r->lo && next <= r->hi) {
             P(STEP2) = P(STEP), P(STEP) = step;
             if (next != t) return go(r, next, SGT_NEWTON);
-        } else if (!bracketed && isfinite(next < r->lo ? r->lo : r->hi) && isnan(next < r->lo ? P(GLO) : P(GHI))) {
+        } else if (!bracketed && isfinite(next < r->lo ? r->lo : r->hi) &&
+                   isnan(next < r->lo ? P(GLO) : P(GHI))) {
             P(STEP) = P(STEP2) = fabs((next < r->lo ? r->lo : r->hi) - t);
             return go(r, next, SGT_NEWTON); /* to the end */
         }

@@ -12,7 +12,8 @@ void sgt_root_tell(sgt_root *r, double t, double g);
 /* Every number an option may hold: none NaN, none negative; and a proof there is. */
 static inline bool sgt_options_valid(const sgt_options *o)
 {
-    return !o || (o->t_tol >= 0 && o->f_tol >= 0 && o->dt_min >= 0 && o->max_evals >= 0 && (unsigned)o->proof <= SGT_PROVE_FIRST);
+    return !o || (o->t_tol >= 0 && o->f_tol >= 0 && o->dt_min >= 0 && o->max_evals >= 0 &&
+                  (unsigned)o->proof <= SGT_PROVE_FIRST);
 }
 
 #endif

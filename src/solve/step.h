@@ -1,17 +1,19 @@
 /* step.h - the quick form of a ray's way along any surface: what one step of it is.
  *
- * QUICK, THEN CAREFUL.  From a good guess Newton's method needs three or four steps and none of the safeguards of
- * solve/root.c.  So it is tried without them: each step at most 0.6 of the last, inside the stretch, until |g| is
- * within its rounding or the tolerance is met; then F is looked at on both sides of the root, as far apart
- * as root.c would look (twice what |g|, its rounding and the slope can move it; where a sign is not certain, four and sixteen
- * times that).  Certain, opposite signs there are a hit, the same claim as ever.  Where a bound on |g'| from below is known for the whole
- * stretch (the built-in sags within a rim), |g| at the root alone says as much, and nothing is looked at beside it.  Where a step breaks the rule, and the span has one root at most, certain
- * signs that are alike at both of its ends are a miss.  Whatever else happens, the quick form has no answer, and
- * the careful path begins anew; what the quick form has spent is counted.
+ * QUICK, THEN CAREFUL.  From a good guess Newton's method needs three or four steps and none of the
+ * safeguards of solve/root.c.  So it is tried without them: each step at most 0.6 of the last, inside the
+ * stretch, until |g| is within its rounding or the tolerance is met; then F is looked at on both sides of
+ * the root, as far apart as root.c would look (twice what |g|, its rounding and the slope can move it;
+ * where a sign is not certain, four and sixteen times that).  Certain, opposite signs there are a hit, the
+ * same claim as ever.  Where a bound on |g'| from below is known for the whole stretch (the built-in sags
+ * within a rim), |g| at the root alone says as much, and nothing is looked at beside it.  Where a step
+ * breaks the rule, and the span has one root at most, certain signs that are alike at both of its ends are
+ * a miss.  Whatever else happens, the quick form has no answer, and the careful path begins anew; what the
+ * quick form has spent is counted.
  *
- * The single ray (walk.c, general.c) and the lanes of a batch (ray/lanes.c) go through the functions below, the same
- * operations in the same order, and so to the same bits.  They have no branches: a loop around them becomes
- * vector code. */
+ * The single ray (walk.c, general.c) and the lanes of a batch (ray/lanes.c) go through the functions below,
+ * the same operations in the same order, and so to the same bits.  They have no branches: a loop around
+ * them becomes vector code. */
 #ifndef SGT_SOLVE_STEP_H
 #define SGT_SOLVE_STEP_H
 
@@ -33,11 +35,11 @@ typedef struct approach {
     bool known;         /* the local origin is a number, and the direction has been scaled exactly */
 } approach;
 
-/* from, to and seed are the span's.  back: how far a root at its own end is to be inside, in units of where that is.
- * everywhere: a ray without a guess that does not end at both sides is of use too.  early: all that is
- * promised of the span holds before tmin as well; so that a root that is the start itself is inside, and can
- * be told to be.  It reaches back by a part of how far the ray is from the origin: so Newton's steps, which
- * may pass the root, do not leave what is searched. */
+/* from, to and seed are the span's.  back: how far a root at its own end is to be inside, in units of where
+ * that is.  everywhere: a ray without a guess that does not end at both sides is of use too.  early: all
+ * that is promised of the span holds before tmin as well; so that a root that is the start itself is
+ * inside, and can be told to be.  It reaches back by a part of how far the ray is from the origin: so
+ * Newton's steps, which may pass the root, do not leave what is searched. */
 SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double from, double to,
                                 double seed, double back, bool everywhere, bool early)
 {
@@ -49,7 +51,9 @@ SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
     double lo = from * inverse, hi = to * inverse;
     a.q.scale = scale, a.q.l = d.x * scale, a.q.m = d.y * scale, a.q.n = d.z * scale;
     a.inverse = inverse, a.nearest = (double)NAN;
-    if (everywhere) a.nearest = -(o.x * a.q.l + o.y * a.q.m + o.z * a.q.n) / (a.q.l * a.q.l + a.q.m * a.q.m + a.q.n * a.q.n);
+    if (everywhere)
+        a.nearest = -(o.x * a.q.l + o.y * a.q.m + o.z * a.q.n) /
+                    (a.q.l * a.q.l + a.q.m * a.q.m + a.q.n * a.q.n);
     bool ends = (lo > -HUGE_VAL) & (hi < HUGE_VAL);
     seed *= inverse;
     a.passes = passes | (lo > hi);
@@ -62,9 +66,11 @@ SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
     t0 = t0 < lo ? lo : t0;
     t0 = t0 > hi ? hi : t0;
     a.q.t0 = t0, a.q.t0_lo = 0, a.q.t0_err = 0;
-    a.q.x = moved_along(o.x, t0, a.q.l), a.q.y = moved_along(o.y, t0, a.q.m), a.q.z = moved_along(o.z, t0, a.q.n);
+    a.q.x = moved_along(o.x, t0, a.q.l), a.q.y = moved_along(o.y, t0, a.q.m),
+    a.q.z = moved_along(o.z, t0, a.q.n);
     a.q.xa = fabs(a.q.x), a.q.ya = fabs(a.q.y), a.q.za = fabs(a.q.z);
-    bool whole = (a.q.l * inverse == d.x) & (a.q.m * inverse == d.y) & (a.q.n * inverse == d.z); /* nothing of it has underflown */
+    /* nothing of it has underflown */
+    bool whole = (a.q.l * inverse == d.x) & (a.q.m * inverse == d.y) & (a.q.n * inverse == d.z);
     a.known = whole & ((a.q.x - a.q.x) + (a.q.y - a.q.y) + (a.q.z - a.q.z) == 0);
     a.from_tmin = !(from > tmin);
     back = a.from_tmin ? 0 : back;
@@ -84,26 +90,32 @@ SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
 /* What is known at x + tau l with the gradient there: the slope, and what rounding of the point does to F. */
 typedef struct around { double slope, place, ex, ey, ez; } around;
 
-/* none: 0, what a bound that is NaN comes to.  (Where gcc can see that it is 0 it makes two ways of it, a division on each.) */
-SGT_INLINE around around_of(double x, double y, double z, double l, double m, double n, double tau, sgt_vec3 p, sgt_vec3 grad, double none)
+/* none: 0, what a bound that is NaN comes to.  (Where gcc can see that it is 0 it makes two ways of it, a
+ * division on each.) */
+SGT_INLINE around around_of(double x, double y, double z, double l, double m, double n, double tau,
+                            sgt_vec3 p, sgt_vec3 grad, double none)
 {
     around a = {.slope = grad.x * l + grad.y * m + grad.z * n};
-    a.ex = fabs(x) + fabs(tau * l) + fabs(p.x), a.ey = fabs(y) + fabs(tau * m) + fabs(p.y), a.ez = fabs(z) + fabs(tau * n) + fabs(p.z);
+    a.ex = fabs(x) + fabs(tau * l) + fabs(p.x), a.ey = fabs(y) + fabs(tau * m) + fabs(p.y),
+    a.ez = fabs(z) + fabs(tau * n) + fabs(p.z);
     double place = SGT_U * (a.ex * fabs(grad.x) + a.ey * fabs(grad.y) + a.ez * fabs(grad.z));
     a.place = place >= 0 ? place : none; /* NaN: a gradient that says nothing */
     return a;
 }
 
-/* Is the surface's own rounding to be asked for, too?  Not far from the root: where |g| is above 1024 times what the point
- * alone does to it, and Newton's steps shrink, it would change nothing; what counts in the end is asked beside the root.
- * last: NaN: always. */
+/* Is the surface's own rounding to be asked for, too?  Not far from the root: where |g| is above 1024 times
+ * what the point alone does to it, and Newton's steps shrink, it would change nothing; what counts in the
+ * end is asked beside the root.  last: NaN: always. */
 SGT_INLINE bool close_of(double g, double slope, double place, double last, double f_tol)
 {
     return (fabs(g) <= 0x1p10 * place) | (fabs(g) <= f_tol) | !(fabs(g) <= 0.6 * last * fabs(slope));
 }
 
 /* 1, -1, or 0 where it is not certain. */
-SGT_INLINE double sign_of(double g, double g_err) { return (g > g_err ? 1.0 : 0.0) - (g < -g_err ? 1.0 : 0.0); }
+SGT_INLINE double sign_of(double g, double g_err)
+{
+    return (g > g_err ? 1.0 : 0.0) - (g < -g_err ? 1.0 : 0.0);
+}
 
 /* Where `least` is known F rises all along the stretch where n > 0, or falls where n < 0 (freeform.c, THE
  * SPAN): with a certain sign behind the root at its first end, or before it at its last, there is none,
@@ -116,20 +128,23 @@ SGT_INLINE bool gone_by(double sign_first, double sign_last, double n, double le
 
 /* -------------------------------------------------------------------- Newton's step */
 
-/* ready, go: not negative where it is so.  (Of two conditions the lesser or the greater margin: gcc works with masks, one by
- * one, as slowly as with whole rows.) */
+/* ready, go: not negative where it is so.  (Of two conditions the lesser or the greater margin: gcc works
+ * with masks, one by one, as slowly as with whole rows.) */
 typedef struct newton { double step, size, ready, go; } newton;
 
-/* ready: the root is as near as it needs to be.  Where the steps have ceased to shrink at 64 times the rounding that
- * is known of, F is noisier than it says, and what is left is for the signs beside the root to decide.
- * last is finite, so that an infinite step does not shrink. */
-SGT_INLINE newton newton_of(double g, double slope, double g_err, double tau, double last, double lo, double hi, double t_tol, double f_tol)
+/* ready: the root is as near as it needs to be.  Where the steps have ceased to shrink at 64 times the
+ * rounding that is known of, F is noisier than it says, and what is left is for the signs beside the root
+ * to decide.  last is finite, so that an infinite step does not shrink. */
+SGT_INLINE newton newton_of(double g, double slope, double g_err, double tau, double last, double lo,
+                            double hi, double t_tol, double f_tol)
 {
     newton s = {.step = g / slope};
     s.size = fabs(s.step);
-    double near = larger(f_tol, g_err), noisy = larger(near, 64 * g_err), most = 0.6 * last, next = tau - s.step;
+    double near = larger(f_tol, g_err), noisy = larger(near, 64 * g_err), most = 0.6 * last,
+           next = tau - s.step;
     near = s.size <= most ? near : noisy;
-    double by_size = near - fabs(g), by_width = t_tol * fabs(slope) - 2 * (fabs(g) + g_err), behind = next - lo, before = hi - next;
+    double by_size = near - fabs(g), by_width = t_tol * fabs(slope) - 2 * (fabs(g) + g_err),
+           behind = next - lo, before = hi - next;
     s.ready = larger(by_width, by_size); /* by_width may be NaN */
     double inside = behind < before ? behind : before, shrinks = most - s.size;
     s.go = inside < shrinks ? inside : shrinks; /* where one is NaN so is shrinks */
@@ -145,7 +160,8 @@ SGT_INLINE double width_of(double g, double slope, double g_err, double tau, dou
     return ulp > w ? ulp : w;
 }
 
-/* Where |g'| is at least `least` all over the stretch, g has a root within (|g| + g_err) / least of tau, if that is inside; and no other. */
+/* Where |g'| is at least `least` all over the stretch, g has a root within (|g| + g_err) / least of tau, if
+ * that is inside; and no other. */
 typedef struct certified { double tau_err; bool inside; } certified;
 
 SGT_INLINE certified certified_of(double tau, double g, double g_err, double least, double lo, double hi)
@@ -162,25 +178,32 @@ typedef struct acceptance {
     bool off;     /* for certain it does not count */
 } acceptance;
 
-/* The root at tau, right to tau_err, with the gradient at its point p; within r^2 <= rim2, which is infinite where there is none.
- * Nearer to tmax, or to where the start ends, than `margin` times t_err, neither is certain. */
-SGT_INLINE acceptance acceptance_of(const local *q, double tau, double tau_err, sgt_vec3 p, sgt_vec3 grad, around at, double tmin, double tmax, double rim2, double margin)
+/* The root at tau, right to tau_err, with the gradient at its point p; within r^2 <= rim2, which is
+ * infinite where there is none.  Nearer to tmax, or to where the start ends, than `margin` times t_err,
+ * neither is certain. */
+SGT_INLINE acceptance acceptance_of(const local *q, double tau, double tau_err, sgt_vec3 p, sgt_vec3 grad,
+                                    around at, double tmin, double tmax, double rim2, double margin)
 {
     acceptance h;
     twofold t = two_sum(q->t0, tau);
-    double terms = fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z), width = START_ULPS * terms / fabs(at.slope);
+    double terms = fabs(p.x * grad.x) + fabs(p.y * grad.y) + fabs(p.z * grad.z),
+           width = START_ULPS * terms / fabs(at.slope);
     h.t = t.hi * q->scale, h.t_lo = t.lo * q->scale;
     h.t_err = (fabs(t.lo) + tau_err) * (1 + 4 * SGT_U) * q->scale;
     h.p_err = (fabs(q->l) + fabs(q->m) + fabs(q->n)) * tau_err + 1.01 * (SGT_U * (at.ex + at.ey + at.ez));
     width = width < HUGE_VAL ? width : 0;
     width = width * q->scale + 8 * SGT_U * fabs(h.t);
-    double r2 = p.x * p.x + p.y * p.y, hidden = (2 * (fabs(p.x) + fabs(p.y)) + h.p_err) * h.p_err + 4 * SGT_U * r2;
+    double r2 = p.x * p.x + p.y * p.y,
+           hidden = (2 * (fabs(p.x) + fabs(p.y)) + h.p_err) * h.p_err + 4 * SGT_U * r2;
     bool outside = r2 > rim2;
     double room = margin * (h.t_err + SGT_U * fabs(h.t)); /* t itself is rounded */
     double start = tmin + (h.t_err + width);
     bool far = h.t - room > tmax, sharp = h.t_err <= 64 * SGT_U * fabs(tmax);
-    h.off = (r2 - rim2 > hidden) | (h.t - (h.t_err + room) > tmax) | (far & sharp) | (h.t + h.t_err <= tmin + width);
-    h.accepted = (h.t - room > start) & !(h.t + room > tmax) & !outside & (fabs(h.t) < HUGE_VAL) & (h.t_err < HUGE_VAL); /* in lengths of d t may be out of range */
+    h.off = (r2 - rim2 > hidden) | (h.t - (h.t_err + room) > tmax) | (far & sharp) |
+            (h.t + h.t_err <= tmin + width);
+    /* in lengths of d t may be out of range */
+    h.accepted = (h.t - room > start) & !(h.t + room > tmax) & !outside & (fabs(h.t) < HUGE_VAL) &
+                 (h.t_err < HUGE_VAL);
     return h;
 }
 
@@ -231,8 +254,8 @@ SGT_INLINE local moved_onto(const local *q, sgt_vec3 o, double tau, double *lo, 
 
 /* ------------------------------------------------------------------------- a march */
 
-/* Where the steps of one length end on a ray without an end: past the point nearest the origin of the surface's
- * frame, as far as the start is from it; not at a round number of radii, where a root may be. */
+/* Where the steps of one length end on a ray without an end: past the point nearest the origin of the
+ * surface's frame, as far as the start is from it; not at a round number of radii, where a root may be. */
 SGT_INLINE double far_end(sgt_vec3 o, double l, double m, double n, double t0, double nearest, double lo)
 {
     double away = sqrt(o.x * o.x + o.y * o.y + o.z * o.z) / sqrt(l * l + m * m + n * n);
@@ -242,12 +265,18 @@ SGT_INLINE double far_end(sgt_vec3 o, double l, double m, double n, double t0, d
 typedef struct mark { double tau, g, slope, sign; } mark;
 
 /* |F| falls from a and rises to b. */
-SGT_INLINE bool valley_of(mark a, mark b) { return (a.sign != 0) & (a.sign == b.sign) & (a.sign * a.slope < 0) & (a.sign * b.slope > 0); }
+SGT_INLINE bool valley_of(mark a, mark b)
+{
+    return (a.sign != 0) & (a.sign == b.sign) & (a.sign * a.slope < 0) & (a.sign * b.slope > 0);
+}
 
-SGT_INLINE double tangents_meet(mark a, mark b) { return (b.g - a.g + a.slope * a.tau - b.slope * b.tau) / (a.slope - b.slope); }
+SGT_INLINE double tangents_meet(mark a, mark b)
+{
+    return (b.g - a.g + a.slope * a.tau - b.slope * b.tau) / (a.slope - b.slope);
+}
 
-/* It does, and the tangents there meet beyond zero: it may reach it between.  Where they do not, the minimum of a convex |F|
- * is above zero. */
+/* It does, and the tangents there meet beyond zero: it may reach it between.  Where they do not, the
+ * minimum of a convex |F| is above zero. */
 SGT_INLINE bool dip_of(mark a, mark b)
 {
     double t = tangents_meet(a, b), low = a.g + a.slope * (t - a.tau);

@@ -46,7 +46,10 @@ SGT_INLINE bool launch(const sgt_ray *ray, const sgt_element *first, double inde
     return true;
 }
 
-bool sgt_launch(const sgt_ray *ray, const sgt_element *first, double index, state *at) { return launch(ray, first, index, at); }
+bool sgt_launch(const sgt_ray *ray, const sgt_element *first, double index, state *at)
+{
+    return launch(ray, first, index, at);
+}
 
 /* A watcher of the first element, told the t of the launch ray. */
 typedef struct shifted { sgt_watch *watch; void *data; double t0; } shifted;
@@ -60,7 +63,8 @@ static int watch_shifted(void *data, const sgt_step *step)
 }
 
 /* The errors are made those of the ray as given. */
-SGT_INLINE void trace_widen(sgt_hit *hit, const state *at, const sgt_pose *pose, bool turned, const sgt_ray *ray)
+SGT_INLINE void trace_widen(sgt_hit *hit, const state *at, const sgt_pose *pose, bool turned,
+                            const sgt_ray *ray)
 {
     sgt_vec3 base = at->base, origin = pose->origin, from = at->offset, o = ray->o, d = ray->d, n = hit->n;
     bool before = at->turned;
@@ -69,16 +73,18 @@ SGT_INLINE void trace_widen(sgt_hit *hit, const state *at, const sgt_pose *pose,
         aside a = aside_of(base, origin, turned, true, false);
         by = widening_by(a, true, turned, was_moved(at->t0) ? 1 : 0, from, o, d, n, hit->t);
     } else if (turned || before) {
-        by = widening_by(aside_of(base, origin, turned, false, before), false, true, 1, from, o, d, n, hit->t);
+        by = widening_by(aside_of(base, origin, turned, false, before), false, true, 1, from, o, d, n,
+                         hit->t);
     } else {
         by = widening_by(aside_of(base, origin, false, false, false), false, false, 1, from, o, d, n, hit->t);
     }
     hit->t_err += by.t, hit->p_err += by.p;
 }
 
-/* The answer on the ray in the element's frame is made that on the ray as given; its errors if they are told. */
-SGT_INLINE void tell_of_given(sgt_hit *hit, const state *at, const sgt_pose *pose, bool turned, const sgt_ray *ray,
-                              bool told)
+/* The answer on the ray in the element's frame is made that on the ray as given; its errors if they are
+ * told. */
+SGT_INLINE void tell_of_given(sgt_hit *hit, const state *at, const sgt_pose *pose, bool turned,
+                              const sgt_ray *ray, bool told)
 {
     if (told) trace_widen(hit, at, pose, turned, ray);
     if (at->t0 != 0) {
@@ -143,7 +149,8 @@ static bool reaches_inside(const sgt_ray *ray, const sgt_hit *hit, double apertu
     return is_inside((sgt_vec3){o.x + t * d.x, o.y + t * d.y, 0}, aperture2);
 }
 
-sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, const sgt_options *opt, bool *inside)
+sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, const sgt_options *opt,
+                       bool *inside)
 {
     enum { ENDS = 2 };
     const sgt_ray whole = chord;
@@ -184,7 +191,8 @@ static bool is_nearest(sgt_surface surface, const sgt_ray *ray, const sgt_option
 
 /* *hit, on the whole line, is made the hit that is meant; *inside: within the clear aperture.  Only an answer
  * inside overrules the first, or one that may be inside. */
-static void trace_choose(sgt_surface surface, sgt_ray ray, double aperture2, const sgt_options *opt, sgt_hit *hit, bool *inside)
+static void trace_choose(sgt_surface surface, sgt_ray ray, double aperture2, const sgt_options *opt,
+                         sgt_hit *hit, bool *inside)
 {
     *inside = hit->status > 0 && is_inside(hit->p, aperture2);
     if (*inside || !(aperture2 < HUGE_VAL) || !is_worth_more(hit->status)) return;
@@ -229,22 +237,33 @@ sgt_passage sgt_not_met(sgt_status why)
 {
     const double none = (double)NAN;
     return (sgt_passage){
-        .hit = {.status = why, .t = none, .t_err = none, .t_lo = none, .lo = none, .hi = none, .f = none, .p_err = none,
-                .p = {none, none, none}, .n = {none, none, none}},
+        .hit = {.status = why,
+                .t = none,
+                .t_err = none,
+                .t_lo = none,
+                .lo = none,
+                .hi = none,
+                .f = none,
+                .p_err = none,
+                .p = {none, none, none},
+                .n = {none, none, none}},
         .opl = none,
     };
 }
 
 /* told: the caller wants the passage. */
-SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met, bool told,
-                         sgt_passage *passage)
+SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met,
+                         bool told, sgt_passage *passage)
 {
     bool mirror = e->index == SGT_MIRROR, turned = is_turned(&e->pose), inside;
     double n1 = at->index, n2 = index_behind(e, n1);
     *passage = sgt_not_met(SGT_INVALID);
     if (!is_sound(e, n1)) return SGT_LOST;
 
-    sgt_ray ray = {.o = plus(minus(at->base, e->pose.origin), at->offset), .d = at->d, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
+    sgt_ray ray = {.o = plus(minus(at->base, e->pose.origin), at->offset),
+                   .d = at->d,
+                   .tmin = -HUGE_VAL,
+                   .tmax = HUGE_VAL};
     if (turned) {
         ray.o = to_local(&e->pose, ray.o), ray.d = to_local(&e->pose, ray.d);
         if (!make_unit(&ray.d)) return SGT_LOST;
@@ -298,7 +317,8 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, state *at, const sgt_options *opt
     return SGT_PASSED;
 }
 
-sgt_fate sgt_pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met, sgt_passage *passage)
+sgt_fate sgt_pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met,
+                  sgt_passage *passage)
 {
     return pass(e, at, opt, met, true, passage);
 }

@@ -42,27 +42,29 @@
  * A direction that is of unit length to 2^-50 is left as it is by a change of frame, to the bit, and so is
  * one that passes between equal indices.
  *
- * t_err AND p_err ARE THOSE OF THE RAY AS GIVEN, not of the ray that the surface is shown.  The given ray is
- * the launch ray, or the doubles of the passage before: p, direction.  Rounding puts the shown ray aside.  At the
- * root, points of the two with the same t are at most e apart.  Then the roots differ, to first order, by
+ * t_err AND p_err ARE THOSE OF THE RAY AS GIVEN, not of the ray that the surface is shown.  The given ray
+ * is the launch ray, or the doubles of the passage before: p, direction.  Rounding puts the shown ray
+ * aside.  At the root, points of the two with the same t are at most e apart.  Then the roots differ, to
+ * first order, by
  *
  *     |n . e| / |n . d|,
  *
  * n the gradient.  The parts of e follow; u = 2^-53, and |.| is the sum of the absolute components:
  *     u |o_i| in each coordinate      a sum, base - origin and the offset; or a launch moved to its foot;
  *     what base - origin has lost     exact, the same for all rays;
- *     3 u |offset|, 3 u |o|           a product with the axes of the element before, or of this one: each of its
+ *     3 u |offset|, 3 u |o|           a product with the axes of the element before, or of this one: each
+ *                                     of its
  *                                     three roundings is at most u times a vector no longer than this;
  *     (3 + 1) u |t| for each of them  the same for the direction, and making it of unit length;
  *     2 u |d_i t| in each coordinate  making the direction of a launch: a product, a correction;
  *     4 u |t| at a launch that turns  lengths along the axes are off by 2^-51.
- * A launch ray that needs none of it is shown as it is.  Besides, t counts lengths: if |d|^2 - 1 = x, t is off by
- * |t x| / 2.  x is worked out from -1 on, and off by u times each sum on the way.
+ * A launch ray that needs none of it is shown as it is.  Besides, t counts lengths: if |d|^2 - 1 = x, t is
+ * off by |t x| / 2.  x is worked out from -1 on, and off by u times each sum on the way.
  *
- * The second order is the first one squared, times the curvature over the cosine of incidence.  A sixteenth is
- * added for it.  That is enough down to |n . d| = 2^-22 |n|, where radii of curvature are an eighth of |o| + |t|
- * or more.  Below, 2^-22 |n| is taken for n . d: there the given ray may as well miss the surface, or meet it
- * twice. */
+ * The second order is the first one squared, times the curvature over the cosine of incidence.  A sixteenth
+ * is added for it.  That is enough down to |n . d| = 2^-22 |n|, where radii of curvature are an eighth of
+ * |o| + |t| or more.  Below, 2^-22 |n| is taken for n . d: there the given ray may as well miss the
+ * surface, or meet it twice. */
 #ifndef SGT_SYSTEM_TRACE_H
 #define SGT_SYSTEM_TRACE_H
 #include "../surface/sag/sag.h"
@@ -86,7 +88,8 @@ SGT_INLINE double difference_of_products(double a, double b, double c, double d)
 
 /* ---------------------------------------------------------------- unit length */
 
-static const double UNIT = 0x1p-50;      /* of |d|^2 - 1: what plain normalising may be off by; nothing is to be gained */
+/* of |d|^2 - 1: what plain normalising may be off by; nothing is to be gained */
+static const double UNIT = 0x1p-50;
 static const double NEAR_UNIT = 0x1p-25; /* from here one Newton step leads to 3/8 of UNIT */
 
 /* |a|^2 - 1 within 2^-52, for |a| near 1: each fma rounds a number of at most 1. */
@@ -99,7 +102,8 @@ SGT_INLINE sgt_vec3 corrected(sgt_vec3 d, double e)
     return (sgt_vec3){sgt_fma(by, d.x, d.x), sgt_fma(by, d.y, d.y), sgt_fma(by, d.z, d.z)};
 }
 
-/* The same, but a direction that is of unit length stays as it is (-0 too: x + 0 x with a 0 that is positive). */
+/* The same, but a direction that is of unit length stays as it is (-0 too: x + 0 x with a 0 that is
+ * positive). */
 SGT_INLINE sgt_vec3 kept_unit(sgt_vec3 d, double e) { return corrected(d, fabs(e) <= UNIT ? -0.0 : e); }
 
 /* ------------------------------------------------------------------- launch */
@@ -113,12 +117,13 @@ SGT_INLINE double moved(double o, double origin, double t0, double d)
 /* From here a sum is all that is needed (not where anything is not finite). */
 SGT_INLINE bool stays(sgt_vec3 o, sgt_vec3 d, sgt_vec3 origin, bool turned)
 {
-    double lost = fabs(two_sum(o.x, -origin.x).lo) + fabs(two_sum(o.y, -origin.y).lo) + fabs(two_sum(o.z, -origin.z).lo);
+    double lost = fabs(two_sum(o.x, -origin.x).lo) + fabs(two_sum(o.y, -origin.y).lo) +
+                  fabs(two_sum(o.z, -origin.z).lo);
     return lost == 0 && fabs(excess(d)) <= (turned ? -1 : UNIT);
 }
 
-/* A ray before its first element: seen from there, of unit length, t0 behind its launch (as a length).  t0 is -0
- * only where the ray was left as it is (stays); a foot at the launch itself has +0. */
+/* A ray before its first element: seen from there, of unit length, t0 behind its launch (as a length).  t0
+ * is -0 only where the ray was left as it is (stays); a foot at the launch itself has +0. */
 typedef struct launched { sgt_vec3 offset, d; double t0; } launched;
 
 SGT_INLINE launched launch_from(sgt_vec3 o, sgt_vec3 d, sgt_vec3 origin, bool turned)
@@ -129,15 +134,16 @@ SGT_INLINE launched launch_from(sgt_vec3 o, sgt_vec3 d, sgt_vec3 origin, bool tu
     sgt_vec3 made = times(inverse, v), kept = kept_unit(d, e);
     made = corrected(made, excess(made));
     bool near = fabs(e) <= NEAR_UNIT, stay = stays(o, d, origin, turned);
-    sgt_vec3 foot = {moved(o.x, origin.x, t0, v.x), moved(o.y, origin.y, t0, v.y), moved(o.z, origin.z, t0, v.z)};
+    sgt_vec3 foot = {moved(o.x, origin.x, t0, v.x), moved(o.y, origin.y, t0, v.y),
+                     moved(o.z, origin.z, t0, v.z)};
     q = plus(q, (sgt_vec3){0, 0, 0}); /* no -0 */
     return (launched){.offset = {stay ? q.x : foot.x, stay ? q.y : foot.y, stay ? q.z : foot.z},
                       .d = {near ? kept.x : made.x, near ? kept.y : made.y, near ? kept.z : made.z},
                       .t0 = stay ? -0.0 : t0 * length + 0.0};
 }
 
-/* A hit seen from the launch; NaN stays NaN.  t_err takes over what t as one double cannot hold, and the rounding
- * of t0: a dot product (1.5 of it in a root), that root, and a product. */
+/* A hit seen from the launch; NaN stays NaN.  t_err takes over what t as one double cannot hold, and the
+ * rounding of t0: a dot product (1.5 of it in a root), that root, and a product. */
 typedef struct hit_place { double t, t_lo, t_err; } hit_place;
 
 SGT_INLINE hit_place from_launch(double t0, hit_place h)
@@ -149,7 +155,10 @@ SGT_INLINE hit_place from_launch(double t0, hit_place h)
 /* -------------------------------------------------------------------- poses */
 
 /* Each component is off by at most 3 u |a|, which the axes may be as well. */
-SGT_INLINE bool is_turned(const sgt_pose *pose) { return !(is_zero(pose->ex) && is_zero(pose->ey) && is_zero(pose->ez)); }
+SGT_INLINE bool is_turned(const sgt_pose *pose)
+{
+    return !(is_zero(pose->ex) && is_zero(pose->ey) && is_zero(pose->ez));
+}
 SGT_INLINE sgt_vec3 to_local(const sgt_pose *pose, sgt_vec3 a)
 {
     return (sgt_vec3){dot(a, pose->ex), dot(a, pose->ey), dot(a, pose->ez)};
@@ -203,12 +212,12 @@ SGT_INLINE bool was_moved(double t0) { return copysign(1, t0) > 0 || t0 < 0; }
 SGT_INLINE double absolute(sgt_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
 SGT_INLINE double bounded(double a) { return a > 0x1p900 ? 0x1p900 : a < -0x1p900 ? -0x1p900 : a; }
 
-/* What is added to t_err and p_err for it.  o, d, n, t: in the element's frame; turns: one of the two frames does;
- * moved: 0 at a launch ray that stays, else 1. */
+/* What is added to t_err and p_err for it.  o, d, n, t: in the element's frame; turns: one of the two
+ * frames does; moved: 0 at a launch ray that stays, else 1. */
 typedef struct widening { double t, p; } widening;
 
-SGT_INLINE widening widening_by(aside a, bool first, bool turns, double moved, sgt_vec3 offset, sgt_vec3 o, sgt_vec3 d,
-                                sgt_vec3 n, double t)
+SGT_INLINE widening widening_by(aside a, bool first, bool turns, double moved, sgt_vec3 offset, sgt_vec3 o,
+                                sgt_vec3 d, sgt_vec3 n, double t)
 {
     double own = a.own * moved, made = a.made * moved * fabs(t), anywhere = 0;
     sgt_vec3 e = {own * fabs(o.x), own * fabs(o.y), own * fabs(o.z)};
@@ -228,8 +237,8 @@ SGT_INLINE widening widening_by(aside a, bool first, bool turns, double moved, s
 
 /* --------------------------------------------------------- aperture and path */
 
-/* Of the clear aperture.  Of one whose square would be lost, that of it times 2^900, negative: nothing is inside that to the loops,
- * and what they leave is told by is_inside. */
+/* Of the clear aperture.  Of one whose square would be lost, that of it times 2^900, negative: nothing is
+ * inside that to the loops, and what they leave is told by is_inside. */
 SGT_INLINE double aperture2_of(double semi_diameter)
 {
     double aperture2 = rim2_of(semi_diameter), large = 0x1p900 * semi_diameter;
@@ -247,9 +256,12 @@ SGT_INLINE double aperture2_around(double aperture2) { return aperture2 < 0 ? TI
 
 /* A root outside the aperture, or no decision, is asked again on the chord of the ray with the aperture's
  * cylinder.  The chord is made longer by 2^-20 at both ends, so that a root on the rim is not taken for the
- * start of the ray (see sgt_ray): those within are told from those without by their r^2 alone.  false: no other
- * root, for the ray is beside the cylinder, or along it (or out of range). */
-SGT_INLINE bool is_worth_more(sgt_status status) { return status != SGT_MISS && status != SGT_STOPPED && status != SGT_INVALID; }
+ * start of the ray (see sgt_ray): those within are told from those without by their r^2 alone.  false: no
+ * other root, for the ray is beside the cylinder, or along it (or out of range). */
+SGT_INLINE bool is_worth_more(sgt_status status)
+{
+    return status != SGT_MISS && status != SGT_STOPPED && status != SGT_INVALID;
+}
 
 /* It is a root near the seed, as it was asked for. */
 SGT_INLINE bool is_near(sgt_status status, const sgt_options *opt)
@@ -259,7 +271,8 @@ SGT_INLINE bool is_near(sgt_status status, const sgt_options *opt)
 
 SGT_INLINE bool cut_to_chord(sgt_ray *ray, double aperture2)
 {
-    sgt_ray flat = {.o = ray->o, .d = {ray->d.x, ray->d.y, 0}}; /* beside z, x and y might be too small to square */
+    /* beside z, x and y might be too small to square */
+    sgt_ray flat = {.o = ray->o, .d = {ray->d.x, ray->d.y, 0}};
     stretch chord = sgt_chord(&flat, aperture2_around(aperture2));
     double more = 0x1p-20 * (chord.hi - chord.lo);
     ray->tmin = chord.lo - more, ray->tmax = chord.hi + more;
@@ -280,9 +293,10 @@ SGT_INLINE twofold longer(twofold path, double index, double t, double t_lo)
     return twofold_sum(twofold_sum(path, two_product(index, t)), twofold_of(index * t_lo));
 }
 
-/* On such a chord the hit that is meant, if it is inside; a root on the stretches by which the chord is longer than the
- * aperture does not hide another. */
-sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, const sgt_options *opt, bool *inside);
+/* On such a chord the hit that is meant, if it is inside; a root on the stretches by which the chord is
+ * longer than the aperture does not hide another. */
+sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, const sgt_options *opt,
+                       bool *inside);
 
 /* ------------------------------------------------------------------ bending */
 
@@ -310,7 +324,8 @@ SGT_INLINE bent bent_by(bend_kind kind, double r, double k, sgt_vec3 d, sgt_vec3
         if (kind == ON) {
             b.D = sgt_fma(k, b.G, rg * rg);
         } else {
-            sgt_vec3 c = {difference_of_products(d.y, n.z, d.z, n.y), difference_of_products(d.z, n.x, d.x, n.z),
+            sgt_vec3 c = {difference_of_products(d.y, n.z, d.z, n.y),
+                          difference_of_products(d.z, n.x, d.x, n.z),
                           difference_of_products(d.x, n.y, d.y, n.x)};
             b.D = sgt_fma(-r * r, dot(c, c), b.G);
         }
@@ -358,9 +373,10 @@ SGT_INLINE bool is_sound(const sgt_element *e, double n1)
 /* A ray as it came, before its first element (NULL: there is none); false: it is no ray. */
 bool sgt_launch(const sgt_ray *ray, const sgt_element *first, double index, state *at);
 
-/* One element: its passage, and the ray behind it in *at where it passed.  *met, where not NULL, is the answer of
- * the surface on the ray's line, of which lo, hi and f are not read. */
-sgt_fate sgt_pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met, sgt_passage *passage);
+/* One element: its passage, and the ray behind it in *at where it passed.  *met, where not NULL, is the
+ * answer of the surface on the ray's line, of which lo, hi and f are not read. */
+sgt_fate sgt_pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met,
+                  sgt_passage *passage);
 
 /* The passage of a ray that met nothing, and why. */
 sgt_passage sgt_not_met(sgt_status why);

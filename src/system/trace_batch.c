@@ -22,9 +22,9 @@
 #include "../ray/batch.h"
 #include "../solve/root.h"
 
-/* The rays of a tile: 128 of them are 30 KiB, a third of it for paths and records alone, so that with what the
- * sweep needs they stay in a first cache of 32, and with its stack are below 64; and they are enough to make the
- * work between the loops small (of 96 a scan lens costs 6 % more). */
+/* The rays of a tile: 128 of them are 30 KiB, a third of it for paths and records alone, so that with what
+ * the sweep needs they stay in a first cache of 32, and with its stack are below 64; and they are enough to
+ * make the work between the loops small (of 96 a scan lens costs 6 % more). */
 enum { TILE = 128 };
 
 /* The ends of a ray that is a whole line. */
@@ -80,11 +80,13 @@ typedef struct bundle_work {
 
 /* Where all that is needed is a sum. */
 SGT_KERNEL
-static double launch_near(size_t n, const sgt_rays *from, size_t first, sgt_vec3 origin, vectors *restrict offset,
-                          vectors *restrict out_d, double *restrict good)
+static double launch_near(size_t n, const sgt_rays *from, size_t first, sgt_vec3 origin,
+                          vectors *restrict offset, vectors *restrict out_d, double *restrict good)
 {
-    const double *restrict ox = from->o[0] + first, *restrict oy = from->o[1] + first, *restrict oz = from->o[2] + first;
-    const double *restrict dx = from->d[0] + first, *restrict dy = from->d[1] + first, *restrict dz = from->d[2] + first;
+    const double *restrict ox = from->o[0] + first, *restrict oy = from->o[1] + first,
+                           *restrict oz = from->o[2] + first;
+    const double *restrict dx = from->d[0] + first, *restrict dy = from->d[1] + first,
+                           *restrict dz = from->d[2] + first;
     double count = 0;
 #pragma omp simd reduction(+ : count)
     for (size_t i = 0; i < n; i++) {
@@ -98,11 +100,14 @@ static double launch_near(size_t n, const sgt_rays *from, size_t first, sgt_vec3
 }
 
 SGT_KERNEL
-static double launch_all(size_t n, const sgt_rays *from, size_t first, sgt_vec3 origin, bool turned, vectors *restrict offset,
-                         vectors *restrict out_d, double *restrict t0, double *restrict good)
+static double launch_all(size_t n, const sgt_rays *from, size_t first, sgt_vec3 origin, bool turned,
+                         vectors *restrict offset, vectors *restrict out_d, double *restrict t0,
+                         double *restrict good)
 {
-    const double *restrict ox = from->o[0] + first, *restrict oy = from->o[1] + first, *restrict oz = from->o[2] + first;
-    const double *restrict dx = from->d[0] + first, *restrict dy = from->d[1] + first, *restrict dz = from->d[2] + first;
+    const double *restrict ox = from->o[0] + first, *restrict oy = from->o[1] + first,
+                           *restrict oz = from->o[2] + first;
+    const double *restrict dx = from->d[0] + first, *restrict dy = from->d[1] + first,
+                           *restrict dz = from->d[2] + first;
     double count = 0;
 #pragma omp simd reduction(+ : count)
     for (size_t i = 0; i < n; i++) {
@@ -111,7 +116,8 @@ static double launch_all(size_t n, const sgt_rays *from, size_t first, sgt_vec3 
         put(offset, i, l.offset);
         put(out_d, i, l.d);
         t0[i] = l.t0;
-        double odd = (q.x - q.x) + (q.y - q.y) + (q.z - q.z) + (d.x - d.x) + (d.y - d.y) + (d.z - d.z) + (l.t0 - l.t0);
+        double odd = (q.x - q.x) + (q.y - q.y) + (q.z - q.z) + (d.x - d.x) + (d.y - d.y) + (d.z - d.z) +
+                     (l.t0 - l.t0);
         good[i] = odd == 0 /* all are finite */ && largest(d) >= DBL_MIN ? 1 : 0;
         count += good[i];
     }
@@ -166,13 +172,15 @@ SGT_KERNEL static void turn_all(size_t n, const sgt_pose *pose, sgt_vec3 shift,
 }
 
 /* d and out may be the same. */
-SGT_INLINE double bend_by(bend_kind kind, size_t n, bending by, double aperture2, const vectors *restrict p, const vectors *d,
-                          const vectors *restrict normal, vectors *out, double *restrict good)
+SGT_INLINE double bend_by(bend_kind kind, size_t n, bending by, double aperture2, const vectors *restrict p,
+                          const vectors *d, const vectors *restrict normal, vectors *out,
+                          double *restrict good)
 {
     double count = 0;
 #pragma omp simd reduction(+ : count)
     for (size_t i = 0; i < n; i++) {
-        double inside = p->x[i] * p->x[i] + p->y[i] * p->y[i] <= aperture2 ? 1 : 0; /* not of NaN: it was not met */
+        /* not of NaN: it was not met */
+        double inside = p->x[i] * p->x[i] + p->y[i] * p->y[i] <= aperture2 ? 1 : 0;
         if (kind != STRAIGHT) {
             bent b = bent_by(kind, by.r, by.k, get(d, i), get(normal, i));
             put(out, i, b.d);
@@ -185,8 +193,8 @@ SGT_INLINE double bend_by(bend_kind kind, size_t n, bending by, double aperture2
 }
 
 SGT_KERNEL
-static double bend_all(size_t n, bending by, double aperture2, const vectors *p, const vectors *d, const vectors *normal,
-                       vectors *out, double *good)
+static double bend_all(size_t n, bending by, double aperture2, const vectors *p, const vectors *d,
+                       const vectors *normal, vectors *out, double *good)
 {
     switch (by.kind) {
     case STRAIGHT: return bend_by(STRAIGHT, n, by, aperture2, p, d, normal, out, good);
@@ -199,8 +207,8 @@ static double bend_all(size_t n, bending by, double aperture2, const vectors *p,
 
 /* Back to global axes; d too, in place, where it was bent. */
 SGT_KERNEL
-static double return_all(size_t n, const sgt_pose *pose, bool d_too, const vectors *restrict p, vectors *restrict offset,
-                         vectors *restrict d, double *restrict good)
+static double return_all(size_t n, const sgt_pose *pose, bool d_too, const vectors *restrict p,
+                         vectors *restrict offset, vectors *restrict d, double *restrict good)
 {
     sgt_pose axes = *pose;
     double count = 0;
@@ -220,8 +228,8 @@ static double return_all(size_t n, const sgt_pose *pose, bool d_too, const vecto
     return count;
 }
 
-/* The errors of the hits are made those of the rays as given, in place.  t0 NULL: no launch was moved.  One of t_err
- * and p_err may hold nothing: what was not asked for. */
+/* The errors of the hits are made those of the rays as given, in place.  t0 NULL: no launch was moved.  One
+ * of t_err and p_err may hold nothing: what was not asked for. */
 SGT_INLINE void widen_by(size_t n, aside a, bool first, bool turns, const double *restrict t0,
                          const vectors *restrict offset, const vectors *o, const vectors *d,
                          const vectors *restrict normal, const double *restrict t, double *restrict t_err,
@@ -240,8 +248,8 @@ SGT_INLINE void widen_by(size_t n, aside a, bool first, bool turns, const double
 
 SGT_KERNEL
 static void widen_all(size_t n, aside a, bool first, bool turns, const double *t0, const vectors *offset,
-                      const vectors *o, const vectors *d, const vectors *normal, const double *t, double *t_err,
-                      double *p_err)
+                      const vectors *o, const vectors *d, const vectors *normal, const double *t,
+                      double *t_err, double *p_err)
 {
     if (first && turns) widen_by(n, a, true, true, t0, offset, o, d, normal, t, t_err, p_err);
     else if (first && t0) widen_by(n, a, true, false, t0, offset, o, d, normal, t, t_err, p_err);
@@ -252,7 +260,8 @@ static void widen_all(size_t n, aside a, bool first, bool turns, const double *t
 
 /* The hits of moved launches, in place. */
 SGT_KERNEL
-static void shift_all(size_t n, const double *restrict t0, double *restrict t, double *restrict t_lo, double *restrict t_err)
+static void shift_all(size_t n, const double *restrict t0, double *restrict t, double *restrict t_lo,
+                      double *restrict t_err)
 {
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
@@ -317,7 +326,8 @@ static void tell_passage(const sgt_passages *out, size_t i, const sgt_passage *p
 }
 
 /* What has become of ray i (of the batch); o, d: as it is at return. */
-static void tell_fate(const sgt_traced *out, size_t i, sgt_fate fate, size_t passed, sgt_vec3 o, sgt_vec3 d, double opl)
+static void tell_fate(const sgt_traced *out, size_t i, sgt_fate fate, size_t passed, sgt_vec3 o, sgt_vec3 d,
+                      double opl)
 {
     if (out->fate) out->fate[i] = (signed char)fate;
     if (out->passed) out->passed[i] = (int)passed;
@@ -326,8 +336,10 @@ static void tell_fate(const sgt_traced *out, size_t i, sgt_fate fate, size_t pas
     tell_number(out->opl, i, opl);
 }
 
-/* The i-th ray of the tile stops at element `passed`, of which it has been told, and is to be told of none behind. */
-static void stop(const bundle_work *job, tile *w, size_t i, sgt_fate fate, size_t passed, sgt_vec3 o, sgt_vec3 d, double opl)
+/* The i-th ray of the tile stops at element `passed`, of which it has been told, and is to be told of none
+ * behind. */
+static void stop(const bundle_work *job, tile *w, size_t i, sgt_fate fate, size_t passed, sgt_vec3 o,
+                 sgt_vec3 d, double opl)
 {
     size_t ray = w->first + (size_t)w->index[i];
     if (job->passages && passed + 1 < job->elements) {
@@ -400,7 +412,8 @@ SGT_NOINLINE static void launch_rest(const bundle_work *job, tile *w)
     if (stopped) close_ranks(job, w, &w->now);
 }
 
-/* Surfaces are asked for the root that is meant; that there is no other within the aperture is asked afterwards. */
+/* Surfaces are asked for the root that is meant; that there is no other within the aperture is asked
+ * afterwards. */
 static sgt_options met_by(const sgt_options *opt)
 {
     sgt_options own = *opt;
@@ -414,7 +427,8 @@ SGT_NOINLINE static size_t prove_by_slope(const sgt_element *e, const sgt_tile *
 {
     bool proven[TILE];
     for (size_t i = 0; i < rays->n; i++)
-        if (rays->hits.status[i] != SGT_HIT || !is_inside(get(p, i), aperture2)) rays->hits.status[i] = SGT_HARD;
+        if (rays->hits.status[i] != SGT_HIT || !is_inside(get(p, i), aperture2))
+            rays->hits.status[i] = SGT_HARD;
     size_t left = sgt_unique_by_slope(in_set(e->surface), rays, aperture2, proven);
     for (size_t i = 0; left < rays->n && i < rays->n; i++)
         if (!proven[i]) rays->hits.status[i] = SGT_HARD;
@@ -429,7 +443,8 @@ SGT_NOINLINE static bool hide_others(const sgt_element *e, const sgt_tile *rays,
     if (sgt_unique_tile(in_set(e->surface), rays, aperture2_around(aperture2), unique, NULL)) return false;
     bool any = false;
     for (size_t i = 0; i < rays->n; i++)
-        if (~unique[i] && rays->hits.status[i] > 0 && is_inside(get(p, i), aperture2)) rays->hits.status[i] = SGT_HARD, any = true;
+        if (~unique[i] && rays->hits.status[i] > 0 && is_inside(get(p, i), aperture2))
+            rays->hits.status[i] = SGT_HARD, any = true;
     return any;
 }
 
@@ -459,7 +474,8 @@ SGT_INLINE sgt_fate stopped_by(sgt_status status)
  * has found, and that is told already; the fate is then the verdict less STOPS. */
 typedef enum bundle_verdict { ASK = 1, ASK_ANEW, ASK_INSIDE, STOPS = 8 } bundle_verdict;
 
-static int bundle_judge(const bundle_work *job, const tile *w, size_t i, size_t j, const bending *by, sgt_ray *ray)
+static int bundle_judge(const bundle_work *job, const tile *w, size_t i, size_t j, const bending *by,
+                        sgt_ray *ray)
 {
     const sgt_element *e = &job->e[j];
     sgt_status status = (sgt_status)w->status[i];
@@ -541,7 +557,8 @@ static void ask_inside(const bundle_work *job, tile *w, size_t j, chords *c)
         bool inside = c->status[k] > 0 && is_inside((sgt_vec3){c->x[k], c->y[k], c->z[k]}, aperture2);
         if (c->status[k] > 0 && !inside) {
             own.t_tol = c->t_tol[k];
-            sgt_hit other = sgt_ask_inside(in_set(e->surface), bundle_chord_of(c, k), aperture2, &own, &inside);
+            sgt_hit other = sgt_ask_inside(in_set(e->surface), bundle_chord_of(c, k), aperture2, &own,
+                                           &inside);
             c->status[k] = (signed char)other.status, c->evals[k] = other.evals;
         }
         if (inside || may_be_inside(in_set(e->surface), &own, (sgt_status)c->status[k]))
@@ -624,7 +641,8 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, s
     const sgt_hits *h = &told->hits;
     bool turned = is_turned(&e->pose);
     sgt_vec3 shift = minus(w->base, e->pose.origin);
-    if (turned) turn_all(w->n, &e->pose, shift, e->semi_diameter, w->now.offset, w->now.d, w->o, w->d, w->t_tol);
+    if (turned)
+        turn_all(w->n, &e->pose, shift, e->semi_diameter, w->now.offset, w->now.d, w->o, w->d, w->t_tol);
     else place_all(w->n, shift, e->semi_diameter, w->now.offset, w->now.d, w->o, w->t_tol);
     for (size_t i = 0; job->opt.t_tol != 0 && i < w->n; i++) w->t_tol[i] = job->opt.t_tol;
 
@@ -647,20 +665,22 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, s
     if (slopes) opt.proof = SGT_ESTIMATE;
     size_t met = sgt_intersect_tile(in_set(e->surface), &rays, &opt);
     if (slopes) met = prove_by_slope(e, &rays, aperture2_of(e->semi_diameter), w->p);
-    else if (met && asks_unique(&job->opt) && hide_others(e, &rays, aperture2_of(e->semi_diameter), w->p)) met = 0;
+    else if (met && asks_unique(&job->opt) && hide_others(e, &rays, aperture2_of(e->semi_diameter), w->p))
+        met = 0;
     for (size_t i = 0; met < w->n && i < w->n; i++)
         if (w->status[i] <= 0) w->p->x[i] = (double)NAN; /* as it is; the loops go by that */
     if (widened) {
         bool before = j > 0 && is_turned(&job->e[j - 1].pose);
         aside a = aside_of(w->base, e->pose.origin, turned, j == 0, before);
-        widen_all(w->n, a, j == 0, turned || before, w->moved ? w->t0 : NULL, w->now.offset, w->o, w->d, &w->n_, w->t,
-                  w->t_err, w->p_err);
+        widen_all(w->n, a, j == 0, turned || before, w->moved ? w->t0 : NULL, w->now.offset, w->o, w->d,
+                  &w->n_, w->t, w->t_err, w->p_err);
     }
     if (shifted) shift_all(w->n, w->t0, w->t, w->t_lo, w->t_err);
 
     for (size_t i = 0; h->status && i < w->n; i++) h->status[w->first + (size_t)w->index[i]] = w->status[i];
     for (size_t i = 0; h->evals && i < w->n; i++) h->evals[w->first + (size_t)w->index[i]] = w->evals[i];
-    tell_all(w, h->t, w->t), tell_all(w, h->t_lo, w->t_lo), tell_all(w, h->t_err, w->t_err), tell_all(w, h->p_err, w->p_err);
+    tell_all(w, h->t, w->t), tell_all(w, h->t_lo, w->t_lo), tell_all(w, h->t_err, w->t_err),
+        tell_all(w, h->p_err, w->p_err);
     tell_vectors(w, h->p, w->p);
     tell_vectors(w, h->n, &w->n_);
 
@@ -668,7 +688,8 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, s
     double good = bend_all(w->n, by, aperture2_of(e->semi_diameter), w->p, w->d, &w->n_, w->next.d, w->good);
     tell_vectors(w, told->direction, by.kind == STRAIGHT ? w->d : w->next.d);
     tell_all(w, told->opl, w->next.path->hi);
-    if (turned) good = return_all(w->n, &e->pose, by.kind != STRAIGHT, w->p, w->next.offset, w->next.d, w->good);
+    if (turned)
+        good = return_all(w->n, &e->pose, by.kind != STRAIGHT, w->p, w->next.offset, w->next.d, w->good);
     return good;
 }
 
@@ -716,7 +737,8 @@ static void trace_tile(const bundle_work *job, tile *w)
         good = launch_near(w->n, job->rays, w->first, w->base, w->now.offset, w->now.d, w->good);
     w->moved = good < (double)w->n;
     if (w->moved && loops)
-        good = launch_all(w->n, job->rays, w->first, w->base, turned, w->now.offset, w->now.d, w->t0, w->good);
+        good = launch_all(w->n, job->rays, w->first, w->base, turned, w->now.offset, w->now.d, w->t0,
+                          w->good);
     if (!loops) memset(w->good, 0, sizeof w->good);
     if (good < (double)w->n) launch_rest(job, w);
     for (size_t j = 0; j < job->elements && w->n; j++) pass_all(job, w, j);
@@ -729,12 +751,14 @@ static void tell_passed(const bundle_work *job, tile *w)
     if (job->elements)
         for (size_t i = 0; i < w->n; i++) put(w->o, i, plus(w->base, get(w->now.offset, i)));
     else
-        for (size_t i = 0; i < w->n; i++) put(w->o, i, bundle_ray_of(job->rays, w->first + (size_t)w->index[i]).o);
+        for (size_t i = 0; i < w->n; i++)
+            put(w->o, i, bundle_ray_of(job->rays, w->first + (size_t)w->index[i]).o);
     tell_vectors(w, out->o, w->o);
     tell_vectors(w, out->d, w->now.d);
     if (job->path) tell_all(w, out->opl, w->now.path->hi);
     for (size_t i = 0; out->fate && i < w->n; i++) out->fate[w->first + (size_t)w->index[i]] = SGT_PASSED;
-    for (size_t i = 0; out->passed && i < w->n; i++) out->passed[w->first + (size_t)w->index[i]] = (int)job->elements;
+    for (size_t i = 0; out->passed && i < w->n; i++)
+        out->passed[w->first + (size_t)w->index[i]] = (int)job->elements;
 }
 
 size_t sgt_trace_batch(size_t elements, const sgt_element e[], double index_before, size_t n, sgt_rays rays,

@@ -24,12 +24,14 @@ static const struct { const char *name, *full; exit_status (*run)(int argc, char
     {"trade", "sagitta trade", command_trade},
 };
 
-/* What is closed at the start no file of ours is to be opened as: a word for standard error would be written into it. */
+/* What is closed at the start no file of ours is to be opened as: a word for standard error would be
+ * written into it. */
 static void hold_standard_files(void)
 {
 #ifdef F_GETFD /* Windows has it not */
     for (int file = 0; file < 3; file++)
-        if (fcntl(file, F_GETFD) < 0 && open("/dev/null", file == 0 ? O_WRONLY : O_RDONLY) < 0) return; /* reading and writing fail there */
+        /* reading and writing fail there */
+        if (fcntl(file, F_GETFD) < 0 && open("/dev/null", file == 0 ? O_WRONLY : O_RDONLY) < 0) return;
 #endif
 }
 
@@ -46,7 +48,8 @@ int main(int argc, char *argv[])
         return (int)commands[i].run(argc - 1, argv + 1);
     }
     if (strcmp(name, "--version") == 0) options_version();
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) print_and_end("%s", main_help);
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0)
+        print_and_end("%s", main_help);
     if (*name) fail_usage("no such command: %s", name);
     fputs(main_help, stderr);
     return EXIT_USAGE;

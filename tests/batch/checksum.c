@@ -1,15 +1,16 @@
-/* One number for all that the library answers: builds of it that are meant to agree to the last bit, for other kinds
- * of processors and by other compilers, are compared by it (clones.py).  A NaN counts as a NaN, whichever.
+/* One number for all that the library answers: builds of it that are meant to agree to the last bit, for
+ * other kinds of processors and by other compilers, are compared by it (clones.py).  A NaN counts as a NaN,
+ * whichever.
  *
  *     checksum                 a line for each part: its name, how many rays, the sum
  *     checksum PART            a line for each ray of that part, to find the first that differs
  *
- * The parts are all types of sgt_builtins with hostile rays (hostile.h), a lens with a mirror, a tilt, an asphere and
- * apertures, a user's surface in each way the solver treats one, and tilted poses; the Earth's surfaces are
- * in checksum_earth.c.  Of each ray there are the first root (or the one near the seed, proven or not, as
- * the options are drawn), all roots, the batch, with and without what need not be wanted, and the
- * derivatives.  The rays are fixed, on every system: they change with the library where they are aimed by
- * its own answers, and so does the sum.
+ * The parts are all types of sgt_builtins with hostile rays (hostile.h), a lens with a mirror, a tilt, an
+ * asphere and apertures, a user's surface in each way the solver treats one, and tilted poses; the Earth's
+ * surfaces are in checksum_earth.c.  Of each ray there are the first root (or the one near the seed, proven
+ * or not, as the options are drawn), all roots, the batch, with and without what need not be wanted, and
+ * the derivatives.  The rays are fixed, on every system: they change with the library where they are aimed
+ * by its own answers, and so does the sum.
  *
  * checksum.txt has the sums that are expected (sums.py); platforms/run.py asks other systems for them. */
 #include "checksum.h"
@@ -31,8 +32,10 @@ static void add_type(const sgt_builtin *type, generator *g, int rounds, int most
             add_number(type->ops->value(&s.with, p, &gradient)), add_vector(gradient);
             if (type->ops->rounding) add_number(type->ops->rounding(&s.with, p));
             if (i % 8) continue;
-            if (type->ops == &sgt_julia_ops) add_number(sgt_julia_potential(&s.with.julia, p, &gradient)), add_vector(gradient);
-            if (type->ops == &sgt_mandelbrot_ops) add_number(sgt_mandelbrot_potential(&s.with.mandelbrot, p, &gradient)), add_vector(gradient);
+            if (type->ops == &sgt_julia_ops)
+                add_number(sgt_julia_potential(&s.with.julia, p, &gradient)), add_vector(gradient);
+            if (type->ops == &sgt_mandelbrot_ops)
+                add_number(sgt_mandelbrot_potential(&s.with.mandelbrot, p, &gradient)), add_vector(gradient);
         }
         if (listed) print_specimen(&s), print_options(&opt);
         add_surface(surface_of(&s), n, &opt);
@@ -108,11 +111,23 @@ static const sgt_surface_ops saddles[] = {
     {.name = "value", .value = saddle_value},
     {.name = "span", .value = saddle_value, .span = saddle_span, .rounding = saddle_rounding},
     {.name = "values", .value = saddle_value, .values = saddle_values, .rounding = saddle_rounding},
-    {.name = "spans", .value = saddle_value, .span = saddle_span, .values = saddle_values, .spans = saddle_spans},
-    {.name = "single", .value = saddle_value, .span = saddle_span_single, .rounding = saddle_rounding,
-     .values = saddle_values, .spans = saddle_spans_single},
-    {.name = "clearance", .value = saddle_value, .span = saddle_span, .clearance = saddle_clearance,
-     .values = saddle_values, .spans = saddle_spans},
+    {.name = "spans",
+     .value = saddle_value,
+     .span = saddle_span,
+     .values = saddle_values,
+     .spans = saddle_spans},
+    {.name = "single",
+     .value = saddle_value,
+     .span = saddle_span_single,
+     .rounding = saddle_rounding,
+     .values = saddle_values,
+     .spans = saddle_spans_single},
+    {.name = "clearance",
+     .value = saddle_value,
+     .span = saddle_span,
+     .clearance = saddle_clearance,
+     .values = saddle_values,
+     .spans = saddle_spans},
 };
 
 static void add_own_surface(generator *g, int rounds)
@@ -143,11 +158,20 @@ static void add_lens(generator *g, int rounds)
     const sgt_element e[] = {
         {.surface = front_surface, .pose = {.origin = {0, 0, 5}}, .index = 1.62, .semi_diameter = 8},
         {.surface = {&sgt_conic_ops, &back}, .pose = {.origin = {0, 0, 9}}, .index = 1, .semi_diameter = 8},
-        {.surface = {&sgt_conic_ops, &flat}, .pose = sgt_pose_tilted((sgt_vec3){0, 0.1, 12}, (sgt_vec3){2, -3, 10}), .semi_diameter = 5},
+        {.surface = {&sgt_conic_ops, &flat},
+         .pose = sgt_pose_tilted((sgt_vec3){0, 0.1, 12}, (sgt_vec3){2, -3, 10}),
+         .semi_diameter = 5},
         {.surface = {&sgt_asphere_ops, &corrector}, .pose = {.origin = {0, 0, 15}}, .index = 1.5},
-        {.surface = {&saddles[3], &dented}, .pose = sgt_pose_tilted((sgt_vec3){0, 0, 20}, (sgt_vec3){0, 5, 0}), .index = 1},
-        {.surface = {&sgt_conic_ops, &mirror}, .pose = {.origin = {0, 0, 40}}, .index = SGT_MIRROR, .semi_diameter = 30},
-        {.surface = {&sgt_asphere_ops, &corrector}, .pose = sgt_pose_tilted((sgt_vec3){0, 0, 30}, (sgt_vec3){0, 90, 0}), .index = 1.8},
+        {.surface = {&saddles[3], &dented},
+         .pose = sgt_pose_tilted((sgt_vec3){0, 0, 20}, (sgt_vec3){0, 5, 0}),
+         .index = 1},
+        {.surface = {&sgt_conic_ops, &mirror},
+         .pose = {.origin = {0, 0, 40}},
+         .index = SGT_MIRROR,
+         .semi_diameter = 30},
+        {.surface = {&sgt_asphere_ops, &corrector},
+         .pose = sgt_pose_tilted((sgt_vec3){0, 0, 30}, (sgt_vec3){0, 90, 0}),
+         .index = 1.8},
         {.surface = {&sgt_conic_ops, &flat}, .pose = {.origin = {0, 0, 2}}, .index = 1},
     };
     enum { ELEMENTS = COUNT_OF(e) };
@@ -158,11 +182,17 @@ static void add_lens(generator *g, int rounds)
     const specimen like = {.type = sgt_builtins, .size = 8, .sag = true};
     sgt_passages recorded[ELEMENTS];
     for (int j = 0; j < ELEMENTS; j++)
-        recorded[j] = (sgt_passages){pointers(&met[j]), {direction[j][0], direction[j][1], direction[j][2]}, opl[j]};
-    const sgt_traced out = {.fate = fates, .passed = passed, .o = {end[0], end[1], end[2]}, .d = {end[3], end[4], end[5]}, .opl = end[6]};
+        recorded[j] = (sgt_passages){
+            pointers(&met[j]), {direction[j][0], direction[j][1], direction[j][2]}, opl[j]};
+    const sgt_traced out = {.fate = fates,
+                            .passed = passed,
+                            .o = {end[0], end[1], end[2]},
+                            .d = {end[3], end[4], end[5]},
+                            .opl = end[6]};
 
     while (rounds-- > 0) {
-        size_t n = (size_t)below(g, BATCH + 1), elements = chance(g, 0.7) ? ELEMENTS : (size_t)below(g, ELEMENTS + 1);
+        size_t n = (size_t)below(g, BATCH + 1),
+               elements = chance(g, 0.7) ? ELEMENTS : (size_t)below(g, ELEMENTS + 1);
         sgt_options opt = chance(g, 0.7) ? (sgt_options){0} : hostile_options(g);
         double index = chance(g, 0.8) ? 1 : chance(g, 0.8) ? 1.9 : hostile_number(g);
         for (size_t i = 0; i < n; i++) rays[i] = i % 4 == 3 ? hostile_ray(g, &like) : ordinary_ray(g, &like);
@@ -172,8 +202,10 @@ static void add_lens(generator *g, int rounds)
             sgt_fate fate;
             sgt_ray ray = rays[i];
             size_t through = sgt_trace(elements, e, index, &ray, p, &fate, &opt);
-            add_bits((uint64_t)through << 32 | (uint64_t)(fate - SGT_LOST)), add_vector(ray.o), add_vector(ray.d);
-            for (size_t j = 0; j < through; j++) add_hit(&p[j].hit), add_vector(p[j].direction), add_number(p[j].opl);
+            add_bits((uint64_t)through << 32 | (uint64_t)(fate - SGT_LOST)), add_vector(ray.o),
+                add_vector(ray.d);
+            for (size_t j = 0; j < through; j++)
+                add_hit(&p[j].hit), add_vector(p[j].direction), add_number(p[j].opl);
             list_ray(&rays[i], "traced alone");
         }
         bool told = chance(g, 0.5);
@@ -216,8 +248,10 @@ int main(int argc, char **argv)
     double scale = test_scale();
     for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
         generator own = {random_bits(&g)};
-        bool sag = param_of(b, "semi_diameter") != NULL, dear = !answers_itself(b); /* these march by intervals */
-        if (begin(b->type, argc, argv)) add_type(b, &own, (int)((sag && !dear ? 150 : 40) * scale) + 1, dear ? 100 : BATCH), end(b->type);
+        /* these march by intervals */
+        bool sag = param_of(b, "semi_diameter") != NULL, dear = !answers_itself(b);
+        if (begin(b->type, argc, argv))
+            add_type(b, &own, (int)((sag && !dear ? 150 : 40) * scale) + 1, dear ? 100 : BATCH), end(b->type);
     }
     generator own = {random_bits(&g)}, lens = {random_bits(&g)}, poses = {random_bits(&g)};
     if (begin("own surface", argc, argv)) add_own_surface(&own, (int)(60 * scale) + 1), end("own surface");

@@ -46,12 +46,22 @@ static sgt_rays as_arrays(size_t n)
     return (sgt_rays){{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, in[6], in[7]};
 }
 
-typedef struct hit_arrays { signed char status[BATCH]; int evals[BATCH]; double number[10][BATCH]; } hit_arrays;
+typedef struct hit_arrays {
+    signed char status[BATCH];
+    int evals[BATCH];
+    double number[10][BATCH];
+} hit_arrays;
 
 static sgt_hits pointers(hit_arrays *a)
 {
-    return (sgt_hits){.status = a->status, .evals = a->evals, .t = a->number[0], .t_err = a->number[1], .t_lo = a->number[2],
-                      .p_err = a->number[3], .p = {a->number[4], a->number[5], a->number[6]}, .n = {a->number[7], a->number[8], a->number[9]}};
+    return (sgt_hits){.status = a->status,
+                      .evals = a->evals,
+                      .t = a->number[0],
+                      .t_err = a->number[1],
+                      .t_lo = a->number[2],
+                      .p_err = a->number[3],
+                      .p = {a->number[4], a->number[5], a->number[6]},
+                      .n = {a->number[7], a->number[8], a->number[9]}};
 }
 
 static void add_arrays(const hit_arrays *a, size_t i)
@@ -67,13 +77,18 @@ static sgt_hits some_of(sgt_hits all)
     switch (turn++ % 4) {
     case 0: return (sgt_hits){.t = all.t};
     case 1: all.evals = NULL; return all;
-    case 2: return (sgt_hits){.status = all.status, .t = all.t, .t_err = all.t_err, .p = {all.p[0], all.p[1], all.p[2]}, .n = {all.n[0], all.n[1], all.n[2]}};
+    case 2:
+        return (sgt_hits){.status = all.status,
+                          .t = all.t,
+                          .t_err = all.t_err,
+                          .p = {all.p[0], all.p[1], all.p[2]},
+                          .n = {all.n[0], all.n[1], all.n[2]}};
     default: return (sgt_hits){.status = all.status, .evals = all.evals, .p_err = all.p_err};
     }
 }
 
-/* The derivatives of the hits of a batch: by o and by the first parameters; of some rays alone, by all; the change that all of
- * them make together. */
+/* The derivatives of the hits of a batch: by o and by the first parameters; of some rays alone, by all; the
+ * change that all of them make together. */
 static void add_derivatives(sgt_surface s, size_t n, sgt_hits hits)
 {
     enum { FEW = 6, LONGEST = 8192 };
@@ -84,15 +99,19 @@ static void add_derivatives(sgt_surface s, size_t n, sgt_hits hits)
     if (count > LONGEST) return;
     for (int k = 0; k < 7; k++)
         for (size_t j = 0; j < count; j++) lists[k][j] = j < FEW ? by_a[k][j] : NULL;
-    sgt_jacobian out = {.t_by_a = lists[0], .p_by_a = {lists[1], lists[2], lists[3]}, .n_by_a = {lists[4], lists[5], lists[6]}};
+    sgt_jacobian out = {.t_by_a = lists[0],
+                        .p_by_a = {lists[1], lists[2], lists[3]},
+                        .n_by_a = {lists[4], lists[5], lists[6]}};
     for (int k = 0; k < 3; k++) {
         out.t_by_o[k] = by_o[k];
-        for (int j = 0; j < 3; j++) out.p_by_o[k][j] = by_o[3 + 3 * k + j], out.n_by_o[k][j] = by_o[12 + 3 * k + j];
+        for (int j = 0; j < 3; j++)
+            out.p_by_o[k][j] = by_o[3 + 3 * k + j], out.n_by_o[k][j] = by_o[12 + 3 * k + j];
     }
     add_bits((uint64_t)sgt_differentiate_batch(s, n, as_arrays(n), hits, out));
     for (size_t j = 0; j < count; j++) da[j] = j % 3 ? 1e-3 / (double)j : 0;
     sgt_rays change = {.o = {in[3], in[4], in[5]}, .d = {in[0], in[1], in[2]}};
-    sgt_changes changes = {changed[0], {changed[1], changed[2], changed[3]}, {changed[4], changed[5], changed[6]}};
+    sgt_changes changes = {
+        changed[0], {changed[1], changed[2], changed[3]}, {changed[4], changed[5], changed[6]}};
     add_bits((uint64_t)sgt_differentiate_forward(s, n, as_arrays(n), hits, change, da, changes));
     for (size_t i = 0; i < n; i++) {
         for (int k = 0; k < 21; k++) add_number(by_o[k][i]);
@@ -103,7 +122,9 @@ static void add_derivatives(sgt_surface s, size_t n, sgt_hits hits)
         list_ray(&rays[i], "its derivatives");
         if (i % 16) continue;
         sgt_change alone_by_o[3];
-        const sgt_hit hit = {.status = (sgt_status)hits.status[i], .t = hits.t[i], .p = {hits.p[0][i], hits.p[1][i], hits.p[2][i]},
+        const sgt_hit hit = {.status = (sgt_status)hits.status[i],
+                             .t = hits.t[i],
+                             .p = {hits.p[0][i], hits.p[1][i], hits.p[2][i]},
                              .n = {hits.n[0][i], hits.n[1][i], hits.n[2][i]}};
         add_bits((uint64_t)sgt_differentiate(s, &rays[i], &hit, alone_by_o, alone_by_a));
         for (size_t j = 0; j < 3 + count; j++) {

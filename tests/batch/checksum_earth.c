@@ -1,11 +1,13 @@
-/* checksum.c for the surfaces about the Earth (geo.h): checksum_earth [PART].  The geoid is rough, and its grid made here. */
+/* checksum.c for the surfaces about the Earth (geo.h): checksum_earth [PART].  The geoid is rough, and its
+ * grid made here. */
 #define _POSIX_C_SOURCE 200809L /* mkstemp */
 #include "checksum.h"
 
 #include <sagitta/geo.h>
 #include <unistd.h>
 
-/* A .gtx grid of the globe every ten degrees, big-endian, of heights to +-80 m that know nothing of their neighbours. */
+/* A .gtx grid of the globe every ten degrees, big-endian, of heights to +-80 m that know nothing of their
+ * neighbours. */
 static sgt_geoid *rough_geoid(generator *g)
 {
     enum { ROWS = 19, COLUMNS = 36 };
@@ -24,7 +26,9 @@ static sgt_geoid *rough_geoid(generator *g)
     }
     char path[] = "/tmp/checksum_earth.XXXXXX", error[200] = "no file can be written in /tmp";
     int file = mkstemp(path);
-    sgt_geoid *geoid = file >= 0 && write(file, bytes, sizeof bytes) == (ssize_t)sizeof bytes ? sgt_geoid_open(path, error, sizeof error) : NULL;
+    sgt_geoid *geoid = file >= 0 && write(file, bytes, sizeof bytes) == (ssize_t)sizeof bytes
+                           ? sgt_geoid_open(path, error, sizeof error)
+                           : NULL;
     if (file >= 0) close(file), unlink(path);
     if (!geoid) fprintf(stderr, "%s\n", error);
     return geoid;

@@ -1,11 +1,13 @@
 /* hostile.h - surfaces, rays and options made to break a batch; answers compared by their bits.
  *
- * A batch must give each ray the answer that sgt_intersect gives it alone, so what is wanted here is not rays that are
- * likely but rays that are unlike each other: every way a quick form can be left for the careful one, every way a ray is
- * no ray at all, and these side by side in one register.
+ * A batch must give each ray the answer that sgt_intersect gives it alone, so what is wanted here is not
+ * rays that are likely but rays that are unlike each other: every way a quick form can be left for the
+ * careful one, every way a ray is no ray at all, and these side by side in one register.
  *
- *   surfaces   each type of sgt_builtins by sets chosen by hand, by random sets of its kind or by its row alone (lists, tables
- *              and terms too), and by any legal (and now and then illegal) number in each parameter of its row;
+ *   surfaces   each type of sgt_builtins by sets chosen by hand, by random sets of its kind or by its row
+ *              alone (lists, tables
+ *              and terms too), and by any legal (and now and then illegal) number in each parameter of its
+ *                  row;
  *   rays       by kind, see ray_kinds; points to aim at are taken from the surface itself;
  *   ends       none, all, at a root to the ulp, reversed, NaN.
  *
@@ -117,9 +119,10 @@ static UNUSED double ulps(double x, int n)
 static UNUSED double hostile_number(generator *g)
 {
     static const double bad[] = {
-        0, -0.0, 0x1p-1074, -0x1p-1074, 0x1p-1060, 0x1p-1022, -0x1p-1023, 0x1p-1000, 1e-300, -1e-200, 1e-160, 1e-154, 1e-16, -1e-8,
-        1, -1, 1e8, 1e15, -1e16, 1e75, 1e100, -1e150, 1e154, 1e155, -1e200, 1e300, -1e300, DBL_MAX, -DBL_MAX, (double)NAN, (double)NAN,
-        HUGE_VAL, -HUGE_VAL,
+        0,       -0.0,     0x1p-1074,   -0x1p-1074,  0x1p-1060, 0x1p-1022, -0x1p-1023, 0x1p-1000, 1e-300,
+        -1e-200, 1e-160,   1e-154,      1e-16,       -1e-8,     1,         -1,         1e8,       1e15,
+        -1e16,   1e75,     1e100,       -1e150,      1e154,     1e155,     -1e200,     1e300,     -1e300,
+        DBL_MAX, -DBL_MAX, (double)NAN, (double)NAN, HUGE_VAL,  -HUGE_VAL,
     };
     if (chance(g, 0.2)) return from_bits(random_bits(g));
     return bad[below(g, COUNT_OF(bad))];
@@ -140,7 +143,10 @@ static UNUSED double test_scale(void)
 /* ------------------------------------------------------------------ vectors */
 
 static UNUSED sgt_vec3 sum(sgt_vec3 a, sgt_vec3 b) { return (sgt_vec3){a.x + b.x, a.y + b.y, a.z + b.z}; }
-static UNUSED sgt_vec3 difference(sgt_vec3 a, sgt_vec3 b) { return (sgt_vec3){a.x - b.x, a.y - b.y, a.z - b.z}; }
+static UNUSED sgt_vec3 difference(sgt_vec3 a, sgt_vec3 b)
+{
+    return (sgt_vec3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
 static UNUSED sgt_vec3 times(double k, sgt_vec3 a) { return (sgt_vec3){k * a.x, k * a.y, k * a.z}; }
 static UNUSED double dot(sgt_vec3 a, sgt_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
@@ -189,7 +195,8 @@ typedef union parameters {
 
 /* A surface, how large it is, and points on it to aim at with the gradient there. */
 enum { ANCHORS = 8 };
-/* A row that answers by itself, and has sets chosen by hand below; the others are met by their operations, `values` among them. */
+/* A row that answers by itself, and has sets chosen by hand below; the others are met by their operations,
+ * `values` among them. */
 static UNUSED bool answers_itself(const sgt_builtin *row) { return !row->ops->values; }
 
 typedef struct specimen {
@@ -212,74 +219,150 @@ static UNUSED sgt_surface surface_of(const specimen *s) { return (sgt_surface){s
 #define OBLIQUE .ex = {1, 0.2, 0, 0.1}, .ey = {0.1, 0.9, 0.1, 0}, .ez = {0, 0.2, 0.8, 0.3}
 #define GROWN(k) .ex = {k, 0, 0, 0}, .ey = {0, k, 0, 0}, .ez = {0, 0, k, 0}
 
-static const struct chosen { const char *type; parameters with; } chosen[] = {
-    PLANE(0), PLANE(.semi_diameter = 5), PLANE(.semi_diameter = 1e-3), PLANE(.c = -0.0, .semi_diameter = 12.5),
-    PLANE(.semi_diameter = 1e150), PLANE(.semi_diameter = 1e151), PLANE(.semi_diameter = 1e-150),
-    PLANE(.semi_diameter = 0x1p-1074), PLANE(.semi_diameter = NAN), PLANE(.semi_diameter = HUGE_VAL),
+static const struct chosen { const char *type; parameters with;
+} chosen[] = {
+    PLANE(0),
+    PLANE(.semi_diameter = 5),
+    PLANE(.semi_diameter = 1e-3),
+    PLANE(.c = -0.0, .semi_diameter = 12.5),
+    PLANE(.semi_diameter = 1e150),
+    PLANE(.semi_diameter = 1e151),
+    PLANE(.semi_diameter = 1e-150),
+    PLANE(.semi_diameter = 0x1p-1074),
+    PLANE(.semi_diameter = NAN),
+    PLANE(.semi_diameter = HUGE_VAL),
     PLANE(.semi_diameter = -1),
 
-    SPHERE(.c = 0.1), SPHERE(.c = -0.1), SPHERE(.c = 0.1, .semi_diameter = 4), SPHERE(.c = -1, .semi_diameter = 0.5),
-    SPHERE(.c = 0.1, .semi_diameter = 10), SPHERE(.c = 0.1, .semi_diameter = 9.999999999),
-    SPHERE(.c = 0.1, .semi_diameter = 11), SPHERE(.c = 1), SPHERE(.c = 1e-12), SPHERE(.c = -1e12), SPHERE(.c = 1e-150),
-    SPHERE(.c = 1e-300), SPHERE(.c = 1e150), SPHERE(.c = -1e300), SPHERE(.c = 0x1p-1074), SPHERE(.c = DBL_MAX),
-    SPHERE(.c = 0x1p-1022), SPHERE(.c = NAN), SPHERE(.c = HUGE_VAL), SPHERE(.c = -HUGE_VAL, .semi_diameter = 1),
-    SPHERE(.c = 0.1, .semi_diameter = NAN), SPHERE(.c = 1e-9, .semi_diameter = 1e150),
+    SPHERE(.c = 0.1),
+    SPHERE(.c = -0.1),
+    SPHERE(.c = 0.1, .semi_diameter = 4),
+    SPHERE(.c = -1, .semi_diameter = 0.5),
+    SPHERE(.c = 0.1, .semi_diameter = 10),
+    SPHERE(.c = 0.1, .semi_diameter = 9.999999999),
+    SPHERE(.c = 0.1, .semi_diameter = 11),
+    SPHERE(.c = 1),
+    SPHERE(.c = 1e-12),
+    SPHERE(.c = -1e12),
+    SPHERE(.c = 1e-150),
+    SPHERE(.c = 1e-300),
+    SPHERE(.c = 1e150),
+    SPHERE(.c = -1e300),
+    SPHERE(.c = 0x1p-1074),
+    SPHERE(.c = DBL_MAX),
+    SPHERE(.c = 0x1p-1022),
+    SPHERE(.c = NAN),
+    SPHERE(.c = HUGE_VAL),
+    SPHERE(.c = -HUGE_VAL, .semi_diameter = 1),
+    SPHERE(.c = 0.1, .semi_diameter = NAN),
+    SPHERE(.c = 1e-9, .semi_diameter = 1e150),
 
-    CONIC(.c = 0.1, .k = -1), CONIC(.c = 0.1, .k = -0.6), CONIC(.c = 0.1, .k = -0.6, .semi_diameter = 4),
-    CONIC(.c = -0.05, .k = -1, .semi_diameter = 30), CONIC(.c = 0.1, .k = -4),
-    CONIC(.c = -0.1, .k = -2.25, .semi_diameter = 8), CONIC(.c = 0.1, .k = 1),
-    CONIC(.c = 0.1, .k = 3, .semi_diameter = 5), CONIC(.c = 0.1, .k = 3, .semi_diameter = 4.9), CONIC(.c = 1, .k = 1e3),
-    CONIC(.c = 0.2, .k = -1e3), CONIC(.c = 0.1, .k = -1 + 1e-12), CONIC(.c = 0.1, .k = -1 - 1e-12),
-    CONIC(.c = 0.1, .k = -1.0000000000000002), CONIC(.c = 0.1, .k = 1e-300), CONIC(.c = 1e-5, .k = 1e12),
-    CONIC(.c = 1, .k = -1e20), CONIC(.c = 1e-3, .k = 1e300), CONIC(.c = 1e-3, .k = -1e300),
-    CONIC(.c = 1e-200, .k = 1e200), CONIC(.c = 1e100, .k = -1e100), CONIC(.c = 0.1, .k = DBL_MAX),
-    CONIC(.c = 0, .k = NAN), CONIC(.c = 0.1, .k = NAN), CONIC(.c = 0.1, .k = HUGE_VAL),
-    CONIC(.c = 0, .k = 1e300, .semi_diameter = 3), CONIC(.c = 0.1, .k = -0.5, .semi_diameter = 1e-145),
+    CONIC(.c = 0.1, .k = -1),
+    CONIC(.c = 0.1, .k = -0.6),
+    CONIC(.c = 0.1, .k = -0.6, .semi_diameter = 4),
+    CONIC(.c = -0.05, .k = -1, .semi_diameter = 30),
+    CONIC(.c = 0.1, .k = -4),
+    CONIC(.c = -0.1, .k = -2.25, .semi_diameter = 8),
+    CONIC(.c = 0.1, .k = 1),
+    CONIC(.c = 0.1, .k = 3, .semi_diameter = 5),
+    CONIC(.c = 0.1, .k = 3, .semi_diameter = 4.9),
+    CONIC(.c = 1, .k = 1e3),
+    CONIC(.c = 0.2, .k = -1e3),
+    CONIC(.c = 0.1, .k = -1 + 1e-12),
+    CONIC(.c = 0.1, .k = -1 - 1e-12),
+    CONIC(.c = 0.1, .k = -1.0000000000000002),
+    CONIC(.c = 0.1, .k = 1e-300),
+    CONIC(.c = 1e-5, .k = 1e12),
+    CONIC(.c = 1, .k = -1e20),
+    CONIC(.c = 1e-3, .k = 1e300),
+    CONIC(.c = 1e-3, .k = -1e300),
+    CONIC(.c = 1e-200, .k = 1e200),
+    CONIC(.c = 1e100, .k = -1e100),
+    CONIC(.c = 0.1, .k = DBL_MAX),
+    CONIC(.c = 0, .k = NAN),
+    CONIC(.c = 0.1, .k = NAN),
+    CONIC(.c = 0.1, .k = HUGE_VAL),
+    CONIC(.c = 0, .k = 1e300, .semi_diameter = 3),
+    CONIC(.c = 0.1, .k = -0.5, .semi_diameter = 1e-145),
 
     ASPHERE(.c = 0.1, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}),
     ASPHERE(.c = 0.1, .k = -0.6, .a = {0, 1e-4, -2e-6, 1e-8}),
     ASPHERE(.c = 0.1, .k = -0.6, .semi_diameter = 4, .a = {1e-4, -2e-6, 1e-8}),
-    ASPHERE(.c = -0.02, .semi_diameter = 12, .a = {0, -3e-6}), ASPHERE(.c = 0.1, .k = -0.6, .semi_diameter = 4),
-    ASPHERE(.c = 0.1, .k = 1), ASPHERE(.semi_diameter = 5), ASPHERE(.a = {0.1}), ASPHERE(.a = {0.1}, .semi_diameter = 3),
-    ASPHERE(.a = {0, 0.2}), ASPHERE(.a = {-1, 0.5}, .semi_diameter = 2),
-    ASPHERE(.a = {0, 1, -0.6, 0.1}, .semi_diameter = 2), ASPHERE(.c = 0.5, .k = 2, .a = {0.3, -0.4, 0.2}),
-    ASPHERE(.c = 0.02, .k = -3, .semi_diameter = 10, .a = {1e-3, -2e-5, 3e-7, -4e-9, 2e-11, -1e-13, 3e-16, -1e-18}),
+    ASPHERE(.c = -0.02, .semi_diameter = 12, .a = {0, -3e-6}),
+    ASPHERE(.c = 0.1, .k = -0.6, .semi_diameter = 4),
+    ASPHERE(.c = 0.1, .k = 1),
+    ASPHERE(.semi_diameter = 5),
+    ASPHERE(.a = {0.1}),
+    ASPHERE(.a = {0.1}, .semi_diameter = 3),
+    ASPHERE(.a = {0, 0.2}),
+    ASPHERE(.a = {-1, 0.5}, .semi_diameter = 2),
+    ASPHERE(.a = {0, 1, -0.6, 0.1}, .semi_diameter = 2),
+    ASPHERE(.c = 0.5, .k = 2, .a = {0.3, -0.4, 0.2}),
+    ASPHERE(.c = 0.02, .k = -3, .semi_diameter = 10,
+            .a = {1e-3, -2e-5, 3e-7, -4e-9, 2e-11, -1e-13, 3e-16, -1e-18}),
     ASPHERE(.c = 0.02, .k = -3, .a = {1e-3, -2e-5, 3e-7, -4e-9, 2e-11, -1e-13, 3e-16, -1e-18}),
     ASPHERE(.c = 1, .semi_diameter = 0.99, .a = {1, -3, 5, -7, 9, -11, 13, -15}),
     ASPHERE(.c = 0.1, .semi_diameter = 10, .a = {0, 1e-5}),
     ASPHERE(.c = 0.1, .semi_diameter = 4, .a = {0, 0, 0, 0, 0, 0, 0, 1e-12}),
-    ASPHERE(.semi_diameter = 1, .a = {0, 0, 0, 0, 0, 0, 0, 1}), ASPHERE(.c = 0.1, .k = -1, .a = {0, -1e-3}),
+    ASPHERE(.semi_diameter = 1, .a = {0, 0, 0, 0, 0, 0, 0, 1}),
+    ASPHERE(.c = 0.1, .k = -1, .a = {0, -1e-3}),
     ASPHERE(.c = 1e-3, .semi_diameter = 100, .a = {0, 1e-8, 0, 1e-16}),
-    ASPHERE(.c = 0.1, .semi_diameter = 4, .a = {-0.05}), ASPHERE(.c = 0.1, .k = -1, .semi_diameter = 4, .a = {-0.05}),
-    ASPHERE(.c = 0.1, .a = {1e300}), ASPHERE(.c = 0.1, .a = {1e-300, 1e-310}), ASPHERE(.c = 1e300, .a = {0, 1e-4}),
-    ASPHERE(.c = 1e-300, .semi_diameter = 2, .a = {1e-2, 1e-3, 1e-4}), ASPHERE(.c = 0.1, .a = {0, 0, 0, 0, 0, 0, 0, NAN}),
-    ASPHERE(.c = 0.1, .a = {HUGE_VAL}), ASPHERE(.c = NAN, .a = {0, 1e-4}),
-    ASPHERE(.c = 0.1, .k = -HUGE_VAL, .a = {0, 1e-4}), ASPHERE(.c = 0.1, .semi_diameter = -4, .a = {0, 1e-4}),
+    ASPHERE(.c = 0.1, .semi_diameter = 4, .a = {-0.05}),
+    ASPHERE(.c = 0.1, .k = -1, .semi_diameter = 4, .a = {-0.05}),
+    ASPHERE(.c = 0.1, .a = {1e300}),
+    ASPHERE(.c = 0.1, .a = {1e-300, 1e-310}),
+    ASPHERE(.c = 1e300, .a = {0, 1e-4}),
+    ASPHERE(.c = 1e-300, .semi_diameter = 2, .a = {1e-2, 1e-3, 1e-4}),
+    ASPHERE(.c = 0.1, .a = {0, 0, 0, 0, 0, 0, 0, NAN}),
+    ASPHERE(.c = 0.1, .a = {HUGE_VAL}),
+    ASPHERE(.c = NAN, .a = {0, 1e-4}),
+    ASPHERE(.c = 0.1, .k = -HUGE_VAL, .a = {0, 1e-4}),
+    ASPHERE(.c = 0.1, .semi_diameter = -4, .a = {0, 1e-4}),
     ASPHERE(.c = 0.1, .semi_diameter = 1e151, .a = {0, 1e-4}),
     ASPHERE(.c = 0.1, .k = -0.6, .semi_diameter = 1e-3, .a = {0, 1e-4, -2e-6, 1e-8}),
 
-    JULIA(.c = {-0.083, 0, -0.83, -0.025}, .iterations = 7), JULIA(.iterations = 0),
-    JULIA(.c = {-0.2, 0.8, 0, 0}, .iterations = 1), JULIA(.c = {-0.2, 0.8, 0, 0}, .iterations = 2),
-    JULIA(.c = {-0.2, 0.8, 0, 0}, .iterations = 3), JULIA(.c = {-0.2, 0.8, 0, 0}, .iterations = 12),
+    JULIA(.c = {-0.083, 0, -0.83, -0.025}, .iterations = 7),
+    JULIA(.iterations = 0),
+    JULIA(.c = {-0.2, 0.8, 0, 0}, .iterations = 1),
+    JULIA(.c = {-0.2, 0.8, 0, 0}, .iterations = 2),
+    JULIA(.c = {-0.2, 0.8, 0, 0}, .iterations = 3),
+    JULIA(.c = {-0.2, 0.8, 0, 0}, .iterations = 12),
     JULIA(.c = {-1, 0.2, 0, 0}, .iterations = 9, .at = {0, 0, 0, 0.2}),
     JULIA(.c = {-0.291, -0.399, 0.339, 0.437}, .iterations = 8),
     JULIA(.c = {0.1, 0.3, 0.2, 0}, .iterations = 5, .power = 3),
     JULIA(.c = {0.5, 0.4, 0, 0.1}, .iterations = 4, .power = 8),
     JULIA(.c = {-0.2, 0.4, -0.4, -0.4}, .iterations = 6, TURNED),
     JULIA(.c = {-0.2, 0.4, -0.4, -0.4}, .iterations = 5, OBLIQUE, .at = {0.1, 0, 0, 0.1}),
-    JULIA(.c = {-1, 0, 0, 0}, .iterations = 6, GROWN(1e-3)), JULIA(.c = {-1, 0, 0, 0}, .iterations = 6, GROWN(1e60)),
+    JULIA(.c = {-1, 0, 0, 0}, .iterations = 6, GROWN(1e-3)),
+    JULIA(.c = {-1, 0, 0, 0}, .iterations = 6, GROWN(1e60)),
     JULIA(.c = {-0.7, 0.3, 0, 0}, .iterations = 5, .escape = 1e6),
-    JULIA(.c = {-0.7, 0.3, 0, 0}, .iterations = 8, .escape = 4), JULIA(.c = {1e6, 0, 0, 0}, .iterations = 2),
-    JULIA(.c = {0.3, 0, 0, 0}, .iterations = 40), JULIA(.iterations = 101), JULIA(.power = 9), JULIA(.iterations = -1),
-    JULIA(.c = {NAN}), JULIA(.escape = 0.5), JULIA(.ex = {1}, .ey = {2}, .ez = {0, 0, 1}), JULIA(.c = {0, HUGE_VAL}),
+    JULIA(.c = {-0.7, 0.3, 0, 0}, .iterations = 8, .escape = 4),
+    JULIA(.c = {1e6, 0, 0, 0}, .iterations = 2),
+    JULIA(.c = {0.3, 0, 0, 0}, .iterations = 40),
+    JULIA(.iterations = 101),
+    JULIA(.power = 9),
+    JULIA(.iterations = -1),
+    JULIA(.c = {NAN}),
+    JULIA(.escape = 0.5),
+    JULIA(.ex = {1}, .ey = {2}, .ez = {0, 0, 1}),
+    JULIA(.c = {0, HUGE_VAL}),
     JULIA(.at = {NAN}),
 
-    MANDELBROT(.iterations = 6), MANDELBROT(.iterations = 0), MANDELBROT(.iterations = 1), MANDELBROT(.iterations = 2),
-    MANDELBROT(.iterations = 12), MANDELBROT(.iterations = 9, .at = {0, 0, 0, 0.1}),
-    MANDELBROT(.iterations = 5, .power = 3), MANDELBROT(.iterations = 4, .power = 8), MANDELBROT(.iterations = 7, TURNED),
-    MANDELBROT(.iterations = 5, OBLIQUE), MANDELBROT(.iterations = 6, GROWN(1e3)),
-    MANDELBROT(.iterations = 6, .escape = 10), MANDELBROT(.escape = 1), MANDELBROT(.iterations = 40),
-    MANDELBROT(.power = 1), MANDELBROT(.at = {0, NAN}),
+    MANDELBROT(.iterations = 6),
+    MANDELBROT(.iterations = 0),
+    MANDELBROT(.iterations = 1),
+    MANDELBROT(.iterations = 2),
+    MANDELBROT(.iterations = 12),
+    MANDELBROT(.iterations = 9, .at = {0, 0, 0, 0.1}),
+    MANDELBROT(.iterations = 5, .power = 3),
+    MANDELBROT(.iterations = 4, .power = 8),
+    MANDELBROT(.iterations = 7, TURNED),
+    MANDELBROT(.iterations = 5, OBLIQUE),
+    MANDELBROT(.iterations = 6, GROWN(1e3)),
+    MANDELBROT(.iterations = 6, .escape = 10),
+    MANDELBROT(.escape = 1),
+    MANDELBROT(.iterations = 40),
+    MANDELBROT(.power = 1),
+    MANDELBROT(.at = {0, NAN}),
 };
 
 static UNUSED double random_conic_constant(generator *g)
@@ -307,7 +390,8 @@ static UNUSED bool random_parameters(generator *g, const sgt_builtin *type, para
         if (chance(g, 0.6)) s.semi_diameter = chance(g, 0.1) ? edge : rim;
         if (type->ops == &sgt_conic_ops) with->conic = s;
         else {
-            with->asphere = (sgt_asphere){.c = chance(g, 0.1) ? 0 : s.c, .k = s.k, .semi_diameter = s.semi_diameter};
+            with->asphere = (sgt_asphere){
+                .c = chance(g, 0.1) ? 0 : s.c, .k = s.k, .semi_diameter = s.semi_diameter};
             int terms = below(g, 9);
             double strong = any_scale(g, -6, chance(g, 0.2) ? 1.5 : 0);
             for (int i = 0; i < terms; i++)
@@ -326,7 +410,8 @@ static UNUSED bool random_parameters(generator *g, const sgt_builtin *type, para
     }
     if (chance(g, 0.3)) {
         double k = chance(g, 0.7) ? 1 : any_scale(g, -4, 4);
-        for (int i = 0; i < 4; i++) j.ex[i] = k * uniform(g, -1, 1), j.ey[i] = k * uniform(g, -1, 1), j.ez[i] = k * uniform(g, -1, 1);
+        for (int i = 0; i < 4; i++)
+            j.ex[i] = k * uniform(g, -1, 1), j.ey[i] = k * uniform(g, -1, 1), j.ez[i] = k * uniform(g, -1, 1);
     }
     if (chance(g, 0.2)) j.escape = uniform(g, 1.5, 6);
     if (type->ops == &sgt_julia_ops) with->julia = j;
@@ -373,7 +458,8 @@ static UNUSED int power_of_length(const char *unit, int i, int j)
 }
 
 /* A surface of the size h, its departure `strong` h. */
-static UNUSED void random_by_row(generator *g, const sgt_builtin *type, parameters *with, double h, double strong)
+static UNUSED void random_by_row(generator *g, const sgt_builtin *type, parameters *with, double h,
+                                 double strong)
 {
     static parameters terms_with[TERMS];
     static sgt_surface terms[TERMS];
@@ -388,7 +474,8 @@ static UNUSED void random_by_row(generator *g, const sgt_builtin *type, paramete
             bool heights = !strcmp(p->name, "sag"); /* at least four by four, of any size in a row */
             int most = p->kind == SGT_LIST ? LONGEST_LIST : LARGEST_TABLE, least = heights ? 4 : 1;
             if (chance(g, 0.9)) most /= 3; /* long ones seldom: they are dear */
-            size_t rows = p->kind == SGT_LIST ? 1 : (size_t)(least + below(g, most)), columns = (size_t)(least + below(g, most));
+            size_t rows = p->kind == SGT_LIST ? 1 : (size_t)(least + below(g, most)),
+                   columns = (size_t)(least + below(g, most));
             if (!heights && chance(g, 0.05)) rows = columns = 0;
             sgt_numbers all = {kept_numbers(rows * columns), rows, columns};
             double *x = (double *)(uintptr_t)all.x;
@@ -401,13 +488,17 @@ static UNUSED void random_by_row(generator *g, const sgt_builtin *type, paramete
                 }
             memcpy(at, &all, sizeof all);
         } else if (p->kind == SGT_TERMS) {
-            static const char *const kinds[] = {"even_asphere", "odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "toroidal", "biconic"};
+            static const char *const kinds[] = {"even_asphere", "odd_asphere", "polynomial_xy", "chebyshev",
+                                                "zernike",      "q_con",       "q_bfs",         "grid",
+                                                "toroidal",     "biconic"};
             size_t n = (size_t)below(g, 4);
             if (used + n > TERMS) used = 0;
             const sgt_surface *first = terms + used;
             for (size_t i = 0; i < n; i++, used++) {
                 const sgt_builtin *kind = sgt_builtins;
-                for (int chosen_kind = below(g, COUNT_OF(kinds)); kind->type && strcmp(kind->type, kinds[chosen_kind]);) kind++;
+                for (int chosen_kind = below(g, COUNT_OF(kinds));
+                     kind->type && strcmp(kind->type, kinds[chosen_kind]);)
+                    kind++;
                 random_by_row(g, kind, &terms_with[used], h, strong / (double)n);
                 terms[used] = (sgt_surface){kind->ops, &terms_with[used]};
             }
@@ -445,7 +536,8 @@ static UNUSED void spoil(generator *g, const sgt_builtin *type, parameters *with
     } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
         sgt_numbers all;
         memcpy(&all, at, sizeof all);
-        if (all.rows > 0 && all.columns > 0) ((double *)(uintptr_t)all.x)[below(g, (int)(all.rows * all.columns))] = x;
+        if (all.rows > 0 && all.columns > 0)
+            ((double *)(uintptr_t)all.x)[below(g, (int)(all.rows * all.columns))] = x;
     } else if (p->kind != SGT_TERMS) memcpy(at + sizeof x * (size_t)below(g, p->count), &x, sizeof x);
 }
 
@@ -472,7 +564,9 @@ static UNUSED void survey(generator *g, specimen *s)
     if (!(s->size > 1e-280 && s->size < 1e280)) s->size = 1;
     for (int i = 0; i < ANCHORS; i++) {
         sgt_vec3 from = times(2 * s->size, random_direction(g)), to = random_vector_of(g, 0, 0.5 * s->size);
-        sgt_hit hit = s->sag ? (sgt_hit){0} : alone(s, (sgt_ray){from, times(1 / s->size, difference(to, from)), 0, 0}, SGT_FIRST);
+        sgt_hit hit = s->sag ? (sgt_hit){0}
+                             : alone(s, (sgt_ray){from, times(1 / s->size, difference(to, from)), 0, 0},
+                                     SGT_FIRST);
         s->anchor[i] = hit.status > 0 ? hit.p : to;
         s->normal[i] = hit.status > 0 ? hit.n : random_direction(g);
     }
@@ -510,8 +604,10 @@ static UNUSED specimen random_specimen(generator *g, const sgt_builtin *type)
         if (!answers_itself(type)) {
             s.size = chance(g, 0.7) ? uniform(g, 0.5, 20) : any_scale(g, -3, 3);
             random_by_row(g, type, &s.with, s.size, any_scale(g, -6, -1));
-        } else if (sets && (which < 0.6 || !random_parameters(g, type, &s.with))) s.with = chosen[first + below(g, sets)].with;
-        for (bool more = (!sets && answers_itself(type)) || which > 0.9; more; more = chance(g, 0.5)) spoil(g, type, &s.with);
+        } else if (sets && (which < 0.6 || !random_parameters(g, type, &s.with)))
+            s.with = chosen[first + below(g, sets)].with;
+        for (bool more = (!sets && answers_itself(type)) || which > 0.9; more; more = chance(g, 0.5))
+            spoil(g, type, &s.with);
         survey(g, &s);
         said = alone(&s, ordinary_ray(g, &s), SGT_FIRST).status;
     } while ((said == SGT_INVALID || said == SGT_UNPROVEN) && chance(g, 0.8));
@@ -551,19 +647,44 @@ static UNUSED sgt_ray ray_through(sgt_vec3 p, sgt_vec3 d, double away)
 }
 
 typedef enum ray_kind {
-    ORDINARY, AIMED, LONG_OR_SHORT, MISSING, GRAZING, STARTING, AXIAL, LEVEL, FARAWAY, SPOILT, TINY_RAY, HUGE_RAY, EQUATOR, NOISE,
+    ORDINARY,
+    AIMED,
+    LONG_OR_SHORT,
+    MISSING,
+    GRAZING,
+    STARTING,
+    AXIAL,
+    LEVEL,
+    FARAWAY,
+    SPOILT,
+    TINY_RAY,
+    HUGE_RAY,
+    EQUATOR,
+    NOISE,
     RAY_KINDS
 } ray_kind;
 
 static const char *const ray_kinds[RAY_KINDS] = {
-    "ordinary", "aimed at a point of the surface or its rim", "of a direction not of unit length", "missing", "grazing",
-    "starting on the surface", "along the axis", "parallel to the vertex plane", "from far away", "with a hostile number",
-    "with tiny numbers", "with huge numbers", "across the equator", "of random bits",
+    "ordinary",
+    "aimed at a point of the surface or its rim",
+    "of a direction not of unit length",
+    "missing",
+    "grazing",
+    "starting on the surface",
+    "along the axis",
+    "parallel to the vertex plane",
+    "from far away",
+    "with a hostile number",
+    "with tiny numbers",
+    "with huge numbers",
+    "across the equator",
+    "of random bits",
 };
 
 static UNUSED double *component(sgt_ray *ray, int i)
 {
-    double *all[] = {&ray->o.x, &ray->o.y, &ray->o.z, &ray->d.x, &ray->d.y, &ray->d.z, &ray->tmin, &ray->tmax};
+    double *all[] = {&ray->o.x, &ray->o.y, &ray->o.z,  &ray->d.x,
+                     &ray->d.y, &ray->d.z, &ray->tmin, &ray->tmax};
     return all[i];
 }
 
@@ -686,7 +807,8 @@ static UNUSED sgt_ray ray_of_kind(generator *g, const specimen *s, ray_kind kind
         away = h * uniform(g, 0, 4);
         ray = ray_through(p, random_direction(g), away);
         if (chance(g, 0.2)) ray = ray_through((sgt_vec3){h, 0, z}, (sgt_vec3){0, below(g, 2), 1}, h);
-        if (chance(g, 0.1)) ray = ray_through((sgt_vec3){h, 0, z}, (sgt_vec3){0, 1, 0}, h); /* touching there */
+        /* touching there */
+        if (chance(g, 0.1)) ray = ray_through((sgt_vec3){h, 0, z}, (sgt_vec3){0, 1, 0}, h);
         break;
     }
     case NOISE: default:
@@ -701,9 +823,28 @@ static UNUSED sgt_ray ray_of_kind(generator *g, const specimen *s, ray_kind kind
 static UNUSED void hostile_ends(generator *g, const specimen *s, sgt_ray *ray)
 {
     static const double ends[][2] = {
-        {0, 0}, {-0.0, 0}, {0, -0.0}, {-HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, 0}, {0, HUGE_VAL}, {1, 1}, {2, 1}, {HUGE_VAL, HUGE_VAL},
-        {-HUGE_VAL, -HUGE_VAL}, {NAN, 1}, {0, NAN}, {NAN, NAN}, {-1, 0}, {1, 0}, {-1e300, 1e300}, {0, 1e-300},
-        {0x1p-1074, 0x1p-1060}, {DBL_MAX, HUGE_VAL}, {-HUGE_VAL, -DBL_MAX}, {5, HUGE_VAL}, {0, 2},
+        {0, 0},
+        {-0.0, 0},
+        {0, -0.0},
+        {-HUGE_VAL, HUGE_VAL},
+        {-HUGE_VAL, 0},
+        {0, HUGE_VAL},
+        {1, 1},
+        {2, 1},
+        {HUGE_VAL, HUGE_VAL},
+        {-HUGE_VAL, -HUGE_VAL},
+        {NAN, 1},
+        {0, NAN},
+        {NAN, NAN},
+        {-1, 0},
+        {1, 0},
+        {-1e300, 1e300},
+        {0, 1e-300},
+        {0x1p-1074, 0x1p-1060},
+        {DBL_MAX, HUGE_VAL},
+        {-HUGE_VAL, -DBL_MAX},
+        {5, HUGE_VAL},
+        {0, 2},
     };
     if (chance(g, 0.5)) {
         int i = below(g, COUNT_OF(ends));
@@ -756,20 +897,23 @@ static UNUSED void print_number(double x) { printf(" %a", x); }
 /* All that a batch says of a ray is the same. */
 static UNUSED bool same_answer(const sgt_hit *a, const sgt_hit *b)
 {
-    return a->status == b->status && a->evals == b->evals && same(a->t, b->t) && same(a->t_err, b->t_err) && same(a->t_lo, b->t_lo)
-        && same(a->p_err, b->p_err) && same(a->p.x, b->p.x) && same(a->p.y, b->p.y) && same(a->p.z, b->p.z)
-        && same(a->n.x, b->n.x) && same(a->n.y, b->n.y) && same(a->n.z, b->n.z);
+    return a->status == b->status && a->evals == b->evals && same(a->t, b->t) && same(a->t_err, b->t_err) &&
+           same(a->t_lo, b->t_lo) && same(a->p_err, b->p_err) && same(a->p.x, b->p.x) &&
+           same(a->p.y, b->p.y) && same(a->p.z, b->p.z) && same(a->n.x, b->n.x) && same(a->n.y, b->n.y) &&
+           same(a->n.z, b->n.z);
 }
 
 static UNUSED void print_answer(const char *name, const sgt_hit *h)
 {
     printf("    %-7s %s, evals %d, t %a t_err %a t_lo %a\n            p %a %a %a +- %a  n %a %a %a\n", name,
-        sgt_status_text(h->status), h->evals, h->t, h->t_err, h->t_lo, h->p.x, h->p.y, h->p.z, h->p_err, h->n.x, h->n.y, h->n.z);
+           sgt_status_text(h->status), h->evals, h->t, h->t_err, h->t_lo, h->p.x, h->p.y, h->p.z, h->p_err,
+           h->n.x, h->n.y, h->n.z);
 }
 
 static UNUSED void print_ray(const sgt_ray *r)
 {
-    printf("    ray     {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z, r->tmin, r->tmax);
+    printf("    ray     {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r->o.x, r->o.y, r->o.z, r->d.x, r->d.y,
+           r->d.z, r->tmin, r->tmax);
 }
 
 static UNUSED void print_options(const sgt_options *o)
@@ -800,7 +944,8 @@ static UNUSED void print_parameters(const sgt_builtin *type, const parameters *w
             memcpy(&terms, at, sizeof terms), memcpy(&n, at + sizeof terms, sizeof n);
             for (size_t i = 0; i < n; i++)
                 for (const sgt_builtin *kind = sgt_builtins; kind->type; kind++)
-                    if (!strcmp(kind->type, terms[i].ops->name)) printf("\n    "), print_parameters(kind, terms[i].self);
+                    if (!strcmp(kind->type, terms[i].ops->name))
+                        printf("\n    "), print_parameters(kind, terms[i].self);
         } else for (int i = 0; i < p->count; i++) {
             double x;
             memcpy(&x, at + sizeof x * (size_t)i, sizeof x);

@@ -1,13 +1,14 @@
 /* A batch gives every ray the answer that it gets alone, bit for bit, and writes nothing else.
  *
- * For each type of sgt_builtins: surfaces, rays, options and ends as hostile.h has them; the rays in one array in a
- * random mixture, or one hostile kind at one place among ordinary rays (every kind at every lane of a register and at
- * the edges of a tile), or one ray in every other place; arrays that begin anywhere, of every length from none to several
- * tiles; outputs all or some.  Each set of rays is asked for twice, in two orders with other outputs and other
- * places: what a lane's neighbours are must not matter.  Around each array lie words that nobody may write to.
+ * For each type of sgt_builtins: surfaces, rays, options and ends as hostile.h has them; the rays in one
+ * array in a random mixture, or one hostile kind at one place among ordinary rays (every kind at every lane
+ * of a register and at the edges of a tile), or one ray in every other place; arrays that begin anywhere,
+ * of every length from none to several tiles; outputs all or some.  Each set of rays is asked for twice, in
+ * two orders with other outputs and other places: what a lane's neighbours are must not matter.  Around
+ * each array lie words that nobody may write to.
  *
  *     test_batch [TYPE]      SAGITTA_TEST_SCALE=100: 10^7 rays of each type; SAGITTA_TEST_SEED
- */
+ * */
 #include "hostile.h"
 
 /* What is put to a batch, and the answers of each ray alone. */
@@ -46,21 +47,29 @@ static void ask(question *q, generator *g, const size_t order[])
 {
     static guarded given[8], out[10], out_status, out_evals;
     size_t n = q->n, positive = 0;
-    bool all = chance(g, 0.4), some[10], status_wanted = all || chance(g, 0.7), evals_wanted = all || chance(g, 0.5);
+    bool all = chance(g, 0.4), some[10], status_wanted = all || chance(g, 0.7),
+         evals_wanted = all || chance(g, 0.5);
     double *in[8], *to[10]; /* t t_err t_lo p_err p[3] n[3] */
     for (int j = 0; j < 10; j++) some[j] = all || chance(g, 0.5);
     some[5] = some[6] = some[4], some[8] = some[9] = some[7];
 
     for (int j = 0; j < 8; j++) in[j] = guarded_array(&given[j], g, true);
     for (int j = 0; j < 10; j++) to[j] = guarded_array(&out[j], g, some[j]);
-    double *status_room = guarded_array(&out_status, g, status_wanted), *evals_room = guarded_array(&out_evals, g, evals_wanted);
+    double *status_room = guarded_array(&out_status, g, status_wanted),
+           *evals_room = guarded_array(&out_evals, g, evals_wanted);
     size_t shift = (size_t)below(g, 8), half = (size_t)below(g, 2); /* bytes and ints begin anywhere */
     sgt_hits h = {.status = status_room ? (signed char *)status_room + shift : NULL,
                   .evals = evals_room ? (int *)(void *)evals_room + half : NULL,
-                  .t = to[0], .t_err = to[1], .t_lo = to[2], .p_err = to[3], .p = {to[4], to[5], to[6]}, .n = {to[7], to[8], to[9]}};
+                  .t = to[0],
+                  .t_err = to[1],
+                  .t_lo = to[2],
+                  .p_err = to[3],
+                  .p = {to[4], to[5], to[6]},
+                  .n = {to[7], to[8], to[9]}};
     for (size_t i = 0; i < n; i++)
         for (int j = 0; j < 8; j++) in[j][i] = *component(&rays[order[i]], j);
-    sgt_rays r = {{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, q->no_tmin ? NULL : in[6], q->no_tmax ? NULL : in[7]};
+    sgt_rays r = {
+        {in[0], in[1], in[2]}, {in[3], in[4], in[5]}, q->no_tmin ? NULL : in[6], q->no_tmax ? NULL : in[7]};
 
     size_t met = sgt_intersect_batch(surface_of(q->s), n, r, h, q->opt);
 
@@ -76,9 +85,11 @@ static void ask(question *q, generator *g, const size_t order[])
         if (h.p_err) b.p_err = h.p_err[k];
         if (h.p[0]) b.p = (sgt_vec3){h.p[0][k], h.p[1][k], h.p[2][k]};
         if (h.n[0]) b.n = (sgt_vec3){h.n[0][k], h.n[1][k], h.n[2][k]};
-        if (!same_answer(a, &b)) report(q, i, all ? "another answer" : "another answer, some outputs left out", &b);
+        if (!same_answer(a, &b))
+            report(q, i, all ? "another answer" : "another answer, some outputs left out", &b);
         for (int j = 0; j < 8; j++)
-            if (bits_of(in[j][k]) != bits_of(*component(&rays[i], j))) report(q, i, "a ray was written to", NULL);
+            if (bits_of(in[j][k]) != bits_of(*component(&rays[i], j)))
+                report(q, i, "a ray was written to", NULL);
         positive += a->status > 0;
         compared++;
     }
@@ -87,7 +98,8 @@ static void ask(question *q, generator *g, const size_t order[])
         if (!untouched(&given[j], n * sizeof(double))) report(q, n, "written around the rays", NULL);
     for (int j = 0; j < 10; j++)
         if (!untouched(&out[j], n * sizeof(double))) report(q, n, "written around an output", NULL);
-    const unsigned char *byte = (const unsigned char *)(out_status.room + out_status.from), *expected = (const unsigned char *)&CANARY;
+    const unsigned char *byte = (const unsigned char *)(out_status.room + out_status.from),
+                        *expected = (const unsigned char *)&CANARY;
     bool before = true;
     for (size_t i = 0; i < shift; i++) before &= byte[i] == expected[i];
     byte = (const unsigned char *)(out_evals.room + out_evals.from);
@@ -101,7 +113,10 @@ static void ask(question *q, generator *g, const size_t order[])
 /* Stops some rays, and remembers all it was told. */
 typedef struct watcher { uint64_t memory; size_t ray; bool batch, in_order; } watcher;
 
-static void remember(watcher *w, uint64_t bits) { w->memory = (w->memory ^ bits) * 0x9e3779b97f4a7c15u + (w->memory >> 29); }
+static void remember(watcher *w, uint64_t bits)
+{
+    w->memory = (w->memory ^ bits) * 0x9e3779b97f4a7c15u + (w->memory >> 29);
+}
 
 static int watch(void *data, const sgt_step *step)
 {
@@ -122,7 +137,8 @@ static void ask_watched(question *q, generator *g, const size_t order[], const s
     own.watch_data = &many;
     q->opt = &own;
     ask(q, g, order);
-    if (one.memory != many.memory || !many.in_order) report(q, q->n, "the watcher of a batch was told otherwise", NULL);
+    if (one.memory != many.memory || !many.in_order)
+        report(q, q->n, "the watcher of a batch was told otherwise", NULL);
 }
 
 /* ------------------------------------------------------------------- rounds */
@@ -150,7 +166,8 @@ static size_t round_of(generator *g, const sgt_builtin *type)
     sgt_options opt = chance(g, 0.5) ? (sgt_options){0} : hostile_options(g);
     bool none = chance(g, 0.1);
     if (none) opt = (sgt_options){0};
-    question q = {.s = &s, .opt = none ? NULL : &opt, .n = n, .no_tmin = chance(g, 0.2), .no_tmax = chance(g, 0.2)};
+    question q = {
+        .s = &s, .opt = none ? NULL : &opt, .n = n, .no_tmin = chance(g, 0.2), .no_tmax = chance(g, 0.2)};
 
     int mixture = below(g, 7), every = 2 + below(g, 3);
     ray_kind kind = (ray_kind)below(g, RAY_KINDS);
@@ -208,7 +225,8 @@ static void test_door(void)
         for (int j = 0; j < 3; j++) {
             if (met == 0 && status[j] == SGT_INVALID && isnan(t[j])) continue;
             failures++;
-            printf("FAIL no surface %zu: ray %d, %s, t %g\n", i, j, sgt_status_text((sgt_status)status[j]), t[j]);
+            printf("FAIL no surface %zu: ray %d, %s, t %g\n", i, j, sgt_status_text((sgt_status)status[j]),
+                   t[j]);
         }
     }
 }
@@ -224,18 +242,22 @@ int main(int argc, char **argv)
         generator g = {seed ^ (uint64_t)(b - sgt_builtins) << 40};
         bool known = !answers_itself(b);
         for (size_t i = 0; i < COUNT_OF(chosen); i++) known |= !strcmp(chosen[i].type, b->type);
-        if (!known || b->size > sizeof(parameters)) faulty = true, printf("FAIL %s: hostile.h has no sets of this type\n", b->type);
-        double wanted = (answers_itself(b) ? 1e5 : 2e3) * test_scale(), asked = 0; /* the others march by intervals: dear */
+        if (!known || b->size > sizeof(parameters))
+            faulty = true, printf("FAIL %s: hostile.h has no sets of this type\n", b->type);
+        /* the others march by intervals: dear */
+        double wanted = (answers_itself(b) ? 1e5 : 2e3) * test_scale(), asked = 0;
         failures = shown = compared = 0;
         memset(told, 0, sizeof told);
         while (asked < wanted && failures < 1000) asked += (double)round_of(&g, b);
         printf("%-12s %.0f rays, %ld answers compared, %ld faults;", b->type, asked, compared, failures);
-        for (int i = STATUSES - 1; i >= 0; i--) printf(" %s %ld", sgt_status_text((sgt_status)(i + SGT_INVALID)), told[i]);
+        for (int i = STATUSES - 1; i >= 0; i--)
+            printf(" %s %ld", sgt_status_text((sgt_status)(i + SGT_INVALID)), told[i]);
         printf("\n");
         fflush(stdout);
         const long *of = told - SGT_INVALID;
         double few = asked / 100;
-        bool one_sided = asked >= 1e4 && ((double)of[SGT_HIT] < few || (double)of[SGT_MISS] < few || (double)of[SGT_INVALID] < few || (asked > 1e5 && !of[SGT_GRAZE]));
+        bool one_sided = asked >= 1e4 && ((double)of[SGT_HIT] < few || (double)of[SGT_MISS] < few ||
+                                          (double)of[SGT_INVALID] < few || (asked > 1e5 && !of[SGT_GRAZE]));
         if (one_sided) printf("FAIL %s: these rays are not hostile enough\n", b->type);
         faulty |= failures > 0 || one_sided;
     }

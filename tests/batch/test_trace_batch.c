@@ -1,14 +1,14 @@
 /* sgt_trace_batch gives every ray what sgt_trace gives it alone, bit for bit, and writes nothing else.
  *
- * Lenses as they are built (rows of conics and aspheres with stops, mirrors, dummy planes, tilts and decentres), and
- * lenses that nobody builds: surfaces of hostile.h, a user's surface with normals of every kind from place to place,
- * poses far away or of no unit length, indices and apertures out of range.  Rays as a lens has them, hostile ones, and
- * these side by side, at each lane of a register and at the edges of tiles.  Outputs all or some, in arrays of their
- * own or in those the rays came in; of each element all, some or none.  Around each array lie words that nobody may
- * write to.
+ * Lenses as they are built (rows of conics and aspheres with stops, mirrors, dummy planes, tilts and
+ * decentres), and lenses that nobody builds: surfaces of hostile.h, a user's surface with normals of every
+ * kind from place to place, poses far away or of no unit length, indices and apertures out of range.  Rays
+ * as a lens has them, hostile ones, and these side by side, at each lane of a register and at the edges of
+ * tiles.  Outputs all or some, in arrays of their own or in those the rays came in; of each element all,
+ * some or none.  Around each array lie words that nobody may write to.
  *
  *     test_trace_batch      SAGITTA_TEST_SCALE, SAGITTA_TEST_SEED
- */
+ * */
 #include "hostile.h"
 
 #include <sagitta/diagnose.h>
@@ -19,13 +19,14 @@ static long failures, compared, with_fate[SGT_TIR + 2], not_moved, unequal_neigh
 
 /* ----------------------------------------------------------- a user's surface */
 
-/* The plane a . p = 0, whose gradient is told by squares: in most as it is, in some at another scale, in some with
- * infinities, and in some it is none.  As a user may offer it: bare, with a span, in arrays. */
+/* The plane a . p = 0, whose gradient is told by squares: in most as it is, in some at another scale, in
+ * some with infinities, and in some it is none.  As a user may offer it: bare, with a span, in arrays. */
 typedef struct quilt { sgt_vec3 a; double square; } quilt;
 
 static double quilt_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
-    static const double scale[] = {1, 1, 1, 1, 1, -1, 1e-90, 1e90, -1e-140, 1e140, 1e-310, 1e305, 0, HUGE_VAL, -HUGE_VAL, NAN};
+    static const double scale[] = {1,       1,     1,      1,     1, -1,       1e-90,     1e90,
+                                   -1e-140, 1e140, 1e-310, 1e305, 0, HUGE_VAL, -HUGE_VAL, NAN};
     const quilt *s = self;
     if (grad) {
         double i = floor(p.x / s->square), j = floor(p.y / s->square), which = i * i * 7 + j * j * 3 + i * j;
@@ -54,7 +55,8 @@ static void quilt_values(const void *self, size_t n, sgt_points p, sgt_values ou
 static void quilt_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out)
 {
     for (size_t i = 0; i < n; i++) {
-        sgt_ray ray = {.o = {rays.o[0][i], rays.o[1][i], rays.o[2][i]}, .d = {rays.d[0][i], rays.d[1][i], rays.d[2][i]}};
+        sgt_ray ray = {.o = {rays.o[0][i], rays.o[1][i], rays.o[2][i]},
+                       .d = {rays.d[0][i], rays.d[1][i], rays.d[2][i]}};
         sgt_span span = quilt_span(self, &ray);
         out.lo[i] = span.lo, out.hi[i] = span.hi, out.seed[i] = span.seed, out.single[i] = span.single;
     }
@@ -62,7 +64,11 @@ static void quilt_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out
 
 static const sgt_surface_ops quilt_ops[] = {
     {.name = "quilt", .value = quilt_value, .span = quilt_span},
-    {.name = "quilt in arrays", .value = quilt_value, .span = quilt_span, .values = quilt_values, .spans = quilt_spans},
+    {.name = "quilt in arrays",
+     .value = quilt_value,
+     .span = quilt_span,
+     .values = quilt_values,
+     .spans = quilt_spans},
     {.name = "bare quilt", .value = quilt_value},
 };
 
@@ -76,7 +82,10 @@ typedef struct lens {
     double before;
 } lens;
 
-static sgt_vec3 point(generator *g, double size) { return (sgt_vec3){uniform(g, -size, size), uniform(g, -size, size), uniform(g, -size, size)}; }
+static sgt_vec3 point(generator *g, double size)
+{
+    return (sgt_vec3){uniform(g, -size, size), uniform(g, -size, size), uniform(g, -size, size)};
+}
 
 static void as_built(generator *g, lens *l)
 {
@@ -86,17 +95,27 @@ static void as_built(generator *g, lens *l)
     double z = chance(g, 0.8) ? 0 : uniform(g, -2, 2), step = 1, index = 1;
     bool coaxial = chance(g, 0.5), tight = chance(g, 0.4);
     for (size_t i = 0; i < l->n; i++) {
-        sgt_conic c = {.c = chance(g, 0.25) ? 0 : either_sign(g) / uniform(g, 4, 60), .k = chance(g, 0.6) ? 0 : uniform(g, -2, 1)};
+        sgt_conic c = {.c = chance(g, 0.25) ? 0 : either_sign(g) / uniform(g, 4, 60),
+                       .k = chance(g, 0.6) ? 0 : uniform(g, -2, 1)};
         sgt_vec3 origin = {0, 0, z};
         specimen *s = &l->s[i];
         *s = (specimen){.type = asphere, .with.asphere = {.c = c.c, .k = c.k}};
-        if (chance(g, 0.3)) s->with.asphere.a[0] = uniform(g, -1e-3, 1e-3), s->with.asphere.a[1] = uniform(g, -1e-5, 1e-5);
+        if (chance(g, 0.3))
+            s->with.asphere.a[0] = uniform(g, -1e-3, 1e-3), s->with.asphere.a[1] = uniform(g, -1e-5, 1e-5);
         if (chance(g, 0.3)) s->with.asphere.semi_diameter = uniform(g, 1, 4);
         survey(g, s);
-        if (!coaxial && chance(g, 0.5)) origin = sum(origin, (sgt_vec3){uniform(g, -0.3, 0.3), uniform(g, -0.3, 0.3), 0});
-        l->e[i] = (sgt_element){.surface = {chance(g, 0.6) ? &sgt_asphere_ops : &sgt_conic_ops, &s->with}, .pose.origin = origin};
-        if (!coaxial && chance(g, 0.4)) l->e[i].pose = sgt_pose_tilted(origin, chance(g, 0.2) ? (sgt_vec3){0, 0, 90.0 * below(g, 4)} : point(g, chance(g, 0.7) ? 8 : 40));
-        if (chance(g, 0.6)) l->e[i].semi_diameter = chance(g, 0.1) ? FAR : chance(g, 0.1) ? 1e10 : tight ? uniform(g, 0.3, 1.5) : uniform(g, 1.5, 5);
+        if (!coaxial && chance(g, 0.5))
+            origin = sum(origin, (sgt_vec3){uniform(g, -0.3, 0.3), uniform(g, -0.3, 0.3), 0});
+        l->e[i] = (sgt_element){.surface = {chance(g, 0.6) ? &sgt_asphere_ops : &sgt_conic_ops, &s->with},
+                                .pose.origin = origin};
+        if (!coaxial && chance(g, 0.4))
+            l->e[i].pose = sgt_pose_tilted(origin, chance(g, 0.2) ? (sgt_vec3){0, 0, 90.0 * below(g, 4)}
+                                                                  : point(g, chance(g, 0.7) ? 8 : 40));
+        if (chance(g, 0.6))
+            l->e[i].semi_diameter = chance(g, 0.1)   ? FAR
+                                    : chance(g, 0.1) ? 1e10
+                                    : tight          ? uniform(g, 0.3, 1.5)
+                                                     : uniform(g, 1.5, 5);
         double u = uniform(g, 0, 1);
         if (u < 0.12) l->e[i].index = SGT_MIRROR, step = -step;
         else if (u < 0.24) l->e[i].index = chance(g, 0.5) ? 0 : index;
@@ -111,18 +130,24 @@ static void spoil_element(generator *g, lens *l, size_t i)
 {
     sgt_element *e = &l->e[i];
     quilt *q = &l->quilts[i];
-    static const double indices[] = {-2, NAN, HUGE_VAL, 1e-30, 1e30, 1e-200, 1e200, 1e3, 1e-3, 1 + 1e-15, 5e-324}, apertures[] = {NAN, -1, 1e-100, 1e-200, 1e149, 1e300, 5e-324};
+    static const double indices[] = {-2,    NAN, HUGE_VAL, 1e-30,     1e30,  1e-200,
+                                     1e200, 1e3, 1e-3,     1 + 1e-15, 5e-324},
+                        apertures[] = {NAN, -1, 1e-100, 1e-200, 1e149, 1e300, 5e-324};
     switch (below(g, 8)) {
     case 0: e->index = indices[below(g, COUNT_OF(indices))]; break;
     case 1: e->semi_diameter = apertures[below(g, COUNT_OF(apertures))]; break;
     case 2: e->pose.origin = times(chance(g, 0.5) ? 1e9 : any_scale(g, 0, 300), point(g, 1)); break;
     case 3: /* axes of no unit length, by little or more */
         e->pose = sgt_pose_tilted(e->pose.origin, point(g, 5));
-        e->pose.ex = times(1 + any_scale(g, -16, -1), e->pose.ex), e->pose.ez = times(1 + any_scale(g, -16, -1), e->pose.ez);
+        e->pose.ex = times(1 + any_scale(g, -16, -1), e->pose.ex),
+        e->pose.ez = times(1 + any_scale(g, -16, -1), e->pose.ez);
         break;
     case 4: e->pose.ey.x = hostile_number(g); break;
     case 5: /* (not of a quilt: that is shorter than an asphere) */
-        e->surface = (sgt_surface){chance(g, 0.1) ? NULL : chance(g, 0.5) ? &sgt_asphere_ops : &sgt_conic_ops, &l->s[i].with};
+        e->surface = (sgt_surface){chance(g, 0.1)   ? NULL
+                                   : chance(g, 0.5) ? &sgt_asphere_ops
+                                                    : &sgt_conic_ops,
+                                   &l->s[i].with};
         break;
     default:
         *q = (quilt){.a = random_direction(g), .square = uniform(g, 0.05, 0.5)};
@@ -138,7 +163,8 @@ static void hostile_surface(generator *g, lens *l, size_t i)
     int types = 0;
     while (sgt_builtins[types].type && answers_itself(&sgt_builtins[types])) types++; /* they come first */
     const sgt_builtin *type = &sgt_builtins[below(g, types)];
-    if (type->ops != &sgt_conic_ops && type->ops != &sgt_asphere_ops && chance(g, 0.9)) type = &sgt_builtins[0];
+    if (type->ops != &sgt_conic_ops && type->ops != &sgt_asphere_ops && chance(g, 0.9))
+        type = &sgt_builtins[0];
     l->s[i] = random_specimen(g, type);
     l->e[i].surface = surface_of(&l->s[i]);
 }
@@ -192,39 +218,65 @@ static sgt_ray rare_ray(generator *g, const lens *l, const sgt_ray *beam)
 
 static size_t any_length(generator *g)
 {
-    static const int edge[] = {0, 1, 2, 3, 7, 8, 9, 15, 16, 17, 63, 64, 65, 127, 128, 129, 255, 256, 257, 383, 384, 385, LENGTH};
-    return chance(g, 0.3) ? (size_t)edge[below(g, COUNT_OF(edge))] : chance(g, 0.5) ? (size_t)below(g, 40) : (size_t)below(g, 300);
+    static const int edge[] = {0,  1,   2,   3,   7,   8,   9,   15,  16,  17,  63,    64,
+                               65, 127, 128, 129, 255, 256, 257, 383, 384, 385, LENGTH};
+    return chance(g, 0.3)   ? (size_t)edge[below(g, COUNT_OF(edge))]
+           : chance(g, 0.5) ? (size_t)below(g, 40)
+                            : (size_t)below(g, 300);
 }
 
 static void random_rays(generator *g, const lens *l, size_t n)
 {
     double a = uniform(g, -0.2, 0.2), b = uniform(g, -0.2, 0.2);
     if (chance(g, 0.4)) a = b = chance(g, 0.7) ? 0 : -0.0;
-    sgt_ray beam = {.o = {-3 * a, -3 * b, chance(g, 0.5) ? -3 : uniform(g, -6, 0.5)}, .d = {a, b, sqrt(1 - a * a - b * b)}, .tmin = 5, .tmax = 4}; /* ends are not read */
+    /* ends are not read */
+    sgt_ray beam = {.o = {-3 * a, -3 * b, chance(g, 0.5) ? -3 : uniform(g, -6, 0.5)},
+                    .d = {a, b, sqrt(1 - a * a - b * b)},
+                    .tmin = 5,
+                    .tmax = 4};
     int mixture = below(g, 5);
-    for (size_t i = 0; i < n; i++) rays[i] = mixture == 0 || (mixture == 1 && i % 2) ? rare_ray(g, l, &beam) : lens_ray(g, &beam);
-    for (int some = mixture > 1 && n ? below(g, 4) : 0; some > 0; some--) rays[below(g, (int)n)] = rare_ray(g, l, &beam);
+    for (size_t i = 0; i < n; i++)
+        rays[i] = mixture == 0 || (mixture == 1 && i % 2) ? rare_ray(g, l, &beam) : lens_ray(g, &beam);
+    for (int some = mixture > 1 && n ? below(g, 4) : 0; some > 0; some--)
+        rays[below(g, (int)n)] = rare_ray(g, l, &beam);
 }
 
 /* -------------------------------------------------------------------- answers */
 
 /* A ray alone. */
-typedef struct answer { sgt_ray ray; sgt_fate fate; size_t passed; sgt_passage p[ELEMENTS]; double opl; } answer;
+typedef struct answer {
+    sgt_ray ray;
+    sgt_fate fate;
+    size_t passed;
+    sgt_passage p[ELEMENTS];
+    double opl;
+} answer;
 static answer answers[LENGTH];
 
-static bool same_vectors(sgt_vec3 a, sgt_vec3 b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z); }
+static bool same_vectors(sgt_vec3 a, sgt_vec3 b)
+{
+    return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z);
+}
 
 static bool is_bad(const sgt_ray *ray)
 {
     sgt_vec3 o = ray->o, d = ray->d;
     double big = fmax(fabs(d.x), fmax(fabs(d.y), fabs(d.z)));
-    return !(isfinite(o.x) && isfinite(o.y) && isfinite(o.z) && isfinite(d.x) && isfinite(d.y) && isfinite(d.z) && big >= DBL_MIN);
+    return !(isfinite(o.x) && isfinite(o.y) && isfinite(o.z) && isfinite(d.x) && isfinite(d.y) &&
+             isfinite(d.z) && big >= DBL_MIN);
 }
 
 static void trace_alone(const lens *l, size_t i, const sgt_options *opt)
 {
     answer *a = &answers[i];
-    sgt_passage none = {.hit = {.status = SGT_MISS, .t = NOT, .t_err = NOT, .t_lo = NOT, .p_err = NOT, .p = {NOT, NOT, NOT}, .n = {NOT, NOT, NOT}}, .opl = NOT};
+    sgt_passage none = {.hit = {.status = SGT_MISS,
+                                .t = NOT,
+                                .t_err = NOT,
+                                .t_lo = NOT,
+                                .p_err = NOT,
+                                .p = {NOT, NOT, NOT},
+                                .n = {NOT, NOT, NOT}},
+                        .opl = NOT};
     for (size_t j = 0; j < l->n; j++) a->p[j] = none;
     a->ray = rays[i];
     a->passed = sgt_trace(l->n, l->e, l->before, &a->ray, a->p, &a->fate, opt);
@@ -235,16 +287,19 @@ static void trace_alone(const lens *l, size_t i, const sgt_options *opt)
 static void report(const lens *l, const sgt_options *opt, size_t i, const char *what)
 {
     if (++failures > SHOWN) return;
-    printf("FAIL %s: ray %zu of a lens of %zu, index in front %a; alone: %s after %zu\n", what, i, l->n, l->before, sgt_fate_text(answers[i].fate), answers[i].passed);
+    printf("FAIL %s: ray %zu of a lens of %zu, index in front %a; alone: %s after %zu\n", what, i, l->n,
+           l->before, sgt_fate_text(answers[i].fate), answers[i].passed);
     print_options(opt ? opt : &(sgt_options){0});
     for (size_t j = 0; j < l->n; j++) {
         const sgt_element *e = &l->e[j];
         const sgt_vec3 *v = &e->pose.origin;
-        printf("  element %zu, %s: index %a, semi_diameter %a, pose", j, e->surface.ops ? e->surface.ops->name : "none", e->index, e->semi_diameter);
+        printf("  element %zu, %s: index %a, semi_diameter %a, pose", j,
+               e->surface.ops ? e->surface.ops->name : "none", e->index, e->semi_diameter);
         for (int k = 0; k < 4; k++) printf(" {%a, %a, %a}", v[k].x, v[k].y, v[k].z);
         printf("\n");
         const quilt *q = &l->quilts[j];
-        if (e->surface.self == q) printf("    quilt  a {%a, %a, %a}  square %a\n", q->a.x, q->a.y, q->a.z, q->square);
+        if (e->surface.self == q)
+            printf("    quilt  a {%a, %a, %a}  square %a\n", q->a.x, q->a.y, q->a.z, q->square);
         else if (l->s[j].type) print_specimen(&l->s[j]);
     }
     print_ray(&rays[i]);
@@ -278,8 +333,13 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
         if (in_place_o) to[j] = in[j];
         if (in_place_d) to[3 + j] = in[3 + j];
     }
-    double *fates = guarded_array(&fate_room, g, all || chance(g, 0.6)), *passes = guarded_array(&passed_room, g, all || chance(g, 0.5));
-    sgt_traced traced = {.fate = (signed char *)fates, .passed = (int *)(void *)passes, .o = {to[0], to[1], to[2]}, .d = {to[3], to[4], to[5]}, .opl = to[6]};
+    double *fates = guarded_array(&fate_room, g, all || chance(g, 0.6)),
+           *passes = guarded_array(&passed_room, g, all || chance(g, 0.5));
+    sgt_traced traced = {.fate = (signed char *)fates,
+                         .passed = (int *)(void *)passes,
+                         .o = {to[0], to[1], to[2]},
+                         .d = {to[3], to[4], to[5]},
+                         .opl = to[6]};
 
     sgt_passages passages[ELEMENTS];
     for (size_t k = 0; k < l->n && !no_passages; k++) {
@@ -288,41 +348,63 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
         wish(g, wanted, OF_ELEMENT, all);
         three(wanted + 4), three(wanted + 7), three(wanted + 10);
         for (int j = 0; j < OF_ELEMENT; j++) r->to[j] = guarded_array(&r->number[j], g, wanted[j]);
-        double *status = guarded_array(&r->status, g, all || chance(g, 0.5)), *evals = guarded_array(&r->evals, g, all || chance(g, 0.5));
-        passages[k] = (sgt_passages){.hits = {.status = (signed char *)status, .evals = (int *)(void *)evals, .t = r->to[0], .t_err = r->to[1], .t_lo = r->to[2], .p_err = r->to[3],
-                                              .p = {r->to[4], r->to[5], r->to[6]}, .n = {r->to[7], r->to[8], r->to[9]}},
-                                     .direction = {r->to[10], r->to[11], r->to[12]}, .opl = r->to[13]};
+        double *status = guarded_array(&r->status, g, all || chance(g, 0.5)),
+               *evals = guarded_array(&r->evals, g, all || chance(g, 0.5));
+        passages[k] = (sgt_passages){.hits = {.status = (signed char *)status,
+                                              .evals = (int *)(void *)evals,
+                                              .t = r->to[0],
+                                              .t_err = r->to[1],
+                                              .t_lo = r->to[2],
+                                              .p_err = r->to[3],
+                                              .p = {r->to[4], r->to[5], r->to[6]},
+                                              .n = {r->to[7], r->to[8], r->to[9]}},
+                                     .direction = {r->to[10], r->to[11], r->to[12]},
+                                     .opl = r->to[13]};
     }
     for (size_t i = 0; i < n; i++)
         for (int j = 0; j < 6; j++) in[j][i] = *component(&rays[i], j);
     sgt_rays from = {.o = {in[0], in[1], in[2]}, .d = {in[3], in[4], in[5]}};
 
-    size_t through = sgt_trace_batch(l->n, l->e, l->before, n, from, traced, no_passages ? NULL : passages, opt), expected = 0;
+    size_t through = sgt_trace_batch(l->n, l->e, l->before, n, from, traced, no_passages ? NULL : passages,
+                                     opt),
+           expected = 0;
 
     for (size_t i = 0; i < n; i++) {
         const answer *a = &answers[i];
-        const double ends[OF_RAY] = {a->ray.o.x, a->ray.o.y, a->ray.o.z, a->ray.d.x, a->ray.d.y, a->ray.d.z, a->opl};
+        const double ends[OF_RAY] = {a->ray.o.x, a->ray.o.y, a->ray.o.z, a->ray.d.x,
+                                     a->ray.d.y, a->ray.d.z, a->opl};
         compared++;
         expected += a->passed == l->n && a->fate == SGT_PASSED;
         if (traced.fate && traced.fate[i] != (signed char)a->fate) report(l, opt, i, "another fate");
         if (traced.passed && traced.passed[i] != (int)a->passed) report(l, opt, i, "another number passed");
         for (int j = 0; j < OF_RAY; j++)
-            if (to[j] && !same(to[j][i], ends[j])) report(l, opt, i, j < 3 ? "another end" : j < 6 ? "another direction at the end" : "another path at the end");
+            if (to[j] && !same(to[j][i], ends[j]))
+                report(l, opt, i,
+                       j < 3   ? "another end"
+                       : j < 6 ? "another direction at the end"
+                               : "another path at the end");
         for (int j = 0; j < 6; j++)
-            if (!(j < 3 ? in_place_o : in_place_d) && bits_of(in[j][i]) != bits_of(*component(&rays[i], j))) report(l, opt, i, "a ray was written to");
+            if (!(j < 3 ? in_place_o : in_place_d) && bits_of(in[j][i]) != bits_of(*component(&rays[i], j)))
+                report(l, opt, i, "a ray was written to");
         for (size_t k = 0; k < l->n && !no_passages; k++) {
             const sgt_passage *p = &a->p[k];
             const sgt_hit *h = &p->hit;
             const double *const *r = (const double *const *)records[k].to;
-            const double single[OF_ELEMENT] = {h->t, h->t_err, h->t_lo, h->p_err, h->p.x, h->p.y, h->p.z, h->n.x, h->n.y, h->n.z, p->direction.x, p->direction.y, p->direction.z, p->opl};
-            static const char *const names[OF_ELEMENT] = {"t", "t_err", "t_lo", "p_err", "p", "p", "p", "n", "n", "n", "direction", "direction", "direction", "opl"};
+            const double single[OF_ELEMENT] = {
+                h->t,   h->t_err, h->t_lo, h->p_err,       h->p.x,         h->p.y,         h->p.z,
+                h->n.x, h->n.y,   h->n.z,  p->direction.x, p->direction.y, p->direction.z, p->opl};
+            static const char *const names[OF_ELEMENT] = {"t",         "t_err",     "t_lo",      "p_err", "p",
+                                                          "p",         "p",         "n",         "n",     "n",
+                                                          "direction", "direction", "direction", "opl"};
             const sgt_hits *b = &passages[k].hits;
-            if (b->status && b->status[i] != (signed char)h->status) report(l, opt, i, "another status of a passage");
+            if (b->status && b->status[i] != (signed char)h->status)
+                report(l, opt, i, "another status of a passage");
             if (b->evals && b->evals[i] != h->evals) report(l, opt, i, "other evaluations of a passage");
             for (int j = 0; j < OF_ELEMENT; j++)
                 if (r[j] && !same(r[j][i], single[j])) {
                     report(l, opt, i, "another passage");
-                    if (failures <= SHOWN) printf("    element %zu, %s: %a, alone %a\n", k, names[j], r[j][i], single[j]);
+                    if (failures <= SHOWN)
+                        printf("    element %zu, %s: %a, alone %a\n", k, names[j], r[j][i], single[j]);
                 }
         }
     }
@@ -332,7 +414,8 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
     for (int j = 0; j < OF_RAY; j++) clean = clean && untouched(&out[j], n * sizeof(double));
     for (size_t k = 0; k < l->n && !no_passages; k++) {
         clean = clean && untouched(&records[k].status, n) && untouched(&records[k].evals, n * sizeof(int));
-        for (int j = 0; j < OF_ELEMENT; j++) clean = clean && untouched(&records[k].number[j], n * sizeof(double));
+        for (int j = 0; j < OF_ELEMENT; j++)
+            clean = clean && untouched(&records[k].number[j], n * sizeof(double));
     }
     if (!clean) failures++, printf("FAIL written around an array: %zu rays, %zu elements\n", n, l->n);
 }
@@ -342,7 +425,10 @@ static void ask(const lens *l, generator *g, size_t n, const sgt_options *opt)
 /* Stops some rays, and remembers all it was told. */
 typedef struct watcher { uint64_t memory; size_t ray; bool batch, in_order; } watcher;
 
-static void keep(watcher *w, uint64_t bits) { w->memory = (w->memory ^ bits) * 0x9e3779b97f4a7c15u + (w->memory >> 29); }
+static void keep(watcher *w, uint64_t bits)
+{
+    w->memory = (w->memory ^ bits) * 0x9e3779b97f4a7c15u + (w->memory >> 29);
+}
 
 static int watch(void *data, const sgt_step *step)
 {
@@ -362,7 +448,8 @@ static void ask_watched(const lens *l, generator *g, size_t n, const sgt_options
     for (size_t i = 0; i < n; i++) one.ray = i, trace_alone(l, i, &own);
     own.watch_data = &many;
     ask(l, g, n, &own);
-    if (one.memory != many.memory || !many.in_order) failures++, printf("FAIL the watcher of a batch was told otherwise\n");
+    if (one.memory != many.memory || !many.in_order)
+        failures++, printf("FAIL the watcher of a batch was told otherwise\n");
 }
 
 static size_t round_of(generator *g)
@@ -371,7 +458,8 @@ static size_t round_of(generator *g)
     random_lens(g, &l);
     size_t n = any_length(g);
     random_rays(g, &l, n);
-    sgt_options opt = chance(g, 0.6) ? (sgt_options){0} : hostile_options(g), *asked = chance(g, 0.3) ? NULL : &opt;
+    sgt_options opt = chance(g, 0.6) ? (sgt_options){0} : hostile_options(g),
+                *asked = chance(g, 0.3) ? NULL : &opt;
     if (!asked) opt = (sgt_options){0};
     if (opt.max_evals > 1000) opt.max_evals = 0;
     if (chance(g, 0.03)) {
@@ -396,7 +484,9 @@ int main(void)
     while (asked < wanted && failures < 1000) asked += (double)round_of(&g);
     printf("%.0f rays, %ld answers compared, %ld faults;", asked, compared, failures);
     bool each = (double)unequal_neighbours > asked / 50;
-    for (int i = SGT_LOST; i <= SGT_TIR; i++) printf(" %s %ld", sgt_fate_text((sgt_fate)i), with_fate[i - SGT_LOST]), each = each && (double)with_fate[i - SGT_LOST] > asked / 200;
+    for (int i = SGT_LOST; i <= SGT_TIR; i++)
+        printf(" %s %ld", sgt_fate_text((sgt_fate)i), with_fate[i - SGT_LOST]),
+            each = each && (double)with_fate[i - SGT_LOST] > asked / 200;
     printf("; %ld passed nothing, %ld unlike their neighbour\n", not_moved, unequal_neighbours);
     if (!each) printf("FAIL too few of some kind\n");
     return failures > 0 || !each;

@@ -1,17 +1,30 @@
-/* Surfaces of a user in batches: every ray gets the answer that it gets alone, bit for bit, evaluations included.
+/* Surfaces of a user in batches: every ray gets the answer that it gets alone, bit for bit, evaluations
+ * included.
  *
- * The surfaces are those of people who keep their word and of people who do not: with every choice of what can be offered,
- * with slopes that lie, noise, islands of NaN, poles, spans that are nonsense.  `values` and `spans` are loops over `value` and
- * `span`, so that what they promise is true, and whatever differs is the batch's.
+ * The surfaces are those of people who keep their word and of people who do not: with every choice of what
+ * can be offered, with slopes that lie, noise, islands of NaN, poles, spans that are nonsense.  `values`
+ * and `spans` are loops over `value` and `span`, so that what they promise is true, and whatever differs is
+ * the batch's.
  *
- *     test_user_batch     SAGITTA_TEST_SCALE multiplies the number of batches, SAGITTA_TEST_SEED chooses others
- */
+ *     test_user_batch     SAGITTA_TEST_SCALE multiplies the number of batches, SAGITTA_TEST_SEED chooses
+ *                         others
+ * */
 #include "hostile.h"
 
 /* ---------------------------------------------------------------- surfaces */
 
 typedef enum form { TORUS, ELLIPSOID, SPHERE_DISTANCE, CONIC, POLE, PLANE, FORMS } form;
-typedef enum fault { HONEST, NORMALISED, RANDOM_SLOPE, ZERO_SLOPE, NAN_SLOPE, NOISY, ISLANDS, NOWHERE, FAULTS } fault;
+typedef enum fault {
+    HONEST,
+    NORMALISED,
+    RANDOM_SLOPE,
+    ZERO_SLOPE,
+    NAN_SLOPE,
+    NOISY,
+    ISLANDS,
+    NOWHERE,
+    FAULTS
+} fault;
 typedef enum reach { CHORD, NO_SEED, RANDOM_SEED, HALF_LINE, ANY_SPAN, REACHES } reach;
 
 typedef struct shape {
@@ -78,9 +91,15 @@ static sgt_span user_span(const void *self, const sgt_ray *ray)
     const shape *s = self;
     if (s->form == CONIC) return sgt_conic_ops.span(&(sgt_conic){.c = s->c, .k = -0.6}, ray);
     sgt_vec3 o = ray->o, d = ray->d;
-    double R = 1.001 * (s->form == TORUS ? s->a + s->b : s->form == ELLIPSOID ? fmax(s->a, fmax(s->b, s->c)) : s->form == SPHERE_DISTANCE ? s->a : 3 * s->a);
-    double t = -dot(o, d) / dot(d, d), half2 = (R * R - dot(sum(o, times(t, d)), sum(o, times(t, d)))) / dot(d, d), half = sqrt(half2), any = hash(o);
-    if (s->form == PLANE) return (sgt_span){.lo = -FAR, .hi = FAR, .seed = any < 0.1 ? NOT : 0, .single = true};
+    double R = 1.001 * (s->form == TORUS             ? s->a + s->b
+                        : s->form == ELLIPSOID       ? fmax(s->a, fmax(s->b, s->c))
+                        : s->form == SPHERE_DISTANCE ? s->a
+                                                     : 3 * s->a);
+    double t = -dot(o, d) / dot(d, d),
+           half2 = (R * R - dot(sum(o, times(t, d)), sum(o, times(t, d)))) / dot(d, d), half = sqrt(half2),
+           any = hash(o);
+    if (s->form == PLANE)
+        return (sgt_span){.lo = -FAR, .hi = FAR, .seed = any < 0.1 ? NOT : 0, .single = true};
     sgt_span span = {.lo = t - half, .hi = t + half, .seed = t - half};
     if (half2 < 0) return (sgt_span){.lo = 1, .hi = -1, .seed = NOT};
     switch (s->reach) {
@@ -106,7 +125,8 @@ static double user_rounding(const void *self, sgt_vec3 p)
     sgt_vec3 n;
     double f = formula(s, p, &n), any = hash(p);
     if (s->fault == ISLANDS && any < 0.1) return any < 0.03 ? NOT : any < 0.06 ? -1 : FAR;
-    return 0x1p-50 * (fabs(f) + fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z)) + (s->fault == NOISY ? 1e-13 * sqrt(dot(n, n)) : 0);
+    return 0x1p-50 * (fabs(f) + fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z)) +
+           (s->fault == NOISY ? 1e-13 * sqrt(dot(n, n)) : 0);
 }
 
 /* Of the distance to a sphere; of the others, what says nothing. */
@@ -121,7 +141,8 @@ static double user_estimate(const void *self, sgt_vec3 p) { return 0.1 * fabs(us
 static sgt_interval user_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
     const shape *s = self;
-    double length = sqrt(dot(ray->d, ray->d)), m = 0.5 * t.lo + 0.5 * t.hi, far = (t.hi - t.lo) * 0.51 * length + 1e-14 * (1 + fabs(m));
+    double length = sqrt(dot(ray->d, ray->d)), m = 0.5 * t.lo + 0.5 * t.hi,
+           far = (t.hi - t.lo) * 0.51 * length + 1e-14 * (1 + fabs(m));
     double f = user_value(self, sum(ray->o, times(m, ray->d)), NULL);
     *slope = (sgt_interval){-length, length};
     if (s->form != SPHERE_DISTANCE) return (sgt_interval){-FAR, FAR};
@@ -164,9 +185,12 @@ static sgt_surface_ops random_offer(generator *g)
 
 static shape random_shape(generator *g)
 {
-    shape s = {.form = (form)below(g, FORMS), .fault = chance(g, 0.5) ? HONEST : (fault)below(g, FAULTS), .reach = chance(g, 0.5) ? CHORD : (reach)below(g, REACHES)};
+    shape s = {.form = (form)below(g, FORMS),
+               .fault = chance(g, 0.5) ? HONEST : (fault)below(g, FAULTS),
+               .reach = chance(g, 0.5) ? CHORD : (reach)below(g, REACHES)};
     double size = chance(g, 0.7) ? 1 : any_scale(g, -6, 6);
-    s.a = size, s.b = size * uniform(g, 0.05, 0.6), s.c = s.form == CONIC ? either_sign(g) * uniform(g, 0, 0.5) / size : size * uniform(g, 0.3, 2);
+    s.a = size, s.b = size * uniform(g, 0.05, 0.6),
+    s.c = s.form == CONIC ? either_sign(g) * uniform(g, 0, 0.5) / size : size * uniform(g, 0.3, 2);
     return s;
 }
 
@@ -175,9 +199,11 @@ static shape random_shape(generator *g)
 static sgt_ray user_ray(generator *g, sgt_surface s, const sgt_options *opt)
 {
     const shape *of = s.self;
-    sgt_vec3 d = random_direction(g), at = {uniform(g, -1.3, 1.3) * of->a, uniform(g, -1.3, 1.3) * of->a, uniform(g, -0.5, 0.5) * of->a};
+    sgt_vec3 d = random_direction(g), at = {uniform(g, -1.3, 1.3) * of->a, uniform(g, -1.3, 1.3) * of->a,
+                                            uniform(g, -0.5, 0.5) * of->a};
     if (of->form == CONIC && chance(g, 0.8)) d = (sgt_vec3){uniform(g, -0.3, 0.3), uniform(g, -0.3, 0.3), 1};
-    double away = of->a * (chance(g, 0.8) ? uniform(g, 2, 10) : any_scale(g, -3, 8)), length = chance(g, 0.6) ? 1 : any_scale(g, -5, 5);
+    double away = of->a * (chance(g, 0.8) ? uniform(g, 2, 10) : any_scale(g, -3, 8)),
+           length = chance(g, 0.6) ? 1 : any_scale(g, -5, 5);
     sgt_ray ray = {.o = difference(at, times(away, d)), .d = times(length, d)};
     int kind = below(g, 14);
     if (kind == 0) ray.tmin = -FAR, ray.tmax = FAR;
@@ -192,7 +218,8 @@ static sgt_ray user_ray(generator *g, sgt_surface s, const sgt_options *opt)
         if (kind == 5) ray.tmin = there - hit.t_err * below(g, 3), ray.tmax = hit.t + hit.t_err * below(g, 3);
     }
     if (kind == 6 && chance(g, 0.3)) {
-        double *const any[] = {&ray.o.x, &ray.o.y, &ray.o.z, &ray.d.x, &ray.d.y, &ray.d.z, &ray.tmin, &ray.tmax};
+        double *const any[] = {&ray.o.x, &ray.o.y, &ray.o.z,  &ray.d.x,
+                               &ray.d.y, &ray.d.z, &ray.tmin, &ray.tmax};
         *any[below(g, 8)] = hostile_number(g);
     }
     return ray;
@@ -216,7 +243,8 @@ static sgt_hit hits[MOST];
 static long failures, compared, told[9];
 
 /* The batch of the rays in this order, against what they were told alone. */
-static void ask(generator *g, const sgt_surface_ops *ops, const shape *s, const sgt_options *opt, size_t n, const size_t order[])
+static void ask(generator *g, const sgt_surface_ops *ops, const shape *s, const sgt_options *opt, size_t n,
+                const size_t order[])
 {
     static double in[8][MOST], out[10][MOST + 2];
     static signed char status[MOST + 2];
@@ -235,20 +263,35 @@ static void ask(generator *g, const sgt_surface_ops *ops, const shape *s, const 
     }
     double *to[10];
     for (int j = 0; j < 10; j++) to[j] = some[j] ? out[j] + 1 : NULL;
-    sgt_hits h = {.status = some[10] ? status + 1 : NULL, .evals = some[11] ? evals + 1 : NULL, .t = to[0], .t_err = to[1], .t_lo = to[2], .p_err = to[3], .p = {to[4], to[5], to[6]}, .n = {to[7], to[8], to[9]}};
-    size_t met = sgt_intersect_batch((sgt_surface){ops, s}, n, (sgt_rays){{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, in[6], in[7]}, h, opt), want = 0;
+    sgt_hits h = {.status = some[10] ? status + 1 : NULL,
+                  .evals = some[11] ? evals + 1 : NULL,
+                  .t = to[0],
+                  .t_err = to[1],
+                  .t_lo = to[2],
+                  .p_err = to[3],
+                  .p = {to[4], to[5], to[6]},
+                  .n = {to[7], to[8], to[9]}};
+    size_t met = sgt_intersect_batch((sgt_surface){ops, s}, n,
+                                     (sgt_rays){{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, in[6], in[7]},
+                                     h, opt),
+           want = 0;
     for (size_t i = 0; i < n; i++) {
         const sgt_hit *hit = &hits[order[i]];
-        const double wants[10] = {hit->t, hit->t_err, hit->t_lo, hit->p_err, hit->p.x, hit->p.y, hit->p.z, hit->n.x, hit->n.y, hit->n.z};
+        const double wants[10] = {hit->t,   hit->t_err, hit->t_lo, hit->p_err, hit->p.x,
+                                  hit->p.y, hit->p.z,   hit->n.x,  hit->n.y,   hit->n.z};
         bool good = (!some[10] || status[i + 1] == hit->status) && (!some[11] || evals[i + 1] == hit->evals);
         for (int j = 0; j < 10; j++) good = good && same(out[j][i + 1], some[j] ? wants[j] : 77);
         want += hit->status > 0;
         compared++;
         if (good || ++failures > 5) continue;
-        printf("FAIL ray %zu of %zu: form %d fault %d reach %d a %a b %a c %a; span %d spans %d values %d rounding %d clearance %d estimate %d enclose %d\n", i, n, s->form, s->fault, s->reach, s->a, s->b, s->c,
-               !!ops->span, !!ops->spans, !!ops->values, !!ops->rounding, !!ops->clearance, !!ops->estimate, !!ops->enclose);
+        printf("FAIL ray %zu of %zu: form %d fault %d reach %d a %a b %a c %a; span %d spans %d values %d "
+               "rounding %d clearance %d estimate %d enclose %d\n",
+               i, n, s->form, s->fault, s->reach, s->a, s->b, s->c, !!ops->span, !!ops->spans, !!ops->values,
+               !!ops->rounding, !!ops->clearance, !!ops->estimate, !!ops->enclose);
         print_options(opt), print_ray(&rays[order[i]]);
-        printf("  alone: %s, %d evaluations, t %a +- %a; batch: %d, %d, %a +- %a\n", sgt_status_text(hit->status), hit->evals, hit->t, hit->t_err, status[i + 1], evals[i + 1], out[0][i + 1], out[1][i + 1]);
+        printf("  alone: %s, %d evaluations, t %a +- %a; batch: %d, %d, %a +- %a\n",
+               sgt_status_text(hit->status), hit->evals, hit->t, hit->t_err, status[i + 1], evals[i + 1],
+               out[0][i + 1], out[1][i + 1]);
     }
     bool kept = status[0] == 77 && status[n + 1] == 77 && evals[0] == -77 && evals[n + 1] == -77;
     for (int j = 0; j < 10; j++) kept = kept && out[j][0] == 77 && out[j][n + 1] == 77;
@@ -283,7 +326,8 @@ typedef struct witness { long steps, ray; int stop_at, eval; bool in_order; } wi
 static int watch(void *data, const sgt_step *step)
 {
     witness *w = data;
-    bool next = (long)step->ray == w->ray && step->eval == w->eval + 1, first = (long)step->ray > w->ray && step->eval == 1;
+    bool next = (long)step->ray == w->ray && step->eval == w->eval + 1,
+         first = (long)step->ray > w->ray && step->eval == 1;
     w->in_order = w->in_order && (next || first);
     w->ray = (long)step->ray, w->eval = step->eval, w->steps++;
     return w->stop_at > 0 && step->eval == w->stop_at;
@@ -309,17 +353,24 @@ static void watched_batch(generator *g)
         witness w = {.ray = -1, .in_order = true, .stop_at = stop};
         sgt_options seen = opt;
         seen.watch = watch, seen.watch_data = &w;
-        sgt_intersect_batch((sgt_surface){&ops, &s}, COUNT, all, (sgt_hits){.status = status[0], .evals = evals[0], .t = t[0]}, &opt);
-        sgt_intersect_batch((sgt_surface){&ops, &s}, COUNT, all, (sgt_hits){.status = status[1], .evals = evals[1], .t = t[1]}, &seen);
+        sgt_intersect_batch((sgt_surface){&ops, &s}, COUNT, all,
+                            (sgt_hits){.status = status[0], .evals = evals[0], .t = t[0]}, &opt);
+        sgt_intersect_batch((sgt_surface){&ops, &s}, COUNT, all,
+                            (sgt_hits){.status = status[1], .evals = evals[1], .t = t[1]}, &seen);
         long spent = 0;
         for (size_t i = 0; i < COUNT; i++) {
             bool stopped = stop && evals[0][i] >= stop;
             spent += evals[1][i];
-            bool good = stopped ? status[1][i] == SGT_STOPPED && evals[1][i] == stop : status[0][i] == status[1][i] && evals[0][i] == evals[1][i] && same(t[0][i], t[1][i]);
+            bool good = stopped ? status[1][i] == SGT_STOPPED && evals[1][i] == stop
+                                : status[0][i] == status[1][i] && evals[0][i] == evals[1][i] &&
+                                      same(t[0][i], t[1][i]);
             if (!good && ++failures <= 5)
-                printf("FAIL watched ray %zu, stop at %d: %d after %d, unwatched %d after %d; form %d fault %d\n", i, stop, status[1][i], evals[1][i], status[0][i], evals[0][i], s.form, s.fault);
+                printf("FAIL watched ray %zu, stop at %d: %d after %d, unwatched %d after %d; form %d fault "
+                       "%d\n",
+                       i, stop, status[1][i], evals[1][i], status[0][i], evals[0][i], s.form, s.fault);
         }
-        if ((!w.in_order || spent != w.steps) && ++failures <= 5) printf("FAIL %ld steps seen of %ld, in order: %d\n", w.steps, spent, w.in_order);
+        if ((!w.in_order || spent != w.steps) && ++failures <= 5)
+            printf("FAIL %ld steps seen of %ld, in order: %d\n", w.steps, spent, w.in_order);
     }
 }
 
@@ -333,15 +384,21 @@ static void asked_together(generator *g)
     static int evals[COUNT];
     long calls = 0, points = 0, counted = 0;
     shape s = {.form = CONIC, .a = 1, .c = 0.1, .calls = &calls, .rays = &points};
-    sgt_surface_ops ops = {.value = user_value, .span = user_span, .values = user_values, .spans = user_spans};
+    sgt_surface_ops ops = {
+        .value = user_value, .span = user_span, .values = user_values, .spans = user_spans};
     for (size_t i = 0; i < COUNT; i++) {
         in[0][i] = uniform(g, -1, 1), in[1][i] = uniform(g, -1, 1), in[2][i] = -5;
         in[3][i] = uniform(g, -0.15, 0.15), in[4][i] = uniform(g, -0.15, 0.15), in[5][i] = 1;
     }
-    size_t met = sgt_intersect_batch((sgt_surface){&ops, &s}, COUNT, (sgt_rays){.o = {in[0], in[1], in[2]}, .d = {in[3], in[4], in[5]}}, (sgt_hits){.evals = evals}, NULL);
+    size_t met = sgt_intersect_batch((sgt_surface){&ops, &s}, COUNT,
+                                     (sgt_rays){.o = {in[0], in[1], in[2]}, .d = {in[3], in[4], in[5]}},
+                                     (sgt_hits){.evals = evals}, NULL);
     for (size_t i = 0; i < COUNT; i++) counted += evals[i];
-    printf("%zu of %d rays met, %ld evaluations, %ld points in %ld calls\n", met, COUNT, counted, points, calls);
-    if ((met != COUNT || points < counted || points > counted + counted / 4 || calls * 32 > points) && ++failures <= 5) printf("FAIL points are not asked for together\n");
+    printf("%zu of %d rays met, %ld evaluations, %ld points in %ld calls\n", met, COUNT, counted, points,
+           calls);
+    if ((met != COUNT || points < counted || points > counted + counted / 4 || calls * 32 > points) &&
+        ++failures <= 5)
+        printf("FAIL points are not asked for together\n");
 }
 
 int main(void)
@@ -357,6 +414,7 @@ int main(void)
     for (int i = 0; i < 8; i++) printf(" %s %ld", sgt_status_text((sgt_status)(i + SGT_INVALID)), told[i]);
     printf("\n%ld failures\n", failures);
     for (int i = 0; i < 8; i++)
-        if (batches > 500 && i != SGT_STOPPED - SGT_INVALID && told[i] == 0) failures++, printf("FAIL no ray was %s\n", sgt_status_text((sgt_status)(i + SGT_INVALID)));
+        if (batches > 500 && i != SGT_STOPPED - SGT_INVALID && told[i] == 0)
+            failures++, printf("FAIL no ray was %s\n", sgt_status_text((sgt_status)(i + SGT_INVALID)));
     return failures != 0;
 }

@@ -1,18 +1,20 @@
-// Many rays through sgt_intersect_batch and sgt_trace_batch, beside the single ray in a loop, what a careful person
-// would write over arrays (bench_peers.c), what one would take ray by ray (bench_shared.h), and a plain copy that
-// moves the same bytes: what memory allows.
+// Many rays through sgt_intersect_batch and sgt_trace_batch, beside the single ray in a loop, what a
+// careful person would write over arrays (bench_peers.c), what one would take ray by ray (bench_shared.h),
+// and a plain copy that moves the same bytes: what memory allows.
 //
 //     build/tests/bench/bench_batch [--benchmark_... of Google Benchmark]
 //
-// 10^3 rays are in the processor's cache, 10^6 come from memory, and all answers go there.  Arrays follow each other in
-// one block, each at a line of the cache; but for the size 1e6-malloc: there they lie as separate large mallocs have
-// them, 16 bytes behind the begin of a page, so that a ray's numbers all compete for one set of the first cache.
+// 10^3 rays are in the processor's cache, 10^6 come from memory, and all answers go there.  Arrays follow
+// each other in one block, each at a line of the cache; but for the size 1e6-malloc: there they lie as
+// separate large mallocs have them, 16 bytes behind the begin of a page, so that a ray's numbers all
+// compete for one set of the first cache.
 //
-// Before the clock starts each variant has answered, and the answer was compared (of 10^6 rays every 17th): a batch's
-// with the single ray's, to the last bit; a peer's t, point and gradient within 8e-15, a lens's last point and direction
-// within 1e-12.  The repetitions of all are shuffled among each other; the csv has the medians, case,variant,ns,per_second, per ray, of a
-// lens per ray and surface.  Behind it stands what is to be reached.  Which set of instructions runs is the
-// processor's choice; one built with -Dclones=x86-64-v3 shows what AVX2 does.
+// Before the clock starts each variant has answered, and the answer was compared (of 10^6 rays every 17th):
+// a batch's with the single ray's, to the last bit; a peer's t, point and gradient within 8e-15, a lens's
+// last point and direction within 1e-12.  The repetitions of all are shuffled among each other; the csv has
+// the medians, case,variant,ns,per_second, per ray, of a lens per ray and surface.  Behind it stands what
+// is to be reached.  Which set of instructions runs is the processor's choice; one built with
+// -Dclones=x86-64-v3 shows what AVX2 does.
 #include <cstring>
 #include <deque>
 #include <regex>
@@ -27,7 +29,7 @@ namespace {
 // ------------------------------------------------------- arrays in and out
 
 struct Size { const char *name; size_t n; bool pages; };
-const Size CACHE = { "1e3", 1000, false }, MEMORY = { "1e6", RAYS, false }, PAGES = { "1e6-malloc", RAYS, true };
+const Size CACHE = {"1e3", 1000, false}, MEMORY = {"1e6", RAYS, false}, PAGES = {"1e6-malloc", RAYS, true};
 
 enum Outputs { T_ALONE, TARGET, EVERYTHING };  // t; status, t, t_err, p, n; all there is
 
@@ -66,7 +68,10 @@ struct Rays {  // and room for the answers
         }
     }
     sgt_rays rays() const { return { { in[0], in[1], in[2] }, { in[3], in[4], in[5] }, nullptr, nullptr }; }
-    sgt_ray ray(size_t i) const { return { { in[0][i], in[1][i], in[2][i] }, { in[3][i], in[4][i], in[5][i] }, 0, 0 }; }
+    sgt_ray ray(size_t i) const
+    {
+        return {{in[0][i], in[1][i], in[2][i]}, {in[3][i], in[4][i], in[5][i]}, 0, 0};
+    }
     sgt_hits hits(Outputs which)
     {
         sgt_hits h = {};
@@ -81,7 +86,10 @@ struct Rays {  // and room for the answers
             h.evals = evals.data(), h.t_lo = out[8], h.p_err = out[9];
         return h;
     }
-    sgt_traced traced() { return { status.data(), nullptr, { out[0], out[1], out[2] }, { out[3], out[4], out[5] }, nullptr }; }
+    sgt_traced traced()
+    {
+        return {status.data(), nullptr, {out[0], out[1], out[2]}, {out[3], out[4], out[5]}, nullptr};
+    }
     void forget()
     {
         std::fill(status.begin(), status.end(), static_cast<signed char>(77));
@@ -97,8 +105,14 @@ private:
     double *in[6], *out[10];
 };
 
-bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0 || (std::isnan(a) && std::isnan(b)); }
-bool same(const double *const a[3], size_t i, sgt_vec3 b) { return same(a[0][i], b.x) && same(a[1][i], b.y) && same(a[2][i], b.z); }
+bool same(double a, double b)
+{
+    return std::memcmp(&a, &b, sizeof a) == 0 || (std::isnan(a) && std::isnan(b));
+}
+bool same(const double *const a[3], size_t i, sgt_vec3 b)
+{
+    return same(a[0][i], b.x) && same(a[1][i], b.y) && same(a[2][i], b.z);
+}
 double off(const double *const a[3], size_t i, sgt_vec3 b)
 {
     return std::max(std::fabs(a[0][i] - b.x), std::max(std::fabs(a[1][i] - b.y), std::fabs(a[2][i] - b.z)));
@@ -107,9 +121,10 @@ double off(const double *const a[3], size_t i, sgt_vec3 b)
 // Of the arrays that there are.
 bool same(const sgt_hits &h, size_t i, const sgt_hit &hit)
 {
-    return same(h.t[i], hit.t) && (!h.status || h.status[i] == hit.status) && (!h.evals || h.evals[i] == hit.evals) &&
-           (!h.t_err || same(h.t_err[i], hit.t_err)) && (!h.t_lo || same(h.t_lo[i], hit.t_lo)) &&
-           (!h.p_err || same(h.p_err[i], hit.p_err)) && (!h.p[0] || same(h.p, i, hit.p)) && (!h.n[0] || same(h.n, i, hit.n));
+    return same(h.t[i], hit.t) && (!h.status || h.status[i] == hit.status) &&
+           (!h.evals || h.evals[i] == hit.evals) && (!h.t_err || same(h.t_err[i], hit.t_err)) &&
+           (!h.t_lo || same(h.t_lo[i], hit.t_lo)) && (!h.p_err || same(h.p_err[i], hit.p_err)) &&
+           (!h.p[0] || same(h.p, i, hit.p)) && (!h.n[0] || same(h.n, i, hit.n));
 }
 
 // ------------------------------------------------------------ one surface
@@ -166,13 +181,17 @@ void formula(Work &w)
     for (size_t done = 0, n = w.rays->n; done < w.evals;) {
         size_t at = done % n, here = std::min({ n - at, size_t(PEER_TILE), w.evals - done });
         const double *p = w.points.data() + at;
-        peer_own_values.values(w.own.self, here, { { p, p + n, p + 2 * n } }, { out[0], { out[1], out[2], out[3] } });
+        peer_own_values.values(w.own.self, here, {{p, p + n, p + 2 * n}}, {out[0], {out[1], out[2], out[3]}});
         benchmark::DoNotOptimize(out);
         done += here;
     }
 }
 
-enum Truth { SINGLE, NEAR, NONE };  // how the answer is compared: with the single ray's, within 8e-15, not at all
+enum Truth {
+    SINGLE,
+    NEAR,
+    NONE
+}; // how the answer is compared: with the single ray's, within 8e-15, not at all
 
 struct Variant {
     const char *name;
@@ -182,23 +201,24 @@ struct Variant {
     bool conic, asphere, memory;  // can it, is it worth while from memory?
 };
 const Variant VARIANTS[] = {
-    { "batch", batch<TARGET>, TARGET, SINGLE, true, true, true },
-    { "batch-t", batch<T_ALONE>, T_ALONE, SINGLE, true, true, true },
-    { "batch-everything", batch<EVERYTHING>, EVERYTHING, SINGLE, true, true, true },
-    { "one-by-one", one_by_one, TARGET, SINGLE, true, true, true },
-    { "closed-form-arrays", closed_form, TARGET, NEAR, true, false, true },
-    { "newton-arrays", newton, TARGET, NEAR, false, true, true },
-    { PEERS[0].name, by_peer<0>, TARGET, NEAR, true, PEERS[0].asphere, false },
-    { PEERS[1].name, by_peer<1>, TARGET, NEAR, true, PEERS[1].asphere, false },
+    {"batch", batch<TARGET>, TARGET, SINGLE, true, true, true},
+    {"batch-t", batch<T_ALONE>, T_ALONE, SINGLE, true, true, true},
+    {"batch-everything", batch<EVERYTHING>, EVERYTHING, SINGLE, true, true, true},
+    {"one-by-one", one_by_one, TARGET, SINGLE, true, true, true},
+    {"closed-form-arrays", closed_form, TARGET, NEAR, true, false, true},
+    {"newton-arrays", newton, TARGET, NEAR, false, true, true},
+    {PEERS[0].name, by_peer<0>, TARGET, NEAR, true, PEERS[0].asphere, false},
+    {PEERS[1].name, by_peer<1>, TARGET, NEAR, true, PEERS[1].asphere, false},
 #ifdef HAVE_BOOST
-    { PEERS[2].name, by_peer<2>, TARGET, NEAR, true, PEERS[2].asphere, false },
-    { PEERS[3].name, by_peer<3>, TARGET, NEAR, true, PEERS[3].asphere, false },
+    {PEERS[2].name, by_peer<2>, TARGET, NEAR, true, PEERS[2].asphere, false},
+    {PEERS[3].name, by_peer<3>, TARGET, NEAR, true, PEERS[3].asphere, false},
 #endif
 #ifdef HAVE_GSL
-    { PEERS[sizeof PEERS / sizeof PEERS[0] - 1].name, by_peer<sizeof PEERS / sizeof PEERS[0] - 1>, TARGET, NEAR, true, true, false },
+    {PEERS[sizeof PEERS / sizeof PEERS[0] - 1].name, by_peer<sizeof PEERS / sizeof PEERS[0] - 1>, TARGET,
+     NEAR, true, true, false},
 #endif
-    { "copy", copy, TARGET, NONE, true, true, true },
-    { "copy-by-array", copy_arrays, TARGET, NONE, true, true, true },
+    {"copy", copy, TARGET, NONE, true, true, true},
+    {"copy-by-array", copy_arrays, TARGET, NONE, true, true, true},
 };
 const Variant PAGES_VARIANTS[] = { VARIANTS[0], { "copy", copy, TARGET, NONE, true, true, true },
                                    { "copy-by-array", copy_arrays, TARGET, NONE, true, true, true } };
@@ -222,14 +242,15 @@ bool right(const std::string &name, Work &w, const Variant &v)
     sgt_hits h = w.rays->hits(v.outputs);
     size_t wrong = 0;
     for (size_t i = 0; i < w.rays->n; i += compared_every(w.rays->n)) {
-        sgt_hit hit = sgt_intersect(v.truth == SINGLE ? w.own : w.built_in.surface(), w.rays->ray(i), nullptr);
+        sgt_hit hit = sgt_intersect(v.truth == SINGLE ? w.own : w.built_in.surface(), w.rays->ray(i),
+                                    nullptr);
         if (hit.status != SGT_HIT)
             wrong++;
         else if (v.truth == SINGLE)
             wrong += !same(h, i, hit);
         else
-            wrong += !(h.status[i] == SGT_HIT && std::fabs(h.t[i] - hit.t) < 8e-15 && off(h.p, i, hit.p) < 8e-15 &&
-                       off(h.n, i, hit.n) < 8e-15);
+            wrong += !(h.status[i] == SGT_HIT && std::fabs(h.t[i] - hit.t) < 8e-15 &&
+                       off(h.p, i, hit.p) < 8e-15 && off(h.n, i, hit.n) < 8e-15);
     }
     if (wrong)
         std::printf("%s: %zu rays are wrong\n", name.c_str(), wrong);
@@ -258,7 +279,8 @@ void count(const std::string &name, Work &w)
     for (int k = 0; k < 3; k++)
         w.points.insert(w.points.end(), h.p[k], h.p[k] + n);
     std::printf("%s: %.3f evaluations a ray; `values` was given %.3f points a ray\n", name.c_str(),
-                static_cast<double>(w.evals) / static_cast<double>(n), static_cast<double>(points_given) / static_cast<double>(n));
+                static_cast<double>(w.evals) / static_cast<double>(n),
+                static_cast<double>(points_given) / static_cast<double>(n));
 }
 
 // ---------------------------------------------------------------- a lens
@@ -354,11 +376,13 @@ private:
 };
 
 struct Passages {  // everything, of every element
-    Passages(size_t elements, size_t n) : block(14 * elements, n, false), status(elements * n), evals(elements * n)
+    Passages(size_t elements, size_t n)
+        : block(14 * elements, n, false), status(elements * n), evals(elements * n)
     {
         for (size_t k = 0; k < elements; k++) {
             sgt_passages p = {};
-            p.hits = { &status[k * n], &evals[k * n], block.next(), block.next(), block.next(), {}, {}, block.next() };
+            p.hits = {&status[k * n], &evals[k * n], block.next(), block.next(), block.next(), {}, {},
+                      block.next()};
             for (int j = 0; j < 3; j++)
                 p.hits.p[j] = block.next(), p.hits.n[j] = block.next(), p.direction[j] = block.next();
             p.opl = block.next();
@@ -380,7 +404,8 @@ struct Tracing {
 
 void trace(Tracing &w, const sgt_passages *passages)
 {
-    sgt_trace_batch(w.lens->elements.size(), w.lens->elements.data(), 1, w.rays->n, w.rays->rays(), w.rays->traced(), passages, nullptr);
+    sgt_trace_batch(w.lens->elements.size(), w.lens->elements.data(), 1, w.rays->n, w.rays->rays(),
+                    w.rays->traced(), passages, nullptr);
 }
 void trace_batch(Tracing &w) { trace(w, nullptr); }
 void trace_everything(Tracing &w) { trace(w, w.passages->all.data()); }
@@ -397,7 +422,10 @@ void trace_one_by_one(Tracing &w)
     }
 }
 template <void (*peer)(size_t, const peer_element[], size_t, sgt_rays, sgt_traced)>
-void trace_by_peer(Tracing &w) { peer(w.lens->peers.size(), w.lens->peers.data(), w.rays->n, w.rays->rays(), w.rays->traced()); }
+void trace_by_peer(Tracing &w)
+{
+    peer(w.lens->peers.size(), w.lens->peers.data(), w.rays->n, w.rays->rays(), w.rays->traced());
+}
 void trace_copy(Tracing &w) { peer_copy_traced(w.rays->n, w.rays->rays(), w.rays->traced()); }
 
 struct TraceVariant {
@@ -480,8 +508,9 @@ int width()
     __builtin_cpu_init();
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
         own = 256;
-    if (own && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
-        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+    if (own && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+        __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512vl"))
         own = 512;
 #endif
     std::printf("the processor has %s; kernels in this build: %s\n",
@@ -497,7 +526,9 @@ void print_targets(const Table &table, int vector)
 {
     std::printf("\n%-28s %8s %8s %10s %10s\n", "", "ns", "to reach", "of peer", "to reach");
     for (const Target &target : TARGETS) {
-        double ns = table.median(target.row), most = vector == 512 ? target.wide : vector == 256 ? target.narrow : 0;
+        double ns = table.median(target.row), most = vector == 512   ? target.wide
+                                                     : vector == 256 ? target.narrow
+                                                                     : 0;
         if (std::isnan(ns))
             continue;
         std::printf("%-28s %8.2f", target.row, ns);
@@ -517,7 +548,8 @@ void print_targets(const Table &table, int vector)
     }
 }
 
-// What is not asked for is not answered either.  (One that begins with '-' says what to leave out: all are answered.)
+// What is not asked for is not answered either.  (One that begins with '-' says what to leave out: all are
+// answered.)
 const char *filter_of(int argc, char **argv)
 {
     const char *option = "--benchmark_filter=", *filter = "";
@@ -596,7 +628,8 @@ int main(int argc, char **argv)
             for (const TraceVariant &v : TRACE_VARIANTS)
                 if ((size == &CACHE || v.memory) && wanted(of + "/" + v.name)) {
                     all_right &= right(of + "/" + v.name, one, v);
-                    rows.push_back({ of, v.name, static_cast<double>(size->n * lens.elements.size()), [&one, &v] { v.pass(one); } });
+                    rows.push_back({of, v.name, static_cast<double>(size->n * lens.elements.size()),
+                                    [&one, &v] { v.pass(one); }});
                 }
         }
     }

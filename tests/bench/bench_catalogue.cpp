@@ -1,17 +1,19 @@
-// The surfaces beyond conics and even aspheres, through sgt_intersect_batch and the single ray, beside their formula by
-// itself and Boost's Newton on it.
+// The surfaces beyond conics and even aspheres, through sgt_intersect_batch and the single ray, beside
+// their formula by itself and Boost's Newton on it.
 //
 //     build/tests/bench/bench_catalogue [--benchmark_... of Google Benchmark]
 //
 // Per surface 1000 rays of bench_subjects.h, the arrays in the processor's cache:
 //     first, near            a batch, the first root and the one near the seed
 //     one-first, one-near    sgt_intersect in a loop
-//     formula                `values` at the points of the answers, in blocks of 64 as the batch asks for them
+//     formula                `values` at the points of the answers, in blocks of 64 as the batch asks for
+//                            them
 //     boost-...              from the vertex plane, on the surface's own `value`; sags only
-// Before the clock starts each batch is compared with the single ray's answers, to the last bit, and Boost's t with them
-// within 1e-13.  The repetitions of all are shuffled among each other; the csv has the medians in ns per ray (formula: per
-// point).  Behind it stands a table, one line for each surface: what docs/surfaces_table.py puts into docs/surfaces.md.
-// times: a batch of first roots, divided by what as many evaluations cost in the formula alone.
+// Before the clock starts each batch is compared with the single ray's answers, to the last bit, and
+// Boost's t with them within 1e-13.  The repetitions of all are shuffled among each other; the csv has the
+// medians in ns per ray (formula: per point).  Behind it stands a table, one line for each surface: what
+// docs/surfaces_table.py puts into docs/surfaces.md.  times: a batch of first roots, divided by what as
+// many evaluations cost in the formula alone.
 #include <cstring>
 #include <deque>
 #include "bench_shared.h"
@@ -32,7 +34,13 @@ struct Arrays {
             in[3][i] = ray.d.x, in[4][i] = ray.d.y, in[5][i] = ray.d.z;
         }
     }
-    sgt_rays given() const { return { { in[0].data(), in[1].data(), in[2].data() }, { in[3].data(), in[4].data(), in[5].data() }, nullptr, nullptr }; }
+    sgt_rays given() const
+    {
+        return {{in[0].data(), in[1].data(), in[2].data()},
+                {in[3].data(), in[4].data(), in[5].data()},
+                nullptr,
+                nullptr};
+    }
     sgt_hits hits(bool everything)  // else status, t, t_err, p, n
     {
         sgt_hits h = {};
@@ -87,7 +95,8 @@ void formula(const Work &w)
     const double *x = w.at.data();
     for (size_t i = 0, few; i < w.points; i += few, x += few) {
         few = std::min(BLOCK, w.points - i);
-        w.of.s.ops->values(w.of.s.self, few, { { x, x + w.points, x + 2 * w.points } }, { out[0], { out[1], out[2], out[3] } });
+        w.of.s.ops->values(w.of.s.self, few, {{x, x + w.points, x + 2 * w.points}},
+                           {out[0], {out[1], out[2], out[3]}});
         benchmark::DoNotOptimize(out);
     }
 }
@@ -111,12 +120,16 @@ void boost_by_one(const Work &w, Arrays &a)
         double t = by_boost(w.of.s, ray);
         sgt_vec3 p = along(ray, t), n;
         w.of.s.ops->value(w.of.s.self, p, &n);
-        a.out[0][i] = t, a.out[2][i] = p.x, a.out[3][i] = p.y, a.out[4][i] = p.z, a.out[5][i] = n.x, a.out[6][i] = n.y, a.out[7][i] = n.z;
+        a.out[0][i] = t, a.out[2][i] = p.x, a.out[3][i] = p.y, a.out[4][i] = p.z, a.out[5][i] = n.x,
+        a.out[6][i] = n.y, a.out[7][i] = n.z;
     }
 }
 #endif
 
-bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0 || (std::isnan(a) && std::isnan(b)); }
+bool same(double a, double b)
+{
+    return std::memcmp(&a, &b, sizeof a) == 0 || (std::isnan(a) && std::isnan(b));
+}
 
 // Compares, and fills in what is counted.
 bool right(Work &w)
@@ -132,7 +145,9 @@ bool right(Work &w)
         for (size_t i = 0; i < N; i++) {
             sgt_hit one = sgt_intersect(w.of.s, rays()[i], &opt);
             const double p[] = { one.p.x, one.p.y, one.p.z }, n[] = { one.n.x, one.n.y, one.n.z };
-            bool good = h.status[i] == one.status && h.evals[i] == one.evals && same(h.t[i], one.t) && same(h.t_err[i], one.t_err) && same(h.t_lo[i], one.t_lo) && same(h.p_err[i], one.p_err);
+            bool good = h.status[i] == one.status && h.evals[i] == one.evals && same(h.t[i], one.t) &&
+                        same(h.t_err[i], one.t_err) && same(h.t_lo[i], one.t_lo) &&
+                        same(h.p_err[i], one.p_err);
             for (int k = 0; k < 3; k++)
                 good = good && same(h.p[k][i], p[k]) && same(h.n[k][i], n[k]);
             wrong += !good;
@@ -161,8 +176,12 @@ bool right(Work &w)
 std::string offers(const sgt_surface_ops *ops)
 {
     const std::pair<bool, const char *> all[] = {
-        { ops->span != nullptr, "span" }, { ops->first != nullptr, "first" }, { ops->clearance != nullptr, "clearance" }, { ops->enclose != nullptr, "enclose" },
-        { ops->rounding != nullptr, "rounding" }, { ops->second != nullptr && ops->by_parameter != nullptr, "sensitivities" },
+        {ops->span != nullptr, "span"},
+        {ops->first != nullptr, "first"},
+        {ops->clearance != nullptr, "clearance"},
+        {ops->enclose != nullptr, "enclose"},
+        {ops->rounding != nullptr, "rounding"},
+        {ops->second != nullptr && ops->by_parameter != nullptr, "sensitivities"},
     };
     std::string said;
     for (const std::pair<bool, const char *> &one : all)
@@ -185,7 +204,8 @@ void print_table(const Table &table, const std::deque<Work> &works)
         if (std::isnan(first))
             continue;
         std::string line = std::string(w.of.type) + ";" + w.of.name + ";" + offers(w.of.s.ops);
-        for (double x : { w.met, w.evals_first, first, ns("near"), ns("one-first"), ns("one-near"), by_itself, first / (by_itself * w.evals_first), ns("boost-newton_raphson_iterate-31-bits") })
+        for (double x : {w.met, w.evals_first, first, ns("near"), ns("one-first"), ns("one-near"), by_itself,
+                         first / (by_itself * w.evals_first), ns("boost-newton_raphson_iterate-31-bits")})
             line += cell(x);
         std::printf("%s\n", line.c_str());
     }
@@ -212,7 +232,8 @@ int main(int argc, char **argv)
             rows.push_back({ of.name, "formula", static_cast<double>(w.points), [&w] { formula(w); } });
 #ifdef HAVE_BOOST
         if (of.sag)
-            rows.push_back({ of.name, "boost-newton_raphson_iterate-31-bits", N, [&w, &arrays] { boost_by_one(w, arrays); } });
+            rows.push_back({of.name, "boost-newton_raphson_iterate-31-bits", N,
+                            [&w, &arrays] { boost_by_one(w, arrays); }});
 #endif
     }
     if (!all_right)

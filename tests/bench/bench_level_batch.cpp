@@ -1,16 +1,18 @@
-// First hits on a quaternion Julia set, proven, with t and the gradient: one ray at a time, many at once, and POV-Ray.
+// First hits on a quaternion Julia set, proven, with t and the gradient: one ray at a time, many at once,
+// and POV-Ray.
 //
 //     build/tests/bench/bench_level_batch [--runs 5] [--width 640]
 //
-// The set is c = (-0.083, 0, -0.83, -0.025), N = 7; the rays are those of a 640 x 480 picture (level_sets.h).  Before
-// anything is timed every number of the batch is compared with the single ray's, bit for bit.  The runs of all are shuffled
-// among each other, on one processor; ns is the median of the runs, `ratio` how many times faster the batch is.
-// Then the batch with a tolerance, on this set and two more; there `ratio` is to the batch of the same set without one.
-// The rival in speed is a distance march in single precision (float_march.c), t alone, its `ratio` to the batch without a
-// tolerance: `wrong` are the hits that it misses and those it shows where there is none, by the hits there are; err_99 is
-// |t - t_ref| that 99 % of its other hits do not exceed.
-// levels is how many levels of the orbit a ray takes in the batch, the gradient's among them; busy the share of the lanes'
-// levels that were spent on cells not decided yet (level_counts.c).
+// The set is c = (-0.083, 0, -0.83, -0.025), N = 7; the rays are those of a 640 x 480 picture
+// (level_sets.h).  Before anything is timed every number of the batch is compared with the single ray's,
+// bit for bit.  The runs of all are shuffled among each other, on one processor; ns is the median of the
+// runs, `ratio` how many times faster the batch is.  Then the batch with a tolerance, on this set and two
+// more; there `ratio` is to the batch of the same set without one.  The rival in speed is a distance march
+// in single precision (float_march.c), t alone, its `ratio` to the batch without a tolerance: `wrong` are
+// the hits that it misses and those it shows where there is none, by the hits there are; err_99 is |t -
+// t_ref| that 99 % of its other hits do not exceed.  levels is how many levels of the orbit a ray takes in
+// the batch, the gradient's among them; busy the share of the lanes' levels that were spent on cells not
+// decided yet (level_counts.c).
 #include <random>
 #include "float_march.h"
 #include "level_counts.h"
@@ -24,15 +26,18 @@ struct Arrays {
     double *at(size_t i) { return numbers.data() + i * n; }
 };
 
-bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0 || (std::isnan(a) && std::isnan(b)); }
+bool same(double a, double b)
+{
+    return std::memcmp(&a, &b, sizeof a) == 0 || (std::isnan(a) && std::isnan(b));
+}
 
 struct Row { const char *name; int povray; std::vector<double> ns; };  // povray: its precision, or 0
 
 const Case LOOSE[] = { CASES[0], CASES[1], { "i-N16", { 0, 1, 0, 0 }, 16, 0 } };
 const double TOLERANCES[] = { 0, 1e-1, 1e-2, 1e-3, 1e-6 };
 
-void print_row(const char *set, const char *name, double ns, double batch, double evals, const level_counts &counts,
-               size_t n)
+void print_row(const char *set, const char *name, double ns, double batch, double evals,
+               const level_counts &counts, size_t n)
 {
     double levels = static_cast<double>(counts.levels), lanes = static_cast<double>(counts.lanes);
     std::printf("%s,%s,%.1f,%.4g,%.2f,%.2f,%.1f,%.3f,%lld,,\n", set, name, ns, 1e9 / ns, ns / batch, evals,
@@ -50,7 +55,8 @@ void float_rows(const std::vector<sgt_ray> &rays, const sgt_rays &many, const sg
             in[k * n + i] = static_cast<float>(many.o[k][i]);
             in[(3 + k) * n + i] = static_cast<float>(many.d[k][i]);
         }
-    const float *const o[3] = { &in[0], &in[n], &in[2 * n] }, *const d[3] = { &in[3 * n], &in[4 * n], &in[5 * n] };
+    const float *const o[3] = {&in[0], &in[n], &in[2 * n]}, *const d[3] = {&in[3 * n], &in[4 * n],
+                                                                           &in[5 * n]};
     for (const Case &one : LOOSE) {
         const sgt_julia set = julia(one);
         std::vector<std::vector<double>> ns(count);
@@ -79,8 +85,9 @@ void float_rows(const std::vector<sgt_ray> &rays, const sgt_rays &many, const sg
             }
             std::sort(error.begin(), error.end());
             double of = median(ns[k]), least = error.empty() ? march::NONE : error[error.size() * 99 / 100];
-            std::printf("%s,float march eps=%g,%.1f,%.4g,%.2f,,,,,%.4f,%.2g\n", one.name, static_cast<double>(EPS[k]), of, 1e9 / of,
-                        of / median(batch), static_cast<double>(wrong) / static_cast<double>(met), least);
+            std::printf("%s,float march eps=%g,%.1f,%.4g,%.2f,,,,,%.4f,%.2g\n", one.name,
+                        static_cast<double>(EPS[k]), of, 1e9 / of, of / median(batch),
+                        static_cast<double>(wrong) / static_cast<double>(met), least);
         }
     }
 }
@@ -146,19 +153,27 @@ int main(int argc, char **argv)
     std::vector<signed char> status(n);
     std::vector<int> evals(n);
     for (size_t i = 0; i < n; i++) {
-        const double numbers[6] = { rays[i].o.x, rays[i].o.y, rays[i].o.z, rays[i].d.x, rays[i].d.y, rays[i].d.z };
+        const double numbers[6] = {rays[i].o.x, rays[i].o.y, rays[i].o.z,
+                                   rays[i].d.x, rays[i].d.y, rays[i].d.z};
         for (size_t k = 0; k < 6; k++)
             in.at(k)[i] = numbers[k];
     }
-    const sgt_rays many = { { in.at(0), in.at(1), in.at(2) }, { in.at(3), in.at(4), in.at(5) }, nullptr, nullptr };
-    const sgt_hits hits = { status.data(), evals.data(), out.at(0), out.at(1), out.at(2), { out.at(3), out.at(4), out.at(5) },
-                            { out.at(6), out.at(7), out.at(8) }, out.at(9) };
+    const sgt_rays many = {{in.at(0), in.at(1), in.at(2)}, {in.at(3), in.at(4), in.at(5)}, nullptr, nullptr};
+    const sgt_hits hits = {status.data(),
+                           evals.data(),
+                           out.at(0),
+                           out.at(1),
+                           out.at(2),
+                           {out.at(3), out.at(4), out.at(5)},
+                           {out.at(6), out.at(7), out.at(8)},
+                           out.at(9)};
     sgt_intersect_batch(surface, n, many, hits, nullptr);
     size_t others = 0;
     double evaluations = 0;
     for (size_t i = 0; i < n; i++) {
         const sgt_hit hit = sgt_intersect(surface, rays[i], nullptr);
-        const double numbers[10] = { hit.t, hit.t_err, hit.t_lo, hit.p.x, hit.p.y, hit.p.z, hit.n.x, hit.n.y, hit.n.z, hit.p_err };
+        const double numbers[10] = {hit.t,   hit.t_err, hit.t_lo, hit.p.x, hit.p.y,
+                                    hit.p.z, hit.n.x,   hit.n.y,  hit.n.z, hit.p_err};
         bool alike = hit.status == status[i] && hit.evals == evals[i];
         for (size_t k = 0; k < 10; k++)
             alike = alike && same(numbers[k], out.at(k)[i]);

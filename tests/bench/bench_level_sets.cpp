@@ -2,10 +2,11 @@
 //
 //     build/tests/bench/bench_level_sets [--runs 5] [--width 640] [--rule WORD] > level_sets.csv
 //
-// Every rule answers for the same rays, those of a 640 x 480 picture (povray/camera.inc), with t and the gradient;
-// the rules written by hand for every 7th of the rays, the slow ones for every 67th.  The certified march of
-// sgt_intersect is the reference: t to rounding, no root before it.  It is not taken at its word: on one ray in 2003
-// quadruple precision looks for a change of sign at its t, and for none before it in steps of 1/1000.  A hit is
+// Every rule answers for the same rays, those of a 640 x 480 picture (povray/camera.inc), with t and the
+// gradient; the rules written by hand for every 7th of the rays, the slow ones for every 67th.  The
+// certified march of sgt_intersect is the reference: t to rounding, no root before it.  It is not taken at
+// its word: on one ray in 2003 quadruple precision looks for a change of sign at its t, and for none before
+// it in steps of 1/1000.  A hit is
 //     missed  where the reference hits and the rule does not,
 //     false   where the rule hits and the reference does not,
 //     late    where its t is more than 1e-6 (and its own tolerance) behind the first root and not before the
@@ -42,7 +43,10 @@ Answer fast_way(const sgt_julia &s, const sgt_ray &ray, double dt_min)
 
 // The library's march over a surface of one's own that offers F and the ball.
 double own_value(const void *self, sgt_vec3 p, sgt_vec3 *grad) { return sgt_julia_ops.value(self, p, grad); }
-sgt_span own_span(const void *self, const sgt_ray *ray) { return march::ball(*ray, static_cast<const sgt_julia *>(self)->escape); }
+sgt_span own_span(const void *self, const sgt_ray *ray)
+{
+    return march::ball(*ray, static_cast<const sgt_julia *>(self)->escape);
+}
 
 Answer own_surface(const sgt_julia &s, const sgt_ray &ray, double dt_min)
 {
@@ -103,13 +107,17 @@ __extension__ typedef __float128 quad;
 typedef long double quad;
 #endif
 
-struct Reference { sgt_hit first; double second; };  // second: t of the next root, or where the undecided begins
+struct Reference {
+    sgt_hit first;
+    double second;
+}; // second: t of the next root, or where the undecided begins
 
 // Is |Q_N|^2 < escape^2 on the ray at t?
 bool within(const sgt_julia &s, const sgt_ray &ray, double t)
 {
     quad x = ray.o.x + static_cast<quad>(t) * ray.d.x, y = ray.o.y + static_cast<quad>(t) * ray.d.y;
-    quad z = ray.o.z + static_cast<quad>(t) * ray.d.z, w = 0, escape2 = static_cast<quad>(s.escape) * s.escape;
+    quad z = ray.o.z + static_cast<quad>(t) * ray.d.z, w = 0,
+         escape2 = static_cast<quad>(s.escape) * s.escape;
     for (int i = 0; i < s.iterations; i++) {
         quad x2 = x * x - y * y - z * z - w * w + s.c[0];
         y = 2 * x * y + s.c[1];
@@ -122,7 +130,8 @@ bool within(const sgt_julia &s, const sgt_ray &ray, double t)
     return x * x + y * y + z * z + w * w < escape2;
 }
 
-bool check_reference(const Case &one, const sgt_julia &s, const std::vector<sgt_ray> &rays, const std::vector<Reference> &reference)
+bool check_reference(const Case &one, const sgt_julia &s, const std::vector<sgt_ray> &rays,
+                     const std::vector<Reference> &reference)
 {
     size_t asked = 0, wrong = 0, undecided = 0;
     double worst = 0;
@@ -145,7 +154,8 @@ bool check_reference(const Case &one, const sgt_julia &s, const std::vector<sgt_
             right = right && !within(s, rays[i], t);
         wrong += !right;
     }
-    std::fprintf(stderr, "%s: t_err at most %.2g, %zu undecided; %zu rays asked in quadruple precision, %zu wrong\n",
+    std::fprintf(stderr,
+                 "%s: t_err at most %.2g, %zu undecided; %zu rays asked in quadruple precision, %zu wrong\n",
                  one.name, worst, undecided, asked, wrong);
     return wrong == 0;
 }
@@ -203,7 +213,8 @@ int main(int argc, char **argv)
             argc = 0;
     }
     if (argc % 2 == 0) {
-        std::fprintf(stderr, "usage: bench_level_sets [--runs N] [--width N] [--rule WORD] > level_sets.csv\n");
+        std::fprintf(stderr,
+                     "usage: bench_level_sets [--runs N] [--width N] [--rule WORD] > level_sets.csv\n");
         return 2;
     }
 
@@ -297,9 +308,10 @@ int main(int argc, char **argv)
             double ns = median(row.ns);
             if (!RULES[r].solve)
                 ns -= 1e9 * median(empty) / static_cast<double>(row.rays);
-            std::printf("%s,%s,%.1f,%.4g,%.1f,%zu,%zu,%zu,%zu,%zu,%.2g,%.2g,%.2g\n", CASES[k].name, RULES[r].name, ns, 1e9 / ns,
-                        row.evals, row.rays, row.hits, row.missed, row.late, row.not_there, quantile(row.error, 0.5),
-                        quantile(row.error, 0.99), quantile(row.error, 1));
+            std::printf("%s,%s,%.1f,%.4g,%.1f,%zu,%zu,%zu,%zu,%zu,%.2g,%.2g,%.2g\n", CASES[k].name,
+                        RULES[r].name, ns, 1e9 / ns, row.evals, row.rays, row.hits, row.missed, row.late,
+                        row.not_there, quantile(row.error, 0.5), quantile(row.error, 0.99),
+                        quantile(row.error, 1));
         }
     return 0;
 }

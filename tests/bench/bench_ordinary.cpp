@@ -532,7 +532,8 @@ std::vector<sgt_element> thousandth(std::vector<sgt_element> lens)
 void pairs_of(Table &table, const Subject &one)
 {
     auto pair = [&](double z, double index, double second) {
-        return std::vector<sgt_element>{ element(one.s, 0, index, RIM), element(one.s, z, index < 0 ? index : 1, second) };
+        return std::vector<sgt_element>{element(one.s, 0, index, RIM),
+                                        element(one.s, z, index < 0 ? index : 1, second)};
     };
     std::vector<sgt_ray> narrow = each(bundle(N), [](sgt_ray ray) {
         ray.o.x *= 0.6, ray.o.y *= 0.6;
@@ -554,7 +555,8 @@ void pairs_of(Table &table, const Subject &one)
         }));
     sgt_options loose = picking(SGT_PICK_DEFAULT);
     loose.t_tol = 1e-9;
-    ways(table, one.name + " twice: in one place, t_tol 1e-9, against 3 apart", neighbour, side(pair(0, 1.5, RIM), narrow), loose);
+    ways(table, one.name + " twice: in one place, t_tol 1e-9, against 3 apart", neighbour,
+         side(pair(0, 1.5, RIM), narrow), loose);
     std::vector<sgt_element> backward = pair(3, 1.5, RIM);
     std::swap(backward[0].pose, backward[1].pose);
     row("from behind, backward, against from 5 before", backward, each(narrow, [](sgt_ray ray) {
@@ -965,9 +967,9 @@ double percent(size_t some, const Counts &of)
     return 100 * static_cast<double>(some) / static_cast<double>(of.answers);
 }
 
-// Without a rim the first root, or the one near the seed, may lie outside it.  Of two roots inside the rim the
-// search near the seed may find either: which one its guess leads to depends on where the search ends.  All
-// else has to be told alike.
+// Without a rim the first root, or the one near the seed, may lie outside it.  Of two roots inside the rim
+// the search near the seed may find either: which one its guess leads to depends on where the search ends.
+// All else has to be told alike.
 Counts compare(const Side &with, const Side &without, double rim, sgt_pick pick)
 {
     Counts counts = {};

@@ -22,7 +22,8 @@
 
 CLONES ONE_LOOP void peer_copy(size_t n, sgt_rays rays, sgt_hits out)
 {
-    const double *a = rays.o[0], *b = rays.o[1], *c = rays.o[2], *d = rays.d[0], *e = rays.d[1], *f = rays.d[2];
+    const double *a = rays.o[0], *b = rays.o[1], *c = rays.o[2], *d = rays.d[0], *e = rays.d[1],
+                 *f = rays.d[2];
     double *t = out.t, *t_err = out.t_err, *px = out.p[0], *py = out.p[1], *pz = out.p[2];
     double *nx = out.n[0], *ny = out.n[1], *nz = out.n[2];
 #pragma omp simd
@@ -36,7 +37,8 @@ CLONES ONE_LOOP void peer_copy(size_t n, sgt_rays rays, sgt_hits out)
 
 void peer_copy_arrays(size_t n, sgt_rays rays, sgt_hits out)
 {
-    const double *from[8] = {rays.o[0], rays.o[1], rays.o[2], rays.d[0], rays.d[1], rays.d[2], rays.o[0], rays.o[1]};
+    const double *from[8] = {rays.o[0], rays.o[1], rays.o[2], rays.d[0],
+                             rays.d[1], rays.d[2], rays.o[0], rays.o[1]};
     double *to[8] = {out.t, out.t_err, out.p[0], out.p[1], out.p[2], out.n[0], out.n[1], out.n[2]};
     for (int k = 0; k < 8; k++) memcpy(to[k], from[k], n * sizeof(double));
     memset(out.status, SGT_HIT, n);
@@ -44,10 +46,12 @@ void peer_copy_arrays(size_t n, sgt_rays rays, sgt_hits out)
 
 CLONES ONE_LOOP void peer_copy_traced(size_t n, sgt_rays rays, sgt_traced out)
 {
-    const double *a = rays.o[0], *b = rays.o[1], *c = rays.o[2], *d = rays.d[0], *e = rays.d[1], *f = rays.d[2];
+    const double *a = rays.o[0], *b = rays.o[1], *c = rays.o[2], *d = rays.d[0], *e = rays.d[1],
+                 *f = rays.d[2];
     double *x = out.o[0], *y = out.o[1], *z = out.o[2], *l = out.d[0], *m = out.d[1], *k = out.d[2];
 #pragma omp simd
-    for (size_t i = 0; i < n; i++) x[i] = a[i], y[i] = b[i], z[i] = c[i], l[i] = d[i], m[i] = e[i], k[i] = f[i];
+    for (size_t i = 0; i < n; i++)
+        x[i] = a[i], y[i] = b[i], z[i] = c[i], l[i] = d[i], m[i] = e[i], k[i] = f[i];
     memset(out.fate, SGT_PASSED, n);
 }
 
@@ -69,9 +73,13 @@ INLINE value formula(const sgt_asphere *s, bool asphere, double x, double y, dou
     return (value){z - sag, {-slope * x, -slope * y, 1}};
 }
 
-INLINE sgt_vec3 along(sgt_vec3 o, sgt_vec3 d, double t) { return (sgt_vec3){o.x + t * d.x, o.y + t * d.y, o.z + t * d.z}; }
+INLINE sgt_vec3 along(sgt_vec3 o, sgt_vec3 d, double t)
+{
+    return (sgt_vec3){o.x + t * d.x, o.y + t * d.y, o.z + t * d.z};
+}
 
-/* t of the conic from a point on the vertex plane, by the form of the quadratic formula that does not cancel. */
+/* t of the conic from a point on the vertex plane, by the form of the quadratic formula that does not
+ * cancel. */
 INLINE double conic_root(const sgt_asphere *s, sgt_vec3 p, sgt_vec3 d)
 {
     double a = s->c * (d.x * d.x + d.y * d.y + (1 + s->k) * d.z * d.z);
@@ -112,8 +120,10 @@ INLINE double asphere_root_at_leisure(const sgt_asphere *s, sgt_vec3 p, sgt_vec3
 INLINE void meet(const sgt_asphere *s, bool asphere, size_t n, const sgt_rays *rays, const sgt_hits *out)
 {
     const sgt_asphere own = *s;
-    const double *ox = rays->o[0], *oy = rays->o[1], *oz = rays->o[2], *dx = rays->d[0], *dy = rays->d[1], *dz = rays->d[2];
-    double *t = out->t, *px = out->p[0], *py = out->p[1], *pz = out->p[2], *nx = out->n[0], *ny = out->n[1], *nz = out->n[2];
+    const double *ox = rays->o[0], *oy = rays->o[1], *oz = rays->o[2], *dx = rays->d[0], *dy = rays->d[1],
+                 *dz = rays->d[2];
+    double *t = out->t, *px = out->p[0], *py = out->p[1], *pz = out->p[2], *nx = out->n[0], *ny = out->n[1],
+           *nz = out->n[2];
 #pragma omp simd
     for (size_t i = 0; i < n; i++) {
         sgt_vec3 d = {dx[i], dy[i], dz[i]}, o = {ox[i], oy[i], oz[i]};
@@ -129,8 +139,14 @@ INLINE void meet(const sgt_asphere *s, bool asphere, size_t n, const sgt_rays *r
     for (size_t i = 0; i < n; i++) out->status[i] = t[i] == t[i] ? SGT_HIT : SGT_MISS;
 }
 
-CLONES void peer_closed_form(const sgt_asphere *s, size_t n, sgt_rays rays, sgt_hits out) { meet(s, false, n, &rays, &out); }
-CLONES void peer_newton(const sgt_asphere *s, size_t n, sgt_rays rays, sgt_hits out) { meet(s, true, n, &rays, &out); }
+CLONES void peer_closed_form(const sgt_asphere *s, size_t n, sgt_rays rays, sgt_hits out)
+{
+    meet(s, false, n, &rays, &out);
+}
+CLONES void peer_newton(const sgt_asphere *s, size_t n, sgt_rays rays, sgt_hits out)
+{
+    meet(s, true, n, &rays, &out);
+}
 
 /* -------------------------------------------------------- a surface of one's own */
 
@@ -158,16 +174,17 @@ CLONES static void own_values(const void *self, size_t n, sgt_points points, sgt
     }
 }
 
-/* For r <= 4 the sag is within [0, 0.9] and its slope below 0.5 (of the conic and the asphere of bench_shared.h).
- * So the surface lies in that slab, and where a ray is within r = 4 all through it and climbs faster than the slope, F
- * grows along it. */
+/* For r <= 4 the sag is within [0, 0.9] and its slope below 0.5 (of the conic and the asphere of
+ * bench_shared.h).  So the surface lies in that slab, and where a ray is within r = 4 all through it and
+ * climbs faster than the slope, F grows along it. */
 typedef struct bounds { double lo, hi, seed, single; } bounds;
 
 INLINE bounds own_bounds(sgt_vec3 o, sgt_vec3 d)
 {
     double a = -o.z / d.z, b = (0.9 - o.z) / d.z;
     double ax = o.x + a * d.x, ay = o.y + a * d.y, bx = o.x + b * d.x, by = o.y + b * d.y;
-    bool within = (ax * ax + ay * ay < 16) & (bx * bx + by * by < 16) & (0.25 * (d.x * d.x + d.y * d.y) < d.z * d.z);
+    bool within = (ax * ax + ay * ay < 16) & (bx * bx + by * by < 16) &
+                  (0.25 * (d.x * d.x + d.y * d.y) < d.z * d.z);
     return (bounds){(a < b ? a : b) - 0x1p-40, (a < b ? b : a) + 0x1p-40, a, within ? 1.0 : 0.0};
 }
 
@@ -198,8 +215,10 @@ CLONES static void own_spans(const void *self, size_t n, sgt_rays rays, sgt_span
 }
 
 const sgt_surface_ops peer_own_value = {.name = "own", .value = own_value, .span = own_span};
-const sgt_surface_ops peer_own_values = {.name = "own", .value = own_value, .span = own_span, .values = own_values};
-const sgt_surface_ops peer_own_spans = {.name = "own", .value = own_value, .span = own_span, .values = own_values, .spans = own_spans};
+const sgt_surface_ops peer_own_values = {
+    .name = "own", .value = own_value, .span = own_span, .values = own_values};
+const sgt_surface_ops peer_own_spans = {
+    .name = "own", .value = own_value, .span = own_span, .values = own_values, .spans = own_spans};
 
 /* -------------------------------------------------------------------- sequences */
 
@@ -210,11 +229,14 @@ INLINE sgt_vec3 refracted(sgt_vec3 d, sgt_vec3 n, double ratio)
     n.x /= length, n.y /= length, n.z /= length;
     double c = d.x * n.x + d.y * n.y + d.z * n.z;
     double along_normal = sqrt(1 - ratio * ratio * (1 - c * c)) - ratio * c;
-    return (sgt_vec3){ratio * d.x + along_normal * n.x, ratio * d.y + along_normal * n.y, ratio * d.z + along_normal * n.z};
+    return (sgt_vec3){ratio * d.x + along_normal * n.x, ratio * d.y + along_normal * n.y,
+                      ratio * d.z + along_normal * n.z};
 }
 
-/* One element: the ray comes and goes in the frame of e's vertex, which is z_before behind that of the one before. */
-INLINE void pass(const peer_element *e, bool asphere, bool at_leisure, double z_before, double ratio, sgt_vec3 *o, sgt_vec3 *d)
+/* One element: the ray comes and goes in the frame of e's vertex, which is z_before behind that of the one
+ * before. */
+INLINE void pass(const peer_element *e, bool asphere, bool at_leisure, double z_before, double ratio,
+                 sgt_vec3 *o, sgt_vec3 *d)
 {
     o->z -= z_before;
     sgt_vec3 p = along(*o, *d, -o->z / d->z);
@@ -229,7 +251,8 @@ INLINE void pass(const peer_element *e, bool asphere, bool at_leisure, double z_
 CLONES void peer_trace(size_t elements, const peer_element e[], size_t n, sgt_rays rays, sgt_traced out)
 {
     for (size_t i = 0; i < n; i++) {
-        sgt_vec3 o = {rays.o[0][i], rays.o[1][i], rays.o[2][i]}, d = {rays.d[0][i], rays.d[1][i], rays.d[2][i]};
+        sgt_vec3 o = {rays.o[0][i], rays.o[1][i], rays.o[2][i]},
+                 d = {rays.d[0][i], rays.d[1][i], rays.d[2][i]};
         double index = 1, z = 0;
         for (size_t k = 0; k < elements; k++) {
             pass(&e[k], e[k].asphere, true, e[k].z - z, index / e[k].index, &o, &d);
@@ -258,9 +281,11 @@ CLONES void peer_trace_tiles(size_t elements, const peer_element e[], size_t n, 
 {
     for (size_t i = 0; i < n; i += PEER_TILE) {
         size_t here = n - i < PEER_TILE ? n - i : PEER_TILE;
-        double *o[3] = {out.o[0] + i, out.o[1] + i, out.o[2] + i}, *d[3] = {out.d[0] + i, out.d[1] + i, out.d[2] + i};
+        double *o[3] = {out.o[0] + i, out.o[1] + i, out.o[2] + i},
+               *d[3] = {out.d[0] + i, out.d[1] + i, out.d[2] + i};
         for (int j = 0; j < 3; j++)
-            memcpy(o[j], rays.o[j] + i, here * sizeof(double)), memcpy(d[j], rays.d[j] + i, here * sizeof(double));
+            memcpy(o[j], rays.o[j] + i, here * sizeof(double)),
+                memcpy(d[j], rays.d[j] + i, here * sizeof(double));
         double index = 1, z = 0;
         for (size_t k = 0; k < elements; k++) {
             if (e[k].asphere)

@@ -1,21 +1,22 @@
-// The price of proof: batches and single rays, of surfaces and of the lenses in examples/lenses, with proof root and
-// first beside the estimate.
+// The price of proof: batches and single rays, of surfaces and of the lenses in examples/lenses, with proof
+// root and first beside the estimate.
 //
 //     build/tests/bench/bench_proof [--runs N] [--only TEXT]
 //
-// About a thousand rays, in the cache.  A run takes half a millisecond of each of the three, in turns, by the time of the
-// processor that this thread has had; told are the medians over all runs (N: 61) of the estimate's time and of the
-// ratios within a run, which other work on the machine disturbs least.  A surface's row has status, t, t_err, p and n
-// for output, a lens's fate, point and direction.
+// About a thousand rays, in the cache.  A run takes half a millisecond of each of the three, in turns, by
+// the time of the processor that this thread has had; told are the medians over all runs (N: 61) of the
+// estimate's time and of the ratios within a run, which other work on the machine disturbs least.  A
+// surface's row has status, t, t_err, p and n for output, a lens's fate, point and direction.
 //
 // L DECIDES where F = z - s(r^2) is certainly monotone along the ray's chord within the rim,
 //     |n| > L sqrt(l^2 + m^2),  L = max |grad s| over the rim,
-// which this program works out by itself, at a thousand places between axis and rim; of a lens for each ray and element
-// met, with the rim of the surface or the clear aperture.  What is to be reached is 1.1 (root) and 1.2 (first) times
-// the estimate on those, on others 3 times or 12 ns, whichever is more; of a mixture the mean.  Single rays: 1.5 and 3.
+// which this program works out by itself, at a thousand places between axis and rim; of a lens for each ray
+// and element met, with the rim of the surface or the clear aperture.  What is to be reached is 1.1 (root)
+// and 1.2 (first) times the estimate on those, on others 3 times or 12 ns, whichever is more; of a mixture
+// the mean.  Single rays: 1.5 and 3.
 //
-// Before the clock starts each answer under proof was compared with the estimate: it has the same status and the same t
-// to within both bounds, or is UNPROVEN; the share of those is told.
+// Before the clock starts each answer under proof was compared with the estimate: it has the same status
+// and the same t to within both bounds, or is UNPROVEN; the share of those is told.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -57,7 +58,8 @@ double now()
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
 #else
-    return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
 #endif
 }
 
@@ -142,9 +144,25 @@ struct Arrays {
         }
     }
     sgt_rays rays() const { return { { in[0], in[1], in[2] }, { in[3], in[4], in[5] }, nullptr, nullptr }; }
-    sgt_ray ray(size_t i) const { return { { in[0][i], in[1][i], in[2][i] }, { in[3][i], in[4][i], in[5][i] }, 0, 0 }; }
-    sgt_hits hits() { return { status.data(), nullptr, out[0], out[1], nullptr, { out[2], out[3], out[4] }, { out[5], out[6], out[7] }, nullptr }; }
-    sgt_traced traced() { return { status.data(), nullptr, { out[0], out[1], out[2] }, { out[3], out[4], out[5] }, nullptr }; }
+    sgt_ray ray(size_t i) const
+    {
+        return {{in[0][i], in[1][i], in[2][i]}, {in[3][i], in[4][i], in[5][i]}, 0, 0};
+    }
+    sgt_hits hits()
+    {
+        return {status.data(),
+                nullptr,
+                out[0],
+                out[1],
+                nullptr,
+                {out[2], out[3], out[4]},
+                {out[5], out[6], out[7]},
+                nullptr};
+    }
+    sgt_traced traced()
+    {
+        return {status.data(), nullptr, {out[0], out[1], out[2]}, {out[3], out[4], out[5]}, nullptr};
+    }
     size_t n;
 private:
     size_t stride;
@@ -164,21 +182,25 @@ void put(const sgt_hits &h, size_t i, const sgt_hit &hit)
 
 size_t wrong_answers;
 
-// Counts the UNPROVEN; others must be as the estimate.  (What the estimate left open may be decided under no proof either.)
-size_t compare(const std::string &name, sgt_status estimate, double t, double t_err, sgt_status status, double t2, double t_err2)
+// Counts the UNPROVEN; others must be as the estimate.  (What the estimate left open may be decided under
+// no proof either.)
+size_t compare(const std::string &name, sgt_status estimate, double t, double t_err, sgt_status status,
+               double t2, double t_err2)
 {
     if (status == SGT_UNPROVEN)
         return 1;
     if (status != estimate || (status > 0 && !(std::fabs(t - t2) <= t_err + t_err2))) {
         if (wrong_answers++ < 10)
-            std::printf("%s: status %d at %.17g under proof, %d at %.17g without\n", name.c_str(), status, t2, estimate, t);
+            std::printf("%s: status %d at %.17g under proof, %d at %.17g without\n", name.c_str(), status, t2,
+                        estimate, t);
     }
     return 0;
 }
 
 // --------------------------------------------------------------- one surface
 
-void add_surface(std::vector<Row> &rows, const std::string &name, sgt_surface s, const std::vector<sgt_ray> &rays, sgt_pick pick, bool target)
+void add_surface(std::vector<Row> &rows, const std::string &name, sgt_surface s,
+                 const std::vector<sgt_ray> &rays, sgt_pick pick, bool target)
 {
     Arrays *a = new Arrays(rays), *b = new Arrays(rays);  // to the end of the program
     double L = steepest(s, 0), decided = 0;
@@ -209,8 +231,10 @@ void add_surface(std::vector<Row> &rows, const std::string &name, sgt_surface s,
         one.pass(PROOFS[k + 1]);
         sgt_hits h = a->hits(), g = b->hits();
         for (size_t i = 0; i < a->n; i++) {
-            unproven += compare(name, static_cast<sgt_status>(estimate[i]), t[i], t_err[i], static_cast<sgt_status>(h.status[i]), h.t[i], h.t_err[i]);
-            if (h.status[i] != g.status[i] || (h.status[i] > 0 && (h.t[i] != g.t[i] || h.t_err[i] != g.t_err[i])))
+            unproven += compare(name, static_cast<sgt_status>(estimate[i]), t[i], t_err[i],
+                                static_cast<sgt_status>(h.status[i]), h.t[i], h.t_err[i]);
+            if (h.status[i] != g.status[i] ||
+                (h.status[i] > 0 && (h.t[i] != g.t[i] || h.t_err[i] != g.t_err[i])))
                 wrong_answers++;
         }
         row.unproven[k] = one.unproven[k] = static_cast<double>(unproven) / static_cast<double>(a->n);
@@ -226,8 +250,9 @@ std::vector<sgt_ray> mild()
     std::vector<sgt_ray> made;
     while (made.size() < RAYS) {
         double r = 2.5 * std::sqrt(random.unit()), phi = 2 * M_PI * random.unit();
-        double l = random.within(-0.15, 0.15), m = random.within(-0.15, 0.15), n = std::sqrt(1 - l * l - m * m);
-        made.push_back({ { r * std::cos(phi) - 5 * l / n, r * std::sin(phi) - 5 * m / n, -5 }, { l, m, n }, 0, 0 });
+        double l = random.within(-0.15, 0.15), m = random.within(-0.15, 0.15),
+               n = std::sqrt(1 - l * l - m * m);
+        made.push_back({{r * std::cos(phi) - 5 * l / n, r * std::sin(phi) - 5 * m / n, -5}, {l, m, n}, 0, 0});
     }
     return made;
 }
@@ -241,7 +266,7 @@ std::vector<sgt_ray> shallow()
         double r = 2.5 * std::sqrt(random.unit()), phi = 2 * M_PI * random.unit();
         double angle = random.within(70, 80) * M_PI / 180, turn = 2 * M_PI * random.unit();
         sgt_vec3 d = { std::sin(angle) * std::cos(turn), std::sin(angle) * std::sin(turn), std::cos(angle) };
-        made.push_back({ { r * std::cos(phi) - 20 * d.x, r * std::sin(phi) - 20 * d.y, -20 * d.z }, d, 0, 0 });
+        made.push_back({{r * std::cos(phi) - 20 * d.x, r * std::sin(phi) - 20 * d.y, -20 * d.z}, d, 0, 0});
     }
     return made;
 }
@@ -284,7 +309,8 @@ std::vector<sgt_ray> picture()  // of a camera at (1.2, 0.9, -3.2): every n-th r
     for (int y = 0; y < 30; y++)
         for (int x = 0; x < 40; x++) {
             double u = (x + 0.5) / 40 - 0.5, v = (29 - y + 0.5) / 30 - 0.5;
-            sgt_vec3 w = { d.x + u * right.x + v * up.x, d.y + u * right.y + v * up.y, d.z + u * right.z + v * up.z };
+            sgt_vec3 w = {d.x + u * right.x + v * up.x, d.y + u * right.y + v * up.y,
+                          d.z + u * right.z + v * up.z};
             made.push_back({ o, w, 0, 0 });
         }
     return made;
@@ -292,7 +318,8 @@ std::vector<sgt_ray> picture()  // of a camera at (1.2, 0.9, -3.2): every n-th r
 
 // -------------------------------------------------------------------- lenses
 
-void add_lens(std::vector<Row> &rows, const std::string &name, const proof_lens &lens, const proof_field &field)
+void add_lens(std::vector<Row> &rows, const std::string &name, const proof_lens &lens,
+              const proof_field &field)
 {
     const std::vector<sgt_ray> rays(field.rays, field.rays + field.n);
     Arrays *a = new Arrays(rays), *b = new Arrays(rays);
@@ -326,16 +353,19 @@ void add_lens(std::vector<Row> &rows, const std::string &name, const proof_lens 
             if (fate != estimates[i] || other != a->status[i])
                 wrong_answers++;
             for (size_t j = 0; j < far && j <= passed2; j++)
-                unproven[k] += compare(name, of[j].hit.status, of[j].hit.t, of[j].hit.t_err, by[j].hit.status, by[j].hit.t, by[j].hit.t_err);
+                unproven[k] += compare(name, of[j].hit.status, of[j].hit.t, of[j].hit.t_err, by[j].hit.status,
+                                       by[j].hit.t, by[j].hit.t_err);
             for (size_t j = 0; k == 0 && j < far; j++) {
                 sgt_vec3 d = j ? of[j - 1].direction : b->ray(i).d;
                 const sgt_pose &back = lens.element[j ? j - 1 : 0].pose, &to = lens.element[j].pose;
                 if (j && (back.ex.x != 0 || back.ex.y != 0 || back.ex.z != 0))
-                    d = { d.x * back.ex.x + d.y * back.ey.x + d.z * back.ez.x, d.x * back.ex.y + d.y * back.ey.y + d.z * back.ez.y,
-                          d.x * back.ex.z + d.y * back.ey.z + d.z * back.ez.z };
+                    d = {d.x * back.ex.x + d.y * back.ey.x + d.z * back.ez.x,
+                         d.x * back.ex.y + d.y * back.ey.y + d.z * back.ez.y,
+                         d.x * back.ex.z + d.y * back.ey.z + d.z * back.ez.z};
                 if (to.ex.x != 0 || to.ex.y != 0 || to.ex.z != 0)
-                    d = { d.x * to.ex.x + d.y * to.ex.y + d.z * to.ex.z, d.x * to.ey.x + d.y * to.ey.y + d.z * to.ey.z,
-                          d.x * to.ez.x + d.y * to.ez.y + d.z * to.ez.z };
+                    d = {d.x * to.ex.x + d.y * to.ex.y + d.z * to.ex.z,
+                         d.x * to.ey.x + d.y * to.ey.y + d.z * to.ey.z,
+                         d.x * to.ez.x + d.y * to.ez.y + d.z * to.ez.z};
                 met++;
                 decided += decides(L[j], d.x, d.y, d.z);
             }
@@ -421,18 +451,26 @@ int main(int argc, char **argv)
     std::vector<Row> rows;
     auto wanted = [&](const std::string &name) { return name.find(only) != std::string::npos; };
     const std::vector<sgt_ray> few = mild(), slant = shallow();
-    struct { const char *name; double rim; const std::vector<sgt_ray> *rays; } const WAYS[] = {
-        { "rim", 4, &few }, { "wide rim", 9.99, &few }, { "no rim", 0, &few }, { "rim, shallow", 4, &slant }, { "no rim, shallow", 0, &slant },
+    struct { const char *name; double rim; const std::vector<sgt_ray> *rays;
+    } const WAYS[] = {
+        {"rim", 4, &few},
+        {"wide rim", 9.99, &few},
+        {"no rim", 0, &few},
+        {"rim, shallow", 4, &slant},
+        {"no rim, shallow", 0, &slant},
     };
     for (const auto &way : WAYS)
         for (const Sag &sag : SAGS)
             for (sgt_pick pick : { SGT_NEAR_SEED, SGT_FIRST }) {
-                std::string name = std::string(sag.name) + ", " + way.name + ", " + (pick == SGT_FIRST ? "first" : "near");
+                std::string name = std::string(sag.name) + ", " + way.name + ", " +
+                                   (pick == SGT_FIRST ? "first" : "near");
                 if (wanted(name))
                     add_surface(rows, name, surface_of(sag, way.rim), *way.rays, pick, true);
             }
-    const struct { const char *name, *file; } LENSES_OF[] = {
-        { "singlet", "aspheric_singlet" }, { "Cassegrain", "cassegrain" }, { "triplet", "cooke_triplet" }, { "f-theta", "ftheta" }, { "Newtonian", "newtonian" },
+    const struct { const char *name, *file;
+    } LENSES_OF[] = {
+        {"singlet", "aspheric_singlet"}, {"Cassegrain", "cassegrain"}, {"triplet", "cooke_triplet"},
+        {"f-theta", "ftheta"},           {"Newtonian", "newtonian"},
     };
     for (const auto &file : LENSES_OF) {
         proof_lens lens = proof_lens_read((std::string(LENSES "/") + file.file + ".yaml").c_str(), RAYS);
@@ -450,11 +488,13 @@ int main(int argc, char **argv)
         std::printf("%zu answers are wrong\n", wrong_answers);
         return 1;
     }
-    std::printf("%-36s %-6s %8s %8s %8s %8s %6s %6s %6s\n", "", "", "L: %", "open: %", "open: %", "ns", "root", "first", "");
+    std::printf("%-36s %-6s %8s %8s %8s %8s %6s %6s %6s\n", "", "", "L: %", "open: %", "open: %", "ns",
+                "root", "first", "");
     for (Row &row : rows) {
         measure(row, runs);
-        std::printf("%-36s %-6s %8.1f %8.2f %8.2f %8.2f %6.2f %6.2f\n", row.name.c_str(), row.single ? "single" : "batch", 100 * row.decided,
-                    100 * row.unproven[0], 100 * row.unproven[1], row.ns, row.ratio[0], row.ratio[1]);
+        std::printf("%-36s %-6s %8.1f %8.2f %8.2f %8.2f %6.2f %6.2f\n", row.name.c_str(),
+                    row.single ? "single" : "batch", 100 * row.decided, 100 * row.unproven[0],
+                    100 * row.unproven[1], row.ns, row.ratio[0], row.ratio[1]);
         std::fflush(stdout);
     }
     std::printf("\n%-36s %-6s %8s %8s %8s %8s\n", "", "", "root", "to reach", "first", "to reach");
@@ -467,8 +507,9 @@ int main(int argc, char **argv)
         for (int k = 0; k < 2; k++)
             if (row.ratio[k] > limit(row, k))
                 over[k]++, more = true;
-        std::printf("%-36s %-6s %8.2f %8.2f %8.2f %8.2f%s\n", row.name.c_str(), row.single ? "single" : "batch", row.ratio[0], limit(row, 0),
-                    row.ratio[1], limit(row, 1), more ? "  more" : "");
+        std::printf("%-36s %-6s %8.2f %8.2f %8.2f %8.2f%s\n", row.name.c_str(),
+                    row.single ? "single" : "batch", row.ratio[0], limit(row, 0), row.ratio[1], limit(row, 1),
+                    more ? "  more" : "");
     }
     std::printf("of %zu rows root is over in %zu, first in %zu\n", with_target, over[0], over[1]);
     return 0;

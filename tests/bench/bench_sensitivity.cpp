@@ -2,14 +2,14 @@
 //
 //     build/tests/bench/bench_sensitivity [--benchmark_... of Google Benchmark]
 //
-// 1e3: rays and answers are in the processor's cache.  1e6: both come from memory, and all answers go there.  1e6-tiles: the
-// rays come from memory, a thousand at a time, and the answers are used up before the next thousand (they stay in the
-// cache): so sensitivity.h advises.
+// 1e3: rays and answers are in the processor's cache.  1e6: both come from memory, and all answers go
+// there.  1e6-tiles: the rays come from memory, a thousand at a time, and the answers are used up before
+// the next thousand (they stay in the cache): so sensitivity.h advises.
 //
-// Before the clock starts the batch has answered, and every 17th ray's answer was compared with the single ray's, to the last bit.
-// The repetitions of all are shuffled among each other; the csv has the medians, case,variant,ns,per_second, per ray.
-// Behind it stands what is to be reached: batch-and-sensitivities, dt by the ray and by every parameter, within
-// 2 times batch (status, t, t_err, p, n).
+// Before the clock starts the batch has answered, and every 17th ray's answer was compared with the single
+// ray's, to the last bit.  The repetitions of all are shuffled among each other; the csv has the medians,
+// case,variant,ns,per_second, per ray.  Behind it stands what is to be reached: batch-and-sensitivities, dt
+// by the ray and by every parameter, within 2 times batch (status, t, t_err, p, n).
 #include <cstring>
 #include <deque>
 #include <sagitta/sensitivity.h>
@@ -61,9 +61,11 @@ std::vector<Subject> subjects()
         z = 1e-2 * (2 * random.unit() - 1);
     sphere.c = conic.c = 0.1;
     conic.k = -0.6;
-    base(three), base(eight), base(odd_asphere), base(polynomial_xy), base(chebyshev), base(zernike), base(q_con), base(grid), base(sum), base(toroidal);
+    base(three), base(eight), base(odd_asphere), base(polynomial_xy), base(chebyshev), base(zernike),
+        base(q_con), base(grid), base(sum), base(toroidal);
     const double a[8] = { 1e-5, 1e-4, -2e-6, 1e-8, 3e-10, -1e-11, 2e-13, -1e-15 };
-    std::copy(a + 1, a + 4, three.a + 1), std::copy(a, a + 8, eight.a), std::copy(a, a + 4, term.a), std::copy(a, a + 4, toroidal.a);
+    std::copy(a + 1, a + 4, three.a + 1), std::copy(a, a + 8, eight.a), std::copy(a, a + 4, term.a),
+        std::copy(a, a + 4, toroidal.a);
     for (int i = 0; i < 8; i++)
         odd_asphere.a[i] = coefficients[i] / std::pow(4.0, i);
     static double powers[25];
@@ -131,7 +133,8 @@ enum What { BATCH, RAY, SENSITIVITIES, TURNS };  // the derivatives of t by the 
 
 struct Work {
     Work(const Subject &of, const Size &size)
-        : subject(of), n(size.n), answers(size.answers), count(sgt_parameters(of.surface)), in(6, n), out(17 + 4 * count, answers), status(answers)
+        : subject(of), n(size.n), answers(size.answers), count(sgt_parameters(of.surface)), in(6, n),
+          out(17 + 4 * count, answers), status(answers)
     {
         for (double *&array : ray)
             array = in.next();
@@ -201,8 +204,14 @@ struct Work {
     Subject subject;
     size_t n, answers, count;
 private:
-    static bool equal(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0 || (std::isnan(a) && std::isnan(b)); }
-    sgt_rays from_ray(size_t i) const { return { { ray[0] + i, ray[1] + i, ray[2] + i }, { ray[3] + i, ray[4] + i, ray[5] + i }, nullptr, nullptr }; }
+  static bool equal(double a, double b)
+  {
+      return std::memcmp(&a, &b, sizeof a) == 0 || (std::isnan(a) && std::isnan(b));
+  }
+  sgt_rays from_ray(size_t i) const
+  {
+      return {{ray[0] + i, ray[1] + i, ray[2] + i}, {ray[3] + i, ray[4] + i, ray[5] + i}, nullptr, nullptr};
+  }
     Block in, out;
     std::vector<signed char> status;
     std::vector<double *> by_parameter, turned[3];
@@ -244,7 +253,8 @@ int main(int argc, char **argv)
                 return 1;
             cases.push_back(std::string(subject.name) + "-" + size.name);
             for (const Variant &v : VARIANTS)
-                rows.push_back({ cases.back(), v.name, static_cast<double>(work.n), [&work, &v] { pass(work, v); } });
+                rows.push_back(
+                    {cases.back(), v.name, static_cast<double>(work.n), [&work, &v] { pass(work, v); }});
         }
     Table table(rows);
     if (!run(rows, { "--benchmark_repetitions=9", "--benchmark_min_time=0.02" }, argc, argv, table))

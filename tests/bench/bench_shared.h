@@ -1,5 +1,5 @@
-// bench_shared.h - what the benchmarks of sags have in common: the surfaces, the peers that take one ray at a time, the
-// clock and its table.
+// bench_shared.h - what the benchmarks of sags have in common: the surfaces, the peers that take one ray at
+// a time, the clock and its table.
 #ifndef BENCH_SHARED_H
 #define BENCH_SHARED_H
 #include <algorithm>
@@ -223,7 +223,8 @@ public:
         for (const Run &one : runs)
             if (one.run_type == Run::RT_Iteration) {
                 const std::string &name = one.run_name.function_name;
-                times[name].push_back(one.cpu_accumulated_time / static_cast<double>(one.iterations) / items[name] * 1e9);
+                times[name].push_back(one.cpu_accumulated_time / static_cast<double>(one.iterations) /
+                                      items[name] * 1e9);
             } else if (one.aggregate_name == "median" || one.aggregate_name == "cv") {
                 shown.push_back(one);
             }
@@ -245,9 +246,11 @@ private:
     std::map<std::string, std::vector<double>> times;
 };
 
-// Runs the rows, the repetitions of all shuffled among each other, and prints the medians as csv.  words: options of
-// Google Benchmark, which those of the command line overrule.  false: one of these was not understood.
-inline bool run(const std::vector<Row> &rows, std::vector<std::string> words, int argc, char **argv, Table &table)
+// Runs the rows, the repetitions of all shuffled among each other, and prints the medians as csv.  words:
+// options of Google Benchmark, which those of the command line overrule.  false: one of these was not
+// understood.
+inline bool run(const std::vector<Row> &rows, std::vector<std::string> words, int argc, char **argv,
+                Table &table)
 {
     words.insert(words.begin(), argv[0]);
     words.push_back("--benchmark_enable_random_interleaving=true");
@@ -270,7 +273,8 @@ inline bool run(const std::vector<Row> &rows, std::vector<std::string> words, in
         benchmark::RegisterBenchmark(row.name().c_str(), [&row](benchmark::State &state) {
             for (auto _ : state)
                 row.pass();
-            state.SetItemsProcessed(static_cast<int64_t>(static_cast<double>(state.iterations()) * row.items));
+            state.SetItemsProcessed(
+                static_cast<int64_t>(static_cast<double>(state.iterations()) * row.items));
         })->Unit(benchmark::kMicrosecond);
     benchmark::RunSpecifiedBenchmarks(&table);
     std::printf("\ncase,variant,ns,per_second\n");

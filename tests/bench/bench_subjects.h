@@ -38,7 +38,7 @@ inline const std::vector<sgt_ray> &rays()
         for (sgt_ray &ray : made) {
             double r = 2.5 * std::sqrt(random.unit()), phi = 2 * M_PI * random.unit();
             double l = 0.15 * (2 * random.unit() - 1), m = 0.15 * (2 * random.unit() - 1);
-            ray = { { r * std::cos(phi), r * std::sin(phi), -5 }, { l, m, std::sqrt(1 - l * l - m * m) }, 0, 0 };
+            ray = {{r * std::cos(phi), r * std::sin(phi), -5}, {l, m, std::sqrt(1 - l * l - m * m)}, 0, 0};
         }
         return made;
     }();
@@ -65,7 +65,10 @@ public:
         all.push_back(p);
         return p.get();
     }
-    sgt_numbers list(size_t n, double first) { return table(1, n, [=](size_t, size_t j) { return coefficient(j, first); }); }
+    sgt_numbers list(size_t n, double first)
+    {
+        return table(1, n, [=](size_t, size_t j) { return coefficient(j, first); });
+    }
     template <class Of> sgt_numbers table(size_t rows, size_t columns, Of of)
     {
         std::vector<double> x(rows * columns);
@@ -80,16 +83,22 @@ private:
 
 inline sgt_numbers powers(Kept &kept, size_t n)  // of degree 2 and more; each at most 0.01 at the rim
 {
-    return kept.table(n, n, [](size_t i, size_t j) { return i + j < 2 ? 0 : coefficient(i + j, 0.01) / std::pow(RIM, static_cast<double>(i + j)); });
+    return kept.table(n, n, [](size_t i, size_t j) {
+        return i + j < 2 ? 0 : coefficient(i + j, 0.01) / std::pow(RIM, static_cast<double>(i + j));
+    });
 }
 
-inline sgt_numbers waves(Kept &kept, size_t n) { return kept.table(n, n, [](size_t i, size_t j) { return coefficient(i + j, 0.005); }); }
+inline sgt_numbers waves(Kept &kept, size_t n)
+{
+    return kept.table(n, n, [](size_t i, size_t j) { return coefficient(i + j, 0.005); });
+}
 
 inline const sgt_grid *grid(Kept &kept, size_t n, double rim)
 {
     double step = 2.1 * RIM / static_cast<double>(n - 1);
     sgt_numbers z = kept.table(n, n, [=](size_t i, size_t j) {
-        double x = (static_cast<double>(j) - 0.5 * static_cast<double>(n - 1)) * step / RIM, y = (static_cast<double>(i) - 0.5 * static_cast<double>(n - 1)) * step / RIM;
+        double x = (static_cast<double>(j) - 0.5 * static_cast<double>(n - 1)) * step / RIM,
+               y = (static_cast<double>(i) - 0.5 * static_cast<double>(n - 1)) * step / RIM;
         return 0.01 * std::cos(2 * x + y) + 0.003 * std::sin(3 * y - x);
     });
     sgt_grid g = { C, K, rim, step, step, z, 0, 0, 0 };
@@ -106,8 +115,10 @@ struct Subject {
 
 inline std::vector<Subject> subjects(Kept &kept, double rim = RIM)
 {
-    sgt_zernike fringe16 = { C, K, rim, RIM, SGT_FRINGE, 0, kept.list(16, 0.01) }, fringe37 = fringe16, noll = fringe16;
-    fringe37.a = kept.list(37, 0.01), noll.order = SGT_NOLL, noll.normalised = 1, noll.a = kept.list(231, 0.005);
+    sgt_zernike fringe16 = {C, K, rim, RIM, SGT_FRINGE, 0, kept.list(16, 0.01)}, fringe37 = fringe16,
+                noll = fringe16;
+    fringe37.a = kept.list(37, 0.01), noll.order = SGT_NOLL, noll.normalised = 1,
+    noll.a = kept.list(231, 0.005);
     sgt_asphere even = { C, K, rim, { 0, 1e-4, -2e-6, 1e-8 } };
     sgt_odd_asphere odd = { C, K, rim, { 0, 0, 5e-4, 1e-4, -2e-5, -2e-6, 1e-7, 1e-8 } };
     sgt_toroidal toroid = { C, K, 0.07, rim, { 0, 1e-4, -2e-6, 1e-8 } };
@@ -116,27 +127,45 @@ inline std::vector<Subject> subjects(Kept &kept, double rim = RIM)
     const std::vector<sgt_surface> *both = kept.keep(terms);
     sgt_quadric saddle = { { 0.05, 0.04, 0.01 }, { 0.01, 0.005, -0.005 }, { 0.02, 0.01, -1 }, -0.2 };
     return {
-        { "conic", "conic", { &sgt_conic_ops, kept.keep(sgt_conic{ C, K, rim }) }, true },
-        { "even_asphere", "even_asphere", { &sgt_asphere_ops, kept.keep(even) }, true },
-        { "odd_asphere, to r^8", "odd_asphere", { &sgt_odd_asphere_ops, kept.keep(odd) }, true },
-        { "polynomial_xy, 3 x 3", "polynomial_xy", { &sgt_polynomial_xy_ops, kept.keep(sgt_polynomial_xy{ C, K, rim, powers(kept, 3) }) }, true },
-        { "polynomial_xy, 10 x 10", "polynomial_xy", { &sgt_polynomial_xy_ops, kept.keep(sgt_polynomial_xy{ C, K, rim, powers(kept, 10) }) }, true },
-        { "toroidal, to y^8", "toroidal", { &sgt_toroidal_ops, kept.keep(toroid) }, true },
-        { "biconic", "biconic", { &sgt_biconic_ops, kept.keep(sgt_biconic{ C, K, 0.07, 0.3, rim }) }, true },
-        { "cylinder", "cylinder", { &sgt_biconic_ops, kept.keep(sgt_biconic{ 0, 0, C, K, rim }) }, true },
-        { "zernike, fringe, 16", "zernike", { &sgt_zernike_ops, wave }, true },
-        { "zernike, fringe, 37", "zernike", { &sgt_zernike_ops, kept.keep(fringe37) }, true },
-        { "zernike, noll, 231", "zernike", { &sgt_zernike_ops, kept.keep(noll) }, true },
-        { "chebyshev, 5 x 5", "chebyshev", { &sgt_chebyshev_ops, kept.keep(sgt_chebyshev{ C, K, rim, RIM, RIM, waves(kept, 5) }) }, true },
-        { "chebyshev, 20 x 20", "chebyshev", { &sgt_chebyshev_ops, kept.keep(sgt_chebyshev{ C, K, rim, RIM, RIM, waves(kept, 20) }) }, true },
-        { "q_con, 8", "q_con", { &sgt_q_con_ops, kept.keep(sgt_q_con{ C, K, rim, RIM, kept.list(8, 0.01) }) }, true },
-        { "q_bfs, 8", "q_bfs", { &sgt_q_bfs_ops, kept.keep(sgt_q_bfs{ C, rim, RIM, kept.list(8, 0.01) }) }, true },
-        { "grid, 64 x 64", "grid", { &sgt_grid_ops, grid(kept, 64, rim) }, true },
-        { "grid, 512 x 512", "grid", { &sgt_grid_ops, grid(kept, 512, rim) }, true },
-        { "sum, zernike 16 + even_asphere", "sum", { &sgt_sum_ops, kept.keep(sgt_sum{ C, K, rim, both->data(), both->size() }) }, true },
-        { "quadric", "quadric", { &sgt_quadric_ops, kept.keep(saddle) }, false },
-        { "torus", "torus", { &sgt_torus_ops, kept.keep(sgt_torus{ 2, 1.5 }) }, false },
-        { "ellipsoid", "ellipsoid", { &sgt_ellipsoid_ops, kept.keep(sgt_ellipsoid{ 5, 0.2 }) }, false },
+        {"conic", "conic", {&sgt_conic_ops, kept.keep(sgt_conic{C, K, rim})}, true},
+        {"even_asphere", "even_asphere", {&sgt_asphere_ops, kept.keep(even)}, true},
+        {"odd_asphere, to r^8", "odd_asphere", {&sgt_odd_asphere_ops, kept.keep(odd)}, true},
+        {"polynomial_xy, 3 x 3",
+         "polynomial_xy",
+         {&sgt_polynomial_xy_ops, kept.keep(sgt_polynomial_xy{C, K, rim, powers(kept, 3)})},
+         true},
+        {"polynomial_xy, 10 x 10",
+         "polynomial_xy",
+         {&sgt_polynomial_xy_ops, kept.keep(sgt_polynomial_xy{C, K, rim, powers(kept, 10)})},
+         true},
+        {"toroidal, to y^8", "toroidal", {&sgt_toroidal_ops, kept.keep(toroid)}, true},
+        {"biconic", "biconic", {&sgt_biconic_ops, kept.keep(sgt_biconic{C, K, 0.07, 0.3, rim})}, true},
+        {"cylinder", "cylinder", {&sgt_biconic_ops, kept.keep(sgt_biconic{0, 0, C, K, rim})}, true},
+        {"zernike, fringe, 16", "zernike", {&sgt_zernike_ops, wave}, true},
+        {"zernike, fringe, 37", "zernike", {&sgt_zernike_ops, kept.keep(fringe37)}, true},
+        {"zernike, noll, 231", "zernike", {&sgt_zernike_ops, kept.keep(noll)}, true},
+        {"chebyshev, 5 x 5",
+         "chebyshev",
+         {&sgt_chebyshev_ops, kept.keep(sgt_chebyshev{C, K, rim, RIM, RIM, waves(kept, 5)})},
+         true},
+        {"chebyshev, 20 x 20",
+         "chebyshev",
+         {&sgt_chebyshev_ops, kept.keep(sgt_chebyshev{C, K, rim, RIM, RIM, waves(kept, 20)})},
+         true},
+        {"q_con, 8",
+         "q_con",
+         {&sgt_q_con_ops, kept.keep(sgt_q_con{C, K, rim, RIM, kept.list(8, 0.01)})},
+         true},
+        {"q_bfs, 8", "q_bfs", {&sgt_q_bfs_ops, kept.keep(sgt_q_bfs{C, rim, RIM, kept.list(8, 0.01)})}, true},
+        {"grid, 64 x 64", "grid", {&sgt_grid_ops, grid(kept, 64, rim)}, true},
+        {"grid, 512 x 512", "grid", {&sgt_grid_ops, grid(kept, 512, rim)}, true},
+        {"sum, zernike 16 + even_asphere",
+         "sum",
+         {&sgt_sum_ops, kept.keep(sgt_sum{C, K, rim, both->data(), both->size()})},
+         true},
+        {"quadric", "quadric", {&sgt_quadric_ops, kept.keep(saddle)}, false},
+        {"torus", "torus", {&sgt_torus_ops, kept.keep(sgt_torus{2, 1.5})}, false},
+        {"ellipsoid", "ellipsoid", {&sgt_ellipsoid_ops, kept.keep(sgt_ellipsoid{5, 0.2})}, false},
     };
 }
 

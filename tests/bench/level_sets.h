@@ -1,9 +1,11 @@
-// level_sets.h - what the benchmarks of level sets share: the sets, the rays of a picture of 640 x 480, and POV-Ray as a peer.
+// level_sets.h - what the benchmarks of level sets share: the sets, the rays of a picture of 640 x 480, and
+// POV-Ray as a peer.
 //
-// POV-Ray traces the same rays through the same surface: its max_iteration M tests |Q_0| ... |Q_{M-1}|, our N is M - 1; its
-// bound is R = min(2, 1 + |c| + 1e-7) and |Q|^2 > R^2 + 1e-7 has escaped, which is our escape.  Its time is what it says its
-// trace phase took of the processor, less the same for an empty scene; it includes the normal, and so does ours.  Its hits
-// come from a picture of depths, exact to 2e-9 (povray/julia.pov); that the rays are the same is seen first on a sphere.
+// POV-Ray traces the same rays through the same surface: its max_iteration M tests |Q_0| ... |Q_{M-1}|, our
+// N is M - 1; its bound is R = min(2, 1 + |c| + 1e-7) and |Q|^2 > R^2 + 1e-7 has escaped, which is our
+// escape.  Its time is what it says its trace phase took of the processor, less the same for an empty
+// scene; it includes the normal, and so does ours.  Its hits come from a picture of depths, exact to 2e-9
+// (povray/julia.pov); that the rays are the same is seen first on a sphere.
 #ifndef BENCH_LEVEL_SETS_H
 #define BENCH_LEVEL_SETS_H
 
@@ -64,7 +66,8 @@ inline std::vector<sgt_ray> camera()
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             double u = (x + 0.5) / width - 0.5, v = (height - 1 - y + 0.5) / height - 0.5;
-            sgt_vec3 w = { d.x + u * right.x + v * up.x, d.y + u * right.y + v * up.y, d.z + u * right.z + v * up.z };
+            sgt_vec3 w = {d.x + u * right.x + v * up.x, d.y + u * right.y + v * up.y,
+                          d.z + u * right.z + v * up.z};
             double length = std::sqrt(march::dot(w, w));
             rays.push_back({ o, { w.x / length, w.y / length, w.z / length }, 0, 0 });
         }
@@ -125,7 +128,10 @@ public:
 
     // Seconds of its trace phase; negative: it did not run.
     double seconds_empty() { return run("empty.pov", "+FN8"); }
-    double seconds(const Case &one, double precision) { return run("julia.pov", "+FN8 Declare=DEPTH=0" + declare(one.povray_c, one.iterations, precision)); }
+    double seconds(const Case &one, double precision)
+    {
+        return run("julia.pov", "+FN8 Declare=DEPTH=0" + declare(one.povray_c, one.iterations, precision));
+    }
 
     // t for each ray, NaN where nothing is hit; empty: it did not run.
     std::vector<double> depths(int c, int iterations, double precision)
@@ -140,7 +146,8 @@ public:
         while (std::fgets(line, sizeof line, file) && std::strcmp(line, "65535\n") != 0) {}
         unsigned char pixel[6];
         while (std::fread(pixel, sizeof pixel, 1, file) == 1) {
-            int red = pixel[0] << 8 | pixel[1], green = pixel[2] << 8 | pixel[3], blue = pixel[4] << 8 | pixel[5];
+            int red = pixel[0] << 8 | pixel[1], green = pixel[2] << 8 | pixel[3],
+                blue = pixel[4] << 8 | pixel[5];
             t.push_back(blue ? (red + green / 65535.0) / 4096 : NONE);
         }
         std::fclose(file);
@@ -156,8 +163,9 @@ private:
     }
     double run(const std::string &scene, const std::string &words)
     {
-        std::string command = "povray '+I" SCENES "/" + scene + "' '+L" SCENES "' '+O" + folder + "/image' +W" + std::to_string(width) +
-                              " +H" + std::to_string(height) + " +WT1 -D -A -J " + words + " 2>&1 </dev/null";
+        std::string command = "povray '+I" SCENES "/" + scene + "' '+L" SCENES "' '+O" + folder +
+                              "/image' +W" + std::to_string(width) + " +H" + std::to_string(height) +
+                              " +WT1 -D -A -J " + words + " 2>&1 </dev/null";
         FILE *pipe = popen(command.c_str(), "r");
         if (!pipe)
             return -1;

@@ -1,20 +1,23 @@
-// march_rules.h - how to find the first root along a ray: the ways a person would write by hand, orbit and all.
+// march_rules.h - how to find the first root along a ray: the ways a person would write by hand, orbit and
+// all.
 //
-// The surface is |Q_N| = E, Q_{j+1} = Q_j^2 + c from Q_0 = (x, y, z, 0).  It lies in the ball of radius E; the
-// ray starts outside, its direction of unit length.  All the rules begin where it enters the ball and give up where
-// it leaves.  They differ in the step:
+// The surface is |Q_N| = E, Q_{j+1} = Q_j^2 + c from Q_0 = (x, y, z, 0).  It lies in the ball of radius E;
+// the ray starts outside, its direction of unit length.  All the rules begin where it enters the ball and
+// give up where it leaves.  They differ in the step:
 //
 //     constant     dt                          blind to parts thinner than dt
 //     estimate     max(e, dt_min)              e estimates the distance to the surface; it is no bound
-//     newton       max(e, Newton, dt_min)      the classic recipe: near a graze the slope is small and Newton's step
+//     newton       max(e, Newton, dt_min)      the classic recipe: near a graze the slope is small and
+//                  Newton's step
 //                                              leaps over what lies behind, however small dt_min is
 //     stop         e, until e < eps            distance-estimator rendering: no sign is looked at, so a ray
 //                                              that passes near the surface has hit it, and t is early
 //
-// The first three look for a change of sign, and solve for the root between the two points (sgt_root, to rounding).
-// The estimate is Hart's, |Q| log(|Q|/E) / (2 |Q'|), |Q'| = 2^n |Q_0| ... |Q_{n-1}|.  Newton's step is that of
-// g = |Q_N|^2 - E^2: -g/g', g' = 2 <Q, v>, v = dQ/dt.  An orbit is left as soon as |Q_n| > 1000 E; each further level
-// would halve Newton's step (to first order in c/|Q|^2) and hardly change the estimate.
+// The first three look for a change of sign, and solve for the root between the two points (sgt_root, to
+// rounding).  The estimate is Hart's, |Q| log(|Q|/E) / (2 |Q'|), |Q'| = 2^n |Q_0| ... |Q_{n-1}|.  Newton's
+// step is that of g = |Q_N|^2 - E^2: -g/g', g' = 2 <Q, v>, v = dQ/dt.  An orbit is left as soon as |Q_n| >
+// 1000 E; each further level would halve Newton's step (to first order in c/|Q|^2) and hardly change the
+// estimate.
 //
 // Every rule ends with the gradient at the hit.  An evaluation is one orbit.
 #ifndef BENCH_MARCH_RULES_H
@@ -103,7 +106,8 @@ inline Answer met(const sgt_julia &s, const sgt_ray &ray, double t, long evals)
     return answer;
 }
 
-// The sign changes between lo and hi.  What is solved is (u - 1)/(u + 1), u = |Q_N|^2/E^2, which does not overflow.
+// The sign changes between lo and hi.  What is solved is (u - 1)/(u + 1), u = |Q_N|^2/E^2, which does not
+// overflow.
 inline Answer polish(const sgt_julia &s, const sgt_ray &ray, double lo, double hi, long evals)
 {
     sgt_root r = sgt_root_begin({ lo, hi, NONE, false }, nullptr);

@@ -7,9 +7,15 @@ extern "C" {
 #endif
 
 typedef struct proof_field { double degrees; size_t n; const sgt_ray *rays; } proof_field;
-typedef struct proof_lens { size_t count, fields; const sgt_element *element; double index; const proof_field *field; } proof_lens;
+typedef struct proof_lens {
+    size_t count, fields;
+    const sgt_element *element;
+    double index;
+    const proof_field *field;
+} proof_lens;
 
-/* Each field's rays: about `rays` of them, on a grid over the pupil.  A file that cannot be read ends the program. */
+/* Each field's rays: about `rays` of them, on a grid over the pupil.  A file that cannot be read ends the
+ * program. */
 proof_lens proof_lens_read(const char *path, size_t rays);
 
 #ifdef __cplusplus

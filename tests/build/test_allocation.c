@@ -58,7 +58,8 @@ static void many_waves(const void *self, size_t n, sgt_points p, sgt_values out)
 static void many_wave_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out)
 {
     for (size_t i = 0; i < n; i++) {
-        sgt_ray ray = { { rays.o[0][i], rays.o[1][i], rays.o[2][i] }, { rays.d[0][i], rays.d[1][i], rays.d[2][i] }, 0, 0 };
+        sgt_ray ray = {
+            {rays.o[0][i], rays.o[1][i], rays.o[2][i]}, {rays.d[0][i], rays.d[1][i], rays.d[2][i]}, 0, 0};
         sgt_span span = wave_span(self, &ray);
         out.lo[i] = span.lo, out.hi[i] = span.hi, out.seed[i] = span.seed, out.single[i] = span.single;
     }
@@ -78,28 +79,39 @@ int main(void)
         return puts("the counter does not count"), 1;
 
     static const sgt_surface_ops wave_ops = { .name = "waves", .value = waves, .span = wave_span };
-    static const sgt_surface_ops many_ops = { .name = "waves", .value = waves, .span = wave_span, .values = many_waves, .spans = many_wave_spans };
+    static const sgt_surface_ops many_ops = {
+        .name = "waves", .value = waves, .span = wave_span, .values = many_waves, .spans = many_wave_spans};
     const sgt_conic mirror = { .c = -0.1, .k = -1 }, lens = { .c = 0.2, .k = -0.6, .semi_diameter = 4 };
     const sgt_asphere asphere = { .c = 0.2, .k = -0.6, .semi_diameter = 4, .a = { 0, 1e-4, -2e-6, 1e-8 } };
-    const sgt_julia julia = { .c = { -0.2, 0.8, 0, 0 }, .iterations = 8 }, cubic = { .c = { 0.1, 0.3, 0.2, 0 }, .iterations = 5, .power = 3 };
+    const sgt_julia julia = {.c = {-0.2, 0.8, 0, 0}, .iterations = 8},
+                    cubic = {.c = {0.1, 0.3, 0.2, 0}, .iterations = 5, .power = 3};
     const sgt_mandelbrot mandelbrot = { .iterations = 6 };
     const sgt_surface surfaces[] = {
-        { &sgt_conic_ops, &mirror }, { &sgt_conic_ops, &lens }, { &sgt_asphere_ops, &asphere }, { &wave_ops, NULL },
-        { &many_ops, NULL },
-        { &sgt_julia_ops, &julia }, { &sgt_julia_ops, &cubic }, { &sgt_mandelbrot_ops, &mandelbrot },
+        {&sgt_conic_ops, &mirror},
+        {&sgt_conic_ops, &lens},
+        {&sgt_asphere_ops, &asphere},
+        {&wave_ops, NULL},
+        {&many_ops, NULL},
+        {&sgt_julia_ops, &julia},
+        {&sgt_julia_ops, &cubic},
+        {&sgt_mandelbrot_ops, &mandelbrot},
     };
     const sgt_element elements[] = {
-        { .surface = surfaces[1], .pose = { .origin = { 0, 0, 5 } }, .index = 1.5, .semi_diameter = 4 },
-        { .surface = surfaces[2], .pose = sgt_pose_tilted((sgt_vec3){ 0.1, 0, 6 }, (sgt_vec3){ 2, 0, 0 }), .index = 1 },
-        { .surface = surfaces[0], .pose = { .origin = { 0, 0, 20 } }, .index = SGT_MIRROR },
+        {.surface = surfaces[1], .pose = {.origin = {0, 0, 5}}, .index = 1.5, .semi_diameter = 4},
+        {.surface = surfaces[2],
+         .pose = sgt_pose_tilted((sgt_vec3){0.1, 0, 6}, (sgt_vec3){2, 0, 0}),
+         .index = 1},
+        {.surface = surfaces[0], .pose = {.origin = {0, 0, 20}}, .index = SGT_MIRROR},
     };
     const char *scale = getenv("SAGITTA_TEST_SCALE");
     const int rays = (int)(20000 * (scale ? atof(scale) : 1)) + MANY;
     const size_t before = allocations;
     size_t hits = 0, passed = 0, entries = 0, batches = 0;
     const sgt_rays many = { { in[0], in[1], in[2] }, { in[3], in[4], in[5] }, NULL, NULL };
-    const sgt_hits all_hits = { status, evals, out[0], out[1], out[2], { out[3], out[4], out[5] }, { out[6], out[7], out[8] }, out[9] };
-    const sgt_passages passage = { all_hits, { out[10], out[11], out[12] }, out[13] }, every[3] = { passage, passage, passage };
+    const sgt_hits all_hits = {
+        status, evals, out[0], out[1], out[2], {out[3], out[4], out[5]}, {out[6], out[7], out[8]}, out[9]};
+    const sgt_passages passage = {all_hits, {out[10], out[11], out[12]}, out[13]},
+                       every[3] = {passage, passage, passage};
     const sgt_traced last = { .o = { in[0], in[1], in[2] }, .d = { in[3], in[4], in[5] } };
 
     for (int i = 0; i < rays; i++) {
@@ -110,13 +122,16 @@ int main(void)
         for (size_t s = 0; s < sizeof surfaces / sizeof surfaces[0]; s++) {
             sgt_step steps[20];
             sgt_log log = { steps, 20, 0 };
-            sgt_options options = { .pick = i % 2 ? SGT_FIRST : SGT_NEAR_SEED, .proof = (sgt_proof)(i / 2 % 3),
-                                    .watch = i % 3 ? NULL : sgt_log_step, .watch_data = &log };
+            sgt_options options = {.pick = i % 2 ? SGT_FIRST : SGT_NEAR_SEED,
+                                   .proof = (sgt_proof)(i / 2 % 3),
+                                   .watch = i % 3 ? NULL : sgt_log_step,
+                                   .watch_data = &log};
             hits += sgt_intersect(surfaces[s], ray, i % 5 ? &options : NULL).status > 0;
             (void)sgt_diagnose(&log);
             sgt_hit all[4];
             if (i % 4 == 0)
-                entries += sgt_intersect_all(surfaces[s], ray, i % 8 ? 4 : 0, i % 8 ? all : NULL, i % 5 ? &options : NULL) > 0;
+                entries += sgt_intersect_all(surfaces[s], ray, i % 8 ? 4 : 0, i % 8 ? all : NULL,
+                                             i % 5 ? &options : NULL) > 0;
         }
         sgt_vec3 grad, at = { random_number(), random_number(), random_number() };
         (void)(sgt_julia_potential(&julia, at, &grad) + sgt_mandelbrot_potential(&mandelbrot, at, NULL));
@@ -129,7 +144,8 @@ int main(void)
         for (int k = 0; k < 6; k++)
             in[k][i % MANY] = number[k];
         if (i % MANY == MANY - 1) {
-            sgt_options options = { .pick = i % 2 ? SGT_FIRST : SGT_NEAR_SEED, .proof = (sgt_proof)(i / MANY % 3) };
+            sgt_options options = {.pick = i % 2 ? SGT_FIRST : SGT_NEAR_SEED,
+                                   .proof = (sgt_proof)(i / MANY % 3)};
             for (size_t s = 0; s < sizeof surfaces / sizeof surfaces[0]; s++)
                 batches += sgt_intersect_batch(surfaces[s], MANY, many, all_hits, &options);
             batches += sgt_trace_batch(3, elements, 1, MANY, many, last, every, &options);
@@ -140,7 +156,8 @@ int main(void)
         (void)sgt_check(surfaces[s], 1, &walk, NULL);
 
     const size_t made = allocations - before;
-    printf("%d rays on %zu surfaces, %zu hits, %zu lists, %zu elements passed, %zu hits in batches, %zu allocations\n",
+    printf("%d rays on %zu surfaces, %zu hits, %zu lists, %zu elements passed, %zu hits in batches, %zu "
+           "allocations\n",
            rays, sizeof surfaces / sizeof surfaces[0], hits, entries, passed, batches, made);
     return made != 0 || hits == 0 || entries == 0 || passed == 0 || batches == 0;
 }

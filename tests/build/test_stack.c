@@ -1,5 +1,6 @@
-/* A call of the library needs less than 80 KiB of stack.  Each kind of call runs on a stack of its own that has been
- * painted before; what has lost its paint was used.  A call runs twice, since the first may bind names. */
+/* A call of the library needs less than 80 KiB of stack.  Each kind of call runs on a stack of its own that
+ * has been painted before; what has lost its paint was used.  A call runs twice, since the first may bind
+ * names. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -73,61 +74,93 @@ static sgt_span wave_span(const void *self, const sgt_ray *ray)
 static void wave_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out)
 {
     for (size_t i = 0; i < n; i++) {
-        sgt_ray ray = {{rays.o[0][i], rays.o[1][i], rays.o[2][i]}, {rays.d[0][i], rays.d[1][i], rays.d[2][i]}, 0, 0};
+        sgt_ray ray = {
+            {rays.o[0][i], rays.o[1][i], rays.o[2][i]}, {rays.d[0][i], rays.d[1][i], rays.d[2][i]}, 0, 0};
         sgt_span span = wave_span(self, &ray);
         out.lo[i] = span.lo, out.hi[i] = span.hi, out.seed[i] = span.seed, out.single[i] = span.single;
     }
 }
 
 static const sgt_surface_ops sheet = {.name = "waves", .value = waves, .span = wave_span};
-static const sgt_surface_ops sheets = {.name = "waves", .value = waves, .span = wave_span, .values = many_waves};
+static const sgt_surface_ops sheets = {
+    .name = "waves", .value = waves, .span = wave_span, .values = many_waves};
 static sgt_interval wave_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
     (void)self;
-    double a = ray->o.z + t.lo * ray->d.z, b = ray->o.z + t.hi * ray->d.z, steep = fabs(ray->d.z) + 3 * (fabs(ray->d.x) + fabs(ray->d.y));
+    double a = ray->o.z + t.lo * ray->d.z, b = ray->o.z + t.hi * ray->d.z,
+           steep = fabs(ray->d.z) + 3 * (fabs(ray->d.x) + fabs(ray->d.y));
     *slope = (sgt_interval){-steep, steep};
     return (sgt_interval){fmin(a, b) - 1, fmax(a, b) + 1};
 }
 
-static const sgt_surface_ops sure_sheet = {.name = "waves", .value = waves, .span = wave_span, .enclose = wave_enclose};
-static const sgt_surface_ops all_sheets = {.name = "waves", .value = waves, .span = wave_span, .values = many_waves, .spans = wave_spans};
+static const sgt_surface_ops sure_sheet = {
+    .name = "waves", .value = waves, .span = wave_span, .enclose = wave_enclose};
+static const sgt_surface_ops all_sheets = {
+    .name = "waves", .value = waves, .span = wave_span, .values = many_waves, .spans = wave_spans};
 static const sgt_conic mirror = {.c = -0.1, .k = -1}, rimmed = {.c = 0.2, .k = -0.6, .semi_diameter = 4};
 static const sgt_asphere asphere = {.c = 0.2, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
-static const sgt_julia julia = {.c = {-0.2, 0.8, 0, 0}, .iterations = 8}, cubic = {.c = {0.1, 0.3, 0.2, 0}, .iterations = 5, .power = 3};
+static const sgt_julia julia = {.c = {-0.2, 0.8, 0, 0}, .iterations = 8},
+                       cubic = {.c = {0.1, 0.3, 0.2, 0}, .iterations = 5, .power = 3};
 static const sgt_mandelbrot mandelbrot = {.iterations = 6};
 
 /* Small departures with long lists: the order counts, and not the numbers. */
 static double list[231], table[64 * 64];
 static const sgt_odd_asphere odd = {.c = 0.2, .semi_diameter = 4, .a = {1e-3, 1e-4, -2e-6, [15] = 1e-14}};
 static const sgt_polynomial_xy polynomial = {.c = 0.2, .semi_diameter = 4, .a = {table, 12, 12}};
-static const sgt_chebyshev chebyshev = {.c = 0.2, .semi_diameter = 4, .norm_x = 5, .norm_y = 5, .a = {table, 24, 24}};
-static const sgt_zernike zernike = {.c = 0.2, .semi_diameter = 4, .norm = 5, .order = SGT_NOLL, .a = {list, 1, 231}};
+static const sgt_chebyshev chebyshev = {
+    .c = 0.2, .semi_diameter = 4, .norm_x = 5, .norm_y = 5, .a = {table, 24, 24}};
+static const sgt_zernike zernike = {
+    .c = 0.2, .semi_diameter = 4, .norm = 5, .order = SGT_NOLL, .a = {list, 1, 231}};
 static const sgt_q_con q_con = {.c = 0.2, .semi_diameter = 4, .norm = 4, .a = {list, 1, 64}};
 static const sgt_q_bfs q_bfs = {.c = 0.2, .semi_diameter = 4, .norm = 4, .a = {list, 1, 64}};
-static const sgt_grid grid = {.c = 0.2, .semi_diameter = 4, .step_x = 0.2, .step_y = 0.2, .z = {table, 64, 64}};
-static const sgt_surface terms[] = {{&sgt_chebyshev_ops, &chebyshev}, {&sgt_zernike_ops, &zernike}, {&sgt_grid_ops, &grid}, {&sgt_q_bfs_ops, &q_bfs}};
+static const sgt_grid grid = {
+    .c = 0.2, .semi_diameter = 4, .step_x = 0.2, .step_y = 0.2, .z = {table, 64, 64}};
+static const sgt_surface terms[] = {{&sgt_chebyshev_ops, &chebyshev},
+                                    {&sgt_zernike_ops, &zernike},
+                                    {&sgt_grid_ops, &grid},
+                                    {&sgt_q_bfs_ops, &q_bfs}};
 static const sgt_sum sum = {.c = 0.2, .semi_diameter = 4, .terms = terms, .count = 4};
 static const sgt_toroidal toroid = {.c = 0.2, .c_x = 0.1, .semi_diameter = 4, .a = {0, 1e-5}};
-static const sgt_biconic biconic = {.c_x = 0.1, .c_y = 0.2, .semi_diameter = 4}, wide = {.c_x = 0.1, .c_y = 0.2};
+static const sgt_biconic biconic = {.c_x = 0.1, .c_y = 0.2, .semi_diameter = 4},
+                         wide = {.c_x = 0.1, .c_y = 0.2};
 static const sgt_quadric quadric = {.squares = {1, 2, 3}, .products = {0.1, 0.2, 0.3}, .constant = -4};
 static const sgt_torus ring = {.major = 2, .minor = 0.5}, spindle = {.major = 1, .minor = 2};
 static const sgt_ellipsoid ellipsoid = {.a = 2, .f = 0.3};
 
-static const struct { const char *name; sgt_surface surface; } surfaces[] = {
-    {"odd asphere", {&sgt_odd_asphere_ops, &odd}}, {"polynomial_xy", {&sgt_polynomial_xy_ops, &polynomial}}, {"chebyshev", {&sgt_chebyshev_ops, &chebyshev}},
-    {"zernike", {&sgt_zernike_ops, &zernike}}, {"q_con", {&sgt_q_con_ops, &q_con}}, {"q_bfs", {&sgt_q_bfs_ops, &q_bfs}},
-    {"grid", {&sgt_grid_ops, &grid}}, {"sum", {&sgt_sum_ops, &sum}}, {"toroid", {&sgt_toroidal_ops, &toroid}}, {"biconic", {&sgt_biconic_ops, &biconic}},
-    {"biconic, no rim", {&sgt_biconic_ops, &wide}}, {"quadric", {&sgt_quadric_ops, &quadric}}, {"torus", {&sgt_torus_ops, &ring}}, {"spindle", {&sgt_torus_ops, &spindle}},
+static const struct { const char *name; sgt_surface surface;
+} surfaces[] = {
+    {"odd asphere", {&sgt_odd_asphere_ops, &odd}},
+    {"polynomial_xy", {&sgt_polynomial_xy_ops, &polynomial}},
+    {"chebyshev", {&sgt_chebyshev_ops, &chebyshev}},
+    {"zernike", {&sgt_zernike_ops, &zernike}},
+    {"q_con", {&sgt_q_con_ops, &q_con}},
+    {"q_bfs", {&sgt_q_bfs_ops, &q_bfs}},
+    {"grid", {&sgt_grid_ops, &grid}},
+    {"sum", {&sgt_sum_ops, &sum}},
+    {"toroid", {&sgt_toroidal_ops, &toroid}},
+    {"biconic", {&sgt_biconic_ops, &biconic}},
+    {"biconic, no rim", {&sgt_biconic_ops, &wide}},
+    {"quadric", {&sgt_quadric_ops, &quadric}},
+    {"torus", {&sgt_torus_ops, &ring}},
+    {"spindle", {&sgt_torus_ops, &spindle}},
     {"ellipsoid", {&sgt_ellipsoid_ops, &ellipsoid}},
-    {"paraboloid", {&sgt_conic_ops, &mirror}}, {"conic", {&sgt_conic_ops, &rimmed}}, {"asphere", {&sgt_asphere_ops, &asphere}},
-    {"own, value", {&sheet, NULL}}, {"own, values", {&sheets, NULL}}, {"own, enclose", {&sure_sheet, NULL}}, {"own, spans", {&all_sheets, NULL}},
-    {"julia", {&sgt_julia_ops, &julia}}, {"julia, power 3", {&sgt_julia_ops, &cubic}}, {"mandelbrot", {&sgt_mandelbrot_ops, &mandelbrot}},
+    {"paraboloid", {&sgt_conic_ops, &mirror}},
+    {"conic", {&sgt_conic_ops, &rimmed}},
+    {"asphere", {&sgt_asphere_ops, &asphere}},
+    {"own, value", {&sheet, NULL}},
+    {"own, values", {&sheets, NULL}},
+    {"own, enclose", {&sure_sheet, NULL}},
+    {"own, spans", {&all_sheets, NULL}},
+    {"julia", {&sgt_julia_ops, &julia}},
+    {"julia, power 3", {&sgt_julia_ops, &cubic}},
+    {"mandelbrot", {&sgt_mandelbrot_ops, &mandelbrot}},
 };
 
 static double numbers[8][RAYS], out[2][14][RAYS];
 static signed char status[2][RAYS];
 static int evals[2][RAYS];
-static const sgt_rays rays = {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}, numbers[6], numbers[7]};
+static const sgt_rays rays = {
+    {numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}, numbers[6], numbers[7]};
 
 /* splitmix64, as a number in [-1, 1). */
 static uint64_t state = 20240229;
@@ -160,8 +193,10 @@ static sgt_hits hits_of(int j)
 
 static sgt_ray ray_of(size_t i)
 {
-    return (sgt_ray){{numbers[0][i], numbers[1][i], numbers[2][i]}, {numbers[3][i], numbers[4][i], numbers[5][i]},
-                     numbers[6][i], numbers[7][i]};
+    return (sgt_ray){{numbers[0][i], numbers[1][i], numbers[2][i]},
+                     {numbers[3][i], numbers[4][i], numbers[5][i]},
+                     numbers[6][i],
+                     numbers[7][i]};
 }
 
 /* ----------------------------------------------------------------------- the calls */
@@ -170,12 +205,19 @@ static sgt_surface surface;
 static size_t met, count;
 
 /* Every option that leads another way, all outputs and t alone. */
-static const sgt_options ways[] = {{0}, {.pick = SGT_NEAR_SEED}, {.t_tol = 1e-6, .f_tol = 1e-9}, {.dt_min = 0.05}, {.max_evals = 20},
-                                   {.proof = SGT_PROVE_ROOT}, {.proof = SGT_PROVE_FIRST}, {.pick = SGT_NEAR_SEED, .proof = SGT_PROVE_FIRST}};
+static const sgt_options ways[] = {{0},
+                                   {.pick = SGT_NEAR_SEED},
+                                   {.t_tol = 1e-6, .f_tol = 1e-9},
+                                   {.dt_min = 0.05},
+                                   {.max_evals = 20},
+                                   {.proof = SGT_PROVE_ROOT},
+                                   {.proof = SGT_PROVE_FIRST},
+                                   {.pick = SGT_NEAR_SEED, .proof = SGT_PROVE_FIRST}};
 
 static void intersect_batch(void)
 {
-    for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) met += sgt_intersect_batch(surface, count, rays, hits_of(0), &ways[w]);
+    for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++)
+        met += sgt_intersect_batch(surface, count, rays, hits_of(0), &ways[w]);
     met += sgt_intersect_batch(surface, count, rays, (sgt_hits){.t = out[0][0]}, NULL);
 }
 
@@ -189,19 +231,26 @@ static void intersect(void)
         }
 }
 
-/* Derivatives of the hits there are, by o and by parameters, of t and n; those along a change, which needs the most. */
+/* Derivatives of the hits there are, by o and by parameters, of t and n; those along a change, which needs
+ * the most. */
 static void differentiate(void)
 {
     static double by_o[12][RAYS], by_a[4][RAYS], change[7][RAYS], da[64];
     double *t[64], *n[3][64];
-    for (int j = 0; j < 64; j++) t[j] = by_a[0], n[0][j] = by_a[1], n[1][j] = by_a[2], n[2][j] = by_a[3], da[j] = 1;
-    sgt_jacobian all = {.t_by_o = {by_o[0], by_o[1], by_o[2]}, .n_by_o = {{by_o[3], by_o[4], by_o[5]}, {by_o[6], by_o[7], by_o[8]}, {by_o[9], by_o[10], by_o[11]}},
-                        .t_by_a = t, .n_by_a = {n[0], n[1], n[2]}};
+    for (int j = 0; j < 64; j++)
+        t[j] = by_a[0], n[0][j] = by_a[1], n[1][j] = by_a[2], n[2][j] = by_a[3], da[j] = 1;
+    sgt_jacobian all = {
+        .t_by_o = {by_o[0], by_o[1], by_o[2]},
+        .n_by_o = {{by_o[3], by_o[4], by_o[5]}, {by_o[6], by_o[7], by_o[8]}, {by_o[9], by_o[10], by_o[11]}},
+        .t_by_a = t,
+        .n_by_a = {n[0], n[1], n[2]}};
     met++; /* whether or not a hit is among them */
     if (sgt_parameters(surface) > 64) return;
     sgt_intersect_batch(surface, count, rays, hits_of(0), NULL);
     sgt_differentiate_batch(surface, count, rays, hits_of(0), all);
-    sgt_differentiate_forward(surface, count, rays, hits_of(0), rays, da, (sgt_changes){change[0], {change[1], change[2], change[3]}, {change[4], change[5], change[6]}});
+    sgt_differentiate_forward(
+        surface, count, rays, hits_of(0), rays, da,
+        (sgt_changes){change[0], {change[1], change[2], change[3]}, {change[4], change[5], change[6]}});
     for (size_t i = 0; i < count; i++) {
         sgt_ray ray = ray_of(i);
         sgt_hit hit = sgt_intersect(surface, ray, NULL);
@@ -214,7 +263,8 @@ static sgt_element elements[3];
 
 static void trace_batch(void)
 {
-    sgt_traced traced = {status[1], evals[1], {out[1][0], out[1][1], out[1][2]}, {out[1][3], out[1][4], out[1][5]}, out[1][6]};
+    sgt_traced traced = {
+        status[1], evals[1], {out[1][0], out[1][1], out[1][2]}, {out[1][3], out[1][4], out[1][5]}, out[1][6]};
     sgt_passages passage = {hits_of(0), {out[0][10], out[0][11], out[0][12]}, out[0][13]};
     sgt_passages passages[3] = {passage, passage, passage};
     for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
@@ -249,14 +299,19 @@ int main(void)
     size_t worst = 0, before = 0, idle = 0;
     for (size_t s = 0; s < sizeof surfaces / sizeof surfaces[0]; s++) {
         surface = surfaces[s].surface;
-        count = surface.ops->values && surface.ops->own_ ? RAYS / 5 : RAYS; /* those of the catalogue take their time */
+        /* those of the catalogue take their time */
+        count = surface.ops->values && surface.ops->own_ ? RAYS / 5 : RAYS;
         for (int i = 0; i < 3; i++)
-            elements[i] = (sgt_element){.surface = surface, .pose = {.origin = {0, 0, 2 * i}}, .index = 1.1 + 0.1 * i,
+            elements[i] = (sgt_element){.surface = surface,
+                                        .pose = {.origin = {0, 0, 2 * i}},
+                                        .index = 1.1 + 0.1 * i,
                                         .semi_diameter = i ? 3 : 0};
         elements[1].pose = sgt_pose_tilted((sgt_vec3){0.1, 0, 2}, (sgt_vec3){2, 0, 0});
         elements[2].index = SGT_MIRROR;
-        static void (*const calls[])(void) = {intersect_batch, intersect, trace_batch, trace, check, differentiate};
-        static const char *const names[] = {"intersect_batch", "intersect", "trace_batch", "trace", "check", "differentiate"};
+        static void (*const calls[])(void) = {intersect_batch, intersect, trace_batch,
+                                              trace,           check,     differentiate};
+        static const char *const names[] = {"intersect_batch", "intersect", "trace_batch",
+                                            "trace",           "check",     "differentiate"};
         printf("%-16s", surfaces[s].name);
         for (size_t c = 0; c < sizeof calls / sizeof calls[0]; c++) {
             size_t used = stack_of(calls[c]);

@@ -1,7 +1,7 @@
 // agree.h - can two answers to one question both be right?
 //
-// A question asked twice (at another scale, of the same shape as another type) has one truth.  Each answer may leave
-// a part of it undecided, and its numbers may differ by both error bounds; more they may not.
+// A question asked twice (at another scale, of the same shape as another type) has one truth.  Each answer
+// may leave a part of it undecided, and its numbers may differ by both error bounds; more they may not.
 #ifndef TESTS_CATALOGUE_AGREE_H
 #define TESTS_CATALOGUE_AGREE_H
 
@@ -16,16 +16,22 @@ namespace catalogue {
 // As far apart as the errors of both, and an ulp or two, allow.
 inline bool one_root(const sgt_hit &a, const sgt_hit &b)
 {
-    return std::fabs(a.t - b.t) <= (a.t_err + b.t_err) * (1 + 0x1p-40) + 0x1p-51 * std::max(std::fabs(a.t), std::fabs(b.t));
+    return std::fabs(a.t - b.t) <=
+           (a.t_err + b.t_err) * (1 + 0x1p-40) + 0x1p-51 * std::max(std::fabs(a.t), std::fabs(b.t));
 }
 
 // Two first roots.  NULL: they agree.
 inline const char *first_contradiction(const sgt_hit &a, const sgt_hit &b)
 {
-    if ((a.status == SGT_HIT && b.status == SGT_MISS) || (a.status == SGT_MISS && b.status == SGT_HIT)) return "a hit and a miss";
+    if ((a.status == SGT_HIT && b.status == SGT_MISS) || (a.status == SGT_MISS && b.status == SGT_HIT))
+        return "a hit and a miss";
     if (a.status == SGT_HIT && b.status == SGT_HIT && !one_root(a, b)) return "two roots";
-    const sgt_hit *graze = a.status == SGT_GRAZE ? &a : b.status == SGT_GRAZE ? &b : nullptr, *hit = graze == &a ? &b : &a;
-    if (graze && hit->status == SGT_HIT && hit->t + hit->t_err < graze->lo) return "a hit before a graze that is the first";
+    const sgt_hit *graze = a.status == SGT_GRAZE   ? &a
+                           : b.status == SGT_GRAZE ? &b
+                                                   : nullptr,
+                  *hit = graze == &a ? &b : &a;
+    if (graze && hit->status == SGT_HIT && hit->t + hit->t_err < graze->lo)
+        return "a hit before a graze that is the first";
     return nullptr;
 }
 
@@ -37,7 +43,8 @@ inline const char *hits_missing(const std::vector<sgt_hit> &of, const std::vecto
         bool found = false;
         for (const sgt_hit &other : in) {
             const double room = h.t_err + 0x1p-51 * std::fabs(h.t);
-            found = found || (other.status == SGT_HIT ? one_root(h, other) : h.t + room >= other.lo && h.t - room <= other.hi);
+            found = found || (other.status == SGT_HIT ? one_root(h, other)
+                                                      : h.t + room >= other.lo && h.t - room <= other.hi);
         }
         if (!found) return "a root is missing";
     }

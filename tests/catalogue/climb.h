@@ -1,22 +1,26 @@
 // climb.h - the greatest error for its bound that a climb finds.
 //
-// A bound of an error is told with every answer: t_err with t, p_err with p, `rounding` with F, the ends of an enclosure with g
-// and g'.  Random cases come nowhere near it, so that a test which asks for error <= bound does not notice a bound that is made
-// four times too small.  Here a climb makes the quotient error / bound great: from a random surface and a random ray one number
-// after another is changed, by ulps or by more, and the change is kept if the quotient has grown.  The error is that of the
-// answer against 113 bits.
+// A bound of an error is told with every answer: t_err with t, p_err with p, `rounding` with F, the ends of
+// an enclosure with g and g'.  Random cases come nowhere near it, so that a test which asks for error <=
+// bound does not notice a bound that is made four times too small.  Here a climb makes the quotient error /
+// bound great: from a random surface and a random ray one number after another is changed, by ulps or by
+// more, and the change is kept if the quotient has grown.  The error is that of the answer against 113
+// bits.
 //
 //   a quotient above 1      is a wrong answer;
-//   one above its limit     is a bound that has become smaller, or an error that has become greater.  The limits are those of
-//                           climb_limits.h: what longer climbs from several seeds have found, and a fifth more.  Who changes
+//   one above its limit     is a bound that has become smaller, or an error that has become greater.  The
+//                           limits are those of
+//                           climb_limits.h: what longer climbs from several seeds have found, and a fifth
+//                             more.  Who changes
 //                           an error analysis on purpose writes them anew (--limits), and says why.
 //
-// The rounding of the answer itself to double is in every bound, is half an ulp, and is reached: it would hide the rest.  So
-// of t the quotient that has a limit is that of t + t_lo, over what t_err has beyond |t_lo|; and bounds that are no more than a
-// few ulps of t, F or g have none.
+// The rounding of the answer itself to double is in every bound, is half an ulp, and is reached: it would
+// hide the rest.  So of t the quotient that has a limit is that of t + t_lo, over what t_err has beyond
+// |t_lo|; and bounds that are no more than a few ulps of t, F or g have none.
 //
-// One number a type would let through what is not the worst of it.  So the quotients are told apart by what tells paths apart:
-// how the root was asked for, at which angle it is met, where on the surface, and whether there is one term alone.
+// One number a type would let through what is not the worst of it.  So the quotients are told apart by what
+// tells paths apart: how the root was asked for, at which angle it is met, where on the surface, and
+// whether there is one term alone.
 #ifndef TESTS_CATALOGUE_CLIMB_H
 #define TESTS_CATALOGUE_CLIMB_H
 
@@ -33,16 +37,27 @@ using oracle::generator;
 using oracle::quad;
 
 enum way { plain, tolerant, proven, ways };         // to rounding; to a t_tol; under proof
-enum angle { steep, slanting, grazing, angles };    // between ray and surface: its sine above 1/2, above 1/20, below
-enum zone { inner, middle, outer, brink, zones };   // of the aperture: a third, nine tenths, but a hundredth, beyond
+enum angle {
+    steep,
+    slanting,
+    grazing,
+    angles
+}; // between ray and surface: its sine above 1/2, above 1/20, below
+enum zone {
+    inner,
+    middle,
+    outer,
+    brink,
+    zones
+}; // of the aperture: a third, nine tenths, but a hundredth, beyond
 enum degree { low, medium, high, degrees };         // of a term that is alone: up to 2, up to 6, beyond
 enum cell {
     of_t,
     of_p = of_t + int(ways) * int(angles),
     of_f = of_p + int(ways) * int(angles),
-    of_g = of_f + (1 + int(degrees)) * int(zones),  // several terms; one alone of each degree
-    of_slope = of_g + 2,                            // 2: several terms, one alone
-    of_rim = of_slope + 2,                          // p_err over the distance of p from the rim, of a hit under proof
+    of_g = of_f + (1 + int(degrees)) * int(zones), // several terms; one alone of each degree
+    of_slope = of_g + 2,                           // 2: several terms, one alone
+    of_rim = of_slope + 2, // p_err over the distance of p from the rim, of a hit under proof
     cells
 };
 
@@ -50,18 +65,28 @@ struct name_of_cell {
     char text[64];
     explicit name_of_cell(int c)
     {
-        static const char *const way_names[] = {"to rounding", "to t_tol", "proven"}, *const angle_names[] = {"steep", "slanting", "grazing"}, *const zone_names[] = {"inner", "middle", "outer", "on the brink"};
-        static const char *const parts[] = {"", ", one term", ", one term of degree 3 to 6", ", one term of a high degree"};
-        if (c < of_p) std::snprintf(text, sizeof text, "t %s, %s", way_names[c / int(angles)], angle_names[c % int(angles)]);
-        else if (c < of_f) std::snprintf(text, sizeof text, "p %s, %s", way_names[(c - of_p) / int(angles)], angle_names[(c - of_p) % int(angles)]);
-        else if (c < of_g) std::snprintf(text, sizeof text, "F %s%s", zone_names[(c - of_f) % int(zones)], parts[(c - of_f) / int(zones)]);
+        static const char *const way_names[] = {"to rounding", "to t_tol", "proven"},
+                                 *const angle_names[] = {"steep", "slanting", "grazing"},
+                                 *const zone_names[] = {"inner", "middle", "outer", "on the brink"};
+        static const char *const parts[] = {"", ", one term", ", one term of degree 3 to 6",
+                                            ", one term of a high degree"};
+        if (c < of_p)
+            std::snprintf(text, sizeof text, "t %s, %s", way_names[c / int(angles)],
+                          angle_names[c % int(angles)]);
+        else if (c < of_f)
+            std::snprintf(text, sizeof text, "p %s, %s", way_names[(c - of_p) / int(angles)],
+                          angle_names[(c - of_p) % int(angles)]);
+        else if (c < of_g)
+            std::snprintf(text, sizeof text, "F %s%s", zone_names[(c - of_f) % int(zones)],
+                          parts[(c - of_f) / int(zones)]);
         else if (c < of_slope) std::snprintf(text, sizeof text, "enclosed g%s", parts[c - of_g]);
         else if (c < of_rim) std::snprintf(text, sizeof text, "enclosed g'%s", parts[c - of_slope]);
         else std::snprintf(text, sizeof text, "rim");
     }
 };
 
-// What one climb works on.  A subject draws itself, says which numbers may be changed, and what F is in 113 bits.
+// What one climb works on.  A subject draws itself, says which numbers may be changed, and what F is in 113
+// bits.
 struct subject {
     sgt_ray ray = {};
     sgt_vec3 p = {};             // a point near the surface, for F
@@ -79,7 +104,10 @@ struct subject {
     virtual void changed() {}                              // one of these
     virtual quad slope(quad s) const = 0;                  // of F along the ray; NaN: not looked at
     virtual void print() const = 0;
-    quad along(quad s) const { return value(ray.o.x + s * ray.d.x, ray.o.y + s * ray.d.y, ray.o.z + s * ray.d.z); }
+    quad along(quad s) const
+    {
+        return value(ray.o.x + s * ray.d.x, ray.o.y + s * ray.d.y, ray.o.z + s * ray.d.z);
+    }
 };
 
 struct table {
@@ -101,7 +129,8 @@ struct table {
         asked++;
         if (quotient <= 1 || (wrong++, told[c]++ >= 1)) return;
         std::printf("FAIL %s, %s: %.4g of its bound\n", type.c_str(), name_of_cell(c).text, quotient);
-        std::printf("    ray {%a, %a, %a}, {%a, %a, %a}, %a, %a; point {%a, %a, %a}; t %a, t_tol %a\n", of.ray.o.x, of.ray.o.y, of.ray.o.z, of.ray.d.x, of.ray.d.y, of.ray.d.z, of.ray.tmin,
+        std::printf("    ray {%a, %a, %a}, {%a, %a, %a}, %a, %a; point {%a, %a, %a}; t %a, t_tol %a\n",
+                    of.ray.o.x, of.ray.o.y, of.ray.o.z, of.ray.d.x, of.ray.d.y, of.ray.d.z, of.ray.tmin,
                     of.ray.tmax, of.p.x, of.p.y, of.p.z, of.t, of.t_tol);
         of.print();
     }
@@ -118,8 +147,10 @@ inline void of_hit(const subject &s, way asked, table *to)
     if (asked == proven) opt.proof = SGT_PROVE_ROOT;
     const sgt_hit h = sgt_intersect(s.surface(), s.ray, &opt);
     if (h.status != SGT_HIT || !(h.t_err > 0 && h.t_err < HUGE_VAL)) return;
-    // The secant method from there, in 113 bits; where these are not much more than the answer has there is nothing to judge.
-    const double n = std::sqrt(h.n.x * h.n.x + h.n.y * h.n.y + h.n.z * h.n.z), d = std::sqrt(s.ray.d.x * s.ray.d.x + s.ray.d.y * s.ray.d.y + s.ray.d.z * s.ray.d.z);
+    // The secant method from there, in 113 bits; where these are not much more than the answer has there is
+    // nothing to judge.
+    const double n = std::sqrt(h.n.x * h.n.x + h.n.y * h.n.y + h.n.z * h.n.z),
+                 d = std::sqrt(s.ray.d.x * s.ray.d.x + s.ray.d.y * s.ray.d.y + s.ray.d.z * s.ray.d.z);
     const double g = h.n.x * s.ray.d.x + h.n.y * s.ray.d.y + h.n.z * s.ray.d.z, sine = std::fabs(g) / (n * d);
     const double spread = std::fabs(h.p.x * h.n.x) + std::fabs(h.p.y * h.n.y) + std::fabs(h.p.z * h.n.z);
     if (!(0x1p-108 * (spread + n * 0x1p-4 * s.size) < 1e-3 * h.t_err * std::fabs(g))) return;
@@ -148,15 +179,21 @@ inline void of_hit(const subject &s, way asked, table *to)
     }
     const int place = int(asked) * int(angles) + (sine >= 0.5 ? steep : sine >= 0.05 ? slanting : grazing);
     to->take(of_t + place, magnitude(t - quad(h.t)) / h.t_err, s);
-    const double rest = (h.t_err - std::fabs(h.t_lo)) - 0x1p-52 * h.t_err, by_t = good && rest > 0.05 * h.t_err && rest > 0x1p-50 * std::fabs(h.t) ? magnitude(t - (quad(h.t) + h.t_lo)) / rest : -1;
+    const double rest = (h.t_err - std::fabs(h.t_lo)) - 0x1p-52 * h.t_err,
+                 by_t = good && rest > 0.05 * h.t_err && rest > 0x1p-50 * std::fabs(h.t)
+                            ? magnitude(t - (quad(h.t) + h.t_lo)) / rest
+                            : -1;
     if (by_t >= 0) to->pin(of_t + place, by_t);
     if (good && h.p_err > 0 && h.p_err < HUGE_VAL) {
-        const oracle::vector3 off = {s.ray.o.x + t * s.ray.d.x - quad(h.p.x), s.ray.o.y + t * s.ray.d.y - quad(h.p.y), s.ray.o.z + t * s.ray.d.z - quad(h.p.z)};
+        const oracle::vector3 off = {s.ray.o.x + t * s.ray.d.x - quad(h.p.x),
+                                     s.ray.o.y + t * s.ray.d.y - quad(h.p.y),
+                                     s.ray.o.z + t * s.ray.d.z - quad(h.p.z)};
         const double by_p = magnitude(oracle::norm(off)) / h.p_err;
         to->take(of_p + place, by_p, s);
         to->pin(of_p + place, by_p);
         if (asked == proven && s.rim > 0) {
-            const quad r = oracle::square_root(quad(h.p.x) * h.p.x + quad(h.p.y) * h.p.y), beside = magnitude(r - quad(s.rim) * (1 + quad(0x1p-45)));
+            const quad r = oracle::square_root(quad(h.p.x) * h.p.x + quad(h.p.y) * h.p.y),
+                       beside = magnitude(r - quad(s.rim) * (1 + quad(0x1p-45)));
             const double hidden = h.p_err / magnitude(beside);
             to->take(of_rim, hidden, s);
             to->pin(of_rim, hidden);
@@ -170,8 +207,13 @@ inline void of_value(const subject &s, table *to)
     const double f = of.ops->value(of.self, s.p, nullptr), bound = of.ops->rounding(of.self, s.p);
     const quad exact = s.value(s.p.x, s.p.y, s.p.z);
     if (!(exact == exact) || f != f || !(bound > 0 && bound < HUGE_VAL)) return;
-    const double r = std::sqrt(s.p.x * s.p.x + s.p.y * s.p.y) / s.size, quotient = magnitude(quad(f) - exact) / bound;
-    const int c = of_f + (s.alone ? (1 + int(s.of_it)) * int(zones) : 0) + (r < 0.3333 ? inner : r < 0.9 ? middle : r < 0.99 ? outer : brink);
+    const double r = std::sqrt(s.p.x * s.p.x + s.p.y * s.p.y) / s.size,
+                 quotient = magnitude(quad(f) - exact) / bound;
+    const int c = of_f + (s.alone ? (1 + int(s.of_it)) * int(zones) : 0) +
+                  (r < 0.3333 ? inner
+                   : r < 0.9  ? middle
+                   : r < 0.99 ? outer
+                              : brink);
     to->take(c, quotient, s);
     if (!(bound > 8 * 0x1p-53 * std::fabs(f))) return;
     to->pin(c, quotient);
@@ -189,7 +231,8 @@ inline void of_enclosure(const subject &s, table *to)
         const quad exact = i ? s.slope(quad(s.t)) : s.along(quad(s.t));
         if (!(exact == exact)) continue;
         const int c = (i ? of_slope : of_g) + (s.alone ? 1 : 0);
-        const double half = magnitude((quad(x.hi) - x.lo) / 2), now = magnitude(exact - (quad(x.lo) + x.hi) / 2) / half;
+        const double half = magnitude((quad(x.hi) - x.lo) / 2),
+                     now = magnitude(exact - (quad(x.lo) + x.hi) / 2) / half;
         to->take(c, now, s);
         if (!(half > 16 * 0x1p-53 * std::fabs(x.lo))) continue;
         to->pin(c, now);
@@ -229,13 +272,14 @@ struct place {
     std::vector<double> numbers;
 };
 
-// Of each cell the best subjects of some draws.  (Cells help each other: what is good in one is a start in the next.  Mouret and Clune
-// 2015, arXiv:1504.04909.)
+// Of each cell the best subjects of some draws.  (Cells help each other: what is good in one is a start in
+// the next.  Mouret and Clune 2015, arXiv:1504.04909.)
 struct archive {
     enum { islands = 3 };
     place best[cells][islands];
 
-    void keep(int c, double quotient, long number, const generator &drawn, const std::vector<double *> &numbers)
+    void keep(int c, double quotient, long number, const generator &drawn,
+              const std::vector<double *> &numbers)
     {
         place *worst = &best[c][0], *to = nullptr;
         for (place &p : best[c]) {
@@ -253,12 +297,14 @@ struct archive {
 enum { of_ray = 6, of_point = of_ray + 3, not_of_surface = of_point + 1 };
 inline std::vector<double *> numbers_of(subject *s)
 {
-    std::vector<double *> all = {&s->ray.o.x, &s->ray.o.y, &s->ray.o.z, &s->ray.d.x, &s->ray.d.y, &s->ray.d.z, &s->p.x, &s->p.y, &s->p.z, &s->t};
+    std::vector<double *> all = {&s->ray.o.x, &s->ray.o.y, &s->ray.o.z, &s->ray.d.x, &s->ray.d.y,
+                                 &s->ray.d.z, &s->p.x,     &s->p.y,     &s->p.z,     &s->t};
     for (double *x : s->numbers()) all.push_back(x);
     return all;
 }
 
-// So many evaluations: three in ten of subjects as they are drawn, the others in climbs of `steps` from the best so far.
+// So many evaluations: three in ten of subjects as they are drawn, the others in climbs of `steps` from the
+// best so far.
 inline void go(generator &g, subject *s, long evaluations, int steps, table *to)
 {
     archive kept;
@@ -288,7 +334,8 @@ inline void go(generator &g, subject *s, long evaluations, int steps, table *to)
         for (std::size_t i = 0; i < numbers.size(); i++) *numbers[i] = begin.numbers[i];
         s->changed();
         double best = begin.quotient;
-        const double length = std::sqrt(s->ray.d.x * s->ray.d.x + s->ray.d.y * s->ray.d.y + s->ray.d.z * s->ray.d.z);
+        const double length = std::sqrt(s->ray.d.x * s->ray.d.x + s->ray.d.y * s->ray.d.y +
+                                        s->ray.d.z * s->ray.d.z);
         for (int k = 0; k < steps; k++, done++) {
             const int own = static_cast<int>(numbers.size()) - int(not_of_surface);
             const bool of_surface = own > 0 && g.chance(0.3);
@@ -298,7 +345,10 @@ inline void go(generator &g, subject *s, long evaluations, int steps, table *to)
             else if (c >= of_g && c < of_rim && g.chance(0.4)) i = int(of_point);
             else i = g.below(int(of_ray));
             double &x = *numbers[static_cast<std::size_t>(i)];
-            const double before = x, size = of_surface ? 0 : i < 3 || (i >= int(of_ray) && i < int(of_point)) ? s->size : i < int(of_ray) ? length : s->size / length;
+            const double before = x, size = of_surface                                         ? 0
+                                            : i < 3 || (i >= int(of_ray) && i < int(of_point)) ? s->size
+                                            : i < int(of_ray)                                  ? length
+                                                              : s->size / length;
             x = moved(g, before, size);
             if (x == before) continue;
             if (of_surface) s->changed();
@@ -321,26 +371,42 @@ inline int judge(const table &t, bool pinned)
     if (pinned && !t.limits) std::printf("FAIL %s: it has no limits\n", t.type.c_str()), above++;
     for (int c = 0; c < int(cells); c++)
         if (pinned && t.limits && t.found[c] > t.limits[c])
-            std::printf("FAIL %s, %s: %.4g of its bound, the limit is %.4g\n", t.type.c_str(), name_of_cell(c).text, t.found[c], t.limits[c]), above++;
+            std::printf("FAIL %s, %s: %.4g of its bound, the limit is %.4g\n", t.type.c_str(),
+                        name_of_cell(c).text, t.found[c], t.limits[c]),
+                above++;
     return above + (t.wrong > 0);
 }
 
-inline double most(const table &t, int from, int to) { return *std::max_element(t.found + from, t.found + to); }
+inline double most(const table &t, int from, int to)
+{
+    return *std::max_element(t.found + from, t.found + to);
+}
 
 // A line: for climb_limits.h, for docs/accuracy.md, or to be read.
 inline void print(const table &t, bool limits, bool markdown)
 {
     if (limits) {
         std::printf("    {\"%s\", {", t.type.c_str());
-        for (int c = 0; c < int(cells); c++) std::printf("%s%.3g", c ? ", " : "", c == int(of_rim) || t.found[c] == 0 ? 1 : std::min(1.0, 1.2 * t.found[c] + 0.01));
+        for (int c = 0; c < int(cells); c++)
+            std::printf("%s%.3g", c ? ", " : "",
+                        c == int(of_rim) || t.found[c] == 0 ? 1 : std::min(1.0, 1.2 * t.found[c] + 0.01));
         std::printf("}},\n");
     } else if (markdown)
-        std::printf("| %s | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f |\n", t.type.c_str(), most(t, of_t, of_t + int(angles)), most(t, of_t + int(angles) * int(proven), of_p), most(t, of_p, of_f), most(t, of_f, of_g),
-                    most(t, of_g, of_slope), most(t, of_slope, of_rim));
+        std::printf("| %s | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f |\n", t.type.c_str(),
+                    most(t, of_t, of_t + int(angles)), most(t, of_t + int(angles) * int(proven), of_p),
+                    most(t, of_p, of_f), most(t, of_f, of_g), most(t, of_g, of_slope),
+                    most(t, of_slope, of_rim));
     else {
         std::printf("%-14s %7ld asked; t", t.type.c_str(), t.asked);
         for (int c = 0; c < int(cells); c++)
-            std::printf("%s%.2f", c == int(of_p) ? "; p " : c == int(of_f) ? "; F " : c == int(of_g) ? "; g " : c == int(of_slope) ? "; g' " : c == int(of_rim) ? "; rim " : " ", t.found[c]);
+            std::printf("%s%.2f",
+                        c == int(of_p)       ? "; p "
+                        : c == int(of_f)     ? "; F "
+                        : c == int(of_g)     ? "; g "
+                        : c == int(of_slope) ? "; g' "
+                        : c == int(of_rim)   ? "; rim "
+                                             : " ",
+                        t.found[c]);
         std::printf("\n");
     }
     std::fflush(stdout);

@@ -1,8 +1,9 @@
 // specimens.h - random surfaces of the catalogue, points on them and rays at them.
 //
-// A part has an aperture h, log-uniform from 1e-3 to 1e3.  The base is one for which h is inside the domain (now and
-// then all of it), or flat; a departure is at most `strong` h, log-uniform from 1e-6 to a tenth, the sum of its terms at
-// h.  In two of three cases h is the semi_diameter.  Quadrics, ellipsoids and tori are of size h about the origin.
+// A part has an aperture h, log-uniform from 1e-3 to 1e3.  The base is one for which h is inside the domain
+// (now and then all of it), or flat; a departure is at most `strong` h, log-uniform from 1e-6 to a tenth,
+// the sum of its terms at h.  In two of three cases h is the semi_diameter.  Quadrics, ellipsoids and tori
+// are of size h about the origin.
 #ifndef TESTS_CATALOGUE_SPECIMENS_H
 #define TESTS_CATALOGUE_SPECIMENS_H
 
@@ -36,10 +37,14 @@ struct specimen {
     }
 };
 
-static const char *const types[] = {"odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "sum",
-                                   "toroidal", "biconic", "cylinder", "quadric", "ellipsoid", "torus"};
+static const char *const types[] = {"odd_asphere", "polynomial_xy", "chebyshev", "zernike",  "q_con",
+                                    "q_bfs",       "grid",          "sum",       "toroidal", "biconic",
+                                    "cylinder",    "quadric",       "ellipsoid", "torus"};
 
-inline double *first_number(const sgt_surface &s) { return static_cast<double *>(const_cast<void *>(s.self)); }
+inline double *first_number(const sgt_surface &s)
+{
+    return static_cast<double *>(const_cast<void *>(s.self));
+}
 
 // A curvature and a conic constant that leave room for h.
 inline void random_base(generator &g, double h, double *c, double *k)
@@ -71,36 +76,51 @@ inline std::size_t random_length(generator &g, int few, int most)
     return static_cast<std::size_t>(g.chance(0.05) ? most : g.chance(0.05) ? 0 : 1 + g.below(few));
 }
 
-// Its departure is at most `size` within h (of a toroid and a biconic a tenth of h); c, k and semi_diameter are 0.
-inline sgt_surface random_departure(generator &g, specimen *s, const std::string &of, double h, double size, bool large)
+// Its departure is at most `size` within h (of a toroid and a biconic a tenth of h); c, k and semi_diameter
+// are 0.
+inline sgt_surface random_departure(generator &g, specimen *s, const std::string &of, double h, double size,
+                                    bool large)
 {
     if (of == "odd_asphere") {
         sgt_odd_asphere a = {};
         const std::vector<double> terms = random_terms(g, random_length(g, 8, 16), size);
-        for (std::size_t i = 0; i < terms.size(); i++) a.a[i] = terms[i] / std::pow(h, static_cast<double>(i) + 1);
+        for (std::size_t i = 0; i < terms.size(); i++)
+            a.a[i] = terms[i] / std::pow(h, static_cast<double>(i) + 1);
         if (g.chance(0.5)) a.a[0] = 0;
         return {&sgt_odd_asphere_ops, s->keep(a)};
     }
     if (of == "even_asphere") {
         sgt_asphere a = {};
         const std::vector<double> terms = random_terms(g, random_length(g, 4, 8), size);
-        for (std::size_t i = 0; i < terms.size(); i++) a.a[i] = terms[i] / std::pow(h, 2 * static_cast<double>(i) + 2);
+        for (std::size_t i = 0; i < terms.size(); i++)
+            a.a[i] = terms[i] / std::pow(h, 2 * static_cast<double>(i) + 2);
         return {&sgt_asphere_ops, s->keep(a)};
     }
     if (of == "polynomial_xy") {
-        const std::size_t rows = random_length(g, 6, large ? 32 : 8), columns = rows ? 1 + random_length(g, 5, large ? 31 : 7) : 0;
+        const std::size_t rows = random_length(g, 6, large ? 32 : 8),
+                          columns = rows ? 1 + random_length(g, 5, large ? 31 : 7) : 0;
         std::vector<double> a = random_terms(g, rows * columns, size);
         for (std::size_t i = 0; i < rows; i++)
-            for (std::size_t j = 0; j < columns; j++) a[i * columns + j] /= std::pow(h, static_cast<double>(i + j));
+            for (std::size_t j = 0; j < columns; j++)
+                a[i * columns + j] /= std::pow(h, static_cast<double>(i + j));
         return {&sgt_polynomial_xy_ops, s->keep(sgt_polynomial_xy{0, 0, 0, s->numbers(rows, columns, a)})};
     }
     if (of == "chebyshev") {
-        const std::size_t rows = random_length(g, 7, large ? 20 : 8), columns = rows ? 1 + random_length(g, 6, large ? 19 : 7) : 0;
-        return {&sgt_chebyshev_ops, s->keep(sgt_chebyshev{0, 0, 0, h * g.uniform(0.9, 1.5), h * g.uniform(0.9, 1.5), s->numbers(rows, columns, random_terms(g, rows * columns, size))})};
+        const std::size_t rows = random_length(g, 7, large ? 20 : 8),
+                          columns = rows ? 1 + random_length(g, 6, large ? 19 : 7) : 0;
+        return {&sgt_chebyshev_ops,
+                s->keep(sgt_chebyshev{0, 0, 0, h * g.uniform(0.9, 1.5), h * g.uniform(0.9, 1.5),
+                                      s->numbers(rows, columns, random_terms(g, rows * columns, size))})};
     }
     if (of == "zernike") {
         const std::size_t n = random_length(g, 36, large ? 231 : 45);
-        sgt_zernike z = {0, 0, 0, h * g.uniform(0.95, 1.3), g.chance(0.5) ? SGT_NOLL : SGT_FRINGE, g.chance(0.5), s->numbers(1, n, random_terms(g, n, size))};
+        sgt_zernike z = {0,
+                         0,
+                         0,
+                         h * g.uniform(0.95, 1.3),
+                         g.chance(0.5) ? SGT_NOLL : SGT_FRINGE,
+                         g.chance(0.5),
+                         s->numbers(1, n, random_terms(g, n, size))};
         return {&sgt_zernike_ops, s->keep(z)};
     }
     if (of == "q_con" || of == "q_bfs") {
@@ -110,20 +130,33 @@ inline sgt_surface random_departure(generator &g, specimen *s, const std::string
         if (of == "q_con") return {&sgt_q_con_ops, s->keep(sgt_q_con{0, 0, 0, norm, a})};
         return {&sgt_q_bfs_ops, s->keep(sgt_q_bfs{0, 0, norm, a})};
     }
-    if (of == "toroidal") return {&sgt_toroidal_ops, s->keep(sgt_toroidal{g.uniform(-0.1, 0.1) / h, g.uniform(-2, 1), g.uniform(-0.1, 0.1) / h, 0, {size / h / h, size / h / h / h / h}})};
-    if (of == "biconic") return {&sgt_biconic_ops, s->keep(sgt_biconic{g.uniform(-0.1, 0.1) / h, g.uniform(-2, 1), g.uniform(-0.1, 0.1) / h, g.uniform(-2, 1), 0})};
-    const std::size_t rows = 4 + static_cast<std::size_t>(g.below(large ? 30 : 12)), columns = 4 + static_cast<std::size_t>(g.below(large ? 30 : 12));
+    if (of == "toroidal")
+        return {&sgt_toroidal_ops, s->keep(sgt_toroidal{g.uniform(-0.1, 0.1) / h,
+                                                        g.uniform(-2, 1),
+                                                        g.uniform(-0.1, 0.1) / h,
+                                                        0,
+                                                        {size / h / h, size / h / h / h / h}})};
+    if (of == "biconic")
+        return {&sgt_biconic_ops, s->keep(sgt_biconic{g.uniform(-0.1, 0.1) / h, g.uniform(-2, 1),
+                                                      g.uniform(-0.1, 0.1) / h, g.uniform(-2, 1), 0})};
+    const std::size_t rows = 4 + static_cast<std::size_t>(g.below(large ? 30 : 12)),
+                      columns = 4 + static_cast<std::size_t>(g.below(large ? 30 : 12));
     std::vector<double> z(rows * columns);
     double a[6];
     for (double &x : a) x = g.uniform(-1, 1);
     const double rough = g.chance(0.5) ? 0 : g.log_uniform(1e-3, 0.3);
     for (std::size_t i = 0; i < rows; i++)
         for (std::size_t j = 0; j < columns; j++) {
-            const double x = 2.0 * double(j) / double(columns - 1) - 1, y = 2.0 * double(i) / double(rows - 1) - 1;
-            z[i * columns + j] = size / 3 * (a[0] * x + a[1] * y * x + a[2] * x * x + a[3] * y * y * x + a[4] * std::cos(3 * x + 2 * y) + rough * g.uniform(-1, 1));
+            const double x = 2.0 * double(j) / double(columns - 1) - 1,
+                         y = 2.0 * double(i) / double(rows - 1) - 1;
+            z[i * columns + j] = size / 3 *
+                                 (a[0] * x + a[1] * y * x + a[2] * x * x + a[3] * y * y * x +
+                                  a[4] * std::cos(3 * x + 2 * y) + rough * g.uniform(-1, 1));
         }
     const double wide = g.chance(0.8) ? 1.02 : 0.8;
-    sgt_grid *grid = s->keep(sgt_grid{0, 0, 0, 2 * h * wide * g.uniform(1, 1.2) / double(columns - 1), 2 * h * wide / double(rows - 1), s->numbers(rows, columns, z), 0, 0, 0});
+    sgt_grid *grid = s->keep(sgt_grid{0, 0, 0, 2 * h * wide * g.uniform(1, 1.2) / double(columns - 1),
+                                      2 * h * wide / double(rows - 1), s->numbers(rows, columns, z), 0, 0,
+                                      0});
     if (g.chance(0.7)) sgt_grid_measure(grid);
     return {&sgt_grid_ops, grid};
 }
@@ -133,7 +166,8 @@ inline specimen random_specimen(generator &g, const std::string &type, bool larg
 {
     specimen s = {};
     s.type = type;
-    const double h = s.h = g.chance(0.5) ? g.uniform(0.5, 20) : g.log_uniform(1e-3, 1e3), strong = g.log_uniform(1e-6, 0.1);
+    const double h = s.h = g.chance(0.5) ? g.uniform(0.5, 20) : g.log_uniform(1e-3, 1e3),
+                 strong = g.log_uniform(1e-6, 0.1);
     s.rim = g.chance(0.67) ? h : 0;
     s.sag = true;
     double c, k;
@@ -141,7 +175,8 @@ inline specimen random_specimen(generator &g, const std::string &type, bool larg
     if (type == "toroidal") {
         sgt_toroidal t = {c, k, g.chance(0.2) ? 0 : g.sign() * g.log_uniform(1e-3, 0.7) / h, s.rim, {}};
         const std::vector<double> terms = random_terms(g, random_length(g, 4, 8), strong * h);
-        for (std::size_t i = 0; i < terms.size(); i++) t.a[i] = terms[i] / std::pow(h, 2 * static_cast<double>(i) + 2);
+        for (std::size_t i = 0; i < terms.size(); i++)
+            t.a[i] = terms[i] / std::pow(h, 2 * static_cast<double>(i) + 2);
         s.s = {&sgt_toroidal_ops, s.keep(t)};
     } else if (type == "biconic" || type == "cylinder") {
         sgt_biconic b = {0, 0, c, k, s.rim};
@@ -164,7 +199,11 @@ inline specimen random_specimen(generator &g, const std::string &type, bool larg
     } else if (type == "ellipsoid") {
         s.sag = false;
         s.rim = 0;
-        s.s = {&sgt_ellipsoid_ops, s.keep(sgt_ellipsoid{h, g.chance(0.2) ? 0 : g.chance(0.3) ? 1 / 298.257223563 : g.chance(0.5) ? g.uniform(-2, 0.95) : g.sign() * g.log_uniform(1e-12, 0.5)})};
+        s.s = {&sgt_ellipsoid_ops,
+               s.keep(sgt_ellipsoid{h, g.chance(0.2)   ? 0
+                                       : g.chance(0.3) ? 1 / 298.257223563
+                                       : g.chance(0.5) ? g.uniform(-2, 0.95)
+                                                       : g.sign() * g.log_uniform(1e-12, 0.5)})};
     } else if (type == "torus") {
         s.sag = false;
         s.rim = 0;
@@ -173,12 +212,15 @@ inline specimen random_specimen(generator &g, const std::string &type, bool larg
     } else {
         if (type == "sum") {
             std::vector<sgt_surface> terms;
-            static const char *const kinds[] = {"odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "even_asphere", "toroidal", "biconic"};
+            static const char *const kinds[] = {"odd_asphere", "polynomial_xy", "chebyshev", "zernike",
+                                                "q_con",       "q_bfs",         "grid",      "even_asphere",
+                                                "toroidal",    "biconic"};
             const int n = g.chance(0.03) ? 16 : g.chance(0.03) ? 0 : 1 + g.below(4);
             for (int i = 0; i < n; i++) {
                 const std::string kind = kinds[g.below(g.chance(0.8) ? 8 : 10)];
                 terms.push_back(random_departure(g, &s, kind, h, strong * h / n, large && n < 4));
-                if (kind != "toroidal" && kind != "biconic" && g.chance(0.3)) first_number(terms.back())[0] = g.uniform(-0.5, 0.5) / h; // read by q_bfs alone
+                if (kind != "toroidal" && kind != "biconic" && g.chance(0.3))
+                    first_number(terms.back())[0] = g.uniform(-0.5, 0.5) / h; // read by q_bfs alone
             }
             const std::vector<sgt_surface> &own = *s.keep(terms);
             s.s = {&sgt_sum_ops, s.keep(sgt_sum{0, 0, 0, own.data(), own.size()})};
@@ -210,17 +252,22 @@ inline void print_surface(const sgt_surface &s)
     std::printf("    %s:", s.ops->name);
     if (s.ops == &sgt_asphere_ops) print_list(s.self, 11);
     if (s.ops == &sgt_odd_asphere_ops) print_list(s.self, 19);
-    if (s.ops == &sgt_polynomial_xy_ops) print_list(s.self, 3), print_numbers(static_cast<const sgt_polynomial_xy *>(s.self)->a);
-    if (s.ops == &sgt_chebyshev_ops) print_list(s.self, 5), print_numbers(static_cast<const sgt_chebyshev *>(s.self)->a);
+    if (s.ops == &sgt_polynomial_xy_ops)
+        print_list(s.self, 3), print_numbers(static_cast<const sgt_polynomial_xy *>(s.self)->a);
+    if (s.ops == &sgt_chebyshev_ops)
+        print_list(s.self, 5), print_numbers(static_cast<const sgt_chebyshev *>(s.self)->a);
     if (s.ops == &sgt_zernike_ops) {
         const sgt_zernike &z = *static_cast<const sgt_zernike *>(s.self);
         print_list(s.self, 4);
         std::printf(" %s%s", z.order == SGT_NOLL ? "noll" : "fringe", z.normalised ? " normalised" : "");
         print_numbers(z.a);
     }
-    if (s.ops == &sgt_q_con_ops) print_list(s.self, 4), print_numbers(static_cast<const sgt_q_con *>(s.self)->a);
-    if (s.ops == &sgt_q_bfs_ops) print_list(s.self, 3), print_numbers(static_cast<const sgt_q_bfs *>(s.self)->a);
-    if (s.ops == &sgt_grid_ops) print_list(s.self, 5), print_numbers(static_cast<const sgt_grid *>(s.self)->z);
+    if (s.ops == &sgt_q_con_ops)
+        print_list(s.self, 4), print_numbers(static_cast<const sgt_q_con *>(s.self)->a);
+    if (s.ops == &sgt_q_bfs_ops)
+        print_list(s.self, 3), print_numbers(static_cast<const sgt_q_bfs *>(s.self)->a);
+    if (s.ops == &sgt_grid_ops)
+        print_list(s.self, 5), print_numbers(static_cast<const sgt_grid *>(s.self)->z);
     if (s.ops == &sgt_toroidal_ops) print_list(s.self, 12);
     if (s.ops == &sgt_biconic_ops) print_list(s.self, 5);
     if (s.ops == &sgt_quadric_ops) print_list(s.self, 10);
@@ -240,25 +287,31 @@ inline void print_surface(const sgt_surface &s)
 // A point near the surface, within `reach` of h: a sag's at x, y, else along a line.
 inline sgt_vec3 random_point(generator &g, const specimen &s, const formula<double> &f, double reach)
 {
-    const double r = reach * s.h * std::sqrt(g.uniform(0, 1)), about = g.uniform(0, 6.283185307179586), x = r * std::cos(about), y = r * std::sin(about);
+    const double r = reach * s.h * std::sqrt(g.uniform(0, 1)), about = g.uniform(0, 6.283185307179586),
+                 x = r * std::cos(about), y = r * std::sin(about);
     if (s.sag) {
         const double sag = -f(x, y, 0.0);
-        return {x, y, (sag == sag ? sag : 0) + (g.chance(0.5) ? 0 : s.h * g.sign() * g.log_uniform(1e-12, 1))};
+        return {x, y,
+                (sag == sag ? sag : 0) + (g.chance(0.5) ? 0 : s.h * g.sign() * g.log_uniform(1e-12, 1))};
     }
     if (s.type == "torus") { // on it, to rounding
         const sgt_torus &t = *static_cast<const sgt_torus *>(s.s.self);
-        const double a = g.uniform(0, 6.283185307179586), off = t.minor * (g.chance(0.7) ? 1 : g.uniform(0, 2)), w = t.major + off * std::cos(a);
+        const double a = g.uniform(0, 6.283185307179586),
+                     off = t.minor * (g.chance(0.7) ? 1 : g.uniform(0, 2)), w = t.major + off * std::cos(a);
         return {w * std::cos(about), w * std::sin(about), off * std::sin(a)};
     }
     const double z = g.uniform(-reach, reach) * s.h;
     if (s.type == "ellipsoid") {
         const sgt_ellipsoid &e = *static_cast<const sgt_ellipsoid *>(s.s.self);
-        const double u = g.uniform(-1, 1), w = std::sqrt(1 - u * u) * e.a, off = g.chance(0.7) ? 1 : g.uniform(0, 2);
+        const double u = g.uniform(-1, 1), w = std::sqrt(1 - u * u) * e.a,
+                     off = g.chance(0.7) ? 1 : g.uniform(0, 2);
         return {off * w * std::cos(about), off * w * std::sin(about), off * u * e.a * (1 - e.f)};
     }
     // Down the z axis to where the quadric is, if it is.
-    const double f0 = f(x, y, z), f1 = f(x, y, z + s.h), f2 = f(x, y, z - s.h), A = (f1 + f2) / 2 - f0, B = (f1 - f2) / 2, D = B * B - 4 * A * f0;
-    const double q = -(B + (B < 0 ? -1 : 1) * std::sqrt(D > 0 ? D : 0)) / 2, to = D > 0 && q != 0 ? f0 / q : 0;
+    const double f0 = f(x, y, z), f1 = f(x, y, z + s.h), f2 = f(x, y, z - s.h), A = (f1 + f2) / 2 - f0,
+                 B = (f1 - f2) / 2, D = B * B - 4 * A * f0;
+    const double q = -(B + (B < 0 ? -1 : 1) * std::sqrt(D > 0 ? D : 0)) / 2,
+                 to = D > 0 && q != 0 ? f0 / q : 0;
     return {x, y, z + s.h * (std::fabs(to) < 10 ? to : 0)};
 }
 

@@ -1,12 +1,14 @@
 // The clear aperture of an element is the rim of its surface in a proof.
 //
-// Each type without a semi_diameter, behind an aperture, against the same with the aperture for its semi_diameter: what
-// sgt_intersect proves of the one, root or first, near the seed, sgt_trace has to prove of the other.  And what a trace proves is so: of
-// the judge's roots (judge.h) within the aperture there is one, within t_err.  sgt_trace_batch has the same bits.  Then rays parallel to the axis
-// at the rim and a few ulps beside it, where r^2 in 113 bits says on which side they are: what is proven has to be so.  Then a lens of six odd
-// aspheres in a few millimetres, conic constants up to 39 and slopes beyond a half, whose sags end or turn back not far behind the
-// apertures: every ray of it is proven, singly and in a batch, near the axis and far off it.  And of rays past the aperture, without a
-// proof, which a trace clips: within it the judge finds no root.
+// Each type without a semi_diameter, behind an aperture, against the same with the aperture for its
+// semi_diameter: what sgt_intersect proves of the one, root or first, near the seed, sgt_trace has to prove
+// of the other.  And what a trace proves is so: of the judge's roots (judge.h) within the aperture there is
+// one, within t_err.  sgt_trace_batch has the same bits.  Then rays parallel to the axis at the rim and a
+// few ulps beside it, where r^2 in 113 bits says on which side they are: what is proven has to be so.  Then
+// a lens of six odd aspheres in a few millimetres, conic constants up to 39 and slopes beyond a half, whose
+// sags end or turn back not far behind the apertures: every ray of it is proven, singly and in a batch,
+// near the axis and far off it.  And of rays past the aperture, without a proof, which a trace clips:
+// within it the judge finds no root.
 #include "judge.h"
 
 #include <sagitta/system.h>
@@ -37,7 +39,8 @@ struct traced {
 };
 
 // Many rays through one element, singly and together: the same, or it fails.
-std::vector<traced> trace(const sgt_element &e, const std::vector<sgt_ray> &rays, const sgt_options &opt, const char *type)
+std::vector<traced> trace(const sgt_element &e, const std::vector<sgt_ray> &rays, const sgt_options &opt,
+                          const char *type)
 {
     const std::size_t n = rays.size();
     std::vector<double> a[6], told[8];
@@ -46,16 +49,21 @@ std::vector<traced> trace(const sgt_element &e, const std::vector<sgt_ray> &rays
     for (std::vector<double> &x : a) x.resize(n);
     for (std::vector<double> &x : told) x.resize(n);
     for (std::size_t i = 0; i < n; i++) {
-        const double numbers[6] = {rays[i].o.x, rays[i].o.y, rays[i].o.z, rays[i].d.x, rays[i].d.y, rays[i].d.z};
+        const double numbers[6] = {rays[i].o.x, rays[i].o.y, rays[i].o.z,
+                                   rays[i].d.x, rays[i].d.y, rays[i].d.z};
         for (int k = 0; k < 6; k++) a[k][i] = numbers[k];
     }
     sgt_passages p = {};
-    p.hits.status = status.data(), p.hits.evals = evals.data(), p.hits.t = told[0].data(), p.hits.t_err = told[1].data(), p.hits.t_lo = told[2].data();
+    p.hits.status = status.data(), p.hits.evals = evals.data(), p.hits.t = told[0].data(),
+    p.hits.t_err = told[1].data(), p.hits.t_lo = told[2].data();
     p.hits.p_err = told[3].data(), p.opl = told[4].data();
     for (int k = 0; k < 3; k++) p.hits.p[k] = told[5 + k].data();
     sgt_traced out = {};
     out.fate = fate.data();
-    sgt_trace_batch(1, &e, 1, n, {{a[0].data(), a[1].data(), a[2].data()}, {a[3].data(), a[4].data(), a[5].data()}, nullptr, nullptr}, out, &p, &opt);
+    sgt_trace_batch(
+        1, &e, 1, n,
+        {{a[0].data(), a[1].data(), a[2].data()}, {a[3].data(), a[4].data(), a[5].data()}, nullptr, nullptr},
+        out, &p, &opt);
     std::vector<traced> all(n);
     for (std::size_t i = 0; i < n; i++) {
         sgt_ray ray = rays[i];
@@ -63,10 +71,14 @@ std::vector<traced> trace(const sgt_element &e, const std::vector<sgt_ray> &rays
         const sgt_hit &h = all[i].at.hit;
         const double one[8] = {h.t, h.t_err, h.t_lo, h.p_err, all[i].at.opl, h.p.x, h.p.y, h.p.z};
         bool same = fate[i] == all[i].fate && status[i] == h.status && evals[i] == h.evals;
-        for (int k = 0; k < 8; k++) same = same && (one[k] == told[k][i] || (one[k] != one[k] && told[k][i] != told[k][i]));
+        for (int k = 0; k < 8; k++)
+            same = same && (one[k] == told[k][i] || (one[k] != one[k] && told[k][i] != told[k][i]));
         if (!same && failures++ < 12)
-            std::printf("FAIL %s: ray %zu of a batch is not the single one: %s %s evals %d t %a +- %a, %s %s evals %d t %a +- %a\n", type, i, sgt_fate_text(sgt_fate(fate[i])), sgt_status_text(sgt_status(status[i])),
-                        evals[i], told[0][i], told[1][i], sgt_fate_text(all[i].fate), sgt_status_text(h.status), h.evals, h.t, h.t_err);
+            std::printf("FAIL %s: ray %zu of a batch is not the single one: %s %s evals %d t %a +- %a, %s %s "
+                        "evals %d t %a +- %a\n",
+                        type, i, sgt_fate_text(sgt_fate(fate[i])), sgt_status_text(sgt_status(status[i])),
+                        evals[i], told[0][i], told[1][i], sgt_fate_text(all[i].fate),
+                        sgt_status_text(h.status), h.evals, h.t, h.t_err);
     }
     return all;
 }
@@ -74,8 +86,10 @@ std::vector<traced> trace(const sgt_element &e, const std::vector<sgt_ray> &rays
 // A ray at a point within the aperture, of unit length.
 sgt_ray aimed(generator &g, const subject &of, double h)
 {
-    const double r = h * std::sqrt(g.uniform(0, 0.98)), a = g.uniform(0, 6.2831853), x = r * std::cos(a), y = r * std::sin(a), z = -of.rough(x, y, 0.0);
-    const double tilt = g.chance(0.8) ? g.uniform(0, 0.8) : g.uniform(0, 1.5), b = g.uniform(0, 6.2831853), away = h * g.log_uniform(0.5, 30);
+    const double r = h * std::sqrt(g.uniform(0, 0.98)), a = g.uniform(0, 6.2831853), x = r * std::cos(a),
+                 y = r * std::sin(a), z = -of.rough(x, y, 0.0);
+    const double tilt = g.chance(0.8) ? g.uniform(0, 0.8) : g.uniform(0, 1.5), b = g.uniform(0, 6.2831853),
+                 away = h * g.log_uniform(0.5, 30);
     const sgt_vec3 d = {std::sin(tilt) * std::cos(b), std::sin(tilt) * std::sin(b), std::cos(tilt)};
     return {{x - away * d.x, y - away * d.y, z - away * d.z}, d, -HUGE_VAL, HUGE_VAL};
 }
@@ -84,7 +98,9 @@ sgt_ray global(const sgt_pose &p, sgt_ray ray)
 {
     if (p.ex.x == 0 && p.ey.y == 0) return ray;
     auto turned = [&](sgt_vec3 a) {
-        return sgt_vec3{a.x * p.ex.x + a.y * p.ey.x + a.z * p.ez.x, a.x * p.ex.y + a.y * p.ey.y + a.z * p.ez.y, a.x * p.ex.z + a.y * p.ey.z + a.z * p.ez.z};
+        return sgt_vec3{a.x * p.ex.x + a.y * p.ey.x + a.z * p.ez.x,
+                        a.x * p.ex.y + a.y * p.ey.y + a.z * p.ez.y,
+                        a.x * p.ex.z + a.y * p.ey.z + a.z * p.ez.z};
     };
     ray.o = turned(ray.o), ray.d = turned(ray.d);
     ray.o = {ray.o.x + p.origin.x, ray.o.y + p.origin.y, ray.o.z + p.origin.z};
@@ -94,7 +110,8 @@ sgt_ray global(const sgt_pose &p, sgt_ray ray)
 void types_by_aperture(generator &g, double scale)
 {
     std::printf("%-14s %7s %9s %9s %9s\n", "type", "rays", "intersect", "trace", "alone");
-    for (const char *type : {"odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "sum", "toroidal", "biconic", "cylinder"}) {
+    for (const char *type : {"odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid",
+                             "sum", "toroidal", "biconic", "cylinder"}) {
         long asked = 0, by_rim = 0, by_trace = 0, alone = 0;
         for (int i = 0; i < std::max(1, static_cast<int>(30 * scale)); i++) {
             specimen s;
@@ -113,10 +130,14 @@ void types_by_aperture(generator &g, double scale)
                 const std::vector<traced> all = trace(e, rays, opt, type);
                 for (std::size_t j = 0; j < rays.size(); j++) {
                     const sgt_hit a = sgt_intersect(s.s, rays[j], &opt), &b = all[j].at.hit;
-                    asked++, by_rim += a.status == SGT_HIT, by_trace += all[j].fate == SGT_PASSED && b.status == SGT_HIT;
+                    asked++, by_rim += a.status == SGT_HIT,
+                        by_trace += all[j].fate == SGT_PASSED && b.status == SGT_HIT;
                     const char *wrong = nullptr;
-                    if (a.status == SGT_HIT && !(all[j].fate == SGT_PASSED && b.status == SGT_HIT)) wrong = "not proven by the trace";
-                    else if (proof == SGT_PROVE_FIRST && a.status == SGT_HIT && !(std::fabs(a.t - b.t) <= a.t_err + b.t_err + 1e-13 * s.rim)) wrong = "another root";
+                    if (a.status == SGT_HIT && !(all[j].fate == SGT_PASSED && b.status == SGT_HIT))
+                        wrong = "not proven by the trace";
+                    else if (proof == SGT_PROVE_FIRST && a.status == SGT_HIT &&
+                             !(std::fabs(a.t - b.t) <= a.t_err + b.t_err + 1e-13 * s.rim))
+                        wrong = "another root";
                     if (b.status == SGT_HIT && proof == SGT_PROVE_FIRST && j < 3) {
                         const judgement is(of, rays[j], 300);
                         int inside = 0, near = 0, edge = 0;
@@ -125,12 +146,16 @@ void types_by_aperture(generator &g, double scale)
                             inside += !r.edge, edge += r.edge;
                         }
                         alone++;
-                        if (is.doubtful.empty() && !edge && (inside != 1 || near != 1)) wrong = "proven to be alone, and it is not";
+                        if (is.doubtful.empty() && !edge && (inside != 1 || near != 1))
+                            wrong = "proven to be alone, and it is not";
                     }
                     if (wrong && failures++ < 12) {
-                        std::printf("FAIL %s, proof %d: %s: %s t %.17g +- %g; %s %s t %.17g +- %g\n", type, proof, wrong, sgt_status_text(a.status), a.t, a.t_err, sgt_fate_text(all[j].fate), sgt_status_text(b.status), b.t, b.t_err);
+                        std::printf("FAIL %s, proof %d: %s: %s t %.17g +- %g; %s %s t %.17g +- %g\n", type,
+                                    proof, wrong, sgt_status_text(a.status), a.t, a.t_err,
+                                    sgt_fate_text(all[j].fate), sgt_status_text(b.status), b.t, b.t_err);
                         print_surface(s.s);
-                        std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}}\n", rays[j].o.x, rays[j].o.y, rays[j].o.z, rays[j].d.x, rays[j].d.y, rays[j].d.z);
+                        std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}}\n", rays[j].o.x, rays[j].o.y,
+                                    rays[j].o.z, rays[j].d.x, rays[j].d.y, rays[j].d.z);
                     }
                 }
             }
@@ -144,7 +169,8 @@ specimen hump(generator &g, bool even)
 {
     specimen s = {};
     s.type = even ? "even_asphere" : "odd_asphere", s.sag = true, s.rim = s.h = g.uniform(0.5, 2);
-    const double wide = g.uniform(1.2, 1.6) * s.rim, high = g.uniform(-2, 2), a2 = high / wide, a4 = -a2 / wide / wide;
+    const double wide = g.uniform(1.2, 1.6) * s.rim, high = g.uniform(-2, 2), a2 = high / wide,
+                 a4 = -a2 / wide / wide;
     if (even) s.s = {&sgt_asphere_ops, s.keep(sgt_asphere{0, 0, s.rim, {a2, a4}})};
     else s.s = {&sgt_odd_asphere_ops, s.keep(sgt_odd_asphere{0, 0, s.rim, {0, a2, 0, a4}})};
     return s;
@@ -166,11 +192,13 @@ specimen with_rim(generator &g, const std::string &type)
     return s;
 }
 
-// A ray that a trace clips meets the surface outside the aperture, and nowhere within: of the judge's roots there is none.
+// A ray that a trace clips meets the surface outside the aperture, and nowhere within: of the judge's roots
+// there is none.
 void clipped(generator &g, double scale)
 {
     std::printf("%-14s %7s %9s %9s %9s\n", "clipped", "rays", "passed", "clipped", "judged");
-    for (const char *type : {"conic", "asphere", "hump", "odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "sum", "toroidal", "biconic", "cylinder"}) {
+    for (const char *type : {"conic", "asphere", "hump", "odd_asphere", "polynomial_xy", "chebyshev",
+                             "zernike", "q_con", "q_bfs", "grid", "sum", "toroidal", "biconic", "cylinder"}) {
         long asked = 0, passed = 0, stopped = 0, judged = 0;
         for (int i = 0; i < std::max(1, static_cast<int>(30 * scale)); i++) {
             const specimen s = with_rim(g, type);
@@ -196,9 +224,11 @@ void clipped(generator &g, double scale)
                 for (const root &r : is.roots) inside += !r.edge;
                 judged++;
                 if (inside && is.doubtful.empty() && failures++ < 12) {
-                    std::printf("FAIL %s: clipped at t %.17g +- %g, and %ld roots inside, at %.17g\n", type, all[j].at.hit.t, all[j].at.hit.t_err, inside, plain(is.roots[0].t));
+                    std::printf("FAIL %s: clipped at t %.17g +- %g, and %ld roots inside, at %.17g\n", type,
+                                all[j].at.hit.t, all[j].at.hit.t_err, inside, plain(is.roots[0].t));
                     print_surface(e.surface);
-                    std::printf("    aperture %a, ray {{%a, %a, %a}, {%a, %a, %a}}\n", s.rim, local[j].o.x, local[j].o.y, local[j].o.z, local[j].d.x, local[j].d.y, local[j].d.z);
+                    std::printf("    aperture %a, ray {{%a, %a, %a}, {%a, %a, %a}}\n", s.rim, local[j].o.x,
+                                local[j].o.y, local[j].o.z, local[j].d.x, local[j].d.y, local[j].d.z);
                 }
             }
         }
@@ -210,15 +240,19 @@ void clipped(generator &g, double scale)
 void on_the_rim(generator &g, double scale)
 {
     std::printf("%-14s %7s %9s %9s %9s\n", "on the rim", "rays", "hits", "misses", "unproven");
-    for (const char *type : {"conic", "asphere", "odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "sum", "toroidal", "biconic", "cylinder"}) {
+    for (const char *type : {"conic", "asphere", "odd_asphere", "polynomial_xy", "chebyshev", "zernike",
+                             "q_con", "q_bfs", "grid", "sum", "toroidal", "biconic", "cylinder"}) {
         long asked = 0, hits = 0, misses = 0, unproven = 0;
         for (int i = 0; i < std::max(1, static_cast<int>(20 * scale)); i++) {
             const specimen s = with_rim(g, type);
             const bool even = s.type == "conic" || s.type == "asphere";
             const quad rim2 = quad(s.rim * s.rim * (1 + 0x1p-44)); // as the header says, in doubles
             for (int j = 0; j < 40; j++) {
-                const double a = g.chance(0.3) ? 1.5707963267948966 * g.below(4) : g.uniform(0, 6.2831853), r = s.rim * (1 + 0x1p-45) * (1 + (g.below(33) - 16) * (g.chance(0.3) ? 0x1p-46 : 0x1p-53));
-                const double x = g.chance(0.2) ? r : r * std::cos(a), y = x == r ? 0 : r * std::sin(a), below = 3 * s.rim;
+                const double a = g.chance(0.3) ? 1.5707963267948966 * g.below(4) : g.uniform(0, 6.2831853),
+                             r = s.rim * (1 + 0x1p-45) *
+                                 (1 + (g.below(33) - 16) * (g.chance(0.3) ? 0x1p-46 : 0x1p-53));
+                const double x = g.chance(0.2) ? r : r * std::cos(a), y = x == r ? 0 : r * std::sin(a),
+                             below = 3 * s.rim;
                 const sgt_ray ray = {{x, y, -below}, {0, 0, 1}, -HUGE_VAL, HUGE_VAL};
                 const double there = s.s.ops->value(s.s.self, ray.o, nullptr);
                 if (there != there) continue; // beyond the edge of a grid
@@ -226,7 +260,8 @@ void on_the_rim(generator &g, double scale)
                 const bool hidden = oracle::magnitude(beyond) <= rim2 * quad(0x1p-46);
                 for (int ask = 0; ask < 4; ask++) {
                     sgt_options opt = {};
-                    opt.proof = ask & 1 ? SGT_PROVE_FIRST : SGT_PROVE_ROOT, opt.pick = ask & 2 ? SGT_NEAR_SEED : SGT_FIRST;
+                    opt.proof = ask & 1 ? SGT_PROVE_FIRST : SGT_PROVE_ROOT,
+                    opt.pick = ask & 2 ? SGT_NEAR_SEED : SGT_FIRST;
                     sgt_hit h = sgt_intersect(s.s, ray, &opt);
                     for (int traced = 0; traced < (ask & 2 ? 2 : 1); traced++) {
                         if (traced) { // by the slope, mostly
@@ -237,10 +272,15 @@ void on_the_rim(generator &g, double scale)
                             sgt_trace(1, &e, 1, &way, &p, nullptr, &opt);
                             h = p.hit;
                         }
-                        asked++, hits += h.status == SGT_HIT, misses += h.status == SGT_MISS, unproven += h.status == SGT_UNPROVEN;
-                        const bool wrong = (h.status == SGT_HIT && beyond > 0) || (h.status == SGT_MISS && beyond < 0) || (h.status == SGT_UNPROVEN && !hidden && even);
+                        asked++, hits += h.status == SGT_HIT, misses += h.status == SGT_MISS,
+                            unproven += h.status == SGT_UNPROVEN;
+                        const bool wrong = (h.status == SGT_HIT && beyond > 0) ||
+                                           (h.status == SGT_MISS && beyond < 0) ||
+                                           (h.status == SGT_UNPROVEN && !hidden && even);
                         if (wrong && failures++ < 12) {
-                            std::printf("FAIL %s on the rim, %s, proof %d, pick %d: %s, r^2 is %.3g beyond\n", type, traced ? "traced" : "met", opt.proof, opt.pick, sgt_status_text(h.status), plain(beyond / rim2));
+                            std::printf("FAIL %s on the rim, %s, proof %d, pick %d: %s, r^2 is %.3g beyond\n",
+                                        type, traced ? "traced" : "met", opt.proof, opt.pick,
+                                        sgt_status_text(h.status), plain(beyond / rim2));
                             print_surface(s.s);
                             std::printf("    x %a y %a\n", x, y);
                         }
@@ -255,19 +295,30 @@ void on_the_rim(generator &g, double scale)
 void lens_of_six()
 {
     static const sgt_odd_asphere six[6] = {
-        {1 / 1.9, 0.4, 0, {0, 0, 0.004, -0.012, 0.003, 0.006, -0.002, -0.004}}, {-1 / 7.6, 39.18, 0, {0, 0, 0.006, 0.03, -0.01, -0.02, 0.004, 0.006}},
-        {-1 / 5.1, 3.7, 0, {0, 0, 0.01, 0.06, -0.02, -0.03, 0.01, 0.008}},     {1 / 6.9, 22.5, 0, {0, 0, 0, 0.05, -0.01, 0.01, 0, -0.005}},
-        {1 / 11.0, 39.18, 0, {0, 0, -0.02, -0.05, 0.02, 0.01, 0, -0.002}},     {-1 / 3.2, -4, 0, {0, 0, 0.05, -0.06, 0.01, 0.006, -0.002, 0}}};
-    const double semi_diameter[6] = {0.85, 0.95, 0.95, 1.0, 1.3, 1.4}, thickness[6] = {0.7, 0.15, 0.3, 0.6, 0.7, 0}, index[6] = {1.544, 1, 1.639, 1, 1.544, 1};
+        {1 / 1.9, 0.4, 0, {0, 0, 0.004, -0.012, 0.003, 0.006, -0.002, -0.004}},
+        {-1 / 7.6, 39.18, 0, {0, 0, 0.006, 0.03, -0.01, -0.02, 0.004, 0.006}},
+        {-1 / 5.1, 3.7, 0, {0, 0, 0.01, 0.06, -0.02, -0.03, 0.01, 0.008}},
+        {1 / 6.9, 22.5, 0, {0, 0, 0, 0.05, -0.01, 0.01, 0, -0.005}},
+        {1 / 11.0, 39.18, 0, {0, 0, -0.02, -0.05, 0.02, 0.01, 0, -0.002}},
+        {-1 / 3.2, -4, 0, {0, 0, 0.05, -0.06, 0.01, 0.006, -0.002, 0}}};
+    const double semi_diameter[6] = {0.85, 0.95, 0.95, 1.0, 1.3, 1.4},
+                 thickness[6] = {0.7, 0.15, 0.3, 0.6, 0.7, 0}, index[6] = {1.544, 1, 1.639, 1, 1.544, 1};
     sgt_element e[6] = {};
     double z = 0;
-    for (int i = 0; i < 6; z += thickness[i], i++) e[i].surface = {&sgt_odd_asphere_ops, &six[i]}, e[i].pose.origin.z = z, e[i].index = index[i], e[i].semi_diameter = semi_diameter[i];
+    for (int i = 0; i < 6; z += thickness[i], i++)
+        e[i].surface = {&sgt_odd_asphere_ops, &six[i]}, e[i].pose.origin.z = z, e[i].index = index[i],
+        e[i].semi_diameter = semi_diameter[i];
     for (double degrees : {0.0, 10.0, 25.0})
         for (sgt_proof proof : {SGT_PROVE_ROOT, SGT_PROVE_FIRST}) {
             std::vector<double> a[6];
             const double angle = degrees * 3.141592653589793 / 180;
             for (int i = 0; i < 2025; i++) {
-                const double start[6] = {0.5 * ((i % 45) / 22.0 - 1), 0.5 * ((i / 45) / 22.0 - 1) - std::tan(angle), -1, 0, std::sin(angle), std::cos(angle)};
+                const double start[6] = {0.5 * ((i % 45) / 22.0 - 1),
+                                         0.5 * ((i / 45) / 22.0 - 1) - std::tan(angle),
+                                         -1,
+                                         0,
+                                         std::sin(angle),
+                                         std::cos(angle)};
                 for (int k = 0; k < 6; k++) a[k].push_back(start[k]);
             }
             sgt_options opt = {};
@@ -277,8 +328,14 @@ void lens_of_six()
                 sgt_ray ray = {{a[0][i], a[1][i], a[2][i]}, {a[3][i], a[4][i], a[5][i]}, 0, 0};
                 single += sgt_trace(6, e, 1, &ray, nullptr, nullptr, &opt) == 6;
             }
-            const std::size_t together = sgt_trace_batch(6, e, 1, 2025, {{a[0].data(), a[1].data(), a[2].data()}, {a[3].data(), a[4].data(), a[5].data()}, nullptr, nullptr}, {}, nullptr, &opt);
-            std::printf("six odd aspheres, %g degrees, %s: %ld of 2025 proven, %zu of them in a batch\n", degrees, proof == SGT_PROVE_ROOT ? "root" : "first", single, together);
+            const std::size_t together = sgt_trace_batch(6, e, 1, 2025,
+                                                         {{a[0].data(), a[1].data(), a[2].data()},
+                                                          {a[3].data(), a[4].data(), a[5].data()},
+                                                          nullptr,
+                                                          nullptr},
+                                                         {}, nullptr, &opt);
+            std::printf("six odd aspheres, %g degrees, %s: %ld of 2025 proven, %zu of them in a batch\n",
+                        degrees, proof == SGT_PROVE_ROOT ? "root" : "first", single, together);
             if (single != 2025 || together != 2025) failures++, std::printf("FAIL: not all\n");
         }
 }
@@ -287,7 +344,8 @@ void lens_of_six()
 
 int main()
 {
-    const char *seed_given = std::getenv("SAGITTA_TEST_SEED"), *scale_given = std::getenv("SAGITTA_TEST_SCALE");
+    const char *seed_given = std::getenv("SAGITTA_TEST_SEED"),
+               *scale_given = std::getenv("SAGITTA_TEST_SCALE");
     const std::uint64_t seed = seed_given ? std::strtoull(seed_given, nullptr, 0) : 20261123;
     std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
     generator g(seed);

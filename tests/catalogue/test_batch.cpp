@@ -1,6 +1,6 @@
-// A batch of rays on each surface of the catalogue is what each ray alone is, to the bit: hostile rays, options and
-// parameters beside ordinary ones, any number of rays, outputs left out, arrays that nobody may write beyond.  And so
-// with lenses of such surfaces: sgt_trace_batch is sgt_trace.
+// A batch of rays on each surface of the catalogue is what each ray alone is, to the bit: hostile rays,
+// options and parameters beside ordinary ones, any number of rays, outputs left out, arrays that nobody may
+// write beyond.  And so with lenses of such surfaces: sgt_trace_batch is sgt_trace.
 #include "judge.h"
 
 #include <sagitta/system.h>
@@ -17,7 +17,9 @@ bool same(const sgt_vec3 &a, const sgt_vec3 &b) { return same(a.x, b.x) && same(
 
 double hostile_number(generator &g)
 {
-    static const double bad[] = {0, -0.0, 0x1p-1074, 0x1p-1022, -1e-300, 1e-160, 1e-16, 1, -1, 1e8, -1e16, 1e100, 1e154, -1e160, 1e300, DBL_MAX, -DBL_MAX, NAN, HUGE_VAL, -HUGE_VAL};
+    static const double bad[] = {0,     -0.0,    0x1p-1074, 0x1p-1022, -1e-300,  1e-160,   1e-16,
+                                 1,     -1,      1e8,       -1e16,     1e100,    1e154,    -1e160,
+                                 1e300, DBL_MAX, -DBL_MAX,  NAN,       HUGE_VAL, -HUGE_VAL};
     if (g.chance(0.2)) {
         const std::uint64_t bits = g.bits();
         double x;
@@ -41,7 +43,8 @@ sgt_ray hostile_ray(generator &g, const subject &of)
         for (int n = 1 + g.below(3); n > 0; n--) *component(r, g.below(8)) = hostile_number(g);
         break;
     case 1: {
-        const double k = std::pow(10, g.uniform(-320, 308)), j = g.chance(0.5) ? 1 : std::pow(10, g.uniform(-320, 308));
+        const double k = std::pow(10, g.uniform(-320, 308)),
+                     j = g.chance(0.5) ? 1 : std::pow(10, g.uniform(-320, 308));
         for (int i = 0; i < 6; i++) *component(r, i) *= i < 3 ? k : j;
         break;
     }
@@ -77,10 +80,15 @@ sgt_options hostile_options(generator &g)
 // Any number of the struct's own.
 void spoil(generator &g, specimen *s)
 {
-    static const std::map<std::string, int> numbers = {{"odd_asphere", 19}, {"polynomial_xy", 3}, {"chebyshev", 5}, {"zernike", 4}, {"q_con", 4}, {"q_bfs", 3}, {"grid", 5}, {"sum", 3}, {"toroidal", 12},
-                                                       {"biconic", 5}, {"cylinder", 5}, {"quadric", 10}, {"ellipsoid", 2}, {"torus", 2}};
+    static const std::map<std::string, int> numbers = {
+        {"odd_asphere", 19}, {"polynomial_xy", 3}, {"chebyshev", 5}, {"zernike", 4},   {"q_con", 4},
+        {"q_bfs", 3},        {"grid", 5},          {"sum", 3},       {"toroidal", 12}, {"biconic", 5},
+        {"cylinder", 5},     {"quadric", 10},      {"ellipsoid", 2}, {"torus", 2}};
     first_number(s->s)[g.below(numbers.at(s->type))] = g.chance(0.5) ? hostile_number(g) : g.uniform(-2, 2);
-    const double *rim = s->type == "q_bfs" ? first_number(s->s) + 1 : s->type == "toroidal" ? first_number(s->s) + 3 : s->type == "biconic" || s->type == "cylinder" ? first_number(s->s) + 4 : first_number(s->s) + 2;
+    const double *rim = s->type == "q_bfs"                              ? first_number(s->s) + 1
+                        : s->type == "toroidal"                         ? first_number(s->s) + 3
+                        : s->type == "biconic" || s->type == "cylinder" ? first_number(s->s) + 4
+                                                                        : first_number(s->s) + 2;
     if (s->sag) s->rim = *rim;
 }
 
@@ -88,7 +96,10 @@ struct array {
     std::vector<double> room;
     std::size_t from;
     bool wanted;
-    array(generator &g, std::size_t n, bool want) : room(n + 2 * guard, -77), from(guard / 2 + static_cast<std::size_t>(g.below(8))), wanted(want) {}
+    array(generator &g, std::size_t n, bool want)
+        : room(n + 2 * guard, -77), from(guard / 2 + static_cast<std::size_t>(g.below(8))), wanted(want)
+    {
+    }
     double *data() { return wanted ? room.data() + from : nullptr; }
     bool kept(std::size_t n) const
     {
@@ -98,16 +109,24 @@ struct array {
     }
 };
 
-void print_ray(const sgt_ray &r) { std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax); }
+void print_ray(const sgt_ray &r)
+{
+    std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z,
+                r.tmin, r.tmax);
+}
 void print_hit(const char *name, const sgt_hit &h)
 {
-    std::printf("    %s %s evals %d t %a t_err %a t_lo %a p %a %a %a +- %a n %a %a %a\n", name, sgt_status_text(h.status), h.evals, h.t, h.t_err, h.t_lo, h.p.x, h.p.y, h.p.z, h.p_err, h.n.x, h.n.y, h.n.z);
+    std::printf("    %s %s evals %d t %a t_err %a t_lo %a p %a %a %a +- %a n %a %a %a\n", name,
+                sgt_status_text(h.status), h.evals, h.t, h.t_err, h.t_lo, h.p.x, h.p.y, h.p.z, h.p_err, h.n.x,
+                h.n.y, h.n.z);
 }
 
-void fail(const char *why, const specimen &s, const sgt_ray *ray, const sgt_options &o, const sgt_hit *alone, const sgt_hit *batch)
+void fail(const char *why, const specimen &s, const sgt_ray *ray, const sgt_options &o, const sgt_hit *alone,
+          const sgt_hit *batch)
 {
     if (failed[s.type + ": " + why]++ >= 2) return;
-    std::printf("FAIL %s, %s; options t_tol %a dt_min %a max_evals %d pick %d proof %d\n", s.type.c_str(), why, o.t_tol, o.dt_min, o.max_evals, static_cast<int>(o.pick), static_cast<int>(o.proof));
+    std::printf("FAIL %s, %s; options t_tol %a dt_min %a max_evals %d pick %d proof %d\n", s.type.c_str(),
+                why, o.t_tol, o.dt_min, o.max_evals, static_cast<int>(o.pick), static_cast<int>(o.proof));
     print_surface(s.s);
     if (ray) print_ray(*ray);
     if (alone) print_hit("alone", *alone);
@@ -121,14 +140,17 @@ std::size_t one_batch(generator &g, const char *type)
     specimen s = random_specimen(g, type, g.chance(0.05));
     const subject of(s);
     if (g.chance(0.1)) spoil(g, &s);
-    const std::size_t n = g.chance(0.2) ? static_cast<std::size_t>(g.below(4)) : static_cast<std::size_t>(g.chance(0.1) ? static_cast<int>(most) : g.below(140));
+    const std::size_t n = g.chance(0.2) ? static_cast<std::size_t>(g.below(4))
+                                        : static_cast<std::size_t>(g.chance(0.1) ? static_cast<int>(most)
+                                                                                 : g.below(140));
     const sgt_options options = hostile_options(g);
     const int mixture = g.below(3);
     std::vector<sgt_ray> rays;
     std::vector<sgt_hit> alone;
     const bool no_tmin = g.chance(0.2), no_tmax = g.chance(0.2);
     for (std::size_t i = 0; i < n; i++) {
-        rays.push_back(mixture == 0 || (mixture == 1 && i % 2) ? hostile_ray(g, of) : random_ray(g, of, ordinary));
+        rays.push_back(mixture == 0 || (mixture == 1 && i % 2) ? hostile_ray(g, of)
+                                                               : random_ray(g, of, ordinary));
         if (no_tmin) rays.back().tmin = 0;
         if (no_tmax) rays.back().tmax = HUGE_VAL;
         alone.push_back(sgt_intersect(s.s, rays.back(), &options));
@@ -138,18 +160,30 @@ std::size_t one_batch(generator &g, const char *type)
         std::vector<array> in, out;
         for (int k = 0; k < 8; k++) in.emplace_back(g, n, k < 6 || !(k == 6 ? no_tmin : no_tmax));
         const bool all = g.chance(0.4), points = all || g.chance(0.5), normals = all || g.chance(0.5);
-        for (int k = 0; k < 10; k++) out.emplace_back(g, n, k < 4 ? all || g.chance(0.5) : k < 7 ? points : normals);
+        for (int k = 0; k < 10; k++)
+            out.emplace_back(g, n, k < 4 ? all || g.chance(0.5) : k < 7 ? points : normals);
         std::vector<std::size_t> order;
         for (std::size_t i = 0; i < n; i++) order.push_back(i);
-        for (std::size_t i = n; twice && i > 1; i--) std::swap(order[i - 1], order[static_cast<std::size_t>(g.below(static_cast<int>(i)))]);
+        for (std::size_t i = n; twice && i > 1; i--)
+            std::swap(order[i - 1], order[static_cast<std::size_t>(g.below(static_cast<int>(i)))]);
         for (int k = 0; k < 8; k++)
-            for (std::size_t i = 0; i < n && in[static_cast<std::size_t>(k)].wanted; i++) in[static_cast<std::size_t>(k)].data()[i] = *component(rays[order[i]], k);
+            for (std::size_t i = 0; i < n && in[static_cast<std::size_t>(k)].wanted; i++)
+                in[static_cast<std::size_t>(k)].data()[i] = *component(rays[order[i]], k);
         std::vector<signed char> status(n + 2, 99);
         std::vector<int> evals(n + 2, 99);
-        const sgt_rays r = {{in[0].data(), in[1].data(), in[2].data()}, {in[3].data(), in[4].data(), in[5].data()}, in[6].data(), in[7].data()};
+        const sgt_rays r = {{in[0].data(), in[1].data(), in[2].data()},
+                            {in[3].data(), in[4].data(), in[5].data()},
+                            in[6].data(),
+                            in[7].data()};
         const bool want_status = all || g.chance(0.7), want_evals = all || g.chance(0.5);
-        const sgt_hits h = {want_status ? status.data() + 1 : nullptr, want_evals ? evals.data() + 1 : nullptr, out[0].data(), out[1].data(), out[2].data(),
-                            {out[4].data(), out[5].data(), out[6].data()}, {out[7].data(), out[8].data(), out[9].data()}, out[3].data()};
+        const sgt_hits h = {want_status ? status.data() + 1 : nullptr,
+                            want_evals ? evals.data() + 1 : nullptr,
+                            out[0].data(),
+                            out[1].data(),
+                            out[2].data(),
+                            {out[4].data(), out[5].data(), out[6].data()},
+                            {out[7].data(), out[8].data(), out[9].data()},
+                            out[3].data()};
         const std::size_t met = sgt_intersect_batch(s.s, n, r, h, &options);
         std::size_t expected = 0;
         for (std::size_t k = 0; k < n; k++) {
@@ -164,13 +198,15 @@ std::size_t one_batch(generator &g, const char *type)
             if (h.p_err) b.p_err = h.p_err[k];
             if (h.p[0]) b.p = {h.p[0][k], h.p[1][k], h.p[2][k]};
             if (h.n[0]) b.n = {h.n[0][k], h.n[1][k], h.n[2][k]};
-            if (!(a.status == b.status && a.evals == b.evals && same(a.t, b.t) && same(a.t_err, b.t_err) && same(a.t_lo, b.t_lo) && same(a.p_err, b.p_err) && same(a.p, b.p) && same(a.n, b.n)))
+            if (!(a.status == b.status && a.evals == b.evals && same(a.t, b.t) && same(a.t_err, b.t_err) &&
+                  same(a.t_lo, b.t_lo) && same(a.p_err, b.p_err) && same(a.p, b.p) && same(a.n, b.n)))
                 fail("another answer in a batch", s, &rays[order[k]], options, &a, &b);
         }
         if (met != expected) fail("the count returned", s, nullptr, options, nullptr, nullptr);
         for (const array &a : out)
             if (!a.kept(n)) fail("written around an output", s, nullptr, options, nullptr, nullptr);
-        if (status[0] != 99 || status[n + 1] != 99 || evals[0] != 99 || evals[n + 1] != 99) fail("written around status or evals", s, nullptr, options, nullptr, nullptr);
+        if (status[0] != 99 || status[n + 1] != 99 || evals[0] != 99 || evals[n + 1] != 99)
+            fail("written around status or evals", s, nullptr, options, nullptr, nullptr);
     }
     return n;
 }
@@ -178,7 +214,9 @@ std::size_t one_batch(generator &g, const char *type)
 // A lens of one size: three to five sags, one behind the other, some of them tilted.
 std::size_t one_trace(generator &g)
 {
-    static const char *const sags[] = {"odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "sum", "toroidal", "biconic", "cylinder"};
+    static const char *const sags[] = {"odd_asphere", "polynomial_xy", "chebyshev", "zernike",
+                                       "q_con",       "q_bfs",         "grid",      "sum",
+                                       "toroidal",    "biconic",       "cylinder"};
     std::vector<specimen> parts;
     std::vector<sgt_element> lens;
     double z = 0;
@@ -191,7 +229,8 @@ std::size_t one_trace(generator &g)
         sgt_element e = {};
         e.surface = s.s;
         e.pose.origin = {0, 0, z += g.uniform(1, 10)};
-        if (g.chance(0.3)) e.pose = sgt_pose_tilted(e.pose.origin, {g.uniform(-5, 5), g.uniform(-5, 5), g.uniform(-90, 90)});
+        if (g.chance(0.3))
+            e.pose = sgt_pose_tilted(e.pose.origin, {g.uniform(-5, 5), g.uniform(-5, 5), g.uniform(-90, 90)});
         e.index = g.chance(0.1) ? SGT_MIRROR : g.uniform(1, 1.8);
         e.semi_diameter = g.chance(0.5) ? 0 : s.h * g.uniform(0.4, 1);
         lens.push_back(e);
@@ -203,8 +242,10 @@ std::size_t one_trace(generator &g)
     for (auto &v : in) v.resize(n);
     for (auto &v : out) v.resize(n);
     for (std::size_t i = 0; i < n; i++) {
-        const double r = 3 * std::sqrt(g.uniform(0, 1)), about = g.uniform(0, 6.283185307179586), l = g.uniform(-0.2, 0.2), m = g.uniform(-0.2, 0.2);
-        const double ray[6] = {r * std::cos(about), r * std::sin(about), -5, l, m, std::sqrt(1 - l * l - m * m)};
+        const double r = 3 * std::sqrt(g.uniform(0, 1)), about = g.uniform(0, 6.283185307179586),
+                     l = g.uniform(-0.2, 0.2), m = g.uniform(-0.2, 0.2);
+        const double ray[6] = {r * std::cos(about),         r * std::sin(about), -5, l, m,
+                               std::sqrt(1 - l * l - m * m)};
         for (int k = 0; k < 6; k++) in[k][i] = g.chance(0.01) ? hostile_number(g) : ray[k];
     }
     sgt_options options = {};
@@ -218,7 +259,11 @@ std::size_t one_trace(generator &g)
         passages[e].hits.status = status.data() + e * n;
         passages[e].opl = direction.data() + e * n;
     }
-    const sgt_traced traced = {fate.data(), passed.data(), {out[0].data(), out[1].data(), out[2].data()}, {out[3].data(), out[4].data(), out[5].data()}, out[6].data()};
+    const sgt_traced traced = {fate.data(),
+                               passed.data(),
+                               {out[0].data(), out[1].data(), out[2].data()},
+                               {out[3].data(), out[4].data(), out[5].data()},
+                               out[6].data()};
     sgt_trace_batch(elements, lens.data(), 1, n, rays, traced, passages.data(), &options);
     for (std::size_t i = 0; i < n; i++) {
         sgt_ray ray = {{in[0][i], in[1][i], in[2][i]}, {in[3][i], in[4][i], in[5][i]}, 0, 0};
@@ -227,11 +272,16 @@ std::size_t one_trace(generator &g)
         sgt_fate what;
         const std::size_t far = sgt_trace(elements, lens.data(), 1, &ray, own.data(), &what, &options);
         const sgt_vec3 p = {out[0][i], out[1][i], out[2][i]}, d = {out[3][i], out[4][i], out[5][i]};
-        bool good = static_cast<int>(far) == passed[i] && what == static_cast<sgt_fate>(fate[i]) && same(p, ray.o) && same(d, ray.d);
+        bool good = static_cast<int>(far) == passed[i] && what == static_cast<sgt_fate>(fate[i]) &&
+                    same(p, ray.o) && same(d, ray.d);
         for (std::size_t e = 0; e < elements && e <= far && good; e++)
-            good = same(own[e].hit.t, t[e * n + i]) && own[e].hit.status == static_cast<sgt_status>(status[e * n + i]) && same(own[e].opl, direction[e * n + i]);
+            good = same(own[e].hit.t, t[e * n + i]) &&
+                   own[e].hit.status == static_cast<sgt_status>(status[e * n + i]) &&
+                   same(own[e].opl, direction[e * n + i]);
         of_status[own[0].hit.status - SGT_INVALID]++;
-        if (!good) fail("another trace in a batch", parts[std::min(far, elements - 1)], &launched, options, &own[std::min(far, elements - 1)].hit, nullptr);
+        if (!good)
+            fail("another trace in a batch", parts[std::min(far, elements - 1)], &launched, options,
+                 &own[std::min(far, elements - 1)].hit, nullptr);
     }
     return n;
 }
@@ -240,7 +290,8 @@ void print_statuses(const char *name, double asked)
 {
     std::printf("%-14s %8.0f rays:", name, asked);
     for (int i = 7; i >= 0; i--)
-        if (of_status[i]) std::printf(" %s %ld", sgt_status_text(static_cast<sgt_status>(i + SGT_INVALID)), of_status[i]);
+        if (of_status[i])
+            std::printf(" %s %ld", sgt_status_text(static_cast<sgt_status>(i + SGT_INVALID)), of_status[i]);
     std::printf("\n");
     std::fflush(stdout);
     std::fill(of_status, of_status + 8, 0L);
@@ -257,7 +308,8 @@ int main(int argc, char **argv)
         generator g(r.seed ^ static_cast<std::uint64_t>(k) << 40);
         long asked = 0;
         while (asked < r.count) asked += static_cast<long>(one_batch(g, types[k]));
-        const bool one_sided = of_status[SGT_HIT - SGT_INVALID] < asked / 10 || of_status[SGT_MISS - SGT_INVALID] < asked / 100;
+        const bool one_sided = of_status[SGT_HIT - SGT_INVALID] < asked / 10 ||
+                               of_status[SGT_MISS - SGT_INVALID] < asked / 100;
         print_statuses(types[k], static_cast<double>(asked));
         if (one_sided && asked > 1000) failed[std::string(types[k]) + ": these rays are no test"]++;
     }

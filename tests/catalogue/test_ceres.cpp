@@ -1,8 +1,9 @@
 // Every root on the surfaces of the catalogue once more by Ceres: its solver and its Jets on formulas.h.
 //
-// Ceres minimises F^2 / 2 along the ray.  From beside each hit of sgt_intersect_all it must come back to it; wherever it
-// ends in a root from elsewhere, and that counts, the root is in an entry of the list.  Its Jets give F and its gradient at
-// each hit.  An end is a root where |F| is small and Newton's method in 113 bits closes in on it at once.
+// Ceres minimises F^2 / 2 along the ray.  From beside each hit of sgt_intersect_all it must come back to
+// it; wherever it ends in a root from elsewhere, and that counts, the root is in an entry of the list.  Its
+// Jets give F and its gradient at each hit.  An end is a root where |F| is small and Newton's method in 113
+// bits closes in on it at once.
 #include <ceres/tiny_solver.h>
 #include <ceres/tiny_solver_autodiff_function.h>
 
@@ -52,9 +53,11 @@ double solve(const residual &r, double tau)
 void fail(const char *why, const subject &of, const sgt_ray &ray, const sgt_hit &h, double number)
 {
     if (failed[of.s.type + ": " + why]++ >= 2) return;
-    std::printf("FAIL %s, %s: %.17g; %s t %.17g (%a) t_err %.3g [%g, %g]\n", of.s.type.c_str(), why, number, sgt_status_text(h.status), h.t, h.t, h.t_err, h.lo, h.hi);
+    std::printf("FAIL %s, %s: %.17g; %s t %.17g (%a) t_err %.3g [%g, %g]\n", of.s.type.c_str(), why, number,
+                sgt_status_text(h.status), h.t, h.t, h.t_err, h.lo, h.hi);
     print_surface(of.s.s);
-    std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z, ray.tmin, ray.tmax);
+    std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y,
+                ray.d.z, ray.tmin, ray.tmax);
 }
 
 void gradient(const subject &of, const sgt_ray &ray, const std::vector<double> &parameters, const sgt_hit &h)
@@ -62,18 +65,22 @@ void gradient(const subject &of, const sgt_ray &ray, const std::vector<double> &
     typedef ceres::Jet<double, 3> jet;
     const std::vector<jet> p(parameters.begin(), parameters.end());
     const jet f = level(of.s.s, p.data(), jet(h.p.x, 0), jet(h.p.y, 1), jet(h.p.z, 2));
-    const double off = std::max({std::fabs(h.n.x - f.v[0]), std::fabs(h.n.y - f.v[1]), std::fabs(h.n.z - f.v[2])});
+    const double off = std::max(
+        {std::fabs(h.n.x - f.v[0]), std::fabs(h.n.y - f.v[1]), std::fabs(h.n.z - f.v[2])});
     if (!std::isfinite(f.v[0]) || !std::isfinite(f.v[1])) return;
     counted["gradients compared"]++;
-    if (!(off <= 1e-7 * f.v.norm())) fail("the gradient", of, ray, h, off / f.v.norm()); // sums of alternating signs, in double
+    if (!(off <= 1e-7 * f.v.norm()))
+        fail("the gradient", of, ray, h, off / f.v.norm()); // sums of alternating signs, in double
 }
 
 void check(const subject &of, generator &g, const sgt_ray &ray)
 {
     enum { most = 24 };
     sgt_hit hit[most];
-    const int all = sgt_intersect_all(of.s.s, ray, most, hit, nullptr), n = std::min(all, static_cast<int>(most));
-    const double length = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z), size = of.s.type == "quadric" ? of.s.h * of.s.h : of.s.h;
+    const int all = sgt_intersect_all(of.s.s, ray, most, hit, nullptr),
+              n = std::min(all, static_cast<int>(most));
+    const double length = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z),
+                 size = of.s.type == "quadric" ? of.s.h * of.s.h : of.s.h;
     const judgement j(of, ray, 4);
     const std::vector<double> parameters = parameters_of(of.s.s);
     const double middle = -(ray.o.x * ray.d.x + ray.o.y * ray.d.y + ray.o.z * ray.d.z) / (length * length);
@@ -81,14 +88,21 @@ void check(const subject &of, generator &g, const sgt_ray &ray)
         const bool own = i >= 0;
         if (own && (hit[i].status != SGT_HIT || hit[i].t_err > 1e-6 * of.s.h / length)) continue;
         const double t0 = own ? hit[i].t : middle;
-        const residual r = {&of.s.s, &parameters, {std::fma(t0, ray.d.x, ray.o.x), std::fma(t0, ray.d.y, ray.o.y), std::fma(t0, ray.d.z, ray.o.z)}, ray.d, size, of.s.h / length};
+        const residual r = {
+            &of.s.s,
+            &parameters,
+            {std::fma(t0, ray.d.x, ray.o.x), std::fma(t0, ray.d.y, ray.o.y), std::fma(t0, ray.d.z, ray.o.z)},
+            ray.d,
+            size,
+            of.s.h / length};
         const double end = solve(r, own ? g.sign() * 1e-4 * r.unit : r.unit * g.uniform(-1.5, 1.5));
         counted["solved"]++;
         double x = end / r.unit, f;
         r(&x, &f);
         root at;
         if (own) gradient(of, ray, parameters, hit[i]);
-        if (!(std::fabs(f) <= 1e-8) || !j.polish(quad(t0) + end, &at) || !(oracle::magnitude(at.t - t0 - end) <= quad(1e-4) * r.unit)) {
+        if (!(std::fabs(f) <= 1e-8) || !j.polish(quad(t0) + end, &at) ||
+            !(oracle::magnitude(at.t - t0 - end) <= quad(1e-4) * r.unit)) {
             counted[own ? "... beside a hit that end in no root" : "... that end in no root"]++;
             continue;
         }
@@ -105,9 +119,14 @@ void check(const subject &of, generator &g, const sgt_ray &ray)
             continue;
         }
         bool known = false;
-        for (int k = 0; k < n; k++) known = known || (hit[k].status > 0 ? oracle::magnitude(at.t - hit[k].t) <= quad(hit[k].t_err) * (1 + quad(1e-6)) + quad(0x1p-90) * r.unit : at.t >= hit[k].lo && at.t <= hit[k].hi);
+        for (int k = 0; k < n; k++)
+            known = known ||
+                    (hit[k].status > 0 ? oracle::magnitude(at.t - hit[k].t) <=
+                                             quad(hit[k].t_err) * (1 + quad(1e-6)) + quad(0x1p-90) * r.unit
+                                       : at.t >= hit[k].lo && at.t <= hit[k].hi);
         counted["... at another root, known too"] += known;
-        if (!known) fail("a root of Ceres' that is in no entry", of, ray, n > 0 ? hit[0] : sgt_hit{}, plain(at.t));
+        if (!known)
+            fail("a root of Ceres' that is in no entry", of, ray, n > 0 ? hit[0] : sgt_hit{}, plain(at.t));
     }
 }
 
@@ -123,12 +142,16 @@ int main(int argc, char **argv)
         for (long done = 0; done < r.count;) {
             const specimen s = random_specimen(g, types[k]);
             const subject of(s);
-            for (int i = 0; i < 8; i++, done++) check(of, g, random_ray(g, of, static_cast<ray_kind>(g.chance(0.5) ? ordinary : g.below(ray_kinds))));
+            for (int i = 0; i < 8; i++, done++)
+                check(
+                    of, g,
+                    random_ray(g, of, static_cast<ray_kind>(g.chance(0.5) ? ordinary : g.below(ray_kinds))));
         }
     }
     for (const auto &c : counted) std::printf("  %8ld  %s\n", c.second, c.first.c_str());
     for (const auto &f : failed) std::printf("FAIL %6ld  %s\n", f.second, f.first.c_str());
-    const double beside = static_cast<double>(counted["... beside a hit that end in no root"]), back = static_cast<double>(counted["... back at the hit"]);
+    const double beside = static_cast<double>(counted["... beside a hit that end in no root"]),
+                 back = static_cast<double>(counted["... back at the hit"]);
     if (beside > 0.05 * back + 5) return std::printf("FAIL too often Ceres does not come back\n"), 1;
     return !failed.empty();
 }

@@ -1,10 +1,12 @@
-// The greatest error for its bound that a climb finds, of each row of sgt_builtins: climb.h has what is looked for and why.
-// And of some surfaces at which one part of a bound has to hold alone, that random ones do not come near.
+// The greatest error for its bound that a climb finds, of each row of sgt_builtins: climb.h has what is
+// looked for and why.  And of some surfaces at which one part of a bound has to hold alone, that random
+// ones do not come near.
 //
 //   --limits   prints climb_limits.h: the greatest quotients found, and a fifth more
 //   --table    prints the table of docs/accuracy.md
 //
-// The limits hold for the seed and the scale that are the default; with others a quotient above 1 alone is a fault.
+// The limits hold for the seed and the scale that are the default; with others a quotient above 1 alone is
+// a fault.
 #include "climb.h"
 #include "climb_limits.h"
 #include "judge.h"
@@ -40,7 +42,8 @@ void numbers_of(const sgt_surface &s, std::vector<double *> *to)
     if (s.ops == &sgt_quadric_ops) add(x, 10);
     if (s.ops == &sgt_ellipsoid_ops || s.ops == &sgt_torus_ops) add(x, 2);
     if (s.ops == &sgt_sum_ops)
-        for (std::size_t i = 0; i < static_cast<const sgt_sum *>(s.self)->count; i++) numbers_of(static_cast<const sgt_sum *>(s.self)->terms[i], to);
+        for (std::size_t i = 0; i < static_cast<const sgt_sum *>(s.self)->count; i++)
+            numbers_of(static_cast<const sgt_sum *>(s.self)->terms[i], to);
 }
 
 void measure_anew(const sgt_surface &s)
@@ -50,7 +53,8 @@ void measure_anew(const sgt_surface &s)
         if (grid->height > 0) sgt_grid_measure(grid);
     }
     if (s.ops == &sgt_sum_ops)
-        for (std::size_t i = 0; i < static_cast<const sgt_sum *>(s.self)->count; i++) measure_anew(static_cast<const sgt_sum *>(s.self)->terms[i]);
+        for (std::size_t i = 0; i < static_cast<const sgt_sum *>(s.self)->count; i++)
+            measure_anew(static_cast<const sgt_sum *>(s.self)->terms[i]);
 }
 
 struct of_catalogue : climb::subject {
@@ -101,7 +105,8 @@ struct of_catalogue : climb::subject {
         random_base(g, s.h, &c, &k);
         if (type == "sphere") k = 0;
         if (type == "plane" || flat) c = k = 0;
-        if (type == "even_asphere") s.s = random_departure(g, &s, type, s.h, s.h * g.log_uniform(1e-6, 0.1), false);
+        if (type == "even_asphere")
+            s.s = random_departure(g, &s, type, s.h, s.h * g.log_uniform(1e-6, 0.1), false);
         else s.s = {&sgt_conic_ops, s.keep(sgt_conic{})};
         double *x = first_number(s.s);
         x[0] = c, x[1] = k, x[2] = s.rim;
@@ -111,26 +116,36 @@ struct of_catalogue : climb::subject {
     void one_term(generator &g)
     {
         std::vector<double *> all = numbers();
-        const std::size_t base = base_of(s.s) ? static_cast<std::size_t>((first_number(s.s)[0] != 0) + (s.s.ops != &sgt_q_bfs_ops && first_number(s.s)[1] != 0)) : 0;
-        if (all.size() <= base + 1 || s.s.ops == &sgt_grid_ops || s.s.ops == &sgt_sum_ops || !base_of(s.s)) return;
-        const std::size_t kept = base + static_cast<std::size_t>(g.below(static_cast<int>(all.size() - base)));
+        const std::size_t base = base_of(s.s) ? static_cast<std::size_t>(
+                                                    (first_number(s.s)[0] != 0) +
+                                                    (s.s.ops != &sgt_q_bfs_ops && first_number(s.s)[1] != 0))
+                                              : 0;
+        if (all.size() <= base + 1 || s.s.ops == &sgt_grid_ops || s.s.ops == &sgt_sum_ops || !base_of(s.s))
+            return;
+        const std::size_t kept = base +
+                                 static_cast<std::size_t>(g.below(static_cast<int>(all.size() - base)));
         const bool bare = s.s.ops != &sgt_q_bfs_ops && g.chance(0.7);
         for (std::size_t i = bare ? 0 : base; i < all.size(); i++)
             if (i != kept) *all[i] = 0;
         const double louder = type != "even_asphere" && g.chance(0.4) ? g.log_uniform(1, 1e6) : 1;
         *all[kept] *= louder; // else its rounding is nothing beside that of z and of the base
-        double *norm = s.s.ops == &sgt_zernike_ops || s.s.ops == &sgt_q_con_ops ? first_number(s.s) + 3 : s.s.ops == &sgt_q_bfs_ops ? first_number(s.s) + 2 : nullptr;
+        double *norm = s.s.ops == &sgt_zernike_ops || s.s.ops == &sgt_q_con_ops ? first_number(s.s) + 3
+                       : s.s.ops == &sgt_q_bfs_ops                              ? first_number(s.s) + 2
+                                                                                : nullptr;
         if (norm && g.chance(0.5)) *norm = s.h;
         if (s.s.ops == &sgt_q_bfs_ops && g.chance(0.6)) // near the end of its domain
-            first_number(s.s)[0] = g.sign() * (1 - g.log_uniform(1e-4, 0.2)) / std::max(s.h, static_cast<const sgt_q_bfs *>(s.s.self)->norm);
+            first_number(s.s)[0] = g.sign() * (1 - g.log_uniform(1e-4, 0.2)) /
+                                   std::max(s.h, static_cast<const sgt_q_bfs *>(s.s.self)->norm);
         int order = 0;
         if (s.s.ops == &sgt_zernike_ops) { // a short list: a bound has a part for every number in it
             sgt_zernike &z = *static_cast<sgt_zernike *>(const_cast<void *>(s.s.self));
             double *a = const_cast<double *>(z.a.x);
-            const std::size_t few = std::min<std::size_t>(z.a.columns, 1 + static_cast<std::size_t>(g.below(g.chance(0.5) ? 15 : 100)));
+            const std::size_t few = std::min<std::size_t>(
+                z.a.columns, 1 + static_cast<std::size_t>(g.below(g.chance(0.5) ? 15 : 100)));
             std::swap(a[few - 1], *all[kept]);
             z.a.columns = few;
-            order = z.order == SGT_NOLL ? noll(static_cast<int>(few)).first : fringe(static_cast<int>(few)).first;
+            order = z.order == SGT_NOLL ? noll(static_cast<int>(few)).first
+                                        : fringe(static_cast<int>(few)).first;
         }
         if (s.s.ops == &sgt_chebyshev_ops) {
             const sgt_numbers &a = static_cast<const sgt_chebyshev *>(s.s.self)->a;
@@ -143,15 +158,21 @@ struct of_catalogue : climb::subject {
 
     void draw(generator &g) override
     {
-        if (type == "plane" || type == "sphere" || type == "conic" || type == "even_asphere") conic(g, g.chance(0.1));
-        else s = random_specimen(g, type, type == "chebyshev" || type == "q_con" || type == "q_bfs" ? g.chance(0.3) : g.chance(0.03));
+        if (type == "plane" || type == "sphere" || type == "conic" || type == "even_asphere")
+            conic(g, g.chance(0.1));
+        else
+            s = random_specimen(g, type,
+                                type == "chebyshev" || type == "q_con" || type == "q_bfs" ? g.chance(0.3)
+                                                                                          : g.chance(0.03));
         size = s.h, rim = s.rim, alone = false, of_it = climb::low;
         if (g.chance(0.5)) one_term(g);
         changed();
         const catalogue::subject of(s);
         ray = random_ray(g, of, g.chance(0.3) ? ordinary : static_cast<ray_kind>(g.below(int(ray_kinds))));
         if (s.rim > 0 && g.chance(0.3)) { // through the rim
-            const double about = g.uniform(0, 6.283185307179586), r = s.rim * (1 + g.sign() * g.log_uniform(1e-16, 1e-13)), x = r * std::cos(about), y = r * std::sin(about), z = -of.rough(x, y, 0.0);
+            const double about = g.uniform(0, 6.283185307179586),
+                         r = s.rim * (1 + g.sign() * g.log_uniform(1e-16, 1e-13)), x = r * std::cos(about),
+                         y = r * std::sin(about), z = -of.rough(x, y, 0.0);
             if (z == z) {
                 const sgt_vec3 d = random_direction(g);
                 const double far = s.h * g.uniform(0.5, 5);
@@ -177,8 +198,8 @@ struct of_catalogue : climb::subject {
     }
 };
 
-// A departure that is one term, of a high degree, in an aperture that is a small part of its norm: its rounding
-// is then nearly the same all over the aperture, and is what is seen.
+// A departure that is one term, of a high degree, in an aperture that is a small part of its norm: its
+// rounding is then nearly the same all over the aperture, and is what is seen.
 struct of_inner_part : of_catalogue {
     explicit of_inner_part(const std::string &name) : of_catalogue(name) {}
     void draw(generator &g) override
@@ -210,9 +231,9 @@ struct of_inner_part : of_catalogue {
     }
 };
 
-// An even asphere of a base that is nearly flat and strongly aspheric, and a departure that is steep: there each
-// part of the bounds on G' and G'' has its turn to be the greatest.  And tolerances of up to its size, with which
-// the first step that is proven is the last.
+// An even asphere of a base that is nearly flat and strongly aspheric, and a departure that is steep: there
+// each part of the bounds on G' and G'' has its turn to be the greatest.  And tolerances of up to its size,
+// with which the first step that is proven is the last.
 struct of_steep_asphere : of_catalogue {
     of_steep_asphere() : of_catalogue("even_asphere") {}
     void draw(generator &g) override
@@ -262,7 +283,11 @@ struct of_level_set : climb::subject {
     bool mandelbrot;
 
     explicit of_level_set(bool which) : f(), m(), mandelbrot(which) {}
-    sgt_surface surface() const override { return {mandelbrot ? &sgt_mandelbrot_ops : &sgt_julia_ops, mandelbrot ? static_cast<const void *>(&m) : &f.s}; }
+    sgt_surface surface() const override
+    {
+        return {mandelbrot ? &sgt_mandelbrot_ops : &sgt_julia_ops,
+                mandelbrot ? static_cast<const void *>(&m) : &f.s};
+    }
     quad value(quad x, quad y, quad z) const override { return oracle::level_value<quad>(f, x, y, z); }
     std::vector<double *> numbers() override
     {
@@ -279,8 +304,11 @@ struct of_level_set : climb::subject {
     quad slope(quad at) const override
     {
         typedef oracle::dual<quad> number;
-        const number f_at = oracle::level_value<number>(f, number(ray.o.x + at * ray.d.x, ray.d.x), number(ray.o.y + at * ray.d.y, ray.d.y), number(ray.o.z + at * ray.d.z, ray.d.z));
-        return f_at.v < quad(0.999) ? f_at.d : quad(NAN); // farther out the orbit is given up at another level
+        const number f_at = oracle::level_value<number>(f, number(ray.o.x + at * ray.d.x, ray.d.x),
+                                                        number(ray.o.y + at * ray.d.y, ray.d.y),
+                                                        number(ray.o.z + at * ray.d.z, ray.d.z));
+        return f_at.v < quad(0.999) ? f_at.d
+                                    : quad(NAN); // farther out the orbit is given up at another level
     }
     void print() const override { oracle::print_level(f); }
     void draw(generator &g) override
@@ -318,7 +346,9 @@ int main(int argc, char **argv)
 {
     const long standard = 110;
     bool limits = false, table = false;
-    for (int i = 1; i < argc; i++) limits = limits || !std::strcmp(argv[i], "--limits"), table = table || !std::strcmp(argv[i], "--table");
+    for (int i = 1; i < argc; i++)
+        limits = limits || !std::strcmp(argv[i], "--limits"),
+        table = table || !std::strcmp(argv[i], "--table");
     const oracle::run r(1, argv, standard, 20261101);
     const bool pinned = r.seed == 20261101 && r.count == standard && !limits && !table;
     const char *only = std::getenv("SAGITTA_TEST_TYPE");

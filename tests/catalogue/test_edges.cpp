@@ -1,17 +1,19 @@
-// Roots exactly on an edge of what counts, and 1 ... 20 steps beside: the rim, the start, the end of the ray, the clear
-// aperture of an element; of every surface of surfaces.h but the level sets.
+// Roots exactly on an edge of what counts, and 1 ... 20 steps beside: the rim, the start, the end of the
+// ray, the clear aperture of an element; of every surface of surfaces.h but the level sets.
 //
-// The roots, and so their r^2 and their distance from the ends, are those of judge.h, in 113 bits, of the surface without
-// its rim, its samples crowded about the points that the ray is laid through.  An edge is where surfaces.h and sgt_ray in sagitta.h put it.  Neither side is wrong within
+// The roots, and so their r^2 and their distance from the ends, are those of judge.h, in 113 bits, of the
+// surface without its rim, its samples crowded about the points that the ray is laid through.  An edge is
+// where surfaces.h and sgt_ray in sagitta.h put it.  Neither side is wrong within
 //   the rim      what p_err and 4 u make of r^2;
-//   the start    t_err, from the rule's own width to three times that (a t_err before the last bits are polished is about as much);
+//   the start    t_err, from the rule's own width to three times that (a t_err before the last bits are
+//                polished is about as much);
 //   the end      t_err, and as much; what is told has a t of at most tmax;
-// t_err and p_err as the library tells them of that root on the whole line.  Where a proof is asked for, a root within u
-// of the rim is not to be told as one that counts, nor as one that does not; without a proof nothing is undecided.
-// A clear aperture is asked of a trace, the element's surface without a rim, now and then with few evaluations: what was not
-// searched is not told as clipped.
-// Each ray is asked for its first root, for the one near the seed, under each proof, for all of them, and in a
-// batch; and `first` of its surface, if it has one, keeps what `single` promises.
+// t_err and p_err as the library tells them of that root on the whole line.  Where a proof is asked for, a
+// root within u of the rim is not to be told as one that counts, nor as one that does not; without a proof
+// nothing is undecided.  A clear aperture is asked of a trace, the element's surface without a rim, now and
+// then with few evaluations: what was not searched is not told as clipped.  Each ray is asked for its first
+// root, for the one near the seed, under each proof, for all of them, and in a batch; and `first` of its
+// surface, if it has one, keeps what `single` promises.
 #include "judge.h"
 
 #include <sagitta/system.h>
@@ -25,13 +27,17 @@ struct tally {
     long asked, hit, miss, undecided, unasked, narrowed;
 } told;
 
-const char *const edge_types[] = {"conic", "even_asphere", "odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "sum",
-                                  "toroidal", "biconic", "cylinder", "quadric", "ellipsoid", "torus"};
+const char *const edge_types[] = {
+    "conic", "even_asphere", "odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con",     "q_bfs",
+    "grid",  "sum",          "toroidal",    "biconic",       "cylinder",  "quadric", "ellipsoid", "torus"};
 
 double *rim_of(const specimen &s)
 {
     double *p = first_number(s.s);
-    return s.type == "q_bfs" ? p + 1 : s.type == "toroidal" ? p + 3 : s.type == "biconic" || s.type == "cylinder" ? p + 4 : p + 2;
+    return s.type == "q_bfs"                             ? p + 1
+           : s.type == "toroidal"                        ? p + 3
+           : s.type == "biconic" || s.type == "cylinder" ? p + 4
+                                                         : p + 2;
 }
 
 void set_rim(specimen *s, double rim)
@@ -46,7 +52,8 @@ specimen make(generator &g, const std::string &type)
     s.type = type, s.sag = true, s.h = g.log_uniform(1e-2, 1e2), s.rim = s.h;
     double c, k;
     random_base(g, s.h, &c, &k);
-    s.s = type == "conic" ? sgt_surface{&sgt_conic_ops, s.keep(sgt_conic{c, k, s.rim})} : random_departure(g, &s, type, s.h, s.h * g.log_uniform(1e-6, 0.1), false);
+    s.s = type == "conic" ? sgt_surface{&sgt_conic_ops, s.keep(sgt_conic{c, k, s.rim})}
+                          : random_departure(g, &s, type, s.h, s.h * g.log_uniform(1e-6, 0.1), false);
     double *p = first_number(s.s);
     p[0] = c, p[1] = k, p[2] = s.rim;
     return s;
@@ -73,23 +80,33 @@ void fail(const char *why, const scene &c, const sgt_options &o, int n, const sg
 {
     const std::string &type = c.of->s.type;
     if (failed[type + ", " + c.what + ": " + why]++ >= 1) return;
-    std::printf("FAIL %s, %s (%g): %s, pick %d, proof %d\n", type.c_str(), c.what, c.step, why, o.pick, o.proof);
+    std::printf("FAIL %s, %s (%g): %s, pick %d, proof %d\n", type.c_str(), c.what, c.step, why, o.pick,
+                o.proof);
     print_surface(c.of->s.s);
     if (type == "conic") print_list(c.of->s.s.self, 3), std::printf("\n");
     const sgt_ray &r = c.ray;
-    std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax);
+    std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z,
+                r.tmin, r.tmax);
     for (int i = 0; i < n; i++)
-        std::printf("    %s t %.17g t_err %.3g [%.17g, %.17g] p %a %a %a +- %.3g\n", sgt_status_text(h[i].status), h[i].t, h[i].t_err, h[i].lo, h[i].hi, h[i].p.x, h[i].p.y, h[i].p.z, h[i].p_err);
+        std::printf("    %s t %.17g t_err %.3g [%.17g, %.17g] p %a %a %a +- %.3g\n",
+                    sgt_status_text(h[i].status), h[i].t, h[i].t_err, h[i].lo, h[i].hi, h[i].p.x, h[i].p.y,
+                    h[i].p.z, h[i].p_err);
     for (const known &k : c.roots)
-        std::printf("    root %s, start %.3g, t_err %.3g, beyond the rim %.3g of r^2: %s\n", oracle::text(k.r.t).c_str(), plain(quad(0x1p-48) * k.r.spread / oracle::magnitude(k.r.slope)), k.t_err,
-                    plain(k.over / (k.r.p.x * k.r.p.x + k.r.p.y * k.r.p.y)), k.state == oracle::yes ? "counts" : k.state == oracle::no ? "does not count" : "may count");
+        std::printf("    root %s, start %.3g, t_err %.3g, beyond the rim %.3g of r^2: %s\n",
+                    oracle::text(k.r.t).c_str(),
+                    plain(quad(0x1p-48) * k.r.spread / oracle::magnitude(k.r.slope)), k.t_err,
+                    plain(k.over / (k.r.p.x * k.r.p.x + k.r.p.y * k.r.p.y)),
+                    k.state == oracle::yes  ? "counts"
+                    : k.state == oracle::no ? "does not count"
+                                            : "may count");
     std::fflush(stdout);
 }
 
 // What counts, by the rules.
 counts state_of(const known &k, double tmin, double tmax)
 {
-    const quad start = quad(0x1p-48) * k.r.spread / oracle::magnitude(k.r.slope), t_err = k.t_err, ulps = quad(0x1p-50) * oracle::magnitude(k.r.t);
+    const quad start = quad(0x1p-48) * k.r.spread / oracle::magnitude(k.r.slope), t_err = k.t_err,
+               ulps = quad(0x1p-50) * oracle::magnitude(k.r.t);
     counts result = oracle::yes;
     if (tmin > -HUGE_VAL) {
         const quad beyond = k.r.t - tmin;
@@ -104,9 +121,15 @@ counts state_of(const known &k, double tmin, double tmax)
     return result;
 }
 
-bool is_of(const known &k, const sgt_hit &h) { return oracle::magnitude(k.r.t - h.t) <= quad(h.t_err) * (1 + quad(1e-6)) + quad(0x1p-90) * oracle::magnitude(k.r.t) + quad(0x1p-106) * oracle::norm(k.r.p) * oracle::norm(k.r.n) / oracle::magnitude(k.r.slope); }
+bool is_of(const known &k, const sgt_hit &h)
+{
+    return oracle::magnitude(k.r.t - h.t) <=
+           quad(h.t_err) * (1 + quad(1e-6)) + quad(0x1p-90) * oracle::magnitude(k.r.t) +
+               quad(0x1p-106) * oracle::norm(k.r.p) * oracle::norm(k.r.n) / oracle::magnitude(k.r.slope);
+}
 
-// It is behind tmax by no more than that search knows it, which another may know better: t at most tmax is what counts.
+// It is behind tmax by no more than that search knows it, which another may know better: t at most tmax is
+// what counts.
 bool at_end(const known &k, const scene &c, const sgt_hit &h)
 {
     const quad behind = k.r.t - c.ray.tmax;
@@ -119,24 +142,32 @@ void judge(const scene &c, const sgt_hit &h, const sgt_options &o, bool sharp)
 {
     told.asked++, told.hit += h.status > 0, told.miss += h.status == SGT_MISS, told.undecided += h.status < 0;
     if (h.status == SGT_INVALID || h.status == SGT_STOPPED) return fail("invalid", c, o, 1, &h);
-    if (h.status > 0 && !(h.t <= c.ray.tmax && h.t >= c.ray.tmin)) return fail("t is outside the ray's ends", c, o, 1, &h);
+    if (h.status > 0 && !(h.t <= c.ray.tmax && h.t >= c.ray.tmin))
+        return fail("t is outside the ray's ends", c, o, 1, &h);
     bool itself = h.status != SGT_HIT, excused = false;
     for (const known &k : c.roots) {
         if (h.status > 0 && is_of(k, h)) {
             itself = true;
-            if (k.state == oracle::no && !at_end(k, c, h)) return fail("a root that does not count", c, o, 1, &h);
-            if (k.hidden && o.proof) return fail("proven, though rounding hides its side of the rim", c, o, 1, &h);
+            if (k.state == oracle::no && !at_end(k, c, h))
+                return fail("a root that does not count", c, o, 1, &h);
+            if (k.hidden && o.proof)
+                return fail("proven, though rounding hides its side of the rim", c, o, 1, &h);
         }
-        if (h.status == SGT_MISS && k.hidden && o.proof && k.state == oracle::perhaps) return fail("a proven miss, though rounding hides its side of the rim", c, o, 1, &h);
+        if (h.status == SGT_MISS && k.hidden && o.proof && k.state == oracle::perhaps)
+            return fail("a proven miss, though rounding hides its side of the rim", c, o, 1, &h);
         excused = excused || k.hidden || k.state == oracle::perhaps;
         if (k.state != oracle::yes) continue;
         if (h.status == SGT_MISS) return fail("a miss that meets", c, o, 1, &h);
-        if (o.pick == SGT_FIRST && h.status > 0 && k.r.t < quad(h.t) - h.t_err && !is_of(k, h)) return fail("not the first", c, o, 1, &h);
-        if (o.pick == SGT_FIRST && h.status < 0 && k.r.t < quad(h.lo) - 64 * quad(oracle::ulp(h.lo))) return fail("undecided, and a root before", c, o, 1, &h);
-        if (o.pick == SGT_NEAR_SEED && o.proof == SGT_PROVE_FIRST && h.status == SGT_HIT && !is_of(k, h)) return fail("the only one, and another", c, o, 1, &h);
+        if (o.pick == SGT_FIRST && h.status > 0 && k.r.t < quad(h.t) - h.t_err && !is_of(k, h))
+            return fail("not the first", c, o, 1, &h);
+        if (o.pick == SGT_FIRST && h.status < 0 && k.r.t < quad(h.lo) - 64 * quad(oracle::ulp(h.lo)))
+            return fail("undecided, and a root before", c, o, 1, &h);
+        if (o.pick == SGT_NEAR_SEED && o.proof == SGT_PROVE_FIRST && h.status == SGT_HIT && !is_of(k, h))
+            return fail("the only one, and another", c, o, 1, &h);
     }
     if (sharp && !itself) return fail("a hit without a root", c, o, 1, &h);
-    if (h.status < 0 && !o.proof && sharp && c.of->s.sag && c.of->s.rim > 0 && !excused) return fail("undecided without a proof", c, o, 1, &h);
+    if (h.status < 0 && !o.proof && sharp && c.of->s.sag && c.of->s.rim > 0 && !excused)
+        return fail("undecided without a proof", c, o, 1, &h);
 }
 
 // What `first` promises by `single`: one root at most in its stretch, and if that does not count none does.
@@ -176,8 +207,10 @@ void ask(const scene &c, bool sharp)
             sgt_hits out = {};
             out.status = &status, out.t = &t, out.t_err = &t_err;
             const sgt_ray &r = c.ray;
-            sgt_intersect_batch(s, 1, {{&r.o.x, &r.o.y, &r.o.z}, {&r.d.x, &r.d.y, &r.d.z}, &r.tmin, &r.tmax}, out, &o);
-            if (status != h.status || !same(t, h.t) || !same(t_err, h.t_err)) fail("a batch says something else", c, o, 1, &h);
+            sgt_intersect_batch(s, 1, {{&r.o.x, &r.o.y, &r.o.z}, {&r.d.x, &r.d.y, &r.d.z}, &r.tmin, &r.tmax},
+                                out, &o);
+            if (status != h.status || !same(t, h.t) || !same(t_err, h.t_err))
+                fail("a batch says something else", c, o, 1, &h);
         }
     for (int proof = 0; proof < 3; proof += 2) {
         enum { most = 40 };
@@ -192,18 +225,22 @@ void ask(const scene &c, bool sharp)
         for (const known &k : c.roots) {
             bool in = k.state == oracle::no;
             for (int i = 0; i < n; i++) {
-                const bool it = hit[i].status == SGT_HIT ? is_of(k, hit[i]) : k.r.t >= hit[i].lo && k.r.t <= hit[i].hi;
+                const bool it = hit[i].status == SGT_HIT ? is_of(k, hit[i])
+                                                         : k.r.t >= hit[i].lo && k.r.t <= hit[i].hi;
                 in = in || it;
-                if (it && k.state == oracle::no && hit[i].status == SGT_HIT && !at_end(k, c, hit[i])) fail("all: a root that does not count", c, o, n, hit);
-                if (it && k.hidden && proof && hit[i].status == SGT_HIT) fail("all: proven, though rounding hides its side of the rim", c, o, n, hit);
+                if (it && k.state == oracle::no && hit[i].status == SGT_HIT && !at_end(k, c, hit[i]))
+                    fail("all: a root that does not count", c, o, n, hit);
+                if (it && k.hidden && proof && hit[i].status == SGT_HIT)
+                    fail("all: proven, though rounding hides its side of the rim", c, o, n, hit);
             }
-            if (!in && (k.state == oracle::yes || (k.hidden && proof && k.state == oracle::perhaps))) fail("all: a root in no entry", c, o, n, hit);
+            if (!in && (k.state == oracle::yes || (k.hidden && proof && k.state == oracle::perhaps)))
+                fail("all: a root in no entry", c, o, n, hit);
         }
     }
 }
 
-// The roots of the surface without its rim, as the library tells them on the whole line.  false: not all of them are known.  laid: where
-// some may be.
+// The roots of the surface without its rim, as the library tells them on the whole line.  false: not all of
+// them are known.  laid: where some may be.
 bool learn(specimen &s, const subject &bare, scene *c, const std::vector<double> &laid)
 {
     const double rim = s.rim;
@@ -231,7 +268,8 @@ void decide(scene *c, double rim)
     for (known &k : c->roots) {
         k.state = state_of(k, c->ray.tmin, c->ray.tmax), k.hidden = false;
         if (!(rim > 0)) continue;
-        const quad x = oracle::magnitude(k.r.p.x), y = oracle::magnitude(k.r.p.y), r2 = x * x + y * y, u = quad(0x1p-53), p_err = 2 * quad(k.p_err);
+        const quad x = oracle::magnitude(k.r.p.x), y = oracle::magnitude(k.r.p.y), r2 = x * x + y * y,
+                   u = quad(0x1p-53), p_err = 2 * quad(k.p_err);
         const quad hides = (2 * (x + y) + p_err) * p_err + 4 * u * r2;
         k.over = r2 - quad(rim) * rim * (1 + quad(0x1p-44));
         if (k.over > hides) k.state = oracle::no;
@@ -259,7 +297,8 @@ bool on_surface(const subject &bare, double x, double y, sgt_vec3 *p)
 
 sgt_vec3 tilted(generator &g, bool axial)
 {
-    const double tilt = axial ? 0 : g.uniform(0, 1.2), about = g.uniform(0, 6.283185307179586), way = g.sign();
+    const double tilt = axial ? 0 : g.uniform(0, 1.2), about = g.uniform(0, 6.283185307179586),
+                 way = g.sign();
     return {std::sin(tilt) * std::cos(about), std::sin(tilt) * std::sin(about), way * std::cos(tilt)};
 }
 
@@ -323,7 +362,8 @@ void at_ends(generator &g, specimen &s, const subject &bare, const subject &of)
         } else {
             c.what = "the end";
             c.step = steps(g);
-            c.ray.tmax = g.chance(0.5) ? beside(oracle::to_double(r.t), static_cast<int>(c.step)) : oracle::to_double(r.t + quad(c.step) * start);
+            c.ray.tmax = g.chance(0.5) ? beside(oracle::to_double(r.t), static_cast<int>(c.step))
+                                       : oracle::to_double(r.t + quad(c.step) * start);
             if (g.chance(0.5)) c.ray.tmin = c.ray.tmax - s.h * g.uniform(0.1, 3);
             if (c.ray.tmax == 0) c.ray.tmax = -0x1p-1074;
         }
@@ -334,8 +374,9 @@ void at_ends(generator &g, specimen &s, const subject &bare, const subject &of)
 
 // --------------------------------------------------------- the clear aperture
 
-// One element, a ray through a point of it on the edge of the clear aperture and one that may be outside of it, or `both` are inside: then
-// neither is the only one, though the one on the edge is near the end of the ray's chord of the aperture.
+// One element, a ray through a point of it on the edge of the clear aperture and one that may be outside of
+// it, or `both` are inside: then neither is the only one, though the one on the edge is near the end of the
+// ray's chord of the aperture.
 void at_aperture(generator &g, specimen &s, const subject &bare, const subject &of, bool both)
 {
     if (!s.sag) return;
@@ -346,15 +387,21 @@ void at_aperture(generator &g, specimen &s, const subject &bare, const subject &
     const int n = near ? -1 : steps(g);
     sgt_vec3 p, q;
     if (!at_radius(g, bare, near ? a * (1 - g.log_uniform(1e-15, 1e-9)) : a, near ? 0 : n, &p)) return;
-    const double r = s.h * g.uniform(0.1, 1), about = g.uniform(0, 6.283185307179586), out = 1 + (both ? -1 : 1) * g.log_uniform(1e-3, 0.5), turn = (out - 1) * g.uniform(-1, 1);
-    if (!(near ? on_surface(bare, out * p.x - turn * p.y, out * p.y + turn * p.x, &q) : on_surface(bare, r * std::cos(about), r * std::sin(about), &q))) return;
+    const double r = s.h * g.uniform(0.1, 1), about = g.uniform(0, 6.283185307179586),
+                 out = 1 + (both ? -1 : 1) * g.log_uniform(1e-3, 0.5), turn = (out - 1) * g.uniform(-1, 1);
+    if (!(near ? on_surface(bare, out * p.x - turn * p.y, out * p.y + turn * p.x, &q)
+               : on_surface(bare, r * std::cos(about), r * std::sin(about), &q)))
+        return;
     sgt_vec3 d = {q.x - p.x, q.y - p.y, q.z - p.z};
     if (g.chance(0.15)) d = tilted(g, g.chance(0.5));
     else if (g.chance(0.7)) d = {-d.x, -d.y, -d.z}; // from the outer one to that on the edge
-    const double away = (g.chance(0.5) ? 1 : 0.1) * g.uniform(0, 2) * std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-    const double to_q = std::copysign(std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z), (q.x - p.x) * d.x + (q.y - p.y) * d.y + (q.z - p.z) * d.z);
+    const double away = (g.chance(0.5) ? 1 : 0.1) * g.uniform(0, 2) *
+                        std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    const double to_q = std::copysign(std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z),
+                                      (q.x - p.x) * d.x + (q.y - p.y) * d.y + (q.z - p.z) * d.z);
     sgt_ray unit = {{0, 0, 0}, d, 0, 0};
-    sgt_trace(0, nullptr, 1, &unit, nullptr, nullptr, nullptr); // of unit length: the trace leaves such a ray as it is
+    sgt_trace(0, nullptr, 1, &unit, nullptr, nullptr,
+              nullptr); // of unit length: the trace leaves such a ray as it is
     scene c = {&of, through(p, unit.d, away), {}, "the clear aperture", double(n)};
     const double t_tol = g.chance(0.7) ? 0x1p-1000 : 0; // 0: of a trace, 2^-48 of the aperture
     sgt_element e = {};
@@ -366,7 +413,9 @@ void at_aperture(generator &g, specimen &s, const subject &bare, const subject &
     const sgt_vec3 made[2] = {p, q};
     for (int i = 0; i < 2; i++) { // two that are near each other the oracle may not see
         bool seen = !both;
-        for (const known &k : c.roots) seen = seen || oracle::norm({k.r.p.x - made[i].x, k.r.p.y - made[i].y, k.r.p.z - made[i].z}) < quad(1e-6) * s.h;
+        for (const known &k : c.roots)
+            seen = seen || oracle::norm({k.r.p.x - made[i].x, k.r.p.y - made[i].y, k.r.p.z - made[i].z}) <
+                               quad(1e-6) * s.h;
         if (!seen) {
             told.unasked++;
             return;
@@ -374,35 +423,49 @@ void at_aperture(generator &g, specimen &s, const subject &bare, const subject &
     }
     decide(&c, a);
     for (known &k : c.roots) { // `decide` with what the tolerance adds
-        const quad r2 = k.r.p.x * k.r.p.x + k.r.p.y * k.r.p.y, p_err = 2 * quad(k.p_err) + (t_tol > 0 ? 0 : quad(0x1p-47) * a);
+        const quad r2 = k.r.p.x * k.r.p.x + k.r.p.y * k.r.p.y,
+                   p_err = 2 * quad(k.p_err) + (t_tol > 0 ? 0 : quad(0x1p-47) * a);
         const quad hides = (quad(2.9) * square_root(r2) + p_err) * p_err + 4 * quad(0x1p-53) * r2;
-        k.state = k.over > hides ? oracle::no : k.over < -hides ? oracle::yes : oracle::perhaps, k.hidden = false;
+        k.state = k.over > hides    ? oracle::no
+                  : k.over < -hides ? oracle::yes
+                                    : oracle::perhaps,
+        k.hidden = false;
     }
-    const int short_of = g.chance(0.5) ? 1 + g.below(60) : 0; // of evaluations: what was not searched is not decided
+    const int short_of = g.chance(0.5) ? 1 + g.below(60)
+                                       : 0; // of evaluations: what was not searched is not decided
     for (int proof = 0; proof < 3; proof++)
         for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
             sgt_options o = {};
-            o.pick = static_cast<sgt_pick>(pick), o.proof = static_cast<sgt_proof>(proof), o.t_tol = t_tol, o.max_evals = proof ? short_of : 0;
+            o.pick = static_cast<sgt_pick>(pick), o.proof = static_cast<sgt_proof>(proof), o.t_tol = t_tol,
+            o.max_evals = proof ? short_of : 0;
             sgt_ray ray = c.ray;
             sgt_passage passage;
             sgt_fate fate;
             sgt_trace(1, &e, 1, &ray, &passage, &fate, &o);
             const sgt_hit &h = passage.hit;
-            told.asked++, told.hit += fate == SGT_PASSED || fate == SGT_TIR, told.miss += fate == SGT_MISSED || fate == SGT_CLIPPED, told.undecided += fate == SGT_LOST;
+            told.asked++, told.hit += fate == SGT_PASSED || fate == SGT_TIR,
+                told.miss += fate == SGT_MISSED || fate == SGT_CLIPPED, told.undecided += fate == SGT_LOST;
             long inside = 0, perhaps = 0;
             const known *it = nullptr;
             for (const known &k : c.roots) {
                 inside += k.state == oracle::yes, perhaps += k.state == oracle::perhaps;
-                if (h.status > 0 && oracle::norm({k.r.p.x - h.p.x, k.r.p.y - h.p.y, k.r.p.z - h.p.z}) <= 2 * (quad(h.p_err) + k.p_err)) it = &k;
+                if (h.status > 0 && oracle::norm({k.r.p.x - h.p.x, k.r.p.y - h.p.y, k.r.p.z - h.p.z}) <=
+                                        2 * (quad(h.p_err) + k.p_err))
+                    it = &k;
             }
             const bool passed = fate == SGT_PASSED || fate == SGT_TIR;
             if (fate == SGT_MISSED && !c.roots.empty()) fail("missed, and it is met", c, o, 1, &h);
             if (fate == SGT_CLIPPED && inside > 0) fail("clipped, and a root is inside", c, o, 1, &h);
             if (passed && it && it->state == oracle::no) fail("passed outside", c, o, 1, &h);
             if (passed && inside + perhaps == 0) fail("passed, and no root is inside", c, o, 1, &h);
-            if (passed && proof == SGT_PROVE_FIRST && pick == SGT_NEAR_SEED && inside > 1) fail("the only one inside, and another", c, o, 1, &h);
-            if (passed && it && it->state == oracle::perhaps && inside > 0 && proof == SGT_PROVE_FIRST && pick == SGT_NEAR_SEED) fail("the only one inside, and another that certainly is", c, o, 1, &h);
-            if (fate == SGT_LOST && !proof && n != 0 && inside + perhaps <= 1 && c.roots.size() == 1 && c.of->s.type == "conic") fail("lost without a proof", c, o, 1, &h);
+            if (passed && proof == SGT_PROVE_FIRST && pick == SGT_NEAR_SEED && inside > 1)
+                fail("the only one inside, and another", c, o, 1, &h);
+            if (passed && it && it->state == oracle::perhaps && inside > 0 && proof == SGT_PROVE_FIRST &&
+                pick == SGT_NEAR_SEED)
+                fail("the only one inside, and another that certainly is", c, o, 1, &h);
+            if (fate == SGT_LOST && !proof && n != 0 && inside + perhaps <= 1 && c.roots.size() == 1 &&
+                c.of->s.type == "conic")
+                fail("lost without a proof", c, o, 1, &h);
         }
 }
 
@@ -414,11 +477,13 @@ int main(int argc, char **argv)
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
     for (std::size_t k = 0; k < sizeof edge_types / sizeof edge_types[0]; k++) {
         if (only && std::strcmp(only, edge_types[k])) continue;
-        generator g(r.seed ^ static_cast<std::uint64_t>(k) << 40), apart(r.seed ^ static_cast<std::uint64_t>(k) << 40 ^ 1);
+        generator g(r.seed ^ static_cast<std::uint64_t>(k) << 40),
+            apart(r.seed ^ static_cast<std::uint64_t>(k) << 40 ^ 1);
         told = {};
         for (long done = 0; done < r.count; done++) {
             specimen s = make(g, edge_types[k]);
-            if (s.type == "torus" && !(first_number(s.s)[1] < first_number(s.s)[0])) continue; // a spindle's roots on the axis
+            if (s.type == "torus" && !(first_number(s.s)[1] < first_number(s.s)[0]))
+                continue; // a spindle's roots on the axis
             set_rim(&s, 0);
             const subject bare(s), of(s);
             for (int i = 0; i < 4; i++) {
@@ -428,10 +493,13 @@ int main(int argc, char **argv)
                 at_aperture(apart, s, bare, of, true);
             }
         }
-        std::printf("%-14s %6ld answers: %6ld hits, %6ld misses, %6ld undecided; %ld rays not asked; first single %ld times\n",
-                    edge_types[k], told.asked, told.hit, told.miss, told.undecided, told.unasked, told.narrowed);
+        std::printf("%-14s %6ld answers: %6ld hits, %6ld misses, %6ld undecided; %ld rays not asked; first "
+                    "single %ld times\n",
+                    edge_types[k], told.asked, told.hit, told.miss, told.undecided, told.unasked,
+                    told.narrowed);
         std::fflush(stdout);
-        if (told.hit < told.asked / 5 || told.miss < told.asked / 50) failed[std::string(edge_types[k]) + ": these rays are no test"]++;
+        if (told.hit < told.asked / 5 || told.miss < told.asked / 50)
+            failed[std::string(edge_types[k]) + ": these rays are no test"]++;
     }
     for (const auto &f : failed) std::printf("FAIL %6ld  %s\n", f.second, f.first.c_str());
     return !failed.empty();

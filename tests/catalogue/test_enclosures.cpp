@@ -1,14 +1,16 @@
-// The `enclose` of every surface of the catalogue over stretches from one number to several apertures, against 113 bits: g and g'
-// at points of a stretch lie in what is said of it, and F is nowhere defined where that is said.
+// The `enclose` of every surface of the catalogue over stretches from one number to several apertures,
+// against 113 bits: g and g' at points of a stretch lie in what is said of it, and F is nowhere defined
+// where that is said.
 //
-// What the other tests ask of an enclosure is whether a proof that rests on it is right: a bound that is a fifth too small
-// goes unnoticed there.  Here the surfaces are those that come near their bounds: departures of the size of the aperture, grids whose
-// heights jump from one end to the other, quadrics with coefficients so unlike that no power of two makes them alike.  The points are
-// the ends of the stretch, some at random, and those to which a few steps uphill lead, of g and of g' to either side.
+// What the other tests ask of an enclosure is whether a proof that rests on it is right: a bound that is a
+// fifth too small goes unnoticed there.  Here the surfaces are those that come near their bounds:
+// departures of the size of the aperture, grids whose heights jump from one end to the other, quadrics with
+// coefficients so unlike that no power of two makes them alike.  The points are the ends of the stretch,
+// some at random, and those to which a few steps uphill lead, of g and of g' to either side.
 //
-// And what sgt_grid_measure says of P, its gradient and its second derivative, at points of grids whose heights
-// are as unlike in the two directions as can be, in cells far longer one way than the other: a bound of one
-// direction alone has nothing to hide behind.
+// And what sgt_grid_measure says of P, its gradient and its second derivative, at points of grids whose
+// heights are as unlike in the two directions as can be, in cells far longer one way than the other: a
+// bound of one direction alone has nothing to hide behind.
 #include "judge.h"
 
 #include <map>
@@ -38,11 +40,14 @@ struct along {
     }
 };
 
-void print_stretch(const specimen &s, const sgt_ray &ray, sgt_interval t, double at, const char *of, quad x, sgt_interval said)
+void print_stretch(const specimen &s, const sgt_ray &ray, sgt_interval t, double at, const char *of, quad x,
+                   sgt_interval said)
 {
     if (failed[s.type + ": " + of]++ >= 1) return;
-    std::printf("FAIL %s: %s %s at t %a, not in [%a, %a]; t in [%a, %a]\n    ray {%a, %a, %a}, {%a, %a, %a}\n", s.type.c_str(), of, oracle::text(x).c_str(), at, said.lo, said.hi, t.lo, t.hi, ray.o.x, ray.o.y, ray.o.z, ray.d.x,
-                ray.d.y, ray.d.z);
+    std::printf(
+        "FAIL %s: %s %s at t %a, not in [%a, %a]; t in [%a, %a]\n    ray {%a, %a, %a}, {%a, %a, %a}\n",
+        s.type.c_str(), of, oracle::text(x).c_str(), at, said.lo, said.hi, t.lo, t.hi, ray.o.x, ray.o.y,
+        ray.o.z, ray.d.x, ray.d.y, ray.d.z);
     print_surface(s.s);
 }
 
@@ -55,20 +60,26 @@ void make_loud(generator &g, specimen *s)
         const double most = s->h * g.log_uniform(0.01, 1);
         const bool by_rows = g.chance(0.5);
         for (std::size_t i = 0; i < grid.z.rows; i++)
-            for (std::size_t j = 0; j < grid.z.columns; j++) // pairs of alike heights: the interpolation overshoots between them
-                z[i * grid.z.columns + j] = most * (g.chance(0.8) ? ((by_rows ? i : j) / 2 % 2 ? 1 : -1) * ((by_rows ? j : i) % 2 ? 1 : -1) : g.sign());
+            for (std::size_t j = 0; j < grid.z.columns;
+                 j++) // pairs of alike heights: the interpolation overshoots between them
+                z[i * grid.z.columns + j] = most * (g.chance(0.8) ? ((by_rows ? i : j) / 2 % 2 ? 1 : -1) *
+                                                                        ((by_rows ? j : i) % 2 ? 1 : -1)
+                                                                  : g.sign());
         if (grid.height > 0) sgt_grid_measure(&grid);
     } else if (s->type == "quadric") {
         sgt_quadric &q = *static_cast<sgt_quadric *>(const_cast<void *>(s->s.self));
-        double *const all[] = {&q.squares[0], &q.squares[1], &q.squares[2], &q.products[0], &q.products[1], &q.products[2], &q.linear[0], &q.linear[1], &q.linear[2], &q.constant};
+        double *const all[] = {&q.squares[0],  &q.squares[1], &q.squares[2], &q.products[0], &q.products[1],
+                               &q.products[2], &q.linear[0],  &q.linear[1],  &q.linear[2],   &q.constant};
         *all[g.below(10)] = g.sign() * g.log_uniform(1e-300, 1e-100);
-    } else if (s->sag && base_of(s->s) && s->type != "sum" && s->type != "toroidal" && s->type != "biconic" && s->type != "cylinder") {
-        const sgt_numbers *a = s->type == "polynomial_xy" ? &static_cast<const sgt_polynomial_xy *>(s->s.self)->a
-                             : s->type == "chebyshev"     ? &static_cast<const sgt_chebyshev *>(s->s.self)->a
-                             : s->type == "zernike"       ? &static_cast<const sgt_zernike *>(s->s.self)->a
-                             : s->type == "q_con"         ? &static_cast<const sgt_q_con *>(s->s.self)->a
-                             : s->type == "q_bfs"         ? &static_cast<const sgt_q_bfs *>(s->s.self)->a
-                                                          : nullptr;
+    } else if (s->sag && base_of(s->s) && s->type != "sum" && s->type != "toroidal" && s->type != "biconic" &&
+               s->type != "cylinder") {
+        const sgt_numbers *a = s->type == "polynomial_xy"
+                                   ? &static_cast<const sgt_polynomial_xy *>(s->s.self)->a
+                               : s->type == "chebyshev" ? &static_cast<const sgt_chebyshev *>(s->s.self)->a
+                               : s->type == "zernike"   ? &static_cast<const sgt_zernike *>(s->s.self)->a
+                               : s->type == "q_con"     ? &static_cast<const sgt_q_con *>(s->s.self)->a
+                               : s->type == "q_bfs"     ? &static_cast<const sgt_q_bfs *>(s->s.self)->a
+                                                        : nullptr;
         const double by = g.log_uniform(10, 1e4);
         for (std::size_t i = 0; a && i < count_of(*a); i++) const_cast<double *>(a->x)[i] *= by;
     }
@@ -91,7 +102,8 @@ std::vector<double> profile(generator &g, std::size_t n)
 void measured_grid(generator &g, double nearest[3])
 {
     typedef dual<dual<double, 2>, 2> number;
-    const std::size_t rows = static_cast<std::size_t>(4 + g.below(8)), columns = static_cast<std::size_t>(4 + g.below(8));
+    const std::size_t rows = static_cast<std::size_t>(4 + g.below(8)),
+                      columns = static_cast<std::size_t>(4 + g.below(8));
     const std::vector<double> by_row = profile(g, rows), by_column = profile(g, columns);
     std::vector<double> z;
     for (double a : by_row)
@@ -120,8 +132,8 @@ void measured_grid(generator &g, double nearest[3])
             nearest[k] = std::max(nearest[k], is[k] / said[k]);
             if (is[k] <= said[k] * (1 + 1e-9)) continue;
             if (failed[std::string("grid, measured: ") + names[k]]++ >= 1) continue;
-            std::printf("FAIL grid, measured: %s is %a at %a %a, and said to be at most %a\n", names[k], is[k], at[0],
-                        at[1], said[k]);
+            std::printf("FAIL grid, measured: %s is %a at %a %a, and said to be at most %a\n", names[k],
+                        is[k], at[0], at[1], said[k]);
             print_surface({&sgt_grid_ops, &grid});
         }
     }
@@ -133,7 +145,10 @@ int main(int argc, char **argv)
 {
     const oracle::run r(argc, argv, 120, 20261122);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
-    static const char *const all_types[] = {"conic", "even_asphere", "odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "sum", "toroidal", "biconic", "cylinder", "quadric", "ellipsoid", "torus"};
+    static const char *const all_types[] = {"conic",     "even_asphere", "odd_asphere", "polynomial_xy",
+                                            "chebyshev", "zernike",      "q_con",       "q_bfs",
+                                            "grid",      "sum",          "toroidal",    "biconic",
+                                            "cylinder",  "quadric",      "ellipsoid",   "torus"};
     long bad = 0;
     for (std::size_t k = 0; k < sizeof all_types / sizeof all_types[0]; k++) {
         const std::string type = all_types[k];
@@ -147,17 +162,22 @@ int main(int argc, char **argv)
                 s.type = type, s.sag = true, s.h = g.log_uniform(1e-2, 1e2), s.rim = g.chance(0.5) ? s.h : 0;
                 double c, kk;
                 random_base(g, s.h, &c, &kk);
-                s.s = type == "conic" ? sgt_surface{&sgt_conic_ops, s.keep(sgt_conic{})} : random_departure(g, &s, type, s.h, s.h * g.log_uniform(1e-6, 1), false);
+                s.s = type == "conic"
+                          ? sgt_surface{&sgt_conic_ops, s.keep(sgt_conic{})}
+                          : random_departure(g, &s, type, s.h, s.h * g.log_uniform(1e-6, 1), false);
                 double *p = first_number(s.s);
                 p[0] = c, p[1] = kk, p[2] = s.rim;
             } else s = random_specimen(g, type);
             if (g.chance(0.5)) make_loud(g, &s);
             const subject of(s);
             for (int j = 0; j < 6; j++) {
-                const sgt_ray ray = random_ray(g, of, g.chance(0.5) ? ordinary : static_cast<ray_kind>(g.below(int(ray_kinds))));
-                const double d = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z), unit = s.h / d;
+                const sgt_ray ray = random_ray(
+                    g, of, g.chance(0.5) ? ordinary : static_cast<ray_kind>(g.below(int(ray_kinds))));
+                const double d = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z),
+                             unit = s.h / d;
                 const sgt_hit h = sgt_intersect(s.s, ray, nullptr);
-                const double about = (h.status > 0 ? h.t : 0) + (g.chance(0.7) ? unit * g.uniform(-1, 1) : 0), width = unit * (g.chance(0.1) ? 0 : g.log_uniform(1e-9, 4));
+                const double about = (h.status > 0 ? h.t : 0) + (g.chance(0.7) ? unit * g.uniform(-1, 1) : 0),
+                             width = unit * (g.chance(0.1) ? 0 : g.log_uniform(1e-9, 4));
                 const sgt_interval t = {about - width * g.uniform(0, 1), about + width};
                 if (!(t.lo <= t.hi && std::isfinite(t.lo) && std::isfinite(t.hi))) continue;
                 sgt_interval said[2];
@@ -168,11 +188,15 @@ int main(int argc, char **argv)
                     on.at(at, &x[0], &x[1]);
                     points++;
                     if (x[0] != x[0]) return;
-                    if (said[0].lo > said[0].hi) return print_stretch(s, ray, t, at, "undefined, but g is", x[0], said[0]);
+                    if (said[0].lo > said[0].hi)
+                        return print_stretch(s, ray, t, at, "undefined, but g is", x[0], said[0]);
                     for (int q = 0; q < 2; q++) {
-                        if (x[q] < said[q].lo || x[q] > said[q].hi) print_stretch(s, ray, t, at, q ? "g'" : "g", x[q], said[q]);
-                        const double middle = 0.5 * said[q].lo + 0.5 * said[q].hi, half = 0.5 * said[q].hi - 0.5 * said[q].lo;
-                        if (half < HUGE_VAL && half > 1e-6 * std::fabs(middle)) nearest[q] = std::max(nearest[q], std::fabs(number_of(x[q] - middle)) / half);
+                        if (x[q] < said[q].lo || x[q] > said[q].hi)
+                            print_stretch(s, ray, t, at, q ? "g'" : "g", x[q], said[q]);
+                        const double middle = 0.5 * said[q].lo + 0.5 * said[q].hi,
+                                     half = 0.5 * said[q].hi - 0.5 * said[q].lo;
+                        if (half < HUGE_VAL && half > 1e-6 * std::fabs(middle))
+                            nearest[q] = std::max(nearest[q], std::fabs(number_of(x[q] - middle)) / half);
                     }
                 };
                 quad x[2];
@@ -193,7 +217,9 @@ int main(int argc, char **argv)
                 }
             }
         }
-        std::printf("%-14s %6ld stretches, %6ld with a bound on g', %7ld points; |g - middle| up to %.3f, |g'| %.3f of half the width\n", type.c_str(), asked, bounded, points, nearest[0], nearest[1]);
+        std::printf("%-14s %6ld stretches, %6ld with a bound on g', %7ld points; |g - middle| up to %.3f, "
+                    "|g'| %.3f of half the width\n",
+                    type.c_str(), asked, bounded, points, nearest[0], nearest[1]);
         std::fflush(stdout);
         bad += bounded < asked / 4;
     }
@@ -201,8 +227,9 @@ int main(int argc, char **argv)
         generator g(r.seed ^ 0x6772ULL << 40);
         double nearest[3] = {0, 0, 0};
         for (long i = 0; i < 20 * r.count; i++) measured_grid(g, nearest);
-        std::printf("grids measured: |P| up to %.3f, |grad P| %.3f, the second derivative %.3f of what is said\n",
-                    nearest[0], nearest[1], nearest[2]);
+        std::printf(
+            "grids measured: |P| up to %.3f, |grad P| %.3f, the second derivative %.3f of what is said\n",
+            nearest[0], nearest[1], nearest[2]);
         bad += nearest[0] < 0.9 || nearest[1] < 0.9 || nearest[2] < 0.9;
     }
     for (const auto &f : failed) std::printf("FAIL %6ld  %s\n", f.second, f.first.c_str());

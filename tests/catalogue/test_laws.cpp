@@ -1,10 +1,13 @@
 // What surfaces of the catalogue owe whatever their numbers are.
 //
 //   sound        sgt_check finds no fault in random surfaces of each row;
-//   bad numbers  a NaN or an infinity anywhere, a normalisation that is not above 0, a list too long, a grid with a hole ... are
+//   bad numbers  a NaN or an infinity anywhere, a normalisation that is not above 0, a list too long, a
+//     grid with a hole ... are
 //                SGT_INVALID alone, in a batch and of all roots, and the row's `object` names the parameter;
-//   identities   one polynomial as XY, Chebyshev, Zernike of both orders, Q or even asphere is one surface; a biconic of equal
-//                radii is the conic, a toroid the cylinder or the sphere, an ellipsoid the quadric, a grid of a quadratic that quadratic;
+//   identities   one polynomial as XY, Chebyshev, Zernike of both orders, Q or even asphere is one surface;
+//                a biconic of equal
+//                radii is the conic, a toroid the cylinder or the sphere, an ellipsoid the quadric, a grid
+//                  of a quadratic that quadratic;
 //                a surface and a ray upside down meet where they did.
 #include "judge.h"
 
@@ -17,7 +20,11 @@ namespace {
 
 std::map<std::string, long> failed, counted;
 
-void print_ray(const sgt_ray &r) { std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax); }
+void print_ray(const sgt_ray &r)
+{
+    std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z,
+                r.tmin, r.tmax);
+}
 
 // ------------------------------------------------------------------------ sound
 
@@ -30,7 +37,9 @@ void sound(generator &g, const char *type)
     sgt_ray rays[6];
     for (sgt_ray &r : rays) r = random_ray(g, of, static_cast<ray_kind>(g.below(ray_kinds)));
     for (sgt_ray &r : rays) // differences far away step over what is near the axis
-        if (!s.sag && s.type == "torus") r.tmin = std::max(r.tmin, -20 * s.h / length_of(r.d)), r.tmax = std::max(r.tmin, std::min(r.tmax, 20 * s.h / length_of(r.d)));
+        if (!s.sag && s.type == "torus")
+            r.tmin = std::max(r.tmin, -20 * s.h / length_of(r.d)),
+            r.tmax = std::max(r.tmin, std::min(r.tmax, 20 * s.h / length_of(r.d)));
     sgt_vec3 where = {0, 0, 0};
     const sgt_fault fault = sgt_check(s.s, 6, rays, &where);
     if (fault == SGT_SOUND || failed[std::string(type) + ": " + sgt_fault_text(fault)]++ >= 2) return;
@@ -82,15 +91,21 @@ void invalid(const char *type, const char *param, const char *what, const void *
             sgt_traced out = {};
             out.fate = &fate_of;
             traced = traced && sgt_trace(1, &e, 1, &launch, &passage, &fate, &opt) == 0 && fate == SGT_LOST;
-            traced = traced && sgt_trace_batch(1, &e, 1, 1, rays, out, nullptr, &opt) == 0 && fate_of == SGT_LOST;
+            traced = traced && sgt_trace_batch(1, &e, 1, 1, rays, out, nullptr, &opt) == 0 &&
+                     fate_of == SGT_LOST;
         }
     const sgt_objection o = row->object(self);
     counted["bad parameters"]++;
-    if (!std::strcmp(type, "sum") && !std::strcmp(param, "terms") && o.param && std::strcmp(o.param, "semi_diameter")) param = o.param; // the key of the term
+    if (!std::strcmp(type, "sum") && !std::strcmp(param, "terms") && o.param &&
+        std::strcmp(o.param, "semi_diameter"))
+        param = o.param; // the key of the term
     const bool named = o.param && o.reason && *o.reason && !std::strcmp(o.param, param);
-    if (alone == SGT_INVALID && all == SGT_INVALID && status == SGT_INVALID && t != t && named && traced) return;
+    if (alone == SGT_INVALID && all == SGT_INVALID && status == SGT_INVALID && t != t && named && traced)
+        return;
     failed[std::string(type) + ": " + param + " " + what]++;
-    std::printf("FAIL %s with %s %s: %s, of all %d, in a batch %d%s, named %s (%s)\n", type, param, what, sgt_status_text(alone), all, status, traced ? "" : ", not lost in a trace", o.param ? o.param : "-", o.reason ? o.reason : "-");
+    std::printf("FAIL %s with %s %s: %s, of all %d, in a batch %d%s, named %s (%s)\n", type, param, what,
+                sgt_status_text(alone), all, status, traced ? "" : ", not lost in a trace",
+                o.param ? o.param : "-", o.reason ? o.reason : "-");
 }
 
 void valid(const char *type, const char *what, const void *self)
@@ -102,7 +117,8 @@ void valid(const char *type, const char *what, const void *self)
     const sgt_hit h = sgt_intersect(s, ray, nullptr);
     if (h.status != SGT_INVALID && !row->object(self).param) return;
     failed[std::string(type) + ": " + what]++;
-    std::printf("FAIL %s with %s: %s (%s)\n", type, what, sgt_status_text(h.status), row->object(self).param ? row->object(self).reason : "-");
+    std::printf("FAIL %s with %s: %s (%s)\n", type, what, sgt_status_text(h.status),
+                row->object(self).param ? row->object(self).reason : "-");
 }
 
 // Each number of the struct in turn.
@@ -136,7 +152,9 @@ template <class S> void not_above_zero(const char *type, const S &good, const ch
 }
 
 // Each number of the list in turn; too many of them; none at all behind a count.
-template <class S> void each_of_list(const char *type, const S &good, const char *param, sgt_numbers S::*member, std::size_t rows, std::size_t columns)
+template <class S>
+void each_of_list(const char *type, const S &good, const char *param, sgt_numbers S::*member,
+                  std::size_t rows, std::size_t columns)
 {
     for (std::size_t i = 0; i < count_of(good.*member); i++)
         for (double bad : {static_cast<double>(NAN), HUGE_VAL}) {
@@ -160,7 +178,8 @@ template <class S> void each_of_list(const char *type, const S &good, const char
 
 void bad_numbers()
 {
-    const double a[16] = {0.1, 0.02, -0.03, 0.01, 0.02, -0.01, 0.03, 0.001, 0.1, 0.02, -0.03, 0.01, 0.02, -0.01, 0.03, 0.001};
+    const double a[16] = {0.1, 0.02, -0.03, 0.01, 0.02, -0.01, 0.03, 0.001,
+                          0.1, 0.02, -0.03, 0.01, 0.02, -0.01, 0.03, 0.001};
     const sgt_odd_asphere odd = {0.1, -0.5, 5, {0.01, 0.02}};
     each_number("odd_asphere", odd);
     const sgt_polynomial_xy xy = {0.1, -0.5, 5, {a, 3, 4}};
@@ -200,7 +219,8 @@ void bad_numbers()
         s.z.x = hole;
         invalid("grid", "sag", "with a hole", &s);
     }
-    for (const auto &size : {std::pair<std::size_t, std::size_t>(3, 5), {5, 3}, {0, 0}, {4097, 4}, {4, 4097}}) {
+    for (const auto &size :
+         {std::pair<std::size_t, std::size_t>(3, 5), {5, 3}, {0, 0}, {4097, 4}, {4, 4097}}) {
         const std::vector<double> z(size.first * size.second + 1, 0.0);
         sgt_grid s = grid;
         s.z = {z.data(), size.first, size.second};
@@ -237,7 +257,9 @@ void bad_numbers()
     sgt_zernike part = zern;
     part.c = 3, part.k = NAN, part.semi_diameter = -5;
     const sgt_asphere even = {NAN, NAN, NAN, {0.1, 0.01}};
-    const sgt_surface good[] = {{&sgt_zernike_ops, &part}, {&sgt_asphere_ops, &even}, {&sgt_toroidal_ops, &toroid}, {&sgt_biconic_ops, &biconic}, {&sgt_q_bfs_ops, &bfs}, {&sgt_grid_ops, &grid}};
+    const sgt_surface good[] = {{&sgt_zernike_ops, &part},    {&sgt_asphere_ops, &even},
+                                {&sgt_toroidal_ops, &toroid}, {&sgt_biconic_ops, &biconic},
+                                {&sgt_q_bfs_ops, &bfs},       {&sgt_grid_ops, &grid}};
     const sgt_sum sum = {0.1, -0.5, 5, good, 6};
     each_number("sum", sum);
     const sgt_sum inner = {0, 0, 0, good, 2};
@@ -252,25 +274,31 @@ void bad_numbers()
     nan_term.a[3] = NAN;
     const sgt_toroidal own = {0, NAN, 0, 0, {}};
     const sgt_biconic other = {0, 0, HUGE_VAL, 0, 0};
-    const sgt_surface bad[] = {{&sgt_sum_ops, &inner}, {&sgt_conic_ops, &conic}, {&sgt_q_bfs_ops, &curved}, {&sgt_zernike_ops, &no_norm}, {&sgt_zernike_ops, &hole}, {&sgt_asphere_ops, &nan_term},
-                               {&sgt_toroidal_ops, &own}, {&sgt_biconic_ops, &other}, {&sgt_torus_ops, &torus}, {nullptr, nullptr}, {&sgt_zernike_ops, nullptr}};
+    const sgt_surface bad[] = {
+        {&sgt_sum_ops, &inner},       {&sgt_conic_ops, &conic},   {&sgt_q_bfs_ops, &curved},
+        {&sgt_zernike_ops, &no_norm}, {&sgt_zernike_ops, &hole},  {&sgt_asphere_ops, &nan_term},
+        {&sgt_toroidal_ops, &own},    {&sgt_biconic_ops, &other}, {&sgt_torus_ops, &torus},
+        {nullptr, nullptr},           {&sgt_zernike_ops, nullptr}};
     for (const sgt_surface &b : bad) {
         const sgt_surface terms[] = {good[0], b};
         const sgt_sum s = {0.1, -0.5, 5, terms, 2};
-        invalid("sum", "terms", (std::string("with a term that is bad: ") + (b.ops ? b.ops->name : "none")).c_str(), &s);
+        invalid("sum", "terms",
+                (std::string("with a term that is bad: ") + (b.ops ? b.ops->name : "none")).c_str(), &s);
     }
     const sgt_sum no_terms = {0.1, -0.5, 5, nullptr, 2}, empty = {0.1, -0.5, 5, nullptr, 0};
     invalid("sum", "terms", "missing", &no_terms);
     valid("sum", "no terms", &empty);
     const std::vector<sgt_surface> seventeen(17, good[1]);
-    const sgt_sum too_many = {0.1, -0.5, 5, seventeen.data(), 17}, enough = {0.1, -0.5, 5, seventeen.data(), 16};
+    const sgt_sum too_many = {0.1, -0.5, 5, seventeen.data(), 17},
+                  enough = {0.1, -0.5, 5, seventeen.data(), 16};
     invalid("sum", "terms", "too many", &too_many);
     valid("sum", "16 terms", &enough);
 }
 
 // -------------------------------------------------------------------- identities
 
-void same_roots(const char *law, const sgt_surface &a, const sgt_surface &b, const sgt_ray &ray, const sgt_ray &other, sgt_pick pick)
+void same_roots(const char *law, const sgt_surface &a, const sgt_surface &b, const sgt_ray &ray,
+                const sgt_ray &other, sgt_pick pick)
 {
     sgt_options o = {};
     o.pick = pick;
@@ -279,17 +307,24 @@ void same_roots(const char *law, const sgt_surface &a, const sgt_surface &b, con
     const char *what = nullptr;
     if (h.status == SGT_INVALID || k.status == SGT_INVALID) what = "invalid";
     else if (h.status < 0 || k.status < 0) counted[std::string(law) + ", undecided"]++;
-    else if ((h.status > 0) != (k.status > 0) && h.status != SGT_GRAZE && k.status != SGT_GRAZE) what = "one meets, one does not";
-    else if (h.status == SGT_HIT && k.status == SGT_HIT && !(std::fabs(h.t - k.t) <= h.t_err + k.t_err + 0x1p-52 * std::fabs(h.t))) {
+    else if ((h.status > 0) != (k.status > 0) && h.status != SGT_GRAZE && k.status != SGT_GRAZE)
+        what = "one meets, one does not";
+    else if (h.status == SGT_HIT && k.status == SGT_HIT &&
+             !(std::fabs(h.t - k.t) <= h.t_err + k.t_err + 0x1p-52 * std::fabs(h.t))) {
         sgt_hit all[8];
-        const int n = pick == SGT_FIRST ? 0 : sgt_intersect_all(b, other, 8, all, nullptr); // which of two is near the seed is not said
+        const int n = pick == SGT_FIRST
+                          ? 0
+                          : sgt_intersect_all(b, other, 8, all,
+                                              nullptr); // which of two is near the seed is not said
         what = "two roots";
         for (int i = 0; i < n && i < 8; i++)
-            if (std::fabs(h.t - all[i].t) <= h.t_err + all[i].t_err + 0x1p-52 * std::fabs(h.t)) what = nullptr;
-    }
-    else if (h.status == SGT_MISS) counted[std::string(law) + ", misses"]++;
+            if (std::fabs(h.t - all[i].t) <= h.t_err + all[i].t_err + 0x1p-52 * std::fabs(h.t))
+                what = nullptr;
+    } else if (h.status == SGT_MISS)
+        counted[std::string(law) + ", misses"]++;
     if (!what || failed[std::string(law) + ": " + what]++ >= 2) return;
-    std::printf("FAIL %s: %s, %s %a +- %.3g and %s %a +- %.3g\n", law, what, sgt_status_text(h.status), h.t, h.t_err, sgt_status_text(k.status), k.t, k.t_err);
+    std::printf("FAIL %s: %s, %s %a +- %.3g and %s %a +- %.3g\n", law, what, sgt_status_text(h.status), h.t,
+                h.t_err, sgt_status_text(k.status), k.t, k.t_err);
     print_surface(a);
     print_surface(b);
     print_ray(ray);
@@ -298,9 +333,16 @@ void same_roots(const char *law, const sgt_surface &a, const sgt_surface &b, con
 // A ray at a sag of size h.
 sgt_ray ray_at(generator &g, double h)
 {
-    const double tilt = g.uniform(0, g.chance(0.7) ? 0.6 : 1.5), about = g.uniform(0, 6.283185307179586), r = h * std::sqrt(g.uniform(0, 1.2)), at = g.uniform(0, 6.283185307179586), away = g.uniform(-1, 5) * h;
-    const sgt_vec3 d = {std::sin(tilt) * std::cos(about), std::sin(tilt) * std::sin(about), g.sign() * std::cos(tilt)};
-    return {{r * std::cos(at) - away * d.x, r * std::sin(at) - away * d.y, -away * d.z + g.uniform(-0.1, 0.1) * h}, d, g.chance(0.5) ? -HUGE_VAL : 0, HUGE_VAL};
+    const double tilt = g.uniform(0, g.chance(0.7) ? 0.6 : 1.5), about = g.uniform(0, 6.283185307179586),
+                 r = h * std::sqrt(g.uniform(0, 1.2)), at = g.uniform(0, 6.283185307179586),
+                 away = g.uniform(-1, 5) * h;
+    const sgt_vec3 d = {std::sin(tilt) * std::cos(about), std::sin(tilt) * std::sin(about),
+                        g.sign() * std::cos(tilt)};
+    return {{r * std::cos(at) - away * d.x, r * std::sin(at) - away * d.y,
+             -away * d.z + g.uniform(-0.1, 0.1) * h},
+            d,
+            g.chance(0.5) ? -HUGE_VAL : 0,
+            HUGE_VAL};
 }
 
 // A number of few bits, so that what is made of it is exact.
@@ -324,7 +366,8 @@ void identities(generator &g)
     both("a biconic of equal radii is the conic", {&sgt_biconic_ops, &biconic}, {&sgt_conic_ops, &conic});
     const sgt_toroidal straight = {c, k, 0, rim, {}};
     const sgt_biconic cylinder = {0, k, c, k, rim};
-    both("a toroid that is straight in x is the cylinder", {&sgt_toroidal_ops, &straight}, {&sgt_biconic_ops, &cylinder});
+    both("a toroid that is straight in x is the cylinder", {&sgt_toroidal_ops, &straight},
+         {&sgt_biconic_ops, &cylinder});
     const sgt_conic sphere = {c, 0, h};
     const sgt_toroidal ball = {c, 0, c, h, {}};
     both("a toroid of equal radii is the sphere", {&sgt_toroidal_ops, &ball}, {&sgt_conic_ops, &sphere});
@@ -338,26 +381,33 @@ void identities(generator &g)
     both("an odd asphere of even terms is the even one", {&sgt_odd_asphere_ops, &odd}, wanted);
     std::vector<double> xy(49);
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j <= i + 1; j++) xy[static_cast<std::size_t>(2 * j * 7 + 2 * (i + 1 - j))] = even.a[i] * oracle::to_double(binomial(i + 1, j));
+        for (int j = 0; j <= i + 1; j++)
+            xy[static_cast<std::size_t>(2 * j * 7 + 2 * (i + 1 - j))] = even.a[i] *
+                                                                        oracle::to_double(binomial(i + 1, j));
     const sgt_polynomial_xy poly = {c, k, rim, {xy.data(), 7, 7}};
     both("an XY polynomial of r^2 is the even asphere", {&sgt_polynomial_xy_ops, &poly}, wanted);
     // 6 rho^2 = 3 Z(2, 0) + 3,  6 rho^4 = Z(4, 0) + 3 Z(2, 0) + 2
     const sgt_asphere quartic = {c, k, rim, {6 * a0 / h2, 6 * a1 / (h2 * h2), 0}};
     const double noll_terms[11] = {3 * a0 + 2 * a1, 0, 0, 3 * a0 + 3 * a1, 0, 0, 0, 0, 0, 0, a1};
     const double fringe_terms[9] = {3 * a0 + 2 * a1, 0, 0, 3 * a0 + 3 * a1, 0, 0, 0, 0, a1};
-    const sgt_zernike noll_one = {c, k, rim, h, SGT_NOLL, 0, {noll_terms, 1, 11}}, fringe_one = {c, k, rim, h, SGT_FRINGE, 0, {fringe_terms, 1, 9}};
-    both("Zernike's of revolution, Noll, are the even asphere", {&sgt_zernike_ops, &noll_one}, {&sgt_asphere_ops, &quartic});
-    both("Zernike's of revolution, Fringe, are the even asphere", {&sgt_zernike_ops, &fringe_one}, {&sgt_asphere_ops, &quartic});
+    const sgt_zernike noll_one = {c, k, rim, h, SGT_NOLL, 0, {noll_terms, 1, 11}},
+                      fringe_one = {c, k, rim, h, SGT_FRINGE, 0, {fringe_terms, 1, 9}};
+    both("Zernike's of revolution, Noll, are the even asphere", {&sgt_zernike_ops, &noll_one},
+         {&sgt_asphere_ops, &quartic});
+    both("Zernike's of revolution, Fringe, are the even asphere", {&sgt_zernike_ops, &fringe_one},
+         {&sgt_asphere_ops, &quartic});
     const double con_terms[2] = {6 * a1 + 5 * a2, a2}; // u^4 (6 a1 + 5 a2 - 5 a2 + 6 a2 u^2)
     const sgt_asphere conned = {c, k, rim, {0, 6 * a1 / (h2 * h2), 6 * a2 / (h2 * h2 * h2)}};
     const sgt_q_con con = {c, k, rim, h, {con_terms, 1, 2}};
     both("Q_con of two terms is the even asphere", {&sgt_q_con_ops, &con}, {&sgt_asphere_ops, &conned});
     const sgt_asphere flat_bfs = {0, 0, rim, {a0 / h2, -a0 / (h2 * h2)}};
     const sgt_q_bfs bfs = {0, rim, h, {&a0, 1, 1}};
-    both("Q_bfs of one term on a plane is the even asphere", {&sgt_q_bfs_ops, &bfs}, {&sgt_asphere_ops, &flat_bfs});
+    both("Q_bfs of one term on a plane is the even asphere", {&sgt_q_bfs_ops, &bfs},
+         {&sgt_asphere_ops, &flat_bfs});
 
     // a u^2 + b v^2 + 2 e u v + f u + g v, u and v in units of h.
-    const double a = short_number(g, strong), b = short_number(g, strong), e = short_number(g, strong), fu = short_number(g, strong), gv = short_number(g, strong);
+    const double a = short_number(g, strong), b = short_number(g, strong), e = short_number(g, strong),
+                 fu = short_number(g, strong), gv = short_number(g, strong);
     const double of_xy[9] = {0, gv / h, b / h2, fu / h, 2 * e / h2, 0, a / h2, 0, 0};
     const sgt_polynomial_xy quadratic = {c, k, rim, {of_xy, 3, 3}};
     const sgt_surface second = {&sgt_polynomial_xy_ops, &quadratic};
@@ -365,8 +415,10 @@ void identities(generator &g)
     const sgt_chebyshev chebyshev = {c, k, rim, h, h, {of_t, 3, 3}};
     both("a quadratic by Chebyshev", {&sgt_chebyshev_ops, &chebyshev}, second);
     // a u^2 + b v^2 = (a + b)/2 rho^2 + (a - b)/2 (u^2 - v^2), rho^2 = (Z + 1)/2
-    const double of_noll[6] = {(a + b) / 4, fu, gv, (a + b) / 4, e, (a - b) / 2}, of_fringe[6] = {(a + b) / 4, fu, gv, (a + b) / 4, (a - b) / 2, e};
-    const sgt_zernike by_noll = {c, k, rim, h, SGT_NOLL, 0, {of_noll, 1, 6}}, by_fringe = {c, k, rim, h, SGT_FRINGE, 0, {of_fringe, 1, 6}};
+    const double of_noll[6] = {(a + b) / 4, fu, gv, (a + b) / 4, e, (a - b) / 2},
+                 of_fringe[6] = {(a + b) / 4, fu, gv, (a + b) / 4, (a - b) / 2, e};
+    const sgt_zernike by_noll = {c, k, rim, h, SGT_NOLL, 0, {of_noll, 1, 6}},
+                      by_fringe = {c, k, rim, h, SGT_FRINGE, 0, {of_fringe, 1, 6}};
     both("a quadratic by Zernike, Noll", {&sgt_zernike_ops, &by_noll}, second);
     both("a quadratic by Zernike, Fringe", {&sgt_zernike_ops, &by_fringe}, second);
     const sgt_surface two[] = {{&sgt_polynomial_xy_ops, nullptr}, {&sgt_zernike_ops, nullptr}};
@@ -397,15 +449,19 @@ void identities(generator &g)
     const sgt_biconic flipped = {-c, k, -c, k, rim};
     for (int i = 0; i < 3; i++) {
         const sgt_ray r = ray_at(g, 1.2 * h);
-        same_roots("an ellipsoid is the quadric", {&sgt_ellipsoid_ops, &ellipsoid}, {&sgt_quadric_ops, &quadric}, r, r, pick);
+        same_roots("an ellipsoid is the quadric", {&sgt_ellipsoid_ops, &ellipsoid},
+                   {&sgt_quadric_ops, &quadric}, r, r, pick);
         sgt_ray down = r;
         down.o.z = -r.o.z, down.d.z = -r.d.z;
-        same_roots("a biconic upside down", {&sgt_biconic_ops, &biconic}, {&sgt_biconic_ops, &flipped}, r, down, pick);
+        same_roots("a biconic upside down", {&sgt_biconic_ops, &biconic}, {&sgt_biconic_ops, &flipped}, r,
+                   down, pick);
         sgt_ray turned = r; // Chebyshev's sum of x and y with the two exchanged
         std::swap(turned.o.x, turned.o.y), std::swap(turned.d.x, turned.d.y);
-        const double across[9] = {of_t[0], of_t[3], of_t[6], of_t[1], of_t[4], of_t[7], of_t[2], of_t[5], of_t[8]};
+        const double across[9] = {of_t[0], of_t[3], of_t[6], of_t[1], of_t[4],
+                                  of_t[7], of_t[2], of_t[5], of_t[8]};
         const sgt_chebyshev swapped = {c, k, rim, h, h, {across, 3, 3}};
-        same_roots("Chebyshev's with x and y exchanged", {&sgt_chebyshev_ops, &chebyshev}, {&sgt_chebyshev_ops, &swapped}, r, turned, pick);
+        same_roots("Chebyshev's with x and y exchanged", {&sgt_chebyshev_ops, &chebyshev},
+                   {&sgt_chebyshev_ops, &swapped}, r, turned, pick);
     }
 }
 

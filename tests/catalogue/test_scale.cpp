@@ -1,13 +1,15 @@
 // The unit of length and the length of a direction change nothing: of every row of sgt_builtins.
 //
-// A parameter's unit in that table is its power of length.  All parameters, the ray and its ends are multiplied by the powers of
-// two that 2^k for each length makes, |k| <= 300; or the direction by 2^j, |j| <= 500.  Every operation of the library
-// is then scaled exactly, and so must be every answer: sgt_intersect (first and near the seed, with each proof), sgt_intersect_all,
-// sgt_intersect_batch and sgt_trace, each number of them to the last bit, and the evaluations too.
+// A parameter's unit in that table is its power of length.  All parameters, the ray and its ends are
+// multiplied by the powers of two that 2^k for each length makes, |k| <= 300; or the direction by 2^j, |j|
+// <= 500.  Every operation of the library is then scaled exactly, and so must be every answer:
+// sgt_intersect (first and near the seed, with each proof), sgt_intersect_all, sgt_intersect_batch and
+// sgt_trace, each number of them to the last bit, and the evaluations too.
 //
-// Where a number of the surface or the ray leaves the range of doubles, or its square does, that is too much to ask.
-// There, and far out on a ray that has no end, where squares overflow at one scale and not at another, the answers may differ in what is
-// undecided; but a hit at one scale is no miss at another, nor another root.
+// Where a number of the surface or the ray leaves the range of doubles, or its square does, that is too
+// much to ask.  There, and far out on a ray that has no end, where squares overflow at one scale and not at
+// another, the answers may differ in what is undecided; but a hit at one scale is no miss at another, nor
+// another root.
 #include "agree.h"
 #include "judge.h"
 
@@ -59,7 +61,8 @@ struct scaling {
     bool exact = true, moderate = true;  // no number is rounded; all are below `most` and above its inverse
     explicit scaling(const std::string &type)
     {
-        const bool fourth = type == "torus" || type == "toroidal" || type == "biconic" || type == "cylinder" || type == "sum";
+        const bool fourth = type == "torus" || type == "toroidal" || type == "biconic" ||
+                            type == "cylinder" || type == "sum";
         most = fourth ? 0x1p230 : 0x1p480;
     }
 
@@ -75,7 +78,8 @@ struct scaling {
 
     sgt_surface surface(const sgt_builtin *row, const sgt_surface &s, int k)
     {
-        std::shared_ptr<std::vector<double>> room = std::make_shared<std::vector<double>>(row->size / sizeof(double) + 2);
+        std::shared_ptr<std::vector<double>> room = std::make_shared<std::vector<double>>(
+            row->size / sizeof(double) + 2);
         kept.push_back(room);
         char *to = reinterpret_cast<char *>(room->data());
         std::memcpy(to, s.self, row->size);
@@ -87,10 +91,13 @@ struct scaling {
             } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
                 sgt_numbers a;
                 std::memcpy(&a, to + p->offset, sizeof a);
-                std::shared_ptr<std::vector<double>> x = std::make_shared<std::vector<double>>(a.x, a.x + a.rows * a.columns);
+                std::shared_ptr<std::vector<double>> x = std::make_shared<std::vector<double>>(
+                    a.x, a.x + a.rows * a.columns);
                 for (std::size_t i = 0; i < x->size(); i++) {
-                    const int at_row = static_cast<int>(i / a.columns), at_column = static_cast<int>(i % a.columns);
-                    (*x)[i] = number((*x)[i], k * power_of(p->unit, p->kind == SGT_LIST ? at_column : at_row, at_column));
+                    const int at_row = static_cast<int>(i / a.columns),
+                              at_column = static_cast<int>(i % a.columns);
+                    (*x)[i] = number(
+                        (*x)[i], k * power_of(p->unit, p->kind == SGT_LIST ? at_column : at_row, at_column));
                 }
                 kept.push_back(x);
                 a.x = x->data();
@@ -101,7 +108,8 @@ struct scaling {
                 std::memcpy(&terms, to + p->offset, sizeof terms);
                 std::memcpy(&count, to + p->offset + sizeof terms, sizeof count);
                 std::shared_ptr<std::vector<sgt_surface>> own = std::make_shared<std::vector<sgt_surface>>();
-                for (std::size_t i = 0; i < count; i++) own->push_back(surface(row_of(terms[i].ops), terms[i], k));
+                for (std::size_t i = 0; i < count; i++)
+                    own->push_back(surface(row_of(terms[i].ops), terms[i], k));
                 kept.push_back(own);
                 terms = own->data();
                 std::memcpy(to + p->offset, &terms, sizeof terms);
@@ -130,12 +138,18 @@ target random_target(generator &g, const std::string &type)
         t.shape = random_specimen(g, "sum");
         sgt_sum sum = *static_cast<const sgt_sum *>(t.shape.s.self);
         sum.count = 0;
-        sgt_asphere a = {type == "plane" ? 0 : sum.c, type == "plane" || type == "sphere" ? 0 : sum.k, sum.semi_diameter, {}};
-        if (type == "sphere" && a.c * a.c * t.shape.h * t.shape.h > 0.9) a.c *= 0.9 / (std::fabs(a.c) * t.shape.h);
+        sgt_asphere a = {type == "plane" ? 0 : sum.c,
+                         type == "plane" || type == "sphere" ? 0 : sum.k,
+                         sum.semi_diameter,
+                         {}};
+        if (type == "sphere" && a.c * a.c * t.shape.h * t.shape.h > 0.9)
+            a.c *= 0.9 / (std::fabs(a.c) * t.shape.h);
         t.s = t.shape;
         if (type == "even_asphere") {
-            const std::vector<double> terms = random_terms(g, random_length(g, 4, 8), t.s.h * g.log_uniform(1e-6, 0.1));
-            for (std::size_t i = 0; i < terms.size(); i++) a.a[i] = terms[i] / std::pow(t.s.h, 2 * static_cast<double>(i) + 2);
+            const std::vector<double> terms = random_terms(g, random_length(g, 4, 8),
+                                                           t.s.h * g.log_uniform(1e-6, 0.1));
+            for (std::size_t i = 0; i < terms.size(); i++)
+                a.a[i] = terms[i] / std::pow(t.s.h, 2 * static_cast<double>(i) + 2);
             t.s.s = {&sgt_asphere_ops, t.s.keep(a)};
             sum.terms = t.s.keep(t.s.s), sum.count = 1;
         } else t.s.s = {&sgt_conic_ops, t.s.keep(sgt_conic{a.c, a.k, a.semi_diameter})};
@@ -164,7 +178,9 @@ target random_target(generator &g, const std::string &type)
 sgt_ray random_ray_at(generator &g, const subject &of)
 {
     sgt_ray r = random_ray(g, of, static_cast<ray_kind>(g.below(ray_kinds)));
-    if (g.chance(0.3)) r.d.z = std::hypot(r.d.x, r.d.y) * g.sign() * g.log_uniform(1e-14, 0.1); // nearly at right angles to the axis
+    if (g.chance(0.3))
+        r.d.z = std::hypot(r.d.x, r.d.y) * g.sign() *
+                g.log_uniform(1e-14, 0.1); // nearly at right angles to the axis
     if (g.chance(0.03)) r.o.z = 0;
     if (g.chance(0.2)) r.tmin = -HUGE_VAL, r.tmax = HUGE_VAL;
     return r;
@@ -173,10 +189,16 @@ sgt_ray random_ray_at(generator &g, const subject &of)
 // ------------------------------------------------------------------ comparison
 
 // Near the smallest normal number an error bound has a number added that does not scale.
-bool same(double a, double b) { return a == b || (a != a && b != b) || (std::fabs(a) < 1e-290 && std::fabs(b) < 1e-290); }
+bool same(double a, double b)
+{
+    return a == b || (a != a && b != b) || (std::fabs(a) < 1e-290 && std::fabs(b) < 1e-290);
+}
 bool same(const sgt_vec3 &a, const sgt_vec3 &b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z); }
 // The ends of what is not decided: a far one may stand for the greatest number.
-bool same_end(double a, double b) { return same(a, b) || (std::fabs(a) > 1e300 && std::fabs(b) > 1e300 && (a > 0) == (b > 0)); }
+bool same_end(double a, double b)
+{
+    return same(a, b) || (std::fabs(a) > 1e300 && std::fabs(b) > 1e300 && (a > 0) == (b > 0));
+}
 
 double times(double x, int k) { return std::ldexp(x, k); }
 sgt_vec3 times(const sgt_vec3 &a, int k) { return {times(a.x, k), times(a.y, k), times(a.z, k)}; }
@@ -196,8 +218,10 @@ const char *difference(const sgt_hit &a, const sgt_hit &b)
     if (a.evals != b.evals) return "evals";
     const bool numbers = a.status < 0 || (same(a.t, b.t) && same(a.t_err, b.t_err));
     const bool at_zero = a.status > 0 && a.t == 0 && b.t == 0; // t_err is what underflow may hide
-    if (!at_zero && !(numbers && same(a.t_lo, b.t_lo) && same_end(a.lo, b.lo) && same_end(a.hi, b.hi))) return "t, t_err, t_lo, lo or hi";
-    if (!(same(a.p, b.p) && same(a.n, b.n) && same(a.f, b.f) && same(a.p_err, b.p_err))) return "the point, the normal or F";
+    if (!at_zero && !(numbers && same(a.t_lo, b.t_lo) && same_end(a.lo, b.lo) && same_end(a.hi, b.hi)))
+        return "t, t_err, t_lo, lo or hi";
+    if (!(same(a.p, b.p) && same(a.n, b.n) && same(a.f, b.f) && same(a.p_err, b.p_err)))
+        return "the point, the normal or F";
     return nullptr;
 }
 
@@ -209,10 +233,15 @@ struct question {
     bool moderate;
 };
 
-void print_ray(const sgt_ray &r) { std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax); }
+void print_ray(const sgt_ray &r)
+{
+    std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z,
+                r.tmin, r.tmax);
+}
 void print_hit(const char *name, const sgt_hit &h)
 {
-    std::printf("    %-6s %s evals %d t %.17g t_err %g [%g, %g] p %g %g %g p_err %g n %g %g %g f %g\n", name, sgt_status_text(h.status), h.evals, h.t, h.t_err, h.lo, h.hi, h.p.x, h.p.y, h.p.z, h.p_err,
+    std::printf("    %-6s %s evals %d t %.17g t_err %g [%g, %g] p %g %g %g p_err %g n %g %g %g f %g\n", name,
+                sgt_status_text(h.status), h.evals, h.t, h.t_err, h.lo, h.hi, h.p.x, h.p.y, h.p.z, h.p_err,
                 h.n.x, h.n.y, h.n.z, h.f);
 }
 
@@ -220,7 +249,9 @@ bool show(const question &q, const std::string &what)
 {
     failures++;
     if (failed[q.s->type + ": " + what]++ >= 1) return false;
-    std::printf("FAIL %s, %s: lengths times 2^%d, direction times 2^%d; pick %d proof %d\n", q.s->type.c_str(), what.c_str(), q.k, q.j, static_cast<int>(q.options.pick), static_cast<int>(q.options.proof));
+    std::printf("FAIL %s, %s: lengths times 2^%d, direction times 2^%d; pick %d proof %d\n",
+                q.s->type.c_str(), what.c_str(), q.k, q.j, static_cast<int>(q.options.pick),
+                static_cast<int>(q.options.proof));
     print_surface(q.s->s);
     print_ray(q.ray);
     return true;
@@ -233,11 +264,15 @@ enum strictness { to_the_bit, statuses, nothing_wrong };
 void compare(const question &q, const char *by, const sgt_hit &got, const sgt_hit &want, strictness how)
 {
     compared++;
-    // t_err of a root at t = 0 is what underflow may hide: how many looks tell that it is the start depends on the scale
-    if (how == to_the_bit && q.ray.tmin == 0 && q.s->s.ops->value(q.s->s.self, q.ray.o, nullptr) == 0) how = statuses;
-    const bool agree = got.status == want.status || (got.status < 0 && want.status < 0), graze = got.status == SGT_GRAZE || want.status == SGT_GRAZE;
+    // t_err of a root at t = 0 is what underflow may hide: how many looks tell that it is the start depends
+    // on the scale
+    if (how == to_the_bit && q.ray.tmin == 0 && q.s->s.ops->value(q.s->s.self, q.ray.o, nullptr) == 0)
+        how = statuses;
+    const bool agree = got.status == want.status || (got.status < 0 && want.status < 0),
+               graze = got.status == SGT_GRAZE || want.status == SGT_GRAZE;
     const char *why = how == to_the_bit ? difference(got, want) : first_contradiction(got, want);
-    if (!why && !agree && (how == statuses || (q.moderate && got.status >= 0 && want.status >= 0 && !graze))) why = "status";
+    if (!why && !agree && (how == statuses || (q.moderate && got.status >= 0 && want.status >= 0 && !graze)))
+        why = "status";
     if (how == nothing_wrong && !agree) undecided_once++;
     exactly += how == to_the_bit;
     if (why && show(q, std::string(by) + ", " + why)) {
@@ -246,22 +281,24 @@ void compare(const question &q, const char *by, const sgt_hit &got, const sgt_hi
     }
 }
 
-void compare(const question &q, const char *by, const std::vector<sgt_hit> &got, const std::vector<sgt_hit> &want, strictness how)
+void compare(const question &q, const char *by, const std::vector<sgt_hit> &got,
+             const std::vector<sgt_hit> &want, strictness how)
 {
     compared++;
     const char *why = list_contradiction(got, want);
     const bool agree = got.size() == want.size();
     if (!why && how < nothing_wrong && !agree) why = "how many";
     if (how == nothing_wrong && !agree) undecided_once++;
-    for (std::size_t e = 0; e < got.size() && !why && how == to_the_bit; e++) why = difference(got[e], want[e]);
+    for (std::size_t e = 0; e < got.size() && !why && how == to_the_bit; e++)
+        why = difference(got[e], want[e]);
     if (why && show(q, std::string(by) + ", " + why)) {
         for (const sgt_hit &h : want) print_hit("want", h);
         for (const sgt_hit &h : got) print_hit("got", h);
     }
 }
 
-// One element, its pose and clear aperture at the same scale.  The direction is made one of unit length, which rounds it, unless it
-// is one: where it is scaled the fate alone is compared.
+// One element, its pose and clear aperture at the same scale.  The direction is made one of unit length,
+// which rounds it, unless it is one: where it is scaled the fate alone is compared.
 struct traced {
     sgt_fate fate;
     sgt_passage passage;
@@ -289,7 +326,8 @@ void compare(const question &q, const traced &got, const traced &want, int f_pow
         why = difference(got.passage.hit, hit);
         if (!why && !same(got.passage.direction, want.passage.direction)) why = "direction";
         if (!why && !same(got.passage.opl, times(want.passage.opl, q.k))) why = "path";
-        if (!why && !same(got.out.o, times(want.out.o, q.k)) && want.fate == SGT_PASSED) why = "the ray behind";
+        if (!why && !same(got.out.o, times(want.out.o, q.k)) && want.fate == SGT_PASSED)
+            why = "the ray behind";
     }
     if (!why && q.j == 0 && want.fate > 0 && got.fate > 0) why = first_contradiction(got.passage.hit, hit);
     if (why && show(q, std::string("trace, ") + why)) {
@@ -334,7 +372,9 @@ void one_target(generator &g, const std::string &type)
     const int far = g.chance(0.5) ? 300 : 40;
     for (const int k : {20, -20, 1 + g.below(far), -1 - g.below(far), 0}) {
         const bool lengths = k != 0;
-        const int j = lengths ? (g.chance(0.5) ? k : 0) : g.chance(0.3) ? (g.chance(0.5) ? 500 : -500) : g.below(1000) - 500; // of d, whose length scales t
+        const int j = lengths         ? (g.chance(0.5) ? k : 0)
+                      : g.chance(0.3) ? (g.chance(0.5) ? 500 : -500)
+                                      : g.below(1000) - 500; // of d, whose length scales t
         const int by_t = k - j;
         scaling to(type);
         const sgt_surface resized = to.surface(s, k);
@@ -360,27 +400,40 @@ void one_target(generator &g, const std::string &type)
         }
         sgt_hits out = {};
         out.status = status.data(), out.t = t_out.data();
-        sgt_intersect_batch(resized, rays.size(), {{in[0].data(), in[1].data(), in[2].data()}, {in[3].data(), in[4].data(), in[5].data()}, in[6].data(), in[7].data()}, out, &o);
+        sgt_intersect_batch(resized, rays.size(),
+                            {{in[0].data(), in[1].data(), in[2].data()},
+                             {in[3].data(), in[4].data(), in[5].data()},
+                             in[6].data(),
+                             in[7].data()},
+                            out, &o);
         for (std::size_t i = 0; i < rays.size(); i++) {
             const question q = {&s, rays[i], options, k, j, to.moderate};
             const auto expect = [&](const sgt_hit &h) { return expected(h, by_t, k, f_power * k); };
             const sgt_hit want = expect(alone[i]), got = sgt_intersect(resized, moved[i], &o);
-            const bool endless = !(std::isfinite(rays[i].tmin) && std::isfinite(rays[i].tmax)), quick = alone[i].evals <= QUICK && !options.proof;
-            const strictness how = !to.moderate ? nothing_wrong : quick && std::abs(k) <= 40 ? to_the_bit : endless ? nothing_wrong : statuses;
+            const bool endless = !(std::isfinite(rays[i].tmin) && std::isfinite(rays[i].tmax)),
+                       quick = alone[i].evals <= QUICK && !options.proof;
+            const strictness how = !to.moderate                 ? nothing_wrong
+                                   : quick && std::abs(k) <= 40 ? to_the_bit
+                                   : endless                    ? nothing_wrong
+                                                                : statuses;
             if (to.moderate && endless) of_endless++;
             compare(q, endless ? "one ray, endless" : "one ray", got, want, how);
-            if ((status[i] != got.status || !same(t_out[i], got.t)) && show(q, "a batch is not one ray")) print_hit("one", got);
+            if ((status[i] != got.status || !same(t_out[i], got.t)) && show(q, "a batch is not one ray"))
+                print_hit("one", got);
 
             sgt_options of_trace = options;
             of_trace.t_tol = times(options.t_tol, k); // t is in lengths
             const bool quick_trace = through[i].passage.hit.evals <= QUICK && !options.proof;
-            compare(q, trace(resized, s.h, k, aperture, moved[i], of_trace), through[i], f_power, !to.moderate || !quick_trace || j != 0 || std::abs(k) > 40 ? nothing_wrong : to_the_bit);
+            compare(q, trace(resized, s.h, k, aperture, moved[i], of_trace), through[i], f_power,
+                    !to.moderate || !quick_trace || j != 0 || std::abs(k) > 40 ? nothing_wrong : to_the_bit);
 
             std::vector<sgt_hit> list(entries), wanted;
-            list.resize(static_cast<std::size_t>(std::max(0, std::min<int>(sgt_intersect_all(resized, moved[i], entries, list.data(), &o), entries))));
+            list.resize(static_cast<std::size_t>(std::max(
+                0, std::min<int>(sgt_intersect_all(resized, moved[i], entries, list.data(), &o), entries))));
             int evals = 0;
             for (const sgt_hit &h : all[i]) wanted.push_back(expect(h)), evals += h.evals;
-            compare(q, endless ? "all, endless" : "all", list, wanted, how == to_the_bit && evals > QUICK ? (endless ? nothing_wrong : statuses) : how);
+            compare(q, endless ? "all, endless" : "all", list, wanted,
+                    how == to_the_bit && evals > QUICK ? (endless ? nothing_wrong : statuses) : how);
         }
     }
 }
@@ -397,7 +450,9 @@ int main(int argc, char **argv)
         for (long i = 0; i < r.count; i++) one_target(g, row->type);
     }
     for (const auto &f : failed) std::printf("  FAIL %8ld  %s\n", f.second, f.first.c_str());
-    std::printf("%ld comparisons, %ld of them to the bit, %ld failures; of %ld without an end, and where numbers leave the range of doubles, %ld are undecided at one scale alone\n", compared, exactly, failures, of_endless, undecided_once);
+    std::printf("%ld comparisons, %ld of them to the bit, %ld failures; of %ld without an end, and where "
+                "numbers leave the range of doubles, %ld are undecided at one scale alone\n",
+                compared, exactly, failures, of_endless, undecided_once);
     if (undecided_once * 50 > compared) failures++, std::printf("FAIL these are too many\n");
     return failures != 0;
 }

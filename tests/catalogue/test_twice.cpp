@@ -1,17 +1,24 @@
-// The same question asked twice, of every row of sgt_builtins and of users' surfaces made from some of them.  No answer
-// is compared with a truth, but all of them with each other:
+// The same question asked twice, of every row of sgt_builtins and of users' surfaces made from some of
+// them.  No answer is compared with a truth, but all of them with each other:
 //
-//   first      sgt_intersect tells the first entry of sgt_intersect_all: the status and the root, under each proof (of a
+//   first      sgt_intersect tells the first entry of sgt_intersect_all: the status and the root, under
+//              each proof (of a
 //              root alone the first that is proven);
-//   proof      what is proven does not contradict what is told without a proof, nor what another proof proves;
-//   ends       a root that counts with one tmax counts with a greater one, and a root that counts with one tmin with a
-//              lesser one: each root's own t, a few ulps and a few t_err about it.  Each of these is a search of its own,
+//   proof      what is proven does not contradict what is told without a proof, nor what another proof
+//              proves;
+//   ends       a root that counts with one tmax counts with a greater one, and a root that counts with one
+//              tmin with a
+//              lesser one: each root's own t, a few ulps and a few t_err about it.  Each of these is a
+//                search of its own,
 //              that tells t anew: within t_err of the root the two may differ;
 //   reverse    the ray turned round at its origin has the same roots, at -t;
-//   split      cut in two at any t, or at a root and a few ulps beside it, the halves have the roots of the whole; the one
-//              at the cut has to be in one half at most, and in one at least where it is farther from the cut than what
+//   split      cut in two at any t, or at a root and a few ulps beside it, the halves have the roots of the
+//              whole; the one
+//              at the cut has to be in one half at most, and in one at least where it is farther from the
+//                cut than what
 //              sgt_ray's rule of the start and t_err can hide;
-//   nothing    a coordinate or a component of d that is 0 may as well be 1e-160 or 5e-324 (a cosine of 90 degrees to some power);
+//   nothing    a coordinate or a component of d that is 0 may as well be 1e-160 or 5e-324 (a cosine of 90
+//              degrees to some power);
 //   tolerance  however coarse t_tol is, with tmax next to the root, a hit does not become a miss.
 //
 // Undecided stretches and grazes say less than a hit or a miss does, and contradict what they exclude alone.
@@ -41,15 +48,23 @@ struct question {
 void print_question(const question &q, const sgt_ray &r)
 {
     if (q.s.ops == &sgt_conic_ops) std::printf("    conic"), print_list(q.s.self, 3), std::printf("\n");
-    else if (q.s.ops == &sgt_julia_ops) std::printf("    julia"), print_list(q.s.self, 21), std::printf(" N %d p %d\n", static_cast<const sgt_julia *>(q.s.self)->iterations, static_cast<const sgt_julia *>(q.s.self)->power);
-    else if (q.s.ops == &sgt_mandelbrot_ops) std::printf("    mandelbrot"), print_list(q.s.self, 17), std::printf(" N %d p %d\n", static_cast<const sgt_mandelbrot *>(q.s.self)->iterations, static_cast<const sgt_mandelbrot *>(q.s.self)->power);
+    else if (q.s.ops == &sgt_julia_ops)
+        std::printf("    julia"), print_list(q.s.self, 21),
+            std::printf(" N %d p %d\n", static_cast<const sgt_julia *>(q.s.self)->iterations,
+                        static_cast<const sgt_julia *>(q.s.self)->power);
+    else if (q.s.ops == &sgt_mandelbrot_ops)
+        std::printf("    mandelbrot"), print_list(q.s.self, 17),
+            std::printf(" N %d p %d\n", static_cast<const sgt_mandelbrot *>(q.s.self)->iterations,
+                        static_cast<const sgt_mandelbrot *>(q.s.self)->power);
     else print_surface(q.s);
-    std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax);
+    std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z,
+                r.tmin, r.tmax);
 }
 
 void print_hit(const char *what, const sgt_hit &h)
 {
-    std::printf("    %-12s %s, t %a +- %g, [%a, %a], evals %d\n", what, sgt_status_text(h.status), h.t, h.t_err, h.lo, h.hi, h.evals);
+    std::printf("    %-12s %s, t %a +- %g, [%a, %a], evals %d\n", what, sgt_status_text(h.status), h.t,
+                h.t_err, h.lo, h.hi, h.evals);
 }
 
 bool fail(const std::string &what, const question &q, const sgt_ray &r)
@@ -100,7 +115,10 @@ question level_question(generator &g, const std::string &type)
     }
     const sgt_vec3 at = random_direction(g), from = random_direction(g);
     const double near = g.uniform(0, 1), far = g.chance(0.8) ? g.uniform(0.2, 4) : g.log_uniform(4, 1e6);
-    q.ray = {{far * from.x, far * from.y, far * from.z}, {near * at.x - far * from.x, near * at.y - far * from.y, near * at.z - far * from.z}, 0, HUGE_VAL};
+    q.ray = {{far * from.x, far * from.y, far * from.z},
+             {near * at.x - far * from.x, near * at.y - far * from.y, near * at.z - far * from.z},
+             0,
+             HUGE_VAL};
     if (g.chance(0.3)) q.ray.tmin = -HUGE_VAL;
     if (g.chance(0.2)) q.ray.tmax = g.uniform(0.5, 2);
     return q;
@@ -121,7 +139,9 @@ question user_question(generator &g, offer what)
 {
     static const char *const bodies[] = {"torus", "quadric", "ellipsoid"};
     static const char *const all[] = {"torus", "quadric", "ellipsoid", "zernike", "toroidal", "odd_asphere"};
-    question q = catalogue_question(g, what == by_first ? bodies[g.below(3)] : what == by_enclosure ? all[g.below(6)] : bodies[g.below(3)]);
+    question q = catalogue_question(g, what == by_first       ? bodies[g.below(3)]
+                                       : what == by_enclosure ? all[g.below(6)]
+                                                              : bodies[g.below(3)]);
     const sgt_surface_ops &from = *q.s.ops;
     std::shared_ptr<sgt_surface_ops> ops = std::make_shared<sgt_surface_ops>();
     ops->name = from.name, ops->value = from.value, ops->values = from.values, ops->rounding = from.rounding;
@@ -133,8 +153,10 @@ question user_question(generator &g, offer what)
     q.type = offer_names[what];
     q.certain = ops->enclose != nullptr;
     const double length = std::sqrt(q.ray.d.x * q.ray.d.x + q.ray.d.y * q.ray.d.y + q.ray.d.z * q.ray.d.z);
-    const double near = -(q.ray.o.x * q.ray.d.x + q.ray.o.y * q.ray.d.y + q.ray.o.z * q.ray.d.z) / (length * length); // two ends, as cells have them
-    q.ray.tmin = std::max(q.ray.tmin, near - 1e4 / length), q.ray.tmax = std::min(q.ray.tmax, near + 1e4 / length);
+    const double near = -(q.ray.o.x * q.ray.d.x + q.ray.o.y * q.ray.d.y + q.ray.o.z * q.ray.d.z) /
+                        (length * length); // two ends, as cells have them
+    q.ray.tmin = std::max(q.ray.tmin, near - 1e4 / length),
+    q.ray.tmax = std::min(q.ray.tmax, near + 1e4 / length);
     if (!(q.ray.tmin <= q.ray.tmax)) q.ray.tmin = near - 1e4 / length, q.ray.tmax = near + 1e4 / length;
     return q;
 }
@@ -178,10 +200,12 @@ bool is_told(const list &l, double lo, double hi)
     return l.count > most;
 }
 
-// What sgt_ray's rule of the start can hide about a root, and 16 t_err: another search may tell that much worse.
+// What sgt_ray's rule of the start can hide about a root, and 16 t_err: another search may tell that much
+// worse.
 double hidden_at(const sgt_hit &h, const sgt_ray &r)
 {
-    const double terms = std::fabs(h.p.x * h.n.x) + std::fabs(h.p.y * h.n.y) + std::fabs(h.p.z * h.n.z), slope = std::fabs(h.n.x * r.d.x + h.n.y * r.d.y + h.n.z * r.d.z);
+    const double terms = std::fabs(h.p.x * h.n.x) + std::fabs(h.p.y * h.n.y) + std::fabs(h.p.z * h.n.z),
+                 slope = std::fabs(h.n.x * r.d.x + h.n.y * r.d.y + h.n.z * r.d.z);
     const double width = 0x1p-47 * terms / slope;
     return 16 * h.t_err + (width < HUGE_VAL ? width : HUGE_VAL) + 0x1p-48 * std::fabs(h.t);
 }
@@ -193,17 +217,25 @@ void ask_first(const question &q, const sgt_ray &ray, sgt_proof proof, const lis
     static const char *const proofs[] = {"no proof", "proof root", "proof first"};
     const sgt_hit h = first_of(q, ray, proof, SGT_FIRST);
     counted["first"]++;
-    bool same = all.count == 0 ? h.status == SGT_MISS : h.status == all.hits[0].status || (h.status < 0 && all.hits[0].status < 0);
-    if (same && h.status > 0) same = std::fabs(h.t - all.hits[0].t) <= h.t_err + all.hits[0].t_err + 4 * oracle::ulp(h.t) || (h.status == SGT_GRAZE && meet(h, all.hits[0]));
-    if (!same && h.status > 0) // a root is proven, not that none is before it; or all of them are more than can be told
+    bool same = all.count == 0 ? h.status == SGT_MISS
+                               : h.status == all.hits[0].status || (h.status < 0 && all.hits[0].status < 0);
+    if (same && h.status > 0)
+        same = std::fabs(h.t - all.hits[0].t) <= h.t_err + all.hits[0].t_err + 4 * oracle::ulp(h.t) ||
+               (h.status == SGT_GRAZE && meet(h, all.hits[0]));
+    if (!same &&
+        h.status >
+            0) // a root is proven, not that none is before it; or all of them are more than can be told
         for (const sgt_hit &e : all.hits) {
             same = (proof == SGT_PROVE_ROOT ? e.status == h.status : e.status < 0) && meet(h, e);
             if (same || e.status > 0) break;
         }
-    // the march through the wings spends evaluations that `all` does not, and shows misses that `all` has not
-    // the evaluations for; so do the heights of a surface without an end, where enclosures leave what is far out
+    // the march through the wings spends evaluations that `all` does not, and shows misses that `all` has
+    // not the evaluations for; so do the heights of a surface without an end, where enclosures leave what
+    // is far out
     const bool exhausted = h.status == SGT_EXHAUSTED || (h.status == SGT_MISS && all.hits[0].status < 0);
-    if (!same && exhausted && proof == SGT_ESTIMATE && ++counted["first exhausted"] <= counted["first"] / 1000 + 1) return;
+    if (!same && exhausted && proof == SGT_ESTIMATE &&
+        ++counted["first exhausted"] <= counted["first"] / 1000 + 1)
+        return;
     if (same) return;
     if (!fail(std::string("first is not the first of all, ") + proofs[proof], q, ray)) return;
     print_hit("first", h);
@@ -239,7 +271,9 @@ void ask_ends(generator &g, const question &q, const sgt_ray &ray, const list &w
     const int k = g.below(3);
     for (int i = 0; i < 2 * k; i++) at[0] = std::nextafter(at[0], -HUGE_VAL);
     if (g.chance(0.3)) at[0] = h.t - 3 * h.t_err;
-    for (int i = 1; i < 6; i++) at[i] = g.chance(0.7) ? std::nextafter(at[i - 1], HUGE_VAL) : std::max(std::nextafter(at[i - 1], HUGE_VAL), at[i - 1] + h.t_err);
+    for (int i = 1; i < 6; i++)
+        at[i] = g.chance(0.7) ? std::nextafter(at[i - 1], HUGE_VAL)
+                              : std::max(std::nextafter(at[i - 1], HUGE_VAL), at[i - 1] + h.t_err);
     for (int i = 0; i < 6; i++) {
         sgt_ray r = ray;
         (far ? r.tmax : r.tmin) = at[i];
@@ -247,7 +281,9 @@ void ask_ends(generator &g, const question &q, const sgt_ray &ray, const list &w
         l[i] = all_of(q, r, proof);
         ask_first(q, r, proof, l[i]);
         there[i] = false;
-        for (const sgt_hit &e : l[i].hits) there[i] = there[i] || (e.status == SGT_HIT && std::fabs(e.t - h.t) <= e.t_err + h.t_err + 2 * oracle::ulp(h.t));
+        for (const sgt_hit &e : l[i].hits)
+            there[i] = there[i] || (e.status == SGT_HIT &&
+                                    std::fabs(e.t - h.t) <= e.t_err + h.t_err + 2 * oracle::ulp(h.t));
     }
     counted["ends"]++;
     for (int i = 0; i + 1 < 6; i++) {
@@ -277,7 +313,10 @@ void ask_reverse(const question &q, const sgt_ray &ray, const list &whole, sgt_p
             if (h.status != SGT_HIT || is_told(other, h.lo, h.hi)) continue;
             const double room = hidden_at(h, ray); // an end of one is the start of the other
             if (!(h.t - ray.tmin > room && ray.tmax - h.t > room)) continue;
-            if (!fail(twice ? "a root of the reversed ray is not one of the ray" : "a root of the ray is not one of the reversed ray", q, ray)) return;
+            if (!fail(twice ? "a root of the reversed ray is not one of the ray"
+                            : "a root of the ray is not one of the reversed ray",
+                      q, ray))
+                return;
             print_hit("the root", h);
             for (const sgt_hit &e : other.hits) print_hit("the other", e);
             return;
@@ -306,18 +345,24 @@ void ask_split(generator &g, const question &q, const sgt_ray &ray, const list &
         if (h.status != SGT_HIT) continue;
         const double room = hidden_at(h, ray);
         const bool in_a = is_told(a, h.lo, h.hi), in_b = is_told(b, h.lo, h.hi);
-        const bool before = h.t + room < cut && h.t - ray.tmin > room && !in_a, behind = h.t - room > cut && ray.tmax - h.t > room && !in_b;
-        if ((before || behind) && fail(before ? "a root before the cut is lost" : "a root behind the cut is lost", q, ray)) print_hit("the root", h), std::printf("    cut at %a\n", cut);
+        const bool before = h.t + room < cut && h.t - ray.tmin > room && !in_a,
+                   behind = h.t - room > cut && ray.tmax - h.t > room && !in_b;
+        if ((before || behind) &&
+            fail(before ? "a root before the cut is lost" : "a root behind the cut is lost", q, ray))
+            print_hit("the root", h), std::printf("    cut at %a\n", cut);
     }
     for (const list *part : {&a, &b})
         for (const sgt_hit &h : part->hits) {
             const double room = hidden_at(h, ray);
             if (h.status != SGT_HIT || is_told(whole, h.lo, h.hi) || !(h.t - ray.tmin > room)) continue;
-            if (fail("a root of a half is none of the whole", q, ray)) print_hit("the root", h), std::printf("    cut at %a\n", cut);
+            if (fail("a root of a half is none of the whole", q, ray))
+                print_hit("the root", h), std::printf("    cut at %a\n", cut);
         }
     for (const sgt_hit &h : a.hits) // the root at the cut twice?
         for (const sgt_hit &e : b.hits)
-            if (h.status == SGT_HIT && e.status == SGT_HIT && h.t == e.t && h.t_err == e.t_err && fail("one root in both halves", q, ray)) print_hit("before", h), print_hit("behind", e);
+            if (h.status == SGT_HIT && e.status == SGT_HIT && h.t == e.t && h.t_err == e.t_err &&
+                fail("one root in both halves", q, ray))
+                print_hit("before", h), print_hit("behind", e);
 }
 
 // What is told of the first root, of the one near the seed, and of all.
@@ -328,7 +373,8 @@ struct answers {
 
 answers answers_of(const question &q, const sgt_ray &ray, sgt_proof proof)
 {
-    return {first_of(q, ray, proof, SGT_FIRST), first_of(q, ray, proof, SGT_NEAR_SEED), all_of(q, ray, proof)};
+    return {first_of(q, ray, proof, SGT_FIRST), first_of(q, ray, proof, SGT_NEAR_SEED),
+            all_of(q, ray, proof)};
 }
 
 void ask_nothing(generator &g, const question &q, sgt_proof proof)
@@ -346,25 +392,32 @@ void ask_nothing(generator &g, const question &q, sgt_proof proof)
     if (zero.tmin > -HUGE_VAL) zero.tmin /= unit;
     if (zero.tmax < HUGE_VAL) zero.tmax /= unit;
     if (!(*d[axis] != 0)) *d[axis] = 1;
-    zero.tmin = std::max(zero.tmin, -1e9), zero.tmax = std::min(zero.tmax, 1e9); // where it makes no difference
+    zero.tmin = std::max(zero.tmin, -1e9),
+    zero.tmax = std::min(zero.tmax, 1e9); // where it makes no difference
     if (!(zero.tmin < zero.tmax)) return;
-    const sgt_vec3 start = {zero.o.x + zero.tmin * zero.d.x, zero.o.y + zero.tmin * zero.d.y, zero.o.z + zero.tmin * zero.d.z};
+    const sgt_vec3 start = {zero.o.x + zero.tmin * zero.d.x, zero.o.y + zero.tmin * zero.d.y,
+                            zero.o.z + zero.tmin * zero.d.z};
     if (!(std::fabs(q.s.ops->value(q.s.self, start, nullptr)) > 1e-30)) return; // next to the start it does
     sgt_ray other = zero;
     for (double *x : {&other.o.x, &other.o.y, &other.o.z, &other.d.x, &other.d.y, &other.d.z})
         if (*x == 0 && g.chance(0.7)) *x = g.sign() * nothings[g.below(5)];
     const answers a = answers_of(q, zero, proof), b = answers_of(q, other, proof);
     counted["nothing"]++;
-    const auto about_zero = [](const sgt_hit &h) { return std::fabs(h.t) <= 1e-60 + h.t_err; }; // there it is not
-    const char *why = about_zero(a.first) || about_zero(b.first) ? nullptr : first_contradiction(a.first, b.first);
+    const auto about_zero = [](const sgt_hit &h) {
+        return std::fabs(h.t) <= 1e-60 + h.t_err;
+    }; // there it is not
+    const char *why = about_zero(a.first) || about_zero(b.first) ? nullptr
+                                                                 : first_contradiction(a.first, b.first);
     for (int twice = 0; !why && proof != SGT_PROVE_ROOT && twice < 2; twice++) {
         std::vector<sgt_hit> of = (twice ? b : a).all.hits;
         of.erase(std::remove_if(of.begin(), of.end(), about_zero), of.end());
         why = hits_missing(of, (twice ? a : b).all.hits);
     }
-    if (!why && (a.near.status == SGT_MISS || b.near.status == SGT_MISS)) why = first_contradiction(a.near, b.near);
+    if (!why && (a.near.status == SGT_MISS || b.near.status == SGT_MISS))
+        why = first_contradiction(a.near, b.near);
     if (!why || !fail(std::string("a number that is as good as 0: ") + why, q, zero)) return;
-    std::printf("    and {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", other.o.x, other.o.y, other.o.z, other.d.x, other.d.y, other.d.z, other.tmin, other.tmax);
+    std::printf("    and {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", other.o.x, other.o.y, other.o.z, other.d.x,
+                other.d.y, other.d.z, other.tmin, other.tmax);
     for (const answers *of : {&a, &b}) {
         print_hit("first", of->first), print_hit("near the seed", of->near);
         for (const sgt_hit &h : of->all.hits) print_hit("of all", h);
@@ -376,13 +429,15 @@ void ask_tolerance(generator &g, const question &q, const list &whole)
     if (whole.hits.empty()) return;
     const sgt_hit &h = whole.hits[static_cast<std::size_t>(g.below(static_cast<int>(whole.hits.size())))];
     if (h.status != SGT_HIT || !std::isfinite(h.t)) return;
-    const double length = std::max(std::fabs(h.t), 64 * h.t_err), before = hidden_at(h, q.ray), beside = g.log_uniform(1e-12, 1) * length;
+    const double length = std::max(std::fabs(h.t), 64 * h.t_err), before = hidden_at(h, q.ray),
+                 beside = g.log_uniform(1e-12, 1) * length;
     sgt_ray r = q.ray;
     if (g.chance(0.5)) r.tmin = -HUGE_VAL;
     if (g.chance(0.8)) r.tmax = std::min(r.tmax, h.t + 32 * h.t_err + beside);
     sgt_options o = {};
     o.t_tol = g.log_uniform(1e-3, 1e9) * beside;
-    if (!(h.t - r.tmin > before + 2 * o.t_tol && r.tmax - h.t > 16 * h.t_err)) return; // t_err is a part of what the start hides
+    if (!(h.t - r.tmin > before + 2 * o.t_tol && r.tmax - h.t > 16 * h.t_err))
+        return; // t_err is a part of what the start hides
     o.proof = static_cast<sgt_proof>(g.below(3));
     if (r.tmin >= 0 && r.tmax == 0) return;
     counted["tolerance"]++;
@@ -427,7 +482,8 @@ int main(int argc, char **argv)
     names.insert(names.end(), types, types + sizeof types / sizeof types[0]);
     names.insert(names.end(), offer_names, offer_names + offers);
     for (const sgt_builtin *b = sgt_builtins; b->type; b++)
-        if (std::find(names.begin(), names.end(), b->type) == names.end()) failed[std::string(b->type) + ": a row that is not asked"]++;
+        if (std::find(names.begin(), names.end(), b->type) == names.end())
+            failed[std::string(b->type) + ": a row that is not asked"]++;
     for (std::size_t k = 0; k < names.size(); k++) {
         if (only && names[k] != only) continue;
         const std::string &type = names[k];
@@ -435,7 +491,10 @@ int main(int argc, char **argv)
             generator g(r.seed ^ static_cast<std::uint64_t>(k) << 40 ^ static_cast<std::uint64_t>(i) << 20);
             name_of_case = ", case " + std::to_string(i);
             const std::size_t user = names.size() - offers;
-            ask(g, k >= user ? user_question(g, static_cast<offer>(k - user)) : k < 4 ? conic_question(g, type) : k < 6 ? level_question(g, type) : catalogue_question(g, type));
+            ask(g, k >= user ? user_question(g, static_cast<offer>(k - user))
+                   : k < 4   ? conic_question(g, type)
+                   : k < 6   ? level_question(g, type)
+                             : catalogue_question(g, type));
         }
     }
     for (const auto &c : counted) std::printf("%-28s %9ld\n", c.first.c_str(), c.second);

@@ -1,12 +1,14 @@
-// The first root of sags without a rim.  Coming from afar the ray passes the wings, which a departure of high powers
-// makes as steep as can be, and a wing may be met before what is near the axis is.  Leaving from beside the surface
-// it may meet one, too, or none: with an end to the ray, or as far as the surface goes.
+// The first root of sags without a rim.  Coming from afar the ray passes the wings, which a departure of
+// high powers makes as steep as can be, and a wing may be met before what is near the axis is.  Leaving
+// from beside the surface it may meet one, too, or none: with an end to the ray, or as far as the surface
+// goes.
 //
-// The judge is F in 113 bits (formulas.h), at points between the start and the root that are closer together the nearer they are to the
-// axis and to the root:
+// The judge is F in 113 bits (formulas.h), at points between the start and the root that are closer
+// together the nearer they are to the axis and to the root:
 //     a hit           F has unlike signs on either side of t, as far off as t_err says (and no rounding);
 //     the first       F has one sign from the start, or the edge of its domain, up to it;
-//     a miss          F has one sign from the start to the end, or the edge of its domain; of rays that come, none;
+//     a miss          F has one sign from the start to the end, or the edge of its domain; of rays that
+//                     come, none;
 //     undecided       seldom: rays that come have no end, but there is a root near the axis on each.
 // Batches and single rays are the same to the last bit.
 #include "specimens.h"
@@ -24,24 +26,31 @@ std::map<std::string, int> failed;
 void fail(const char *what, const specimen &s, const sgt_ray &r, const sgt_hit &h)
 {
     if (failed[s.type + ": " + what]++ > 2) return;
-    std::printf("%s: %s\n    ray %.17g %.17g %.17g, %.17g %.17g %.17g\n    %s, t = %.17g +- %.3g, r = %.3g h\n    ", s.type.c_str(), what, r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z,
-                sgt_status_text(h.status), h.t, h.t_err, std::hypot(h.p.x, h.p.y) / s.h);
+    std::printf(
+        "%s: %s\n    ray %.17g %.17g %.17g, %.17g %.17g %.17g\n    %s, t = %.17g +- %.3g, r = %.3g h\n    ",
+        s.type.c_str(), what, r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, sgt_status_text(h.status), h.t,
+        h.t_err, std::hypot(h.p.x, h.p.y) / s.h);
     print_surface(s.s);
 }
 
-quad along(const formula<quad> &f, const sgt_ray &r, quad t) { return f(quad(r.o.x) + t * quad(r.d.x), quad(r.o.y) + t * quad(r.d.y), quad(r.o.z) + t * quad(r.d.z)); }
+quad along(const formula<quad> &f, const sgt_ray &r, quad t)
+{
+    return f(quad(r.o.x) + t * quad(r.d.x), quad(r.o.y) + t * quad(r.d.y), quad(r.o.z) + t * quad(r.d.z));
+}
 
 int sign(quad x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
 
 // One sign from the start to `to`, as far as 600 points tell.
 bool earlier(const formula<quad> &f, const sgt_ray &r, quad to)
 {
-    const double a = r.d.x * r.d.x + r.d.y * r.d.y, nearest = -(r.o.x * r.d.x + r.o.y * r.d.y) / a, end = static_cast<double>(to);
+    const double a = r.d.x * r.d.x + r.d.y * r.d.y, nearest = -(r.o.x * r.d.x + r.o.y * r.d.y) / a,
+                 end = static_cast<double>(to);
     int before = 0;
     for (int i = 0; i < 600; i++) {
         const double part = (i + 0.5) / 600;
         // half of them crowd together at the axis, half at the root
-        const double centre = i % 2 ? end : std::min(nearest, end), t = centre - (centre - r.tmin) * std::pow(1e-6, part);
+        const double centre = i % 2 ? end : std::min(nearest, end),
+                     t = centre - (centre - r.tmin) * std::pow(1e-6, part);
         if (!(t >= r.tmin && t < end)) continue;
         const quad g = along(f, r, t);
         const int is = sign(g);
@@ -68,7 +77,8 @@ bool changes(const formula<quad> &f, const sgt_ray &r, double h)
     }
     int before = 0;
     for (int i = 0; i < 600; i++) {
-        const double part = std::pow(1e-9, i / 600.0), t = i % 2 ? end - part * (end - from) : from + (end - from) / (1e9 * part);
+        const double part = std::pow(1e-9, i / 600.0),
+                     t = i % 2 ? end - part * (end - from) : from + (end - from) / (1e9 * part);
         const quad g = along(f, r, i == 599 ? end : t);
         const int is = g == g ? sign(g) : 0;
         if (g != g) before = 0;
@@ -82,12 +92,14 @@ bool changes(const formula<quad> &f, const sgt_ray &r, double h)
 
 int main()
 {
-    const char *seed = std::getenv("SAGITTA_TEST_SEED"), *scale = std::getenv("SAGITTA_TEST_SCALE"), *only = std::getenv("SAGITTA_TEST_TYPE");
+    const char *seed = std::getenv("SAGITTA_TEST_SEED"), *scale = std::getenv("SAGITTA_TEST_SCALE"),
+               *only = std::getenv("SAGITTA_TEST_TYPE");
     const std::uint64_t from = seed ? std::strtoull(seed, nullptr, 0) : 14;
     const int rounds = static_cast<int>(40 * (scale ? std::atof(scale) : 1));
     constexpr int RAYS = 24;
     std::printf("seed %llu\n", static_cast<unsigned long long>(from));
-    for (const char *type : {"odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid", "sum", "toroidal", "biconic", "cylinder"}) {
+    for (const char *type : {"odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid",
+                             "sum", "toroidal", "biconic", "cylinder"}) {
         if (only && std::string(only) != type) continue;
         generator g(from ^ (static_cast<std::uint64_t>(type[0]) << 8 | static_cast<std::uint64_t>(type[2])));
         long rays = 0, decided = 0, wings = 0, leaving = 0, told = 0, misses = 0;
@@ -100,12 +112,24 @@ int main()
             const bool leave = round % 2;
             std::vector<sgt_ray> all;
             for (int i = 0; i < RAYS; i++) {
-                const double r = s.h * std::sqrt(g.uniform(0, 0.9)), about = g.uniform(0, 6.283185307179586), x = r * std::cos(about), y = r * std::sin(about), z = -rough(x, y, 0.0);
-                const double tilt = g.uniform(0.002, 0.7), to = g.uniform(0, 6.283185307179586), size = g.chance(0.5) ? 1 : g.log_uniform(1e-3, 1e3);
-                const sgt_vec3 d = {std::sin(tilt) * std::cos(to), std::sin(tilt) * std::sin(to), (g.chance(0.3) ? -1 : 1) * std::cos(tilt)};
-                const double beside = s.h * g.log_uniform(1e-6, 3), last = g.chance(0.3) ? beside + s.h * g.log_uniform(1e-3, 1e2) : INFINITY;
-                if (z == z && leave) all.push_back({{x + beside * d.x, y + beside * d.y, z + beside * d.z}, {d.x * size, d.y * size, d.z * size}, 0, last / size});
-                if (z == z && !leave) all.push_back({{x - away * d.x, y - away * d.y, z - away * d.z}, {d.x * size, d.y * size, d.z * size}, 0, INFINITY});
+                const double r = s.h * std::sqrt(g.uniform(0, 0.9)), about = g.uniform(0, 6.283185307179586),
+                             x = r * std::cos(about), y = r * std::sin(about), z = -rough(x, y, 0.0);
+                const double tilt = g.uniform(0.002, 0.7), to = g.uniform(0, 6.283185307179586),
+                             size = g.chance(0.5) ? 1 : g.log_uniform(1e-3, 1e3);
+                const sgt_vec3 d = {std::sin(tilt) * std::cos(to), std::sin(tilt) * std::sin(to),
+                                    (g.chance(0.3) ? -1 : 1) * std::cos(tilt)};
+                const double beside = s.h * g.log_uniform(1e-6, 3),
+                             last = g.chance(0.3) ? beside + s.h * g.log_uniform(1e-3, 1e2) : INFINITY;
+                if (z == z && leave)
+                    all.push_back({{x + beside * d.x, y + beside * d.y, z + beside * d.z},
+                                   {d.x * size, d.y * size, d.z * size},
+                                   0,
+                                   last / size});
+                if (z == z && !leave)
+                    all.push_back({{x - away * d.x, y - away * d.y, z - away * d.z},
+                                   {d.x * size, d.y * size, d.z * size},
+                                   0,
+                                   INFINITY});
             }
             const std::size_t n = all.size();
             if (!n) continue;
@@ -115,39 +139,52 @@ int main()
             for (std::vector<double> &a : in) a.resize(n);
             for (std::vector<double> &a : p) a.resize(n);
             for (std::size_t i = 0; i < n; i++) {
-                const double of[] = {all[i].o.x, all[i].o.y, all[i].o.z, all[i].d.x, all[i].d.y, all[i].d.z, all[i].tmin, all[i].tmax};
+                const double of[] = {all[i].o.x, all[i].o.y, all[i].o.z,  all[i].d.x,
+                                     all[i].d.y, all[i].d.z, all[i].tmin, all[i].tmax};
                 for (int k = 0; k < 8; k++) in[k][i] = of[k];
             }
-            const sgt_rays many = {{in[0].data(), in[1].data(), in[2].data()}, {in[3].data(), in[4].data(), in[5].data()}, in[6].data(), in[7].data()};
+            const sgt_rays many = {{in[0].data(), in[1].data(), in[2].data()},
+                                   {in[3].data(), in[4].data(), in[5].data()},
+                                   in[6].data(),
+                                   in[7].data()};
             sgt_hits hits = {};
-            hits.status = status.data(), hits.evals = evals.data(), hits.t = t.data(), hits.t_err = t_err.data();
+            hits.status = status.data(), hits.evals = evals.data(), hits.t = t.data(),
+            hits.t_err = t_err.data();
             for (int k = 0; k < 3; k++) hits.p[k] = p[k].data();
             sgt_intersect_batch(s.s, n, many, hits, nullptr);
             for (std::size_t i = 0; i < n; i++) {
                 const sgt_ray &ray = all[i];
                 const sgt_hit h = sgt_intersect(s.s, ray, nullptr);
-                const double one[] = {h.t, h.t_err, h.p.x, h.p.y, h.p.z}, batch[] = {t[i], t_err[i], p[0][i], p[1][i], p[2][i]};
+                const double one[] = {h.t, h.t_err, h.p.x, h.p.y, h.p.z},
+                             batch[] = {t[i], t_err[i], p[0][i], p[1][i], p[2][i]};
                 bool same = h.status == status[i] && h.evals == evals[i];
-                for (int k = 0; k < 5; k++) same = same && (std::memcmp(&one[k], &batch[k], sizeof(double)) == 0 || (one[k] != one[k] && batch[k] != batch[k]));
+                for (int k = 0; k < 5; k++)
+                    same = same && (std::memcmp(&one[k], &batch[k], sizeof(double)) == 0 ||
+                                    (one[k] != one[k] && batch[k] != batch[k]));
                 if (!same) fail("a batch is not the single ray", s, ray, h);
                 rays += !leave, decided += !leave && h.status >= 0;
                 leaving += leave, told += leave && h.status >= 0, misses += leave && h.status == SGT_MISS;
                 if (h.status == SGT_MISS && !leave) fail("a miss", s, ray, h);
-                if (h.status == SGT_MISS && leave && changes(exact, ray, s.h)) fail("a miss that meets", s, ray, h);
+                if (h.status == SGT_MISS && leave && changes(exact, ray, s.h))
+                    fail("a miss that meets", s, ray, h);
                 if (h.status != SGT_HIT) continue;
                 wings += std::hypot(h.p.x, h.p.y) > 1.1 * s.h;
                 const quad at = quad(h.t) + quad(h.t_lo), off = quad(h.t_err) * (1 + quad(0x1p-20));
                 const quad left = along(exact, ray, at - off), right = along(exact, ray, at + off);
-                if (left == left && right == right && sign(left) * sign(right) > 0) fail("no root within t_err", s, ray, h);
+                if (left == left && right == right && sign(left) * sign(right) > 0)
+                    fail("no root within t_err", s, ray, h);
                 if (earlier(exact, ray, at - off)) fail("another root is nearer", s, ray, h);
             }
         }
-        std::printf("%-14s %6ld rays come, %6ld decided, %5ld in the wings; %6ld leave, %6ld decided, %6ld misses\n", type, rays, decided, wings, leaving, told, misses);
+        std::printf(
+            "%-14s %6ld rays come, %6ld decided, %5ld in the wings; %6ld leave, %6ld decided, %6ld misses\n",
+            type, rays, decided, wings, leaving, told, misses);
         std::fflush(stdout);
         // a sphere under it ends, where a q_bfs is without bound; the rays of a round are of one surface
         const bool ends = std::string(type) == "q_bfs" || std::string(type) == "sum";
         const double most = (ends ? 0.2 : 0.04) + 4 / static_cast<double>(rounds);
-        if (static_cast<double>(rays - decided) > most * static_cast<double>(rays)) failed[std::string(type) + ": too many are undecided"]++;
+        if (static_cast<double>(rays - decided) > most * static_cast<double>(rays))
+            failed[std::string(type) + ": too many are undecided"]++;
     }
     for (const auto &f : failed) std::printf("FAIL %6d  %s\n", f.second, f.first.c_str());
     return !failed.empty();

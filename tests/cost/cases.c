@@ -1,12 +1,13 @@
 /* The cases whose instructions cost.py counts: ordinary questions, in the ways a user asks them.
  *
- *     cases            asks every case: once not counted (the dynamic linker, the first touch), once in `measured`
+ *     cases            asks every case: once not counted (the dynamic linker, the first touch), once in
+ *                      `measured`
  *     cases --build    what this program and the library were built by, and the kernels that run here
  *
- * It prints one line for each case, its name and how many rays it has, in the order in which `measured` is called.
- * Surfaces are those of tests/bench/bench_catalogue.cpp: c = 0.1, k = -0.6, rim 4, departures of 0.01.  Rays come from
- * z = -5, uniform in the disk of radius 2.5, with slopes up to 0.15.  Nothing here calls the C library's mathematics:
- * the rays are the same bits everywhere. */
+ * It prints one line for each case, its name and how many rays it has, in the order in which `measured` is
+ * called.  Surfaces are those of tests/bench/bench_catalogue.cpp: c = 0.1, k = -0.6, rim 4, departures of
+ * 0.01.  Rays come from z = -5, uniform in the disk of radius 2.5, with slopes up to 0.15.  Nothing here
+ * calls the C library's mathematics: the rays are the same bits everywhere. */
 #include <math.h>
 #include <sagitta/interval.h>
 #include <sagitta/sensitivity.h>
@@ -23,7 +24,8 @@
 #define RIM 4
 #define BASE .c = 0.1, .k = -0.6
 
-enum { ALONE = 40, FEW = 5, MANY = 200 };  /* rays: one by one, a small batch, a batch of three tiles and a rest */
+/* rays: one by one, a small batch, a batch of three tiles and a rest */
+enum { ALONE = 40, FEW = 5, MANY = 200 };
 
 /* -------------------------------------------------------------------- the rays */
 
@@ -69,7 +71,10 @@ static sgt_ray of_picture(void)  /* of the ball of radius 1.2 about the origin, 
 /* ---------------------------------------------------------------- the surfaces */
 
 /* Of both signs, falling. */
-static double coefficient(size_t i, double first) { return (i % 3 == 1 ? -first : first) / (1 + 0.5 * (double)i * (double)i); }
+static double coefficient(size_t i, double first)
+{
+    return (i % 3 == 1 ? -first : first) / (1 + 0.5 * (double)i * (double)i);
+}
 
 static double list_a[16], wave_a[25], power_a[9], height_a[64 * 64];
 /* Initialisers, as a const variable is none to every compiler. */
@@ -82,7 +87,8 @@ static void fill(void)
 {
     for (size_t i = 0; i < 16; i++) list_a[i] = coefficient(i, 0.01);
     for (size_t i = 0; i < 25; i++) wave_a[i] = coefficient(i / 5 + i % 5, 0.005);
-    double scale[5] = {1, 1.0 / RIM, 1.0 / (RIM * RIM), 1.0 / (RIM * RIM * RIM), 1.0 / (RIM * RIM * RIM * RIM)};
+    double scale[5] = {1, 1.0 / RIM, 1.0 / (RIM * RIM), 1.0 / (RIM * RIM * RIM),
+                       1.0 / (RIM * RIM * RIM * RIM)};
     for (size_t i = 0; i < 9; i++) {
         size_t degree = i / 3 + i % 3;
         power_a[i] = degree < 2 ? 0 : coefficient(degree, 0.01) * scale[degree];
@@ -95,15 +101,20 @@ static void fill(void)
 }
 
 static const sgt_conic conic = {BASE}, conic_rim = {BASE, .semi_diameter = RIM};
-static const sgt_asphere even = {BASE, .a = {0, 1e-4, -2e-6, 1e-8}}, even_rim = {BASE, .semi_diameter = RIM, .a = {0, 1e-4, -2e-6, 1e-8}};
+static const sgt_asphere even = {BASE, .a = {0, 1e-4, -2e-6, 1e-8}},
+                         even_rim = {BASE, .semi_diameter = RIM, .a = {0, 1e-4, -2e-6, 1e-8}};
 #define ODD .a = {0, 0, 5e-4, 1e-4, -2e-5, -2e-6, 1e-7, 1e-8}
 static const sgt_odd_asphere odd = {BASE, ODD}, odd_rim = {BASE, .semi_diameter = RIM, ODD};
 static const sgt_polynomial_xy xy = {BASE, .a = POWER_3}, xy_rim = {BASE, .semi_diameter = RIM, .a = POWER_3};
-static const sgt_zernike zernike_rim = {BASE, .semi_diameter = RIM, .norm = RIM, .order = SGT_FRINGE, .a = LIST_16};
-static const sgt_chebyshev chebyshev_rim = {BASE, .semi_diameter = RIM, .norm_x = RIM, .norm_y = RIM, .a = WAVE_5};
+static const sgt_zernike zernike_rim = {BASE, .semi_diameter = RIM, .norm = RIM, .order = SGT_FRINGE,
+                                        .a = LIST_16};
+static const sgt_chebyshev chebyshev_rim = {BASE, .semi_diameter = RIM, .norm_x = RIM, .norm_y = RIM,
+                                            .a = WAVE_5};
 static const sgt_q_con q_con_rim = {BASE, .semi_diameter = RIM, .norm = RIM, .a = LIST_8};
-static const sgt_q_bfs q_bfs = {.c = 0.1, .norm = RIM, .a = LIST_8}, q_bfs_rim = {.c = 0.1, .semi_diameter = RIM, .norm = RIM, .a = LIST_8};
-static sgt_grid grid_rim = {BASE, .semi_diameter = RIM, .step_x = 2.1 * RIM / 63, .step_y = 2.1 * RIM / 63, .z = {height_a, 64, 64}};
+static const sgt_q_bfs q_bfs = {.c = 0.1, .norm = RIM, .a = LIST_8},
+                       q_bfs_rim = {.c = 0.1, .semi_diameter = RIM, .norm = RIM, .a = LIST_8};
+static sgt_grid grid_rim = {BASE, .semi_diameter = RIM, .step_x = 2.1 * RIM / 63, .step_y = 2.1 * RIM / 63,
+                            .z = {height_a, 64, 64}};
 static const sgt_surface terms[] = {{&sgt_zernike_ops, &zernike_rim}, {&sgt_asphere_ops, &even}};
 static const sgt_sum sum_rim = {BASE, .semi_diameter = RIM, .terms = terms, .count = COUNT_OF(terms)};
 #define TOROID .c_x = 0.07, .a = {0, 1e-4, -2e-6, 1e-8}
@@ -141,7 +152,10 @@ static sgt_span saddle_span(const void *self, const sgt_ray *ray)  /* the slab |
     return (sgt_span){.lo = a < b ? a : b, .hi = a < b ? b : a, .seed = 0.5 * (a + b)};
 }
 
-static sgt_interval along(double o, double d, sgt_interval t) { return sgt_interval_sum(sgt_interval_of(o), sgt_interval_scaled(t, d)); }
+static sgt_interval along(double o, double d, sgt_interval t)
+{
+    return sgt_interval_sum(sgt_interval_of(o), sgt_interval_scaled(t, d));
+}
 
 static sgt_interval saddle_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
@@ -149,8 +163,10 @@ static sgt_interval saddle_enclose(const void *self, const sgt_ray *ray, sgt_int
     sgt_vec3 o = ray->o, d = ray->d;
     sgt_interval x = along(o.x, d.x, t), y = along(o.y, d.y, t), z = along(o.z, d.z, t);
     sgt_interval ax = sgt_interval_scaled(x, 2 * s->a), by = sgt_interval_scaled(y, 2 * s->b);
-    *slope = sgt_interval_sum(sgt_interval_of(d.z), sgt_interval_difference(sgt_interval_scaled(by, d.y), sgt_interval_scaled(ax, d.x)));
-    sgt_interval up = sgt_interval_scaled(sgt_interval_square(x), s->a), down = sgt_interval_scaled(sgt_interval_square(y), s->b);
+    *slope = sgt_interval_sum(sgt_interval_of(d.z), sgt_interval_difference(sgt_interval_scaled(by, d.y),
+                                                                            sgt_interval_scaled(ax, d.x)));
+    sgt_interval up = sgt_interval_scaled(sgt_interval_square(x), s->a),
+                 down = sgt_interval_scaled(sgt_interval_square(y), s->b);
     return sgt_interval_sum(z, sgt_interval_difference(down, up));
 }
 
@@ -160,18 +176,28 @@ static void saddle_values(const void *self, size_t n, sgt_points at, sgt_values 
     const double *restrict x = at.p[0], *restrict y = at.p[1], *restrict z = at.p[2];
     for (size_t i = 0; i < n; i++) out.f[i] = z[i] - (s->a * x[i] * x[i] - s->b * y[i] * y[i]);
     if (out.grad[0])
-        for (size_t i = 0; i < n; i++) out.grad[0][i] = -2 * s->a * x[i], out.grad[1][i] = 2 * s->b * y[i], out.grad[2][i] = 1;
+        for (size_t i = 0; i < n; i++)
+            out.grad[0][i] = -2 * s->a * x[i], out.grad[1][i] = 2 * s->b * y[i], out.grad[2][i] = 1;
 }
 
 static const sgt_surface_ops saddle_value_ops = {.name = "value", .value = saddle_value};
-static const sgt_surface_ops saddle_values_ops = {.name = "span", .value = saddle_value, .span = saddle_span, .rounding = saddle_rounding, .values = saddle_values};
-static const sgt_surface_ops saddle_enclose_ops = {.name = "enclose", .value = saddle_value, .span = saddle_span, .rounding = saddle_rounding,
-                                                   .values = saddle_values, .enclose = saddle_enclose};
+static const sgt_surface_ops saddle_values_ops = {.name = "span",
+                                                  .value = saddle_value,
+                                                  .span = saddle_span,
+                                                  .rounding = saddle_rounding,
+                                                  .values = saddle_values};
+static const sgt_surface_ops saddle_enclose_ops = {.name = "enclose",
+                                                   .value = saddle_value,
+                                                   .span = saddle_span,
+                                                   .rounding = saddle_rounding,
+                                                   .values = saddle_values,
+                                                   .enclose = saddle_enclose};
 
 /* ---------------------------------------------------------------------- a lens */
 
-/* M. Laikin, Lens Design, 4th edition (CRC Press 2007), page 251: examples/lenses/ftheta.yaml.  Of spheres; then each with
- * terms of r^4, r^6, r^8, as even aspheres (without a rim of their own: the clear aperture cuts them) and as odd ones. */
+/* M. Laikin, Lens Design, 4th edition (CRC Press 2007), page 251: examples/lenses/ftheta.yaml.  Of spheres;
+ * then each with terms of r^4, r^6, r^8, as even aspheres (without a rim of their own: the clear aperture
+ * cuts them) and as odd ones. */
 static const struct optic { double radius, thickness, index, semi_diameter; } scan_lens[] = {
     {0, 5, 1, 0.5}, {-2.2136, 0.3, 1.84666, 2.0}, {-2.6575, 0.02, 1, 2.25}, {-5.5022, 0.5292, 1.84666, 2.5},
     {-3.8129, 4.2927, 1, 2.6}, {7.9951, 0.59, 1.84666, 4.05}, {8.3651, 18.0014, 1, 4.0}, {0, 0, 1, 7.2},
@@ -188,11 +214,13 @@ static void make_lenses(void)
     double z = 0;
     for (int i = 0; i < ELEMENTS; i++) {
         const struct optic *o = &scan_lens[i];
-        double r = o->semi_diameter, c = o->radius != 0 ? 1 / o->radius : 0, a4 = 0.004 / (r * r * r), a6 = -0.002 / (r * r * r * r * r);
+        double r = o->semi_diameter, c = o->radius != 0 ? 1 / o->radius : 0, a4 = 0.004 / (r * r * r),
+               a6 = -0.002 / (r * r * r * r * r);
         sgt_element e = {.pose.origin.z = z, .index = o->index, .semi_diameter = r};
         lens_conic[i].c = lens_even[i].c = lens_odd[i].c = c;
         lens_of_spheres[i] = lens_of_aspheres[i] = lens_of_odd_aspheres[i] = e;
-        lens_of_spheres[i].surface = lens_of_aspheres[i].surface = lens_of_odd_aspheres[i].surface = (sgt_surface){&sgt_conic_ops, &lens_conic[i]};
+        lens_of_spheres[i].surface = lens_of_aspheres[i].surface = lens_of_odd_aspheres[i].surface =
+            (sgt_surface){&sgt_conic_ops, &lens_conic[i]};
         if (c != 0) {
             lens_even[i].k = lens_odd[i].k = -0.2;
             lens_even[i].a[1] = lens_odd[i].a[3] = a4, lens_even[i].a[2] = lens_odd[i].a[5] = a6;
@@ -224,7 +252,8 @@ static void draw(sgt_ray (*ray)(void))
     state = 0x1234567;
     for (size_t i = 0; i < MANY; i++) {
         rays[i] = ray();
-        const double numbers[6] = {rays[i].o.x, rays[i].o.y, rays[i].o.z, rays[i].d.x, rays[i].d.y, rays[i].d.z};
+        const double numbers[6] = {rays[i].o.x, rays[i].o.y, rays[i].o.z,
+                                   rays[i].d.x, rays[i].d.y, rays[i].d.z};
         for (int k = 0; k < 6; k++) in[k][i] = numbers[k];
     }
 }
@@ -232,7 +261,11 @@ static void draw(sgt_ray (*ray)(void))
 static sgt_rays arrays(void) { return (sgt_rays){{in[0], in[1], in[2]}, {in[3], in[4], in[5]}, NULL, NULL}; }
 static sgt_hits hits(void)
 {
-    return (sgt_hits){.status = status, .t = out[0], .t_err = out[1], .p = {out[2], out[3], out[4]}, .n = {out[5], out[6], out[7]}};
+    return (sgt_hits){.status = status,
+                      .t = out[0],
+                      .t_err = out[1],
+                      .p = {out[2], out[3], out[4]},
+                      .n = {out[5], out[6], out[7]}};
 }
 
 /* What `measured` is given, and how it asks. */
@@ -252,7 +285,10 @@ static void every_root(const subject *of, size_t n, const sgt_options *opt)
     for (size_t i = 0; i < n; i++) seen = sgt_intersect_all(of->surface, rays[i], 8, met, opt);
 }
 
-static void batch(const subject *of, size_t n, const sgt_options *opt) { sgt_intersect_batch(of->surface, n, arrays(), hits(), opt); }
+static void batch(const subject *of, size_t n, const sgt_options *opt)
+{
+    sgt_intersect_batch(of->surface, n, arrays(), hits(), opt);
+}
 
 static void differentiate(const subject *of, size_t n, const sgt_options *opt)
 {
@@ -281,16 +317,21 @@ static void trace_batch(const subject *of, size_t n, const sgt_options *opt)
     sgt_trace_batch(ELEMENTS, of->lens, 1, n, arrays(), end, NULL, opt);
 }
 
-/* cost.py counts from the call of this function to its return, and by its name: not inlined, not copied, seen from outside. */
+/* cost.py counts from the call of this function to its return, and by its name: not inlined, not copied,
+ * seen from outside. */
 void measured(question *ask, const subject *of, size_t n, const sgt_options *opt);
 #if defined(__clang__)
 #define AS_IT_IS __attribute__((noinline))
 #else
 #define AS_IT_IS __attribute__((noinline, noclone))
 #endif
-AS_IT_IS void measured(question *ask, const subject *of, size_t n, const sgt_options *opt) { ask(of, n, opt); }
+AS_IT_IS void measured(question *ask, const subject *of, size_t n, const sgt_options *opt)
+{
+    ask(of, n, opt);
+}
 
-static void ask_case(const char *name, const char *how, question *ask, const subject *of, size_t n, sgt_options opt)
+static void ask_case(const char *name, const char *how, question *ask, const subject *of, size_t n,
+                     sgt_options opt)
 {
     ask(of, n, &opt);
     measured(ask, of, n, &opt);
@@ -301,7 +342,9 @@ static const char *kernels(void)
 {
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12
     __builtin_cpu_init();
-    return __builtin_cpu_supports("x86-64-v4") ? "x86-64-v4" : __builtin_cpu_supports("x86-64-v3") ? "x86-64-v3" : "any x86-64";
+    return __builtin_cpu_supports("x86-64-v4")   ? "x86-64-v4"
+           : __builtin_cpu_supports("x86-64-v3") ? "x86-64-v3"
+                                                 : "any x86-64";
 #else
     return "unknown";
 #endif

@@ -104,8 +104,11 @@ void complain(const row &r, const char *what, sgt_proof proof, const std::functi
 
 void print_hit(const sgt_hit &h)
 {
-    std::fprintf(stderr, "    %s evals %d t %.17g (%a) t_err %.9g (%a) t_lo %.9g lo %a hi %a\n      p %a %a %a p_err %.3g f %.3g\n", sgt_status_text(h.status), h.evals, h.t, h.t, h.t_err,
-                 h.t_err, h.t_lo, h.lo, h.hi, h.p.x, h.p.y, h.p.z, h.p_err, h.f);
+    std::fprintf(stderr,
+                 "    %s evals %d t %.17g (%a) t_err %.9g (%a) t_lo %.9g lo %a hi %a\n      p %a %a %a p_err "
+                 "%.3g f %.3g\n",
+                 sgt_status_text(h.status), h.evals, h.t, h.t, h.t_err, h.t_err, h.t_lo, h.lo, h.hi, h.p.x,
+                 h.p.y, h.p.z, h.p_err, h.f);
 }
 
 // The errors of one answer: lengths, along the normal.
@@ -115,11 +118,16 @@ struct errors {
     double condition, ratio; // t_err / max(error, ulp / 2)
 };
 
-bool beyond(const errors &e) { return e.normal > std::max(12 * e.unit, 4 * e.normal_bound) || e.t > std::max(12 * e.length_unit, 4 * e.t_bound); }
+bool beyond(const errors &e)
+{
+    return e.normal > std::max(12 * e.unit, 4 * e.normal_bound) ||
+           e.t > std::max(12 * e.length_unit, 4 * e.t_bound);
+}
 
 void take(row &r, const errors &e)
 {
-    const quad index1 = 1, index2 = 1.5, sine2 = (1 - e.cosine * e.cosine) * index1 / index2 * index1 / index2;
+    const quad index1 = 1, index2 = 1.5,
+               sine2 = (1 - e.cosine * e.cosine) * index1 / index2 * index1 / index2;
     const quad bend = magnitude(index2 * square_root(1 - sine2) - index1 * e.cosine);
     r.met++;
     r.normal.add(to_double(e.normal / e.unit));
@@ -134,8 +142,10 @@ void take(row &r, const errors &e)
 
 void print_errors(const errors &e)
 {
-    std::fprintf(stderr, "    units: normal %.3g, at best %.3g; t %.3g, at best %.3g; condition %.3g, cosine %.3g\n", to_double(e.normal / e.unit), to_double(e.normal_bound / e.unit),
-                 to_double(e.t / e.length_unit), to_double(e.t_bound / e.length_unit), e.condition, to_double(e.cosine));
+    std::fprintf(
+        stderr, "    units: normal %.3g, at best %.3g; t %.3g, at best %.3g; condition %.3g, cosine %.3g\n",
+        to_double(e.normal / e.unit), to_double(e.normal_bound / e.unit), to_double(e.t / e.length_unit),
+        to_double(e.t_bound / e.length_unit), e.condition, to_double(e.cosine));
 }
 
 // ---------------------------------------------------------------- the oracle
@@ -144,8 +154,11 @@ void print_errors(const errors &e)
 // row has left the normal doubles), answered there and taken back.
 answer roots_of(const test_case &t)
 {
-    const auto exponent = [](double x) { return x != 0 && std::fabs(std::ilogb(x)) > 100 ? std::ilogb(x) : 0; };
-    const int length = exponent(t.h), way = exponent(std::max({std::fabs(t.ray.d.x), std::fabs(t.ray.d.y), std::fabs(t.ray.d.z)}));
+    const auto exponent = [](double x) {
+        return x != 0 && std::fabs(std::ilogb(x)) > 100 ? std::ilogb(x) : 0;
+    };
+    const int length = exponent(t.h),
+              way = exponent(std::max({std::fabs(t.ray.d.x), std::fabs(t.ray.d.y), std::fabs(t.ray.d.z)}));
     sgt_asphere s = t.surface;
     sgt_ray ray = t.ray;
     s.c = std::ldexp(s.c, length);
@@ -189,7 +202,8 @@ quad inputs_of(const test_case &t, const meeting &m)
     // The base sag b, from c (rho + e b^2) = 2 b.
     const quad b = m.p.z - polynomial, w = magnitude(1 - e * s.c * b);
     sum += magnitude(s.c * (rho + e * b * b)) / (2 * w) + magnitude(quad(s.k) * s.c * b * b) / (2 * w);
-    const quad g[3] = {m.gradient.x, m.gradient.y, m.gradient.z}, o[3] = {t.ray.o.x, t.ray.o.y, t.ray.o.z}, d[3] = {t.ray.d.x, t.ray.d.y, t.ray.d.z};
+    const quad g[3] = {m.gradient.x, m.gradient.y, m.gradient.z}, o[3] = {t.ray.o.x, t.ray.o.y, t.ray.o.z},
+               d[3] = {t.ray.d.x, t.ray.d.y, t.ray.d.z};
     for (int i = 0; i < 3; i++) sum += magnitude(g[i]) * (magnitude(o[i]) + magnitude(time * d[i]));
     return sum;
 }
@@ -209,7 +223,8 @@ bool hidden_by_inputs(const test_case &t, const answer &a, generator g)
     for (const meeting &m : a.roots) {
         if (counting(m, tmin, tmax) == perhaps) return true;
         for (const meeting &other : a.roots)
-            if (&m != &other && magnitude(m.minus(other.t0) - other.s) <= 2 * quad(ulp(to_double(m.t())))) return true;
+            if (&m != &other && magnitude(m.minus(other.t0) - other.s) <= 2 * quad(ulp(to_double(m.t()))))
+                return true;
     }
     const int n = counted(a, tmin, tmax);
     const auto move = [&](double x) {
@@ -218,7 +233,8 @@ bool hidden_by_inputs(const test_case &t, const answer &a, generator g)
     };
     for (int i = 0; i < 64; i++) {
         test_case near = t;
-        for (double *x : {&near.ray.o.x, &near.ray.o.y, &near.ray.o.z, &near.ray.d.x, &near.ray.d.y, &near.ray.d.z, &near.surface.c, &near.surface.k, &near.surface.semi_diameter})
+        for (double *x : {&near.ray.o.x, &near.ray.o.y, &near.ray.o.z, &near.ray.d.x, &near.ray.d.y,
+                          &near.ray.d.z, &near.surface.c, &near.surface.k, &near.surface.semi_diameter})
             if (*x != 0) *x = move(*x);
         for (double &x : near.surface.a)
             if (x != 0) x = move(x);
@@ -247,7 +263,9 @@ void ask(row &r, const test_case &t, const generator &g)
     }
     if (a.gave_up || a.at_fault || a.everywhere) {
         r.unsure++;
-        if (shown) complain(r, a.gave_up ? "the oracle gave up" : "the oracle is at fault", SGT_ESTIMATE, [&] { print_case(stderr, t), std::fprintf(stderr, "\n"); });
+        if (shown)
+            complain(r, a.gave_up ? "the oracle gave up" : "the oracle is at fault", SGT_ESTIMATE,
+                     [&] { print_case(stderr, t), std::fprintf(stderr, "\n"); });
         return;
     }
     r.rays++;
@@ -264,8 +282,11 @@ void ask(row &r, const test_case &t, const generator &g)
                 print_case(stderr, t);
                 std::fprintf(stderr, "\"\n");
                 print_hit(h);
-                for (const meeting &m : a.roots) std::fprintf(stderr, "    root %s%s blur %.3g\n", text(m.t()).c_str(), m.edge ? " (edge)" : "", to_double(m.blur));
-                for (const answer::stretch &d : a.doubtful) std::fprintf(stderr, "    doubtful %s .. %s\n", text(d.lo).c_str(), text(d.hi).c_str());
+                for (const meeting &m : a.roots)
+                    std::fprintf(stderr, "    root %s%s blur %.3g\n", text(m.t()).c_str(),
+                                 m.edge ? " (edge)" : "", to_double(m.blur));
+                for (const answer::stretch &d : a.doubtful)
+                    std::fprintf(stderr, "    doubtful %s .. %s\n", text(d.lo).c_str(), text(d.hi).c_str());
             });
         };
         r.evals[i] += h.evals;
@@ -276,7 +297,8 @@ void ask(row &r, const test_case &t, const generator &g)
         if (h.status < 0) {
             r.undecided[i]++;
             const quad least = quad(0x1p-1074);
-            if (first && first->minus(h.lo) < -first->blur - least) fault(&r.wrong, "undecided, and a root that counts lies before lo");
+            if (first && first->minus(h.lo) < -first->blur - least)
+                fault(&r.wrong, "undecided, and a root that counts lies before lo");
             else if (shown) {
                 long none = 0;
                 fault(&none, "undecided");
@@ -304,12 +326,14 @@ void ask(row &r, const test_case &t, const generator &g)
         }
         const vector3 p = {h.p.x, h.p.y, h.p.z};
         const quad moved = norm({p.x - root->p.x, p.y - root->p.y, p.z - root->p.z});
-        const quad blur = root->blur * norm({t.ray.d.x, t.ray.d.y, t.ray.d.z}) + norm(root->p) * quad(0x1p-108) + least;
+        const quad blur = root->blur * norm({t.ray.d.x, t.ray.d.y, t.ray.d.z}) +
+                          norm(root->p) * quad(0x1p-108) + least;
         int within = 0;
         for (const meeting &m : a.roots) within += magnitude(m.minus(h.t)) + m.blur <= quad(h.t_err);
         if (counting(*root, tmin, tmax) == no) fault(&r.wrong, "a root that does not count");
         else if (passed_over(a, *root, h, tmin, tmax)) fault(&r.wrong, "not the first root");
-        else if (!(whole <= quad(h.t_err) + root->blur + least)) fault(&r.wrong, "t + t_lo is farther off than t_err");
+        else if (!(whole <= quad(h.t_err) + root->blur + least))
+            fault(&r.wrong, "t + t_lo is farther off than t_err");
         else if (!(moved <= quad(h.p_err) + blur)) fault(&r.wrong, "p is farther off than p_err");
         else if (i > 0 && h.status == SGT_HIT && within > 1) fault(&r.wrong, "a second root within t_err");
 
@@ -318,7 +342,8 @@ void ask(row &r, const test_case &t, const generator &g)
         const quad inputs = inputs_of(t, *root), length = norm(root->gradient);
         e.normal = normal_error(f, p, &largest);
         e.unit = ulp(to_double(largest));
-        e.length_unit = std::max(e.unit, quad(ulp(std::max({std::fabs(h.p.x), std::fabs(h.p.y), std::fabs(h.p.z)}))));
+        e.length_unit = std::max(e.unit,
+                                 quad(ulp(std::max({std::fabs(h.p.x), std::fabs(h.p.y), std::fabs(h.p.z)}))));
         e.cosine = magnitude(root->slope) / (length * norm({t.ray.d.x, t.ray.d.y, t.ray.d.z}));
         e.t = off * magnitude(root->slope) / length;
         e.t_whole = whole * magnitude(root->slope) / length;
@@ -363,18 +388,22 @@ test_case draw(generator &g, const lens_row &l)
     if (t.h > 0.95 * domain) t.h = 0.95 * domain;
     if (l.rim) s.semi_diameter = t.h;
     t.aimed = !g.chance(0.1);
-    const double tilt = g.uniform(0, 35) * pi / 180, about = g.uniform(0, 2 * pi), away = g.uniform(l.near, l.far);
+    const double tilt = g.uniform(0, 35) * pi / 180, about = g.uniform(0, 2 * pi),
+                 away = g.uniform(l.near, l.far);
     double r = t.aimed ? t.h * std::sqrt(g.uniform(0, 1)) : t.h * g.uniform(1, 1.3);
     if (l.vertex) r = 50 * l.graze * g.uniform(0, 1);
     const double at = g.uniform(0, 2 * pi);
-    sgt_vec3 target = {r * std::cos(at), r * std::sin(at), rough_sag(s, r * r)}, d = {std::sin(tilt) * std::cos(about), std::sin(tilt) * std::sin(about), std::cos(tilt)};
+    sgt_vec3 target = {r * std::cos(at), r * std::sin(at), rough_sag(s, r * r)},
+             d = {std::sin(tilt) * std::cos(about), std::sin(tilt) * std::sin(about), std::cos(tilt)};
     if (l.graze > 0) { // in the tangent plane, then lifted
         double slope = s.c / std::sqrt(1 - e * r * r), power = 1;
         for (int i = 0; i < 8; i++, power *= r * r) slope += (2 * i + 2) * s.a[i] * power;
         slope *= r;
-        const double m = std::sqrt(1 + slope * slope), lift = g.sign() * l.graze, out = std::cos(about) / m, across = std::sin(about);
+        const double m = std::sqrt(1 + slope * slope), lift = g.sign() * l.graze, out = std::cos(about) / m,
+                     across = std::sin(about);
         const double radial = out - lift * slope / m, axial = out * slope + lift / m;
-        d = {radial * std::cos(at) - across * std::sin(at), radial * std::sin(at) + across * std::cos(at), axial};
+        d = {radial * std::cos(at) - across * std::sin(at), radial * std::sin(at) + across * std::cos(at),
+             axial};
     } else if (g.chance(0.5)) d = {-d.x, -d.y, -d.z};
     t.ray.o = {target.x - away * d.x, target.y - away * d.y, target.z - away * d.z};
     t.ray.d = {d.x * l.way, d.y * l.way, d.z * l.way};
@@ -420,7 +449,8 @@ void root_of(double q[4], bool minus)
     const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     double v[4] = {q[0] + length, q[1], q[2], q[3]};
     const double n = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3]);
-    for (int i = 0; i < 4; i++) q[i] = n > 0 ? v[i] / n * std::sqrt(length) * (minus ? -1 : 1) : i == 1 ? std::sqrt(length) : 0;
+    for (int i = 0; i < 4; i++)
+        q[i] = n > 0 ? v[i] / n * std::sqrt(length) * (minus ? -1 : 1) : i == 1 ? std::sqrt(length) : 0;
 }
 
 // A Julia set, c in a random direction, and a ray: half at a point of it, found by going N levels
@@ -479,7 +509,8 @@ level_point look(const level &f, const sgt_ray &ray, quad t)
     p.f = dot(q, q) / e2 - 1;
     for (int i = 0; i < 4; i++) {
         const quad slope = 2 * dot(q, by_point[i]) / e2;
-        if (i < 3) p.gradient[i] = slope, p.inputs += magnitude(slope) * (magnitude(o[i]) + magnitude(t * d[i]));
+        if (i < 3)
+            p.gradient[i] = slope, p.inputs += magnitude(slope) * (magnitude(o[i]) + magnitude(t * d[i]));
         p.inputs += magnitude(slope * f.s.at[i]);
         const quad other = 2 * dot(q, by_c[i]) / e2;
         slope2 += other * other;
@@ -508,8 +539,10 @@ void ask_level(row &r, const level &f, const sgt_ray &ray)
         const auto fault = [&](long *n, const char *why) {
             ++*n;
             complain(r, why, proofs[i], [&] {
-                std::fprintf(stderr, "    julia N %d E %a c %a %a %a %a at %a %a %a %a o %a %a %a d %a %a %a\n", f.s.iterations, f.s.escape, f.s.c[0], f.s.c[1], f.s.c[2], f.s.c[3], f.s.at[0],
-                             f.s.at[1], f.s.at[2], f.s.at[3], ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z);
+                std::fprintf(
+                    stderr, "    julia N %d E %a c %a %a %a %a at %a %a %a %a o %a %a %a d %a %a %a\n",
+                    f.s.iterations, f.s.escape, f.s.c[0], f.s.c[1], f.s.c[2], f.s.c[3], f.s.at[0], f.s.at[1],
+                    f.s.at[2], f.s.at[3], ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z);
                 print_hit(h);
                 std::fprintf(stderr, "    first seen %.17g\n", first);
             });
@@ -541,23 +574,34 @@ void ask_level(row &r, const level &f, const sgt_ray &ray)
         if (first < h.t - h.t_err) fault(&r.wrong, "not the first root");
         if (i > 0) {
             int changes = 0;
-            for (int k = 0; k < 64; k++) changes += exact.is_inside(lo + (hi - lo) * k / 64) != exact.is_inside(lo + (hi - lo) * (k + 1) / 64);
+            for (int k = 0; k < 64; k++)
+                changes += exact.is_inside(lo + (hi - lo) * k / 64) !=
+                           exact.is_inside(lo + (hi - lo) * (k + 1) / 64);
             if (changes > 1) fault(&r.wrong, "a second root within t_err");
         }
-        const quad root = exact.root(lo, hi), off = magnitude(root - h.t), whole = magnitude(root - h.t - h.t_lo);
+        const quad root = exact.root(lo, hi), off = magnitude(root - h.t),
+                   whole = magnitude(root - h.t - h.t_lo);
         if (!(whole <= quad(h.t_err))) fault(&r.wrong, "t + t_lo is farther off than t_err");
-        const quad moved = norm({h.p.x - (ray.o.x + root * ray.d.x), h.p.y - (ray.o.y + root * ray.d.y), h.p.z - (ray.o.z + root * ray.d.z)});
-        if (!(moved <= quad(h.p_err) * (1 + quad(1e-9)) + quad(0x1p-108) * norm({h.p.x, h.p.y, h.p.z}))) fault(&r.wrong, "p is farther off than p_err");
+        const quad moved = norm({h.p.x - (ray.o.x + root * ray.d.x), h.p.y - (ray.o.y + root * ray.d.y),
+                                 h.p.z - (ray.o.z + root * ray.d.z)});
+        if (!(moved <= quad(h.p_err) * (1 + quad(1e-9)) + quad(0x1p-108) * norm({h.p.x, h.p.y, h.p.z})))
+            fault(&r.wrong, "p is farther off than p_err");
 
         const level_point at = look(f, ray, root), here = look(f, {h.p, ray.d, 0, 0}, 0);
-        const quad length = norm({at.gradient[0], at.gradient[1], at.gradient[2]}), slope = magnitude(at.gradient[0] * ray.d.x + at.gradient[1] * ray.d.y + at.gradient[2] * ray.d.z);
+        const quad length = norm({at.gradient[0], at.gradient[1], at.gradient[2]}),
+                   slope = magnitude(at.gradient[0] * ray.d.x + at.gradient[1] * ray.d.y +
+                                     at.gradient[2] * ray.d.z);
         errors e = {};
         e.unit = e.length_unit = ulp(std::max({std::fabs(h.p.x), std::fabs(h.p.y), std::fabs(h.p.z)}));
         e.normal = magnitude(here.f) / norm({here.gradient[0], here.gradient[1], here.gradient[2]});
         e.cosine = slope / length;
         e.t = off * slope / length;
         e.t_whole = whole * slope / length;
-        e.normal_bound = u * (magnitude(at.gradient[0] * h.p.x) + magnitude(at.gradient[1] * h.p.y) + magnitude(at.gradient[2] * h.p.z)) / length + e.unit / 2;
+        e.normal_bound = u *
+                             (magnitude(at.gradient[0] * h.p.x) + magnitude(at.gradient[1] * h.p.y) +
+                              magnitude(at.gradient[2] * h.p.z)) /
+                             length +
+                         e.unit / 2;
         e.t_bound = u * at.inputs / length + quad(ulp(h.t) / 2) * e.cosine;
         e.condition = to_double(at.inputs / (slope * magnitude(root)));
         e.ratio = h.t_err / std::max(to_double(off), ulp(h.t) / 2);
@@ -605,11 +649,14 @@ struct table {
 
 std::string cells(const table &w, row &r)
 {
-    std::string s = "| " + r.name + " | " + number(r.normal.quantile(1)) + " | " + number(r.t.quantile(0.99)) + " | " + number(r.t_whole.quantile(1)) + " | ";
+    std::string s = "| " + r.name + " | " + number(r.normal.quantile(1)) + " | " +
+                    number(r.t.quantile(0.99)) + " | " + number(r.t_whole.quantile(1)) + " | ";
     if (w.path) s += number(r.path.quantile(1)) + " | ";
-    s += pair(r.t_err.quantile(0.5), r.t_err.quantile(0.99)) + " | " + number(r.condition.quantile(0.5)) + " | " + loser_names[r.lost] + " | ";
+    s += pair(r.t_err.quantile(0.5), r.t_err.quantile(0.99)) + " | " + number(r.condition.quantile(0.5)) +
+         " | " + loser_names[r.lost] + " | ";
     s += std::to_string(r.wrong) + ", " + std::to_string(r.falsely) + ", " + std::to_string(r.missed) + " | ";
-    for (int i = 0; i < 3; i++) s += (i ? ", " : "") + number(double(r.evals[i]) / double(std::max(r.rays, 1L)));
+    for (int i = 0; i < 3; i++)
+        s += (i ? ", " : "") + number(double(r.evals[i]) / double(std::max(r.rays, 1L)));
     s += " | ";
     for (int i = 0; i < 3; i++) s += (i ? ", " : "") + percent(r.undecided[i], r.rays);
     return s + " |";
@@ -618,7 +665,9 @@ std::string cells(const table &w, row &r)
 std::vector<table> tables()
 {
     std::vector<table> all;
-    const auto add = [&](const char *title, const char *head, bool path = true) { all.push_back({title, head, path, {}}); };
+    const auto add = [&](const char *title, const char *head, bool path = true) {
+        all.push_back({title, head, path, {}});
+    };
     const auto sag = [&](const std::string &name, const std::function<test_case(generator &)> &make) {
         all.back().rows.push_back({name, [make](row &r, generator g, long count) {
                                        for (long i = 0; i < count; i++) {
@@ -644,7 +693,9 @@ std::vector<table> tables()
                 l.asphere = asphere;
                 l.rim = rim;
                 l.h = 9.99; // (at 1e150 itself the library stops)
-                sag(number(size) + (asphere ? ", asphere" : ", conic") + (rim ? "" : ", without semi_diameter"), [l, size](generator &g) { return scaled(draw(g, l), size / 10); });
+                sag(number(size) + (asphere ? ", asphere" : ", conic") +
+                        (rim ? "" : ", without semi_diameter"),
+                    [l, size](generator &g) { return scaled(draw(g, l), size / 10); });
             }
         }
 
@@ -663,14 +714,18 @@ std::vector<table> tables()
             lens_row l;
             l.asphere = asphere;
             l.rim = false;
-            sag(number(c) + (asphere ? ", asphere" : ", conic") + ", from 50 radii", [l, c](generator &g) { return scaled(draw(g, l), 0.02 / c); });
+            sag(number(c) + (asphere ? ", asphere" : ", conic") + ", from 50 radii",
+                [l, c](generator &g) { return scaled(draw(g, l), 0.02 / c); });
         }
 
     add("Conic constant", "k");
     for (double k : {-1e15, -1e6, -1e3, -1 - 1e-12, -1.0, -1 + 1e-12, 0.0, 1e3, 1e6, 1e15}) {
         lens_row l;
         l.k = k;
-        const std::string name = k == -1 - 1e-12 ? "-1 - 1e-12" : k == -1 + 1e-12 ? "-1 + 1e-12" : k < 0 ? "-" + number(-k) : number(k);
+        const std::string name = k == -1 - 1e-12   ? "-1 - 1e-12"
+                                 : k == -1 + 1e-12 ? "-1 + 1e-12"
+                                 : k < 0           ? "-" + number(-k)
+                                                   : number(k);
         lens(name, l);
     }
 
@@ -696,8 +751,12 @@ std::vector<table> tables()
             if (cancel && size < 1) continue;
             lens_row l;
             l.asphere = true;
-            for (int i = 0; i < 8; i++) l.a[i] = cancel ? (i % 2 ? -1 : 1) * size * std::pow(10, -2 * i - 1) : i == 1 ? size * 1e-3 : 0;
-            sag(number(size) + (cancel ? ", all eight, of both signs" : ", r^4"), [l](generator &g) { return draw(g, l); });
+            for (int i = 0; i < 8; i++)
+                l.a[i] = cancel   ? (i % 2 ? -1 : 1) * size * std::pow(10, -2 * i - 1)
+                         : i == 1 ? size * 1e-3
+                                  : 0;
+            sag(number(size) + (cancel ? ", all eight, of both signs" : ", r^4"),
+                [l](generator &g) { return draw(g, l); });
         }
 
     add("Length of the direction", "mm");
@@ -787,10 +846,12 @@ int main(int argc, char **argv)
         else page = argv[i];
     }
     bool usual = seed == 20261121;
-    if (const char *e = std::getenv("SAGITTA_TEST_SEED")) usual = usual && std::strtoull(e, nullptr, 0) == seed, seed = std::strtoull(e, nullptr, 0);
+    if (const char *e = std::getenv("SAGITTA_TEST_SEED"))
+        usual = usual && std::strtoull(e, nullptr, 0) == seed, seed = std::strtoull(e, nullptr, 0);
     if (!count) {
         count = 60;
-        if (const char *e = std::getenv("SAGITTA_TEST_SCALE")) count = std::max(1L, static_cast<long>(60 * std::atof(e)));
+        if (const char *e = std::getenv("SAGITTA_TEST_SCALE"))
+            count = std::max(1L, static_cast<long>(60 * std::atof(e)));
     }
     shown = only != nullptr;
     usual = usual && count <= 2000; // then the rays are among those of the page
@@ -806,8 +867,11 @@ int main(int argc, char **argv)
     long failures = 0, answers = 0, unsure = 0, undecided = 0, rows = 0;
     for (table &w : tables()) {
         if (!page && !only) {
-            std::printf("### %s\n\n| %s | normal, worst | t, 99 %% | t + t_lo, worst | %st_err: median, 99 %% | condition | lost by | wrong, false, missed | evaluations | undecided, %% |\n|---|---|---|---|---|---|---|---|---|---|%s\n",
-                        w.title.c_str(), w.head.c_str(), w.path ? "path, worst | " : "", w.path ? "---|" : "");
+            std::printf("### %s\n\n| %s | normal, worst | t, 99 %% | t + t_lo, worst | %st_err: median, 99 "
+                        "%% | condition | lost by | wrong, false, missed | evaluations | undecided, %% "
+                        "|\n|---|---|---|---|---|---|---|---|---|---|%s\n",
+                        w.title.c_str(), w.head.c_str(), w.path ? "path, worst | " : "",
+                        w.path ? "---|" : "");
         }
         for (const auto &make : w.rows) {
             index++;
@@ -821,9 +885,13 @@ int main(int argc, char **argv)
             answers += 3 * r.rays;
             unsure += r.unsure;
             for (long n : r.undecided) undecided += n;
-            if (r.wrong || r.falsely || r.missed) failures++, std::fprintf(stderr, "FAIL %s: wrong %ld, false %ld, missed %ld\n", key.c_str(), r.wrong, r.falsely, r.missed);
+            if (r.wrong || r.falsely || r.missed)
+                failures++, std::fprintf(stderr, "FAIL %s: wrong %ld, false %ld, missed %ld\n", key.c_str(),
+                                         r.wrong, r.falsely, r.missed);
             if (r.t.quantile(0.99) > 1000) blame(r, problem);
-            if (r.unsure > r.rays / 100 + 1) failures++, std::fprintf(stderr, "FAIL %s: the oracle could not tell %ld times\n", key.c_str(), r.unsure);
+            if (r.unsure > r.rays / 100 + 1)
+                failures++, std::fprintf(stderr, "FAIL %s: the oracle could not tell %ld times\n",
+                                         key.c_str(), r.unsure);
             if (!page) {
                 std::printf("%s\n", cells(w, r).c_str());
                 std::fflush(stdout);
@@ -835,13 +903,21 @@ int main(int argc, char **argv)
             }
             const promise &p = said[key];
             for (int i = 0; i < 3; i++)
-                if (p.decided[i] && r.undecided[i] > (usual ? 0 : 1 + r.rays / 1000)) failures++, std::printf("FAIL %s: %ld undecided (%s), the page says 0\n", key.c_str(), r.undecided[i], proof_names[i]);
-            if (usual && r.lost == method && p.lost != method) failures++, std::printf("FAIL %s: lost by %s, the page says %s\n", key.c_str(), loser_names[r.lost], loser_names[p.lost]);
+                if (p.decided[i] && r.undecided[i] > (usual ? 0 : 1 + r.rays / 1000))
+                    failures++, std::printf("FAIL %s: %ld undecided (%s), the page says 0\n", key.c_str(),
+                                            r.undecided[i], proof_names[i]);
+            if (usual && r.lost == method && p.lost != method)
+                failures++, std::printf("FAIL %s: lost by %s, the page says %s\n", key.c_str(),
+                                        loser_names[r.lost], loser_names[p.lost]);
         }
         if (!page && !only) std::printf("\n");
     }
-    if (page && !only && said.size() != std::size_t(rows)) failures++, std::printf("FAIL the page has %zu rows, and there are %ld\n", said.size(), rows);
-    std::fprintf(page ? stdout : stderr, "%ld rows, %ld answers, %ld undecided, %ld rays that the oracle cannot tell, %ld failures, %.1f s\n", rows, answers, undecided, unsure, failures,
-                 std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
+    if (page && !only && said.size() != std::size_t(rows))
+        failures++, std::printf("FAIL the page has %zu rows, and there are %ld\n", said.size(), rows);
+    std::fprintf(
+        page ? stdout : stderr,
+        "%ld rows, %ld answers, %ld undecided, %ld rays that the oracle cannot tell, %ld failures, %.1f s\n",
+        rows, answers, undecided, unsure, failures,
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
     return failures != 0;
 }

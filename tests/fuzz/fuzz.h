@@ -1,8 +1,8 @@
 /* fuzz.h - what the fuzz targets share: invariants that stop the run, and numbers out of bytes.
  *
- * A target is the function LLVMFuzzerTestOneInput (libFuzzer's name): bytes in, and where an invariant does not hold,
- * REQUIRE says which and aborts.  libFuzzer makes the bytes, in a build by clang (run.sh); replay.c feeds files, with any
- * compiler. */
+ * A target is the function LLVMFuzzerTestOneInput (libFuzzer's name): bytes in, and where an invariant does
+ * not hold, REQUIRE says which and aborts.  libFuzzer makes the bytes, in a build by clang (run.sh);
+ * replay.c feeds files, with any compiler. */
 #ifndef TESTS_FUZZ_FUZZ_H
 #define TESTS_FUZZ_FUZZ_H
 
@@ -80,12 +80,43 @@ static UNUSED uint64_t take_bits(bytes *b, int count)
 }
 
 static const double ODD_NUMBERS[] = {
-    0, 1, 0.5, 2, 0.1, 10, 1e-3, 1e3, 0x1p-1074, 0x1p-1022, 0x1p-1000, 1e-300, 1e-160, 1e-154, 1e-100, 1e-16, 1e-8, 1e8, 1e15, 1e16, 1e75,
-    1e100, 1e150, 1e154, 1e155, 1e200, 1e300, DBL_MAX, (double)INFINITY, (double)NAN, 0x1p-52, 0x1p-26,
+    0,
+    1,
+    0.5,
+    2,
+    0.1,
+    10,
+    1e-3,
+    1e3,
+    0x1p-1074,
+    0x1p-1022,
+    0x1p-1000,
+    1e-300,
+    1e-160,
+    1e-154,
+    1e-100,
+    1e-16,
+    1e-8,
+    1e8,
+    1e15,
+    1e16,
+    1e75,
+    1e100,
+    1e150,
+    1e154,
+    1e155,
+    1e200,
+    1e300,
+    DBL_MAX,
+    (double)INFINITY,
+    (double)NAN,
+    0x1p-52,
+    0x1p-26,
 };
 
-/* A double: the first byte says how it is written, so that a mutation of one byte makes a number of another kind, and small
- * numbers, numbers of any size, each single pattern of bits, and numbers next to one that came before are all near. */
+/* A double: the first byte says how it is written, so that a mutation of one byte makes a number of another
+ * kind, and small numbers, numbers of any size, each single pattern of bits, and numbers next to one that
+ * came before are all near. */
 static UNUSED double take_number(bytes *b)
 {
     unsigned how = take_byte(b), sign = how >> 7;
@@ -94,16 +125,27 @@ static UNUSED double take_number(bytes *b)
     case 0: break;
     case 1: x = (double)(int16_t)take_bits(b, 2) / 1024; break;
     case 2: x = ODD_NUMBERS[(how >> 3 & 15) | (take_byte(b) & 1) << 4]; break;
-    case 3: whole = (double)(take_bits(b, 2) | 1 << 16), x = ldexp(whole, (int)(int8_t)take_byte(b) - 16); break;
-    case 4: whole = (double)(take_bits(b, 2) | 1 << 16), x = ldexp(whole, (int)(int16_t)take_bits(b, 2) % 1100 - 16); break;
+    case 3:
+        whole = (double)(take_bits(b, 2) | 1 << 16), x = ldexp(whole, (int)(int8_t)take_byte(b) - 16);
+        break;
+    case 4:
+        whole = (double)(take_bits(b, 2) | 1 << 16),
+        x = ldexp(whole, (int)(int16_t)take_bits(b, 2) % 1100 - 16);
+        break;
     case 5: x = moved(b->last[how >> 3 & 3], (int)(int8_t)take_byte(b) / 8); break;
-    case 6: whole = (double)(int8_t)take_byte(b), x = b->last[how >> 3 & 3] * (1 + ldexp(whole, -8 - (int)(take_byte(b) & 63))); break;
+    case 6:
+        whole = (double)(int8_t)take_byte(b),
+        x = b->last[how >> 3 & 3] * (1 + ldexp(whole, -8 - (int)(take_byte(b) & 63)));
+        break;
     default: x = from_bits(take_bits(b, 8)); break;
     }
     if (sign) x = -x;
     return b->last[b->made++ & 3] = x;
 }
 
-static UNUSED int take_int(bytes *b, int lo, int hi) { return lo + (int)(take_byte(b) % (unsigned)(hi - lo + 1)); }
+static UNUSED int take_int(bytes *b, int lo, int hi)
+{
+    return lo + (int)(take_byte(b) % (unsigned)(hi - lo + 1));
+}
 
 #endif

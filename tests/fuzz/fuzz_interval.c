@@ -1,9 +1,10 @@
 /* fuzz_interval.c - bytes as intervals, and the operations of sagitta/interval.h on them.
  *
- * A result contains what the operation makes of the ends of its arguments and of numbers between them, in long double,
- * whose own rounding is allowed for; the result for a part of an argument lies in the result for the whole; an empty
- * argument gives the empty result, one with a NaN all numbers; a result is never NaN, and what is not empty is
- * in order.  tests/interval holds them to MPFR; here is what nobody thought of drawing. */
+ * A result contains what the operation makes of the ends of its arguments and of numbers between them, in
+ * long double, whose own rounding is allowed for; the result for a part of an argument lies in the result
+ * for the whole; an empty argument gives the empty result, one with a NaN all numbers; a result is never
+ * NaN, and what is not empty is in order.  tests/interval holds them to MPFR; here is what nobody thought
+ * of drawing. */
 #include "fuzz.h"
 
 #include <sagitta/interval.h>
@@ -13,16 +14,31 @@ typedef long double wide;
 static const char *now = "";
 static sgt_interval now_x, now_y;
 
-#define HOLDS(condition, r, ...)                                                                                  \
-    do {                                                                                                          \
-        if (!(condition)) {                                                                                       \
-            fprintf(stderr, "    %s of [%a, %a], [%a, %a] is [%a, %a]\n", now, now_x.lo, now_x.hi, now_y.lo, now_y.hi, (r).lo, (r).hi); \
-            REQUIRE(condition, __VA_ARGS__);                                                                      \
-        }                                                                                                         \
+#define HOLDS(condition, r, ...)                                                                             \
+    do {                                                                                                     \
+        if (!(condition)) {                                                                                  \
+            fprintf(stderr, "    %s of [%a, %a], [%a, %a] is [%a, %a]\n", now, now_x.lo, now_x.hi, now_y.lo, \
+                    now_y.hi, (r).lo, (r).hi);                                                               \
+            REQUIRE(condition, __VA_ARGS__);                                                                 \
+        }                                                                                                    \
     } while (0)
 
-typedef enum operation { SUM, DIFFERENCE, PRODUCT, QUOTIENT, SQUARE, ROOT, ABSOLUTE, POWER, NEGATIVE, HULL, INTERSECTION, OPERATIONS } operation;
-static const char *const names[] = {"sum", "difference", "product", "quotient", "square", "root", "absolute", "power", "negative", "hull", "intersection"};
+typedef enum operation {
+    SUM,
+    DIFFERENCE,
+    PRODUCT,
+    QUOTIENT,
+    SQUARE,
+    ROOT,
+    ABSOLUTE,
+    POWER,
+    NEGATIVE,
+    HULL,
+    INTERSECTION,
+    OPERATIONS
+} operation;
+static const char *const names[] = {"sum",      "difference", "product",  "quotient", "square",      "root",
+                                    "absolute", "power",      "negative", "hull",     "intersection"};
 
 static sgt_interval apply(operation op, sgt_interval x, sgt_interval y, int n)
 {
@@ -78,7 +94,8 @@ static int numbers(sgt_interval x, double out[5])
     int count = 0;
     out[count++] = lo, out[count++] = hi;
     double middle = sgt_interval_middle(x);
-    REQUIRE(middle >= x.lo && middle <= x.hi && isfinite(middle), "the middle of [%a, %a] is %a", x.lo, x.hi, middle);
+    REQUIRE(middle >= x.lo && middle <= x.hi && isfinite(middle), "the middle of [%a, %a] is %a", x.lo, x.hi,
+            middle);
     out[count++] = middle;
     if (lo <= 0 && hi >= 0) out[count++] = 0;
     if (lo <= 1 && hi >= 1) out[count++] = 1;
@@ -112,7 +129,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     sgt_interval r = apply(op, x, y, n);
     HOLDS(!isnan(r.lo) && !isnan(r.hi), r, "NaN");
     HOLDS(r.lo <= r.hi || (r.lo == HUGE_VAL && r.hi == -HUGE_VAL), r, "empty otherwise");
-    bool blind = unknown(x) || (!is_unary(op) && unknown(y)), empty = x.lo > x.hi || (!is_unary(op) && y.lo > y.hi);
+    bool blind = unknown(x) || (!is_unary(op) && unknown(y)),
+         empty = x.lo > x.hi || (!is_unary(op) && y.lo > y.hi);
     if (op != HULL && op != INTERSECTION) {
         if (blind && !empty) HOLDS(r.lo == -HUGE_VAL && r.hi == HUGE_VAL, r, "of a NaN all is possible");
         if (empty && !blind) HOLDS(r.lo > r.hi, r, "of nothing nothing");
@@ -124,12 +142,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         for (int j = 0; j < many_y; j++) {
             wide err, v = at(op, in_x[i], in_y[j], n, &err);
             if (isnan(v) || isinf(v)) continue; /* beyond a long double */
-            HOLDS(v + err >= (wide)r.lo && v - err <= (wide)r.hi, r, "%a, %a, n %d: %Lg is outside", in_x[i], in_y[j], n, v);
+            HOLDS(v + err >= (wide)r.lo && v - err <= (wide)r.hi, r, "%a, %a, n %d: %Lg is outside", in_x[i],
+                  in_y[j], n, v);
         }
-    /* a result as tight as is promised: two doubles farther out at most, where it is one operation on numbers */
+    /* a result as tight as is promised: two doubles farther out at most, where it is one operation on
+     * numbers */
     if (x.lo == x.hi && (is_unary(op) || y.lo == y.hi) && many_x && many_y && op != POWER && op != HULL) {
         wide err, v = at(op, in_x[0], in_y[0], n, &err);
-        if (fabsl(v) < 0x1p1023L) HOLDS(r.lo > r.hi || ((wide)moved(r.lo, 2) >= v - err && (wide)moved(r.hi, -2) <= v + err), r, "too wide: %Lg", v);
+        if (fabsl(v) < 0x1p1023L)
+            HOLDS(r.lo > r.hi || ((wide)moved(r.lo, 2) >= v - err && (wide)moved(r.hi, -2) <= v + err), r,
+                  "too wide: %Lg", v);
     }
     if (many_x && (is_unary(op) || many_y) && !blind) {
         sgt_interval inner = apply(op, part_of(x, how >> 2), part_of(y, how >> 4), n);
@@ -137,8 +159,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     if (x.lo <= x.hi) {
         double width = sgt_interval_width(x), greatest = sgt_interval_greatest(x);
-        HOLDS(!((wide)width * (1 + 0x1p-60L) < (wide)x.hi - (wide)x.lo) && greatest >= fabs(x.lo) && greatest >= fabs(x.hi), x, "width %a, greatest %a", width, greatest);
-        HOLDS(sgt_interval_has(x, x.lo) && !(sgt_interval_is_positive(x) && x.lo <= 0) && sgt_interval_is_negative(x) == (x.hi < 0), x, "what is told of its signs");
+        HOLDS(!((wide)width * (1 + 0x1p-60L) < (wide)x.hi - (wide)x.lo) && greatest >= fabs(x.lo) &&
+                  greatest >= fabs(x.hi),
+              x, "width %a, greatest %a", width, greatest);
+        HOLDS(sgt_interval_has(x, x.lo) && !(sgt_interval_is_positive(x) && x.lo <= 0) &&
+                  sgt_interval_is_negative(x) == (x.hi < 0),
+              x, "what is told of its signs");
     }
     return 0;
 }

@@ -1,8 +1,9 @@
 /* fuzz_rays.c - bytes as a file of rays, and as the text of --ray.
  *
  * The first byte says how it is read: bit 0, --skip-bad; bit 1, as --ray.  rays.c is built to cut the text
- * into pieces of 64 bytes and what is left of a line.  A second reader, made here out of the words of rays.c and strtod, says what each line
- * holds; both must agree on every ray to the bit, on which rows are bad and how many, and on the line of the first. */
+ * into pieces of 64 bytes and what is left of a line.  A second reader, made here out of the words of
+ * rays.c and strtod, says what each line holds; both must agree on every ray to the bit, on which rows are
+ * bad and how many, and on the line of the first. */
 #include "tool.h"
 
 #include "../../src/tool/base/number.h"
@@ -73,15 +74,18 @@ static bool legal(const double v[8])
 
 static void require_ray(const launch *l, const double v[8])
 {
-    const double got[8] = {l->ray.o.x, l->ray.o.y, l->ray.o.z, l->ray.d.x, l->ray.d.y, l->ray.d.z, l->ray.tmin, l->ray.tmax};
+    const double got[8] = {l->ray.o.x, l->ray.o.y, l->ray.o.z,  l->ray.d.x,
+                           l->ray.d.y, l->ray.d.z, l->ray.tmin, l->ray.tmax};
     for (int i = 0; i < 8; i++) {
         if (i == 7 && v[6] == 0 && v[7] == 0) { /* written down, it means 0 */
             REQUIRE(got[7] > 0 && got[7] < 1e-300, "tmax %a", got[7]);
             continue;
         }
-        REQUIRE(same(got[i], v[i]), "row %zu, %s: %a, and the text says %a", l->number, names[i], got[i], v[i]);
+        REQUIRE(same(got[i], v[i]), "row %zu, %s: %a, and the text says %a", l->number, names[i], got[i],
+                v[i]);
     }
-    REQUIRE(sgt_intersect((sgt_surface){&sgt_conic_ops, &(sgt_conic){0}}, l->ray, NULL).status != SGT_INVALID, "row %zu is no ray", l->number);
+    REQUIRE(sgt_intersect((sgt_surface){&sgt_conic_ops, &(sgt_conic){0}}, l->ray, NULL).status != SGT_INVALID,
+            "row %zu is no ray", l->number);
 }
 
 /* What is printed reads back. */
@@ -95,12 +99,15 @@ static void require_print(double x)
         REQUIRE(number_read(text, &back) && same(x, back), "%a: \"%s\" reads back as %a", x, text, back);
         REQUIRE(!isfinite(x) || same(strtod(text, NULL), x), "%a: \"%s\"", x, text);
     }
-    if (isfinite(x) && x > 0 && x < 1e300) REQUIRE(number_round_up(x) >= x && number_round_up(x) <= x * 1.02 + 1e-320, "%a: %a", x, number_round_up(x));
+    if (isfinite(x) && x > 0 && x < 1e300)
+        REQUIRE(number_round_up(x) >= x && number_round_up(x) <= x * 1.02 + 1e-320, "%a: %a", x,
+                number_round_up(x));
     for (int digits = 1; digits <= 9; digits += 4) {
         int length = number_print_short(text, x, digits);
         REQUIRE(length == (int)strlen(text) && length < NUMBER_SIZE, "%a: \"%s\", %d", x, text, length);
         if (isfinite(x) && fabs(x) < 1e300 && fabs(x) > 1e-300)
-            REQUIRE(fabs(strtod(text, NULL) - x) <= 0.6 * fabs(x) * pow(10, 1 - digits), "%a in %d digits: \"%s\"", x, digits, text);
+            REQUIRE(fabs(strtod(text, NULL) - x) <= 0.6 * fabs(x) * pow(10, 1 - digits),
+                    "%a in %d digits: \"%s\"", x, digits, text);
     }
 }
 
@@ -126,7 +133,8 @@ static ledger audit(const char *text, size_t size, const ray_list *list, bool sk
             for (int c = 0; c < NAMES; c++) {
                 place[c] = -1;
                 for (int f = 0; f < r.count; f++)
-                    if (strcmp(r.field[f], names[c]) == 0) place[c] = place[c] < 0 ? f : NAMES * 100; /* twice */
+                    /* twice */
+                    if (strcmp(r.field[f], names[c]) == 0) place[c] = place[c] < 0 ? f : NAMES * 100;
                 if (place[c] > NAMES * 99 || (c < 6 && place[c] < 0)) return told;
             }
             columns = r.count;
@@ -148,7 +156,8 @@ static ledger audit(const char *text, size_t size, const ray_list *list, bool sk
             const launch *l = &list->ray[told.good];
             REQUIRE(l->number == told.rows - 1, "row %zu is told as %zu", told.rows - 1, l->number);
             require_ray(l, v);
-            REQUIRE(place[8] < 0 ? !l->id : l->id && strcmp(l->id, r.field[place[8]]) == 0, "row %zu, id \"%s\"", l->number, l->id ? l->id : "none");
+            REQUIRE(place[8] < 0 ? !l->id : l->id && strcmp(l->id, r.field[place[8]]) == 0,
+                    "row %zu, id \"%s\"", l->number, l->id ? l->id : "none");
             for (int k = 0; k < 8 && told.good < 50; k++) require_print(v[k]);
         }
         told.good += good;
@@ -164,21 +173,29 @@ static void read_file(const char *text, size_t size, bool skip_bad)
     if (setjmp(refused) == 0) {
         rays_read(&list, "text", skip_bad);
         ledger told = audit(text, size, &list, skip_bad);
-        REQUIRE(told.header && list.count == told.good, "%zu rays, and the text has %zu", list.count, told.good);
+        REQUIRE(told.header && list.count == told.good, "%zu rays, and the text has %zu", list.count,
+                told.good);
         REQUIRE(skip_bad || !told.bad, "%zu rows are bad, the first in line %zu", told.bad, told.first_bad);
         if (told.bad) {
             size_t many, line;
-            REQUIRE(sscanf(noted, "text: %zu bad row%*[s] skipped, the first in line %zu", &many, &line) == 2
-                    || sscanf(noted, "text: %zu bad row skipped, the first in line %zu", &many, &line) == 2, "\"%s\"", noted);
-            REQUIRE(many == told.bad && line == told.first_bad, "%zu bad, the first in line %zu: \"%s\"", told.bad, told.first_bad, noted);
+            REQUIRE(sscanf(noted, "text: %zu bad row%*[s] skipped, the first in line %zu", &many, &line) ==
+                            2 ||
+                        sscanf(noted, "text: %zu bad row skipped, the first in line %zu", &many, &line) == 2,
+                    "\"%s\"", noted);
+            REQUIRE(many == told.bad && line == told.first_bad, "%zu bad, the first in line %zu: \"%s\"",
+                    told.bad, told.first_bad, noted);
         } else {
             REQUIRE(!*noted, "\"%s\"", noted);
         }
     } else {
         ledger told = audit(text, size, NULL, skip_bad);
-        REQUIRE(status == EXIT_BAD_INPUT && strncmp(message, "text:", 5) == 0 && message_length > 8, "status %d: \"%s\"", (int)status, message);
-        REQUIRE(!told.header || !told.rows || (told.bad && !skip_bad), "%zu good rows are refused: \"%s\"", told.good, message);
-        if (told.header && told.rows) REQUIRE(strtoul(message + 5, NULL, 10) == told.first_bad, "line %zu: \"%s\"", told.first_bad, message);
+        REQUIRE(status == EXIT_BAD_INPUT && strncmp(message, "text:", 5) == 0 && message_length > 8,
+                "status %d: \"%s\"", (int)status, message);
+        REQUIRE(!told.header || !told.rows || (told.bad && !skip_bad), "%zu good rows are refused: \"%s\"",
+                told.good, message);
+        if (told.header && told.rows)
+            REQUIRE(strtoul(message + 5, NULL, 10) == told.first_bad, "line %zu: \"%s\"", told.first_bad,
+                    message);
     }
 }
 
@@ -191,7 +208,8 @@ static void read_option(const char *text)
     int count = 0;
     bool good = strlen(text) < 400;
     if (good) strcpy(copy, text);
-    for (; good && (word = strtok_r(rest, " \t\n,", &rest)); count++) good = number_of(word, &v[count < 8 ? count : 8]);
+    for (; good && (word = strtok_r(rest, " \t\n,", &rest)); count++)
+        good = number_of(word, &v[count < 8 ? count : 8]);
     good = good && (count == 6 || count == 8) && legal(v);
     read_anew((const uint8_t *)text, strlen(text));
     if (setjmp(refused) == 0) {
@@ -199,7 +217,9 @@ static void read_option(const char *text)
         REQUIRE(good && list.count == 1, "\"%s\" is accepted", text);
         require_ray(&list.ray[0], v);
     } else {
-        REQUIRE(!good && status == EXIT_BAD_INPUT && strncmp(message, "--ray: ", 7) == 0 && message_length > 9, "\"%s\": \"%s\"", text, message);
+        REQUIRE(!good && status == EXIT_BAD_INPUT && strncmp(message, "--ray: ", 7) == 0 &&
+                    message_length > 9,
+                "\"%s\": \"%s\"", text, message);
     }
 }
 

@@ -1,7 +1,7 @@
 /* replay.c - feeds files to a fuzz target: past findings and the corpus as a test, with any compiler.
  *
- * Each argument is a file or a folder.  The name of a file is printed before it is fed, to be read where it is the one
- * that fails; a folder that holds nothing is an error, for a test of nothing cannot fail. */
+ * Each argument is a file or a folder.  The name of a file is printed before it is fed, to be read where it
+ * is the one that fails; a folder that holds nothing is an error, for a test of nothing cannot fail. */
 #include "fuzz.h"
 
 #include <dirent.h>
@@ -18,7 +18,8 @@ static int feed(const char *path)
     if (!file || !data) return fprintf(stderr, "%s: cannot be read\n", path), 1;
     while ((got = fread(data + size, 1, room - size, file)) > 0) {
         size += got;
-        if (size == room && !(data = realloc(data, room *= 2))) return fprintf(stderr, "%s: out of memory\n", path), 1;
+        if (size == room && !(data = realloc(data, room *= 2)))
+            return fprintf(stderr, "%s: out of memory\n", path), 1;
     }
     fclose(file);
     exact = malloc(size ? size : 1); /* a sanitizer then sees a byte beyond it */

@@ -1,9 +1,9 @@
 /* tool.h - the readers of the command, run inside a fuzz target.
  *
- * They end the command where they find an error (fail.h), and take their text from a file.  Here an error ends the reading
- * and leaves its message, the text comes from memory, and all blocks are freed after each input: fail.c and input.c are
- * replaced, memory.c is taken in whole.  A file that the text names holds what stands in the input behind its first byte 0xff, which
- * no text has. */
+ * They end the command where they find an error (fail.h), and take their text from a file.  Here an error
+ * ends the reading and leaves its message, the text comes from memory, and all blocks are freed after each
+ * input: fail.c and input.c are replaced, memory.c is taken in whole.  A file that the text names holds
+ * what stands in the input behind its first byte 0xff, which no text has. */
 #ifndef TESTS_FUZZ_TOOL_H
 #define TESTS_FUZZ_TOOL_H
 
@@ -59,7 +59,8 @@ void note(const char *format, ...)
 
 input input_read(const char *path)
 {
-    return (input){.name = path, .text = memory_text((const char *)given.data, given.size), .length = given.size};
+    return (input){
+        .name = path, .text = memory_text((const char *)given.data, given.size), .length = given.size};
 }
 
 const char *input_try(const char *path, input *in)
@@ -92,7 +93,9 @@ static UNUSED void read_anew(const uint8_t *data, size_t size)
 static UNUSED size_t lines_of(const uint8_t *data, size_t size)
 {
     size_t lines = 1;
-    for (size_t i = 0; i + 1 < size; i++) lines += data[i] == '\n' || data[i] == '\r' || data[i] == 0x85 || data[i] == 0xa8 || data[i] == 0xa9 || data[i] == 0x28 || data[i] == 0x29;
+    for (size_t i = 0; i + 1 < size; i++)
+        lines += data[i] == '\n' || data[i] == '\r' || data[i] == 0x85 || data[i] == 0xa8 ||
+                 data[i] == 0xa9 || data[i] == 0x28 || data[i] == 0x29;
     return lines;
 }
 

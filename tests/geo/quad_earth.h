@@ -1,14 +1,17 @@
-// quad_earth.h - heights, levels of gravity and a geoid in quadruple precision: oracles that share neither code nor method with
-// the library.
+// quad_earth.h - heights, levels of gravity and a geoid in quadruple precision: oracles that share neither
+// code nor method with the library.
 //
-// THE HEIGHT.  The foot of p = (r, z) on the ellipsoid is (a^2 r / (a^2 + m), b^2 z / (b^2 + m)), m the greatest root of
-// (a r / (a^2 + m))^2 + (b z / (b^2 + m))^2 = 1; that is convex and falls, so that Newton from the left, where one term alone is 1,
-// never leaves that side (Eberly 2013).  Then p - foot = m (r / (a^2 + m), z / (b^2 + m)), without cancellation.
+// THE HEIGHT.  The foot of p = (r, z) on the ellipsoid is (a^2 r / (a^2 + m), b^2 z / (b^2 + m)), m the
+// greatest root of (a r / (a^2 + m))^2 + (b z / (b^2 + m))^2 = 1; that is convex and falls, so that Newton
+// from the left, where one term alone is 1, never leaves that side (Eberly 2013).  Then p - foot = m (r /
+// (a^2 + m), z / (b^2 + m)), without cancellation.
 //
-// GRAVITY.  U = GM / E atan(E / u) + omega^2 a^2 / 2 q(u) / q(b) (sin^2 beta - 1/3) + omega^2 rho^2 / 2 in ellipsoidal coordinates
-// (Heiskanen and Moritz 1967, equation 2-62), atan and q by their series in E / u: right outside the ellipsoid, and some way in.
+// GRAVITY.  U = GM / E atan(E / u) + omega^2 a^2 / 2 q(u) / q(b) (sin^2 beta - 1/3) + omega^2 rho^2 / 2 in
+// ellipsoidal coordinates (Heiskanen and Moritz 1967, equation 2-62), atan and q by their series in E / u:
+// right outside the ellipsoid, and some way in.
 //
-// THE GEOID.  Its own reader, and the cubics in Hermite's form; in double: a slope of 1e-3 makes 1e-12 m of what that rounds.
+// THE GEOID.  Its own reader, and the cubics in Hermite's form; in double: a slope of 1e-3 makes 1e-12 m of
+// what that rounds.
 #ifndef QUAD_EARTH_H
 #define QUAD_EARTH_H
 
@@ -42,7 +45,10 @@ inline quad root(quad x)
 
 struct vec { quad x, y, z; };
 inline vec exact(const sgt_vec3 &p) { return {p.x, p.y, p.z}; }
-inline vec at(const sgt_ray &ray, quad t) { return {ray.o.x + t * ray.d.x, ray.o.y + t * ray.d.y, ray.o.z + t * ray.d.z}; }
+inline vec at(const sgt_ray &ray, quad t)
+{
+    return {ray.o.x + t * ray.d.x, ray.o.y + t * ray.d.y, ray.o.z + t * ray.d.z};
+}
 
 // ------------------------------------------------------------------- height
 
@@ -52,7 +58,8 @@ constexpr ellipsoid WGS84 = {6378137, 1 / 298.257223563};
 template <typename T> T multiplier(T a2, T b2, T r, T z, T m, T enough)
 {
     for (int i = 0; i < 60; i++) {
-        T x = r / (a2 + m), y = z / (b2 + m), g = a2 * x * x + b2 * y * y - 1, slope = -2 * (a2 * x * x / (a2 + m) + b2 * y * y / (b2 + m)), step = g / slope;
+        T x = r / (a2 + m), y = z / (b2 + m), g = a2 * x * x + b2 * y * y - 1,
+          slope = -2 * (a2 * x * x / (a2 + m) + b2 * y * y / (b2 + m)), step = g / slope;
         m -= step;
         if (!(step > enough * a2 || step < -enough * a2)) break;
     }
@@ -61,10 +68,12 @@ template <typename T> T multiplier(T a2, T b2, T r, T z, T m, T enough)
 
 inline quad height(const ellipsoid &e, const vec &p, vec *up = nullptr)
 {
-    quad a = e.a, b = a * (1 - quad(e.f)), r = root(p.x * p.x + p.y * p.y), z = p.z < 0 ? -p.z : p.z, a2 = a * a, b2 = b * b;
+    quad a = e.a, b = a * (1 - quad(e.f)), r = root(p.x * p.x + p.y * p.y), z = p.z < 0 ? -p.z : p.z,
+         a2 = a * a, b2 = b * b;
     double left = std::fmax(rounded(a * r - a2), rounded(b * z - b2));
     double guess = multiplier<double>(rounded(a2), rounded(b2), rounded(r), rounded(z), left, 1e-14);
-    quad m = multiplier<quad>(a2, b2, r, z, guess, 1e-29), x = r / (a2 + m), y = z / (b2 + m), length = root(x * x + y * y);
+    quad m = multiplier<quad>(a2, b2, r, z, guess, 1e-29), x = r / (a2 + m), y = z / (b2 + m),
+         length = root(x * x + y * y);
     if (up) {
         quad flat = r > 0 ? x / length / r : 0;
         *up = {p.x * flat, p.y * flat, (p.z < 0 ? -y : y) / length};
@@ -76,8 +85,10 @@ inline quad height(const ellipsoid &e, const vec &p, vec *up = nullptr)
 inline double about(const ellipsoid &e, double x, double y, double z, double up[3])
 {
     double b = e.a * (1 - e.f), a2 = e.a * e.a, b2 = b * b, r = std::sqrt(x * x + y * y), side = std::fabs(z);
-    double m = multiplier<double>(a2, b2, r, side, std::fmax(e.a * r - a2, b * side - b2), 1e-14), u = r / (a2 + m), v = side / (b2 + m), length = std::sqrt(u * u + v * v);
-    up[0] = r > 0 ? u / length * x / r : 0, up[1] = r > 0 ? u / length * y / r : 0, up[2] = (z < 0 ? -v : v) / length;
+    double m = multiplier<double>(a2, b2, r, side, std::fmax(e.a * r - a2, b * side - b2), 1e-14),
+           u = r / (a2 + m), v = side / (b2 + m), length = std::sqrt(u * u + v * v);
+    up[0] = r > 0 ? u / length * x / r : 0, up[1] = r > 0 ? u / length * y / r : 0,
+    up[2] = (z < 0 ? -v : v) / length;
     return m * length;
 }
 
@@ -88,15 +99,20 @@ constexpr double GM = 3986004418e5, OMEGA = 7292115e-11;
 inline quad atan_series(quad x, bool q) // atan x, or q(u) of x = E / u
 {
     quad sum = 0, power = x, x2 = x * x;
-    for (int k = 0; k < 24; k++, power *= -x2) sum += power * (q ? -quad(2 * k) / ((2 * k + 1) * (2 * k + 3)) : quad(1) / (2 * k + 1));
+    for (int k = 0; k < 24; k++, power *= -x2)
+        sum += power * (q ? -quad(2 * k) / ((2 * k + 1) * (2 * k + 3)) : quad(1) / (2 * k + 1));
     return sum;
 }
 
 inline quad potential(const vec &p)
 {
-    static const quad a = WGS84.a, b = a * (1 - quad(WGS84.f)), E2 = a * a - b * b, E = root(E2), q0 = atan_series(E / b, true);
-    quad rho2 = p.x * p.x + p.y * p.y, r2 = rho2 + p.z * p.z, d = r2 - E2, u2 = (d + root(d * d + 4 * E2 * p.z * p.z)) / 2, u = root(u2), sine2 = p.z * p.z / u2, spin = quad(OMEGA) * OMEGA / 2;
-    return GM / E * atan_series(E / u, false) + spin * a * a * atan_series(E / u, true) / q0 * (sine2 - quad(1) / 3) + spin * rho2;
+    static const quad a = WGS84.a, b = a * (1 - quad(WGS84.f)), E2 = a * a - b * b, E = root(E2),
+                      q0 = atan_series(E / b, true);
+    quad rho2 = p.x * p.x + p.y * p.y, r2 = rho2 + p.z * p.z, d = r2 - E2,
+         u2 = (d + root(d * d + 4 * E2 * p.z * p.z)) / 2, u = root(u2), sine2 = p.z * p.z / u2,
+         spin = quad(OMEGA) * OMEGA / 2;
+    return GM / E * atan_series(E / u, false) +
+           spin * a * a * atan_series(E / u, true) / q0 * (sine2 - quad(1) / 3) + spin * rho2;
 }
 
 // F of level_gravity.
@@ -120,7 +136,8 @@ struct grid {
         std::FILE *file = std::fopen(path, "rb");
         std::vector<unsigned char> bytes;
         unsigned char part[65536];
-        for (size_t n; file && (n = std::fread(part, 1, sizeof part, file)) > 0;) bytes.insert(bytes.end(), part, part + n);
+        for (size_t n; file && (n = std::fread(part, 1, sizeof part, file)) > 0;)
+            bytes.insert(bytes.end(), part, part + n);
         if (file) std::fclose(file);
         if (bytes.size() < 40) return false;
         auto whole = [&](size_t from, int n) {
@@ -151,7 +168,8 @@ struct grid {
     }
     double undulation(double latitude, double longitude) const // degrees
     {
-        double y = (latitude + 90) / 180 * (rows - 1), x = std::fmod((longitude - west) / 360 * columns + 2 * columns, columns), along[4];
+        double y = (latitude + 90) / 180 * (rows - 1),
+               x = std::fmod((longitude - west) / 360 * columns + 2 * columns, columns), along[4];
         int i = static_cast<int>(std::floor(y)), j = static_cast<int>(std::floor(x));
         if (i > rows - 2) i = rows - 2;
         for (int k = 0; k < 4; k++) {
@@ -164,14 +182,21 @@ struct grid {
     double below(double x, double y, double upward) const
     {
         const double pi = std::acos(-1.0);
-        return undulation(std::asin(upward > 1 ? 1 : upward < -1 ? -1 : upward) * 180 / pi, std::atan2(y, x) * 180 / pi);
+        return undulation(std::asin(upward > 1    ? 1
+                                    : upward < -1 ? -1
+                                                  : upward) *
+                              180 / pi,
+                          std::atan2(y, x) * 180 / pi);
     }
     quad over(const vec &p, double h) const // F
     {
         vec up;
         quad high = height(WGS84, p, &up);
         const double pi = std::acos(-1.0);
-        return high - undulation(std::atan2(rounded(up.z), std::hypot(rounded(up.x), rounded(up.y))) * 180 / pi, std::atan2(rounded(p.y), rounded(p.x)) * 180 / pi) - h;
+        return high -
+               undulation(std::atan2(rounded(up.z), std::hypot(rounded(up.x), rounded(up.y))) * 180 / pi,
+                          std::atan2(rounded(p.y), rounded(p.x)) * 180 / pi) -
+               h;
     }
     double about(const vec &p, double h) const // to 1e-6 m
     {

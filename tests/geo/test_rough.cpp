@@ -1,11 +1,12 @@
-// test_rough.cpp - the surface over a geoid that is rough: grids made here, of heights that jump from node to node, against
-// another reader and dense samples.
+// test_rough.cpp - the surface over a geoid that is rough: grids made here, of heights that jump from node
+// to node, against another reader and dense samples.
 //
-// EGM96 is so smooth that bounds of its slope and of its curvature may be half or a quarter of what they have to be without any
-// ray that shows it.  Here the heights are up to 900 m at nodes 20 km apart, in patterns where one direction alone is rough, so
-// that the bound of that direction has nothing to lean on:
+// EGM96 is so smooth that bounds of its slope and of its curvature may be half or a quarter of what they
+// have to be without any ray that shows it.  Here the heights are up to 900 m at nodes 20 km apart, in
+// patterns where one direction alone is rough, so that the bound of that direction has nothing to lean on:
 //
-//   zonal        rows of nodes up and down in turn: the slope northward is 1.5 steps a cell, its change 6 a cell and cell
+//   zonal        rows of nodes up and down in turn: the slope northward is 1.5 steps a cell, its change 6 a
+//                cell and cell
 //   meridional   columns in turn; towards the poles these become as narrow as the file has them
 //   board        fields of a board: both at once
 //   cliffs       plateaus of many nodes, with a step between
@@ -31,7 +32,10 @@ using earth::quad;
 using earth::rounded;
 
 std::mt19937_64 random_bits;
-double uniform(double lo, double hi) { return lo + (hi - lo) * static_cast<double>(random_bits() >> 11) * 0x1p-53; }
+double uniform(double lo, double hi)
+{
+    return lo + (hi - lo) * static_cast<double>(random_bits() >> 11) * 0x1p-53;
+}
 int whole(int most) { return static_cast<int>(random_bits() % static_cast<unsigned>(most)); }
 int faults = 0;
 
@@ -54,7 +58,8 @@ bool write(const char *path, int rows, int columns, const pattern &p)
     put(static_cast<uint64_t>(rows), 4), put(static_cast<uint64_t>(columns), 4);
     for (int i = 0; i < rows; i++)
         for (int j = 0; j < columns; j++) {
-            const float x = static_cast<float>(p.height(i, i == 0 || i == rows - 1 ? 0 : j)); // a pole has one
+            const float x = static_cast<float>(
+                p.height(i, i == 0 || i == rows - 1 ? 0 : j)); // a pole has one
             uint32_t bits;
             std::memcpy(&bits, &x, 4);
             put(bits, 4);
@@ -73,8 +78,9 @@ struct bench {
     void fail(const char *why, const sgt_ray &ray, double a, double b, double c)
     {
         if (++faults > 20) return;
-        std::printf("FAIL %s: %s: %.17g, of %.17g ... %.17g\n    {%a, %a, %a}, {%a, %a, %a}, %a, %a; h %a\n", name, why, a, b, c, ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z, ray.tmin, ray.tmax,
-                    over.h);
+        std::printf("FAIL %s: %s: %.17g, of %.17g ... %.17g\n    {%a, %a, %a}, {%a, %a, %a}, %a, %a; h %a\n",
+                    name, why, a, b, c, ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z, ray.tmin,
+                    ray.tmax, over.h);
     }
     double F(const sgt_ray &ray, double t) const { return grid->about(earth::at(ray, t), over.h); }
 
@@ -83,13 +89,26 @@ struct bench {
     {
         const double degree = 0.017453292519943295, step = 180.0 / (grid->rows - 1);
         double latitude = (whole(4) ? uniform(-75, 75) : uniform(-89, 89)), longitude = uniform(-180, 180);
-        if (whole(2)) latitude = std::round(latitude / step) * step + (whole(2) ? 0 : 0.5 * step), longitude = std::round(longitude / step) * step + (whole(2) ? 0 : 0.5 * step);
-        const double s = std::sin(latitude * degree), c = std::cos(latitude * degree), e2 = earth::WGS84.f * (2 - earth::WGS84.f), n = earth::WGS84.a / std::sqrt(1 - e2 * s * s);
-        const double high = grid->undulation(latitude, longitude) + over.h + (whole(3) ? uniform(-200, 200) : 0), x = std::cos(longitude * degree), y = std::sin(longitude * degree);
-        const double about = whole(4) ? 1.5707963267948966 * whole(4) : uniform(0, 6.283185307179586), lift = whole(3) ? uniform(-0.2, 0.2) : uniform(-1.5, 1.5);
+        if (whole(2))
+            latitude = std::round(latitude / step) * step + (whole(2) ? 0 : 0.5 * step),
+            longitude = std::round(longitude / step) * step + (whole(2) ? 0 : 0.5 * step);
+        const double s = std::sin(latitude * degree), c = std::cos(latitude * degree),
+                     e2 = earth::WGS84.f * (2 - earth::WGS84.f),
+                     n = earth::WGS84.a / std::sqrt(1 - e2 * s * s);
+        const double high = grid->undulation(latitude, longitude) + over.h +
+                            (whole(3) ? uniform(-200, 200) : 0),
+                     x = std::cos(longitude * degree), y = std::sin(longitude * degree);
+        const double about = whole(4) ? 1.5707963267948966 * whole(4) : uniform(0, 6.283185307179586),
+                     lift = whole(3) ? uniform(-0.2, 0.2) : uniform(-1.5, 1.5);
         const sgt_vec3 up = {c * x, c * y, s}, north = {-s * x, -s * y, c}, east = {-y, x, 0};
-        const double a = std::cos(lift) * std::cos(about), b = std::cos(lift) * std::sin(about), w = std::sin(lift), length = whole(2) ? 1 : std::exp(uniform(-5, 5));
-        sgt_ray ray = {{(n + high) * c * x, (n + high) * c * y, (n * (1 - e2) + high) * s}, {length * (a * north.x + b * east.x + w * up.x), length * (a * north.y + b * east.y + w * up.y), length * (a * north.z + b * east.z + w * up.z)}, 0, 0};
+        const double a = std::cos(lift) * std::cos(about), b = std::cos(lift) * std::sin(about),
+                     w = std::sin(lift), length = whole(2) ? 1 : std::exp(uniform(-5, 5));
+        sgt_ray ray = {{(n + high) * c * x, (n + high) * c * y, (n * (1 - e2) + high) * s},
+                       {length * (a * north.x + b * east.x + w * up.x),
+                        length * (a * north.y + b * east.y + w * up.y),
+                        length * (a * north.z + b * east.z + w * up.z)},
+                       0,
+                       0};
         const double away = whole(3) ? uniform(0, 3e5) : std::exp(uniform(0, 16));
         *at = away / length;
         ray.o = {ray.o.x - *at * ray.d.x, ray.o.y - *at * ray.d.y, ray.o.z - *at * ray.d.z};
@@ -102,15 +121,20 @@ struct bench {
         for (long i = 0; i < count; i++) {
             double t;
             const sgt_ray ray = some(&t);
-            const double along = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z), width = std::exp(uniform(3, 12)) / along;
+            const double along = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z),
+                         width = std::exp(uniform(3, 12)) / along;
             const sgt_interval over_t = {t - (whole(2) ? 0 : 0.5 * width), t + width};
             sgt_interval slope = {NAN, NAN};
             const sgt_interval g = sgt_geoid_height_ops.enclose(&over, &ray, over_t, &slope);
             for (int j = 0; j <= 8; j++) {
                 const double s = over_t.lo + (over_t.hi - over_t.lo) * j / 8, by = 0.5 / along, doubt = 1e-6;
-                const double value = F(ray, s), rate = rounded(grid->over(earth::at(ray, s + by), over.h) - grid->over(earth::at(ray, s - by), over.h)) / (2 * by);
-                if (!(g.lo <= value + doubt && value - doubt <= g.hi)) fail("F leaves its enclosure", ray, value, g.lo, g.hi);
-                if (j > 0 && j < 8 && !(slope.lo <= rate + 1e-6 * along && rate - 1e-6 * along <= slope.hi)) fail("the slope leaves its enclosure", ray, rate, slope.lo, slope.hi);
+                const double value = F(ray, s), rate = rounded(grid->over(earth::at(ray, s + by), over.h) -
+                                                               grid->over(earth::at(ray, s - by), over.h)) /
+                                                       (2 * by);
+                if (!(g.lo <= value + doubt && value - doubt <= g.hi))
+                    fail("F leaves its enclosure", ray, value, g.lo, g.hi);
+                if (j > 0 && j < 8 && !(slope.lo <= rate + 1e-6 * along && rate - 1e-6 * along <= slope.hi))
+                    fail("the slope leaves its enclosure", ray, rate, slope.lo, slope.hi);
                 asked++;
             }
             slopes += slope.lo > 0 || slope.hi < 0;
@@ -139,14 +163,16 @@ struct bench {
                 const double f = F(ray, s);
                 if (std::fabs(f) < 1e-5) continue;
                 if (before * f < 0) {
-                    fail(h.status > 0 ? "a root before the first" : "a root of a miss", ray, s, h.t, ray.tmax);
+                    fail(h.status > 0 ? "a root before the first" : "a root of a miss", ray, s, h.t,
+                         ray.tmax);
                     break;
                 }
                 before = f;
             }
             if (h.status == SGT_HIT) {
                 const double by = h.t_err + 1e-5 / along, f = F(ray, h.t);
-                if (std::fabs(f) > 1e-5 + 2 * h.t_err * along && F(ray, h.t - by) * F(ray, h.t + by) > 0) fail("no root at a hit", ray, h.t, f, h.t_err);
+                if (std::fabs(f) > 1e-5 + 2 * h.t_err * along && F(ray, h.t - by) * F(ray, h.t + by) > 0)
+                    fail("no root at a hit", ray, h.t, f, h.t_err);
             }
         }
     }
@@ -156,7 +182,8 @@ struct bench {
 
 int main()
 {
-    const char *seed = std::getenv("SAGITTA_TEST_SEED"), *scale = std::getenv("SAGITTA_TEST_SCALE"), *path = "test_rough.gtx";
+    const char *seed = std::getenv("SAGITTA_TEST_SEED"), *scale = std::getenv("SAGITTA_TEST_SCALE"),
+               *path = "test_rough.gtx";
     const unsigned long long number = seed ? std::strtoull(seed, nullptr, 0) : 1;
     const double more = scale ? std::atof(scale) : 1;
     std::printf("a rough geoid: SAGITTA_TEST_SEED=%llu\n", number);
@@ -168,13 +195,18 @@ int main()
         {"meridional", [](int, int j) { return j % 2 ? 30.0 : -30.0; }},
         {"board", [](int i, int j) { return (i + j) % 2 ? 400.0 : -400.0; }},
         {"cliffs", [](int i, int j) { return i % 14 < 5 && j % 18 < 9 ? 900.0 : -300.0; }},
-        {"noise", [&](int i, int j) { return static_cast<double>(noise[static_cast<std::size_t>((i * 7919 + j * 104729) & 0xffff)]); }},
+        {"noise",
+         [&](int i, int j) {
+             return static_cast<double>(noise[static_cast<std::size_t>((i * 7919 + j * 104729) & 0xffff)]);
+         }},
     };
     for (const pattern &p : patterns) {
-        const int rows = p.name == std::string("meridional") ? 181 : 721, columns = 2 * (rows - 1); // 1 degree, or a quarter of one
+        const int rows = p.name == std::string("meridional") ? 181 : 721,
+                  columns = 2 * (rows - 1); // 1 degree, or a quarter of one
         char error[500] = "";
         earth::grid grid;
-        sgt_geoid *geoid = write(path, rows, columns, p) ? sgt_geoid_open(path, error, sizeof error) : nullptr;
+        sgt_geoid *geoid = write(path, rows, columns, p) ? sgt_geoid_open(path, error, sizeof error)
+                                                         : nullptr;
         if (!geoid || !grid.read(path)) {
             std::printf("FAIL %s: %s\n", p.name, error);
             faults++;
@@ -183,7 +215,9 @@ int main()
         bench b = {p.name, &grid, {geoid, whole(2) ? 0 : uniform(-100, 1000)}};
         b.enclosures(static_cast<long>(4000 * more));
         b.roots(static_cast<long>(250 * more));
-        std::printf("%s: %ld samples in their enclosures, %ld stretches monotone; %ld hits, %ld misses, %ld undecided\n", p.name, b.asked, b.slopes, b.hits, b.misses, b.undecided);
+        std::printf("%s: %ld samples in their enclosures, %ld stretches monotone; %ld hits, %ld misses, %ld "
+                    "undecided\n",
+                    p.name, b.asked, b.slopes, b.hits, b.misses, b.undecided);
         sgt_geoid_close(geoid);
         std::remove(path);
     }

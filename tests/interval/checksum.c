@@ -65,10 +65,13 @@ int main(int count, char **words)
         case 4: add_interval(sgt_interval_square(x)); break;
         case 5: add_interval(sgt_interval_square_root(x)); break;
         case 6: add_interval(sgt_interval_power(x, (int)(bits() % 22) - 9)); break;
-        case 7: add_interval(sgt_interval_hull(sgt_interval_absolute(x), sgt_interval_intersection(x, y))); break;
+        case 7:
+            add_interval(sgt_interval_hull(sgt_interval_absolute(x), sgt_interval_intersection(x, y)));
+            break;
         case 8: add(sgt_interval_middle(x)), add(sgt_interval_width(x)), add(sgt_interval_greatest(x)); break;
         default: /* what C++ users and C users call by hand: a small expression */
-            add_interval(sgt_interval_sum(sgt_interval_product(x, y), sgt_interval_scaled(sgt_interval_square(y), 0.75)));
+            add_interval(sgt_interval_sum(sgt_interval_product(x, y),
+                                          sgt_interval_scaled(sgt_interval_square(y), 0.75)));
             add(sgt_interval_is_in(x, y)), add(sgt_interval_has(x, y.lo));
         }
         if ((i + 1) % (n / 16 > 0 ? n / 16 : 1) == 0) printf("%ld %016" PRIx64 "\n", i + 1, sum);

@@ -1,19 +1,21 @@
-// The `enclose` of every built-in surface against MPFR: g(t) = F(o + t d) and g'(t) at random t of an interval lie
-// in what it says of that interval.
+// The `enclose` of every built-in surface against MPFR: g(t) = F(o + t d) and g'(t) at random t of an
+// interval lie in what it says of that interval.
 //
 //     test_enclose [TYPE]     SAGITTA_TEST_SCALE multiplies the cases, SAGITTA_TEST_SEED replaces the seed
 //
-// The oracle: F as surfaces.h documents it, by its closed formula or by the orbit, with 1000 bits, of the stored
-// parameters, ray and t, all taken as exact.  No step loses more than 900 of them on what is drawn here.
+// The oracle: F as surfaces.h documents it, by its closed formula or by the orbit, with 1000 bits, of the
+// stored parameters, ray and t, all taken as exact.  No step loses more than 900 of them on what is drawn
+// here.
 //
-// What is drawn: surfaces of sizes from 1e-100 to 1e100; rays aimed at a point of the surface, inside its domain or beside, or
-// grazing it; along the axis, across it, at any angle; directions of any length; origins as far off as 1e12 times
-// the size; stretches as wide as a thousand times the surface, at times 1e100 times, and as narrow as a few ulps or none, about the point
-// and beside; the equator itself.  A sag is looked at where the ray is nearest to the axis too, and on either side of where it leaves the domain.
+// What is drawn: surfaces of sizes from 1e-100 to 1e100; rays aimed at a point of the surface, inside its
+// domain or beside, or grazing it; along the axis, across it, at any angle; directions of any length;
+// origins as far off as 1e12 times the size; stretches as wide as a thousand times the surface, at times
+// 1e100 times, and as narrow as a few ulps or none, about the point and beside; the equator itself.  A sag
+// is looked at where the ray is nearest to the axis too, and on either side of where it leaves the domain.
 //
-// What is demanded: where F is defined, g and g' are inside; where the enclosure says that F is undefined all over, it is.
-// What is measured: the width of what is said over the width of what is true, and how often g is seen to be monotone
-// on a narrow stretch where it is.  There floors are demanded.
+// What is demanded: where F is defined, g and g' are inside; where the enclosure says that F is undefined
+// all over, it is.  What is measured: the width of what is said over the width of what is true, and how
+// often g is seen to be monotone on a narrow stretch where it is.  There floors are demanded.
 #include <sagitta/surfaces.h>
 
 #include <mpfr.h>
@@ -112,13 +114,15 @@ truth sag_at(double c, double k, const double *a, const sgt_ray &ray, const real
 {
     truth e;
     const along at = point(ray, t);
-    const real rho = at.p[0] * at.p[0] + at.p[1] * at.p[1], half = at.p[0] * at.d[0] + at.p[1] * at.d[1], one(1), cc(c);
+    const real rho = at.p[0] * at.p[0] + at.p[1] * at.p[1], half = at.p[0] * at.d[0] + at.p[1] * at.d[1],
+               one(1), cc(c);
     const real phi2 = one - (one + real(k)) * cc * cc * rho;
     e.margin = nearest(phi2);
     if (phi2 < real(0)) return e;
     e.defined = true;
     e.steep = !(phi2 > real(0)) && c != 0;
-    const real phi = root(phi2), sag = cc * rho / (one + phi), sag_slope = e.steep ? real(0) : cc / (phi + phi);
+    const real phi = root(phi2), sag = cc * rho / (one + phi),
+               sag_slope = e.steep ? real(0) : cc / (phi + phi);
     real p(0), dp(0), sizes = size_of(sag), slopes = size_of(sag_slope), to(1);
     for (int i = 0; i < 8 && a; i++) {
         const real term = real(a[i]) * to; // a[i] rho^i
@@ -128,7 +132,8 @@ truth sag_at(double c, double k, const double *a, const sgt_ray &ray, const real
     }
     e.g = at.p[2] - sag - p;
     e.slope = at.d[2] - (sag_slope + dp) * half * real(2);
-    const real whole = size_of(at.p[2]) + sizes, whole_slope = size_of(at.d[2]) + size_of(half) * slopes * real(2);
+    const real whole = size_of(at.p[2]) + sizes,
+               whole_slope = size_of(at.d[2]) + size_of(half) * slopes * real(2);
     e.scale = nearest(whole), e.slope_scale = nearest(whole_slope);
     e.blur = power_of_two(whole, -400), e.slope_blur = power_of_two(whole_slope, -400);
     return e;
@@ -159,7 +164,8 @@ struct level { // either set
     int iterations, power;
 };
 
-// 0: the positive root of x^p = x + |c| by Newton's method from above, where that is convex; of a mandelbrot that of x^(p-1) = 2.
+// 0: the positive root of x^p = x + |c| by Newton's method from above, where that is convex; of a
+// mandelbrot that of x^(p-1) = 2.
 real escape_of(const level &s)
 {
     if (s.escape != 0) return real(s.escape);
@@ -171,7 +177,8 @@ real escape_of(const level &s)
         real high = one; // x^(p-1)
         for (int k = 1; k < s.power; k++) high = high * x;
         const real p(s.power);
-        x = s.mandelbrot ? x - (high - real(2)) * x / ((p - one) * high) : x - (high * x - x - c) / (p * high - one);
+        x = s.mandelbrot ? x - (high - real(2)) * x / ((p - one) * high)
+                         : x - (high * x - x - c) / (p * high - one);
     }
     return x;
 }
@@ -183,7 +190,9 @@ truth level_at(const level &s, const sgt_ray &ray, const real &t)
     dual start, add, q;
     for (int i = 0; i < 4; i++) {
         start.q[i] = real(s.at[i]);
-        for (int j = 0; j < 3; j++) start.q[i] = start.q[i] + at.p[j] * real(s.axes[j][i]), start.v[i] = start.v[i] + at.d[j] * real(s.axes[j][i]);
+        for (int j = 0; j < 3; j++)
+            start.q[i] = start.q[i] + at.p[j] * real(s.axes[j][i]),
+            start.v[i] = start.v[i] + at.d[j] * real(s.axes[j][i]);
         add.q[i] = real(s.c[i]);
     }
     q = start;
@@ -201,7 +210,8 @@ truth level_at(const level &s, const sgt_ray &ray, const real &t)
         for (int i = 1; i < s.power; i++) to = to * q;
         for (int i = 0; i < 4; i++) q.q[i] = to.q[i] + add.q[i], q.v[i] = to.v[i] + add.v[i];
     }
-    const real escape = escape_of(s), limit = escape * escape, u = dot(q.q, q.q) / limit, du = real(2) * dot(q.q, q.v) / limit, one(1);
+    const real escape = escape_of(s), limit = escape * escape, u = dot(q.q, q.q) / limit,
+               du = real(2) * dot(q.q, q.v) / limit, one(1);
     e.g = (u - one) / (u + one);
     e.slope = real(2) * du / ((u + one) * (u + one));
     // (p R^(p-1))^N is below 2^480: so many bits at most are lost on the way
@@ -223,7 +233,10 @@ struct generator { // splitmix64
         z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
         return z ^ (z >> 31);
     }
-    double uniform(double lo, double hi) { return lo + (hi - lo) * std::ldexp(static_cast<double>(bits() >> 11), -53); }
+    double uniform(double lo, double hi)
+    {
+        return lo + (hi - lo) * std::ldexp(static_cast<double>(bits() >> 11), -53);
+    }
     double log_uniform(double lo, double hi) { return std::exp(uniform(std::log(lo), std::log(hi))); }
     bool chance(double p) { return uniform(0, 1) < p; }
     double sign() { return bits() & 1 ? 1 : -1; }
@@ -251,8 +264,9 @@ struct surface {
     {
         std::printf("    %s", type.c_str());
         if (handle.ops == &sgt_julia_ops || handle.ops == &sgt_mandelbrot_ops) {
-            std::printf(" c {%a,%a,%a,%a} at {%a,%a,%a,%a} escape %a iterations %d power %d", set.c[0], set.c[1], set.c[2], set.c[3], set.at[0], set.at[1], set.at[2],
-                        set.at[3], set.escape, set.iterations, set.power);
+            std::printf(" c {%a,%a,%a,%a} at {%a,%a,%a,%a} escape %a iterations %d power %d", set.c[0],
+                        set.c[1], set.c[2], set.c[3], set.at[0], set.at[1], set.at[2], set.at[3], set.escape,
+                        set.iterations, set.power);
             for (auto &x : set.axes) std::printf(" axis {%a,%a,%a,%a}", x[0], x[1], x[2], x[3]);
         } else {
             std::printf(" c %a k %a semi_diameter %a", sag.c, sag.k, sag.semi_diameter);
@@ -282,9 +296,13 @@ bool draw(generator &g, const sgt_builtin &row, surface *s)
 {
     s->type = row.type;
     if (row.ops == &sgt_conic_ops || row.ops == &sgt_asphere_ops) {
-        const double size = g.chance(0.5) ? g.log_uniform(1e-2, 1e3) : g.chance(0.8) ? g.log_uniform(1e-30, 1e30) : g.log_uniform(1e-100, 1e100);
+        const double size = g.chance(0.5)   ? g.log_uniform(1e-2, 1e3)
+                            : g.chance(0.8) ? g.log_uniform(1e-30, 1e30)
+                                            : g.log_uniform(1e-100, 1e100);
         s->size = size;
-        s->sag.c = s->type == "plane" || g.chance(0.1) ? 0 : g.sign() * (g.chance(0.6) ? g.uniform(0.1, 1.5) : g.log_uniform(1e-9, 10)) / size;
+        s->sag.c = s->type == "plane" || g.chance(0.1)
+                       ? 0
+                       : g.sign() * (g.chance(0.6) ? g.uniform(0.1, 1.5) : g.log_uniform(1e-9, 10)) / size;
         s->sag.k = s->type == "plane" || s->type == "sphere" ? 0 : conic_constant(g);
         s->sag.semi_diameter = g.chance(0.5) ? 0 : size * g.uniform(0.2, 1.5);
         s->on_equator = s->type != "plane" && g.chance(0.03);
@@ -296,7 +314,9 @@ bool draw(generator &g, const sgt_builtin &row, surface *s)
         if (s->terms) {
             const int count = g.below(9);
             const double height = size * g.log_uniform(1e-8, 3);
-            for (int i = 0; i < count; i++) s->sag.a[i] = g.chance(0.2) ? 0 : g.sign() * g.uniform(0, 1) * height / std::pow(size, 2 * i + 2);
+            for (int i = 0; i < count; i++)
+                s->sag.a[i] = g.chance(0.2) ? 0
+                                            : g.sign() * g.uniform(0, 1) * height / std::pow(size, 2 * i + 2);
             for (double &a : s->sag.a)
                 if (!std::isfinite(a)) a = 0;
         }
@@ -317,7 +337,8 @@ bool draw(generator &g, const sgt_builtin &row, surface *s)
     const double scale = g.chance(0.5) ? 1 : g.log_uniform(1e-20, 1e20);
     s->size = 1 / scale;
     for (int j = 0; j < 3; j++)
-        for (int i = 0; i < 4; i++) l.axes[j][i] = scale * (g.chance(0.5) ? i == j : (i == j) + g.uniform(-0.4, 0.4));
+        for (int i = 0; i < 4; i++)
+            l.axes[j][i] = scale * (g.chance(0.5) ? i == j : (i == j) + g.uniform(-0.4, 0.4));
     // x^p = x + |c| at the least, from above
     double safe = 2;
     for (int i = 0; i < 200; i++) safe = std::pow(safe + std::sqrt(c), 1.0 / l.power);
@@ -327,13 +348,15 @@ bool draw(generator &g, const sgt_builtin &row, surface *s)
     if (l.mandelbrot) {
         sgt_mandelbrot &m = s->mandelbrot;
         std::memcpy(m.at, l.at, sizeof m.at);
-        std::memcpy(m.ex, l.axes[0], sizeof m.ex), std::memcpy(m.ey, l.axes[1], sizeof m.ey), std::memcpy(m.ez, l.axes[2], sizeof m.ez);
+        std::memcpy(m.ex, l.axes[0], sizeof m.ex), std::memcpy(m.ey, l.axes[1], sizeof m.ey),
+            std::memcpy(m.ez, l.axes[2], sizeof m.ez);
         m.escape = l.escape, m.iterations = l.iterations, m.power = l.power;
         s->handle = {row.ops, &m};
     } else {
         sgt_julia &j = s->julia;
         std::memcpy(j.c, l.c, sizeof j.c), std::memcpy(j.at, l.at, sizeof j.at);
-        std::memcpy(j.ex, l.axes[0], sizeof j.ex), std::memcpy(j.ey, l.axes[1], sizeof j.ey), std::memcpy(j.ez, l.axes[2], sizeof j.ez);
+        std::memcpy(j.ex, l.axes[0], sizeof j.ex), std::memcpy(j.ey, l.axes[1], sizeof j.ey),
+            std::memcpy(j.ez, l.axes[2], sizeof j.ez);
         j.escape = l.escape, j.iterations = l.iterations, j.power = l.power;
         s->handle = {row.ops, &j};
     }
@@ -354,8 +377,12 @@ stretch draw_ray(generator &g, const surface &s)
     double reach = s.size;
     const double equator = (1 + s.sag.k) * s.sag.c * s.sag.c;
     if (sag && equator > 0 && g.chance(0.5)) reach = std::min(reach, 1 / std::sqrt(equator));
-    const double r = reach * (g.chance(0.1) ? 0 : g.chance(0.05) ? g.log_uniform(1e-250, 1)
-                              : g.chance(0.1) ? 1 : g.chance(0.1) ? 1 - g.log_uniform(1e-15, 1e-2) : g.chance(0.8) ? g.uniform(0, 1) : g.uniform(0, 3));
+    const double r = reach * (g.chance(0.1)    ? 0
+                              : g.chance(0.05) ? g.log_uniform(1e-250, 1)
+                              : g.chance(0.1)  ? 1
+                              : g.chance(0.1)  ? 1 - g.log_uniform(1e-15, 1e-2)
+                              : g.chance(0.8)  ? g.uniform(0, 1)
+                                               : g.uniform(0, 3));
     const double turn = g.uniform(0, 6.3);
     sgt_vec3 p = {r * std::cos(turn), r * std::sin(turn), s.size * g.uniform(-1.5, 1.5)}, n = {0, 0, 1};
     if (sag && g.chance(0.8)) {
@@ -377,7 +404,8 @@ stretch draw_ray(generator &g, const surface &s)
             (s.handle.ops->value(s.handle.self, p, &n) < 0 ? in : out) = p;
         }
         const double length = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
-        n = length > 0 && std::isfinite(length) ? sgt_vec3{n.x / length, n.y / length, n.z / length} : sgt_vec3{0, 0, 1};
+        n = length > 0 && std::isfinite(length) ? sgt_vec3{n.x / length, n.y / length, n.z / length}
+                                                : sgt_vec3{0, 0, 1};
     }
     sgt_vec3 d = {g.uniform(-1, 1), g.uniform(-1, 1), g.uniform(-1, 1)};
     const int kind = g.below(13);
@@ -386,18 +414,26 @@ stretch draw_ray(generator &g, const surface &s)
     if (kind == 2) d = {1, 0, 0};
     if (kind == 3) d.x *= 1e-9, d.y *= 1e-9;
     if (kind == 4 || kind == 5) { // along the tangent, or nearly
-        const double by = d.x * n.x + d.y * n.y + d.z * n.z - (kind == 4 ? 0 : g.sign() * g.log_uniform(1e-14, 1e-1));
+        const double by = d.x * n.x + d.y * n.y + d.z * n.z -
+                          (kind == 4 ? 0 : g.sign() * g.log_uniform(1e-14, 1e-1));
         d = {d.x - by * n.x, d.y - by * n.y, d.z - by * n.z};
     }
     if (kind == 6) d.x = 0;
     if (kind == 8) d.x *= g.log_uniform(1e-250, 1), d.y *= g.log_uniform(1e-250, 1);
-    if (kind == 7) d = {-p.x + 1e-3 * s.size * d.x, -p.y + 1e-3 * s.size * d.y, d.z * s.size}; // through the axis, nearly
+    if (kind == 7)
+        d = {-p.x + 1e-3 * s.size * d.x, -p.y + 1e-3 * s.size * d.y,
+             d.z * s.size}; // through the axis, nearly
     const double now = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-    const double want = g.chance(0.5) ? 1 : g.chance(0.8) ? g.log_uniform(1e-3, 1e3) : g.log_uniform(1e-100, 1e100);
+    const double want = g.chance(0.5)   ? 1
+                        : g.chance(0.8) ? g.log_uniform(1e-3, 1e3)
+                                        : g.log_uniform(1e-100, 1e100);
     if (!(now > 0) || !std::isfinite(now)) d = {0.6, 0, 0.8};
     else d = {d.x / now, d.y / now, d.z / now};
     d = {d.x * want, d.y * want, d.z * want};
-    const double away = (g.chance(0.2) ? 0 : g.chance(0.6) ? g.uniform(-10, 10) : g.sign() * g.log_uniform(1, 1e12)) * s.size / want;
+    const double away = (g.chance(0.2)   ? 0
+                         : g.chance(0.6) ? g.uniform(-10, 10)
+                                         : g.sign() * g.log_uniform(1, 1e12)) *
+                        s.size / want;
     e.ray = {{p.x - away * d.x, p.y - away * d.y, p.z - away * d.z}, d, 0, 0};
     e.aim = away, e.length = want;
     const double unit = s.size / want, ulp = std::nextafter(std::fabs(away), HUGE_VAL) - std::fabs(away);
@@ -424,8 +460,8 @@ stretch draw_ray(generator &g, const surface &s)
 // ------------------------------------------------------------------ the test
 
 struct figures {
-    long cases = 0, samples = 0, outside = 0, slope_outside = 0, false_empty = 0, nothing = 0, no_slope = 0, undefined = 0, seen_undefined = 0, monotone = 0,
-         seen_monotone = 0, inside = 0;
+    long cases = 0, samples = 0, outside = 0, slope_outside = 0, false_empty = 0, nothing = 0, no_slope = 0,
+         undefined = 0, seen_undefined = 0, monotone = 0, seen_monotone = 0, inside = 0;
     std::vector<double> wide, narrow, slope_wide, slope_narrow;
 };
 std::map<std::string, figures> results;
@@ -439,21 +475,26 @@ double quantile(std::vector<double> &v, double q)
     return *at;
 }
 
-void complain(const char *what, const surface &s, const stretch &e, sgt_interval value, sgt_interval slope, double t, const truth *w)
+void complain(const char *what, const surface &s, const stretch &e, sgt_interval value, sgt_interval slope,
+              double t, const truth *w)
 {
     static std::map<std::string, int> shown;
     failures++;
     if (shown[s.type + what]++ >= 5) return;
     std::printf("FAIL %s\n", what);
     s.print();
-    std::printf("    o {%a,%a,%a} d {%a,%a,%a} t [%a, %a]\n    g [%a, %a] slope [%a, %a] at t = %a", e.ray.o.x, e.ray.o.y, e.ray.o.z, e.ray.d.x, e.ray.d.y, e.ray.d.z, e.t.lo,
-                e.t.hi, value.lo, value.hi, slope.lo, slope.hi, t);
+    std::printf("    o {%a,%a,%a} d {%a,%a,%a} t [%a, %a]\n    g [%a, %a] slope [%a, %a] at t = %a",
+                e.ray.o.x, e.ray.o.y, e.ray.o.z, e.ray.d.x, e.ray.d.y, e.ray.d.z, e.t.lo, e.t.hi, value.lo,
+                value.hi, slope.lo, slope.hi, t);
     if (w) std::printf(": g %.25g slope %.25g (phi^2 %.3g)", nearest(w->g), nearest(w->slope), w->margin);
     std::printf("\n");
     if (w) mpfr_printf("    g %.40Rg slope %.40Rg\n", w->g.v, w->slope.v);
 }
 
-bool outside(sgt_interval x, const real &at, const real &blur) { return at + blur < real(x.lo) || at - blur > real(x.hi); } // false of a NaN
+bool outside(sgt_interval x, const real &at, const real &blur)
+{
+    return at + blur < real(x.lo) || at - blur > real(x.hi);
+} // false of a NaN
 
 void try_one(generator &g, const surface &s, const stretch &e)
 {
@@ -465,11 +506,13 @@ void try_one(generator &g, const surface &s, const stretch &e)
     const bool measured = g.chance(0.05);
     std::vector<double> at = {e.t.lo, e.t.hi};
     const int count = measured ? 25 : 5;
-    for (int i = 1; i < count - 1; i++) at.push_back(e.t.lo + (e.t.hi - e.t.lo) * (measured ? double(i) / (count - 1) : g.uniform(0, 1)));
+    for (int i = 1; i < count - 1; i++)
+        at.push_back(e.t.lo + (e.t.hi - e.t.lo) * (measured ? double(i) / (count - 1) : g.uniform(0, 1)));
     double found_in = double(NAN), found_out = double(NAN);
     const sgt_vec3 &o = e.ray.o, &d = e.ray.d;
     if (!s.set.iterations) // nearest to the axis
-        at.push_back(nearest(real(0) - (real(o.x) * real(d.x) + real(o.y) * real(d.y)) / (real(d.x) * real(d.x) + real(d.y) * real(d.y) + real(5e-324))));
+        at.push_back(nearest(real(0) - (real(o.x) * real(d.x) + real(o.y) * real(d.y)) /
+                                           (real(d.x) * real(d.x) + real(d.y) * real(d.y) + real(5e-324))));
     int defined = 0, steep = 0, sign = 0;
     bool one_sign = true;
     double scale = 0, slope_scale = 0, margin = HUGE_VAL, least_slope = HUGE_VAL, closeness = 0;
@@ -478,11 +521,13 @@ void try_one(generator &g, const surface &s, const stretch &e)
         const double t = std::min(std::max(at[i], e.t.lo), e.t.hi);
         const truth w = s.at(e.ray, real(t));
         f.samples++;
-        if (w.defined && (mpfr_nan_p(w.g.v) || mpfr_nan_p(w.slope.v))) complain("the oracle itself has a NaN", s, e, value, slope, t, &w);
+        if (w.defined && (mpfr_nan_p(w.g.v) || mpfr_nan_p(w.slope.v)))
+            complain("the oracle itself has a NaN", s, e, value, slope, t, &w);
         if (s.set.iterations) closeness = std::max(closeness, std::fabs(nearest(w.g)));
         margin = std::min(margin, w.margin);
         (w.defined ? found_in : found_out) = t;
-        if (int(i) == count && found_in == found_in && found_out == found_out && g.chance(0.3)) { // the end of the domain
+        if (int(i) == count && found_in == found_in && found_out == found_out &&
+            g.chance(0.3)) { // the end of the domain
             double in = found_in, out = found_out;
             for (int k = 0; k < 70; k++) {
                 const double middle = in + 0.5 * (out - in);
@@ -492,8 +537,10 @@ void try_one(generator &g, const surface &s, const stretch &e)
         }
         if (!w.defined) continue;
         if (none) f.false_empty++, complain("said to be undefined all over", s, e, value, slope, t, &w);
-        else if (outside(value, w.g, w.blur)) f.outside++, complain("g is outside", s, e, value, slope, t, &w);
-        if (!w.steep && !none && (no_slope || outside(slope, w.slope, w.slope_blur))) f.slope_outside++, complain("g' is outside", s, e, value, slope, t, &w);
+        else if (outside(value, w.g, w.blur))
+            f.outside++, complain("g is outside", s, e, value, slope, t, &w);
+        if (!w.steep && !none && (no_slope || outside(slope, w.slope, w.slope_blur)))
+            f.slope_outside++, complain("g' is outside", s, e, value, slope, t, &w);
         if (!defined || w.g < lo) lo = w.g;
         if (!defined || w.g > hi) hi = w.g;
         scale = std::max(scale, w.scale), slope_scale = std::max(slope_scale, w.slope_scale);
@@ -514,20 +561,26 @@ void try_one(generator &g, const surface &s, const stretch &e)
         f.seen_undefined += none;
         return;
     }
-    const bool inside = defined == int(at.size()) && !steep && closeness < 0.5 && margin > 1e-3; // in the domain, with room; near the level
+    const bool inside = defined == int(at.size()) && !steep && closeness < 0.5 &&
+                        margin > 1e-3; // in the domain, with room; near the level
     if (!inside) return;
     f.inside++;
     if (!(value.hi - value.lo < HUGE_VAL)) f.nothing++;
     if (!(slope.hi - slope.lo < HUGE_VAL)) f.no_slope++;
     const bool close = std::fabs(e.aim) * e.length <= 100 * s.size;
-    if (measured && close && width < 1e3 && value.hi - value.lo < HUGE_VAL && slope.hi - slope.lo < HUGE_VAL) {
-        const double u = 0x1p-52, least = DBL_MIN, turn = slope_scale * (std::max(std::fabs(e.t.lo), std::fabs(e.t.hi)) + s.size / e.length),
+    if (measured && close && width < 1e3 && value.hi - value.lo < HUGE_VAL &&
+        slope.hi - slope.lo < HUGE_VAL) {
+        const double u = 0x1p-52, least = DBL_MIN,
+                     turn = slope_scale *
+                            (std::max(std::fabs(e.t.lo), std::fabs(e.t.hi)) + s.size / e.length),
                      ratio = (value.hi - value.lo) / (nearest(hi - lo) + 4 * u * (scale + turn) + least),
-                     slope_ratio = (slope.hi - slope.lo) / (nearest(slope_hi - slope_lo) + 4 * u * slope_scale + least);
+                     slope_ratio = (slope.hi - slope.lo) /
+                                   (nearest(slope_hi - slope_lo) + 4 * u * slope_scale + least);
         (width > 1e-2 ? f.wide : f.narrow).push_back(ratio);
         (width > 1e-2 ? f.slope_wide : f.slope_narrow).push_back(slope_ratio);
     }
-    const bool narrow = s.set.iterations ? close && (e.t.hi - e.t.lo) * slope_scale < 1e-5 : width < 1e-6; // of an orbit: for its folds
+    const bool narrow = s.set.iterations ? close && (e.t.hi - e.t.lo) * slope_scale < 1e-5
+                                         : width < 1e-6; // of an orbit: for its folds
     if (narrow && one_sign && least_slope > 1e-2 * slope_scale) {
         f.monotone++;
         f.seen_monotone += slope.lo > 0 || slope.hi < 0;
@@ -572,17 +625,24 @@ int main(int argc, char **argv)
             std::printf("FAIL %s: %s %.3g, at most %.3g is good\n", entry.first.c_str(), what, got, limit);
             failures++;
         };
-        floor("share of narrow monotone stretches that is not seen to be so", 1 - double(f.seen_monotone) / double(std::max(f.monotone, 1L)), set ? 0.1 : 0.005);
-        floor("share of undefined stretches that is not said to be so", f.undefined ? 1 - double(f.seen_undefined) / double(f.undefined) : 0, 0.05);
+        floor("share of narrow monotone stretches that is not seen to be so",
+              1 - double(f.seen_monotone) / double(std::max(f.monotone, 1L)), set ? 0.1 : 0.005);
+        floor("share of undefined stretches that is not said to be so",
+              f.undefined ? 1 - double(f.seen_undefined) / double(f.undefined) : 0, 0.05);
         floor("median width of g, wide", quantile(f.wide, 0.5), set ? 10 : 1.5);
         floor("median width of g, narrow", quantile(f.narrow, 0.5), set ? 15 : 1.5);
         if (!set) floor("99 % width of g, narrow", quantile(f.narrow, 0.99), 3);
-        std::printf("%s: %ld stretches, %ld samples; g outside %ld, g' outside %ld, said undefined where it is not %ld\n", entry.first.c_str(), f.cases, f.samples, f.outside,
-                    f.slope_outside, f.false_empty);
-        std::printf("  in the domain with room (near the level) %ld: nothing said of g %ld, of g' %ld; undefined at all samples %ld, said so %ld; narrow and monotone %ld, seen %ld\n", f.inside, f.nothing,
-                    f.no_slope, f.undefined, f.seen_undefined, f.monotone, f.seen_monotone);
-        std::printf("  from less than 100 sizes away: width over the true one, median and 99 %%: wide g %.3g %.3g, g' %.3g %.3g; narrow g %.3g %.3g, g' %.3g %.3g\n", quantile(f.wide, 0.5),
-                    quantile(f.wide, 0.99), quantile(f.slope_wide, 0.5), quantile(f.slope_wide, 0.99), quantile(f.narrow, 0.5), quantile(f.narrow, 0.99),
+        std::printf("%s: %ld stretches, %ld samples; g outside %ld, g' outside %ld, said undefined where it "
+                    "is not %ld\n",
+                    entry.first.c_str(), f.cases, f.samples, f.outside, f.slope_outside, f.false_empty);
+        std::printf("  in the domain with room (near the level) %ld: nothing said of g %ld, of g' %ld; "
+                    "undefined at all samples %ld, said so %ld; narrow and monotone %ld, seen %ld\n",
+                    f.inside, f.nothing, f.no_slope, f.undefined, f.seen_undefined, f.monotone,
+                    f.seen_monotone);
+        std::printf("  from less than 100 sizes away: width over the true one, median and 99 %%: wide g %.3g "
+                    "%.3g, g' %.3g %.3g; narrow g %.3g %.3g, g' %.3g %.3g\n",
+                    quantile(f.wide, 0.5), quantile(f.wide, 0.99), quantile(f.slope_wide, 0.5),
+                    quantile(f.slope_wide, 0.99), quantile(f.narrow, 0.5), quantile(f.narrow, 0.99),
                     quantile(f.slope_narrow, 0.5), quantile(f.slope_narrow, 0.99));
     }
     mpfr_free_cache();

@@ -3,15 +3,16 @@
 //
 //     test_interval      SAGITTA_TEST_SCALE=50: 10^7 random pairs; SAGITTA_TEST_SEED
 //
-// The oracle is the definition (IEEE 1788-2015, set-based flavour, 10.5): the hull of the values that
-// the operation has on the members of its arguments.  All operations here are monotone in each argument where
-// that has one sign, so the least and the greatest value of such a piece are at its corners, or are the limits there: a
-// zero end of a divisor is approached from inside (it gets the sign of its piece), 0 times infinity is 0, and infinity
-// over infinity lies between other corners.  MPFR rounds the corners once, down and up, to 53 bits and the exponents of a
-// double, subnormals included.  The header's cases of signs are nowhere repeated.
+// The oracle is the definition (IEEE 1788-2015, set-based flavour, 10.5): the hull of the values that the
+// operation has on the members of its arguments.  All operations here are monotone in each argument where
+// that has one sign, so the least and the greatest value of such a piece are at its corners, or are the
+// limits there: a zero end of a divisor is approached from inside (it gets the sign of its piece), 0 times
+// infinity is 0, and infinity over infinity lies between other corners.  MPFR rounds the corners once, down
+// and up, to 53 bits and the exponents of a double, subnormals included.  The header's cases of signs are
+// nowhere repeated.
 //
-// What is demanded of each end: it is outside the oracle's or on it; it does not leave it by more doubles than the
-// header allows (none but in the ranges it names); it does not cross zero.
+// What is demanded of each end: it is outside the oracle's or on it; it does not leave it by more doubles
+// than the header allows (none but in the ranges it names); it does not cross zero.
 #include <sagitta/interval.h>
 
 #include <mpfr.h>
@@ -173,7 +174,8 @@ void print_operands(const sgt_interval *x, const sgt_interval *y)
     if (y) std::printf(" y [%a, %a]", y->lo, y->hi);
 }
 
-void fail(const std::string &name, const char *what, const sgt_interval *x, const sgt_interval *y, sgt_interval got, double lo, double hi)
+void fail(const std::string &name, const char *what, const sgt_interval *x, const sgt_interval *y,
+          sgt_interval got, double lo, double hi)
 {
     failures++;
     if (counts[name].failed++ >= 5) return;
@@ -190,10 +192,13 @@ bool named(double x)
 }
 
 // At most that many doubles outside.
-bool near(double end, double oracle, long allowed) { return std::fabs(doubles_between(end, oracle)) <= double(allowed); }
+bool near(double end, double oracle, long allowed)
+{
+    return std::fabs(doubles_between(end, oracle)) <= double(allowed);
+}
 
-void check(const std::string &name, sgt_interval got, const hull &want, long allowed, bool zero_is_a_wall, const sgt_interval *x, const sgt_interval *y,
-           const hull *wide = nullptr)
+void check(const std::string &name, sgt_interval got, const hull &want, long allowed, bool zero_is_a_wall,
+           const sgt_interval *x, const sgt_interval *y, const hull *wide = nullptr)
 {
     count &c = counts[name];
     c.tried++;
@@ -202,8 +207,11 @@ void check(const std::string &name, sgt_interval got, const hull &want, long all
     else if (want.empty) what = got.lo > got.hi ? nullptr : "not empty";
     else if (got.lo > got.hi) what = "empty";
     else if (!(got.lo <= want.lo && got.hi >= want.hi)) what = "does not contain";
-    else if (zero_is_a_wall && ((want.lo >= 0 && got.lo < 0) || (want.hi <= 0 && got.hi > 0))) what = "crosses zero";
-    else if (got.lo < moved((wide ? wide : &want)->lo, -allowed) || got.hi > moved((wide ? wide : &want)->hi, allowed)) what = "wider than it may be";
+    else if (zero_is_a_wall && ((want.lo >= 0 && got.lo < 0) || (want.hi <= 0 && got.hi > 0)))
+        what = "crosses zero";
+    else if (got.lo < moved((wide ? wide : &want)->lo, -allowed) ||
+             got.hi > moved((wide ? wide : &want)->hi, allowed))
+        what = "wider than it may be";
     if (what) fail(name, what, x, y, got, want.lo, want.hi);
     if (want.empty || got.lo > got.hi) {
         c.exact += !what;
@@ -215,14 +223,17 @@ void check(const std::string &name, sgt_interval got, const hull &want, long all
     if (steps > c.farthest) c.farthest = steps;
 }
 
-void check_number(const char *name, double got, double want, const sgt_interval *x, const sgt_interval *y = nullptr)
+void check_number(const char *name, double got, double want, const sgt_interval *x,
+                  const sgt_interval *y = nullptr)
 {
     counts[name].tried++;
     counts[name].exact += got == want;
-    if (!(got == want || (got != got && want != want))) fail(name, "another number", x, y, {got, got}, want, want);
+    if (!(got == want || (got != got && want != want)))
+        fail(name, "another number", x, y, {got, got}, want, want);
 }
 
-void check_truth(const char *name, bool got, bool want, const sgt_interval *x, const sgt_interval *y, double a = 0)
+void check_truth(const char *name, bool got, bool want, const sgt_interval *x, const sgt_interval *y,
+                 double a = 0)
 {
     counts[name].tried++;
     counts[name].exact += got == want;
@@ -265,17 +276,18 @@ void try_operation(operation op, sgt_interval x, sgt_interval y, int n)
     // Farther out by one double in the ranges named, sums only at their upper end.
     const sgt_interval cx = closed(x), cy = binary ? closed(y) : sgt_interval{1, 1};
     bool in_range = false;
-    for (double e : {cx.lo, cx.hi, cy.lo, cy.hi, want.lo, want.hi}) in_range |= named(e) && (!sums || std::fabs(e) > 1);
+    for (double e : {cx.lo, cx.hi, cy.lo, cy.hi, want.lo, want.hi})
+        in_range |= named(e) && (!sums || std::fabs(e) > 1);
     long allowed = in_range;
     if (op == power && n != 0) {
-        // |n| - 1 products, each of which moves its end by 2^-52 of it at most, which is two doubles at most, or, in the
-        // ranges named, by twice that; and a quotient.
+        // |n| - 1 products, each of which moves its end by 2^-52 of it at most, which is two doubles at
+        // most, or, in the ranges named, by twice that; and a quotient.
         const long steps = n < 0 ? -n : n;
         const hull up = n < 0 ? truth(power, x, x, -n) : hull();
         in_range |= !up.empty && (named(up.lo) || named(up.hi));
         allowed = 2 * (steps - 1) + (n < 0) + (n < 0 ? 16 * steps : 2 * steps + 2) * in_range;
-        // Of an x^-n beyond the largest double 1 / x^-n knows no more than that; of a subnormal one, where that is not
-        // beyond as well, two bits less.
+        // Of an x^-n beyond the largest double 1 / x^-n knows no more than that; of a subnormal one, where
+        // that is not beyond as well, two bits less.
         if (n < 0 && !want.empty) {
             const double largest = moved(DBL_MAX, -2 * steps); // as computed it may be beyond already
             if (up.hi > largest && want.lo >= 0) wide.add(0, 1 / DBL_MAX);
@@ -311,7 +323,8 @@ void try_one(sgt_interval x)
     if (!odd("square", square, &x, nullptr)) {
         const sgt_interval c = closed(x);
         h = truth(power, x, x, 2);
-        check("square", square, h, named(c.lo) || named(c.hi) || named(h.lo) || named(h.hi), true, &x, nullptr);
+        check("square", square, h, named(c.lo) || named(c.hi) || named(h.lo) || named(h.hi), true, &x,
+              nullptr);
     }
     try_operation(root, x, x, 0);
 
@@ -322,9 +335,17 @@ void try_one(sgt_interval x)
         const double lo = x.lo < -DBL_MAX ? -DBL_MAX : x.lo, hi = x.hi > DBL_MAX ? DBL_MAX : x.hi;
         const double half = rounded(product, lo, 0.5, 0, MPFR_RNDN) + rounded(product, hi, 0.5, 0, MPFR_RNDN);
         const bool beyond = x.lo == inf || x.hi == -inf; // no double is in it
-        check_truth("middle", std::fabs(m) <= DBL_MAX && (beyond || (m >= x.lo && m <= x.hi && std::fabs(m - half) <= 2 * (least + std::fabs(half) * 0x1p-53))), true, &x, nullptr, m);
+        check_truth("middle",
+                    std::fabs(m) <= DBL_MAX &&
+                        (beyond || (m >= x.lo && m <= x.hi &&
+                                    std::fabs(m - half) <= 2 * (least + std::fabs(half) * 0x1p-53))),
+                    true, &x, nullptr, m);
     }
-    check_number("greatest", sgt_interval_greatest(x), empty ? 0 : unknown ? inf : std::fmax(std::fabs(x.lo), std::fabs(x.hi)), &x);
+    check_number("greatest", sgt_interval_greatest(x),
+                 empty     ? 0
+                 : unknown ? inf
+                           : std::fmax(std::fabs(x.lo), std::fabs(x.hi)),
+                 &x);
     h = hull();
     if (empty) h.add(0, 0);
     else if (unknown) h.add(inf, inf);
@@ -336,7 +357,8 @@ void try_one(sgt_interval x)
     const double width = sgt_interval_width(x);
     counts["width"].tried++;
     counts["width"].exact += width == h.hi;
-    if (!(width >= h.hi && near(width, h.hi, named(x.lo) || named(x.hi) || named(h.hi)))) fail("width", "wrong", &x, nullptr, {width, width}, h.hi, h.hi);
+    if (!(width >= h.hi && near(width, h.hi, named(x.lo) || named(x.hi) || named(h.hi))))
+        fail("width", "wrong", &x, nullptr, {width, width}, h.hi, h.hi);
 }
 
 void try_pair(sgt_interval x, sgt_interval y)
@@ -347,7 +369,8 @@ void try_pair(sgt_interval x, sgt_interval y)
     hull h;
     const sgt_interval both = sgt_interval_intersection(x, y), either = sgt_interval_hull(x, y);
     if (!x_empty && !y_empty) {
-        const double lo = std::fmax(has_nan(x) ? -inf : x.lo, has_nan(y) ? -inf : y.lo), hi = std::fmin(has_nan(x) ? inf : x.hi, has_nan(y) ? inf : y.hi);
+        const double lo = std::fmax(has_nan(x) ? -inf : x.lo, has_nan(y) ? -inf : y.lo),
+                     hi = std::fmin(has_nan(x) ? inf : x.hi, has_nan(y) ? inf : y.hi);
         if (lo <= hi) h.add(lo, hi);
     }
     check("intersection", both, h, 0, true, &x, &y);
@@ -357,7 +380,8 @@ void try_pair(sgt_interval x, sgt_interval y)
     if (!y_empty && !unknown) h.add(y.lo, y.lo), h.add(y.hi, y.hi);
     check("hull", either, h, 0, true, &x, &y);
     // Of a NaN no proof is made.
-    check_truth("is_in", sgt_interval_is_in(x, y), x_empty || (!unknown && !y_empty && x.lo >= y.lo && x.hi <= y.hi), &x, &y);
+    check_truth("is_in", sgt_interval_is_in(x, y),
+                x_empty || (!unknown && !y_empty && x.lo >= y.lo && x.hi <= y.hi), &x, &y);
 }
 
 // The functions of numbers; x and y stand for their lower ends.
@@ -388,12 +412,16 @@ void try_numbers(double a, double b)
     if (b >= 0) {
         const sgt_interval about = sgt_interval_about(a, b);
         hull h;
-        h.add(rounded(difference, a == inf ? DBL_MAX : a, b, 0, MPFR_RNDD), rounded(sum, a == -inf ? -DBL_MAX : a, b, 0, MPFR_RNDU));
+        h.add(rounded(difference, a == inf ? DBL_MAX : a, b, 0, MPFR_RNDD),
+              rounded(sum, a == -inf ? -DBL_MAX : a, b, 0, MPFR_RNDU));
         check("about", about, h, std::fabs(a) >= 1e307 || b >= 1e307, false, &x, &y);
     }
     check_truth("has", sgt_interval_has({-1, b}, a), -1 <= a && a <= b, &x, &y, a);
     check_truth("has", sgt_interval_has({b, 1}, a), b <= a && a <= 1, &x, &y, a);
-    check_truth("has", sgt_interval_has({nan_, b}, a) && sgt_interval_has({b, nan_}, a) && sgt_interval_has({nan_, nan_}, a), true, &x, &y, a);
+    check_truth("has",
+                sgt_interval_has({nan_, b}, a) && sgt_interval_has({b, nan_}, a) &&
+                    sgt_interval_has({nan_, nan_}, a),
+                true, &x, &y, a);
     const sgt_interval sc = sgt_interval_scaled(x, b), pr = sgt_interval_product(x, y);
     check_truth("scaled", sc.lo == pr.lo && sc.hi == pr.hi, true, &x, &y);
 }
@@ -401,13 +429,16 @@ void try_numbers(double a, double b)
 // Members of the arguments, not corners: this tries the oracle too.
 void try_members(operation op, sgt_interval x, sgt_interval y, double a, double b)
 {
-    if (!(x.lo <= a && a <= x.hi && y.lo <= b && b <= y.hi) || (op == quotient && b == 0) || std::fabs(a) == inf || std::fabs(b) == inf) return;
+    if (!(x.lo <= a && a <= x.hi && y.lo <= b && b <= y.hi) || (op == quotient && b == 0) ||
+        std::fabs(a) == inf || std::fabs(b) == inf)
+        return;
     const sgt_interval got = applied(op, x, y, 0);
     const double below = rounded(op, a, b, 0, MPFR_RNDD), above = rounded(op, a, b, 0, MPFR_RNDU);
     // It contains a number between these two doubles, or this one.
     counts["members"].tried++;
     counts["members"].exact++;
-    if (!(got.lo <= below && got.hi >= above)) fail("members", operation_names[op], &x, &y, got, below, above);
+    if (!(got.lo <= below && got.hi >= above))
+        fail("members", operation_names[op], &x, &y, got, below, above);
 }
 
 // ------------------------------------------------------------------ operands
@@ -425,12 +456,18 @@ struct generator { // splitmix64
 };
 
 const double special[] = {
-    0.0, -0.0, least, -least, 3 * least, DBL_MIN - least, -(DBL_MIN - least), DBL_MIN, -DBL_MIN, 1, -1, 1 + 0x1p-52, -(1 + 0x1p-52), 1 - 0x1p-53,
-    0.1, -3, 0x1p-538, 0x1p512, -0x1p512, 0x1p1023, -0x1p1023, DBL_MAX, -DBL_MAX, inf, -inf, nan_,
+    0.0,     -0.0,     least,    -least,  3 * least,   DBL_MIN - least, -(DBL_MIN - least),
+    DBL_MIN, -DBL_MIN, 1,        -1,      1 + 0x1p-52, -(1 + 0x1p-52),  1 - 0x1p-53,
+    0.1,     -3,       0x1p-538, 0x1p512, -0x1p512,    0x1p1023,        -0x1p1023,
+    DBL_MAX, -DBL_MAX, inf,      -inf,    nan_,
 };
 const int specials = sizeof special / sizeof *special;
 
-double with_exponent(generator &g, int lo, int hi) { return std::ldexp((g.bits() & 1 ? 1 : -1) * (1 + double(g.bits() >> 12) * 0x1p-52), lo + g.below(hi - lo + 1)); }
+double with_exponent(generator &g, int lo, int hi)
+{
+    return std::ldexp((g.bits() & 1 ? 1 : -1) * (1 + double(g.bits() >> 12) * 0x1p-52),
+                      lo + g.below(hi - lo + 1));
+}
 
 // A finite number; `by` is one that it may have to do with.
 double number(generator &g, double by)
@@ -440,13 +477,21 @@ double number(generator &g, double by)
     case 0: x = of_bits(g.bits()); break;                                        // any exponent
     case 1: x = with_exponent(g, -1075, -1015); break;                           // subnormal and around
     case 2: x = with_exponent(g, 1000, 1023); break;                             // huge
-    case 3: x = g.below(33) - 16; break;                                         // products and sums that are exact
+    case 3:
+        x = g.below(33) - 16;
+        break; // products and sums that are exact
     case 4: x = std::ldexp(g.below(2001) - 1000, g.below(80) - 40); break;       // and others
     case 5: x = special[g.below(specials - 3)]; break;                           // finite
-    case 6: x = moved(by, g.below(7) - 3); break;                                // cancellation, or an end shared
+    case 6:
+        x = moved(by, g.below(7) - 3);
+        break; // cancellation, or an end shared
     case 7: x = -moved(by, g.below(7) - 3); break;
-    case 8: x = std::ldexp(by, g.below(7) - 3 - 52 * g.below(3)); break;         // its last bit, or a half of it
-    case 9: x = moved((g.bits() & 1 ? 1 : -1) * (g.bits() & 1 ? 1e-289 : 1e307), g.below(7) - 3); break; // where the header changes its way
+    case 8:
+        x = std::ldexp(by, g.below(7) - 3 - 52 * g.below(3));
+        break; // its last bit, or a half of it
+    case 9:
+        x = moved((g.bits() & 1 ? 1 : -1) * (g.bits() & 1 ? 1e-289 : 1e307), g.below(7) - 3);
+        break; // where the header changes its way
     case 10: x = (g.bits() & 1 ? DBL_MAX : with_exponent(g, -1075, -960)) / by; break; // a product there
     default: x = with_exponent(g, -60, 60); break;
     }
@@ -518,7 +563,9 @@ int main()
     }
 
     std::printf("%-18s %10s %10s %8s %s\n", "", "tried", "exact", "failed", "doubles too far, at most");
-    for (const auto &c : counts) std::printf("%-18s %10ld %10ld %8ld %.3g\n", c.first.c_str(), c.second.tried, c.second.exact, c.second.failed, c.second.farthest);
+    for (const auto &c : counts)
+        std::printf("%-18s %10ld %10ld %8ld %.3g\n", c.first.c_str(), c.second.tried, c.second.exact,
+                    c.second.failed, c.second.farthest);
     mpfr_clears(first, second, result, static_cast<mpfr_ptr>(nullptr));
     mpfr_free_cache();
     if (failures) std::printf("%ld failures\n", failures);

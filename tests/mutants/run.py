@@ -91,9 +91,20 @@ def read_edits():
     return edits
 
 
+def places(text, old):
+    """Where the old text stands, as (begin, end); how its lines are broken is of no account."""
+    kept = [i for i, c in enumerate(text) if not c.isspace()]
+    joined, wanted = ''.join(text[i] for i in kept), ''.join(old.split())
+    found, at = [], joined.find(wanted)
+    while at >= 0:
+        found.append((kept[at], kept[at + len(wanted) - 1] + 1))
+        at = joined.find(wanted, at + 1)
+    return found
+
+
 def occurrences(edit, root):
     try:
-        return open(os.path.join(root, edit['file'])).read().count(edit['old'])
+        return len(places(open(os.path.join(root, edit['file'])).read(), edit['old']))
     except FileNotFoundError:
         return 0
 
@@ -178,10 +189,11 @@ class Copy:
     def judge(self, edit):
         path = os.path.join(self.root, edit['file'])
         text = open(path).read()
-        if text.count(edit['old']) != 1:
-            return 'NOT THERE', f'the old text occurs {text.count(edit["old"])} times', 0
+        found = places(text, edit['old'])
+        if len(found) != 1:
+            return 'NOT THERE', f'the old text occurs {len(found)} times', 0
         began = time.time()
-        edited = text.replace(edit['old'], edit['new'])
+        edited = text[:found[0][0]] + edit['new'].strip() + text[found[0][1]:]
         try:
             open(path, 'w').write(edited)
             if self.make() != 0:

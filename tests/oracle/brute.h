@@ -71,12 +71,14 @@ struct line {
             const quaternion mirror = {0, s.c[1] - imaginary, s.c[2], s.c[3]};
             const double norm = mirror[1] * mirror[1] + mirror[2] * mirror[2] + mirror[3] * mirror[3];
             for (quaternion *q : {&start, &slope}) {
-                const double along = 2 * (mirror[1] * (*q)[1] + mirror[2] * (*q)[2] + mirror[3] * (*q)[3]) / norm;
+                const double along = 2 * (mirror[1] * (*q)[1] + mirror[2] * (*q)[2] + mirror[3] * (*q)[3]) /
+                                     norm;
                 for (std::size_t i = 1; i < 4; i++) (*q)[i] -= along * mirror[i];
             }
         }
         double vv = 0, pv = 0, pp = 0;
-        for (std::size_t i = 0; i < 4; i++) vv += slope[i] * slope[i], pv += start[i] * slope[i], pp += start[i] * start[i];
+        for (std::size_t i = 0; i < 4; i++)
+            vv += slope[i] * slope[i], pv += start[i] * slope[i], pp += start[i] * start[i];
         const double half = std::sqrt(pv * pv - vv * (pp - bound)) / vv; // NaN where the ray misses the ball
         const bool met = half >= 0;
         enters = met ? -pv / vv - half - 1e-9 : 1;
@@ -159,7 +161,8 @@ inline std::vector<change> changes(const level_set &s, const line &l, double ste
             if ((n != 0 && largest[k] <= l.bound) != inside) {
                 double lo = k ? t + (k - 1) * step : last, hi = here, unused;
                 const change bracket = {lo, hi, 0, inside};
-                for (double m; (m = lo + (hi - lo) / 2) > lo && m < hi;) ((one(l, m, 0, &unused) != 0) == inside ? lo : hi) = m;
+                for (double m; (m = lo + (hi - lo) / 2) > lo && m < hi;)
+                    ((one(l, m, 0, &unused) != 0) == inside ? lo : hi) = m;
                 found.push_back({bracket.lo, bracket.hi, hi, inside});
                 if (first_only) return found;
                 inside = !inside;
@@ -174,14 +177,16 @@ inline std::vector<change> changes(const level_set &s, const line &l, double ste
 
 class exact_line {
 public:
-    exact_line(const level_set &s, const ray &r)
-        : mandelbrot_(s.mandelbrot), power_(s.power), levels_(s.iterations - s.mandelbrot), bound_(quad(s.escape) * s.escape)
-    {
-        for (std::size_t i = 0; i < 4; i++) {
-            c_[i] = s.c[i];
-            start_[i] = quad(s.at[i]) + quad(r.o.x) * s.axis[0][i] + quad(r.o.y) * s.axis[1][i] + quad(r.o.z) * s.axis[2][i];
-            slope_[i] = quad(r.d.x) * s.axis[0][i] + quad(r.d.y) * s.axis[1][i] + quad(r.d.z) * s.axis[2][i];
-        }
+  exact_line(const level_set &s, const ray &r)
+      : mandelbrot_(s.mandelbrot), power_(s.power), levels_(s.iterations - s.mandelbrot),
+        bound_(quad(s.escape) * s.escape)
+  {
+      for (std::size_t i = 0; i < 4; i++) {
+          c_[i] = s.c[i];
+          start_[i] = quad(s.at[i]) + quad(r.o.x) * s.axis[0][i] + quad(r.o.y) * s.axis[1][i] +
+                      quad(r.o.z) * s.axis[2][i];
+          slope_[i] = quad(r.d.x) * s.axis[0][i] + quad(r.d.y) * s.axis[1][i] + quad(r.d.z) * s.axis[2][i];
+      }
     }
 
     // |Q_N|^2 / E^2 - 1, or that of the first Q_k beyond E: of F's sign.
@@ -195,7 +200,8 @@ public:
         for (int k = 0;; k++) {
             const quad size = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
             if (size > bound_ || k == levels_) return size / bound_ - 1;
-            quad p[4] = {q[0] * q[0] - (size - q[0] * q[0]), 2 * q[0] * q[1], 2 * q[0] * q[2], 2 * q[0] * q[3]};
+            quad p[4] = {q[0] * q[0] - (size - q[0] * q[0]), 2 * q[0] * q[1], 2 * q[0] * q[2],
+                         2 * q[0] * q[3]};
             for (int n = 2; n < power_; n++) {
                 const quad w = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3];
                 const quad x = p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2];

@@ -36,7 +36,10 @@ public:
         z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
         return z ^ (z >> 31);
     }
-    double uniform(double lo, double hi) { return lo + (hi - lo) * std::ldexp(static_cast<double>(bits() >> 11), -53); }
+    double uniform(double lo, double hi)
+    {
+        return lo + (hi - lo) * std::ldexp(static_cast<double>(bits() >> 11), -53);
+    }
     double log_uniform(double lo, double hi) { return std::exp(uniform(std::log(lo), std::log(hi))); }
     bool chance(double p) { return uniform(0, 1) < p; }
     double sign() { return chance(0.5) ? 1 : -1; }
@@ -114,9 +117,11 @@ inline test_case random_case(generator &g)
     const double at = g.uniform(0, 2 * pi), z = rough_sag(s, t.aimed ? r * r : std::fmin(r * r, 1.1 * h * h));
     const sgt_vec3 target = {r * std::cos(at), r * std::sin(at), z};
 
-    const double tilt = g.chance(0.02) ? 0 : g.uniform(0, 80) * pi / 180, about = g.uniform(0, 2 * pi), way = g.sign();
+    const double tilt = g.chance(0.02) ? 0 : g.uniform(0, 80) * pi / 180, about = g.uniform(0, 2 * pi),
+                 way = g.sign();
     const double length = g.chance(0.5) ? 1 : g.log_uniform(1e-3, 1e3);
-    const sgt_vec3 d = {length * std::sin(tilt) * std::cos(about), length * std::sin(tilt) * std::sin(about), way * length * std::cos(tilt)};
+    const sgt_vec3 d = {length * std::sin(tilt) * std::cos(about), length * std::sin(tilt) * std::sin(about),
+                        way * length * std::cos(tilt)};
 
     const double unit = flat || g.chance(0.5) ? h : std::fabs(R);
     t.on_surface = g.chance(0.1);
@@ -153,10 +158,13 @@ inline test_case random_narrow_case(generator &g)
     t.narrow = true;
     t.on_surface = false;
     const sgt_asphere &s = t.surface;
-    const double e = (1 + s.k) * s.c * s.c, domain = e > 0 ? 1 / std::sqrt(e) : HUGE_VAL, pi = 3.141592653589793;
+    const double e = (1 + s.k) * s.c * s.c, domain = e > 0 ? 1 / std::sqrt(e) : HUGE_VAL,
+                 pi = 3.141592653589793;
     const bool graze = g.chance(0.5);
     const double rim = domain < 100 * t.h && (s.semi_diameter == 0 || g.chance(0.5)) ? domain : t.h;
-    const double r = graze ? t.h * std::sqrt(g.uniform(0, 1)) : rim * (1 + g.sign() * g.log_uniform(1e-16, 1e-2)), at = g.uniform(0, 2 * pi);
+    const double r = graze ? t.h * std::sqrt(g.uniform(0, 1))
+                           : rim * (1 + g.sign() * g.log_uniform(1e-16, 1e-2)),
+                 at = g.uniform(0, 2 * pi);
     const double r2 = r * r, u = 1 - e * r2;
     double slope = u > 0 ? s.c / std::sqrt(u) : 0, power = 1; // ds/dr / r
     for (int i = 0; i < 8; i++, power *= r2) slope += (2 * i + 2) * s.a[i] * power;
@@ -165,10 +173,12 @@ inline test_case random_narrow_case(generator &g)
     const double length = std::sqrt(t.ray.d.x * t.ray.d.x + t.ray.d.y * t.ray.d.y + t.ray.d.z * t.ray.d.z);
     if (graze) {
         // In the tangent plane: `out` is the meridian's tangent, across it the other; then lifted.
-        const double m = std::sqrt(1 + slope * slope), about = g.uniform(0, 2 * pi), lift = g.sign() * g.log_uniform(1e-12, 0.1);
+        const double m = std::sqrt(1 + slope * slope), about = g.uniform(0, 2 * pi),
+                     lift = g.sign() * g.log_uniform(1e-12, 0.1);
         const double out = std::cos(about) / m, across = std::sin(about);
         const double radial = out - lift * slope / m, axial = out * slope + lift / m;
-        t.ray.d = {length * (radial * std::cos(at) - across * std::sin(at)), length * (radial * std::sin(at) + across * std::cos(at)), length * axial};
+        t.ray.d = {length * (radial * std::cos(at) - across * std::sin(at)),
+                   length * (radial * std::sin(at) + across * std::cos(at)), length * axial};
     }
     const double away = g.sign() * t.h * g.log_uniform(1e-2, g.chance(0.5) ? 1e2 : 1e10) / length;
     t.ray.o = {target.x - away * t.ray.d.x, target.y - away * t.ray.d.y, target.z - away * t.ray.d.z};
@@ -217,9 +227,11 @@ struct run {
     std::uint64_t seed;
     long count;
     const char *replay;
-    run(int argc, char **argv, long standard, std::uint64_t standard_seed) : seed(standard_seed), count(standard), replay(nullptr)
+    run(int argc, char **argv, long standard, std::uint64_t standard_seed)
+        : seed(standard_seed), count(standard), replay(nullptr)
     {
-        if (const char *e = std::getenv("SAGITTA_TEST_SCALE")) count = static_cast<long>(static_cast<double>(standard) * std::atof(e));
+        if (const char *e = std::getenv("SAGITTA_TEST_SCALE"))
+            count = static_cast<long>(static_cast<double>(standard) * std::atof(e));
         if (const char *e = std::getenv("SAGITTA_TEST_SEED")) seed = std::strtoull(e, nullptr, 0);
         for (int i = 1; i + 1 < argc; i += 2) {
             if (!std::strcmp(argv[i], "--seed")) seed = std::strtoull(argv[i + 1], nullptr, 0);

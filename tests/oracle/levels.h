@@ -57,14 +57,18 @@ template <class T> struct dual {
     friend dual operator+(const dual &x, const dual &y) { return {x.v + y.v, x.d + y.d}; }
     friend dual operator-(const dual &x, const dual &y) { return {x.v - y.v, x.d - y.d}; }
     friend dual operator*(const dual &x, const dual &y) { return {x.v * y.v, x.v * y.d + x.d * y.v}; }
-    friend dual operator/(const dual &x, const dual &y) { return {x.v / y.v, (x.d * y.v - x.v * y.d) / (y.v * y.v)}; }
+    friend dual operator/(const dual &x, const dual &y)
+    {
+        return {x.v / y.v, (x.d * y.v - x.v * y.d) / (y.v * y.v)};
+    }
     friend bool operator>(const dual &x, double y) { return x.v > T(y); }
 };
 
 // --------------------------------------------------------------------- orbits
 
 // Q_n, n at most `levels`; fewer if |Q|^2 is beyond `far`: from there on it only grows.
-template <class T> quaternion<T> orbit(const level &f, const quaternion<T> &point, int levels, double far, int *n)
+template <class T>
+quaternion<T> orbit(const level &f, const quaternion<T> &point, int levels, double far, int *n)
 {
     static const double zero[4] = {0, 0, 0, 0};
     const quaternion<T> c = f.mandelbrot ? point : constant<T>(f.s.c);
@@ -90,7 +94,9 @@ template <class T> T level_value(const level &f, const T &x, const T &y, const T
 // (there |c| <= E is all that is known of it: x^p = 2 x), rounded up by a part in 2^50.
 inline double safe_escape(const level &f)
 {
-    const double *c = f.s.c, size = f.mandelbrot ? 0 : std::sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2] + c[3] * c[3]), p = f.s.power;
+    const double *c = f.s.c,
+                 size = f.mandelbrot ? 0 : std::sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2] + c[3] * c[3]),
+                 p = f.s.power;
     if (f.mandelbrot) return std::pow(2, 1 / (p - 1)) * (1 + 0x1p-50);
     double lo = 1, hi = 2 + size;
     for (int i = 0; i < 200; i++) {
@@ -117,7 +123,8 @@ inline void random_unit(generator &g, double v[4])
 // shifted, tilted, scaled and askew; the safe escape and larger ones.
 inline level random_level(generator &g)
 {
-    static const double classic[4][4] = {{-0.083, 0, -0.83, -0.025}, {-0.2, 0.8, 0, 0}, {-1, 0.2, 0, 0}, {-0.125, -0.256, 0.847, 0.0895}};
+    static const double classic[4][4] = {
+        {-0.083, 0, -0.83, -0.025}, {-0.2, 0.8, 0, 0}, {-1, 0.2, 0, 0}, {-0.125, -0.256, 0.847, 0.0895}};
     level f = {};
     f.mandelbrot = g.chance(0.25);
     f.s.power = g.chance(0.5) ? 2 : 2 + g.below(7);
@@ -169,7 +176,10 @@ inline double axis_length(const level &f)
     return std::sqrt(sum / 3);
 }
 
-inline sgt_vec3 random_point(generator &g, double size) { return {g.uniform(-size, size), g.uniform(-size, size), g.uniform(-size, size)}; }
+inline sgt_vec3 random_point(generator &g, double size)
+{
+    return {g.uniform(-size, size), g.uniform(-size, size), g.uniform(-size, size)};
+}
 inline sgt_vec3 random_way(generator &g)
 {
     const double z = g.uniform(-1, 1), a = g.uniform(0, 6.283185307179586), r = std::sqrt(1 - z * z);
@@ -182,16 +192,21 @@ inline sgt_ray random_ray(generator &g, const level &f)
     const double size = 1 / axis_length(f), length = g.chance(0.5) ? 1 : g.log_uniform(1e-3, 1e3);
     const sgt_vec3 at = random_point(g, g.uniform(0.1, 1) * size), d = random_way(g);
     const double away = g.chance(0.2) ? 0 : size * (g.chance(0.1) ? g.log_uniform(1, 1e6) : g.uniform(2, 6));
-    return {{at.x - away * d.x, at.y - away * d.y, at.z - away * d.z}, {length * d.x, length * d.y, length * d.z}, 0, 0};
+    return {{at.x - away * d.x, at.y - away * d.y, at.z - away * d.z},
+            {length * d.x, length * d.y, length * d.z},
+            0,
+            0};
 }
 
 // Everything of a case in hexadecimal, as C writes it.
 inline void print_level(const level &f)
 {
-    std::printf("    %s power %d iterations %d escape %a", f.mandelbrot ? "mandelbrot" : "julia", f.s.power, f.s.iterations, f.s.escape);
+    std::printf("    %s power %d iterations %d escape %a", f.mandelbrot ? "mandelbrot" : "julia", f.s.power,
+                f.s.iterations, f.s.escape);
     const char *const name[] = {"c", "at", "ex", "ey", "ez"};
     const double *const list[] = {f.s.c, f.s.at, f.s.ex, f.s.ey, f.s.ez};
-    for (int i = 0; i < 5; i++) std::printf(" %s {%a, %a, %a, %a}", name[i], list[i][0], list[i][1], list[i][2], list[i][3]);
+    for (int i = 0; i < 5; i++)
+        std::printf(" %s {%a, %a, %a, %a}", name[i], list[i][0], list[i][1], list[i][2], list[i][3]);
     std::printf("\n");
 }
 

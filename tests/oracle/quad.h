@@ -69,8 +69,11 @@ struct surface {
     bool asphere;
     double c, k, semi_diameter, a[8];
     surface() : asphere(false), c(0), k(0), semi_diameter(0), a() {}
-    explicit surface(const sgt_conic &s) : asphere(false), c(s.c), k(s.k), semi_diameter(s.semi_diameter), a() {}
-    explicit surface(const sgt_asphere &s) : asphere(true), c(s.c), k(s.k), semi_diameter(s.semi_diameter), a()
+    explicit surface(const sgt_conic &s) : asphere(false), c(s.c), k(s.k), semi_diameter(s.semi_diameter), a()
+    {
+    }
+    explicit surface(const sgt_asphere &s)
+        : asphere(true), c(s.c), k(s.k), semi_diameter(s.semi_diameter), a()
     {
         std::copy(s.a, s.a + 8, a);
     }
@@ -162,14 +165,18 @@ struct answer {
 };
 
 // The soft rim: semi_diameter^2 (1 + 2^-44); this near to it either answer is right.
-inline quad rim_squared(const surface &s) { return quad(s.semi_diameter) * s.semi_diameter * (1 + quad(0x1p-44)); }
+inline quad rim_squared(const surface &s)
+{
+    return quad(s.semi_diameter) * s.semi_diameter * (1 + quad(0x1p-44));
+}
 constexpr double rim_doubt = 0x1p-48;
 
 struct line {
     double t0;
     vector3 o, d;
     line(const sgt_ray &r, double t)
-        : t0(t), o{r.o.x + quad(t) * r.d.x, r.o.y + quad(t) * r.d.y, r.o.z + quad(t) * r.d.z}, d{r.d.x, r.d.y, r.d.z}
+        : t0(t), o{r.o.x + quad(t) * r.d.x, r.o.y + quad(t) * r.d.y, r.o.z + quad(t) * r.d.z}, d{r.d.x, r.d.y,
+                                                                                                 r.d.z}
     {
     }
     vector3 at(quad s) const { return {o.x + s * d.x, o.y + s * d.y, o.z + s * d.z}; }
@@ -203,9 +210,11 @@ inline void polish_conic(const surface &f, const sgt_ray &ray, meeting *m)
     if (std::isfinite(t)) m->s = m->minus(t), m->t0 = t;
     const line l(ray, m->t0);
     const vector3 &o = l.o, &d = l.d;
-    const quad A = c * (d.x * d.x + d.y * d.y + e * d.z * d.z), A_sum = magnitude(c) * (d.x * d.x + d.y * d.y + magnitude(e) * d.z * d.z);
+    const quad A = c * (d.x * d.x + d.y * d.y + e * d.z * d.z),
+               A_sum = magnitude(c) * (d.x * d.x + d.y * d.y + magnitude(e) * d.z * d.z);
     const quad B = d.z - c * (o.x * d.x + o.y * d.y + e * o.z * d.z);
-    const quad B_sum = magnitude(d.z) + magnitude(c) * (magnitude(o.x * d.x) + magnitude(o.y * d.y) + magnitude(e * o.z * d.z));
+    const quad B_sum = magnitude(d.z) + magnitude(c) * (magnitude(o.x * d.x) + magnitude(o.y * d.y) +
+                                                        magnitude(e * o.z * d.z));
     const quad C = c * (o.x * o.x + o.y * o.y + e * o.z * o.z) - 2 * o.z;
     const quad C_sum = magnitude(c) * (o.x * o.x + o.y * o.y + magnitude(e) * o.z * o.z) + 2 * magnitude(o.z);
     const quad D = B * B - A * C, r = square_root(D > 0 ? D : quad(0)), q = B < 0 ? B - r : B + r;
@@ -214,7 +223,8 @@ inline void polish_conic(const surface &f, const sgt_ray &ray, meeting *m)
         m->s = magnitude(near - m->s) <= magnitude(other - m->s) ? near : other;
     }
     // |ds| <= |dG| / |G'|, G' = -+ 2 sqrt(D)
-    m->blur = tiny * ((A_sum * magnitude(m->s) + 2 * B_sum) * magnitude(m->s) + C_sum) / (2 * r) + tiny * magnitude(m->s);
+    m->blur = tiny * ((A_sum * magnitude(m->s) + 2 * B_sum) * magnitude(m->s) + C_sum) / (2 * r) +
+              tiny * magnitude(m->s);
 }
 
 inline answer conic_roots(const surface &f, const sgt_ray &ray)
@@ -230,10 +240,13 @@ inline answer conic_roots(const surface &f, const sgt_ray &ray)
         const quad a1 = d.x * d.x + d.y * d.y, a2 = e * d.z * d.z;
         const quad A = c * (a1 + a2), A_sum = magnitude(c) * (a1 + magnitude(a2));
         const quad B = d.z - c * (o.x * d.x + o.y * d.y + e * o.z * d.z);
-        const quad B_sum = magnitude(d.z) + magnitude(c) * (magnitude(o.x * d.x) + magnitude(o.y * d.y) + magnitude(e * o.z * d.z));
+        const quad B_sum = magnitude(d.z) + magnitude(c) * (magnitude(o.x * d.x) + magnitude(o.y * d.y) +
+                                                            magnitude(e * o.z * d.z));
         const quad C = c * (o.x * o.x + o.y * o.y + e * o.z * o.z) - 2 * o.z;
-        const quad C_sum = magnitude(c) * (o.x * o.x + o.y * o.y + magnitude(e) * o.z * o.z) + 2 * magnitude(o.z);
-        const quad D = B * B - A * C, D_error = tiny * (2 * magnitude(B) * B_sum + A_sum * magnitude(C) + magnitude(A) * C_sum);
+        const quad C_sum = magnitude(c) * (o.x * o.x + o.y * o.y + magnitude(e) * o.z * o.z) +
+                           2 * magnitude(o.z);
+        const quad D = B * B - A * C,
+                   D_error = tiny * (2 * magnitude(B) * B_sum + A_sum * magnitude(C) + magnitude(A) * C_sum);
         // A double root ahead: begin again in the middle of the chord, where B = 0.
         if (pass < 2 && magnitude(D) < quad(1e-3) * B * B && A != 0) {
             const double middle = to_double(quad(t0) + B / A);
@@ -249,9 +262,11 @@ inline answer conic_roots(const surface &f, const sgt_ray &ray)
         if (magnitude(D) <= D_error && A != 0) {
             const quad middle = B / A, half = 2 * square_root(D_error) / magnitude(A);
             const vector3 p = l.at(middle);
-            const quad side = 1 - e * c * p.z, margin = magnitude(e * c * d.z * half) + quad(1e-25) * (1 + magnitude(e * c * p.z));
+            const quad side = 1 - e * c * p.z,
+                       margin = magnitude(e * c * d.z * half) + quad(1e-25) * (1 + magnitude(e * c * p.z));
             const quad reach = square_root(p.x * p.x + p.y * p.y) - square_root(a1) * half;
-            if (side > -margin && (f.semi_diameter == 0 || reach <= 0 || reach * reach < rim_squared(f) * (1 + rim_doubt)))
+            if (side > -margin &&
+                (f.semi_diameter == 0 || reach <= 0 || reach * reach < rim_squared(f) * (1 + rim_doubt)))
                 result.doubtful.push_back({quad(t0) + middle - half, quad(t0) + middle + half});
             return result;
         }
@@ -271,7 +286,8 @@ inline answer conic_roots(const surface &f, const sgt_ray &ray)
             m.edge = side < margin;
             if (complete(f, at, &m)) result.roots.push_back(m);
         }
-        std::sort(result.roots.begin(), result.roots.end(), [](const meeting &x, const meeting &y) { return x.minus(y.t0) < y.s; });
+        std::sort(result.roots.begin(), result.roots.end(),
+                  [](const meeting &x, const meeting &y) { return x.minus(y.t0) < y.s; });
         return result;
     }
 }
@@ -328,16 +344,19 @@ template <class T> struct equation {
         const T r1 = rho_at(s1, &pad1), r2 = rho_at(s2, &pad2);
         const T most = std::max(r1 + pad1, r2 + pad2);
         T least = std::min(r1 - pad1, r2 - pad2);
-        if (s1 <= bottom && bottom <= s2) least = T(0) + std::min(least, rho0 - b * b / q - 16 * epsilon * rho0);
+        if (s1 <= bottom && bottom <= s2)
+            least = T(0) + std::min(least, rho0 - b * b / q - 16 * epsilon * rho0);
         if (!(least > 0)) least = 0;
 
         const T u_pad = 16 * epsilon * (1 + magnitude(e2) * most);
         const T u_least = 1 - e2 * least, u_most = 1 - e2 * most;
         auto root = [&](T u) { return u > 0 ? square_root(u) : T(0); };
         const T more = 1 + 64 * epsilon, less = 1 - 64 * epsilon;
-        range base = {c * least / (1 + root(u_least + u_pad)) * less, c * most / (1 + root(u_most - u_pad)) * more};
+        range base = {c * least / (1 + root(u_least + u_pad)) * less,
+                      c * most / (1 + root(u_most - u_pad)) * more};
         const T ua = std::min(u_least, u_most) - u_pad, ub = std::max(u_least, u_most) + u_pad;
-        range tilt = {ub > 0 ? c / (2 * root(ub)) * less : infinity(), ua > 0 ? c / (2 * root(ua)) * more : (c > 0 ? infinity() : T(0))};
+        range tilt = {ub > 0 ? c / (2 * root(ub)) * less : infinity(),
+                      ua > 0 ? c / (2 * root(ua)) * more : (c > 0 ? infinity() : T(0))};
         if (concave) {
             base = {-base.hi, -base.lo};
             tilt = {-tilt.hi, -tilt.lo};
@@ -357,7 +376,8 @@ template <class T> struct equation {
 
         const T v_pad = 16 * epsilon * (magnitude(b) + q * std::max(magnitude(s1), magnitude(s2)));
         const range w = product(profile, range{2 * (b + q * s1) - v_pad, 2 * (b + q * s2) + v_pad});
-        *slope = {n - w.hi - 8 * epsilon * (magnitude(n) + magnitude(w.hi)), n - w.lo + 8 * epsilon * (magnitude(n) + magnitude(w.lo))};
+        *slope = {n - w.hi - 8 * epsilon * (magnitude(n) + magnitude(w.hi)),
+                  n - w.lo + 8 * epsilon * (magnitude(n) + magnitude(w.lo))};
         if (slope->lo != slope->lo) slope->lo = -infinity();
         if (slope->hi != slope->hi) slope->hi = infinity();
     }
@@ -516,7 +536,8 @@ private:
         f.enclose(m, m, &gm, &unused);
         if (slope.lo > -f.infinity() && slope.hi < f.infinity()) {
             const T left = m - s1, right = s2 - m;
-            const T least = std::min(slope.lo * right, -slope.hi * left), most = std::max(slope.hi * right, -slope.lo * left);
+            const T least = std::min(slope.lo * right, -slope.hi * left),
+                    most = std::max(slope.hi * right, -slope.lo * left);
             const T lo = gm.lo + least * (least < 0 ? 1 + 16 * f.epsilon : 1 - 16 * f.epsilon);
             const T hi = gm.hi + most * (most > 0 ? 1 + 16 * f.epsilon : 1 - 16 * f.epsilon);
             if (lo > 0 || hi < 0) return 0;
@@ -566,7 +587,8 @@ private:
     void doubt(quad s1, quad s2)
     {
         const vector3 p = line_.at(s1);
-        if (surface_.semi_diameter > 0 && p.x * p.x + p.y * p.y > rim_squared(surface_) * (1 + rim_doubt)) return;
+        if (surface_.semi_diameter > 0 && p.x * p.x + p.y * p.y > rim_squared(surface_) * (1 + rim_doubt))
+            return;
         result.doubtful.push_back({quad(line_.t0) + s1, quad(line_.t0) + s2});
     }
 
@@ -574,10 +596,12 @@ private:
     void merge()
     {
         auto &d = result.doubtful;
-        std::sort(d.begin(), d.end(), [](const answer::stretch &x, const answer::stretch &y) { return x.lo < y.lo; });
+        std::sort(d.begin(), d.end(),
+                  [](const answer::stretch &x, const answer::stretch &y) { return x.lo < y.lo; });
         std::size_t n = 0;
         for (std::size_t i = 0; i < d.size(); i++)
-            if (n && d[i].lo - d[n - 1].hi <= 16 * (d[i].hi - d[i].lo + d[n - 1].hi - d[n - 1].lo)) d[n - 1].hi = std::max(d[n - 1].hi, d[i].hi);
+            if (n && d[i].lo - d[n - 1].hi <= 16 * (d[i].hi - d[i].lo + d[n - 1].hi - d[n - 1].lo))
+                d[n - 1].hi = std::max(d[n - 1].hi, d[i].hi);
             else d[n++] = d[i];
         d.resize(n);
         auto &r = result.roots;
@@ -608,7 +632,8 @@ private:
         const vector3 p = line_.at(s);
         const value v = evaluate(surface_, p);
         const quad u = v.u > 0 ? v.u : quad(0);
-        *error = moved + tiny * (8 * v.largest + magnitude(quad(surface_.c)) * (p.x * p.x + p.y * p.y) / (square_root(u) + quad(0x1p-50)));
+        *error = moved + tiny * (8 * v.largest + magnitude(quad(surface_.c)) * (p.x * p.x + p.y * p.y) /
+                                                     (square_root(u) + quad(0x1p-50)));
         if (slope) *slope = dot(v.gradient, line_.d);
         return z != z ? z : v.f;
     }
@@ -645,8 +670,10 @@ private:
             sum += (6 * i + 10) * magnitude(quad(surface_.a[i])) * power;
         }
         const quad base = magnitude(c) * rho * (10 + (4 + 2 * (1 + magnitude(1 - v.u))) / square_root(v.u));
-        const quad moved = magnitude(l.o.z) + 2 * magnitude(s * l.d.z) + 2 * (magnitude(v.gradient.x * s * l.d.x) + magnitude(v.gradient.y * s * l.d.y));
-        const quad blur = ulp * (base + sum + 2 * magnitude(p.z) + moved) / magnitude(slope) + 2 * ulp * magnitude(s);
+        const quad moved = magnitude(l.o.z) + 2 * magnitude(s * l.d.z) +
+                           2 * (magnitude(v.gradient.x * s * l.d.x) + magnitude(v.gradient.y * s * l.d.y));
+        const quad blur = ulp * (base + sum + 2 * magnitude(p.z) + moved) / magnitude(slope) +
+                          2 * ulp * magnitude(s);
         const quad next = s - v.f / slope;
         if (!(magnitude(next - s) <= 4 * (blur + m->blur))) return;
         m->s = next;
@@ -681,7 +708,8 @@ private:
                 doubt(end - noise, end + noise);
                 return;
             }
-            const bool rim = rim_ends_ && (s1 - ends_[0] < quad(0x1p-40) * (ends_[1] - ends_[0]) || ends_[1] - s2 < quad(0x1p-40) * (ends_[1] - ends_[0]));
+            const bool rim = rim_ends_ && (s1 - ends_[0] < quad(0x1p-40) * (ends_[1] - ends_[0]) ||
+                                           ends_[1] - s2 < quad(0x1p-40) * (ends_[1] - ends_[0]));
             found(sure1 ? s2 : s1, rim);
             return;
         }
@@ -692,13 +720,15 @@ private:
         {
             double a = to_double(s1), b = to_double(s2);
             for (int i = 0; i < 60 && b > a; i++) {
-                const double rho = quick_.rho0 + (2 * quick_.b + quick_.q * guess) * guess, u = 1 - quick_.e2 * rho;
+                const double rho = quick_.rho0 + (2 * quick_.b + quick_.q * guess) * guess,
+                             u = 1 - quick_.e2 * rho;
                 double p, d, m, k;
                 equation<double>::horner(quick_.up, rho, &p, &d);
                 equation<double>::horner(quick_.down, rho, &m, &k);
                 const double root = u > 0 ? std::sqrt(u) : 0, sign = quick_.concave ? -1 : 1;
                 const double g = quick_.z0 + quick_.n * guess - sign * quick_.c * rho / (1 + root) - p + m;
-                const double slope = quick_.n - 2 * (quick_.b + quick_.q * guess) * (sign * quick_.c / (2 * root) + d - k);
+                const double slope = quick_.n - 2 * (quick_.b + quick_.q * guess) *
+                                                    (sign * quick_.c / (2 * root) + d - k);
                 ((g < 0) == rising ? a : b) = guess;
                 double next = guess - g / slope;
                 if (!(next > a && next < b)) next = a + (b - a) / 2;
@@ -731,13 +761,19 @@ inline answer all_roots(const surface &f, const sgt_ray &ray)
     // F must vanish there, or the oracle itself is at fault.
     for (const meeting &m : a.roots) {
         const value v = evaluate(f, m.p);
-        if (!m.edge && !(magnitude(v.f) <= (16 * m.blur + quad(0x1p-100) * magnitude(m.s)) * magnitude(m.slope) + quad(0x1p-100) * v.largest)) a.at_fault = true;
+        if (!m.edge &&
+            !(magnitude(v.f) <= (16 * m.blur + quad(0x1p-100) * magnitude(m.s)) * magnitude(m.slope) +
+                                    quad(0x1p-100) * v.largest))
+            a.at_fault = true;
     }
     return a;
 }
 
 // The same conic by the asphere's method: the oracle's check of itself.
-inline answer all_roots_by_search(const surface &f, const sgt_ray &ray) { return asphere_search(f, ray).result; }
+inline answer all_roots_by_search(const surface &f, const sgt_ray &ray)
+{
+    return asphere_search(f, ray).result;
+}
 
 // Does this root count on the ray from tmin to tmax?  The rule is sgt_ray's.  Where it
 // leaves a width - at tmin, where t_err takes part, at tmax, at the soft rim - a root
@@ -747,7 +783,8 @@ enum counts { no, perhaps, yes };
 inline counts counting(const meeting &m, double tmin, double tmax)
 {
     const quad start = quad(0x1p-48) * m.spread / magnitude(m.slope);
-    const quad slack = 8 * start + 64 * quad(ulp(to_double(m.t()))) + m.blur, less = start * (1 - quad(0x1p-20)) - m.blur;
+    const quad slack = 8 * start + 64 * quad(ulp(to_double(m.t()))) + m.blur,
+               less = start * (1 - quad(0x1p-20)) - m.blur;
     counts result = m.edge ? perhaps : yes;
     if (std::isfinite(tmin)) {
         const quad beyond = m.minus(tmin);
@@ -782,7 +819,9 @@ inline bool passed_over(const answer &a, const meeting &root, const sgt_hit &h, 
 {
     for (const meeting &m : a.roots) {
         if (!(m.minus(root.t0) < root.s) || counting(m, tmin, tmax) != yes) continue;
-        if (magnitude(m.minus(h.t)) > quad(h.t_err) || norm({m.p.x - h.p.x, m.p.y - h.p.y, m.p.z - h.p.z}) > quad(h.p_err)) return true;
+        if (magnitude(m.minus(h.t)) > quad(h.t_err) ||
+            norm({m.p.x - h.p.x, m.p.y - h.p.y, m.p.z - h.p.z}) > quad(h.p_err))
+            return true;
     }
     return false;
 }

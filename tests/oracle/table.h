@@ -81,7 +81,8 @@ struct table {
             if (names.empty()) names = cells;
             else rows.push_back(cells);
             if (cells.size() != names.size()) {
-                std::fprintf(stderr, "%s: a row of %zu cells: %s\n", path.c_str(), cells.size(), line.c_str());
+                std::fprintf(stderr, "%s: a row of %zu cells: %s\n", path.c_str(), cells.size(),
+                             line.c_str());
                 std::exit(2);
             }
         }
@@ -103,9 +104,15 @@ struct table {
             if (n == name) return true;
         return false;
     }
-    double number(std::size_t row, const char *name) const { return std::strtod(cell(row, name).c_str(), nullptr); }
+    double number(std::size_t row, const char *name) const
+    {
+        return std::strtod(cell(row, name).c_str(), nullptr);
+    }
     int whole(std::size_t row, const char *name) const { return std::atoi(cell(row, name).c_str()); }
-    sgt_vec3 vector(std::size_t row, const char *x, const char *y, const char *z) const { return {number(row, x), number(row, y), number(row, z)}; }
+    sgt_vec3 vector(std::size_t row, const char *x, const char *y, const char *z) const
+    {
+        return {number(row, x), number(row, y), number(row, z)};
+    }
 };
 
 // R, k and the terms, as every file here names them.  c = 1/R, rounded once.
@@ -171,7 +178,8 @@ struct shape {
 
 inline sgt_ray ray_of(const table &t, std::size_t row)
 {
-    return {t.vector(row, "ox", "oy", "oz"), t.vector(row, "dx", "dy", "dz"), t.number(row, "tmin"), t.number(row, "tmax")};
+    return {t.vector(row, "ox", "oy", "oz"), t.vector(row, "dx", "dy", "dz"), t.number(row, "tmin"),
+            t.number(row, "tmax")};
 }
 
 inline std::vector<decimal> roots_of(const table &t, std::size_t row)
@@ -201,10 +209,12 @@ inline std::vector<hard_case> hard_cases(const std::string &folder)
     return cases;
 }
 
-inline const char *const lens_names[] = {"ftheta_laikin", "cooke_triplet", "cassegrain_laikin", "aspheric_singlet"};
+inline const char *const lens_names[] = {"ftheta_laikin", "cooke_triplet", "cassegrain_laikin",
+                                         "aspheric_singlet"};
 
 // Those whose surfaces are of the catalogue: a column `type`, and other columns with it.
-inline const char *const catalogue_lens_names[] = {"odd_asphere_singlet", "polynomial_xy_singlet", "toroidal_lens"};
+inline const char *const catalogue_lens_names[] = {"odd_asphere_singlet", "polynomial_xy_singlet",
+                                                   "toroidal_lens"};
 
 // A lens and what its elements borrow.
 struct lens {
@@ -229,7 +239,9 @@ struct lens {
         for (std::size_t i = 0; i < n; i++) {
             const sgt_vec3 o = t.vector(i, "ox", "oy", "oz");
             sgt_element e = {};
-            e.surface = catalogue ? shapes[i].surface : has_terms(aspheres[i]) ? sgt_surface{&sgt_asphere_ops, &aspheres[i]} : sgt_surface{&sgt_conic_ops, &conics[i]};
+            e.surface = catalogue                ? shapes[i].surface
+                        : has_terms(aspheres[i]) ? sgt_surface{&sgt_asphere_ops, &aspheres[i]}
+                                                 : sgt_surface{&sgt_conic_ops, &conics[i]};
             e.pose = sgt_pose_tilted(o, t.vector(i, "tx", "ty", "tz"));
             e.index = t.whole(i, "mirror") ? SGT_MIRROR : t.number(i, "index");
             elements.push_back(e);

@@ -19,7 +19,8 @@
 // must have |F| next to nothing at t and t +- t_err, and stands for all roots within its t_err,
 // however many; the columns |t - t_ref| and t_err are those of the other hits.
 //
-// 1 / F has a pole wherever brute force sees F change sign, and no root: no way of a user's surface may tell one.
+// 1 / F has a pole wherever brute force sees F change sign, and no root: no way of a user's surface may
+// tell one.
 //
 //     test_brute                       a few rays of each configuration
 //     test_brute --full                160x120 rays of each for first hits, 60x45 for all roots
@@ -76,7 +77,10 @@ const family families[] = {
 const int number_of_families = sizeof families / sizeof *families;
 
 // N with p^N of one size: the degree in t of what is solved.
-int iterations_of(int power, int which) { return power == 2 ? 4 + 4 * which : power == 3 ? 3 + 2 * which : 2 + which; }
+int iterations_of(int power, int which)
+{
+    return power == 2 ? 4 + 4 * which : power == 3 ? 3 + 2 * which : 2 + which;
+}
 
 // The root of x^p = x + |c| (p = 2: (1 + sqrt(1 + 4 |c|)) / 2), or 2^(1/(p-1)) for the Mandelbrot
 // set, up by a little more than rounding.
@@ -92,7 +96,10 @@ double safe_escape(const family &f)
     return hi * (1 + 0x1p-48);
 }
 
-double dot(const quaternion &a, const quaternion &b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]; }
+double dot(const quaternion &a, const quaternion &b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+}
 
 quaternion combine(const quaternion &a, double s, const quaternion &b)
 {
@@ -123,8 +130,8 @@ quaternion random_root(const quaternion &q, int power, generator &g)
         v[0] = 0;
         length = std::sqrt(dot(v, v));
     }
-    return {radius * std::cos(angle), radius * std::sin(angle) * v[1] / length, radius * std::sin(angle) * v[2] / length,
-            radius * std::sin(angle) * v[3] / length};
+    return {radius * std::cos(angle), radius * std::sin(angle) * v[1] / length,
+            radius * std::sin(angle) * v[2] / length, radius * std::sin(angle) * v[3] / length};
 }
 
 // How many of Q_0 ... Q_N, one after the other, are within E, and the sum of their log |Q_k|^2: the
@@ -162,7 +169,10 @@ enum { outside, in_the_ball, inside, number_of_eyes };
 const char *const slice_names[] = {"straight", "tilted", "skew, E = 1.5 R*"};
 const char *const eye_names[] = {"eye outside", "eye in the ball", "eye in the set"};
 
-vector3 sum(const vector3 &a, double s, const vector3 &b) { return {a.x + s * b.x, a.y + s * b.y, a.z + s * b.z}; }
+vector3 sum(const vector3 &a, double s, const vector3 &b)
+{
+    return {a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+}
 double dot(const vector3 &a, const vector3 &b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 vector3 cross(const vector3 &a, const vector3 &b)
 {
@@ -184,7 +194,8 @@ vector3 random_direction3(generator &g)
 // A set in its slice, with what the eyes need; the same for every N.
 struct scene {
     level_set set;
-    vector3 centre, deepest, nearest; // of the ball in the slice; where the set is widest; outside, and near it
+    vector3 centre, deepest,
+        nearest; // of the ball in the slice; where the set is widest; outside, and near it
     double radius, longest;           // of the ball; of a unit of length in Q, seen in the slice
     int deepest_levels, nearest_levels;
 };
@@ -230,7 +241,8 @@ level_set make_set(int index, int slice, std::uint64_t seed, vector3 *within)
         s.axis[2] = combine(s.axis[2], -0.3, s.axis[0]);
     }
     *within = {g.uniform(0.05, 0.3), g.uniform(0.05, 0.3), g.uniform(0.05, 0.3)};
-    s.at = combine(combine(combine(s.at, -within->x, s.axis[0]), -within->y, s.axis[1]), -within->z, s.axis[2]);
+    s.at = combine(combine(combine(s.at, -within->x, s.axis[0]), -within->y, s.axis[1]), -within->z,
+                   s.axis[2]);
     return s;
 }
 
@@ -268,7 +280,8 @@ scene make_scene(int index, int slice, std::uint64_t seed)
     for (int i = 0; i < 20000; i++) {
         const vector3 p = draw(1);
         const depth d = depth_at(s, point_of(s, p));
-        if (d.levels > best.levels || (d.levels == best.levels && d.narrowness < best.narrowness)) best = d, c.deepest = p;
+        if (d.levels > best.levels || (d.levels == best.levels && d.narrowness < best.narrowness))
+            best = d, c.deepest = p;
     }
     c.deepest_levels = best.levels;
     s.iterations = iterations_of(s.power, 0);
@@ -343,7 +356,8 @@ struct library_set {
     }
     sgt_surface surface() const
     {
-        return is_mandelbrot ? sgt_surface{&sgt_mandelbrot_ops, &mandelbrot} : sgt_surface{&sgt_julia_ops, &julia};
+        return is_mandelbrot ? sgt_surface{&sgt_mandelbrot_ops, &mandelbrot}
+                             : sgt_surface{&sgt_julia_ops, &julia};
     }
 };
 
@@ -360,7 +374,8 @@ std::vector<sgt_hit> answers(const level_set &s, const ray &r, bool first_only, 
         return hits;
     }
     for (;;) {
-        const int n = sgt_intersect_all(set.surface(), line, static_cast<int>(hits.size()), hits.data(), nullptr);
+        const int n = sgt_intersect_all(set.surface(), line, static_cast<int>(hits.size()), hits.data(),
+                                        nullptr);
         const bool complete = n <= static_cast<int>(hits.size());
         if (n < 0) hits[0].status = SGT_INVALID;
         hits.resize(static_cast<std::size_t>(n < 0 ? 1 : n));
@@ -377,7 +392,8 @@ struct row {
     double error, t_err;
     void add(const row &r)
     {
-        rays += r.rays, met += r.met, missed += r.missed, roots += r.roots, stepped_over += r.stepped_over, refuted += r.refuted;
+        rays += r.rays, met += r.met, missed += r.missed, roots += r.roots, stepped_over += r.stepped_over,
+            refuted += r.refuted;
         wrong += r.wrong, undecided += r.undecided, grazes += r.grazes, evals += r.evals;
         error = std::max(error, r.error);
         t_err = std::max(t_err, r.t_err);
@@ -388,14 +404,16 @@ void print_head(const char *title)
 {
     const char *const form = "%-38s %8s %8s %8s %8s %9s %7s %7s %6s %9s %9s %9s %7s\n";
     std::printf("\n");
-    std::printf(form, title, "rays", "met", "missed", "roots", "stepped", "refuted", "library", "un-", "|t-t_ref|", "t_err", "evals", "grazes");
+    std::printf(form, title, "rays", "met", "missed", "roots", "stepped", "refuted", "library", "un-",
+                "|t-t_ref|", "t_err", "evals", "grazes");
     std::printf(form, "", "", "", "", "", "over", "", "wrong", "decid.", "worst", "worst", "mean", "");
 }
 
 void print_row(const char *name, const row &r)
 {
-    std::printf("%-38s %8ld %8ld %8ld %8ld %9ld %7ld %7ld %6ld %9.2g %9.2g %9.1f %7ld\n", name, r.rays, r.met, r.missed, r.roots,
-                r.stepped_over, r.refuted, r.wrong, r.undecided, r.error, r.t_err, double(r.evals) / double(std::max(r.rays, 1L)), r.grazes);
+    std::printf("%-38s %8ld %8ld %8ld %8ld %9ld %7ld %7ld %6ld %9.2g %9.2g %9.1f %7ld\n", name, r.rays, r.met,
+                r.missed, r.roots, r.stepped_over, r.refuted, r.wrong, r.undecided, r.error, r.t_err,
+                double(r.evals) / double(std::max(r.rays, 1L)), r.grazes);
     std::fflush(stdout);
 }
 
@@ -412,7 +430,8 @@ void print_case(const level_set &s, const ray &r)
 
 // ------------------------------------------------------------------ poles
 //
-// 1 / F of a set, as a user's surface: where the brute force sees a change of sign it has a pole, and nowhere a root.
+// 1 / F of a set, as a user's surface: where the brute force sees a change of sign it has a pole, and
+// nowhere a root.
 
 struct inverse {
     sgt_surface of;
@@ -467,7 +486,10 @@ long poles(const level_set &s, const ray &r)
             bool met = first.status > 0;
             for (int k = 0; k < n && k < 16; k++) met = met || all[k].status > 0;
             if (!met) continue;
-            if (failures["a pole is a root"]++ < 5) std::printf("FAIL a pole at %.17g is a root, way %d, t %.17g, f %g: ", found[i].t, way, first.t, first.f), print_case(s, r), std::printf("\n");
+            if (failures["a pole is a root"]++ < 5)
+                std::printf("FAIL a pole at %.17g is a root, way %d, t %.17g, f %g: ", found[i].t, way,
+                            first.t, first.f),
+                    print_case(s, r), std::printf("\n");
         }
     return static_cast<long>(found.size());
 }
@@ -491,8 +513,9 @@ bool read_case(const char *text, level_set *s, ray *r)
 
 void print_entry(const sgt_hit &h, const ray &r)
 {
-    std::printf("    library  %-9s t %.17g (%a) t_err %.3g [%.17g, %.17g] n.d %.3g evals %d\n", sgt_status_text(h.status), h.t, h.t, h.t_err,
-                h.lo, h.hi, h.n.x * r.d.x + h.n.y * r.d.y + h.n.z * r.d.z, h.evals);
+    std::printf("    library  %-9s t %.17g (%a) t_err %.3g [%.17g, %.17g] n.d %.3g evals %d\n",
+                sgt_status_text(h.status), h.t, h.t, h.t_err, h.lo, h.hi,
+                h.n.x * r.d.x + h.n.y * r.d.y + h.n.z * r.d.z, h.evals);
 }
 
 // The first hit, or all roots, of one ray; what of it is to be counted.
@@ -534,17 +557,20 @@ row compare(const level_set &s, const ray &r, double step, bool first_only)
             out.grazes++;
             used[i] = true;
             for (quad t : {lo, quad(h.t), hi})
-                if (!(std::fabs(to_double(exact.excess(t))) <= 1e-10)) fail("a graze where F is not near zero", h.t);
+                if (!(std::fabs(to_double(exact.excess(t))) <= 1e-10))
+                    fail("a graze where F is not near zero", h.t);
             continue;
         }
         out.t_err = std::max(out.t_err, h.t_err);
         if (in_lo == in_hi) {
             if (!exact.changes_within(lo, hi)) fail("F does not change sign within t_err", h.t);
         } else if (!(in_lo ? slope > 0 : slope < 0)) fail("n . d has the wrong sign", h.t);
-        if (known && lo > reach && in_lo != is_in) fail("the sign is not that behind the root before: a root is missing", h.t);
+        if (known && lo > reach && in_lo != is_in)
+            fail("the sign is not that behind the root before: a root is missing", h.t);
         known = true, is_in = in_hi, reach = hi;
     }
-    if (known && is_in && (hits.empty() || !first_only)) fail("the ray ends inside: the last root is missing", before);
+    if (known && is_in && (hits.empty() || !first_only))
+        fail("the ray ends inside: the last root is missing", before);
 
     // The roots of the brute force: each is among them.
     const auto match = [&](quad root, bool rising) {
@@ -559,9 +585,12 @@ row compare(const level_set &s, const ray &r, double step, bool first_only)
     };
     bool refuted = false;
     for (const change &c : seen) {
-        if (first_only && !hits.empty() && hits[0].status == SGT_HIT && hits[0].t < c.t - std::max(slack, hits[0].t_err))
+        if (first_only && !hits.empty() && hits[0].status == SGT_HIT &&
+            hits[0].t < c.t - std::max(slack, hits[0].t_err))
             break; // the library's is earlier, and proven above
-        const auto grazed = [&](const sgt_hit &h) { return h.status == SGT_GRAZE && std::fabs(h.t - c.t) <= h.t_err; };
+        const auto grazed = [&](const sgt_hit &h) {
+            return h.status == SGT_GRAZE && std::fabs(h.t - c.t) <= h.t_err;
+        };
         if (std::any_of(hits.begin(), hits.end(), grazed)) continue;
         std::pair<std::size_t, double> found = match(c.t, c.rises);
         if (!(found.second <= slack)) {
@@ -578,7 +607,9 @@ row compare(const level_set &s, const ray &r, double step, bool first_only)
             out.error = std::max(out.error, found.second);
             continue;
         }
-        const auto covers = [&](const sgt_hit &h) { return h.status < 0 && (first_only || (h.lo <= c.hi && h.hi >= c.lo)); };
+        const auto covers = [&](const sgt_hit &h) {
+            return h.status < 0 && (first_only || (h.lo <= c.hi && h.hi >= c.lo));
+        };
         if (std::none_of(hits.begin(), hits.end(), covers)) fail("a root is missing", c.t);
     }
     const bool stepped_over = std::find(used.begin(), used.end(), false) != used.end();
@@ -590,8 +621,13 @@ row compare(const level_set &s, const ray &r, double step, bool first_only)
     else if (refuted) out.refuted = 1;
     else if (stepped_over) out.stepped_over = 1;
     if (talkative || (failure && failures[failure]++ < 5)) {
-        std::printf("%s, %s: %s, near t = %.17g\n    ", failure ? "FAIL" : "note", first_only ? "first hit" : "all roots",
-                    failure ? failure : out.stepped_over ? "stepped over" : out.refuted ? "refuted" : "agreed", where);
+        std::printf("%s, %s: %s, near t = %.17g\n    ", failure ? "FAIL" : "note",
+                    first_only ? "first hit" : "all roots",
+                    failure            ? failure
+                    : out.stepped_over ? "stepped over"
+                    : out.refuted      ? "refuted"
+                                       : "agreed",
+                    where);
         print_case(s, r);
         std::printf("\n");
         int shown = 0;
@@ -599,7 +635,9 @@ row compare(const level_set &s, const ray &r, double step, bool first_only)
             if (talkative || shown++ < 8) print_entry(h, r);
         shown = 0;
         for (const change &c : seen)
-            if (talkative || shown++ < 8) std::printf("    by steps of %g: t %.17g (%a), %s\n", step, c.t, c.t, c.rises ? "rising" : "falling");
+            if (talkative || shown++ < 8)
+                std::printf("    by steps of %g: t %.17g (%a), %s\n", step, c.t, c.t,
+                            c.rises ? "rising" : "falling");
     }
     return out;
 }
@@ -618,12 +656,14 @@ int main(int argc, char **argv)
     for (int i = 1; i < argc; i++) {
         const bool more = i + 1 < argc;
         if (!std::strcmp(argv[i], "--full")) full = true;
-        else if (more && !std::strcmp(argv[i], "--rays")) full = std::sscanf(argv[++i], "%dx%d", &width, &height) == 2 && width > 0 && height > 0;
+        else if (more && !std::strcmp(argv[i], "--rays"))
+            full = std::sscanf(argv[++i], "%dx%d", &width, &height) == 2 && width > 0 && height > 0;
         else if (more && !std::strcmp(argv[i], "--set")) only = std::atoi(argv[++i]);
         else if (more && !std::strcmp(argv[i], "--seed")) seed = std::strtoull(argv[++i], nullptr, 0);
         else if (more && !std::strcmp(argv[i], "--replay")) replay = argv[++i];
         else {
-            std::fprintf(stderr, "test_brute [--full] [--rays WxH] [--set I] [--seed S] [--replay \"...\"]\n");
+            std::fprintf(stderr,
+                         "test_brute [--full] [--rays WxH] [--set I] [--seed S] [--replay \"...\"]\n");
             return 2;
         }
     }
@@ -638,7 +678,9 @@ int main(int argc, char **argv)
     std::printf("seed %" PRIu64 ", %s\n", seed, full ? "every ray" : "a few rays of each configuration");
 
     const auto began = std::chrono::steady_clock::now();
-    const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(); };
+    const auto seconds = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    };
     std::map<std::string, row> parts[2];
     std::vector<row> sets[2];
     row total[2] = {};
@@ -654,23 +696,28 @@ int main(int argc, char **argv)
                     if (slice == skew && which != 1) continue;
                     const int n = iterations_of(families[index].power, which);
                     const std::string iterations = "N = " + std::to_string(n);
-                    generator g(seed ^ static_cast<std::uint64_t>(((index * 8 + slice) * 8 + which) * 8 + eye + 1) << 32);
+                    generator g(seed ^
+                                static_cast<std::uint64_t>(((index * 8 + slice) * 8 + which) * 8 + eye + 1)
+                                    << 32);
                     configuration c;
                     if (!make_configuration(view, n, slice, eye, g, &c)) {
-                        left_out += "    " + std::string(families[index].name) + ", " + slice_names[slice] + ", " + iterations + ", " +
-                                    eye_names[eye] + "\n";
+                        left_out += "    " + std::string(families[index].name) + ", " + slice_names[slice] +
+                                    ", " + iterations + ", " + eye_names[eye] + "\n";
                         continue;
                     }
                     for (int all = 0; all < 2; all++) {
-                        const int w = all ? std::max(1, width * 3 / 8) : width, h = all ? std::max(1, height * 3 / 8) : height;
-                        const int count = full ? w * h : std::max(1, static_cast<int>((all ? 6 : 20) * scale));
+                        const int w = all ? std::max(1, width * 3 / 8) : width,
+                                  h = all ? std::max(1, height * 3 / 8) : height;
+                        const int count = full ? w * h
+                                               : std::max(1, static_cast<int>((all ? 6 : 20) * scale));
                         row rays = {};
                         for (int k = 0; k < count; k++) {
                             const int pixel = full ? k : g.below(w * h);
                             const double step = g.chance(0.01) ? 2e-6 : 2e-5;
                             rays.add(compare(c.set, ray_of(c, pixel % w, pixel / w, w, h), step, !all));
                         }
-                        for (int k = 0; k < 2 && all && which == 0; k++) of_poles += poles(c.set, ray_of(c, g.below(w), g.below(h), w, h));
+                        for (int k = 0; k < 2 && all && which == 0; k++)
+                            of_poles += poles(c.set, ray_of(c, g.below(w), g.below(h), w, h));
                         here[all].add(rays);
                         total[all].add(rays);
                         parts[all][families[index].power == 2 ? iterations : "power above 2"].add(rays);
@@ -688,13 +735,15 @@ int main(int argc, char **argv)
     for (int all = 0; all < 2; all++) {
         print_head(all ? "all roots" : "first hits");
         for (int index = 0; index < number_of_families; index++)
-            if (only < 0 || index == only) print_row(families[index].name, sets[all][static_cast<std::size_t>(index)]);
+            if (only < 0 || index == only)
+                print_row(families[index].name, sets[all][static_cast<std::size_t>(index)]);
         for (const auto &part : parts[all]) print_row(part.first.c_str(), part.second);
         print_row("total", total[all]);
     }
     for (const row &r : total) {
         if (double(r.refuted) > 1 + 1e-4 * double(r.rays)) failures["the brute force is refuted too often"]++;
-        if (double(r.stepped_over) > 3 + 1e-2 * double(r.rays)) failures["the brute force steps over roots too often"]++;
+        if (double(r.stepped_over) > 3 + 1e-2 * double(r.rays))
+            failures["the brute force steps over roots too often"]++;
     }
     std::printf("\n1 / F: %ld poles, each asked in eight ways\n", of_poles);
     if (!left_out.empty()) std::printf("\nleft out, no such eye found in the slice:\n%s", left_out.c_str());

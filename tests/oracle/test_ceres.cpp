@@ -39,7 +39,8 @@ void print(const test_case &t, const sgt_hit &h)
 {
     std::printf("    --replay \"");
     print_case(stdout, t);
-    std::printf("\"\n    %s t %.17g (%a) t_err %.3g p %a %a %a n %a %a %a\n", sgt_status_text(h.status), h.t, h.t, h.t_err, h.p.x, h.p.y, h.p.z, h.n.x, h.n.y, h.n.z);
+    std::printf("\"\n    %s t %.17g (%a) t_err %.3g p %a %a %a n %a %a %a\n", sgt_status_text(h.status), h.t,
+                h.t, h.t_err, h.p.x, h.p.y, h.p.z, h.n.x, h.n.y, h.n.z);
 }
 
 void fail(const char *why, const std::string &where, const test_case &t, const sgt_hit &h, double number)
@@ -69,7 +70,10 @@ struct noise {
 noise noise_at(const sgt_asphere &s, const sgt_vec3 &p)
 {
     const double r2 = p.x * p.x + p.y * p.y, u = 1 - (1 + s.k) * s.c * s.c * r2;
-    double terms = std::fabs(p.z) + std::fabs(s.c) * r2 * (1 + std::fabs((1 + s.k) * s.c * s.c * r2) / std::max(u, DBL_EPSILON)), power = r2;
+    double terms = std::fabs(p.z) +
+                   std::fabs(s.c) * r2 *
+                       (1 + std::fabs((1 + s.k) * s.c * s.c * r2) / std::max(u, DBL_EPSILON)),
+           power = r2;
     for (double a : s.a) {
         terms += std::fabs(a) * power * 9;
         power *= r2;
@@ -120,7 +124,8 @@ double whole_solve(const residual &r, double tau)
 {
     double x = tau / r.unit;
     ceres::Problem problem;
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<defined_residual, 1, 1>(new defined_residual(r)), nullptr, &x);
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<defined_residual, 1, 1>(new defined_residual(r)),
+                             nullptr, &x);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_QR;
     options.logging_type = ceres::SILENT;
@@ -153,7 +158,9 @@ void check_gradient(const std::string &where, const test_case &t, const sgt_hit 
     }
     // What the terms of the slope lose by rounding; 1/u is the base conic's condition.
     const double r2 = h.p.x * h.p.x + h.p.y * h.p.y;
-    double slope = std::fabs(t.surface.c) / std::sqrt(n.u) * (1 + (1 + std::fabs((1 + t.surface.k) * t.surface.c * t.surface.c * r2)) / n.u), power = 1;
+    double slope = std::fabs(t.surface.c) / std::sqrt(n.u) *
+                   (1 + (1 + std::fabs((1 + t.surface.k) * t.surface.c * t.surface.c * r2)) / n.u),
+           power = 1;
     for (int i = 0; i < 8; i++) {
         slope += 20 * (i + 1) * std::fabs(t.surface.a[i]) * power;
         power *= r2;
@@ -164,7 +171,8 @@ void check_gradient(const std::string &where, const test_case &t, const sgt_hit 
     sgt_vec3 g = {NAN, NAN, NAN};
     const double value = s.ops->value(s.self, h.p, &g);
     auto compare = [&](const char *which, const sgt_vec3 &v) {
-        const double off = std::max({std::fabs(v.x - f.v[0]), std::fabs(v.y - f.v[1]), std::fabs(v.z - f.v[2])});
+        const double off = std::max(
+            {std::fabs(v.x - f.v[0]), std::fabs(v.y - f.v[1]), std::fabs(v.z - f.v[2])});
         if (!(off <= allowed)) fail(which, where, t, h, off / allowed);
     };
     compare("gradient of the hit", h.n);
@@ -182,13 +190,19 @@ moved move(const test_case &t, double t0)
 {
     const sgt_ray &r = t.ray;
     const double length = std::sqrt(r.d.x * r.d.x + r.d.y * r.d.y + r.d.z * r.d.z);
-    return {t0, {&t.surface, {std::fma(t0, r.d.x, r.o.x), std::fma(t0, r.d.y, r.o.y), std::fma(t0, r.d.z, r.o.z)}, r.d, t.h, t.h / length}};
+    return {t0,
+            {&t.surface,
+             {std::fma(t0, r.d.x, r.o.x), std::fma(t0, r.d.y, r.o.y), std::fma(t0, r.d.z, r.o.z)},
+             r.d,
+             t.h,
+             t.h / length}};
 }
 
 typedef double solver(const residual &, double);
 
 // Solves from tau and judges where it ends.  `own`: it must end at the hit's root.
-void solve(const std::string &where, const test_case &t, const sgt_hit &h, const moved &m, double tau, solver *by, bool own)
+void solve(const std::string &where, const test_case &t, const sgt_hit &h, const moved &m, double tau,
+           solver *by, bool own)
 {
     const double end = by(m.r, tau);
     counted["solved again"]++;
@@ -200,8 +214,10 @@ void solve(const std::string &where, const test_case &t, const sgt_hit &h, const
     jet f, at(end / r.unit, 0);
     r(&at, &f);
     f *= r.size;
-    const double slope = std::fabs(f.v[0]) / r.unit, length = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z);
-    const double moving = DBL_EPSILON * (std::fabs(r.o.x) + std::fabs(r.o.y) + std::fabs(r.o.z) + 3 * length * std::fabs(end));
+    const double slope = std::fabs(f.v[0]) / r.unit,
+                 length = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z);
+    const double moving = DBL_EPSILON * (std::fabs(r.o.x) + std::fabs(r.o.y) + std::fabs(r.o.z) +
+                                         3 * length * std::fabs(end));
     if (!(n.u > 1e-8)) {
         counted["... left out, at the rim of the domain"]++;
         return;
@@ -240,7 +256,8 @@ void solve(const std::string &where, const test_case &t, const sgt_hit &h, const
     ends_of(ray, &tmin, &tmax);
     const double here = m.t0 + end, start = 1e-12 * (size + std::fabs(here)) + 1e3 * wide;
     const bool counts = here > tmin + start && here < tmax - start;
-    if (counts && (h.status == SGT_MISS || (h.status > 0 && here < h.t - h.t_err - wide - start))) fail("Ceres found a root before the first", where, t, h, here);
+    if (counts && (h.status == SGT_MISS || (h.status > 0 && here < h.t - h.t_err - wide - start)))
+        fail("Ceres found a root before the first", where, t, h, here);
     sgt_ray part = ray;
     const double reach = 4 * wide + 4 * DBL_EPSILON * std::fabs(here) + start;
     part.tmin = here - reach;
@@ -265,7 +282,8 @@ void again(const std::string &where, const test_case &t, const sgt_hit &h, gener
     const double length = std::sqrt(r.d.x * r.d.x + r.d.y * r.d.y + r.d.z * r.d.z), size = t.h / length;
     if (h.status > 0) check_gradient(where, t, h);
     double vertex = -r.o.z / r.d.z;
-    if (!(std::fabs(r.d.z) > 1e-3 * length)) vertex = -(r.o.x * r.d.x + r.o.y * r.d.y + r.o.z * r.d.z) / (length * length);
+    if (!(std::fabs(r.d.z) > 1e-3 * length))
+        vertex = -(r.o.x * r.d.x + r.o.y * r.d.y + r.o.z * r.d.z) / (length * length);
     const moved plane = move(t, vertex);
     solve(where, t, h, plane, 0, by, false);
     solve(where, t, h, plane, size * g.uniform(-1, 1), by, false);
@@ -288,14 +306,16 @@ void hard_ones(const std::string &folder, generator &g)
         t.asphere = has_terms(c.surface);
         t.ray = c.ray;
         sgt_hit h = ask(t, c.ray, SGT_FIRST);
-        const double length = std::sqrt(c.ray.d.x * c.ray.d.x + c.ray.d.y * c.ray.d.y + c.ray.d.z * c.ray.d.z);
+        const double length = std::sqrt(c.ray.d.x * c.ray.d.x + c.ray.d.y * c.ray.d.y +
+                                        c.ray.d.z * c.ray.d.z);
         t.h = h.status > 0 ? std::max(1e-3, std::sqrt(h.p.x * h.p.x + h.p.y * h.p.y)) : 1;
         for (int i = 0; i < 4; i++) again(c.id, t, h, g, whole_solve);
         // Each listed root, from beside it.
         for (const decimal &root : c.roots) {
             const moved m = move(t, root.hi);
             const double end = whole_solve(m.r, 1e-5 * t.h / length);
-            if (!(std::fabs(end - root.minus(m.t0)) <= 1e-9 * (1 + t.h / length))) fail("Ceres does not confirm a listed root", c.id, t, h, end);
+            if (!(std::fabs(end - root.minus(m.t0)) <= 1e-9 * (1 + t.h / length)))
+                fail("Ceres does not confirm a listed root", c.id, t, h, end);
             counted["listed roots solved again"]++;
         }
     }
@@ -316,12 +336,17 @@ void reference_ones(const std::string &folder)
             test_case t = {};
             t.surface = l.aspheres[e];
             t.asphere = has_terms(t.surface);
-            const sgt_vec3 before = surf > 1 ? l.elements[e - 1].pose.origin : sgt_vec3{0, 0, 0}, here = l.elements[e].pose.origin;
+            const sgt_vec3 before = surf > 1 ? l.elements[e - 1].pose.origin : sgt_vec3{0, 0, 0},
+                           here = l.elements[e].pose.origin;
             const sgt_vec3 p = rays.vector(i - 1, "x", "y", "z"), want = rays.vector(i, "x", "y", "z");
-            t.ray = sgt_ray{{p.x + (before.x - here.x), p.y + (before.y - here.y), p.z + (before.z - here.z)}, rays.vector(i - 1, "l", "m", "n"), -HUGE_VAL, HUGE_VAL};
+            t.ray = sgt_ray{{p.x + (before.x - here.x), p.y + (before.y - here.y), p.z + (before.z - here.z)},
+                            rays.vector(i - 1, "l", "m", "n"),
+                            -HUGE_VAL,
+                            HUGE_VAL};
             t.h = std::max(1e-3, std::sqrt(want.x * want.x + want.y * want.y));
             const sgt_hit h = ask(t, t.ray, SGT_NEAR_SEED);
-            const std::string where = std::string(name) + " ray " + rays.cell(i, "ray") + " surface " + rays.cell(i, "surf");
+            const std::string where = std::string(name) + " ray " + rays.cell(i, "ray") + " surface " +
+                                      rays.cell(i, "surf");
             if (h.status > 0) check_gradient(where, t, h);
             const moved m = move(t, -t.ray.o.z / t.ray.d.z);
             for (double seed : {0.0, want.z / t.ray.d.z * 0.9}) {
@@ -331,11 +356,16 @@ void reference_ones(const std::string &folder)
             // Begun a little beside it, Ceres must end at the very point of the reference.
             const double end = whole_solve(m.r, (want.z - m.r.o.z) / t.ray.d.z + 1e-4 * t.h);
             const residual &r = m.r;
-            const double off = std::max({std::fabs(r.o.x + end * r.d.x - want.x), std::fabs(r.o.y + end * r.d.y - want.y), std::fabs(r.o.z + end * r.d.z - want.z)});
-            if (!(off <= 1e-12 * l.length)) fail("Ceres does not confirm a reference point", where, t, h, off);
+            const double off = std::max({std::fabs(r.o.x + end * r.d.x - want.x),
+                                         std::fabs(r.o.y + end * r.d.y - want.y),
+                                         std::fabs(r.o.z + end * r.d.z - want.z)});
+            if (!(off <= 1e-12 * l.length))
+                fail("Ceres does not confirm a reference point", where, t, h, off);
             if (rays.whole(i, "nroots") == 1) {
-                const double apart = std::max({std::fabs(h.p.x - want.x), std::fabs(h.p.y - want.y), std::fabs(h.p.z - want.z)});
-                if (!(h.status > 0 && apart <= 1e-12 * l.length)) fail("sgt_intersect does not confirm a reference point", where, t, h, apart);
+                const double apart = std::max(
+                    {std::fabs(h.p.x - want.x), std::fabs(h.p.y - want.y), std::fabs(h.p.z - want.z)});
+                if (!(h.status > 0 && apart <= 1e-12 * l.length))
+                    fail("sgt_intersect does not confirm a reference point", where, t, h, apart);
             }
             counted["reference roots solved again"]++;
         }
@@ -349,7 +379,8 @@ void fail_on(const char *why, const level &f, const sgt_ray &r, const sgt_hit &h
     if (failed[why]++ >= 5) return;
     std::printf("FAIL %s: %.17g\n", why, number);
     print_level(f);
-    std::printf("    o %a %a %a d %a %a %a\n    %s t %.17g t_err %.3g\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, sgt_status_text(h.status), h.t, h.t_err);
+    std::printf("    o %a %a %a d %a %a %a\n    %s t %.17g t_err %.3g\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y,
+                r.d.z, sgt_status_text(h.status), h.t, h.t_err);
 }
 
 // F on the ray moved to t0; the parameter is in units of `unit`.
@@ -380,7 +411,8 @@ double level_solve(const level_residual &r, double tau, bool whole)
     }
     double x = tau / r.unit;
     ceres::Problem problem;
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<level_residual, 1, 1>(new level_residual(r)), nullptr, &x);
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<level_residual, 1, 1>(new level_residual(r)),
+                             nullptr, &x);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_QR;
     options.logging_type = ceres::SILENT;
@@ -406,9 +438,11 @@ level_point at_point(const level &f, const sgt_vec3 &p)
     for (int n = 1; n <= f.s.iterations; n++) {
         int reached;
         const quaternion<jet> q = orbit(f, in_slice(f, x, y, z), n, 1e30, &reached);
-        growth = std::max(growth, std::sqrt(q.a.v.squaredNorm() + q.b.v.squaredNorm() + q.c.v.squaredNorm() + q.d.v.squaredNorm()));
+        growth = std::max(growth, std::sqrt(q.a.v.squaredNorm() + q.b.v.squaredNorm() + q.c.v.squaredNorm() +
+                                            q.d.v.squaredNorm()));
     }
-    return {level_value(f, x, y, z), 16 * DBL_EPSILON * (f.s.iterations + 1) * std::max(1.0, growth / axis_length(f))};
+    return {level_value(f, x, y, z),
+            16 * DBL_EPSILON * (f.s.iterations + 1) * std::max(1.0, growth / axis_length(f))};
 }
 
 void level_ones(long count, generator &g)
@@ -420,51 +454,75 @@ void level_ones(long count, generator &g)
         const sgt_surface s = as_surface(f, &m);
         const sgt_ray ray = random_ray(g, f);
         const int n = sgt_intersect_all(s, ray, 4000, list, nullptr);
-        const double length = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z), size = 1 / axis_length(f) / length;
-        const auto moved_to = [&](double t) { return level_residual{&f, {std::fma(t, ray.d.x, ray.o.x), std::fma(t, ray.d.y, ray.o.y), std::fma(t, ray.d.z, ray.o.z)}, ray.d, size}; };
+        const double length = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z),
+                     size = 1 / axis_length(f) / length;
+        const auto moved_to = [&](double t) {
+            return level_residual{
+                &f,
+                {std::fma(t, ray.d.x, ray.o.x), std::fma(t, ray.d.y, ray.o.y), std::fma(t, ray.d.z, ray.o.z)},
+                ray.d,
+                size};
+        };
         // Where it ends: a root, and if so how well Ceres can tell (of t)?
         const auto wide_of = [&](double t0, double end) {
             const level_residual r = moved_to(t0);
-            const level_point p = at_point(f, {r.o.x + end * r.d.x, r.o.y + end * r.d.y, r.o.z + end * r.d.z});
+            const level_point p = at_point(f,
+                                           {r.o.x + end * r.d.x, r.o.y + end * r.d.y, r.o.z + end * r.d.z});
             const double slope = std::fabs(p.f.v[0] * ray.d.x + p.f.v[1] * ray.d.y + p.f.v[2] * ray.d.z);
-            const double place = DBL_EPSILON * (std::fabs(r.o.x) + std::fabs(r.o.y) + std::fabs(r.o.z)) * std::sqrt(p.f.v.squaredNorm());
+            const double place = DBL_EPSILON * (std::fabs(r.o.x) + std::fabs(r.o.y) + std::fabs(r.o.z)) *
+                                 std::sqrt(p.f.v.squaredNorm());
             return std::fabs(p.f.a) <= 4 * (p.noise + place) ? 8 * (p.noise + place) / slope : HUGE_VAL;
         };
         for (int k = 0; k < n && k < 8; k++) {
             const sgt_hit &h = list[k];
             if (h.status != SGT_HIT) continue;
             const level_point p = at_point(f, h.p);
-            const double off = std::sqrt((p.f.v[0] - h.n.x) * (p.f.v[0] - h.n.x) + (p.f.v[1] - h.n.y) * (p.f.v[1] - h.n.y) + (p.f.v[2] - h.n.z) * (p.f.v[2] - h.n.z));
+            const double off = std::sqrt((p.f.v[0] - h.n.x) * (p.f.v[0] - h.n.x) +
+                                         (p.f.v[1] - h.n.y) * (p.f.v[1] - h.n.y) +
+                                         (p.f.v[2] - h.n.z) * (p.f.v[2] - h.n.z));
             const double gradient = std::sqrt(p.f.v.squaredNorm());
-            if (!(off <= (1e-12 + 4 * p.noise) * gradient)) fail_on("level set: gradient of the hit", f, ray, h, off / gradient);
+            if (!(off <= (1e-12 + 4 * p.noise) * gradient))
+                fail_on("level set: gradient of the hit", f, ray, h, off / gradient);
             // From beside it, not as far as its neighbours.
             double room = size;
             for (int j = 0; j < n; j++)
                 if (j != k) room = std::min(room, std::fabs(list[j].t - h.t));
-            const double end = level_solve(moved_to(h.t), 1e-4 * room * g.sign(), k == 0), wide = wide_of(h.t, end);
+            const double end = level_solve(moved_to(h.t), 1e-4 * room * g.sign(), k == 0),
+                         wide = wide_of(h.t, end);
             counted["level sets: solved again"]++;
             if (!(wide <= 1e-6 * size)) counted["level sets: ... that end in no root, or a graze"]++;
             else if (std::fabs(end) <= h.t_err + wide) counted["level sets: ... at the root of the hit"]++;
-            else if (std::fabs(end) < 0.01 * room) fail_on("level set: Ceres does not confirm a root", f, ray, h, end);
+            else if (std::fabs(end) < 0.01 * room)
+                fail_on("level set: Ceres does not confirm a root", f, ray, h, end);
             else counted["level sets: ... that leave the root they began beside"]++;
         }
         // From anywhere on the ray's way through the ball.
-        const double nearest = -(ray.o.x * ray.d.x + ray.o.y * ray.d.y + ray.o.z * ray.d.z) / (length * length);
+        const double nearest = -(ray.o.x * ray.d.x + ray.o.y * ray.d.y + ray.o.z * ray.d.z) /
+                               (length * length);
         for (int k = 0; k < 3; k++) {
-            const double t0 = nearest + size * g.uniform(-1.5, 1.5), end = level_solve(moved_to(t0), 0, false), t = t0 + end, wide = wide_of(t0, end);
+            const double t0 = nearest + size * g.uniform(-1.5, 1.5),
+                         end = level_solve(moved_to(t0), 0, false), t = t0 + end, wide = wide_of(t0, end);
             counted["level sets: solved from elsewhere"]++;
             if (!(wide <= 1e-6 * size) || t <= 1e-6 * size) {
                 counted["level sets: ... that end in no root, or a graze, or behind the start"]++;
                 continue;
             }
             bool known = false;
-            for (int j = 0; j < n; j++) known = known || (list[j].status > 0 ? std::fabs(list[j].t - t) <= list[j].t_err + wide + 4 * DBL_EPSILON * std::fabs(t) : list[j].lo <= t + wide && list[j].hi >= t - wide);
-            if (!known) fail_on("level set: a root of Ceres' that is in no entry", f, ray, n ? list[0] : sgt_hit(), t);
+            for (int j = 0; j < n; j++)
+                known = known ||
+                        (list[j].status > 0 ? std::fabs(list[j].t - t) <=
+                                                  list[j].t_err + wide + 4 * DBL_EPSILON * std::fabs(t)
+                                            : list[j].lo <= t + wide && list[j].hi >= t - wide);
+            if (!known)
+                fail_on("level set: a root of Ceres' that is in no entry", f, ray, n ? list[0] : sgt_hit(),
+                        t);
             counted["level sets: ... at a root of the list"]++;
         }
     }
-    if (counted["level sets: ... at the root of the hit"] < count / 4) failed["too few roots of level sets confirmed"]++;
-    if (counted["level sets: ... at a root of the list"] < count / 4) failed["too few roots of level sets found again"]++;
+    if (counted["level sets: ... at the root of the hit"] < count / 4)
+        failed["too few roots of level sets confirmed"]++;
+    if (counted["level sets: ... at a root of the list"] < count / 4)
+        failed["too few roots of level sets found again"]++;
 }
 
 } // namespace

@@ -13,7 +13,8 @@ static int failures;
 static void fail(const std::string &id, const char *how, const char *why, const sgt_hit &h)
 {
     failures++;
-    std::printf("FAIL %s %s: %s; %s t %.17g t_err %.3g evals %d\n", id.c_str(), how, why, sgt_status_text(h.status), h.t, h.t_err, h.evals);
+    std::printf("FAIL %s %s: %s; %s t %.17g t_err %.3g evals %d\n", id.c_str(), how, why,
+                sgt_status_text(h.status), h.t, h.t_err, h.evals);
 }
 
 static void walk(const hard_case &c, const char *how, sgt_surface s, bool asphere)
@@ -23,13 +24,15 @@ static void walk(const hard_case &c, const char *how, sgt_surface s, bool aspher
     for (const decimal &root : c.roots) {
         const sgt_hit h = sgt_intersect(s, ray, nullptr);
         if (!(h.status > 0)) return fail(c.id, how, "not met", h);
-        if (!(std::fabs(root.minus(h.t)) <= h.t_err + 1e-29 * std::fabs(root.hi))) return fail(c.id, how, "not the first root, or t_err is no bound", h);
+        if (!(std::fabs(root.minus(h.t)) <= h.t_err + 1e-29 * std::fabs(root.hi)))
+            return fail(c.id, how, "not the first root, or t_err is no bound", h);
         if (!(h.t_err <= 1e-6 * std::max(1.0, std::fabs(h.t)))) return fail(c.id, how, "t_err is large", h);
         if (!(h.t > before)) return fail(c.id, how, "no progress", h);
         before = ray.tmin = h.t; // the next one, from here
     }
     const sgt_hit h = sgt_intersect(s, ray, nullptr);
-    if (h.status == SGT_MISS || (asphere && h.status < 0 && h.status != SGT_INVALID)) return; // a missed asphere needs a proof
+    if (h.status == SGT_MISS || (asphere && h.status < 0 && h.status != SGT_INVALID))
+        return; // a missed asphere needs a proof
     fail(c.id, how, c.roots.empty() ? "a miss is wanted" : "a root after the last", h);
 }
 
@@ -49,15 +52,18 @@ static void catalogue(const table &t, std::size_t row)
     for (int i = 0; i < count && i < MOST; i++) {
         if (entry[i].status < 0) continue; // what cannot be told; a root is missed only if none is met there
         if (met == roots.size()) return fail(id, "in the list", "more roots than there are", entry[i]);
-        if (!(std::fabs(roots[met].minus(entry[i].t)) <= entry[i].t_err)) return fail(id, "in the list", "t_err is no bound", entry[i]);
-        if (!(entry[i].t_err <= 1e-6 * std::max(1.0, std::fabs(entry[i].t)))) return fail(id, "in the list", "t_err is large", entry[i]);
+        if (!(std::fabs(roots[met].minus(entry[i].t)) <= entry[i].t_err))
+            return fail(id, "in the list", "t_err is no bound", entry[i]);
+        if (!(entry[i].t_err <= 1e-6 * std::max(1.0, std::fabs(entry[i].t))))
+            return fail(id, "in the list", "t_err is large", entry[i]);
         met++;
     }
     if (met != roots.size()) return fail(id, "in the list", "a root is missing", entry[0]);
     for (const decimal &root : roots) {
         const sgt_hit h = sgt_intersect(s.surface, ray, nullptr);
         if (!(h.status > 0)) return fail(id, "one by one", "not met", h);
-        if (!(std::fabs(root.minus(h.t)) <= h.t_err)) return fail(id, "one by one", "not the first root, or t_err is no bound", h);
+        if (!(std::fabs(root.minus(h.t)) <= h.t_err))
+            return fail(id, "one by one", "not the first root, or t_err is no bound", h);
         if (!(h.t > ray.tmin)) return fail(id, "one by one", "no progress", h);
         ray.tmin = h.t;
     }

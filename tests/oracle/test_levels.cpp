@@ -29,12 +29,15 @@ bool first_of(const std::string &why) { return failed[why]++ < 4; }
 
 void print_ray(const sgt_ray &r)
 {
-    std::printf("    o {%a, %a, %a} d {%a, %a, %a} tmin %a tmax %a\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax);
+    std::printf("    o {%a, %a, %a} d {%a, %a, %a} tmin %a tmax %a\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y,
+                r.d.z, r.tmin, r.tmax);
 }
 void print_hit(const sgt_hit &h)
 {
-    std::printf("    %s t %.17g t_lo %.3g t_err %.3g lo %.17g hi %.17g evals %d p %a %a %a p_err %.3g n %.9g %.9g %.9g f %.3g\n", sgt_status_text(h.status), h.t,
-                h.t_lo, h.t_err, h.lo, h.hi, h.evals, h.p.x, h.p.y, h.p.z, h.p_err, h.n.x, h.n.y, h.n.z, h.f);
+    std::printf("    %s t %.17g t_lo %.3g t_err %.3g lo %.17g hi %.17g evals %d p %a %a %a p_err %.3g n %.9g "
+                "%.9g %.9g f %.3g\n",
+                sgt_status_text(h.status), h.t, h.t_lo, h.t_err, h.lo, h.hi, h.evals, h.p.x, h.p.y, h.p.z,
+                h.p_err, h.n.x, h.n.y, h.n.z, h.f);
 }
 void fail_at(const std::string &why, const level &f, const sgt_vec3 &p, double number)
 {
@@ -76,7 +79,9 @@ matrix product(const matrix &a, const matrix &b)
 {
     matrix r;
     for (int i = 0; i < 4; i++)
-        for (int j = 0; j < 4; j++) r.m[i][j] = a.m[i][0] * b.m[0][j] + a.m[i][1] * b.m[1][j] + a.m[i][2] * b.m[2][j] + a.m[i][3] * b.m[3][j];
+        for (int j = 0; j < 4; j++)
+            r.m[i][j] = a.m[i][0] * b.m[0][j] + a.m[i][1] * b.m[1][j] + a.m[i][2] * b.m[2][j] +
+                        a.m[i][3] * b.m[3][j];
     return r;
 }
 matrix from_left(const quaternion<quad> &q) // q h
@@ -112,7 +117,8 @@ struct recursion {
 recursion by_recursion(const level &f, const vector3 &p, generator *shake)
 {
     const double u = 0x1p-51;
-    const quaternion<quad> point = in_slice(f, p.x, p.y, p.z), c = f.mandelbrot ? point : constant<quad>(f.s.c);
+    const quaternion<quad> point = in_slice(f, p.x, p.y, p.z),
+                           c = f.mandelbrot ? point : constant<quad>(f.s.c);
     const quad size = square_root(dot(c, c));
     quaternion<quad> q = point;
     matrix t = identity;
@@ -144,7 +150,9 @@ recursion by_recursion(const level &f, const vector3 &p, generator *shake)
         g.x += along * f.s.ex[j], g.y += along * f.s.ey[j], g.z += along * f.s.ez[j];
     }
     const quad chain = 2 / (e * e * (v + 1) * (v + 1));
-    return {(v - 1) / (v + 1), {chain * g.x, chain * g.y, chain * g.z}, to_double(square_root(greatest)) * axis_length(f)};
+    return {(v - 1) / (v + 1),
+            {chain * g.x, chain * g.y, chain * g.z},
+            to_double(square_root(greatest)) * axis_length(f)};
 }
 
 vector3 widen(const sgt_vec3 &p) { return {p.x, p.y, p.z}; }
@@ -163,7 +171,8 @@ quad exact_g(const level &f, const sgt_ray &r, quad t)
 double blur_of(const level &f, const vector3 &p, const recursion &exact, generator &g)
 {
     double blur = 0;
-    for (int i = 0; i < 3; i++) blur = std::max(blur, to_double(norm(minus(by_recursion(f, p, &g).gradient, exact.gradient))));
+    for (int i = 0; i < 3; i++)
+        blur = std::max(blur, to_double(norm(minus(by_recursion(f, p, &g).gradient, exact.gradient))));
     return 4 * blur;
 }
 
@@ -200,7 +209,9 @@ void values(generator &g, long count)
         if (!(own >= 0 && own < HUGE_VAL)) fail_at("rounding is no bound", f, p, own);
         if (!(off <= own)) fail_at("F is off by more than its rounding", f, p, off / own);
         ratios["rounding / max(error of F, 2^-54)"].push_back(own / std::max(off, 0x1p-54));
-        if (std::fabs(v) > 1e-3) counted[own < std::fabs(v) ? "values whose sign rounding leaves certain" : "values whose sign rounding leaves open"]++;
+        if (std::fabs(v) > 1e-3)
+            counted[own < std::fabs(v) ? "values whose sign rounding leaves certain"
+                                       : "values whose sign rounding leaves open"]++;
         if (s.ops->clearance) {
             const double clear = s.ops->clearance(s.self, p);
             for (int k = 0; k < 8 && clear > 0 && clear < HUGE_VAL; k++) { // nowhere else a sign, so near
@@ -223,7 +234,8 @@ void values(generator &g, long count)
             sgt_mandelbrot m2;
             const sgt_surface s2 = as_surface(by_default, &m2);
             const double v2 = s2.ops->value(s2.self, p, nullptr);
-            if (!(std::fabs(v2 - v) <= 2 * own + 0x1p-48)) fail_at("another F by default of escape", f, p, v2 - v);
+            if (!(std::fabs(v2 - v) <= 2 * own + 0x1p-48))
+                fail_at("another F by default of escape", f, p, v2 - v);
             counted["values by default of escape"]++;
         }
         counted["values"]++;
@@ -245,16 +257,20 @@ void gradients(generator &g, long count)
         // Central differences of F, with steps h and h/2, extrapolated (Richardson 1911).
         const double h = std::ldexp(1, std::ilogb(1e-6 / r.growth));
         const auto difference = [&](double x, double y, double z) {
-            return (exact_f(f, {q.x + x, q.y + y, q.z + z}) - exact_f(f, {q.x - x, q.y - y, q.z - z})) / (2 * (quad(x) + y + z));
+            return (exact_f(f, {q.x + x, q.y + y, q.z + z}) - exact_f(f, {q.x - x, q.y - y, q.z - z})) /
+                   (2 * (quad(x) + y + z));
         };
         const vector3 whole = {difference(h, 0, 0), difference(0, h, 0), difference(0, 0, h)};
         const vector3 half = {difference(h / 2, 0, 0), difference(0, h / 2, 0), difference(0, 0, h / 2)};
-        const vector3 best = {half.x + (half.x - whole.x) / 3, half.y + (half.y - whole.y) / 3, half.z + (half.z - whole.z) / 3};
+        const vector3 best = {half.x + (half.x - whole.x) / 3, half.y + (half.y - whole.y) / 3,
+                              half.z + (half.z - whole.z) / 3};
         const quad doubt = norm(minus(best, half)) + quad(1e-28) * r.growth;
         if (!(size > quad(1e-6) * axis_length(f))) counted["gradients: small"]++;
         else if (doubt > quad(1e-10) * size) counted["gradients: no differences to compare with"]++;
         else {
-            if (!(norm(minus(best, r.gradient)) <= 4 * doubt)) fail_at("the oracle's two gradients differ", f, p, to_double(norm(minus(best, r.gradient)) / size));
+            if (!(norm(minus(best, r.gradient)) <= 4 * doubt))
+                fail_at("the oracle's two gradients differ", f, p,
+                        to_double(norm(minus(best, r.gradient)) / size));
             counted["gradients: recursion and differences agree"]++;
         }
 
@@ -262,17 +278,21 @@ void gradients(generator &g, long count)
         const double v = s.ops->value(s.self, p, &n), bare = s.ops->value(s.self, p, nullptr);
         if (v != bare) fail_at("another F with the gradient", f, p, v - bare);
         // (F may be 1 to the last bit where its gradient is not quite zero yet)
-        const double blur = blur_of(f, q, r, g), off = to_double(norm(minus(widen(n), r.gradient))), tiny = 0x1p-60 * r.growth;
+        const double blur = blur_of(f, q, r, g), off = to_double(norm(minus(widen(n), r.gradient))),
+                     tiny = 0x1p-60 * r.growth;
         if (!(off <= 1e-9 * to_double(size) + blur + tiny)) fail_at("gradient", f, p, off / to_double(size));
         if (blur <= 1e-9 * to_double(size) && tiny <= 1e-10 * to_double(size)) {
-            if (doubt <= quad(1e-10) * size
-                && !(off <= 1e-9 * to_double(norm(best)))) fail_at("gradient against differences, 1e-9", f, p, off / to_double(size));
-            if (!(off <= 1e-9 * to_double(size))) fail_at("gradient against the recursion, 1e-9", f, p, off / to_double(size));
+            if (doubt <= quad(1e-10) * size && !(off <= 1e-9 * to_double(norm(best))))
+                fail_at("gradient against differences, 1e-9", f, p, off / to_double(size));
+            if (!(off <= 1e-9 * to_double(size)))
+                fail_at("gradient against the recursion, 1e-9", f, p, off / to_double(size));
             counted["gradients: to 1e-9"]++;
         } else counted["gradients: no double could be true to 1e-9"]++;
     }
-    if (double(counted["gradients: no differences to compare with"]) > 0.02 * double(count)) failed["too few gradients compared with differences"]++;
-    if (double(counted["gradients: to 1e-9"]) < 0.5 * double(count)) failed["too few gradients compared to 1e-9"]++;
+    if (double(counted["gradients: no differences to compare with"]) > 0.02 * double(count))
+        failed["too few gradients compared with differences"]++;
+    if (double(counted["gradients: to 1e-9"]) < 0.5 * double(count))
+        failed["too few gradients compared to 1e-9"]++;
 }
 
 // ------------------------------------------------------------- the potential
@@ -290,7 +310,8 @@ struct escaping {
 };
 escaping by_orbit(const level &f, const sgt_vec3 &p, const sgt_vec3 &d, generator *shake)
 {
-    const quaternion<pair> point = in_slice(f, pair(p.x, d.x), pair(p.y, d.y), pair(p.z, d.z)), c = f.mandelbrot ? point : constant<pair>(f.s.c);
+    const quaternion<pair> point = in_slice(f, pair(p.x, d.x), pair(p.y, d.y), pair(p.z, d.z)),
+                           c = f.mandelbrot ? point : constant<pair>(f.s.c);
     quaternion<pair> q = point;
     quad scale = 1;
     int n = f.mandelbrot;
@@ -298,8 +319,10 @@ escaping by_orbit(const level &f, const sgt_vec3 &p, const sgt_vec3 &d, generato
     for (;; n++, scale *= f.s.power) {
         if (shake) {
             const quad by = quad(0x1p-51) * (square_root(dot(q, q).v) + square_root(dot(c, c).v));
-            const quad turn = quad(0x1p-51) * square_root(q.a.d * q.a.d + q.b.d * q.b.d + q.c.d * q.c.d + q.d.d * q.d.d);
-            for (pair *x : {&q.a, &q.b, &q.c, &q.d}) *x = *x + pair(by * shake->uniform(-1, 1), turn * shake->uniform(-1, 1));
+            const quad turn = quad(0x1p-51) *
+                              square_root(q.a.d * q.a.d + q.b.d * q.b.d + q.c.d * q.c.d + q.d.d * q.d.d);
+            for (pair *x : {&q.a, &q.b, &q.c, &q.d})
+                *x = *x + pair(by * shake->uniform(-1, 1), turn * shake->uniform(-1, 1));
         }
         if (n >= 200 || dot(q, q).v > quad(0x1p64)) break;
         q = power(q, f.s.power) + c;
@@ -333,10 +356,12 @@ void potentials(generator &g, long count)
         for (int k = 0; k < 6; k++) {
             const escaping e = by_orbit(f, p, d, &g);
             told = told && e.escapes == exact.escapes;
-            blur = std::max(blur, 4 * std::fabs(e.value - exact.value)), blur_slope = std::max(blur_slope, 4 * std::fabs(e.slope - exact.slope));
+            blur = std::max(blur, 4 * std::fabs(e.value - exact.value)),
+            blur_slope = std::max(blur_slope, 4 * std::fabs(e.slope - exact.slope));
         }
         // An orbit that stays may be let go by few of the ways to round it.
-        for (int k = 0; told && !exact.escapes && v != 0 && k < 1000; k++) told = !by_orbit(f, p, d, &g).escapes;
+        for (int k = 0; told && !exact.escapes && v != 0 && k < 1000; k++)
+            told = !by_orbit(f, p, d, &g).escapes;
         if (v != bare) fail_at("another potential with the gradient", f, p, v - bare);
         if (!(v >= 0 && v < HUGE_VAL && std::isfinite(grad.x) && std::isfinite(grad.y)
             && std::isfinite(grad.z))) fail_at("the potential is no number", f, p, v);
@@ -345,16 +370,21 @@ void potentials(generator &g, long count)
             continue;
         }
         if (!exact.escapes) {
-            if (!(v == 0 && grad.x == 0 && grad.y == 0 && grad.z == 0)) fail_at("a potential where the orbit stays", f, p, v);
+            if (!(v == 0 && grad.x == 0 && grad.y == 0 && grad.z == 0))
+                fail_at("a potential where the orbit stays", f, p, v);
             counted["potentials: of orbits that stay"]++;
             continue;
         }
-        const double slope = grad.x * d.x + grad.y * d.y + grad.z * d.z, size = std::max({std::fabs(grad.x), std::fabs(grad.y), std::fabs(grad.z)});
-        if (!(std::fabs(v - exact.value) <= 1e-13 * exact.value + blur)) fail_at("potential", f, p, v / exact.value - 1);
-        if (!(std::fabs(slope - exact.slope) <= 1e-12 * size + blur_slope)) fail_at("gradient of the potential", f, p, (slope - exact.slope) / size);
+        const double slope = grad.x * d.x + grad.y * d.y + grad.z * d.z,
+                     size = std::max({std::fabs(grad.x), std::fabs(grad.y), std::fabs(grad.z)});
+        if (!(std::fabs(v - exact.value) <= 1e-13 * exact.value + blur))
+            fail_at("potential", f, p, v / exact.value - 1);
+        if (!(std::fabs(slope - exact.slope) <= 1e-12 * size + blur_slope))
+            fail_at("gradient of the potential", f, p, (slope - exact.slope) / size);
         counted[blur <= 1e-9 * exact.value ? "potentials: to 1e-9" : "potentials: as far as doubles tell"]++;
     }
-    if (double(counted["potentials: to 1e-9"]) < 0.4 * double(count)) failed["too few potentials compared to 1e-9"]++;
+    if (double(counted["potentials: to 1e-9"]) < 0.4 * double(count))
+        failed["too few potentials compared to 1e-9"]++;
 }
 
 // --------------------------------------------------------- far, deep, and none
@@ -363,7 +393,8 @@ bool finite(const sgt_vec3 &v) { return std::isfinite(v.x) && std::isfinite(v.y)
 
 void nothing_overflows(generator &g, long count)
 {
-    static const double sizes[] = {0, 5e-324, 1e-300, 1e-100, 1e-9, 1, 1e9, 1e100, 1e154, 1e200, 1e300, 1.7e308};
+    static const double sizes[] = {0,   5e-324, 1e-300, 1e-100, 1e-9,  1,
+                                   1e9, 1e100,  1e154,  1e200,  1e300, 1.7e308};
     for (long i = 0; i < count; i++) {
         level f = random_level(g);
         f.s.iterations = g.chance(0.5) ? 50 : 100;
@@ -382,7 +413,9 @@ void nothing_overflows(generator &g, long count)
             for (int k = 0; k < 4; k++) a[k] *= unit;
         sgt_mandelbrot m;
         const sgt_surface s = as_surface(f, &m);
-        const auto size = [&] { return sizes[g.below(static_cast<int>(sizeof sizes / sizeof *sizes))] * g.sign(); };
+        const auto size = [&] {
+            return sizes[g.below(static_cast<int>(sizeof sizes / sizeof *sizes))] * g.sign();
+        };
         const sgt_vec3 p = g.chance(0.3) ? interesting_point(g, f) : sgt_vec3{size(), size(), size()};
         sgt_vec3 n = {NAN, NAN, NAN}, along_potential = {NAN, NAN, NAN};
         const double v = s.ops->value(s.self, p, &n), own = s.ops->rounding(s.self, p);
@@ -398,10 +431,12 @@ void nothing_overflows(generator &g, long count)
         if (!(own >= 0 && own < HUGE_VAL)) fail_at("rounding overflows", f, p, own);
         const double potential = potential_of(f, s, p, &along_potential);
         if (!(potential >= 0 && potential < HUGE_VAL)) fail_at("the potential overflows", f, p, potential);
-        if (!finite(along_potential)) fail_at("the gradient of the potential overflows", f, p, along_potential.x);
-        if (s.ops->estimate && !(s.ops->estimate(s.self, p) >= 0
-            && s.ops->estimate(s.self, p) < HUGE_VAL)) fail_at("the estimate overflows", f, p, s.ops->estimate(s.self, p));
-        if (s.ops->clearance && std::isnan(s.ops->clearance(s.self, p))) fail_at("a clearance that is NaN", f, p, NAN);
+        if (!finite(along_potential))
+            fail_at("the gradient of the potential overflows", f, p, along_potential.x);
+        if (s.ops->estimate && !(s.ops->estimate(s.self, p) >= 0 && s.ops->estimate(s.self, p) < HUGE_VAL))
+            fail_at("the estimate overflows", f, p, s.ops->estimate(s.self, p));
+        if (s.ops->clearance && std::isnan(s.ops->clearance(s.self, p)))
+            fail_at("a clearance that is NaN", f, p, NAN);
 
         // Rays from there, whatever their direction's length: an answer, and one that makes sense.
         const sgt_vec3 way = random_way(g);
@@ -417,7 +452,8 @@ void nothing_overflows(generator &g, long count)
             if (!(few.dt_min < HUGE_VAL)) continue;
             const sgt_hit h = sgt_intersect(s, ray, &few);
             if (h.status == SGT_INVALID) fail_on("valid input called invalid", f, ray, few.dt_min, h);
-            if (h.status > 0 && !(std::isfinite(h.t) && h.t_err >= 0 && h.t_err < HUGE_VAL && finite(h.p) && finite(h.n) && h.p_err >= 0))
+            if (h.status > 0 && !(std::isfinite(h.t) && h.t_err >= 0 && h.t_err < HUGE_VAL && finite(h.p) &&
+                                  finite(h.n) && h.p_err >= 0))
                 fail_on("a hit of no numbers", f, ray, h.t, h);
             counted["far and deep: " + std::string(sgt_status_text(h.status))]++;
         }
@@ -448,10 +484,12 @@ void enclosures(generator &g, long count)
         const sgt_surface s = as_surface(f, &m);
         if (!s.ops->enclose) break;
         const sgt_vec3 p = interesting_point(g, f), way = random_way(g);
-        const double by = g.chance(0.5) ? 1 : g.log_uniform(1e-3, 1e3), away = g.chance(0.3) ? 0 : g.uniform(-4, 4) / axis_length(f) / by;
+        const double by = g.chance(0.5) ? 1 : g.log_uniform(1e-3, 1e3),
+                     away = g.chance(0.3) ? 0 : g.uniform(-4, 4) / axis_length(f) / by;
         const sgt_vec3 d = {by * way.x, by * way.y, by * way.z};
         const sgt_ray ray = {{p.x - away * d.x, p.y - away * d.y, p.z - away * d.z}, d, 0, 0};
-        const double width = g.log_uniform(1e-14, 2) / axis_length(f) / by, at = away + width * g.uniform(-0.5, 0.5);
+        const double width = g.log_uniform(1e-14, 2) / axis_length(f) / by,
+                     at = away + width * g.uniform(-0.5, 0.5);
         const sgt_interval t = {at - width / 2, at + width / 2};
         sgt_interval slope = {NAN, NAN};
         const sgt_interval value = s.ops->enclose(s.self, &ray, t, &slope);
@@ -464,7 +502,8 @@ void enclosures(generator &g, long count)
             const quad tiny = quad(1e-250) * by * axis_length(f);
             steepest = std::max(steepest, magnitude(e.d));
             if (e.v < value.lo || e.v > value.hi) fail_on("g outside its enclosure", f, ray, width);
-            if (e.d < slope.lo - tiny || e.d > slope.hi + tiny) fail_on("g' outside its enclosure", f, ray, width);
+            if (e.d < slope.lo - tiny || e.d > slope.hi + tiny)
+                fail_on("g' outside its enclosure", f, ray, width);
         }
         counted["enclosures"]++;
         if (!(value.hi - value.lo < HUGE_VAL && slope.hi - slope.lo < HUGE_VAL)) continue;
@@ -472,25 +511,31 @@ void enclosures(generator &g, long count)
         // A cell so narrow that F is straight in it.
         const recursion r = by_recursion(f, along(ray, at), nullptr);
         if (!(r.growth * by * width < 1e-5)) continue;
-        const double own = s.ops->rounding(s.self, {ray.o.x + at * d.x, ray.o.y + at * d.y, ray.o.z + at * d.z});
-        ratios["width of a narrow enclosure / what F and rounding need"].push_back((value.hi - value.lo) / (to_double(steepest) * width + own));
-        ratios["width of the slope in a narrow cell / 1e-4 |T| |d|"].push_back((slope.hi - slope.lo) / (1e-4 * r.growth * by));
+        const double own = s.ops->rounding(s.self,
+                                           {ray.o.x + at * d.x, ray.o.y + at * d.y, ray.o.z + at * d.z});
+        ratios["width of a narrow enclosure / what F and rounding need"].push_back(
+            (value.hi - value.lo) / (to_double(steepest) * width + own));
+        ratios["width of the slope in a narrow cell / 1e-4 |T| |d|"].push_back((slope.hi - slope.lo) /
+                                                                               (1e-4 * r.growth * by));
     }
     std::printf("%ld enclosures that say something\n", said);
-    if (counted["enclosures"]
-        && !(quantile(ratios["width of a narrow enclosure / what F and rounding need"], 0.5) < 10)) failed["enclosures of narrow cells are too wide"]++;
+    if (counted["enclosures"] &&
+        !(quantile(ratios["width of a narrow enclosure / what F and rounding need"], 0.5) < 10))
+        failed["enclosures of narrow cells are too wide"]++;
 }
 
 // ------------------------------------------------------------------- rays
 
 const int most = 4000;
 
-void check_hit(const level &f, const sgt_surface &s, const sgt_ray &ray, const sgt_hit &h, generator &g, const std::string &by)
+void check_hit(const level &f, const sgt_surface &s, const sgt_ray &ray, const sgt_hit &h, generator &g,
+               const std::string &by)
 {
     double tmin, tmax;
     ends_of(ray, &tmin, &tmax);
     counted[by + ": " + sgt_status_text(h.status)]++;
-    if (!(h.t >= tmin && h.t <= tmax && h.t_err >= 0 && h.p_err >= 0 && std::isfinite(h.t) && std::isfinite(h.t_err) && std::isfinite(h.p_err))) {
+    if (!(h.t >= tmin && h.t <= tmax && h.t_err >= 0 && h.p_err >= 0 && std::isfinite(h.t) &&
+          std::isfinite(h.t_err) && std::isfinite(h.p_err))) {
         fail_on(by + ": t, t_err or p_err makes no sense", f, ray, h.t, h);
         return;
     }
@@ -510,32 +555,39 @@ void check_hit(const level &f, const sgt_surface &s, const sgt_ray &ray, const s
             fail_on(by + ": no change of sign at t +- t_err", f, ray, to_double(before), h);
             return;
         }
-        const double slope = h.n.x * ray.d.x + h.n.y * ray.d.y + h.n.z * ray.d.z, told = std::max(off, 1e-9 * size) * length(ray.d);
-        if (std::fabs(slope) > told && (slope > 0) != (behind > before)) fail_on(by + ": enters where it leaves", f, ray, slope, h);
+        const double slope = h.n.x * ray.d.x + h.n.y * ray.d.y + h.n.z * ray.d.z,
+                     told = std::max(off, 1e-9 * size) * length(ray.d);
+        if (std::fabs(slope) > told && (slope > 0) != (behind > before))
+            fail_on(by + ": enters where it leaves", f, ray, slope, h);
         for (int i = 0; i < 24; i++) {
             const quad middle = (lo + hi) / 2;
             ((exact_g(f, ray, middle) > 0) == (before > 0) ? lo : hi) = middle;
         }
         root = (lo + hi) / 2;
         const double error = to_double(magnitude(root - h.t));
-        if (h.t != 0) ratios[by + ": t_err / max(error, ulp(t)/2)"].push_back(h.t_err / std::max(error, ulp(h.t) / 2));
+        if (h.t != 0)
+            ratios[by + ": t_err / max(error, ulp(t)/2)"].push_back(h.t_err / std::max(error, ulp(h.t) / 2));
         if (!(magnitude(root - h.t - h.t_lo) <= h.t_err * (1 + quad(1e-6))))
             fail_on(by + ": t + t_lo is farther from the root than t_err", f, ray, to_double(root - h.t), h);
     } else {
         // Within rounding all over: that of F, and that of the place where F is looked at.
-        const double own = s.ops->rounding(s.self, h.p), place = 0x1p-50 * (std::fabs(h.p.x) + std::fabs(h.p.y) + std::fabs(h.p.z)) * size;
+        const double own = s.ops->rounding(s.self, h.p),
+                     place = 0x1p-50 * (std::fabs(h.p.x) + std::fabs(h.p.y) + std::fabs(h.p.z)) * size;
         for (int k = 0; k <= 8; k++) {
             const vector3 p = along(ray, h.lo + (quad(h.hi) - h.lo) * k / 8);
             const double there = to_double(magnitude(exact_f(f, p)));
-            if (!(there <= 4 * own + place + size * h.p_err)) fail_on(by + ": a graze that is none", f, ray, there / own, h);
+            if (!(there <= 4 * own + place + size * h.p_err))
+                fail_on(by + ": a graze that is none", f, ray, there / own, h);
         }
     }
     const double aside = to_double(norm(minus(along(ray, root), widen(h.p))));
-    if (!(aside <= h.p_err * (1 + 1e-6))) fail_on(by + ": p is farther from the point than p_err", f, ray, aside / h.p_err, h);
+    if (!(aside <= h.p_err * (1 + 1e-6)))
+        fail_on(by + ": p is farther from the point than p_err", f, ray, aside / h.p_err, h);
 }
 
 // The list against the signs: where no entry is, each sample has the sign that the entries promise.
-void check_list(const level &f, const sgt_surface &s, const sgt_ray &ray, int n, const sgt_hit hit[], generator &g, int samples)
+void check_list(const level &f, const sgt_surface &s, const sgt_ray &ray, int n, const sgt_hit hit[],
+                generator &g, int samples)
 {
     double tmin, tmax, last = -HUGE_VAL;
     ends_of(ray, &tmin, &tmax);
@@ -544,7 +596,8 @@ void check_list(const level &f, const sgt_surface &s, const sgt_ray &ray, int n,
         if (h.status > 0) check_hit(f, s, ray, h, g, "all");
         else {
             counted["all: " + std::string(sgt_status_text(h.status))]++;
-            if (!(std::isnan(h.f) && std::isnan(h.n.x) && std::isnan(h.p.x))) fail_on("all: a stretch with a point", f, ray, h.t, h);
+            if (!(std::isnan(h.f) && std::isnan(h.n.x) && std::isnan(h.p.x)))
+                fail_on("all: a stretch with a point", f, ray, h.t, h);
             if (!(h.lo <= h.hi && h.t - h.t_err <= h.lo && h.t + h.t_err >= h.hi))
                 fail_on("all: t +- t_err does not cover its stretch", f, ray, h.t, h);
         }
@@ -552,8 +605,10 @@ void check_list(const level &f, const sgt_surface &s, const sgt_ray &ray, int n,
         last = h.t;
     }
     const sgt_span span = s.ops->span(s.self, &ray);
-    const double by = length(ray.d), off = std::sqrt(ray.o.x * ray.o.x + ray.o.y * ray.o.y + ray.o.z * ray.o.z);
-    const double middle = -(ray.o.x * ray.d.x + ray.o.y * ray.d.y + ray.o.z * ray.d.z) / (by * by), reach = std::min(off, 5 / axis_length(f)) / by + 3 / axis_length(f) / by;
+    const double by = length(ray.d),
+                 off = std::sqrt(ray.o.x * ray.o.x + ray.o.y * ray.o.y + ray.o.z * ray.o.z);
+    const double middle = -(ray.o.x * ray.d.x + ray.o.y * ray.d.y + ray.o.z * ray.d.z) / (by * by),
+                 reach = std::min(off, 5 / axis_length(f)) / by + 3 / axis_length(f) / by;
     const double lo = std::max(tmin, middle - reach), hi = std::min(tmax, middle + reach);
     int promised = 0; // where there is no entry at all, the first sample's
     for (int k = 0; k < samples && lo < hi; k++) {
@@ -562,9 +617,11 @@ void check_list(const level &f, const sgt_surface &s, const sgt_ray &ray, int n,
         const bool outside = span.lo > span.hi || t < span.lo || t > span.hi;
         int next = 0;
         while (next < n && (hit[next].status > 0 ? hit[next].t + hit[next].t_err : hit[next].hi) < t) next++;
-        if (next < n && t >= (hit[next].status > 0 ? hit[next].t - hit[next].t_err : hit[next].lo)) continue; // on an entry
+        if (next < n && t >= (hit[next].status > 0 ? hit[next].t - hit[next].t_err : hit[next].lo))
+            continue; // on an entry
         int sign = 0;
-        if (next < n && hit[next].status == SGT_HIT) sign = hit[next].n.x * ray.d.x + hit[next].n.y * ray.d.y + hit[next].n.z * ray.d.z > 0 ? -1 : 1;
+        if (next < n && hit[next].status == SGT_HIT)
+            sign = hit[next].n.x * ray.d.x + hit[next].n.y * ray.d.y + hit[next].n.z * ray.d.z > 0 ? -1 : 1;
         else if (next > 0 && hit[next - 1].status == SGT_HIT) {
             const sgt_hit &h = hit[next - 1];
             sign = h.n.x * ray.d.x + h.n.y * ray.d.y + h.n.z * ray.d.z > 0 ? 1 : -1;
@@ -577,7 +634,8 @@ void check_list(const level &f, const sgt_surface &s, const sgt_ray &ray, int n,
         if (outside && exact < 0) fail_on("span: the inside of the set is outside of it", f, ray, t);
         if (n == 0 && !promised) promised = exact;
         if (sign && exact && exact != sign) {
-            const std::string why = n == 0 ? "all: none, and F changes sign" : "all: a root is missing, or one too many";
+            const std::string why = n == 0 ? "all: none, and F changes sign"
+                                           : "all: a root is missing, or one too many";
             if (failed[why] < 4)
                 for (int i = 0; i < n; i++) print_hit(hit[i]);
             fail_on(why, f, ray, t);
@@ -601,8 +659,10 @@ void check_restart(const level &f, const sgt_surface &s, const sgt_ray &ray, int
             const sgt_hit &h = hit[j];
             if (h.status <= 0) return;
             const double slope = std::fabs(h.n.x * ray.d.x + h.n.y * ray.d.y + h.n.z * ray.d.z);
-            const double spread = (std::fabs(h.p.x * h.n.x) + std::fabs(h.p.y * h.n.y) + std::fabs(h.p.z * h.n.z)) / slope;
-            const double start = rest.tmin + h.t_err + 0x1p-48 * spread + 0x1p-50 * std::fabs(h.t), slack = 8 * (start - rest.tmin) + 16 * h.t_err + hit[i].t_err;
+            const double spread =
+                (std::fabs(h.p.x * h.n.x) + std::fabs(h.p.y * h.n.y) + std::fabs(h.p.z * h.n.z)) / slope;
+            const double start = rest.tmin + h.t_err + 0x1p-48 * spread + 0x1p-50 * std::fabs(h.t),
+                         slack = 8 * (start - rest.tmin) + 16 * h.t_err + hit[i].t_err;
             if (h.t <= start - slack) continue;
             if (perhaps < 0) perhaps = j;
             if (h.t > start + slack) break;
@@ -617,13 +677,15 @@ void check_restart(const level &f, const sgt_surface &s, const sgt_ray &ray, int
             continue;
         }
         bool known = next.status == SGT_MISS && j == n;
-        for (int k = perhaps; k <= j && k < n && next.status > 0; k++) known = known || std::fabs(next.t - hit[k].t) <= next.t_err + hit[k].t_err;
+        for (int k = perhaps; k <= j && k < n && next.status > 0; k++)
+            known = known || std::fabs(next.t - hit[k].t) <= next.t_err + hit[k].t_err;
         if (!known) fail_on("restart: not the next root", f, rest, j < n ? hit[j].t : NAN, next);
     }
 }
 
 // With dt_min: late perhaps, never false.
-void check_fast(const level &f, const sgt_surface &s, const sgt_ray &ray, int n, const sgt_hit hit[], generator &g)
+void check_fast(const level &f, const sgt_surface &s, const sgt_ray &ray, int n, const sgt_hit hit[],
+                generator &g)
 {
     sgt_options options = {};
     options.dt_min = g.log_uniform(1e-5, 1e-1) / axis_length(f) / length(ray.d);
@@ -634,28 +696,33 @@ void check_fast(const level &f, const sgt_surface &s, const sgt_ray &ray, int n,
     const sgt_span span = s.ops->span(s.self, &ray);
     const bool by = span.lo > span.hi || span.hi < tmin || span.lo > tmax;
     if (h.status == SGT_MISS && !by) fail_on("fast: a miss that cannot be told", f, ray, options.dt_min, h);
-    if (by && h.status != SGT_MISS) fail_on("fast: not a miss, though the ball is passed by", f, ray, options.dt_min, h);
+    if (by && h.status != SGT_MISS)
+        fail_on("fast: not a miss, though the ball is passed by", f, ray, options.dt_min, h);
     if (h.status > 0) {
         check_hit(f, s, ray, h, g, "fast");
         const bool decided = n > 0 && hit[0].status > 0;
-        if (n == 0 || (decided && h.t + h.t_err < hit[0].t - hit[0].t_err)) fail_on("fast: before the first root", f, ray, n ? hit[0].t : NAN, h);
+        if (n == 0 || (decided && h.t + h.t_err < hit[0].t - hit[0].t_err))
+            fail_on("fast: before the first root", f, ray, n ? hit[0].t : NAN, h);
         if (decided && h.t - h.t_err > hit[0].t + hit[0].t_err) counted["fast: a later root"]++;
     } else {
         counted["fast: " + std::string(sgt_status_text(h.status))]++;
         if (n > 0 && hit[0].status > 0) counted["fast: none, though there is one"]++;
-        if (h.status != SGT_MISS && h.status != SGT_UNPROVEN) fail_on("fast: another status", f, ray, options.dt_min, h);
+        if (h.status != SGT_MISS && h.status != SGT_UNPROVEN)
+            fail_on("fast: another status", f, ray, options.dt_min, h);
     }
     // All by the fast way: each is true, each in its place.
     static sgt_hit list[most];
     const int found = sgt_intersect_all(s, ray, most, list, &options);
     for (int i = 0; i < found && i < most; i++) {
         if (list[i].status > 0) check_hit(f, s, ray, list[i], g, "fast, all");
-        if (i && !(list[i].t + list[i].t_err >= list[i - 1].t - list[i - 1].t_err)) fail_on("fast, all: out of order", f, ray, list[i].t, list[i]);
+        if (i && !(list[i].t + list[i].t_err >= list[i - 1].t - list[i - 1].t_err))
+            fail_on("fast, all: out of order", f, ray, list[i].t, list[i]);
     }
     if (!by && found == 0) fail_on("fast, all: a miss that cannot be told", f, ray, options.dt_min);
 }
 
-void check_tolerance(const level &f, const sgt_surface &s, const sgt_ray &ray, const sgt_hit &first, generator &g)
+void check_tolerance(const level &f, const sgt_surface &s, const sgt_ray &ray, const sgt_hit &first,
+                     generator &g)
 {
     sgt_options options = {};
     options.t_tol = g.log_uniform(1e-12, 1e-2) / axis_length(f) / length(ray.d);
@@ -663,11 +730,16 @@ void check_tolerance(const level &f, const sgt_surface &s, const sgt_ray &ray, c
     if (h.status == SGT_MISS && first.status > 0) fail_on("tolerance: a miss", f, ray, options.t_tol, first);
     if (h.status != SGT_HIT) return;
     const quad before = exact_g(f, ray, quad(h.t) - h.t_err), behind = exact_g(f, ray, quad(h.t) + h.t_err);
-    if ((before > 0) == (behind > 0)) fail_on("tolerance: no change of sign at t +- t_err", f, ray, options.t_tol, h);
-    if (first.status == SGT_HIT && !(std::fabs(h.t - first.t) <= h.t_err + first.t_err)) fail_on("tolerance: another root", f, ray, first.t, h);
-    if (!(h.t_err <= 8 * options.t_tol + 4 * first.t_err)) fail_on("tolerance: t_err is far above it", f, ray, options.t_tol, h);
+    if ((before > 0) == (behind > 0))
+        fail_on("tolerance: no change of sign at t +- t_err", f, ray, options.t_tol, h);
+    if (first.status == SGT_HIT && !(std::fabs(h.t - first.t) <= h.t_err + first.t_err))
+        fail_on("tolerance: another root", f, ray, first.t, h);
+    if (!(h.t_err <= 8 * options.t_tol + 4 * first.t_err))
+        fail_on("tolerance: t_err is far above it", f, ray, options.t_tol, h);
     counted["tolerances"]++;
-    if (first.status == SGT_HIT) counted["tolerances: evaluations with one"] += h.evals, counted["tolerances: evaluations without"] += first.evals;
+    if (first.status == SGT_HIT)
+        counted["tolerances: evaluations with one"] += h.evals,
+            counted["tolerances: evaluations without"] += first.evals;
 }
 
 void rays(generator &g, long count)
@@ -696,8 +768,10 @@ void rays(generator &g, long count)
             const sgt_hit first = sgt_intersect(s, ray, nullptr);
             if (first.status > 0) check_hit(f, s, ray, first, g, "first");
             else counted["first: " + std::string(sgt_status_text(first.status))]++;
-            if ((n == 0) != (first.status == SGT_MISS)) fail_on("first: a miss where all says otherwise", f, ray, n, first);
-            if (n > 0 && hit[0].status > 0 && !(first.status > 0 && std::fabs(first.t - hit[0].t) <= first.t_err + hit[0].t_err))
+            if ((n == 0) != (first.status == SGT_MISS))
+                fail_on("first: a miss where all says otherwise", f, ray, n, first);
+            if (n > 0 && hit[0].status > 0 &&
+                !(first.status > 0 && std::fabs(first.t - hit[0].t) <= first.t_err + hit[0].t_err))
                 fail_on("first: not the first of all", f, ray, hit[0].t, first);
             check_restart(f, s, ray, n, hit);
             check_tolerance(f, s, ray, first, g);
@@ -707,7 +781,8 @@ void rays(generator &g, long count)
     std::printf("%ld rays, %ld with an entry, %ld undecided stretches\n", 4 * count, with_roots, undecided);
     if (double(undecided) > 1 + 1e-3 * double(count)) failed["too many undecided stretches"]++;
     if (4 * with_roots < count) failed["too few rays with a root"]++;
-    if (counted["tolerances: evaluations with one"] > counted["tolerances: evaluations without"]) failed["a coarse tolerance is not cheap"]++;
+    if (counted["tolerances: evaluations with one"] > counted["tolerances: evaluations without"])
+        failed["a coarse tolerance is not cheap"]++;
 }
 
 // ---------------------------------------------------------- scale and symmetry
@@ -732,17 +807,21 @@ void units(generator &g, long count)
             for (int c = 0; c < 4; c++) a[c] = std::ldexp(a[c], -k);
         sgt_mandelbrot m2;
         const sgt_surface s2 = as_surface(f2, &m2);
-        const auto scaled = [](const sgt_vec3 &v, int by) { return sgt_vec3{std::ldexp(v.x, by), std::ldexp(v.y, by), std::ldexp(v.z, by)}; };
+        const auto scaled = [](const sgt_vec3 &v, int by) {
+            return sgt_vec3{std::ldexp(v.x, by), std::ldexp(v.y, by), std::ldexp(v.z, by)};
+        };
         const sgt_ray ray2 = {scaled(ray.o, k), scaled(ray.d, k + j), 0, 0};
         const int n2 = sgt_intersect_all(s2, ray2, most, other, nullptr);
         sgt_hit first2 = sgt_intersect(s2, ray2, nullptr);
         if (n != n2) fail_on("units: another number of entries", f2, ray2, n);
         const auto compare = [&](const sgt_hit &a, const sgt_hit &b) {
-            const bool same = a.status == b.status
-                && (a.status == SGT_MISS || (same_bits(a.t, std::ldexp(b.t, j)) && same_bits(a.t_err, std::ldexp(b.t_err, j))
-                    && same_bits(a.t_lo, std::ldexp(b.t_lo, j))))
-                && (a.status <= 0 || (same_bits(a.p.x, std::ldexp(b.p.x, -k)) && same_bits(a.n.x, std::ldexp(b.n.x, k))
-                    && same_bits(a.p_err, std::ldexp(b.p_err, -k))));
+            const bool same = a.status == b.status &&
+                              (a.status == SGT_MISS || (same_bits(a.t, std::ldexp(b.t, j)) &&
+                                                        same_bits(a.t_err, std::ldexp(b.t_err, j)) &&
+                                                        same_bits(a.t_lo, std::ldexp(b.t_lo, j)))) &&
+                              (a.status <= 0 || (same_bits(a.p.x, std::ldexp(b.p.x, -k)) &&
+                                                 same_bits(a.n.x, std::ldexp(b.n.x, k)) &&
+                                                 same_bits(a.p_err, std::ldexp(b.p_err, -k))));
             if (!same) fail_on("units: another answer in other units", f2, ray2, a.t, b);
         };
         for (int e = 0; e < n && e < n2; e++) compare(hit[e], other[e]);
@@ -763,7 +842,8 @@ void symmetries(generator &g, long count)
         level f2 = f;
         double *const list[] = {f2.s.c, f2.s.at, f2.s.ex, f2.s.ey, f2.s.ez};
         const int kind = g.below(4);
-        const char *const name[] = {"symmetry: mirrored", "symmetry: conjugate", "symmetry: i to j to k", "symmetry: half a turn"};
+        const char *const name[] = {"symmetry: mirrored", "symmetry: conjugate", "symmetry: i to j to k",
+                                    "symmetry: half a turn"};
         if (kind == 0) { // Q to -Q: with c for even p, -c for odd, and with the ray mirrored, not the axes
             if (f.mandelbrot && f.s.power % 2 == 0) continue;
             for (double &a : f2.s.at) a = -a;
@@ -781,7 +861,8 @@ void symmetries(generator &g, long count)
                 if (kind == 3) v[1] = -v[1], v[2] = -v[2];
             }
         const sgt_surface s2 = as_surface(f2, &m2);
-        const int n = sgt_intersect_all(s, ray, most, hit, nullptr), n2 = sgt_intersect_all(s2, ray2, most, other, nullptr);
+        const int n = sgt_intersect_all(s, ray, most, hit, nullptr),
+                  n2 = sgt_intersect_all(s2, ray2, most, other, nullptr);
         bool plain = n == n2;
         for (int e = 0; e < n; e++) plain = plain && hit[e].status == SGT_HIT;
         for (int e = 0; e < n2; e++) plain = plain && other[e].status == SGT_HIT;
@@ -793,8 +874,10 @@ void symmetries(generator &g, long count)
         }
         if (!plain) continue;
         for (int e = 0; e < n; e++) {
-            if (!(std::fabs(hit[e].t - other[e].t) <= hit[e].t_err + other[e].t_err)) fail_on(name[kind], f, ray, other[e].t, hit[e]);
-            if (kind == 0 && !same_bits(hit[e].t, other[e].t)) fail_on("symmetry: mirrored, other bits", f, ray, other[e].t, hit[e]);
+            if (!(std::fabs(hit[e].t - other[e].t) <= hit[e].t_err + other[e].t_err))
+                fail_on(name[kind], f, ray, other[e].t, hit[e]);
+            if (kind == 0 && !same_bits(hit[e].t, other[e].t))
+                fail_on("symmetry: mirrored, other bits", f, ray, other[e].t, hit[e]);
         }
         counted[name[kind]]++;
     }
@@ -823,7 +906,9 @@ int main(int argc, char **argv)
     section("units", units, r.count / 2 + 1);
     section("symmetries", symmetries, r.count / 2 + 1);
     std::printf("%-60s %9s %9s %9s %9s\n", "", "number", "median", "99 %", "most");
-    for (auto &e : ratios) std::printf("%-60s %9zu %9.3g %9.3g %9.3g\n", e.first.c_str(), e.second.size(), quantile(e.second, 0.5), quantile(e.second, 0.99), quantile(e.second, 1));
+    for (auto &e : ratios)
+        std::printf("%-60s %9zu %9.3g %9.3g %9.3g\n", e.first.c_str(), e.second.size(),
+                    quantile(e.second, 0.5), quantile(e.second, 0.99), quantile(e.second, 1));
     for (const auto &e : counted) std::printf("  %9ld  %s\n", e.second, e.first.c_str());
     for (const auto &e : failed) std::printf("  FAIL %9ld  %s\n", e.second, e.first.c_str());
     std::printf("%.1f s\n", std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());

@@ -1,9 +1,11 @@
-// The only root, under proof: even aspheres, and rays at any tilt to 89.9 degrees from the axis, against every root in
-// quadruple precision (quad.h).
+// The only root, under proof: even aspheres, and rays at any tilt to 89.9 degrees from the axis, against
+// every root in quadruple precision (quad.h).
 //
-//   the only one  where the root near the seed is a hit under SGT_PROVE_FIRST, no other root of the ray counts;
+//   the only one  where the root near the seed is a hit under SGT_PROVE_FIRST, no other root of the ray
+//     counts;
 //   decided       most rays that have one root are hits: the proof is no refusal;
-//   leaving       rays that begin in the vertex, or behind the vertex plane, or behind the surface, with tmin = 0 or
+//   leaving       rays that begin in the vertex, or behind the vertex plane, or behind the surface, with
+//                 tmin = 0 or
 //                 later, by every pick and proof, alone and in a batch: a miss has no root that counts.
 #include "cases.h"
 #include "quad.h"
@@ -22,10 +24,12 @@ bool is_of(const meeting &m, const sgt_hit &h)
 void fail(const char *why, const test_case &t, const answer &a, const sgt_hit &h)
 {
     if (failures++ >= 10) return;
-    std::printf("FAIL %s: %s t %.17g +- %.3g [%.17g, %.17g]\n    ", why, sgt_status_text(h.status), h.t, h.t_err, h.lo, h.hi);
+    std::printf("FAIL %s: %s t %.17g +- %.3g [%.17g, %.17g]\n    ", why, sgt_status_text(h.status), h.t,
+                h.t_err, h.lo, h.hi);
     print_case(stdout, t);
     std::printf("\n");
-    for (const meeting &m : a.roots) std::printf("    root %s%s\n", text(m.t()).c_str(), m.edge ? " (edge)" : "");
+    for (const meeting &m : a.roots)
+        std::printf("    root %s%s\n", text(m.t()).c_str(), m.edge ? " (edge)" : "");
 }
 
 // A ray through a point inside h; in half of the cases nearly parallel to the vertex plane.
@@ -33,11 +37,14 @@ test_case tilted_case(generator &g)
 {
     test_case t;
     do t = random_case(g); while (!t.asphere);
-    const double pi = 3.141592653589793, r = t.h * std::sqrt(g.uniform(0, 1)), at = g.uniform(0, 2 * pi), about = g.uniform(0, 2 * pi);
-    const double tilt = (g.chance(0.5) ? g.uniform(0, 89.9) : g.uniform(70, 88)) * pi / 180, away = t.h * g.log_uniform(1e-2, 1e2);
+    const double pi = 3.141592653589793, r = t.h * std::sqrt(g.uniform(0, 1)), at = g.uniform(0, 2 * pi),
+                 about = g.uniform(0, 2 * pi);
+    const double tilt = (g.chance(0.5) ? g.uniform(0, 89.9) : g.uniform(70, 88)) * pi / 180,
+                 away = t.h * g.log_uniform(1e-2, 1e2);
     const double z = rough_sag(t.surface, r * r) * g.uniform(0.9, 1.1);
     t.ray.d = {std::sin(tilt) * std::cos(about), std::sin(tilt) * std::sin(about), g.sign() * std::cos(tilt)};
-    t.ray.o = {r * std::cos(at) - away * t.ray.d.x, r * std::sin(at) - away * t.ray.d.y, z - away * t.ray.d.z};
+    t.ray.o = {r * std::cos(at) - away * t.ray.d.x, r * std::sin(at) - away * t.ray.d.y,
+               z - away * t.ray.d.z};
     t.ray.tmin = g.chance(0.5) ? 0 : away + t.h * g.uniform(-1, 1);
     t.ray.tmax = g.chance(0.5) ? HUGE_VAL : t.ray.tmin + t.h * g.log_uniform(0.1, 10);
     if (!g.chance(0.3)) t.ray.tmin = -HUGE_VAL, t.ray.tmax = HUGE_VAL;
@@ -52,7 +59,8 @@ test_case leaving_case(generator &g)
     const double r = t.h * std::sqrt(g.uniform(0, 1)), at = g.uniform(0, 6.283185307179586);
     t.ray.d.z = std::fabs(t.ray.d.z) * (t.surface.c < 0 ? -1 : 1);
     t.ray.o = {0, 0, 0};
-    if (g.chance(0.6)) t.ray.o = {r * std::cos(at), r * std::sin(at), rough_sag(t.surface, r * r) * g.uniform(0, 3)};
+    if (g.chance(0.6))
+        t.ray.o = {r * std::cos(at), r * std::sin(at), rough_sag(t.surface, r * r) * g.uniform(0, 3)};
     t.ray.tmin = g.chance(0.4) ? 0 : t.h * g.log_uniform(1e-6, 10);
     t.ray.tmax = g.chance(0.5) ? HUGE_VAL : t.ray.tmin + t.h * g.log_uniform(0.1, 10);
     return t;
@@ -73,7 +81,8 @@ long misses_of(const test_case &t, const answer &a)
             int evals;
             sgt_hits out = {};
             out.status = &status, out.evals = &evals;
-            sgt_intersect_batch(s, 1, {{&r.o.x, &r.o.y, &r.o.z}, {&r.d.x, &r.d.y, &r.d.z}, &r.tmin, &r.tmax}, out, &o);
+            sgt_intersect_batch(s, 1, {{&r.o.x, &r.o.y, &r.o.z}, {&r.d.x, &r.d.y, &r.d.z}, &r.tmin, &r.tmax},
+                                out, &o);
             if (status != h.status || evals != h.evals) fail("a batch says something else", t, a, h);
             if (h.status != SGT_MISS) continue;
             misses++;
@@ -111,7 +120,8 @@ int main(int argc, char **argv)
         if (sure != 1 || maybe) continue;
         single++, decided += h.status == SGT_HIT;
     }
-    std::printf("%ld rays of one root, %ld proven to be; %ld of several, %ld too close to tell\n", single, decided, several, vague);
+    std::printf("%ld rays of one root, %ld proven to be; %ld of several, %ld too close to tell\n", single,
+                decided, several, vague);
     long misses = 0, leaving = 0;
     for (long i = 0; i < r.count; i++) {
         const test_case t = leaving_case(g);
@@ -120,6 +130,7 @@ int main(int argc, char **argv)
         leaving++, misses += misses_of(t, a);
     }
     std::printf("%ld rays that leave, %ld misses of %ld answers\n", leaving, misses, 6 * leaving);
-    if (static_cast<double>(decided) < 0.97 * static_cast<double>(single)) failures++, std::printf("FAIL: too few are decided\n");
+    if (static_cast<double>(decided) < 0.97 * static_cast<double>(single))
+        failures++, std::printf("FAIL: too few are decided\n");
     return failures != 0;
 }

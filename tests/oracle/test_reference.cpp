@@ -17,12 +17,14 @@ static int failures;
 static void fail(const char *name, const table &t, std::size_t row, const char *why, double off)
 {
     if (failures++ < 20)
-        std::printf("FAIL %s %s ray %s surface %s: %s (%.3g)\n", name, t.cell(row, "group").c_str(), t.cell(row, "ray").c_str(), t.cell(row, "surf").c_str(), why, off);
+        std::printf("FAIL %s %s ray %s surface %s: %s (%.3g)\n", name, t.cell(row, "group").c_str(),
+                    t.cell(row, "ray").c_str(), t.cell(row, "surf").c_str(), why, off);
 }
 
 static double distance(const table &t, std::size_t row, const char *const names[3], const sgt_vec3 &v)
 {
-    return std::max({std::fabs(decimal(t.cell(row, names[0])).minus(v.x)), std::fabs(decimal(t.cell(row, names[1])).minus(v.y)),
+    return std::max({std::fabs(decimal(t.cell(row, names[0])).minus(v.x)),
+                     std::fabs(decimal(t.cell(row, names[1])).minus(v.y)),
                      std::fabs(decimal(t.cell(row, names[2])).minus(v.z))});
 }
 
@@ -58,9 +60,13 @@ static void compare(const std::string &folder, const char *name)
         rows++;
         if (status == "miss" || status == "tir") {
             const sgt_fate want = status == "tir" ? SGT_TIR : SGT_MISSED;
-            if (passed != e || fate != want) fail(name, t, i, ("fate " + std::string(sgt_fate_text(fate)) + ", not " + status).c_str(), double(passed));
-            else if (want == SGT_TIR && !(distance(t, i, point, passages[e].hit.p) <= 1e-12 * l.length)) fail(name, t, i, "point of total reflection", distance(t, i, point, passages[e].hit.p));
-            else if (want == SGT_MISSED && passages[e].hit.status != SGT_MISS) fail(name, t, i, "missed, with another status", passages[e].hit.status);
+            if (passed != e || fate != want)
+                fail(name, t, i, ("fate " + std::string(sgt_fate_text(fate)) + ", not " + status).c_str(),
+                     double(passed));
+            else if (want == SGT_TIR && !(distance(t, i, point, passages[e].hit.p) <= 1e-12 * l.length))
+                fail(name, t, i, "point of total reflection", distance(t, i, point, passages[e].hit.p));
+            else if (want == SGT_MISSED && passages[e].hit.status != SGT_MISS)
+                fail(name, t, i, "missed, with another status", passages[e].hit.status);
             lost++;
             spoilt = true;
             continue;
@@ -70,14 +76,18 @@ static void compare(const std::string &folder, const char *name)
             spoilt = true;
             continue;
         }
-        const double off = distance(t, i, point, passages[e].hit.p), turn = distance(t, i, direction, passages[e].direction);
+        const double off = distance(t, i, point, passages[e].hit.p),
+                     turn = distance(t, i, direction, passages[e].direction);
         worst_point = std::max(worst_point, off / l.length);
         worst_direction = std::max(worst_direction, turn);
         if (!(off <= 1e-12 * l.length)) fail(name, t, i, "point", off), spoilt = true;
         if (!(turn <= 1e-12)) fail(name, t, i, "direction", turn), spoilt = true;
-        if (passages[e].hit.status <= 0) fail(name, t, i, "passed, with an undecided hit", passages[e].hit.status);
+        if (passages[e].hit.status <= 0)
+            fail(name, t, i, "passed, with an undecided hit", passages[e].hit.status);
     }
-    std::printf("%s: %d rays, %d rows compared (%d lost), %d left out; worst point %.2g lengths, direction %.2g\n", name, rays, rows, lost, left, worst_point, worst_direction);
+    std::printf(
+        "%s: %d rays, %d rows compared (%d lost), %d left out; worst point %.2g lengths, direction %.2g\n",
+        name, rays, rows, lost, left, worst_point, worst_direction);
     if (rows < 100) failures++;
 }
 

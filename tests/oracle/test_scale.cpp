@@ -33,18 +33,25 @@ bool show(const char *kind)
 
 bool same(double a, double b) { return a == b || (a != a && b != b); }
 bool same(const sgt_vec3 &a, const sgt_vec3 &b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z); }
-bool normal(double x) { return x == 0 || std::isinf(x) || (std::fabs(x) >= DBL_MIN && std::fabs(x) <= DBL_MAX); }
+bool normal(double x)
+{
+    return x == 0 || std::isinf(x) || (std::fabs(x) >= DBL_MIN && std::fabs(x) <= DBL_MAX);
+}
 bool normal(const sgt_vec3 &v) { return normal(v.x) && normal(v.y) && normal(v.z); }
 
 // An infinity is an end, or an input that overflowed.
 bool in_range(const test_case &t)
 {
-    bool all = normal(t.surface.c) && normal(t.surface.semi_diameter) && normal(t.ray.o) && normal(t.ray.d) && normal(t.ray.tmin) && normal(t.ray.tmax);
+    bool all = normal(t.surface.c) && normal(t.surface.semi_diameter) && normal(t.ray.o) && normal(t.ray.d) &&
+               normal(t.ray.tmin) && normal(t.ray.tmax);
     for (double a : t.surface.a) all = all && normal(a) && std::isfinite(a);
     return all && std::isfinite(t.surface.c);
 }
 
-sgt_vec3 scaled(const sgt_vec3 &v, int k) { return {std::ldexp(v.x, k), std::ldexp(v.y, k), std::ldexp(v.z, k)}; }
+sgt_vec3 scaled(const sgt_vec3 &v, int k)
+{
+    return {std::ldexp(v.x, k), std::ldexp(v.y, k), std::ldexp(v.z, k)};
+}
 
 int count_calls(void *data, const sgt_step *step)
 {
@@ -69,15 +76,19 @@ sgt_hit ask(const test_case &t, sgt_pick pick, int *calls = nullptr)
 
 void print_hit(const char *name, const sgt_hit &h)
 {
-    std::printf("    %-9s %s evals %d t %a t_err %a t_lo %a lo %a hi %a f %a\n              p %a %a %a p_err %a n %a %a %a\n", name, sgt_status_text(h.status),
-                h.evals, h.t, h.t_err, h.t_lo, h.lo, h.hi, h.f, h.p.x, h.p.y, h.p.z, h.p_err, h.n.x, h.n.y, h.n.z);
+    std::printf("    %-9s %s evals %d t %a t_err %a t_lo %a lo %a hi %a f %a\n              p %a %a %a p_err "
+                "%a n %a %a %a\n",
+                name, sgt_status_text(h.status), h.evals, h.t, h.t_err, h.t_lo, h.lo, h.hi, h.f, h.p.x, h.p.y,
+                h.p.z, h.p_err, h.n.x, h.n.y, h.n.z);
 }
 
 void compare(const char *what, int power, const test_case &t, const sgt_hit &got, const sgt_hit &want)
 {
     compared++;
-    if (got.status == want.status && got.evals == want.evals && same(got.t, want.t) && same(got.t_err, want.t_err) && same(got.t_lo, want.t_lo) &&
-        same(got.lo, want.lo) && same(got.hi, want.hi) && same(got.f, want.f) && same(got.p, want.p) && same(got.n, want.n) && same(got.p_err, want.p_err))
+    if (got.status == want.status && got.evals == want.evals && same(got.t, want.t) &&
+        same(got.t_err, want.t_err) && same(got.t_lo, want.t_lo) && same(got.lo, want.lo) &&
+        same(got.hi, want.hi) && same(got.f, want.f) && same(got.p, want.p) && same(got.n, want.n) &&
+        same(got.p_err, want.p_err))
         return;
     if (!show(what)) return;
     std::printf("FAIL %s (power %d)\n    --replay \"", what, power);
@@ -89,7 +100,8 @@ void compare(const char *what, int power, const test_case &t, const sgt_hit &got
 
 int note_overflow(void *data, const sgt_step *step)
 {
-    if (!(std::fabs(step->f) < 0x1p500 && std::fabs(step->slope) < 0x1p500)) *static_cast<bool *>(data) = true;
+    if (!(std::fabs(step->f) < 0x1p500 && std::fabs(step->slope) < 0x1p500))
+        *static_cast<bool *>(data) = true;
     return 0;
 }
 
@@ -104,7 +116,8 @@ bool overflows(const test_case &t, sgt_pick pick)
 }
 
 // As compare, of the same question at another scale.
-void compare_scaled(const char *what, int power, const test_case &t, const test_case &scaled_to, sgt_pick pick, sgt_hit want)
+void compare_scaled(const char *what, int power, const test_case &t, const test_case &scaled_to,
+                    sgt_pick pick, sgt_hit want)
 {
     const sgt_hit got = ask(scaled_to, pick);
     if (got.evals != want.evals && (overflows(t, pick) || overflows(scaled_to, pick))) want.evals = got.evals;
@@ -197,7 +210,8 @@ int main(int argc, char **argv)
         symmetries(t, pick, hit);
     }
     for (const auto &f : failed) std::printf("  FAIL %8d  %s\n", f.second, f.first.c_str());
-    std::printf("%d comparisons, %d skipped (an input leaves the normal range), %d failures, %.1f s\n", compared, skipped, failures,
+    std::printf("%d comparisons, %d skipped (an input leaves the normal range), %d failures, %.1f s\n",
+                compared, skipped, failures,
                 std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
     return failures != 0;
 }

@@ -81,7 +81,13 @@ inline ball high(const ball &a) { ball r; arb_get_ubound_arf(arb_midref(r.x), a.
 inline ball between(const ball &a, const ball &b) { ball r; arb_union(r.x, a.x, b.x, bits); return r; }
 inline ball around(const ball &a, slong e) { ball r = middle(a); arb_add_error_2exp_si(r.x, e); return r; }
 inline bool less(const ball &a, const ball &b) { return arb_lt(a.x, b.x); } // certainly
-inline std::string text(const ball &a, slong digits = 30) { char *s = arb_get_str(a.x, digits, 0); std::string r(s); flint_free(s); return r; }
+inline std::string text(const ball &a, slong digits = 30)
+{
+    char *s = arb_get_str(a.x, digits, 0);
+    std::string r(s);
+    flint_free(s);
+    return r;
+}
 // The least e with |a| <= 2^e, nearly.
 inline slong exponent(const ball &a)
 {
@@ -115,7 +121,8 @@ template <class equation> int sign_at(const equation &q, const ball &s, slong mo
     return 0;
 }
 
-// One root in [lo, hi], where g' has the sign of `slope`; narrowed to 2^-230 of `unit`, or as far as can be told.
+// One root in [lo, hi], where g' has the sign of `slope`; narrowed to 2^-230 of `unit`, or as far as can be
+// told.
 template <class equation> ball close_in(const equation &q, ball lo, ball hi, ball slope, slong unit)
 {
     const precision p(320);
@@ -142,7 +149,8 @@ template <class equation> ball close_in(const equation &q, ball lo, ball hi, bal
     return x;
 }
 
-template <class equation> void search(const equation &q, const ball &lo, const ball &hi, slong depth, long budget, found *out)
+template <class equation>
+void search(const equation &q, const ball &lo, const ball &hi, slong depth, long budget, found *out)
 {
     struct cell { ball m; slong e; };
     std::vector<cell> todo;

@@ -51,14 +51,16 @@ inline subject random_optical(generator &g, double like = 0)
     default: s.k = g.log_uniform(1e-3, 1e3), t.kind = "oblate"; break;
     }
     const double domain = domain_of(s);
-    t.h = s.c == 0 ? std::fabs(R) : std::fmin(std::fabs(R) * g.log_uniform(0.01, 3), domain * g.uniform(0.05, 0.98));
+    t.h = s.c == 0 ? std::fabs(R)
+                   : std::fmin(std::fabs(R) * g.log_uniform(0.01, 3), domain * g.uniform(0.05, 0.98));
     if (g.chance(0.5)) s.semi_diameter = t.h;
     t.asphere = g.chance(0.45);
     if (t.asphere) {
         const int terms = 1 + g.below(8);
         const double most = g.chance(0.5) ? 0.02 : 0.1;
         for (int i = 0; i < terms; i++)
-            if (i == terms - 1 || g.chance(0.8)) s.a[i] = g.uniform(-most, most) * t.h / std::pow(t.h, 2 * i + 2);
+            if (i == terms - 1 || g.chance(0.8))
+                s.a[i] = g.uniform(-most, most) * t.h / std::pow(t.h, 2 * i + 2);
         t.kind = "asphere";
     }
     return t;
@@ -87,15 +89,23 @@ inline void set_ends(generator &g, sgt_ray *ray, double away, double unit)
     else if (g.chance(0.2)) ray->tmax = HUGE_VAL;
 }
 
-inline sgt_vec3 less_by(const sgt_vec3 &p, double t, const sgt_vec3 &d) { return {p.x - t * d.x, p.y - t * d.y, p.z - t * d.z}; }
+inline sgt_vec3 less_by(const sgt_vec3 &p, double t, const sgt_vec3 &d)
+{
+    return {p.x - t * d.x, p.y - t * d.y, p.z - t * d.z};
+}
 
 inline sgt_ray ordinary_ray(generator &g, const subject &t)
 {
-    const double pi = 3.141592653589793, r = t.h * (g.chance(0.8) ? 0.99 * std::sqrt(g.uniform(0, 1)) : 1 + g.log_uniform(1e-3, 2)), at = g.uniform(0, 2 * pi);
-    const sgt_vec3 target = {r * std::cos(at), r * std::sin(at), rough_sag(t.s, std::fmin(r, t.h) * std::fmin(r, t.h))};
-    const double tilt = g.chance(0.05) ? 0 : g.uniform(0, g.chance(0.8) ? 40 : 85) * pi / 180, about = g.uniform(0, 2 * pi), length = g.chance(0.5) ? 1 : g.log_uniform(1e-3, 1e3);
+    const double pi = 3.141592653589793,
+                 r = t.h * (g.chance(0.8) ? 0.99 * std::sqrt(g.uniform(0, 1)) : 1 + g.log_uniform(1e-3, 2)),
+                 at = g.uniform(0, 2 * pi);
+    const sgt_vec3 target = {r * std::cos(at), r * std::sin(at),
+                             rough_sag(t.s, std::fmin(r, t.h) * std::fmin(r, t.h))};
+    const double tilt = g.chance(0.05) ? 0 : g.uniform(0, g.chance(0.8) ? 40 : 85) * pi / 180,
+                 about = g.uniform(0, 2 * pi), length = g.chance(0.5) ? 1 : g.log_uniform(1e-3, 1e3);
     sgt_ray ray = {};
-    ray.d = {length * std::sin(tilt) * std::cos(about), length * std::sin(tilt) * std::sin(about), g.sign() * length * std::cos(tilt)};
+    ray.d = {length * std::sin(tilt) * std::cos(about), length * std::sin(tilt) * std::sin(about),
+             g.sign() * length * std::cos(tilt)};
     const double away = g.sign() * t.h * g.log_uniform(1e-2, 1e3) / length;
     ray.o = less_by(target, away, ray.d);
     if (away > 0 || g.chance(0.7)) set_ends(g, &ray, away, t.h / length);
@@ -108,17 +118,25 @@ inline sgt_ray hard_ray(generator &g, subject *t, std::string *kind)
     const double pi = 3.141592653589793;
     sgt_asphere &s = t->s;
     sgt_ray ray = ordinary_ray(g, *t);
-    const double length = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z), at = g.uniform(0, 2 * pi);
+    const double length = std::sqrt(ray.d.x * ray.d.x + ray.d.y * ray.d.y + ray.d.z * ray.d.z),
+                 at = g.uniform(0, 2 * pi);
     switch (g.below(8)) {
     case 0: { // in the tangent plane, and lifted off it, or turned out of it
         *kind = "tangent";
-        const double r = t->h * (g.chance(0.1) ? 0 : std::sqrt(g.uniform(0, 1))), slope = slope_at(s, r), m = std::sqrt(1 + slope * slope), about = g.uniform(0, 2 * pi);
-        const double lift = g.chance(0.2) ? 0 : g.sign() * g.log_uniform(1e-17, 1e-12), turn = g.chance(0.5) ? 0 : g.sign() * g.log_uniform(1e-17, 1e-12);
-        const double out = std::cos(about) / m - turn * slope / m, across = std::sin(about), axial = std::cos(about) * slope / m + turn / m;
-        const double size = s.c != 0 ? std::fmin(t->h, 1 / std::fabs(s.c)) : t->h, along = -lift * size * slope / m;
-        const sgt_vec3 target = {(r + along) * std::cos(at), (r + along) * std::sin(at), rough_sag(s, r * r) + lift * size / m};
-        ray.d = {length * (out * std::cos(at) - across * std::sin(at)), length * (out * std::sin(at) + across * std::cos(at)), length * axial};
-        ray.o = less_by(target, (g.chance(0.1) ? 0 : g.sign() * t->h * g.log_uniform(1e-3, 10)) / length, ray.d);
+        const double r = t->h * (g.chance(0.1) ? 0 : std::sqrt(g.uniform(0, 1))), slope = slope_at(s, r),
+                     m = std::sqrt(1 + slope * slope), about = g.uniform(0, 2 * pi);
+        const double lift = g.chance(0.2) ? 0 : g.sign() * g.log_uniform(1e-17, 1e-12),
+                     turn = g.chance(0.5) ? 0 : g.sign() * g.log_uniform(1e-17, 1e-12);
+        const double out = std::cos(about) / m - turn * slope / m, across = std::sin(about),
+                     axial = std::cos(about) * slope / m + turn / m;
+        const double size = s.c != 0 ? std::fmin(t->h, 1 / std::fabs(s.c)) : t->h,
+                     along = -lift * size * slope / m;
+        const sgt_vec3 target = {(r + along) * std::cos(at), (r + along) * std::sin(at),
+                                 rough_sag(s, r * r) + lift * size / m};
+        ray.d = {length * (out * std::cos(at) - across * std::sin(at)),
+                 length * (out * std::sin(at) + across * std::cos(at)), length * axial};
+        ray.o = less_by(target, (g.chance(0.1) ? 0 : g.sign() * t->h * g.log_uniform(1e-3, 10)) / length,
+                        ray.d);
         ray.tmin = -HUGE_VAL, ray.tmax = HUGE_VAL;
         if (g.chance(0.4)) ray.tmin = ray.tmax = 0;
         break;
@@ -126,9 +144,11 @@ inline sgt_ray hard_ray(generator &g, subject *t, std::string *kind)
     case 1: { // two roots close to one another, across the vertex: the chord at height z, exactly
         *kind = "pair";
         static const double ways[][2] = {{1, 0}, {0, 1}, {-1, 0}, {0.75, 1}, {0.5, -1}, {1, 1}};
-        const double *way = ways[g.below(6)], curvature = s.c + 2 * s.a[0], apart = t->h * g.log_uniform(1e-18, 1e-9);
+        const double *way = ways[g.below(6)], curvature = s.c + 2 * s.a[0],
+                     apart = t->h * g.log_uniform(1e-18, 1e-9);
         if (curvature == 0) break;
-        const double z = curvature * apart * apart * 0.125, shift = g.chance(0.5) ? 0 : apart * g.log_uniform(1e-3, 0.7);
+        const double z = curvature * apart * apart * 0.125,
+                     shift = g.chance(0.5) ? 0 : apart * g.log_uniform(1e-3, 0.7);
         const double back = g.chance(0.2) ? 0 : std::ldexp(g.sign(), g.below(12) - 6 + std::ilogb(t->h));
         ray.d = {way[0], way[1], g.chance(0.7) ? 0 : z / t->h * g.uniform(-1, 1)};
         ray.o = {-back * way[0], -back * way[1], z * (g.chance(0.3) ? 1 + g.uniform(-1, 1) : 1)};

@@ -1,9 +1,11 @@
-// judge.h - is an answer of the library right?  The roots come from Arb; what the answer claims, from sagitta.h.
+// judge.h - is an answer of the library right?  The roots come from Arb; what the answer claims, from
+// sagitta.h.
 //
 // Whatever is compared here is compared by balls: `certainly` is a proof.  A root counts `yes` or `no`
 // where the rules of sgt_ray and of the rim say so whatever t_err the library might have (that of an
-// unreported root is unknown, and taken as at most twice the margin of the rule itself, and on a level set as a
-// thousand times what the rounding of F at the point makes of t: that of a cell is some hundred times as much), else `perhaps`.
+// unreported root is unknown, and taken as at most twice the margin of the rule itself, and on a level set
+// as a thousand times what the rounding of F at the point makes of t: that of a cell is some hundred times
+// as much), else `perhaps`.
 #ifndef PROOF_JUDGE_H
 #define PROOF_JUDGE_H
 
@@ -49,7 +51,10 @@ inline counts within(const ball &t, const ball &lo, const ball &hi)
     if (less(t, lo) || less(hi, t)) return no;
     return arb_le(lo.x, t.x) && arb_le(t.x, hi.x) ? yes : perhaps;
 }
-inline counts within(const meeting &m, const sgt_hit &h) { return within(m.t, ball(h.t) - ball(h.t_err), ball(h.t) + ball(h.t_err)); }
+inline counts within(const meeting &m, const sgt_hit &h)
+{
+    return within(m.t, ball(h.t) - ball(h.t_err), ball(h.t) + ball(h.t_err));
+}
 inline bool doubted(const answer &a, const ball &lo, const ball &hi)
 {
     for (const stretch &d : a.doubts)
@@ -68,13 +73,16 @@ inline const char *odd_number(const sgt_hit &h, const ends &e)
 // [lo, hi] of a hit: t +- t_err rounded outward, and no more.
 inline const char *fault_of_stretch(const sgt_hit &h)
 {
-    const ball lo = ball(h.t) - ball(h.t_err), hi = ball(h.t) + ball(h.t_err), ulps = size(ball(h.t)) * 0x1p-51 + ball(h.t_err) * 0x1p-49 + 0x1p-1000;
+    const ball lo = ball(h.t) - ball(h.t_err), hi = ball(h.t) + ball(h.t_err),
+               ulps = size(ball(h.t)) * 0x1p-51 + ball(h.t_err) * 0x1p-49 + 0x1p-1000;
     if (less(lo, ball(h.lo)) || less(ball(h.hi), hi)) return "t +- t_err is not within [lo, hi]";
-    return less(ball(h.lo), lo - ulps) || less(hi + ulps, ball(h.hi)) ? "[lo, hi] is not t +- t_err" : nullptr;
+    return less(ball(h.lo), lo - ulps) || less(hi + ulps, ball(h.hi)) ? "[lo, hi] is not t +- t_err"
+                                                                      : nullptr;
 }
 
 // What is wrong with a hit of status HIT; NULL: nothing.  `alone`: one root and no other is promised.
-inline const char *fault_of_hit(const answer &a, const sgt_hit &h, const ends &e, bool alone, bool soft, const meeting **meant)
+inline const char *fault_of_hit(const answer &a, const sgt_hit &h, const ends &e, bool alone, bool soft,
+                                const meeting **meant)
 {
     const ball lo = ball(h.t) - ball(h.t_err), hi = ball(h.t) + ball(h.t_err);
     *meant = nullptr;
@@ -85,14 +93,17 @@ inline const char *fault_of_hit(const answer &a, const sgt_hit &h, const ends &e
     for (const meeting &m : a.roots) {
         const counts c = within(m, h);
         surely += c == yes && !m.edge, possibly += c != no;
-        if (c != no && (!*meant || less(size(m.t - ball(h.t) - ball(h.t_lo)), size((*meant)->t - ball(h.t) - ball(h.t_lo))))) *meant = &m;
+        if (c != no && (!*meant || less(size(m.t - ball(h.t) - ball(h.t_lo)),
+                                        size((*meant)->t - ball(h.t) - ball(h.t_lo)))))
+            *meant = &m;
     }
     if (possibly == 0) return "no root within t_err";
     if (alone && surely > 1) return "more than one root within t_err";
     if (surely == 1 && possibly == 1 && (*meant)->twice) return "a double root as a change of sign";
     if (possibly == 1) {
         if ((*meant)->inside < 0 && !(soft && (*meant)->near_rim < 0x1p-48)) return "a root beyond the rim";
-        if (e.tmin > -HUGE_VAL && less((*meant)->t + ball(h.t_err) * 1.001, ball(e.tmin) + ball(h.t_err) + start_margin(**meant) * 0.999))
+        if (e.tmin > -HUGE_VAL && less((*meant)->t + ball(h.t_err) * 1.001,
+                                       ball(e.tmin) + ball(h.t_err) + start_margin(**meant) * 0.999))
             return "a root at the start";
     }
     return nullptr;

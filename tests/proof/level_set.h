@@ -23,14 +23,20 @@ namespace proof {
 struct four {
     ball v[4];
 };
-inline four operator+(const four &a, const four &b) { return {{a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2], a.v[3] + b.v[3]}}; }
+inline four operator+(const four &a, const four &b)
+{
+    return {{a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2], a.v[3] + b.v[3]}};
+}
 inline ball dot(const four &a, const four &b)
 {
     ball r = a.v[0] * b.v[0];
     for (int i = 1; i < 4; i++) r.add_product(a.v[i], b.v[i]);
     return r;
 }
-inline four scaled(const four &a, slong e) { return {{scaled(a.v[0], e), scaled(a.v[1], e), scaled(a.v[2], e), scaled(a.v[3], e)}}; }
+inline four scaled(const four &a, slong e)
+{
+    return {{scaled(a.v[0], e), scaled(a.v[1], e), scaled(a.v[2], e), scaled(a.v[3], e)}};
+}
 inline four times(const ball &k, const four &a) { return {{k * a.v[0], k * a.v[1], k * a.v[2], k * a.v[3]}}; }
 // (a b + b a) / 2
 inline four half_sum(const four &a, const four &b)
@@ -89,12 +95,19 @@ inline series square(const series &a)
     r.q[0] = half_sum(a.q[0], a.q[0]);
     r.q[1] = scaled(half_sum(a.q[0], a.q[1]), 1);
     r.q[2] = scaled(half_sum(a.q[0], a.q[2]), 1) + half_sum(a.q[1], a.q[1]);
-    const bound a0 = size_of(a.q[0]), a1 = size_of(a.q[1]), a2 = size_of(a.q[2]), cross = a1 * a2, own = (a0 + a1 + a2) * a.tau;
+    const bound a0 = size_of(a.q[0]), a1 = size_of(a.q[1]), a2 = size_of(a.q[2]), cross = a1 * a2,
+                own = (a0 + a1 + a2) * a.tau;
     r.tau = cross + cross + a2 * a2 + own + own + a.tau * a.tau;
     return r;
 }
-inline series power_of(const series &a, int p) { return p == 1 ? a : p % 2 ? product(a, power_of(a, p - 1)) : power_of(square(a), p / 2); }
-inline four power_of(const four &a, int p) { return p == 1 ? a : p % 2 ? half_sum(a, power_of(a, p - 1)) : power_of(half_sum(a, a), p / 2); }
+inline series power_of(const series &a, int p)
+{
+    return p == 1 ? a : p % 2 ? product(a, power_of(a, p - 1)) : power_of(square(a), p / 2);
+}
+inline four power_of(const four &a, int p)
+{
+    return p == 1 ? a : p % 2 ? half_sum(a, power_of(a, p - 1)) : power_of(half_sum(a, a), p / 2);
+}
 
 class level_set {
 public:
@@ -102,7 +115,8 @@ public:
     {
         const precision p(256);
         for (std::size_t i = 0; i < 4; i++) {
-            start_.v[i] = ball(f.s.at[i]) + ball(r.o.x) * f.s.ex[i] + ball(r.o.y) * f.s.ey[i] + ball(r.o.z) * f.s.ez[i];
+            start_.v[i] = ball(f.s.at[i]) + ball(r.o.x) * f.s.ex[i] + ball(r.o.y) * f.s.ey[i] +
+                          ball(r.o.z) * f.s.ez[i];
             way_.v[i] = ball(r.d.x) * f.s.ex[i] + ball(r.d.y) * f.s.ey[i] + ball(r.d.z) * f.s.ez[i];
             c_.v[i] = f.s.c[i];
         }
@@ -117,7 +131,8 @@ public:
     {
         answer a;
         const precision p(256);
-        const ball vv = dot(way_, way_), pv = dot(start_, way_), D = square(pv) - vv * (dot(start_, start_) - E2_);
+        const ball vv = dot(way_, way_), pv = dot(start_, way_),
+                   D = square(pv) - vv * (dot(start_, start_) - E2_);
         if (D.sign() < 0) return a;
         const ball mid = -pv / vv, half = root_of(high(D)) / vv;
         ball from = low(mid - half), to = high(mid + half);
@@ -153,8 +168,10 @@ public:
         }
         const series c = a;
         for (int k = 0;; k++) {
-            const ball g0 = dot(a.q[0], a.q[0]), g1 = scaled(dot(a.q[0], a.q[1]), 1), g2 = scaled(dot(a.q[0], a.q[2]), 1) + dot(a.q[1], a.q[1]);
-            const bound a0 = size_of(a.q[0]), a1 = size_of(a.q[1]), a2 = size_of(a.q[2]), cross = a1 * a2, own = (a0 + a1 + a2) * a.tau;
+            const ball g0 = dot(a.q[0], a.q[0]), g1 = scaled(dot(a.q[0], a.q[1]), 1),
+                       g2 = scaled(dot(a.q[0], a.q[2]), 1) + dot(a.q[1], a.q[1]);
+            const bound a0 = size_of(a.q[0]), a1 = size_of(a.q[1]), a2 = size_of(a.q[2]), cross = a1 * a2,
+                        own = (a0 + a1 + a2) * a.tau;
             const bound tau = cross + cross + a2 * a2 + own + own + a.tau * a.tau;
             ball n = g0 + scaled(g2, -3); // u^2 in 0 ... 1/4
             const bound by1 = size_of(scaled(g1, -1)), by2 = size_of(scaled(g2, -3));

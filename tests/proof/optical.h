@@ -27,7 +27,13 @@ namespace proof {
 struct vector3 {
     ball x, y, z;
 };
-inline ball dot(const vector3 &a, const vector3 &b) { ball r = a.x * b.x; r.add_product(a.y, b.y); r.add_product(a.z, b.z); return r; }
+inline ball dot(const vector3 &a, const vector3 &b)
+{
+    ball r = a.x * b.x;
+    r.add_product(a.y, b.y);
+    r.add_product(a.z, b.z);
+    return r;
+}
 inline ball norm(const vector3 &a) { return root_of(dot(a, a)); }
 inline vector3 minus(const vector3 &a, const vector3 &b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline vector3 widen(const sgt_vec3 &p) { return {p.x, p.y, p.z}; }
@@ -42,7 +48,8 @@ struct meeting {
     bool twice;     // a double root, exactly
     double near_rim;     // |r / rim - 1|
     double near_equator; // h
-    double t_err = 0;    // what the rounding of F alone makes of it, where that is more than of the point (level sets)
+    double t_err =
+        0; // what the rounding of F alone makes of it, where that is more than of the point (level sets)
 };
 
 struct answer {
@@ -125,7 +132,10 @@ public:
     }
 
     // F at t, and its gradient, for a t where it is defined; false: it certainly is not.
-    bool at(const ball &t, vector3 *p, vector3 *n, ball *f) const { return at_point(place(t - ball(t0_)), p, n, f); }
+    bool at(const ball &t, vector3 *p, vector3 *n, ball *f) const
+    {
+        return at_point(place(t - ball(t0_)), p, n, f);
+    }
     bool at_point(const vector3 &q, vector3 *p, vector3 *n, ball *f) const
     {
         *p = q;
@@ -159,7 +169,8 @@ public:
         for (int i = terms_; i-- > 0;) sum = sum * rho + size(da_[static_cast<std::size_t>(i)]);
         return scaled(root_of(rho) * (sum + size(c_) / root_of(ball(1) - e_ * rho)), 1);
     }
-    // No less than |d^2/dt^2| of any form of F, for d of unit length: what its terms make of it, without their signs.
+    // No less than |d^2/dt^2| of any form of F, for d of unit length: what its terms make of it, without
+    // their signs.
     ball bend(const vector3 &q) const
     {
         const ball steep = steepness(q);

@@ -26,19 +26,29 @@ struct rounded {
     double size() const { return std::fabs(static_cast<double>(v)) * (1 + 0x1p-52); }
     int sign() const { return size() > e * (1 + 0x1p-40) + DBL_MIN ? (v > 0 ? 1 : -1) : 0; }
     static constexpr double u = 0x1p-112;
-    friend rounded operator+(const rounded &a, const rounded &b) { const quad sum = a.v + b.v; return {sum, a.e + b.e + u * std::fabs(static_cast<double>(sum))}; }
-    friend rounded operator-(const rounded &a, const rounded &b) { const quad sum = a.v - b.v; return {sum, a.e + b.e + u * std::fabs(static_cast<double>(sum))}; }
+    friend rounded operator+(const rounded &a, const rounded &b)
+    {
+        const quad sum = a.v + b.v;
+        return {sum, a.e + b.e + u * std::fabs(static_cast<double>(sum))};
+    }
+    friend rounded operator-(const rounded &a, const rounded &b)
+    {
+        const quad sum = a.v - b.v;
+        return {sum, a.e + b.e + u * std::fabs(static_cast<double>(sum))};
+    }
     friend rounded operator*(const rounded &a, const rounded &b)
     {
         const quad product = a.v * b.v;
-        return {product, a.e * (b.size() + b.e) + b.e * a.size() + u * std::fabs(static_cast<double>(product)) + DBL_MIN};
+        return {product, a.e * (b.size() + b.e) + b.e * a.size() +
+                             u * std::fabs(static_cast<double>(product)) + DBL_MIN};
     }
 };
 
 // Of F = z - s at t + by; 0: not told.
 inline int quick_sign(const sgt_asphere &s, bool asphere, const sgt_ray &r, double at, double by)
 {
-    const rounded t = rounded(at) + rounded(by), x = rounded(r.o.x) + t * r.d.x, y = rounded(r.o.y) + t * r.d.y, z = rounded(r.o.z) + t * r.d.z;
+    const rounded t = rounded(at) + rounded(by), x = rounded(r.o.x) + t * r.d.x,
+                  y = rounded(r.o.y) + t * r.d.y, z = rounded(r.o.z) + t * r.d.z;
     const rounded rho = x * x + y * y, k1 = rounded(s.k) + rounded(1);
     rounded sum(0);
     int terms = asphere ? 8 : 0;

@@ -7,9 +7,10 @@
 //     test_proof [--optical N] [--levels N] [--unproven N] [--seed S] [--examples N] [--verbose]
 //
 // An answer that is undecided, or a graze, has to have a reason that the oracle sees too: another root as
-// near as rounding, a tangent, the rim, the equator, the start.  Those without are told, and fail.  With one,
-// few may be: at most a part in 1000 of ordinary and far rays, and of each other kind a share that is
-// about twice what is seen (most_undecided).  Where another root counts, near the seed nothing but UNPROVEN is right.
+// near as rounding, a tangent, the rim, the equator, the start.  Those without are told, and fail.  With
+// one, few may be: at most a part in 1000 of ordinary and far rays, and of each other kind a share that is
+// about twice what is seen (most_undecided).  Where another root counts, near the seed nothing but UNPROVEN
+// is right.
 #include "draw.h"
 #include "judge.h"
 #include "level_set.h"
@@ -29,7 +30,8 @@ long examples = 1, told;
 std::map<std::string, long> failed;
 
 struct tally {
-    long rays = 0, hit = 0, graze = 0, miss = 0, another = 0, undecided = 0, unexcused = 0; // another: undecided, since another root counts
+    long rays = 0, hit = 0, graze = 0, miss = 0, another = 0, undecided = 0,
+         unexcused = 0; // another: undecided, since another root counts
 };
 std::map<std::string, tally> tallies;
 std::map<std::string, long> excuses;
@@ -40,8 +42,11 @@ struct asked {
     const char *name;
 };
 const asked questions[] = {
-    {SGT_FIRST, SGT_ESTIMATE, "estimate"},      {SGT_FIRST, SGT_PROVE_ROOT, "root"},           {SGT_FIRST, SGT_PROVE_FIRST, "first"},
-    {SGT_NEAR_SEED, SGT_PROVE_ROOT, "root, near the seed"}, {SGT_NEAR_SEED, SGT_PROVE_FIRST, "first, near the seed"},
+    {SGT_FIRST, SGT_ESTIMATE, "estimate"},
+    {SGT_FIRST, SGT_PROVE_ROOT, "root"},
+    {SGT_FIRST, SGT_PROVE_FIRST, "first"},
+    {SGT_NEAR_SEED, SGT_PROVE_ROOT, "root, near the seed"},
+    {SGT_NEAR_SEED, SGT_PROVE_FIRST, "first, near the seed"},
 };
 
 void print_subject(const subject &t, const sgt_ray &r)
@@ -56,19 +61,23 @@ void print_subject(const subject &t, const sgt_ray &r)
         }
         std::printf("}  // k %g h %g\n", t.s.k, t.h);
     }
-    std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z, r.tmin, r.tmax);
+    std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}, %a, %a}\n", r.o.x, r.o.y, r.o.z, r.d.x, r.d.y, r.d.z,
+                r.tmin, r.tmax);
 }
 void print_hit(const sgt_hit &h)
 {
-    std::printf("    %s t %.17g t_lo %.3g t_err %.3g lo %.17g hi %.17g evals %d p_err %.3g\n", sgt_status_text(h.status), h.t, h.t_lo, h.t_err, h.lo, h.hi, h.evals, h.p_err);
+    std::printf("    %s t %.17g t_lo %.3g t_err %.3g lo %.17g hi %.17g evals %d p_err %.3g\n",
+                sgt_status_text(h.status), h.t, h.t_lo, h.t_err, h.lo, h.hi, h.evals, h.p_err);
 }
 void print_roots(const answer &a, const ends &e)
 {
     int left = 12;
     for (const meeting &m : a.roots) if (left-- > 0)
-        std::printf("    root %s (rounding %.3g) counts %d%s%s spread %.3g rim %.3g equator %.3g\n", text(m.t).c_str(), m.t_err, counting(m, e), m.edge ? " edge" : "", m.twice ? " twice" : "",
-                    m.spread.rough(), m.near_rim, m.near_equator);
-    for (const stretch &d : a.doubts) std::printf("    doubt %s .. %s\n", text(d.lo).c_str(), text(d.hi).c_str());
+            std::printf("    root %s (rounding %.3g) counts %d%s%s spread %.3g rim %.3g equator %.3g\n",
+                        text(m.t).c_str(), m.t_err, counting(m, e), m.edge ? " edge" : "",
+                        m.twice ? " twice" : "", m.spread.rough(), m.near_rim, m.near_equator);
+    for (const stretch &d : a.doubts)
+        std::printf("    doubt %s .. %s\n", text(d.lo).c_str(), text(d.hi).c_str());
 }
 
 struct oracle_of {
@@ -80,9 +89,10 @@ struct oracle_of {
 
 const char another_root[] = "another root counts";
 
-// Why an undecided answer may be one; NULL: nothing that the oracle knows.  In traces roots beyond the aperture
-// (0: none) do not count, and the ray is not known to `blur`, a length.
-const char *excuse(const oracle_of &q, const answer &a, const sgt_hit &h, const asked &by, const ends &e, double aperture = 0, double blur = 0)
+// Why an undecided answer may be one; NULL: nothing that the oracle knows.  In traces roots beyond the
+// aperture (0: none) do not count, and the ray is not known to `blur`, a length.
+const char *excuse(const oracle_of &q, const answer &a, const sgt_hit &h, const asked &by, const ends &e,
+                   double aperture = 0, double blur = 0)
 {
     if (a.lies) return "the ray lies in the surface";
     if (!a.doubts.empty() || a.gave_up) return "doubted by Arb as well";
@@ -93,28 +103,38 @@ const char *excuse(const oracle_of &q, const answer &a, const sgt_hit &h, const 
     for (const meeting &m : a.roots) {
         const counts c = counting(m, e);
         if (m.twice) return "a double root";
-        count += c != no && (aperture == 0 || !less(square(ball(aperture)) * (1 + 1e-9), square(m.p.x) + square(m.p.y)));
-        if (m.near_rim < HUGE_VAL && m.near_rim < 0x1p-45 + (blur + 0x1p-52 * length * std::fabs(m.t.rough())) / q.t->s.semi_diameter) return "at the rim";
+        count += c != no &&
+                 (aperture == 0 || !less(square(ball(aperture)) * (1 + 1e-9), square(m.p.x) + square(m.p.y)));
+        if (m.near_rim < HUGE_VAL &&
+            m.near_rim < 0x1p-45 + (blur + 0x1p-52 * length * std::fabs(m.t.rough())) / q.t->s.semi_diameter)
+            return "at the rim";
         if (m.near_equator < 1e-4) return "at the equator";
-        if (q.sag && q.sag->hides_sheet(m)) return "at the equator as far as the size of the terms lets it be told";
+        if (q.sag && q.sag->hides_sheet(m))
+            return "at the equator as far as the size of the terms lets it be told";
         if (c == perhaps) return "at the start or the end";
     }
     if (by.pick == SGT_NEAR_SEED && by.proof == SGT_PROVE_FIRST && count > 1) return another_root;
     for (std::size_t i = 1; i < a.roots.size(); i++) {
         const ball apart = a.roots[i].t - a.roots[i - 1].t;
-        if (less(apart, scaled(start_margin(a.roots[i]) + start_margin(a.roots[i - 1]), 3))) return "two roots as near as rounding";
-        // t_err is at least what rounding of F makes of t; of so many the slope has to keep its sign, by bounds of a cell
-        if (q.set && less(apart, ball(8 * (a.roots[i].t_err + a.roots[i - 1].t_err)))) return "two roots as near as the rounding of the orbit";
+        if (less(apart, scaled(start_margin(a.roots[i]) + start_margin(a.roots[i - 1]), 3)))
+            return "two roots as near as rounding";
+        // t_err is at least what rounding of F makes of t; of so many the slope has to keep its sign, by
+        // bounds of a cell
+        if (q.set && less(apart, ball(8 * (a.roots[i].t_err + a.roots[i - 1].t_err))))
+            return "two roots as near as the rounding of the orbit";
     }
     for (const meeting &m : a.roots) { // t +- t_err is as wide as an ulp of t
         static const char steep[] = "from far away the slope may change within an ulp of t";
         if (by.proof == SGT_ESTIMATE) break;
-        if (q.sag && less(size(m.slope) * 0x1p-6, size(m.t) * 0x1p-52 * square(ball(length)) * q.sag->bend(m.p))) return steep;
+        if (q.sag &&
+            less(size(m.slope) * 0x1p-6, size(m.t) * 0x1p-52 * square(ball(length)) * q.sag->bend(m.p)))
+            return steep;
         ball g, slope;
         if (q.set && q.set->enclose(m.t, exponent(m.t) - 48, &g, &slope) && slope.sign() == 0) return steep;
     }
     for (int i = 0; i <= 64 && h.lo > -HUGE_VAL; i++) { // (behind an end that is known, ever nearer to it)
-        const ball t = h.hi < HUGE_VAL ? ball(h.lo) + (ball(h.hi) - ball(h.lo)) * ball(i / 64.0) : ball(h.lo) + ball(std::ldexp(q.t->h / length, -i));
+        const ball t = h.hi < HUGE_VAL ? ball(h.lo) + (ball(h.hi) - ball(h.lo)) * ball(i / 64.0)
+                                       : ball(h.lo) + ball(std::ldexp(q.t->h / length, -i));
         vector3 p, n;
         ball f;
         const auto along = [&] { return size(dot(n, widen(q.ray.d))) / (norm(n) * ball(length)); };
@@ -122,12 +142,17 @@ const char *excuse(const oracle_of &q, const answer &a, const sgt_hit &h, const 
             if (!q.sag->at(t, &p, &n, &f) || less(ball(1e-5), along())) continue;
             const ball off = size(f) / norm(n), about = norm(p) * 0x1p-44;
             if (!less(about, off)) return "a tangent as near as rounding";
-        } else { // its rounding grows with the orbit: the library's own bound of F = (g / E^2) / 2, that of a stretch being greater
+        } else {
+            // its rounding grows with the orbit: the library's own bound of F = (g / E^2) / 2, that of a
+            // stretch being greater
             subject s = *q.t;
-            p = {ball(q.ray.o.x) + ball(q.ray.d.x) * t, ball(q.ray.o.y) + ball(q.ray.d.y) * t, ball(q.ray.o.z) + ball(q.ray.d.z) * t};
-            const double rounding = s.surface().ops->rounding(s.surface().self, {p.x.rough(), p.y.rough(), p.z.rough()});
+            p = {ball(q.ray.o.x) + ball(q.ray.d.x) * t, ball(q.ray.o.y) + ball(q.ray.d.y) * t,
+                 ball(q.ray.o.z) + ball(q.ray.d.z) * t};
+            const double rounding = s.surface().ops->rounding(s.surface().self,
+                                                              {p.x.rough(), p.y.rough(), p.z.rough()});
             q.set->at_point(p, &f, &n);
-            if (!less(ball(256 * rounding), size(f) / q.set->escape2()) && !less(ball(0.01), along())) return "a tangent as near as rounding";
+            if (!less(ball(256 * rounding), size(f) / q.set->escape2()) && !less(ball(0.01), along()))
+                return "a tangent as near as rounding";
         }
     }
     return nullptr;
@@ -140,14 +165,18 @@ const char *fault_of_point(const oracle_of &q, const sgt_hit &h, const meeting &
     vector3 at, n, given = widen(h.n);
     ball f;
     if (q.sag) {
-        if (m.near_equator < 1e-4 || h.p_err > 1e-6 * q.t->h || !q.sag->at_point(p, &at, &n, &f)) return nullptr;
-        const ball blur = norm(minus(n, m.n)) * 4 + (q.sag->steepness(p) + 1) * (0x1p-44 / std::fmin(1, m.near_equator * m.near_equator));
+        if (m.near_equator < 1e-4 || h.p_err > 1e-6 * q.t->h || !q.sag->at_point(p, &at, &n, &f))
+            return nullptr;
+        const ball blur = norm(minus(n, m.n)) * 4 +
+                          (q.sag->steepness(p) + 1) *
+                              (0x1p-44 / std::fmin(1, m.near_equator * m.near_equator));
         if (less(blur, norm(minus(n, given)))) return "n is not the gradient";
     }
     return nullptr;
 }
 
-void report(const std::string &why, const oracle_of &q, const answer &a, const sgt_hit &h, const char *how, const std::string &kind)
+void report(const std::string &why, const oracle_of &q, const answer &a, const sgt_hit &h, const char *how,
+            const std::string &kind)
 {
     if (failed[why]++ >= examples) return;
     std::printf("FAIL %s (%s; %s)\n", why.c_str(), how, kind.c_str());
@@ -157,7 +186,8 @@ void report(const std::string &why, const oracle_of &q, const answer &a, const s
 }
 
 // Each ray once.
-void tell_undecided(const oracle_of &q, const answer &a, const sgt_hit &h, const char *how, const std::string &kind)
+void tell_undecided(const oracle_of &q, const answer &a, const sgt_hit &h, const char *how,
+                    const std::string &kind)
 {
     static sgt_ray last;
     if (std::memcmp(&last, &q.ray, sizeof last) == 0 || (told++ >= 4 * examples && !verbose)) return;
@@ -168,7 +198,8 @@ void tell_undecided(const oracle_of &q, const answer &a, const sgt_hit &h, const
     print_roots(a, ends(q.ray));
 }
 
-void take_undecided(const oracle_of &q, const answer &a, const sgt_hit &h, const char *how, const std::string &kind, const char *pardon, tally *n)
+void take_undecided(const oracle_of &q, const answer &a, const sgt_hit &h, const char *how,
+                    const std::string &kind, const char *pardon, tally *n)
 {
     if (pardon) excuses[pardon]++;
     if (pardon == another_root) n->another++;
@@ -178,7 +209,8 @@ void take_undecided(const oracle_of &q, const answer &a, const sgt_hit &h, const
     tell_undecided(q, a, h, how, kind);
 }
 
-void judge(const oracle_of &q, const answer &a, const sgt_hit &h, const asked &question, const std::string &kind)
+void judge(const oracle_of &q, const answer &a, const sgt_hit &h, const asked &question,
+           const std::string &kind)
 {
     const ends e(q.ray);
     asked by = question;
@@ -192,7 +224,8 @@ void judge(const oracle_of &q, const answer &a, const sgt_hit &h, const asked &q
         n.hit++;
         why = fault_of_hit(a, h, e, by.proof != SGT_ESTIMATE, soft, &meant);
         if (!why) why = fault_of_stretch(h);
-        if (!why && by.pick == SGT_FIRST && before(a, ball(h.t) - ball(h.t_err), e, soft)) why = "a root before the first";
+        if (!why && by.pick == SGT_FIRST && before(a, ball(h.t) - ball(h.t_err), e, soft))
+            why = "a root before the first";
         if (!why && by.pick == SGT_NEAR_SEED && by.proof == SGT_PROVE_FIRST)
             for (const meeting &m : a.roots)
                 if (&m != meant && counting(m, e) == yes && within(m, h) == no) why = "another root counts";
@@ -206,12 +239,18 @@ void judge(const oracle_of &q, const answer &a, const sgt_hit &h, const asked &q
         why = fault_of_graze(h, e);
         vector3 at, normal;
         ball f;
-        if (!why && q.sag && q.sag->at_point(widen(h.p), &at, &normal, &f) && less(ball(h.p_err) + norm(at) * 0x1p-44, size(f) / norm(normal))) why = "a graze where F is not small";
-        if (!why && by.pick == SGT_FIRST && before(a, std::min(ball(h.lo), ball(h.t) - ball(h.t_err), less), e, soft)) why = "a root before a graze";
+        if (!why && q.sag && q.sag->at_point(widen(h.p), &at, &normal, &f) &&
+            less(ball(h.p_err) + norm(at) * 0x1p-44, size(f) / norm(normal)))
+            why = "a graze where F is not small";
+        if (!why && by.pick == SGT_FIRST &&
+            before(a, std::min(ball(h.lo), ball(h.t) - ball(h.t_err), less), e, soft))
+            why = "a root before a graze";
         if (!why && by.pick == SGT_NEAR_SEED && by.proof == SGT_PROVE_FIRST)
             for (const meeting &m : a.roots)
-                if (counting(m, e) == yes && within(m.t, ball(h.lo), ball(h.hi)) == no && within(m, h) == no) why = "another root counts beside a graze";
-        if (const char *pardon = excuse(q, a, h, by, e); !pardon) take_undecided(q, a, h, by.name, kind, pardon, &n);
+                if (counting(m, e) == yes && within(m.t, ball(h.lo), ball(h.hi)) == no && within(m, h) == no)
+                    why = "another root counts beside a graze";
+        if (const char *pardon = excuse(q, a, h, by, e); !pardon)
+            take_undecided(q, a, h, by.name, kind, pardon, &n);
     } else if (h.status == SGT_MISS) {
         n.miss++;
         for (const meeting &m : a.roots)
@@ -219,21 +258,27 @@ void judge(const oracle_of &q, const answer &a, const sgt_hit &h, const asked &q
         if (a.lies && e.tmin < e.tmax) why = "a miss where the ray lies in the surface";
     } else {
         if (!(h.lo <= h.hi)) why = "an undecided answer without a stretch";
-        else if (h.status != SGT_UNPROVEN && (by.proof != SGT_ESTIMATE || h.status != SGT_EXHAUSTED)) why = "undecided, but neither unproven nor exhausted";
+        else if (h.status != SGT_UNPROVEN && (by.proof != SGT_ESTIMATE || h.status != SGT_EXHAUSTED))
+            why = "undecided, but neither unproven nor exhausted";
         else if (by.pick == SGT_FIRST && before(a, ball(h.lo), e, soft))
-            why = before(a, ball(h.lo) - size(ball(h.lo)) * 0x1p-50, e, soft) ? "a root before the undecided stretch" : "a root before the undecided stretch by rounding alone";
+            why = before(a, ball(h.lo) - size(ball(h.lo)) * 0x1p-50, e, soft)
+                      ? "a root before the undecided stretch"
+                      : "a root before the undecided stretch by rounding alone";
         else if (by.pick == SGT_NEAR_SEED && by.proof == SGT_PROVE_FIRST)
             for (const meeting &m : a.roots)
                 if (counting(m, e) == yes && within(m.t, ball(h.lo), ball(h.hi)) == no)
-                    why = within(m.t, ball(h.lo) - size(ball(h.lo)) * 0x1p-50, ball(h.hi) + size(ball(h.hi)) * 0x1p-50) == no ? "a root outside the undecided stretch"
-                                                                                                                          : "a root outside the undecided stretch by rounding alone";
+                    why = within(m.t, ball(h.lo) - size(ball(h.lo)) * 0x1p-50,
+                                 ball(h.hi) + size(ball(h.hi)) * 0x1p-50) == no
+                              ? "a root outside the undecided stretch"
+                              : "a root outside the undecided stretch by rounding alone";
         take_undecided(q, a, h, by.name, kind, excuse(q, a, h, by, e), &n);
     }
     if (why) report(why, q, a, h, by.name, kind);
 }
 
 // All, in order: each right, none left out.
-void judge_all(const oracle_of &q, const answer &a, int count, const sgt_hit h[], sgt_proof proof, const std::string &kind)
+void judge_all(const oracle_of &q, const answer &a, int count, const sgt_hit h[], sgt_proof proof,
+               const std::string &kind)
 {
     const ends e(q.ray);
     const bool soft = proof == SGT_ESTIMATE;
@@ -252,7 +297,8 @@ void judge_all(const oracle_of &q, const answer &a, int count, const sgt_hit h[]
             const char *const pardon = excuse(q, a, h[i], {SGT_FIRST, proof, name}, e);
             if (h[i].status == SGT_GRAZE) n.graze++, why = fault_of_graze(h[i], e);
             else if (!(h[i].lo <= h[i].hi)) why = "an entry without a stretch";
-            else if (h[i].status != SGT_UNPROVEN && (proof != SGT_ESTIMATE || h[i].status != SGT_EXHAUSTED)) why = "an entry neither unproven nor exhausted";
+            else if (h[i].status != SGT_UNPROVEN && (proof != SGT_ESTIMATE || h[i].status != SGT_EXHAUSTED))
+                why = "an entry neither unproven nor exhausted";
             if (h[i].status != SGT_GRAZE || !pardon) take_undecided(q, a, h[i], name, kind, pardon, &n);
         }
         if (i && !(h[i].t + h[i].t_err >= h[i - 1].t - h[i - 1].t_err)) why = "out of order";
@@ -263,7 +309,8 @@ void judge_all(const oracle_of &q, const answer &a, int count, const sgt_hit h[]
         if (counting(m, e, soft) != yes) continue;
         bool known = false;
         for (int i = 0; i < count; i++) {
-            const ball lo = h[i].lo <= h[i].hi ? ball(h[i].lo) : ball(h[i].t), hi = h[i].lo <= h[i].hi ? ball(h[i].hi) : ball(h[i].t);
+            const ball lo = h[i].lo <= h[i].hi ? ball(h[i].lo) : ball(h[i].t),
+                       hi = h[i].lo <= h[i].hi ? ball(h[i].hi) : ball(h[i].t);
             known = known || within(m, h[i]) != no || (h[i].status != SGT_HIT && within(m.t, lo, hi) != no);
         }
         if (!known) report("all: a root in no entry", q, a, count ? h[0] : none, name, kind);
@@ -310,9 +357,12 @@ void run_surface(subject &t, const sgt_ray rays[], const std::string kinds[], in
         sgt_intersect_batch(s, static_cast<std::size_t>(n), many, hits, &opt);
         for (int i = 0; i < n; i++) {
             const sgt_hit &h = single[k][i];
-            if (status[i] != h.status || !same(out[0][i], h.t) || (h.status > 0 && (!same(out[1][i], h.t_err) || !same(out[2][i], h.t_lo) || !same(out[3][i], h.p.x)))) {
+            if (status[i] != h.status || !same(out[0][i], h.t) ||
+                (h.status > 0 &&
+                 (!same(out[1][i], h.t_err) || !same(out[2][i], h.t_lo) || !same(out[3][i], h.p.x)))) {
                 if (failed["a batch is not its single rays"]++ < examples) {
-                    std::printf("FAIL a batch is not its single rays (%s; %s): status %d t %a\n", questions[k].name, kinds[i].c_str(), status[i], out[0][i]);
+                    std::printf("FAIL a batch is not its single rays (%s; %s): status %d t %a\n",
+                                questions[k].name, kinds[i].c_str(), status[i], out[0][i]);
                     print_subject(t, rays[i]);
                     print_hit(h);
                 }
@@ -333,16 +383,20 @@ void run_surface(subject &t, const sgt_ray rays[], const std::string kinds[], in
             a = t.is_level ? set.all_roots(e.tmin, e.tmax, budget) : sag.all_roots();
         }
         for (meeting &m : a.roots) // F is (g / E^2) / 2, nearly
-            if (t.is_level) m.t_err = s.ops->rounding(s.self, {m.p.x.rough(), m.p.y.rough(), m.p.z.rough()}) * std::fabs((set.escape2() * 2 / m.slope).rough());
+            if (t.is_level)
+                m.t_err = s.ops->rounding(s.self, {m.p.x.rough(), m.p.y.rough(), m.p.z.rough()}) *
+                          std::fabs((set.escape2() * 2 / m.slope).rough());
         cells_spent += a.cells;
         if (a.gave_up) {
             if (verbose) {
-                std::printf("the oracle gave up (%s) after %ld cells, %zu roots\n", kinds[i].c_str(), a.cells, a.roots.size());
+                std::printf("the oracle gave up (%s) after %ld cells, %zu roots\n", kinds[i].c_str(), a.cells,
+                            a.roots.size());
                 print_subject(t, rays[i]);
             }
             unknown++;
         }
-        for (std::size_t k = 0; k < sizeof questions / sizeof *questions; k++) judge(q, a, single[k][i], questions[k], kinds[i]);
+        for (std::size_t k = 0; k < sizeof questions / sizeof *questions; k++)
+            judge(q, a, single[k][i], questions[k], kinds[i]);
         for (const sgt_proof proof : {SGT_ESTIMATE, SGT_PROVE_ROOT, SGT_PROVE_FIRST}) {
             sgt_options opt = {};
             opt.proof = proof;
@@ -362,9 +416,12 @@ void run_surface(subject &t, const sgt_ray rays[], const std::string kinds[], in
 
 // One element, or two, through the same oracle: the ray of each is what the passage before it says.  The
 // launch and the step from one frame to the next round, so that a root is met within t_err and some more.
-void judge_passage(const subject &t, const sgt_ray &ray, double aperture, const sgt_hit &h, sgt_fate fate, sgt_proof proof, const std::string &kind)
+void judge_passage(const subject &t, const sgt_ray &ray, double aperture, const sgt_hit &h, sgt_fate fate,
+                   sgt_proof proof, const std::string &kind)
 {
-    const char *name = proof == SGT_ESTIMATE ? "trace" : proof == SGT_PROVE_ROOT ? "trace, root" : "trace, first";
+    const char *name = proof == SGT_ESTIMATE     ? "trace"
+                       : proof == SGT_PROVE_ROOT ? "trace, root"
+                                                 : "trace, first";
     tally &n = tallies[kind + " | " + name];
     n.rays++;
     const bool soft = true;
@@ -375,24 +432,32 @@ void judge_passage(const subject &t, const sgt_ray &ray, double aperture, const 
     const ball from = (size(ball(ray.o.x)) + size(ball(ray.o.y)) + size(ball(ray.o.z))) * 0x1p-44;
     const ball limit = square(ball(aperture));
     const auto slack = [&](const meeting &m) { return start_margin(m) * 64 + from + m.spread * 0x1p-44; };
-    const auto clear = [&](const meeting &m) { return aperture == 0 || less((square(m.p.x) + square(m.p.y)) * (1 + 1e-9), limit); };
+    const auto clear = [&](const meeting &m) {
+        return aperture == 0 || less((square(m.p.x) + square(m.p.y)) * (1 + 1e-9), limit);
+    };
     // (one that a rounding of the ray cannot take away)
-    const auto firm = [&](const meeting &m) { return counting(m, e, soft) == yes && m.near_equator > 1e-4 && less(m.spread * 0x1p-17, norm(m.p)); };
+    const auto firm = [&](const meeting &m) {
+        return counting(m, e, soft) == yes && m.near_equator > 1e-4 && less(m.spread * 0x1p-17, norm(m.p));
+    };
     const char *why = nullptr;
     if (h.status == SGT_HIT) {
         n.hit++;
         bool met = !a.doubts.empty() || a.gave_up;
         for (const meeting &m : a.roots) {
-            const bool here = less(size(m.t - ball(h.t)), ball(h.t_err) + slack(m)) || !arb_is_finite(m.spread.x);
+            const bool here = less(size(m.t - ball(h.t)), ball(h.t_err) + slack(m)) ||
+                              !arb_is_finite(m.spread.x);
             met = met || here;
             if (here || !firm(m)) continue;
-            if (clear(m) && fate == SGT_CLIPPED) why = "trace: clipped where another root is within the aperture";
+            if (clear(m) && fate == SGT_CLIPPED)
+                why = "trace: clipped where another root is within the aperture";
             if (clear(m) && proof == SGT_PROVE_FIRST) why = "trace: another root counts";
         }
         if (!met && !a.beyond && !sag.near_domain()) { // the ray that touched is not quite this one
             vector3 p, normal;
             ball f;
-            if (!sag.at_point(widen(h.p), &p, &normal, &f) || less(norm(p) * 0x1p-44 + from * norm(widen(ray.d)), size(f) / norm(normal))) why = "trace: no root within t_err";
+            if (!sag.at_point(widen(h.p), &p, &normal, &f) ||
+                less(norm(p) * 0x1p-44 + from * norm(widen(ray.d)), size(f) / norm(normal)))
+                why = "trace: no root within t_err";
         }
     } else if (h.status == SGT_GRAZE) n.graze++;
     else if (h.status == SGT_MISS) {
@@ -400,8 +465,10 @@ void judge_passage(const subject &t, const sgt_ray &ray, double aperture, const 
         for (const meeting &m : a.roots)
             if (firm(m) && clear(m)) why = "trace: a miss where a root counts";
     } else {
-        if (h.status != SGT_UNPROVEN && (proof != SGT_ESTIMATE || h.status != SGT_EXHAUSTED)) why = "trace: undecided, but neither unproven nor exhausted";
-        const char *const pardon = excuse(q, a, h, {SGT_NEAR_SEED, proof, name}, e, aperture, from.rough() * 0x1p-6);
+        if (h.status != SGT_UNPROVEN && (proof != SGT_ESTIMATE || h.status != SGT_EXHAUSTED))
+            why = "trace: undecided, but neither unproven nor exhausted";
+        const char *const pardon = excuse(q, a, h, {SGT_NEAR_SEED, proof, name}, e, aperture,
+                                          from.rough() * 0x1p-6);
         take_undecided(q, a, h, name, kind + "; aperture " + std::to_string(aperture), pardon, &n);
     }
     if (why) report(why, q, a, h, name, kind);
@@ -431,12 +498,15 @@ void traces(generator &g, const subject &first, const sgt_ray &given, const std:
         if (sgt_trace(1, &straight, 1, &launch, p, &fate, nullptr) != 1) return;
         const sgt_vec3 d = p[0].direction;
         const size_t passed = sgt_trace(2, e, 1, &ray, p, &fate, &opt);
-        judge_passage(t[0], {given.o, d, -HUGE_VAL, HUGE_VAL}, e[0].semi_diameter, p[0].hit, passed > 0 ? SGT_PASSED : fate, proof, kind);
+        judge_passage(t[0], {given.o, d, -HUGE_VAL, HUGE_VAL}, e[0].semi_diameter, p[0].hit,
+                      passed > 0 ? SGT_PASSED : fate, proof, kind);
         if (passed > 0) {
             const sgt_vec3 o = p[0].hit.p;
-            judge_passage(t[1], {{o.x, o.y, o.z - e[1].pose.origin.z}, p[0].direction, -HUGE_VAL, HUGE_VAL}, e[1].semi_diameter, p[1].hit, passed > 1 ? SGT_PASSED : fate, proof, kind);
+            judge_passage(t[1], {{o.x, o.y, o.z - e[1].pose.origin.z}, p[0].direction, -HUGE_VAL, HUGE_VAL},
+                          e[1].semi_diameter, p[1].hit, passed > 1 ? SGT_PASSED : fate, proof, kind);
         }
-        double in[6][1] = {{given.o.x}, {given.o.y}, {given.o.z}, {given.d.x}, {given.d.y}, {given.d.z}}, out[3][1], opl;
+        double in[6][1] = {{given.o.x}, {given.o.y}, {given.o.z}, {given.d.x}, {given.d.y}, {given.d.z}},
+               out[3][1], opl;
         signed char fate_of;
         int count;
         sgt_rays rays = {};
@@ -472,7 +542,8 @@ void optical_rays(generator &g, long count)
                 subject other = t;
                 std::string kind;
                 const sgt_ray r = hard_ray(g, &other, &kind);
-                if (std::memcmp(&other.s, &t.s, sizeof t.s) == 0) rays[i] = r, kinds[i] = kind + ", " + t.kind;
+                if (std::memcmp(&other.s, &t.s, sizeof t.s) == 0)
+                    rays[i] = r, kinds[i] = kind + ", " + t.kind;
             }
         run_surface(t, rays, kinds, n, 0);
         if (g.chance(0.2)) traces(g, t, rays[0], kinds[0]);
@@ -534,7 +605,8 @@ void unproven(generator &g, long count)
         std::string kind;
         if (!is_level && g.chance(0.5)) n = 1;
         for (int i = 0; i < n; i++) {
-            if (is_level) rays[i] = g.chance(0.05) ? hard_level_ray(g, &t, &kind) : oracle::random_ray(g, t.f);
+            if (is_level)
+                rays[i] = g.chance(0.05) ? hard_level_ray(g, &t, &kind) : oracle::random_ray(g, t.f);
             else if (n > 1) {
                 rays[i] = ordinary_ray(g, t);
                 if (g.chance(0.1)) {
@@ -560,7 +632,9 @@ void unproven(generator &g, long count)
             if (is_level && pick == SGT_NEAR_SEED) continue;
             sgt_intersect_batch(s, static_cast<std::size_t>(n), batch, hits, &opt);
             for (int i = 0; i < n; i++) {
-                if (status[i] == SGT_HIT) check_change(t, rays[i], t_of[i], t_err[i], pick == SGT_FIRST ? "first" : "near the seed");
+                if (status[i] == SGT_HIT)
+                    check_change(t, rays[i], t_of[i], t_err[i],
+                                 pick == SGT_FIRST ? "first" : "near the seed");
                 else plain.others++;
             }
         }
@@ -580,13 +654,15 @@ std::string kind_of(const std::string &name)
 // The greatest share of undecided answers to one question.
 double most_undecided(const std::string &kind)
 {
-    static const std::map<std::string, double> hard = {{"pair", 0.3}, {"rim", 0.7}, {"equator", 0.15}, {"parallel", 0.01}, {"start", 0.02}, {"tangent", 0.06}, {"tangent, set", 0.2}};
+    static const std::map<std::string, double> hard = {
+        {"pair", 0.3},   {"rim", 0.7},      {"equator", 0.15},    {"parallel", 0.01},
+        {"start", 0.02}, {"tangent", 0.06}, {"tangent, set", 0.2}};
     const auto found = hard.find(kind);
     return found != hard.end() ? found->second : 0.001;
 }
 
-// A line for each kind; for each question the share that is undecided, and behind / what is since another root counts.
-// false: a share is too great, where there are enough of the kind to tell.
+// A line for each kind; for each question the share that is undecided, and behind / what is since another
+// root counts.  false: a share is too great, where there are enough of the kind to tell.
 bool print_tallies()
 {
     std::map<std::string, std::map<std::string, tally>> table;
@@ -597,16 +673,20 @@ bool print_tallies()
         sum.rays += one.rays, sum.hit += one.hit, sum.graze += one.graze, sum.miss += one.miss;
         sum.another += one.another, sum.undecided += one.undecided, sum.unexcused += one.unexcused;
     }
-    static const char *const columns[] = {"estimate", "root", "first", "root, near the seed", "first, near the seed", "all", "all, root", "all, first", "trace", "trace, root", "trace, first"};
+    static const char *const columns[] = {
+        "estimate",  "root",       "first", "root, near the seed", "first, near the seed", "all",
+        "all, root", "all, first", "trace", "trace, root",         "trace, first"};
     bool few = true;
-    std::printf("undecided, in %%: the first root by estimate, root, first; near the seed by root, first; all by estimate, root, first; traces by estimate, root, first\n");
+    std::printf("undecided, in %%: the first root by estimate, root, first; near the seed by root, first; "
+                "all by estimate, root, first; traces by estimate, root, first\n");
     std::printf("%-15s %8s %8s %7s %8s\n", "kind", "rays", "hit", "graze", "miss");
     for (auto &row : table) {
         const tally &n = row.second["estimate"];
         std::printf("%-15s %8ld %8ld %7ld %8ld ", row.first.c_str(), n.rays, n.hit, n.graze, n.miss);
         for (const char *c : columns) {
             const tally &k = row.second[c];
-            const double all = std::fmax(1, static_cast<double>(k.rays)), share = static_cast<double>(k.undecided) / all;
+            const double all = std::fmax(1, static_cast<double>(k.rays)),
+                         share = static_cast<double>(k.undecided) / all;
             std::printf(" %6.3g", 100 * share);
             if (k.another) std::printf("/%.3g", 100 * static_cast<double>(k.another) / all);
             if (k.undecided > 5 + most_undecided(row.first) * all) { // (5: by chance, of few)
@@ -638,20 +718,24 @@ int main(int argc, char **argv)
         if (!std::strcmp(argv[i], "--examples")) examples = std::strtol(argv[i + 1], nullptr, 10);
         if (!std::strcmp(argv[i], "--seed")) seed = std::strtoull(argv[i + 1], nullptr, 0);
     }
-    std::printf("seed %llu, optical %ld, levels %ld, unproven %ld\n", static_cast<unsigned long long>(seed), count[0], count[1], count[2]);
+    std::printf("seed %llu, optical %ld, levels %ld, unproven %ld\n", static_cast<unsigned long long>(seed),
+                count[0], count[1], count[2]);
     generator g(seed);
     if (count[0] > 0) optical_rays(g, count[0]);
-    std::printf("optical: %.2f s in the oracle, %.2f s in the library, %ld cells, %ld given up\n", in_oracle, in_library, cells_spent, unknown);
+    std::printf("optical: %.2f s in the oracle, %.2f s in the library, %ld cells, %ld given up\n", in_oracle,
+                in_library, cells_spent, unknown);
     in_oracle = in_library = 0, cells_spent = unknown = 0;
     if (count[1] > 0) level_rays(g, count[1]);
-    std::printf("level sets: %.2f s in the oracle, %.2f s in the library, %ld cells, %ld given up\n", in_oracle, in_library, cells_spent, unknown);
+    std::printf("level sets: %.2f s in the oracle, %.2f s in the library, %ld cells, %ld given up\n",
+                in_oracle, in_library, cells_spent, unknown);
     if (count[2] > 0) {
         double spent = 0;
         {
             const clock_of c(&spent);
             unproven(g, count[2]);
         }
-        std::printf("without proof: %.2f s, %ld rays, %ld hits, %ld of them told by Arb, %ld other answers\n", spent, plain.rays, plain.hits, plain.by_arb, plain.others);
+        std::printf("without proof: %.2f s, %ld rays, %ld hits, %ld of them told by Arb, %ld other answers\n",
+                    spent, plain.rays, plain.hits, plain.by_arb, plain.others);
     }
     const bool few = print_tallies();
     if (!few) std::printf("  FAIL too many are undecided\n");

@@ -1,10 +1,13 @@
-// subjects.h - random surfaces for the tests of sensitivities, each with its formula once more, for numbers of any kind.
+// subjects.h - random surfaces for the tests of sensitivities, each with its formula once more, for numbers
+// of any kind.
 //
 // A subject has
 //     surface()      what the library is asked;
-//     parameters()   where each parameter is kept, in the order of surfaces.h, so that a test can change it, and how much
+//     parameters()   where each parameter is kept, in the order of surfaces.h, so that a test can change
+//                    it, and how much
 //                    of it moves the surface by about a length where it is met;
-//     formula(a, x, y, z)   F for parameters and points of type T; written from the definition in surfaces.h, by powers
+//     formula(a, x, y, z)   F for parameters and points of type T; written from the definition in
+//                           surfaces.h, by powers
 //                    and explicit polynomials where the library has recurrences;
 //     ray(g)         one that meets it well, as a rule;
 //     near(p)        whether it has: not near the edge of its domain, nor out where high powers rule.
@@ -32,9 +35,13 @@ inline bool near_sag(const sgt_vec3 &p) { return std::hypot(p.x, p.y) < REACH; }
 // Aimed at a random point of a sag, from either side, with a direction of any length.
 inline sgt_ray ray_to_sag(generator &g)
 {
-    const double x = g.uniform(-0.7, 0.7) * REACH, y = g.uniform(-0.7, 0.7) * REACH, l = g.uniform(-0.5, 0.5), m = g.uniform(-0.5, 0.5);
+    const double x = g.uniform(-0.7, 0.7) * REACH, y = g.uniform(-0.7, 0.7) * REACH, l = g.uniform(-0.5, 0.5),
+                 m = g.uniform(-0.5, 0.5);
     const double length = g.log_uniform(0.3, 3), way = g.sign(), far = g.uniform(2, 20);
-    return {{x - far * l * way, y - far * m * way, -far * way}, {l * length * way, m * length * way, length * way}, 0, 0};
+    return {{x - far * l * way, y - far * m * way, -far * way},
+            {l * length * way, m * length * way, length * way},
+            0,
+            0};
 }
 
 // From outside toward a point of a body about the origin.
@@ -47,7 +54,11 @@ inline sgt_ray ray_to_body(generator &g, double radius, double inside)
     while (at.x * at.x + at.y * at.y + at.z * at.z > 1);
     const double far = 6 * radius, length = g.log_uniform(0.1, 1);
     from = {from.x * far, from.y * far, from.z * far};
-    return {from, {(at.x * inside - from.x) * length, (at.y * inside - from.y) * length, (at.z * inside - from.z) * length}, 0, 0};
+    return {from,
+            {(at.x * inside - from.x) * length, (at.y * inside - from.y) * length,
+             (at.z * inside - from.z) * length},
+            0,
+            0};
 }
 
 template <class T> T power(const T &x, std::size_t n)
@@ -66,7 +77,10 @@ template <class T> T conic_sag(const T &c, const T &k, const T &r2)
 // What sags on a conic base share.  One in five has a flat base.
 struct base {
     double c, k;
-    explicit base(generator &g) : c(g.chance(0.2) ? 0 : g.uniform(-0.1, 0.1)), k(g.chance(0.2) ? -1 : g.uniform(-3, 2)) {}
+    explicit base(generator &g)
+        : c(g.chance(0.2) ? 0 : g.uniform(-0.1, 0.1)), k(g.chance(0.2) ? -1 : g.uniform(-3, 2))
+    {
+    }
 };
 
 class conic {
@@ -81,7 +95,11 @@ public:
     std::vector<parameter> parameters() { return {{&s.c, 0.1}, {&s.k, 1}}; }
     sgt_ray ray(generator &g) const { return ray_to_sag(g); }
     bool near(const sgt_vec3 &p) const { return near_sag(p); }
-    template <class T> T formula(const std::vector<T> &a, const T &x, const T &y, const T &z) const { return z - conic_sag<T>(a[0], a[1], x * x + y * y); }
+    template <class T> T formula(const std::vector<T> &a, const T &x, const T &y, const T &z) const
+    {
+        return z - conic_sag<T>(a[0], a[1], x * x + y * y);
+    }
+
 private:
     sgt_conic s;
 };
@@ -130,7 +148,11 @@ public:
         for (std::size_t i = 0; i < a.size(); i++) all.push_back({&a[i], unit[i]});
         return all;
     }
-    template <class T> T z_of_base(const std::vector<T> &of, const T &x, const T &y, const T &z) const { return z - conic_sag<T>(of[0], of[1], x * x + y * y); }
+    template <class T> T z_of_base(const std::vector<T> &of, const T &x, const T &y, const T &z) const
+    {
+        return z - conic_sag<T>(of[0], of[1], x * x + y * y);
+    }
+
 protected:
     explicit on_conic(generator &g) : s()
     {
@@ -164,7 +186,10 @@ public:
         return all;
     }
     sgt_ray ray(generator &g) const { return ray_to_sag(g); }
-    bool near(const sgt_vec3 &p) const { return near_sag(p) && std::hypot(p.x, p.y) > 0.2; } // the tip of the cone
+    bool near(const sgt_vec3 &p) const
+    {
+        return near_sag(p) && std::hypot(p.x, p.y) > 0.2;
+    } // the tip of the cone
     template <class T> T formula(const std::vector<T> &of, const T &x, const T &y, const T &z) const
     {
         using std::sqrt;
@@ -192,7 +217,8 @@ public:
     {
         T f = z_of_base(of, x, y, z);
         for (std::size_t i = 0; i < ROWS; i++)
-            for (std::size_t j = 0; j < COLUMNS; j++) f -= of[2 + i * COLUMNS + j] * power(x, i) * power(y, j);
+            for (std::size_t j = 0; j < COLUMNS; j++)
+                f -= of[2 + i * COLUMNS + j] * power(x, i) * power(y, j);
         return f;
     }
 };
@@ -212,14 +238,19 @@ public:
     {
         T f = z_of_base(of, x, y, z);
         for (std::size_t i = 0; i < ROWS; i++)
-            for (std::size_t j = 0; j < COLUMNS; j++) f -= of[2 + i * COLUMNS + j] * first_kind(i, x / s.norm_x) * first_kind(j, y / s.norm_y);
+            for (std::size_t j = 0; j < COLUMNS; j++)
+                f -= of[2 + i * COLUMNS + j] * first_kind(i, x / s.norm_x) * first_kind(j, y / s.norm_y);
         return f;
     }
 private:
     template <class T> static T first_kind(std::size_t n, const T &u)
     {
         const T u2 = u * u;
-        return n == 0 ? T(1.0) : n == 1 ? u : n == 2 ? 2.0 * u2 - 1.0 : n == 3 ? (4.0 * u2 - 3.0) * u : 8.0 * u2 * (u2 - 1.0) + 1.0;
+        return n == 0   ? T(1.0)
+               : n == 1 ? u
+               : n == 2 ? 2.0 * u2 - 1.0
+               : n == 3 ? (4.0 * u2 - 3.0) * u
+                        : 8.0 * u2 * (u2 - 1.0) + 1.0;
     }
 };
 
@@ -230,21 +261,28 @@ public:
     explicit zernike(generator &g) : on_conic(g)
     {
         for (int i = 0; i < TERMS; i++) add(g, 0.03, 1);
-        s.norm = g.uniform(1, 1.5) * REACH, s.order = g.chance(0.5) ? SGT_NOLL : SGT_FRINGE, s.normalised = g.chance(0.5);
+        s.norm = g.uniform(1, 1.5) * REACH, s.order = g.chance(0.5) ? SGT_NOLL : SGT_FRINGE,
+        s.normalised = g.chance(0.5);
         s.a = {a.data(), 1, TERMS};
     }
     sgt_surface surface() const { return {&sgt_zernike_ops, &s}; }
     template <class T> T formula(const std::vector<T> &of, const T &x, const T &y, const T &z) const
     {
         const T u = x / s.norm, v = y / s.norm, q = u * u + v * v;
-        const T piston(1.0), focus = 2.0 * q - 1.0, sine2 = 2.0 * u * v, cosine2 = u * u - v * v, coma = 3.0 * q - 2.0;
-        const T cosine3 = u * (u * u - 3.0 * v * v), sine3 = v * (3.0 * u * u - v * v), spherical = 6.0 * q * q - 6.0 * q + 1.0;
-        const T noll[TERMS] = {piston, u, v, focus, sine2, cosine2, coma * v, coma * u, sine3, cosine3, spherical};
-        const T fringe[TERMS] = {piston, u, v, focus, cosine2, sine2, coma * u, coma * v, spherical, cosine3, sine3};
-        const double noll2[TERMS] = {1, 4, 4, 3, 6, 6, 8, 8, 8, 8, 5}, fringe2[TERMS] = {1, 4, 4, 3, 6, 6, 8, 8, 5, 8, 8};
+        const T piston(1.0), focus = 2.0 * q - 1.0, sine2 = 2.0 * u * v, cosine2 = u * u - v * v,
+                             coma = 3.0 * q - 2.0;
+        const T cosine3 = u * (u * u - 3.0 * v * v), sine3 = v * (3.0 * u * u - v * v),
+                spherical = 6.0 * q * q - 6.0 * q + 1.0;
+        const T noll[TERMS] = {piston,   u,        v,     focus,   sine2,    cosine2,
+                               coma * v, coma * u, sine3, cosine3, spherical};
+        const T fringe[TERMS] = {piston,   u,        v,         focus,   cosine2, sine2,
+                                 coma * u, coma * v, spherical, cosine3, sine3};
+        const double noll2[TERMS] = {1, 4, 4, 3, 6, 6, 8, 8, 8, 8, 5},
+                     fringe2[TERMS] = {1, 4, 4, 3, 6, 6, 8, 8, 5, 8, 8};
         T f = z_of_base(of, x, y, z);
         for (std::size_t j = 0; j < TERMS; j++)
-            f -= of[2 + j] * (s.order == SGT_NOLL ? noll[j] : fringe[j]) * (s.normalised ? std::sqrt(s.order == SGT_NOLL ? noll2[j] : fringe2[j]) : 1.0);
+            f -= of[2 + j] * (s.order == SGT_NOLL ? noll[j] : fringe[j]) *
+                 (s.normalised ? std::sqrt(s.order == SGT_NOLL ? noll2[j] : fringe2[j]) : 1.0);
         return f;
     }
 };
@@ -266,13 +304,17 @@ public:
         T f = z_of_base(of, x, y, z);
         for (std::size_t n = 0; n < TERMS; n++) { // P_n^(0,4)(2 q - 1) by Rodrigues' formula
             T sum(0.0);
-            for (std::size_t i = 0; i <= n; i++) sum += over(n, i) * over(n + 4, i) * power(q - 1.0, i) * power(q, n - i);
+            for (std::size_t i = 0; i <= n; i++)
+                sum += over(n, i) * over(n + 4, i) * power(q - 1.0, i) * power(q, n - i);
             f -= of[2 + n] * q * q * sum;
         }
         return f;
     }
 private:
-    static double over(std::size_t n, std::size_t i) { return i == 0 ? 1 : over(n - 1, i - 1) * static_cast<double>(n) / static_cast<double>(i); }
+  static double over(std::size_t n, std::size_t i)
+  {
+      return i == 0 ? 1 : over(n - 1, i - 1) * static_cast<double>(n) / static_cast<double>(i);
+  }
 };
 
 class q_bfs {
@@ -294,8 +336,9 @@ public:
     {
         using std::sqrt;
         const T r2 = x * x + y * y, q = r2 / (s.norm * s.norm);
-        const T terms = of[1] + of[2] * (13.0 - 16.0 * q) / std::sqrt(19.0) + of[3] * (29.0 - 4.0 * q * (25.0 - 19.0 * q)) * std::sqrt(2.0 / 95)
-                      + of[4] * (207.0 - 4.0 * q * (315.0 - q * (577.0 - 320.0 * q))) * std::sqrt(2.0 / 2545);
+        const T terms = of[1] + of[2] * (13.0 - 16.0 * q) / std::sqrt(19.0) +
+                        of[3] * (29.0 - 4.0 * q * (25.0 - 19.0 * q)) * std::sqrt(2.0 / 95) +
+                        of[4] * (207.0 - 4.0 * q * (315.0 - q * (577.0 - 320.0 * q))) * std::sqrt(2.0 / 2545);
         return z - conic_sag<T>(of[0], T(0.0), r2) - q * (1.0 - q) * terms / sqrt(1.0 - of[0] * of[0] * r2);
     }
 private:
@@ -331,10 +374,12 @@ public:
     template <class T> T formula(const std::vector<T> &of, const T &x, const T &y, const T &z) const
     {
         const T u = x / s.step_x + 0.5 * (COLUMNS - 1), v = y / s.step_y + 0.5 * (ROWS - 1);
-        const int column = static_cast<int>(std::floor(plain(u))), row = static_cast<int>(std::floor(plain(v)));
+        const int column = static_cast<int>(std::floor(plain(u))),
+                  row = static_cast<int>(std::floor(plain(v)));
         T f = z - conic_sag<T>(of[0], of[1], x * x + y * y);
         for (int i = row - 1; i <= row + 2; i++)
-            for (int j = column - 1; j <= column + 2; j++) f -= height[i * COLUMNS + j] * weight<T>(v - double(i)) * weight<T>(u - double(j));
+            for (int j = column - 1; j <= column + 2; j++)
+                f -= height[i * COLUMNS + j] * weight<T>(v - double(i)) * weight<T>(u - double(j));
         return f;
     }
 private:
@@ -354,7 +399,8 @@ public:
     explicit sum(generator &g) : s(), even(), plane()
     {
         const base b(g);
-        for (std::size_t i = 0; i < 8; i++) even.a[i] = g.uniform(-0.02, 0.02) * REACH / power(REACH * REACH, i + 1);
+        for (std::size_t i = 0; i < 8; i++)
+            even.a[i] = g.uniform(-0.02, 0.02) * REACH / power(REACH * REACH, i + 1);
         for (double &one : a) one = g.uniform(-0.02, 0.02);
         plane.a = {a, 2, 2};
         terms[0] = {&sgt_asphere_ops, &even}, terms[1] = {&sgt_polynomial_xy_ops, &plane};
@@ -436,7 +482,8 @@ public:
     {
         using std::sqrt;
         const T x2 = x * x, y2 = y * y;
-        return z - (of[0] * x2 + of[2] * y2) / (1.0 + sqrt(1.0 - (1.0 + of[1]) * of[0] * of[0] * x2 - (1.0 + of[3]) * of[2] * of[2] * y2));
+        return z - (of[0] * x2 + of[2] * y2) / (1.0 + sqrt(1.0 - (1.0 + of[1]) * of[0] * of[0] * x2 -
+                                                           (1.0 + of[3]) * of[2] * of[2] * y2));
     }
 private:
     sgt_biconic s;
@@ -469,7 +516,8 @@ public:
     bool near(const sgt_vec3 &p) const { return std::hypot(p.x, p.y, p.z) < 20; }
     template <class T> T formula(const std::vector<T> &of, const T &x, const T &y, const T &z) const
     {
-        return of[0] * x * x + of[1] * y * y + of[2] * z * z + of[3] * x * y + of[4] * y * z + of[5] * x * z + of[6] * x + of[7] * y + of[8] * z + of[9];
+        return of[0] * x * x + of[1] * y * y + of[2] * z * z + of[3] * x * y + of[4] * y * z + of[5] * x * z +
+               of[6] * x + of[7] * y + of[8] * z + of[9];
     }
 private:
     sgt_quadric s;
@@ -496,12 +544,17 @@ private:
 class torus {
 public:
     static const char *name() { return "torus"; }
-    explicit torus(generator &g) : s() { s.major = g.uniform(1, 2), s.minor = s.major * (g.chance(0.7) ? g.uniform(0.2, 0.9) : g.uniform(1.1, 1.5)); }
+    explicit torus(generator &g) : s()
+    {
+        s.major = g.uniform(1, 2),
+        s.minor = s.major * (g.chance(0.7) ? g.uniform(0.2, 0.9) : g.uniform(1.1, 1.5));
+    }
     sgt_surface surface() const { return {&sgt_torus_ops, &s}; }
     std::vector<parameter> parameters() { return {{&s.major, 1}, {&s.minor, 1}}; }
     sgt_ray ray(generator &g) const
     {
-        sgt_ray ray = ray_to_body(g, s.major + s.minor, 0.5 * s.minor); // toward the middle of the tube somewhere
+        sgt_ray ray = ray_to_body(g, s.major + s.minor,
+                                  0.5 * s.minor); // toward the middle of the tube somewhere
         const double angle = g.uniform(-3.14, 3.14);
         ray.o.x += s.major * std::cos(angle), ray.o.y += s.major * std::sin(angle);
         return ray;
@@ -520,7 +573,8 @@ private:
 
 // ------------------------------------------------------------------------------ a user's
 
-// An implicit surface of a user, that offers all of this: a Dupin-like quartic, F = (x^2 + y^2 / b)^2 + z^2 - r^2.
+// An implicit surface of a user, that offers all of this: a Dupin-like quartic, F = (x^2 + y^2 / b)^2 + z^2
+// - r^2.
 struct quartic_numbers { double b, r; };
 
 inline double quartic_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)

@@ -1,13 +1,15 @@
-// How good dt/do is where rays graze, against F of formulas.h in 113 bits: what sensitivity.h promises ("HOW GOOD").
+// How good dt/do is where rays graze, against F of formulas.h in 113 bits: what sensitivity.h promises
+// ("HOW GOOD").
 //
-// Rays meet each type at angles down to 1e-8 from the tangent plane.  The root near t is polished in 113 bits; with
-// the gradient n there dt/do is -n / s, s = n . d.  With u = 2^-53, the error may be, of the largest component,
+// Rays meet each type at angles down to 1e-8 from the tangent plane.  The root near t is polished in 113
+// bits; with the gradient n there dt/do is -n / s, s = n . d.  With u = 2^-53, the error may be, of the
+// largest component,
 //
 //     PART u c + p_err (|H d| / |s| + |H| / |n|),    c = |n| |d| / |s|:
 //
-// the rounding of s, and what s and n change by within p_err of p, or u times the surface's size.  Where a root is known to u c lengths (F has no more
-// than doubles) the second is u c^2.  Conics and even aspheres polish the roots of grazing rays in twice the
-// precision: of them it is within TWICE u c besides.
+// the rounding of s, and what s and n change by within p_err of p, or u times the surface's size.  Where a
+// root is known to u c lengths (F has no more than doubles) the second is u c^2.  Conics and even aspheres
+// polish the roots of grazing rays in twice the precision: of them it is within TWICE u c besides.
 #include "../catalogue/specimens.h"
 
 #include <sagitta/sensitivity.h>
@@ -26,7 +28,10 @@ v3 operator+(const v3 &a, const v3 &b) { return {a.x + b.x, a.y + b.y, a.z + b.z
 v3 operator*(quad s, const v3 &a) { return {s * a.x, s * a.y, s * a.z}; }
 quad dot(const v3 &a, const v3 &b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 quad length(const v3 &a) { return square_root(dot(a, a)); }
-v3 cross(const v3 &a, const v3 &b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+v3 cross(const v3 &a, const v3 &b)
+{
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 
 struct at { quad f; v3 n; };
 at level_at(const formula<number> &f, const v3 &p)
@@ -51,7 +56,9 @@ void grazing(generator &g, const std::string &type, long count)
             random_base(g, s.h, &c, &k);
             const double a = g.uniform(-0.02, 0.02) * s.h;
             if (type == "conic") s.s = {&sgt_conic_ops, s.keep(sgt_conic{c, k, 0})};
-            else s.s = {&sgt_asphere_ops, s.keep(sgt_asphere{c, k, s.h, {0, a / std::pow(s.h, 4), a / std::pow(s.h, 6)}})};
+            else
+                s.s = {&sgt_asphere_ops,
+                       s.keep(sgt_asphere{c, k, s.h, {0, a / std::pow(s.h, 4), a / std::pow(s.h, 6)}})};
         } else {
             s = random_specimen(g, type);
         }
@@ -63,14 +70,16 @@ void grazing(generator &g, const std::string &type, long count)
             const v3 p = wide(near);
             const at a = level_at(f, p);
             if (!(length(a.n) > 0)) continue;
-            const v3 n = (1 / length(a.n)) * a.n, any = {g.uniform(-1, 1), g.uniform(-1, 1), g.uniform(-1, 1)};
+            const v3 n = (1 / length(a.n)) * a.n,
+                     any = {g.uniform(-1, 1), g.uniform(-1, 1), g.uniform(-1, 1)};
             v3 u = cross(n, any);
             if (!(length(u) > 0)) continue;
             u = (1 / length(u)) * u;
             const double tilt = g.sign() * g.log_uniform(1e-8, 1), away = s.h * g.log_uniform(1e-3, 10);
             const double by = g.chance(0.5) ? 1 : g.log_uniform(0.1, 10);
             const v3 d = quad(by) * (u + quad(tilt) * n), o = p + quad(-away / by) * d;
-            const sgt_vec3 start = {plain(o.x), plain(o.y), plain(o.z)}, along = {plain(d.x), plain(d.y), plain(d.z)};
+            const sgt_vec3 start = {plain(o.x), plain(o.y), plain(o.z)},
+                           along = {plain(d.x), plain(d.y), plain(d.z)};
             const sgt_ray ray = {start, along, -HUGE_VAL, HUGE_VAL};
             sgt_options near_seed = {};
             near_seed.pick = g.chance(0.5) ? SGT_NEAR_SEED : SGT_FIRST;
@@ -98,10 +107,12 @@ void grazing(generator &g, const std::string &type, long count)
             quad turned2 = 0;
             const v3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, place = from + t * way;
             for (const v3 &axis : axes) {
-                const v3 turn = level_at(f, place + off_p * axis).n + quad(-1) * level_at(f, place + (-off_p) * axis).n;
+                const v3 turn = level_at(f, place + off_p * axis).n +
+                                quad(-1) * level_at(f, place + (-off_p) * axis).n;
                 turned2 += dot(turn, turn) / 4;
             }
-            const double bent = plain(length(ahead + quad(-1) * back) * length(way) / (2 * magnitude(slope)) + square_root(turned2) / length(root.n));
+            const double bent = plain(length(ahead + quad(-1) * back) * length(way) / (2 * magnitude(slope)) +
+                                      square_root(turned2) / length(root.n));
             if (!(bent < 0.1) || !(c < 1e9)) {
                 steep++;
                 continue;
@@ -122,15 +133,19 @@ void grazing(generator &g, const std::string &type, long count)
             if (part <= most) continue;
             over++;
             if (failures++ >= 5) continue;
-            std::printf("FAIL %s: dt/do off by %.3g of itself, at most %.3g (condition %.3g, bent %.3g)\n", type.c_str(),
-                        part, most, c, bent);
-            std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}}\n", ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z);
+            std::printf("FAIL %s: dt/do off by %.3g of itself, at most %.3g (condition %.3g, bent %.3g)\n",
+                        type.c_str(), part, most, c, bent);
+            std::printf("    ray {{%a, %a, %a}, {%a, %a, %a}}\n", ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y,
+                        ray.d.z);
             print_surface(s.s);
         }
     }
-    std::printf("%-14s %6ld hits, condition to %.2g, %ld too steep to tell; ", type.c_str(), met, condition, steep);
-    std::printf("dt/do within %.3f of what it may be off by, %.3g u c; over %ld\n", worst, worst_linear, over);
-    if (met < count / 2 || (count > 100 && condition < 1e5)) failures++, std::printf("FAIL %s: too few hits\n", type.c_str());
+    std::printf("%-14s %6ld hits, condition to %.2g, %ld too steep to tell; ", type.c_str(), met, condition,
+                steep);
+    std::printf("dt/do within %.3f of what it may be off by, %.3g u c; over %ld\n", worst, worst_linear,
+                over);
+    if (met < count / 2 || (count > 100 && condition < 1e5))
+        failures++, std::printf("FAIL %s: too few hits\n", type.c_str());
 }
 
 } // namespace

@@ -12,28 +12,37 @@ static void require_list(const char *what, long i, int n, const sgt_hit hit[])
 {
     for (int j = 0; j < n; j++) {
         const sgt_hit *h = &hit[j];
-        REQUIRE(h->status != SGT_MISS && h->status != SGT_INVALID, "%s %ld: entry %d of %d is %s", what, i, j, n, sgt_status_text(h->status));
+        REQUIRE(h->status != SGT_MISS && h->status != SGT_INVALID, "%s %ld: entry %d of %d is %s", what, i, j,
+                n, sgt_status_text(h->status));
         REQUIRE(!j || h->t + h->t_err >= hit[j - 1].t - hit[j - 1].t_err,
             "%s %ld: entry %d at %.17g, the one before at %.17g", what, i, j, h->t, hit[j - 1].t);
         REQUIRE(h->evals >= 0, "%s %ld: entry %d: %d evaluations", what, i, j, h->evals);
         if (h->status > 0) REQUIRE(h->lo <= h->t && h->t <= h->hi && h->t_err >= 0 && h->p_err >= 0,
             "%s %ld: entry %d: %g in [%g, %g] +- %g", what, i, j, h->t, h->lo, h->hi, h->t_err);
         else {
-            REQUIRE(isnan(h->f) && isnan(h->p.x) && isnan(h->n.x), "%s %ld: entry %d, %s, has a point", what, i, j, sgt_status_text(h->status));
+            REQUIRE(isnan(h->f) && isnan(h->p.x) && isnan(h->n.x), "%s %ld: entry %d, %s, has a point", what,
+                    i, j, sgt_status_text(h->status));
             REQUIRE(h->lo <= h->hi, "%s %ld: entry %d: the stretch [%g, %g]", what, i, j, h->lo, h->hi);
-            if (isfinite(h->lo) && isfinite(h->hi)) REQUIRE(h->t - h->t_err <= h->lo && h->t + h->t_err >= h->hi,
-                "%s %ld: entry %d: %.17g +- %.17g is not all of [%.17g, %.17g]", what, i, j, h->t, h->t_err, h->lo, h->hi);
+            if (isfinite(h->lo) && isfinite(h->hi))
+                REQUIRE(h->t - h->t_err <= h->lo && h->t + h->t_err >= h->hi,
+                        "%s %ld: entry %d: %.17g +- %.17g is not all of [%.17g, %.17g]", what, i, j, h->t,
+                        h->t_err, h->lo, h->hi);
         }
     }
 }
 
-static double along(const sgt_hit *h, const sgt_ray *r) { return h->n.x * r->d.x + h->n.y * r->d.y + h->n.z * r->d.z; }
+static double along(const sgt_hit *h, const sgt_ray *r)
+{
+    return h->n.x * r->d.x + h->n.y * r->d.y + h->n.z * r->d.z;
+}
 
 /* Is the root, known to +- slack, in some entry? */
 static bool reported(long double root, long double slack, int n, const sgt_hit hit[])
 {
     for (int j = 0; j < n; j++)
-        if (hit[j].status > 0 ? fabsl(root - hit[j].t) <= hit[j].t_err + slack : root >= hit[j].lo - slack && root <= hit[j].hi + slack) return true;
+        if (hit[j].status > 0 ? fabsl(root - hit[j].t) <= hit[j].t_err + slack
+                              : root >= hit[j].lo - slack && root <= hit[j].hi + slack)
+            return true;
     return false;
 }
 
@@ -53,15 +62,19 @@ static void test_bowl(void **state)
     assert_int_equal(sgt_intersect_all(bowl_surface, across, 3, hit, NULL), 2);
     for (int i = 0; i < 2; i++) {
         long double root = i ? 5 + half : 5 - half;
-        REQUIRE(hit[i].status == SGT_HIT && fabsl(hit[i].t - root) <= hit[i].t_err + 1e-18L && hit[i].t_err < 1e-14,
-            "root %d: %s at %.17g +- %g", i, sgt_status_text(hit[i].status), hit[i].t, hit[i].t_err);
-        REQUIRE(i ? along(&hit[i], &across) < 0 : along(&hit[i], &across) > 0, "root %d: n . d is %g", i, along(&hit[i], &across));
-        REQUIRE(fabsl(hit[i].p.x - (root - 5)) <= hit[i].p_err && fabs(hit[i].p.z - 0.5) <= hit[i].p_err && hit[i].p_err < 1e-14,
-            "root %d: the point %.17g 0 %.17g +- %g", i, hit[i].p.x, hit[i].p.z, hit[i].p_err);
+        REQUIRE(hit[i].status == SGT_HIT && fabsl(hit[i].t - root) <= hit[i].t_err + 1e-18L &&
+                    hit[i].t_err < 1e-14,
+                "root %d: %s at %.17g +- %g", i, sgt_status_text(hit[i].status), hit[i].t, hit[i].t_err);
+        REQUIRE(i ? along(&hit[i], &across) < 0 : along(&hit[i], &across) > 0, "root %d: n . d is %g", i,
+                along(&hit[i], &across));
+        REQUIRE(fabsl(hit[i].p.x - (root - 5)) <= hit[i].p_err && fabs(hit[i].p.z - 0.5) <= hit[i].p_err &&
+                    hit[i].p_err < 1e-14,
+                "root %d: the point %.17g 0 %.17g +- %g", i, hit[i].p.x, hit[i].p.z, hit[i].p_err);
     }
     require_list("bowl", 0, 2, hit);
     /* a sphere's far side is no part of its sag: at z = 3/2 there is nothing */
-    assert_int_equal(sgt_intersect_all(bowl_surface, (sgt_ray){.o = {-5, 0, 1.5}, .d = {1, 0, 0}}, 3, hit, NULL), 0);
+    assert_int_equal(
+        sgt_intersect_all(bowl_surface, (sgt_ray){.o = {-5, 0, 1.5}, .d = {1, 0, 0}}, 3, hit, NULL), 0);
 }
 
 static void test_cap(void **state)
@@ -75,9 +88,13 @@ static void test_cap(void **state)
         assert_int_equal(sgt_intersect_all(bowl_surface, across, cap, hit, &(sgt_options){0}), 2);
         for (int i = 0; i < 4; i++) {
             const unsigned char *byte = (const unsigned char *)&hit[i];
-            if (i < cap && i < 2) REQUIRE(hit[i].status == full[i].status && same_bits(hit[i].t, full[i].t) && same_bits(hit[i].t_err, full[i].t_err),
-                "cap %d: entry %d is another", cap, i);
-            else REQUIRE(byte[0] == 0x5a && byte[sizeof(sgt_hit) - 1] == 0x5a, "cap %d: entry %d is written to", cap, i);
+            if (i < cap && i < 2)
+                REQUIRE(hit[i].status == full[i].status && same_bits(hit[i].t, full[i].t) &&
+                            same_bits(hit[i].t_err, full[i].t_err),
+                        "cap %d: entry %d is another", cap, i);
+            else
+                REQUIRE(byte[0] == 0x5a && byte[sizeof(sgt_hit) - 1] == 0x5a,
+                        "cap %d: entry %d is written to", cap, i);
         }
     }
 }
@@ -108,7 +125,8 @@ static void test_ends(void **state)
     /* the point met, as the origin of the rest of the ray */
     ray = (sgt_ray){.o = full[0].p, .d = {1, 0, 0}};
     assert_int_equal(sgt_intersect_all(bowl_surface, ray, 2, hit, NULL), 1);
-    REQUIRE(fabsl(hit[0].t - sqrtl(3)) <= hit[0].t_err + full[0].p_err, "from the first to the second: %.17g", hit[0].t);
+    REQUIRE(fabsl(hit[0].t - sqrtl(3)) <= hit[0].t_err + full[0].p_err, "from the first to the second: %.17g",
+            hit[0].t);
 }
 
 static void test_rim(void **state)
@@ -128,7 +146,8 @@ static void test_rim(void **state)
     bool first = fabs(hit[0].p.x) < fabs(hit[1].p.x);
     double inner = hit[!first].t;
     assert_int_equal(sgt_intersect_all(s, tilted, 2, hit, NULL), 1);
-    REQUIRE(fabs(hit[0].t - inner) <= 2 * hit[0].t_err, "the root inside: %.17g, without a rim %.17g", hit[0].t, inner);
+    REQUIRE(fabs(hit[0].t - inner) <= 2 * hit[0].t_err, "the root inside: %.17g, without a rim %.17g",
+            hit[0].t, inner);
 }
 
 static void test_touching(void **state)
@@ -141,21 +160,25 @@ static void test_touching(void **state)
     assert_int_equal(sgt_intersect_all(bowl_surface, tangent, 4, hit, NULL), 1);
     REQUIRE(hit[0].status == SGT_GRAZE && fabs(hit[0].t - 5) <= hit[0].t_err && hit[0].t_err < 1e-6,
         "tangent: %s at %.17g +- %g", sgt_status_text(hit[0].status), hit[0].t, hit[0].t_err);
-    assert_int_equal(sgt_intersect_all(bowl_surface, (sgt_ray){.o = {-5, 0, -1e-9}, .d = {1, 0, 0}}, 4, hit, NULL), 0);
-    assert_int_equal(sgt_intersect_all(bowl_surface, (sgt_ray){.o = {-5, 0, 1e-9}, .d = {1, 0, 0}}, 4, hit, NULL), 2);
+    assert_int_equal(
+        sgt_intersect_all(bowl_surface, (sgt_ray){.o = {-5, 0, -1e-9}, .d = {1, 0, 0}}, 4, hit, NULL), 0);
+    assert_int_equal(
+        sgt_intersect_all(bowl_surface, (sgt_ray){.o = {-5, 0, 1e-9}, .d = {1, 0, 0}}, 4, hit, NULL), 2);
 
     /* a plane: met once, or passed by, or the ray lies in it, and then as sgt_intersect has it */
     const sgt_conic flat = {0};
     const sgt_surface plane = {&sgt_conic_ops, &flat};
     assert_int_equal(sgt_intersect_all(plane, (sgt_ray){.o = {1, 2, -3}, .d = {0, 0.5, 2}}, 4, hit, NULL), 1);
-    REQUIRE(hit[0].status == SGT_HIT && hit[0].t == 1.5 && hit[0].n.z == 1, "plane: %s at %g", sgt_status_text(hit[0].status), hit[0].t);
+    REQUIRE(hit[0].status == SGT_HIT && hit[0].t == 1.5 && hit[0].n.z == 1, "plane: %s at %g",
+            sgt_status_text(hit[0].status), hit[0].t);
     assert_int_equal(sgt_intersect_all(plane, (sgt_ray){.o = {1, 2, -3}, .d = {1, 1, 0}}, 4, hit, NULL), 0);
     const double starts[][2] = {{0, 0}, {-1, 7}, {-FAR, FAR}, {-FAR, 3}, {2, FAR}};
     for (size_t i = 0; i < COUNT_OF(starts); i++) {
         sgt_ray in = {.o = {1, 2, 0}, .d = {1, 1, 0}, .tmin = starts[i][0], .tmax = starts[i][1]};
         sgt_hit first = sgt_intersect(plane, in, NULL);
         int n = sgt_intersect_all(plane, in, 4, hit, NULL);
-        REQUIRE(n == (first.status != SGT_MISS), "in the plane from %g: %d entries, alone %s", in.tmin, n, sgt_status_text(first.status));
+        REQUIRE(n == (first.status != SGT_MISS), "in the plane from %g: %d entries, alone %s", in.tmin, n,
+                sgt_status_text(first.status));
         if (n) REQUIRE(hit[0].status == first.status && (same_bits(hit[0].t, first.t) || first.status < 0),
             "in the plane from %g: %s at %g, alone %s at %g",
             in.tmin, sgt_status_text(hit[0].status), hit[0].t, sgt_status_text(first.status), first.t);
@@ -167,7 +190,8 @@ static int conic_roots(const sgt_conic *s, const sgt_ray *ray, long double root[
 {
     wide o = widen(ray->o), d = widen(ray->d);
     long double c = s->c, e = 1 + (long double)s->k, A = c * (d.x * d.x + d.y * d.y + e * d.z * d.z);
-    long double B = d.z - c * (o.x * d.x + o.y * d.y + e * o.z * d.z), C = c * (o.x * o.x + o.y * o.y + e * o.z * o.z) - 2 * o.z;
+    long double B = d.z - c * (o.x * d.x + o.y * d.y + e * o.z * d.z),
+                C = c * (o.x * o.x + o.y * o.y + e * o.z * o.z) - 2 * o.z;
     long double D = B * B - A * C, size = fabsl(B * B) + fabsl(A * C);
     int n = 0;
     if (fabsl(D) < 1e-9L * size) return -1;
@@ -177,7 +201,8 @@ static int conic_roots(const sgt_conic *s, const sgt_ray *ray, long double root[
     for (int i = 0; i < 2; i++) {
         if (!isfinite(t[i])) continue;
         wide p = wide_sum(o, wide_times(t[i], d));
-        long double side = 1 - e * c * p.z, r2 = p.x * p.x + p.y * p.y, rim2 = (long double)s->semi_diameter * s->semi_diameter;
+        long double side = 1 - e * c * p.z, r2 = p.x * p.x + p.y * p.y,
+                    rim2 = (long double)s->semi_diameter * s->semi_diameter;
         if (fabsl(side) < 1e-6L || (rim2 > 0 && fabsl(r2 - rim2) < 1e-6L * rim2)) return -1;
         if (fabsl(t[i] - ray->tmin) < 1e-6L || fabsl(t[i] - ray->tmax) < 1e-6L) return -1;
         if (side > 0 && (rim2 == 0 || r2 < rim2) && t[i] > ray->tmin && t[i] < ray->tmax) root[n++] = t[i];
@@ -192,9 +217,13 @@ static void test_conics(void **state)
     long n = scaled(20000), two = 0;
     for (long i = 0; i < n; i++) {
         sgt_conic s = {.c = chance(&g, 0.1) ? 0 : either_sign(&g) * log_uniform(&g, 1e-2, 1),
-                       .k = chance(&g, 0.3) ? 0 : chance(&g, 0.2) ? -1 : uniform(&g, -4, 3), .semi_diameter = chance(&g, 0.5) ? 0 : uniform(&g, 0.2, 2)};
+                       .k = chance(&g, 0.3)   ? 0
+                            : chance(&g, 0.2) ? -1
+                                              : uniform(&g, -4, 3),
+                       .semi_diameter = chance(&g, 0.5) ? 0 : uniform(&g, 0.2, 2)};
         sgt_ray ray = {.o = random_point(&g, 3), .d = random_direction(&g)};
-        ray.tmin = chance(&g, 0.5) ? -FAR : uniform(&g, -5, 1), ray.tmax = chance(&g, 0.5) ? FAR : uniform(&g, 2, 6);
+        ray.tmin = chance(&g, 0.5) ? -FAR : uniform(&g, -5, 1),
+        ray.tmax = chance(&g, 0.5) ? FAR : uniform(&g, 2, 6);
         long double root[2];
         int want = conic_roots(&s, &ray, root);
         if (want < 0) continue;
@@ -206,7 +235,8 @@ static void test_conics(void **state)
         for (int j = 0; j < got; j++) {
             REQUIRE(hit[j].status == SGT_HIT, "ray %ld: %s", i, sgt_status_text(hit[j].status));
             REQUIRE(fabsl(hit[j].t - root[j]) <= hit[j].t_err + 1e-15L * (0.1L + fabsl(root[j])),
-                "ray %ld: root %d at %.17g +- %g, %.19Lg in closed form", i, j, hit[j].t, hit[j].t_err, root[j]);
+                    "ray %ld: root %d at %.17g +- %g, %.19Lg in closed form", i, j, hit[j].t, hit[j].t_err,
+                    root[j]);
         }
         if (got == 2) REQUIRE(along(&hit[0], &ray) * along(&hit[1], &ray) < 0, "ray %ld: enters twice", i);
     }
@@ -231,11 +261,15 @@ static void test_four_and_a_touch(void **state)
     static const double want[] = {1, 2, 3, 4, 5};
     for (int i = 0; i < 5; i++) {
         REQUIRE(i == 2 || hit[i].status == SGT_HIT, "root %d is %s", i, sgt_status_text(hit[i].status));
-        REQUIRE(i != 2 || hit[i].status == SGT_GRAZE || hit[i].status == SGT_UNPROVEN, "the touch is %s", sgt_status_text(hit[i].status));
-        REQUIRE(reported(want[i], 0, 1, &hit[i]) && (i == 2 || hit[i].t_err < 1e-13), "root %d: %.17g +- %g", i, hit[i].t, hit[i].t_err);
+        REQUIRE(i != 2 || hit[i].status == SGT_GRAZE || hit[i].status == SGT_UNPROVEN, "the touch is %s",
+                sgt_status_text(hit[i].status));
+        REQUIRE(reported(want[i], 0, 1, &hit[i]) && (i == 2 || hit[i].t_err < 1e-13), "root %d: %.17g +- %g",
+                i, hit[i].t, hit[i].t_err);
     }
-    static const double slope[] = {1, -1, 0, 1, -1}; /* s is positive for |y| > 2, negative from 1 to 2, positive again */
-    for (int i = 0; i < 5; i++) REQUIRE(i == 2 || along(&hit[i], &ray) * slope[i] > 0, "root %d: slope %g", i, along(&hit[i], &ray));
+    /* s is positive for |y| > 2, negative from 1 to 2, positive again */
+    static const double slope[] = {1, -1, 0, 1, -1};
+    for (int i = 0; i < 5; i++)
+        REQUIRE(i == 2 || along(&hit[i], &ray) * slope[i] > 0, "root %d: slope %g", i, along(&hit[i], &ray));
 }
 
 /* The root of z = s near y, by Newton. */
@@ -259,7 +293,8 @@ static void test_nearly_touching(void **state)
         sgt_hit hit[MOST];
         int got = sgt_intersect_all(sextic_surface, ray, MOST, hit, NULL), middle = 0;
         require_list("nearly touching", i, got, hit);
-        long double inner = sextic_root(sqrtl(2 * fabsl(h)), h), one = sextic_root(1, h), two = sextic_root(2, h);
+        long double inner = sextic_root(sqrtl(2 * fabsl(h)), h), one = sextic_root(1, h),
+                    two = sextic_root(2, h);
         long double root[] = {-two, -one, -inner, inner, one, two};
         for (int j = 0; j < got; j++) {
             long double off = 1;
@@ -267,7 +302,8 @@ static void test_nearly_touching(void **state)
                 if (h > 0 || (k != 2 && k != 3)) off = fminl(off, fabsl(root[k] - start - hit[j].t));
             undecided += hit[j].status < 0, middle += fabs(hit[j].t + start) < 0.5;
             if (hit[j].status == SGT_HIT) REQUIRE(off <= hit[j].t_err + 1e-18L,
-                "ray %ld, z = %g: a hit at %.17g +- %g, %Lg from a root", i, h, hit[j].t, hit[j].t_err, off); /* long doubles tell no more */
+                /* long doubles tell no more */
+                "ray %ld, z = %g: a hit at %.17g +- %g, %Lg from a root", i, h, hit[j].t, hit[j].t_err, off);
         }
         for (int k = 0; k < 6; k++) {
             if (h > 0 || (k != 2 && k != 3)) REQUIRE(reported(root[k] - start, 1e-18L, got, hit),
@@ -281,22 +317,29 @@ static void test_nearly_touching(void **state)
     print_message("%ld undecided stretches, %ld pairs told apart\n", undecided, parted);
 }
 
-/* Nearly flat aspheres, from a point on them: the rule of the start is then far less than an ulp of where the ray begins or ends otherwise.
- * A root that the end of the ray is a little behind is found, and one that its start is a little before, by some of that rule's widths. */
+/* Nearly flat aspheres, from a point on them: the rule of the start is then far less than an ulp of where
+ * the ray begins or ends otherwise.  A root that the end of the ray is a little behind is found, and one
+ * that its start is a little before, by some of that rule's widths. */
 static void test_ends_beside(void **state)
 {
     (void)state;
     generator g = seeded("ends beside a root");
     long n = scaled(4000), asked = 0;
     for (long i = 0; i < n; i++) {
-        sgt_asphere s = {.c = 0, .k = uniform(&g, -2, 1), .a = {either_sign(&g) * log_uniform(&g, 1e-9, 1e-2), uniform(&g, -1, 1) * 1e-6, uniform(&g, -1, 1) * 1e-7}};
+        sgt_asphere s = {.c = 0,
+                         .k = uniform(&g, -2, 1),
+                         .a = {either_sign(&g) * log_uniform(&g, 1e-9, 1e-2), uniform(&g, -1, 1) * 1e-6,
+                               uniform(&g, -1, 1) * 1e-7}};
         sgt_surface surface = {&sgt_asphere_ops, &s};
         sgt_vec3 p = {uniform(&g, -1, 1), uniform(&g, -1, 1), 0}, d = random_direction(&g);
         p.z = -surface.ops->value(&s, p, NULL);
         sgt_ray ray = {.o = p, .d = d, .tmin = -FAR, .tmax = FAR};
         sgt_hit on = sgt_intersect(surface, ray, &(sgt_options){.pick = SGT_NEAR_SEED});
         if (fabs(d.z) < 0.1 || on.status != SGT_HIT || fabs(on.t) > 1e-12) continue;
-        double width = 0x1p-48 * (fabs(on.p.x * on.n.x) + fabs(on.p.y * on.n.y) + fabs(on.p.z)) / fabs(along(&on, &ray)) + 2 * on.t_err, far = uniform(&g, 0.01, 3), steps = uniform(&g, 4, 20);
+        double width = 0x1p-48 * (fabs(on.p.x * on.n.x) + fabs(on.p.y * on.n.y) + fabs(on.p.z)) /
+                           fabs(along(&on, &ray)) +
+                       2 * on.t_err,
+               far = uniform(&g, 0.01, 3), steps = uniform(&g, 4, 20);
         for (int start = 0; start < 2; start++) {
             ray.tmin = start ? on.t - steps * width : -far, ray.tmax = start ? far : on.t + steps * width;
             if (ray.tmax == 0) continue;
@@ -304,31 +347,39 @@ static void test_ends_beside(void **state)
                 sgt_hit hit[4], first = sgt_intersect(surface, ray, &(sgt_options){.pick = (sgt_pick)pick});
                 int count = sgt_intersect_all(surface, ray, 4, hit, NULL);
                 bool in = false;
-                for (int j = 0; j < count && j < 4; j++) in = in || (hit[j].lo <= on.t + on.t_err && hit[j].hi >= on.t - on.t_err);
+                for (int j = 0; j < count && j < 4; j++)
+                    in = in || (hit[j].lo <= on.t + on.t_err && hit[j].hi >= on.t - on.t_err);
                 asked++;
-                REQUIRE(in && first.status != SGT_MISS, "case %ld: the root %.17g +- %g, %g widths from %s of [%.17g, %.17g], is in none of %d entries, and pick %d says %s", i, on.t, on.t_err, steps, start ? "the start" : "the end",
-                    ray.tmin, ray.tmax, count, pick, sgt_status_text(first.status));
+                REQUIRE(in && first.status != SGT_MISS,
+                        "case %ld: the root %.17g +- %g, %g widths from %s of [%.17g, %.17g], is in none of "
+                        "%d entries, and pick %d says %s",
+                        i, on.t, on.t_err, steps, start ? "the start" : "the end", ray.tmin, ray.tmax, count,
+                        pick, sgt_status_text(first.status));
             }
         }
     }
     REQUIRE(asked > n, "%ld: these rays are no test", asked);
 }
 
-/* A ray that is tangent where the profile has no curvature meets it in three roots that are nearly one.  Where any is told, its normal
- * is the gradient there. */
+/* A ray that is tangent where the profile has no curvature meets it in three roots that are nearly one.
+ * Where any is told, its normal is the gradient there. */
 static void test_triple(void **state)
 {
     (void)state;
     generator g = seeded("triple roots");
     long n = scaled(3000), told = 0;
     for (long i = 0; i < n; i++) {
-        double c = chance(&g, 0.5) ? 0 : uniform(&g, -0.3, 0.3), k = uniform(&g, -2, 1), r = uniform(&g, 0.3, 1), a1 = either_sign(&g) * log_uniform(&g, 0.01, 0.5), about = uniform(&g, 0, 6.283185307179586);
+        double c = chance(&g, 0.5) ? 0 : uniform(&g, -0.3, 0.3), k = uniform(&g, -2, 1),
+               r = uniform(&g, 0.3, 1), a1 = either_sign(&g) * log_uniform(&g, 0.01, 0.5),
+               about = uniform(&g, 0, 6.283185307179586);
         /* c r^2 / (1 + phi): its slope is c r / phi, and what that grows by c / phi^3 */
         double phi = sqrt(1 - (1 + k) * c * c * r * r), a0 = -6 * a1 * r * r - 0.5 * c / (phi * phi * phi);
         sgt_asphere s = {.c = c, .k = k, .a = {a0, a1}};
-        double z = c * r * r / (1 + phi) + a0 * r * r + a1 * r * r * r * r, slope = c * r / phi + 2 * a0 * r + 4 * a1 * r * r * r, away = uniform(&g, 0.1, 3);
+        double z = c * r * r / (1 + phi) + a0 * r * r + a1 * r * r * r * r,
+               slope = c * r / phi + 2 * a0 * r + 4 * a1 * r * r * r, away = uniform(&g, 0.1, 3);
         sgt_vec3 d = {cos(about), sin(about), slope};
-        sgt_ray ray = {.o = {(r - away) * d.x, (r - away) * d.y, z - away * slope}, .d = d, .tmax = away + 0.05};
+        sgt_ray ray = {
+            .o = {(r - away) * d.x, (r - away) * d.y, z - away * slope}, .d = d, .tmax = away + 0.05};
         sgt_surface surface = {&sgt_asphere_ops, &s};
         sgt_hit hit[8];
         for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
@@ -340,8 +391,9 @@ static void test_triple(void **state)
                 sgt_vec3 grad;
                 surface.ops->value(&s, hit[j].p, &grad);
                 wide off = wide_difference(widen(hit[j].n), widen(grad));
-                REQUIRE(wide_length(off) < 1e-3L * wide_length(widen(grad)), "ray %ld: n is {%g, %g, %g} where the gradient is {%g, %g, %g}; t %.17g +- %g", i, hit[j].n.x, hit[j].n.y, hit[j].n.z, grad.x, grad.y, grad.z,
-                    hit[j].t, hit[j].t_err);
+                REQUIRE(wide_length(off) < 1e-3L * wide_length(widen(grad)),
+                        "ray %ld: n is {%g, %g, %g} where the gradient is {%g, %g, %g}; t %.17g +- %g", i,
+                        hit[j].n.x, hit[j].n.y, hit[j].n.z, grad.x, grad.y, grad.z, hit[j].t, hit[j].t_err);
                 told++;
             }
         }
@@ -381,20 +433,25 @@ static double torus_clearance(const void *self, sgt_vec3 p)
     quiet.calls = NULL;
     return fabs(torus_value(&quiet, p, &unused)) - torus_rounding(self, p);
 }
-static double torus_estimate(const void *self, sgt_vec3 p) { return 2 * torus_clearance(self, p); } /* a bold guess */
+/* a bold guess */
+static double torus_estimate(const void *self, sgt_vec3 p) { return 2 * torus_clearance(self, p); }
 static sgt_span torus_span(const void *self, const sgt_ray *ray)
 {
     const torus *s = self;
     sgt_vec3 o = ray->o, d = ray->d;
     double R = (s->major + s->minor) * (1 + 1e-9), a = d.x * d.x + d.y * d.y + d.z * d.z;
-    double t = -(o.x * d.x + o.y * d.y + o.z * d.z) / a, x = o.x + t * d.x, y = o.y + t * d.y, z = o.z + t * d.z;
+    double t = -(o.x * d.x + o.y * d.y + o.z * d.z) / a, x = o.x + t * d.x, y = o.y + t * d.y,
+           z = o.z + t * d.z;
     double half2 = (R * R - x * x - y * y - z * z) / a;
     if (half2 < 0) return (sgt_span){.lo = 1, .hi = -1, .seed = NOT};
     return (sgt_span){.lo = t - sqrt(half2), .hi = t + sqrt(half2), .seed = NOT};
 }
 
 /* Intervals, rounded outward. */
-static sgt_interval outward(double lo, double hi) { return (sgt_interval){nextafter(lo, -FAR), nextafter(hi, FAR)}; }
+static sgt_interval outward(double lo, double hi)
+{
+    return (sgt_interval){nextafter(lo, -FAR), nextafter(hi, FAR)};
+}
 static sgt_interval plus(sgt_interval a, sgt_interval b) { return outward(a.lo + b.lo, a.hi + b.hi); }
 static sgt_interval times(sgt_interval a, sgt_interval b)
 {
@@ -416,8 +473,11 @@ static sgt_interval over(sgt_interval a, sgt_interval b) /* b is not negative */
 static sgt_interval torus_enclose(const void *self, const sgt_ray *r, sgt_interval t, sgt_interval *slope)
 {
     const torus *s = self;
-    sgt_interval x = plus(exactly(r->o.x), times(exactly(r->d.x), t)), y = plus(exactly(r->o.y), times(exactly(r->d.y), t)), z = plus(exactly(r->o.z), times(exactly(r->d.z), t));
-    sgt_interval q = root_of(plus(square(x), square(y))), w = plus(q, exactly(-s->major)), m = root_of(plus(square(w), square(z)));
+    sgt_interval x = plus(exactly(r->o.x), times(exactly(r->d.x), t)),
+                 y = plus(exactly(r->o.y), times(exactly(r->d.y), t)),
+                 z = plus(exactly(r->o.z), times(exactly(r->d.z), t));
+    sgt_interval q = root_of(plus(square(x), square(y))), w = plus(q, exactly(-s->major)),
+                 m = root_of(plus(square(w), square(z)));
     sgt_interval dq = over(plus(times(x, exactly(r->d.x)), times(y, exactly(r->d.y))), q);
     *slope = over(plus(times(w, dq), times(z, exactly(r->d.z))), m);
     return plus(m, exactly(-s->minor));
@@ -434,17 +494,36 @@ static const sgt_surface_ops
     bare = {.name = "torus", .value = torus_value},
     spanned = {.name = "torus", .value = torus_value, .span = torus_span},
     rounded = {.name = "torus", .value = torus_value, .span = torus_span, .rounding = torus_rounding},
-    cleared = {.name = "torus", .value = torus_value, .span = torus_span, .rounding = torus_rounding, .clearance = torus_clearance},
-    enclosed = {.name = "torus", .value = torus_value, .span = torus_span, .rounding = torus_rounding, .enclose = torus_enclose},
+    cleared = {.name = "torus",
+               .value = torus_value,
+               .span = torus_span,
+               .rounding = torus_rounding,
+               .clearance = torus_clearance},
+    enclosed = {.name = "torus",
+                .value = torus_value,
+                .span = torus_span,
+                .rounding = torus_rounding,
+                .enclose = torus_enclose},
     unbounded = {.name = "torus", .value = torus_value, .rounding = torus_rounding, .enclose = torus_enclose},
-    complete = {.name = "torus", .value = torus_value, .span = torus_span, .rounding = torus_rounding, .clearance = torus_clearance, .enclose = torus_enclose},
-    guessed = {.name = "torus", .value = torus_value, .span = torus_span, .rounding = torus_rounding, .estimate = torus_estimate};
+    complete = {.name = "torus",
+                .value = torus_value,
+                .span = torus_span,
+                .rounding = torus_rounding,
+                .clearance = torus_clearance,
+                .enclose = torus_enclose},
+    guessed = {.name = "torus",
+               .value = torus_value,
+               .span = torus_span,
+               .rounding = torus_rounding,
+               .estimate = torus_estimate};
 
 static sgt_ray torus_ray(generator *g)
 {
-    sgt_vec3 d = random_direction(g), at = {uniform(g, -1.4, 1.4), uniform(g, -1.4, 1.4), uniform(g, -0.4, 0.4)};
+    sgt_vec3 d = random_direction(g),
+             at = {uniform(g, -1.4, 1.4), uniform(g, -1.4, 1.4), uniform(g, -0.4, 0.4)};
     double away = uniform(g, 3, 20), length = chance(g, 0.3) ? log_uniform(g, 1e-3, 1e3) : 1;
-    return (sgt_ray){.o = {at.x - away * d.x, at.y - away * d.y, at.z - away * d.z}, .d = {length * d.x, length * d.y, length * d.z}};
+    return (sgt_ray){.o = {at.x - away * d.x, at.y - away * d.y, at.z - away * d.z},
+                     .d = {length * d.x, length * d.y, length * d.z}};
 }
 
 /* What dense samples in [lo, hi] show: the roots, the smallest gap between two, and how near to
@@ -474,31 +553,42 @@ static truth dense(const torus *s, const sgt_ray *ray, long double lo, long doub
 }
 
 /* Each positive entry is a root of the exact torus; each root is in an entry, if it must be. */
-static void require_truth(const char *what, long i, const torus *s, const sgt_ray *ray, int n, const sgt_hit hit[], const truth *want, bool every)
+static void require_truth(const char *what, long i, const torus *s, const sgt_ray *ray, int n,
+                          const sgt_hit hit[], const truth *want, bool every)
 {
     require_list(what, i, n, hit);
     for (int j = 0; j < n; j++) {
         if (hit[j].status != SGT_HIT) continue;
-        double slack = 4 * torus_rounding(s, hit[j].p) / fabs(along(&hit[j], ray)); /* where the surface does not tell its rounding */
-        long double e = (long double)hit[j].t_err + slack, l = torus_exact(s, ray, hit[j].t - e), r = torus_exact(s, ray, hit[j].t + e);
-        REQUIRE(l * r <= 0, "%s %ld: no change of sign at %.17g +- %g: %Lg %Lg", what, i, hit[j].t, hit[j].t_err, l, r);
-        REQUIRE(l == 0 || r == 0 || (along(&hit[j], ray) < 0) == (r < l), "%s %ld: enters where it leaves, at %.17g", what, i, hit[j].t);
+        /* where the surface does not tell its rounding */
+        double slack = 4 * torus_rounding(s, hit[j].p) / fabs(along(&hit[j], ray));
+        long double e = (long double)hit[j].t_err + slack, l = torus_exact(s, ray, hit[j].t - e),
+                    r = torus_exact(s, ray, hit[j].t + e);
+        REQUIRE(l * r <= 0, "%s %ld: no change of sign at %.17g +- %g: %Lg %Lg", what, i, hit[j].t,
+                hit[j].t_err, l, r);
+        REQUIRE(l == 0 || r == 0 || (along(&hit[j], ray) < 0) == (r < l),
+                "%s %ld: enters where it leaves, at %.17g", what, i, hit[j].t);
         REQUIRE(hit[j].t_err <= 1e-5 * fabs(hit[j].t), "%s %ld: t_err %g", what, i, hit[j].t_err);
     }
     for (int k = 0; every && k < want->n; k++)
         REQUIRE(reported(want->root[k], 0, n, hit),
-            "%s %ld: the root at %.17Lg, one of %d, is in none of %d entries", what, i, want->root[k], want->n, n);
+                "%s %ld: the root at %.17Lg, one of %d, is in none of %d entries", what, i, want->root[k],
+                want->n, n);
 }
 
 /* sgt_intersect is the first of all. */
-static void require_first(const char *what, long i, sgt_surface s, sgt_ray ray, const sgt_options *opt, int n, const sgt_hit hit[])
+static void require_first(const char *what, long i, sgt_surface s, sgt_ray ray, const sgt_options *opt, int n,
+                          const sgt_hit hit[])
 {
     sgt_hit first = sgt_intersect(s, ray, opt);
-    REQUIRE((n == 0) == (first.status == SGT_MISS), "%s %ld: %d entries, the first alone is %s", what, i, n, sgt_status_text(first.status));
-    if (n && hit[0].status > 0) REQUIRE(first.status > 0 && fabs(first.t - hit[0].t) <= first.t_err + hit[0].t_err,
-        "%s %ld: the first alone: %s at %.17g, of all %.17g", what, i, sgt_status_text(first.status), first.t, hit[0].t);
-    if (n && hit[0].status < 0) REQUIRE(first.status < 0,
-        "%s %ld: the first alone: %s, of all %s", what, i, sgt_status_text(first.status), sgt_status_text(hit[0].status));
+    REQUIRE((n == 0) == (first.status == SGT_MISS), "%s %ld: %d entries, the first alone is %s", what, i, n,
+            sgt_status_text(first.status));
+    if (n && hit[0].status > 0)
+        REQUIRE(first.status > 0 && fabs(first.t - hit[0].t) <= first.t_err + hit[0].t_err,
+                "%s %ld: the first alone: %s at %.17g, of all %.17g", what, i, sgt_status_text(first.status),
+                first.t, hit[0].t);
+    if (n && hit[0].status < 0)
+        REQUIRE(first.status < 0, "%s %ld: the first alone: %s, of all %s", what, i,
+                sgt_status_text(first.status), sgt_status_text(hit[0].status));
 }
 
 /* Steps of 1/64 of the stretch: what is thicker than one is seen, a miss is never claimed. */
@@ -517,8 +607,10 @@ static void test_value_only(void **state)
         ray.tmax = 30 / length;
         sgt_span span = torus_span(&shape, &ray);
         bool by = span.lo > span.hi;
-        double lo = ops->span && !by ? fmax(span.lo, 0) : 0, hi = ops->span && !by ? fmin(span.hi, ray.tmax) : ray.tmax;
-        double dt = chance(&g, 0.5) ? 0 : (hi - lo) / uniform(&g, 100, 1000), step = dt > 0 ? dt : (hi - lo) / 64;
+        double lo = ops->span && !by ? fmax(span.lo, 0) : 0,
+               hi = ops->span && !by ? fmin(span.hi, ray.tmax) : ray.tmax;
+        double dt = chance(&g, 0.5) ? 0 : (hi - lo) / uniform(&g, 100, 1000),
+               step = dt > 0 ? dt : (hi - lo) / 64;
         truth want = dense(&shape, &ray, lo, hi);
         sgt_options opt = {.dt_min = dt, .max_evals = 100000};
         sgt_hit hit[MOST];
@@ -527,7 +619,8 @@ static void test_value_only(void **state)
             REQUIRE(got == 0, "ray %ld passes by: %d entries", i, got);
             continue;
         }
-        bool thick = want.gap > 1.01L * step && want.n && want.root[0] - lo > 1.01L * step && hi - want.root[want.n - 1] > 1.01L * step;
+        bool thick = want.gap > 1.01L * step && want.n && want.root[0] - lo > 1.01L * step &&
+                     hi - want.root[want.n - 1] > 1.01L * step;
         require_truth("value only", i, &shape, &ray, got, hit, &want, thick);
         require_first("value only", i, s, ray, &opt, got, hit);
         all += thick, four += want.n == 4;
@@ -539,7 +632,8 @@ static void test_value_only(void **state)
             REQUIRE(want.n == 0 || !thick, "ray %ld: nothing seen", i);
         }
     }
-    REQUIRE(all > n / 4 && four > n / 100, "%ld rays with all roots to be seen, %ld with four roots", all, four);
+    REQUIRE(all > n / 4 && four > n / 100, "%ld rays with all roots to be seen, %ld with four roots", all,
+            four);
 }
 
 /* No root is farther than dt_min from where a step was not certain: where roots are thicker and |F|
@@ -571,7 +665,8 @@ static void test_clearance(void **state)
         for (int j = 0; j < got; j++) evals += hit[j].evals;
     }
     REQUIRE(misses > n / 20 && roots > n / 2, "%ld misses, %ld roots", misses, roots);
-    print_message("%ld certain misses, %ld roots, %.1f evaluations each\n", misses, roots, (double)evals / (double)roots);
+    print_message("%ld certain misses, %ld roots, %.1f evaluations each\n", misses, roots,
+                  (double)evals / (double)roots);
 }
 
 static void test_enclose(void **state)
@@ -595,11 +690,14 @@ static void test_enclose(void **state)
         for (int j = 0; j < got; j++) unsure += hit[j].status != SGT_HIT;
         undecided += unsure;
         if (!(want.near > 1e-4L) || !(want.gap > 0.1L / length)) continue;
-        REQUIRE(got == want.n && !unsure, "ray %ld: %d entries, %d of them undecided, %d roots", i, got, unsure, want.n);
+        REQUIRE(got == want.n && !unsure, "ray %ld: %d entries, %d of them undecided, %d roots", i, got,
+                unsure, want.n);
         misses += got == 0, roots += got, four += got == 4;
     }
-    REQUIRE(misses > n / 20 && roots > n / 2 && four > n / 100, "%ld misses, %ld roots, %ld times four", misses, roots, four);
-    print_message("%ld certain misses, %ld roots, four of them %ld times, %ld undecided\n", misses, roots, four, undecided);
+    REQUIRE(misses > n / 20 && roots > n / 2 && four > n / 100, "%ld misses, %ld roots, %ld times four",
+            misses, roots, four);
+    print_message("%ld certain misses, %ld roots, four of them %ld times, %ld undecided\n", misses, roots,
+                  four, undecided);
 }
 
 /* A guess is no proof: with it, no MISS but where the span says so; without dt_min it is not read. */
@@ -618,15 +716,19 @@ static void test_estimate(void **state)
         sgt_options opt = {.dt_min = log_uniform(&g, 1e-4, 1e-1) / length};
         sgt_hit hit[MOST], other[MOST];
         int unread = sgt_intersect_all((sgt_surface){&guessed, &shape}, ray, MOST, hit, NULL);
-        REQUIRE(unread == sgt_intersect_all((sgt_surface){&rounded, &shape}, ray, MOST, other, NULL), "ray %ld: the guess is read without dt_min", i);
-        for (int j = 0; j < unread; j++) REQUIRE(same_bits(hit[j].t, other[j].t), "ray %ld: the guess is read without dt_min", i);
+        REQUIRE(unread == sgt_intersect_all((sgt_surface){&rounded, &shape}, ray, MOST, other, NULL),
+                "ray %ld: the guess is read without dt_min", i);
+        for (int j = 0; j < unread; j++)
+            REQUIRE(same_bits(hit[j].t, other[j].t), "ray %ld: the guess is read without dt_min", i);
         int got = sgt_intersect_all((sgt_surface){&guessed, &shape}, ray, MOST, hit, &opt);
         require_truth("estimate", i, &shape, &ray, got, hit, &want, false);
         require_first("estimate", i, (sgt_surface){&guessed, &shape}, ray, &opt, got, hit);
         REQUIRE(got > 0, "ray %ld: a guess is no proof of a miss", i);
         if (hit[0].status < 0) {
-            REQUIRE(hit[0].status == SGT_UNPROVEN && got == 1, "ray %ld: %s, and %d entries", i, sgt_status_text(hit[0].status), got);
-            REQUIRE(hit[0].lo <= span.lo + 1e-9 && hit[0].hi >= span.hi - 1e-9, "ray %ld: UNPROVEN in [%g, %g] only", i, hit[0].lo, hit[0].hi);
+            REQUIRE(hit[0].status == SGT_UNPROVEN && got == 1, "ray %ld: %s, and %d entries", i,
+                    sgt_status_text(hit[0].status), got);
+            REQUIRE(hit[0].lo <= span.lo + 1e-9 && hit[0].hi >= span.hi - 1e-9,
+                    "ray %ld: UNPROVEN in [%g, %g] only", i, hit[0].lo, hit[0].hi);
             nothing++;
         } else late += want.n && hit[0].t > want.root[0] + hit[0].t_err + 1e-12;
     }
@@ -655,11 +757,15 @@ static void test_single(void **state)
     long n = scaled(3000), missed = 0;
     for (long i = 0; i < n; i++) {
         sgt_vec3 o = random_point(&g, 5);
-        sgt_ray ray = {.o = o, .d = {uniform(&g, -1, 1), uniform(&g, -1, 1), either_sign(&g) * uniform(&g, 1, 2)}, .tmin = -FAR, .tmax = FAR};
+        sgt_ray ray = {.o = o,
+                       .d = {uniform(&g, -1, 1), uniform(&g, -1, 1), either_sign(&g) * uniform(&g, 1, 2)},
+                       .tmin = -FAR,
+                       .tmax = FAR};
         if (chance(&g, 0.5)) ray.tmax = uniform(&g, -2, 2);
         long double lo = -20, hi = 20; /* F is monotone along all of these rays */
         for (int j = 0; j < 90; j++) {
-            long double t = (lo + hi) / 2, x = o.x + t * ray.d.x, y = o.y + t * ray.d.y, z = o.z + t * ray.d.z;
+            long double t = (lo + hi) / 2, x = o.x + t * ray.d.x, y = o.y + t * ray.d.y,
+                        z = o.z + t * ray.d.z;
             if ((z - 0.3L * sinl(x) - 0.3L * cosl(y) < 0) == (ray.d.z > 0)) lo = t;
             else hi = t;
         }
@@ -667,10 +773,13 @@ static void test_single(void **state)
         sgt_hit hit[MOST];
         int got = sgt_intersect_all(s, ray, MOST, hit, NULL);
         require_list("single", i, got, hit);
-        REQUIRE(got == (lo < ray.tmax), "ray %ld: %d entries, the root is %Lg, tmax %g", i, got, lo, ray.tmax);
+        REQUIRE(got == (lo < ray.tmax), "ray %ld: %d entries, the root is %Lg, tmax %g", i, got, lo,
+                ray.tmax);
         missed += got == 0;
-        if (got) REQUIRE(hit[0].status == SGT_HIT && fabsl(hit[0].t - lo) <= hit[0].t_err + 1e-14,
-            "ray %ld: %s at %.17g +- %g, the root is %.17Lg", i, sgt_status_text(hit[0].status), hit[0].t, hit[0].t_err, lo);
+        if (got)
+            REQUIRE(hit[0].status == SGT_HIT && fabsl(hit[0].t - lo) <= hit[0].t_err + 1e-14,
+                    "ray %ld: %s at %.17g +- %g, the root is %.17Lg", i, sgt_status_text(hit[0].status),
+                    hit[0].t, hit[0].t_err, lo);
     }
     REQUIRE(missed > n / 20, "%ld misses", missed);
 }
@@ -704,10 +813,16 @@ static int count(void *data, const sgt_step *step)
     return ++c->calls == c->stop_at;
 }
 
-static const struct { const sgt_surface_ops *ops; const void *self; } watched[] = {
-    {&rounded, &(torus){.major = 1, .minor = 0.4}}, {&bare, &(torus){.major = 1, .minor = 0.4}}, {&cleared, &(torus){.major = 1, .minor = 0.4}},
-    {&complete, &(torus){.major = 1, .minor = 0.4}}, {&sgt_conic_ops, &(sgt_conic){.c = -0.5}}, {&sgt_asphere_ops, &(sgt_asphere){.a = {0.5, -0.625, 0.125}}},
-    {&sgt_julia_ops, &(sgt_julia){.c = {-0.2, 0.8, 0, 0}, .iterations = 6}}, {&sgt_mandelbrot_ops, &(sgt_mandelbrot){.iterations = 5}},
+static const struct { const sgt_surface_ops *ops; const void *self;
+} watched[] = {
+    {&rounded, &(torus){.major = 1, .minor = 0.4}},
+    {&bare, &(torus){.major = 1, .minor = 0.4}},
+    {&cleared, &(torus){.major = 1, .minor = 0.4}},
+    {&complete, &(torus){.major = 1, .minor = 0.4}},
+    {&sgt_conic_ops, &(sgt_conic){.c = -0.5}},
+    {&sgt_asphere_ops, &(sgt_asphere){.a = {0.5, -0.625, 0.125}}},
+    {&sgt_julia_ops, &(sgt_julia){.c = {-0.2, 0.8, 0, 0}, .iterations = 6}},
+    {&sgt_mandelbrot_ops, &(sgt_mandelbrot){.iterations = 5}},
 };
 
 static void test_watcher(void **state)
@@ -727,28 +842,38 @@ static void test_watcher(void **state)
             long spent = 0;
             REQUIRE(got == alone, "ray %ld, surface %zu: %d entries, watched %d", i, k, alone, got);
             for (int j = 0; j < got; j++) {
-                REQUIRE(hit[j].status == plain[j].status && hit[j].evals == plain[j].evals && (same_bits(hit[j].t, plain[j].t)),
-                    "ray %ld, surface %zu: entry %d is another when watched", i, k, j);
+                REQUIRE(hit[j].status == plain[j].status && hit[j].evals == plain[j].evals &&
+                            (same_bits(hit[j].t, plain[j].t)),
+                        "ray %ld, surface %zu: entry %d is another when watched", i, k, j);
                 spent += hit[j].evals;
             }
-            REQUIRE(spent <= c.calls, "ray %ld, surface %zu: %ld evaluations in the entries, %d seen", i, k, spent, c.calls);
+            REQUIRE(spent <= c.calls, "ray %ld, surface %zu: %ld evaluations in the entries, %d seen", i, k,
+                    spent, c.calls);
             if (c.calls == 0) continue;
             counter stopping = {.stop_at = 1 + below(&g, c.calls)};
             sgt_hit stopped[MOST];
-            int left = sgt_intersect_all(s, ray, MOST, stopped, &(sgt_options){.watch = count, .watch_data = &stopping});
+            int left = sgt_intersect_all(s, ray, MOST, stopped,
+                                         &(sgt_options){.watch = count, .watch_data = &stopping});
             require_list("stopped", i, left, stopped);
             REQUIRE(stopping.calls == stopping.stop_at,
-                "ray %ld, surface %zu: asked to stop at %d, went on to %d", i, k, stopping.stop_at, stopping.calls);
+                    "ray %ld, surface %zu: asked to stop at %d, went on to %d", i, k, stopping.stop_at,
+                    stopping.calls);
             REQUIRE(left >= 1 && stopped[left - 1].status == SGT_STOPPED,
-                "ray %ld, surface %zu: the last of %d entries is %s", i, k, left, left < 1 ? "none" : sgt_status_text(stopped[left - 1].status));
+                    "ray %ld, surface %zu: the last of %d entries is %s", i, k, left,
+                    left < 1 ? "none" : sgt_status_text(stopped[left - 1].status));
             spent = 0;
             for (int j = 0; j < left; j++) spent += stopped[j].evals;
-            REQUIRE(spent == stopping.calls, "ray %ld, surface %zu: %ld evaluations in the entries, %d seen", i, k, spent, stopping.calls);
-            for (int j = 0; j < left - 1; j++) REQUIRE(j < got && stopped[j].status == hit[j].status && same_bits(stopped[j].t, hit[j].t),
-                "ray %ld, surface %zu: entry %d is another than without the stop", i, k, j);
+            REQUIRE(spent == stopping.calls, "ray %ld, surface %zu: %ld evaluations in the entries, %d seen",
+                    i, k, spent, stopping.calls);
+            for (int j = 0; j < left - 1; j++)
+                REQUIRE(j < got && stopped[j].status == hit[j].status && same_bits(stopped[j].t, hit[j].t),
+                        "ray %ld, surface %zu: entry %d is another than without the stop", i, k, j);
             for (int j = left - 1; j < got; j++)
-                if (hit[j].status > 0) REQUIRE(stopped[left - 1].lo <= hit[j].t + hit[j].t_err && stopped[left - 1].hi >= hit[j].t - hit[j].t_err,
-                    "ray %ld, surface %zu: stopped, [%g, %g] left, and a root at %g", i, k, stopped[left - 1].lo, stopped[left - 1].hi, hit[j].t);
+                if (hit[j].status > 0)
+                    REQUIRE(stopped[left - 1].lo <= hit[j].t + hit[j].t_err &&
+                                stopped[left - 1].hi >= hit[j].t - hit[j].t_err,
+                            "ray %ld, surface %zu: stopped, [%g, %g] left, and a root at %g", i, k,
+                            stopped[left - 1].lo, stopped[left - 1].hi, hit[j].t);
         }
     }
 }
@@ -764,26 +889,37 @@ static void test_budget(void **state)
         for (size_t k = 0; k < COUNT_OF(watched); k++) {
             sgt_surface s = {watched[k].ops, watched[k].self};
             sgt_hit full[MOST], hit[MOST];
-            int all = sgt_intersect_all(s, ray, MOST, full, NULL), budget = 1 + below(&g, chance(&g, 0.5) ? 10 : 100);
+            int all = sgt_intersect_all(s, ray, MOST, full, NULL),
+                budget = 1 + below(&g, chance(&g, 0.5) ? 10 : 100);
             counter c = {0};
-            int got = sgt_intersect_all(s, ray, MOST, hit, &(sgt_options){.max_evals = budget, .watch = count, .watch_data = &c});
+            int got = sgt_intersect_all(
+                s, ray, MOST, hit, &(sgt_options){.max_evals = budget, .watch = count, .watch_data = &c});
             require_list("budget", i, got, hit);
             for (int j = 0; j < got; j++) {
                 REQUIRE(hit[j].evals <= budget + 1,
-                    "ray %ld, surface %zu: entry %d took %d evaluations of %d", i, k, j, hit[j].evals, budget); /* one more confirms a root */
+                        /* one more confirms a root */
+                        "ray %ld, surface %zu: entry %d took %d evaluations of %d", i, k, j, hit[j].evals,
+                        budget);
                 REQUIRE(hit[j].status != SGT_EXHAUSTED || j == got - 1,
-                    "ray %ld, surface %zu: entry %d of %d is exhausted, and the search went on", i, k, j, got);
+                        "ray %ld, surface %zu: entry %d of %d is exhausted, and the search went on", i, k, j,
+                        got);
             }
             REQUIRE(c.calls <= (got + 1) * (budget + 1),
-                "ray %ld, surface %zu: %d evaluations for %d entries, %d allowed for each", i, k, c.calls, got, budget);
+                    "ray %ld, surface %zu: %d evaluations for %d entries, %d allowed for each", i, k, c.calls,
+                    got, budget);
             exhausted += got && hit[got - 1].status == SGT_EXHAUSTED;
             for (int j = 0; j < all; j++)
-                if (full[j].status == SGT_HIT && k != 0 && k != 1) REQUIRE(reported(full[j].t, full[j].t_err, got, hit),
-                    "ray %ld, surface %zu, %d evaluations: the root at %.17g is in none of %d entries, the last of them %s in [%.17g, %.17g]",
-                    i, k, budget, full[j].t, got, got ? sgt_status_text(hit[got - 1].status) : "none", got ? hit[got - 1].lo : 0, got ? hit[got - 1].hi : 0);
+                if (full[j].status == SGT_HIT && k != 0 && k != 1)
+                    REQUIRE(reported(full[j].t, full[j].t_err, got, hit),
+                            "ray %ld, surface %zu, %d evaluations: the root at %.17g is in none of %d "
+                            "entries, the last of them %s in [%.17g, %.17g]",
+                            i, k, budget, full[j].t, got, got ? sgt_status_text(hit[got - 1].status) : "none",
+                            got ? hit[got - 1].lo : 0, got ? hit[got - 1].hi : 0);
             if (got && hit[got - 1].status == SGT_EXHAUSTED) /* what is left, to its end */
-                for (int j = 0; j < all; j++) REQUIRE(full[j].t <= hit[got - 1].hi || full[j].lo <= hit[got - 1].hi,
-                    "ray %ld, surface %zu: [%g, %g] left, an entry at %g", i, k, hit[got - 1].lo, hit[got - 1].hi, full[j].t);
+                for (int j = 0; j < all; j++)
+                    REQUIRE(full[j].t <= hit[got - 1].hi || full[j].lo <= hit[got - 1].hi,
+                            "ray %ld, surface %zu: [%g, %g] left, an entry at %g", i, k, hit[got - 1].lo,
+                            hit[got - 1].hi, full[j].t);
         }
     }
     REQUIRE(exhausted > n / 4, "%ld searches exhausted", exhausted);
@@ -818,13 +954,19 @@ static void test_invalid(void **state)
             assert_int_equal(sgt_intersect_all(surfaces[k], rays[i], 2, hit, NULL), SGT_INVALID);
             assert_int_equal(sgt_intersect_all(surfaces[k], rays[i], 0, NULL, NULL), SGT_INVALID);
         }
-        const sgt_options bad[] = {{.t_tol = -1}, {.t_tol = NOT}, {.f_tol = -1}, {.f_tol = NOT}, {.dt_min = -1}, {.dt_min = NOT}, {.max_evals = -1}};
-        for (size_t i = 0; i < COUNT_OF(bad); i++) assert_int_equal(sgt_intersect_all(surfaces[k], good, 2, hit, &bad[i]), SGT_INVALID);
+        const sgt_options bad[] = {{.t_tol = -1},  {.t_tol = NOT},  {.f_tol = -1},    {.f_tol = NOT},
+                                   {.dt_min = -1}, {.dt_min = NOT}, {.max_evals = -1}};
+        for (size_t i = 0; i < COUNT_OF(bad); i++)
+            assert_int_equal(sgt_intersect_all(surfaces[k], good, 2, hit, &bad[i]), SGT_INVALID);
     }
     assert_int_equal(sgt_intersect_all((sgt_surface){NULL, NULL}, good, 2, hit, NULL), SGT_INVALID);
-    assert_int_equal(sgt_intersect_all((sgt_surface){&(sgt_surface_ops){.span = torus_span}, &shape}, good, 2, hit, NULL), SGT_INVALID);
-    assert_int_equal(sgt_intersect_all((sgt_surface){&sgt_conic_ops, &broken}, good, 2, hit, NULL), SGT_INVALID);
-    assert_int_equal(sgt_intersect_all((sgt_surface){&sgt_julia_ops, &lost}, good, 2, hit, NULL), SGT_INVALID);
+    assert_int_equal(
+        sgt_intersect_all((sgt_surface){&(sgt_surface_ops){.span = torus_span}, &shape}, good, 2, hit, NULL),
+        SGT_INVALID);
+    assert_int_equal(sgt_intersect_all((sgt_surface){&sgt_conic_ops, &broken}, good, 2, hit, NULL),
+                     SGT_INVALID);
+    assert_int_equal(sgt_intersect_all((sgt_surface){&sgt_julia_ops, &lost}, good, 2, hit, NULL),
+                     SGT_INVALID);
     /* pick is not read */
     sgt_hit plain[2];
     assert_int_equal(sgt_intersect_all(bowl_surface, across, 2, plain, NULL), 2);
@@ -852,12 +994,15 @@ static void test_scale_of_direction(void **state)
                 double by = ldexp(1, powers[j]);
                 other.d = (sgt_vec3){by * ray.d.x, by * ray.d.y, by * ray.d.z};
                 int got = sgt_intersect_all(s, other, MOST, hit, NULL);
-                REQUIRE(got == alone, "ray %ld, surface %zu, d times 2^%d: %d entries, were %d", i, k, powers[j], got, alone);
+                REQUIRE(got == alone, "ray %ld, surface %zu, d times 2^%d: %d entries, were %d", i, k,
+                        powers[j], got, alone);
                 for (int e = 0; e < got; e++)
-                    REQUIRE(hit[e].status == plain[e].status && (same_bits(hit[e].t * by, plain[e].t) || !isfinite(plain[e].t))
-                        && (hit[e].t_err * by == plain[e].t_err || !isfinite(plain[e].t_err)),
-                        "ray %ld, surface %zu, d times 2^%d: entry %d: %s at %.17g, was %s at %.17g",
-                        i, k, powers[j], e, sgt_status_text(hit[e].status), hit[e].t * by, sgt_status_text(plain[e].status), plain[e].t);
+                    REQUIRE(hit[e].status == plain[e].status &&
+                                (same_bits(hit[e].t * by, plain[e].t) || !isfinite(plain[e].t)) &&
+                                (hit[e].t_err * by == plain[e].t_err || !isfinite(plain[e].t_err)),
+                            "ray %ld, surface %zu, d times 2^%d: entry %d: %s at %.17g, was %s at %.17g", i,
+                            k, powers[j], e, sgt_status_text(hit[e].status), hit[e].t * by,
+                            sgt_status_text(plain[e].status), plain[e].t);
             }
         }
     }
@@ -866,11 +1011,37 @@ static void test_scale_of_direction(void **state)
 /* ---------------------------------------------------- surfaces with bad manners */
 
 enum {
-    NAN_ISLANDS, NAN_EVERYWHERE, INFINITE_ISLANDS, NO_SLOPE, NAN_SLOPE, WRONG_SLOPE, RANDOM_SLOPE, /* value */
-    NAN_SPAN, INFINITE_SPAN, NAN_SEED, NO_ROUNDING, HUGE_ROUNDING,
-    CLEARANCE_NAN, CLEARANCE_NEGATIVE, CLEARANCE_INFINITE, CLEARANCE_HUGE, CLEARANCE_TINY, CLEARANCE_RANDOM,
-    ENCLOSE_NAN, ENCLOSE_ALL, ENCLOSE_NOTHING, ENCLOSE_POSITIVE, ENCLOSE_POINT, ENCLOSE_NAN_SLOPE, ENCLOSE_WRONG_SLOPE, ENCLOSE_RANDOM,
-    ESTIMATE_NAN, ESTIMATE_NEGATIVE, ESTIMATE_INFINITE, ESTIMATE_TINY, ESTIMATE_RANDOM,
+    NAN_ISLANDS,
+    NAN_EVERYWHERE,
+    INFINITE_ISLANDS,
+    NO_SLOPE,
+    NAN_SLOPE,
+    WRONG_SLOPE,
+    RANDOM_SLOPE, /* value */
+    NAN_SPAN,
+    INFINITE_SPAN,
+    NAN_SEED,
+    NO_ROUNDING,
+    HUGE_ROUNDING,
+    CLEARANCE_NAN,
+    CLEARANCE_NEGATIVE,
+    CLEARANCE_INFINITE,
+    CLEARANCE_HUGE,
+    CLEARANCE_TINY,
+    CLEARANCE_RANDOM,
+    ENCLOSE_NAN,
+    ENCLOSE_ALL,
+    ENCLOSE_NOTHING,
+    ENCLOSE_POSITIVE,
+    ENCLOSE_POINT,
+    ENCLOSE_NAN_SLOPE,
+    ENCLOSE_WRONG_SLOPE,
+    ENCLOSE_RANDOM,
+    ESTIMATE_NAN,
+    ESTIMATE_NEGATIVE,
+    ESTIMATE_INFINITE,
+    ESTIMATE_TINY,
+    ESTIMATE_RANDOM,
     LIES
 };
 
@@ -879,7 +1050,11 @@ static double any_number(uint64_t *bits)
     static const double special[] = {0, -0.0, 1, -1, 1e-300, -1e-300, 1e300, -1e300, DBL_MIN / 4};
     generator g = {*bits};
     int k = below(&g, 14);
-    double x = k < 9 ? special[k] : k == 9 ? NOT : k == 10 ? FAR : k == 11 ? -FAR : either_sign(&g) * log_uniform(&g, 1e-12, 1e3);
+    double x = k < 9     ? special[k]
+               : k == 9  ? NOT
+               : k == 10 ? FAR
+               : k == 11 ? -FAR
+                         : either_sign(&g) * log_uniform(&g, 1e-12, 1e3);
     *bits = g.state;
     return x;
 }
@@ -984,7 +1159,11 @@ static void test_lies(void **state)
         {.value = lying_value, .span = lying_span, .rounding = lying_rounding},
         {.value = lying_value, .span = lying_span, .rounding = lying_rounding, .clearance = lying_clearance},
         {.value = lying_value, .span = lying_span, .rounding = lying_rounding, .enclose = lying_enclose},
-        {.value = lying_value, .span = lying_span, .rounding = lying_rounding, .clearance = lying_clearance, .estimate = lying_estimate,
+        {.value = lying_value,
+         .span = lying_span,
+         .rounding = lying_rounding,
+         .clearance = lying_clearance,
+         .estimate = lying_estimate,
          .enclose = lying_enclose},
     };
     for (long i = 0; i < n; i++) {
@@ -995,13 +1174,16 @@ static void test_lies(void **state)
         for (int lie = 0; lie < LIES; lie++)
             for (size_t k = 0; k < COUNT_OF(offers); k++) {
                 torus shape = {.major = 1, .minor = 0.4, .calls = &calls, .lie = lie, .bits = &bits};
-                sgt_options opt = {.max_evals = chance(&g, 0.5) ? 0 : 100, .dt_min = chance(&g, 0.5) ? 0 : log_uniform(&g, 1e-3, 1) / length};
+                sgt_options opt = {.max_evals = chance(&g, 0.5) ? 0 : 100,
+                                   .dt_min = chance(&g, 0.5) ? 0 : log_uniform(&g, 1e-3, 1) / length};
                 sgt_hit hit[MOST];
                 long before = calls, budget = opt.max_evals ? opt.max_evals : 2000;
-                int got = sgt_intersect_all((sgt_surface){&offers[k], &shape}, ray, MOST, hit, &opt), kept = got < MOST ? got : MOST;
+                int got = sgt_intersect_all((sgt_surface){&offers[k], &shape}, ray, MOST, hit, &opt),
+                    kept = got < MOST ? got : MOST;
                 REQUIRE(got >= 0, "ray %ld, lie %d, offer %zu: %d", i, lie, k, got);
                 REQUIRE(calls - before <= (got + 1) * (budget + 1),
-                    "ray %ld, lie %d, offer %zu: %ld evaluations for %d entries", i, lie, k, calls - before, got);
+                        "ray %ld, lie %d, offer %zu: %ld evaluations for %d entries", i, lie, k,
+                        calls - before, got);
                 require_list("lie", i, kept, hit);
                 for (int j = 0; j < kept; j++) {
                     if (hit[j].status != SGT_HIT) continue;
@@ -1009,9 +1191,14 @@ static void test_lies(void **state)
                     sgt_vec3 n0;
                     torus honest = {.major = 1, .minor = 0.4};
                     torus_value(&honest, hit[j].p, &n0);
-                    double slack = 4 * torus_rounding(&honest, hit[j].p) / fabs(n0.x * ray.d.x + n0.y * ray.d.y + n0.z * ray.d.z);
-                    long double e = (long double)hit[j].t_err + slack, l = torus_exact(&honest, &ray, hit[j].t - e), r = torus_exact(&honest, &ray, hit[j].t + e);
-                    REQUIRE(l * r <= 0, "ray %ld, lie %d, offer %zu: a hit at %.17g +- %g, and no change of sign", i, lie, k, hit[j].t, hit[j].t_err);
+                    double slack = 4 * torus_rounding(&honest, hit[j].p) /
+                                   fabs(n0.x * ray.d.x + n0.y * ray.d.y + n0.z * ray.d.z);
+                    long double e = (long double)hit[j].t_err + slack,
+                                l = torus_exact(&honest, &ray, hit[j].t - e),
+                                r = torus_exact(&honest, &ray, hit[j].t + e);
+                    REQUIRE(l * r <= 0,
+                            "ray %ld, lie %d, offer %zu: a hit at %.17g +- %g, and no change of sign", i, lie,
+                            k, hit[j].t, hit[j].t_err);
                 }
                 sgt_hit first = sgt_intersect((sgt_surface){&offers[k], &shape}, ray, &opt);
                 REQUIRE(first.status != SGT_INVALID, "ray %ld, lie %d, offer %zu: invalid", i, lie, k);
@@ -1022,8 +1209,10 @@ static void test_lies(void **state)
         noise.value = random_value;
         sgt_hit hit[MOST];
         long before = calls;
-        int got = sgt_intersect_all((sgt_surface){&noise, &shape}, ray, MOST, hit, &(sgt_options){.max_evals = 200});
-        REQUIRE(got >= 0 && calls - before <= (long)(got + 1) * 201, "ray %ld: noise: %d entries, %ld evaluations", i, got, calls - before);
+        int got = sgt_intersect_all((sgt_surface){&noise, &shape}, ray, MOST, hit,
+                                    &(sgt_options){.max_evals = 200});
+        REQUIRE(got >= 0 && calls - before <= (long)(got + 1) * 201,
+                "ray %ld: noise: %d entries, %ld evaluations", i, got, calls - before);
     }
     REQUIRE(hits > n * LIES, "%ld hits", hits);
 }
@@ -1031,11 +1220,27 @@ static void test_lies(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bowl), cmocka_unit_test(test_cap), cmocka_unit_test(test_ends), cmocka_unit_test(test_rim),
-        cmocka_unit_test(test_touching), cmocka_unit_test(test_conics), cmocka_unit_test(test_four_and_a_touch), cmocka_unit_test(test_nearly_touching),
-        cmocka_unit_test(test_ends_beside), cmocka_unit_test(test_triple), cmocka_unit_test(test_value_only), cmocka_unit_test(test_clearance), cmocka_unit_test(test_enclose), cmocka_unit_test(test_estimate),
-        cmocka_unit_test(test_single), cmocka_unit_test(test_no_beginning), cmocka_unit_test(test_watcher), cmocka_unit_test(test_budget),
-        cmocka_unit_test(test_invalid), cmocka_unit_test(test_scale_of_direction), cmocka_unit_test(test_lies),
+        cmocka_unit_test(test_bowl),
+        cmocka_unit_test(test_cap),
+        cmocka_unit_test(test_ends),
+        cmocka_unit_test(test_rim),
+        cmocka_unit_test(test_touching),
+        cmocka_unit_test(test_conics),
+        cmocka_unit_test(test_four_and_a_touch),
+        cmocka_unit_test(test_nearly_touching),
+        cmocka_unit_test(test_ends_beside),
+        cmocka_unit_test(test_triple),
+        cmocka_unit_test(test_value_only),
+        cmocka_unit_test(test_clearance),
+        cmocka_unit_test(test_enclose),
+        cmocka_unit_test(test_estimate),
+        cmocka_unit_test(test_single),
+        cmocka_unit_test(test_no_beginning),
+        cmocka_unit_test(test_watcher),
+        cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_invalid),
+        cmocka_unit_test(test_scale_of_direction),
+        cmocka_unit_test(test_lies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

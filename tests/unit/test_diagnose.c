@@ -30,22 +30,30 @@ static sgt_log newton(equation_g *g, double t, int n, double by)
 
 static double g_square(double t, double *s) { return *s = 2 * t, t * t - 2; }
 static double g_double(double t, double *s) { return *s = 2 * (t - 1) * exp(t), (t - 1) * (t - 1) * exp(t); }
-static double g_triple(double t, double *s) { return *s = 3 * (t - 1) * (t - 1), (t - 1) * (t - 1) * (t - 1); }
+static double g_triple(double t, double *s)
+{
+    return *s = 3 * (t - 1) * (t - 1), (t - 1) * (t - 1) * (t - 1);
+}
 static double g_cos(double t, double *s) { return *s = -sin(t), cos(t); }
 static double g_line(double t, double *s) { return *s = 3, 3 * t - 1; }
-static double g_cycle(double t, double *s) { return *s = 3 * t * t - 2, t * t * t - 2 * t + 2; } /* 0, 1, 0, 1 ... */
+/* 0, 1, 0, 1 ... */
+static double g_cycle(double t, double *s) { return *s = 3 * t * t - 2, t * t * t - 2 * t + 2; }
 static double g_cube_root(double t, double *s) { return *s = 1 / (3 * cbrt(t) * cbrt(t)), cbrt(t); }
 
 static void require_verdict(const sgt_log *log, sgt_verdict want, const char *what)
 {
     sgt_diagnosis d = sgt_diagnose(log);
-    REQUIRE(d.verdict == want, "%s: verdict %d (%s), %d wanted; order %g rate %g", what, (int)d.verdict, sgt_verdict_text(d.verdict), (int)want, d.order, d.rate);
+    REQUIRE(d.verdict == want, "%s: verdict %d (%s), %d wanted; order %g rate %g", what, (int)d.verdict,
+            sgt_verdict_text(d.verdict), (int)want, d.order, d.rate);
 }
 
 static void test_quadratic(void **state)
 {
     (void)state;
-    static const struct { equation_g *g; double seed, rate; } cases[] = {{g_square, 1, 0.35355}, {g_square, 1.9, 0.35355}, {g_square, 100, 0.35355}};
+    static const struct {
+        equation_g *g;
+        double seed, rate;
+    } cases[] = {{g_square, 1, 0.35355}, {g_square, 1.9, 0.35355}, {g_square, 100, 0.35355}};
     for (size_t i = 0; i < COUNT_OF(cases); i++)
         for (int n = 5; n < 14; n++) {
             sgt_log log = newton(cases[i].g, cases[i].seed, n + (cases[i].seed > 50 ? 6 : 0), 1);
@@ -53,7 +61,8 @@ static void test_quadratic(void **state)
             REQUIRE(d.verdict == SGT_QUADRATIC, "case %zu, %d steps: %s", i, n, sgt_verdict_text(d.verdict));
             REQUIRE(fabs(d.order - 2) < 0.2, "case %zu, %d steps: order %g", i, n, d.order);
             REQUIRE(fabs(d.condition - 1 / (2 * sqrt(2))) < 0.01, "case %zu: condition %g", i, d.condition);
-            REQUIRE(d.newton == log.n - 1 && d.bisect == 0 && d.march == 0 && d.retreat == 0, "case %zu: %d Newton steps of %d", i, d.newton, log.n);
+            REQUIRE(d.newton == log.n - 1 && d.bisect == 0 && d.march == 0 && d.retreat == 0,
+                    "case %zu: %d Newton steps of %d", i, d.newton, log.n);
         }
     /* few steps of it: a step that gains two digits or more is as good as any */
     for (int n = 2; n < 5; n++) {
@@ -69,26 +78,35 @@ static void test_quadratic(void **state)
 static void test_linear(void **state)
 {
     (void)state;
-    static const struct { equation_g *g; const char *what; double seed, by, rate; } cases[] = {
-        {g_double, "a double root", 1.5, 1, 0.5},     {g_double, "a double root from the left", 0.3, 1, 0.5}, {g_triple, "a triple root", 2, 1, 2.0 / 3},
-        {g_square, "a slope twice too steep", 1, 2, 0.5}, {g_square, "a slope five times too steep", 1, 5, 0.8},
-        {g_square, "a slope a hundred times too steep", 1, 100, 0.99}, {g_square, "a slope 3/4 of the true", 1, 0.75, 1.0 / 3},
+    static const struct { equation_g *g; const char *what; double seed, by, rate;
+    } cases[] = {
+        {g_double, "a double root", 1.5, 1, 0.5},
+        {g_double, "a double root from the left", 0.3, 1, 0.5},
+        {g_triple, "a triple root", 2, 1, 2.0 / 3},
+        {g_square, "a slope twice too steep", 1, 2, 0.5},
+        {g_square, "a slope five times too steep", 1, 5, 0.8},
+        {g_square, "a slope a hundred times too steep", 1, 100, 0.99},
+        {g_square, "a slope 3/4 of the true", 1, 0.75, 1.0 / 3},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++)
         for (int n = 10; n <= 24; n++) {
             sgt_log log = newton(cases[i].g, cases[i].seed, n, cases[i].by);
             sgt_diagnosis d = sgt_diagnose(&log);
-            REQUIRE(d.verdict == SGT_LINEAR, "%s, %d steps: %s", cases[i].what, n, sgt_verdict_text(d.verdict));
+            REQUIRE(d.verdict == SGT_LINEAR, "%s, %d steps: %s", cases[i].what, n,
+                    sgt_verdict_text(d.verdict));
             REQUIRE(fabs(d.order - 1) < 0.1, "%s, %d steps: order %g", cases[i].what, n, d.order);
             /* C is per e^p: at p not quite 1 it is what carries one error to the next */
-            if (fabs(d.order - 1) < 1e-3) REQUIRE(fabs(d.rate - cases[i].rate) < 0.03, "%s, %d steps: rate %g", cases[i].what, n, d.rate);
+            if (fabs(d.order - 1) < 1e-3)
+                REQUIRE(fabs(d.rate - cases[i].rate) < 0.03, "%s, %d steps: rate %g", cases[i].what, n,
+                        d.rate);
         }
 }
 
 /* The scan lens's first surface, in t; the classic mistake scales its gradient to one. */
 static double sphere(double t, double *slope, double *length)
 {
-    double R = -2.2136, m = 0.3420201433256687, n = 0.9396926207859084, y = 0.5 + m * t, z = -5 + n * t, phi = sqrt(1 - y * y / (R * R)), Fy = -y / (R * phi);
+    double R = -2.2136, m = 0.3420201433256687, n = 0.9396926207859084, y = 0.5 + m * t, z = -5 + n * t,
+           phi = sqrt(1 - y * y / (R * R)), Fy = -y / (R * phi);
     *slope = n + Fy * m;
     *length = sqrt(1 + Fy * Fy);
     return z - y * y / R / (1 + phi);
@@ -97,7 +115,8 @@ static double sphere(double t, double *slope, double *length)
 static void test_oscillating(void **state)
 {
     (void)state;
-    static const double published[] = {4.775443550511577, 2.8626356840250526, 4.7418998688939, 2.997895475725084, 4.714415826981489};
+    static const double published[] = {4.775443550511577, 2.8626356840250526, 4.7418998688939,
+                                       2.997895475725084, 4.714415826981489};
     sgt_log log = {kept, CAP, 0};
     double t = 5 / 0.9396926207859084;
     bool before = false;
@@ -113,8 +132,10 @@ static void test_oscillating(void **state)
             n++;
         }
         if (i >= 5) {
-            REQUIRE(sgt_diagnose(&log).verdict == SGT_OSCILLATING, "after %d: %s", log.n, sgt_verdict_text(sgt_diagnose(&log).verdict));
-            REQUIRE(sgt_diagnose(&log).retreat == 1, "after %d: %d retreats", log.n, sgt_diagnose(&log).retreat);
+            REQUIRE(sgt_diagnose(&log).verdict == SGT_OSCILLATING, "after %d: %s", log.n,
+                    sgt_verdict_text(sgt_diagnose(&log).verdict));
+            REQUIRE(sgt_diagnose(&log).retreat == 1, "after %d: %d retreats", log.n,
+                    sgt_diagnose(&log).retreat);
         }
     }
     /* the same without the moves, as a caller's own iteration may be logged */
@@ -142,7 +163,13 @@ static sgt_log solver(equation_g *g, sgt_span span, double by)
     double slope, f;
     do {
         f = g(r.t, &slope);
-        sgt_log_step(&log, &(sgt_step){.eval = r.evals + 1, .move = r.move, .t = r.t, .f = f, .slope = by * slope, .lo = r.lo, .hi = r.hi});
+        sgt_log_step(&log, &(sgt_step){.eval = r.evals + 1,
+                                       .move = r.move,
+                                       .t = r.t,
+                                       .f = f,
+                                       .slope = by * slope,
+                                       .lo = r.lo,
+                                       .hi = r.hi});
     } while (sgt_root_next(&r, f, by * slope));
     return log;
 }
@@ -154,7 +181,8 @@ static void test_solver(void **state)
     require_verdict(&log, SGT_QUADRATIC, "the solver, x^2 - 2");
     log = solver(g_square, (sgt_span){.lo = 0, .hi = 2, .seed = 1}, NOT);
     require_verdict(&log, SGT_BISECTING, "the solver without a slope");
-    REQUIRE(sgt_diagnose(&log).bisect > 20 && isnan(sgt_diagnose(&log).condition), "%d bisections", sgt_diagnose(&log).bisect);
+    REQUIRE(sgt_diagnose(&log).bisect > 20 && isnan(sgt_diagnose(&log).condition), "%d bisections",
+            sgt_diagnose(&log).bisect);
     log = solver(g_square, (sgt_span){.lo = 0, .hi = 2, .seed = 1}, -1);
     require_verdict(&log, SGT_BISECTING, "the solver, the slope negated");
     log = solver(g_square, (sgt_span){.lo = 0, .hi = 2, .seed = sqrt(2)}, 1);
@@ -173,12 +201,15 @@ static void test_few_and_strange(void **state)
     const sgt_log *nothing[] = {&empty, &(sgt_log){NULL, 0, 0}, &(sgt_log){NULL, 0, 7}, NULL};
     for (size_t i = 0; i < COUNT_OF(nothing); i++) {
         sgt_diagnosis d = sgt_diagnose(nothing[i]);
-        REQUIRE(d.verdict == SGT_WANDERING && isnan(d.order) && isnan(d.rate) && isnan(d.condition) && d.newton + d.bisect + d.march + d.retreat == 0, "an empty log (%zu)", i);
+        REQUIRE(d.verdict == SGT_WANDERING && isnan(d.order) && isnan(d.rate) && isnan(d.condition) &&
+                    d.newton + d.bisect + d.march + d.retreat == 0,
+                "an empty log (%zu)", i);
     }
     sgt_log log = {kept, CAP, 0};
     add(&log, SGT_SEED, 1, 0.5, 0.25);
     sgt_diagnosis d = sgt_diagnose(&log);
-    REQUIRE(d.verdict == SGT_WANDERING && isnan(d.order) && d.condition == 4, "one step: %s, condition %g", sgt_verdict_text(d.verdict), d.condition);
+    REQUIRE(d.verdict == SGT_WANDERING && isnan(d.order) && d.condition == 4, "one step: %s, condition %g",
+            sgt_verdict_text(d.verdict), d.condition);
     log.n = 0;
     add(&log, SGT_SEED, 1, 0, 0.25);
     require_verdict(&log, SGT_ROUNDING, "one step, on the root");
@@ -189,7 +220,8 @@ static void test_few_and_strange(void **state)
     add(&log, SGT_SEED, 1, NOT, NOT);
     add(&log, SGT_RETREAT, 0.5, NOT, NOT);
     d = sgt_diagnose(&log);
-    REQUIRE(d.verdict == SGT_WANDERING && d.retreat == 1 && isnan(d.condition), "nothing but NaN: %s", sgt_verdict_text(d.verdict));
+    REQUIRE(d.verdict == SGT_WANDERING && d.retreat == 1 && isnan(d.condition), "nothing but NaN: %s",
+            sgt_verdict_text(d.verdict));
     log.n = 0;
     add(&log, SGT_SEED, 1, 1, 0);
     d = sgt_diagnose(&log);
@@ -207,11 +239,16 @@ static void test_few_and_strange(void **state)
         log.n = 0;
         for (int j = below(&g, 12); j > 0; j--) {
             double v[3];
-            for (int k = 0; k < 3; k++) v[k] = chance(&g, 0.1) ? NOT : chance(&g, 0.1) ? either_sign(&g) * FAR : chance(&g, 0.3) ? odd[below(&g, (int)COUNT_OF(odd))] : uniform(&g, -1, 1);
+            for (int k = 0; k < 3; k++)
+                v[k] = chance(&g, 0.1)   ? NOT
+                       : chance(&g, 0.1) ? either_sign(&g) * FAR
+                       : chance(&g, 0.3) ? odd[below(&g, (int)COUNT_OF(odd))]
+                                         : uniform(&g, -1, 1);
             add(&log, (sgt_move)below(&g, 6), v[0], v[1], v[2]);
         }
         d = sgt_diagnose(&log);
-        REQUIRE(d.verdict >= SGT_QUADRATIC && d.verdict <= SGT_ROUNDING, "case %ld: verdict %d", i, (int)d.verdict);
+        REQUIRE(d.verdict >= SGT_QUADRATIC && d.verdict <= SGT_ROUNDING, "case %ld: verdict %d", i,
+                (int)d.verdict);
         REQUIRE(d.newton + d.bisect + d.march + d.retreat <= log.n, "case %ld: counts", i);
         REQUIRE(!(d.condition < 0), "case %ld: condition %g", i, d.condition);
     }
@@ -235,7 +272,9 @@ static void test_log(void **state)
     int n = log.n;
     for (int i = 0; i < 40; i++) {
         double slope, t = i & 1 ? 1 : 0, f = g_cycle(t, &slope);
-        sgt_log_step(&log, &(sgt_step){.eval = i + 1, .move = i ? SGT_NEWTON : SGT_SEED, .t = t, .f = f, .slope = slope});
+        sgt_log_step(
+            &log,
+            &(sgt_step){.eval = i + 1, .move = i ? SGT_NEWTON : SGT_SEED, .t = t, .f = f, .slope = slope});
     }
     require_verdict(&log, SGT_OSCILLATING, "two solves, the last a cycle");
     assert_int_equal(sgt_diagnose(&log).newton, 39);
@@ -250,10 +289,12 @@ static void test_watching(void **state)
     sgt_conic shape = {.c = 1 / -2.2136};
     sgt_ray ray = {.o = {0, 0.5, -5}, .d = {0, 0.3420201433256687, 0.9396926207859084}};
     sgt_log log = {kept, CAP, 0};
-    sgt_hit hit = sgt_intersect((sgt_surface){&sgt_conic_ops, &shape}, ray, &(sgt_options){.watch = sgt_log_step, .watch_data = &log});
+    sgt_hit hit = sgt_intersect((sgt_surface){&sgt_conic_ops, &shape}, ray,
+                                &(sgt_options){.watch = sgt_log_step, .watch_data = &log});
     assert_int_equal(hit.status, SGT_HIT);
     REQUIRE(log.n == hit.evals && log.n <= 4, "%d steps, %d evaluations", log.n, hit.evals);
-    REQUIRE(kept[log.n - 1].t == hit.t, "the last step is at %.17g, the hit at %.17g", kept[log.n - 1].t, hit.t);
+    REQUIRE(kept[log.n - 1].t == hit.t, "the last step is at %.17g, the hit at %.17g", kept[log.n - 1].t,
+            hit.t);
     sgt_diagnosis d = sgt_diagnose(&log);
     REQUIRE(d.verdict == SGT_ROUNDING || d.verdict == SGT_QUADRATIC, "%s", sgt_verdict_text(d.verdict));
     REQUIRE(d.condition > 0.5 && d.condition < 2, "condition %g", d.condition);
@@ -265,7 +306,8 @@ static void test_texts(void **state)
     for (int i = SGT_QUADRATIC; i <= SGT_ROUNDING; i++) {
         const char *text = sgt_verdict_text((sgt_verdict)i);
         assert_true(text && strlen(text) > 10 && strlen(text) < 160 && !strchr(text, '\n'));
-        for (int j = SGT_QUADRATIC; j < i; j++) assert_string_not_equal(text, sgt_verdict_text((sgt_verdict)j));
+        for (int j = SGT_QUADRATIC; j < i; j++)
+            assert_string_not_equal(text, sgt_verdict_text((sgt_verdict)j));
     }
     assert_string_equal(sgt_verdict_text((sgt_verdict)99), "?");
 }
@@ -273,8 +315,10 @@ static void test_texts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_quadratic), cmocka_unit_test(test_linear), cmocka_unit_test(test_oscillating), cmocka_unit_test(test_solver),
-        cmocka_unit_test(test_few_and_strange), cmocka_unit_test(test_log), cmocka_unit_test(test_watching), cmocka_unit_test(test_texts),
+        cmocka_unit_test(test_quadratic),       cmocka_unit_test(test_linear),
+        cmocka_unit_test(test_oscillating),     cmocka_unit_test(test_solver),
+        cmocka_unit_test(test_few_and_strange), cmocka_unit_test(test_log),
+        cmocka_unit_test(test_watching),        cmocka_unit_test(test_texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

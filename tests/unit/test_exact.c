@@ -145,7 +145,8 @@ static void test_twofold(void **state)
         require_within(i, "quotient", &off, &of, 15 * u2 + 56 * SGT_U * u2, &worst[2]);
         if (a.hi < 0) a = twofold_negative(a);
         p = twofold_root(a), off = of = zero;
-        add_twofold(&of, a, 1), off = of, add_twofold_product(&off, p, twofold_negative(p)); /* twice the root's */
+        /* twice the root's */
+        add_twofold(&of, a, 1), off = of, add_twofold_product(&off, p, twofold_negative(p));
         require_within(i, "root", &off, &of, 2 * 25 * u2 / 8, &worst[3]);
     }
     print_message("in units of 2^-106: sum %.2f, product %.2f, quotient %.2f, square of the root %.2f\n",
@@ -180,8 +181,8 @@ static long double value_of(const expansion *a)
 static void require_held(long i, const char *what, const number *left_out, long double carried, double err)
 {
     long double off = size_of(*left_out) + carried;
-    REQUIRE(off <= err * (1 + 0x1p-60L), "case %ld: a %s may be off by %La, of which %La carried, not %a", i, what,
-            off, carried, err);
+    REQUIRE(off <= err * (1 + 0x1p-60L), "case %ld: a %s may be off by %La, of which %La carried, not %a", i,
+            what, off, carried, err);
 }
 
 static void test_expansion(void **state)
@@ -224,8 +225,8 @@ static void test_expansion(void **state)
         add(&off, o), add_product(&off, t0, d), add_product(&off, t, d), add_expansion(&off, &c, -1);
         REQUIRE(size_of(off) == 0 && c.err == 0, "case %ld: %a + (%a + %a) %a", i, o, t0, t, d);
     }
-    REQUIRE(inexact > n / 4 && carried > n / 4, "%ld products are not exact, in %ld both factors are off", inexact,
-            carried);
+    REQUIRE(inexact > n / 4 && carried > n / 4, "%ld products are not exact, in %ld both factors are off",
+            inexact, carried);
     print_message("%ld products are not exact, in %ld both factors are off\n", inexact, carried);
 }
 

@@ -1,6 +1,7 @@
-/* What is no root, and what never ends: a user's surface with poles and jumps, one that answers at random, and one whose
- * enclosure decides little.  Poles and steep roots look alike to a search by signs; all ways to a root are tried: the first
- * and the one near the seed, single or not, with each thing that a surface can offer, alone, all of them, and in a batch. */
+/* What is no root, and what never ends: a user's surface with poles and jumps, one that answers at random,
+ * and one whose enclosure decides little.  Poles and steep roots look alike to a search by signs; all ways
+ * to a root are tried: the first and the one near the seed, single or not, with each thing that a surface
+ * can offer, alone, all of them, and in a batch. */
 #include "unit.h"
 
 #include <sagitta/interval.h>
@@ -9,13 +10,46 @@
 
 /* F of w = z - a: */
 typedef enum kind {
-    POLE, POLE_3, POLE_WEAK, POLE_HIGH, POLE_STRONG, POLE_FALLING, POLE_EVEN, POLE_COT, POLES, /* no root where F changes sign */
-    SIGN = POLES, FLOOR, JUMP_UP, JUMP_DOWN, JUMPS,                                 /* F jumps over zero */
-    CUBE_ROOT = JUMPS, ATAN, STEEP, STEEPER, RUNGE, LINE, KINDS                     /* a root */
+    POLE,
+    POLE_3,
+    POLE_WEAK,
+    POLE_HIGH,
+    POLE_STRONG,
+    POLE_FALLING,
+    POLE_EVEN,
+    POLE_COT,
+    POLES, /* no root where F changes sign */
+    SIGN = POLES,
+    FLOOR,
+    JUMP_UP,
+    JUMP_DOWN,
+    JUMPS, /* F jumps over zero */
+    CUBE_ROOT = JUMPS,
+    ATAN,
+    STEEP,
+    STEEPER,
+    RUNGE,
+    LINE,
+    KINDS /* a root */
 } kind;
-static const char *const names[KINDS] = {"1/w", "1/w^3", "w^(-1/3)", "1e20/w", "1e-20/w", "-1/w", "1/w^2", "cot w",
-                                         "sign w", "floor w + 1/2", "sign w (1 + |w|)", "sign w (6 - |w|)",
-                                         "w^(1/3)", "atan 1e12 w", "1e200 w", "1e280 w, above 1e-300", "w / (w^2 + 1e-20)", "w"};
+static const char *const names[KINDS] = {"1/w",
+                                         "1/w^3",
+                                         "w^(-1/3)",
+                                         "1e20/w",
+                                         "1e-20/w",
+                                         "-1/w",
+                                         "1/w^2",
+                                         "cot w",
+                                         "sign w",
+                                         "floor w + 1/2",
+                                         "sign w (1 + |w|)",
+                                         "sign w (6 - |w|)",
+                                         "w^(1/3)",
+                                         "atan 1e12 w",
+                                         "1e200 w",
+                                         "1e280 w, above 1e-300",
+                                         "w / (w^2 + 1e-20)",
+                                         "w"};
 
 typedef enum lie { HONEST, REVERSED, ZERO, NO_NUMBER, STEEP_LIE, FLAT_LIE, LIES } lie;
 typedef enum limit { NO_LIMIT, RELATIVE, WHOLE } limit; /* of rounding */
@@ -82,24 +116,29 @@ static sgt_span span(const void *self, const sgt_ray *ray)
 {
     const shape *s = self;
     double lo = (s->lo - ray->o.z) / ray->d.z, hi = (s->hi - ray->o.z) / ray->d.z;
-    return (sgt_span){.lo = fmin(lo, hi), .hi = fmax(lo, hi), .seed = (s->seed - ray->o.z) / ray->d.z, .single = s->single};
+    return (sgt_span){
+        .lo = fmin(lo, hi), .hi = fmax(lo, hi), .seed = (s->seed - ray->o.z) / ray->d.z, .single = s->single};
 }
 
 static double clearance(const void *self, sgt_vec3 p) { return 0.99 * fabs(p.z - ((const shape *)self)->a); }
 static double guess(const void *self, sgt_vec3 p) { return 0.1 * fabs(p.z - ((const shape *)self)->a); }
 
-/* Every kind is monotone on either side of w = 0, Runge's between its extremes, and all but the poles are across it. */
+/* Every kind is monotone on either side of w = 0, Runge's between its extremes, and all but the poles are
+ * across it. */
 static sgt_interval enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
     const shape *s = self;
-    double a = ray->o.z + t.lo * ray->d.z - s->a, b = ray->o.z + t.hi * ray->d.z - s->a, lo = fmin(a, b), hi = fmax(a, b), unused;
+    double a = ray->o.z + t.lo * ray->d.z - s->a, b = ray->o.z + t.hi * ray->d.z - s->a, lo = fmin(a, b),
+           hi = fmax(a, b), unused;
     double room = 0x1p-50 * (fabs(ray->o.z) + fabs(s->a) + fabs(lo) + fabs(hi));
     *slope = sgt_interval_all();
     lo -= room, hi += room;
     if (s->kind == JUMP_DOWN && lo <= 0 && hi >= 0) return (sgt_interval){-6, 6};
     if (lo <= 0 && hi >= 0 && s->kind < POLES) return sgt_interval_all();
-    double f = of_w(s->kind, lo, &unused), g = of_w(s->kind, hi, &unused), more = 0x1p-45 * fmax(fabs(f), fabs(g));
-    bool least = s->kind == RUNGE && lo <= -1e-10 && hi >= -1e-10, most = s->kind == RUNGE && lo <= 1e-10 && hi >= 1e-10;
+    double f = of_w(s->kind, lo, &unused), g = of_w(s->kind, hi, &unused),
+           more = 0x1p-45 * fmax(fabs(f), fabs(g));
+    bool least = s->kind == RUNGE && lo <= -1e-10 && hi >= -1e-10,
+         most = s->kind == RUNGE && lo <= 1e-10 && hi >= 1e-10;
     return (sgt_interval){least ? -5.1e9 : fmin(f, g) - more, most ? 5.1e9 : fmax(f, g) + more};
 }
 
@@ -118,7 +157,10 @@ static const sgt_surface_ops offers[OFFERS] = {
 /* The hit holds the place where w = 0. */
 static bool is_there(const shape *s, const sgt_ray *ray, const sgt_hit *hit)
 {
-    long double t = ((long double)s->a - ray->o.z) / ray->d.z, slack = 4 * DBL_EPSILON * (fabsl(t) + fabs(s->a / ray->d.z) + fabs(ray->o.z / ray->d.z) + 5 / fabs(ray->d.z)); /* 5: the local origin */
+    /* 5: the local origin */
+    long double t = ((long double)s->a - ray->o.z) / ray->d.z,
+                slack = 4 * DBL_EPSILON *
+                        (fabsl(t) + fabs(s->a / ray->d.z) + fabs(ray->o.z / ray->d.z) + 5 / fabs(ray->d.z));
     return fabsl(hit->t - t) <= hit->t_err + slack;
 }
 
@@ -128,8 +170,13 @@ static void test_poles_and_jumps(void **state)
     generator g = seeded("poles, jumps and steep roots");
     long n = scaled(20000), met[KINDS] = {0}, asked[KINDS] = {0};
     for (long i = 0; i < n; i++) {
-        shape s = {.kind = (kind)below(&g, KINDS), .lie = chance(&g, 0.5) ? HONEST : (lie)below(&g, LIES), .bound = (limit)below(&g, 3), .single = chance(&g, 0.5)};
-        sgt_ray ray = {.o = {uniform(&g, -1, 1), 0, uniform(&g, -2, 2)}, .d = {0, chance(&g, 0.5) ? 0 : 0.3, chance(&g, 0.5) ? 1 : either_sign(&g) * log_uniform(&g, 1e-3, 1e3)}};
+        shape s = {.kind = (kind)below(&g, KINDS),
+                   .lie = chance(&g, 0.5) ? HONEST : (lie)below(&g, LIES),
+                   .bound = (limit)below(&g, 3),
+                   .single = chance(&g, 0.5)};
+        sgt_ray ray = {.o = {uniform(&g, -1, 1), 0, uniform(&g, -2, 2)},
+                       .d = {0, chance(&g, 0.5) ? 0 : 0.3,
+                             chance(&g, 0.5) ? 1 : either_sign(&g) * log_uniform(&g, 1e-3, 1e3)}};
         double length = fabs(ray.d.z);
         ray.d.y *= ray.d.z;
         ray.tmax = 5 / length;
@@ -140,9 +187,12 @@ static void test_poles_and_jumps(void **state)
         s.seed = uniform(&g, s.lo, s.hi);
         if (chance(&g, 0.3)) s.seed = s.a * (1 + below(&g, 17) * 0x1p-52 - 0x1p-49);
         if (chance(&g, 0.1)) s.seed = NOT;
-        if (fabs(s.seed - s.a) < 1e-6 && s.lie == REVERSED) s.lie = HONEST; /* a pole with such a slope is a root, as far as the quick form goes */
-        if (!(s.a - s.lo > 0.02 && s.hi - s.a > 0.02 && fabs(s.a) > 0.01)) continue; /* nearer 0 the slope of w^(1/3) is infinite */
-        sgt_options opt = {.pick = chance(&g, 0.5) ? SGT_NEAR_SEED : SGT_FIRST, .t_tol = chance(&g, 0.6) ? 0 : log_uniform(&g, 1e-15, 1e-3) / length,
+        /* a pole with such a slope is a root, as far as the quick form goes */
+        if (fabs(s.seed - s.a) < 1e-6 && s.lie == REVERSED) s.lie = HONEST;
+        /* nearer 0 the slope of w^(1/3) is infinite */
+        if (!(s.a - s.lo > 0.02 && s.hi - s.a > 0.02 && fabs(s.a) > 0.01)) continue;
+        sgt_options opt = {.pick = chance(&g, 0.5) ? SGT_NEAR_SEED : SGT_FIRST,
+                           .t_tol = chance(&g, 0.6) ? 0 : log_uniform(&g, 1e-15, 1e-3) / length,
                            .dt_min = chance(&g, 0.7) ? 0 : log_uniform(&g, 1e-2, 1) / length};
         const sgt_surface_ops *ops = &offers[below(&g, OFFERS)];
         sgt_hit hit[8], h = sgt_intersect((sgt_surface){ops, &s}, ray, &opt);
@@ -150,15 +200,22 @@ static void test_poles_and_jumps(void **state)
         bool pole = s.kind < POLES;
 #define WHERE "case %ld: %s, %s, slope %d, pick %d, t_tol %g, dt_min %g, single %d"
 #define HERE i, names[s.kind], ops->name, s.lie, opt.pick, opt.t_tol, opt.dt_min, s.single
-        REQUIRE(!pole || h.status <= 0, WHERE ": a pole is a %s, t %.17g +- %g, f %g", HERE, sgt_status_text(h.status), h.t, h.t_err, h.f);
+        REQUIRE(!pole || h.status <= 0, WHERE ": a pole is a %s, t %.17g +- %g, f %g", HERE,
+                sgt_status_text(h.status), h.t, h.t_err, h.f);
         for (int j = 0; j < count && j < 8; j++) {
-            REQUIRE(!pole || hit[j].status <= 0, WHERE ": of all, a pole is a %s, t %.17g +- %g, f %g", HERE, sgt_status_text(hit[j].status), hit[j].t, hit[j].t_err, hit[j].f);
-            REQUIRE(hit[j].status <= 0 || is_there(&s, &ray, &hit[j]) || s.kind == FLOOR, WHERE ": t %.17g +- %g is no root", HERE, hit[j].t, hit[j].t_err);
+            REQUIRE(!pole || hit[j].status <= 0, WHERE ": of all, a pole is a %s, t %.17g +- %g, f %g", HERE,
+                    sgt_status_text(hit[j].status), hit[j].t, hit[j].t_err, hit[j].f);
+            REQUIRE(hit[j].status <= 0 || is_there(&s, &ray, &hit[j]) || s.kind == FLOOR,
+                    WHERE ": t %.17g +- %g is no root", HERE, hit[j].t, hit[j].t_err);
         }
-        REQUIRE(h.status <= 0 || is_there(&s, &ray, &h), WHERE ": t %.17g +- %g is no root", HERE, h.t, h.t_err);
-        bool hidden = s.lie == STEEP_LIE || (s.kind == RUNGE && s.lie != HONEST); /* by rounding, as the slope tells it */
-        hidden = hidden || (h.status == SGT_EXHAUSTED && ops->enclose); /* cells at the local origin have no least size */
-        REQUIRE(pole || hidden || h.status > 0, WHERE ": %s, and F changes sign at z = %.17g", HERE, sgt_status_text(h.status), s.a);
+        REQUIRE(h.status <= 0 || is_there(&s, &ray, &h), WHERE ": t %.17g +- %g is no root", HERE, h.t,
+                h.t_err);
+        /* by rounding, as the slope tells it */
+        bool hidden = s.lie == STEEP_LIE || (s.kind == RUNGE && s.lie != HONEST);
+        /* cells at the local origin have no least size */
+        hidden = hidden || (h.status == SGT_EXHAUSTED && ops->enclose);
+        REQUIRE(pole || hidden || h.status > 0, WHERE ": %s, and F changes sign at z = %.17g", HERE,
+                sgt_status_text(h.status), s.a);
         met[s.kind] += h.status > 0, asked[s.kind]++;
         enum { RAYS = 3 };
         double o[3][RAYS], d[3][RAYS], tmin[RAYS], tmax[RAYS], t[RAYS], t_err[RAYS];
@@ -168,9 +225,14 @@ static void test_poles_and_jumps(void **state)
             o[0][k] = ray.o.x + (k == 0), o[1][k] = ray.o.y, o[2][k] = ray.o.z;
             d[0][k] = ray.d.x, d[1][k] = ray.d.y, d[2][k] = ray.d.z, tmin[k] = ray.tmin, tmax[k] = ray.tmax;
         }
-        sgt_intersect_batch((sgt_surface){ops, &s}, RAYS, (sgt_rays){{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, tmin, tmax}, (sgt_hits){.status = status, .evals = evals, .t = t, .t_err = t_err}, &opt);
+        sgt_intersect_batch((sgt_surface){ops, &s}, RAYS,
+                            (sgt_rays){{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, tmin, tmax},
+                            (sgt_hits){.status = status, .evals = evals, .t = t, .t_err = t_err}, &opt);
         for (int k = 1; k < RAYS; k++)
-            REQUIRE(status[k] == h.status && evals[k] == h.evals && (h.status <= 0 || (same_bits(t[k], h.t) && same_bits(t_err[k], h.t_err))), WHERE ": %s after %d in a batch, %s after %d alone", HERE, sgt_status_text((sgt_status)status[k]), evals[k], sgt_status_text(h.status), h.evals);
+            REQUIRE(status[k] == h.status && evals[k] == h.evals &&
+                        (h.status <= 0 || (same_bits(t[k], h.t) && same_bits(t_err[k], h.t_err))),
+                    WHERE ": %s after %d in a batch, %s after %d alone", HERE,
+                    sgt_status_text((sgt_status)status[k]), evals[k], sgt_status_text(h.status), h.evals);
     }
     for (int k = 0; k < KINDS; k++) print_message("%s: %ld of %ld met\n", names[k], met[k], asked[k]);
 }
@@ -196,7 +258,8 @@ static void test_root_beside_pole(void **state)
         int count = sgt_intersect_all(s, ray, 4, hit, NULL);
         for (int j = 0; j < count && j < 4; j++) {
             if (hit[j].status <= 0) continue;
-            REQUIRE(fabs(hit[j].t - (1 - a)) <= hit[j].t_err + 4e-16, "case %ld: the root is %.17g, told %.17g +- %g", i, 1 - a, hit[j].t, hit[j].t_err);
+            REQUIRE(fabs(hit[j].t - (1 - a)) <= hit[j].t_err + 4e-16,
+                    "case %ld: the root is %.17g, told %.17g +- %g", i, 1 - a, hit[j].t, hit[j].t_err);
             met++;
         }
     }
@@ -233,10 +296,14 @@ static bool honest(const void *self) { return chance(drawing(self), (*(gambler *
 static double gamble_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
     generator *g = drawing(self);
-    if (grad) *grad = honest(self) ? (sgt_vec3){0, 0, 1} : (sgt_vec3){any_number(g), any_number(g), any_number(g)};
+    if (grad)
+        *grad = honest(self) ? (sgt_vec3){0, 0, 1} : (sgt_vec3){any_number(g), any_number(g), any_number(g)};
     return honest(self) ? p.z : any_number(g);
 }
-static double gamble_number(const void *self, sgt_vec3 p) { return (void)p, honest(self) ? 0 : any_number(drawing(self)); }
+static double gamble_number(const void *self, sgt_vec3 p)
+{
+    return (void)p, honest(self) ? 0 : any_number(drawing(self));
+}
 static sgt_span gamble_span(const void *self, const sgt_ray *ray)
 {
     generator *g = drawing(self);
@@ -252,10 +319,12 @@ static sgt_interval gamble_enclose(const void *self, const sgt_ray *ray, sgt_int
 {
     generator *g = drawing(self);
     *slope = honest(self) ? sgt_interval_of(ray->d.z) : gamble_interval(g);
-    return honest(self) ? (sgt_interval){ray->o.z + t.lo * ray->d.z - 1e-9, ray->o.z + t.hi * ray->d.z + 1e-9} : gamble_interval(g);
+    return honest(self) ? (sgt_interval){ray->o.z + t.lo * ray->d.z - 1e-9, ray->o.z + t.hi * ray->d.z + 1e-9}
+                        : gamble_interval(g);
 }
 
-/* Every loop of the library has a budget, and all together one: 1024 max_evals, and what confirms the last root. */
+/* Every loop of the library has a budget, and all together one: 1024 max_evals, and what confirms the last
+ * root. */
 static void test_random_answers(void **state)
 {
     (void)state;
@@ -271,20 +340,31 @@ static void test_random_answers(void **state)
         if (chance(&g, 0.6)) ops.enclose = gamble_enclose;
         if (chance(&g, 0.2)) ops.first = gamble_span;
         const int budgets[] = {1, 7, 50, 300};
-        sgt_options opt = {.max_evals = budgets[below(&g, 4)], .pick = chance(&g, 0.5) ? SGT_FIRST : SGT_NEAR_SEED, .proof = (sgt_proof)below(&g, 3),
-                           .dt_min = chance(&g, 0.3) ? log_uniform(&g, 1e-12, 1) : 0, .t_tol = chance(&g, 0.3) ? log_uniform(&g, 1e-15, 1) : 0};
-        sgt_ray ray = {.o = {0, 0, uniform(&g, -3, 3)}, .d = {uniform(&g, -1, 1), 0, 1}, .tmin = chance(&g, 0.2) ? -FAR : 0, .tmax = chance(&g, 0.3) ? FAR : uniform(&g, 1, 10)};
+        sgt_options opt = {.max_evals = budgets[below(&g, 4)],
+                           .pick = chance(&g, 0.5) ? SGT_FIRST : SGT_NEAR_SEED,
+                           .proof = (sgt_proof)below(&g, 3),
+                           .dt_min = chance(&g, 0.3) ? log_uniform(&g, 1e-12, 1) : 0,
+                           .t_tol = chance(&g, 0.3) ? log_uniform(&g, 1e-15, 1) : 0};
+        sgt_ray ray = {.o = {0, 0, uniform(&g, -3, 3)},
+                       .d = {uniform(&g, -1, 1), 0, 1},
+                       .tmin = chance(&g, 0.2) ? -FAR : 0,
+                       .tmax = chance(&g, 0.3) ? FAR : uniform(&g, 1, 10)};
         sgt_hit hit[4], h = sgt_intersect((sgt_surface){&ops, &self}, ray, &opt);
         /* an evaluation is told once, with at most five calls; what is found is confirmed */
-        REQUIRE(h.evals <= opt.max_evals + 32, "case %ld: %d evaluations of %d for one root", i, h.evals, opt.max_evals);
-        REQUIRE(opt.proof == SGT_ESTIMATE || h.status != SGT_EXHAUSTED, "case %ld: exhausted under a proof", i);
+        REQUIRE(h.evals <= opt.max_evals + 32, "case %ld: %d evaluations of %d for one root", i, h.evals,
+                opt.max_evals);
+        REQUIRE(opt.proof == SGT_ESTIMATE || h.status != SGT_EXHAUSTED, "case %ld: exhausted under a proof",
+                i);
         spent[h.status - SGT_INVALID]++;
         s.calls = 0;
         int count = sgt_intersect_all((sgt_surface){&ops, &self}, ray, 4, hit, &opt);
         long bound = 1024L * opt.max_evals + 64;
-        REQUIRE(s.calls <= 8 * bound, "case %ld: %ld calls for all roots, max_evals %d", i, s.calls, opt.max_evals);
+        REQUIRE(s.calls <= 8 * bound, "case %ld: %ld calls for all roots, max_evals %d", i, s.calls,
+                opt.max_evals);
         REQUIRE(count >= 0, "case %ld: %d roots", i, count);
-        for (int j = 0; j < count && j < 4; j++) REQUIRE(opt.proof == SGT_ESTIMATE || hit[j].status != SGT_EXHAUSTED, "case %ld: exhausted under a proof", i);
+        for (int j = 0; j < count && j < 4; j++)
+            REQUIRE(opt.proof == SGT_ESTIMATE || hit[j].status != SGT_EXHAUSTED,
+                    "case %ld: exhausted under a proof", i);
         if (s.calls > most) most = s.calls;
     }
     for (int k = 7; k >= 0; k--)
@@ -306,9 +386,11 @@ static double vague_rounding(const void *self, sgt_vec3 p) { return (void)p, ((c
 static sgt_interval vague_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
     const vague *s = self;
-    sgt_interval z = sgt_interval_sum(sgt_interval_of(ray->o.z), sgt_interval_product(t, sgt_interval_of(ray->d.z)));
+    sgt_interval z = sgt_interval_sum(sgt_interval_of(ray->o.z),
+                                      sgt_interval_product(t, sgt_interval_of(ray->d.z)));
     *slope = sgt_interval_of(ray->d.z);
-    return sgt_interval_sum(sgt_interval_difference(z, sgt_interval_of(s->a)), sgt_interval_between(-s->wide, s->wide));
+    return sgt_interval_sum(sgt_interval_difference(z, sgt_interval_of(s->a)),
+                            sgt_interval_between(-s->wide, s->wide));
 }
 
 /* What cannot be decided is told, wherever it lies: in a monotone cell, over the whole ray, at its end. */
@@ -316,12 +398,18 @@ static void test_undecided(void **state)
 {
     (void)state;
     generator g = seeded("enclosures that decide little");
-    const sgt_surface_ops ops = {.name = "vague", .value = vague_value, .rounding = vague_rounding, .enclose = vague_enclose};
+    const sgt_surface_ops ops = {
+        .name = "vague", .value = vague_value, .rounding = vague_rounding, .enclose = vague_enclose};
     long n = scaled(20000), of[3] = {0}, at_end = 0;
     for (long i = 0; i < n; i++) {
-        vague s = {.a = uniform(&g, -1, 1), .off = chance(&g, 0.2) ? 0 : log_uniform(&g, 1e-12, 10), .wide = chance(&g, 0.5) ? 0 : log_uniform(&g, 1e-12, 10)};
-        double size = fmax(fmax(s.off, s.wide), 1e-9), before = chance(&g, 0.5) ? uniform(&g, 0.1, 3) : size * log_uniform(&g, 1e-2, 10), behind = chance(&g, 0.5) ? uniform(&g, 0.1, 3) : size * log_uniform(&g, 1e-2, 10);
-        sgt_ray ray = {.o = {0, 0, s.a - before}, .d = {uniform(&g, -1, 1), 0, 1}, .tmin = 0, .tmax = before + behind};
+        vague s = {.a = uniform(&g, -1, 1),
+                   .off = chance(&g, 0.2) ? 0 : log_uniform(&g, 1e-12, 10),
+                   .wide = chance(&g, 0.5) ? 0 : log_uniform(&g, 1e-12, 10)};
+        double size = fmax(fmax(s.off, s.wide), 1e-9),
+               before = chance(&g, 0.5) ? uniform(&g, 0.1, 3) : size * log_uniform(&g, 1e-2, 10),
+               behind = chance(&g, 0.5) ? uniform(&g, 0.1, 3) : size * log_uniform(&g, 1e-2, 10);
+        sgt_ray ray = {
+            .o = {0, 0, s.a - before}, .d = {uniform(&g, -1, 1), 0, 1}, .tmin = 0, .tmax = before + behind};
         sgt_surface surface = {&ops, &s};
         if (before < 8 * (s.off + s.wide) + 1e-6) continue; /* by the rule of the start it may not count */
         for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++)
@@ -329,11 +417,16 @@ static void test_undecided(void **state)
                 sgt_options opt = {.pick = (sgt_pick)pick, .proof = (sgt_proof)proof};
                 sgt_hit hit[4], h = sgt_intersect(surface, ray, &opt);
                 int count = sgt_intersect_all(surface, ray, 4, hit, &opt);
-                REQUIRE(h.status != SGT_MISS && count > 0, "case %ld, pick %d, proof %d: a miss, %d of all; rounding %g, enclosure +- %g, the root at %g of [%g, %g]", i, pick, proof, count, s.off, s.wide, before, ray.tmin, ray.tmax);
+                REQUIRE(h.status != SGT_MISS && count > 0,
+                        "case %ld, pick %d, proof %d: a miss, %d of all; rounding %g, enclosure +- %g, the "
+                        "root at %g of [%g, %g]",
+                        i, pick, proof, count, s.off, s.wide, before, ray.tmin, ray.tmax);
                 of[h.status < 0 ? 0 : h.status == SGT_HIT ? 1 : 2]++;
                 for (int j = 0; j < count && j < 4; j++)
-                    REQUIRE(!(hit[j].status > 0) || (hit[j].lo <= hit[j].t - hit[j].t_err && hit[j].hi >= hit[j].t + hit[j].t_err), "case %ld, pick %d, proof %d: %.17g +- %g is not all in [%.17g, %.17g]", i, pick, proof,
-                            hit[j].t, hit[j].t_err, hit[j].lo, hit[j].hi);
+                    REQUIRE(!(hit[j].status > 0) || (hit[j].lo <= hit[j].t - hit[j].t_err &&
+                                                     hit[j].hi >= hit[j].t + hit[j].t_err),
+                            "case %ld, pick %d, proof %d: %.17g +- %g is not all in [%.17g, %.17g]", i, pick,
+                            proof, hit[j].t, hit[j].t_err, hit[j].lo, hit[j].hi);
                 at_end += count == 1 && hit[0].status < 0 && hit[0].hi == ray.tmax && hit[0].lo > ray.tmin;
             }
     }
@@ -341,7 +434,8 @@ static void test_undecided(void **state)
     REQUIRE(of[0] > n / 100 && of[1] > n / 10 && at_end > n / 100, "these rays are no test");
 }
 
-/* The ball |p - c| < r, told with its rounding and by intervals, in a span; many roots are possible, as far as the solver knows. */
+/* The ball |p - c| < r, told with its rounding and by intervals, in a span; many roots are possible, as far
+ * as the solver knows. */
 typedef struct ball { sgt_vec3 c; double r; } ball;
 
 static double ball_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
@@ -360,37 +454,51 @@ static double ball_rounding(const void *self, sgt_vec3 p)
 static sgt_span ball_span(const void *self, const sgt_ray *ray)
 {
     const ball *s = self;
-    double x = s->c.x - ray->o.x, y = s->c.y - ray->o.y, z = s->c.z - ray->o.z, d2 = ray->d.x * ray->d.x + ray->d.y * ray->d.y + ray->d.z * ray->d.z;
+    double x = s->c.x - ray->o.x, y = s->c.y - ray->o.y, z = s->c.z - ray->o.z,
+           d2 = ray->d.x * ray->d.x + ray->d.y * ray->d.y + ray->d.z * ray->d.z;
     double middle = (x * ray->d.x + y * ray->d.y + z * ray->d.z) / d2, half = 1.01 * s->r / sqrt(d2);
     return (sgt_span){.lo = middle - half, .hi = middle + half, .seed = NOT};
 }
 static sgt_interval ball_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
     const ball *s = self;
-    const double o[3] = {ray->o.x, ray->o.y, ray->o.z}, d[3] = {ray->d.x, ray->d.y, ray->d.z}, c[3] = {s->c.x, s->c.y, s->c.z};
-    sgt_interval g = sgt_interval_scaled(sgt_interval_square(sgt_interval_of(s->r)), -1), by = sgt_interval_of(0);
+    const double o[3] = {ray->o.x, ray->o.y, ray->o.z}, d[3] = {ray->d.x, ray->d.y, ray->d.z},
+                 c[3] = {s->c.x, s->c.y, s->c.z};
+    sgt_interval g = sgt_interval_scaled(sgt_interval_square(sgt_interval_of(s->r)), -1),
+                 by = sgt_interval_of(0);
     for (int k = 0; k < 3; k++) {
-        sgt_interval x = sgt_interval_difference(sgt_interval_sum(sgt_interval_of(o[k]), sgt_interval_product(t, sgt_interval_of(d[k]))), sgt_interval_of(c[k]));
-        g = sgt_interval_sum(g, sgt_interval_square(x)), by = sgt_interval_sum(by, sgt_interval_product(x, sgt_interval_of(2 * d[k])));
+        sgt_interval x = sgt_interval_difference(
+            sgt_interval_sum(sgt_interval_of(o[k]), sgt_interval_product(t, sgt_interval_of(d[k]))),
+            sgt_interval_of(c[k]));
+        g = sgt_interval_sum(g, sgt_interval_square(x)),
+        by = sgt_interval_sum(by, sgt_interval_product(x, sgt_interval_of(2 * d[k])));
     }
     *slope = by;
     return g;
 }
 
-/* From the surface outward nothing is met, inward the other side: decided, though the sign of F at the start is not. */
+/* From the surface outward nothing is met, inward the other side: decided, though the sign of F at the
+ * start is not. */
 static void test_from_surface(void **state)
 {
     (void)state;
     generator g = seeded("from the surface, by intervals");
-    const sgt_surface_ops ops = {.name = "ball", .value = ball_value, .rounding = ball_rounding, .span = ball_span, .enclose = ball_enclose};
+    const sgt_surface_ops ops = {.name = "ball",
+                                 .value = ball_value,
+                                 .rounding = ball_rounding,
+                                 .span = ball_span,
+                                 .enclose = ball_enclose};
     long n = scaled(10000), outward = 0, unknown = 0;
     for (long i = 0; i < n; i++) {
         ball s = {.c = random_point(&g, 2), .r = log_uniform(&g, 0.1, 10)};
         sgt_surface surface = {&ops, &s};
         sgt_vec3 u = random_direction(&g), d = random_direction(&g);
-        double along = u.x * d.x + u.y * d.y + u.z * d.z, beside = chance(&g, 0.3) ? 0 : uniform(&g, -2, 2) * 0x1p-52;
+        double along = u.x * d.x + u.y * d.y + u.z * d.z,
+               beside = chance(&g, 0.3) ? 0 : uniform(&g, -2, 2) * 0x1p-52;
         if (fabs(along) < 0.05) continue;
-        sgt_ray ray = {.o = {s.c.x + s.r * (1 + beside) * u.x, s.c.y + s.r * (1 + beside) * u.y, s.c.z + s.r * (1 + beside) * u.z}, .d = d};
+        sgt_ray ray = {.o = {s.c.x + s.r * (1 + beside) * u.x, s.c.y + s.r * (1 + beside) * u.y,
+                             s.c.z + s.r * (1 + beside) * u.z},
+                       .d = d};
         double f = ball_value(&s, ray.o, NULL);
         unknown += fabs(f) <= ball_rounding(&s, ray.o), outward += along > 0;
         /* Beside the surface by more than the rule of the start the root there may count. */
@@ -401,9 +509,16 @@ static void test_from_surface(void **state)
             int count = 1;
             if (all) count = sgt_intersect_all(surface, ray, 4, hit, NULL);
             else hit[0] = sgt_intersect(surface, ray, NULL), count = hit[0].status != SGT_MISS;
-            if (along > 0) REQUIRE(count == 0, "case %ld, %s: outward, and %s at %.17g +- %g, r %g", i, all ? "all" : "the first", sgt_status_text(hit[0].status), hit[0].t, hit[0].t_err, s.r);
-            else REQUIRE(count == 1 && hit[0].status == SGT_HIT && fabs(hit[0].t + 2 * s.r * along) < 1e-12 * (s.r + 4), "case %ld, %s: inward, and %d entries; %s at %.17g, not %.17g", i, all ? "all" : "the first", count,
-                         count ? sgt_status_text(hit[0].status) : "a miss", hit[0].t, -2 * s.r * along);
+            if (along > 0)
+                REQUIRE(count == 0, "case %ld, %s: outward, and %s at %.17g +- %g, r %g", i,
+                        all ? "all" : "the first", sgt_status_text(hit[0].status), hit[0].t, hit[0].t_err,
+                        s.r);
+            else
+                REQUIRE(count == 1 && hit[0].status == SGT_HIT &&
+                            fabs(hit[0].t + 2 * s.r * along) < 1e-12 * (s.r + 4),
+                        "case %ld, %s: inward, and %d entries; %s at %.17g, not %.17g", i,
+                        all ? "all" : "the first", count, count ? sgt_status_text(hit[0].status) : "a miss",
+                        hit[0].t, -2 * s.r * along);
         }
     }
     print_message("%ld of %ld outward, of %ld the start's sign is not known\n", outward, n, unknown);
@@ -413,7 +528,9 @@ static void test_from_surface(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_poles_and_jumps), cmocka_unit_test(test_root_beside_pole), cmocka_unit_test(test_random_answers), cmocka_unit_test(test_undecided), cmocka_unit_test(test_from_surface),
+        cmocka_unit_test(test_poles_and_jumps), cmocka_unit_test(test_root_beside_pole),
+        cmocka_unit_test(test_random_answers),  cmocka_unit_test(test_undecided),
+        cmocka_unit_test(test_from_surface),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -64,13 +64,15 @@ static void test_against_product(void **state)
         sgt_vec3 degrees = random_point(&g, size), origin = random_point(&g, 100);
         sgt_pose pose = sgt_pose_tilted(origin, degrees);
         matrix got = matrix_of(&pose);
-        matrix want = product(turn_degrees(2, degrees.z), product(turn_degrees(1, degrees.y), turn_degrees(0, degrees.x)));
+        matrix want = product(turn_degrees(2, degrees.z),
+                              product(turn_degrees(1, degrees.y), turn_degrees(0, degrees.x)));
         matrix unit = turn(0, 1, 0);
         worst = fmaxl(worst, apart(got, want));
         worst_square = fmaxl(worst_square, apart(product(transpose(got), got), unit));
         REQUIRE(same_vector(pose.origin, origin), "case %ld: the origin has moved", i);
     }
-    print_message("axes within %.2Lf, right angles within %.2Lf of 2^-53\n", worst * 0x1p53L, worst_square * 0x1p53L);
+    print_message("axes within %.2Lf, right angles within %.2Lf of 2^-53\n", worst * 0x1p53L,
+                  worst_square * 0x1p53L);
     REQUIRE(worst <= 3 * 0x1p-53L, "an axis is %.2Lf times 2^-53 off", worst * 0x1p53L);
     REQUIRE(worst_square <= 0x1p-50L, "axes are %.2Lf times 2^-53 from orthonormal", worst_square * 0x1p53L);
 }
@@ -85,19 +87,24 @@ static void test_one_turn(void **state)
     long double worst = 0;
     for (long i = 0, n = scaled(100000); i < n; i++) {
         int axis = below(&g, 3);
-        double size = chance(&g, 0.2) ? log_uniform(&g, 1e-300, 1) : chance(&g, 0.2) ? log_uniform(&g, 1, DBL_MAX) : 45;
+        double size = chance(&g, 0.2)   ? log_uniform(&g, 1e-300, 1)
+                      : chance(&g, 0.2) ? log_uniform(&g, 1, DBL_MAX)
+                                        : 45;
         double angle = 2 * uniform(&g, -size / 2, size / 2);
         sgt_vec3 degrees = {axis == 0 ? angle : 0, axis == 1 ? angle : 0, axis == 2 ? angle : 0};
         sgt_pose pose = sgt_pose_tilted((sgt_vec3){0}, degrees);
         int quarters;
-        long double rest = remquol(angle, 90, &quarters); /* or a cosine near a quarter had lost what counts */
+        /* or a cosine near a quarter had lost what counts */
+        long double rest = remquol(angle, 90, &quarters);
         matrix got = matrix_of(&pose), want = turn_degrees(axis, (double)rest);
         for (int j = quarters & 3; j > 0; j--) want = product(turn(axis, 0, 1), want);
         for (int j = 0; j < 3; j++)
             for (int k = 0; k < 3; k++) {
-                long double x = want.a[j][k], ulp = x == 0 ? 1 : ldexpl(1, ilogbl(x) - 52), off = fabsl(got.a[j][k] - x) / ulp;
+                long double x = want.a[j][k], ulp = x == 0 ? 1 : ldexpl(1, ilogbl(x) - 52),
+                            off = fabsl(got.a[j][k] - x) / ulp;
                 worst = fmaxl(worst, off);
-                REQUIRE(off <= 0.66L, "%.17g degrees about axis %d: %.17Lg, %.17Lg wanted, %.2Lf ulps off", angle, axis, got.a[j][k], x, off);
+                REQUIRE(off <= 0.66L, "%.17g degrees about axis %d: %.17Lg, %.17Lg wanted, %.2Lf ulps off",
+                        angle, axis, got.a[j][k], x, off);
             }
     }
     print_message("cosines and sines within %.3Lf ulps\n", worst);
@@ -111,7 +118,9 @@ static void test_quarters_exact(void **state)
         for (int y = -8; y <= 8; y++)
             for (int z = -8; z <= 8; z++) {
                 sgt_pose pose = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){90.0 * x, 90.0 * y, 90.0 * z});
-                matrix want = product(turn(2, cosine[z & 3], sine[z & 3]), product(turn(1, cosine[y & 3], sine[y & 3]), turn(0, cosine[x & 3], sine[x & 3])));
+                matrix want = product(
+                    turn(2, cosine[z & 3], sine[z & 3]),
+                    product(turn(1, cosine[y & 3], sine[y & 3]), turn(0, cosine[x & 3], sine[x & 3])));
                 REQUIRE(apart(matrix_of(&pose), want) == 0, "%d %d %d quarters are not exact", x, y, z);
             }
     sgt_pose pose = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){90 * 0x1p60, 0, 90 * (0x1p40 + 1)});
@@ -122,7 +131,9 @@ static void test_sense(void **state)
 {
     (void)state;
     /* a surface tilted by a positive angle about x turns its y axis toward z, and so on */
-    sgt_pose x = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){30, 0, 0}), y = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){0, 30, 0}), z = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){0, 0, 30});
+    sgt_pose x = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){30, 0, 0}),
+             y = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){0, 30, 0}),
+             z = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){0, 0, 30});
     assert_true(x.ey.z > 0.49 && x.ey.z < 0.51 && x.ex.x == 1);
     assert_true(y.ez.x > 0.49 && y.ez.x < 0.51 && y.ey.y == 1);
     assert_true(z.ex.y > 0.49 && z.ex.y < 0.51 && z.ez.z == 1);
@@ -138,8 +149,10 @@ static void test_whole_turns(void **state)
     for (long i = 0, n = scaled(2000); i < n; i++) {
         /* multiples of 2^-20 degrees, so that whole turns can be added without rounding */
         double a = (double)below(&g, 360 << 20) * 0x1p-20, more = 360.0 * (below(&g, 20000) - 10000);
-        sgt_pose one = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){a, 0, 0}), other = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){a + more, 0, 0});
-        REQUIRE(apart(matrix_of(&one), matrix_of(&other)) == 0, "%.17g and %.17g degrees differ", a, a + more);
+        sgt_pose one = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){a, 0, 0}),
+                 other = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){a + more, 0, 0});
+        REQUIRE(apart(matrix_of(&one), matrix_of(&other)) == 0, "%.17g and %.17g degrees differ", a,
+                a + more);
     }
 }
 
@@ -156,7 +169,8 @@ static void test_not_finite(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_product), cmocka_unit_test(test_one_turn), cmocka_unit_test(test_quarters_exact), cmocka_unit_test(test_sense),
+        cmocka_unit_test(test_against_product), cmocka_unit_test(test_one_turn),
+        cmocka_unit_test(test_quarters_exact),  cmocka_unit_test(test_sense),
         cmocka_unit_test(test_whole_turns),     cmocka_unit_test(test_not_finite),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,14 +1,20 @@
 /* test_range.c - what an answer's numbers owe each other, whatever the exponents of a question are.
  *
- *   random      parameters, rays and options of any exponents, now and then zero, subnormal or the largest there are, of every
- *               row of sgt_builtins: of a hit t is finite and within [lo, hi] and the ray's ends, t_err and p_err are at
- *               least 0, the point is a number, and inside the rim; of what is undecided [lo, hi] is a part of the ray; of an
+ *   random      parameters, rays and options of any exponents, now and then zero, subnormal or the largest
+ *               there are, of every
+ *               row of sgt_builtins: of a hit t is finite and within [lo, hi] and the ray's ends, t_err and
+ *                   p_err are at
+ *               least 0, the point is a number, and inside the rim; of what is undecided [lo, hi] is a part
+ *                   of the ray; of an
  *               entry of a list t is a number, and t +- t_err covers [lo, hi].  A batch says the same bits.
- *   in it       a ray that lies in a surface that is flat, of each type: a graze whose t is where it begins to count,
- *               inside the rim; a miss where it passes the rim by; else undecided; at lengths of d from 2^-800
+ *   in it       a ray that lies in a surface that is flat, of each type: a graze whose t is where it begins
+ *               to count,
+ *               inside the rim; a miss where it passes the rim by; else undecided; at lengths of d from
+ *                   2^-800
  *               to 2^1000.
  *   along       rays along the axis whose t in lengths of d is beyond the largest double: UNPROVEN.
- *   stretched   F = z - P(x, y) with z, the ray's z and the coefficients times 2^-k has the roots it had: what underflows as k
+ *   stretched   F = z - P(x, y) with z, the ray's z and the coefficients times 2^-k has the roots it had:
+ *               what underflows as k
  *               grows to 1060 is in t_err.  Rays that have two roots or none, a double one between. */
 #include "unit.h"
 
@@ -23,7 +29,8 @@ static size_t pooled;
 static double any(generator *g)
 {
     static const double ends[] = {0, 1, DBL_MAX, DBL_MIN, 0x1p-1074, 0x1p1023, 1e150, 1e155, 1e-160, 0.5, 3};
-    double x = chance(g, 0.25) ? ends[below(g, COUNT_OF(ends))] : ldexp(uniform(g, 1, 2), below(g, 2098) - 1074);
+    double x = chance(g, 0.25) ? ends[below(g, COUNT_OF(ends))]
+                               : ldexp(uniform(g, 1, 2), below(g, 2098) - 1074);
     if (chance(g, 0.3)) x = ldexp(uniform(g, 1, 2), below(g, 40) - 20);
     return either_sign(g) * x;
 }
@@ -59,7 +66,8 @@ static void fill(generator *g, const sgt_builtin *b, parameters *with, double (*
             for (int i = 0; i < p->count; i++) {
                 double x = chance(g, 0.3) ? 0 : make(g);
                 if (p->lo >= 0) x = fabs(x);
-                if (p->lo > 0 || strncmp(p->name, "norm", 4) == 0 || strncmp(p->name, "step", 4) == 0) x = fabs(make(g));
+                if (p->lo > 0 || strncmp(p->name, "norm", 4) == 0 || strncmp(p->name, "step", 4) == 0)
+                    x = fabs(make(g));
                 memcpy(to + (size_t)i * sizeof x, &x, sizeof x);
             }
         }
@@ -70,7 +78,8 @@ static double rim_of(const sgt_builtin *b, const parameters *with)
 {
     double rim = 0;
     for (const sgt_param *p = b->params; p->name; p++)
-        if (strcmp(p->name, "semi_diameter") == 0) memcpy(&rim, (const unsigned char *)with + p->offset, sizeof rim);
+        if (strcmp(p->name, "semi_diameter") == 0)
+            memcpy(&rim, (const unsigned char *)with + p->offset, sizeof rim);
     return rim < 0x1p500 ? rim : 0; /* that is none */
 }
 
@@ -79,11 +88,13 @@ static void print_case(const sgt_builtin *b, const parameters *with, const sgt_r
     print_message("%s:", b->type);
     for (size_t i = 0; i < b->size / sizeof(double); i++) print_message(" %a", with->number[i]);
     for (size_t i = 0; i < pooled; i++) print_message(" [%a]", pool[i]);
-    print_message("\nray {{%a, %a, %a}, {%a, %a, %a}, %a, %a} ", r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z, r->tmin, r->tmax);
+    print_message("\nray {{%a, %a, %a}, {%a, %a, %a}, %a, %a} ", r->o.x, r->o.y, r->o.z, r->d.x, r->d.y,
+                  r->d.z, r->tmin, r->tmax);
     print_message("t_tol %a proof %d pick %d\n", o->t_tol, (int)o->proof, (int)o->pick);
 }
 
-static void check(const sgt_builtin *b, const parameters *with, const sgt_ray *r, const sgt_options *o, const sgt_hit *h, bool listed)
+static void check(const sgt_builtin *b, const parameters *with, const sgt_ray *r, const sgt_options *o,
+                  const sgt_hit *h, bool listed)
 {
     const char *wrong = NULL;
     long double rim = rim_of(b, with), r2 = (long double)h->p.x * h->p.x + (long double)h->p.y * h->p.y;
@@ -92,11 +103,15 @@ static void check(const sgt_builtin *b, const parameters *with, const sgt_ray *r
         bool begins = h->t > r->tmin || r->tmin == -FAR || (h->status == SGT_GRAZE && h->t == r->tmin);
         if (!(number && h->t >= h->lo && h->t <= h->hi)) wrong = "t, t_err";
         else if (!(begins && h->t <= r->tmax)) wrong = "not on the ray";
-        else if (!(fabs(h->p.x) < FAR && fabs(h->p.y) < FAR && fabs(h->p.z) < FAR && h->p_err >= 0)) wrong = "p, p_err";
-        else if (rim > 0 && !(r2 <= rim * rim * (1 + 0x1p-44L + 0x1p-50L) + 1e-320L)) wrong = "outside the rim";
+        else if (!(fabs(h->p.x) < FAR && fabs(h->p.y) < FAR && fabs(h->p.z) < FAR && h->p_err >= 0))
+            wrong = "p, p_err";
+        else if (rim > 0 && !(r2 <= rim * rim * (1 + 0x1p-44L + 0x1p-50L) + 1e-320L))
+            wrong = "outside the rim";
     } else if (h->status < 0 && h->status != SGT_INVALID) {
-        if (!(h->lo <= h->hi && h->lo >= r->tmin && h->hi <= r->tmax)) wrong = "what is undecided is not on the ray";
-        else if (listed && !(number && h->t - h->t_err <= h->lo && h->t + h->t_err >= h->hi)) wrong = "no stretch";
+        if (!(h->lo <= h->hi && h->lo >= r->tmin && h->hi <= r->tmax))
+            wrong = "what is undecided is not on the ray";
+        else if (listed && !(number && h->t - h->t_err <= h->lo && h->t + h->t_err >= h->hi))
+            wrong = "no stretch";
     }
     if (!wrong) return;
     print_case(b, with, r, o);
@@ -111,14 +126,17 @@ static sgt_hit ask(const sgt_builtin *b, const parameters *with, sgt_ray r, cons
     int n = sgt_intersect_all((sgt_surface){b->ops, with}, r, MOST, list, o), evals;
     double t, t_err;
     signed char status;
-    sgt_intersect_batch((sgt_surface){b->ops, with}, 1, (sgt_rays){{&r.o.x, &r.o.y, &r.o.z}, {&r.d.x, &r.d.y, &r.d.z}, &r.tmin, &r.tmax},
+    sgt_intersect_batch((sgt_surface){b->ops, with}, 1,
+                        (sgt_rays){{&r.o.x, &r.o.y, &r.o.z}, {&r.d.x, &r.d.y, &r.d.z}, &r.tmin, &r.tmax},
                         (sgt_hits){.status = &status, .evals = &evals, .t = &t, .t_err = &t_err}, o);
     if (r.tmax == 0 && r.tmin >= 0) r.tmax = FAR;
     check(b, with, &r, o, &h, false);
     for (int i = 0; i < n && i < MOST; i++) check(b, with, &r, o, &list[i], true);
-    if (status != h.status || evals != h.evals || (h.status > 0 && !(same_bits(t, h.t) && same_bits(t_err, h.t_err)))) {
+    if (status != h.status || evals != h.evals ||
+        (h.status > 0 && !(same_bits(t, h.t) && same_bits(t_err, h.t_err)))) {
         print_case(b, with, &r, o);
-        fail_msg("%s, t %a +- %a; in a batch %s, t %a +- %a", sgt_status_text(h.status), h.t, h.t_err, sgt_status_text((sgt_status)status), t, t_err);
+        fail_msg("%s, t %a +- %a; in a batch %s, t %a +- %a", sgt_status_text(h.status), h.t, h.t_err,
+                 sgt_status_text((sgt_status)status), t, t_err);
     }
     return h;
 }
@@ -133,12 +151,14 @@ static void test_random(void **state)
             parameters with;
             fill(&g, b, &with, any);
             sgt_ray r = {{any(&g), any(&g), any(&g)}, {any(&g), any(&g), any(&g)}, 0, FAR};
-            if (chance(&g, 0.3)) r.o.z = chance(&g, 0.5) ? 0 : ldexp(r.o.z, -1000), r.d.z = chance(&g, 0.5) ? 0 : r.d.z;
+            if (chance(&g, 0.3))
+                r.o.z = chance(&g, 0.5) ? 0 : ldexp(r.o.z, -1000), r.d.z = chance(&g, 0.5) ? 0 : r.d.z;
             if (chance(&g, 0.2)) r.d.x = r.d.y = 0;
             if (chance(&g, 0.3)) r.tmin = -FAR;
             else if (chance(&g, 0.3)) r.tmin = -fabs(any(&g));
             if (chance(&g, 0.3)) r.tmax = any(&g);
-            sgt_options o = {.pick = (sgt_pick)below(&g, 3), .proof = (sgt_proof)below(&g, 3), .max_evals = 300};
+            sgt_options o = {
+                .pick = (sgt_pick)below(&g, 3), .proof = (sgt_proof)below(&g, 3), .max_evals = 300};
             if (chance(&g, 0.3)) o.t_tol = fabs(any(&g));
             sgt_hit h = ask(b, &with, r, &o);
             told[h.status + 4 > 0 ? h.status + 4 : 0]++;
@@ -166,8 +186,10 @@ static void test_in_it(void **state)
             bool sag = false;
             fill(&g, b, &with, nothing);
             for (const sgt_param *p = b->params; p->name; p++) {
-                if (strcmp(p->name, "semi_diameter") == 0) sag = true, memcpy((unsigned char *)&with + p->offset, &rim, sizeof rim);
-                if (strncmp(p->name, "norm", 4) == 0 && p->kind == SGT_REAL) memcpy((unsigned char *)&with + p->offset, &one, sizeof one);
+                if (strcmp(p->name, "semi_diameter") == 0)
+                    sag = true, memcpy((unsigned char *)&with + p->offset, &rim, sizeof rim);
+                if (strncmp(p->name, "norm", 4) == 0 && p->kind == SGT_REAL)
+                    memcpy((unsigned char *)&with + p->offset, &one, sizeof one);
                 if (strncmp(p->name, "step", 4) == 0) sag = false; /* a grid ends */
             }
             if (strcmp(b->type, "grid") == 0 || !sag) continue;
@@ -176,14 +198,18 @@ static void test_in_it(void **state)
             if (chance(&g, 0.3)) by = 0;
             if (chance(&g, 0.2)) a = 0;
             double from = uniform(&g, -5, 2) * size;
-            sgt_ray r = {{from * cos(a) - by * sin(a), from * sin(a) + by * cos(a), 0}, {cos(a) * length, sin(a) * length, 0}, 0, FAR};
+            sgt_ray r = {{from * cos(a) - by * sin(a), from * sin(a) + by * cos(a), 0},
+                         {cos(a) * length, sin(a) * length, 0},
+                         0,
+                         FAR};
             if (chance(&g, 0.3)) r.tmin = -FAR;
             else if (chance(&g, 0.3)) r.tmin = uniform(&g, 0, 5) * size / length;
             if (!(r.tmin < FAR)) r.tmin = 0;
             sgt_options o = {.pick = (sgt_pick)below(&g, 3), .proof = (sgt_proof)below(&g, 3)};
             sgt_hit h = ask(b, &with, r, &o);
             bool by_it = rim > 0 && by > rim * (1 + 1e-9), into = rim == 0 || by < rim * (1 - 1e-9);
-            bool behind = rim > 0 && r.tmin > -FAR && by < rim && from + r.tmin * length > sqrt(rim * rim - by * by) * (1 - 1e-9);
+            bool behind = rim > 0 && r.tmin > -FAR && by < rim &&
+                          from + r.tmin * length > sqrt(rim * rim - by * by) * (1 - 1e-9);
             if (h.status == SGT_MISS ? into && !behind : h.status == SGT_HIT || (by_it && h.status > 0)) {
                 print_case(b, &with, &r, &o);
                 fail_msg("%s, t %a, p %a %a", sgt_status_text(h.status), h.t, h.p.x, h.p.y);
@@ -213,8 +239,12 @@ static void test_along(void **state)
         for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
             parameters with;
             fill(&g, b, &with, moderate);
-            double far = ldexp(uniform(&g, 1, 2), 10 + below(&g, 20)), length = ldexp(uniform(&g, 1, 2), below(&g, 8) - 1022);
-            sgt_ray r = {{chance(&g, 0.5) ? 0 : 0x1p-20, 0, either_sign(&g) * far}, {0, 0, either_sign(&g) * length}, 0, FAR};
+            double far = ldexp(uniform(&g, 1, 2), 10 + below(&g, 20)),
+                   length = ldexp(uniform(&g, 1, 2), below(&g, 8) - 1022);
+            sgt_ray r = {{chance(&g, 0.5) ? 0 : 0x1p-20, 0, either_sign(&g) * far},
+                         {0, 0, either_sign(&g) * length},
+                         0,
+                         FAR};
             if (chance(&g, 0.5)) r.tmin = -FAR;
             if (chance(&g, 0.3)) r.d.x = length;
             for (int proof = 0; proof < 3; proof++)
@@ -274,26 +304,32 @@ static void test_stretched(void **state)
             for (size_t j = 0; j < pooled; j++) exact = stretch(&pool[j], k) && exact;
             for (int j = 0; j < 16; j++) exact = stretch(&of_term.a[j], k) && exact;
             for (const sgt_param *p = b->params; p->name; p++)
-                if (strcmp(p->name, "curvature") == 0 || (strcmp(p->name, "coefficients") == 0 && p->kind == SGT_REAL))
+                if (strcmp(p->name, "curvature") == 0 ||
+                    (strcmp(p->name, "coefficients") == 0 && p->kind == SGT_REAL))
                     for (int j = 0; j < p->count; j++)
-                        exact = stretch((double *)(void *)((unsigned char *)&stretched + p->offset) + j, k) && exact;
+                        exact = stretch((double *)(void *)((unsigned char *)&stretched + p->offset) + j, k) &&
+                                exact;
             exact = exact && ldexp(low.o.z, k) == r.o.z && ldexp(low.d.z, k) == r.d.z;
             if (exact && count >= 0 && count <= MOST) {
                 h = ask(b, &stretched, low, &opt);
                 bool told = h.status != SGT_HIT, doubt = false;
                 for (int j = 0; j < count; j++) {
-                    long double off = fabsl((long double)all[j].t - h.t), allowed = (long double)all[j].t_err + h.t_err;
+                    long double off = fabsl((long double)all[j].t - h.t),
+                                allowed = (long double)all[j].t_err + h.t_err;
                     doubt = doubt || all[j].status < 0;
                     told = told || off <= allowed + 1e-15L * fabsl((long double)h.t);
                 }
                 bool met = count > 0 && all[0].status == SGT_HIT && all[0].t > 1e-3 && all[0].t < 7.9;
-                bool lost = k < 1000 && h.status == SGT_MISS && met && (rim == 0 || hypot(all[0].p.x, all[0].p.y) < 3.9);
+                bool lost = k < 1000 && h.status == SGT_MISS && met &&
+                            (rim == 0 || hypot(all[0].p.x, all[0].p.y) < 3.9);
                 hits += h.status == SGT_HIT, open += h.status < 0;
                 if ((!told && !doubt) || lost) {
                     print_case(b, &stretched, &low, &opt);
                     for (int j = 0; j < count; j++)
-                        print_message("unstretched: %s %.17g +- %g\n", sgt_status_text(all[j].status), all[j].t, all[j].t_err);
-                    fail_msg("stretched by 2^-%d: %s, t %.17g +- %g", k, sgt_status_text(h.status), h.t, h.t_err);
+                        print_message("unstretched: %s %.17g +- %g\n", sgt_status_text(all[j].status),
+                                      all[j].t, all[j].t_err);
+                    fail_msg("stretched by 2^-%d: %s, t %.17g +- %g", k, sgt_status_text(h.status), h.t,
+                             h.t_err);
                 }
             }
             memcpy(pool, kept, sizeof kept), of_term = kept_term;
@@ -304,7 +340,10 @@ static void test_stretched(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random), cmocka_unit_test(test_in_it), cmocka_unit_test(test_along), cmocka_unit_test(test_stretched),
+        cmocka_unit_test(test_random),
+        cmocka_unit_test(test_in_it),
+        cmocka_unit_test(test_along),
+        cmocka_unit_test(test_stretched),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -32,7 +32,9 @@ static sgt_fate bend(slant s, sgt_vec3 d, double before, double behind, sgt_vec3
     REQUIRE(passed == (fate == SGT_PASSED), "passed %zu, %s", passed, sgt_fate_text(fate));
     *out = ray.d;
     REQUIRE(fate != SGT_PASSED || same_vector(ray.d, passage->direction), "two directions");
-    REQUIRE(fate == SGT_PASSED || (passage->direction.x == 0 && passage->direction.y == 0 && passage->direction.z == 0), "a direction, though not passed");
+    REQUIRE(fate == SGT_PASSED ||
+                (passage->direction.x == 0 && passage->direction.y == 0 && passage->direction.z == 0),
+            "a direction, though not passed");
     return fate;
 }
 
@@ -55,27 +57,36 @@ static void test_snell(void **state)
         sgt_vec3 normal = random_direction(&g);
         double size = chance(&g, 0.3) ? either_sign(&g) * log_uniform(&g, 1e-100, 1e100) : either_sign(&g);
         normal = (sgt_vec3){size * normal.x, size * normal.y, size * normal.z};
-        double n1 = uniform(&g, 1, 2), n2 = chance(&g, 0.1) ? n1 * (1 + 1e-9 * uniform(&g, -1, 1)) : uniform(&g, 1, 2);
+        double n1 = uniform(&g, 1, 2),
+               n2 = chance(&g, 0.1) ? n1 * (1 + 1e-9 * uniform(&g, -1, 1)) : uniform(&g, 1, 2);
         if (chance(&g, 0.1)) n1 = log_uniform(&g, 1e-3, 1e3);
-        double s = chance(&g, 0.2) ? log_uniform(&g, 1e-12, 1) : chance(&g, 0.2) ? sqrt(1 - pow(log_uniform(&g, 1e-6, 1), 2)) : uniform(&g, 0, 1);
-        if (chance(&g, 0.2) && n1 > n2) s = fmin(1, n2 / n1 * (1 + either_sign(&g) * log_uniform(&g, 1e-15, 1e-3))); /* about the limit */
+        double s = chance(&g, 0.2)   ? log_uniform(&g, 1e-12, 1)
+                   : chance(&g, 0.2) ? sqrt(1 - pow(log_uniform(&g, 1e-6, 1), 2))
+                                     : uniform(&g, 0, 1);
+        /* about the limit */
+        if (chance(&g, 0.2) && n1 > n2)
+            s = fmin(1, n2 / n1 * (1 + either_sign(&g) * log_uniform(&g, 1e-15, 1e-3)));
         sgt_vec3 d = at_sine(&g, normal, s), out;
         sgt_passage passage;
         slant plane = {normal, normal};
-        if (slant_value(&plane, d, NULL) == 0) continue; /* along the plane, as far as F tells: no root is the one */
+        /* along the plane, as far as F tells: no root is the one */
+        if (slant_value(&plane, d, NULL) == 0) continue;
         sgt_fate fate = bend(plane, d, n1, n2, &out, &passage);
-        REQUIRE(fate == SGT_PASSED || fate == SGT_TIR, "case %ld: %s, %s", i, sgt_fate_text(fate), sgt_status_text(passage.hit.status));
+        REQUIRE(fate == SGT_PASSED || fate == SGT_TIR, "case %ld: %s, %s", i, sgt_fate_text(fate),
+                sgt_status_text(passage.hit.status));
 
         wide N = wide_unit(widen(normal)), d1 = wide_unit(widen(d));
         long double c = wide_dot(d1, N), r = (long double)n1 / n2, sine = wide_length(wide_cross(d1, N));
         long double Q = (1 - r * sine) * (1 + r * sine);
         /* what the rounding of d and of the normal does to Q near the limit */
-        if (fabsl(Q) > 4e-15L) REQUIRE((Q < 0) == (fate == SGT_TIR), "case %ld: Q %Lg, %s", i, Q, sgt_fate_text(fate));
+        if (fabsl(Q) > 4e-15L)
+            REQUIRE((Q < 0) == (fate == SGT_TIR), "case %ld: Q %Lg, %s", i, Q, sgt_fate_text(fate));
         if (fate == SGT_TIR) {
             tir++;
             continue;
         }
-        wide d2 = widen(out), law = wide_difference(wide_times(n1, wide_cross(d1, N)), wide_times(n2, wide_cross(d2, N)));
+        wide d2 = widen(out),
+             law = wide_difference(wide_times(n1, wide_cross(d1, N)), wide_times(n2, wide_cross(d2, N)));
         long double off = wide_length(law) / fmaxl(n1, n2);
         REQUIRE(wide_dot(d2, N) * c >= 0 || fabsl(Q) < 1e-15L, "case %ld: it goes back", i);
         worst = fmaxl(worst, off);
@@ -84,7 +95,9 @@ static void test_snell(void **state)
         wide want = wide_sum(wide_times(r, d1), wide_times(copysignl(sqrtl(fmaxl(Q, 0)), c) - r * c, N));
         if (Q > 0.01L) worst_exact = fmaxl(worst_exact, wide_length(wide_difference(want, d2)) / fmaxl(1, r));
     }
-    print_message("law within %.2Lf, length within %.2Lf, direction within %.2Lf of 2^-53; %ld of %ld reflected\n", worst * 0x1p53L, worst_length * 0x1p53L, worst_exact * 0x1p53L, tir, n);
+    print_message(
+        "law within %.2Lf, length within %.2Lf, direction within %.2Lf of 2^-53; %ld of %ld reflected\n",
+        worst * 0x1p53L, worst_length * 0x1p53L, worst_exact * 0x1p53L, tir, n);
     REQUIRE(worst <= 6 * 0x1p-53L, "n1 d1 x N differs from n2 d2 x N by %Lg", worst);
     REQUIRE(worst_length <= 0x1p-52L, "the length is off by %Lg", worst_length);
     /* at Q = 0.01 an error of Q is five times that in the direction, and Q itself has four roundings */
@@ -102,8 +115,10 @@ static void test_paraxial(void **state)
         sgt_fate fate;
         sgt_trace(1, &e, 1, &ray, NULL, &fate, NULL);
         assert_int_equal(fate, SGT_PASSED);
-        long double a = atanl(1e-3L * y), slope = sinl(a), b = asinl(slope / 1.5L), want = sinl(b - a); /* Snell, at the angle of the normal */
-        REQUIRE(fabsl(ray.d.y - want) <= 1e-12L * fabsl(want), "height %g: %.17g, %.17Lg wanted", y, ray.d.y, want);
+        /* Snell, at the angle of the normal */
+        long double a = atanl(1e-3L * y), slope = sinl(a), b = asinl(slope / 1.5L), want = sinl(b - a);
+        REQUIRE(fabsl(ray.d.y - want) <= 1e-12L * fabsl(want), "height %g: %.17g, %.17Lg wanted", y, ray.d.y,
+                want);
     }
 }
 
@@ -121,7 +136,8 @@ static void test_mirror(void **state)
         sgt_passage passage;
         sgt_fate fate = bend((slant){normal, normal}, d, index, SGT_MIRROR, &out, &passage);
         REQUIRE(fate == SGT_PASSED, "case %ld: %s", i, sgt_fate_text(fate));
-        wide N = wide_unit(widen(normal)), d1 = widen(d), want = wide_difference(d1, wide_times(2 * wide_dot(d1, N), N));
+        wide N = wide_unit(widen(normal)), d1 = widen(d),
+             want = wide_difference(d1, wide_times(2 * wide_dot(d1, N), N));
         worst = fmaxl(worst, wide_length(wide_difference(wide_unit(want), widen(out))));
     }
     print_message("within %.2Lf of 2^-53\n", worst * 0x1p53L);
@@ -142,7 +158,8 @@ static void test_index_behind_mirror(void **state)
     sgt_passage p[3];
     sgt_fate fate;
     assert_int_equal(sgt_trace(3, e, 1, &ray, p, &fate, NULL), 3);
-    REQUIRE(fabs(ray.d.y - start.d.y) < 1e-15 && fabs(ray.d.z + start.d.z) < 1e-15, "out at %g %g", ray.d.y, ray.d.z);
+    REQUIRE(fabs(ray.d.y - start.d.y) < 1e-15 && fabs(ray.d.z + start.d.z) < 1e-15, "out at %g %g", ray.d.y,
+            ray.d.z);
     double inside = sqrt(1 - 0.16);
     REQUIRE(fabs(p[2].opl - (1 / 0.8 + 2 * 1.5 * 2 / inside)) < 1e-14, "opl %.17g", p[2].opl);
 }
@@ -160,13 +177,16 @@ static void test_equal_indices(void **state)
         sgt_trace(0, NULL, 1, &ray, NULL, NULL, NULL); /* of unit length */
         for (int same = 0; same < 2; same++) {
             sgt_fate fate = bend((slant){normal, normal}, ray.d, index, same ? index : 0, &out, &passage);
-            REQUIRE(fate == SGT_PASSED && same_vector(out, ray.d), "case %ld: a bend between equal indices", i);
+            REQUIRE(fate == SGT_PASSED && same_vector(out, ray.d), "case %ld: a bend between equal indices",
+                    i);
         }
         /* nor does a turned frame disturb it */
         sgt_conic flat = {0};
-        sgt_element e = {.surface = {&sgt_conic_ops, &flat}, .pose = sgt_pose_tilted((sgt_vec3){0.1, 0.2, 0.3}, random_point(&g, 40))};
+        sgt_element e = {.surface = {&sgt_conic_ops, &flat},
+                         .pose = sgt_pose_tilted((sgt_vec3){0.1, 0.2, 0.3}, random_point(&g, 40))};
         sgt_ray turned = {.o = {1, 2, 3}, .d = ray.d};
-        if (sgt_trace(1, &e, index, &turned, NULL, NULL, NULL) == 1) REQUIRE(same_vector(turned.d, ray.d), "case %ld: a bend in a turned frame", i);
+        if (sgt_trace(1, &e, index, &turned, NULL, NULL, NULL) == 1)
+            REQUIRE(same_vector(turned.d, ray.d), "case %ld: a bend in a turned frame", i);
     }
 }
 
@@ -178,19 +198,27 @@ static void test_strange_normals(void **state)
     sgt_vec3 out, plain;
     sgt_passage passage;
     assert_int_equal(bend((slant){a, a}, d, 1, 1.5, &plain, &passage), SGT_PASSED);
-    const struct { sgt_vec3 told; sgt_fate fate; } normals[] = {
-        {{0, 0, FAR}, SGT_PASSED},   {{0, 0, -FAR}, SGT_PASSED},   {{1e10, 3, FAR}, SGT_PASSED}, {{0, 0, DBL_MAX}, SGT_PASSED}, {{0, 0, -1e-320}, SGT_PASSED},
-        {{FAR, 0, FAR}, SGT_LOST},   {{0, -FAR, FAR}, SGT_LOST},   {{NOT, 0, 1}, SGT_LOST},      {{0, NOT, FAR}, SGT_LOST},
-        {{0, 0, 0}, SGT_LOST},       {{NOT, NOT, NOT}, SGT_LOST},
+    const struct { sgt_vec3 told; sgt_fate fate;
+    } normals[] = {
+        {{0, 0, FAR}, SGT_PASSED},     {{0, 0, -FAR}, SGT_PASSED},    {{1e10, 3, FAR}, SGT_PASSED},
+        {{0, 0, DBL_MAX}, SGT_PASSED}, {{0, 0, -1e-320}, SGT_PASSED}, {{FAR, 0, FAR}, SGT_LOST},
+        {{0, -FAR, FAR}, SGT_LOST},    {{NOT, 0, 1}, SGT_LOST},       {{0, NOT, FAR}, SGT_LOST},
+        {{0, 0, 0}, SGT_LOST},         {{NOT, NOT, NOT}, SGT_LOST},
     };
     for (size_t i = 0; i < COUNT_OF(normals); i++) {
         sgt_fate fate = bend((slant){a, normals[i].told}, d, 1, 1.5, &out, &passage);
         REQUIRE(fate == normals[i].fate, "normal %zu: %s", i, sgt_fate_text(fate));
-        if (fate == SGT_PASSED) REQUIRE(fabs(out.x - plain.x) < 1e-15 && fabs(out.z - plain.z) < 1e-15, "normal %zu: another direction", i);
-        else REQUIRE(passage.hit.status == SGT_UNDEFINED && isnan(passage.hit.t) && isnan(passage.opl), "normal %zu: %s", i, sgt_status_text(passage.hit.status));
+        if (fate == SGT_PASSED)
+            REQUIRE(fabs(out.x - plain.x) < 1e-15 && fabs(out.z - plain.z) < 1e-15,
+                    "normal %zu: another direction", i);
+        else
+            REQUIRE(passage.hit.status == SGT_UNDEFINED && isnan(passage.hit.t) && isnan(passage.opl),
+                    "normal %zu: %s", i, sgt_status_text(passage.hit.status));
         fate = bend((slant){a, normals[i].told}, d, 1, SGT_MIRROR, &out, &passage);
         REQUIRE(fate == normals[i].fate, "normal %zu, mirror: %s", i, sgt_fate_text(fate));
-        if (fate == SGT_PASSED) REQUIRE(fabs(out.x - d.x) < 1e-15 && fabs(out.z + d.z) < 1e-15, "normal %zu, mirror: another direction", i);
+        if (fate == SGT_PASSED)
+            REQUIRE(fabs(out.x - d.x) < 1e-15 && fabs(out.z + d.z) < 1e-15,
+                    "normal %zu, mirror: another direction", i);
         /* between equal indices no normal is needed */
         assert_int_equal(bend((slant){a, normals[i].told}, d, 1.5, 1.5, &out, &passage), SGT_PASSED);
     }
@@ -199,8 +227,9 @@ static void test_strange_normals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_snell),         cmocka_unit_test(test_paraxial),      cmocka_unit_test(test_mirror),
-        cmocka_unit_test(test_index_behind_mirror), cmocka_unit_test(test_equal_indices), cmocka_unit_test(test_strange_normals),
+        cmocka_unit_test(test_snell),         cmocka_unit_test(test_paraxial),
+        cmocka_unit_test(test_mirror),        cmocka_unit_test(test_index_behind_mirror),
+        cmocka_unit_test(test_equal_indices), cmocka_unit_test(test_strange_normals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

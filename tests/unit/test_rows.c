@@ -1,29 +1,44 @@
-/* test_rows.c - one row for each fault that was mended, that random tests did not find or would seldom find: what was
- * wrong, and the input as it was. */
+/* test_rows.c - one row for each fault that was mended, that random tests did not find or would seldom
+ * find: what was wrong, and the input as it was. */
 #include "unit.h"
 
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 
-static sgt_hit conic(sgt_conic s, sgt_ray ray, sgt_options opt) { return sgt_intersect((sgt_surface){&sgt_conic_ops, &s}, ray, &opt); }
-static sgt_hit asphere(sgt_asphere s, sgt_ray ray, sgt_options opt) { return sgt_intersect((sgt_surface){&sgt_asphere_ops, &s}, ray, &opt); }
+static sgt_hit conic(sgt_conic s, sgt_ray ray, sgt_options opt)
+{
+    return sgt_intersect((sgt_surface){&sgt_conic_ops, &s}, ray, &opt);
+}
+static sgt_hit asphere(sgt_asphere s, sgt_ray ray, sgt_options opt)
+{
+    return sgt_intersect((sgt_surface){&sgt_asphere_ops, &s}, ray, &opt);
+}
 
 /* Slope and terms are both 0 there: the rule of the start divided 0 by 0, and the vertex was missed. */
 static void test_vertex_in_its_plane(void **state)
 {
     (void)state;
-    sgt_hit h = conic((sgt_conic){.c = 0.5}, (sgt_ray){{0, -3, 0}, {0, 1, 0}, 0, 0}, (sgt_options){.proof = SGT_PROVE_FIRST});
+    sgt_hit h = conic((sgt_conic){.c = 0.5}, (sgt_ray){{0, -3, 0}, {0, 1, 0}, 0, 0},
+                      (sgt_options){.proof = SGT_PROVE_FIRST});
     REQUIRE(h.status == SGT_GRAZE && h.t == 3, "%s, t = %g", sgt_status_text(h.status), h.t);
 }
 
-/* From before a start on the surface, and before where G was known to be monotone: the root behind it was lost. */
+/* From before a start on the surface, and before where G was known to be monotone: the root behind it was
+ * lost. */
 static void test_two_about_the_start(void **state)
 {
     (void)state;
-    sgt_asphere s = {.c = 0x1.397f20e515dd7p-9, .k = -1, .a = {-0x1.397f20e515dd7p-9}, .semi_diameter = 0x1.331f9d6e3f332p-4};
-    sgt_ray ray = {{0, -0x1.331f9d6e3f3d2p-4, -0x1.c335d4c831659p-18}, {-0x1.a4b601e00ae5cp-1, 0x1.9b1479c210008p-2, 0x1.2df80f3217ae6p-14}, -INFINITY, INFINITY};
+    sgt_asphere s = {.c = 0x1.397f20e515dd7p-9,
+                     .k = -1,
+                     .a = {-0x1.397f20e515dd7p-9},
+                     .semi_diameter = 0x1.331f9d6e3f332p-4};
+    sgt_ray ray = {{0, -0x1.331f9d6e3f3d2p-4, -0x1.c335d4c831659p-18},
+                   {-0x1.a4b601e00ae5cp-1, 0x1.9b1479c210008p-2, 0x1.2df80f3217ae6p-14},
+                   -INFINITY,
+                   INFINITY};
     sgt_hit h = asphere(s, ray, (sgt_options){.proof = SGT_PROVE_FIRST});
-    REQUIRE(h.status == SGT_HIT && fabs(h.t - 2.9607102465031e-12) < 1e-24, "%s, t = %.17g", sgt_status_text(h.status), h.t);
+    REQUIRE(h.status == SGT_HIT && fabs(h.t - 2.9607102465031e-12) < 1e-24, "%s, t = %.17g",
+            sgt_status_text(h.status), h.t);
 }
 
 /* A coarse t_tol let a root be settled into another's place. */
@@ -32,10 +47,14 @@ static void test_coarse_tolerance(void **state)
     (void)state;
     sgt_asphere s = {.a = {0x1.257079de8042ep-3}};
     sgt_ray ray = {{-0x1.c6e67c4e9ed4ep+21, -0x1.622cb0e653952p+21, 0x1.62ee5bdf09597p+21},
-                   {-0x1.5805f0bf80123p+57, -0x1.0bd919c49a89p+57, 0x1.0c6b98b96741p+57}, -0x1.5281f8d7943ecp-36, INFINITY};
+                   {-0x1.5805f0bf80123p+57, -0x1.0bd919c49a89p+57, 0x1.0c6b98b96741p+57},
+                   -0x1.5281f8d7943ecp-36,
+                   INFINITY};
     for (int near = 0; near < 2; near++) {
-        sgt_hit h = asphere(s, ray, (sgt_options){.t_tol = 0x1.3c7ff785fa8b4p-12, .pick = near ? SGT_NEAR_SEED : SGT_FIRST});
-        REQUIRE(h.status == SGT_HIT && fabs(h.t + 1.924192376555709e-11) < 1e-25, "%s, t = %.17g", sgt_status_text(h.status), h.t);
+        sgt_hit h = asphere(
+            s, ray, (sgt_options){.t_tol = 0x1.3c7ff785fa8b4p-12, .pick = near ? SGT_NEAR_SEED : SGT_FIRST});
+        REQUIRE(h.status == SGT_HIT && fabs(h.t + 1.924192376555709e-11) < 1e-25, "%s, t = %.17g",
+                sgt_status_text(h.status), h.t);
     }
 }
 
@@ -44,7 +63,10 @@ static void test_start_within_the_tolerance(void **state)
 {
     (void)state;
     sgt_asphere s = {.a = {0x1.94140d6471016p-6}, .semi_diameter = 0x1.58c3ba7d55e34p+1};
-    sgt_ray ray = {{-0x1.836d917f47d5ep-7, 0x1.b0c3f0aaa9adep-3, 0x1.2197d48c861dap-10}, {0x1.687ecfd1e44d8p-1, -0x1.4914deabb3444p-1, -0x1.3524c5bb4655fp-2}, 0, 0};
+    sgt_ray ray = {{-0x1.836d917f47d5ep-7, 0x1.b0c3f0aaa9adep-3, 0x1.2197d48c861dap-10},
+                   {0x1.687ecfd1e44d8p-1, -0x1.4914deabb3444p-1, -0x1.3524c5bb4655fp-2},
+                   0,
+                   0};
     sgt_hit h = asphere(s, ray, (sgt_options){.t_tol = 0x1.69782f0dc527ep-37});
     REQUIRE(h.status <= 0 || h.t > h.t_err, "%s, t = %.17g", sgt_status_text(h.status), h.t);
 }
@@ -53,7 +75,8 @@ static void test_start_within_the_tolerance(void **state)
 static void test_far_without_a_rim(void **state)
 {
     (void)state;
-    sgt_hit h = conic((sgt_conic){0}, (sgt_ray){{1e160, 0, -1}, {0, 0, 1}, 0, 0}, (sgt_options){.proof = SGT_PROVE_ROOT});
+    sgt_hit h = conic((sgt_conic){0}, (sgt_ray){{1e160, 0, -1}, {0, 0, 1}, 0, 0},
+                      (sgt_options){.proof = SGT_PROVE_ROOT});
     REQUIRE(h.status == SGT_HIT, "%s", sgt_status_text(h.status));
 }
 
@@ -61,8 +84,12 @@ static void test_far_without_a_rim(void **state)
 static void test_rim_from_afar(void **state)
 {
     (void)state;
-    sgt_ray ray = {{-0x1.2641bd7f3d81dp+48, 0, -0x1.d444df855fb0bp+49}, {0x1.92ec1c209efp-3, 0, 0x1.4098fb7bd322p-1}, 0, 0};
-    sgt_hit h = conic((sgt_conic){.semi_diameter = 0x1.438ef8e633bbep-14}, ray, (sgt_options){.proof = SGT_PROVE_ROOT});
+    sgt_ray ray = {{-0x1.2641bd7f3d81dp+48, 0, -0x1.d444df855fb0bp+49},
+                   {0x1.92ec1c209efp-3, 0, 0x1.4098fb7bd322p-1},
+                   0,
+                   0};
+    sgt_hit h = conic((sgt_conic){.semi_diameter = 0x1.438ef8e633bbep-14}, ray,
+                      (sgt_options){.proof = SGT_PROVE_ROOT});
     REQUIRE(h.status != SGT_HIT, "%s at r = %.17g", sgt_status_text(h.status), fabs(h.p.x));
 }
 
@@ -70,8 +97,10 @@ static void test_rim_from_afar(void **state)
 static void test_dark_from_the_start(void **state)
 {
     (void)state;
-    sgt_hit h = asphere((sgt_asphere){.c = 1e-31, .k = 1, .a = {1, -1}}, (sgt_ray){{.1, .07, 0}, {0, 1, 0}, 0, 0}, (sgt_options){0});
-    REQUIRE(h.status != SGT_MISS && (h.status < 0 || fabs(h.t - 0.924987) < 1e-5), "%s, t = %.17g", sgt_status_text(h.status), h.t);
+    sgt_hit h = asphere((sgt_asphere){.c = 1e-31, .k = 1, .a = {1, -1}},
+                        (sgt_ray){{.1, .07, 0}, {0, 1, 0}, 0, 0}, (sgt_options){0});
+    REQUIRE(h.status != SGT_MISS && (h.status < 0 || fabs(h.t - 0.924987) < 1e-5), "%s, t = %.17g",
+            sgt_status_text(h.status), h.t);
 }
 
 static sgt_fate traced(sgt_conic s, double aperture, sgt_ray ray, sgt_options opt, sgt_passage *passage)
@@ -86,11 +115,16 @@ static sgt_fate traced(sgt_conic s, double aperture, sgt_ray ray, sgt_options op
 static void test_other_at_the_end_of_the_chord(void **state)
 {
     (void)state;
-    sgt_conic s = {.c = 0x1.385c77ba3310bp-12, .k = -0x1.fff2e48e8a71ep-1, .semi_diameter = 0x1.c4d4f9ad18d51p-3};
-    sgt_ray ray = {{0x1.bc9144b93038ap-4, -0x1.8a8556cdffca9p-3, 0x1.e8ad202eaaf8dp-18}, {-0x1.ace5d763dd25p-1, 0x1.17a03cf9a2724p-1, -0x1.ea07605e136a9p-15}, 0, 0};
+    sgt_conic s = {
+        .c = 0x1.385c77ba3310bp-12, .k = -0x1.fff2e48e8a71ep-1, .semi_diameter = 0x1.c4d4f9ad18d51p-3};
+    sgt_ray ray = {{0x1.bc9144b93038ap-4, -0x1.8a8556cdffca9p-3, 0x1.e8ad202eaaf8dp-18},
+                   {-0x1.ace5d763dd25p-1, 0x1.17a03cf9a2724p-1, -0x1.ea07605e136a9p-15},
+                   0,
+                   0};
     sgt_passage p;
     sgt_fate fate = traced(s, 0x1.c4d4f9ad18d52p-3, ray, (sgt_options){.proof = SGT_PROVE_FIRST}, &p);
-    REQUIRE(fate == SGT_LOST && p.hit.status == SGT_UNPROVEN, "%s, %s, t = %.17g", sgt_fate_text(fate), sgt_status_text(p.hit.status), p.hit.t);
+    REQUIRE(fate == SGT_LOST && p.hit.status == SGT_UNPROVEN, "%s, %s, t = %.17g", sgt_fate_text(fate),
+            sgt_status_text(p.hit.status), p.hit.t);
 }
 
 /* A root a little outside the aperture hid the one inside. */
@@ -98,18 +132,23 @@ static void test_root_beside_the_aperture(void **state)
 {
     (void)state;
     sgt_conic s = {.c = -0x1.9a12ebb57cc63p-7, .k = -0x1p-1};
-    sgt_ray ray = {{0x1.3124c67db0bd7p+6, 0x1.25ff1fa5775eap+7, 0x1.343a640e5414cp+6}, {0x1.144d2e4383c63p-2, 0x1.aa00f69090f8ap-1, 0x1.f04d914e999fap-2}, 0, 0};
+    sgt_ray ray = {{0x1.3124c67db0bd7p+6, 0x1.25ff1fa5775eap+7, 0x1.343a640e5414cp+6},
+                   {0x1.144d2e4383c63p-2, 0x1.aa00f69090f8ap-1, 0x1.f04d914e999fap-2},
+                   0,
+                   0};
     sgt_passage p;
     sgt_fate fate = traced(s, 0x1.60f3d8643aecfp+6, ray, (sgt_options){.pick = SGT_FIRST}, &p);
-    REQUIRE(fate == SGT_PASSED && fabs(hypot(p.hit.p.x, p.hit.p.y) - 30.44) < 0.01, "%s, r = %.17g", sgt_fate_text(fate), hypot(p.hit.p.x, p.hit.p.y));
+    REQUIRE(fate == SGT_PASSED && fabs(hypot(p.hit.p.x, p.hit.p.y) - 30.44) < 0.01, "%s, r = %.17g",
+            sgt_fate_text(fate), hypot(p.hit.p.x, p.hit.p.y));
 }
 
-/* Through the vertex from so far beside the axis that nothing is left of where the ray meets the vertex plane: it was told to
- * pass by.  The ray's numbers have few bits, so that it meets the vertex exactly. */
+/* Through the vertex from so far beside the axis that nothing is left of where the ray meets the vertex
+ * plane: it was told to pass by.  The ray's numbers have few bits, so that it meets the vertex exactly. */
 static void test_vertex_from_far_aside(void **state)
 {
     (void)state;
-    static const double conics[] = {-2, -1, 0, 3, 42624}, slopes[] = {0x1.2c2cp-247, 0x1.2c2cp-60, 0x1.2c2cp-20, 0x1.2c2cp-3};
+    static const double conics[] = {-2, -1, 0, 3, 42624},
+                        slopes[] = {0x1.2c2cp-247, 0x1.2c2cp-60, 0x1.2c2cp-20, 0x1.2c2cp-3};
     for (size_t k = 0; k < COUNT_OF(conics); k++)
         for (size_t l = 0; l < COUNT_OF(slopes); l++)
             for (int e = 20; e < 490; e += 5) {
@@ -118,9 +157,11 @@ static void test_vertex_from_far_aside(void **state)
                 sgt_asphere a = {.c = 21.75, .k = conics[k], .a = {0x1p-30}};
                 sgt_ray ray = {.o = {-slopes[l] * t, 0, -0x1.8b65p0 * t}, .d = {slopes[l], 0, 0x1.8b65p0}};
                 for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
-                    sgt_hit h[2] = {conic(s, ray, (sgt_options){.pick = (sgt_pick)pick}), asphere(a, ray, (sgt_options){.pick = (sgt_pick)pick})};
+                    sgt_hit h[2] = {conic(s, ray, (sgt_options){.pick = (sgt_pick)pick}),
+                                    asphere(a, ray, (sgt_options){.pick = (sgt_pick)pick})};
                     for (int i = 0; i < 2; i++)
-                        REQUIRE(h[i].status != SGT_MISS, "%s, k %g, slope %g, from 2^%d: a miss", i ? "asphere" : "conic", s.k, slopes[l], e);
+                        REQUIRE(h[i].status != SGT_MISS, "%s, k %g, slope %g, from 2^%d: a miss",
+                                i ? "asphere" : "conic", s.k, slopes[l], e);
                 }
             }
 }
@@ -129,43 +170,61 @@ static void test_vertex_from_far_aside(void **state)
 static void test_start_beyond_the_rim(void **state)
 {
     (void)state;
-    sgt_asphere s = {0x1.738506c3aa031p-2, 0x1.f535500360efp-1, 1, {-0x1.abd3b97750abfp-3, 0, -0x1.9ad2b6671712ep-2, -0x1.29c29357b8009p-4}};
-    sgt_ray ray = {{0x1.78a4cd2f1cc16p+0, 0x1.412531a2303afp-1, -0x1.38c7598ce6bc1p+3}, {-0x1.ffe42651d2255p-1, 0x1.51bb570f32b0fp-6, 0x1.132edbff8bbffp+2}, 0, 0};
+    sgt_asphere s = {0x1.738506c3aa031p-2,
+                     0x1.f535500360efp-1,
+                     1,
+                     {-0x1.abd3b97750abfp-3, 0, -0x1.9ad2b6671712ep-2, -0x1.29c29357b8009p-4}};
+    sgt_ray ray = {{0x1.78a4cd2f1cc16p+0, 0x1.412531a2303afp-1, -0x1.38c7598ce6bc1p+3},
+                   {-0x1.ffe42651d2255p-1, 0x1.51bb570f32b0fp-6, 0x1.132edbff8bbffp+2},
+                   0,
+                   0};
     for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
         sgt_hit h = asphere(s, ray, (sgt_options){.proof = (sgt_proof)proof});
-        REQUIRE(h.status == SGT_HIT && fabs(h.t - 2.176658344377588) < 1e-14, "%s, t = %.17g", sgt_status_text(h.status), h.t);
+        REQUIRE(h.status == SGT_HIT && fabs(h.t - 2.176658344377588) < 1e-14, "%s, t = %.17g",
+                sgt_status_text(h.status), h.t);
     }
 }
 
-/* Bounds of the slope and of the height that overflow or underflow are no bounds: the root told as the first was not. */
+/* Bounds of the slope and of the height that overflow or underflow are no bounds: the root told as the
+ * first was not. */
 static void test_bounds_out_of_range(void **state)
 {
     (void)state;
-    static const sgt_asphere even[] = {
-        {1e4, -2, 3e150, {1e-300}}, {0x1p50, -0x1p30, 0, {1e-300}}, {0, 0, 0, {1e16}}, {0, 0, 1e145, {1e6}}, {0, 0, 0, {0x1p-541}}, {0, 0, 0x1p446, {0x1p-541}}};
-    static const sgt_ray rays[] = {
-        {{-10, 0, 5.0000001}, {1, 0, -0.5}, 0, 0}, {{0, 0, 0x1p-90}, {1, 0, -0x1p-16}, -0x1p449, INFINITY}, {{0, 0, 1e-9}, {1.4e-162, 0, -1e-11}, -1e297, INFINITY},
-        {{0, 0, 1e-9}, {1.4e-162, 0, -1e-11}, -1e308, INFINITY}, {{0, 0, 0x1p-110}, {1, 0, -0x1p-97}, -0x1p446, INFINITY}, {{0, 0, 0x1p-110}, {1, 0, -0x1p-97}, -0x1p446, INFINITY}};
+    static const sgt_asphere even[] = {{1e4, -2, 3e150, {1e-300}}, {0x1p50, -0x1p30, 0, {1e-300}},
+                                       {0, 0, 0, {1e16}},          {0, 0, 1e145, {1e6}},
+                                       {0, 0, 0, {0x1p-541}},      {0, 0, 0x1p446, {0x1p-541}}};
+    static const sgt_ray rays[] = {{{-10, 0, 5.0000001}, {1, 0, -0.5}, 0, 0},
+                                   {{0, 0, 0x1p-90}, {1, 0, -0x1p-16}, -0x1p449, INFINITY},
+                                   {{0, 0, 1e-9}, {1.4e-162, 0, -1e-11}, -1e297, INFINITY},
+                                   {{0, 0, 1e-9}, {1.4e-162, 0, -1e-11}, -1e308, INFINITY},
+                                   {{0, 0, 0x1p-110}, {1, 0, -0x1p-97}, -0x1p446, INFINITY},
+                                   {{0, 0, 0x1p-110}, {1, 0, -0x1p-97}, -0x1p446, INFINITY}};
     static const double before[] = {10, 5e-23, 100, 100, 1e-4, 1e-4}; /* there is a root well before it */
     for (size_t i = 0; i < COUNT_OF(even); i++)
         for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
             sgt_hit h = asphere(even[i], rays[i], (sgt_options){.proof = (sgt_proof)proof});
-            REQUIRE(h.status < 0 || (h.status == SGT_HIT && h.t < before[i]), "row %zu: %s, t = %.17g", i, sgt_status_text(h.status), h.t);
+            REQUIRE(h.status < 0 || (h.status == SGT_HIT && h.t < before[i]), "row %zu: %s, t = %.17g", i,
+                    sgt_status_text(h.status), h.t);
         }
     sgt_odd_asphere odd = {.c = 1, .k = -0x1p230};
     sgt_ray ray = {{0, 0, 0x1p-280}, {1, 0, -0x1p-116}, -0x1p398, INFINITY};
     sgt_hit h = sgt_intersect((sgt_surface){&sgt_odd_asphere_ops, &odd}, ray, NULL);
-    REQUIRE(h.status < 0 || (h.status == SGT_HIT && h.t < 0), "%s, t = %.17g", sgt_status_text(h.status), h.t);
+    REQUIRE(h.status < 0 || (h.status == SGT_HIT && h.t < 0), "%s, t = %.17g", sgt_status_text(h.status),
+            h.t);
 }
 
-/* The ray lies in the plane but for 1e-17 of slope: its root is known to 0.06 alone, was told from outside the aperture, and that
- * the chord of the aperture was undecided was dropped: clipped, though the root (here in rational numbers) is inside. */
+/* The ray lies in the plane but for 1e-17 of slope: its root is known to 0.06 alone, was told from outside
+ * the aperture, and that the chord of the aperture was undecided was dropped: clipped, though the root
+ * (here in rational numbers) is inside. */
 static void test_undecided_inside_the_aperture(void **state)
 {
     (void)state;
     static const double terms[] = {0x1.5ac5ceb637f6dp-12, 0x1.7edec989461e4p-16};
     sgt_polynomial_xy s = {.a = {terms, 1, 2}};
-    sgt_ray ray = {{0x1.4259198b33942p-9, 0x1.117e7d4c9426fp-2, 0x1.6129f1be178ccp-12}, {-0x1.7b30901a943e4p-2, 0x1.db9a4139cbb5bp-1, 0x1.63a709c1f8efep-16}, 0, 0};
+    sgt_ray ray = {{0x1.4259198b33942p-9, 0x1.117e7d4c9426fp-2, 0x1.6129f1be178ccp-12},
+                   {-0x1.7b30901a943e4p-2, 0x1.db9a4139cbb5bp-1, 0x1.63a709c1f8efep-16},
+                   0,
+                   0};
     const double t = 0.009911956420991056, r = hypot(ray.o.x + t * ray.d.x, ray.o.y + t * ray.d.y);
     for (int i = 1; i < 1000; i++) {
         const double aperture = r + 2e-5 * i * r;
@@ -177,36 +236,51 @@ static void test_undecided_inside_the_aperture(void **state)
         sgt_rays rays = {{&ray.o.x, &ray.o.y, &ray.o.z}, {&ray.d.x, &ray.d.y, &ray.d.z}, NULL, NULL};
         sgt_trace(1, &e, 1, &one, NULL, &fate, &opt);
         sgt_trace_batch(1, &e, 1, 1, rays, (sgt_traced){.fate = &of_batch}, NULL, &opt);
-        REQUIRE(fate != SGT_CLIPPED && fate != SGT_MISSED && of_batch == fate, "aperture %.17g: %s, %s", aperture, sgt_fate_text(fate), sgt_fate_text((sgt_fate)of_batch));
+        REQUIRE(fate != SGT_CLIPPED && fate != SGT_MISSED && of_batch == fate, "aperture %.17g: %s, %s",
+                aperture, sgt_fate_text(fate), sgt_fate_text((sgt_fate)of_batch));
     }
 }
 
-/* So far off that the enclosure of g at a point is wide, and holds 0 where F is certainly below it: that was told as a graze. */
+/* So far off that the enclosure of g at a point is wide, and holds 0 where F is certainly below it: that
+ * was told as a graze. */
 static void test_graze_far_from_the_surface(void **state)
 {
     (void)state;
     static const double terms[] = {0x1.a46p+35, 0, 0, 0x1.a46p+35};
-    sgt_zernike s = {.c = -0x1.5e2p-41, .k = -0x1.742p+1, .norm = 0x1p39, .order = SGT_NOLL, .a = {terms, 1, 4}};
-    sgt_ray ray = {{-0x1.f691e88863c04p+89, -0x1.1c3fdd3d5f2b5p+80, 0x1.252046f37943p+90}, {0x1.47e15260c36cp-7, 0x1.6a332c7f41d45p-7, -0x1.7e799b3353e96p-7},
-                   0x1.9b743764fc912p+76, 0x1.9b743767fc825p+76};
+    sgt_zernike s = {
+        .c = -0x1.5e2p-41, .k = -0x1.742p+1, .norm = 0x1p39, .order = SGT_NOLL, .a = {terms, 1, 4}};
+    sgt_ray ray = {{-0x1.f691e88863c04p+89, -0x1.1c3fdd3d5f2b5p+80, 0x1.252046f37943p+90},
+                   {0x1.47e15260c36cp-7, 0x1.6a332c7f41d45p-7, -0x1.7e799b3353e96p-7},
+                   0x1.9b743764fc912p+76,
+                   0x1.9b743767fc825p+76};
     for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++)
         for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
-            sgt_hit h = sgt_intersect((sgt_surface){&sgt_zernike_ops, &s}, ray, &(sgt_options){.pick = (sgt_pick)pick, .proof = (sgt_proof)proof});
+            sgt_hit h = sgt_intersect((sgt_surface){&sgt_zernike_ops, &s}, ray,
+                                      &(sgt_options){.pick = (sgt_pick)pick, .proof = (sgt_proof)proof});
             REQUIRE(h.status <= 0, "%s where F is %g", sgt_status_text(h.status), h.f);
         }
 }
 
-/* At the equator both sheets of G have a root, and F one: with an undecided stretch between the two it was told twice. */
+/* At the equator both sheets of G have a root, and F one: with an undecided stretch between the two it was
+ * told twice. */
 static void test_one_root_of_two_sheets(void **state)
 {
     (void)state;
-    sgt_asphere s = {0x1.96f5b8f1e0531p-1, -0x1.08e941da180d3p-2, 0,
-                     {0, 0x1.4841d1350f54p+9, 0, -0x1.8289c2505dc99p+28, -0x1.7102828cbf981p+36, -0x1.2fa37a5dcd9fp+45, 0x1.a00155c5b359dp+56, 0}};
-    sgt_ray ray = {{0x1.83170f8b990d3p-1, -0x1.419c0e74d29abp+0, 0x1.48c5b3f4979fcp+64}, {-0x1.57faef4cef1dbp-2, 0x1.705c072584e61p-1, -0x1.373f3b3ed69bfp-1}, -INFINITY, INFINITY};
+    sgt_asphere s = {0x1.96f5b8f1e0531p-1,
+                     -0x1.08e941da180d3p-2,
+                     0,
+                     {0, 0x1.4841d1350f54p+9, 0, -0x1.8289c2505dc99p+28, -0x1.7102828cbf981p+36,
+                      -0x1.2fa37a5dcd9fp+45, 0x1.a00155c5b359dp+56, 0}};
+    sgt_ray ray = {{0x1.83170f8b990d3p-1, -0x1.419c0e74d29abp+0, 0x1.48c5b3f4979fcp+64},
+                   {-0x1.57faef4cef1dbp-2, 0x1.705c072584e61p-1, -0x1.373f3b3ed69bfp-1},
+                   -INFINITY,
+                   INFINITY};
     sgt_hit h[4];
     int n = sgt_intersect_all((sgt_surface){&sgt_asphere_ops, &s}, ray, 4, h, NULL);
     REQUIRE(n == 2 && h[0].status == SGT_HIT && h[1].status == SGT_HIT, "%d entries", n);
-    REQUIRE(fabs(h[0].t - 0.0063246599381126048) <= h[0].t_err && fabs(h[1].t - 3.6666084510183721) <= h[1].t_err, "t = %.17g and %.17g", h[0].t, h[1].t);
+    REQUIRE(fabs(h[0].t - 0.0063246599381126048) <= h[0].t_err &&
+                fabs(h[1].t - 3.6666084510183721) <= h[1].t_err,
+            "t = %.17g and %.17g", h[0].t, h[1].t);
 }
 
 /* What is told first is the first of all: near an end one way to a root told it to count, another not. */
@@ -215,29 +289,50 @@ static void test_first_of_all_at_an_end(void **state)
     (void)state;
     /* by t_err from where the start ends; a hair before tmax; undecided, but certainly behind tmax */
     sgt_conic ball = {.c = -0x1.013e4c9d49c0ep-5};
-    sgt_asphere vertex = {-0x1.b9b320ec2f4fep+0, -0x1.dbc997f8b1f1bp-4, 0x1.cc6c9dec1de0ap-8, {0x1.fa183ce98af62p+0}};
-    sgt_asphere far = {-0x1.938ee88563354p-18, 0x1.dc93cb8589b6cp+0, 0,
-                       {-0x1.98c88b234c3f6p-22, -0x1.a547062a9246fp-43, 0x1.3b210411a9d7cp-69, 0, -0x1.3c7a7cbbbe9c8p-120, 0x1.f809ceafafbdfp-147, 0x1.19cde09b461cap-169, 0}};
-    const struct { sgt_surface s; sgt_ray ray; sgt_proof proof; } rows[] = {
-        {{&sgt_conic_ops, &ball}, {{-0x1.9f6985da5a516p+6, -0x1.5f5e799b56bfdp+7, 0x1.ae1164efddb76p+5}, {-0x1.036045737337ap-1, -0x1.a64b4dac47b25p-1, 0x1.012eb71908166p-2},
-                                   -0x1.b979f31375eb5p+7, INFINITY}, SGT_ESTIMATE},
-        {{&sgt_asphere_ops, &vertex}, {{0, 0, 0}, {0x1.0bc855dfc29fep-9, -0x1.61f77b172708fp-9, -0x1.78b606b2556e5p-10}, -0x1.1926388f8cc2ap-6, DBL_TRUE_MIN}, SGT_PROVE_FIRST},
-        {{&sgt_asphere_ops, &far}, {{0x1.ddd04f035ec62p+16, 0x1.846e205acfabbp+15, 0x1.418edeee487b3p+63}, {-0x1.30a26b50cf454p-5, -0x1.8a579ba54b6aap-6, 0x1.bee7e27fba531p-4},
-                                    -INFINITY, 0x1.35cfda829cebdp+22}, SGT_ESTIMATE},
+    sgt_asphere vertex = {
+        -0x1.b9b320ec2f4fep+0, -0x1.dbc997f8b1f1bp-4, 0x1.cc6c9dec1de0ap-8, {0x1.fa183ce98af62p+0}};
+    sgt_asphere far = {-0x1.938ee88563354p-18,
+                       0x1.dc93cb8589b6cp+0,
+                       0,
+                       {-0x1.98c88b234c3f6p-22, -0x1.a547062a9246fp-43, 0x1.3b210411a9d7cp-69, 0,
+                        -0x1.3c7a7cbbbe9c8p-120, 0x1.f809ceafafbdfp-147, 0x1.19cde09b461cap-169, 0}};
+    const struct { sgt_surface s; sgt_ray ray; sgt_proof proof;
+    } rows[] = {
+        {{&sgt_conic_ops, &ball},
+         {{-0x1.9f6985da5a516p+6, -0x1.5f5e799b56bfdp+7, 0x1.ae1164efddb76p+5},
+          {-0x1.036045737337ap-1, -0x1.a64b4dac47b25p-1, 0x1.012eb71908166p-2},
+          -0x1.b979f31375eb5p+7,
+          INFINITY},
+         SGT_ESTIMATE},
+        {{&sgt_asphere_ops, &vertex},
+         {{0, 0, 0},
+          {0x1.0bc855dfc29fep-9, -0x1.61f77b172708fp-9, -0x1.78b606b2556e5p-10},
+          -0x1.1926388f8cc2ap-6,
+          DBL_TRUE_MIN},
+         SGT_PROVE_FIRST},
+        {{&sgt_asphere_ops, &far},
+         {{0x1.ddd04f035ec62p+16, 0x1.846e205acfabbp+15, 0x1.418edeee487b3p+63},
+          {-0x1.30a26b50cf454p-5, -0x1.8a579ba54b6aap-6, 0x1.bee7e27fba531p-4},
+          -INFINITY,
+          0x1.35cfda829cebdp+22},
+         SGT_ESTIMATE},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++) {
         sgt_options opt = {.proof = rows[i].proof};
         sgt_hit all[4], first = sgt_intersect(rows[i].s, rows[i].ray, &opt);
         int n = sgt_intersect_all(rows[i].s, rows[i].ray, 4, all, &opt);
         sgt_status status = n ? all[0].status : SGT_MISS;
-        REQUIRE(first.status == status, "row %zu: %s, of all %s", i, sgt_status_text(first.status), sgt_status_text(status));
-        REQUIRE(status <= 0 || fabs(first.t - all[0].t) <= first.t_err + all[0].t_err, "row %zu: %.17g, of all %.17g", i, first.t, all[0].t);
+        REQUIRE(first.status == status, "row %zu: %s, of all %s", i, sgt_status_text(first.status),
+                sgt_status_text(status));
+        REQUIRE(status <= 0 || fabs(first.t - all[0].t) <= first.t_err + all[0].t_err,
+                "row %zu: %.17g, of all %.17g", i, first.t, all[0].t);
     }
 }
 
-/* t_err was so wide that the first root was taken for the start: of a conic so flat that the vertex plane is far outside it
- * from the point nearest the vertex, in the list; of an asphere so near the vertex that its terms underflow.  The rays start in the vertex plane,
- * where the root is known without a difference of like numbers (the asphere's power adds less than rounding). */
+/* t_err was so wide that the first root was taken for the start: of a conic so flat that the vertex plane
+ * is far outside it from the point nearest the vertex, in the list; of an asphere so near the vertex that
+ * its terms underflow.  The rays start in the vertex plane, where the root is known without a difference of
+ * like numbers (the asphere's power adds less than rounding). */
 static void test_start_within_a_wide_t_err(void **state)
 {
     (void)state;
@@ -246,23 +341,30 @@ static void test_start_within_a_wide_t_err(void **state)
             for (int which = 0; which < 4; which++) {
                 sgt_conic s = {.c = 3.6, .k = ldexp(which & 1 ? 1 : -1, e), .semi_diameter = 1};
                 sgt_asphere a = {.c = 3.6, .k = s.k, .semi_diameter = 1, .a = {0, 0x1p-200}};
-                sgt_surface surface = which & 2 ? (sgt_surface){&sgt_asphere_ops, &a} : (sgt_surface){&sgt_conic_ops, &s};
+                sgt_surface surface = which & 2 ? (sgt_surface){&sgt_asphere_ops, &a}
+                                                : (sgt_surface){&sgt_conic_ops, &s};
                 sgt_ray ray = {{ldexp(1.6, -place), 0, 0}, {1, 0, 0.25}, 0, 0};
-                long double A = s.c * (1 + (1 + (long double)s.k) * 0.0625L), B = 0.25L - (long double)s.c * ray.o.x, C = s.c * (long double)ray.o.x * ray.o.x;
-                long double D = B * B - A * C, t = C / (B + sqrtl(D)), v = 1 - (1 + (long double)s.k) * s.c * t * 0.25L;
+                long double A = s.c * (1 + (1 + (long double)s.k) * 0.0625L),
+                            B = 0.25L - (long double)s.c * ray.o.x, C = s.c * (long double)ray.o.x * ray.o.x;
+                long double D = B * B - A * C, t = C / (B + sqrtl(D)),
+                            v = 1 - (1 + (long double)s.k) * s.c * t * 0.25L;
                 if (!(D > 0.1L * B * B && v > 0.1L)) continue; /* touched, nearly, or on another sheet */
                 for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
                     sgt_options opt = {.proof = (sgt_proof)proof};
                     sgt_hit first = sgt_intersect(surface, ray, &opt), all[2];
                     int count = sgt_intersect_all(surface, ray, 2, all, &opt);
-                    REQUIRE(first.status != SGT_MISS && count > 0, "k %g, 2^-%d: %s, and %d in the list", s.k, place, sgt_status_text(first.status), count);
-                    REQUIRE((long double)all[0].lo <= t && (long double)all[0].hi >= t * (1 - 0x1p-60L), "k %g, 2^-%d: %Lg is not in [%g, %g]", s.k, place, t, all[0].lo, all[0].hi);
-                    REQUIRE(first.status < 0 || fabsl(first.t - t) <= first.t_err + 0x1p-60L * t, "k %g, 2^-%d: t = %.17g, and it is %.20Lg", s.k, place, first.t, t);
+                    REQUIRE(first.status != SGT_MISS && count > 0, "k %g, 2^-%d: %s, and %d in the list", s.k,
+                            place, sgt_status_text(first.status), count);
+                    REQUIRE((long double)all[0].lo <= t && (long double)all[0].hi >= t * (1 - 0x1p-60L),
+                            "k %g, 2^-%d: %Lg is not in [%g, %g]", s.k, place, t, all[0].lo, all[0].hi);
+                    REQUIRE(first.status < 0 || fabsl(first.t - t) <= first.t_err + 0x1p-60L * t,
+                            "k %g, 2^-%d: t = %.17g, and it is %.20Lg", s.k, place, first.t, t);
                 }
             }
 }
 
-/* Of a ray nearly in the vertex plane and close to it, what was to mend the quotient of t0 underflowed: t_err was less than it was off. */
+/* Of a ray nearly in the vertex plane and close to it, what was to mend the quotient of t0 underflowed:
+ * t_err was less than it was off. */
 static void test_vertex_plane_whose_remainder_underflows(void **state)
 {
     (void)state;
@@ -273,13 +375,15 @@ static void test_vertex_plane_whose_remainder_underflows(void **state)
             long double t = -(long double)ray.o.z / ray.d.z; /* the sag there is below 2^-1400 */
             for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
                 sgt_hit h = asphere(s, ray, (sgt_options){.pick = (sgt_pick)pick});
-                REQUIRE(h.status < 0 || (h.status == SGT_HIT && fabsl(h.t - t) <= h.t_err + 0x1p-62L * t), "%d, slope 2^-%d: %s, t = %a +- %a, and it is %La",
-                        i, e, sgt_status_text(h.status), h.t, h.t_err, t);
+                REQUIRE(h.status < 0 || (h.status == SGT_HIT && fabsl(h.t - t) <= h.t_err + 0x1p-62L * t),
+                        "%d, slope 2^-%d: %s, t = %a +- %a, and it is %La", i, e, sgt_status_text(h.status),
+                        h.t, h.t_err, t);
             }
         }
 }
 
-/* A span whose ends underflow in lengths of a long d had no room for the root: with one sign at both ends it was a miss. */
+/* A span whose ends underflow in lengths of a long d had no room for the root: with one sign at both ends
+ * it was a miss. */
 static void test_span_that_underflows_in_t(void **state)
 {
     (void)state;
@@ -289,17 +393,25 @@ static void test_span_that_underflows_in_t(void **state)
             sgt_quadric ball = {.constant = ldexp(-1, -2 * height), .squares = {1, 1, 1}};
             sgt_torus torus = {.major = ldexp(1, -height), .minor = ldexp(0.25, -height)};
             sgt_surface s[3] = {{&sgt_quadric_ops, &q}, {&sgt_quadric_ops, &ball}, {&sgt_torus_ops, &torus}};
-            sgt_ray ray = {{ldexp(0.125, -height), 0, 0}, {ldexp(1, length), 0, ldexp(1, length - 4)}, -INFINITY, INFINITY}; /* they meet it */
+            /* they meet it */
+            sgt_ray ray = {{ldexp(0.125, -height), 0, 0},
+                           {ldexp(1, length), 0, ldexp(1, length - 4)},
+                           -INFINITY,
+                           INFINITY};
             for (int i = 0; i < 3; i++)
                 for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++)
                     for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
-                        sgt_hit h = sgt_intersect(s[i], ray, &(sgt_options){.proof = (sgt_proof)proof, .pick = (sgt_pick)pick});
-                        REQUIRE(h.status != SGT_MISS, "surface %d of size 2^-%d, a direction of 2^%d, proof %d, pick %d: a miss", i, height, length, proof, pick);
+                        sgt_hit h = sgt_intersect(
+                            s[i], ray, &(sgt_options){.proof = (sgt_proof)proof, .pick = (sgt_pick)pick});
+                        REQUIRE(h.status != SGT_MISS,
+                                "surface %d of size 2^-%d, a direction of 2^%d, proof %d, pick %d: a miss", i,
+                                height, length, proof, pick);
                     }
         }
 }
 
-/* The bound on a term underflowed where the term did not, as its coefficient is large: the enclosure was empty. */
+/* The bound on a term underflowed where the term did not, as its coefficient is large: the enclosure was
+ * empty. */
 static void test_term_whose_bound_underflows(void **state)
 {
     (void)state;
@@ -310,20 +422,22 @@ static void test_term_whose_bound_underflows(void **state)
                 for (int i = 0; i < 8; i++) a[i] = ldexp(1.17, size);
                 sgt_q_con con = {.norm = ldexp(1.17, norm), .a = {a, 1, 8}};
                 sgt_q_bfs bfs = {.norm = con.norm, .a = con.a};
-                sgt_surface s = which ? (sgt_surface){&sgt_q_bfs_ops, &bfs} : (sgt_surface){&sgt_q_con_ops, &con};
+                sgt_surface s = which ? (sgt_surface){&sgt_q_bfs_ops, &bfs}
+                                      : (sgt_surface){&sgt_q_con_ops, &con};
                 for (int r = -10; r < 50; r += 10) {
                     sgt_ray ray = {{ldexp(1.3, r), 0, 0}, {0, 0.5, 1}, 0, 0};
                     sgt_interval slope, f = s.ops->enclose(s.self, &ray, (sgt_interval){-1, 0x1p-20}, &slope);
                     double v = s.ops->value(s.self, ray.o, NULL), off = s.ops->rounding(s.self, ray.o);
                     if (!(fabs(v) < INFINITY && off < INFINITY)) continue;
-                    REQUIRE(f.lo <= v + off && f.hi >= v - off && slope.lo <= slope.hi, "%s, norm 2^%d, coefficients 2^%d, r 2^%d: [%g, %g], and F is %g",
-                            s.ops->name, norm, size, r, f.lo, f.hi, v);
+                    REQUIRE(f.lo <= v + off && f.hi >= v - off && slope.lo <= slope.hi,
+                            "%s, norm 2^%d, coefficients 2^%d, r 2^%d: [%g, %g], and F is %g", s.ops->name,
+                            norm, size, r, f.lo, f.hi, v);
                 }
             }
 }
 
-/* An end that underflows in the t of the scaled direction was taken for 0: a root at t = 0 behind the start was the start, one
- * behind tmax was met; between two such ends there was none. */
+/* An end that underflows in the t of the scaled direction was taken for 0: a root at t = 0 behind the start
+ * was the start, one behind tmax was met; between two such ends there was none. */
 static void test_ends_that_underflow(void **state)
 {
     (void)state;
@@ -331,52 +445,71 @@ static void test_ends_that_underflow(void **state)
         for (int which = 0; which < 3; which++) {
             sgt_conic s = {.c = which ? 0.1 : 0};
             sgt_asphere a = {.c = 0.1, .a = {0, 0x1p-10}};
-            sgt_ray early = {{which ? 0 : 0.6, 0, 0}, {ldexp(1, -e), 0, ldexp(1, -e)}, ldexp(-1.9, -e), INFINITY}, late = early;
+            sgt_ray early = {{which ? 0 : 0.6, 0, 0},
+                             {ldexp(1, -e), 0, ldexp(1, -e)},
+                             ldexp(-1.9, -e),
+                             INFINITY},
+                    late = early;
             late.tmin = -INFINITY, late.tmax = early.tmin;
             for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
                 sgt_options opt = {.pick = (sgt_pick)pick};
-                sgt_hit h = which == 2 ? asphere(a, early, opt) : conic(s, early, opt), l = which == 2 ? asphere(a, late, opt) : conic(s, late, opt);
+                sgt_hit h = which == 2 ? asphere(a, early, opt) : conic(s, early, opt),
+                        l = which == 2 ? asphere(a, late, opt) : conic(s, late, opt);
                 REQUIRE(h.status != SGT_MISS, "surface %d, 2^-%d: %s", which, e, sgt_status_text(h.status));
                 sgt_ray both = early; /* every root, where both ends underflow */
                 both.tmax = -both.tmin;
-                sgt_surface of = which == 2 ? (sgt_surface){&sgt_asphere_ops, &a} : (sgt_surface){&sgt_conic_ops, &s};
-                REQUIRE(sgt_intersect_all(of, both, 0, NULL, &opt) != 0, "surface %d, 2^-%d: none of all", which, e);
-                REQUIRE(l.status <= 0 || l.t <= late.tmax, "surface %d, 2^-%d: %s at %g, tmax %g", which, e, sgt_status_text(l.status), l.t, late.tmax);
+                sgt_surface of = which == 2 ? (sgt_surface){&sgt_asphere_ops, &a}
+                                            : (sgt_surface){&sgt_conic_ops, &s};
+                REQUIRE(sgt_intersect_all(of, both, 0, NULL, &opt) != 0, "surface %d, 2^-%d: none of all",
+                        which, e);
+                REQUIRE(l.status <= 0 || l.t <= late.tmax, "surface %d, 2^-%d: %s at %g, tmax %g", which, e,
+                        sgt_status_text(l.status), l.t, late.tmax);
             }
         }
 }
 
-/* The terms of the gradient at the middle of what holds the root are 200 times those at the root itself, which is 20 widths of the start
- * behind it: it was told to be the start, a miss under each proof.  The roots are those of the parabola in 113 bits. */
+/* The terms of the gradient at the middle of what holds the root are 200 times those at the root itself,
+ * which is 20 widths of the start behind it: it was told to be the start, a miss under each proof.  The
+ * roots are those of the parabola in 113 bits. */
 static void test_start_between_two_planes(void **state)
 {
     (void)state;
     sgt_quadric s = {{6, 30, 0}, {-41, -36, 6}, {-1, 37, 6}, -7};
-    sgt_ray ray = {{-0x1.4920b47eccf5bp+5, -0x1.158adc72f3e92p+1, 0x1.43ee3b3e04218p+5}, {-0x1.45bf848f39251p-2, -0x1.b8af1bdba53bap-1, -0x1.9701be93b9028p-2},
-                   0x1.664dc4b2bb969p+2, 0x1.f2e14bde2533p+3};
+    sgt_ray ray = {{-0x1.4920b47eccf5bp+5, -0x1.158adc72f3e92p+1, 0x1.43ee3b3e04218p+5},
+                   {-0x1.45bf848f39251p-2, -0x1.b8af1bdba53bap-1, -0x1.9701be93b9028p-2},
+                   0x1.664dc4b2bb969p+2,
+                   0x1.f2e14bde2533p+3};
     for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
-        sgt_hit h = sgt_intersect((sgt_surface){&sgt_quadric_ops, &s}, ray, &(sgt_options){.proof = (sgt_proof)proof});
-        REQUIRE(h.status < 0 || (h.status > 0 && fabs(h.t - 5.5984966035318342) <= h.t_err), "%s", sgt_status_text(h.status));
+        sgt_hit h = sgt_intersect((sgt_surface){&sgt_quadric_ops, &s}, ray,
+                                  &(sgt_options){.proof = (sgt_proof)proof});
+        REQUIRE(h.status < 0 || (h.status > 0 && fabs(h.t - 5.5984966035318342) <= h.t_err), "%s",
+                sgt_status_text(h.status));
     }
 }
 
-/* Next to the line in which two planes meet a root is known to 1e-8, and the terms of the start's rule are 1e9 times as much at the
- * middle of that as at the root, which is 2e-12 behind tmin: it was dropped as the start, and a miss proven.  The root at 113 bits,
- * with the rule's width there, is that of tests/oracle/test_degenerate.cpp. */
+/* Next to the line in which two planes meet a root is known to 1e-8, and the terms of the start's rule are
+ * 1e9 times as much at the middle of that as at the root, which is 2e-12 behind tmin: it was dropped as the
+ * start, and a miss proven.  The root at 113 bits, with the rule's width there, is that of
+ * tests/oracle/test_degenerate.cpp. */
 static void test_start_beside_a_double_line(void **state)
 {
     (void)state;
     sgt_quadric planes = {{35, -12, -8}, {-32, 28, -6}, {25, -30, 10}, 0};
     sgt_ray ray = {{-0x1.063b2688e066p+4, -0x1.5728871dd76f9p+5, -0x1.87080546ae5efp+5},
-                   {0x1.9d59b8a93dc2ep-2, -0x1.bfb2036f259bap-1, 0x1.13aaffb91c482p-2}, -0x1.3e7dcb8de2cafp+3, 0x1.4c8497dc566b6p+2};
+                   {0x1.9d59b8a93dc2ep-2, -0x1.bfb2036f259bap-1, 0x1.13aaffb91c482p-2},
+                   -0x1.3e7dcb8de2cafp+3,
+                   0x1.4c8497dc566b6p+2};
     for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
-        sgt_hit h = sgt_intersect((sgt_surface){&sgt_quadric_ops, &planes}, ray, &(sgt_options){.proof = (sgt_proof)proof});
-        REQUIRE(h.status != SGT_MISS, "proof %d: %s, the root is 2e-12 behind tmin", proof, sgt_status_text(h.status));
+        sgt_hit h = sgt_intersect((sgt_surface){&sgt_quadric_ops, &planes}, ray,
+                                  &(sgt_options){.proof = (sgt_proof)proof});
+        REQUIRE(h.status != SGT_MISS, "proof %d: %s, the root is 2e-12 behind tmin", proof,
+                sgt_status_text(h.status));
     }
 }
 
-/* A flat grid with steps below 2^-1024: its slope was bounded by 0 times infinity, and what sgt_grid_measure wrote
- * was refused as not measured.  A grid is as valid with the bounds as without them, whatever its heights and steps. */
+/* A flat grid with steps below 2^-1024: its slope was bounded by 0 times infinity, and what
+ * sgt_grid_measure wrote was refused as not measured.  A grid is as valid with the bounds as without them,
+ * whatever its heights and steps. */
 static void test_grid_measured_at_the_limits(void **state)
 {
     (void)state;
@@ -393,18 +526,21 @@ static void test_grid_measured_at_the_limits(void **state)
                     for (int measured = 0; measured < 2; measured++) {
                         if (measured) sgt_grid_measure(&grid);
                         sgt_hit hit = sgt_intersect((sgt_surface){&sgt_grid_ops, &grid}, ray, NULL);
-                        REQUIRE(hit.status != SGT_INVALID, "steps %a, %a, height %a, rough %d, measured %d", steps[i], steps[j],
-                                heights[h], rough, measured);
+                        REQUIRE(hit.status != SGT_INVALID, "steps %a, %a, height %a, rough %d, measured %d",
+                                steps[i], steps[j], heights[h], rough, measured);
                     }
                 }
 }
 
-/* A root's cell became shorter than what rounding leaves of the root, and its bracket as wide as it had been stayed, after
- * sixty looks: from 1e-12 before the root that much t_err made it the start, and the miss was proven. */
+/* A root's cell became shorter than what rounding leaves of the root, and its bracket as wide as it had
+ * been stayed, after sixty looks: from 1e-12 before the root that much t_err made it the start, and the
+ * miss was proven. */
 static void test_level_set_from_close_before_a_root(void **state)
 {
     (void)state;
-    sgt_julia julia = {.c = {0x1.6889f4bc166bcp-2, 0, -0x1.64af14a4fedf9p-2, 0x1.55f8f8cd3afccp-3}, .iterations = 6, .power = 2};
+    sgt_julia julia = {.c = {0x1.6889f4bc166bcp-2, 0, -0x1.64af14a4fedf9p-2, 0x1.55f8f8cd3afccp-3},
+                       .iterations = 6,
+                       .power = 2};
     sgt_surface s = {&sgt_julia_ops, &julia};
     sgt_ray ray = {{0x1.c63683bb19418p-4, -0x1.59c4e192ded97p-5, 0x1.7c44a0ca0f60bp-3},
                    {-0x1.50aa295ef79e1p-3, -0x1.28b0bd82bd029p-5, -0x1.643511c671812p-4}, 0, HUGE_VAL};
@@ -414,14 +550,15 @@ static void test_level_set_from_close_before_a_root(void **state)
         for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
             ray.tmin = whole.t - gap;
             sgt_hit h = sgt_intersect(s, ray, &(sgt_options){.proof = (sgt_proof)proof});
-            REQUIRE(h.status == SGT_HIT && fabs(h.t - whole.t) <= h.t_err + whole.t_err, "%g before: %s, %a, not %a", gap,
-                    sgt_status_text(h.status), h.t, whole.t);
-            REQUIRE(h.t_err <= 4 * whole.t_err && h.evals <= 24, "%g before: t_err %g, not %g, %d evaluations", gap, h.t_err,
-                    whole.t_err, h.evals);
+            REQUIRE(h.status == SGT_HIT && fabs(h.t - whole.t) <= h.t_err + whole.t_err,
+                    "%g before: %s, %a, not %a", gap, sgt_status_text(h.status), h.t, whole.t);
+            REQUIRE(h.t_err <= 4 * whole.t_err && h.evals <= 24,
+                    "%g before: t_err %g, not %g, %d evaluations", gap, h.t_err, whole.t_err, h.evals);
         }
 }
 
-/* From the vertex, at a start behind it: that there is one root at most told a miss, and the one was behind. */
+/* From the vertex, at a start behind it: that there is one root at most told a miss, and the one was
+ * behind. */
 static void test_one_root_behind_a_later_start(void **state)
 {
     (void)state;
@@ -432,18 +569,22 @@ static void test_one_root_behind_a_later_start(void **state)
                 sgt_ray ray = {{0, 0, 0}, {0.9, 0, 0.2}, e < 12 ? ldexp(1.1, e) : 0, HUGE_VAL};
                 if (ray.tmin > 4.6) ray.tmin = 4.6;
                 sgt_hit h = asphere(a, ray, (sgt_options){.pick = (sgt_pick)pick, .proof = (sgt_proof)proof});
-                REQUIRE(h.status != SGT_MISS, "tmin %g, pick %d, proof %d: the root at 4.685 is missed", ray.tmin, pick, proof);
+                REQUIRE(h.status != SGT_MISS, "tmin %g, pick %d, proof %d: the root at 4.685 is missed",
+                        ray.tmin, pick, proof);
             }
 }
 
-/* 1.5e-15 of r^2 beyond the soft rim, t known to an ulp: without a proof the rule of the rim decides, and it was UNPROVEN. */
+/* 1.5e-15 of r^2 beyond the soft rim, t known to an ulp: without a proof the rule of the rim decides, and
+ * it was UNPROVEN. */
 static void test_root_beyond_the_rim_by_rounding(void **state)
 {
     (void)state;
     sgt_odd_asphere a = {.k = -1, .semi_diameter = 0x1.0395b494c893p+0, .a = {-0x1.8c9b19cbc4d6dp-13}};
     sgt_surface s = {&sgt_odd_asphere_ops, &a};
     sgt_ray ray = {{0x1.8743f94f969fep+0, 0x1.9192929903p-2, 0x1.7aa820b377e7cp+1},
-                   {-0x1.5bdd11fe5cc18p-3, -0x1.0935e33fc1ceap-3, -0x1.f42f531cbe87cp-1}, -INFINITY, INFINITY};
+                   {-0x1.5bdd11fe5cc18p-3, -0x1.0935e33fc1ceap-3, -0x1.f42f531cbe87cp-1},
+                   -INFINITY,
+                   INFINITY};
     for (int pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
         sgt_hit h = sgt_intersect(s, ray, &(sgt_options){.pick = (sgt_pick)pick});
         REQUIRE(h.status == SGT_MISS, "pick %d: %s", pick, sgt_status_text(h.status));
@@ -452,30 +593,33 @@ static void test_root_beyond_the_rim_by_rounding(void **state)
     }
 }
 
-/* Between two planes, two roots 1e-11 apart: the terms at the second were uncertain by a part in twenty, and it was told
- * though the rule of the start reaches beyond it, by a part in two hundred. */
+/* Between two planes, two roots 1e-11 apart: the terms at the second were uncertain by a part in twenty,
+ * and it was told though the rule of the start reaches beyond it, by a part in two hundred. */
 static void test_start_reaches_a_little_beyond(void **state)
 {
     (void)state;
     sgt_quadric q = {{48, 8, -20}, {-56, 36, -16}, {42, -47, 29}, -6};
     sgt_surface s = {&sgt_quadric_ops, &q};
     sgt_ray ray = {{0x1.e253061e9d7f3p+2, 0x1.3771c41bb3d7p+3, 0x1.28e523043f515p+2},
-                   {-0x1.013622a205c17p-1, -0x1.280ae7a2e21ecp-4, 0x1.b9276dbbc6c5p-1}, 0x1.42ea8afb0b107p+1, INFINITY};
+                   {-0x1.013622a205c17p-1, -0x1.280ae7a2e21ecp-4, 0x1.b9276dbbc6c5p-1},
+                   0x1.42ea8afb0b107p+1,
+                   INFINITY};
     double counts = 0x1.42ea8afb388acp+1, start = 0x1.42ea8afb3eda9p+1;
     for (int proof = SGT_ESTIMATE; proof <= SGT_PROVE_FIRST; proof++) {
         sgt_hit h[4];
         bool in = false;
         int n = sgt_intersect_all(s, ray, 4, h, &(sgt_options){.proof = (sgt_proof)proof});
         for (int i = 0; i < n && i < 4; i++) {
-            REQUIRE(h[i].status != SGT_HIT || fabs(h[i].t - start) > h[i].t_err, "proof %d: the start is told", proof);
+            REQUIRE(h[i].status != SGT_HIT || fabs(h[i].t - start) > h[i].t_err,
+                    "proof %d: the start is told", proof);
             in = in || (h[i].lo <= counts && counts <= h[i].hi);
         }
         REQUIRE(in, "proof %d: the first root is lost", proof);
     }
 }
 
-/* The first radius of a march through the wings was chosen by a number in 1/length: in another unit of length the
- * last bits of the errors were others. */
+/* The first radius of a march through the wings was chosen by a number in 1/length: in another unit of
+ * length the last bits of the errors were others. */
 static void test_march_in_another_unit(void **state)
 {
     (void)state;
@@ -483,13 +627,17 @@ static void test_march_in_another_unit(void **state)
     for (int k = 0; k < 2; k++) {
         double unit = k ? 0x1p20 : 1;
         sgt_biconic cylinder = {.c_y = -0x1.8cada47495899p+1 / unit};
-        sgt_ray ray = {{0x1.de9510d71ab36p+23 * unit, 0x1.a4a5b82a4a195p+22 * unit, -0x1.f8078e2b75b8cp+25 * unit},
-                       {-0x1.d696aa89db8f2p-3, -0x1.9d9f0c1ef4aa6p-4, 0x1.ef9c583367c9ep-1}, 0, INFINITY};
+        sgt_ray ray = {
+            {0x1.de9510d71ab36p+23 * unit, 0x1.a4a5b82a4a195p+22 * unit, -0x1.f8078e2b75b8cp+25 * unit},
+            {-0x1.d696aa89db8f2p-3, -0x1.9d9f0c1ef4aa6p-4, 0x1.ef9c583367c9ep-1},
+            0,
+            INFINITY};
         h[k] = sgt_intersect((sgt_surface){&sgt_biconic_ops, &cylinder}, ray, NULL);
         REQUIRE(h[k].status == SGT_HIT, "%s", sgt_status_text(h[k].status));
         h[k].p_err /= unit, h[k].t /= unit, h[k].t_err /= unit;
     }
-    REQUIRE(h[0].t == h[1].t && h[0].t_err == h[1].t_err && h[0].p_err == h[1].p_err, "p_err %a, not %a", h[1].p_err, h[0].p_err);
+    REQUIRE(h[0].t == h[1].t && h[0].t_err == h[1].t_err && h[0].p_err == h[1].p_err, "p_err %a, not %a",
+            h[1].p_err, h[0].p_err);
 }
 
 /* A torus so small that F underflows is grazed along all of a chord: told at its begin, outside the aperture,
@@ -500,7 +648,10 @@ static void test_graze_that_reaches_inside_the_aperture(void **state)
     const double q = 0x1p-294;
     sgt_torus torus = {0x1.cdefb5bf55564p+3 * q, 0x1.159b91ba51106p+4 * q};
     double unit = 0x1.cdefb5bf55564p+3 * q;
-    sgt_element e = {{&sgt_torus_ops, &torus}, {{0.125 * unit, 0, unit}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, 1.5, 0.75 * unit};
+    sgt_element e = {{&sgt_torus_ops, &torus},
+                     {{0.125 * unit, 0, unit}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
+                     1.5,
+                     0.75 * unit};
     sgt_ray ray = {{0x1.8a9dd4b6e8738p+4 * q, -0x1.4816fa38627dfp+6 * q, -0x1.b753bc838208p+6 * q},
                    {0x1.0086998d46e9bp-9, -0x1.f01237670aa67p-8, -0x1.52e44f3b08bcbp-7}, 0, 0};
     sgt_fate fate;
@@ -515,16 +666,32 @@ int main(void)
         cmocka_unit_test(test_march_in_another_unit),
         cmocka_unit_test(test_start_reaches_a_little_beyond),
         cmocka_unit_test(test_root_beyond_the_rim_by_rounding),
-        cmocka_unit_test(test_one_root_behind_a_later_start), cmocka_unit_test(test_level_set_from_close_before_a_root), cmocka_unit_test(test_grid_measured_at_the_limits), cmocka_unit_test(test_start_beside_a_double_line),
-        cmocka_unit_test(test_start_between_two_planes), cmocka_unit_test(test_undecided_inside_the_aperture), cmocka_unit_test(test_graze_far_from_the_surface),
-        cmocka_unit_test(test_one_root_of_two_sheets), cmocka_unit_test(test_first_of_all_at_an_end),
-        cmocka_unit_test(test_start_beyond_the_rim), cmocka_unit_test(test_bounds_out_of_range),
-        cmocka_unit_test(test_start_within_a_wide_t_err), cmocka_unit_test(test_vertex_plane_whose_remainder_underflows),
-        cmocka_unit_test(test_ends_that_underflow), cmocka_unit_test(test_span_that_underflows_in_t), cmocka_unit_test(test_term_whose_bound_underflows),
+        cmocka_unit_test(test_one_root_behind_a_later_start),
+        cmocka_unit_test(test_level_set_from_close_before_a_root),
+        cmocka_unit_test(test_grid_measured_at_the_limits),
+        cmocka_unit_test(test_start_beside_a_double_line),
+        cmocka_unit_test(test_start_between_two_planes),
+        cmocka_unit_test(test_undecided_inside_the_aperture),
+        cmocka_unit_test(test_graze_far_from_the_surface),
+        cmocka_unit_test(test_one_root_of_two_sheets),
+        cmocka_unit_test(test_first_of_all_at_an_end),
+        cmocka_unit_test(test_start_beyond_the_rim),
+        cmocka_unit_test(test_bounds_out_of_range),
+        cmocka_unit_test(test_start_within_a_wide_t_err),
+        cmocka_unit_test(test_vertex_plane_whose_remainder_underflows),
+        cmocka_unit_test(test_ends_that_underflow),
+        cmocka_unit_test(test_span_that_underflows_in_t),
+        cmocka_unit_test(test_term_whose_bound_underflows),
         cmocka_unit_test(test_vertex_from_far_aside),
-        cmocka_unit_test(test_vertex_in_its_plane), cmocka_unit_test(test_two_about_the_start), cmocka_unit_test(test_coarse_tolerance),
-        cmocka_unit_test(test_start_within_the_tolerance), cmocka_unit_test(test_far_without_a_rim), cmocka_unit_test(test_rim_from_afar),
-        cmocka_unit_test(test_dark_from_the_start), cmocka_unit_test(test_other_at_the_end_of_the_chord), cmocka_unit_test(test_root_beside_the_aperture),
+        cmocka_unit_test(test_vertex_in_its_plane),
+        cmocka_unit_test(test_two_about_the_start),
+        cmocka_unit_test(test_coarse_tolerance),
+        cmocka_unit_test(test_start_within_the_tolerance),
+        cmocka_unit_test(test_far_without_a_rim),
+        cmocka_unit_test(test_rim_from_afar),
+        cmocka_unit_test(test_dark_from_the_start),
+        cmocka_unit_test(test_other_at_the_end_of_the_chord),
+        cmocka_unit_test(test_root_beside_the_aperture),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,7 +16,10 @@ typedef struct parameters {
 } parameters;
 
 static void *member(parameters *p, const sgt_param *param) { return p->is.bytes + param->offset; }
-static double *number_at(parameters *p, const sgt_param *param, int i) { return (double *)member(p, param) + i; }
+static double *number_at(parameters *p, const sgt_param *param, int i)
+{
+    return (double *)member(p, param) + i;
+}
 
 static bool is_whole(sgt_kind kind) { return kind == SGT_WHOLE || kind == SGT_WORD || kind == SGT_TRUTH; }
 
@@ -33,7 +36,10 @@ static size_t size_of(const sgt_param *p)
 }
 
 /* They have tests of their own (test_levels.c). */
-static bool is_level_set(const sgt_builtin *row) { return row->ops == &sgt_julia_ops || row->ops == &sgt_mandelbrot_ops; }
+static bool is_level_set(const sgt_builtin *row)
+{
+    return row->ops == &sgt_julia_ops || row->ops == &sgt_mandelbrot_ops;
+}
 
 /* The first thing wrong, said of a key of the row. */
 static bool objected(const sgt_builtin *row, const parameters *p)
@@ -41,7 +47,8 @@ static bool objected(const sgt_builtin *row, const parameters *p)
     sgt_objection o = row->object ? row->object(&p->is) : (sgt_objection){NULL, NULL};
     if (!o.param) return false;
     bool known = false, has_terms = false;
-    for (const sgt_param *param = row->params; param->name; param++) known |= !strcmp(param->name, o.param), has_terms |= param->kind == SGT_TERMS;
+    for (const sgt_param *param = row->params; param->name; param++)
+        known |= !strcmp(param->name, o.param), has_terms |= param->kind == SGT_TERMS;
     REQUIRE(known || has_terms, "%s: an objection to %s, which is no key of it", row->type, o.param);
     REQUIRE(o.reason && *o.reason, "%s: an objection to %s without a reason", row->type, o.param);
     return true;
@@ -59,22 +66,32 @@ static void test_rows(void **state)
         assert_non_null(row->ops->rounding);
         assert_non_null(row->params);
         REQUIRE(row->size > 0 && row->size <= LARGEST, "%s: %zu bytes", row->type, row->size);
-        for (const char *c = row->type; *c; c++) REQUIRE((*c >= 'a' && *c <= 'z') || *c == '_' || (*c >= '0' && *c <= '9'), "%s: not a key", row->type);
-        for (const sgt_builtin *other = sgt_builtins; other != row; other++) assert_string_not_equal(row->type, other->type);
+        for (const char *c = row->type; *c; c++)
+            REQUIRE((*c >= 'a' && *c <= 'z') || *c == '_' || (*c >= '0' && *c <= '9'), "%s: not a key",
+                    row->type);
+        for (const sgt_builtin *other = sgt_builtins; other != row; other++)
+            assert_string_not_equal(row->type, other->type);
         for (const sgt_param *p = row->params; p->name; p++) {
             REQUIRE(p->unit && *p->unit, "%s.%s has no unit", row->type, p->name);
-            REQUIRE(p->count >= 1 && p->offset % alignment_of(p) == 0 && p->offset + size_of(p) <= row->size, "%s.%s lies outside the struct", row->type, p->name);
+            REQUIRE(p->count >= 1 && p->offset % alignment_of(p) == 0 && p->offset + size_of(p) <= row->size,
+                    "%s.%s lies outside the struct", row->type, p->name);
             if (p->kind == SGT_WORD) {
                 int words = 1;
                 for (const char *c = p->unit; *c; c++) words += *c == '|';
-                REQUIRE(p->lo == 1 && p->hi == words, "%s.%s: %d words, legal from %g to %g", row->type, p->name, words, p->lo, p->hi);
+                REQUIRE(p->lo == 1 && p->hi == words, "%s.%s: %d words, legal from %g to %g", row->type,
+                        p->name, words, p->lo, p->hi);
             }
-            REQUIRE(p->lo <= p->hi && isfinite(p->lo) && isfinite(p->hi), "%s.%s: legal from %g to %g", row->type, p->name, p->lo, p->hi);
-            REQUIRE(row->object || (p->lo <= 0 && p->hi >= 0), "%s.%s: zero is the default, and not legal", row->type, p->name);
+            REQUIRE(p->lo <= p->hi && isfinite(p->lo) && isfinite(p->hi), "%s.%s: legal from %g to %g",
+                    row->type, p->name, p->lo, p->hi);
+            REQUIRE(row->object || (p->lo <= 0 && p->hi >= 0), "%s.%s: zero is the default, and not legal",
+                    row->type, p->name);
             for (const sgt_param *other = row->params; other != p; other++) {
                 assert_string_not_equal(p->name, other->name);
-                bool short_name = !strcmp(p->name, "slice") && !strcmp(other->name, "at"); /* the one overlap there is */
-                REQUIRE(short_name || p->offset + size_of(p) <= other->offset || other->offset + size_of(other) <= p->offset, "%s: %s and %s overlap", row->type, p->name, other->name);
+                /* the one overlap there is */
+                bool short_name = !strcmp(p->name, "slice") && !strcmp(other->name, "at");
+                REQUIRE(short_name || p->offset + size_of(p) <= other->offset ||
+                            other->offset + size_of(other) <= p->offset,
+                        "%s: %s and %s overlap", row->type, p->name, other->name);
             }
         }
     }
@@ -99,17 +116,22 @@ static void test_zero(void **state)
         static parameters all_zero;
         const void *zero = &all_zero.is;
         if (objected(row, &all_zero)) {
-            sgt_hit hit = sgt_intersect((sgt_surface){row->ops, zero}, (sgt_ray){.o = {0.1, 0.2, -3}, .d = {0, 0, 1}}, NULL);
-            REQUIRE(hit.status == SGT_INVALID, "%s of zeros is objected to, and %s", row->type, sgt_status_text(hit.status));
+            sgt_hit hit = sgt_intersect((sgt_surface){row->ops, zero},
+                                        (sgt_ray){.o = {0.1, 0.2, -3}, .d = {0, 0, 1}}, NULL);
+            REQUIRE(hit.status == SGT_INVALID, "%s of zeros is objected to, and %s", row->type,
+                    sgt_status_text(hit.status));
             continue;
         }
         for (int i = 0; i < 1000; i++) {
             sgt_vec3 p = random_point(&g, log_uniform(&g, 1e-6, 1e6)), n;
-            REQUIRE(row->ops->value(zero, p, &n) == p.z && n.x == 0 && n.y == 0 && n.z == 1, "%s of zeros is no plane", row->type);
+            REQUIRE(row->ops->value(zero, p, &n) == p.z && n.x == 0 && n.y == 0 && n.z == 1,
+                    "%s of zeros is no plane", row->type);
             sgt_ray ray = {.o = p, .d = random_direction(&g), .tmin = -FAR, .tmax = FAR};
             sgt_hit hit = sgt_intersect((sgt_surface){row->ops, zero}, ray, NULL);
             long double t = -(long double)p.z / ray.d.z;
-            REQUIRE(hit.status == SGT_HIT && fabsl(hit.t - t) <= hit.t_err + 0x1p-62L * fabsl(t), "%s of zeros: %s at %.17g, %.17Lg wanted", row->type, sgt_status_text(hit.status), hit.t, t);
+            REQUIRE(hit.status == SGT_HIT && fabsl(hit.t - t) <= hit.t_err + 0x1p-62L * fabsl(t),
+                    "%s of zeros: %s at %.17g, %.17Lg wanted", row->type, sgt_status_text(hit.status), hit.t,
+                    t);
         }
     }
 }
@@ -120,31 +142,38 @@ static bool random_number(generator *g, const char *unit, double h, int i, int j
     if (!strcmp(unit, "1")) *x = chance(g, 0.3) ? -1 : uniform(g, -3, 2);
     else if (!strcmp(unit, "length")) *x = chance(g, 0.5) ? 0 : h * uniform(g, 0.1, 1);
     else if (!strcmp(unit, "length^2")) *x = chance(g, 0.2) ? 0 : h * h * uniform(g, -1, 1);
-    else if (!strcmp(unit, "1/length")) *x = chance(g, 0.1) ? 0 : either_sign(g) / (h * log_uniform(g, 1.2, 1e3));
-    else if (!strcmp(unit, "1/length^(2i+1)")) *x = chance(g, 0.5) ? 0 : uniform(g, -0.05, 0.05) * pow(h, -(2 * i + 1));
+    else if (!strcmp(unit, "1/length"))
+        *x = chance(g, 0.1) ? 0 : either_sign(g) / (h * log_uniform(g, 1.2, 1e3));
+    else if (!strcmp(unit, "1/length^(2i+1)"))
+        *x = chance(g, 0.5) ? 0 : uniform(g, -0.05, 0.05) * pow(h, -(2 * i + 1));
     else if (!strcmp(unit, "1/length^i")) *x = chance(g, 0.5) ? 0 : uniform(g, -0.05, 0.05) * pow(h, -i);
-    else if (!strcmp(unit, "1/length^(i+j-1)")) *x = chance(g, 0.5) ? 0 : uniform(g, -0.02, 0.02) * pow(h, 1 - i - j);
+    else if (!strcmp(unit, "1/length^(i+j-1)"))
+        *x = chance(g, 0.5) ? 0 : uniform(g, -0.02, 0.02) * pow(h, 1 - i - j);
     else return false;
     return true;
 }
 
 /* Some numbers, a part of h together. */
-static sgt_numbers random_numbers(generator *g, const sgt_builtin *row, const sgt_param *p, double h, parameters *out)
+static sgt_numbers random_numbers(generator *g, const sgt_builtin *row, const sgt_param *p, double h,
+                                  parameters *out)
 {
-    int most = p->count < 9 ? p->count : 9, rows = p->kind == SGT_LIST ? 1 : below(g, most + 1), columns = below(g, most + 1);
+    int most = p->count < 9 ? p->count : 9, rows = p->kind == SGT_LIST ? 1 : below(g, most + 1),
+        columns = below(g, most + 1);
     sgt_numbers a = {out->room + out->used, (size_t)rows, (size_t)columns};
     for (int i = 0; i < rows; i++)
         for (int j = 0; j < columns; j++) {
             double *x = &out->room[out->used++];
             if (!strcmp(p->unit, "length")) *x = h * uniform(g, -0.1, 0.1) / (rows * columns);
-            else REQUIRE(random_number(g, p->unit, h, i, j, x), "%s.%s: no values are known for the unit %s", row->type, p->name, p->unit);
+            else
+                REQUIRE(random_number(g, p->unit, h, i, j, x), "%s.%s: no values are known for the unit %s",
+                        row->type, p->name, p->unit);
         }
     if (rows * columns == 0) a = (sgt_numbers){NULL, 0, 0};
     return a;
 }
 
-/* Parameters as a lens would have them, for a part of size h, that nobody objects to.  What the unit says is all that
- * is known of them. */
+/* Parameters as a lens would have them, for a part of size h, that nobody objects to.  What the unit says
+ * is all that is known of them. */
 static void random_parameters(generator *g, const sgt_builtin *row, double h, parameters *out);
 
 static void random_terms(generator *g, const sgt_builtin *row, const sgt_param *p, double h, parameters *out)
@@ -183,8 +212,10 @@ static void random_parameters(generator *g, const sgt_builtin *row, double h, pa
             } else
                 for (int i = 0; i < p->count; i++) {
                     double x;
-                    REQUIRE(random_number(g, p->unit, h, i, 0, &x), "%s.%s: no values are known for the unit %s", row->type, p->name, p->unit);
-                    if (!strncmp(p->name, "norm", 4)) x = chance(g, 0.1) ? 0 : h * uniform(g, 0.8, 1.5); /* far beyond it polynomials are wild */
+                    REQUIRE(random_number(g, p->unit, h, i, 0, &x),
+                            "%s.%s: no values are known for the unit %s", row->type, p->name, p->unit);
+                    /* far beyond it polynomials are wild */
+                    if (!strncmp(p->name, "norm", 4)) x = chance(g, 0.1) ? 0 : h * uniform(g, 0.8, 1.5);
                     if (x >= p->lo && x <= p->hi) *number_at(out, p, i) = x;
                 }
         }
@@ -197,7 +228,8 @@ static sgt_ray ray_at(generator *g, double h)
 {
     sgt_vec3 d = random_direction(g), at = random_point(g, 0.5 * h);
     double away = h * log_uniform(g, 1e-2, 1e3);
-    return (sgt_ray){.o = {at.x - away * d.x, at.y - away * d.y, at.z - away * d.z}, .d = d, .tmin = -FAR, .tmax = FAR};
+    return (sgt_ray){
+        .o = {at.x - away * d.x, at.y - away * d.y, at.z - away * d.z}, .d = d, .tmin = -FAR, .tmax = FAR};
 }
 
 static void test_conformance(void **state)
@@ -213,47 +245,69 @@ static void test_conformance(void **state)
             double h = log_uniform(&g, 1e-3, 1e3);
             random_parameters(&g, row, h, &p);
             bool endless = false; /* what has no rim, on a ray without ends, may be past deciding */
-            for (const sgt_param *rim = row->params; rim->name; rim++) endless |= row->object && !strcmp(rim->name, "semi_diameter") && *number_at(&p, rim, 0) == 0;
+            for (const sgt_param *rim = row->params; rim->name; rim++)
+                endless |= row->object && !strcmp(rim->name, "semi_diameter") && *number_at(&p, rim, 0) == 0;
             sgt_surface s = {row->ops, &p.is};
             sgt_vec3 vertex = {0}, grad = {NOT, NOT, NOT};
             double f = s.ops->value(s.self, vertex, &grad);
-            if (!row->object) REQUIRE(f == 0 && grad.z == 1 && grad.x == 0 && grad.y == 0, "%s, case %ld: F %g at the vertex", row->type, i, f);
-            REQUIRE(same_bits(s.ops->value(s.self, vertex, NULL), f), "%s, case %ld: another F without the gradient", row->type, i);
+            if (!row->object)
+                REQUIRE(f == 0 && grad.z == 1 && grad.x == 0 && grad.y == 0,
+                        "%s, case %ld: F %g at the vertex", row->type, i, f);
+            REQUIRE(same_bits(s.ops->value(s.self, vertex, NULL), f),
+                    "%s, case %ld: another F without the gradient", row->type, i);
 
             sgt_ray rays[3] = {ray_at(&g, h), ray_at(&g, h), ray_at(&g, h)};
             sgt_vec3 where;
             sgt_fault fault = sgt_check(s, COUNT_OF(rays), rays, &where);
-            REQUIRE(fault == SGT_SOUND, "%s, case %ld: %s at %.17g %.17g %.17g", row->type, i, sgt_fault_text(fault), where.x, where.y, where.z);
+            REQUIRE(fault == SGT_SOUND, "%s, case %ld: %s at %.17g %.17g %.17g", row->type, i,
+                    sgt_fault_text(fault), where.x, where.y, where.z);
 
             /* a copy by memcpy is as good: nothing is owned */
             static double copy[LARGEST / sizeof(double)];
             memcpy(copy, &p.is, row->size);
             for (size_t j = 0; j < COUNT_OF(rays); j++)
                 for (sgt_pick pick = SGT_FIRST; pick <= SGT_NEAR_SEED; pick++) {
-                    sgt_hit hit = sgt_intersect(s, rays[j], &(sgt_options){.pick = pick}), again = sgt_intersect((sgt_surface){row->ops, copy}, rays[j], &(sgt_options){.pick = pick});
-                    REQUIRE(hit.status == again.status && same_bits(hit.t, again.t), "%s, case %ld: a copy differs", row->type, i);
-                    REQUIRE(hit.status >= (endless ? SGT_EXHAUSTED : SGT_UNPROVEN), "%s, case %ld: %s", row->type, i, sgt_status_text(hit.status));
-                    met += hit.status > 0, missed += hit.status == SGT_MISS, undecided += hit.status < 0 && !endless, past += hit.status < 0 && endless;
+                    sgt_hit hit = sgt_intersect(s, rays[j], &(sgt_options){.pick = pick}),
+                            again = sgt_intersect((sgt_surface){row->ops, copy}, rays[j],
+                                                  &(sgt_options){.pick = pick});
+                    REQUIRE(hit.status == again.status && same_bits(hit.t, again.t),
+                            "%s, case %ld: a copy differs", row->type, i);
+                    REQUIRE(hit.status >= (endless ? SGT_EXHAUSTED : SGT_UNPROVEN), "%s, case %ld: %s",
+                            row->type, i, sgt_status_text(hit.status));
+                    met += hit.status > 0, missed += hit.status == SGT_MISS,
+                        undecided += hit.status < 0 && !endless, past += hit.status < 0 && endless;
                     if (hit.status != SGT_HIT) continue;
                     sgt_span span = s.ops->span(s.self, &rays[j]);
-                    REQUIRE(hit.t + hit.t_err >= span.lo && hit.t - hit.t_err <= span.hi, "%s, case %ld: a root at %.17g outside the span [%g, %g]", row->type, i, hit.t, span.lo, span.hi);
-                    double value = s.ops->value(s.self, hit.p, &grad), size = sqrt(grad.x * grad.x + grad.y * grad.y + grad.z * grad.z);
-                    if (!isnan(value)) REQUIRE(fabs(value) <= 2 * size * hit.p_err + s.ops->rounding(s.self, hit.p), "%s, case %ld: F %g at the hit, p_err %g", row->type, i, value, hit.p_err);
-                    REQUIRE(same_bits(value, hit.f) || (isnan(value) && isnan(hit.f)), "%s, case %ld: f %g, F %g", row->type, i, hit.f, value);
+                    REQUIRE(hit.t + hit.t_err >= span.lo && hit.t - hit.t_err <= span.hi,
+                            "%s, case %ld: a root at %.17g outside the span [%g, %g]", row->type, i, hit.t,
+                            span.lo, span.hi);
+                    double value = s.ops->value(s.self, hit.p, &grad),
+                           size = sqrt(grad.x * grad.x + grad.y * grad.y + grad.z * grad.z);
+                    if (!isnan(value))
+                        REQUIRE(fabs(value) <= 2 * size * hit.p_err + s.ops->rounding(s.self, hit.p),
+                                "%s, case %ld: F %g at the hit, p_err %g", row->type, i, value, hit.p_err);
+                    REQUIRE(same_bits(value, hit.f) || (isnan(value) && isnan(hit.f)),
+                            "%s, case %ld: f %g, F %g", row->type, i, hit.f, value);
                 }
         }
-        print_message("%s: %ld met, %ld missed, %ld undecided, %ld more where neither surface nor ray ends\n", row->type, met, missed, undecided, past);
-        REQUIRE((double)undecided <= 2 + 1e-3 * (double)(met + missed), "%s: %ld undecided", row->type, undecided);
+        print_message("%s: %ld met, %ld missed, %ld undecided, %ld more where neither surface nor ray ends\n",
+                      row->type, met, missed, undecided, past);
+        REQUIRE((double)undecided <= 2 + 1e-3 * (double)(met + missed), "%s: %ld undecided", row->type,
+                undecided);
     }
 }
 
-static void require_invalid(const sgt_builtin *row, const parameters *p, const sgt_param *param, int i, double bad)
+static void require_invalid(const sgt_builtin *row, const parameters *p, const sgt_param *param, int i,
+                            double bad)
 {
-    sgt_hit hit = sgt_intersect((sgt_surface){row->ops, &p->is}, (sgt_ray){.o = {0.1, 0.2, -3}, .d = {0, 0, 1}}, NULL);
-    REQUIRE(hit.status == SGT_INVALID && isnan(hit.t), "%s with %s[%d] = %g: %s", row->type, param->name, i, bad, sgt_status_text(hit.status));
+    sgt_hit hit = sgt_intersect((sgt_surface){row->ops, &p->is},
+                                (sgt_ray){.o = {0.1, 0.2, -3}, .d = {0, 0, 1}}, NULL);
+    REQUIRE(hit.status == SGT_INVALID && isnan(hit.t), "%s with %s[%d] = %g: %s", row->type, param->name, i,
+            bad, sgt_status_text(hit.status));
     if (!row->object || is_level_set(row)) return;
     sgt_objection o = row->object(&p->is);
-    REQUIRE(o.param && o.reason && !strcmp(o.param, param->name), "%s with %s[%d] = %g: objected to is %s", row->type, param->name, i, bad, o.param ? o.param : "nothing");
+    REQUIRE(o.param && o.reason && !strcmp(o.param, param->name), "%s with %s[%d] = %g: objected to is %s",
+            row->type, param->name, i, bad, o.param ? o.param : "nothing");
 }
 
 /* A number that is none makes the surface invalid, wherever it stands. */
@@ -267,10 +321,12 @@ static void test_not_finite(void **state)
             for (size_t k = 0; k < COUNT_OF(bad); k++) {
                 static parameters p;
                 bool level = is_level_set(row);
-                if (is_whole(param->kind) || param->kind == SGT_TERMS) continue; /* tests/catalogue has those */
+                /* tests/catalogue has those */
+                if (is_whole(param->kind) || param->kind == SGT_TERMS) continue;
                 if (param->kind == SGT_LIST || param->kind == SGT_TABLE) {
                     sgt_numbers a = {0};
-                    while (a.rows * a.columns == 0) random_parameters(&g, row, 1, &p), memcpy(&a, member(&p, param), sizeof a);
+                    while (a.rows * a.columns == 0)
+                        random_parameters(&g, row, 1, &p), memcpy(&a, member(&p, param), sizeof a);
                     for (size_t i = 0; i < a.rows * a.columns; i++) {
                         double good = a.x[i], *x = p.room + (a.x - p.room) + i;
                         *x = bad[k];
@@ -290,6 +346,7 @@ static void test_not_finite(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_rows), cmocka_unit_test(test_zero), cmocka_unit_test(test_conformance), cmocka_unit_test(test_not_finite)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_rows), cmocka_unit_test(test_zero),
+                                       cmocka_unit_test(test_conformance), cmocka_unit_test(test_not_finite)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -18,7 +18,8 @@ static wide local_of(const sgt_pose *p, wide a)
 static wide global_of(const sgt_pose *p, wide a)
 {
     if (p->ex.x == 0 && p->ex.y == 0 && p->ex.z == 0) return a;
-    return wide_sum(wide_times(a.x, widen(p->ex)), wide_sum(wide_times(a.y, widen(p->ey)), wide_times(a.z, widen(p->ez))));
+    return wide_sum(wide_times(a.x, widen(p->ex)),
+                    wide_sum(wide_times(a.y, widen(p->ey)), wide_times(a.z, widen(p->ez))));
 }
 
 /* The conic's root near the vertex plane that lies on the sheet; false: none, or too close to
@@ -27,7 +28,9 @@ static bool wide_conic(const sgt_conic *s, wide_ray r, long double *t, wide *nor
 {
     long double c = s->c, k1 = 1 + (long double)s->k, t0 = -r.o.z / r.d.z;
     wide p = wide_sum(r.o, wide_times(t0, r.d));
-    long double A = c * (r.d.x * r.d.x + r.d.y * r.d.y + k1 * r.d.z * r.d.z), B = r.d.z - c * (p.x * r.d.x + p.y * r.d.y), C = c * (p.x * p.x + p.y * p.y), D = B * B - A * C;
+    long double A = c * (r.d.x * r.d.x + r.d.y * r.d.y + k1 * r.d.z * r.d.z),
+                B = r.d.z - c * (p.x * r.d.x + p.y * r.d.y), C = c * (p.x * p.x + p.y * p.y),
+                D = B * B - A * C;
     if (!(D > 1e-3L * B * B)) return false;
     long double q = B + copysignl(sqrtl(D), B), root[2] = {C / q, q / A};
     for (int i = 0; i < (A != 0 ? 2 : 1); i++) {
@@ -43,12 +46,14 @@ static bool wide_conic(const sgt_conic *s, wide_ray r, long double *t, wide *nor
 }
 
 /* As far as it can: how many it passed; point, direction (both local) and path at each. */
-static size_t wide_trace(size_t n, const sgt_element e[], long double index, wide_ray r, wide p[], wide d[], long double opl[], bool *sure)
+static size_t wide_trace(size_t n, const sgt_element e[], long double index, wide_ray r, wide p[], wide d[],
+                         long double opl[], bool *sure)
 {
     long double path = 0;
     *sure = true;
     for (size_t i = 0; i < n; i++) {
-        wide_ray q = {local_of(&e[i].pose, wide_difference(r.o, widen(e[i].pose.origin))), wide_unit(local_of(&e[i].pose, r.d))};
+        wide_ray q = {local_of(&e[i].pose, wide_difference(r.o, widen(e[i].pose.origin))),
+                      wide_unit(local_of(&e[i].pose, r.d))};
         long double t;
         wide N;
         *sure = wide_conic(e[i].surface.self, q, &t, &N);
@@ -58,7 +63,8 @@ static size_t wide_trace(size_t n, const sgt_element e[], long double index, wid
         /* at grazing incidence, or from far away, an error measures the problem */
         *sure = fabsl(wide_dot(q.d, N)) > 0.2L && wide_length(p[i]) < 40 && fabsl(t) < 100;
         if (!*sure) return i;
-        long double behind = e[i].index == 0 || e[i].index == SGT_MIRROR ? index : (long double)e[i].index, ratio = index / behind, c = wide_dot(q.d, N);
+        long double behind = e[i].index == 0 || e[i].index == SGT_MIRROR ? index : (long double)e[i].index,
+                    ratio = index / behind, c = wide_dot(q.d, N);
         if (e[i].index == SGT_MIRROR) {
             d[i] = wide_difference(q.d, wide_times(2 * c, N));
         } else {
@@ -85,7 +91,8 @@ static void random_lens(generator *g, lens *l)
     double z = 0, step = 1;
     *l = (lens){.length = 1};
     for (int i = 0; i < ELEMENTS; i++) {
-        l->shape[i] = (sgt_conic){.c = chance(g, 0.2) ? 0 : either_sign(g) / log_uniform(g, 8, 1000), .k = chance(g, 0.5) ? 0 : uniform(g, -2, 1)};
+        l->shape[i] = (sgt_conic){.c = chance(g, 0.2) ? 0 : either_sign(g) / log_uniform(g, 8, 1000),
+                                  .k = chance(g, 0.5) ? 0 : uniform(g, -2, 1)};
         sgt_vec3 origin = {uniform(g, -0.2, 0.2), uniform(g, -0.2, 0.2), z};
         l->e[i] = (sgt_element){.surface = {&sgt_conic_ops, &l->shape[i]}, .pose = {.origin = origin}};
         if (chance(g, 0.5)) l->e[i].pose = sgt_pose_tilted(origin, random_point(g, chance(g, 0.5) ? 5 : 30));
@@ -98,7 +105,8 @@ static void random_lens(generator *g, lens *l)
 
 static sgt_ray random_launch(generator *g)
 {
-    sgt_ray ray = {.o = {uniform(g, -2, 2), uniform(g, -2, 2), -uniform(g, 1, 20)}, .d = {uniform(g, -0.2, 0.2), uniform(g, -0.2, 0.2), 1}};
+    sgt_ray ray = {.o = {uniform(g, -2, 2), uniform(g, -2, 2), -uniform(g, 1, 20)},
+                   .d = {uniform(g, -0.2, 0.2), uniform(g, -0.2, 0.2), 1}};
     double by = chance(g, 0.3) ? log_uniform(g, 1e-150, 1e150) : 1;
     ray.d = (sgt_vec3){by * ray.d.x, by * ray.d.y, by * ray.d.z};
     return ray;
@@ -123,7 +131,8 @@ static void test_against_wide(void **state)
         wide p[ELEMENTS], d[ELEMENTS];
         long double opl[ELEMENTS], scale = fmax(l.length, fabs(launch.o.z));
         bool sure;
-        size_t want = wide_trace(ELEMENTS, l.e, before == 0 ? 1 : before, (wide_ray){widen(launch.o), wide_unit(widen(launch.d))}, p, d, opl, &sure);
+        size_t want = wide_trace(ELEMENTS, l.e, before == 0 ? 1 : before,
+                                 (wide_ray){widen(launch.o), wide_unit(widen(launch.d))}, p, d, opl, &sure);
         REQUIRE(passed >= want, "lens %ld: %s at %zu, %zu passed", i, sgt_fate_text(fate), passed, want);
         REQUIRE(!sure || passed == want, "lens %ld: passed %zu, stopped at %zu", i, passed, want);
         for (size_t j = 0; j < want; j++, rows++) {
@@ -134,14 +143,22 @@ static void test_against_wide(void **state)
         if (passed == ELEMENTS) {
             through++;
             if (want == passed) {
-                wide end = wide_sum(global_of(&l.e[ELEMENTS - 1].pose, p[ELEMENTS - 1]), widen(l.e[ELEMENTS - 1].pose.origin));
-                REQUIRE(apart(end, ray.o) <= 1e-12L * scale && apart(wide_unit(global_of(&l.e[ELEMENTS - 1].pose, d[ELEMENTS - 1])), ray.d) <= 1e-12L, "lens %ld: the ray handed back is not the last", i);
+                wide end = wide_sum(global_of(&l.e[ELEMENTS - 1].pose, p[ELEMENTS - 1]),
+                                    widen(l.e[ELEMENTS - 1].pose.origin));
+                REQUIRE(apart(end, ray.o) <= 1e-12L * scale &&
+                            apart(wide_unit(global_of(&l.e[ELEMENTS - 1].pose, d[ELEMENTS - 1])), ray.d) <=
+                                1e-12L,
+                        "lens %ld: the ray handed back is not the last", i);
             }
         }
-        REQUIRE((passed == ELEMENTS) == (fate == SGT_PASSED), "lens %ld: passed %zu, %s", i, passed, sgt_fate_text(fate));
+        REQUIRE((passed == ELEMENTS) == (fate == SGT_PASSED), "lens %ld: passed %zu, %s", i, passed,
+                sgt_fate_text(fate));
     }
-    print_message("%ld passages, %ld of %ld rays through; point %.2Lg of the length, direction %.2Lg, path %.2Lg\n", rows, through, n, worst_p, worst_d, worst_path);
-    REQUIRE(worst_p < 1e-12L && worst_d < 1e-12L && worst_path < 1e-12L, "point %Lg, direction %Lg, path %Lg", worst_p, worst_d, worst_path);
+    print_message(
+        "%ld passages, %ld of %ld rays through; point %.2Lg of the length, direction %.2Lg, path %.2Lg\n",
+        rows, through, n, worst_p, worst_d, worst_path);
+    REQUIRE(worst_p < 1e-12L && worst_d < 1e-12L && worst_path < 1e-12L, "point %Lg, direction %Lg, path %Lg",
+            worst_p, worst_d, worst_path);
 }
 
 /* There and back again. */
@@ -176,10 +193,12 @@ static void test_reversed(void **state)
         sgt_fate fate;
         size_t passed = sgt_trace(ELEMENTS, reversed, index[ELEMENTS], &ray, here, &fate, NULL);
         bool other = false; /* a line may meet a surface twice; the seed is another from the other side */
-        for (size_t j = 0; j < passed; j++) other = other || apart(widen(there[ELEMENTS - 1 - j].hit.p), here[j].hit.p) > 1e-6L;
+        for (size_t j = 0; j < passed; j++)
+            other = other || apart(widen(there[ELEMENTS - 1 - j].hit.p), here[j].hit.p) > 1e-6L;
         if (other) continue;
         REQUIRE(passed == ELEMENTS, "lens %ld: %s on the way back", i, sgt_fate_text(fate));
-        REQUIRE(apart(widen(launch.d), (sgt_vec3){-ray.d.x, -ray.d.y, -ray.d.z}) < 1e-11L, "lens %ld: another direction", i);
+        REQUIRE(apart(widen(launch.d), (sgt_vec3){-ray.d.x, -ray.d.y, -ray.d.z}) < 1e-11L,
+                "lens %ld: another direction", i);
         back++;
     }
     print_message("%ld rays back\n", back);
@@ -188,13 +207,17 @@ static void test_reversed(void **state)
 
 /* ------------------------------------------------------------------- fates */
 
-static sgt_element flat_at(const sgt_conic *flat, double z, double index) { return (sgt_element){.surface = {&sgt_conic_ops, flat}, .pose = {.origin = {0, 0, z}}, .index = index}; }
+static sgt_element flat_at(const sgt_conic *flat, double z, double index)
+{
+    return (sgt_element){.surface = {&sgt_conic_ops, flat}, .pose = {.origin = {0, 0, z}}, .index = index};
+}
 
 static void test_fates(void **state)
 {
     (void)state;
     static const char *const text[] = {"lost", "missed", "passed", "clipped", "tir"};
-    for (int i = SGT_LOST; i <= SGT_TIR; i++) assert_string_equal(sgt_fate_text((sgt_fate)i), text[i - SGT_LOST]);
+    for (int i = SGT_LOST; i <= SGT_TIR; i++)
+        assert_string_equal(sgt_fate_text((sgt_fate)i), text[i - SGT_LOST]);
     assert_string_equal(sgt_fate_text((sgt_fate)99), "?");
 
     sgt_conic flat = {0}, ball = {.c = 1};
@@ -208,7 +231,8 @@ static void test_fates(void **state)
     e[1].semi_diameter = 0.25;
     assert_int_equal(sgt_trace(3, e, 1, &ray, p, &fate, NULL), 1);
     assert_int_equal(fate, SGT_CLIPPED);
-    assert_true(p[1].hit.status == SGT_HIT && p[1].opl == 2.5 && p[1].direction.z == 0 && p[1].hit.p.y == 0.3);
+    assert_true(p[1].hit.status == SGT_HIT && p[1].opl == 2.5 && p[1].direction.z == 0 &&
+                p[1].hit.p.y == 0.3);
     assert_true(ray.o.z == 0 && ray.o.y == 0.3 && ray.d.z == 1);
 
     /* on the rim, and soft by a part in 2^44 of r^2 */
@@ -243,7 +267,8 @@ static void test_fates(void **state)
     ray = (sgt_ray){.o = {0, 0, -1}, .d = {0, 0.8, 0.6}};
     assert_int_equal(sgt_trace(2, e, 1.5, &ray, p, &fate, NULL), 1);
     assert_int_equal(fate, SGT_TIR);
-    assert_true(p[1].hit.status == SGT_HIT && p[1].direction.y == 0 && fabs(p[1].opl - 1.5 * 2 / 0.6) < 1e-14);
+    assert_true(p[1].hit.status == SGT_HIT && p[1].direction.y == 0 &&
+                fabs(p[1].opl - 1.5 * 2 / 0.6) < 1e-14);
 
     /* backwards: a negative stretch counts negative */
     e[0] = flat_at(&flat, 3, 1.5), e[1] = flat_at(&flat, 1, 1);
@@ -265,39 +290,56 @@ static void test_invalid(void **state)
         sgt_element e[2] = {good, good};
         e[1].index = bad_index[i];
         sgt_ray ray = launch;
-        REQUIRE(sgt_trace(2, e, 1, &ray, p, &fate, NULL) == 1 && fate == SGT_LOST && p[1].hit.status == SGT_INVALID, "index %g behind", bad_index[i]);
+        REQUIRE(sgt_trace(2, e, 1, &ray, p, &fate, NULL) == 1 && fate == SGT_LOST &&
+                    p[1].hit.status == SGT_INVALID,
+                "index %g behind", bad_index[i]);
         ray = launch;
-        REQUIRE(sgt_trace(2, e, bad_index[i], &ray, p, &fate, NULL) == 0 && fate == SGT_LOST && p[0].hit.status == SGT_INVALID && isnan(p[0].hit.t), "index %g in front", bad_index[i]);
+        REQUIRE(sgt_trace(2, e, bad_index[i], &ray, p, &fate, NULL) == 0 && fate == SGT_LOST &&
+                    p[0].hit.status == SGT_INVALID && isnan(p[0].hit.t),
+                "index %g in front", bad_index[i]);
     }
     sgt_ray ray = launch;
     assert_true(sgt_trace(1, &good, SGT_MIRROR, &ray, p, &fate, NULL) == 0 && fate == SGT_LOST);
     const sgt_ray bad_ray[] = {
-        {.d = {0, 0, 0}}, {.d = {1e-310, 0, 0}}, {.d = {NOT, 0, 1}}, {.d = {0, 0, FAR}}, {.o = {NOT, 0, 0}, .d = {0, 0, 1}}, {.o = {0, FAR, 0}, .d = {0, 0, 1}},
+        {.d = {0, 0, 0}},
+        {.d = {1e-310, 0, 0}},
+        {.d = {NOT, 0, 1}},
+        {.d = {0, 0, FAR}},
+        {.o = {NOT, 0, 0}, .d = {0, 0, 1}},
+        {.o = {0, FAR, 0}, .d = {0, 0, 1}},
     };
     for (size_t i = 0; i < COUNT_OF(bad_ray); i++)
         for (size_t n = 0; n < 2; n++) {
             ray = bad_ray[i];
-            REQUIRE(sgt_trace(n, &good, 1, &ray, p, &fate, NULL) == 0 && fate == SGT_LOST, "bad ray %zu of %zu", i, n);
-            REQUIRE(n == 0 || p[0].hit.status == SGT_INVALID, "bad ray %zu: %s", i, sgt_status_text(p[0].hit.status));
-            REQUIRE(same_vector(ray.o, bad_ray[i].o) && same_vector(ray.d, bad_ray[i].d), "bad ray %zu is changed", i);
+            REQUIRE(sgt_trace(n, &good, 1, &ray, p, &fate, NULL) == 0 && fate == SGT_LOST,
+                    "bad ray %zu of %zu", i, n);
+            REQUIRE(n == 0 || p[0].hit.status == SGT_INVALID, "bad ray %zu: %s", i,
+                    sgt_status_text(p[0].hit.status));
+            REQUIRE(same_vector(ray.o, bad_ray[i].o) && same_vector(ray.d, bad_ray[i].d),
+                    "bad ray %zu is changed", i);
         }
     sgt_element e = good;
     e.surface.self = &broken;
     ray = launch;
-    assert_true(sgt_trace(1, &e, 1, &ray, p, &fate, NULL) == 0 && fate == SGT_LOST && p[0].hit.status == SGT_INVALID);
+    assert_true(sgt_trace(1, &e, 1, &ray, p, &fate, NULL) == 0 && fate == SGT_LOST &&
+                p[0].hit.status == SGT_INVALID);
     e = good, e.surface.ops = NULL;
     ray = launch;
-    assert_true(sgt_trace(1, &e, 1, &ray, p, &fate, NULL) == 0 && fate == SGT_LOST && p[0].hit.status == SGT_INVALID);
+    assert_true(sgt_trace(1, &e, 1, &ray, p, &fate, NULL) == 0 && fate == SGT_LOST &&
+                p[0].hit.status == SGT_INVALID);
     e = good, e.pose = sgt_pose_tilted((sgt_vec3){0}, (sgt_vec3){NOT, 0, 0});
     ray = launch;
-    assert_true(sgt_trace(1, &e, 1, &ray, p, &fate, NULL) == 0 && fate == SGT_LOST && p[0].hit.status == SGT_INVALID);
+    assert_true(sgt_trace(1, &e, 1, &ray, p, &fate, NULL) == 0 && fate == SGT_LOST &&
+                p[0].hit.status == SGT_INVALID);
     for (int i = 0; i < 2; i++) {
         e = good, e.semi_diameter = i ? -1 : NOT;
         ray = launch;
-        assert_true(sgt_trace(1, &e, 1, &ray, p, &fate, NULL) == 0 && fate == SGT_LOST && p[0].hit.status == SGT_INVALID);
+        assert_true(sgt_trace(1, &e, 1, &ray, p, &fate, NULL) == 0 && fate == SGT_LOST &&
+                    p[0].hit.status == SGT_INVALID);
     }
     ray = launch;
-    assert_true(sgt_trace(1, &good, 1, &ray, p, &fate, &(sgt_options){.t_tol = NOT}) == 0 && fate == SGT_LOST && p[0].hit.status == SGT_INVALID);
+    assert_true(sgt_trace(1, &good, 1, &ray, p, &fate, &(sgt_options){.t_tol = NOT}) == 0 &&
+                fate == SGT_LOST && p[0].hit.status == SGT_INVALID);
 }
 
 /* Outputs that nobody wants, and nothing to trace. */
@@ -312,11 +354,16 @@ static void test_nothing_wanted(void **state)
         sgt_passage p[ELEMENTS];
         sgt_fate fate;
         size_t n = sgt_trace(ELEMENTS, l.e, 1, &a, p, &fate, NULL);
-        REQUIRE(sgt_trace(ELEMENTS, l.e, 0, &b, NULL, NULL, NULL) == n && same_vector(a.o, b.o) && same_vector(a.d, b.d), "lens %d: another trace without outputs", i);
+        REQUIRE(sgt_trace(ELEMENTS, l.e, 0, &b, NULL, NULL, NULL) == n && same_vector(a.o, b.o) &&
+                    same_vector(a.d, b.d),
+                "lens %d: another trace without outputs", i);
         assert_int_equal(sgt_trace(0, l.e, 1, &c, NULL, &fate, NULL), 0);
         assert_int_equal(fate, SGT_PASSED);
-        REQUIRE(same_vector(c.o, launch.o) && fabsl(wide_length(widen(c.d)) - 1) < 2e-16L, "lens %d: the launch", i);
-        if (n == 0) REQUIRE(same_vector(a.o, launch.o) && same_vector(a.d, c.d), "lens %d: a ray that passed nothing", i);
+        REQUIRE(same_vector(c.o, launch.o) && fabsl(wide_length(widen(c.d)) - 1) < 2e-16L,
+                "lens %d: the launch", i);
+        if (n == 0)
+            REQUIRE(same_vector(a.o, launch.o) && same_vector(a.d, c.d), "lens %d: a ray that passed nothing",
+                    i);
         /* again, from where it came out: of unit length already, so to the bit */
         sgt_ray d = c;
         sgt_trace(0, NULL, 1, &d, NULL, NULL, NULL);
@@ -329,19 +376,27 @@ static void test_nothing_wanted(void **state)
 /* A bowl whose own guess is a crossing of its caller's choice. */
 typedef struct guided { sgt_asphere bowl; sgt_vec3 guess; } guided;
 
-static double guided_value(const void *self, sgt_vec3 p, sgt_vec3 *grad) { return sgt_asphere_ops.value(&((const guided *)self)->bowl, p, grad); }
-static double guided_rounding(const void *self, sgt_vec3 p) { return sgt_asphere_ops.rounding(&((const guided *)self)->bowl, p); }
+static double guided_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    return sgt_asphere_ops.value(&((const guided *)self)->bowl, p, grad);
+}
+static double guided_rounding(const void *self, sgt_vec3 p)
+{
+    return sgt_asphere_ops.rounding(&((const guided *)self)->bowl, p);
+}
 static sgt_span guided_span(const void *self, const sgt_ray *ray)
 {
     const guided *s = self;
     sgt_span span = sgt_asphere_ops.span(&s->bowl, ray);
     sgt_vec3 o = ray->o, d = ray->d;
     double a = d.x * d.x + d.y * d.y + d.z * d.z, nearest = -(o.x * d.x + o.y * d.y + o.z * d.z) / a;
-    span.lo = fmax(span.lo, nearest - 2 / sqrt(a)), span.hi = fmin(span.hi, nearest + 2 / sqrt(a)); /* a hyperboloid has no end */
+    /* a hyperboloid has no end */
+    span.lo = fmax(span.lo, nearest - 2 / sqrt(a)), span.hi = fmin(span.hi, nearest + 2 / sqrt(a));
     span.seed = ((s->guess.x - o.x) * d.x + (s->guess.y - o.y) * d.y + (s->guess.z - o.z) * d.z) / a;
     return span;
 }
-static const sgt_surface_ops guided_ops = {.name = "guided", .value = guided_value, .span = guided_span, .rounding = guided_rounding};
+static const sgt_surface_ops guided_ops = {
+    .name = "guided", .value = guided_value, .span = guided_span, .rounding = guided_rounding};
 
 /* A bowl that a low ray meets twice, inside 0.5 and outside.  Whatever the pick leads to first,
  * with an aperture of 0.5 the crossing inside it is meant. */
@@ -353,20 +408,28 @@ static void test_aperture_chooses(void **state)
     for (long i = 0; i < n; i++) {
         guided s = {.bowl = {.c = 1, .k = chance(&g, 0.5) ? 0 : uniform(&g, -1.5, 0.2)}};
         if (chance(&g, 0.5)) s.bowl.a[1] = 0.05;
-        double ra = uniform(&g, 0.05, 0.4), rb = uniform(&g, 0.6, 0.85), a = uniform(&g, 0, 6.28), b = uniform(&g, 0, 6.28);
+        double ra = uniform(&g, 0.05, 0.4), rb = uniform(&g, 0.6, 0.85), a = uniform(&g, 0, 6.28),
+               b = uniform(&g, 0, 6.28);
         sgt_vec3 inner = {ra * cos(a), ra * sin(a), 0}, outer = {rb * cos(b), rb * sin(b), 0};
-        inner.z = -sgt_asphere_ops.value(&s.bowl, inner, NULL), outer.z = -sgt_asphere_ops.value(&s.bowl, outer, NULL);
+        inner.z = -sgt_asphere_ops.value(&s.bowl, inner, NULL),
+        outer.z = -sgt_asphere_ops.value(&s.bowl, outer, NULL);
         bool guess_outer = chance(&g, 0.7);
         s.guess = guess_outer ? outer : inner;
         sgt_vec3 d = {inner.x - outer.x, inner.y - outer.y, inner.z - outer.z};
         double way = either_sign(&g), away = uniform(&g, -3, 6);
-        sgt_ray launch = {.o = {outer.x - way * away * d.x, outer.y - way * away * d.y, outer.z - way * away * d.z}, .d = {way * d.x, way * d.y, way * d.z}};
+        sgt_ray launch = {
+            .o = {outer.x - way * away * d.x, outer.y - way * away * d.y, outer.z - way * away * d.z},
+            .d = {way * d.x, way * d.y, way * d.z}};
         sgt_element e = {.index = 1};
-        if (chance(&g, 0.3)) e.pose = (sgt_pose){.ex = {0, 1, 0}, .ey = {-1, 0, 0}, .ez = {0, 0, 1}}, launch.o = (sgt_vec3){-launch.o.y, launch.o.x, launch.o.z}, launch.d = (sgt_vec3){-launch.d.y, launch.d.x, launch.d.z};
+        if (chance(&g, 0.3))
+            e.pose = (sgt_pose){.ex = {0, 1, 0}, .ey = {-1, 0, 0}, .ez = {0, 0, 1}},
+            launch.o = (sgt_vec3){-launch.o.y, launch.o.x, launch.o.z},
+            launch.d = (sgt_vec3){-launch.d.y, launch.d.x, launch.d.z};
         const sgt_surface surfaces[] = {{&sgt_asphere_ops, &s.bowl}, {&guided_ops, &s}};
         for (size_t k = 0; k < COUNT_OF(surfaces); k++)
             for (sgt_pick pick = SGT_PICK_DEFAULT; pick <= SGT_NEAR_SEED; pick++) {
-                sgt_options opt = {.pick = pick, .dt_min = 0.02, .max_evals = 100000, .t_tol = 1e-14}; /* the two are farther apart than dt_min; t_tol: else it follows from the aperture */
+                /* the two are farther apart than dt_min; t_tol: else it follows from the aperture */
+                sgt_options opt = {.pick = pick, .dt_min = 0.02, .max_evals = 100000, .t_tol = 1e-14};
                 sgt_passage p, plain;
                 sgt_fate fate;
                 sgt_ray ray = launch;
@@ -375,23 +438,32 @@ static void test_aperture_chooses(void **state)
                 REQUIRE(fate == SGT_PASSED, "ray %ld without an aperture: %s", i, sgt_fate_text(fate));
                 bool to_outer = pick == SGT_FIRST ? way > 0 : k == 1 && guess_outer;
                 const sgt_vec3 *meant = to_outer ? &outer : &inner;
-                REQUIRE(fabs(plain.hit.p.x - meant->x) < 1e-9 && fabs(plain.hit.p.y - meant->y) < 1e-9, "ray %ld, surface %zu, pick %d: another crossing without an aperture", i, k, (int)pick);
+                REQUIRE(fabs(plain.hit.p.x - meant->x) < 1e-9 && fabs(plain.hit.p.y - meant->y) < 1e-9,
+                        "ray %ld, surface %zu, pick %d: another crossing without an aperture", i, k,
+                        (int)pick);
                 e.semi_diameter = 0.5;
                 ray = launch;
                 sgt_trace(1, &e, 1, &ray, &p, &fate, &opt);
-                REQUIRE(fate == SGT_PASSED, "ray %ld, surface %zu, pick %d: %s (%s) at r %g, a crossing at %g", i, k, (int)pick, sgt_fate_text(fate), sgt_status_text(p.hit.status), hypot(p.hit.p.x, p.hit.p.y), ra);
-                REQUIRE(fabs(p.hit.p.x - inner.x) < 1e-9 && fabs(p.hit.p.y - inner.y) < 1e-9, "ray %ld, surface %zu, pick %d: another crossing", i, k, (int)pick);
+                REQUIRE(fate == SGT_PASSED,
+                        "ray %ld, surface %zu, pick %d: %s (%s) at r %g, a crossing at %g", i, k, (int)pick,
+                        sgt_fate_text(fate), sgt_status_text(p.hit.status), hypot(p.hit.p.x, p.hit.p.y), ra);
+                REQUIRE(fabs(p.hit.p.x - inner.x) < 1e-9 && fabs(p.hit.p.y - inner.y) < 1e-9,
+                        "ray %ld, surface %zu, pick %d: another crossing", i, k, (int)pick);
                 if (to_outer) {
                     chosen++;
-                    REQUIRE(p.hit.evals > plain.hit.evals, "ray %ld: %d evaluations, %d for the first search alone", i, p.hit.evals, plain.hit.evals);
+                    REQUIRE(p.hit.evals > plain.hit.evals,
+                            "ray %ld: %d evaluations, %d for the first search alone", i, p.hit.evals,
+                            plain.hit.evals);
                 } else {
                     REQUIRE(p.hit.evals == plain.hit.evals, "ray %ld: the aperture costs evaluations", i);
                 }
                 e.semi_diameter = 0.02; /* holds neither */
                 ray = launch;
                 sgt_trace(1, &e, 1, &ray, &p, &fate, &opt);
-                REQUIRE(fate == SGT_CLIPPED && p.hit.status > 0, "ray %ld, both outside: %s", i, sgt_fate_text(fate));
-                REQUIRE(fabs(p.hit.t - plain.hit.t) < 1e-9, "ray %ld, both outside: clipped at another root", i);
+                REQUIRE(fate == SGT_CLIPPED && p.hit.status > 0, "ray %ld, both outside: %s", i,
+                        sgt_fate_text(fate));
+                REQUIRE(fabs(p.hit.t - plain.hit.t) < 1e-9, "ray %ld, both outside: clipped at another root",
+                        i);
                 e.semi_diameter = 0;
             }
     }
@@ -407,15 +479,20 @@ static void test_wide_aperture(void **state)
     const double wide_ones[] = {1e3, 1e10, 1e100, 1e300, FAR};
     for (long i = 0, n = scaled(500); i < n; i++) {
         sgt_asphere bowl = {.c = uniform(&g, -0.1, 0.1), .a = {0, uniform(&g, -1e-4, 1e-4)}};
-        sgt_element e = {.surface = {&sgt_asphere_ops, &bowl}, .index = 1.5, .pose = {.origin = {0, 0, 0.01}}};
-        sgt_ray launch = {.o = {uniform(&g, -2, 2), uniform(&g, -2, 2), -1}, .d = {uniform(&g, -0.1, 0.1), uniform(&g, -0.1, 0.1), 1}}, ray = launch;
+        sgt_element e = {
+            .surface = {&sgt_asphere_ops, &bowl}, .index = 1.5, .pose = {.origin = {0, 0, 0.01}}};
+        sgt_ray launch = {.o = {uniform(&g, -2, 2), uniform(&g, -2, 2), -1},
+                          .d = {uniform(&g, -0.1, 0.1), uniform(&g, -0.1, 0.1), 1}},
+                ray = launch;
         sgt_passage plain, p;
         assert_int_equal(sgt_trace(1, &e, 1, &ray, &plain, NULL, NULL), 1);
         for (size_t k = 0; k < COUNT_OF(wide_ones); k++) {
             e.semi_diameter = wide_ones[k];
             ray = launch;
             assert_int_equal(sgt_trace(1, &e, 1, &ray, &p, NULL, NULL), 1);
-            REQUIRE(fabs(p.hit.t - plain.hit.t) < 2e-14 && p.hit.t_err < 2e-14, "ray %ld, aperture %g: t %.17g, %.17g without; t_err %g", i, wide_ones[k], p.hit.t, plain.hit.t, p.hit.t_err);
+            REQUIRE(fabs(p.hit.t - plain.hit.t) < 2e-14 && p.hit.t_err < 2e-14,
+                    "ray %ld, aperture %g: t %.17g, %.17g without; t_err %g", i, wide_ones[k], p.hit.t,
+                    plain.hit.t, p.hit.t_err);
         }
     }
 }
@@ -433,19 +510,26 @@ static void test_far_lens(void **state)
         sgt_vec3 shift = {0x1p30 * below(&g, 3), -0x1p30 * below(&g, 3), 0x1p30};
         sgt_ray near = random_launch(&g), far;
         /* on a grid of 2^-20, so that the shift is exact */
-        near.o = (sgt_vec3){rint(near.o.x * 0x1p20) * 0x1p-20, rint(near.o.y * 0x1p20) * 0x1p-20, rint(near.o.z * 0x1p20) * 0x1p-20};
+        near.o = (sgt_vec3){rint(near.o.x * 0x1p20) * 0x1p-20, rint(near.o.y * 0x1p20) * 0x1p-20,
+                            rint(near.o.z * 0x1p20) * 0x1p-20};
         far = near, far.o = (sgt_vec3){near.o.x + shift.x, near.o.y + shift.y, near.o.z + shift.z};
         lens m = l;
         for (int j = 0; j < ELEMENTS; j++) {
             sgt_vec3 o = l.e[j].pose.origin;
-            o = (sgt_vec3){rint(o.x * 0x1p20) * 0x1p-20, rint(o.y * 0x1p20) * 0x1p-20, rint(o.z * 0x1p20) * 0x1p-20};
-            l.e[j].pose.origin = o, m.e[j].pose.origin = (sgt_vec3){o.x + shift.x, o.y + shift.y, o.z + shift.z};
+            o = (sgt_vec3){rint(o.x * 0x1p20) * 0x1p-20, rint(o.y * 0x1p20) * 0x1p-20,
+                           rint(o.z * 0x1p20) * 0x1p-20};
+            l.e[j].pose.origin = o,
+            m.e[j].pose.origin = (sgt_vec3){o.x + shift.x, o.y + shift.y, o.z + shift.z};
         }
         sgt_passage here[ELEMENTS], there[ELEMENTS];
-        size_t a = sgt_trace(ELEMENTS, l.e, 1, &near, here, NULL, NULL), b = sgt_trace(ELEMENTS, m.e, 1, &far, there, NULL, NULL);
+        size_t a = sgt_trace(ELEMENTS, l.e, 1, &near, here, NULL, NULL),
+               b = sgt_trace(ELEMENTS, m.e, 1, &far, there, NULL, NULL);
         REQUIRE(a == b, "lens %ld: passed %zu here and %zu there", i, a, b);
         for (size_t j = 0; j < a; j++)
-            REQUIRE(same_vector(here[j].hit.p, there[j].hit.p) && same_vector(here[j].direction, there[j].direction) && same_bits(here[j].opl, there[j].opl), "lens %ld: element %zu differs", i, j);
+            REQUIRE(same_vector(here[j].hit.p, there[j].hit.p) &&
+                        same_vector(here[j].direction, there[j].direction) &&
+                        same_bits(here[j].opl, there[j].opl),
+                    "lens %ld: element %zu differs", i, j);
         REQUIRE(same_vector(near.d, far.d), "lens %ld: another direction", i);
     }
 }
@@ -466,32 +550,41 @@ static void test_far_launch(void **state)
     for (long i = 0; i < n; i++) {
         lens l;
         random_lens(&g, &l);
-        sgt_vec3 d = {below(&g, 400) - 200, below(&g, 400) - 200, 1000}, q = {rint(uniform(&g, -1, 1) * 0x1p10) * 0x1p-10, rint(uniform(&g, -1, 1) * 0x1p10) * 0x1p-10, -4};
-        sgt_ray near = {.o = q, .d = d}, far = {.o = {q.x - 0x1p30 * d.x, q.y - 0x1p30 * d.y, q.z - 0x1p30 * d.z}, .d = d};
+        sgt_vec3 d = {below(&g, 400) - 200, below(&g, 400) - 200, 1000},
+                 q = {rint(uniform(&g, -1, 1) * 0x1p10) * 0x1p-10,
+                      rint(uniform(&g, -1, 1) * 0x1p10) * 0x1p-10, -4};
+        sgt_ray near = {.o = q, .d = d},
+                far = {.o = {q.x - 0x1p30 * d.x, q.y - 0x1p30 * d.y, q.z - 0x1p30 * d.z}, .d = d};
         sgt_passage a[ELEMENTS], b[ELEMENTS];
         double seen = NOT;
-        size_t na = sgt_trace(ELEMENTS, l.e, 1, &near, a, NULL, NULL), nb = sgt_trace(ELEMENTS, l.e, 1, &far, b, NULL, NULL);
+        size_t na = sgt_trace(ELEMENTS, l.e, 1, &near, a, NULL, NULL),
+               nb = sgt_trace(ELEMENTS, l.e, 1, &far, b, NULL, NULL);
         REQUIRE(na == nb, "ray %ld: %zu from nearby, %zu from afar", i, na, nb);
         bool steep = false;
         for (size_t j = 0; j < na; j++) {
-            steep = steep || fabsl(wide_dot(wide_unit(widen(a[j].hit.n)), widen(a[j].direction))) < 0.1L || fabs(a[j].hit.t) > 100 || wide_length(widen(a[j].hit.p)) > 40;
+            steep = steep || fabsl(wide_dot(wide_unit(widen(a[j].hit.n)), widen(a[j].direction))) < 0.1L ||
+                    fabs(a[j].hit.t) > 100 || wide_length(widen(a[j].hit.p)) > 40;
             if (steep) break; /* from there on an error measures the problem */
             worst_p = fmaxl(worst_p, apart(widen(a[j].hit.p), b[j].hit.p) / l.length);
             worst_d = fmaxl(worst_d, apart(widen(a[j].direction), b[j].direction));
         }
         if (na == 0) continue;
-        long double away = 0x1p30L * wide_length(widen(d)), off = fabsl((long double)b[0].hit.t + b[0].hit.t_lo - a[0].hit.t - a[0].hit.t_lo - away);
-        REQUIRE(off <= (long double)b[0].hit.t_err + a[0].hit.t_err, "ray %ld: t %Lg off, t_err %g", i, off, b[0].hit.t_err);
+        long double away = 0x1p30L * wide_length(widen(d)),
+                    off = fabsl((long double)b[0].hit.t + b[0].hit.t_lo - a[0].hit.t - a[0].hit.t_lo - away);
+        REQUIRE(off <= (long double)b[0].hit.t_err + a[0].hit.t_err, "ray %ld: t %Lg off, t_err %g", i, off,
+                b[0].hit.t_err);
         REQUIRE(b[0].hit.t_err <= 8 * DBL_EPSILON * b[0].hit.t, "ray %ld: t_err %g", i, b[0].hit.t_err);
         far = (sgt_ray){.o = {q.x - 0x1p30 * d.x, q.y - 0x1p30 * d.y, q.z - 0x1p30 * d.z}, .d = d};
         sgt_trace(1, l.e, 1, &far, NULL, NULL, &(sgt_options){.watch = last_t, .watch_data = &seen});
-        REQUIRE(fabs(seen - b[0].hit.t) <= b[0].hit.t_err, "ray %ld: the watcher sees t %.17g, the hit is at %.17g", i, seen, b[0].hit.t);
+        REQUIRE(fabs(seen - b[0].hit.t) <= b[0].hit.t_err,
+                "ray %ld: the watcher sees t %.17g, the hit is at %.17g", i, seen, b[0].hit.t);
     }
     print_message("point %.2Lg of the length, direction %.2Lg\n", worst_p, worst_d);
     REQUIRE(worst_p < 1e-13L && worst_d < 1e-13L, "point %Lg, direction %Lg", worst_p, worst_d);
 }
 
-/* A launch that is moved, along an axis: its t0 is exact, and t + t_lo is the root to what is left of it, though an ulp of t is long. */
+/* A launch that is moved, along an axis: its t0 is exact, and t + t_lo is the root to what is left of it,
+ * though an ulp of t is long. */
 static void test_far_launch_to_its_last_part(void **state)
 {
     (void)state;
@@ -500,12 +593,17 @@ static void test_far_launch_to_its_last_part(void **state)
     long n = scaled(20000), rounded = 0;
     for (long i = 0; i < n; i++) {
         const sgt_conic flat = {.c = 0};
-        sgt_element e = {.surface = {&sgt_conic_ops, &flat}, .pose = sgt_pose_tilted(random_point(&g, 2), random_point(&g, 50)), .index = 1.5};
-        double away = either_sign(&g) * log_uniform(&g, 1e5, 1e12), side[3] = {uniform(&g, -1, 1), uniform(&g, -1, 1), uniform(&g, -1, 1)}, way[3] = {0};
+        sgt_element e = {.surface = {&sgt_conic_ops, &flat},
+                         .pose = sgt_pose_tilted(random_point(&g, 2), random_point(&g, 50)),
+                         .index = 1.5};
+        double away = either_sign(&g) * log_uniform(&g, 1e5, 1e12),
+               side[3] = {uniform(&g, -1, 1), uniform(&g, -1, 1), uniform(&g, -1, 1)}, way[3] = {0};
         int axis = below(&g, 3);
         side[axis] -= away, way[axis] = 1;
-        const sgt_vec3 o = {side[0], side[1], side[2]}, d = {way[0], way[1], way[2]}, ez = e.pose.ez, at = e.pose.origin;
-        double slope = way[0] * ez.x + way[1] * ez.y + way[2] * ez.z, t[2], t_lo[2], infinite = FAR, begin = -FAR;
+        const sgt_vec3 o = {side[0], side[1], side[2]}, d = {way[0], way[1], way[2]}, ez = e.pose.ez,
+                       at = e.pose.origin;
+        double slope = way[0] * ez.x + way[1] * ez.y + way[2] * ez.z, t[2], t_lo[2], infinite = FAR,
+               begin = -FAR;
         if (fabs(slope) < 0.1) continue;
         sgt_ray ray = {.o = o, .d = d};
         sgt_passage p;
@@ -515,13 +613,20 @@ static void test_far_launch_to_its_last_part(void **state)
         sgt_rays one = {.o = {&o.x, &o.y, &o.z}, .d = {&d.x, &d.y, &d.z}, .tmin = &begin, .tmax = &infinite};
         sgt_trace_batch(1, &e, 1, 1, one, (sgt_traced){0}, &told, NULL);
         for (int k = 0; k < 2; k++) {
-            double left[3] = {o.x - at.x, o.y - at.y, o.z - at.z}, from = side[axis], to = axis == 0 ? at.x : axis == 1 ? at.y : at.z;
-            left[axis] = ((from + t[k]) - to) + t_lo[k]; /* from + t is exact where t is long: the two are near */
+            double left[3] = {o.x - at.x, o.y - at.y, o.z - at.z}, from = side[axis],
+                   to = axis == 0   ? at.x
+                        : axis == 1 ? at.y
+                                    : at.z;
+            /* from + t is exact where t is long: the two are near */
+            left[axis] = ((from + t[k]) - to) + t_lo[k];
             if (fabs(from + t[k]) > 0.25 * fabs(from)) continue;
-            long double off = fabsl((long double)left[0] * ez.x + (long double)left[1] * ez.y + (long double)left[2] * ez.z) / fabs(slope);
+            long double off = fabsl((long double)left[0] * ez.x + (long double)left[1] * ez.y +
+                                    (long double)left[2] * ez.z) /
+                              fabs(slope);
             worst = fmaxl(worst, off);
             rounded += fabs(t_lo[k]) > 1e-13;
-            REQUIRE(off < 1e-13L, "ray %ld from %g away%s: t + t_lo is %Lg off, t_lo %g", i, away, k ? ", in a batch" : "", off, t_lo[k]);
+            REQUIRE(off < 1e-13L, "ray %ld from %g away%s: t + t_lo is %Lg off, t_lo %g", i, away,
+                    k ? ", in a batch" : "", off, t_lo[k]);
         }
     }
     print_message("t + t_lo off by %Lg at most; t_lo is of account %ld times\n", worst, rounded);
@@ -551,8 +656,9 @@ static void test_path_rounded_once(void **state)
             if (!(size < 1e300L)) break;
             long double ulp = nextafter(fabs(passage[j].opl), FAR) - fabsl(opl), off = fabsl(opl - path);
             worst = fmaxl(worst, (off - 0x1p-61L * size) / ulp);
-            REQUIRE(off <= 0.502L * ulp + 0x1p-61L * size, "ray %ld from %g away, element %zu: the path is off by %Lg of its ulp",
-                    i, away, j, off / ulp);
+            REQUIRE(off <= 0.502L * ulp + 0x1p-61L * size,
+                    "ray %ld from %g away, element %zu: the path is off by %Lg of its ulp", i, away, j,
+                    off / ulp);
             if (l.e[j].index != 0 && l.e[j].index != SGT_MIRROR) index = l.e[j].index;
         }
     }
@@ -583,8 +689,12 @@ static void test_watch(void **state)
         sgt_fate fate, same;
         size_t passed = sgt_trace(ELEMENTS, l.e, 1, &ray, p, &fate, NULL), met = passed + (passed < ELEMENTS);
         counter c = {0};
-        REQUIRE(sgt_trace(ELEMENTS, l.e, 1, &watched, w, &same, &(sgt_options){.watch = count, .watch_data = &c}) == passed && same == fate, "lens %ld: another fate when watched", i);
-        REQUIRE(same_vector(ray.o, watched.o) && same_vector(ray.d, watched.d), "lens %ld: another ray when watched", i);
+        REQUIRE(sgt_trace(ELEMENTS, l.e, 1, &watched, w, &same,
+                          &(sgt_options){.watch = count, .watch_data = &c}) == passed &&
+                    same == fate,
+                "lens %ld: another fate when watched", i);
+        REQUIRE(same_vector(ray.o, watched.o) && same_vector(ray.d, watched.d),
+                "lens %ld: another ray when watched", i);
         int evals = 0;
         for (size_t j = 0; j < met; j++) evals += p[j].hit.evals;
         REQUIRE(evals == c.calls, "lens %ld: %d evaluations, %d steps seen", i, evals, c.calls);
@@ -594,7 +704,9 @@ static void test_watch(void **state)
         sgt_trace(ELEMENTS, l.e, 1, &watched, w, &same, &(sgt_options){.watch = count, .watch_data = &c});
         size_t at = 0;
         for (int left = c.stop_at; left > p[at].hit.evals; at++) left -= p[at].hit.evals;
-        REQUIRE(same == SGT_LOST && w[at].hit.status == SGT_STOPPED && c.calls == c.stop_at, "lens %ld: stopped at %d: %s, %s after %d", i, c.stop_at, sgt_fate_text(same), sgt_status_text(w[at].hit.status), c.calls);
+        REQUIRE(same == SGT_LOST && w[at].hit.status == SGT_STOPPED && c.calls == c.stop_at,
+                "lens %ld: stopped at %d: %s, %s after %d", i, c.stop_at, sgt_fate_text(same),
+                sgt_status_text(w[at].hit.status), c.calls);
     }
 }
 
@@ -608,16 +720,27 @@ static void test_scan_lens_ray(void **state)
     sgt_ray ray = {.o = {0, 0.5, -5}, .d = {0, 0.3420201433256687, 0.9396926207859084}};
     sgt_passage p;
     assert_int_equal(sgt_trace(1, &e, 1, &ray, &p, NULL, NULL), 1);
-    REQUIRE(fabsl(p.hit.t - 4.143085073464611925784L) <= p.hit.t_err + 1e-16L && p.hit.t_err < 4e-15, "t %.17g +- %g", p.hit.t, p.hit.t_err);
+    REQUIRE(fabsl(p.hit.t - 4.143085073464611925784L) <= p.hit.t_err + 1e-16L && p.hit.t_err < 4e-15,
+            "t %.17g +- %g", p.hit.t, p.hit.t_err);
     REQUIRE(p.hit.t == 4.143085073464612 && p.opl == p.hit.t, "t %.17g, opl %.17g", p.hit.t, p.opl);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_wide), cmocka_unit_test(test_reversed),   cmocka_unit_test(test_fates),       cmocka_unit_test(test_invalid),
-        cmocka_unit_test(test_nothing_wanted), cmocka_unit_test(test_aperture_chooses), cmocka_unit_test(test_wide_aperture), cmocka_unit_test(test_far_lens), cmocka_unit_test(test_far_launch), cmocka_unit_test(test_far_launch_to_its_last_part), cmocka_unit_test(test_path_rounded_once),
-        cmocka_unit_test(test_watch),        cmocka_unit_test(test_scan_lens_ray),
+        cmocka_unit_test(test_against_wide),
+        cmocka_unit_test(test_reversed),
+        cmocka_unit_test(test_fates),
+        cmocka_unit_test(test_invalid),
+        cmocka_unit_test(test_nothing_wanted),
+        cmocka_unit_test(test_aperture_chooses),
+        cmocka_unit_test(test_wide_aperture),
+        cmocka_unit_test(test_far_lens),
+        cmocka_unit_test(test_far_launch),
+        cmocka_unit_test(test_far_launch_to_its_last_part),
+        cmocka_unit_test(test_path_rounded_once),
+        cmocka_unit_test(test_watch),
+        cmocka_unit_test(test_scan_lens_ray),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -53,7 +53,10 @@ static UNUSED double uniform(generator *g, double lo, double hi)
 {
     return lo + (hi - lo) * ldexp((double)(random_bits(g) >> 11), -53);
 }
-static UNUSED double log_uniform(generator *g, double lo, double hi) { return exp(uniform(g, log(lo), log(hi))); }
+static UNUSED double log_uniform(generator *g, double lo, double hi)
+{
+    return exp(uniform(g, log(lo), log(hi)));
+}
 static UNUSED int below(generator *g, int n) { return (int)(random_bits(g) % (uint64_t)n); }
 static UNUSED bool chance(generator *g, double p) { return uniform(g, 0, 1) < p; }
 static UNUSED double either_sign(generator *g) { return chance(g, 0.5) ? 1 : -1; }
@@ -102,6 +105,9 @@ static UNUSED long double wide_length(wide a) { return sqrtl(wide_dot(a, a)); }
 static UNUSED wide wide_unit(wide a) { return wide_times(1 / wide_length(a), a); }
 
 static UNUSED bool same_bits(double a, double b) { return memcmp(&a, &b, sizeof a) == 0; }
-static UNUSED bool same_vector(sgt_vec3 a, sgt_vec3 b) { return same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z); }
+static UNUSED bool same_vector(sgt_vec3 a, sgt_vec3 b)
+{
+    return same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z);
+}
 
 #endif

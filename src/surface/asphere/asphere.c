@@ -3,10 +3,10 @@
  * F = z - s(r^2) - P(r^2) is solved in the polynomial form G of poly.c, which has its roots, and by
  * the certificate there.
  *
- * EASY.  Four evaluations on lens surfaces, by the single ray and by lanes, the first root without a rim too:
- * asphere/easy.h.
- * QUICK.  What is not easy: Newton from the conic's root near the vertex, each step at most half the last, and where t
- * is not sharp settled from there.  That the root is the only one within the rim is certain where
+ * EASY.  Four evaluations on lens surfaces, by the single ray and by lanes, the first root without a rim
+ * too: asphere/easy.h.  QUICK.  What is not easy: Newton from the conic's root near the vertex, each step
+ * at most half the last, and where t is not sharp settled from there.  That the root is the only one within
+ * the rim is certain where
  *     |n| > L sqrt(a),  L = max |grad s| over the rim,  a = l^2 + m^2:
  * then F is monotone along the chord.  Where that root is the start itself the ray misses.
  * CAREFUL.  All else: the march in classify.c, which is certain too, only slower.
@@ -23,8 +23,8 @@
 /* ------------------------------------------------------------------- easy */
 
 /* One ray, its ends made explicit; the evaluations are counted and told whatever becomes of it. */
-SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin, double tmax,
-                               double t_tol, double scale, lane *e, tally *w)
+SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin,
+                                       double tmax, double t_tol, double scale, lane *e, tally *w)
 {
     double g, slope;
     wavy_start r = wavy_begin(s, ALL_TERMS, o.x, o.y, o.z, d.x, d.y, d.z, &g, &slope);
@@ -65,18 +65,20 @@ SGT_INLINE easy_answer easy(const wavy *s, const sgt_ray *ray, lane *e, tally *w
     sgt_vec3 d = ray->d;
     bool first = opt->pick != SGT_NEAR_SEED;
     double scale = scale_of(d);
-    if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z)) return asphere_easy_at(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, 1, e, w);
+    if (usual_length((d.x * d.x + d.y * d.y) + d.z * d.z))
+        return asphere_easy_at(s, first, ray->o, d, ray->tmin, ray->tmax, opt->t_tol, 1, e, w);
     if (!ends_are_whole(ray, scale)) return EASY_NOT;
     d = (sgt_vec3){d.x * scale, d.y * scale, d.z * scale};
-    easy_answer is =
-        asphere_easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale, opt->t_tol / scale, scale, e, w);
+    easy_answer is = asphere_easy_at(s, first, ray->o, d, ray->tmin / scale, ray->tmax / scale,
+                                     opt->t_tol / scale, scale, e, w);
     return is == EASY_HIT ? easy_unscaled(e, scale) : is;
 }
 
 /* The loops of a tile, for so many terms. */
 typedef struct wavy_room {
     _Alignas(64) double x[SGT_TILE];
-    double y[SGT_TILE], t0[SGT_TILE], t0_lo[SGT_TILE], from[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE], v[SGT_TILE], near[SGT_TILE];
+    double y[SGT_TILE], t0[SGT_TILE], t0_lo[SGT_TILE], from[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE],
+        v[SGT_TILE], near[SGT_TILE];
     double tau2[SGT_TILE], step2[SGT_TILE], inverse[SGT_TILE], dw[SGT_TILE], slant[SGT_TILE];
     mask again[SGT_TILE];
     lane_ends ends;
@@ -91,7 +93,8 @@ static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *
     size_t count = tile->n;
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
-        mask hit = room->ends.hit[i] & wavy_sure(s, room->x[i], room->y[i], room->t0[i], room->tau_err[i], l[i], m[i]);
+        mask hit = room->ends.hit[i] &
+                   wavy_sure(s, room->x[i], room->y[i], room->t0[i], room->tau_err[i], l[i], m[i]);
         room->ends.hit[i] = hit;
         all &= hit;
     }
@@ -102,8 +105,8 @@ static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *
  * without. */
 SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile *tile, wavy_room *room)
 {
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin;
     size_t count = tile->n;
     mask every = MASK(true);
     if (!halves) {
@@ -116,7 +119,9 @@ SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile 
         every = MASK(true);
     }
     _Pragma("omp simd reduction(& : every)") for (size_t i = 0; i < count; i++) {
-        mask is = room->again[i] | wavy_first_from(s, terms, halves, ox[i], oy[i], oz[i], tmin[i], room->t0[i], room->x[i], room->y[i], room->tau[i], l[i], m[i], n[i]);
+        mask is = room->again[i] | wavy_first_from(s, terms, halves, ox[i], oy[i], oz[i], tmin[i],
+                                                   room->t0[i], room->x[i], room->y[i], room->tau[i], l[i],
+                                                   m[i], n[i]);
         room->again[i] = is;
         every &= is;
     }
@@ -184,17 +189,19 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, bool rich, bool vertex, co
     return all;
 }
 
-SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, bool rich, const sgt_tile *tile, wavy_room *room)
+SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, bool rich, const sgt_tile *tile,
+                             wavy_room *room)
 {
     const wavy own = *self, *s = &own; /* no output is a part of it */
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *t_tol = tile->t_tol;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *t_tol = tile->t_tol;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
         double g, slope;
         wavy_start r = wavy_begin(s, terms, ox[i], oy[i], oz[i], l[i], m[i], n[i], &g, &slope);
         if (first) r.tau = chosen(wavy_hopeless(s, tmin[i], l[i], m[i], n[i]), (double)NAN, r.tau);
-        room->x[i] = r.x, room->y[i] = r.y, room->t0[i] = r.t0, room->t0_lo[i] = r.t0_lo, room->from[i] = r.tau;
+        room->x[i] = r.x, room->y[i] = r.y, room->t0[i] = r.t0, room->t0_lo[i] = r.t0_lo,
+        room->from[i] = r.tau;
     }
     int extra[SGT_TILE], rounds = 1;
     mask any = 0;
@@ -202,12 +209,16 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, bool rich,
         any = 0;
         LANES for (size_t i = 0; i < count; i++) {
             wavy_newton h = wavy_half(s, terms, room->x[i], room->y[i], room->from[i], l[i], m[i], n[i]);
-            room->tau2[i] = h.tau2, room->step2[i] = h.step2, room->inverse[i] = h.inverse, room->dw[i] = h.dw, room->slant[i] = h.slant;
+            room->tau2[i] = h.tau2, room->step2[i] = h.step2, room->inverse[i] = h.inverse,
+            room->dw[i] = h.dw, room->slant[i] = h.slant;
         }
         _Pragma("omp simd reduction(| : any)") for (size_t i = 0; i < count; i++) {
-            wavy_newton h = {room->tau2[i], room->step2[i], room->inverse[i], room->dw[i], room->slant[i], 0, 0};
-            wavy_round q = wavy_bound(s, terms, room->x[i], room->y[i], room->t0[i], &h, l[i], m[i], n[i], t_tol[i]);
-            room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->v[i] = q.v, room->near[i] = q.near, room->again[i] = q.again;
+            wavy_newton h = {
+                room->tau2[i], room->step2[i], room->inverse[i], room->dw[i], room->slant[i], 0, 0};
+            wavy_round q = wavy_bound(s, terms, room->x[i], room->y[i], room->t0[i], &h, l[i], m[i], n[i],
+                                      t_tol[i]);
+            room->tau[i] = q.tau, room->tau_err[i] = q.tau_err, room->v[i] = q.v, room->near[i] = q.near,
+            room->again[i] = q.again;
             any |= q.again;
         }
         if (!any || rounds == ROUNDS) break;
@@ -262,12 +273,14 @@ SGT_INLINE bool is_start(const meeting *h, const sgt_ray *ray, double scale)
 }
 
 /* true: a hit; or, where *miss is made true, a miss: the start is the only root within the rim. */
-SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, double *seed, bool *miss, tally *w)
+SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, double *seed, bool *miss,
+                              tally *w)
 {
     const sgt_options *opt = w->opt;
     local q = local_at_vertex_plane(ray);
     double a = q.l * q.l + q.m * q.m, k1 = 1 + s->k;
-    double A = s->c * (a + k1 * q.n * q.n), B = q.n - s->c * (q.x * q.l + q.y * q.m), C = s->c * (q.x * q.x + q.y * q.y);
+    double A = s->c * (a + k1 * q.n * q.n), B = q.n - s->c * (q.x * q.l + q.y * q.m),
+           C = s->c * (q.x * q.x + q.y * q.y);
     double D = B * B - A * C, tau = C / (B + copysign(sqrt(D), B)), last = HUGE_VAL;
     if (!(tau > -HUGE_VAL && tau < HUGE_VAL)) tau = 0; /* the conic is not met: from the vertex plane */
     *seed = q.t0 + tau;
@@ -280,11 +293,14 @@ SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, 
         if (w->stopped) return false;
         move = SGT_NEWTON;
         double step = -at.g / at.slope, v_err;
-        bool steady, close = fabs(at.g) <= 0x1p-20 * (fabs(at.z) + fabs(at.w)) || fabs(step) <= t_tol, shrinks = fabs(step) <= 0.5 * last; /* not of NaN */
+        /* not of NaN */
+        bool steady, close = fabs(at.g) <= 0x1p-20 * (fabs(at.z) + fabs(at.w)) || fabs(step) <= t_tol,
+                     shrinks = fabs(step) <= 0.5 * last;
         last = fabs(step);
         if (close || !shrinks) {
             sgt_poly_bound(s, &q, tau, &at);
-            if (!shrinks && !(fabs(at.g) <= at.g_err)) return false; /* noise at the root is no reason to give up */
+            /* noise at the root is no reason to give up */
+            if (!shrinks && !(fabs(at.g) <= at.g_err)) return false;
             if (!sgt_poly_certify(s, &q, &at, tau, t_tol, out, &v_err, &steady)) return false;
             if (steady) {
                 if (!(out->v > 16 * v_err)) return false;
@@ -292,16 +308,23 @@ SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, 
                 *miss = whole && out->p.x * out->p.x + out->p.y * out->p.y <= s->rim2
                         && !rim_hidden(out, s->rim2) && is_start(out, ray, q.scale);
                 if (*miss) return false;
-                /* a start too far off for the terms at the root, or for t, or a steep place: once more from there */
+                /* a start too far off for the terms at the root, or for t, or a steep place: once more from
+                 * there */
                 double fx = fabs(out->n.x), fy = fabs(out->n.y), far = at.ex * fx + at.ey * fy + at.ez;
-                double here = fabs(at.x) * fx + fabs(at.y) * fy + fabs(at.z) + at.first * (at.x * at.x + at.y * at.y);
-                if ((far > 3 * here || fx * fx + fy * fy > STEEP2 || !sharp(out, opt->t_tol)) && !sgt_poly_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w)) return false;
+                double here = fabs(at.x) * fx + fabs(at.y) * fy + fabs(at.z) +
+                              at.first * (at.x * at.x + at.y * at.y);
+                if ((far > 3 * here || fx * fx + fy * fy > STEEP2 || !sharp(out, opt->t_tol)) &&
+                    !sgt_poly_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w))
+                    return false;
                 bool near = opt->pick == SGT_NEAR_SEED;
-                if (opt->proof != SGT_ESTIMATE && (rim_hidden(out, s->rim2) || !sgt_poly_unique(s, ray, out, w) || w->stopped)) return false;
+                if (opt->proof != SGT_ESTIMATE &&
+                    (rim_hidden(out, s->rim2) || !sgt_poly_unique(s, ray, out, w) || w->stopped))
+                    return false;
                 if (fabs(out->t - ray->tmax)
                     <= larger(END_ERRORS * (out->t_err + SGT_U * fabs(out->t)), TINY))
                     return false; /* the march tells whether it counts */
-                return (near || whole) && accepted(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL && !place_is_tiny(&q, out->t, out->p);
+                return (near || whole) && accepted(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL &&
+                       !place_is_tiny(&q, out->t, out->p);
             }
         }
         tau += step;
@@ -320,7 +343,12 @@ static int asphere_terms_of(const sgt_asphere *s)
 
 static shape shape_of(const sgt_asphere *s, int terms)
 {
-    return (shape){.c = s->c, .k = s->k, .ck = (1 + s->k) * s->c, .terms = terms, .a = s->a, .rim2 = rim2_of(s->semi_diameter),
+    return (shape){.c = s->c,
+                   .k = s->k,
+                   .ck = (1 + s->k) * s->c,
+                   .terms = terms,
+                   .a = s->a,
+                   .rim2 = rim2_of(s->semi_diameter),
                    .domain2 = domain2_of(s->c, s->k, s->semi_diameter)};
 }
 
@@ -361,7 +389,9 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
                          : EASY_NOT;
     if (is == EASY_HIT) {
         double f = asphere_f(&h, (sgt_vec3){e.px, e.py, e.pz});
-        if (opt->watch) tell(&w, SGT_NEWTON, e.t, f, e.nx * ray->d.x + e.ny * ray->d.y + ray->d.z, e.t - e.t_err, e.t + e.t_err);
+        if (opt->watch)
+            tell(&w, SGT_NEWTON, e.t, f, e.nx * ray->d.x + e.ny * ray->d.y + ray->d.z, e.t - e.t_err,
+                 e.t + e.t_err);
         else w.evals++;
         return w.stopped ? hit_without(SGT_STOPPED, ray, w.evals) : hit_of_lane(&e, w.evals, f);
     }
@@ -404,7 +434,8 @@ static double asphere_rounding(const void *self, sgt_vec3 p)
 {
     const sgt_asphere *s = self;
     int terms = asphere_terms_of(s);
-    double r2 = p.x * p.x + p.y * p.y, phi, slope, dp, second, base = conic_sag(s->c, s->k, r2, &phi, &slope), sag = base, noise = 0;
+    double r2 = p.x * p.x + p.y * p.y, phi, slope, dp, second, base = conic_sag(s->c, s->k, r2, &phi, &slope),
+           sag = base, noise = 0;
     if (terms) {
         sag += polynomial(terms, s->a, r2, &dp);
         noise = 4 * r2 * magnitude(terms, s->a, r2, &second) + fabs(sag); /* r2 itself is off by 2 u */
@@ -433,9 +464,10 @@ static sgt_interval asphere_enclose(const void *self, const sgt_ray *ray, sgt_in
     return sgt_sag_enclose(&h, ray, 0, t, slope);
 }
 
-/* The same of those that pass the whole surface by (asphere/unique.c), as the single ray tells them: where the
- * easy form has been tried on the direction as it is. */
-static size_t asphere_without_passing(const shape *s, const sgt_tile *tile, const wavy_room *room, size_t hard)
+/* The same of those that pass the whole surface by (asphere/unique.c), as the single ray tells them: where
+ * the easy form has been tried on the direction as it is. */
+static size_t asphere_without_passing(const shape *s, const sgt_tile *tile, const wavy_room *room,
+                                      size_t hard)
 {
     const double *const *d = tile->rays.d;
     mask passes[SGT_TILE];
@@ -459,7 +491,8 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
     wavy_room room;
     wavy v;
     int terms = asphere_terms_of(s);
-    bool rich = tile->hits.t_lo || tile->hits.p_err, near = opt->pick == SGT_NEAR_SEED, enough = !opt->max_evals || opt->max_evals > MOST_EASY;
+    bool rich = tile->hits.t_lo || tile->hits.p_err, near = opt->pick == SGT_NEAR_SEED,
+         enough = !opt->max_evals || opt->max_evals > MOST_EASY;
     if (asphere_valid(s) && !terms) return sgt_conic_lanes(s->c, s->k, s->semi_diameter, tile, opt);
     if (asphere_valid(s) && enough) {
         shape h = shape_of(s, terms);
@@ -481,7 +514,8 @@ static size_t asphere_lanes(const void *self, const sgt_tile *tile, const sgt_op
     return tile->n;
 }
 
-static bool asphere_unique(const void *self, const sgt_tile *tile, double rim2, mask unique[], sgt_interval others[])
+static bool asphere_unique(const void *self, const sgt_tile *tile, double rim2, mask unique[],
+                           sgt_interval others[])
 {
     const sgt_asphere *s = self;
     int terms = asphere_terms_of(s);
@@ -491,9 +525,18 @@ static bool asphere_unique(const void *self, const sgt_tile *tile, double rim2, 
     return sgt_conic_unique(s->c, s->k, s->semi_diameter, tile, rim2, unique, others);
 }
 
-static const struct sgt_builtin_ops asphere_builtin = {.meet = asphere_meet, .all = asphere_all, .lanes = asphere_lanes, .unique = asphere_unique,
-                                           .departure = &sgt_asphere_departure};
+static const struct sgt_builtin_ops asphere_builtin = {.meet = asphere_meet,
+                                                       .all = asphere_all,
+                                                       .lanes = asphere_lanes,
+                                                       .unique = asphere_unique,
+                                                       .departure = &sgt_asphere_departure};
 
-const sgt_surface_ops sgt_asphere_ops = {.name = "even_asphere", .value = asphere_value, .span = asphere_span,
-                                         .rounding = asphere_rounding, .enclose = asphere_enclose, .own_ = &asphere_builtin,
-                                         .second = sgt_asphere_second, .parameters = sgt_asphere_parameters, .by_parameter = sgt_asphere_by_parameter};
+const sgt_surface_ops sgt_asphere_ops = {.name = "even_asphere",
+                                         .value = asphere_value,
+                                         .span = asphere_span,
+                                         .rounding = asphere_rounding,
+                                         .enclose = asphere_enclose,
+                                         .own_ = &asphere_builtin,
+                                         .second = sgt_asphere_second,
+                                         .parameters = sgt_asphere_parameters,
+                                         .by_parameter = sgt_asphere_by_parameter};

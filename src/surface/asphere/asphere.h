@@ -8,7 +8,8 @@
  * added to it, and the answer is of no meaning. */
 sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally *told, sgt_list *list);
 
-/* Of those rays of a tile that sgt_lanes_monotone has left (alone[i] is 0), the same: all at once, or else each by itself. */
+/* Of those rays of a tile that sgt_lanes_monotone has left (alone[i] is 0), the same: all at once, or else
+ * each by itself. */
 bool sgt_asphere_unique(const shape *s, const sgt_tile *tile, unsigned long long unique[]);
 
 /* Of the rays that begin behind the vertex plane, or in the vertex, and whose passes[i] is not 0: it is left

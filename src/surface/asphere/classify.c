@@ -75,7 +75,8 @@ static int power_above_root(double of, double by, int n)
 /* The square of the radius beyond which no root can lie; infinite where that cannot be said. */
 static double reach2(const shape *s, const sgt_ray *ray)
 {
-    double scale = scale_of(ray->d), l = ray->d.x * scale, m = ray->d.y * scale, n = ray->d.z * scale, a = l * l + m * m;
+    double scale = scale_of(ray->d), l = ray->d.x * scale, m = ray->d.y * scale, n = ray->d.z * scale,
+           a = l * l + m * m;
     double near_axis = -(ray->o.x * l + ray->o.y * m) / a, z0, k1 = 1 + s->k;
     z0 = fabs(local_at(ray, near_axis, 0).z);
     int top = s->terms - 1;
@@ -112,9 +113,11 @@ typedef struct found { meeting at; sgt_status status; double distance; bool any;
  * on both (and so between them, since rho is convex), there is a root of F between. */
 static bool crosses_sheet(cell_walk *w, meeting *at)
 {
-    double tau = at->t / w->q.scale - w->q.t0, d = larger(at->t_err / w->q.scale, 4 * DBL_EPSILON * fabs(tau));
+    double tau = at->t / w->q.scale - w->q.t0,
+           d = larger(at->t_err / w->q.scale, 4 * DBL_EPSILON * fabs(tau));
     for (int i = 0; i < 24 && !w->told->stopped && !w->spent; i++, d *= 2) {
-        sample l = cell_look(w, tau - d, SGT_PROBE, tau - d, tau + d), r = cell_look(w, tau + d, SGT_PROBE, tau - d, tau + d);
+        sample l = cell_look(w, tau - d, SGT_PROBE, tau - d, tau + d),
+               r = cell_look(w, tau + d, SGT_PROBE, tau - d, tau + d);
         int left = sgt_poly_side(w->s, &l), right = sgt_poly_side(w->s, &r);
         if (!left || !right) continue;
         if (left == right) return false;
@@ -136,8 +139,10 @@ static bool may_count(const cell_walk *w, const meeting *at)
 {
     meeting end = *at;
     end.t += end.t_err, end.t_err = 0;
-    double terms = at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z)) * w->q.scale; /* as `counts` has them */
-    bool told = at->slope < HUGE_VAL && fabs(terms) < HUGE_VAL && at->p.x * at->p.x + at->p.y * at->p.y < HUGE_VAL;
+    /* as `counts` has them */
+    double terms = at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z)) * w->q.scale;
+    bool told = at->slope < HUGE_VAL && fabs(terms) < HUGE_VAL &&
+                at->p.x * at->p.x + at->p.y * at->p.y < HUGE_VAL;
     return !told || accepted(&end, w->ray, HUGE_VAL, w->q.scale);
 }
 
@@ -188,7 +193,8 @@ static void keep(cell_walk *w, meeting *at, double v_err, sgt_status status, dou
 }
 
 /* What the signs at the ends of tau +- tau_err have proven, where the root is too flat to settle. */
-static void cell_take(cell_walk *w, double tau, double tau_err, double lo, double hi, sgt_status status, double seed, found *best)
+static void cell_take(cell_walk *w, double tau, double tau_err, double lo, double hi, sgt_status status,
+                      double seed, found *best)
 {
     meeting at = {.sag = NAN};
     sample e = cell_look(w, tau, SGT_PROBE, lo, hi);
@@ -197,7 +203,8 @@ static void cell_take(cell_walk *w, double tau, double tau_err, double lo, doubl
     at.v = e.v, at.slope = fabs(e.slope);
     at.n = (sgt_vec3){at.p.x * inverse, at.p.y * inverse, 1};
     double bend = sgt_poly_bend(w->s, &w->q, &e, tau_err); /* no less than that of w */
-    keep(w, &at, e.v_err + fabs(w->s->ck) * (fabs(e.dw) + fabs(w->q.n) + bend * tau_err) * tau_err, status, seed, best);
+    keep(w, &at, e.v_err + fabs(w->s->ck) * (fabs(e.dw) + fabs(w->q.n) + bend * tau_err) * tau_err, status,
+         seed, best);
 }
 
 /* The root at t0 + tau.  Where a tolerance hides on which side of tmax it is, or whether it is the start, as
@@ -217,11 +224,13 @@ static bool cell_settle(cell_walk *w, double tau, meeting *at, double *v_err)
 }
 
 /* One root is in [lo, hi], the signs at whose ends are certain. */
-static void cell_polish(cell_walk *w, double lo, const sample *at_lo, double hi, const sample *at_hi, double seed, found *best)
+static void cell_polish(cell_walk *w, double lo, const sample *at_lo, double hi, const sample *at_hi,
+                        double seed, found *best)
 {
     for (;;) {
-        sgt_root r = sgt_root_begin((sgt_span){.lo = lo, .hi = hi, .seed = lo - at_lo->g * (hi - lo) / (at_hi->g - at_lo->g)},
-                                    &(sgt_options){.t_tol = 0});
+        sgt_root r = sgt_root_begin(
+            (sgt_span){.lo = lo, .hi = hi, .seed = lo - at_lo->g * (hi - lo) / (at_hi->g - at_lo->g)},
+            &(sgt_options){.t_tol = 0});
         sgt_root_tell(&r, lo, at_lo->g);
         sgt_root_tell(&r, hi, at_hi->g);
         sample e;
@@ -234,8 +243,9 @@ static void cell_polish(cell_walk *w, double lo, const sample *at_lo, double hi,
         double err = larger(r.t - lo, hi - r.t), v_err;
         if (r.status == SGT_HIT && r.t_err < err) err = r.t_err;
         meeting at;
-        if (cell_settle(w, r.t, &at, &v_err)
-            && (at.t - w->q.t0 * w->q.scale) + at.t_lo >= lo * w->q.scale - at.t_err && (at.t - w->q.t0 * w->q.scale) + at.t_lo <= hi * w->q.scale + at.t_err) {
+        if (cell_settle(w, r.t, &at, &v_err) &&
+            (at.t - w->q.t0 * w->q.scale) + at.t_lo >= lo * w->q.scale - at.t_err &&
+            (at.t - w->q.t0 * w->q.scale) + at.t_lo <= hi * w->q.scale + at.t_err) {
             keep(w, &at, v_err, SGT_HIT, seed, best);
             return;
         }
@@ -250,7 +260,8 @@ static void cell_polish(cell_walk *w, double lo, const sample *at_lo, double hi,
 static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
 {
     double rho = ray->o.x * ray->o.x + ray->o.y * ray->o.y, phi, slope, v_err, dp, edge = s->ck * s->c * rho;
-    if (edge > 1 + 16 * SGT_U || rho > s->rim2 * (1 + 16 * SGT_U)) return hit_without(SGT_MISS, ray, told->evals);
+    if (edge > 1 + 16 * SGT_U || rho > s->rim2 * (1 + 16 * SGT_U))
+        return hit_without(SGT_MISS, ray, told->evals);
     double sag = conic_sag(s->c, s->k, rho, &phi, &slope) + polynomial(s->terms, s->a, rho, &dp);
     double scale = scale_of(ray->d), t0 = (sag - ray->o.z) / (ray->d.z * scale);
     meeting at;
@@ -283,7 +294,8 @@ static sgt_hit cell_march(const shape *s, const sgt_ray *ray, double seed, tally
     /* the point of the stretch nearest the vertex: the stretch itself may lie far from it */
     w.q = local_at(ray, smaller(larger(nearest_to_vertex(ray), lo), hi), 0);
     if (!direction_is_whole(&w.q, ray->d)) return hit_without(SGT_UNPROVEN, ray, told->evals);
-    twofold from = two_sum(lo, -w.q.t0); /* outward, as hi: in twice the precision it is seen what that rounds */
+    /* outward, as hi: in twice the precision it is seen what that rounds */
+    twofold from = two_sum(lo, -w.q.t0);
     lo = from.hi - (from.lo < 0 ? 2 * SGT_U * fabs(from.hi) : 0), hi -= w.q.t0;
     if (chord.hi > ray->tmax) hi += 4 * SGT_U * fabs(w.q.t0); /* that has been rounded, too */
     if (!(lo > -HUGE_VAL && hi < HUGE_VAL)) return hit_without(SGT_UNPROVEN, ray, told->evals);
@@ -295,7 +307,8 @@ static sgt_hit cell_march(const shape *s, const sgt_ray *ray, double seed, tally
     double least = 0x1p-90 * smaller(away, hi - lo); /* cells below it are not divided */
     sample left = cell_look(&w, tau, SGT_MARCH, lo, hi), before = left;
     int moved = 0;
-    bool known = true, pending = false; /* left is the sample at tau; [dark, tau] is undecided, before the sample at dark */
+    /* left is the sample at tau; [dark, tau] is undecided, before the sample at dark */
+    bool known = true, pending = false;
     while (tau < hi && !told->stopped && !w.spent && !(best.any && opt->pick != SGT_NEAR_SEED)) {
         if (h > 0.5 * (hi - tau)) h = 0.5 * (hi - tau);
         double m = tau + h, end = m + h;
@@ -303,13 +316,16 @@ static sgt_hit cell_march(const shape *s, const sgt_ray *ray, double seed, tally
         h = larger(m - tau, end - m); /* as they came out, not as they were meant */
         sample e = cell_look(&w, m, SGT_MARCH, tau, hi);
         double bend = sgt_poly_bend(s, &w.q, &e, h), slope = fabs(e.slope);
-        bool empty = fabs(e.g) > (slope + e.slope_err) * h + 0.5 * bend * h * h + e.g_err || sgt_poly_apart(s, &w.q, &e, h);
+        bool empty = fabs(e.g) > (slope + e.slope_err) * h + 0.5 * bend * h * h + e.g_err ||
+                     sgt_poly_apart(s, &w.q, &e, h);
         bool monotone = !empty && slope - e.slope_err > bend * h;
         if ((empty || monotone) && pending) {
             left = cell_look(&w, tau, SGT_MARCH, tau, hi), known = true;
             if (cell_sign_at(&left)) { /* the undecided stretch ends here */
                 w.dark = true;
-                cell_take(&w, cell_middle(dark, tau), 0.5 * (tau - dark), dark, tau, cell_sign_at(&before) * cell_sign_at(&left) < 0 ? SGT_HIT : SGT_UNPROVEN, seed, &best);
+                cell_take(&w, cell_middle(dark, tau), 0.5 * (tau - dark), dark, tau,
+                          cell_sign_at(&before) * cell_sign_at(&left) < 0 ? SGT_HIT : SGT_UNPROVEN, seed,
+                          &best);
                 if (told->stopped || w.spent) break;
                 pending = w.dark = false;
                 continue;
@@ -320,9 +336,11 @@ static sgt_hit cell_march(const shape *s, const sgt_ray *ray, double seed, tally
         } else if (monotone) {
             sample right = cell_look(&w, end, SGT_MARCH, tau, hi);
             if (!known) left = cell_look(&w, tau, SGT_MARCH, tau, hi), known = true;
-            for (int i = 0; tau == begin && !cell_sign_at(&left) && i < 8; i++) { /* the start is on the surface: from before it */
+            /* the start is on the surface: from before it */
+            for (int i = 0; tau == begin && !cell_sign_at(&left) && i < 8; i++) {
                 double back = tau - 4 * (left.g_err + fabs(left.g)) / slope * power_of_two(i), far = m - back;
-                if (!(slope - e.slope_err > sgt_poly_bend(s, &w.q, &e, far) * far)) break; /* G is not monotone from so far before */
+                /* G is not monotone from so far before */
+                if (!(slope - e.slope_err > sgt_poly_bend(s, &w.q, &e, far) * far)) break;
                 sample behind = cell_look(&w, back, SGT_MARCH, tau, hi);
                 if (cell_sign_at(&behind)) left = behind, tau = begin = back;
             }
@@ -336,16 +354,19 @@ static sgt_hit cell_march(const shape *s, const sgt_ray *ray, double seed, tally
                 continue;
             }
             moved = 0;
-            if (!w.fine && (!cell_sign_at(&left) || !cell_sign_at(&right))) { /* once more, in twice the precision */
+            /* once more, in twice the precision */
+            if (!w.fine && (!cell_sign_at(&left) || !cell_sign_at(&right))) {
                 w.fine = true, known = false;
                 continue;
             }
-            if (cell_sign_at(&left) * cell_sign_at(&right) < 0) cell_polish(&w, tau, &left, end, &right, seed, &best);
+            if (cell_sign_at(&left) * cell_sign_at(&right) < 0)
+                cell_polish(&w, tau, &left, end, &right, seed, &best);
             else if (!cell_sign_at(&left)
                      || !cell_sign_at(&right)) { /* by the least slope, the root is so near that end */
                 const sample *at = cell_sign_at(&left) ? &right : &left;
                 double off = (fabs(at->g) + at->g_err) / (slope - e.slope_err - bend * h) * (1 + 0x1p-20);
-                if (off < h) cell_take(&w, cell_sign_at(&left) ? end : tau, off, tau, end, SGT_UNPROVEN, seed, &best);
+                if (off < h)
+                    cell_take(&w, cell_sign_at(&left) ? end : tau, off, tau, end, SGT_UNPROVEN, seed, &best);
                 else cell_take(&w, m, h, tau, end, SGT_UNPROVEN, seed, &best);
             }
             if (told->stopped || w.spent) break; /* before the root of this cell was told */
@@ -362,7 +383,8 @@ static sgt_hit cell_march(const shape *s, const sgt_ray *ray, double seed, tally
         }
     }
     w.dark = true;
-    if (pending && !told->stopped && !w.spent) cell_take(&w, cell_middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_UNPROVEN, seed, &best);
+    if (pending && !told->stopped && !w.spent)
+        cell_take(&w, cell_middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_UNPROVEN, seed, &best);
     if (told->stopped || (w.spent && !(best.any && opt->pick != SGT_NEAR_SEED))) {
         sgt_hit hit = hit_without(told->stopped ? SGT_STOPPED : SGT_EXHAUSTED, ray, told->evals);
         double reached = (w.q.t0 + (pending ? dark : tau)) * w.q.scale;
@@ -381,6 +403,7 @@ sgt_hit sgt_asphere_march(const shape *s, const sgt_ray *ray, double seed, tally
 {
     sgt_hit hit = cell_march(s, ray, seed, told, list);
     if (list && hit.status > 0) sgt_list_add(list, &hit);
-    else if (list && hit.status < 0) add_stretch(list, told, hit.status, ray, hit.lo, hit.hi); /* what was not searched */
+    else if (list && hit.status < 0)
+        add_stretch(list, told, hit.status, ray, hit.lo, hit.hi); /* what was not searched */
     return hit;
 }

@@ -1,9 +1,10 @@
 /* asphere/departure.c - the terms of an even asphere by themselves, for a sum (sum.c): P = p(rho), rho = r^2,
  * p = the sum of a[i] rho^(i+1).
  *
- * grad P = 2 p' (x, y), P_xx = 2 p' + 4 p'' x^2 and so on.  Horner's rule rounds each term at most 2 i + 2 times, and rho
- * carries 2: with M = the sum of (i + 1) |a[i]| rho^i, P is off by 4 u rho M at most.  Over r <= R the sums of magnitudes bound p'
- * and p'', and the greater eigenvalue of the second derivative is at most 2 |p'| + 4 |p''| rho. */
+ * grad P = 2 p' (x, y), P_xx = 2 p' + 4 p'' x^2 and so on.  Horner's rule rounds each term at most 2 i + 2
+ * times, and rho carries 2: with M = the sum of (i + 1) |a[i]| rho^i, P is off by 4 u rho M at most.  Over
+ * r <= R the sums of magnitudes bound p' and p'', and the greater eigenvalue of the second derivative is at
+ * most 2 |p'| + 4 |p''| rho. */
 #include "asphere.h"
 #include "../departure/departure.h"
 
@@ -16,7 +17,9 @@ static int terms_count(const sgt_asphere *s)
 
 /* p and its first two derivatives of each rho. */
 SGT_KERNEL
-static void terms_horner(int terms, const double *a, size_t n, const double *restrict x, const double *restrict y, double *restrict p, double *restrict p1, double *restrict p2)
+static void terms_horner(int terms, const double *a, size_t n, const double *restrict x,
+                         const double *restrict y, double *restrict p, double *restrict p1,
+                         double *restrict p2)
 {
     double rho[FREEFORM_BLOCK];
     LANES for (size_t i = 0; i < n; i++) rho[i] = x[i] * x[i] + y[i] * y[i], p[i] = p1[i] = p2[i] = 0;
@@ -43,7 +46,8 @@ static void terms_rounding(const void *self, double x, double y, double *p_err, 
     const sgt_asphere *s = self;
     double rho = x * x + y * y, second, first = magnitude(terms_count(s), s->a, rho, &second);
     *p_err = 5 * SGT_U * rho * first;
-    *grad_err = 2 * SGT_U * larger(fabs(x), fabs(y)) * (20 * first + 3 * rho * second); /* p' has two roundings more for each term, and rho two */
+    /* p' has two roundings more for each term, and rho two */
+    *grad_err = 2 * SGT_U * larger(fabs(x), fabs(y)) * (20 * first + 3 * rho * second);
 }
 
 static void asphere_noise(const void *self, double radius, double e[2])
@@ -56,7 +60,8 @@ static void asphere_noise(const void *self, double radius, double e[2])
 static int asphere_bounds(const void *self, region *where, bounds *out)
 {
     const sgt_asphere *s = self;
-    double rho = where->r_hi * where->r_hi, second, first = magnitude(terms_count(s), s->a, rho, &second), up = 1 + 0x1p-40;
+    double rho = where->r_hi * where->r_hi, second, first = magnitude(terms_count(s), s->a, rho, &second),
+           up = 1 + 0x1p-40;
     *out = (bounds){rho * first * up, 2 * where->r_hi * first * up, (2 * first + 4 * second * rho) * up};
     return 1;
 }
@@ -71,20 +76,23 @@ static sgt_interval asphere_range(const void *self, const region *where)
     return p;
 }
 
-static void asphere_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void asphere_second(const void *self, size_t n, const double *x, const double *y, double *pxx,
+                           double *pxy, double *pyy)
 {
     const sgt_asphere *s = self;
     double p[FREEFORM_BLOCK], p1[FREEFORM_BLOCK], p2[FREEFORM_BLOCK];
     terms_horner(terms_count(s), s->a, n, x, y, p, p1, p2);
     for (size_t i = 0; i < n; i++) {
         double bent = 8 * p2[i]; /* p2 is half of p'' */
-        pxx[i] = 2 * p1[i] + bent * (x[i] * x[i]), pxy[i] = bent * (x[i] * y[i]), pyy[i] = 2 * p1[i] + bent * (y[i] * y[i]);
+        pxx[i] = 2 * p1[i] + bent * (x[i] * x[i]), pxy[i] = bent * (x[i] * y[i]),
+        pyy[i] = 2 * p1[i] + bent * (y[i] * y[i]);
     }
 }
 
 static size_t asphere_parameters(const void *self) { (void)self; return 8; }
 
-static void asphere_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void asphere_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
+                                 sag_values out)
 {
     (void)self;
     for (size_t i = 0; i < n; i++) {
@@ -102,6 +110,12 @@ static sgt_objection asphere_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-const departure sgt_asphere_departure = {.at = asphere_at, .rounding = terms_rounding,
-                                         .bounds = asphere_bounds, .range = asphere_range, .second = asphere_second,
-                                         .parameters = asphere_parameters, .by_parameter = asphere_by_parameter, .object = asphere_object, .noise = asphere_noise};
+const departure sgt_asphere_departure = {.at = asphere_at,
+                                         .rounding = terms_rounding,
+                                         .bounds = asphere_bounds,
+                                         .range = asphere_range,
+                                         .second = asphere_second,
+                                         .parameters = asphere_parameters,
+                                         .by_parameter = asphere_by_parameter,
+                                         .object = asphere_object,
+                                         .noise = asphere_noise};

@@ -1,35 +1,41 @@
 /* asphere/easy.h - an asphere met as lanes are: no branch, a fixed number of evaluations, a bound at the end.
  *
- * G = w - (c rho + (1 + k) c w^2) / 2 with rho = x^2 + y^2, w = z - P(rho) (poly.c), along (x0, y0, 0) + tau d from the
- * point on the vertex plane.
+ * G = w - (c rho + (1 + k) c w^2) / 2 with rho = x^2 + y^2, w = z - P(rho) (poly.c), along (x0, y0, 0) +
+ * tau d from the point on the vertex plane.
  *
  * THE SEED.  The conic alone has A tau^2 - 2 B tau + C = 0; with e = A C / B^2 its root near the vertex is
- * tau = C / (2 B) (1 + e/4 + ...), and there G' = B sqrt(1 - e), 1 / G' = (1 + e/2 + ...) / B.  No root need be taken:
- * what the series leave is less than what P is; where |e| >= 1 a ray is not easy.  One step with that slope from G, P
- * included, is the start.
+ * tau = C / (2 B) (1 + e/4 + ...), and there G' = B sqrt(1 - e), 1 / G' = (1 + e/2 + ...) / B.  No root
+ * need be taken: what the series leave is less than what P is; where |e| >= 1 a ray is not easy.  One step
+ * with that slope from G, P included, is the start.
  *
- * A ROUND.  Newton's step from tau_1, with G and G'; then a step from there, tau_2, with G alone and the slope of before:
- * tau_3 = tau_2 + step, step = -G(tau_2) / s, s = G'(tau_1) as computed.  Lens surfaces are done after one round; a ray that
- * is not goes through another from tau_3, if the second step was at most half the first.  Where e below is more than
- * 24 u (|w| + |z|), terms cancel, and there is better to be had.
+ * A ROUND.  Newton's step from tau_1, with G and G'; then a step from there, tau_2, with G alone and the
+ * slope of before: tau_3 = tau_2 + step, step = -G(tau_2) / s, s = G'(tau_1) as computed.  Lens surfaces
+ * are done after one round; a ray that is not goes through another from tau_3, if the second step was at
+ * most half the first.  Where e below is more than 24 u (|w| + |z|), terms cancel, and there is better to
+ * be had.
  *
- * THE BOUND.  Let M >= |G''| within H = |tau_2 - tau_1| + 2 |step| + 2^-40 |tau_2| + 2^-50 |t0| of tau_2, and G' be off there from s by at most
- * Delta = 2 M H + 2^-30 |s| <= |s| / 8.  Then G' keeps its sign, |G'| >= 7/8 |s|, and with |G(tau_2)| known to e the
- * root exists, lies within 8/7 (|G| + e) / |s| <= 4/7 H of tau_2, and
+ * THE BOUND.  Let M >= |G''| within H = |tau_2 - tau_1| + 2 |step| + 2^-40 |tau_2| + 2^-50 |t0| of tau_2,
+ * and G' be off there from s by at most Delta = 2 M H + 2^-30 |s| <= |s| / 8.  Then G' keeps its sign, |G'|
+ * >= 7/8 |s|, and with |G(tau_2)| known to e the root exists, lies within 8/7 (|G| + e) / |s| <= 4/7 H of
+ * tau_2, and
  *     |root - tau_3| <= 8/7 (e + |step| Delta) / |s|                    (the mean value theorem).
- * It is the only one within H, and [t - t_err, t + t_err] is in there: |step| and that bound are below 0.6 H, and what is lost
- * where t is put together, 2 u (|t0| + 2 |tau|), is below a quarter of what H has for it.  So each root is proven; its
- * side of the rim is as with a conic (conic/easy.h), with tau_err in place of 48 u |tau|.
- * M = |c| a + |(1 + k) c| (W1^2 + |w| W2) + W2 (poly.c), a = l^2 + m^2, from first = sum (i+1) |a_i| rho^i >= |P'| at the
- * largest rho of the cell, rho' = 1.0625 rho + 17 a H^2 >= (sqrt rho + H sqrt a)^2:
+ * It is the only one within H, and [t - t_err, t + t_err] is in there: |step| and that bound are below 0.6
+ * H, and what is lost where t is put together, 2 u (|t0| + 2 |tau|), is below a quarter of what H has for
+ * it.  So each root is proven; its side of the rim is as with a conic (conic/easy.h), with tau_err in place
+ * of 48 u |tau|.  M = |c| a + |(1 + k) c| (W1^2 + |w| W2) + W2 (poly.c), a = l^2 + m^2, from first = sum
+ * (i+1) |a_i| rho^i >= |P'| at the largest rho of the cell, rho' = 1.0625 rho + 17 a H^2 >= (sqrt rho + H
+ * sqrt a)^2:
  *     |w'| <= W1 = |n| + 2 first (|x l| + |y m| + 2 a H), x and y those of tau_1,
- *     |w''| <= W2 = 2 a first (2 T - 1) for T terms, since |P''| <= (T - 1) first / rho' and (x l + y m)^2 <= rho' a.
- * Rounding, in units of u = 2^-53: x0 is off by 2 |x0|, x by that and |x|; 2 (|x x0| + |y y0|) <= rho + rho0, so rho is off
- * by 6 rho + 2 rho0; P by first times that and 2 rho first (each of T fmas rounds once); with Q = 9 rho + 2 rho0
- *     w by first Q + |z| + |w|,   G by e = |v| (w's) + |c| Q / 2 + 3 |w| (1 + |(1 + k) c w|),  v = 1 - (1 + k) c w.
- * s is off by at most 2^-37 of the sum of the magnitudes of its terms, 2 W1 + |c| |x l + y m| (v's share is |(1 + k) c| e /
- * |v| W1, and e < 2^-46 / |(1 + k) c|, |v| > 2^-8), which has to be below 64 |s|; and rho0 <= 4 rho: a start
- * not too far off. What underflows, z at t0 among it, is below 2^-1060 in G. */
+ *     |w''| <= W2 = 2 a first (2 T - 1) for T terms, since |P''| <= (T - 1) first / rho' and (x l + y m)^2
+ *         <= rho' a.
+ * Rounding, in units of u = 2^-53: x0 is off by 2 |x0|, x by that and |x|; 2 (|x x0| + |y y0|) <= rho +
+ * rho0, so rho is off by 6 rho + 2 rho0; P by first times that and 2 rho first (each of T fmas rounds
+ * once); with Q = 9 rho + 2 rho0
+ *     w by first Q + |z| + |w|,   G by e = |v| (w's) + |c| Q / 2 + 3 |w| (1 + |(1 + k) c w|),  v = 1 - (1 +
+ *                                 k) c w.
+ * s is off by at most 2^-37 of the sum of the magnitudes of its terms, 2 W1 + |c| |x l + y m| (v's share is
+ * |(1 + k) c| e / |v| W1, and e < 2^-46 / |(1 + k) c|, |v| > 2^-8), which has to be below 64 |s|; and rho0
+ * <= 4 rho: a start not too far off. What underflows, z at t0 among it, is below 2^-1060 in G. */
 #ifndef SGT_SURFACE_ASPHERE_EASY_H
 #define SGT_SURFACE_ASPHERE_EASY_H
 
@@ -53,9 +59,19 @@ typedef struct wavy {
 SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
 {
     double rim2 = s->rim2 < 0x1p1000 ? s->rim2 : 0x1p1000;
-    *v = (wavy){.c = s->c, .abs_c = fabs(s->c), .k1 = 1 + s->k, .ck = s->ck, .abs_ck = fabs(s->ck), .bend = 2 * (2 * s->terms - 1),
-                .rim2 = proof ? sure_rim2(rim2) : rim2, .room = proof ? 98 * SGT_U * sqrt(rim2) : 0, .proof = proof, .single = single_limit(s), .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-46 / fabs(s->ck)};
-    for (int i = 0; i < s->terms; i++) v->a[i] = s->a[i], v->slope[i] = (i + 1) * s->a[i], v->size[i] = (i + 1) * fabs(s->a[i]);
+    *v = (wavy){.c = s->c,
+                .abs_c = fabs(s->c),
+                .k1 = 1 + s->k,
+                .ck = s->ck,
+                .abs_ck = fabs(s->ck),
+                .bend = 2 * (2 * s->terms - 1),
+                .rim2 = proof ? sure_rim2(rim2) : rim2,
+                .room = proof ? 98 * SGT_U * sqrt(rim2) : 0,
+                .proof = proof,
+                .single = single_limit(s),
+                .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-46 / fabs(s->ck)};
+    for (int i = 0; i < s->terms; i++)
+        v->a[i] = s->a[i], v->slope[i] = (i + 1) * s->a[i], v->size[i] = (i + 1) * fabs(s->a[i]);
     return v->abs_c < 0x1p60 && fabs(s->k) < 0x1p60;
 }
 
@@ -98,7 +114,8 @@ SGT_INLINE double wavy_g(const wavy *s, double rho, double z, double h, double *
     return sgt_fma(-0.5, sgt_fma(s->c, rho, *ckw * *w), *w);
 }
 
-SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, double ox, double oy, double oz, double l, double m, double n, double *g, double *slope)
+SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, double ox, double oy, double oz, double l,
+                                 double m, double n, double *g, double *slope)
 {
     wavy_start r;
     to_vertex_plane(ox, oy, oz, l, m, n, &r.t0, &r.t0_lo, &r.x, &r.y);
@@ -113,11 +130,12 @@ SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, double ox, double oy,
     return r;
 }
 
-/* A round's first half, at tau_1: Newton's step to tau_2, and what is kept of the slope: its inverse, dw/dtau, the
- * magnitudes of x l + y m.  g and slope are for a watcher. */
+/* A round's first half, at tau_1: Newton's step to tau_2, and what is kept of the slope: its inverse,
+ * dw/dtau, the magnitudes of x l + y m.  g and slope are for a watcher. */
 typedef struct wavy_newton { double tau2, step2, inverse, dw, slant, g, slope; } wavy_newton;
 
-SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0, double tau1, double l, double m, double n)
+SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0, double tau1, double l,
+                                 double m, double n)
 {
     double x = sgt_fma(tau1, l, x0), y = sgt_fma(tau1, m, y0), rho = x * x + y * y, w, ckw, xl = x * l,
            ym = y * m, half = xl + ym;
@@ -127,15 +145,17 @@ SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0,
     return (wavy_newton){tau1 - step2, step2, inverse, dw, fabs(xl) + fabs(ym), g, slope};
 }
 
-/* What a round leaves: the root with its bound, NaN where nothing is certain; 1 - (1 + k) c w there; for lane_of, near;
- * again: another round may bring what this did not.  g is for a watcher. */
+/* What a round leaves: the root with its bound, NaN where nothing is certain; 1 - (1 + k) c w there; for
+ * lane_of, near; again: another round may bring what this did not.  g is for a watcher. */
 typedef struct wavy_round { double tau, tau_err, v, near, g; mask again; } wavy_round;
 
-SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0, double t0, const wavy_newton *at, double l, double m, double n, double t_tol)
+SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0, double t0,
+                                 const wavy_newton *at, double l, double m, double n, double t_tol)
 {
     double x = sgt_fma(at->tau2, l, x0), y = sgt_fma(at->tau2, m, y0), rho = x * x + y * y, z = at->tau2 * n,
            w, ckw;
-    double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), step = g * at->inverse, as = fabs(step), ai = fabs(at->inverse), aw = fabs(w);
+    double g = wavy_g(s, rho, z, horner(s->a, terms, rho), &w, &ckw), step = g * at->inverse, as = fabs(step),
+           ai = fabs(at->inverse), aw = fabs(w);
     double a = l * l + m * m, n2 = n * n,
            H = sgt_fma(0x1p-50, fabs(t0), sgt_fma(0x1p-40, fabs(at->tau2), fabs(at->step2) + (as + as))),
            wide = sgt_fma(17 * a, H * H, 1.0625 * rho);
@@ -152,8 +172,9 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
            = sgt_fma(1.16, sgt_fma(as, off, noise), sgt_fma(SGT_U, fabs(tau) + (as + as), 0x1p-1060 * ai));
     double terms_of_slope = sgt_fma(2, W1, s->abs_c * at->slant);
     mask again = MASK(off < 0x1p20);
-    mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) & MASK(rho0 <= 4 * rho)
-              & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) & MASK(e <= 24 * SGT_U * (aw + az)) & MASK(s->abs_ck * (W1 * H) < 0x1p-10);
+    mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) &
+                MASK(rho0 <= 4 * rho) & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) &
+                MASK(e <= 24 * SGT_U * (aw + az)) & MASK(s->abs_ck * (W1 * H) < 0x1p-10);
     sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol); /* else it can be had better */
     return (wavy_round){.tau = tau,
                         .tau_err = chosen(sure, tau_err, (double)NAN),
@@ -172,7 +193,10 @@ SGT_INLINE mask wavy_sure(const wavy *s, double x, double y, double t0, double t
 }
 
 /* F is monotone all along the chord within the rim. */
-SGT_INLINE mask wavy_single(const wavy *s, double l, double m, double n) { return MASK(n * n > s->single * (l * l + m * m)); }
+SGT_INLINE mask wavy_single(const wavy *s, double l, double m, double n)
+{
+    return MASK(n * n > s->single * (l * l + m * m));
+}
 
 /* Of a ray without a beginning, across the axis, nothing more is known than that. */
 SGT_INLINE mask wavy_hopeless(const wavy *s, double tmin, double l, double m, double n)
@@ -196,8 +220,8 @@ SGT_INLINE double wavy_r2(double x, double y, double t, double l, double m)
     return (px * px + py * py) * (1 + 0x1p-10);
 }
 
-/* How far the surface may be from the plane z = 0, at that r^2, on the side that a ray comes from, side = 1 where n > 0, else -1:
- * the terms of one sign; of the base, where it is defined, no more than c r^2. */
+/* How far the surface may be from the plane z = 0, at that r^2, on the side that a ray comes from, side = 1
+ * where n > 0, else -1: the terms of one sign; of the base, where it is defined, no more than c r^2. */
 SGT_INLINE double wavy_ahead(const wavy *s, int terms, double r2, double side)
 {
     double h = 0, base = larger(-side * s->c, 0);
@@ -210,14 +234,15 @@ SGT_INLINE double wavy_ahead(const wavy *s, int terms, double r2, double side)
     return r2 * (base + h) * (1 + 0x1p-10);
 }
 
-/* THE FIRST ROOT, WITHOUT A RIM OR WITH A WIDE ONE.  r^2 is convex along a ray.  So from a point of it to the root at tau r^2 is
- * at most R^2, the larger of that at the two, and F is monotone if the slope within R allows it: no root is between.  The start
- * is such a point, or one behind it: the surface is ahead of the ray by no more than a polynomial in r^2 with terms of one sign,
- * which is convex along the ray, and z is linear.  Where the ray is farther off at two points, it is so all the way from the
- * one to the other.  Such a second point is looked for between the start and the root, at 1/2 ... 1/1024 of
- * the way from the root. A start nearer to the root than 2^-20 |t| is left to others: so tau_err, at most 40
- * u |t|, moves r^2 by less than 2^-14 of itself even from the last of these points.
- * halves: are they tried?  Not at first, as the start itself is mostly enough. */
+/* THE FIRST ROOT, WITHOUT A RIM OR WITH A WIDE ONE.  r^2 is convex along a ray.  So from a point of it to
+ * the root at tau r^2 is at most R^2, the larger of that at the two, and F is monotone if the slope within
+ * R allows it: no root is between.  The start is such a point, or one behind it: the surface is ahead of
+ * the ray by no more than a polynomial in r^2 with terms of one sign, which is convex along the ray, and z
+ * is linear.  Where the ray is farther off at two points, it is so all the way from the one to the other.
+ * Such a second point is looked for between the start and the root, at 1/2 ... 1/1024 of the way from the
+ * root. A start nearer to the root than 2^-20 |t| is left to others: so tau_err, at most 40 u |t|, moves
+ * r^2 by less than 2^-14 of itself even from the last of these points.  halves: are they tried?  Not at
+ * first, as the start itself is mostly enough. */
 typedef struct wavy_way { double ox, oy, oz, l, m, n, side, t, root2; } wavy_way;
 
 /* Such a point is so far before the root.  (Called once for each half: a loop would keep that over the rays
@@ -284,10 +309,10 @@ SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, double v,
                    MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
 }
 
-/* AWAY.  The ray certainly misses: the root is the only one within the rim and as far out as the root, by the
- * slope there, and it does not count.  It is beyond tmax; or before tmin, or the start itself by half of what
- * accept.h allows (G' is off from 1 / inverse by an eighth at most); or beyond the rim, by far more than p_err.
- * root: of wavy_root. */
+/* AWAY.  The ray certainly misses: the root is the only one within the rim and as far out as the root, by
+ * the slope there, and it does not count.  It is beyond tmax; or before tmin, or the start itself by half
+ * of what accept.h allows (G' is off from 1 / inverse by an eighth at most); or beyond the rim, by far more
+ * than p_err.  root: of wavy_root. */
 SGT_INLINE mask wavy_away(const wavy *s, int terms, const near_root *root, double v, double inverse,
                           double oz, double l, double m, double n, double tmin, double tmax)
 {

@@ -1,18 +1,22 @@
-/* asphere/second.c - what the even asphere tells of sensitivities: to the conic's (second.h) the departure adds, with
- * q = r^2 and P = sum of a[i] q^(i + 1),
- *     P_xx = 2 P' + 4 P'' x^2,   P_xy = 4 P'' x y,   dP/da[i] = q^(i + 1), its gradient 2 (i + 1) q^i (x, y). */
+/* asphere/second.c - what the even asphere tells of sensitivities: to the conic's (second.h) the departure
+ * adds, with q = r^2 and P = sum of a[i] q^(i + 1),
+ *     P_xx = 2 P' + 4 P'' x^2,   P_xy = 4 P'' x y,   dP/da[i] = q^(i + 1), its gradient 2 (i + 1) q^i (x, y).
+ */
 #include "../sag/second.h"
 
 #include <sagitta/surfaces.h>
 
 SGT_KERNEL
-static void asphere_second_lanes(const double *a, size_t n, const double *x, const double *y, double *xx, double *xy, double *yy)
+static void asphere_second_lanes(const double *a, size_t n, const double *x, const double *y, double *xx,
+                                 double *xy, double *yy)
 {
-    double a0 = a[0], a1 = 2 * a[1], a2 = 3 * a[2], a3 = 4 * a[3], a4 = 5 * a[4], a5 = 6 * a[5], a6 = 7 * a[6], a7 = 8 * a[7];
+    double a0 = a[0], a1 = 2 * a[1], a2 = 3 * a[2], a3 = 4 * a[3], a4 = 5 * a[4], a5 = 6 * a[5],
+           a6 = 7 * a[6], a7 = 8 * a[7];
     LANES for (size_t i = 0; i < n; i++) {
         double q = x[i] * x[i] + y[i] * y[i];
         double once = a0 + q * (a1 + q * (a2 + q * (a3 + q * (a4 + q * (a5 + q * (a6 + q * a7))))));
-        double twice = a1 + q * (2 * a2 + q * (3 * a3 + q * (4 * a4 + q * (5 * a5 + q * (6 * a6 + q * (7 * a7))))));
+        double twice = a1 + q * (2 * a2 +
+                                 q * (3 * a3 + q * (4 * a4 + q * (5 * a5 + q * (6 * a6 + q * (7 * a7))))));
         xx[i] -= 2 * once + 4 * twice * (x[i] * x[i]);
         xy[i] -= 4 * twice * (x[i] * y[i]);
         yy[i] -= 2 * once + 4 * twice * (y[i] * y[i]);
@@ -50,7 +54,8 @@ static void by_term(int term, size_t n, const double *x, const double *y, double
 }
 
 SGT_KERNEL
-static void by_term_all(int term, size_t n, const double *x, const double *y, double *f, double *fx, double *fy, double *fz)
+static void by_term_all(int term, size_t n, const double *x, const double *y, double *f, double *fx,
+                        double *fy, double *fz)
 {
     double factor = -2.0 * (term + 1);
     LANES for (size_t i = 0; i < n; i++) {

@@ -1,21 +1,22 @@
 /* asphere/unique.c - a root of an asphere that was met near the vertex: is it the only one within the rim?
  * And a ray that leaves the surface: does it meet nothing?
  *
- * Along a ray F is monotone within the rim where |n| > L sqrt a (poly.h, single_limit).  Where that does not decide it is told
- * by rings.  Let q = |n| / sqrt a, and r0 be how far from the axis the ray meets the vertex plane.
- * At r the ray is at least q (r - r0) away from that plane, above it ahead of there and below it behind (of one that
- * rises).  So a ring where S = s + P is less than q (inner - r0) has no root ahead; one where -S is, or that the ray did
- * not come from, none behind; and within the rings where all |dS/dr| < q F is monotone.  There is but one root if for some
- * J the first J rings are such and the others have none: if q > K, the least over J of the greatest of these.
+ * Along a ray F is monotone within the rim where |n| > L sqrt a (poly.h, single_limit).  Where that does
+ * not decide it is told by rings.  Let q = |n| / sqrt a, and r0 be how far from the axis the ray meets the
+ * vertex plane.  At r the ray is at least q (r - r0) away from that plane, above it ahead of there and
+ * below it behind (of one that rises).  So a ring where S = s + P is less than q (inner - r0) has no root
+ * ahead; one where -S is, or that the ray did not come from, none behind; and within the rings where all
+ * |dS/dr| < q F is monotone.  There is but one root if for some J the first J rings are such and the others
+ * have none: if q > K, the least over J of the greatest of these.
  *
  * RING BY RING, where that does not decide either, as of rays that are nearly parallel to the vertex plane.
  * On a piece of the ray (piece.h) F' = n - S'(r) u, u = dr / dtau = a s / r, is within bounds.  Where F rises
  * on each piece on which it may have a root, there is one root at most: behind it F is above zero, and stays
  * there.  The same where it falls.  Where no piece may have a root, the ray is a miss.
  *
- * In a ring, m +- h in rho, P' is off from P'(m) by at most |P''(m)| h + third h^2 / 2, and P from P(m) by |P'(m)| h +
- * second h^2 / 2, the bounds `magnitude` has at its outer rim; s and ds/drho are monotone.  2^-40 of all terms is far
- * more than rounding. */
+ * In a ring, m +- h in rho, P' is off from P'(m) by at most |P''(m)| h + third h^2 / 2, and P from P(m) by
+ * |P'(m)| h + second h^2 / 2, the bounds `magnitude` has at its outer rim; s and ds/drho are monotone.
+ * 2^-40 of all terms is far more than rounding. */
 #include "asphere.h"
 #include "../sag/piece.h"
 
@@ -29,35 +30,44 @@ typedef struct slope_rings {
 SGT_KERNEL
 static void asphere_rings(const shape *s, slope_rings *out)
 {
-    double m[RINGS], h[RINGS], outer2[RINGS], p[RINGS], p1[RINGS], p2[RINGS], first[RINGS], second[RINGS], third[RINGS];
+    double m[RINGS], h[RINGS], outer2[RINGS], p[RINGS], p1[RINGS], p2[RINGS], first[RINGS], second[RINGS],
+        third[RINGS];
     double width = sqrt(s->domain2) * (1 + 0x1p-40) / RINGS, c = s->c, ckc = s->ck * s->c;
     out->width = width;
     LANES for (int j = 0; j < RINGS; j++) {
         double inner = j * width, outer = (j + 1) * width;
         out->inner[j] = inner, outer2[j] = outer * outer;
-        m[j] = 0.5 * (outer * outer + inner * inner), h[j] = (0.5 + 0x1p-40) * (outer * outer - inner * inner);
+        m[j] = 0.5 * (outer * outer + inner * inner),
+        h[j] = (0.5 + 0x1p-40) * (outer * outer - inner * inner);
         p[j] = p1[j] = p2[j] = first[j] = second[j] = third[j] = 0;
     }
-    for (int i = s->terms - 1; i >= 0; i--) { /* of Q = P / rho: P' = Q + rho Q', P'' = 2 Q' + rho Q''; p2 is Q'' / 2, third of the bound as well */
+    /* of Q = P / rho: P' = Q + rho Q', P'' = 2 Q' + rho Q''; p2 is Q'' / 2, third of the bound as well */
+    for (int i = s->terms - 1; i >= 0; i--) {
         double a = s->a[i], by = (i + 1) * fabs(a);
         LANES for (int j = 0; j < RINGS; j++) {
             p2[j] = p2[j] * m[j] + p1[j], p1[j] = p1[j] * m[j] + p[j], p[j] = p[j] * m[j] + a;
-            third[j] = third[j] * outer2[j] + second[j], second[j] = second[j] * outer2[j] + first[j], first[j] = first[j] * outer2[j] + by;
+            third[j] = third[j] * outer2[j] + second[j], second[j] = second[j] * outer2[j] + first[j],
+            first[j] = first[j] * outer2[j] + by;
         }
     }
     LANES for (int j = 0; j < RINGS; j++) {
-        double rho = outer2[j], rho_in = out->inner[j] * out->inner[j], d1 = p[j] + m[j] * p1[j], d2 = 2 * (p1[j] + m[j] * p2[j]);
-        double near = sqrt(larger(1 - ckc * rho_in, 0)), far = sqrt(larger(1 - ckc * rho, 0)), s1 = 0.5 * c / near, s2 = 0.5 * c / far;
+        double rho = outer2[j], rho_in = out->inner[j] * out->inner[j], d1 = p[j] + m[j] * p1[j],
+               d2 = 2 * (p1[j] + m[j] * p2[j]);
+        double near = sqrt(larger(1 - ckc * rho_in, 0)), far = sqrt(larger(1 - ckc * rho, 0)),
+               s1 = 0.5 * c / near, s2 = 0.5 * c / far;
         double tilt = fabs(d2) * h[j] + third[j] * (h[j] * h[j]) + 0x1p-40 * (fabs(s1) + fabs(s2) + first[j]);
-        double rise = fabs(d1) * h[j] + 0.5 * second[j] * (h[j] * h[j]) + 0x1p-40 * rho * (fabs(c) + first[j]);
+        double rise = fabs(d1) * h[j] + 0.5 * second[j] * (h[j] * h[j]) +
+                      0x1p-40 * rho * (fabs(c) + first[j]);
         double z1 = c * rho_in / (1 + near), z2 = c * rho / (1 + far), z = m[j] * p[j];
-        double slope = 2 * (out->inner[j] + width) * (larger(fabs(s1 + d1), fabs(s2 + d1)) + tilt), above = larger(z1, z2) + z + rise, below = larger(-z1, -z2) - z + rise;
+        double slope = 2 * (out->inner[j] + width) * (larger(fabs(s1 + d1), fabs(s2 + d1)) + tilt),
+               above = larger(z1, z2) + z + rise, below = larger(-z1, -z2) - z + rise;
         double in = 2 * out->inner[j], end = 2 * (out->inner[j] + width); /* dS/dr = 2 r (s' + P') */
         double least = lesser(s1, s2) + d1 - tilt, most = larger(s1, s2) + d1 + tilt;
         out->slope[j] = chosen(MASK(slope < HUGE_VAL), slope, HUGE_VAL); /* NaN as well */
         out->least[j] = least * chosen(MASK(least > 0), in, end);
         out->most[j] = most * chosen(MASK(most > 0), end, in);
-        out->above[j] = chosen(MASK(above < HUGE_VAL), above, HUGE_VAL), out->below[j] = chosen(MASK(below < HUGE_VAL), below, HUGE_VAL);
+        out->above[j] = chosen(MASK(above < HUGE_VAL), above, HUGE_VAL),
+        out->below[j] = chosen(MASK(below < HUGE_VAL), below, HUGE_VAL);
     }
 }
 
@@ -66,7 +76,8 @@ typedef struct ring_slopes { double r0, from, to; } ring_slopes;
 
 SGT_INLINE void ring_widen(ring_slopes *most, ring_slopes one)
 {
-    most->r0 = larger(one.r0, most->r0), most->from = larger(one.from, most->from), most->to = larger(one.to, most->to);
+    most->r0 = larger(one.r0, most->r0), most->from = larger(one.from, most->from),
+    most->to = larger(one.to, most->to);
 }
 
 /* K, or more; rises: n > 0. */
@@ -80,7 +91,8 @@ static double steepness(const slope_rings *g, ring_slopes way, bool rises)
         double k = larger(lead[j], tail);
         least = k < least ? k : least;
         if (j == 0 || !(g->inner[j - 1] > way.r0)) break;
-        double in = g->inner[j - 1], height = larger(in <= way.to ? ahead[j - 1] : 0, in <= way.from ? behind[j - 1] : 0);
+        double in = g->inner[j - 1],
+               height = larger(in <= way.to ? ahead[j - 1] : 0, in <= way.from ? behind[j - 1] : 0);
         tail = larger(tail, height / (in - way.r0));
     }
     return least * (1 + 0x1p-20);
@@ -90,15 +102,17 @@ static double steepness(const slope_rings *g, ring_slopes way, bool rises)
 SGT_KERNEL
 static void asphere_courses(const sgt_tile *tile, double *q2, ring_slopes *way)
 {
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, slack = 1 + 0x1p-20;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
+                 slack = 1 + 0x1p-20;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
         double t0, t0_lo, x, y, a = l[i] * l[i] + m[i] * m[i], n2 = n[i] * n[i];
         to_vertex_plane(ox[i], oy[i], oz[i], l[i], m[i], n[i], &t0, &t0_lo, &x, &y);
         double r0 = slack * sqrt(x * x + y * y), side = slack * sqrt(a), off = 0x1p-40 * fabs(t0);
         q2[i] = chosen(MASK(a > 0x1p-400) & MASK(n2 > 0x1p-200), n2 / a, (double)NAN);
-        way[i].r0 = r0, way[i].from = r0 + side * larger(t0 - tmin[i] + off, 0), way[i].to = r0 + side * larger(tmax[i] - t0 + off, 0);
+        way[i].r0 = r0, way[i].from = r0 + side * larger(t0 - tmin[i] + off, 0),
+        way[i].to = r0 + side * larger(tmax[i] - t0 + off, 0);
     }
 }
 

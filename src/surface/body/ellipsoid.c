@@ -5,15 +5,15 @@
  *
  * THE ROUNDING.  The terms are added to -a^2 one by one, the greatest cancellation last, each by fma:
  *     ((e z^2 - a^2) + y^2) + x^2,     e = 1 / (1 - f)^2 and a^2 as two doubles each, so that they are exact.
- * z^2 is rounded (u e z^2), the small parts are 2 u (e z^2 + a^2) at most and rounded to u of that, and each sum rounds by u
- * of itself: near the surface these are a^2 - w^2 and x^2, so F is right to u a there, less than what the rounding of the point itself
- * does.  The quotient adds u |F|.
+ * z^2 is rounded (u e z^2), the small parts are 2 u (e z^2 + a^2) at most and rounded to u of that, and
+ * each sum rounds by u of itself: near the surface these are a^2 - w^2 and x^2, so F is right to u a there,
+ * less than what the rounding of the point itself does.  The quotient adds u |F|.
  *
- * THE CLEARANCE.  (x, y, z) -> (x, y, w) makes distances longer by no more than K = max(1, 1 / (1 - f)), and so the surface is no
- * nearer than | |(x, y, w)| - a | / K.
+ * THE CLEARANCE.  (x, y, z) -> (x, y, w) makes distances longer by no more than K = max(1, 1 / (1 - f)),
+ * and so the surface is no nearer than | |(x, y, w)| - a | / K.
  *
- * THE RAY.  In (x, y, w) the local origin is the point of the ray nearest the centre, where the discriminant is that of
- * half the chord: quadratic.h. */
+ * THE RAY.  In (x, y, w) the local origin is the point of the ray nearest the centre, where the
+ * discriminant is that of half the chord: quadratic.h. */
 #include "quadratic.h"
 
 /* What is shared by all points. */
@@ -21,7 +21,8 @@ typedef struct shell { double a, e, e_lo, a2, a2_lo, half, inverse, stretch; } s
 
 SGT_INLINE shell shell_of(const sgt_ellipsoid *s)
 {
-    twofold b = two_sum(1, -s->f), e = twofold_quotient(twofold_of(1), twofold_product(b, b)), a2 = two_product(s->a, s->a);
+    twofold b = two_sum(1, -s->f), e = twofold_quotient(twofold_of(1), twofold_product(b, b)),
+            a2 = two_product(s->a, s->a);
     return (shell){s->a, e.hi, e.lo, a2.hi, a2.lo, 0.5 / s->a, 1 / s->a, 1 / b.hi};
 }
 
@@ -71,7 +72,10 @@ SGT_INLINE double shell_rounding(const shell *s, double x, double y, double z)
 {
     double z2 = z * z, w2 = s->e * z2, first = sgt_fma(z2, s->e, -s->a2), second = sgt_fma(y, y, first),
            all = sgt_fma(x, x, second);
-    return 1.01 * (SGT_U * ((w2 + fabs(first)) + (fabs(second) + 4 * fabs(all)) + 0x1p-48 * (w2 + s->a2)) + 0x1p-1070) * s->half;
+    return 1.01 *
+           (SGT_U * ((w2 + fabs(first)) + (fabs(second) + 4 * fabs(all)) + 0x1p-48 * (w2 + s->a2)) +
+            0x1p-1070) *
+           s->half;
 }
 
 static double ellipsoid_rounding(const void *self, sgt_vec3 p)
@@ -88,7 +92,8 @@ static void shell_roundings(const shell *shared, size_t n, sgt_points p, double 
     LANES for (size_t i = 0; i < n; i++) out[i] = shell_rounding(&s, x[i], y[i], z[i]);
 }
 
-static bool ellipsoid_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[])
+static bool ellipsoid_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p,
+                                const double f[], double out[])
 {
     shell s = shell_of(self);
     (void)f, (void)shared;
@@ -109,36 +114,57 @@ SGT_INLINE void ellipsoid_approach(const sgt_ellipsoid *s, sgt_vec3 o, sgt_vec3 
     *r = near_ray_of(d);
     double l = r->d.x, m = r->d.y, n = r->d.z * by, A = l * l + m * m + n * n;
     near_ray_at(r, o, -(o.x * l + o.y * m + (o.z * by) * n) / A);
-    double x = r->x.x, y = r->x.y, w = r->x.z * by, xl = x * l, ym = y * m, wn = w * n, r2 = x * x + y * y + w * w, a2 = a * a;
+    double x = r->x.x, y = r->x.y, w = r->x.z * by, xl = x * l, ym = y * m, wn = w * n,
+           r2 = x * x + y * y + w * w, a2 = a * a;
     *p = (parabola){A, xl + ym + wn, r2 - a2, A, fabs(xl) + fabs(ym) + fabs(wn), r2 + a2};
 }
 
-SGT_INLINE double ellipsoid_terms(const sgt_ellipsoid *s, const near_ray *r, double tau) { return (void)r, (void)tau, 2 * (s->a * s->a); }
+SGT_INLINE double ellipsoid_terms(const sgt_ellipsoid *s, const near_ray *r, double tau)
+{
+    return (void)r, (void)tau, 2 * (s->a * s->a);
+}
 
 QUADRATIC_SPANS(ellipsoid, sgt_ellipsoid, ellipsoid_approach, ellipsoid_terms)
 
 /* F from x, y, z, and its slope along d, as they stand. */
-static sgt_interval ellipsoid_plain(const sgt_ellipsoid *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+static sgt_interval ellipsoid_plain(const sgt_ellipsoid *s, const sgt_ray *ray, double t0, sgt_interval t,
+                                    sgt_interval *slope)
 {
-    sgt_interval x = plain_line(ray->o.x, ray->d.x, t0, t), y = plain_line(ray->o.y, ray->d.y, t0, t), z = plain_line(ray->o.z, ray->d.z, t0, t), a = sgt_interval_of(s->a);
-    sgt_interval b = sgt_interval_difference(sgt_interval_of(1), sgt_interval_of(s->f)), w = sgt_interval_quotient(z, b), n = sgt_interval_quotient(sgt_interval_of(ray->d.z), b);
-    sgt_interval half = sgt_interval_sum(sgt_interval_sum(sgt_interval_scaled(x, ray->d.x), sgt_interval_scaled(y, ray->d.y)), sgt_interval_product(w, n));
-    sgt_interval g = sgt_interval_difference(sgt_interval_sum(sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)), sgt_interval_square(w)), sgt_interval_square(a));
+    sgt_interval x = plain_line(ray->o.x, ray->d.x, t0, t), y = plain_line(ray->o.y, ray->d.y, t0, t),
+                 z = plain_line(ray->o.z, ray->d.z, t0, t), a = sgt_interval_of(s->a);
+    sgt_interval b = sgt_interval_difference(sgt_interval_of(1), sgt_interval_of(s->f)),
+                 w = sgt_interval_quotient(z, b), n = sgt_interval_quotient(sgt_interval_of(ray->d.z), b);
+    sgt_interval half = sgt_interval_sum(
+        sgt_interval_sum(sgt_interval_scaled(x, ray->d.x), sgt_interval_scaled(y, ray->d.y)),
+        sgt_interval_product(w, n));
+    sgt_interval g = sgt_interval_difference(
+        sgt_interval_sum(sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y)),
+                         sgt_interval_square(w)),
+        sgt_interval_square(a));
     *slope = sgt_interval_quotient(half, a);
     return sgt_interval_quotient(g, sgt_interval_scaled(a, 2));
 }
 
-static sgt_interval ellipsoid_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+static sgt_interval ellipsoid_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t,
+                                           sgt_interval *slope)
 {
     const sgt_ellipsoid *s = self;
     sgt_interval g;
     fine_ray r;
     if (!stretch_valid(ray, t, &g, slope)) return g;
-    if (!fine_ray_of(ray, t0, t, &r) || !(s->a > 0x1p-400 && s->a < 0x1p400 && fabs(s->f) < 0x1p200)) return ellipsoid_plain(s, ray, t0, t, slope);
-    twofold b = two_sum(1, -s->f), e = twofold_quotient(twofold_of(1), twofold_product(b, b)), xl = twofold_scaled(r.x, r.l), ym = twofold_scaled(r.y, r.m);
-    twofold zn = twofold_product(twofold_scaled(r.z, r.n), e), n2 = twofold_product(two_product(r.n, r.n), e), w2 = twofold_product(twofold_product(r.z, r.z), e), a2 = two_product(s->a, s->a);
+    if (!fine_ray_of(ray, t0, t, &r) || !(s->a > 0x1p-400 && s->a < 0x1p400 && fabs(s->f) < 0x1p200))
+        return ellipsoid_plain(s, ray, t0, t, slope);
+    twofold b = two_sum(1, -s->f), e = twofold_quotient(twofold_of(1), twofold_product(b, b)),
+            xl = twofold_scaled(r.x, r.l), ym = twofold_scaled(r.y, r.m);
+    twofold zn = twofold_product(twofold_scaled(r.z, r.n), e), n2 = twofold_product(two_product(r.n, r.n), e),
+            w2 = twofold_product(twofold_product(r.z, r.z), e), a2 = two_product(s->a, s->a);
     twofold r2 = twofold_sum(twofold_sum(twofold_product(r.x, r.x), twofold_product(r.y, r.y)), w2);
-    fine_parabola p = {twofold_sum(twofold_sum(two_product(r.l, r.l), two_product(r.m, r.m)), n2), twofold_sum(twofold_sum(xl, ym), zn), twofold_difference(r2, a2), 0, 0, 0};
+    fine_parabola p = {twofold_sum(twofold_sum(two_product(r.l, r.l), two_product(r.m, r.m)), n2),
+                       twofold_sum(twofold_sum(xl, ym), zn),
+                       twofold_difference(r2, a2),
+                       0,
+                       0,
+                       0};
     p.Aa = p.A.hi, p.Ba = fabs(xl.hi) + fabs(ym.hi) + fabs(zn.hi) + 0x1p-700, p.Ca = r2.hi + a2.hi;
     sgt_interval twice = sgt_interval_of(2 * s->a);
     g = sgt_interval_quotient(fine_enclose(&p, &r, slope), twice);
@@ -146,7 +172,11 @@ static sgt_interval ellipsoid_enclose_from(const void *self, const sgt_ray *ray,
     return g;
 }
 
-static sgt_interval ellipsoid_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope) { return ellipsoid_enclose_from(self, ray, 0, t, slope); }
+static sgt_interval ellipsoid_enclose(const void *self, const sgt_ray *ray, sgt_interval t,
+                                      sgt_interval *slope)
+{
+    return ellipsoid_enclose_from(self, ray, 0, t, slope);
+}
 
 static void ellipsoid_second(const void *self, size_t n, sgt_points p, double *const out[6])
 {
@@ -164,11 +194,14 @@ static size_t ellipsoid_parameters(const void *self) { return (void)self, 2; }
 static void ellipsoid_by_parameter(const void *self, size_t j, size_t n, sgt_points p, sgt_values out)
 {
     const shell s = shell_of(self);
-    const double *x = p.p[0], *y = p.p[1], *z = p.p[2], by_f = s.e * s.stretch * s.inverse, i2 = s.inverse * s.inverse;
+    const double *x = p.p[0], *y = p.p[1], *z = p.p[2], by_f = s.e * s.stretch * s.inverse,
+                 i2 = s.inverse * s.inverse;
     for (size_t i = 0; i < n; i++) {
-        out.f[i] = j ? by_f * (z[i] * z[i]) : -0.5 * ((x[i] * x[i] + y[i] * y[i] + s.e * (z[i] * z[i])) * i2 + 1);
+        out.f[i] = j ? by_f * (z[i] * z[i])
+                     : -0.5 * ((x[i] * x[i] + y[i] * y[i] + s.e * (z[i] * z[i])) * i2 + 1);
         if (!out.grad[0]) continue;
-        out.grad[0][i] = j ? 0 : -x[i] * i2, out.grad[1][i] = j ? 0 : -y[i] * i2, out.grad[2][i] = j ? 2 * by_f * z[i] : -(s.e * z[i]) * i2;
+        out.grad[0][i] = j ? 0 : -x[i] * i2, out.grad[1][i] = j ? 0 : -y[i] * i2,
+        out.grad[2][i] = j ? 2 * by_f * z[i] : -(s.e * z[i]) * i2;
     }
 }
 
@@ -182,9 +215,20 @@ sgt_objection sgt_ellipsoid_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const struct sgt_builtin_ops ellipsoid_builtin = {.object = sgt_ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from};
+static const struct sgt_builtin_ops ellipsoid_builtin = {
+    .object = sgt_ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from};
 
-const sgt_surface_ops sgt_ellipsoid_ops = {
-    .name = "ellipsoid", .value = ellipsoid_value, .values = ellipsoid_values, .span = ellipsoid_span, .spans = ellipsoid_spans, .rounding = ellipsoid_rounding,
-    .clearance = ellipsoid_clearance, .enclose = ellipsoid_enclose, .first = ellipsoid_first, .firsts = ellipsoid_firsts, .second = ellipsoid_second,
-    .parameters = ellipsoid_parameters, .by_parameter = ellipsoid_by_parameter, .own_ = &ellipsoid_builtin};
+const sgt_surface_ops sgt_ellipsoid_ops = {.name = "ellipsoid",
+                                           .value = ellipsoid_value,
+                                           .values = ellipsoid_values,
+                                           .span = ellipsoid_span,
+                                           .spans = ellipsoid_spans,
+                                           .rounding = ellipsoid_rounding,
+                                           .clearance = ellipsoid_clearance,
+                                           .enclose = ellipsoid_enclose,
+                                           .first = ellipsoid_first,
+                                           .firsts = ellipsoid_firsts,
+                                           .second = ellipsoid_second,
+                                           .parameters = ellipsoid_parameters,
+                                           .by_parameter = ellipsoid_by_parameter,
+                                           .own_ = &ellipsoid_builtin};

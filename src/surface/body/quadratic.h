@@ -1,25 +1,28 @@
 /* quadratic.h - rays and surfaces of the second degree: the parabola, its roots, and what is certain of them.
  *
- * Along x + tau d the surface is g = A tau^2 + 2 B tau + C.  The local origin x is near the surface's own place, so
- * that a ray from far off loses nothing; the coefficients are worked out there in doubles, each off by at most
- * E = 16 u times the sum of the magnitudes of its terms: Aa, Ba, Ca.  Hence D = B^2 - A C is off by at most
+ * Along x + tau d the surface is g = A tau^2 + 2 B tau + C.  The local origin x is near the surface's own
+ * place, so that a ray from far off loses nothing; the coefficients are worked out there in doubles, each
+ * off by at most E = 16 u times the sum of the magnitudes of its terms: Aa, Ba, Ca.  Hence D = B^2 - A C is
+ * off by at most
  *     De = 64 u (Ba^2 + Aa Ca),
- * and there is for certain no root where D < -De.  With q = -(B + sign(B) sqrt D) the roots are C / q and q / A, without
- * a difference of like numbers (Press et al. 2007, section 5.6).
+ * and there is for certain no root where D < -De.  With q = -(B + sign(B) sqrt D) the roots are C / q and q
+ * / A, without a difference of like numbers (Press et al. 2007, section 5.6).
  *
- * HOW FAR A ROOT CAN BE OFF.  Let S^2 = D > 16 De.  At an exact root the computed parabola is at most
- * E spread(tau), spread = Aa tau^2 + 2 Ba |tau| + Ca; from a root of its own to the vertex it grows by at least S times the
- * distance.  So the two are at most 2 E spread / S apart: twice, since spread belongs at the other of the two.
- * (With N = Ba^2 + Aa Ca <= D / 64 E and |tau| <= Ca / S, 16 E^2 Aa spread <= D: over that distance spread does not grow to
- * more than twice itself.  The same holds of q / A where |A| > 2^-20 Aa, as |q| <= 2^23 S.)
- * Where A is smaller (a ray along the axis of a paraboloid, nearly) and |q| <= 3 S, C / q is right all the same, and q / A
- * to a half of itself as long as |A| > 8 E Aa.  Where Aa = 0 there is one root alone.
+ * HOW FAR A ROOT CAN BE OFF.  Let S^2 = D > 16 De.  At an exact root the computed parabola is at most E
+ * spread(tau), spread = Aa tau^2 + 2 Ba |tau| + Ca; from a root of its own to the vertex it grows by at
+ * least S times the distance.  So the two are at most 2 E spread / S apart: twice, since spread belongs at
+ * the other of the two.  (With N = Ba^2 + Aa Ca <= D / 64 E and |tau| <= Ca / S, 16 E^2 Aa spread <= D:
+ * over that distance spread does not grow to more than twice itself.  The same holds of q / A where |A| >
+ * 2^-20 Aa, as |q| <= 2^23 S.)  Where A is smaller (a ray along the axis of a paraboloid, nearly) and |q|
+ * <= 3 S, C / q is right all the same, and q / A to a half of itself as long as |A| > 8 E Aa.  Where Aa = 0
+ * there is one root alone.
  *
- * THE VERTEX -B / A PARTS THE TWO.  From a bit before the first to the vertex there is the first alone, from the vertex to a
- * bit behind the second the second: that is what `first` answers.  The first, where it counts for certain (sgt_ray in
- * sagitta.h has the rule; whoever solves may have a t_err of a few times the rule's own width), the second, where the
- * first for certain does not count.  Between these two, where D is not above 16 De (the ray touches), and where the distance from the
- * vertex is within what a double can tell of t, nothing is promised. */
+ * THE VERTEX -B / A PARTS THE TWO.  From a bit before the first to the vertex there is the first alone,
+ * from the vertex to a bit behind the second the second: that is what `first` answers.  The first, where it
+ * counts for certain (sgt_ray in sagitta.h has the rule; whoever solves may have a t_err of a few times the
+ * rule's own width), the second, where the first for certain does not count.  Between these two, where D is
+ * not above 16 De (the ray touches), and where the distance from the vertex is within what a double can
+ * tell of t, nothing is promised. */
 #ifndef SGT_SURFACE_BODY_QUADRATIC_H
 #define SGT_SURFACE_BODY_QUADRATIC_H
 
@@ -45,34 +48,47 @@ typedef struct crossings {
     mask none, one, two;        /* certain, if any */
 } crossings;
 
-SGT_INLINE double quadratic_spread(const parabola *p, double tau) { return (p->Aa * fabs(tau) + 2 * p->Ba) * fabs(tau) + p->Ca; }
+SGT_INLINE double quadratic_spread(const parabola *p, double tau)
+{
+    return (p->Aa * fabs(tau) + 2 * p->Ba) * fabs(tau) + p->Ca;
+}
 
 SGT_INLINE crossings crossings_of(const parabola *p, double t0)
 {
     crossings c;
-    double A = p->A, B = p->B, D = B * B - A * p->C, size = p->Ba * p->Ba + p->Aa * p->Ca, De = DISCRIMINANT * size, aA = fabs(A);
-    double s = sqrt(D > 0 ? D : 0), q = -(B + copysign(s, B)), near = p->C / q, away = q / A, inverse = 1 / aA, off = 0x1p-50 * fabs(t0);
-    mask fine = MASK(size > TINY) & MASK(size < HUGE_VAL), clear = MASK(D > 16 * De) & fine, linear = MASK(p->Aa == 0);
-    mask steep = MASK(aA > 0x1p-20 * p->Aa), flat = MASK(aA > 8 * COEFFICIENT * p->Aa) & MASK(fabs(q) <= 3 * s);
+    double A = p->A, B = p->B, D = B * B - A * p->C, size = p->Ba * p->Ba + p->Aa * p->Ca,
+           De = DISCRIMINANT * size, aA = fabs(A);
+    double s = sqrt(D > 0 ? D : 0), q = -(B + copysign(s, B)), near = p->C / q, away = q / A,
+           inverse = 1 / aA, off = 0x1p-50 * fabs(t0);
+    mask fine = MASK(size > TINY) & MASK(size < HUGE_VAL), clear = MASK(D > 16 * De) & fine,
+         linear = MASK(p->Aa == 0);
+    mask steep = MASK(aA > 0x1p-20 * p->Aa),
+         flat = MASK(aA > 8 * COEFFICIENT * p->Aa) & MASK(fabs(q) <= 3 * s);
     mask constant = linear & MASK(p->Ba == 0);
     c.none = (fine & MASK(D < -De)) | (constant & MASK(fabs(p->C) > COEFFICIENT * p->Ca));
 
-    double near_spread = quadratic_spread(p, near), away_spread = quadratic_spread(p, away), unit = 2 * COEFFICIENT / s;
-    double near_off = unit * near_spread + 4 * SGT_U * fabs(near), away_off = chosen(steep, unit * away_spread + 4 * SGT_U * fabs(away), 0.5 * fabs(away));
+    double near_spread = quadratic_spread(p, near), away_spread = quadratic_spread(p, away),
+           unit = 2 * COEFFICIENT / s;
+    double near_off = unit * near_spread + 4 * SGT_U * fabs(near),
+           away_off = chosen(steep, unit * away_spread + 4 * SGT_U * fabs(away), 0.5 * fabs(away));
     mask order = MASK(near <= away);
     double second_off = chosen(order, away_off, near_off);
     c.mid = -B / A, c.slope = s;
-    c.first = chosen(order, near, away), c.second = chosen(order, away, near), c.first_off = chosen(order, near_off, away_off);
+    c.first = chosen(order, near, away), c.second = chosen(order, away, near),
+    c.first_off = chosen(order, near_off, away_off);
     double before = c.mid - c.first, behind = c.second - c.mid, gap = 0.0625 * (c.second - c.first);
     c.two = clear & (steep | flat);
     mask parted = MASK(before > c.first_off + off) & MASK(behind > second_off + off) & MASK(gap < HUGE_VAL);
     c.one = clear & linear;
 
     /* two; else about the vertex, if there is one; else, of a linear equation, about its root */
-    double half = ((1 + 0x1p-3) * sqrt((D > 0 ? D : 0) + De) + 0x1p-28 * fabs(B) + 2 * COEFFICIENT * p->Ba) * inverse;
+    double half = ((1 + 0x1p-3) * sqrt((D > 0 ? D : 0) + De) + 0x1p-28 * fabs(B) + 2 * COEFFICIENT * p->Ba) *
+                  inverse;
     mask about = steep & fine & MASK(half < HUGE_VAL);
-    double lo = chosen(about, c.mid - half, -HUGE_VAL), hi = chosen(about, c.mid + half, HUGE_VAL), room = 8 * near_off + 0x1p-10 * near_spread / s;
-    lo = chosen(c.two & parted, c.first - (8 * c.first_off + gap), lo), hi = chosen(c.two & parted, c.second + (8 * second_off + gap), hi);
+    double lo = chosen(about, c.mid - half, -HUGE_VAL), hi = chosen(about, c.mid + half, HUGE_VAL),
+           room = 8 * near_off + 0x1p-10 * near_spread / s;
+    lo = chosen(c.two & parted, c.first - (8 * c.first_off + gap), lo),
+    hi = chosen(c.two & parted, c.second + (8 * second_off + gap), hi);
     lo = chosen(c.one, near - room, lo), hi = chosen(c.one, near + room, hi);
     c.two &= parted;
     c.first = chosen(c.one, near, c.first), c.first_off = chosen(c.one, near_off, c.first_off);
@@ -106,8 +122,10 @@ SGT_INLINE lane_span quadratic_span(const near_ray *r, const crossings *c)
 SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, double terms, double tmin)
 {
     lane_span a = quadratic_span(r, c);
-    double from = tmin * r->inverse, gap = c->first - (from - r->t0), width = START_ULPS * terms / (2 * c->slope);
-    double at = chosen(MASK(fabs(from) < HUGE_VAL), fabs(from), 0), blur = 2 * c->first_off + 0x1p-50 * (fabs(r->t0) + fabs(c->first) + at);
+    double from = tmin * r->inverse, gap = c->first - (from - r->t0),
+           width = START_ULPS * terms / (2 * c->slope);
+    double at = chosen(MASK(fabs(from) < HUGE_VAL), fabs(from), 0),
+           blur = 2 * c->first_off + 0x1p-50 * (fabs(r->t0) + fabs(c->first) + at);
     mask two = c->two & MASK((c->second - c->first) * r->scale > 0x1p-900); /* else mid may be none in t */
     mask accepted = two & MASK(gap > 8 * width + 16 * blur + 0x1p-45 * at),
          behind = two & MASK(gap + blur < 0.75 * width);
@@ -118,8 +136,9 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
     return a;
 }
 
-/* Every surface of this kind answers so: SELF is its type, APPROACH(s, o, d, &p, &r) makes the parabola and the local ray,
- * TERMS(s, &r, tau) are the terms at tau.  (Truth values go out by a loop of their own: bytes beside doubles make no vector code.) */
+/* Every surface of this kind answers so: SELF is its type, APPROACH(s, o, d, &p, &r) makes the parabola and
+ * the local ray, TERMS(s, &r, tau) are the terms at tau.  (Truth values go out by a loop of their own:
+ * bytes beside doubles make no vector code.) */
 #define QUADRATIC_LANES(NAME, SELF, APPROACH, ANSWER)                                                  \
     SGT_KERNEL                                                                                         \
     static void NAME(const SELF *self, size_t n, const double *restrict ox, const double *restrict oy, \
@@ -140,64 +159,85 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
         }                                                                                              \
     }
 
-#define QUADRATIC_SPANS(NAME, SELF, APPROACH, TERMS)                                                                       \
-    QUADRATIC_LANES(NAME##_all_spans, SELF, APPROACH, quadratic_span(&r, &c))                                              \
-    QUADRATIC_LANES(NAME##_all_firsts, SELF, APPROACH, quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]))           \
-    static void NAME##_blocks(const void *self, size_t n, sgt_rays rays, sgt_spans out, bool first)                        \
-    {                                                                                                                      \
-        double single[FREEFORM_BLOCK];                                                                                     \
-        for (size_t i = 0, few; i < n; i += few) {                                                                         \
-            few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;                                                         \
-            (first ? NAME##_all_firsts : NAME##_all_spans)(self, few, rays.o[0] + i, rays.o[1] + i, rays.o[2] + i, rays.d[0] + i, rays.d[1] + i, rays.d[2] + i, \
-                                                           first ? rays.tmin + i : NULL, out.lo + i, out.hi + i, out.seed + i, single); \
-            for (size_t j = 0; j < few; j++) out.single[i + j] = single[j] > 0;                                            \
-        }                                                                                                                  \
-    }                                                                                                                      \
-    static void NAME##_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out) { NAME##_blocks(self, n, rays, out, false); } \
-    static void NAME##_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out) { NAME##_blocks(self, n, rays, out, true); } \
-    static sgt_span NAME##_unique(const void *self, const sgt_ray *ray, bool first)                                         \
-    {                                                                                                                      \
-        sgt_span a;                                                                                                        \
-        sgt_rays rays = {{&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};    \
-        NAME##_blocks(self, 1, rays, (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single}, first);                                \
-        return a;                                                                                                          \
-    }                                                                                                                      \
-    static sgt_span NAME##_span(const void *self, const sgt_ray *ray) { return NAME##_unique(self, ray, false); }           \
-    static sgt_span NAME##_first(const void *self, const sgt_ray *ray) { return NAME##_unique(self, ray, true); }
+#define QUADRATIC_SPANS(NAME, SELF, APPROACH, TERMS)                                                        \
+    QUADRATIC_LANES(NAME##_all_spans, SELF, APPROACH, quadratic_span(&r, &c))                               \
+    QUADRATIC_LANES(NAME##_all_firsts, SELF, APPROACH,                                                      \
+                    quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]))                               \
+    static void NAME##_blocks(const void *self, size_t n, sgt_rays rays, sgt_spans out, bool first)         \
+    {                                                                                                       \
+        double single[FREEFORM_BLOCK];                                                                      \
+        for (size_t i = 0, few; i < n; i += few) {                                                          \
+            few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;                                          \
+            (first ? NAME##_all_firsts : NAME##_all_spans)(                                                 \
+                self, few, rays.o[0] + i, rays.o[1] + i, rays.o[2] + i, rays.d[0] + i, rays.d[1] + i,       \
+                rays.d[2] + i, first ? rays.tmin + i : NULL, out.lo + i, out.hi + i, out.seed + i, single); \
+            for (size_t j = 0; j < few; j++) out.single[i + j] = single[j] > 0;                             \
+        }                                                                                                   \
+    }                                                                                                       \
+    static void NAME##_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out)                      \
+    {                                                                                                       \
+        NAME##_blocks(self, n, rays, out, false);                                                           \
+    }                                                                                                       \
+    static void NAME##_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out)                     \
+    {                                                                                                       \
+        NAME##_blocks(self, n, rays, out, true);                                                            \
+    }                                                                                                       \
+    static sgt_span NAME##_unique(const void *self, const sgt_ray *ray, bool first)                         \
+    {                                                                                                       \
+        sgt_span a;                                                                                         \
+        sgt_rays rays = {                                                                                   \
+            {&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};  \
+        NAME##_blocks(self, 1, rays, (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single}, first);                 \
+        return a;                                                                                           \
+    }                                                                                                       \
+    static sgt_span NAME##_span(const void *self, const sgt_ray *ray)                                       \
+    {                                                                                                       \
+        return NAME##_unique(self, ray, false);                                                             \
+    }                                                                                                       \
+    static sgt_span NAME##_first(const void *self, const sgt_ray *ray)                                      \
+    {                                                                                                       \
+        return NAME##_unique(self, ray, true);                                                              \
+    }
 
 SGT_INLINE near_ray near_ray_of(sgt_vec3 d)
 {
     double scale = scale_of(d);
-    return (near_ray){.d = {d.x * scale, d.y * scale, d.z * scale}, .scale = scale, .inverse = inverse_of_scale(d)};
+    return (near_ray){
+        .d = {d.x * scale, d.y * scale, d.z * scale}, .scale = scale, .inverse = inverse_of_scale(d)};
 }
 
 SGT_INLINE void near_ray_at(near_ray *r, sgt_vec3 o, double t0)
 {
     r->t0 = t0;
-    r->x = (sgt_vec3){moved_along(o.x, t0, r->d.x), moved_along(o.y, t0, r->d.y), moved_along(o.z, t0, r->d.z)};
+    r->x = (sgt_vec3){moved_along(o.x, t0, r->d.x), moved_along(o.y, t0, r->d.y),
+                      moved_along(o.z, t0, r->d.z)};
 }
 
 /* ------------------------------------------------------------------ by intervals
  *
- * About the middle m of the stretch, where the coefficients are known in twice the precision (off by 2^-96 of their
- * terms), g = C + tau (2 B + A tau) with tau in t - m.  The slope 2 (B + A tau) is exact as an interval; where it has one sign g lies between
- * its ends, else beyond them by no more than A w^2 / 4, w the length, and no farther than C - B^2 / A. */
+ * About the middle m of the stretch, where the coefficients are known in twice the precision (off by 2^-96
+ * of their terms), g = C + tau (2 B + A tau) with tau in t - m.  The slope 2 (B + A tau) is exact as an
+ * interval; where it has one sign g lies between its ends, else beyond them by no more than A w^2 / 4, w
+ * the length, and no farther than C - B^2 / A. */
 typedef struct fine_parabola { twofold A, B, C; double Aa, Ba, Ca; } fine_parabola;
 
 #define FINE_COEFFICIENT 0x1p-96
 
 SGT_INLINE sgt_interval fine_interval(twofold x, double by)
 {
-    return sgt_interval_between(-sgt_sum_above(-x.hi, sgt_sum_above(by, -x.lo)), sgt_sum_above(x.hi, sgt_sum_above(x.lo, by)));
+    return sgt_interval_between(-sgt_sum_above(-x.hi, sgt_sum_above(by, -x.lo)),
+                                sgt_sum_above(x.hi, sgt_sum_above(x.lo, by)));
 }
 
-/* The ray over t, about its middle, in units of the scaled direction.  false: out of the range in which twice the precision holds. */
+/* The ray over t, about its middle, in units of the scaled direction.  false: out of the range in which
+ * twice the precision holds. */
 typedef struct fine_ray { twofold x, y, z; double l, m, n; sgt_interval tau; double inverse; } fine_ray;
 
 SGT_INLINE bool fine_range(double o, double l, double at)
 {
     double p = fabs(l * at), most = 0x1p400;
-    return fabs(o) < most && p < most && (at == 0 || l == 0 || p > 0x1p-400) && (l == 0 || fabs(l) > 0x1p-400) && (o == 0 || fabs(o) > 0x1p-400);
+    return fabs(o) < most && p < most && (at == 0 || l == 0 || p > 0x1p-400) &&
+           (l == 0 || fabs(l) > 0x1p-400) && (o == 0 || fabs(o) > 0x1p-400);
 }
 
 /* An end so near 0 that its products vanish goes outward to where they do not. */
@@ -223,35 +263,47 @@ static inline bool fine_along(double o, double l, double t0, double t, twofold *
 /* t counts from t0. */
 SGT_INLINE bool fine_ray_of(const sgt_ray *ray, double t0, sgt_interval t, fine_ray *r)
 {
-    double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d), lo = fine_end(t.lo, inverse, -1), hi = fine_end(t.hi, inverse, 1), far = 0x1p390;
+    double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d), lo = fine_end(t.lo, inverse, -1),
+           hi = fine_end(t.hi, inverse, 1), far = 0x1p390;
     double mid = fabs(lo) < far ? (fabs(hi) < far ? 0.5 * lo + 0.5 * hi : lo) : fabs(hi) < far ? hi : 0;
     r->l = ray->d.x * scale, r->m = ray->d.y * scale, r->n = ray->d.z * scale, r->inverse = inverse;
     if (!(scale > 0x1p-1000 && scale < 0x1p1000)) return false;
     if (fabs(mid) < 0x1p-400) mid = 0;
     t0 *= inverse;
-    if (!fine_range(ray->o.x, r->l, t0) || !fine_range(ray->o.y, r->m, t0) || !fine_range(ray->o.z, r->n, t0)) return false;
-    if (!fine_range(ray->o.x, r->l, mid) || !fine_range(ray->o.y, r->m, mid) || !fine_range(ray->o.z, r->n, mid)) return false;
+    if (!fine_range(ray->o.x, r->l, t0) || !fine_range(ray->o.y, r->m, t0) || !fine_range(ray->o.z, r->n, t0))
+        return false;
+    if (!fine_range(ray->o.x, r->l, mid) || !fine_range(ray->o.y, r->m, mid) ||
+        !fine_range(ray->o.z, r->n, mid))
+        return false;
     r->tau = sgt_interval_between(-sgt_sum_above(-lo, mid), sgt_sum_above(hi, -mid));
-    return fine_along(ray->o.x, r->l, t0, mid, &r->x) && fine_along(ray->o.y, r->m, t0, mid, &r->y) && fine_along(ray->o.z, r->n, t0, mid, &r->z);
+    return fine_along(ray->o.x, r->l, t0, mid, &r->x) && fine_along(ray->o.y, r->m, t0, mid, &r->y) &&
+           fine_along(ray->o.z, r->n, t0, mid, &r->z);
 }
 
 SGT_INLINE sgt_interval fine_enclose(const fine_parabola *p, const fine_ray *r, sgt_interval *slope)
 {
-    sgt_interval A = fine_interval(p->A, FINE_COEFFICIENT * p->Aa), B = fine_interval(p->B, FINE_COEFFICIENT * p->Ba), C = fine_interval(p->C, FINE_COEFFICIENT * p->Ca);
-    sgt_interval twice = sgt_interval_scaled(B, 2), lo = sgt_interval_of(r->tau.lo), hi = sgt_interval_of(r->tau.hi);
+    sgt_interval A = fine_interval(p->A, FINE_COEFFICIENT * p->Aa),
+                 B = fine_interval(p->B, FINE_COEFFICIENT * p->Ba),
+                 C = fine_interval(p->C, FINE_COEFFICIENT * p->Ca);
+    sgt_interval twice = sgt_interval_scaled(B, 2), lo = sgt_interval_of(r->tau.lo),
+                 hi = sgt_interval_of(r->tau.hi);
     sgt_interval from = sgt_interval_product(A, lo), to = sgt_interval_product(A, hi), g = C;
-    sgt_interval left = sgt_interval_sum(twice, sgt_interval_scaled(from, 2)), right = sgt_interval_sum(twice, sgt_interval_scaled(to, 2));
+    sgt_interval left = sgt_interval_sum(twice, sgt_interval_scaled(from, 2)),
+                 right = sgt_interval_sum(twice, sgt_interval_scaled(to, 2));
     *slope = sgt_interval_hull(left, right);
     if (r->tau.lo != 0 || r->tau.hi != 0) {
-        sgt_interval ends = sgt_interval_hull(sgt_interval_sum(C, sgt_interval_product(lo, sgt_interval_sum(twice, from))),
-                                              sgt_interval_sum(C, sgt_interval_product(hi, sgt_interval_sum(twice, to))));
+        sgt_interval ends = sgt_interval_hull(
+            sgt_interval_sum(C, sgt_interval_product(lo, sgt_interval_sum(twice, from))),
+            sgt_interval_sum(C, sgt_interval_product(hi, sgt_interval_sum(twice, to))));
         g = ends;
         if (!(slope->lo >= 0 || slope->hi <= 0)) {
             double width = sgt_interval_width(r->tau);
-            sgt_interval sunk = sgt_interval_scaled(sgt_interval_product(A, sgt_interval_square(sgt_interval_of(width))), -0.25);
+            sgt_interval sunk = sgt_interval_scaled(
+                sgt_interval_product(A, sgt_interval_square(sgt_interval_of(width))), -0.25);
             g = sgt_interval_sum(ends, sgt_interval_hull(sunk, sgt_interval_of(0)));
             if (A.lo > 0 || A.hi < 0) {
-                sgt_interval turn = sgt_interval_difference(C, sgt_interval_quotient(sgt_interval_square(B), A));
+                sgt_interval turn = sgt_interval_difference(C,
+                                                            sgt_interval_quotient(sgt_interval_square(B), A));
                 g = sgt_interval_intersection(g, sgt_interval_hull(ends, turn));
             }
         }
@@ -273,7 +325,9 @@ SGT_INLINE bool stretch_valid(const sgt_ray *ray, sgt_interval t, sgt_interval *
 {
     sgt_vec3 o = ray->o, d = ray->d;
     *g = *slope = sgt_interval_all();
-    if (isnan(t.lo) || isnan(t.hi) || !((o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (d.x - d.x) + (d.y - d.y) + (d.z - d.z) == 0)) return false;
+    if (isnan(t.lo) || isnan(t.hi) ||
+        !((o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (d.x - d.x) + (d.y - d.y) + (d.z - d.z) == 0))
+        return false;
     if (t.lo > t.hi) *g = *slope = sgt_interval_empty();
     return t.lo <= t.hi;
 }

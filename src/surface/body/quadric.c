@@ -1,16 +1,18 @@
 /* quadric.c - any surface of the second degree, both sheets of a hyperboloid, a pair of planes, a plane.
  *
- * With the gradient's rows G_x = 2 a x + d y + f z + g (squares a, b, c; products d of xy, e of yz, f of xz; linear g, h, i) Euler's identity gives
+ * With the gradient's rows G_x = 2 a x + d y + f z + g (squares a, b, c; products d of xy, e of yz, f of
+ * xz; linear g, h, i) Euler's identity gives
  *     F = (x (G_x + g) + y (G_y + h) + z (G_z + i)) / 2 + constant,
  * so that F costs four multiplications more than its gradient.
  *
- * THE ROUNDING.  A term of F is rounded at most 9 times on its way into the sum (product, three sums in its row, the product by
- * the coordinate, two sums, the constant; halves are exact): F is right to 9 u (1 + 9 u) of the sum of the terms' magnitudes, the linear ones taken
- * twice where they are added twice.
+ * THE ROUNDING.  A term of F is rounded at most 9 times on its way into the sum (product, three sums in its
+ * row, the product by the coordinate, two sums, the constant; halves are exact): F is right to 9 u (1 + 9
+ * u) of the sum of the terms' magnitudes, the linear ones taken twice where they are added twice.
  *
- * THE RAY.  The local origin is the point of the ray that is nearest the origin of the frame, and the parabola there is that of
- * quadratic.h: B is half the slope, C is F, A the squares and products of the direction.  Their terms are rounded at most 9 times, the
- * coordinates among them: less than the 16 u that quadratic.h asks for. */
+ * THE RAY.  The local origin is the point of the ray that is nearest the origin of the frame, and the
+ * parabola there is that of quadratic.h: B is half the slope, C is F, A the squares and products of the
+ * direction.  Their terms are rounded at most 9 times, the coordinates among them: less than the 16 u that
+ * quadratic.h asks for. */
 #include "../../num/bits.h"
 #include "quadratic.h"
 
@@ -22,20 +24,25 @@ typedef struct rows { double x, y, z; } rows;
 SGT_INLINE rows quadric_rows_of(const sgt_quadric *s, double x, double y, double z)
 {
     const double *a = s->squares, *b = s->products, *c = s->linear;
-    return (rows){((2 * a[0]) * x + b[0] * y) + (b[2] * z + c[0]), (b[0] * x + (2 * a[1]) * y) + (b[1] * z + c[1]), (b[2] * x + b[1] * y) + ((2 * a[2]) * z + c[2])};
+    return (rows){((2 * a[0]) * x + b[0] * y) + (b[2] * z + c[0]),
+                  (b[0] * x + (2 * a[1]) * y) + (b[1] * z + c[1]),
+                  (b[2] * x + b[1] * y) + ((2 * a[2]) * z + c[2])};
 }
 
 SGT_INLINE double quadric_at(const sgt_quadric *s, double x, double y, double z, rows *g)
 {
     *g = quadric_rows_of(s, x, y, z);
-    return 0.5 * ((x * (g->x + s->linear[0]) + y * (g->y + s->linear[1])) + z * (g->z + s->linear[2])) + s->constant;
+    return 0.5 * ((x * (g->x + s->linear[0]) + y * (g->y + s->linear[1])) + z * (g->z + s->linear[2])) +
+           s->constant;
 }
 
 /* The magnitudes of the coefficients. */
 SGT_INLINE sgt_quadric quadric_sizes_of(const sgt_quadric *s)
 {
     sgt_quadric a;
-    for (int i = 0; i < 3; i++) a.squares[i] = fabs(s->squares[i]), a.products[i] = fabs(s->products[i]), a.linear[i] = fabs(s->linear[i]);
+    for (int i = 0; i < 3; i++)
+        a.squares[i] = fabs(s->squares[i]), a.products[i] = fabs(s->products[i]),
+        a.linear[i] = fabs(s->linear[i]);
     a.constant = fabs(s->constant);
     return a;
 }
@@ -68,7 +75,8 @@ static void quadric_values(const void *self, size_t n, sgt_points p, sgt_values 
     }
 }
 
-/* sizes: the magnitudes of the coefficients.  Last: what underflows where these are multiplied by a coordinate. */
+/* sizes: the magnitudes of the coefficients.  Last: what underflows where these are multiplied by a
+ * coordinate. */
 SGT_INLINE double sizes_rounding(const sgt_quadric *sizes, double x, double y, double z)
 {
     rows unused;
@@ -83,7 +91,8 @@ static double quadric_rounding(const void *self, sgt_vec3 p)
 }
 
 SGT_KERNEL
-static bool quadric_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[])
+static bool quadric_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p,
+                              const double f[], double out[])
 {
     const sgt_quadric sizes = quadric_sizes_of(self);
     const double *x = p.p[0], *y = p.p[1], *z = p.p[2];
@@ -106,7 +115,8 @@ SGT_INLINE void quadric_approach(const sgt_quadric *s, sgt_vec3 o, sgt_vec3 d, p
     *r = near_ray_of(d);
     double l = r->d.x, m = r->d.y, n = r->d.z, la = fabs(l), ma = fabs(m), na = fabs(n);
     near_ray_at(r, o, -(o.x * l + o.y * m + o.z * n) / (l * l + m * m + n * n));
-    p->C = quadric_at(s, r->x.x, r->x.y, r->x.z, &g), p->Ca = quadric_at(&size, fabs(r->x.x), fabs(r->x.y), fabs(r->x.z), &ga);
+    p->C = quadric_at(s, r->x.x, r->x.y, r->x.z, &g),
+    p->Ca = quadric_at(&size, fabs(r->x.x), fabs(r->x.y), fabs(r->x.z), &ga);
     p->A = quadric_bent(s, l, m, n), p->Aa = quadric_bent(&size, la, ma, na);
     p->B = 0.5 * (g.x * l + g.y * m + g.z * n), p->Ba = 0.5 * (ga.x * la + ga.y * ma + ga.z * na);
 }
@@ -123,19 +133,27 @@ QUADRATIC_SPANS(quadric, sgt_quadric, quadric_approach, quadric_terms)
 /* ------------------------------------------------------------------ by intervals */
 
 /* a x + b y + c z + d. */
-static sgt_interval form(double a, sgt_interval x, double b, sgt_interval y, double c, sgt_interval z, double d)
+static sgt_interval form(double a, sgt_interval x, double b, sgt_interval y, double c, sgt_interval z,
+                         double d)
 {
-    return sgt_interval_sum(sgt_interval_sum(sgt_interval_scaled(x, a), sgt_interval_scaled(y, b)), sgt_interval_sum(sgt_interval_scaled(z, c), sgt_interval_of(d)));
+    return sgt_interval_sum(sgt_interval_sum(sgt_interval_scaled(x, a), sgt_interval_scaled(y, b)),
+                            sgt_interval_sum(sgt_interval_scaled(z, c), sgt_interval_of(d)));
 }
 
-static sgt_interval quadric_plain(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+static sgt_interval quadric_plain(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t,
+                                  sgt_interval *slope)
 {
     const double *a = s->squares, *b = s->products, *c = s->linear;
-    sgt_interval x = plain_line(ray->o.x, ray->d.x, t0, t), y = plain_line(ray->o.y, ray->d.y, t0, t), z = plain_line(ray->o.z, ray->d.z, t0, t);
-    sgt_interval gx = form(2 * a[0], x, b[0], y, b[2], z, c[0]), gy = form(b[0], x, 2 * a[1], y, b[1], z, c[1]), gz = form(b[2], x, b[1], y, 2 * a[2], z, c[2]);
+    sgt_interval x = plain_line(ray->o.x, ray->d.x, t0, t), y = plain_line(ray->o.y, ray->d.y, t0, t),
+                 z = plain_line(ray->o.z, ray->d.z, t0, t);
+    sgt_interval gx = form(2 * a[0], x, b[0], y, b[2], z, c[0]),
+                 gy = form(b[0], x, 2 * a[1], y, b[1], z, c[1]),
+                 gz = form(b[2], x, b[1], y, 2 * a[2], z, c[2]);
     *slope = form(ray->d.x, gx, ray->d.y, gy, ray->d.z, gz, 0);
-    gx = form(a[0], x, b[0], y, b[2], z, c[0]), gy = form(0, x, a[1], y, b[1], z, c[1]), gz = form(0, x, 0, y, a[2], z, c[2]);
-    return sgt_interval_sum(sgt_interval_sum(sgt_interval_product(x, gx), sgt_interval_product(y, gy)), sgt_interval_sum(sgt_interval_product(z, gz), sgt_interval_of(s->constant)));
+    gx = form(a[0], x, b[0], y, b[2], z, c[0]), gy = form(0, x, a[1], y, b[1], z, c[1]),
+    gz = form(0, x, 0, y, a[2], z, c[2]);
+    return sgt_interval_sum(sgt_interval_sum(sgt_interval_product(x, gx), sgt_interval_product(y, gy)),
+                            sgt_interval_sum(sgt_interval_product(z, gz), sgt_interval_of(s->constant)));
 }
 
 typedef struct fine_rows { twofold x, y, z; } fine_rows;
@@ -143,7 +161,8 @@ typedef struct fine_rows { twofold x, y, z; } fine_rows;
 /* a x + b y + c z + d. */
 SGT_INLINE twofold fine_form(double a, twofold x, double b, twofold y, double c, twofold z, double d)
 {
-    return twofold_sum(twofold_sum(twofold_scaled(x, a), twofold_scaled(y, b)), twofold_sum(twofold_scaled(z, c), twofold_of(d)));
+    return twofold_sum(twofold_sum(twofold_scaled(x, a), twofold_scaled(y, b)),
+                       twofold_sum(twofold_scaled(z, c), twofold_of(d)));
 }
 
 SGT_INLINE twofold fine_dot(twofold a, twofold x, twofold b, twofold y, twofold c, twofold z)
@@ -151,33 +170,47 @@ SGT_INLINE twofold fine_dot(twofold a, twofold x, twofold b, twofold y, twofold 
     return twofold_sum(twofold_sum(twofold_product(a, x), twofold_product(b, y)), twofold_product(c, z));
 }
 
-/* Are all the coefficients in the range in which products with them are split exactly?  Where not, quadric_far has another unit. */
+/* Are all the coefficients in the range in which products with them are split exactly?  Where not,
+ * quadric_far has another unit. */
 static bool moderate(const sgt_quadric *s)
 {
     bool is = true;
     for (int i = 0; i < 10; i++) {
-        double size = fabs(i < 3 ? s->squares[i] : i < 6 ? s->products[i - 3] : i < 9 ? s->linear[i - 6] : s->constant);
+        double size = fabs(i < 3   ? s->squares[i]
+                           : i < 6 ? s->products[i - 3]
+                           : i < 9 ? s->linear[i - 6]
+                                   : s->constant);
         is = is && size < 0x1p100 && (size == 0 || size > 0x1p-100);
     }
     return is;
 }
 
 /* false: not so, or the ray is out of range. */
-static bool quadric_fine(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *g, sgt_interval *slope)
+static bool quadric_fine(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *g,
+                         sgt_interval *slope)
 {
     const double *a = s->squares, *b = s->products, *c = s->linear;
     fine_ray r;
     if (!fine_ray_of(ray, t0, t, &r) || !moderate(s)) return false;
     twofold l = twofold_of(r.l), m = twofold_of(r.m), n = twofold_of(r.n), x = r.x, y = r.y, z = r.z;
-    fine_rows full = {fine_form(2 * a[0], x, b[0], y, b[2], z, c[0]), fine_form(b[0], x, 2 * a[1], y, b[1], z, c[1]), fine_form(b[2], x, b[1], y, 2 * a[2], z, c[2])};
-    fine_rows upper = {fine_form(a[0], x, b[0], y, b[2], z, c[0]), fine_form(0, x, a[1], y, b[1], z, c[1]), fine_form(0, x, 0, y, a[2], z, c[2])};
-    fine_rows along = {fine_form(a[0], l, b[0], m, b[2], n, 0), fine_form(0, l, a[1], m, b[1], n, 0), fine_form(0, l, 0, m, a[2], n, 0)};
+    fine_rows full = {fine_form(2 * a[0], x, b[0], y, b[2], z, c[0]),
+                      fine_form(b[0], x, 2 * a[1], y, b[1], z, c[1]),
+                      fine_form(b[2], x, b[1], y, 2 * a[2], z, c[2])};
+    fine_rows upper = {fine_form(a[0], x, b[0], y, b[2], z, c[0]), fine_form(0, x, a[1], y, b[1], z, c[1]),
+                       fine_form(0, x, 0, y, a[2], z, c[2])};
+    fine_rows along = {fine_form(a[0], l, b[0], m, b[2], n, 0), fine_form(0, l, a[1], m, b[1], n, 0),
+                       fine_form(0, l, 0, m, a[2], n, 0)};
     sgt_quadric size = quadric_sizes_of(s);
     rows sizes;
     double la = fabs(r.l), ma = fabs(r.m), na = fabs(r.n), tiny = 0x1p-700; /* of what underflows */
-    fine_parabola p = {fine_dot(l, along.x, m, along.y, n, along.z), twofold_times_power(fine_dot(l, full.x, m, full.y, n, full.z), 0.5),
-                       twofold_sum(fine_dot(x, upper.x, y, upper.y, z, upper.z), twofold_of(s->constant)), 0, 0, 0};
-    p.Aa = quadric_bent(&size, la, ma, na), p.Ca = quadric_at(&size, fabs(x.hi), fabs(y.hi), fabs(z.hi), &sizes) + tiny;
+    fine_parabola p = {fine_dot(l, along.x, m, along.y, n, along.z),
+                       twofold_times_power(fine_dot(l, full.x, m, full.y, n, full.z), 0.5),
+                       twofold_sum(fine_dot(x, upper.x, y, upper.y, z, upper.z), twofold_of(s->constant)),
+                       0,
+                       0,
+                       0};
+    p.Aa = quadric_bent(&size, la, ma, na),
+    p.Ca = quadric_at(&size, fabs(x.hi), fabs(y.hi), fabs(z.hi), &sizes) + tiny;
     p.Ba = 0.5 * (sizes.x * la + sizes.y * ma + sizes.z * na) + tiny;
     *g = fine_enclose(&p, &r, slope);
     return true;
@@ -190,8 +223,8 @@ static int exponent_of(const double *x)
     return most > 0 ? binary_exponent(most) : INT_MIN;
 }
 
-/* The same surface in a unit of length and with a factor, powers of two both, in which it is of the size of 1:
- * 2^of times F at 2^length times the point.  false: a number would be rounded. */
+/* The same surface in a unit of length and with a factor, powers of two both, in which it is of the size of
+ * 1: 2^of times F at 2^length times the point.  false: a number would be rounded. */
 static bool in_own_unit(const sgt_quadric *s, sgt_quadric *out, int *length, int *of)
 {
     int square = exponent_of(s->squares), product = exponent_of(s->products), linear = exponent_of(s->linear);
@@ -202,15 +235,23 @@ static bool in_own_unit(const sgt_quadric *s, sgt_quadric *out, int *length, int
         if (constant > INT_MIN) *length = constant - linear;
         square = linear - *length;
     } else {
-        int by_linear = linear > INT_MIN ? linear - square : INT_MIN, by_constant = constant > INT_MIN ? (constant - square) >> 1 : INT_MIN;
-        if (by_linear > INT_MIN || by_constant > INT_MIN) *length = by_linear > by_constant ? by_linear : by_constant;
+        int by_linear = linear > INT_MIN ? linear - square : INT_MIN,
+            by_constant = constant > INT_MIN ? (constant - square) >> 1 : INT_MIN;
+        if (by_linear > INT_MIN || by_constant > INT_MIN)
+            *length = by_linear > by_constant ? by_linear : by_constant;
     }
     *of = -square - 2 * *length;
     bool exact = true;
     for (int i = 0; i < 10; i++) {
-        double x = i < 3 ? s->squares[i] : i < 6 ? s->products[i - 3] : i < 9 ? s->linear[i - 6] : s->constant;
+        double x = i < 3   ? s->squares[i]
+                   : i < 6 ? s->products[i - 3]
+                   : i < 9 ? s->linear[i - 6]
+                           : s->constant;
         int by = *of + *length * (i < 6 ? 2 : i < 9 ? 1 : 0);
-        double *to = i < 3 ? &out->squares[i] : i < 6 ? &out->products[i - 3] : i < 9 ? &out->linear[i - 6] : &out->constant;
+        double *to = i < 3   ? &out->squares[i]
+                     : i < 6 ? &out->products[i - 3]
+                     : i < 9 ? &out->linear[i - 6]
+                             : &out->constant;
         *to = times_power_of_two(x, by);
         exact = exact && times_power_of_two(*to, -by) == x;
     }
@@ -219,23 +260,30 @@ static bool in_own_unit(const sgt_quadric *s, sgt_quadric *out, int *length, int
 
 static bool normal_power(int of_two) { return of_two >= -1000 && of_two <= 1000; }
 
-/* g and its slope of the surface in its own unit, whatever the caller's is: far from 1 the products are not exact. */
-static bool quadric_far(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *g, sgt_interval *slope)
+/* g and its slope of the surface in its own unit, whatever the caller's is: far from 1 the products are not
+ * exact. */
+static bool quadric_far(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *g,
+                        sgt_interval *slope)
 {
     sgt_quadric own;
     int length, of;
-    if (!in_own_unit(s, &own, &length, &of) || !normal_power(length) || !normal_power(of) || !normal_power(of + length)) return false;
+    if (!in_own_unit(s, &own, &length, &of) || !normal_power(length) || !normal_power(of) ||
+        !normal_power(of + length))
+        return false;
     double unit = power_of_two(-length);
     sgt_ray moved = *ray;
     moved.o = (sgt_vec3){ray->o.x * unit, ray->o.y * unit, ray->o.z * unit};
-    if (moved.o.x / unit != ray->o.x || moved.o.y / unit != ray->o.y || moved.o.z / unit != ray->o.z || t0 * unit / unit != t0) return false;
+    if (moved.o.x / unit != ray->o.x || moved.o.y / unit != ray->o.y || moved.o.z / unit != ray->o.z ||
+        t0 * unit / unit != t0)
+        return false;
     if (!quadric_fine(&own, &moved, t0 * unit, sgt_interval_scaled(t, unit), g, slope)) return false;
     *g = sgt_interval_scaled(*g, power_of_two(-of));
     *slope = sgt_interval_scaled(*slope, power_of_two(-of - length));
     return true;
 }
 
-static sgt_interval quadric_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+static sgt_interval quadric_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t,
+                                         sgt_interval *slope)
 {
     const sgt_quadric *s = self;
     sgt_interval g;
@@ -244,14 +292,18 @@ static sgt_interval quadric_enclose_from(const void *self, const sgt_ray *ray, d
     return quadric_plain(s, ray, t0, t, slope);
 }
 
-static sgt_interval quadric_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope) { return quadric_enclose_from(self, ray, 0, t, slope); }
+static sgt_interval quadric_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    return quadric_enclose_from(self, ray, 0, t, slope);
+}
 
 /* ------------------------------------------------------------------ sensitivities */
 
 static void quadric_second(const void *self, size_t n, sgt_points p, double *const out[6])
 {
     const sgt_quadric *s = self;
-    const double all[6] = {2 * s->squares[0], s->products[0], s->products[2], 2 * s->squares[1], s->products[1], 2 * s->squares[2]};
+    const double all[6] = {2 * s->squares[0], s->products[0], s->products[2],
+                           2 * s->squares[1], s->products[1], 2 * s->squares[2]};
     (void)p;
     for (int j = 0; j < 6; j++)
         for (size_t i = 0; i < n; i++) out[j][i] = all[j];
@@ -262,7 +314,8 @@ static size_t quadric_parameters(const void *self) { return (void)self, 10; }
 /* The monomials: the product of two of x, y, z and 1, by their places. */
 static void quadric_by_parameter(const void *self, size_t j, size_t n, sgt_points p, sgt_values out)
 {
-    static const signed char first[10] = {0, 1, 2, 0, 1, 0, 0, 1, 2, 3}, second[10] = {0, 1, 2, 1, 2, 2, 3, 3, 3, 3};
+    static const signed char first[10] = {0, 1, 2, 0, 1, 0, 0, 1, 2, 3},
+                             second[10] = {0, 1, 2, 1, 2, 2, 3, 3, 3, 3};
     int a = first[j], b = second[j];
     (void)self;
     for (size_t i = 0; i < n; i++) {
@@ -286,9 +339,19 @@ sgt_objection sgt_quadric_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const struct sgt_builtin_ops quadric_builtin = {.object = sgt_quadric_object, .roundings = quadric_roundings, .enclose = quadric_enclose_from};
+static const struct sgt_builtin_ops quadric_builtin = {
+    .object = sgt_quadric_object, .roundings = quadric_roundings, .enclose = quadric_enclose_from};
 
-const sgt_surface_ops sgt_quadric_ops = {
-    .name = "quadric", .value = quadric_value, .values = quadric_values, .span = quadric_span, .spans = quadric_spans, .rounding = quadric_rounding,
-    .enclose = quadric_enclose, .first = quadric_first, .firsts = quadric_firsts, .second = quadric_second,
-    .parameters = quadric_parameters, .by_parameter = quadric_by_parameter, .own_ = &quadric_builtin};
+const sgt_surface_ops sgt_quadric_ops = {.name = "quadric",
+                                         .value = quadric_value,
+                                         .values = quadric_values,
+                                         .span = quadric_span,
+                                         .spans = quadric_spans,
+                                         .rounding = quadric_rounding,
+                                         .enclose = quadric_enclose,
+                                         .first = quadric_first,
+                                         .firsts = quadric_firsts,
+                                         .second = quadric_second,
+                                         .parameters = quadric_parameters,
+                                         .by_parameter = quadric_by_parameter,
+                                         .own_ = &quadric_builtin};

@@ -2,34 +2,40 @@
  *
  * With rho = sqrt(x^2 + y^2) the quartic is a product: (x^2 + y^2 + z^2 + R^2 - r^2)^2 - 4 R^2 rho^2 = G H,
  *     G = (rho - R)^2 + z^2 - r^2,     H = (rho + R)^2 + z^2 - r^2 = G + 4 R rho.
- * As it stands the quartic loses a thin hoop in its own rounding.  G does not: rho - R is a difference of two numbers of
- * which rho alone is rounded.  So
+ * As it stands the quartic loses a thin hoop in its own rounding.  G does not: rho - R is a difference of
+ * two numbers of which rho alone is rounded.  So
  *     r <= R:  F = G / 2r, a distance to first order; H is not below 0 there.
- *     r > R:   F = G H / (8 r R (R + r)): the inner part of a spindle is where H = 0.  Its gradient is that of the quartic, smooth on
+ *     r > R:   F = G H / (8 r R (R + r)): the inner part of a spindle is where H = 0.  Its gradient is that
+ *              of the quartic, smooth on
  *              the axis:  4 (x (G + 2 R (rho - R)), y (...), z (G + 2 R rho)).
  *
- * THE ROUNDING.  rho is right to 2 u of itself, off = rho - R so to 2 u rho + u |off|; G is off^2 + (z^2 - r^2) by fma, r^2 as two doubles.
+ * THE ROUNDING.  rho is right to 2 u of itself, off = rho - R so to 2 u rho + u |off|; G is off^2 + (z^2 -
+ * r^2) by fma, r^2 as two doubles.
  *
- * THE CLEARANCE.  |G| = |d - r| (d + r) with d the distance from the circle in the middle of the tube; of a spindle
- * the nearer of the two circles that a plane through the axis cuts out.
+ * THE CLEARANCE.  |G| = |d - r| (d + r) with d the distance from the circle in the middle of the tube; of a
+ * spindle the nearer of the two circles that a plane through the axis cuts out.
  *
  * ALONG A RAY, x + tau d, with h = x dx + y dy, X = x dy - y dx and A = |d|^2 (that in x and y: A_xy):
  *     G' / 2 = b = (rho - R) h / rho + z dz,     G'' / 2 = A - R X^2 / rho^3.
- * So G'' <= 2 A everywhere (on the axis the slope falls at once, too), and from below it is bounded wherever rho is.  As no root has rho
- * < R - r, the stretch of the ray that is in that cylinder is passed over, and outside it
+ * So G'' <= 2 A everywhere (on the axis the slope falls at once, too), and from below it is bounded
+ * wherever rho is.  As no root has rho < R - r, the stretch of the ray that is in that cylinder is passed
+ * over, and outside it
  *     G'' / 2 >= kappa = A - R X^2 / rho_least^3,     rho_least = max(R - r, X / sqrt A_xy).
- * THE FIRST ROOT after a point where G > 0 is not before the first zero of G + 2 b s + kappa s^2, nor before the clearance: from there the
- * same again, which comes near the root as fast as Newton's method and never passes it.  Where it has none, and the ray no other stretch, it is a miss.
- * Where b < 0 and 2.5 A G <= b^2, G falls all the way to s = -b / A and is negative for certain at a part of it:
- * one root, and the first; of a spindle as far as H, which is convex, cannot be 0.  Inside the tube the same is true of -G, with -A in place of kappa and -kappa in place of A.
- * A start on the surface: the root there does not count (sagitta.h, sgt_ray); where G is past its extreme
- * the search begins.  If STEPS steps do not come so far, nothing is promised.
+ * THE FIRST ROOT after a point where G > 0 is not before the first zero of G + 2 b s + kappa s^2, nor
+ * before the clearance: from there the same again, which comes near the root as fast as Newton's method and
+ * never passes it.  Where it has none, and the ray no other stretch, it is a miss.  Where b < 0 and 2.5 A G
+ * <= b^2, G falls all the way to s = -b / A and is negative for certain at a part of it: one root, and the
+ * first; of a spindle as far as H, which is convex, cannot be 0.  Inside the tube the same is true of -G,
+ * with -A in place of kappa and -kappa in place of A.  A start on the surface: the root there does not
+ * count (sagitta.h, sgt_ray); where G is past its extreme the search begins.  If STEPS steps do not come so
+ * far, nothing is promised.
  *
- * THE ENCLOSURE.  In the middle m of the stretch G and b are known in twice the precision, and over it rho^2 is a parabola and has
- * an exact range, so that G'' has a narrow one:
+ * THE ENCLOSURE.  In the middle m of the stretch G and b are known in twice the precision, and over it
+ * rho^2 is a parabola and has an exact range, so that G'' has a narrow one:
  *     G in G(m) + 2 b(m) tau + [G''] tau^2 / 2,     b in b(m) + [G''] tau / 2.
- * On stretches that are long, or near the axis, G and b are that of their formula besides: rho' = h / rho never falls.  For a spindle the
- * same is done with H, which has -R in place of R, and the two are multiplied. */
+ * On stretches that are long, or near the axis, G and b are that of their formula besides: rho' = h / rho
+ * never falls.  For a spindle the same is done with H, which has -R in place of R, and the two are
+ * multiplied. */
 #include "quadratic.h"
 
 enum { STEPS = 8 };
@@ -51,7 +57,8 @@ SGT_INLINE tube tube_at(const torus_ring *s, double x, double y, double z)
     return (tube){rho, off, sgt_fma(off, off, sgt_fma(z, z, -s->r2)) - s->r2_lo};
 }
 
-SGT_INLINE double ring_at(const torus_ring *s, double x, double y, double z, double *gx, double *gy, double *gz)
+SGT_INLINE double ring_at(const torus_ring *s, double x, double y, double z, double *gx, double *gy,
+                          double *gz)
 {
     tube p = tube_at(s, x, y, z);
     double by = chosen(MASK(p.rho > 0), p.off * s->inverse / p.rho, 0);
@@ -59,7 +66,8 @@ SGT_INLINE double ring_at(const torus_ring *s, double x, double y, double z, dou
     return p.g * s->half;
 }
 
-SGT_INLINE double spindle_at(const torus_ring *s, double x, double y, double z, double *gx, double *gy, double *gz)
+SGT_INLINE double spindle_at(const torus_ring *s, double x, double y, double z, double *gx, double *gy,
+                             double *gz)
 {
     tube p = tube_at(s, x, y, z);
     double twice = 2 * s->R, by = 4 * s->k * (p.g + twice * p.off);
@@ -71,7 +79,8 @@ static double torus_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
     torus_ring s = ring_of(self);
     sgt_vec3 n;
-    double f = s.spindle ? spindle_at(&s, p.x, p.y, p.z, &n.x, &n.y, &n.z) : ring_at(&s, p.x, p.y, p.z, &n.x, &n.y, &n.z);
+    double f = s.spindle ? spindle_at(&s, p.x, p.y, p.z, &n.x, &n.y, &n.z)
+                         : ring_at(&s, p.x, p.y, p.z, &n.x, &n.y, &n.z);
     if (grad) *grad = n;
     return f;
 }
@@ -112,7 +121,8 @@ static void torus_values(const void *self, size_t n, sgt_points p, sgt_values ou
 SGT_INLINE double tube_rounding(const torus_ring *s, const tube *p, double z)
 {
     double off = SGT_U * (2 * p->rho + fabs(p->off));
-    return (2 * fabs(p->off) + off) * off + SGT_U * (fabs(z * z - s->r2) + 2 * fabs(p->g)) + 0x1p-100 * (z * z + s->r2);
+    return (2 * fabs(p->off) + off) * off + SGT_U * (fabs(z * z - s->r2) + 2 * fabs(p->g)) +
+           0x1p-100 * (z * z + s->r2);
 }
 
 SGT_INLINE double ring_rounding(const torus_ring *s, double x, double y, double z)
@@ -124,7 +134,8 @@ SGT_INLINE double ring_rounding(const torus_ring *s, double x, double y, double 
 SGT_INLINE double spindle_rounding(const torus_ring *s, double x, double y, double z)
 {
     tube at = tube_at(s, x, y, z);
-    double g = fabs(at.g), g_err = tube_rounding(s, &at, z), far = 4 * s->R * at.rho, h = fabs(at.g + far), h_err = g_err + SGT_U * (3 * far + h);
+    double g = fabs(at.g), g_err = tube_rounding(s, &at, z), far = 4 * s->R * at.rho, h = fabs(at.g + far),
+           h_err = g_err + SGT_U * (3 * far + h);
     return 1.01 * s->k * (g * h_err + (h + h_err) * g_err + 8 * SGT_U * g * h) + 0x1p-1060;
 }
 
@@ -135,7 +146,8 @@ static double torus_rounding(const void *self, sgt_vec3 p)
 }
 
 SGT_KERNEL
-static bool torus_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[], double out[])
+static bool torus_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p,
+                            const double f[], double out[])
 {
     const torus_ring s = ring_of(self);
     const double *x = p.p[0], *y = p.p[1], *z = p.p[2];
@@ -151,7 +163,8 @@ static bool torus_roundings(const void *self, const sgt_shared *shared, size_t n
 static double torus_clearance(const void *self, sgt_vec3 p)
 {
     torus_ring s = ring_of(self);
-    double rho = sqrt(p.x * p.x + p.y * p.y), near = sqrt((rho - s.R) * (rho - s.R) + p.z * p.z), far = sqrt((rho + s.R) * (rho + s.R) + p.z * p.z);
+    double rho = sqrt(p.x * p.x + p.y * p.y), near = sqrt((rho - s.R) * (rho - s.R) + p.z * p.z),
+           far = sqrt((rho + s.R) * (rho + s.R) + p.z * p.z);
     double one = fabs(near - s.r), other = s.spindle ? fabs(far - s.r) : one;
     return (one < other ? one : other) - 8 * SGT_U * (rho + fabs(p.z) + s.R + s.r);
 }
@@ -161,9 +174,10 @@ static double torus_clearance(const void *self, sgt_vec3 p)
 enum { BLOCK = FREEFORM_BLOCK };
 typedef double row[BLOCK];
 
-/* What is known of n rays on their way.  seek: 1 as long as a root is looked for; left: the steps that are left to bring tau nearer to one that is
- * found; when both are 0 nothing changes any more, so that it makes no difference how many rays go together.  none: 1: there is
- * no root; met: 1: there is one, alone in [from, to].  (A row for each: of conditions on one number gcc makes branches.) */
+/* What is known of n rays on their way.  seek: 1 as long as a root is looked for; left: the steps that are
+ * left to bring tau nearer to one that is found; when both are 0 nothing changes any more, so that it makes
+ * no difference how many rays go together.  none: 1: there is no root; met: 1: there is one, alone in
+ * [from, to].  (A row for each: of conditions on one number gcc makes branches.) */
 typedef struct torus_course {
     row x, y, z, l, m, n, t0, scale;
     row lo, hi, enter, leave;    /* no root is outside [lo, hi], nor between enter and leave */
@@ -177,50 +191,64 @@ typedef struct torus_look { tube at; double b, g_err, b_err, terms; } torus_look
 SGT_INLINE torus_look torus_look_at(const torus_ring *s, const torus_course *c, size_t i, double tau)
 {
     torus_look e;
-    double l = c->l[i], m = c->m[i], n = c->n[i], x = c->x[i] + tau * l, y = c->y[i] + tau * m, z = c->z[i] + tau * n;
+    double l = c->l[i], m = c->m[i], n = c->n[i], x = c->x[i] + tau * l, y = c->y[i] + tau * m,
+           z = c->z[i] + tau * n;
     e.at = tube_at(s, x, y, z);
     double turn = e.at.off / e.at.rho, gx = fabs(turn * x), gy = fabs(turn * y), gz = fabs(z);
-    double ex = fabs(c->x[i]) + fabs(tau * l) + fabs(x), ey = fabs(c->y[i]) + fabs(tau * m) + fabs(y), ez = fabs(c->z[i]) + fabs(tau * n) + fabs(z);
+    double ex = fabs(c->x[i]) + fabs(tau * l) + fabs(x), ey = fabs(c->y[i]) + fabs(tau * m) + fabs(y),
+           ez = fabs(c->z[i]) + fabs(tau * n) + fabs(z);
     double ax = fabs(l), ay = fabs(m), az = fabs(n);
     e.b = turn * (x * l + y * m) + z * n;
     e.terms = 2 * (gx * fabs(x) + gy * fabs(y) + gz * fabs(z));
-    e.g_err = 1.01 * (2 * SGT_U * (ex * gx + ey * gy + ez * gz) + tube_rounding(s, &e.at, z)) + 0x1p-90 * (e.at.rho * e.at.rho + z * z);
+    e.g_err = 1.01 * (2 * SGT_U * (ex * gx + ey * gy + ez * gz) + tube_rounding(s, &e.at, z)) +
+              0x1p-90 * (e.at.rho * e.at.rho + z * z);
     /* off / rho moves by R / rho^2 times what rho does, a direction by 1 / rho */
     double rough = (ex * ax + ey * ay) * (1 + s->R / e.at.rho) + (e.at.rho + s->R) * (ax + ay);
     e.b_err = 8 * SGT_U * (rough + ez * az);
     return e;
 }
 
-SGT_INLINE void course_begin(const torus_ring *s, torus_course *c, size_t i, sgt_vec3 o, sgt_vec3 d, double tmin)
+SGT_INLINE void course_begin(const torus_ring *s, torus_course *c, size_t i, sgt_vec3 o, sgt_vec3 d,
+                             double tmin)
 {
     near_ray r = near_ray_of(d);
     double l = r.d.x, m = r.d.y, n = r.d.z, a = l * l + m * m, A = a + n * n, R = s->R;
     near_ray_at(&r, o, -(o.x * l + o.y * m + o.z * n) / A);
-    double x = r.x.x, y = r.x.y, z = r.x.z, p = x * x + y * y, h = x * l + y * m, b = h + z * n, middle = -b / A;
+    double x = r.x.x, y = r.x.y, z = r.x.z, p = x * x + y * y, h = x * l + y * m, b = h + z * n,
+           middle = -b / A;
 
     /* the ball and the slab about the torus; u |t0| is what t can be told to */
-    double ball = (R + s->r) * (1 + 0x1p-20), thick = s->r * (1 + 0x1p-10) + 0x1p-44 * R, inside = b * b - A * ((p + z * z) - ball * ball);
+    double ball = (R + s->r) * (1 + 0x1p-20), thick = s->r * (1 + 0x1p-10) + 0x1p-44 * R,
+           inside = b * b - A * ((p + z * z) - ball * ball);
     double reach = sqrt(inside > 0 ? inside : 0) / A, below = (-thick - z) / n, above = (thick - z) / n;
-    mask level = MASK(n == 0), gone = MASK(inside < -0x1p-40 * A * ball * ball) | (level & MASK(fabs(z) > thick)) | MASK(!(p < HUGE_VAL));
-    double enters = chosen(level, -HUGE_VAL, below < above ? below : above), leaves = chosen(level, HUGE_VAL, below < above ? above : below);
+    mask level = MASK(n == 0), gone = MASK(inside < -0x1p-40 * A * ball * ball) |
+                                      (level & MASK(fabs(z) > thick)) | MASK(!(p < HUGE_VAL));
+    double enters = chosen(level, -HUGE_VAL, below < above ? below : above),
+           leaves = chosen(level, HUGE_VAL, below < above ? above : below);
     double lo = larger(middle - reach, enters), hi = middle + reach < leaves ? middle + reach : leaves;
     double more = 0x1p-50 * fabs(r.t0) + 0x1p-20 * reach;
     gone |= MASK(lo > hi + 2 * more);
     lo -= more, hi += more;
 
     /* the cylinder in the hole */
-    double cross = fabs(x * m - y * l), off = 8 * SGT_U * (fabs(x * m) + fabs(y * l)), q = (R - s->r) * (1 - 0x1p-20), room = a * q * q - cross * cross;
-    mask hole = MASK(R - s->r > 0x1p-10 * R), along = MASK(a < 0x1p-100), through = hole & MASK(room > 0) & ~along, in = hole & along & MASK(p < q * q);
+    double cross = fabs(x * m - y * l), off = 8 * SGT_U * (fabs(x * m) + fabs(y * l)),
+           q = (R - s->r) * (1 - 0x1p-20), room = a * q * q - cross * cross;
+    mask hole = MASK(R - s->r > 0x1p-10 * R), along = MASK(a < 0x1p-100),
+         through = hole & MASK(room > 0) & ~along, in = hole & along & MASK(p < q * q);
     double wide = sqrt(room > 0 ? room : 0) / a;
-    c->enter[i] = chosen(in, -HUGE_VAL, chosen(through, -h / a - wide, HUGE_VAL)), c->leave[i] = chosen(in | ~through, HUGE_VAL, -h / a + wide);
-    double near = (cross - off) / sqrt(a) * (1 - 0x1p-40), least = chosen(hole & MASK(q > near), q, near), X = cross + off, cube = least * least * least, bend = R * X * X / cube;
+    c->enter[i] = chosen(in, -HUGE_VAL, chosen(through, -h / a - wide, HUGE_VAL)),
+    c->leave[i] = chosen(in | ~through, HUGE_VAL, -h / a + wide);
+    double near = (cross - off) / sqrt(a) * (1 - 0x1p-40), least = chosen(hole & MASK(q > near), q, near),
+           X = cross + off, cube = least * least * least, bend = R * X * X / cube;
     c->kappa[i] = chosen(MASK(cube > 0x1p-1000), (A - bend) - 0x1p-40 * (A + bend), -HUGE_VAL);
 
     double from = tmin * r.inverse;
     twofold start = two_sum(from, -r.t0);
     mask endless = MASK(from == -HUGE_VAL);
-    c->start[i] = chosen(endless, -HUGE_VAL, start.hi), c->at[i] = chosen(endless, 0, 32 * fabs(start.lo) + 0x1p-45 * fabs(from));
-    c->x[i] = x, c->y[i] = y, c->z[i] = z, c->l[i] = l, c->m[i] = m, c->n[i] = n, c->t0[i] = r.t0, c->scale[i] = r.scale;
+    c->start[i] = chosen(endless, -HUGE_VAL, start.hi),
+    c->at[i] = chosen(endless, 0, 32 * fabs(start.lo) + 0x1p-45 * fabs(from));
+    c->x[i] = x, c->y[i] = y, c->z[i] = z, c->l[i] = l, c->m[i] = m, c->n[i] = n, c->t0[i] = r.t0,
+    c->scale[i] = r.scale;
     c->lo[i] = lo, c->hi[i] = hi;
     double tau = chosen(endless | MASK(start.hi < lo), lo, start.hi);
     tau = chosen(MASK(tau > c->enter[i]) & MASK(tau < c->leave[i]), c->leave[i], tau);
@@ -229,13 +257,18 @@ SGT_INLINE void course_begin(const torus_ring *s, torus_course *c, size_t i, sgt
     /* inside or outside; on the surface: past it */
     c->tau[i] = tau;
     torus_look e = torus_look_at(s, c, i, tau);
-    mask on = ~endless & MASK(fabs(e.at.g) + 2 * e.g_err + 4 * fabs(e.b * start.lo) <= 0.75 * START_ULPS * e.terms);
-    mask out = (on & MASK(e.b > 16 * e.b_err)) | (~on & MASK(e.at.g > 4 * e.g_err)), deep = (on & MASK(e.b < -16 * e.b_err)) | (~on & MASK(e.at.g < -4 * e.g_err));
-    double kappa = c->kappa[i], turn = chosen(out, chosen(MASK(kappa < 0), 0.5 * e.b / -kappa, HUGE_VAL), 0.5 * -e.b / A), past = tau + chosen(on, turn, 0);
+    mask on = ~endless &
+              MASK(fabs(e.at.g) + 2 * e.g_err + 4 * fabs(e.b * start.lo) <= 0.75 * START_ULPS * e.terms);
+    mask out = (on & MASK(e.b > 16 * e.b_err)) | (~on & MASK(e.at.g > 4 * e.g_err)),
+         deep = (on & MASK(e.b < -16 * e.b_err)) | (~on & MASK(e.at.g < -4 * e.g_err));
+    double kappa = c->kappa[i],
+           turn = chosen(out, chosen(MASK(kappa < 0), 0.5 * e.b / -kappa, HUGE_VAL), 0.5 * -e.b / A),
+           past = tau + chosen(on, turn, 0);
     past = chosen(on & out & MASK(tau < c->enter[i]) & MASK(past > c->enter[i]), c->leave[i], past);
     gone |= on & out & MASK(past > hi);
     c->tau[i] = past, c->side[i] = chosen(deep, -1, 1);
-    c->seek[i] = chosen((out | deep) & ~gone, 1, 0), c->none[i] = chosen(gone, 1, 0), c->left[i] = c->met[i] = 0;
+    c->seek[i] = chosen((out | deep) & ~gone, 1, 0), c->none[i] = chosen(gone, 1, 0),
+    c->left[i] = c->met[i] = 0;
     c->from[i] = lo, c->to[i] = hi;
 }
 
@@ -245,30 +278,41 @@ SGT_INLINE void course_judge(const torus_ring *s, torus_course *c, size_t i)
     double tau = c->tau[i], side = c->side[i], l = c->l[i], m = c->m[i], n = c->n[i], a = l * l + m * m;
     torus_look e = torus_look_at(s, c, i, tau);
     double g = side * e.at.g, b = side * e.b, over = chosen(MASK(side > 0), a + n * n, -c->kappa[i]);
-    double ease = -b - 4 * e.b_err, most = larger(over, 0.4 * b * b / g), way = 0.75 * ease / most, width = START_ULPS * e.terms / -b;
-    way = chosen(MASK(side < 0) & MASK(tau + way > c->enter[i]) & MASK(tau < c->enter[i]), c->enter[i] - tau, way);
+    double ease = -b - 4 * e.b_err, most = larger(over, 0.4 * b * b / g), way = 0.75 * ease / most,
+           width = START_ULPS * e.terms / -b;
+    way = chosen(MASK(side < 0) & MASK(tau + way > c->enter[i]) & MASK(tau < c->enter[i]), c->enter[i] - tau,
+                 way);
     /* of a spindle: as far as the inner part is away for certain (H is convex, and not below its tangent) */
-    double inner = e.at.g + 4 * s->R * e.at.rho, nearer = -2 * (e.b + 2 * s->R * (c->x[i] * l + c->y[i] * m + tau * a) / e.at.rho);
-    double apart = chosen(MASK(nearer > 0), 0.75 * inner / nearer, HUGE_VAL), clear = chosen(MASK(side > 0) & MASK(inner > 64 * e.g_err), apart, 0);
+    double inner = e.at.g + 4 * s->R * e.at.rho,
+           nearer = -2 * (e.b + 2 * s->R * (c->x[i] * l + c->y[i] * m + tau * a) / e.at.rho);
+    double apart = chosen(MASK(nearer > 0), 0.75 * inner / nearer, HUGE_VAL),
+           clear = chosen(MASK(side > 0) & MASK(inner > 64 * e.g_err), apart, 0);
     apart = chosen(s->spindle, clear, HUGE_VAL);
     way = apart < way ? apart : way;
     double start = chosen(MASK(c->start[i] == -HUGE_VAL), HUGE_VAL, (tau - c->start[i]) + 0.25 * g / -b);
-    mask one = MASK(1.2 * g + way * (over * way - 2 * ease) < 0) & MASK(g > 64 * e.g_err) & MASK(ease > 0.9 * -b) & MASK(over * g <= 0.4 * b * b)
-             & MASK(way > 0x1p-46 * fabs(c->t0[i])) & MASK(start > 16 * width + c->at[i]);
-    c->g[i] = g, c->b[i] = b, c->g_err[i] = e.g_err, c->b_err[i] = e.b_err, c->radius[i] = sqrt(larger(s->r2 + e.at.g, 0)) + s->r;
-    c->from[i] = chosen(one & MASK(c->seek[i] > 0), tau, c->from[i]), c->to[i] = chosen(one & MASK(c->seek[i] > 0), tau + way, c->to[i]);
+    mask one = MASK(1.2 * g + way * (over * way - 2 * ease) < 0) & MASK(g > 64 * e.g_err) &
+               MASK(ease > 0.9 * -b) & MASK(over * g <= 0.4 * b * b) & MASK(way > 0x1p-46 * fabs(c->t0[i])) &
+               MASK(start > 16 * width + c->at[i]);
+    c->g[i] = g, c->b[i] = b, c->g_err[i] = e.g_err, c->b_err[i] = e.b_err,
+    c->radius[i] = sqrt(larger(s->r2 + e.at.g, 0)) + s->r;
+    c->from[i] = chosen(one & MASK(c->seek[i] > 0), tau, c->from[i]),
+    c->to[i] = chosen(one & MASK(c->seek[i] > 0), tau + way, c->to[i]);
     c->one[i] = chosen(one, c->seek[i], 0);
 }
 
 /* To where no root is before; of one that is found by Newton's step. */
 SGT_INLINE void course_move(torus_course *c, size_t i)
 {
-    double tau = c->tau[i], side = c->side[i], l = c->l[i], m = c->m[i], n = c->n[i], A = (l * l + m * m) + n * n, g = c->g[i], b = c->b[i];
-    double under = chosen(MASK(side > 0), c->kappa[i], -A), low = g - 2 * c->g_err[i], fall = -b + 2 * c->b_err[i], root = fall * fall - under * low;
+    double tau = c->tau[i], side = c->side[i], l = c->l[i], m = c->m[i], n = c->n[i],
+           A = (l * l + m * m) + n * n, g = c->g[i], b = c->b[i];
+    double under = chosen(MASK(side > 0), c->kappa[i], -A), low = g - 2 * c->g_err[i],
+           fall = -b + 2 * c->b_err[i], root = fall * fall - under * low;
     double ahead = fall + sqrt(larger(root, 0)), clear = low / (c->radius[i] * sqrt(A)), step = low / ahead;
     step = chosen(MASK(root >= 0) & MASK(ahead > 0), step, HUGE_VAL);
     step = larger(step, clear) * (1 - 0x1p-20);
-    double next = tau + step, newton = tau + 0.5 * g / -b, sure = chosen(MASK(g > 4 * c->g_err[i]), c->seek[i], 0), one = c->one[i], left = larger(c->left[i], one);
+    double next = tau + step, newton = tau + 0.5 * g / -b,
+           sure = chosen(MASK(g > 4 * c->g_err[i]), c->seek[i], 0), one = c->one[i],
+           left = larger(c->left[i], one);
     next = chosen(MASK(side > 0) & MASK(tau < c->enter[i]) & MASK(next > c->enter[i]), c->leave[i], next);
     newton = chosen(MASK(newton > c->from[i]) & MASK(newton < c->to[i]), newton, tau);
     double none = chosen(MASK(side > 0) & MASK(next > c->hi[i]), sure - one, 0);
@@ -280,11 +324,13 @@ SGT_INLINE void course_move(torus_course *c, size_t i)
 }
 
 SGT_KERNEL
-static void torus_begin(const torus_ring *shared, torus_course *c, size_t n, const double *const o[3], const double *const d[3], const double *tmin)
+static void torus_begin(const torus_ring *shared, torus_course *c, size_t n, const double *const o[3],
+                        const double *const d[3], const double *tmin)
 {
     const torus_ring s = *shared;
     const double *ox = o[0], *oy = o[1], *oz = o[2], *dx = d[0], *dy = d[1], *dz = d[2];
-    LANES for (size_t i = 0; i < n; i++) course_begin(&s, c, i, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]}, tmin[i]);
+    LANES for (size_t i = 0; i < n; i++)
+        course_begin(&s, c, i, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]}, tmin[i]);
 }
 
 SGT_KERNEL
@@ -311,11 +357,13 @@ static double unfinished(const torus_course *c, size_t n)
 
 /* single: as far as the search has come; else the span, with its seed. */
 SGT_KERNEL
-static void end(const torus_course *c, size_t n, bool single, double *lo, double *hi, double *seed, bool *is_single)
+static void end(const torus_course *c, size_t n, bool single, double *lo, double *hi, double *seed,
+                bool *is_single)
 {
     LANES for (size_t i = 0; i < n; i++) {
         mask none = MASK(c->none[i] > 0), found = MASK(single) & MASK(c->met[i] > 0);
-        double t0 = c->t0[i], scale = c->scale[i], from = chosen(found, c->from[i], c->lo[i]), to = chosen(found, c->to[i], c->hi[i]);
+        double t0 = c->t0[i], scale = c->scale[i], from = chosen(found, c->from[i], c->lo[i]),
+               to = chosen(found, c->to[i], c->hi[i]);
         double below = (t0 + from) - 0x1p-51 * (fabs(t0) + fabs(from)), above = t0 + to;
         lo[i] = chosen(none, 1.0, below * scale), hi[i] = chosen(none, -1.0, above * scale);
         seed[i] = chosen(none, (double)NAN, (t0 + c->tau[i]) * scale), is_single[i] = (none | found) != 0;
@@ -330,7 +378,10 @@ static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, 
     for (size_t i = 0; i < BLOCK; i++) whole[i] = -HUGE_VAL;
     for (size_t at = 0, few; at < n; at += few) {
         few = n - at < BLOCK ? n - at : BLOCK;
-        const double *const o[3] = {rays.o[0] + at, rays.o[1] + at, rays.o[2] + at}, *const d[3] = {rays.d[0] + at, rays.d[1] + at, rays.d[2] + at};
+        const double *const o[3] = {rays.o[0] + at, rays.o[1] + at, rays.o[2] + at}, *const d[3] = {
+                                                                                         rays.d[0] + at,
+                                                                                         rays.d[1] + at,
+                                                                                         rays.d[2] + at};
         torus_begin(&s, &c, few, o, d, first ? rays.tmin + at : whole);
         for (int i = 0; i < STEPS && unfinished(&c, few) > 0; i++) torus_judge(&s, &c, few), move(&c, few);
         end(&c, few, first, out.lo + at, out.hi + at, out.seed + at, out.single + at);
@@ -340,13 +391,20 @@ static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, 
     }
 }
 
-static void torus_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out) { torus_search(self, n, rays, false, out); }
-static void torus_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out) { torus_search(self, n, rays, true, out); }
+static void torus_spans(const void *self, size_t n, sgt_rays rays, sgt_spans out)
+{
+    torus_search(self, n, rays, false, out);
+}
+static void torus_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans out)
+{
+    torus_search(self, n, rays, true, out);
+}
 
 static sgt_span unique(const void *self, const sgt_ray *ray, bool first)
 {
     sgt_span a;
-    sgt_rays rays = {{&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};
+    sgt_rays rays = {
+        {&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};
     torus_search(self, 1, rays, first, (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single});
     return a;
 }
@@ -356,35 +414,54 @@ static sgt_span torus_first(const void *self, const sgt_ray *ray) { return uniqu
 
 /* ------------------------------------------------------------------ by intervals */
 
-/* G (of -R: H) and half its slope over a stretch on which rho, h, z have these ranges; d in x and y is no longer than `steep`. */
+/* G (of -R: H) and half its slope over a stretch on which rho, h, z have these ranges; d in x and y is no
+ * longer than `steep`. */
 typedef struct stretch_of { sgt_interval g, b; } stretch_of;
 
-static stretch_of natural(double R, double r, sgt_interval rho, sgt_interval h, sgt_interval z, double n, sgt_interval steep)
+static stretch_of natural(double R, double r, sgt_interval rho, sgt_interval h, sgt_interval z, double n,
+                          sgt_interval steep)
 {
-    sgt_interval off = sgt_interval_difference(rho, sgt_interval_of(R)), outward = rho.lo > 0 ? sgt_interval_quotient(h, rho) : sgt_interval_all();
+    sgt_interval off = sgt_interval_difference(rho, sgt_interval_of(R)),
+                 outward = rho.lo > 0 ? sgt_interval_quotient(h, rho) : sgt_interval_all();
     outward = sgt_interval_intersection(outward, sgt_interval_hull(sgt_interval_negative(steep), steep));
-    return (stretch_of){sgt_interval_difference(sgt_interval_sum(sgt_interval_square(off), sgt_interval_square(z)), sgt_interval_square(sgt_interval_of(r))),
-                        sgt_interval_sum(sgt_interval_product(off, outward), sgt_interval_scaled(z, n))};
+    return (stretch_of){
+        sgt_interval_difference(sgt_interval_sum(sgt_interval_square(off), sgt_interval_square(z)),
+                                sgt_interval_square(sgt_interval_of(r))),
+        sgt_interval_sum(sgt_interval_product(off, outward), sgt_interval_scaled(z, n))};
 }
 
 /* What a stretch is, for G and for H. */
-typedef struct view { fine_ray r; twofold rho, h, ratio; sgt_interval all_rho, all_h, all_z, steep, a, cross; double length; } view;
+typedef struct view {
+    fine_ray r;
+    twofold rho, h, ratio;
+    sgt_interval all_rho, all_h, all_z, steep, a, cross;
+    double length;
+} view;
 
 static view view_of(const fine_ray *r)
 {
     view v = {.r = *r};
-    twofold xl = twofold_scaled(r->x, r->l), ym = twofold_scaled(r->y, r->m), xm = twofold_scaled(r->x, r->m), yl = twofold_scaled(r->y, r->l);
-    twofold l2 = two_product(r->l, r->l), m2 = two_product(r->m, r->m), a = twofold_sum(l2, m2), X = twofold_difference(xm, yl);
-    fine_parabola p = {a, twofold_sum(xl, ym), twofold_sum(twofold_product(r->x, r->x), twofold_product(r->y, r->y)), a.hi, fabs(xl.hi) + fabs(ym.hi) + 0x1p-700, 0};
+    twofold xl = twofold_scaled(r->x, r->l), ym = twofold_scaled(r->y, r->m), xm = twofold_scaled(r->x, r->m),
+            yl = twofold_scaled(r->y, r->l);
+    twofold l2 = two_product(r->l, r->l), m2 = two_product(r->m, r->m), a = twofold_sum(l2, m2),
+            X = twofold_difference(xm, yl);
+    fine_parabola p = {a,
+                       twofold_sum(xl, ym),
+                       twofold_sum(twofold_product(r->x, r->x), twofold_product(r->y, r->y)),
+                       a.hi,
+                       fabs(xl.hi) + fabs(ym.hi) + 0x1p-700,
+                       0};
     sgt_interval square, slope, A = fine_interval(a, FINE_COEFFICIENT * a.hi);
     p.Ca = p.C.hi + 0x1p-700;
     square = fine_enclose(&p, r, &slope);
-    v.cross = sgt_interval_absolute(fine_interval(X, FINE_COEFFICIENT * (fabs(xm.hi) + fabs(yl.hi)) + 0x1p-700));
+    v.cross = sgt_interval_absolute(
+        fine_interval(X, FINE_COEFFICIENT * (fabs(xm.hi) + fabs(yl.hi)) + 0x1p-700));
     v.all_rho = sgt_interval_square_root(sgt_interval_between(larger(square.lo, 0), square.hi));
     v.rho = twofold_root(p.C), v.h = p.B, v.length = p.Ba;
     v.ratio = v.rho.hi > 0 ? twofold_quotient(p.B, v.rho) : twofold_of(0);
     v.all_h = sgt_interval_sum(fine_interval(p.B, FINE_COEFFICIENT * p.Ba), sgt_interval_product(A, r->tau));
-    v.all_z = sgt_interval_sum(fine_interval(r->z, FINE_COEFFICIENT * fabs(r->z.hi)), sgt_interval_scaled(r->tau, r->n));
+    v.all_z = sgt_interval_sum(fine_interval(r->z, FINE_COEFFICIENT * fabs(r->z.hi)),
+                               sgt_interval_scaled(r->tau, r->n));
     v.steep = sgt_interval_square_root(A);
     v.a = sgt_interval_sum(A, sgt_interval_square(sgt_interval_of(r->n)));
     return v;
@@ -394,24 +471,35 @@ static stretch_of about_middle(const view *v, double R, double r)
 {
     stretch_of e = natural(R, r, v->all_rho, v->all_h, v->all_z, v->r.n, v->steep);
     if (!(v->all_rho.lo > 0x1p-300)) return e;
-    twofold off = twofold_difference(v->rho, twofold_of(R)), z = v->r.z, r2 = two_product(r, r), zn = twofold_scaled(z, v->r.n), turn = twofold_product(off, v->ratio);
+    twofold off = twofold_difference(v->rho, twofold_of(R)), z = v->r.z, r2 = two_product(r, r),
+            zn = twofold_scaled(z, v->r.n), turn = twofold_product(off, v->ratio);
     twofold g = twofold_sum(twofold_product(off, off), twofold_difference(twofold_product(z, z), r2));
     double rho = v->rho.hi, size = fabs(R), o = fabs(off.hi), near = FINE_COEFFICIENT * (rho + size);
-    double g_err = (2 * o + near) * near + FINE_COEFFICIENT * (o * o + z.hi * z.hi + r2.hi), b_err = near * (v->length / rho) + FINE_COEFFICIENT * (2 * o * (v->length / rho) + fabs(zn.hi));
-    sgt_interval tau = v->r.tau, lo = sgt_interval_of(tau.lo), hi = sgt_interval_of(tau.hi), G = fine_interval(g, g_err), b = fine_interval(twofold_sum(turn, zn), b_err);
-    sgt_interval bend = sgt_interval_quotient(sgt_interval_scaled(sgt_interval_square(v->cross), R), sgt_interval_product(sgt_interval_square(v->all_rho), v->all_rho));
+    double g_err = (2 * o + near) * near + FINE_COEFFICIENT * (o * o + z.hi * z.hi + r2.hi),
+           b_err = near * (v->length / rho) + FINE_COEFFICIENT * (2 * o * (v->length / rho) + fabs(zn.hi));
+    sgt_interval tau = v->r.tau, lo = sgt_interval_of(tau.lo), hi = sgt_interval_of(tau.hi),
+                 G = fine_interval(g, g_err), b = fine_interval(twofold_sum(turn, zn), b_err);
+    sgt_interval bend = sgt_interval_quotient(
+        sgt_interval_scaled(sgt_interval_square(v->cross), R),
+        sgt_interval_product(sgt_interval_square(v->all_rho), v->all_rho));
     bend = sgt_interval_difference(v->a, bend);
-    sgt_interval twice = sgt_interval_scaled(b, 2), slope = sgt_interval_sum(b, sgt_interval_product(bend, tau));
+    sgt_interval twice = sgt_interval_scaled(b, 2),
+                 slope = sgt_interval_sum(b, sgt_interval_product(bend, tau));
     e.b = sgt_interval_intersection(e.b, slope);
-    sgt_interval all = sgt_interval_sum(G, sgt_interval_product(tau, sgt_interval_sum(twice, sgt_interval_product(bend, tau))));
+    sgt_interval all = sgt_interval_sum(
+        G, sgt_interval_product(tau, sgt_interval_sum(twice, sgt_interval_product(bend, tau))));
     if (e.b.lo >= 0 || e.b.hi <= 0)
-        all = sgt_interval_hull(sgt_interval_sum(G, sgt_interval_product(lo, sgt_interval_sum(twice, sgt_interval_product(bend, lo)))),
-                                sgt_interval_sum(G, sgt_interval_product(hi, sgt_interval_sum(twice, sgt_interval_product(bend, hi)))));
+        all = sgt_interval_hull(
+            sgt_interval_sum(
+                G, sgt_interval_product(lo, sgt_interval_sum(twice, sgt_interval_product(bend, lo)))),
+            sgt_interval_sum(
+                G, sgt_interval_product(hi, sgt_interval_sum(twice, sgt_interval_product(bend, hi)))));
     e.g = sgt_interval_intersection(e.g, all);
     return e;
 }
 
-static sgt_interval torus_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+static sgt_interval torus_enclose_from(const void *self, const sgt_ray *ray, double t0, sgt_interval t,
+                                       sgt_interval *slope)
 {
     const sgt_torus *s = self;
     double R = s->major, r = s->minor, by = 1;
@@ -426,9 +514,13 @@ static sgt_interval torus_enclose_from(const void *self, const sgt_ray *ray, dou
         if (spindle) far = about_middle(&v, -R, r);
         by = fine.inverse;
     } else {
-        sgt_interval x = plain_line(ray->o.x, ray->d.x, t0, t), y = plain_line(ray->o.y, ray->d.y, t0, t), z = plain_line(ray->o.z, ray->d.z, t0, t);
-        sgt_interval rho = sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y))), h = sgt_interval_sum(sgt_interval_scaled(x, ray->d.x), sgt_interval_scaled(y, ray->d.y));
-        sgt_interval steep = sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(sgt_interval_of(ray->d.x)), sgt_interval_square(sgt_interval_of(ray->d.y))));
+        sgt_interval x = plain_line(ray->o.x, ray->d.x, t0, t), y = plain_line(ray->o.y, ray->d.y, t0, t),
+                     z = plain_line(ray->o.z, ray->d.z, t0, t);
+        sgt_interval rho = sgt_interval_square_root(
+                         sgt_interval_sum(sgt_interval_square(x), sgt_interval_square(y))),
+                     h = sgt_interval_sum(sgt_interval_scaled(x, ray->d.x), sgt_interval_scaled(y, ray->d.y));
+        sgt_interval steep = sgt_interval_square_root(sgt_interval_sum(
+            sgt_interval_square(sgt_interval_of(ray->d.x)), sgt_interval_square(sgt_interval_of(ray->d.y))));
         near = natural(R, r, rho, h, z, ray->d.z, steep);
         if (spindle) far = natural(-R, r, rho, h, z, ray->d.z, steep);
     }
@@ -437,14 +529,18 @@ static sgt_interval torus_enclose_from(const void *self, const sgt_ray *ray, dou
         *slope = sgt_interval_scaled(sgt_interval_quotient(near.b, minor), by);
         return sgt_interval_quotient(near.g, sgt_interval_scaled(minor, 2));
     }
-    sgt_interval k = sgt_interval_product(sgt_interval_product(sgt_interval_scaled(minor, 4), middle), sgt_interval_sum(middle, minor));
+    sgt_interval k = sgt_interval_product(sgt_interval_product(sgt_interval_scaled(minor, 4), middle),
+                                          sgt_interval_sum(middle, minor));
     g = sgt_interval_product(near.g, far.g);
     *slope = sgt_interval_sum(sgt_interval_product(near.b, far.g), sgt_interval_product(near.g, far.b));
     *slope = sgt_interval_scaled(sgt_interval_quotient(*slope, k), by);
     return sgt_interval_quotient(g, sgt_interval_scaled(k, 2));
 }
 
-static sgt_interval torus_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope) { return torus_enclose_from(self, ray, 0, t, slope); }
+static sgt_interval torus_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    return torus_enclose_from(self, ray, 0, t, slope);
+}
 
 /* ------------------------------------------------------------------ sensitivities */
 
@@ -460,7 +556,8 @@ static void torus_second(const void *self, size_t n, sgt_points p, double *const
             out[3][i] = k * (less + 2 * y * y), out[4][i] = k * (2 * y * z), out[5][i] = k * (S + 2 * z * z);
         } else { /* rho bends by 1 / rho across the radius */
             double c = x / at.rho, t = y / at.rho, bend = at.off / at.rho;
-            out[0][i] = s.inverse * (c * c + bend * t * t), out[1][i] = s.inverse * (c * t * (1 - bend)), out[3][i] = s.inverse * (t * t + bend * c * c);
+            out[0][i] = s.inverse * (c * c + bend * t * t), out[1][i] = s.inverse * (c * t * (1 - bend)),
+            out[3][i] = s.inverse * (t * t + bend * c * c);
             out[2][i] = out[4][i] = 0, out[5][i] = s.inverse;
         }
     }
@@ -475,9 +572,11 @@ static void torus_by_parameter(const void *self, size_t j, size_t n, sgt_points 
         double x = p.p[0][i], y = p.p[1][i], z = p.p[2][i], f, gx, gy, gz;
         tube at = tube_at(&s, x, y, z);
         if (s.spindle) { /* J k: of J, and of k, the logarithm's */
-            double value = spindle_at(&s, x, y, z, &gx, &gy, &gz), S = at.g + 2 * s.R * at.rho, log = -(1 / (j ? s.r : s.R) + 1 / (s.R + s.r)), by = s.k * (j ? -8 * s.r : 8 * s.R);
+            double value = spindle_at(&s, x, y, z, &gx, &gy, &gz), S = at.g + 2 * s.R * at.rho,
+                   log = -(1 / (j ? s.r : s.R) + 1 / (s.R + s.r)), by = s.k * (j ? -8 * s.r : 8 * s.R);
             f = log * value + s.k * (j ? -4 * s.r * S : 4 * s.R * (S - 2 * at.rho * at.rho));
-            gx = log * gx + (j ? by * x : -by * x), gy = log * gy + (j ? by * y : -by * y), gz = log * gz + by * z;
+            gx = log * gx + (j ? by * x : -by * x), gy = log * gy + (j ? by * y : -by * y),
+            gz = log * gz + by * z;
         } else if (j) {
             double value = ring_at(&s, x, y, z, &gx, &gy, &gz);
             f = -1 - value * s.inverse, gx *= -s.inverse, gy *= -s.inverse, gz *= -s.inverse;
@@ -499,9 +598,20 @@ sgt_objection sgt_torus_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const struct sgt_builtin_ops torus_builtin = {.object = sgt_torus_object, .roundings = torus_roundings, .enclose = torus_enclose_from};
+static const struct sgt_builtin_ops torus_builtin = {
+    .object = sgt_torus_object, .roundings = torus_roundings, .enclose = torus_enclose_from};
 
-const sgt_surface_ops sgt_torus_ops = {
-    .name = "torus", .value = torus_value, .values = torus_values, .span = torus_span, .spans = torus_spans, .rounding = torus_rounding,
-    .clearance = torus_clearance, .enclose = torus_enclose, .first = torus_first, .firsts = torus_firsts, .second = torus_second,
-    .parameters = torus_parameters, .by_parameter = torus_by_parameter, .own_ = &torus_builtin};
+const sgt_surface_ops sgt_torus_ops = {.name = "torus",
+                                       .value = torus_value,
+                                       .values = torus_values,
+                                       .span = torus_span,
+                                       .spans = torus_spans,
+                                       .rounding = torus_rounding,
+                                       .clearance = torus_clearance,
+                                       .enclose = torus_enclose,
+                                       .first = torus_first,
+                                       .firsts = torus_firsts,
+                                       .second = torus_second,
+                                       .parameters = torus_parameters,
+                                       .by_parameter = torus_by_parameter,
+                                       .own_ = &torus_builtin};

@@ -22,21 +22,20 @@
  *     (dA tau^2 + 2 dB |tau| + dC) / (2 sqrt D),
  * and the quotient itself rounds by 4 u |tau|; hence
  *     tau_err = 3.25 u (A' tau^2 + 2 B' |tau| + C') / sqrt D + 4.25 u |tau|.
- * First order is enough because D below 2^-20 of B'^2 + A' C' is not accepted: then the relative
- * change of D is below 2^-28, and 3.25 for 3 covers what is left out.  Roots far off and misses are found here.
- * Not accepted either: roots whose terms at the start are more than twice those at the root (a
- * start too far off), a sheet that is within rounding of the equator, a slope above 8, a t that is
- * not sharp, and terms so small that a square of theirs has underflown.
+ * First order is enough because D below 2^-20 of B'^2 + A' C' is not accepted: then the relative change of
+ * D is below 2^-28, and 3.25 for 3 covers what is left out.  Roots far off and misses are found here.  Not
+ * accepted either: roots whose terms at the start are more than twice those at the root (a start too far
+ * off), a sheet that is within rounding of the equator, a slope above 8, a t that is not sharp, and terms
+ * so small that a square of theirs has underflown.
  *
- * CAREFUL.  All that the quick form does not accept: the same formulas from the point nearest
- * the vertex, in twice the precision, with coordinates scaled by a power of two to 1 and the
- * equation divided by another, so that c from 1e-300 to 1e300 neither overflow nor vanish.  A, B
- * and C are then off by at most 27 u^2 of their terms (a sum 3 u^2, a product 5 u^2; the longest
- * chain is that of (1 + k) z^2 in C); EPS = 2^-100 = 64 u^2 stands for that, and for the quotient's
- * and the root's part.  The sign of D, and so whether there is a root, is undecided only within EPS of
- * a tangent: that is called a graze.
- * UNDER PROOF the other root, 2 sqrt(D) / |A| away, has to be off the sheet or farther than t_err from t (careful_proof; in
- * the quick form 0.99 of half that), and the side of the rim certain (rim_hidden).
+ * CAREFUL.  All that the quick form does not accept: the same formulas from the point nearest the vertex,
+ * in twice the precision, with coordinates scaled by a power of two to 1 and the equation divided by
+ * another, so that c from 1e-300 to 1e300 neither overflow nor vanish.  A, B and C are then off by at most
+ * 27 u^2 of their terms (a sum 3 u^2, a product 5 u^2; the longest chain is that of (1 + k) z^2 in C); EPS
+ * = 2^-100 = 64 u^2 stands for that, and for the quotient's and the root's part.  The sign of D, and so
+ * whether there is a root, is undecided only within EPS of a tangent: that is called a graze.  UNDER PROOF
+ * the other root, 2 sqrt(D) / |A| away, has to be off the sheet or farther than t_err from t
+ * (careful_proof; in the quick form 0.99 of half that), and the side of the rim certain (rim_hidden).
  *
  * Times, worst cases: docs/accuracy.md. */
 #include "../../num/bits.h"
@@ -47,12 +46,15 @@
 static const double EPS = 0x1p-100;
 static const double D_MIN = 0x1p-20;
 
-static bool conic_before(const meeting *a, const meeting *b) { return a->t < b->t || (a->t == b->t && a->t_lo < b->t_lo); }
+static bool conic_before(const meeting *a, const meeting *b)
+{
+    return a->t < b->t || (a->t == b->t && a->t_lo < b->t_lo);
+}
 
 /* ------------------------------------------------------------------- easy */
 
-/* A ray that is not met at once; its ends have been made explicit.  A direction of unusual length is scaled, by a power of
- * two: of the usual ones that would change no bit. */
+/* A ray that is not met at once; its ends have been made explicit.  A direction of unusual length is
+ * scaled, by a power of two: of the usual ones that would change no bit. */
 static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
 {
     sgt_vec3 o = ray->o, d = ray->d;
@@ -84,7 +86,8 @@ typedef struct conic_verdict { bool accepted, certain; } conic_verdict;
 
 typedef struct quadric { double c, k, k1, abs_k1, A, Aa, Ba, Ca, S; } quadric;
 
-SGT_INLINE conic_verdict quick_root(meeting *at, double tau, const quadric *g, const local *q, const sgt_ray *ray, double rim2, const sgt_options *opt)
+SGT_INLINE conic_verdict quick_root(meeting *at, double tau, const quadric *g, const local *q,
+                                    const sgt_ray *ray, double rim2, const sgt_options *opt)
 {
     conic_verdict r;
     double spread = (g->Aa * tau * tau + 2 * g->Ba * fabs(tau) + g->Ca);
@@ -107,16 +110,20 @@ SGT_INLINE conic_verdict quick_root(meeting *at, double tau, const quadric *g, c
                (at->t - ray->tmin - 8 * SGT_U * fabs(at->t)) * steep
                - START_ULPS * at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z));
     /* written so that NaN is not certain; a tiny root is in the hands of the careful form */
-    r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms && at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL && sharp(at, opt->t_tol)
-                                && !(fabs(at->t - ray->tmax) <= until) && !(fabs(from_start) <= until * steep)
-                                && (opt->proof == SGT_ESTIMATE || !(rim_hidden(at, rim2) || fabs(g->A) * at->t_err > 0.99 * g->S * q->scale)));
+    r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms &&
+                              at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL &&
+                              sharp(at, opt->t_tol) && !(fabs(at->t - ray->tmax) <= until) &&
+                              !(fabs(from_start) <= until * steep) &&
+                              (opt->proof == SGT_ESTIMATE ||
+                               !(rim_hidden(at, rim2) || fabs(g->A) * at->t_err > 0.99 * g->S * q->scale)));
     r.accepted = !off_sheet && accepted(at, ray, rim2, q->scale);
     return r;
 }
 
 typedef enum quick_answer { QUICK_HARD, QUICK_MISS, QUICK_HIT } quick_answer;
 
-SGT_INLINE quick_answer conic_quick(double c, double k, double rim2, bool started, const sgt_ray *ray, const sgt_options *opt, meeting *out)
+SGT_INLINE quick_answer conic_quick(double c, double k, double rim2, bool started, const sgt_ray *ray,
+                                    const sgt_options *opt, meeting *out)
 {
     local q = local_at_vertex_plane(ray);
     quadric g = {.c = c, .k = k, .k1 = 1 + k, .abs_k1 = fabs(1 + k)};
@@ -128,7 +135,9 @@ SGT_INLINE quick_answer conic_quick(double c, double k, double rim2, bool starte
     g.Ca = ca * (q.xa * q.xa + q.ya * q.ya);             /* x twice, *, +, c: 5 */
     double D = B * B - g.A * C, size = g.Ba * g.Ba + g.Aa * g.Ca;
     double r2 = q.xa * q.xa + q.ya * q.ya;
-    bool ranges = size > TINY && g.Aa > TINY && (r2 > TINY || r2 + q.xa + q.ya == 0) && (fabs(ray->o.z) > 0x1p-900 || ray->o.z == 0); /* else something has underflown */
+    /* else something has underflown */
+    bool ranges = size > TINY && g.Aa > TINY && (r2 > TINY || r2 + q.xa + q.ya == 0) &&
+                  (fabs(ray->o.z) > 0x1p-900 || ray->o.z == 0);
     if (D < -D_MIN * size && ranges) return QUICK_MISS;
     if (!(D > D_MIN * size && ranges)) return QUICK_HARD;
     g.S = sqrt(D);
@@ -136,19 +145,23 @@ SGT_INLINE quick_answer conic_quick(double c, double k, double rim2, bool starte
     conic_verdict near = quick_root(out, tau, &g, &q, ray, rim2, opt);
     /* the other is of no interest where the near one counts and is wanted, or is certainly the first */
     bool bounded = fabs(g.A) > 0x1p-40 * g.Aa;
-    bool behind = bounded ? b * g.A > 0 && fabs(b) > fabs(g.A) * (larger(tau, 0) + 0x1p-20 * (fabs(q.t0) + fabs(tau))) : g.Aa == 0;
+    bool behind = bounded ? b * g.A > 0 &&
+                                fabs(b) > fabs(g.A) * (larger(tau, 0) + 0x1p-20 * (fabs(q.t0) + fabs(tau)))
+                          : g.Aa == 0;
     if (near.certain && near.accepted && (opt->pick == SGT_NEAR_SEED || behind)) return QUICK_HIT;
     meeting other;
     conic_verdict far = {.certain = g.Aa == 0};
     if (bounded) far = quick_root(&other, b / g.A, &g, &q, ray, rim2, opt);
-    if (started && fabs(g.A) > 0x1p-10 * g.Aa && D > 0x1p-10 * size) { /* one of the two is the start, as long as there is a sheet of it */
+    /* one of the two is the start, as long as there is a sheet of it */
+    if (started && fabs(g.A) > 0x1p-10 * g.Aa && D > 0x1p-10 * size) {
         double to_near = fabs(out->t - ray->tmin), to_far = fabs(other.t - ray->tmin);
         if (to_near < 0.25 * to_far) near = (conic_verdict){.accepted = false, .certain = true};
         if (to_far < 0.25 * to_near) far = (conic_verdict){.accepted = false, .certain = true};
     }
     if (!near.certain || !far.certain) return QUICK_HARD;
     if (!near.accepted && !far.accepted) return QUICK_MISS;
-    if (far.accepted && !(near.accepted && (opt->pick == SGT_NEAR_SEED || conic_before(out, &other)))) *out = other;
+    if (far.accepted && !(near.accepted && (opt->pick == SGT_NEAR_SEED || conic_before(out, &other))))
+        *out = other;
     return QUICK_HIT;
 }
 
@@ -178,7 +191,8 @@ SGT_INLINE careful_quadric careful_setup(double c, double k, const sgt_ray *ray)
     careful_quadric g = {.c = c, .k = k};
     double t0 = nearest_to_vertex(ray);
     local q = g.q = local_at(ray, t0, 0);
-    twofold x = coordinate(ray->o.x, q.l, t0, 0), y = coordinate(ray->o.y, q.m, t0, 0), z = coordinate(ray->o.z, q.n, t0, 0);
+    twofold x = coordinate(ray->o.x, q.l, t0, 0), y = coordinate(ray->o.y, q.m, t0, 0),
+            z = coordinate(ray->o.z, q.n, t0, 0);
     double big = maximum_number(fabs(x.hi), maximum_number(fabs(y.hi), fabs(z.hi)));
     int place, curve;
     (void)binary_mantissa(big > 0 ? big : 1, &place);
@@ -188,14 +202,18 @@ SGT_INLINE careful_quadric careful_setup(double c, double k, const sgt_ray *ray)
     int power = curve + (place > 1000 ? 1000 : place < -1000 ? -1000 : place);
     g.gamma = times_power_of_two(mantissa, power < 0 ? power : 0);
     g.beta = power_of_two(power < 0 ? 0 : -power);
-    x = g.x = twofold_times_power(x, 1 / g.U), y = g.y = twofold_times_power(y, 1 / g.U), z = g.z = twofold_times_power(z, 1 / g.U);
+    x = g.x = twofold_times_power(x, 1 / g.U), y = g.y = twofold_times_power(y, 1 / g.U),
+    z = g.z = twofold_times_power(z, 1 / g.U);
 
     twofold k1 = g.k1 = two_sum(1, k), r2 = twofold_sum(twofold_product(x, x), twofold_product(y, y));
-    twofold a = twofold_sum(two_product(q.l, q.l), two_product(q.m, q.m)), kn2 = twofold_product(k1, two_product(q.n, q.n));
+    twofold a = twofold_sum(two_product(q.l, q.l), two_product(q.m, q.m)),
+            kn2 = twofold_product(k1, two_product(q.n, q.n));
     twofold xl = twofold_scaled(x, q.l), ym = twofold_scaled(y, q.m), kz = twofold_product(k1, z);
     g.A = twofold_scaled(twofold_sum(a, kn2), g.gamma);
-    g.B = twofold_difference(two_product(g.beta, q.n), twofold_scaled(sum3(xl, ym, twofold_scaled(kz, q.n)), g.gamma));
-    g.C = twofold_difference(twofold_scaled(twofold_sum(r2, twofold_product(kz, z)), g.gamma), twofold_scaled(z, 2 * g.beta));
+    g.B = twofold_difference(two_product(g.beta, q.n),
+                             twofold_scaled(sum3(xl, ym, twofold_scaled(kz, q.n)), g.gamma));
+    g.C = twofold_difference(twofold_scaled(twofold_sum(r2, twofold_product(kz, z)), g.gamma),
+                             twofold_scaled(z, 2 * g.beta));
     double ga = fabs(g.gamma);
     g.Aa = ga * (a.hi + fabs(kn2.hi));
     g.Ba = g.beta * fabs(q.n) + ga * (fabs(xl.hi) + fabs(ym.hi) + fabs(kz.hi * q.n));
@@ -224,21 +242,25 @@ SGT_INLINE void conic_judge(careful_root *r, const meeting *at, const sgt_ray *r
                   && ends_hide(at, ray, rim2, r->terms > 0 ? START_ULPS * r->terms / at->slope * scale : 0);
 }
 
-SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, double tau_err, double S, const sgt_ray *ray, double rim2)
+SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, double tau_err, double S,
+                                        const sgt_ray *ray, double rim2)
 {
     const local *q = &g->q;
     careful_root r;
     twofold t = twofold_sum(twofold_times_power(tau, g->U), twofold_of(q->t0));
-    twofold px = twofold_sum(g->x, twofold_scaled(tau, q->l)), py = twofold_sum(g->y, twofold_scaled(tau, q->m)),
+    twofold px = twofold_sum(g->x, twofold_scaled(tau, q->l)),
+            py = twofold_sum(g->y, twofold_scaled(tau, q->m)),
             pz = twofold_sum(g->z, twofold_scaled(tau, q->n));
-    twofold w = twofold_scaled(twofold_product(g->k1, pz), g->gamma), v = twofold_difference(twofold_of(g->beta), w);
+    twofold w = twofold_scaled(twofold_product(g->k1, pz), g->gamma),
+            v = twofold_difference(twofold_of(g->beta), w);
     double length = fabs(q->l) + fabs(q->m) + fabs(q->n), slack = 1 + 16 * SGT_U;
     if (g->U < 0x1p-800) tau_err += 0x1p-1070 / g->U; /* error-free products are not, so near zero */
     r.at.t = t.hi * q->scale;
     r.at.t_lo = t.lo * q->scale;
     r.at.t_err = (fabs(t.lo) + g->U * tau_err + 8 * SGT_TWOFOLD * fabs(t.hi)) * slack * q->scale;
     if (!(fabs(r.at.t) < HUGE_VAL)) r.at.t_err = HUGE_VAL;
-    bool away = (px.hi != 0 || py.hi != 0) && larger(fabs(px.hi), fabs(py.hi)) * g->U < 0x1p-400; /* their squares underflow */
+    /* their squares underflow */
+    bool away = (px.hi != 0 || py.hi != 0) && larger(fabs(px.hi), fabs(py.hi)) * g->U < 0x1p-400;
     if (fabs(r.at.t) < TINY && (r.at.t != 0 || r.at.t_err != 0 || away)) r.at.t_err += TINY_ERROR;
     r.at.p = (sgt_vec3){px.hi * g->U, py.hi * g->U, pz.hi * g->U};
     r.at.p_err = g->U * (length * tau_err + SGT_U * (fabs(px.hi) + fabs(py.hi) + fabs(pz.hi))) * slack;
@@ -257,7 +279,8 @@ SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, d
 }
 
 /* A t near zero is settled further, where twice the precision is not enough for its last bits. */
-static careful_root refined(double c, double k, careful_root r, const local *q, const sgt_ray *ray, double rim2, tally *w)
+static careful_root refined(double c, double k, careful_root r, const local *q, const sgt_ray *ray,
+                            double rim2, tally *w)
 {
     if (r.at.t_err <= 8 * SGT_U * fabs(r.at.t) || !(r.at.t_err < HUGE_VAL)) return r;
     shape s = {.c = c, .k = k, .ck = (1 + k) * c, .rim2 = rim2};
@@ -273,14 +296,21 @@ static careful_root refined(double c, double k, careful_root r, const local *q, 
 }
 
 /* Both roots, in order of t; of a graze the first alone.  A second that cannot be told from infinity is
- * farther than `away`, if anywhere; else they are `gap` apart, at least.  touches: of the two in one r[0] tells where. */
-typedef struct careful_pair { careful_root r[2]; bool near_second, far_exists, touches; double away, gap; } careful_pair;
+ * farther than `away`, if anywhere; else they are `gap` apart, at least.  touches: of the two in one r[0]
+ * tells where. */
+typedef struct careful_pair {
+    careful_root r[2];
+    bool near_second, far_exists, touches;
+    double away, gap;
+} careful_pair;
 
 /* SGT_HIT: the roots are there, if they count and are on the sheet. */
-static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *ray, careful_pair *p, tally *w)
+static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *ray, careful_pair *p,
+                                tally *w)
 {
     careful_quadric g = careful_setup(c, k, ray);
-    twofold A = g.A, B = g.B, C = g.C, AC = twofold_product(A, C), BB = twofold_product(B, B), D = twofold_difference(BB, AC);
+    twofold A = g.A, B = g.B, C = g.C, AC = twofold_product(A, C), BB = twofold_product(B, B),
+            D = twofold_difference(BB, AC);
     double dA = EPS * g.Aa, dB = EPS * g.Ba, dC = EPS * g.Ca;
     double size = g.Ba * g.Ba + g.Aa * g.Ca;
     double dD = 2 * (2 * fabs(B.hi) * dB + fabs(A.hi) * dC + fabs(C.hi) * dA) + EPS * (BB.hi + fabs(AC.hi));
@@ -293,7 +323,8 @@ static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *
         double half_gap = sqrt(D.hi + 2 * dD);
         p->touches = true;
         p->r[0] = careful_root_at(&g, twofold_quotient(B, A), 2 * half_gap / fabs(A.hi), half_gap, ray, rim2);
-        if (!(fabs(p->r[0].at.t) < HUGE_VAL && p->r[0].at.t_err < HUGE_VAL)) return SGT_UNPROVEN; /* in lengths of d */
+        /* in lengths of d */
+        if (!(fabs(p->r[0].at.t) < HUGE_VAL && p->r[0].at.t_err < HUGE_VAL)) return SGT_UNPROVEN;
         bool may = p->r[0].sheet >= 0 && p->r[0].ends;
         if (p->r[0].sheet >= 0 && p->r[0].hidden) return SGT_UNPROVEN;
         if (may && w->opt->proof != SGT_ESTIMATE && rim_hidden(&p->r[0].at, rim2)) return SGT_UNPROVEN;
@@ -315,9 +346,13 @@ static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *
 }
 
 /* Does it count, or may it, as far as the rim can be told? */
-static bool careful_may(const careful_root *r, double rim2) { return r->accepted || (r->ends && rim_hidden(&r->at, rim2)); }
+static bool careful_may(const careful_root *r, double rim2)
+{
+    return r->accepted || (r->ends && rim_hidden(&r->at, rim2));
+}
 
-/* The i-th root, on the sheet as far as can be told, is proven: alone in [t - t_err, t + t_err], its side of the rim certain. */
+/* The i-th root, on the sheet as far as can be told, is proven: alone in [t - t_err, t + t_err], its side
+ * of the rim certain. */
 static bool careful_proof(const careful_pair *p, int i, double rim2)
 {
     const meeting *at = &p->r[i].at;
@@ -336,10 +371,12 @@ static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, m
     const careful_root *near = &p.r[p.near_second];
     /* A within its rounding of 0: the far root is farther than the near one by 2^90, if anywhere */
     if (p.away < HUGE_VAL) {
-        bool near_accepted = near->accepted && near->sheet > 0, after = ray->tmax >= p.away, before_it = ray->tmin <= -p.away;
+        bool near_accepted = near->accepted && near->sheet > 0, after = ray->tmax >= p.away,
+             before_it = ray->tmin <= -p.away;
         if (near_accepted ? before_it && pick != SGT_NEAR_SEED : after || before_it) return SGT_UNPROVEN;
     }
-    const careful_root *wanted[2] = {pick == SGT_NEAR_SEED ? near : &p.r[0], pick == SGT_NEAR_SEED ? &p.r[!p.near_second] : &p.r[1]};
+    const careful_root *wanted[2] = {pick == SGT_NEAR_SEED ? near : &p.r[0],
+                                     pick == SGT_NEAR_SEED ? &p.r[!p.near_second] : &p.r[1]};
     for (int i = 0; i < (p.far_exists ? 2 : 1); i++) {
         const careful_root *r = wanted[i];
         if (r->sheet < 0) continue;
@@ -375,7 +412,8 @@ SGT_INLINE sgt_status plane(double rim2, const sgt_ray *ray, bool proof, meeting
 {
     if (ray->d.z == 0) return ray->o.z != 0 ? SGT_MISS : in_plane(rim2, ray, out);
     local q = local_at_vertex_plane(ray);
-    if (fabs(ray->o.z) < 0x1p-900 && ray->o.z != 0) q.t0_err += 0x1p-1074 / fabs(q.n); /* the remainder has underflown */
+    /* the remainder has underflown */
+    if (fabs(ray->o.z) < 0x1p-900 && ray->o.z != 0) q.t0_err += 0x1p-1074 / fabs(q.n);
     meeting_place(out, &q, 0, 0);
     out->v = 1, out->slope = fabs(q.n), out->n = (sgt_vec3){0, 0, 1}, out->sag = 0;
     if (out->t - out->t_err > ray->tmax || out->t + out->t_err < ray->tmin) return SGT_MISS;
@@ -395,7 +433,8 @@ static double conic_f(double c, double k, sgt_vec3 p)
     return p.z - conic_sag(c, k, p.x * p.x + p.y * p.y, &phi, &slope);
 }
 
-SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt)
+SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const sgt_ray *ray,
+                               const sgt_options *opt)
 {
     double rim2 = rim2_of(semi_diameter);
     meeting at = {.t_err = (double)NAN};
@@ -405,7 +444,9 @@ SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const s
     lane e;
     if (!conic_valid(c, k, semi_diameter)) return hit_without(SGT_INVALID, ray, 0);
     if (!rim_in_range(rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
-    bool usual = bowl_of(c, k, rim2, opt->proof != SGT_ESTIMATE, &b), met = usual && easy_at(&b, opt->pick != SGT_NEAR_SEED, ray->o, ray->d, ray->tmin, ray->tmax, opt->t_tol, &e);
+    bool usual = bowl_of(c, k, rim2, opt->proof != SGT_ESTIMATE, &b),
+         met = usual &&
+               easy_at(&b, opt->pick != SGT_NEAR_SEED, ray->o, ray->d, ray->tmin, ray->tmax, opt->t_tol, &e);
     if (usual && !met) {
         lane other; /* not e, which is to stay in registers */
         easy_answer answer = easy_else(&b, ray, opt, &other);
@@ -415,13 +456,16 @@ SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const s
     }
     if (met) {
         double f = conic_f(c, k, (sgt_vec3){e.px, e.py, e.pz});
-        if (opt->watch) tell(&w, SGT_SEED, e.t, f, e.nx * ray->d.x + e.ny * ray->d.y + ray->d.z, e.t - e.t_err, e.t + e.t_err);
+        if (opt->watch)
+            tell(&w, SGT_SEED, e.t, f, e.nx * ray->d.x + e.ny * ray->d.y + ray->d.z, e.t - e.t_err,
+                 e.t + e.t_err);
         return w.stopped ? hit_without(SGT_STOPPED, ray, 1) : hit_of_lane(&e, 1, f);
     }
     if (c == 0) {
         status = plane(rim2, ray, opt->proof != SGT_ESTIMATE, &at);
     } else {
-        bool started = usual && starts_on(&b, ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z, ray->tmin) != 0;
+        bool started = usual && starts_on(&b, ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z,
+                                          ray->tmin) != 0;
         quick_answer answer = conic_quick(c, k, rim2, started, ray, opt, &at);
         status = answer == QUICK_HIT ? SGT_HIT : SGT_MISS;
         if (answer == QUICK_HARD) at.t_err = (double)NAN, status = careful(c, k, rim2, ray, &at, &w);
@@ -454,7 +498,8 @@ static void unproven_about(sgt_list *list, const meeting *at, const sgt_ray *ray
 }
 
 /* Every root, by the careful form. */
-sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
+sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt,
+                         sgt_list *list)
 {
     double rim2 = rim2_of(semi_diameter);
     tally w = {.opt = opt, .budget = 100};
@@ -463,12 +508,15 @@ sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray
     sgt_status status = SGT_UNPROVEN;
     bool proof = opt->proof != SGT_ESTIMATE;
     p.r[0].at.t_err = (double)NAN;
-    if (rim_in_range(rim2)) status = c == 0 ? plane(rim2, ray, proof, &p.r[0].at) : careful_roots(c, k, rim2, ray, &p, &w);
+    if (rim_in_range(rim2))
+        status = c == 0 ? plane(rim2, ray, proof, &p.r[0].at) : careful_roots(c, k, rim2, ray, &p, &w);
     if (c == 0) p.r[0].accepted = true, p.r[0].sheet = 1;
-    if (status == SGT_UNPROVEN && (c == 0 || p.touches) && p.r[0].at.t_err < HUGE_VAL) unproven_about(list, &p.r[0].at, ray, &w);
+    if (status == SGT_UNPROVEN && (c == 0 || p.touches) && p.r[0].at.t_err < HUGE_VAL)
+        unproven_about(list, &p.r[0].at, ray, &w);
     else if (status == SGT_UNPROVEN) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
     if (status < 0 || status == SGT_MISS) return SGT_MISS;
-    if (p.away < HUGE_VAL && ray->tmin <= -p.away) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, -p.away);
+    if (p.away < HUGE_VAL && ray->tmin <= -p.away)
+        add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, -p.away);
     double reached = ray->tmin;
     for (int i = 0; i < (p.far_exists ? 2 : 1) && !w.stopped; i++) {
         const careful_root *r = &p.r[i];
@@ -476,16 +524,20 @@ sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray
             && (r->sheet < 0
                 || (r->at.t_err < HUGE_VAL && !r->hidden && !(proof ? careful_may(r, rim2) : r->accepted))))
             continue;
-        if (!(r->at.t_err < HUGE_VAL)) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL); /* out of range */
+        /* out of range */
+        if (!(r->at.t_err < HUGE_VAL)) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
         else if (status == SGT_HIT
                  && (r->sheet == 0 || r->hidden || (proof && c != 0 && !careful_proof(&p, i, rim2))))
             unproven_about(list, &r->at, ray, &w);
-        else add_hit(list, &r->at, status, isnan(r->at.sag) ? conic_f(c, k, r->at.p) : r->at.p.z - r->at.sag, SGT_SEED, ray, &w);
+        else
+            add_hit(list, &r->at, status, isnan(r->at.sag) ? conic_f(c, k, r->at.p) : r->at.p.z - r->at.sag,
+                    SGT_SEED, ray, &w);
         if (!w.stopped) reached = r->at.t + r->at.t_err;
     }
     list->evals = w.evals;
     if (w.stopped) add_stretch(list, &w, SGT_STOPPED, ray, reached, HUGE_VAL);
-    else if (p.away < HUGE_VAL && ray->tmax >= p.away) add_stretch(list, &w, SGT_UNPROVEN, ray, p.away, HUGE_VAL);
+    else if (p.away < HUGE_VAL && ray->tmax >= p.away)
+        add_stretch(list, &w, SGT_UNPROVEN, ray, p.away, HUGE_VAL);
     return SGT_MISS;
 }
 
@@ -530,13 +582,22 @@ static size_t conic_lanes(const void *self, const sgt_tile *tile, const sgt_opti
     return sgt_conic_lanes(s->c, s->k, s->semi_diameter, tile, opt);
 }
 
-static bool conic_unique(const void *self, const sgt_tile *tile, double rim2, mask unique[], sgt_interval others[])
+static bool conic_unique(const void *self, const sgt_tile *tile, double rim2, mask unique[],
+                         sgt_interval others[])
 {
     const sgt_conic *s = self;
     return sgt_conic_unique(s->c, s->k, s->semi_diameter, tile, rim2, unique, others);
 }
 
-static const struct sgt_builtin_ops conic_builtin = {.meet = conic_meet, .all = conic_all, .lanes = conic_lanes, .unique = conic_unique};
+static const struct sgt_builtin_ops conic_builtin = {
+    .meet = conic_meet, .all = conic_all, .lanes = conic_lanes, .unique = conic_unique};
 
-const sgt_surface_ops sgt_conic_ops = {.name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding, .enclose = conic_enclose, .own_ = &conic_builtin,
-                                       .second = sgt_conic_second, .parameters = sgt_conic_parameters, .by_parameter = sgt_conic_by_parameter};
+const sgt_surface_ops sgt_conic_ops = {.name = "conic",
+                                       .value = conic_value,
+                                       .span = conic_span,
+                                       .rounding = conic_rounding,
+                                       .enclose = conic_enclose,
+                                       .own_ = &conic_builtin,
+                                       .second = sgt_conic_second,
+                                       .parameters = sgt_conic_parameters,
+                                       .by_parameter = sgt_conic_by_parameter};

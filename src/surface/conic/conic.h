@@ -8,7 +8,8 @@
 sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt);
 sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray *ray,
                          const sgt_options *opt, sgt_list *list);
-size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt);
+size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile *tile,
+                       const sgt_options *opt);
 bool sgt_conic_unique(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2,
                      unsigned long long unique[], sgt_interval others[]);
 

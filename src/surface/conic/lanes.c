@@ -5,27 +5,33 @@
 /* Between the two loops. */
 typedef struct bowl_room {
     _Alignas(64) double x[SGT_TILE];
-    double y[SGT_TILE], tau[SGT_TILE], t[SGT_TILE], t_err[SGT_TILE], tau_err[SGT_TILE], t0[SGT_TILE], small[SGT_TILE];
+    double y[SGT_TILE], tau[SGT_TILE], t[SGT_TILE], t_err[SGT_TILE], tau_err[SGT_TILE], t0[SGT_TILE],
+        small[SGT_TILE];
     lane_ends ends;
 } bowl_room;
 
-SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof, bool rich, const sgt_tile *tile, bowl_room *room)
+SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof, bool rich,
+                            const sgt_tile *tile, bowl_room *room)
 {
     const bowl own = *self, *s = &own; /* no output is a part of it */
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax, *t_tol = tile->t_tol;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
+                 *t_tol = tile->t_tol;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
-        near_root r = plane ? plane_start(s, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i]) : easy_start(s, first, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
+        near_root r = plane ? plane_start(s, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i])
+                            : easy_start(s, first, proof, ox[i], oy[i], oz[i], l[i], m[i], n[i]);
         room->x[i] = r.x, room->y[i] = r.y, room->tau[i] = r.tau, room->t[i] = r.t, room->t_err[i] = r.t_err;
         if (rich) room->tau_err[i] = r.tau_err, room->t0[i] = r.t0, room->small[i] = r.small;
     }
     lane_to to = lane_to_of(tile, &room->ends);
     mask all = MASK(true);
     _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
-        near_root r = {.x = room->x[i], .y = room->y[i], .tau = room->tau[i], .t = room->t[i], .t_err = room->t_err[i]};
+        near_root r = {
+            .x = room->x[i], .y = room->y[i], .tau = room->tau[i], .t = room->t[i], .t_err = room->t_err[i]};
         if (rich) r.tau_err = room->tau_err[i], r.t0 = room->t0[i], r.small = room->small[i];
-        lane e = plane ? plane_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]) : easy_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
+        lane e = plane ? plane_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i])
+                       : easy_end(s, &r, l[i], m[i], n[i], tmin[i], tmax[i], t_tol[i]);
         LANE_STORE(to, i, e, rich);
         all &= e.hit;
     }
@@ -37,8 +43,8 @@ SGT_KERNEL
 static void conic_lanes_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone)
 {
     const bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
         verdicts v = easy_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
@@ -60,11 +66,12 @@ static void conic_lanes_plane_away(const bowl *self, const sgt_tile *tile, mask 
 
 /* Of the far roots of all rays. */
 SGT_KERNEL
-static void conic_lanes_far(const bowl *self, const sgt_tile *tile, mask *gone, mask *accepted, double *far, double *slack)
+static void conic_lanes_far(const bowl *self, const sgt_tile *tile, mask *gone, mask *accepted, double *far,
+                            double *slack)
 {
     const bowl own = *self, *s = &own;
-    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0], *m = tile->rays.d[1],
-                 *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
+    const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
+                 *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax;
     size_t count = tile->n;
     LANES for (size_t i = 0; i < count; i++) {
         verdicts v = easy_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
@@ -138,28 +145,32 @@ static size_t lane_near(const bowl *s, bool rich, bool nearby, const sgt_tile *t
 {
     if (nearby)
         return s->c == 0 ? conic_lanes_plane_nearby(s, tile, room) : conic_lanes_near_nearby(s, tile, room);
-    if (s->c == 0 && s->proof) return rich ? conic_lanes_plane_sure_rich(s, tile, room) : conic_lanes_plane_sure(s, tile, room);
+    if (s->c == 0 && s->proof)
+        return rich ? conic_lanes_plane_sure_rich(s, tile, room) : conic_lanes_plane_sure(s, tile, room);
     if (s->c == 0) return rich ? conic_lanes_plane_rich(s, tile, room) : conic_lanes_plane(s, tile, room);
-    if (s->proof) return rich ? conic_lanes_near_sure_rich(s, tile, room) : conic_lanes_near_sure(s, tile, room);
+    if (s->proof)
+        return rich ? conic_lanes_near_sure_rich(s, tile, room) : conic_lanes_near_sure(s, tile, room);
     return rich ? conic_lanes_near_rich(s, tile, room) : conic_lanes_near(s, tile, room);
 }
 
 static size_t lane_first(const bowl *s, bool rich, bool nearby, const sgt_tile *tile, bowl_room *room)
 {
     if (nearby) return conic_lanes_first_nearby(s, tile, room);
-    if (s->proof) return rich ? conic_lanes_first_sure_rich(s, tile, room) : conic_lanes_first_sure(s, tile, room);
+    if (s->proof)
+        return rich ? conic_lanes_first_sure_rich(s, tile, room) : conic_lanes_first_sure(s, tile, room);
     return rich ? conic_lanes_first_rich(s, tile, room) : conic_lanes_first(s, tile, room);
 }
 
-/* First hits that are found at once, as is usual where a surface bulges toward the ray; where many are not, those whose
- * far root, which comes first, does not count; and misses. */
+/* First hits that are found at once, as is usual where a surface bulges toward the ray; where many are not,
+ * those whose far root, which comes first, does not count; and misses. */
 size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt)
 {
     bowl_room room;
     bowl s;
     signed char *status = tile->hits.status;
     mask away[SGT_TILE], far_gone[SGT_TILE];
-    if (!conic_valid(c, k, semi_diameter) || !bowl_of(c, k, rim2_of(semi_diameter), opt->proof != SGT_ESTIMATE, &s)) {
+    if (!conic_valid(c, k, semi_diameter) ||
+        !bowl_of(c, k, rim2_of(semi_diameter), opt->proof != SGT_ESTIMATE, &s)) {
         memset(status, SGT_HARD, tile->n);
         return tile->n;
     }
@@ -214,11 +225,15 @@ bool sgt_lanes_steeper(double limit, const sgt_tile *tile, mask unique[])
     return lane_monotone(limit < 0x1p500 ? limit : HUGE_VAL, tile, unique) != 0;
 }
 
-bool sgt_lanes_monotone(const shape *s, const sgt_tile *tile, mask unique[]) { return sgt_lanes_steeper(single_limit(s), tile, unique); }
+bool sgt_lanes_monotone(const shape *s, const sgt_tile *tile, mask unique[])
+{
+    return sgt_lanes_steeper(single_limit(s), tile, unique);
+}
 
-/* The far root is elsewhere: F is monotone within the rim, or that root is known not to count (if the one that was met is
- * itself the far one, that is not said of it); or it is known to count. */
-bool sgt_conic_unique(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2, mask unique[], sgt_interval others[])
+/* The far root is elsewhere: F is monotone within the rim, or that root is known not to count (if the one
+ * that was met is itself the far one, that is not said of it); or it is known to count. */
+bool sgt_conic_unique(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2,
+                      mask unique[], sgt_interval others[])
 {
     mask gone[SGT_TILE], accepted[SGT_TILE];
     double far[SGT_TILE], slack[SGT_TILE], own = rim2_of(semi_diameter);

@@ -5,7 +5,8 @@
 #include <string.h>
 
 SGT_KERNEL
-static void conic_second_lanes(double c, double k, size_t n, const double *x, const double *y, double *xx, double *xy, double *xz, double *yy, double *yz, double *zz)
+static void conic_second_lanes(double c, double k, size_t n, const double *x, const double *y, double *xx,
+                               double *xy, double *xz, double *yy, double *yz, double *zz)
 {
     LANES for (size_t i = 0; i < n; i++) {
         curvatures s = conic_second(c, k, x[i], y[i]);
@@ -57,7 +58,8 @@ static void plane_by(size_t j, size_t n, const double *x, const double *y, sgt_v
 {
     if (j == 0) plane_by_c(n, x, y, out.f);
     else memset(out.f, 0, n * sizeof(double));
-    for (size_t i = 0; out.grad[0] && i < n; i++) out.grad[0][i] = j ? 0 : -x[i], out.grad[1][i] = j ? 0 : -y[i], out.grad[2][i] = 0;
+    for (size_t i = 0; out.grad[0] && i < n; i++)
+        out.grad[0][i] = j ? 0 : -x[i], out.grad[1][i] = j ? 0 : -y[i], out.grad[2][i] = 0;
 }
 
 void sgt_conic_by_parameter(const void *self, size_t j, size_t n, sgt_points p, sgt_values out)

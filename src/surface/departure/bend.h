@@ -14,8 +14,8 @@ SGT_INLINE double length_of(double a, double b)
     return r2 > 0x1p-960 && r2 < HUGE_VAL ? sqrt(r2) : a + b;
 }
 
-/* The norm of any symmetric matrix whose entries are at most these in magnitude: at most that of these themselves, its
- * greater eigenvalue. */
+/* The norm of any symmetric matrix whose entries are at most these in magnitude: at most that of these
+ * themselves, its greater eigenvalue. */
 SGT_INLINE double norm_of(double xx, double xy, double yy)
 {
     double half = 0.5 * (xx - yy), norm = (0.5 * (xx + yy) + length_of(fabs(half), xy)) * (1 + 0x1p-40);

@@ -1,54 +1,68 @@
 /* biconic.c - two curvatures and two conic constants, under one root.
  *
- * THE SAG.  s = N / w, w = 1 + phi, N = c_x x^2 + c_y y^2, phi^2 = D = 1 - A x^2 - B y^2, A = (1 + k_x) c_x^2, B likewise: the form of
- * lens programs, for which no curvature is special.  From N = s w, differentiated:
+ * THE SAG.  s = N / w, w = 1 + phi, N = c_x x^2 + c_y y^2, phi^2 = D = 1 - A x^2 - B y^2, A = (1 + k_x)
+ * c_x^2, B likewise: the form of lens programs, for which no curvature is special.  From N = s w,
+ * differentiated:
  *     s_x = x G_x,   G_x = (2 c_x + A h) / w,   h = s / phi,   and for y likewise,
- *     s_ij = G_i [i = j] + M_ij x_i x_j,   M_ij = (G_i A_j + G_j A_i + h A_i A_j / phi) / (phi w),   A_x = A, A_y = B,
+ *     s_ij = G_i [i = j] + M_ij x_i x_j,   M_ij = (G_i A_j + G_j A_i + h A_i A_j / phi) / (phi w),   A_x =
+ *         A, A_y = B,
  * and for a parameter q, with N_q and E = -D_q / 2 (so that phi_q = -E / phi),
- *     s_q = (N_q + h E) / w,   s_qi = (N_qi + (s_i E + s E_i) / phi + s_q A_i x_i / phi + h E A_i x_i / phi^2) / w,
+ *     s_q = (N_q + h E) / w,   s_qi = (N_qi + (s_i E + s E_i) / phi + s_q A_i x_i / phi + h E A_i x_i /
+ *                              phi^2) / w,
  *     for c: N_q = x^2, E = (1 + k) c x^2;   for k: N_q = 0, E = c^2 x^2 / 2.
  * Everything is made of u = c_x x and v = c_y y, so that c^2 alone, which may overflow, does not occur in s.
  *
- * ROUNDING.  With e = 2^-53: each term of N is rounded 3 times and the terms of D 5 times; 1 / w, w >= 1, has what D has over
- * sqrt(D) + sqrt(D - its error) (and never more than the root of that error), which is all that grows toward the edge of
- * the domain.  From there error is carried on line by line, as the lines of `at` are, and enlarged by 2^-20 for its own.
+ * ROUNDING.  With e = 2^-53: each term of N is rounded 3 times and the terms of D 5 times; 1 / w, w >= 1,
+ * has what D has over sqrt(D) + sqrt(D - its error) (and never more than the root of that error), which is
+ * all that grows toward the edge of the domain.  From there error is carried on line by line, as the lines
+ * of `at` are, and enlarged by 2^-20 for its own.
  *
- * BOUNDS.  N and D are linear in (x^2, y^2), which lies in a rectangle less the corner that x^2 + y^2 <= r_hi^2 cuts off: their least
- * and greatest are at the corners of that pentagon.  From them, by intervals, the lines above.  |grad s|^2 = G_x^2 x^2 + G_y^2 y^2 is
- * bounded so too; the norm of diag(G) + (M_ij x_i x_j) by that of the magnitudes, and by the greatest |G| + the greatest |M| r^2:
- * of a sphere's numbers that is what a sphere has at r_hi. */
+ * BOUNDS.  N and D are linear in (x^2, y^2), which lies in a rectangle less the corner that x^2 + y^2 <=
+ * r_hi^2 cuts off: their least and greatest are at the corners of that pentagon.  From them, by intervals,
+ * the lines above.  |grad s|^2 = G_x^2 x^2 + G_y^2 y^2 is bounded so too; the norm of diag(G) + (M_ij x_i
+ * x_j) by that of the magnitudes, and by the greatest |G| + the greatest |M| r^2: of a sphere's numbers
+ * that is what a sphere has at r_hi. */
 #include "../../num/bits.h"
 #include "bend.h"
 #include "departure.h"
 
 SGT_KERNEL
-static void biconic_sag(const sgt_biconic *self, size_t n, const double *restrict px, const double *restrict py, double *restrict p,
-                        double *restrict gx, double *restrict gy)
+static void biconic_sag(const sgt_biconic *self, size_t n, const double *restrict px,
+                        const double *restrict py, double *restrict p, double *restrict gx,
+                        double *restrict gy)
 {
-    const double cx = self->c_x, cy = self->c_y, kx = 1 + self->k_x, ky = 1 + self->k_y, ax = kx * cx, ay = ky * cy;
+    const double cx = self->c_x, cy = self->c_y, kx = 1 + self->k_x, ky = 1 + self->k_y, ax = kx * cx,
+                 ay = ky * cy;
     LANES for (size_t i = 0; i < n; i++) {
         double x = px[i], y = py[i], u = cx * x, v = cy * y;
         double phi = sqrt((1 - kx * u * u) - ky * v * v), over_w = 1 / (1 + phi);
         double s = (u * x + v * y) * over_w;
-        double h = s / larger(phi, 0x1p-400); /* at the equator the gradient is steeper than anything, not NaN */
+        /* at the equator the gradient is steeper than anything, not NaN */
+        double h = s / larger(phi, 0x1p-400);
         p[i] = s;
         gx[i] = u * (2 + ax * h) * over_w;
         gy[i] = v * (2 + ay * h) * over_w;
     }
 }
 
-static void biconic_at(const void *self, size_t n, const double *x, const double *y, sag_values out) { biconic_sag(self, n, x, y, out.p, out.px, out.py); }
+static void biconic_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
+{
+    biconic_sag(self, n, x, y, out.p, out.px, out.py);
+}
 
 static void biconic_off(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const sgt_biconic *b = self;
     const double e = SGT_U, least = 0x1p-1060, more = 1 + 0x1p-20;
-    double u = b->c_x * x, v = b->c_y * y, kx = 1 + b->k_x, ky = 1 + b->k_y, tx = kx * u * u, ty = ky * v * v, d1 = 1 - tx, d = d1 - ty;
-    double d_err = e * (5 * (fabs(tx) + fabs(ty)) + fabs(d1) + fabs(d)) * more, phi = sqrt(d), low = sqrt(larger(d - d_err, 0)), rest = phi + low;
+    double u = b->c_x * x, v = b->c_y * y, kx = 1 + b->k_x, ky = 1 + b->k_y, tx = kx * u * u, ty = ky * v * v,
+           d1 = 1 - tx, d = d1 - ty;
+    double d_err = e * (5 * (fabs(tx) + fabs(ty)) + fabs(d1) + fabs(d)) * more, phi = sqrt(d),
+           low = sqrt(larger(d - d_err, 0)), rest = phi + low;
     *p_err = *grad_err = HUGE_VAL;
     if (!(d >= 0)) return; /* NaN; it may be that the sag is not */
     double root = sqrt(d_err), phi_err = (rest * root > d_err ? d_err / rest : root) + e * phi;
-    double w = 1 + phi, w_err = phi_err + e * w, w_low = larger(w - w_err, 1), terms = fabs(u * x) + fabs(v * y), s = (u * x + v * y) / w;
+    double w = 1 + phi, w_err = phi_err + e * w, w_low = larger(w - w_err, 1),
+           terms = fabs(u * x) + fabs(v * y), s = (u * x + v * y) / w;
     double s_err = (3 * e * terms + fabs(s) * w_err) / w_low + e * fabs(s);
     *p_err = s_err * more + least;
     if (!(low > 0)) return;
@@ -80,7 +94,9 @@ static pentagon squares_in(const region *where)
 static sgt_interval linear_over(const pentagon *at, sgt_interval a, sgt_interval b)
 {
     sgt_interval all = sgt_interval_empty();
-    for (int i = 0; i < 5; i++) all = sgt_interval_hull(all, sgt_interval_sum(sgt_interval_scaled(a, at->x[i]), sgt_interval_scaled(b, at->y[i])));
+    for (int i = 0; i < 5; i++)
+        all = sgt_interval_hull(
+            all, sgt_interval_sum(sgt_interval_scaled(a, at->x[i]), sgt_interval_scaled(b, at->y[i])));
     return all;
 }
 
@@ -88,7 +104,8 @@ static sgt_interval linear_over(const pentagon *at, sgt_interval a, sgt_interval
 static sgt_interval clipped(sgt_interval x, sgt_interval a, sgt_interval by)
 {
     if (!(a.lo > 0)) return x;
-    sgt_interval far = sgt_interval_square_root(sgt_interval_quotient(sgt_interval_difference(sgt_interval_of(1), by), a));
+    sgt_interval far = sgt_interval_square_root(
+        sgt_interval_quotient(sgt_interval_difference(sgt_interval_of(1), by), a));
     return sgt_interval_intersection(x, sgt_interval_between(-far.hi, far.hi));
 }
 
@@ -96,13 +113,15 @@ static sgt_interval clipped(sgt_interval x, sgt_interval a, sgt_interval by)
 static sgt_interval biconic_bent_by(double c, double k)
 {
     sgt_interval of = sgt_interval_of(c);
-    return sgt_interval_product(sgt_interval_product(sgt_interval_sum(sgt_interval_of(1), sgt_interval_of(k)), of), of);
+    return sgt_interval_product(
+        sgt_interval_product(sgt_interval_sum(sgt_interval_of(1), sgt_interval_of(k)), of), of);
 }
 
 /* phi and s over the region, which is clipped; as `bounds`. */
 static int biconic_over(const sgt_biconic *b, region *where, sgt_interval *root, sgt_interval *sag)
 {
-    sgt_interval one = {1, 1}, cx = sgt_interval_of(b->c_x), cy = sgt_interval_of(b->c_y), A = biconic_bent_by(b->c_x, b->k_x), B = biconic_bent_by(b->c_y, b->k_y);
+    sgt_interval one = {1, 1}, cx = sgt_interval_of(b->c_x), cy = sgt_interval_of(b->c_y),
+                 A = biconic_bent_by(b->c_x, b->k_x), B = biconic_bent_by(b->c_y, b->k_y);
     pentagon at = squares_in(where);
     sgt_interval D = sgt_interval_difference(one, linear_over(&at, A, B));
     int defined = 1;
@@ -129,24 +148,36 @@ static sgt_interval biconic_range(const void *self, const region *where)
 static int biconic_bounds(const void *self, region *where, bounds *out)
 {
     const sgt_biconic *b = self;
-    sgt_interval phi, s, cx = sgt_interval_of(b->c_x), cy = sgt_interval_of(b->c_y), A = biconic_bent_by(b->c_x, b->k_x), B = biconic_bent_by(b->c_y, b->k_y);
+    sgt_interval phi, s, cx = sgt_interval_of(b->c_x), cy = sgt_interval_of(b->c_y),
+                         A = biconic_bent_by(b->c_x, b->k_x), B = biconic_bent_by(b->c_y, b->k_y);
     int defined = biconic_over(b, where, &phi, &s);
     if (!defined) return 0;
     pentagon at = squares_in(where);
     sgt_interval w = sgt_interval_sum(sgt_interval_of(1), phi);
-    *out = (bounds){defined == 1 ? sgt_interval_greatest(s) : HUGE_VAL, HUGE_VAL, HUGE_VAL}; /* what may not be defined has no size to be a graze by */
+    /* what may not be defined has no size to be a graze by */
+    *out = (bounds){defined == 1 ? sgt_interval_greatest(s) : HUGE_VAL, HUGE_VAL, HUGE_VAL};
     if (!(phi.lo > 0)) return defined;
 
-    sgt_interval h = sgt_interval_quotient(s, phi), s2 = sgt_interval_quotient(h, phi), of = sgt_interval_product(phi, w);
-    sgt_interval Gx = sgt_interval_quotient(sgt_interval_sum(sgt_interval_scaled(cx, 2), sgt_interval_product(A, h)), w);
-    sgt_interval Gy = sgt_interval_quotient(sgt_interval_sum(sgt_interval_scaled(cy, 2), sgt_interval_product(B, h)), w);
-    sgt_interval xx = sgt_interval_sum(sgt_interval_scaled(sgt_interval_product(Gx, A), 2), sgt_interval_product(s2, sgt_interval_square(A)));
-    sgt_interval yy = sgt_interval_sum(sgt_interval_scaled(sgt_interval_product(Gy, B), 2), sgt_interval_product(s2, sgt_interval_square(B)));
-    sgt_interval xy = sgt_interval_sum(sgt_interval_sum(sgt_interval_product(Gx, B), sgt_interval_product(Gy, A)), sgt_interval_product(s2, sgt_interval_product(A, B)));
-    double gx = sgt_interval_greatest(Gx), gy = sgt_interval_greatest(Gy), x = sgt_interval_greatest(where->x), y = sgt_interval_greatest(where->y);
-    double mx = sgt_interval_greatest(sgt_interval_quotient(xx, of)), my = sgt_interval_greatest(sgt_interval_quotient(yy, of));
+    sgt_interval h = sgt_interval_quotient(s, phi), s2 = sgt_interval_quotient(h, phi),
+                 of = sgt_interval_product(phi, w);
+    sgt_interval Gx = sgt_interval_quotient(
+        sgt_interval_sum(sgt_interval_scaled(cx, 2), sgt_interval_product(A, h)), w);
+    sgt_interval Gy = sgt_interval_quotient(
+        sgt_interval_sum(sgt_interval_scaled(cy, 2), sgt_interval_product(B, h)), w);
+    sgt_interval xx = sgt_interval_sum(sgt_interval_scaled(sgt_interval_product(Gx, A), 2),
+                                       sgt_interval_product(s2, sgt_interval_square(A)));
+    sgt_interval yy = sgt_interval_sum(sgt_interval_scaled(sgt_interval_product(Gy, B), 2),
+                                       sgt_interval_product(s2, sgt_interval_square(B)));
+    sgt_interval xy = sgt_interval_sum(
+        sgt_interval_sum(sgt_interval_product(Gx, B), sgt_interval_product(Gy, A)),
+        sgt_interval_product(s2, sgt_interval_product(A, B)));
+    double gx = sgt_interval_greatest(Gx), gy = sgt_interval_greatest(Gy),
+           x = sgt_interval_greatest(where->x), y = sgt_interval_greatest(where->y);
+    double mx = sgt_interval_greatest(sgt_interval_quotient(xx, of)),
+           my = sgt_interval_greatest(sgt_interval_quotient(yy, of));
     double mxy = sgt_interval_greatest(sgt_interval_quotient(xy, of)), more = 1 + 0x1p-40, r = where->r_hi;
-    sgt_interval steep2 = linear_over(&at, sgt_interval_square(sgt_interval_of(gx)), sgt_interval_square(sgt_interval_of(gy)));
+    sgt_interval steep2 = linear_over(&at, sgt_interval_square(sgt_interval_of(gx)),
+                                      sgt_interval_square(sgt_interval_of(gy)));
     out->steep = sgt_square_root_above(steep2.hi);
     double by_entry = norm_of(gx + mx * (x * x), mxy * (x * y), gy + my * (y * y)) * more;
     double by_r = (larger(gx, gy) + larger(larger(mx, my), mxy) * (r * r)) * more;
@@ -154,25 +185,32 @@ static int biconic_bounds(const void *self, region *where, bounds *out)
     return defined;
 }
 
-/* The lines of biconic_off with c and (1 + k) c^2 of the worse axis in all directions, at the radius: all grow with it. */
+/* The lines of biconic_off with c and (1 + k) c^2 of the worse axis in all directions, at the radius: all
+ * grow with it. */
 static void biconic_noise(const void *self, double radius, double e[2])
 {
     const sgt_biconic *b = self;
-    const double u = SGT_U, c = larger(fabs(b->c_x), fabs(b->c_y)), ax = (1 + b->k_x) * b->c_x * b->c_x, ay = (1 + b->k_y) * b->c_y * b->c_y;
-    double t = larger(fabs(ax), fabs(ay)) * (radius * radius), phi2 = 1 - larger(larger(ax, ay), 0) * (radius * radius), phi = sqrt(phi2);
+    const double u = SGT_U, c = larger(fabs(b->c_x), fabs(b->c_y)), ax = (1 + b->k_x) * b->c_x * b->c_x,
+                 ay = (1 + b->k_y) * b->c_y * b->c_y;
+    double t = larger(fabs(ax), fabs(ay)) * (radius * radius),
+           phi2 = 1 - larger(larger(ax, ay), 0) * (radius * radius), phi = sqrt(phi2);
     if (!(phi2 > 0x1p-20)) return;
     double w_err = u * (7 * t + 2) / (1.99 * phi * (1 + phi)) + 2 * u; /* over w */
     e[0] = 0x1p-1060, e[1] = c / (1 + phi) * (4 * u + w_err) * (1 + 0x1p-20);
 }
 
 SGT_KERNEL
-static void biconic_bent(const sgt_biconic *self, size_t n, const double *restrict px, const double *restrict py, double *restrict pxx,
-                         double *restrict pxy, double *restrict pyy)
+static void biconic_bent(const sgt_biconic *self, size_t n, const double *restrict px,
+                         const double *restrict py, double *restrict pxx, double *restrict pxy,
+                         double *restrict pyy)
 {
-    const double cx = self->c_x, cy = self->c_y, kx = 1 + self->k_x, ky = 1 + self->k_y, ax = kx * cx, ay = ky * cy;
+    const double cx = self->c_x, cy = self->c_y, kx = 1 + self->k_x, ky = 1 + self->k_y, ax = kx * cx,
+                 ay = ky * cy;
     LANES for (size_t i = 0; i < n; i++) {
-        double x = px[i], y = py[i], u = cx * x, v = cy * y, phi = sqrt((1 - kx * u * u) - ky * v * v), over_w = 1 / (1 + phi), over_phi = 1 / phi;
-        double h = (u * x + v * y) * over_w * over_phi, fx = ax * u * over_phi, fy = ay * v * over_phi; /* f = -grad phi */
+        double x = px[i], y = py[i], u = cx * x, v = cy * y, phi = sqrt((1 - kx * u * u) - ky * v * v),
+               over_w = 1 / (1 + phi), over_phi = 1 / phi;
+        /* f = -grad phi */
+        double h = (u * x + v * y) * over_w * over_phi, fx = ax * u * over_phi, fy = ay * v * over_phi;
         double gx = (2 + ax * h) * over_w, gy = (2 + ay * h) * over_w;
         pxx[i] = cx * gx + (2 * u * gx * fx + h * fx * fx) * over_w;
         pyy[i] = cy * gy + (2 * v * gy * fy + h * fy * fy) * over_w;
@@ -180,7 +218,8 @@ static void biconic_bent(const sgt_biconic *self, size_t n, const double *restri
     }
 }
 
-static void biconic_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void biconic_second(const void *self, size_t n, const double *x, const double *y, double *pxx,
+                           double *pxy, double *pyy)
 {
     biconic_bent(self, n, x, y, pxx, pxy, pyy);
 }
@@ -189,14 +228,17 @@ static size_t biconic_parameter_count(const void *self) { (void)self; return 4; 
 
 /* By c or k of the x axis; that of y is the same with the axes exchanged. */
 SGT_KERNEL
-static void biconic_by_axis(double cx, double kx, double cy, double ky, bool by_c, size_t n, const double *restrict px, const double *restrict py,
-                            double *restrict p, double *restrict gx, double *restrict gy)
+static void biconic_by_axis(double cx, double kx, double cy, double ky, bool by_c, size_t n,
+                            const double *restrict px, const double *restrict py, double *restrict p,
+                            double *restrict gx, double *restrict gy)
 {
     const double ax = kx * cx, ay = ky * cy, n_by = by_c ? 1 : 0, e_by = by_c ? ax : 0.5 * cx * cx;
     LANES for (size_t i = 0; i < n; i++) {
-        double x = px[i], y = py[i], u = cx * x, v = cy * y, phi = sqrt((1 - kx * u * u) - ky * v * v), over_w = 1 / (1 + phi), over_phi = 1 / phi;
+        double x = px[i], y = py[i], u = cx * x, v = cy * y, phi = sqrt((1 - kx * u * u) - ky * v * v),
+               over_w = 1 / (1 + phi), over_phi = 1 / phi;
         double s = (u * x + v * y) * over_w, h = s * over_phi, fx = ax * u * over_phi, fy = ay * v * over_phi;
-        double sx = u * (2 + ax * h) * over_w, sy = v * (2 + ay * h) * over_w, ex = e_by * x, e = ex * x * over_phi;
+        double sx = u * (2 + ax * h) * over_w, sy = v * (2 + ay * h) * over_w, ex = e_by * x,
+               e = ex * x * over_phi;
         double by = (n_by * (x * x) + s * e) * over_w, rest = by + h * e;
         p[i] = by;
         gx[i] = (2 * n_by * x + sx * e + 2 * h * ex + rest * fx) * over_w;
@@ -204,10 +246,12 @@ static void biconic_by_axis(double cx, double kx, double cy, double ky, bool by_
     }
 }
 
-static void biconic_by_parameter_of(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void biconic_by_parameter_of(const void *self, size_t j, size_t n, const double *x, const double *y,
+                                    sag_values out)
 {
     const sgt_biconic *b = self;
-    if (j < 2) biconic_by_axis(b->c_x, 1 + b->k_x, b->c_y, 1 + b->k_y, j == 0, n, x, y, out.p, out.px, out.py);
+    if (j < 2)
+        biconic_by_axis(b->c_x, 1 + b->k_x, b->c_y, 1 + b->k_y, j == 0, n, x, y, out.p, out.px, out.py);
     else biconic_by_axis(b->c_y, 1 + b->k_y, b->c_x, 1 + b->k_x, j == 2, n, y, x, out.p, out.py, out.px);
 }
 
@@ -221,15 +265,28 @@ static sgt_objection biconic_objection(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const departure biconic_departure = {.at = biconic_at, .rounding = biconic_off, .bounds = biconic_bounds, .range = biconic_range, .second = biconic_second,
-                                            .parameters = biconic_parameter_count, .by_parameter = biconic_by_parameter_of, .object = biconic_objection, .noise = biconic_noise};
+static const departure biconic_departure = {.at = biconic_at,
+                                            .rounding = biconic_off,
+                                            .bounds = biconic_bounds,
+                                            .range = biconic_range,
+                                            .second = biconic_second,
+                                            .parameters = biconic_parameter_count,
+                                            .by_parameter = biconic_by_parameter_of,
+                                            .object = biconic_objection,
+                                            .noise = biconic_noise};
 
 /* The seed: a conic of the mean curvature, and the conic constant of the stronger. */
 static departure_sag biconic_unique(const sgt_biconic *b)
 {
     double k = fabs(b->c_x) > fabs(b->c_y) ? b->k_x : b->k_y;
-    double A = (1 + b->k_x) * b->c_x * b->c_x, B = (1 + b->k_y) * b->c_y * b->c_y, least = A < B ? A : B, reach = least > 0x1p-900 ? (1 + 0x1p-40) / sqrt(least) : 0;
-    return (departure_sag){.c = 0.5 * (b->c_x + b->c_y), .k = k, .semi_diameter = b->semi_diameter, .of = &biconic_departure, .self = b, .reach = reach};
+    double A = (1 + b->k_x) * b->c_x * b->c_x, B = (1 + b->k_y) * b->c_y * b->c_y, least = A < B ? A : B,
+           reach = least > 0x1p-900 ? (1 + 0x1p-40) / sqrt(least) : 0;
+    return (departure_sag){.c = 0.5 * (b->c_x + b->c_y),
+                           .k = k,
+                           .semi_diameter = b->semi_diameter,
+                           .of = &biconic_departure,
+                           .self = b,
+                           .reach = reach};
 }
 
 FREEFORM_OPS(biconic, sgt_biconic, biconic_unique)

@@ -1,27 +1,30 @@
 /* chebyshev.c - a sum of products of Chebyshev polynomials of x and of y on a conic.
  *
- * T_n and U_n-1 = T_n' / n are worked out by the addition theorem of the angle, x = cos u, with w = 1 - x^2 = (1 - x)(1 + x):
+ * T_n and U_n-1 = T_n' / n are worked out by the addition theorem of the angle, x = cos u, with w = 1 - x^2
+ * = (1 - x)(1 + x):
  *     T_n+1 = x T_n - w U_n-1,   U_n = x U_n-1 + T_n.
- * Upon (T, sqrt(w) U) that is a turn by u, so what a step leaves out stays as it is, where the recurrence of three terms makes n
- * times as much of it near |x| = 1 (Clenshaw's sum, too); beyond |x| = 1 all the terms of a step have one sign.
+ * Upon (T, sqrt(w) U) that is a turn by u, so what a step leaves out stays as it is, where the recurrence
+ * of three terms makes n times as much of it near |x| = 1 (Clenshaw's sum, too); beyond |x| = 1 all the
+ * terms of a step have one sign.
  *
  * For a block of points the T_j and T_j' of y are tabled, 20 columns at a time; then each coefficient costs
  * two fma, one for B_i = sum over j of a_ij T_j and one for B_i', and P = sum of T_i B_i, P_x = sum of T_i'
  * B_i, P_y = sum of T_i B_i'.  Two rows and four columns at once, so that it is arithmetic and not loads and
  * stores that take the time.
  *
- * ROUNDING.  In units of u = 2^-53, with sigma = sqrt w: 1 - x^2 is off by 3 of itself, so a step leaves out |T_n+1| + 4 |w U_n-1| of T_n+1
- * and |U_n| of U_n, upon (T, sigma U) k = sqrt 2 + 4 sigma at most; after n steps T_n is off by n k at most, U_n-1 by n k / sigma.
- * By the second line of the step U_n is off by what U_n-1 is, T_n is, and n + 1: so U_n-1 by (k + 1) n^2 / 2 + n, too.  Beyond
- * |x| = 1 a step adds 5 at most to the relative error of both.  x / norm is off by 1 of itself: T_n by |x T_n'|, T_n' by |x T_n''|.  A
- * term goes through at most 24 sums of its row's panel, and one for each row and panel.
+ * ROUNDING.  In units of u = 2^-53, with sigma = sqrt w: 1 - x^2 is off by 3 of itself, so a step leaves
+ * out |T_n+1| + 4 |w U_n-1| of T_n+1 and |U_n| of U_n, upon (T, sigma U) k = sqrt 2 + 4 sigma at most;
+ * after n steps T_n is off by n k at most, U_n-1 by n k / sigma.  By the second line of the step U_n is off
+ * by what U_n-1 is, T_n is, and n + 1: so U_n-1 by (k + 1) n^2 / 2 + n, too.  Beyond |x| = 1 a step adds 5
+ * at most to the relative error of both.  x / norm is off by 1 of itself: T_n by |x T_n'|, T_n' by |x
+ * T_n''|.  A term goes through at most 24 sums of its row's panel, and one for each row and panel.
  *
- * BOUNDS.  Within |x| <= 1: |T_n| <= 1, |T_n'| <= min(n^2, n / sigma), |T_n''| = |x T_n' - n^2 T_n| / w <= (n / sigma + n^2) / w, and
- * <= n^2 (n^2 - 1) / 3 (V. A. Markov; Mason and Handscomb 2002, section 2.4.5).  Beyond, all derivatives
- * increase: their values at the far end.  Far out, over a disc of radius r, r = R norm, more is known: T_i(x)
- * / x^i increases beyond 1 (all its zeros are nearer), so |T_i(x)| <= T_i(R) max(x / R, 1 / R)^i, and of the
- * derivatives so; of two such factors the greatest product over the disc is that of x^i y^j, or one of them
- * is 1 / R^i. */
+ * BOUNDS.  Within |x| <= 1: |T_n| <= 1, |T_n'| <= min(n^2, n / sigma), |T_n''| = |x T_n' - n^2 T_n| / w <=
+ * (n / sigma + n^2) / w, and <= n^2 (n^2 - 1) / 3 (V. A. Markov; Mason and Handscomb 2002, section 2.4.5).
+ * Beyond, all derivatives increase: their values at the far end.  Far out, over a disc of radius r, r = R
+ * norm, more is known: T_i(x) / x^i increases beyond 1 (all its zeros are nearer), so |T_i(x)| <= T_i(R)
+ * max(x / R, 1 / R)^i, and of the derivatives so; of two such factors the greatest product over the disc is
+ * that of x^i y^j, or one of them is 1 / R^i. */
 #include "bend.h"
 #include "departure.h"
 
@@ -54,8 +57,8 @@ static double coefficient(const sgt_chebyshev *s, size_t only, size_t i, size_t 
 }
 
 SGT_KERNEL
-static void chebyshev_sums(const sgt_chebyshev *s, size_t only, size_t n, const double *x, const double *y, double *restrict p, double *restrict px,
-                           double *restrict py)
+static void chebyshev_sums(const sgt_chebyshev *s, size_t only, size_t n, const double *x, const double *y,
+                           double *restrict p, double *restrict px, double *restrict py)
 {
     turning a, b;
     double t[PANEL][STRIP], d[PANEL][STRIP]; /* T_j and T_j' of the panel */
@@ -82,15 +85,22 @@ static void chebyshev_sums(const sgt_chebyshev *s, size_t only, size_t n, const 
             LANES
             for (size_t i = 0; i < n; i++) b0[i] = b1[i] = d0[i] = d1[i] = 0;
             for (size_t j = 0; j < wide; j += 4) {
-                const double a00 = coefficient(s, only, row, from + j), a01 = coefficient(s, only, row, from + j + 1);
-                const double a02 = coefficient(s, only, row, from + j + 2), a03 = coefficient(s, only, row, from + j + 3);
-                const double a10 = coefficient(s, only, row + 1, from + j), a11 = coefficient(s, only, row + 1, from + j + 1);
-                const double a12 = coefficient(s, only, row + 1, from + j + 2), a13 = coefficient(s, only, row + 1, from + j + 3);
-                const double *restrict t0 = t[j], *restrict t1 = t[j + 1], *restrict t2 = t[j + 2], *restrict t3 = t[j + 3];
-                const double *restrict e0 = d[j], *restrict e1 = d[j + 1], *restrict e2 = d[j + 2], *restrict e3 = d[j + 3];
+                const double a00 = coefficient(s, only, row, from + j),
+                             a01 = coefficient(s, only, row, from + j + 1);
+                const double a02 = coefficient(s, only, row, from + j + 2),
+                             a03 = coefficient(s, only, row, from + j + 3);
+                const double a10 = coefficient(s, only, row + 1, from + j),
+                             a11 = coefficient(s, only, row + 1, from + j + 1);
+                const double a12 = coefficient(s, only, row + 1, from + j + 2),
+                             a13 = coefficient(s, only, row + 1, from + j + 3);
+                const double *restrict t0 = t[j], *restrict t1 = t[j + 1], *restrict t2 = t[j + 2],
+                                       *restrict t3 = t[j + 3];
+                const double *restrict e0 = d[j], *restrict e1 = d[j + 1], *restrict e2 = d[j + 2],
+                                       *restrict e3 = d[j + 3];
                 LANES
                 for (size_t i = 0; i < n; i++) {
-                    double v0 = t0[i], v1 = t1[i], v2 = t2[i], v3 = t3[i], w0 = e0[i], w1 = e1[i], w2 = e2[i], w3 = e3[i];
+                    double v0 = t0[i], v1 = t1[i], v2 = t2[i], v3 = t3[i], w0 = e0[i], w1 = e1[i], w2 = e2[i],
+                           w3 = e3[i];
                     b0[i] = sgt_fma(a03, v3, sgt_fma(a02, v2, sgt_fma(a01, v1, sgt_fma(a00, v0, b0[i]))));
                     b1[i] = sgt_fma(a13, v3, sgt_fma(a12, v2, sgt_fma(a11, v1, sgt_fma(a10, v0, b1[i]))));
                     d0[i] = sgt_fma(a03, w3, sgt_fma(a02, w2, sgt_fma(a01, w1, sgt_fma(a00, w0, d0[i]))));
@@ -115,10 +125,12 @@ static void chebyshev_sums(const sgt_chebyshev *s, size_t only, size_t n, const 
     for (size_t i = 0; i < n; i++) px[i] *= back_x, py[i] *= back_y;
 }
 
-static void strips(const sgt_chebyshev *s, size_t only, size_t n, const double *x, const double *y, sag_values out)
+static void strips(const sgt_chebyshev *s, size_t only, size_t n, const double *x, const double *y,
+                   sag_values out)
 {
     for (size_t i = 0; i < n; i += STRIP)
-        chebyshev_sums(s, only, n - i < STRIP ? n - i : STRIP, x + i, y + i, out.p + i, out.px + i, out.py + i);
+        chebyshev_sums(s, only, n - i < STRIP ? n - i : STRIP, x + i, y + i, out.p + i, out.px + i,
+                       out.py + i);
 }
 
 static void chebyshev_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
@@ -134,7 +146,8 @@ static size_t chebyshev_parameters(const void *self)
 
 /* T_n and dT_n/dx. */
 SGT_KERNEL
-static void one_polynomial(double norm, size_t degree, size_t n, const double *x, double *restrict t, double *restrict slope)
+static void one_polynomial(double norm, size_t degree, size_t n, const double *x, double *restrict t,
+                           double *restrict slope)
 {
     const double back = (double)degree / norm;
     double u[FREEFORM_BLOCK], v[FREEFORM_BLOCK], w[FREEFORM_BLOCK];
@@ -156,13 +169,15 @@ static void one_polynomial(double norm, size_t degree, size_t n, const double *x
 }
 
 SGT_KERNEL
-static void chebyshev_product(size_t n, const double *a, const double *da, const double *b, const double *db, double *restrict p, double *restrict px, double *restrict py)
+static void chebyshev_product(size_t n, const double *a, const double *da, const double *b, const double *db,
+                              double *restrict p, double *restrict px, double *restrict py)
 {
     LANES
     for (size_t i = 0; i < n; i++) p[i] = a[i] * b[i], px[i] = da[i] * b[i], py[i] = a[i] * db[i];
 }
 
-static void chebyshev_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void chebyshev_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
+                                   sag_values out)
 {
     const sgt_chebyshev *s = self;
     double a[FREEFORM_BLOCK], da[FREEFORM_BLOCK], b[FREEFORM_BLOCK], db[FREEFORM_BLOCK];
@@ -172,7 +187,9 @@ static void chebyshev_by_parameter(const void *self, size_t j, size_t n, const d
 }
 
 /* U_n-1 and its derivative V_n-1 by the same theorem: U_n' = U_n-1 + x U_n-1' + n U_n-1; T_n'' = n U_n-1'. */
-typedef struct chebyshev_bending { double x[FREEFORM_BLOCK], w[FREEFORM_BLOCK], t[FREEFORM_BLOCK], u[FREEFORM_BLOCK], v[FREEFORM_BLOCK]; } chebyshev_bending;
+typedef struct chebyshev_bending {
+    double x[FREEFORM_BLOCK], w[FREEFORM_BLOCK], t[FREEFORM_BLOCK], u[FREEFORM_BLOCK], v[FREEFORM_BLOCK];
+} chebyshev_bending;
 
 SGT_INLINE void start_bending(chebyshev_bending *a, double norm, size_t n, const double *x)
 {
@@ -194,8 +211,8 @@ SGT_INLINE void turn_bending(chebyshev_bending *a, double degree, size_t n)
 }
 
 SGT_KERNEL
-static void chebyshev_bends(const sgt_chebyshev *s, size_t n, const double *x, const double *y, double *restrict pxx, double *restrict pxy,
-                            double *restrict pyy)
+static void chebyshev_bends(const sgt_chebyshev *s, size_t n, const double *x, const double *y,
+                            double *restrict pxx, double *restrict pxy, double *restrict pyy)
 {
     chebyshev_bending a, b;
     double b0[FREEFORM_BLOCK], b1[FREEFORM_BLOCK], b2[FREEFORM_BLOCK];
@@ -224,10 +241,13 @@ static void chebyshev_bends(const sgt_chebyshev *s, size_t n, const double *x, c
     }
     const double back_x = 1 / s->norm_x, back_y = 1 / s->norm_y;
     LANES
-    for (size_t i = 0; i < n; i++) pxx[i] = pxx[i] * back_x * back_x, pxy[i] = pxy[i] * back_x * back_y, pyy[i] = pyy[i] * back_y * back_y;
+    for (size_t i = 0; i < n; i++)
+        pxx[i] = pxx[i] * back_x * back_x, pxy[i] = pxy[i] * back_x * back_y,
+        pyy[i] = pyy[i] * back_y * back_y;
 }
 
-static void chebyshev_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void chebyshev_second(const void *self, size_t n, const double *x, const double *y, double *pxx,
+                             double *pxy, double *pyy)
 {
     chebyshev_bends(self, n, x, y, pxx, pxy, pyy);
 }
@@ -251,7 +271,8 @@ static void chebyshev_sizes_of(double x, size_t count, sizes *out)
     }
     const double over = root > 0 ? 1 / root : HUGE_VAL, over2 = w > 0 ? 1 / w : HUGE_VAL;
     for (size_t i = 0; i < count; i++) {
-        double n = (double)i, n2 = n * n, most = n2 * (n2 - 1) * (1.0 / 3), d = n > over ? n * over : n2, e = i > 0 ? (d + n2) * over2 : 0;
+        double n = (double)i, n2 = n * n, most = n2 * (n2 - 1) * (1.0 / 3), d = n > over ? n * over : n2,
+               e = i > 0 ? (d + n2) * over2 : 0;
         out->t[i] = 1, out->d[i] = d, out->e[i] = most > e ? e : most;
     }
 }
@@ -261,7 +282,8 @@ typedef struct errors { sizes of; double t[MOST], d[MOST]; } errors;
 
 static void errors_of(double x, size_t count, errors *out)
 {
-    double w = x < 1 ? (1 - x) * (1 + x) : 0, sigma = sqrt(w), k = x <= 1 ? 1.4143 + 4 * sigma : 5, over = sigma > 0 ? k / sigma : HUGE_VAL;
+    double w = x < 1 ? (1 - x) * (1 + x) : 0, sigma = sqrt(w), k = x <= 1 ? 1.4143 + 4 * sigma : 5,
+           over = sigma > 0 ? k / sigma : HUGE_VAL;
     chebyshev_sizes_of(x, count, &out->of);
     for (size_t i = 0; i < count; i++) {
         double n = (double)i, slow = 0.5 * (k + 1) * n + 1, u = slow < over ? slow : over; /* times n */
@@ -273,14 +295,15 @@ static void errors_of(double x, size_t count, errors *out)
 
 /* A column's sums over the rows of |a| times |T_i|, its error, |T_i'|, its error. */
 SGT_KERNEL
-static void column_sums(const sgt_chebyshev *s, const errors *of, double *restrict t, double *restrict t_err, double *restrict d,
-                        double *restrict d_err)
+static void column_sums(const sgt_chebyshev *s, const errors *of, double *restrict t, double *restrict t_err,
+                        double *restrict d, double *restrict d_err)
 {
     const size_t columns = s->a.columns;
     LANES
     for (size_t j = 0; j < columns; j++) t[j] = t_err[j] = d[j] = d_err[j] = 0;
     for (size_t i = 0; i < s->a.rows; i++) {
-        const double *a = columns ? s->a.x + i * columns : NULL, size = of->of.t[i], size_err = of->t[i], first = of->of.d[i], first_err = of->d[i];
+        const double *a = columns ? s->a.x + i * columns : NULL, size = of->of.t[i], size_err = of->t[i],
+                     first = of->of.d[i], first_err = of->d[i];
         LANES
         for (size_t j = 0; j < columns; j++) {
             double c = fabs(a[j]);
@@ -293,7 +316,8 @@ static void column_sums(const sgt_chebyshev *s, const errors *of, double *restri
 /* A term goes through at most so many. */
 static double chebyshev_sums_of(const sgt_chebyshev *s)
 {
-    return (double)((s->a.columns < PANEL ? s->a.columns : PANEL) + s->a.rows * ((s->a.columns + PANEL - 1) / PANEL));
+    return (double)((s->a.columns < PANEL ? s->a.columns : PANEL) +
+                    s->a.rows * ((s->a.columns + PANEL - 1) / PANEL));
 }
 
 static void chebyshev_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
@@ -308,7 +332,8 @@ static void chebyshev_rounding(const void *self, double x, double y, double *p_e
     for (size_t j = 0; j < s->a.columns; j++) {
         double tj = b.of.t[j], dj = b.of.d[j];
         p += (t_err[j] + sums * t[j]) * tj + t[j] * b.t[j];
-        px += (d_err[j] + (sums + 3) * d[j]) * tj + d[j] * b.t[j]; /* + 3: T_i' itself, 1 / norm and its product */
+        /* + 3: T_i' itself, 1 / norm and its product */
+        px += (d_err[j] + (sums + 3) * d[j]) * tj + d[j] * b.t[j];
         py += (t_err[j] + (sums + 3) * t[j]) * dj + t[j] * b.d[j];
     }
     px /= s->norm_x, py /= s->norm_y;
@@ -321,7 +346,8 @@ static void chebyshev_noise(const void *self, double radius, double e[2])
 {
     const sgt_chebyshev *s = self;
     sizes a, b;
-    double x = radius / s->norm_x * (1 + 0x1p-50), y = radius / s->norm_y * (1 + 0x1p-50), sums = chebyshev_sums_of(s), p = 0;
+    double x = radius / s->norm_x * (1 + 0x1p-50), y = radius / s->norm_y * (1 + 0x1p-50),
+           sums = chebyshev_sums_of(s), p = 0;
     chebyshev_sizes_of(x, s->a.rows, &a);
     chebyshev_sizes_of(y, s->a.columns, &b);
     for (size_t i = 0; i < s->a.rows; i++) {
@@ -349,7 +375,8 @@ static int chebyshev_bounds(const void *self, region *where, bounds *out)
 {
     const sgt_chebyshev *s = self;
     sizes a, b;
-    double up = 1 + 0x1p-30, across = larger(fabs(where->x.lo), fabs(where->x.hi)), along = larger(fabs(where->y.lo), fabs(where->y.hi));
+    double up = 1 + 0x1p-30, across = larger(fabs(where->x.lo), fabs(where->x.hi)),
+           along = larger(fabs(where->y.lo), fabs(where->y.hi));
     if (across > where->r_hi) across = where->r_hi;
     if (along > where->r_hi) along = where->r_hi;
     chebyshev_sizes_of(across / s->norm_x * (1 + 0x1p-50), s->a.rows, &a);
@@ -382,8 +409,10 @@ static int chebyshev_bounds(const void *self, region *where, bounds *out)
         size += a.t[i] * c0, px += a.d[i] * c0, py += a.t[i] * c1;
         xx += a.e[i] * c0, xy += a.d[i] * c1, yy += a.t[i] * c2;
     }
-    px /= s->norm_x, py /= s->norm_y, xx = xx / s->norm_x / s->norm_x, xy = xy / s->norm_x / s->norm_y, yy = yy / s->norm_y / s->norm_y;
-    *out = (bounds){chebyshev_known(size * up), chebyshev_known(length_of(px, py) * up), chebyshev_known(norm_of(xx, xy, yy) * up)};
+    px /= s->norm_x, py /= s->norm_y, xx = xx / s->norm_x / s->norm_x, xy = xy / s->norm_x / s->norm_y,
+                                      yy = yy / s->norm_y / s->norm_y;
+    *out = (bounds){chebyshev_known(size * up), chebyshev_known(length_of(px, py) * up),
+                    chebyshev_known(norm_of(xx, xy, yy) * up)};
     return 1;
 }
 
@@ -392,16 +421,24 @@ static sgt_objection chebyshev_object(const void *self)
     const sgt_chebyshev *s = self;
     if (!(s->norm_x > 0 && s->norm_x < HUGE_VAL)) return (sgt_objection){"norm_x", "must be above 0"};
     if (!(s->norm_y > 0 && s->norm_y < HUGE_VAL)) return (sgt_objection){"norm_y", "must be above 0"};
-    if (s->a.rows > MOST || s->a.columns > MOST) return (sgt_objection){"coefficients", "must be at most 64 rows and 64 columns"};
+    if (s->a.rows > MOST || s->a.columns > MOST)
+        return (sgt_objection){"coefficients", "must be at most 64 rows and 64 columns"};
     if (s->a.rows == 0 || s->a.columns == 0) return (sgt_objection){NULL, NULL};
     if (!s->a.x) return (sgt_objection){"coefficients", "has no numbers"};
-    if (!numbers_finite(s->a.rows * s->a.columns, s->a.x)) return (sgt_objection){"coefficients", "must be finite"};
+    if (!numbers_finite(s->a.rows * s->a.columns, s->a.x))
+        return (sgt_objection){"coefficients", "must be finite"};
     return (sgt_objection){NULL, NULL};
 }
 
 static const departure chebyshev_departure = {
-    .at = chebyshev_at, .rounding = chebyshev_rounding, .bounds = chebyshev_bounds, .second = chebyshev_second,
-    .parameters = chebyshev_parameters, .by_parameter = chebyshev_by_parameter, .object = chebyshev_object, .noise = chebyshev_noise,
+    .at = chebyshev_at,
+    .rounding = chebyshev_rounding,
+    .bounds = chebyshev_bounds,
+    .second = chebyshev_second,
+    .parameters = chebyshev_parameters,
+    .by_parameter = chebyshev_by_parameter,
+    .object = chebyshev_object,
+    .noise = chebyshev_noise,
 };
 
 FREEFORM_ON_CONIC(chebyshev, sgt_chebyshev)

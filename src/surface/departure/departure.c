@@ -1,20 +1,26 @@
-/* departure/departure.c - a departure P(x, y) on a conic base, and all that a surface answers about it: departure.h.
+/* departure/departure.c - a departure P(x, y) on a conic base, and all that a surface answers about it:
+ * departure.h.
  *
- * F = z - (s + P), s = c r^2 / (1 + phi), phi^2 = 1 - (1 + k) c^2 r^2; grad F = (-(c x / phi + P_x), -(c y / phi + P_y), 1).
+ * F = z - (s + P), s = c r^2 / (1 + phi), phi^2 = 1 - (1 + k) c^2 r^2; grad F = (-(c x / phi + P_x), -(c y
+ * / phi + P_y), 1).
  *
- * THE SPAN.  Within the rim the ray's chord with the cylinder is found from the point of the ray that is nearest the axis, as
- * chord.c does it, here without branches, for many rays at once; it is made longer by 16 u of where it is.  The seed is
- * the conic's root near the vertex plane, which a departure moves by little.  With L >= |grad (s + P)| all over the rim, and (l, m, n) the direction,
+ * THE SPAN.  Within the rim the ray's chord with the cylinder is found from the point of the ray that is
+ * nearest the axis, as chord.c does it, here without branches, for many rays at once; it is made longer by
+ * 16 u of where it is.  The seed is the conic's root near the vertex plane, which a departure moves by
+ * little.  With L >= |grad (s + P)| all over the rim, and (l, m, n) the direction,
  *     g' = n - (s + P)_x l - (s + P)_y m,    |g' - n| <= L sqrt(l^2 + m^2):
- * where |n| is greater, g is monotone along the chord, one root is the only one, and F at a point of the chord says how far it
- * is at most.  L of the conic is c r / phi at the rim.
+ * where |n| is greater, g is monotone along the chord, one root is the only one, and F at a point of the
+ * chord says how far it is at most.  L of the conic is c r / phi at the rim.
  *
- * THE ENCLOSURE.  That of the base is enclose.c's.  P is taken at the middle m of the stretch, and from there by its bounds over
- * the box of the stretch: with w = t - m, the slope p' of P along the ray at m, A = dx^2 + dy^2, and B, S >= |P''|, |P'|
- *     P in P(m) + p' w +- B A w^2 / 2,    P in P(m) +- S sqrt(A) |w|,    slope in p' +- B A |w|,    |slope| <= S sqrt(A).
- * x(m) and y(m) are doubles near the point of the ray; P there differs by S times how far they are off.  Where the slope g' so
- * found is bounded, g is also in g(m) + g' w: the mean value theorem, whose width falls with w^2.  A gradient that
- * jumps (a grid's does not, a cone's does at its tip) has no B; what the mean value theorem needs is S alone.
+ * THE ENCLOSURE.  That of the base is enclose.c's.  P is taken at the middle m of the stretch, and from
+ * there by its bounds over the box of the stretch: with w = t - m, the slope p' of P along the ray at m, A
+ * = dx^2 + dy^2, and B, S >= |P''|, |P'|
+ *     P in P(m) + p' w +- B A w^2 / 2,    P in P(m) +- S sqrt(A) |w|,    slope in p' +- B A |w|,    |slope|
+ *         <= S sqrt(A).
+ * x(m) and y(m) are doubles near the point of the ray; P there differs by S times how far they are off.
+ * Where the slope g' so found is bounded, g is also in g(m) + g' w: the mean value theorem, whose width
+ * falls with w^2.  A gradient that jumps (a grid's does not, a cone's does at its tip) has no B; what the
+ * mean value theorem needs is S alone.
  *
  * ROUNDING.  That of conic_sag (sag.h), that of P, the sum of the two and the difference from z. */
 #include "departure.h"
@@ -35,8 +41,9 @@ SGT_INLINE base base_at(double c, double k, double x, double y)
 }
 
 SGT_KERNEL
-static void on_conic(size_t n, double c, double k, const double *restrict x, const double *restrict y, const double *restrict z,
-                     const double *restrict p, const double *restrict px, const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy,
+static void on_conic(size_t n, double c, double k, const double *restrict x, const double *restrict y,
+                     const double *restrict z, const double *restrict p, const double *restrict px,
+                     const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy,
                      double *restrict fz)
 {
     LANES for (size_t i = 0; i < n; i++) {
@@ -49,8 +56,9 @@ static void on_conic(size_t n, double c, double k, const double *restrict x, con
 }
 
 SGT_KERNEL
-static void on_plane(size_t n, const double *restrict z, const double *restrict p, const double *restrict px, const double *restrict py,
-                     double *restrict f, double *restrict fx, double *restrict fy, double *restrict fz)
+static void on_plane(size_t n, const double *restrict z, const double *restrict p, const double *restrict px,
+                     const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy,
+                     double *restrict fz)
 {
     LANES for (size_t i = 0; i < n; i++) {
         f[i] = z[i] - p[i];
@@ -66,7 +74,9 @@ void sgt_departure_values(const departure_sag *s, size_t n, sgt_points at, sgt_v
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;
         const double *x = at.p[0] + i, *y = at.p[1] + i, *z = at.p[2] + i;
-        double *fx = out.grad[0] ? out.grad[0] + i : unwanted[0], *fy = out.grad[0] ? out.grad[1] + i : unwanted[1], *fz = out.grad[0] ? out.grad[2] + i : unwanted[2];
+        double *fx = out.grad[0] ? out.grad[0] + i : unwanted[0],
+               *fy = out.grad[0] ? out.grad[1] + i : unwanted[1],
+               *fz = out.grad[0] ? out.grad[2] + i : unwanted[2];
         s->of->at(s->self, few, x, y, (sag_values){p, px, py});
         if (s->base) on_conic(few, s->c, s->k, x, y, z, p, px, py, out.f + i, fx, fy, fz);
         else on_plane(few, z, p, px, py, out.f + i, fx, fy, fz);
@@ -97,10 +107,12 @@ double sgt_departure_rounding(const departure_sag *s, sgt_vec3 at)
     return 1.01 * (sag_err + p_err + SGT_U * (fabs(sag + p) + fabs(at.z - (sag + p)))) + DEPARTURE_LOST;
 }
 
-/* The same of many points at less cost, F being known: s + P is z - F.  What P adds is one bound for all within the rim. */
+/* The same of many points at less cost, F being known: s + P is z - F.  What P adds is one bound for all
+ * within the rim. */
 SGT_KERNEL
-static void roundings_within(size_t n, double c, double k, double most2, double e0, double e1, const double *restrict x, const double *restrict y,
-                             const double *restrict z, const double *restrict f, double *restrict out)
+static void roundings_within(size_t n, double c, double k, double most2, double e0, double e1,
+                             const double *restrict x, const double *restrict y, const double *restrict z,
+                             const double *restrict f, double *restrict out)
 {
     LANES for (size_t i = 0; i < n; i++) {
         base e = base_at(c, k, x[i], y[i]);
@@ -113,7 +125,8 @@ static void roundings_within(size_t n, double c, double k, double most2, double 
 bool sgt_departure_roundings(const sgt_shared *s, size_t n, sgt_points p, const double f[], double out[])
 {
     if (!(s->noise[0] + s->noise[1] < HUGE_VAL)) return false;
-    roundings_within(n, s->base_c, s->base_k, s->most2, s->noise[0], s->noise[1], p.p[0], p.p[1], p.p[2], f, out);
+    roundings_within(n, s->base_c, s->base_k, s->most2, s->noise[0], s->noise[1], p.p[0], p.p[1], p.p[2], f,
+                     out);
     return true;
 }
 
@@ -128,7 +141,8 @@ typedef struct chord { double lo, hi, least; } chord;
 /* radius2: of the domain, 0x1p-40 and more is added here; steep: L, rounded up by a part in 2^20. */
 SGT_INLINE chord departure_chord_of(double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
 {
-    double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m, inverse = 1 / a;
+    double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m,
+           inverse = 1 / a;
     /* the chord, from the point nearest the axis, and again from there */
     double t0 = -(o.x * l + o.y * m) * inverse;
     double x = moved_along(o.x, t0, l), y = moved_along(o.y, t0, m);
@@ -157,7 +171,8 @@ SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sg
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m;
     /* the conic near the vertex plane */
     double by_n = 1 / n, tz = -o.z * by_n;
-    twofold qx = two_product(tz, l), qy = two_product(tz, m), rx = two_sum(o.x, qx.hi), ry = two_sum(o.y, qy.hi);
+    twofold qx = two_product(tz, l), qy = two_product(tz, m), rx = two_sum(o.x, qx.hi),
+            ry = two_sum(o.y, qy.hi);
     double tz_lo = sgt_fma(-tz, n, -o.z) * by_n;
     double x = rx.hi + (rx.lo + qx.lo + tz_lo * l), y = ry.hi + (ry.lo + qy.lo + tz_lo * m);
     double A = c * (a + k1 * n * n), B = n - c * (x * l + y * m), C = c * (x * x + y * y);
@@ -167,8 +182,9 @@ SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sg
     return (spanned){at.lo, at.hi, seed, at.least};
 }
 
-/* A bound on the conic's slope within r: w / phi with w = |c| r, which grows with r.  Beyond where its squares are doubles it is
- * that of the asymptote, which is never reached; w itself, of a paraboloid, is exact. */
+/* A bound on the conic's slope within r: w / phi with w = |c| r, which grows with r.  Beyond where its
+ * squares are doubles it is that of the asymptote, which is never reached; w itself, of a paraboloid, is
+ * exact. */
 static double conic_slope(double c, double k1, double r)
 {
     double w = fabs(c) * r, phi2 = 1 - k1 * w * w;
@@ -183,7 +199,8 @@ static double conic_bend(double c, double k1, double r)
     return phi2 > 0x1p-30 ? fabs(c) / (phi2 * sqrt(phi2)) * (1 + 0x1p-18) : HUGE_VAL;
 }
 
-/* How far the surface is from the plane z = 0 within r, P being at most `size`.  The sag of a conic grows with r. */
+/* How far the surface is from the plane z = 0 within r, P being at most `size`.  The sag of a conic grows
+ * with r. */
 static double size_within(const departure_sag *s, double r, double size)
 {
     double cr2 = s->base ? fabs(s->c) * r * r : 0, phi2 = 1 - (1 + s->k) * fabs(s->c) * cr2;
@@ -223,7 +240,8 @@ void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
     sgt_extent e = {.radius2 = domain2, .steep = HUGE_VAL, .size = HUGE_VAL, .bend = HUGE_VAL};
     bool whole = domain2 == rim2; /* else the equator of the base is inside, where its slope has no bound */
     if (rim2 > 0 && (whole || rim2 < HUGE_VAL)) {
-        double r = domain2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT, conic = s->base ? conic_slope(s->c, 1 + s->k, r) : 0;
+        double r = domain2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT,
+               conic = s->base ? conic_slope(s->c, 1 + s->k, r) : 0;
         region where = {{-r, r}, {-r, r}, 0, r};
         bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
         int defined = conic < HUGE_VAL || !whole ? s->of->bounds(s->self, &where, &b) : 0;
@@ -231,10 +249,12 @@ void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
         if (whole && (defined == 1 || s->of->framed) && steep < 0x1p500)
             e.steep = steep * (1 + 0x1p-20),
             e.bend = (conic_bend(s->base ? s->c : 0, 1 + s->k, r) + b.bend + DEPARTURE_LOST) * (1 + 0x1p-20);
-        if (!(b.size < HUGE_VAL) && defined && s->of->range) b.size = sgt_interval_greatest(s->of->range(s->self, &where));
+        if (!(b.size < HUGE_VAL) && defined && s->of->range)
+            b.size = sgt_interval_greatest(s->of->range(s->self, &where));
         if (defined) e.size = size_within(s, r, b.size);
     }
-    if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2)) e.radius2 = larger(s->reach * s->reach * (1 + 0x1p-40), TINY);
+    if (s->reach > 0 && !(s->reach * s->reach * (1 + 0x1p-40) > domain2))
+        e.radius2 = larger(s->reach * s->reach * (1 + 0x1p-40), TINY);
     *extent = e;
 }
 
@@ -310,8 +330,8 @@ static void all_chords(size_t n, const double *restrict ox, const double *restri
                        double *restrict least)
 {
     LANES for (size_t i = 0; i < n; i++) {
-        chord e =
-            departure_chord_of(radius2[i], steep[i], (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
+        chord e = departure_chord_of(radius2[i], steep[i], (sgt_vec3){ox[i], oy[i], oz[i]},
+                                     (sgt_vec3){dx[i], dy[i], dz[i]});
         lo[i] = e.lo, hi[i] = e.hi, least[i] = e.least;
     }
 }
@@ -323,13 +343,15 @@ void sgt_departure_chords(size_t n, sgt_rays r, const double *radius2, const dou
 }
 
 SGT_KERNEL
-static void all_spans(const sgt_shared *self, size_t n, const double *restrict ox, const double *restrict oy, const double *restrict oz,
-                      const double *restrict dx, const double *restrict dy, const double *restrict dz, double *restrict lo, double *restrict hi,
+static void all_spans(const sgt_shared *self, size_t n, const double *restrict ox, const double *restrict oy,
+                      const double *restrict oz, const double *restrict dx, const double *restrict dy,
+                      const double *restrict dz, double *restrict lo, double *restrict hi,
                       double *restrict seed, double *restrict least)
 {
     const sgt_shared s = *self;
     LANES for (size_t i = 0; i < n; i++) {
-        spanned e = span_of(s.c, s.k1, s.radius2, s.steep, (sgt_vec3){ox[i], oy[i], oz[i]}, (sgt_vec3){dx[i], dy[i], dz[i]});
+        spanned e = span_of(s.c, s.k1, s.radius2, s.steep, (sgt_vec3){ox[i], oy[i], oz[i]},
+                            (sgt_vec3){dx[i], dy[i], dz[i]});
         lo[i] = e.lo, hi[i] = e.hi, seed[i] = e.seed, least[i] = e.least;
     }
 }
@@ -340,12 +362,16 @@ void sgt_departure_spans(const sgt_shared *s, size_t n, sgt_rays r, sgt_spans ou
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;
         double *to = least ? least + i : own;
-        all_spans(s, few, r.o[0] + i, r.o[1] + i, r.o[2] + i, r.d[0] + i, r.d[1] + i, r.d[2] + i, out.lo + i, out.hi + i, out.seed + i, to);
+        all_spans(s, few, r.o[0] + i, r.o[1] + i, r.o[2] + i, r.d[0] + i, r.d[1] + i, r.d[2] + i, out.lo + i,
+                  out.hi + i, out.seed + i, to);
         for (size_t j = 0; out.single && j < few; j++) out.single[i + j] = to[j] > 0;
     }
 }
 
-static spanned one_span(const sgt_shared *s, const sgt_ray *ray) { return span_of(s->c, s->k1, s->radius2, s->steep, ray->o, ray->d); }
+static spanned one_span(const sgt_shared *s, const sgt_ray *ray)
+{
+    return span_of(s->c, s->k1, s->radius2, s->steep, ray->o, ray->d);
+}
 
 sgt_span sgt_departure_span(const sgt_shared *s, const sgt_ray *ray, double *least)
 {
@@ -362,15 +388,23 @@ static sgt_interval moved_to(double o, double d, double t0)
     twofold p = two_product(t0, d), s = two_sum(o, p.hi);
     double size = fabs(p.hi);
     if (t0 == 0 || d == 0) return sgt_interval_of(o);
-    if (!(size > 0x1p-960 && size < 0x1p1000 && fabs(o) < 0x1p1000)) return sgt_interval_sum(sgt_interval_of(o), sgt_interval_scaled(sgt_interval_of(t0), d));
-    return sgt_interval_between(-sgt_sum_above(-s.hi, sgt_sum_above(-s.lo, -p.lo)), sgt_sum_above(s.hi, sgt_sum_above(s.lo, p.lo)));
+    if (!(size > 0x1p-960 && size < 0x1p1000 && fabs(o) < 0x1p1000))
+        return sgt_interval_sum(sgt_interval_of(o), sgt_interval_scaled(sgt_interval_of(t0), d));
+    return sgt_interval_between(-sgt_sum_above(-s.hi, sgt_sum_above(-s.lo, -p.lo)),
+                                sgt_sum_above(s.hi, sgt_sum_above(s.lo, p.lo)));
 }
 
-static sgt_interval along(sgt_interval from, double d, sgt_interval t) { return sgt_interval_sum(from, sgt_interval_scaled(t, d)); }
+static sgt_interval along(sgt_interval from, double d, sgt_interval t)
+{
+    return sgt_interval_sum(from, sgt_interval_scaled(t, d));
+}
 
 static bool departure_bounded(sgt_interval x) { return x.lo > -HUGE_VAL && x.hi < HUGE_VAL; }
 
-static sgt_interval departure_within(double size) { return size < HUGE_VAL ? sgt_interval_between(-size, size) : sgt_interval_all(); }
+static sgt_interval departure_within(double size)
+{
+    return size < HUGE_VAL ? sgt_interval_between(-size, size) : sgt_interval_all();
+}
 
 /* The double nearest the middle of at, moved into x. */
 static double inside(sgt_interval at, sgt_interval x)
@@ -380,13 +414,16 @@ static double inside(sgt_interval at, sgt_interval x)
 }
 
 /* P over t0 + t, and its slope along the ray. */
-static sgt_interval departure_over(const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t, double m, sgt_interval *slope)
+static sgt_interval departure_over(const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t,
+                                   double m, sgt_interval *slope)
 {
     sgt_vec3 o = ray->o, d = ray->d;
-    sgt_interval none = sgt_interval_empty(), all = sgt_interval_all(), x0 = moved_to(o.x, d.x, t0), y0 = moved_to(o.y, d.y, t0);
+    sgt_interval none = sgt_interval_empty(), all = sgt_interval_all(), x0 = moved_to(o.x, d.x, t0),
+                 y0 = moved_to(o.y, d.y, t0);
     region where = {.x = along(x0, d.x, t), .y = along(y0, d.y, t)};
     *slope = all;
-    sgt_interval r = sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(where.x), sgt_interval_square(where.y)));
+    sgt_interval r = sgt_interval_square_root(
+        sgt_interval_sum(sgt_interval_square(where.x), sgt_interval_square(where.y)));
     where.r_lo = r.lo, where.r_hi = r.hi;
     bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
     int defined = s->of->bounds(s->self, &where, &b);
@@ -399,14 +436,17 @@ static sgt_interval departure_over(const departure_sag *s, const sgt_ray *ray, d
     s->of->rounding(s->self, x, y, &p_err, &grad_err);
     double lost = b.size > 0 ? DEPARTURE_LOST : 0; /* a plane is one */
     p_err += lost, grad_err += lost, b.size += lost, b.steep += lost, b.bend += lost;
-    sgt_interval whole = !(b.steep < HUGE_VAL) && s->of->range ? s->of->range(s->self, &where) : departure_within(b.size);
+    sgt_interval whole = !(b.steep < HUGE_VAL) && s->of->range ? s->of->range(s->self, &where)
+                                                               : departure_within(b.size);
     if (!(p_err < HUGE_VAL && fabs(p) < HUGE_VAL)) return whole;
 
     sgt_interval here = sgt_interval_about(p, p_err), w = sgt_interval_difference(t, sgt_interval_of(m));
-    sgt_interval lm2 = sgt_interval_sum(sgt_interval_square(sgt_interval_of(d.x)), sgt_interval_square(sgt_interval_of(d.y)));
+    sgt_interval lm2 = sgt_interval_sum(sgt_interval_square(sgt_interval_of(d.x)),
+                                        sgt_interval_square(sgt_interval_of(d.y)));
     double length = sgt_interval_square_root(lm2).hi, w_most = sgt_interval_greatest(w);
     /* how far (x, y) is from the point of the ray; all of the stretch where it was moved */
-    sgt_interval off_x = sgt_interval_difference(defined < 0 ? where.x : xm, sgt_interval_of(x)), off_y = sgt_interval_difference(defined < 0 ? where.y : ym, sgt_interval_of(y));
+    sgt_interval off_x = sgt_interval_difference(defined < 0 ? where.x : xm, sgt_interval_of(x)),
+                 off_y = sgt_interval_difference(defined < 0 ? where.y : ym, sgt_interval_of(y));
     double off = sgt_sum_above(sgt_interval_greatest(off_x), sgt_interval_greatest(off_y));
     sgt_interval moved = sgt_interval_sum(here, departure_within(sgt_product_above(b.steep, off)));
     if (defined < 0) return sgt_interval_intersection(moved, whole);
@@ -416,23 +456,36 @@ static sgt_interval departure_over(const departure_sag *s, const sgt_ray *ray, d
     sgt_interval steep = departure_within(sgt_product_above(b.steep, length));
     *slope = steep;
     if (b.bend < HUGE_VAL && grad_err < HUGE_VAL && fabs(px) < HUGE_VAL && fabs(py) < HUGE_VAL) {
-        double bent = sgt_product_above(b.bend, off), reach = sgt_product_above(lm2.hi, w_most), sideways = sgt_sum_above(grad_err, bent);
-        sgt_interval at = sgt_interval_sum(sgt_interval_scaled(sgt_interval_about(px, sideways), d.x), sgt_interval_scaled(sgt_interval_about(py, sideways), d.y));
-        *slope = sgt_interval_intersection(steep, sgt_interval_sum(at, departure_within(sgt_product_above(b.bend, reach))));
+        double bent = sgt_product_above(b.bend, off), reach = sgt_product_above(lm2.hi, w_most),
+               sideways = sgt_sum_above(grad_err, bent);
+        sgt_interval at = sgt_interval_sum(sgt_interval_scaled(sgt_interval_about(px, sideways), d.x),
+                                           sgt_interval_scaled(sgt_interval_about(py, sideways), d.y));
+        *slope = sgt_interval_intersection(
+            steep, sgt_interval_sum(at, departure_within(sgt_product_above(b.bend, reach))));
         double half = sgt_product_above(0.5 * b.bend, sgt_product_above(reach, w_most));
-        range = sgt_interval_intersection(range, sgt_interval_sum(moved, sgt_interval_sum(sgt_interval_product(at, w), departure_within(half))));
+        range = sgt_interval_intersection(
+            range,
+            sgt_interval_sum(moved, sgt_interval_sum(sgt_interval_product(at, w), departure_within(half))));
     }
     return range;
 }
 
-static sgt_interval base_over(const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+static sgt_interval base_over(const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t,
+                              sgt_interval *slope)
 {
     double c = s->base ? s->c : 0;
-    shape conic = {.c = c, .k = s->k, .ck = (1 + s->k) * c, .terms = 0, .a = NULL, .rim2 = HUGE_VAL, .domain2 = HUGE_VAL};
+    shape conic = {.c = c,
+                   .k = s->k,
+                   .ck = (1 + s->k) * c,
+                   .terms = 0,
+                   .a = NULL,
+                   .rim2 = HUGE_VAL,
+                   .domain2 = HUGE_VAL};
     return sgt_sag_enclose(&conic, ray, t0, t, slope);
 }
 
-sgt_interval sgt_departure_enclose(const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+sgt_interval sgt_departure_enclose(const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t,
+                                   sgt_interval *slope)
 {
     double m = sgt_interval_middle(t);
     sgt_interval by_base, by_p, sag = base_over(s, ray, t0, t, &by_base);
@@ -443,9 +496,12 @@ sgt_interval sgt_departure_enclose(const departure_sag *s, const sgt_ray *ray, d
     *slope = sgt_interval_difference(by_base, by_p);
     sgt_interval g = sgt_interval_difference(sag, p);
     if (t.lo < t.hi && departure_bounded(*slope) && !sgt_interval_is_empty(g)) {
-        sgt_interval unused, thin = sgt_interval_of(m), here = sgt_interval_difference(base_over(s, ray, t0, thin, &unused), departure_over(s, ray, t0, thin, m, &unused));
+        sgt_interval unused, thin = sgt_interval_of(m),
+                             here = sgt_interval_difference(base_over(s, ray, t0, thin, &unused),
+                                                            departure_over(s, ray, t0, thin, m, &unused));
         sgt_interval w = sgt_interval_difference(t, thin);
-        if (!sgt_interval_is_empty(here)) g = sgt_interval_intersection(g, sgt_interval_sum(here, sgt_interval_product(*slope, w)));
+        if (!sgt_interval_is_empty(here))
+            g = sgt_interval_intersection(g, sgt_interval_sum(here, sgt_interval_product(*slope, w)));
     }
     return g;
 }
@@ -453,8 +509,9 @@ sgt_interval sgt_departure_enclose(const departure_sag *s, const sgt_ray *ray, d
 /* ----------------------------------------------------------------------------- sensitivities */
 
 SGT_KERNEL
-static void second_of(size_t n, double c, double k, const double *restrict x, const double *restrict y, const double *restrict pxx,
-                      const double *restrict pxy, const double *restrict pyy, double *restrict xx, double *restrict xy, double *restrict yy)
+static void second_of(size_t n, double c, double k, const double *restrict x, const double *restrict y,
+                      const double *restrict pxx, const double *restrict pxy, const double *restrict pyy,
+                      double *restrict xx, double *restrict xy, double *restrict yy)
 {
     LANES for (size_t i = 0; i < n; i++) {
         base e = base_at(c, k, x[i], y[i]);
@@ -481,11 +538,12 @@ static size_t of_base(const departure_sag *s) { return s->base ? (s->fixed_k ? 1
 
 size_t sgt_departure_parameters(const departure_sag *s) { return of_base(s) + s->of->parameters(s->self); }
 
-/* ds/dc = r^2 / (phi (1 + phi)), its gradient (x, y) / phi^3; ds/dk = c^3 r^4 / (2 phi (1 + phi)^2), its gradient
- * c^3 r^2 (x, y) / (2 phi^3); less what P adds to either. */
+/* ds/dc = r^2 / (phi (1 + phi)), its gradient (x, y) / phi^3; ds/dk = c^3 r^4 / (2 phi (1 + phi)^2), its
+ * gradient c^3 r^2 (x, y) / (2 phi^3); less what P adds to either. */
 SGT_KERNEL
-static void by_base(size_t n, bool by_c, double c, double k, const double *restrict x, const double *restrict y, const double *restrict p,
-                    const double *restrict px, const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy)
+static void by_base(size_t n, bool by_c, double c, double k, const double *restrict x,
+                    const double *restrict y, const double *restrict p, const double *restrict px,
+                    const double *restrict py, double *restrict f, double *restrict fx, double *restrict fy)
 {
     if (by_c) {
         LANES for (size_t i = 0; i < n; i++) {
@@ -511,9 +569,11 @@ void sgt_departure_by_parameter(const departure_sag *s, size_t j, size_t n, sgt_
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;
         const double *x = at.p[0] + i, *y = at.p[1] + i;
-        double *f = out.f + i, *fx = out.grad[0] ? out.grad[0] + i : unwanted[0], *fy = out.grad[0] ? out.grad[1] + i : unwanted[1];
+        double *f = out.f + i, *fx = out.grad[0] ? out.grad[0] + i : unwanted[0],
+               *fy = out.grad[0] ? out.grad[1] + i : unwanted[1];
         if (j < own) {
-            if (j == 0 && s->of->by_curvature) s->of->by_curvature(s->self, few, x, y, (sag_values){p, px, py});
+            if (j == 0 && s->of->by_curvature)
+                s->of->by_curvature(s->self, few, x, y, (sag_values){p, px, py});
             else for (size_t m = 0; m < few; m++) p[m] = px[m] = py[m] = 0;
             by_base(few, j == 0, s->c, s->k, x, y, p, px, py, f, fx, fy);
         } else {
@@ -528,7 +588,8 @@ void sgt_departure_by_parameter(const departure_sag *s, size_t j, size_t n, sgt_
 
 sgt_objection sgt_departure_object(const departure_sag *s)
 {
-    if (!(s->semi_diameter >= 0 && s->semi_diameter < HUGE_VAL)) return (sgt_objection){"semi_diameter", "must be finite and not below 0"};
+    if (!(s->semi_diameter >= 0 && s->semi_diameter < HUGE_VAL))
+        return (sgt_objection){"semi_diameter", "must be finite and not below 0"};
     if (s->base && !(fabs(s->c) < HUGE_VAL)) return (sgt_objection){"curvature", "must be finite"};
     if (s->base && !s->fixed_k && !(fabs(s->k) < HUGE_VAL)) return (sgt_objection){"conic", "must be finite"};
     return s->of->object(s->self);

@@ -1,30 +1,39 @@
 /* grid.c - heights on a rectangular grid, and bicubic convolution between them.
  *
- * ONE DIRECTION (Keys 1981, a = -1/2).  Between two heights, at v in [0, 1] of the cell, with D_0, D_1, D_2 the steps from each of four
- * heights to the next and S_0 = D_1 - D_0, S_1 = D_2 - D_1 the second differences at the two, the convolution is
+ * ONE DIRECTION (Keys 1981, a = -1/2).  Between two heights, at v in [0, 1] of the cell, with D_0, D_1, D_2
+ * the steps from each of four heights to the next and S_0 = D_1 - D_0, S_1 = D_2 - D_1 the second
+ * differences at the two, the convolution is
  *     p = z_0 + v D_1 - v (1 - v) / 2 B,     B = (1 - v) S_0 + v S_1:
- * the chord, less what the blend of the second differences bends it.  p' at a height is the mean of the steps beside it, whichever cell it
- * is of: C1.  Keys' boundary condition, c(-1) = 3 c(0) - 3 c(1) + c(2), says S_0 = S_1 at the first height, and at the last.
- * Two directions: the four rows by x, their results by y, the heights at the left of the cell apart from what is added to them: so a height that
- * all have in common is lost from no difference.
+ * the chord, less what the blend of the second differences bends it.  p' at a height is the mean of the
+ * steps beside it, whichever cell it is of: C1.  Keys' boundary condition, c(-1) = 3 c(0) - 3 c(1) + c(2),
+ * says S_0 = S_1 at the first height, and at the last.  Two directions: the four rows by x, their results
+ * by y, the heights at the left of the cell apart from what is added to them: so a height that all have in
+ * common is lost from no difference.
  *
- * THE CELL.  v is that of x - (j - (columns - 1) / 2) step_x, rounded once (fma), and its sign says whether j is right: a point is never continued from
- * the cell beside its own, but where it is within rounding of the border.  The edge is the double nearest (columns - 1) / 2 step_x, so that a point computed
- * to lie there is inside.
+ * THE CELL.  v is that of x - (j - (columns - 1) / 2) step_x, rounded once (fma), and its sign says whether
+ * j is right: a point is never continued from the cell beside its own, but where it is within rounding of
+ * the border.  The edge is the double nearest (columns - 1) / 2 step_x, so that a point computed to lie
+ * there is inside.
  *
- * ROUNDING.  With w = 2^-53, d the greatest |D_i|, s the greatest |S_i| of a piece, D_i off by w d: S by w (2 d + s), B by w (2 d + 12 s), as v is off by at most
- * 3 w v, the weight of B, at most 1/8, by 2 w; so what is added to z_0 is off by w (7 d + 5 s), and p' by w (5 d + 17 s).  A further e in each D_i is at
- * most 5/4 e in the one, 2 e in the other.  Of the rows d and s, of the steps between their results d_y and s_y: these have a further w (d_y + 16 d + 11 s), so
- *     P is off by w (28 d + 20 s + 10 d_y + 6 s_y + |P|),     P_y step_y by w (32 d + 22 s + 7 d_y + 17 s_y + 3 |P_y step_y|),
+ * ROUNDING.  With w = 2^-53, d the greatest |D_i|, s the greatest |S_i| of a piece, D_i off by w d: S by w
+ * (2 d + s), B by w (2 d + 12 s), as v is off by at most 3 w v, the weight of B, at most 1/8, by 2 w; so
+ * what is added to z_0 is off by w (7 d + 5 s), and p' by w (5 d + 17 s).  A further e in each D_i is at
+ * most 5/4 e in the one, 2 e in the other.  Of the rows d and s, of the steps between their results d_y and
+ * s_y: these have a further w (d_y + 16 d + 11 s), so
+ *     P is off by w (28 d + 20 s + 10 d_y + 6 s_y + |P|),     P_y step_y by w (32 d + 22 s + 7 d_y + 17 s_y
+ *         + 3 |P_y step_y|),
  *     P_x step_x by w (7 d + 22 s + 7 d_q + 5 s_q + 4 |P_x step_x|),
- * d_q and s_q of the steps between the rows' slopes, whose own error is weighted as heights are: by 5/4 at most.
+ * d_q and s_q of the steps between the rows' slopes, whose own error is weighted as heights are: by 5/4 at
+ * most.
  *
- * BOUNDS.  |p'| <= max |D| + max(|S|, |T|) / 2 and |p''| <= max |S| + max |T|, T = S_1 - S_0, as p' is a parabola whose Bezier heights are
- * D_1 - S_0 / 2, D_1 - T / 2, D_1 + S_1 / 2, and p'' goes straight from S_0 - T to S_1 + T.  So with M_pq the greatest p-th difference by y of q-th
- * differences by x in the cells of the region and beside them
+ * BOUNDS.  |p'| <= max |D| + max(|S|, |T|) / 2 and |p''| <= max |S| + max |T|, T = S_1 - S_0, as p' is a
+ * parabola whose Bezier heights are D_1 - S_0 / 2, D_1 - T / 2, D_1 + S_1 / 2, and p'' goes straight from
+ * S_0 - T to S_1 + T.  So with M_pq the greatest p-th difference by y of q-th differences by x in the cells
+ * of the region and beside them
  *     |P_x| step_x <= 5/4 (M_01 + max(M_02, M_03) / 2),     |P_xx| step_x^2 <= 5/4 (M_02 + M_03),
  *     |P_xy| step_x step_y <= M_11 + M_12 + M_21 + M_22
- * (that of the differences by y of |p'|, with T <= 2 S).  For smooth heights all but the first of each are small. */
+ * (that of the differences by y of |p'|, with T <= 2 S).  For smooth heights all but the first of each are
+ * small. */
 #include "bend.h"
 #include "departure.h"
 
@@ -37,9 +46,11 @@ SGT_INLINE double greater(double a, double b) { return larger(fabs(a), fabs(b));
 
 SGT_INLINE grid_piece grid_piece_of(double d0, double d1, double d2, double v, mask first, mask last)
 {
-    double before = d1 - d0, after = d2 - d1, s0 = chosen(first, after, before), s1 = chosen(last, before, after), turn = s1 - s0;
+    double before = d1 - d0, after = d2 - d1, s0 = chosen(first, after, before),
+           s1 = chosen(last, before, after), turn = s1 - s0;
     double blend = s0 + v * turn, lens = 0.5 * (v * (1 - v)), lean = 1 - 2 * v;
-    return (grid_piece){v * d1 - lens * blend, d1 - (0.5 * lean * blend + lens * turn), blend - lean * turn, greater(d1, greater(d0, d2)), greater(s0, s1)};
+    return (grid_piece){v * d1 - lens * blend, d1 - (0.5 * lean * blend + lens * turn), blend - lean * turn,
+                        greater(d1, greater(d0, d2)), greater(s0, s1)};
 }
 
 /* One direction: where x is. */
@@ -52,7 +63,8 @@ static axis axis_of(double step, size_t count)
     return (axis){step, 1 / step, half, half * step, (double)(count - 2)};
 }
 
-SGT_INLINE double clamped(double j, double last) { return chosen(MASK(j < last), larger(j, 0), last); } /* NaN: last */
+/* NaN: last */
+SGT_INLINE double clamped(double j, double last) { return chosen(MASK(j < last), larger(j, 0), last); }
 
 /* j is a whole number, of 0 ... count - 2 wherever x is. */
 SGT_INLINE grid_cell cell_of(axis a, double x)
@@ -70,32 +82,48 @@ SGT_INLINE grid_row grid_row_of(const double *z, int a, int b, int c, int d, dou
     return (grid_row){z[b], grid_piece_of(z[b] - z[a], z[c] - z[b], z[d] - z[c], v, first, last)};
 }
 
-/* All of a cell, in steps of the grid: P = z + rise; and how far it, P_x, P_y can be off, in w, but for what is of their own size. */
+/* All of a cell, in steps of the grid: P = z + rise; and how far it, P_x, P_y can be off, in w, but for
+ * what is of their own size. */
 typedef struct patch { double z, rise, x, y, xx, xy, yy, rise_off, x_off, y_off; } patch;
 
 SGT_INLINE patch patch_at(const double *z, int columns, axis ax, axis ay, double x, double y)
 {
     grid_cell cx = cell_of(ax, x), cy = cell_of(ay, y);
-    mask left = MASK(cx.j == 0), right = MASK(cx.j == ax.last), low = MASK(cy.j == 0), high = MASK(cy.j == ay.last);
-    int b = (int)cx.j + (int)cy.j * columns, a = b - (int)chosen(left, 0, 1), c = b + 1, d = c + (int)chosen(right, 0, 1);
+    mask left = MASK(cx.j == 0), right = MASK(cx.j == ax.last), low = MASK(cy.j == 0),
+         high = MASK(cy.j == ay.last);
+    int b = (int)cx.j + (int)cy.j * columns, a = b - (int)chosen(left, 0, 1), c = b + 1,
+        d = c + (int)chosen(right, 0, 1);
     int down = (int)chosen(low, 0, columns), up = columns + (int)chosen(high, 0, columns);
-    grid_row r0 = grid_row_of(z, a - down, b - down, c - down, d - down, cx.v, left, right), r1 = grid_row_of(z, a, b, c, d, cx.v, left, right);
-    grid_row r2 = grid_row_of(z, a + columns, b + columns, c + columns, d + columns, cx.v, left, right), r3 = grid_row_of(z, a + up, b + up, c + up, d + up, cx.v, left, right);
+    grid_row r0 = grid_row_of(z, a - down, b - down, c - down, d - down, cx.v, left, right),
+             r1 = grid_row_of(z, a, b, c, d, cx.v, left, right);
+    grid_row r2 = grid_row_of(z, a + columns, b + columns, c + columns, d + columns, cx.v, left, right),
+             r3 = grid_row_of(z, a + up, b + up, c + up, d + up, cx.v, left, right);
     double z0 = r1.z - r0.z, z1 = r2.z - r1.z, z2 = r3.z - r2.z;
-    double d0 = z0 + (r1.of.rise - r0.of.rise), d1 = z1 + (r2.of.rise - r1.of.rise), d2 = z2 + (r3.of.rise - r2.of.rise);
+    double d0 = z0 + (r1.of.rise - r0.of.rise), d1 = z1 + (r2.of.rise - r1.of.rise),
+           d2 = z2 + (r3.of.rise - r2.of.rise);
     double q0 = r1.of.slope - r0.of.slope, q1 = r2.of.slope - r1.of.slope, q2 = r3.of.slope - r2.of.slope;
     grid_piece p = grid_piece_of(d0, d1, d2, cy.v, low, high), q = grid_piece_of(q0, q1, q2, cy.v, low, high);
-    grid_piece bend = grid_piece_of(r1.of.bend - r0.of.bend, r2.of.bend - r1.of.bend, r3.of.bend - r2.of.bend, cy.v, low, high);
+    grid_piece bend = grid_piece_of(r1.of.bend - r0.of.bend, r2.of.bend - r1.of.bend, r3.of.bend - r2.of.bend,
+                                    cy.v, low, high);
     double inside = chosen(MASK(fabs(x) <= ax.edge) & MASK(fabs(y) <= ay.edge), 0, (double)NAN);
-    double dx = greater(greater(r0.of.d, r1.of.d), greater(r2.of.d, r3.of.d)), sx = greater(greater(r0.of.s, r1.of.s), greater(r2.of.s, r3.of.s));
+    double dx = greater(greater(r0.of.d, r1.of.d), greater(r2.of.d, r3.of.d)),
+           sx = greater(greater(r0.of.s, r1.of.s), greater(r2.of.s, r3.of.s));
     double dy = greater(p.d, greater(z0, greater(z1, z2)));
-    return (patch){r1.z + inside, r1.of.rise + p.rise, r1.of.slope + q.rise + inside, p.slope + inside, r1.of.bend + bend.rise, q.slope, p.bend,
-                   28 * dx + 20 * sx + 10 * dy + 6 * p.s, 7 * dx + 22 * sx + 7 * q.d + 5 * q.s, 32 * dx + 22 * sx + 7 * dy + 17 * p.s};
+    return (patch){r1.z + inside,
+                   r1.of.rise + p.rise,
+                   r1.of.slope + q.rise + inside,
+                   p.slope + inside,
+                   r1.of.bend + bend.rise,
+                   q.slope,
+                   p.bend,
+                   28 * dx + 20 * sx + 10 * dy + 6 * p.s,
+                   7 * dx + 22 * sx + 7 * q.d + 5 * q.s,
+                   32 * dx + 22 * sx + 7 * dy + 17 * p.s};
 }
 
 SGT_KERNEL
-static void grid_sag(const sgt_grid *self, size_t n, const double *restrict px, const double *restrict py, double *restrict p, double *restrict gx,
-                     double *restrict gy)
+static void grid_sag(const sgt_grid *self, size_t n, const double *restrict px, const double *restrict py,
+                     double *restrict p, double *restrict gx, double *restrict gy)
 {
     const axis ax = axis_of(self->step_x, self->z.columns), ay = axis_of(self->step_y, self->z.rows);
     const double *z = self->z.x;
@@ -108,7 +136,10 @@ static void grid_sag(const sgt_grid *self, size_t n, const double *restrict px, 
     }
 }
 
-static void grid_at(const void *self, size_t n, const double *x, const double *y, sag_values out) { grid_sag(self, n, x, y, out.p, out.px, out.py); }
+static void grid_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
+{
+    grid_sag(self, n, x, y, out.p, out.px, out.py);
+}
 
 static void grid_off(const void *self, double x, double y, double *p_err, double *grad_err)
 {
@@ -119,13 +150,14 @@ static void grid_off(const void *self, double x, double y, double *p_err, double
     *p_err = *grad_err = HUGE_VAL;
     if (!(fabs(at.z) < HUGE_VAL)) return;
     *p_err = SGT_U * (at.rise_off + fabs(at.z + at.rise)) * more + least;
-    double x_err = SGT_U * (at.x_off + 4 * fabs(at.x)) * ax.inverse, y_err = SGT_U * (at.y_off + 3 * fabs(at.y)) * ay.inverse;
+    double x_err = SGT_U * (at.x_off + 4 * fabs(at.x)) * ax.inverse,
+           y_err = SGT_U * (at.y_off + 3 * fabs(at.y)) * ay.inverse;
     *grad_err = larger(x_err, y_err) * more + least;
 }
 
 SGT_KERNEL
-static void grid_bent(const sgt_grid *self, size_t n, const double *restrict px, const double *restrict py, double *restrict pxx, double *restrict pxy,
-                      double *restrict pyy)
+static void grid_bent(const sgt_grid *self, size_t n, const double *restrict px, const double *restrict py,
+                      double *restrict pxx, double *restrict pxy, double *restrict pyy)
 {
     const axis ax = axis_of(self->step_x, self->z.columns), ay = axis_of(self->step_y, self->z.rows);
     const double *z = self->z.x;
@@ -138,7 +170,8 @@ static void grid_bent(const sgt_grid *self, size_t n, const double *restrict px,
     }
 }
 
-static void grid_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void grid_second(const void *self, size_t n, const double *x, const double *y, double *pxx,
+                        double *pxy, double *pyy)
 {
     grid_bent(self, n, x, y, pxx, pxy, pyy);
 }
@@ -149,18 +182,24 @@ static bool measured(const sgt_grid *g) { return g->height > 0; }
 static sgt_objection grid_objection(const void *self)
 {
     const sgt_grid *g = self;
-    if (!(g->step_x > 0 && g->step_x < HUGE_VAL)) return (sgt_objection){"step_x", "must be finite and above 0"};
-    if (!(g->step_y > 0 && g->step_y < HUGE_VAL)) return (sgt_objection){"step_y", "must be finite and above 0"};
-    bool sized = g->z.rows >= GRID_LEAST && g->z.rows <= GRID_MOST && g->z.columns >= GRID_LEAST && g->z.columns <= GRID_MOST;
+    if (!(g->step_x > 0 && g->step_x < HUGE_VAL))
+        return (sgt_objection){"step_x", "must be finite and above 0"};
+    if (!(g->step_y > 0 && g->step_y < HUGE_VAL))
+        return (sgt_objection){"step_y", "must be finite and above 0"};
+    bool sized = g->z.rows >= GRID_LEAST && g->z.rows <= GRID_MOST && g->z.columns >= GRID_LEAST &&
+                 g->z.columns <= GRID_MOST;
     if (!g->z.x || !sized) return (sgt_objection){"sag", "must have 4 to 4096 rows and columns"};
-    if (!(g->height >= 0 && g->steep >= 0 && g->bend >= 0)) return (sgt_objection){"sag", "is not measured as sgt_grid_measure does"};
-    if (!measured(g) && !numbers_finite(g->z.rows * g->z.columns, g->z.x)) return (sgt_objection){"sag", "must not have a hole (a height that is not finite)"};
+    if (!(g->height >= 0 && g->steep >= 0 && g->bend >= 0))
+        return (sgt_objection){"sag", "is not measured as sgt_grid_measure does"};
+    if (!measured(g) && !numbers_finite(g->z.rows * g->z.columns, g->z.x))
+        return (sgt_objection){"sag", "must not have a hole (a height that is not finite)"};
     return (sgt_objection){NULL, NULL};
 }
 
 /* ----------------------------------------------------------------------------------------- bounds */
 
-/* Adds to most[p][q] the p-th difference by row of q-th differences in n columns of the rows from a on; q by column. */
+/* Adds to most[p][q] the p-th difference by row of q-th differences in n columns of the rows from a on; q
+ * by column. */
 SGT_KERNEL
 static void differences(const double *a, size_t columns, size_t rows, size_t n, double most[4][4])
 {
@@ -182,12 +221,15 @@ static void differences(const double *a, size_t columns, size_t rows, size_t n, 
     }
 }
 
-/* The heights that the cells of an interval are made of: from the first, how many (at least four); 0: it has no cell. */
+/* The heights that the cells of an interval are made of: from the first, how many (at least four); 0: it
+ * has no cell. */
 static size_t heights_of(axis a, sgt_interval x, size_t *first)
 {
     if (!(x.lo <= a.edge && x.hi >= -a.edge)) return 0;
-    double count = a.last + 2, lo = clamped(x.lo * a.inverse + a.half - 0x1p-20, a.last), hi = clamped(x.hi * a.inverse + a.half + 0x1p-20, a.last);
-    size_t from = (size_t)larger((double)(int)lo - 1, 0), to = (size_t)hi + 2 < (size_t)count - 1 ? (size_t)hi + 2 : (size_t)count - 1;
+    double count = a.last + 2, lo = clamped(x.lo * a.inverse + a.half - 0x1p-20, a.last),
+           hi = clamped(x.hi * a.inverse + a.half + 0x1p-20, a.last);
+    size_t from = (size_t)larger((double)(int)lo - 1, 0),
+           to = (size_t)hi + 2 < (size_t)count - 1 ? (size_t)hi + 2 : (size_t)count - 1;
     if (to - from < 3) {
         if (from == 0) to = 3;
         else from = to - 3;
@@ -203,9 +245,11 @@ static bool table_of(const sgt_grid *g, axis ax, axis ay, const region *where, d
     memset(most, 0, sizeof(double[4][4]));
     if (columns == 0 || rows == 0) return false;
     for (size_t r = 0; r < rows; r++)
-        for (size_t c = 0; c + 1 < columns; c += FREEFORM_BLOCK - 3) { /* pieces share three, so that no difference is left out */
+        /* pieces share three, so that no difference is left out */
+        for (size_t c = 0; c + 1 < columns; c += FREEFORM_BLOCK - 3) {
             size_t n = columns - c < FREEFORM_BLOCK ? columns - c : FREEFORM_BLOCK;
-            differences(g->z.x + (i + r) * g->z.columns + (j + c), g->z.columns, rows - r < 4 ? rows - r : 4, n, most);
+            differences(g->z.x + (i + r) * g->z.columns + (j + c), g->z.columns, rows - r < 4 ? rows - r : 4,
+                        n, most);
         }
     double off = 64 * SGT_U * most[0][0]; /* differences of up to 16 heights, rounded at most 4 times */
     for (int p = 0; p < 4; p++)
@@ -224,33 +268,43 @@ static int grid_bounds(const void *self, region *where, bounds *out)
     const sgt_grid *g = self;
     const axis ax = axis_of(g->step_x, g->z.columns), ay = axis_of(g->step_y, g->z.rows);
     double m[4][4] = {{0}};
-    bool small = (where->x.hi - where->x.lo) * ax.inverse <= SMALL && (where->y.hi - where->y.lo) * ay.inverse <= SMALL;
+    bool small = (where->x.hi - where->x.lo) * ax.inverse <= SMALL &&
+                 (where->y.hi - where->y.lo) * ay.inverse <= SMALL;
     if (measured(g) && !small) {
         size_t unused;
         if (!heights_of(ax, where->x, &unused) || !heights_of(ay, where->y, &unused)) return 0;
     } else if (!table_of(g, ax, ay, where, m)) {
         return 0;
     }
-    bool whole = where->x.lo >= -ax.edge && where->x.hi <= ax.edge && where->y.lo >= -ay.edge && where->y.hi <= ay.edge;
+    bool whole = where->x.lo >= -ax.edge && where->x.hi <= ax.edge && where->y.lo >= -ay.edge &&
+                 where->y.hi <= ay.edge;
     where->x = sgt_interval_intersection(where->x, sgt_interval_between(-ax.edge, ax.edge));
     where->y = sgt_interval_intersection(where->y, sgt_interval_between(-ay.edge, ay.edge));
-    double sx = 1.25 * (m[0][1] + 0.5 * larger(m[0][2], m[0][3])) * ax.inverse, sy = 1.25 * (m[1][0] + 0.5 * larger(m[2][0], m[3][0])) * ay.inverse;
-    double xx = 1.25 * (m[0][2] + m[0][3]) * ax.inverse * ax.inverse, yy = 1.25 * (m[2][0] + m[3][0]) * ay.inverse * ay.inverse;
+    double sx = 1.25 * (m[0][1] + 0.5 * larger(m[0][2], m[0][3])) * ax.inverse,
+           sy = 1.25 * (m[1][0] + 0.5 * larger(m[2][0], m[3][0])) * ay.inverse;
+    double xx = 1.25 * (m[0][2] + m[0][3]) * ax.inverse * ax.inverse,
+           yy = 1.25 * (m[2][0] + m[3][0]) * ay.inverse * ay.inverse;
     double xy = (m[1][1] + m[1][2] + m[2][1] + m[2][2]) * ax.inverse * ay.inverse;
     *out = (bounds){bound_of(1.5625 * m[0][0]), bound_of(length_of(sx, sy)), bound_of(norm_of(xx, xy, yy))};
     if (measured(g) && !small) *out = (bounds){g->height, g->steep, g->bend};
     return whole ? 1 : -1;
 }
 
-/* d, s, d_y, s_y of the head from the differences, or from what those were made: between the heights a result is at most 5/4 of the greatest. */
+/* d, s, d_y, s_y of the head from the differences, or from what those were made: between the heights a
+ * result is at most 5/4 of the greatest. */
 static void grid_noise(const void *self, double radius, double e[2])
 {
     const sgt_grid *g = self;
     region where = {{-radius, radius}, {-radius, radius}, 0, radius};
     double m[4][4] = {{0}}, sx = g->step_x, sy = g->step_y;
-    if (measured(g)) m[0][0] = g->height, m[0][1] = g->steep * sx, m[0][2] = g->bend * (sx * sx), m[1][0] = g->steep * sy, m[2][0] = g->bend * (sy * sy);
+    if (measured(g))
+        m[0][0] = g->height, m[0][1] = g->steep * sx, m[0][2] = g->bend * (sx * sx), m[1][0] = g->steep * sy,
+        m[2][0] = g->bend * (sy * sy);
     else table_of(g, axis_of(sx, g->z.columns), axis_of(sy, g->z.rows), &where, m);
-    e[0] = SGT_U * (28 * m[0][1] + 20 * m[0][2] + 12.5 * m[1][0] + 7.5 * m[2][0] + 1.5625 * m[0][0]) * (1 + 0x1p-20) + 0x1p-1060, e[1] = 0;
+    e[0] = SGT_U * (28 * m[0][1] + 20 * m[0][2] + 12.5 * m[1][0] + 7.5 * m[2][0] + 1.5625 * m[0][0]) *
+               (1 + 0x1p-20) +
+           0x1p-1060,
+    e[1] = 0;
 }
 
 void sgt_grid_measure(sgt_grid *g)

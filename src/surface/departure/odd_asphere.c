@@ -2,16 +2,19 @@
  *
  * P is split at the tip of the cone a[0] r: with h(r) = sum over i > 0 of a[i] r^(i-1),
  *     P = r (a[0] + r h),    grad P = (x, y) G,    G = P'/r = a[0]/r + 2 h + r h',
- * and all but a[0]/r is smooth at r = 0, where that is left out: (0, 0) is the mean of the cone's gradients.
- * The second derivative has P'' along the radius and G across it: pxx = G + (x/r)^2 (P'' - G), pxy = (x y / r^2) (P'' - G), with
- * P'' - G = -a[0]/r + r (3 h' + r h'').  Its norm is the greater of |P''| and |G|.
+ * and all but a[0]/r is smooth at r = 0, where that is left out: (0, 0) is the mean of the cone's
+ * gradients.  The second derivative has P'' along the radius and G across it: pxx = G + (x/r)^2 (P'' - G),
+ * pxy = (x y / r^2) (P'' - G), with P'' - G = -a[0]/r + r (3 h' + r h'').  Its norm is the greater of |P''|
+ * and |G|.
  *
- * h and its derivatives are by Horner's rule, each step one fma, which is stable: what a step rounds, at most u of its result,
- * comes to the sum multiplied by the powers of r behind it and no more.  The bound carries that along the same steps
- * (Higham 2002, section 5.1).  r is off by 2 u r (2 u in r^2, half of it in the root, and u of the root), which moves P by 2 u r |P'|, and
- * G by 2 u |P'' - G|, of which the sum of the magnitudes of its terms is taken.
+ * h and its derivatives are by Horner's rule, each step one fma, which is stable: what a step rounds, at
+ * most u of its result, comes to the sum multiplied by the powers of r behind it and no more.  The bound
+ * carries that along the same steps (Higham 2002, section 5.1).  r is off by 2 u r (2 u in r^2, half of it
+ * in the root, and u of the root), which moves P by 2 u r |P'|, and G by 2 u |P'' - G|, of which the sum of
+ * the magnitudes of its terms is taken.
  *
- * BOUNDS.  Each term is monotone in r >= 0, so those that rise at one end and those that fall at the other bound the sum. */
+ * BOUNDS.  Each term is monotone in r >= 0, so those that rise at one end and those that fall at the other
+ * bound the sum. */
 #include "departure.h"
 
 enum { ODD_TERMS = 16 };
@@ -29,7 +32,8 @@ SGT_INLINE double radius(double x, double y) { return sqrt(x * x + y * y); }
 /* a / r; at the tip 0. */
 SGT_INLINE double by_radius(double a, double r) { return chosen(MASK(r > 0), a / r, 0); }
 
-SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *restrict x,
+                       const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
 {
     double r[FREEFORM_BLOCK], h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], tip = a[0];
     LANES for (size_t i = 0; i < n; i++) r[i] = radius(x[i], y[i]), h[i] = dh[i] = 0;
@@ -49,7 +53,8 @@ SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *restr
 
 /* One point by itself is worth loops without loops in them. */
 SGT_KERNEL
-static void odd_at(size_t n, int terms, const double *a, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+static void odd_at(size_t n, int terms, const double *a, const double *restrict x, const double *restrict y,
+                   double *restrict p, double *restrict px, double *restrict py)
 {
     if (n == 1) odd_in(1, terms, a, x, y, p, px, py);
     else odd_in(n, terms, a, x, y, p, px, py);
@@ -63,7 +68,8 @@ static void odd_sag(const void *self, size_t n, const double *x, const double *y
 
 SGT_INLINE double odd_rounded(double x) { return SGT_U * fabs(x) + 0x1p-1074; }
 
-/* Without fma, which may be a call: the numbers differ from those of odd_at by no more than their errors, which is u times as much in the bound. */
+/* Without fma, which may be a call: the numbers differ from those of odd_at by no more than their errors,
+ * which is u times as much in the bound. */
 static void odd_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const double *a = ((const sgt_odd_asphere *)self)->a;
@@ -77,11 +83,14 @@ static void odd_rounding(const void *self, double x, double y, double *p_err, do
         bent = bent * r + (k + 1) * (k - 1) * fabs(a[k]);
         sum += fabs(a[k]);
     }
-    double tip = by_radius(a[0], r), smooth = r * dh + (h + h), G = tip + smooth, inner = r * h + a[0], far = larger(fabs(x), fabs(y));
+    double tip = by_radius(a[0], r), smooth = r * dh + (h + h), G = tip + smooth, inner = r * h + a[0],
+           far = larger(fabs(x), fabs(y));
     double G_err = odd_rounded(tip) + (r * dh_err + 2 * h_err) + odd_rounded(smooth) + odd_rounded(G);
-    *p_err = 1.01 * (r * (r * h_err + odd_rounded(inner) + 2 * SGT_U * r * (fabs(G) + G_err)) + odd_rounded(r * inner));
+    *p_err = 1.01 * (r * (r * h_err + odd_rounded(inner) + 2 * SGT_U * r * (fabs(G) + G_err)) +
+                     odd_rounded(r * inner));
     *grad_err = 1.01 * (far * (G_err + 2 * SGT_U * (fabs(tip) + bent)) + odd_rounded(far * G));
-    if (terms > 0 && r < 0x1p-480) *p_err += 0x1p-470 * sum, *grad_err += 3 * fabs(a[0]) + 0x1p-470 * sum; /* squares underflow */
+    /* squares underflow */
+    if (terms > 0 && r < 0x1p-480) *p_err += 0x1p-470 * sum, *grad_err += 3 * fabs(a[0]) + 0x1p-470 * sum;
 }
 
 /* A term is rounded i times in h, twice behind it, and i + 1 times the 2 u of r. */
@@ -97,7 +106,8 @@ static void odd_noise(const void *self, double radius, double e[2])
 /* The least and the greatest of a sum of monotone terms, and the sum of their magnitudes. */
 typedef struct odd_range { double lo, hi, size; } odd_range;
 
-/* Adds a times a number from lo to hi >= lo >= 0.  lost: one below TINY has lost digits to underflow, and is between that and 0. */
+/* Adds a times a number from lo to hi >= lo >= 0.  lost: one below TINY has lost digits to underflow, and
+ * is between that and 0. */
 SGT_INLINE void odd_add(odd_range *sum, double a, double lo, double hi, bool lost)
 {
     if (a == 0) return; /* hi may be infinite */
@@ -128,10 +138,14 @@ SGT_INLINE bounds sums_over(const double *a, int terms, double lo, double hi, bo
         odd_add(&steep, (i + 1) * a[i], lo_power * lo, hi_power * hi, lost);
         odd_add(&size, a[i], lo_power * lo * lo, hi_power * hi * hi, lost);
     }
-    return (bounds){odd_greatest(size), odd_greatest(steep), larger(odd_greatest(bend), odd_greatest(across))};
+    return (bounds){odd_greatest(size), odd_greatest(steep),
+                    larger(odd_greatest(bend), odd_greatest(across))};
 }
 
-static bounds sums_of_lost(const double *a, int terms, double lo, double hi) { return sums_over(a, terms, lo, hi, true); }
+static bounds sums_of_lost(const double *a, int terms, double lo, double hi)
+{
+    return sums_over(a, terms, lo, hi, true);
+}
 
 /* The greatest power is r^terms, which is above TINY where r is above 2^-60. */
 static int odd_bounds_over(const void *self, region *where, bounds *out)
@@ -145,7 +159,9 @@ static int odd_bounds_over(const void *self, region *where, bounds *out)
 }
 
 SGT_KERNEL
-static void odd_second(size_t n, int terms, const double *a, const double *restrict x, const double *restrict y, double *restrict pxx, double *restrict pxy, double *restrict pyy)
+static void odd_second(size_t n, int terms, const double *a, const double *restrict x,
+                       const double *restrict y, double *restrict pxx, double *restrict pxy,
+                       double *restrict pyy)
 {
     double r[FREEFORM_BLOCK], h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], half_ddh[FREEFORM_BLOCK], tip = a[0];
     LANES for (size_t i = 0; i < n; i++) r[i] = radius(x[i], y[i]), h[i] = dh[i] = half_ddh[i] = 0;
@@ -167,7 +183,8 @@ static void odd_second(size_t n, int terms, const double *a, const double *restr
     }
 }
 
-static void odd_bend(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void odd_bend(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
+                     double *pyy)
 {
     const sgt_odd_asphere *s = self;
     odd_second(n, odd_terms_of(s->a), s->a, x, y, pxx, pxy, pyy);
@@ -181,10 +198,12 @@ static size_t odd_parameters(const void *self)
 
 /* r^(j+1), and its gradient (j + 1) r^(j-1) (x, y). */
 SGT_KERNEL
-static void odd_power(size_t j, size_t n, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+static void odd_power(size_t j, size_t n, const double *restrict x, const double *restrict y,
+                      double *restrict p, double *restrict px, double *restrict py)
 {
     double r[FREEFORM_BLOCK], q[FREEFORM_BLOCK], times = (double)j + 1;
-    LANES for (size_t i = 0; i < n; i++) r[i] = radius(x[i], y[i]), q[i] = chosen(MASK(j > 0), 1, by_radius(1, r[i]));
+    LANES for (size_t i = 0; i < n; i++) r[i] = radius(x[i], y[i]),
+                                         q[i] = chosen(MASK(j > 0), 1, by_radius(1, r[i]));
     for (size_t k = 1; k < j; k++)
         LANES for (size_t i = 0; i < n; i++) q[i] *= r[i];
     LANES for (size_t i = 0; i < n; i++) {
@@ -193,7 +212,8 @@ static void odd_power(size_t j, size_t n, const double *restrict x, const double
     }
 }
 
-static void odd_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void odd_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
+                             sag_values out)
 {
     (void)self;
     odd_power(j, n, x, y, out.p, out.px, out.py);
@@ -201,10 +221,18 @@ static void odd_by_parameter(const void *self, size_t j, size_t n, const double 
 
 static sgt_objection odd_object(const void *self)
 {
-    return numbers_finite(ODD_TERMS, ((const sgt_odd_asphere *)self)->a) ? (sgt_objection){NULL, NULL} : (sgt_objection){"coefficients", "must be finite"};
+    return numbers_finite(ODD_TERMS, ((const sgt_odd_asphere *)self)->a)
+               ? (sgt_objection){NULL, NULL}
+               : (sgt_objection){"coefficients", "must be finite"};
 }
 
-static const departure odd_asphere_departure = {
-    .at = odd_sag, .rounding = odd_rounding, .bounds = odd_bounds_over, .second = odd_bend, .parameters = odd_parameters, .by_parameter = odd_by_parameter, .object = odd_object, .noise = odd_noise};
+static const departure odd_asphere_departure = {.at = odd_sag,
+                                                .rounding = odd_rounding,
+                                                .bounds = odd_bounds_over,
+                                                .second = odd_bend,
+                                                .parameters = odd_parameters,
+                                                .by_parameter = odd_by_parameter,
+                                                .object = odd_object,
+                                                .noise = odd_noise};
 
 FREEFORM_ON_CONIC(odd_asphere, sgt_odd_asphere)

@@ -1,11 +1,13 @@
 /* polynomial_xy.c - P = sum of a[i][j] x^i y^j.
  *
- * Horner's rule in y for each row, w = sum of a[i][j] y^j with dw/dy, within Horner's rule in x over the rows; the derivative is
- * carried along: (sum h)' = h' x + h.  Each step is one fma, and what it rounds, at most u of its result, comes to P multiplied by the powers
- * behind it and no more: the bound is carried along the same steps (Higham 2002, section 5.1).  x and y are exact.
+ * Horner's rule in y for each row, w = sum of a[i][j] y^j with dw/dy, within Horner's rule in x over the
+ * rows; the derivative is carried along: (sum h)' = h' x + h.  Each step is one fma, and what it rounds, at
+ * most u of its result, comes to P multiplied by the powers behind it and no more: the bound is carried
+ * along the same steps (Higham 2002, section 5.1).  x and y are exact.
  *
- * BOUNDS.  The same steps on intervals, as middle and radius: |h x - h_m x_m| <= |h_m| x_r + h_r (|x_m| + x_r).  Over a small region they
- * are the values at its middle and little more, over one about the origin the sums of the terms' magnitudes. */
+ * BOUNDS.  The same steps on intervals, as middle and radius: |h x - h_m x_m| <= |h_m| x_r + h_r (|x_m| +
+ * x_r).  Over a small region they are the values at its middle and little more, over one about the origin
+ * the sums of the terms' magnitudes. */
 #include "bend.h"
 #include "departure.h"
 
@@ -25,15 +27,18 @@ static size_t xy_rows_of(sgt_numbers a) { return a.columns > 0 ? a.rows : 0; }
 
 /* ---------------------------------------------------------------------------------- P and gradient */
 
-SGT_INLINE void polynomial_in(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+SGT_INLINE void polynomial_in(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y,
+                              double *restrict p, double *restrict px, double *restrict py)
 {
     double w[FREEFORM_BLOCK], dw[FREEFORM_BLOCK];
     LANES for (size_t k = 0; k < n; k++) p[k] = px[k] = py[k] = 0;
     for (size_t i = xy_rows_of(a); i-- > 0;) {
         xy_row of = xy_row_of(a, i);
         LANES for (size_t k = 0; k < n; k++) w[k] = dw[k] = 0;
-        for (size_t j = of.terms + 3 - (of.terms + 3) % 4; j > 0; j -= 4) { /* four terms for one load and store; zeros go first */
-            double a3 = j > of.terms ? 0 : of.a[j - 1], a2 = j > of.terms + 1 ? 0 : of.a[j - 2], a1 = j > of.terms + 2 ? 0 : of.a[j - 3], a0 = of.a[j - 4];
+        /* four terms for one load and store; zeros go first */
+        for (size_t j = of.terms + 3 - (of.terms + 3) % 4; j > 0; j -= 4) {
+            double a3 = j > of.terms ? 0 : of.a[j - 1], a2 = j > of.terms + 1 ? 0 : of.a[j - 2],
+                   a1 = j > of.terms + 2 ? 0 : of.a[j - 3], a0 = of.a[j - 4];
             LANES for (size_t k = 0; k < n; k++) {
                 double t = y[k], d = dw[k], h = w[k];
                 d = sgt_fma(d, t, h), h = sgt_fma(h, t, a3);
@@ -53,7 +58,8 @@ SGT_INLINE void polynomial_in(size_t n, sgt_numbers a, const double *restrict x,
 
 /* One point by itself is worth loops without loops in them. */
 SGT_KERNEL
-static void polynomial_at(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+static void polynomial_at(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y,
+                          double *restrict p, double *restrict px, double *restrict py)
 {
     if (n == 1) polynomial_in(1, a, x, y, p, px, py);
     else polynomial_in(n, a, x, y, p, px, py);
@@ -69,8 +75,8 @@ static void xy_at(const void *self, size_t n, const double *x, const double *y, 
 /* A computed number and how far it is off. */
 typedef struct xy_rounded { double is, err; } xy_rounded;
 
-/* h x + a, without fma, which may be a call: the numbers differ from those of polynomial_at by no more than their errors, which
- * is u times as much in the bound. */
+/* h x + a, without fma, which may be a call: the numbers differ from those of polynomial_at by no more than
+ * their errors, which is u times as much in the bound. */
 static xy_rounded xy_horner(xy_rounded h, double x, xy_rounded a)
 {
     double is = h.is * x + a.is;
@@ -104,7 +110,8 @@ static void xy_noise(const void *self, double radius, double e[2])
     e[0] = e[1] = 0;
     for (size_t d = 0; a.columns > 0 && d + 1 < a.rows + a.columns; d++) {
         double sum = 0;
-        for (size_t i = d < a.columns ? 0 : d + 1 - a.columns; i < a.rows && i <= d; i++) sum += fabs(a.x[i * a.columns + (d - i)]);
+        for (size_t i = d < a.columns ? 0 : d + 1 - a.columns; i < a.rows && i <= d; i++)
+            sum += fabs(a.x[i * a.columns + (d - i)]);
         e[d > 1] += 1.01 * SGT_U * ((double)d + 2) * sum * power;
         power = d == 1 ? 1 : power * radius;
     }
@@ -160,7 +167,8 @@ static const double XY_STEEP = 64; /* far out; nearer by the square does as well
 static int xy_bounds_over(const void *self, region *where, bounds *out)
 {
     sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
-    disc none = {0, 0}, p = none, px = none, py = none, pxx = none, pxy = none, pyy = none, x = disc_of(where->x), y = disc_of(where->y);
+    disc none = {0, 0}, p = none, px = none, py = none, pxx = none, pxy = none, pyy = none,
+         x = disc_of(where->x), y = disc_of(where->y);
     for (size_t i = xy_rows_of(a); i-- > 0;) {
         xy_row of = xy_row_of(a, i);
         disc w = none, dw = none, ddw = none; /* the second derivatives halved */
@@ -173,7 +181,8 @@ static int xy_bounds_over(const void *self, region *where, bounds *out)
         pxy = xy_over(pxy, x, py), py = xy_over(py, x, dw);
         pyy = xy_over(pyy, x, ddw);
     }
-    double size = xy_greatest(p), ax = xy_greatest(px), ay = xy_greatest(py), axx = 2 * xy_greatest(pxx), axy = xy_greatest(pxy), ayy = 2 * xy_greatest(pyy);
+    double size = xy_greatest(p), ax = xy_greatest(px), ay = xy_greatest(py), axx = 2 * xy_greatest(pxx),
+           axy = xy_greatest(pxy), ayy = 2 * xy_greatest(pyy);
     *out = (bounds){xy_bounded(size), xy_bounded(length_of(ax, ay)), norm_of(axx, axy, ayy)};
     if (out->steep > XY_STEEP && a.rows + a.columns <= MOST_HALF_POWERS
         && is_disc(xy_greatest(x), xy_greatest(y), where->r_hi)) {
@@ -186,9 +195,11 @@ static int xy_bounds_over(const void *self, region *where, bounds *out)
 /* ------------------------------------------------------------------------------------ sensitivities */
 
 SGT_KERNEL
-static void polynomial_second(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y, double *restrict pxx, double *restrict pxy, double *restrict pyy)
+static void polynomial_second(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y,
+                              double *restrict pxx, double *restrict pxy, double *restrict pyy)
 {
-    double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK], w[FREEFORM_BLOCK], dw[FREEFORM_BLOCK], ddw[FREEFORM_BLOCK];
+    double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK], w[FREEFORM_BLOCK], dw[FREEFORM_BLOCK],
+        ddw[FREEFORM_BLOCK];
     LANES for (size_t k = 0; k < n; k++) p[k] = px[k] = py[k] = pxx[k] = pxy[k] = pyy[k] = 0;
     for (size_t i = xy_rows_of(a); i-- > 0;) {
         xy_row of = xy_row_of(a, i);
@@ -212,7 +223,8 @@ static void polynomial_second(size_t n, sgt_numbers a, const double *restrict x,
     }
 }
 
-static void xy_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void xy_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
+                      double *pyy)
 {
     polynomial_second(n, ((const sgt_polynomial_xy *)self)->a, x, y, pxx, pxy, pyy);
 }
@@ -225,7 +237,8 @@ static size_t xy_parameters(const void *self)
 
 /* x^i y^j, i x^(i-1) y^j, j x^i y^(j-1). */
 SGT_KERNEL
-static void monomial(size_t i, size_t j, size_t n, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+static void monomial(size_t i, size_t j, size_t n, const double *restrict x, const double *restrict y,
+                     double *restrict p, double *restrict px, double *restrict py)
 {
     double u[FREEFORM_BLOCK], v[FREEFORM_BLOCK], di = (double)i, dj = (double)j; /* x^(i-1), y^(j-1), or 1 */
     LANES for (size_t k = 0; k < n; k++) u[k] = v[k] = 1;
@@ -241,7 +254,8 @@ static void monomial(size_t i, size_t j, size_t n, const double *restrict x, con
     }
 }
 
-static void xy_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void xy_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
+                            sag_values out)
 {
     size_t columns = ((const sgt_polynomial_xy *)self)->a.columns;
     monomial(j / columns, j % columns, n, x, y, out.p, out.px, out.py);
@@ -251,13 +265,21 @@ static sgt_objection xy_object(const void *self)
 {
     sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
     const char *reason = a.rows == 0 || a.columns == 0 ? NULL
-                       : a.rows > MOST_ROWS || a.columns > MOST_ROWS ? "must have at most 32 rows and 32 columns"
-                       : !a.x ? "has no numbers"
-                       : !numbers_finite(a.rows * a.columns, a.x) ? "must be finite" : NULL;
+                         : a.rows > MOST_ROWS || a.columns > MOST_ROWS
+                             ? "must have at most 32 rows and 32 columns"
+                         : !a.x                                     ? "has no numbers"
+                         : !numbers_finite(a.rows * a.columns, a.x) ? "must be finite"
+                                                                    : NULL;
     return (sgt_objection){reason ? "coefficients" : NULL, reason};
 }
 
-static const departure polynomial_xy_departure = {
-    .at = xy_at, .rounding = xy_rounding, .bounds = xy_bounds_over, .second = xy_second, .parameters = xy_parameters, .by_parameter = xy_by_parameter, .object = xy_object, .noise = xy_noise};
+static const departure polynomial_xy_departure = {.at = xy_at,
+                                                  .rounding = xy_rounding,
+                                                  .bounds = xy_bounds_over,
+                                                  .second = xy_second,
+                                                  .parameters = xy_parameters,
+                                                  .by_parameter = xy_by_parameter,
+                                                  .object = xy_object,
+                                                  .noise = xy_noise};
 
 FREEFORM_ON_CONIC(polynomial_xy, sgt_polynomial_xy)

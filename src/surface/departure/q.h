@@ -1,12 +1,15 @@
 /* q.h - what Forbes' polynomials of a radius share: a sum of orthogonal polynomials in v = (r / norm)^2.
  *
- * p_0 = 1, p_1 = alpha_0 + beta_0 v, p_(m+1) = (alpha_m + beta_m v) p_m - gamma_m p_(m-1).  The sum S of b[m] p_m and its derivatives by v are
- * found from the last term on (Clenshaw 1955, Math. Tables Aids Comput. 9, 118):
+ * p_0 = 1, p_1 = alpha_0 + beta_0 v, p_(m+1) = (alpha_m + beta_m v) p_m - gamma_m p_(m-1).  The sum S of
+ * b[m] p_m and its derivatives by v are found from the last term on (Clenshaw 1955, Math. Tables Aids
+ * Comput. 9, 118):
  *     s_m = b[m] + (alpha_m + beta_m v) s_(m+1) - gamma_(m+1) s_(m+2),    S = s_0,
- *     d_m =        (alpha_m + beta_m v) d_(m+1) - gamma_(m+1) d_(m+2) + beta_m s_(m+1),    S' = d_0, and so on.
- * What rounding adds to s_m, call it e_m, acts as if it were added to b[m]: S is off by the sum of e_m p_m, and S' by that of e_m p_m' and of
- * e'_m p_m, exactly.  |e_m| is known from the s_m as computed, |p_m| and |v p_m'| from the theory of the polynomials: so the
- * bound does not grow as the recurrence of magnitudes would, by a factor for each term. */
+ *     d_m =        (alpha_m + beta_m v) d_(m+1) - gamma_(m+1) d_(m+2) + beta_m s_(m+1),    S' = d_0, and so
+ *                  on.
+ * What rounding adds to s_m, call it e_m, acts as if it were added to b[m]: S is off by the sum of e_m p_m,
+ * and S' by that of e_m p_m' and of e'_m p_m, exactly.  |e_m| is known from the s_m as computed, |p_m| and
+ * |v p_m'| from the theory of the polynomials: so the bound does not grow as the recurrence of magnitudes
+ * would, by a factor for each term. */
 #ifndef SGT_SURFACE_DEPARTURE_Q_H
 #define SGT_SURFACE_DEPARTURE_Q_H
 
@@ -27,7 +30,8 @@ SGT_INLINE size_t q_terms(sgt_numbers a)
 }
 
 /* Two terms at a time, for the sake of what is loaded and stored; an odd one has a zero before it. */
-SGT_INLINE void q_sum(q_steps *step, size_t terms, const double *b, size_t n, const double *restrict v, double *restrict s, double *restrict ds)
+SGT_INLINE void q_sum(q_steps *step, size_t terms, const double *b, size_t n, const double *restrict v,
+                      double *restrict s, double *restrict ds)
 {
     double s2[FREEFORM_BLOCK], ds2[FREEFORM_BLOCK];
     LANES for (size_t i = 0; i < n; i++) s[i] = ds[i] = s2[i] = ds2[i] = 0;
@@ -45,7 +49,8 @@ SGT_INLINE void q_sum(q_steps *step, size_t terms, const double *b, size_t n, co
     }
 }
 
-SGT_INLINE void q_second(q_steps *step, size_t terms, const double *b, size_t n, const double *restrict v, double *restrict s, double *restrict ds, double *restrict dds)
+SGT_INLINE void q_second(q_steps *step, size_t terms, const double *b, size_t n, const double *restrict v,
+                         double *restrict s, double *restrict ds, double *restrict dds)
 {
     double s2[FREEFORM_BLOCK], ds2[FREEFORM_BLOCK], dds2[FREEFORM_BLOCK];
     LANES for (size_t i = 0; i < n; i++) s[i] = ds[i] = dds[i] = s2[i] = ds2[i] = dds2[i] = 0;
@@ -66,12 +71,13 @@ SGT_INLINE void q_second(q_steps *step, size_t terms, const double *b, size_t n,
 typedef struct q_weight { double s, ds; } q_weight;
 typedef q_weight q_weights(size_t m, double v);
 
-/* S and S', f times the error of q_sum's S, and f v times that of its S'; v is exact.  Without fma, which may be a call: the
- * numbers differ from q_sum's by no more than their errors, which is u times as much in the bound.  b_err: of b, or NULL: exact.
- * step_err: of alpha, beta and gamma, in u. */
+/* S and S', f times the error of q_sum's S, and f v times that of its S'; v is exact.  Without fma, which
+ * may be a call: the numbers differ from q_sum's by no more than their errors, which is u times as much in
+ * the bound.  b_err: of b, or NULL: exact.  step_err: of alpha, beta and gamma, in u. */
 typedef struct q_rounded { double s, ds, s_err, ds_err; } q_rounded;
 
-SGT_INLINE q_rounded q_rounding(q_steps *step, q_weights *weigh, size_t terms, const double *b, const double *b_err, double step_err, double v)
+SGT_INLINE q_rounded q_rounding(q_steps *step, q_weights *weigh, size_t terms, const double *b,
+                                const double *b_err, double step_err, double v)
 {
     double s = 0, ds = 0, s2 = 0, ds2 = 0, s_err = 0, ds_err = 0;
     for (size_t m = terms; m-- > 0;) {
@@ -79,8 +85,10 @@ SGT_INLINE q_rounded q_rounding(q_steps *step, q_weights *weigh, size_t terms, c
         q_weight w = weigh(m, v);
         double t = e.beta * v + e.alpha, t_err = fabs(t) + step_err * (fabs(e.alpha) + fabs(e.beta * v));
         double h = b[m] - e.gamma * s2, dh = e.beta * s - e.gamma * ds2, sm = t * s + h, dsm = t * ds + dh;
-        double err = SGT_U * (t_err * fabs(s) + step_err * fabs(e.gamma * s2) + fabs(h) + fabs(sm)) + (b_err ? b_err[m] : 0);
-        double derr = SGT_U * (t_err * fabs(ds) + step_err * fabs(e.beta * s) + (1 + step_err) * fabs(e.gamma * ds2) + fabs(dh) + fabs(dsm));
+        double err = SGT_U * (t_err * fabs(s) + step_err * fabs(e.gamma * s2) + fabs(h) + fabs(sm)) +
+                     (b_err ? b_err[m] : 0);
+        double derr = SGT_U * (t_err * fabs(ds) + step_err * fabs(e.beta * s) +
+                               (1 + step_err) * fabs(e.gamma * ds2) + fabs(dh) + fabs(dsm));
         s_err += w.s * err;
         ds_err += w.ds * err + w.s * (v * derr);
         s2 = s, ds2 = ds, s = sm, ds = dsm;
@@ -88,7 +96,8 @@ SGT_INLINE q_rounded q_rounding(q_steps *step, q_weights *weigh, size_t terms, c
     return (q_rounded){s, ds, s_err, ds_err};
 }
 
-/* No polynomial of degree n that is at most 1 on [-1, 1] is above this to the n at u > 1 (Chebyshev): its logarithm grows as T_n's. */
+/* No polynomial of degree n that is at most 1 on [-1, 1] is above this to the n at u > 1 (Chebyshev): its
+ * logarithm grows as T_n's. */
 SGT_INLINE double q_growth(double u) { return u > 1 ? u + sqrt(u * u - 1) : 1; }
 
 /* One over it, where that is worth while: a derivative is of a degree less. */

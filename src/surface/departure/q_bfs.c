@@ -1,44 +1,159 @@
-/* q_bfs.c - P = v (1 - v) S(v) / sqrt(1 - c^2 r^2), v = (r / norm)^2, S = sum of a[m] Qbfs_m(v): Forbes' mild aspheres, on a sphere.
+/* q_bfs.c - P = v (1 - v) S(v) / sqrt(1 - c^2 r^2), v = (r / norm)^2, S = sum of a[m] Qbfs_m(v): Forbes'
+ * mild aspheres, on a sphere.
  *
- * The Qbfs make the mean square of the slope the sum of the squares of a[m].  They have no recurrence of three terms of their own, but are made of
- * polynomials that have (Forbes 2010, Opt. Express 18, 19700, section 3): P_0 = 2, P_1 = 6 - 8 v, P_(m+1) = (2 - 4 v) P_m - P_(m-1), and
+ * The Qbfs make the mean square of the slope the sum of the squares of a[m].  They have no recurrence of
+ * three terms of their own, but are made of polynomials that have (Forbes 2010, Opt. Express 18, 19700,
+ * section 3): P_0 = 2, P_1 = 6 - 8 v, P_(m+1) = (2 - 4 v) P_m - P_(m-1), and
  *     P_m = f_m Q_m + g_(m-1) Q_(m-1) + h_(m-2) Q_(m-2),
- *     h_m = -(m + 1)(m + 2) / (2 f_m),    g_m = -(1 + g_(m-1) h_(m-1)) / f_(m+1),    f_m^2 = m (m + 1) + 3 - g_(m-1)^2 - h_(m-2)^2,
- * from f_0 = 2, f_1 = sqrt(19) / 2, g_0 = -1/2.  So S = sum of b[m] P_m with b[m] = (a[m] - g_m b[m+1] - h_m b[m+2]) / f_m from the last
- * on; 1 / f_m and g_m are tables, to the last bit.  q.h sums P_m / 2, whose p_1 is 3 - 4 v.
+ *     h_m = -(m + 1)(m + 2) / (2 f_m),    g_m = -(1 + g_(m-1) h_(m-1)) / f_(m+1),    f_m^2 = m (m + 1) + 3
+ *         - g_(m-1)^2 - h_(m-2)^2,
+ * from f_0 = 2, f_1 = sqrt(19) / 2, g_0 = -1/2.  So S = sum of b[m] P_m with b[m] = (a[m] - g_m b[m+1] -
+ * h_m b[m+2]) / f_m from the last on; 1 / f_m and g_m are tables, to the last bit.  q.h sums P_m / 2, whose
+ * p_1 is 3 - 4 v.
  *
- * With u = r / norm = sin t and M = 2 m + 1, P_m / 2 = sin(M t) / sin t, hence of each term T = v (1 - v) P_m / 2, all by u,
- *     T = u (1 - u^2) sin M t,    T' = (1 - 3 u^2) sin M t + M u cos t cos M t,    T'' = -(M^2 + 6) u sin M t + M (2 - 5 u^2) cos M t / cos t,
- * where |sin M t| <= min(1, M t), |cos M t / cos t| <= min(M, 1 / cos t), and of a sum A sin + B cos the root of A^2 + B^2 is a bound.
- * Beyond u = 1, sin M t is +-T_M(u) of Chebyshev, whose derivatives are at most M^2 and M^2 (M^2 - 1) / 3
- * times what a polynomial of a degree less may have grown to (q_growth).
+ * With u = r / norm = sin t and M = 2 m + 1, P_m / 2 = sin(M t) / sin t, hence of each term T = v (1 - v)
+ * P_m / 2, all by u,
+ *     T = u (1 - u^2) sin M t,    T' = (1 - 3 u^2) sin M t + M u cos t cos M t,    T'' = -(M^2 + 6) u sin M
+ *                                 t + M (2 - 5 u^2) cos M t / cos t,
+ * where |sin M t| <= min(1, M t), |cos M t / cos t| <= min(M, 1 / cos t), and of a sum A sin + B cos the
+ * root of A^2 + B^2 is a bound.  Beyond u = 1, sin M t is +-T_M(u) of Chebyshev, whose derivatives are at
+ * most M^2 and M^2 (M^2 - 1) / 3 times what a polynomial of a degree less may have grown to (q_growth).
  *
- * With w = 1 - c^2 r^2 the factor 1 / sqrt(w) has the derivatives c^2 r w^-3/2 and c^2 w^-3/2 + 3 c^4 r^2 w^-5/2 by r, and r^2 c w^-3/2 by c: all grow
- * with r.  w is off by 4 u c^2 r^2 + u w.  P is undefined where w <= 0. */
+ * With w = 1 - c^2 r^2 the factor 1 / sqrt(w) has the derivatives c^2 r w^-3/2 and c^2 w^-3/2 + 3 c^4 r^2
+ * w^-5/2 by r, and r^2 c w^-3/2 by c: all grow with r.  w is off by 4 u c^2 r^2 + u w.  P is undefined
+ * where w <= 0. */
 #include "q.h"
 
 static const double inverse_f[Q_TERMS] = {
-    0.5, 0.45883146774112354, 0.3446012188022555, 0.28033098596050243, 0.2336456817283482, 0.201140963881341, 0.1760051378001599, 0.15672249033989533,
-    0.14105217888403448, 0.12834107981661874, 0.11764670151969596, 0.10865091940142944, 0.1008904486072137, 0.09419358614009363, 0.08830663835607402,
-    0.08312925278314795, 0.07851104198943115, 0.07438958659241567, 0.07067015376518695, 0.06731194089522395, 0.06425233543154905,
-    0.061463564642503715, 0.05890260069568376, 0.056549895766745406, 0.054374911588187316, 0.05236349616408997, 0.05049337934410108,
-    0.048754066414236095, 0.0471289364959538, 0.04561004410307892, 0.04418473425903072, 0.042846881958661424, 0.04158668250019942,
-    0.04039933879571035, 0.03927713714056564, 0.03821626735240959, 0.03721057777323908, 0.03625700397128306, 0.03535058015346421, 0.03448881384306349,
-    0.03366765260686461, 0.03288504852991061, 0.03213766185011277, 0.03142379439525525, 0.03074066905706457, 0.030086865847361637,
-    0.029460056646703793, 0.028859044960904245, 0.02828186447135252, 0.02772749989513425, 0.027194279078748083, 0.026681334912506145,
-    0.02618723639461718, 0.025711238521121473, 0.025252109491834353, 0.024809205654797845, 0.024381460922135043, 0.02396831633223769,
-    0.02356884455532753, 0.023182557839548805, 0.022808645753437985, 0.022446680768897206, 0.02209595149857697, 0.021756081624467613,
+    0.5,
+    0.45883146774112354,
+    0.3446012188022555,
+    0.28033098596050243,
+    0.2336456817283482,
+    0.201140963881341,
+    0.1760051378001599,
+    0.15672249033989533,
+    0.14105217888403448,
+    0.12834107981661874,
+    0.11764670151969596,
+    0.10865091940142944,
+    0.1008904486072137,
+    0.09419358614009363,
+    0.08830663835607402,
+    0.08312925278314795,
+    0.07851104198943115,
+    0.07438958659241567,
+    0.07067015376518695,
+    0.06731194089522395,
+    0.06425233543154905,
+    0.061463564642503715,
+    0.05890260069568376,
+    0.056549895766745406,
+    0.054374911588187316,
+    0.05236349616408997,
+    0.05049337934410108,
+    0.048754066414236095,
+    0.0471289364959538,
+    0.04561004410307892,
+    0.04418473425903072,
+    0.042846881958661424,
+    0.04158668250019942,
+    0.04039933879571035,
+    0.03927713714056564,
+    0.03821626735240959,
+    0.03721057777323908,
+    0.03625700397128306,
+    0.03535058015346421,
+    0.03448881384306349,
+    0.03366765260686461,
+    0.03288504852991061,
+    0.03213766185011277,
+    0.03142379439525525,
+    0.03074066905706457,
+    0.030086865847361637,
+    0.029460056646703793,
+    0.028859044960904245,
+    0.02828186447135252,
+    0.02772749989513425,
+    0.027194279078748083,
+    0.026681334912506145,
+    0.02618723639461718,
+    0.025711238521121473,
+    0.025252109491834353,
+    0.024809205654797845,
+    0.024381460922135043,
+    0.02396831633223769,
+    0.02356884455532753,
+    0.023182557839548805,
+    0.022808645753437985,
+    0.022446680768897206,
+    0.02209595149857697,
+    0.021756081624467613,
 };
 static const double g[Q_TERMS] = {
-    -0.5, -0.5735393346764044, -0.61665481259351, -0.6377529930601431, -0.6513619300049629, -0.6603092839386494, -0.6669046163343583,
-    -0.671806923160116, -0.6756880560871842, -0.6787738021621034, -0.6813274542329577, -0.6834459248545621, -0.6852527890058269, -0.6867962357387358,
-    -0.6881417576448091, -0.6893159306629362, -0.6903566430966384, -0.6912797220658243, -0.6921085875884454, -0.6928532411294558, -0.6935289301488446,
-    -0.6941422797653467, -0.694703639829564, -0.6952175705475755, -0.6956913425829038, -0.6961281963460186, -0.6965333882070073, -0.6969092833845622,
-    -0.6972597758223124, -0.6975866319742294, -0.6978927976264612, -0.6981796184595651, -0.6984493639649606, -0.6987030771718313, -0.6989425347207163,
-    -0.6991685574693051, -0.6993825560411249, -0.6995851852382965, -0.6997775792668038, -0.6999602668108649, -0.7001341701768363, -0.7002997208789938,
-    -0.7004576765836422, -0.7006083929646025, -0.7007524982037037, -0.7008902880849174, -0.7010222878247344, -0.7011487454068746, -0.7012701033424026,
-    -0.7013865710909288, -0.7014985241166646, -0.7016061405527946, -0.7017097410483548, -0.701809478052869, -0.7019056270489684, -0.7019983192684813,
-    -0.7020877927080524, -0.7021741609475821, -0.7022576306627666, -0.702338300651886, -0.7024163512569984, -0.7024918688228254, -0.7025650114217071,
+    -0.5,
+    -0.5735393346764044,
+    -0.61665481259351,
+    -0.6377529930601431,
+    -0.6513619300049629,
+    -0.6603092839386494,
+    -0.6669046163343583,
+    -0.671806923160116,
+    -0.6756880560871842,
+    -0.6787738021621034,
+    -0.6813274542329577,
+    -0.6834459248545621,
+    -0.6852527890058269,
+    -0.6867962357387358,
+    -0.6881417576448091,
+    -0.6893159306629362,
+    -0.6903566430966384,
+    -0.6912797220658243,
+    -0.6921085875884454,
+    -0.6928532411294558,
+    -0.6935289301488446,
+    -0.6941422797653467,
+    -0.694703639829564,
+    -0.6952175705475755,
+    -0.6956913425829038,
+    -0.6961281963460186,
+    -0.6965333882070073,
+    -0.6969092833845622,
+    -0.6972597758223124,
+    -0.6975866319742294,
+    -0.6978927976264612,
+    -0.6981796184595651,
+    -0.6984493639649606,
+    -0.6987030771718313,
+    -0.6989425347207163,
+    -0.6991685574693051,
+    -0.6993825560411249,
+    -0.6995851852382965,
+    -0.6997775792668038,
+    -0.6999602668108649,
+    -0.7001341701768363,
+    -0.7002997208789938,
+    -0.7004576765836422,
+    -0.7006083929646025,
+    -0.7007524982037037,
+    -0.7008902880849174,
+    -0.7010222878247344,
+    -0.7011487454068746,
+    -0.7012701033424026,
+    -0.7013865710909288,
+    -0.7014985241166646,
+    -0.7016061405527946,
+    -0.7017097410483548,
+    -0.701809478052869,
+    -0.7019056270489684,
+    -0.7019983192684813,
+    -0.7020877927080524,
+    -0.7021741609475821,
+    -0.7022576306627666,
+    -0.702338300651886,
+    -0.7024163512569984,
+    -0.7024918688228254,
+    -0.7025650114217071,
     -0.7026358548464484,
 };
 
@@ -52,7 +167,8 @@ static size_t basis(sgt_numbers a, double *b, double *b_err)
     for (size_t m = terms; m-- > 0;) {
         double k = (double)m, by_f = inverse_f[m], h = 0.5 * (k + 1) * (k + 2) * by_f,
                inner = sgt_fma(h, b2, a.x[m]), sum = sgt_fma(-g[m], b1, inner), now = by_f * sum;
-        double err = SGT_U * (2 * fabs(h * b2) + fabs(g[m] * b1) + fabs(inner) + fabs(sum)) + h * err2 + fabs(g[m]) * err1;
+        double err = SGT_U * (2 * fabs(h * b2) + fabs(g[m] * b1) + fabs(inner) + fabs(sum)) + h * err2 +
+                     fabs(g[m]) * err1;
         err = 1.001 * (by_f * err + 2 * SGT_U * fabs(now));
         b2 = b1, err2 = err1, b1 = now, err1 = err;
         b[m] = 2 * now;
@@ -70,11 +186,15 @@ static bounds bfs_term_bounds(size_t m, double u)
     if (u > 1) {
         double grown = q_power(q_growth(u), 2 * m + 1), less = q_less(u), first = M * M * (grown * less),
                second = first * less * (M * M - 1) / 3;
-        return (bounds){larger(0.385, u * beyond * grown), larger(2 + 0.5 * M, (3 * v - 1) * grown + u * beyond * first),
-                        6 * u * grown + 2 * (3 * v - 1) * first + u * beyond * second}; /* no less than within */
+        return (bounds){larger(0.385, u * beyond * grown),
+                        larger(2 + 0.5 * M, (3 * v - 1) * grown + u * beyond * first),
+                        /* no less than within */
+                        6 * u * grown + 2 * (3 * v - 1) * first + u * beyond * second};
     }
-    double cosine = sqrt(larger(1 - v, 0)), vm = v < 0.5 ? v : 0.5, us = u < 0.577 ? u * (1 - v) : 0.3850, sine = 1.5708 * M * u, B = M * sqrt(vm * (1 - vm));
-    double A = larger(1, 3 * v - 1), root = sqrt(A * A + B * B), plain = A * sine + B, steep_sine = sine < 1 ? sine : 1;
+    double cosine = sqrt(larger(1 - v, 0)), vm = v < 0.5 ? v : 0.5, us = u < 0.577 ? u * (1 - v) : 0.3850,
+           sine = 1.5708 * M * u, B = M * sqrt(vm * (1 - vm));
+    double A = larger(1, 3 * v - 1), root = sqrt(A * A + B * B), plain = A * sine + B,
+           steep_sine = sine < 1 ? sine : 1;
     double quotient = M * cosine < 1 ? M : 1 / cosine;
     return (bounds){us * steep_sine + (u > 0 ? Q_LOST : 0), plain < root ? plain : root,
                     (M * M + 6) * u * steep_sine + M * larger(2, 5 * v - 2) * quotient};
@@ -106,8 +226,10 @@ static bounds bfs_all_bounds(const sgt_q_bfs *s, double r)
     double cr = s->c * r * (1 + 0x1p-50), w = 1 - cr * cr, c2 = s->c * s->c;
     if (!(w > 0x1p-30)) return (bounds){HUGE_VAL, HUGE_VAL, HUGE_VAL};
     T.steep *= by_norm, T.bend *= by_norm * by_norm;
-    double f = 1 / sqrt(w * (1 - 0x1p-20)), f3 = f * f * f, df = c2 * r * f3, ddf = c2 * f3 + 3 * c2 * r * (c2 * r) * (f3 * f * f);
-    return (bounds){q_bound(T.size * f), q_bound(T.steep * f + T.size * df), q_bound(T.bend * f + 2 * T.steep * df + T.size * ddf)};
+    double f = 1 / sqrt(w * (1 - 0x1p-20)), f3 = f * f * f, df = c2 * r * f3,
+           ddf = c2 * f3 + 3 * c2 * r * (c2 * r) * (f3 * f * f);
+    return (bounds){q_bound(T.size * f), q_bound(T.steep * f + T.size * df),
+                    q_bound(T.bend * f + 2 * T.steep * df + T.size * ddf)};
 }
 
 static int bfs_bounds_over(const void *self, region *where, bounds *out)
@@ -135,8 +257,9 @@ SGT_INLINE double factor_at(double c, double r2)
 }
 
 /* With U = v (1 - v): P = U S f, grad P = (x, y) (2 / norm^2 ((1 - 2 v) S + U S') f + U S c^2 f^3). */
-SGT_INLINE void q_bfs_in(size_t n, size_t terms, const double *b, double c, double norm2, const double *restrict x, const double *restrict y,
-                     double *restrict p, double *restrict px, double *restrict py)
+SGT_INLINE void q_bfs_in(size_t n, size_t terms, const double *b, double c, double norm2,
+                         const double *restrict x, const double *restrict y, double *restrict p,
+                         double *restrict px, double *restrict py)
 {
     double v[FREEFORM_BLOCK], s[FREEFORM_BLOCK], ds[FREEFORM_BLOCK], scale = 2 / norm2, c2 = c * c;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
@@ -151,8 +274,9 @@ SGT_INLINE void q_bfs_in(size_t n, size_t terms, const double *b, double c, doub
 
 /* One point by itself is worth loops without loops in them. */
 SGT_KERNEL
-static void q_bfs_at(size_t n, size_t terms, const double *b, double c, double norm2, const double *restrict x, const double *restrict y,
-                     double *restrict p, double *restrict px, double *restrict py)
+static void q_bfs_at(size_t n, size_t terms, const double *b, double c, double norm2,
+                     const double *restrict x, const double *restrict y, double *restrict p,
+                     double *restrict px, double *restrict py)
 {
     if (n == 1) q_bfs_in(1, terms, b, c, norm2, x, y, p, px, py);
     else q_bfs_in(n, terms, b, c, norm2, x, y, p, px, py);
@@ -166,25 +290,34 @@ static void bfs_at(const void *self, size_t n, const double *x, const double *y,
     q_bfs_at(n, terms, b, s->c, s->norm * s->norm, x, y, out.p, out.px, out.py);
 }
 
-/* v is off by 4 u v, that is by 2 u r of r, which moves v (1 - v) S by that times its derivative and the slope by that times the second;
- * w as said above, which is e of f, relative. */
+/* v is off by 4 u v, that is by 2 u r of r, which moves v (1 - v) S by that times its derivative and the
+ * slope by that times the second; w as said above, which is e of f, relative. */
 static void bfs_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const sgt_q_bfs *s = self;
-    double b[Q_TERMS], b_err[Q_TERMS], r2 = x * x + y * y, r = sqrt(r2), v = r2 / (s->norm * s->norm), u = r / s->norm, c = s->c;
+    double b[Q_TERMS], b_err[Q_TERMS], r2 = x * x + y * y, r = sqrt(r2), v = r2 / (s->norm * s->norm),
+                                       u = r / s->norm, c = s->c;
     size_t terms = basis(s->a, b, b_err);
     q_rounded S = q_rounding(bfs_step, bfs_weigh, terms, b, b_err, 0, v);
     sgt_q_bfs flat = *s;
     flat.c = 0;
     bounds T = bfs_all_bounds(&flat, r * (1 + 0x1p-40));
-    double w = 1 - c * (c * r2), f = factor_at(c, r2), U = v * (1 - v), rest = fabs(1 - v), c2f2 = c * c * f * f;
+    double w = 1 - c * (c * r2), f = factor_at(c, r2), U = v * (1 - v), rest = fabs(1 - v),
+           c2f2 = c * c * f * f;
     double e = SGT_U * (2.5 * (c * c * r2) / w + 2.5); /* of f: half of w's, the root and the quotient */
-    double first = (1 - 2 * v) * S.s, second = U * S.ds, by_v = 2 * u / s->norm, slope = by_v * (fabs(first) + fabs(second)); /* of U S */
-    double slope_err = 2 / s->norm * (fabs(1 - 2 * v) * S.s_err + rest * S.ds_err) + 4 * SGT_U * r * T.bend + 9 * SGT_U * slope;
-    double size = fabs(U * S.s), size_err = u * rest * S.s_err + 2 * SGT_U * r * (by_v * fabs(first + second) + slope_err) + 3 * SGT_U * size;
+    /* of U S */
+    double first = (1 - 2 * v) * S.s, second = U * S.ds, by_v = 2 * u / s->norm,
+           slope = by_v * (fabs(first) + fabs(second));
+    double slope_err = 2 / s->norm * (fabs(1 - 2 * v) * S.s_err + rest * S.ds_err) + 4 * SGT_U * r * T.bend +
+                       9 * SGT_U * slope;
+    double size = fabs(U * S.s), size_err = u * rest * S.s_err +
+                                            2 * SGT_U * r * (by_v * fabs(first + second) + slope_err) +
+                                            3 * SGT_U * size;
     *p_err = 1.01 * f * (size_err + (e + SGT_U) * size);
-    *grad_err = 1.01 * f * (slope_err + (e + SGT_U) * slope + r * c2f2 * (size_err + (3 * e + 8 * SGT_U) * size));
-    if (terms > 0) *p_err += 0x1p-1000, *grad_err += v < 0x1p-900 ? 2 * r * T.bend + 0x1p-500 : 0x1p-1000; /* squares underflow */
+    *grad_err = 1.01 * f *
+                (slope_err + (e + SGT_U) * slope + r * c2f2 * (size_err + (3 * e + 8 * SGT_U) * size));
+    /* squares underflow */
+    if (terms > 0) *p_err += 0x1p-1000, *grad_err += v < 0x1p-900 ? 2 * r * T.bend + 0x1p-500 : 0x1p-1000;
 }
 
 /* Next to the edge: v (1 - v) S at the middle of the ring, give or take what its slope allows, over sqrt(w),
@@ -208,32 +341,41 @@ static sgt_interval bfs_range(const void *self, const region *where)
                      : sgt_interval_between(-HUGE_VAL, most * by);
 }
 
-/* As in q_con.c: what the errors of v (1 - v) S sum to for b[m] = 1, over v, is below 1.31 (m + 1)^3 + 12 (m + 1) (worked out: 9, 33,
- * 69, 125 for the first, 3.43e5 for the last), and (1 - v) P_m / 2 is at most 2 m + 1. */
+/* As in q_con.c: what the errors of v (1 - v) S sum to for b[m] = 1, over v, is below 1.31 (m + 1)^3 + 12
+ * (m + 1) (worked out: 9, 33, 69, 125 for the first, 3.43e5 for the last), and (1 - v) P_m / 2 is at most 2
+ * m + 1. */
 static void bfs_noise(const void *self, double radius, double e[2])
 {
     const sgt_q_bfs *s = self;
-    double b[Q_TERMS], b_err[Q_TERMS], grown = q_growth(radius / s->norm), sum = 0, size = 0, cr2 = s->c * radius * (s->c * radius), w = 1 - cr2 * (1 + 0x1p-40);
+    double b[Q_TERMS], b_err[Q_TERMS], grown = q_growth(radius / s->norm), sum = 0, size = 0,
+                                       cr2 = s->c * radius * (s->c * radius), w = 1 - cr2 * (1 + 0x1p-40);
     for (size_t m = 0, terms = basis(s->a, b, b_err); m < terms; m++) {
         double k = (double)m + 1, power = q_power(grown, 2 * m + 4);
         sum += ((1.31 * k * k + 12) * k * SGT_U * fabs(b[m]) + (2 * k - 1) * b_err[m]) * power;
         size += (2 * k - 1) * fabs(b[m]) * power;
     }
-    e[0] = 0, e[1] = !(size > 0) ? 0 : w > 0x1p-30 ? 1.01 * (sum + SGT_U * size * (2.5 * cr2 / w + 3.5)) / sqrt(w) / (s->norm * s->norm) : HUGE_VAL;
+    e[0] = 0, e[1] = !(size > 0) ? 0
+                     : w > 0x1p-30
+                         ? 1.01 * (sum + SGT_U * size * (2.5 * cr2 / w + 3.5)) / sqrt(w) / (s->norm * s->norm)
+                         : HUGE_VAL;
 }
 
 /* ------------------------------------------------------------------------------------ sensitivities */
 
-/* By r^2, with primes by v, V = U S: P' = (V' / norm^2) f + V c^2 f^3 / 2, P'' = (V'' / norm^4) f + (V' / norm^2) c^2 f^3 + V c^4 f^5 3 / 4. */
+/* By r^2, with primes by v, V = U S: P' = (V' / norm^2) f + V c^2 f^3 / 2, P'' = (V'' / norm^4) f + (V' /
+ * norm^2) c^2 f^3 + V c^4 f^5 3 / 4. */
 SGT_KERNEL
-static void q_bfs_second(size_t n, size_t terms, const double *b, double c, double norm2, const double *restrict x, const double *restrict y,
-                         double *restrict pxx, double *restrict pxy, double *restrict pyy)
+static void q_bfs_second(size_t n, size_t terms, const double *b, double c, double norm2,
+                         const double *restrict x, const double *restrict y, double *restrict pxx,
+                         double *restrict pxy, double *restrict pyy)
 {
-    double v[FREEFORM_BLOCK], s[FREEFORM_BLOCK], ds[FREEFORM_BLOCK], dds[FREEFORM_BLOCK], scale = 1 / norm2, c2 = c * c;
+    double v[FREEFORM_BLOCK], s[FREEFORM_BLOCK], ds[FREEFORM_BLOCK], dds[FREEFORM_BLOCK], scale = 1 / norm2,
+                                                                                          c2 = c * c;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
     q_second(bfs_step, terms, b, n, v, s, ds, dds);
     LANES for (size_t i = 0; i < n; i++) {
-        double f = factor_at(c, x[i] * x[i] + y[i] * y[i]), cf = c2 * (f * f), U = v[i] * (1 - v[i]), dU = 1 - 2 * v[i];
+        double f = factor_at(c, x[i] * x[i] + y[i] * y[i]), cf = c2 * (f * f), U = v[i] * (1 - v[i]),
+               dU = 1 - 2 * v[i];
         double V = U * s[i], dV = scale * sgt_fma(U, ds[i], dU * s[i]),
                ddV = scale * scale * sgt_fma(U, dds[i], 2 * (dU * ds[i] - s[i]));
         double G = 2 * f * sgt_fma(0.5 * cf, V, dV), bent = 4 * f * (ddV + cf * sgt_fma(0.75 * cf, V, dV));
@@ -243,7 +385,8 @@ static void q_bfs_second(size_t n, size_t terms, const double *b, double c, doub
     }
 }
 
-static void bfs_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void bfs_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
+                       double *pyy)
 {
     const sgt_q_bfs *s = self;
     double b[Q_TERMS];
@@ -257,7 +400,8 @@ static size_t bfs_parameters(const void *self)
     return a.rows * a.columns;
 }
 
-static void bfs_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void bfs_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
+                             sag_values out)
 {
     const sgt_q_bfs *s = self;
     double unit[Q_TERMS] = {0};
@@ -268,10 +412,12 @@ static void bfs_by_parameter(const void *self, size_t j, size_t n, const double 
 
 /* dP/dc = P q with q = r^2 c f^2, and grad q = (x, y) 2 c f^4. */
 SGT_KERNEL
-static void curved(size_t n, double c, const double *restrict x, const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
+static void curved(size_t n, double c, const double *restrict x, const double *restrict y, double *restrict p,
+                   double *restrict px, double *restrict py)
 {
     LANES for (size_t i = 0; i < n; i++) {
-        double r2 = x[i] * x[i] + y[i] * y[i], f = factor_at(c, r2), f2 = f * f, q = c * r2 * f2, G = 2 * c * (f2 * f2) * p[i];
+        double r2 = x[i] * x[i] + y[i] * y[i], f = factor_at(c, r2), f2 = f * f, q = c * r2 * f2,
+               G = 2 * c * (f2 * f2) * p[i];
         px[i] = sgt_fma(px[i], q, x[i] * G), py[i] = sgt_fma(py[i], q, y[i] * G);
         p[i] *= q;
     }
@@ -304,7 +450,13 @@ static const departure q_bfs_departure = {.at = bfs_at,
 
 static departure_sag on_sphere(const sgt_q_bfs *s)
 {
-    return (departure_sag){.c = s->c, .k = 0, .semi_diameter = s->semi_diameter, .base = true, .of = &q_bfs_departure, .self = s, .fixed_k = true};
+    return (departure_sag){.c = s->c,
+                           .k = 0,
+                           .semi_diameter = s->semi_diameter,
+                           .base = true,
+                           .of = &q_bfs_departure,
+                           .self = s,
+                           .fixed_k = true};
 }
 
 FREEFORM_OPS(q_bfs, sgt_q_bfs, on_sphere)

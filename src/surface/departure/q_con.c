@@ -1,30 +1,37 @@
-/* q_con.c - P = v^2 S(v), v = (r / norm)^2, S = sum of a[m] Qcon_m(v), Qcon_m(v) = P_m^(0,4)(2 v - 1) of Jacobi: Forbes' strong aspheres.
+/* q_con.c - P = v^2 S(v), v = (r / norm)^2, S = sum of a[m] Qcon_m(v), Qcon_m(v) = P_m^(0,4)(2 v - 1) of
+ * Jacobi: Forbes' strong aspheres.
  *
- * The recurrence is that of Jacobi's polynomials (Abramowitz and Stegun, 22.7.1) with alpha = 0, beta = 4, in v; q.h sums it.
- * With u = r / norm each term is R(u) = u^4 Qcon_m(u^2), the radial polynomial of Zernike of degree n = 2 m + 4 and order 4: so
- * on [0, 1], where R(1) = 1,
+ * The recurrence is that of Jacobi's polynomials (Abramowitz and Stegun, 22.7.1) with alpha = 0, beta = 4,
+ * in v; q.h sums it.  With u = r / norm each term is R(u) = u^4 Qcon_m(u^2), the radial polynomial of
+ * Zernike of degree n = 2 m + 4 and order 4: so on [0, 1], where R(1) = 1,
  *     |R| <= 1,    |R'| <= R'(1) = N = (n (n + 2) - 16) / 2,    |R''| <= R''(1) = ((2 N - 4) N + 32) / 4,
- * as R' is a sum of radial polynomials with coefficients that are not negative (Janssen 2014, J. Eur. Opt. Soc. Rapid Publ. 9, 14028),
- * and by Bernstein's inequality, sine^2 = 1 - u^2, |R'| <= n / sine, |R''| <= (n^2 + n u / sine) / sine^2.  Near the axis the polynomials'
- * own greatest values count, those at v = 0 (Szego, Orthogonal Polynomials, 7.32): |Q| <= B4, |Q'| <= (m + 5) B5,
- * |Q''| <= (m + 5) (m + 6) B6, Bi the binomial coefficient of m + 4 over i.  Beyond u = 1 all grow as
- * q_growth says, each derivative as a polynomial of a degree less.
+ * as R' is a sum of radial polynomials with coefficients that are not negative (Janssen 2014, J. Eur. Opt.
+ * Soc. Rapid Publ. 9, 14028), and by Bernstein's inequality, sine^2 = 1 - u^2, |R'| <= n / sine, |R''| <=
+ * (n^2 + n u / sine) / sine^2.  Near the axis the polynomials' own greatest values count, those at v = 0
+ * (Szego, Orthogonal Polynomials, 7.32): |Q| <= B4, |Q'| <= (m + 5) B5, |Q''| <= (m + 5) (m + 6) B6, Bi the
+ * binomial coefficient of m + 4 over i.  Beyond u = 1 all grow as q_growth says, each derivative as a
+ * polynomial of a degree less.
  *
- * Of the second derivative of P along the radius, and across it, P'/r, the greater counts: on [0, r] the latter is a mean of the former. */
+ * Of the second derivative of P along the radius, and across it, P'/r, the greater counts: on [0, r] the
+ * latter is a mean of the former. */
 #include "q.h"
 
 static q_step con_step(size_t m)
 {
     double k = (double)m, den = (k + 1) * (k + 2) * (k + 5), square = (k + 2) * (k + 3), odd = 2 * k + 5;
-    return (q_step){-odd * (square + 4) / den, 2 * odd * square / den, (k + 1) * (k + 4) * (k + 5) / ((k + 2) * (k + 3) * (k + 6))};
+    return (q_step){-odd * (square + 4) / den, 2 * odd * square / den,
+                    (k + 1) * (k + 4) * (k + 5) / ((k + 2) * (k + 3) * (k + 6))};
 }
 
 /* Of R, R' and R'' over [0, u]. */
 static bounds con_term_bounds(size_t m, double u)
 {
-    double k = (double)m, n = 2 * k + 4, N = 0.5 * (n * (n + 2) - 16), v = u * u, sine2 = 1 - v, sine = sqrt(larger(sine2, 0));
-    double b4 = (k + 4) * (k + 3) * (k + 2) * (k + 1) / 24, q1 = (k + 5) * (b4 * k / 5), q2 = q1 * (k + 6) * (k - 1) / 6;
-    bounds e = {1, N, 0.25 * ((2 * N - 4) * N + 32)}, bernstein = {1, n / sine, (n * n + n * u / sine) / sine2};
+    double k = (double)m, n = 2 * k + 4, N = 0.5 * (n * (n + 2) - 16), v = u * u, sine2 = 1 - v,
+           sine = sqrt(larger(sine2, 0));
+    double b4 = (k + 4) * (k + 3) * (k + 2) * (k + 1) / 24, q1 = (k + 5) * (b4 * k / 5),
+           q2 = q1 * (k + 6) * (k - 1) / 6;
+    bounds e = {1, N, 0.25 * ((2 * N - 4) * N + 32)},
+           bernstein = {1, n / sine, (n * n + n * u / sine) / sine2};
     double lost = u > 0 ? Q_LOST : 0;
     bounds axis = {v * v * b4 + lost, u * v * (4 * b4 + 2 * v * q1) + lost,
                    v * (12 * b4 + v * (18 * q1 + v * 4 * q2)) + lost};
@@ -64,8 +71,9 @@ static int con_bounds_over(const void *self, region *where, bounds *out)
 }
 
 /* P = v (v S), grad P = (x, y) v (2 S + v S') 2 / norm^2. */
-SGT_INLINE void q_con_in(size_t n, size_t terms, const double *a, double norm2, const double *restrict x, const double *restrict y,
-                     double *restrict p, double *restrict px, double *restrict py)
+SGT_INLINE void q_con_in(size_t n, size_t terms, const double *a, double norm2, const double *restrict x,
+                         const double *restrict y, double *restrict p, double *restrict px,
+                         double *restrict py)
 {
     double v[FREEFORM_BLOCK], s[FREEFORM_BLOCK], ds[FREEFORM_BLOCK], scale = 2 / norm2;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
@@ -79,8 +87,8 @@ SGT_INLINE void q_con_in(size_t n, size_t terms, const double *a, double norm2, 
 
 /* One point by itself is worth loops without loops in them. */
 SGT_KERNEL
-static void q_con_at(size_t n, size_t terms, const double *a, double norm2, const double *restrict x, const double *restrict y,
-                     double *restrict p, double *restrict px, double *restrict py)
+static void q_con_at(size_t n, size_t terms, const double *a, double norm2, const double *restrict x,
+                     const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
 {
     if (n == 1) q_con_in(1, terms, a, norm2, x, y, p, px, py);
     else q_con_in(n, terms, a, norm2, x, y, p, px, py);
@@ -92,7 +100,8 @@ static void con_at(const void *self, size_t n, const double *x, const double *y,
     q_con_at(n, q_terms(s->a), s->a.x, s->norm * s->norm, x, y, out.p, out.px, out.py);
 }
 
-/* v is off by 4 u v, which is 2 u r of r: P is moved by that times P', and the gradient, r G, by 2 u r |P'' - G|. */
+/* v is off by 4 u v, which is 2 u r of r: P is moved by that times P', and the gradient, r G, by 2 u r |P''
+ * - G|. */
 static void con_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const sgt_q_con *s = self;
@@ -107,8 +116,9 @@ static void con_rounding(const void *self, double x, double y, double *p_err, do
     if (b.size > 0) *p_err += 0x1p-1000, *grad_err += 0x1p-1000;
 }
 
-/* What q_rounding and the rest of `rounding` would sum to, for a[m] = 1, over v: its maximum over v <= 1 is below
- * (m + 1)^2 (12.5 + (m + 1)^2 / 30) for each m (worked out at 20,000 v: 12, 49, 99.7, 164 for the first, 5.47e5 for the last). */
+/* What q_rounding and the rest of `rounding` would sum to, for a[m] = 1, over v: its maximum over v <= 1 is
+ * below (m + 1)^2 (12.5 + (m + 1)^2 / 30) for each m (worked out at 20,000 v: 12, 49, 99.7, 164 for the
+ * first, 5.47e5 for the last). */
 static void con_noise(const void *self, double radius, double e[2])
 {
     const sgt_q_con *s = self;
@@ -122,8 +132,9 @@ static void con_noise(const void *self, double radius, double e[2])
 
 /* By v, P' = v (2 S + v S') and P'' = 2 S + v (4 S' + v S''). */
 SGT_KERNEL
-static void q_con_second(size_t n, size_t terms, const double *a, double norm2, const double *restrict x, const double *restrict y,
-                         double *restrict pxx, double *restrict pxy, double *restrict pyy)
+static void q_con_second(size_t n, size_t terms, const double *a, double norm2, const double *restrict x,
+                         const double *restrict y, double *restrict pxx, double *restrict pxy,
+                         double *restrict pyy)
 {
     double v[FREEFORM_BLOCK], s[FREEFORM_BLOCK], ds[FREEFORM_BLOCK], dds[FREEFORM_BLOCK], scale = 2 / norm2;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
@@ -137,7 +148,8 @@ static void q_con_second(size_t n, size_t terms, const double *a, double norm2, 
     }
 }
 
-static void con_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void con_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
+                       double *pyy)
 {
     const sgt_q_con *s = self;
     q_con_second(n, q_terms(s->a), s->a.x, s->norm * s->norm, x, y, pxx, pxy, pyy);
@@ -149,7 +161,8 @@ static size_t con_parameters(const void *self)
     return a.rows * a.columns;
 }
 
-static void con_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void con_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
+                             sag_values out)
 {
     const sgt_q_con *s = self;
     double unit[Q_TERMS] = {0};
@@ -164,7 +177,13 @@ static sgt_objection con_object(const void *self)
     return object_to_list("coefficients", s->a, Q_TERMS, "must have at most 64 numbers");
 }
 
-static const departure q_con_departure = {
-    .at = con_at, .rounding = con_rounding, .bounds = con_bounds_over, .second = con_second, .parameters = con_parameters, .by_parameter = con_by_parameter, .object = con_object, .noise = con_noise};
+static const departure q_con_departure = {.at = con_at,
+                                          .rounding = con_rounding,
+                                          .bounds = con_bounds_over,
+                                          .second = con_second,
+                                          .parameters = con_parameters,
+                                          .by_parameter = con_by_parameter,
+                                          .object = con_object,
+                                          .noise = con_noise};
 
 FREEFORM_ON_CONIC(q_con, sgt_q_con)

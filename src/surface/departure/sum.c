@@ -1,7 +1,8 @@
 /* sum.c - several departures on one conic base.
  *
- * P = P_1 + P_2 + ..., each from the surface whose departure it is.  Sums are taken in the order of the terms; each one adds
- * a rounding of what there is so far, u sum |P_i|, n - 1 times.  Bounds add, over the region where all are defined. */
+ * P = P_1 + P_2 + ..., each from the surface whose departure it is.  Sums are taken in the order of the
+ * terms; each one adds a rounding of what there is so far, u sum |P_i|, n - 1 times.  Bounds add, over the
+ * region where all are defined. */
 #include "departure.h"
 
 enum { MOST_TERMS = 16 };
@@ -83,7 +84,8 @@ static sgt_interval sum_range(const void *self, const region *where)
     return sum;
 }
 
-static void sum_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void sum_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
+                       double *pyy)
 {
     const sgt_sum *s = self;
     double xx[FREEFORM_BLOCK], xy[FREEFORM_BLOCK], yy[FREEFORM_BLOCK];
@@ -102,7 +104,8 @@ static size_t sum_parameters(const void *self)
     return count;
 }
 
-static void sum_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void sum_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
+                             sag_values out)
 {
     const sgt_sum *s = self;
     const sgt_surface *term = s->terms;
@@ -120,13 +123,20 @@ static sgt_objection sum_object(const void *self)
         const sgt_surface *term = &s->terms[k];
         if (!term->ops || in_set(*term).ops == &sgt_sum_ops || !term->ops->own_ || !of(term) || !term->self)
             return (sgt_objection){"terms", "holds what is no sag, or another sum"};
-        if (of(term)->object(term->self).reason) return (sgt_objection){"terms", "holds one whose parameters are not valid"};
+        if (of(term)->object(term->self).reason)
+            return (sgt_objection){"terms", "holds one whose parameters are not valid"};
     }
     return fine;
 }
 
-static const departure sum_departure = {.at = sum_at, .rounding = sum_rounding, .bounds = sum_bounds,
-                                        .range = sum_range, .second = sum_second,
-                                        .parameters = sum_parameters, .by_parameter = sum_by_parameter, .object = sum_object, .noise = sum_noise};
+static const departure sum_departure = {.at = sum_at,
+                                        .rounding = sum_rounding,
+                                        .bounds = sum_bounds,
+                                        .range = sum_range,
+                                        .second = sum_second,
+                                        .parameters = sum_parameters,
+                                        .by_parameter = sum_by_parameter,
+                                        .object = sum_object,
+                                        .noise = sum_noise};
 
 FREEFORM_ON_CONIC(sum, sgt_sum)

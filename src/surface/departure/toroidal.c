@@ -1,23 +1,27 @@
 /* toroidal.c - a profile z_p(y), a conic and even powers, swept about an axis parallel to y.
  *
- * THE SAG.  With t = c_x x and q = 1 - c_x z_p, which is the profile's distance from the axis z = 1 / c_x over the radius of x,
+ * THE SAG.  With t = c_x x and q = 1 - c_x z_p, which is the profile's distance from the axis z = 1 / c_x
+ * over the radius of x,
  *     s = z_p + e,   e = t x / (q + m),   m = sqrt(q^2 - t^2) = sqrt((q - |t|) (q + |t|)):
- * no division by c_x, so that 0 is a profile drawn straight along x.  e is the root near 0 of c_x (x^2 + e^2) = 2 q e, m = q - c_x e.
- * Differentiated, everything is a quotient by m:
+ * no division by c_x, so that 0 is a profile drawn straight along x.  e is the root near 0 of c_x (x^2 +
+ * e^2) = 2 q e, m = q - c_x e.  Differentiated, everything is a quotient by m:
  *     s_x = t / m,                    s_y = z_p' q / m,
- *     s_xx = c_x q^2 / m^3,           s_xy = c_x t q z_p' / m^3,         s_yy = z_p'' q / m + c_x t^2 z_p'^2 / m^3;
- * for a parameter of the profile  s_a = z_a q / m,  s_ax = z_a c_x t q / m^3,  s_ay = z_a' q / m + z_a c_x t^2 z_p' / m^3,
- * with, of the conic, phi = sqrt(1 - (1 + k) c^2 y^2):  z_c = y^2 / (phi (1 + phi)), z_c' = y / phi^3,
- * z_k = c^3 y^4 / (2 phi (1 + phi)^2), z_k' = c^3 y^3 / (2 phi^3);  and since q + c_x z_p = 1
+ *     s_xx = c_x q^2 / m^3,           s_xy = c_x t q z_p' / m^3,         s_yy = z_p'' q / m + c_x t^2
+ *                                     z_p'^2 / m^3;
+ * for a parameter of the profile  s_a = z_a q / m,  s_ax = z_a c_x t q / m^3,  s_ay = z_a' q / m + z_a c_x
+ * t^2 z_p' / m^3, with, of the conic, phi = sqrt(1 - (1 + k) c^2 y^2):  z_c = y^2 / (phi (1 + phi)), z_c' =
+ * y / phi^3, z_k = c^3 y^4 / (2 phi (1 + phi)^2), z_k' = c^3 y^3 / (2 phi^3);  and since q + c_x z_p = 1
  *     s_c_x = (x^2 + e (e + 2 z_p)) / (2 m),     its gradient (q x, z_p' t x) / m^3.
  *
- * ROUNDING.  With u = 2^-53: the conic's part as in biconic.c, with one term; the term a y^(2i+2) is rounded at most 3 i + 4 times,
- * and those of P'(y^2) 4 i + 4 times, hence 4 u y^2 first and 4 u (first + y^2 second) with the sums of poly.h.  q - |t| and q + |t| are off
- * by what q and t are, m by what its square is over m + the least it may be, and never more than the root of that; all
- * else are quotients by m and q + m, carried on line by line, and enlarged by 2^-20.
+ * ROUNDING.  With u = 2^-53: the conic's part as in biconic.c, with one term; the term a y^(2i+2) is
+ * rounded at most 3 i + 4 times, and those of P'(y^2) 4 i + 4 times, hence 4 u y^2 first and 4 u (first +
+ * y^2 second) with the sums of poly.h.  q - |t| and q + |t| are off by what q and t are, m by what its
+ * square is over m + the least it may be, and never more than the root of that; all else are quotients by m
+ * and q + m, carried on line by line, and enlarged by 2^-20.
  *
- * BOUNDS.  By intervals, of the formulas above, over |x| and |y|; of a steep toroid over |y| in eight slices, in each of which x^2 is at most r_hi^2 - y^2: one
- * rectangle has a corner beyond the rim, where it is steeper yet, or not defined. */
+ * BOUNDS.  By intervals, of the formulas above, over |x| and |y|; of a steep toroid over |y| in eight
+ * slices, in each of which x^2 is at most r_hi^2 - y^2: one rectangle has a corner beyond the rim, where it
+ * is steeper yet, or not defined. */
 #include "bend.h"
 #include "departure.h"
 
@@ -32,7 +36,8 @@ static int toroidal_terms_of(const sgt_toroidal *s)
 }
 
 /* sum of a[i] y^(2i), and its derivative by y^2. */
-SGT_INLINE void powers_of(const sgt_toroidal *s, size_t n, const double *restrict y, double *restrict h, double *restrict dh)
+SGT_INLINE void powers_of(const sgt_toroidal *s, size_t n, const double *restrict y, double *restrict h,
+                          double *restrict dh)
 {
     int terms = toroidal_terms_of(s);
     const double last = terms ? s->a[terms - 1] : 0;
@@ -56,7 +61,8 @@ SGT_INLINE swept swept_at(double c, double k1, double c_x, double x, double y, d
     double rho = y * y, v = c * y;
     s.phi = sqrt(1 - k1 * v * v);
     s.z = v * y / (1 + s.phi) + rho * h;
-    s.dz = v / larger(s.phi, 0x1p-400) + 2 * y * (h + rho * dh) + (s.phi - s.phi); /* at the equator steeper than anything; NaN beyond */
+    /* at the equator steeper than anything; NaN beyond */
+    s.dz = v / larger(s.phi, 0x1p-400) + 2 * y * (h + rho * dh) + (s.phi - s.phi);
     s.t = c_x * x, s.q = 1 - c_x * s.z;
     s.m = sqrt(chosen(MASK(s.q > 0), (s.q - fabs(s.t)) * (s.q + fabs(s.t)), (double)NAN));
     s.e = s.t * x / (s.q + s.m);
@@ -64,8 +70,9 @@ SGT_INLINE swept swept_at(double c, double k1, double c_x, double x, double y, d
 }
 
 SGT_KERNEL
-static void toroidal_sag(const sgt_toroidal *self, size_t n, const double *restrict px, const double *restrict py, double *restrict p,
-                         double *restrict gx, double *restrict gy)
+static void toroidal_sag(const sgt_toroidal *self, size_t n, const double *restrict px,
+                         const double *restrict py, double *restrict p, double *restrict gx,
+                         double *restrict gy)
 {
     const double c = self->c, k1 = 1 + self->k, c_x = self->c_x;
     double h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK];
@@ -79,7 +86,10 @@ static void toroidal_sag(const sgt_toroidal *self, size_t n, const double *restr
     }
 }
 
-static void toroidal_at(const void *self, size_t n, const double *x, const double *y, sag_values out) { toroidal_sag(self, n, x, y, out.p, out.px, out.py); }
+static void toroidal_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
+{
+    toroidal_sag(self, n, x, y, out.p, out.px, out.py);
+}
 
 /* How far a root can be off whose square d is off by d_err; *low: the least it can be. */
 static double root_off(double d, double d_err, double *low)
@@ -105,8 +115,10 @@ static void toroidal_off(const void *self, double x, double y, double *p_err, do
     double conic = fabs(v * y / w), w_low = larger(w - (phi_err + u * w), 1);
     double z_err = conic * (4 * u + (phi_err + u * w) / w_low) + 4 * u * rho * first + u * fabs(s.z);
     double t = fabs(s.t), near = s.q - t, far = s.q + t;
-    double q_err = fabs(a->c_x) * z_err + u * (fabs(a->c_x * s.z) + fabs(s.q)), near_err = q_err + u * (t + fabs(near)), far_err = q_err + u * (t + far);
-    double m_err = root_off(s.m * s.m, (near_err * far + far_err * (near + near_err) + 4 * u * s.m * s.m) * more, &m_low);
+    double q_err = fabs(a->c_x) * z_err + u * (fabs(a->c_x * s.z) + fabs(s.q)),
+           near_err = q_err + u * (t + fabs(near)), far_err = q_err + u * (t + far);
+    double m_err = root_off(
+        s.m * s.m, (near_err * far + far_err * (near + near_err) + 4 * u * s.m * s.m) * more, &m_low);
     double sum = s.q + s.m, sum_low = sum - (q_err + m_err + u * sum), e = fabs(s.e);
     if (!(sum_low > 0)) return;
     double e_err = e * (4 * u + (q_err + m_err + u * sum) / sum_low);
@@ -123,7 +135,8 @@ static void toroidal_off(const void *self, double x, double y, double *p_err, do
 }
 
 /* P'(rho), and P'' in *second, of P = sum of a[i] rho^(i+1); P in *sum. */
-static sgt_interval powers_over(const sgt_toroidal *a, sgt_interval rho, sgt_interval *sum, sgt_interval *second)
+static sgt_interval powers_over(const sgt_toroidal *a, sgt_interval rho, sgt_interval *sum,
+                                sgt_interval *second)
 {
     sgt_interval h = {0, 0}, dh = {0, 0}, ddh = {0, 0};
     for (int i = toroidal_terms_of(a) - 1; i >= 0; i--) {
@@ -136,52 +149,69 @@ static sgt_interval powers_over(const sgt_toroidal *a, sgt_interval rho, sgt_int
     return dh;
 }
 
-/* |x| and |y| of a rectangle, and what is known of s over it; q_most, m_least: of q and m.  As `bounds`, but that `where` is left. */
+/* |x| and |y| of a rectangle, and what is known of s over it; q_most, m_least: of q and m.  As `bounds`,
+ * but that `where` is left. */
 typedef struct toroidal_slice { sgt_interval x, y, s; double q_most, m_least; bounds most; } toroidal_slice;
 
 static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
 {
-    sgt_interval one = {1, 1}, c = sgt_interval_of(a->c), c_x = sgt_interval_of(a->c_x), rho = sgt_interval_square(at->y), v = sgt_interval_product(c, at->y);
-    sgt_interval phi2 = sgt_interval_difference(one, sgt_interval_product(sgt_interval_sum(one, sgt_interval_of(a->k)), sgt_interval_square(v)));
+    sgt_interval one = {1, 1}, c = sgt_interval_of(a->c), c_x = sgt_interval_of(a->c_x),
+                 rho = sgt_interval_square(at->y), v = sgt_interval_product(c, at->y);
+    sgt_interval phi2 = sgt_interval_difference(
+        one, sgt_interval_product(sgt_interval_sum(one, sgt_interval_of(a->k)), sgt_interval_square(v)));
     if (phi2.hi < 0) return 0;
     sgt_interval phi = sgt_interval_square_root(phi2), p, ddp, dp = powers_over(a, rho, &p, &ddp);
-    sgt_interval z = sgt_interval_sum(sgt_interval_quotient(sgt_interval_product(v, at->y), sgt_interval_sum(one, phi)), p);
-    sgt_interval q = sgt_interval_difference(one, sgt_interval_product(c_x, z)), t = sgt_interval_absolute(sgt_interval_product(c_x, at->x));
+    sgt_interval z = sgt_interval_sum(
+        sgt_interval_quotient(sgt_interval_product(v, at->y), sgt_interval_sum(one, phi)), p);
+    sgt_interval q = sgt_interval_difference(one, sgt_interval_product(c_x, z)),
+                 t = sgt_interval_absolute(sgt_interval_product(c_x, at->x));
     sgt_interval near = sgt_interval_difference(q, t), far = sgt_interval_sum(q, t);
     if (!(q.hi > 0 && near.hi >= 0)) return 0;
     at->q_most = q.hi;
     bool whole = phi2.lo >= 0 && q.lo > 0 && near.lo >= 0;
     sgt_interval some = {0, HUGE_VAL};
-    q = sgt_interval_intersection(q, some), near = sgt_interval_intersection(near, some), far = sgt_interval_intersection(far, some);
+    q = sgt_interval_intersection(q, some), near = sgt_interval_intersection(near, some),
+    far = sgt_interval_intersection(far, some);
     sgt_interval m = sgt_interval_square_root(sgt_interval_product(near, far)), sum = sgt_interval_sum(q, m);
     sgt_interval e = sgt_interval_quotient(sgt_interval_product(c_x, sgt_interval_square(at->x)), sum);
     at->s = sgt_interval_sum(z, e), at->m_least = whole ? m.lo : 0;
-    at->most = (bounds){whole ? sgt_interval_greatest(at->s) : HUGE_VAL, HUGE_VAL, HUGE_VAL}; /* what may not be defined has no size to be a graze by */
+    /* what may not be defined has no size to be a graze by */
+    at->most = (bounds){whole ? sgt_interval_greatest(at->s) : HUGE_VAL, HUGE_VAL, HUGE_VAL};
     if (!(whole && phi.lo > 0 && m.lo > 0)) return whole ? 1 : -1;
 
-    sgt_interval dz = sgt_interval_product(at->y, sgt_interval_sum(sgt_interval_quotient(c, phi), sgt_interval_scaled(dp, 2)));
-    sgt_interval ddz = sgt_interval_sum(sgt_interval_quotient(c, sgt_interval_power(phi, 3)), sgt_interval_sum(sgt_interval_scaled(dp, 2), sgt_interval_scaled(sgt_interval_product(rho, ddp), 4)));
-    sgt_interval by_m = sgt_interval_quotient(q, m), sx = sgt_interval_quotient(t, m), sy = sgt_interval_product(dz, by_m);
+    sgt_interval dz = sgt_interval_product(
+        at->y, sgt_interval_sum(sgt_interval_quotient(c, phi), sgt_interval_scaled(dp, 2)));
+    sgt_interval ddz = sgt_interval_sum(
+        sgt_interval_quotient(c, sgt_interval_power(phi, 3)),
+        sgt_interval_sum(sgt_interval_scaled(dp, 2), sgt_interval_scaled(sgt_interval_product(rho, ddp), 4)));
+    sgt_interval by_m = sgt_interval_quotient(q, m), sx = sgt_interval_quotient(t, m),
+                 sy = sgt_interval_product(dz, by_m);
     sgt_interval bent = sgt_interval_quotient(c_x, m), across = sgt_interval_product(sx, dz);
-    sgt_interval xx = sgt_interval_product(bent, sgt_interval_square(by_m)), xy = sgt_interval_product(bent, sgt_interval_product(by_m, across));
-    sgt_interval yy = sgt_interval_sum(sgt_interval_product(ddz, by_m), sgt_interval_product(bent, sgt_interval_square(across)));
-    at->most.steep = sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(sx), sgt_interval_square(sy))).hi;
+    sgt_interval xx = sgt_interval_product(bent, sgt_interval_square(by_m)),
+                 xy = sgt_interval_product(bent, sgt_interval_product(by_m, across));
+    sgt_interval yy = sgt_interval_sum(sgt_interval_product(ddz, by_m),
+                                       sgt_interval_product(bent, sgt_interval_square(across)));
+    at->most.steep =
+        sgt_interval_square_root(sgt_interval_sum(sgt_interval_square(sx), sgt_interval_square(sy))).hi;
     at->most.bend = norm_of(sgt_interval_greatest(xx), sgt_interval_greatest(xy), sgt_interval_greatest(yy));
     return 1;
 }
 
 /* `bounds` over this many slices; `where` is left. */
-static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds *out, sgt_interval *range, double *q_most, double *m_least)
+static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds *out, sgt_interval *range,
+                  double *q_most, double *m_least)
 {
     sgt_interval x = sgt_interval_absolute(where->x), y = sgt_interval_absolute(where->y);
     double r2 = sgt_product_above(where->r_hi, where->r_hi);
     bool some = false, whole = true;
     *out = (bounds){0, 0, 0}, *range = sgt_interval_empty(), *q_most = 0, *m_least = HUGE_VAL;
     for (int i = 0; i < slices; i++) {
-        double from = y.lo + (y.hi - y.lo) * i / slices, to = i + 1 < slices ? y.lo + (y.hi - y.lo) * (i + 1) / slices : y.hi;
+        double from = y.lo + (y.hi - y.lo) * i / slices,
+               to = i + 1 < slices ? y.lo + (y.hi - y.lo) * (i + 1) / slices : y.hi;
         toroidal_slice at = {.x = x, .y = {from, to}};
         double x2 = sgt_sum_above(r2, -sgt_interval_square(at.y).lo); /* at most */
-        at.x = x2 >= 0 ? sgt_interval_intersection(x, sgt_interval_between(0, sgt_square_root_above(x2))) : sgt_interval_empty();
+        at.x = x2 >= 0 ? sgt_interval_intersection(x, sgt_interval_between(0, sgt_square_root_above(x2)))
+                       : sgt_interval_empty();
         if (sgt_interval_is_empty(at.x)) continue;
         int defined = slice_bounds(a, &at);
         whole = whole && defined == 1;
@@ -189,17 +219,20 @@ static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds
         some = true;
         *range = sgt_interval_hull(*range, at.s);
         *q_most = larger(*q_most, at.q_most), *m_least = -larger(-*m_least, -at.m_least);
-        out->size = larger(out->size, at.most.size), out->steep = larger(out->steep, at.most.steep), out->bend = larger(out->bend, at.most.bend);
+        out->size = larger(out->size, at.most.size), out->steep = larger(out->steep, at.most.steep),
+        out->bend = larger(out->bend, at.most.bend);
     }
     return !some ? 0 : whole ? 1 : -1;
 }
 
 /* In slices only where one rectangle, with its corners beyond the rim, is steep. */
-static int toroidal_over(const sgt_toroidal *a, const region *where, bounds *out, sgt_interval *range, double *q_most, double *m_least)
+static int toroidal_over(const sgt_toroidal *a, const region *where, bounds *out, sgt_interval *range,
+                         double *q_most, double *m_least)
 {
     double x = sgt_interval_greatest(where->x), y = sgt_interval_greatest(where->y), r = where->r_hi;
     int defined = sliced(a, where, 1, out, range, q_most, m_least);
-    if (defined && !(defined == 1 && out->steep < TOROIDAL_GENTLE) && x * x + y * y > r * r * (1 + 0x1p-20)) return sliced(a, where, TOROIDAL_SLICES, out, range, q_most, m_least);
+    if (defined && !(defined == 1 && out->steep < TOROIDAL_GENTLE) && x * x + y * y > r * r * (1 + 0x1p-20))
+        return sliced(a, where, TOROIDAL_SLICES, out, range, q_most, m_least);
     return defined;
 }
 
@@ -210,10 +243,14 @@ static int toroidal_bounds(const void *self, region *where, bounds *out)
     sgt_interval range;
     int defined = toroidal_over(a, where, out, &range, &q_most, &m_least);
     if (defined != -1) return defined;
-    sgt_interval one = {1, 1}, A = sgt_interval_product(sgt_interval_sum(one, sgt_interval_of(a->k)), sgt_interval_square(sgt_interval_of(a->c)));
-    sgt_interval far = sgt_interval_quotient(sgt_interval_of(q_most), sgt_interval_absolute(sgt_interval_of(a->c_x)));
+    sgt_interval one = {1, 1}, A = sgt_interval_product(sgt_interval_sum(one, sgt_interval_of(a->k)),
+                                                        sgt_interval_square(sgt_interval_of(a->c)));
+    sgt_interval far = sgt_interval_quotient(sgt_interval_of(q_most),
+                                             sgt_interval_absolute(sgt_interval_of(a->c_x)));
     if (a->c_x != 0) where->x = sgt_interval_intersection(where->x, sgt_interval_between(-far.hi, far.hi));
-    if (A.lo > 0) far = sgt_interval_square_root(sgt_interval_quotient(one, A)), where->y = sgt_interval_intersection(where->y, sgt_interval_between(-far.hi, far.hi));
+    if (A.lo > 0)
+        far = sgt_interval_square_root(sgt_interval_quotient(one, A)),
+        where->y = sgt_interval_intersection(where->y, sgt_interval_between(-far.hi, far.hi));
     return sgt_interval_is_empty(where->x) || sgt_interval_is_empty(where->y) ? 0 : -1;
 }
 
@@ -241,8 +278,11 @@ static void noise_of(const sgt_toroidal *a, double radius, const profile_size *s
     if (!(m > 0x1p-10 * q)) return;
     double w_err = u * (5 * fabs(s->bent) + 4 + 4 * fabs(s->bent)) / (1.99 * phi * (1 + phi)) + 3 * u;
     double z = conic + first, z_err = conic * (4 * u + w_err) + 4 * u * first + u * z; /* over y^2 */
-    double q_err = c_x * z_err * r2 + u * (c_x * z * r2 + q), m_err = (2 * q * (q_err + 2 * u * q) + q * (q_err + 3 * u * q) + 4 * u * q * q) / (1.99 * m) + 2 * u * q;
-    double lanes = c_x / (2 * m), lane_err = lanes * (4 * u + (q_err + m_err) / (1.99 * m) + u); /* over x^2 */
+    double q_err = c_x * z_err * r2 + u * (c_x * z * r2 + q),
+           m_err = (2 * q * (q_err + 2 * u * q) + q * (q_err + 3 * u * q) + 4 * u * q * q) / (1.99 * m) +
+                   2 * u * q;
+    /* over x^2 */
+    double lanes = c_x / (2 * m), lane_err = lanes * (4 * u + (q_err + m_err) / (1.99 * m) + u);
     e[0] = 0x1p-1060, e[1] = larger(z_err + u * z, lane_err + u * lanes) * (1 + 0x1p-16);
 }
 
@@ -285,14 +325,16 @@ static sgt_interval toroidal_range(const void *self, const region *where)
 }
 
 SGT_KERNEL
-static void toroidal_bent(const sgt_toroidal *self, size_t n, const double *restrict px, const double *restrict py, double *restrict pxx,
-                          double *restrict pxy, double *restrict pyy)
+static void toroidal_bent(const sgt_toroidal *self, size_t n, const double *restrict px,
+                          const double *restrict py, double *restrict pxx, double *restrict pxy,
+                          double *restrict pyy)
 {
     const double c = self->c, k1 = 1 + self->k, c_x = self->c_x;
     double h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], ddh[FREEFORM_BLOCK];
     int terms = toroidal_terms_of(self);
     powers_of(self, n, py, h, dh);
-    LANES for (size_t i = 0; i < n; i++) ddh[i] = 0; /* of rho h, by rho, twice: sum of i (i + 1) a[i] rho^(i-1) */
+    /* of rho h, by rho, twice: sum of i (i + 1) a[i] rho^(i-1) */
+    LANES for (size_t i = 0; i < n; i++) ddh[i] = 0;
     for (int j = terms - 1; j > 0; j--) {
         const double a = j * (j + 1) * self->a[j];
         LANES for (size_t i = 0; i < n; i++) ddh[i] = ddh[i] * (py[i] * py[i]) + a;
@@ -308,7 +350,8 @@ static void toroidal_bent(const sgt_toroidal *self, size_t n, const double *rest
     }
 }
 
-static void toroidal_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void toroidal_second(const void *self, size_t n, const double *x, const double *y, double *pxx,
+                            double *pxy, double *pyy)
 {
     toroidal_bent(self, n, x, y, pxx, pxy, pyy);
 }
@@ -316,8 +359,9 @@ static void toroidal_second(const void *self, size_t n, const double *x, const d
 static size_t toroidal_parameter_count(const void *self) { (void)self; return 3 + TOROIDAL_TERMS; }
 
 SGT_KERNEL
-static void toroidal_by(const sgt_toroidal *self, size_t j, size_t n, const double *restrict px, const double *restrict py, double *restrict p,
-                        double *restrict gx, double *restrict gy)
+static void toroidal_by(const sgt_toroidal *self, size_t j, size_t n, const double *restrict px,
+                        const double *restrict py, double *restrict p, double *restrict gx,
+                        double *restrict gy)
 {
     const double c = self->c, k1 = 1 + self->k, c_x = self->c_x, order = j < 3 ? 0 : 2 * (double)(j - 2);
     double h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], za[FREEFORM_BLOCK], dza[FREEFORM_BLOCK];
@@ -326,7 +370,8 @@ static void toroidal_by(const sgt_toroidal *self, size_t j, size_t n, const doub
     if (j < 2) {
         const double by_c = j == 0 ? 1 : 0, by_k = j == 0 ? 0 : 0.5 * (c * c * c);
         LANES for (size_t i = 0; i < n; i++) {
-            double y = py[i], rho = y * y, v = c * y, phi = sqrt(1 - k1 * v * v), over_phi = 1 / phi, over_w = 1 / (1 + phi);
+            double y = py[i], rho = y * y, v = c * y, phi = sqrt(1 - k1 * v * v), over_phi = 1 / phi,
+                   over_w = 1 / (1 + phi);
             double by = by_c + by_k * rho * over_w;
             za[i] = rho * over_phi * over_w * by;
             dza[i] = y * (over_phi * over_phi * over_phi) * (by_c + by_k * rho);
@@ -356,7 +401,8 @@ static void toroidal_by(const sgt_toroidal *self, size_t j, size_t n, const doub
     }
 }
 
-static void toroidal_by_parameter_of(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void toroidal_by_parameter_of(const void *self, size_t j, size_t n, const double *x, const double *y,
+                                     sag_values out)
 {
     toroidal_by(self, j, n, x, y, out.p, out.px, out.py);
 }
@@ -386,7 +432,11 @@ static const departure toroidal_departure = {.at = toroidal_at,
 static departure_sag toroidal_unique(const sgt_toroidal *a)
 {
     double c_y = a->c + 2 * a->a[0];
-    return (departure_sag){.c = 0.5 * (a->c_x + c_y), .k = fabs(a->c_x) > fabs(c_y) ? 0 : a->k, .semi_diameter = a->semi_diameter, .of = &toroidal_departure, .self = a};
+    return (departure_sag){.c = 0.5 * (a->c_x + c_y),
+                           .k = fabs(a->c_x) > fabs(c_y) ? 0 : a->k,
+                           .semi_diameter = a->semi_diameter,
+                           .of = &toroidal_departure,
+                           .self = a};
 }
 
 FREEFORM_OPS(toroidal, sgt_toroidal, toroidal_unique)

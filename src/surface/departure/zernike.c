@@ -1,43 +1,48 @@
 /* zernike.c - a sum of Zernike's circle polynomials on a conic.
  *
- * With zeta = (x + i y) / norm and s = |zeta|^2 the polynomials of one m and radial orders n = m + 2 k are the real part
- * (cosine) and the imaginary part (sine) of zeta^m, times Q_k(s), Q_k(s) = P_k^(0,m)(2 s - 1) of Jacobi: R_n^m(u) = u^m Q_k(u^2)
- * (Born and Wolf, section 9.2.1).  So for each m there are two sums over k, C(s) and S(s), and
+ * With zeta = (x + i y) / norm and s = |zeta|^2 the polynomials of one m and radial orders n = m + 2 k are
+ * the real part (cosine) and the imaginary part (sine) of zeta^m, times Q_k(s), Q_k(s) = P_k^(0,m)(2 s - 1)
+ * of Jacobi: R_n^m(u) = u^m Q_k(u^2) (Born and Wolf, section 9.2.1).  So for each m there are two sums over
+ * k, C(s) and S(s), and
  *     P = sum over m of C Re zeta^m + S Im zeta^m,
- * whose gradient needs Q_k' and the powers zeta^(m-1), with d zeta^m / dx = m zeta^(m-1) / norm and d/dy i times that: no angle
- * and no division by r, so it is as smooth at the axis as anywhere.
+ * whose gradient needs Q_k' and the powers zeta^(m-1), with d zeta^m / dx = m zeta^(m-1) / norm and d/dy i
+ * times that: no angle and no division by r, so it is as smooth at the axis as anywhere.
  *
- * Q_k = lambda_k q_k, the q_k monic in s: lambda_k is the binomial coefficient of n over k, and (Szego 1975, 4.5.1)
+ * Q_k = lambda_k q_k, the q_k monic in s: lambda_k is the binomial coefficient of n over k, and (Szego
+ * 1975, 4.5.1)
  *     q_k+1 = (s - beta_k) q_k - gamma_k q_k-1,   q_0 = 1,
  *     beta_k = 1/2 + m^2 / (2 n (n + 2)),   gamma_k = (n^2 - m^2)^2 / (16 n^2 (n^2 - 1)),
- * and q_k' by the derivative of it.  Upward it is stable on 0 <= s <= 1, the zeros of all q_k being there: q_k is not the lesser
- * of the two solutions anywhere.  The loop over the points is the inner one, four orders at a time: what is carried from one
- * four to the next goes to memory and back.
+ * and q_k' by the derivative of it.  Upward it is stable on 0 <= s <= 1, the zeros of all q_k being there:
+ * q_k is not the lesser of the two solutions anywhere.  The loop over the points is the inner one, four
+ * orders at a time: what is carried from one four to the next goes to memory and back.
  *
- * ROUNDING.  In units of u = 2^-53 a step leaves out (2 beta_j - 1/2 + |s - beta_j|) |q_j| + 2 gamma_j |q_j-1| + |q_j+1|.  It goes on
- * to q_k by the solution of the recurrence that is 0 at j and 1 at j + 1; so goes what a step of q_j' leaves out, and what that of
- * q_j does, by the solution's derivative.  Added to it: what s brings, off by 4 s; zeta^m, by 3 m of itself (x and y over norm 1,
- * a product of complex numbers with fma 2: Jeannerod, Kornerup, Louvet, Muller 2017, Math. Comp. 86, 881); the coefficients,
- * by 2 k + 3.  Times u^m lambda_k, for each choice of signs, that is a polynomial of degree n in u: a bound of it follows from its values
- * at 8 (n + 2) points (Ehlich and Zeller 1964, Math. Z. 86, 41), and was worked out for every n <= 142 and m; `rounding` has simple
- * functions of n above it.  Beyond the circle a polynomial of degree n exceeds its greatest magnitude there by the
- * factor (v + sqrt(v^2 - 1))^n, v = r / norm, at most.
+ * ROUNDING.  In units of u = 2^-53 a step leaves out (2 beta_j - 1/2 + |s - beta_j|) |q_j| + 2 gamma_j
+ * |q_j-1| + |q_j+1|.  It goes on to q_k by the solution of the recurrence that is 0 at j and 1 at j + 1; so
+ * goes what a step of q_j' leaves out, and what that of q_j does, by the solution's derivative.  Added to
+ * it: what s brings, off by 4 s; zeta^m, by 3 m of itself (x and y over norm 1, a product of complex
+ * numbers with fma 2: Jeannerod, Kornerup, Louvet, Muller 2017, Math. Comp. 86, 881); the coefficients, by
+ * 2 k + 3.  Times u^m lambda_k, for each choice of signs, that is a polynomial of degree n in u: a bound of
+ * it follows from its values at 8 (n + 2) points (Ehlich and Zeller 1964, Math. Z. 86, 41), and was worked
+ * out for every n <= 142 and m; `rounding` has simple functions of n above it.  Beyond the circle a
+ * polynomial of degree n exceeds its greatest magnitude there by the factor (v + sqrt(v^2 - 1))^n, v = r /
+ * norm, at most.
  *
- * BOUNDS.  The derivatives of V = R_n^m(u) e^(i m theta) by zeta and by its conjugate are sums of polynomials of this kind with
- * coefficients >= 0 (Noll 1976, eq. 13), and all of these are 1 at zeta = 1 and nowhere greater: so every derivative is the greatest
- * there.  Hence |grad V| <= R'(1) = L / 2 and |second derivative| <= R''(1) = (L (L - 4) + 4 m^2) / 8, L = n (n + 2) - m^2, by the
- * differential equation of R.  Within u < 1 also |grad| <= n / sqrt(1 - u^2) (Bernstein's inequality for a ball: Sarantopoulos
- * 1991, Math. Proc. Camb. Phil. Soc. 110, 307), and by that twice, by way of the circle of radius^2 (1 + u^2) / 2, |second
- * derivative| <= 2 n (n - 1) / (1 - u^2).  Beyond the circle a derivative grows as a polynomial of a degree
- * less. */
+ * BOUNDS.  The derivatives of V = R_n^m(u) e^(i m theta) by zeta and by its conjugate are sums of
+ * polynomials of this kind with coefficients >= 0 (Noll 1976, eq. 13), and all of these are 1 at zeta = 1
+ * and nowhere greater: so every derivative is the greatest there.  Hence |grad V| <= R'(1) = L / 2 and
+ * |second derivative| <= R''(1) = (L (L - 4) + 4 m^2) / 8, L = n (n + 2) - m^2, by the differential
+ * equation of R.  Within u < 1 also |grad| <= n / sqrt(1 - u^2) (Bernstein's inequality for a ball:
+ * Sarantopoulos 1991, Math. Proc. Camb. Phil. Soc. 110, 307), and by that twice, by way of the circle of
+ * radius^2 (1 + u^2) / 2, |second derivative| <= 2 n (n - 1) / (1 - u^2).  Beyond the circle a derivative
+ * grows as a polynomial of a degree less. */
 #include "bend.h"
 #include "departure.h"
 
 /* The orders of one m: k <= 71 (Fringe: (k + m + 1)^2 - 2 m <= 5151), made a multiple of four. */
 enum { MOST_TERMS = 5151, MOST_ORDERS = 72, MOST_DEGREE = 142 };
 
-/* The place in the list of the first polynomial of order n = m + 2 k: of m = 0 it is the only one, of another the sine stands
- * beside the cosine. */
+/* The place in the list of the first polynomial of order n = m + 2 k: of m = 0 it is the only one, of
+ * another the sine stands beside the cosine. */
 static size_t zernike_place(const sgt_zernike *z, size_t m, size_t k)
 {
     size_t n = m + 2 * k, half = m + k;
@@ -45,14 +50,23 @@ static size_t zernike_place(const sgt_zernike *z, size_t m, size_t k)
     return (half + 1) * (half + 1) - 2 * m - 1;
 }
 
-static bool cosine_first(const sgt_zernike *z, size_t m, size_t first) { return z->order != SGT_NOLL || m == 0 || first % 2 == 1; }
+static bool cosine_first(const sgt_zernike *z, size_t m, size_t first)
+{
+    return z->order != SGT_NOLL || m == 0 || first % 2 == 1;
+}
 
 static size_t length(const sgt_zernike *z) { return z->a.rows * z->a.columns; }
 
-static double unit(const sgt_zernike *z, size_t m, size_t k) { return z->normalised ? sqrt((double)(m + 2 * k + 1) * (m > 0 ? 2 : 1)) : 1; }
+static double unit(const sgt_zernike *z, size_t m, size_t k)
+{
+    return z->normalised ? sqrt((double)(m + 2 * k + 1) * (m > 0 ? 2 : 1)) : 1;
+}
 
 /* The polynomials of one m: the recurrence, and the coefficients of the q_k. */
-typedef struct harmonic { size_t count; double m, beta[MOST_ORDERS], gamma[MOST_ORDERS], c[MOST_ORDERS], s[MOST_ORDERS]; } harmonic;
+typedef struct harmonic {
+    size_t count;
+    double m, beta[MOST_ORDERS], gamma[MOST_ORDERS], c[MOST_ORDERS], s[MOST_ORDERS];
+} harmonic;
 
 /* `only` < the number of terms: of that coefficient 1, of all others 0.  count: to the last that is not 0. */
 SGT_INLINE void gather(const sgt_zernike *z, size_t only, size_t m, harmonic *h)
@@ -61,7 +75,9 @@ SGT_INLINE void gather(const sgt_zernike *z, size_t only, size_t m, harmonic *h)
     h->count = 0;
     h->m = (double)m;
     for (; (first = zernike_place(z, m, k)) < terms; k++) {
-        size_t cosine = cosine_first(z, m, first) ? first : first + 1, sine = m == 0 ? terms : cosine == first ? first + 1 : first;
+        size_t cosine = cosine_first(z, m, first) ? first : first + 1, sine = m == 0            ? terms
+                                                                              : cosine == first ? first + 1
+                                                                                                : first;
         h->c[k] = only < terms ? cosine == only : cosine < terms ? z->a.x[cosine] : 0;
         h->s[k] = only < terms ? sine == only : sine < terms ? z->a.x[sine] : 0;
         if (h->c[k] != 0 || h->s[k] != 0) h->count = k + 1;
@@ -70,7 +86,8 @@ SGT_INLINE void gather(const sgt_zernike *z, size_t only, size_t m, harmonic *h)
     for (size_t i = count; i < all; i++) h->c[i] = h->s[i] = 0;
     double ratio[MOST_ORDERS], m2 = h->m * h->m;
     for (size_t i = 0; i < all; i++) {
-        double n = h->m + (double)(2 * i), n2 = n * n, e = n2 - m2; /* whole numbers, exact up to the quotients */
+        /* whole numbers, exact up to the quotients */
+        double n = h->m + (double)(2 * i), n2 = n * n, e = n2 - m2;
         h->beta[i] = 0.5 + m2 / (n > 0 ? 2 * n * (n + 2) : 1);
         h->gamma[i] = e * e / (n > 1 ? 16 * n2 * (n2 - 1) : 1);
         ratio[i] = (n + 1) * (n + 2) / ((double)(i + 1) * (h->m + (double)(i + 1)));
@@ -82,10 +99,12 @@ SGT_INLINE void gather(const sgt_zernike *z, size_t only, size_t m, harmonic *h)
     }
 }
 
-/* Of all points: zeta and s; zeta^m and zeta^(m-1); q_k, q_k-1 and their derivatives; the sums over k and their derivatives; over
- * m those of C Re zeta^m + S Im zeta^m, of the same with C' and S', and of its derivatives by x and y with C and S as constants. */
+/* Of all points: zeta and s; zeta^m and zeta^(m-1); q_k, q_k-1 and their derivatives; the sums over k and
+ * their derivatives; over m those of C Re zeta^m + S Im zeta^m, of the same with C' and S', and of its
+ * derivatives by x and y with C and S as constants. */
 typedef struct zernike_work {
-    double x[FREEFORM_BLOCK], y[FREEFORM_BLOCK], s[FREEFORM_BLOCK], re[FREEFORM_BLOCK], im[FREEFORM_BLOCK], re1[FREEFORM_BLOCK], im1[FREEFORM_BLOCK];
+    double x[FREEFORM_BLOCK], y[FREEFORM_BLOCK], s[FREEFORM_BLOCK], re[FREEFORM_BLOCK], im[FREEFORM_BLOCK],
+        re1[FREEFORM_BLOCK], im1[FREEFORM_BLOCK];
     double q[FREEFORM_BLOCK], q1[FREEFORM_BLOCK], d[FREEFORM_BLOCK], d1[FREEFORM_BLOCK];
     double c[FREEFORM_BLOCK], sn[FREEFORM_BLOCK], dc[FREEFORM_BLOCK], ds[FREEFORM_BLOCK];
     double p[FREEFORM_BLOCK], g[FREEFORM_BLOCK], gx[FREEFORM_BLOCK], gy[FREEFORM_BLOCK];
@@ -126,13 +145,16 @@ SGT_INLINE void zernike_turn(zernike_work *w, size_t n)
 SGT_INLINE void add_orders(const harmonic *h, size_t k, bool first, int steps, zernike_work *w, size_t n)
 {
     const double beta0 = h->beta[k], beta1 = h->beta[k + 1], beta2 = h->beta[k + 2], beta3 = h->beta[k + 3];
-    const double gamma0 = h->gamma[k], gamma1 = h->gamma[k + 1], gamma2 = h->gamma[k + 2], gamma3 = h->gamma[k + 3];
+    const double gamma0 = h->gamma[k], gamma1 = h->gamma[k + 1], gamma2 = h->gamma[k + 2],
+                 gamma3 = h->gamma[k + 3];
     const double c0 = h->c[k], c1 = h->c[k + 1], c2 = h->c[k + 2], c3 = h->c[k + 3];
     const double s0 = h->s[k], s1 = h->s[k + 1], s2 = h->s[k + 2], s3 = h->s[k + 3];
     LANES
     for (size_t i = 0; i < n; i++) {
-        double s = w->s[i], q = first ? 1 : w->q[i], q1 = first ? 0 : w->q1[i], d = first ? 0 : w->d[i], d1 = first ? 0 : w->d1[i];
-        double c = first ? 0 : w->c[i], sn = first ? 0 : w->sn[i], dc = first ? 0 : w->dc[i], ds = first ? 0 : w->ds[i];
+        double s = w->s[i], q = first ? 1 : w->q[i], q1 = first ? 0 : w->q1[i], d = first ? 0 : w->d[i],
+               d1 = first ? 0 : w->d1[i];
+        double c = first ? 0 : w->c[i], sn = first ? 0 : w->sn[i], dc = first ? 0 : w->dc[i],
+               ds = first ? 0 : w->ds[i];
         STEP(0);
         if (steps > 1) STEP(1);
         if (steps > 2) STEP(2);
@@ -165,7 +187,8 @@ SGT_INLINE void add_harmonic(const harmonic *h, zernike_work *w, size_t n)
     const double m = h->m;
     LANES
     for (size_t i = 0; i < n; i++) {
-        double re = w->re[i], im = w->im[i], re1 = w->re1[i], im1 = w->im1[i], c = w->c[i], s = w->sn[i], mc = m * c, ms = m * s;
+        double re = w->re[i], im = w->im[i], re1 = w->re1[i], im1 = w->im1[i], c = w->c[i], s = w->sn[i],
+               mc = m * c, ms = m * s;
         w->p[i] = sgt_fma(c, re, sgt_fma(s, im, w->p[i]));
         w->g[i] = sgt_fma(w->dc[i], re, sgt_fma(w->ds[i], im, w->g[i]));
         w->gx[i] = sgt_fma(mc, re1, sgt_fma(ms, im1, w->gx[i]));
@@ -174,8 +197,8 @@ SGT_INLINE void add_harmonic(const harmonic *h, zernike_work *w, size_t n)
 }
 
 SGT_KERNEL
-static void zernike_sums(const sgt_zernike *z, size_t only, size_t n, const double *x, const double *y, double *restrict p, double *restrict px,
-                         double *restrict py)
+static void zernike_sums(const sgt_zernike *z, size_t only, size_t n, const double *x, const double *y,
+                         double *restrict p, double *restrict px, double *restrict py)
 {
     zernike_work w;
     harmonic h;
@@ -204,7 +227,8 @@ static void zernike_at(const void *self, size_t n, const double *x, const double
 
 static size_t zernike_parameters(const void *self) { return length(self); }
 
-static void zernike_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y, sag_values out)
+static void zernike_by_parameter(const void *self, size_t j, size_t n, const double *x, const double *y,
+                                 sag_values out)
 {
     zernike_sums(self, j, n, x, y, out.p, out.px, out.py);
 }
@@ -213,12 +237,13 @@ static void zernike_by_parameter(const void *self, size_t j, size_t n, const dou
  *     T_xx = 4 x^2 T'' + 2 T' + 4 x T'_x + m (m - 1) (C Re zeta^(m-2) + S Im zeta^(m-2)),   and so on,
  * where ' and '' are upon C and S, and _x and _y upon zeta^m. */
 SGT_KERNEL
-static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const double *y, double *restrict pxx, double *restrict pxy,
-                          double *restrict pyy)
+static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const double *y,
+                          double *restrict pxx, double *restrict pxy, double *restrict pyy)
 {
     zernike_work w;
     harmonic h;
-    double re2[FREEFORM_BLOCK], im2[FREEFORM_BLOCK], b[FREEFORM_BLOCK], b1[FREEFORM_BLOCK], bc[FREEFORM_BLOCK], bs[FREEFORM_BLOCK];
+    double re2[FREEFORM_BLOCK], im2[FREEFORM_BLOCK], b[FREEFORM_BLOCK], b1[FREEFORM_BLOCK],
+        bc[FREEFORM_BLOCK], bs[FREEFORM_BLOCK];
     const double back = 1 / z->norm, back2 = back * back;
     zernike_begin(&w, z->norm, n, x, y);
     LANES
@@ -251,7 +276,8 @@ static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const
         const double m1 = h.m, m2 = h.m * (h.m - 1);
         LANES
         for (size_t i = 0; i < n; i++) {
-            double X = w.x[i], Y = w.y[i], re = w.re[i], im = w.im[i], c = w.c[i], s = w.sn[i], dc = m1 * w.dc[i], ds = m1 * w.ds[i];
+            double X = w.x[i], Y = w.y[i], re = w.re[i], im = w.im[i], c = w.c[i], s = w.sn[i],
+                   dc = m1 * w.dc[i], ds = m1 * w.ds[i];
             double t2 = 4 * sgt_fma(bc[i], re, bs[i] * im), t1 = 2 * sgt_fma(w.dc[i], re, w.ds[i] * im);
             double tx = 2 * sgt_fma(dc, w.re1[i], ds * w.im1[i]),
                    ty = 2 * sgt_fma(ds, w.re1[i], -dc * w.im1[i]);
@@ -265,18 +291,21 @@ static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const
     for (size_t i = 0; i < n; i++) pxx[i] *= back2, pxy[i] *= back2, pyy[i] *= back2;
 }
 
-static void zernike_second(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy, double *pyy)
+static void zernike_second(const void *self, size_t n, const double *x, const double *y, double *pxx,
+                           double *pxy, double *pyy)
 {
     zernike_bends(self, n, x, y, pxx, pxy, pyy);
 }
 
-/* How much a polynomial of degree n can exceed, at u, its maximum on the circle: 1 within, else the nth power of this. */
+/* How much a polynomial of degree n can exceed, at u, its maximum on the circle: 1 within, else the nth
+ * power of this. */
 static double growth(double u) { return u > 1 ? (u + sqrt(u * u - 1)) * (1 + 0x1p-30) : 1; }
 
 /* Far out infinity times 0 is a NaN: no bound. */
 static double zernike_known(double x) { return x < HUGE_VAL ? x : HUGE_VAL; }
 
-/* Sums of |a| over the terms of each degree, with their normalisation at most; returns the number of degrees. */
+/* Sums of |a| over the terms of each degree, with their normalisation at most; returns the number of
+ * degrees. */
 static size_t by_degree(const sgt_zernike *z, double sum[MOST_DEGREE + 1])
 {
     size_t terms = length(z), degrees = 0;
@@ -301,23 +330,33 @@ static size_t by_degree(const sgt_zernike *z, double sum[MOST_DEGREE + 1])
 }
 
 /* Each sum rounds once for each term that goes through it: over k, then two for each m, then three. */
-static double zernike_sums_of(const sgt_zernike *z, size_t degrees) { return z->order == SGT_NOLL ? 2.5 * (double)degrees + 4 : 1.5 * (double)degrees + 6; }
+static double zernike_sums_of(const sgt_zernike *z, size_t degrees)
+{
+    return z->order == SGT_NOLL ? 2.5 * (double)degrees + 4 : 1.5 * (double)degrees + 6;
+}
 
 /* In units of u, a polynomial of degree n is off by at most
  *     1.7 n^2 + 3 n + 4 and (2 n + 4) / (v sqrt(1 - v^2)),   v = r / norm,
- * and each of its derivatives by 0.42 n^4 + 1.6 n^3 + 4 n^2 and 2.1 n^2 / (v (1 - v^2)), over norm: the lesser. */
+ * and each of its derivatives by 0.42 n^4 + 1.6 n^3 + 4 n^2 and 2.1 n^2 / (v (1 - v^2)), over norm: the
+ * lesser. */
 static void zernike_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const sgt_zernike *z = self;
-    double sum[MOST_DEGREE + 1], v = sqrt(x * x + y * y) / z->norm, inside = v < 1 ? (1 - v) * (1 + v) : 0, root = sqrt(inside), w = growth(v);
+    double sum[MOST_DEGREE + 1], v = sqrt(x * x + y * y) / z->norm, inside = v < 1 ? (1 - v) * (1 + v) : 0,
+                                 root = sqrt(inside), w = growth(v);
     size_t degrees = by_degree(z, sum);
-    double sums = zernike_sums_of(z, degrees), by_root = root > 0 ? 1 / root : HUGE_VAL, by_p = v * root > 0 ? 1 / (v * root) : HUGE_VAL, by_grad = by_p < HUGE_VAL ? by_p / root : HUGE_VAL;
+    double sums = zernike_sums_of(z, degrees), by_root = root > 0 ? 1 / root : HUGE_VAL,
+           by_p = v * root > 0 ? 1 / (v * root) : HUGE_VAL,
+           by_grad = by_p < HUGE_VAL ? by_p / root : HUGE_VAL;
     double p = 0, grad = 0, grown = 1;
     for (size_t i = 0; i < degrees; i++, grown *= w) {
         double n = (double)i, n2 = n * n, a = sum[i] * grown;
-        double p_most = 1.7 * n2 + 3 * n + 4, p_here = (2 * n + 4) * by_p, grad_most = n2 * (0.42 * n2 + 1.6 * n + 4), grad_here = 2.1 * n2 * by_grad;
+        double p_most = 1.7 * n2 + 3 * n + 4, p_here = (2 * n + 4) * by_p,
+               grad_most = n2 * (0.42 * n2 + 1.6 * n + 4), grad_here = 2.1 * n2 * by_grad;
         p += a * ((p_most < p_here ? p_most : p_here) + sums);
-        if (i > 0) grad += a * ((grad_most < grad_here ? grad_most : grad_here) + sums * (n > by_root ? n * by_root : n2));
+        if (i > 0)
+            grad += a * ((grad_most < grad_here ? grad_most : grad_here) +
+                         sums * (n > by_root ? n * by_root : n2));
     }
     double up = SGT_U * (1 + 0x1p-20);
     *p_err = zernike_known(p * up), *grad_err = zernike_known(grad / z->norm * up);
@@ -328,7 +367,8 @@ static void zernike_noise(const void *self, double radius, double e[2])
     const sgt_zernike *z = self;
     double sum[MOST_DEGREE + 1], w = growth(radius / z->norm * (1 + 0x1p-50)), p = 0, grown = 1;
     size_t degrees = by_degree(z, sum);
-    for (size_t i = 0; i < degrees; i++, grown *= w) p += sum[i] * grown * (1.7 * (double)(i * i) + 3 * (double)i + 4 + zernike_sums_of(z, degrees));
+    for (size_t i = 0; i < degrees; i++, grown *= w)
+        p += sum[i] * grown * (1.7 * (double)(i * i) + 3 * (double)i + 4 + zernike_sums_of(z, degrees));
     e[0] = zernike_known(p * SGT_U * (1 + 0x1p-20)), e[1] = 0;
 }
 
@@ -336,7 +376,8 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
 {
     const sgt_zernike *z = self;
     size_t terms = length(z);
-    double across = larger(fabs(where->x.lo), fabs(where->x.hi)), along = larger(fabs(where->y.lo), fabs(where->y.hi));
+    double across = larger(fabs(where->x.lo), fabs(where->x.hi)),
+           along = larger(fabs(where->y.lo), fabs(where->y.hi));
     double corner = length_of(across, along) * (1 + 0x1p-50), r = corner < where->r_hi ? corner : where->r_hi;
     double u = r / z->norm * (1 + 0x1p-50), inside = u < 1 ? (1 - u) * (1 + u) : 0, root = sqrt(inside),
            w = growth(u), less = u > 1.0625 ? 1 / w : 1, grown = 1;
@@ -345,7 +386,8 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
         double power = grown; /* w^n */
         for (size_t k = 0, at; (at = zernike_place(z, m, k)) < terms; k++, power *= w * w) {
             double a = fabs(z->a.x[at]), b = m > 0 && at + 1 < terms ? fabs(z->a.x[at + 1]) : 0;
-            double both = ((a > b ? a : b) + 0.4142136 * (a > b ? b : a)) * unit(z, m, k) * power; /* >= sqrt(a^2 + b^2) */
+            /* >= sqrt(a^2 + b^2) */
+            double both = ((a > b ? a : b) + 0.4142136 * (a > b ? b : a)) * unit(z, m, k) * power;
             double n = (double)(m + 2 * k), m2 = (double)(m * m), l = n * (n + 2) - m2, n2 = 2 * n * (n - 1);
             double first = 0.5 * l, second = 0.125 * (l * (l - 4) + 4 * m2);
             size += both;
@@ -355,7 +397,8 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
         }
     }
     double up = 1 + 0x1p-30;
-    *out = (bounds){zernike_known(size * up), zernike_known(steep / z->norm * up), zernike_known(bend / z->norm / z->norm * up)};
+    *out = (bounds){zernike_known(size * up), zernike_known(steep / z->norm * up),
+                    zernike_known(bend / z->norm / z->norm * up)};
     return 1;
 }
 
@@ -363,14 +406,21 @@ static sgt_objection zernike_object(const void *self)
 {
     const sgt_zernike *z = self;
     if (!(z->norm > 0 && z->norm < HUGE_VAL)) return (sgt_objection){"norm", "must be above 0"};
-    if (z->order != SGT_NOLL && z->order != SGT_FRINGE) return (sgt_objection){"order", "must be noll or fringe"};
+    if (z->order != SGT_NOLL && z->order != SGT_FRINGE)
+        return (sgt_objection){"order", "must be noll or fringe"};
     if (z->normalised != 0 && z->normalised != 1) return (sgt_objection){"normalised", "must be 0 or 1"};
     return object_to_list("coefficients", z->a, MOST_TERMS, "must be at most 5151 numbers");
 }
 
 static const departure zernike_departure = {
-    .at = zernike_at, .rounding = zernike_rounding, .bounds = zernike_bounds, .second = zernike_second,
-    .parameters = zernike_parameters, .by_parameter = zernike_by_parameter, .object = zernike_object, .noise = zernike_noise,
+    .at = zernike_at,
+    .rounding = zernike_rounding,
+    .bounds = zernike_bounds,
+    .second = zernike_second,
+    .parameters = zernike_parameters,
+    .by_parameter = zernike_by_parameter,
+    .object = zernike_object,
+    .noise = zernike_noise,
 };
 
 FREEFORM_ON_CONIC(zernike, sgt_zernike)

@@ -1,18 +1,19 @@
-/* cell.h - the formulas of a cell, orbit.h's, for one lane or many: p = 2 in numbers that may be doubles or vectors
- * of doubles, and the verdict at level N for one cell of any power.
+/* cell.h - the formulas of a cell, orbit.h's, for one lane or many: p = 2 in numbers that may be doubles or
+ * vectors of doubles, and the verdict at level N for one cell of any power.
  *
  * No root of V2 is needed on the way: by 2 V h e <= V^2 h^2 / 4 + 4 e^2,
  *     (V h + e)^2 <= 5/4 V^2 h^2 + 5 e^2    and    16 u h A V <= 8 u (A^2 + h^2 V^2).
- * With A2 = |Q|^2 and qv = <Q, v> known, a^2 - |q|^2 = 2 a^2 - A2 and a va - <q, vq> = 2 a va - qv; A2 is off by
- * 3 u A^2 and qv by 3 u A V, which is in the bounds of orbit.h.  Twice A is needed as a bound from above: twice_root is
- * one, at most 0.4 % too great, and at least by 4e-5; with 1.2501 and 5.001 for 5/4 and 5 no term of e is without a part
- * in 10^5 of slack, so that what rounding takes from its sum is made good at each level.
+ * With A2 = |Q|^2 and qv = <Q, v> known, a^2 - |q|^2 = 2 a^2 - A2 and a va - <q, vq> = 2 a va - qv; A2 is
+ * off by 3 u A^2 and qv by 3 u A V, which is in the bounds of orbit.h.  Twice A is needed as a bound from
+ * above: twice_root is one, at most 0.4 % too great, and at least by 4e-5; with 1.2501 and 5.001 for 5/4
+ * and 5 no term of e is without a part in 10^5 of slack, so that what rounding takes from its sum is made
+ * good at each level.
  *
- * OUTSIDE.  |Q + v s|^2 = A2 + 2 qv s + V2 s^2 over |s| <= h.  With x = |qv| h and y = V2 h^2 its least value is
- * A2 - 2 x + y where x >= y, else A2 - x^2 / y >= A2 - x: at least A2 - (x + max(x - y, 0)) in either case.  Where that is
- * above (E_k + e)^2, y <= (2 R* + 1)^2 A2: at level 0 the ball bounds it, and later on sqrt(y') <= 2 sqrt(A2 y) <= A2 + y,
- * where y < e' < A' and A2 <= A' + |c| (or y' = 0).  So all that rounds, 12 u (A2 + A sqrt(y)) and less, is
- * below 2^-47 (2 + R*) A2: `keep` is 1 less that. */
+ * OUTSIDE.  |Q + v s|^2 = A2 + 2 qv s + V2 s^2 over |s| <= h.  With x = |qv| h and y = V2 h^2 its least
+ * value is A2 - 2 x + y where x >= y, else A2 - x^2 / y >= A2 - x: at least A2 - (x + max(x - y, 0)) in
+ * either case.  Where that is above (E_k + e)^2, y <= (2 R* + 1)^2 A2: at level 0 the ball bounds it, and
+ * later on sqrt(y') <= 2 sqrt(A2 y) <= A2 + y, where y < e' < A' and A2 <= A' + |c| (or y' = 0).  So all
+ * that rounds, 12 u (A2 + A sqrt(y)) and less, is below 2^-47 (2 + R*) A2: `keep` is 1 less that. */
 #ifndef SGT_SURFACE_ORBIT_CELL_H
 #define SGT_SURFACE_ORBIT_CELL_H
 
@@ -32,51 +33,60 @@ SGT_INLINE void one_guess(const double *x, double *r)
 SGT_INLINE void one_magnitude(const double *x, double *r) { *r = fabs(*x); }
 SGT_INLINE void one_positive(const double *x, double *r) { *r = *x > 0 ? *x : 0; }
 
-/* What cells of one set share: |c|, and of each step 8 u |c|; `keep` above; beyond `far` no open cell comes to anything. */
+/* What cells of one set share: |c|, and of each step 8 u |c|; `keep` above; beyond `far` no open cell comes
+ * to anything. */
 typedef struct circle { double c_abs, round, keep, far; } circle;
 
 /* `name` is a cell at one of its levels; `room` is positive where it is outside. */
-#define SGT_SQUARES(name, real)                                                                                          \
-    typedef struct name { real a, b, c, d, va, vb, vc, vd, e, A2, V2, qv; } name;                                        \
-    typedef struct name##_constant { real a, b, c, d, extra; } name##_constant;                                          \
-    SGT_INLINE void name##_norms(name *s)                                                                                \
-    {                                                                                                                    \
-        s->A2 = (s->a * s->a + s->b * s->b) + (s->c * s->c + s->d * s->d);                                               \
-        s->V2 = (s->va * s->va + s->vb * s->vb) + (s->vc * s->vc + s->vd * s->vd);                                       \
-        s->qv = (s->a * s->va + s->b * s->vb) + (s->c * s->vc + s->d * s->vd);                                           \
-    }                                                                                                                    \
-    SGT_INLINE void name##_twice_root(const real *x, real *root)                                                         \
-    {                                                                                                                    \
-        real r, xr;                                                                                                      \
-        name##_guess(x, &r);                                                                                             \
-        xr = *x * r;                                                                                                     \
-        *root = xr * (3 * 1.0018 - 1.0018 * (xr * r));                                                                   \
-    }                                                                                                                    \
-    SGT_INLINE void name##_room(const name *s, double keep, const real *E, const real *x, const real *y, real *room)     \
-    {                                                                                                                    \
-        real T = *E + s->e, more = *x - *y;                                                                              \
-        name##_positive(&more, &more);                                                                                   \
-        *room = (s->A2 * keep - (*x + more)) - T * T;                                                                    \
-    }                                                                                                                    \
-    /* to the next level; 2 A as a bound, y = V2 h^2 */                                                                  \
-    SGT_INLINE void name##_step(name *s, const real *A_twice, const real *y, double round, const name##_constant *c, bool mandelbrot) \
-    {                                                                                                                    \
-        real two_a = s->a + s->a, two_va = s->va + s->va, turned = two_a * s->va - s->qv;                                \
-        s->e = ((*A_twice + 5.001 * s->e) * s->e + 1.2501 * *y) + (16 * SGT_U * s->A2 + round);                          \
-        if (mandelbrot) s->e += c->extra;                                                                                \
-        s->va = turned + turned;                                                                                         \
-        s->vb = two_a * s->vb + two_va * s->b, s->vc = two_a * s->vc + two_va * s->c, s->vd = two_a * s->vd + two_va * s->d; \
-        s->a = (two_a * s->a - s->A2) + c->a, s->b = two_a * s->b + c->b;                                                \
-        s->c = two_a * s->c + c->c, s->d = two_a * s->d + c->d;                                                          \
-    }                                                                                                                    \
-    /* d and the error of Q at the middle itself, likewise; 2 A, V2, e of the level before */                            \
-    SGT_INLINE void name##_slope(const real *A_twice, const real *V2, const real *e, const real *h, double round, real *d, real *center) \
-    {                                                                                                                    \
-        real V, D, A = 0.5 * *A_twice;                                                                                   \
-        name##_twice_root(V2, &V);                                                                                       \
-        V *= 0.5, D = V * *h + *e;                                                                                       \
-        *d = 2 * (D * V + (A + D) * *d) + 16 * SGT_U * A * V;                                                            \
-        *center = (*A_twice + *center) * *center + (8 * SGT_U * (A * A) + round);                                        \
+#define SGT_SQUARES(name, real)                                                                          \
+    typedef struct name {                                                                                \
+        real a, b, c, d, va, vb, vc, vd, e, A2, V2, qv;                                                  \
+    } name;                                                                                              \
+    typedef struct name##_constant {                                                                     \
+        real a, b, c, d, extra;                                                                          \
+    } name##_constant;                                                                                   \
+    SGT_INLINE void name##_norms(name *s)                                                                \
+    {                                                                                                    \
+        s->A2 = (s->a * s->a + s->b * s->b) + (s->c * s->c + s->d * s->d);                               \
+        s->V2 = (s->va * s->va + s->vb * s->vb) + (s->vc * s->vc + s->vd * s->vd);                       \
+        s->qv = (s->a * s->va + s->b * s->vb) + (s->c * s->vc + s->d * s->vd);                           \
+    }                                                                                                    \
+    SGT_INLINE void name##_twice_root(const real *x, real *root)                                         \
+    {                                                                                                    \
+        real r, xr;                                                                                      \
+        name##_guess(x, &r);                                                                             \
+        xr = *x * r;                                                                                     \
+        *root = xr * (3 * 1.0018 - 1.0018 * (xr * r));                                                   \
+    }                                                                                                    \
+    SGT_INLINE void name##_room(const name *s, double keep, const real *E, const real *x, const real *y, \
+                                real *room)                                                              \
+    {                                                                                                    \
+        real T = *E + s->e, more = *x - *y;                                                              \
+        name##_positive(&more, &more);                                                                   \
+        *room = (s->A2 * keep - (*x + more)) - T * T;                                                    \
+    }                                                                                                    \
+    /* to the next level; 2 A as a bound, y = V2 h^2 */                                                  \
+    SGT_INLINE void name##_step(name *s, const real *A_twice, const real *y, double round,               \
+                                const name##_constant *c, bool mandelbrot)                               \
+    {                                                                                                    \
+        real two_a = s->a + s->a, two_va = s->va + s->va, turned = two_a * s->va - s->qv;                \
+        s->e = ((*A_twice + 5.001 * s->e) * s->e + 1.2501 * *y) + (16 * SGT_U * s->A2 + round);          \
+        if (mandelbrot) s->e += c->extra;                                                                \
+        s->va = turned + turned;                                                                         \
+        s->vb = two_a * s->vb + two_va * s->b, s->vc = two_a * s->vc + two_va * s->c,                    \
+        s->vd = two_a * s->vd + two_va * s->d;                                                           \
+        s->a = (two_a * s->a - s->A2) + c->a, s->b = two_a * s->b + c->b;                                \
+        s->c = two_a * s->c + c->c, s->d = two_a * s->d + c->d;                                          \
+    }                                                                                                    \
+    /* d and the error of Q at the middle itself, likewise; 2 A, V2, e of the level before */            \
+    SGT_INLINE void name##_slope(const real *A_twice, const real *V2, const real *e, const real *h,      \
+                                 double round, real *d, real *center)                                    \
+    {                                                                                                    \
+        real V, D, A = 0.5 * *A_twice;                                                                   \
+        name##_twice_root(V2, &V);                                                                       \
+        V *= 0.5, D = V * *h + *e;                                                                       \
+        *d = 2 * (D * V + (A + D) * *d) + 16 * SGT_U * A * V;                                            \
+        *center = (*A_twice + *center) * *center + (8 * SGT_U * (A * A) + round);                        \
     }
 
 SGT_SQUARES(one, double)
@@ -85,24 +95,29 @@ static inline circle circle_of(const path *w)
 {
     double most = 0;
     for (int k = w->mandelbrot ? 1 : 0; k < w->iterations; k++) most = larger(most, w->escape[k]);
-    /* A cell whose middle is so far outside, |Q|^2 > 3 E_k^2, and that is not outside as a whole, will not be at a later
-     * level either: its bounds grow as fast.  Nothing but time depends on it (1.2: 15 % more cells; 64: 3 % more levels). */
-    return (circle){w->c_abs, 8 * SGT_U * w->c_abs, 1 - 0x1p-47 * (2 + w->escape[w->mandelbrot ? 1 : 0]), 3 * most * most};
+    /* A cell whose middle is so far outside, |Q|^2 > 3 E_k^2, and that is not outside as a whole, will not
+     * be at a later level either: its bounds grow as fast.  Nothing but time depends on it (1.2: 15 % more
+     * cells; 64: 3 % more levels). */
+    return (circle){w->c_abs, 8 * SGT_U * w->c_abs, 1 - 0x1p-47 * (2 + w->escape[w->mandelbrot ? 1 : 0]),
+                    3 * most * most};
 }
 
 /* ----------------------------------------------------------------- at level N */
 
 typedef struct pair_norms { double A2, V2, qv; } pair_norms;
 
-/* A cell that is less steep, |<Q, v>| <= 3 V2 h, is seldom monotone, and of little use if it is: with 1 as many
- * evaluations, and a third more cells looked at for their slope; with 4 the same. */
+/* A cell that is less steep, |<Q, v>| <= 3 V2 h, is seldom monotone, and of little use if it is: with 1 as
+ * many evaluations, and a third more cells looked at for their slope; with 4 the same. */
 #define STEEP 3.0
 
-/* At level N: 1 if it is inside; 2 if it may be monotone, or g so near its rounding that W and g_err are wanted. */
+/* At level N: 1 if it is inside; 2 if it may be monotone, or g so near its rounding that W and g_err are
+ * wanted. */
 SGT_INLINE double judge(double E, double E_err, pair_norms at, double V, double e, double h)
 {
-    double slack = 1 + 0x1p-38, room = (E - E_err) * (1 - 0x1p-50) - e * slack, qv = fabs(at.qv), least = STEEP * (at.V2 * h) + e * V;
-    double asked = qv > least ? 2 : 0, inside = (at.A2 + at.V2 * h * h + 2 * qv * h) * (1 + 64 * SGT_U) < room * room ? 1 : 0;
+    double slack = 1 + 0x1p-38, room = (E - E_err) * (1 - 0x1p-50) - e * slack, qv = fabs(at.qv),
+           least = STEEP * (at.V2 * h) + e * V;
+    double asked = qv > least ? 2 : 0,
+           inside = (at.A2 + at.V2 * h * h + 2 * qv * h) * (1 + 64 * SGT_U) < room * room ? 1 : 0;
     asked = (qv + least) * h <= 0x1p-30 * at.A2 ? 2 : asked;
     inside = room > 0 ? inside : 0;
     return inside > 0 ? 1 : asked;
@@ -111,16 +126,18 @@ SGT_INLINE double judge(double E, double E_err, pair_norms at, double V, double 
 typedef struct orbit_bounds { double W, g_err; } orbit_bounds;
 
 /* With d and the bound `center` of what Q at m itself is off by. */
-SGT_INLINE orbit_bounds judge_slope(double E, double E_err, pair_norms at, double A, double V, double e, double d, double center, double h)
+SGT_INLINE orbit_bounds judge_slope(double E, double E_err, pair_norms at, double A, double V, double e,
+                                    double d, double center, double h)
 {
     double D = V * h + e, slack = 1 + 0x1p-38;
     return (orbit_bounds){(at.V2 * h + e * V + (A + D) * d) * slack + 16 * SGT_U * A * V,
-                    ((2 * A + center) * center) * slack + 8 * SGT_U * at.A2 + 4 * (E + E_err) * (E_err + SGT_U * E)};
+                          ((2 * A + center) * center) * slack + 8 * SGT_U * at.A2 +
+                              4 * (E + E_err) * (E_err + SGT_U * E)};
 }
 
-/* What a cell at level N says of a root: where it is, m + [lo, hi], if the cell is monotone; what Newton's method takes
- * off m, F / F' of F = tanh(log(|Q_N| / E)), which is nearly linear where |Q_N|^2 is not; by how much of itself
- * the slope varies, in a unit of length. */
+/* What a cell at level N says of a root: where it is, m + [lo, hi], if the cell is monotone; what Newton's
+ * method takes off m, F / F' of F = tanh(log(|Q_N| / E)), which is nearly linear where |Q_N|^2 is not; by
+ * how much of itself the slope varies, in a unit of length. */
 typedef struct sighting { double lo, hi, newton, wide; } sighting;
 
 SGT_INLINE sighting sight(double E2, double A2, double qv, double W, double g_err, double h)
@@ -129,10 +146,14 @@ SGT_INLINE sighting sight(double E2, double A2, double qv, double W, double g_er
     double far = (size + g_err) / (2 * (steep - W)) * slack, near = least / (2 * (steep + W)) * (1 - 0x1p-48);
     near = least > 0 ? near : -far; /* it may be on either side */
     double behind = g > 0 ? -qv : qv;
-    return (sighting){behind > 0 ? near : -far, behind > 0 ? far : -near, g * (A2 + E2) / (4 * E2 * qv), W / (steep * h)};
+    return (sighting){behind > 0 ? near : -far, behind > 0 ? far : -near, g * (A2 + E2) / (4 * E2 * qv),
+                      W / (steep * h)};
 }
 
-SGT_INLINE sighting sight_of(double E2, const cell *e, double h) { return sight(E2, e->A2, e->qv, e->W, e->g_err, h); }
+SGT_INLINE sighting sight_of(double E2, const cell *e, double h)
+{
+    return sight(E2, e->A2, e->qv, e->W, e->g_err, h);
+}
 
 SGT_INLINE double place_error(double start_size, double along_size, double m, double h)
 {

@@ -1,8 +1,8 @@
 /* course.h - how a march over a level set goes on: the same for one ray and for many.
  *
- * The ray is made local at its point nearest the centre of the set's ball (the set lies in |Q_0| <= E_0), and the ball
- * cuts it to a chord.  `decide` says what a cell's verdict comes to, `narrow` what it does to a root's bracket; what is
- * rare they leave to the caller. */
+ * The ray is made local at its point nearest the centre of the set's ball (the set lies in |Q_0| <= E_0),
+ * and the ball cuts it to a chord.  `decide` says what a cell's verdict comes to, `narrow` what it does to
+ * a root's bracket; what is rare they leave to the caller. */
 #ifndef SGT_SURFACE_ORBIT_COURSE_H
 #define SGT_SURFACE_ORBIT_COURSE_H
 
@@ -24,11 +24,12 @@ SGT_INLINE void path_of(const orbit *o, sgt_vec3 at, double l, double m, double 
     w->start = quaternion_at(o, at.x, at.y, at.z);
     w->along = along_of(o, l, m, n);
     w->along_size = fabs(l) * o->x_length + fabs(m) * o->y_length + fabs(n) * o->z_length;
-    w->start_size = o->at_length + fabs(at.x) * o->x_length + fabs(at.y) * o->y_length + fabs(at.z) * o->z_length;
+    w->start_size = o->at_length + fabs(at.x) * o->x_length + fabs(at.y) * o->y_length +
+                    fabs(at.z) * o->z_length;
 }
 
-/* E_k = limit + over, and over is `growth` times greater at each level: orbit.h's tangent, taken from E_N to the first
- * level and back.  All rounded up: growth below the true one. */
+/* E_k = limit + over, and over is `growth` times greater at each level: orbit.h's tangent, taken from E_N
+ * to the first level and back.  All rounded up: growth below the true one. */
 typedef struct escape { double limit, over, growth; } escape;
 
 static inline escape escape_of(const orbit *o)
@@ -47,7 +48,8 @@ static inline void set_of(const orbit *o, path *w)
     w->iterations = o->iterations, w->power = o->power, w->mandelbrot = o->mandelbrot;
     escape s = escape_of(o);
     if (o->mandelbrot) w->escape[0] = HUGE_VAL;
-    for (int k = o->mandelbrot ? 1 : 0; k <= o->iterations; k++, s.over *= s.growth) w->escape[k] = s.limit + s.over;
+    for (int k = o->mandelbrot ? 1 : 0; k <= o->iterations; k++, s.over *= s.growth)
+        w->escape[k] = s.limit + s.over;
 }
 
 /* The ray's point nearest the centre: where, and how near. */
@@ -60,9 +62,9 @@ SGT_INLINE course_approach course_approach_of(const path *w)
     return (course_approach){b, quaternion_dot(off, off), sqrt(V2), 32 * SGT_U * w->along_size};
 }
 
-/* Half the chord of the ball |Q| <= radius; negative: passes by; NaN or infinite: out of range.  `along` is off by
- * `slip` (much of it, where axes nearly cancel), which over the chord moves the ray by slip times its half, at most the
- * radius over what is left of |along|. */
+/* Half the chord of the ball |Q| <= radius; negative: passes by; NaN or infinite: out of range.  `along` is
+ * off by `slip` (much of it, where axes nearly cancel), which over the chord moves the ray by slip times
+ * its half, at most the radius over what is left of |along|. */
 SGT_INLINE double half_chord(const path *w, const course_approach *a, double radius)
 {
     double err = 32 * SGT_U * w->start_size + a->slip * (fabs(a->middle) + 4 * radius / (a->V - a->slip));
@@ -71,12 +73,14 @@ SGT_INLINE double half_chord(const path *w, const course_approach *a, double rad
     return a->V > 2 * a->slip ? left < 0 ? -1 : half : HUGE_VAL;
 }
 
-/* The ray with its origin moved to its point nearest the centre of the ball, and the chord there: half of it, negative
- * where the ray passes by. */
-SGT_INLINE double chord_of(const orbit *o, double radius, const sgt_ray *ray, local *q, path *w, double *lo, double *hi)
+/* The ray with its origin moved to its point nearest the centre of the ball, and the chord there: half of
+ * it, negative where the ray passes by. */
+SGT_INLINE double chord_of(const orbit *o, double radius, const sgt_ray *ray, local *q, path *w, double *lo,
+                           double *hi)
 {
     double scale = scale_of(ray->d);
-    quaternion far = quaternion_at(o, ray->o.x, ray->o.y, ray->o.z), v = along_of(o, ray->d.x * scale, ray->d.y * scale, ray->d.z * scale);
+    quaternion far = quaternion_at(o, ray->o.x, ray->o.y, ray->o.z),
+               v = along_of(o, ray->d.x * scale, ray->d.y * scale, ray->d.z * scale);
     *q = local_at(ray, -quaternion_dot(far, v) / quaternion_dot(v, v), 0);
     path_of(o, (sgt_vec3){q->x, q->y, q->z}, q->l, q->m, q->n, w);
     course_approach a = course_approach_of(w);
@@ -95,8 +99,8 @@ SGT_INLINE void cut_to_ends(const local *q, double tmin, double tmax, double *lo
 
 /* ------------------------------------------------------------------- the march */
 
-/* Where a march is, and the length of the next cell; by what it has lately been growing, or shrinking; the sign of F
- * where the cells so far end, 0 where it is not known. */
+/* Where a march is, and the length of the next cell; by what it has lately been growing, or shrinking; the
+ * sign of F where the cells so far end, 0 where it is not known. */
 typedef struct course { double tau, hi, h, growth, side; } course;
 
 SGT_INLINE double grown(double growth)
@@ -111,8 +115,8 @@ SGT_INLINE double shrunk(double growth)
     return larger(less < 1.2 ? less : 1.2, 0.7);
 }
 
-/* The first course, over [lo, hi] of a chord that begins at `from`.  Who starts within the ball may well start on the
- * surface, and leaves it with cells that are longer and longer. */
+/* The first course, over [lo, hi] of a chord that begins at `from`.  Who starts within the ball may well
+ * start on the surface, and leaves it with cells that are longer and longer. */
 SGT_INLINE course first_course(double from, double lo, double hi)
 {
     bool within = lo > from;
@@ -137,14 +141,14 @@ static inline place lay(const course *k)
     return (place){m, larger(m - tau, end - m), end};
 }
 
-/* A root's bracket [lo, hi], and m, the best guess at it; where the signs of F as computed say it is, [a, b], a guide and no proof; half the next
- * cell to look at, h, about m; 1 if F falls, -1 if it rises. */
+/* A root's bracket [lo, hi], and m, the best guess at it; where the signs of F as computed say it is, [a,
+ * b], a guide and no proof; half the next cell to look at, h, about m; 1 if F falls, -1 if it rises. */
 typedef struct bracket { double lo, hi, a, b, m, h, falls, looks; } bracket;
 
 static inline double root_error(const bracket *p) { return larger(p->hi - p->m, p->m - p->lo); }
 
-/* A step s of Newton's method, where the slope varies by W over h, ends within W s^2 / (2 |qv| h) of the root and a
- * little: the next cell is twice as long. */
+/* A step s of Newton's method, where the slope varies by W over h, ends within W s^2 / (2 |qv| h) of the
+ * root and a little: the next cell is twice as long. */
 static inline void step_to(bracket *p, double from, double step, double wide, double least)
 {
     double next = from - step;
@@ -154,7 +158,8 @@ static inline void step_to(bracket *p, double from, double step, double wide, do
     p->m = next;
 }
 
-/* The sign of F in the middle of a cell as computed, a guide and no proof; e->level < levels: it is outside. */
+/* The sign of F in the middle of a cell as computed, a guide and no proof; e->level < levels: it is
+ * outside. */
 static inline double seen_in_middle(const cell *e, int levels, double E2)
 {
     return e->level < levels ? 1 : e->verdict == CELL_INSIDE ? -1 : e->A2 - E2;
@@ -165,9 +170,11 @@ typedef enum turn { ON, ROOT, ACROSS, RARE } turn;
 /* What a cell's verdict comes to:
  *     ON      the course is set to the next cell
  *     ROOT    and its bracket; the course is set to the cell behind it
- *     ACROSS  [tau, m] is no longer than t_tol, and F seems to change its sign there: look at m alone, then `found_across`
+ *     ACROSS  [tau, m] is no longer than t_tol, and F seems to change its sign there: look at m alone, then
+ *         `found_across`
  *     RARE    none of these; the course and the cell as they are, but for its h.
- * Whatever t_tol is, the cells are the same until ROOT or ACROSS: it costs one look at most, and as a rule saves some. */
+ * Whatever t_tol is, the cells are the same until ROOT or ACROSS: it costs one look at most, and as a rule
+ * saves some. */
 static inline turn decide(course *k, const place *at, const cell *e, const sighting *n, int levels, double E2,
                           double t_tol, double least, bracket *p)
 {
@@ -180,7 +187,8 @@ static inline turn decide(course *k, const place *at, const cell *e, const sight
     if (e->verdict == CELL_MONOTONE) {
         double falls = e->qv < 0 ? 1 : -1, side = k->side; /* F falls along the ray, or rises */
         if (side == 0) {
-            if (n->lo < -h && n->hi > -h) { /* before the cell, or in it?  One that begins earlier will tell, or is shorter */
+            /* before the cell, or in it?  One that begins earlier will tell, or is shorter */
+            if (n->lo < -h && n->hi > -h) {
                 double width = larger(n->hi - n->lo, least);
                 if (h <= 4 * least) return RARE;
                 if (width <= 0.25 * h) k->tau = m + n->lo - width;
@@ -231,16 +239,19 @@ static inline bool found_across(course *k, const place *at, cell_verdict v, doub
 
 /* ------------------------------------------------------------------- the fast way */
 
-/* What an estimate needs of the set, whatever the point.  c and Im Q span two dimensions: with Im c on one axis, the
- * norm of Q follows from (a, b, |rest|^2). */
+/* What an estimate needs of the set, whatever the point.  c and Im Q span two dimensions: with Im c on one
+ * axis, the norm of Q follows from (a, b, |rest|^2). */
 typedef struct estimator { quaternion along_c; double im, E2, power2, inverse_length; } estimator;
 
 /* c: of the Mandelbrot set the point. */
 SGT_INLINE estimator estimator_of(const orbit *o, quaternion c)
 {
     double im = sqrt(c.b * c.b + c.c * c.c + c.d * c.d), inverse = im > 0 ? 1 / im : 0;
-    return (estimator){.along_c = {c.a, c.b * inverse, c.c * inverse, c.d * inverse}, .im = im, .E2 = o->E * o->E,
-                       .power2 = (double)(o->power * o->power), .inverse_length = 1 / larger(o->x_length, larger(o->y_length, o->z_length))};
+    return (estimator){.along_c = {c.a, c.b * inverse, c.c * inverse, c.d * inverse},
+                       .im = im,
+                       .E2 = o->E * o->E,
+                       .power2 = (double)(o->power * o->power),
+                       .inverse_length = 1 / larger(o->x_length, larger(o->y_length, o->z_length))};
 }
 
 /* An orbit in the plane of 1 and Im c, and what it has of the rest: |rest|^2.  growth >= |dQ_k/dQ_0|. */
@@ -250,7 +261,8 @@ typedef struct slice_orbit { double a, b, rest, A2, growth2; } slice_orbit;
 
 SGT_INLINE slice_orbit slice_orbit_at(const estimator *s, quaternion q)
 {
-    double n2 = q.b * q.b + (q.c * q.c + q.d * q.d), b = q.b * s->along_c.b + (q.c * s->along_c.c + q.d * s->along_c.d);
+    double n2 = q.b * q.b + (q.c * q.c + q.d * q.d),
+           b = q.b * s->along_c.b + (q.c * s->along_c.c + q.d * s->along_c.d);
     return (slice_orbit){q.a, b, larger(n2 - b * b, 0), q.a * q.a + n2, 1};
 }
 
@@ -264,11 +276,12 @@ SGT_INLINE slice_orbit slice_orbit_squared(slice_orbit q, const estimator *s, bo
     return q;
 }
 
-/* The distance, and F itself.  Hart's estimate is of |Q|; log(x) >= 3 (x^2 - 1) / (x^2 + 4 x + 1), x >= 1 (Pade), is near
- * enough for x < 12. */
+/* The distance, and F itself.  Hart's estimate is of |Q|; log(x) >= 3 (x^2 - 1) / (x^2 + 4 x + 1), x >= 1
+ * (Pade), is near enough for x < 12. */
 SGT_INLINE double estimate_of(const estimator *s, double A2, double growth2, double *f)
 {
-    double x2 = A2 / s->E2, x = sqrt(x2), d = 1.5 * (x2 - 1) / (x2 + 4 * x + 1) * sqrt(A2 / growth2) * s->inverse_length;
+    double x2 = A2 / s->E2, x = sqrt(x2),
+           d = 1.5 * (x2 - 1) / (x2 + 4 * x + 1) * sqrt(A2 / growth2) * s->inverse_length;
     double within = (A2 - s->E2) / (A2 + s->E2), beyond = A2 > 0 ? 1 : (double)NAN;
     *f = A2 < HUGE_VAL ? within : beyond;
     d = A2 > s->E2 ? d : 0, d = A2 < HUGE_VAL ? d : 0;
@@ -278,7 +291,8 @@ SGT_INLINE double estimate_of(const estimator *s, double A2, double growth2, dou
 /* ------------------------------------------------------------------- a root's bracket */
 
 /* Takes a look at p->m, p->h into account.  false: it is as narrow as wanted, or as it will be. */
-static inline bool narrow(bracket *p, const cell *e, const sighting *n, int levels, double E2, double wanted, double least)
+static inline bool narrow(bracket *p, const cell *e, const sighting *n, int levels, double E2, double wanted,
+                          double least)
 {
     double m = p->m, h = p->h;
     bool far = e->level < levels;
@@ -293,8 +307,10 @@ static inline bool narrow(bracket *p, const cell *e, const sighting *n, int leve
             p->lo = larger(p->lo, m + n->lo - slip), p->hi = -larger(-p->hi, -(m + n->hi + slip));
             p->a = p->lo, p->b = p->hi;
             step_to(p, m, n->newton, n->wide, least);
-            bool to_rounding = p->hi - p->lo <= 8 * e->g_err / fabs(e->qv); /* nothing more to be had of the bracket */
-            if (root_error(p) <= wanted || (to_rounding && p->h <= 2 * least)) return false; /* and Newton's step has settled */
+            /* nothing more to be had of the bracket */
+            bool to_rounding = p->hi - p->lo <= 8 * e->g_err / fabs(e->qv);
+            /* and Newton's step has settled */
+            if (root_error(p) <= wanted || (to_rounding && p->h <= 2 * least)) return false;
         } else { /* a cell has to hold what rounding leaves of the root */
             step_to(p, m, n->newton, n->wide, larger(least, larger(h, 4 * e->g_err / fabs(e->qv))));
         }
@@ -311,8 +327,10 @@ static inline bool narrow(bracket *p, const cell *e, const sighting *n, int leve
 SGT_INLINE bool root_accepted(const meeting *h, const local *q, double tmin, double tmax)
 {
     double terms = fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z * h->n.z);
-    double slope = fabs(h->n.x * q->l + h->n.y * q->m + h->n.z * q->n), gap = h->t - tmin - h->t_err - 8 * SGT_U * fabs(h->t);
-    bool started = (tmin == -HUGE_VAL) | ((gap > 0) & (gap * slope >= START_ULPS * terms * q->scale)); /* F = 1, to rounding: 0 and 0 */
+    double slope = fabs(h->n.x * q->l + h->n.y * q->m + h->n.z * q->n),
+           gap = h->t - tmin - h->t_err - 8 * SGT_U * fabs(h->t);
+    /* F = 1, to rounding: 0 and 0 */
+    bool started = (tmin == -HUGE_VAL) | ((gap > 0) & (gap * slope >= START_ULPS * terms * q->scale));
     return started & (h->t <= tmax);
 }
 

@@ -7,8 +7,8 @@
 
 #include "course.h"
 
-/* About the middle of t, in the scaled direction: of a d that is very short the squares would be lost.  Where the ray is
- * so far off that squares overflow nothing is said. */
+/* About the middle of t, in the scaled direction: of a d that is very short the squares would be lost.
+ * Where the ray is so far off that squares overflow nothing is said. */
 static sgt_interval enclose_by(const orbit *o, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
     path w;
@@ -35,72 +35,80 @@ static sgt_hit first_of(const orbit *o, const sgt_ray *ray, const sgt_options *o
     return first_entry(&list, ray, evals);
 }
 
-#define LEVEL_SET(kind)                                                                                              \
-    static double kind##_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)                                         \
-    {                                                                                                                \
-        orbit o;                                                                                                     \
-        if (!sgt_orbit_of_##kind(self, &o).param) return sgt_level_value(&o, p, grad);                                      \
-        if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};                                                                 \
-        return NAN;                                                                                                  \
-    }                                                                                                                \
-    static sgt_span kind##_span(const void *self, const sgt_ray *ray)                                                \
-    {                                                                                                                \
-        orbit o;                                                                                                     \
-        if (sgt_orbit_of_##kind(self, &o).param) return (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = NAN};    \
-        return sgt_level_span(&o, ray);                                                                              \
-    }                                                                                                                \
-    static double kind##_rounding(const void *self, sgt_vec3 p)                                                      \
-    {                                                                                                                \
-        orbit o;                                                                                                     \
-        return sgt_orbit_of_##kind(self, &o).param ? (double)NAN : sgt_level_rounding(&o, p);                                       \
-    }                                                                                                                \
-    static double kind##_estimate(const void *self, sgt_vec3 p)                                                      \
-    {                                                                                                                \
-        orbit o;                                                                                                     \
-        double f;                                                                                                    \
-        return sgt_orbit_of_##kind(self, &o).param ? (double)NAN : sgt_level_estimate(&o, p, &f);                            \
-    }                                                                                                                \
-    static sgt_interval kind##_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)    \
-    {                                                                                                                \
-        orbit o;                                                                                                     \
-        *slope = (sgt_interval){NAN, NAN};                                                                           \
-        return sgt_orbit_of_##kind(self, &o).param ? *slope : enclose_by(&o, ray, t, slope);                         \
-    }                                                                                                                \
-    static sgt_hit kind##_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)                         \
-    {                                                                                                                \
-        orbit o;                                                                                                     \
-        if (sgt_orbit_of_##kind(self, &o).param) return hit_without(SGT_INVALID, ray, 0);                            \
-        return first_of(&o, ray, opt);                                                                               \
-    }                                                                                                                \
-    static sgt_status kind##_all(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)       \
-    {                                                                                                                \
-        orbit o;                                                                                                     \
-        if (sgt_orbit_of_##kind(self, &o).param) return SGT_INVALID;                                                 \
-        sgt_level_march(&o, ray, opt, true, list);                                                                   \
-        return 0;                                                                                                    \
-    }                                                                                                                \
-    static size_t kind##_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)                       \
-    {                                                                                                                \
-        orbit o;                                                                                                     \
-        if (!sgt_orbit_of_##kind(self, &o).param) return sgt_level_lanes(&o, tile, opt);                             \
-        memset(tile->hits.status, SGT_HARD, tile->n);                                                                \
-        return tile->n;                                                                                              \
-    }                                                                                                                \
-    static const struct sgt_builtin_ops kind##_builtin = {.meet = kind##_meet, .all = kind##_all, .lanes = kind##_lanes, .tile = SGT_MOST_TILE}; \
-    const sgt_surface_ops sgt_##kind##_ops = {.name = #kind, .value = kind##_value, .span = kind##_span,             \
-                                              .rounding = kind##_rounding, .estimate = kind##_estimate,              \
-                                              .enclose = kind##_enclose, .own_ = &kind##_builtin};                       \
-    double sgt_##kind##_potential(const sgt_##kind *s, sgt_vec3 p, sgt_vec3 *grad)                                   \
-    {                                                                                                                \
-        orbit o;                                                                                                     \
-        if (!sgt_orbit_of_##kind(s, &o).param) return sgt_level_potential(&o, p, grad);                                     \
-        if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};                                                                 \
-        return NAN;                                                                                                  \
-    }                                                                                                                \
-    sgt_objection sgt_##kind##_object(const void *self)                                                              \
-    {                                                                                                                \
-        orbit o;                                                                                                     \
-        return sgt_orbit_of_##kind(self, &o);                                                                        \
+#define LEVEL_SET(kind)                                                                           \
+    static double kind##_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)                      \
+    {                                                                                             \
+        orbit o;                                                                                  \
+        if (!sgt_orbit_of_##kind(self, &o).param) return sgt_level_value(&o, p, grad);            \
+        if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};                                              \
+        return NAN;                                                                               \
+    }                                                                                             \
+    static sgt_span kind##_span(const void *self, const sgt_ray *ray)                             \
+    {                                                                                             \
+        orbit o;                                                                                  \
+        if (sgt_orbit_of_##kind(self, &o).param)                                                  \
+            return (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = NAN};                      \
+        return sgt_level_span(&o, ray);                                                           \
+    }                                                                                             \
+    static double kind##_rounding(const void *self, sgt_vec3 p)                                   \
+    {                                                                                             \
+        orbit o;                                                                                  \
+        return sgt_orbit_of_##kind(self, &o).param ? (double)NAN : sgt_level_rounding(&o, p);     \
+    }                                                                                             \
+    static double kind##_estimate(const void *self, sgt_vec3 p)                                   \
+    {                                                                                             \
+        orbit o;                                                                                  \
+        double f;                                                                                 \
+        return sgt_orbit_of_##kind(self, &o).param ? (double)NAN : sgt_level_estimate(&o, p, &f); \
+    }                                                                                             \
+    static sgt_interval kind##_enclose(const void *self, const sgt_ray *ray, sgt_interval t,      \
+                                       sgt_interval *slope)                                       \
+    {                                                                                             \
+        orbit o;                                                                                  \
+        *slope = (sgt_interval){NAN, NAN};                                                        \
+        return sgt_orbit_of_##kind(self, &o).param ? *slope : enclose_by(&o, ray, t, slope);      \
+    }                                                                                             \
+    static sgt_hit kind##_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)      \
+    {                                                                                             \
+        orbit o;                                                                                  \
+        if (sgt_orbit_of_##kind(self, &o).param) return hit_without(SGT_INVALID, ray, 0);         \
+        return first_of(&o, ray, opt);                                                            \
+    }                                                                                             \
+    static sgt_status kind##_all(const void *self, const sgt_ray *ray, const sgt_options *opt,    \
+                                 sgt_list *list)                                                  \
+    {                                                                                             \
+        orbit o;                                                                                  \
+        if (sgt_orbit_of_##kind(self, &o).param) return SGT_INVALID;                              \
+        sgt_level_march(&o, ray, opt, true, list);                                                \
+        return 0;                                                                                 \
+    }                                                                                             \
+    static size_t kind##_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)    \
+    {                                                                                             \
+        orbit o;                                                                                  \
+        if (!sgt_orbit_of_##kind(self, &o).param) return sgt_level_lanes(&o, tile, opt);          \
+        memset(tile->hits.status, SGT_HARD, tile->n);                                             \
+        return tile->n;                                                                           \
+    }                                                                                             \
+    static const struct sgt_builtin_ops kind##_builtin = {                                        \
+        .meet = kind##_meet, .all = kind##_all, .lanes = kind##_lanes, .tile = SGT_MOST_TILE};    \
+    const sgt_surface_ops sgt_##kind##_ops = {.name = #kind,                                      \
+                                              .value = kind##_value,                              \
+                                              .span = kind##_span,                                \
+                                              .rounding = kind##_rounding,                        \
+                                              .estimate = kind##_estimate,                        \
+                                              .enclose = kind##_enclose,                          \
+                                              .own_ = &kind##_builtin};                           \
+    double sgt_##kind##_potential(const sgt_##kind *s, sgt_vec3 p, sgt_vec3 *grad)                \
+    {                                                                                             \
+        orbit o;                                                                                  \
+        if (!sgt_orbit_of_##kind(s, &o).param) return sgt_level_potential(&o, p, grad);           \
+        if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};                                              \
+        return NAN;                                                                               \
+    }                                                                                             \
+    sgt_objection sgt_##kind##_object(const void *self)                                           \
+    {                                                                                             \
+        orbit o;                                                                                  \
+        return sgt_orbit_of_##kind(self, &o);                                                     \
     }
 
 LEVEL_SET(julia)

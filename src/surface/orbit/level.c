@@ -2,41 +2,45 @@
  *
  * The ray is made local at its point nearest the centre of the set's ball (the set lies in |Q_0| <= E_0);
  * the ball cuts it to a chord, and a ray that passes by is done.  The chord is covered by cells, nearest
- * first; orbit.h says what makes a cell outside, inside or monotone.  Outside and inside cells hold no root.
- * In a monotone cell |Q_N|^2 has a slope between S- and S+ of one sign, so the root of the whole, if there is
- * one, lies in m - (|Q_N(m)|^2 - E^2 -+ g_err) / [S-, S+] (interval Newton; Moore 1966, Nickel 1971): wholly
- * inside the cell it exists and is the only one; beyond the cell's end, the part before it is
- * free of roots; before its start there is none, since the side on which the cell begins is
- * known: it is that of the cell before.  A cell that is none of these is made smaller, unless its variation
- * is already below the rounding of |Q_N|^2: then it joins an undecided stretch, which ends with the next
- * cell that is decided: unlike sides are a crossing; like ones a graze if |F| was within a few roundings all over it,
+ * first; orbit.h says what makes a cell outside, inside or monotone.  Outside and inside cells hold no
+ * root.  In a monotone cell |Q_N|^2 has a slope between S- and S+ of one sign, so the root of the whole, if
+ * there is one, lies in m - (|Q_N(m)|^2 - E^2 -+ g_err) / [S-, S+] (interval Newton; Moore 1966, Nickel
+ * 1971): wholly inside the cell it exists and is the only one; beyond the cell's end, the part before it is
+ * free of roots; before its start there is none, since the side on which the cell begins is known: it is
+ * that of the cell before.  A cell that is none of these is made smaller, unless its variation is already
+ * below the rounding of |Q_N|^2: then it joins an undecided stretch, which ends with the next cell that is
+ * decided: unlike sides are a crossing; like ones a graze if |F| was within a few roundings all over it,
  * else UNPROVEN.
  *
- * h is halved after a failure, and after a success multiplied by a factor that itself has grown, by 1.08 and beyond 1.2 by
- * 1.15 (to 2 at most), and after a failure shrunk by 0.8 (to between 0.7 and 1.2): on the way toward a surface cells have to
- * shrink, and learn it; on the way from one they have to grow.  A flat optimum among some dozens tried: fixed
- * factors of 1.15 and 0.35 take 7 % more levels of the orbit on rays from without, and a factor of at most 1.2 twice the
- * cells on rays that start on the surface.  A Newton step out of a failed cell could only shorten it.
+ * h is halved after a failure, and after a success multiplied by a factor that itself has grown, by 1.08
+ * and beyond 1.2 by 1.15 (to 2 at most), and after a failure shrunk by 0.8 (to between 0.7 and 1.2): on the
+ * way toward a surface cells have to shrink, and learn it; on the way from one they have to grow.  A flat
+ * optimum among some dozens tried: fixed factors of 1.15 and 0.35 take 7 % more levels of the orbit on rays
+ * from without, and a factor of at most 1.2 twice the cells on rays that start on the surface.  A Newton
+ * step out of a failed cell could only shorten it.
  *
- * THE START.  A ray that starts on the surface has no cell before it that tells the side.  A monotone cell about the start
- * whose root may be on either side of its end is laid a little earlier, to have the root within; that root does not
- * count, and behind it the side is known.  Such rays start with a short cell, which doubles (first_course).
+ * THE START.  A ray that starts on the surface has no cell before it that tells the side.  A monotone cell
+ * about the start whose root may be on either side of its end is laid a little earlier, to have the root
+ * within; that root does not count, and behind it the side is known.  Such rays start with a short cell,
+ * which doubles (first_course).
  *
- * T_TOL ends a root's bracket as soon as it is narrow enough.  It also ends a cell that is not decided, if its first half
- * is no longer than t_tol and F seems to have another sign in its middle than at its start.  One look at the middle
- * alone makes the change of sign certain, and it is told as a root.  Where neither helps, the cells are those without t_tol.
+ * T_TOL ends a root's bracket as soon as it is narrow enough.  It also ends a cell that is not decided, if
+ * its first half is no longer than t_tol and F seems to have another sign in its middle than at its start.
+ * One look at the middle alone makes the change of sign certain, and it is told as a root.  Where neither
+ * helps, the cells are those without t_tol.
  *
- * A root's bracket is narrowed by interval Newton, each cell about where Newton's method on F takes the last one's middle (F is
- * tanh(log(|Q_N| / E)), nearly linear over many lengths where |Q_N|^2 is not), and as wide as by the slope's variation
- * the guess may be off: three cells, as a rule, to rounding.
+ * A root's bracket is narrowed by interval Newton, each cell about where Newton's method on F takes the
+ * last one's middle (F is tanh(log(|Q_N| / E)), nearly linear over many lengths where |Q_N|^2 is not), and
+ * as wide as by the slope's variation the guess may be off: three cells, as a rule, to rounding.
  *
- * UNDER PROOF a root has to be in a monotone cell that is twice as long as [t - t_err, t + t_err]: then it is there, since
- * F changes sign, and the only one.  From far away one ulp of t, and so t_err, may be wide for the set.  Then a shorter
- * cell about the root is monotone, and the rest of [t - t_err, t + t_err] is covered by cells without a root.
- * t_tol is not read (a change of sign over so much may be of three roots), nor is dt_min.
+ * UNDER PROOF a root has to be in a monotone cell that is twice as long as [t - t_err, t + t_err]: then it
+ * is there, since F changes sign, and the only one.  From far away one ulp of t, and so t_err, may be wide
+ * for the set.  Then a shorter cell about the root is monotone, and the rest of [t - t_err, t + t_err] is
+ * covered by cells without a root.  t_tol is not read (a change of sign over so much may be of three
+ * roots), nor is dt_min.
  *
- * THE FAST WAY, dt_min > 0: steps of the larger of dt_min and Hart's estimate A log(A / E) / (2 |dQ_N/dp|), F looked
- * at between them; a change of sign is a bracket for Newton's method.  Thin parts are passed by. */
+ * THE FAST WAY, dt_min > 0: steps of the larger of dt_min and Hart's estimate A log(A / E) / (2 |dQ_N/dp|),
+ * F looked at between them; a change of sign is a bracket for Newton's method.  Thin parts are passed by. */
 #include "level.h"
 
 #include "course.h"
@@ -60,7 +64,8 @@ sgt_span sgt_level_span(const orbit *o, const sgt_ray *ray)
     local q;
     double lo, hi;
     escape s = escape_of(o);
-    if (chord_of(o, s.limit + s.over, ray, &q, &w, &lo, &hi) < 0) return (sgt_span){.lo = 1, .hi = 0, .seed = NAN};
+    if (chord_of(o, s.limit + s.over, ray, &q, &w, &lo, &hi) < 0)
+        return (sgt_span){.lo = 1, .hi = 0, .seed = NAN};
     double slack = 0x1p-48 * (fabs(q.t0) + fabs(lo) + fabs(hi));
     if (!(hi - lo < HUGE_VAL)) return (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = NAN};
     return (sgt_span){.lo = end_below(q.t0 + lo - slack, q.scale),
@@ -143,7 +148,8 @@ static bool only_root(level_walk *w, const meeting *h, double tau, double tau_er
     double t = h->t / w->q.scale - w->q.t0, end = far + 0x1p-50 * (far + fabs(t)), half = 1.25 * far;
     while (half > 1.1 * tau_err && !sgt_orbit_monotone(&w->path, tau, half)) half *= 0.5;
     double inner = half * (1 - 0x1p-20) - 0x1p-50 * fabs(tau);
-    return inner > tau_err && free_of_roots(w, t - end, tau - inner, half) && free_of_roots(w, tau + inner, t + end, half);
+    return inner > tau_err && free_of_roots(w, t - end, tau - inner, half) &&
+           free_of_roots(w, tau + inner, t + end, half);
 }
 
 /* A root within tau_err of tau, or a graze: an entry, unless it is before or after the ray's ends, or its
@@ -171,8 +177,16 @@ static bool add_root(level_walk *w, sgt_status status, double tau, double tau_er
         }
     }
     sgt_interval about = sgt_about(h.t, h.t_err);
-    level_add(w, &(sgt_hit){.status = status, .t = h.t, .t_err = h.t_err, .t_lo = h.t_lo, .lo = about.lo, .hi = about.hi,
-                      .f = f, .p = h.p, .n = h.n, .p_err = h.p_err});
+    level_add(w, &(sgt_hit){.status = status,
+                            .t = h.t,
+                            .t_err = h.t_err,
+                            .t_lo = h.t_lo,
+                            .lo = about.lo,
+                            .hi = about.hi,
+                            .f = f,
+                            .p = h.p,
+                            .n = h.n,
+                            .p_err = h.p_err});
     return true;
 }
 
@@ -238,11 +252,13 @@ static void level_march(level_walk *w, double start, double lo, double hi)
         double tau = k.tau, m = at.m, end = at.end, h = at.h;
         look_on(w, SGT_MARCH, m, tau, hi);
         if (w->done) break;
-        bool monotone = e->verdict == CELL_MONOTONE, bright = e->verdict == CELL_OUTSIDE || e->verdict == CELL_INSIDE;
+        bool monotone = e->verdict == CELL_MONOTONE,
+             bright = e->verdict == CELL_OUTSIDE || e->verdict == CELL_INSIDE;
         sighting n = {0, 0, 0, 0};
         double falls = e->qv < 0 ? 1 : -1;
         if (monotone) n = sight_of(E2, e, h);
-        bool about = monotone && k.side == 0 && n.lo < -h && n.hi > -h; /* a root before the cell, or in it? */
+        /* a root before the cell, or in it? */
+        bool about = monotone && k.side == 0 && n.lo < -h && n.hi > -h;
         if (dark.any && about && n.hi < h) { /* behind the root, if it is one, the sign is known */
             if (!end_dark(w, &dark, m + n.hi, -falls)) break;
             dark.any = false, k.side = -falls, k.tau = end, k.h = h, faster(&k);
@@ -284,7 +300,8 @@ static void level_march(level_walk *w, double start, double lo, double hi)
         }
         bool hopeless = e->W < HUGE_VAL && (fabs(e->qv) + e->W) * h <= 4 * e->g_err;
         if (hopeless || h <= 2 * SGT_U * fabs(m)) {
-            if (!dark.any) dark = (dark_stretch){.any = true, .touches = true, .lo = tau, .side = (int)k.side};
+            if (!dark.any)
+                dark = (dark_stretch){.any = true, .touches = true, .lo = tau, .side = (int)k.side};
             dark.touches = dark.touches && e->W < HUGE_VAL && fabs(e->A2 - E2) <= 5 * e->g_err;
             k.side = 0, k.tau = end;
         } else {
@@ -328,7 +345,8 @@ double sgt_level_estimate(const orbit *o, sgt_vec3 p, double *f)
 static void march_fast(level_walk *w, double lo, double hi, double dt_min)
 {
     const orbit *o = w->orbit;
-    double inverse = 1 / sqrt(w->q.l * w->q.l + w->q.m * w->q.m + w->q.n * w->q.n), last = lo, last_f = NAN, tau = lo, f;
+    double inverse = 1 / sqrt(w->q.l * w->q.l + w->q.m * w->q.m + w->q.n * w->q.n), last = lo, last_f = NAN,
+           tau = lo, f;
     estimator s = estimator_of(o, o->c);
     bool any = false;
     for (;;) {

@@ -9,11 +9,12 @@
  * evaluations spent since the last entry. */
 int sgt_level_march(const orbit *o, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list);
 
-/* There is no root but one in [t - t_err, t + t_err]: F is monotone over twice as much.  w is one of the set; it
- * becomes that of the ray. */
+/* There is no root but one in [t - t_err, t + t_err]: F is monotone over twice as much.  w is one of the
+ * set; it becomes that of the ray. */
 bool sgt_level_unique(const orbit *o, path *w, const sgt_ray *ray, double t, double t_lo, double t_err);
 
-/* The stretch of t outside which |Q_0| (Mandelbrot: |Q_1|) is above the greatest E_k: lo > hi where there is none. */
+/* The stretch of t outside which |Q_0| (Mandelbrot: |Q_1|) is above the greatest E_k: lo > hi where there
+ * is none. */
 sgt_span sgt_level_span(const orbit *o, const sgt_ray *ray);
 
 /* A guess at the distance to the level set, 0 where F <= 0, and F itself. */

@@ -1,24 +1,26 @@
 /* level_batch.c - first hits of many rays on a level set, p = 2: the march of level.c, a ray to a lane.
  *
- * THE STREAM.  Each lane carries one ray's current cell at its own level of the orbit, with E_k its own; one step takes
- * every lane one level on.  A cell that is outside is followed by the next, one that is open by a shorter one, in vector
- * code, without a branch; what is rare or near the surface leaves the lane, which takes the next ray.  A decided cell
- * waits until its lane's pulse of levels ends: a longer pulse idles more lanes, a shorter one takes more control.
+ * THE STREAM.  Each lane carries one ray's current cell at its own level of the orbit, with E_k its own;
+ * one step takes every lane one level on.  A cell that is outside is followed by the next, one that is open
+ * by a shorter one, in vector code, without a branch; what is rare or near the surface leaves the lane,
+ * which takes the next ray.  A decided cell waits until its lane's pulse of levels ends: a longer pulse
+ * idles more lanes, a shorter one takes more control.
  *
- * Of c = (-0.083, 0, -0.83, -0.025), N = 7, 640 x 480 rays: 14.5 evaluations a ray, 83 levels (Q_0 and the cells
- * looked at twice counted), 92 % of the lanes' levels spent on cells not decided.  What they cost is the number of vector
- * instructions: two a cycle of 512 bits, some 95 of them a level and 120 a pulse.
+ * Of c = (-0.083, 0, -0.83, -0.025), N = 7, 640 x 480 rays: 14.5 evaluations a ray, 83 levels (Q_0 and the
+ * cells looked at twice counted), 92 % of the lanes' levels spent on cells not decided.  What they cost is
+ * the number of vector instructions: two a cycle of 512 bits, some 95 of them a level and 120 a pulse.
  *
- * THE FAST WAY.  An estimate is a short orbit and much that follows it, so the lanes take whole orbits together; a change of
- * sign goes to `near`.
+ * THE FAST WAY.  An estimate is a short orbit and much that follows it, so the lanes take whole orbits
+ * together; a change of sign goes to `near`.
  *
- * NEAR THE SURFACE.  Cells that may be inside or monotone go to level N: all lanes of `near` together, with the
- * bound d of orbit.h on the way, and the same lanes narrow a root's bracket.  decide and narrow of course.h say what
- * becomes of them, one by one.
+ * NEAR THE SURFACE.  Cells that may be inside or monotone go to level N: all lanes of `near` together, with
+ * the bound d of orbit.h on the way, and the same lanes narrow a root's bracket.  decide and narrow of
+ * course.h say what becomes of them, one by one.
  *
  * HITS.  The place and the gradient, in vector code over hits.
  *
- * A root that does not count, as that at the start of a ray that begins on the surface, sends its ray back to the stream.
+ * A root that does not count, as that at the start of a ray that begins on the surface, sends its ray back
+ * to the stream.
  *
  * Whatever decide calls rare (an undecided stretch) is left to the
  * single ray.  Its answers are these, bit for bit: both use the formulas of cell.h and course.h. */
@@ -29,13 +31,36 @@
 
 enum { WIDTH = 16, WAITING = 8, HITS = 8, MOST_LEVELS = 16 };
 
-/* A benchmark's: a lane takes a level of the orbit, and is busy with a cell that is not decided, or has nothing to do. */
+/* A benchmark's: a lane takes a level of the orbit, and is busy with a cell that is not decided, or has
+ * nothing to do. */
 #ifndef SGT_COUNT_LEVEL
 #define SGT_COUNT_LEVEL(busy) ((void)0)
 #endif
 
 /* A ray as it is marched, a row for each number. */
-enum field { SA, SB, SC, SD, LA, LB, LC, LD, START_SIZE, ALONG_SIZE, TAU, HI, H, GROWTH, SIDE, EVALS, T_TOL, LEAST, LEAST_STEP, RAY, FIELDS };
+enum field {
+    SA,
+    SB,
+    SC,
+    SD,
+    LA,
+    LB,
+    LC,
+    LD,
+    START_SIZE,
+    ALONG_SIZE,
+    TAU,
+    HI,
+    H,
+    GROWTH,
+    SIDE,
+    EVALS,
+    T_TOL,
+    LEAST,
+    LEAST_STEP,
+    RAY,
+    FIELDS
+};
 
 /* On the fast way: where F was looked at last, and F there; one over the length of a unit of tau. */
 enum { LAST = H, LAST_F = GROWTH, PER_LENGTH = SIDE };
@@ -45,11 +70,13 @@ typedef struct set { const orbit *o; path path; escape escape; double E2, budget
 /* m, h, end: the cell; verdict: see below; leave: see go_on. */
 typedef struct stream {
     double f[FIELDS][WIDTH];
-    double a[WIDTH], b[WIDTH], c[WIDTH], d[WIDTH], va[WIDTH], vb[WIDTH], vc[WIDTH], vd[WIDTH], e[WIDTH], over[WIDTH], left[WIDTH];
+    double a[WIDTH], b[WIDTH], c[WIDTH], d[WIDTH], va[WIDTH], vb[WIDTH], vc[WIDTH], vd[WIDTH], e[WIDTH],
+        over[WIDTH], left[WIDTH];
     double m[WIDTH], h[WIDTH], end[WIDTH], verdict[WIDTH], leave[WIDTH];
 } stream;
 
-/* What a lane near the surface looks for: what a cell comes to, a narrower bracket, the sign of F in its middle. */
+/* What a lane near the surface looks for: what a cell comes to, a narrower bracket, the sign of F in its
+ * middle. */
 typedef enum errand { MARCH, POLISH, CROSS } errand;
 
 typedef struct near {
@@ -73,8 +100,11 @@ typedef struct returned { double f[FIELDS][MOST_BACK]; int count; } returned;
 typedef struct hits {
     double o[3][HITS], d[3][HITS], tmin[HITS], tmax[HITS], tau[HITS], tau_err[HITS];
     double t[HITS], t_err[HITS], t_lo[HITS], p[3][HITS], p_err[HITS], l[HITS], m[HITS], n[HITS], scale[HITS];
-    double a[MOST_LEVELS + 1][HITS], b[MOST_LEVELS + 1][HITS], c[MOST_LEVELS + 1][HITS], d_[MOST_LEVELS + 1][HITS]; /* Q at each level */
-    double y[4][HITS], sum[4][HITS], far[HITS], accepted[HITS]; /* at last y is the gradient; counts < 0: not to be told here */
+    /* Q at each level */
+    double a[MOST_LEVELS + 1][HITS], b[MOST_LEVELS + 1][HITS], c[MOST_LEVELS + 1][HITS],
+        d_[MOST_LEVELS + 1][HITS];
+    /* at last y is the gradient; counts < 0: not to be told here */
+    double y[4][HITS], sum[4][HITS], far[HITS], accepted[HITS];
     double f[FIELDS][HITS]; /* the ray, and how it goes on if the root does not count */
     size_t ray[HITS], count;
 } hits;
@@ -97,8 +127,9 @@ enum { STAY, MISSED, NEAR, SPENT };
 /* What all the lanes share. */
 typedef struct shared { quaternion c; circle near; double limit, over, growth, E2, levels, budget; } shared;
 
-/* Of a cell: not decided; outside; to be looked at near the surface.  Any other verdict (NaN too) is none of these,
- * nor monotone: it is |Q_N|^2, infinite where the orbit escaped before.  A lane without a ray is live, all NaN. */
+/* Of a cell: not decided; outside; to be looked at near the surface.  Any other verdict (NaN too) is none
+ * of these, nor monotone: it is |Q_N|^2, infinite where the orbit escaped before.  A lane without a ray is
+ * live, all NaN. */
 enum { LIVE = -3, OUT, CLOSE };
 
 /* A cell on its way, and what is known of it. */
@@ -115,7 +146,8 @@ SGT_INLINE void on_a_level(flight *s, double h, double h2, const one_constant *c
     double A, y = h2 * q.V2, x = fabs(q.qv) * h, E = w->limit + s->over, room;
     one_twice_root(&q.A2, &A);
     one_room(&q, w->near.keep, &E, &x, &y, &room);
-    /* what `judge` has to look at, and a little more: it may be inside, or monotone, or g near its rounding */
+    /* what `judge` has to look at, and a little more: it may be inside, or monotone, or g near its rounding
+     */
     double last = larger(x, 0x1p-29 * q.A2) > STEEP * (1 - 0x1p-40) * y ? CLOSE : q.A2;
     last = (q.A2 + y) + (x + x) < w->E2 ? CLOSE : last;
     double verdict = q.A2 > w->near.far ? HUGE_VAL : LIVE;
@@ -130,18 +162,33 @@ SGT_INLINE void on_a_level(flight *s, double h, double h2, const one_constant *c
 /* Lays the next cell, where the last is decided, and takes it two levels on. */
 SGT_INLINE void fly(stream *s, int l, const shared *w, bool mandelbrot)
 {
-    flight f = {{.a = s->a[l], .b = s->b[l], .c = s->c[l], .d = s->d[l], .va = s->va[l], .vb = s->vb[l], .vc = s->vc[l], .vd = s->vd[l], .e = s->e[l]},
-                s->over[l], s->left[l], s->verdict[l]};
-    double tau = s->f[TAU][l], rest = s->f[HI][l] - tau, step = s->f[H][l], laid = 2 * step > rest ? 0.5 * rest : step, old_m = s->m[l], old_h = s->h[l], old_end = s->end[l];
-    double new_m = tau + laid, new_end = new_m + laid, new_h = larger(new_m - tau, new_end - new_m), odd = new_m > tau ? LIVE : CLOSE;
+    flight f = {{.a = s->a[l],
+                 .b = s->b[l],
+                 .c = s->c[l],
+                 .d = s->d[l],
+                 .va = s->va[l],
+                 .vb = s->vb[l],
+                 .vc = s->vc[l],
+                 .vd = s->vd[l],
+                 .e = s->e[l]},
+                s->over[l],
+                s->left[l],
+                s->verdict[l]};
+    double tau = s->f[TAU][l], rest = s->f[HI][l] - tau, step = s->f[H][l],
+           laid = 2 * step > rest ? 0.5 * rest : step, old_m = s->m[l], old_h = s->h[l], old_end = s->end[l];
+    double new_m = tau + laid, new_end = new_m + laid, new_h = larger(new_m - tau, new_end - new_m),
+           odd = new_m > tau ? LIVE : CLOSE;
     odd = new_end > new_m ? odd : CLOSE;
     bool live = f.verdict == LIVE;
     double m = live ? old_m : new_m, h = live ? old_h : new_h, end = live ? old_end : new_end;
     quaternion v = {s->f[LA][l], s->f[LB][l], s->f[LC][l], s->f[LD][l]};
-    quaternion q = {s->f[SA][l] + m * v.a, s->f[SB][l] + m * v.b, s->f[SC][l] + m * v.c, s->f[SD][l] + m * v.d};
+    quaternion q = {s->f[SA][l] + m * v.a, s->f[SB][l] + m * v.b, s->f[SC][l] + m * v.c,
+                    s->f[SD][l] + m * v.d};
     double e = place_error(s->f[START_SIZE][l], s->f[ALONG_SIZE][l], m, h);
-    f.q.a = live ? f.q.a : q.a, f.q.b = live ? f.q.b : q.b, f.q.c = live ? f.q.c : q.c, f.q.d = live ? f.q.d : q.d;
-    f.q.va = live ? f.q.va : v.a, f.q.vb = live ? f.q.vb : v.b, f.q.vc = live ? f.q.vc : v.c, f.q.vd = live ? f.q.vd : v.d;
+    f.q.a = live ? f.q.a : q.a, f.q.b = live ? f.q.b : q.b, f.q.c = live ? f.q.c : q.c,
+    f.q.d = live ? f.q.d : q.d;
+    f.q.va = live ? f.q.va : v.a, f.q.vb = live ? f.q.vb : v.b, f.q.vc = live ? f.q.vc : v.c,
+    f.q.vd = live ? f.q.vd : v.d;
     f.q.e = live ? f.q.e : e, f.over = live ? f.over : w->over, f.left = live ? f.left : w->levels;
     f.verdict = live ? LIVE : odd;
     one_constant c = {w->c.a, w->c.b, w->c.c, w->c.d, 0};
@@ -149,18 +196,23 @@ SGT_INLINE void fly(stream *s, int l, const shared *w, bool mandelbrot)
     double h2 = h * h;
     on_a_level(&f, h, h2, &c, &v, w, mandelbrot);
     on_a_level(&f, h, h2, &c, &v, w, mandelbrot);
-    s->a[l] = f.q.a, s->b[l] = f.q.b, s->c[l] = f.q.c, s->d[l] = f.q.d, s->va[l] = f.q.va, s->vb[l] = f.q.vb, s->vc[l] = f.q.vc, s->vd[l] = f.q.vd;
-    s->e[l] = f.q.e, s->over[l] = f.over, s->left[l] = f.left, s->verdict[l] = f.verdict, s->m[l] = m, s->h[l] = h, s->end[l] = end;
+    s->a[l] = f.q.a, s->b[l] = f.q.b, s->c[l] = f.q.c, s->d[l] = f.q.d, s->va[l] = f.q.va, s->vb[l] = f.q.vb,
+    s->vc[l] = f.q.vc, s->vd[l] = f.q.vd;
+    s->e[l] = f.q.e, s->over[l] = f.over, s->left[l] = f.left, s->verdict[l] = f.verdict, s->m[l] = m,
+    s->h[l] = h, s->end[l] = end;
 }
 
-/* What becomes of the cells that are decided.  MISSED: the ray's end is reached; NEAR: the cell at tau has to be looked at
- * near the surface, as is one where t_tol may be met, or that is too short to be told apart. */
+/* What becomes of the cells that are decided.  MISSED: the ray's end is reached; NEAR: the cell at tau has
+ * to be looked at near the surface, as is one where t_tol may be met, or that is too short to be told
+ * apart. */
 SGT_INLINE double go_on(stream *s, int l, const shared w)
 {
     double verdict = s->verdict[l], h = s->h[l], m = s->m[l], end = s->end[l];
-    double tau = s->f[TAU][l], hi = s->f[HI][l], step = s->f[H][l], growth = s->f[GROWTH][l], side = s->f[SIDE][l], evals = s->f[EVALS][l];
+    double tau = s->f[TAU][l], hi = s->f[HI][l], step = s->f[H][l], growth = s->f[GROWTH][l],
+           side = s->f[SIDE][l], evals = s->f[EVALS][l];
     double longer = grown(growth), shorter = shrunk(growth);
-    double across = side * (w.E2 - verdict), t_tol = across > 0 ? s->f[T_TOL][l] : 0; /* `decide` may call it ACROSS */
+    /* `decide` may call it ACROSS */
+    double across = side * (w.E2 - verdict), t_tol = across > 0 ? s->f[T_TOL][l] : 0;
     double fine = h <= larger(t_tol, 2 * SGT_U * fabs(m)) ? CLOSE : verdict;
     verdict = verdict <= CLOSE ? verdict : fine;
     bool out = verdict == OUT, shut = !(verdict <= CLOSE);
@@ -168,16 +220,24 @@ SGT_INLINE double go_on(stream *s, int l, const shared w)
     step = out ? h * longer : step, growth = out ? longer : growth, evals = out ? evals + 1 : evals;
     tau = out ? end : tau, side = out ? 1 : side;
     double leave = evals >= w.budget ? NEAR : STAY, last = tau < hi ? leave : MISSED;
-    leave = verdict == CLOSE ? NEAR : leave, leave = out ? last : leave, leave = verdict == LIVE ? STAY : leave;
-    s->f[TAU][l] = tau, s->f[H][l] = step, s->f[GROWTH][l] = growth, s->f[SIDE][l] = side, s->f[EVALS][l] = evals;
+    leave = verdict == CLOSE ? NEAR : leave, leave = out ? last : leave,
+    leave = verdict == LIVE ? STAY : leave;
+    s->f[TAU][l] = tau, s->f[H][l] = step, s->f[GROWTH][l] = growth, s->f[SIDE][l] = side,
+    s->f[EVALS][l] = evals;
     s->verdict[l] = verdict, s->leave[l] = leave;
     return leave;
 }
 
 SGT_INLINE unsigned advance(stream *s, const set *o, bool mandelbrot)
 {
-    const shared w = {.c = o->path.c, .near = circle_of(&o->path), .limit = o->escape.limit, .over = o->escape.over, .growth = o->escape.growth, .E2 = o->E2,
-                      .levels = o->path.iterations - (mandelbrot ? 1 : 0), .budget = o->budget};
+    const shared w = {.c = o->path.c,
+                      .near = circle_of(&o->path),
+                      .limit = o->escape.limit,
+                      .over = o->escape.over,
+                      .growth = o->escape.growth,
+                      .E2 = o->E2,
+                      .levels = o->path.iterations - (mandelbrot ? 1 : 0),
+                      .budget = o->budget};
     double leaving = 0;
     do {
 #pragma omp simd
@@ -197,11 +257,13 @@ SGT_KERNEL static unsigned advance_mandelbrot(stream *s, const set *w) { return 
 
 /* ---------------------------------------------------------------- the fast way */
 
-/* a ... e: the orbit in its slice (va: |rest|^2, e: A2, over: growth^2; end, h, m: F, the estimate, and NaN or the point). */
+/* a ... e: the orbit in its slice (va: |rest|^2, e: A2, over: growth^2; end, h, m: F, the estimate, and NaN
+ * or the point). */
 SGT_INLINE void begin_estimate(stream *s, int l, const estimator fixed, const orbit o, bool mandelbrot)
 {
     double tau = s->f[TAU][l];
-    quaternion q = {s->f[SA][l] + s->f[LA][l] * tau, s->f[SB][l] + s->f[LB][l] * tau, s->f[SC][l] + s->f[LC][l] * tau, s->f[SD][l] + s->f[LD][l] * tau};
+    quaternion q = {s->f[SA][l] + s->f[LA][l] * tau, s->f[SB][l] + s->f[LB][l] * tau,
+                    s->f[SC][l] + s->f[LC][l] * tau, s->f[SD][l] + s->f[LD][l] * tau};
     estimator e = fixed;
     if (mandelbrot) e = estimator_of(&o, q);
     slice_orbit at = slice_orbit_at(&e, q);
@@ -213,7 +275,8 @@ SGT_INLINE void estimate_level(stream *s, int l, const estimator fixed, bool man
 {
     estimator e = fixed;
     e.along_c.a = s->c[l], e.im = s->d[l];
-    slice_orbit at = {s->a[l], s->b[l], s->va[l], s->e[l], s->over[l]}, next = slice_orbit_squared(at, &e, mandelbrot);
+    slice_orbit at = {s->a[l], s->b[l], s->va[l], s->e[l], s->over[l]},
+                next = slice_orbit_squared(at, &e, mandelbrot);
     SGT_COUNT_LEVEL(at.A2 < FAR_ENOUGH * e.E2);
     bool on = at.A2 < FAR_ENOUGH * e.E2;
     s->a[l] = on ? next.a : at.a, s->b[l] = on ? next.b : at.b, s->va[l] = on ? next.rest : at.rest;
@@ -224,7 +287,8 @@ SGT_INLINE void estimate_level(stream *s, int l, const estimator fixed, bool man
 SGT_INLINE double end_estimate(stream *s, int l, const estimator fixed, double budget)
 {
     double f, away = estimate_of(&fixed, s->e[l], s->over[l], &f) * s->f[PER_LENGTH][l];
-    double tau = s->f[TAU][l], hi = s->f[HI][l], last = s->f[LAST][l], last_f = s->f[LAST_F][l], evals = s->f[EVALS][l] + 1, ray = s->f[RAY][l];
+    double tau = s->f[TAU][l], hi = s->f[HI][l], last = s->f[LAST][l], last_f = s->f[LAST_F][l],
+           evals = s->f[EVALS][l] + 1, ray = s->f[RAY][l];
     double next = tau + larger(away, s->f[LEAST_STEP][l]), leave = next > tau ? STAY : SPENT;
     next = next > hi ? hi : next;
     leave = evals >= budget ? SPENT : leave, leave = tau < hi ? leave : MISSED;
@@ -232,7 +296,8 @@ SGT_INLINE double end_estimate(stream *s, int l, const estimator fixed, double b
     leave = crossed ? NEAR : leave, leave = ray < 0 ? STAY : leave;
     bool stays = leave == STAY, moved = f != 0;
     double new_last = moved ? tau : last, new_f = moved ? f : last_f;
-    s->f[LAST][l] = stays ? new_last : last, s->f[LAST_F][l] = stays ? new_f : last_f, s->f[TAU][l] = stays ? next : tau;
+    s->f[LAST][l] = stays ? new_last : last, s->f[LAST_F][l] = stays ? new_f : last_f,
+    s->f[TAU][l] = stays ? next : tau;
     s->f[EVALS][l] = evals, s->end[l] = f, s->leave[l] = leave;
     return leave;
 }
@@ -272,7 +337,8 @@ SGT_INLINE void begin_near(near *s, int l)
 {
     double m = s->m[l], start_size = s->f[START_SIZE][l], along_size = s->f[ALONG_SIZE][l];
     double la = s->f[LA][l], lb = s->f[LB][l], lc = s->f[LC][l], ld = s->f[LD][l];
-    s->a[l] = s->f[SA][l] + m * la, s->b[l] = s->f[SB][l] + m * lb, s->c[l] = s->f[SC][l] + m * lc, s->d[l] = s->f[SD][l] + m * ld;
+    s->a[l] = s->f[SA][l] + m * la, s->b[l] = s->f[SB][l] + m * lb, s->c[l] = s->f[SC][l] + m * lc,
+    s->d[l] = s->f[SD][l] + m * ld;
     s->va[l] = la, s->vb[l] = lb, s->vc[l] = lc, s->vd[l] = ld;
     s->e[l] = place_error(start_size, along_size, m, s->h[l]);
     s->slope[l] = 8 * SGT_U * along_size;
@@ -285,7 +351,15 @@ SGT_INLINE void look_at_level(near *s, int l, double E, double far, const circle
 {
     SGT_COUNT_LEVEL(l < s->count && s->live[l] > 0);
     double h = s->h[l], live = s->live[l], out = s->out[l], A, room;
-    one q = {.a = s->a[l], .b = s->b[l], .c = s->c[l], .d = s->d[l], .va = s->va[l], .vb = s->vb[l], .vc = s->vc[l], .vd = s->vd[l], .e = s->e[l]};
+    one q = {.a = s->a[l],
+             .b = s->b[l],
+             .c = s->c[l],
+             .d = s->d[l],
+             .va = s->va[l],
+             .vb = s->vb[l],
+             .vc = s->vc[l],
+             .vd = s->vd[l],
+             .e = s->e[l]};
     one_norms(&q);
     double y = h * h * q.V2, x = fabs(q.qv) * h;
     one_twice_root(&q.A2, &A);
@@ -297,32 +371,47 @@ SGT_INLINE void look_at_level(near *s, int l, double E, double far, const circle
 
 SGT_INLINE void next_level(near *s, int l, const quaternion set_c, const circle o, bool mandelbrot)
 {
-    double h = s->h[l], m = s->m[l], A = s->A[l], slope = s->slope[l], center = s->center[l], first = 0, own = 0;
+    double h = s->h[l], m = s->m[l], A = s->A[l], slope = s->slope[l], center = s->center[l], first = 0,
+           own = 0;
     double start_size = s->f[START_SIZE][l], along_size = s->f[ALONG_SIZE][l];
     double la = s->f[LA][l], lb = s->f[LB][l], lc = s->f[LC][l], ld = s->f[LD][l];
-    one q = {.a = s->a[l], .b = s->b[l], .c = s->c[l], .d = s->d[l], .va = s->va[l], .vb = s->vb[l], .vc = s->vc[l], .vd = s->vd[l],
-             .e = s->e[l], .A2 = s->A2[l], .V2 = s->V2[l], .qv = s->qv[l]};
+    one q = {.a = s->a[l],
+             .b = s->b[l],
+             .c = s->c[l],
+             .d = s->d[l],
+             .va = s->va[l],
+             .vb = s->vb[l],
+             .vc = s->vc[l],
+             .vd = s->vd[l],
+             .e = s->e[l],
+             .A2 = s->A2[l],
+             .V2 = s->V2[l],
+             .qv = s->qv[l]};
     double y = h * h * q.V2;
     one_constant c = {set_c.a, set_c.b, set_c.c, set_c.d, 0};
     if (mandelbrot) {
-        c = (one_constant){s->f[SA][l] + m * la, s->f[SB][l] + m * lb, s->f[SC][l] + m * lc, s->f[SD][l] + m * ld, place_error(start_size, along_size, m, h)};
+        c = (one_constant){s->f[SA][l] + m * la, s->f[SB][l] + m * lb, s->f[SC][l] + m * lc,
+                           s->f[SD][l] + m * ld, place_error(start_size, along_size, m, h)};
         first = 8 * SGT_U * along_size, own = 8 * SGT_U * (start_size + fabs(m) * along_size);
     }
     one_slope(&A, &q.V2, &q.e, &h, o.round, &slope, &center);
     one_step(&q, &A, &y, o.round, &c, mandelbrot);
     if (mandelbrot) slope += first, center += own, q.va += la, q.vb += lb, q.vc += lc, q.vd += ld;
-    s->a[l] = q.a, s->b[l] = q.b, s->c[l] = q.c, s->d[l] = q.d, s->va[l] = q.va, s->vb[l] = q.vb, s->vc[l] = q.vc, s->vd[l] = q.vd;
+    s->a[l] = q.a, s->b[l] = q.b, s->c[l] = q.c, s->d[l] = q.d, s->va[l] = q.va, s->vb[l] = q.vb,
+    s->vc[l] = q.vc, s->vd[l] = q.vd;
     s->e[l] = q.e, s->slope[l] = slope, s->center[l] = center;
 }
 
 /* At level N. */
 SGT_INLINE void judge_near(near *s, int l, double E, double E_err, double E2)
 {
-    double V2 = s->V2[l], V = sqrt(V2), A = 0.5 * s->A[l], e = s->e[l], h = s->h[l], live = s->live[l], out = s->out[l];
+    double V2 = s->V2[l], V = sqrt(V2), A = 0.5 * s->A[l], e = s->e[l], h = s->h[l], live = s->live[l],
+           out = s->out[l];
     pair_norms n = {s->A2[l], V2, s->qv[l]};
     double told = judge(E, E_err, n, V, e, h);
     orbit_bounds b = judge_slope(E, E_err, n, A, V, e, s->slope[l], s->center[l], h);
-    double verdict = fabs(n.qv) > b.W ? CELL_MONOTONE : CELL_OPEN, W = told == 2 ? b.W : HUGE_VAL, g_err = told == 2 ? b.g_err : HUGE_VAL;
+    double verdict = fabs(n.qv) > b.W ? CELL_MONOTONE : CELL_OPEN, W = told == 2 ? b.W : HUGE_VAL,
+           g_err = told == 2 ? b.g_err : HUGE_VAL;
     verdict = told == 2 ? verdict : CELL_OPEN, verdict = told == 1 ? CELL_INSIDE : verdict;
     verdict = live > 0 ? verdict : CELL_OPEN, verdict = out > 0 ? CELL_OUTSIDE : verdict;
     sighting at = sight(E2, n.A2, n.qv, W, g_err, h);
@@ -376,18 +465,25 @@ static void give_up(job *j, size_t i) { j->tile->hits.status[i] = SGT_HARD, j->h
 SGT_INLINE sgt_ray ray_at(const sgt_rays *r, size_t i)
 {
     double tmin = r->tmin[i], tmax = r->tmax[i], half_line = tmin >= 0 ? HUGE_VAL : 0;
-    return (sgt_ray){{r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]}, tmin, tmax == 0 ? half_line : tmax};
+    return (sgt_ray){{r->o[0][i], r->o[1][i], r->o[2][i]},
+                     {r->d[0][i], r->d[1][i], r->d[2][i]},
+                     tmin,
+                     tmax == 0 ? half_line : tmax};
 }
 
-/* The ray `at` of the tile as the i-th of those that wait: 1; -1: not a ray, or out of range; 0: it passes by. */
-SGT_INLINE double make_ready(waiting *s, size_t i, const sgt_rays *rays, const double *t_tol, size_t at, const orbit *o, double radius, double dt_min)
+/* The ray `at` of the tile as the i-th of those that wait: 1; -1: not a ray, or out of range; 0: it passes
+ * by. */
+SGT_INLINE double make_ready(waiting *s, size_t i, const sgt_rays *rays, const double *t_tol, size_t at,
+                             const orbit *o, double radius, double dt_min)
 {
     sgt_ray ray = ray_at(rays, at);
-    double finite = ((ray.o.x - ray.o.x) + (ray.o.y - ray.o.y) + (ray.o.z - ray.o.z)) + ((ray.d.x - ray.d.x) + (ray.d.y - ray.d.y) + (ray.d.z - ray.d.z));
+    double finite = ((ray.o.x - ray.o.x) + (ray.o.y - ray.o.y) + (ray.o.z - ray.o.z)) +
+                    ((ray.d.x - ray.d.x) + (ray.d.y - ray.d.y) + (ray.d.z - ray.d.z));
     double big = larger(fabs(ray.d.x), larger(fabs(ray.d.y), fabs(ray.d.z)));
     local q;
     path w;
-    double lo, hi, half = chord_of(o, radius, &ray, &q, &w, &lo, &hi), tmin = ray.tmin / q.scale - q.t0, tmax = ray.tmax / q.scale - q.t0;
+    double lo, hi, half = chord_of(o, radius, &ray, &q, &w, &lo, &hi), tmin = ray.tmin / q.scale - q.t0,
+                   tmax = ray.tmax / q.scale - q.t0;
     double long_as_is = hi - lo, least = 0x1p-48 * (larger(fabs(lo), fabs(hi)) + w.start_size / w.along_size);
     double start = lo;
     cut_to_ends(&q, tmin, tmax, &lo, &hi);
@@ -396,18 +492,21 @@ SGT_INLINE double make_ready(waiting *s, size_t i, const sgt_rays *rays, const d
     verdict = tmin > hi ? 0 : verdict, verdict = tmax < lo ? 0 : verdict;
     double fits = long_as_is > 0 ? verdict : -1;
     fits = long_as_is < HUGE_VAL ? fits : -1, fits = half < 0 ? 0 : fits;
-    fits = finite == 0 ? fits : -1, fits = big >= DBL_MIN ? fits : -1, fits = ray.tmin <= ray.tmax ? fits : -1;
+    fits = finite == 0 ? fits : -1, fits = big >= DBL_MIN ? fits : -1,
+    fits = ray.tmin <= ray.tmax ? fits : -1;
     fits = ray.tmin < HUGE_VAL ? fits : -1, fits = ray.tmax > -HUGE_VAL ? fits : -1;
     /* on the fast way what is not met is unproven, if there is any of it between the ray's ends */
     bool fast = dt_min > 0;
-    double between = (q.t0 + 0.5 * (lo + hi)) * q.scale, per_length = 1 / sqrt(q.l * q.l + q.m * q.m + q.n * q.n);
+    double between = (q.t0 + 0.5 * (lo + hi)) * q.scale,
+           per_length = 1 / sqrt(q.l * q.l + q.m * q.m + q.n * q.n);
     double doubt = between >= ray.tmin ? 1 : -1;
     doubt = between <= ray.tmax ? doubt : -1, doubt = fast ? doubt : 1, fits = fits > 0 ? doubt : fits;
     s->f[SA][i] = w.start.a, s->f[SB][i] = w.start.b, s->f[SC][i] = w.start.c, s->f[SD][i] = w.start.d;
     s->f[LA][i] = w.along.a, s->f[LB][i] = w.along.b, s->f[LC][i] = w.along.c, s->f[LD][i] = w.along.d;
     s->f[START_SIZE][i] = w.start_size, s->f[ALONG_SIZE][i] = w.along_size;
     s->f[TAU][i] = lo, s->f[HI][i] = hi, s->f[EVALS][i] = 0;
-    s->f[H][i] = fast ? lo : k.h, s->f[GROWTH][i] = fast ? (double)NAN : k.growth, s->f[SIDE][i] = fast ? per_length : 0, s->f[LEAST_STEP][i] = dt_min / q.scale;
+    s->f[H][i] = fast ? lo : k.h, s->f[GROWTH][i] = fast ? (double)NAN : k.growth,
+    s->f[SIDE][i] = fast ? per_length : 0, s->f[LEAST_STEP][i] = dt_min / q.scale;
     s->f[T_TOL][i] = t_tol[at] / q.scale, s->f[LEAST][i] = least;
     return fits;
 }
@@ -465,7 +564,8 @@ static bool stream_fill(job *j, int l)
 /* Roots found, and what is told of them: level.c's add_root and julia.c's gradient, in vector code. */
 SGT_INLINE void meet_at(hits *s, size_t l, const orbit *o, double radius)
 {
-    sgt_ray ray = {{s->o[0][l], s->o[1][l], s->o[2][l]}, {s->d[0][l], s->d[1][l], s->d[2][l]}, s->tmin[l], s->tmax[l]};
+    sgt_ray ray = {
+        {s->o[0][l], s->o[1][l], s->o[2][l]}, {s->d[0][l], s->d[1][l], s->d[2][l]}, s->tmin[l], s->tmax[l]};
     local q;
     path w;
     double lo, hi;
@@ -489,7 +589,8 @@ SGT_INLINE void on_to(hits *s, size_t l, int k, const orbit *o, double most, boo
     double far = s->far[l];
     power_of r = power_only(q, 2);
     s->far[l] = quaternion_dot(q, q) < most ? far : 1;
-    s->a[k + 1][l] = r.s + c.a, s->b[k + 1][l] = r.f * q.b + c.b, s->c[k + 1][l] = r.f * q.c + c.c, s->d_[k + 1][l] = r.f * q.d + c.d;
+    s->a[k + 1][l] = r.s + c.a, s->b[k + 1][l] = r.f * q.b + c.b, s->c[k + 1][l] = r.f * q.c + c.c,
+             s->d_[k + 1][l] = r.f * q.d + c.d;
 }
 
 SGT_INLINE void turn_back(hits *s, size_t l, int n, double E2)
@@ -505,7 +606,8 @@ SGT_INLINE void turn_back(hits *s, size_t l, int n, double E2)
 SGT_INLINE void back_to(hits *s, size_t l, int k, bool mandelbrot)
 {
     quaternion conjugate = {s->a[k][l], -s->b[k][l], -s->c[k][l], -s->d_[k][l]}, none = {0, 0, 0, 0};
-    quaternion y = {s->y[0][l], s->y[1][l], s->y[2][l], s->y[3][l]}, sum = {s->sum[0][l], s->sum[1][l], s->sum[2][l], s->sum[3][l]};
+    quaternion y = {s->y[0][l], s->y[1][l], s->y[2][l], s->y[3][l]},
+               sum = {s->sum[0][l], s->sum[1][l], s->sum[2][l], s->sum[3][l]};
     orbit_step(&conjugate, &y, none, none, 2, false);
     sum = mandelbrot ? quaternion_sum(sum, y) : y;
     s->y[0][l] = y.a, s->y[1][l] = y.b, s->y[2][l] = y.c, s->y[3][l] = y.d;
@@ -517,9 +619,11 @@ SGT_INLINE void count_at(hits *s, size_t l, const orbit *o)
     quaternion sum = {s->sum[0][l], s->sum[1][l], s->sum[2][l], s->sum[3][l]};
     double nx = quaternion_dot(o->x, sum), ny = quaternion_dot(o->y, sum), nz = quaternion_dot(o->z, sum);
     s->y[0][l] = nx, s->y[1][l] = ny, s->y[2][l] = nz;
-    meeting h = {.t = s->t[l], .t_err = s->t_err[l], .p = {s->p[0][l], s->p[1][l], s->p[2][l]}, .n = {nx, ny, nz}};
+    meeting h = {
+        .t = s->t[l], .t_err = s->t_err[l], .p = {s->p[0][l], s->p[1][l], s->p[2][l]}, .n = {nx, ny, nz}};
     local q = {.l = s->l[l], .m = s->m[l], .n = s->n[l], .scale = s->scale[l]};
-    double far = s->far[l], good = root_accepted(&h, &q, s->tmin[l], s->tmax[l]) ? 1 : 0, fits = root_in_range(&h) ? good : -1;
+    double far = s->far[l], good = root_accepted(&h, &q, s->tmin[l], s->tmax[l]) ? 1 : 0,
+           fits = root_in_range(&h) ? good : -1;
     s->accepted[l] = far > 0 ? -1 : fits;
 }
 
@@ -563,7 +667,8 @@ static void go_back(job *j, const double f[], int apart)
     }
 }
 
-/* A hit so far outside that F = 1 to the last bit, and its gradient 0: with a coarse t_tol, on a steep set. */
+/* A hit so far outside that F = 1 to the last bit, and its gradient 0: with a coarse t_tol, on a steep set.
+ */
 static void count_far(hits *s, size_t l)
 {
     meeting h = {.t = s->t[l], .t_err = s->t_err[l], .p = {s->p[0][l], s->p[1][l], s->p[2][l]}};
@@ -620,7 +725,8 @@ static void add_hit_at(job *j, int from, double tau, double tau_err)
     sgt_ray ray = ray_at(&j->tile->rays, i);
     for (int f = 0; f < FIELDS; f++) s->f[f][l] = at->f[f][from];
     s->f[EVALS][l] += 1;
-    s->o[0][l] = ray.o.x, s->o[1][l] = ray.o.y, s->o[2][l] = ray.o.z, s->d[0][l] = ray.d.x, s->d[1][l] = ray.d.y, s->d[2][l] = ray.d.z;
+    s->o[0][l] = ray.o.x, s->o[1][l] = ray.o.y, s->o[2][l] = ray.o.z, s->d[0][l] = ray.d.x,
+    s->d[1][l] = ray.d.y, s->d[2][l] = ray.d.z;
     s->tmin[l] = ray.tmin, s->tmax[l] = ray.tmax, s->tau[l] = tau, s->tau_err[l] = tau_err, s->ray[l] = i;
     if (s->count == HITS) tell_hits(j);
 }
@@ -643,7 +749,14 @@ static bool stream_settle(job *j, int l)
     size_t i = (size_t)s->f[RAY][l];
     double E2 = w->E2, t_tol = s->f[T_TOL][l], least = s->f[LEAST][l], wanted = larger(t_tol, least);
     bracket *p = &s->root[l];
-    cell e = {(cell_verdict)s->verdict[l], s->live[l] > 0 ? w->path.iterations : 0, s->A2[l], s->V2[l], s->qv[l], s->e[l], s->W[l], s->g_err[l]};
+    cell e = {(cell_verdict)s->verdict[l],
+              s->live[l] > 0 ? w->path.iterations : 0,
+              s->A2[l],
+              s->V2[l],
+              s->qv[l],
+              s->e[l],
+              s->W[l],
+              s->g_err[l]};
     sighting n = {s->lo[l], s->hi[l], s->newton[l], s->wide[l]};
     s->f[EVALS][l] += 1;
     bool on;
@@ -743,7 +856,8 @@ static void stream_leave(job *j, int l)
     bool fast = j->set->dt_min > 0;
     size_t i = (size_t)s->f[RAY][l];
     if (s->leave[l] == SPENT) give_up(j, i);
-    else if (s->leave[l] == MISSED) write_without(&j->tile->hits, i, fast ? SGT_UNPROVEN : SGT_MISS, (int)s->f[EVALS][l]);
+    else if (s->leave[l] == MISSED)
+        write_without(&j->tile->hits, i, fast ? SGT_UNPROVEN : SGT_MISS, (int)s->f[EVALS][l]);
     else if (fast) cross(j, l);
     else come_near(j, l);
     while (j->near->count == WIDTH) look_and_settle(j);
@@ -782,7 +896,8 @@ size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *
         return tile->n;
     }
     set_of(o, &w.path);
-    w.escape = escape_of(o), w.E2 = o->E * o->E, w.budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, w.dt_min = w.proof ? 0 : opt->dt_min;
+    w.escape = escape_of(o), w.E2 = o->E * o->E,
+    w.budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, w.dt_min = w.proof ? 0 : opt->dt_min;
     if (w.proof) own.t_tol = rounding_only;
     memset(&close, 0, sizeof close);
     memset(&s, 0, sizeof s);
@@ -793,8 +908,10 @@ size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *
     while (busy || close.count || met.count) {
         bool drains = 2 * busy <= close.count; /* the rays that come back from the surface fill the lanes */
         if (busy && !drains) {
-            unsigned leaving = w.dt_min > 0 ? (w.path.mandelbrot ? advance_fast_mandelbrot : advance_fast_julia)(&s, &w)
-                                            : (w.path.mandelbrot ? advance_mandelbrot : advance_julia)(&s, &w);
+            unsigned leaving = w.dt_min > 0
+                                   ? (w.path.mandelbrot ? advance_fast_mandelbrot : advance_fast_julia)(&s,
+                                                                                                        &w)
+                                   : (w.path.mandelbrot ? advance_mandelbrot : advance_julia)(&s, &w);
             for (; leaving; leaving &= leaving - 1) {
                 int l = lowest(leaving);
                 stream_leave(&j, l);

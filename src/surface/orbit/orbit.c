@@ -23,7 +23,11 @@ static double safe_escape(double b, int power)
 static quaternion quaternion_of(const double q[4]) { return (quaternion){q[0], q[1], q[2], q[3]}; }
 
 /* What two kinds of set have in common. */
-typedef struct orbit_slice { const double *at, *ex, *ey, *ez; double escape; int iterations, power; } orbit_slice;
+typedef struct orbit_slice {
+    const double *at, *ex, *ey, *ez;
+    double escape;
+    int iterations, power;
+} orbit_slice;
 
 /* Each component at most `most`; not of NaN. */
 static bool orbit_bounded(const double q[4], double most)
@@ -50,7 +54,9 @@ static sgt_objection axes(const orbit_slice *s, orbit *o)
 {
     o->x = quaternion_of(s->ex), o->y = quaternion_of(s->ey), o->z = quaternion_of(s->ez);
     double xx = quaternion_dot(o->x, o->x), yy = quaternion_dot(o->y, o->y), zz = quaternion_dot(o->z, o->z);
-    if (!(xx + yy + zz <= 1e200) && !(orbit_bounded(s->ex, 1e100) && orbit_bounded(s->ey, 1e100) && orbit_bounded(s->ez, 1e100))) { /* not of NaN */
+    /* not of NaN */
+    if (!(xx + yy + zz <= 1e200) &&
+        !(orbit_bounded(s->ex, 1e100) && orbit_bounded(s->ey, 1e100) && orbit_bounded(s->ez, 1e100))) {
         const char *key = !orbit_bounded(s->ex, 1e100) ? "ex" : !orbit_bounded(s->ey, 1e100) ? "ey" : "ez";
         return (sgt_objection){key, "a number that is not finite, or above 1e100"};
     }
@@ -62,12 +68,17 @@ static sgt_objection axes(const orbit_slice *s, orbit *o)
         return (sgt_objection){NULL, NULL};
     }
     double least = 1e-200 * (1 - 0x1p-40);
-    if (!(xx >= least && yy >= least && zz >= least)) return (sgt_objection){!(xx >= least) ? "ex" : !(yy >= least) ? "ey" : "ez", "zero, or shorter than 1e-100"};
+    if (!(xx >= least && yy >= least && zz >= least))
+        return (sgt_objection){!(xx >= least)   ? "ex"
+                               : !(yy >= least) ? "ey"
+                                                : "ez",
+                               "zero, or shorter than 1e-100"};
     o->x_length = sqrt(xx), o->y_length = sqrt(yy), o->z_length = sqrt(zz);
     double xy = quaternion_dot(o->x, o->y), yz = quaternion_dot(o->y, o->z), zx = quaternion_dot(o->z, o->x);
     /* no two at less than 60 degrees, and a little: then they are independent */
     double X = o->x_length * 0.49, Y = o->y_length, Z = o->z_length * 0.49;
-    if (fabs(xy) <= X * Y && fabs(yz) <= Y * Z && fabs(zx) <= X * o->z_length) return (sgt_objection){NULL, NULL};
+    if (fabs(xy) <= X * Y && fabs(yz) <= Y * Z && fabs(zx) <= X * o->z_length)
+        return (sgt_objection){NULL, NULL};
     return independent(o->x, o->y, o->z);
 }
 
@@ -80,14 +91,17 @@ static const double mandelbrot_escape[] = {
 static sgt_objection common(const orbit_slice *s, const double *c, orbit *o)
 {
     static const char finite[] = "a number that is not finite, or above 1e6";
-    if (s->iterations < 0 || s->iterations > SGT_LEVELS) return (sgt_objection){"iterations", "not within 1 ... 100"};
-    if (s->power != 0 && (s->power < 2 || s->power > 8)) return (sgt_objection){"power", "not within 2 ... 8"};
+    if (s->iterations < 0 || s->iterations > SGT_LEVELS)
+        return (sgt_objection){"iterations", "not within 1 ... 100"};
+    if (s->power != 0 && (s->power < 2 || s->power > 8))
+        return (sgt_objection){"power", "not within 2 ... 8"};
     o->c = c ? quaternion_of(c) : (quaternion){0, 0, 0, 0}, o->at = quaternion_of(s->at);
     double cc = quaternion_dot(o->c, o->c), aa = quaternion_dot(o->at, o->at);
     if (!(cc <= 1e12) && c && !orbit_bounded(c, 1e6)) return (sgt_objection){"c", finite}; /* not of NaN */
     if (!(aa <= 1e12) && !orbit_bounded(s->at, 1e6)) return (sgt_objection){"at", finite};
     o->at_length = sqrt(aa);
-    o->iterations = s->iterations ? s->iterations : 10, o->power = s->power ? s->power : 2, o->mandelbrot = !c;
+    o->iterations = s->iterations ? s->iterations : 10, o->power = s->power ? s->power : 2,
+    o->mandelbrot = !c;
     sgt_objection fault = axes(s, o);
     if (fault.param) return fault;
     if (c) {
@@ -96,7 +110,9 @@ static sgt_objection common(const orbit_slice *s, const double *c, orbit *o)
     } else {
         o->safe = mandelbrot_escape[o->power - 2];
     }
-    if (s->escape != 0 && !(s->escape >= o->safe * (1 - 0x1p-40))) return (sgt_objection){"escape", c ? "below the safe value, the root of x^power = x + |c|" : "below the safe value, 2^(1/(power - 1))"};
+    if (s->escape != 0 && !(s->escape >= o->safe * (1 - 0x1p-40)))
+        return (sgt_objection){"escape", c ? "below the safe value, the root of x^power = x + |c|"
+                                           : "below the safe value, 2^(1/(power - 1))"};
     if (!(s->escape <= 1e6)) return (sgt_objection){"escape", "above 1e6"};
     o->E = s->escape != 0 ? s->escape : o->safe;
     o->E_err = s->escape != 0 || (!c && o->power == 2) ? 0 : 8 * SGT_U * o->safe;
@@ -130,7 +146,8 @@ SGT_INLINE double next_d(double A, double V, double e, double d, double h, int p
     double D = V * h + e, P = power;
     if (power == 2) return 2 * (D * V + (A + D) * d) + 16 * SGT_U * A * V;
     double most = small_power(A + D, power - 2);
-    return (P * most * (A + D) * d + P * (P - 1) * most * D * V) + 96 * P * P * SGT_U * small_power(A, power - 1) * V;
+    return (P * most * (A + D) * d + P * (P - 1) * most * D * V) +
+           96 * P * P * SGT_U * small_power(A, power - 1) * V;
 }
 
 /* Is the whole cell outside, |Q + v s| > E + e?  |Q|^2 > E^2 is known. */
@@ -170,7 +187,8 @@ SGT_INLINE void bound_slope(const path *w, double A, double V, double d, double 
 SGT_INLINE void look_at_powers(const path *w, double m, double h, bool thorough, cell *r)
 {
     double A[SGT_LEVELS + 1], V[SGT_LEVELS + 1], es[SGT_LEVELS + 1];
-    quaternion v = w->along, q = quaternion_sum(w->start, quaternion_times(w->along, m)), c = w->mandelbrot ? q : w->c;
+    quaternion v = w->along, q = quaternion_sum(w->start, quaternion_times(w->along, m)),
+               c = w->mandelbrot ? q : w->c;
     double e = place_error(w->start_size, w->along_size, m, h), extra = w->mandelbrot ? e : 0;
     for (int k = w->mandelbrot ? 1 : 0;; k++) {
         pair_norms n = {quaternion_dot(q, q), quaternion_dot(v, v), quaternion_dot(q, v)};
@@ -183,7 +201,8 @@ SGT_INLINE void look_at_powers(const path *w, double m, double h, bool thorough,
         e = next_e(A[k], V[k], e, h, w->c_abs, w->power) + extra;
         orbit_step(&q, &v, c, w->along, w->power, w->mandelbrot);
     }
-    double d = 8 * SGT_U * w->along_size, own = 8 * SGT_U * (w->start_size + fabs(m) * w->along_size), center = own, first = w->mandelbrot ? d : 0;
+    double d = 8 * SGT_U * w->along_size, own = 8 * SGT_U * (w->start_size + fabs(m) * w->along_size),
+           center = own, first = w->mandelbrot ? d : 0;
     int last = w->iterations;
     for (int k = w->mandelbrot ? 1 : 0; k < last; k++) {
         d = next_d(A[k], V[k], es[k], d, h, w->power) + first;
@@ -192,8 +211,8 @@ SGT_INLINE void look_at_powers(const path *w, double m, double h, bool thorough,
     bound_slope(w, A[last], V[last], d, center, h, r);
 }
 
-/* Four cells of one ray at once, p = 2.  A cell alone waits for its own results; four in the lanes of a register
- * take hardly longer. */
+/* Four cells of one ray at once, p = 2.  A cell alone waits for its own results; four in the lanes of a
+ * register take hardly longer. */
 #if defined(__GNUC__)
 typedef double lanes __attribute__((vector_size(32)));
 typedef unsigned long long lane_bits __attribute__((vector_size(32)));
@@ -208,18 +227,27 @@ SGT_SQUARES(four, lanes)
 
 #define ORBIT_ANY(b) ((((b)[0] | (b)[1]) | ((b)[2] | (b)[3])) != 0)
 
-SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h[4], bool mandelbrot, cell r[4], bool known[4])
+SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h[4], bool mandelbrot,
+                                cell r[4], bool known[4])
 {
-    lanes at = {m[0], m[1], m[2], m[3]}, half = {h[0], h[1], h[2], h[3]}, zero = {0, 0, 0, 0}, far, half2 = half * half;
+    lanes at = {m[0], m[1], m[2], m[3]}, half = {h[0], h[1], h[2], h[3]}, zero = {0, 0, 0, 0}, far,
+          half2 = half * half;
     four_magnitude(&at, &far);
-    four s = {.a = w->start.a + at * w->along.a, .b = w->start.b + at * w->along.b, .c = w->start.c + at * w->along.c, .d = w->start.d + at * w->along.d,
-              .va = w->along.a + zero, .vb = w->along.b + zero, .vc = w->along.c + zero, .vd = w->along.d + zero,
+    four s = {.a = w->start.a + at * w->along.a,
+              .b = w->start.b + at * w->along.b,
+              .c = w->start.c + at * w->along.c,
+              .d = w->start.d + at * w->along.d,
+              .va = w->along.a + zero,
+              .vb = w->along.b + zero,
+              .vc = w->along.c + zero,
+              .vd = w->along.d + zero,
               .e = 8 * SGT_U * (w->start_size + (far + half) * w->along_size)};
     four_constant c = {w->c.a + zero, w->c.b + zero, w->c.c + zero, w->c.d + zero, zero};
     if (mandelbrot) c = (four_constant){s.a, s.b, s.c, s.d, s.e}; /* Q_1 = c */
     lanes A[SGT_LEVELS + 1], V2s[SGT_LEVELS + 1], es[SGT_LEVELS + 1];
     const lane_bits before[3] = {{~0ULL, 0, 0, 0}, {~0ULL, ~0ULL, 0, 0}, {~0ULL, ~0ULL, ~0ULL, 0}};
-    lane_bits live = {~0ULL, ~0ULL, ~0ULL, ~0ULL}, wanted = live, outside = live ^ live; /* not decided; of use; decided so */
+    /* not decided; of use; decided so */
+    lane_bits live = {~0ULL, ~0ULL, ~0ULL, ~0ULL}, wanted = live, outside = live ^ live;
     const circle near = circle_of(w);
     int n = w->iterations;
     for (int k = mandelbrot ? 1 : 0;; k++) {
@@ -250,14 +278,16 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
     bool slopes = false, asked[4] = {false, false, false, false};
     for (int l = 0; l < 4; l++) {
         known[l] = wanted[l] != 0;
-        r[l].verdict = outside[l] ? CELL_OUTSIDE : CELL_OPEN, r[l].W = HUGE_VAL, r[l].level = 0; /* the rest is of level N alone */
+        /* the rest is of level N alone */
+        r[l].verdict = outside[l] ? CELL_OUTSIDE : CELL_OPEN, r[l].W = HUGE_VAL, r[l].level = 0;
         if (live[l] && wanted[l]) {
             asked[l] = at_the_end(w, (pair_norms){s.A2[l], s.V2[l], s.qv[l]}, s.e[l], h[l], &r[l]);
             slopes = slopes || asked[l];
         }
     }
     if (!slopes) return;
-    lanes first = (8 * SGT_U * w->along_size) + zero, own = 8 * SGT_U * (w->start_size + far * w->along_size), center = own, d = first;
+    lanes first = (8 * SGT_U * w->along_size) + zero, own = 8 * SGT_U * (w->start_size + far * w->along_size),
+          center = own, d = first;
     for (int k = mandelbrot ? 1 : 0; k < n; k++) {
         four_slope(&A[k], &V2s[k], &es[k], &half, near.round, &d, &center);
         if (mandelbrot) d += first, center += own;
@@ -266,7 +296,8 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
         if (asked[l]) bound_slope(w, 0.5 * A[n][l], sqrt(s.V2[l]), d[l], center[l], h[l], &r[l]);
 }
 #else
-SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h[4], bool mandelbrot, cell r[4], bool known[4])
+SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h[4], bool mandelbrot,
+                                cell r[4], bool known[4])
 {
     (void)mandelbrot;
     known[0] = true, known[1] = known[2] = known[3] = false;
@@ -308,8 +339,10 @@ void sgt_orbit_cell(const path *w, double m, double h, cell *r)
 
 bool sgt_orbit_monotone(const path *w, double m, double h)
 {
-    quaternion v = w->along, q = quaternion_sum(w->start, quaternion_times(w->along, m)), c = w->mandelbrot ? q : w->c;
-    double e = place_error(w->start_size, w->along_size, m, h), extra = w->mandelbrot ? e : 0, d = 8 * SGT_U * w->along_size, first = w->mandelbrot ? d : 0;
+    quaternion v = w->along, q = quaternion_sum(w->start, quaternion_times(w->along, m)),
+               c = w->mandelbrot ? q : w->c;
+    double e = place_error(w->start_size, w->along_size, m, h), extra = w->mandelbrot ? e : 0,
+           d = 8 * SGT_U * w->along_size, first = w->mandelbrot ? d : 0;
     for (int k = w->mandelbrot ? 1 : 0; k < w->iterations; k++) {
         double A = sqrt(quaternion_dot(q, q)), V = sqrt(quaternion_dot(v, v));
         d = next_d(A, V, e, d, h, w->power) + first;
@@ -336,13 +369,15 @@ sgt_interval sgt_orbit_enclose(const path *w, double m, double h, sgt_interval *
     *slope = (sgt_interval){-HUGE_VAL, HUGE_VAL};
     if (e.level < w->iterations) return (sgt_interval){e.verdict == CELL_OUTSIDE ? 0x1p-1022 : -1, 1};
     double most = sqrt(e.A2 + e.V2 * h * h + 2 * fabs(e.qv) * h) * (1 + 16 * SGT_U) + e.e * slack;
-    double ends = e.A2 + e.V2 * h * h, low = fabs(e.qv) >= e.V2 * h ? ends - 2 * fabs(e.qv) * h : e.A2 - e.qv * e.qv / e.V2;
+    double ends = e.A2 + e.V2 * h * h,
+           low = fabs(e.qv) >= e.V2 * h ? ends - 2 * fabs(e.qv) * h : e.A2 - e.qv * e.qv / e.V2;
     double least = larger(sqrt(larger(low - 64 * SGT_U * ends, 0)) * (1 - 4 * SGT_U) - e.e * slack, 0);
     if (!(most < 0x1p500)) return (sgt_interval){-1, 1};
     double lowest = f_of(least * least, E2, -1), highest = f_of(most * most, E2, 1);
     double shift = 2 * w->E_err / w->E;
     if (e.W < HUGE_VAL) { /* F' = 4 E^2 <Q, dQ> / (|Q|^2 + E^2)^2 */
-        double s = most * most + E2, l = least * least + E2, steep = 4 * E2 / l / l * slack * (1 + 8 * shift), gentle = 4 * E2 / s / s / slack * (1 - 8 * shift);
+        double s = most * most + E2, l = least * least + E2, steep = 4 * E2 / l / l * slack * (1 + 8 * shift),
+               gentle = 4 * E2 / s / s / slack * (1 - 8 * shift);
         double lo = e.qv - e.W, hi = e.qv + e.W;
         slope->lo = (lo < 0 ? lo * steep : lo * gentle) - 0x1p-1022;
         slope->hi = (hi > 0 ? hi * steep : hi * gentle) + 0x1p-1022;
@@ -354,7 +389,8 @@ sgt_interval sgt_orbit_enclose(const path *w, double m, double h, sgt_interval *
 
 SGT_INLINE double value_along(const path *w, double m, double *slope, int power, bool mandelbrot)
 {
-    quaternion q = quaternion_sum(w->start, quaternion_times(w->along, m)), v = w->along, c = w->c, dc = w->along;
+    quaternion q = quaternion_sum(w->start, quaternion_times(w->along, m)), v = w->along, c = w->c,
+               dc = w->along;
     double E2 = w->E * w->E, A2 = quaternion_dot(q, q), most = FAR2 * (1 + E2);
     int k = 0;
     if (mandelbrot) c = q, k = 1;

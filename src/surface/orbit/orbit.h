@@ -16,7 +16,8 @@
  * A CELL.  Over [m - h, m + h] carry, level by level, Q and v = dQ/dtau at m as computed, and bounds
  *     |Q(m + s) - Q - v s| <= e,   |dQ/dtau (m + s) - v| <= d,   |s| <= h.
  * With A = |Q|, V = |v|, D = V h + e (so |Q(m + s) - Q| <= D), Taylor's formula for x^p with x = A + D gives
- *     |(Q + x)^p - Q^p - L x| <= p (p - 1) / 2 (A + D)^(p-2) D^2       (L x the linear part, |L x| <= p A^(p-1) |x|)
+ *     |(Q + x)^p - Q^p - L x| <= p (p - 1) / 2 (A + D)^(p-2) D^2       (L x the linear part, |L x| <= p
+ *         A^(p-1) |x|)
  *     e' = p A^(p-1) e + p (p - 1) / 2 (A + D)^(p-2) D^2
  *     d' = p (A + D)^(p-1) d + p (p - 1) (A + D)^(p-2) D V
  * since a product of p factors, each at most A + D, changes by at most that where one factor changes.  For
@@ -65,17 +66,27 @@ sgt_objection sgt_orbit_of_mandelbrot(const void *s, orbit *o);
 sgt_objection sgt_julia_object(const void *self);
 sgt_objection sgt_mandelbrot_object(const void *self);
 
-SGT_INLINE double quaternion_dot(quaternion p, quaternion q) { return (p.a * q.a + p.b * q.b) + (p.c * q.c + p.d * q.d); }
+SGT_INLINE double quaternion_dot(quaternion p, quaternion q)
+{
+    return (p.a * q.a + p.b * q.b) + (p.c * q.c + p.d * q.d);
+}
 
-SGT_INLINE quaternion quaternion_sum(quaternion p, quaternion q) { return (quaternion){p.a + q.a, p.b + q.b, p.c + q.c, p.d + q.d}; }
+SGT_INLINE quaternion quaternion_sum(quaternion p, quaternion q)
+{
+    return (quaternion){p.a + q.a, p.b + q.b, p.c + q.c, p.d + q.d};
+}
 
-SGT_INLINE quaternion quaternion_times(quaternion q, double r) { return (quaternion){q.a * r, q.b * r, q.c * r, q.d * r}; }
+SGT_INLINE quaternion quaternion_times(quaternion q, double r)
+{
+    return (quaternion){q.a * r, q.b * r, q.c * r, q.d * r};
+}
 
 /* at + x ex + y ey + z ez. */
 SGT_INLINE quaternion quaternion_at(const orbit *o, double x, double y, double z)
 {
-    return (quaternion){o->at.a + x * o->x.a + y * o->y.a + z * o->z.a, o->at.b + x * o->x.b + y * o->y.b + z * o->z.b,
-                        o->at.c + x * o->x.c + y * o->y.c + z * o->z.c, o->at.d + x * o->x.d + y * o->y.d + z * o->z.d};
+    return (quaternion){
+        o->at.a + x * o->x.a + y * o->y.a + z * o->z.a, o->at.b + x * o->x.b + y * o->y.b + z * o->z.b,
+        o->at.c + x * o->x.c + y * o->y.c + z * o->z.c, o->at.d + x * o->x.d + y * o->y.d + z * o->z.d};
 }
 
 /* Q^p = s + f q, and along v. */
@@ -87,7 +98,8 @@ SGT_INLINE power_of power_along(quaternion q, quaternion v, int power)
     if (power == 2) return (power_of){q.a * q.a - n2, 2 * q.a, 2 * (q.a * v.a - half_dn2), 2 * v.a};
     power_of r = {q.a, 1, v.a, 0};
     for (int i = 1; i < power; i++)
-        r = (power_of){q.a * r.s - n2 * r.f, r.s + q.a * r.f, (v.a * r.s + q.a * r.ds) - (2 * half_dn2 * r.f + n2 * r.df),
+        r = (power_of){q.a * r.s - n2 * r.f, r.s + q.a * r.f,
+                       (v.a * r.s + q.a * r.ds) - (2 * half_dn2 * r.f + n2 * r.df),
                        r.ds + (v.a * r.f + q.a * r.df)};
     return r;
 }
@@ -103,7 +115,8 @@ SGT_INLINE power_of power_only(quaternion q, int power)
 }
 
 /* One level: Q to Q^p + c, v to its derivative (plus dc for the Mandelbrot set). */
-SGT_INLINE void orbit_step(quaternion *q, quaternion *v, quaternion c, quaternion dc, int power, bool mandelbrot)
+SGT_INLINE void orbit_step(quaternion *q, quaternion *v, quaternion c, quaternion dc, int power,
+                           bool mandelbrot)
 {
     power_of r = power_along(*q, *v, power);
     *v = (quaternion){r.ds, r.f * v->b + r.df * q->b, r.f * v->c + r.df * q->c, r.f * v->d + r.df * q->d};
@@ -126,7 +139,8 @@ SGT_INLINE double next_e(double A, double V, double e, double h, double c_abs, i
     if (power == 2) return (2 * A * e + D * D) + (8 * SGT_U * (A * A + c_abs) + 16 * SGT_U * h * A * V);
     double below = small_power(A, power - 2), P = power;
     double bend = 0.5 * P * (P - 1) * small_power(A + D, power - 2) * (D * D);
-    return (P * below * A * e + bend) + (16 * P * SGT_U * (below * A * A + c_abs) + 96 * P * P * SGT_U * below * A * V * h);
+    return (P * below * A * e + bend) +
+           (16 * P * SGT_U * (below * A * A + c_abs) + 96 * P * P * SGT_U * below * A * V * h);
 }
 
 /* An orbit seen along a ray: its point at tau is start + tau along. */
@@ -145,12 +159,14 @@ typedef struct cell {
     cell_verdict verdict;
     int level;                /* N, or less where the orbit was left before */
     double A2, V2, qv, e;     /* at level N, and only there: |Q|^2, |v|^2, <Q, v>, the bound e */
-    double W;                 /* see above; infinite where it was not worked out, as where the orbit was left */
+    /* see above; infinite where it was not worked out, as where the orbit was left */
+    double W;
     double g_err;             /* with W: how far |Q|^2 - E^2 at m itself may be off */
 } cell;
 
-/* What can be said over [m - h, m + h] of the cell 0; and, where it comes along with it (known), of 1, which is
- * looked at if 0 is outside or inside, 2, the same after 1, and 3, which is looked at if 0 is open. */
+/* What can be said over [m - h, m + h] of the cell 0; and, where it comes along with it (known), of 1,
+ * which is looked at if 0 is outside or inside, 2, the same after 1, and 3, which is looked at if 0 is
+ * open. */
 void sgt_orbit_cells(const path *w, const double m[4], const double h[4], cell r[4], bool known[4]);
 
 /* Of one alone. */

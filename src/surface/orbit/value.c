@@ -3,10 +3,10 @@
  * F = (u - 1) / (u + 1), u = |Q_N|^2 / E^2: the same roots as |Q_N|^2 - E^2, which overflows at N = 12.
  * Its gradient is 4 E^2 / (|Q_N|^2 + E^2)^2 times that of |Q_N|^2 / 2, which is T^T Q_N with the Jacobian
  * tensor T = dQ_N/dp = J(Q_{N-1}) ... J(Q_0) [ex ey ez].  The product is taken from the left, y_N = Q_N,
- * y_k = J(Q_k)^T y_{k+1}: one quaternion on the way back instead of three columns on the way, and
- * grad = (<ex, y_0>, <ey, y_0>, <ez, y_0>).  J(Q) x = sum of Q^i x Q^(p-1-i); since <y, a x b> =
- * <conj(a) y conj(b), x>, its transpose is J(conj(Q)): the same formula.  In the Mandelbrot set each level adds
- * c, so grad = y_N + ... + y_1 in place of y_0: the added identity.
+ * y_k = J(Q_k)^T y_{k+1}: one quaternion on the way back instead of three columns on the way, and grad =
+ * (<ex, y_0>, <ey, y_0>, <ez, y_0>).  J(Q) x = sum of Q^i x Q^(p-1-i); since <y, a x b> = <conj(a) y
+ * conj(b), x>, its transpose is J(conj(Q)): the same formula.  In the Mandelbrot set each level adds c, so
+ * grad = y_N + ... + y_1 in place of y_0: the added identity.
  *
  * ROUNDING.  |Q_N| is off by at most e, the recursion of orbit.h with h = 0, and F is monotone in |Q_N|. */
 #include "../../num/elementary.h"
@@ -48,26 +48,32 @@ double sgt_level_value(const orbit *o, sgt_vec3 p, sgt_vec3 *grad)
     double A2 = quaternion_dot(at[n], at[n]), inverse = 1 / (A2 + E2);
     if (grad) *grad = (sgt_vec3){0, 0, 0};
     if (n < o->iterations || !(A2 < HUGE_VAL)) { /* u > 2^64: 1 to the last bit; or not a number */
-        if (A2 >= 0 || (isfinite(p.x) && isfinite(p.y) && isfinite(p.z))) return 1; /* a finite point, and infinity less infinity */
+        /* a finite point, and infinity less infinity */
+        if (A2 >= 0 || (isfinite(p.x) && isfinite(p.y) && isfinite(p.z))) return 1;
         if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};
         return NAN;
     }
-    if (grad) *grad = back_to_point(o, at, n, quaternion_times(quaternion_times(at[n], inverse), 4 * (E2 * inverse)));
+    if (grad)
+        *grad = back_to_point(o, at, n,
+                              quaternion_times(quaternion_times(at[n], inverse), 4 * (E2 * inverse)));
     return (A2 - E2) * inverse;
 }
 
 double sgt_level_rounding(const orbit *o, sgt_vec3 p)
 {
     quaternion at[SGT_LEVELS + 1];
-    double E2 = o->E * o->E, size = o->at_length + fabs(p.x) * o->x_length + fabs(p.y) * o->y_length + fabs(p.z) * o->z_length;
+    double E2 = o->E * o->E,
+           size = o->at_length + fabs(p.x) * o->x_length + fabs(p.y) * o->y_length + fabs(p.z) * o->z_length;
     int n = levels_of(o, p, o->iterations, 0x1p64 * (1 + E2), at);
     double given = 8 * SGT_U * size, e = given;
     for (int k = o->mandelbrot ? 1 : 0; k < n; k++)
-        e = next_e(sqrt(quaternion_dot(at[k], at[k])), 0, e, 0, o->c_abs, o->power) + (o->mandelbrot ? given : 0);
+        e = next_e(sqrt(quaternion_dot(at[k], at[k])), 0, e, 0, o->c_abs, o->power) +
+            (o->mandelbrot ? given : 0);
     double A2 = quaternion_dot(at[n], at[n]), A = sqrt(A2);
     e *= 1 + 0x1p-40;
     if (n < o->iterations || !(A2 < HUGE_VAL)) return A > 2 * e ? 0x1p-50 : 2; /* 1 it is, by far */
-    double off = (2 * A + e) * e + 8 * SGT_U * A2 + 4 * o->E * o->E_err, least = larger(A - e, 0), wide = least * least + E2;
+    double off = (2 * A + e) * e + 8 * SGT_U * A2 + 4 * o->E * o->E_err, least = larger(A - e, 0),
+           wide = least * least + E2;
     double f_err = 2 * (E2 / wide) * (off / wide) + 8 * SGT_U;
     return f_err < 2 ? f_err : 2; /* F lies in [-1, 1] */
 }
@@ -81,7 +87,8 @@ double sgt_level_potential(const orbit *o, sgt_vec3 p, sgt_vec3 *grad)
     if (A2 < 0x1p64) return 0;
     if (!(A2 < HUGE_VAL)) { /* farther than squares reach */
         bool finite = isfinite(p.x) && isfinite(p.y) && isfinite(p.z);
-        double far = larger(fabs(p.x) * o->x_length, larger(fabs(p.y) * o->y_length, fabs(p.z) * o->z_length));
+        double far = larger(fabs(p.x) * o->x_length,
+                            larger(fabs(p.y) * o->y_length, fabs(p.z) * o->z_length));
         return !finite ? (double)NAN : scale * logarithm(far < HUGE_VAL ? far : DBL_MAX);
     }
     if (grad) *grad = back_to_point(o, at, n, quaternion_times(at[n], scale / A2));

@@ -13,7 +13,8 @@ stretch sgt_chord(const sgt_ray *ray, double radius2)
     if (!(radius2 < HUGE_VAL)) return all;
     double scale = scale_of(ray->d), l = ray->d.x * scale, m = ray->d.y * scale, a = l * l + m * m;
     radius2 *= 1 + 0x1p-43;
-    if (ray->d.x == 0 && ray->d.y == 0) return ray->o.x * ray->o.x + ray->o.y * ray->o.y <= radius2 * (1 + 0x1p-40) ? all : none;
+    if (ray->d.x == 0 && ray->d.y == 0)
+        return ray->o.x * ray->o.x + ray->o.y * ray->o.y <= radius2 * (1 + 0x1p-40) ? all : none;
     if (!(a > TINY)) return all; /* it has underflown */
     /* from the point nearest the axis, twice: there the rounding is of the size of the chord */
     local q = local_at(ray, -(ray->o.x * l + ray->o.y * m) / a, 0);
@@ -32,8 +33,10 @@ sgt_span sgt_sag_span(double c, double k, double semi_diameter, const sgt_ray *r
     sgt_span span = {.lo = chord.lo, .hi = chord.hi, .seed = NAN};
     local q = local_at_vertex_plane(ray);
     double a = q.l * q.l + q.m * q.m, k1 = 1 + k;
-    double A = c * (a + k1 * q.n * q.n), B = q.n - c * (q.x * q.l + q.y * q.m), C = c * (q.x * q.x + q.y * q.y), D = B * B - A * C;
-    double b = B + copysign(sqrt(D), B), near = C / b, far = b / A, v = 1 - k1 * c * near * q.n, v_far = 1 - k1 * c * far * q.n;
+    double A = c * (a + k1 * q.n * q.n), B = q.n - c * (q.x * q.l + q.y * q.m),
+           C = c * (q.x * q.x + q.y * q.y), D = B * B - A * C;
+    double b = B + copysign(sqrt(D), B), near = C / b, far = b / A, v = 1 - k1 * c * near * q.n,
+           v_far = 1 - k1 * c * far * q.n;
     double t = (q.t0 + (q.t0_lo + near)) * q.scale;
     double t_far = (q.t0 + (q.t0_lo + far)) * q.scale;
     if (v > 0 || !bare) span.seed = t;
@@ -42,6 +45,8 @@ sgt_span sgt_sag_span(double c, double k, double semi_diameter, const sgt_ray *r
     /* one root on the sheet, certainly, where the signs of v at the two are opposite by a margin */
     double margin = 0x1p-30 * (1 + fabs(k1 * c * q.n) * (fabs(near) + fabs(far)));
     bool well = D > 0x1p-20 * (B * B + fabs(A * C));
-    span.single = bare && (c == 0 ? q.n != 0 : well && (A == 0 || (v > margin && v_far < -margin) || (v < -margin && v_far > margin)));
+    span.single = bare && (c == 0 ? q.n != 0
+                                  : well && (A == 0 || (v > margin && v_far < -margin) ||
+                                             (v < -margin && v_far > margin)));
     return span;
 }

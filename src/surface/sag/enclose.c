@@ -1,37 +1,42 @@
 /* enclose.c - g and g' of a sag over a stretch of a ray, by intervals.
  *
- * g(t) = z - s(rho) - P(rho), rho = x^2 + y^2, s = c rho / (1 + phi), phi^2 = 1 - (1 + k) c^2 rho, P the sum of
- * a[i] rho^(i+1).  With h = x dx + y dy, half of rho', A = dx^2 + dy^2 and X = ox dy - oy dx: A rho = h^2 + X^2, hence
+ * g(t) = z - s(rho) - P(rho), rho = x^2 + y^2, s = c rho / (1 + phi), phi^2 = 1 - (1 + k) c^2 rho, P the
+ * sum of a[i] rho^(i+1).  With h = x dx + y dy, half of rho', A = dx^2 + dy^2 and X = ox dy - oy dx: A rho
+ * = h^2 + X^2, hence
  *     g' = dz - c h / phi - 2 P' h,
  *     -g'' / 2 = c (A - (1 + k) c^2 X^2) / (2 phi^3) + 2 P'' h^2 + A P'.
- * The bracket is A phi^2 at the point of the line that is nearest the axis, and so not negative where the line meets the
- * domain: c h / phi never falls along the ray (a conic is convex).  A negative c is solved as its mirror image: c,
- * a, z and g with the other sign.
+ * The bracket is A phi^2 at the point of the line that is nearest the axis, and so not negative where the
+ * line meets the domain: c h / phi never falls along the ray (a conic is convex).  A negative c is solved
+ * as its mirror image: c, a, z and g with the other sign.
  *
  * t is counted from t0: what is given and enclosed is g(t0 + t).
  *
- * THE ENDS.  At one t all of it is thin.  A coordinate o + t d is three doubles by error-free product and sums, so that
- * an origin far off costs nothing; rho, h, X and phi^2 come in twice the precision, and only then are rounded to an
- * interval.  g is so known to two or three ulps of the greatest of z, s and P, g' to a few of its terms.
+ * THE ENDS.  At one t all of it is thin.  A coordinate o + t d is three doubles by error-free product and
+ * sums, so that an origin far off costs nothing; rho, h, X and phi^2 come in twice the precision, and only
+ * then are rounded to an interval.  g is so known to two or three ulps of the greatest of z, s and P, g' to
+ * a few of its terms.
  *
- * BETWEEN THEM.  h and c h / phi never fall, z is linear: their ranges are those of their ends.  Where h has one
- * sign, rho has its extremes at the ends; else its least is that of the whole line, X^2 / A.  s grows with rho, and phi
- * goes one way.  P, P' and P'' are taken by Horner's rule on rho >= 0, which is never wider than the sum of its
- * terms' ranges.  So these hold over the whole stretch, w long:
+ * BETWEEN THEM.  h and c h / phi never fall, z is linear: their ranges are those of their ends.  Where h
+ * has one sign, rho has its extremes at the ends; else its least is that of the whole line, X^2 / A.  s
+ * grows with rho, and phi goes one way.  P, P' and P'' are taken by Horner's rule on rho >= 0, which is
+ * never wider than the sum of its terms' ranges.  So these hold over the whole stretch, w long:
  *     the natural forms of g and g', the formulas above (of a conic that of g' is exact);
- *     the tangents: g' differs from that of either end by no more than g'' w, and g from that of either end by g' w;
- *     the chord: g lies between its ends but for -g'' / 2 times 0 ... w^2 / 4 (what linear interpolation leaves out is
+ *     the tangents: g' differs from that of either end by no more than g'' w, and g from that of either end
+ *         by g' w;
+ *     the chord: g lies between its ends but for -g'' / 2 times 0 ... w^2 / 4 (what linear interpolation
+ *         leaves out is
  *         g'' / 2 (t - lo) (t - hi));
  *     and where g' has one sign, g lies between its ends;
- * and with them their intersection.  The first are what counts on long stretches; on short ones the others leave a width
- * beyond the true range that falls with w^2.
+ * and with them their intersection.  The first are what counts on long stretches; on short ones the others
+ * leave a width beyond the true range that falls with w^2.
  *
- * THE DOMAIN.  Where phi^2 < 0 all over the stretch, g is undefined there, and both intervals are empty.  Where phi^2 may
- * be 0 or less somewhere, g is that of the part where it is not (s <= 1 / ((1 + k) c), rho <= 1 / ((1 + k) c^2)), and of
- * the slope, which has its pole there, nothing is said.
+ * THE DOMAIN.  Where phi^2 < 0 all over the stretch, g is undefined there, and both intervals are empty.
+ * Where phi^2 may be 0 or less somewhere, g is that of the part where it is not (s <= 1 / ((1 + k) c), rho
+ * <= 1 / ((1 + k) c^2)), and of the slope, which has its pole there, nothing is said.
  *
- * RANGE.  d is scaled by a power of two to [1, 2).  Coordinates so small or so large that twice the precision does not
- * hold are made intervals at once.  What overflows is an end at infinity, and t may have such ends. */
+ * RANGE.  d is scaled by a power of two to [1, 2).  Coordinates so small or so large that twice the
+ * precision does not hold are made intervals at once.  What overflows is an end at infinity, and t may have
+ * such ends. */
 #include "../../num/expansion.h"
 #include "poly.h"
 
@@ -52,18 +57,28 @@ typedef struct interval_ring { sgt_interval rho, phi2, phi, sag; } interval_ring
 /* One t. */
 typedef struct interval_place { sgt_interval z, half, g; interval_ring at; } interval_place;
 
-/* The operations of interval.h, where the signs are known and nothing is empty; a NaN at an end goes through.  Functions, with
- * hardware fma: inlined they would be 50 KB more and no faster. */
-static sgt_interval interval_plus(sgt_interval x, sgt_interval y) { return sgt_interval_between(-sgt_sum_above(-x.lo, -y.lo), sgt_sum_above(x.hi, y.hi)); }
+/* The operations of interval.h, where the signs are known and nothing is empty; a NaN at an end goes
+ * through.  Functions, with hardware fma: inlined they would be 50 KB more and no faster. */
+static sgt_interval interval_plus(sgt_interval x, sgt_interval y)
+{
+    return sgt_interval_between(-sgt_sum_above(-x.lo, -y.lo), sgt_sum_above(x.hi, y.hi));
+}
 
-static sgt_interval interval_minus(sgt_interval x, sgt_interval y) { return sgt_interval_between(-sgt_sum_above(-x.lo, y.hi), sgt_sum_above(x.hi, -y.lo)); }
+static sgt_interval interval_minus(sgt_interval x, sgt_interval y)
+{
+    return sgt_interval_between(-sgt_sum_above(-x.lo, y.hi), sgt_sum_above(x.hi, -y.lo));
+}
 
-SGT_INLINE sgt_interval hull(sgt_interval x, sgt_interval y) { return sgt_interval_between(x.lo < y.lo ? x.lo : y.lo, larger(x.hi, y.hi)); }
+SGT_INLINE sgt_interval hull(sgt_interval x, sgt_interval y)
+{
+    return sgt_interval_between(x.lo < y.lo ? x.lo : y.lo, larger(x.hi, y.hi));
+}
 
 /* x y, y >= 0. */
 static sgt_interval interval_times(sgt_interval x, sgt_interval y)
 {
-    return sgt_interval_between(-sgt_product_above(-x.lo, x.lo >= 0 ? y.lo : y.hi), sgt_product_above(x.hi, x.hi >= 0 ? y.hi : y.lo));
+    return sgt_interval_between(-sgt_product_above(-x.lo, x.lo >= 0 ? y.lo : y.hi),
+                                sgt_product_above(x.hi, x.hi >= 0 ? y.hi : y.lo));
 }
 
 SGT_INLINE sgt_interval scaled(sgt_interval x, double by) { return interval_times(x, sgt_interval_of(by)); }
@@ -71,11 +86,15 @@ SGT_INLINE sgt_interval scaled(sgt_interval x, double by) { return interval_time
 /* x / y, x >= 0, y > 0. */
 static sgt_interval interval_over(sgt_interval x, sgt_interval y)
 {
-    return sgt_interval_between(y.hi < HUGE_VAL ? -sgt_quotient_above(-x.lo, y.hi) : 0, sgt_quotient_above(x.hi, y.lo));
+    return sgt_interval_between(y.hi < HUGE_VAL ? -sgt_quotient_above(-x.lo, y.hi) : 0,
+                                sgt_quotient_above(x.hi, y.lo));
 }
 
 /* x +- by, of moderate numbers. */
-SGT_INLINE sgt_interval interval_rounded(twofold x, double by) { return sgt_interval_between(-sgt_sum_above(-x.hi, by - x.lo), sgt_sum_above(x.hi, x.lo + by)); }
+SGT_INLINE sgt_interval interval_rounded(twofold x, double by)
+{
+    return sgt_interval_between(-sgt_sum_above(-x.hi, by - x.lo), sgt_sum_above(x.hi, x.lo + by));
+}
 
 /* The sum of a[i] rho^i. */
 SGT_INLINE sgt_interval series(int terms, const sgt_interval *a, sgt_interval rho)
@@ -85,11 +104,15 @@ SGT_INLINE sgt_interval series(int terms, const sgt_interval *a, sgt_interval rh
     return h;
 }
 
-/* o + (t0 + t) d as s + rest +- slip, where the products have lost nothing.  With t0 = 0 it is s + f.lo exactly: o + p = s + e, and
- * e with the rest of p is f.  f.lo, and in any case the rest, is below 4 u^2 of it. */
+/* o + (t0 + t) d as s + rest +- slip, where the products have lost nothing.  With t0 = 0 it is s + f.lo
+ * exactly: o + p = s + e, and e with the rest of p is f.  f.lo, and in any case the rest, is below 4 u^2 of
+ * it. */
 typedef struct triple { twofold s; double rest, slip; bool exact; } triple;
 
-SGT_INLINE bool splits(double p, double t, double d) { return (fabs(p) > 0x1p-960 && fabs(p) < 0x1p1000) || t == 0 || d == 0; }
+SGT_INLINE bool splits(double p, double t, double d)
+{
+    return (fabs(p) > 0x1p-960 && fabs(p) < 0x1p1000) || t == 0 || d == 0;
+}
 
 static triple triple_from(double o, double d, double t0, double t)
 {
@@ -97,7 +120,8 @@ static triple triple_from(double o, double d, double t0, double t)
     twofold s = two_sum(e.part[0], e.part[1]);
     double slip = (fabs(e.part[3]) + fabs(e.part[4])) * (1 + 0x1p-40);
     bool fine = fabs(e.part[2]) + slip <= 4 * SGT_U * SGT_U * fabs(s.hi);
-    return (triple){s, e.part[2], slip, fine && splits(t0 * d, t0, d) && splits(t * d, t, d) && fabs(o) < 0x1p1000};
+    return (triple){s, e.part[2], slip,
+                    fine && splits(t0 * d, t0, d) && splits(t * d, t, d) && fabs(o) < 0x1p1000};
 }
 
 SGT_INLINE triple triple_of(double o, double d, double t0, double t)
@@ -111,7 +135,9 @@ SGT_INLINE sgt_interval range_of(const triple *x, double o, double d, double t0,
 {
     sgt_interval by = sgt_interval_of(d), from = sgt_interval_of(o), rest = sgt_interval_of(x->rest);
     if (x->slip > 0) rest = sgt_interval_about(x->rest, x->slip);
-    if (x->exact) return sgt_interval_between(-sgt_sum_above(-x->s.hi, sgt_sum_above(-x->s.lo, -rest.lo)), sgt_sum_above(x->s.hi, sgt_sum_above(x->s.lo, rest.hi)));
+    if (x->exact)
+        return sgt_interval_between(-sgt_sum_above(-x->s.hi, sgt_sum_above(-x->s.lo, -rest.lo)),
+                                    sgt_sum_above(x->s.hi, sgt_sum_above(x->s.lo, rest.hi)));
     if (t0 != 0) from = sgt_interval_sum(from, sgt_interval_product(sgt_interval_of(t0), by));
     return sgt_interval_sum(from, sgt_interval_product(sgt_interval_of(t), by));
 }
@@ -119,12 +145,14 @@ SGT_INLINE sgt_interval range_of(const triple *x, double o, double d, double t0,
 SGT_INLINE void phi2_of(const scene *f, interval_ring *e)
 {
     sgt_interval c = sgt_interval_of(f->c);
-    e->phi2 = interval_minus(sgt_interval_of(1), interval_times(interval_times(f->k1, interval_times(e->rho, c)), c));
+    e->phi2 = interval_minus(sgt_interval_of(1),
+                             interval_times(interval_times(f->k1, interval_times(e->rho, c)), c));
 }
 
 SGT_INLINE void sag_of(const scene *f, interval_ring *e)
 {
-    e->phi = sgt_interval_between(e->phi2.lo > 0 ? sgt_square_root_below(e->phi2.lo) : 0, e->phi2.hi < 0 ? 0 : sgt_square_root_above(e->phi2.hi));
+    e->phi = sgt_interval_between(e->phi2.lo > 0 ? sgt_square_root_below(e->phi2.lo) : 0,
+                                  e->phi2.hi < 0 ? 0 : sgt_square_root_above(e->phi2.hi));
     e->sag = interval_over(scaled(e->rho, f->c), interval_plus(sgt_interval_of(1), e->phi));
 }
 
@@ -133,9 +161,10 @@ static interval_place place_at(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0
     interval_place e;
     triple x = triple_of(o.x, d.x, t0, t), y = triple_of(o.y, d.y, t0, t), z = triple_of(o.z, d.z, t0, t);
     e.z = range_of(&z, o.z, d.z, t0, t);
-    /* rho to 2 * 4 + 5 + 3 = 16 u^2, what is taken from 1 to 32 u^2, h to 12 u^2 of its terms; what underflows is
-       below 2^-170 of them */
-    twofold rho = twofold_sum(twofold_product(x.s, x.s), twofold_product(y.s, y.s)), xl = twofold_scaled(x.s, f->l.lo), ym = twofold_scaled(y.s, f->m.lo);
+    /* rho to 2 * 4 + 5 + 3 = 16 u^2, what is taken from 1 to 32 u^2, h to 12 u^2 of its terms; what
+     * underflows is below 2^-170 of them */
+    twofold rho = twofold_sum(twofold_product(x.s, x.s), twofold_product(y.s, y.s)),
+            xl = twofold_scaled(x.s, f->l.lo), ym = twofold_scaled(y.s, f->m.lo);
     double terms = fabs(xl.hi) + fabs(ym.hi);
     bool fine = x.exact && y.exact && rho.hi > 0x1p-800 && rho.hi < 0x1p1000;
     e.at.rho = interval_rounded(rho, 0x1p-101 * rho.hi);
@@ -145,8 +174,10 @@ static interval_place place_at(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0
         e.half = sgt_interval_sum(sgt_interval_product(rx, f->l), sgt_interval_product(ry, f->m));
         if (!fine) e.at.rho = sgt_interval_sum(sgt_interval_square(rx), sgt_interval_square(ry));
     }
-    twofold bent = twofold_scaled(twofold_product(twofold_scaled(rho, f->c), two_sum(1, f->k)), f->c), phi2 = twofold_difference(twofold_of(1), bent);
-    if (fine && f->c < 0x1p600 && fabs(f->k) < 0x1p200 && fabs(bent.hi) < 0x1p900) e.at.phi2 = interval_rounded(phi2, 0x1p-100 * (1 + fabs(bent.hi)));
+    twofold bent = twofold_scaled(twofold_product(twofold_scaled(rho, f->c), two_sum(1, f->k)), f->c),
+            phi2 = twofold_difference(twofold_of(1), bent);
+    if (fine && f->c < 0x1p600 && fabs(f->k) < 0x1p200 && fabs(bent.hi) < 0x1p900)
+        e.at.phi2 = interval_rounded(phi2, 0x1p-100 * (1 + fabs(bent.hi)));
     else phi2_of(f, &e.at);
     sag_of(f, &e.at);
     e.g = interval_minus(e.z, e.at.sag);
@@ -157,7 +188,8 @@ static interval_place place_at(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0
 /* 2 P' h. */
 SGT_INLINE sgt_interval wave_of(const scene *f, sgt_interval rho, sgt_interval half)
 {
-    return f->terms ? scaled(sgt_interval_product(series(f->terms, f->first, rho), half), 2) : sgt_interval_of(0);
+    return f->terms ? scaled(sgt_interval_product(series(f->terms, f->first, rho), half), 2)
+                    : sgt_interval_of(0);
 }
 
 /* |ox dy - oy dx|. */
@@ -167,12 +199,17 @@ SGT_INLINE sgt_interval cross_of(const scene *f, sgt_vec3 o)
     double size = fabs(cross.hi);
     if (size > 0x1p-800 && size < 0x1p500 && f->l.lo == f->l.hi && f->m.lo == f->m.hi)
         return interval_rounded((twofold){size, cross.hi > 0 ? cross.lo : -cross.lo}, 0x1p-101 * size);
-    return sgt_interval_absolute(sgt_interval_difference(sgt_interval_product(sgt_interval_of(o.x), f->m), sgt_interval_product(sgt_interval_of(o.y), f->l)));
+    return sgt_interval_absolute(sgt_interval_difference(sgt_interval_product(sgt_interval_of(o.x), f->m),
+                                                         sgt_interval_product(sgt_interval_of(o.y), f->l)));
 }
 
-SGT_INLINE sgt_interval product_of(double a, double b) { return sgt_interval_between(-sgt_product_above(-a, b), sgt_product_above(a, b)); }
+SGT_INLINE sgt_interval product_of(double a, double b)
+{
+    return sgt_interval_between(-sgt_product_above(-a, b), sgt_product_above(a, b));
+}
 
-static sgt_interval enclose(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, sgt_interval t, sgt_interval *slope)
+static sgt_interval enclose(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, sgt_interval t,
+                            sgt_interval *slope)
 {
     interval_place a = place_at(f, o, d, t0, t.lo), b = t.lo < t.hi ? place_at(f, o, d, t0, t.hi) : a;
     sgt_interval half = {a.half.lo, b.half.hi}, z = hull(a.z, b.z), cross = cross_of(f, o);
@@ -190,7 +227,8 @@ static sgt_interval enclose(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, s
     bool whole = all.phi2.lo > 0;
     sgt_interval c = sgt_interval_of(f->c);
     if (!whole && f->k1.lo > 0) {
-        sgt_interval edge = sgt_interval_quotient(sgt_interval_of(1), interval_times(f->k1, c)), rim = sgt_interval_quotient(edge, c);
+        sgt_interval edge = sgt_interval_quotient(sgt_interval_of(1), interval_times(f->k1, c)),
+                     rim = sgt_interval_quotient(edge, c);
         all.sag.hi = edge.hi;
         if (rim.hi < all.rho.hi) all.rho.hi = rim.hi;
     }
@@ -198,23 +236,34 @@ static sgt_interval enclose(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, s
     if (f->terms) g = interval_minus(g, interval_times(series(f->terms, f->p, all.rho), all.rho));
     if (!whole) return g;
 
-    sgt_interval from = interval_minus(f->n, interval_times(a.half, interval_over(c, a.at.phi))), to = interval_minus(f->n, interval_times(b.half, interval_over(c, b.at.phi)));
+    sgt_interval from = interval_minus(f->n, interval_times(a.half, interval_over(c, a.at.phi))),
+                 to = interval_minus(f->n, interval_times(b.half, interval_over(c, b.at.phi)));
     *slope = interval_minus(sgt_interval_between(to.lo, from.hi), wave_of(f, all.rho, half));
     if (t.lo < t.hi) {
-        sgt_interval reach = {0, sgt_product_above(sgt_interval_width(t), 1 / f->scale)}, ends = hull(a.g, b.g);
-        sgt_interval k = interval_minus(f->a, interval_times(f->k1, sgt_interval_square(interval_times(cross, c))));
+        sgt_interval reach = {0, sgt_product_above(sgt_interval_width(t), 1 / f->scale)},
+                     ends = hull(a.g, b.g);
+        sgt_interval k = interval_minus(f->a,
+                                        interval_times(f->k1, sgt_interval_square(interval_times(cross, c))));
         k.lo = larger(k.lo, 0);
-        sgt_interval bend = scaled(interval_over(interval_times(k, c), interval_times(all.phi2, all.phi)), 0.5); /* -g'' / 2 */
+        /* -g'' / 2 */
+        sgt_interval bend = scaled(interval_over(interval_times(k, c), interval_times(all.phi2, all.phi)),
+                                   0.5);
         if (f->terms) {
             bend = interval_plus(bend, interval_times(series(f->terms, f->first, all.rho), f->a));
-            if (f->terms > 1) bend = interval_plus(bend, scaled(interval_times(series(f->terms - 1, f->second, all.rho), sgt_interval_square(half)), 2));
-            from = interval_minus(from, wave_of(f, a.at.rho, a.half)), to = interval_minus(to, wave_of(f, b.at.rho, b.half));
+            if (f->terms > 1)
+                bend = interval_plus(bend, scaled(interval_times(series(f->terms - 1, f->second, all.rho),
+                                                                 sgt_interval_square(half)),
+                                                  2));
+            from = interval_minus(from, wave_of(f, a.at.rho, a.half)),
+            to = interval_minus(to, wave_of(f, b.at.rho, b.half));
             sgt_interval turn = scaled(interval_times(bend, reach), 2);
-            *slope = sgt_interval_intersection(*slope, sgt_interval_intersection(interval_minus(from, turn), interval_plus(to, turn)));
+            *slope = sgt_interval_intersection(
+                *slope, sgt_interval_intersection(interval_minus(from, turn), interval_plus(to, turn)));
         }
         if (!(slope->lo >= 0 || slope->hi <= 0)) {
             sgt_interval change = interval_times(*slope, reach);
-            g = sgt_interval_intersection(g, sgt_interval_intersection(interval_plus(a.g, change), interval_minus(b.g, change)));
+            g = sgt_interval_intersection(
+                g, sgt_interval_intersection(interval_plus(a.g, change), interval_minus(b.g, change)));
             ends = interval_plus(ends, scaled(interval_times(bend, interval_times(reach, reach)), 0.25));
         }
         g = sgt_interval_intersection(g, ends);
@@ -223,12 +272,15 @@ static sgt_interval enclose(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, s
     return g;
 }
 
-sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope)
+sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, double t0, sgt_interval t,
+                             sgt_interval *slope)
 {
     sgt_vec3 o = ray->o, d = ray->d;
     double sign = s->c < 0 ? -1 : 1, scale = scale_of(d);
     *slope = sgt_interval_all();
-    if (isnan(t.lo) || isnan(t.hi) || !((o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (d.x - d.x) + (d.y - d.y) + (d.z - d.z) == 0)) return *slope;
+    if (isnan(t.lo) || isnan(t.hi) ||
+        !((o.x - o.x) + (o.y - o.y) + (o.z - o.z) + (d.x - d.x) + (d.y - d.y) + (d.z - d.z) == 0))
+        return *slope;
     if (t.lo > t.hi) return *slope = sgt_interval_empty();
     o.z *= sign, d.z *= sign;
     scene f = {.c = fabs(s->c), .k = s->k, .terms = s->terms, .scale = scale};

@@ -1,27 +1,29 @@
 /* sag/lanes.h - a tile of rays met quickly: what the sweeps of the sags share.
  *
- * A sweep has two loops.  The first goes from the ray to its root near the vertex plane, the second from there to the
- * point, the gradient, and whether it counts; between the two a ray is a `near_root`, in arrays that stay in the
- * first cache.  One loop would do, but a root, three quotients and what is between them are a chain of more than a
- * hundred cycles, as long as a processor can look ahead: in two loops it has several rays' chains at work
- * (docs/accuracy.md, "Batches: speed"). */
+ * A sweep has two loops.  The first goes from the ray to its root near the vertex plane, the second from
+ * there to the point, the gradient, and whether it counts; between the two a ray is a `near_root`, in
+ * arrays that stay in the first cache.  One loop would do, but a root, three quotients and what is between
+ * them are a chain of more than a hundred cycles, as long as a processor can look ahead: in two loops it
+ * has several rays' chains at work (docs/accuracy.md, "Batches: speed"). */
 #ifndef SGT_SURFACE_SAG_LANES_H
 #define SGT_SURFACE_SAG_LANES_H
 
 #include "../../num/lanes.h"
 #include "../builtin.h"
 
-/* The ray at its root: t = t0 + small, the point (x, y, 0) + tau d.  tau_err bounds the error of tau; t_err is NaN where
- * the quick form gives no answer. */
+/* The ray at its root: t = t0 + small, the point (x, y, 0) + tau d.  tau_err bounds the error of tau; t_err
+ * is NaN where the quick form gives no answer. */
 typedef struct near_root { double x, y, tau, t, t_err, tau_err, t0, small; } near_root;
 
 /* The ray met; hit: certainly, and it counts. */
 typedef struct lane { double t, t_err, t_lo, px, py, pz, nx, ny, p_err; mask hit; } lane;
 
-/* (x, y, 0) where the ray meets the vertex plane, in t0 + t0_lo: each coordinate is rounded twice, by u of itself and of
- * t0_lo l at most, and t0 + t0_lo is off by 9 u^2 |t0|.  Either moves a root by no more than 64 times as much, with S or
- * the slope as steep as the sweeps ask: 1024 u^2 |t0| in p_err is above it, and nothing beside an ulp of t0. */
-SGT_INLINE void to_vertex_plane(double ox, double oy, double oz, double l, double m, double n, double *t0, double *t0_lo, double *x, double *y)
+/* (x, y, 0) where the ray meets the vertex plane, in t0 + t0_lo: each coordinate is rounded twice, by u of
+ * itself and of t0_lo l at most, and t0 + t0_lo is off by 9 u^2 |t0|.  Either moves a root by no more than
+ * 64 times as much, with S or the slope as steep as the sweeps ask: 1024 u^2 |t0| in p_err is above it, and
+ * nothing beside an ulp of t0. */
+SGT_INLINE void to_vertex_plane(double ox, double oy, double oz, double l, double m, double n, double *t0,
+                                double *t0_lo, double *x, double *y)
 {
     double inverse = 1 / n;
     *t0 = -oz * inverse;
@@ -30,20 +32,21 @@ SGT_INLINE void to_vertex_plane(double ox, double oy, double oz, double l, doubl
     *y = sgt_fma(*t0_lo, m, sgt_fma(*t0, m, oy));
 }
 
-/* A root nearer to the origin of t is for the careful forms: what has underflown on the way is no longer small beside an
- * ulp of t.  (t0_lo and tau lose less than 2^-970 that way, where |n| > 2^-100.)  A root at the origin itself
- * is none of those where the ray starts in the vertex: there is nothing to underflow, and t = 0 is exact. */
+/* A root nearer to the origin of t is for the careful forms: what has underflown on the way is no longer
+ * small beside an ulp of t.  (t0_lo and tau lose less than 2^-970 that way, where |n| > 2^-100.)  A root at
+ * the origin itself is none of those where the ray starts in the vertex: there is nothing to underflow, and
+ * t = 0 is exact. */
 static const double LEAST_T = 0x1p-900;
 
 SGT_INLINE mask at_vertex(double x, double y, double oz) { return MASK((fabs(x) + fabs(y)) + fabs(oz) == 0); }
 
-/* Does the root count?  The rules of accept.h, where they are certain by far: the start is farther from the root than any
- * rounding (64 near is more than what START_ULPS is a part of), tmax too, t is as sharp as it can be.  g is what takes (px, py) to
- * the gradient (g px, g py, 1).  exact: the ray starts where it meets the surface, and nothing has been
- * rounded; where an end is about as near as what underflows, that is left to others.  (Beside a
- * t_err of LEAST_PLACE nothing that has underflown counts: t may be 0.) */
-SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double tmin, double tmax, double t_tol, double pz, double g,
-                        double near, double rim2, mask exact, mask also)
+/* Does the root count?  The rules of accept.h, where they are certain by far: the start is farther from the
+ * root than any rounding (64 near is more than what START_ULPS is a part of), tmax too, t is as sharp as it
+ * can be.  g is what takes (px, py) to the gradient (g px, g py, 1).  exact: the ray starts where it meets
+ * the surface, and nothing has been rounded; where an end is about as near as what underflows, that is left
+ * to others.  (Beside a t_err of LEAST_PLACE nothing that has underflown counts: t may be 0.) */
+SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double tmin, double tmax,
+                        double t_tol, double pz, double g, double near, double rim2, mask exact, mask also)
 {
     double px = sgt_fma(r->tau, l, r->x), py = sgt_fma(r->tau, m, r->y), at = fabs(r->t),
            r2 = px * px + py * py, none = (double)NAN;
@@ -56,7 +59,8 @@ SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double
               .px = chosen(hit, px, none), .py = chosen(hit, py, none), .pz = chosen(hit, pz, none),
               .nx = chosen(hit, px * g, none), .ny = chosen(hit, py * g, none)};
     e.t_lo = chosen(hit, two_sum(r->t0, r->small).lo, none);
-    double length = fabs(l) + fabs(m) + fabs(n), place = (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))) + fabs(pz);
+    double length = fabs(l) + fabs(m) + fabs(n),
+           place = (2 * (fabs(r->x) + fabs(r->y)) + (fabs(px) + fabs(py))) + fabs(pz);
     e.p_err = chosen(
         hit, 1.01 * sgt_fma(length, r->tau_err + 1024 * SGT_U * SGT_U * fabs(r->t0), SGT_U * place), none);
     return e;
@@ -79,11 +83,21 @@ SGT_INLINE easy_answer easy_unscaled(lane *e, double scale)
 SGT_INLINE sgt_hit hit_of_lane(const lane *e, int evals, double f)
 {
     sgt_interval about = sgt_about(e->t, e->t_err);
-    return (sgt_hit){.status = SGT_HIT, .evals = evals, .t = e->t, .t_err = e->t_err, .t_lo = e->t_lo, .lo = about.lo,
-                     .hi = about.hi, .f = f, .p = {e->px, e->py, e->pz}, .n = {e->nx, e->ny, 1}, .p_err = e->p_err};
+    return (sgt_hit){.status = SGT_HIT,
+                     .evals = evals,
+                     .t = e->t,
+                     .t_err = e->t_err,
+                     .t_lo = e->t_lo,
+                     .lo = about.lo,
+                     .hi = about.hi,
+                     .f = f,
+                     .p = {e->px, e->py, e->pz},
+                     .n = {e->nx, e->ny, 1},
+                     .p_err = e->p_err};
 }
 
-/* Where a sweep's second loop writes, and what for: outputs that are not wanted go to a place in the first cache. */
+/* Where a sweep's second loop writes, and what for: outputs that are not wanted go to a place in the first
+ * cache. */
 typedef struct lane_ends {
     _Alignas(64) double unwanted[SGT_TILE];
     mask hit[SGT_TILE];
@@ -95,17 +109,27 @@ SGT_INLINE lane_to lane_to_of(const sgt_tile *tile, lane_ends *ends)
 {
     const sgt_hits *h = &tile->hits;
     double *no = ends->unwanted;
-    return (lane_to){h->t ? h->t : no, h->t_err ? h->t_err : no, h->t_lo ? h->t_lo : no, h->p[0] ? h->p[0] : no, h->p[0] ? h->p[1] : no,
-                      h->p[0] ? h->p[2] : no, h->n[0] ? h->n[0] : no, h->n[0] ? h->n[1] : no, h->n[0] ? h->n[2] : no,
-                      h->p_err ? h->p_err : no, ends->hit};
+    return (lane_to){h->t ? h->t : no,
+                     h->t_err ? h->t_err : no,
+                     h->t_lo ? h->t_lo : no,
+                     h->p[0] ? h->p[0] : no,
+                     h->p[0] ? h->p[1] : no,
+                     h->p[0] ? h->p[2] : no,
+                     h->n[0] ? h->n[0] : no,
+                     h->n[0] ? h->n[1] : no,
+                     h->n[0] ? h->n[2] : no,
+                     h->p_err ? h->p_err : no,
+                     ends->hit};
 }
 
 /* rich: t_lo and p_err are wanted. */
-#define LANE_STORE(to, i, e, rich)                                                                                        \
-    do {                                                                                                                   \
-        (to).t[i] = (e).t, (to).t_err[i] = (e).t_err, (to).px[i] = (e).px, (to).py[i] = (e).py, (to).pz[i] = (e).pz;       \
-        (to).nx[i] = (e).nx, (to).ny[i] = (e).ny, (to).nz[i] = chosen((e).hit, 1, (double)NAN), (to).hit[i] = (e).hit;     \
-        if (rich) (to).t_lo[i] = (e).t_lo, (to).p_err[i] = (e).p_err;                                                      \
+#define LANE_STORE(to, i, e, rich)                                                              \
+    do {                                                                                        \
+        (to).t[i] = (e).t, (to).t_err[i] = (e).t_err, (to).px[i] = (e).px, (to).py[i] = (e).py, \
+        (to).pz[i] = (e).pz;                                                                    \
+        (to).nx[i] = (e).nx, (to).ny[i] = (e).ny, (to).nz[i] = chosen((e).hit, 1, (double)NAN), \
+        (to).hit[i] = (e).hit;                                                                  \
+        if (rich) (to).t_lo[i] = (e).t_lo, (to).p_err[i] = (e).p_err;                           \
     } while (0)
 
 /* As LANE_STORE does of rays that are not met. */

@@ -16,10 +16,10 @@
  *     |w'| <= W1 = |n| + |P'| |rho'|,  |w''| <= W2 = |P''| rho'^2 + 2 a |P'|,  a = l^2 + m^2,
  *     M = |c| a + |(1 + k) c| (W1^2 + |w| W2) + W2.
  *
- * UNDERFLOW.  A product below 2^-1022 is off by up to 2^-1075 whatever its size, and its remainder in twice the precision so
- * below 2^-969.  What that does to G and G' on its way through the formulas, rho and (1 + k) c included, is `lost` and
- * `slope_lost`, with LOST = 2^-1066 for each product and all that it is a part of.  In Horner's rule it grows by rho at each
- * step; from rho = 2^53 on no product of it underflows.
+ * UNDERFLOW.  A product below 2^-1022 is off by up to 2^-1075 whatever its size, and its remainder in twice
+ * the precision so below 2^-969.  What that does to G and G' on its way through the formulas, rho and (1 +
+ * k) c included, is `lost` and `slope_lost`, with LOST = 2^-1066 for each product and all that it is a part
+ * of.  In Horner's rule it grows by rho at each step; from rho = 2^53 on no product of it underflows.
  *
  * SETTLING.  A root known roughly is settled with the origin of the ray moved onto it and G worked out
  * in twice the precision, so that t comes out to its last bit or nearly; where t itself is near zero
@@ -41,7 +41,8 @@ static double lost_in_powers(double rho)
 static void underflow(const shape *s, double rho, double half_terms, sample *e)
 {
     if (e->x == 0 && e->y == 0 && e->z == 0) return; /* there every product is 0, exactly */
-    double w = fabs(e->w), ckw = fabs(s->ck * w), by_power = lost_in_powers(rho), lost_w = by_power + POLY_LOST * (1 + e->first);
+    double w = fabs(e->w), ckw = fabs(s->ck * w), by_power = lost_in_powers(rho),
+           lost_w = by_power + POLY_LOST * (1 + e->first);
     double lost_dw = 2 * (by_power + POLY_LOST * e->second) * half_terms + POLY_LOST * (1 + 2 * e->first);
     e->lost = (1 + ckw) * lost_w + POLY_LOST * (1 + fabs(s->c) + w) + (POLY_LOST * w) * w;
     e->slope_lost = (1 + ckw) * lost_dw + POLY_LOST * (1 + fabs(s->c) + w * fabs(e->dw));
@@ -53,17 +54,23 @@ void sgt_poly_bound(const shape *s, const local *q, double tau, sample *e)
     double x = fabs(e->x), y = fabs(e->y), rho = x * x + y * y, half_terms = fabs(x * q->l) + fabs(y * q->m);
     e->first = magnitude(s->terms, s->a, rho, &e->second);
     /* in units of u */
-    e->ex = q->xa + fabs(tau * q->l) + x, e->ey = q->ya + fabs(tau * q->m) + y, e->ez = q->za + fabs(tau * q->n) + fabs(e->z);
+    e->ex = q->xa + fabs(tau * q->l) + x, e->ey = q->ya + fabs(tau * q->m) + y,
+    e->ez = q->za + fabs(tau * q->n) + fabs(e->z);
     double rho_err = 2 * (x * e->ex + y * e->ey) + 2 * rho;
     double w = fabs(e->w), w_err = e->first * (rho_err + 2 * rho) + e->ez + w, ckw = fabs(s->ck * w);
     e->w_err = 1.01 * SGT_U * w_err;
-    e->g_err = 1.01 * SGT_U * ((fabs(e->v) + (4 * (1 + ckw) + fabs(s->ck) * w_err) * SGT_U) * w_err + 0.5 * fabs(s->c) * (rho_err + 3 * rho) + 3 * ckw * w + 3 * w);
-    e->slope_err = 32 * SGT_U * (fabs(e->v) * (fabs(q->n) + 2 * (e->first + e->second * rho_err) * half_terms) + fabs(s->c) * half_terms
-                                 + (1 + fabs(s->ck) * w_err) * fabs(e->dw));
+    e->g_err = 1.01 * SGT_U *
+               ((fabs(e->v) + (4 * (1 + ckw) + fabs(s->ck) * w_err) * SGT_U) * w_err +
+                0.5 * fabs(s->c) * (rho_err + 3 * rho) + 3 * ckw * w + 3 * w);
+    e->slope_err = 32 * SGT_U *
+                   (fabs(e->v) * (fabs(q->n) + 2 * (e->first + e->second * rho_err) * half_terms) +
+                    fabs(s->c) * half_terms + (1 + fabs(s->ck) * w_err) * fabs(e->dw));
     e->v_err = SGT_U * (fabs(s->ck) * w_err + 4 * ckw + 1);
     e->lost = e->slope_lost = 0;
-    double least = e->g_err < e->slope_err ? e->g_err : e->slope_err, most = e->first + e->second + ckw + w + fabs(s->c) + 0x1p60 * rho;
-    if (!(least > 0x1p-400 && most < 0x1p100)) underflow(s, rho, half_terms, e); /* else it is nothing beside them */
+    double least = e->g_err < e->slope_err ? e->g_err : e->slope_err,
+           most = e->first + e->second + ckw + w + fabs(s->c) + 0x1p60 * rho;
+    /* else it is nothing beside them */
+    if (!(least > 0x1p-400 && most < 0x1p100)) underflow(s, rho, half_terms, e);
 }
 
 sample sgt_poly_sample(const shape *s, const local *q, double tau)
@@ -87,13 +94,15 @@ double sgt_poly_bend(const shape *s, const local *q, const sample *at, double h)
     double w = fabs(at->w) + at->w_err + h * w1;
     double bend = (fabs(s->c) * a + fabs(s->ck) * (w1 * w1 + w * w2) + w2) * (1 + 0x1p-30);
     if (bend > 0x1p-400 && drho < 0x1p60 && w1 < 0x1p300) return bend; /* underflow is nothing beside it */
-    return bend + (POLY_LOST * (1 + w * w2) + (POLY_LOST * w1) * w1 + (lost_in_powers(rho) * (1 + drho)) * (1 + drho));
+    return bend + (POLY_LOST * (1 + w * w2) + (POLY_LOST * w1) * w1 +
+                   (lost_in_powers(rho) * (1 + drho)) * (1 + drho));
 }
 
 double sgt_conic_sag_fine(double c, double k, double x, double y)
 {
     twofold r2 = twofold_sum(two_product(x, x), two_product(y, y));
-    twofold phi2 = twofold_difference(twofold_of(1), twofold_scaled(twofold_product(twofold_scaled(two_sum(1, k), c), r2), c));
+    twofold phi2 = twofold_difference(
+        twofold_of(1), twofold_scaled(twofold_product(twofold_scaled(two_sum(1, k), c), r2), c));
     return phi2.hi < 0 ? (double)NAN : c * r2.hi / (1 + sqrt(phi2.hi));
 }
 
@@ -109,8 +118,10 @@ static double sag_bound(const shape *s, double rho, double outward)
  * within its tangent and W2 h^2 / 2. */
 bool sgt_poly_apart(const shape *s, const local *q, const sample *at, double h)
 {
-    double a = q->l * q->l + q->m * q->m, half = fabs(at->x * q->l + at->y * q->m), rho = at->x * at->x + at->y * at->y, second;
-    double high = (rho + 2 * half * h + a * h * h) * (1 + 0x1p-40), low = half < a * h ? rho - half * half / a : rho - 2 * half * h + a * h * h;
+    double a = q->l * q->l + q->m * q->m, half = fabs(at->x * q->l + at->y * q->m),
+           rho = at->x * at->x + at->y * at->y, second;
+    double high = (rho + 2 * half * h + a * h * h) * (1 + 0x1p-40),
+           low = half < a * h ? rho - half * half / a : rho - 2 * half * h + a * h * h;
     double blur = 4 * SGT_U * (fabs(at->x) * at->ex + fabs(at->y) * at->ey); /* of rho, by the coordinates */
     high += blur;
     low = larger(low - 0x1p-40 * high - blur, 0);
@@ -119,23 +130,28 @@ bool sgt_poly_apart(const shape *s, const local *q, const sample *at, double h)
     if (high > edge) high = edge;
     double first = magnitude(s->terms, s->a, high, &second), drho = 2 * (half + h * a);
     double steep = fabs(at->dw) + 0x1p-45 * (fabs(q->n) + 2 * at->first * half);
-    double reach = (steep * h + 0.5 * (second * drho * drho + 2 * a * first) * h * h) * (1 + 0x1p-30) + at->w_err;
+    double reach = (steep * h + 0.5 * (second * drho * drho + 2 * a * first) * h * h) * (1 + 0x1p-30) +
+                   at->w_err;
     reach += at->lost + at->slope_lost * h;
-    double near = sag_bound(s, low, 1), far = sag_bound(s, high, -1); /* the least and the greatest magnitude */
+    /* the least and the greatest magnitude */
+    double near = sag_bound(s, low, 1), far = sag_bound(s, high, -1);
     double below = at->w - reach, above = at->w + reach; /* a near or far that is NaN says nothing */
     return (below > near && below > far) || (above < near && above < far);
 }
 
 int sgt_poly_side(const shape *s, const sample *at)
 {
-    double rho = at->x * at->x + at->y * at->y, slack = 0x1p-46 * rho + 4 * SGT_U * (fabs(at->x) * at->ex + fabs(at->y) * at->ey), edge = s->ck * s->c * (rho + slack);
+    double rho = at->x * at->x + at->y * at->y,
+           slack = 0x1p-46 * rho + 4 * SGT_U * (fabs(at->x) * at->ex + fabs(at->y) * at->ey),
+           edge = s->ck * s->c * (rho + slack);
     if (!(edge < 1 - 0x1p-40)) return 0;
     double near = sag_bound(s, larger(rho - slack, 0), 1), far = sag_bound(s, rho + slack, -1);
     double off = at->w_err + at->lost, below = at->w - off, above = at->w + off;
     return below > near && below > far ? 1 : above < near && above < far ? -1 : 0;
 }
 
-bool sgt_poly_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol, meeting *out, double *v_err, bool *steady)
+bool sgt_poly_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol,
+                      meeting *out, double *v_err, bool *steady)
 {
     double g_err = at->g_err + (place_underflows(q) ? 0x1p-1070 : 0);
     double slope = fabs(at->slope) - at->slope_err, g = fabs(at->g) + g_err;
@@ -150,7 +166,8 @@ bool sgt_poly_certify(const shape *s, const local *q, const sample *at, double t
     meeting_place(out, q, tau + step, tau_err + SGT_U * fabs(tau + step));
     out->v = at->v - s->ck * at->dw * step;
     out->slope = fabs(at->slope);
-    *v_err = 2 * at->v_err + fabs(s->ck * at->dw) * (tau_err + 0x1p-50 * fabs(step)) + fabs(s->ck) * bend * h * h;
+    *v_err = 2 * at->v_err + fabs(s->ck * at->dw) * (tau_err + 0x1p-50 * fabs(step)) +
+             fabs(s->ck) * bend * h * h;
     twofold rho = square_radius(out->p.x, out->p.y);
     double dp, p = polynomial(s->terms, s->a, rho.hi, &dp), inverse = -s->c / out->v - 2 * dp;
     out->n = (sgt_vec3){out->p.x * inverse, out->p.y * inverse, 1};
@@ -163,32 +180,39 @@ bool sgt_poly_certify(const shape *s, const local *q, const sample *at, double t
  * P' loses no more of its own terms (i + 1) |a[i]| rho^i times i, and G' to 2^-97 of its terms. */
 static void residual(const shape *s, const local *q, twofold x, twofold y, twofold z, sample *at)
 {
-    twofold rho = twofold_sum(twofold_product(x, x), twofold_product(y, y)), p = twofold_of(s->terms ? s->a[s->terms - 1] : 0), dp = twofold_of(0);
+    twofold rho = twofold_sum(twofold_product(x, x), twofold_product(y, y)),
+            p = twofold_of(s->terms ? s->a[s->terms - 1] : 0), dp = twofold_of(0);
     for (int i = s->terms - 2; i >= 0; i--) {
         dp = twofold_sum(twofold_product(dp, rho), p);
         p = twofold_sum(twofold_product(p, rho), twofold_of(s->a[i]));
     }
     dp = twofold_sum(p, twofold_product(rho, dp));
-    twofold w = twofold_difference(z, twofold_product(p, rho)), ck = twofold_scaled(two_sum(1, s->k), s->c), v = twofold_difference(twofold_of(1), twofold_product(ck, w));
+    twofold w = twofold_difference(z, twofold_product(p, rho)), ck = twofold_scaled(two_sum(1, s->k), s->c),
+            v = twofold_difference(twofold_of(1), twofold_product(ck, w));
     twofold bent = twofold_sum(twofold_scaled(rho, s->c), twofold_product(ck, twofold_product(w, w)));
     twofold g = twofold_difference(w, twofold_times_power(bent, 0.5));
     twofold half_drho = twofold_sum(twofold_scaled(x, q->l), twofold_scaled(y, q->m));
     twofold dw = twofold_difference(twofold_of(q->n), twofold_product(twofold_times_power(dp, 2), half_drho));
     twofold slope = twofold_difference(twofold_product(v, dw), twofold_scaled(half_drho, s->c));
-    double poly = rho.hi * at->first, ckw = fabs(ck.hi * w.hi), half_terms = fabs(x.hi * q->l) + fabs(y.hi * q->m);
+    double poly = rho.hi * at->first, ckw = fabs(ck.hi * w.hi),
+           half_terms = fabs(x.hi * q->l) + fabs(y.hi * q->m);
     at->g = g.hi + g.lo;
-    at->g_err = 2 * SGT_TWOFOLD * (fabs(s->c) * rho.hi + (1 + ckw) * (poly + fabs(z.hi))) + SGT_U * fabs(at->g) + at->lost;
+    at->g_err = 2 * SGT_TWOFOLD * (fabs(s->c) * rho.hi + (1 + ckw) * (poly + fabs(z.hi))) +
+                SGT_U * fabs(at->g) + at->lost;
     at->v = v.hi;
     at->v_err = 2 * SGT_TWOFOLD * (1 + ckw + fabs(s->ck) * (poly + fabs(z.hi))) + SGT_U * fabs(v.hi);
     at->slope = slope.hi + slope.lo;
-    at->slope_err = 0x1p-97 * ((1 + ckw + fabs(s->ck) * (poly + fabs(z.hi))) * (fabs(q->n) + 2 * (at->first + at->second * rho.hi) * half_terms) + fabs(s->c) * half_terms)
-                  + SGT_U * fabs(at->slope) + at->slope_lost;
+    at->slope_err = 0x1p-97 * ((1 + ckw + fabs(s->ck) * (poly + fabs(z.hi))) *
+                                   (fabs(q->n) + 2 * (at->first + at->second * rho.hi) * half_terms) +
+                               fabs(s->c) * half_terms) +
+                    SGT_U * fabs(at->slope) + at->slope_lost;
 }
 
 static void residual_at(const shape *s, const sgt_ray *ray, const local *q, double tau, sample *at)
 {
     twofold t = two_sum(q->t0, q->t0_lo + tau);
-    residual(s, q, coordinate(ray->o.x, q->l, t.hi, t.lo), coordinate(ray->o.y, q->m, t.hi, t.lo), coordinate(ray->o.z, q->n, t.hi, t.lo), at);
+    residual(s, q, coordinate(ray->o.x, q->l, t.hi, t.lo), coordinate(ray->o.y, q->m, t.hi, t.lo),
+             coordinate(ray->o.z, q->n, t.hi, t.lo), at);
 }
 
 sample sgt_poly_sample_fine(const shape *s, const sgt_ray *ray, const local *q, double tau)
@@ -207,17 +231,23 @@ static expansion poly_place(double o, double d, double t0, double t0_lo)
 /* The same, at t0 + t0_lo, in five times the precision. */
 static void fine_residual(const shape *s, const sgt_ray *ray, const local *q, sample *at)
 {
-    expansion x = poly_place(ray->o.x, q->l, q->t0, q->t0_lo), y = poly_place(ray->o.y, q->m, q->t0, q->t0_lo), z = poly_place(ray->o.z, q->n, q->t0, q->t0_lo);
+    expansion x = poly_place(ray->o.x, q->l, q->t0, q->t0_lo),
+              y = poly_place(ray->o.y, q->m, q->t0, q->t0_lo),
+              z = poly_place(ray->o.z, q->n, q->t0, q->t0_lo);
     expansion rho = expansion_sum(expansion_product(x, x), expansion_product(y, y)), p = expansion_of(0);
-    for (int i = s->terms - 1; i >= 0; i--) p = expansion_product(expansion_sum(p, expansion_of(s->a[i])), rho);
-    expansion w = expansion_sum(z, expansion_negative(p)), ck = expansion_scaled(expansion_sum(expansion_of(1), expansion_of(s->k)), s->c);
-    expansion bent = expansion_sum(expansion_scaled(rho, s->c), expansion_product(ck, expansion_product(w, w)));
+    for (int i = s->terms - 1; i >= 0; i--)
+        p = expansion_product(expansion_sum(p, expansion_of(s->a[i])), rho);
+    expansion w = expansion_sum(z, expansion_negative(p)),
+              ck = expansion_scaled(expansion_sum(expansion_of(1), expansion_of(s->k)), s->c);
+    expansion bent = expansion_sum(expansion_scaled(rho, s->c),
+                                   expansion_product(ck, expansion_product(w, w)));
     expansion g = expansion_sum(w, expansion_scaled(bent, -0.5));
     at->g = expansion_value(&g, &at->g_err);
     at->g_err += at->lost;
 }
 
-bool sgt_poly_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err, tally *w)
+bool sgt_poly_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err,
+                     tally *w)
 {
     bool steady = false, fine = false;
     double last = HUGE_VAL;
@@ -232,7 +262,8 @@ bool sgt_poly_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo
         twofold next = two_sum(t0, t0_lo - at.g / at.slope);
         bool still = next.hi == t0 && next.lo == t0_lo;
         if (steady || still) {
-            if (out->t_err <= 4 * SGT_U * fabs(out->t) || (fine && (still || out->t_err > 0.5 * last))) return true;
+            if (out->t_err <= 4 * SGT_U * fabs(out->t) || (fine && (still || out->t_err > 0.5 * last)))
+                return true;
             fine = true;
         }
         last = out->t_err;

@@ -45,8 +45,8 @@ SGT_INLINE double bounded_limit(double steep, double r2)
     return limit < 0x1p500 ? limit : HUGE_VAL;
 }
 
-/* F is monotone along the chord within the rim where n^2 is above this times a; infinite without a rim, or with the
- * equator inside. */
+/* F is monotone along the chord within the rim where n^2 is above this times a; infinite without a rim, or
+ * with the equator inside. */
 SGT_INLINE double single_limit(const shape *s)
 {
     double r2 = s->domain2, unused, phi2 = 1 - s->ck * s->c * r2;
@@ -109,21 +109,26 @@ int sgt_poly_side(const shape *s, const sample *at);
 
 /* Is there a root near tau, and how near?  On true, *out has the root with its bound, one
  * Newton step from tau.  steady says that a further step would bring nothing. */
-bool sgt_poly_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol, meeting *out, double *v_err, bool *steady);
+bool sgt_poly_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol,
+                      meeting *out, double *v_err, bool *steady);
 
 /* From t0 + t0_lo (scaled, near a root) with the origin moved there.  false: the root is too flat. */
-bool sgt_poly_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err, tally *w);
+bool sgt_poly_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err,
+                     tally *w);
 
 /* There is no root but one in [t - t_err, t + t_err]: G is monotone over twice as much.  One evaluation. */
 bool sgt_poly_unique(const shape *s, const sgt_ray *ray, const meeting *at, tally *w);
 
 /* g and g' over t0 + t (sgt_builtin_ops, enclose): enclose.c says how. */
-sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *slope);
+sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, double t0, sgt_interval t,
+                             sgt_interval *slope);
 
 /* One evaluation told to the watcher, in the ray's t. */
-SGT_INLINE void observe(tally *w, const local *q, double tau, const sample *e, sgt_move move, double lo, double hi)
+SGT_INLINE void observe(tally *w, const local *q, double tau, const sample *e, sgt_move move, double lo,
+                        double hi)
 {
-    tell(w, move, (q->t0 + (q->t0_lo + tau)) * q->scale, e->g, e->slope / q->scale, (q->t0 + lo) * q->scale, (q->t0 + hi) * q->scale);
+    tell(w, move, (q->t0 + (q->t0_lo + tau)) * q->scale, e->g, e->slope / q->scale, (q->t0 + lo) * q->scale,
+         (q->t0 + hi) * q->scale);
 }
 
 SGT_INLINE double asphere_f(const shape *s, sgt_vec3 p)

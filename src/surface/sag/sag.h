@@ -66,14 +66,19 @@ SGT_INLINE void snap(meeting *h, double c, double k, twofold r2, double p, doubl
 typedef struct stretch { double lo, hi; } stretch;
 stretch sgt_chord(const sgt_ray *ray, double radius2);
 
-/* The square of the greatest r where the sag is defined and, with a rim, wanted; not so small that a square loses digits. */
+/* The square of the greatest r where the sag is defined and, with a rim, wanted; not so small that a square
+ * loses digits. */
 SGT_INLINE double domain2_within(double c, double k, double rim2)
 {
-    double k1 = 1 + k, edge = k1 > 0 && c != 0 ? 1 / (fabs(c) * sqrt(k1)) : HUGE_VAL, edge2 = larger(edge * edge * (1 + 16 * SGT_U), TINY);
+    double k1 = 1 + k, edge = k1 > 0 && c != 0 ? 1 / (fabs(c) * sqrt(k1)) : HUGE_VAL,
+           edge2 = larger(edge * edge * (1 + 16 * SGT_U), TINY);
     return rim2 < edge2 ? rim2 : edge2;
 }
 
-SGT_INLINE double domain2_of(double c, double k, double semi_diameter) { return domain2_within(c, k, rim2_of(semi_diameter)); }
+SGT_INLINE double domain2_of(double c, double k, double semi_diameter)
+{
+    return domain2_within(c, k, rim2_of(semi_diameter));
+}
 
 /* The span of a sag on a conic base: the chord of its domain, and the conic's root near the
  * vertex as the seed.  bare: the sag is that conic alone, so `single` can be told. */

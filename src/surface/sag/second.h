@@ -1,6 +1,7 @@
 /* second.h - derivatives of the conic's sag for sensitivities: by the point twice, and by c and k.
  *
- * With q = r^2, e = (1 + k) c^2, phi = sqrt(1 - e q) and s = c q / (1 + phi), whose slope ds/dq is c / (2 phi):
+ * With q = r^2, e = (1 + k) c^2, phi = sqrt(1 - e q) and s = c q / (1 + phi), whose slope ds/dq is c / (2
+ * phi):
  *     dphi/dq = -e / (2 phi),   dphi/dc = -(1 + k) c q / phi,   dphi/dk = -c^2 q / (2 phi),
  * and since e q = (1 - phi)(1 + phi) all come to
  *     s_xx = c (phi^2 + e x^2) / phi^3,     s_xy = c e x y / phi^3,
@@ -8,8 +9,9 @@
  *     ds/dk = s^2 c / (2 phi),              its gradient (x, y) c^3 q / (2 phi^3).
  * phi^2 + e x^2 = 1 - e y^2: the first is a sum of like signs for e > 0, the second for e < 0.
  *
- * ROUNDING.  phi carries the condition of the sag, u (5 |e q| / phi^2 + 1) relative, phi^3 three times that; beside it no
- * formula has more than 8 roundings.  Where c^2 r^2 overflows the derivatives by c and k are 0 or NaN. */
+ * ROUNDING.  phi carries the condition of the sag, u (5 |e q| / phi^2 + 1) relative, phi^3 three times
+ * that; beside it no formula has more than 8 roundings.  Where c^2 r^2 overflows the derivatives by c and k
+ * are 0 or NaN. */
 #ifndef SGT_SURFACE_SAG_SECOND_H
 #define SGT_SURFACE_SAG_SECOND_H
 
@@ -23,8 +25,10 @@ typedef struct curvatures { double xx, xy, yy; } curvatures;
 SGT_INLINE curvatures conic_second(double c, double k, double x, double y)
 {
     double k1c = (1 + k) * c, e = k1c * c, up = e > 0 ? e : 0, down = e > 0 ? 0 : e;
-    double r2 = x * x + y * y, phi2 = 1 - k1c * (c * r2), phi = sqrt(phi2), base = e > 0 ? phi2 : 1, f = c / (phi2 * phi);
-    return (curvatures){f * (base + (up * (x * x) - down * (y * y))), f * (e * (x * y)), f * (base + (up * (y * y) - down * (x * x)))};
+    double r2 = x * x + y * y, phi2 = 1 - k1c * (c * r2), phi = sqrt(phi2), base = e > 0 ? phi2 : 1,
+           f = c / (phi2 * phi);
+    return (curvatures){f * (base + (up * (x * x) - down * (y * y))), f * (e * (x * y)),
+                        f * (base + (up * (y * y) - down * (x * x)))};
 }
 
 /* A derivative, and g with (x, y) g its gradient. */

@@ -126,12 +126,15 @@ static int first_place(double x)
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
     int binary = (int)(bits >> 52) - 1023;                       /* 2^binary <= x, -67 ... 49 */
-    int guess = (binary * 1233 + 4096 * 100) / 4096 - 100 + 1;   /* of log10 2 = 1233/4096: right, or one too many */
-    /* x power[-guess] is rounded up to 1 only where x is the double next to that power of ten, and prints as it */
+    /* of log10 2 = 1233/4096: right, or one too many */
+    int guess = (binary * 1233 + 4096 * 100) / 4096 - 100 + 1;
+    /* x power[-guess] is rounded up to 1 only where x is the double next to that power of ten, and prints
+     * as it */
     return (guess >= 0 ? x >= power[guess] : x * power[-guess] >= 1) ? guess : guess - 1;
 }
 
-/* x rounded to so many places, half to even as printf does; x 10^places < 10^17.  *p is it without rounding, nearly. */
+/* x rounded to so many places, half to even as printf does; x 10^places < 10^17.  *p is it without
+ * rounding, nearly. */
 static decimal number_rounded(double x, int places, double *p)
 {
     *p = x * power[places];
@@ -187,7 +190,10 @@ static int digits_of(char *text, uint64_t n)
     return (int)sizeof backward - at;
 }
 
-static char *number_put(char *to, const char *from, int count) { return memcpy(to, from, (size_t)count), to + count; }
+static char *number_put(char *to, const char *from, int count)
+{
+    return memcpy(to, from, (size_t)count), to + count;
+}
 
 /* digits / 10^places as %.*g has it, without zeros at its end. */
 static int lay_out(char text[NUMBER_SIZE], bool minus, uint64_t digits, int places, int precision)
@@ -226,7 +232,8 @@ static int shortest(char text[NUMBER_SIZE], double value)
 int number_print(char text[NUMBER_SIZE], double value, bool hexadecimal)
 {
     decimal d;
-    if (!isfinite(value)) return snprintf(text, NUMBER_SIZE, "%s", isnan(value) ? "nan" : value > 0 ? "inf" : "-inf");
+    if (!isfinite(value))
+        return snprintf(text, NUMBER_SIZE, "%s", isnan(value) ? "nan" : value > 0 ? "inf" : "-inf");
     if (hexadecimal) return snprintf(text, NUMBER_SIZE, "%a", value);
     if (value == 0) return snprintf(text, NUMBER_SIZE, signbit(value) ? "-0" : "0");
     if (shortest_quick(fabs(value), &d)) return lay_out(text, value < 0, d.digits, d.places, 15);

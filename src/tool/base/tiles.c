@@ -26,7 +26,10 @@ static size_t least(size_t a, size_t b) { return a < b ? a : b; }
 
 static size_t tile_rays(const tiling *of) { return of->most ? of->most : TILE_RAYS; }
 
-static size_t tiles_of(const tiling *of) { return of->rays / tile_rays(of) + (of->rays % tile_rays(of) != 0); }
+static size_t tiles_of(const tiling *of)
+{
+    return of->rays / tile_rays(of) + (of->rays % tile_rays(of) != 0);
+}
 
 static size_t round_of(const tiling *of) { return of->threads > 1 ? (size_t)of->threads * of->share : 1; }
 
@@ -39,11 +42,13 @@ static tile tile_at(const tiling *of, size_t first, size_t place, size_t i)
     return (tile){place + i, begin, least(of->rays - begin, tile_rays(of))};
 }
 
-void tiles_run(const tiling *of, void *data, void (*work)(void *data, const tile *), void (*take)(void *data, const tile *))
+void tiles_run(const tiling *of, void *data, void (*work)(void *data, const tile *),
+               void (*take)(void *data, const tile *))
 {
     const size_t size = tile_rays(of), all = tiles_of(of), most = round_of(of), places = tiles_places(of);
     for (size_t begin = 0, before = 0; begin < all || before > 0;) {
-        size_t tiles = least(all - begin, most), place = begin % places, place_before = (begin - before) % places;
+        size_t tiles = least(all - begin, most), place = begin % places,
+               place_before = (begin - before) % places;
         int several = (int)least((size_t)of->threads, tiles);
         (void)several; /* without OpenMP nobody reads it */
         THREADS(omp parallel for schedule(dynamic) num_threads(several > 0 ? several : 1))

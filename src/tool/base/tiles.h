@@ -14,7 +14,8 @@ typedef struct tile { size_t place, first, count; } tile;
 
 /* So many rays in so many threads, in rounds of `share` tiles for each: more of them wait for
  * each other less often, and need more room. */
-typedef struct tiling { size_t rays; int threads; size_t share, most; } tiling; /* most: rays in a tile, TILE_RAYS at most; 0: that */
+/* most: rays in a tile, TILE_RAYS at most; 0: that */
+typedef struct tiling { size_t rays; int threads; size_t share, most; } tiling;
 enum { SHARE_MOST = 32 };
 
 /* How many places are needed. */
@@ -24,6 +25,7 @@ size_t tiles_places(const tiling *of);
  * and take(data, tile) for each that is worked out, one at a time and in the order of the
  * rays; both from any thread.  From work to take a place belongs to its tile.  There are at
  * most tiles_places() of them, so that the room they need does not grow with the rays. */
-void tiles_run(const tiling *of, void *data, void (*work)(void *data, const tile *), void (*take)(void *data, const tile *));
+void tiles_run(const tiling *of, void *data, void (*work)(void *data, const tile *),
+               void (*take)(void *data, const tile *));
 
 #endif

@@ -84,9 +84,11 @@ static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
     }
     if (optind + 1 < argc) fail_usage("one lens at a time; what is \"%s\"?", argv[optind + 1]);
     if (optind < argc) a.job.lens = argv[optind];
-    if (!a.surface == !a.job.lens) fail_usage(a.surface ? "--surface or a lens, not both" : "--surface or a lens is missing");
+    if (!a.surface == !a.job.lens)
+        fail_usage(a.surface ? "--surface or a lens, not both" : "--surface or a lens is missing");
     if (a.surface && !a.ray) fail_usage("--ray is missing");
-    if (a.surface && (rays_of_lens || a.element)) fail_usage("an option that goes with a lens, beside --surface");
+    if (a.surface && (rays_of_lens || a.element))
+        fail_usage("an option that goes with a lens, beside --surface");
     return a;
 }
 
@@ -106,7 +108,8 @@ static void diagnose_write_rows(table *t, size_t ray, size_t element, const reco
 }
 
 /* Shows a search and what to conclude; is it decided? */
-static bool show(table *t, const diagnose_arguments *a, size_t number, size_t element, const record *watched, const search *s)
+static bool show(table *t, const diagnose_arguments *a, size_t number, size_t element, const record *watched,
+                 const search *s)
 {
     if (a->method == METHOD_SAFEGUARDED) {
         diagnose_write_rows(t, number, element, watched);
@@ -135,8 +138,12 @@ static bool diagnose_surface(table *t, const diagnose_arguments *a, sgt_surface 
     record watched = {.count = 0};
     sgt_options o = watching(a, &watched);
     sgt_hit hit = sgt_intersect(surface, *ray, &o);
-    const search made = {.surface = surface, .ray = *ray, .asked = &a->shared.solver, .near_seed = options_near_seed(&a->shared, surface, SGT_FIRST),
-                         .fast = options_fast(&a->shared, surface), .hit = &hit};
+    const search made = {.surface = surface,
+                         .ray = *ray,
+                         .asked = &a->shared.solver,
+                         .near_seed = options_near_seed(&a->shared, surface, SGT_FIRST),
+                         .fast = options_fast(&a->shared, surface),
+                         .hit = &hit};
     bool decided = show(t, a, 0, 0, &watched, &made);
     if (hit.status == SGT_MISS) explain_miss(t, 0, surface, ray);
     return decided;
@@ -145,8 +152,8 @@ static bool diagnose_surface(table *t, const diagnose_arguments *a, sgt_surface 
 /* -------------------------------------------------------------------- a lens */
 
 /* Evaluations of a ray, at one element or all; reached: how many it saw. */
-static long evaluations(const diagnose_arguments *a, const job *j, const launch *l, sgt_passage passage[], size_t *reached,
-                        sgt_fate *fate)
+static long evaluations(const diagnose_arguments *a, const job *j, const launch *l, sgt_passage passage[],
+                        size_t *reached, sgt_fate *fate)
 {
     sgt_options o = watching(a, NULL);
     o.watch = NULL;
@@ -169,7 +176,8 @@ static const launch *chosen_ray(const diagnose_arguments *a, const job *j, const
     sgt_fate fate, chosen_fate = SGT_PASSED;
     if (a->ray && !number_read_integer(a->ray, 0, LONG_MAX, &number))
         fail_usage("--ray: with a lens, the number of a ray, from 0; not \"%s\"", a->ray);
-    if ((size_t)a->element > j->lens.count) fail_usage("--element %ld: the lens has %zu", a->element, j->lens.count);
+    if ((size_t)a->element > j->lens.count)
+        fail_usage("--element %ld: the lens has %zu", a->element, j->lens.count);
     for (size_t i = 0; i < j->rays.count; i++) {
         const launch *l = &j->rays.ray[i];
         if (a->ray && l->number != (size_t)number) continue;
@@ -178,16 +186,21 @@ static const launch *chosen_ray(const diagnose_arguments *a, const job *j, const
         if (n > most) chosen = l, most = n, chosen_reached = reached, chosen_fate = fate;
     }
     if (!j->rays.count) fail_input("there are no rays");
-    if (!chosen) fail_usage("--ray %s: there is no such ray; there %s %zu, counted from 0", a->ray, j->rays.count == 1 ? "is" : "are", j->rays.count);
-    *how = a->ray || j->rays.count == 1 ? "" : alike == 1 ? ", the one that took most evaluations"
-         : alike == j->rays.count ? ", the first; each took as many evaluations" : ", the first of those that took most evaluations";
+    if (!chosen)
+        fail_usage("--ray %s: there is no such ray; there %s %zu, counted from 0", a->ray,
+                   j->rays.count == 1 ? "is" : "are", j->rays.count);
+    *how = a->ray || j->rays.count == 1 ? ""
+           : alike == 1                 ? ", the one that took most evaluations"
+           : alike == j->rays.count     ? ", the first; each took as many evaluations"
+                                        : ", the first of those that took most evaluations";
     if ((size_t)a->element > chosen_reached)
-        fail_usage("--element %ld: ray %zu does not come that far; it is %s at element %zu", a->element, chosen->number,
-                   sgt_fate_text(chosen_fate), chosen_reached);
+        fail_usage("--element %ld: ray %zu does not come that far; it is %s at element %zu", a->element,
+                   chosen->number, sgt_fate_text(chosen_fate), chosen_reached);
     return chosen;
 }
 
-static bool diagnose_lens(table *t, const diagnose_arguments *a, const job *j, const launch *l, const char *how)
+static bool diagnose_lens(table *t, const diagnose_arguments *a, const job *j, const launch *l,
+                          const char *how)
 {
     sgt_ray ray = l->ray;
     double index = j->lens.object_index;
@@ -198,8 +211,12 @@ static bool diagnose_lens(table *t, const diagnose_arguments *a, const job *j, c
         const sgt_element *e = &j->element[i];
         record watched = {.count = 0};
         sgt_options o = watching(a, &watched);
-        search made = {.surface = e->surface, .semi_diameter = e->semi_diameter, .ray = job_own_ray(&e->pose, &ray), .asked = &a->shared.solver,
-                       .near_seed = options_near_seed(&a->shared, e->surface, SGT_NEAR_SEED), .fast = options_fast(&a->shared, e->surface)};
+        search made = {.surface = e->surface,
+                       .semi_diameter = e->semi_diameter,
+                       .ray = job_own_ray(&e->pose, &ray),
+                       .asked = &a->shared.solver,
+                       .near_seed = options_near_seed(&a->shared, e->surface, SGT_NEAR_SEED),
+                       .fast = options_fast(&a->shared, e->surface)};
         sgt_passage passage;
         sgt_fate fate;
         sgt_trace(1, e, index, &ray, &passage, &fate, &o);

@@ -13,23 +13,30 @@ enum { ROOT_SIZE = 4 * NUMBER_SIZE };
 static const char *advice(sgt_verdict v, method m, const record *r)
 {
     bool own = m == METHOD_SAFEGUARDED, normalised = m == METHOD_NORMALISED;
-    if (own && r->count == method_march_steps(r)) return "marching: along the ray, and nowhere near enough to a root to solve for it";
-    if (!own && method_only_retreated(r)) return "backing off: halving t leads from one undefined point to the next";
+    if (own && r->count == method_march_steps(r))
+        return "marching: along the ray, and nowhere near enough to a root to solve for it";
+    if (!own && method_only_retreated(r))
+        return "backing off: halving t leads from one undefined point to the next";
     switch (v) {
     case SGT_LINEAR:
         return normalised ? "linear: a constant factor a step, for the gradient was scaled to unit length"
-             : own ? "linear: a constant factor a step; the ray grazes: two roots lie together, or nearly"
-                   : "linear: a constant factor a step, as where two roots lie together, or are seen from far away";
+               : own ? "linear: a constant factor a step; the ray grazes: two roots lie together, or nearly"
+                     : "linear: a constant factor a step, as where two roots lie together, or are seen from "
+                       "far away";
     case SGT_BISECTING:
-        return own ? "bisecting: the bracket did the work, where Newton's steps would have left it; the answer holds all the same"
+        return own ? "bisecting: the bracket did the work, where Newton's steps would have left it; the "
+                     "answer holds all the same"
                    : "bisecting: half the bracket a step, as the method is";
     case SGT_OSCILLATING:
-        return normalised ? "oscillating: to and fro without closing in, as a gradient scaled to unit length does"
-             : own ? "oscillating: to and fro without closing in; the rows show where"
-                   : "oscillating: to and fro without closing in; --method safeguarded keeps a bracket that ends it";
+        return normalised
+                   ? "oscillating: to and fro without closing in, as a gradient scaled to unit length does"
+               : own ? "oscillating: to and fro without closing in; the rows show where"
+                     : "oscillating: to and fro without closing in; --method safeguarded keeps a bracket "
+                       "that ends it";
     case SGT_WANDERING:
         return own ? "wandering: no pattern, or too few steps to tell; the rows show the way it took"
-                   : "wandering: no pattern, or too few steps to tell; compare the rows with --method safeguarded";
+                   : "wandering: no pattern, or too few steps to tell; compare the rows with --method "
+                     "safeguarded";
     case SGT_QUADRATIC: case SGT_ROUNDING: break;
     }
     return sgt_verdict_text(v);
@@ -47,7 +54,8 @@ static void verdict(table *t, method m, const record *r)
     const char *between = ": ";
     for (int i = 0; i < 4; i++) {
         if (kinds[i].n == 0) continue;
-        length += snprintf(text + length, sizeof text - (size_t)length, "%s%d %s", between, kinds[i].n, kinds[i].what);
+        length += snprintf(text + length, sizeof text - (size_t)length, "%s%d %s", between, kinds[i].n,
+                           kinds[i].what);
         between = ", ";
     }
     if (isfinite(d.order))
@@ -65,12 +73,16 @@ static void print_root(char text[ROOT_SIZE], const sgt_hit *hit)
     snprintf(text, ROOT_SIZE, "%s at t = %s, %s", sgt_status_text(hit->status), t, off);
 }
 
-const char explain_fast[] = "Marched in steps of --dt-min and more: thin parts may have been passed by.  Without it none are.";
+const char explain_fast[] =
+    "Marched in steps of --dt-min and more: thin parts may have been passed by.  Without it none are.";
 
 const char *explain_proof(const sgt_options *asked, bool near_seed, bool several)
 {
-    if (asked->proof == SGT_PROVE_ROOT) return several ? "proven to be single roots" : "proven to be a single root";
-    return !near_seed ? "proven to be the first" : several ? "proven to be the only roots" : "proven to be the only root";
+    if (asked->proof == SGT_PROVE_ROOT)
+        return several ? "proven to be single roots" : "proven to be a single root";
+    return !near_seed ? "proven to be the first"
+           : several  ? "proven to be the only roots"
+                      : "proven to be the only root";
 }
 
 static void answer(table *t, const search *s, double condition)
@@ -82,26 +94,31 @@ static void answer(table *t, const search *s, double condition)
     char root[ROOT_SIZE];
     print_root(root, hit);
     bool proven = s->asked->proof && hit->status == SGT_HIT;
-    table_line(t, "%s%s%s.", root, proven ? ", " : "", proven ? explain_proof(s->asked, s->near_seed, false) : "");
+    table_line(t, "%s%s%s.", root, proven ? ", " : "",
+               proven ? explain_proof(s->asked, s->near_seed, false) : "");
     if (isfinite(condition))
         table_line(t, "Condition %.3g: an error of 1 in F would move t by as much%s.", condition,
                    condition > 100 ? "; the ray grazes" : "");
 }
 
-/* What a row shows, where it is not F at a t on the way to a root.  A level set, and any surface of the catalogue, is
- * searched by cells; on an asphere with terms the library works with a polynomial that has the roots of F. */
+/* What a row shows, where it is not F at a t on the way to a root.  A level set, and any surface of the
+ * catalogue, is searched by cells; on an asphere with terms the library works with a polynomial that has
+ * the roots of F. */
 static void explain_rows(table *t, const record *r, const search *s)
 {
     sgt_surface surface = s->surface;
     bool by_cells = surface.ops->enclose && surface.ops != &sgt_conic_ops && surface.ops != &sgt_asphere_ops;
     if (by_cells && !s->fast && method_march_steps(r))
-        table_line(t, "A march row is a cell about t, free of roots or to be made smaller; lo ... hi is what is left of the ray.");
+        table_line(t, "A march row is a cell about t, free of roots or to be made smaller; lo ... hi is what "
+                      "is left of the ray.");
     const sgt_asphere *asphere = surface.self;
     if (surface.ops != &sgt_asphere_ops || r->count < 2) return;
     double terms = 0;
     for (int i = 0; i < 8; i++) terms += fabs(asphere->a[i]);
     if (terms == 0) return;
-    table_line(t, "%s of the polynomial form", s->hit->status > 0 ? "f and slope in the rows before the last are" : "f and slope in the rows are");
+    table_line(t, "%s of the polynomial form",
+               s->hit->status > 0 ? "f and slope in the rows before the last are"
+                                  : "f and slope in the rows are");
     table_line(t, "G = (z - P) - (c r^2 + (1+k) c (z-P)^2)/2, which has the same roots%s.",
                s->hit->status > 0 ? "; the last row is F itself" : "");
 }
@@ -123,15 +140,24 @@ static void explain_normalised(table *t, const record *r, const search *s)
     s->surface.ops->value(s->surface.self, vector_along(s->ray.o, s->ray.d, s->hit->t), &grad);
     double length = vector_length(grad), factor = 1 - length;
     if (fabs(factor) < 1e-12) { /* a distance */
-        table_line(t, "The gradient was scaled to unit length, which it has at the root: near it nothing is changed.");
+        table_line(
+            t,
+            "The gradient was scaled to unit length, which it has at the root: near it nothing is changed.");
         return;
     }
     table_line(t, "The gradient was scaled to unit length and F was not: each step is too long by |grad F|,");
-    table_line(t, "which is %.6g at the root.  Near it the error is multiplied by 1 - %.6g = %.6g a step:", length, length, factor);
-    if (fabs(factor) >= 1) table_line(t, "it goes to and fro and can never settle.  Use the gradient as it is.");
-    else if (fabs(factor) > 0.9) table_line(t, "it goes to and fro and hardly closes in.  Use the gradient as it is.");
-    else if (r->settled) table_line(t, "it settled, one constant factor at a time.  With the gradient as it is, digits double.");
-    else table_line(t, "close to the root it would settle, but it does not come close.  Use the gradient as it is.");
+    table_line(t, "which is %.6g at the root.  Near it the error is multiplied by 1 - %.6g = %.6g a step:",
+               length, length, factor);
+    if (fabs(factor) >= 1)
+        table_line(t, "it goes to and fro and can never settle.  Use the gradient as it is.");
+    else if (fabs(factor) > 0.9)
+        table_line(t, "it goes to and fro and hardly closes in.  Use the gradient as it is.");
+    else if (r->settled)
+        table_line(t,
+                   "it settled, one constant factor at a time.  With the gradient as it is, digits double.");
+    else
+        table_line(
+            t, "close to the root it would settle, but it does not come close.  Use the gradient as it is.");
 }
 
 /* How near a line comes to the z axis. */
@@ -141,15 +167,16 @@ static double nearest_to_axis(const sgt_ray *ray)
     return across == 0 ? hypot(ray->o.x, ray->o.y) : fabs(ray->o.x * ray->d.y - ray->o.y * ray->d.x) / across;
 }
 
-/* All of a level set lies in a ball, and the span is the ray's chord of it; of a torus or an ellipsoid that of something
- * that holds it as well. */
+/* All of a level set lies in a ball, and the span is the ray's chord of it; of a torus or an ellipsoid that
+ * of something that holds it as well. */
 static void explain_miss_of_set(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
 {
     if (!surface.ops->span) return;
     const char *what = surface.ops->estimate ? "the ball that holds the set" : "the surface";
     sgt_span span = surface.ops->span(surface.self, ray);
     if (span.lo > span.hi) table_line(t, "Ray %zu: it passes %s by.", number, what);
-    else if (span.hi < ray->tmin || span.lo > ray->tmax) table_line(t, "Ray %zu: it comes to %s outside tmin ... tmax only.", number, what);
+    else if (span.hi < ray->tmin || span.lo > ray->tmax)
+        table_line(t, "Ray %zu: it comes to %s outside tmin ... tmax only.", number, what);
 }
 
 void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
@@ -165,14 +192,17 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
     char at[NUMBER_SIZE];
     if (whole.status > 0) {
         number_print_short(at, whole.t, 6);
-        table_line(t, "Ray %zu: there is a root at t = %s, and tmin ... tmax, or its own start, leaves it out.", number, at);
+        table_line(t,
+                   "Ray %zu: there is a root at t = %s, and tmin ... tmax, or its own start, leaves it out.",
+                   number, at);
         return;
     }
     if (whole.status < 0) return;
     sgt_hit beyond = sgt_intersect(b.surface, line, NULL);
     if (beyond.status > 0) {
         number_print_short(at, hypot(beyond.p.x, beyond.p.y), 6);
-        table_line(t, "Ray %zu: it meets the surface outside semi_diameter only, first at r = %s.", number, at);
+        table_line(t, "Ray %zu: it meets the surface outside semi_diameter only, first at r = %s.", number,
+                   at);
         return;
     }
     if (beyond.status < 0) return;
@@ -188,7 +218,9 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
         double B = d.z - b.c * (o.x * d.x + o.y * d.y + (1 + b.k) * o.z * d.z);
         double C = b.c * (o.x * o.x + o.y * o.y + (1 + b.k) * o.z * o.z) - 2 * o.z;
         if (B * B > A * C + (B * B + fabs(A * C)) * 0x1p-20)
-            table_line(t, "Ray %zu: it meets the quadric on its other sheet only (of a sphere, the far half).", number);
+            table_line(t,
+                       "Ray %zu: it meets the quadric on its other sheet only (of a sphere, the far half).",
+                       number);
         else if (B * B < A * C - (B * B + fabs(A * C)) * 0x1p-20)
             table_line(t, "Ray %zu: it passes the whole quadric by.", number);
     } else if (b.terms && ray->d.z != 0) {
@@ -220,5 +252,6 @@ void explain_bare(table *t, method m, const record *r, const search *s)
         table_line(t, "The library's answer: %s%s.", root, how);
     }
     if (m == METHOD_NORMALISED) explain_normalised(t, r, s);
-    if (m == METHOD_BISECTION && r->settled) table_line(t, "Each evaluation halves the bracket: one bit of t for each.");
+    if (m == METHOD_BISECTION && r->settled)
+        table_line(t, "Each evaluation halves the bracket: one bit of t for each.");
 }

@@ -43,7 +43,8 @@ static const column intersect_head[] = {
     {"nx", COLUMN_NUMBER}, {"ny", COLUMN_NUMBER}, {"nz", COLUMN_NUMBER},
     {"evals", COLUMN_COUNT},
 };
-static const column intersect_id = {"id", COLUMN_WORD}, left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
+static const column intersect_id = {"id", COLUMN_WORD},
+                    left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
 enum { HEAD_COUNT = sizeof intersect_head / sizeof intersect_head[0] };
 
 typedef struct intersect_arguments {
@@ -77,10 +78,12 @@ static intersect_arguments intersect_arguments_of(int argc, char *argv[])
         default: options_take(&a.shared, code, all_help);
         }
     }
-    if (optind < argc) fail_usage("what is \"%s\"?  The surface goes with --surface, rays with --rays", argv[optind]);
+    if (optind < argc)
+        fail_usage("what is \"%s\"?  The surface goes with --surface, rays with --rays", argv[optind]);
     if (!a.surface) fail_usage("--surface is missing");
     if (a.all && a.shared.solver.pick) fail_usage("--pick or --all, not both");
-    if (!file == !a.rays.count) fail_usage("%s", file ? "--rays or --ray, not both" : "--rays or --ray is missing");
+    if (!file == !a.rays.count)
+        fail_usage("%s", file ? "--rays or --ray, not both" : "--rays or --ray is missing");
     a.rays.threads = options_threads(&a.shared);
     if (file) rays_read(&a.rays, file, skip_bad);
     return a;
@@ -121,7 +124,8 @@ typedef struct intersect_work {
 } intersect_work;
 
 /* A miss, and a ray that is none, have no root; an undecided stretch is numbered as one. */
-static void intersect_write_row(const intersect_work *w, intersect_room *r, const launch *l, int root, const sgt_hit *h)
+static void intersect_write_row(const intersect_work *w, intersect_room *r, const launch *l, int root,
+                                const sgt_hit *h)
 {
     table *t = r->rows;
     bool none = h->status == SGT_MISS || h->status == SGT_INVALID;
@@ -151,7 +155,8 @@ static void find_one_each(const intersect_work *w, intersect_room *r, const tile
     const launch *l = &w->asked->rays.ray[t->first];
     for (size_t i = 0; i < t->count; i++) {
         const sgt_ray *ray = &l[i].ray;
-        const double numbers[] = {ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z, ray->tmin, ray->tmax};
+        const double numbers[] = {ray->o.x, ray->o.y, ray->o.z,  ray->d.x,
+                                  ray->d.y, ray->d.z, ray->tmin, ray->tmax};
         for (int k = 0; k < 8; k++) r->ray[k][i] = numbers[k];
     }
     const sgt_rays rays = {.o = {r->ray[0], r->ray[1], r->ray[2]}, .d = {r->ray[3], r->ray[4], r->ray[5]},
@@ -163,7 +168,8 @@ static void find_one_each(const intersect_work *w, intersect_room *r, const tile
     for (size_t i = 0; i < t->count; i++) {
         sgt_hit h = {.status = (sgt_status)r->status[i], .evals = r->evals[i], .t = n[0][i], .t_err = n[1][i],
                      .p = {n[2][i], n[3][i], n[4][i]}, .n = {n[5][i], n[6][i], n[7][i]}};
-        if (w->stretches && h.status < 0) h = sgt_intersect(w->surface, l[i].ray, &w->asked->shared.solver); /* a batch does not tell lo and hi */
+        /* a batch does not tell lo and hi */
+        if (w->stretches && h.status < 0) h = sgt_intersect(w->surface, l[i].ray, &w->asked->shared.solver);
         intersect_write_row(w, r, &l[i], 0, &h);
     }
 }
@@ -201,7 +207,8 @@ static void intersect_take(void *data, const tile *t)
     findings *all = &w->found, *f = &r->found;
     for (int s = 0; s < STATUS_COUNT; s++) all->count[s] += f->count[s];
     if (!all->missed) all->missed = f->missed;
-    for (int i = 0; i < f->shown && all->shown < UNDECIDED_SHOWN; i++) all->undecided[all->shown++] = f->undecided[i];
+    for (int i = 0; i < f->shown && all->shown < UNDECIDED_SHOWN; i++)
+        all->undecided[all->shown++] = f->undecided[i];
     *f = (findings){.missed = NULL};
 }
 
@@ -213,11 +220,15 @@ static int print_count(char *text, size_t size, const intersect_work *w, sgt_sta
     const sgt_options *asked = &w->asked->shared.solver;
     if (asked->proof && status == SGT_HIT) {
         bool near_seed = options_near_seed(&w->asked->shared, w->surface, SGT_FIRST);
-        const char *proven = w->asked->all ? n > 1 ? "proven to be single roots" : "proven to be a single root" : explain_proof(asked, near_seed, n > 1);
+        const char *proven = w->asked->all
+                                 ? n > 1 ? "proven to be single roots" : "proven to be a single root"
+                                 : explain_proof(asked, near_seed, n > 1);
         return snprintf(text, size, "%zu hit%s %s", n, n > 1 ? "s" : "", proven);
     }
-    if (asked->proof && status == SGT_GRAZE) return snprintf(text, size, "%zu graze%s (touches, as far as can be told)", n, n > 1 ? "s" : "");
-    if (asked->proof && status == SGT_MISS) return snprintf(text, size, "%zu miss%s proven", n, n > 1 ? "es" : "");
+    if (asked->proof && status == SGT_GRAZE)
+        return snprintf(text, size, "%zu graze%s (touches, as far as can be told)", n, n > 1 ? "s" : "");
+    if (asked->proof && status == SGT_MISS)
+        return snprintf(text, size, "%zu miss%s proven", n, n > 1 ? "es" : "");
     return snprintf(text, size, "%zu %s", n, sgt_status_text(status));
 }
 
@@ -240,7 +251,9 @@ static void write_verdict(const intersect_work *w, size_t undecided)
     table_line(t, "%zu ray%s%s:%s.%s", rays, rays == 1 ? "" : "s", rows, rays ? text : " nothing to decide",
                undecided || fast || a->shared.solver.proof ? "" : "  Every answer is certain.");
     if (undecided && a->all) {
-        table_line(t, "Of an undecided row t +- t_err is the stretch that may hold roots, or none; sagitta diagnose,");
+        table_line(
+            t,
+            "Of an undecided row t +- t_err is the stretch that may hold roots, or none; sagitta diagnose,");
         table_line(t, "with its ends as tmin and tmax, says why.");
     } else if (w->found.shown == UNDECIDED_SHOWN && undecided > UNDECIDED_SHOWN) {
         table_line(t, "%zu more undecided: sagitta diagnose says why.", undecided - UNDECIDED_SHOWN);
@@ -251,7 +264,9 @@ static void write_verdict(const intersect_work *w, size_t undecided)
 static void write_undecided(const intersect_work *w)
 {
     const intersect_arguments *a = w->asked;
-    search s = {.surface = w->surface, .asked = &a->shared.solver, .near_seed = options_near_seed(&a->shared, w->surface, SGT_FIRST),
+    search s = {.surface = w->surface,
+                .asked = &a->shared.solver,
+                .near_seed = options_near_seed(&a->shared, w->surface, SGT_FIRST),
                 .fast = options_fast(&a->shared, w->surface)};
     for (int i = 0; i < w->found.shown && !a->all; i++) {
         char who[40];
@@ -277,7 +292,9 @@ exit_status command_intersect(int argc, char *argv[])
 {
     intersect_arguments a = intersect_arguments_of(argc, argv);
     const bool text = a.shared.target.format == TABLE_TEXT;
-    intersect_work w = {.asked = &a, .surface = surface_parse("--surface", a.surface), .stretches = a.shared.solver.proof && !text};
+    intersect_work w = {.asked = &a,
+                        .surface = surface_parse("--surface", a.surface),
+                        .stretches = a.shared.solver.proof && !text};
     column columns[HEAD_COUNT + 3];
     options_note_unread(&a.shared, 1, &(sgt_element){.surface = w.surface});
     w.table = table_begin(&a.shared.target, intersect_columns_of(&w, columns), columns);

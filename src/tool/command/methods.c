@@ -43,7 +43,8 @@ static double evaluate(methods_search *s, sgt_move move, double t, double lo, do
     sgt_vec3 p = vector_along(s->ray->o, s->ray->d, t), grad;
     double f = s->surface.ops->value(s->surface.self, p, &grad);
     *slope = vector_dot(grad, s->ray->d) / (s->normalised ? vector_length(grad) : 1);
-    sgt_step step = {.eval = (int)s->record->count + 1, .move = move, .t = t, .f = f, .slope = *slope, .lo = lo, .hi = hi};
+    sgt_step step = {
+        .eval = (int)s->record->count + 1, .move = move, .t = t, .f = f, .slope = *slope, .lo = lo, .hi = hi};
     method_watch(s->record, &step);
     s->left--;
     return f;
@@ -141,11 +142,13 @@ static void bisect(methods_search *s)
     cut_to_aperture(s, &span);
     double lo = span.lo, hi = span.hi, slope;
     if (lo > hi) r->stopped = "the ray passes the surface by: there is no span to halve";
-    else if (!isfinite(lo) || !isfinite(hi)) r->stopped = "the span is infinite, and has no middle (a tmin and a tmax of the ray would end it)";
+    else if (!isfinite(lo) || !isfinite(hi))
+        r->stopped = "the span is infinite, and has no middle (a tmin and a tmax of the ray would end it)";
     if (r->stopped) return;
     double f_lo = end_value(s, &lo, hi, &slope), f_hi = end_value(s, &hi, lo, &slope);
     if (isnan(f_lo) || isnan(f_hi)) r->stopped = "F is NaN near an end of the span";
-    else if ((f_lo > 0 && f_hi > 0) || (f_lo < 0 && f_hi < 0)) r->stopped = "F has one sign at both ends: there is no bracket to halve";
+    else if ((f_lo > 0 && f_hi > 0) || (f_lo < 0 && f_hi < 0))
+        r->stopped = "F has one sign at both ends: there is no bracket to halve";
     if (r->stopped) return;
     for (r->stopped = SPENT; s->left > 0;) {
         double middle = lo + (hi - lo) / 2;
@@ -181,7 +184,12 @@ size_t method_march_steps(const record *r)
 record method_run(method m, sgt_surface s, double semi_diameter, const sgt_ray *ray, int max_evals)
 {
     record r = {.t = (double)NAN};
-    methods_search q = {.surface = s, .ray = ray, .record = &r, .semi_diameter = semi_diameter, .left = max_evals, .normalised = m == METHOD_NORMALISED};
+    methods_search q = {.surface = s,
+                        .ray = ray,
+                        .record = &r,
+                        .semi_diameter = semi_diameter,
+                        .left = max_evals,
+                        .normalised = m == METHOD_NORMALISED};
     if (m == METHOD_BISECTION) bisect(&q);
     else newton(&q);
     return r;

@@ -67,16 +67,19 @@ static trace_arguments trace_arguments_of(int argc, char *argv[])
         JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
     };
     char all_help[6000];
-    snprintf(all_help, sizeof all_help, "%s%s%s%s", trace_help, job_help, trace_more_help, options_threads_help);
+    snprintf(all_help, sizeof all_help, "%s%s%s%s", trace_help, job_help, trace_more_help,
+             options_threads_help);
     trace_arguments a = {.svg = NULL};
     for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         if (code == SVG) {
             a.svg = optarg;
         } else if (code == FRAME) {
             a.global = strcmp(optarg, "global") == 0;
-            if (!a.global && strcmp(optarg, "local") != 0) fail_usage("--frame wants local or global, not \"%s\"", optarg);
+            if (!a.global && strcmp(optarg, "local") != 0)
+                fail_usage("--frame wants local or global, not \"%s\"", optarg);
         } else if (code == RAY) { /* else getopt takes it for a short --rays */
-            fail_usage("--ray: rays through a lens come from a file, --rays FILE, or from standard input, --rays -");
+            fail_usage(
+                "--ray: rays through a lens come from a file, --rays FILE, or from standard input, --rays -");
         } else if (!job_take(&a.job, code)) {
             options_take(&a.shared, code, all_help);
         }
@@ -140,7 +143,9 @@ typedef struct trace_work {
 static trace_room trace_room_for(const trace_work *w, size_t rays)
 {
     size_t count = w->job->lens.count;
-    trace_room r = {.record = memory_take(count, sizeof *r.record), .passages = memory_take(count, sizeof *r.passages), .rows = table_part(w->table)};
+    trace_room r = {.record = memory_take(count, sizeof *r.record),
+                    .passages = memory_take(count, sizeof *r.passages),
+                    .rows = table_part(w->table)};
     if (w->stretches) r.alone = memory_take(count, sizeof *r.alone);
     signed char *status = memory_take(count, rays * sizeof *status);
     int *evals = memory_take(count, rays * sizeof *evals);
@@ -150,9 +155,13 @@ static trace_room trace_room_for(const trace_work *w, size_t rays)
         double **n = record->number;
         record->status = status + i * rays, record->evals = evals + i * rays;
         for (size_t k = 0; k < 9; k++) n[k] = number + (9 * i + k) * rays;
-        r.passages[i] = (sgt_passages){
-            .hits = {.status = record->status, .evals = record->evals, .p = {n[0], n[1], n[2]}, .t = n[6], .t_err = n[7]},
-            .direction = {n[3], n[4], n[5]}, .opl = n[8]};
+        r.passages[i] = (sgt_passages){.hits = {.status = record->status,
+                                                .evals = record->evals,
+                                                .p = {n[0], n[1], n[2]},
+                                                .t = n[6],
+                                                .t_err = n[7]},
+                                       .direction = {n[3], n[4], n[5]},
+                                       .opl = n[8]};
     }
     return r;
 }
@@ -170,11 +179,13 @@ static void write_vector(table *t, sgt_vec3 v)
 static const sgt_hit *ended(const trace_work *w, const launch *l, sgt_passage alone[], size_t element)
 {
     sgt_ray ray = l->ray;
-    sgt_trace(element + 1, w->job->element, w->job->lens.object_index, &ray, alone, NULL, &w->asked->shared.solver);
+    sgt_trace(element + 1, w->job->element, w->job->lens.object_index, &ray, alone, NULL,
+              &w->asked->shared.solver);
     return &alone[element].hit;
 }
 
-static void trace_write_row(const trace_work *w, trace_room *own, const launch *l, size_t element, sgt_fate fate, records *r, size_t i)
+static void trace_write_row(const trace_work *w, trace_room *own, const launch *l, size_t element,
+                            sgt_fate fate, records *r, size_t i)
 {
     /* what is not: the point of a miss, the direction of a ray that went no farther */
     const sgt_vec3 nowhere = {(double)NAN, (double)NAN, (double)NAN};
@@ -218,7 +229,8 @@ static void send(void *data, const tile *t)
         size_t passed = (size_t)r->passed[i];
         if (t->first + i > 0) table_gap(r->rows);
         for (size_t k = 0; k < passed; k++) trace_write_row(w, r, &l[i], k, SGT_PASSED, &r->record[k], i);
-        if (r->fate[i] != SGT_PASSED) trace_write_row(w, r, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
+        if (r->fate[i] != SGT_PASSED)
+            trace_write_row(w, r, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
     }
 }
 
@@ -227,8 +239,10 @@ static void draw(trace_work *w, const trace_room *r, const launch *l, size_t i)
     sgt_fate fate = (sgt_fate)r->fate[i];
     size_t met = (size_t)r->passed[i] + (fate == SGT_CLIPPED || fate == SGT_TIR);
     w->point[0] = l->ray.o;
-    for (size_t k = 0; k < met; k++) w->point[k + 1] = frame_point_out(&w->job->element[k].pose, vector_at(r->record[k].number, i));
-    scene_add(w->picture, l->field, met + 1, w->point, fate, (sgt_vec3){r->ray[3][i], r->ray[4][i], r->ray[5][i]});
+    for (size_t k = 0; k < met; k++)
+        w->point[k + 1] = frame_point_out(&w->job->element[k].pose, vector_at(r->record[k].number, i));
+    scene_add(w->picture, l->field, met + 1, w->point, fate,
+              (sgt_vec3){r->ray[3][i], r->ray[4][i], r->ray[5][i]});
 }
 
 /* Did it cross every element for certain?  A graze is a touch as far as can be told. */
@@ -250,7 +264,8 @@ static void trace_take(void *data, const tile *t)
         if (r->fate[i] == SGT_PASSED) w->passed++, w->proven += crossed_all(w, r, i);
         else count_loss(&w->loss[passed], (sgt_fate)r->fate[i], (sgt_status)r->record[passed].status[i]);
         if (r->fate[i] < 0) w->undecided++;
-        if (r->fate[i] < 0 && r->record[passed].status[i] < 0 && w->shown < UNDECIDED_SHOWN) w->lost[w->shown++] = l;
+        if (r->fate[i] < 0 && r->record[passed].status[i] < 0 && w->shown < UNDECIDED_SHOWN)
+            w->lost[w->shown++] = l;
         if (w->picture) draw(w, r, l, i);
     }
 }
@@ -273,9 +288,13 @@ static void write_proof(const trace_work *w)
         bool set = w->job->element[i].surface.ops->estimate;
         sets = sets || set, others = others || !set;
     }
-    const char *what = a->shared.solver.proof == SGT_PROVE_ROOT ? "" : a->shared.solver.pick == SGT_FIRST || !others ? ", and none before it"
-                     : sets ? ", and no other within the clear aperture (on a level set: none before it)" : ", and no other within the clear aperture";
-    table_line(w->table, "Proven for %zu of them: at each element one root, and only one, lies within t_err of t%s.", w->proven, what);
+    const char *what = a->shared.solver.proof == SGT_PROVE_ROOT        ? ""
+                       : a->shared.solver.pick == SGT_FIRST || !others ? ", and none before it"
+                       : sets ? ", and no other within the clear aperture (on a level set: none before it)"
+                              : ", and no other within the clear aperture";
+    table_line(w->table,
+               "Proven for %zu of them: at each element one root, and only one, lies within t_err of t%s.",
+               w->proven, what);
 }
 
 static void write_losses(table *t, const job *j, const losses loss[])
@@ -302,17 +321,23 @@ static void write_lost(const trace_work *w)
     for (int i = 0; i < w->shown; i++) {
         const shared_options *asked = &w->asked->shared;
         sgt_ray ray = w->lost[i]->ray;
-        size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &ray, alone, NULL, &asked->solver);
+        size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &ray, alone, NULL,
+                                  &asked->solver);
         if (passed == j->lens.count) continue; /* never: a batch tells what a ray alone does */
         const sgt_element *e = &j->element[passed];
-        const search s = {.surface = e->surface, .semi_diameter = e->semi_diameter, .ray = job_own_ray(&e->pose, &ray), .asked = &asked->solver,
-                          .near_seed = options_near_seed(asked, e->surface, SGT_NEAR_SEED), .fast = options_fast(asked, e->surface),
+        const search s = {.surface = e->surface,
+                          .semi_diameter = e->semi_diameter,
+                          .ray = job_own_ray(&e->pose, &ray),
+                          .asked = &asked->solver,
+                          .near_seed = options_near_seed(asked, e->surface, SGT_NEAR_SEED),
+                          .fast = options_fast(asked, e->surface),
                           .hit = &alone[passed].hit};
         char who[80];
         snprintf(who, sizeof who, "Ray %zu at element %zu: ", w->lost[i]->number, passed + 1);
         undecided_explain(w->table, who, &s);
     }
-    if (w->undecided > (size_t)w->shown) table_line(w->table, "%zu more lost: sagitta diagnose says why.", w->undecided - (size_t)w->shown);
+    if (w->undecided > (size_t)w->shown)
+        table_line(w->table, "%zu more lost: sagitta diagnose says why.", w->undecided - (size_t)w->shown);
 }
 
 static size_t trace_columns_of(const trace_work *w, column to[HEAD_COUNT + 3])
@@ -334,25 +359,41 @@ exit_status command_trace(int argc, char *argv[])
     options_note_unread(&a.shared, j.lens.count, j.element);
     const size_t count = j.lens.count;
     const bool text = a.shared.target.format == TABLE_TEXT;
-    /* the room of a tile is some 60 KB for each element: 16 MB a thread; of many elements the tiles have fewer rays */
-    const tiling in = {.rays = j.rays.count, .threads = count > RECORDS_MOST ? 1 : threads, .share = count < 4 ? SHARE_MOST : count < 128 ? 128 / count : 1,
-                       .most = count > RECORDS_MOST ? 1 : count > RECORDS_MOST / TILE_RAYS ? RECORDS_MOST / count : TILE_RAYS};
+    /* the room of a tile is some 60 KB for each element: 16 MB a thread; of many elements the tiles have
+     * fewer rays */
+    const tiling in = {.rays = j.rays.count,
+                       .threads = count > RECORDS_MOST ? 1 : threads,
+                       .share = count < 4     ? SHARE_MOST
+                                : count < 128 ? 128 / count
+                                              : 1,
+                       .most = count > RECORDS_MOST               ? 1
+                               : count > RECORDS_MOST / TILE_RAYS ? RECORDS_MOST / count
+                                                                  : TILE_RAYS};
     const size_t places = tiles_places(&in);
     if (a.svg) {
-        if (a.shared.target.path) output_check("output", a.shared.target.path); /* before a picture is begun */
+        /* before a picture is begun */
+        if (a.shared.target.path) output_check("output", a.shared.target.path);
         output_reserve("svg", a.svg);
         for (size_t i = 0; i < count; i++)
-            if (j.element[i].surface.ops->estimate) note("--svg: element %zu (%s) is a level set, and is not drawn", i + 1, j.lens.surface[i].type);
+            if (j.element[i].surface.ops->estimate)
+                note("--svg: element %zu (%s) is a level set, and is not drawn", i + 1,
+                     j.lens.surface[i].type);
     }
     scene picture = scene_begin(&j);
-    trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room), .picture = a.svg ? &picture : NULL,
-              .stretches = a.shared.solver.proof && !text, .loss = memory_take(count, sizeof *w.loss), .point = memory_take(count + 1, sizeof *w.point)};
+    trace_work w = {.asked = &a,
+                    .job = &j,
+                    .room = memory_take(places, sizeof *w.room),
+                    .picture = a.svg ? &picture : NULL,
+                    .stretches = a.shared.solver.proof && !text,
+                    .loss = memory_take(count, sizeof *w.loss),
+                    .point = memory_take(count + 1, sizeof *w.point)};
     column columns[HEAD_COUNT + 3];
     w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
     for (size_t i = 0; i < places; i++) w.room[i] = trace_room_for(&w, in.most);
     tiles_run(&in, &w, send, trace_take);
     if (text) {
-        table_line(w.table, "%zu of %zu ray%s passed all %zu elements.", w.passed, j.rays.count, j.rays.count == 1 ? "" : "s", count);
+        table_line(w.table, "%zu of %zu ray%s passed all %zu elements.", w.passed, j.rays.count,
+                   j.rays.count == 1 ? "" : "s", count);
         write_proof(&w);
         write_losses(w.table, &j, w.loss);
         write_lost(&w);

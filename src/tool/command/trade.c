@@ -79,7 +79,8 @@ static void take_list(knob_list *list, const char *option, bool whole)
     char copy[400];
     if (snprintf(copy, sizeof copy, "%s", optarg) >= (int)sizeof copy) fail_usage("--%s: too long", option);
     for (char *rest = copy, *word; (word = strtok_r(rest, ", ", &rest));) {
-        if (list->count == sizeof list->value / sizeof list->value[0]) fail_usage("--%s: at most %zu values", option, list->count);
+        if (list->count == sizeof list->value / sizeof list->value[0])
+            fail_usage("--%s: at most %zu values", option, list->count);
         double x = whole ? (double)options_integer(option, word, 1, INT_MAX) : options_number(option, word);
         if (!(x > 0)) fail_usage("--%s wants numbers above 0, and \"%s\" is not", option, word);
         list->value[list->count++] = x;
@@ -111,8 +112,10 @@ static void check(const trade_arguments *a)
     if (a->trade.surface && (j->fields || j->fan || j->grid || j->wavelength || j->no_apertures))
         fail_usage("--field, --fan, --grid, --wavelength, --no-apertures: of a lens, and not of --surface");
     if (j->rays && a->trade.rays.count) fail_usage("--rays or --ray, not both");
-    if (a->trade.rays.count && !a->trade.surface) fail_usage("--ray goes with --surface; for a lens --rays FILE");
-    if (!a->trade.surface && !j->lens && (rays || j->fields || j->fan || j->grid || j->wavelength || j->no_apertures || j->skip_bad))
+    if (a->trade.rays.count && !a->trade.surface)
+        fail_usage("--ray goes with --surface; for a lens --rays FILE");
+    if (!a->trade.surface && !j->lens &&
+        (rays || j->fields || j->fan || j->grid || j->wavelength || j->no_apertures || j->skip_bad))
         fail_usage("rays of whom?  A lens, or --surface, is missing");
 }
 
@@ -158,16 +161,19 @@ static trade_arguments trade_arguments_of(int argc, char *argv[])
 /* A word on standard error of what was asked for and is of no use. */
 static void note_unread(const trade_arguments *a, const trade *t)
 {
-    shared_options asked = {.solver = {.pick = a->trade.pick, .dt_min = a->trade.dt_min.count ? a->trade.dt_min.value[0] : 0}};
+    shared_options asked = {
+        .solver = {.pick = a->trade.pick, .dt_min = a->trade.dt_min.count ? a->trade.dt_min.value[0] : 0}};
     bool deep = false;
     for (size_t i = 0; i < t->count; i++) {
         const trade_case *c = &t->list[i];
         if (c->lens) options_note_unread(&asked, c->lens->lens.count, c->lens->element);
-        else if (t->count <= 2) options_note_unread(&asked, 1, &(sgt_element){.surface = c->setting[0].surface});
+        else if (t->count <= 2)
+            options_note_unread(&asked, 1, &(sgt_element){.surface = c->setting[0].surface});
         deep = deep || c->setting[0].turned == KNOB_ITERATIONS;
     }
     if (a->trade.iterations.count && !deep)
-        note("--iterations: not used; it is for two numbers or more, and a level set (julia, mandelbrot) by itself");
+        note("--iterations: not used; it is for two numbers or more, and a level set (julia, mandelbrot) by "
+             "itself");
 }
 
 /* ------------------------------------------------------------------ table */
@@ -185,7 +191,8 @@ typedef struct header { column column[HEAD_COUNT]; size_t count; bool text, lens
 
 static bool trade_shown(const header *h, const char *name)
 {
-    if (strcmp(name, "case") == 0 || strcmp(name, "rays") == 0 || strncmp(name, "ns_", 3) == 0) return !h->text;
+    if (strcmp(name, "case") == 0 || strcmp(name, "rays") == 0 || strncmp(name, "ns_", 3) == 0)
+        return !h->text;
     return h->lens || (strcmp(name, "path_worst") != 0 && strcmp(name, "waves_worst") != 0);
 }
 
@@ -224,9 +231,13 @@ static void write_about(table *t, const trade_case *c)
         met += c->setting[0].truth[i].known && c->setting[0].truth[i].met;
         unknown += !c->setting[0].truth[i].known;
     }
-    table_line(t, "%s: %s; %zu ray%s, %zu of them %s", c->name, c->about, c->rays, c->rays == 1 ? "" : "s", met,
-               c->lens ? "through to the end" : "met");
-    if (unknown) table_line(t, "(of %zu there is no truth to tell errors by: undecided, touching, or beyond the digits of 113 bits)", unknown);
+    table_line(t, "%s: %s; %zu ray%s, %zu of them %s", c->name, c->about, c->rays, c->rays == 1 ? "" : "s",
+               met, c->lens ? "through to the end" : "met");
+    if (unknown)
+        table_line(t,
+                   "(of %zu there is no truth to tell errors by: undecided, touching, or beyond the digits "
+                   "of 113 bits)",
+                   unknown);
 }
 
 /* Words put together: "a", then "a and b", then "a, b and c". */
@@ -270,12 +281,14 @@ static void write_words(table *t, const trade_case *c)
 {
     char text[1200] = "";
     words idle = idle_knobs(c);
-    if (idle.count) snprintf(text, sizeof text, "%s %s nothing here", idle.text, idle.count > 1 ? "change" : "changes");
+    if (idle.count)
+        snprintf(text, sizeof text, "%s %s nothing here", idle.text, idle.count > 1 ? "change" : "changes");
     for (size_t i = 0; i < c->settings; i++) {
         const setting *s = &c->setting[i];
         size_t length = strlen(text);
         if (!s->best || !*s->effect || *s->effect == 'n' || strchr(s->effect, ';')) continue;
-        snprintf(text + length, sizeof text - length, "%s%s %s%s", length ? "; " : "", s->name, *s->effect == 'c' ? "" : "is ", s->effect);
+        snprintf(text + length, sizeof text - length, "%s%s %s%s", length ? "; " : "", s->name,
+                 *s->effect == 'c' ? "" : "is ", s->effect);
     }
     if (*text) table_line(t, "%s.\n", text);
 }
@@ -288,8 +301,10 @@ static void trade_write_rows(table *t, const header *h, const trade *all)
         for (size_t k = 0; k < c->settings; k++) write_setting(t, h, c, &c->setting[k]);
         write_words(t, c);
     }
-    table_line(t, "best 1: no best one of its table, with as many outputs and as much proven, is as good in time, err_99, undecided and wrong, and better in one;");
-    table_line(t, "of several that are the same the first.  Times count as different by more than their spread, and by 10 %%.");
+    table_line(t, "best 1: no best one of its table, with as many outputs and as much proven, is as good in "
+                  "time, err_99, undecided and wrong, and better in one;");
+    table_line(t, "of several that are the same the first.  Times count as different by more than their "
+                  "spread, and by 10 %%.");
 }
 
 exit_status command_trade(int argc, char *argv[])

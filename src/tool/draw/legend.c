@@ -5,7 +5,8 @@
 #include <math.h>
 #include <stdio.h>
 
-static const double LEGEND_ROW = 18, SAMPLE = 20, GAP = 6, BETWEEN = 22, BAR_ROOM = 190, BAR_LONGEST = 150, TICK = 3;
+static const double LEGEND_ROW = 18, SAMPLE = 20, GAP = 6, BETWEEN = 22, BAR_ROOM = 190, BAR_LONGEST = 150,
+                    TICK = 3;
 
 /* Colours that stay apart for the colour-blind, and in grey (Okabe & Ito 2008, jfly.uni-koeln.de/color). */
 static const double colour[][3] = {

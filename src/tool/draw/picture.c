@@ -14,7 +14,8 @@
 
 static const double PICTURE_WIDTH = 900, MARGIN = 34, TOP = 68, PLOT_HIGHEST = 460, PLOT_LOWEST = 110;
 static const double THIN = 0.5, SURFACE = 0.9, MIRROR = 1.6;
-static const double HATCH_STEP = 5, HATCH_LENGTH = 5, STOP_TICK = 13, AXIS_BEYOND = 12, RAY = 0.6, RAY_MANY = 0.3;
+static const double HATCH_STEP = 5, HATCH_LENGTH = 5, STOP_TICK = 13, AXIS_BEYOND = 12, RAY = 0.6,
+                    RAY_MANY = 0.3;
 enum { MANY_RAYS = 60 };
 
 void picture_check(void) {}

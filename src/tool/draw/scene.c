@@ -10,7 +10,8 @@
 static const double LEAD = 0.08;       /* of the lens's extent: rays drawn before the first surface */
 static const double NEAR_OBJECT = 1.5; /* of the lens's length: an object that near is shown */
 static const double BEYOND_LENS = 3;   /* of the lens's extent: so far a ray that met nothing is followed */
-static const double BEYOND_RAYS = 1.1; /* a surface without a clear aperture is drawn so much wider than the rays */
+/* a surface without a clear aperture is drawn so much wider than the rays */
+static const double BEYOND_RAYS = 1.1;
 
 static spot spot_of(sgt_vec3 p) { return (spot){p.z, p.y}; }
 
@@ -20,7 +21,8 @@ scene scene_begin(const job *j)
                    .outline = memory_take(j->lens.count, sizeof(outline))};
 }
 
-void scene_add(scene *s, size_t field, size_t points, const sgt_vec3 point[], sgt_fate fate, sgt_vec3 direction)
+void scene_add(scene *s, size_t field, size_t points, const sgt_vec3 point[], sgt_fate fate,
+               sgt_vec3 direction)
 {
     bool astray = fate == SGT_MISSED || fate == SGT_LOST;
     path p = {.field = field, .count = points, .fate = fate, .at = memory_take(points + 1, sizeof *p.at)};
@@ -58,7 +60,8 @@ static void add_section(outline *o, const sgt_element *e, double reach)
     o->stroke = memory_take(o->strokes, sizeof *o->stroke);
     for (size_t i = 0; i < o->strokes; i++)
         for (int k = 0; k < 2; k++) o->stroke[i][k] = spot_of(frame_point_out(&e->pose, own[i][k]));
-    for (int k = 0; k < OUTLINE_POINTS; k++) o->at[k] = spot_of(frame_point_out(&e->pose, (sgt_vec3){0, 0, 0}));
+    for (int k = 0; k < OUTLINE_POINTS; k++)
+        o->at[k] = spot_of(frame_point_out(&e->pose, (sgt_vec3){0, 0, 0}));
 }
 
 static outline outline_of(const scene *s, size_t i, double back)
@@ -92,7 +95,8 @@ static outline outline_of(const scene *s, size_t i, double back)
 bool scene_glass_behind(const scene *s, size_t i)
 {
     const lens *l = &s->job->lens;
-    return i + 1 < l->count && l->surface[i].index != 1 && s->outline[i].half > 0 && s->outline[i + 1].half > 0;
+    return i + 1 < l->count && l->surface[i].index != 1 && s->outline[i].half > 0 &&
+           s->outline[i + 1].half > 0;
 }
 
 spot scene_corner(const outline *o, int side, double half)
@@ -132,7 +136,8 @@ static double scene_enters(double a, double b, double low, double high)
 /* From a, if it lies outside the lens and its lead, along the line to b until it does not. */
 static spot brought_in(const scene *s, spot a, spot b, spot low, spot high)
 {
-    double u = fmax(scene_enters(a.z, b.z, low.z - s->lead, high.z + s->lead), scene_enters(a.y, b.y, low.y - s->lead, high.y + s->lead));
+    double u = fmax(scene_enters(a.z, b.z, low.z - s->lead, high.z + s->lead),
+                    scene_enters(a.y, b.y, low.y - s->lead, high.y + s->lead));
     u = fmin(1, u);
     return (spot){a.z + u * (b.z - a.z), a.y + u * (b.y - a.y)};
 }
@@ -161,7 +166,8 @@ void scene_finish(scene *s)
     for (size_t i = 0; i < l->count; i++) {
         s->outline[i] = outline_of(s, i, back);
         for (int k = 0; k < OUTLINE_POINTS; k++) include(s, s->outline[i].at[k]);
-        for (size_t k = 0; k < s->outline[i].strokes; k++) include(s, s->outline[i].stroke[k][0]), include(s, s->outline[i].stroke[k][1]);
+        for (size_t k = 0; k < s->outline[i].strokes; k++)
+            include(s, s->outline[i].stroke[k][0]), include(s, s->outline[i].stroke[k][1]);
         if (l->surface[i].mirror) back = -back;
     }
     for (size_t i = 0; i < l->count; i++)
@@ -174,7 +180,8 @@ void scene_finish(scene *s)
         if (p->fate == SGT_MISSED || p->fate == SGT_LOST) {
             spot from = p->at[p->count - 2], d = p->at[p->count - 1];
             double far = s->lead, first = (l->surface[0].z - from.z) / d.z;
-            if (p->count == 2 && first > 0 && first < BEYOND_LENS * size) far += first; /* it met nothing at all */
+            /* it met nothing at all */
+            if (p->count == 2 && first > 0 && first < BEYOND_LENS * size) far += first;
             p->at[p->count - 1] = (spot){from.z + far * d.z, from.y + far * d.y};
         }
         cut_start(s, p, low, high);

@@ -20,7 +20,8 @@ typedef struct outline {
     double half;              /* 0: there is nothing to draw */
     spot up, ahead;           /* its own y and z axes in the picture */
     bool mirror, stop, dummy; /* dummy: the medium does not change, and it is not the last */
-    spot (*stroke)[2];        /* of a surface that is no sag: its section, of which the rest here knows nothing */
+    /* of a surface that is no sag: its section, of which the rest here knows nothing */
+    spot (*stroke)[2];
     size_t strokes;
     double back;              /* the side of its own z away from the light: +1 or -1 */
 } outline;
@@ -39,7 +40,8 @@ scene scene_begin(const job *j);
 
 /* A ray: point[0] is its start, point[i] where it met element i - 1; global.  Of a ray that
  * missed or was lost, direction says where it was going. */
-void scene_add(scene *s, size_t field, size_t points, const sgt_vec3 point[], sgt_fate fate, sgt_vec3 direction);
+void scene_add(scene *s, size_t field, size_t points, const sgt_vec3 point[], sgt_fate fate,
+               sgt_vec3 direction);
 
 /* When all rays are in: outlines and extent. */
 void scene_finish(scene *s);

@@ -26,10 +26,12 @@ bool job_take(job_options *o, int code)
 {
     switch (code) {
     case JOB_FIELD:
-        if (strchr(optarg, ',')) fail_usage("--field takes one angle, not %s; for several it may be repeated", optarg);
+        if (strchr(optarg, ','))
+            fail_usage("--field takes one angle, not %s; for several it may be repeated", optarg);
         o->field = memory_room(o->field, o->fields, &o->capacity, sizeof *o->field);
         o->field[o->fields] = options_number("field", optarg);
-        if (!(fabs(o->field[o->fields++]) < 90)) fail_usage("--field must be less than 90 degrees, not %s", optarg);
+        if (!(fabs(o->field[o->fields++]) < 90))
+            fail_usage("--field must be less than 90 degrees, not %s", optarg);
         return true;
     case JOB_FAN: o->fan = options_integer("fan", optarg, 1, RAYS_MOST); return true;
     case JOB_GRID: o->grid = options_integer("grid", optarg, 1, RAYS_MOST); return true;
@@ -43,13 +45,17 @@ bool job_take(job_options *o, int code)
 
 sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray)
 {
-    return (sgt_ray){.o = frame_point_in(pose, ray->o), .d = frame_direction_in(pose, ray->d), .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
+    return (sgt_ray){.o = frame_point_in(pose, ray->o),
+                     .d = frame_direction_in(pose, ray->d),
+                     .tmin = -HUGE_VAL,
+                     .tmax = HUGE_VAL};
 }
 
 job job_read(const job_options *o)
 {
     if (o->fan && o->grid) fail_usage("--fan or --grid, not both");
-    if (o->rays && (o->fields || o->fan || o->grid)) fail_usage("--rays, or --field with --fan or --grid, not both");
+    if (o->rays && (o->fields || o->fan || o->grid))
+        fail_usage("--rays, or --field with --fan or --grid, not both");
     job j = {.lens = lens_read(o->lens, o->wavelength ? (size_t)o->wavelength : 1)};
     j.element = memory_take(j.lens.count, sizeof *j.element);
     memcpy(j.element, j.lens.element, j.lens.count * sizeof *j.element);
@@ -57,7 +63,8 @@ job job_read(const job_options *o)
     if (o->rays) {
         j.rays.threads = o->threads;
         rays_read(&j.rays, o->rays, o->skip_bad);
-        if (j.rays.ended) note("%s: tmin, tmax: not used through a lens, where the whole line counts", o->rays);
+        if (j.rays.ended)
+            note("%s: tmin, tmax: not used through a lens, where the whole line counts", o->rays);
         return j;
     }
     j.field = o->fields ? o->field : j.lens.field;
@@ -65,6 +72,7 @@ job job_read(const job_options *o)
     pupil_pattern pattern = o->grid ? PUPIL_GRID : PUPIL_FAN;
     long n = o->grid ? o->grid : o->fan ? o->fan : FAN_DEFAULT;
     for (size_t f = 0; f < j.fields; f++) launch_field(&j.rays, &j.lens, f, j.field[f], pattern, n);
-    if (!j.rays.count) fail_usage("--grid %ld: no ray of it lies in the pupil's circle; 1, or 3 and more, have some", n);
+    if (!j.rays.count)
+        fail_usage("--grid %ld: no ray of it lies in the pupil's circle; 1, or 3 and more, have some", n);
     return j;
 }

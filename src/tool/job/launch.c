@@ -87,7 +87,8 @@ static beam beam_of(const lens *l, double degrees)
         double z = l->surface[0].z - l->object_distance;
         b.object = (sgt_vec3){0, -(b.pupil - z) * tan(angle), z};
         if (b.pupil == z)
-            document_fail(&l->source, l->source.root, "object.distance", "the object lies in the entrance pupil");
+            document_fail(&l->source, l->source.root, "object.distance",
+                          "the object lies in the entrance pupil");
     }
     /* from (0, y, pupil) back along the direction to the wavefront:
      * z = pupil - (y sin + pupil cos - wave) cos <= pupil sin^2 + a |sin| cos + wave cos */
@@ -100,16 +101,19 @@ static sgt_ray ray_through(const beam *b, double x, double y)
 {
     sgt_vec3 p = {x, y, b->pupil};
     if (!b->finite)
-        return (sgt_ray){.o = vector_along(p, b->direction, b->wave - vector_dot(p, b->direction)), .d = b->direction};
+        return (sgt_ray){.o = vector_along(p, b->direction, b->wave - vector_dot(p, b->direction)),
+                         .d = b->direction};
     sgt_vec3 d = vector_minus(p, b->object);
-    double length = copysign(vector_length(d), d.z); /* a pupil in front of the object: light goes on along +z */
+    /* a pupil in front of the object: light goes on along +z */
+    double length = copysign(vector_length(d), d.z);
     return (sgt_ray){.o = b->object, .d = {d.x / length, d.y / length, d.z / length}};
 }
 
 void launch_field(ray_list *list, const lens *l, size_t field, double degrees, pupil_pattern pattern, long n)
 {
     if (isnan(l->pupil_semi_diameter))
-        document_fail(&l->source, l->source.root, "pupil.semi_diameter", "missing, and rays are to go through the pupil");
+        document_fail(&l->source, l->source.root, "pupil.semi_diameter",
+                      "missing, and rays are to go through the pupil");
     beam b = beam_of(l, degrees);
     double a = l->pupil_semi_diameter;
     /* whole numbers over whole numbers: the pupil is filled symmetrically, to the bit */
@@ -119,6 +123,7 @@ void launch_field(ray_list *list, const lens *l, size_t field, double degrees, p
             double x = pattern == PUPIL_GRID ? (double)(2 * i - (n - 1)) / last : 0;
             double y = (double)(2 * j - (n - 1)) / last;
             if (x * x + y * y > SOFT_EDGE) continue;
-            rays_add(list, (launch){.ray = ray_through(&b, a * x, a * y), .number = list->count, .field = field});
+            rays_add(list,
+                     (launch){.ray = ray_through(&b, a * x, a * y), .number = list->count, .field = field});
         }
 }

@@ -33,7 +33,8 @@ const char options_threads_help[] =
 double options_number(const char *option, const char *text)
 {
     double x;
-    if (!number_read(text, &x) || !isfinite(x)) fail_usage("--%s wants a finite number, and \"%s\" is none", option, text);
+    if (!number_read(text, &x) || !isfinite(x))
+        fail_usage("--%s wants a finite number, and \"%s\" is none", option, text);
     return x;
 }
 
@@ -82,9 +83,11 @@ void options_note_unread(const shared_options *o, size_t count, const sgt_elemen
         set = set || element[i].surface.ops->estimate;
         other = other || !element[i].surface.ops->estimate;
     }
-    if (o->solver.dt_min > 0 && set && o->solver.proof) fail_usage("--proof or --dt-min, not both: steps of --dt-min prove nothing");
+    if (o->solver.dt_min > 0 && set && o->solver.proof)
+        fail_usage("--proof or --dt-min, not both: steps of --dt-min prove nothing");
     if (o->solver.dt_min > 0 && !set) note("--dt-min: not used; it is for level sets (julia, mandelbrot)");
-    if (o->solver.pick == SGT_NEAR_SEED && !other) note("--pick near-seed: not used; of a level set the first root counts");
+    if (o->solver.pick == SGT_NEAR_SEED && !other)
+        note("--pick near-seed: not used; of a level set the first root counts");
 }
 
 bool options_near_seed(const shared_options *o, sgt_surface s, sgt_pick by_default)
@@ -97,7 +100,8 @@ int options_threads(const shared_options *o)
     int most = tiles_threads();
     if (o->threads == 0) return most;
 #ifndef _OPENMP
-    if (o->threads > 1) note("--threads %d: this command is built without OpenMP, and works in one thread", o->threads);
+    if (o->threads > 1)
+        note("--threads %d: this command is built without OpenMP, and works in one thread", o->threads);
     return 1;
 #else
     return o->threads;
@@ -117,7 +121,9 @@ void options_take(shared_options *o, int code, const char *help)
     case OPTION_HEX: o->target.hexadecimal = true; return;
     case OPTION_PICK: o->solver.pick = pick_of(optarg); return;
     case OPTION_PROOF: o->solver.proof = proof_of(optarg); return;
-    case OPTION_MAX_EVALS: o->solver.max_evals = (int)options_integer("max-evals", optarg, 1, INT_MAX); return;
+    case OPTION_MAX_EVALS:
+        o->solver.max_evals = (int)options_integer("max-evals", optarg, 1, INT_MAX);
+        return;
     case OPTION_T_TOL: o->solver.t_tol = length_of("t-tol"); return;
     case OPTION_THREADS: o->threads = (int)options_integer("threads", optarg, 1, THREADS_MOST); return;
     case OPTION_DT_MIN: o->solver.dt_min = length_of("dt-min"); return;

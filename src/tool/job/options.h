@@ -46,9 +46,13 @@ void options_take(shared_options *o, int code, const char *help);
 _Noreturn void options_version(void);
 
 /* Is a surface searched in the fast way that --dt-min asks for?  Its answers claim less. */
-static inline bool options_fast(const shared_options *o, sgt_surface s) { return o->solver.dt_min > 0 && s.ops->estimate; }
+static inline bool options_fast(const shared_options *o, sgt_surface s)
+{
+    return o->solver.dt_min > 0 && s.ops->estimate;
+}
 
-/* Is the root near the seed the one that is asked for?  by_default: where --pick was not given.  A level set has none. */
+/* Is the root near the seed the one that is asked for?  by_default: where --pick was not given.  A level
+ * set has none. */
 bool options_near_seed(const shared_options *o, sgt_surface s, sgt_pick by_default);
 
 /* How many threads to work in.  A word on standard error if more are asked for than can be. */

@@ -50,7 +50,8 @@ static size_t line_at(yaml_mark_t mark, size_t last) { return mark.line + 1 < la
 
 /* ------------------------------------------------------------------- names */
 
-/* Names and their nodes: a hash table, at most half full, each name in the first free place from its own on. */
+/* Names and their nodes: a hash table, at most half full, each name in the first free place from its own
+ * on. */
 typedef struct named_node { const char *text; node *of; } named_node;
 typedef struct names { named_node *place; size_t count, capacity; } names;
 
@@ -64,7 +65,10 @@ static named_node *place_of(const names *all, const char *text)
     return place;
 }
 
-static node *document_named(const names *all, const char *text) { return all->count ? place_of(all, text)->of : NULL; }
+static node *document_named(const names *all, const char *text)
+{
+    return all->count ? place_of(all, text)->of : NULL;
+}
 
 /* false: it is there already. */
 static bool add_name(names *all, const char *text, node *of)
@@ -153,7 +157,8 @@ static const char *take_event(builder *b, const yaml_event_t *e)
     case YAML_MAPPING_START_EVENT:
         if (b->depth == DEPTH_MOST) return "lists and maps within each other more than 64 deep";
         n = node_at(b, e->start_mark, e->type == YAML_MAPPING_START_EVENT ? NODE_MAP : NODE_LIST);
-        anchor = e->type == YAML_MAPPING_START_EVENT ? e->data.mapping_start.anchor : e->data.sequence_start.anchor;
+        anchor = e->type == YAML_MAPPING_START_EVENT ? e->data.mapping_start.anchor
+                                                     : e->data.sequence_start.anchor;
         put_node(b, n);
         b->open[b->depth++] = (opened){.of = n};
         break;
@@ -166,7 +171,8 @@ static const char *take_event(builder *b, const yaml_event_t *e)
     case YAML_MAPPING_END_EVENT: close_node(b); break;
     default: break;
     }
-    if (anchor && !add_name(&b->anchors, memory_text((const char *)anchor, strlen((const char *)anchor)), n)) return "found duplicate anchor";
+    if (anchor && !add_name(&b->anchors, memory_text((const char *)anchor, strlen((const char *)anchor)), n))
+        return "found duplicate anchor";
     return NULL;
 }
 
@@ -183,8 +189,10 @@ static size_t directives(const char *text, size_t length)
     return count;
 }
 
-/* What libyaml found wrong: its words, and the line.  Of a byte that is no text it tells the place and not the line. */
-static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t length, size_t last, char fault[FAULT_SIZE])
+/* What libyaml found wrong: its words, and the line.  Of a byte that is no text it tells the place and not
+ * the line. */
+static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t length, size_t last,
+                           char fault[FAULT_SIZE])
 {
     snprintf(fault, FAULT_SIZE, "%s", parser->problem ? parser->problem : "not YAML");
     if (parser->context) {
@@ -204,7 +212,8 @@ document document_parse(const char *source, const char *text, size_t length)
     char fault[FAULT_SIZE] = "";
     size_t line = 1;
     int documents = 0;
-    if (directives(text, length) > DIRECTIVES_MOST) document_fail(&d, &(node){.line = 1}, NULL, "more than %d lines that begin with %%", DIRECTIVES_MOST);
+    if (directives(text, length) > DIRECTIVES_MOST)
+        document_fail(&d, &(node){.line = 1}, NULL, "more than %d lines that begin with %%", DIRECTIVES_MOST);
     if (!yaml_parser_initialize(&parser)) fail_input("out of memory");
     yaml_parser_set_input_string(&parser, (const unsigned char *)text, length);
     for (bool more = true; more && !*fault;) {
@@ -239,7 +248,8 @@ void document_map(const document *d, const node *n, const char *key)
         const node *k = n->key[i];
         if (k->kind != NODE_SCALAR) document_fail(d, k, key, "a key must be a word");
         bool twice = n->count > KEYS_MANY && !add_name(&seen, k->text, n->key[i]);
-        for (size_t j = 0; j < i && n->count <= KEYS_MANY; j++) twice = twice || strcmp(n->key[j]->text, k->text) == 0;
+        for (size_t j = 0; j < i && n->count <= KEYS_MANY; j++)
+            twice = twice || strcmp(n->key[j]->text, k->text) == 0;
         if (twice) document_fail(d, k, k->text, "given twice");
         n->taken[i] = false;
     }
@@ -273,8 +283,11 @@ double document_number(const document *d, const node *n, const char *key, number
     bool good = number_read(n->text, &value);
     /* JSON has no infinity but as a string */
     if (!good && !n->quoted && n->text[strspn(n->text, "+-0123456789")] == ',')
-        document_fail(d, n, key, "must be a number, and \"%.60s\" is none; a decimal point is wanted, not a comma", n->text);
-    if (!good || (n->quoted && !isinf(value))) document_fail(d, n, key, "must be a number, and \"%.60s\" is none", n->text);
+        document_fail(d, n, key,
+                      "must be a number, and \"%.60s\" is none; a decimal point is wanted, not a comma",
+                      n->text);
+    if (!good || (n->quoted && !isinf(value)))
+        document_fail(d, n, key, "must be a number, and \"%.60s\" is none", n->text);
     if ((isnan(value) && range != NUMBER_ANY) || (isinf(value) && range == NUMBER_FINITE))
         document_fail(d, n, key, "must be finite, not %.60s", n->text);
     return value;

@@ -1,7 +1,7 @@
 /* earth.c - the surfaces about the Earth.
  *
- * A geoid is a grid in a file, which `file` names; without it, that of proj-data.  Those that were opened are closed when
- * the command ends. */
+ * A geoid is a grid in a file, which `file` names; without it, that of proj-data.  Those that were opened
+ * are closed when the command ends. */
 #include "earth.h"
 
 #include "../base/memory.h"
@@ -31,7 +31,8 @@ static const sgt_geoid *geoid_of(const document *d, const node *map)
 {
     char found[1000], error[1200];
     const node *n = document_take(map, "file");
-    if (!n && !sgt_geoid_find(found, sizeof found)) document_fail(d, map, "file", "not given, and proj-data, which has egm96_15.gtx, is not installed");
+    if (!n && !sgt_geoid_find(found, sizeof found))
+        document_fail(d, map, "file", "not given, and proj-data, which has egm96_15.gtx, is not installed");
     const char *path = n ? document_path(d, n, "file") : found;
     opened = memory_room(opened, count, &room, sizeof *opened);
     if (count == 0) atexit(close_all);

@@ -11,7 +11,8 @@ const sgt_builtin *earth_types(void);
 /* Why a type of this name is not among them; NULL: there is none of that name. */
 const char *earth_missing(const char *type);
 
-/* Takes what is no number out of the map, and puts it in: a geoid's file.  The keys so taken, for messages: ", file", or "". */
+/* Takes what is no number out of the map, and puts it in: a geoid's file.  The keys so taken, for messages:
+ * ", file", or "". */
 const char *earth_take(const document *d, const node *map, const sgt_builtin *type, void *self);
 
 #endif

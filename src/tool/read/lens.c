@@ -101,7 +101,8 @@ static void read_fields(lens *l)
 static sgt_vec3 read_vector(const document *d, const node *n, const char *key)
 {
     double v[3] = {0};
-    if (n && (n->kind != NODE_LIST || n->count != 3)) document_fail(d, n, key, "must be three numbers, [x, y, z]");
+    if (n && (n->kind != NODE_LIST || n->count != 3))
+        document_fail(d, n, key, "must be three numbers, [x, y, z]");
     if (n) document_numbers(d, n, key, 3, v);
     return (sgt_vec3){v[0], v[1], v[2]};
 }
@@ -109,36 +110,43 @@ static sgt_vec3 read_vector(const document *d, const node *n, const char *key)
 static bool nonzero(sgt_vec3 v) { return v.x != 0 || v.y != 0 || v.z != 0; }
 
 /* The frame of an entry.  next_z is where its vertex stands if thicknesses say so. */
-static void read_place(const document *d, const node *map, bool placed, double *next_z, sgt_element *e, lens_surface *s)
+static void read_place(const document *d, const node *map, bool placed, double *next_z, sgt_element *e,
+                       lens_surface *s)
 {
     const node *origin = document_take(map, "origin"), *thickness = document_take(map, "thickness");
     const node *decenter = document_take(map, "decenter"), *tilt = document_take(map, "tilt");
     if (placed && !origin) document_fail(d, map, "origin", "missing: an entry gives it, so all must");
-    if (origin && thickness) document_fail(d, thickness, "thickness", "given beside origin; one says where the next is");
-    if (origin && decenter) document_fail(d, decenter, "decenter", "given beside origin; one says where it is");
+    if (origin && thickness)
+        document_fail(d, thickness, "thickness", "given beside origin; one says where the next is");
+    if (origin && decenter)
+        document_fail(d, decenter, "decenter", "given beside origin; one says where it is");
 
     sgt_vec3 at = read_vector(d, origin, "origin"), turn = read_vector(d, tilt, "tilt");
     if (!origin) {
         at = read_vector(d, decenter, "decenter");
         at.z += *next_z;
-        if (!isfinite(at.z)) document_fail(d, decenter, "decenter", "the vertex is beyond the largest number");
+        if (!isfinite(at.z))
+            document_fail(d, decenter, "decenter", "the vertex is beyond the largest number");
     }
     s->z = origin ? at.z : *next_z;
     s->off_axis = origin && (at.x != 0 || at.y != 0 || nonzero(turn));
     e->pose = nonzero(turn) ? sgt_pose_tilted(at, turn) : (sgt_pose){.origin = at};
     if (thickness) *next_z += document_number(d, thickness, "thickness", NUMBER_FINITE);
-    if (!isfinite(*next_z)) document_fail(d, thickness, "thickness", "the next vertex is beyond the largest number");
+    if (!isfinite(*next_z))
+        document_fail(d, thickness, "thickness", "the next vertex is beyond the largest number");
 }
 
 /* The medium behind an entry; `before` is the index in front of it. */
-static void read_medium(const lens *l, const node *map, size_t wavelength, double before, sgt_element *e, lens_surface *s)
+static void read_medium(const lens *l, const node *map, size_t wavelength, double before, sgt_element *e,
+                        lens_surface *s)
 {
     const document *d = &l->source;
     const node *mirror = document_take(map, "mirror"), *index = document_take(map, "index");
     s->mirror = mirror && document_truth(d, mirror, "mirror");
     s->index = index ? index_at(l, index, "index", wavelength) : before;
     if (s->mirror && s->index != before)
-        document_fail(d, index, "index", "behind a mirror light is in the medium in front of it, of index %.17g", before);
+        document_fail(d, index, "index",
+                      "behind a mirror light is in the medium in front of it, of index %.17g", before);
     e->index = s->mirror ? SGT_MIRROR : s->index;
 }
 
@@ -147,7 +155,8 @@ static void read_surfaces(lens *l, size_t wavelength)
     const document *d = &l->source;
     const node *list = document_take(d->root, "surfaces");
     if (!list) document_fail(d, d->root, "surfaces", "missing: a lens has at least one");
-    if (list->kind != NODE_LIST || list->count == 0) document_fail(d, list, "surfaces", "must be a list of at least one");
+    if (list->kind != NODE_LIST || list->count == 0)
+        document_fail(d, list, "surfaces", "must be a list of at least one");
     l->count = list->count;
     l->element = memory_take(l->count, sizeof *l->element);
     l->surface = memory_take(l->count, sizeof *l->surface);
@@ -174,7 +183,9 @@ static void read_surfaces(lens *l, size_t wavelength)
         }
         if (rim) e->semi_diameter = document_number(d, rim, "semi_diameter", NUMBER_FINITE);
         if (!(e->semi_diameter >= 0)) document_fail(d, rim, "semi_diameter", "must not be negative");
-        e->surface = surface_read(d, map, SURFACE_NO_RIM, "; semi_diameter, thickness, index, mirror, stop, decenter, tilt, origin", &type);
+        e->surface = surface_read(d, map, SURFACE_NO_RIM,
+                                  "; semi_diameter, thickness, index, mirror, stop, decenter, tilt, origin",
+                                  &type);
         s->type = type->type;
         before = s->index;
 

@@ -45,18 +45,24 @@ LIKE_PRINTF(2, 3) static bool bad(char why[MATRIX_WHY_SIZE], const char *format,
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 /* The number in [s, end), with a zero byte written at its end. */
-static bool read_field(char *s, char *end, size_t line, size_t column, const char *name, double *x, char why[MATRIX_WHY_SIZE])
+static bool read_field(char *s, char *end, size_t line, size_t column, const char *name, double *x,
+                       char why[MATRIX_WHY_SIZE])
 {
     while (s < end && is_blank(*s)) s++;
     while (end > s && is_blank(end[-1])) end--;
     *end = 0;
     if (s == end) return bad(why, "%s:%zu: column %zu: empty; there must be no holes", name, line, column);
-    if (strlen(s) != (size_t)(end - s)) return bad(why, "%s:%zu: column %zu: a zero byte", name, line, column);
+    if (strlen(s) != (size_t)(end - s))
+        return bad(why, "%s:%zu: column %zu: a zero byte", name, line, column);
     if (!number_read(s, x)) {
-        const char *hint = strpbrk(s, " \t;") ? "; commas go between numbers" : line == 1 && column == 1 ? "; there is to be no header row" : "";
+        const char *hint = strpbrk(s, " \t;")         ? "; commas go between numbers"
+                           : line == 1 && column == 1 ? "; there is to be no header row"
+                                                      : "";
         return bad(why, "%s:%zu: column %zu: \"%.60s\" is not a number%s", name, line, column, s, hint);
     }
-    if (!isfinite(*x)) return bad(why, "%s:%zu: column %zu: %.60s; every number must be finite, there must be no holes", name, line, column, s);
+    if (!isfinite(*x))
+        return bad(why, "%s:%zu: column %zu: %.60s; every number must be finite, there must be no holes",
+                   name, line, column, s);
     return true;
 }
 
@@ -79,13 +85,15 @@ static bool read_csv(sgt_numbers *to, const input *in, size_t most, char why[MAT
             within = comma != NULL;
             if (column == most) return bad(why, "%s:%zu: more than %zu columns", in->name, rows + 1, most);
             x = memory_room(x, count, &room, sizeof *x);
-            if (!read_field(s, within ? comma : stop, rows + 1, column + 1, in->name, &x[count], why)) return false;
+            if (!read_field(s, within ? comma : stop, rows + 1, column + 1, in->name, &x[count], why))
+                return false;
             count++;
             s = (within ? comma : stop) + 1;
         }
         if (rows == 0) columns = column;
         if (column != columns)
-            return bad(why, "%s:%zu: %zu number%s, and the rows above have %zu", in->name, rows + 1, column, column == 1 ? "" : "s", columns);
+            return bad(why, "%s:%zu: %zu number%s, and the rows above have %zu", in->name, rows + 1, column,
+                       column == 1 ? "" : "s", columns);
     }
     *to = (sgt_numbers){x, rows, columns};
     return true;
@@ -116,18 +124,21 @@ typedef struct npy { size_t rows, columns, size; bool fortran; } npy;
 
 static bool matrix_read_header(npy *n, const char *header, const char *name, char why[MATRIX_WHY_SIZE])
 {
-    const char *type = header_value(header, "'descr'"), *order = header_value(header, "'fortran_order'"), *s = header_value(header, "'shape'");
+    const char *type = header_value(header, "'descr'"), *order = header_value(header, "'fortran_order'"),
+               *s = header_value(header, "'shape'");
     if (!type || !order || !s) return bad(why, "%s: no header of an npy file", name);
     n->size = strncmp(type, "'<f8'", 5) == 0 ? 8 : strncmp(type, "'<f4'", 5) == 0 ? 4 : 0;
     if (n->size == 0) {
         const char *behind = strpbrk(type, ",}");
-        return bad(why, "%s: numbers of the type %.*s; '<f8' and '<f4' can be read", name, behind ? (int)(behind - type) % 60 : 0, type);
+        return bad(why, "%s: numbers of the type %.*s; '<f8' and '<f4' can be read", name,
+                   behind ? (int)(behind - type) % 60 : 0, type);
     }
     n->fortran = strncmp(order, "True", 4) == 0;
     if (!n->fortran && strncmp(order, "False", 5) != 0) return bad(why, "%s: no header of an npy file", name);
     s = *s == '(' ? read_whole(s + 1, &n->rows) : NULL;
     s = s && *s == ',' ? read_whole(s + 1 + strspn(s + 1, " "), &n->columns) : NULL;
-    if (!s || *s != ')') return bad(why, "%s: two dimensions are wanted, rows and columns, and the shape is another", name);
+    if (!s || *s != ')')
+        return bad(why, "%s: two dimensions are wanted, rows and columns, and the shape is another", name);
     return true;
 }
 
@@ -149,26 +160,35 @@ static double number_at(const unsigned char *at, size_t size)
 static bool read_npy(sgt_numbers *to, const input *in, size_t most, char why[MATRIX_WHY_SIZE])
 {
     const unsigned char *text = (const unsigned char *)in->text;
-    if (in->length < 10 || memcmp(text, "\x93NUMPY", 6) != 0) return bad(why, "%s: not an npy file", in->name);
-    if (text[6] < 1 || text[6] > 3) return bad(why, "%s: version %d of the npy format; 1 to 3 can be read", in->name, text[6]);
+    if (in->length < 10 || memcmp(text, "\x93NUMPY", 6) != 0)
+        return bad(why, "%s: not an npy file", in->name);
+    if (text[6] < 1 || text[6] > 3)
+        return bad(why, "%s: version %d of the npy format; 1 to 3 can be read", in->name, text[6]);
     size_t start = text[6] == 1 ? 10 : 12, header = text[8] | (size_t)text[9] << 8;
     if (start == 12 && in->length >= 12) header |= (size_t)text[10] << 16 | (size_t)text[11] << 24;
-    if (in->length < start || in->length - start < header) return bad(why, "%s: cut off within its header", in->name);
+    if (in->length < start || in->length - start < header)
+        return bad(why, "%s: cut off within its header", in->name);
     npy n = {.size = 0};
     if (!matrix_read_header(&n, memory_text(in->text + start, header), in->name, why)) return false;
     if (n.rows == 0 || n.columns == 0) return bad(why, "%s: empty", in->name);
     if (n.rows > most || n.columns > most)
-        return bad(why, "%s: %zu rows and %zu columns; %zu are the most of either", in->name, n.rows, n.columns, most);
+        return bad(why, "%s: %zu rows and %zu columns; %zu are the most of either", in->name, n.rows,
+                   n.columns, most);
     size_t count = n.rows * n.columns, have = in->length - start - header;
-    if (have < count * n.size) return bad(why, "%s: cut off: %zu numbers, and the header tells of %zu", in->name, have / n.size, count);
-    if (have > count * n.size) return bad(why, "%s: %zu bytes behind the last number", in->name, have - count * n.size);
+    if (have < count * n.size)
+        return bad(why, "%s: cut off: %zu numbers, and the header tells of %zu", in->name, have / n.size,
+                   count);
+    if (have > count * n.size)
+        return bad(why, "%s: %zu bytes behind the last number", in->name, have - count * n.size);
     double *x = memory_take(count, sizeof *x);
     const unsigned char *at = text + start + header;
     for (size_t i = 0; i < count; i++, at += n.size) {
         size_t row = n.fortran ? i % n.rows : i / n.columns, column = n.fortran ? i / n.rows : i % n.columns;
         double value = x[row * n.columns + column] = number_at(at, n.size);
         if (!isfinite(value))
-            return bad(why, "%s: row %zu, column %zu: %g; every number must be finite, there must be no holes", in->name, row + 1, column + 1, value);
+            return bad(why,
+                       "%s: row %zu, column %zu: %g; every number must be finite, there must be no holes",
+                       in->name, row + 1, column + 1, value);
     }
     *to = (sgt_numbers){x, n.rows, n.columns};
     return true;

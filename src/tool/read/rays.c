@@ -25,7 +25,8 @@
 #include <string.h>
 
 enum { COLUMN_COUNT = 9, TMIN = 6, TMAX = 7, ID = 8, REQUIRED = 6 };
-static const char *const column_name[COLUMN_COUNT] = {"ox", "oy", "oz", "dx", "dy", "dz", "tmin", "tmax", "id"};
+static const char *const column_name[COLUMN_COUNT] = {"ox", "oy",   "oz",   "dx", "dy",
+                                                      "dz", "tmin", "tmax", "id"};
 
 enum { FIELDS_MOST = COLUMN_COUNT + 1 };
 #ifndef PIECE
@@ -63,7 +64,8 @@ static bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray 
     ray->tmax = has_tmax ? value[TMAX] : HUGE_VAL;
     if (isnan(ray->tmin) || isnan(ray->tmax)) return bad(why, "tmin, tmax: must not be nan");
     if (ray->tmin > ray->tmax) return bad(why, "tmin, tmax: %g is more than %g", ray->tmin, ray->tmax);
-    if (ray->tmin == HUGE_VAL || ray->tmax == -HUGE_VAL) return bad(why, "tmin, tmax: nothing lies between %g and %g", ray->tmin, ray->tmax);
+    if (ray->tmin == HUGE_VAL || ray->tmax == -HUGE_VAL)
+        return bad(why, "tmin, tmax: nothing lies between %g and %g", ray->tmin, ray->tmax);
     /* to the library tmax = 0 after tmin = 0 is "no end"; here it was written down, and means 0 */
     if (ray->tmax == 0 && ray->tmin == 0) ray->tmax = DBL_MIN * DBL_EPSILON;
     return true;
@@ -80,7 +82,8 @@ void rays_parse(ray_list *list, const char *text)
         if (!number_read(word, &x)) fail_input("--ray: \"%s\" is not a number", word);
         if (count < 8) value[count] = x;
     }
-    if (count != 6 && count != 8) fail_input("--ray: wants 6 numbers, ox oy oz dx dy dz, or 8, with tmin tmax; not %d", count);
+    if (count != 6 && count != 8)
+        fail_input("--ray: wants 6 numbers, ox oy oz dx dy dz, or 8, with tmin tmax; not %d", count);
     launch l = {.number = list->count};
     if (!ray_of(value, count == 8, count == 8, &l.ray, why)) fail_input("--ray: %s", why);
     rays_add(list, l);
@@ -90,7 +93,8 @@ void rays_parse(ray_list *list, const char *text)
 
 typedef struct reader {
     const char *source; /* for messages */
-    char *at, *end;     /* the next line, and the end of the last; a zero byte is written over each line's \n */
+    /* the next line, and the end of the last; a zero byte is written over each line's \n */
+    char *at, *end;
     size_t line;        /* of the line last split, counts from 1 */
     int count;          /* its fields, FIELDS_MOST for more */
     char *field[FIELDS_MOST];
@@ -168,21 +172,23 @@ static void rays_read_header(reader *r, int place[COLUMN_COUNT])
             double x;
             const char *hint = number_read(r->field[f], &x) ? "is the header missing?  "
                              : strpbrk(r->field[f], " \t;") ? "a comma goes between two columns; " : "";
-            fail_input("%s:%zu: %.60s: unknown column; %sknown are ox, oy, oz, dx, dy, dz, tmin, tmax, id", source, r->line,
-                       r->field[f], hint);
+            fail_input("%s:%zu: %.60s: unknown column; %sknown are ox, oy, oz, dx, dy, dz, tmin, tmax, id",
+                       source, r->line, r->field[f], hint);
         }
         if (place[c] >= 0) fail_input("%s:%zu: %s: a column given twice", source, r->line, column_name[c]);
         place[c] = f;
     }
     for (int c = 0; c < REQUIRED; c++)
-        if (place[c] < 0) fail_input("%s:%zu: %s: no such column, and it is needed", source, r->line, column_name[c]);
+        if (place[c] < 0)
+            fail_input("%s:%zu: %s: no such column, and it is needed", source, r->line, column_name[c]);
 }
 
 static bool row_of(const reader *r, const int place[COLUMN_COUNT], int columns, launch *l, char why[120])
 {
     double value[8] = {0};
     if (r->broken) return bad(why, "%s", BROKEN);
-    if (r->count != columns) return bad(why, "%s fields than the header's %d", r->count < columns ? "fewer" : "more", columns);
+    if (r->count != columns)
+        return bad(why, "%s fields than the header's %d", r->count < columns ? "fewer" : "more", columns);
     for (int c = 0; c < ID; c++)
         if (place[c] >= 0 && !number_read(r->field[place[c]], &value[c]))
             return bad(why, "%s: \"%.60s\" is not a number", column_name[c], r->field[place[c]]);

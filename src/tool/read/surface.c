@@ -42,7 +42,8 @@ static bool not_read(const sgt_param *p, surface_rim rim)
     return rim == SURFACE_TERM && (strcmp(p->name, CURVATURE) == 0 || strcmp(p->name, "conic") == 0);
 }
 
-static void check_keys(const document *d, const node *map, const sgt_builtin *type, surface_rim rim, const char *more, const char *others)
+static void check_keys(const document *d, const node *map, const sgt_builtin *type, surface_rim rim,
+                       const char *more, const char *others)
 {
     char text[900];
     size_t length = (size_t)snprintf(text, sizeof text, "type");
@@ -68,7 +69,9 @@ static const sgt_builtin *type_of(const document *d, const node *map)
     for (int i = 0; i < 2; i++)
         for (const sgt_builtin *b = several[i]; b->type; b++) {
             if (strcmp(b->type, name) == 0) return b;
-            if (length < sizeof known) length += (size_t)snprintf(known + length, sizeof known - length, "%s%s", length ? ", " : "", b->type);
+            if (length < sizeof known)
+                length += (size_t)snprintf(known + length, sizeof known - length, "%s%s", length ? ", " : "",
+                                           b->type);
         }
     const char *missing = earth_missing(name);
     if (missing) document_fail(d, n, "type", "%.60s: %s", name, missing);
@@ -91,11 +94,13 @@ static void check_range(const document *d, const node *n, const char *key, const
     if (x >= p->lo && x <= p->hi && !(whole && x != floor(x))) return;
     char range[120], given[NUMBER_SIZE];
     number_print(given, x, false);
-    if (p->hi < DBL_MAX) snprintf(range, sizeof range, "%sfrom %.10g to %.10g", whole ? "a whole number " : "", p->lo, p->hi);
+    if (p->hi < DBL_MAX)
+        snprintf(range, sizeof range, "%sfrom %.10g to %.10g", whole ? "a whole number " : "", p->lo, p->hi);
     else if (p->lo > -DBL_MAX) snprintf(range, sizeof range, "finite and at least %.10g", p->lo);
     else snprintf(range, sizeof range, "finite");
     const char *unit = strcmp(p->unit, "1") == 0 ? "" : p->unit;
-    document_fail(d, n, key, "must be %s%s%s%s, not %s", range, *unit ? " (unit: " : "", unit, *unit ? ")" : "", given);
+    document_fail(d, n, key, "must be %s%s%s%s, not %s", range, *unit ? " (unit: " : "", unit,
+                  *unit ? ")" : "", given);
 }
 
 static double read_number(const document *d, const node *n, const char *key, const sgt_param *p)
@@ -107,7 +112,10 @@ static double read_number(const document *d, const node *n, const char *key, con
 
 /* "coefficients[3]" */
 enum { KEY_SIZE = NAME_SIZE + 60 };
-static void print_item(char key[KEY_SIZE], const char *list, size_t i) { snprintf(key, KEY_SIZE, "%.*s[%zu]", NAME_SIZE + 24, list, i); }
+static void print_item(char key[KEY_SIZE], const char *list, size_t i)
+{
+    snprintf(key, KEY_SIZE, "%.*s[%zu]", NAME_SIZE + 24, list, i);
+}
 
 static void check_count(const document *d, const node *n, const char *key, const char *what, size_t most)
 {
@@ -119,9 +127,11 @@ static void read_list(const document *d, const node *n, const char *key, const s
 {
     size_t most = (size_t)p->count;
     bool exact = p->kind == SGT_VECTOR;
-    if (n->kind != NODE_LIST) document_fail(d, n, key, "must be a list of %s%zu numbers", exact ? "" : "up to ", most);
+    if (n->kind != NODE_LIST)
+        document_fail(d, n, key, "must be a list of %s%zu numbers", exact ? "" : "up to ", most);
     if (exact && n->count > 0 && n->count != most)
-        document_fail(d, n, key, "has %zu number%s; %zu are wanted", n->count, n->count == 1 ? "" : "s", most);
+        document_fail(d, n, key, "has %zu number%s; %zu are wanted", n->count, n->count == 1 ? "" : "s",
+                      most);
     check_count(d, n, key, "number", most);
     for (size_t i = 0; i < n->count; i++) {
         char item[KEY_SIZE];
@@ -134,7 +144,8 @@ static sgt_numbers read_file(const document *d, const node *n, const sgt_param *
 {
     char why[MATRIX_WHY_SIZE];
     sgt_numbers t;
-    if (!matrix_read(&t, document_path(d, n, p->name), (size_t)p->count, why)) document_fail(d, n, p->name, "%s", why);
+    if (!matrix_read(&t, document_path(d, n, p->name), (size_t)p->count, why))
+        document_fail(d, n, p->name, "%s", why);
     for (size_t i = 0; i < t.rows * t.columns; i++) check_range(d, n, p->name, p, t.x[i]);
     return t;
 }
@@ -142,7 +153,9 @@ static sgt_numbers read_file(const document *d, const node *n, const sgt_param *
 static sgt_numbers read_table(const document *d, const node *n, const sgt_param *p)
 {
     if (n->kind == NODE_SCALAR && matrix_is_file(n->text)) return read_file(d, n, p);
-    if (n->kind != NODE_LIST) document_fail(d, n, p->name, "must be a list of rows, as [[1, 2], [3, 4]], or a file, NAME.csv or NAME.npy");
+    if (n->kind != NODE_LIST)
+        document_fail(d, n, p->name,
+                      "must be a list of rows, as [[1, 2], [3, 4]], or a file, NAME.csv or NAME.npy");
     check_count(d, n, p->name, "row", (size_t)p->count);
     bool may_end_early = strcmp(p->name, COEFFICIENTS) == 0;
     sgt_numbers t = {.rows = n->count};
@@ -152,7 +165,8 @@ static sgt_numbers read_table(const document *d, const node *n, const sgt_param 
         print_item(key, p->name, i);
         if (row->kind != NODE_LIST) document_fail(d, row, key, "must be a row, a list of numbers");
         if (i > 0 && !may_end_early && row->count != t.columns)
-            document_fail(d, row, key, "has %zu number%s, and the rows before have %zu", row->count, row->count == 1 ? "" : "s", t.columns);
+            document_fail(d, row, key, "has %zu number%s, and the rows before have %zu", row->count,
+                          row->count == 1 ? "" : "s", t.columns);
         if (row->count > t.columns) t.columns = row->count;
         check_count(d, row, key, "number", (size_t)p->count);
     }
@@ -191,7 +205,8 @@ static node *given_as(const document *d, const node *map, const sgt_param *p, ch
 {
     radius_name(key, p->name);
     node *n = document_take(map, p->name), *reciprocal = *key ? document_take(map, key) : NULL;
-    if (n && reciprocal) document_fail(d, reciprocal, key, "given beside %s; one of the two is enough", p->name);
+    if (n && reciprocal)
+        document_fail(d, reciprocal, key, "given beside %s; one of the two is enough", p->name);
     if (!reciprocal) snprintf(key, NAME_SIZE, "%s", p->name);
     return reciprocal ? reciprocal : n;
 }
@@ -215,16 +230,19 @@ static bool share_memory(const sgt_param *a, const sgt_param *b)
     return a->offset < end_of(b) && b->offset < end_of(a);
 }
 
-static void read_terms(const document *d, const node *n, const sgt_builtin *b, const sgt_param *p, char *self);
+static void read_terms(const document *d, const node *n, const sgt_builtin *b, const sgt_param *p,
+                       char *self);
 
-static void read_parameter(const document *d, const node *map, const sgt_builtin *b, const sgt_param *p, char *self)
+static void read_parameter(const document *d, const node *map, const sgt_builtin *b, const sgt_param *p,
+                           char *self)
 {
     char key[NAME_SIZE];
     const node *n = given_as(d, map, p, key);
     if (!n) return;
     for (const sgt_param *q = b->params; q < p; q++)
         if (share_memory(p, q) && document_take(map, q->name))
-            document_fail(d, n, key, "given beside %s, of which it is a part; one of the two is enough", q->name);
+            document_fail(d, n, key, "given beside %s, of which it is a part; one of the two is enough",
+                          q->name);
     void *to = self + p->offset;
     if (strcmp(key, p->name) != 0) {
         double *value = to;
@@ -267,7 +285,9 @@ static void check_whole(const document *d, const node *map, const sgt_builtin *b
 /* One after the other, so that the first that the sum cannot have is told. */
 static void read_terms(const document *d, const node *n, const sgt_builtin *b, const sgt_param *p, char *self)
 {
-    if (n->kind != NODE_LIST) document_fail(d, n, p->name, "must be a list of surfaces, as [{type: odd_asphere, coefficients: [0, 1e-3]}]");
+    if (n->kind != NODE_LIST)
+        document_fail(d, n, p->name,
+                      "must be a list of surfaces, as [{type: odd_asphere, coefficients: [0, 1e-3]}]");
     check_count(d, n, p->name, "surface", (size_t)p->count);
     sgt_surface *term = memory_take(n->count, sizeof *term);
     term_list *terms = (void *)(self + p->offset);
@@ -279,15 +299,19 @@ static void read_terms(const document *d, const node *n, const sgt_builtin *b, c
         document_map(d, map, key);
         const sgt_builtin *type = type_of(d, map);
         for (const sgt_param *q = type->params; q->name; q++)
-            if (q->kind == SGT_TERMS) document_fail(d, map, key, "a %s cannot be a term of another", type->type);
+            if (q->kind == SGT_TERMS)
+                document_fail(d, map, key, "a %s cannot be a term of another", type->type);
         term[i] = surface_read(d, map, SURFACE_TERM, "", &type);
         terms->count = i + 1;
         sgt_objection no = b->object ? b->object(self) : (sgt_objection){NULL, NULL};
-        if (no.reason && strcmp(no.param, p->name) == 0) document_fail(d, map, key, "a surface of the type %s cannot be a term of a %s", type->type, b->type);
+        if (no.reason && strcmp(no.param, p->name) == 0)
+            document_fail(d, map, key, "a surface of the type %s cannot be a term of a %s", type->type,
+                          b->type);
     }
 }
 
-sgt_surface surface_read(const document *d, const node *map, surface_rim rim, const char *others, const sgt_builtin **type)
+sgt_surface surface_read(const document *d, const node *map, surface_rim rim, const char *others,
+                         const sgt_builtin **type)
 {
     const sgt_builtin *b = type_of(d, map);
     char *self = memory_take(1, b->size);
@@ -329,6 +353,7 @@ const double *surface_number(sgt_surface s, const char *key)
 {
     for (const sgt_builtin *b = sgt_builtins; b->type; b++)
         for (const sgt_param *p = b->params; b->ops == s.ops && p->name; p++)
-            if (p->kind == SGT_REAL && strcmp(p->name, key) == 0) return (const void *)((const char *)s.self + p->offset);
+            if (p->kind == SGT_REAL && strcmp(p->name, key) == 0)
+                return (const void *)((const char *)s.self + p->offset);
     return NULL;
 }

@@ -13,10 +13,11 @@ typedef enum surface_rim { SURFACE_OWN_RIM, SURFACE_NO_RIM, SURFACE_TERM } surfa
 /* Takes `type` and the parameters of that type out of the map, which document_map has
  * seen.  What is left in it is unknown; `others`, behind the keys of the type in the message,
  * are those that the caller has taken.  *type: its row of the table. */
-sgt_surface surface_read(const document *d, const node *map, surface_rim rim, const char *others, const sgt_builtin **type);
+sgt_surface surface_read(const document *d, const node *map, surface_rim rim, const char *others,
+                         const sgt_builtin **type);
 
-/* The row of the table with the operations of s, the first of them; and a number of s by its key, of any row that has
- * these operations: NULL, it has none of that name. */
+/* The row of the table with the operations of s, the first of them; and a number of s by its key, of any
+ * row that has these operations: NULL, it has none of that name. */
 const sgt_builtin *surface_row(sgt_surface s);
 const double *surface_number(sgt_surface s, const char *key);
 

@@ -3,12 +3,12 @@
  * A surface that has a sag is told by its gradient: of z - s(x, y) dF/dz is 1, exactly, at
  * any z; of a level set it is not, at the two points of the axis that are looked at.
  *
- * The sag is where a line parallel to z meets the surface.  The curvature: on the surface
- * the slope of the section is s'(y) = -F_y / F_z, and s'(y) = C y + O(y^3), so the gradient
- * at y = h gives C = -F_y / (F_z h) to a relative (C h)^2, and to rounding: the gradient is
- * worked out, not differenced.  On an even asphere that is c + 2 a_1, as it should be.  A surface that
- * tells its second derivative has C = -F_yy there; the gradient then says whether there is a vertex at all: on
- * a cone, and where the normal is not along z, it is not C h.
+ * The sag is where a line parallel to z meets the surface.  The curvature: on the surface the slope of the
+ * section is s'(y) = -F_y / F_z, and s'(y) = C y + O(y^3), so the gradient at y = h gives C = -F_y / (F_z
+ * h) to a relative (C h)^2, and to rounding: the gradient is worked out, not differenced.  On an even
+ * asphere that is c + 2 a_1, as it should be.  A surface that tells its second derivative has C = -F_yy
+ * there; the gradient then says whether there is a vertex at all: on a cone, and where the normal is not
+ * along z, it is not C h.
  *
  * THE SECTION of what is no sag is where F = 0 in a square net: how far it goes in z the lines parallel to
  * z tell that meet it; in each cell at whose corners F has both signs a stroke goes from side to side,
@@ -19,7 +19,8 @@
 
 #include <math.h>
 
-static const double SMOOTH = 0x1p-10, FLAT = 0x1p-40; /* of C; of the slope at y = h, h a 2^-30 of the aperture */
+/* of C; of the slope at y = h, h a 2^-30 of the aperture */
+static const double SMOOTH = 0x1p-10, FLAT = 0x1p-40;
 
 bool profile_is_sag(sgt_surface s)
 {
@@ -49,7 +50,8 @@ double profile_curvature(const sgt_element *e, double step)
     for (int i = 0; i < 6; i++) to[i] = &second[i];
     s.ops->second(s.self, 1, (sgt_points){{&zero, &zero, &zero}}, to);
     double at_vertex = -second[3];
-    return fabs(c - at_vertex) <= SMOOTH * fabs(at_vertex) || fabs(c - at_vertex) * step < FLAT ? at_vertex : (double)NAN;
+    return fabs(c - at_vertex) <= SMOOTH * fabs(at_vertex) || fabs(c - at_vertex) * step < FLAT ? at_vertex
+                                                                                                : (double)NAN;
 }
 
 enum { NET = 128, ROOTS = 16 };
@@ -60,7 +62,8 @@ static double whole(sgt_surface s, double reach)
     const double MUCH = 4, MARGIN = 1.02;
     double far = 0;
     sgt_hit hit[ROOTS];
-    int count = sgt_intersect_all(s, (sgt_ray){.o = {0, 0, 0}, .d = {0, 1, 0}, .tmin = -HUGE_VAL, .tmax = HUGE_VAL}, ROOTS, hit, NULL);
+    int count = sgt_intersect_all(
+        s, (sgt_ray){.o = {0, 0, 0}, .d = {0, 1, 0}, .tmin = -HUGE_VAL, .tmax = HUGE_VAL}, ROOTS, hit, NULL);
     for (int i = 0; i < count && i < ROOTS; i++)
         if (hit[i].status > 0) far = fmax(far, MARGIN * fabs(hit[i].p.y));
     return far <= MUCH * reach ? fmax(far, reach) : reach;
@@ -72,7 +75,8 @@ static bool section_ends(sgt_surface s, double reach, double *low, double *high)
     *low = HUGE_VAL, *high = -HUGE_VAL;
     for (int k = 0; k <= NET; k++) {
         sgt_hit hit[ROOTS];
-        sgt_ray line = {.o = {0, reach * (2.0 * k / NET - 1), 0}, .d = {0, 0, 1}, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
+        sgt_ray line = {
+            .o = {0, reach * (2.0 * k / NET - 1), 0}, .d = {0, 0, 1}, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
         int count = sgt_intersect_all(s, line, ROOTS, hit, NULL);
         for (int i = 0; i < count && i < ROOTS; i++)
             if (hit[i].status > 0) *low = fmin(*low, hit[i].p.z), *high = fmax(*high, hit[i].p.z);

@@ -14,9 +14,9 @@ double profile_sag(const sgt_element *e, double x, double y);
  * step is to be small beside the radius.  NaN where there is none. */
 double profile_curvature(const sgt_element *e, double step);
 
-/* The section x = 0 of any other surface, in short strokes: two points (0, y, z) of its own frame for each, |y| <= reach, or
- * all of it where it has no clear aperture and is not much wider.  Parts smaller than reach / 64 may be left out.
- * *stroke is memory of the command's; returns how many. */
+/* The section x = 0 of any other surface, in short strokes: two points (0, y, z) of its own frame for each,
+ * |y| <= reach, or all of it where it has no clear aperture and is not much wider.  Parts smaller than
+ * reach / 64 may be left out.  *stroke is memory of the command's; returns how many. */
 size_t profile_section(const sgt_element *e, double reach, sgt_vec3 (**stroke)[2]);
 
 #endif

@@ -65,7 +65,8 @@ static void put_byte(table *t, char c) { table_put(t, &c, 1); }
 static table *table_new(const table_target *target, size_t columns, const column *head)
 {
     table *t = memory_take(1, sizeof *t);
-    *t = (table){.to = *target, .columns = columns, .column = head, .width = memory_take(columns, sizeof *t->width)};
+    *t = (table){
+        .to = *target, .columns = columns, .column = head, .width = memory_take(columns, sizeof *t->width)};
     return t;
 }
 
@@ -116,7 +117,8 @@ static void put_csv_field(table *t, const char *text)
     put_byte(t, '"');
 }
 
-/* A part cannot know whether its first row is the table's, and begins with a comma; table_join leaves it out. */
+/* A part cannot know whether its first row is the table's, and begins with a comma; table_join leaves it
+ * out. */
 static void cell_begin(table *t)
 {
     if (t->to.format != TABLE_JSON) return;
@@ -231,7 +233,8 @@ void table_number(table *t, double value)
         length = snprintf(text, sizeof text, "null");
     else
         length = number_print(text, value, t->to.hexadecimal);
-    put_cell(t, text, (size_t)length, t->to.format == TABLE_CSV || isnan(value) || (isfinite(value) && !t->to.hexadecimal));
+    put_cell(t, text, (size_t)length,
+             t->to.format == TABLE_CSV || isnan(value) || (isfinite(value) && !t->to.hexadecimal));
 }
 
 /* The bound is for the double, and the decimal may be half an ulp beside it: who takes the
@@ -240,7 +243,8 @@ void table_number(table *t, double value)
 void table_number_within(table *t, double value, double error)
 {
     table_number(t, value);
-    if (t->to.format != TABLE_TEXT && !t->to.hexadecimal && error > 0) error = number_round_up(error + number_print_gap(value));
+    if (t->to.format != TABLE_TEXT && !t->to.hexadecimal && error > 0)
+        error = number_round_up(error + number_print_gap(value));
     table_number(t, error);
 }
 

@@ -1,8 +1,8 @@
 /* undecided.c - the stretch that is left of a ray, and a reason.
  *
- * The library says what is left, [lo, hi].  Why, is looked for by asking once more what is to be seen there: every
- * entry, without a proof and without the rim.  What is said of these is true as it stands, and how far each is from
- * the rim is worked out here. */
+ * The library says what is left, [lo, hi].  Why, is looked for by asking once more what is to be seen
+ * there: every entry, without a proof and without the rim.  What is said of these is true as it stands, and
+ * how far each is from the rim is worked out here. */
 #include "undecided.h"
 
 #include "frame.h"
@@ -15,7 +15,12 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ENTRIES = 32, DEFAULT_EVALS = 2000 /* sagitta.h */, PLACES_SIZE = 5 * NUMBER_SIZE, REASON_SIZE = 2 * PLACES_SIZE };
+enum {
+    ENTRIES = 32,
+    DEFAULT_EVALS = 2000 /* sagitta.h */,
+    PLACES_SIZE = 5 * NUMBER_SIZE,
+    REASON_SIZE = 2 * PLACES_SIZE
+};
 
 static const char RIM[] = "semi_diameter";
 
@@ -24,7 +29,8 @@ bool undecided_has_rim(sgt_surface s) { return surface_number(s, RIM) != NULL; }
 bare_surface undecided_without_rim(sgt_surface s)
 {
     bare_surface b = {.surface = s, .terms = s.ops != &sgt_conic_ops};
-    const double *rim = surface_number(s, RIM), *c = surface_number(s, "curvature"), *k = surface_number(s, "conic");
+    const double *rim = surface_number(s, RIM), *c = surface_number(s, "curvature"),
+                 *k = surface_number(s, "conic");
     if (!rim) return b;
     size_t size = surface_row(s)->size;
     char *bare = memory_take(1, size);
@@ -32,7 +38,8 @@ bare_surface undecided_without_rim(sgt_surface s)
     memset(bare + ((const char *)rim - (const char *)s.self), 0, sizeof *rim);
     b.surface.self = bare;
     b.rim = *rim;
-    if (!surface_number(s, "curvature_x")) b.c = c ? *c : 0, b.k = k ? *k : 0; /* else it is that of one section alone */
+    /* else it is that of one section alone */
+    if (!surface_number(s, "curvature_x")) b.c = c ? *c : 0, b.k = k ? *k : 0;
     if (s.ops == &sgt_asphere_ops) {
         const sgt_asphere *asphere = s.self;
         b.terms = false;
@@ -92,18 +99,23 @@ static void print_places(char text[PLACES_SIZE], const view *v)
         const char *before = i == 0 ? "t = " : i + 1 == v->roots ? " and " : ", ";
         length += snprintf(text + length, (size_t)(PLACES_SIZE - length), "%s%s", before, at);
     }
-    if (v->roots > SHOWN) snprintf(text + length, (size_t)(PLACES_SIZE - length), " and %d more", v->roots - SHOWN);
+    if (v->roots > SHOWN)
+        snprintf(text + length, (size_t)(PLACES_SIZE - length), " and %d more", v->roots - SHOWN);
 }
 
-/* At t: does the ray run along the surface, to a thousandth of a radian, or along the equator, where it ends? */
+/* At t: does the ray run along the surface, to a thousandth of a radian, or along the equator, where it
+ * ends? */
 static const char *print_where(const search *s, double t)
 {
     const sgt_vec3 d = s->ray.d, p = vector_along(s->ray.o, d, t);
     bare_surface b = undecided_without_rim(s->surface);
     sgt_vec3 n;
-    if (b.k > -1 && fabs((1 + b.k) * b.c * b.c * (p.x * p.x + p.y * p.y) - 1) < 1e-12) return "at the equator, where the surface ends, ";
+    if (b.k > -1 && fabs((1 + b.k) * b.c * b.c * (p.x * p.x + p.y * p.y) - 1) < 1e-12)
+        return "at the equator, where the surface ends, ";
     double f = s->surface.ops->value(s->surface.self, p, &n);
-    return isfinite(f) && fabs(vector_dot(n, d)) < 1e-3 * vector_length(n) * vector_length(d) ? "the ray grazes; " : "";
+    return isfinite(f) && fabs(vector_dot(n, d)) < 1e-3 * vector_length(n) * vector_length(d)
+               ? "the ray grazes; "
+               : "";
 }
 
 /* Under a proof the library tells no budget from other reasons. */
@@ -111,7 +123,8 @@ static bool is_spent(const search *s)
 {
     sgt_options same = *s->asked;
     same.proof = SGT_ESTIMATE, same.watch = NULL;
-    return s->hit->evals >= (same.max_evals ? same.max_evals : DEFAULT_EVALS) || sgt_intersect(s->surface, s->ray, &same).status == SGT_EXHAUSTED;
+    return s->hit->evals >= (same.max_evals ? same.max_evals : DEFAULT_EVALS) ||
+           sgt_intersect(s->surface, s->ray, &same).status == SGT_EXHAUSTED;
 }
 
 static void print_reason_of_unproven(char text[REASON_SIZE], const search *s)
@@ -128,26 +141,35 @@ static void print_reason_of_unproven(char text[REASON_SIZE], const search *s)
     char places[PLACES_SIZE];
     print_places(places, &v);
     if (v.rim > 0 && !(v.rim * v.rim > 0x1p-960)) {
-        snprintf(text, REASON_SIZE, "nothing can be told of a semi_diameter so small that its square is lost");
+        snprintf(text, REASON_SIZE,
+                 "nothing can be told of a semi_diameter so small that its square is lost");
     } else if (v.at_rim >= 0) {
         const sgt_hit *h = &v.root[v.at_rim];
         char t[NUMBER_SIZE], r[NUMBER_SIZE], edge[NUMBER_SIZE];
         number_print(t, h->t, false);
         number_print(r, hypot(h->p.x, h->p.y), false);
         number_print(edge, edge_of(v.rim), false);
-        snprintf(text, REASON_SIZE, "rounding hides on which side of the rim the root at t = %s is: r = %s, and the rim ends at %s", t, r, edge);
+        snprintf(
+            text, REASON_SIZE,
+            "rounding hides on which side of the rim the root at t = %s is: r = %s, and the rim ends at %s",
+            t, r, edge);
     } else if (v.roots > 1 && s->near_seed && s->asked->proof == SGT_PROVE_FIRST) {
         const char *which = profile_is_sag(s->surface) ? "near the vertex" : "that is picked";
-        snprintf(text, REASON_SIZE, "the root %s is not the only one: it meets the surface at %s", which, places);
+        snprintf(text, REASON_SIZE, "the root %s is not the only one: it meets the surface at %s", which,
+                 places);
     } else if (v.roots > 1) {
         snprintf(text, REASON_SIZE, "it meets the surface at %s, and none of these roots is proven", places);
     } else if (v.roots == 1 && v.root[0].status == SGT_GRAZE) {
-        snprintf(text, REASON_SIZE, "it touches the surface at %s as far as can be told: one root, two or none", places);
+        snprintf(text, REASON_SIZE,
+                 "it touches the surface at %s as far as can be told: one root, two or none", places);
     } else if (v.roots == 1) {
-        snprintf(text, REASON_SIZE, "%sthere is a root at %s, at most %.2g off; that there is no other is not proven%s", print_where(s, v.root[0].t), places,
-                 v.root[0].t_err, s->asked->t_tol > 0 ? ", and may be with a smaller --t-tol" : "");
+        snprintf(text, REASON_SIZE,
+                 "%sthere is a root at %s, at most %.2g off; that there is no other is not proven%s",
+                 print_where(s, v.root[0].t), places, v.root[0].t_err,
+                 s->asked->t_tol > 0 ? ", and may be with a smaller --t-tol" : "");
     } else {
-        snprintf(text, REASON_SIZE, "%sthere may be a root or none: rounding does not let it be told", print_where(s, 0.5 * s->hit->lo + 0.5 * s->hit->hi));
+        snprintf(text, REASON_SIZE, "%sthere may be a root or none: rounding does not let it be told",
+                 print_where(s, 0.5 * s->hit->lo + 0.5 * s->hit->hi));
     }
 }
 
@@ -166,7 +188,8 @@ static void print_reason(char text[REASON_SIZE], const search *s)
 static void print_stretch(char text[REASON_SIZE], const search *s)
 {
     char from[NUMBER_SIZE], to[NUMBER_SIZE];
-    double lo = s->hit->lo, hi = s->hit->hi, tmax = s->ray.tmax == 0 && s->ray.tmin >= 0 ? HUGE_VAL : s->ray.tmax;
+    double lo = s->hit->lo, hi = s->hit->hi,
+           tmax = s->ray.tmax == 0 && s->ray.tmin >= 0 ? HUGE_VAL : s->ray.tmax;
     bool starts = lo > s->ray.tmin, ends = hi < tmax;
     number_print(from, lo, false);
     number_print(to, hi, false);

@@ -4,11 +4,12 @@
  * lens fate, the last point and direction, the path); t_tol 0; the default budget and pick.  The budgets
  * tried halve what the worst ray takes by default, three times.
  *
- * RAYS BY DEFAULT.  Of a sag: origins uniform in a disk of radius r at z = -2 r, l and m uniform in
- * +-0.15, where r is 5/8 of semi_diameter or of the norm of its polynomials or of half a grid, or 1/4 of a radius, the
- * smallest (1 where there is none).  Of a body or a level set: from anywhere on a sphere about the origin of its frame,
- * of 1.5 times its reach (as far as the axes meet it; the level set's escape), toward any point within 3/4 of it.  Random numbers are splitmix64's (Steele, Lea, Flood 2014,
- * OOPSLA), from 0x1234567: always the same rays. */
+ * RAYS BY DEFAULT.  Of a sag: origins uniform in a disk of radius r at z = -2 r, l and m uniform in +-0.15,
+ * where r is 5/8 of semi_diameter or of the norm of its polynomials or of half a grid, or 1/4 of a radius,
+ * the smallest (1 where there is none).  Of a body or a level set: from anywhere on a sphere about the
+ * origin of its frame, of 1.5 times its reach (as far as the axes meet it; the level set's escape), toward
+ * any point within 3/4 of it.  Random numbers are splitmix64's (Steele, Lea, Flood 2014, OOPSLA), from
+ * 0x1234567: always the same rays. */
 #include "trade.h"
 
 #include "../job/launch.h"
@@ -52,7 +53,8 @@ static sgt_vec3 on_sphere(uint64_t *state, double radius)
 
 static sgt_ray set_ray(uint64_t *state, double escape)
 {
-    sgt_vec3 o = on_sphere(state, 1.5 * escape), to = on_sphere(state, 0.75 * escape * cbrt(unit_random(state)));
+    sgt_vec3 o = on_sphere(state, 1.5 * escape),
+             to = on_sphere(state, 0.75 * escape * cbrt(unit_random(state)));
     sgt_vec3 d = {to.x - o.x, to.y - o.y, to.z - o.z};
     double length = sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
     return (sgt_ray){.o = o, .d = {d.x / length, d.y / length, d.z / length}};
@@ -93,7 +95,9 @@ static double sag_reach(sgt_surface s)
     }
     if (s.ops == &sgt_grid_ops) {
         const sgt_grid *g = s.self;
-        if (g->z.rows) reach = fmin(reach, 0.3125 * fmin(g->step_x * (double)(g->z.columns - 1), g->step_y * (double)(g->z.rows - 1)));
+        if (g->z.rows)
+            reach = fmin(reach, 0.3125 * fmin(g->step_x * (double)(g->z.columns - 1),
+                                              g->step_y * (double)(g->z.rows - 1)));
     }
     return reach < HUGE_VAL ? reach : 1;
 }
@@ -104,7 +108,8 @@ static ray_list default_rays(sgt_surface s)
     uint64_t state = 0x1234567;
     bool sag = profile_is_sag(s);
     double reach = sag ? sag_reach(s) : s.ops->estimate ? half_chord(s) : body_reach(s);
-    for (int i = 0; i < RAYS_DEFAULT; i++) rays_add(&list, (launch){.ray = sag ? sag_ray(&state, reach) : set_ray(&state, reach)});
+    for (int i = 0; i < RAYS_DEFAULT; i++)
+        rays_add(&list, (launch){.ray = sag ? sag_ray(&state, reach) : set_ray(&state, reach)});
     return list;
 }
 
@@ -120,7 +125,8 @@ static trade_case *add_case(trade *t, const char *name, const ray_list *rays)
     bool ended = false;
     for (size_t i = 0; i < c->rays; i++) {
         const sgt_ray *r = &rays->ray[i].ray;
-        const double number[8] = {r->o.x, r->o.y, r->o.z, r->d.x, r->d.y, r->d.z, r->tmin, r->tmax == 0 && r->tmin >= 0 ? HUGE_VAL : r->tmax};
+        const double number[8] = {r->o.x, r->o.y, r->o.z,  r->d.x,
+                                  r->d.y, r->d.z, r->tmin, r->tmax == 0 && r->tmin >= 0 ? HUGE_VAL : r->tmax};
         for (int k = 0; k < 8; k++) array[k][i] = number[k];
         ended = ended || number[6] != 0 || number[7] < HUGE_VAL;
         c->ray[i] = *r;
@@ -130,7 +136,8 @@ static trade_case *add_case(trade *t, const char *name, const ray_list *rays)
     return c;
 }
 
-const char *const trade_knob_name[KNOBS] = {"default", "single", "out", "t_tol", "max_evals", "pick", "proof", "dt_min", "iterations"};
+const char *const trade_knob_name[KNOBS] = {"default", "single", "out",    "t_tol",     "max_evals",
+                                            "pick",    "proof",  "dt_min", "iterations"};
 
 static void add(trade_case *c, setting s, knob turned, const char *format, ...) LIKE_PRINTF(4, 5);
 
@@ -158,7 +165,10 @@ static const char *brief(double x)
     return memory_text(text, strlen(text));
 }
 
-static const knob_list *given_or(const knob_list *given, const knob_list *otherwise) { return given->count ? given : otherwise; }
+static const knob_list *given_or(const knob_list *given, const knob_list *otherwise)
+{
+    return given->count ? given : otherwise;
+}
 
 static const char *const proof_name[] = {"estimate", "root", "first"};
 
@@ -178,7 +188,8 @@ static void add_settings(trade_case *c, const trade_options *o, setting base, bo
     }
     s = base;
     knob_list budgets = {0};
-    for (int most = trade_most_evals(c, &base) / 2; most > 0 && budgets.count < 3; most /= 2) budgets.value[budgets.count++] = most;
+    for (int most = trade_most_evals(c, &base) / 2; most > 0 && budgets.count < 3; most /= 2)
+        budgets.value[budgets.count++] = most;
     list = given_or(&o->max_evals, &budgets);
     for (size_t i = 0; i < list->count; i++) {
         s.options.max_evals = (int)list->value[i];
@@ -225,7 +236,8 @@ static sgt_surface with_iterations(sgt_surface s, int n)
     return (sgt_surface){.ops = s.ops, .self = self};
 }
 
-static void iterations_case(trade *t, const trade_options *o, const char *name, const char *about, sgt_surface s, const ray_list *rays)
+static void iterations_case(trade *t, const trade_options *o, const char *name, const char *about,
+                            sgt_surface s, const ray_list *rays)
 {
     const sgt_param *p = iterations_of(surface_row(s));
     int own, deepest = 0;
@@ -244,7 +256,8 @@ static void iterations_case(trade *t, const trade_options *o, const char *name, 
     if (list->count < 2) return;
     trade_case *c = add_case(t, memory_text(name, strlen(name)), rays);
     snprintf(c->about, sizeof c->about, "%.300s; errors against N = %d", about, deepest);
-    setting s_of_n = {.surface = with_iterations(s, deepest), .outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
+    setting s_of_n = {
+        .surface = with_iterations(s, deepest), .outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
     s_of_n.truth = trade_truth(c, &s_of_n);
     for (size_t i = 0; i < list->count; i++) {
         int n = (int)list->value[i];
@@ -260,7 +273,9 @@ static void iterations_case(trade *t, const trade_options *o, const char *name, 
 static void check_known(const char *which, const char *type, sgt_surface s)
 {
     if (quad_formula_of(s)) return;
-    fail_usage("%s: of a surface about the Earth (%s) errors cannot be told: there is no formula in 113 bits of it here", which, type);
+    fail_usage("%s: of a surface about the Earth (%s) errors cannot be told: there is no formula in 113 bits "
+               "of it here",
+               which, type);
 }
 
 static void surface_case(trade *t, const trade_options *o, const char *name, const char *about, sgt_surface s)
@@ -289,7 +304,8 @@ static void lens_case(trade *t, const trade_options *o, const char *name, const 
     }
     trade_case *c = add_case(t, name, &j->rays);
     c->lens = j;
-    snprintf(c->about, sizeof c->about, "%zu elements%s%.20s", j->lens.count, *j->lens.units ? ", lengths in " : "", j->lens.units);
+    snprintf(c->about, sizeof c->about, "%zu elements%s%.20s", j->lens.count,
+             *j->lens.units ? ", lengths in " : "", j->lens.units);
     setting base = {.outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
     base.truth = trade_truth(c, &base);
     add_settings(c, o, base, seed, set);
@@ -298,28 +314,42 @@ static void lens_case(trade *t, const trade_options *o, const char *name, const 
 /* The scan lens of examples/lenses/ftheta.yaml, at its first wavelength. */
 static const job *scan_lens(void)
 {
-    static const struct { double radius, thickness, index, semi_diameter; } row[] = {
-        {HUGE_VAL, 5, 1, 0.5},          {-2.2136, 0.3, 1.84666, 2.0},  {-2.6575, 0.02, 1, 2.25},    {-5.5022, 0.5292, 1.84666, 2.5},
-        {-3.8129, 4.2927, 1, 2.6},      {7.9951, 0.59, 1.84666, 4.05}, {8.3651, 18.0014, 1, 4.0},   {HUGE_VAL, 0, 1, 7.2},
+    static const struct { double radius, thickness, index, semi_diameter;
+    } row[] = {
+        {HUGE_VAL, 5, 1, 0.5},           {-2.2136, 0.3, 1.84666, 2.0}, {-2.6575, 0.02, 1, 2.25},
+        {-5.5022, 0.5292, 1.84666, 2.5}, {-3.8129, 4.2927, 1, 2.6},    {7.9951, 0.59, 1.84666, 4.05},
+        {8.3651, 18.0014, 1, 4.0},       {HUGE_VAL, 0, 1, 7.2},
     };
     static const double field[] = {0, 10, 20};
     enum { COUNT = sizeof row / sizeof row[0] };
     sgt_conic *sag = memory_take(COUNT, sizeof *sag);
     job *j = memory_take(1, sizeof *j);
-    j->lens = (lens){.name = "f-theta scan lens", .units = "in", .wavelengths = 1, .wavelength = 0.5876, .object_distance = HUGE_VAL,
-                     .object_index = 1, .pupil_semi_diameter = 0.5, .pupil_distance = 0, .count = COUNT,
-                     .element = memory_take(COUNT, sizeof *j->lens.element), .surface = memory_take(COUNT, sizeof *j->lens.surface)};
+    j->lens = (lens){.name = "f-theta scan lens",
+                     .units = "in",
+                     .wavelengths = 1,
+                     .wavelength = 0.5876,
+                     .object_distance = HUGE_VAL,
+                     .object_index = 1,
+                     .pupil_semi_diameter = 0.5,
+                     .pupil_distance = 0,
+                     .count = COUNT,
+                     .element = memory_take(COUNT, sizeof *j->lens.element),
+                     .surface = memory_take(COUNT, sizeof *j->lens.surface)};
     double z = 0;
     for (int i = 0; i < COUNT; i++) {
         sag[i].c = 1 / row[i].radius;
-        j->lens.surface[i] = (lens_surface){.type = isinf(row[i].radius) ? "plane" : "sphere", .index = row[i].index, .z = z};
-        j->lens.element[i] = (sgt_element){.surface = {&sgt_conic_ops, &sag[i]}, .pose = {.origin = {0, 0, z}},
-                                           .index = row[i].index, .semi_diameter = row[i].semi_diameter};
+        j->lens.surface[i] = (lens_surface){
+            .type = isinf(row[i].radius) ? "plane" : "sphere", .index = row[i].index, .z = z};
+        j->lens.element[i] = (sgt_element){.surface = {&sgt_conic_ops, &sag[i]},
+                                           .pose = {.origin = {0, 0, z}},
+                                           .index = row[i].index,
+                                           .semi_diameter = row[i].semi_diameter};
         z += row[i].thickness;
     }
     j->element = j->lens.element;
     j->fields = 3, j->field = field;
-    for (size_t f = 0; f < j->fields; f++) launch_field(&j->rays, &j->lens, f, field[f], PUPIL_GRID, GRID_DEFAULT);
+    for (size_t f = 0; f < j->fields; f++)
+        launch_field(&j->rays, &j->lens, f, field[f], PUPIL_GRID, GRID_DEFAULT);
     return j;
 }
 
@@ -329,9 +359,11 @@ static void default_set(trade *t, const trade_options *o)
     static const sgt_asphere asphere = {.c = 0.1, .k = -0.6, .semi_diameter = 4, .a = {0, 1e-4, -2e-6, 1e-8}};
     static const sgt_julia julia = {.c = {-0.083, 0, -0.83, -0.025}, .iterations = 7};
     surface_case(t, o, "conic", "R = 10, k = -0.6", (sgt_surface){&sgt_conic_ops, &conic});
-    surface_case(t, o, "asphere", "that conic with 1e-4 r^4 - 2e-6 r^6 + 1e-8 r^8, semi-diameter 4", (sgt_surface){&sgt_asphere_ops, &asphere});
+    surface_case(t, o, "asphere", "that conic with 1e-4 r^4 - 2e-6 r^6 + 1e-8 r^8, semi-diameter 4",
+                 (sgt_surface){&sgt_asphere_ops, &asphere});
     lens_case(t, o, "scan-lens", scan_lens());
-    surface_case(t, o, "julia", "c = (-0.083, 0, -0.83, -0.025), N = 7", (sgt_surface){&sgt_julia_ops, &julia});
+    surface_case(t, o, "julia", "c = (-0.083, 0, -0.83, -0.025), N = 7",
+                 (sgt_surface){&sgt_julia_ops, &julia});
 }
 
 trade trade_cases(const trade_options *o)

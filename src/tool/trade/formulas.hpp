@@ -1,24 +1,29 @@
-// formulas.hpp - F of each built-in surface by its definition in surfaces.h, for any type of number: a row a type.
+// formulas.hpp - F of each built-in surface by its definition in surfaces.h, for any type of number: a row
+// a type.
 //
-// The command's trade tells errors by it, and the oracles of tests/ judge the library by it.  It shares no code and no
-// method with the library: where that has a recurrence, here stands the explicit sum, product or root, and the loss of
-// digits is what the numbers of 113 bits are for.
+// The command's trade tells errors by it, and the oracles of tests/ judge the library by it.  It shares no
+// code and no method with the library: where that has a recurrence, here stands the explicit sum, product
+// or root, and the loss of digits is what the numbers of 113 bits are for.
 //
 //   conic, sags on it   ISO 10110-12, in the form that is finite for c = 0;
 //   toroid, biconic     ISO 10110-12 as well, by their two curvatures;
-//   Chebyshev   T_n(u) = Re (u + i sqrt(1 - u^2))^n; beyond 1 the same with a real root (Mason and Handscomb 2002, 1.2);
-//   Zernike     R(rho) = sum of (-1)^k C(n - k, k) C(n - 2k, (n - m)/2 - k) rho^(n - 2k), the factorials of Noll's (1976)
+//   Chebyshev   T_n(u) = Re (u + i sqrt(1 - u^2))^n; beyond 1 the same with a real root (Mason and
+//               Handscomb 2002, 1.2);
+//   Zernike     R(rho) = sum of (-1)^k C(n - k, k) C(n - 2k, (n - m)/2 - k) rho^(n - 2k), the factorials of
+//               Noll's (1976)
 //               equation 1 as binomials; rho^m cos(m theta) = Re (x + i y)^m;
 //   Q_con       P_m^(0,4)(2x - 1) = sum of C(m, s) C(m + 4, s) (x - 1)^s x^(m - s) (Szego 1939, 4.3.2);
 //   Q_bfs       orthogonal in slope (Forbes 2007, section 3): the mean of the product of the derivatives of
-//               u^2 (1 - u^2) Q(u^2) by u, weighted by 1 / sqrt(1 - u^2), is 1 for one and 0 for two; by Gram and
-//               Schmidt from x Q, the mean taken over points equally spaced in the arc sine of u, where it is exact;
+//               u^2 (1 - u^2) Q(u^2) by u, weighted by 1 / sqrt(1 - u^2), is 1 for one and 0 for two; by
+//                 Gram and
+//               Schmidt from x Q, the mean taken over points equally spaced in the arc sine of u, where it
+//                 is exact;
 //   grid        the sum of heights times Keys' (1981) kernel, boundary heights by his equation 25;
 //   level sets  the orbit Q -> Q^p + c as it is written down, with whole quaternion products (Norton 1982).
 //
-// Parameters come in the order in which surfaces.h counts them for sensitivities, as numbers of the same type: so a
-// `dual` in a parameter's place gives the derivative by it, and one of duals the mixed ones.  The numbers of a level
-// set, which has no such derivatives, are read from its struct.
+// Parameters come in the order in which surfaces.h counts them for sensitivities, as numbers of the same
+// type: so a `dual` in a parameter's place gives the derivative by it, and one of duals the mixed ones.
+// The numbers of a level set, which has no such derivatives, are read from its struct.
 //
 // To add a type: its parameters, its formula, and a row in `rows`.
 #ifndef TOOL_FORMULAS_HPP
@@ -50,7 +55,11 @@ inline quad times(quad c, quad x) { return c * x; }
 template <class T, int N> struct dual {
     T a, v[N];
     dual() : a(0) { std::fill(v, v + N, T(0)); }
-    template <class S, class = typename std::enable_if<std::is_convertible<S, T>::value>::type> dual(const S &s) : a(s) { std::fill(v, v + N, T(0)); }
+    template <class S, class = typename std::enable_if<std::is_convertible<S, T>::value>::type>
+    dual(const S &s) : a(s)
+    {
+        std::fill(v, v + N, T(0));
+    }
     static dual variable(const T &s, int i)
     {
         dual x(s);
@@ -133,7 +142,10 @@ template <class T> T power(const T &x, int n)
 
 template <class T> struct complex {
     T re, im;
-    friend complex operator*(const complex &x, const complex &y) { return {x.re * y.re - x.im * y.im, x.re * y.im + x.im * y.re}; }
+    friend complex operator*(const complex &x, const complex &y)
+    {
+        return {x.re * y.re - x.im * y.im, x.re * y.im + x.im * y.re};
+    }
 };
 
 inline quad binomial(int n, int k)
@@ -154,7 +166,10 @@ inline quad sine(quad x)
     }
     return sum;
 }
-inline quad half_pi() { return quad(0x1.921fb54442d18p0) + quad(0x1.1a62633145c07p-54) + quad(-0x1.f1976b7ed8fbcp-110); }
+inline quad half_pi()
+{
+    return quad(0x1.921fb54442d18p0) + quad(0x1.1a62633145c07p-54) + quad(-0x1.f1976b7ed8fbcp-110);
+}
 
 // -------------------------------------------------------------------- conic
 
@@ -256,7 +271,8 @@ template <class T> T zernike_sum(const sgt_zernike &s, const T *a, const T &x, c
             known.push_back(s.order == SGT_FRINGE ? fringe(next) : noll(next));
         }
         if (nothing(a[j - 1])) continue;
-        const int n = known[static_cast<std::size_t>(j - 1)].first, m = known[static_cast<std::size_t>(j - 1)].second, order = std::abs(m);
+        const int n = known[static_cast<std::size_t>(j - 1)].first,
+                  m = known[static_cast<std::size_t>(j - 1)].second, order = std::abs(m);
         while (static_cast<int>(turned.size()) <= order) turned.push_back(turned.back() * complex<T>{x, y});
         const std::vector<quad> &c = radial(n, order);
         while (up.size() < c.size()) up.push_back(up.back() * rho2);
@@ -273,7 +289,8 @@ inline const std::vector<quad> &q_con_factors(int m)
 {
     static std::map<int, std::vector<quad>> known;
     std::vector<quad> &c = known[m];
-    for (int s = 0; c.size() <= static_cast<std::size_t>(m); s++) c.push_back(binomial(m, s) * binomial(m + 4, s));
+    for (int s = 0; c.size() <= static_cast<std::size_t>(m); s++)
+        c.push_back(binomial(m, s) * binomial(m + 4, s));
     return c;
 }
 
@@ -329,7 +346,8 @@ private:
         const quad u = u_[i], x = u * u;
         return 2 * u * ((1 - 2 * x) * q + (x - x * x) * dq);
     }
-    quad mean(const std::vector<quad> &q, const std::vector<quad> &dq, const std::vector<quad> &r, const std::vector<quad> &dr) const
+    quad mean(const std::vector<quad> &q, const std::vector<quad> &dq, const std::vector<quad> &r,
+              const std::vector<quad> &dr) const
     {
         quad sum = 0;
         for (std::size_t i = 0; i < points; i++) sum += slope(i, q[i], dq[i]) * slope(i, r[i], dr[i]);
@@ -354,7 +372,8 @@ private:
                 for (std::size_t j = 0; j <= m; j++) {
                     const quad part = mean(q, dq, value_[j], by_x_[j]);
                     along[j] += part;
-                    for (std::size_t i = 0; i < points; i++) q[i] -= part * value_[j][i], dq[i] -= part * by_x_[j][i];
+                    for (std::size_t i = 0; i < points; i++)
+                        q[i] -= part * value_[j][i], dq[i] -= part * by_x_[j][i];
                 }
             const quad size = square_root(mean(q, dq, q, dq));
             for (std::size_t i = 0; i < points; i++) q[i] /= size, dq[i] /= size;
@@ -382,20 +401,26 @@ inline quad height(const sgt_numbers &z, long i, long j)
     if (i < 0) return 3 * height(z, 0, j) - 3 * height(z, 1, j) + height(z, 2, j);
     if (i >= rows) return 3 * height(z, rows - 1, j) - 3 * height(z, rows - 2, j) + height(z, rows - 3, j);
     if (j < 0) return 3 * height(z, i, 0) - 3 * height(z, i, 1) + height(z, i, 2);
-    if (j >= columns) return 3 * height(z, i, columns - 1) - 3 * height(z, i, columns - 2) + height(z, i, columns - 3);
+    if (j >= columns)
+        return 3 * height(z, i, columns - 1) - 3 * height(z, i, columns - 2) + height(z, i, columns - 3);
     return z.x[i * columns + j];
 }
 
 template <class T> T grid_at(const sgt_grid &s, const T &x, const T &y)
 {
     const long rows = static_cast<long>(s.z.rows), columns = static_cast<long>(s.z.columns);
-    const T u = x / T(s.step_x) + T(0.5 * static_cast<double>(columns - 1)), v = y / T(s.step_y) + T(0.5 * static_cast<double>(rows - 1));
-    if (!(plain(u) >= 0 && plain(u) <= static_cast<double>(columns - 1) && plain(v) >= 0 && plain(v) <= static_cast<double>(rows - 1))) return T(static_cast<double>(NAN));
-    const long i0 = std::min(static_cast<long>(plain(v)), rows - 2), j0 = std::min(static_cast<long>(plain(u)), columns - 2);
+    const T u = x / T(s.step_x) + T(0.5 * static_cast<double>(columns - 1)),
+            v = y / T(s.step_y) + T(0.5 * static_cast<double>(rows - 1));
+    if (!(plain(u) >= 0 && plain(u) <= static_cast<double>(columns - 1) && plain(v) >= 0 &&
+          plain(v) <= static_cast<double>(rows - 1)))
+        return T(static_cast<double>(NAN));
+    const long i0 = std::min(static_cast<long>(plain(v)), rows - 2),
+               j0 = std::min(static_cast<long>(plain(u)), columns - 2);
     T sum(0.0);
     for (long i = i0 - 1; i <= i0 + 2; i++) {
         T row(0.0);
-        for (long j = j0 - 1; j <= j0 + 2; j++) row = row + times(height(s.z, i, j), keys(u - T(static_cast<double>(j))));
+        for (long j = j0 - 1; j <= j0 + 2; j++)
+            row = row + times(height(s.z, i, j), keys(u - T(static_cast<double>(j))));
         sum = sum + row * keys(v - T(static_cast<double>(i)));
     }
     return sum;
@@ -499,7 +524,8 @@ template <class T> T grid_departure(const void *self, const T &, const T *, cons
     return count_of(s.z) ? grid_at(s, x, y) : T(0.0);
 }
 
-template <class T> T sum_departure(const void *self, const T &, const T *a, const T &x, const T &y); // below the rows
+template <class T>
+T sum_departure(const void *self, const T &, const T *a, const T &x, const T &y); // below the rows
 
 // ---------------------------------------------------------------- other sags
 
@@ -515,14 +541,16 @@ template <class T> T toroidal_sag(const void *, const T &, const T *p, const T &
 template <class T> T biconic_sag(const void *, const T &, const T *p, const T &x, const T &y)
 {
     const T one(1.0);
-    return (p[0] * x * x + p[2] * y * y) / (one + square_root(one - (one + p[1]) * p[0] * p[0] * x * x - (one + p[3]) * p[2] * p[2] * y * y));
+    return (p[0] * x * x + p[2] * y * y) /
+           (one + square_root(one - (one + p[1]) * p[0] * p[0] * x * x - (one + p[3]) * p[2] * p[2] * y * y));
 }
 
 // -------------------------------------------------------------------- bodies
 
 template <class T> T quadric_level(const void *, const T *p, const T &x, const T &y, const T &z)
 {
-    return p[0] * x * x + p[1] * y * y + p[2] * z * z + p[3] * x * y + p[4] * y * z + p[5] * x * z + p[6] * x + p[7] * y + p[8] * z + p[9];
+    return p[0] * x * x + p[1] * y * y + p[2] * z * z + p[3] * x * y + p[4] * y * z + p[5] * x * z +
+           p[6] * x + p[7] * y + p[8] * z + p[9];
 }
 
 template <class T> T ellipsoid_level(const void *, const T *p, const T &x, const T &y, const T &z)
@@ -545,13 +573,15 @@ template <class T> T torus_level(const void *, const T *p, const T &x, const T &
 
 // ---------------------------------------------------------------- level sets
 
-// The root of x^p = x + |c|; of a mandelbrot, where |c| = |x|, of x^p = 2 x.  By Newton from above, where both are convex.
+// The root of x^p = x + |c|; of a mandelbrot, where |c| = |x|, of x^p = 2 x.  By Newton from above, where
+// both are convex.
 inline quad safe_escape(quad c, int p, bool mandelbrot)
 {
     quad x = 3 + c, next = 2 + c;
     while (next < x) {
         x = next;
-        const quad g = power(x, p) - (mandelbrot ? 2 * x : x + c), slope = p * power(x, p - 1) - (mandelbrot ? 2 : 1);
+        const quad g = power(x, p) - (mandelbrot ? 2 * x : x + c),
+                   slope = p * power(x, p - 1) - (mandelbrot ? 2 : 1);
         next = x - g / slope;
     }
     return x;
@@ -569,7 +599,8 @@ template <class T, class S> T level_set(const S &s, const double *c, const T &x,
     for (const double *e : axis) given = given || e[0] != 0 || e[1] != 0 || e[2] != 0 || e[3] != 0;
     for (int i = 0; i < 3 && !given; i++) axis[i] = own[i];
     static const double zero[4] = {0, 0, 0, 0};
-    const quaternion<T> at = constant<T>(s.at) + x * constant<T>(axis[0]) + y * constant<T>(axis[1]) + z * constant<T>(axis[2]);
+    const quaternion<T> at = constant<T>(s.at) + x * constant<T>(axis[0]) + y * constant<T>(axis[1]) +
+                             z * constant<T>(axis[2]);
     const quaternion<T> start = c ? at : constant<T>(zero), by = c ? constant<T>(c) : at;
     const int power = s.power ? s.power : 2, iterations = s.iterations ? s.iterations : 10;
     quad size = 0;
@@ -597,9 +628,18 @@ template <class T> T mandelbrot_level(const void *self, const T *, const T &x, c
 typedef void append_parameters(const void *self, std::vector<double> *p);
 
 inline void no_parameters(const void *, std::vector<double> *) {}
-template <std::size_t n> void first_parameters(const void *self, std::vector<double> *p) { append(p, static_cast<const double *>(self), n); }
-template <class S> void list_parameters(const void *self, std::vector<double> *p) { append(p, as<S>(self).a); }
-template <class S, std::size_t n> void array_parameters(const void *self, std::vector<double> *p) { append(p, as<S>(self).a, n); }
+template <std::size_t n> void first_parameters(const void *self, std::vector<double> *p)
+{
+    append(p, static_cast<const double *>(self), n);
+}
+template <class S> void list_parameters(const void *self, std::vector<double> *p)
+{
+    append(p, as<S>(self).a);
+}
+template <class S, std::size_t n> void array_parameters(const void *self, std::vector<double> *p)
+{
+    append(p, as<S>(self).a, n);
+}
 inline void sum_parameters(const void *self, std::vector<double> *p); // below
 
 inline void toroidal_parameters(const void *self, std::vector<double> *p)
@@ -611,9 +651,12 @@ inline void toroidal_parameters(const void *self, std::vector<double> *p)
 
 template <class T> struct row {
     const sgt_surface_ops *ops;
-    int base;                   // how many numbers of a conic base come first in the struct: 2, or of Q_bfs 1 (k = 0); 0: there is none
+    // how many numbers of a conic base come first in the struct: 2, or of Q_bfs 1 (k = 0); 0: there is none
+    int base;
     append_parameters *parameters;
-    T (*sag)(const void *self, const T &c, const T *a, const T &x, const T &y);  // beside the base; NULL: it has a level
+    T (*sag)
+    (const void *self, const T &c, const T *a, const T &x,
+     const T &y); // beside the base; NULL: it has a level
     T (*level)(const void *self, const T *p, const T &x, const T &y, const T &z);
 };
 
@@ -696,8 +739,9 @@ template <class T> T level(const sgt_surface &s, const T *p, const T &x, const T
     return r->base > 0 ? z - (conic_sag(c, r->base > 1 ? p[1] : T(0.0), x * x + y * y) + sag) : z - sag;
 }
 
-// The same zeros, and where a conic base ends no root to fall off: with w = z - P, (c r^2 + (1 + k) c w^2) / 2 - w,
-// a polynomial in w.  (It is zero on the other sheet of the base as well.)  Of what has no base, F.
+// The same zeros, and where a conic base ends no root to fall off: with w = z - P, (c r^2 + (1 + k) c w^2)
+// / 2 - w, a polynomial in w.  (It is zero on the other sheet of the base as well.)  Of what has no base,
+// F.
 template <class T> T smooth_level(const sgt_surface &s, const T *p, const T &x, const T &y, const T &z)
 {
     const row<T> *r = row_of<T>(s);

@@ -6,10 +6,10 @@
  *
  * TIMES are the thread's own, of a call with the rays in memory.  Each setting runs as often in a row as
  * fills its share of the seconds; all settings take turns, in another order each round, so that a busy
- * moment of the machine falls on none alone; the median of the rounds counts.  Their spread is an interval that
- * holds the true median with 95 % whatever the times are like, from one of them to another (order statistics, David
- * and Nagaraja 2003, section 7.1): of 31 rounds from the 10th to the 22nd, of few all.  Times are told apart only
- * where their spreads do not touch. */
+ * moment of the machine falls on none alone; the median of the rounds counts.  Their spread is an interval
+ * that holds the true median with 95 % whatever the times are like, from one of them to another (order
+ * statistics, David and Nagaraja 2003, section 7.1): of 31 rounds from the 10th to the 22nd, of few all.
+ * Times are told apart only where their spreads do not touch. */
 #include "trade.h"
 
 #include "../base/memory.h"
@@ -38,8 +38,12 @@ static double *numbers(size_t n) { return memory_take(n, sizeof(double)); }
 
 static sgt_hits room_for_hits(size_t n)
 {
-    sgt_hits h = {.status = memory_take(n, 1), .evals = memory_take(n, sizeof(int)), .t = numbers(n), .t_err = numbers(n),
-                  .t_lo = numbers(n), .p_err = numbers(n)};
+    sgt_hits h = {.status = memory_take(n, 1),
+                  .evals = memory_take(n, sizeof(int)),
+                  .t = numbers(n),
+                  .t_err = numbers(n),
+                  .t_lo = numbers(n),
+                  .p_err = numbers(n)};
     for (int k = 0; k < 3; k++) h.p[k] = numbers(n), h.n[k] = numbers(n);
     return h;
 }
@@ -51,7 +55,9 @@ static answers measure_room_for(const trade_case *c)
         a.hits = room_for_hits(c->rays);
         return a;
     }
-    a.traced = (sgt_traced){.fate = memory_take(c->rays, 1), .passed = memory_take(c->rays, sizeof(int)), .opl = numbers(c->rays)};
+    a.traced = (sgt_traced){.fate = memory_take(c->rays, 1),
+                            .passed = memory_take(c->rays, sizeof(int)),
+                            .opl = numbers(c->rays)};
     for (int k = 0; k < 3; k++) a.traced.o[k] = numbers(c->rays), a.traced.d[k] = numbers(c->rays);
     a.element = memory_take(c->lens->lens.count, sizeof *a.element);
     a.passage = memory_take(c->lens->lens.count, sizeof *a.passage);
@@ -91,17 +97,20 @@ static void meet_surface(const trade_case *c, const setting *s, const sgt_hits *
     }
 }
 
-static void trace_lens(const trade_case *c, const setting *s, const sgt_traced *to, const sgt_passages *element, sgt_passage *passage)
+static void trace_lens(const trade_case *c, const setting *s, const sgt_traced *to,
+                       const sgt_passages *element, sgt_passage *passage)
 {
     const job *j = c->lens;
     if (!s->single) {
-        sgt_trace_batch(j->lens.count, j->element, j->lens.object_index, c->rays, c->columns, *to, element, &s->options);
+        sgt_trace_batch(j->lens.count, j->element, j->lens.object_index, c->rays, c->columns, *to, element,
+                        &s->options);
         return;
     }
     for (size_t i = 0; i < c->rays; i++) {
         sgt_ray ray = c->ray[i];
         sgt_fate fate;
-        size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &ray, passage, &fate, &s->options);
+        size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &ray, passage, &fate,
+                                  &s->options);
         if (to->fate) to->fate[i] = (signed char)fate;
         if (to->passed) to->passed[i] = (int)passed;
         if (to->opl) to->opl[i] = passed ? passage[passed - 1].opl : 0;
@@ -146,8 +155,10 @@ static truth truth_of_trace(const job *j, const sgt_ray *ray, const sgt_options 
     sgt_ray end = *ray;
     sgt_fate fate;
     size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &end, seen, &fate, opt);
-    truth is = {.known = fate >= 0, .met = fate == SGT_PASSED, .kind = (signed char)fate, .passed = (int)passed};
-    if (is.met) is.known = quad_trace(passed, j->element, j->lens.object_index, ray, seen, &is.point, &is.path);
+    truth is = {
+        .known = fate >= 0, .met = fate == SGT_PASSED, .kind = (signed char)fate, .passed = (int)passed};
+    if (is.met)
+        is.known = quad_trace(passed, j->element, j->lens.object_index, ray, seen, &is.point, &is.path);
     return is;
 }
 
@@ -336,7 +347,8 @@ static void find_times(trade *t, answers room[], double seconds)
     }
     double begin = now(), share = seconds / (double)(ROUNDS * n);
     for (size_t i = 0; i < n; i++) {
-        double first = seconds_of(&all[i]), again = seconds_of(&all[i]); /* the first brings the rays into the cache */
+        /* the first brings the rays into the cache */
+        double first = seconds_of(&all[i]), again = seconds_of(&all[i]);
         all[i].repeats = fmax(1, ceil(share / fmax(fmin(first, again), 1e-9)));
     }
     int rounds = 0;
@@ -357,7 +369,9 @@ static void find_times(trade *t, answers room[], double seconds)
 const setting *trade_base(const trade_case *c)
 {
     for (size_t i = 0; i < c->settings; i++)
-        if (c->setting[i].turned == KNOB_NONE || (c->setting[i].turned == KNOB_ITERATIONS && !c->setting[i].other_model)) return &c->setting[i];
+        if (c->setting[i].turned == KNOB_NONE ||
+            (c->setting[i].turned == KNOB_ITERATIONS && !c->setting[i].other_model))
+            return &c->setting[i];
     return NULL;
 }
 
@@ -367,7 +381,10 @@ const setting *trade_base(const trade_case *c)
 static const double SAME_TIME = 1.1, SAME_ERROR = 2;
 
 /* By more than the spread of the rounds, and so much that it matters. */
-static bool slower(const setting *a, const setting *b) { return a->ns > SAME_TIME * b->ns && a->ns_low > b->ns_high; }
+static bool slower(const setting *a, const setting *b)
+{
+    return a->ns > SAME_TIME * b->ns && a->ns_low > b->ns_high;
+}
 
 /* Is it worse in something?  An error is no worse than another's that is told of fewer rays. */
 static bool worse(const setting *a, const setting *b)
@@ -382,7 +399,10 @@ bool trade_same(const setting *a, const setting *b)
 }
 
 /* Has it all that the other has, outputs and what is proven? */
-static bool gives(const setting *a, const setting *b) { return a->outputs >= b->outputs && a->options.proof >= b->options.proof; }
+static bool gives(const setting *a, const setting *b)
+{
+    return a->outputs >= b->outputs && a->options.proof >= b->options.proof;
+}
 
 static bool beats(const setting *a, const setting *b) { return gives(a, b) && worse(b, a) && !worse(a, b); }
 
@@ -399,10 +419,10 @@ static standing standing_of(const trade_case *c, size_t i, const standing now[])
     return open ? OPEN : BEST;
 }
 
-/* Best are those that no best one beats, and of several that are the same the first alone: the default, or what is
- * turned least.  What changes nothing against the default is out.  With what counts as equal, "beats" is not handed on: what beats
- * a setting may be beaten itself by one that does not beat it.  So settings are told one from another,
- * round by round, until nothing changes. */
+/* Best are those that no best one beats, and of several that are the same the first alone: the default, or
+ * what is turned least.  What changes nothing against the default is out.  With what counts as equal,
+ * "beats" is not handed on: what beats a setting may be beaten itself by one that does not beat it.  So
+ * settings are told one from another, round by round, until nothing changes. */
 static void find_best(trade_case *c)
 {
     standing *now = memory_take(c->settings, sizeof *now);
@@ -460,13 +480,17 @@ static void find_effect(setting *s, const setting *base)
     say_more(s, s->wrong, base->wrong, "wrong");
     if (*s->effect) return;
     bool apart = s->ns > SAME_TIME * base->ns || base->ns > SAME_TIME * s->ns;
-    say(s, "%s", apart ? "nothing beyond the scatter of the runs" : gives(base, s) ? "changes nothing" : "costs nothing");
+    say(s, "%s",
+        apart            ? "nothing beyond the scatter of the runs"
+        : gives(base, s) ? "changes nothing"
+                         : "costs nothing");
 }
 
 void trade_measure(trade *t, double seconds)
 {
     answers *room = memory_take(t->count, sizeof *room);
-    for (size_t i = 0; i < t->count; i++) room[i] = measure_room_for(&t->list[i]), find_errors(&t->list[i], &room[i]);
+    for (size_t i = 0; i < t->count; i++)
+        room[i] = measure_room_for(&t->list[i]), find_errors(&t->list[i], &room[i]);
     find_times(t, room, seconds);
     for (size_t i = 0; i < t->count; i++) {
         trade_case *c = &t->list[i];

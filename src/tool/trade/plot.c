@@ -1,14 +1,15 @@
 /* plot.c - error against time, a panel a case, with cairo.
  *
  * Both axes are logarithmic.  A dot is at the error that 99 % of the rays keep below, its stem ends at the
- * worst; an error of 0 stands on the floor.  Full dots are those that nothing beats.  The line of stairs is the
- * least error that can be had in a time: of the best with the default's outputs, no proof, and no more undecided or
- * wrong than the default's; from the top edge down, from one to the next, and on to the right edge.
+ * worst; an error of 0 stands on the floor.  Full dots are those that nothing beats.  The line of stairs is
+ * the least error that can be had in a time: of the best with the default's outputs, no proof, and no more
+ * undecided or wrong than the default's; from the top edge down, from one to the next, and on to the right
+ * edge.
  *
- * What is the same as the default, or as another value of its knob, has no dot of its own: the name of the other
- * tells it.  Dots that still cover each other are rings about each other.  Each dot has its name: of the places
- * around it, nearest first, the first takes it where it covers no other name, dot, stem or edge, and where
- * its leader, if it has to stand off, crosses nothing; the leader has the colour of its dot. */
+ * What is the same as the default, or as another value of its knob, has no dot of its own: the name of the
+ * other tells it.  Dots that still cover each other are rings about each other.  Each dot has its name: of
+ * the places around it, nearest first, the first takes it where it covers no other name, dot, stem or edge,
+ * and where its leader, if it has to stand off, crosses nothing; the leader has the colour of its dot. */
 #include "trade.h"
 
 #include "../draw/legend.h"
@@ -20,9 +21,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PLOT_WIDTH = 1040, MARGIN = 16, PANEL_HIGH = 312, HEAD_HIGH = 44, FOOT_HIGH = 46, LEFT = 70, GAP = 26;
+static const double PLOT_WIDTH = 1040, MARGIN = 16, PANEL_HIGH = 312, HEAD_HIGH = 44, FOOT_HIGH = 46,
+                    LEFT = 70, GAP = 26;
 static const double FONT = 10.5, DOT = 4, RING = 3.4, FLOOR = 26, STEM = 3, LINE = 12.5, KEY_HIGH = 104;
-static const char *const knob_name[KNOBS] = {"default", "single ray", "outputs", "t_tol", "max_evals", "pick", "proof", "dt_min", "iterations"};
+static const char *const knob_name[KNOBS] = {"default", "single ray", "outputs", "t_tol",     "max_evals",
+                                             "pick",    "proof",      "dt_min",  "iterations"};
 static const size_t knob_colour[KNOBS] = {4, 2, 6, 0, 5, 4, 3, 1, 3};
 
 void trade_picture_check(void) {}
@@ -71,7 +74,8 @@ static double y_of(const panel *p, double error)
 
 static panel panel_of(cairo_t *cr, const trade_case *c, double left, double top, double width)
 {
-    panel p = {.cr = cr, .c = c, .plot = {left + LEFT, top + HEAD_HIGH, left + width, top + PANEL_HIGH - FOOT_HIGH}};
+    panel p = {
+        .cr = cr, .c = c, .plot = {left + LEFT, top + HEAD_HIGH, left + width, top + PANEL_HIGH - FOOT_HIGH}};
     double x[2] = {HUGE_VAL, -HUGE_VAL}, y[2] = {HUGE_VAL, -HUGE_VAL};
     for (size_t i = 0; i < c->settings; i++) {
         const setting *s = &c->setting[i];
@@ -95,7 +99,8 @@ static void grey(cairo_t *cr, double g) { cairo_set_source_rgb(cr, g, g, g); }
 
 static void font(cairo_t *cr, double size, bool bold)
 {
-    cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
+                           bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(cr, size);
 }
 
@@ -147,7 +152,9 @@ static void error_label(const panel *p)
 {
     cairo_t *cr = p->cr;
     char text[80];
-    if (p->c->lens) snprintf(text, sizeof text, "error of the last point (%.20s)", *p->c->lens->lens.units ? p->c->lens->lens.units : "lengths of the lens");
+    if (p->c->lens)
+        snprintf(text, sizeof text, "error of the last point (%.20s)",
+                 *p->c->lens->lens.units ? p->c->lens->lens.units : "lengths of the lens");
     else snprintf(text, sizeof text, "error of t (lengths of the ray's direction)");
     cairo_save(cr);
     cairo_translate(cr, p->plot.left - LEFT + 16, (p->plot.top + p->plot.bottom) / 2);
@@ -173,7 +180,8 @@ static void error_axis(const panel *p)
     grey(cr, 0.25);
     if (p->floor) write_text(cr, p->plot.left - 6, p->plot.bottom - FLOOR / 2 + 4, 1, "0");
     error_label(p);
-    cairo_rectangle(cr, p->plot.left, p->plot.top, p->plot.right - p->plot.left, p->plot.bottom - p->plot.top);
+    cairo_rectangle(cr, p->plot.left, p->plot.top, p->plot.right - p->plot.left,
+                    p->plot.bottom - p->plot.top);
     cairo_set_line_width(cr, 0.8);
     cairo_stroke(cr);
 }
@@ -195,7 +203,9 @@ static const setting *shared_dot(const panel *p, size_t i)
     if (base && plot_shown(base) && changes_nothing(s)) return base;
     for (size_t k = 0; k < i; k++) {
         const setting *other = p->stands_for[k];
-        if (other == &p->c->setting[k] && other != base && other->turned == s->turned && other->outputs == s->outputs && trade_same(other, s)) return other;
+        if (other == &p->c->setting[k] && other != base && other->turned == s->turned &&
+            other->outputs == s->outputs && trade_same(other, s))
+            return other;
     }
     return s;
 }
@@ -226,7 +236,8 @@ static void colour_of(cairo_t *cr, knob turned)
 {
     legend_colour(cr, knob_colour[turned]);
     if (turned == KNOB_NONE) grey(cr, 0);
-    if (turned == KNOB_ITERATIONS) cairo_set_source_rgb(cr, 0.45, 0.3, 0.15); /* there is no eighth colour in the legend */
+    /* there is no eighth colour in the legend */
+    if (turned == KNOB_ITERATIONS) cairo_set_source_rgb(cr, 0.45, 0.3, 0.15);
 }
 
 /* On a white ground, so that what lies under it ends there. */
@@ -290,7 +301,8 @@ static void draw_stairs(panel *p)
     for (size_t i = 0; i < p->dots; i++) {
         const setting *s = step[i]->of;
         bool own_model = s->turned == KNOB_ITERATIONS; /* none of these is as sure as the deepest */
-        if (!step[i]->best || !base || s->outputs != base->outputs || s->options.proof != base->options.proof) continue;
+        if (!step[i]->best || !base || s->outputs != base->outputs || s->options.proof != base->options.proof)
+            continue;
         if (!own_model && (s->undecided > base->undecided || s->wrong > base->wrong)) continue;
         if (begun && step[i]->y <= y) continue;
         if (begun) stair(p, x, y, step[i]->x, y);
@@ -320,7 +332,10 @@ typedef struct name {
 /* Lines more, "20 % undecided" and "0.1 % wrong". */
 static void add_shares(name *n, const setting *s, size_t rays)
 {
-    const struct { size_t n; const char *what; } share[2] = {{s->undecided, "undecided"}, {s->wrong, "wrong"}};
+    const struct {
+        size_t n;
+        const char *what;
+    } share[2] = {{s->undecided, "undecided"}, {s->wrong, "wrong"}};
     for (int i = 0; i < 2; i++) {
         if (!share[i].n || n->lines == LINES) continue;
         double percent = 100.0 * (double)share[i].n / (double)rays;
@@ -341,7 +356,8 @@ static void add_word(name *n, const char *before, const char *word)
     plot_append(last, word);
 }
 
-/* "default", and in a line of its own "= t_tol, pick, out=t": what is the same, a knob whole where it is so. */
+/* "default", and in a line of its own "= t_tol, pick, out=t": what is the same, a knob whole where it is
+ * so. */
 static void name_same(name *n, const panel *p)
 {
     const char *before = "= ";
@@ -376,19 +392,24 @@ static name name_of(const panel *p, const plot_dot *d)
     }
     for (size_t i = 0; i < p->c->settings; i++) {
         const char *value = strchr(p->c->setting[i].name, '=');
-        if (p->stands_for[i] == d->of && &p->c->setting[i] != d->of) add_word(&n, ", ", value ? value + 1 : p->c->setting[i].name);
+        if (p->stands_for[i] == d->of && &p->c->setting[i] != d->of)
+            add_word(&n, ", ", value ? value + 1 : p->c->setting[i].name);
     }
     add_shares(&n, d->of, p->c->rays);
     return n;
 }
 
-static bool overlap(const box *a, const box *b) { return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom; }
+static bool overlap(const box *a, const box *b)
+{
+    return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
+}
 
 /* Has it a part inside?  Cut to one pair of edges after the other (Liang and Barsky 1984, ACM TOG 3, 1). */
 static bool plot_enters(const plot_stroke *s, const box *b)
 {
     double from = 0, to = 1, dx = s->x1 - s->x0, dy = s->y1 - s->y0;
-    const double way[4] = {-dx, dx, -dy, dy}, room[4] = {s->x0 - b->left, b->right - s->x0, s->y0 - b->top, b->bottom - s->y0};
+    const double way[4] = {-dx, dx, -dy, dy},
+                 room[4] = {s->x0 - b->left, b->right - s->x0, s->y0 - b->top, b->bottom - s->y0};
     for (int i = 0; i < 4; i++) {
         if (way[i] == 0 && room[i] <= 0) return false;
         if (way[i] < 0) from = fmax(from, room[i] / way[i]);
@@ -397,22 +418,28 @@ static bool plot_enters(const plot_stroke *s, const box *b)
     return from < to;
 }
 
-static double side(const plot_stroke *s, double x, double y) { return (s->x1 - s->x0) * (y - s->y0) - (s->y1 - s->y0) * (x - s->x0); }
+static double side(const plot_stroke *s, double x, double y)
+{
+    return (s->x1 - s->x0) * (y - s->y0) - (s->y1 - s->y0) * (x - s->x0);
+}
 
 static bool cross(const plot_stroke *a, const plot_stroke *b)
 {
-    return side(a, b->x0, b->y0) * side(a, b->x1, b->y1) <= 0 && side(b, a->x0, a->y0) * side(b, a->x1, a->y1) <= 0;
+    return side(a, b->x0, b->y0) * side(a, b->x1, b->y1) <= 0 &&
+           side(b, a->x0, a->y0) * side(b, a->x1, a->y1) <= 0;
 }
 
-/* What may be in the way of a name: all there is; all but stems and stairs; dots and names, and of its leader dots; of
- * that nothing. */
+/* What may be in the way of a name: all there is; all but stems and stairs; dots and names, and of its
+ * leader dots; of that nothing. */
 typedef enum respect { RESPECT_ALL, RESPECT_LEADERS, RESPECT_DOTS, RESPECT_NAMES, RESPECTS } respect;
 
 static bool thin(const box *b) { return fmin(b->right - b->left, b->bottom - b->top) < STEM; }
 
 static bool free_place(const panel *p, box b, respect of)
 {
-    if (b.left < p->plot.left + 2 || b.right > p->plot.right - 2 || b.top < p->plot.top + 1 || b.bottom > p->plot.bottom - 1) return false;
+    if (b.left < p->plot.left + 2 || b.right > p->plot.right - 2 || b.top < p->plot.top + 1 ||
+        b.bottom > p->plot.bottom - 1)
+        return false;
     for (size_t i = 0; i < p->taken_count; i++)
         if (!(of != RESPECT_ALL && thin(&p->taken[i])) && overlap(&b, &p->taken[i])) return false;
     for (size_t i = 0; i < p->leaders && of < RESPECT_DOTS; i++)
@@ -423,8 +450,10 @@ static bool free_place(const panel *p, box b, respect of)
 /* From the edge of the dot to the nearest place of the name. */
 static plot_stroke leader_to(const plot_dot *d, const box *b)
 {
-    double x = fmin(fmax(d->x, b->left), b->right), y = fmin(fmax(d->y, b->top), b->bottom), length = fmax(hypot(x - d->x, y - d->y), 1);
-    return (plot_stroke){d->x + d->radius * (x - d->x) / length, d->y + d->radius * (y - d->y) / length, x, y};
+    double x = fmin(fmax(d->x, b->left), b->right), y = fmin(fmax(d->y, b->top), b->bottom),
+           length = fmax(hypot(x - d->x, y - d->y), 1);
+    return (plot_stroke){d->x + d->radius * (x - d->x) / length, d->y + d->radius * (y - d->y) / length, x,
+                         y};
 }
 
 static bool hits(const plot_stroke *s, const plot_dot *d)
@@ -436,7 +465,9 @@ static bool hits(const plot_stroke *s, const plot_dot *d)
 static bool free_leader(const panel *p, const plot_stroke *s, const plot_dot *of, respect respected)
 {
     for (size_t i = 0; i < p->dots && respected <= RESPECT_DOTS; i++)
-        if (hypot(p->dot[i].x - of->x, p->dot[i].y - of->y) > p->dot[i].radius + of->radius && hits(s, &p->dot[i])) return false;
+        if (hypot(p->dot[i].x - of->x, p->dot[i].y - of->y) > p->dot[i].radius + of->radius &&
+            hits(s, &p->dot[i]))
+            return false;
     if (respected >= RESPECT_DOTS) return true;
     for (size_t i = 0; i < p->leaders; i++)
         if (cross(s, &p->leader[i])) return false;
@@ -487,7 +518,8 @@ static void place_name(panel *p, const name *n)
     bool found = false, led = false;
     box b;
     for (int i = 0; i < n->lines; i++) wide = fmax(wide, plot_width_of(cr, n->line[i]));
-    for (int of = RESPECT_ALL; of < RESPECTS && !found; of++) found = find_place(p, n, wide, high, (respect)of, &led, &b);
+    for (int of = RESPECT_ALL; of < RESPECTS && !found; of++)
+        found = find_place(p, n, wide, high, (respect)of, &led, &b);
     if (!found) return; /* it would cover others, or is wider than the panel */
     if (led) {
         plot_stroke s = leader_to(n->of, &b);
@@ -534,7 +566,9 @@ static void draw_panel(panel *p)
     time_axis(p);
     error_axis(p);
     find_dots(p);
-    if (p->dots == 0) write_text(cr, (p->plot.left + p->plot.right) / 2, (p->plot.top + p->plot.bottom) / 2, 0.5, "no ray is met");
+    if (p->dots == 0)
+        write_text(cr, (p->plot.left + p->plot.right) / 2, (p->plot.top + p->plot.bottom) / 2, 0.5,
+                   "no ray is met");
     draw_stairs(p);
     for (size_t i = 0; i < p->dots; i++) draw_stem(p, &p->dot[i]);
     const plot_dot **order = dots_sorted(p, by_size);
@@ -575,9 +609,12 @@ static double write_wrapped(cairo_t *cr, double left, double right, double y, co
 static void draw_key(cairo_t *cr, const trade *t, double left, double right, double y)
 {
     static const char *const words[] = {
-        "A dot: the error that 99 % of the rays keep below; its stem: the worst.", "A full dot: none with as many outputs and as much proven beats it in time, error, undecided, wrong.",
-        "A ring about a dot is another setting, at nearly the same place.  = what is the same, as far as repeated runs can tell.",
-        "The grey stairs join the full ones with the default's outputs that are as sure as it is: the least error to be had in a time.",
+        "A dot: the error that 99 % of the rays keep below; its stem: the worst.",
+        "A full dot: none with as many outputs and as much proven beats it in time, error, undecided, wrong.",
+        "A ring about a dot is another setting, at nearly the same place.  = what is the same, as far as "
+        "repeated runs can tell.",
+        "The grey stairs join the full ones with the default's outputs that are as sure as it is: the least "
+        "error to be had in a time.",
     };
     double x = left;
     bool used[KNOBS] = {false};
@@ -596,7 +633,8 @@ static void draw_key(cairo_t *cr, const trade *t, double left, double right, dou
     }
     grey(cr, 0.35);
     y += 20;
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) y = write_wrapped(cr, left, right, y, words[i]);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        y = write_wrapped(cr, left, right, y, words[i]);
 }
 
 void trade_picture(const char *file, const trade *t)
@@ -604,18 +642,21 @@ void trade_picture(const char *file, const trade *t)
     int columns = t->count > 1 ? 2 : 1, rows = ((int)t->count + columns - 1) / columns;
     bool gap = columns == 2 && t->count % 2; /* a panel's place for the key */
     double width = (columns == 2 ? 1 : 1.4) * (PLOT_WIDTH - 2 * MARGIN - GAP) / 2;
-    double page = columns * width + (columns - 1) * GAP + 2 * MARGIN, height = rows * PANEL_HIGH + (gap ? 0 : KEY_HIGH) + MARGIN;
+    double page = columns * width + (columns - 1) * GAP + 2 * MARGIN,
+           height = rows * PANEL_HIGH + (gap ? 0 : KEY_HIGH) + MARGIN;
     cairo_surface_t *surface = cairo_svg_surface_create(file, page, height);
     cairo_t *cr = cairo_create(surface);
     grey(cr, 1);
     cairo_paint(cr);
     for (size_t i = 0; i < t->count; i++) {
-        double left = MARGIN + (double)(i % (size_t)columns) * (width + GAP), top = (double)(i / (size_t)columns) * PANEL_HIGH;
+        double left = MARGIN + (double)(i % (size_t)columns) * (width + GAP),
+               top = (double)(i / (size_t)columns) * PANEL_HIGH;
         panel p = panel_of(cr, &t->list[i], left, top, width);
         draw_panel(&p);
     }
     double key = MARGIN + LEFT + (gap ? width + GAP : 0);
-    draw_key(cr, t, key, page - MARGIN, gap ? (rows - 1) * PANEL_HIGH + HEAD_HIGH + 12 : rows * PANEL_HIGH + 18);
+    draw_key(cr, t, key, page - MARGIN,
+             gap ? (rows - 1) * PANEL_HIGH + HEAD_HIGH + 12 : rows * PANEL_HIGH + 18);
     cairo_destroy(cr);
     cairo_surface_finish(surface);
     cairo_status_t status = cairo_surface_status(surface);

@@ -1,12 +1,12 @@
 /* quad.c - Newton's method in 113 bits, on the formulas of formulas.hpp.
  *
- * Of a sag on a conic base the function is the polynomial in z - P that has the same zeros: no square root, and
- * no equator to fall off.
+ * Of a sag on a conic base the function is the polynomial in z - P that has the same zeros: no square root,
+ * and no equator to fall off.
  *
- * The start is right to 50 bits and more, so two steps reach the last bits, and a third sees that
- * they have.  That it does, to 2^-96 of the coordinates, is what `quad_meet` asks; or, where the many terms of a
- * polynomial cancel, after all its steps to 2^-72, which tells the errors of doubles still.  A double root does not
- * come to rest so: there each step halves the last.
+ * The start is right to 50 bits and more, so two steps reach the last bits, and a third sees that they
+ * have.  That it does, to 2^-96 of the coordinates, is what `quad_meet` asks; or, where the many terms of a
+ * polynomial cancel, after all its steps to 2^-72, which tells the errors of doubles still.  A double root
+ * does not come to rest so: there each step halves the last.
  *
  * A TRACE takes axes of a pose to be at right angles, as they are meant: the doubles are so to
  * 2^-50, and are made so here. */
@@ -19,7 +19,8 @@
 void quad_check(void)
 {
 #ifdef QUAD_MISSING
-    fail_usage("this sagitta was built without numbers of 113 bits, by which errors are told, or without C++, in which their formulas are written");
+    fail_usage("this sagitta was built without numbers of 113 bits, by which errors are told, or without "
+               "C++, in which their formulas are written");
 #endif
 }
 
@@ -86,7 +87,10 @@ static frame frame_of(const sgt_pose *pose)
     return f;
 }
 
-static quad3 into(const frame *f, quad3 v) { return (quad3){quad_dot(v, f->x), quad_dot(v, f->y), quad_dot(v, f->z)}; }
+static quad3 into(const frame *f, quad3 v)
+{
+    return (quad3){quad_dot(v, f->x), quad_dot(v, f->y), quad_dot(v, f->z)};
+}
 static quad3 out_of(const frame *f, quad3 v) { return along(along(times(v.x, f->x), v.y, f->y), v.z, f->z); }
 
 /* d = r d + (sqrt(1 - r^2 (1 - cos^2)) - r cos) n with n on the side to which the light goes. */
@@ -98,8 +102,8 @@ static quad3 refracted(quad3 d, quad3 n, quad ratio)
     return unit(along(times(ratio, d), behind - ratio * cosine, n));
 }
 
-bool quad_trace(size_t passed, const sgt_element e[], double index_before, const sgt_ray *ray, const sgt_passage seen[],
-                quad3 *point, quad *path)
+bool quad_trace(size_t passed, const sgt_element e[], double index_before, const sgt_ray *ray,
+                const sgt_passage seen[], quad3 *point, quad *path)
 {
     quad3 o = widened(ray->o), d = unit(widened(ray->d));
     quad index = index_before == 0 ? 1 : index_before;

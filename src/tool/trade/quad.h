@@ -41,8 +41,8 @@ bool quad_meet(sgt_surface s, const sgt_ray *ray, quad *t);
 /* ray through the elements that `passed` says, each met near where seen[] says; the point on the
  * last of them (global) and the optical path length.  false: an iteration does not come to rest,
  * or comes to rest so far from what was seen that it is another root. */
-bool quad_trace(size_t passed, const sgt_element e[], double index_before, const sgt_ray *ray, const sgt_passage seen[],
-                quad3 *point, quad *path);
+bool quad_trace(size_t passed, const sgt_element e[], double index_before, const sgt_ray *ray,
+                const sgt_passage seen[], quad3 *point, quad *path);
 
 quad quad_distance(quad3 a, sgt_vec3 b);
 

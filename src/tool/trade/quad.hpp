@@ -1,7 +1,7 @@
 // quad.hpp - numbers of 113 bits in C++: gcc's and clang's __float128, or a long double of that width.
 //
-// The arithmetic is in the compiler's own library; the square root is here, so that nothing else is asked for.
-// The command's trade and the oracles of tests/ share this file and formulas.hpp.
+// The arithmetic is in the compiler's own library; the square root is here, so that nothing else is asked
+// for.  The command's trade and the oracles of tests/ share this file and formulas.hpp.
 #ifndef TOOL_QUAD_HPP
 #define TOOL_QUAD_HPP
 #include "quad.h"

@@ -11,7 +11,8 @@ const quad_formula *quad_formula_of(sgt_surface s)
 {
     static std::map<std::pair<const void *, const void *>, quad_formula> known;
     if (!catalogue::row_of<jet>(s)) return nullptr;
-    return &known.emplace(std::make_pair(s.ops, s.self), quad_formula{catalogue::formula<jet>(s)}).first->second;
+    return &known.emplace(std::make_pair(s.ops, s.self), quad_formula{catalogue::formula<jet>(s)})
+                .first->second;
 }
 
 quad quad_value(const quad_formula *f, quad3 p, quad3 *grad)

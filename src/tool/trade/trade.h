@@ -25,7 +25,15 @@ typedef struct trade_options {
 
 /* What a user turns. */
 typedef enum knob {
-    KNOB_NONE, KNOB_CALL, KNOB_OUTPUTS, KNOB_T_TOL, KNOB_MAX_EVALS, KNOB_PICK, KNOB_PROOF, KNOB_DT_MIN, KNOB_ITERATIONS,
+    KNOB_NONE,
+    KNOB_CALL,
+    KNOB_OUTPUTS,
+    KNOB_T_TOL,
+    KNOB_MAX_EVALS,
+    KNOB_PICK,
+    KNOB_PROOF,
+    KNOB_DT_MIN,
+    KNOB_ITERATIONS,
     KNOBS
 } knob;
 
