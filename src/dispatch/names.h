@@ -130,7 +130,6 @@
 #define sgt_q_con_ops SGT_SET_NAME(sgt_q_con_ops)
 #define sgt_quadric_object SGT_SET_NAME(sgt_quadric_object)
 #define sgt_quadric_ops SGT_SET_NAME(sgt_quadric_ops)
-#define sgt_ring_of SGT_SET_NAME(sgt_ring_of)
 #define sgt_root_begin SGT_SET_NAME(sgt_root_begin)
 #define sgt_root_next SGT_SET_NAME(sgt_root_next)
 #define sgt_root_tell SGT_SET_NAME(sgt_root_tell)

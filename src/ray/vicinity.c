@@ -31,24 +31,6 @@ SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits,
     }
 }
 
-const ring *sgt_ring_of(sgt_surface s, double rung, rings *kept)
-{
-    if (!kept->any)
-        for (int i = 0; i < RINGS; i++) kept->of[i].radius = 0;
-    kept->any = true;
-    /* those of two octaves and every fourth of eight each at a place of its own */
-    ring *e = &kept->of[place_of(rung, FINER, RINGS) ^ place_of(rung, FINER + 6, 4)];
-    if (e->radius == rung) return e;
-    *e = (ring){rung, HUGE_VAL, HUGE_VAL, {(double)NAN, (double)NAN}};
-    double rim = s.ops->own_->rim(s.self);
-    if (!(rung < HUGE_VAL) || (rim > 0 && !(rung <= rim))) return e;
-    sgt_extent extent;
-    s.ops->own_->extent_within(s.self, rung, &extent);
-    s.ops->own_->noise_within(s.self, rung * (1 + 0x1p-20), e->noise);
-    e->steep = extent.steep, e->bend = extent.bend;
-    return e;
-}
-
 /* About the root, whose rung that is. */
 SGT_INLINE void noise_about(sgt_surface s, double rung, size_t i, vicinities *kept, const vicinity *v)
 {

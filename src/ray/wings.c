@@ -146,6 +146,27 @@ static void wings_judge(size_t n, const double *restrict dx, const double *restr
 
 /* --------------------------------------------------------------------------- the lanes */
 
+/* What is known within a radius: bounds on the gradient and the norm of the second derivative of the sag,
+ * infinite or NaN where there is none, and what the departure adds to its rounding, noise[0] + noise[1] r^2.
+ */
+static const ring *ring_about(sgt_surface s, double rung, rings *kept)
+{
+    if (!kept->any)
+        for (int i = 0; i < RINGS; i++) kept->of[i].radius = 0;
+    kept->any = true;
+    /* those of two octaves and every fourth of eight each at a place of its own */
+    ring *e = &kept->of[place_of(rung, FINER, RINGS) ^ place_of(rung, FINER + 6, 4)];
+    if (e->radius == rung) return e;
+    *e = (ring){rung, HUGE_VAL, HUGE_VAL, {(double)NAN, (double)NAN}};
+    double rim = s.ops->own_->rim(s.self);
+    if (!(rung < HUGE_VAL) || (rim > 0 && !(rung <= rim))) return e;
+    sgt_extent extent;
+    s.ops->own_->extent_within(s.self, rung, &extent);
+    s.ops->own_->noise_within(s.self, rung * (1 + 0x1p-20), e->noise);
+    e->steep = extent.steep, e->bend = extent.bend;
+    return e;
+}
+
 /* edge: of the domain, where the base has no slope any more. */
 static void enclose_in(sgt_surface s, double edge, rings *kept, rows a, size_t i)
 {
@@ -156,7 +177,7 @@ static void enclose_in(sgt_surface s, double edge, rings *kept, rows a, size_t i
     }
     if (rung == a[RADIUS][i]) return;
     a[RADIUS][i] = rung;
-    const ring *e = sgt_ring_of(s, rung, kept);
+    const ring *e = ring_about(s, rung, kept);
     a[STEEP][i] = e->steep, a[E0][i] = e->noise[0], a[E1][i] = e->noise[1];
     a[BEND][i] = e->bend * (a[DX][i] * a[DX][i] + a[DY][i] * a[DY][i]) * (1 + 0x1p-20);
 }

@@ -37,11 +37,6 @@ SGT_INLINE int place_of(double rung, int digits, int places)
     return (int)(bits >> digits) & (places - 1);
 }
 
-/* What is known within a radius: bounds on the gradient and the norm of the second derivative of the sag,
- * infinite or NaN where there is none, and what the departure adds to its rounding, noise[0] + noise[1] r^2.
- */
-const ring *sgt_ring_of(sgt_surface s, double rung, rings *kept);
-
 /* Of each lane that is asked, from `from` on; work may be the rows of `from`.  Where the surface has an edge,
  * of those alone that begin behind the seed, or of the others.  Spends evaluations; those of a row by
  * itself are told. */

@@ -9,7 +9,7 @@
   files ask of each other (nm).  tests/build/floors.py holds the floors to their order.
 - A name that a file keeps to itself (static functions and tables, types, macros) stands in no other file
   of the library, nor in two of the command.
-- Lines have at most 110 columns, in public headers 90.
+- Lines have at most 110 columns, also those of tests and examples; in public headers 90.
 - Each folder has a README.md of at most 40 lines.
 """
 import pathlib
@@ -131,7 +131,7 @@ def faults(tree, libraries=()):
     found += name_faults([p for p in sources(src) if not any(c in p.parents for c in clients)], src)
     for client in clients:
         found += name_faults(sources(client), src)
-    for path in sources(src) + sources(tree / 'include'):
+    for path in [p for room in ('src', 'include', 'tests', 'examples') for p in sources(tree / room)]:
         most = COLUMNS_PUBLIC if tree / 'include' in path.parents else COLUMNS
         for number, line in enumerate(path.read_text().splitlines(), 1):
             if len(line) > most:
@@ -166,6 +166,7 @@ PLANTED = [
     {'src/ray/e.c': '#define A 2\n'},
     {'src/ray/e.c': 'typedef struct pair {\n    double y;\n} pair;\n'},
     {'src/ray/e.c': '/* ' + 'x' * 110 + ' */\n'},
+    {'tests/unit/e.c': '/* ' + 'x' * 110 + ' */\n'},
     {'include/sagitta/sagitta.h': '/* ' + 'x' * 90 + ' */\n'},
     {'src/ray/README.md': 'x\n' * 41},
     {'src/sub/e.c': 'int e;\n'},

@@ -205,31 +205,6 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     return hard;
 }
 
-/* n^2 > limit (l^2 + m^2); where a square has underflown it is small beside n^2 times 2^-500. */
-SGT_KERNEL
-static mask lane_monotone(double limit, const sgt_tile *tile, mask unique[])
-{
-    const double *l = tile->rays.d[0], *m = tile->rays.d[1], *n = tile->rays.d[2];
-    size_t count = tile->n;
-    mask all = MASK(true);
-    _Pragma("omp simd reduction(& : all)") for (size_t i = 0; i < count; i++) {
-        double a = l[i] * l[i] + m[i] * m[i], n2 = n[i] * n[i];
-        unique[i] = MASK(n2 > limit * a) & MASK(a + n2 > 0x1p-200);
-        all &= unique[i];
-    }
-    return all;
-}
-
-bool sgt_lanes_steeper(double limit, const sgt_tile *tile, mask unique[])
-{
-    return lane_monotone(limit < 0x1p500 ? limit : HUGE_VAL, tile, unique) != 0;
-}
-
-bool sgt_lanes_monotone(const shape *s, const sgt_tile *tile, mask unique[])
-{
-    return sgt_lanes_steeper(single_limit(s), tile, unique);
-}
-
 /* The far root is elsewhere: F is monotone within the rim, or that root is known not to count (if the one
  * that was met is itself the far one, that is not said of it); or it is known to count. */
 bool sgt_conic_unique(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2,
