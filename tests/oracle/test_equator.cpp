@@ -111,10 +111,8 @@ void at_equator(generator &g, long *undecided, long *all)
         d[2] = g.sign() * tilt; // nearly in the plane of the equator
     else d[0] = g.uniform(-1, 1), d[1] = g.uniform(-1, 1), d[2] = g.uniform(-1, 1);
     double away = R * (g.chance(0.1) ? 0 : g.log_uniform(1e-3, 1e2)) * g.sign();
-    if (axis &&
-        g.chance(
-            0.5)) {
-            // nearly tangent there: the two roots are as near the equator as each other, and their errors great
+    if (axis && g.chance(0.5)) {
+        // nearly tangent there: the two roots are as near the equator as each other, and their errors great
         d[0] = g.sign() * g.below(1 << (4 + g.below(8))) * 0x1p-54, d[1] = g.uniform(-1, 1),
         d[2] = g.uniform(-1, 1);
         away = g.chance(0.5) ? 0 : g.sign() * std::ldexp(R, -g.below(20));
