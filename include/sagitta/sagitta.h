@@ -37,6 +37,22 @@
 extern "C" {
 #endif
 
+/* --------------------------------------------------------------- version */
+
+/* The version of this header.  SGT_VERSION is one number, for #if and for comparison:
+ * 10000 major + 100 minor + patch, so 200 is 0.2.0. */
+#define SGT_VERSION_MAJOR 0
+#define SGT_VERSION_MINOR 2
+#define SGT_VERSION_PATCH 0
+#define SGT_VERSION \
+    (10000 * SGT_VERSION_MAJOR + 100 * SGT_VERSION_MINOR + SGT_VERSION_PATCH)
+
+/* The version of the library that the program runs with, as text ("0.2.0") and as the
+ * number SGT_VERSION.  It may be a later one than that of the header.  The text is
+ * constant and never NULL. */
+SGT_API const char *sgt_version(void);
+SGT_API int         sgt_version_number(void);
+
 /* ------------------------------------------------------------------ rays */
 
 typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
