@@ -359,13 +359,29 @@ SGT_API int sgt_intersect_all(sgt_surface s, sgt_ray ray, int cap, sgt_hit hits[
  *   SGT_INVALID  lo > hi, or a NaN end, or a bad option: already at begin, and
  *                the first sgt_root_next returns false
  * A pole at which g changes sign is a root to this solver: look at |g|. */
+struct sgt_root_private { /* not for programs; of 256 bytes in every version */
+    double g_lo, g_hi;              /* g at lo and hi; NaN: not known */
+    double last, g_last;            /* the last point where g was defined */
+    double step, step_before;       /* the last step and the one before */
+    double candidate, width;        /* of a probe */
+    double hole;                    /* the last NaN */
+    double t_tol, f_tol;
+    int    budget;
+    int    sign_lo, sign_hi, sign_last; /* signs of g there; 0: not certain */
+    int    sign_left, sign_right;   /* signs found beside the candidate; 0: none yet */
+    int    side;                    /* of the candidate that is asked for; 0: none */
+    int    overshoots, bisections, retreats, sampled;
+    bool   bracketed, single, done;
+    double reserved[15];
+};
+
 typedef struct sgt_root {
     double t, lo, hi, t_err;          /* where to evaluate next; the bracket; the error */
     int evals;
     sgt_move move; sgt_status status;
     double g_err;                     /* set by you, before any step: how far g may be off;
                                          0: exact */
-    double private_[32];              /* the solver's own */
+    struct sgt_root_private private_; /* the solver's own */
 } sgt_root;
 
 SGT_API sgt_root sgt_root_begin(sgt_span span, const sgt_options *opt);
