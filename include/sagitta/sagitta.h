@@ -95,6 +95,15 @@ typedef struct sgt_spans { double *lo, *hi, *seed; bool *single; } sgt_spans;
  * surface can give makes the solver faster, or its answer surer.  The list grows
  * at its end: use designated initialisers. */
 typedef struct sgt_surface_ops {
+    /* How long this table is, in bytes.  0, the default: it ends with by_parameter, the last
+     * member of version 0.2.  To offer a member that is marked as later, set it to
+     * sizeof(sgt_surface_ops); members beyond `size` are not read.  A number that is not 0
+     * and less than the table of 0.2 makes a surface of a user SGT_INVALID. */
+    size_t size;
+
+    /* The built-in surfaces' own; leave it NULL. */
+    const struct sgt_own *own_;
+
     const char *name;
 
     /* F(p), NaN where F is not defined, and its gradient - not normalised -
@@ -135,9 +144,6 @@ typedef struct sgt_surface_ops {
 
     /* `span` of n rays, to the last bit; o and d alone are given, no output is NULL. */
     void (*spans)(const void *self, size_t n, sgt_rays rays, sgt_spans out);
-
-    /* The built-in surfaces' own; leave it NULL. */
-    const struct sgt_own *own_;
 
     /* `span`, narrowed to the first root that counts on [tmin, tmax] of the ray, which are to be read here (tmax may be
      * infinite): with single there is at most one root in [lo, hi], F changes sign at it, and if none there counts, none
