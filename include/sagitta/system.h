@@ -14,12 +14,23 @@ typedef struct sgt_pose { sgt_vec3 origin, ex, ey, ez; } sgt_pose;
  * degrees, right-handed (multiples of 90 are exact). */
 SGT_API sgt_pose sgt_pose_tilted(sgt_vec3 origin, sgt_vec3 degrees);
 
+/* Both are for later versions. */
+struct sgt_aperture;
+struct sgt_phase;
+
+/* An element of a row: a surface, where it stands, what is behind it, how far it is open.
+ * Members that are left zero have their defaults, so {0} but for the surface is valid: at
+ * the origin, not turned, no change of index, no aperture. */
 typedef struct sgt_element {
     sgt_surface surface;
     sgt_pose    pose;
     double      index;          /* refractive index behind it; SGT_MIRROR; 0: as in front */
     double      semi_diameter;  /* of the clear aperture, soft by a part in 2^44; 0, or 2^500
                                    and more: none */
+    const struct sgt_aperture *aperture;  /* NULL: none.  Anything else makes this version
+                                             lose the ray: SGT_LOST, SGT_INVALID */
+    const struct sgt_phase    *phase;     /* NULL: none.  Anything else: the same */
+    unsigned long long reserved_[6];      /* zero.  Anything else: the same */
 } sgt_element;
 #define SGT_MIRROR (-1.0)
 
