@@ -1,9 +1,10 @@
 /* fma.h - a * b + c, rounded once, on every system.
  *
  * Error terms and outward rounding rest on it, and the fma of some C libraries is not
- * rounded once (mingw-w64's is not).  Where the compiler's target has the instruction,
- * sgt_fma is that instruction; so it is in a program for any x86-64 that runs where there
- * is one.  Elsewhere it is sgt_fma_exactly, which gives the same bits and calls no library.
+ * rounded once (mingw-w64's is not).  If the compiler's target has the instruction,
+ * sgt_fma is that instruction.  So it is in a program for any x86-64 that runs on a
+ * processor with it.  Elsewhere it is sgt_fma_exactly, which gives the same bits and
+ * calls no library.
  * (The library itself is compiled once with the instruction and once without.)
  *
  * METHOD.  Where no step can overflow and no product loses bits by underflow (the ranges
@@ -22,7 +23,8 @@
  *     into two halves of 26 bits, by its bits: the upper half is the factor rounded to a
  *     multiple of 2^27 units of its last place, and the lower half, which is exact, is at
  *     most 2^26 units.  So all four products of halves are doubles.
- *     t', v': Knuth's sum (TAOCP vol. 2, 4.2.2, theorem B), exact where nothing overflows.
+ *     t', v': Knuth's sum (TAOCP vol. 2, 4.2.2, theorem B), exact where nothing
+ *     overflows.
  *
  * RANGES.  1e-289 <= |u| <= 1e307, |a|, |b| <= 4e307 and |c| <= 1e307; 1e-289 > 2^-961,
  * 1e307 < 2^1020, 4e307 < 2^1022.
@@ -165,7 +167,8 @@ SGT_FMA_APART double sgt_fma_by_integers(double a, double b, double c)
     by = field > 0 ? 11 : 12 - field; /* places below the last one that the double has */
     if (by > 63) return sgt_fma_double(sign | (by == 64 && high > top ? 1 : 0));
     lost = high & ((1ULL << by) - 1), bits = high >> by;
-    if (field > 1) bits += (unsigned long long)(field - 1) << 52; /* the bit of 2^52 adds 1 */
+    if (field > 1) /* the bit of 2^52 adds 1 */
+        bits += (unsigned long long)(field - 1) << 52;
     if (lost > 1ULL << (by - 1) || (lost == 1ULL << (by - 1) && (bits & 1)))
         bits++; /* carries to the next binade, or to infinity */
     return sgt_fma_double(sign | bits);
@@ -199,7 +202,8 @@ SGT_FMA_APART double sgt_fma_exactly(double a, double b, double c)
 
 static inline double sgt_fma(double a, double b, double c)
 {
-#if defined(__FMA__) || defined(__aarch64__) || defined(__s390x__) || defined(__FP_FAST_FMA)
+#if defined(__FMA__) || defined(__aarch64__) || defined(__s390x__) || \
+    defined(__FP_FAST_FMA)
     return __builtin_fma(a, b, c);
 #elif defined(__x86_64__) && defined(__GNUC__) && !defined(SGT_SET)
     if (!__builtin_cpu_supports("fma")) return sgt_fma_exactly(a, b, c);

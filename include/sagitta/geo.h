@@ -1,12 +1,19 @@
-/* geo.h - the Earth as surfaces: a height over the ellipsoid, a level of normal gravity, a height over a geoid.
+/* geo.h - the Earth as surfaces: a height over the ellipsoid, a level of normal gravity,
+ * a height over a geoid.
  *
- * A library of its own, sagitta_geo, that is built where GeographicLib is: link both.  To sagitta these are surfaces as a
- * user's are.  All lengths are metres, in the Earth-centred Earth-fixed frame: z through the north pole, x through latitude
- * and longitude 0.  F is positive outside.  Each offers span, first, rounding and enclose, so that a first hit is the first
- * and a miss is one, proofs included.  A proof rests on the error analysis in src/geo, and on GeographicLib: its up vector has to
- * be right to 1e-10, its normal gravity to 8 units of 2^-53 (observed: 3e-16, and 4).
- * Parameters that are invalid make F NaN, and the answer negative (SGT_UNDEFINED or SGT_UNPROVEN); `object` of the row in
- * sgt_geo_builtins says what is wrong with them. */
+ * This is a library of its own, sagitta_geo.  It is built if GeographicLib is found; link
+ * both.  To sagitta these surfaces are as a user's are.
+ *
+ * UNITS.  All lengths are metres, in the Earth-centred Earth-fixed frame: z through the
+ * north pole, x through latitude and longitude 0.  F is positive outside.
+ *
+ * CERTAINTY.  Each surface offers span, first, rounding and enclose.  So a first hit is
+ * the first and a miss is one, proofs included.  A proof rests on the error analysis in
+ * src/geo, and on GeographicLib: its up vector has to be right to 1e-10, its normal
+ * gravity to 8 units of 2^-53 (observed: 3e-16, and 4).
+ *
+ * INVALID parameters make F NaN, and the answer negative (SGT_UNDEFINED or SGT_UNPROVEN).
+ * `object` of the row in sgt_geo_builtins says what is wrong with them. */
 #ifndef SAGITTA_GEO_H
 #define SAGITTA_GEO_H
 #include <sagitta/sagitta.h>
@@ -15,56 +22,85 @@
 extern "C" {
 #endif
 
-/* The points at geodetic height h over the ellipsoid of equatorial radius a and flattening f = (a - b) / a < 1 (f < 0:
- * prolate).  a = 0 stands for WGS84, its f included (f is 0 then); a given f is taken as it is: 0 is a sphere.
- * F = (height of p) - h, a distance: its gradient is the up vector, of length 1, and |F| is the clearance.  Inside the ellipsoid
- * the height is that of the nearest point of it, with the up vector there.
- * Invalid: a number that is not finite, a < 0 or beyond 1e100, f >= 1, h at or below -0.99 of the least
- * radius of curvature (-b^2 / a of an oblate one: -6335 km on WGS84), where the surface begins to fold, or above 1e100.
- * Parameters for sensitivities: h. */
-typedef struct sgt_geodetic_height { double a, f, h; } sgt_geodetic_height;
-
-/* The level surface of WGS84's normal gravity (Somigliana's closed form, centrifugal part included) that passes through
- * geodetic height h on the equator; h = 0 is the ellipsoid itself.  Or, with potential not 0, that of normal potential
- * U = potential, in m^2/s^2 (h is 0 then).  -100 km <= h <= 10000 km, and U between that of the two.  A level of gravity has a
- * second sheet beyond the geostationary radius (42164 km), where U, centrifugal part and all, is the same again: it is not
- * part of this surface; only the closed one about the Earth is, wherever a ray comes from.
- * F = GM / U - GM / (U of the level): in metres, and nearly a distance (its gradient is 1 to a part in 100 at 1000 km and below).
- * NaN outside the sphere of 42000 km.
- * Parameters: h, or potential where that is given. */
-typedef struct sgt_level_gravity { double h, potential; } sgt_level_gravity;
-
-/* The points h above a geoid given by a grid of its heights N over WGS84: F = (geodetic height) - N(latitude, longitude) - h,
- * latitude and longitude those of the point of the ellipsoid below p; h as above -6000 km.
+/* The points at geodetic height h over an ellipsoid of revolution.
  *
- * THE KINKS.  Between the nodes N is by bicubic convolution (Keys 1981, a = -1/2): through every height of the grid, with a
- * continuous gradient, so that Newton's method and normals meet no kinks at the lines of the grid as they would with bilinear
- * interpolation; it is nearer to the geoid, too (GeographicLib's manual has, of a 15' grid of EGM96, a largest error of 1.2 m
- * bilinear and 0.2 m cubic).  PROJ interpolates bilinearly: it differs by as much.  What is left: the curvature jumps at every
- * line, and the surface has a real corner at each pole, where the meridians' slopes meet; the gradient given there is up,
- * and a ray that touches the surface at the pole itself takes hundreds of evaluations, or more than it has.  A
- * 15' grid shows nothing below 30 km, whatever its interpolation: slopes of the surface are those of the grid, not of the sea.
- * Parameters: h. */
-typedef struct sgt_geoid sgt_geoid;
-typedef struct sgt_geoid_height { const sgt_geoid *geoid; double h; } sgt_geoid_height;
+ * F = (height of p) - h, a distance: its gradient is the up vector, of length 1, and |F|
+ * is the clearance.  Inside the ellipsoid the height is that of the nearest point of it,
+ * with the up vector there.
+ *
+ * Invalid besides the ranges below: a number that is not finite; h at or below -0.99 of
+ * the least radius of curvature (-b^2 / a of an oblate one: -6335 km on WGS84), where the
+ * surface begins to fold.  Parameters for sensitivities: h. */
+typedef struct sgt_geodetic_height {
+    double a;  /* equatorial radius, m; 0 ... 1e100.  0: WGS84, its f included */
+    double f;  /* flattening (a - b) / a, below 1; below 0: prolate.  It is taken as it
+                  is: 0 is a sphere.  With a = 0 it is 0 */
+    double h;  /* height, m; at most 1e100 */
+} sgt_geodetic_height;
 
-/* Reads a grid in NOAA's .gtx format that covers the globe, such as egm96_15.gtx of proj-data.  This, alone in the library,
- * allocates.  NULL: error, of `size` bytes, then names the file and what is wrong with it (cut off, too long,
- * absurd, a hole, a pole of more than one height). */
+/* The level surface of WGS84's normal gravity (Somigliana's closed form, centrifugal part
+ * included) that passes through geodetic height h on the equator; h = 0 is the ellipsoid
+ * itself.  Or, with potential not 0, that of normal potential U = potential.
+ *
+ * A level of gravity has a second sheet beyond the geostationary radius (42164 km), where
+ * U, with its centrifugal part, is the same again.  That sheet is not part of this
+ * surface: only the closed one about the Earth is, wherever a ray comes from.
+ *
+ * F = GM / U - GM / (U of the level), in metres, and nearly a distance: its gradient is 1
+ * to a part in 100 at 1000 km and below.  NaN outside the sphere of 42000 km.
+ * Parameters for sensitivities: h, or potential if that is given. */
+typedef struct sgt_level_gravity {
+    double h;          /* m; -100 km ... 10000 km.  With a potential it is 0 */
+    double potential;  /* U, m^2/s^2; between that of the two ends of h.  0: by h */
+} sgt_level_gravity;
+
+/* A geoid, read from a grid; see sgt_geoid_open. */
+typedef struct sgt_geoid sgt_geoid;
+
+/* The points h above a geoid given by a grid of its heights N over WGS84:
+ *     F = (geodetic height) - N(latitude, longitude) - h,
+ * with latitude and longitude of the point of the ellipsoid below p.
+ *
+ * BETWEEN THE NODES N is by bicubic convolution (Keys 1981, a = -1/2): through every
+ * height of the grid, with a continuous gradient.  So Newton's method and normals meet no
+ * kinks at the lines of the grid, as they would with bilinear interpolation.  It is
+ * nearer to the geoid, too: GeographicLib's manual has, of a 15' grid of EGM96, a largest
+ * error of 1.2 m bilinear and 0.2 m cubic.  PROJ interpolates bilinearly and differs by
+ * as much.
+ *
+ * WHAT IS LEFT.  The curvature jumps at every line.  The surface has a real corner at
+ * each pole, where the meridians' slopes meet; the gradient given there is up.  A ray
+ * that touches the surface at the pole itself takes hundreds of evaluations, or more than
+ * it has.  A 15' grid shows nothing below 30 km, whatever its interpolation: slopes of
+ * the surface are those of the grid, not of the sea.
+ * Parameters for sensitivities: h. */
+typedef struct sgt_geoid_height {
+    const sgt_geoid *geoid;
+    double           h;  /* m; above -6000 km */
+} sgt_geoid_height;
+
+/* Reads a grid in NOAA's .gtx format that covers the globe, such as egm96_15.gtx of
+ * proj-data.  This is the only function of the library that allocates.
+ * NULL: it failed.  `error`, of `size` bytes, then names the file and what is wrong with
+ * it (cut off, too long, absurd, a hole, a pole of more than one height). */
 SGT_API sgt_geoid *sgt_geoid_open(const char *path, char *error, size_t size);
 SGT_API void       sgt_geoid_close(sgt_geoid *geoid);  /* NULL is nothing */
 
-/* The path of egm96_15.gtx as PROJ's data are installed: in the folders of PROJ_DATA and PROJ_LIB, then where PROJ was when
- * this was built, then in the usual ones.  false: it is nowhere, or its path has `size` characters or more. */
-SGT_API bool   sgt_geoid_find(char *path, size_t size);
+/* The path of egm96_15.gtx as PROJ's data are installed: in the folders of PROJ_DATA and
+ * PROJ_LIB, then where PROJ was when this was built, then in the usual ones.
+ * false: it is nowhere, or its path has `size` characters or more. */
+SGT_API bool sgt_geoid_find(char *path, size_t size);
 
-/* N at a latitude of -90 ... 90 and a longitude, in degrees; NaN elsewhere. */
-SGT_API double sgt_geoid_undulation(const sgt_geoid *geoid, double latitude, double longitude);
+/* N in m, at a latitude of -90 ... 90 and a longitude, in degrees; NaN elsewhere. */
+SGT_API double sgt_geoid_undulation(const sgt_geoid *geoid, double latitude,
+                                    double longitude);
 
-extern SGT_API const sgt_surface_ops sgt_geodetic_height_ops, sgt_level_gravity_ops, sgt_geoid_height_ops;
+extern SGT_API const sgt_surface_ops sgt_geodetic_height_ops, sgt_level_gravity_ops,
+    sgt_geoid_height_ops;
 
-/* As sgt_builtins (surfaces.h): "geodetic_height", "level_gravity", "geoid".  A geoid is a pointer too, which no row can
- * tell of: whoever reads "geoid" opens its `file` (sgt_geoid_find where none is named) and puts it in. */
+/* As sgt_builtins (surfaces.h): "geodetic_height", "level_gravity", "geoid".  A geoid is
+ * a pointer too, which no row can describe.  A reader of "geoid" opens its `file`
+ * (sgt_geoid_find if none is named) and puts it in. */
 extern SGT_API const sgt_builtin sgt_geo_builtins[];
 
 #ifdef __cplusplus

@@ -1,46 +1,61 @@
-/* sensitivity.h - how the answer of sgt_intersect changes with the ray and with the surface: what an optimiser needs.
+/* sensitivity.h - how a hit changes with the ray and with the surface: derivatives, for
+ * an optimiser.
  *
- * The hit is where F(o + t d; a) = 0, a the parameters of the surface.  Move the origin by do, the direction by dd and
- * the parameters by da, and the root stays a root if (the implicit function theorem)
+ * METHOD.  The hit is where F(o + t d; a) = 0, a the parameters.  Move the origin by do,
+ * the direction by dd and the parameters by da.  The root stays a root (the implicit
+ * function theorem) if
  *     dt = -(n . (do + t dd) + F_a . da) / s,       s = n . d,
  *     dp = do + t dd + d dt,
- *     dn = H dp + (grad F_a) . da,
- * n the gradient of F as sgt_hit has it, F_a the derivatives of F by the parameters, H its second derivatives.  No root is
- * searched again: all is worked out at the hit, by the formulas of the surface, without differences.
+ *     dn = H dp + (grad F_a) . da.
+ * n is the gradient of F as sgt_hit has it, F_a the derivatives of F by the parameters, H
+ * its second derivatives.  No root is searched again: all is worked out at the hit by the
+ * formulas of the surface, without differences.
  *
- * THE DIRECTION needs no outputs of its own: dd acts as a shift t dd of the origin does, so each derivative by d is
- * t times that by o.
+ * DIRECTION.  There are no outputs for it.  dd acts as a shift t dd of the origin does,
+ * so each derivative by d is t times the one by o.
  *
- * WHICH PARAMETERS, and their order, says surfaces.h: of a conic c, k; of an even asphere c, k, a[0] ... a[7], those that
- * are zero too; of the others c, k and the coefficients, but where said.  semi_diameter is none: it moves no root.  Level
- * sets (julia, mandelbrot) have none, and no second derivatives.  A surface of a user has what its operations offer
- * (sgt_surface_ops: second, parameters, by_parameter).
+ * PARAMETERS.  surfaces.h says which there are, and in what order.
+ *     conic              c, k
+ *     even asphere       c, k, a[0] ... a[7], those that are zero too
+ *     others             c, k and the coefficients, unless surfaces.h says something else
+ *     julia, mandelbrot  none, and no second derivatives
+ *     a user's           what its operations offer (second, parameters, by_parameter)
+ * semi_diameter is not a parameter: it moves no root.
  *
- * n IS NOT OF UNIT LENGTH.  Of the unit normal u = n / |n| the change is du = (dn - u (u . dn)) / |n|; of a reflected
- * direction r = d - 2 u (u . d) it is dr = dd - 2 (u (du . d + u . dd) + du (u . d)).
+ * UNIT NORMAL.  n is not of unit length.  The change of the unit normal u = n / |n| is
+ *     du = (dn - u (u . dn)) / |n|,
+ * and that of a reflected direction r = d - 2 u (u . d) is
+ *     dr = dd - 2 (u (du . d + u . dd) + du (u . d)).
  *
- * HOW GOOD.  A few roundings of each term, where terms cancel of the largest, and what s is
- * off by.  Where the ray grazes, c = |n| |d| / |s| is large: the root runs away from any
- * change, and all outputs are large and uncertain.  dt/do is off by up to
- *     8 u c + p_err |H d| / |s| + p_err |H| / |n|,     u = 2^-53,
- * of its largest component, and the other outputs with it.  First, s is a sum of three
- * products.  Second and third, s and n are those at p, and the root is within p_err of p.  Where the
- * radius of curvature is far below the surface's own lengths, as at the pinch of a torus, u times these
- * lengths stands in place of a smaller p_err: they are rounded on the way to n.  Conics and even aspheres
- * polish the roots of grazing rays in twice the precision: their dt/do is
- * within 64 u c besides (20 u c has been seen).  Other surfaces know a root, along the ray,
- * to about u c lengths, since their F has a rounding of its own; one more Newton step from p
- * would be off by as much.  So the second is about u c^2: at c = 1e6 a relative 1e-4, and at
- * c = 1e8 hardly a digit is left.  Where s = 0 all are infinite or NaN.
+ * ACCURACY.  The errors are a few roundings of each term (of the largest, if terms
+ * cancel), and the error of s.  If the ray grazes, c = |n| |d| / |s| is large: the root
+ * runs away from any change, and all outputs are large and uncertain.  With u = 2^-53,
+ * dt/do is off by up to
+ *     8 u c + p_err |H d| / |s| + p_err |H| / |n|
+ * of its largest component, and the other outputs with it.
+ *   - The first term: s is a sum of three products.
+ *   - The second and third: s and n are those at p, and the root is within p_err of p.
+ *   - Where the radius of curvature is far below the surface's own lengths, as at the
+ *     pinch of a torus, u times these lengths stands in place of a smaller p_err: they
+ *     are rounded on the way to n.
+ *   - Conics and even aspheres polish the roots of grazing rays in twice the precision.
+ *     Their dt/do is besides within 64 u c (20 u c has been seen).
+ *   - Other surfaces know a root, along the ray, to about u c lengths, since their F has
+ *     a rounding of its own; one more Newton step from p would be off by as much.  So the
+ *     second term is about u c^2: at c = 1e6 a relative 1e-4, and at c = 1e8 hardly a
+ *     digit is left.
+ *   - Where s = 0, all are infinite or NaN.
+ *   - second and by_parameter are taken at p as rounded.  Near the equator of a sphere,
+ *     1 - (1 + k) c^2 r^2 = q << 1 (c the curvature), that is a relative 2^-53 / q, and
+ *     NaN if rounding has put p outside the domain.  The derivatives of t and p by the
+ *     ray need neither of them and are as good as n.
  *
- * They are the derivatives of the root that was met: that another comes before it, or that
- * it passes the rim, no derivative tells.  What second and by_parameter say of p they say of
- * p as rounded: near the equator of a sphere, 1 - (1 + k) c^2 r^2 = q << 1 (c the
- * curvature), that is a relative 2^-53 / q, and NaN where rounding has put p outside the
- * domain (the derivatives of t and p by the ray need neither of them and are as good as n).
+ * NOT SAID.  They are the derivatives of the root that was met.  That another root comes
+ * before it, or that it passes the rim, no derivative tells.
  *
- * Every function may run in any number of threads; nothing is allocated, and the stack needed is below 80 KiB.  Answers
- * have the same bits on every processor, alone and among any others. */
+ * Every function may run in any number of threads.  Nothing is allocated, and the stack
+ * needed is below 80 KiB.  Answers have the same bits on every processor, alone and among
+ * any others. */
 #ifndef SAGITTA_SENSITIVITY_H
 #define SAGITTA_SENSITIVITY_H
 #include <sagitta/sagitta.h>
@@ -51,47 +66,68 @@ extern "C" {
 /* How many parameters the surface has derivatives by; 0: none are offered. */
 SGT_API size_t sgt_parameters(sgt_surface s);
 
-/* What was wanted and is not to be had of this surface: the sum of these is returned, 0 where nothing is missing.  The
- * outputs that need it are NaN, all others are as they should be. */
+/* What was wanted and the surface does not offer.  The functions below return the sum of
+ * these; 0: nothing is missing.  Outputs that need it are NaN; all others are right. */
 enum {
-    SGT_LACKS_SECOND = 1,      /* it offers no second derivatives: no changes of n are known */
-    SGT_LACKS_PARAMETERS = 2   /* it offers no derivatives by parameters, of which it has none then */
+    SGT_LACKS_SECOND = 1,     /* no second derivatives: no changes of n are known */
+    SGT_LACKS_PARAMETERS = 2  /* no derivatives by parameters: it has none then */
 };
 
 /* A column of the Jacobian: by how much t, p and n change with one number. */
-typedef struct sgt_change { double t; sgt_vec3 p, n; } sgt_change;
+typedef struct sgt_change {
+    double   t;
+    sgt_vec3 p, n;
+} sgt_change;
 
-/* One ray and its hit: by_o[0 ... 2], by o.x, o.y, o.z; by_a[j], by parameter j, sgt_parameters(s) of them.  NULL: not
- * wanted.  All NaN where the status of the hit is not positive. */
-SGT_API int sgt_differentiate(sgt_surface s, const sgt_ray *ray, const sgt_hit *hit, sgt_change by_o[3], sgt_change by_a[]);
+/* The Jacobian of one hit.  All NaN if the status of the hit is not positive.
+ *     by_o  NULL: not wanted.  by_o[0 ... 2] are by o.x, o.y, o.z
+ *     by_a  NULL: not wanted.  by_a[j] is by parameter j; sgt_parameters(s) of them */
+SGT_API int sgt_differentiate(sgt_surface s, const sgt_ray *ray, const sgt_hit *hit,
+                              sgt_change by_o[3], sgt_change by_a[]);
 
-/* The Jacobian of many hits: one array per number, NULL = not wanted and not computed.  t_by_o[j] is dt/do_j, p_by_o[i][j]
- * dp_i/do_j; t_by_a is a list of as many arrays as there are parameters, t_by_a[j] of dt/da_j, and p_by_a[i] is one of dp_i/da_j;
- * n likewise.  Each list and each array in one may be NULL.
+/* The Jacobian of many hits: one array for each number.  An array that is NULL is not
+ * wanted and not computed.  Each list may be NULL as well.
  *
- * To read dp from memory costs more than to work it out where it is needed: it is
- *     dp/do_j = e_j + d t_by_o[j],     dp/da_j = d t_by_a[j],     e_j the unit vector. */
+ * To read dp from memory costs more than to work it out where it is needed.  With e_j the
+ * unit vector it is
+ *     dp/do_j = e_j + d t_by_o[j],     dp/da_j = d t_by_a[j]. */
 typedef struct sgt_jacobian {
-    double *t_by_o[3], *p_by_o[3][3], *n_by_o[3][3];
-    double *const *t_by_a, *const *p_by_a[3], *const *n_by_a[3];
+    double *t_by_o[3];           /* [j]: dt/do_j */
+    double *p_by_o[3][3];        /* [i][j]: dp_i/do_j */
+    double *n_by_o[3][3];        /* [i][j]: dn_i/do_j */
+    double *const *t_by_a;       /* a list of sgt_parameters(s) arrays; [j]: dt/da_j */
+    double *const *p_by_a[3];    /* [i]: such a list, of dp_i/da_j */
+    double *const *n_by_a[3];    /* [i]: such a list, of dn_i/da_j */
 } sgt_jacobian;
 
-/* The Jacobian of n hits, as sgt_intersect_batch has left them: of the rays d is read, of the hits p, n and, where it is
- * given, status: rays whose status is not positive, or whose n is NaN, have NaN everywhere, and are not shown to the
- * surface.  Each number is the one that sgt_differentiate gives, bit for bit.  Outputs must not overlap the inputs or each
- * other.
+/* The Jacobian of n hits, as sgt_intersect_batch has left them.  Each number is the one
+ * that sgt_differentiate gives, bit for bit.
  *
- * Where a surface has many parameters, arrays that do not fit into the processor's cache cost more than the arithmetic:
- * take a thousand rays or so at a time, and use up what they have given before the next. */
-SGT_API int sgt_differentiate_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, sgt_jacobian out);
+ * Of the rays d is read, of the hits p, n and, if it is given, status.  A ray whose
+ * status is not positive, or whose n is NaN, has NaN everywhere and is not shown to the
+ * surface.  Outputs must not overlap the inputs or each other.
+ *
+ * If a surface has many parameters, arrays that do not fit into the processor's cache
+ * cost more than the arithmetic.  Take a thousand rays or so at a time, and use their
+ * results before the next. */
+SGT_API int sgt_differentiate_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits,
+                                    sgt_jacobian out);
 
-/* The Jacobian times a change, through one surface after the other: origins and directions change by change.o and change.d (all
- * three arrays of one, or none: no change; tmin and tmax are not read), the parameters by da, the same for all rays (NULL: no
- * change; a parameter whose da is 0 is not asked for).  Written are the changes of t, p and n, those arrays that are
- * not NULL.  Of the hits t is read too, where directions change. */
-typedef struct sgt_changes { double *t, *p[3], *n[3]; } sgt_changes;
+/* The changes of many hits.  An array that is NULL is not wanted. */
+typedef struct sgt_changes {
+    double *t, *p[3], *n[3];
+} sgt_changes;
 
-SGT_API int sgt_differentiate_forward(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, sgt_rays change, const double da[], sgt_changes out);
+/* The Jacobian times a change, through one surface after the other.
+ *     change  by how much origins and directions change: change.o, change.d.  All three
+ *             arrays of one, or none: no change.  tmin and tmax are not read
+ *     da      by how much the parameters change, the same for all rays.  NULL: no change.
+ *             A parameter whose da is 0 is not asked for
+ *     out     the changes of t, p and n
+ * Of the hits t is read too, if directions change. */
+SGT_API int sgt_differentiate_forward(sgt_surface s, size_t n, sgt_rays rays,
+                                      sgt_hits hits, sgt_rays change, const double da[],
+                                      sgt_changes out);
 
 #ifdef __cplusplus
 }

@@ -571,7 +571,8 @@ sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *whe
         = s.ops ? rim2_of_builtin(s) : HUGE_VAL; /* by the table, of the operations as they are seen */
     s = in_set(s);
     check c = {.s = s, .fault = SGT_SOUND, .where = {(double)NAN, (double)NAN, (double)NAN}};
-    if (!s.ops || !s.ops->value || (is_catalogue(s.ops) && s.ops->own_->object(s.self).reason)) {
+    if (!s.ops || !s.ops->value || !is_whole(s.ops) ||
+        (is_catalogue(s.ops) && s.ops->own_->object(s.self).reason)) {
         c.fault = SGT_NO_VALUE;
     } else {
         c.rim2 = rim2;
@@ -606,7 +607,9 @@ const char *sgt_fault_text(sgt_fault fault)
     case SGT_WRONG_FIRST:
         return "wrong first: a root that counts lies before it, or two in it, or none in it and one behind";
     case SGT_WRONG_FIRSTS: return "wrong firsts: they differ from first in a bit, or there is no first";
-    case SGT_NO_VALUE: return "no value: the surface has no function F, or a parameter that is not valid";
+    case SGT_NO_VALUE:
+        return "no value: the surface has no function F, a table of a wrong size, or a parameter that is not "
+               "valid";
     }
     return "?";
 }

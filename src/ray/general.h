@@ -22,10 +22,11 @@ SGT_INLINE double rim2_of_surface(sgt_surface s)
     return s.ops->own_ && s.ops->own_->rim ? rim2_of(s.ops->own_->rim(s.self)) : HUGE_VAL;
 }
 
-/* A built-in surface that does not answer by itself says whether it is one. */
+/* A built-in surface that does not answer by itself says whether it is one; the table of a user has to be
+ * whole. */
 SGT_INLINE bool parameters_valid(sgt_surface s)
 {
-    return !is_catalogue(s.ops) || !s.ops->own_->object(s.self).reason;
+    return is_catalogue(s.ops) ? !s.ops->own_->object(s.self).reason : is_whole(s.ops);
 }
 
 /* sgt_intersect of a ray that may be written to. */

@@ -164,6 +164,15 @@ static void parameter(sensitivity_block *b, size_t j, bool gradient)
 
 /* ----------------------------------------------------------------------- the door */
 
+/* With the operations of this set of instructions; a table that is not whole offers nothing. */
+static sgt_surface offered(sgt_surface s)
+{
+    static const sgt_surface_ops nothing = {0};
+    s = in_set(s);
+    if (s.ops && !is_whole(s.ops)) s.ops = &nothing;
+    return s;
+}
+
 static bool has_parameters(sgt_surface s) { return s.ops && s.ops->parameters && s.ops->by_parameter; }
 static int lacks(bool second, bool parameters)
 {
@@ -172,14 +181,14 @@ static int lacks(bool second, bool parameters)
 
 size_t sgt_parameters(sgt_surface s)
 {
-    s = in_set(s);
+    s = offered(s);
     return has_parameters(s) ? s.ops->parameters(s.self) : 0;
 }
 
 int sgt_differentiate(sgt_surface s, const sgt_ray *ray, const sgt_hit *hit, sgt_change by_o[3],
                       sgt_change by_a[])
 {
-    s = in_set(s);
+    s = offered(s);
     sensitivity_block b;
     double d[3] = {ray->d.x, ray->d.y, ray->d.z}, p[3] = {hit->p.x, hit->p.y, hit->p.z},
            n[3] = {hit->n.x, hit->n.y, hit->n.z};
@@ -214,7 +223,7 @@ static double *listed(double *const *list, size_t j, size_t at)
 
 int sgt_differentiate_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, sgt_jacobian out)
 {
-    s = in_set(s);
+    s = offered(s);
     sensitivity_block b;
     bool turns = false, lists = out.t_by_a != NULL, turn_lists = false;
     for (int i = 0; i < 3; i++) {
@@ -267,7 +276,7 @@ static void shift(const sensitivity_block *b, const sgt_rays *change, const doub
 int sgt_differentiate_forward(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits, sgt_rays change,
                               const double da[], sgt_changes out)
 {
-    s = in_set(s);
+    s = offered(s);
     sensitivity_block b;
     row shifted[3], turned[3];
     double *q[3] = {shifted[0], shifted[1], shifted[2]};

@@ -43,19 +43,9 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { /* names of the private numbers */
-    GLO, GHI,            /* g at lo and hi; NaN: not known */
-    SLO, SHI,            /* their signs, as certain when they were told as they ever will be */
-    BRACKETED, SINGLE, DONE,
-    PREV, GPREV, SPREV,  /* the last point where g was defined */
-    STEP, STEP2,         /* the last step and the one before */
-    OVERSHOOT, BISECTIONS, RETREATS, SAMPLED,
-    CANDIDATE, SIDE, WIDTH, LEFT, RIGHT, /* LEFT, RIGHT: sign found there, 0: none yet */
-    T_TOL, F_TOL, BUDGET, HOLE, /* HOLE: the last NaN */
-    COUNT
-};
-_Static_assert(COUNT <= 32, "sgt_root.private_ is too small");
-#define P(name) (r->private_[name])
+/* Of fixed size, so that a program and a library of other versions agree on it. */
+_Static_assert(sizeof(struct sgt_root_private) == 256, "sgt_root.private_ has another size");
+#define P(name) (r->private_.name)
 
 enum { SAMPLES = 32, RETREATS_MAX = 128 };
 
@@ -95,14 +85,14 @@ static double root_middle(double lo, double hi) { return 0.5 * lo + 0.5 * hi; }
 static bool finish(sgt_root *r, sgt_status status)
 {
     r->status = status;
-    P(DONE) = 1;
+    P(done) = true;
     return false;
 }
 
 /* Ends on t with the change of sign between lo and hi. */
 static bool finish_between(sgt_root *r, double t)
 {
-    if (P(HOLE) > r->lo && P(HOLE) < r->hi) return finish(r, SGT_UNDEFINED);
+    if (P(hole) > r->lo && P(hole) < r->hi) return finish(r, SGT_UNDEFINED);
     r->t = t;
     r->t_err = maximum_number(t - r->lo, r->hi - t);
     return finish(r, SGT_HIT);
@@ -110,9 +100,9 @@ static bool finish_between(sgt_root *r, double t)
 
 static bool go(sgt_root *r, double t, sgt_move move)
 {
-    if (r->evals >= (int)P(BUDGET)) {
-        if (!isnan(P(PREV))) r->t = P(PREV);
-        r->t_err = P(BRACKETED) != 0 ? maximum_number(r->t - r->lo, r->hi - r->t) : HUGE_VAL;
+    if (r->evals >= P(budget)) {
+        if (!isnan(P(last))) r->t = P(last);
+        r->t_err = P(bracketed) ? maximum_number(r->t - r->lo, r->hi - r->t) : HUGE_VAL;
         return finish(r, SGT_EXHAUSTED);
     }
     t = t < r->lo ? r->lo : t > r->hi ? r->hi : t;
@@ -145,12 +135,12 @@ sgt_root sgt_root_begin(sgt_span span, const sgt_options *opt)
                      .move = SGT_SEED,
                      .status = SGT_UNPROVEN},
              *r = &root;
-    P(GLO) = P(GHI) = P(PREV) = P(GPREV) = P(HOLE) = P(CANDIDATE) = NAN;
-    P(STEP) = P(STEP2) = HUGE_VAL;
-    P(SINGLE) = span.single;
-    P(T_TOL) = o.t_tol;
-    P(F_TOL) = o.f_tol;
-    P(BUDGET) = o.max_evals ? o.max_evals : SGT_DEFAULT_EVALS;
+    P(g_lo) = P(g_hi) = P(last) = P(g_last) = P(hole) = P(candidate) = NAN;
+    P(step) = P(step_before) = HUGE_VAL;
+    P(single) = span.single;
+    P(t_tol) = o.t_tol;
+    P(f_tol) = o.f_tol;
+    P(budget) = o.max_evals ? o.max_evals : SGT_DEFAULT_EVALS;
     root.t = span.seed;
     if (!(span.lo <= span.hi) || !sgt_options_valid(opt) || span.lo == HUGE_VAL || span.hi == -HUGE_VAL) {
         root.t = NAN;
@@ -167,25 +157,25 @@ sgt_root sgt_root_begin(sgt_span span, const sgt_options *opt)
 static void note(sgt_root *r, double t, double g)
 {
     int s = root_sign_of(r, g);
-    if (s && P(BRACKETED) != 0) {
+    if (s && P(bracketed)) {
         if (!(t >= r->lo && t <= r->hi)) return;
-        if (s == P(SLO)) r->lo = t, P(GLO) = g;
-        else r->hi = t, P(GHI) = g;
+        if (s == P(sign_lo)) r->lo = t, P(g_lo) = g;
+        else r->hi = t, P(g_hi) = g;
     } else if (s) {
         /* every certain sign known so far is the same: any of those points is an end */
         double other = NAN, gother = NAN;
-        if (s * P(SLO) < 0) other = r->lo, gother = P(GLO);
-        if (s * P(SHI) < 0) other = r->hi, gother = P(GHI);
-        if (s * P(SPREV) < 0) other = P(PREV), gother = P(GPREV);
-        if (t == r->lo) P(GLO) = g, P(SLO) = s;
-        if (t == r->hi) P(GHI) = g, P(SHI) = s;
+        if (s * P(sign_lo) < 0) other = r->lo, gother = P(g_lo);
+        if (s * P(sign_hi) < 0) other = r->hi, gother = P(g_hi);
+        if (s * P(sign_last) < 0) other = P(last), gother = P(g_last);
+        if (t == r->lo) P(g_lo) = g, P(sign_lo) = s;
+        if (t == r->hi) P(g_hi) = g, P(sign_hi) = s;
         if (!isnan(other)) {
             bool up = t < other;
-            r->lo = up ? t : other, P(GLO) = up ? g : gother;
-            r->hi = up ? other : t, P(GHI) = up ? gother : g;
-            P(SLO) = up ? s : -s, P(SHI) = -P(SLO);
-            P(BRACKETED) = 1;
-            P(STEP) = P(STEP2) = r->hi - r->lo;
+            r->lo = up ? t : other, P(g_lo) = up ? g : gother;
+            r->hi = up ? other : t, P(g_hi) = up ? gother : g;
+            P(sign_lo) = up ? s : -s, P(sign_hi) = -P(sign_lo);
+            P(bracketed) = true;
+            P(step) = P(step_before) = r->hi - r->lo;
         }
     }
 }
@@ -193,59 +183,59 @@ static void note(sgt_root *r, double t, double g)
 void sgt_root_tell(sgt_root *r, double t, double g)
 {
     note(r, t, g);
-    if (P(BRACKETED) == 0) P(PREV) = t, P(GPREV) = g, P(SPREV) = root_sign_of(r, g);
+    if (!P(bracketed)) P(last) = t, P(g_last) = g, P(sign_last) = root_sign_of(r, g);
 }
 
 static bool bisect(sgt_root *r)
 {
     bool endless = !(r->lo > -HUGE_VAL && r->hi < HUGE_VAL);
     double m = endless ? among_numbers(r->lo, r->hi, 0.5) : root_middle(r->lo, r->hi);
-    P(BISECTIONS)++;
-    if (P(BISECTIONS) > 16 && ((int)P(BISECTIONS) & 1) == 0) m = among_numbers(r->lo, r->hi, 0.5);
+    P(bisections)++;
+    if (P(bisections) > 16 && (P(bisections) & 1) == 0) m = among_numbers(r->lo, r->hi, 0.5);
     if (!(m > r->lo && m < r->hi)) m = root_middle(r->lo, r->hi);
     if (!(m > r->lo && m < r->hi)) /* neighbours */
-        return finish_between(r, fabs(P(GLO)) < fabs(P(GHI)) ? r->lo : r->hi);
-    P(STEP2) = P(STEP) = r->hi - r->lo;
+        return finish_between(r, fabs(P(g_lo)) < fabs(P(g_hi)) ? r->lo : r->hi);
+    P(step_before) = P(step) = r->hi - r->lo;
     return go(r, m, SGT_BISECT);
 }
 
 /* No change of sign is known and Newton is of no more use: the ends, then samples. */
 static bool look_elsewhere(sgt_root *r)
 {
-    if (isnan(P(GLO)) && isfinite(r->lo) && P(SAMPLED) < 1) return P(SAMPLED) = 1, go(r, r->lo, SGT_SEED);
-    if (isnan(P(GHI)) && isfinite(r->hi) && P(SAMPLED) < 2) return P(SAMPLED) = 2, go(r, r->hi, SGT_SEED);
-    if (P(SAMPLED) < 2) P(SAMPLED) = 2;
-    if (P(SINGLE) != 0 && P(SLO) * P(SHI) > 0) {
+    if (isnan(P(g_lo)) && isfinite(r->lo) && P(sampled) < 1) return P(sampled) = 1, go(r, r->lo, SGT_SEED);
+    if (isnan(P(g_hi)) && isfinite(r->hi) && P(sampled) < 2) return P(sampled) = 2, go(r, r->hi, SGT_SEED);
+    if (P(sampled) < 2) P(sampled) = 2;
+    if (P(single) && P(sign_lo) * P(sign_hi) > 0) {
         r->t = NAN;
         return finish(r, SGT_MISS);
     }
-    P(SAMPLED)++;
-    if (P(SAMPLED) > 2 + SAMPLES) {
-        bool undefined = isnan(P(PREV));
+    P(sampled)++;
+    if (P(sampled) > 2 + SAMPLES) {
+        bool undefined = isnan(P(last));
         r->t = NAN;
         return finish(r, undefined ? SGT_UNDEFINED : SGT_UNPROVEN);
     }
-    P(STEP) = P(STEP2) = HUGE_VAL;
-    return go(r, root_sample(r, (int)P(SAMPLED) - 2), SGT_MARCH);
+    P(step) = P(step_before) = HUGE_VAL;
+    return go(r, root_sample(r, P(sampled) - 2), SGT_MARCH);
 }
 
 /* g is NaN at t. */
 static bool retreat(sgt_root *r)
 {
-    P(HOLE) = r->t;
-    P(RETREATS)++;
-    if (P(RETREATS) > RETREATS_MAX) return r->t = NAN, finish(r, SGT_UNDEFINED);
-    if (P(BRACKETED) != 0) { /* toward the better end, then the other, in turn */
-        bool left = (fabs(P(GLO)) < fabs(P(GHI))) == (((int)P(RETREATS) & 1) != 0);
+    P(hole) = r->t;
+    P(retreats)++;
+    if (P(retreats) > RETREATS_MAX) return r->t = NAN, finish(r, SGT_UNDEFINED);
+    if (P(bracketed)) { /* toward the better end, then the other, in turn */
+        bool left = (fabs(P(g_lo)) < fabs(P(g_hi))) == ((P(retreats) & 1) != 0);
         double end = left ? r->lo : r->hi, m = root_middle(r->t, end);
         if (m == r->t || m == end) return r->t = NAN, finish(r, SGT_UNDEFINED);
-        P(STEP2) = P(STEP) = r->hi - r->lo;
+        P(step_before) = P(step) = r->hi - r->lo;
         return go(r, m, SGT_RETREAT);
     }
-    if (isnan(P(PREV)) || P(SAMPLED) > 0) return look_elsewhere(r);
-    double m = root_middle(r->t, P(PREV));
-    if (m == r->t || m == P(PREV)) return look_elsewhere(r);
-    P(STEP2) = P(STEP) = HUGE_VAL;
+    if (isnan(P(last)) || P(sampled) > 0) return look_elsewhere(r);
+    double m = root_middle(r->t, P(last));
+    if (m == r->t || m == P(last)) return look_elsewhere(r);
+    P(step_before) = P(step) = HUGE_VAL;
     return go(r, m, SGT_RETREAT);
 }
 
@@ -253,43 +243,42 @@ static bool retreat(sgt_root *r)
 
 static bool probe_next(sgt_root *r)
 {
-    double c = P(CANDIDATE);
+    double c = P(candidate);
     for (int side = -1; side <= 1; side += 2) {
-        int at = side < 0 ? LEFT : RIGHT;
-        double end = side < 0 ? r->lo : r->hi, gend = side < 0 ? P(GLO) : P(GHI),
-               send = side < 0 ? P(SLO) : P(SHI), t;
-        if (r->private_[at] != 0) continue;
-        t = c + side * P(WIDTH);
+        int *seen = side < 0 ? &P(sign_left) : &P(sign_right), sign_end = side < 0 ? P(sign_lo) : P(sign_hi);
+        double end = side < 0 ? r->lo : r->hi, gend = side < 0 ? P(g_lo) : P(g_hi), t;
+        if (*seen != 0) continue;
+        t = c + side * P(width);
         if (side < 0 ? t <= end : t >= end) { /* the end of what may be asked */
-            if (send != 0) {
-                r->private_[at] = send;
+            if (sign_end != 0) {
+                *seen = sign_end;
                 continue;
             }
             if (!isnan(gend) || c == end) { /* nothing certain on this side at all */
                 r->t = c;
-                r->t_err = P(WIDTH);
+                r->t_err = P(width);
                 return finish(r, SGT_GRAZE);
             }
             t = end;
         }
-        P(SIDE) = side;
+        P(side) = side;
         return go(r, t, SGT_PROBE);
     }
-    double width = P(WIDTH);
+    double width = P(width);
     r->t = c;
     r->lo = maximum_number(r->lo, c - width), r->hi = minimum_number(r->hi, c + width);
     r->t_err = maximum_number(c - r->lo, r->hi - c);
-    return finish(r, P(LEFT) * P(RIGHT) < 0 ? SGT_HIT : SGT_GRAZE);
+    return finish(r, P(sign_left) * P(sign_right) < 0 ? SGT_HIT : SGT_GRAZE);
 }
 
 static bool root_probe_begin(sgt_root *r, double g, double slope)
 {
     double w = 2 * (fabs(g) + r->g_err) / fabs(slope);
-    P(CANDIDATE) = r->t;
-    P(LEFT) = P(RIGHT) = P(SIDE) = 0;
+    P(candidate) = r->t;
+    P(sign_left) = P(sign_right) = P(side) = 0;
     if (!isfinite(w)) w = 0; /* the slope is of no use: begin at an ulp and widen */
-    P(WIDTH) = maximum_number(maximum_number(w, P(T_TOL)), ulp(r->t));
-    if (g == 0 && r->g_err == 0 && P(BRACKETED) != 0) { /* the root itself */
+    P(width) = maximum_number(maximum_number(w, P(t_tol)), ulp(r->t));
+    if (g == 0 && r->g_err == 0 && P(bracketed)) { /* the root itself */
         r->t_err = 0;
         return finish(r, SGT_HIT);
     }
@@ -299,21 +288,21 @@ static bool root_probe_begin(sgt_root *r, double g, double slope)
 /* g at a probe; false: the candidate is given up, go on with Newton from here. */
 static bool probe_tell(sgt_root *r, double g, bool *more)
 {
-    int side = P(SIDE) < 0 ? -1 : 1, s = isnan(g) ? 0 : root_sign_of(r, g);
-    P(SIDE) = 0;
-    if (P(BRACKETED) != 0 && s != 0 && s != P(side < 0 ? SLO : SHI)) return false;
+    int side = P(side) < 0 ? -1 : 1, s = isnan(g) ? 0 : root_sign_of(r, g);
+    P(side) = 0;
+    if (P(bracketed) && s != 0 && s != (side < 0 ? P(sign_lo) : P(sign_hi))) return false;
     if (s == 0) {
-        P(WIDTH) *= 4;
-        if (isnan(g) || !isfinite(P(WIDTH))) { /* the candidate lies at the edge of the domain */
-            r->t = P(CANDIDATE);
-            r->t_err = P(WIDTH);
+        P(width) *= 4;
+        if (isnan(g) || !isfinite(P(width))) { /* the candidate lies at the edge of the domain */
+            r->t = P(candidate);
+            r->t_err = P(width);
             *more = finish(r, SGT_GRAZE);
             return true;
         }
-        if (r->t == r->lo) P(GLO) = g;
-        if (r->t == r->hi) P(GHI) = g;
+        if (r->t == r->lo) P(g_lo) = g;
+        if (r->t == r->hi) P(g_hi) = g;
     } else {
-        r->private_[side < 0 ? LEFT : RIGHT] = s;
+        *(side < 0 ? &P(sign_left) : &P(sign_right)) = s;
     }
     *more = probe_next(r);
     return true;
@@ -322,14 +311,14 @@ static bool probe_tell(sgt_root *r, double g, bool *more)
 bool sgt_root_next(sgt_root *r, double g, double slope)
 {
     bool more = false;
-    if (P(DONE) != 0) return false;
+    if (P(done)) return false;
     r->evals++;
-    if (P(SIDE) != 0 && probe_tell(r, g, &more)) return more;
+    if (P(side) != 0 && probe_tell(r, g, &more)) return more;
     if (isnan(g)) return retreat(r);
 
     note(r, r->t, g);
-    P(PREV) = r->t, P(GPREV) = g, P(SPREV) = root_sign_of(r, g);
-    if (P(F_TOL) > 0 && fabs(g) <= P(F_TOL)) {
+    P(last) = r->t, P(g_last) = g, P(sign_last) = root_sign_of(r, g);
+    if (P(f_tol) > 0 && fabs(g) <= P(f_tol)) {
         double off = fabs(g) + r->g_err;
         r->t_err = off > 0 ? 2 * off / fabs(slope) : 0; /* twice the first order, for the second */
         if (off > 0 && !(r->t_err > 0 && r->t_err < HUGE_VAL)) /* a slope that says nothing */
@@ -338,31 +327,31 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
     }
     if (root_sign_of(r, g) == 0) return root_probe_begin(r, g, slope);
 
-    double t = r->t, tol = maximum_number(P(T_TOL), 2 * ulp(t));
-    bool bracketed = P(BRACKETED) != 0;
+    double t = r->t, tol = maximum_number(P(t_tol), 2 * ulp(t));
+    bool bracketed = P(bracketed);
     if (bracketed && r->hi - r->lo <= 2 * tol)
-        return finish_between(r, fabs(P(GLO)) < fabs(P(GHI)) ? r->lo : r->hi);
+        return finish_between(r, fabs(P(g_lo)) < fabs(P(g_hi)) ? r->lo : r->hi);
 
-    double step = g / slope, allowed = bracketed ? 0.5 * fabs(P(STEP2)) : 0.6 * fabs(P(STEP));
+    double step = g / slope, allowed = bracketed ? 0.5 * fabs(P(step_before)) : 0.6 * fabs(P(step));
     /* a root at 0 has no ulp for steps of a half to stop at */
     bool crawls = r->evals > 200 && (r->evals & 1);
     if (isfinite(step) && step != 0 && fabs(step) <= allowed && !crawls) {
         double next = t - step;
         if (fabs(step) <= tol) {
-            if (P(OVERSHOOT) > 4) { /* a slope that is too steep: it is not to be believed */
-                P(OVERSHOOT) = 0;
+            if (P(overshoots) > 4) { /* a slope that is too steep: it is not to be believed */
+                P(overshoots) = 0;
                 return bracketed ? bisect(r) : look_elsewhere(r);
             }
-            next -= copysign(0.5 * tol * power_of_two((int)P(OVERSHOOT)), step);
-            P(OVERSHOOT)++;
+            next -= copysign(0.5 * tol * power_of_two(P(overshoots)), step);
+            P(overshoots)++;
             step = tol; /* may be repeated */
         }
         if (bracketed ? next > r->lo && next < r->hi : next >= r->lo && next <= r->hi) {
-            P(STEP2) = P(STEP), P(STEP) = step;
+            P(step_before) = P(step), P(step) = step;
             if (next != t) return go(r, next, SGT_NEWTON);
         } else if (!bracketed && isfinite(next < r->lo ? r->lo : r->hi) &&
-                   isnan(next < r->lo ? P(GLO) : P(GHI))) {
-            P(STEP) = P(STEP2) = fabs((next < r->lo ? r->lo : r->hi) - t);
+                   isnan(next < r->lo ? P(g_lo) : P(g_hi))) {
+            P(step) = P(step_before) = fabs((next < r->lo ? r->lo : r->hi) - t);
             return go(r, next, SGT_NEWTON); /* to the end */
         }
     }

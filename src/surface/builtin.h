@@ -8,6 +8,7 @@
 #include "../solve/entries.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <sagitta/sagitta.h>
 #include <sagitta/surfaces.h>
 
@@ -98,6 +99,15 @@ static inline sgt_surface in_set(sgt_surface s)
     return s;
 }
 #endif
+
+/* The members of version 0.2, that each table has; one that ends before them is not read. */
+enum {
+    SGT_OPS_LEAST = offsetof(sgt_surface_ops, by_parameter) + sizeof(((sgt_surface_ops *)0)->by_parameter)
+};
+static inline bool is_whole(const sgt_surface_ops *ops)
+{
+    return ops->own_ || ops->size == 0 || ops->size >= SGT_OPS_LEAST;
+}
 
 static inline bool answers_itself(const sgt_surface_ops *ops) { return ops->own_ && ops->own_->meet; }
 

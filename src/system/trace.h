@@ -69,6 +69,7 @@
 #define SGT_SYSTEM_TRACE_H
 #include "../surface/sag/sag.h"
 #include <sagitta/system.h>
+#include <stdint.h>
 
 /* ------------------------------------------------------------------ vectors */
 
@@ -364,7 +365,15 @@ SGT_INLINE double index_behind(const sgt_element *e, double n1)
     return e->index == 0 || e->index == SGT_MIRROR ? n1 : e->index;
 }
 
-/* An element that makes sense. */
+/* It asks for nothing that later versions may have. */
+SGT_INLINE bool is_plain(const sgt_element *e)
+{
+    const unsigned long long *r = e->reserved_;
+    unsigned long long later = (uintptr_t)e->aperture | (uintptr_t)e->phase;
+    return (later | r[0] | r[1] | r[2] | r[3] | r[4] | r[5]) == 0;
+}
+
+/* An element that makes sense, and is plain. */
 SGT_INLINE bool is_sound(const sgt_element *e, double n1)
 {
     return is_index(n1) && is_index(index_behind(e, n1)) && e->semi_diameter >= 0;

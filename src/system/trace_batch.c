@@ -696,7 +696,7 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, s
 static void pass_all(const bundle_work *job, tile *w, size_t j)
 {
     const sgt_element *e = &job->e[j];
-    bool turned = is_turned(&e->pose), loops = !job->by_hand && is_sound(e, w->medium);
+    bool turned = is_turned(&e->pose), loops = !job->by_hand && is_plain(e) && is_sound(e, w->medium);
     double n2 = index_behind(e, w->medium), good = 0;
     bending by = bending_of(w->medium, n2, e->index == SGT_MIRROR);
     vectors *other = w->now.d == &w->ds[0] ? &w->ds[1] : &w->ds[0];

@@ -135,7 +135,11 @@ static void spoil_element(generator *g, lens *l, size_t i)
                         apertures[] = {NAN, -1, 1e-100, 1e-200, 1e149, 1e300, 5e-324};
     switch (below(g, 8)) {
     case 0: e->index = indices[below(g, COUNT_OF(indices))]; break;
-    case 1: e->semi_diameter = apertures[below(g, COUNT_OF(apertures))]; break;
+    case 1: /* or what later versions may ask for */
+        if (chance(g, 0.1)) e->reserved_[below(g, (int)COUNT_OF(e->reserved_))] = 1;
+        else if (chance(g, 0.1)) e->phase = (const struct sgt_phase *)l;
+        else e->semi_diameter = apertures[below(g, COUNT_OF(apertures))];
+        break;
     case 2: e->pose.origin = times(chance(g, 0.5) ? 1e9 : any_scale(g, 0, 300), point(g, 1)); break;
     case 3: /* axes of no unit length, by little or more */
         e->pose = sgt_pose_tilted(e->pose.origin, point(g, 5));

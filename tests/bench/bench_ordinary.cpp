@@ -431,7 +431,7 @@ sgt_element element(sgt_surface s, double z, double index, double aperture, doub
     pose.origin = { 0, 0, z };
     if (degrees != 0)
         pose = sgt_pose_tilted(pose.origin, { degrees, 0, 0 });
-    return { s, pose, index, aperture };
+    return { s, pose, index, aperture, nullptr, nullptr, {} };
 }
 
 // Where each ray meets the surface, started there.

@@ -62,14 +62,26 @@ def faults_of_names(exported, promised):
 
 
 def exported_of(shared):
-    return {name for _, name in symbols('-D', '--defined-only', shared)}
+    """The names, but for those of the version nodes themselves, which are absolute."""
+    return {name for kind, name in symbols('-D', '--defined-only', shared) if kind != 'A'}
+
+
+def faults_of_versions(shared):
+    """Each name is of the interface that the soname says, so that a program asks for it by version."""
+    [soname] = re.findall(r'\(SONAME\).*\.so\.(\d+)\]', output('readelf', '-dW', shared)) or ['?']
+    faults = []
+    for line in output('nm', '-D', '--defined-only', '--with-symbol-versions', '--format=posix', shared).splitlines():
+        name, kind = line.split()[:2]
+        if kind != 'A' and not name.endswith(f'@@SAGITTA_{soname}'):
+            faults.append(f'{name}: is not of version SAGITTA_{soname}')
+    return faults
 
 
 def main(include, shared, static, geo=None):
     exported, promised = exported_of(shared), declared(include)
-    faults = faults_of_names(exported, promised)
+    faults = faults_of_names(exported, promised) + faults_of_versions(shared)
     if geo:
-        faults += faults_of_names(exported_of(geo), declared(include, geo=True))
+        faults += faults_of_names(exported_of(geo), declared(include, geo=True)) + faults_of_versions(geo)
 
     needed = re.findall(r'\(NEEDED\).*\[(.*)\]', output('readelf', '-dW', shared))
     faults += [f'{name}: needed by the shared library' for name in needed if not LIBRARIES.match(name)]

@@ -236,7 +236,7 @@ void apertures()
                  apertures[] = {5e-324, 1e-300, 1e-150, 1, 0x1p500, 1e200, DBL_MAX};
     for (const double aperture : apertures)
         for (const double x : at) {
-            const sgt_element e = {{&sgt_conic_ops, &plane}, {}, 1.5, aperture};
+            const sgt_element e = {{&sgt_conic_ops, &plane}, {}, 1.5, aperture, nullptr, nullptr, {}};
             for (int proof = 0; proof < 3; proof++) {
                 sgt_options o = {};
                 o.proof = static_cast<sgt_proof>(proof);

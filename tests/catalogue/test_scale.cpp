@@ -308,7 +308,8 @@ struct traced {
 traced trace(const sgt_surface &s, double h, int k, bool aperture, sgt_ray r, const sgt_options &o)
 {
     const double unit = std::ldexp(h, k);
-    const sgt_element e = {s, {{0.125 * unit, 0, unit}, {}, {}, {}}, 1.5, aperture ? 0.75 * unit : 0};
+    const sgt_element e = {
+        s, {{0.125 * unit, 0, unit}, {}, {}, {}}, 1.5, aperture ? 0.75 * unit : 0, nullptr, nullptr, {}};
     traced t = {};
     t.out = r;
     sgt_trace(1, &e, 1, &t.out, &t.passage, &t.fate, &o);

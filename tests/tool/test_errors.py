@@ -3,6 +3,8 @@
 
     python3 test_errors.py SAGITTA
 """
+import re
+
 from command import *
 
 RAY = ('--ray', '0 0 -5 0 0 1')
@@ -422,7 +424,9 @@ def test_how_many_rays():
 
 
 def test_help_and_version():
-    equal(run('--version').stdout.split()[0], 'sagitta')
+    header = pathlib.Path(__file__).parents[2] / 'include' / 'sagitta' / 'sagitta.h'
+    numbers = re.findall(r'^#define SGT_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)$', header.read_text(), re.MULTILINE)
+    equal(run('--version').stdout, f"sagitta {'.'.join(numbers)}\n")
     assert 'docs/lens_file.md' in run('trace', '--help').stdout
     for command in ('intersect', 'trace', 'diagnose'):
         equal(run(command, '--version').stdout, run('--version').stdout)

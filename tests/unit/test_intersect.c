@@ -3,6 +3,8 @@
  * both sides of a hit, by dense samples where all roots are wanted. */
 #include "unit.h"
 
+#include <sagitta/diagnose.h>
+#include <sagitta/sensitivity.h>
 #include <sagitta/surfaces.h>
 
 /* ------------------------------------------------------------- a torus */
@@ -503,6 +505,45 @@ static void test_invalid(void **state)
         SGT_INVALID);
 }
 
+/* A table may be longer than this version's, as that of a program compiled with a later header is; a
+ * shorter one is nowhere read beyond its name and value. */
+static void test_size_of_table(void **state)
+{
+    (void)state;
+    torus shape = {1, 0.4};
+    sgt_ray ray = {{0.9, 0.1, -5}, {0, 0, 1}, 0, 0};
+    struct { sgt_surface_ops ops; void (*later[4])(void); } longer = {.ops = torus_ops};
+    sgt_hit expected = sgt_intersect((sgt_surface){&torus_ops, &shape}, ray, NULL);
+    assert_int_equal(expected.status, SGT_HIT);
+    assert_int_equal(torus_ops.size, 0);
+    const size_t whole[] = {0, sizeof(sgt_surface_ops), sizeof longer};
+    for (size_t i = 0; i < COUNT_OF(whole); i++) {
+        longer.ops.size = whole[i];
+        sgt_surface s = {&longer.ops, &shape};
+        sgt_hit hit = sgt_intersect(s, ray, NULL);
+        REQUIRE(hit.status == expected.status && same_bits(hit.t, expected.t), "size %zu: %s", whole[i],
+                sgt_status_text(hit.status));
+        assert_int_equal(sgt_check(s, 1, &ray, NULL), SGT_SOUND);
+    }
+    const size_t cut[] = {1, offsetof(sgt_surface_ops, span), sizeof(sgt_surface_ops) - 1};
+    for (size_t i = 0; i < COUNT_OF(cut); i++) {
+        longer.ops.size = cut[i];
+        sgt_surface s = {&longer.ops, &shape};
+        sgt_hit hit = sgt_intersect(s, ray, NULL), entry;
+        REQUIRE(hit.status == SGT_INVALID && isnan(hit.t), "size %zu: %s", cut[i],
+                sgt_status_text(hit.status));
+        assert_int_equal(sgt_intersect_all(s, ray, 1, &entry, NULL), SGT_INVALID);
+        signed char status = 9;
+        sgt_rays rays = {.o = {&ray.o.x, &ray.o.y, &ray.o.z}, .d = {&ray.d.x, &ray.d.y, &ray.d.z}};
+        assert_int_equal(sgt_intersect_batch(s, 1, rays, (sgt_hits){.status = &status}, NULL), 0);
+        assert_int_equal(status, SGT_INVALID);
+        assert_int_equal(sgt_check(s, 1, &ray, NULL), SGT_NO_VALUE);
+        assert_int_equal(sgt_parameters(s), 0);
+        sgt_change by_o[3];
+        assert_int_equal(sgt_differentiate(s, &ray, &expected, by_o, NULL), SGT_LACKS_SECOND);
+    }
+}
+
 typedef struct counter { int calls, stop_at, last; bool in_order; } counter;
 static int count(void *data, const sgt_step *step)
 {
@@ -634,19 +675,13 @@ static void test_scale_of_direction(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_torus),
-        cmocka_unit_test(test_march_step),
-        cmocka_unit_test(test_offers),
-        cmocka_unit_test(test_start_on_surface),
-        cmocka_unit_test(test_conic_forwarded),
-        cmocka_unit_test(test_undefined),
-        cmocka_unit_test(test_lying_gradient),
-        cmocka_unit_test(test_poles),
-        cmocka_unit_test(test_invalid),
-        cmocka_unit_test(test_watch),
-        cmocka_unit_test(test_budget),
-        cmocka_unit_test(test_tolerance),
-        cmocka_unit_test(test_scale_of_direction),
+        cmocka_unit_test(test_torus),           cmocka_unit_test(test_march_step),
+        cmocka_unit_test(test_offers),          cmocka_unit_test(test_start_on_surface),
+        cmocka_unit_test(test_conic_forwarded), cmocka_unit_test(test_undefined),
+        cmocka_unit_test(test_lying_gradient),  cmocka_unit_test(test_poles),
+        cmocka_unit_test(test_invalid),         cmocka_unit_test(test_size_of_table),
+        cmocka_unit_test(test_watch),           cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_tolerance),       cmocka_unit_test(test_scale_of_direction),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

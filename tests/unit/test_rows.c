@@ -648,10 +648,10 @@ static void test_graze_that_reaches_inside_the_aperture(void **state)
     const double q = 0x1p-294;
     sgt_torus torus = {0x1.cdefb5bf55564p+3 * q, 0x1.159b91ba51106p+4 * q};
     double unit = 0x1.cdefb5bf55564p+3 * q;
-    sgt_element e = {{&sgt_torus_ops, &torus},
-                     {{0.125 * unit, 0, unit}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
-                     1.5,
-                     0.75 * unit};
+    sgt_element e = {.surface = {&sgt_torus_ops, &torus},
+                     .pose = {.origin = {0.125 * unit, 0, unit}},
+                     .index = 1.5,
+                     .semi_diameter = 0.75 * unit};
     sgt_ray ray = {{0x1.8a9dd4b6e8738p+4 * q, -0x1.4816fa38627dfp+6 * q, -0x1.b753bc838208p+6 * q},
                    {0x1.0086998d46e9bp-9, -0x1.f01237670aa67p-8, -0x1.52e44f3b08bcbp-7}, 0, 0};
     sgt_fate fate;

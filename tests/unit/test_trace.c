@@ -337,6 +337,27 @@ static void test_invalid(void **state)
         assert_true(sgt_trace(1, &e, 1, &ray, p, &fate, NULL) == 0 && fate == SGT_LOST &&
                     p[0].hit.status == SGT_INVALID);
     }
+    /* what later versions may ask for */
+    enum { RESERVED = sizeof e.reserved_ / sizeof e.reserved_[0] };
+    for (size_t i = 0; i < RESERVED + 2; i++) {
+        sgt_element two[2] = {good, good};
+        if (i == RESERVED) two[1].aperture = (const struct sgt_aperture *)&flat;
+        else if (i == RESERVED + 1) two[1].phase = (const struct sgt_phase *)&flat;
+        else two[1].reserved_[i] = 1ULL << (i % 2 ? 63 : 0);
+        ray = launch;
+        REQUIRE(sgt_trace(2, two, 1, &ray, p, &fate, NULL) == 1 && fate == SGT_LOST &&
+                    p[1].hit.status == SGT_INVALID && ray.o.z == 0,
+                "reserved %zu", i);
+        signed char status = 9, lost = 9;
+        int passed = -1;
+        sgt_rays rays = {.o = {&launch.o.x, &launch.o.y, &launch.o.z},
+                         .d = {&launch.d.x, &launch.d.y, &launch.d.z}};
+        const sgt_passages passages[2] = {{.opl = NULL}, {.hits = {.status = &status}}};
+        assert_int_equal(sgt_trace_batch(2, two, 1, 1, rays, (sgt_traced){.fate = &lost, .passed = &passed},
+                                         passages, NULL),
+                         0);
+        assert_true(status == SGT_INVALID && lost == SGT_LOST && passed == 1);
+    }
     ray = launch;
     assert_true(sgt_trace(1, &good, 1, &ray, p, &fate, &(sgt_options){.t_tol = NOT}) == 0 &&
                 fate == SGT_LOST && p[0].hit.status == SGT_INVALID);

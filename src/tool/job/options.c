@@ -110,7 +110,7 @@ int options_threads(const shared_options *o)
 
 void options_version(void)
 {
-    print_and_end("sagitta %s\n", SAGITTA_VERSION);
+    print_and_end("sagitta %s\n", sgt_version());
 }
 
 void options_take(shared_options *o, int code, const char *help)
