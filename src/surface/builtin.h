@@ -1,7 +1,13 @@
-/* builtin.h - what a built-in surface can do that a user's cannot.  Either it answers by itself,
- * SGT_INVALID included where a parameter is (`meet` and what belongs to it); ray and opt have been checked.
- * Or, without `meet`, it is met as a surface of a user is, by its operations, and says here what they
- * cannot: whether its parameters are valid, and its rim. */
+/* builtin.h - what a built-in surface can do that a user's surface cannot.
+ *
+ * There are two kinds of built-in surface:
+ * - With `meet` the surface answers by itself, through `meet`, `all`, `lanes` and `unique`.  It returns
+ *   SGT_INVALID if one of its parameters is invalid.  The caller has already checked the ray and the
+ *   options.
+ * - Without `meet` the surface is met by its operations (sgt_surface_ops), as a user's surface is.  Here it
+ *   adds what those operations cannot say.  `object` is then required; everything else is optional.
+ *
+ * self points to the parameters of the surface.  A member that is NULL is not offered. */
 #ifndef SGT_SURFACE_BUILTIN_H
 #define SGT_SURFACE_BUILTIN_H
 
@@ -12,87 +18,116 @@
 #include <sagitta/sagitta.h>
 #include <sagitta/surfaces.h>
 
-/* Some rays of a batch: at most SGT_TILE, or the surface's own `tile`, each array at the first of them.  Of
- * the rays no array is NULL, of the hits status is not; tmax is explicit.  t_tol: of each ray its own. */
+/* A tile: some consecutive rays of a batch.  n is at most SGT_TILE, or the surface's own `tile`.  Each
+ * array starts at the first ray of the tile.  No array of `rays` is NULL, and tmax is explicit.  Of `hits`
+ * only `status` is never NULL.  t_tol holds one tolerance for each ray. */
 enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_HARD = -100, SGT_NOT_UNIQUE = 1 };
 typedef struct sgt_tile { size_t n; sgt_rays rays; const double *t_tol; sgt_hits hits; } sgt_tile;
 
-/* What the rays and points of one surface share, worked out once for many (share): its use is the surface's
- * own. */
+/* What the rays and points of one surface have in common.  `share` works it out once for many of them.  How
+ * the members are used is the surface's own affair. */
 typedef struct sgt_shared { double c, k1, radius2, steep, base_c, base_k, most2, noise[2]; } sgt_shared;
 
-/* What is known of the part of a surface within some radius: radius2 and steep as a sgt_shared has them;
- * size: no part of it is farther from the plane z = 0; bend: the norm of the second derivative of the sag is
- * nowhere above it; infinite where that is not known. */
+/* What is known of the part of a surface within some radius of the axis.  Lengths are in the unit of the
+ * surface.
+ *
+ *   radius2, steep  as in sgt_shared
+ *   size            no point of this part is farther than this from the plane z = 0
+ *   bend            the norm of the second derivative of the sag is nowhere above this
+ *
+ * Each bound is infinite if it is not known. */
 typedef struct sgt_extent { double radius2, steep, size, bend; } sgt_extent;
 
-/* What is known of a surface ring by ring: from j to j + 1 widths of the axis its sag is in [low[j],
- * high[j]]; low > high: there is none of it, nor beyond the last ring, which where it is endless has no outer
- * rim.  width 0: nothing is known. */
+/* What is known of a surface ring by ring.  Ring j reaches from j to j + 1 times `width` from the axis.  In
+ * it the sag lies in [low[j], high[j]].  If low[j] > high[j], no part of the surface lies in the ring.
+ * Beyond the last ring there is no surface; if `endless` is set, the last ring itself has no outer edge.
+ * If width is 0, nothing is known. */
 enum { SGT_RINGS = 16 };
 typedef struct sgt_heights { double width, low[SGT_RINGS], high[SGT_RINGS]; bool endless; } sgt_heights;
 
 struct sgt_builtin_ops {
-    /* Of the table of operations that a program sees: those of each set of instructions (dispatch.h), and
-     * nothing else; NULL in those. */
+    /* The operations of each set of instructions (dispatch.h).  Set in the table of operations that a
+     * program sees, and there nothing else is set.  NULL in the tables of the sets themselves. */
     const sgt_surface_ops *const *in_set;
     sgt_hit (*meet)(const void *self, const sgt_ray *ray, const sgt_options *opt);
-    /* SGT_INVALID, or zero with every entry added. */
+    /* Adds every entry of sgt_intersect_all (roots and undecided stretches) to `list`, and returns 0.
+     * Returns SGT_INVALID if a parameter is invalid.  Called by ray/intersect.c and ray/unique.c. */
     sgt_status (*all)(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
-    /* Answers what it can of a tile, each ray as `meet` would, unchecked rays among them; gives the rest
-     * the status SGT_HARD (what it leaves in their other outputs is of no account) and returns how many
-     * those are.  opt has been checked and asks for no watcher; its t_tol is not to be read.  May be NULL. */
+    /* Answers the rays of a tile, each as `meet` would.  The rays have not been checked.  A ray that it
+     * cannot answer gets the status SGT_HARD; its other outputs are then ignored.  Returns the number of
+     * hard rays.  opt has been checked and has no watcher; do not read its t_tol.  May be NULL.  Called by
+     * ray/batch.c. */
     size_t (*lanes)(const void *self, const sgt_tile *tile, const sgt_options *opt);
-    /* Of the rays of a tile that have met the root near the seed: alone[i] is made all bits set where
-     * certainly no other root that counts lies on the ray within r^2 <= rim2; SGT_NOT_UNIQUE where
-     * certainly one does, in others[i] (may be NULL), unless it is the root that was met itself, and that
-     * of a tile never is; else 0.  Of other rays it is of no account; hits and t_tol are not read.  true:
-     * all are alone.  NULL: the surface has but first roots. */
+    /* For rays of a tile that have met the root near the seed: is it the only accepted root on the ray with
+     * r^2 <= rim2?  Sets unique[i] to
+     *
+     *   all bits set    certainly no other one exists
+     *   SGT_NOT_UNIQUE  certainly another one exists; its interval is stored in others[i] if others is given
+     *   0               unknown
+     *
+     * The root in others[i] may be the one that was met itself, so compare the two.  For rays that `lanes`
+     * has met it never is.  For rays that were not met unique[i] is ignored.  hits and t_tol are not read.
+     * Returns true if all rays of the tile have all bits set.
+     *
+     * NULL for level sets: their root is always the first.  NULL for departures and bodies too:
+     * ray/unique.c then asks for every root. */
     bool (*unique)(const void *self, const sgt_tile *tile, double rim2, unsigned long long unique[],
                    sgt_interval others[]);
-    /* With or without `meet`: the most rays in a tile, SGT_TILE ... SGT_MOST_TILE; 0: SGT_TILE. */
+    /* The largest number of rays in a tile, SGT_TILE to SGT_MOST_TILE.  0 means SGT_TILE.  Read with or
+     * without `meet`. */
     size_t tile;
 
-    /* Without `meet`.  {NULL, NULL} where every parameter is valid, as in sgt_builtin; required. */
+    /* Required without `meet`.  The first parameter that is invalid, with the reason.  {NULL, NULL} if all
+     * are valid.  The same as in sgt_builtin. */
     sgt_objection (*object)(const void *self);
-    /* What `roundings`, `span` and `spans` are to be given; NULL: nothing. */
+    /* Fills what `roundings`, `span` and `spans` are given.  NULL: they need nothing. */
     void (*share)(const void *self, sgt_shared *shared);
-    /* The same as if semi_diameter were no more than that.  NULL: `least` of `spans` is not to be had so
-     * (vicinity.h). */
+    /* The same, as if semi_diameter were at most the one given (length).  Lets ray/by_slope.c ask `spans`
+     * for `least` within a clear aperture.  NULL: no such bound; ray/unique.h tests for it. */
     void (*share_within)(const void *self, double semi_diameter, sgt_shared *shared);
-    /* Of vicinity.h, all of them or none: what is known within a radius; of n rays, each with such a part of
-     * the surface of its own, what `spans` says but for the seed; */
+    /* The next four are for ray/vicinity.c, ray/wings.c and ray/unique.c: give all of them or none.
+     *
+     * - extent_within: what is known of the surface within a radius (length).
+     * - chords: for n rays, the lo, hi and least of `spans`.  Each ray has its own part of the surface,
+     *   given by radius2[i] and steep[i].
+     * - heights: what is known of the whole surface, ring by ring.
+     * - noise_within: how much the departure adds to the rounding of F within a radius of the axis: at most
+     *   e[0] + e[1] r^2 (in the unit of F).  NaN: not known. */
     void (*extent_within)(const void *self, double radius, sgt_extent *extent);
     void (*chords)(size_t n, sgt_rays rays, const double *radius2, const double *steep, double *lo,
                    double *hi, double *least);
     void (*heights)(const void *self, sgt_heights *out);
-    /* what the departure adds to the rounding of F within that radius of the axis, e[0] + e[1] r^2; NaN: not
-     * known. */
     void (*noise_within)(const void *self, double radius, double e[2]);
-    /* A bound as `rounding` gives it, at n points where F is f, in lanes, NaN where it is not known.  NULL,
-     * or false, always of one surface: it knows none, and `rounding` is to be asked. */
+    /* Bounds like that of `rounding`, for n points at once.  F at the points is given in f.  out[i] is NaN
+     * if no bound is known there.  Returns false if no bound is known anywhere; a given surface returns
+     * false always or never.  If it is NULL or returns false, `rounding` is asked instead. */
     bool (*roundings)(const void *self, const sgt_shared *shared, size_t n, sgt_points p, const double f[],
                       double out[]);
-    /* As `span` and `spans`, and of rays whose span is single *least, a bound from below on |dF/dtau| all
-     * along it, tau in lengths of d made 1 ... 2 by a power of two (scale_of), or 0: with it a root needs
-     * no look at either side.  Of `spans` it is above 0 just where the span is single, and out.single may
-     * be NULL.  NULL: as 0. */
+    /* As `span` and `spans`, with one more output.  *least is a lower bound of |dF/dtau| along the whole
+     * span, or 0 if none is known.  tau is counted in lengths of d scaled by a power of two, so that its
+     * largest component is in [1, 2) (scale_of).  With such a bound a root needs no evaluation on either
+     * side of it.
+     *
+     * `span` may give a bound only if the span is single.  In `spans`, least[i] > 0 exactly where the span
+     * is single, and out.single may be NULL.  NULL: `span` of sgt_surface_ops is asked, and least is 0. */
     sgt_span (*span)(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least);
     void (*spans)(const void *self, const sgt_shared *shared, size_t n, sgt_rays rays, sgt_spans out,
                   double least[]);
-    /* As `enclose` of sgt_surface_ops, t counted from t0 of the ray, t0 + t exactly: from afar an ulp of t
-     * alone is wide.  NULL: there is only that. */
+    /* As `enclose` of sgt_surface_ops, but t is counted from t0 on the ray: the parameter is exactly t0 +
+     * t.  The origin of the ray may be so far away that an ulp of t is long compared with what is asked; t0
+     * avoids that.  NULL: only the operation of sgt_surface_ops exists.  Called by ray/prove.c and
+     * ray/wings.c. */
     sgt_interval (*enclose)(const void *self, const sgt_ray *ray, double t0, sgt_interval t,
                             sgt_interval *slope);
-    /* Its semi_diameter; NULL: it has no rim. */
+    /* The semi_diameter (length).  NULL: the surface has no rim. */
     double (*rim)(const void *self);
-    /* The sag without its conic base (departure.h), with or without `meet`; NULL: it has none that can be
-     * told apart. */
+    /* The sag without its conic base (departure/departure.h), with or without `meet`.  Used by
+     * departure/sum.c.  NULL: the surface has no such part. */
     const struct departure *departure;
 };
 
 #ifdef SGT_SET_NUMBER
-/* The same surface with the operations of the set that this is compiled for. */
+/* The same surface with the operations of the set of instructions that this file is compiled for. */
 static inline sgt_surface in_set(sgt_surface s)
 {
     if (s.ops && s.ops->own_ && s.ops->own_->in_set) s.ops = s.ops->own_->in_set[SGT_SET_NUMBER];
@@ -111,7 +146,7 @@ static inline bool is_whole(const sgt_surface_ops *ops)
 
 static inline bool answers_itself(const sgt_surface_ops *ops) { return ops->own_ && ops->own_->meet; }
 
-/* Met by its operations, it is a built-in surface nevertheless. */
+/* A built-in surface without `meet`. */
 static inline bool is_catalogue(const sgt_surface_ops *ops) { return ops->own_ && !ops->own_->meet; }
 
 #endif
