@@ -1,33 +1,39 @@
-/* departure/departure.c - a departure P(x, y) on a conic base, and all that a surface answers about it:
- * departure.h.
+/* departure/departure.c - a departure P(x, y) on a conic base: all that such a surface answers
+ * (departure.h).
  *
- * F = z - (s + P), s = c r^2 / (1 + phi), phi^2 = 1 - (1 + k) c^2 r^2; grad F = (-(c x / phi + P_x), -(c y
- * / phi + P_y), 1).
+ * F = z - (s + P), with s = c r^2 / (1 + phi) and phi^2 = 1 - (1 + k) c^2 r^2.  Its gradient is
+ *     grad F = (-(c x / phi + P_x), -(c y / phi + P_y), 1).
  *
- * THE SPAN.  Within the rim the ray's chord with the cylinder is found from the point of the ray that is
- * nearest the axis, as chord.c does it, here without branches, for many rays at once; it is made longer by
- * 16 u of where it is.  The seed is the conic's root near the vertex plane, which a departure moves by
- * little.  With L >= |grad (s + P)| all over the rim, and (l, m, n) the direction,
- *     g' = n - (s + P)_x l - (s + P)_y m,    |g' - n| <= L sqrt(l^2 + m^2):
- * where |n| is greater, g is monotone along the chord, one root is the only one, and F at a point of the
- * chord says how far it is at most.  L of the conic is c r / phi at the rim.
+ * THE SPAN.  Within the rim the span is the chord of the ray with the cylinder r <= rim.  It is found from
+ * the point of the ray that is nearest the axis, as in chord.c, but without branches and for many rays at
+ * once.  The chord is made longer by 16 u of where it is.  The seed is the conic's root near the vertex
+ * plane; a departure moves it by little.
  *
- * THE ENCLOSURE.  That of the base is enclose.c's.  P is taken at the middle m of the stretch, and from
- * there by its bounds over the box of the stretch: with w = t - m, the slope p' of P along the ray at m, A
- * = dx^2 + dy^2, and B, S >= |P''|, |P'|
- *     P in P(m) + p' w +- B A w^2 / 2,    P in P(m) +- S sqrt(A) |w|,    slope in p' +- B A |w|,    |slope|
- *         <= S sqrt(A).
- * x(m) and y(m) are doubles near the point of the ray; P there differs by S times how far they are off.
- * Where the slope g' so found is bounded, g is also in g(m) + g' w: the mean value theorem, whose width
- * falls with w^2.  A gradient that jumps (a grid's does not, a cone's does at its tip) has no B; what the
- * mean value theorem needs is S alone.
+ * Let (l, m, n) be the direction and L >= |grad (s + P)| all over the rim.  For the conic, L is c r / phi
+ * at the rim.  Then
+ *     g' = n - (s + P)_x l - (s + P)_y m,    |g' - n| <= L sqrt(l^2 + m^2).
+ * If |n| is greater than that bound, g is monotone along the chord.  A root there is the only one, and F at
+ * any point of the chord bounds the distance to it.
  *
- * ROUNDING.  That of conic_sag (sag.h), that of P, the sum of the two and the difference from z. */
+ * THE ENCLOSURE.  That of the base is in sag/enclose.c.  P is evaluated at the middle m of the stretch, and
+ * extended from there by its bounds over the box of the stretch.  Let w = t - m, p' the slope of P along
+ * the ray at m, A = dx^2 + dy^2, B >= |P''| and S >= |grad P|.  Then
+ *     P in P(m) + p' w +- B A w^2 / 2,    P in P(m) +- S sqrt(A) |w|,
+ *     slope in p' +- B A |w|,             |slope| <= S sqrt(A).
+ * The doubles x(m) and y(m) are only near the point of the ray.  P there differs by at most S times their
+ * distance from it.  If the slope g' found so is bounded, g is also in g(m) + g' w by the mean value
+ * theorem.  Its excess width falls with w^2.
+ *
+ * If the gradient jumps (that of a cone does at its tip, that of a grid does not), there is no B.  The mean
+ * value theorem needs S only.
+ *
+ * ROUNDING.  The sum of four terms: that of conic_sag (sag.h), that of P, that of adding the two, and that
+ * of the difference from z. */
 #include "departure.h"
 
 /* ------------------------------------------------------------------------- F and its gradient */
 
-/* phi and what the base adds; NaN outside its domain, and where c^2 r^2 overflows. */
+/* phi and what the base adds.  NaN outside the domain of the base, and where c^2 r^2 overflows. */
 typedef struct base { double r2, phi, sag, by_r; } base;
 
 SGT_INLINE base base_at(double c, double k, double x, double y)
@@ -36,7 +42,7 @@ SGT_INLINE base base_at(double c, double k, double x, double y)
     double cr2 = c * e.r2;
     e.phi = sqrt(1 - (1 + k) * c * cr2);
     e.sag = cr2 / (1 + e.phi) + (e.phi - e.phi);
-    e.by_r = c / e.phi; /* over r */
+    e.by_r = c / e.phi; /* ds/dr over r */
     return e;
 }
 
@@ -92,7 +98,7 @@ double sgt_departure_value(const departure_sag *s, sgt_vec3 p, sgt_vec3 *grad)
     return f;
 }
 
-/* What has underflown on the way to a sum of moderate powers is below it. */
+/* A bound on what underflow takes from a sum of moderate powers. */
 static const double DEPARTURE_LOST = 0x1p-1050;
 
 double sgt_departure_rounding(const departure_sag *s, sgt_vec3 at)
@@ -107,8 +113,8 @@ double sgt_departure_rounding(const departure_sag *s, sgt_vec3 at)
     return 1.01 * (sag_err + p_err + SGT_U * (fabs(sag + p) + fabs(at.z - (sag + p)))) + DEPARTURE_LOST;
 }
 
-/* The same of many points at less cost, F being known: s + P is z - F.  What P adds is one bound for all
- * within the rim. */
+/* The same for many points, at less cost.  F is known, so s + P is z - F.  What P adds is one bound for all
+ * points within the rim. */
 SGT_KERNEL
 static void roundings_within(size_t n, double c, double k, double most2, double e0, double e1,
                              const double *restrict x, const double *restrict y, const double *restrict z,
@@ -134,16 +140,18 @@ bool sgt_departure_roundings(const sgt_shared *s, size_t n, sgt_points p, const 
 
 static const double FAR_OUT = 0x1p1023; /* no point of a ray whose coordinates are doubles is farther */
 
-typedef struct spanned { double lo, hi, seed, least; } spanned; /* least: > 0 where there is one root */
+typedef struct spanned { double lo, hi, seed, least; } spanned; /* least > 0: there is at most one root */
 
 typedef struct chord { double lo, hi, least; } chord;
 
-/* radius2: of the domain, 0x1p-40 and more is added here; steep: L, rounded up by a part in 2^20. */
+/* radius2 is that of the domain; it is widened here by 2^-40 and more.  steep is L, already rounded up by a
+ * part in 2^20. */
 SGT_INLINE chord departure_chord_of(double radius2, double steep, sgt_vec3 o, sgt_vec3 d)
 {
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m,
            inverse = 1 / a;
-    /* the chord, from the point nearest the axis, and again from there */
+    /* The chord from the point nearest the axis, computed twice: the second time from the first result, so
+     * that rounding is small beside the chord. */
     double t0 = -(o.x * l + o.y * m) * inverse;
     double x = moved_along(o.x, t0, l), y = moved_along(o.y, t0, m);
     double middle = -(x * l + y * m) * inverse, cross = x * m - y * l, near2 = cross * cross * inverse;
@@ -157,8 +165,8 @@ SGT_INLINE chord departure_chord_of(double radius2, double steep, sgt_vec3 o, sg
     mask finite = across & ~along & MASK((lo - lo) + (hi - hi) == 0);
     lo = chosen(finite, lo, -HUGE_VAL), hi = chosen(finite, hi, HUGE_VAL);
     lo = chosen(none, 1, lo), hi = chosen(none, -1, hi);
-    /* L holds a part in 2^20 beyond the rim: is what rounding has added to the chord, here and where the ray
-     * is made local, within? */
+    /* L is valid up to a part in 2^20 beyond the rim.  So check that what rounding adds to the chord, here
+     * and where the ray is made local, stays within that. */
     double least = fabs(n) * (1 - 0x1p-40) - steep * sqrt(a), added = 0x1p-48 * (fabs(middle) + fabs(t0));
     least = chosen(along | (across & MASK(added * added * a <= 0x1p-42 * radius2) & MASK(hi - lo > 0x1p-900)),
                    least, 0);
@@ -169,7 +177,7 @@ SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sg
 {
     chord at = departure_chord_of(radius2, steep, o, d);
     double scale = scale_of(d), l = d.x * scale, m = d.y * scale, n = d.z * scale, a = l * l + m * m;
-    /* the conic near the vertex plane */
+    /* The root of the conic near the vertex plane. */
     double by_n = 1 / n, tz = -o.z * by_n;
     twofold qx = two_product(tz, l), qy = two_product(tz, m), rx = two_sum(o.x, qx.hi),
             ry = two_sum(o.y, qy.hi);
@@ -182,9 +190,8 @@ SGT_INLINE spanned span_of(double c, double k1, double radius2, double steep, sg
     return (spanned){at.lo, at.hi, seed, at.least};
 }
 
-/* A bound on the conic's slope within r: w / phi with w = |c| r, which grows with r.  Beyond where its
- * squares are doubles it is that of the asymptote, which is never reached; w itself, of a paraboloid, is
- * exact. */
+/* A bound on the slope of the conic within r: w / phi with w = |c| r, which grows with r.  If its squares
+ * overflow, it is the slope of the asymptote, which is never reached.  For a paraboloid w itself is exact. */
 static double conic_slope(double c, double k1, double r)
 {
     double w = fabs(c) * r, phi2 = 1 - k1 * w * w;
@@ -192,15 +199,16 @@ static double conic_slope(double c, double k1, double r)
     return phi2 == HUGE_VAL ? 1 / sqrt(-k1) : phi2 > 0x1p-30 ? w / sqrt(phi2) : HUGE_VAL;
 }
 
-/* A bound on the norm of the conic's second derivative within r, c / phi^3 by r and c / phi across. */
+/* A bound on the norm of the conic's second derivative within r.  It is c / phi^3 in the direction of r and
+ * c / phi across it. */
 static double conic_bend(double c, double k1, double r)
 {
     double w = fabs(c) * r, phi2 = 1 - larger(k1 * w * w, 0);
     return phi2 > 0x1p-30 ? fabs(c) / (phi2 * sqrt(phi2)) * (1 + 0x1p-18) : HUGE_VAL;
 }
 
-/* How far the surface is from the plane z = 0 within r, P being at most `size`.  The sag of a conic grows
- * with r. */
+/* No point of the surface within r is farther than this from the plane z = 0.  |P| is at most `size`.  The
+ * sag of a conic grows with r. */
 static double size_within(const departure_sag *s, double r, double size)
 {
     double cr2 = s->base ? fabs(s->c) * r * r : 0, phi2 = 1 - (1 + s->k) * fabs(s->c) * cr2;
@@ -227,7 +235,8 @@ void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2
     e[0] += DEPARTURE_LOST;
 }
 
-/* Of a rectangle its corners, where there is no rim: a ray is in it along one stretch at most. */
+/* If a rectangle has no rim, the circle through its corners is taken.  That is safe because a ray is inside
+ * a rectangle along one stretch at most. */
 static double rim2_within_frame(const departure_sag *s)
 {
     double rim2 = rim2_of(s->semi_diameter);
@@ -238,7 +247,7 @@ void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
 {
     double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
     sgt_extent e = {.radius2 = domain2, .steep = HUGE_VAL, .size = HUGE_VAL, .bend = HUGE_VAL};
-    bool whole = domain2 == rim2; /* else the equator of the base is inside, where its slope has no bound */
+    bool whole = domain2 == rim2; /* if not, the equator of the base is inside, and its slope has no bound */
     if (rim2 > 0 && (whole || rim2 < HUGE_VAL)) {
         double r = domain2 < HUGE_VAL ? sqrt(domain2) * (1 + 0x1p-19) : FAR_OUT,
                conic = s->base ? conic_slope(s->c, 1 + s->k, r) : 0;
@@ -258,8 +267,9 @@ void sgt_departure_within(const departure_sag *s, sgt_extent *extent)
     *extent = e;
 }
 
-/* Where the surface ends, or HUGE_VAL; a departure that is all of the sag may say so itself.  endless: it
- * ends so in one direction, and farther out in the other, or nowhere (a cylinder). */
+/* The radius at which the surface ends, or HUGE_VAL.  P may end before the rim; `bounds` then says so.
+ * *endless is set if the surface ends there in one direction, but farther out or nowhere in the other (a
+ * cylinder). */
 static double end_of_surface(const departure_sag *s, bool *endless)
 {
     double rim2 = rim2_within_frame(s), domain2 = s->base ? domain2_within(s->c, s->k, rim2) : rim2;
@@ -275,7 +285,7 @@ static double end_of_surface(const departure_sag *s, bool *endless)
     return domain2 > 0x1p-400 && domain2 < 0x1p400 ? sqrt(domain2) * (1 + 0x1p-19) : HUGE_VAL;
 }
 
-/* What P can be where it is defined; empty: nowhere. */
+/* The range of P where it is defined; empty if it is nowhere defined. */
 static sgt_interval range_over(const departure_sag *s, region *where)
 {
     bounds b = {HUGE_VAL, HUGE_VAL, HUGE_VAL};
@@ -283,7 +293,7 @@ static sgt_interval range_over(const departure_sag *s, region *where)
     return s->of->bounds(s->self, where, &b) ? sgt_interval_between(-b.size, b.size) : sgt_interval_empty();
 }
 
-/* The base's sag grows with r, or falls; next to its equator a rounding is 2^-26 of it. */
+/* The sag of the base is monotone in r.  Next to its equator one rounding is 2^-26 of it. */
 void sgt_departure_heights(const departure_sag *s, sgt_heights *out)
 {
     double end = end_of_surface(s, &out->endless), width = end / SGT_RINGS, k1 = 1 + s->k;
@@ -382,7 +392,7 @@ sgt_span sgt_departure_span(const sgt_shared *s, const sgt_ray *ray, double *lea
 
 /* ---------------------------------------------------------------------------------- the enclosure */
 
-/* o + t0 d: of an origin far off no more is lost than an ulp of what is left of it. */
+/* o + t0 d.  However far the origin, at most an ulp of the result is lost. */
 static sgt_interval moved_to(double o, double d, double t0)
 {
     twofold p = two_product(t0, d), s = two_sum(o, p.hi);
@@ -406,7 +416,7 @@ static sgt_interval departure_within(double size)
     return size < HUGE_VAL ? sgt_interval_between(-size, size) : sgt_interval_all();
 }
 
-/* The double nearest the middle of at, moved into x. */
+/* The double nearest the middle of `at`, moved into x. */
 static double inside(sgt_interval at, sgt_interval x)
 {
     double m = sgt_interval_middle(at);
@@ -434,7 +444,7 @@ static sgt_interval departure_over(const departure_sag *s, const sgt_ray *ray, d
     double x = inside(xm, where.x), y = inside(ym, where.y), p, px, py, p_err, grad_err;
     s->of->at(s->self, 1, &x, &y, (sag_values){&p, &px, &py});
     s->of->rounding(s->self, x, y, &p_err, &grad_err);
-    double lost = b.size > 0 ? DEPARTURE_LOST : 0; /* a plane is one */
+    double lost = b.size > 0 ? DEPARTURE_LOST : 0; /* a plane is exact */
     p_err += lost, grad_err += lost, b.size += lost, b.steep += lost, b.bend += lost;
     sgt_interval whole = !(b.steep < HUGE_VAL) && s->of->range ? s->of->range(s->self, &where)
                                                                : departure_within(b.size);
@@ -444,7 +454,8 @@ static sgt_interval departure_over(const departure_sag *s, const sgt_ray *ray, d
     sgt_interval lm2 = sgt_interval_sum(sgt_interval_square(sgt_interval_of(d.x)),
                                         sgt_interval_square(sgt_interval_of(d.y)));
     double length = sgt_interval_square_root(lm2).hi, w_most = sgt_interval_greatest(w);
-    /* how far (x, y) is from the point of the ray; all of the stretch where it was moved */
+    /* How far (x, y) is from the point of the ray.  If P is defined only in a part of the box, (x, y) may
+     * have been moved into it.  Then the distance to the whole stretch is taken. */
     sgt_interval off_x = sgt_interval_difference(defined < 0 ? where.x : xm, sgt_interval_of(x)),
                  off_y = sgt_interval_difference(defined < 0 ? where.y : ym, sgt_interval_of(y));
     double off = sgt_sum_above(sgt_interval_greatest(off_x), sgt_interval_greatest(off_y));
@@ -538,8 +549,8 @@ static size_t of_base(const departure_sag *s) { return s->base ? (s->fixed_k ? 1
 
 size_t sgt_departure_parameters(const departure_sag *s) { return of_base(s) + s->of->parameters(s->self); }
 
-/* ds/dc = r^2 / (phi (1 + phi)), its gradient (x, y) / phi^3; ds/dk = c^3 r^4 / (2 phi (1 + phi)^2), its
- * gradient c^3 r^2 (x, y) / (2 phi^3); less what P adds to either. */
+/* ds/dc = r^2 / (phi (1 + phi)), with gradient (x, y) / phi^3.  ds/dk = c^3 r^4 / (2 phi (1 + phi)^2), with
+ * gradient c^3 r^2 (x, y) / (2 phi^3).  F has both with a minus sign, and so what P adds to either. */
 SGT_KERNEL
 static void by_base(size_t n, bool by_c, double c, double k, const double *restrict x,
                     const double *restrict y, const double *restrict p, const double *restrict px,

@@ -1,15 +1,22 @@
 /* departure.h - sags that are a departure P(x, y) on a conic base: F = z - (conic(r^2) + P).
  *
- * A surface of this kind writes P alone, as the `departure` below; departure/departure.c makes of it all
- * that a surface answers: value, values, span, spans, rounding, enclose, second, parameters and
- * by_parameter.  What it needs for that are four things: P and its gradient at many points; how far these
- * can be off; bounds on P, its gradient and its second derivative over a region; and the second
- * derivatives.  From a bound B on the second derivative follows the enclosure
- *     P(m + v) in P(m) + grad P(m) . v +- B |v|^2 / 2,     grad P(m + v) in grad P(m) +- B |v|,
- * and from a bound on the gradient within the rim, together with the conic's, that a ray meets the surface
- * once at most.
+ * A type of this kind writes P alone, as a `departure`.  departure/departure.c makes all operations of a
+ * surface from it: value, values, span, spans, rounding, enclose, second, parameters and by_parameter.  It
+ * needs four things for that:
+ * - P and its gradient at many points;
+ * - how far these can be off;
+ * - bounds on P, its gradient and its second derivative over a region;
+ * - the second derivatives.
  *
- * A sag whose whole formula is its own (a toroid) is a departure from a plane: no base. */
+ * A bound B on the second derivative gives the enclosure
+ *     P(m + v) in P(m) + grad P(m) . v +- B |v|^2 / 2,     grad P(m + v) in grad P(m) +- B |v|.
+ * A bound on the gradient within the rim, together with that of the conic, shows that a ray meets the
+ * surface at most once.
+ *
+ * A sag whose whole formula is its own (a toroid) is a departure from a plane: it has no base.
+ *
+ * To add a type: write its `departure`, then use FREEFORM_ON_CONIC or FREEFORM_OPS at the end of the file.
+ * Lengths have any one unit.  P has the unit of z. */
 #ifndef SGT_SURFACE_DEPARTURE_DEPARTURE_H
 #define SGT_SURFACE_DEPARTURE_DEPARTURE_H
 
@@ -23,75 +30,87 @@ enum { FREEFORM_BLOCK = 64 };
 /* The points with x and y in these intervals and r = sqrt(x^2 + y^2) in [r_lo, r_hi]. */
 typedef struct region { sgt_interval x, y; double r_lo, r_hi; } region;
 
-/* size >= |P|, steep >= |grad P|, bend >= the norm of the second derivative (so that |grad P(a) - grad
- * P(b)| <= bend |a - b| within a region that is convex; where grad P jumps it is infinite): HUGE_VAL where
- * no bound is known.  All are rounded upward, or well above what rounding could do. */
+/* Bounds over a region.  Each is rounded upward, or exceeds the true value by far more than rounding.
+ * HUGE_VAL: no bound is known.
+ *
+ *   size   >= |P|
+ *   steep  >= |grad P|
+ *   bend   >= the norm of the second derivative: |grad P(a) - grad P(b)| <= bend |a - b| within a convex
+ *          region.  Infinite if grad P jumps in the region. */
 typedef struct bounds { double size, steep, bend; } bounds;
 
-/* P, dP/dx, dP/dy of n points, n <= FREEFORM_BLOCK; no array is NULL, and no two overlap. */
+/* P, dP/dx, dP/dy of n points, n <= FREEFORM_BLOCK.  No array is NULL, and no two overlap. */
 typedef struct sag_values { double *p, *px, *py; } sag_values;
 
 typedef struct departure {
-    /* P and its gradient.  In every lane the same operations in the same order, whatever n is (lanes.h):
-     * one point by itself has the bits it has among others.  NaN where P is not defined; where P is and its
-     * gradient is not (the tip of a cone) one of the gradients beside it, or their mean. */
+    /* P and its gradient at n points.  Every lane does the same operations in the same order, whatever n is
+     * (num/lanes.h).  So a point gives the same bits by itself and among others.  NaN where P is not
+     * defined.  Where P is defined and its gradient is not (the tip of a cone), give one of the gradients
+     * nearby, or their mean. */
     void (*at)(const void *self, size_t n, const double *x, const double *y, sag_values out);
 
-    /* How far `at` can be off: *p_err >= |computed P - exact P|, *grad_err >= that of each of its two
-     * derivatives, for the given x and y taken as exact (running error analysis; derive it in the head of
-     * the file). */
+    /* How far `at` can be off at (x, y), with x and y taken as exact:
+     *
+     *   *p_err     >= |computed P - exact P|
+     *   *grad_err  >= the error of each of the two derivatives
+     *
+     * Derive it by running error analysis in the head of the file. */
     void (*rounding)(const void *self, double x, double y, double *p_err, double *grad_err);
 
-    /* Bounds over the region.  1: P is defined all over it; 0: nowhere in it; -1: perhaps in a part of it:
-     * `where` is then made the (convex) part outside of which it is not, and the bounds hold where P is
-     * defined. */
+    /* Bounds of P over the region.  Returns
+     *
+     *   1   P is defined all over the region
+     *   0   P is nowhere defined in it
+     *   -1  P may be defined in a part of it.  Then *where is cut to a convex part outside of which P is not
+     *       defined.  The bounds hold where P is defined. */
     int (*bounds)(const void *self, region *where, bounds *out);
 
-    /* What P can be over the region, where it is defined: asked near the edge of the domain, where the
-     * gradient has no bound.  NULL: +- size. */
+    /* The range of P over the region, where it is defined.  Asked near the edge of the domain, where the
+     * gradient has no bound.  NULL: +- size is taken. */
     sgt_interval (*range)(const void *self, const region *where);
 
-    /* The second derivatives: pxx, pxy, pyy. */
+    /* The second derivatives of P at n points. */
     void (*second)(const void *self, size_t n, const double *x, const double *y, double *pxx, double *pxy,
                    double *pyy);
 
-    /* The parameters of P, and dP / d(parameter j) with its gradient. */
+    /* The number of parameters of P, and dP / d(parameter j) with its gradient at n points. */
     size_t (*parameters)(const void *self);
     void (*by_parameter)(const void *self, size_t j, size_t n, const double *x, const double *y,
                          sag_values out);
 
-    /* {NULL, NULL} where the parameters of P are valid (those of the base are not asked for).  The name is
-     * that of the parameter in the table (builtins.c), the reason goes behind it: "must be above 0". */
+    /* The first invalid parameter of P with the reason, or {NULL, NULL} if all are valid.  The parameters
+     * of the base are not its task.  The name is that of the parameter in dispatch/builtins.c.  The reason
+     * is printed behind it: "must be above 0". */
     sgt_objection (*object)(const void *self);
 
-    /* Within `radius` of the axis |computed P - exact P| <= e[0] + e[1] r^2: coarser than `rounding`, and
-     * the same for all points, so that many rays share the work.  Terms that vanish with r^2 should be in
-     * e[1].  NULL: not known. */
+    /* Within `radius` of the axis |computed P - exact P| <= e[0] + e[1] r^2.  This is coarser than
+     * `rounding`, but the same for all points, so many rays share the work.  Terms that vanish with r^2
+     * should go into e[1].  NULL: not known. */
     void (*noise)(const void *self, double radius, double e[2]);
 
-    /* The same at less cost, perhaps wider: asked for many radii.  NULL: noise. */
+    /* As `noise`, at less cost and perhaps wider.  It is asked for many radii.  NULL: `noise` is asked. */
     void (*noise_about)(const void *self, double radius, double e[2]);
 
-    /* P is defined within a rectangle and nowhere else, and where it is defined `bounds` says so much of it
-     * although it is not all over the region. */
+    /* Set if P is defined within a rectangle and nowhere else.  Then `bounds` holds where P is defined,
+     * although P is not defined all over the region; departure.c relies on it there. */
     bool framed;
 
-    /* dP/dc with its gradient, where P depends on the curvature of its base; NULL: it does not. */
+    /* dP/dc with its gradient, if P depends on the curvature c of its base.  NULL: it does not. */
     void (*by_curvature)(const void *self, size_t n, const double *x, const double *y, sag_values out);
 } departure;
 
-/* A sag as departure/departure.c sees it.  base: c and k are parameters of F; without, the base is a plane,
- * and c and k are those of a conic that leads to a good seed. */
+/* A sag as departure/departure.c sees it.  If `base` is set, c and k are parameters of F.  If not, the base
+ * is a plane, and c and k belong to a conic whose root is a good seed. */
 typedef struct departure_sag {
     double c, k, semi_diameter;
     bool base;
     const departure *of;
     const void *self;
     bool fixed_k; /* k is no parameter */
-    double reach; /* farther than this from the axis P is not defined; 0: not known */
+    double reach; /* P is not defined farther than this from the axis (length); 0: not known */
 } departure_sag;
 
-/* With a rim no wider than `most`. */
+/* The same sag with a rim no wider than `most`. */
 SGT_INLINE departure_sag sgt_departure_narrowed(departure_sag s, double most)
 {
     if (!(s.semi_diameter > 0 && s.semi_diameter <= most))
@@ -120,7 +139,7 @@ size_t sgt_departure_parameters(const departure_sag *s);
 void sgt_departure_by_parameter(const departure_sag *s, size_t j, size_t n, sgt_points p, sgt_values out);
 sgt_objection sgt_departure_object(const departure_sag *s);
 
-/* What the objects of several share: the first number of a list that is not finite, or too many of them. */
+/* Helper for `object`: are all n numbers finite?  x - x is 0 if x is finite, else NaN. */
 SGT_INLINE bool numbers_finite(size_t n, const double *x)
 {
     double sum = 0;
@@ -128,7 +147,7 @@ SGT_INLINE bool numbers_finite(size_t n, const double *x)
     return sum == 0;
 }
 
-/* A list of at most `most` numbers; none at all is a list. */
+/* Objects to a list of more than `most` numbers, or with one that is not finite.  An empty list is valid. */
 SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t most, const char *too_long)
 {
     if (a.rows == 0 || a.columns == 0) return (sgt_objection){NULL, NULL};
@@ -138,8 +157,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     return (sgt_objection){NULL, NULL};
 }
 
-/* The operations of a surface whose parameters are a TYPE: VIEW(s) is an expression of type freeform for a
- * pointer s to one, and the surface is sgt_NAME_ops. */
+/* Defines sgt_NAME_ops and sgt_NAME_object, for parameters of type TYPE.  VIEW(s) is an expression of type
+ * departure_sag for a pointer s to a TYPE.  NAME_departure must exist, and TYPE must have a semi_diameter. */
 #define FREEFORM_OPS(NAME, TYPE, VIEW)                                                                      \
     static departure_sag NAME##_view(const void *self)                                                      \
     {                                                                                                       \
@@ -278,7 +297,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                                               .parameters = NAME##_ops_parameters,                          \
                                               .by_parameter = NAME##_ops_by_parameter};
 
-/* On a conic base of its own. */
+/* The same for a sag on a conic base with parameters c and k. */
 #define FREEFORM_ON_CONIC(NAME, TYPE)                                                               \
     static departure_sag NAME##_on_conic(const TYPE *s)                                             \
     {                                                                                               \
@@ -286,7 +305,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     }                                                                                               \
     FREEFORM_OPS(NAME, TYPE, NAME##_on_conic)
 
-/* The objections of each (sgt_builtin, object). */
+/* The `object` of each type, also for sgt_builtin. */
 sgt_objection sgt_odd_asphere_object(const void *self);
 sgt_objection sgt_polynomial_xy_object(const void *self);
 sgt_objection sgt_chebyshev_object(const void *self);
