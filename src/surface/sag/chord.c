@@ -1,10 +1,11 @@
 /* chord.c - where on a ray a sag can be met.
  *
- * The domain of a sag is a cylinder about its axis, r <= rim, or r <= the equator of the conic
- * base; a ray cuts it in an interval.  From the point of the ray nearest the axis the half-chord
- * is sqrt(radius^2 - distance^2) over the sine of the angle to the axis.  The chord is made longer
- * by 2^-40 of itself and 2^-46 of where it is, far more than rounding can do, so that no root is
- * cut off: whether a root lies in the domain is decided elsewhere. */
+ * The domain of a sag is a cylinder about its axis, r <= rim or r <= the equator of the conic base.  A ray
+ * cuts it in an interval.  Its middle is the point of the ray nearest the axis.  The half-chord is
+ * sqrt(radius^2 - distance^2) over the sine of the angle to the axis.
+ *
+ * The chord is made longer by 2^-40 of itself and 2^-46 of where it is.  That is far more than rounding, so
+ * no root is cut off.  Whether a root lies in the domain is decided elsewhere. */
 #include "sag.h"
 
 stretch sgt_chord(const sgt_ray *ray, double radius2)
@@ -15,8 +16,8 @@ stretch sgt_chord(const sgt_ray *ray, double radius2)
     radius2 *= 1 + 0x1p-43;
     if (ray->d.x == 0 && ray->d.y == 0)
         return ray->o.x * ray->o.x + ray->o.y * ray->o.y <= radius2 * (1 + 0x1p-40) ? all : none;
-    if (!(a > TINY)) return all; /* it has underflown */
-    /* from the point nearest the axis, twice: there the rounding is of the size of the chord */
+    if (!(a > TINY)) return all; /* underflow */
+    /* Found twice from the point nearest the axis.  The second time, rounding is of the size of the chord. */
     local q = local_at(ray, -(ray->o.x * l + ray->o.y * m) / a, 0);
     double middle = -(q.x * l + q.y * m) / a, cross = q.x * m - q.y * l, near2 = cross * cross / a;
     double half2 = (radius2 * (1 + 0x1p-40) - near2 * (1 - 0x1p-40)) / a;
@@ -42,7 +43,8 @@ sgt_span sgt_sag_span(double c, double k, double semi_diameter, const sgt_ray *r
     if (v > 0 || !bare) span.seed = t;
     else if (v_far > 0) span.seed = t_far;
     if (!(span.seed >= span.lo && span.seed <= span.hi)) span.seed = NAN;
-    /* one root on the sheet, certainly, where the signs of v at the two are opposite by a margin */
+    /* If the signs of v at the two roots are opposite by a margin, certainly just one of them is on the
+     * sheet. */
     double margin = 0x1p-30 * (1 + fabs(k1 * c * q.n) * (fabs(near) + fabs(far)));
     bool well = D > 0x1p-20 * (B * B + fabs(A * C));
     span.single = bare && (c == 0 ? q.n != 0

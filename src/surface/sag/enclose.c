@@ -1,42 +1,43 @@
 /* enclose.c - g and g' of a sag over a stretch of a ray, by intervals.
  *
- * g(t) = z - s(rho) - P(rho), rho = x^2 + y^2, s = c rho / (1 + phi), phi^2 = 1 - (1 + k) c^2 rho, P the
- * sum of a[i] rho^(i+1).  With h = x dx + y dy, half of rho', A = dx^2 + dy^2 and X = ox dy - oy dx: A rho
- * = h^2 + X^2, hence
+ * g(t) = z - s(rho) - P(rho), with rho = x^2 + y^2, s = c rho / (1 + phi), phi^2 = 1 - (1 + k) c^2 rho, and
+ * P the sum of a[i] rho^(i+1).  Let h = x dx + y dy (half of rho'), A = dx^2 + dy^2 and X = ox dy - oy dx.
+ * Then A rho = h^2 + X^2, hence
  *     g' = dz - c h / phi - 2 P' h,
  *     -g'' / 2 = c (A - (1 + k) c^2 X^2) / (2 phi^3) + 2 P'' h^2 + A P'.
- * The bracket is A phi^2 at the point of the line that is nearest the axis, and so not negative where the
- * line meets the domain: c h / phi never falls along the ray (a conic is convex).  A negative c is solved
- * as its mirror image: c, a, z and g with the other sign.
+ * The bracket is A phi^2 at the point of the line nearest the axis.  So it is not negative if the line
+ * meets the domain.  Hence c h / phi never falls along the ray: a conic is convex.  If c is negative, the
+ * mirror image is solved: c, a, z and g with the other sign.
  *
  * t is counted from t0: what is given and enclosed is g(t0 + t).
  *
- * THE ENDS.  At one t all of it is thin.  A coordinate o + t d is three doubles by error-free product and
- * sums, so that an origin far off costs nothing; rho, h, X and phi^2 come in twice the precision, and only
- * then are rounded to an interval.  g is so known to two or three ulps of the greatest of z, s and P, g' to
- * a few of its terms.
+ * THE ENDS.  At one t all intervals are thin.  A coordinate o + t d is three doubles by error-free product
+ * and sums, so a distant origin costs nothing.  rho, h, X and phi^2 are computed in twice the precision,
+ * and only then rounded to an interval.  So g is known to two or three ulps of the largest of z, s and P,
+ * and g' to a few ulps of its terms.
  *
- * BETWEEN THEM.  h and c h / phi never fall, z is linear: their ranges are those of their ends.  Where h
- * has one sign, rho has its extremes at the ends; else its least is that of the whole line, X^2 / A.  s
- * grows with rho, and phi goes one way.  P, P' and P'' are taken by Horner's rule on rho >= 0, which is
- * never wider than the sum of its terms' ranges.  So these hold over the whole stretch, w long:
- *     the natural forms of g and g', the formulas above (of a conic that of g' is exact);
- *     the tangents: g' differs from that of either end by no more than g'' w, and g from that of either end
- *         by g' w;
- *     the chord: g lies between its ends but for -g'' / 2 times 0 ... w^2 / 4 (what linear interpolation
- *         leaves out is
- *         g'' / 2 (t - lo) (t - hi));
- *     and where g' has one sign, g lies between its ends;
- * and with them their intersection.  The first are what counts on long stretches; on short ones the others
- * leave a width beyond the true range that falls with w^2.
+ * BETWEEN THEM.  h and c h / phi never fall, and z is linear: their ranges are those of their ends.  If h
+ * has one sign, rho has its extremes at the ends.  Else its least value is that of the whole line, X^2 / A.
+ * s grows with rho, and phi is monotone in it.  P, P' and P'' are taken by Horner's rule on rho >= 0; that
+ * is never wider than the sum of the ranges of its terms.  Over the whole stretch, w long, the following
+ * hold:
+ * - the natural forms of g and g', which are the formulas above (for a conic that of g' is exact);
+ * - the tangents: g' differs from that of either end by at most g'' w, and g from that of either end by g'
+ *   w;
+ * - the chord: g lies between its ends, but for -g'' / 2 times 0 ... w^2 / 4 (linear interpolation omits
+ *   g'' / 2 (t - lo) (t - hi));
+ * - if g' has one sign, g lies between its ends.
  *
- * THE DOMAIN.  Where phi^2 < 0 all over the stretch, g is undefined there, and both intervals are empty.
- * Where phi^2 may be 0 or less somewhere, g is that of the part where it is not (s <= 1 / ((1 + k) c), rho
- * <= 1 / ((1 + k) c^2)), and of the slope, which has its pole there, nothing is said.
+ * So their intersection holds too.  On long stretches the natural forms are the tightest.  On short ones
+ * the others leave a width beyond the true range that falls with w^2.
  *
- * RANGE.  d is scaled by a power of two to [1, 2).  Coordinates so small or so large that twice the
- * precision does not hold are made intervals at once.  What overflows is an end at infinity, and t may have
- * such ends. */
+ * THE DOMAIN.  If phi^2 < 0 all over the stretch, g is undefined there, and both intervals are empty.  If
+ * phi^2 may be 0 or less somewhere, g is that of the part where it is positive (s <= 1 / ((1 + k) c), rho
+ * <= 1 / ((1 + k) c^2)).  The slope has its pole there, and nothing is said of it.
+ *
+ * RANGE.  d is scaled by a power of two to [1, 2).  Coordinates too small or too large for twice the
+ * precision are made intervals at once.  What overflows becomes an end at infinity, and t may have such
+ * ends. */
 #include "../../num/expansion.h"
 #include "poly.h"
 
@@ -44,21 +45,21 @@
 
 enum { MOST_TERMS = 8 };
 
-/* c >= 0, 1 + k, the direction, A, and the coefficients of P, P' and P''. */
+/* c >= 0, k and 1 + k, the scaled direction, A, and the coefficients of P, P' and P''. */
 typedef struct scene {
     double c, k, scale;
     sgt_interval k1, l, m, n, a, p[MOST_TERMS], first[MOST_TERMS], second[MOST_TERMS];
     int terms;
 } scene;
 
-/* What depends on rho alone.  phi and s are of the part of phi^2 that is not negative. */
+/* Functions of rho.  phi and s are for the part of phi^2 that is not negative. */
 typedef struct interval_ring { sgt_interval rho, phi2, phi, sag; } interval_ring;
 
-/* One t. */
+/* z, h, g and the functions of rho at one t. */
 typedef struct interval_place { sgt_interval z, half, g; interval_ring at; } interval_place;
 
-/* The operations of interval.h, where the signs are known and nothing is empty; a NaN at an end goes
- * through.  Functions, with hardware fma: inlined they would be 50 KB more and no faster. */
+/* The operations of interval.h, for known signs and nonempty intervals.  A NaN at an end stays.  These are
+ * functions even with hardware fma: inlined they would take 50 KB more and be no faster. */
 static sgt_interval interval_plus(sgt_interval x, sgt_interval y)
 {
     return sgt_interval_between(-sgt_sum_above(-x.lo, -y.lo), sgt_sum_above(x.hi, y.hi));
@@ -74,7 +75,7 @@ SGT_INLINE sgt_interval hull(sgt_interval x, sgt_interval y)
     return sgt_interval_between(x.lo < y.lo ? x.lo : y.lo, larger(x.hi, y.hi));
 }
 
-/* x y, y >= 0. */
+/* x y, for y >= 0. */
 static sgt_interval interval_times(sgt_interval x, sgt_interval y)
 {
     return sgt_interval_between(-sgt_product_above(-x.lo, x.lo >= 0 ? y.lo : y.hi),
@@ -83,14 +84,14 @@ static sgt_interval interval_times(sgt_interval x, sgt_interval y)
 
 SGT_INLINE sgt_interval scaled(sgt_interval x, double by) { return interval_times(x, sgt_interval_of(by)); }
 
-/* x / y, x >= 0, y > 0. */
+/* x / y, for x >= 0 and y > 0. */
 static sgt_interval interval_over(sgt_interval x, sgt_interval y)
 {
     return sgt_interval_between(y.hi < HUGE_VAL ? -sgt_quotient_above(-x.lo, y.hi) : 0,
                                 sgt_quotient_above(x.hi, y.lo));
 }
 
-/* x +- by, of moderate numbers. */
+/* x +- by, for moderate numbers. */
 SGT_INLINE sgt_interval interval_rounded(twofold x, double by)
 {
     return sgt_interval_between(-sgt_sum_above(-x.hi, by - x.lo), sgt_sum_above(x.hi, x.lo + by));
@@ -104,9 +105,9 @@ SGT_INLINE sgt_interval series(int terms, const sgt_interval *a, sgt_interval rh
     return h;
 }
 
-/* o + (t0 + t) d as s + rest +- slip, where the products have lost nothing.  With t0 = 0 it is s + f.lo
- * exactly: o + p = s + e, and e with the rest of p is f.  f.lo, and in any case the rest, is below 4 u^2 of
- * it. */
+/* o + (t0 + t) d as s + rest +- slip.  exact: the products have lost nothing.  If t0 = 0, it is s + f.lo
+ * exactly: o + p = s + e, and f is e plus the rest of p.  f.lo, and rest in any case, is below 4 u^2 of the
+ * sum. */
 typedef struct triple { twofold s; double rest, slip; bool exact; } triple;
 
 SGT_INLINE bool splits(double p, double t, double d)
@@ -161,8 +162,8 @@ static interval_place place_at(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0
     interval_place e;
     triple x = triple_of(o.x, d.x, t0, t), y = triple_of(o.y, d.y, t0, t), z = triple_of(o.z, d.z, t0, t);
     e.z = range_of(&z, o.z, d.z, t0, t);
-    /* rho to 2 * 4 + 5 + 3 = 16 u^2, what is taken from 1 to 32 u^2, h to 12 u^2 of its terms; what
-     * underflows is below 2^-170 of them */
+    /* Errors: rho 2 * 4 + 5 + 3 = 16 u^2, the term subtracted from 1 32 u^2, h 12 u^2 of its terms.
+     * Underflow adds less than 2^-170 of them. */
     twofold rho = twofold_sum(twofold_product(x.s, x.s), twofold_product(y.s, y.s)),
             xl = twofold_scaled(x.s, f->l.lo), ym = twofold_scaled(y.s, f->m.lo);
     double terms = fabs(xl.hi) + fabs(ym.hi);
@@ -192,7 +193,7 @@ SGT_INLINE sgt_interval wave_of(const scene *f, sgt_interval rho, sgt_interval h
                     : sgt_interval_of(0);
 }
 
-/* |ox dy - oy dx|. */
+/* |X| = |ox dy - oy dx|. */
 SGT_INLINE sgt_interval cross_of(const scene *f, sgt_vec3 o)
 {
     twofold cross = twofold_difference(two_product(o.x, f->m.lo), two_product(o.y, f->l.lo));
@@ -213,7 +214,7 @@ static sgt_interval enclose(const scene *f, sgt_vec3 o, sgt_vec3 d, double t0, s
 {
     interval_place a = place_at(f, o, d, t0, t.lo), b = t.lo < t.hi ? place_at(f, o, d, t0, t.hi) : a;
     sgt_interval half = {a.half.lo, b.half.hi}, z = hull(a.z, b.z), cross = cross_of(f, o);
-    interval_ring all = half.lo >= 0 ? a.at : b.at; /* of the least rho; then of the whole stretch */
+    interval_ring all = half.lo >= 0 ? a.at : b.at; /* first at the least rho, then over the whole stretch */
     if (!(half.lo >= 0 || half.hi <= 0)) {
         all.rho = sgt_interval_of(larger(sgt_interval_quotient(sgt_interval_square(cross), f->a).lo, 0));
         phi2_of(f, &all);

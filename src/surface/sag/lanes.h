@@ -1,27 +1,29 @@
-/* sag/lanes.h - a tile of rays met quickly: what the sweeps of the sags share.
+/* sag/lanes.h - a tile of rays met quickly: what conic and asphere share.
  *
- * A sweep has two loops.  The first goes from the ray to its root near the vertex plane, the second from
- * there to the point, the gradient, and whether it counts; between the two a ray is a `near_root`, in
- * arrays that stay in the first cache.  One loop would do, but a root, three quotients and what is between
- * them are a chain of more than a hundred cycles, as long as a processor can look ahead: in two loops it
- * has several rays' chains at work (docs/accuracy.md, "Batches: speed"). */
+ * A tile is met in two loops.  The first goes from the ray to its root near the vertex plane.  The second
+ * goes from there to the point and the gradient, and decides whether the root is accepted.  Between the
+ * loops a ray is a `near_root`, in arrays that stay in the first-level cache.
+ *
+ * One loop would do.  But a square root, three quotients and what lies between them are a chain of more
+ * than a hundred cycles.  That is as far as a processor can look ahead.  With two loops it works on the
+ * chains of several rays at once (docs/accuracy.md, "Batches: speed"). */
 #ifndef SGT_SURFACE_SAG_LANES_H
 #define SGT_SURFACE_SAG_LANES_H
 
 #include "../../num/lanes.h"
 #include "../builtin.h"
 
-/* The ray at its root: t = t0 + small, the point (x, y, 0) + tau d.  tau_err bounds the error of tau; t_err
- * is NaN where the quick form gives no answer. */
+/* The ray at its root: t = t0 + small, at the point (x, y, 0) + tau d.  tau_err bounds the error of tau.
+ * If the quick form gives no answer, t_err is NaN. */
 typedef struct near_root { double x, y, tau, t, t_err, tau_err, t0, small; } near_root;
 
-/* The ray met; hit: certainly, and it counts. */
+/* The ray met.  hit: certainly met, and the root is accepted. */
 typedef struct lane { double t, t_err, t_lo, px, py, pz, nx, ny, p_err; mask hit; } lane;
 
-/* (x, y, 0) where the ray meets the vertex plane, in t0 + t0_lo: each coordinate is rounded twice, by u of
- * itself and of t0_lo l at most, and t0 + t0_lo is off by 9 u^2 |t0|.  Either moves a root by no more than
- * 64 times as much, with S or the slope as steep as the sweeps ask: 1024 u^2 |t0| in p_err is above it, and
- * nothing beside an ulp of t0. */
+/* Where the ray meets the vertex plane: the point (x, y, 0), at t0 + t0_lo.  Each coordinate is rounded
+ * twice, by at most u of itself and of t0_lo l.  t0 + t0_lo is off by 9 u^2 |t0|.  With S or the slope as
+ * steep as the loops allow, either error moves a root by at most 64 times as much.  The term 1024 u^2 |t0|
+ * in p_err covers both, and is negligible beside an ulp of t0. */
 SGT_INLINE void to_vertex_plane(double ox, double oy, double oz, double l, double m, double n, double *t0,
                                 double *t0_lo, double *x, double *y)
 {
@@ -32,19 +34,21 @@ SGT_INLINE void to_vertex_plane(double ox, double oy, double oz, double l, doubl
     *y = sgt_fma(*t0_lo, m, sgt_fma(*t0, m, oy));
 }
 
-/* A root nearer to the origin of t is for the careful forms: what has underflown on the way is no longer
- * small beside an ulp of t.  (t0_lo and tau lose less than 2^-970 that way, where |n| > 2^-100.)  A root at
- * the origin itself is none of those where the ray starts in the vertex: there is nothing to underflow, and
- * t = 0 is exact. */
+/* A root nearer than this to the origin of t is left to the careful forms: there underflow is no longer
+ * small beside an ulp of t.  (If |n| > 2^-100, underflow takes less than 2^-970 from t0_lo and tau.)  There
+ * is one exception: if the ray starts in the vertex, nothing can underflow, and t = 0 is exact. */
 static const double LEAST_T = 0x1p-900;
 
 SGT_INLINE mask at_vertex(double x, double y, double oz) { return MASK((fabs(x) + fabs(y)) + fabs(oz) == 0); }
 
-/* Does the root count?  The rules of accept.h, where they are certain by far: the start is farther from the
- * root than any rounding (64 near is more than what START_ULPS is a part of), tmax too, t is as sharp as it
- * can be.  g is what takes (px, py) to the gradient (g px, g py, 1).  exact: the ray starts where it meets
- * the surface, and nothing has been rounded; where an end is about as near as what underflows, that is left
- * to others.  (Beside a t_err of LEAST_PLACE nothing that has underflown counts: t may be 0.) */
+/* Is the root accepted?  These are the rules of accept.h, applied where they are certain by a wide margin:
+ * - the start is farther from the root than any rounding (64 near exceeds what START_ULPS is a part of);
+ * - so is tmax;
+ * - t is as sharp as it can be.
+ *
+ * g makes the gradient (g px, g py, 1) from (px, py).  exact: the ray starts where it meets the surface,
+ * and nothing has been rounded.  If an end is then about as near as what underflows, the ray is left to the
+ * careful forms.  Beside a t_err of LEAST_PLACE underflow is negligible, so t may then be 0. */
 SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double tmin, double tmax,
                         double t_tol, double pz, double g, double near, double rim2, mask exact, mask also)
 {
@@ -66,20 +70,19 @@ SGT_INLINE lane lane_of(const near_root *r, double l, double m, double n, double
     return e;
 }
 
-/* What the easy form says of a single ray; NOT: nothing. */
+/* The answer of the easy form for a single ray.  EASY_NOT: none. */
 typedef enum easy_answer { EASY_NOT, EASY_MISS, EASY_HIT } easy_answer;
 
-/* A hit along a direction that was scaled, made one in the ray's own t; EASY_NOT where it has left its range.
- * */
+/* Takes a hit along a scaled direction to the ray's own t.  EASY_NOT if t leaves its range. */
 SGT_INLINE easy_answer easy_unscaled(lane *e, double scale)
 {
-    bool exact = e->t == 0; /* a lane has no other 0 */
+    bool exact = e->t == 0; /* no other t is 0 in a lane */
     e->t *= scale, e->t_err *= scale, e->t_lo *= scale;
     return e->t_err < HUGE_VAL && (exact || fabs(e->t) > LEAST_T) && fabs(e->t) < HUGE_VAL ? EASY_HIT
                                                                                            : EASY_NOT;
 }
 
-/* A hit of a single ray, as a tile has it. */
+/* The hit of a single ray, as in a tile. */
 SGT_INLINE sgt_hit hit_of_lane(const lane *e, int evals, double f)
 {
     sgt_interval about = sgt_about(e->t, e->t_err);
@@ -96,8 +99,7 @@ SGT_INLINE sgt_hit hit_of_lane(const lane *e, int evals, double f)
                      .p_err = e->p_err};
 }
 
-/* Where a sweep's second loop writes, and what for: outputs that are not wanted go to a place in the first
- * cache. */
+/* Where the second loop writes.  Outputs that are not wanted go to one array in the first-level cache. */
 typedef struct lane_ends {
     _Alignas(64) double unwanted[SGT_TILE];
     mask hit[SGT_TILE];
@@ -132,7 +134,7 @@ SGT_INLINE lane_to lane_to_of(const sgt_tile *tile, lane_ends *ends)
         if (rich) (to).t_lo[i] = (e).t_lo, (to).p_err[i] = (e).p_err;                           \
     } while (0)
 
-/* As LANE_STORE does of rays that are not met. */
+/* Writes what LANE_STORE writes for rays that are not met. */
 SGT_INLINE void lane_nothing(const sgt_tile *tile, lane_ends *ends)
 {
     lane_to to = lane_to_of(tile, ends);
@@ -142,7 +144,8 @@ SGT_INLINE void lane_nothing(const sgt_tile *tile, lane_ends *ends)
             to.p_err[i] = none;
 }
 
-/* Status and evals of the hits; the rest is hard.  all: every ray is one.  Returns how many are hard. */
+/* Writes status and evals.  A ray without a hit gets SGT_HARD.  all: every ray has a hit.  Returns the
+ * number of hard rays. */
 SGT_INLINE size_t lane_told(const sgt_tile *tile, const lane_ends *ends, int evals, mask all)
 {
     signed char *status = tile->hits.status;

@@ -1,8 +1,10 @@
-/* monotone.c - along which rays is a sag monotone, all over the chord of its domain? */
+/* monotone.c - along which rays is a sag monotone, all over the chord of its domain?
+ *
+ * With a = l^2 + m^2 and L a bound on the slope of the sag, that is so where n^2 > L^2 a. */
 #include "lanes.h"
 #include "poly.h"
 
-/* n^2 > limit (l^2 + m^2); where a square has underflown it is small beside n^2 times 2^-500. */
+/* Tests n^2 > limit (l^2 + m^2).  Where a square underflows, it is small beside n^2 times 2^-500. */
 SGT_KERNEL
 static mask lane_monotone(double limit, const sgt_tile *tile, mask unique[])
 {

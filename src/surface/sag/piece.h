@@ -1,19 +1,21 @@
 /* piece.h - a ray cut into pieces by rings about the axis.
  *
- * A ring, from `in` to `out` of the axis, cuts a ray into a piece before the point nearest the axis and one
- * behind it, at s in [s_in, s_out] from that point, and in [-s_out, -s_in].  Counted from the vertex plane
- * z = n tau on the ray.  Where all z of a piece are above the sag in the ring, or all below, F has no root on
- * it.  x and y in the vertex plane are right to some u of themselves, from however far the ray comes
- * (to_vertex_plane): the margins, 2^-40 of what they are added to, are far more than rounding. */
+ * A ring reaches from `in` to `out` of the axis.  It cuts two pieces from a ray, one before the point
+ * nearest the axis and one behind it.  With s counted from that point they are [-s_out, -s_in] and [s_in,
+ * s_out].  With tau counted from the vertex plane, z = n tau on the ray.  If all z of a piece are above the
+ * sag in the ring, or all below, F has no root on the piece.
+ *
+ * x and y in the vertex plane are right to a few u of themselves, however far away the ray starts
+ * (to_vertex_plane).  The margins are 2^-40 of what they are added to, far more than rounding. */
 #ifndef SGT_SURFACE_SAG_PIECE_H
 #define SGT_SURFACE_SAG_PIECE_H
 #include "lanes.h"
 
 SGT_INLINE double lesser(double a, double b) { return chosen(MASK(a < b), a, b); }
 
-/* A ray about the vertex plane, tau in lengths of d made 1 ... 2 by a power of two.  s = tau - foot is 0
- * where it is nearest to the axis, at r = nearest; it begins at tau = from and ends at to.  s is off by
- * `off`, r by `aside`. */
+/* A ray about the vertex plane, for tau from `from` to `to`.  tau is counted in lengths of d scaled by a
+ * power of two, so that its largest component is in [1, 2).  s = tau - foot is 0 at the point nearest the
+ * axis, where r = nearest.  s is off by at most `off`, r by at most `aside`. */
 typedef struct line { double a, n, foot, nearest, from, to, off, aside; } line;
 
 SGT_INLINE line line_of(sgt_vec3 o, sgt_vec3 way, double tmin, double tmax)
@@ -49,8 +51,8 @@ SGT_INLINE piece piece_of(const line *w, double in, double out)
     return p;
 }
 
-/* No root where s is in [begins, ends], the ray's ends apart, and the sag in [bottom, top]; NaN of these
- * tells nothing. */
+/* True if the ray has no root where s is in [begins, ends]: the sag is in [bottom, top] there, and the ray
+ * is above or below it, or does not reach there.  A NaN in one of them tells nothing. */
 SGT_INLINE mask is_apart(const line *w, double begins, double ends, double bottom, double top)
 {
     double from = larger(w->foot + begins, w->from), to = lesser(w->foot + ends, w->to);

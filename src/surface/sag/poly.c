@@ -1,46 +1,51 @@
 /* poly.c - a sag in polynomial form: what is known of it at a point, and near a root.
  *
- * THE EQUATION.  F = z - s(r^2) - P(r^2), s the conic of conic.c, P the sum of a[i] r^(2i+2).  With
- * w = z - P the sag is the sheet v = 1 - (1 + k) c w >= 0 of the polynomial surface
- *     G = w - (c r^2 + (1 + k) c w^2) / 2,       F = 2 G / (v + phi),
- * and G is what is solved: it has the sign and (with v > 0) the roots of F, costs no root, exists
- * everywhere, and is smooth at the equator where F is not.  grad F = grad G / v on the surface, so
- * the step of Newton's method is that of F at a root: the gradient with its own length.
+ * THE EQUATION.  F = z - s(r^2) - P(r^2), where s is the conic of conic.c and P is the sum of a[i]
+ * r^(2i+2).  With w = z - P the sag is the sheet v = 1 - (1 + k) c w >= 0 of the polynomial surface
+ *     G = w - (c r^2 + (1 + k) c w^2) / 2,       F = 2 G / (v + phi).
+ * The solver works on G.  It has the sign of F and, where v > 0, the roots of F.  It needs no square root
+ * and exists everywhere.  At the equator it is smooth, and F is not.  On the surface grad F = grad G / v.
+ * So near a root Newton's step on G is Newton's step on F, with the gradient at its own length.
  *
- * THE BOUND.  Three numbers decide at a point tau: |G| and its rounding e, |G'| less its rounding,
- * and M >= |G''| nearby.  If M (|G| + e) <= G'^2 / 8, then (Kantorovich 1948; Ortega and Rheinboldt
- * 1970, 12.6) there is a root within h = 1.25 (|G| + e) / |G'|, and after the step -G / G' it is
- * within (e + M h^2 / 2 + |step| slope_err) / |G'|.  Rounding e follows the arithmetic: coordinates
- * carry the error of the local origin (accept.h) plus two roundings, P what magnitude() says, G a few u
- * of its terms.  M is made of magnitudes of P' and P'' at the far end in r:
+ * THE BOUND.  Three numbers decide at a point tau: |G| with its rounding e, |G'| less its rounding, and M
+ * >= |G''| nearby.  If M (|G| + e) <= G'^2 / 8, there is a root within h = 1.25 (|G| + e) / |G'|
+ * (Kantorovich 1948; Ortega and Rheinboldt 1970, 12.6).  After the step -G / G' the root is within
+ *     (e + M h^2 / 2 + |step| slope_err) / |G'|.
+ * The rounding e follows the arithmetic:
+ * - a coordinate carries the error of the local origin (num/local.h) plus two roundings;
+ * - P is off by what magnitude() says;
+ * - G adds a few u of its terms.
+ *
+ * M is made of magnitudes of P' and P'' at the far end in r:
  *     |w'| <= W1 = |n| + |P'| |rho'|,  |w''| <= W2 = |P''| rho'^2 + 2 a |P'|,  a = l^2 + m^2,
  *     M = |c| a + |(1 + k) c| (W1^2 + |w| W2) + W2.
  *
- * UNDERFLOW.  A product below 2^-1022 is off by up to 2^-1075 whatever its size, and its remainder in twice
- * the precision so below 2^-969.  What that does to G and G' on its way through the formulas, rho and (1 +
- * k) c included, is `lost` and `slope_lost`, with LOST = 2^-1066 for each product and all that it is a part
- * of.  In Horner's rule it grows by rho at each step; from rho = 2^53 on no product of it underflows.
+ * UNDERFLOW.  A product below 2^-1022 is off by up to 2^-1075, whatever its size.  Likewise its remainder
+ * in twice the precision is off by as much if the product is below 2^-969.  `lost` and `slope_lost` bound what that
+ * does to G and G' on its way through the formulas, rho and (1 + k) c included.  They allow POLY_LOST =
+ * 2^-1066 for each product and everything that it is a part of.  In Horner's rule the loss grows by rho at
+ * each step.  From rho = 2^53 on no product of Horner's rule underflows.
  *
- * SETTLING.  A root known roughly is settled with the origin of the ray moved onto it and G worked out
- * in twice the precision, so that t comes out to its last bit or nearly; where t itself is near zero
- * (a start on the surface), in five times the precision. */
+ * SETTLING.  To settle a root that is known roughly, the origin of the ray is moved onto it.  G is then
+ * evaluated in twice the precision, so t is right to its last bit or nearly.  If t itself is near zero (a
+ * start on the surface), five times the precision is used. */
 #include "poly.h"
 
 #include "../../num/expansion.h"
 
 static const double POLY_LOST = 0x1p-1066;
 
-/* What P and P' at rho can lose. */
+/* A bound on what P and P' at rho lose by underflow. */
 static double lost_in_powers(double rho)
 {
     double rho2 = rho * rho, rho4 = rho2 * rho2;
     return rho < 0x1p53 ? POLY_LOST * (1 + rho4 * rho4) : 0;
 }
 
-/* Adds it to the errors. */
+/* Adds the losses by underflow to the errors. */
 static void underflow(const shape *s, double rho, double half_terms, sample *e)
 {
-    if (e->x == 0 && e->y == 0 && e->z == 0) return; /* there every product is 0, exactly */
+    if (e->x == 0 && e->y == 0 && e->z == 0) return; /* here every product is exactly 0 */
     double w = fabs(e->w), ckw = fabs(s->ck * w), by_power = lost_in_powers(rho),
            lost_w = by_power + POLY_LOST * (1 + e->first);
     double lost_dw = 2 * (by_power + POLY_LOST * e->second) * half_terms + POLY_LOST * (1 + 2 * e->first);
@@ -69,7 +74,7 @@ void sgt_poly_bound(const shape *s, const local *q, double tau, sample *e)
     e->lost = e->slope_lost = 0;
     double least = e->g_err < e->slope_err ? e->g_err : e->slope_err,
            most = e->first + e->second + ckw + w + fabs(s->c) + 0x1p60 * rho;
-    /* else it is nothing beside them */
+    /* If not, underflow is negligible beside these errors. */
     if (!(least > 0x1p-400 && most < 0x1p100)) underflow(s, rho, half_terms, e);
 }
 
@@ -84,8 +89,8 @@ double sgt_poly_bend(const shape *s, const local *q, const sample *at, double h)
 {
     double xl = fabs(at->x) + h * fabs(q->l), ym = fabs(at->y) + h * fabs(q->m);
     double a = q->l * q->l + q->m * q->m, half = fabs(at->x * q->l + at->y * q->m) + h * a;
-    /* rho over the cell is at most the larger end, and that at most (|x| + h|l|)^2 + ...; the exact end
-       is tighter: rho + 2 h |rho'/2| + a h^2 */
+    /* A bound on rho over the cell.  It is at most (|x| + h |l|)^2 + (|y| + h |m|)^2.  The exact value at
+     * the larger end is tighter: rho + 2 h |rho'/2| + a h^2. */
     double rho = at->x * at->x + at->y * at->y + 2 * h * fabs(at->x * q->l + at->y * q->m) + a * h * h;
     double bound = xl * xl + ym * ym, second;
     rho = (rho < bound ? rho : bound) * (1 + 0x1p-40);
@@ -93,7 +98,7 @@ double sgt_poly_bend(const shape *s, const local *q, const sample *at, double h)
     double w1 = fabs(q->n) + first * drho, w2 = second * drho * drho + 2 * a * first;
     double w = fabs(at->w) + at->w_err + h * w1;
     double bend = (fabs(s->c) * a + fabs(s->ck) * (w1 * w1 + w * w2) + w2) * (1 + 0x1p-30);
-    if (bend > 0x1p-400 && drho < 0x1p60 && w1 < 0x1p300) return bend; /* underflow is nothing beside it */
+    if (bend > 0x1p-400 && drho < 0x1p60 && w1 < 0x1p300) return bend; /* underflow is negligible beside it */
     return bend + (POLY_LOST * (1 + w * w2) + (POLY_LOST * w1) * w1 +
                    (lost_in_powers(rho) * (1 + drho)) * (1 + drho));
 }
@@ -106,23 +111,24 @@ double sgt_conic_sag_fine(double c, double k, double x, double y)
     return phi2.hi < 0 ? (double)NAN : c * r2.hi / (1 + sqrt(phi2.hi));
 }
 
-/* A bound on the conic's sag at rho from one side: phi^2 is rounded by less than 2^-48. */
+/* A bound on the magnitude of the conic's sag at rho: from below if outward is 1, from above if it is -1.
+ * phi^2 is rounded by less than 2^-48. */
 static double sag_bound(const shape *s, double rho, double outward)
 {
     double phi2 = 1 - s->ck * s->c * rho + outward * 0x1p-48;
     return s->c * rho / (1 + sqrt(larger(phi2, 0))) * (1 - outward * 0x1p-48);
 }
 
-/* G has the square of w in it, and far from the surface M is large for no good reason: this is the
- * test for there.  rho over the cell is a parabola with an exact range, s is monotone in rho, and w is
- * within its tangent and W2 h^2 / 2. */
+/* A test for points far from the surface.  There G is of no use: it contains w^2, so M is needlessly large.
+ * Over the cell rho is a parabola, with an exact range.  s is monotone in rho.  w differs from its tangent
+ * by at most W2 h^2 / 2. */
 bool sgt_poly_apart(const shape *s, const local *q, const sample *at, double h)
 {
     double a = q->l * q->l + q->m * q->m, half = fabs(at->x * q->l + at->y * q->m),
            rho = at->x * at->x + at->y * at->y, second;
     double high = (rho + 2 * half * h + a * h * h) * (1 + 0x1p-40),
            low = half < a * h ? rho - half * half / a : rho - 2 * half * h + a * h * h;
-    double blur = 4 * SGT_U * (fabs(at->x) * at->ex + fabs(at->y) * at->ey); /* of rho, by the coordinates */
+    double blur = 4 * SGT_U * (fabs(at->x) * at->ex + fabs(at->y) * at->ey); /* of rho, by its coordinates */
     high += blur;
     low = larger(low - 0x1p-40 * high - blur, 0);
     double edge = s->ck * s->c > 0 ? 1 / (s->ck * s->c) * (1 + 0x1p-40) : HUGE_VAL;
@@ -133,9 +139,9 @@ bool sgt_poly_apart(const shape *s, const local *q, const sample *at, double h)
     double reach = (steep * h + 0.5 * (second * drho * drho + 2 * a * first) * h * h) * (1 + 0x1p-30) +
                    at->w_err;
     reach += at->lost + at->slope_lost * h;
-    /* the least and the greatest magnitude */
+    /* The sags of least and of greatest magnitude. */
     double near = sag_bound(s, low, 1), far = sag_bound(s, high, -1);
-    double below = at->w - reach, above = at->w + reach; /* a near or far that is NaN says nothing */
+    double below = at->w - reach, above = at->w + reach; /* if near or far is NaN, both tests fail */
     return (below > near && below > far) || (above < near && above < far);
 }
 
@@ -175,9 +181,14 @@ bool sgt_poly_certify(const shape *s, const local *q, const sample *at, double t
     return true;
 }
 
-/* G, G' and v at a point in twice the precision.  A coordinate is right to 3 u^2, rho to 14 u^2, a term of
- * P to (i + 1) (14 + 5 + 3) u^2, w so to 24 u^2 rho first + 6 u^2 |z|, and G to 32 u^2 of its terms;
- * P' loses no more of its own terms (i + 1) |a[i]| rho^i times i, and G' to 2^-97 of its terms. */
+/* G, G' and v at a point in twice the precision.  Errors:
+ * - a coordinate: 3 u^2 of itself
+ * - rho: 14 u^2
+ * - a term of P: (i + 1) (14 + 5 + 3) u^2
+ * - w: 24 u^2 rho first + 6 u^2 |z|
+ * - G: 32 u^2 of its terms
+ * - P': no more than w of its own terms, (i + 1) |a[i]| rho^i times i
+ * - G': 2^-97 of its terms */
 static void residual(const shape *s, const local *q, twofold x, twofold y, twofold z, sample *at)
 {
     twofold rho = twofold_sum(twofold_product(x, x), twofold_product(y, y)),
@@ -228,7 +239,7 @@ static expansion poly_place(double o, double d, double t0, double t0_lo)
     return expansion_of_list(5, (double[]){b.lo, b.hi, a.lo, a.hi, o}, 0);
 }
 
-/* The same, at t0 + t0_lo, in five times the precision. */
+/* G at t0 + t0_lo in five times the precision. */
 static void fine_residual(const shape *s, const sgt_ray *ray, const local *q, sample *at)
 {
     expansion x = poly_place(ray->o.x, q->l, q->t0, q->t0_lo),
@@ -278,5 +289,5 @@ bool sgt_poly_unique(const shape *s, const sgt_ray *ray, const meeting *at, tall
     local q = local_at(ray, at->t / scale, at->t_lo / scale);
     sample e = sgt_poly_sample(s, &q, 0);
     observe(w, &q, 0, &e, SGT_PROBE, -h, h);
-    return fabs(e.slope) - e.slope_err > sgt_poly_bend(s, &q, &e, h) * h; /* not of NaN */
+    return fabs(e.slope) - e.slope_err > sgt_poly_bend(s, &q, &e, h) * h; /* false for NaN */
 }

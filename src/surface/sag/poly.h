@@ -1,10 +1,10 @@
-/* poly.h - a sag in polynomial form, with bounds: poly.c says how. */
+/* poly.h - a sag in polynomial form, with bounds.  The equation and the bounds are derived in poly.c. */
 #ifndef SGT_SURFACE_SAG_POLY_H
 #define SGT_SURFACE_SAG_POLY_H
 
 #include "sag.h"
 
-/* P(rho) = sum of a[i] rho^(i+1) and P'. */
+/* P(rho) = sum of a[i] rho^(i+1), and *slope = P'. */
 SGT_INLINE double polynomial(int terms, const double *a, double rho, double *slope)
 {
     double h = terms ? a[terms - 1] : 0, dh = 0;
@@ -16,9 +16,9 @@ SGT_INLINE double polynomial(int terms, const double *a, double rho, double *slo
     return rho * h;
 }
 
-/* first = sum of (i+1) |a[i]| rho^i, a bound on |P'|, and its derivative, a bound on |P''|, both for
- * all of [0, rho].  |P| <= rho first.  Horner's rule rounds the term a[i] rho^(i+1) at most 2i + 2
- * times, so P is off by at most 2 u rho first (Higham 2002, section 5.1). */
+/* Returns first = sum of (i+1) |a[i]| rho^i and, in *second, its derivative.  first is a bound on |P'| and
+ * second on |P''|, both on all of [0, rho].  |P| <= rho first.  Horner's rule rounds the term a[i]
+ * rho^(i+1) at most 2i + 2 times.  So P is off by at most 2 u rho first (Higham 2002, section 5.1). */
 SGT_INLINE double magnitude(int terms, const double *a, double rho, double *second)
 {
     double h = terms ? terms * fabs(a[terms - 1]) : 0, dh = 0;
@@ -30,12 +30,12 @@ SGT_INLINE double magnitude(int terms, const double *a, double rho, double *seco
     return h;
 }
 
-/* A sag as it is solved: its terms counted (none: a conic), (1 + k) c at hand. */
+/* A sag as it is solved.  ck is (1 + k) c.  terms is the number of coefficients; 0: a conic. */
 typedef struct shape { double c, k, ck; int terms; const double *a; double rim2, domain2; } shape;
 
-/* steep^2 r2.  From 2^500 on it is no limit: below, what has underflown in a, where l and m are tiny and n is
- * not, is far below n^2 even so times.  A slope below LEAST_STEEP is taken for that, so that its square does
- * not underflow. */
+/* steep^2 r2, used as a limit on n^2 / a.  A limit of 2^500 or more is taken as infinite.  Below that, a
+ * may have lost something to underflow (l and m tiny, n not), but even limit times that loss is far below
+ * n^2.  A slope below LEAST_STEEP is raised to it, so that its square does not underflow. */
 static const double LEAST_STEEP = 0x1p-250;
 
 SGT_INLINE double bounded_limit(double steep, double r2)
@@ -45,8 +45,8 @@ SGT_INLINE double bounded_limit(double steep, double r2)
     return limit < 0x1p500 ? limit : HUGE_VAL;
 }
 
-/* F is monotone along the chord within the rim where n^2 is above this times a; infinite without a rim, or
- * with the equator inside. */
+/* If n^2 is above this limit times a = l^2 + m^2, F is monotone along the chord within the rim.  Infinite
+ * without a rim, or if the equator is inside. */
 SGT_INLINE double single_limit(const shape *s)
 {
     double r2 = s->domain2, unused, phi2 = 1 - s->ck * s->c * r2;
@@ -55,25 +55,26 @@ SGT_INLINE double single_limit(const shape *s)
     return bounded_limit(steep, r2);
 }
 
-/* Rays whose chord is so: alone[i] has all bits set, else 0; true: all of them. */
+/* Which rays have such a chord?  Sets unique[i] to all bits set if ray i has, else to 0.  Returns true if
+ * all have. */
 bool sgt_lanes_monotone(const shape *s, const sgt_tile *tile, unsigned long long unique[]);
 
-/* The same with a limit of the caller's. */
+/* The same with a limit given by the caller. */
 bool sgt_lanes_steeper(double limit, const sgt_tile *tile, unsigned long long unique[]);
 
 /* G at one point of the ray, and what is known of it. */
 typedef struct sample {
     double g, slope;          /* G and dG/dtau */
     double g_err, slope_err;  /* how far they can be off */
-    double lost, slope_lost;  /* what of that is underflow */
+    double lost, slope_lost;  /* the part of that due to underflow */
     double v, v_err;          /* 1 - (1 + k) c w */
-    double w, w_err, dw;      /* z - P, dw/dtau */
+    double w, w_err, dw;      /* w = z - P, and dw/dtau */
     double dp;                /* P' */
     double first, second;     /* magnitude() at rho */
     double x, y, z, ex, ey, ez;
 } sample;
 
-/* G, its slope, and what they are made of; no errors yet. */
+/* G, its slope and their parts, without errors. */
 SGT_INLINE sample poly_at(const shape *s, const local *q, double tau)
 {
     sample e;
@@ -87,43 +88,45 @@ SGT_INLINE sample poly_at(const shape *s, const local *q, double tau)
     return e;
 }
 
-/* Adds the errors. */
+/* Adds the errors to a sample of poly_at. */
 void sgt_poly_bound(const shape *s, const local *q, double tau, sample *e);
 
-/* Both. */
+/* poly_at, then sgt_poly_bound. */
 sample sgt_poly_sample(const shape *s, const local *q, double tau);
 
-/* The same with G itself in twice the precision; q->t0 + q->t0_lo is the local origin. */
+/* The same with G, its slope and v in twice the precision.  The local origin of q is q->t0 + q->t0_lo. */
 sample sgt_poly_sample_fine(const shape *s, const sgt_ray *ray, const local *q, double tau);
 
-/* A bound on |d2G/dtau2| over [tau - h, tau + h]; at: the sample at tau. */
+/* A bound on |d2G/dtau2| over [tau - h, tau + h].  at: the sample at tau. */
 double sgt_poly_bend(const shape *s, const local *q, const sample *at, double h);
 
-/* No root on the sheet in [tau - h, tau + h], for certain: there z - P and the conic's sag have no value
- * in common.  at: the sample at tau. */
+/* True if certainly no root on the sheet lies in [tau - h, tau + h]: there z - P and the conic's sag have
+ * no value in common.  at: the sample at tau. */
 bool sgt_poly_apart(const shape *s, const local *q, const sample *at, double h);
 
-/* The sign of F itself, z - P against s: 0 where it is not certain, or the point not certainly in the
- * domain. */
+/* The sign of F itself, from z - P against s.  0 if the sign is not certain, or if the point is not
+ * certainly in the domain. */
 int sgt_poly_side(const shape *s, const sample *at);
 
-/* Is there a root near tau, and how near?  On true, *out has the root with its bound, one
- * Newton step from tau.  steady says that a further step would bring nothing. */
+/* Is there a root near tau?  If so, returns true with the root and its bound in *out, after one Newton step
+ * from tau.  *steady: a further step would gain nothing. */
 bool sgt_poly_certify(const shape *s, const local *q, const sample *at, double tau, double t_tol,
                       meeting *out, double *v_err, bool *steady);
 
-/* From t0 + t0_lo (scaled, near a root) with the origin moved there.  false: the root is too flat. */
+/* Settles the root near t0 + t0_lo (scaled), with the origin moved there.  Returns false if the root is too
+ * flat to be certified, if the budget of evaluations is spent, or if the watcher stops. */
 bool sgt_poly_settle(const shape *s, const sgt_ray *ray, double t0, double t0_lo, meeting *out, double *v_err,
                      tally *w);
 
-/* There is no root but one in [t - t_err, t + t_err]: G is monotone over twice as much.  One evaluation. */
+/* True if there is only one root in [t - t_err, t + t_err]: G is monotone over twice that.  Costs one
+ * evaluation. */
 bool sgt_poly_unique(const shape *s, const sgt_ray *ray, const meeting *at, tally *w);
 
-/* g and g' over t0 + t (sgt_builtin_ops, enclose): enclose.c says how. */
+/* g and g' over t0 + t, as `enclose` of sgt_builtin_ops.  The method is in enclose.c. */
 sgt_interval sgt_sag_enclose(const shape *s, const sgt_ray *ray, double t0, sgt_interval t,
                              sgt_interval *slope);
 
-/* One evaluation told to the watcher, in the ray's t. */
+/* Reports one evaluation to the watcher, in the ray's own t. */
 SGT_INLINE void observe(tally *w, const local *q, double tau, const sample *e, sgt_move move, double lo,
                         double hi)
 {

@@ -1,17 +1,16 @@
 /* second.h - derivatives of the conic's sag for sensitivities: by the point twice, and by c and k.
  *
- * With q = r^2, e = (1 + k) c^2, phi = sqrt(1 - e q) and s = c q / (1 + phi), whose slope ds/dq is c / (2
- * phi):
- *     dphi/dq = -e / (2 phi),   dphi/dc = -(1 + k) c q / phi,   dphi/dk = -c^2 q / (2 phi),
- * and since e q = (1 - phi)(1 + phi) all come to
+ * Let q = r^2, e = (1 + k) c^2, phi = sqrt(1 - e q) and s = c q / (1 + phi).  Then ds/dq = c / (2 phi), and
+ *     dphi/dq = -e / (2 phi),   dphi/dc = -(1 + k) c q / phi,   dphi/dk = -c^2 q / (2 phi).
+ * Since e q = (1 - phi)(1 + phi), the derivatives become
  *     s_xx = c (phi^2 + e x^2) / phi^3,     s_xy = c e x y / phi^3,
  *     ds/dc = q / (phi (1 + phi)),          its gradient (x, y) / phi^3,
  *     ds/dk = s^2 c / (2 phi),              its gradient (x, y) c^3 q / (2 phi^3).
- * phi^2 + e x^2 = 1 - e y^2: the first is a sum of like signs for e > 0, the second for e < 0.
+ * phi^2 + e x^2 = 1 - e y^2.  The first form is a sum of like signs for e > 0, the second for e < 0.
  *
- * ROUNDING.  phi carries the condition of the sag, u (5 |e q| / phi^2 + 1) relative, phi^3 three times
- * that; beside it no formula has more than 8 roundings.  Where c^2 r^2 overflows the derivatives by c and k
- * are 0 or NaN. */
+ * ROUNDING.  phi carries the condition of the sag, u (5 |e q| / phi^2 + 1) relative, and phi^3 three times
+ * that.  Beside it no formula has more than 8 roundings.  Where c^2 r^2 overflows, the derivatives by c and
+ * k are 0 or NaN. */
 #ifndef SGT_SURFACE_SAG_SECOND_H
 #define SGT_SURFACE_SAG_SECOND_H
 
@@ -31,7 +30,7 @@ SGT_INLINE curvatures conic_second(double c, double k, double x, double y)
                         f * (base + (up * (y * y) - down * (x * x)))};
 }
 
-/* A derivative, and g with (x, y) g its gradient. */
+/* A derivative f of s, and g with the gradient (x, y) g. */
 typedef struct derivative { double f, g; } derivative;
 
 SGT_INLINE derivative conic_by_c(double c, double k, double r2)
