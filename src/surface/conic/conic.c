@@ -1,41 +1,48 @@
-/* conic.c - plane, sphere and conic, by closed form with a bound.
+/* conic.c - plane, sphere and conic, in closed form with a bound on the error.
  *
- * THE EQUATION.  z = s(x, y) with s = c r^2 / (1 + phi), phi = sqrt(1 - (1 + k) c^2 r^2), is the
- * sheet  v = 1 - (1 + k) c z >= 0  (there phi = v) of the quadric
+ * THE EQUATION.  The sag z = s(x, y) is s = c r^2 / (1 + phi), with phi = sqrt(1 - (1 + k) c^2 r^2).  It is
+ * the sheet v = 1 - (1 + k) c z >= 0 (there phi = v) of the quadric
  *     c (r^2 + (1 + k) z^2) - 2 z = 0.
- * Along x + tau l, y + tau m, z + tau n it is A tau^2 - 2 B tau + C = 0 with
+ * Along x + tau l, y + tau m, z + tau n this is A tau^2 - 2 B tau + C = 0 with
  *     A = c (l^2 + m^2 + (1 + k) n^2)
  *     B = n - c (x l + y m + (1 + k) z n)
- *     C = c (r^2 + (1 + k) z^2) - 2 z          (c r^2 from a point of the vertex plane)
- * and  q = B + sign(B) sqrt(B^2 - A C),  tau = C / q  or  q / A,  sign(0) = +1: no subtraction
- * of like numbers, and no division by c, R or 1 + k, so a plane, a paraboloid and a nearly flat
- * surface are no special cases (Press et al. 2007, section 5.6; the sheet: Spencer and Murty
- * 1962, J. Opt. Soc. Am. 52, 672).  Since v is linear along the ray, each root belongs to the
- * sheet or not by one comparison.  The first form is the root near the vertex plane.
- * At a root |A tau - B| = sqrt(D), D = B^2 - A C, so g' = grad F . d = -+ sqrt(D) / v.
+ *     C = c (r^2 + (1 + k) z^2) - 2 z          (c r^2 from a point of the vertex plane).
+ * The roots are C / q and q / A, with q = B + sign(B) sqrt(B^2 - A C) and sign(0) = +1.  These forms never
+ * subtract like numbers (Press et al. 2007, section 5.6).  They never divide by c, R or 1 + k, so a plane,
+ * a paraboloid and a nearly flat surface are no special cases.  C / q is the root near the vertex plane.
  *
- * EASY, AWAY.  Nearly every ray: conic/easy.h.
+ * v is linear along the ray, so one comparison tells whether a root is on the sheet (Spencer and Murty
+ * 1962, J. Opt. Soc. Am. 52, 672).  At a root |A tau - B| = sqrt(D), with D = B^2 - A C.  So g' = grad F .
+ * d = -+ sqrt(D) / v.
  *
- * QUICK.  In doubles, from the vertex plane.  With u = 2^-53, each coefficient is off by at most
- * 6 u of the sum of its terms' magnitudes, written A', B', C' (counted below); rounding in D is
- * at most a further u of B^2 + |A C|.  To first order the root moves by
+ * EASY, AWAY.  They answer nearly every ray: conic/easy.h.
+ *
+ * QUICK.  In doubles, from the vertex plane.  Let u = 2^-53, and A', B', C' the sums of the magnitudes of
+ * the terms of A, B and C.  Each coefficient is off by at most 6 u of its sum; the roundings are counted
+ * below.  Rounding in D adds at most u of B^2 + |A C|.  To first order the root moves by
  *     (dA tau^2 + 2 dB |tau| + dC) / (2 sqrt D),
- * and the quotient itself rounds by 4 u |tau|; hence
+ * and the quotient itself rounds by 4 u |tau|.  Hence
  *     tau_err = 3.25 u (A' tau^2 + 2 B' |tau| + C') / sqrt D + 4.25 u |tau|.
- * First order is enough because D below 2^-20 of B'^2 + A' C' is not accepted: then the relative change of
- * D is below 2^-28, and 3.25 for 3 covers what is left out.  Roots far off and misses are found here.  Not
- * accepted either: roots whose terms at the start are more than twice those at the root (a start too far
- * off), a sheet that is within rounding of the equator, a slope above 8, a t that is not sharp, and terms
- * so small that a square of theirs has underflown.
+ * First order is enough because a ray with D below 2^-20 of B'^2 + A' C' is passed on.  So the relative
+ * change of D is below 2^-28, and 3.25 in place of 3 covers the higher orders.
  *
- * CAREFUL.  All that the quick form does not accept: the same formulas from the point nearest the vertex,
- * in twice the precision, with coordinates scaled by a power of two to 1 and the equation divided by
- * another, so that c from 1e-300 to 1e300 neither overflow nor vanish.  A, B and C are then off by at most
- * 27 u^2 of their terms (a sum 3 u^2, a product 5 u^2; the longest chain is that of (1 + k) z^2 in C); EPS
- * = 2^-100 = 64 u^2 stands for that, and for the quotient's and the root's part.  The sign of D, and so
- * whether there is a root, is undecided only within EPS of a tangent: that is called a graze.  UNDER PROOF
- * the other root, 2 sqrt(D) / |A| away, has to be off the sheet or farther than t_err from t
- * (careful_proof; in the quick form 0.99 of half that), and the side of the rim certain (rim_hidden).
+ * The quick form also answers far roots and misses.  It passes on
+ * - roots whose terms at the start are more than twice those at the root (a start too far away);
+ * - a sheet within rounding of the equator;
+ * - a slope above 8;
+ * - a t that is not sharp;
+ * - terms so small that one of their squares has underflowed.
+ *
+ * CAREFUL.  It answers all that the quick form passes on.  It uses the same formulas from the point nearest
+ * the vertex, in twice the precision.  Coordinates are scaled to 1 by a power of two, and the equation is
+ * divided by another.  So c from 1e-300 to 1e300 neither overflows nor vanishes.  A, B and C are then off
+ * by at most 27 u^2 of their terms: a sum 3 u^2, a product 5 u^2, and the longest chain is (1 + k) z^2 in
+ * C.  EPS = 2^-100 = 64 u^2 covers that, the quotient and the square root.  Only within EPS of a tangent is
+ * the sign of D undecided, and so whether there is a root.  That is reported as a graze.
+ *
+ * UNDER PROOF the other root, 2 sqrt(D) / |A| away, has to be off the sheet or farther than t_err from t
+ * (careful_proof; in the quick form 0.99 of half that).  The side of the rim has to be certain
+ * (rim_hidden).
  *
  * Times, worst cases: docs/accuracy.md. */
 #include "../../num/bits.h"
@@ -53,8 +60,8 @@ static bool conic_before(const meeting *a, const meeting *b)
 
 /* ------------------------------------------------------------------- easy */
 
-/* A ray that is not met at once; its ends have been made explicit.  A direction of unusual length is
- * scaled, by a power of two: of the usual ones that would change no bit. */
+/* For a ray that easy_at has not met, with explicit ends.  A direction of unusual length is scaled by a
+ * power of two.  For usual lengths that would change no bit. */
 static easy_answer easy_else(const bowl *s, const sgt_ray *ray, const sgt_options *opt, lane *e)
 {
     sgt_vec3 o = ray->o, d = ray->d;
@@ -104,12 +111,12 @@ SGT_INLINE conic_verdict quick_root(meeting *at, double tau, const quadric *g, c
     snap(at, g->c, g->k, square_radius(at->p.x, at->p.y), 0, 0);
     bool off_sheet = at->v < -v_err;
     double until = larger(END_ERRORS * (at->t_err + SGT_U * fabs(at->t)),
-                          TINY); /* nearer to an end the careful form tells whether it counts */
+                          TINY); /* this near an end, the careful form decides */
     double steep = at->slope / q->scale,
            from_start =
                (at->t - ray->tmin - 8 * SGT_U * fabs(at->t)) * steep
                - START_ULPS * at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z));
-    /* written so that NaN is not certain; a tiny root is in the hands of the careful form */
+    /* Written so that NaN is not certain.  Tiny roots are left to the careful form. */
     r.certain = off_sheet || (at->v > 16 * v_err && spread <= 2 * terms &&
                               at->n.x * at->n.x + at->n.y * at->n.y <= STEEP2 && at->t_err < HUGE_VAL &&
                               sharp(at, opt->t_tol) && !(fabs(at->t - ray->tmax) <= until) &&
@@ -135,15 +142,16 @@ SGT_INLINE quick_answer conic_quick(double c, double k, double rim2, bool starte
     g.Ca = ca * (q.xa * q.xa + q.ya * q.ya);             /* x twice, *, +, c: 5 */
     double D = B * B - g.A * C, size = g.Ba * g.Ba + g.Aa * g.Ca;
     double r2 = q.xa * q.xa + q.ya * q.ya;
-    /* else something has underflown */
+    /* If not, something has underflowed. */
     bool ranges = size > TINY && g.Aa > TINY && (r2 > TINY || r2 + q.xa + q.ya == 0) &&
                   (fabs(ray->o.z) > 0x1p-900 || ray->o.z == 0);
     if (D < -D_MIN * size && ranges) return QUICK_MISS;
     if (!(D > D_MIN * size && ranges)) return QUICK_HARD;
     g.S = sqrt(D);
-    double b = B + copysign(g.S, B), tau = C / b; /* the other root is b / A: away where A = 0 */
+    double b = B + copysign(g.S, B), tau = C / b; /* the other root is b / A; infinite where A = 0 */
     conic_verdict near = quick_root(out, tau, &g, &q, ray, rim2, opt);
-    /* the other is of no interest where the near one counts and is wanted, or is certainly the first */
+    /* The other root does not matter if the near one is accepted, and is the one asked for or certainly the
+     * first. */
     bool bounded = fabs(g.A) > 0x1p-40 * g.Aa;
     bool behind = bounded ? b * g.A > 0 &&
                                 fabs(b) > fabs(g.A) * (larger(tau, 0) + 0x1p-20 * (fabs(q.t0) + fabs(tau)))
@@ -152,7 +160,7 @@ SGT_INLINE quick_answer conic_quick(double c, double k, double rim2, bool starte
     meeting other;
     conic_verdict far = {.certain = g.Aa == 0};
     if (bounded) far = quick_root(&other, b / g.A, &g, &q, ray, rim2, opt);
-    /* one of the two is the start, as long as there is a sheet of it */
+    /* One of the two roots is the start, provided that its sheet exists. */
     if (started && fabs(g.A) > 0x1p-10 * g.Aa && D > 0x1p-10 * size) {
         double to_near = fabs(out->t - ray->tmin), to_far = fabs(other.t - ray->tmin);
         if (to_near < 0.25 * to_far) near = (conic_verdict){.accepted = false, .certain = true};
@@ -179,8 +187,8 @@ typedef struct careful_quadric {
 typedef struct careful_root {
     meeting at;
     bool ends, accepted;  /* by the ends; by the rim too */
-    bool hidden;        /* t_err is far wider than rounding, and that cannot be told */
-    int sheet;    /* 1 on it, 0 cannot be told, -1 off it */
+    bool hidden;        /* t_err is far wider than rounding, and hides it */
+    int sheet;    /* 1 on it, 0 unknown, -1 off it */
     double terms; /* of the rule of the start, at the equator too */
 } careful_root;
 
@@ -197,7 +205,7 @@ SGT_INLINE careful_quadric careful_setup(double c, double k, const sgt_ray *ray)
     int place, curve;
     (void)binary_mantissa(big > 0 ? big : 1, &place);
     double mantissa = binary_mantissa(c, &curve);
-    if (!(big > 0)) place = curve > -1000 ? -curve : 1000; /* through the vertex: the radius is the measure */
+    if (!(big > 0)) place = curve > -1000 ? -curve : 1000; /* through the vertex: scaled by the radius */
     g.U = power_of_two(place > 1000 ? 1000 : place < -1000 ? -1000 : place);
     int power = curve + (place > 1000 ? 1000 : place < -1000 ? -1000 : place);
     g.gamma = times_power_of_two(mantissa, power < 0 ? power : 0);
@@ -232,7 +240,7 @@ SGT_INLINE careful_quadric careful_setup(double c, double k, const sgt_ray *ray)
     return g;
 }
 
-/* What is said of `at`, which has the rule's v, slope and n. */
+/* Sets ends, accepted and hidden from `at`, whose v, slope and n are those of the rule of the start. */
 SGT_INLINE void conic_judge(careful_root *r, const meeting *at, const sgt_ray *ray, double rim2, double scale)
 {
     r->ends = accepted(at, ray, HUGE_VAL, scale);
@@ -259,7 +267,7 @@ SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, d
     r.at.t_lo = t.lo * q->scale;
     r.at.t_err = (fabs(t.lo) + g->U * tau_err + 8 * SGT_TWOFOLD * fabs(t.hi)) * slack * q->scale;
     if (!(fabs(r.at.t) < HUGE_VAL)) r.at.t_err = HUGE_VAL;
-    /* their squares underflow */
+    /* Their squares underflow. */
     bool away = (px.hi != 0 || py.hi != 0) && larger(fabs(px.hi), fabs(py.hi)) * g->U < 0x1p-400;
     if (fabs(r.at.t) < TINY && (r.at.t != 0 || r.at.t_err != 0 || away)) r.at.t_err += TINY_ERROR;
     r.at.p = (sgt_vec3){px.hi * g->U, py.hi * g->U, pz.hi * g->U};
@@ -270,7 +278,7 @@ SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, d
     r.sheet = v.hi > v_err ? 1 : v.hi < -v_err ? -1 : 0;
     r.at.v = v.hi;
     r.at.slope = S;
-    double steep = -g->gamma / larger(v.hi, DBL_MIN); /* at the very equator: as steep as a double can say */
+    double steep = -g->gamma / larger(v.hi, DBL_MIN); /* finite at the equator too */
     r.at.n = (sgt_vec3){px.hi * steep, py.hi * steep, 1};
     snap(&r.at, g->c, g->k, square_radius(r.at.p.x, r.at.p.y), 0, 0);
     r.terms = g->U * (fabs(g->gamma) * (px.hi * px.hi + py.hi * py.hi) + fabs(v.hi * pz.hi));
@@ -278,7 +286,7 @@ SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, d
     return r;
 }
 
-/* A t near zero is settled further, where twice the precision is not enough for its last bits. */
+/* Settles a t near zero further, where twice the precision is not enough for its last bits. */
 static careful_root refined(double c, double k, careful_root r, const local *q, const sgt_ray *ray,
                             double rim2, tally *w)
 {
@@ -288,23 +296,22 @@ static careful_root refined(double c, double k, careful_root r, const local *q, 
     double v_err;
     if (!sgt_poly_settle(&s, ray, r.at.t / q->scale, r.at.t_lo / q->scale, &again.at, &v_err, w)) return r;
     if (!(again.at.t_err < r.at.t_err && fabs(again.at.t - r.at.t) <= r.at.t_err + again.at.t_err)) return r;
-    /* v in one double may be lost in its rounding, at the equator, and with it the rule of the start */
+    /* At the equator a v in one double may be lost in its rounding, and the rule of the start with it. */
     meeting judged = again.at;
     judged.v = r.at.v, judged.slope = r.at.slope, judged.n = r.at.n;
     conic_judge(&again, &judged, ray, rim2, q->scale);
     return again;
 }
 
-/* Both roots, in order of t; of a graze the first alone.  A second that cannot be told from infinity is
- * farther than `away`, if anywhere; else they are `gap` apart, at least.  touches: of the two in one r[0]
- * tells where. */
+/* Both roots in order of t.  If they touch, r[0] tells where.  If the second cannot be told from infinity,
+ * it is farther than `away`, if it exists.  Otherwise the two are at least `gap` apart. */
 typedef struct careful_pair {
     careful_root r[2];
     bool near_second, far_exists, touches;
     double away, gap;
 } careful_pair;
 
-/* SGT_HIT: the roots are there, if they count and are on the sheet. */
+/* Returns SGT_HIT if the roots exist; whether each is accepted and on the sheet is in *p. */
 static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *ray, careful_pair *p,
                                 tally *w)
 {
@@ -318,12 +325,12 @@ static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *
     if (!((size > 0x1p-600 || touches) && size < HUGE_VAL)) return SGT_UNPROVEN; /* out of range even so */
     if (D.hi < -dD) return SGT_MISS;
 
-    if (D.hi <= 4 * dD) { /* two roots, or none, closer together than can be told apart */
+    if (D.hi <= 4 * dD) { /* two roots closer than can be told apart, or none */
         if (!(fabs(A.hi) > 2 * dA)) return SGT_UNPROVEN;
         double half_gap = sqrt(D.hi + 2 * dD);
         p->touches = true;
         p->r[0] = careful_root_at(&g, twofold_quotient(B, A), 2 * half_gap / fabs(A.hi), half_gap, ray, rim2);
-        /* in lengths of d */
+        /* In lengths of d. */
         if (!(fabs(p->r[0].at.t) < HUGE_VAL && p->r[0].at.t_err < HUGE_VAL)) return SGT_UNPROVEN;
         bool may = p->r[0].sheet >= 0 && p->r[0].ends;
         if (p->r[0].sheet >= 0 && p->r[0].hidden) return SGT_UNPROVEN;
@@ -340,26 +347,26 @@ static sgt_status careful_roots(double c, double k, double rim2, const sgt_ray *
         double s = fabs(tau[i].hi), e = (dA * s * s + 2 * dB * s + dC) / S.hi + EPS * s;
         r[i] = refined(c, k, careful_root_at(&g, tau[i], e, S.hi, ray, rim2), &g.q, ray, rim2, w);
     }
-    p->near_second = p->far_exists && conic_before(&r[1].at, &r[0].at); /* not of NaN */
+    p->near_second = p->far_exists && conic_before(&r[1].at, &r[0].at); /* false for NaN */
     p->r[0] = r[p->near_second], p->r[1] = r[!p->near_second];
     return SGT_HIT;
 }
 
-/* Does it count, or may it, as far as the rim can be told? */
+/* Is the root accepted, or may it be, as far as the rim can be told? */
 static bool careful_may(const careful_root *r, double rim2)
 {
     return r->accepted || (r->ends && rim_hidden(&r->at, rim2));
 }
 
-/* The i-th root, on the sheet as far as can be told, is proven: alone in [t - t_err, t + t_err], its side
- * of the rim certain. */
+/* Is root i, on the sheet as far as can be told, proven?  It has to be the only one in [t - t_err, t +
+ * t_err], with its side of the rim certain. */
 static bool careful_proof(const careful_pair *p, int i, double rim2)
 {
     const meeting *at = &p->r[i].at;
     return (p->r[!i].sheet < 0 || 2 * at->t_err < p->gap) && !rim_hidden(at, rim2);
 }
 
-/* UNPROVEN: *out is what it is about, if it is one root; it is left alone else. */
+/* If it returns UNPROVEN for one root, *out is that root.  Otherwise *out is unchanged. */
 static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, meeting *out, tally *w)
 {
     sgt_pick pick = w->opt->pick;
@@ -369,7 +376,7 @@ static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, m
     if (status == SGT_GRAZE || p.touches) *out = p.r[0].at;
     if (status != SGT_HIT) return status;
     const careful_root *near = &p.r[p.near_second];
-    /* A within its rounding of 0: the far root is farther than the near one by 2^90, if anywhere */
+    /* A is within its rounding of 0.  The far root is 2^90 times farther than the near one, if it exists. */
     if (p.away < HUGE_VAL) {
         bool near_accepted = near->accepted && near->sheet > 0, after = ray->tmax >= p.away,
              before_it = ray->tmin <= -p.away;
@@ -392,7 +399,7 @@ static sgt_status careful(double c, double k, double rim2, const sgt_ray *ray, m
 
 /* ---------------------------------------------------------------- planes */
 
-/* The ray lies in the plane: every point within the rim is a root.  UNPROVEN: no t of it is known. */
+/* The ray lies in the plane, so every point within the rim is a root.  UNPROVEN: no t inside is known. */
 static sgt_status in_plane(double rim2, const sgt_ray *ray, meeting *out)
 {
     stretch chord = sgt_chord(ray, rim2);
@@ -407,17 +414,17 @@ static sgt_status in_plane(double rim2, const sgt_ray *ray, meeting *out)
     return SGT_UNPROVEN;
 }
 
-/* n tau = -z: exact but for the quotient, and t0_lo carries that. */
+/* n tau = -z.  Exact but for the quotient, and t0_lo carries the remainder. */
 SGT_INLINE sgt_status plane(double rim2, const sgt_ray *ray, bool proof, meeting *out)
 {
     if (ray->d.z == 0) return ray->o.z != 0 ? SGT_MISS : in_plane(rim2, ray, out);
     local q = local_at_vertex_plane(ray);
-    /* the remainder has underflown */
+    /* The remainder has underflowed. */
     if (fabs(ray->o.z) < 0x1p-900 && ray->o.z != 0) q.t0_err += 0x1p-1074 / fabs(q.n);
     meeting_place(out, &q, 0, 0);
     out->v = 1, out->slope = fabs(q.n), out->n = (sgt_vec3){0, 0, 1}, out->sag = 0;
     if (out->t - out->t_err > ray->tmax || out->t + out->t_err < ray->tmin) return SGT_MISS;
-    /* so nearly parallel that t, or the point, is out of range */
+    /* So nearly parallel that t, or the point, is out of range. */
     if (!(out->t_err < HUGE_VAL && out->p_err < HUGE_VAL)) return SGT_UNPROVEN;
     bool ends = accepted(out, ray, HUGE_VAL, q.scale);
     if (ends ? proof && rim_hidden(out, rim2) : ray->o.z != 0 && ends_hide(out, ray, rim2, 0))
@@ -438,7 +445,7 @@ SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const s
 {
     double rim2 = rim2_of(semi_diameter);
     meeting at = {.t_err = (double)NAN};
-    tally w = {.opt = opt, .budget = 100}; /* of settling, that takes nine at most */
+    tally w = {.opt = opt, .budget = 100}; /* for settling, which takes nine at most */
     sgt_status status;
     bowl b;
     lane e;
@@ -448,7 +455,7 @@ SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const s
          met = usual &&
                easy_at(&b, opt->pick != SGT_NEAR_SEED, ray->o, ray->d, ray->tmin, ray->tmax, opt->t_tol, &e);
     if (usual && !met) {
-        lane other; /* not e, which is to stay in registers */
+        lane other; /* not e, so that e stays in registers */
         easy_answer answer = easy_else(&b, ray, opt, &other);
         if (answer == EASY_MISS) return hit_without(SGT_MISS, ray, 0);
         met = answer == EASY_HIT;
@@ -524,7 +531,7 @@ sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray
             && (r->sheet < 0
                 || (r->at.t_err < HUGE_VAL && !r->hidden && !(proof ? careful_may(r, rim2) : r->accepted))))
             continue;
-        /* out of range */
+        /* Out of range. */
         if (!(r->at.t_err < HUGE_VAL)) add_stretch(list, &w, SGT_UNPROVEN, ray, -HUGE_VAL, HUGE_VAL);
         else if (status == SGT_HIT
                  && (r->sheet == 0 || r->hidden || (proof && c != 0 && !careful_proof(&p, i, rim2))))

@@ -1,10 +1,11 @@
-/* conic.h - the conic, for the surfaces that become one where they have no terms. */
+/* conic.h - the conic by its parameters.  An asphere without terms calls it. */
 #ifndef SGT_SURFACE_CONIC_CONIC_H
 #define SGT_SURFACE_CONIC_CONIC_H
 
 #include "../sag/sag.h"
 
-/* Of sgt_builtin_ops, by parameters; opt is never NULL. */
+/* As the members of sgt_builtin_ops.  c: curvature (1/length); k: conic constant; semi_diameter: length, 0
+ * if there is no rim.  opt is never NULL. */
 sgt_hit sgt_conic_meet(double c, double k, double semi_diameter, const sgt_ray *ray, const sgt_options *opt);
 sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray *ray,
                          const sgt_options *opt, sgt_list *list);

@@ -1,59 +1,72 @@
-/* conic/easy.h - a conic or a plane met as lanes are: closed form from the vertex plane, no branch.
- * conic.c has the equation, and what becomes of the rays that are not easy; conic/lanes.c the loops.
+/* conic/easy.h - a conic or a plane met as in a lane: closed form from the vertex plane, without a branch.
+ * The equation is in conic.c, with what happens to the rays that are not easy.  The loops are in
+ * conic/lanes.c.
  *
- * EASY.  Nearly every ray of an optical system: one lane of vector code, and one ray alone the same way.
- * From the vertex plane, with explicit fma, and Aa >= |A|, Ba >= |B|, |C| the sums of the magnitudes of
- * their terms; x is rounded twice, A is off by 4 u Aa, B by 5 u Ba, C by 7 u |C|, D by u (D + |AC|) beyond
- * what these make of it.  To first order
- *     |dtau| <= u ((2.5 Aa tau^2 + 5 Ba |tau| + 3.5 |C|) / S + 3.5 |tau|),   S = sqrt D, tau = C / b, |b| =
- *         |B| + S.
- * Let Ba^2 + Aa |C| <= q D.  Then Ba <= sqrt(q) S, |C| = |tau b| <= (1 + sqrt q) S |tau| and Aa |C| <= q D,
- * Aa tau^2 <= q S |tau|.  So q = 4/3 gives |dtau| <= 20.2 u |tau|, q = 4 gives 34 u |tau|; 24 and 48 are
- * taken, and q > 4, a ray that grazes, is not accepted.  What t0 + t0_lo is off by, 9 u^2 |t0|, moves the
- * start along the ray's image in the vertex plane and is no more than 2^-30 of an ulp of t0 to tau.  Not
- * accepted either: S > 4 |n|, a start so far off that its terms are more than those at the root; |w| = |(1
- * + k) c z| > 1 - 2^-8, near the equator, or on another sheet; and where the first root is asked for, one
- * whose other may be before it: that is b / A, whose magnitude is the greater, and which is behind if b A >
- * 0.  |c| lies within 2^+-60, n^2 above 2^-200 and r below 2^300: then what underflows is too small to
- * matter, and what overflows makes D infinite or NaN, or t no number that is greater than tmin by a part of
- * itself.
+ * EASY.  For nearly every ray of an optical system.  A lane of vector code and a single ray are computed
+ * the same way, from the vertex plane, with explicit fma.  Aa >= |A|, Ba >= |B| and |C| are the sums of the
+ * magnitudes of the terms.  x is rounded twice.  The errors are: A 4 u Aa, B 5 u Ba, C 7 u |C|, and D u (D
+ * + |AC|) beyond what these contribute.  To first order, with S = sqrt D, tau = C / b and |b| = |B| + S,
+ *     |dtau| <= u ((2.5 Aa tau^2 + 5 Ba |tau| + 3.5 |C|) / S + 3.5 |tau|).
+ * Let Ba^2 + Aa |C| <= q D.  Then Ba <= sqrt(q) S and |C| = |tau b| <= (1 + sqrt q) S |tau|.  Also Aa |C|
+ * <= q D, and Aa tau^2 <= q S |tau|.  So
+ *     q = 4/3 gives |dtau| <= 20.2 u |tau|; 24 is taken,
+ *     q = 4   gives |dtau| <= 34 u |tau|; 48 is taken.
+ * t0 + t0_lo is off by 9 u^2 |t0|.  That moves the start along the ray's image in the vertex plane, and tau
+ * by no more than 2^-30 of an ulp of t0.
  *
- * AWAY.  A ray that certainly misses, by the same coefficients and with much room for their rounding: D
- * below -2^-20 of its terms; or D above 2^-10 of them, so that either root is right to a part in 2^40, and
- * each of the two off the sheet, beyond the rim, before or behind the ends by a part in 2^20, or the start
- * itself.  Which of the two the start is, the distances from tmin tell, by a factor of 4; t0 - tmin is off
- * by 3 u |t0|, so roots closer together than that could be taken for each other, but there the rule of the
- * start (2^-50 |t| of it) hides both.  What t0 + t0_lo is off by moves x and y by e <= 2^-98 |t0| (|l| +
- * |m|), whatever they are.  It moves D by less than 2^-29 of its terms where e sqrt(Aa |c|) <= 2^-30 |n|,
- * since 2 |n| sqrt(Aa |c|) |x| is below their sum; and a root by less than 2^-37 rims where e is below
- * 2^-38 of them.
+ * A ray is not easy if
+ * - q > 4: it grazes;
+ * - S > 4 |n|: the start is so far away that its terms exceed those at the root;
+ * - |w| = |(1 + k) c z| > 1 - 2^-8: near the equator, or on another sheet;
+ * - the first root is asked for, and the other one may be before it.  The other root is b / A.  Its
+ *   magnitude is the greater one, and it is behind if b A > 0.
  *
- * PROVEN.  The bound on t proves a root.  It is the only one in [t - t_err, t + t_err] where 2 t_err < S /
- * Aa, since the roots are 2 S / |A| apart.  Within the rim it is for certain if its r^2 is at most rim^2 (1
- * - 464 u).  For |C| <= (1 + sqrt q) S |tau| <= 12 |z|, and |z| <= |c| r^2 on the sheet (k >= -1 or not),
- * so (x, y) lies within sqrt(12) r of the axis and |tau| sqrt a <= 4.47 r; it is off by 2 u of itself, the
- * point by that, 48 u |tau| sqrt a and u r, 223 u r in all, and r^2 by 2 r times that and 4 u of itself.
- * What t0 + t0_lo is off by, 9 u^2 |t0|, moves the root by 64 times as much at most (sag/lanes.h), below 5
- * u rim where |t0| (|l| + |m|) <= 2^46 rim.  (The soft rim, 512 u above a^2, leaves a ray at a itself 48 u
- * to spare.) */
+ * |c| lies within 2^+-60, n^2 above 2^-200 and r below 2^300.  Then underflow is too small to matter.
+ * Overflow makes D infinite or NaN, or makes t a number that does not exceed tmin by a part of itself.
+ *
+ * AWAY.  A ray that certainly misses, by the same coefficients and with much room for their rounding.
+ * Either D is below -2^-20 of its terms.  Or D is above 2^-10 of them, so that each root is right to a part
+ * in 2^40, and each root is one of these:
+ * - off the sheet,
+ * - beyond the rim,
+ * - before or behind the ends by a part in 2^20,
+ * - the start itself.
+ *
+ * The distances from tmin tell which of the two is the start, by a factor of 4.  t0 - tmin is off by 3 u
+ * |t0|, so roots closer together than that could be confused.  But there the rule of the start (2^-50 |t|
+ * of it) hides both.
+ *
+ * The error of t0 + t0_lo moves x and y by e <= 2^-98 |t0| (|l| + |m|), whatever they are.  If e sqrt(Aa
+ * |c|) <= 2^-30 |n|, it moves D by less than 2^-29 of its terms, since 2 |n| sqrt(Aa |c|) |x| is below
+ * their sum.  If e is below 2^-38 rims, it moves a root by less than 2^-37 rims.
+ *
+ * PROVEN.  The bound on t proves a root.  The roots are 2 S / |A| apart.  So if 2 t_err < S / Aa, the root
+ * is the only one in [t - t_err, t + t_err].
+ *
+ * The root is certainly within the rim if its r^2 is at most rim^2 (1 - 464 u).  For |C| <= (1 + sqrt q) S
+ * |tau| <= 12 |z|, and |z| <= |c| r^2 on the sheet (k >= -1 or not).  So (x, y) lies within sqrt(12) r of
+ * the axis, and |tau| sqrt a <= 4.47 r.  (x, y) is off by 2 u of itself.  The point is off by that, 48 u
+ * |tau| sqrt a and u r, 223 u r in all.  r^2 is off by 2 r times that and 4 u of itself.  The error of t0 +
+ * t0_lo, 9 u^2 |t0|, moves the root by at most 64 times as much (sag/lanes.h).  That is below 5 u rim if
+ * |t0| (|l| + |m|) <= 2^46 rim.  (The soft rim, 512 u above a^2, leaves 48 u to spare for a ray at a
+ * itself.) */
 #ifndef SGT_SURFACE_CONIC_EASY_H
 #define SGT_SURFACE_CONIC_EASY_H
 
 #include "conic.h"
 #include "../sag/lanes.h"
 
-/* x - x is 0 for a finite x, NaN for another. */
+/* x - x is 0 for a finite x, NaN otherwise. */
 SGT_INLINE bool conic_valid(double c, double k, double semi_diameter)
 {
     return (c - c) + (k - k) + (semi_diameter - semi_diameter) == 0 && semi_diameter >= 0;
 }
 
-/* What a surface brings to all its rays; extra n^2 + |A| >= Aa; rim2 is finite, so that no infinite point
- * is inside.  Where a proof is asked for rim2 is the one within which a root is certain, and reach 2^46
- * rims. */
+/* What all rays of a surface share.  extra n^2 + |A| >= Aa.  rim2 is finite, so that no infinite point is
+ * inside.  Under a proof rim2 is that within which a root is certain.  reach is 2^46 rims. */
 typedef struct bowl { double c, abs_c, k1, k1_lo, ck, extra, rim2, reach; bool proof; } bowl;
 
-/* false: no ray is easy. */
+/* Returns false if no ray of the surface is easy. */
 SGT_INLINE bool bowl_of(double c, double k, double rim2, bool proof, bowl *s)
 {
     double most = rim2 < 0x1p600 ? rim2 : 0x1p600;
@@ -80,7 +93,7 @@ SGT_INLINE near_root easy_start(const bowl *s, bool first, bool proof, double ox
     double D = sgt_fma(B, B, -A * C), size = sgt_fma(Ba, Ba, Aa * fabs(C)), D4 = (D + D) + (D + D);
     double S = sqrt(D), b = B + copysign(S, B), tau = C / b, small = t0_lo + tau, t = t0 + small,
            reach = fabs(t) + fabs(small);
-    /* sums: products are what there is most of */
+    /* Sums, because products are the most frequent operation here. */
     double n4 = (n2 + n2) + (n2 + n2), n16 = (n4 + n4) + (n4 + n4);
     double tau_err = (D4 >= size + size + size ? 24 * SGT_U : 48 * SGT_U) * fabs(tau);
     double none = (double)NAN,
@@ -103,7 +116,7 @@ SGT_INLINE lane easy_end(const bowl *s, const near_root *r, double l, double m, 
                    MASK(fabs(w) < 1 - 0x1p-8));
 }
 
-/* t0 + tau does not count; its point is (x, y, 0) + tau d. */
+/* True if t0 + tau is certainly not accepted.  Its point is (x, y, 0) + tau d. */
 SGT_INLINE mask gone(const bowl *s, double x, double y, double t0, double tau, double l, double m, double n,
                      double tmin, double tmax)
 {
@@ -113,10 +126,10 @@ SGT_INLINE mask gone(const bowl *s, double x, double y, double t0, double tau, d
            MASK(t - slack > tmax) | MASK(t + slack < tmin);
 }
 
-/* The ray starts on the quadric: its root nearest tmin is the start itself, which does not count
- * (accept.h).  At the start G = z - c (r^2 + (1 + k) z^2) / 2 is off by 6 u of its terms, so that root is
- * within (|G| + 6 u terms) / S of tmin, and as much again makes up for G's curvature, where D is above
- * 2^-10 of its terms; half of what the rule allows is left. */
+/* Does the ray start on the quadric?  Then its root nearest tmin is the start itself, which is not accepted
+ * (accept.h).  At the start G = z - c (r^2 + (1 + k) z^2) / 2 is off by 6 u of its terms.  So that root is
+ * within (|G| + 6 u terms) / S of tmin.  As much again covers the curvature of G, where D is above 2^-10 of
+ * its terms.  Half of what the rule allows is left. */
 SGT_INLINE mask starts_on(const bowl *s, double ox, double oy, double oz, double l, double m, double n,
                           double tmin)
 {
@@ -127,10 +140,11 @@ SGT_INLINE mask starts_on(const bowl *s, double ox, double oy, double oz, double
            & MASK(terms > 0x1p-600);
 }
 
-/* Neither root counts; and of the far one alone: it does not, it does, it is in far +- slack. */
+/* away: neither root is accepted.  For the far root: far_gone: it is certainly not accepted; far_accepted:
+ * it certainly is.  It lies in far +- slack. */
 typedef struct verdicts { mask away, far_gone, far_accepted; double far, slack; } verdicts;
 
-/* It counts, as certainly as `gone` says that it does not; S is G' there, but for its sign. */
+/* True if the root is certainly accepted, by the margins of `gone`.  |G'| there is S. */
 SGT_INLINE mask conic_stays(const bowl *s, double x, double y, double t0, double tau, double l, double m,
                             double n, double tmin, double tmax, double S)
 {
@@ -160,7 +174,7 @@ SGT_INLINE verdicts easy_away(const bowl *s, double ox, double oy, double oz, do
          two = MASK(fabs(A) > 0x1p-10 * Aa);
     mask far_gone =
         two & (gone(s, x, y, t0, far, l, m, n, tmin, tmax) | (start & MASK(to_far < 0.25 * to_near)));
-    mask from_it = at_vertex(x, y, oz) & MASK(tmin >= 0); /* near is t = 0, and the start */
+    mask from_it = at_vertex(x, y, oz) & MASK(tmin >= 0); /* near is t = 0, the start itself */
     mask near_gone = gone(s, x, y, t0, near, l, m, n, tmin, tmax)
                      | (start & two & MASK(to_near < 0.25 * to_far)) | from_it;
     far_gone &= usual & real;
@@ -194,7 +208,7 @@ SGT_INLINE lane plane_end(const bowl *s, const near_root *r, double l, double m,
     return lane_of(r, l, m, n, tmin, tmax, t_tol, 0, 0, 0, s->rim2, MASK(false), MASK(true));
 }
 
-/* AWAY, of a plane: it has one root, the start itself where the ray begins on it. */
+/* AWAY for a plane.  It has one root, which is the start itself if the ray begins on it. */
 SGT_INLINE mask plane_away(const bowl *s, double ox, double oy, double oz, double l, double m, double n,
                            double tmin, double tmax)
 {
@@ -207,7 +221,7 @@ SGT_INLINE mask plane_away(const bowl *s, double ox, double oy, double oz, doubl
     return usual & (gone(s, x, y, t0, 0, l, m, n, tmin, tmax) | (MASK(oz == 0) & MASK(tmin >= 0)));
 }
 
-/* The same as `plane_start` and `plane_end`, of rays that start on it too: all is 0 then, and t exact. */
+/* As `plane_start` and `plane_end`, also for rays that start on the plane: then all is 0, and t is exact. */
 SGT_INLINE lane plane_at_start(const bowl *s, double ox, double oy, double oz, double l, double m, double n,
                                double tmin, double tmax, double t_tol)
 {
@@ -225,13 +239,16 @@ SGT_INLINE bool easy_at(const bowl *s, bool first, sgt_vec3 o, sgt_vec3 d, doubl
     return e->hit != 0;
 }
 
-/* NEARBY.  A ray that starts near the surface, for how far that is from the vertex plane: t = t0 + tau
- * cancels, and is not sharp.  Its root once more, by the same equation from the ray's own origin, where C is
- * all that cancels: in twice the precision.  C is off by 27 u^2 of its terms, so by u of itself where it is
- * above 2^-47 of them; B, with one term more than in EASY, by 7 u Ba; and q = 4/3 gives |dt| <= 23 u |t|, of
- * which 24 are taken.  It is the root that EASY has met from the vertex plane, and that no other counts
- * before: the two differ by less than their errors. Where the ray starts in the vertex all is 0 and t is
- * exact, as from on a plane.  The point is rounded once in each coordinate. */
+/* NEARBY.  For a ray that starts near the surface, compared with its distance from the vertex plane.  There
+ * t = t0 + tau cancels and is not sharp.  So the root is computed once more, by the same equation from the
+ * ray's own origin.  Only C cancels there, so C is computed in twice the precision.
+ *
+ * C is off by 27 u^2 of its terms, so by u of itself if it is above 2^-47 of them.  B has one term more
+ * than in EASY, and is off by 7 u Ba.  q = 4/3 then gives |dt| <= 23 u |t|; 24 is taken.
+ *
+ * It is the same root that EASY has met from the vertex plane, with no accepted root before it: the two
+ * differ by less than their errors.  If the ray starts in the vertex, all is 0 and t is exact, as for a
+ * plane.  Each coordinate of the point is rounded once. */
 SGT_INLINE lane nearby(const bowl *s, const near_root *at, double ox, double oy, double oz, double l,
                        double m, double n, double tmin, double tmax, double t_tol)
 {
@@ -264,7 +281,7 @@ SGT_INLINE lane nearby(const bowl *s, const near_root *at, double ox, double oy,
                    same & (sharp | exact) & MASK(fabs(w) < 1 - 0x1p-8));
 }
 
-/* Of both, in one lane. */
+/* easy_end if it has a hit, else nearby, in one lane. */
 SGT_INLINE lane easy_or_nearby(const bowl *s, bool first, double ox, double oy, double oz, double l, double m,
                                double n, double tmin, double tmax, double t_tol)
 {

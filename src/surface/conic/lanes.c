@@ -1,8 +1,8 @@
-/* conic/lanes.c - tiles of rays and a conic, or a plane: the lanes of conic/easy.h in loops. */
+/* conic/lanes.c - a tile of rays and a conic or a plane: loops over the lanes of conic/easy.h. */
 #include "easy.h"
 #include "../sag/poly.h"
 
-/* Between the two loops. */
+/* What the first loop leaves for the second. */
 typedef struct bowl_room {
     _Alignas(64) double x[SGT_TILE];
     double y[SGT_TILE], tau[SGT_TILE], t[SGT_TILE], t_err[SGT_TILE], tau_err[SGT_TILE], t0[SGT_TILE],
@@ -13,7 +13,7 @@ typedef struct bowl_room {
 SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof, bool rich,
                             const sgt_tile *tile, bowl_room *room)
 {
-    const bowl own = *self, *s = &own; /* no output is a part of it */
+    const bowl own = *self, *s = &own; /* a copy, so that no output can alias it */
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
                  *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *tmax = tile->rays.tmax,
                  *t_tol = tile->t_tol;
@@ -38,7 +38,7 @@ SGT_INLINE size_t lane_bowl(const bowl *self, bool plane, bool first, bool proof
     return lane_told(tile, &room->ends, 1, all);
 }
 
-/* The verdicts of all rays. */
+/* easy_away of all rays. */
 SGT_KERNEL
 static void conic_lanes_away(const bowl *self, const sgt_tile *tile, mask *away, mask *far_gone)
 {
@@ -64,7 +64,7 @@ static void conic_lanes_plane_away(const bowl *self, const sgt_tile *tile, mask 
         away[i] = plane_away(s, ox[i], oy[i], oz[i], l[i], m[i], n[i], tmin[i], tmax[i]);
 }
 
-/* Of the far roots of all rays. */
+/* What is known of the far roots of all rays. */
 SGT_KERNEL
 static void conic_lanes_far(const bowl *self, const sgt_tile *tile, mask *gone, mask *accepted, double *far,
                             double *slack)
@@ -98,8 +98,8 @@ SWEEP_BOWL(conic_lanes_first_rich, false, true, false, true)
 SWEEP_BOWL(conic_lanes_first_sure, false, true, true, false)
 SWEEP_BOWL(conic_lanes_first_sure_rich, false, true, true, true)
 
-/* The same, and the rays that start near the surface or on it as well: conic/easy.h, NEARBY.  In one loop, as
- * few tiles are met so. */
+/* The same for rays that start near the surface or on it too (conic/easy.h, NEARBY).  One loop, because few
+ * tiles are met so. */
 SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, const sgt_tile *tile,
                                bowl_room *room)
 {
@@ -129,8 +129,11 @@ SWEEP_NEARBY(conic_lanes_plane_nearby, true, false)
 SWEEP_NEARBY(conic_lanes_near_nearby, false, false)
 SWEEP_NEARBY(conic_lanes_first_nearby, false, true)
 
-/* Where the first ray of a tile starts: a guess at all of them, which costs time or saves it.  NEARBY: so
- * near the surface that t would not be sharp; LEAVING: on it, and that does not count. */
+/* Where the first ray of a tile starts.  It is a guess for all of them, and affects only the time:
+ *
+ *   AWAY     away from the surface
+ *   NEARBY   so near the surface that t would not be sharp
+ *   LEAVING  on the surface; that root is not accepted */
 typedef enum beginning { AWAY, NEARBY, LEAVING } beginning;
 
 static beginning beginning_of(const bowl *s, const sgt_tile *tile)
@@ -161,8 +164,9 @@ static size_t lane_first(const bowl *s, bool rich, bool nearby, const sgt_tile *
     return rich ? conic_lanes_first_rich(s, tile, room) : conic_lanes_first(s, tile, room);
 }
 
-/* First hits that are found at once, as is usual where a surface bulges toward the ray; where many are not,
- * those whose far root, which comes first, does not count; and misses. */
+/* Finds first hits by the near root, as is usual if the surface bulges toward the ray.  If more than an
+ * eighth of the tile is hard, it looks at the far roots, which come first, for those that are not accepted,
+ * and for misses. */
 size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile *tile, const sgt_options *opt)
 {
     bowl_room room;
@@ -177,9 +181,9 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     bool rich = tile->hits.t_lo || tile->hits.p_err, first = opt->pick != SGT_NEAR_SEED && c != 0;
     beginning from = beginning_of(&s, tile);
     bool hollow =
-        first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: its far root may be the first */
+        first && c * tile->rays.d[2][0] < 0; /* as the first ray sees it: its far root may be first */
     bool nearby = from == NEARBY,
-         later = from == LEAVING || hollow; /* later: first who misses, then who is met */
+         later = from == LEAVING || hollow; /* later: misses first, then hits */
     size_t hard = tile->n;
     if (later) memset(status, SGT_HARD, tile->n);
     else
@@ -187,13 +191,13 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     if (8 * hard <= tile->n) return hard; /* one by one */
     if (c == 0) conic_lanes_plane_away(&s, tile, away);
     else conic_lanes_away(&s, tile, away, far_gone);
-    mask nearest = 0; /* of some the near root may count, and has not been looked for */
+    mask nearest = 0; /* rays whose near root may be accepted and was not computed */
     for (size_t i = 0; i < tile->n; i++) {
         if (status[i] == SGT_HIT) far_gone[i] = MASK(true);
         else nearest |= ~away[i] & (first ? far_gone[i] : MASK(later));
     }
     if (nearest)
-        lane_near(&s, rich, nearby, tile, &room); /* all of them: those found before come out the same */
+        lane_near(&s, rich, nearby, tile, &room); /* all rays: those found before get the same answer */
     else if (later) lane_nothing(tile, &room.ends);
     hard = 0;
     for (size_t i = 0; i < tile->n; i++) {
@@ -205,8 +209,9 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
     return hard;
 }
 
-/* The far root is elsewhere: F is monotone within the rim, or that root is known not to count (if the one
- * that was met is itself the far one, that is not said of it); or it is known to count. */
+/* A ray is unique if its far root is certainly not accepted: F is monotone within the rim, or the far root
+ * is gone.  If the far root certainly is accepted, it is NOT_UNIQUE.  If the root that was met is itself
+ * the far one, that says nothing of the near one. */
 bool sgt_conic_unique(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2,
                       mask unique[], sgt_interval others[])
 {

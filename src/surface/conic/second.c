@@ -1,4 +1,4 @@
-/* conic/second.c - what the conic tells of sensitivities; second.h has the formulas. */
+/* conic/second.c - derivatives of the conic for sensitivities.  The formulas are in sag/second.h. */
 #include "../sag/second.h"
 
 #include <sagitta/surfaces.h>
@@ -27,7 +27,7 @@ size_t sgt_conic_parameters(const void *self)
     return 2;
 }
 
-/* The loops over points: F alone, and F with its gradient. */
+/* Two loops over points: F only, and F with its gradient. */
 #define BY(NAME)                                                                                        \
     SGT_KERNEL                                                                                          \
     static void NAME##_only(double c, double k, size_t n, const double *x, const double *y, double *f) \
@@ -47,7 +47,7 @@ size_t sgt_conic_parameters(const void *self)
 BY(by_c)
 BY(by_k)
 
-/* Of a plane: r^2 / 2 and (x, y) by c, nothing by k. */
+/* For a plane the derivative by c is r^2 / 2, with gradient (x, y).  That by k is 0. */
 SGT_KERNEL
 static void plane_by_c(size_t n, const double *x, const double *y, double *f)
 {

@@ -20,8 +20,8 @@
  *     |w'| <= W1 = |n| + |P'| |rho'|,  |w''| <= W2 = |P''| rho'^2 + 2 a |P'|,  a = l^2 + m^2,
  *     M = |c| a + |(1 + k) c| (W1^2 + |w| W2) + W2.
  *
- * UNDERFLOW.  A product below 2^-1022 is off by up to 2^-1075, whatever its size.  Likewise its remainder
- * in twice the precision is off by as much if the product is below 2^-969.  `lost` and `slope_lost` bound what that
+ * UNDERFLOW.  A product below 2^-1022 is off by up to 2^-1075, whatever its size.  Its remainder in twice
+ * the precision is off by as much if the product is below 2^-969.  `lost` and `slope_lost` bound what that
  * does to G and G' on its way through the formulas, rho and (1 + k) c included.  They allow POLY_LOST =
  * 2^-1066 for each product and everything that it is a part of.  In Horner's rule the loss grows by rho at
  * each step.  From rho = 2^53 on no product of Horner's rule underflows.
