@@ -1,16 +1,20 @@
 /* asphere.c - a conic plus the sum P of a[i] r^(2i+2): Newton's method, certified.
  *
- * F = z - s(r^2) - P(r^2) is solved in the polynomial form G of poly.c, which has its roots, and by
- * the certificate there.
+ * F = z - s(r^2) - P(r^2) is solved in the polynomial form G of poly.c.  G has the roots of F, and poly.c
+ * has the certificate for a root of it.  The forms, in the order in which a ray meets them:
  *
- * EASY.  Four evaluations on lens surfaces, by the single ray and by lanes, the first root without a rim
- * too: asphere/easy.h.  QUICK.  What is not easy: Newton from the conic's root near the vertex, each step
- * at most half the last, and where t is not sharp settled from there.  That the root is the only one within
- * the rim is certain where
+ * EASY.  Four evaluations on lens surfaces, for the single ray and for lanes: asphere/easy.h.  It answers
+ * first roots without a rim too.
+ *
+ * QUICK.  For what is not easy.  Newton's method from the conic's root near the vertex, each step at most
+ * half the last.  If t is not sharp, the root is settled from there.  The root is certainly the only one
+ * within the rim if
  *     |n| > L sqrt(a),  L = max |grad s| over the rim,  a = l^2 + m^2:
- * then F is monotone along the chord.  Where that root is the start itself the ray misses.
- * CAREFUL.  All else: the march in classify.c, which is certain too, only slower.
- * THE ONLY ROOT near the seed, under proof: the same test, and where it does not decide asphere/unique.c.
+ * F is then monotone along the chord.  If that root is the start itself, the ray misses.
+ *
+ * CAREFUL.  All else: the march in classify.c, which is certain too, but slower.
+ *
+ * THE ONLY ROOT near the seed, under proof: the same test.  If it does not decide, asphere/unique.c.
  *
  * The last evaluation of a hit is that of F at the point returned. */
 #include "asphere.h"
@@ -22,7 +26,7 @@
 
 /* ------------------------------------------------------------------- easy */
 
-/* One ray, its ends made explicit; the evaluations are counted and told whatever becomes of it. */
+/* One ray with explicit ends.  Its evaluations are counted and reported, whatever the answer. */
 SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sgt_vec3 d, double tmin,
                                        double tmax, double t_tol, double scale, lane *e, tally *w)
 {
@@ -58,7 +62,7 @@ SGT_INLINE easy_answer asphere_easy_at(const wavy *s, bool first, sgt_vec3 o, sg
                                                                                              : EASY_NOT;
 }
 
-/* A direction of unusual length is scaled, by a power of two: of the usual ones that would change no bit. */
+/* A direction of unusual length is scaled by a power of two.  For usual lengths that would change no bit. */
 SGT_INLINE easy_answer easy(const wavy *s, const sgt_ray *ray, lane *e, tally *w)
 {
     const sgt_options *opt = w->opt;
@@ -74,7 +78,7 @@ SGT_INLINE easy_answer easy(const wavy *s, const sgt_ray *ray, lane *e, tally *w
     return is == EASY_HIT ? easy_unscaled(e, scale) : is;
 }
 
-/* The loops of a tile, for so many terms. */
+/* What the loops of a tile leave for each other. */
 typedef struct wavy_room {
     _Alignas(64) double x[SGT_TILE];
     double y[SGT_TILE], t0[SGT_TILE], t0_lo[SGT_TILE], from[SGT_TILE], tau[SGT_TILE], tau_err[SGT_TILE],
@@ -84,7 +88,7 @@ typedef struct wavy_room {
     lane_ends ends;
 } wavy_room;
 
-/* Takes from the hits those whose side of the rim is not certain; all are left: all bits. */
+/* Removes the hits whose side of the rim is not certain.  Returns all bits set if none was removed. */
 SGT_KERNEL
 static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *room)
 {
@@ -101,8 +105,8 @@ static mask asphere_sure_all(const wavy *self, const sgt_tile *tile, wavy_room *
     return all;
 }
 
-/* Is each root the first, of those that are hits?  Told in room->again; with halves, of those that were not
- * without. */
+/* Is the root of each hit the first one?  The answers are in room->again.  With `halves`, it asks for those
+ * that were not found first without. */
 SGT_INLINE bool all_first(const wavy *s, int terms, bool halves, const sgt_tile *tile, wavy_room *room)
 {
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
@@ -154,8 +158,8 @@ static void asphere_lanes_all_away(const wavy *s, const sgt_tile *tile, wavy_roo
     lane_away(s, ALL_TERMS, tile, room);
 }
 
-/* Takes from the hard rays those that certainly miss: so many are left.  F at the point, a hit's last
- * evaluation, they have not. */
+/* Gives SGT_MISS to the hard rays that certainly miss, and returns the number still hard.  A miss has one
+ * evaluation less: a hit's last one is F at the point. */
 static size_t without_misses(const wavy *s, int terms, const sgt_tile *tile, wavy_room *room, size_t hard)
 {
     if (terms > FEW_TERMS) asphere_lanes_all_away(s, tile, room);
@@ -168,7 +172,7 @@ static size_t without_misses(const wavy *s, int terms, const sgt_tile *tile, wav
     return hard;
 }
 
-/* The second loop: what is met.  vertex: also of the rays that start there. */
+/* The second loop: point, gradient, acceptance.  vertex: also for rays that start in the vertex. */
 SGT_INLINE mask lane_ending(const wavy *s, int terms, bool rich, bool vertex, const sgt_tile *tile,
                              wavy_room *room)
 {
@@ -192,7 +196,7 @@ SGT_INLINE mask lane_ending(const wavy *s, int terms, bool rich, bool vertex, co
 SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, bool rich, const sgt_tile *tile,
                              wavy_room *room)
 {
-    const wavy own = *self, *s = &own; /* no output is a part of it */
+    const wavy own = *self, *s = &own; /* a copy, so that no output can alias it */
     const double *ox = tile->rays.o[0], *oy = tile->rays.o[1], *oz = tile->rays.o[2], *l = tile->rays.d[0],
                  *m = tile->rays.d[1], *n = tile->rays.d[2], *tmin = tile->rays.tmin, *t_tol = tile->t_tol;
     size_t count = tile->n;
@@ -222,7 +226,7 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, bool rich,
             any |= q.again;
         }
         if (!any || rounds == ROUNDS) break;
-        /* those that are done go through it once more with the same result */
+        /* Rays that are done take another round too, with the same result. */
         for (size_t i = 0; i < count; i++) {
             extra[i] = (rounds > 1 ? extra[i] : 0) + (room->again[i] ? 1 : 0);
             if (room->again[i]) room->from[i] = room->tau[i];
@@ -256,7 +260,7 @@ SWEEP_TERMS(asphere_lanes_first, ALL_TERMS, true, true)
 
 /* ------------------------------------------------------------------ quick */
 
-/* F is monotone along the chord within the rim, by its slope. */
+/* Is F monotone along the chord within the rim, by the bound on its slope? */
 SGT_INLINE bool single(const shape *s, const local *q)
 {
     double a = q->l * q->l + q->m * q->m;
@@ -264,7 +268,7 @@ SGT_INLINE bool single(const shape *s, const local *q)
                                   : q->n * q->n > single_limit(s) * a; /* along the axis F is linear */
 }
 
-/* The root is the start itself, whatever way it is found (sgt_ray). */
+/* Is the root the start itself, however it is computed (rule of sgt_ray)? */
 SGT_INLINE bool is_start(const meeting *h, const sgt_ray *ray, double scale)
 {
     double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z)),
@@ -272,7 +276,8 @@ SGT_INLINE bool is_start(const meeting *h, const sgt_ray *ray, double scale)
     return h->t + h->t_err <= ray->tmin + (width < HUGE_VAL ? width : 0) * (1 - 0x1p-20);
 }
 
-/* true: a hit; or, where *miss is made true, a miss: the start is the only root within the rim. */
+/* Returns true for a hit.  If it returns false with *miss set, the ray misses: the start is the only root
+ * within the rim. */
 SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, double *seed, bool *miss,
                               tally *w)
 {
@@ -282,7 +287,7 @@ SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, 
     double A = s->c * (a + k1 * q.n * q.n), B = q.n - s->c * (q.x * q.l + q.y * q.m),
            C = s->c * (q.x * q.x + q.y * q.y);
     double D = B * B - A * C, tau = C / (B + copysign(sqrt(D), B)), last = HUGE_VAL;
-    if (!(tau > -HUGE_VAL && tau < HUGE_VAL)) tau = 0; /* the conic is not met: from the vertex plane */
+    if (!(tau > -HUGE_VAL && tau < HUGE_VAL)) tau = 0; /* the conic is not met: begin at the vertex plane */
     *seed = q.t0 + tau;
     if (!(fabs(q.n) >= 0x1p-10 && direction_is_whole(&q, ray->d))) return false;
     double t_tol = opt->t_tol / q.scale;
@@ -293,13 +298,13 @@ SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, 
         if (w->stopped) return false;
         move = SGT_NEWTON;
         double step = -at.g / at.slope, v_err;
-        /* not of NaN */
+        /* False for NaN. */
         bool steady, close = fabs(at.g) <= 0x1p-20 * (fabs(at.z) + fabs(at.w)) || fabs(step) <= t_tol,
                      shrinks = fabs(step) <= 0.5 * last;
         last = fabs(step);
         if (close || !shrinks) {
             sgt_poly_bound(s, &q, tau, &at);
-            /* noise at the root is no reason to give up */
+            /* At the root, steps are noise; that is no reason to give up. */
             if (!shrinks && !(fabs(at.g) <= at.g_err)) return false;
             if (!sgt_poly_certify(s, &q, &at, tau, t_tol, out, &v_err, &steady)) return false;
             if (steady) {
@@ -308,8 +313,8 @@ SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, 
                 *miss = whole && out->p.x * out->p.x + out->p.y * out->p.y <= s->rim2
                         && !rim_hidden(out, s->rim2) && is_start(out, ray, q.scale);
                 if (*miss) return false;
-                /* a start too far off for the terms at the root, or for t, or a steep place: once more from
-                 * there */
+                /* Solve once more from the root in three cases: the start is too far away for the terms at
+                 * the root, the place is steep, or t is not sharp. */
                 double fx = fabs(out->n.x), fy = fabs(out->n.y), far = at.ex * fx + at.ey * fy + at.ez;
                 double here = fabs(at.x) * fx + fabs(at.y) * fy + fabs(at.z) +
                               at.first * (at.x * at.x + at.y * at.y);
@@ -322,7 +327,7 @@ SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, 
                     return false;
                 if (fabs(out->t - ray->tmax)
                     <= larger(END_ERRORS * (out->t_err + SGT_U * fabs(out->t)), TINY))
-                    return false; /* the march tells whether it counts */
+                    return false; /* the march decides whether it is accepted */
                 return (near || whole) && accepted(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL &&
                        !place_is_tiny(&q, out->t, out->p);
             }
@@ -352,7 +357,7 @@ static shape shape_of(const sgt_asphere *s, int terms)
                    .domain2 = domain2_of(s->c, s->k, s->semi_diameter)};
 }
 
-/* x - x is 0 for a finite x, NaN for another. */
+/* x - x is 0 for a finite x, NaN otherwise. */
 static bool asphere_valid(const sgt_asphere *s)
 {
     double sum = (s->c - s->c) + (s->k - s->k) + (s->semi_diameter - s->semi_diameter);
@@ -464,8 +469,8 @@ static sgt_interval asphere_enclose(const void *self, const sgt_ray *ray, sgt_in
     return sgt_sag_enclose(&h, ray, 0, t, slope);
 }
 
-/* The same of those that pass the whole surface by (asphere/unique.c), as the single ray tells them: where
- * the easy form has been tried on the direction as it is. */
+/* Gives SGT_MISS to hard rays that pass the whole surface (asphere/unique.c), as for a single ray.  It asks
+ * only for rays on which the easy form has tried the direction as given. */
 static size_t asphere_without_passing(const shape *s, const sgt_tile *tile, const wavy_room *room,
                                       size_t hard)
 {

@@ -1,29 +1,36 @@
 /* classify.c - every root of an asphere on a stretch of a ray, in order, none missed.
  *
- * The stretch is the chord of the rim, or, where there is none, of the nearer of the equator and the
- * cylinder beyond which the highest term of P outgrows all the others together (Cauchy's bound on
- * the roots of a polynomial, with z <= z0 + |n| sqrt(rho / a) along the ray).  It is covered by cells
- * [m - h, m + h], nearest first.  With G and G' at m, their rounding e and e', and M >= |G''| over
- * the cell (poly.c),
- *     |G| > |G'| h + M h^2 / 2 + e + e' h    there is no root in it, or
- *     z - P and s have no value in common    there is none (a test for far from the surface);
- *     |G'| - e' > M h                        G is monotone: one root if the signs at the ends
- *                                            differ, none if they agree; the signs must be certain,
- *                                            else the end is moved, and at last looked at in twice
- *                                            the precision;
- *     neither, and M h^2 below 2 e           G is within a few e of zero all over the cell.  Then the
- *                                            march goes on with G in twice the precision; if that is
- *                                            of no help the cell joins an undecided stretch, that ends
- *                                            with the next decided cell whose sign is certain: unlike
- *                                            signs at its ends are a crossing; like ones leave it
- *                                            UNPROVEN whether the ray touches there or just does not.
- * Otherwise h is halved; after a success it grows by half.  Since both tests hold for small h unless
- * G and G' vanish together, the march ends.  A root's bracket goes to the solver of
- * solve/root.c, and its end to sgt_poly_settle of poly.c, from an origin moved to the root.
+ * THE STRETCH is the chord of the rim.  Without a rim it is the chord of the nearer of two cylinders: the
+ * equator, and the cylinder beyond which the highest term of P outgrows all the others together.  The
+ * second comes from Cauchy's bound on the roots of a polynomial, with z <= z0 + |n| sqrt(rho / a) along the
+ * ray.
  *
- * An undecided stretch is never dropped by the rule of the start: what is known of it is that a root may be
- * in it, not where.  Nor is a root whose t_err is wider than that rule.  UNDER PROOF a root has to be the
- * only one in t -+ t_err (sgt_poly_unique), and its side of the rim certain. */
+ * THE CELLS [m - h, m + h] cover it, nearest first.  Let e and e' be the rounding of G and G' at m, and M
+ * >= |G''| over the cell (poly.c).
+ *
+ *  1. |G| > |G'| h + M h^2 / 2 + e + e' h:  no root in the cell.
+ *  2. z - P and s have no value in common:  no root.  This test is for far from the surface.
+ *  3. |G'| - e' > M h:  G is monotone.  There is one root if the signs at the ends differ, and none if they
+ *     agree.  The signs must be certain.  If one is not, the end is moved; at last G there is evaluated in
+ *     twice the precision.
+ *  4. None of these, and M h^2 below 2 e:  G is within a few e of zero all over the cell.  The march goes on
+ *     with G in twice the precision.  If that does not help, the cell joins an undecided stretch.
+ *  5. Otherwise h is halved.
+ *
+ * After a success h grows by half.  For small h tests 1 or 3 hold unless G and G' vanish together, so the
+ * march ends.
+ *
+ * An undecided stretch ends with the next decided cell whose sign is certain.  Unlike signs at its ends are
+ * a crossing.  If they are like, it is UNPROVEN whether the ray touches there or just does not.
+ *
+ * THE ROOT.  A bracket goes to the solver of solve/root.c.  Its result goes to sgt_poly_settle of poly.c,
+ * from an origin moved to the root.
+ *
+ * THE START.  The rule that ignores a root at the ray's start is not applied to undecided stretches: the
+ * root may lie anywhere in them.  Nor is it applied to a root whose t_err is wider than that rule.
+ *
+ * UNDER PROOF a root has to be the only one in t -+ t_err (sgt_poly_unique), and its side of the rim has to
+ * be certain. */
 #include "../../num/bits.h"
 #include "../../solve/root.h"
 #include "asphere.h"
@@ -36,9 +43,9 @@ typedef struct cell_walk {
     const sgt_ray *ray;
     tally *told;
     local q;
-    sgt_list *list; /* NULL: one root is wanted */
+    sgt_list *list; /* NULL: only one root is wanted */
     bool spent, fine;
-    bool dark;      /* what is told of is a stretch that was not decided, not one with a monotone G */
+    bool dark;      /* the root at hand stands for an undecided stretch, not for a cell with a monotone G */
 } cell_walk;
 
 static sample cell_look(cell_walk *w, double tau, sgt_move move, double lo, double hi)
@@ -54,10 +61,10 @@ static double cell_middle(double a, double b) { return 0.5 * a + 0.5 * b; }
 
 static int cell_sign_at(const sample *e) { return e->g > e->g_err ? 1 : e->g < -e->g_err ? -1 : 0; }
 
-/* The smallest e with 2^e > 1.01 (of / by)^(2 / n), of > 0, by > 0; 1024 where the quotient overflows.  With
- * 1.01^n (of / by)^2 = f 2^E, 1/2 <= f < 1, that is 2^(e n) > f 2^E: true of e n >= E, false of e n = E - 1
- * and less.  So e = E / n, rounded up.  Only f is rounded, by a few u, and 1.01 has room for that.  A
- * quotient that underflows is raised to the smallest normal number. */
+/* The smallest e with 2^e > 1.01 (of / by)^(2 / n), for of > 0 and by > 0.  1024 if the quotient overflows.
+ * Write 1.01^n (of / by)^2 = f 2^E with 1/2 <= f < 1.  The condition is then 2^(e n) > f 2^E.  It is true
+ * if e n >= E and false if e n <= E - 1, so e = E / n, rounded up.  Only f is rounded, by a few u, and 1.01
+ * has room for that.  A quotient that underflows is raised to the smallest normal number. */
 static int power_above_root(double of, double by, int n)
 {
     int E, more, e;
@@ -72,7 +79,7 @@ static int power_above_root(double of, double by, int n)
     return e;
 }
 
-/* The square of the radius beyond which no root can lie; infinite where that cannot be said. */
+/* The square of the radius beyond which no root can lie.  Infinite if no such radius is known. */
 static double reach2(const shape *s, const sgt_ray *ray)
 {
     double scale = scale_of(ray->d), l = ray->d.x * scale, m = ray->d.y * scale, n = ray->d.z * scale,
@@ -89,8 +96,8 @@ static double reach2(const shape *s, const sgt_ray *ray)
     lead = b[top];
     double count = top + 3;
     if (!(lead > 0 && lead < HUGE_VAL && a > 0 && z0 < HUGE_VAL && growth < HUGE_VAL)) return HUGE_VAL;
-    /* the greatest of the roots of count z0 / lead, count growth / lead and count b[i] / lead; up to a power
-     * of two, so that lengths times 2^k give the same cells times 2^k */
+    /* The largest of the roots of count z0 / lead, count growth / lead and count b[i] / lead.  It is
+     * rounded up to a power of two, so that lengths times 2^k give the same cells times 2^k. */
     int exponent = INT_MIN, next;
     if (z0 > 0) exponent = power_above_root(count * z0, lead, 2 * (top + 1));
     if (growth > 0) {
@@ -108,9 +115,9 @@ static double reach2(const shape *s, const sgt_ray *ray)
 
 typedef struct found { meeting at; sgt_status status; double distance; bool any; } found;
 
-/* At the very equator the two sheets of G are too close to tell which of them the root is on.  But F
- * itself is continuous up to there: if it is certainly of unlike sign on the two sides of t, and defined
- * on both (and so between them, since rho is convex), there is a root of F between. */
+/* At the equator the two sheets of G are too close to tell which one the root is on.  But F itself is
+ * continuous up to there.  If F certainly has unlike signs on the two sides of t, and is defined on both,
+ * it has a root between them.  (It is then defined between them too, since rho is convex.) */
 static bool crosses_sheet(cell_walk *w, meeting *at)
 {
     double tau = at->t / w->q.scale - w->q.t0,
@@ -122,7 +129,7 @@ static bool crosses_sheet(cell_walk *w, meeting *at)
         if (!left || !right) continue;
         if (left == right) return false;
         meeting_place(at, &w->q, tau, d);
-        /* v is lost in its rounding, but on the surface it is phi */
+        /* v is lost in its rounding, but on the surface it equals phi. */
         double dp, rho = at->p.x * at->p.x + at->p.y * at->p.y;
         polynomial(w->s->terms, w->s->a, rho, &dp);
         at->v = sqrt(larger(1 - w->s->ck * w->s->c * rho, DBL_MIN));
@@ -133,20 +140,20 @@ static bool crosses_sheet(cell_walk *w, meeting *at)
     return false;
 }
 
-/* An undecided stretch about tmin may hold a root behind the start as well as the start itself; and of one
- * where numbers overflow nothing is known. */
+/* An undecided stretch about tmin may hold an accepted root behind the start as well as the start itself.
+ * Where numbers overflow nothing is known, and the answer is yes. */
 static bool may_count(const cell_walk *w, const meeting *at)
 {
     meeting end = *at;
     end.t += end.t_err, end.t_err = 0;
-    /* as `counts` has them */
+    /* As in accepted(). */
     double terms = at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z)) * w->q.scale;
     bool told = at->slope < HUGE_VAL && fabs(terms) < HUGE_VAL &&
                 at->p.x * at->p.x + at->p.y * at->p.y < HUGE_VAL;
     return !told || accepted(&end, w->ray, HUGE_VAL, w->q.scale);
 }
 
-/* A root that does not count as told, but may: ends_hide. */
+/* Is it a root that is not accepted as computed, but may be (ends_hide)? */
 static bool hides(const shape *s, const meeting *at, const sgt_ray *ray, double scale)
 {
     double terms = at->v * (fabs(at->p.x * at->n.x) + fabs(at->p.y * at->n.y) + fabs(at->p.z));
@@ -154,7 +161,7 @@ static bool hides(const shape *s, const meeting *at, const sgt_ray *ray, double 
            && ends_hide(at, ray, s->rim2, terms > 0 ? START_ULPS * terms / at->slope * scale : 0);
 }
 
-/* What is told of is all within the last hit's t_err of it: it may be the same root. */
+/* Is the interval of `at` within the last hit's t_err?  It may then be the same root. */
 static bool within_last(const sgt_list *list, const meeting *at)
 {
     sgt_interval about = sgt_about(at->t, at->t_err);
@@ -162,11 +169,11 @@ static bool within_last(const sgt_list *list, const meeting *at)
            && about.hi <= list->last.hi;
 }
 
-/* Keeps the root if it counts and is the one wanted so far. */
+/* Keeps the root if it is accepted and is the one wanted so far. */
 static void keep(cell_walk *w, meeting *at, double v_err, sgt_status status, double seed, found *best)
 {
     if (at->v < -v_err) return; /* the other sheet */
-    if (at->t - at->t_err > w->ray->tmax) return; /* the march goes a little beyond the end */
+    if (at->t - at->t_err > w->ray->tmax) return; /* the march goes slightly beyond the end */
     if (!(at->v > v_err)) status = crosses_sheet(w, at) ? SGT_HIT : SGT_UNPROVEN;
     bool proof = w->told->opt->proof != SGT_ESTIMATE;
     bool hidden = proof && rim_hidden(at, w->s->rim2);
@@ -179,10 +186,10 @@ static void keep(cell_walk *w, meeting *at, double v_err, sgt_status status, dou
     if (proof && status == SGT_HIT && !sgt_poly_unique(w->s, w->ray, at, w->told)) status = SGT_UNPROVEN;
     if (w->told->stopped) return;
     if (w->list) {
-        /* at the equator both sheets of G have a root, and F one */
+        /* At the equator both sheets of G have a root, and F has one. */
         if (status == SGT_HIT && !proof && sgt_list_same(w->list, at->t, at->t_err)) return;
         if (status == SGT_UNPROVEN && !proof && within_last(w->list, at))
-            return; /* and what is between them is about that */
+            return; /* and what lies between them is about that one */
         if (status > 0) add_hit(w->list, at, status, asphere_f(w->s, at->p), SGT_NEWTON, w->ray, w->told);
         else add_stretch(w->list, w->told, status, w->ray, at->t - at->t_err, at->t + at->t_err);
         return;
@@ -192,7 +199,7 @@ static void keep(cell_walk *w, meeting *at, double v_err, sgt_status status, dou
     *best = (found){.at = *at, .status = status, .distance = distance, .any = true};
 }
 
-/* What the signs at the ends of tau +- tau_err have proven, where the root is too flat to settle. */
+/* Takes what the signs at the ends of tau +- tau_err prove, for a root too flat to settle. */
 static void cell_take(cell_walk *w, double tau, double tau_err, double lo, double hi, sgt_status status,
                       double seed, found *best)
 {
@@ -202,13 +209,13 @@ static void cell_take(cell_walk *w, double tau, double tau_err, double lo, doubl
     meeting_place(&at, &w->q, tau, tau_err);
     at.v = e.v, at.slope = fabs(e.slope);
     at.n = (sgt_vec3){at.p.x * inverse, at.p.y * inverse, 1};
-    double bend = sgt_poly_bend(w->s, &w->q, &e, tau_err); /* no less than that of w */
+    double bend = sgt_poly_bend(w->s, &w->q, &e, tau_err); /* not below that of w */
     keep(w, &at, e.v_err + fabs(w->s->ck) * (fabs(e.dw) + fabs(w->q.n) + bend * tau_err) * tau_err, status,
          seed, best);
 }
 
-/* The root at t0 + tau.  Where a tolerance hides on which side of tmax it is, or whether it is the start, as
- * if there were none. */
+/* Settles the root at t0 + tau.  If a t_tol hides on which side of tmax it is, or whether it is the start,
+ * it is settled once more with t_tol = 0. */
 static bool cell_settle(cell_walk *w, double tau, meeting *at, double *v_err)
 {
     const sgt_options *opt = w->told->opt;
@@ -223,7 +230,7 @@ static bool cell_settle(cell_walk *w, double tau, meeting *at, double *v_err)
     return settled;
 }
 
-/* One root is in [lo, hi], the signs at whose ends are certain. */
+/* Finds the one root in [lo, hi].  The signs at both ends are certain. */
 static void cell_polish(cell_walk *w, double lo, const sample *at_lo, double hi, const sample *at_hi,
                         double seed, found *best)
 {
@@ -239,7 +246,8 @@ static void cell_polish(cell_walk *w, double lo, const sample *at_lo, double hi,
             r.g_err = e.g_err;
         } while (sgt_root_next(&r, e.g, e.slope) && !w->told->stopped && !w->spent);
         if (w->told->stopped || w->spent) return;
-        /* monotone, so a status other than a hit means only that rounding hides the very crossing */
+        /* G is monotone here.  So a status other than SGT_HIT only means that rounding hides where it
+         * crosses. */
         double err = larger(r.t - lo, hi - r.t), v_err;
         if (r.status == SGT_HIT && r.t_err < err) err = r.t_err;
         meeting at;
@@ -253,7 +261,7 @@ static void cell_polish(cell_walk *w, double lo, const sample *at_lo, double hi,
             cell_take(w, r.t, err, lo, hi, SGT_HIT, seed, best);
             return;
         }
-        w->fine = true; /* a flat root, not found well enough to settle */
+        w->fine = true; /* a flat root, not known well enough to settle */
     }
 }
 
@@ -284,36 +292,37 @@ static sgt_hit cell_march(const shape *s, const sgt_ray *ray, double seed, tally
     cell_walk w = {.s = s, .ray = ray, .told = told, .list = list};
     if (!(s->domain2 > TINY)) return hit_without(SGT_UNPROVEN, ray, told->evals); /* r^2 is out of range */
     if (ray->d.x == 0 && ray->d.y == 0) return parallel(s, ray, told);
-    /* without a rim the equator of a base that is nearly flat may be far beyond */
+    /* Without a rim, the equator of a nearly flat base may be far beyond. */
     stretch chord = sgt_chord(ray, s->rim2 < HUGE_VAL ? s->domain2 : smaller(s->domain2, reach2(s, ray)));
     double scale = scale_of(ray->d), lo = larger(chord.lo, ray->tmin), hi = smaller(chord.hi, ray->tmax);
     if (chord.lo > chord.hi || lo > hi) return hit_without(SGT_MISS, ray, told->evals);
     lo /= scale, hi /= scale;
     if (!(lo < hi)) lo -= 0x1p-1074, hi += 0x1p-1074; /* one point, or both ends have underflowed */
-    hi += 0x1p-44 * fabs(hi); /* a root at tmax is to be inside: `counts` has the last word */
-    /* the point of the stretch nearest the vertex: the stretch itself may lie far from it */
+    hi += 0x1p-44 * fabs(hi); /* include a root at tmax: accepted() has the last word */
+    /* The point of the stretch nearest the vertex.  The stretch itself may be far from it. */
     w.q = local_at(ray, smaller(larger(nearest_to_vertex(ray), lo), hi), 0);
     if (!direction_is_whole(&w.q, ray->d)) return hit_without(SGT_UNPROVEN, ray, told->evals);
-    /* outward, as hi: in twice the precision it is seen what that rounds */
+    /* Outward, as hi.  Twice the precision shows what the sum rounds. */
     twofold from = two_sum(lo, -w.q.t0);
     lo = from.hi - (from.lo < 0 ? 2 * SGT_U * fabs(from.hi) : 0), hi -= w.q.t0;
-    if (chord.hi > ray->tmax) hi += 4 * SGT_U * fabs(w.q.t0); /* that has been rounded, too */
+    if (chord.hi > ray->tmax) hi += 4 * SGT_U * fabs(w.q.t0); /* that was rounded too */
     if (!(lo > -HUGE_VAL && hi < HUGE_VAL)) return hit_without(SGT_UNPROVEN, ray, told->evals);
     if (!(fabs(seed) < HUGE_VAL)) seed = w.q.t0;
 
     found best = {.any = false};
     double h = 0.125 * (hi - lo), tau = lo, begin = lo, dark = 0;
     double away = fabs(w.q.x) + fabs(w.q.y) + fabs(w.q.z) + 0x1p-60 * (hi - lo);
-    double least = 0x1p-90 * smaller(away, hi - lo); /* cells below it are not divided */
+    double least = 0x1p-90 * smaller(away, hi - lo); /* smaller cells are not divided */
     sample left = cell_look(&w, tau, SGT_MARCH, lo, hi), before = left;
     int moved = 0;
-    /* left is the sample at tau; [dark, tau] is undecided, before the sample at dark */
+    /* left is the sample at tau.  If `pending`, [dark, tau] is undecided, and `before` is the sample at
+     * dark. */
     bool known = true, pending = false;
     while (tau < hi && !told->stopped && !w.spent && !(best.any && opt->pick != SGT_NEAR_SEED)) {
         if (h > 0.5 * (hi - tau)) h = 0.5 * (hi - tau);
         double m = tau + h, end = m + h;
         if (!(m > tau && end > m)) m = sgt_next_above(tau), end = sgt_next_above(m);
-        h = larger(m - tau, end - m); /* as they came out, not as they were meant */
+        h = larger(m - tau, end - m); /* as computed, not as intended */
         sample e = cell_look(&w, m, SGT_MARCH, tau, hi);
         double bend = sgt_poly_bend(s, &w.q, &e, h), slope = fabs(e.slope);
         bool empty = fabs(e.g) > (slope + e.slope_err) * h + 0.5 * bend * h * h + e.g_err ||
@@ -336,10 +345,10 @@ static sgt_hit cell_march(const shape *s, const sgt_ray *ray, double seed, tally
         } else if (monotone) {
             sample right = cell_look(&w, end, SGT_MARCH, tau, hi);
             if (!known) left = cell_look(&w, tau, SGT_MARCH, tau, hi), known = true;
-            /* the start is on the surface: from before it */
+            /* The ray starts on the surface: take a sample before the start. */
             for (int i = 0; tau == begin && !cell_sign_at(&left) && i < 8; i++) {
                 double back = tau - 4 * (left.g_err + fabs(left.g)) / slope * power_of_two(i), far = m - back;
-                /* G is not monotone from so far before */
+                /* G is not monotone from so far before. */
                 if (!(slope - e.slope_err > sgt_poly_bend(s, &w.q, &e, far) * far)) break;
                 sample behind = cell_look(&w, back, SGT_MARCH, tau, hi);
                 if (cell_sign_at(&behind)) left = behind, tau = begin = back;
@@ -354,7 +363,7 @@ static sgt_hit cell_march(const shape *s, const sgt_ray *ray, double seed, tally
                 continue;
             }
             moved = 0;
-            /* once more, in twice the precision */
+            /* Once more, in twice the precision. */
             if (!w.fine && (!cell_sign_at(&left) || !cell_sign_at(&right))) {
                 w.fine = true, known = false;
                 continue;
@@ -362,18 +371,18 @@ static sgt_hit cell_march(const shape *s, const sgt_ray *ray, double seed, tally
             if (cell_sign_at(&left) * cell_sign_at(&right) < 0)
                 cell_polish(&w, tau, &left, end, &right, seed, &best);
             else if (!cell_sign_at(&left)
-                     || !cell_sign_at(&right)) { /* by the least slope, the root is so near that end */
+                     || !cell_sign_at(&right)) { /* by the least slope, the root is this near that end */
                 const sample *at = cell_sign_at(&left) ? &right : &left;
                 double off = (fabs(at->g) + at->g_err) / (slope - e.slope_err - bend * h) * (1 + 0x1p-20);
                 if (off < h)
                     cell_take(&w, cell_sign_at(&left) ? end : tau, off, tau, end, SGT_UNPROVEN, seed, &best);
                 else cell_take(&w, m, h, tau, end, SGT_UNPROVEN, seed, &best);
             }
-            if (told->stopped || w.spent) break; /* before the root of this cell was told */
+            if (told->stopped || w.spent) break; /* before the root of this cell was reported */
             tau = end, h *= 1.5, left = right;
         } else if (bend * h * h > 2 * e.g_err && h > larger(2 * DBL_EPSILON * fabs(m), least)) {
             h *= 0.5;
-        } else if (!w.fine) { /* from here on in twice the precision, the rest of the ray too */
+        } else if (!w.fine) { /* from here on in twice the precision */
             w.fine = true;
             known = false;
         } else {

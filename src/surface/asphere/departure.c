@@ -1,10 +1,10 @@
-/* asphere/departure.c - the terms of an even asphere by themselves, for a sum (sum.c): P = p(rho), rho = r^2,
- * p = the sum of a[i] rho^(i+1).
+/* asphere/departure.c - the terms of an even asphere by themselves, for a sum (departure/sum.c): P =
+ * p(rho), with rho = r^2 and p the sum of a[i] rho^(i+1).
  *
- * grad P = 2 p' (x, y), P_xx = 2 p' + 4 p'' x^2 and so on.  Horner's rule rounds each term at most 2 i + 2
- * times, and rho carries 2: with M = the sum of (i + 1) |a[i]| rho^i, P is off by 4 u rho M at most.  Over
- * r <= R the sums of magnitudes bound p' and p'', and the greater eigenvalue of the second derivative is at
- * most 2 |p'| + 4 |p''| rho. */
+ * grad P = 2 p' (x, y), P_xx = 2 p' + 4 p'' x^2, and so on.  Horner's rule rounds each term at most 2 i + 2
+ * times, and rho carries 2 roundings.  With M = the sum of (i + 1) |a[i]| rho^i, P is off by at most 4 u
+ * rho M.  For r <= R the sums of magnitudes bound p' and p''.  The greater eigenvalue of the second
+ * derivative is at most 2 |p'| + 4 |p''| rho. */
 #include "asphere.h"
 #include "../departure/departure.h"
 
@@ -15,7 +15,7 @@ static int terms_count(const sgt_asphere *s)
     return n;
 }
 
-/* p and its first two derivatives of each rho. */
+/* p, p' and p'' / 2 for each rho. */
 SGT_KERNEL
 static void terms_horner(int terms, const double *a, size_t n, const double *restrict x,
                          const double *restrict y, double *restrict p, double *restrict p1,
@@ -46,7 +46,7 @@ static void terms_rounding(const void *self, double x, double y, double *p_err, 
     const sgt_asphere *s = self;
     double rho = x * x + y * y, second, first = magnitude(terms_count(s), s->a, rho, &second);
     *p_err = 5 * SGT_U * rho * first;
-    /* p' has two roundings more for each term, and rho two */
+    /* p' has two more roundings for each term, and rho has two. */
     *grad_err = 2 * SGT_U * larger(fabs(x), fabs(y)) * (20 * first + 3 * rho * second);
 }
 

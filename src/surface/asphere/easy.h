@@ -1,41 +1,46 @@
-/* asphere/easy.h - an asphere met as lanes are: no branch, a fixed number of evaluations, a bound at the end.
+/* asphere/easy.h - an asphere met as in a lane: no branch, a fixed number of evaluations, a bound at the
+ * end.
  *
- * G = w - (c rho + (1 + k) c w^2) / 2 with rho = x^2 + y^2, w = z - P(rho) (poly.c), along (x0, y0, 0) +
- * tau d from the point on the vertex plane.
+ * G = w - (c rho + (1 + k) c w^2) / 2 with rho = x^2 + y^2 and w = z - P(rho) (poly.c).  It is taken along
+ * (x0, y0, 0) + tau d, from the point on the vertex plane.
  *
- * THE SEED.  The conic alone has A tau^2 - 2 B tau + C = 0; with e = A C / B^2 its root near the vertex is
- * tau = C / (2 B) (1 + e/4 + ...), and there G' = B sqrt(1 - e), 1 / G' = (1 + e/2 + ...) / B.  No root
- * need be taken: what the series leave is less than what P is; where |e| >= 1 a ray is not easy.  One step
- * with that slope from G, P included, is the start.
+ * THE SEED.  The conic by itself has A tau^2 - 2 B tau + C = 0.  With e = A C / B^2 its root near the
+ * vertex is tau = C / (2 B) (1 + e/4 + ...).  There G' = B sqrt(1 - e), so 1 / G' = (1 + e/2 + ...) / B.
+ * No square root is needed: what the series omit is less than P.  If |e| >= 1, a ray is not easy.  One
+ * step with that slope from G, P included, gives the start.
  *
- * A ROUND.  Newton's step from tau_1, with G and G'; then a step from there, tau_2, with G alone and the
- * slope of before: tau_3 = tau_2 + step, step = -G(tau_2) / s, s = G'(tau_1) as computed.  Lens surfaces
- * are done after one round; a ray that is not goes through another from tau_3, if the second step was at
- * most half the first.  Where e below is more than 24 u (|w| + |z|), terms cancel, and there is better to
- * be had.
+ * A ROUND is two steps.  The first is Newton's step from tau_1 to tau_2, with G and G'.  The second
+ * evaluates G only and reuses the slope: tau_3 = tau_2 + step, step = -G(tau_2) / s, with s = G'(tau_1) as
+ * computed.  Lens surfaces are done after one round.  A ray that is not done takes another round from
+ * tau_3, if the second step was at most half the first.  If e below is more than 24 u (|w| + |z|), terms
+ * cancel, and other forms give a sharper result.
  *
- * THE BOUND.  Let M >= |G''| within H = |tau_2 - tau_1| + 2 |step| + 2^-40 |tau_2| + 2^-50 |t0| of tau_2,
- * and G' be off there from s by at most Delta = 2 M H + 2^-30 |s| <= |s| / 8.  Then G' keeps its sign, |G'|
- * >= 7/8 |s|, and with |G(tau_2)| known to e the root exists, lies within 8/7 (|G| + e) / |s| <= 4/7 H of
- * tau_2, and
- *     |root - tau_3| <= 8/7 (e + |step| Delta) / |s|                    (the mean value theorem).
- * It is the only one within H, and [t - t_err, t + t_err] is in there: |step| and that bound are below 0.6
- * H, and what is lost where t is put together, 2 u (|t0| + 2 |tau|), is below a quarter of what H has for
- * it.  So each root is proven; its side of the rim is as with a conic (conic/easy.h), with tau_err in place
- * of 48 u |tau|.  M = |c| a + |(1 + k) c| (W1^2 + |w| W2) + W2 (poly.c), a = l^2 + m^2, from first = sum
- * (i+1) |a_i| rho^i >= |P'| at the largest rho of the cell, rho' = 1.0625 rho + 17 a H^2 >= (sqrt rho + H
- * sqrt a)^2:
- *     |w'| <= W1 = |n| + 2 first (|x l| + |y m| + 2 a H), x and y those of tau_1,
- *     |w''| <= W2 = 2 a first (2 T - 1) for T terms, since |P''| <= (T - 1) first / rho' and (x l + y m)^2
- *         <= rho' a.
- * Rounding, in units of u = 2^-53: x0 is off by 2 |x0|, x by that and |x|; 2 (|x x0| + |y y0|) <= rho +
- * rho0, so rho is off by 6 rho + 2 rho0; P by first times that and 2 rho first (each of T fmas rounds
- * once); with Q = 9 rho + 2 rho0
- *     w by first Q + |z| + |w|,   G by e = |v| (w's) + |c| Q / 2 + 3 |w| (1 + |(1 + k) c w|),  v = 1 - (1 +
- *                                 k) c w.
- * s is off by at most 2^-37 of the sum of the magnitudes of its terms, 2 W1 + |c| |x l + y m| (v's share is
- * |(1 + k) c| e / |v| W1, and e < 2^-46 / |(1 + k) c|, |v| > 2^-8), which has to be below 64 |s|; and rho0
- * <= 4 rho: a start not too far off. What underflows, z at t0 among it, is below 2^-1060 in G. */
+ * THE BOUND.  Let H = |tau_2 - tau_1| + 2 |step| + 2^-40 |tau_2| + 2^-50 |t0|, and M >= |G''| within H of
+ * tau_2.  Let G' there differ from s by at most Delta = 2 M H + 2^-30 |s| <= |s| / 8.  Then G' keeps its
+ * sign, and |G'| >= 7/8 |s|.  G(tau_2) is known to e.  So the root exists, it lies within 8/7 (|G| + e) /
+ * |s| <= 4/7 H of tau_2, and by the mean value theorem
+ *     |root - tau_3| <= 8/7 (e + |step| Delta) / |s|.
+ * It is the only root within H, and [t - t_err, t + t_err] is inside: |step| and that bound are below 0.6
+ * H.  Putting t together loses 2 u (|t0| + 2 |tau|), below a quarter of what H allows for it.  So each
+ * root is proven.  Its side of the rim is decided as for a conic (conic/easy.h), with tau_err in place of
+ * 48 u |tau|.
+ *
+ * M = |c| a + |(1 + k) c| (W1^2 + |w| W2) + W2 (poly.c), with a = l^2 + m^2.  It uses first = sum (i+1)
+ * |a_i| rho^i >= |P'| at the largest rho of the cell, rho' = 1.0625 rho + 17 a H^2 >= (sqrt rho + H sqrt
+ * a)^2:
+ *     |w'| <= W1 = |n| + 2 first (|x l| + |y m| + 2 a H), with x and y at tau_1,
+ *     |w''| <= W2 = 2 a first (2 T - 1) for T terms,
+ *         since |P''| <= (T - 1) first / rho' and (x l + y m)^2 <= rho' a.
+ *
+ * ROUNDING, in units of u = 2^-53.  x0 is off by 2 |x0|, and x by that and |x|.  2 (|x x0| + |y y0|) <=
+ * rho + rho0, so rho is off by 6 rho + 2 rho0.  P is off by first times that and 2 rho first (each of T
+ * fmas rounds once).  With Q = 9 rho + 2 rho0
+ *     w is off by first Q + |z| + |w|,
+ *     G by e = |v| (error of w) + |c| Q / 2 + 3 |w| (1 + |(1 + k) c w|),  v = 1 - (1 + k) c w.
+ * s is off by at most 2^-37 of the sum of the magnitudes of its terms, 2 W1 + |c| |x l + y m|.  (v
+ * contributes |(1 + k) c| e / |v| W1, with e < 2^-46 / |(1 + k) c| and |v| > 2^-8.)  That sum has to be
+ * below 64 |s|.  rho0 <= 4 rho is required: a start not too far away.  Underflow, that of z at t0
+ * included, is below 2^-1060 in G. */
 #ifndef SGT_SURFACE_ASPHERE_EASY_H
 #define SGT_SURFACE_ASPHERE_EASY_H
 
@@ -44,18 +49,18 @@
 
 enum { ROUNDS = 4, MOST_EASY = 2 * ROUNDS + 2, FEW_TERMS = 4, ALL_TERMS = 8 }; /* MOST_EASY: evaluations */
 
-/* What a surface brings to all its rays. */
+/* What all rays of a surface share. */
 typedef struct wavy {
     double c, abs_c, k1, ck, abs_ck;
     double a[ALL_TERMS], slope[ALL_TERMS], size[ALL_TERMS];  /* a_i, (i+1) a_i, its magnitude */
     double bend;              /* 2 (2 T - 1) */
-    double rim2, single;      /* n^2 > single a: one root within the rim */
-    double room;              /* of a proof: 98 u rims; rim2 is then the one within which a root is certain */
+    double rim2, single;      /* n^2 > single a: at most one root within the rim */
+    double room;              /* of a proof: 98 u rims; rim2 is then where a root is certain */
     bool proof;
-    double most_e;            /* 2^-46 / |ck|: v, at least 2^-8, is not off by more than 2^-38 */
+    double most_e;            /* 2^-46 / |ck|: v, at least 2^-8, is off by at most 2^-38 */
 } wavy;
 
-/* false: no ray is easy. */
+/* Returns false if no ray of the surface is easy. */
 SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
 {
     double rim2 = s->rim2 < 0x1p1000 ? s->rim2 : 0x1p1000;
@@ -75,10 +80,10 @@ SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
     return v->abs_c < 0x1p60 && fabs(s->k) < 0x1p60;
 }
 
-/* Of a direction, by its square. */
+/* Is a direction with this square of usual length? */
 SGT_INLINE mask usual_length(double d2) { return MASK(d2 > 0x1p-78) & MASK(d2 < 0x1p78); }
 
-/* Written out: a loop within the loop over rays would keep that from becoming vector code. */
+/* Written out: a loop inside the loop over rays would keep the compiler from vectorising that. */
 SGT_INLINE double horner(const double *a, int terms, double rho)
 {
     double h = 0;
@@ -105,7 +110,7 @@ SGT_INLINE double horner_slope(const double *a, int terms, double rho, double *s
     return h;
 }
 
-/* The ray at the vertex plane, and tau there. */
+/* The ray at the vertex plane, and tau of the start. */
 typedef struct wavy_start { double x, y, t0, t0_lo, tau; } wavy_start;
 
 SGT_INLINE double wavy_g(const wavy *s, double rho, double z, double h, double *w, double *ckw)
@@ -130,8 +135,8 @@ SGT_INLINE wavy_start wavy_begin(const wavy *s, int terms, double ox, double oy,
     return r;
 }
 
-/* A round's first half, at tau_1: Newton's step to tau_2, and what is kept of the slope: its inverse,
- * dw/dtau, the magnitudes of x l + y m.  g and slope are for a watcher. */
+/* The first half of a round: Newton's step from tau_1 to tau_2.  It keeps the inverse of the slope,
+ * dw/dtau, and slant = |x l| + |y m|.  g and slope are for a watcher. */
 typedef struct wavy_newton { double tau2, step2, inverse, dw, slant, g, slope; } wavy_newton;
 
 SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0, double tau1, double l,
@@ -145,8 +150,9 @@ SGT_INLINE wavy_newton wavy_half(const wavy *s, int terms, double x0, double y0,
     return (wavy_newton){tau1 - step2, step2, inverse, dw, fabs(xl) + fabs(ym), g, slope};
 }
 
-/* What a round leaves: the root with its bound, NaN where nothing is certain; 1 - (1 + k) c w there; for
- * lane_of, near; again: another round may bring what this did not.  g is for a watcher. */
+/* The result of a round.  tau and tau_err: the root with its bound, which is NaN if nothing is certain.
+ * v: 1 - (1 + k) c w there.  near: for lane_of.  again: another round may succeed where this one did not.
+ * g: for a watcher. */
 typedef struct wavy_round { double tau, tau_err, v, near, g; mask again; } wavy_round;
 
 SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0, double t0,
@@ -175,7 +181,7 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
     mask sure = again & MASK(off <= 0.125) & MASK(2 * (as + noise) <= H) & MASK(terms_of_slope * ai < 64) &
                 MASK(rho0 <= 4 * rho) & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) &
                 MASK(e <= 24 * SGT_U * (aw + az)) & MASK(s->abs_ck * (W1 * H) < 0x1p-10);
-    sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol); /* else it can be had better */
+    sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol); /* if not, it can be sharper */
     return (wavy_round){.tau = tau,
                         .tau_err = chosen(sure, tau_err, (double)NAN),
                         .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
@@ -184,7 +190,7 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
                         .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2))};
 }
 
-/* The root is within the rim for certain, where rim2 says it is. */
+/* Is the root certainly within the rim, given that its point as computed is within rim2? */
 SGT_INLINE mask wavy_sure(const wavy *s, double x, double y, double t0, double tau_err, double l, double m)
 {
     return MASK(
@@ -192,20 +198,21 @@ SGT_INLINE mask wavy_sure(const wavy *s, double x, double y, double t0, double t
         <= s->room);
 }
 
-/* F is monotone all along the chord within the rim. */
+/* Is F monotone all along the chord within the rim? */
 SGT_INLINE mask wavy_single(const wavy *s, double l, double m, double n)
 {
     return MASK(n * n > s->single * (l * l + m * m));
 }
 
-/* Of a ray without a beginning, across the axis, nothing more is known than that. */
+/* True if the ray has no beginning, is not parallel to the axis, and wavy_single fails.  Then nothing can
+ * tell that a root is the first. */
 SGT_INLINE mask wavy_hopeless(const wavy *s, double tmin, double l, double m, double n)
 {
     return MASK(tmin == -HUGE_VAL) & MASK(fabs(l) + fabs(m) > 0) & ~wavy_single(s, l, m, n);
 }
 
-/* The square of the greatest slope within r^2 <= r2, above it by more than rounding; infinite where the base
- * has none. */
+/* The square of the largest slope within r^2 <= r2, raised by more than rounding.  Infinite if the base
+ * has no bound there. */
 SGT_INLINE double wavy_slope2(const wavy *s, int terms, double r2)
 {
     double phi2 = sgt_fma(-s->ck * s->c, r2, 1),
@@ -213,15 +220,16 @@ SGT_INLINE double wavy_slope2(const wavy *s, int terms, double r2)
     return chosen(MASK(phi2 < HUGE_VAL), bounded_limit(steep, r2), HUGE_VAL);
 }
 
-/* Where the ray has come to at t: r^2, made larger by far more than rounding and tau_err can do. */
+/* r^2 where the ray is at t, raised by far more than rounding and tau_err. */
 SGT_INLINE double wavy_r2(double x, double y, double t, double l, double m)
 {
     double px = sgt_fma(t, l, x), py = sgt_fma(t, m, y);
     return (px * px + py * py) * (1 + 0x1p-10);
 }
 
-/* How far the surface may be from the plane z = 0, at that r^2, on the side that a ray comes from, side = 1
- * where n > 0, else -1: the terms of one sign; of the base, where it is defined, no more than c r^2. */
+/* How far the surface may be from the plane z = 0 at that r^2, on the side from which the ray comes (side
+ * is 1 if n > 0, else -1).  It is the sum of the terms of one sign.  The base, where it is defined, adds
+ * at most c r^2. */
 SGT_INLINE double wavy_ahead(const wavy *s, int terms, double r2, double side)
 {
     double h = 0, base = larger(-side * s->c, 0);
@@ -234,19 +242,23 @@ SGT_INLINE double wavy_ahead(const wavy *s, int terms, double r2, double side)
     return r2 * (base + h) * (1 + 0x1p-10);
 }
 
-/* THE FIRST ROOT, WITHOUT A RIM OR WITH A WIDE ONE.  r^2 is convex along a ray.  So from a point of it to
- * the root at tau r^2 is at most R^2, the larger of that at the two, and F is monotone if the slope within
- * R allows it: no root is between.  The start is such a point, or one behind it: the surface is ahead of
- * the ray by no more than a polynomial in r^2 with terms of one sign, which is convex along the ray, and z
- * is linear.  Where the ray is farther off at two points, it is so all the way from the one to the other.
- * Such a second point is looked for between the start and the root, at 1/2 ... 1/1024 of the way from the
- * root. A start nearer to the root than 2^-20 |t| is left to others: so tau_err, at most 40 u |t|, moves
- * r^2 by less than 2^-14 of itself even from the last of these points.  halves: are they tried?  Not at
- * first, as the start itself is mostly enough. */
+/* THE FIRST ROOT, WITHOUT A RIM OR WITH A WIDE ONE.  r^2 is convex along a ray.  So between a point of the
+ * ray and the root at tau, r^2 is at most R^2, the larger of the two values.  If the slope within R allows
+ * it, F is monotone there, and no root is between.  The start may be such a point.
+ *
+ * A point after the start serves too, if no root is before it.  The surface is ahead of the ray by at most
+ * a polynomial in r^2 with terms of one sign.  That polynomial is convex along the ray, and z is linear.
+ * So if the ray is farther off at two points, it is so all the way between them.  Such a second point is
+ * looked for between the start and the root, at 1/2 ... 1/1024 of the way from the root.
+ *
+ * A start nearer to the root than 2^-20 |t| is left to other forms.  So tau_err, at most 40 u |t|, moves
+ * r^2 by less than 2^-14 of itself even from the last of these points.
+ *
+ * halves: try these points.  First it is called without, because the start is mostly enough. */
 typedef struct wavy_way { double ox, oy, oz, l, m, n, side, t, root2; } wavy_way;
 
-/* Such a point is so far before the root.  (Called once for each half: a loop would keep that over the rays
- * from becoming vector code.) */
+/* Is the point this far before the root such a second point?  (Called once for each distance: a loop would
+ * keep the compiler from vectorising that over the rays.) */
 SGT_INLINE mask wavy_second(const wavy *s, int terms, const wavy_way *w, double before)
 {
     double at = w->t - before, r2 = wavy_r2(w->ox, w->oy, at, w->l, w->m),
@@ -291,7 +303,8 @@ SGT_INLINE near_root wavy_root(double x, double y, double t0, double t0_lo, doub
                        .small = small};
 }
 
-/* From the vertex itself nothing has underflown either.  A bound that is NaN stays that. */
+/* If the ray starts in the vertex, nothing has underflowed, and the errors are 0.  A bound that is NaN
+ * stays NaN. */
 SGT_INLINE near_root wavy_exactly(const near_root *r, mask exact)
 {
     near_root at = *r;
@@ -309,10 +322,14 @@ SGT_INLINE lane wavy_end(const wavy *s, int terms, const near_root *r, double v,
                    MASK(fabs(r->t) < 0x1p300) & MASK(g * (g * rho) <= STEEP2));
 }
 
-/* AWAY.  The ray certainly misses: the root is the only one within the rim and as far out as the root, by
- * the slope there, and it does not count.  It is beyond tmax; or before tmin, or the start itself by half
- * of what accept.h allows (G' is off from 1 / inverse by an eighth at most); or beyond the rim, by far more
- * than p_err.  root: of wavy_root. */
+/* AWAY.  The ray certainly misses.  By the slope, the root is the only one within the rim and as far out
+ * as the root.  And it is not accepted, because it is one of these:
+ * - beyond tmax;
+ * - before tmin, or the start itself by half of what accept.h allows (G' is off from 1 / inverse by at
+ *   most an eighth);
+ * - beyond the rim, by far more than p_err.
+ *
+ * root: from wavy_root. */
 SGT_INLINE mask wavy_away(const wavy *s, int terms, const near_root *root, double v, double inverse,
                           double oz, double l, double m, double n, double tmin, double tmax)
 {

@@ -1,7 +1,9 @@
-/* asphere/second.c - what the even asphere tells of sensitivities: to the conic's (second.h) the departure
- * adds, with q = r^2 and P = sum of a[i] q^(i + 1),
- *     P_xx = 2 P' + 4 P'' x^2,   P_xy = 4 P'' x y,   dP/da[i] = q^(i + 1), its gradient 2 (i + 1) q^i (x, y).
- */
+/* asphere/second.c - derivatives of the even asphere for sensitivities.
+ *
+ * The formulas of the conic are in sag/second.h.  With q = r^2 and P = sum of a[i] q^(i + 1), the departure
+ * adds
+ *     P_xx = 2 P' + 4 P'' x^2,   P_xy = 4 P'' x y,
+ *     dP/da[i] = q^(i + 1),      its gradient 2 (i + 1) q^i (x, y). */
 #include "../sag/second.h"
 
 #include <sagitta/surfaces.h>
@@ -37,7 +39,7 @@ size_t sgt_asphere_parameters(const void *self)
     return 10;
 }
 
-/* q^i, i = 0 ... 7, by squares: a multiplication by 1 costs nothing that counts. */
+/* q^i for i = 0 ... 7, by squares.  A multiplication by 1 costs next to nothing. */
 SGT_INLINE double asphere_power(double q, int i)
 {
     double q2 = q * q;

@@ -1,28 +1,35 @@
-/* asphere/unique.c - a root of an asphere that was met near the vertex: is it the only one within the rim?
- * And a ray that leaves the surface: does it meet nothing?
+/* asphere/unique.c - a root of an asphere was met near the vertex: is it the only one within the rim?  And
+ * a ray that leaves the surface: does it meet nothing?
  *
- * Along a ray F is monotone within the rim where |n| > L sqrt a (poly.h, single_limit).  Where that does
- * not decide it is told by rings.  Let q = |n| / sqrt a, and r0 be how far from the axis the ray meets the
- * vertex plane.  At r the ray is at least q (r - r0) away from that plane, above it ahead of there and
- * below it behind (of one that rises).  So a ring where S = s + P is less than q (inner - r0) has no root
- * ahead; one where -S is, or that the ray did not come from, none behind; and within the rings where all
- * |dS/dr| < q F is monotone.  There is but one root if for some J the first J rings are such and the others
- * have none: if q > K, the least over J of the greatest of these.
+ * If |n| > L sqrt a, F is monotone along the ray within the rim (poly.h, single_limit).  If that does not
+ * decide, the aperture is divided into sixteen rings about the axis.
  *
- * RING BY RING, where that does not decide either, as of rays that are nearly parallel to the vertex plane.
- * On a piece of the ray (piece.h) F' = n - S'(r) u, u = dr / dtau = a s / r, is within bounds.  Where F rises
- * on each piece on which it may have a root, there is one root at most: behind it F is above zero, and stays
- * there.  The same where it falls.  Where no piece may have a root, the ray is a miss.
+ * BY STEEPNESS.  Let q = |n| / sqrt a, and let r0 be the distance from the axis at which the ray meets the
+ * vertex plane.  At r the ray is at least q (r - r0) away from that plane.  A rising ray is above the plane
+ * ahead of that point, and below it behind.  With S = s + P:
+ * - If S < q (inner - r0) in a ring, the ring has no root ahead.
+ * - If -S < q (inner - r0) in a ring, or the ray did not come from there, the ring has no root behind.
+ * - In rings with |dS/dr| < q everywhere, F is monotone.
  *
- * In a ring, m +- h in rho, P' is off from P'(m) by at most |P''(m)| h + third h^2 / 2, and P from P(m) by
- * |P'(m)| h + second h^2 / 2, the bounds `magnitude` has at its outer rim; s and ds/drho are monotone.
- * 2^-40 of all terms is far more than rounding. */
+ * There is only one root if for some J the first J rings are of the last kind and the others have no root.
+ * So let K be the least over J of the largest of these limits: q > K is sufficient.
+ *
+ * RING BY RING.  This is for rays on which that does not decide, such as those nearly parallel to the
+ * vertex plane.  On a piece of the ray (piece.h) F' = n - S'(r) u is within bounds, with u = dr / dtau = a
+ * s / r.  If F rises on each piece that may have a root, there is at most one root: behind it F is above
+ * zero, and stays there.  The same holds if it falls on each.  If no piece may have a root, the ray is a
+ * miss.
+ *
+ * BOUNDS.  Let a ring be m +- h in rho.  P' differs from P'(m) by at most |P''(m)| h + third h^2 / 2, and P
+ * from P(m) by at most |P'(m)| h + second h^2 / 2.  Here second and third are the bounds of `magnitude` at
+ * the outer edge of the ring.  s and ds/drho are monotone.  2^-40 of all terms is added, far above rounding. */
 #include "asphere.h"
 #include "../sag/piece.h"
 
 enum { RINGS = 16 };
 
-/* slope: |dS/dr| at most, `least` and `most` that with its sign. */
+/* inner: the inner edge.  slope: a bound on |dS/dr|.  least, most: bounds of dS/dr with its sign.  above,
+ * below: bounds of S and -S. */
 typedef struct slope_rings {
     double width, inner[RINGS], slope[RINGS], least[RINGS], most[RINGS], above[RINGS], below[RINGS];
 } slope_rings;
@@ -41,7 +48,8 @@ static void asphere_rings(const shape *s, slope_rings *out)
         h[j] = (0.5 + 0x1p-40) * (outer * outer - inner * inner);
         p[j] = p1[j] = p2[j] = first[j] = second[j] = third[j] = 0;
     }
-    /* of Q = P / rho: P' = Q + rho Q', P'' = 2 Q' + rho Q''; p2 is Q'' / 2, third of the bound as well */
+    /* For Q = P / rho: P' = Q + rho Q', P'' = 2 Q' + rho Q''.  p2 is Q'' / 2, and `third` is half of its
+     * derivative too. */
     for (int i = s->terms - 1; i >= 0; i--) {
         double a = s->a[i], by = (i + 1) * fabs(a);
         LANES for (int j = 0; j < RINGS; j++) {
@@ -63,7 +71,7 @@ static void asphere_rings(const shape *s, slope_rings *out)
                above = larger(z1, z2) + z + rise, below = larger(-z1, -z2) - z + rise;
         double in = 2 * out->inner[j], end = 2 * (out->inner[j] + width); /* dS/dr = 2 r (s' + P') */
         double least = lesser(s1, s2) + d1 - tilt, most = larger(s1, s2) + d1 + tilt;
-        out->slope[j] = chosen(MASK(slope < HUGE_VAL), slope, HUGE_VAL); /* NaN as well */
+        out->slope[j] = chosen(MASK(slope < HUGE_VAL), slope, HUGE_VAL); /* NaN too */
         out->least[j] = least * chosen(MASK(least > 0), in, end);
         out->most[j] = most * chosen(MASK(most > 0), end, in);
         out->above[j] = chosen(MASK(above < HUGE_VAL), above, HUGE_VAL),
@@ -71,7 +79,8 @@ static void asphere_rings(const shape *s, slope_rings *out)
     }
 }
 
-/* Of a ray, or no less than any of a tile's: r0; how far from the axis it may have come from, and go. */
+/* For one ray, or for a tile the largest of its rays: r0, and how far from the axis the ray may come from
+ * and go to. */
 typedef struct ring_slopes { double r0, from, to; } ring_slopes;
 
 SGT_INLINE void ring_widen(ring_slopes *most, ring_slopes one)
@@ -80,7 +89,7 @@ SGT_INLINE void ring_widen(ring_slopes *most, ring_slopes one)
     most->to = larger(one.to, most->to);
 }
 
-/* K, or more; rises: n > 0. */
+/* K, or a little more.  rises: n > 0. */
 static double steepness(const slope_rings *g, ring_slopes way, bool rises)
 {
     const double *ahead = rises ? g->above : g->below, *behind = rises ? g->below : g->above;
@@ -98,7 +107,7 @@ static double steepness(const slope_rings *g, ring_slopes way, bool rises)
     return least * (1 + 0x1p-20);
 }
 
-/* Of all rays; q2 is the square of q. */
+/* For all rays.  q2 is the square of q. */
 SGT_KERNEL
 static void asphere_courses(const sgt_tile *tile, double *q2, ring_slopes *way)
 {
@@ -118,8 +127,9 @@ static void asphere_courses(const sgt_tile *tile, double *q2, ring_slopes *way)
 
 /* ---------------------------------------------------------------------- ring by ring */
 
-/* At most one root: on every piece F has none or rises, or on every piece none or falls.  s and u are in the
- * ranges told behind the point nearest the axis, in those of the other sign before it; NaN proves nothing. */
+/* All bits set if there is at most one root: on every piece F has none or rises, or on every piece F has
+ * none or falls.  s and u are in the ranges given behind the point nearest the axis, and in those with the
+ * other sign before it.  NaN proves nothing. */
 SGT_KERNEL
 static mask asphere_one_root(const slope_rings *g, const line *w)
 {
@@ -142,7 +152,7 @@ static mask asphere_one_root(const slope_rings *g, const line *w)
     return rises | falls;
 }
 
-/* Those that are left by sgt_lanes_monotone: all at once, or else each by itself. */
+/* For the rays that sgt_lanes_monotone leaves: all at once, then each by itself. */
 bool sgt_asphere_unique(const shape *s, const sgt_tile *tile, mask unique[])
 {
     double q2[SGT_TILE], k;
@@ -151,7 +161,7 @@ bool sgt_asphere_unique(const shape *s, const sgt_tile *tile, mask unique[])
     bool all = true, rise = false, fall = false;
     if (!(s->domain2 < 0x1p600 && s->domain2 > 0x1p-600)) return false;
     asphere_rings(s, &g);
-    k = steepness(&g, (ring_slopes){HUGE_VAL, 0, 0}, true); /* monotone all over */
+    k = steepness(&g, (ring_slopes){HUGE_VAL, 0, 0}, true); /* monotone everywhere */
     if (k * k < single_limit(s) && sgt_lanes_steeper(k * k, tile, unique)) return true;
     asphere_courses(tile, q2, way);
     for (size_t i = 0; i < tile->n; i++) {
@@ -191,16 +201,20 @@ static mask asphere_passed_by(const slope_rings *g, const line *w)
     return MASK(left == 0);
 }
 
-/* THE CONE, of all rays at once.  Along a ray that leaves the vertex plane r grows by no more than sqrt a a
- * unit of tau, and its height above that plane, on the side it goes to, by |n|.  From r0 and h0 where it
- * begins, at r it is at least h0 + q max(r - r0, 0) high.  A ring whose sag is less at its inner edge is
- * passed by.  A ring farther out than r0 may also be so flat that F is monotone in it, |dS/dr| < q: the ray
- * enters it above the surface, for it has passed by all rings before, and stays above.  So it does all the
- * way where it begins in the vertex, at t = 0, where F is 0: the start does not count.  (There r0 is a
- * little less than 0, so that the first ring is farther out, too.)  2^-40 is far more than rounding. */
+/* THE CONE, for all rays at once.  Take a ray that leaves the vertex plane.  In one unit of tau, r grows by
+ * at most sqrt a, and the height above that plane, on the side the ray goes to, grows by |n|.  The ray
+ * begins at r0 and h0, so at r it is at least h0 + q max(r - r0, 0) high.
+ *
+ * If the sag of a ring is less than that at its inner edge, the ray passes the ring.  A ring farther out
+ * than r0 may also be so flat that F is monotone in it: |dS/dr| < q.  The ray enters it above the surface,
+ * since it has passed all rings before, and stays above.
+ *
+ * The same holds all the way if the ray begins in the vertex, at t = 0, where F is 0: the start is not
+ * accepted.  (There r0 is set slightly below 0, so that the first ring is farther out too.)  2^-40 is far
+ * more than rounding. */
 typedef struct cones { double high[SGT_TILE], r[SGT_TILE], q[SGT_TILE]; } cones;
 
-/* How many are asked about that leave. */
+/* Sets asked[i] to those of the rays asked about that leave the vertex plane.  Returns their number. */
 SGT_KERNEL
 static double cones_of(const sgt_tile *tile, mask asked[], cones *e)
 {
@@ -239,8 +253,8 @@ static void asphere_over(const slope_rings *g, const sgt_tile *tile, const cones
     }
 }
 
-/* Of a ray that starts in the vertex, at t = 0: one root at most is the start itself, which does not count.
- */
+/* If the ray starts in the vertex at t = 0 and has at most one root, that root is the start itself, and is
+ * not accepted. */
 void sgt_asphere_pass(const shape *s, const sgt_tile *tile, mask passes[])
 {
     const sgt_rays *r = &tile->rays;
