@@ -22,7 +22,7 @@
  *
  * BOUNDS.  Let a ring be m +- h in rho.  P' differs from P'(m) by at most |P''(m)| h + third h^2 / 2, and P
  * from P(m) by at most |P'(m)| h + second h^2 / 2.  Here second and third are the bounds of `magnitude` at
- * the outer edge of the ring.  s and ds/drho are monotone.  2^-40 of all terms is added, far above rounding. */
+ * the outer edge of the ring.  s and ds/drho are monotone.  2^-40 of all terms is added for rounding. */
 #include "asphere.h"
 #include "../sag/piece.h"
 

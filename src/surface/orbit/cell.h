@@ -1,19 +1,21 @@
-/* cell.h - the formulas of a cell, orbit.h's, for one lane or many: p = 2 in numbers that may be doubles or
- * vectors of doubles, and the verdict at level N for one cell of any power.
+/* cell.h - the formulas of a cell (orbit.h), for one lane or many.  For p = 2 the numbers may be doubles
+ * or vectors of doubles.  The verdict at level N is for one cell of any power.
  *
- * No root of V2 is needed on the way: by 2 V h e <= V^2 h^2 / 4 + 4 e^2,
+ * E WITHOUT A ROOT.  No square root of V2 is needed on the way, because 2 V h e <= V^2 h^2 / 4 + 4 e^2:
  *     (V h + e)^2 <= 5/4 V^2 h^2 + 5 e^2    and    16 u h A V <= 8 u (A^2 + h^2 V^2).
- * With A2 = |Q|^2 and qv = <Q, v> known, a^2 - |q|^2 = 2 a^2 - A2 and a va - <q, vq> = 2 a va - qv; A2 is
- * off by 3 u A^2 and qv by 3 u A V, which is in the bounds of orbit.h.  Twice A is needed as a bound from
- * above: twice_root is one, at most 0.4 % too great, and at least by 4e-5; with 1.2501 and 5.001 for 5/4
- * and 5 no term of e is without a part in 10^5 of slack, so that what rounding takes from its sum is made
- * good at each level.
+ * Let A2 = |Q|^2 and qv = <Q, v>.  Then a^2 - |q|^2 = 2 a^2 - A2 and a va - <q, vq> = 2 a va - qv.  A2 is
+ * off by 3 u A^2 and qv by 3 u A V; the bounds of orbit.h include that.  An upper bound of 2 A is needed.
+ * twice_root is one: it is too large by at most 0.4 %, and by at least 4e-5.  5/4 and 5 are taken as
+ * 1.2501 and 5.001.  So every term of e has a part in 10^5 of slack, which covers the rounding of its sum
+ * at each level.
  *
- * OUTSIDE.  |Q + v s|^2 = A2 + 2 qv s + V2 s^2 over |s| <= h.  With x = |qv| h and y = V2 h^2 its least
- * value is A2 - 2 x + y where x >= y, else A2 - x^2 / y >= A2 - x: at least A2 - (x + max(x - y, 0)) in
- * either case.  Where that is above (E_k + e)^2, y <= (2 R* + 1)^2 A2: at level 0 the ball bounds it, and
- * later on sqrt(y') <= 2 sqrt(A2 y) <= A2 + y, where y < e' < A' and A2 <= A' + |c| (or y' = 0).  So all
- * that rounds, 12 u (A2 + A sqrt(y)) and less, is below 2^-47 (2 + R*) A2: `keep` is 1 less that. */
+ * OUTSIDE.  |Q + v s|^2 = A2 + 2 qv s + V2 s^2 over |s| <= h.  Let x = |qv| h and y = V2 h^2.  The least
+ * value is A2 - 2 x + y if x >= y, else A2 - x^2 / y >= A2 - x.  In both cases it is at least A2 - (x +
+ * max(x - y, 0)).
+ *
+ * If that is above (E_k + e)^2, then y <= (2 R* + 1)^2 A2.  At level 0 the ball bounds y.  Later sqrt(y')
+ * <= 2 sqrt(A2 y) <= A2 + y, where y < e' < A' and A2 <= A' + |c| (or y' = 0).  So all rounding, 12 u (A2
+ * + A sqrt(y)) and less, is below 2^-47 (2 + R*) A2.  `keep` is 1 less that. */
 #ifndef SGT_SURFACE_ORBIT_CELL_H
 #define SGT_SURFACE_ORBIT_CELL_H
 
@@ -21,8 +23,8 @@
 
 typedef union double_bits { double x; unsigned long long bits; } double_bits;
 
-/* Newton's step toward 1 / sqrt(x) ends below it; from a start within 3.43 % (the well-known constant, for
- * doubles: Lomont 2003), within 0.18 %. */
+/* Newton's step toward 1 / sqrt(x) ends below it.  The start is within 3.43 % (the well-known constant,
+ * for doubles: Lomont 2003), and the result within 0.18 %. */
 #define HALF_WAY 0x5fe6eb50c7b537a9ULL
 SGT_INLINE void one_guess(const double *x, double *r)
 {
@@ -33,11 +35,12 @@ SGT_INLINE void one_guess(const double *x, double *r)
 SGT_INLINE void one_magnitude(const double *x, double *r) { *r = fabs(*x); }
 SGT_INLINE void one_positive(const double *x, double *r) { *r = *x > 0 ? *x : 0; }
 
-/* What cells of one set share: |c|, and of each step 8 u |c|; `keep` above; beyond `far` no open cell comes
- * to anything. */
+/* What the cells of a set share: |c|; 8 u |c|, the rounding of a step; `keep` of the head; and `far`, a
+ * bound on |Q|^2 beyond which an open cell is of no use. */
 typedef struct circle { double c_abs, round, keep, far; } circle;
 
-/* `name` is a cell at one of its levels; `room` is positive where it is outside. */
+/* Defines `name`, a cell at one of its levels, for numbers of type `real`.  `room` is positive if it is
+ * outside. */
 #define SGT_SQUARES(name, real)                                                                          \
     typedef struct name {                                                                                \
         real a, b, c, d, va, vb, vc, vd, e, A2, V2, qv;                                                  \
@@ -78,7 +81,7 @@ typedef struct circle { double c_abs, round, keep, far; } circle;
         s->a = (two_a * s->a - s->A2) + c->a, s->b = two_a * s->b + c->b;                                \
         s->c = two_a * s->c + c->c, s->d = two_a * s->d + c->d;                                          \
     }                                                                                                    \
-    /* d and the error of Q at the middle itself, likewise; 2 A, V2, e of the level before */            \
+    /* d and the error of Q at the middle, likewise, from 2 A, V2, e of the level before */            \
     SGT_INLINE void name##_slope(const real *A_twice, const real *V2, const real *e, const real *h,      \
                                  double round, real *d, real *center)                                    \
     {                                                                                                    \
@@ -95,9 +98,9 @@ static inline circle circle_of(const path *w)
 {
     double most = 0;
     for (int k = w->mandelbrot ? 1 : 0; k < w->iterations; k++) most = larger(most, w->escape[k]);
-    /* A cell whose middle is so far outside, |Q|^2 > 3 E_k^2, and that is not outside as a whole, will not
-     * be at a later level either: its bounds grow as fast.  Nothing but time depends on it (1.2: 15 % more
-     * cells; 64: 3 % more levels). */
+    /* If the middle of a cell is so far outside that |Q|^2 > 3 E_k^2, and the cell is not outside as a
+     * whole, it will not be outside at a later level either: its bounds grow as fast.  Only time depends
+     * on the 3 (1.2: 15 % more cells; 64: 3 % more levels). */
     return (circle){w->c_abs, 8 * SGT_U * w->c_abs, 1 - 0x1p-47 * (2 + w->escape[w->mandelbrot ? 1 : 0]),
                     3 * most * most};
 }
@@ -106,12 +109,13 @@ static inline circle circle_of(const path *w)
 
 typedef struct pair_norms { double A2, V2, qv; } pair_norms;
 
-/* A cell that is less steep, |<Q, v>| <= 3 V2 h, is seldom monotone, and of little use if it is: with 1 as
- * many evaluations, and a third more cells looked at for their slope; with 4 the same. */
+/* A cell that is less steep, |<Q, v>| <= 3 V2 h, is seldom monotone, and of little use if it is.  With 1
+ * in place of 3 the evaluations are as many, and a third more cells are examined for their slope.  With 4
+ * it is the same. */
 #define STEEP 3.0
 
-/* At level N: 1 if it is inside; 2 if it may be monotone, or g so near its rounding that W and g_err are
- * wanted. */
+/* At level N.  Returns 1 if the cell is inside.  Returns 2 if W and g_err are wanted: the cell may be
+ * monotone, or g may be near its rounding. */
 SGT_INLINE double judge(double E, double E_err, pair_norms at, double V, double e, double h)
 {
     double slack = 1 + 0x1p-38, room = (E - E_err) * (1 - 0x1p-50) - e * slack, qv = fabs(at.qv),
@@ -125,7 +129,7 @@ SGT_INLINE double judge(double E, double E_err, pair_norms at, double V, double 
 
 typedef struct orbit_bounds { double W, g_err; } orbit_bounds;
 
-/* With d and the bound `center` of what Q at m itself is off by. */
+/* W and g_err, from d and `center`, the bound on the error of Q at m. */
 SGT_INLINE orbit_bounds judge_slope(double E, double E_err, pair_norms at, double A, double V, double e,
                                     double d, double center, double h)
 {
@@ -135,16 +139,19 @@ SGT_INLINE orbit_bounds judge_slope(double E, double E_err, pair_norms at, doubl
                               4 * (E + E_err) * (E_err + SGT_U * E)};
 }
 
-/* What a cell at level N says of a root: where it is, m + [lo, hi], if the cell is monotone; what Newton's
- * method takes off m, F / F' of F = tanh(log(|Q_N| / E)), which is nearly linear where |Q_N|^2 is not; by
- * how much of itself the slope varies, in a unit of length. */
+/* What a cell at level N says of a root:
+ *
+ *   lo, hi  if the cell is monotone, the root is in m + [lo, hi]
+ *   newton  Newton's step: m - newton.  It is F / F' of F = tanh(log(|Q_N| / E)), which is nearly linear
+ *           where |Q_N|^2 is not
+ *   wide    by what part of itself the slope varies, per unit of length */
 typedef struct sighting { double lo, hi, newton, wide; } sighting;
 
 SGT_INLINE sighting sight(double E2, double A2, double qv, double W, double g_err, double h)
 {
     double g = A2 - E2, size = fabs(g), steep = fabs(qv), slack = 1 + 0x1p-48, least = size - g_err;
     double far = (size + g_err) / (2 * (steep - W)) * slack, near = least / (2 * (steep + W)) * (1 - 0x1p-48);
-    near = least > 0 ? near : -far; /* it may be on either side */
+    near = least > 0 ? near : -far; /* on either side */
     double behind = g > 0 ? -qv : qv;
     return (sighting){behind > 0 ? near : -far, behind > 0 ? far : -near, g * (A2 + E2) / (4 * E2 * qv),
                       W / (steep * h)};

@@ -1,8 +1,8 @@
-/* course.h - how a march over a level set goes on: the same for one ray and for many.
+/* course.h - how a march over a level set goes on, for one ray and for many.
  *
- * The ray is made local at its point nearest the centre of the set's ball (the set lies in |Q_0| <= E_0),
- * and the ball cuts it to a chord.  `decide` says what a cell's verdict comes to, `narrow` what it does to
- * a root's bracket; what is rare they leave to the caller. */
+ * The set lies in the ball |Q_0| <= E_0.  The ray is made local at its point nearest the centre of the
+ * ball, and the ball cuts it to a chord.  `decide` turns the verdict of a cell into the next step of the
+ * march.  `narrow` applies a verdict to the bracket of a root.  Both leave rare cases to the caller. */
 #ifndef SGT_SURFACE_ORBIT_COURSE_H
 #define SGT_SURFACE_ORBIT_COURSE_H
 
@@ -28,8 +28,9 @@ SGT_INLINE void path_of(const orbit *o, sgt_vec3 at, double l, double m, double 
                     fabs(at.z) * o->z_length;
 }
 
-/* E_k = limit + over, and over is `growth` times greater at each level: orbit.h's tangent, taken from E_N
- * to the first level and back.  All rounded up: growth below the true one. */
+/* E_k = limit + over, where `over` is `growth` times greater at each level.  This is the tangent of
+ * orbit.h, taken from E_N to the first level and back.  All is rounded up, so growth is below the true
+ * one. */
 typedef struct escape { double limit, over, growth; } escape;
 
 static inline escape escape_of(const orbit *o)
@@ -41,7 +42,7 @@ static inline escape escape_of(const orbit *o)
     return s;
 }
 
-/* What a path has of its set. */
+/* Copies to a path what it takes from its set. */
 static inline void set_of(const orbit *o, path *w)
 {
     w->c = o->c, w->c_abs = o->c_abs, w->E = o->E, w->E_err = o->E_err;
@@ -52,7 +53,7 @@ static inline void set_of(const orbit *o, path *w)
         w->escape[k] = s.limit + s.over;
 }
 
-/* The ray's point nearest the centre: where, and how near. */
+/* The point of the ray nearest the centre: where it is, and how near. */
 typedef struct course_approach { double middle, off2, V, slip; } course_approach;
 
 SGT_INLINE course_approach course_approach_of(const path *w)
@@ -62,9 +63,9 @@ SGT_INLINE course_approach course_approach_of(const path *w)
     return (course_approach){b, quaternion_dot(off, off), sqrt(V2), 32 * SGT_U * w->along_size};
 }
 
-/* Half the chord of the ball |Q| <= radius; negative: passes by; NaN or infinite: out of range.  `along` is
- * off by `slip` (much of it, where axes nearly cancel), which over the chord moves the ray by slip times
- * its half, at most the radius over what is left of |along|. */
+/* Half the chord of the ball |Q| <= radius.  Negative: the ray passes outside.  NaN or infinite: out of
+ * range.  `along` is off by `slip` (a large part of it, if axes nearly cancel).  Over the chord that moves
+ * the ray by slip times half the chord, at most the radius over what is left of |along|. */
 SGT_INLINE double half_chord(const path *w, const course_approach *a, double radius)
 {
     double err = 32 * SGT_U * w->start_size + a->slip * (fabs(a->middle) + 4 * radius / (a->V - a->slip));
@@ -73,8 +74,8 @@ SGT_INLINE double half_chord(const path *w, const course_approach *a, double rad
     return a->V > 2 * a->slip ? left < 0 ? -1 : half : HUGE_VAL;
 }
 
-/* The ray with its origin moved to its point nearest the centre of the ball, and the chord there: half of
- * it, negative where the ray passes by. */
+/* Moves the origin of the ray to its point nearest the centre of the ball, and gives the chord there.
+ * Returns half the chord; it is negative if the ray passes outside. */
 SGT_INLINE double chord_of(const orbit *o, double radius, const sgt_ray *ray, local *q, path *w, double *lo,
                            double *hi)
 {
@@ -89,7 +90,7 @@ SGT_INLINE double chord_of(const orbit *o, double radius, const sgt_ray *ray, lo
     return half;
 }
 
-/* Roots at the very ends are to be inside: whoever adds a root has the last word. */
+/* Keeps roots at the very ends inside.  The code that adds a root decides about them. */
 SGT_INLINE void cut_to_ends(const local *q, double tmin, double tmax, double *lo, double *hi)
 {
     double slack = 0x1p-44 * (fabs(*lo) + fabs(*hi)) + 0x1p-50 * fabs(q->t0);
@@ -99,8 +100,9 @@ SGT_INLINE void cut_to_ends(const local *q, double tmin, double tmax, double *lo
 
 /* ------------------------------------------------------------------- the march */
 
-/* Where a march is, and the length of the next cell; by what it has lately been growing, or shrinking; the
- * sign of F where the cells so far end, 0 where it is not known. */
+/* The state of a march.  tau: where it is.  hi: its end.  h: half the next cell.  growth: by what factor h
+ * has lately been growing or shrinking.  side: the sign of F where the cells so far end, 0 if it is not
+ * known. */
 typedef struct course { double tau, hi, h, growth, side; } course;
 
 SGT_INLINE double grown(double growth)
@@ -115,8 +117,8 @@ SGT_INLINE double shrunk(double growth)
     return larger(less < 1.2 ? less : 1.2, 0.7);
 }
 
-/* The first course, over [lo, hi] of a chord that begins at `from`.  Who starts within the ball may well
- * start on the surface, and leaves it with cells that are longer and longer. */
+/* The first course, over [lo, hi] of a chord that begins at `from`.  A ray that starts within the ball may
+ * well start on the surface, so it starts with a short cell, and cells become longer fast. */
 SGT_INLINE course first_course(double from, double lo, double hi)
 {
     bool within = lo > from;
@@ -127,11 +129,11 @@ static inline void faster(course *k) { k->growth = grown(k->growth), k->h *= k->
 
 static inline void slower(course *k) { k->growth = shrunk(k->growth), k->h *= 0.5; }
 
-/* The next double above x.  Rarely needed: in line it costs the march registers, 2.4 % of its
- * instructions. */
+/* The next double above x.  It is rarely needed.  Inline, it would cost the march registers, and 2.4 %
+ * more instructions. */
 SGT_NOINLINE static double next_double(double x) { return sgt_next_above(x); }
 
-/* A cell as it is laid: [tau, end], or what is left of [tau, hi], about m; h is as it came out. */
+/* A cell as laid: [tau, end] about m, or what is left of [tau, hi].  h is as computed. */
 typedef struct place { double m, h, end; } place;
 
 static inline place lay(const course *k)
@@ -141,14 +143,15 @@ static inline place lay(const course *k)
     return (place){m, larger(m - tau, end - m), end};
 }
 
-/* A root's bracket [lo, hi], and m, the best guess at it; where the signs of F as computed say it is, [a,
- * b], a guide and no proof; half the next cell to look at, h, about m; 1 if F falls, -1 if it rises. */
+/* The bracket [lo, hi] of a root.  m is the best guess.  [a, b] is where the signs of F as computed place
+ * it: a guide, not a proof.  h is half the next cell about m to look at.  falls is 1 if F falls, -1 if it
+ * rises. */
 typedef struct bracket { double lo, hi, a, b, m, h, falls, looks; } bracket;
 
 static inline double root_error(const bracket *p) { return larger(p->hi - p->m, p->m - p->lo); }
 
-/* A step s of Newton's method, where the slope varies by W over h, ends within W s^2 / (2 |qv| h) of the
- * root and a little: the next cell is twice as long. */
+/* If the slope varies by W over h, a Newton step s ends within W s^2 / (2 |qv| h) of the root and a little
+ * more.  The next cell is twice as long. */
 static inline void step_to(bracket *p, double from, double step, double wide, double least)
 {
     double next = from - step;
@@ -158,8 +161,8 @@ static inline void step_to(bracket *p, double from, double step, double wide, do
     p->m = next;
 }
 
-/* The sign of F in the middle of a cell as computed, a guide and no proof; e->level < levels: it is
- * outside. */
+/* The sign of F in the middle of a cell as computed: a guide, not a proof.  If e->level < levels, the
+ * middle is outside. */
 static inline double seen_in_middle(const cell *e, int levels, double E2)
 {
     return e->level < levels ? 1 : e->verdict == CELL_INSIDE ? -1 : e->A2 - E2;
@@ -167,14 +170,16 @@ static inline double seen_in_middle(const cell *e, int levels, double E2)
 
 typedef enum turn { ON, ROOT, ACROSS, RARE } turn;
 
-/* What a cell's verdict comes to:
- *     ON      the course is set to the next cell
- *     ROOT    and its bracket; the course is set to the cell behind it
- *     ACROSS  [tau, m] is no longer than t_tol, and F seems to change its sign there: look at m alone, then
- *         `found_across`
- *     RARE    none of these; the course and the cell as they are, but for its h.
- * Whatever t_tol is, the cells are the same until ROOT or ACROSS: it costs one look at most, and as a rule
- * saves some. */
+/* What follows from the verdict of a cell:
+ *
+ *   ON      The course is set to the next cell.
+ *   ROOT    Its bracket is in *p, and the course is set to the cell behind it.
+ *   ACROSS  [tau, m] is no longer than t_tol, and F seems to change its sign there.  Look at m only, then
+ *           call `found_across`.
+ *   RARE    None of these.  The course and the cell are unchanged, except for h of the course.
+ *
+ * The cells do not depend on t_tol until ROOT or ACROSS.  t_tol costs at most one look, and mostly saves
+ * some. */
 static inline turn decide(course *k, const place *at, const cell *e, const sighting *n, int levels, double E2,
                           double t_tol, double least, bracket *p)
 {
@@ -187,7 +192,8 @@ static inline turn decide(course *k, const place *at, const cell *e, const sight
     if (e->verdict == CELL_MONOTONE) {
         double falls = e->qv < 0 ? 1 : -1, side = k->side; /* F falls along the ray, or rises */
         if (side == 0) {
-            /* before the cell, or in it?  One that begins earlier will tell, or is shorter */
+            /* Is the root before the cell, or in it?  A cell that begins earlier, or a shorter one, will
+             * tell. */
             if (n->lo < -h && n->hi > -h) {
                 double width = larger(n->hi - n->lo, least);
                 if (h <= 4 * least) return RARE;
@@ -195,7 +201,7 @@ static inline turn decide(course *k, const place *at, const cell *e, const sight
                 else slower(k);
                 return ON;
             }
-            side = n->lo >= -h ? falls : -falls; /* the root is behind the start of the cell, or before it */
+            side = n->lo >= -h ? falls : -falls; /* root behind the start of the cell, or before it */
         }
         if (side != falls || n->lo > h) {
             k->side = side, k->tau = end, faster(k);
@@ -221,8 +227,9 @@ static inline turn decide(course *k, const place *at, const cell *e, const sight
     return ON;
 }
 
-/* The end of ACROSS; v: the verdict of m alone, h = 0.  true: a root is certain within *err of *root.  false:
- * rounding hides the sign at m, and may do so in the next cells; the ray goes on without a tolerance. */
+/* Ends ACROSS, with the verdict v of m only (h = 0).  Returns true if a root is certain within *err of
+ * *root.  Returns false if rounding hides the sign at m.  It may do so in the next cells too, so the ray
+ * goes on without a tolerance. */
 static inline bool found_across(course *k, const place *at, cell_verdict v, double *t_tol, double *root,
                                 double *err)
 {
@@ -239,11 +246,11 @@ static inline bool found_across(course *k, const place *at, cell_verdict v, doub
 
 /* ------------------------------------------------------------------- the fast way */
 
-/* What an estimate needs of the set, whatever the point.  c and Im Q span two dimensions: with Im c on one
- * axis, the norm of Q follows from (a, b, |rest|^2). */
+/* What an estimate needs of the set, whatever the point.  c and Im Q span two dimensions.  With Im c on
+ * one axis, the norm of Q follows from (a, b, |rest|^2). */
 typedef struct estimator { quaternion along_c; double im, E2, power2, inverse_length; } estimator;
 
-/* c: of the Mandelbrot set the point. */
+/* c: for the Mandelbrot set the point. */
 SGT_INLINE estimator estimator_of(const orbit *o, quaternion c)
 {
     double im = sqrt(c.b * c.b + c.c * c.c + c.d * c.d), inverse = im > 0 ? 1 / im : 0;
@@ -254,7 +261,7 @@ SGT_INLINE estimator estimator_of(const orbit *o, quaternion c)
                        .inverse_length = 1 / larger(o->x_length, larger(o->y_length, o->z_length))};
 }
 
-/* An orbit in the plane of 1 and Im c, and what it has of the rest: |rest|^2.  growth >= |dQ_k/dQ_0|. */
+/* An orbit in the plane of 1 and Im c, with |rest|^2 outside that plane.  growth >= |dQ_k/dQ_0|. */
 typedef struct slice_orbit { double a, b, rest, A2, growth2; } slice_orbit;
 
 #define FAR_ENOUGH 128 /* of A2 / E^2: beyond it the estimate hardly changes */
@@ -276,8 +283,8 @@ SGT_INLINE slice_orbit slice_orbit_squared(slice_orbit q, const estimator *s, bo
     return q;
 }
 
-/* The distance, and F itself.  Hart's estimate is of |Q|; log(x) >= 3 (x^2 - 1) / (x^2 + 4 x + 1), x >= 1
- * (Pade), is near enough for x < 12. */
+/* The distance, and F itself in *f.  Hart's estimate contains log|Q|.  log(x) >= 3 (x^2 - 1) / (x^2 + 4 x
+ * + 1) for x >= 1 (Pade) is close enough for x < 12. */
 SGT_INLINE double estimate_of(const estimator *s, double A2, double growth2, double *f)
 {
     double x2 = A2 / s->E2, x = sqrt(x2),
@@ -290,7 +297,8 @@ SGT_INLINE double estimate_of(const estimator *s, double A2, double growth2, dou
 
 /* ------------------------------------------------------------------- a root's bracket */
 
-/* Takes a look at p->m, p->h into account.  false: it is as narrow as wanted, or as it will be. */
+/* Applies a look at p->m, p->h.  Returns false if the bracket is as narrow as wanted, or cannot become
+ * narrower. */
 static inline bool narrow(bracket *p, const cell *e, const sighting *n, int levels, double E2, double wanted,
                           double least)
 {
@@ -307,11 +315,11 @@ static inline bool narrow(bracket *p, const cell *e, const sighting *n, int leve
             p->lo = larger(p->lo, m + n->lo - slip), p->hi = -larger(-p->hi, -(m + n->hi + slip));
             p->a = p->lo, p->b = p->hi;
             step_to(p, m, n->newton, n->wide, least);
-            /* nothing more to be had of the bracket */
+            /* The bracket cannot become narrower, */
             bool to_rounding = p->hi - p->lo <= 8 * e->g_err / fabs(e->qv);
-            /* and Newton's step has settled */
+            /* and Newton's step has settled. */
             if (root_error(p) <= wanted || (to_rounding && p->h <= 2 * least)) return false;
-        } else { /* a cell has to hold what rounding leaves of the root */
+        } else { /* the cell has to hold what rounding leaves of the root */
             step_to(p, m, n->newton, n->wide, larger(least, larger(h, 4 * e->g_err / fabs(e->qv))));
         }
     } else {
@@ -323,18 +331,18 @@ static inline bool narrow(bracket *p, const cell *e, const sighting *n, int leve
 
 /* ------------------------------------------------------------------- a root */
 
-/* In (tmin, tmax], and not the start itself: sgt_ray in sagitta.h has the rule. */
+/* Is the root in (tmin, tmax], and not the start itself (the rule of sgt_ray in sagitta.h)? */
 SGT_INLINE bool root_accepted(const meeting *h, const local *q, double tmin, double tmax)
 {
     double terms = fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z * h->n.z);
     double slope = fabs(h->n.x * q->l + h->n.y * q->m + h->n.z * q->n),
            gap = h->t - tmin - h->t_err - 8 * SGT_U * fabs(h->t);
-    /* F = 1, to rounding: 0 and 0 */
+    /* Where F = 1 to rounding, both sides are 0. */
     bool started = (tmin == -HUGE_VAL) | ((gap > 0) & (gap * slope >= START_ULPS * terms * q->scale));
     return started & (h->t <= tmax);
 }
 
-/* t is in range, in lengths of d. */
+/* Is t in range, in lengths of d? */
 SGT_INLINE bool root_in_range(const meeting *h) { return (h->t_err < HUGE_VAL) & (fabs(h->t) < HUGE_VAL); }
 
 #endif

@@ -1,19 +1,19 @@
-/* julia.c - level sets of Q^p + c, as surfaces: the quaternion Julia and Mandelbrot sets.
+/* julia.c - level sets of Q^p + c as surfaces: the quaternion Julia and Mandelbrot sets.
  *
- * value.c has F at a point, level.c and level_batch.c the roots along a ray.
+ * value.c has F at a point.  level.c and level_batch.c have the roots along a ray.
  *
  * Tests: tests/oracle/test_levels.cpp, test_brute.cpp, test_ceres.cpp, tests/unit/test_levels.c. */
 #include "level.h"
 
 #include "course.h"
 
-/* About the middle of t, in the scaled direction: of a d that is very short the squares would be lost.
- * Where the ray is so far off that squares overflow nothing is said. */
+/* Encloses about the middle of t, along the scaled direction: if d is very short, squares would be lost.
+ * If the ray is so far away that squares overflow, nothing is known. */
 static sgt_interval enclose_by(const orbit *o, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
     path w;
     double scale = scale_of(ray->d), lo = t.lo / scale, hi = t.hi / scale, m = 0.5 * lo + 0.5 * hi;
-    double h = larger(hi - m, m - lo) * (1 + 4 * SGT_U) + 0x1p-1070; /* what has underflown */
+    double h = larger(hi - m, m - lo) * (1 + 4 * SGT_U) + 0x1p-1070; /* for underflow */
     *slope = (sgt_interval){-HUGE_VAL, HUGE_VAL};
     if (t.lo > t.hi) return *slope = (sgt_interval){HUGE_VAL, -HUGE_VAL};
     local q = local_at(ray, m, 0);

@@ -1,46 +1,52 @@
 /* level.c - every root of a level set |Q_N| = E along a ray, in order, none missed.
  *
- * The ray is made local at its point nearest the centre of the set's ball (the set lies in |Q_0| <= E_0);
- * the ball cuts it to a chord, and a ray that passes by is done.  The chord is covered by cells, nearest
- * first; orbit.h says what makes a cell outside, inside or monotone.  Outside and inside cells hold no
- * root.  In a monotone cell |Q_N|^2 has a slope between S- and S+ of one sign, so the root of the whole, if
- * there is one, lies in m - (|Q_N(m)|^2 - E^2 -+ g_err) / [S-, S+] (interval Newton; Moore 1966, Nickel
- * 1971): wholly inside the cell it exists and is the only one; beyond the cell's end, the part before it is
- * free of roots; before its start there is none, since the side on which the cell begins is known: it is
- * that of the cell before.  A cell that is none of these is made smaller, unless its variation is already
- * below the rounding of |Q_N|^2: then it joins an undecided stretch, which ends with the next cell that is
- * decided: unlike sides are a crossing; like ones a graze if |F| was within a few roundings all over it,
- * else UNPROVEN.
+ * THE CHORD.  The set lies in the ball |Q_0| <= E_0.  The ray is made local at its point nearest the
+ * centre of the ball, and the ball cuts it to a chord.  A ray that passes outside is a miss.
  *
- * h is halved after a failure, and after a success multiplied by a factor that itself has grown, by 1.08
- * and beyond 1.2 by 1.15 (to 2 at most), and after a failure shrunk by 0.8 (to between 0.7 and 1.2): on the
- * way toward a surface cells have to shrink, and learn it; on the way from one they have to grow.  A flat
- * optimum among some dozens tried: fixed factors of 1.15 and 0.35 take 7 % more levels of the orbit on rays
- * from without, and a factor of at most 1.2 twice the cells on rays that start on the surface.  A Newton
- * step out of a failed cell could only shorten it.
+ * THE CELLS cover the chord, nearest first.  orbit.h defines outside, inside and monotone.  Outside and
+ * inside cells hold no root.  In a monotone cell |Q_N|^2 has a slope between S- and S+ of one sign.  So a
+ * root, if it exists, lies in m - (|Q_N(m)|^2 - E^2 -+ g_err) / [S-, S+] (interval Newton; Moore 1966,
+ * Nickel 1971).  There are three cases:
+ * - That interval is wholly inside the cell: the root exists and is the only one.
+ * - It is beyond the cell's end: the part before it is free of roots.
+ * - It is before the cell's start: there is no root.  The side on which the cell begins is known from the
+ *   cell before.
  *
- * THE START.  A ray that starts on the surface has no cell before it that tells the side.  A monotone cell
- * about the start whose root may be on either side of its end is laid a little earlier, to have the root
- * within; that root does not count, and behind it the side is known.  Such rays start with a short cell,
- * which doubles (first_course).
+ * A cell that is none of these is made smaller, unless its variation is already below the rounding of
+ * |Q_N|^2.  Then it joins an undecided stretch, which ends with the next decided cell.  Unlike sides are a
+ * crossing.  Like ones are a graze if |F| was within a few roundings all over the stretch, else UNPROVEN.
  *
- * T_TOL ends a root's bracket as soon as it is narrow enough.  It also ends a cell that is not decided, if
- * its first half is no longer than t_tol and F seems to have another sign in its middle than at its start.
- * One look at the middle alone makes the change of sign certain, and it is told as a root.  Where neither
+ * THE LENGTH OF A CELL.  h is halved after a failure, and multiplied by a factor after a success.  The
+ * factor itself grows with each success by 1.08, beyond 1.2 by 1.15, to at most 2.  With each failure it
+ * is multiplied by 0.8, to between 0.7 and 1.2.  On the way toward a surface cells have to shrink, and
+ * learn it; on the way from it they have to grow.  This is a flat optimum among some dozens tried.  Fixed
+ * factors of 1.15 and 0.35 take 7 % more levels of the orbit on rays from outside.  A factor of at most
+ * 1.2 takes twice the cells on rays that start on the surface.  A Newton step out of a failed cell could
+ * only shorten it.
+ *
+ * THE START.  A ray that starts on the surface has no cell before it that gives the side.  If the root of
+ * a monotone cell about the start may be on either side of the cell's beginning, the cell is laid slightly
+ * earlier, so that the root is inside.  That root is not accepted, and behind it the side is known.  Such
+ * rays start with a short cell, which doubles (first_course).
+ *
+ * T_TOL ends the bracket of a root as soon as it is narrow enough.  It also ends an undecided cell if its
+ * first half is at most t_tol long and F seems to have another sign in its middle than at its start.  One
+ * look at the middle only makes the change of sign certain, and it is reported as a root.  If neither
  * helps, the cells are those without t_tol.
  *
- * A root's bracket is narrowed by interval Newton, each cell about where Newton's method on F takes the
- * last one's middle (F is tanh(log(|Q_N| / E)), nearly linear over many lengths where |Q_N|^2 is not), and
- * as wide as by the slope's variation the guess may be off: three cells, as a rule, to rounding.
+ * A BRACKET is narrowed by interval Newton.  Each cell lies where Newton's method on F takes the middle of
+ * the last one.  (F is tanh(log(|Q_N| / E)), nearly linear over many lengths where |Q_N|^2 is not.)  It is
+ * as wide as the guess may be off by the variation of the slope.  Mostly three cells reach rounding.
  *
- * UNDER PROOF a root has to be in a monotone cell that is twice as long as [t - t_err, t + t_err]: then it
- * is there, since F changes sign, and the only one.  From far away one ulp of t, and so t_err, may be wide
- * for the set.  Then a shorter cell about the root is monotone, and the rest of [t - t_err, t + t_err] is
- * covered by cells without a root.  t_tol is not read (a change of sign over so much may be of three
- * roots), nor is dt_min.
+ * UNDER PROOF a root has to be in a monotone cell twice as long as [t - t_err, t + t_err].  Then it
+ * exists, since F changes sign, and is the only one.  From far away one ulp of t, and so t_err, may be
+ * long compared with the set.  Then a shorter cell about the root is monotone, and the rest of [t - t_err,
+ * t + t_err] is covered by cells without a root.  t_tol is not read, because a change of sign over that
+ * much may be of three roots.  dt_min is not read either.
  *
- * THE FAST WAY, dt_min > 0: steps of the larger of dt_min and Hart's estimate A log(A / E) / (2 |dQ_N/dp|),
- * F looked at between them; a change of sign is a bracket for Newton's method.  Thin parts are passed by. */
+ * THE FAST WAY, dt_min > 0: steps of the larger of dt_min and Hart's estimate A log(A / E) / (2
+ * |dQ_N/dp|).  F is evaluated between them, and a change of sign is a bracket for Newton's method.  Thin
+ * parts may be skipped. */
 #include "level.h"
 
 #include "course.h"
@@ -82,7 +88,7 @@ static void tell_of(level_walk *w, sgt_move move, double tau, double lo, double 
     w->done = w->done || w->told.stopped;
 }
 
-/* One evaluation more, at tau. */
+/* Counts one more evaluation, at tau. */
 SGT_INLINE void look_on(level_walk *w, sgt_move move, double tau, double lo, double hi)
 {
     if (w->told.opt->watch) tell_of(w, move, tau, lo, hi);
@@ -113,9 +119,9 @@ bool sgt_level_unique(const orbit *o, path *w, const sgt_ray *ray, double t, dou
     return sgt_orbit_monotone(w, (t / q.scale - q.t0) + t_lo / q.scale, 2 * (t_err / q.scale));
 }
 
-enum { PROOF_CELLS = 256 }; /* of one side; some dozen, as a rule */
+enum { PROOF_CELLS = 256 }; /* on one side; mostly about a dozen */
 
-/* No root lies in [lo, hi]; h: half the first cell.  false: some cell cannot tell. */
+/* True if no root lies in [lo, hi].  h: half the first cell.  False if some cell cannot tell. */
 static bool free_of_roots(level_walk *w, double lo, double hi, double h)
 {
     course k = {.tau = lo, .hi = hi, .h = h};
@@ -137,7 +143,7 @@ static bool free_of_roots(level_walk *w, double lo, double hi, double h)
     return true;
 }
 
-/* The root within tau_err of tau is the only one in [t - t_err, t + t_err]. */
+/* Is the root within tau_err of tau the only one in [t - t_err, t + t_err]? */
 static bool only_root(level_walk *w, const meeting *h, double tau, double tau_err)
 {
     double far = h->t_err / w->q.scale;
@@ -152,8 +158,8 @@ static bool only_root(level_walk *w, const meeting *h, double tau, double tau_er
            free_of_roots(w, tau + inner, t + end, half);
 }
 
-/* A root within tau_err of tau, or a graze: an entry, unless it is before or after the ray's ends, or its
- * start.  false: the watcher has stopped the search before. */
+/* Adds a root or a graze within tau_err of tau, unless it is outside the ray's ends or is the start.
+ * Returns false if the watcher has stopped the search before. */
 static bool add_root(level_walk *w, sgt_status status, double tau, double tau_err)
 {
     meeting h;
@@ -192,7 +198,7 @@ static bool add_root(level_walk *w, sgt_status status, double tau, double tau_er
 
 /* ----------------------------------------------------------- the certified march */
 
-/* A root in the bracket.  false: the search was stopped before it was told. */
+/* Finds the root in the bracket.  Returns false if the search stopped before it was reported. */
 static bool level_polish(level_walk *w, bracket *p)
 {
     double E2 = w->path.E * w->path.E, wanted = larger(w->t_tol, w->least);
@@ -207,11 +213,11 @@ static bool level_polish(level_walk *w, bracket *p)
     return !w->told.stopped && add_root(w, SGT_HIT, p->m, root_error(p));
 }
 
-/* A stretch where rounding hides the sign of F: before it, behind it, and whether |F| was within a few of its
- * roundings all over. */
+/* A stretch where rounding hides the sign of F.  It begins at lo; side is the sign of F before it.
+ * touches: |F| was within a few of its roundings all over. */
 typedef struct dark_stretch { bool any, touches; double lo; int side; } dark_stretch;
 
-/* It ends at tau, with a cell where F has the sign `here`.  false: not told. */
+/* Ends it at tau, with a cell where F has the sign `here`.  Returns false if it was not reported. */
 static bool end_dark(level_walk *w, const dark_stretch *dark, double tau, double here)
 {
     double middle = 0.5 * (dark->lo + tau), half = 0.5 * (tau - dark->lo) * (1 + 4 * SGT_U);
@@ -221,7 +227,7 @@ static bool end_dark(level_walk *w, const dark_stretch *dark, double tau, double
     return true;
 }
 
-/* Cells that the march may come to next, looked at together. */
+/* Cells that the march may need next, looked at together. */
 typedef struct ahead { double m[4], h[4]; cell seen[4]; bool known[4]; } ahead;
 
 static const cell *level_look_at(const level_walk *w, ahead *a, place at, course k)
@@ -237,7 +243,7 @@ static const cell *level_look_at(const level_walk *w, ahead *a, place at, course
     return &a->seen[0];
 }
 
-/* The march proper, over [lo, hi] of a chord that begins at `start`. */
+/* The march over [lo, hi] of a chord that begins at `start`. */
 static void level_march(level_walk *w, double start, double lo, double hi)
 {
     double E2 = w->path.E * w->path.E;
@@ -257,7 +263,7 @@ static void level_march(level_walk *w, double start, double lo, double hi)
         sighting n = {0, 0, 0, 0};
         double falls = e->qv < 0 ? 1 : -1;
         if (monotone) n = sight_of(E2, e, h);
-        /* a root before the cell, or in it? */
+        /* Is the root before the cell, or in it? */
         bool about = monotone && k.side == 0 && n.lo < -h && n.hi > -h;
         if (dark.any && about && n.hi < h) { /* behind the root, if it is one, the sign is known */
             if (!end_dark(w, &dark, m + n.hi, -falls)) break;
@@ -278,7 +284,7 @@ static void level_march(level_walk *w, double start, double lo, double hi)
         case ON: continue;
         case ROOT:
             if (level_polish(w, &root)) continue;
-            k.tau = tau; /* the root is a part of what is left */
+            k.tau = tau; /* the root is part of what is left */
             goto end;
         case ACROSS: {
             cell middle;
@@ -289,12 +295,12 @@ static void level_march(level_walk *w, double start, double lo, double hi)
             if (w->done) goto end;
             if (!found_across(&k, &at, middle.verdict, &w->t_tol, &found, &err)) continue;
             if (add_root(w, SGT_HIT, found, err)) continue;
-            k.tau = tau; /* the root is a part of what is left */
+            k.tau = tau; /* the root is part of what is left */
             goto end;
         }
         case RARE: break;
         }
-        if (about && !dark.any) { /* at the very start, which is on the surface: from before it */
+        if (about && !dark.any) { /* the start is on the surface: begin before it */
             k.tau = tau - 4 * h;
             continue;
         }
@@ -317,7 +323,7 @@ end:;
 
 /* ------------------------------------------------------------------- the fast way */
 
-/* The distance, and F itself. */
+/* The distance, and F itself in *f. */
 static double estimate_at(const orbit *o, const estimator *s, quaternion q, double *f)
 {
     slice_orbit at = slice_orbit_at(s, q);
@@ -359,7 +365,7 @@ static void march_fast(level_walk *w, double lo, double hi, double dt_min)
         double away = estimate_at(o, &s, q, &f) * inverse;
         look_on(w, SGT_MARCH, tau, last, hi);
         if (w->done) break;
-        if (last_f * f < 0) { /* a change of sign, and so a root: as certain as the two signs */
+        if (last_f * f < 0) { /* a change of sign, so a root: as certain as the two signs */
             int before = w->list->count;
             bracket root = {.lo = last, .hi = tau, .a = last, .b = tau, .falls = last_f > 0 ? 1 : -1};
             step_to(&root, tau, f * (tau - last) / (f - last_f), 0, 0.125 * (tau - last));

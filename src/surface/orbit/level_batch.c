@@ -1,29 +1,30 @@
-/* level_batch.c - first hits of many rays on a level set, p = 2: the march of level.c, a ray to a lane.
+/* level_batch.c - first hits of many rays on a level set with p = 2: the march of level.c, one ray in each
+ * lane.
  *
- * THE STREAM.  Each lane carries one ray's current cell at its own level of the orbit, with E_k its own;
- * one step takes every lane one level on.  A cell that is outside is followed by the next, one that is open
- * by a shorter one, in vector code, without a branch; what is rare or near the surface leaves the lane,
- * which takes the next ray.  A decided cell waits until its lane's pulse of levels ends: a longer pulse
- * idles more lanes, a shorter one takes more control.
+ * THE STREAM.  Each lane carries the current cell of one ray at its own level of the orbit, with its own
+ * E_k.  One step takes every lane one level further.  An outside cell is followed by the next, an open one
+ * by a shorter one, in vector code without a branch.  If something is rare or near the surface, the ray
+ * leaves its lane, and the lane takes the next ray.  A decided cell waits until its lane's pulse of levels
+ * ends.  A longer pulse leaves more lanes idle; a shorter one needs more control.
  *
- * Of c = (-0.083, 0, -0.83, -0.025), N = 7, 640 x 480 rays: 14.5 evaluations a ray, 83 levels (Q_0 and the
- * cells looked at twice counted), 92 % of the lanes' levels spent on cells not decided.  What they cost is
- * the number of vector instructions: two a cycle of 512 bits, some 95 of them a level and 120 a pulse.
+ * Measured for c = (-0.083, 0, -0.83, -0.025), N = 7, 640 x 480 rays: 14.5 evaluations a ray; 83 levels
+ * (Q_0 and cells looked at twice included); 92 % of the lanes' levels spent on cells not yet decided.  The
+ * cost is the number of vector instructions: two a cycle of 512 bits, some 95 a level and 120 a pulse.
  *
- * THE FAST WAY.  An estimate is a short orbit and much that follows it, so the lanes take whole orbits
- * together; a change of sign goes to `near`.
+ * THE FAST WAY.  An estimate is a short orbit with much work after it, so the lanes take whole orbits
+ * together.  A change of sign goes to `near`.
  *
- * NEAR THE SURFACE.  Cells that may be inside or monotone go to level N: all lanes of `near` together, with
- * the bound d of orbit.h on the way, and the same lanes narrow a root's bracket.  decide and narrow of
- * course.h say what becomes of them, one by one.
+ * NEAR THE SURFACE.  Cells that may be inside or monotone go on to level N, all lanes of `near` together,
+ * with the bound d of orbit.h on the way.  The same lanes narrow the bracket of a root.  decide and narrow
+ * of course.h settle them one by one.
  *
- * HITS.  The place and the gradient, in vector code over hits.
+ * HITS.  The point and the gradient are computed in vector code over hits.
  *
- * A root that does not count, as that at the start of a ray that begins on the surface, sends its ray back
- * to the stream.
+ * If a root is not accepted, such as that at the start of a ray that begins on the surface, its ray goes
+ * back to the stream.
  *
- * Whatever decide calls rare (an undecided stretch) is left to the
- * single ray.  Its answers are these, bit for bit: both use the formulas of cell.h and course.h. */
+ * What decide calls RARE (an undecided stretch) is left to the single ray.  The answers are those of the
+ * single ray, bit for bit: both use the formulas of cell.h and course.h. */
 #include "level.h"
 
 #include "course.h"
@@ -31,13 +32,13 @@
 
 enum { WIDTH = 16, WAITING = 8, HITS = 8, MOST_LEVELS = 16 };
 
-/* A benchmark's: a lane takes a level of the orbit, and is busy with a cell that is not decided, or has
- * nothing to do. */
+/* For a benchmark: a lane takes a level of the orbit.  It is busy with a cell that is not decided, or
+ * idle. */
 #ifndef SGT_COUNT_LEVEL
 #define SGT_COUNT_LEVEL(busy) ((void)0)
 #endif
 
-/* A ray as it is marched, a row for each number. */
+/* A ray in its march.  Each number is a row. */
 enum field {
     SA,
     SB,
@@ -62,12 +63,12 @@ enum field {
     FIELDS
 };
 
-/* On the fast way: where F was looked at last, and F there; one over the length of a unit of tau. */
+/* On the fast way: where F was last evaluated, F there, and 1 over the length of a unit of tau. */
 enum { LAST = H, LAST_F = GROWTH, PER_LENGTH = SIDE };
 
 typedef struct set { const orbit *o; path path; escape escape; double E2, budget, dt_min; bool proof; } set;
 
-/* m, h, end: the cell; verdict: see below; leave: see go_on. */
+/* m, h, end: the cell.  verdict: see LIVE below.  leave: see go_on. */
 typedef struct stream {
     double f[FIELDS][WIDTH];
     double a[WIDTH], b[WIDTH], c[WIDTH], d[WIDTH], va[WIDTH], vb[WIDTH], vc[WIDTH], vd[WIDTH], e[WIDTH],
@@ -75,8 +76,8 @@ typedef struct stream {
     double m[WIDTH], h[WIDTH], end[WIDTH], verdict[WIDTH], leave[WIDTH];
 } stream;
 
-/* What a lane near the surface looks for: what a cell comes to, a narrower bracket, the sign of F in its
- * middle. */
+/* What a lane near the surface wants: the verdict of a cell, a narrower bracket, or the sign of F in the
+ * middle of a cell. */
 typedef enum errand { MARCH, POLISH, CROSS } errand;
 
 typedef struct near {
@@ -93,24 +94,24 @@ typedef struct near {
 
 typedef struct waiting { double f[FIELDS][WAITING]; int order[WAITING], count; } waiting;
 
-/* Rays on their way back to the stream: no more than near the surface and among the hits at once. */
+/* Rays on their way back to the stream.  They are at most those near the surface and among the hits. */
 enum { MOST_BACK = WIDTH + HITS };
 typedef struct returned { double f[FIELDS][MOST_BACK]; int count; } returned;
 
 typedef struct hits {
     double o[3][HITS], d[3][HITS], tmin[HITS], tmax[HITS], tau[HITS], tau_err[HITS];
     double t[HITS], t_err[HITS], t_lo[HITS], p[3][HITS], p_err[HITS], l[HITS], m[HITS], n[HITS], scale[HITS];
-    /* Q at each level */
+    /* Q at each level. */
     double a[MOST_LEVELS + 1][HITS], b[MOST_LEVELS + 1][HITS], c[MOST_LEVELS + 1][HITS],
         d_[MOST_LEVELS + 1][HITS];
-    /* at last y is the gradient; counts < 0: not to be told here */
+    /* In the end y is the gradient.  accepted < 0: not to be reported here. */
     double y[4][HITS], sum[4][HITS], far[HITS], accepted[HITS];
-    double f[FIELDS][HITS]; /* the ray, and how it goes on if the root does not count */
+    double f[FIELDS][HITS]; /* the ray, for going on if the root is not accepted */
     size_t ray[HITS], count;
 } hits;
 
 typedef struct job {
-    set *set; /* its path's ray is anybody's */
+    set *set; /* the ray of its path changes */
     const sgt_tile *tile;
     size_t next, hard;
     waiting *waiting;
@@ -124,19 +125,24 @@ typedef struct job {
 
 enum { STAY, MISSED, NEAR, SPENT };
 
-/* What all the lanes share. */
+/* What all lanes share. */
 typedef struct shared { quaternion c; circle near; double limit, over, growth, E2, levels, budget; } shared;
 
-/* Of a cell: not decided; outside; to be looked at near the surface.  Any other verdict (NaN too) is none
- * of these, nor monotone: it is |Q_N|^2, infinite where the orbit escaped before.  A lane without a ray is
- * live, all NaN. */
+/* The verdict on a cell:
+ *
+ *   LIVE   not decided
+ *   OUT    outside
+ *   CLOSE  to be looked at near the surface
+ *
+ * Any other verdict (NaN too) means none of these, and not monotone.  It is |Q_N|^2, or infinite where the
+ * orbit escaped before.  A lane without a ray is LIVE, with NaN everywhere. */
 enum { LIVE = -3, OUT, CLOSE };
 
 /* A cell on its way, and what is known of it. */
 typedef struct flight { one q; double over, left, verdict; } flight;
 
-/* One level on, and what can be said of the level before it.  (By pointers: on Windows a structure that is
- * handed on by value is one in memory, and clang makes no vector code of that.) */
+/* Takes a cell one level further, and judges the level before.  (By pointers: on Windows a structure
+ * passed by value is in memory, and clang does not vectorise that.) */
 SGT_INLINE void on_a_level(flight *s, double h, double h2, const one_constant *c, const quaternion *along,
                            const shared *w, bool mandelbrot)
 {
@@ -146,8 +152,8 @@ SGT_INLINE void on_a_level(flight *s, double h, double h2, const one_constant *c
     double A, y = h2 * q.V2, x = fabs(q.qv) * h, E = w->limit + s->over, room;
     one_twice_root(&q.A2, &A);
     one_room(&q, w->near.keep, &E, &x, &y, &room);
-    /* what `judge` has to look at, and a little more: it may be inside, or monotone, or g near its rounding
-     */
+    /* What `judge` has to look at, and slightly more: it may be inside, or monotone, or g may be near its
+     * rounding. */
     double last = larger(x, 0x1p-29 * q.A2) > STEEP * (1 - 0x1p-40) * y ? CLOSE : q.A2;
     last = (q.A2 + y) + (x + x) < w->E2 ? CLOSE : last;
     double verdict = q.A2 > w->near.far ? HUGE_VAL : LIVE;
@@ -159,7 +165,7 @@ SGT_INLINE void on_a_level(flight *s, double h, double h2, const one_constant *c
     s->q = q, s->over *= w->growth, s->left -= 1;
 }
 
-/* Lays the next cell, where the last is decided, and takes it two levels on. */
+/* Lays the next cell if the last is decided, and takes it two levels further. */
 SGT_INLINE void fly(stream *s, int l, const shared *w, bool mandelbrot)
 {
     flight f = {{.a = s->a[l],
@@ -202,16 +208,15 @@ SGT_INLINE void fly(stream *s, int l, const shared *w, bool mandelbrot)
     s->h[l] = h, s->end[l] = end;
 }
 
-/* What becomes of the cells that are decided.  MISSED: the ray's end is reached; NEAR: the cell at tau has
- * to be looked at near the surface, as is one where t_tol may be met, or that is too short to be told
- * apart. */
+/* What follows for decided cells.  MISSED: the end of the ray is reached.  NEAR: the cell at tau has to be
+ * looked at near the surface, because it may be inside or monotone, it may meet t_tol, or it is too short. */
 SGT_INLINE double go_on(stream *s, int l, const shared w)
 {
     double verdict = s->verdict[l], h = s->h[l], m = s->m[l], end = s->end[l];
     double tau = s->f[TAU][l], hi = s->f[HI][l], step = s->f[H][l], growth = s->f[GROWTH][l],
            side = s->f[SIDE][l], evals = s->f[EVALS][l];
     double longer = grown(growth), shorter = shrunk(growth);
-    /* `decide` may call it ACROSS */
+    /* `decide` may call it ACROSS. */
     double across = side * (w.E2 - verdict), t_tol = across > 0 ? s->f[T_TOL][l] : 0;
     double fine = h <= larger(t_tol, 2 * SGT_U * fabs(m)) ? CLOSE : verdict;
     verdict = verdict <= CLOSE ? verdict : fine;
@@ -251,14 +256,14 @@ SGT_INLINE unsigned advance(stream *s, const set *o, bool mandelbrot)
     return which;
 }
 
-/* Until some lane leaves. */
+/* Advances all lanes until one leaves. */
 SGT_KERNEL static unsigned advance_julia(stream *s, const set *w) { return advance(s, w, false); }
 SGT_KERNEL static unsigned advance_mandelbrot(stream *s, const set *w) { return advance(s, w, true); }
 
 /* ---------------------------------------------------------------- the fast way */
 
-/* a ... e: the orbit in its slice (va: |rest|^2, e: A2, over: growth^2; end, h, m: F, the estimate, and NaN
- * or the point). */
+/* Uses of the rows on the fast way: a, b, va, e, over: the orbit in its slice (va |rest|^2, e A2, over
+ * growth^2).  c, d: Re c and |Im c|.  end: F. */
 SGT_INLINE void begin_estimate(stream *s, int l, const estimator fixed, const orbit o, bool mandelbrot)
 {
     double tau = s->f[TAU][l];
@@ -283,7 +288,8 @@ SGT_INLINE void estimate_level(stream *s, int l, const estimator fixed, bool man
     s->e[l] = on ? next.A2 : at.A2, s->over[l] = on ? next.growth2 : at.growth2;
 }
 
-/* MISSED: the end, and no change of sign; NEAR: a change of sign between LAST and TAU, where F is s->end. */
+/* MISSED: the end is reached without a change of sign.  NEAR: a change of sign between LAST and TAU, where
+ * F is s->end. */
 SGT_INLINE double end_estimate(stream *s, int l, const estimator fixed, double budget)
 {
     double f, away = estimate_of(&fixed, s->e[l], s->over[l], &f) * s->f[PER_LENGTH][l];
@@ -346,7 +352,8 @@ SGT_INLINE void begin_near(near *s, int l)
     s->live[l] = 1, s->out[l] = 0;
 }
 
-/* What can be said at a level, all of it but for the verdict at level N; far: of no use, infinite there. */
+/* What can be said at a level, except for the verdict at level N.  far: beyond it a cell is of no use;
+ * infinite at level N. */
 SGT_INLINE void look_at_level(near *s, int l, double E, double far, const circle o)
 {
     SGT_COUNT_LEVEL(l < s->count && s->live[l] > 0);
@@ -402,7 +409,7 @@ SGT_INLINE void next_level(near *s, int l, const quaternion set_c, const circle 
     s->e[l] = q.e, s->slope[l] = slope, s->center[l] = center;
 }
 
-/* At level N. */
+/* The verdict at level N. */
 SGT_INLINE void judge_near(near *s, int l, double E, double E_err, double E2)
 {
     double V2 = s->V2[l], V = sqrt(V2), A = 0.5 * s->A[l], e = s->e[l], h = s->h[l], live = s->live[l],
@@ -461,7 +468,7 @@ static void write_without(const sgt_hits *out, size_t i, sgt_status status, int 
 
 static void give_up(job *j, size_t i) { j->tile->hits.status[i] = SGT_HARD, j->hard++; }
 
-/* A ray of the tile, its ends as the door of the single ray has them. */
+/* A ray of the tile, with its ends as sgt_intersect sets them for a single ray. */
 SGT_INLINE sgt_ray ray_at(const sgt_rays *r, size_t i)
 {
     double tmin = r->tmin[i], tmax = r->tmax[i], half_line = tmin >= 0 ? HUGE_VAL : 0;
@@ -471,8 +478,8 @@ SGT_INLINE sgt_ray ray_at(const sgt_rays *r, size_t i)
                      tmax == 0 ? half_line : tmax};
 }
 
-/* The ray `at` of the tile as the i-th of those that wait: 1; -1: not a ray, or out of range; 0: it passes
- * by. */
+/* Makes ray `at` of the tile ready as number i of those that wait.  Returns 1 if it is ready, 0 if it
+ * misses, -1 if it is invalid or out of range. */
 SGT_INLINE double make_ready(waiting *s, size_t i, const sgt_rays *rays, const double *t_tol, size_t at,
                              const orbit *o, double radius, double dt_min)
 {
@@ -495,7 +502,7 @@ SGT_INLINE double make_ready(waiting *s, size_t i, const sgt_rays *rays, const d
     fits = finite == 0 ? fits : -1, fits = big >= DBL_MIN ? fits : -1,
     fits = ray.tmin <= ray.tmax ? fits : -1;
     fits = ray.tmin < HUGE_VAL ? fits : -1, fits = ray.tmax > -HUGE_VAL ? fits : -1;
-    /* on the fast way what is not met is unproven, if there is any of it between the ray's ends */
+    /* On the fast way a ray that is not met is UNPROVEN, if any of it is between its ends. */
     bool fast = dt_min > 0;
     double between = (q.t0 + 0.5 * (lo + hi)) * q.scale,
            per_length = 1 / sqrt(q.l * q.l + q.m * q.m + q.n * q.n);
@@ -521,7 +528,7 @@ SGT_KERNEL static void make_all_ready(waiting *s, size_t n, const sgt_tile *tile
     for (size_t i = 0; i < n; i++) verdict[i] = make_ready(s, i, &rays, t_tol, from + i, &o, radius, dt_min);
 }
 
-/* The rays next in line, made ready. */
+/* Makes the next rays ready. */
 static void set_up(job *j)
 {
     waiting *s = j->waiting;
@@ -538,7 +545,7 @@ static void set_up(job *j)
     j->next += n;
 }
 
-/* The next ray to lane l of the stream; none: it is idle. */
+/* Gives the next ray to lane l of the stream.  Returns false if there is none: the lane is idle. */
 static bool stream_fill(job *j, int l)
 {
     stream *s = j->stream;
@@ -561,7 +568,8 @@ static bool stream_fill(job *j, int l)
 
 /* ------------------------------------------------------------------------ hits */
 
-/* Roots found, and what is told of them: level.c's add_root and julia.c's gradient, in vector code. */
+/* Roots found, and what is reported of them: add_root of level.c and the gradient of value.c, in vector
+ * code. */
 SGT_INLINE void meet_at(hits *s, size_t l, const orbit *o, double radius)
 {
     sgt_ray ray = {
@@ -651,7 +659,8 @@ SGT_INLINE void stream_meet(hits *s, const set *w, bool mandelbrot)
 SGT_KERNEL static void meet_julia(hits *s, const set *w) { stream_meet(s, w, false); }
 SGT_KERNEL static void meet_mandelbrot(hits *s, const set *w) { stream_meet(s, w, true); }
 
-/* A ray, its fields `apart` from each other, goes on: to the stream again, if anything of it is left. */
+/* Sends a ray back to the stream, if anything of it is left.  `apart` is the distance between its fields
+ * in f. */
 static void go_back(job *j, const double f[], int apart)
 {
     size_t i = (size_t)f[RAY * apart];
@@ -667,8 +676,8 @@ static void go_back(job *j, const double f[], int apart)
     }
 }
 
-/* A hit so far outside that F = 1 to the last bit, and its gradient 0: with a coarse t_tol, on a steep set.
- */
+/* For a hit so far outside that F = 1 to the last bit and its gradient is 0.  That happens with a coarse
+ * t_tol on a steep set. */
 static void count_far(hits *s, size_t l)
 {
     meeting h = {.t = s->t[l], .t_err = s->t_err[l], .p = {s->p[0][l], s->p[1][l], s->p[2][l]}};
@@ -678,7 +687,7 @@ static void count_far(hits *s, size_t l)
     s->accepted[l] = root_accepted(&h, &q, s->tmin[l], s->tmax[l]) ? 1 : 0;
 }
 
-/* Tells of all the hits there are. */
+/* Reports all the hits there are. */
 static void tell_hits(job *j)
 {
     hits *s = j->hits;
@@ -716,7 +725,8 @@ static void tell_hits(job *j)
     s->count = 0;
 }
 
-/* A root within tau_err of tau, of lane `from` near the surface; one evaluation more for its place. */
+/* Takes the root within tau_err of tau, from lane `from` near the surface.  Its point costs one more
+ * evaluation. */
 static void add_hit_at(job *j, int from, double tau, double tau_err)
 {
     const near *at = j->near;
@@ -741,7 +751,7 @@ static void set_course(near *s, int l, const course *k)
     s->f[TAU][l] = k->tau, s->f[H][l] = k->h, s->f[GROWTH][l] = k->growth, s->f[SIDE][l] = k->side;
 }
 
-/* The cell of lane l has been looked at.  false: the ray has left. */
+/* Uses the look at the cell of lane l.  Returns false if the ray has left. */
 static bool stream_settle(job *j, int l)
 {
     near *s = j->near;
@@ -783,7 +793,7 @@ static bool stream_settle(job *j, int l)
             go_back(j, s->f[0] + l, WIDTH);
             return false;
         }
-        if (what == ACROSS) *p = (bracket){.m = s->at[l].m}; /* with h = 0 the next to look at */
+        if (what == ACROSS) *p = (bracket){.m = s->at[l].m}; /* looked at next, with h = 0 */
         s->task[l] = what == ACROSS ? CROSS : POLISH;
         on = what == ACROSS || root_error(p) > wanted;
     }
@@ -797,7 +807,7 @@ static bool stream_settle(job *j, int l)
     return false;
 }
 
-/* Looks at the cells near the surface, all of them; those whose rays leave make room. */
+/* Looks at all cells near the surface.  Those whose rays leave make room. */
 static void look_and_settle(job *j)
 {
     near *s = j->near;
@@ -816,7 +826,7 @@ static void look_and_settle(job *j)
     s->count = kept;
 }
 
-/* The ray of a lane of the stream has come near the surface. */
+/* Moves the ray of a lane of the stream near the surface. */
 static void come_near(job *j, int at)
 {
     const stream *from = j->stream;
@@ -831,7 +841,7 @@ static void come_near(job *j, int at)
     s->at[l] = lay(&k), s->m[l] = s->at[l].m, s->h[l] = s->at[l].h, s->task[l] = MARCH;
 }
 
-/* Of a lane of the stream on the fast way, F has changed its sign: a bracket. */
+/* On the fast way F has changed its sign in a lane of the stream: makes the bracket. */
 static void cross(job *j, int at)
 {
     const stream *from = j->stream;
@@ -849,7 +859,7 @@ static void cross(job *j, int at)
     else give_up(j, (size_t)s->f[RAY][l]);
 }
 
-/* The ray of lane l leaves the stream. */
+/* Takes the ray of lane l out of the stream. */
 static void stream_leave(job *j, int l)
 {
     const stream *s = j->stream;
@@ -877,7 +887,7 @@ static int lowest(unsigned bits)
 #if defined(__GNUC__)
 enum { SAME_CELLS = true };
 #else
-enum { SAME_CELLS = false }; /* the single ray has no vectors, and other formulas */
+enum { SAME_CELLS = false }; /* the single ray has no vectors there, and uses other formulas */
 #endif
 
 size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *opt)
@@ -906,7 +916,7 @@ size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *
     int busy = 0;
     for (int l = 0; l < WIDTH; l++) busy += stream_fill(&j, l);
     while (busy || close.count || met.count) {
-        bool drains = 2 * busy <= close.count; /* the rays that come back from the surface fill the lanes */
+        bool drains = 2 * busy <= close.count; /* rays that come back from the surface fill the lanes */
         if (busy && !drains) {
             unsigned leaving = w.dt_min > 0
                                    ? (w.path.mandelbrot ? advance_fast_mandelbrot : advance_fast_julia)(&s,

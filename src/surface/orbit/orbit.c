@@ -1,12 +1,12 @@
-/* orbit.c - cells and values of an orbit along a ray; orbit.h has the mathematics. */
+/* orbit.c - cells and values of an orbit along a ray.  The mathematics is in orbit.h. */
 #include "../../num/elementary.h"
 #include "cell.h"
 
-static const double FAR2 = 0x1p64; /* u beyond it is infinity: F = 1 - 2/u rounds to 1 */
+static const double FAR2 = 0x1p64; /* u beyond it is taken as infinite: F = 1 - 2/u rounds to 1 */
 
 /* ------------------------------------------------------------- parameters */
 
-/* The positive root of x^p = x + b, within 4 ulps: Newton from above, where x^p - x is convex. */
+/* The positive root of x^p = x + b, within 4 ulps: Newton's method from above, where x^p - x is convex. */
 static double safe_escape(double b, int power)
 {
     if (power == 2) return 0.5 + sqrt(0.25 + b);
@@ -22,20 +22,21 @@ static double safe_escape(double b, int power)
 
 static quaternion quaternion_of(const double q[4]) { return (quaternion){q[0], q[1], q[2], q[3]}; }
 
-/* What two kinds of set have in common. */
+/* What the two kinds of set have in common. */
 typedef struct orbit_slice {
     const double *at, *ex, *ey, *ez;
     double escape;
     int iterations, power;
 } orbit_slice;
 
-/* Each component at most `most`; not of NaN. */
+/* Is each component at most `most`?  False for NaN. */
 static bool orbit_bounded(const double q[4], double most)
 {
     return fabs(q[0]) <= most && fabs(q[1]) <= most && fabs(q[2]) <= most && fabs(q[3]) <= most;
 }
 
-/* Three axes, each of them in range: what is left of each beside those before it (Gram and Schmidt). */
+/* Are three axes, each of them in range, independent?  Tests what is left of each beside those before it
+ * (Gram and Schmidt). */
 static sgt_objection independent(quaternion x, quaternion y, quaternion z)
 {
     x = quaternion_times(x, 1 / sqrt(quaternion_dot(x, x)));
@@ -54,7 +55,7 @@ static sgt_objection axes(const orbit_slice *s, orbit *o)
 {
     o->x = quaternion_of(s->ex), o->y = quaternion_of(s->ey), o->z = quaternion_of(s->ez);
     double xx = quaternion_dot(o->x, o->x), yy = quaternion_dot(o->y, o->y), zz = quaternion_dot(o->z, o->z);
-    /* not of NaN */
+    /* True for NaN. */
     if (!(xx + yy + zz <= 1e200) &&
         !(orbit_bounded(s->ex, 1e100) && orbit_bounded(s->ey, 1e100) && orbit_bounded(s->ez, 1e100))) {
         const char *key = !orbit_bounded(s->ex, 1e100) ? "ex" : !orbit_bounded(s->ey, 1e100) ? "ey" : "ez";
@@ -75,7 +76,7 @@ static sgt_objection axes(const orbit_slice *s, orbit *o)
                                "zero, or shorter than 1e-100"};
     o->x_length = sqrt(xx), o->y_length = sqrt(yy), o->z_length = sqrt(zz);
     double xy = quaternion_dot(o->x, o->y), yz = quaternion_dot(o->y, o->z), zx = quaternion_dot(o->z, o->x);
-    /* no two at less than 60 degrees, and a little: then they are independent */
+    /* If no two make an angle of less than a little over 60 degrees, they are independent. */
     double X = o->x_length * 0.49, Y = o->y_length, Z = o->z_length * 0.49;
     if (fabs(xy) <= X * Y && fabs(yz) <= Y * Z && fabs(zx) <= X * o->z_length)
         return (sgt_objection){NULL, NULL};
@@ -97,7 +98,7 @@ static sgt_objection common(const orbit_slice *s, const double *c, orbit *o)
         return (sgt_objection){"power", "not within 2 ... 8"};
     o->c = c ? quaternion_of(c) : (quaternion){0, 0, 0, 0}, o->at = quaternion_of(s->at);
     double cc = quaternion_dot(o->c, o->c), aa = quaternion_dot(o->at, o->at);
-    if (!(cc <= 1e12) && c && !orbit_bounded(c, 1e6)) return (sgt_objection){"c", finite}; /* not of NaN */
+    if (!(cc <= 1e12) && c && !orbit_bounded(c, 1e6)) return (sgt_objection){"c", finite}; /* true for NaN */
     if (!(aa <= 1e12) && !orbit_bounded(s->at, 1e6)) return (sgt_objection){"at", finite};
     o->at_length = sqrt(aa);
     o->iterations = s->iterations ? s->iterations : 10, o->power = s->power ? s->power : 2,
@@ -117,7 +118,7 @@ static sgt_objection common(const orbit_slice *s, const double *c, orbit *o)
     o->E = s->escape != 0 ? s->escape : o->safe;
     o->E_err = s->escape != 0 || (!c && o->power == 2) ? 0 : 8 * SGT_U * o->safe;
     if (!c) o->c_abs = larger(o->safe, o->E) * (1 + 0x1p-40);
-    /* the derivative of the orbit, at most (p R^(p-1))^N on the set, has to be a double */
+    /* The derivative of the orbit, at most (p R^(p-1))^N on the set, has to be a double. */
     double growth = o->power * small_power(c ? o->safe : o->c_abs, o->power - 1);
     if (growth > 16 && integer_power(growth, (unsigned)o->iterations) > 0x1p480)
         return (sgt_objection){"iterations",
@@ -140,7 +141,7 @@ sgt_objection sgt_orbit_of_mandelbrot(const void *self, orbit *o)
 
 /* ------------------------------------------------------------------ cells */
 
-/* d of the next level; A, V, e, d of this. */
+/* d of the next level, from A, V, e and d of this one. */
 SGT_INLINE double next_d(double A, double V, double e, double d, double h, int power)
 {
     double D = V * h + e, P = power;
@@ -169,7 +170,7 @@ SGT_INLINE bool left_at(const path *w, pair_norms n, double e, double h, int k, 
     return true;
 }
 
-/* The cell at level N; true: it may be monotone. */
+/* The cell at level N.  Returns true if it may be monotone. */
 SGT_INLINE bool at_the_end(const path *w, pair_norms n, double e, double h, cell *r)
 {
     double told = judge(w->E, w->E_err, n, sqrt(n.V2), e, h);
@@ -211,7 +212,7 @@ SGT_INLINE void look_at_powers(const path *w, double m, double h, bool thorough,
     bound_slope(w, A[last], V[last], d, center, h, r);
 }
 
-/* Four cells of one ray at once, p = 2.  A cell alone waits for its own results; four in the lanes of a
+/* Four cells of one ray at once, for p = 2.  One cell waits for its own results.  Four in the lanes of a
  * register take hardly longer. */
 #if defined(__GNUC__)
 typedef double lanes __attribute__((vector_size(32)));
@@ -246,7 +247,7 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
     if (mandelbrot) c = (four_constant){s.a, s.b, s.c, s.d, s.e}; /* Q_1 = c */
     lanes A[SGT_LEVELS + 1], V2s[SGT_LEVELS + 1], es[SGT_LEVELS + 1];
     const lane_bits before[3] = {{~0ULL, 0, 0, 0}, {~0ULL, ~0ULL, 0, 0}, {~0ULL, ~0ULL, ~0ULL, 0}};
-    /* not decided; of use; decided so */
+    /* live: not decided; wanted: of use; outside: decided to be so. */
     lane_bits live = {~0ULL, ~0ULL, ~0ULL, ~0ULL}, wanted = live, outside = live ^ live;
     const circle near = circle_of(w);
     int n = w->iterations;
@@ -264,7 +265,7 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
             outside |= out & over;
             live &= ~(over & out);
             if (k < n) live &= ~(over & (lane_bits)(s.A2 > near.far));
-            /* those behind an open cell are of no use */
+            /* Those behind an open cell are of no use. */
             for (int l = 0; l < 3; l++)
                 if (!(live[l] | outside[l])) wanted &= before[l];
             lane_bits left = live & wanted;
@@ -278,7 +279,7 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
     bool slopes = false, asked[4] = {false, false, false, false};
     for (int l = 0; l < 4; l++) {
         known[l] = wanted[l] != 0;
-        /* the rest is of level N alone */
+        /* The rest is for level N only. */
         r[l].verdict = outside[l] ? CELL_OUTSIDE : CELL_OPEN, r[l].W = HUGE_VAL, r[l].level = 0;
         if (live[l] && wanted[l]) {
             asked[l] = at_the_end(w, (pair_norms){s.A2[l], s.V2[l], s.qv[l]}, s.e[l], h[l], &r[l]);
@@ -350,10 +351,10 @@ bool sgt_orbit_monotone(const path *w, double m, double h)
         orbit_step(&q, &v, c, w->along, w->power, w->mandelbrot);
     }
     pair_norms n = {quaternion_dot(q, q), quaternion_dot(v, v), quaternion_dot(q, v)};
-    return fabs(n.qv) > judge_slope(w->E, w->E_err, n, sqrt(n.A2), sqrt(n.V2), e, d, 0, h).W; /* not of NaN */
+    return fabs(n.qv) > judge_slope(w->E, w->E_err, n, sqrt(n.A2), sqrt(n.V2), e, d, 0, h).W; /* NaN: no */
 }
 
-/* F at |Q| = A, for bounds: a little lower, or higher. */
+/* F at |Q| = A, for bounds: slightly lower for slip -1, higher for slip 1. */
 static double f_of(double A2, double E2, double slip)
 {
     if (!(A2 < HUGE_VAL)) return 1;

@@ -1,39 +1,48 @@
-/* orbit.h - quaternion orbits Q_{j+1} = Q_j^p + c, their level sets |Q_N| = E, and what can be said
- * of one over a stretch of a ray.
+/* orbit.h - quaternion orbits Q_{j+1} = Q_j^p + c, their level sets |Q_N| = E, and what can be said of one
+ * over a stretch of a ray.
  *
- * POWERS.  Q = a + q with q imaginary.  Powers of Q commute with Q, so Q^i = s_i + f_i q with real s, f:
- *     s_{i+1} = a s_i - |q|^2 f_i,   f_{i+1} = s_i + a f_i,   s_1 = a, f_1 = 1,
- * which is the complex product in the plane of 1 and q.  Along v = va + vq the product rule gives
- * s' and f' with it, |q|^2' = 2 <q, vq>, and (Q^p)' = s' + f' q + f vq.  For p = 2: Q^2 = a^2 - |q|^2 + 2 a q
- * and Q v + v Q = 2 (a va - <q, vq>) + 2 (a vq + va q).
+ * POWERS.  Let Q = a + q with q imaginary.  Powers of Q commute with Q, so Q^i = s_i + f_i q with real s,
+ * f:
+ *     s_{i+1} = a s_i - |q|^2 f_i,   f_{i+1} = s_i + a f_i,   s_1 = a, f_1 = 1.
+ * This is the complex product in the plane of 1 and q.  Along v = va + vq the product rule also gives s'
+ * and f', with |q|^2' = 2 <q, vq> and (Q^p)' = s' + f' q + f vq.  For p = 2:
+ *     Q^2 = a^2 - |q|^2 + 2 a q,   Q v + v Q = 2 (a va - <q, vq>) + 2 (a vq + va q).
  *
- * WHO ESCAPES.  R* is the positive root of x^p = x + |c|.  For |Q| > R*, |Q^p + c| >= |Q|^p - |c| > |Q|, so
- * the orbit grows from there on.  Hence for E >= R*, and E_N = E, E_k = max(R*, (E_{k+1} + |c|)^(1/p)):
- * |Q_k| > E_k at some k implies |Q_N| > E.  For the Mandelbrot set c is the point: with |c| <= B over the
- * whole stretch, R* and E_k are those of B; B = max(2^(1/(p-1)), E), since beyond it |Q_1| = |c| grows
- * beyond all bounds that E sets (|Q|^p - |c| >= |Q| (|Q|^(p-1) - 1) >= |Q| for |Q| >= |c|).
+ * WHO ESCAPES.  R* is the positive root of x^p = x + |c|.  For |Q| > R*, |Q^p + c| >= |Q|^p - |c| > |Q|,
+ * so the orbit grows from there on.  Hence, for E >= R*, with E_N = E and E_k = max(R*, (E_{k+1} +
+ * |c|)^(1/p)):
+ *     |Q_k| > E_k at some k implies |Q_N| > E.
+ * For the Mandelbrot set c is the point.  R* and E_k are then those of B, a bound on |c| over the whole
+ * stretch: B = max(2^(1/(p-1)), E).  Beyond B, |Q_1| = |c| grows past every bound that E sets: |Q|^p - |c|
+ * >= |Q| (|Q|^(p-1) - 1) >= |Q| for |Q| >= |c|.
  *
- * A CELL.  Over [m - h, m + h] carry, level by level, Q and v = dQ/dtau at m as computed, and bounds
- *     |Q(m + s) - Q - v s| <= e,   |dQ/dtau (m + s) - v| <= d,   |s| <= h.
- * With A = |Q|, V = |v|, D = V h + e (so |Q(m + s) - Q| <= D), Taylor's formula for x^p with x = A + D gives
- *     |(Q + x)^p - Q^p - L x| <= p (p - 1) / 2 (A + D)^(p-2) D^2       (L x the linear part, |L x| <= p
- *         A^(p-1) |x|)
- *     e' = p A^(p-1) e + p (p - 1) / 2 (A + D)^(p-2) D^2
- *     d' = p (A + D)^(p-1) d + p (p - 1) (A + D)^(p-2) D V
- * since a product of p factors, each at most A + D, changes by at most that where one factor changes.  For
- * p = 2 these are e' = V^2 h^2 + 2 (A + V h) e + e^2 and d' = 2 ((V h + e) V + (A + V h + e) d).  For the
- * Mandelbrot set Q' gets c(m + s), which is linear in s and adds to v alone.  Rounding, with u = 2^-53:
- * a computed power is off by at most 16 p u (A^p + |c|), its derivative by 96 p^2 u A^(p-1) V; for p = 2
- * by 8 u (A^2 + |c|) and 16 u A V (s and n f, n = |q|, are turned and stretched by exactly A at each step,
- * so errors grow no faster than the powers).  Both go into e and d, the second into e times h as well.
- * Then
- *     outside    min over |s| <= h of |Q + v s| > E_k + e at some level k;
- *     inside     max(|Q - v h|, |Q + v h|) + e < E at level N (a convex function is largest at an end);
- *     monotone   |<Q, v>| > V^2 h + e V + (A + D) d = W at level N: d|Q|^2/dtau keeps its sign, within
- *                2 (|<Q, v>| - W) and 2 (|<Q, v>| + W).
- * The first test leaves the orbit early; the third needs d, which is worked out only when it is asked for,
- * from A, V and e as they were kept.  The sums of e and d round too, by less than 2^-40 in a hundred levels
- * of ten operations; the last comparison takes that into account.
+ * A CELL is a stretch [m - h, m + h].  Over it carry, level by level, Q and v = dQ/dtau at m as computed,
+ * and bounds
+ *     |Q(m + s) - Q - v s| <= e,   |dQ/dtau (m + s) - v| <= d,   for |s| <= h.
+ * Let A = |Q|, V = |v|, D = V h + e, so |Q(m + s) - Q| <= D.  Taylor's formula for x^p with x = A + D
+ * gives
+ *     |(Q + x)^p - Q^p - L x| <= p (p - 1) / 2 (A + D)^(p-2) D^2
+ *         (L x is the linear part, |L x| <= p A^(p-1) |x|),
+ *     e' = p A^(p-1) e + p (p - 1) / 2 (A + D)^(p-2) D^2,
+ *     d' = p (A + D)^(p-1) d + p (p - 1) (A + D)^(p-2) D V.
+ * For a product of p factors, each at most A + D, changes by at most that if one factor changes.  For p =
+ * 2 these are e' = V^2 h^2 + 2 (A + V h) e + e^2 and d' = 2 ((V h + e) V + (A + V h + e) d).  For the
+ * Mandelbrot set c(m + s) is added to Q'.  It is linear in s, and adds to v only.
+ *
+ * ROUNDING, with u = 2^-53.  A computed power is off by at most 16 p u (A^p + |c|), and its derivative by
+ * 96 p^2 u A^(p-1) V.  For p = 2 the bounds are 8 u (A^2 + |c|) and 16 u A V.  (s and n f, n = |q|, are
+ * rotated and stretched by exactly A at each step, so errors grow no faster than the powers.)  Both go
+ * into e and d; the second also goes, times h, into e.
+ *
+ * VERDICTS.
+ *     outside    min over |s| <= h of |Q + v s| > E_k + e at some level k.
+ *     inside     max(|Q - v h|, |Q + v h|) + e < E at level N.  (A convex function is largest at an end.)
+ *     monotone   |<Q, v>| > V^2 h + e V + (A + D) d = W at level N.  Then d|Q|^2/dtau keeps its sign, and
+ *                lies between 2 (|<Q, v>| - W) and 2 (|<Q, v>| + W).
+ * The first test leaves the orbit early.  The third needs d.  It is computed only when asked for, from the
+ * stored A, V and e.  The sums of e and d round too, by less than 2^-40 in a hundred levels of ten
+ * operations.  The last comparison allows for that.
+ *
  * Sources: Hart, Sandin, Kauffman 1989 (SIGGRAPH Computer Graphics 23, 289) for the orbit and its
  * derivative; Moore 1966, Interval Analysis, for inclusion by a mean value form. */
 #ifndef SGT_SURFACE_ORBIT_ORBIT_H
@@ -42,23 +51,23 @@
 #include "../../num/exact.h"
 #include <sagitta/surfaces.h>
 
-enum { SGT_LEVELS = 100 }; /* the most iterations */
+enum { SGT_LEVELS = 100 }; /* the largest number of iterations */
 
 typedef struct quaternion { double a, b, c, d; } quaternion;
 
-/* A level set, checked, its defaults filled in. */
+/* A level set, checked, with its defaults filled in. */
 typedef struct orbit {
     quaternion c, at, x, y, z;
     double at_length, x_length, y_length, z_length;
-    double c_abs;        /* |c|, rounded up; of the Mandelbrot set its bound B */
+    double c_abs;        /* |c|, rounded up; for the Mandelbrot set its bound B */
     double E, E_err;     /* the escape, and how far it may be from the root it stands for */
     double safe;         /* R* */
-    double stretch;      /* p R*^(p-1); of the Mandelbrot set with B for R* */
+    double stretch;      /* p R*^(p-1); for the Mandelbrot set with B for R* */
     int iterations, power;
     bool mandelbrot;
 } orbit;
 
-/* The first parameter at fault, or {NULL, NULL}. */
+/* Fill in *o.  Return the first invalid parameter, or {NULL, NULL}. */
 sgt_objection sgt_orbit_of_julia(const void *s, orbit *o);
 sgt_objection sgt_orbit_of_mandelbrot(const void *s, orbit *o);
 
@@ -89,7 +98,7 @@ SGT_INLINE quaternion quaternion_at(const orbit *o, double x, double y, double z
         o->at.c + x * o->x.c + y * o->y.c + z * o->z.c, o->at.d + x * o->x.d + y * o->y.d + z * o->z.d};
 }
 
-/* Q^p = s + f q, and along v. */
+/* Q^p = s + f q, and the derivatives of s and f along v. */
 typedef struct power_of { double s, f, ds, df; } power_of;
 
 SGT_INLINE power_of power_along(quaternion q, quaternion v, int power)
@@ -104,7 +113,7 @@ SGT_INLINE power_of power_along(quaternion q, quaternion v, int power)
     return r;
 }
 
-/* The same without a v. */
+/* The same without v. */
 SGT_INLINE power_of power_only(quaternion q, int power)
 {
     double n2 = q.b * q.b + (q.c * q.c + q.d * q.d);
@@ -114,7 +123,7 @@ SGT_INLINE power_of power_only(quaternion q, int power)
     return r;
 }
 
-/* One level: Q to Q^p + c, v to its derivative (plus dc for the Mandelbrot set). */
+/* One level: Q to Q^p + c, and v to its derivative (plus dc for the Mandelbrot set). */
 SGT_INLINE void orbit_step(quaternion *q, quaternion *v, quaternion c, quaternion dc, int power,
                            bool mandelbrot)
 {
@@ -132,7 +141,7 @@ SGT_INLINE double small_power(double x, int n)
     return r;
 }
 
-/* e of the next level; A, V, e of this. */
+/* e of the next level, from A, V and e of this one. */
 SGT_INLINE double next_e(double A, double V, double e, double h, double c_abs, int power)
 {
     double D = V * h + e;
@@ -143,10 +152,10 @@ SGT_INLINE double next_e(double A, double V, double e, double h, double c_abs, i
            (16 * P * SGT_U * (below * A * A + c_abs) + 96 * P * P * SGT_U * below * A * V * h);
 }
 
-/* An orbit seen along a ray: its point at tau is start + tau along. */
+/* An orbit along a ray: its point at tau is start + tau along. */
 typedef struct path {
     quaternion start, along, c;
-    double start_size, along_size;   /* sums of the magnitudes of what they are made of */
+    double start_size, along_size;   /* sums of the magnitudes of their terms */
     double c_abs, E, E_err;
     double escape[SGT_LEVELS + 1];   /* E_k, rounded up */
     int iterations, power;
@@ -157,28 +166,31 @@ typedef enum cell_verdict { CELL_OPEN, CELL_OUTSIDE, CELL_INSIDE, CELL_MONOTONE 
 
 typedef struct cell {
     cell_verdict verdict;
-    int level;                /* N, or less where the orbit was left before */
+    int level;                /* N, or less if the orbit was left before */
     double A2, V2, qv, e;     /* at level N, and only there: |Q|^2, |v|^2, <Q, v>, the bound e */
-    /* see above; infinite where it was not worked out, as where the orbit was left */
+    /* The bound W above.  Infinite if it was not computed, as where the orbit was left. */
     double W;
-    double g_err;             /* with W: how far |Q|^2 - E^2 at m itself may be off */
+    double g_err;             /* with W: how far |Q|^2 - E^2 at m may be off */
 } cell;
 
-/* What can be said over [m - h, m + h] of the cell 0; and, where it comes along with it (known), of 1,
- * which is looked at if 0 is outside or inside, 2, the same after 1, and 3, which is looked at if 0 is
- * open. */
+/* What can be said of cell 0 over [m - h, m + h], and of up to three more that the march may need next.
+ * r[i] is set if known[i] is.
+ *
+ *   1  needed if 0 is outside or inside
+ *   2  needed if 1 is too
+ *   3  needed if 0 is open */
 void sgt_orbit_cells(const path *w, const double m[4], const double h[4], cell r[4], bool known[4]);
 
-/* Of one alone. */
+/* The same for one cell. */
 void sgt_orbit_cell(const path *w, double m, double h, cell *r);
 
-/* Is the cell monotone?  Little of the stack is needed. */
+/* Is the cell monotone?  Needs little of the stack. */
 bool sgt_orbit_monotone(const path *w, double m, double h);
 
-/* F and its derivative over [m - h, m + h]; a slope of which nothing is known is infinite. */
+/* F and its derivative over [m - h, m + h].  If nothing is known of the slope, it is infinite. */
 sgt_interval sgt_orbit_enclose(const path *w, double m, double h, sgt_interval *slope);
 
-/* F = (u - 1) / (u + 1), u = |Q_N|^2 / E^2, at m, and its derivative. */
+/* F = (u - 1) / (u + 1) with u = |Q_N|^2 / E^2, at m, and its derivative. */
 double sgt_orbit_value(const path *w, double m, double *slope);
 
 #endif

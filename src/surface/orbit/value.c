@@ -1,12 +1,16 @@
 /* value.c - F of a level set at a point: its value and gradient, its rounding, and the potential.
  *
- * F = (u - 1) / (u + 1), u = |Q_N|^2 / E^2: the same roots as |Q_N|^2 - E^2, which overflows at N = 12.
- * Its gradient is 4 E^2 / (|Q_N|^2 + E^2)^2 times that of |Q_N|^2 / 2, which is T^T Q_N with the Jacobian
- * tensor T = dQ_N/dp = J(Q_{N-1}) ... J(Q_0) [ex ey ez].  The product is taken from the left, y_N = Q_N,
- * y_k = J(Q_k)^T y_{k+1}: one quaternion on the way back instead of three columns on the way, and grad =
- * (<ex, y_0>, <ey, y_0>, <ez, y_0>).  J(Q) x = sum of Q^i x Q^(p-1-i); since <y, a x b> = <conj(a) y
- * conj(b), x>, its transpose is J(conj(Q)): the same formula.  In the Mandelbrot set each level adds c, so
- * grad = y_N + ... + y_1 in place of y_0: the added identity.
+ * F = (u - 1) / (u + 1) with u = |Q_N|^2 / E^2.  It has the roots of |Q_N|^2 - E^2, which overflows at N =
+ * 12.
+ *
+ * THE GRADIENT is 4 E^2 / (|Q_N|^2 + E^2)^2 times that of |Q_N|^2 / 2.  The latter is T^T Q_N, with the
+ * Jacobian tensor T = dQ_N/dp = J(Q_{N-1}) ... J(Q_0) [ex ey ez].  The product is taken from the left: y_N
+ * = Q_N, y_k = J(Q_k)^T y_{k+1}.  That is one quaternion on the way back in place of three columns on the
+ * way forward.  Then grad = (<ex, y_0>, <ey, y_0>, <ez, y_0>).
+ *
+ * J(Q) x = sum of Q^i x Q^(p-1-i).  Since <y, a x b> = <conj(a) y conj(b), x>, its transpose is
+ * J(conj(Q)), the same formula.  In the Mandelbrot set each level adds c, whose derivative is the
+ * identity.  So y_0 is replaced by y_N + ... + y_1.
  *
  * ROUNDING.  |Q_N| is off by at most e, the recursion of orbit.h with h = 0, and F is monotone in |Q_N|. */
 #include "../../num/elementary.h"
@@ -14,7 +18,7 @@
 
 enum { FAR_LEVELS = 200 };
 
-/* Q at every level: at[first] ... at[return value], where A2 > most or level = last. */
+/* Q at every level: at[first] ... at[return value].  It stops where |Q|^2 >= most, or at level `last`. */
 static int levels_of(const orbit *o, sgt_vec3 p, int last, double most, quaternion at[])
 {
     quaternion q = quaternion_at(o, p.x, p.y, p.z), c = o->mandelbrot ? q : o->c;
@@ -28,7 +32,7 @@ static int levels_of(const orbit *o, sgt_vec3 p, int last, double most, quaterni
     return k;
 }
 
-/* y, the derivative of a number by Q_n, back to the point. */
+/* Takes y, the derivative of a number by Q_n, back to the point. */
 static sgt_vec3 back_to_point(const orbit *o, const quaternion at[], int n, quaternion y)
 {
     quaternion sum = y, none = {0, 0, 0, 0};
@@ -47,8 +51,8 @@ double sgt_level_value(const orbit *o, sgt_vec3 p, sgt_vec3 *grad)
     int n = levels_of(o, p, o->iterations, 0x1p64 * (1 + E2), at);
     double A2 = quaternion_dot(at[n], at[n]), inverse = 1 / (A2 + E2);
     if (grad) *grad = (sgt_vec3){0, 0, 0};
-    if (n < o->iterations || !(A2 < HUGE_VAL)) { /* u > 2^64: 1 to the last bit; or not a number */
-        /* a finite point, and infinity less infinity */
+    if (n < o->iterations || !(A2 < HUGE_VAL)) { /* u > 2^64: 1 to the last bit; or NaN */
+        /* The point is finite, and infinity was subtracted from infinity. */
         if (A2 >= 0 || (isfinite(p.x) && isfinite(p.y) && isfinite(p.z))) return 1;
         if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};
         return NAN;
@@ -71,7 +75,7 @@ double sgt_level_rounding(const orbit *o, sgt_vec3 p)
             (o->mandelbrot ? given : 0);
     double A2 = quaternion_dot(at[n], at[n]), A = sqrt(A2);
     e *= 1 + 0x1p-40;
-    if (n < o->iterations || !(A2 < HUGE_VAL)) return A > 2 * e ? 0x1p-50 : 2; /* 1 it is, by far */
+    if (n < o->iterations || !(A2 < HUGE_VAL)) return A > 2 * e ? 0x1p-50 : 2; /* certainly 1 */
     double off = (2 * A + e) * e + 8 * SGT_U * A2 + 4 * o->E * o->E_err, least = larger(A - e, 0),
            wide = least * least + E2;
     double f_err = 2 * (E2 / wide) * (off / wide) + 8 * SGT_U;
@@ -85,7 +89,7 @@ double sgt_level_potential(const orbit *o, sgt_vec3 p, sgt_vec3 *grad)
     double A2 = quaternion_dot(at[n], at[n]), scale = 1 / twofold_power(o->power, (unsigned)n).hi;
     if (grad) *grad = (sgt_vec3){0, 0, 0};
     if (A2 < 0x1p64) return 0;
-    if (!(A2 < HUGE_VAL)) { /* farther than squares reach */
+    if (!(A2 < HUGE_VAL)) { /* too far for squares */
         bool finite = isfinite(p.x) && isfinite(p.y) && isfinite(p.z);
         double far = larger(fabs(p.x) * o->x_length,
                             larger(fabs(p.y) * o->y_length, fabs(p.z) * o->z_length));
