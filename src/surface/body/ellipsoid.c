@@ -3,20 +3,21 @@
  * With w = z / (1 - f) it is the sphere x^2 + y^2 + w^2 = a^2, and
  *     F = (x^2 + y^2 + w^2 - a^2) / 2a,     grad F = (x, y, z / (1 - f)^2) / a.
  *
- * THE ROUNDING.  The terms are added to -a^2 one by one, the greatest cancellation last, each by fma:
- *     ((e z^2 - a^2) + y^2) + x^2,     e = 1 / (1 - f)^2 and a^2 as two doubles each, so that they are exact.
- * z^2 is rounded (u e z^2), the small parts are 2 u (e z^2 + a^2) at most and rounded to u of that, and
- * each sum rounds by u of itself: near the surface these are a^2 - w^2 and x^2, so F is right to u a there,
- * less than what the rounding of the point itself does.  The quotient adds u |F|.
+ * THE ROUNDING.  The terms are added to -a^2 one by one, each by fma, the greatest cancellation last:
+ *     ((e z^2 - a^2) + y^2) + x^2.
+ * e = 1 / (1 - f)^2 and a^2 are two doubles each, so they are exact.  The errors are: z^2 u e z^2; the low
+ * parts, at most 2 u (e z^2 + a^2), u of themselves; each sum u of itself.  Near the surface the sums are
+ * a^2 - w^2 and x^2, so F is right to u a there.  That is less than what the rounding of the point itself
+ * causes.  The quotient adds u |F|.
  *
- * THE CLEARANCE.  (x, y, z) -> (x, y, w) makes distances longer by no more than K = max(1, 1 / (1 - f)),
- * and so the surface is no nearer than | |(x, y, w)| - a | / K.
+ * THE CLEARANCE.  The map (x, y, z) -> (x, y, w) lengthens distances by at most K = max(1, 1 / (1 - f)).
+ * So the surface is no nearer than | |(x, y, w)| - a | / K.
  *
- * THE RAY.  In (x, y, w) the local origin is the point of the ray nearest the centre, where the
- * discriminant is that of half the chord: quadratic.h. */
+ * THE RAY.  In (x, y, w) the local origin is the point of the ray nearest the centre.  The discriminant
+ * there is that of half the chord (quadratic.h). */
 #include "quadratic.h"
 
-/* What is shared by all points. */
+/* What all points share. */
 typedef struct shell { double a, e, e_lo, a2, a2_lo, half, inverse, stretch; } shell;
 
 SGT_INLINE shell shell_of(const sgt_ellipsoid *s)
@@ -126,7 +127,7 @@ SGT_INLINE double ellipsoid_terms(const sgt_ellipsoid *s, const near_ray *r, dou
 
 QUADRATIC_SPANS(ellipsoid, sgt_ellipsoid, ellipsoid_approach, ellipsoid_terms)
 
-/* F from x, y, z, and its slope along d, as they stand. */
+/* F from x, y, z, and its slope along d, by plain intervals. */
 static sgt_interval ellipsoid_plain(const sgt_ellipsoid *s, const sgt_ray *ray, double t0, sgt_interval t,
                                     sgt_interval *slope)
 {

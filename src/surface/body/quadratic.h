@@ -1,28 +1,32 @@
-/* quadratic.h - rays and surfaces of the second degree: the parabola, its roots, and what is certain of them.
+/* quadratic.h - rays and surfaces of the second degree: the parabola, its roots, and what is certain of
+ * them.
  *
- * Along x + tau d the surface is g = A tau^2 + 2 B tau + C.  The local origin x is near the surface's own
- * place, so that a ray from far off loses nothing; the coefficients are worked out there in doubles, each
- * off by at most E = 16 u times the sum of the magnitudes of its terms: Aa, Ba, Ca.  Hence D = B^2 - A C is
- * off by at most
- *     De = 64 u (Ba^2 + Aa Ca),
- * and there is for certain no root where D < -De.  With q = -(B + sign(B) sqrt D) the roots are C / q and q
- * / A, without a difference of like numbers (Press et al. 2007, section 5.6).
+ * Along x + tau d the surface is g = A tau^2 + 2 B tau + C.  The local origin x is near the surface, so a
+ * distant ray loses nothing.  The coefficients are computed there in doubles.  Each is off by at most E =
+ * 16 u times the sum of the magnitudes of its terms, Aa, Ba or Ca.  Hence D = B^2 - A C is off by at most
+ *     De = 64 u (Ba^2 + Aa Ca).
+ * If D < -De, there is certainly no root.  With q = -(B + sign(B) sqrt D) the roots are C / q and q / A,
+ * without a difference of like numbers (Press et al. 2007, section 5.6).
  *
- * HOW FAR A ROOT CAN BE OFF.  Let S^2 = D > 16 De.  At an exact root the computed parabola is at most E
- * spread(tau), spread = Aa tau^2 + 2 Ba |tau| + Ca; from a root of its own to the vertex it grows by at
- * least S times the distance.  So the two are at most 2 E spread / S apart: twice, since spread belongs at
- * the other of the two.  (With N = Ba^2 + Aa Ca <= D / 64 E and |tau| <= Ca / S, 16 E^2 Aa spread <= D:
- * over that distance spread does not grow to more than twice itself.  The same holds of q / A where |A| >
- * 2^-20 Aa, as |q| <= 2^23 S.)  Where A is smaller (a ray along the axis of a paraboloid, nearly) and |q|
- * <= 3 S, C / q is right all the same, and q / A to a half of itself as long as |A| > 8 E Aa.  Where Aa = 0
- * there is one root alone.
+ * HOW FAR A ROOT CAN BE OFF.  Let S^2 = D > 16 De, and spread = Aa tau^2 + 2 Ba |tau| + Ca.  At an exact
+ * root the computed parabola is at most E spread(tau).  From a root of its own toward the vertex it grows
+ * by at least S times the distance.  So the two roots are at most 2 E spread / S apart.  The factor 2 is
+ * there because spread belongs at the other of the two.  It suffices: with N = Ba^2 + Aa Ca <= D / 64 E
+ * and |tau| <= Ca / S, 16 E^2 Aa spread <= D, so over that distance spread at most doubles.
  *
- * THE VERTEX -B / A PARTS THE TWO.  From a bit before the first to the vertex there is the first alone,
- * from the vertex to a bit behind the second the second: that is what `first` answers.  The first, where it
- * counts for certain (sgt_ray in sagitta.h has the rule; whoever solves may have a t_err of a few times the
- * rule's own width), the second, where the first for certain does not count.  Between these two, where D is
- * not above 16 De (the ray touches), and where the distance from the vertex is within what a double can
- * tell of t, nothing is promised. */
+ * The same holds for q / A if |A| > 2^-20 Aa, since |q| <= 2^23 S.  For smaller A (a ray nearly along the
+ * axis of a paraboloid) with |q| <= 3 S, C / q is still right, and q / A is right to half of itself as
+ * long as |A| > 8 E Aa.  If Aa = 0, there is only one root.
+ *
+ * THE VERTEX -B / A PARTS THE TWO.  `first` gives one of two stretches:
+ * - from just before the first root to the vertex: only the first root is in it.  Given if that root is
+ *   certainly accepted (the rule is at sgt_ray in sagitta.h; the solver may have a t_err of a few times
+ *   the rule's own width).
+ * - from the vertex to just behind the second root: only the second is in it.  Given if the first is
+ *   certainly not accepted.
+ *
+ * Nothing is promised in three cases: between these two; if D is not above 16 De (the ray touches); and if
+ * the distance from the vertex is within what a double can tell of t. */
 #ifndef SGT_SURFACE_BODY_QUADRATIC_H
 #define SGT_SURFACE_BODY_QUADRATIC_H
 
@@ -38,14 +42,14 @@
 
 typedef struct parabola { double A, B, C, Aa, Ba, Ca; } parabola;
 
-/* The ray with the local origin near the surface. */
+/* The ray with its local origin near the surface. */
 typedef struct near_ray { sgt_vec3 x, d; double t0, scale, inverse; } near_ray;
 
 typedef struct crossings {
     double lo, hi;              /* no root is outside; lo > hi: there is none */
-    double mid, first, second;  /* mid parts them */
-    double first_off, slope;    /* how far the first can be off, and half of |dg/dtau| there */
-    mask none, one, two;        /* certain, if any */
+    double mid, first, second;  /* mid parts the roots */
+    double first_off, slope;    /* how far the first can be off; half of |dg/dtau| there */
+    mask none, one, two;        /* the number of roots, where it is certain */
 } crossings;
 
 SGT_INLINE double quadratic_spread(const parabola *p, double tau)
@@ -81,7 +85,8 @@ SGT_INLINE crossings crossings_of(const parabola *p, double t0)
     mask parted = MASK(before > c.first_off + off) & MASK(behind > second_off + off) & MASK(gap < HUGE_VAL);
     c.one = clear & linear;
 
-    /* two; else about the vertex, if there is one; else, of a linear equation, about its root */
+    /* With two roots: about them.  Otherwise about the vertex, if there is one.  For a linear equation:
+     * about its root. */
     double half = ((1 + 0x1p-3) * sqrt((D > 0 ? D : 0) + De) + 0x1p-28 * fabs(B) + 2 * COEFFICIENT * p->Ba) *
                   inverse;
     mask about = steep & fine & MASK(half < HUGE_VAL);
@@ -98,7 +103,7 @@ SGT_INLINE crossings crossings_of(const parabola *p, double t0)
     return c;
 }
 
-/* In the ray's own t, outward. */
+/* In the ray's own t, rounded outward. */
 SGT_INLINE double quadratic_below(const near_ray *r, double tau)
 {
     return end_below((r->t0 + tau) - 0x1p-51 * (fabs(r->t0) + fabs(tau)), r->scale);
@@ -126,7 +131,7 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
            width = START_ULPS * terms / (2 * c->slope);
     double at = chosen(MASK(fabs(from) < HUGE_VAL), fabs(from), 0),
            blur = 2 * c->first_off + 0x1p-50 * (fabs(r->t0) + fabs(c->first) + at);
-    mask two = c->two & MASK((c->second - c->first) * r->scale > 0x1p-900); /* else mid may be none in t */
+    mask two = c->two & MASK((c->second - c->first) * r->scale > 0x1p-900); /* else mid may not part them */
     mask accepted = two & MASK(gap > 8 * width + 16 * blur + 0x1p-45 * at),
          behind = two & MASK(gap + blur < 0.75 * width);
     double mid = (r->t0 + c->mid) * r->scale;
@@ -136,9 +141,13 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
     return a;
 }
 
-/* Every surface of this kind answers so: SELF is its type, APPROACH(s, o, d, &p, &r) makes the parabola and
- * the local ray, TERMS(s, &r, tau) are the terms at tau.  (Truth values go out by a loop of their own:
- * bytes beside doubles make no vector code.) */
+/* Defines span and first, single and in lanes, for a surface of this kind:
+ *
+ *   SELF                       its type
+ *   APPROACH(s, o, d, &p, &r)  makes the parabola and the local ray
+ *   TERMS(s, &r, tau)          the terms at tau
+ *
+ * Truth values are written by a loop of their own: a loop with bytes beside doubles is not vectorised. */
 #define QUADRATIC_LANES(NAME, SELF, APPROACH, ANSWER)                                                  \
     SGT_KERNEL                                                                                         \
     static void NAME(const SELF *self, size_t n, const double *restrict ox, const double *restrict oy, \
@@ -215,10 +224,10 @@ SGT_INLINE void near_ray_at(near_ray *r, sgt_vec3 o, double t0)
 
 /* ------------------------------------------------------------------ by intervals
  *
- * About the middle m of the stretch, where the coefficients are known in twice the precision (off by 2^-96
- * of their terms), g = C + tau (2 B + A tau) with tau in t - m.  The slope 2 (B + A tau) is exact as an
- * interval; where it has one sign g lies between its ends, else beyond them by no more than A w^2 / 4, w
- * the length, and no farther than C - B^2 / A. */
+ * Let m be the middle of the stretch.  The coefficients about m are known in twice the precision, off by
+ * 2^-96 of their terms.  g = C + tau (2 B + A tau) with tau in t - m.  The slope 2 (B + A tau) is exact as
+ * an interval.  If it has one sign, g lies between its ends.  Otherwise g lies beyond them by at most A
+ * w^2 / 4, where w is the length, and no farther than C - B^2 / A. */
 typedef struct fine_parabola { twofold A, B, C; double Aa, Ba, Ca; } fine_parabola;
 
 #define FINE_COEFFICIENT 0x1p-96
@@ -229,8 +238,8 @@ SGT_INLINE sgt_interval fine_interval(twofold x, double by)
                                 sgt_sum_above(x.hi, sgt_sum_above(x.lo, by)));
 }
 
-/* The ray over t, about its middle, in units of the scaled direction.  false: out of the range in which
- * twice the precision holds. */
+/* The ray over t, about its middle, in units of the scaled direction.  fine_ray_of returns false if the
+ * numbers are outside the range in which twice the precision holds. */
 typedef struct fine_ray { twofold x, y, z; double l, m, n; sgt_interval tau; double inverse; } fine_ray;
 
 SGT_INLINE bool fine_range(double o, double l, double at)
@@ -240,7 +249,7 @@ SGT_INLINE bool fine_range(double o, double l, double at)
            (l == 0 || fabs(l) > 0x1p-400) && (o == 0 || fabs(o) > 0x1p-400);
 }
 
-/* An end so near 0 that its products vanish goes outward to where they do not. */
+/* Moves an end outward if it is so near 0 that its products vanish. */
 SGT_INLINE double fine_end(double t, double by, double outward)
 {
     double p = t * by, least = 0x1p-400;
@@ -248,7 +257,7 @@ SGT_INLINE double fine_end(double t, double by, double outward)
     return (t > 0) == (outward > 0) ? outward * least : 0;
 }
 
-/* o + (t0 + t) l; false: the parts that twice the precision leaves out are more than 2^-100 of it. */
+/* o + (t0 + t) l.  Returns false if the parts omitted by twice the precision exceed 2^-100 of it. */
 static inline bool fine_along(double o, double l, double t0, double t, twofold *x)
 {
     if (t0 == 0) {
@@ -260,7 +269,7 @@ static inline bool fine_along(double o, double l, double t0, double t, twofold *
     return fabs(e.part[2]) + fabs(e.part[3]) + fabs(e.part[4]) <= 0x1p-100 * fabs(x->hi);
 }
 
-/* t counts from t0. */
+/* t is counted from t0. */
 SGT_INLINE bool fine_ray_of(const sgt_ray *ray, double t0, sgt_interval t, fine_ray *r)
 {
     double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d), lo = fine_end(t.lo, inverse, -1),
@@ -312,7 +321,7 @@ SGT_INLINE sgt_interval fine_enclose(const fine_parabola *p, const fine_ray *r, 
     return g;
 }
 
-/* o + (t0 + t) d, where nothing better is known. */
+/* o + (t0 + t) d, if nothing better is known. */
 SGT_INLINE sgt_interval plain_line(double o, double d, double t0, sgt_interval t)
 {
     sgt_interval from = sgt_interval_of(o);
@@ -320,7 +329,7 @@ SGT_INLINE sgt_interval plain_line(double o, double d, double t0, sgt_interval t
     return sgt_interval_sum(from, sgt_interval_scaled(t, d));
 }
 
-/* false: t or the ray is no stretch to enclose g over; *g is the answer. */
+/* Returns false if t or the ray is not a stretch to enclose g over.  *g and *slope are then the answer. */
 SGT_INLINE bool stretch_valid(const sgt_ray *ray, sgt_interval t, sgt_interval *g, sgt_interval *slope)
 {
     sgt_vec3 o = ray->o, d = ray->d;

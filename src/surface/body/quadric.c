@@ -1,24 +1,25 @@
-/* quadric.c - any surface of the second degree, both sheets of a hyperboloid, a pair of planes, a plane.
+/* quadric.c - any surface of the second degree: both sheets of a hyperboloid, a pair of planes, a plane.
  *
- * With the gradient's rows G_x = 2 a x + d y + f z + g (squares a, b, c; products d of xy, e of yz, f of
- * xz; linear g, h, i) Euler's identity gives
- *     F = (x (G_x + g) + y (G_y + h) + z (G_z + i)) / 2 + constant,
- * so that F costs four multiplications more than its gradient.
+ * The parameters are squares a, b, c; products d of xy, e of yz, f of xz; linear g, h, i.  The first row
+ * of the gradient is G_x = 2 a x + d y + f z + g, and so on.  Euler's identity gives
+ *     F = (x (G_x + g) + y (G_y + h) + z (G_z + i)) / 2 + constant.
+ * So F costs four multiplications more than its gradient.
  *
- * THE ROUNDING.  A term of F is rounded at most 9 times on its way into the sum (product, three sums in its
- * row, the product by the coordinate, two sums, the constant; halves are exact): F is right to 9 u (1 + 9
- * u) of the sum of the terms' magnitudes, the linear ones taken twice where they are added twice.
+ * THE ROUNDING.  A term of F is rounded at most 9 times on its way into the sum: the product, three sums
+ * in its row, the product by the coordinate, two sums, the constant.  (Halves are exact.)  So F is right
+ * to 9 u (1 + 9 u) of the sum of the terms' magnitudes.  The linear terms are taken twice where they are
+ * added twice.
  *
- * THE RAY.  The local origin is the point of the ray that is nearest the origin of the frame, and the
- * parabola there is that of quadratic.h: B is half the slope, C is F, A the squares and products of the
- * direction.  Their terms are rounded at most 9 times, the coordinates among them: less than the 16 u that
- * quadratic.h asks for. */
+ * THE RAY.  The local origin is the point of the ray nearest the origin of the frame.  The parabola there
+ * is that of quadratic.h: B is half the slope, C is F, and A has the squares and products of the
+ * direction.  Their terms are rounded at most 9 times, the coordinates included.  That is less than the 16
+ * u of quadratic.h. */
 #include "../../num/bits.h"
 #include "quadratic.h"
 
 #include <limits.h>
 
-/* The linear form that is the gradient's row. */
+/* The rows of the gradient, linear in the point. */
 typedef struct rows { double x, y, z; } rows;
 
 SGT_INLINE rows quadric_rows_of(const sgt_quadric *s, double x, double y, double z)
@@ -75,7 +76,7 @@ static void quadric_values(const void *self, size_t n, sgt_points p, sgt_values 
     }
 }
 
-/* sizes: the magnitudes of the coefficients.  Last: what underflows where these are multiplied by a
+/* sizes: the magnitudes of the coefficients.  The last term is for underflow in their products by a
  * coordinate. */
 SGT_INLINE double sizes_rounding(const sgt_quadric *sizes, double x, double y, double z)
 {
@@ -101,7 +102,7 @@ static bool quadric_roundings(const void *self, const sgt_shared *shared, size_t
     return true;
 }
 
-/* Half the second derivative along d, and the sum of its terms' magnitudes. */
+/* Half the second derivative along d.  Given the magnitudes, it is the sum of its terms' magnitudes. */
 SGT_INLINE double quadric_bent(const sgt_quadric *s, double l, double m, double n)
 {
     const double *a = s->squares, *b = s->products;
@@ -170,8 +171,8 @@ SGT_INLINE twofold fine_dot(twofold a, twofold x, twofold b, twofold y, twofold 
     return twofold_sum(twofold_sum(twofold_product(a, x), twofold_product(b, y)), twofold_product(c, z));
 }
 
-/* Are all the coefficients in the range in which products with them are split exactly?  Where not,
- * quadric_far has another unit. */
+/* Are all coefficients in the range in which products with them are split exactly?  If not, quadric_far
+ * takes another unit. */
 static bool moderate(const sgt_quadric *s)
 {
     bool is = true;
@@ -185,7 +186,7 @@ static bool moderate(const sgt_quadric *s)
     return is;
 }
 
-/* false: not so, or the ray is out of range. */
+/* Returns false if they are not moderate, or if the ray is out of range. */
 static bool quadric_fine(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *g,
                          sgt_interval *slope)
 {
@@ -202,7 +203,7 @@ static bool quadric_fine(const sgt_quadric *s, const sgt_ray *ray, double t0, sg
                        fine_form(0, l, 0, m, a[2], n, 0)};
     sgt_quadric size = quadric_sizes_of(s);
     rows sizes;
-    double la = fabs(r.l), ma = fabs(r.m), na = fabs(r.n), tiny = 0x1p-700; /* of what underflows */
+    double la = fabs(r.l), ma = fabs(r.m), na = fabs(r.n), tiny = 0x1p-700; /* for underflow */
     fine_parabola p = {fine_dot(l, along.x, m, along.y, n, along.z),
                        twofold_times_power(fine_dot(l, full.x, m, full.y, n, full.z), 0.5),
                        twofold_sum(fine_dot(x, upper.x, y, upper.y, z, upper.z), twofold_of(s->constant)),
@@ -216,15 +217,15 @@ static bool quadric_fine(const sgt_quadric *s, const sgt_ray *ray, double t0, sg
     return true;
 }
 
-/* The exponent of the greatest of three; INT_MIN: all are 0. */
+/* The exponent of the largest of three.  INT_MIN: all are 0. */
 static int exponent_of(const double *x)
 {
     double most = larger(larger(fabs(x[0]), fabs(x[1])), fabs(x[2]));
     return most > 0 ? binary_exponent(most) : INT_MIN;
 }
 
-/* The same surface in a unit of length and with a factor, powers of two both, in which it is of the size of
- * 1: 2^of times F at 2^length times the point.  false: a number would be rounded. */
+/* The same surface in a unit of length and with a factor, both powers of two, in which its size is about
+ * 1.  It is 2^of times F at 2^length times the point.  Returns false if a number would be rounded. */
 static bool in_own_unit(const sgt_quadric *s, sgt_quadric *out, int *length, int *of)
 {
     int square = exponent_of(s->squares), product = exponent_of(s->products), linear = exponent_of(s->linear);
@@ -260,8 +261,8 @@ static bool in_own_unit(const sgt_quadric *s, sgt_quadric *out, int *length, int
 
 static bool normal_power(int of_two) { return of_two >= -1000 && of_two <= 1000; }
 
-/* g and its slope of the surface in its own unit, whatever the caller's is: far from 1 the products are not
- * exact. */
+/* g and its slope for the surface in its own unit, whatever the caller's unit is.  Far from 1 the products
+ * are not exact. */
 static bool quadric_far(const sgt_quadric *s, const sgt_ray *ray, double t0, sgt_interval t, sgt_interval *g,
                         sgt_interval *slope)
 {

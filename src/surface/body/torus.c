@@ -1,41 +1,44 @@
-/* torus.c - the torus about z, of a thin hoop as of a spindle.
+/* torus.c - the torus about z, from a thin hoop to a spindle.
  *
- * With rho = sqrt(x^2 + y^2) the quartic is a product: (x^2 + y^2 + z^2 + R^2 - r^2)^2 - 4 R^2 rho^2 = G H,
+ * With rho = sqrt(x^2 + y^2) the quartic is a product, (x^2 + y^2 + z^2 + R^2 - r^2)^2 - 4 R^2 rho^2 = G
+ * H:
  *     G = (rho - R)^2 + z^2 - r^2,     H = (rho + R)^2 + z^2 - r^2 = G + 4 R rho.
- * As it stands the quartic loses a thin hoop in its own rounding.  G does not: rho - R is a difference of
- * two numbers of which rho alone is rounded.  So
- *     r <= R:  F = G / 2r, a distance to first order; H is not below 0 there.
- *     r > R:   F = G H / (8 r R (R + r)): the inner part of a spindle is where H = 0.  Its gradient is that
- *              of the quartic, smooth on
- *              the axis:  4 (x (G + 2 R (rho - R)), y (...), z (G + 2 R rho)).
+ * The quartic as it stands loses a thin hoop in its own rounding.  G does not: rho - R is a difference of
+ * two numbers of which only rho is rounded.  So
+ *     r <= R:  F = G / 2r, a distance to first order.  H is not below 0 there.
+ *     r > R:   F = G H / (8 r R (R + r)).  The inner part of a spindle is where H = 0.  Its gradient is that
+ *              of the quartic, smooth on the axis:  4 (x (G + 2 R (rho - R)), y (...), z (G + 2 R rho)).
  *
- * THE ROUNDING.  rho is right to 2 u of itself, off = rho - R so to 2 u rho + u |off|; G is off^2 + (z^2 -
- * r^2) by fma, r^2 as two doubles.
+ * THE ROUNDING.  rho is right to 2 u of itself.  So off = rho - R is right to 2 u rho + u |off|.  G is
+ * off^2 + (z^2 - r^2) by fma, with r^2 as two doubles.
  *
- * THE CLEARANCE.  |G| = |d - r| (d + r) with d the distance from the circle in the middle of the tube; of a
- * spindle the nearer of the two circles that a plane through the axis cuts out.
+ * THE CLEARANCE.  |G| = |d - r| (d + r), where d is the distance from the circle in the middle of the
+ * tube.  For a spindle take the nearer of the two circles that a plane through the axis cuts out.
  *
- * ALONG A RAY, x + tau d, with h = x dx + y dy, X = x dy - y dx and A = |d|^2 (that in x and y: A_xy):
+ * ALONG A RAY x + tau d, let h = x dx + y dy, X = x dy - y dx, A = |d|^2, and A_xy that in x and y:
  *     G' / 2 = b = (rho - R) h / rho + z dz,     G'' / 2 = A - R X^2 / rho^3.
- * So G'' <= 2 A everywhere (on the axis the slope falls at once, too), and from below it is bounded
- * wherever rho is.  As no root has rho < R - r, the stretch of the ray that is in that cylinder is passed
- * over, and outside it
+ * So G'' <= 2 A everywhere (on the axis the slope falls at once, too).  G'' has a lower bound wherever rho
+ * has one.  No root has rho < R - r.  So the stretch of the ray inside that cylinder is skipped, and
+ * outside it
  *     G'' / 2 >= kappa = A - R X^2 / rho_least^3,     rho_least = max(R - r, X / sqrt A_xy).
- * THE FIRST ROOT after a point where G > 0 is not before the first zero of G + 2 b s + kappa s^2, nor
- * before the clearance: from there the same again, which comes near the root as fast as Newton's method and
- * never passes it.  Where it has none, and the ray no other stretch, it is a miss.  Where b < 0 and 2.5 A G
- * <= b^2, G falls all the way to s = -b / A and is negative for certain at a part of it: one root, and the
- * first; of a spindle as far as H, which is convex, cannot be 0.  Inside the tube the same is true of -G,
- * with -A in place of kappa and -kappa in place of A.  A start on the surface: the root there does not
- * count (sagitta.h, sgt_ray); where G is past its extreme the search begins.  If STEPS steps do not come so
- * far, nothing is promised.
  *
- * THE ENCLOSURE.  In the middle m of the stretch G and b are known in twice the precision, and over it
- * rho^2 is a parabola and has an exact range, so that G'' has a narrow one:
+ * THE FIRST ROOT after a point where G > 0 is not before the first zero of G + 2 b s + kappa s^2, nor
+ * before the clearance.  The search goes there and repeats.  This approaches the root as fast as Newton's
+ * method and never passes it.  If that parabola has no zero, and the ray has no other stretch, it is a
+ * miss.
+ *
+ * If b < 0 and 2.5 A G <= b^2, G falls all the way to s = -b / A and is certainly negative on a part of
+ * it.  So there is one root, and it is the first.  For a spindle this holds as far as H, which is convex,
+ * cannot be 0.  Inside the tube the same holds for -G, with -A in place of kappa and -kappa in place of A.
+ *
+ * A start on the surface: the root there is not accepted (sagitta.h, sgt_ray), and the search begins where
+ * G is past its extreme.  If STEPS steps do not suffice, nothing is promised.
+ *
+ * THE ENCLOSURE.  In the middle m of the stretch G and b are known in twice the precision.  Over the
+ * stretch rho^2 is a parabola and has an exact range, so G'' has a narrow one:
  *     G in G(m) + 2 b(m) tau + [G''] tau^2 / 2,     b in b(m) + [G''] tau / 2.
- * On stretches that are long, or near the axis, G and b are that of their formula besides: rho' = h / rho
- * never falls.  For a spindle the same is done with H, which has -R in place of R, and the two are
- * multiplied. */
+ * On long stretches, and near the axis, the formulas of G and b are taken besides: rho' = h / rho never
+ * falls.  For a spindle the same is done with H, which has -R in place of R, and the two are multiplied. */
 #include "quadratic.h"
 
 enum { STEPS = 8 };
@@ -117,7 +120,7 @@ static void torus_values(const void *self, size_t n, sgt_points p, sgt_values ou
     else ring_values(&s, n, p, out);
 }
 
-/* Of G. */
+/* The rounding of G. */
 SGT_INLINE double tube_rounding(const torus_ring *s, const tube *p, double z)
 {
     double off = SGT_U * (2 * p->rho + fabs(p->off));
@@ -174,14 +177,19 @@ static double torus_clearance(const void *self, sgt_vec3 p)
 enum { BLOCK = FREEFORM_BLOCK };
 typedef double row[BLOCK];
 
-/* What is known of n rays on their way.  seek: 1 as long as a root is looked for; left: the steps that are
- * left to bring tau nearer to one that is found; when both are 0 nothing changes any more, so that it makes
- * no difference how many rays go together.  none: 1: there is no root; met: 1: there is one, alone in
- * [from, to].  (A row for each: of conditions on one number gcc makes branches.) */
+/* The state of n rays in the search.
+ *
+ *   seek  1 as long as a root is sought
+ *   left  steps left to bring tau nearer to a root that was found
+ *   none  1: there is no root
+ *   met   1: there is a root, the only one in [from, to]
+ *
+ * When seek and left are 0, nothing changes any more.  So the result does not depend on how many rays go
+ * together.  (Each has a row of its own: from conditions on one number gcc makes branches.) */
 typedef struct torus_course {
     row x, y, z, l, m, n, t0, scale;
     row lo, hi, enter, leave;    /* no root is outside [lo, hi], nor between enter and leave */
-    row kappa, start, at;        /* tmin, and its magnitude */
+    row kappa, start, at;        /* tmin; a margin about it for rounding, by its magnitude */
     row tau, side, from, to, seek, left, none, met;
     row g, b, g_err, b_err, radius, one; /* of one step: at tau, with the signs of `side` */
 } torus_course;
@@ -202,7 +210,7 @@ SGT_INLINE torus_look torus_look_at(const torus_ring *s, const torus_course *c, 
     e.terms = 2 * (gx * fabs(x) + gy * fabs(y) + gz * fabs(z));
     e.g_err = 1.01 * (2 * SGT_U * (ex * gx + ey * gy + ez * gz) + tube_rounding(s, &e.at, z)) +
               0x1p-90 * (e.at.rho * e.at.rho + z * z);
-    /* off / rho moves by R / rho^2 times what rho does, a direction by 1 / rho */
+    /* off / rho changes by R / rho^2 times the change of rho, a direction by 1 / rho. */
     double rough = (ex * ax + ey * ay) * (1 + s->R / e.at.rho) + (e.at.rho + s->R) * (ax + ay);
     e.b_err = 8 * SGT_U * (rough + ez * az);
     return e;
@@ -217,7 +225,7 @@ SGT_INLINE void course_begin(const torus_ring *s, torus_course *c, size_t i, sgt
     double x = r.x.x, y = r.x.y, z = r.x.z, p = x * x + y * y, h = x * l + y * m, b = h + z * n,
            middle = -b / A;
 
-    /* the ball and the slab about the torus; u |t0| is what t can be told to */
+    /* The ball and the slab about the torus.  t can be told to u |t0|. */
     double ball = (R + s->r) * (1 + 0x1p-20), thick = s->r * (1 + 0x1p-10) + 0x1p-44 * R,
            inside = b * b - A * ((p + z * z) - ball * ball);
     double reach = sqrt(inside > 0 ? inside : 0) / A, below = (-thick - z) / n, above = (thick - z) / n;
@@ -230,7 +238,7 @@ SGT_INLINE void course_begin(const torus_ring *s, torus_course *c, size_t i, sgt
     gone |= MASK(lo > hi + 2 * more);
     lo -= more, hi += more;
 
-    /* the cylinder in the hole */
+    /* The cylinder in the hole. */
     double cross = fabs(x * m - y * l), off = 8 * SGT_U * (fabs(x * m) + fabs(y * l)),
            q = (R - s->r) * (1 - 0x1p-20), room = a * q * q - cross * cross;
     mask hole = MASK(R - s->r > 0x1p-10 * R), along = MASK(a < 0x1p-100),
@@ -254,7 +262,7 @@ SGT_INLINE void course_begin(const torus_ring *s, torus_course *c, size_t i, sgt
     tau = chosen(MASK(tau > c->enter[i]) & MASK(tau < c->leave[i]), c->leave[i], tau);
     gone |= MASK(tau > hi);
 
-    /* inside or outside; on the surface: past it */
+    /* Is the start inside, outside, or on the surface?  If on it, begin past it. */
     c->tau[i] = tau;
     torus_look e = torus_look_at(s, c, i, tau);
     mask on = ~endless &
@@ -272,7 +280,7 @@ SGT_INLINE void course_begin(const torus_ring *s, torus_course *c, size_t i, sgt
     c->from[i] = lo, c->to[i] = hi;
 }
 
-/* Is there one root, and not the start? */
+/* Is there one root, and is it not the start? */
 SGT_INLINE void course_judge(const torus_ring *s, torus_course *c, size_t i)
 {
     double tau = c->tau[i], side = c->side[i], l = c->l[i], m = c->m[i], n = c->n[i], a = l * l + m * m;
@@ -282,7 +290,8 @@ SGT_INLINE void course_judge(const torus_ring *s, torus_course *c, size_t i)
            width = START_ULPS * e.terms / -b;
     way = chosen(MASK(side < 0) & MASK(tau + way > c->enter[i]) & MASK(tau < c->enter[i]), c->enter[i] - tau,
                  way);
-    /* of a spindle: as far as the inner part is away for certain (H is convex, and not below its tangent) */
+    /* For a spindle: only as far as the inner part is certainly away.  (H is convex, and not below its
+     * tangent.) */
     double inner = e.at.g + 4 * s->R * e.at.rho,
            nearer = -2 * (e.b + 2 * s->R * (c->x[i] * l + c->y[i] * m + tau * a) / e.at.rho);
     double apart = chosen(MASK(nearer > 0), 0.75 * inner / nearer, HUGE_VAL),
@@ -300,7 +309,7 @@ SGT_INLINE void course_judge(const torus_ring *s, torus_course *c, size_t i)
     c->one[i] = chosen(one, c->seek[i], 0);
 }
 
-/* To where no root is before; of one that is found by Newton's step. */
+/* Moves to a point with no root before it.  If the root is found, moves by Newton's step. */
 SGT_INLINE void course_move(torus_course *c, size_t i)
 {
     double tau = c->tau[i], side = c->side[i], l = c->l[i], m = c->m[i], n = c->n[i],
@@ -346,7 +355,7 @@ static void move(torus_course *c, size_t n)
     LANES for (size_t i = 0; i < n; i++) course_move(c, i);
 }
 
-/* 0: all have come to an end. */
+/* 0 if all rays have finished. */
 SGT_KERNEL
 static double unfinished(const torus_course *c, size_t n)
 {
@@ -355,7 +364,7 @@ static double unfinished(const torus_course *c, size_t n)
     return more;
 }
 
-/* single: as far as the search has come; else the span, with its seed. */
+/* single: gives [from, to] where a root was found.  Otherwise the span, with its seed. */
 SGT_KERNEL
 static void end(const torus_course *c, size_t n, bool single, double *lo, double *hi, double *seed,
                 bool *is_single)
@@ -385,7 +394,7 @@ static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, 
         torus_begin(&s, &c, few, o, d, first ? rays.tmin + at : whole);
         for (int i = 0; i < STEPS && unfinished(&c, few) > 0; i++) torus_judge(&s, &c, few), move(&c, few);
         end(&c, few, first, out.lo + at, out.hi + at, out.seed + at, out.single + at);
-        for (size_t i = 0; i < few; i++) /* in lengths of so long a d the ends may underflow */
+        for (size_t i = 0; i < few; i++) /* if d is this long, the ends may underflow in lengths of d */
             if (!(c.scale[i] * (s.R + s.r) > 0x1p-900) && out.lo[at + i] <= out.hi[at + i])
                 out.lo[at + i] = -HUGE_VAL, out.hi[at + i] = HUGE_VAL, out.single[at + i] = false;
     }
@@ -414,8 +423,8 @@ static sgt_span torus_first(const void *self, const sgt_ray *ray) { return uniqu
 
 /* ------------------------------------------------------------------ by intervals */
 
-/* G (of -R: H) and half its slope over a stretch on which rho, h, z have these ranges; d in x and y is no
- * longer than `steep`. */
+/* G (for -R: H) and half its slope over a stretch with these ranges of rho, h and z.  The length of d in x
+ * and y is at most `steep`. */
 typedef struct stretch_of { sgt_interval g, b; } stretch_of;
 
 static stretch_of natural(double R, double r, sgt_interval rho, sgt_interval h, sgt_interval z, double n,
@@ -430,7 +439,7 @@ static stretch_of natural(double R, double r, sgt_interval rho, sgt_interval h, 
         sgt_interval_sum(sgt_interval_product(off, outward), sgt_interval_scaled(z, n))};
 }
 
-/* What a stretch is, for G and for H. */
+/* What G and H share on a stretch. */
 typedef struct view {
     fine_ray r;
     twofold rho, h, ratio;
@@ -571,7 +580,7 @@ static void torus_by_parameter(const void *self, size_t j, size_t n, sgt_points 
     for (size_t i = 0; i < n; i++) {
         double x = p.p[0][i], y = p.p[1][i], z = p.p[2][i], f, gx, gy, gz;
         tube at = tube_at(&s, x, y, z);
-        if (s.spindle) { /* J k: of J, and of k, the logarithm's */
+        if (s.spindle) { /* F = J k: the derivative of J, and that of log k */
             double value = spindle_at(&s, x, y, z, &gx, &gy, &gz), S = at.g + 2 * s.R * at.rho,
                    log = -(1 / (j ? s.r : s.R) + 1 / (s.R + s.r)), by = s.k * (j ? -8 * s.r : 8 * s.R);
             f = log * value + s.k * (j ? -4 * s.r * S : 4 * s.R * (S - 2 * at.rho * at.rho));
