@@ -1,27 +1,29 @@
 /* biconic.c - two curvatures and two conic constants, under one root.
  *
- * THE SAG.  s = N / w, w = 1 + phi, N = c_x x^2 + c_y y^2, phi^2 = D = 1 - A x^2 - B y^2, A = (1 + k_x)
- * c_x^2, B likewise: the form of lens programs, for which no curvature is special.  From N = s w,
- * differentiated:
+ * THE SAG.  s = N / w with w = 1 + phi, N = c_x x^2 + c_y y^2, phi^2 = D = 1 - A x^2 - B y^2, A = (1 +
+ * k_x) c_x^2, and B likewise.  This is the form of lens programs.  No curvature is a special case.
+ *
+ * THE DERIVATIVES follow from N = s w:
  *     s_x = x G_x,   G_x = (2 c_x + A h) / w,   h = s / phi,   and for y likewise,
- *     s_ij = G_i [i = j] + M_ij x_i x_j,   M_ij = (G_i A_j + G_j A_i + h A_i A_j / phi) / (phi w),   A_x =
- *         A, A_y = B,
- * and for a parameter q, with N_q and E = -D_q / 2 (so that phi_q = -E / phi),
- *     s_q = (N_q + h E) / w,   s_qi = (N_qi + (s_i E + s E_i) / phi + s_q A_i x_i / phi + h E A_i x_i /
- *                              phi^2) / w,
+ *     s_ij = G_i [i = j] + M_ij x_i x_j,   M_ij = (G_i A_j + G_j A_i + h A_i A_j / phi) / (phi w),
+ *         with A_x = A, A_y = B.
+ * For a parameter q, with N_q and E = -D_q / 2 (so that phi_q = -E / phi),
+ *     s_q = (N_q + h E) / w,
+ *     s_qi = (N_qi + (s_i E + s E_i) / phi + s_q A_i x_i / phi + h E A_i x_i / phi^2) / w,
  *     for c: N_q = x^2, E = (1 + k) c x^2;   for k: N_q = 0, E = c^2 x^2 / 2.
- * Everything is made of u = c_x x and v = c_y y, so that c^2 alone, which may overflow, does not occur in s.
+ * All is computed from u = c_x x and v = c_y y.  So c^2, which may overflow, does not occur by itself in
+ * s.
  *
- * ROUNDING.  With e = 2^-53: each term of N is rounded 3 times and the terms of D 5 times; 1 / w, w >= 1,
- * has what D has over sqrt(D) + sqrt(D - its error) (and never more than the root of that error), which is
- * all that grows toward the edge of the domain.  From there error is carried on line by line, as the lines
- * of `at` are, and enlarged by 2^-20 for its own.
+ * ROUNDING, with e = 2^-53.  Each term of N is rounded 3 times, and the terms of D 5 times.  phi is off by
+ * the error of D over sqrt(D) + sqrt(D - its error), and never by more than the root of that error; 1 / w,
+ * w >= 1, carries it.  Only this grows toward the edge of the domain.  From there the error is carried on
+ * line by line, as the lines of `at` are, and enlarged by 2^-20 for its own rounding.
  *
- * BOUNDS.  N and D are linear in (x^2, y^2), which lies in a rectangle less the corner that x^2 + y^2 <=
- * r_hi^2 cuts off: their least and greatest are at the corners of that pentagon.  From them, by intervals,
- * the lines above.  |grad s|^2 = G_x^2 x^2 + G_y^2 y^2 is bounded so too; the norm of diag(G) + (M_ij x_i
- * x_j) by that of the magnitudes, and by the greatest |G| + the greatest |M| r^2: of a sphere's numbers
- * that is what a sphere has at r_hi. */
+ * BOUNDS.  N and D are linear in (x^2, y^2).  That point lies in a rectangle less the corner that x^2 +
+ * y^2 <= r_hi^2 cuts off.  So their extremes are at the corners of that pentagon.  From them, by
+ * intervals, the lines above.  |grad s|^2 = G_x^2 x^2 + G_y^2 y^2 is bounded in the same way.  The norm of
+ * diag(G) + (M_ij x_i x_j) has two bounds: the norm of the magnitudes, and the greatest |G| + the greatest
+ * |M| r^2.  For a sphere the second is what a sphere has at r_hi. */
 #include "../../num/bits.h"
 #include "bend.h"
 #include "departure.h"
@@ -37,7 +39,7 @@ static void biconic_sag(const sgt_biconic *self, size_t n, const double *restric
         double x = px[i], y = py[i], u = cx * x, v = cy * y;
         double phi = sqrt((1 - kx * u * u) - ky * v * v), over_w = 1 / (1 + phi);
         double s = (u * x + v * y) * over_w;
-        /* at the equator the gradient is steeper than anything, not NaN */
+        /* At the equator the gradient is huge but finite, not NaN. */
         double h = s / larger(phi, 0x1p-400);
         p[i] = s;
         gx[i] = u * (2 + ax * h) * over_w;
@@ -59,7 +61,7 @@ static void biconic_off(const void *self, double x, double y, double *p_err, dou
     double d_err = e * (5 * (fabs(tx) + fabs(ty)) + fabs(d1) + fabs(d)) * more, phi = sqrt(d),
            low = sqrt(larger(d - d_err, 0)), rest = phi + low;
     *p_err = *grad_err = HUGE_VAL;
-    if (!(d >= 0)) return; /* NaN; it may be that the sag is not */
+    if (!(d >= 0)) return; /* NaN; the sag may still exist */
     double root = sqrt(d_err), phi_err = (rest * root > d_err ? d_err / rest : root) + e * phi;
     double w = 1 + phi, w_err = phi_err + e * w, w_low = larger(w - w_err, 1),
            terms = fabs(u * x) + fabs(v * y), s = (u * x + v * y) / w;
@@ -73,7 +75,7 @@ static void biconic_off(const void *self, double x, double y, double *p_err, dou
         worst = larger(worst, c * (t_err + t * (w_err / w_low + 4 * e)) / w_low);
     }
     *grad_err = worst * more + least;
-    if (!(*grad_err < HUGE_VAL)) *grad_err = HUGE_VAL; /* nor NaN */
+    if (!(*grad_err < HUGE_VAL)) *grad_err = HUGE_VAL; /* NaN too */
 }
 
 /* Corners of the set of (x^2, y^2). */
@@ -90,7 +92,7 @@ static pentagon squares_in(const region *where)
     return (pentagon){{x.lo, x_far, x_far, x_by, x.lo}, {y.lo, y.lo, y_by, y_far, y_far}};
 }
 
-/* a X + b Y. */
+/* a X + b Y over the pentagon. */
 static sgt_interval linear_over(const pentagon *at, sgt_interval a, sgt_interval b)
 {
     sgt_interval all = sgt_interval_empty();
@@ -117,7 +119,7 @@ static sgt_interval biconic_bent_by(double c, double k)
         sgt_interval_product(sgt_interval_sum(sgt_interval_of(1), sgt_interval_of(k)), of), of);
 }
 
-/* phi and s over the region, which is clipped; as `bounds`. */
+/* phi and s over the region, which is cut to the domain.  Returns what `bounds` does. */
 static int biconic_over(const sgt_biconic *b, region *where, sgt_interval *root, sgt_interval *sag)
 {
     sgt_interval one = {1, 1}, cx = sgt_interval_of(b->c_x), cy = sgt_interval_of(b->c_y),
@@ -154,7 +156,7 @@ static int biconic_bounds(const void *self, region *where, bounds *out)
     if (!defined) return 0;
     pentagon at = squares_in(where);
     sgt_interval w = sgt_interval_sum(sgt_interval_of(1), phi);
-    /* what may not be defined has no size to be a graze by */
+    /* Where it may be undefined, size is infinite: no graze is told by it. */
     *out = (bounds){defined == 1 ? sgt_interval_greatest(s) : HUGE_VAL, HUGE_VAL, HUGE_VAL};
     if (!(phi.lo > 0)) return defined;
 
@@ -185,8 +187,8 @@ static int biconic_bounds(const void *self, region *where, bounds *out)
     return defined;
 }
 
-/* The lines of biconic_off with c and (1 + k) c^2 of the worse axis in all directions, at the radius: all
- * grow with it. */
+/* The lines of biconic_off at the radius, with c and (1 + k) c^2 of the worse axis in all directions.  All
+ * grow with the radius. */
 static void biconic_noise(const void *self, double radius, double e[2])
 {
     const sgt_biconic *b = self;
@@ -226,7 +228,7 @@ static void biconic_second(const void *self, size_t n, const double *x, const do
 
 static size_t biconic_parameter_count(const void *self) { (void)self; return 4; }
 
-/* By c or k of the x axis; that of y is the same with the axes exchanged. */
+/* By c or k of the x axis.  Those of y are the same with the axes exchanged. */
 SGT_KERNEL
 static void biconic_by_axis(double cx, double kx, double cy, double ky, bool by_c, size_t n,
                             const double *restrict px, const double *restrict py, double *restrict p,
@@ -275,7 +277,7 @@ static const departure biconic_departure = {.at = biconic_at,
                                             .object = biconic_objection,
                                             .noise = biconic_noise};
 
-/* The seed: a conic of the mean curvature, and the conic constant of the stronger. */
+/* The seed: a conic with the mean curvature, and the conic constant of the stronger axis. */
 static departure_sag biconic_unique(const sgt_biconic *b)
 {
     double k = fabs(b->c_x) > fabs(b->c_y) ? b->k_x : b->k_y;
@@ -291,7 +293,7 @@ static departure_sag biconic_unique(const sgt_biconic *b)
 
 FREEFORM_OPS(biconic, sgt_biconic, biconic_unique)
 
-/* The same of a cylinder, by the names that row has for them. */
+/* The same for a cylinder, by the names of its own row in dispatch/builtins.c. */
 sgt_objection sgt_cylinder_object(const void *self)
 {
     const sgt_biconic *s = self;

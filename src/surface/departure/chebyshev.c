@@ -1,36 +1,41 @@
-/* chebyshev.c - a sum of products of Chebyshev polynomials of x and of y on a conic.
+/* chebyshev.c - a sum of products of Chebyshev polynomials of x and of y, on a conic.
  *
- * T_n and U_n-1 = T_n' / n are worked out by the addition theorem of the angle, x = cos u, with w = 1 - x^2
- * = (1 - x)(1 + x):
+ * T_n and U_n-1 = T_n' / n are computed by the addition theorem of the angle.  With x = cos u and w = 1 -
+ * x^2 = (1 - x)(1 + x):
  *     T_n+1 = x T_n - w U_n-1,   U_n = x U_n-1 + T_n.
- * Upon (T, sqrt(w) U) that is a turn by u, so what a step leaves out stays as it is, where the recurrence
- * of three terms makes n times as much of it near |x| = 1 (Clenshaw's sum, too); beyond |x| = 1 all the
- * terms of a step have one sign.
+ * On (T, sqrt(w) U) a step is a rotation by u, so the rounding of a step does not grow.  The three-term
+ * recurrence makes it n times as large near |x| = 1, and so does Clenshaw's sum.  Beyond |x| = 1 all terms
+ * of a step have one sign.
  *
- * For a block of points the T_j and T_j' of y are tabled, 20 columns at a time; then each coefficient costs
- * two fma, one for B_i = sum over j of a_ij T_j and one for B_i', and P = sum of T_i B_i, P_x = sum of T_i'
- * B_i, P_y = sum of T_i B_i'.  Two rows and four columns at once, so that it is arithmetic and not loads and
- * stores that take the time.
+ * For a block of points the T_j and T_j' of y are tabulated, 20 columns at a time.  Then each coefficient
+ * costs two fma, one for B_i = sum over j of a_ij T_j and one for B_i'.  P = sum of T_i B_i, P_x = sum of
+ * T_i' B_i, P_y = sum of T_i B_i'.  Two rows and four columns are taken at once, so that arithmetic takes
+ * the time, and not loads and stores.
  *
- * ROUNDING.  In units of u = 2^-53, with sigma = sqrt w: 1 - x^2 is off by 3 of itself, so a step leaves
- * out |T_n+1| + 4 |w U_n-1| of T_n+1 and |U_n| of U_n, upon (T, sigma U) k = sqrt 2 + 4 sigma at most;
- * after n steps T_n is off by n k at most, U_n-1 by n k / sigma.  By the second line of the step U_n is off
- * by what U_n-1 is, T_n is, and n + 1: so U_n-1 by (k + 1) n^2 / 2 + n, too.  Beyond |x| = 1 a step adds 5
- * at most to the relative error of both.  x / norm is off by 1 of itself: T_n by |x T_n'|, T_n' by |x
- * T_n''|.  A term goes through at most 24 sums of its row's panel, and one for each row and panel.
+ * ROUNDING, in units of u = 2^-53, with sigma = sqrt w.  1 - x^2 is off by 3 of itself.  So a step rounds
+ * T_n+1 by |T_n+1| + 4 |w U_n-1| and U_n by |U_n|; on (T, sigma U) that is k = sqrt 2 + 4 sigma at most.
+ * After n steps T_n is off by at most n k, and U_n-1 by n k / sigma.  By the second line of the step U_n
+ * is off by the error of U_n-1, that of T_n, and n + 1.  So U_n-1 is also off by at most (k + 1) n^2 / 2 +
+ * n.  Beyond |x| = 1 a step adds at most 5 to the relative error of both.  x / norm is off by 1 of itself:
+ * that moves T_n by |x T_n'| and T_n' by |x T_n''|.  A term goes through at most 24 sums of its row's
+ * panel, and one for each row and panel.
  *
- * BOUNDS.  Within |x| <= 1: |T_n| <= 1, |T_n'| <= min(n^2, n / sigma), |T_n''| = |x T_n' - n^2 T_n| / w <=
- * (n / sigma + n^2) / w, and <= n^2 (n^2 - 1) / 3 (V. A. Markov; Mason and Handscomb 2002, section 2.4.5).
- * Beyond, all derivatives increase: their values at the far end.  Far out, over a disc of radius r, r = R
- * norm, more is known: T_i(x) / x^i increases beyond 1 (all its zeros are nearer), so |T_i(x)| <= T_i(R)
- * max(x / R, 1 / R)^i, and of the derivatives so; of two such factors the greatest product over the disc is
- * that of x^i y^j, or one of them is 1 / R^i. */
+ * BOUNDS within |x| <= 1:
+ *     |T_n| <= 1,    |T_n'| <= min(n^2, n / sigma),
+ *     |T_n''| = |x T_n' - n^2 T_n| / w <= (n / sigma + n^2) / w, and <= n^2 (n^2 - 1) / 3
+ * (V. A. Markov; Mason and Handscomb 2002, section 2.4.5).  Beyond, all derivatives increase, so their
+ * values at the far end are taken.
+ *
+ * Far out, over a disc of radius r, r = R norm, more is known.  T_i(x) / x^i increases beyond 1, because
+ * all its zeros are nearer.  So |T_i(x)| <= T_i(R) max(x / R, 1 / R)^i, and likewise for the derivatives.
+ * Over the disc the product of two such factors is at most the maximum of x^i y^j, unless one of them is 1
+ * / R^i. */
 #include "bend.h"
 #include "departure.h"
 
 enum { MOST = 64, PANEL = 20, STRIP = 32, NONE = MOST * MOST };
 
-/* Of all points: the argument, 1 - x^2, T_n and U_n-1. */
+/* For all points: the argument, 1 - x^2, T_n and U_n-1. */
 typedef struct turning { double x[STRIP], w[STRIP], t[STRIP], u[STRIP]; } turning;
 
 SGT_INLINE void start(turning *a, double norm, size_t n, const double *x)
@@ -48,7 +53,7 @@ SGT_INLINE void turn_one(double x, double w, double *t, double *u)
     *u = sgt_fma(x, *u, *t), *t = t1;
 }
 
-/* The coefficient, or 0 beyond the table; with `only` < NONE that one is 1, all others 0. */
+/* The coefficient, or 0 beyond the table.  If only < NONE, that one is 1 and all others are 0. */
 static double coefficient(const sgt_chebyshev *s, size_t only, size_t i, size_t j)
 {
     if (i >= s->a.rows || j >= s->a.columns) return 0;
@@ -186,7 +191,8 @@ static void chebyshev_by_parameter(const void *self, size_t j, size_t n, const d
     chebyshev_product(n, a, da, b, db, out.p, out.px, out.py);
 }
 
-/* U_n-1 and its derivative V_n-1 by the same theorem: U_n' = U_n-1 + x U_n-1' + n U_n-1; T_n'' = n U_n-1'. */
+/* U_n-1 and its derivative V_n-1 by the same theorem: U_n' = U_n-1 + x U_n-1' + n U_n-1, and T_n'' = n
+ * U_n-1'. */
 typedef struct chebyshev_bending {
     double x[FREEFORM_BLOCK], w[FREEFORM_BLOCK], t[FREEFORM_BLOCK], u[FREEFORM_BLOCK], v[FREEFORM_BLOCK];
 } chebyshev_bending;
@@ -252,10 +258,10 @@ static void chebyshev_second(const void *self, size_t n, const double *x, const 
     chebyshev_bends(self, n, x, y, pxx, pxy, pyy);
 }
 
-/* Far out infinity times 0 is a NaN: no bound. */
+/* Far out, infinity times 0 is NaN: then there is no bound. */
 static double chebyshev_known(double x) { return x < HUGE_VAL ? x : HUGE_VAL; }
 
-/* The greatest |T_n|, |T_n'|, |T_n''| where |argument| <= x. */
+/* The maxima of |T_n|, |T_n'|, |T_n''| for |argument| <= x. */
 typedef struct sizes { double t[MOST], d[MOST], e[MOST]; } sizes;
 
 static void chebyshev_sizes_of(double x, size_t count, sizes *out)
@@ -277,7 +283,7 @@ static void chebyshev_sizes_of(double x, size_t count, sizes *out)
     }
 }
 
-/* The same at a point, with what T_n and T_n' can be off by there, in units of u. */
+/* The same at a point, with the errors of T_n and T_n' there, in units of u. */
 typedef struct errors { sizes of; double t[MOST], d[MOST]; } errors;
 
 static void errors_of(double x, size_t count, errors *out)
@@ -293,7 +299,7 @@ static void errors_of(double x, size_t count, errors *out)
     }
 }
 
-/* A column's sums over the rows of |a| times |T_i|, its error, |T_i'|, its error. */
+/* For each column the sums over the rows of |a| times |T_i|, its error, |T_i'|, and its error. */
 SGT_KERNEL
 static void column_sums(const sgt_chebyshev *s, const errors *of, double *restrict t, double *restrict t_err,
                         double *restrict d, double *restrict d_err)
@@ -313,7 +319,7 @@ static void column_sums(const sgt_chebyshev *s, const errors *of, double *restri
     }
 }
 
-/* A term goes through at most so many. */
+/* The number of sums that a term goes through, at most. */
 static double chebyshev_sums_of(const sgt_chebyshev *s)
 {
     return (double)((s->a.columns < PANEL ? s->a.columns : PANEL) +
@@ -332,7 +338,7 @@ static void chebyshev_rounding(const void *self, double x, double y, double *p_e
     for (size_t j = 0; j < s->a.columns; j++) {
         double tj = b.of.t[j], dj = b.of.d[j];
         p += (t_err[j] + sums * t[j]) * tj + t[j] * b.t[j];
-        /* + 3: T_i' itself, 1 / norm and its product */
+        /* + 3: T_i' itself, 1 / norm and its product. */
         px += (d_err[j] + (sums + 3) * d[j]) * tj + d[j] * b.t[j];
         py += (t_err[j] + (sums + 3) * t[j]) * dj + t[j] * b.d[j];
     }
@@ -341,7 +347,7 @@ static void chebyshev_rounding(const void *self, double x, double y, double *p_e
     *p_err = chebyshev_known(p * up), *grad_err = chebyshev_known((px > py ? px : py) * up);
 }
 
-/* sigma <= 1: k <= 5.4143; and |x T_n'| is the greatest at the far end. */
+/* sigma <= 1, so k <= 5.4143.  |x T_n'| is greatest at the far end. */
 static void chebyshev_noise(const void *self, double radius, double e[2])
 {
     const sgt_chebyshev *s = self;
@@ -361,8 +367,8 @@ static void chebyshev_noise(const void *self, double radius, double e[2])
     e[0] = chebyshev_known(p * SGT_U * (1 + 0x1p-20)), e[1] = 0;
 }
 
-/* The most, over a disc, of what is left of T_i and T_j, derived a and b times, at the far end: the head of
- * this file. */
+/* The maximum, over a disc, of the factors of T_i and T_j derived a and b times, beside their values at
+ * the far end (see the head of this file). */
 static double in_disc(const double *h, const double *x_low, const double *y_low, size_t i, size_t j, size_t a,
                       size_t b)
 {

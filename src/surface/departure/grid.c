@@ -1,45 +1,49 @@
 /* grid.c - heights on a rectangular grid, and bicubic convolution between them.
  *
- * ONE DIRECTION (Keys 1981, a = -1/2).  Between two heights, at v in [0, 1] of the cell, with D_0, D_1, D_2
- * the steps from each of four heights to the next and S_0 = D_1 - D_0, S_1 = D_2 - D_1 the second
- * differences at the two, the convolution is
+ * ONE DIRECTION (Keys 1981, a = -1/2).  Take v in [0, 1] in a cell between two heights.  Let D_0, D_1, D_2
+ * be the steps from each of four heights to the next, and S_0 = D_1 - D_0, S_1 = D_2 - D_1 the second
+ * differences at the two.  The convolution is
  *     p = z_0 + v D_1 - v (1 - v) / 2 B,     B = (1 - v) S_0 + v S_1:
- * the chord, less what the blend of the second differences bends it.  p' at a height is the mean of the
- * steps beside it, whichever cell it is of: C1.  Keys' boundary condition, c(-1) = 3 c(0) - 3 c(1) + c(2),
- * says S_0 = S_1 at the first height, and at the last.  Two directions: the four rows by x, their results
- * by y, the heights at the left of the cell apart from what is added to them: so a height that all have in
- * common is lost from no difference.
+ * the chord, less its bending by the blend of the second differences.  p' at a height is the mean of the
+ * steps beside it, seen from either cell: p is C1.  Keys' boundary condition, c(-1) = 3 c(0) - 3 c(1) +
+ * c(2), means S_0 = S_1 at the first height, and at the last.
  *
- * THE CELL.  v is that of x - (j - (columns - 1) / 2) step_x, rounded once (fma), and its sign says whether
- * j is right: a point is never continued from the cell beside its own, but where it is within rounding of
- * the border.  The edge is the double nearest (columns - 1) / 2 step_x, so that a point computed to lie
- * there is inside.
+ * TWO DIRECTIONS.  The four rows are interpolated by x, and their results by y.  The heights at the left
+ * of the cell are kept apart from what is added to them.  So a height common to all costs no difference
+ * any digits.
  *
- * ROUNDING.  With w = 2^-53, d the greatest |D_i|, s the greatest |S_i| of a piece, D_i off by w d: S by w
- * (2 d + s), B by w (2 d + 12 s), as v is off by at most 3 w v, the weight of B, at most 1/8, by 2 w; so
- * what is added to z_0 is off by w (7 d + 5 s), and p' by w (5 d + 17 s).  A further e in each D_i is at
- * most 5/4 e in the one, 2 e in the other.  Of the rows d and s, of the steps between their results d_y and
- * s_y: these have a further w (d_y + 16 d + 11 s), so
- *     P is off by w (28 d + 20 s + 10 d_y + 6 s_y + |P|),     P_y step_y by w (32 d + 22 s + 7 d_y + 17 s_y
- *         + 3 |P_y step_y|),
- *     P_x step_x by w (7 d + 22 s + 7 d_q + 5 s_q + 4 |P_x step_x|),
- * d_q and s_q of the steps between the rows' slopes, whose own error is weighted as heights are: by 5/4 at
- * most.
+ * THE CELL.  v is that of x - (j - (columns - 1) / 2) step_x, rounded once (fma).  Its sign tells whether
+ * j is right.  So a point is never extrapolated from the neighbouring cell, except within rounding of the
+ * border.  The edge is the double nearest (columns - 1) / 2 step_x, so a point computed to lie there is
+ * inside.
  *
- * BOUNDS.  |p'| <= max |D| + max(|S|, |T|) / 2 and |p''| <= max |S| + max |T|, T = S_1 - S_0, as p' is a
- * parabola whose Bezier heights are D_1 - S_0 / 2, D_1 - T / 2, D_1 + S_1 / 2, and p'' goes straight from
- * S_0 - T to S_1 + T.  So with M_pq the greatest p-th difference by y of q-th differences by x in the cells
- * of the region and beside them
+ * ROUNDING.  Let w = 2^-53, d the greatest |D_i| and s the greatest |S_i| of a piece, with D_i off by w d.
+ * Then S is off by w (2 d + s), and B by w (2 d + 12 s), as v is off by at most 3 w v.  The weight of B,
+ * at most 1/8, is off by 2 w.  So what is added to z_0 is off by w (7 d + 5 s), and p' by w (5 d + 17 s).
+ * A further error e in each D_i adds at most 5/4 e to the first and 2 e to the second.
+ *
+ * d and s are those of the rows; d_y and s_y are those of the steps between their results.  These have a
+ * further w (d_y + 16 d + 11 s), so
+ *     P         is off by w (28 d + 20 s + 10 d_y + 6 s_y + |P|),
+ *     P_y step_y       by w (32 d + 22 s + 7 d_y + 17 s_y + 3 |P_y step_y|),
+ *     P_x step_x       by w (7 d + 22 s + 7 d_q + 5 s_q + 4 |P_x step_x|).
+ * d_q and s_q are those of the steps between the rows' slopes.  Their own error is weighted as heights
+ * are: by 5/4 at most.
+ *
+ * BOUNDS.  With T = S_1 - S_0, |p'| <= max |D| + max(|S|, |T|) / 2 and |p''| <= max |S| + max |T|.  For p'
+ * is a parabola with the Bezier heights D_1 - S_0 / 2, D_1 - T / 2, D_1 + S_1 / 2, and p'' is linear from
+ * S_0 - T to S_1 + T.  Let M_pq be the greatest p-th difference by y of q-th differences by x, in the
+ * cells of the region and beside them.  Then
  *     |P_x| step_x <= 5/4 (M_01 + max(M_02, M_03) / 2),     |P_xx| step_x^2 <= 5/4 (M_02 + M_03),
- *     |P_xy| step_x step_y <= M_11 + M_12 + M_21 + M_22
- * (that of the differences by y of |p'|, with T <= 2 S).  For smooth heights all but the first of each are
- * small. */
+ *     |P_xy| step_x step_y <= M_11 + M_12 + M_21 + M_22.
+ * The last is the bound on |p'| for the differences by y, with T <= 2 S.  For smooth heights all but the
+ * first term of each are small. */
 #include "bend.h"
 #include "departure.h"
 
 enum { GRID_LEAST = 4, GRID_MOST = 4096 };
 
-/* A piece of a cubic: what is added to the first height, the derivatives by v; d and s of the head. */
+/* A piece of a cubic: what is added to the first height, the derivatives by v, and d and s of the head. */
 typedef struct grid_piece { double rise, slope, bend, d, s; } grid_piece;
 
 SGT_INLINE double greater(double a, double b) { return larger(fabs(a), fabs(b)); }
@@ -53,7 +57,7 @@ SGT_INLINE grid_piece grid_piece_of(double d0, double d1, double d2, double v, m
                         greater(d1, greater(d0, d2)), greater(s0, s1)};
 }
 
-/* One direction: where x is. */
+/* One direction of the grid.  grid_cell: the cell in which x is, and v. */
 typedef struct axis { double step, inverse, half, edge, last; } axis;
 typedef struct grid_cell { double j, v; } grid_cell;
 
@@ -63,10 +67,10 @@ static axis axis_of(double step, size_t count)
     return (axis){step, 1 / step, half, half * step, (double)(count - 2)};
 }
 
-/* NaN: last */
+/* NaN gives last. */
 SGT_INLINE double clamped(double j, double last) { return chosen(MASK(j < last), larger(j, 0), last); }
 
-/* j is a whole number, of 0 ... count - 2 wherever x is. */
+/* j is a whole number in 0 ... count - 2, wherever x is. */
 SGT_INLINE grid_cell cell_of(axis a, double x)
 {
     double j = (double)(int)clamped(x * a.inverse + a.half, a.last), off = sgt_fma(a.half - j, a.step, x);
@@ -82,8 +86,8 @@ SGT_INLINE grid_row grid_row_of(const double *z, int a, int b, int c, int d, dou
     return (grid_row){z[b], grid_piece_of(z[b] - z[a], z[c] - z[b], z[d] - z[c], v, first, last)};
 }
 
-/* All of a cell, in steps of the grid: P = z + rise; and how far it, P_x, P_y can be off, in w, but for
- * what is of their own size. */
+/* All that is known in a cell, in steps of the grid.  P = z + rise.  rise_off, x_off and y_off are the
+ * errors of P, P_x and P_y in w, without those of their own size. */
 typedef struct patch { double z, rise, x, y, xx, xy, yy, rise_off, x_off, y_off; } patch;
 
 SGT_INLINE patch patch_at(const double *z, int columns, axis ax, axis ay, double x, double y)
@@ -176,7 +180,7 @@ static void grid_second(const void *self, size_t n, const double *x, const doubl
     grid_bent(self, n, x, y, pxx, pxy, pyy);
 }
 
-/* What its numbers are has been looked at. */
+/* Has sgt_grid_measure looked at the numbers? */
 static bool measured(const sgt_grid *g) { return g->height > 0; }
 
 static sgt_objection grid_objection(const void *self)
@@ -198,8 +202,8 @@ static sgt_objection grid_objection(const void *self)
 
 /* ----------------------------------------------------------------------------------------- bounds */
 
-/* Adds to most[p][q] the p-th difference by row of q-th differences in n columns of the rows from a on; q
- * by column. */
+/* Raises most[p][q] to the greatest p-th difference by row of q-th differences by column, in n columns of
+ * the rows from a on. */
 SGT_KERNEL
 static void differences(const double *a, size_t columns, size_t rows, size_t n, double most[4][4])
 {
@@ -221,8 +225,8 @@ static void differences(const double *a, size_t columns, size_t rows, size_t n, 
     }
 }
 
-/* The heights that the cells of an interval are made of: from the first, how many (at least four); 0: it
- * has no cell. */
+/* The heights that the cells of an interval are made of: *first, and how many (at least four).  0: the
+ * interval has no cell. */
 static size_t heights_of(axis a, sgt_interval x, size_t *first)
 {
     if (!(x.lo <= a.edge && x.hi >= -a.edge)) return 0;
@@ -238,20 +242,20 @@ static size_t heights_of(axis a, sgt_interval x, size_t *first)
     return to - from + 1;
 }
 
-/* M of the head over the region; false: it has no cell of the grid. */
+/* M of the head over the region.  Returns false if the region has no cell of the grid. */
 static bool table_of(const sgt_grid *g, axis ax, axis ay, const region *where, double most[4][4])
 {
     size_t j = 0, i = 0, columns = heights_of(ax, where->x, &j), rows = heights_of(ay, where->y, &i);
     memset(most, 0, sizeof(double[4][4]));
     if (columns == 0 || rows == 0) return false;
     for (size_t r = 0; r < rows; r++)
-        /* pieces share three, so that no difference is left out */
+        /* Pieces share three columns, so that no difference is missed. */
         for (size_t c = 0; c + 1 < columns; c += FREEFORM_BLOCK - 3) {
             size_t n = columns - c < FREEFORM_BLOCK ? columns - c : FREEFORM_BLOCK;
             differences(g->z.x + (i + r) * g->z.columns + (j + c), g->z.columns, rows - r < 4 ? rows - r : 4,
                         n, most);
         }
-    double off = 64 * SGT_U * most[0][0]; /* differences of up to 16 heights, rounded at most 4 times */
+    double off = 64 * SGT_U * most[0][0]; /* differences of up to 16 heights, each rounded at most 4 times */
     for (int p = 0; p < 4; p++)
         for (int q = 0; q < 4; q++) most[p][q] += off;
     return true;
@@ -259,10 +263,10 @@ static bool table_of(const sgt_grid *g, axis ax, axis ay, const region *where, d
 
 enum { SMALL = 12 };
 
-/* NaN is no bound: 0 of a flat grid times the infinite inverse of a step below 2^-1024. */
+/* NaN means no bound: 0 of a flat grid times the infinite inverse of a step below 2^-1024. */
 static double bound_of(double most) { return most >= 0 ? most * (1 + 0x1p-40) : HUGE_VAL; }
 
-/* The bounds of a measured grid are those of every region of more than a few cells. */
+/* If the grid is measured, regions of more than a few cells get the bounds of the whole grid. */
 static int grid_bounds(const void *self, region *where, bounds *out)
 {
     const sgt_grid *g = self;
@@ -290,7 +294,7 @@ static int grid_bounds(const void *self, region *where, bounds *out)
     return whole ? 1 : -1;
 }
 
-/* d, s, d_y, s_y of the head from the differences, or from what those were made: between the heights a
+/* d, s, d_y, s_y of the head from the differences, or from the bounds made of them.  Between the heights a
  * result is at most 5/4 of the greatest. */
 static void grid_noise(const void *self, double radius, double e[2])
 {

@@ -1,25 +1,24 @@
 /* odd_asphere.c - P = sum of a[i] r^(i+1): odd and even powers of the distance from the axis.
  *
- * P is split at the tip of the cone a[0] r: with h(r) = sum over i > 0 of a[i] r^(i-1),
- *     P = r (a[0] + r h),    grad P = (x, y) G,    G = P'/r = a[0]/r + 2 h + r h',
- * and all but a[0]/r is smooth at r = 0, where that is left out: (0, 0) is the mean of the cone's
- * gradients.  The second derivative has P'' along the radius and G across it: pxx = G + (x/r)^2 (P'' - G),
- * pxy = (x y / r^2) (P'' - G), with P'' - G = -a[0]/r + r (3 h' + r h'').  Its norm is the greater of |P''|
- * and |G|.
+ * a[0] r is a cone, and P is split at its tip.  With h(r) = sum over i > 0 of a[i] r^(i-1),
+ *     P = r (a[0] + r h),    grad P = (x, y) G,    G = P'/r = a[0]/r + 2 h + r h'.
+ * All but a[0]/r is smooth at r = 0.  There a[0]/r is omitted: (0, 0) is the mean of the cone's gradients.
+ * The second derivative is P'' along the radius and G across it: pxx = G + (x/r)^2 (P'' - G), pxy = (x y /
+ * r^2) (P'' - G), with P'' - G = -a[0]/r + r (3 h' + r h'').  Its norm is the greater of |P''| and |G|.
  *
- * h and its derivatives are by Horner's rule, each step one fma, which is stable: what a step rounds, at
- * most u of its result, comes to the sum multiplied by the powers of r behind it and no more.  The bound
- * carries that along the same steps (Higham 2002, section 5.1).  r is off by 2 u r (2 u in r^2, half of it
- * in the root, and u of the root), which moves P by 2 u r |P'|, and G by 2 u |P'' - G|, of which the sum of
- * the magnitudes of its terms is taken.
+ * ROUNDING.  h and its derivatives are computed by Horner's rule, each step one fma.  That is stable: a
+ * step rounds by at most u of its result, and this enters the sum multiplied only by the powers of r
+ * behind it.  The bound follows the same steps (Higham 2002, section 5.1).  r is off by 2 u r: 2 u in r^2,
+ * halved by the root, and u of the root.  This moves P by 2 u r |P'|, and G by 2 u |P'' - G|.  For the
+ * latter the sum of the magnitudes of its terms is taken.
  *
- * BOUNDS.  Each term is monotone in r >= 0, so those that rise at one end and those that fall at the other
- * bound the sum. */
+ * BOUNDS.  Each term is monotone in r >= 0.  So the rising terms at one end and the falling terms at the
+ * other bound the sum. */
 #include "departure.h"
 
 enum { ODD_TERMS = 16 };
 
-/* Without the zeros at the end. */
+/* The number of terms without the zeros at the end. */
 static int odd_terms_of(const double *a)
 {
     int terms = ODD_TERMS;
@@ -29,7 +28,7 @@ static int odd_terms_of(const double *a)
 
 SGT_INLINE double radius(double x, double y) { return sqrt(x * x + y * y); }
 
-/* a / r; at the tip 0. */
+/* a / r, and 0 at the tip. */
 SGT_INLINE double by_radius(double a, double r) { return chosen(MASK(r > 0), a / r, 0); }
 
 SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *restrict x,
@@ -51,7 +50,7 @@ SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *restr
     }
 }
 
-/* One point by itself is worth loops without loops in them. */
+/* For a single point the compiler removes the inner loops. */
 SGT_KERNEL
 static void odd_at(size_t n, int terms, const double *a, const double *restrict x, const double *restrict y,
                    double *restrict p, double *restrict px, double *restrict py)
@@ -68,8 +67,8 @@ static void odd_sag(const void *self, size_t n, const double *x, const double *y
 
 SGT_INLINE double odd_rounded(double x) { return SGT_U * fabs(x) + 0x1p-1074; }
 
-/* Without fma, which may be a call: the numbers differ from those of odd_at by no more than their errors,
- * which is u times as much in the bound. */
+/* Without fma, which may be a function call.  The numbers differ from those of odd_at by at most their
+ * errors.  That changes the bound by u times as much. */
 static void odd_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const double *a = ((const sgt_odd_asphere *)self)->a;
@@ -89,11 +88,11 @@ static void odd_rounding(const void *self, double x, double y, double *p_err, do
     *p_err = 1.01 * (r * (r * h_err + odd_rounded(inner) + 2 * SGT_U * r * (fabs(G) + G_err)) +
                      odd_rounded(r * inner));
     *grad_err = 1.01 * (far * (G_err + 2 * SGT_U * (fabs(tip) + bent)) + odd_rounded(far * G));
-    /* squares underflow */
+    /* Squares underflow. */
     if (terms > 0 && r < 0x1p-480) *p_err += 0x1p-470 * sum, *grad_err += 3 * fabs(a[0]) + 0x1p-470 * sum;
 }
 
-/* A term is rounded i times in h, twice behind it, and i + 1 times the 2 u of r. */
+/* A term is rounded i times in h and twice after it, and carries the 2 u of r i + 1 times. */
 static void odd_noise(const void *self, double radius, double e[2])
 {
     const double *a = ((const sgt_odd_asphere *)self)->a;
@@ -103,11 +102,11 @@ static void odd_noise(const void *self, double radius, double e[2])
     e[1] = 1.01 * SGT_U * sum;
 }
 
-/* The least and the greatest of a sum of monotone terms, and the sum of their magnitudes. */
+/* The least and the greatest value of a sum of monotone terms, and the sum of their magnitudes. */
 typedef struct odd_range { double lo, hi, size; } odd_range;
 
-/* Adds a times a number from lo to hi >= lo >= 0.  lost: one below TINY has lost digits to underflow, and
- * is between that and 0. */
+/* Adds a times a number in [lo, hi], hi >= lo >= 0.  lost: a number below TINY has lost digits to
+ * underflow, and is taken as lying between 0 and TINY. */
 SGT_INLINE void odd_add(odd_range *sum, double a, double lo, double hi, bool lost)
 {
     if (a == 0) return; /* hi may be infinite */
@@ -147,7 +146,7 @@ static bounds sums_of_lost(const double *a, int terms, double lo, double hi)
     return sums_over(a, terms, lo, hi, true);
 }
 
-/* The greatest power is r^terms, which is above TINY where r is above 2^-60. */
+/* The highest power is r^terms.  It is above TINY if r is above 2^-60. */
 static int odd_bounds_over(const void *self, region *where, bounds *out)
 {
     const double *a = ((const sgt_odd_asphere *)self)->a;

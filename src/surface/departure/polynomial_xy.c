@@ -1,13 +1,15 @@
 /* polynomial_xy.c - P = sum of a[i][j] x^i y^j.
  *
- * Horner's rule in y for each row, w = sum of a[i][j] y^j with dw/dy, within Horner's rule in x over the
- * rows; the derivative is carried along: (sum h)' = h' x + h.  Each step is one fma, and what it rounds, at
- * most u of its result, comes to P multiplied by the powers behind it and no more: the bound is carried
- * along the same steps (Higham 2002, section 5.1).  x and y are exact.
+ * Each row is summed by Horner's rule in y: w = sum of a[i][j] y^j, with dw/dy.  The rows are summed by
+ * Horner's rule in x.  The derivative is carried along: (sum h)' = h' x + h.
+ *
+ * ROUNDING.  Each step is one fma.  It rounds by at most u of its result, and this enters P multiplied
+ * only by the powers behind it.  The bound follows the same steps (Higham 2002, section 5.1).  x and y are
+ * exact.
  *
  * BOUNDS.  The same steps on intervals, as middle and radius: |h x - h_m x_m| <= |h_m| x_r + h_r (|x_m| +
- * x_r).  Over a small region they are the values at its middle and little more, over one about the origin
- * the sums of the terms' magnitudes. */
+ * x_r).  Over a small region they give the values at its middle and little more.  Over a region about the
+ * origin they give the sums of the terms' magnitudes. */
 #include "bend.h"
 #include "departure.h"
 
@@ -35,7 +37,7 @@ SGT_INLINE void polynomial_in(size_t n, sgt_numbers a, const double *restrict x,
     for (size_t i = xy_rows_of(a); i-- > 0;) {
         xy_row of = xy_row_of(a, i);
         LANES for (size_t k = 0; k < n; k++) w[k] = dw[k] = 0;
-        /* four terms for one load and store; zeros go first */
+        /* Four terms for one load and store.  Zeros come first. */
         for (size_t j = of.terms + 3 - (of.terms + 3) % 4; j > 0; j -= 4) {
             double a3 = j > of.terms ? 0 : of.a[j - 1], a2 = j > of.terms + 1 ? 0 : of.a[j - 2],
                    a1 = j > of.terms + 2 ? 0 : of.a[j - 3], a0 = of.a[j - 4];
@@ -56,7 +58,7 @@ SGT_INLINE void polynomial_in(size_t n, sgt_numbers a, const double *restrict x,
     }
 }
 
-/* One point by itself is worth loops without loops in them. */
+/* For a single point the compiler removes the inner loops. */
 SGT_KERNEL
 static void polynomial_at(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y,
                           double *restrict p, double *restrict px, double *restrict py)
@@ -72,11 +74,11 @@ static void xy_at(const void *self, size_t n, const double *x, const double *y, 
 
 /* ------------------------------------------------------------------------------------- rounding */
 
-/* A computed number and how far it is off. */
+/* A computed number, and how far it is off. */
 typedef struct xy_rounded { double is, err; } xy_rounded;
 
-/* h x + a, without fma, which may be a call: the numbers differ from those of polynomial_at by no more than
- * their errors, which is u times as much in the bound. */
+/* h x + a, without fma, which may be a function call.  The numbers differ from those of polynomial_at by
+ * at most their errors.  That changes the bound by u times as much. */
 static xy_rounded xy_horner(xy_rounded h, double x, xy_rounded a)
 {
     double is = h.is * x + a.is;
@@ -106,7 +108,7 @@ static void xy_rounding(const void *self, double x, double y, double *p_err, dou
 static void xy_noise(const void *self, double radius, double e[2])
 {
     sgt_numbers a = ((const sgt_polynomial_xy *)self)->a;
-    double power = 1; /* radius to the degree d, then to d - 2 */
+    double power = 1; /* radius to the degree d, or from d = 2 on to d - 2 */
     e[0] = e[1] = 0;
     for (size_t d = 0; a.columns > 0 && d + 1 < a.rows + a.columns; d++) {
         double sum = 0;
@@ -139,7 +141,7 @@ static double xy_greatest(disc e) { return fabs(e.middle) + e.radius; }
 
 static double xy_bounded(double x) { return x < HUGE_VAL ? x * (1 + 0x1p-40) : HUGE_VAL; }
 
-/* Of a disc: x^i y^j is far less there than in the corners of the square, where both are r. */
+/* Over a disc.  There x^i y^j is far less than in the corners of the square, where both are r. */
 static bounds disc_bounds(sgt_numbers a, double r)
 {
     double h[MOST_HALF_POWERS], size = 0, px = 0, py = 0, xx = 0, xy = 0, yy = 0;
@@ -149,7 +151,7 @@ static bounds disc_bounds(sgt_numbers a, double r)
             double most = fabs(a.x[i * a.columns + j]), n = (double)i, m = (double)j;
             if (most == 0) continue;
             most *= larger(integer_power(r, (unsigned)(i + j)),
-                           DBL_MIN); /* more than a power that underflows */
+                           DBL_MIN); /* if the power underflows, more than it */
             size += most * corner_of(h, i, j), most /= r;
             if (i > 0) px += most * n * corner_of(h, i - 1, j);
             if (j > 0) py += most * m * corner_of(h, i, j - 1);
@@ -162,7 +164,7 @@ static bounds disc_bounds(sgt_numbers a, double r)
     return (bounds){xy_bounded(size * up), xy_bounded(length_of(px, py) * up), norm_of(xx, xy, yy) * up};
 }
 
-static const double XY_STEEP = 64; /* far out; nearer by the square does as well */
+static const double XY_STEEP = 64; /* beyond it the disc is tried; below, the square is as good */
 
 static int xy_bounds_over(const void *self, region *where, bounds *out)
 {

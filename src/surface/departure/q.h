@@ -1,15 +1,16 @@
 /* q.h - what Forbes' polynomials of a radius share: a sum of orthogonal polynomials in v = (r / norm)^2.
  *
  * p_0 = 1, p_1 = alpha_0 + beta_0 v, p_(m+1) = (alpha_m + beta_m v) p_m - gamma_m p_(m-1).  The sum S of
- * b[m] p_m and its derivatives by v are found from the last term on (Clenshaw 1955, Math. Tables Aids
+ * b[m] p_m and its derivatives by v are computed from the last term on (Clenshaw 1955, Math. Tables Aids
  * Comput. 9, 118):
- *     s_m = b[m] + (alpha_m + beta_m v) s_(m+1) - gamma_(m+1) s_(m+2),    S = s_0,
- *     d_m =        (alpha_m + beta_m v) d_(m+1) - gamma_(m+1) d_(m+2) + beta_m s_(m+1),    S' = d_0, and so
- *                  on.
- * What rounding adds to s_m, call it e_m, acts as if it were added to b[m]: S is off by the sum of e_m p_m,
- * and S' by that of e_m p_m' and of e'_m p_m, exactly.  |e_m| is known from the s_m as computed, |p_m| and
- * |v p_m'| from the theory of the polynomials: so the bound does not grow as the recurrence of magnitudes
- * would, by a factor for each term. */
+ *     s_m = b[m] + (alpha_m + beta_m v) s_(m+1) - gamma_(m+1) s_(m+2),                     S = s_0,
+ *     d_m = (alpha_m + beta_m v) d_(m+1) - gamma_(m+1) d_(m+2) + beta_m s_(m+1),           S' = d_0,
+ * and so on.
+ *
+ * ROUNDING.  Let rounding add e_m to s_m, and e'_m to d_m.  It acts as if e_m were added to b[m].  So S is
+ * off by exactly the sum of e_m p_m, and S' by that of e_m p_m' and of e'_m p_m.  |e_m| is known from the
+ * computed s_m, and |p_m| and |v p_m'| from the theory of the polynomials.  So the bound does not grow by
+ * a factor for each term, as the recurrence of magnitudes would. */
 #ifndef SGT_SURFACE_DEPARTURE_Q_H
 #define SGT_SURFACE_DEPARTURE_Q_H
 
@@ -21,7 +22,7 @@ enum { Q_TERMS = 64 };
 typedef struct q_step { double alpha, beta, gamma; } q_step;
 typedef q_step q_steps(size_t m);
 
-/* The list without the zeros at its end. */
+/* The length of the list without the zeros at its end. */
 SGT_INLINE size_t q_terms(sgt_numbers a)
 {
     size_t terms = a.rows * a.columns;
@@ -29,7 +30,7 @@ SGT_INLINE size_t q_terms(sgt_numbers a)
     return terms;
 }
 
-/* Two terms at a time, for the sake of what is loaded and stored; an odd one has a zero before it. */
+/* Two terms at a time, to save loads and stores.  If their number is odd, a zero is put before them. */
 SGT_INLINE void q_sum(q_steps *step, size_t terms, const double *b, size_t n, const double *restrict v,
                       double *restrict s, double *restrict ds)
 {
@@ -67,13 +68,15 @@ SGT_INLINE void q_second(q_steps *step, size_t terms, const double *b, size_t n,
     }
 }
 
-/* s >= f |p_m|, ds >= f |v p_m'|, f a factor that may depend on v. */
+/* s >= f |p_m|, ds >= f |v p_m'|, where the factor f may depend on v. */
 typedef struct q_weight { double s, ds; } q_weight;
 typedef q_weight q_weights(size_t m, double v);
 
-/* S and S', f times the error of q_sum's S, and f v times that of its S'; v is exact.  Without fma, which
- * may be a call: the numbers differ from q_sum's by no more than their errors, which is u times as much in
- * the bound.  b_err: of b, or NULL: exact.  step_err: of alpha, beta and gamma, in u. */
+/* S and S'; f times the error of S of q_sum, and f v times that of its S'.  v is exact.  b_err: the errors
+ * of b; NULL: b is exact.  step_err: the error of alpha, beta and gamma, in u.
+ *
+ * Without fma, which may be a function call.  The numbers differ from those of q_sum by at most their
+ * errors.  That changes the bound by u times as much. */
 typedef struct q_rounded { double s, ds, s_err, ds_err; } q_rounded;
 
 SGT_INLINE q_rounded q_rounding(q_steps *step, q_weights *weigh, size_t terms, const double *b,
@@ -96,11 +99,11 @@ SGT_INLINE q_rounded q_rounding(q_steps *step, q_weights *weigh, size_t terms, c
     return (q_rounded){s, ds, s_err, ds_err};
 }
 
-/* No polynomial of degree n that is at most 1 on [-1, 1] is above this to the n at u > 1 (Chebyshev): its
- * logarithm grows as T_n's. */
+/* A polynomial of degree n that is at most 1 on [-1, 1] is at most this to the power n at u > 1
+ * (Chebyshev): ln |T_n| grows as n times its logarithm. */
 SGT_INLINE double q_growth(double u) { return u > 1 ? u + sqrt(u * u - 1) : 1; }
 
-/* One over it, where that is worth while: a derivative is of a degree less. */
+/* Its inverse, where that is worth while: a derivative has one degree less. */
 SGT_INLINE double q_less(double u) { return u > 1.0625 ? 1 / q_growth(u) * (1 + 0x1p-50) : 1; }
 
 /* w^n. */
@@ -112,10 +115,10 @@ SGT_INLINE double q_power(double w, size_t n)
     return p;
 }
 
-/* What underflows in a bound of one term: of little account by itself, but the coefficient may be large. */
+/* What underflows in a bound of one term.  It is negligible by itself, but the coefficient may be large. */
 #define Q_LOST 0x1p-1040
 
-/* A bound, rounded upward; of a NaN none. */
+/* A bound, rounded upward.  NaN becomes no bound. */
 SGT_INLINE double q_bound(double x) { return x < HUGE_VAL ? x * (1 + 0x1p-40) : HUGE_VAL; }
 
 #endif

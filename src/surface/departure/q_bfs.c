@@ -1,27 +1,27 @@
-/* q_bfs.c - P = v (1 - v) S(v) / sqrt(1 - c^2 r^2), v = (r / norm)^2, S = sum of a[m] Qbfs_m(v): Forbes'
- * mild aspheres, on a sphere.
+/* q_bfs.c - Forbes' mild aspheres, on a sphere: P = v (1 - v) S(v) / sqrt(1 - c^2 r^2), v = (r / norm)^2,
+ * S = sum of a[m] Qbfs_m(v).
  *
- * The Qbfs make the mean square of the slope the sum of the squares of a[m].  They have no recurrence of
- * three terms of their own, but are made of polynomials that have (Forbes 2010, Opt. Express 18, 19700,
- * section 3): P_0 = 2, P_1 = 6 - 8 v, P_(m+1) = (2 - 4 v) P_m - P_(m-1), and
+ * THE POLYNOMIALS.  The Qbfs make the mean square of the slope the sum of the squares of a[m].  They have
+ * no three-term recurrence of their own, but are made of polynomials that have one (Forbes 2010, Opt.
+ * Express 18, 19700, section 3): P_0 = 2, P_1 = 6 - 8 v, P_(m+1) = (2 - 4 v) P_m - P_(m-1), and
  *     P_m = f_m Q_m + g_(m-1) Q_(m-1) + h_(m-2) Q_(m-2),
- *     h_m = -(m + 1)(m + 2) / (2 f_m),    g_m = -(1 + g_(m-1) h_(m-1)) / f_(m+1),    f_m^2 = m (m + 1) + 3
- *         - g_(m-1)^2 - h_(m-2)^2,
+ *     h_m = -(m + 1)(m + 2) / (2 f_m),    g_m = -(1 + g_(m-1) h_(m-1)) / f_(m+1),
+ *     f_m^2 = m (m + 1) + 3 - g_(m-1)^2 - h_(m-2)^2,
  * from f_0 = 2, f_1 = sqrt(19) / 2, g_0 = -1/2.  So S = sum of b[m] P_m with b[m] = (a[m] - g_m b[m+1] -
- * h_m b[m+2]) / f_m from the last on; 1 / f_m and g_m are tables, to the last bit.  q.h sums P_m / 2, whose
- * p_1 is 3 - 4 v.
+ * h_m b[m+2]) / f_m, from the last on.  1 / f_m and g_m are tables, to the last bit.  q.h sums P_m / 2,
+ * whose p_1 is 3 - 4 v.
  *
- * With u = r / norm = sin t and M = 2 m + 1, P_m / 2 = sin(M t) / sin t, hence of each term T = v (1 - v)
- * P_m / 2, all by u,
- *     T = u (1 - u^2) sin M t,    T' = (1 - 3 u^2) sin M t + M u cos t cos M t,    T'' = -(M^2 + 6) u sin M
- *                                 t + M (2 - 5 u^2) cos M t / cos t,
- * where |sin M t| <= min(1, M t), |cos M t / cos t| <= min(M, 1 / cos t), and of a sum A sin + B cos the
- * root of A^2 + B^2 is a bound.  Beyond u = 1, sin M t is +-T_M(u) of Chebyshev, whose derivatives are at
- * most M^2 and M^2 (M^2 - 1) / 3 times what a polynomial of a degree less may have grown to (q_growth).
+ * BOUNDS.  Let u = r / norm = sin t and M = 2 m + 1.  Then P_m / 2 = sin(M t) / sin t.  For each term T =
+ * v (1 - v) P_m / 2, with derivatives by u,
+ *     T = u (1 - u^2) sin M t,    T' = (1 - 3 u^2) sin M t + M u cos t cos M t,
+ *     T'' = -(M^2 + 6) u sin M t + M (2 - 5 u^2) cos M t / cos t,
+ * where |sin M t| <= min(1, M t) and |cos M t / cos t| <= min(M, 1 / cos t).  A sum A sin + B cos is at
+ * most the root of A^2 + B^2.  Beyond u = 1, sin M t is +-T_M(u) of Chebyshev.  Its derivatives are at
+ * most M^2 and M^2 (M^2 - 1) / 3 times what a polynomial of one degree less may have grown to (q_growth).
  *
- * With w = 1 - c^2 r^2 the factor 1 / sqrt(w) has the derivatives c^2 r w^-3/2 and c^2 w^-3/2 + 3 c^4 r^2
- * w^-5/2 by r, and r^2 c w^-3/2 by c: all grow with r.  w is off by 4 u c^2 r^2 + u w.  P is undefined
- * where w <= 0. */
+ * THE FACTOR.  With w = 1 - c^2 r^2, 1 / sqrt(w) has the derivatives c^2 r w^-3/2 and c^2 w^-3/2 + 3 c^4
+ * r^2 w^-5/2 by r, and r^2 c w^-3/2 by c.  All grow with r.  w is off by 4 u c^2 r^2 + u w.  P is
+ * undefined where w <= 0. */
 #include "q.h"
 
 static const double inverse_f[Q_TERMS] = {
@@ -159,7 +159,7 @@ static const double g[Q_TERMS] = {
 
 static q_step bfs_step(size_t m) { return (q_step){m == 0 ? 3 : 2, -4, 1}; }
 
-/* b of P_m / 2, and how far it is off; returns how many there are. */
+/* b for P_m / 2, and its errors.  Returns the number of terms. */
 static size_t basis(sgt_numbers a, double *b, double *b_err)
 {
     size_t terms = q_terms(a);
@@ -179,7 +179,7 @@ static size_t basis(sgt_numbers a, double *b, double *b_err)
 
 /* ------------------------------------------------------------------------------------- bounds of one term */
 
-/* Of T, T' and T'' over [0, u]. */
+/* Bounds on T, T' and T'' over [0, u]. */
 static bounds bfs_term_bounds(size_t m, double u)
 {
     double M = 2 * (double)m + 1, v = u * u, beyond = v - 1;
@@ -188,7 +188,7 @@ static bounds bfs_term_bounds(size_t m, double u)
                second = first * less * (M * M - 1) / 3;
         return (bounds){larger(0.385, u * beyond * grown),
                         larger(2 + 0.5 * M, (3 * v - 1) * grown + u * beyond * first),
-                        /* no less than within */
+                        /* not below the bound within u <= 1 */
                         6 * u * grown + 2 * (3 * v - 1) * first + u * beyond * second};
     }
     double cosine = sqrt(larger(1 - v, 0)), vm = v < 0.5 ? v : 0.5, us = u < 0.577 ? u * (1 - v) : 0.3850,
@@ -200,7 +200,7 @@ static bounds bfs_term_bounds(size_t m, double u)
                     (M * M + 6) * u * steep_sine + M * larger(2, 5 * v - 2) * quotient};
 }
 
-/* Times u: u p_m = sin M t, and u v p_m' = (M u cos M t / cos t - sin M t) / 2. */
+/* With the factor u: u p_m = sin M t, and u v p_m' = (M u cos M t / cos t - sin M t) / 2. */
 static q_weight bfs_weigh(size_t m, double v)
 {
     double u = sqrt(v), M = 2 * (double)m + 1;
@@ -272,7 +272,7 @@ SGT_INLINE void q_bfs_in(size_t n, size_t terms, const double *b, double c, doub
     }
 }
 
-/* One point by itself is worth loops without loops in them. */
+/* For a single point the compiler removes the inner loops. */
 SGT_KERNEL
 static void q_bfs_at(size_t n, size_t terms, const double *b, double c, double norm2,
                      const double *restrict x, const double *restrict y, double *restrict p,
@@ -290,8 +290,9 @@ static void bfs_at(const void *self, size_t n, const double *x, const double *y,
     q_bfs_at(n, terms, b, s->c, s->norm * s->norm, x, y, out.p, out.px, out.py);
 }
 
-/* v is off by 4 u v, that is by 2 u r of r, which moves v (1 - v) S by that times its derivative and the
- * slope by that times the second; w as said above, which is e of f, relative. */
+/* v is off by 4 u v, which is 2 u r in r.  That moves v (1 - v) S by its derivative times as much, and the
+ * slope by the second derivative times as much.  w is off as the head says; e is the resulting relative
+ * error of f. */
 static void bfs_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const sgt_q_bfs *s = self;
@@ -304,8 +305,8 @@ static void bfs_rounding(const void *self, double x, double y, double *p_err, do
     bounds T = bfs_all_bounds(&flat, r * (1 + 0x1p-40));
     double w = 1 - c * (c * r2), f = factor_at(c, r2), U = v * (1 - v), rest = fabs(1 - v),
            c2f2 = c * c * f * f;
-    double e = SGT_U * (2.5 * (c * c * r2) / w + 2.5); /* of f: half of w's, the root and the quotient */
-    /* of U S */
+    double e = SGT_U * (2.5 * (c * c * r2) / w + 2.5); /* of f: half of w's, the root, the quotient */
+    /* Of U S. */
     double first = (1 - 2 * v) * S.s, second = U * S.ds, by_v = 2 * u / s->norm,
            slope = by_v * (fabs(first) + fabs(second));
     double slope_err = 2 / s->norm * (fabs(1 - 2 * v) * S.s_err + rest * S.ds_err) + 4 * SGT_U * r * T.bend +
@@ -316,12 +317,12 @@ static void bfs_rounding(const void *self, double x, double y, double *p_err, do
     *p_err = 1.01 * f * (size_err + (e + SGT_U) * size);
     *grad_err = 1.01 * f *
                 (slope_err + (e + SGT_U) * slope + r * c2f2 * (size_err + (3 * e + 8 * SGT_U) * size));
-    /* squares underflow */
+    /* Squares underflow. */
     if (terms > 0) *p_err += 0x1p-1000, *grad_err += v < 0x1p-900 ? 2 * r * T.bend + 0x1p-500 : 0x1p-1000;
 }
 
-/* Next to the edge: v (1 - v) S at the middle of the ring, give or take what its slope allows, over sqrt(w),
- * which falls to 0. */
+/* The range next to the edge: v (1 - v) S at the middle of the ring, plus or minus what its slope allows,
+ * over sqrt(w), which falls to 0. */
 static sgt_interval bfs_range(const void *self, const region *where)
 {
     sgt_q_bfs flat = *(const sgt_q_bfs *)self;
@@ -341,9 +342,9 @@ static sgt_interval bfs_range(const void *self, const region *where)
                      : sgt_interval_between(-HUGE_VAL, most * by);
 }
 
-/* As in q_con.c: what the errors of v (1 - v) S sum to for b[m] = 1, over v, is below 1.31 (m + 1)^3 + 12
- * (m + 1) (worked out: 9, 33, 69, 125 for the first, 3.43e5 for the last), and (1 - v) P_m / 2 is at most 2
- * m + 1. */
+/* As in q_con.c.  What the errors of v (1 - v) S sum to for b[m] = 1, over v, is below 1.31 (m + 1)^3 + 12
+ * (m + 1).  (Computed: 9, 33, 69, 125 for the first, 3.43e5 for the last.)  (1 - v) P_m / 2 is at most 2 m
+ * + 1. */
 static void bfs_noise(const void *self, double radius, double e[2])
 {
     const sgt_q_bfs *s = self;
@@ -362,8 +363,8 @@ static void bfs_noise(const void *self, double radius, double e[2])
 
 /* ------------------------------------------------------------------------------------ sensitivities */
 
-/* By r^2, with primes by v, V = U S: P' = (V' / norm^2) f + V c^2 f^3 / 2, P'' = (V'' / norm^4) f + (V' /
- * norm^2) c^2 f^3 + V c^4 f^5 3 / 4. */
+/* By r^2, with primes by v and V = U S: P' = (V' / norm^2) f + V c^2 f^3 / 2, P'' = (V'' / norm^4) f + (V'
+ * / norm^2) c^2 f^3 + V c^4 f^5 3 / 4. */
 SGT_KERNEL
 static void q_bfs_second(size_t n, size_t terms, const double *b, double c, double norm2,
                          const double *restrict x, const double *restrict y, double *restrict pxx,

@@ -1,19 +1,23 @@
-/* q_con.c - P = v^2 S(v), v = (r / norm)^2, S = sum of a[m] Qcon_m(v), Qcon_m(v) = P_m^(0,4)(2 v - 1) of
- * Jacobi: Forbes' strong aspheres.
+/* q_con.c - Forbes' strong aspheres: P = v^2 S(v), v = (r / norm)^2, S = sum of a[m] Qcon_m(v), where
+ * Qcon_m(v) = P_m^(0,4)(2 v - 1) of Jacobi.
  *
  * The recurrence is that of Jacobi's polynomials (Abramowitz and Stegun, 22.7.1) with alpha = 0, beta = 4,
- * in v; q.h sums it.  With u = r / norm each term is R(u) = u^4 Qcon_m(u^2), the radial polynomial of
- * Zernike of degree n = 2 m + 4 and order 4: so on [0, 1], where R(1) = 1,
- *     |R| <= 1,    |R'| <= R'(1) = N = (n (n + 2) - 16) / 2,    |R''| <= R''(1) = ((2 N - 4) N + 32) / 4,
- * as R' is a sum of radial polynomials with coefficients that are not negative (Janssen 2014, J. Eur. Opt.
- * Soc. Rapid Publ. 9, 14028), and by Bernstein's inequality, sine^2 = 1 - u^2, |R'| <= n / sine, |R''| <=
- * (n^2 + n u / sine) / sine^2.  Near the axis the polynomials' own greatest values count, those at v = 0
- * (Szego, Orthogonal Polynomials, 7.32): |Q| <= B4, |Q'| <= (m + 5) B5, |Q''| <= (m + 5) (m + 6) B6, Bi the
- * binomial coefficient of m + 4 over i.  Beyond u = 1 all grow as q_growth says, each derivative as a
- * polynomial of a degree less.
+ * in v.  q.h sums it.
  *
- * Of the second derivative of P along the radius, and across it, P'/r, the greater counts: on [0, r] the
- * latter is a mean of the former. */
+ * BOUNDS.  With u = r / norm each term is R(u) = u^4 Qcon_m(u^2).  That is the radial polynomial of
+ * Zernike of degree n = 2 m + 4 and order 4, with R(1) = 1.  So on [0, 1]
+ *     |R| <= 1,    |R'| <= R'(1) = N = (n (n + 2) - 16) / 2,    |R''| <= R''(1) = ((2 N - 4) N + 32) / 4,
+ * because R' is a sum of radial polynomials with coefficients that are not negative (Janssen 2014, J. Eur.
+ * Opt. Soc. Rapid Publ. 9, 14028).  By Bernstein's inequality, with sine^2 = 1 - u^2,
+ *     |R'| <= n / sine,    |R''| <= (n^2 + n u / sine) / sine^2.
+ * Near the axis the maxima of the polynomials themselves are lower.  They are at v = 0 (Szego, Orthogonal
+ * Polynomials, 7.32):
+ *     |Q| <= B4,    |Q'| <= (m + 5) B5,    |Q''| <= (m + 5) (m + 6) B6,
+ * where Bi is the binomial coefficient of m + 4 over i.  Beyond u = 1 all grow by q_growth, each
+ * derivative as a polynomial of one degree less.
+ *
+ * The second derivative of P is P'' along the radius and P'/r across it.  Bounds on P'' are enough: P'/r
+ * is a mean of P'' over [0, r]. */
 #include "q.h"
 
 static q_step con_step(size_t m)
@@ -23,7 +27,7 @@ static q_step con_step(size_t m)
                     (k + 1) * (k + 4) * (k + 5) / ((k + 2) * (k + 3) * (k + 6))};
 }
 
-/* Of R, R' and R'' over [0, u]. */
+/* Bounds on R, R' and R'' over [0, u]. */
 static bounds con_term_bounds(size_t m, double u)
 {
     double k = (double)m, n = 2 * k + 4, N = 0.5 * (n * (n + 2) - 16), v = u * u, sine2 = 1 - v,
@@ -44,7 +48,7 @@ static bounds con_term_bounds(size_t m, double u)
     return (bounds){e.size * grown, e.steep * (grown * less), e.bend * (grown * (less * less))};
 }
 
-/* Times v^2: v^2 Q = R, v^3 Q' = (u R' - 4 R) / 2. */
+/* With the factor v^2: v^2 Q = R, v^3 Q' = (u R' - 4 R) / 2. */
 static q_weight con_weigh(size_t m, double v)
 {
     double u = sqrt(v);
@@ -85,7 +89,7 @@ SGT_INLINE void q_con_in(size_t n, size_t terms, const double *a, double norm2, 
     }
 }
 
-/* One point by itself is worth loops without loops in them. */
+/* For a single point the compiler removes the inner loops. */
 SGT_KERNEL
 static void q_con_at(size_t n, size_t terms, const double *a, double norm2, const double *restrict x,
                      const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
@@ -100,8 +104,8 @@ static void con_at(const void *self, size_t n, const double *x, const double *y,
     q_con_at(n, q_terms(s->a), s->a.x, s->norm * s->norm, x, y, out.p, out.px, out.py);
 }
 
-/* v is off by 4 u v, which is 2 u r of r: P is moved by that times P', and the gradient, r G, by 2 u r |P''
- * - G|. */
+/* v is off by 4 u v, which is 2 u r in r.  That moves P by P' times as much.  It moves the gradient, r G,
+ * by 2 u r |P'' - G|. */
 static void con_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const sgt_q_con *s = self;
@@ -116,9 +120,9 @@ static void con_rounding(const void *self, double x, double y, double *p_err, do
     if (b.size > 0) *p_err += 0x1p-1000, *grad_err += 0x1p-1000;
 }
 
-/* What q_rounding and the rest of `rounding` would sum to, for a[m] = 1, over v: its maximum over v <= 1 is
- * below (m + 1)^2 (12.5 + (m + 1)^2 / 30) for each m (worked out at 20,000 v: 12, 49, 99.7, 164 for the
- * first, 5.47e5 for the last). */
+/* What q_rounding and the rest of `rounding` would sum to for a[m] = 1, over v.  Its maximum over v <= 1
+ * is below (m + 1)^2 (12.5 + (m + 1)^2 / 30) for each m.  (Computed at 20,000 v: 12, 49, 99.7, 164 for the
+ * first, 5.47e5 for the last.) */
 static void con_noise(const void *self, double radius, double e[2])
 {
     const sgt_q_con *s = self;

@@ -1,8 +1,8 @@
 /* sum.c - several departures on one conic base.
  *
- * P = P_1 + P_2 + ..., each from the surface whose departure it is.  Sums are taken in the order of the
- * terms; each one adds a rounding of what there is so far, u sum |P_i|, n - 1 times.  Bounds add, over the
- * region where all are defined. */
+ * P = P_1 + P_2 + ..., where each P_i is the departure of a surface.  They are summed in the order of the
+ * terms.  Each sum rounds by u of what has been summed so far.  So n - 1 sums round by at most (n - 1) u
+ * sum |P_i|.  Bounds add, over the region where all are defined. */
 #include "departure.h"
 
 enum { MOST_TERMS = 16 };

@@ -1,32 +1,38 @@
 /* toroidal.c - a profile z_p(y), a conic and even powers, swept about an axis parallel to y.
  *
- * THE SAG.  With t = c_x x and q = 1 - c_x z_p, which is the profile's distance from the axis z = 1 / c_x
- * over the radius of x,
- *     s = z_p + e,   e = t x / (q + m),   m = sqrt(q^2 - t^2) = sqrt((q - |t|) (q + |t|)):
- * no division by c_x, so that 0 is a profile drawn straight along x.  e is the root near 0 of c_x (x^2 +
- * e^2) = 2 q e, m = q - c_x e.  Differentiated, everything is a quotient by m:
+ * THE SAG.  Let t = c_x x and q = 1 - c_x z_p.  q is the profile's distance from the axis z = 1 / c_x,
+ * over the radius of x.  Then
+ *     s = z_p + e,   e = t x / (q + m),   m = sqrt(q^2 - t^2) = sqrt((q - |t|) (q + |t|)).
+ * There is no division by c_x, so c_x = 0 is a profile drawn straight along x.  e is the root near 0 of
+ * c_x (x^2 + e^2) = 2 q e, and m = q - c_x e.
+ *
+ * THE DERIVATIVES are all quotients by m:
  *     s_x = t / m,                    s_y = z_p' q / m,
- *     s_xx = c_x q^2 / m^3,           s_xy = c_x t q z_p' / m^3,         s_yy = z_p'' q / m + c_x t^2
- *                                     z_p'^2 / m^3;
- * for a parameter of the profile  s_a = z_a q / m,  s_ax = z_a c_x t q / m^3,  s_ay = z_a' q / m + z_a c_x
- * t^2 z_p' / m^3, with, of the conic, phi = sqrt(1 - (1 + k) c^2 y^2):  z_c = y^2 / (phi (1 + phi)), z_c' =
- * y / phi^3, z_k = c^3 y^4 / (2 phi (1 + phi)^2), z_k' = c^3 y^3 / (2 phi^3);  and since q + c_x z_p = 1
- *     s_c_x = (x^2 + e (e + 2 z_p)) / (2 m),     its gradient (q x, z_p' t x) / m^3.
+ *     s_xx = c_x q^2 / m^3,           s_xy = c_x t q z_p' / m^3,
+ *     s_yy = z_p'' q / m + c_x t^2 z_p'^2 / m^3.
+ * For a parameter a of the profile
+ *     s_a = z_a q / m,    s_ax = z_a c_x t q / m^3,    s_ay = z_a' q / m + z_a c_x t^2 z_p' / m^3.
+ * For the conic, with phi = sqrt(1 - (1 + k) c^2 y^2),
+ *     z_c = y^2 / (phi (1 + phi)),                 z_c' = y / phi^3,
+ *     z_k = c^3 y^4 / (2 phi (1 + phi)^2),         z_k' = c^3 y^3 / (2 phi^3).
+ * Since q + c_x z_p = 1,
+ *     s_c_x = (x^2 + e (e + 2 z_p)) / (2 m),       its gradient (q x, z_p' t x) / m^3.
  *
- * ROUNDING.  With u = 2^-53: the conic's part as in biconic.c, with one term; the term a y^(2i+2) is
- * rounded at most 3 i + 4 times, and those of P'(y^2) 4 i + 4 times, hence 4 u y^2 first and 4 u (first +
- * y^2 second) with the sums of poly.h.  q - |t| and q + |t| are off by what q and t are, m by what its
- * square is over m + the least it may be, and never more than the root of that; all else are quotients by m
- * and q + m, carried on line by line, and enlarged by 2^-20.
+ * ROUNDING, with u = 2^-53.  The conic's part is as in biconic.c, with one term.  The term a y^(2i+2) is
+ * rounded at most 3 i + 4 times, and those of P'(y^2) 4 i + 4 times.  Hence 4 u y^2 first and 4 u (first +
+ * y^2 second), with the sums of poly.h.  q - |t| and q + |t| are off by the errors of q and t.  m is off
+ * by the error of its square over the sum of m and its least value, and never by more than the root of
+ * that error.  All else are quotients by m and q + m.  They are carried on line by line, and enlarged by
+ * 2^-20.
  *
- * BOUNDS.  By intervals, of the formulas above, over |x| and |y|; of a steep toroid over |y| in eight
- * slices, in each of which x^2 is at most r_hi^2 - y^2: one rectangle has a corner beyond the rim, where it
- * is steeper yet, or not defined. */
+ * BOUNDS.  By intervals, from the formulas above, over |x| and |y|.  For a steep toroid |y| is cut into
+ * eight slices.  In each of them x^2 is at most r_hi^2 - y^2.  A single rectangle has a corner beyond the
+ * rim, where the surface is steeper, or not defined. */
 #include "bend.h"
 #include "departure.h"
 
 enum { TOROIDAL_TERMS = 8, TOROIDAL_SLICES = 8 };
-static const double TOROIDAL_GENTLE = 1; /* a slope that is less does no harm */
+static const double TOROIDAL_GENTLE = 1; /* a slope below this needs no slices */
 
 static int toroidal_terms_of(const sgt_toroidal *s)
 {
@@ -35,7 +41,7 @@ static int toroidal_terms_of(const sgt_toroidal *s)
     return terms;
 }
 
-/* sum of a[i] y^(2i), and its derivative by y^2. */
+/* h = sum of a[i] y^(2i), and dh, its derivative by y^2. */
 SGT_INLINE void powers_of(const sgt_toroidal *s, size_t n, const double *restrict y, double *restrict h,
                           double *restrict dh)
 {
@@ -52,7 +58,7 @@ SGT_INLINE void powers_of(const sgt_toroidal *s, size_t n, const double *restric
     }
 }
 
-/* The profile and the sweep at one point; h, dh of powers_of. */
+/* The profile and the sweep at one point, from h and dh of powers_of. */
 typedef struct swept { double phi, z, dz, t, q, m, e; } swept;
 
 SGT_INLINE swept swept_at(double c, double k1, double c_x, double x, double y, double h, double dh)
@@ -61,7 +67,7 @@ SGT_INLINE swept swept_at(double c, double k1, double c_x, double x, double y, d
     double rho = y * y, v = c * y;
     s.phi = sqrt(1 - k1 * v * v);
     s.z = v * y / (1 + s.phi) + rho * h;
-    /* at the equator steeper than anything; NaN beyond */
+    /* At the equator the slope is huge but finite; beyond it, NaN. */
     s.dz = v / larger(s.phi, 0x1p-400) + 2 * y * (h + rho * dh) + (s.phi - s.phi);
     s.t = c_x * x, s.q = 1 - c_x * s.z;
     s.m = sqrt(chosen(MASK(s.q > 0), (s.q - fabs(s.t)) * (s.q + fabs(s.t)), (double)NAN));
@@ -91,7 +97,7 @@ static void toroidal_at(const void *self, size_t n, const double *x, const doubl
     toroidal_sag(self, n, x, y, out.p, out.px, out.py);
 }
 
-/* How far a root can be off whose square d is off by d_err; *low: the least it can be. */
+/* How far a root can be off whose square d is off by d_err.  *low: its least value. */
 static double root_off(double d, double d_err, double *low)
 {
     double root = sqrt(d), by_root = sqrt(d_err);
@@ -108,7 +114,7 @@ static void toroidal_off(const void *self, double x, double y, double *p_err, do
     powers_of(a, 1, &y, &h, &dh);
     swept s = swept_at(a->c, 1 + a->k, a->c_x, x, y, h, dh);
     *p_err = *grad_err = HUGE_VAL;
-    if (!(s.m >= 0)) return; /* NaN; it may be that the sag is not */
+    if (!(s.m >= 0)) return; /* NaN; the sag may still exist */
 
     double rho = y * y, v = a->c * y, term = fabs((1 + a->k) * v * v), w = 1 + s.phi;
     double phi_err = root_off(s.phi * s.phi, u * (5 * term + 4 * s.phi * s.phi) * more, &low) + u * s.phi;
@@ -123,7 +129,7 @@ static void toroidal_off(const void *self, double x, double y, double *p_err, do
     if (!(sum_low > 0)) return;
     double e_err = e * (4 * u + (q_err + m_err + u * sum) / sum_low);
     *p_err = (z_err + e_err + u * fabs(s.z + s.e)) * more + least;
-    if (!(*p_err < HUGE_VAL)) *p_err = HUGE_VAL; /* nor NaN */
+    if (!(*p_err < HUGE_VAL)) *p_err = HUGE_VAL; /* NaN too */
     if (!(low > 0 && m_low > 0)) return;
 
     double of_conic = fabs(v / s.phi), of_powers = 2 * fabs(y) * (first + rho * second);
@@ -134,7 +140,7 @@ static void toroidal_off(const void *self, double x, double y, double *p_err, do
     if (!(*grad_err < HUGE_VAL)) *grad_err = HUGE_VAL;
 }
 
-/* P'(rho), and P'' in *second, of P = sum of a[i] rho^(i+1); P in *sum. */
+/* P'(rho), with P'' in *second and P in *sum, for P = sum of a[i] rho^(i+1). */
 static sgt_interval powers_over(const sgt_toroidal *a, sgt_interval rho, sgt_interval *sum,
                                 sgt_interval *second)
 {
@@ -149,8 +155,8 @@ static sgt_interval powers_over(const sgt_toroidal *a, sgt_interval rho, sgt_int
     return dh;
 }
 
-/* |x| and |y| of a rectangle, and what is known of s over it; q_most, m_least: of q and m.  As `bounds`,
- * but that `where` is left. */
+/* |x| and |y| of a rectangle, and what is known of s over it.  q_most and m_least bound q and m.
+ * slice_bounds returns what `bounds` does, but does not cut a region. */
 typedef struct toroidal_slice { sgt_interval x, y, s; double q_most, m_least; bounds most; } toroidal_slice;
 
 static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
@@ -175,7 +181,7 @@ static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
     sgt_interval m = sgt_interval_square_root(sgt_interval_product(near, far)), sum = sgt_interval_sum(q, m);
     sgt_interval e = sgt_interval_quotient(sgt_interval_product(c_x, sgt_interval_square(at->x)), sum);
     at->s = sgt_interval_sum(z, e), at->m_least = whole ? m.lo : 0;
-    /* what may not be defined has no size to be a graze by */
+    /* where it may be undefined, size is infinite: no graze is told by it */
     at->most = (bounds){whole ? sgt_interval_greatest(at->s) : HUGE_VAL, HUGE_VAL, HUGE_VAL};
     if (!(whole && phi.lo > 0 && m.lo > 0)) return whole ? 1 : -1;
 
@@ -197,7 +203,7 @@ static int slice_bounds(const sgt_toroidal *a, toroidal_slice *at)
     return 1;
 }
 
-/* `bounds` over this many slices; `where` is left. */
+/* As `bounds`, over this many slices.  *where is not cut. */
 static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds *out, sgt_interval *range,
                   double *q_most, double *m_least)
 {
@@ -225,7 +231,7 @@ static int sliced(const sgt_toroidal *a, const region *where, int slices, bounds
     return !some ? 0 : whole ? 1 : -1;
 }
 
-/* In slices only where one rectangle, with its corners beyond the rim, is steep. */
+/* Uses slices only if one rectangle is steep and has its corners beyond the rim. */
 static int toroidal_over(const sgt_toroidal *a, const region *where, bounds *out, sgt_interval *range,
                          double *q_most, double *m_least)
 {
@@ -254,8 +260,8 @@ static int toroidal_bounds(const void *self, region *where, bounds *out)
     return sgt_interval_is_empty(where->x) || sgt_interval_is_empty(where->y) ? 0 : -1;
 }
 
-/* Of the profile within the radius: its conic's phi, the conic's own term over y^2, and the sum of the
- * magnitudes of its powers over y^2. */
+/* The profile within the radius: bent = (1 + k) c^2 r^2, phi of its conic, the conic's own term over y^2,
+ * and the sum of the magnitudes of its powers over y^2. */
 typedef struct profile_size { double bent, phi, conic, first; } profile_size;
 
 static bool profile_within(const sgt_toroidal *a, double radius, profile_size *s)
@@ -268,8 +274,8 @@ static bool profile_within(const sgt_toroidal *a, double radius, profile_size *s
     return phi2 > 0x1p-20;
 }
 
-/* The lines of toroidal_off with the worst there is within the radius, q at most, m at least that: each part
- * of the sag is at most a number times x^2 or y^2. */
+/* The lines of toroidal_off with the worst values within the radius, q at most and m at least those given.
+ * Each part of the sag is at most a number times x^2 or y^2. */
 static void noise_of(const sgt_toroidal *a, double radius, const profile_size *s, double q, double m,
                      double e[2])
 {
@@ -281,7 +287,7 @@ static void noise_of(const sgt_toroidal *a, double radius, const profile_size *s
     double q_err = c_x * z_err * r2 + u * (c_x * z * r2 + q),
            m_err = (2 * q * (q_err + 2 * u * q) + q * (q_err + 3 * u * q) + 4 * u * q * q) / (1.99 * m) +
                    2 * u * q;
-    /* over x^2 */
+    /* Over x^2. */
     double lanes = c_x / (2 * m), lane_err = lanes * (4 * u + (q_err + m_err) / (1.99 * m) + u);
     e[0] = 0x1p-1060, e[1] = larger(z_err + u * z, lane_err + u * lanes) * (1 + 0x1p-16);
 }
@@ -316,7 +322,7 @@ static sgt_interval toroidal_range(const void *self, const region *where)
     sgt_interval range;
     double q, m;
     if (!sliced(self, where, 1, &most, &range, &q, &m)) return sgt_interval_empty();
-    /* q - c_x e = m >= 0: c_x s is at most 1, where the sweep turns back */
+    /* q - c_x e = m >= 0, so c_x s is at most 1: there the sweep turns back. */
     double c_x = ((const sgt_toroidal *)self)->c_x;
     sgt_interval back = sgt_interval_quotient(sgt_interval_of(1), sgt_interval_of(c_x));
     if (c_x > 0 && back.hi < range.hi) range.hi = back.hi;
@@ -333,7 +339,7 @@ static void toroidal_bent(const sgt_toroidal *self, size_t n, const double *rest
     double h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], ddh[FREEFORM_BLOCK];
     int terms = toroidal_terms_of(self);
     powers_of(self, n, py, h, dh);
-    /* of rho h, by rho, twice: sum of i (i + 1) a[i] rho^(i-1) */
+    /* The second derivative of rho h by rho: the sum of i (i + 1) a[i] rho^(i-1). */
     LANES for (size_t i = 0; i < n; i++) ddh[i] = 0;
     for (int j = terms - 1; j > 0; j--) {
         const double a = j * (j + 1) * self->a[j];
@@ -366,7 +372,7 @@ static void toroidal_by(const sgt_toroidal *self, size_t j, size_t n, const doub
     const double c = self->c, k1 = 1 + self->k, c_x = self->c_x, order = j < 3 ? 0 : 2 * (double)(j - 2);
     double h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], za[FREEFORM_BLOCK], dza[FREEFORM_BLOCK];
     powers_of(self, n, py, h, dh);
-    /* of the profile: z_a and z_a' */
+    /* For the profile: z_a and z_a'. */
     if (j < 2) {
         const double by_c = j == 0 ? 1 : 0, by_k = j == 0 ? 0 : 0.5 * (c * c * c);
         LANES for (size_t i = 0; i < n; i++) {
@@ -428,7 +434,7 @@ static const departure toroidal_departure = {.at = toroidal_at,
                                              .noise = toroidal_noise,
                                              .noise_about = toroidal_noise_about};
 
-/* The seed: a conic of the mean curvature. */
+/* The seed: a conic with the mean curvature. */
 static departure_sag toroidal_unique(const sgt_toroidal *a)
 {
     double c_y = a->c + 2 * a->a[0];

@@ -1,48 +1,53 @@
 /* zernike.c - a sum of Zernike's circle polynomials on a conic.
  *
- * With zeta = (x + i y) / norm and s = |zeta|^2 the polynomials of one m and radial orders n = m + 2 k are
- * the real part (cosine) and the imaginary part (sine) of zeta^m, times Q_k(s), Q_k(s) = P_k^(0,m)(2 s - 1)
- * of Jacobi: R_n^m(u) = u^m Q_k(u^2) (Born and Wolf, section 9.2.1).  So for each m there are two sums over
+ * Let zeta = (x + i y) / norm and s = |zeta|^2.  The polynomials of one m and radial orders n = m + 2 k
+ * are the real part (cosine) and the imaginary part (sine) of zeta^m, times Q_k(s) = P_k^(0,m)(2 s - 1) of
+ * Jacobi: R_n^m(u) = u^m Q_k(u^2) (Born and Wolf, section 9.2.1).  So for each m there are two sums over
  * k, C(s) and S(s), and
- *     P = sum over m of C Re zeta^m + S Im zeta^m,
- * whose gradient needs Q_k' and the powers zeta^(m-1), with d zeta^m / dx = m zeta^(m-1) / norm and d/dy i
- * times that: no angle and no division by r, so it is as smooth at the axis as anywhere.
+ *     P = sum over m of C Re zeta^m + S Im zeta^m.
+ * The gradient needs Q_k' and the powers zeta^(m-1): d zeta^m / dx = m zeta^(m-1) / norm, and d/dy is i
+ * times that.  There is no angle and no division by r, so it is as smooth at the axis as elsewhere.
  *
- * Q_k = lambda_k q_k, the q_k monic in s: lambda_k is the binomial coefficient of n over k, and (Szego
- * 1975, 4.5.1)
+ * Q_k = lambda_k q_k, where q_k is monic in s and lambda_k is the binomial coefficient of n over k.  The
+ * recurrence is (Szego 1975, 4.5.1)
  *     q_k+1 = (s - beta_k) q_k - gamma_k q_k-1,   q_0 = 1,
  *     beta_k = 1/2 + m^2 / (2 n (n + 2)),   gamma_k = (n^2 - m^2)^2 / (16 n^2 (n^2 - 1)),
- * and q_k' by the derivative of it.  Upward it is stable on 0 <= s <= 1, the zeros of all q_k being there:
- * q_k is not the lesser of the two solutions anywhere.  The loop over the points is the inner one, four
- * orders at a time: what is carried from one four to the next goes to memory and back.
+ * and q_k' by its derivative.  Upward it is stable on 0 <= s <= 1.  All zeros of the q_k are there, so q_k
+ * is nowhere the lesser of the two solutions.  The loop over the points is the inner one, with four orders
+ * at a time.  What is carried from one four to the next goes to memory and back.
  *
- * ROUNDING.  In units of u = 2^-53 a step leaves out (2 beta_j - 1/2 + |s - beta_j|) |q_j| + 2 gamma_j
- * |q_j-1| + |q_j+1|.  It goes on to q_k by the solution of the recurrence that is 0 at j and 1 at j + 1; so
- * goes what a step of q_j' leaves out, and what that of q_j does, by the solution's derivative.  Added to
- * it: what s brings, off by 4 s; zeta^m, by 3 m of itself (x and y over norm 1, a product of complex
- * numbers with fma 2: Jeannerod, Kornerup, Louvet, Muller 2017, Math. Comp. 86, 881); the coefficients, by
- * 2 k + 3.  Times u^m lambda_k, for each choice of signs, that is a polynomial of degree n in u: a bound of
- * it follows from its values at 8 (n + 2) points (Ehlich and Zeller 1964, Math. Z. 86, 41), and was worked
- * out for every n <= 142 and m; `rounding` has simple functions of n above it.  Beyond the circle a
- * polynomial of degree n exceeds its greatest magnitude there by the factor (v + sqrt(v^2 - 1))^n, v = r /
- * norm, at most.
+ * ROUNDING, in units of u = 2^-53.  A step rounds by at most (2 beta_j - 1/2 + |s - beta_j|) |q_j| + 2
+ * gamma_j |q_j-1| + |q_j+1|.  This reaches q_k multiplied by the solution of the recurrence that is 0 at j
+ * and 1 at j + 1.  So does the rounding of a step of q_j'; the rounding of q_j reaches q_k' by the
+ * derivative of that solution.  Three errors are added:
+ * - s is off by 4 s.
+ * - zeta^m is off by 3 m of itself: x and y over norm 1, and a product of complex numbers with fma 2
+ *   (Jeannerod, Kornerup, Louvet, Muller 2017, Math. Comp. 86, 881).
+ * - The coefficients are off by 2 k + 3.
+ *
+ * Times u^m lambda_k, that is a polynomial of degree n in u for each choice of signs.  A bound of it
+ * follows from its values at 8 (n + 2) points (Ehlich and Zeller 1964, Math. Z. 86, 41).  It was computed
+ * for every n <= 142 and every m, and `rounding` has simple functions of n above it.  Beyond the circle a
+ * polynomial of degree n exceeds its maximum on the circle by at most the factor (v + sqrt(v^2 - 1))^n, v
+ * = r / norm.
  *
  * BOUNDS.  The derivatives of V = R_n^m(u) e^(i m theta) by zeta and by its conjugate are sums of
- * polynomials of this kind with coefficients >= 0 (Noll 1976, eq. 13), and all of these are 1 at zeta = 1
- * and nowhere greater: so every derivative is the greatest there.  Hence |grad V| <= R'(1) = L / 2 and
- * |second derivative| <= R''(1) = (L (L - 4) + 4 m^2) / 8, L = n (n + 2) - m^2, by the differential
- * equation of R.  Within u < 1 also |grad| <= n / sqrt(1 - u^2) (Bernstein's inequality for a ball:
- * Sarantopoulos 1991, Math. Proc. Camb. Phil. Soc. 110, 307), and by that twice, by way of the circle of
- * radius^2 (1 + u^2) / 2, |second derivative| <= 2 n (n - 1) / (1 - u^2).  Beyond the circle a derivative
- * grows as a polynomial of a degree less. */
+ * polynomials of this kind with coefficients >= 0 (Noll 1976, eq. 13).  All of these are 1 at zeta = 1 and
+ * nowhere greater, so every derivative is greatest there.  By the differential equation of R, with L = n
+ * (n + 2) - m^2,
+ *     |grad V| <= R'(1) = L / 2,    |second derivative| <= R''(1) = (L (L - 4) + 4 m^2) / 8.
+ * Within u < 1 also |grad| <= n / sqrt(1 - u^2) (Bernstein's inequality for a ball: Sarantopoulos 1991,
+ * Math. Proc. Camb. Phil. Soc. 110, 307).  Applied twice, by way of the circle of radius^2 (1 + u^2) / 2,
+ * it gives |second derivative| <= 2 n (n - 1) / (1 - u^2).  Beyond the circle each derivative grows as a
+ * polynomial of one degree less. */
 #include "bend.h"
 #include "departure.h"
 
-/* The orders of one m: k <= 71 (Fringe: (k + m + 1)^2 - 2 m <= 5151), made a multiple of four. */
+/* The orders of one m: k <= 71 (Fringe: (k + m + 1)^2 - 2 m <= 5151), rounded up to a multiple of four. */
 enum { MOST_TERMS = 5151, MOST_ORDERS = 72, MOST_DEGREE = 142 };
 
-/* The place in the list of the first polynomial of order n = m + 2 k: of m = 0 it is the only one, of
- * another the sine stands beside the cosine. */
+/* The index in the list of the first polynomial of order n = m + 2 k.  For m = 0 it is the only one; for
+ * other m the sine stands beside the cosine. */
 static size_t zernike_place(const sgt_zernike *z, size_t m, size_t k)
 {
     size_t n = m + 2 * k, half = m + k;
@@ -68,7 +73,8 @@ typedef struct harmonic {
     double m, beta[MOST_ORDERS], gamma[MOST_ORDERS], c[MOST_ORDERS], s[MOST_ORDERS];
 } harmonic;
 
-/* `only` < the number of terms: of that coefficient 1, of all others 0.  count: to the last that is not 0. */
+/* If `only` is below the number of terms, that coefficient is 1 and all others are 0.  count: up to the
+ * last one that is not 0. */
 SGT_INLINE void gather(const sgt_zernike *z, size_t only, size_t m, harmonic *h)
 {
     size_t terms = length(z), k = 0, first;
@@ -86,7 +92,7 @@ SGT_INLINE void gather(const sgt_zernike *z, size_t only, size_t m, harmonic *h)
     for (size_t i = count; i < all; i++) h->c[i] = h->s[i] = 0;
     double ratio[MOST_ORDERS], m2 = h->m * h->m;
     for (size_t i = 0; i < all; i++) {
-        /* whole numbers, exact up to the quotients */
+        /* Whole numbers, exact up to the quotients. */
         double n = h->m + (double)(2 * i), n2 = n * n, e = n2 - m2;
         h->beta[i] = 0.5 + m2 / (n > 0 ? 2 * n * (n + 2) : 1);
         h->gamma[i] = e * e / (n > 1 ? 16 * n2 * (n2 - 1) : 1);
@@ -99,9 +105,15 @@ SGT_INLINE void gather(const sgt_zernike *z, size_t only, size_t m, harmonic *h)
     }
 }
 
-/* Of all points: zeta and s; zeta^m and zeta^(m-1); q_k, q_k-1 and their derivatives; the sums over k and
- * their derivatives; over m those of C Re zeta^m + S Im zeta^m, of the same with C' and S', and of its
- * derivatives by x and y with C and S as constants. */
+/* For all points:
+ *
+ *   x, y, s         zeta and s
+ *   re, im          zeta^m
+ *   re1, im1        zeta^(m-1)
+ *   q, q1, d, d1    q_k, q_k-1 and their derivatives
+ *   c, sn, dc, ds   C, S, C', S': the sums over k and their derivatives
+ *   p, g            the sums over m of C Re zeta^m + S Im zeta^m, and of the same with C' and S'
+ *   gx, gy          the sums over m of its derivatives by x and y, with C and S as constants */
 typedef struct zernike_work {
     double x[FREEFORM_BLOCK], y[FREEFORM_BLOCK], s[FREEFORM_BLOCK], re[FREEFORM_BLOCK], im[FREEFORM_BLOCK],
         re1[FREEFORM_BLOCK], im1[FREEFORM_BLOCK];
@@ -141,7 +153,7 @@ SGT_INLINE void zernike_turn(zernike_work *w, size_t n)
         q1 = q, q = q2, d1 = d, d = d2;                                                    \
     } while (0)
 
-/* One to four orders from k on: `first` and `steps` are known where this is written in. */
+/* Adds one to four orders from k on.  `first` and `steps` are constants after inlining. */
 SGT_INLINE void add_orders(const harmonic *h, size_t k, bool first, int steps, zernike_work *w, size_t n)
 {
     const double beta0 = h->beta[k], beta1 = h->beta[k + 1], beta2 = h->beta[k + 2], beta3 = h->beta[k + 3];
@@ -159,7 +171,7 @@ SGT_INLINE void add_orders(const harmonic *h, size_t k, bool first, int steps, z
         if (steps > 1) STEP(1);
         if (steps > 2) STEP(2);
         if (steps > 3) STEP(3);
-        if (steps > 3) w->q[i] = q, w->q1[i] = q1, w->d[i] = d, w->d1[i] = d1; /* with less it was the end */
+        if (steps > 3) w->q[i] = q, w->q1[i] = q1, w->d[i] = d, w->d1[i] = d1; /* fewer: the end */
         w->c[i] = c, w->sn[i] = sn, w->dc[i] = dc, w->ds[i] = ds;
     }
 }
@@ -233,9 +245,9 @@ static void zernike_by_parameter(const void *self, size_t j, size_t n, const dou
     zernike_sums(self, j, n, x, y, out.p, out.px, out.py);
 }
 
-/* As above, one order at a time, with the second derivatives by s: of T = C Re zeta^m + S Im zeta^m
+/* As above, one order at a time, with the second derivatives by s.  For T = C Re zeta^m + S Im zeta^m
  *     T_xx = 4 x^2 T'' + 2 T' + 4 x T'_x + m (m - 1) (C Re zeta^(m-2) + S Im zeta^(m-2)),   and so on,
- * where ' and '' are upon C and S, and _x and _y upon zeta^m. */
+ * where ' and '' apply to C and S, and _x and _y to zeta^m. */
 SGT_KERNEL
 static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const double *y,
                           double *restrict pxx, double *restrict pxy, double *restrict pyy)
@@ -297,14 +309,14 @@ static void zernike_second(const void *self, size_t n, const double *x, const do
     zernike_bends(self, n, x, y, pxx, pxy, pyy);
 }
 
-/* How much a polynomial of degree n can exceed, at u, its maximum on the circle: 1 within, else the nth
- * power of this. */
+/* A polynomial of degree n exceeds its maximum on the circle at u by at most the nth power of this.
+ * Within the circle it is 1. */
 static double growth(double u) { return u > 1 ? (u + sqrt(u * u - 1)) * (1 + 0x1p-30) : 1; }
 
-/* Far out infinity times 0 is a NaN: no bound. */
+/* Far out, infinity times 0 is NaN: then there is no bound. */
 static double zernike_known(double x) { return x < HUGE_VAL ? x : HUGE_VAL; }
 
-/* Sums of |a| over the terms of each degree, with their normalisation at most; returns the number of
+/* Sums of |a| over the terms of each degree, with the largest normalisation.  Returns the number of
  * degrees. */
 static size_t by_degree(const sgt_zernike *z, double sum[MOST_DEGREE + 1])
 {
@@ -335,10 +347,10 @@ static double zernike_sums_of(const sgt_zernike *z, size_t degrees)
     return z->order == SGT_NOLL ? 2.5 * (double)degrees + 4 : 1.5 * (double)degrees + 6;
 }
 
-/* In units of u, a polynomial of degree n is off by at most
- *     1.7 n^2 + 3 n + 4 and (2 n + 4) / (v sqrt(1 - v^2)),   v = r / norm,
- * and each of its derivatives by 0.42 n^4 + 1.6 n^3 + 4 n^2 and 2.1 n^2 / (v (1 - v^2)), over norm: the
- * lesser. */
+/* In units of u, a polynomial of degree n is off by at most the lesser of
+ *     1.7 n^2 + 3 n + 4 and (2 n + 4) / (v sqrt(1 - v^2)),   v = r / norm.
+ * Each of its derivatives is off by at most the lesser of 0.42 n^4 + 1.6 n^3 + 4 n^2 and 2.1 n^2 / (v (1 -
+ * v^2)), over norm. */
 static void zernike_rounding(const void *self, double x, double y, double *p_err, double *grad_err)
 {
     const sgt_zernike *z = self;
@@ -392,7 +404,7 @@ static int zernike_bounds(const void *self, region *where, bounds *out)
             double first = 0.5 * l, second = 0.125 * (l * (l - 4) + 4 * m2);
             size += both;
             steep +=
-                both * less * (first * root > n ? n / root : first); /* each derivative is of a degree less */
+                both * less * (first * root > n ? n / root : first); /* each derivative has one degree less */
             bend += both * (less * less) * (second * inside > n2 ? n2 / inside : second);
         }
     }
