@@ -210,8 +210,8 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
 }
 
 /* A ray is unique if its far root is certainly not accepted: F is monotone within the rim, or the far root
- * is gone.  If the far root certainly is accepted, it is NOT_UNIQUE.  If the root that was met is itself
- * the far one, that says nothing of the near one. */
+ * is gone.  If the far root certainly is accepted, the ray is NOT_UNIQUE.  If the root that was met is the
+ * far one itself, it is accepted, so it is never said to be gone. */
 bool sgt_conic_unique(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2,
                       mask unique[], sgt_interval others[])
 {

@@ -119,9 +119,9 @@ static double sag_bound(const shape *s, double rho, double outward)
     return s->c * rho / (1 + sqrt(larger(phi2, 0))) * (1 - outward * 0x1p-48);
 }
 
-/* A test for points far from the surface.  There G is of no use: it contains w^2, so M is needlessly large.
- * Over the cell rho is a parabola, with an exact range.  s is monotone in rho.  w differs from its tangent
- * by at most W2 h^2 / 2. */
+/* A test for points far from the surface.  There G is of little use: it contains w^2, so M is needlessly
+ * large.  Over the cell rho is a parabola, with an exact range.  s is monotone in rho.  w differs from its
+ * tangent by at most W2 h^2 / 2. */
 bool sgt_poly_apart(const shape *s, const local *q, const sample *at, double h)
 {
     double a = q->l * q->l + q->m * q->m, half = fabs(at->x * q->l + at->y * q->m),
