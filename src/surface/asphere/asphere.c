@@ -245,18 +245,18 @@ SGT_INLINE size_t lane_terms(const wavy *self, int terms, bool first, bool rich,
     return 8 * hard > count ? without_misses(self, terms, tile, room, hard) : hard; /* a few go one by one */
 }
 
-#define SWEEP_TERMS(name, terms, first, rich)                                                       \
+#define LANES_OF_TERMS(name, terms, first, rich)                                                       \
     SGT_KERNEL static size_t name(const wavy *s, const sgt_tile *tile, wavy_room *room)        \
     {                                                                                               \
         return lane_terms(s, terms, first, rich, tile, room);                                      \
     }
 
-SWEEP_TERMS(asphere_lanes_few_near, FEW_TERMS, false, false)
-SWEEP_TERMS(asphere_lanes_few_first, FEW_TERMS, true, false)
-SWEEP_TERMS(asphere_lanes_few_near_rich, FEW_TERMS, false, true)
-SWEEP_TERMS(asphere_lanes_few_first_rich, FEW_TERMS, true, true)
-SWEEP_TERMS(asphere_lanes_near, ALL_TERMS, false, true)
-SWEEP_TERMS(asphere_lanes_first, ALL_TERMS, true, true)
+LANES_OF_TERMS(asphere_lanes_few_near, FEW_TERMS, false, false)
+LANES_OF_TERMS(asphere_lanes_few_first, FEW_TERMS, true, false)
+LANES_OF_TERMS(asphere_lanes_few_near_rich, FEW_TERMS, false, true)
+LANES_OF_TERMS(asphere_lanes_few_first_rich, FEW_TERMS, true, true)
+LANES_OF_TERMS(asphere_lanes_near, ALL_TERMS, false, true)
+LANES_OF_TERMS(asphere_lanes_first, ALL_TERMS, true, true)
 
 /* ------------------------------------------------------------------ quick */
 

@@ -21,7 +21,7 @@ static void terms_horner(int terms, const double *a, size_t n, const double *res
                          const double *restrict y, double *restrict p, double *restrict p1,
                          double *restrict p2)
 {
-    double rho[FREEFORM_BLOCK];
+    double rho[DEPARTURE_BLOCK];
     LANES for (size_t i = 0; i < n; i++) rho[i] = x[i] * x[i] + y[i] * y[i], p[i] = p1[i] = p2[i] = 0;
     for (int j = terms; j >= 0; j--) {
         double coefficient = j ? a[j - 1] : 0;
@@ -36,7 +36,7 @@ static void terms_horner(int terms, const double *a, size_t n, const double *res
 static void asphere_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
     const sgt_asphere *s = self;
-    double p1[FREEFORM_BLOCK], p2[FREEFORM_BLOCK];
+    double p1[DEPARTURE_BLOCK], p2[DEPARTURE_BLOCK];
     terms_horner(terms_count(s), s->a, n, x, y, out.p, p1, p2);
     for (size_t i = 0; i < n; i++) out.px[i] = 2 * p1[i] * x[i], out.py[i] = 2 * p1[i] * y[i];
 }
@@ -80,7 +80,7 @@ static void asphere_second(const void *self, size_t n, const double *x, const do
                            double *pxy, double *pyy)
 {
     const sgt_asphere *s = self;
-    double p[FREEFORM_BLOCK], p1[FREEFORM_BLOCK], p2[FREEFORM_BLOCK];
+    double p[DEPARTURE_BLOCK], p1[DEPARTURE_BLOCK], p2[DEPARTURE_BLOCK];
     terms_horner(terms_count(s), s->a, n, x, y, p, p1, p2);
     for (size_t i = 0; i < n; i++) {
         double bent = 8 * p2[i]; /* p2 is half of p'' */

@@ -174,9 +174,9 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
                     quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]))                               \
     static void NAME##_blocks(const void *self, size_t n, sgt_rays rays, sgt_spans out, bool first)         \
     {                                                                                                       \
-        double single[FREEFORM_BLOCK];                                                                      \
+        double single[DEPARTURE_BLOCK];                                                                      \
         for (size_t i = 0, few; i < n; i += few) {                                                          \
-            few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;                                          \
+            few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;                                          \
             (first ? NAME##_all_firsts : NAME##_all_spans)(                                                 \
                 self, few, rays.o[0] + i, rays.o[1] + i, rays.o[2] + i, rays.d[0] + i, rays.d[1] + i,       \
                 rays.d[2] + i, first ? rays.tmin + i : NULL, out.lo + i, out.hi + i, out.seed + i, single); \

@@ -174,7 +174,7 @@ static double torus_clearance(const void *self, sgt_vec3 p)
 
 /* ------------------------------------------------------------------ the first root */
 
-enum { BLOCK = FREEFORM_BLOCK };
+enum { BLOCK = DEPARTURE_BLOCK };
 typedef double row[BLOCK];
 
 /* The state of n rays in the search.

@@ -79,24 +79,24 @@ static void conic_lanes_far(const bowl *self, const sgt_tile *tile, mask *gone, 
     }
 }
 
-#define SWEEP_BOWL(name, plane, first, proof, rich)                                                 \
+#define LANES_OF_BOWL(name, plane, first, proof, rich)                                                 \
     SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
     {                                                                                               \
         return lane_bowl(s, plane, first, proof, rich, tile, room);                                \
     }
 
-SWEEP_BOWL(conic_lanes_plane, true, false, false, false)
-SWEEP_BOWL(conic_lanes_plane_rich, true, false, false, true)
-SWEEP_BOWL(conic_lanes_plane_sure, true, false, true, false)
-SWEEP_BOWL(conic_lanes_plane_sure_rich, true, false, true, true)
-SWEEP_BOWL(conic_lanes_near, false, false, false, false)
-SWEEP_BOWL(conic_lanes_near_rich, false, false, false, true)
-SWEEP_BOWL(conic_lanes_near_sure, false, false, true, false)
-SWEEP_BOWL(conic_lanes_near_sure_rich, false, false, true, true)
-SWEEP_BOWL(conic_lanes_first, false, true, false, false)
-SWEEP_BOWL(conic_lanes_first_rich, false, true, false, true)
-SWEEP_BOWL(conic_lanes_first_sure, false, true, true, false)
-SWEEP_BOWL(conic_lanes_first_sure_rich, false, true, true, true)
+LANES_OF_BOWL(conic_lanes_plane, true, false, false, false)
+LANES_OF_BOWL(conic_lanes_plane_rich, true, false, false, true)
+LANES_OF_BOWL(conic_lanes_plane_sure, true, false, true, false)
+LANES_OF_BOWL(conic_lanes_plane_sure_rich, true, false, true, true)
+LANES_OF_BOWL(conic_lanes_near, false, false, false, false)
+LANES_OF_BOWL(conic_lanes_near_rich, false, false, false, true)
+LANES_OF_BOWL(conic_lanes_near_sure, false, false, true, false)
+LANES_OF_BOWL(conic_lanes_near_sure_rich, false, false, true, true)
+LANES_OF_BOWL(conic_lanes_first, false, true, false, false)
+LANES_OF_BOWL(conic_lanes_first_rich, false, true, false, true)
+LANES_OF_BOWL(conic_lanes_first_sure, false, true, true, false)
+LANES_OF_BOWL(conic_lanes_first_sure_rich, false, true, true, true)
 
 /* The same for rays that start near the surface or on it too (conic/easy.h, NEARBY).  One loop, because few
  * tiles are met so. */
@@ -119,15 +119,15 @@ SGT_INLINE size_t lane_nearby(const bowl *self, bool plane, bool first, const sg
     return lane_told(tile, &room->ends, 1, all);
 }
 
-#define SWEEP_NEARBY(name, plane, first)                                                            \
+#define LANES_NEARBY(name, plane, first)                                                            \
     SGT_KERNEL static size_t name(const bowl *s, const sgt_tile *tile, bowl_room *room)        \
     {                                                                                               \
         return lane_nearby(s, plane, first, tile, room);                                           \
     }
 
-SWEEP_NEARBY(conic_lanes_plane_nearby, true, false)
-SWEEP_NEARBY(conic_lanes_near_nearby, false, false)
-SWEEP_NEARBY(conic_lanes_first_nearby, false, true)
+LANES_NEARBY(conic_lanes_plane_nearby, true, false)
+LANES_NEARBY(conic_lanes_near_nearby, false, false)
+LANES_NEARBY(conic_lanes_first_nearby, false, true)
 
 /* Where the first ray of a tile starts.  It is a guess for all of them, and affects only the time:
  *

@@ -291,7 +291,7 @@ static departure_sag biconic_unique(const sgt_biconic *b)
                            .reach = reach};
 }
 
-FREEFORM_OPS(biconic, sgt_biconic, biconic_unique)
+DEPARTURE_OPS(biconic, sgt_biconic, biconic_unique)
 
 /* The same for a cylinder, by the names of its own row in dispatch/builtins.c. */
 sgt_objection sgt_cylinder_object(const void *self)

@@ -155,7 +155,7 @@ static void one_polynomial(double norm, size_t degree, size_t n, const double *x
                            double *restrict slope)
 {
     const double back = (double)degree / norm;
-    double u[FREEFORM_BLOCK], v[FREEFORM_BLOCK], w[FREEFORM_BLOCK];
+    double u[DEPARTURE_BLOCK], v[DEPARTURE_BLOCK], w[DEPARTURE_BLOCK];
     LANES
     for (size_t i = 0; i < n; i++) {
         double at = x[i] / norm;
@@ -185,7 +185,7 @@ static void chebyshev_by_parameter(const void *self, size_t j, size_t n, const d
                                    sag_values out)
 {
     const sgt_chebyshev *s = self;
-    double a[FREEFORM_BLOCK], da[FREEFORM_BLOCK], b[FREEFORM_BLOCK], db[FREEFORM_BLOCK];
+    double a[DEPARTURE_BLOCK], da[DEPARTURE_BLOCK], b[DEPARTURE_BLOCK], db[DEPARTURE_BLOCK];
     one_polynomial(s->norm_x, j / s->a.columns, n, x, a, da);
     one_polynomial(s->norm_y, j % s->a.columns, n, y, b, db);
     chebyshev_product(n, a, da, b, db, out.p, out.px, out.py);
@@ -194,7 +194,7 @@ static void chebyshev_by_parameter(const void *self, size_t j, size_t n, const d
 /* U_n-1 and its derivative V_n-1 by the same theorem: U_n' = U_n-1 + x U_n-1' + n U_n-1, and T_n'' = n
  * U_n-1'. */
 typedef struct chebyshev_bending {
-    double x[FREEFORM_BLOCK], w[FREEFORM_BLOCK], t[FREEFORM_BLOCK], u[FREEFORM_BLOCK], v[FREEFORM_BLOCK];
+    double x[DEPARTURE_BLOCK], w[DEPARTURE_BLOCK], t[DEPARTURE_BLOCK], u[DEPARTURE_BLOCK], v[DEPARTURE_BLOCK];
 } chebyshev_bending;
 
 SGT_INLINE void start_bending(chebyshev_bending *a, double norm, size_t n, const double *x)
@@ -221,7 +221,7 @@ static void chebyshev_bends(const sgt_chebyshev *s, size_t n, const double *x, c
                             double *restrict pxx, double *restrict pxy, double *restrict pyy)
 {
     chebyshev_bending a, b;
-    double b0[FREEFORM_BLOCK], b1[FREEFORM_BLOCK], b2[FREEFORM_BLOCK];
+    double b0[DEPARTURE_BLOCK], b1[DEPARTURE_BLOCK], b2[DEPARTURE_BLOCK];
     LANES
     for (size_t i = 0; i < n; i++) pxx[i] = pxy[i] = pyy[i] = 0;
     start_bending(&a, s->norm_x, n, x);
@@ -447,4 +447,4 @@ static const departure chebyshev_departure = {
     .noise = chebyshev_noise,
 };
 
-FREEFORM_ON_CONIC(chebyshev, sgt_chebyshev)
+DEPARTURE_ON_CONIC(chebyshev, sgt_chebyshev)

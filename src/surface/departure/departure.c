@@ -76,9 +76,9 @@ static void on_plane(size_t n, const double *restrict z, const double *restrict 
 
 void sgt_departure_values(const departure_sag *s, size_t n, sgt_points at, sgt_values out)
 {
-    double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK], unwanted[3][FREEFORM_BLOCK];
+    double p[DEPARTURE_BLOCK], px[DEPARTURE_BLOCK], py[DEPARTURE_BLOCK], unwanted[3][DEPARTURE_BLOCK];
     for (size_t i = 0, few; i < n; i += few) {
-        few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;
+        few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;
         const double *x = at.p[0] + i, *y = at.p[1] + i, *z = at.p[2] + i;
         double *fx = out.grad[0] ? out.grad[0] + i : unwanted[0],
                *fy = out.grad[0] ? out.grad[1] + i : unwanted[1],
@@ -368,9 +368,9 @@ static void all_spans(const sgt_shared *self, size_t n, const double *restrict o
 
 void sgt_departure_spans(const sgt_shared *s, size_t n, sgt_rays r, sgt_spans out, double *least)
 {
-    double own[FREEFORM_BLOCK];
+    double own[DEPARTURE_BLOCK];
     for (size_t i = 0, few; i < n; i += few) {
-        few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;
+        few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;
         double *to = least ? least + i : own;
         all_spans(s, few, r.o[0] + i, r.o[1] + i, r.o[2] + i, r.d[0] + i, r.d[1] + i, r.d[2] + i, out.lo + i,
                   out.hi + i, out.seed + i, to);
@@ -535,9 +535,9 @@ static void second_of(size_t n, double c, double k, const double *restrict x, co
 
 void sgt_departure_second(const departure_sag *s, size_t n, sgt_points at, double *const out[6])
 {
-    double pxx[FREEFORM_BLOCK], pxy[FREEFORM_BLOCK], pyy[FREEFORM_BLOCK];
+    double pxx[DEPARTURE_BLOCK], pxy[DEPARTURE_BLOCK], pyy[DEPARTURE_BLOCK];
     for (size_t i = 0, few; i < n; i += few) {
-        few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;
+        few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;
         const double *x = at.p[0] + i, *y = at.p[1] + i;
         s->of->second(s->self, few, x, y, pxx, pxy, pyy);
         second_of(few, s->base ? s->c : 0, s->k, x, y, pxx, pxy, pyy, out[0] + i, out[1] + i, out[3] + i);
@@ -576,9 +576,9 @@ static void by_base(size_t n, bool by_c, double c, double k, const double *restr
 void sgt_departure_by_parameter(const departure_sag *s, size_t j, size_t n, sgt_points at, sgt_values out)
 {
     size_t own = of_base(s);
-    double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK], unwanted[2][FREEFORM_BLOCK];
+    double p[DEPARTURE_BLOCK], px[DEPARTURE_BLOCK], py[DEPARTURE_BLOCK], unwanted[2][DEPARTURE_BLOCK];
     for (size_t i = 0, few; i < n; i += few) {
-        few = n - i < FREEFORM_BLOCK ? n - i : FREEFORM_BLOCK;
+        few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;
         const double *x = at.p[0] + i, *y = at.p[1] + i;
         double *f = out.f + i, *fx = out.grad[0] ? out.grad[0] + i : unwanted[0],
                *fy = out.grad[0] ? out.grad[1] + i : unwanted[1];

@@ -15,7 +15,7 @@
  *
  * A sag whose whole formula is its own (a toroid) is a departure from a plane: it has no base.
  *
- * To add a type: write its `departure`, then use FREEFORM_ON_CONIC or FREEFORM_OPS at the end of the file.
+ * To add a type: write its `departure`, then use DEPARTURE_ON_CONIC or DEPARTURE_OPS at the end of the file.
  * Lengths have any one unit.  P has the unit of z. */
 #ifndef SGT_SURFACE_DEPARTURE_DEPARTURE_H
 #define SGT_SURFACE_DEPARTURE_DEPARTURE_H
@@ -25,7 +25,7 @@
 
 #include <sagitta/interval.h>
 
-enum { FREEFORM_BLOCK = 64 };
+enum { DEPARTURE_BLOCK = 64 };
 
 /* The points with x and y in these intervals and r = sqrt(x^2 + y^2) in [r_lo, r_hi]. */
 typedef struct region { sgt_interval x, y; double r_lo, r_hi; } region;
@@ -39,7 +39,7 @@ typedef struct region { sgt_interval x, y; double r_lo, r_hi; } region;
  *          region.  Infinite if grad P jumps in the region. */
 typedef struct bounds { double size, steep, bend; } bounds;
 
-/* P, dP/dx, dP/dy of n points, n <= FREEFORM_BLOCK.  No array is NULL, and no two overlap. */
+/* P, dP/dx, dP/dy of n points, n <= DEPARTURE_BLOCK.  No array is NULL, and no two overlap. */
 typedef struct sag_values { double *p, *px, *py; } sag_values;
 
 typedef struct departure {
@@ -159,7 +159,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
 
 /* Defines sgt_NAME_ops and sgt_NAME_object, for parameters of type TYPE.  VIEW(s) is an expression of type
  * departure_sag for a pointer s to a TYPE.  NAME_departure must exist, and TYPE must have a semi_diameter. */
-#define FREEFORM_OPS(NAME, TYPE, VIEW)                                                                      \
+#define DEPARTURE_OPS(NAME, TYPE, VIEW)                                                                      \
     static departure_sag NAME##_view(const void *self)                                                      \
     {                                                                                                       \
         const TYPE *s = self;                                                                               \
@@ -205,13 +205,13 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         departure_sag v = NAME##_view(self);                                                                \
         sgt_departure_noise_about(&v, radius, e);                                                           \
     }                                                                                                       \
-    static sgt_span NAME##_own_span(const void *self, const sgt_shared *shared, const sgt_ray *ray,         \
+    static sgt_span NAME##_builtin_span(const void *self, const sgt_shared *shared, const sgt_ray *ray,         \
                                     double *least)                                                          \
     {                                                                                                       \
         (void)self;                                                                                         \
         return sgt_departure_span(shared, ray, least);                                                      \
     }                                                                                                       \
-    static void NAME##_own_spans(const void *self, const sgt_shared *shared, size_t n, sgt_rays r,          \
+    static void NAME##_builtin_spans(const void *self, const sgt_shared *shared, size_t n, sgt_rays r,          \
                                  sgt_spans out, double *least)                                              \
     {                                                                                                       \
         (void)self;                                                                                         \
@@ -229,7 +229,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         NAME##_share(self, &e);                                                                             \
         sgt_departure_spans(&e, n, r, out, NULL);                                                           \
     }                                                                                                       \
-    static sgt_interval NAME##_own_enclose(const void *self, const sgt_ray *ray, double t0, sgt_interval t, \
+    static sgt_interval NAME##_builtin_enclose(const void *self, const sgt_ray *ray, double t0, sgt_interval t, \
                                            sgt_interval *slope)                                             \
     {                                                                                                       \
         departure_sag v = NAME##_view(self);                                                                \
@@ -238,7 +238,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     static sgt_interval NAME##_ops_enclose(const void *self, const sgt_ray *ray, sgt_interval t,            \
                                            sgt_interval *slope)                                             \
     {                                                                                                       \
-        return NAME##_own_enclose(self, ray, 0, t, slope);                                                  \
+        return NAME##_builtin_enclose(self, ray, 0, t, slope);                                                  \
     }                                                                                                       \
     static void NAME##_ops_second(const void *self, size_t n, sgt_points p, double *const out[6])           \
     {                                                                                                       \
@@ -280,9 +280,9 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                                                           .chords = sgt_departure_chords,                   \
                                                           .noise_within = NAME##_noise_within,              \
                                                           .roundings = NAME##_ops_roundings,                \
-                                                          .span = NAME##_own_span,                          \
-                                                          .spans = NAME##_own_spans,                        \
-                                                          .enclose = NAME##_own_enclose,                    \
+                                                          .span = NAME##_builtin_span,                          \
+                                                          .spans = NAME##_builtin_spans,                        \
+                                                          .enclose = NAME##_builtin_enclose,                    \
                                                           .rim = NAME##_rim,                                \
                                                           .departure = &NAME##_departure};                  \
     const sgt_surface_ops sgt_##NAME##_ops = {.name = #NAME,                                                \
@@ -298,12 +298,12 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                                               .by_parameter = NAME##_ops_by_parameter};
 
 /* The same for a sag on a conic base with parameters c and k. */
-#define FREEFORM_ON_CONIC(NAME, TYPE)                                                               \
+#define DEPARTURE_ON_CONIC(NAME, TYPE)                                                               \
     static departure_sag NAME##_on_conic(const TYPE *s)                                             \
     {                                                                                               \
         return (departure_sag){s->c, s->k, s->semi_diameter, true, &NAME##_departure, s, false, 0}; \
     }                                                                                               \
-    FREEFORM_OPS(NAME, TYPE, NAME##_on_conic)
+    DEPARTURE_OPS(NAME, TYPE, NAME##_on_conic)
 
 /* The `object` of each type, also for sgt_builtin. */
 sgt_objection sgt_odd_asphere_object(const void *self);

@@ -208,7 +208,7 @@ SGT_KERNEL
 static void differences(const double *a, size_t columns, size_t rows, size_t n, double most[4][4])
 {
     static const size_t orders[4] = {4, 3, 3, 1};
-    double w[4][FREEFORM_BLOCK];
+    double w[4][DEPARTURE_BLOCK];
     for (size_t p = 0; p < rows; p++)
         LANES for (size_t k = 0; k < n; k++) w[p][k] = a[p * columns + k];
     for (size_t p = 1; p < rows; p++)
@@ -250,8 +250,8 @@ static bool table_of(const sgt_grid *g, axis ax, axis ay, const region *where, d
     if (columns == 0 || rows == 0) return false;
     for (size_t r = 0; r < rows; r++)
         /* Pieces share three columns, so that no difference is missed. */
-        for (size_t c = 0; c + 1 < columns; c += FREEFORM_BLOCK - 3) {
-            size_t n = columns - c < FREEFORM_BLOCK ? columns - c : FREEFORM_BLOCK;
+        for (size_t c = 0; c + 1 < columns; c += DEPARTURE_BLOCK - 3) {
+            size_t n = columns - c < DEPARTURE_BLOCK ? columns - c : DEPARTURE_BLOCK;
             differences(g->z.x + (i + r) * g->z.columns + (j + c), g->z.columns, rows - r < 4 ? rows - r : 4,
                         n, most);
         }
@@ -348,4 +348,4 @@ static departure_sag grid_on_conic(const sgt_grid *g)
                       .reach = length_of(across, along) * (1 + 0x1p-50)};
 }
 
-FREEFORM_OPS(grid, sgt_grid, grid_on_conic)
+DEPARTURE_OPS(grid, sgt_grid, grid_on_conic)

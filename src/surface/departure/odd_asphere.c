@@ -34,7 +34,7 @@ SGT_INLINE double by_radius(double a, double r) { return chosen(MASK(r > 0), a /
 SGT_INLINE void odd_in(size_t n, int terms, const double *a, const double *restrict x,
                        const double *restrict y, double *restrict p, double *restrict px, double *restrict py)
 {
-    double r[FREEFORM_BLOCK], h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], tip = a[0];
+    double r[DEPARTURE_BLOCK], h[DEPARTURE_BLOCK], dh[DEPARTURE_BLOCK], tip = a[0];
     LANES for (size_t i = 0; i < n; i++) r[i] = radius(x[i], y[i]), h[i] = dh[i] = 0;
     for (int k = terms - 1; k > 0; k--) {
         double next = a[k];
@@ -162,7 +162,7 @@ static void odd_second(size_t n, int terms, const double *a, const double *restr
                        const double *restrict y, double *restrict pxx, double *restrict pxy,
                        double *restrict pyy)
 {
-    double r[FREEFORM_BLOCK], h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], half_ddh[FREEFORM_BLOCK], tip = a[0];
+    double r[DEPARTURE_BLOCK], h[DEPARTURE_BLOCK], dh[DEPARTURE_BLOCK], half_ddh[DEPARTURE_BLOCK], tip = a[0];
     LANES for (size_t i = 0; i < n; i++) r[i] = radius(x[i], y[i]), h[i] = dh[i] = half_ddh[i] = 0;
     for (int k = terms - 1; k > 0; k--) {
         double next = a[k];
@@ -200,7 +200,7 @@ SGT_KERNEL
 static void odd_power(size_t j, size_t n, const double *restrict x, const double *restrict y,
                       double *restrict p, double *restrict px, double *restrict py)
 {
-    double r[FREEFORM_BLOCK], q[FREEFORM_BLOCK], times = (double)j + 1;
+    double r[DEPARTURE_BLOCK], q[DEPARTURE_BLOCK], times = (double)j + 1;
     LANES for (size_t i = 0; i < n; i++) r[i] = radius(x[i], y[i]),
                                          q[i] = chosen(MASK(j > 0), 1, by_radius(1, r[i]));
     for (size_t k = 1; k < j; k++)
@@ -234,4 +234,4 @@ static const departure odd_asphere_departure = {.at = odd_sag,
                                                 .object = odd_object,
                                                 .noise = odd_noise};
 
-FREEFORM_ON_CONIC(odd_asphere, sgt_odd_asphere)
+DEPARTURE_ON_CONIC(odd_asphere, sgt_odd_asphere)

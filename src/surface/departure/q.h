@@ -34,7 +34,7 @@ SGT_INLINE size_t q_terms(sgt_numbers a)
 SGT_INLINE void q_sum(q_steps *step, size_t terms, const double *b, size_t n, const double *restrict v,
                       double *restrict s, double *restrict ds)
 {
-    double s2[FREEFORM_BLOCK], ds2[FREEFORM_BLOCK];
+    double s2[DEPARTURE_BLOCK], ds2[DEPARTURE_BLOCK];
     LANES for (size_t i = 0; i < n; i++) s[i] = ds[i] = s2[i] = ds2[i] = 0;
     for (size_t m = terms + terms % 2; m > 0; m -= 2) {
         q_step e = step(m - 1), f = step(m - 2);
@@ -53,7 +53,7 @@ SGT_INLINE void q_sum(q_steps *step, size_t terms, const double *b, size_t n, co
 SGT_INLINE void q_second(q_steps *step, size_t terms, const double *b, size_t n, const double *restrict v,
                          double *restrict s, double *restrict ds, double *restrict dds)
 {
-    double s2[FREEFORM_BLOCK], ds2[FREEFORM_BLOCK], dds2[FREEFORM_BLOCK];
+    double s2[DEPARTURE_BLOCK], ds2[DEPARTURE_BLOCK], dds2[DEPARTURE_BLOCK];
     LANES for (size_t i = 0; i < n; i++) s[i] = ds[i] = dds[i] = s2[i] = ds2[i] = dds2[i] = 0;
     for (size_t m = terms; m-- > 0;) {
         q_step e = step(m);

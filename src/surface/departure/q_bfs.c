@@ -261,7 +261,7 @@ SGT_INLINE void q_bfs_in(size_t n, size_t terms, const double *b, double c, doub
                          const double *restrict x, const double *restrict y, double *restrict p,
                          double *restrict px, double *restrict py)
 {
-    double v[FREEFORM_BLOCK], s[FREEFORM_BLOCK], ds[FREEFORM_BLOCK], scale = 2 / norm2, c2 = c * c;
+    double v[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK], scale = 2 / norm2, c2 = c * c;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
     q_sum(bfs_step, terms, b, n, v, s, ds);
     LANES for (size_t i = 0; i < n; i++) {
@@ -370,7 +370,7 @@ static void q_bfs_second(size_t n, size_t terms, const double *b, double c, doub
                          const double *restrict x, const double *restrict y, double *restrict pxx,
                          double *restrict pxy, double *restrict pyy)
 {
-    double v[FREEFORM_BLOCK], s[FREEFORM_BLOCK], ds[FREEFORM_BLOCK], dds[FREEFORM_BLOCK], scale = 1 / norm2,
+    double v[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK], dds[DEPARTURE_BLOCK], scale = 1 / norm2,
                                                                                           c2 = c * c;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
     q_second(bfs_step, terms, b, n, v, s, ds, dds);
@@ -460,4 +460,4 @@ static departure_sag on_sphere(const sgt_q_bfs *s)
                            .fixed_k = true};
 }
 
-FREEFORM_OPS(q_bfs, sgt_q_bfs, on_sphere)
+DEPARTURE_OPS(q_bfs, sgt_q_bfs, on_sphere)

@@ -79,7 +79,7 @@ SGT_INLINE void q_con_in(size_t n, size_t terms, const double *a, double norm2, 
                          const double *restrict y, double *restrict p, double *restrict px,
                          double *restrict py)
 {
-    double v[FREEFORM_BLOCK], s[FREEFORM_BLOCK], ds[FREEFORM_BLOCK], scale = 2 / norm2;
+    double v[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK], scale = 2 / norm2;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
     q_sum(con_step, terms, a, n, v, s, ds);
     LANES for (size_t i = 0; i < n; i++) {
@@ -140,7 +140,7 @@ static void q_con_second(size_t n, size_t terms, const double *a, double norm2, 
                          const double *restrict y, double *restrict pxx, double *restrict pxy,
                          double *restrict pyy)
 {
-    double v[FREEFORM_BLOCK], s[FREEFORM_BLOCK], ds[FREEFORM_BLOCK], dds[FREEFORM_BLOCK], scale = 2 / norm2;
+    double v[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK], dds[DEPARTURE_BLOCK], scale = 2 / norm2;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
     q_second(con_step, terms, a, n, v, s, ds, dds);
     LANES for (size_t i = 0; i < n; i++) {
@@ -190,4 +190,4 @@ static const departure q_con_departure = {.at = con_at,
                                           .object = con_object,
                                           .noise = con_noise};
 
-FREEFORM_ON_CONIC(q_con, sgt_q_con)
+DEPARTURE_ON_CONIC(q_con, sgt_q_con)

@@ -12,7 +12,7 @@ static const departure *of(const sgt_surface *term) { return in_set(*term).ops->
 static void sum_at(const void *self, size_t n, const double *x, const double *y, sag_values out)
 {
     const sgt_sum *s = self;
-    double p[FREEFORM_BLOCK], px[FREEFORM_BLOCK], py[FREEFORM_BLOCK];
+    double p[DEPARTURE_BLOCK], px[DEPARTURE_BLOCK], py[DEPARTURE_BLOCK];
     for (size_t i = 0; i < n; i++) out.p[i] = out.px[i] = out.py[i] = 0;
     for (size_t k = 0; k < s->count; k++) {
         of(&s->terms[k])->at(s->terms[k].self, n, x, y, (sag_values){p, px, py});
@@ -88,7 +88,7 @@ static void sum_second(const void *self, size_t n, const double *x, const double
                        double *pyy)
 {
     const sgt_sum *s = self;
-    double xx[FREEFORM_BLOCK], xy[FREEFORM_BLOCK], yy[FREEFORM_BLOCK];
+    double xx[DEPARTURE_BLOCK], xy[DEPARTURE_BLOCK], yy[DEPARTURE_BLOCK];
     for (size_t i = 0; i < n; i++) pxx[i] = pxy[i] = pyy[i] = 0;
     for (size_t k = 0; k < s->count; k++) {
         of(&s->terms[k])->second(s->terms[k].self, n, x, y, xx, xy, yy);
@@ -139,4 +139,4 @@ static const departure sum_departure = {.at = sum_at,
                                         .object = sum_object,
                                         .noise = sum_noise};
 
-FREEFORM_ON_CONIC(sum, sgt_sum)
+DEPARTURE_ON_CONIC(sum, sgt_sum)

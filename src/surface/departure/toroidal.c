@@ -81,7 +81,7 @@ static void toroidal_sag(const sgt_toroidal *self, size_t n, const double *restr
                          double *restrict gy)
 {
     const double c = self->c, k1 = 1 + self->k, c_x = self->c_x;
-    double h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK];
+    double h[DEPARTURE_BLOCK], dh[DEPARTURE_BLOCK];
     powers_of(self, n, py, h, dh);
     LANES for (size_t i = 0; i < n; i++) {
         swept s = swept_at(c, k1, c_x, px[i], py[i], h[i], dh[i]);
@@ -336,7 +336,7 @@ static void toroidal_bent(const sgt_toroidal *self, size_t n, const double *rest
                           double *restrict pyy)
 {
     const double c = self->c, k1 = 1 + self->k, c_x = self->c_x;
-    double h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], ddh[FREEFORM_BLOCK];
+    double h[DEPARTURE_BLOCK], dh[DEPARTURE_BLOCK], ddh[DEPARTURE_BLOCK];
     int terms = toroidal_terms_of(self);
     powers_of(self, n, py, h, dh);
     /* The second derivative of rho h by rho: the sum of i (i + 1) a[i] rho^(i-1). */
@@ -370,7 +370,7 @@ static void toroidal_by(const sgt_toroidal *self, size_t j, size_t n, const doub
                         double *restrict gy)
 {
     const double c = self->c, k1 = 1 + self->k, c_x = self->c_x, order = j < 3 ? 0 : 2 * (double)(j - 2);
-    double h[FREEFORM_BLOCK], dh[FREEFORM_BLOCK], za[FREEFORM_BLOCK], dza[FREEFORM_BLOCK];
+    double h[DEPARTURE_BLOCK], dh[DEPARTURE_BLOCK], za[DEPARTURE_BLOCK], dza[DEPARTURE_BLOCK];
     powers_of(self, n, py, h, dh);
     /* For the profile: z_a and z_a'. */
     if (j < 2) {
@@ -445,4 +445,4 @@ static departure_sag toroidal_unique(const sgt_toroidal *a)
                            .self = a};
 }
 
-FREEFORM_OPS(toroidal, sgt_toroidal, toroidal_unique)
+DEPARTURE_OPS(toroidal, sgt_toroidal, toroidal_unique)

@@ -115,11 +115,11 @@ SGT_INLINE void gather(const sgt_zernike *z, size_t only, size_t m, harmonic *h)
  *   p, g            the sums over m of C Re zeta^m + S Im zeta^m, and of the same with C' and S'
  *   gx, gy          the sums over m of its derivatives by x and y, with C and S as constants */
 typedef struct zernike_work {
-    double x[FREEFORM_BLOCK], y[FREEFORM_BLOCK], s[FREEFORM_BLOCK], re[FREEFORM_BLOCK], im[FREEFORM_BLOCK],
-        re1[FREEFORM_BLOCK], im1[FREEFORM_BLOCK];
-    double q[FREEFORM_BLOCK], q1[FREEFORM_BLOCK], d[FREEFORM_BLOCK], d1[FREEFORM_BLOCK];
-    double c[FREEFORM_BLOCK], sn[FREEFORM_BLOCK], dc[FREEFORM_BLOCK], ds[FREEFORM_BLOCK];
-    double p[FREEFORM_BLOCK], g[FREEFORM_BLOCK], gx[FREEFORM_BLOCK], gy[FREEFORM_BLOCK];
+    double x[DEPARTURE_BLOCK], y[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], re[DEPARTURE_BLOCK], im[DEPARTURE_BLOCK],
+        re1[DEPARTURE_BLOCK], im1[DEPARTURE_BLOCK];
+    double q[DEPARTURE_BLOCK], q1[DEPARTURE_BLOCK], d[DEPARTURE_BLOCK], d1[DEPARTURE_BLOCK];
+    double c[DEPARTURE_BLOCK], sn[DEPARTURE_BLOCK], dc[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK];
+    double p[DEPARTURE_BLOCK], g[DEPARTURE_BLOCK], gx[DEPARTURE_BLOCK], gy[DEPARTURE_BLOCK];
 } zernike_work;
 
 SGT_INLINE void zernike_begin(zernike_work *w, double norm, size_t n, const double *x, const double *y)
@@ -254,8 +254,8 @@ static void zernike_bends(const sgt_zernike *z, size_t n, const double *x, const
 {
     zernike_work w;
     harmonic h;
-    double re2[FREEFORM_BLOCK], im2[FREEFORM_BLOCK], b[FREEFORM_BLOCK], b1[FREEFORM_BLOCK],
-        bc[FREEFORM_BLOCK], bs[FREEFORM_BLOCK];
+    double re2[DEPARTURE_BLOCK], im2[DEPARTURE_BLOCK], b[DEPARTURE_BLOCK], b1[DEPARTURE_BLOCK],
+        bc[DEPARTURE_BLOCK], bs[DEPARTURE_BLOCK];
     const double back = 1 / z->norm, back2 = back * back;
     zernike_begin(&w, z->norm, n, x, y);
     LANES
@@ -435,4 +435,4 @@ static const departure zernike_departure = {
     .noise = zernike_noise,
 };
 
-FREEFORM_ON_CONIC(zernike, sgt_zernike)
+DEPARTURE_ON_CONIC(zernike, sgt_zernike)
