@@ -29,7 +29,7 @@ SGT_INLINE double rim2_of_surface(sgt_surface s)
 }
 
 /* A built-in surface without `meet` checks its own parameters (`object`).  One with `meet` returns
- * SGT_INVALID itself.  Of a user's surface the table of operations has to be whole (is_whole). */
+ * SGT_INVALID itself.  The table of any surface but the former has to be whole (is_whole). */
 SGT_INLINE bool parameters_valid(sgt_surface s)
 {
     return is_catalogue(s.ops) ? !s.ops->own_->object(s.self).reason : is_whole(s.ops);
