@@ -56,10 +56,11 @@ typedef struct tile {
     vectors offsets[3], ds[2]; /* what the pointers above point to */
     paths some_paths[2];
     double t[TILE], t_lo[TILE], t_err[TILE], p_err[TILE];
+    /* t_tol is given to the surface's lanes.  After that good: 1, the loops have answered; 0, they have not;
+     * below 0, a verdict (judge_rest). */
     union {
         double t_tol[TILE], good[TILE];
-    }; /* t_tol is given to the surface's lanes.  After that good: 1, the loops have answered; 0, they have not;
-        * below 0, a verdict (judge_rest) */
+    };
     int evals[TILE];
     signed char status[TILE];
 } tile;
