@@ -1,4 +1,4 @@
-/* general.h - one ray, or a tile of rays, and a surface that is met by its operations alone (`value`,
+/* general.h - one ray, or a tile of rays, and a surface that is met by its operations (`value`,
  * `span`, `enclose` ...).
  *
  * Such a surface is a user's, or a built-in one without `meet` (is_catalogue in builtin.h).  The functions

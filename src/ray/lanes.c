@@ -807,7 +807,7 @@ static void probe(lanes_job *w, size_t n)
     }
 }
 
-/* -------------------------------------------------------------------------- taking */
+/* ---------------------------------------------------------------------- acceptance */
 
 /* Sets what is reported of every lane, in rows that are not needed any more: t in last, t_err in first,
  * t_lo in dt, p_err in end.  The gradient and the point stay where they are.  Returns how many are hits. */
@@ -932,7 +932,7 @@ static size_t write(const lanes_job *w, size_t n, bool hits, const sgt_hits *h, 
     return hard;
 }
 
-/* ------------------------------------------------------------------------ the whole */
+/* ----------------------------------------------------------------------- all phases */
 
 /* Answers at most LANES rays that are valid; their tmin and tmax are in their lanes.  Returns how many are
  * hard. */

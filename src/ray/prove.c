@@ -168,7 +168,7 @@ static sgt_vec3 point_at(const sgt_ray *ray, double scale, double t0, double t)
                       coordinate_at(o.z, d.z * scale, t0, t)};
 }
 
-/* ------------------------------------------------------------------- what is told */
+/* --------------------------------------------------------------- what is reported */
 
 /* The point of the ray at t, F there, and whether a root there, within t_err, is accepted. */
 typedef struct proof_place {
@@ -626,7 +626,7 @@ void sgt_proof_search(proof *w)
         sgt_proof_stretch(w, w->told.stopped ? SGT_STOPPED : spent, w->pending ? w->dark.lo : next, w->hi);
 }
 
-/* ----------------------------------------------------------------------- the doors */
+/* ----------------------------------------------------------- public in the library */
 
 bool sgt_proof_bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
 {

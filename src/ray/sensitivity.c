@@ -168,7 +168,7 @@ static void parameter(sensitivity_block *b, size_t j, bool gradient)
     for (int i = 0; i < 3 && gradient; i++) sensitivity_fill(b->n, (double)NAN, b->g[i]);
 }
 
-/* ----------------------------------------------------------------------- the door */
+/* --------------------------------------------------------------- public functions */
 
 /* With the operations of this set of instructions; a table that is not whole offers nothing. */
 static sgt_surface offered(sgt_surface s)

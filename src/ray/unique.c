@@ -95,7 +95,7 @@ void sgt_prove_unique(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_
         sgt_hit again = sgt_prove_within(s, &cut, rim2, &own);
         again.evals += hit->evals;
         bool same = again.status > 0 && again.lo <= hit->hi && again.hi >= hit->lo;
-        if (again.status == SGT_MISS || (again.status > 0 && !same)) { /* another, or on the edge */
+        if (again.status == SGT_MISS || (again.status > 0 && !same)) { /* another, or it is on the edge */
             double lo = again.status > 0 && again.lo < hit->lo ? again.lo : hit->lo;
             double hi = again.status > 0 && again.hi > hit->hi ? again.hi : hit->hi;
             *hit = hit_undecided(SGT_UNPROVEN, ray, again.evals, lo, hi);

@@ -123,7 +123,7 @@ static double vicinity_judge(size_t n, const double *restrict dx, const double *
     return left;
 }
 
-/* ---------------------------------------------------------------------------- passed by */
+/* ------------------------------------------------------------------------------- misses */
 
 /* The cone of asphere/unique.c, from where the ray begins.  Beyond that point, at a radius r, the ray is
  * no lower than high + q max(r - r0, 0) on the side it goes to.  Is it above all rings from `first` on?

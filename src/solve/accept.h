@@ -141,8 +141,8 @@ SGT_INLINE double rim2_of(double semi_diameter)
 /* The rim within which a root in lanes is certain: conic/easy.h, asphere/easy.h. */
 SGT_INLINE double sure_rim2(double rim2) { return rim2 * (1 - 0x1.dp-45); }
 
-/* Has the square of the rim lost nothing to underflow?  If it has, roots inside and outside cannot be told
- * apart, and every ray is UNPROVEN. */
+/* Is the square of the rim free of underflow?  If not, roots inside and outside cannot be told apart, and
+ * every ray is UNPROVEN. */
 SGT_INLINE bool rim_in_range(double rim2) { return rim2 > TINY; }
 
 /* A ray lies in the surface from lo to hi.  At which t does it begin to be accepted?  Returns the first t,
