@@ -170,7 +170,7 @@ static void parameter(sensitivity_block *b, size_t j, bool gradient)
 
 /* --------------------------------------------------------------- public functions */
 
-/* With the operations of this set of instructions; a table that is not whole offers nothing. */
+/* The surface with the operations of this set of instructions; none if its table is not whole (is_whole). */
 static sgt_surface offered(sgt_surface s)
 {
     static const sgt_surface_ops nothing = {0};

@@ -34,7 +34,8 @@
  *     a ray that leaves          is asked by the enclosure from as near to the edge on; without a root it
  *                                is a miss
  *     a ray that ends before     is a miss
- *     a surface without an edge  a ray that leaves is followed to four times the radius where it began
+ *     a surface without an edge  a ray that leaves is followed to four times the radius where it began, or
+ *                                that of the seed, if it is greater
  *
  * STEPS.  A step of 0.98 sqrt(2 a / B) is never refused while the sign stays.  Far out, F is a power of r,
  * and the next b is to a as the last was; so the step may be longer.
