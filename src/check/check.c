@@ -1,57 +1,67 @@
-/* check.c - does a surface keep its word?
+/* check.c - does a surface keep its promises?  (sgt_check)
  *
- * Each ray is walked in SAMPLES steps on the stretch in front of its span, in it, and behind
- * it, and five promises are put to the test; two more are between the surface and itself.
+ * Each ray is walked in SAMPLES steps: in front of its span, in it, and behind it.  Each promise below is
+ * tried on the way.  SOUND says that no fault was found: what no two neighbouring samples show is not
+ * seen.
  *
- * THE ROUNDING is finite and not negative wherever F is.
+ * THE ROUNDING is finite and not negative wherever F is defined.
  *
- * THE SPAN holds every root, and only one if it says so.  Two neighbours of unlike sign, with
- * F defined between them, hold a root.  A sign counts only where |F| is beyond what rounding
- * can do: the surface's own bound (without one: 8 ulps of the terms x Fx, y Fy, z Fz), and
- * what the rounding of o + t d, at most 2^-51 of |o| + |t d| in each coordinate, does to F.
- * The pair is narrowed to where signs stop being certain.  If all of it lies outside the span,
- * so does the root; two such pairs in the span are two roots.  A pole changes sign too, but
- * |F| grows toward it: no root.  Where a built-in surface has a rim, roots beyond it do not
- * count (surfaces.h), and its span need not hold them.
- * What no two neighbours show is not seen: SOUND says that no fault was found.
+ * THE SPAN holds every root, and only one if it says so.  Two neighbours of unlike sign, with F defined
+ * between them, hold a root.  A sign is certain only if |F| is beyond what rounding can do:
+ * - the surface's own bound (without one: 8 ulps of the terms x Fx, y Fy, z Fz);
+ * - what the rounding of o + t d does to F, at most 2^-51 of |o| + |t d| in each coordinate.
  *
- * THE FIRST root's stretch, where it is single, in the same way: of the roots that are seen and count for
- * certain none may lie before it, one at most in it, and none behind it if none is in it.
+ * The pair is narrowed to where signs stop being certain.  If all of it lies outside the span, so does the
+ * root.  Two such pairs in the span are two roots.  A pole changes sign, too, but |F| grows toward it: no
+ * root.  If a built-in surface has a rim, roots beyond it are not accepted (surfaces.h), and its span need
+ * not hold them.
  *
- * MANY AT ONCE are what one at a time is: `values` at POINTS_AT_ONCE points of the ray, and at few of them,
- * with gradients and without; `spans` of as many of the rays.  Bits are compared, but of NaNs, of the
- * gradient where F is NaN, and of a span that the ray passes by: nobody reads those.  Behind what is asked
- * for stands a number that must not change.
+ * THE FIRST root's stretch, if it is single, is tried in the same way.  Of the roots that are seen and
+ * certainly accepted, none may lie before it, at most one in it, and none behind it if none is in it.
+ *
+ * MANY AT ONCE give what one at a time gives.  `values` is called at POINTS_AT_ONCE points of the ray, and
+ * at FEW of them, with gradients and without; `spans` for RAYS_AT_ONCE of the rays, and for what is left.
+ * Bits are compared.  Nobody reads these, so they are not compared: the bits of a NaN, the gradient where
+ * F is NaN, a span that the ray misses.  Behind the output stands a number that must not change.
  *
  * THE GRADIENT is compared with central differences
+ *
  *     D(h) = (F(p + h e) - F(p - h e)) / 2h = F_e + h^2 F_eee / 6 + ... + noise / h
- * (Press et al. 2007, section 5.7).  No one h is right: 1e-5 of the distance to the edge of a
- * sphere is right near it, and lost in noise far away.  So h runs down by eights from the
- * distance between samples to 2^-42 of it, or of |p|.  Of two neighbours D(8h), D(h) the
- * difference is 63/64 of the truncation of the first, 64 times that of the second; with the
- * noise of both that is the doubt of D(h), and the h with the least doubt is taken - unless a
- * smaller h says otherwise by more than doubt and noise (a pole between the larger steps, say):
- * then only those from there on.  A comparison is made where
- *   - the doubt is below 2^-16 of the gradient (else there is nothing to compare with),
- *   - F is defined on both sides and the two one-sided differences agree to 2^-6 (at a kink
- *     they do not, and a gradient there is one of several),
- *   - the surface gives a number (NaN: not defined here).
- * It shows a fault where the two differ by more than 8 times the doubt, and by more than 4 times what 16
- * ulps of the coordinates do to the surface's gradient (near an edge that is much: a gradient is good to
- * the rounding of its argument, no better), and by more than 2^-26 of the gradient; and where a second row
- * of steps, shorter by 0.7, shows the same, since noise is not bounded on a surface without `rounding` and
- * can, once, look like agreement.  THE ENCLOSURE is asked over stretches of many widths, about points of
- * each stretch and about the roots that were seen, and of single points.  F at samples, their doubt as
- * above, has to be in it; grad . d there in the interval of the slope, but for 2^-26 and what 2^-44 of the
- * place does to the gradient; and where that interval is bounded, and F defined, so has each difference
- * quotient (the mean value theorem, on which every proof rests: a slope that is bounded where F jumps is a
- * fault).  Empty is a fault where F is defined on both sides of a sample.
  *
- * THE CLEARANCE at points of the ray: on lines through them, along the ray, the gradient and six others, no
- * certain change of sign may be nearer.
+ * (Press et al. 2007, section 5.7).  No single h is right: 1e-5 of the distance to the edge of a sphere is
+ * right near it, and lost in noise far away.  So h runs down by eights, from the distance between samples
+ * to 2^-42 of it, or of |p|.  For two neighbours D(8h), D(h) the difference is 63/64 of the truncation of
+ * the first, and 64 times that of the second.  With the noise of both, it is the doubt of D(h).  The h
+ * with the least doubt is taken.  If a smaller h differs by more than four times doubt and noise (a pole
+ * between the larger steps, say), only the h from there on are looked at.  A comparison is made if
+ * - the doubt is below 2^-16 of the gradient (else there is nothing to compare with);
+ * - F is defined on both sides, and the two one-sided differences agree to 2^-6 (at a kink they do not,
+ *   and a gradient there is one of several);
+ * - the surface gives a number (NaN: not defined here).
  *
- * So a gradient that is off by 1e-3 in one component is seen unless that component is below
- * 2^-16 of the gradient; one that is off by less than 1e-8 is not. */
+ * It shows a fault if the two differ by more than each of these:
+ * - 8 times the doubt;
+ * - 4 times what 16 ulps of the coordinates do to the surface's gradient (near an edge that is much: a
+ *   gradient is as good as the rounding of its argument);
+ * - 2^-26 of the gradient.
+ *
+ * And a second row of steps, shorter by 0.7, has to show the same.  Noise is not bounded on a surface
+ * without `rounding`, and can once look like agreement.
+ *
+ * So a gradient that is off by 1e-3 in one component is seen, unless that component is below 2^-16 of the
+ * gradient.  One that is off by less than 1e-8 is not seen.
+ *
+ * THE ENCLOSURE is asked over stretches of many widths, about points of each stretch and about the roots
+ * that were seen, and at single points.
+ * - F at samples, with their doubt as above, has to be in it.
+ * - grad . d there has to be in the interval of the slope, but for 2^-26, and what 2^-44 of the place does
+ *   to the gradient.
+ * - If that interval is bounded, and F defined, each difference quotient has to be in it.  That is the
+ *   mean value theorem, on which every proof rests: a slope that is bounded where F jumps is a fault.
+ * - An empty interval is a fault if F is defined on both sides of a sample.
+ *
+ * THE CLEARANCE is tried at points of the ray.  On lines through them, along the ray, the gradient and six
+ * others, no certain change of sign may be nearer. */
 #include "../num/bits.h"
 #include "../surface/builtin.h"
 
@@ -72,7 +82,7 @@ enum {
     WIDTHS = 9,
     WITHIN = 5
 };
-static const double CUT = 1000; /* lengths, where neither ray nor span has an end */
+static const double CUT = 1000; /* lengths of d, if neither ray nor span has an end */
 
 typedef struct check_sample { double t, f, doubt; int sign; sgt_vec3 p, n; } check_sample;
 
@@ -80,12 +90,12 @@ typedef struct check {
     sgt_surface s;
     const sgt_ray *ray;
     sgt_span span;
-    double rim2;       /* of a built-in surface; roots beyond do not count */
+    double rim2;       /* of a built-in surface; beyond it no root is accepted */
     int inside;        /* roots found in the span */
-    sgt_span first;    /* that of the first root, where it is single; */
-    double from;       /* what begins the ray; */
-    int in_first;      /* roots found there, */
-    bool behind;       /* and whether one was behind it: */
+    sgt_span first;    /* the stretch of the first root, if it is single; */
+    double from;       /* where the ray begins; */
+    int in_first;      /* roots found in that stretch, */
+    bool behind;       /* and whether one was found behind it: */
     sgt_vec3 beyond;
     sgt_fault fault;
     sgt_vec3 where;
@@ -111,10 +121,10 @@ static double value_at(const check *c, sgt_vec3 p, sgt_vec3 *grad)
 static double check_terms_of(sgt_vec3 p, sgt_vec3 n)
 {
     double sum = fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z);
-    return sum < HUGE_VAL ? sum : 0; /* a gradient that is no number bounds nothing */
+    return sum < HUGE_VAL ? sum : 0; /* a gradient with a NaN bounds nothing */
 }
 
-/* F at t, its sign where that is certain; false: `rounding` broke its word. */
+/* F at t, and its sign if that is certain.  false: `rounding` broke its promise. */
 static bool check_look(check *c, double t, check_sample *a)
 {
     sgt_vec3 o = c->ray->o, d = c->ray->d, n = {0};
@@ -140,9 +150,9 @@ static bool check_look(check *c, double t, check_sample *a)
 
 static double *component(sgt_vec3 *v, int i) { return i == 0 ? &v->x : i == 1 ? &v->y : &v->z; }
 
-/* The noise of F near p: the surface's bound, but no less than an honest one can be.  Without
- * a bound, terms may cancel unseen (the 1 - 1 in the vertex of 1 - sqrt(1 - r^2)); they are
- * taken to be of the size by which F changes over `across`. */
+/* The noise of F near p: the surface's bound, but no less than an honest bound can be.  Without a bound,
+ * terms may cancel unseen (the 1 - 1 in the vertex of 1 - sqrt(1 - r^2)).  They are taken to be as large
+ * as F changes over `across`. */
 static double noise_at(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double across)
 {
     double floor = 0x1p-51 * (fabs(f) + check_terms_of(p, n));
@@ -152,8 +162,9 @@ static double noise_at(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double 
     return own > floor ? own : floor;
 }
 
-/* dF/dx_i by differences with steps from `longest` down; *doubt is infinite where there is
- * nothing to compare with; *bend is how the surface's own gradient varies along i. */
+/* dF/dx_i by differences, with steps from `longest` down.  *doubt is infinite if there is nothing to
+ * compare with.  *kink: how far the one-sided differences disagree.  *bend: how the surface's own gradient
+ * varies along i. */
 static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i, double longest,
                          double *doubt, double *kink, sgt_vec3 *bend)
 {
@@ -169,7 +180,7 @@ static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i
             = maximum_number(noise_at(c, right, fr, nr, longest), noise_at(c, left, fl, nl, longest));
         double slope = (fr - fl) / width, own = maximum_number(noise, beside) * 2 / width;
         double now = fabs(slope - before) + own + noise_before;
-        /* a finer structure than the steps before */
+        /* a finer structure than the steps before showed */
         if (fabs(slope - best) > 4 * (*doubt + own)) *doubt = HUGE_VAL;
         if (now < *doubt) { /* false for NaN */
             best = slope, *doubt = now;
@@ -181,7 +192,7 @@ static double difference(const check *c, sgt_vec3 p, double f, sgt_vec3 n, int i
     return best;
 }
 
-/* Is the gradient at p shown to be wrong by steps from `longest` down? */
+/* Do steps from `longest` down show the gradient at p to be wrong? */
 static bool is_wrong(const check *c, sgt_vec3 p, double f, sgt_vec3 n, double longest)
 {
     double d[3], doubt[3], kink[3], size = 0;
@@ -217,7 +228,7 @@ static bool check_gradient(check *c, double t, double spacing)
 
 /* --------------------------------------------------------------- enclosure */
 
-/* F is defined here, and as far around as the rounding of o + t d can reach, and farther. */
+/* Is F defined here, and around as far as the rounding of o + t d can reach, and farther? */
 static bool well_defined(check *c, double t)
 {
     sgt_vec3 o = c->ray->o, d = c->ray->d;
@@ -232,15 +243,15 @@ static bool well_defined(check *c, double t)
     return true;
 }
 
-/* By how much a sample can be off: its own doubt, and the noise of a surface that does not tell it. */
+/* By how much a sample can be off: its own doubt, and the noise if the surface has no `rounding`. */
 static double doubt_of(const check *c, const check_sample *a, double across)
 {
     double size = check_greatest(c->ray->d);
     return 2 * a->doubt + (c->s.ops->rounding ? 0 : noise_at(c, a->p, a->f, a->n, across * size));
 }
 
-/* Is grad . d outside of what is said of the slope?  By more than 2^-26, which `value` is free to be wrong
- * by, and what 2^-44 of the way, either way, does to it. */
+/* Is grad . d outside of the interval of the slope?  It may be by 2^-26, which `value` is free to be wrong
+ * by, and by what 2^-44 of the place, either way, does to it. */
 static bool steeper(const check *c, const check_sample *a, sgt_interval slope)
 {
     sgt_vec3 d = c->ray->d, o = c->ray->o, left = {0}, right = {0};
@@ -258,7 +269,7 @@ static bool steeper(const check *c, const check_sample *a, sgt_interval slope)
     return now + doubt < slope.lo || now - doubt > slope.hi || slope.lo > slope.hi;
 }
 
-/* Samples of [lo, hi] against what is said of it. */
+/* Compares samples in [lo, hi] with the enclosure over it. */
 static bool check_enclosure(check *c, double lo, double hi, double across)
 {
     static const double where[WITHIN] = {0, 0.109, 0.382, 0.691, 1};
@@ -277,7 +288,7 @@ static bool check_enclosure(check *c, double lo, double hi, double across)
         if (g.lo > g.hi && isfinite(a.f) && well_defined(c, t)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
         if (regular && g.lo <= g.hi && (a.f + doubt < g.lo || a.f - doubt > g.hi))
             return fail(c, SGT_WRONG_ENCLOSURE, a.p);
-        /* a slope that says something */
+        /* the slope says something */
         if (regular && !(g.lo > g.hi) && (slope.lo > -HUGE_VAL || slope.hi < HUGE_VAL)) {
             if (steeper(c, &a, slope)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
             double width = t - before.t, quotient = (a.f - before.f) / width,
@@ -307,7 +318,8 @@ static bool check_enclosures(check *c, double t, double longest, double across)
 
 static bool check_approach(check *c, check_sample *a, double b);
 
-/* Along a line through p, a unit of length a unit of t: no change of sign before `clear`, but at a pole. */
+/* Is there no change of sign before `clear`, but at a pole, on a line through p?  u: of unit length; t
+ * counts lengths. */
 static bool check_line(check *c, sgt_vec3 p, sgt_vec3 u, double clear)
 {
     static const double at[] = {0.1,  0.25,  0.5,    0.75,        0.9,        0.97,
@@ -331,7 +343,7 @@ static bool check_line(check *c, sgt_vec3 p, sgt_vec3 u, double clear)
     return c->fault == SGT_SOUND;
 }
 
-/* What is said at t: in the direction of the ray, of the gradient, and in a few others. */
+/* Tries the clearance at t: along the ray, the gradient, and six other directions. */
 static bool check_clearance(check *c, double t, double extent)
 {
     static const sgt_vec3 others[] = {{1, 0, 0},     {0, 1, 0},     {0, 0, 1},
@@ -358,8 +370,8 @@ static bool check_clearance(check *c, double t, double extent)
 
 /* ------------------------------------------------------------------- span */
 
-/* Moves *a, of certain sign, as near to b as its sign stays certain; b's is not a's.
- * false: F is not defined between them, or a promise was broken on the way. */
+/* Moves *a, of certain sign, as near to b as its sign stays certain; b has another sign.  false: F is not
+ * defined between them, or a promise was broken on the way. */
 static bool check_approach(check *c, check_sample *a, double b)
 {
     for (int i = 0; i < 100; i++) {
@@ -373,7 +385,8 @@ static bool check_approach(check *c, check_sample *a, double b)
     return true;
 }
 
-/* A root between a and b, if it is not as near to the start as may make it one that does not count. */
+/* Counts a root between a and b for the stretch of the first root.  Not if it is so near the start that it
+ * may not be accepted. */
 static bool check_first(check *c, const check_sample *a, const check_sample *b)
 {
     sgt_vec3 o = c->ray->o;
@@ -390,7 +403,7 @@ static bool check_first(check *c, const check_sample *a, const check_sample *b)
     return true;
 }
 
-/* A change of sign between a and b. */
+/* Tries the promises at a change of sign between a and b. */
 static bool check_root(check *c, check_sample a, check_sample b)
 {
     double high = maximum_number(fabs(a.f), fabs(b.f)), spacing = b.t - a.t;
@@ -405,7 +418,7 @@ static bool check_root(check *c, check_sample a, check_sample b)
     return check_first(c, &a, &b);
 }
 
-/* One stretch of the ray, wholly in front of the span, in it, or behind it. */
+/* Tries one stretch of the ray, wholly in front of the span, in it, or behind it. */
 static bool check_stretch(check *c, double lo, double hi)
 {
     check_sample last = {.sign = 0}, a;
@@ -417,7 +430,7 @@ static bool check_stretch(check *c, double lo, double hi)
         if (a.sign * last.sign < 0 && !check_root(c, last, a)) return false;
         if (a.sign) last = a;
     }
-    /* beside the round fractions, where symmetry may hide a fault */
+    /* beside round fractions, where symmetry may hide a fault */
     for (int i = 0; i < POINTS; i++) {
         double t = lo + (hi - lo) * ((i + 0.382) / POINTS), spacing = (hi - lo) / (4 * POINTS);
         if (!check_gradient(c, t, spacing)) return false;
@@ -431,7 +444,7 @@ static bool check_stretch(check *c, double lo, double hi)
 
 static bool same(double a, double b) { return memcmp(&a, &b, sizeof a) == 0 || (a != a && b != b); }
 
-static const double KEPT = 0x1.23456789abcdep+100; /* what stands behind the last that is asked for */
+static const double KEPT = 0x1.23456789abcdep+100; /* stands behind the last output that is asked for */
 
 static bool check_values(check *c, double lo, double hi)
 {
@@ -463,7 +476,7 @@ static bool check_values(check *c, double lo, double hi)
     return true;
 }
 
-/* n rays as arrays; with tmin and tmax `firsts`, else `spans`. */
+/* Compares n rays at once with single rays: `firsts` if tmin is not NULL, else `spans`. */
 static bool check_spans(check *c, size_t n, double o[3][RAYS_AT_ONCE], double d[3][RAYS_AT_ONCE],
                         const double *tmin, const double *tmax)
 {
@@ -500,7 +513,7 @@ static bool check_ray(check *c)
     if (c->s.ops->span) s = c->s.ops->span(c->s.self, r);
     if (isnan(s.lo) || isnan(s.hi)) return fail(c, SGT_WRONG_SPAN, r->o);
     double lo = r->tmin, hi = r->tmax == 0 && r->tmin >= 0 ? HUGE_VAL : r->tmax;
-    bool by = s.lo > s.hi; /* the ray passes by: all of it is outside */
+    bool by = s.lo > s.hi; /* the ray misses: all of it is outside */
     if (!(lo > -HUGE_VAL)) lo = !by && isfinite(s.lo) && s.lo < hi ? s.lo : minimum_number(0, hi) - CUT;
     if (!(hi < HUGE_VAL)) hi = !by && isfinite(s.hi) && s.hi > lo ? s.hi : maximum_number(0, lo) + CUT;
     c->span = by ? (sgt_span){.lo = HUGE_VAL, .hi = HUGE_VAL} : s;
@@ -517,14 +530,14 @@ static bool check_ray(check *c)
     if (!(check_stretch(c, lo, minimum_number(s.lo, hi)) && check_stretch(c, in, out)
           && check_stretch(c, maximum_number(s.hi, lo), hi))) return false;
     if (!c->behind || c->in_first) return true;
-    /* of two roots between samples nothing is seen: do the ends of the first one's stretch tell of it? */
+    /* Two roots between samples are not seen.  Do the ends of the first root's stretch show one? */
     check_sample a, b;
     if (!check_look(c, maximum_number(c->first.lo, c->from), &a) || !check_look(c, c->first.hi, &b))
         return false;
     return a.sign * b.sign > 0 ? fail(c, SGT_WRONG_FIRST, c->beyond) : true;
 }
 
-/* The square of the rim of a built-in surface; infinite where it has none. */
+/* The square of the rim of a built-in surface; infinite without one. */
 static double rim2_of_builtin(sgt_surface s)
 {
     for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
@@ -548,7 +561,7 @@ static bool is_usable(const sgt_ray *r)
            (r->tmax >= r->tmin || (r->tmax == 0 && r->tmin >= 0));
 }
 
-/* By as many rays as there are room for, the last few with the rest of the room empty. */
+/* Tries RAYS_AT_ONCE rays at a time, the last few with the rest of the arrays empty. */
 static void check_all_spans(check *c, size_t n, const sgt_ray rays[], bool firsts)
 {
     double o[3][RAYS_AT_ONCE], d[3][RAYS_AT_ONCE], tmin[RAYS_AT_ONCE], tmax[RAYS_AT_ONCE];
@@ -568,7 +581,7 @@ static void check_all_spans(check *c, size_t n, const sgt_ray rays[], bool first
 sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *where)
 {
     double rim2
-        = s.ops ? rim2_of_builtin(s) : HUGE_VAL; /* by the table, of the operations as they are seen */
+        = s.ops ? rim2_of_builtin(s) : HUGE_VAL; /* the table has the public operations */
     s = in_set(s);
     check c = {.s = s, .fault = SGT_SOUND, .where = {(double)NAN, (double)NAN, (double)NAN}};
     if (!s.ops || !s.ops->value || !is_whole(s.ops) ||
@@ -577,7 +590,7 @@ sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *whe
     } else {
         c.rim2 = rim2;
         for (size_t i = 0; i < n; i++) {
-            if (!is_usable(&rays[i])) continue; /* what is no ray says nothing of the surface */
+            if (!is_usable(&rays[i])) continue; /* an invalid ray says nothing of the surface */
             c.ray = &rays[i];
             if (!check_ray(&c)) break;
         }

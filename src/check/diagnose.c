@@ -1,40 +1,42 @@
 /* diagnose.c - how did the solver converge, and why did it not?
  *
- * Near a simple root Newton's error obeys e' ~ |g''/2g'| e^2; near a root of multiplicity
- * m, e' = (1 - 1/m) e; with a slope that is off by a constant factor q, e' = |1 - 1/q| e;
- * with a gradient scaled to unit length the step has the wrong length by |grad F|, and may
- * go to and fro for ever.  So the order p and the rate C in e' ~ C e^p tell what is wrong,
- * and three errors in a row give both:
+ * THE IDEA.  Let e, e' be two successive errors.
+ *
+ *     a simple root, Newton's step         e' ~ |g''/2g'| e^2
+ *     a root of multiplicity m             e' = (1 - 1/m) e
+ *     a slope off by a constant factor q   e' = |1 - 1/q| e
+ *     a gradient scaled to unit length     the step is wrong by |grad F|, and may go to and fro for ever
+ *
+ * So the order p and the rate C in e' ~ C e^p tell what is wrong.  Three errors in a row give both:
  *
  *     p = log(e3 / e2) / log(e2 / e1),   C = e3 / e2^p.
  *
- * The errors themselves are not known, the steps are.  For any p > 1 the step is the
- * error but for what is left after it, s = e - e' ~ e; for p = 1 it is e (1 - C), the same
- * factor each time; so s may stand for e in p (Ortega & Rheinboldt 1970, chapter 9), and
- * s1, s2, s3 are the last three steps that rounding has not touched.  The step that the
- * last slope would take next is one more: without it three evaluations would say nothing.
- * (Errors against the last t are no better: at a double root the last t is as far from the
- * root as the last step is long.)
+ * STEPS INSTEAD OF ERRORS.  The errors are not known; the steps are.  For any p > 1 the step is the error
+ * but for what is left after it, s = e - e' ~ e.  For p = 1 it is e (1 - C), the same factor each time.
+ * So s may replace e in p (Ortega & Rheinboldt 1970, chapter 9).  s1, s2, s3 are the last three steps that
+ * rounding has not touched.  The step that the last slope would take next is one more; without it three
+ * evaluations would say nothing.  (Errors against the last t are no better: at a double root the last t is
+ * as far from the root as the last step is long.)
  *
- * Only a run of Newton steps has an order.  A bisection, a back-off or a march begins a new
- * run; the last run is judged.  Probes, which look beside a root that is already found, and
- * evaluations that gave NaN, are no part of it.  A log of several solves (eval begins
- * at 1 again) is judged by its last.
+ * WHICH STEPS.  Only a run of Newton steps has an order.  A bisection, a back-off or a march begins a new
+ * run; the last run is judged.  Probes, which look beside a root already found, are skipped.  So are
+ * evaluations that gave NaN.  If a log has several solves (eval begins at 1 again), the last is judged.
  *
- * When it fails: two steps have no order (it is NaN, and the verdict goes by how much
- * the one gained on the other), and a log that was cut short (n > cap) is judged by
- * what it kept.
+ * WHEN IT FAILS.  Two steps have no order: it is NaN, and the verdict goes by how much one gained on the
+ * other.  A log that was cut short (n > cap) is judged by what it kept.
  *
- * THE NUMBERS BELOW are no tolerances of an answer, they draw lines between verdicts:
- *   FLOOR_ULPS 16: the solver ends with steps of a few ulps on purpose (root.c,
- *     overshooting), and t itself is rounded; a step below that is taken for none.
- *   CLOSED 2^-20: a bracket narrower than that part of t (the width of an answer, not of a
- *     search) is the size of what is not known, and a step below it is none either.
- *   NEWTON_GAIN 2^-7: what a step that gains two digits or more leaves of the one before;
- *     linear convergence as fast as that has nothing that needs mending.
- *   order 1.5: between 1 (linear) and 1.618 (the secant method), 2 (Newton).
- *   SETTLING 0.9: to and fro by nine tenths each time would take 350 steps to 16 digits; the
- *     normalised gradient of the scan lens (tests/unit/test_diagnose.c) shows 0.93 to 0.99. */
+ * THE NUMBERS are no tolerances of an answer.  They separate verdicts:
+ *
+ *     FLOOR_ULPS 16       a step below it is taken for none.  The solver ends with steps of a few ulps on
+ *                         purpose (root.c, overshooting), and t itself is rounded
+ *     CLOSED 2^-20        a bracket narrower than that part of t has the width of an answer, not of a search.
+ *                         It is the size of what is not known, and a step below it is none either
+ *     NEWTON_GAIN 2^-7    the most that a step which gains two digits or more leaves of the one before.
+ *                         Linear convergence as fast as that needs no mending
+ *     order 1.5           is between 1 (linear) and 1.618 (the secant method), 2 (Newton)
+ *     SETTLING 0.9        to and fro by nine tenths each time would take 350 steps to 16 digits.  The
+ *                         normalised gradient of the scan lens (tests/unit/test_diagnose.c) shows 0.93 to
+ *                         0.99 */
 #include <sagitta/diagnose.h>
 
 #include "../num/elementary.h"
@@ -55,12 +57,14 @@ int sgt_log_step(void *log, const sgt_step *step)
 
 static bool is_iterate(const sgt_step *s) { return s->move != SGT_PROBE && isfinite(s->f) && isfinite(s->t); }
 
-/* The last steps that are longer than `least`, newest first; lost: the one after them, if it
- * is not (NaN: none); next: the step that the last slope would take (NaN: none). */
+/* The last steps that are longer than `least`, newest first.
+ *
+ *     lost    the step after them, if that is not longer; NaN: none
+ *     next    the step that the last slope would take; NaN: none */
 enum { STEPS = 8 };
 typedef struct diagnose_run { double next, lost, size[STEPS]; int n; bool to_and_fro; } diagnose_run;
 
-/* The last run of Newton steps in step[0 ... n-1]; any_move: of steps of whatever kind. */
+/* The last run of Newton steps in step[0 ... n-1]; any_move: of steps of any kind. */
 static diagnose_run last_run(const sgt_step *step, int n, bool any_move, double least)
 {
     diagnose_run r = {.next = (double)NAN, .lost = (double)NAN, .to_and_fro = true};
@@ -93,7 +97,7 @@ static bool oscillates(const diagnose_run *r)
     return r->size[0] / r->size[r->n - 1] > integer_power(SETTLING, (unsigned)r->n - 1);
 }
 
-/* Order and rate from s1, s2, s3, and the verdict they carry; WANDERING: none. */
+/* Sets order and rate from s1, s2, s3, and returns their verdict; WANDERING: none. */
 static sgt_verdict diagnose_judge(double s1, double s2, double s3, sgt_diagnosis *d)
 {
     if (!(s3 < s2 && s2 < s1)) return SGT_WANDERING;
@@ -139,12 +143,12 @@ sgt_diagnosis sgt_diagnose(const sgt_log *log)
     else if (oscillates(&newton) || oscillates(&all)) d.verdict = SGT_OSCILLATING;
     if (d.verdict != SGT_WANDERING) return d;
 
-    double s[STEPS + 1], lost = newton.lost; /* with the next step, where it is one */
+    double s[STEPS + 1], lost = newton.lost; /* with the next step, if there is one */
     int left = 0;
     if (newton.next > least && isfinite(newton.next) && isnan(lost)) s[left++] = newton.next;
     else if (newton.next <= least && isnan(lost)) lost = newton.next;
     for (int i = 0; i < newton.n; i++) s[left++] = newton.size[i];
-    /* the newest may be noise all the same (the slope of a double root): two may be dropped */
+    /* The newest may be noise all the same (the slope of a double root): two may be dropped. */
     for (int i = 0; i < 3 && i + 2 < left && d.verdict == SGT_WANDERING; i++)
         d.verdict = diagnose_judge(s[i + 2], s[i + 1], s[i], &d);
     if (d.verdict == SGT_WANDERING && left >= 1) {

@@ -1,10 +1,12 @@
 /* choose.c - which set of instructions the processor has.
  *
- * As the x86-64 psABI (1.0, table 3.1) has it: v3 is AVX, AVX2, BMI1, BMI2, F16C, FMA, LZCNT, MOVBE and a
- * system that keeps the registers of AVX; v4 is AVX512F, BW, CD, DQ, VL besides, and their registers.
+ * As in the x86-64 psABI (1.0, table 3.1):
  *
- * The environment variable SAGITTA_SET names one of base, v3 and v4, for tests: it is taken where the
- * processor has it, and else the best there is. */
+ *     v3    AVX, AVX2, BMI1, BMI2, F16C, FMA, LZCNT, MOVBE, and a system that keeps the registers of AVX
+ *     v4    besides, AVX512F, BW, CD, DQ, VL, and a system that keeps their registers
+ *
+ * For tests the environment variable SAGITTA_SET names base, v3 or v4.  If the processor does not have
+ * that set, the best it has is taken. */
 #include "dispatch.h"
 
 #if SGT_SETS > 1
@@ -14,7 +16,7 @@
 
 int sgt_chosen_set = -1;
 
-enum { KEPT_AVX = 0x06, KEPT_AVX512 = 0xe6 }; /* of XCR0 */
+enum { KEPT_AVX = 0x06, KEPT_AVX512 = 0xe6 }; /* bits of XCR0 */
 
 static unsigned kept_by_system(void)
 {

@@ -1,19 +1,26 @@
-/* dispatch.h - one library, compiled whole for each set of instructions; a call chooses by what the
- * processor has.
+/* dispatch.h - the public functions: the library is compiled whole for each set of instructions, and a
+ * call chooses the set by what the processor has.
  *
- * WHAT IS CHOSEN.  The sources below this folder are compiled once for each set: `base`, which every
- * processor of the architecture has, and on x86-64 `v3` (AVX2 and the fused multiply-add) and `v4`
- * (AVX-512).  names.h gives each function its set's name.  What a program links to is here: the public
- * functions, which jump to those of a set, and the public tables of operations, whose functions do.  Inside
- * a set nothing is chosen any more: a surface that comes in is given the operations of the set (in_set,
- * surface/own.h).
+ * WHAT IS COMPILED.  The sources of the floors num to system, and check/check.c, are compiled once for
+ * each set:
  *
- * The answers are the same bits in all of them: no operation is fused or reordered but where the source
- * says so (meson.build), and sgt_fma is rounded once everywhere.  So it is no matter which set answers, and
- * no lock is needed about the choice: threads that choose at the same time choose the same.
+ *     base    what every processor of the architecture has
+ *     v3      x86-64: AVX2 and the fused multiply-add
+ *     v4      x86-64: AVX-512
  *
- * Nothing runs before main, and nothing is relocated by the loader for it: static programs, sanitizers and
- * C libraries that know no ifunc are all the same. */
+ * names.h gives each function the name of its set.  check/diagnose.c and system/pose.c are compiled once:
+ * no set is faster at them.
+ *
+ * WHAT A PROGRAM LINKS TO is in this folder: the public functions, which jump to those of a set, and the
+ * public tables of operations, whose functions do the same.  Inside a set nothing is chosen any more.  A
+ * surface that comes in is given the operations of the set (in_set, surface/builtin.h).
+ *
+ * THE SAME BITS.  The answers are the same in all sets: no operation is fused or reordered but where the
+ * source says so (meson.build), and sgt_fma is rounded once everywhere.  So it does not matter which set
+ * answers, and the choice needs no lock: threads that choose at the same time choose the same.
+ *
+ * Nothing runs before main, and the loader relocates nothing for it.  So static programs, sanitizers and C
+ * libraries without ifunc need nothing special. */
 #ifndef SGT_DISPATCH_H
 #define SGT_DISPATCH_H
 
@@ -29,7 +36,7 @@ static inline int sgt_set(void)
     return set >= 0 ? set : sgt_choose_set();
 }
 
-/* A function of the sets: its type and name, and its parameters; NAME_in_set[sgt_set()] is then the one to
+/* Declares a function of the sets: its type, name and parameters.  NAME_in_set[sgt_set()] is the one to
  * call. */
 #define SGT_IN_SETS(TYPE, NAME, PARAMETERS) \
     TYPE NAME##_base PARAMETERS;            \
@@ -44,7 +51,7 @@ static inline int sgt_set(void) { return SGT_BASE; }
     static TYPE(*const NAME##_in_set[]) PARAMETERS = {NAME##_base};
 #endif
 
-/* A public function: the same, and its parameters without types. */
+/* Defines a public function that jumps to that of the set.  ARGUMENTS: its parameters without types. */
 #define SGT_DISPATCH(TYPE, NAME, PARAMETERS, ARGUMENTS) \
     SGT_IN_SETS(TYPE, NAME, PARAMETERS)                 \
     TYPE NAME PARAMETERS { return NAME##_in_set[sgt_set()] ARGUMENTS; }
@@ -52,7 +59,7 @@ static inline int sgt_set(void) { return SGT_BASE; }
     SGT_IN_SETS(void, NAME, PARAMETERS)                \
     void NAME PARAMETERS { NAME##_in_set[sgt_set()] ARGUMENTS; }
 
-/* One that no set is faster at. */
+/* Defines a public function that calls `base`, as no set is faster at it. */
 #define SGT_EXPORT(TYPE, NAME, PARAMETERS, ARGUMENTS) \
     TYPE NAME##_base PARAMETERS;                      \
     TYPE NAME PARAMETERS { return NAME##_base ARGUMENTS; }

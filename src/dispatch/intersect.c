@@ -3,7 +3,7 @@
 
 #include <sagitta/sagitta.h>
 
-/* A ray is eight numbers on the stack: its place is handed on, and not the ray once more. */
+/* A ray is eight numbers on the stack.  Its address is passed on, so that it is not copied once more. */
 SGT_IN_SETS(sgt_hit, sgt_intersect_copy, (sgt_surface s, sgt_ray *ray, const sgt_options *opt))
 sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt)
 {

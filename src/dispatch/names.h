@@ -1,8 +1,9 @@
-/* names.h - each name of the library that leaves its file, with the set that it is compiled for.
+/* names.h - gives each name of the library that leaves its file the name of the set it is compiled for.
  *
- * The library is compiled whole for each set of instructions (dispatch.h).  This file comes before every
- * other in those compilations, so that a function or table of each is another one, with the set's name at its
- * end.  A name that is missing here is defined once for each set, and the library does not link. */
+ * The library is compiled whole for each set of instructions (dispatch.h).  This file is included before
+ * every other in those compilations.  So each function and table has the set's name at its end, and
+ * differs from set to set.  A name that is missing here is defined once for each set, and the library does
+ * not link. */
 #ifndef SGT_DISPATCH_NAMES_H
 #define SGT_DISPATCH_NAMES_H
 

@@ -1,6 +1,6 @@
 /* operations.h - the operations of a built-in type as a program sees them: each jumps to that of a set.
  *
- * Inside the library they are not called: a surface that comes in is given the operations of its set
+ * The library itself does not call them: a surface that comes in is given the operations of its set
  * (in_set). */
 #ifndef SGT_DISPATCH_OPERATIONS_H
 #define SGT_DISPATCH_OPERATIONS_H
@@ -60,8 +60,13 @@
 #define TABLE_OF_MANY(NAME) .values = NAME##_values, .spans = NAME##_spans
 #define TABLE_OF_FIRSTS(NAME) .first = NAME##_first, .firsts = NAME##_firsts
 
-/* Conics and even aspheres; the sags met by their operations; bodies without and with a clearance; level
- * sets. */
+/* The tables by kind of type:
+ *
+ *     SGT_SAG          conics and even aspheres
+ *     SGT_DEPARTURE    sags met by their operations
+ *     SGT_QUADRIC      bodies without a clearance
+ *     SGT_BODY         bodies with a clearance
+ *     SGT_LEVEL_SET    level sets */
 #define SGT_SAG(NAME, SAID) \
     ALL_HAVE(NAME)          \
     DERIVATIVES(NAME)       \

@@ -1,10 +1,10 @@
 /* bits.h - powers of two, nearest integers and the larger of two numbers, without the C library.
  *
- * What C's frexp, ldexp, ilogb, rint, fmax and fmin do, exactly, on every system.  A finite double that is
- * not 0 is m 2^e with 1/2 <= |m| < 1, and its bits are sign, e + 1022 and the digits of m; a subnormal number
- * is first multiplied by 2^64, which is exact.
+ * They do what C's frexp, ldexp, ilogb, rint, fmax and fmin do, exactly, on every system.  A finite double
+ * that is not 0 is m 2^e with 1/2 <= |m| < 1.  Its bits are the sign, e + 1022 and the digits of m.  A
+ * subnormal number is first multiplied by 2^64, which is exact.
  *
- * (nextafter toward infinity is sgt_next_above of interval.h.)
+ * nextafter toward infinity is sgt_next_above of interval.h.
  *
  * Test: tests/unit/test_bits.c. */
 #ifndef SGT_NUM_BITS_H
@@ -15,23 +15,23 @@
 #include <float.h>
 #include <string.h>
 
-/* The smaller, by one instruction; b where a is NaN.  (`larger` is in exact.h.) */
+/* The smaller, by one instruction; b if a is NaN.  (`larger` is in exact.h.) */
 SGT_INLINE double smaller(double a, double b) { return a < b ? a : b; }
 
-/* The larger, or smaller, of two numbers; of a number and NaN the number (IEEE 754-2019, 9.6, but that of
- * zeros of unlike sign it is b). */
+/* The larger, or the smaller, of two numbers.  If one is NaN, the other (IEEE 754-2019, 9.6).  Of zeros of
+ * unlike sign it is b, which differs from IEEE 754. */
 SGT_INLINE double maximum_number(double a, double b) { return a > b || b != b ? a : b; }
 SGT_INLINE double minimum_number(double a, double b) { return a < b || b != b ? a : b; }
 
-/* x to an integer, ties to even, with the sign of x; infinities and NaN stay.  Between 2^52 and 2^53 the
- * doubles are the integers: so |x| + 2^52 is rounded to one, and the difference is exact. */
+/* x to an integer, ties to even, with the sign of x.  Infinities and NaN stay.  Between 2^52 and 2^53 the
+ * doubles are the integers.  So |x| + 2^52 is rounded to an integer, and the difference is exact. */
 SGT_INLINE double nearest_integer(double x)
 {
     double size = fabs(x);
     return size < 0x1p52 ? copysign((size + 0x1p52) - 0x1p52, x) : x;
 }
 
-/* 2^n for any n; above the largest double infinity, below 2^-1074 it is 0. */
+/* 2^n for any n: infinity above the largest double, 0 below 2^-1074. */
 SGT_INLINE double power_of_two(int n)
 {
     unsigned long long bits = n > 1023 ? 2047ULL << 52 : n >= -1022 ? (unsigned long long)(n + 1023) << 52
@@ -41,7 +41,8 @@ SGT_INLINE double power_of_two(int n)
     return x;
 }
 
-/* x = m 2^e, 1/2 <= |m| < 1; returns m.  0, infinities and NaN are returned as they are, with e = 0. */
+/* Returns m and sets *e, with x = m 2^e and 1/2 <= |m| < 1.  0, infinities and NaN are returned as they
+ * are, with *e = 0. */
 SGT_INLINE double binary_mantissa(double x, int *e)
 {
     unsigned long long bits;
@@ -55,7 +56,7 @@ SGT_INLINE double binary_mantissa(double x, int *e)
     return x;
 }
 
-/* The e of 2^e <= |x| < 2^(e + 1); x is finite and not 0. */
+/* The e with 2^e <= |x| < 2^(e + 1); x is finite and not 0. */
 SGT_INLINE int binary_exponent(double x)
 {
     int e;
@@ -64,7 +65,7 @@ SGT_INLINE int binary_exponent(double x)
 }
 
 /* x 2^n, rounded once.  If 2^n is not a normal number, x is taken apart: m 2^k has one rounding, in the
- * product with a subnormal 2^k.  Below 2^-1074 half of it may still round up, a quarter never does. */
+ * product with a subnormal 2^k.  Below 2^-1074 half of it may still round up, and a quarter never does. */
 SGT_INLINE double times_power_of_two(double x, int n)
 {
     int k;

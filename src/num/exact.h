@@ -1,17 +1,21 @@
 /* exact.h - sums and products without loss, and numbers of twice the precision.
  *
- * For doubles a, b and rounding to nearest, a + b and a * b differ from their
- * rounded values by an amount that is itself a double (Moller 1965 and Knuth, TAOCP
- * vol. 2, 4.2.2, theorem B, for the sum; the product by one fused multiply-add),
- * as long as nothing overflows and no product falls below 2^-969.
+ * ERROR-FREE SUMS AND PRODUCTS.  For doubles a, b and rounding to nearest, a + b and a * b differ from
+ * their rounded values by an amount that is itself a double.  For the sum: Moller 1965; Knuth, TAOCP vol.
+ * 2, 4.2.2, theorem B.  For the product: one fused multiply-add.  This holds as long as nothing overflows
+ * and no product falls below 2^-969.
  *
- * A twofold hi + lo, |lo| <= ulp(hi)/2, carries at least 2 * 53 - 1 bits.  With
- * u = 2^-53 the relative errors of the operations below are at most (Joldes, Muller,
- * Popescu 2017, ACM TOMS 44, 15res; the square root: Lefevre, Louvet, Muller, Picot,
- * Rideau 2023, ACM TOMS 49, 2):
- *     sum 3 u^2 + 13 u^3, product 5 u^2, quotient 15 u^2 + 56 u^3, root 25/8 u^2,
- * all below SGT_TWOFOLD = 16 u^2 = 2^-102.  The exponent range is that of a double,
- * so callers scale first.
+ * A TWOFOLD hi + lo, |lo| <= ulp(hi)/2, carries at least 2 * 53 - 1 bits.  The relative errors of its
+ * operations, with u = 2^-53, are at most
+ *
+ *     sum            3 u^2 + 13 u^3
+ *     product        5 u^2
+ *     quotient       15 u^2 + 56 u^3
+ *     square root    25/8 u^2
+ *
+ * (Joldes, Muller, Popescu 2017, ACM TOMS 44, 15res; the square root: Lefevre, Louvet, Muller, Picot,
+ * Rideau 2023, ACM TOMS 49, 2).  All are below SGT_TWOFOLD = 16 u^2 = 2^-102.  The exponent range is that
+ * of a double, so callers scale first.
  *
  * sgt_fma() is rounded once on every system (fma.h). */
 #ifndef SGT_NUM_EXACT_H
@@ -21,7 +25,8 @@
 
 #include <math.h>
 
-/* Those of mingw-w64 go through memory or the x87, and a loop with one of them is no vector code. */
+/* The C library of mingw-w64 sends these through memory or the x87.  A loop with one of them is then no
+ * vector code. */
 #if defined(__MINGW32__)
 #undef copysign
 #undef isfinite
@@ -47,8 +52,9 @@
 #define SGT_NOINLINE
 #endif
 
-/* A loop over rays that is to be made vector code of, by itself: inlined, or cloned for some of its
- * arguments, it may lose that.  In a section of its own, where tests/build/vectorised.py finds it. */
+/* Marks a loop over rays that is to become vector code.  It is a function of its own: inlined, or cloned
+ * for some of its arguments, it may lose that.  It is in a section of its own, where
+ * tests/build/vectorised.py finds it. */
 #if defined(__ELF__)
 #define SGT_KERNEL SGT_NOINLINE __attribute__((section(".text.sgt_kernels")))
 #else
@@ -58,7 +64,7 @@
 #define SGT_U 0x1p-53        /* half an ulp of 1: one rounding is at most u |result| */
 #define SGT_TWOFOLD 0x1p-102
 
-/* The larger, by one instruction (fmax is a call, for the sake of NaN); b where a is NaN. */
+/* The larger, by one instruction (fmax is a call, because of NaN); b if a is NaN. */
 SGT_INLINE double larger(double a, double b) { return a > b ? a : b; }
 
 typedef struct twofold { double hi, lo; } twofold;
@@ -70,7 +76,7 @@ SGT_INLINE twofold two_sum(double a, double b)
     return (twofold){s, (a - (s - v)) + (b - v)};
 }
 
-/* The same where |a| >= |b| or a = 0. */
+/* The same if |a| >= |b| or a = 0. */
 SGT_INLINE twofold quick_two_sum(double a, double b)
 {
     double s = a + b;
@@ -115,7 +121,7 @@ SGT_INLINE twofold twofold_quotient(twofold a, twofold b)
     return quick_two_sum(q, (r.hi + r.lo) / b.hi);
 }
 
-/* a >= 0. */
+/* The square root; a >= 0. */
 SGT_INLINE twofold twofold_root(twofold a)
 {
     if (!(a.hi > 0)) return twofold_of(0);

@@ -1,12 +1,13 @@
-/* expansion.h - numbers as unevaluated sums of PARTS doubles, each with its own error bound.
+/* expansion.h - numbers as unevaluated sums of PARTS doubles, each number with its own error bound.
  *
- * Sums and products of doubles are error-free as sums of doubles (exact.h).  The parts that come of
- * an operation are distilled: sums of neighbours, each error-free, passed over the list until the
- * large is at its end (Ogita, Rump and Oishi 2005, SIAM J. Sci. Comput. 26, 1955, VecSum).  The PARTS
- * greatest are kept, and the magnitudes of the others are added to `err`.  So no analysis of the
- * rounding is needed: the bound is counted as it happens, and an operation whose result fits is
- * exact.  Slow, a few hundred operations each: it is asked only where twice the precision has left
- * the last bits of t unknown (a ray that starts on the surface: t is 1e-17, of numbers near 1). */
+ * Sums and products of doubles are error-free as sums of doubles (exact.h).  The parts of a result are
+ * distilled: error-free sums of neighbours are passed over the list until the large ones are at its end
+ * (Ogita, Rump and Oishi 2005, SIAM J. Sci. Comput. 26, 1955, VecSum).  The PARTS greatest are kept, and
+ * the magnitudes of the others are added to `err`.  So the rounding needs no analysis: the bound is
+ * counted as it happens, and an operation whose result fits is exact.
+ *
+ * It is slow: a few hundred operations each.  It is used only where twice the precision leaves the last
+ * bits of t unknown, as on a ray that starts on the surface: t is 1e-17, from numbers near 1. */
 #ifndef SGT_NUM_EXPANSION_H
 #define SGT_NUM_EXPANSION_H
 
@@ -43,7 +44,7 @@ static inline double expansion_size(const expansion *a)
 static inline expansion expansion_sum(expansion a, expansion b)
 {
     double x[2 * PARTS];
-    for (int i = 0; i < PARTS; i++) { /* the small first: fewer passes are then needed */
+    for (int i = 0; i < PARTS; i++) { /* the small ones first: fewer passes are needed */
         x[2 * i] = a.part[PARTS - 1 - i];
         x[2 * i + 1] = b.part[PARTS - 1 - i];
     }
@@ -84,7 +85,7 @@ static inline expansion expansion_along(double o, double d, double t0, double t)
     return expansion_of_list(5, parts, 0);
 }
 
-/* The nearest double, or nearly; *err bounds what it leaves out. */
+/* The nearest double, or nearly; *err is set to a bound on what it leaves out. */
 static inline double expansion_value(const expansion *a, double *err)
 {
     double v = 0, rest = a->err;

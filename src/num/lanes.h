@@ -1,11 +1,12 @@
 /* lanes.h - a formula for one ray, written so that a loop over rays becomes vector code.
  *
- * No branch, no call but sqrt and fma, and choices by masks as wide as a double: all bits set, or none.
- * Then the compiler makes the loop of the lanes of a register, each lane doing the operations of the single
- * ray in the same order.  IEEE 754 rounds each of them in one way, and -ffp-contract=off leaves them as
- * they are written: so a lane's bits are those of the single ray, on every processor.
+ * There is no branch, no call but sqrt and fma, and choices are made by masks as wide as a double: all
+ * bits set, or none.  The compiler then makes the loop of the lanes of a register.  Each lane does the
+ * operations of the single ray in the same order.  IEEE 754 rounds each of them in one way, and
+ * -ffp-contract=off leaves them as they are written.  So a lane's bits are those of the single ray, on
+ * every processor.
  *
- * A condition is written so that NaN does not meet it.  The result of fma is never negated, its arguments
+ * A condition is written so that it is false for NaN.  The result of fma is never negated; its arguments
  * are: compilers make one instruction of -fma(a, b, c), and its zero has another sign. */
 #ifndef SGT_NUM_LANES_H
 #define SGT_NUM_LANES_H

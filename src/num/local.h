@@ -1,13 +1,22 @@
 /* local.h - a ray made local: the origin moved near the surface, the direction scaled.
  *
- * THE RAY MADE LOCAL.  The direction is scaled by a power of two, so that its largest
- * component lies in [1, 2); t_ray = t * scale, exactly.  Then the origin is moved to a
- * point t0 of the ray near the surface.  With t0 n and o + t0 l split by error-free
- * products and sums, the new origin is right to a relative u in each coordinate,
- * however far the old one was: a ray from 1e12 away is as good as one from nearby.
- * Two places are used: where the ray meets the vertex plane (z = 0: then the constant
- * term of the conic's equation, c r^2, is free of cancellation), and, for rays nearly
- * parallel to that plane, and to polish, any other t0. */
+ * THE DIRECTION is scaled by a power of two, so that its largest component lies in [1, 2).  t_ray = t *
+ * scale, exactly.
+ *
+ * THE ORIGIN is moved to a point t0 of the ray near the surface.  t0 n and o + t0 l are split by
+ * error-free products and sums.  So the new origin is right to a relative u in each coordinate, however
+ * far the old one was: a ray from 1e12 away is as good as one from nearby.
+ *
+ * WHERE TO depends on the caller:
+ *
+ *     the vertex plane, z = 0 (local_at_vertex_plane)     conic, asphere: the constant term of the conic's
+ *                                                         equation, c r^2, is then free of cancellation
+ *     the point nearest the vertex (nearest_to_vertex)    rays nearly parallel to that plane
+ *     the point nearest the axis                          chords: sag/chord.c
+ *     a root, to polish it                                sag/poly.c
+ *     the seed, the middle of the span, or the point      surfaces met by their operations: step.h
+ *     nearest the origin of the frame
+ *     nearest the set's centre; the middle of a stretch   level sets: orbit/course.h, orbit/julia.c */
 #ifndef SGT_NUM_LOCAL_H
 #define SGT_NUM_LOCAL_H
 
@@ -18,14 +27,14 @@
 #include <string.h>
 
 static const double TINY = 0x1p-960;        /* below it, rounding is no longer relative */
-static const double LEAST_PLACE = 0x1p-480; /* what is smaller has a square below TINY */
+static const double LEAST_PLACE = 0x1p-480; /* a smaller number has a square below TINY */
 
 typedef struct local {
     double x, y, z;       /* the local origin */
-    double xa, ya, za;    /* |x| and what u * xa must be to bound its error */
+    double xa, ya, za;    /* its x is off by at most u * xa, and so on; |x| if it is right to u */
     double l, m, n;       /* the scaled direction */
-    double t0, t0_lo;     /* o + (t0 + t0_lo) d is the local origin */
-    double t0_err;        /* for a t0_lo that is itself off by as much */
+    double t0, t0_lo;     /* the local origin is o + (t0 + t0_lo) d, in t of the scaled d */
+    double t0_err;        /* t0_lo is off by at most this */
     double scale;         /* t_ray = t * scale */
 } local;
 
@@ -41,14 +50,17 @@ SGT_INLINE double scale_of(sgt_vec3 d)
     return big < 0x1p1023 ? scale : 0x1p-1023;
 }
 
-/* An end of a stretch in the ray's own t, outward: where that is subnormal the product loses less. */
+/* An end of a stretch in the ray's own t, outward.  If it is subnormal, the product loses less than
+ * DBL_MIN. */
 SGT_INLINE double end_below(double t, double scale) { return t * scale - DBL_MIN; }
 SGT_INLINE double end_above(double t, double scale) { return t * scale + DBL_MIN; }
 
-/* One coordinate of o + t0 d.  The product is hi + lo exactly, so is the sum of o and its hi.  Where they
- * cancel to less than half of the greater, that sum has no lo (Sterbenz 1974) and the product's own is
- * added with one rounding; else both lo are below 2 u of the result, and rounding them costs 4 u^2: right
- * to u (1 + 4 u) of itself. */
+/* One coordinate of o + t0 d.  The product is hi + lo exactly; so is the sum of o and its hi.
+ * - If they cancel to less than half of the greater, that sum has no lo (Sterbenz 1974), and the product's
+ *   lo is added with one rounding.
+ * - Else both lo are below 2 u of the result, and rounding them costs 4 u^2.
+ *
+ * So it is right to u (1 + 4 u) of itself. */
 SGT_INLINE double moved_along(double o, double t0, double d)
 {
     twofold p = two_product(t0, d), s = two_sum(o, p.hi);
@@ -66,7 +78,7 @@ SGT_INLINE double inverse_of_scale(sgt_vec3 d)
     return big;
 }
 
-/* The local origin where the ray meets the vertex plane; NaN where n = 0. */
+/* The local origin where the ray meets the vertex plane; NaN if n = 0. */
 SGT_INLINE local local_at_vertex_plane(const sgt_ray *ray)
 {
     local q;
@@ -89,13 +101,13 @@ SGT_INLINE local local_at_vertex_plane(const sgt_ray *ray)
     return q;
 }
 
-/* o + (t0 + t0_lo) d, one coordinate: right to 3 u^2 of the greater of the result and t0_lo d. */
+/* One coordinate of o + (t0 + t0_lo) d, right to 3 u^2 of the greater of the result and t0_lo d. */
 SGT_INLINE twofold coordinate(double o, double d, double t0, double t0_lo)
 {
     return twofold_sum(twofold_sum(twofold_of(o), two_product(t0, d)), two_product(t0_lo, d));
 }
 
-/* The local origin at a t0 + t0_lo (scaled) of the caller's. */
+/* The local origin at t0 + t0_lo, in t of the scaled direction. */
 SGT_INLINE local local_at(const sgt_ray *ray, double t0, double t0_lo)
 {
     local q;
@@ -109,35 +121,36 @@ SGT_INLINE local local_at(const sgt_ray *ray, double t0, double t0_lo)
     return q;
 }
 
-/* Are the local origin's coordinates off by products with t0 that have underflown, 2^-1070 at most? */
+/* Have products with t0 underflown?  The local origin's coordinates are then off by 2^-1070 at most. */
 SGT_INLINE bool place_underflows(const local *q)
 {
     double x = fabs(q->l * q->t0), y = fabs(q->m * q->t0), z = fabs(q->n * q->t0);
     return q->t0 != 0 && ((q->l != 0 && x < TINY) || (q->m != 0 && y < TINY) || (q->n != 0 && z < TINY));
 }
 
-/* The direction has been scaled exactly: no component of it has underflown. */
+/* Was the direction scaled exactly, with no component underflown? */
 SGT_INLINE bool direction_is_whole(const local *q, sgt_vec3 d)
 {
     double inverse = inverse_of_scale(d);
     return q->l * inverse == d.x && q->m * inverse == d.y && q->n * inverse == d.z;
 }
 
-/* Neither end underflows in the t of the scaled direction: one made 0 would be where the ray starts. */
+/* Does neither end underflow in the t of the scaled direction?  An end that becomes 0 would be where the
+ * ray starts. */
 SGT_INLINE bool ends_are_whole(const sgt_ray *ray, double scale)
 {
     return ray->tmin / scale * scale == ray->tmin && ray->tmax / scale * scale == ray->tmax;
 }
 
-/* Is the ray so near the vertex, all the way to p at t, that squares of its coordinates have underflown,
- * and t_err does not hide it? */
+/* Is the ray, all the way to p at t, so near the vertex that squares of its coordinates have underflown,
+ * and t_err does not cover it? */
 SGT_INLINE bool place_is_tiny(const local *q, double t, sgt_vec3 p)
 {
     double far = larger(fabs(p.x), larger(fabs(p.y), fabs(p.z)));
     return far > 0 && far < LEAST_PLACE && fabs(t) < LEAST_PLACE * q->scale;
 }
 
-/* The t0 nearest the vertex: right to an ulp or so, and that is all it needs to be. */
+/* The t0 nearest the vertex, right to an ulp or so, which is enough. */
 SGT_INLINE double nearest_to_vertex(const sgt_ray *ray)
 {
     double s = scale_of(ray->d), l = ray->d.x * s, m = ray->d.y * s, n = ray->d.z * s;

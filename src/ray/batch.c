@@ -1,11 +1,15 @@
-/* batch.c - many rays and one surface: tiles, and who answers for them.
+/* batch.c - many rays and one surface: tiles, and which function answers for them.
  *
- * QUICK, THEN CAREFUL.  A tile of rays is offered to the surface's sweep, which is the quick form of the
- * single ray's answer with a loop around it: the same operations on each ray in the same order, and so the
- * same bits.  Rays that the quick form does not accept (and those that are no rays at all) it marks as
- * hard, and these go one by one through the door of the single ray.  Under a proof near the seed, rays that
- * were met and certainly have another root are made UNPROVEN at once, and those that may have one are hard
- * (not_unique). */
+ * QUICK, THEN CAREFUL.  A tile of rays is given to the surface's `lanes`, or to sgt_lanes_general.  That
+ * is the quick form of the single ray with a loop around it: the same operations on each ray, in the same
+ * order, and so the same bits.  It marks these rays as SGT_HARD:
+ * - rays that the quick form cannot answer;
+ * - rays that are not valid.
+ *
+ * Hard rays go one by one through sgt_intersect.
+ *
+ * Under SGT_PROVE_FIRST near the seed, a ray that was met may have another root (not_unique).  If it
+ * certainly has, it is made UNPROVEN at once.  If it may have, it is hard. */
 #include "batch.h"
 
 #include "../num/lanes.h"
@@ -35,8 +39,9 @@ static void write_hit(const sgt_hits *out, size_t i, const sgt_hit *hit)
     if (out->p_err) out->p_err[i] = hit->p_err;
 }
 
-/* Eight at a time: a status is below 127, so 127 more sets its sign bit if it is positive; that of a negative
- * one, which is set already, is masked out. */
+/* How many statuses are positive, eight at a time.  A status is below 127, so adding 127 to a byte sets
+ * its sign bit if the status is positive.  A negative status has its sign bit set already; that bit is
+ * masked out. */
 static size_t positives(const signed char status[], size_t n)
 {
     const unsigned long long low = 0x7f7f7f7f7f7f7f7f, ones = 0x0101010101010101;
@@ -51,14 +56,16 @@ static size_t positives(const signed char status[], size_t n)
     return sum;
 }
 
-/* Of rays that have another root; where none was met it is NaN, or still to be written. */
+/* Sets a[i] to NaN for rays that have another root.  For rays that were not met it is NaN already, or
+ * still to be written. */
 SGT_KERNEL
 static void hide(size_t n, const unsigned long long unique[], double *a)
 {
     LANES for (size_t i = 0; i < n; i++) a[i] = chosen(MASK(unique[i] == SGT_NOT_UNIQUE), (double)NAN, a[i]);
 }
 
-/* Rays that were met and have another root are UNPROVEN, those that may have one hard: how many. */
+/* For rays that were met: UNPROVEN if they have another root, SGT_HARD if they may have one.  Returns how
+ * many became hard. */
 static size_t not_unique(sgt_surface s, const sgt_tile *tile)
 {
     unsigned long long unique[SGT_TILE];

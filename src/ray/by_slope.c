@@ -1,11 +1,15 @@
-/* by_slope.c - a root proven by a bound on the slope.
+/* by_slope.c - a root proven by a lower bound on the slope.
  *
- * Within the aperture a sag made by departure/departure.c has |dF/dtau| >= least all along most rays, tau
- * in lengths of the scaled direction.  Then F at one point, in the aperture or next to it, decides
- * everything: there is one root in the chord, within |F| / least of that point.  The point is o + (t +
- * t_lo) d of a hit that nobody has proven, each coordinate right to u of itself, which moves F by no more
- * than the steepest gradient in the aperture times that: nothing is taken to first order.  Two or three
- * calls of the surface for all rays of a tile, where enclosures cost as much as a dozen for each. */
+ * THE IDEA.  Take a sag made by departure/departure.c, within the aperture.  Along most rays |dF/dtau| >=
+ * least there, with tau in lengths of the scaled direction.  Then F at one point, in the aperture or next
+ * to it, decides everything: the chord has one root, within |F| / least of that point.
+ *
+ * THE BOUND.  The point is o + (t + t_lo) d of a hit that nobody has proven.  Each coordinate is right to
+ * u of itself.  That moves F by no more than the steepest gradient in the aperture times it; nothing is
+ * taken to first order.
+ *
+ * THE COST.  Two or three calls of the surface for all rays of a tile.  Enclosures cost as much as a dozen
+ * calls for each ray. */
 #include "unique.h"
 
 #include "../num/lanes.h"
@@ -16,7 +20,8 @@ enum { BLOCK = 64 };
 
 typedef double row[BLOCK];
 
-/* What a block of rays is asked. */
+/* The rows of one block of rays: `spans` (lo, hi, seed, least), the point, the scaled t_lo, F there and
+ * its rounding. */
 typedef struct slope_block { row lo, hi, seed, least, x, y, z, tau_lo, f, own; } slope_block;
 
 SGT_KERNEL
@@ -37,7 +42,7 @@ static void points_of(slope_block *b, size_t n, const double *restrict ox, const
     }
 }
 
-/* t_err and p_err of a hit that is proven, as sgt_unique_by_slope says. */
+/* Is the k-th hit proven?  If so, sets its t_err, p_err and evals as sgt_unique_by_slope says. */
 static bool proven_by(const slope_block *b, size_t i, const sgt_shared *shared, const sgt_tile *tile,
                       size_t k, double rim2)
 {
@@ -70,7 +75,7 @@ size_t sgt_unique_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, boo
     size_t count = 0;
     memset(proven, 0, tile->n * sizeof *proven);
     if (!is_catalogue(s.ops) || !builtin->share_within || !builtin->spans) return 0;
-    /* None was met: perhaps the parameters are invalid, and nothing is to be asked of them. */
+    /* If no ray was met, the parameters may be invalid.  Then the surface must not be asked anything. */
     size_t first = 0;
     while (first < tile->n && tile->hits.status[first] != SGT_HIT) first++;
     if (first == tile->n) return 0;

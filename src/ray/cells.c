@@ -1,14 +1,22 @@
-/* cells.c - every root of a surface that can enclose itself, in order, none missed.
+/* cells.c - every root of a user's surface that has `enclose`, in order, none missed.
  *
- * The stretch is covered by cells, nearest first.  With intervals that contain g and g' over the cell:
- *     0 is not in g         there is no root in it (nor where F is undefined all over);
- *     0 is not in g'        g is monotone: one root if the signs at the ends differ, none if they agree; the
- *                           signs must be certain, else the end is moved.
- * From afar g is enclosed on a ray that begins near (prove.h, sgt_move_exactly), where there is one.  A
- * cell that is neither is halved; where it cannot be, or where g has come within its own rounding, it joins
- * an undecided stretch, that ends with the next cell that is decided: unlike signs at its ends are a
- * crossing, and the hit speaks of the whole stretch; |g| within its rounding all over is a graze.  (Moore
- * 1966; Hansen and Walster 2004, chapter 9.) */
+ * The stretch is covered by cells, nearest first.  `enclose` gives intervals that contain g and g' over
+ * the whole of a cell:
+ *
+ *     0 is not in g          no root in the cell, or F is undefined all over it
+ *     0 is not in g'         g is monotone: one root if the signs at the two ends differ, none if they agree;
+ *                            the signs must be certain, else the end is moved
+ *     neither                the cell is halved
+ *
+ * A cell joins an undecided stretch if it cannot be halved, or if g has come within its own rounding.  The
+ * next decided cell ends that stretch.  If the signs at its ends are unlike, it is a crossing, and the
+ * hit's [lo, hi] is the whole stretch.  If |g| is within its rounding all over, it is a graze.  Else it is
+ * UNPROVEN.
+ *
+ * If the ray's origin is far, g is enclosed on a ray that begins nearby, where there is one
+ * (sgt_move_exactly of move.h).
+ *
+ * Source: Moore 1966; Hansen and Walster 2004, chapter 9. */
 #include "move.h"
 #include "walk.h"
 
@@ -16,8 +24,9 @@
 
 static bool excludes_zero(sgt_interval x) { return x.lo > 0 || x.hi < 0; }
 
-/* All over the undecided stretch from `dark` to `to`, where g is in `seen`, g is within its rounding: the
- * ray touches there, as far as can be told. */
+/* Does the ray touch between `dark` and `to`?  g is in `seen` all over that undecided stretch.  It
+ * touches, as far as can be told, if g is within 8 times its rounding there.  If so, a graze is added if
+ * it is accepted. */
 static bool cells_touches(walk *w, const point *dark, double to, sgt_interval seen)
 {
     sgt_root r = {.t = 0.5 * dark->tau + 0.5 * to,
@@ -34,20 +43,21 @@ void sgt_walk_cells(walk *w, double lo, double hi)
     const local *q = &w->q;
     double tau = lo, h = 0.125 * (hi - lo), past;
     sgt_ray near;
-    /* exact: the two are near */
+    /* the difference is exact, as the two are near each other */
     double away = fabs(q->t0) > 8 * larger(-lo, hi) ? sgt_move_exactly(w->ray, q->t0 * q->scale, &near) : 0,
            base = q->t0 - away / q->scale;
-    /* [dark, tau] is undecided; edge: of a certain sign, with no root between it and dark */
+    /* If `pending` is set, [dark, tau] is undecided.  edge: a point of certain sign, without a root
+     * between it and dark. */
     point dark = {.tau = lo}, edge = dark;
-    double back = lo;                      /* no root between it and tau */
-    sgt_interval seen = {0, 0}; /* g there */
+    double back = lo;                      /* no root in [back, tau] */
+    sgt_interval seen = {0, 0}; /* bounds on g over the undecided stretch */
     bool pending = false;
     int moved = 0;
     while (tau < hi && !over(w)) {
         if (2 * h > hi - tau) h = 0.5 * (hi - tau);
         double m = tau + h, end = tau + 2 * h;
         if (!(m > tau && end > m)) m = sgt_next_above(tau), end = sgt_next_above(m);
-        /* outward by what t0 + tau and the scale can round */
+        /* Outward, by what t0 + tau and the scale can round. */
         double from = (base + tau) * q->scale, to = (base + end) * q->scale;
         sgt_interval t = {larger(from - 0x1p-52 * fabs(from), -DBL_MAX), to + 0x1p-52 * fabs(to)},
                      slope = {(double)NAN, (double)NAN};
@@ -69,13 +79,14 @@ void sgt_walk_cells(walk *w, double lo, double hi)
             }
             moved = 0;
             signs = sign_at(&left) * sign_at(&right);
-            /* the start is on the surface, and does not count; a root behind it is one */
+            /* The start is on the surface, and that root is not accepted.  A second root behind it is one
+             * root. */
             if (signs == 0 && tau == lo && w->from_tmin) {
                 signs = sign_at(&right) * (slope.lo > 0 ? 1 : -1) > 0 ? 1 : 0;
             }
             double most = larger(fabs(left.g) + left.g_err, fabs(right.g) + right.g_err);
-            /* undecided, between its ends; unless the slope of `value` is such that its rounding is beyond
-             * what encloses g */
+            /* Undecided, with g between its values at the ends.  Not if the slope of `value` is so large
+             * that its rounding is beyond the enclosure of g. */
             if (signs == 0 && most <= 4 * larger(-g.lo, g.hi)) {
                 monotone = false;
                 g = (sgt_interval){-most, most};
@@ -98,7 +109,7 @@ void sgt_walk_cells(walk *w, double lo, double hi)
             back = tau, tau = end, h *= 1.5;
         } else if (monotone) {
             double t_tol = w->t_tol;
-            if (!(end < hi)) w->t_tol = 0; /* at the far end a tolerance would hide whether the root counts */
+            if (!(end < hi)) w->t_tol = 0; /* else it would hide whether the root is accepted */
             if (signs < 0) sgt_walk_between(w, &left, &right, &past);
             w->t_tol = t_tol;
             if (signs == 0) sgt_walk_stretch(w, SGT_UNPROVEN, tau, end);
@@ -108,7 +119,7 @@ void sgt_walk_cells(walk *w, double lo, double hi)
         } else {
             point middle = {.g = (double)NAN};
             if (h <= 0x1p-20 * (hi - lo)) middle = sgt_walk_look(w, m, SGT_MARCH, tau, hi);
-            /* 3: halves would not be narrower */
+            /* 3, as halves would not be narrower */
             bool noise = !isnan(middle.g) && g.hi - g.lo <= (sign_at(&middle) ? 3 : 8) * middle.g_err;
             double least = 0x1p-52 * fabs(m) + 0x1p-53 * fabs(base) + 0x1p-90 * (hi - lo);
             if (h > least && !noise && isnan(left.g)) {

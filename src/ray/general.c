@@ -1,28 +1,42 @@
-/* general.c - any surface, by nothing but what its operations answer.
+/* general.c - the search for a root on a ray, for any surface, without a proof.  It uses nothing but what
+ * the surface's operations answer.
  *
- * The ray is made local first: the direction scaled by a power of two, the origin moved, with
- * error-free products and sums, to the surface's own guess, or the middle of its span, or the point of
- * the ray nearest the origin of its frame (walk.c evaluates F there).
+ * THE RAY IS MADE LOCAL first.  The direction is scaled by a power of two.  The origin is moved, with
+ * error-free products and sums, to one of these points: the surface's own guess, the middle of its span,
+ * or the point of the ray nearest the origin of the surface's frame.  walk.c evaluates F from there.
  *
- * One root (span.single, or the root near the seed): the quick form (step.h), where there is a seed; where
- * that has no answer the solver of solve/root.c, in the span.
+ * THE ORDER OF TRIALS.  search_along goes down this list until one of them has the answer:
  *
- * The root of a sag that may have several: along the stretch of the ray on which F is monotone
- * (vicinity.h), as one root.
+ *     wanted                     tried, if                        how
+ *     the first root             the surface has `first`          as one root within `first`, if that is
+ *                                                                 single; asked even if the span is single
+ *     one root, span not single  a sag with extent_within and     as one root on the stretch where F is
+ *                                a seed (built in)                monotone (vicinity.h)
+ *     the root near the seed,    there is a seed, or the span     the quick form (step.h), from the seed or
+ *     or span.single             is single and has two ends       from the middle of the span
+ *                                always                           the solver of solve/root.c, in the span
+ *     what is left               `enclose`, built in, no `meet`   prove.c, which needs no ends
+ *                                `enclose`, two finite ends, not  cells.c
+ *                                (dt_min > 0 and `estimate`)
+ *                                a finite near end, or the root   a march, in steps
+ *                                near the seed
+ *                                else                             nothing: UNPROVEN
  *
- * The first of several: where the surface can tell where that is (`first`), as one root.  That failing, or
- * all of them: by the surface's enclosure (cells.c), where it has one and the stretch is finite; the
- * surfaces that are built in and do not answer by themselves go by prove.c, which needs no ends.  Else a
- * march.  Its steps are the clearance, where that is above dt_min: nothing can be missed in those; or
- * dt_min, or the estimate, where dt_min is given: something can.  Two neighbours of unlike sign are a
- * bracket.  Two of like sign between which |F| first falls and then rises hold a minimum of |F|: where the
- * tangents at the two meet beyond zero it is searched by bisecting the sign of the slope, and a change of
- * sign found on the way is a bracket again.  What is thinner than a step and is not announced by the slopes
- * is not seen; so a march with such steps that finds nothing is UNPROVEN.
+ * THE MARCH.  A step is as long as the longest of these:
+ * - the clearance, if it is above dt_min: no root can be missed in it;
+ * - dt_min, or its default (step sizes are in sagitta.h, sgt_intersect): a root can be missed;
+ * - the estimate, if dt_min > 0 is given: a root can be missed.
  *
- * Toward a far end at infinity the steps go on until the ray is farther from the origin of the surface's
- * frame than where it starts from (a surface is written about its origin, and looked at from outside); from
- * there on each is half again as long as the last.  From a near end at infinity there is no first step. */
+ * Two neighbouring points with unlike signs are a bracket.  Two with like signs, between which |F| first
+ * falls and then rises, hold a minimum of |F|.  If the tangents at the two meet beyond zero, the minimum
+ * is searched by bisecting the sign of the slope.  A change of sign found on the way is a bracket again.
+ *
+ * A feature thinner than a step, and not announced by the slopes, is not seen.  So a march with such steps
+ * that finds nothing is UNPROVEN.
+ *
+ * A FAR END AT INFINITY.  A surface is written about the origin of its frame, and looked at from outside.
+ * So equal steps go on until the ray is farther from that origin than its start is.  From there on each
+ * step is half again as long as the last.  From a near end at infinity there is no first step. */
 #include "general.h"
 
 #include "../num/bits.h"
@@ -32,10 +46,11 @@
 
 #include <sagitta/interval.h>
 
-/* 1.5^128, to nearest: each far step is half as long again as the last. */
+/* 1.5^128, to nearest: the 128 far steps grow by half each. */
 static const double GROWN = 0x1.d59239a436969p+74;
 
-/* |F| falls after a and rises before b: is there a change of sign between?  *m is then its point. */
+/* |F| falls after a and rises before b.  Is there a change of sign between?  If so, *m is set to a point of
+ * the other sign, or of no certain sign. */
 static bool dips(walk *w, point a, point b, point *m)
 {
     int sign = sign_at(&a);
@@ -50,7 +65,7 @@ static bool dips(walk *w, point a, point b, point *m)
     return false;
 }
 
-/* What lies between a and b, the ends of one step. */
+/* Finds the roots between a and b, the ends of one step. */
 static void search_step(walk *w, const point *a, const point *b)
 {
     double past;
@@ -58,15 +73,15 @@ static void search_step(walk *w, const point *a, const point *b)
     if (sign_at(a) * sign_at(b) < 0) {
         sgt_walk_between(w, a, b, &past);
         if (!(past > a->tau && past < b->tau) || over(w)) return;
-        c = sgt_walk_look(w, past, SGT_MARCH, past, b->tau); /* another may follow at once */
+        c = sgt_walk_look(w, past, SGT_MARCH, past, b->tau); /* another root may follow in this step */
     }
     if (!dips(w, c, *b, &m)) return;
-    if (sign_at(&m)) { /* two */
+    if (sign_at(&m)) { /* two roots, one on each side of m */
         sgt_walk_between(w, &c, &m, &past);
         if (!over(w)) sgt_walk_between(w, &m, b, &past);
         return;
     }
-    /* touches as far as can be told */
+    /* The ray touches, as far as can be told. */
     sgt_root r = sgt_walk_begin(w, (sgt_span){.lo = c.tau, .hi = b->tau, .seed = m.tau});
     if (sgt_walk_sign(w, &c)) sgt_root_tell(&r, c.tau, c.g);
     point at = m;
@@ -74,8 +89,9 @@ static void search_step(walk *w, const point *a, const point *b)
     sgt_walk_take(w, &r, at);
 }
 
-/* From lo to hi by dt, each step `growth` times the last, or farther where the surface is known, or thought,
- * to be away; false where the search is over before. */
+/* Marches from lo to hi by dt; each step is `growth` times the last.  A step is longer if the clearance or
+ * the estimate allows it.  *reached is set to the start of the last step.  false: the search is over
+ * before hi. */
 static bool search_march(walk *w, double lo, double hi, double dt, double growth, double *reached)
 {
     const sgt_surface_ops *ops = w->s.ops;
@@ -92,17 +108,17 @@ static bool search_march(walk *w, double lo, double hi, double dt, double growth
         if (away > dt && away < HUGE_VAL) next = larger(next, a.tau + away);
         if (clear > dt) next = larger(next, a.tau + clear);
         if (!(next < hi)) next = hi;
-        if (!(next > a.tau)) { /* a step below an ulp of lo: the first that is one */
+        if (!(next > a.tau)) { /* dt is below an ulp of lo: step to the next double */
             w->uncertain = true;
             if (!(dt > 0) || i > 1LL << 40) return false;
             next = sgt_next_above(a.tau);
             if (next > hi) return false;
         }
         b = sgt_walk_glance(w, next, SGT_MARCH, a.tau, hi, all);
-        /* on a root: from beside it */
+        /* b is on a root: take it from just before */
         if (!sign_at(&b) && !isnan(b.g) && next < hi)
             b = sgt_walk_look(w, next - 0.01 * (next - a.tau), SGT_MARCH, a.tau, hi);
-        if (!sign_at(&a) && !isnan(a.g)) { /* the start is on the surface: from just behind it */
+        if (!sign_at(&a) && !isnan(a.g)) { /* the start is on the surface: begin just behind it */
             double off = smaller(8 * (fabs(a.g) + a.g_err) / fabs(a.at.slope), 0.25 * (next - a.tau));
             a = sgt_walk_look(w, a.tau + (off > 0 ? off : 0.25 * (next - a.tau)), SGT_MARCH, a.tau, hi);
         }
@@ -113,7 +129,7 @@ static bool search_march(walk *w, double lo, double hi, double dt, double growth
     return !over(w);
 }
 
-/* The steps of a march over [lo, hi], hi perhaps at infinity. */
+/* Marches over [lo, hi]; hi may be infinite.  nearest: the t0 nearest the origin of the surface's frame. */
 static void steps(walk *w, double lo, double hi, double nearest)
 {
     const sgt_options *opt = w->told.opt;
@@ -130,7 +146,7 @@ static void steps(walk *w, double lo, double hi, double nearest)
                                 : (end - lo) * (w->s.ops->clearance ? 0x1p-20 : 1.0 / MARCH_STEPS);
     w->uncertain = far || lo != from;
     if (lo < end) more = search_march(w, lo, end, dt, 1, &reached);
-    if (more && far) { /* grows to 1e22 times the first */
+    if (more && far) { /* far steps: the last is 1e22 times the first */
         double first = dt > 0 ? dt : 0x1p-20 / length, last = end + first * (GROWN - 1) / 0.5;
         if (last < HUGE_VAL) more = search_march(w, end, last, first, 1.5, &reached);
     }
@@ -141,8 +157,8 @@ static void steps(walk *w, double lo, double hi, double nearest)
     else if (w->list->count == before && w->uncertain) sgt_walk_stretch(w, SGT_UNPROVEN, from, hi);
 }
 
-/* The quick form, where there is a seed, or one root at most in a stretch with two ends; true: it has the
- * answer. */
+/* The quick form.  It is tried from the seed, or from the middle if the span is single and has two ends.
+ * true: it has the answer, a hit that has been added, or a miss. */
 static bool quickly(walk *w, const approach *a, bool single)
 {
     point at = {.tau = (double)NAN};
@@ -154,7 +170,7 @@ static bool quickly(walk *w, const approach *a, bool single)
     return single && sgt_walk_quick_miss(w, a->lo, a->hi);
 }
 
-/* The same within `first`, where that is single. */
+/* The same within the span that `first` gives, if that is single. */
 static bool first_of_several(walk *w)
 {
     const sgt_ray *ray = w->ray;
@@ -172,7 +188,7 @@ static bool first_of_several(walk *w)
     return told;
 }
 
-/* The root along the stretch of the ray on which F is monotone; true: it has the answer. */
+/* The same for one root on the stretch of the ray where F is monotone (vicinity.h). */
 static bool root_nearby(walk *w, const sgt_span *span, bool near)
 {
     const sgt_ray *ray = w->ray;
@@ -191,7 +207,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     sgt_vicinity_of(w->s, 1, one, near, &w->shared, &kept, &v);
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
     if (asked != 0) return false;
-    if (lo > hi) return true; /* it passes the surface by */
+    if (lo > hi) return true; /* the ray misses the whole surface */
     approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, lo, hi, seed,
                              ops->enclose ? 0x1p-50 : 0, true, true);
     if (a.passes || !a.known || !a.seeded) return false;
@@ -204,9 +220,9 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
     return told;
 }
 
-/* An end at infinity made one of 16 times as far from the point nearest the frame's origin as the ray
- * begins: solve/root.c would take samples among the floating-point numbers, which depends on the unit of
- * length.  What is beyond is left to prove.c. */
+/* Replaces an infinite end by one 16 times as far from the point nearest the frame's origin as the ray's
+ * start is from that origin.  Without this solve/root.c would sample among the floating-point numbers, and
+ * the answer would depend on the unit of length.  What lies beyond is left to prove.c. */
 static void cut_to_reach(const approach *a, const sgt_ray *ray, sgt_span *s)
 {
     const sgt_vec3 o = ray->o;
@@ -218,7 +234,7 @@ static void cut_to_reach(const approach *a, const sgt_ray *ray, sgt_span *s)
     if (s->hi == HUGE_VAL && nearest + away > s->lo) s->hi = nearest + away;
 }
 
-/* Adds what there is; the evaluations spent since the last entry. */
+/* Adds the entries there are.  Returns the evaluations spent since the last entry. */
 static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list)
 {
     walk w = {.s = s, .ray = ray, .list = list, .all = all, .rim2 = rim2_of_surface(s),
@@ -256,7 +272,7 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
             sgt_span cut = {.lo = lo, .hi = hi, .seed = seed, .single = span.single};
             if (is_catalogue(s.ops) && !span.single) cut_to_reach(&a, ray, &cut);
             sgt_root r = sgt_walk_solve(&w, sgt_walk_begin(&w, cut), &at);
-            /* prove.c knows how far it touches */
+            /* prove.c knows over what length the ray touches */
             if (is_catalogue(s.ops) && r.status == SGT_GRAZE) r.status = SGT_UNPROVEN;
             bool taken = sgt_walk_take(&w, &r, at);
             if (taken || (span.single && (r.status == SGT_MISS || (r.status > 0 && w.off))))

@@ -1,12 +1,18 @@
-/* general.h - a ray and any surface, by nothing but what its operations answer. */
+/* general.h - one ray, or a tile of rays, and a surface that is met by its operations (`value`,
+ * `span`, `enclose` ...).
+ *
+ * Such a surface is a user's, or a built-in one without `meet` (is_catalogue in builtin.h).  The functions
+ * are in intersect.c, proven.c, general.c and lanes.c. */
 #ifndef SGT_RAY_GENERAL_H
 #define SGT_RAY_GENERAL_H
 #include "../surface/builtin.h"
 
-/* x - x is 0 for a finite x, NaN for another: one comparison for all. */
+/* 0 if all three are finite, else NaN: x - x is 0 for a finite x and NaN for any other.  So one comparison
+ * tests all of them. */
 SGT_INLINE double not_finite(sgt_vec3 v) { return (v.x - v.x) + (v.y - v.y) + (v.z - v.z); }
 
-/* tmax = 0 with tmin >= 0 stands for infinity. */
+/* Is the ray valid, as sgt_ray and SGT_INVALID of sagitta.h say?  Also makes tmax explicit: tmax = 0 with
+ * tmin >= 0 becomes infinity. */
 SGT_INLINE bool ray_valid(sgt_ray *ray)
 {
     double big = larger(fabs(ray->d.x), larger(fabs(ray->d.y), fabs(ray->d.z)));
@@ -16,34 +22,36 @@ SGT_INLINE bool ray_valid(sgt_ray *ray)
     return (not_finite(ray->o) + not_finite(ray->d) == 0) & (big >= DBL_MIN) & ends & (ray->tmin < HUGE_VAL);
 }
 
-/* r^2 within which a root of a surface met by its operations counts. */
+/* The r^2 within which a root of a surface met by its operations is accepted; HUGE_VAL without a rim. */
 SGT_INLINE double rim2_of_surface(sgt_surface s)
 {
     return s.ops->own_ && s.ops->own_->rim ? rim2_of(s.ops->own_->rim(s.self)) : HUGE_VAL;
 }
 
-/* A built-in surface that does not answer by itself says whether it is one; the table of a user has to be
- * whole. */
+/* A built-in surface without `meet` checks its own parameters (`object`).  One with `meet` returns
+ * SGT_INVALID itself.  The table of any surface but the former has to be whole (is_whole). */
 SGT_INLINE bool parameters_valid(sgt_surface s)
 {
     return is_catalogue(s.ops) ? !s.ops->own_->object(s.self).reason : is_whole(s.ops);
 }
 
-/* sgt_intersect of a ray that may be written to. */
+/* sgt_intersect, with the ray by address: its tmax is made explicit (ray_valid).  In intersect.c. */
 sgt_hit sgt_intersect_copy(sgt_surface s, sgt_ray *ray, const sgt_options *opt);
 
-/* ray and opt have been checked, tmax made explicit. */
+/* The hit that options.pick asks for, under options.proof.  ray and opt have been checked, and tmax is
+ * explicit.  In proven.c. */
 sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
 
-/* Every entry; a list's first is what the other returns. */
+/* Adds every entry to the list, under options.proof.  The first entry is the hit that
+ * sgt_intersect_general returns for SGT_FIRST. */
 void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
 
-/* The same where no proof is asked for. */
+/* The same without a proof: options.proof is not read.  In general.c. */
 sgt_hit sgt_search_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
 void sgt_search_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
 
-/* A tile of rays and a surface of a user, as sgt_builtin_ops.sweep of builtin.h answers it: how many rays
- * are left SGT_HARD. */
+/* Answers a tile of rays as sgt_builtin_ops.lanes of builtin.h does.  Returns how many rays are left
+ * SGT_HARD.  In lanes.c. */
 size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt);
 
 #endif

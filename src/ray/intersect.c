@@ -1,10 +1,12 @@
-/* intersect.c - one ray meets one surface: the door, and what is checked there. */
+/* intersect.c - one ray meets one surface: sgt_intersect and sgt_intersect_all.  Here the arguments are
+ * checked, and the surface's own `meet` or the general search is called. */
 #include "../solve/root.h"
 #include "../surface/builtin.h"
 #include "unique.h"
 #include "general.h"
 
-/* The door: *opt is then not NULL, the ray has its ends. */
+/* Are the arguments valid?  Also sets *opt to the defaults if it is NULL, and makes the ray's tmax
+ * explicit. */
 static bool valid(sgt_surface s, sgt_ray *ray, const sgt_options **opt)
 {
     static const sgt_options none = {0};
@@ -13,13 +15,14 @@ static bool valid(sgt_surface s, sgt_ray *ray, const sgt_options **opt)
     return good;
 }
 
-/* A search that was not ended has not proven anything of what is left. */
+/* Under a proof, running out of evaluations means UNPROVEN, not EXHAUSTED. */
 static void ends_unproven(sgt_hit *hit, const sgt_options *opt)
 {
     if (opt->proof != SGT_ESTIMATE && hit->status == SGT_EXHAUSTED) hit->status = SGT_UNPROVEN;
 }
 
-/* With a proof.  Apart: a hit whose address is taken is copied at return, 8 ns. */
+/* `meet` under a proof.  A function of its own, because a hit whose address is taken is copied at return,
+ * which costs 8 ns. */
 SGT_NOINLINE
 static sgt_hit proven(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {

@@ -1,27 +1,28 @@
 /* ray/lanes.c - many rays and a surface that is met by its operations: the quick form of step.h with loops
  * around it.
  *
- * Rays are taken LANES at a time, a number of each in a row of its own.  What the single ray does step by
- * step is done here phase by phase, each phase on the lanes that are still in it, moved to the front of the
- * rows:
- *     approach   the span, and the ray made local;
- *     march      where the first of several roots is wanted: equal steps, until two neighbours have unlike
- *                signs;
- *     Newton     from the seed, or from the secant of the two;
- *     ends       where that has failed and there is one root at most: the signs at the ends of the span;
- *     probes     the signs beside the root; where the slope along the span is bounded from below, that
- *                instead;
- *     taking     does it count, and what is told of it.
- * In each, the points are made (by the loop before, where it can), `values` is called for all of them at
- * once, and a loop or two look at the answers.  What a loop chooses by is a number and not a truth value,
- * and two choices by the same condition are in two loops: so gcc makes vector code of them, and not
- * branches.  Lanes that are done and not yet moved away are asked again where they stand, and told nothing
- * new; they are moved as soon as a quarter of the lanes are done.
+ * Rays are taken LANES at a time.  Each number of theirs is a row.  What the single ray does step by step
+ * is done here phase by phase.  Each phase works on the lanes that are still in it; they are moved to the
+ * front of the rows.
  *
- * A lane never changes its neighbour: no statement but those of the moves has two of them in it.  A lane
+ *     approach      the span is asked, and the ray made local
+ *     march         if the first of several roots is wanted: equal steps, until two neighbours have unlike
+ *                   signs
+ *     Newton        from the seed, or from the secant of those two
+ *     ends          if Newton has failed and there is at most one root: the signs at the ends of the span
+ *     probes        the signs beside the root; not needed if the slope along the span is bounded from below
+ *     acceptance    is the root accepted, and what is reported of it
+ *
+ * In each phase the points are made (by the loop before, where it can).  `values` is called for all of
+ * them at once.  One or two loops look at the answers.
+ *
+ * VECTOR CODE.  To keep gcc 12 vectorising, select with doubles instead of bools, and never select twice
+ * on one condition in one loop.  Lanes that are done and not yet moved away are asked again at the same
+ * point, and nothing of theirs changes.  They are moved as soon as a quarter of the lanes are done.
+ *
+ * A LANE NEVER CHANGES ITS NEIGHBOUR.  No statement but those of the moves has two lanes in it.  A lane
  * for which the quick form has no answer is left to the single ray.  No point is asked for outside the
- * stretch that is searched, and no ray shown to the surface that the single ray's door would have turned
- * away. */
+ * stretch that is searched.  The surface is not given a ray that sgt_intersect would reject. */
 #include "../solve/root.h"
 #include "general.h"
 #include "../solve/step.h"
@@ -32,30 +33,30 @@
 enum { LANES = 64, ABREAST = 8 };
 typedef double row[LANES];
 
-/* The state of a lane: a status in the end, or SGT_HARD; before that, its phase. */
+/* The state of a lane is its phase, and in the end a status or SGT_HARD. */
 enum { MARCH = 10, VALLEY, NEWTON, FAILED, READY, ROOT, DOUBTED };
 
-/* The rows up to `most2` are moved with a lane.  The rows of a union serve phases that do not meet. */
+/* The rows up to `most2` are moved with a lane.  The rows of a union serve phases that do not overlap. */
 typedef struct lanes {
-    _Alignas(64) row x;              /* the ray made local; each row begins a line of the cache */
+    _Alignas(64) row x;              /* the ray made local; each row begins a cache line */
     row y, z, l, m, n, t0, scale;
     row tmin, tmax, t_tol, lo, hi, single;
-    /* last: the size of the step before, of a root the slope; first: |g| where the search began, < 0: not
-     * yet known */
+    /* last: the size of the step before; of a root, the slope.  first: |g| where the search began, < 0 if
+     * not yet known. */
     row tau, last, first, evals;
-    row f, fx, fy, fz, g_err;        /* F at tau, the gradient, and how far F may be off */
-    union { row at, left; };         /* of a march: the point before, and F there; of a root: beside it */
+    row f, fx, fy, fz, g_err;        /* F at tau, the gradient, a bound on F's error */
+    union { row at, left; };         /* march: the point before and F there; root: the points beside it */
     union { row g, right; };
     union { row slope, beside; };
     union { row sign, tau_err; };
     union { row dt, seed; };
-    row end;                         /* of a march; of a root: the sign on its left */
-    union { row defined, most2; };   /* of a march: whether F was; no sag of the catalogue is marched along */
+    row end;                         /* of a march; of a root, the sign on its left */
+    union { row defined, most2; };   /* march: was F defined? (No built-in sag is marched along.) */
     row px, py, pz;                  /* the point asked for */
-    row slot, state, least;          /* least: of |g'| along the span, where that is known; else 0 */
-    row noise0, noise1;              /* of a sag without a rim, as most2: vicinity.h */
+    row slot, state, least;          /* least: a lower bound on |g'| along the span; 0 if not known */
+    row noise0, noise1;              /* of a sag without a rim, like most2: vicinity.h */
     row qf, qx, qy, qz;              /* F beside a root; what one loop leaves to the next */
-    /* 0, of around_of: here, because after a call gcc knows of nothing that is here */
+    /* 0, for around_of.  It is kept here because gcc cannot know it after a call. */
     double none;
 } lanes;
 
@@ -66,19 +67,19 @@ typedef struct lanes_job {
     const sgt_options *opt;
     double budget;
     double near;        /* 1: the root near the seed is wanted, else 0 */
-    double back;        /* of approach_of */
-    double rim2;        /* of the surface's rim */
-    double margin;      /* of acceptance_of: as the single ray has it */
-    double walks_from;  /* a stretch that begins behind it can be marched through; infinite: none can */
+    double back;        /* back of approach_of */
+    double rim2;        /* r^2 at the surface's rim */
+    double margin;      /* margin of acceptance_of, as for the single ray */
+    double walks_from;  /* a stretch that begins behind it can be marched; infinite: none */
     bool slopes;        /* the spans come with bounds on the slope */
     bool moved;         /* some lane is not at its place */
-    sgt_shared shared;  /* of the surface, where it shares */
-    vicinities *kept;   /* and of parts of it */
+    sgt_shared shared;  /* what the surface shares, if it has `share` */
+    vicinities *kept;   /* what is known of parts of it */
     sgt_shared bare;    /* bare_of shared */
-    bool rows;          /* what the departure adds to the rounding is each lane's own */
+    bool rows;          /* what the departure adds to the rounding differs from lane to lane */
     lanes *a;
-    /* what `values` is handed, made once: a copy of what has just been written in smaller pieces must wait
-     * for it */
+    /* What `values` is given, made once.  If it were built in smaller pieces for each call, its copy would
+     * have to wait for those stores. */
     sgt_points points;
     sgt_values f, q;    /* F at tau; F beside a root */
 } lanes_job;
@@ -92,7 +93,7 @@ static size_t count_of(const lanes *a, size_t n, double state)
     return (size_t)count;
 }
 
-/* The lanes of that state to the front; how many there are. */
+/* Moves the lanes of that state to the front.  Returns how many there are. */
 static size_t front(lanes_job *w, size_t n, double state)
 {
     size_t i = 0, count = count_of(w->a, n, state);
@@ -124,7 +125,7 @@ static void points(lanes *a, size_t n, const double *tau)
     }
 }
 
-/* The slope, and what rounding of the point does to F. */
+/* Sets the slope, and what rounding of the point does to F. */
 SGT_KERNEL
 static void around_all(const lanes *a, size_t n, const double *tau, const double *fx, const double *fy,
                        const double *fz, double *slope, double *g_err, double none)
@@ -138,7 +139,8 @@ static void around_all(const lanes *a, size_t n, const double *tau, const double
     }
 }
 
-/* The same; how many are so near the root that the surface's own rounding is to be asked for. */
+/* The same.  Returns how many lanes are so near the root that the surface's own rounding has to be asked
+ * for. */
 SGT_KERNEL
 static double around_close(const lanes *a, size_t n, const double *tau, const sgt_values *f, double *slope,
                            double *g_err, const double *last, double f_tol)
@@ -172,7 +174,7 @@ static void lanes_ask(lanes_job *w, size_t n, const sgt_values *out)
     }
 }
 
-/* Where the surface's own is to be asked for (all, where last is NULL). */
+/* Adds the surface's own rounding where close_of says so; everywhere if last is NULL. */
 SGT_KERNEL
 static void add_roundings(size_t n, const double *restrict f, const double *restrict slope,
                           const double *restrict last, double f_tol, const double *restrict own,
@@ -198,8 +200,8 @@ static void add_noise(const lanes *a, size_t n, double *own)
                                  a->px[i] * a->px[i] + a->py[i] * a->py[i]);
 }
 
-/* The slope, which may be the first of the gradient, and how far F may be off; last as for close_of, NULL:
- * always. */
+/* Sets the slope, and the bound on F's error.  slope may be the row of the gradient's first component.
+ * last: as for close_of; NULL: always ask for the surface's own rounding. */
 static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f, double *slope,
                   double *g_err, const double *last)
 {
@@ -208,11 +210,11 @@ static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f
     if (!last) around_all(a, n, tau, f->grad[0], f->grad[1], f->grad[2], slope, g_err, a->none);
     else if (around_close(a, n, tau, f, slope, g_err, last, w->opt->f_tol) == 0) return;
     if (!ops->rounding) return;
-    double own[LANES], none = is_catalogue(ops) ? HUGE_VAL : 0; /* what a bound that is none comes to */
+    double own[LANES], none = is_catalogue(ops) ? HUGE_VAL : 0; /* for a bound that is none */
     if (is_catalogue(ops) && ops->own_->roundings &&
         ops->own_->roundings(w->s.self, w->rows ? &w->bare : &w->shared, n, w->points, f->f, own)) {
         if (w->rows) add_noise(a, n, own);
-        for (size_t i = 0; i < n; i++) /* seldom: beyond the rim */
+        for (size_t i = 0; i < n; i++) /* rare: beyond the rim */
             if (!(own[i] >= 0)) own[i] = ops->rounding(w->s.self, (sgt_vec3){a->px[i], a->py[i], a->pz[i]});
         add_roundings(n, f->f, slope, last, w->opt->f_tol, own, g_err);
         return;
@@ -226,7 +228,7 @@ static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f
 
 /* ----------------------------------------------------------------------- approach */
 
-/* By way of int, a loop for each: bytes beside doubles in one loop are much code. */
+/* Two loops, by way of int: bytes and doubles in one loop make long code. */
 SGT_KERNEL
 static void lanes_widen(size_t n, double *restrict out, const bool *restrict of)
 {
@@ -244,7 +246,7 @@ static void single_all(lanes *a, size_t n)
     for (size_t i = 0; i < n; i++) a->single[i] = a->least[i] > 0 ? 1.0 : 0.0;
 }
 
-/* Who is to be asked; the rows of the others are those of nobody. */
+/* Marks the lanes that are to be asked, and returns how many.  The rows of the others are not used. */
 SGT_KERNEL
 static double nearby_asked(const lanes *a, size_t n, double *asked)
 {
@@ -257,8 +259,9 @@ static double nearby_asked(const lanes *a, size_t n, double *asked)
     return some;
 }
 
-/* Of sags, where several roots may be along the whole of a ray: the stretch on which F is monotone.  No
- * root there is no miss: such a lane is not single.  The rows of the rays made local are not yet needed. */
+/* For sags with several roots along the whole ray: the stretch on which F is monotone (vicinity.h).  No
+ * root on the stretch is not a miss, so the lane is not single.  The rows of the local ray are free as
+ * yet. */
 static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
 {
     lanes *a = w->a;
@@ -292,7 +295,7 @@ static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
             a->lo[i] = span.lo, a->hi[i] = span.hi, a->seed[i] = span.seed, single[i] = span.single;
         }
         for (size_t i = 0; i < n; i++)
-            if (!single[i]) a->lo[i] = -HUGE_VAL, a->hi[i] = HUGE_VAL; /* and it does not pass by */
+            if (!single[i]) a->lo[i] = -HUGE_VAL, a->hi[i] = HUGE_VAL; /* the whole ray: no miss */
         lanes_widen(n, a->single, single);
         return;
     }
@@ -304,7 +307,7 @@ static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
         lanes_nearby(w, rays, n);
         return;
     }
-    if (ops->spans && ops->span) { /* alone they are not read, as sgt_intersect would not */
+    if (ops->spans && ops->span) { /* without `span`, `spans` is not read, as in sgt_intersect */
         ops->spans(w->s.self, n,
                    (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from},
                               .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
@@ -350,7 +353,7 @@ SGT_INLINE void make_local(const lanes_job *w, const sgt_tile *tile, size_t from
     }
 }
 
-/* Returns how many start at once. */
+/* Makes the rays local and chooses their first phase.  Returns how many begin with Newton's steps. */
 SGT_KERNEL
 static double approach_lanes(const lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
 {
@@ -359,8 +362,8 @@ static double approach_lanes(const lanes_job *w, const sgt_tile *tile, size_t fr
     double near = w->near, walks_from = w->walks_from, starting = 0;
     if (walks_from < HUGE_VAL && !w->s.ops->span) make_local(w, tile, from, n, true);
     else make_local(w, tile, from, n, false);
-    /* gcc makes vector code of two loops where in one the same conditions, chosen by and asked again, are
-     * branches to it */
+    /* gcc vectorises these two loops.  In one loop it would branch, as the same conditions are selected by
+     * and tested again. */
 #pragma omp simd reduction(+ : starting)
     for (size_t i = 0; i < n; i++) {
         double single = a->single[i], one = single + near + a->least[i];
@@ -378,7 +381,7 @@ static double approach_lanes(const lanes_job *w, const sgt_tile *tile, size_t fr
 
 /* -------------------------------------------------------------------------- march */
 
-/* Its end, where the ray has none, and its steps. */
+/* Sets the steps of the march, and an end if the ray has none. */
 SGT_KERNEL
 static void march_begin(lanes *a, size_t n, double dt_min, bool everywhere)
 {
@@ -394,7 +397,7 @@ static void march_begin(lanes *a, size_t n, double dt_min, bool everywhere)
         double state = end < HUGE_VAL ? a->state[i] : (double)SGT_HARD;
         a->state[i] = lo < end ? state : (double)SGT_HARD;
         a->tau[i] = lo, a->defined[i] = 0;
-        /* no step before the first */
+        /* no point before the first */
         a->at[i] = -HUGE_VAL, a->g[i] = (double)NAN, a->slope[i] = a->sign[i] = 0;
     }
 }
@@ -405,12 +408,12 @@ SGT_INLINE mark lanes_before(const lanes *a, size_t i)
 }
 SGT_INLINE mark after(const lanes *a, size_t i) { return (mark){a->tau[i], a->f[i], a->qx[i], a->qf[i]}; }
 
-/* As many as fill the registers: a few lanes by themselves cost as much as all of those.  What lies behind
- * n is in another phase. */
+/* n rounded up to full registers: a few lanes cost as much as a register of them.  Lanes from n on are in
+ * another phase. */
 SGT_INLINE size_t filled(size_t n) { return (n + ABREAST - 1) / ABREAST * ABREAST; }
 
-/* What the step to tau has shown, and the next; k of them were taken.  A lane that stands before a valley
- * waits for march_over.  known: as for Newton's steps, below.  Returns how many go on. */
+/* Looks at the step to tau, and makes the next; k steps were taken before.  A lane before a valley waits
+ * for march_over.  known: the slope is in qx, and g_err is set.  Returns how many go on. */
 SGT_INLINE double march_steps(lanes *a, size_t n, double k, bool known, double none)
 {
     double more = 0;
@@ -463,7 +466,7 @@ static double march_step(lanes *a, size_t n, double k, double none)
 SGT_KERNEL
 static double march_step_known(lanes *a, size_t n, double k) { return march_steps(a, n, k, true, 0); }
 
-/* The lanes before a valley, one by one: hard, or on. */
+/* The lanes before a valley, one by one: hard, or marching on. */
 static void march_over(lanes *a, size_t n, double k)
 {
     for (size_t i = 0; i < n; i++) {
@@ -482,7 +485,8 @@ static void march_over(lanes *a, size_t n, double k)
     }
 }
 
-/* Where nothing was seen, what is told of it is the stretch, if any of it is left between the ray's ends. */
+/* If nothing was seen, the answer is the stretch.  The lane is hard if nothing of it is left between the
+ * ray's ends, or if it goes on behind the end of the march. */
 static void march_end(lanes *a, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
@@ -494,7 +498,7 @@ static void march_end(lanes *a, size_t n)
     }
 }
 
-/* Where the march has ended between unlike signs: from the secant of the two. */
+/* Where the march has ended between unlike signs, Newton begins at the secant of the two. */
 SGT_KERNEL
 static void lanes_bracket(lanes *a, size_t n)
 {
@@ -524,7 +528,7 @@ static void lanes_march(lanes_job *w, size_t n)
     size_t all = n;
     n = front(w, n, MARCH);
     for (double k = 0; n > 0; k++) {
-        if (k + 1 >= w->budget) { /* spent, but for what would be needed to confirm a root */
+        if (k + 1 >= w->budget) { /* spent, but for what confirms a root */
             for (size_t i = 0; i < n; i++)
                 a->state[i] = a->state[i] == MARCH ? (double)SGT_HARD : a->state[i];
             break;
@@ -557,9 +561,9 @@ static void newton_begin(lanes *a, size_t n)
     }
 }
 
-/* The step, and the points it leads to; how many go on.  known: the slope is in qx, and g_err is there.
- * What a lane that is done is not to do is told by numbers that change nothing, and not by leaving a row as
- * it is: that would be a branch. */
+/* Makes the step, and the points it leads to.  known: the slope is in qx, and g_err is set.  Returns how
+ * many go on.  A lane that is done writes values that change nothing.  Leaving its rows as they are would
+ * be a branch. */
 SGT_INLINE double newton_steps(lanes *a, size_t n, bool last_one, double f_tol, bool known, double none)
 {
     double more = 0, again = last_one ? FAILED : NEWTON;
@@ -635,7 +639,7 @@ static void sign_all(const lanes *a, size_t n, const double *tau, double *sign, 
     }
 }
 
-/* The signs at `tau`, of each lane, whose points are there. */
+/* The signs at `tau`, whose points are set. */
 static void signs(lanes_job *w, size_t n, const double *tau, double *sign)
 {
     lanes *a = w->a;
@@ -648,7 +652,8 @@ static void signs(lanes_job *w, size_t n, const double *tau, double *sign)
     for (size_t i = 0; i < n; i++) sign[i] = sign_of(a->qf[i], sign[i]);
 }
 
-/* Beside a root |F| is greater than at it: a sign where it is not, as next to a pole, is doubtful. */
+/* Clears doubtful signs.  Beside a root |F| is greater than at it; where it is not, as next to a pole, the
+ * sign is doubtful. */
 SGT_KERNEL
 static void unless_greater(const lanes *a, size_t n, double *sign)
 {
@@ -666,8 +671,8 @@ static void ends(lanes *a, size_t n)
     }
 }
 
-/* One certain sign at both ends of a span with one root at most is a miss; so is one, where `least` is
- * known and F is not defined at the other end (gone_by). */
+/* A miss has one certain sign at both ends of a span with at most one root.  If `least` is known and F is
+ * not defined at one end, gone_by decides. */
 SGT_NOINLINE static void miss(lanes_job *w, size_t n)
 {
     lanes *a = w->a;
@@ -686,8 +691,8 @@ SGT_NOINLINE static void miss(lanes_job *w, size_t n)
     }
 }
 
-/* How far to look from where Newton's steps have ended; who need not, or does not stand at a root: |F| has
- * grown.  How many are to look. */
+/* How far to look from where Newton's steps have ended.  A lane that is ready by f_tol need not look.  If
+ * |F| has grown, it is not at a root.  Returns how many lanes are to look. */
 SGT_KERNEL
 static double lanes_probe_begin(lanes *a, size_t n, double f_tol)
 {
@@ -709,7 +714,7 @@ static double lanes_probe_begin(lanes *a, size_t n, double f_tol)
     return more;
 }
 
-/* Both sides, and the points on the left; how many have both. */
+/* Sets both sides, and the points on the left.  Returns how many lanes have both sides inside the stretch. */
 SGT_KERNEL
 static double probe_sides(lanes *a, size_t n)
 {
@@ -730,8 +735,8 @@ static double probe_sides(lanes *a, size_t n)
     return more;
 }
 
-/* What the signs say (to the right of a pole F has not the sign of the slope); how many are to be asked
- * again. */
+/* What the signs say.  To the right of a pole F does not have the sign of the slope.  Returns how many are
+ * to be asked again. */
 SGT_KERNEL
 static double probe_end(lanes *a, size_t n, double doubtful)
 {
@@ -748,7 +753,7 @@ static double probe_end(lanes *a, size_t n, double doubtful)
     return more;
 }
 
-/* Of some lane a step is enough that is not within the rounding. */
+/* Has any lane a t_tol, so that its last step may be above the rounding? */
 SGT_KERNEL
 static bool loose(const lanes *a, size_t n)
 {
@@ -758,8 +763,8 @@ static bool loose(const lanes *a, size_t n)
     return some > 0;
 }
 
-/* Those whose slope is known along the span; off: how far F may be.  How many are still to be asked beside
- * the root. */
+/* Certifies the lanes whose slope along the span has a bound.  off: a bound on F's error.  Returns how
+ * many still have to be asked beside the root. */
 SGT_KERNEL
 static double lanes_certify(lanes *a, size_t n, const double *off)
 {
@@ -776,7 +781,7 @@ static double lanes_certify(lanes *a, size_t n, const double *off)
     return more;
 }
 
-/* Of the lanes that Newton's steps have been tried on. */
+/* For the lanes on which Newton's steps have been tried. */
 static void probe(lanes_job *w, size_t n)
 {
     lanes *a = w->a;
@@ -785,7 +790,7 @@ static void probe(lanes_job *w, size_t n)
         n = front(w, n, READY);
     }
     if (w->slopes && n) {
-        /* else all of it is in g_err: what is ready by |F| is close */
+        /* Without a t_tol a lane is ready by |F|, so it is close, and g_err has all of the rounding. */
         bool again = loose(a, n);
         if (again) bound(w, n, a->tau, &w->f, a->qx, a->end, NULL);
         n = lanes_certify(a, n, again ? a->end : a->g_err) > 0 ? front(w, n, READY) : 0;
@@ -802,10 +807,10 @@ static void probe(lanes_job *w, size_t n)
     }
 }
 
-/* -------------------------------------------------------------------------- taking */
+/* ---------------------------------------------------------------------- acceptance */
 
-/* Of every lane what is told of it, in rows that are of no more use: t in last, t_err in first, t_lo in dt,
- * p_err in end, the gradient where it is, the point where points are.  How many are hits. */
+/* Sets what is reported of every lane, in rows that are not needed any more: t in last, t_err in first,
+ * t_lo in dt, p_err in end.  The gradient and the point stay where they are.  Returns how many are hits. */
 SGT_KERNEL
 static double lanes_take(lanes *a, size_t n, double budget, double rim2, double margin)
 {
@@ -817,7 +822,7 @@ static double lanes_take(lanes *a, size_t n, double budget, double rim2, double 
         sgt_vec3 grad = {a->fx[i], a->fy[i], a->fz[i]},
                  p = {a->x[i] + tau * q.l, a->y[i] + tau * q.m, a->z[i] + tau * q.n};
         around at = around_of(a->x[i], a->y[i], a->z[i], q.l, q.m, q.n, tau, p, grad, 0);
-        double away = ((a->single[i] == 0) & (a->least[i] > 0)) ? END_ERRORS : margin; /* vicinity.h */
+        double away = ((a->single[i] == 0) & (a->least[i] > 0)) ? END_ERRORS : margin; /* see vicinity.h */
         acceptance h = acceptance_of(&q, tau, a->tau_err[i], p, grad, at, a->tmin[i], a->tmax[i], rim2, away);
         double doubt = a->least[i] > 0 ? (double)DOUBTED : (double)SGT_HARD;
         double off = h.off ? (double)SGT_MISS : doubt, state = a->single[i] != 0 ? off : (double)SGT_HARD;
@@ -833,7 +838,7 @@ static double lanes_take(lanes *a, size_t n, double budget, double rim2, double 
     return hits;
 }
 
-/* Of those that may count or not, as sgt_walk_sharpen has it. */
+/* The lanes of which lanes_take could not tell whether the root is accepted, as in sgt_walk_sharpen. */
 SGT_NOINLINE static void take_doubted(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
 {
     lanes *a = w->a;
@@ -867,7 +872,7 @@ SGT_NOINLINE static void take_doubted(lanes_job *w, const sgt_tile *tile, size_t
 
 enum { TOLD = 10 };
 
-/* Lanes back to their places, and NaN to those without a root.  How many are hard. */
+/* Moves the lanes back to their places, and sets those without a root to NaN.  Returns how many are hard. */
 static size_t lanes_settle(const lanes_job *w, size_t n, bool hits, double *const row_of[TOLD])
 {
     lanes *a = w->a;
@@ -887,8 +892,8 @@ static size_t lanes_settle(const lanes_job *w, size_t n, bool hits, double *cons
     return count_of(a, n, SGT_HARD);
 }
 
-/* Each row to where it is wanted.  By vectors: what becomes of a memcpy of unknown length in code for any
- * processor is slower. */
+/* Copies each row to the caller's array, if it is wanted.  By vectors: a memcpy of unknown length is
+ * slower, in code for any processor. */
 SGT_KERNEL
 static void copy(size_t n, double *const outs[TOLD], double *const rows[TOLD], size_t from)
 {
@@ -914,7 +919,7 @@ static void lanes_narrow(const lanes *a, size_t n, signed char *status, int *eva
     for (size_t i = 0; i < n; i++) evals[i] = (int)a->evals[i];
 }
 
-/* hits: each one is. */
+/* hits: all lanes are hits.  Returns how many are hard. */
 static size_t write(const lanes_job *w, size_t n, bool hits, const sgt_hits *h, size_t from)
 {
     lanes *a = w->a;
@@ -927,9 +932,10 @@ static size_t write(const lanes_job *w, size_t n, bool hits, const sgt_hits *h, 
     return hard;
 }
 
-/* ------------------------------------------------------------------------ the whole */
+/* ----------------------------------------------------------------------- all phases */
 
-/* Rays that the door lets in, at most LANES, tmin and tmax of each in its lane. */
+/* Answers at most LANES rays that are valid; their tmin and tmax are in their lanes.  Returns how many are
+ * hard. */
 static size_t lanes_run(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
 {
     lanes *a = w->a;
@@ -951,7 +957,8 @@ static size_t lanes_run(lanes_job *w, const sgt_tile *tile, size_t from, size_t 
     return write(w, n, hits, &tile->hits, from);
 }
 
-/* tmax as it is meant, and the state 1 where the ray is one; how many are. */
+/* Makes tmax explicit, and sets the state to 1 if the ray is valid, else to 0.  Returns how many are
+ * valid. */
 SGT_KERNEL
 static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
 {
@@ -974,14 +981,14 @@ static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
 size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_surface_ops *ops = s.ops;
-    /* one by one: prove.c; the door */
+    /* one by one: a proof (prove.c), or invalid parameters */
     if (opt->proof || !parameters_valid(s) || !rim_in_range(rim2_of_surface(s))) {
         memset(tile->hits.status, SGT_HARD, tile->n);
         return tile->n;
     }
     lanes a;
     sgt_options own = *opt;
-    if (is_catalogue(ops)) own.f_tol = 0; /* as general.c */
+    if (is_catalogue(ops)) own.f_tol = 0; /* as read_of in proven.c */
     vicinities kept; /* not cleared with the rest of w */
     lanes_job w = {.s = s,
                    .opt = &own,
@@ -1002,7 +1009,7 @@ size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
     vicinities_begin(w.kept);
     if (is_catalogue(ops) && ops->own_->share)
         ops->own_->share(s.self, &w.shared), w.bare = bare_of(w.shared);
-    for (int i = 0; i < LANES; i++) a.slot[i] = i; /* and so again after each run: see settle */
+    for (int i = 0; i < LANES; i++) a.slot[i] = i; /* lanes_settle restores this after each run */
     w.points = (sgt_points){{a.px, a.py, a.pz}};
     w.f = (sgt_values){a.f, {a.fx, a.fy, a.fz}}, w.q = (sgt_values){a.qf, {a.qx, a.qy, a.qz}};
     for (size_t i = 0, n; i < tile->n; i += n) {

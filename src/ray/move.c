@@ -1,11 +1,19 @@
-/* move.c - the origin of a ray moved along it, exactly: a ray whose origin is doubles again (prove.c, FROM
- * AFAR). */
+/* move.c - the origin of a ray moved along it, exactly.
+ *
+ * From afar an ulp of t is long.  So a search near the surface wants a ray that begins there (prove.c,
+ * FROM AFAR).  The new origin has to be doubles; if it were rounded, the line would be another one.  So t0
+ * is the multiple of the least power of two, nearest to `about`, at which all three coordinates are
+ * doubles.  If coordinates begin much smaller than they end, there may be none.
+ *
+ * The unit starts at 2^-52 of the power of two in |about| and ends at |about| / 8.  |about| has to be in
+ * (2^-900, 2^900). */
 #include "move.h"
 
 #include "../num/bits.h"
 #include "../num/local.h"
 
-/* o + t0 d, if that is a double. */
+/* Is o + t0 d a double?  *at is set to it.  The product must be above 2^-960, so that its lower part is
+ * exact. */
 static bool is_double(double o, double d, double t0, double *at)
 {
     twofold p = two_product(t0, d), s = two_sum(o, p.hi), e = two_sum(s.lo, p.lo), f = two_sum(s.hi, e.hi);

@@ -4,7 +4,9 @@
 
 #include <sagitta/sagitta.h>
 
-/* The ray with its origin moved along it to near `about`, exactly; the t0 of that, 0 where there is none. */
+/* Moves the origin of the ray along it, exactly: *moved has the same line and direction, and its origin is
+ * o + t0 d, three doubles without rounding.  Returns t0, which is near `about`.  Returns 0 if no such t0
+ * is found; *moved is then the ray itself. */
 double sgt_move_exactly(const sgt_ray *ray, double about, sgt_ray *moved);
 
 #endif

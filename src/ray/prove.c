@@ -1,68 +1,80 @@
-/* prove.c - what can be proven of a ray and a surface that is met by its operations, by its enclosure.
+/* prove.c - the search through a ray by a surface's enclosure: what is proven of a surface that is met by
+ * its operations.
  *
- * Without an enclosure a span that the ray passes by is all the proof there is; the answer is the estimate,
- * told as UNPROVEN.  With one, all that is said rests on the intervals it gives of g and g', in the ray's
- * own t, with the ray as given, and on the span; `value` guesses where to look, and is what f and n are.
+ * Without an enclosure nothing can be proven but that the ray misses the span.  The answer is then the
+ * estimate, made UNPROVEN (proven.c).  With an enclosure, every claim rests on the span and on the
+ * intervals that it gives of g and g', in the ray's own t, for the ray as given.  `value` only guesses
+ * where to look, and gives f and n of the hit.
  *
- * The stretch is a row of pieces, searched from the near end.  Let g and S be the intervals of a piece X,
- * and G that of g at a point m of it alone.
- *     0 is not in g          no root in X (nor where F is undefined all over it);
- *     0 is not in S          g is monotone, and a root of X is in m - G / S (Moore 1966): none, if that is
- *                            outside of X.
- *                            Else m moves into it, by Newton's steps on `value`, until 0 is in G.
- *     else, 0 not in G       the mean value theorem keeps roots away from m: where G > 0 none is in
- *                            (m - min G / max S, m + min G / -min S), and so with signs changed.  What is
- *                                left on
- *                            either side is a piece (Hansen and Walster 2004, chapter 9).
- *     else                   X is divided; unless m is at the limit of doubles, or g over all of X no wider
- *                            than four
- *                            times G, or S times the length of X no more than that of G: then more pieces
- *                                would not tell
- *                            more, and X is undecided.
- * A slope that is without bound says nothing of a root, for g may jump there, or not be defined; one that
- * is bounded promises that it does not (surfaces.md says so to whoever writes an enclosure).
+ * The stretch is a row of pieces, searched from the near end.  Let g and S be the intervals of g and g'
+ * over a piece X, and G the interval of g at one point m of it:
  *
- * A ROOT IS PROVEN where m - G / S', S' the slope over X', lies inside X': by the mean value theorem g then
- * has unlike signs at its ends, or is zero there, and S' allows no second zero in X'.  X' is small, and
- * about the root; it may reach beyond the piece, so that it makes no difference where pieces end.
+ *     0 is not in g     no root in X, or F is undefined all over it
+ *     0 is not in S     g is monotone, and a root of X lies in m - G / S (Moore 1966).  If that is outside
+ *                       of X, there is none.  Else m moves into it, by Newton's steps on `value`, until 0
+ *                       is in G
+ *     else, 0 not in G  the mean value theorem keeps roots away from m: where G > 0, no root is in
+ *                       (m - min G / max S, m + min G / -min S); for G < 0 the same with signs changed.
+ *                       What is left on either side is a piece (Hansen and Walster 2004, chapter 9)
+ *     else              X is divided, if more pieces can tell more.  They cannot, and X is undecided, if
+ *                       m is at the limit of doubles, or g over X is no wider than four times G, or
+ *                       S times the length of X is no more than the width of G
  *
- * UNDECIDED pieces with little between them are one stretch.  Where g over all of it is within eight times G,
- * its ends have not for certain unlike signs, and F in the middle of it is 0 to rounding, it is a graze.  At
- * tmin it does not count if no root in it could: the slope at any is below max |S|, and that bounds from
- * below how far from tmin a root that counts has to be.
+ * A slope without bound says nothing of a root: g may jump there, or not be defined.  A bounded slope
+ * promises that F is defined and continuous (sgt_surface_ops.enclose in sagitta.h says so).
  *
- * THE START is told from the slope's certain bounds about the root and from the gradient of `value`.  Where
- * rounding makes the terms of that gradient uncertain by more than half, a root that may be the start is
- * UNPROVEN: near the line in which two planes meet, both the slope and the terms of `value` are nothing but
- * rounding, and would drop a root far from tmin.  Where they are less uncertain, UNPROVEN is what lies
- * between the least and the most that the rule may reach.  The same where the rule reaches farther than
- * 2^-36 of the point's distance from the origin, 2^12 times as far as it does of a surface met at a right
- * angle: then the slope is so small that the terms may change by orders within the root's interval, and the
- * least there decides.
+ * A ROOT IS PROVEN if m - G / S' lies inside X', with S' the slope over X'.  By the mean value theorem g
+ * then has unlike signs at the ends of X', or is zero there, and S' allows no second zero in X'.  X' is
+ * small, and about the root.  It may reach beyond the piece, so that it makes no difference where pieces
+ * end.
  *
- * FROM AFAR.  Where the ray's origin is far one ulp of t is a long way, and what is enclosed over it cannot
- * tell a root from a near miss.  So near its centre, the point nearest the origin of the surface's frame,
- * such a ray is searched in a t that counts from t0, the t of the centre: all that is written t, lo or hi
- * here counts from t0, exactly.  What is nearer to the ray's own origin than to the centre is searched with
- * t0 = 0, so that no root loses the digits of its own t.  A built-in surface encloses g(t0 + t) for any t0
- * (sgt_builtin_ops, enclose).  A surface of a user is given a ray, and its origin has to be doubles; the
- * ray through the nearest doubles is another one, and how far its g is from the true one only the gradient
- * would tell.  So t0 is then the multiple of the least power of two, nearest the centre, at which all three
- * coordinates o + t0 d are doubles.  With components of d alike in size that is some lengths from the
- * centre; with coordinates that begin much smaller than they end there may be none, and the ray's own t is
- * what is left.
+ * UNDECIDED pieces with little between them are one stretch.  It is a graze if g over all of it is within
+ * eight times G, its ends do not have certain unlike signs, and F in the middle is 0 to rounding.  At tmin
+ * a stretch is dropped if no root in it can be accepted: the slope at any root is at most max |S|, which
+ * bounds from below how far from tmin an accepted root has to be (start_width).
  *
- * WITHOUT AN END.  The far stretch from T to DBL_MAX is asked as a whole, and if that does not decide it is
- * divided by the geometric mean, as often as it takes: a ray is as long as its t can be told.
+ * THE START.  The rule is in accept.h.  Here it is evaluated with the certain bounds of the slope about
+ * the root, and with the gradient of `value`.  Rounding moves the terms of that gradient.  So the reach of
+ * the rule has a least and a most:
  *
- * ONE ROOT ALONE that need not be the first (SGT_PROVE_ROOT, near the seed or with span.single) is first
- * looked for by the estimate, with a few evaluations, and proven where that finds it; else it is the one
- * nearest to the seed of all there are.
+ *     case                                          UNPROVEN is
+ *     most <= 4 least, and the reach is small       a root between the least and the most reach
+ *     most > 4 least: rounding makes the terms      a root that may be the start, unless it is certainly
+ *     uncertain by more than half, or so            within the least reach
+ *     most > 2^-36 of the point's distance from     the same, with the least reach in all of the root's
+ *     the origin                                    interval
  *
- * THE CAREFUL PATH of built-in surfaces that do not answer by themselves is the same search, no proof being
- * asked for (general.c).  Their rim, r^2 <= rim2, is a rule in computed numbers, as in accept.h; a root
- * whose side of it its error hides is UNPROVEN under a proof, and where the error is greater than what the
- * rim is soft by. */
+ * Near the line in which two planes meet, both the slope and the terms of `value` are nothing but
+ * rounding; taken as they are, they would drop a root far from tmin.  A reach of 2^-36 is 2^12 times that
+ * of a surface met at a right angle.  The slope is then so small that the terms may change by orders of
+ * magnitude within the root's interval.
+ *
+ * FROM AFAR.  If the ray's origin is far, one ulp of t is a long way, and an enclosure over it cannot tell
+ * a root from a near miss.  The centre is the point of the ray nearest the origin of the surface's frame.
+ * Near the centre such a ray is searched in a t that counts from t0, the t of the centre: every t, lo or
+ * hi in this file counts from t0, exactly.  Nearer to the ray's own origin than to the centre t0 is 0, so
+ * that no root loses the digits of its own t.
+ *
+ *     a built-in surface    encloses g(t0 + t) for any t0 (sgt_builtin_ops, enclose)
+ *     a user's surface      is given a ray, whose origin has to be doubles.  Through the nearest doubles goes
+ *                           another ray, and only the gradient would tell how far its g is from the true one.
+ *                           So t0 is the one of sgt_move_exactly (move.c), nearest the centre, at which all
+ *                           three coordinates o + t0 d are doubles
+ *
+ * If the components of d are alike in size, that t0 is some lengths from the centre.  If coordinates begin
+ * much smaller than they end, there may be none; then the ray's own t is used.
+ *
+ * WITHOUT AN END.  The far stretch from T to DBL_MAX is asked as a whole.  If that does not decide it, it
+ * is divided at the geometric mean, as often as it takes.  So a ray is as long as its t can be told.
+ *
+ * ONE ROOT that need not be the first (SGT_PROVE_ROOT, near the seed or with span.single) is first looked
+ * for by the estimate, with a few evaluations, and proven where that finds it.  If that fails, it is the
+ * root nearest to the seed among all of them.
+ *
+ * WITHOUT A PROOF the same search is the careful path of built-in surfaces without `meet` (general.c).
+ * Their rim, r^2 <= rim2, is a rule in computed numbers, as in accept.h.  A root whose side of the rim is
+ * hidden by its error is UNPROVEN under a proof.  Without one it is UNPROVEN only if its error is greater
+ * than what the rim is soft by. */
 #include "proof.h"
 
 #include "../num/bits.h"
@@ -82,7 +94,7 @@ static sgt_interval number(double x) { return sgt_interval_of(x); }
 
 static double finite(double t) { return t < -DBL_MAX ? -DBL_MAX : t > DBL_MAX ? DBL_MAX : t; }
 
-/* g over t, all numbers where nothing is known (or nothing more is to be asked). */
+/* g and g' over t.  All numbers if nothing is known, or if the search is over and nothing is asked. */
 static sgt_interval proof_ask(proof *w, sgt_interval t, sgt_move move, sgt_interval *slope)
 {
     *slope = sgt_interval_all();
@@ -123,13 +135,13 @@ static sgt_interval out_by(sgt_interval t, twofold by)
     return sgt_interval_between(down_by(t.lo, by), up_by(t.hi, by));
 }
 
-/* Everything that the search knows, counted from another t0: outward, where that rounds. */
+/* Makes everything that the search knows count from another t0, rounding outward. */
 static void count_from(proof *w, double t0)
 {
     twofold by = two_sum(w->t0, -t0);
     if (t0 == w->t0) return;
     sgt_interval all = w->all_t, tmin = sgt_interval_of(w->ray->tmin);
-    if (t0 != 0) { /* a root at tmax counts where t0 + t is rounded to it */
+    if (t0 != 0) { /* a root at tmax is accepted where t0 + t is rounded to it */
         all.hi = sgt_next_above(all.hi);
         all = out_by(all, twofold_of(-t0)), tmin = out_by(tmin, twofold_of(-t0));
     }
@@ -140,10 +152,10 @@ static void count_from(proof *w, double t0)
     w->t0 = t0;
 }
 
-/* A ray is searched from t0 = far on the one side of it, from 0 on the other. */
+/* On one side of this t the ray is searched with t0 = far, on the other with t0 = 0. */
 static double border_of(const proof *w) { return w->far != 0 ? 0.5 * w->far : HUGE_VAL; }
 
-/* A point of the ray, in the unit of d times `scale`. */
+/* One coordinate of the point of the ray at t0 + t, all in the unit of d times `scale`. */
 static double coordinate_at(double o, double d, double t0, double t)
 {
     return t0 == 0 ? moved_along(o, t, d) : coordinate(o, d, t0, t).hi;
@@ -156,33 +168,33 @@ static sgt_vec3 point_at(const sgt_ray *ray, double scale, double t0, double t)
                       coordinate_at(o.z, d.z * scale, t0, t)};
 }
 
-/* ------------------------------------------------------------------- what is told */
+/* --------------------------------------------------------------- what is reported */
 
-/* The point of the ray at t, F there, and what is told of a root that is right to t_err. */
+/* The point of the ray at t, F there, and whether a root there, within t_err, is accepted. */
 typedef struct proof_place {
     acceptance h;
     sgt_vec3 p, n;
-    double f, width;       /* width: START_ULPS of the terms, of t */
-    double least, most;    /* what it is at least, and at most */
-    double r2, off;        /* r^2, and how far it can be off */
-    bool exact;            /* t has lost nothing by being scaled */
+    double f, width;       /* width: the reach of the rule of the start, as a t */
+    double least, most;    /* its lower and upper bound */
+    double r2, off;        /* r^2, and a bound on its error */
+    bool exact;            /* scaling t has lost nothing */
 } proof_place;
 
-/* The least |x| in it. */
+/* The least |x| in the interval. */
 static double least_of(sgt_interval x) { return x.lo > 0 ? x.lo : x.hi < 0 ? -x.hi : 0; }
 
-/* How far rounding of the gradient can move |x Fx| + |y Fy| + |z Fz|: a part of what it does to F, which is
- * a sum of such terms, times the degree: 32 of it.  What is below 2^-1000 stands for underflow, whatever
- * the unit of length, and says nothing of terms. */
+/* A bound on how far rounding of the gradient moves |x Fx| + |y Fy| + |z Fz|.  F is a sum of such terms;
+ * so it is a part of what rounding does to F, times the degree: 32 of it.  A rounding below 2^-1000 stands
+ * for underflow in any unit of length, and says nothing of terms. */
 static double terms_err(const proof *w, sgt_vec3 p)
 {
     double own = w->s.ops->rounding ? w->s.ops->rounding(w->s.self, p) : 0;
     return own >= 0x1p-1000 ? 0x1p5 * own : own >= 0 ? 0 : HUGE_VAL;
 }
 
-/* slope: certain bounds of g' at the root, in the ray's own t.  The gradient of `value` is rounded, and
- * where it nearly vanishes (where two planes meet, at the apex of a cone) its slope is nothing but
- * rounding: it is taken within these bounds. */
+/* slope: certain bounds of g' at the root, in the ray's own t.  The gradient of `value` is rounded.  Where
+ * it nearly vanishes (where two planes meet, at the apex of a cone) its slope is nothing but rounding, so
+ * it is clipped to these bounds. */
 static proof_place proof_place_of(proof *w, double t, double t_err, sgt_interval slope)
 {
     const sgt_ray *ray = w->ray;
@@ -212,7 +224,7 @@ static proof_place proof_place_of(proof *w, double t, double t_err, sgt_interval
     return at;
 }
 
-/* The last entry is of [lo, hi]. */
+/* Notes that an entry of [lo, hi] has been added. */
 static void added(proof *w, double lo, double hi)
 {
     double off = larger(larger(lo - w->seed, w->seed - hi), 0);
@@ -226,7 +238,7 @@ void sgt_proof_stretch(proof *w, sgt_status status, double lo, double hi)
     if (w->list->count) added(w, lo, hi);
 }
 
-/* about: it, in the ray's own t. */
+/* about: [lo, hi] of the hit, in the ray's own t; x: the root's interval, counted from t0. */
 static void proof_add(proof *w, sgt_status status, const proof_place *at, sgt_interval x, sgt_interval about)
 {
     sgt_hit hit = {.status = status,
@@ -246,9 +258,10 @@ static void proof_add(proof *w, sgt_status status, const proof_place *at, sgt_in
     added(w, x.lo, x.hi);
 }
 
-/* How far from tmin a root of the stretch has to be for it to count, at least.  x and Fx are looked at on
- * both ends and between them: where neither changes its sign their product is not below the least of the
- * three (of a quadric, whose gradient is linear; else as long as the stretch is short for where it is). */
+/* A lower bound on how far from tmin a root in `at` has to be in order to be accepted; 0: none.  The
+ * products x Fx are looked at in both ends and the middle.  If none of the three changes sign, the product
+ * is not below the least of them.  That is exact for a quadric, whose gradient is linear.  For others it
+ * holds while the stretch is short for its distance from the origin (2^-10 of it). */
 static double start_width(proof *w, sgt_interval at, sgt_interval slope)
 {
     double t[3] = {at.lo, sgt_interval_middle(at), at.hi}, x[3][3], terms = 0, err = 0, far = 0;
@@ -270,7 +283,7 @@ static double start_width(proof *w, sgt_interval at, sgt_interval slope)
     return START_ULPS * larger(terms - err, 0) / sgt_interval_greatest(slope);
 }
 
-/* All of the stretch is beyond the rim. */
+/* Does all of the stretch lie beyond the rim? */
 static bool proof_outside(const proof *w, sgt_interval t)
 {
     sgt_vec3 o = w->ray->o, d = w->ray->d;
@@ -282,9 +295,10 @@ static bool proof_outside(const proof *w, sgt_interval t)
 
 static double proof_absolute(sgt_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
 
-/* F as computed there is 0 as far as rounding tells.  An enclosure may be wide for reasons of its own: of a
- * sum of large terms far off it holds 0 at points where `value` is certainly another.  And where rounding is
- * a part in 2^20 of all that F is made of (a power has left the range of doubles) nothing is known. */
+/* Is F as computed there 0, as far as rounding tells?  The enclosure cannot answer this: it may be wide
+ * for reasons of its own.  The enclosure of a sum of large terms, far off, holds 0 at points where `value`
+ * is certainly not 0.  And if rounding is a part in 2^20 of all that F is made of (a power has left the
+ * range of doubles), nothing is known. */
 static bool proof_touches(const proof *w, const proof_place *at)
 {
     const sgt_surface_ops *ops = w->s.ops;
@@ -292,7 +306,7 @@ static bool proof_touches(const proof *w, const proof_place *at)
            size = proof_absolute(at->p) * proof_absolute(at->n);
     if (!(own >= 0 && own < HUGE_VAL)) return !is_catalogue(ops); /* not known */
     bool lost =
-        at->n.z == 1 && own > 0x1p-20 * size + 0x1p-900; /* of a sag: the gradient of another may vanish */
+        at->n.z == 1 && own > 0x1p-20 * size + 0x1p-900; /* a sag; another's gradient may vanish */
     return !lost && !(fabs(at->f) > 8 * (own + 2 * SGT_U * size));
 }
 
@@ -302,7 +316,7 @@ static bool proof_in_range(const proof_place *at)
     return larger(fabs(at->n.x), larger(fabs(at->n.y), fabs(at->n.z))) < HUGE_VAL && at->h.p_err < HUGE_VAL;
 }
 
-/* The undecided stretch, if there is one, ends. */
+/* Ends the undecided stretch, if there is one: it is dropped, a graze, or UNPROVEN. */
 static void flush(proof *w)
 {
     if (!w->pending) return;
@@ -337,7 +351,7 @@ static void flush(proof *w)
             if (here.r2 - w->rim2 > here.off && !whole) return;
             about = sgt_interval_between(larger(about.lo, w->ray->tmin),
                                          about.hi < w->ray->tmax ? about.hi : w->ray->tmax);
-            if (whole && w->t0 == 0) here.h.t = t, here.h.t_lo = 0; /* of a short d it may have underflown */
+            if (whole && w->t0 == 0) here.h.t = t, here.h.t_lo = 0; /* d short: it may underflow */
             if (whole && here.h.t < w->ray->tmin) here.h.t = w->ray->tmin, here.h.t_lo = 0;
             double at_t = here.h.t;
             bool inside = here.r2 <= w->rim2 && at_t >= about.lo && at_t <= about.hi;
@@ -365,13 +379,13 @@ static void undecided(proof *w, sgt_interval x)
 
 typedef enum proof_verdict { NONE, ROOT, UNSURE } proof_verdict;
 
-/* Where a root is, where no other is, and the slope over all of that. */
+/* The root's interval; the interval in which it is the only root; the slope over that. */
 typedef struct certain { sgt_interval root, only, slope; } certain;
 
-/* Is there one in n, and only one?  G is g at m. */
+/* Is there a root in n, and only one?  G is g at m. */
 static proof_verdict proof_certify(proof *w, sgt_interval n, double m, sgt_interval G, certain *c)
 {
-    n = sgt_interval_hull(n, number(m)); /* between m and the root the mean value theorem is used */
+    n = sgt_interval_hull(n, number(m)); /* the mean value theorem is used between m and the root */
     double pad = sgt_interval_width(n) + 0x1p-51 * fabs(m) + DBL_TRUE_MIN;
     for (int i = 0; i < 3; i++, pad *= 8) {
         sgt_interval slope, x = {-sgt_sum_above(-n.lo, pad), sgt_sum_above(n.hi, pad)};
@@ -388,8 +402,9 @@ static proof_verdict proof_certify(proof *w, sgt_interval n, double m, sgt_inter
     return UNSURE;
 }
 
-/* What is told of a root is that there is no other within t_err of t.  From afar t_err is half an ulp of t
- * and more, and there may be one: that of this root is certain only where it is alone in all of that. */
+/* Is there no other root within t_err of t?  A hit under a proof claims that.  From afar t_err is half an
+ * ulp of t or more, which is wider than `only`, and there may be another root in it.  So the rest of that
+ * interval is asked about. */
 static bool unique_as_told(proof *w, const proof_place *at, sgt_interval only)
 {
     sgt_interval slope, told = out_by(sgt_interval_about(at->h.t, at->h.t_err), twofold_of(-w->t0));
@@ -401,16 +416,17 @@ static bool unique_as_told(proof *w, const proof_place *at, sgt_interval only)
            (behind.lo > behind.hi || !has_zero(proof_ask(w, behind, SGT_PROBE, &slope)));
 }
 
-/* Told, if it counts. */
+/* Adds the root if it is accepted, or an UNPROVEN stretch if that cannot be told.  false: the root cannot
+ * be told from an earlier entry. */
 static bool proof_take(proof *w, const certain *c)
 {
     sgt_interval root = c->root, only = c->only;
-    if (root.lo <= w->last.hi) { /* the last one once more? */
+    if (root.lo <= w->last.hi) { /* the last root once more? */
         if (!sgt_interval_is_in(w->last, only)) return false;
         return true;
     }
-    if (root.lo <= w->told_dark) return false; /* it cannot be told from a stretch that has been told */
-    if (w->pending && root.lo <= w->dark.hi) { /* that is part of where this root is alone */
+    if (root.lo <= w->told_dark) return false; /* it cannot be told from a stretch already reported */
+    if (w->pending && root.lo <= w->dark.hi) { /* that stretch is part of where this root is the only one */
         if (!sgt_interval_is_in(w->dark, only)) return false;
         w->pending = false;
     }
@@ -422,8 +438,8 @@ static bool proof_take(proof *w, const certain *c)
     if (w->told.stopped) return true;
     w->last = root;
     sgt_interval about = sgt_about(at.h.t, at.h.t_err);
-    /* in computed numbers, as long as they say how far the start reaches; else by what is certain wherever
-     * the root is in its interval (THE START) */
+    /* Is the root the start?  Decided in computed numbers while these tell how far the start reaches
+     * (steady). Else by what is certain wherever the root is in its interval (THE START). */
     double most_p = larger(fabs(at.p.x), larger(fabs(at.p.y), fabs(at.p.z))),
            steps = 8 * SGT_U * fabs(w->t0 + t), gap = at.h.t - (w->ray->tmin + at.h.t_err + steps);
     bool steady = at.most <= 4 * at.least && at.most <= 0x1p-36 * most_p * scale_of(w->ray->d),
@@ -435,8 +451,8 @@ static bool proof_take(proof *w, const certain *c)
         if (w->told.stopped) return true;
     }
     bool on_rim = w->rim2 < HUGE_VAL && !(fabs(at.r2 - w->rim2) > at.off);
-    /* Without a proof the rule of the rim decides there.  What it drops is no root within the semi_diameter
-     * itself: rounding moves r^2 by less than the rim is soft by. */
+    /* Without a proof the rule of the rim decides.  It drops no root within the semi_diameter itself:
+     * rounding moves r^2 by less than the rim is soft by. */
     if (on_rim && !w->told.opt->proof && at.r2 > w->rim2 && at.off <= 0x1p-45 * w->rim2) return true;
     if (on_rim && w->told.opt->proof) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi);
     else if (hidden && !(w->t0 + root.lo > w->ray->tmax))
@@ -448,7 +464,7 @@ static bool proof_take(proof *w, const certain *c)
     return true;
 }
 
-/* Where Newton's steps on `value` lead to from the middle of n. */
+/* The t to which Newton's steps on `value` lead from the middle of n. */
 static double guess(proof *w, sgt_interval n)
 {
     const sgt_ray *ray = w->ray;
@@ -460,7 +476,7 @@ static double guess(proof *w, sgt_interval n)
                next = t - step;
         tell(&w->told, SGT_NEWTON, w->t0 + t, f, slope, w->t0 + n.lo, w->t0 + n.hi);
         if (!(next >= n.lo && next <= n.hi && fabs(step) <= 0.6 * last)) break;
-        /* what the next step would be, about */
+        /* an estimate of the next step's length */
         double shrinks = fabs(step) / last, left = fabs(step) * (shrinks * shrinks);
         last = fabs(step), t = next;
         if (left <= 0x1p-53 * larger(fabs(t), w->t0 != 0 ? w->foot : 0) || last < 0.25 * w->told.opt->t_tol)
@@ -469,7 +485,7 @@ static double guess(proof *w, sgt_interval n)
     return t;
 }
 
-/* The root of X, where g is monotone with a bounded slope; G is g at m. */
+/* Looks for the root of X, where g is monotone with a bounded slope.  G is g at m. */
 static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, double m, sgt_interval G,
                               certain *c)
 {
@@ -479,7 +495,7 @@ static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, doub
         if (sgt_interval_is_empty(next)) return NONE;
         slow += !(sgt_interval_width(next) <= 0.75 * sgt_interval_width(n));
         n = next;
-        /* at an end a tolerance would hide whether the root counts */
+        /* at an end of the search a tolerance would hide whether the root is accepted */
         bool inside = n.lo > w->lo && n.hi < w->hi;
         if (has_zero(G) || slow > 1 || sgt_interval_width(n) <= (inside ? w->told.opt->t_tol : 0))
             return proof_certify(w, n, m, G, c);
@@ -494,15 +510,15 @@ static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, doub
 
 typedef struct pieces { sgt_interval piece[PIECES]; int n; } pieces;
 
-/* The last is searched first. */
+/* The piece pushed last is searched first. */
 static void push(pieces *p, double lo, double hi)
 {
     if (lo <= hi) p->piece[p->n++] = sgt_interval_between(lo, hi);
 }
 
-/* Its middle; of one that is long for its distance from the centre the geometric one.  DBL_MAX, for an end
- * at infinity, is no length: there it is so many times as far as the other end, whatever the unit of
- * length. */
+/* Where a piece is divided: its middle, or the geometric middle if it is long for its distance from the
+ * centre.  DBL_MAX stands for an end at infinity, and is no length.  Such a piece is divided at 2^32 times
+ * the distance of its other end, whatever the unit of length. */
 static double middle_of(const proof *w, sgt_interval x)
 {
     const double times = 0x1p32;
@@ -514,7 +530,7 @@ static double middle_of(const proof *w, sgt_interval x)
     return m > x.lo && m < x.hi ? m : sgt_interval_middle(x);
 }
 
-/* false: the search is over, and X is not decided. */
+/* Decides the piece X, or pushes what is left of it.  false: the search is over, and X is not decided. */
 static bool proof_look(proof *w, sgt_interval x, pieces *rest)
 {
     sgt_interval slope, G = sgt_interval_all(), g = proof_ask(w, x, SGT_MARCH, &slope);
@@ -540,7 +556,7 @@ static bool proof_look(proof *w, sgt_interval x, pieces *rest)
     }
     bool noise = asked && ((has_zero(G) && sgt_interval_width(g) <= 4 * sgt_interval_width(G))
                            || sgt_interval_greatest(slope) * (x.hi - x.lo) <= sgt_interval_width(G));
-    /* out of range there, and here? */
+    /* out of range at m: at the end of X, too? */
     if (noise && room && !is_bounded(G)) noise = !is_bounded(ask_at(w, x.lo, SGT_MARCH));
     if (!room || noise) {
         undecided(w, x);
@@ -559,7 +575,7 @@ static bool proof_look(proof *w, sgt_interval x, pieces *rest)
     return true;
 }
 
-/* The part of what is searched that is in `part`; false: it is not all decided, but up to *next. */
+/* Searches `part`.  false: the search is over, and only what lies before *next is decided. */
 static bool search_part(proof *w, sgt_interval part, double *next)
 {
     pieces rest = {.n = 0};
@@ -573,7 +589,7 @@ static bool search_part(proof *w, sgt_interval part, double *next)
     w->least = 0x1p-80 * (to - (far_left ? left : from));
 
     bool decided = true;
-    *next = from; /* decided up to here, but for what is dark */
+    *next = from; /* decided up to here, but for the undecided stretch */
     while (rest.n > 0 && decided && !w->found) {
         sgt_interval x = rest.piece[--rest.n];
         x.lo = larger(x.lo, w->done);
@@ -610,15 +626,14 @@ void sgt_proof_search(proof *w)
         sgt_proof_stretch(w, w->told.stopped ? SGT_STOPPED : spent, w->pending ? w->dark.lo : next, w->hi);
 }
 
-/* ----------------------------------------------------------------------- the doors */
+/* ----------------------------------------------------------- public in the library */
 
-/* Where a root can be; false: nowhere. */
 bool sgt_proof_bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
 {
     *span = (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL};
     if (s.ops->span) *span = s.ops->span(s.self, ray);
     bool by = span->lo > span->hi;
-    /* a root at an end of the span is inside */
+    /* a root at an end of the span is to be inside */
     double room = 0x1p-50 * ((fabs(span->lo) < HUGE_VAL ? fabs(span->lo) : 0) +
                              (fabs(span->hi) < HUGE_VAL ? fabs(span->hi) : 0));
     span->lo -= room, span->hi += room;
@@ -627,7 +642,7 @@ bool sgt_proof_bounds(sgt_surface s, const sgt_ray *ray, sgt_span *span)
     return !by && span->lo <= span->hi;
 }
 
-/* |v|, within 3 ulps, where its square would leave the range of a double too. */
+/* |v| within 3 ulps, also where its square would leave the range of a double. */
 static double proof_length_of(sgt_vec3 v)
 {
     double scale = scale_of(v), x = v.x * scale, y = v.y * scale, z = v.z * scale;
@@ -668,7 +683,6 @@ proof sgt_proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, co
     return w;
 }
 
-/* Taken, if it is a root: one that has been found at t + t_lo, to t_err. */
 bool sgt_proof_take(proof *w, double t, double t_lo, double t_err)
 {
     certain c;

@@ -1,17 +1,20 @@
-/* proven.c - the answers about a surface that is met by its operations, under a proof or without.
+/* proven.c - the answers about a surface that is met by its operations, with a proof or without.
  *
- * Without one, what general.c finds.  The estimate of general.c finds a root with a few evaluations, and
- * prove.c proves it; where that fails, or more than one root is wanted, prove.c searches the whole ray.
- * Without an enclosure nothing can be proven but that the ray passes the span by: the answer is the
- * estimate, told as UNPROVEN. */
+ *     proof          `enclose`  answer
+ *     none           any        what general.c finds
+ *     root or first  yes        if one root is wanted that need not be the first: general.c estimates it
+ *                               with at most QUICK evaluations, and prove.c proves it.  If that fails, or
+ *                               the first or all are wanted: prove.c searches the whole ray
+ *     root or first  no         a ray that misses the span is a proven miss; nothing else can be proven.
+ *                               Else it is the estimate, made UNPROVEN */
 #include "prove.h"
 
 #include "proof.h"
 
-/* Evaluations of an estimate that is to be proven. */
+/* The evaluations of an estimate that is to be proven. */
 enum { QUICK = 24 };
 
-/* What nobody proves. */
+/* The estimate of a surface without `enclose`: what is not proven is made UNPROVEN. */
 static sgt_hit doubted(sgt_hit hit, const sgt_ray *ray)
 {
     if (hit.status <= 0 && hit.status != SGT_EXHAUSTED) return hit;
@@ -25,7 +28,8 @@ static sgt_options plain(const sgt_options *opt)
     return estimate;
 }
 
-/* The root that an estimate finds at once, if it can be proven; or the watcher has stopped it. */
+/* Estimates a root with a few evaluations and proves it.  true: *hit is the proven root, or the watcher
+ * has stopped. */
 static bool prove_estimate(proof *w, sgt_hit *hit)
 {
     sgt_options estimate = plain(w->told.opt);
@@ -33,7 +37,7 @@ static bool prove_estimate(proof *w, sgt_hit *hit)
     *hit = sgt_search_first(w->s, w->ray, &estimate);
     w->told.evals = hit->evals;
     if (hit->status <= 0) return hit->status == SGT_STOPPED;
-    /* the search tells whether it counts */
+    /* next to tmax the search decides whether the root is accepted */
     if (fabs(hit->t - w->ray->tmax) <= END_ERRORS * (hit->t_err + SGT_U * fabs(hit->t))) return false;
     sgt_proof_take(w, hit->t, hit->t_lo, hit->t_err);
     *hit = w->list->last;
@@ -63,7 +67,7 @@ sgt_hit sgt_prove_within(sgt_surface s, const sgt_ray *ray, double rim2, const s
     if (list.count > 1 && one && !w.told.stopped) list.last = w.nearest;
     hit = first_entry(&list, ray, w.told.evals);
     hit.evals = w.told.evals;
-    /* at the very last */
+    /* stopped at the very last evaluation */
     if (w.told.stopped && hit.status != SGT_STOPPED) return hit_without(SGT_STOPPED, ray, hit.evals);
     if (list.count < 2 || (one && !w.told.stopped)) return hit;
     sgt_status open = hit.status == SGT_STOPPED ? SGT_STOPPED : SGT_UNPROVEN;
@@ -92,7 +96,7 @@ static void prove_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt,
 
 /* --------------------------------------------------------------- with a proof, or without */
 
-/* f_tol is not read of a surface that is built in. */
+/* f_tol is not read for a built-in surface: clear it. */
 static const sgt_options *read_of(sgt_surface s, const sgt_options *opt, sgt_options *own)
 {
     if (!is_catalogue(s.ops) || opt->f_tol == 0) return opt;

@@ -1,17 +1,22 @@
-/* sensitivity.c - the implicit function theorem at a hit (sensitivity.h).
+/* sensitivity.c - derivatives of a hit, by the implicit function theorem (sensitivity.h).
  *
- * Rays are taken BLOCK at a time, each number of theirs in a row, and each step is a loop over a row.  With
- * q = do + t dd the shift of the point and
- *     w = dt/dq = -n / s,    dt/da_j = -F_j / s,    s = n . d,
+ * Rays are taken BLOCK at a time.  Each number of theirs is a row, and each step is a loop over a row.
+ * Let q = do + t dd be the shift of the point, F_j the derivative of F by the parameter a_j, H the second
+ * derivatives of F.  With
+ *
+ *     s = n . d,    w = dt/dq = -n / s,    dt/da_j = -F_j / s,
+ *
  * the changes are
- *     dp = q + d dt,    dn = H dp + grad F_j da_j:
- *     dp_i/dq_j = (i = j) + d_i w_j,    dn_i/dq_j = H_ij + (H d)_i w_j,    dn_i/da_j = (H d)_i dt/da_j +
- *                                       grad F_j.
- * All of them have the factor 1 / s, which is made NaN where a ray was not met.  The point of such a ray is
- * never shown to the surface: a neighbour's stands in for it.
  *
- * ROUNDING.  1/s rounds once and each product once or twice: w is within 2 1/2 u of -n / s, beside what the
- * sum of products s is off by, 3 u (|nx dx| + |ny dy| + |nz dz|) / |s|; u = 2^-53. */
+ *     dp = q + d dt,                         dn = H dp + grad F_j da_j:
+ *     dp_i/dq_j = (i = j) + d_i w_j,         dn_i/dq_j = H_ij + (H d)_i w_j,
+ *                                            dn_i/da_j = (H d)_i dt/da_j + grad F_j.
+ *
+ * All have the factor 1 / s, which is set to NaN where a ray was not met.  The point of such a ray is
+ * never given to the surface: a neighbour's takes its place.
+ *
+ * ROUNDING, with u = 2^-53.  1/s rounds once, and each product once or twice.  So w is within 2 1/2 u of
+ * -n / s, beside the error of the sum of products s: 3 u (|nx dx| + |ny dy| + |nz dz|) / |s|. */
 #include "../surface/builtin.h"
 #include "../num/lanes.h"
 
@@ -28,17 +33,18 @@ typedef struct sensitivity_block {
     row met, place[3], shifts[3], h[6], hd[3], t, f, g[3];
     double *w[3];                        /* `shifts`, or the caller's */
     sgt_surface s;
-    size_t n, count;                     /* rays; of these were met */
+    size_t n, count;                     /* rays, and how many of them were met */
     const double *d[3], *normal[3];
-    sgt_points p;                        /* the hits', or `place` */
+    sgt_points p;                        /* the hits' points, or `place` */
 } sensitivity_block;
 
-/* xx, xy, xz, yy, yz, zz by coordinates. */
+/* The place of each entry of H in xx, xy, xz, yy, yz, zz. */
 static const int ENTRY[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
 /* ------------------------------------------------------------------------- rows */
 
-/* By way of int, a loop for each: bytes beside doubles in one loop are much code. */
+/* 1 where the status is positive, else 0.  Two loops, by way of int: bytes and doubles in one loop make
+ * long code. */
 SGT_KERNEL
 static void positive(size_t n, const signed char *status, double *out)
 {
@@ -47,7 +53,7 @@ static void positive(size_t n, const signed char *status, double *out)
     LANES for (size_t i = 0; i < n; i++) out[i] = wide[i];
 }
 
-/* -1 / s and w; met: 1 or 0.  Returns how many were met. */
+/* Sets -1 / s and w.  met: 1 or 0.  Returns how many were met. */
 SGT_KERNEL
 static double invert(sensitivity_block *b)
 {
@@ -129,7 +135,7 @@ static void sensitivity_begin(sensitivity_block *b, sgt_surface s, size_t n, con
         sensitivity_choose(n, b->met, b->p.p[i], b->p.p[i][first], b->place[i]), b->p.p[i] = b->place[i];
 }
 
-/* H; NaN where there is none, anything where no ray was met. */
+/* H; NaN if the surface has none.  Any value where no ray was met. */
 static void sensitivity_second(sensitivity_block *b)
 {
     double *const out[6] = {b->h[0], b->h[1], b->h[2], b->h[3], b->h[4], b->h[5]};
@@ -149,7 +155,7 @@ static void sensitivity_bend(sensitivity_block *b)
     for (int i = 0; i < 3; i++) second_times(b, i, b->d[0], b->d[1], b->d[2], b->hd[i]);
 }
 
-/* F_j, and its gradient where that is wanted. */
+/* F_j, and its gradient if wanted. */
 static void parameter(sensitivity_block *b, size_t j, bool gradient)
 {
     sgt_values out = {b->f, {NULL, NULL, NULL}};
@@ -162,9 +168,9 @@ static void parameter(sensitivity_block *b, size_t j, bool gradient)
     for (int i = 0; i < 3 && gradient; i++) sensitivity_fill(b->n, (double)NAN, b->g[i]);
 }
 
-/* ----------------------------------------------------------------------- the door */
+/* --------------------------------------------------------------- public functions */
 
-/* With the operations of this set of instructions; a table that is not whole offers nothing. */
+/* The surface with the operations of this set of instructions; none if its table is not whole (is_whole). */
 static sgt_surface offered(sgt_surface s)
 {
     static const sgt_surface_ops nothing = {0};
@@ -261,7 +267,7 @@ int sgt_differentiate_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hit
                  lists && !has_parameters(s));
 }
 
-/* The shift do + t dd, a row each. */
+/* The shift do + t dd, in three rows. */
 static void shift(const sensitivity_block *b, const sgt_rays *change, const double *t, size_t at,
                   double *q[3])
 {
@@ -296,7 +302,7 @@ int sgt_differentiate_forward(sgt_surface s, size_t n, sgt_rays rays, sgt_hits h
             for (int i = 0; i < 3 && turns; i++) add_times(here, da[j], b.g[i], turned[i]);
         }
         sensitivity_product(here, b.t, b.inverse, b.t);
-        for (int i = 0; i < 3; i++) sum(here, q[i], b.d[i], b.t, q[i]); /* now it is dp */
+        for (int i = 0; i < 3; i++) sum(here, q[i], b.d[i], b.t, q[i]); /* q is now dp */
         if (out.t) memcpy(out.t + at, b.t, here * sizeof(double));
         for (int i = 0; i < 3 && out.p[0]; i++) memcpy(out.p[i] + at, q[i], here * sizeof(double));
         if (!turns) continue;

@@ -1,17 +1,26 @@
 /* ray/unique.c - the root near the seed, proven to be the only one.
  *
- * Most often the surface knows at once (sgt_builtin_ops, alone; a loop over lanes, of which one ray is a
- * tile of one): along the ray F is monotone within the rim; the other root of a conic is on the other
- * sheet, beyond the rim or outside the ray's ends, or it certainly counts; no ring of an asphere holds
- * another.  Where it does not, every root is asked for: there has to be one, and it decided.  With a clear
- * aperture narrower than the surface the ray is cut to three times its chord with the aperture's cylinder,
- * so that no root within is taken for the start of what is left, and what is certainly outside of that
- * chord is passed over.  Of a surface that is met by its operations it is cut to that chord and a part in
- * 2^20, and the aperture is its rim: beyond it there may be other roots, and the edge of its domain.
+ * AT ONCE.  Most often the surface knows (sgt_builtin_ops.unique: a loop over lanes; a single ray is a
+ * tile of one). It knows in these cases:
+ * - F is monotone along the ray within the rim;
+ * - the other root of a conic is on the other sheet, beyond the rim or outside the ray's ends; or that
+ *   root is certainly accepted;
+ * - no ring of an asphere holds another root.
  *
- * NEARER.  A root is outside the clear aperture; is there another, inside?  Not where it is the only one
- * within a radius R of the axis that is not less than its own.  R is rounded up, so that many rays share it,
- * and depends on nothing but the root. */
+ * ELSE every root is asked for.  There has to be exactly one, and it has to be decided.  If the clear
+ * aperture is narrower than the surface, the ray is cut first:
+ *
+ *     surface                     the ray is cut to                 roots outside the aperture
+ *     with `meet`                 three times its chord with the    skipped, if certainly outside the chord
+ *                                 aperture's cylinder, so that no
+ *                                 root within is taken for the start
+ *     met by its operations       that chord and a part in 2^20     the aperture is the rim: beyond it there
+ *                                                                   may be other roots, and the edge of the
+ *                                                                   surface's domain
+ *
+ * NEARER.  A root is outside the clear aperture.  Is there another one inside?  No, if the root is the
+ * only one within a radius R of the axis, with R not less than the root's own radius.  R is rounded up so
+ * that many rays share it.  It depends on nothing but the root. */
 #include "unique.h"
 
 #include "../num/bits.h"
@@ -28,12 +37,12 @@ bool sgt_unique_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned 
 {
     if (s.ops->own_ && s.ops->own_->unique) return s.ops->own_->unique(s.self, tile, rim2, unique, others);
     bool itself = answers_itself(s.ops);
-    /* level sets: the first is what was asked for */
+    /* level sets: the first root was asked for */
     memset(unique, itself ? 0xff : 0, tile->n * sizeof *unique);
     return itself;
 }
 
-/* 0: nothing is known. */
+/* What `unique` says of one ray; 0: nothing is known.  *other is set if there certainly is another root. */
 static unsigned long long at_once(sgt_surface s, const sgt_ray *ray, double rim2, sgt_interval *other)
 {
     unsigned long long unique;
@@ -45,7 +54,7 @@ static unsigned long long at_once(sgt_surface s, const sgt_ray *ray, double rim2
     return unique;
 }
 
-/* A watcher of a second search, which counts on. */
+/* A watcher of a second search, whose evaluations are counted on from `before`. */
 typedef struct counting { sgt_watch *watch; void *data; int before; } counting;
 
 static int watch_on(void *data, const sgt_step *step)
@@ -82,7 +91,7 @@ void sgt_prove_unique(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_
         *hit = none;
         return;
     }
-    if (!answers_itself(s.ops)) { /* it is proven as a surface of a user is */
+    if (!answers_itself(s.ops)) { /* proven like a user's surface */
         sgt_hit again = sgt_prove_within(s, &cut, rim2, &own);
         again.evals += hit->evals;
         bool same = again.status > 0 && again.lo <= hit->hi && again.hi >= hit->lo;
@@ -120,7 +129,7 @@ void sgt_prove_unique(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_
 
 /* ------------------------------------------------------------------------------ nearer */
 
-/* R^2: a power of two above r^2, by more than rounding; infinite where r is out of range. */
+/* R^2: a power of two, above r^2 by more than rounding.  Infinite if r^2 is not in (2^-800, 2^800). */
 static double radius2_about(double x, double y)
 {
     double r2 = (x * x + y * y) * (1 + 0x1p-20);
@@ -157,7 +166,7 @@ void sgt_none_nearer(sgt_surface s, const sgt_tile *tile, sgt_extents *kept, uns
     } else if (builtin && builtin->unique) {
         unsigned long long unique[SGT_FEW];
         for (size_t i = 0; i < n; i++) {
-            bool asked = false; /* with an earlier one */
+            bool asked = false; /* already asked with an earlier ray */
             for (size_t k = 0; k < i; k++) asked = asked || within2[k] == within2[i];
             if (asked) continue;
             builtin->unique(s.self, tile, within2[i], unique, NULL);

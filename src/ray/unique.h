@@ -1,35 +1,40 @@
-/* unique.h - is the root that was met the only one? */
+/* unique.h - is the root that was met the only one?
+ *
+ * Functions in unique.c, but for sgt_meet_by_slope and sgt_unique_by_slope, in by_slope.c. */
 #ifndef SGT_RAY_UNIQUE_H
 #define SGT_RAY_UNIQUE_H
 #include "../surface/builtin.h"
 
-/* *hit is positive, proven to be a root (SGT_PROVE_ROOT), of SGT_NEAR_SEED.  It stays as it is where no
- * other root that counts lies on the ray within r^2 <= rim2 (HUGE_VAL: anywhere); else it is UNPROVEN, [lo,
- * hi] about all of them.  One that was UNPROVEN before stays so, with such a stretch. */
+/* *hit comes from a search under SGT_NEAR_SEED; if it is positive, it is proven to be a root
+ * (SGT_PROVE_ROOT).  It stays as it is if no other accepted root lies on the ray within r^2 <= rim2
+ * (HUGE_VAL: anywhere).  Else it becomes UNPROVEN, with [lo, hi] about all the roots.  A hit that was
+ * UNPROVEN before stays so, with such a stretch. */
 void sgt_prove_unique(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt, sgt_hit *hit);
 
-/* Of a tile, at once, what is certain: as sgt_builtin_ops's alone. */
+/* What is certain at once for a tile, as sgt_builtin_ops.unique of builtin.h says it.  Without that: all
+ * bits set for level sets, which have only first roots, and 0 for others. */
 bool sgt_unique_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned long long unique[],
                      sgt_interval others[]);
 
-/* The root near the seed, proven to be the only one within r^2 <= rim2 by one evaluation more than an
- * estimate takes; false: it is not, and hit->evals evaluations have been spent.  A search that was stopped
- * is true. */
+/* The root near the seed, proven to be the only one within r^2 <= rim2.  It takes one evaluation more than
+ * an estimate. true: *hit is that root, or STOPPED.  false: it is not proven, and hit->evals evaluations
+ * have been spent. */
 bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt_options *opt, sgt_hit *hit);
 
-/* The same of hits that a tile was answered with without a proof, tmin and tmax apart: proven[i], and how
- * many.  Of these t_err, p_err and evals are then as a proof has them; status, t, t_lo and p are read, and
- * all have to be there. */
+/* The same for the hits of a tile that was answered without a proof; its tmin and tmax are not read.  Sets
+ * proven[i] and returns how many are.  For these, t_err, p_err and evals become those of a proof.  All of
+ * status, t, t_err, t_lo, p, p_err and evals have to be there. */
 size_t sgt_unique_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, bool proven[]);
 
-/* Of at most SGT_FEW rays that were met near the seed, at hits.p, which is all that is read of the hits:
- * none[i] is all bits set where certainly no other root that counts lies as near to the axis as that one, or
- * nearer, else 0. kept: what is known of the surface within some radii; radius 0: nothing. */
+/* For at most SGT_FEW rays that were met near the seed, at hits.p; nothing else of the hits is read.  Sets
+ * none[i] to all bits set if certainly no other accepted root lies as near to the axis as that one, or
+ * nearer; else to 0.  kept: what is known of the surface within some radii; an entry with radius2 0 is
+ * empty. */
 enum { SGT_FEW = 8, SGT_EXTENTS = 4 };
 typedef struct sgt_extents { double radius2[SGT_EXTENTS]; sgt_extent of[SGT_EXTENTS]; } sgt_extents;
 void sgt_none_nearer(sgt_surface s, const sgt_tile *tile, sgt_extents *kept, unsigned long long none[]);
 
-/* Does the proof ask for it? */
+/* Does the proof ask whether the root is the only one? */
 static inline bool asks_unique(const sgt_options *opt)
 {
     return opt->proof == SGT_PROVE_FIRST && opt->pick == SGT_NEAR_SEED;

@@ -1,16 +1,17 @@
-/* vicinity.c - see vicinity.h.  A ray by itself is a row of one. */
+/* vicinity.c - see vicinity.h.  A single ray is a row of one. */
 #include "wings.h"
 
 #include "../surface/sag/piece.h"
 
 enum { SHRINKS = 12 };
 
-/* In place of a bound of the slope by which a root would be known less well than by a look on either side. */
+/* Takes the place of a bound on the slope that is too small: with it a root would be known less well than
+ * by a look on either side. */
 static const double NO_BOUND = 0x1p-1000;
 
 /* ------------------------------------------------------------------------------- rungs */
 
-/* Of the surface within the radius. */
+/* What is known of the surface within the radius `rung`. */
 static const sgt_extent *vicinity_within(sgt_surface s, double rung, int digits, vicinities *kept)
 {
     int i = place_of(rung, digits, VICINITIES);
@@ -19,7 +20,7 @@ static const sgt_extent *vicinity_within(sgt_surface s, double rung, int digits,
     return &kept->extent[i];
 }
 
-/* Where the rung is infinite nothing is known; nor of those who are not asked. */
+/* The same for n rays.  Nothing is known if the rung is infinite or the ray is not asked. */
 SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits, const double *asked,
                     vicinities *kept, double *radius2, double *steep, double *size)
 {
@@ -31,7 +32,7 @@ SGT_INLINE void extents(sgt_surface s, size_t n, const double *rung, int digits,
     }
 }
 
-/* About the root, whose rung that is. */
+/* Sets the noise of row i for a root whose rung is `rung`. */
 SGT_INLINE void noise_about(sgt_surface s, double rung, size_t i, vicinities *kept, const vicinity *v)
 {
     v->noise[0][i] = v->noise[1][i] = v->noise[2][i] = (double)NAN;
@@ -45,8 +46,8 @@ SGT_INLINE void noise_about(sgt_surface s, double rung, size_t i, vicinities *ke
 
 /* -------------------------------------------------------------------------- the radius */
 
-/* What is needed at the seed, and from where the search begins on: the least radius, and the rung about the
- * root. */
+/* The radius needed at the seed, the point from which the search begins, and the least radius for both;
+ * the rungs of that radius and of the root. */
 SGT_KERNEL
 static void vicinity_begin(size_t n, bool near, const double *restrict ox, const double *restrict oy,
                   const double *restrict dx, const double *restrict dy, const double *restrict dz,
@@ -67,8 +68,9 @@ static void vicinity_begin(size_t n, bool near, const double *restrict ox, const
     }
 }
 
-/* Begins where the ray enters |z| <= size, made larger by far more than rounding, where a smaller radius is
- * enough from there on: unless it is from so far that an ulp of t is too long for that.  How many did. */
+/* Moves the beginning to where the ray enters |z| <= size, if a smaller radius is enough from there on.
+ * size is first made larger by far more than rounding.  Not if the ray comes from so far that an ulp of t
+ * is too long for that.  Returns how many rays were moved. */
 SGT_KERNEL
 static double shrink(size_t n, const double *restrict ox, const double *restrict oy,
                      const double *restrict oz, const double *restrict dx, const double *restrict dy,
@@ -95,8 +97,8 @@ static double shrink(size_t n, const double *restrict ox, const double *restrict
 
 /* ------------------------------------------------------------------------- the stretch */
 
-/* Where F is monotone on the chord within the radius, some of the ray is there, and it begins before the
- * search does.  How many are left. */
+/* Accepts the chord if F is monotone on it, some of the ray is in it, and it begins before the search
+ * does. Returns how many rays are left. */
 SGT_KERNEL
 static double vicinity_judge(size_t n, const double *restrict dx, const double *restrict dy,
                              const double *restrict dz, const double *restrict tmin,
@@ -121,11 +123,12 @@ static double vicinity_judge(size_t n, const double *restrict dx, const double *
     return left;
 }
 
-/* ---------------------------------------------------------------------------- passed by */
+/* ------------------------------------------------------------------------------- misses */
 
-/* The cone of asphere_unique.c, from where the ray begins: behind it, r from the axis, it is no lower than
- * high + q max(r - r0, 0), on the side it goes to.  Coarser than ring by ring, and a few operations; where
- * the last ring is endless, all that is known of it.  Of the rings from `first` on. */
+/* The cone of asphere/unique.c, from where the ray begins.  Beyond that point, at a radius r, the ray is
+ * no lower than high + q max(r - r0, 0) on the side it goes to.  Is it above all rings from `first` on?
+ * This is coarser than ring by ring, but takes a few operations, and is all that can be said if the last
+ * ring is endless. */
 SGT_KERNEL
 static mask is_above(const sgt_heights *g, const line *w, int first)
 {
@@ -156,7 +159,7 @@ static mask passed_by(const sgt_heights *g, const line *w, int ended)
     return MASK(left == 0);
 }
 
-/* Does any begin behind the seed? */
+/* Does any ray begin behind the seed? */
 static bool any_behind(size_t n, const double *asked, const double *seed, const double *tmin)
 {
     bool any = false;
@@ -164,8 +167,8 @@ static bool any_behind(size_t n, const double *asked, const double *seed, const 
     return any;
 }
 
-/* Those that pass the whole surface by are asked no more; of the rays that begin behind the seed, which may
- * well leave it, or of the others. */
+/* Marks as misses the rays that miss the whole surface.  behind: looks at the rays that begin behind the
+ * seed, which may well leave the surface; else at the others. */
 static void vicinity_without_passing(sgt_surface s, size_t n, sgt_rays r, bool behind, vicinities *kept,
                             const vicinity *v)
 {

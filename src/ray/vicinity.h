@@ -1,36 +1,37 @@
-/* vicinity.h - a sag where one ray meets it: the stretch of that ray along which F is monotone, whatever
- * becomes of the surface farther out.
+/* vicinity.h - the part of a sag that one ray needs: the stretch of the ray along which F is monotone,
+ * whatever the surface does farther out.
  *
- * r^2 is convex along a ray.  So between two of its points r is at most the larger of their two, R; and a
- * surface cut off at R has the rim that makes F monotone along the chord, if the slope within R allows it
- * (departure/departure.c, THE SPAN).  Of the two points one is where a root is looked for, the seed; the
- * other is where the search begins.  A root within the chord, which begins before the search does, is then
- * the first.  Nothing is said of a ray that has no root there: it may have one farther out.  Near the seed
- * there is no second point, and a root within the chord is the one.
+ * THE IDEA.  r^2 is convex along a ray.  So between two points of the ray r is at most the larger of the
+ * two, R.  A surface cut off at R has a rim, and with it F may be monotone along the chord, if the slope
+ * within R is small enough (departure/departure.c, THE SPAN).  One of the two points is the seed, where a
+ * root is looked for.  The other is where the search begins.  If the chord begins before the search does,
+ * a root within the chord is the first root.  If there is no root in the chord, nothing is known: there
+ * may be one farther out.  For the root near the seed there is no second point, and a root within the
+ * chord is the answer.
  *
- * WHERE THE SEARCH BEGINS.  Within R the sag is at most S, so no root is where |z| > S, and the ray may as
- * well begin where it enters |z| <= S.  Where that is nearer to the axis R is smaller, and S with it: the
- * same again.  Of a ray from afar at a lens R is soon that of the lens.
+ * WHERE THE SEARCH BEGINS.  Within R the sag is at most S.  So no root is where |z| > S, and the search
+ * may begin where the ray enters |z| <= S.  If that point is nearer to the axis, R is smaller, and so is
+ * S: repeat.  For a ray from afar at a lens R soon becomes the radius of the lens.
  *
- * PASSED BY.  Where the surface ends, its rings have heights (builtin.h), and a ray that is above or below
- * them on every piece of it (piece.h) meets nothing: so a ray that leaves the surface, where it has no rim.
- * Where that says too little, F is looked at all the way out (wings.c).
+ * A MISS.  If the surface ends, its rings have heights (builtin.h).  A ray that is above or below them on
+ * every piece of it (piece.h) misses.  This decides rays that leave a surface without a rim.  If it says
+ * too little, F is looked at all the way out (wings.c).
  *
- * FROM AFAR the surface may be so steep within R that this says nothing, and a root farther out may be the
- * first: there F is looked at, point by point, on the way in (wings.c).
+ * FROM AFAR the surface may be so steep within R that the chord says nothing, and a root farther out may
+ * be the first.  There F is looked at, point by point, on the way in (wings.c).
  *
- * RUNGS.  What is known of the surface within R costs more than a root.  So R is rounded up, to a power of
- * two or, where that says too little, to an eighth of one, and many rays share it.  It depends on nothing
- * but the ray and the surface: a ray in a batch has the R it has alone.
+ * RUNGS.  To know the surface within R costs more than a root.  So R is rounded up to a power of two or,
+ * if that says too little, to an eighth of one; and many rays share it.  It depends on nothing but the ray
+ * and the surface: a ray in a batch has the same R as by itself.
  *
- * THE ROUNDING of the departure, one bound for all within a radius, is that of the eighth next to the seed:
- * high powers of r would make much more of a wider one. */
+ * THE ROUNDING of the departure has one bound for all points within a radius.  It is taken at the eighth
+ * of a power of two next above the seed's radius, as high powers of r make much more of a wider one. */
 #ifndef SGT_RAY_VICINITY_H
 #define SGT_RAY_VICINITY_H
 
 #include "../surface/builtin.h"
 
-/* What is known of a surface within some radii, each at a place of its own; radius 0: nothing is there. */
+/* What is known of a surface within some radii, each at a place of its own; radius 0: the place is empty. */
 enum { VICINITIES = 16, NOISES = 32, RINGS = 64, WINGS_ROWS = 28, VICINITY_ROWS = WINGS_ROWS };
 typedef struct ring { double radius, steep, bend, noise[2]; } ring;
 typedef struct rings { bool any; ring of[RINGS]; } rings; /* of wings.c */
@@ -49,12 +50,17 @@ SGT_INLINE void vicinities_begin(vicinities *v)
     v->rings.any = v->any_heights = false;
 }
 
-/* Of some rays, a row each.  asked: 1, else 0; of one that is asked the seed is a number.  After the call
- * it is 1 where nothing was found; 0 with lo > hi where nothing is met; else lo, hi and least are those of
- * the stretch, and the seed may be another: `least` bounds |dF/dtau| from below all along it
- * (sgt_builtin_ops, spans).  Within r^2 <= noise[2] of the axis F is off by noise[0] + noise[1] r^2
- * (sgt_shared), where that is known.  What was spent is added to evals, and told, of a row by itself,
- * unless that is NULL. */
+/* Some rays, a row each.
+ *
+ *     asked, before    1: to be looked at, and the seed is a number; 0: not
+ *     asked, after     1: nothing was found
+ *                      0, lo > hi: a miss
+ *                      0, lo <= hi: [lo, hi] is the stretch, `least` a lower bound on |dF/dtau| all along it
+ *                      (sgt_builtin_ops, spans), and the seed may have been changed
+ *
+ * At r^2 <= noise[2] from the axis the departure adds noise[0] + noise[1] r^2 to the rounding of F
+ * (sgt_shared); NaN where that is not known.  Evaluations spent are added to evals.  If `told` is not NULL
+ * there is one row only, and its watcher is told of them.  work: scratch rows. */
 typedef struct vicinity {
     const double *tmin, *tmax;
     double *seed, *asked, *lo, *hi, *least, *noise[3], *evals, budget;
@@ -62,8 +68,9 @@ typedef struct vicinity {
     double *work[VICINITY_ROWS];
 } vicinity;
 
-/* What the departure adds to the rounding of F at a point of that r^2, unless that is much nearer to the
- * axis than the radius that it is known for; the base's is `roundings` of bare_of. */
+/* What the departure adds to the rounding of F at a point of that r^2.  NaN beyond most2, and nearer to
+ * the axis than half the radius of most2, where the bound is known but coarse.  The base's rounding is
+ * `roundings` of bare_of. */
 SGT_INLINE double vicinity_noise(double e0, double e1, double most2, double r2)
 {
     return ((r2 <= most2) & (r2 >= 0.25 * most2)) ? 1.01 * sgt_fma(e1, r2, e0) : (double)NAN;
@@ -75,7 +82,8 @@ SGT_INLINE sgt_shared bare_of(sgt_shared s)
     return s;
 }
 
-/* Of a surface that has extent_within, `whole` being what it shares; the ends of the rays are explicit. */
+/* Fills v.  s has extent_within; `whole` is what it shares; the ends of the rays are explicit.  near: the
+ * root near the seed is wanted, not the first. */
 void sgt_vicinity_of(sgt_surface s, size_t n, sgt_rays rays, bool near, const sgt_shared *whole,
                      vicinities *kept, const vicinity *v);
 

@@ -1,18 +1,26 @@
 /* walk.c - evaluations along a ray of any surface, brackets, and the roots they hold.
  *
- * F is evaluated at the local point x + tau d; what rounding of that point does to F, e_i |F_i| per
- * coordinate, is added to the surface's own `rounding`.
+ * F is evaluated at the local point x + tau d.  Rounding of that point changes F by up to e_i |F_i| per
+ * coordinate.  That is added to the surface's own `rounding`.
  *
- * A root is looked for in the quick form first (step.h, which says what it claims), then by solve/root.c.
+ * A root is first looked for by the quick form (step.h says what it claims), then by solve/root.c.
  *
- * A POLE IS NO ROOT.  F changes sign at a pole of odd order as it does at a root, but at a root |F| falls as
- * the bracket shrinks, at a jump it stays, and at a pole it grows.  Rounding does not hide that: it grows as
- * fast as |F| there, so that the bounds on it say nothing.  The quick form tells a root by |F|, which is
- * greater beside it, and by the slope: to the right of a root F has the sign of the slope, to the right of a
- * pole the other.  The careful path does not trust slopes.  A root whose |F| is not the least of its search,
- * or not far below the greatest (the seed itself may be next to a pole), is looked at from 256, 1024, 4096
- * ... times its error: where |F| falls outward on both sides it is a pole, and skipped.  A jump is a change
- * of sign, and a hit. */
+ * A POLE IS NO ROOT.  F changes sign at a pole of odd order, too.  As the bracket shrinks, |F| behaves
+ * differently:
+ *
+ *     at a root    |F| falls
+ *     at a jump    |F| stays
+ *     at a pole    |F| grows
+ *
+ * Bounds on rounding do not help: at a pole they grow as fast as |F|.  The quick form tells a root by two
+ * signs: |F| is greater beside it, and to its right F has the sign of the slope.  To the right of a pole F
+ * has the other sign.
+ *
+ * The careful path does not trust slopes.  A root is suspicious if its |F| is not the least of its search,
+ * or not far below the greatest (the seed itself may be next to a pole).  Such a root is looked at from
+ * 256, 1024, 4096 ... times its error.  If |F| falls outward on both sides, it is a pole, and is skipped.
+ *
+ * A jump is a change of sign, and a hit. */
 #include "walk.h"
 
 #include "vicinity.h"
@@ -28,7 +36,7 @@ static double own_rounding(const walk *w, sgt_vec3 p, double f)
                  ops->own_->roundings(w->s.self, shared, 1, (sgt_points){{&p.x, &p.y, &p.z}}, &f, &own);
     if (w->nearby) own += vicinity_noise(w->noise[0], w->noise[1], w->noise[2], p.x * p.x + p.y * p.y);
     if (!(known && own >= 0) && ops->rounding) own = ops->rounding(w->s.self, p);
-    return own >= 0 ? own : is_catalogue(ops) ? HUGE_VAL : 0; /* a bound that is none is none */
+    return own >= 0 ? own : is_catalogue(ops) ? HUGE_VAL : 0; /* a NaN or negative bound: none is known */
 }
 
 int sgt_walk_sign(const walk *w, const point *at)
@@ -75,7 +83,7 @@ bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, doub
     }
     if (!(fabs(at->g) <= first)) return false;
     if (f_tol > 0 && fabs(at->g) <= f_tol) {
-        /* twice the first order, for the second */
+        /* twice the first order, to cover the second */
         *tau_err = 2 * (fabs(at->g) + at->g_err) / fabs(at->at.slope);
         *past = hi;
         return *tau_err < HUGE_VAL;
@@ -98,7 +106,7 @@ bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, doub
         signs = greater ? sign_at(&a) * sign_at(&b) : 0;
         *tau_err = larger(at->tau - left, right - at->tau);
         *past = right;
-        if (signs < 0) return at->at.slope * sign_at(&b) > 0; /* else a pole */
+        if (signs < 0) return at->at.slope * sign_at(&b) > 0; /* unlike signs, wrong way round: a pole */
     }
     return false;
 }
@@ -131,12 +139,13 @@ sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at)
     return r;
 }
 
-/* |F| falls three times outward on both sides of `at`, the end of a search right to tau_err; or the search
- * is over before.  It begins 256 times as far away: F may be noisier than it says. */
+/* Is `at`, the end of a search within tau_err, a pole?  It is if |F| falls outward on each side, three
+ * times or as far as it can be asked, and at least once.  Also true if the search is over before.  The
+ * first look is 256 times as far away as the error, as F may be noisier than it says. */
 static bool is_pole(walk *w, const point *at, double tau_err)
 {
     double place = larger(larger(at->at.ex, at->at.ey), at->at.ez);
-    double e = larger(tau_err, place * DBL_EPSILON); /* the rounding of the point hides what is nearer */
+    double e = larger(tau_err, place * DBL_EPSILON); /* rounding of the point hides what is nearer */
     bool falls = false;
     for (int side = -1; side <= 1; side += 2) {
         double before = fabs(at->g), far = 256 * e;
@@ -154,7 +163,7 @@ static bool is_pole(walk *w, const point *at, double tau_err)
     return falls;
 }
 
-/* The root at `at`, if it counts. */
+/* Adds the root at `at`, if it is accepted. */
 static bool walk_take(walk *w, sgt_status status, point at, double tau_err)
 {
     if (!(at.g_err < HUGE_VAL && fabs(at.g) < HUGE_VAL)) return false; /* nothing is known there */
@@ -204,7 +213,8 @@ bool sgt_walk_sharpen(walk *w, point at, double lo, double hi)
     return decided;
 }
 
-/* |F| at the end of a search is not far below all that it has seen: it rose, or began there. */
+/* Is |F| at the end of a search suspicious: above the least seen, or not below 2^-10 of the greatest (2^-4
+ * with a t_tol)? */
 static bool may_be_pole(const walk *w, double g)
 {
     return fabs(g) > w->lowest || fabs(g) > (w->t_tol > 0 ? 0x1p-4 : 0x1p-10) * w->highest;

@@ -1,4 +1,8 @@
-/* walk.h - one ray on its way along any surface: evaluations, brackets, and the roots they hold. */
+/* walk.h - one ray on its way along any surface: evaluations, brackets, and the roots they hold.
+ *
+ * All stretches and points (lo, hi, tau) are in the local measure: tau counts from the local origin, in
+ * lengths of the scaled direction (step.h, approach_of).  The functions are in walk.c; sgt_walk_cells is
+ * in cells.c. */
 #ifndef SGT_RAY_WALK_H
 #define SGT_RAY_WALK_H
 
@@ -6,12 +10,12 @@
 #include "../solve/step.h"
 #include "../surface/builtin.h"
 
-/* F at one local point of the ray, and how far it can be off there. */
+/* F at one point of the ray: g = F, off by at most g_err; p the local point, n the gradient. */
 typedef struct point {
     double tau, g, g_err;
     sgt_vec3 p, n;
     around at;
-    bool glanced; /* the surface's own rounding is left out of g_err */
+    bool glanced; /* g_err leaves out the surface's own rounding */
 } point;
 
 typedef struct walk {
@@ -20,69 +24,74 @@ typedef struct walk {
     local q;
     tally told;
     sgt_list *list;
-    bool all;       /* every root is wanted, not the first alone */
-    bool found;     /* and that one is found */
-    bool from_tmin; /* the search begins at tmin: a root there does not count */
-    bool defined;   /* F was, somewhere */
-    bool uncertain; /* a step was taken that a root can hide in */
-    double t_tol;   /* of tau */
-    double lo, hi;  /* the stretch that is searched: F is not asked for outside of it */
-    double lowest, highest; /* the least and the greatest |g| that the search for the root has seen */
-    bool off;       /* the root that does not count can be told not to */
-    /* of the quick form: the root that may count or not; its t is NaN where there is none */
+    bool all;       /* every root is wanted, not only the first */
+    bool found;     /* the one root that is wanted is found */
+    bool from_tmin; /* the search begins at tmin, where a root is not accepted */
+    bool defined;   /* F was defined at some point */
+    bool uncertain; /* a step was taken in which a root can hide */
+    double t_tol;   /* options.t_tol in units of tau */
+    double lo, hi;  /* the stretch that is searched; F is not asked for outside */
+    double lowest, highest; /* the least and the greatest |g| seen in the search for this root */
+    bool off;       /* the root is certainly not accepted */
+    /* From the quick form: the last root whose acceptance was asked for.  general.c sets t to NaN before;
+     * it stays NaN if there was none. */
     acceptance hidden;
-    /* a bound from below on |g'| all along the stretch, which has one root at most; 0: not known */
+    /* A lower bound on |g'| all along the stretch, which has at most one root; 0: not known. */
     double least;
-    double rim2;    /* of the surface's rim; infinite where there is none */
-    double margin;  /* of acceptance_of: END_ERRORS where not all roots are found this way */
-    sgt_shared shared; /* of the surface, where it shares */
-    bool nearby;       /* and what its departure adds to the rounding is known near this ray alone: */
-    double noise[3];   /* vicinity.h */
+    double rim2;    /* r^2 at the surface's rim; infinite without one */
+    double margin;  /* margin of acceptance_of: END_ERRORS if this way finds one root only */
+    sgt_shared shared; /* what the surface shares, if it has `share` */
+    bool nearby;       /* what its departure adds to the rounding is known near this ray only: */
+    double noise[3];   /* noise of vicinity.h */
 } walk;
 
-/* No more is to be asked: stopped, spent, or found what was wanted. */
+/* Ask no more: stopped, the budget spent, or the wanted root found. */
 SGT_INLINE bool over(const walk *w) { return w->found || w->told.stopped || spent(&w->told); }
 
 SGT_INLINE int sign_at(const point *e) { return (int)sign_of(e->g, e->g_err); }
 
 SGT_INLINE mark mark_of(const point *e) { return (mark){e->tau, e->g, e->at.slope, sign_of(e->g, e->g_err)}; }
 
-/* F at tau; NaN without an evaluation where the search is over. */
+/* F at tau.  If the search is over, g is NaN and no evaluation is spent.  lo, hi: for the watcher. */
 point sgt_walk_look(walk *w, double tau, sgt_move move, double lo, double hi);
 
-/* The same, the surface's own rounding left out where it can be: close_of in step.h. */
+/* The same, but the surface's own rounding is left out if close_of (step.h) allows it.  last: the step
+ * before. */
 point sgt_walk_glance(walk *w, double tau, sgt_move move, double lo, double hi, double last);
 
-/* Its sign with the surface's own rounding. */
+/* The sign of g, with the surface's own rounding: 1, -1, or 0 if it is not certain. */
 int sgt_walk_sign(const walk *w, const point *at);
 
-/* Runs the solver, with the options of the ray; *at is the point it ended on. */
+/* sgt_walk_begin starts the solver with the ray's options.  sgt_walk_solve runs it; *at is set to the
+ * point it ended on. */
 sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at);
 sgt_root sgt_walk_begin(walk *w, sgt_span span);
 
-/* Adds what the solver found; false where it is no root that counts. */
+/* Adds what the solver found.  false: it is not an accepted root. */
 bool sgt_walk_take(walk *w, const sgt_root *r, point at);
 
-/* The quick form (step.h) from tau, `last` the step before, |g| at first (< 0: at tau): *at is the root,
- * right to *tau_err; *past is behind it. */
+/* The quick form (step.h), from tau, with `last` the size of the step before.  first: |g| where the search
+ * began; if it is negative, |g| at tau.  true: *at is a root, within *tau_err; *past lies behind it. */
 bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at,
                     double *tau_err, double *past);
 bool sgt_walk_take_quick(walk *w, point at, double tau_err);
 
-/* The same of one that may count or not, where `least` is known, with the rounding of F at the very point;
- * true: it counts, or certainly does not. */
+/* Decides a root of which sgt_walk_take_quick could not tell whether it is accepted.  Uses the rounding of
+ * F at the very point; `least` has to be known.  true: decided.  It is then added, or certainly not
+ * accepted. */
 bool sgt_walk_sharpen(walk *w, point at, double lo, double hi);
 
-/* One certain sign at both ends. */
+/* A miss: F has one certain sign at both ends, or is gone_by (step.h).  The stretch has one root at most. */
 bool sgt_walk_quick_miss(walk *w, double lo, double hi);
 
-/* A root between a and b, whose signs differ; false: none that counts.  *past is behind it. */
+/* Adds a root between a and b, whose signs differ.  *past lies behind it.  false: no root there is
+ * accepted. */
 bool sgt_walk_between(walk *w, const point *a, const point *b, double *past);
 
-/* [lo, hi] is not decided, or was not searched. */
+/* Adds [lo, hi], which is not decided or was not searched. */
 void sgt_walk_stretch(walk *w, sgt_status status, double lo, double hi);
 
-/* Every root in [lo, hi], both finite, by the surface's enclosure. */
+/* Adds every root in [lo, hi], both ends finite, by the surface's enclosure. */
 void sgt_walk_cells(walk *w, double lo, double hi);
 
 #endif

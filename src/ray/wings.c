@@ -1,36 +1,47 @@
-/* wings.c - the wings of a sag, steep as they are: the first root on the way in from afar, or that there is
- * none on the way out (vicinity.h).
+/* wings.c - the wings of a sag, however steep: finds the first root on the way in from afar, or proves
+ * that there is none on the way out (vicinity.h).
  *
- * THE MARCH.  From where the search begins on F is looked at again and again.  Between two points of the ray,
- * h apart in t, at which F is for certain at least a and at least b on the same side of zero, |F''| <= B all
- * the way between, F is above the parabola through (0, a) and (h, b) of second derivative B,
- *     a (1 - w) + b w - B h^2 w (1 - w) / 2,   0 <= w <= 1,
- * which is > 0 all over it where h sqrt(B / 2) < sqrt a + sqrt b (its least value is zero just where the two
- * are equal).  So no root is between them, and the march is at the second.
+ * THE MARCH looks at F again and again, from where the search begins.  Take two points of the ray, h apart
+ * in t, where F is certainly at least a and at least b on the same side of zero.  Let |F''| <= B all the
+ * way between.  Then F is above the parabola through (0, a) and (h, b) of second derivative B,
  *
- * THE ROOT.  Where the signs are unlike, |F| at least a and b, F' is somewhere the mean slope, at least (a +
- * b) / h, and no more than B h from that anywhere.  Where (a + b) / h is above 3 B h, F is monotone between
- * the two, with that less B h for a bound, and Newton's steps will do; else a shorter step is tried.  Where
- * the ray is made local the stretch is made longer by 2^-50 of t at either end (step.h): by less than a
- * sixteenth of h, which is what 1.125 B h is for, and no farther out than the radius is good for, a part in
- * 2^19 more.
+ *     a (1 - w) + b w - B h^2 w (1 - w) / 2,   0 <= w <= 1.
  *
- * B.  F is z less the sag, so F'' is the second derivative of the sag along (d_x, d_y): at most its norm
- * within a radius that holds both points (and with them, r^2 being convex, all between) times d_x^2 + d_y^2.
- * The radius is an eighth of a power of two: on the way in it becomes smaller with r, and B with it.
+ * That is > 0 everywhere if h sqrt(B / 2) < sqrt a + sqrt b (where the two are equal, its least value is
+ * zero).  So no root is between the points, and the march moves to the second.
  *
- * THE ROUNDING of F is that of the surface at the computed point, and the gradient within the radius times
- * how far that is off.
+ * THE ROOT.  Now let the signs be unlike, with |F| at least a and b.  Somewhere F' is the mean slope, at
+ * least (a + b) / h, and nowhere it is more than B h from that.  If (a + b) / h is above 3 B h, F is
+ * monotone between the two, with (a + b) / h - B h as lower bound on |F'|, and Newton's steps will do.
+ * Else a shorter step is tried.
  *
- * THE EDGE.  Where the base ends its slope has no bound.  A ray that begins outside, or next to it, is first
- * asked about as far as a part in 256 inside, by the enclosure; and so is a ray that leaves, from as near to
- * the edge on.  Where there is no root there either, it is a miss; and so where the ray ends before.  Where
- * there is no edge, a ray that leaves is followed to four times the radius where it began.
+ * When the ray is made local, the stretch is made longer by 2^-50 of t at either end (step.h).  That is
+ * less than a sixteenth of h, which is why the bound uses 1.125 B h.  And it is no farther out than the
+ * radius is good for, a part in 2^19 more.
  *
- * A step of 0.98 sqrt(2 a / B) is never refused where the sign stays; far out, where F is a power of r, the
- * next b is to a as the last was, and the step may be longer.  Each lane is by itself; those that are done
- * make room for the last.  A march that has taken half of max_evals leaves the rest to the search through
- * enclosures, which begins anew. */
+ * B.  F is z less the sag.  So F'' is the second derivative of the sag along (d_x, d_y).  It is at most
+ * its norm within a radius that holds both points, times d_x^2 + d_y^2.  As r^2 is convex, that radius
+ * holds all points between.  It is an eighth of a power of two.  On the way in it becomes smaller with r,
+ * and B with it.
+ *
+ * THE ROUNDING of F is that of the surface at the computed point, plus the gradient within the radius
+ * times the error of that point.
+ *
+ * THE EDGE.  Where the base ends, its slope has no bound.
+ *
+ *     a ray that begins outside  is first asked by the enclosure, as far as a part in 256 inside the edge
+ *     the edge, or next to it
+ *     a ray that leaves          is asked by the enclosure from as near to the edge on; without a root it
+ *                                is a miss
+ *     a ray that ends before     is a miss
+ *     a surface without an edge  a ray that leaves is followed to four times the radius where it began, or
+ *                                that of the seed, if it is greater
+ *
+ * STEPS.  A step of 0.98 sqrt(2 a / B) is never refused while the sign stays.  Far out, F is a power of r,
+ * and the next b is to a as the last was; so the step may be longer.
+ *
+ * Each lane is by itself.  A lane that is done is replaced by the last.  A march that has taken half of
+ * max_evals leaves the rest to the search through enclosures, which begins anew. */
 #include "wings.h"
 
 #include "../num/bits.h"
@@ -39,9 +50,17 @@
 
 enum { MOST_STEPS = 1024, EDGE_RUNGS = 9, LEAVING = 32 };
 
-/* Of a lane: the ray, t in lengths of d made 1 ... 2 by a power of two; where the march is, the step, F there
- * at least, and its sign (0: not yet known), b / a of the last step's root; the radius and what is known
- * within it; the seed, and how far out the ray is followed; its row and its evaluations; the next point. */
+/* The rows of a lane.
+ *
+ *     OX ... DZ          the ray; its direction is scaled to 1 ... 2 by a power of two, and t with it
+ *     T, H, A, SIGN      where the march is; the next step (0: not yet chosen); a lower bound on |F| there;
+ *                        its sign (0: not yet known)
+ *     RATIO              sqrt(b / a) of the last step, at most 1
+ *     RADIUS ... E1      the radius, and what is known of the surface within it
+ *     SEED, LIMIT        the seed; the r to which the ray is followed
+ *     LANE, EVALS        its row in the caller's arrays; its evaluations
+ *     NEXT ... OWN       the next point, F there and its rounding
+ *     VERDICT, WANTED    what the step has shown; the radius wanted next */
 enum {
     OX, OY, OZ, DX, DY, DZ, T, H, A, SIGN, RATIO, RADIUS, STEEP, BEND, E0, E1, SEED, LIMIT, LANE, EVALS, NEXT,
     PX, PY, PZ, F, OWN, VERDICT, WANTED, ROWS
@@ -54,9 +73,9 @@ typedef double *const *rows;
 
 SGT_INLINE double radius_of(double x, double y) { return sqrt(x * x + y * y); }
 
-/* Of those about r.  High powers of r make much of a radius that is too wide: where the steps are short it is
- * a finer rung, and on the way out there is room for a few steps as the last, but no more.  outward:
- * d(r^2 / 2) in that step. */
+/* The radius wanted about a point at r.  High powers of r make much of a radius that is too wide.  So if
+ * steps are short, it is a finer rung.  On the way out there is room for a few steps like the last, but no
+ * more.  outward: d(r^2 / 2) in that step. */
 SGT_INLINE double radius_wanted(double r, double outward)
 {
     double step = outward / (r * r), room = chosen(MASK(step < 0x1p-4), 3 * step, 0.25);
@@ -67,7 +86,7 @@ SGT_INLINE double radius_wanted(double r, double outward)
 
 /* ------------------------------------------------------------------------- a step */
 
-/* Its length, where it is not that of a step refused; the point it leads to. */
+/* The next point.  The length of the step is h if a step has been refused, else it is chosen here. */
 SGT_KERNEL
 static void wings_step(size_t n, const double *restrict ox, const double *restrict oy,
                        const double *restrict oz, const double *restrict dx, const double *restrict dy,
@@ -92,7 +111,7 @@ static void wings_step(size_t n, const double *restrict ox, const double *restri
     }
 }
 
-/* What it has shown. */
+/* What F at the next point has shown. */
 SGT_KERNEL
 static void wings_judge(size_t n, const double *restrict dx, const double *restrict dy,
                         const double *restrict dz, double *restrict at, double *restrict h,
@@ -139,22 +158,21 @@ static void wings_judge(size_t n, const double *restrict dx, const double *restr
         sign[i] = chosen(first & moves, is, s);
         evals[i] = k;
         wanted[i] = radius_wanted(r, outward * larger(length, 0x1p-1000));
-        /* of a root what was known before it, in a row that is of no more use */
+        /* the |F| before the root, in a row that is not needed any more */
         limit[i] = chosen(found, before, limit[i]);
     }
 }
 
 /* --------------------------------------------------------------------------- the lanes */
 
-/* What is known within a radius: bounds on the gradient and the norm of the second derivative of the sag,
- * infinite or NaN where there is none, and what the departure adds to its rounding, noise[0] + noise[1] r^2.
- */
+/* What is known within a radius: bounds on the gradient and on the norm of the second derivative of the
+ * sag, infinite or NaN if unknown; and noise[0] + noise[1] r^2, which the departure adds to the rounding. */
 static const ring *ring_about(sgt_surface s, double rung, rings *kept)
 {
     if (!kept->any)
         for (int i = 0; i < RINGS; i++) kept->of[i].radius = 0;
     kept->any = true;
-    /* those of two octaves and every fourth of eight each at a place of its own */
+    /* The rungs of two octaves have a place each; so has every fourth rung of eight octaves. */
     ring *e = &kept->of[place_of(rung, FINER, RINGS) ^ place_of(rung, FINER + 6, 4)];
     if (e->radius == rung) return e;
     *e = (ring){rung, HUGE_VAL, HUGE_VAL, {(double)NAN, (double)NAN}};
@@ -167,7 +185,8 @@ static const ring *ring_about(sgt_surface s, double rung, rings *kept)
     return e;
 }
 
-/* edge: of the domain, where the base has no slope any more. */
+/* Sets the lane's radius to the one wanted, and what is known within it.  edge: of the domain, where the
+ * slope of the base has no bound. */
 static void enclose_in(sgt_surface s, double edge, rings *kept, rows a, size_t i)
 {
     double rung = a[WANTED][i];
@@ -182,7 +201,7 @@ static void enclose_in(sgt_surface s, double edge, rings *kept, rows a, size_t i
     a[BEND][i] = e->bend * (a[DX][i] * a[DX][i] + a[DY][i] * a[DY][i]) * (1 + 0x1p-20);
 }
 
-/* Its stretch, and where Newton's steps begin. */
+/* Reports the stretch that holds the root, and the seed of Newton's steps. */
 static void tell_root(rows a, size_t i, double scale, const vicinity *v)
 {
     size_t k = (size_t)a[LANE][i];
@@ -193,8 +212,8 @@ static void tell_root(rows a, size_t i, double scale, const vicinity *v)
         v->seed[k] = (lo + h * (before / (before + b))) * scale;
 }
 
-/* Where the ray is inside the edge by a part in 256, if there is certainly no root before: a base is at its
- * edge steeper than anything.  NaN: it is not known; *evals: what it took. */
+/* The t at which the ray is inside the edge by a part in 256, if there is certainly no root before it.
+ * (At its edge a base has a slope without bound.)  NaN: that is not known.  *evals grows by what it took. */
 static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double edge, const vicinity *v,
                           double *evals)
 {
@@ -213,11 +232,11 @@ static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double
     *evals += 1;
     if (v->told)
         tell(v->told, SGT_MARCH, begin, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, begin, lo);
-    return g.lo > 0 || g.hi < 0 ? lo : (double)NAN; /* an empty one, too */
+    return g.lo > 0 || g.hi < 0 ? lo : (double)NAN; /* also an empty one */
 }
 
-/* Past the last rung: does the ray leave the surface, or end, for certain without a root?  In pieces, where
- * the enclosure knows too little of all of it. */
+/* The ray is past the last rung.  Does it certainly leave the surface, or end, without a root?  It is
+ * asked in pieces if the enclosure knows too little of the whole. */
 static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows a, size_t i, double scale,
                            const vicinity *v)
 {
@@ -236,7 +255,7 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
         if (v->told)
             tell(v->told, SGT_MARCH, from, 0.5 * g.lo + 0.5 * g.hi, 0.5 * slope.lo + 0.5 * slope.hi, from,
                  to);
-        bool certain = g.lo > 0 || g.hi < 0; /* an empty one, too */
+        bool certain = g.lo > 0 || g.hi < 0; /* also an empty one */
         from = certain ? to : from;
         width *= certain ? 2 : 0.25;
     }
@@ -276,7 +295,7 @@ void sgt_march_wings(sgt_surface s, size_t n, sgt_rays r, const double *from, bo
         double begins = radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, t);
         a[LIMIT][k] = 4 * larger(begins, radius_at(ray.o.x, ray.o.y, ray.d.x, ray.d.y, v->seed[i]));
         if (edge < HUGE_VAL) a[LIMIT][k] = HUGE_VAL;
-        a[WANTED][k] = radius_wanted(begins, outward * 0x1p-1000); /* no step yet; as judge has it */
+        a[WANTED][k] = radius_wanted(begins, outward * 0x1p-1000); /* no step yet; as wings_judge has it */
         enclose_in(s, edge, kept, a, k);
     }
     while (left > 0) {

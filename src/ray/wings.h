@@ -1,4 +1,4 @@
-/* wings.h - a march through the wings of a sag: wings.c. */
+/* wings.h - a march through the wings of a sag (wings.c), and the rungs of radii. */
 #ifndef SGT_RAY_WINGS_H
 #define SGT_RAY_WINGS_H
 
@@ -10,8 +10,8 @@
 
 enum { FINER = 47, FINE = 49, COARSE = 52 };
 
-/* A power of two above r, or an eighth of one, or a thirty-second; infinite beyond 2^400, and never below
- * 2^-400. */
+/* The next rung above r.  digits: COARSE, a power of two; FINE, an eighth of one; FINER, a thirty-second.
+ * Infinite if r >= 2^400; never below 2^-400. */
 SGT_INLINE double rung_above(double r, int digits)
 {
     unsigned long long bits, unit = 1ULL << digits;
@@ -22,14 +22,15 @@ SGT_INLINE double rung_above(double r, int digits)
     return chosen(MASK(r < 0x1p400), above, HUGE_VAL);
 }
 
-/* Not below it: of a ray from afar x and y are known to an ulp of what they are made of. */
+/* Not below the distance of the point at t from the axis.  If the ray comes from afar, x and y are known
+ * to an ulp of their terms. */
 SGT_INLINE double radius_at(double ox, double oy, double dx, double dy, double t)
 {
     double tl = t * dx, tm = t * dy, x = ox + tl, y = oy + tm;
     return sqrt(x * x + y * y) + 0x1p-51 * ((fabs(ox) + fabs(tl)) + (fabs(oy) + fabs(tm)));
 }
 
-/* Where it is kept. */
+/* The place at which the rung is kept. */
 SGT_INLINE int place_of(double rung, int digits, int places)
 {
     unsigned long long bits;
@@ -37,9 +38,9 @@ SGT_INLINE int place_of(double rung, int digits, int places)
     return (int)(bits >> digits) & (places - 1);
 }
 
-/* Of each lane that is asked, from `from` on; work may be the rows of `from`.  Where the surface has an edge,
- * of those alone that begin behind the seed, or of the others.  Spends evaluations; those of a row by
- * itself are told. */
+/* Marches along each row that is asked, from `from` on, and answers in v.  The rows of `from` may be among
+ * those of `work`.  If the surface has an edge, only the rows that begin behind the seed are asked
+ * (behind), or only the others.  Evaluations are counted in v, and told if v has a watcher. */
 void sgt_march_wings(sgt_surface s, size_t n, sgt_rays rays, const double *from, bool behind,
                      const sgt_shared *bare, rings *kept, const vicinity *v, double *const work[WINGS_ROWS]);
 

@@ -1,36 +1,63 @@
 /* accept.h - which roots are accepted, and what is known of them.
  *
- * ACCEPTED ROOTS.  In this order: on the sheet, inside the rim, in (tmin, tmax], not
- * the start itself (sgt_ray in sagitta.h has the rule).  The rules for rim and ends are
- * stated in computed numbers, so they are sharp and never undecided; where a proof is asked for,
- * a root whose side of the rim rounding hides is.  And a root whose t_err is far wider than the rule of the
- * start (extreme numbers: terms that underflow or cancel) is not taken for the start: it is undecided
- * (ends_hide).
+ * ACCEPTED is a root that passes these tests, in this order:
  *
- * Each way to a root computes another t.  So a root next to tmax, by END_ERRORS of its t_err, is
- * left by the ways that are there for speed to the one that finds every root: the first root and
- * the first of all are then the same. */
+ *     1. it is on the sheet
+ *     2. it is inside the rim: r^2 <= rim2
+ *     3. it is in (tmin, tmax]
+ *     4. it is not the start itself: the rule of sgt_ray in sagitta.h
+ *
+ * The rules for rim and ends are stated in computed numbers, so they are sharp and never undecided.  There
+ * are two exceptions:
+ * - If a proof is asked for, a root whose side of the rim is hidden by rounding is undecided (rim_hidden).
+ * - If t_err is far wider than the rule of the start (extreme numbers: terms that underflow or cancel),
+ *   the root is not taken for the start.  It is undecided (ends_hide).
+ *
+ * THE RULE OF THE START.  A root t is not accepted if
+ *
+ *     t <= tmin + t_err + 2^-48 (|x Fx| + |y Fy| + |z Fz|) / |grad F . d| + 2^-50 |t|,
+ *
+ * with the products taken at the root.  2^-48 is START_ULPS, and 2^-50 is 8 u.  Each way to a root
+ * evaluates the rule with what it has at hand:
+ *
+ *     function                     file                 for whom
+ *     accepted                     here                 surfaces with `meet`, single rays, careful form
+ *     ends_hide                    here                 the same: is it certainly not accepted?
+ *     acceptance_of                step.h               surfaces met by their operations: quick form, lanes,
+ *                                                       walk of a single ray; prove.c asks it, too
+ *     sharpened_of                 step.h               the same, with the rounding of F at the very point
+ *     proof_take, start_width      ray/prove.c          enclosures: with certain bounds on the slope
+ *     root_accepted                orbit/course.h       level sets, single rays and lanes
+ *     lane_of                      sag/lanes.h          quick form of conic and asphere: by a wide margin
+ *
+ * Quick forms of single surfaces test a part of it with a margin, and leave the rest to the functions
+ * above: starts_on (conic/easy.h), wavy_away (asphere/easy.h), is_start (asphere/asphere.c),
+ * quadratic_first (body/quadratic.h), course_judge (body/torus.c).
+ *
+ * TMAX.  Each way to a root computes another t.  So the first root and the first of all roots might differ
+ * next to tmax.  The ways that are there for speed leave a root within END_ERRORS times its t_err of tmax
+ * to the way that finds every root. */
 #ifndef SGT_SOLVE_ACCEPT_H
 #define SGT_SOLVE_ACCEPT_H
 
 #include "../num/local.h"
 
-static const double SOFT_RIM = 1 + 0x1p-44; /* of r^2; surfaces.h says why */
+static const double SOFT_RIM = 1 + 0x1p-44; /* factor on r^2; surfaces.h says why */
 static const double START_ULPS = 0x1p-48;   /* 16 ulps; sagitta.h, sgt_ray */
-static const double END_ERRORS = 16;        /* t of two ways differ by less, times t_err */
+static const double END_ERRORS = 16;        /* t of two ways differs by less than this times t_err */
 static const double TINY_ERROR = 0x1p-1060;
 
-/* A root, with all that a hit says of it. */
+/* A root, with all that a hit reports of it. */
 typedef struct meeting {
-    double t, t_lo, t_err;   /* the ray's own */
-    sgt_vec3 p, n;           /* point and gradient of F */
+    double t, t_lo, t_err;   /* in the ray's own measure */
+    sgt_vec3 p, n;           /* the point, and the gradient of F */
     double p_err;
-    double slope;            /* |grad F . d| for the scaled d, times v; see below */
+    double slope;            /* |grad F . d| for the scaled d, times v; see accepted */
     double v;                /* 1 - (1 + k) c w: positive on the sheet, 0 at the equator */
-    double sag;              /* the conic's s(x, y) as `value` has it; NaN: not worked out */
+    double sag;              /* the conic's s(x, y) as `value` has it; NaN: not computed */
 } meeting;
 
-/* t = t0 + t0_lo + tau, with tau known to tau_err, in the ray's own measure. */
+/* Sets t, t_lo, t_err, p and p_err of h, for the root at t0 + t0_lo + tau.  tau is known within tau_err. */
 SGT_INLINE void meeting_place(meeting *h, const local *q, double tau, double tau_err)
 {
     double small = q->t0_lo + tau;
@@ -39,8 +66,8 @@ SGT_INLINE void meeting_place(meeting *h, const local *q, double tau, double tau
     h->t = t.hi * q->scale;
     h->t_lo = t.lo * q->scale;
     h->t_err = (fabs(t.lo) + e * (1 + 4 * SGT_U)) * (1 + 4 * SGT_U) * q->scale;
-    if (!(fabs(h->t) < HUGE_VAL)) h->t_err = HUGE_VAL; /* in lengths of d */
-    /* powers of theirs may underflow */
+    if (!(fabs(h->t) < HUGE_VAL)) h->t_err = HUGE_VAL; /* t may be out of range in lengths of d */
+    /* powers of x and y may underflow */
     bool away = (q->x != 0 || q->y != 0) && larger(fabs(q->x), fabs(q->y)) < 0x1p-60;
     if (fabs(h->t) < TINY && (h->t != 0 || h->t_err != 0 || away)) h->t_err += TINY_ERROR;
     double tl = tau * q->l, tm = tau * q->m, tn = tau * q->n;
@@ -51,17 +78,17 @@ SGT_INLINE void meeting_place(meeting *h, const local *q, double tau, double tau
     if (h->p_err < TINY && (h->p_err != 0 || away)) h->p_err += TINY_ERROR;
 }
 
-/* Is t as sharp as asked for?  Where t is much smaller than the sag (a start near the surface),
- * rounding at the surface's scale leaves t with many of its last bits unknown. */
+/* Is t as sharp as asked for?  If t is much smaller than the sag (a start near the surface), rounding at
+ * the surface's scale leaves many of the last bits of t unknown. */
 SGT_INLINE bool sharp(const meeting *h, double t_tol)
 {
     return h->t_err <= 40 * SGT_U * fabs(h->t) || h->t_err <= t_tol;
 }
 
-/* Inside the rim, in (tmin, tmax], and not the start itself: farther from tmin than 16 ulps in each
- * coordinate of the root can put it.  The sum of |p_i F_i| and |grad F . d| share the factor 1/v, which
- * drops out; at the vertex both are 0.  Of a v that is negative, and so no certain one, and of one so near
- * 0 that n is infinite, the ends alone count.  rim2 is infinite where there is none. */
+/* Is the root inside the rim, in (tmin, tmax], and not the start itself?  The sheet is the caller's to
+ * test.  The sum of |p_i F_i| and |grad F . d| share the factor 1/v, which drops out.  At the vertex both
+ * are 0.  If v is negative (and so not certain), or so near 0 that n is infinite, the term drops out and
+ * only the ends decide.  rim2 is infinite without a rim. */
 SGT_INLINE bool accepted(const meeting *h, const sgt_ray *ray, double rim2, double scale)
 {
     double terms = h->v * (fabs(h->p.x * h->n.x) + fabs(h->p.y * h->n.y) + fabs(h->p.z));
@@ -73,22 +100,25 @@ SGT_INLINE bool accepted(const meeting *h, const sgt_ray *ray, double rim2, doub
     return started && h->t <= ray->tmax && inside;
 }
 
-/* Rounding hides on which side of the rim the root is: its r^2 is off by twice (|x| + |y|) p_err and what
- * that makes of itself, and 4 u.  Asked under proof alone; without, the rule is as sharp as it is stated. */
+/* Does rounding hide on which side of the rim the root is?  Its r^2 is off by twice (|x| + |y|) p_err, by
+ * p_err^2, and by 4 u of itself.  Asked under a proof only; else the rule is as sharp as it is stated. */
 SGT_INLINE bool rim_hidden(const meeting *h, double rim2)
 {
     double r2 = h->p.x * h->p.x + h->p.y * h->p.y,
            off = (2 * (fabs(h->p.x) + fabs(h->p.y)) + h->p_err) * h->p_err + 4 * SGT_U * r2;
     if (!(rim2 < HUGE_VAL)) return false;
-    /* far beyond */
+    /* far beyond the rim */
     if (!(off < HUGE_VAL)) return !(larger(fabs(h->p.x), fabs(h->p.y)) - h->p_err > 2 * sqrt(rim2));
     return !(fabs(r2 - rim2) > 1.01 * off);
 }
 
-/* Of a root that does not count by its ends: t_err is so wide that it may count.  As the start it may be
- * dropped if t_err is no more than the rule's own width, or if all of t +- t_err is within that; as one
- * behind tmax if t_err is but rounding, or if all of t +- t_err is behind.  width: of the rule of the start,
- * 16 ulps in each coordinate as a t. */
+/* The root is not accepted because of its ends.  Is t_err so wide that it may be accepted after all?
+ * - It may be dropped as the start if t_err is no more than the rule's own width, or if all of t +- t_err
+ *   is within that width.
+ * - It may be dropped as lying behind tmax if t_err is no more than rounding, or if all of t +- t_err is
+ *   behind.
+ *
+ * width: of the rule of the start, 16 ulps in each coordinate as a t. */
 SGT_INLINE bool ends_hide(const meeting *h, const sgt_ray *ray, double rim2, double width)
 {
     double after = h->t - ray->tmin, most = (width < HUGE_VAL ? width : 0) + 8 * SGT_U * fabs(h->t);
@@ -99,7 +129,7 @@ SGT_INLINE bool ends_hide(const meeting *h, const sgt_ray *ray, double rim2, dou
     return !start && !behind && !outside;
 }
 
-/* Infinite where there is none; 2^500 and beyond is none (surfaces.h). */
+/* The square of the rim, softened; infinite without a rim.  2^500 and beyond is no rim (surfaces.h). */
 static const double NO_RIM = 0x1p500;
 
 SGT_INLINE double rim2_of(double semi_diameter)
@@ -108,16 +138,17 @@ SGT_INLINE double rim2_of(double semi_diameter)
     return semi_diameter < NO_RIM ? semi_diameter * semi_diameter * SOFT_RIM : HUGE_VAL;
 }
 
-/* Of the rim within which a root in lanes is certain: conic/easy.h, asphere/easy.h. */
+/* The rim within which a root in lanes is certain: conic/easy.h, asphere/easy.h. */
 SGT_INLINE double sure_rim2(double rim2) { return rim2 * (1 - 0x1.dp-45); }
 
-/* Its square has lost nothing to underflow.  Where it has, no root is told from another: every ray is
- * UNPROVEN. */
+/* Is the square of the rim free of underflow?  If not, roots inside and outside cannot be told apart, and
+ * every ray is UNPROVEN. */
 SGT_INLINE bool rim_in_range(double rim2) { return rim2 > TINY; }
 
-/* Where a ray that lies in the surface from lo to hi begins to count: the first t, as nearly as a few
- * trials tell, whose point has r^2 <= rim2 as computed (chords are made longer than they are); NaN: none is
- * found.  Of a stretch without a beginning it is the point nearest to `centre`.  All t count from t0. */
+/* A ray lies in the surface from lo to hi.  At which t does it begin to be accepted?  Returns the first t,
+ * as nearly as a few trials tell, whose point has r^2 <= rim2 as computed (chords are made longer than
+ * they are).  NaN: none is found.  If the stretch has no beginning, it is the point nearest to `centre`.
+ * All t count from t0. */
 SGT_INLINE double start_within(const sgt_ray *ray, double t0, double lo, double hi, double centre,
                                double rim2)
 {

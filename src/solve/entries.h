@@ -1,19 +1,19 @@
-/* entries.h - the hits of one ray as a list in order, and the evaluations that were spent on them. */
+/* entries.h - the hits of one ray as a list in order of t, and the evaluations spent on them. */
 #ifndef SGT_SOLVE_ENTRIES_H
 #define SGT_SOLVE_ENTRIES_H
 
 #include "accept.h"
 
-/* [t - t_err, t + t_err], rounded outward: where t_err is below an ulp of t, t alone would not have the
- * root. */
+/* [t - t_err, t + t_err], rounded outward.  If t_err is below an ulp of t, the rounded ends might not
+ * enclose the root; so they are moved by an ulp. */
 static inline sgt_interval sgt_about(double t, double t_err)
 {
     double e = t_err * (1 + 0x1p-50) + 0x1p-52 * fabs(t);
     return (sgt_interval){t - e, t + e};
 }
 
-/* The entries of sgt_intersect_all: those beyond cap are counted and not kept, but for the last.  evals:
- * all that were spent, by the surfaces that answer by themselves. */
+/* The entries of sgt_intersect_all.  Entries beyond cap are counted and not kept; `last` is always the
+ * last one.  evals: all evaluations, set by surfaces that answer by themselves. */
 typedef struct sgt_list { sgt_hit *hits; int cap, count, evals; sgt_hit last; } sgt_list;
 
 static inline void sgt_list_add(sgt_list *list, const sgt_hit *hit)
@@ -23,7 +23,7 @@ static inline void sgt_list_add(sgt_list *list, const sgt_hit *hit)
     list->count++;
 }
 
-/* t and t_err of a stretch from its ends; of an endless one t is the end there is, or 0. */
+/* Sets t and t_err of a stretch from its ends.  If one end is infinite, t is the other; if both are, 0. */
 static inline void sgt_list_centre(sgt_hit *hit)
 {
     bool from = hit->lo > -HUGE_VAL, to = hit->hi < HUGE_VAL;
@@ -33,14 +33,14 @@ static inline void sgt_list_centre(sgt_hit *hit)
     hit->t_err = (hit->hi - hit->t > hit->t - hit->lo ? hit->hi - hit->t : hit->t - hit->lo) * (1 + 0x1p-50);
 }
 
-/* Two undecided stretches with little between them (where rounding decides a cell here and there) are told as
- * one.  false: these are not such. */
+/* Joins the undecided stretch *hit to the last entry, if little lies between them.  Rounding decides a
+ * cell here and there, which would make many entries of one stretch.  false: not joined. */
 static inline bool sgt_list_merge(sgt_list *list, const sgt_hit *hit)
 {
     sgt_hit *last = &list->last;
     if (!(list->count > 0 && last->status == hit->status)) return false;
     double gap = hit->lo - last->hi, room = 4 * ((hit->hi - hit->lo) + (last->hi - last->lo));
-    if (!(gap <= room)) return false; /* nor of NaN */
+    if (!(gap <= room)) return false; /* nor a NaN */
     if (hit->lo < last->lo) last->lo = hit->lo;
     if (hit->hi > last->hi) last->hi = hit->hi;
     last->evals += hit->evals;
@@ -49,7 +49,7 @@ static inline bool sgt_list_merge(sgt_list *list, const sgt_hit *hit)
     return true;
 }
 
-/* The last entry, a hit, is all that is told of [lo, hi]. */
+/* Makes the last entry, a hit, cover [lo, hi]. */
 static inline void sgt_list_cover(sgt_list *list, double lo, double hi)
 {
     sgt_hit *last = &list->last;
@@ -64,8 +64,8 @@ static inline void sgt_list_cover(sgt_list *list, double lo, double hi)
     if (list->count <= list->cap) list->hits[list->count - 1] = *last;
 }
 
-/* A hit as near to the last as the errors of both: one root seen twice, or two that cannot be told apart.
- * The last is made to cover both; false: it is another. */
+/* Is a hit at t within the errors of both of the last one?  Then it is one root seen twice, or two that
+ * cannot be told apart, and the last entry is made to cover both.  false: it is another root. */
 static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
 {
     sgt_hit *last = &list->last;
@@ -92,7 +92,8 @@ SGT_INLINE sgt_hit hit_without(sgt_status status, const sgt_ray *ray, int evals)
                      .p_err = (double)NAN};
 }
 
-/* What is undecided is in [lo, hi], cut to the ray's ends; where that leaves nothing it is all of the ray. */
+/* An undecided answer about [lo, hi], cut to the ray's ends.  If nothing is left of it, it is about the
+ * whole ray. */
 SGT_INLINE sgt_hit hit_undecided(sgt_status status, const sgt_ray *ray, int evals, double lo, double hi)
 {
     sgt_hit hit = hit_without(status, ray, evals);
@@ -101,14 +102,15 @@ SGT_INLINE sgt_hit hit_undecided(sgt_status status, const sgt_ray *ray, int eval
     return hit;
 }
 
-/* The evaluations spent on one ray, of these the ones told with earlier entries of a list, those up to the
- * last root (the budget is each root's own; an undecided stretch has none), and what its watcher said. */
+/* evals: spent on one ray so far.  before: of these, reported with earlier entries of a list.  root: of
+ * these, up to the last root (the budget is for each root anew; an undecided stretch does not renew it).
+ * stopped: what the watcher said. */
 typedef struct tally { const sgt_options *opt; int evals, before, root, budget; bool stopped; } tally;
 
 SGT_INLINE bool spent(const tally *w) { return w->evals - w->root >= w->budget; }
 
-/* A root is found: the next has the budget anew.  Answers made at random have roots without end, so all of
- * them together have one, too: 1024 budgets, of which the last begins here. */
+/* A root is found: the next one has the budget anew.  Answers made at random have roots without end.  So
+ * all roots together have a budget, too: 1024 times as much, the last of which begins here. */
 SGT_INLINE void next_root(tally *w)
 {
     w->root = w->evals;
@@ -123,7 +125,7 @@ SGT_INLINE void tell(tally *w, sgt_move move, double t, double f, double slope, 
     if (w->opt->watch(w->opt->watch_data, &step)) w->stopped = true;
 }
 
-/* The hit, with one last evaluation at p: f.  Of numbers that are out of range it is UNPROVEN. */
+/* The hit, after one more evaluation at p, which gave f.  UNPROVEN if its numbers are out of range. */
 SGT_INLINE sgt_hit hit_at(const meeting *h, sgt_status status, double f, sgt_move move, const sgt_ray *ray,
                           tally *w)
 {
@@ -148,7 +150,7 @@ SGT_INLINE sgt_hit hit_at(const meeting *h, sgt_status status, double f, sgt_mov
                      .p_err = h->p_err};
 }
 
-/* What a search for the first entry came to: that entry, or a miss. */
+/* The result of a search for the first entry: that entry, or a miss. */
 SGT_INLINE sgt_hit first_entry(const sgt_list *list, const sgt_ray *ray, int evals)
 {
     if (!list->count) return hit_without(SGT_MISS, ray, evals);
@@ -157,30 +159,30 @@ SGT_INLINE sgt_hit first_entry(const sgt_list *list, const sgt_ray *ray, int eva
     return hit;
 }
 
-/* [lo, hi], cut to the ray's ends, is not decided, or was not searched. */
+/* Adds the stretch [lo, hi], cut to the ray's ends, which is not decided or was not searched. */
 SGT_INLINE void add_stretch(sgt_list *list, tally *w, sgt_status status, const sgt_ray *ray, double lo,
                             double hi)
 {
     sgt_hit hit = hit_without(status, ray, w->evals - w->before);
-    lo -= 2 * SGT_U * fabs(lo), hi += 2 * SGT_U * fabs(hi); /* outward, by at least an ulp */
+    lo -= 2 * SGT_U * fabs(lo), hi += 2 * SGT_U * fabs(hi); /* outward, by an ulp or more */
     hit.lo = larger(lo, ray->tmin), hit.hi = hi < ray->tmax ? hi : ray->tmax;
-    /* what is left is behind it */
+    /* what is left lies behind the last entry */
     if (list->count && status != SGT_UNPROVEN) hit.lo = larger(hit.lo, list->last.hi);
-    if (!(hit.lo <= DBL_MAX)) hit.lo = DBL_MAX; /* beyond the range of t: its t is a number all the same */
+    if (!(hit.lo <= DBL_MAX)) hit.lo = DBL_MAX; /* beyond the range of t: its t is to be a number */
     if (!(hit.hi >= -DBL_MAX)) hit.hi = -DBL_MAX;
-    if (hit.lo > hit.hi && status == SGT_STOPPED) hit.lo = hit.hi; /* at the very end: told all the same */
+    if (hit.lo > hit.hi && status == SGT_STOPPED) hit.lo = hit.hi; /* at the very end: reported, too */
     if (hit.lo > hit.hi) return;
     sgt_list_centre(&hit);
     if (!sgt_list_merge(list, &hit)) sgt_list_add(list, &hit);
     w->before = w->evals;
 }
 
-/* hit_at as an entry of a list; what was spent since the last entry is told with it. */
+/* Adds hit_at to a list, with the evaluations spent since the last entry. */
 SGT_INLINE void add_hit(sgt_list *list, const meeting *h, sgt_status status, double f, sgt_move move,
                         const sgt_ray *ray, tally *w)
 {
     sgt_hit hit = hit_at(h, status, f, move, ray, w);
-    if (w->stopped) return; /* what is left is told by whoever searches */
+    if (w->stopped) return; /* the searcher reports what is left */
     if (hit.status > 0) sgt_list_add(list, &hit), w->before = w->evals;
     else add_stretch(list, w, hit.status, ray, hit.lo, hit.hi);
     next_root(w);

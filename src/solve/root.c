@@ -1,39 +1,33 @@
-/* root.c - one equation in one unknown, by Newton's method with safeguards.
+/* root.c - one equation in one unknown, g(t) = 0, by Newton's method with safeguards.
  *
- * The solver never calls its caller: sgt_root_next is told g and g' at r.t and
- * answers with the next t.  It goes through these stages.
+ * The solver never calls its caller.  sgt_root_next is told g and g' at r.t, and answers with the next t.
+ * It goes through these stages:
  *
- *   search    no change of sign is known.  Newton from the seed, as long as each
- *             step is at most 0.6 of the one before: that is convergence (1/2 is a
- *             double root's), and anything else is not worth following.  A step out
- *             of the span goes to its end.  Then the ends; then SAMPLES points in
- *             van der Corput's order (1/2, 1/4, 3/4 ... of the span; of the floating-
- *             point numbers in it where an end is infinite).
- *   bracket   g(lo) and g(hi) have certain, opposite signs.  A Newton step is taken
- *             where it lands inside and is at most half the step before the last
- *             (Brent 1973, chapter 4; Press et al. 2007, section 9.4: so steps either
- *             shrink by two in two or give way), else the middle.  From the 17th
- *             on every other middle is taken among the floating-point numbers rather
- *             than among the reals, so that a root near zero in a bracket of 1e300
- *             costs 150 steps and not 2000.
- *   probe     |g| <= g_err at a candidate: is there a change of sign across it?  The
- *             two sides are evaluated at a distance that the slope says is safe, wider
- *             by four until the sign there is certain.  Opposite: HIT, with the probes
- *             as the proof; equal: GRAZE.
+ *     search    No change of sign is known.  Newton from the seed, as long as each step is at most 0.6 of the
+ *               one before: that is convergence (a double root has 1/2), and nothing else is worth following.
+ *               A step out of the span goes to its end.  Then the ends.  Then SAMPLES points in van der
+ *               Corput's order: 1/2, 1/4, 3/4 ... of the span, or of the floating-point numbers in it if an
+ *               end is infinite
+ *     bracket   g(lo) and g(hi) have certain, opposite signs.  A Newton step is taken if it lands inside and
+ *               is at most half the step before the last; else the middle is taken.  So steps shrink by two
+ *               in two, or give way (Brent 1973, chapter 4; Press et al. 2007, section 9.4).  From the 17th
+ *               on, every other middle is taken among the floating-point numbers, not the reals.  So a root
+ *               near zero in a bracket of 1e300 costs 150 steps and not 2000
+ *     probe     |g| <= g_err at a candidate.  Is there a change of sign across it?  Both sides are evaluated,
+ *               at a distance that the slope says is safe, four times as wide each time until the sign is
+ *               certain.  Opposite signs: HIT, with the probes as the proof.  Equal signs: GRAZE
  *
- * A stop test on the step alone is not convergence.  So a step below the tolerance is
- * made longer by the tolerance on purpose: it overshoots a true root, which gives the
- * change of sign on both sides of it, and exposes a slope that is too steep, which only
- * makes steps small.
+ * A SMALL STEP IS NOT CONVERGENCE.  So a step below the tolerance is made longer by the tolerance on
+ * purpose.  It overshoots a true root, and gives the change of sign on both sides of it.  And it exposes a
+ * slope that is too steep, which only makes steps small.
  *
- * NaN means undefined there.  The way back is halved toward a point known to be
- * defined: the last iterate, or an end of the bracket; before any such point is known,
- * toward the middle of the span, its ends, its samples.  (Halving toward the ray's
- * origin, as is often done, can return to the same t, and |t - t_before| = 0 then
- * passes for convergence.)  A bracket with a NaN inside that closes in on it is
- * UNDEFINED, not a root.
+ * NaN MEANS UNDEFINED THERE.  The way back is halved toward a point known to be defined: the last iterate,
+ * or an end of the bracket.  Before such a point is known, it goes to the ends of the span, and its
+ * samples.  (Halving toward the ray's origin is often done.  It can return to the same t, and |t -
+ * t_before| = 0 then passes for convergence.)  A bracket that closes in on a NaN inside is UNDEFINED, not
+ * a root.
  *
- * The budget bounds everything: each stage either narrows, or counts. */
+ * THE BUDGET bounds everything: each stage either narrows, or is counted. */
 #include "root.h"
 
 #include "../num/bits.h"
@@ -43,7 +37,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Of fixed size, so that a program and a library of other versions agree on it. */
+/* Of fixed size, so that a program and a library of different versions agree on it. */
 _Static_assert(sizeof(struct sgt_root_private) == 256, "sgt_root.private_ has another size");
 #define P(name) (r->private_.name)
 
@@ -57,7 +51,7 @@ static double ulp(double t)
     return a > DBL_TRUE_MIN ? a : DBL_TRUE_MIN;
 }
 
-/* The floating-point numbers in order, as integers: -inf ... +inf. */
+/* The place of x in the order of the floating-point numbers, as an integer: -inf ... +inf. */
 static int64_t order_of(double x)
 {
     int64_t i;
@@ -73,7 +67,7 @@ static double number_at(int64_t i)
     return x;
 }
 
-/* The number a fraction of the way from lo to hi in that order, nearly; ends clipped to finite. */
+/* Nearly the number that is a fraction of the way from lo to hi in that order.  Infinite ends are clipped. */
 static double among_numbers(double lo, double hi, double fraction)
 {
     int64_t a = order_of(lo < -DBL_MAX ? -DBL_MAX : lo), b = order_of(hi > DBL_MAX ? DBL_MAX : hi);
@@ -89,7 +83,7 @@ static bool finish(sgt_root *r, sgt_status status)
     return false;
 }
 
-/* Ends on t with the change of sign between lo and hi. */
+/* Ends at t, with the change of sign between lo and hi. */
 static bool finish_between(sgt_root *r, double t)
 {
     if (P(hole) > r->lo && P(hole) < r->hi) return finish(r, SGT_UNDEFINED);
@@ -153,7 +147,7 @@ sgt_root sgt_root_begin(sgt_span span, const sgt_options *opt)
     return root;
 }
 
-/* Shrinks the bracket, or finds one: g at t is defined, its sign certain. */
+/* Narrows the bracket, or makes one, by g at t, which is defined; an uncertain sign does nothing. */
 static void note(sgt_root *r, double t, double g)
 {
     int s = root_sign_of(r, g);
@@ -162,7 +156,7 @@ static void note(sgt_root *r, double t, double g)
         if (s == P(sign_lo)) r->lo = t, P(g_lo) = g;
         else r->hi = t, P(g_hi) = g;
     } else if (s) {
-        /* every certain sign known so far is the same: any of those points is an end */
+        /* all certain signs so far are equal: any of those points may be an end */
         double other = NAN, gother = NAN;
         if (s * P(sign_lo) < 0) other = r->lo, gother = P(g_lo);
         if (s * P(sign_hi) < 0) other = r->hi, gother = P(g_hi);
@@ -199,7 +193,7 @@ static bool bisect(sgt_root *r)
     return go(r, m, SGT_BISECT);
 }
 
-/* No change of sign is known and Newton is of no more use: the ends, then samples. */
+/* No change of sign is known, and Newton is of no use any more: the ends, then samples. */
 static bool look_elsewhere(sgt_root *r)
 {
     if (isnan(P(g_lo)) && isfinite(r->lo) && P(sampled) < 1) return P(sampled) = 1, go(r, r->lo, SGT_SEED);
@@ -219,7 +213,7 @@ static bool look_elsewhere(sgt_root *r)
     return go(r, root_sample(r, P(sampled) - 2), SGT_MARCH);
 }
 
-/* g is NaN at t. */
+/* g is NaN at r.t: goes back. */
 static bool retreat(sgt_root *r)
 {
     P(hole) = r->t;
@@ -249,12 +243,12 @@ static bool probe_next(sgt_root *r)
         double end = side < 0 ? r->lo : r->hi, gend = side < 0 ? P(g_lo) : P(g_hi), t;
         if (*seen != 0) continue;
         t = c + side * P(width);
-        if (side < 0 ? t <= end : t >= end) { /* the end of what may be asked */
+        if (side < 0 ? t <= end : t >= end) { /* the end of the stretch */
             if (sign_end != 0) {
                 *seen = sign_end;
                 continue;
             }
-            if (!isnan(gend) || c == end) { /* nothing certain on this side at all */
+            if (!isnan(gend) || c == end) { /* nothing is certain on this side */
                 r->t = c;
                 r->t_err = P(width);
                 return finish(r, SGT_GRAZE);
@@ -285,7 +279,8 @@ static bool root_probe_begin(sgt_root *r, double g, double slope)
     return probe_next(r);
 }
 
-/* g at a probe; false: the candidate is given up, go on with Newton from here. */
+/* Takes g at a probe; *more is then what sgt_root_next returns.  false: the candidate is given up, and
+ * Newton goes on from here. */
 static bool probe_tell(sgt_root *r, double g, bool *more)
 {
     int side = P(side) < 0 ? -1 : 1, s = isnan(g) ? 0 : root_sign_of(r, g);
@@ -320,8 +315,8 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
     P(last) = r->t, P(g_last) = g, P(sign_last) = root_sign_of(r, g);
     if (P(f_tol) > 0 && fabs(g) <= P(f_tol)) {
         double off = fabs(g) + r->g_err;
-        r->t_err = off > 0 ? 2 * off / fabs(slope) : 0; /* twice the first order, for the second */
-        if (off > 0 && !(r->t_err > 0 && r->t_err < HUGE_VAL)) /* a slope that says nothing */
+        r->t_err = off > 0 ? 2 * off / fabs(slope) : 0; /* twice the first order, to cover the second */
+        if (off > 0 && !(r->t_err > 0 && r->t_err < HUGE_VAL)) /* the slope says nothing */
             r->t_err = maximum_number(r->t - r->lo, r->hi - r->t);
         return finish(r, SGT_HIT);
     }
@@ -333,12 +328,12 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
         return finish_between(r, fabs(P(g_lo)) < fabs(P(g_hi)) ? r->lo : r->hi);
 
     double step = g / slope, allowed = bracketed ? 0.5 * fabs(P(step_before)) : 0.6 * fabs(P(step));
-    /* a root at 0 has no ulp for steps of a half to stop at */
+    /* a root at 0 has no ulp at which steps of a half would stop */
     bool crawls = r->evals > 200 && (r->evals & 1);
     if (isfinite(step) && step != 0 && fabs(step) <= allowed && !crawls) {
         double next = t - step;
         if (fabs(step) <= tol) {
-            if (P(overshoots) > 4) { /* a slope that is too steep: it is not to be believed */
+            if (P(overshoots) > 4) { /* the slope is too steep, and not to be believed */
                 P(overshoots) = 0;
                 return bracketed ? bisect(r) : look_elsewhere(r);
             }

@@ -1,19 +1,22 @@
-/* step.h - the quick form of a ray's way along any surface: what one step of it is.
+/* step.h - the quick form of a search along a ray, for any surface: its single steps.
  *
- * QUICK, THEN CAREFUL.  From a good guess Newton's method needs three or four steps and none of the
- * safeguards of solve/root.c.  So it is tried without them: each step at most 0.6 of the last, inside the
- * stretch, until |g| is within its rounding or the tolerance is met; then F is looked at on both sides of
- * the root, as far apart as root.c would look (twice what |g|, its rounding and the slope can move it;
- * where a sign is not certain, four and sixteen times that).  Certain, opposite signs there are a hit, the
- * same claim as ever.  Where a bound on |g'| from below is known for the whole stretch (the built-in sags
- * within a rim), |g| at the root alone says as much, and nothing is looked at beside it.  Where a step
- * breaks the rule, and the span has one root at most, certain signs that are alike at both of its ends are
- * a miss.  Whatever else happens, the quick form has no answer, and the careful path begins anew; what the
- * quick form has spent is counted.
+ * QUICK, THEN CAREFUL.  From a good guess Newton's method needs three or four steps, and none of the
+ * safeguards of solve/root.c.  So it is first tried without them:
  *
- * The single ray (walk.c, general.c) and the lanes of a batch (ray/lanes.c) go through the functions below,
- * the same operations in the same order, and so to the same bits.  They have no branches: a loop around
- * them becomes vector code. */
+ *     1. Each step has to be at most 0.6 of the last, and to stay inside the stretch.  It ends when |g| is
+ *        within its rounding, or the tolerance is met.
+ *     2. F is looked at on both sides of the root, at the distance root.c would use: twice what |g|, its
+ *        rounding and the slope can move it.  If a sign is not certain: at four and sixteen times that.
+ *     3. Certain, opposite signs are a hit, the same claim as that of root.c.
+ *
+ * If a lower bound on |g'| is known for the whole stretch (the built-in sags within a rim), |g| at the
+ * root says as much as step 2, which is left out.  If a step breaks the rule, and the span has at most one
+ * root, certain and like signs at both of its ends are a miss.  In any other case the quick form has no
+ * answer, and the careful path begins anew.  The evaluations of the quick form are counted.
+ *
+ * BIT FOR BIT.  The single ray (walk.c, general.c) and the lanes of a batch (ray/lanes.c) call the
+ * functions below: the same operations in the same order, and so the same bits.  They have no branches; a
+ * loop around them becomes vector code. */
 #ifndef SGT_SOLVE_STEP_H
 #define SGT_SOLVE_STEP_H
 
@@ -28,18 +31,24 @@ typedef struct approach {
     double inverse;     /* 1 / q.scale, exactly */
     double lo, hi;      /* what is searched, counted from t0 */
     double nearest;     /* the t0 nearest the origin of the surface's frame; NaN: not asked for */
-    bool passes;        /* nothing of the ray is in the span */
+    bool passes;        /* no part of the ray is in the span */
     bool seeded;        /* t0 is the surface's own guess, or the end nearest to it */
     bool middle;        /* t0 is the middle of a stretch with two ends */
     bool from_tmin;     /* the search begins at tmin */
-    bool known;         /* the local origin is a number, and the direction has been scaled exactly */
+    bool known;         /* the local origin is finite, and the direction was scaled exactly */
 } approach;
 
-/* from, to and seed are the span's.  back: how far a root at its own end is to be inside, in units of where
- * that is.  everywhere: a ray without a guess that does not end at both sides is of use too.  early: all
- * that is promised of the span holds before tmin as well; so that a root that is the start itself is
- * inside, and can be told to be.  It reaches back by a part of how far the ray is from the origin: so
- * Newton's steps, which may pass the root, do not leave what is searched. */
+/* Makes the ray local, and cuts the span to its ends.
+ *
+ *     from, to, seed    the span's
+ *     back              a root at the near end of the span is to be inside: the end is moved back by so much
+ *                       of where it is
+ *     everywhere        a ray without a seed and without two ends is searched, too: `nearest` is set
+ *     early             all that the span promises holds before tmin, too.  The stretch then begins earlier,
+ *                       so that a root that is the start itself lies inside, and can be told to be the start
+ *
+ * With `early` the stretch begins earlier by a part (2^-4) of how far the ray is from the origin.  So
+ * Newton's steps, which may pass the root, do not leave it. */
 SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax, double from, double to,
                                 double seed, double back, bool everywhere, bool early)
 {
@@ -59,7 +68,8 @@ SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
     a.passes = passes | (lo > hi);
     a.seeded = fabs(seed) < HUGE_VAL;
     a.middle = ends & !a.seeded;
-    /* the middle of two numbers, or of one and itself: gcc moves what one branch alone reads into it */
+    /* The middle of two numbers, or of one and itself: gcc would move code that only one branch reads into
+     * that branch. */
     double left = ends ? lo : a.nearest, right = ends ? hi : a.nearest, reach = lo > -HUGE_VAL ? lo : 0;
     left = a.seeded ? seed : left, right = a.seeded ? seed : right;
     double t0 = 0.5 * left + 0.5 * right;
@@ -69,7 +79,7 @@ SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
     a.q.x = moved_along(o.x, t0, a.q.l), a.q.y = moved_along(o.y, t0, a.q.m),
     a.q.z = moved_along(o.z, t0, a.q.n);
     a.q.xa = fabs(a.q.x), a.q.ya = fabs(a.q.y), a.q.za = fabs(a.q.z);
-    /* nothing of it has underflown */
+    /* no component has underflown */
     bool whole = (a.q.l * inverse == d.x) & (a.q.m * inverse == d.y) & (a.q.n * inverse == d.z);
     a.known = whole & ((a.q.x - a.q.x) + (a.q.y - a.q.y) + (a.q.z - a.q.z) == 0);
     a.from_tmin = !(from > tmin);
@@ -87,11 +97,12 @@ SGT_INLINE approach approach_of(sgt_vec3 o, sgt_vec3 d, double tmin, double tmax
 
 /* ---------------------------------------------------------------- one evaluation */
 
-/* What is known at x + tau l with the gradient there: the slope, and what rounding of the point does to F. */
+/* What is known at x + tau l, with the gradient there: the slope; place, a bound on what rounding of the
+ * point does to F; ex, ey, ez, the sums of terms of the point's coordinates, each off by u of them. */
 typedef struct around { double slope, place, ex, ey, ez; } around;
 
-/* none: 0, what a bound that is NaN comes to.  (Where gcc can see that it is 0 it makes two ways of it, a
- * division on each.) */
+/* none: 0, which replaces a bound that is NaN.  (If gcc could see that it is 0, it would make two ways of
+ * it, with a division on each.) */
 SGT_INLINE around around_of(double x, double y, double z, double l, double m, double n, double tau,
                             sgt_vec3 p, sgt_vec3 grad, double none)
 {
@@ -99,13 +110,13 @@ SGT_INLINE around around_of(double x, double y, double z, double l, double m, do
     a.ex = fabs(x) + fabs(tau * l) + fabs(p.x), a.ey = fabs(y) + fabs(tau * m) + fabs(p.y),
     a.ez = fabs(z) + fabs(tau * n) + fabs(p.z);
     double place = SGT_U * (a.ex * fabs(grad.x) + a.ey * fabs(grad.y) + a.ez * fabs(grad.z));
-    a.place = place >= 0 ? place : none; /* NaN: a gradient that says nothing */
+    a.place = place >= 0 ? place : none; /* NaN: the gradient says nothing */
     return a;
 }
 
-/* Is the surface's own rounding to be asked for, too?  Not far from the root: where |g| is above 1024 times
- * what the point alone does to it, and Newton's steps shrink, it would change nothing; what counts in the
- * end is asked beside the root.  last: NaN: always. */
+/* Does the surface's own rounding have to be asked for, too?  Far from the root it would change nothing:
+ * where |g| is above 1024 times what rounding of the point does to it, and Newton's steps shrink.  What
+ * decides in the end is asked beside the root.  last: the step before; NaN: always ask. */
 SGT_INLINE bool close_of(double g, double slope, double place, double last, double f_tol)
 {
     return (fabs(g) <= 0x1p10 * place) | (fabs(g) <= f_tol) | !(fabs(g) <= 0.6 * last * fabs(slope));
@@ -117,10 +128,10 @@ SGT_INLINE double sign_of(double g, double g_err)
     return (g > g_err ? 1.0 : 0.0) - (g < -g_err ? 1.0 : 0.0);
 }
 
-/* Where `least` is known F rises all along the stretch where n > 0, or falls where n < 0 (freeform.c, THE
- * SPAN): with a certain sign behind the root at its first end, or before it at its last, there is none,
- * even where F is not defined at the other (the corners of a rectangle are farther from the axis than its
- * sides). */
+/* If `least` is known, F rises all along the stretch where n > 0, and falls where n < 0
+ * (departure/departure.c, THE SPAN).  So there is no root if the sign at the first end is that behind the
+ * root, or at the last end that before it.  This holds even if F is not defined at the other end: the
+ * corners of a rectangle are farther from the axis than its sides. */
 SGT_INLINE bool gone_by(double sign_first, double sign_last, double n, double least)
 {
     return (least > 0) & ((sign_first * n > 0) | (sign_last * n < 0));
@@ -128,13 +139,16 @@ SGT_INLINE bool gone_by(double sign_first, double sign_last, double n, double le
 
 /* -------------------------------------------------------------------- Newton's step */
 
-/* ready, go: not negative where it is so.  (Of two conditions the lesser or the greater margin: gcc works
- * with masks, one by one, as slowly as with whole rows.) */
+/* ready, go: true if not negative.  They are the lesser or greater margin of two conditions, as gcc works
+ * with masks one by one, which is as slow as whole rows. */
 typedef struct newton { double step, size, ready, go; } newton;
 
-/* ready: the root is as near as it needs to be.  Where the steps have ceased to shrink at 64 times the
- * rounding that is known of, F is noisier than it says, and what is left is for the signs beside the root
- * to decide.  last is finite, so that an infinite step does not shrink. */
+/* Newton's step from tau.
+ * - ready: the root is as near as it needs to be.  If steps have ceased to shrink at 64 times the known
+ *   rounding, F is noisier than it says; then the signs beside the root decide.
+ * - go: the next point is inside, and the step has shrunk.
+ *
+ * last is finite, so that an infinite step does not shrink. */
 SGT_INLINE newton newton_of(double g, double slope, double g_err, double tau, double last, double lo,
                             double hi, double t_tol, double f_tol)
 {
@@ -147,11 +161,11 @@ SGT_INLINE newton newton_of(double g, double slope, double g_err, double tau, do
            behind = next - lo, before = hi - next;
     s.ready = larger(by_width, by_size); /* by_width may be NaN */
     double inside = behind < before ? behind : before, shrinks = most - s.size;
-    s.go = inside < shrinks ? inside : shrinks; /* where one is NaN so is shrinks */
+    s.go = inside < shrinks ? inside : shrinks; /* if one is NaN, so is shrinks */
     return s;
 }
 
-/* How far from the root F is looked at; without bound or NaN where the slope says nothing. */
+/* The distance from the root at which F is looked at.  Infinite or NaN if the slope says nothing. */
 SGT_INLINE double width_of(double g, double slope, double g_err, double tau, double t_tol)
 {
     double w = 2 * (fabs(g) + g_err) / fabs(slope), ulp = fabs(tau) * DBL_EPSILON;
@@ -160,8 +174,8 @@ SGT_INLINE double width_of(double g, double slope, double g_err, double tau, dou
     return ulp > w ? ulp : w;
 }
 
-/* Where |g'| is at least `least` all over the stretch, g has a root within (|g| + g_err) / least of tau, if
- * that is inside; and no other. */
+/* If |g'| is at least `least` all over the stretch, g has a root within (|g| + g_err) / least of tau, and
+ * no other, provided that this interval is inside the stretch. */
 typedef struct certified { double tau_err; bool inside; } certified;
 
 SGT_INLINE certified certified_of(double tau, double g, double g_err, double least, double lo, double hi)
@@ -175,12 +189,12 @@ SGT_INLINE certified certified_of(double tau, double g, double g_err, double lea
 typedef struct acceptance {
     double t, t_lo, t_err, p_err;
     bool accepted;
-    bool off;     /* for certain it does not count */
+    bool off;     /* the root is certainly not accepted */
 } acceptance;
 
-/* The root at tau, right to tau_err, with the gradient at its point p; within r^2 <= rim2, which is
- * infinite where there is none.  Nearer to tmax, or to where the start ends, than `margin` times t_err,
- * neither is certain. */
+/* Is the root at tau, known within tau_err, accepted?  (accept.h has the rules.)  p: its point, with the
+ * gradient there.  rim2 is infinite without a rim.  If it is nearer to tmax, or to the end of the start's
+ * reach, than `margin` times t_err, neither `accepted` nor `off` is set. */
 SGT_INLINE acceptance acceptance_of(const local *q, double tau, double tau_err, sgt_vec3 p, sgt_vec3 grad,
                                     around at, double tmin, double tmax, double rim2, double margin)
 {
@@ -201,22 +215,24 @@ SGT_INLINE acceptance acceptance_of(const local *q, double tau, double tau_err, 
     bool far = h.t - room > tmax, sharp = h.t_err <= 64 * SGT_U * fabs(tmax);
     h.off = (r2 - rim2 > hidden) | (h.t - (h.t_err + room) > tmax) | (far & sharp) |
             (h.t + h.t_err <= tmin + width);
-    /* in lengths of d t may be out of range */
+    /* t may be out of range in lengths of d */
     h.accepted = (h.t - room > start) & !(h.t + room > tmax) & !outside & (fabs(h.t) < HUGE_VAL) &
                  (h.t_err < HUGE_VAL);
     return h;
 }
 
-/* Does a root near the start count?  The rule of the start is made of the terms of F, which vanish toward
- * the axis.  One bound of the rounding for all points within the rim does not: then it hides where the root
- * is, of most rays that begin there.  Of these alone `rounding` is asked, at the very point; the rest is as
- * above, and `least` is above 0, so that the root is the only one (certified_of).
+/* Is a root near the start accepted?  The reach of the rule of the start is made of the terms of F, which
+ * vanish toward the axis.  A bound on rounding for all points within the rim does not vanish.  Then, for
+ * most rays that begin near the axis, it hides where the root is.  For these only, `rounding` is asked at
+ * the very point; the rest is as in acceptance_of.  `least` is above 0, so the root is the only one
+ * (certified_of).
  *
- * Where rounding of F itself is still more than what the start reaches, and all else far less, the rule of
- * sagitta.h decides as in a search (prove.c, take): a root that may be nearer to tmin than that reach does
- * not count, as long as its error is not above 16 times the reach, and the terms themselves are known:
- * rounding of the gradient moves them by no more than 32 times what it does to F (prove.c, terms_err),
- * which here is half of them. */
+ * The rounding of F alone may still be more than the reach, with all else far less.  Then the rule of
+ * sagitta.h decides as in a search (prove.c, proof_take): a root that may be nearer to tmin than the reach
+ * is not accepted.  Two conditions hold:
+ * - its error is not above 16 times the reach;
+ * - the terms themselves are known: rounding of the gradient moves them by no more than 32 times what it
+ *   does to F (prove.c, terms_err), which here is at most half of them. */
 typedef struct sharpened { acceptance h; double tau_err; bool known; } sharpened;
 
 SGT_INLINE sharpened sharpened_of(sgt_surface s, const local *q, double tau, double g, sgt_vec3 p,
@@ -236,9 +252,9 @@ SGT_INLINE sharpened sharpened_of(sgt_surface s, const local *q, double tau, dou
     return (sharpened){h, c.tau_err, c.inside};
 }
 
-/* The local origin moved onto the root, SHARPER - 1 times at most: a bad guess has left it far off, and
- * beside terms that vanish rounding of the way from there is much.  F has to be asked for anew, at 0; *lo
- * and *hi are less than what they were by more than their rounding. */
+/* The local origin moved onto the root; done SHARPER - 1 times at most.  A bad guess has left it far off,
+ * and then rounding of the way from there is large beside terms that vanish.  F has to be asked for anew,
+ * at 0.  *lo and *hi, which may be infinite, are moved inward by more than their rounding. */
 SGT_INLINE local moved_onto(const local *q, sgt_vec3 o, double tau, double *lo, double *hi)
 {
     local r = *q;
@@ -247,15 +263,16 @@ SGT_INLINE local moved_onto(const local *q, sgt_vec3 o, double tau, double *lo, 
     r.x = moved_along(o.x, r.t0, q->l), r.y = moved_along(o.y, r.t0, q->m);
     r.z = moved_along(o.z, r.t0, q->n);
     r.xa = fabs(r.x), r.ya = fabs(r.y), r.za = fabs(r.z);
-    *lo = *lo * (1 - copysign(0x1p-48, *lo)) - tau + off; /* perhaps without bound */
+    *lo = *lo * (1 - copysign(0x1p-48, *lo)) - tau + off; /* perhaps infinite */
     *hi = *hi * (1 - copysign(0x1p-48, *hi)) - tau - off;
     return r;
 }
 
 /* ------------------------------------------------------------------------- a march */
 
-/* Where the steps of one length end on a ray without an end: past the point nearest the origin of the
- * surface's frame, as far as the start is from it; not at a round number of radii, where a root may be. */
+/* Where steps of one length end on a ray without an end.  It is past the point nearest the origin of the
+ * surface's frame by 1.25 times the start's distance from that origin.  It is no round number of radii, as
+ * a root may be there. */
 SGT_INLINE double far_end(sgt_vec3 o, double l, double m, double n, double t0, double nearest, double lo)
 {
     double away = sqrt(o.x * o.x + o.y * o.y + o.z * o.z) / sqrt(l * l + m * m + n * n);
@@ -275,7 +292,7 @@ SGT_INLINE double tangents_meet(mark a, mark b)
     return (b.g - a.g + a.slope * a.tau - b.slope * b.tau) / (a.slope - b.slope);
 }
 
-/* It does, and the tangents there meet beyond zero: it may reach it between.  Where they do not, the
+/* A valley whose tangents at a and b meet beyond zero: |F| may reach zero between.  If they do not, the
  * minimum of a convex |F| is above zero. */
 SGT_INLINE bool dip_of(mark a, mark b)
 {

@@ -146,7 +146,7 @@ static inline bool is_whole(const sgt_surface_ops *ops)
 
 static inline bool answers_itself(const sgt_surface_ops *ops) { return ops->own_ && ops->own_->meet; }
 
-/* A built-in surface without `meet`. */
+/* Is it a built-in surface without `meet`?  It is then met by its operations, as a user's is. */
 static inline bool is_catalogue(const sgt_surface_ops *ops) { return ops->own_ && !ops->own_->meet; }
 
 #endif

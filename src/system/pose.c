@@ -1,40 +1,41 @@
-/* pose.c - the frame of an element: origin, and axes turned by Rz Ry Rx.
+/* pose.c - the frame of an element: an origin, and axes turned by Rz Ry Rx.
  *
- * A point q of the local frame is p = origin + R q in the global one, and R = Rz Ry Rx:
- * the element is turned about the global x first, then about the global y, then about
- * the global z, each right-handed.  With c, s the cosine and sine of each angle the
- * columns of R, which are the local axes seen from outside, are
+ * A point q of the local frame is p = origin + R q in the global one, with R = Rz Ry Rx.  The element is
+ * turned about the global x first, then about the global y, then about the global z, each right-handed.
+ * With c, s the cosine and sine of each angle, the columns of R are
  *
  *     ex = ( cz cy,            sz cy,            -sy   )
  *     ey = ( cz sy sx - sz cx, sz sy sx + cz cx, cy sx )
  *     ez = ( cz sy cx + sz sx, sz sy cx - cz sx, cy cx )
  *
- * (Goldstein, Poole & Safko 2002, Classical Mechanics, appendix A, the xyz convention,
- * which lists the rows of the inverse).
+ * They are the local axes seen from outside (Goldstein, Poole & Safko 2002, Classical Mechanics, appendix
+ * A, the xyz convention, which lists the rows of the inverse).
  *
- * Degrees are an exact unit and radians are not: pi/180 has no double.  So the whole
- * turns and the quarters are taken off in degrees, where that is exact; what is left
- * is at most 45 degrees, and zero for every multiple of 90, whose cosines and sines are
- * then 0 and +-1 to the bit.  The rest is multiplied by pi/180 in twice the precision
- * (2^-101 relative), and num/elementary.h takes the product as it is: each cosine and sine
- * is within 0.65 ulp, each component of an axis within 3 * 2^-53 (two products and a sum
- * of numbers of at most 1), and the axes are of unit length and at right angles within
- * 2^-50 (each dot product of two axes has three such errors).
+ * ROUNDING.  Degrees are an exact unit.  Radians are not: pi/180 is no double.  So whole turns and
+ * quarters are taken off in degrees, which is exact.  What is left is at most 45 degrees.  It is zero for
+ * every multiple of 90, whose cosines and sines are then 0 and +-1 to the bit.  The rest is multiplied by
+ * pi/180 in twice the precision (2^-101 relative), and num/elementary.h takes that product.  Then
  *
- * An angle that is not finite gives NaN axes, which sgt_trace answers with INVALID. */
+ *     each cosine and sine       is within 0.65 ulp
+ *     each component of an axis  is within 3 * 2^-53: two products and a sum of numbers of at most 1
+ *     the axes                   are of unit length and at right angles within 2^-50: each dot product of two
+ *                                axes has three such errors
+ *
+ * An angle that is not finite gives NaN axes.  sgt_trace answers these with SGT_INVALID. */
 #include <sagitta/system.h>
 
 #include "../num/elementary.h"
 
 typedef struct pose_turn { double c, s; } pose_turn;
 
-/* degrees - 90 n, at most 45 in magnitude, and n modulo 4; exact.
- *     |degrees| < 2^53: 90 n is exact, for it is even and at most 2^53 + 90.  degrees and 90 n are multiples
- *     of an ulp of degrees (of 1, if that is less), and their difference is at most 46: fewer than 2^53 of
- *     those, so it is a double.  If rounding has made the quotient an integer and a half, n is one off, and
- *     is mended.
- *     Above: degrees is m 2^e, m < 2^53, e > 0.  It is first reduced modulo 360, in integers, by e doublings.
- */
+/* Returns degrees - 90 n, at most 45 in magnitude, and sets *quarters to n modulo 4.  Exact.
+ *
+ *     |degrees| < 2^53     90 n is exact, as it is even and at most 2^53 + 90.  degrees and 90 n are
+ *                          multiples of an ulp of degrees, or of 1 if that is less.  Their difference is at
+ *                          most 46: fewer than 2^53 of those, so it is a double.  If rounding has made the
+ *                          quotient an integer and a half, n is one off, and is corrected
+ *     |degrees| >= 2^53    degrees is m 2^e with m < 2^53, e > 0.  It is first reduced modulo 360, in
+ *                          integers, by e doublings */
 static double rest_of_quarters(double degrees, int *quarters)
 {
     *quarters = 0;
@@ -64,7 +65,7 @@ static pose_turn turn_of(double degrees)
     }
 }
 
-/* 0.0 + x: a zero of either sign becomes +0, so that equal tilts print equal. */
+/* 0.0 + x makes a zero of either sign +0, so that equal tilts print equal. */
 sgt_pose sgt_pose_tilted(sgt_vec3 origin, sgt_vec3 degrees)
 {
     pose_turn x = turn_of(degrees.x), y = turn_of(degrees.y), z = turn_of(degrees.z);

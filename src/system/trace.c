@@ -1,13 +1,17 @@
 /* trace.c - a ray through a row of surfaces: place, meet, clip, bend, and on.
  *
- * The arithmetic of the launch and of one element, and where the ray is between two, is in trace.h;
- * trace_batch.c has a loop around it.  Here are the choice of the root that is meant, and all that is rare.
+ * trace.h has the arithmetic of the launch and of one element, and says where the ray is kept between two.
+ * trace_batch.c has a loop around it.  This file has the choice of the root that is meant, and all that is
+ * rare.
  *
- * THE NORMAL is the gradient as the surface gives it, never normalised there.  Near the equator of a sphere
- * its components grow without bound: where its square is out of range it is scaled by a power of two; one
- * infinite component is a normal along that axis; two, a NaN, or none but zeros name no direction, and such a
- * ray is SGT_LOST, with SGT_UNDEFINED as the reason (unless the indices are equal: then no normal is
- * needed). */
+ * THE NORMAL is the gradient as the surface gives it, never normalised there.  Near the equator of a
+ * sphere its components grow without bound.
+ *
+ *     its square is out of range     it is scaled by a power of two
+ *     one component is infinite      it is a normal along that axis
+ *     two are, or one is NaN, or     it names no direction.  The ray is SGT_LOST, with the reason
+ *                                    SGT_UNDEFINED,
+ *     all are zero                   unless the indices are equal: then no normal is needed */
 #include "trace.h"
 
 #include "../ray/unique.h"
@@ -16,7 +20,8 @@
 
 SGT_INLINE bool is_finite(sgt_vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
 
-/* A direction in a turned frame to unit length; false: zero, subnormal or not finite, and so are the axes. */
+/* Makes a direction in a turned frame of unit length.  false: it is zero, subnormal or not finite, as the
+ * axes then are. */
 SGT_INLINE bool make_unit(sgt_vec3 *d)
 {
     double e = excess(*d);
@@ -39,7 +44,7 @@ SGT_INLINE bool launch(const sgt_ray *ray, const sgt_element *first, double inde
     if (!is_finite(ray->o) || !is_finite(ray->d) || !(largest(ray->d) >= DBL_MIN)) return false;
     launched l = launch_from(ray->o, ray->d, pose->origin, is_turned(pose));
     sgt_vec3 q = minus(ray->o, pose->origin);
-    bool near = is_finite(q) && isfinite(l.t0); /* else it is left where it is, for the surface to refuse */
+    bool near = is_finite(q) && isfinite(l.t0); /* else it is left where it is, for the surface to reject */
     at->d = l.d;
     at->offset = near ? l.offset : q;
     at->t0 = near ? l.t0 : 0;
@@ -51,7 +56,7 @@ bool sgt_launch(const sgt_ray *ray, const sgt_element *first, double index, stat
     return launch(ray, first, index, at);
 }
 
-/* A watcher of the first element, told the t of the launch ray. */
+/* A watcher of the first element, which is told the t of the launch ray. */
 typedef struct shifted { sgt_watch *watch; void *data; double t0; } shifted;
 
 static int watch_shifted(void *data, const sgt_step *step)
@@ -62,7 +67,7 @@ static int watch_shifted(void *data, const sgt_step *step)
     return s->watch(s->data, &own);
 }
 
-/* The errors are made those of the ray as given. */
+/* Makes the errors those of the ray as given (trace.h). */
 SGT_INLINE void trace_widen(sgt_hit *hit, const state *at, const sgt_pose *pose, bool turned,
                             const sgt_ray *ray)
 {
@@ -81,8 +86,8 @@ SGT_INLINE void trace_widen(sgt_hit *hit, const state *at, const sgt_pose *pose,
     hit->t_err += by.t, hit->p_err += by.p;
 }
 
-/* The answer on the ray in the element's frame is made that on the ray as given; its errors if they are
- * told. */
+/* Makes the answer on the ray in the element's frame one on the ray as given; its errors only if they are
+ * reported. */
 SGT_INLINE void tell_of_given(sgt_hit *hit, const state *at, const sgt_pose *pose, bool turned,
                               const sgt_ray *ray, bool told)
 {
@@ -106,13 +111,13 @@ static sgt_rays rays_of(const sgt_ray *ray)
         {&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};
 }
 
-/* How many roots of a chord are looked at; of more nothing is told. */
+/* How many roots of a chord are looked at.  If there are more, it is UNPROVEN. */
 enum { FEW = 4 };
 
-/* The roots beside were met outside the aperture, one after the other from the ends of the chord inward, and
- * what is left was not met: it begins at a root, and one next to that is taken for the start.  So all roots
- * of the chord are asked for: is another inside, or may one be?  The one next to the first that was met is
- * meant. */
+/* The roots `beside` were met outside the aperture, one after the other, from the ends of the chord
+ * inward.  On what is left no root was met.  But what is left begins at a root, and a root next to that is
+ * taken for the start.  So all roots of the chord are asked for.  Is another one inside, or may one be?
+ * The one nearest to the first that was met is meant. */
 static sgt_hit ask_all(sgt_surface surface, const sgt_ray *chord, double aperture2, const sgt_options *opt,
                        const sgt_hit beside[], int besides, bool *inside)
 {
@@ -122,7 +127,7 @@ static sgt_hit ask_all(sgt_surface surface, const sgt_ray *chord, double apertur
     bool any = false, stopped = false;
     for (int i = 0; i < count && i < FEW && !stopped; i++) {
         const sgt_hit *h = &found[i];
-        bool again = false; /* its side has been told */
+        bool again = false; /* already known to be outside */
         for (int j = 0; j < besides; j++)
             again = again || (h->status > 0 && h->lo <= beside[j].hi && h->hi >= beside[j].lo);
         double away = larger(h->lo - beside[0].t, beside[0].t - h->hi);
@@ -132,14 +137,14 @@ static sgt_hit ask_all(sgt_surface surface, const sgt_ray *chord, double apertur
         evals += h->evals;
     }
     if (count > FEW && !stopped) meant = hit_without(SGT_UNPROVEN, chord, 0), any = true;
-    if (meant.status < 0) meant.t = meant.t_err = (double)NAN; /* as of one alone */
+    if (meant.status < 0) meant.t = meant.t_err = (double)NAN; /* as in a single answer */
     meant.evals = evals;
     *inside = any && meant.status > 0;
     return meant;
 }
 
-/* A graze whose stretch is longer than what its t may be off by (the ray lies in the surface as far as can be
- * told) is told at its begin.  Is another part of it inside? */
+/* A graze may be longer than its t_err says (the ray lies in the surface as far as can be told).  It is
+ * reported at its beginning.  Is another part of it inside? */
 static bool reaches_inside(const sgt_ray *ray, const sgt_hit *hit, double aperture2)
 {
     const sgt_vec3 o = ray->o, d = ray->d;
@@ -162,7 +167,7 @@ sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, con
         if (reaches_inside(&whole, &hit, aperture2))
             return hit_undecided(SGT_UNPROVEN, &whole, hit.evals, hit.lo, hit.hi);
         beside[besides++] = hit;
-        if (hit.t < middle) chord.tmin = hit.hi; /* not t, from which the same root may be found once more */
+        if (hit.t < middle) chord.tmin = hit.hi; /* not t, from where the same root may be found again */
         else chord.tmax = hit.lo;
         if (!(chord.tmin < chord.tmax) || chord.tmax == 0) break;
         sgt_hit next = sgt_intersect(surface, chord, opt);
@@ -177,7 +182,7 @@ sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, con
     return hit;
 }
 
-/* It is a root near the seed, as it was asked for, and there is none nearer to the axis. */
+/* Is it a root near the seed, as it was asked for, with no root nearer to the axis? */
 static bool is_nearest(sgt_surface surface, const sgt_ray *ray, const sgt_options *opt, const sgt_hit *hit)
 {
     unsigned long long none;
@@ -189,8 +194,8 @@ static bool is_nearest(sgt_surface surface, const sgt_ray *ray, const sgt_option
     return none;
 }
 
-/* *hit, on the whole line, is made the hit that is meant; *inside: within the clear aperture.  Only an answer
- * inside overrules the first, or one that may be inside. */
+/* Chooses the hit that is meant.  *hit is the answer on the whole line; *inside is set if the choice is
+ * within the clear aperture.  Only an answer that is, or may be, inside overrules the first one. */
 static void trace_choose(sgt_surface surface, sgt_ray ray, double aperture2, const sgt_options *opt,
                          sgt_hit *hit, bool *inside)
 {
@@ -204,8 +209,8 @@ static void trace_choose(sgt_surface surface, sgt_ray ray, double aperture2, con
 
 /* ------------------------------------------------------------------ bending */
 
-/* A vector along n with components of at most 2 and one of at least 1 (or 2^-51, where n is
- * subnormal); false: n names no direction. */
+/* Sets *q to a vector along n with components of at most 2, and one of at least 1 (2^-51 if n is
+ * subnormal).  false: n names no direction. */
 SGT_INLINE bool along_normal(sgt_vec3 n, sgt_vec3 *q)
 {
     if (isnan(n.x) || isnan(n.y) || isnan(n.z)) return false;
@@ -251,7 +256,7 @@ sgt_passage sgt_not_met(sgt_status why)
     };
 }
 
-/* plain: the element is; told: the caller wants the passage. */
+/* One element.  plain: the element is (is_plain); told: the caller wants the passage. */
 SGT_INLINE sgt_fate pass(const sgt_element *e, bool plain, state *at, const sgt_options *opt,
                          const sgt_hit *met, bool told, sgt_passage *passage)
 {
@@ -270,7 +275,7 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, bool plain, state *at, const sgt_
     }
     sgt_options own = *opt;
     if (own.t_tol == 0) own.t_tol = tolerance(is_open(e->semi_diameter), e->semi_diameter, ray.o, ray.d);
-    bool only = asks_unique(&own); /* of the root that is meant, and within the clear aperture */
+    bool only = asks_unique(&own); /* the only root that is meant, within the clear aperture */
     if (only) own.proof = SGT_PROVE_ROOT;
     shifted shift = {opt->watch, opt->watch_data, at->t0};
     if (at->t0 != 0 && opt->watch) own.watch = watch_shifted, own.watch_data = &shift;
@@ -287,7 +292,7 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, bool plain, state *at, const sgt_
     else trace_choose(surface, ray, aperture2, &own, &hit, &inside);
     own.proof = opt->proof;
     if (inside && only && !proven) sgt_prove_unique(surface, &ray, aperture2_around(aperture2), &own, &hit);
-    if (!met) tell_of_given(&hit, at, &e->pose, turned, &ray, told); /* else the batch has */
+    if (!met) tell_of_given(&hit, at, &e->pose, turned, &ray, told); /* else the batch has done it */
     passage->hit = hit;
     if (hit.status == SGT_MISS) return SGT_MISSED;
     if (hit.status < 0) return SGT_LOST;
@@ -331,7 +336,7 @@ size_t sgt_trace(size_t n, const sgt_element e[], double index_before, sgt_ray *
     state at;
     sgt_fate last = SGT_PASSED;
     size_t passed = 0, plain = 0;
-    while (plain < n && is_plain(&e[plain])) plain++; /* 22 instructions each; inside `pass` 49 */
+    while (plain < n && is_plain(&e[plain])) plain++; /* 22 instructions each; in `pass` 49 */
     if (launch(ray, n ? e : NULL, index_before, &at)) {
         ray->d = at.d;
     } else {

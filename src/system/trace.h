@@ -1,70 +1,71 @@
 /* trace.h - one ray at one element: the arithmetic that the single trace and the batch share.
  *
- * What is inline here has no branches but those that an element decides for all rays alike, so that a loop
- * around it becomes vector code.  What such a formula cannot answer it says so of, and sgt_pass then does.
+ * The inline functions have no branches but those that an element decides for all rays alike.  So a loop
+ * around them becomes vector code.  If such a formula cannot answer, it says so, and sgt_pass does.
  *
- * WHERE THE RAY IS.  Between elements the point is kept as base + offset, the base being the origin of the
- * element just passed (of the first element, at launch), the offset in global axes but small.  The next
- * element then sees (base - its origin) + offset, and both are of the size of the lens, wherever in the
- * world the lens stands: at 1e9 from the global origin a sum of the two would have lost 1e-7 at every
- * surface.  Only the ray handed back is added up.
+ * WHERE THE RAY IS.  Between elements the point is kept as base + offset.  base is the origin of the
+ * element just passed (at launch, of the first element).  offset is in global axes, but small.  The next
+ * element sees (base - its origin) + offset.  Both terms are of the size of the lens, wherever in the
+ * world the lens stands.  At 1e9 from the global origin, a sum of base and offset would lose 1e-7 at every
+ * surface. Only the ray that is returned is added up.
  *
- * THE LAUNCH may be far away all the same.  There a turn, a subtraction that is not exact, or a direction
- * made of unit length, puts the ray aside by an ulp of its distance.  So where one of the three is needed the
- * launch point is first moved along the ray to its foot nearest the first element's origin, with error-free
- * sums and products: o - origin + t0 d is right to an ulp of what is left of it, whatever t0 is, d being the
- * direction as given.  The t of the first hit, and of the steps that a watcher sees on the way to it, has t0
- * (as a length) added again.
+ * THE LAUNCH may be far away all the same.  There an ulp of the distance puts the ray aside in three
+ * operations: a turn, a subtraction that is not exact, making the direction of unit length.  If one of
+ * them is needed, the launch point is first moved along the ray to its foot, the point nearest the first
+ * element's origin, with error-free sums and products.  o - origin + t0 d is right to an ulp of what is
+ * left of it, whatever t0 is; d is the direction as given.  t0 (as a length) is added again to the t of
+ * the first hit, and of the steps that a watcher sees on the way to it.
  *
- * THE BENDING (Spencer & Murty 1962, J. Opt. Soc. Am. 52, 672; there by components, here in vectors).  With
- * d the direction, n the gradient as the surface gives it, G = n . n, g = d . n and r = n1 / n2, the part of
- * d along the surface is multiplied by r, and what is along n fills the length up to one:
+ * THE BENDING (Spencer & Murty 1962, J. Opt. Soc. Am. 52, 672; there by components, here in vectors).  Let
+ * d be the direction, n the gradient as the surface gives it, G = n . n, g = d . n, r = n1 / n2.  The part
+ * of d along the surface is multiplied by r.  The part along n fills the length up to one:
  *
  *     d' = r d + f n,   G f^2 + 2 r g f = 1 - r^2 = k.
  *
  * The root that goes on through the surface is, without a subtraction of like numbers,
  *
- *     f = k / (r g + sign(g) sqrt(D)),   D = (r g)^2 + k G,
+ *     f = k / (r g + sign(g) sqrt(D)),   D = (r g)^2 + k G.
  *
- * and D / G = Q = 1 - r^2 s^2, s the sine of incidence: total internal reflection where D < 0.  With k as
- * (n2 - n1) (n2 + n1) / n2^2 all of it is right to a few roundings where k >= 0.  Where k < 0, D cancels near
- * the limit, where (r g)^2 is |k| G: that costs little as long as |k| is small, at any incidence.  Beyond,
+ * D / G = Q = 1 - r^2 s^2, with s the sine of incidence.  D < 0 is total internal reflection.  k is
+ * computed as (n2 - n1) (n2 + n1) / n2^2.  There are two forms of D:
  *
- *     D = G - r^2 |d x n|^2,
+ *     k >= -1/2   D = (r g)^2 + k G.  For k >= 0 it is right to a few roundings.  For k < 0 it cancels near
+ *                 the limit, where (r g)^2 is |k| G.  That costs little while |k| is small, at any incidence
+ *     k < -1/2    D = G - r^2 |d x n|^2.  It is of no use at grazing incidence between like indices.  But
+ *                 these are not alike, and total reflection comes before
  *
- * which is of no use at grazing incidence between like indices, but those are not alike, and total reflection
- * comes before.  The line is drawn at k = -1/2.  In either form the rounding of Q is a few 2^-53 of 1 (12 at
- * most have been seen): no more than an ulp or two of the angle of incidence makes of it.  A mirror:
- * d' = d - 2 (g / G) n.
+ * In either form the rounding of Q is a few 2^-53 of 1 (at most 12 have been observed).  An error of
+ * an ulp or two in the angle of incidence has the same effect.  A mirror: d' = d - 2 (g / G) n.
  *
- * One root and one quotient a ray: n is never normalised.  One Newton step brings d' to unit length within
- * 2^-52; where it began farther off than 2^-25 the indices are too unlike for doubles, and the ray is lost.
- * A direction that is of unit length to 2^-50 is left as it is by a change of frame, to the bit, and so is
- * one that passes between equal indices.
+ * This takes one square root and one quotient a ray; n is never normalised.  One Newton step brings d' to
+ * unit length within 2^-52.  If it began farther off than 2^-25, the indices are too unlike for doubles,
+ * and the ray is lost.  A direction that is of unit length to 2^-50 is left as it is, to the bit, by a
+ * change of frame.  So is one that passes between equal indices.
  *
  * t_err AND p_err ARE THOSE OF THE RAY AS GIVEN, not of the ray that the surface is shown.  The given ray
  * is the launch ray, or the doubles of the passage before: p, direction.  Rounding puts the shown ray
- * aside.  At the root, points of the two with the same t are at most e apart.  Then the roots differ, to
- * first order, by
+ * aside.  At the root, points of the two with the same t are at most e apart.  To first order the roots
+ * then differ by
  *
  *     |n . e| / |n . d|,
  *
- * n the gradient.  The parts of e follow; u = 2^-53, and |.| is the sum of the absolute components:
- *     u |o_i| in each coordinate      a sum, base - origin and the offset; or a launch moved to its foot;
- *     what base - origin has lost     exact, the same for all rays;
- *     3 u |offset|, 3 u |o|           a product with the axes of the element before, or of this one: each
- *                                     of its
- *                                     three roundings is at most u times a vector no longer than this;
- *     (3 + 1) u |t| for each of them  the same for the direction, and making it of unit length;
- *     2 u |d_i t| in each coordinate  making the direction of a launch: a product, a correction;
- *     4 u |t| at a launch that turns  lengths along the axes are off by 2^-51.
- * A launch ray that needs none of it is shown as it is.  Besides, t counts lengths: if |d|^2 - 1 = x, t is
- * off by |t x| / 2.  x is worked out from -1 on, and off by u times each sum on the way.
+ * with n the gradient.  The parts of e follow; u = 2^-53, and |.| is the sum of the absolute components:
  *
- * The second order is the first one squared, times the curvature over the cosine of incidence.  A sixteenth
- * is added for it.  That is enough down to |n . d| = 2^-22 |n|, where radii of curvature are an eighth of
- * |o| + |t| or more.  Below, 2^-22 |n| is taken for n . d: there the given ray may as well miss the
- * surface, or meet it twice. */
+ *     u |o_i| in each coordinate      a sum, base - origin and the offset; or a launch moved to its foot
+ *     what base - origin has lost     exact, the same for all rays
+ *     3 u |offset|, 3 u |o|           a product with the axes of the element before, or of this one: each of
+ *                                     its three roundings is at most u times a vector no longer than this
+ *     (3 + 1) u |t| for each of them  the same for the direction, and making it of unit length
+ *     2 u |d_i t| in each coordinate  making the direction of a launch: a product, a correction
+ *     4 u |t| at a launch that turns  lengths along the axes are off by 2^-51
+ *
+ * A launch ray that needs none of it is shown as it is.  Besides, t counts lengths: if |d|^2 - 1 = x, t is
+ * off by |t x| / 2.  x is computed from -1 on, and off by u times each sum on the way.
+ *
+ * The second order is the first one squared, times the curvature over the cosine of incidence.  A
+ * sixteenth is added for it.  That is enough down to |n . d| = 2^-22 |n|, if radii of curvature are an
+ * eighth of |o| + |t| or more.  Below that, 2^-22 |n| replaces n . d: there the given ray may as well miss
+ * the surface, or meet it twice. */
 #ifndef SGT_SYSTEM_TRACE_H
 #define SGT_SYSTEM_TRACE_H
 #include "../surface/sag/sag.h"
@@ -89,33 +90,34 @@ SGT_INLINE double difference_of_products(double a, double b, double c, double d)
 
 /* ---------------------------------------------------------------- unit length */
 
-/* of |d|^2 - 1: what plain normalising may be off by; nothing is to be gained */
+/* The most that plain normalising leaves of |d|^2 - 1; below it nothing can be gained. */
 static const double UNIT = 0x1p-50;
 static const double NEAR_UNIT = 0x1p-25; /* from here one Newton step leads to 3/8 of UNIT */
 
 /* |a|^2 - 1 within 2^-52, for |a| near 1: each fma rounds a number of at most 1. */
 SGT_INLINE double excess(sgt_vec3 a) { return sgt_fma(a.x, a.x, sgt_fma(a.y, a.y, sgt_fma(a.z, a.z, -1))); }
 
-/* By one Newton step for 1/sqrt, e the excess: |d|^-1 = 1 - e/2 + 3/8 e^2 - ... */
+/* d made of unit length by one Newton step for 1/sqrt, e the excess: |d|^-1 = 1 - e/2 + 3/8 e^2 - ... */
 SGT_INLINE sgt_vec3 corrected(sgt_vec3 d, double e)
 {
     double by = -0.5 * e;
     return (sgt_vec3){sgt_fma(by, d.x, d.x), sgt_fma(by, d.y, d.y), sgt_fma(by, d.z, d.z)};
 }
 
-/* The same, but a direction that is of unit length stays as it is (-0 too: x + 0 x with a 0 that is
- * positive). */
+/* The same, but a direction of unit length stays as it is.  (So does a component of -0: the 0 in x + 0 x
+ * is positive.) */
 SGT_INLINE sgt_vec3 kept_unit(sgt_vec3 d, double e) { return corrected(d, fabs(e) <= UNIT ? -0.0 : e); }
 
 /* ------------------------------------------------------------------- launch */
 
-/* (o - origin) + t0 d, one coordinate, right to an ulp of the sum. */
+/* One coordinate of (o - origin) + t0 d, right to an ulp of the sum. */
 SGT_INLINE double moved(double o, double origin, double t0, double d)
 {
     return twofold_sum(two_sum(o, -origin), two_product(t0, d)).hi;
 }
 
-/* From here a sum is all that is needed (not where anything is not finite). */
+/* Can the launch point stay, because a sum is all that is needed from there?  No if anything is not
+ * finite. */
 SGT_INLINE bool stays(sgt_vec3 o, sgt_vec3 d, sgt_vec3 origin, bool turned)
 {
     double lost = fabs(two_sum(o.x, -origin.x).lo) + fabs(two_sum(o.y, -origin.y).lo) +
@@ -123,14 +125,15 @@ SGT_INLINE bool stays(sgt_vec3 o, sgt_vec3 d, sgt_vec3 origin, bool turned)
     return lost == 0 && fabs(excess(d)) <= (turned ? -1 : UNIT);
 }
 
-/* A ray before its first element: seen from there, of unit length, t0 behind its launch (as a length).  t0
- * is -0 only where the ray was left as it is (stays); a foot at the launch itself has +0. */
+/* A ray before its first element, seen from that element, with d of unit length.  It begins t0 (a length)
+ * behind its launch.  t0 is -0 only if the ray was left as it is (stays).  A foot at the launch itself has
+ * +0. */
 typedef struct launched { sgt_vec3 offset, d; double t0; } launched;
 
 SGT_INLINE launched launch_from(sgt_vec3 o, sgt_vec3 d, sgt_vec3 origin, bool turned)
 {
     double e = excess(d);
-    sgt_vec3 q = minus(o, origin), v = times(scale_of(d), d); /* v: exact */
+    sgt_vec3 q = minus(o, origin), v = times(scale_of(d), d); /* v is exact */
     double length = sqrt(dot(v, v)), inverse = 1 / length, t0 = -dot(q, v) * inverse * inverse;
     sgt_vec3 made = times(inverse, v), kept = kept_unit(d, e);
     made = corrected(made, excess(made));
@@ -143,7 +146,7 @@ SGT_INLINE launched launch_from(sgt_vec3 o, sgt_vec3 d, sgt_vec3 origin, bool tu
                       .t0 = stay ? -0.0 : t0 * length + 0.0};
 }
 
-/* A hit seen from the launch; NaN stays NaN.  t_err takes over what t as one double cannot hold, and the
+/* A hit seen from the launch; NaN stays NaN.  t_err takes what t as one double cannot hold, and the
  * rounding of t0: a dot product (1.5 of it in a root), that root, and a product. */
 typedef struct hit_place { double t, t_lo, t_err; } hit_place;
 
@@ -155,7 +158,7 @@ SGT_INLINE hit_place from_launch(double t0, hit_place h)
 
 /* -------------------------------------------------------------------- poses */
 
-/* Each component is off by at most 3 u |a|, which the axes may be as well. */
+/* Each component of to_local and to_global is off by at most 3 u |a|; so may the axes be. */
 SGT_INLINE bool is_turned(const sgt_pose *pose)
 {
     return !(is_zero(pose->ex) && is_zero(pose->ey) && is_zero(pose->ez));
@@ -172,19 +175,22 @@ SGT_INLINE sgt_vec3 to_global(const sgt_pose *pose, sgt_vec3 a)
                       dot(a, (sgt_vec3){ex.z, ey.z, ez.z})};
 }
 
-/* Of a clear aperture; NaN is none that is sound. */
+/* Is there no clear aperture?  Also true for NaN, which is_sound rejects. */
 SGT_INLINE bool is_open(double semi_diameter) { return !(semi_diameter > 0 && semi_diameter < NO_RIM); }
 
-/* The t_tol of a trace: 32 ulps of the aperture.  A point is not known better than that, and t, over a thin
- * gap, need not be.  But of the launch point's coordinates where they are less: an aperture may be put at
- * 1e10, to stand for none.  Where there is none (open) it is 32 ulps of the distance at which the ray passes
- * the vertex, |o x d|: that is about what an aperture would have to be, and not more if the ray comes from
- * afar. */
+/* The t_tol of a trace, in lengths:
+ *
+ *     with an aperture        32 ulps of it.  A point is not known better than that, and t over a thin gap
+ *                             need not be.  If the launch point's coordinates are less, 32 ulps of these: an
+ *                             aperture may be set to 1e10, to stand for none
+ *     without one (open)      32 ulps of the distance at which the ray passes the vertex, |o x d|.  That is
+ *                             about what an aperture would have to be, and not more if the ray comes from
+ *                             afar */
 SGT_INLINE double tolerance(bool open, double semi_diameter, sgt_vec3 o, sgt_vec3 d)
 {
     if (open) {
         double by = largest((sgt_vec3){o.y * d.z - o.z * d.y, o.z * d.x - o.x * d.z, o.x * d.y - o.y * d.x});
-        return by < HUGE_VAL ? 0x1p-48 * by : 0; /* not of NaN */
+        return by < HUGE_VAL ? 0x1p-48 * by : 0; /* 0 for NaN */
     }
     double far = largest(o);
     return 0x1p-48 * (far < semi_diameter ? far : semi_diameter);
@@ -213,8 +219,8 @@ SGT_INLINE bool was_moved(double t0) { return copysign(1, t0) > 0 || t0 < 0; }
 SGT_INLINE double absolute(sgt_vec3 a) { return fabs(a.x) + fabs(a.y) + fabs(a.z); }
 SGT_INLINE double bounded(double a) { return a > 0x1p900 ? 0x1p900 : a < -0x1p900 ? -0x1p900 : a; }
 
-/* What is added to t_err and p_err for it.  o, d, n, t: in the element's frame; turns: one of the two
- * frames does; moved: 0 at a launch ray that stays, else 1. */
+/* What is added to t_err and p_err because the ray was put aside.  o, d, n, t are in the element's frame.
+ * turns: its frame or the one before is turned.  moved: 0 for a launch ray that stays, else 1. */
 typedef struct widening { double t, p; } widening;
 
 SGT_INLINE widening widening_by(aside a, bool first, bool turns, double moved, sgt_vec3 offset, sgt_vec3 o,
@@ -225,7 +231,7 @@ SGT_INLINE widening widening_by(aside a, bool first, bool turns, double moved, s
     if (first) e = plus(e, (sgt_vec3){made * fabs(d.x), made * fabs(d.y), made * fabs(d.z)});
     else e = plus(e, a.lost);
     if (turns) anywhere = a.o * absolute(o) + a.way * fabs(t) + (first ? 0 : a.offset * absolute(offset));
-    sgt_vec3 normal = {bounded(n.x), bounded(n.y), bounded(n.z)}; /* one may be infinite */
+    sgt_vec3 normal = {bounded(n.x), bounded(n.y), bounded(n.z)}; /* a component may be infinite */
     sgt_vec3 size = {fabs(normal.x), fabs(normal.y), fabs(normal.z)};
     double all = size.x + size.y + size.z, slope = larger(fabs(dot(normal, d)), 0x1p-22 * all);
     double slip = (dot(e, size) + anywhere * all) / slope;
@@ -238,8 +244,8 @@ SGT_INLINE widening widening_by(aside a, bool first, bool turns, double moved, s
 
 /* --------------------------------------------------------- aperture and path */
 
-/* Of the clear aperture.  Of one whose square would be lost, that of it times 2^900, negative: nothing is
- * inside that to the loops, and what they leave is told by is_inside. */
+/* The square of the clear aperture.  If that would be lost to underflow, the square of the aperture times
+ * 2^900, made negative.  Nothing is inside a negative square to the loops; is_inside decides then. */
 SGT_INLINE double aperture2_of(double semi_diameter)
 {
     double aperture2 = rim2_of(semi_diameter), large = 0x1p900 * semi_diameter;
@@ -252,19 +258,20 @@ SGT_INLINE bool is_inside(sgt_vec3 p, double aperture2)
     return !(p.x * p.x + p.y * p.y > aperture2);
 }
 
-/* That, or all the points whose squares are lost. */
+/* That square, or one that holds all points whose squares are lost. */
 SGT_INLINE double aperture2_around(double aperture2) { return aperture2 < 0 ? TINY : aperture2; }
 
-/* A root outside the aperture, or no decision, is asked again on the chord of the ray with the aperture's
- * cylinder.  The chord is made longer by 2^-20 at both ends, so that a root on the rim is not taken for the
- * start of the ray (see sgt_ray): those within are told from those without by their r^2 alone.  false: no
- * other root, for the ray is beside the cylinder, or along it (or out of range). */
+/* Is a root outside the aperture, or an undecided answer, worth another search?  It is on the chord of the
+ * ray with the aperture's cylinder (cut_to_chord).  The chord is made longer by 2^-20 at both ends, so
+ * that a root on the rim is not taken for the start of the ray (sgt_ray).  Then r^2 alone tells roots
+ * inside from roots outside.  If cut_to_chord is false there is no other root: the ray is beside the
+ * cylinder, or along it, or out of range. */
 SGT_INLINE bool is_worth_more(sgt_status status)
 {
     return status != SGT_MISS && status != SGT_STOPPED && status != SGT_INVALID;
 }
 
-/* It is a root near the seed, as it was asked for. */
+/* Is it a root near the seed, and was that asked for? */
 SGT_INLINE bool is_near(sgt_status status, const sgt_options *opt)
 {
     return status == SGT_HIT && opt->pick == SGT_NEAR_SEED;
@@ -272,7 +279,7 @@ SGT_INLINE bool is_near(sgt_status status, const sgt_options *opt)
 
 SGT_INLINE bool cut_to_chord(sgt_ray *ray, double aperture2)
 {
-    /* beside z, x and y might be too small to square */
+    /* beside a large z, x and y might be too small to square */
     sgt_ray flat = {.o = ray->o, .d = {ray->d.x, ray->d.y, 0}};
     stretch chord = sgt_chord(&flat, aperture2_around(aperture2));
     double more = 0x1p-20 * (chord.hi - chord.lo);
@@ -280,9 +287,9 @@ SGT_INLINE bool cut_to_chord(sgt_ray *ray, double aperture2)
     return chord.lo < chord.hi && more < HUGE_VAL && ray->tmax != 0; /* 0 might stand for infinity */
 }
 
-/* That was the answer on the chord: may a root be inside?  Where no proof is asked for, of a surface of a
- * user that encloses nothing, a march that has found nothing is UNPROVEN wherever it is: then the ray is told
- * by the root outside. */
+/* After that answer on the chord, may a root be inside?  A user's surface without `enclose`, without a
+ * proof, is marched along; a march that has found nothing is UNPROVEN wherever it is.  Then the ray is
+ * reported by the root outside. */
 SGT_INLINE bool may_be_inside(sgt_surface s, const sgt_options *opt, sgt_status status)
 {
     bool searched = opt->proof != SGT_ESTIMATE || s.ops->own_ || s.ops->enclose;
@@ -294,14 +301,14 @@ SGT_INLINE twofold longer(twofold path, double index, double t, double t_lo)
     return twofold_sum(twofold_sum(path, two_product(index, t)), twofold_of(index * t_lo));
 }
 
-/* On such a chord the hit that is meant, if it is inside; a root on the stretches by which the chord is
- * longer than the aperture does not hide another. */
+/* The hit that is meant on such a chord; *inside is set if it is inside.  A root where the chord is longer
+ * than the aperture does not hide another. */
 sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, const sgt_options *opt,
                        bool *inside);
 
 /* ------------------------------------------------------------------ bending */
 
-/* How an element bends, the same for all rays: not at all, back, or on, with D in one of its two forms. */
+/* How an element bends all rays alike: not at all, back, or on, with D in one of its two forms. */
 typedef enum bend_kind { STRAIGHT, BACK, ON, ON_BY_SINE } bend_kind;
 typedef struct bending { bend_kind kind; double r, k; } bending;
 
@@ -311,7 +318,7 @@ SGT_INLINE bending bending_of(double n1, double n2, bool mirror)
     return (bending){mirror ? BACK : n1 == n2 ? STRAIGHT : k >= -0.5 ? ON : ON_BY_SINE, r, k};
 }
 
-/* The direction behind, and how it came about. */
+/* The direction behind the surface, and G, D and the excess it was made with. */
 typedef struct bent { sgt_vec3 d; double G, D, e; } bent;
 
 SGT_INLINE bent bent_by(bend_kind kind, double r, double k, sgt_vec3 d, sgt_vec3 n)
@@ -338,10 +345,10 @@ SGT_INLINE bent bent_by(bend_kind kind, double r, double k, sgt_vec3 d, sgt_vec3
     return b;
 }
 
-/* No square of a component that matters is lost or infinite; not of NaN. */
+/* No square of a component that matters is lost or infinite; false for NaN. */
 SGT_INLINE bool in_range(double G) { return G >= 0x1p-200 && G <= 0x1p200; }
 
-/* `if_so` where it is good, else 0; selects alone.  Not of NaN. */
+/* `if_so` if the bending is good, else 0; 0 for NaN.  Selects only, no branches. */
 SGT_INLINE double where_good(bent b, double if_so)
 {
     double a = b.G >= 0x1p-200 ? if_so : 0, c = b.G <= 0x1p200 ? a : 0, d = b.D >= 0 ? c : 0;
@@ -350,13 +357,13 @@ SGT_INLINE double where_good(bent b, double if_so)
 
 /* ------------------------------------------------------------ a ray on its way */
 
-/* At base + offset, in global axes, t0 behind its launch. */
+/* The ray is at base + offset, in global axes, t0 behind its launch. */
 typedef struct state {
     sgt_vec3 base, offset, d;
-    double t0;       /* of the first element only: how far the launch point was moved; -0: not */
-    bool first, turned; /* before the first element; the element just passed has turned axes */
-    double index;    /* of the medium it is in */
-    twofold path;    /* index * length so far */
+    double t0;       /* first element only: how far the launch point was moved; -0: not */
+    bool first, turned; /* before the first element; the element just passed is turned */
+    double index;    /* of the medium the ray is in */
+    twofold path;    /* the sum of index * length so far */
 } state;
 
 SGT_INLINE bool is_index(double index) { return index > 0 && index < HUGE_VAL; }
@@ -365,7 +372,7 @@ SGT_INLINE double index_behind(const sgt_element *e, double n1)
     return e->index == 0 || e->index == SGT_MIRROR ? n1 : e->index;
 }
 
-/* It asks for nothing that later versions may have. */
+/* Does the element ask for nothing that later versions may have? */
 SGT_INLINE bool is_plain(const sgt_element *e)
 {
     const unsigned long long *r = e->reserved_;
@@ -373,21 +380,21 @@ SGT_INLINE bool is_plain(const sgt_element *e)
     return (later | r[0] | r[1] | r[2] | r[3] | r[4] | r[5]) == 0;
 }
 
-/* An element that makes sense, and is plain. */
+/* Are the numbers of the element valid (sgt_trace)?  Whether it is plain is asked apart. */
 SGT_INLINE bool is_sound(const sgt_element *e, double n1)
 {
     return is_index(n1) && is_index(index_behind(e, n1)) && e->semi_diameter >= 0;
 }
 
-/* A ray as it came, before its first element (NULL: there is none); false: it is no ray. */
+/* Sets *at to the ray before its first element (NULL: there is none).  false: the ray is not valid. */
 bool sgt_launch(const sgt_ray *ray, const sgt_element *first, double index, state *at);
 
-/* One element: its passage, and the ray behind it in *at where it passed.  *met, where not NULL, is the
- * answer of the surface on the ray's line, of which lo, hi and f are not read. */
+/* Takes the ray through one element.  Sets *passage, and *at if the ray passes.  If met is not NULL, it is
+ * the answer of the surface on the ray's line; its lo, hi and f are not read. */
 sgt_fate sgt_pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met,
                   sgt_passage *passage);
 
-/* The passage of a ray that met nothing, and why. */
+/* The passage of a ray without a hit, with the status `why`. */
 sgt_passage sgt_not_met(sgt_status why);
 
 #endif

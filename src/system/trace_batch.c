@@ -1,33 +1,35 @@
 /* trace_batch.c - many rays through a row of surfaces.
  *
- * A TILE OF RAYS goes through all elements before the next one starts, so that what it needs stays in the
- * cache nearest the processor.  At each element three loops run over it, all of them vector code: the rays
- * are placed in the element's frame, the surface's sweep meets them (src/ray/batch.c), and they are bent, on
- * to the next.  Where a pose has no turns placing is a sum, and between equal indices nothing is bent.  The
- * formulas are those of the single ray (trace.h), the same operations in the same order, and so the same
- * bits.
+ * A TILE OF RAYS goes through all elements before the next tile starts.  So what it needs stays in the
+ * first cache.  At each element three loops run over the tile, all of them vector code:
  *
- * WHAT THE LOOPS LEAVE.  They answer for a ray that is met within the clear aperture and goes on.  Any other
- * (missed, outside, totally reflected; a normal or a direction out of range) is looked at by itself, and
- * where it goes on taken through that one element by sgt_pass; so is a launch by sgt_launch, where the ray is
- * none.  Of those that were met outside, which an aperture may well make half of the rays, it is asked a few
- * at a time whether they meet the surface inside as well.  Rays that have stopped leave the tile, and the
- * others move up.
+ *     1. the rays are placed in the element's frame; without turns that is a sum
+ *     2. the surface's lanes meet them (ray/batch.c)
+ *     3. they are bent, on to the next element; between equal indices nothing is bent
  *
- * Where somebody watches, and where the options make no sense, tiles are of one ray, and all of it is done by
- * sgt_pass. */
+ * The formulas are those of the single ray (trace.h), the same operations in the same order, and so the
+ * same bits.
+ *
+ * WHAT THE LOOPS LEAVE.  They answer for a ray that is met within the clear aperture and goes on.  Any
+ * other ray is looked at by itself: missed, outside, totally reflected, or with a normal or a direction
+ * out of range.  If it goes on, sgt_pass takes it through that one element.  A launch ray that may not be
+ * valid goes to sgt_launch.  An aperture may well put half of the rays outside.  These are asked a few at
+ * a time whether they meet the surface inside, too.  Rays that have stopped leave the tile, and the others
+ * move up.
+ *
+ * If there is a watcher, or the options are not valid, tiles have one ray, and sgt_pass does everything. */
 #include "trace.h"
 
 #include "../ray/unique.h"
 #include "../ray/batch.h"
 #include "../solve/root.h"
 
-/* The rays of a tile: 128 of them are 30 KiB, a third of it for paths and records alone, so that with what
- * the sweep needs they stay in a first cache of 32, and with its stack are below 64; and they are enough to
- * make the work between the loops small (of 96 a scan lens costs 6 % more). */
+/* The rays of a tile.  128 of them are 30 KiB, of which a third is for paths and records only.  So with
+ * what the surface's lanes need they stay in a first cache of 32 KiB, and with its stack they are below
+ * 64.  They are enough to make the work between the loops small (with 96 a scan lens costs 6 % more). */
 enum { TILE = 128 };
 
-/* The ends of a ray that is a whole line. */
+/* The ends of rays that are whole lines. */
 #define FOUR(x) x, x, x, x
 #define ALL(x) FOUR(FOUR(FOUR(x))), FOUR(FOUR(FOUR(x)))
 static const double line_begins[TILE] = {ALL(-HUGE_VAL)}, line_ends[TILE] = {ALL(HUGE_VAL)};
@@ -38,7 +40,7 @@ typedef struct paths { double hi[TILE], lo[TILE]; } paths;
 SGT_INLINE sgt_vec3 get(const vectors *v, size_t i) { return (sgt_vec3){v->x[i], v->y[i], v->z[i]}; }
 SGT_INLINE void put(vectors *v, size_t i, sgt_vec3 a) { v->x[i] = a.x, v->y[i] = a.y, v->z[i] = a.z; }
 
-/* Where the rays are and whence they came, as a state has it. */
+/* Where the rays are, and their paths, as in a state. */
 typedef struct bundle_place { vectors *offset, *d; paths *path; } bundle_place;
 
 typedef struct tile {
@@ -46,18 +48,19 @@ typedef struct tile {
     size_t whole;           /* of how many */
     int index[TILE];        /* and which, from `first` on; -1: it has stopped just now */
     sgt_vec3 base;          /* see state */
-    double medium, t0[TILE]; /* t0: of the first element, and only if some launch may have been moved */
+    double medium, t0[TILE]; /* t0: first element only, if a launch may have been moved */
     bool moved;
-    bundle_place now, next;        /* before an element and behind it */
-    vectors *o, *p, *d;     /* in its frame: where from, where it is met, and the direction before */
-    _Alignas(64) vectors n_; /* 64: a line of the cache */
-    vectors offsets[3], ds[2]; /* what the pointers above go to */
+    bundle_place now, next;        /* before an element, and behind it */
+    vectors *o, *p, *d;     /* in its frame: start, hit, and the direction before */
+    _Alignas(64) vectors n_; /* 64: a cache line */
+    vectors offsets[3], ds[2]; /* what the pointers above point to */
     paths some_paths[2];
     double t[TILE], t_lo[TILE], t_err[TILE], p_err[TILE];
+    /* t_tol is given to the surface's lanes.  After that good: 1, the loops have answered; 0, they have not;
+     * below 0, a verdict (judge_rest). */
     union {
         double t_tol[TILE], good[TILE];
-    }; /* to the sweep; then 1: the loops have answered, 0: they have not,
-                                                  below 0: a verdict (judge_rest) */
+    };
     int evals[TILE];
     signed char status[TILE];
 } tile;
@@ -71,14 +74,14 @@ typedef struct bundle_work {
     const sgt_passages *passages;
     sgt_options opt;
     double index;
-    bool by_hand, path;     /* all by sgt_pass; some path is asked for */
+    bool by_hand, path;     /* sgt_pass does everything; some path is wanted */
 } bundle_work;
 
 /* -------------------------------------------------------------- the loops */
 
 /* Each returns how many rays it answered for. */
 
-/* Where all that is needed is a sum. */
+/* The launch, where it takes a sum only. */
 SGT_KERNEL
 static double launch_near(size_t n, const sgt_rays *from, size_t first, sgt_vec3 origin,
                           vectors *restrict offset, vectors *restrict out_d, double *restrict good)
@@ -144,8 +147,8 @@ static void place_all(size_t n, sgt_vec3 shift, double semi_diameter, const vect
     else place_by(false, n, shift, semi_diameter, offset, d, out, tol);
 }
 
-/* A direction that comes out far from unit length (the axes are not what they should be) is NaN: met by no
- * surface. */
+/* If a direction comes out far from unit length (the axes are not what they should be), it is set to NaN:
+ * no surface is met. */
 SGT_INLINE void turn_by(bool open, size_t n, const sgt_pose *pose, sgt_vec3 shift, double semi_diameter,
                         const vectors *restrict offset, const vectors *restrict d, vectors *restrict out_o,
                         vectors *restrict out_d, double *restrict tol)
@@ -179,7 +182,7 @@ SGT_INLINE double bend_by(bend_kind kind, size_t n, bending by, double aperture2
     double count = 0;
 #pragma omp simd reduction(+ : count)
     for (size_t i = 0; i < n; i++) {
-        /* not of NaN: it was not met */
+        /* false for NaN: it was not met */
         double inside = p->x[i] * p->x[i] + p->y[i] * p->y[i] <= aperture2 ? 1 : 0;
         if (kind != STRAIGHT) {
             bent b = bent_by(kind, by.r, by.k, get(d, i), get(normal, i));
@@ -205,7 +208,7 @@ static double bend_all(size_t n, bending by, double aperture2, const vectors *p,
     return 0;
 }
 
-/* Back to global axes; d too, in place, where it was bent. */
+/* Back to global axes; also d, in place, if d_too. */
 SGT_KERNEL
 static double return_all(size_t n, const sgt_pose *pose, bool d_too, const vectors *restrict p,
                          vectors *restrict offset, vectors *restrict d, double *restrict good)
@@ -228,8 +231,8 @@ static double return_all(size_t n, const sgt_pose *pose, bool d_too, const vecto
     return count;
 }
 
-/* The errors of the hits are made those of the rays as given, in place.  t0 NULL: no launch was moved.  One
- * of t_err and p_err may hold nothing: what was not asked for. */
+/* Makes the errors of the hits those of the rays as given, in place.  t0 NULL: no launch was moved.  One
+ * of t_err and p_err may hold garbage, if it was not asked for. */
 SGT_INLINE void widen_by(size_t n, aside a, bool first, bool turns, const double *restrict t0,
                          const vectors *restrict offset, const vectors *o, const vectors *d,
                          const vectors *restrict normal, const double *restrict t, double *restrict t_err,
@@ -258,7 +261,7 @@ static void widen_all(size_t n, aside a, bool first, bool turns, const double *t
     else widen_by(n, a, false, false, NULL, offset, o, d, normal, t, t_err, p_err);
 }
 
-/* The hits of moved launches, in place. */
+/* Makes t of the hits count from the launch again, where that was moved. */
 SGT_KERNEL
 static void shift_all(size_t n, const double *restrict t0, double *restrict t, double *restrict t_lo,
                       double *restrict t_err)
@@ -285,7 +288,7 @@ static void lengthen_all(size_t n, double index, const double *restrict t, const
 
 /* --------------------------------------------------------------- the record */
 
-/* One number of every ray that is on its way. */
+/* Writes one number of every ray that is on its way. */
 static void tell_all(const tile *w, double *out, const double *from)
 {
     if (!out) return;
@@ -325,7 +328,7 @@ static void tell_passage(const sgt_passages *out, size_t i, const sgt_passage *p
     tell_number(out->opl, i, p->opl);
 }
 
-/* What has become of ray i (of the batch); o, d: as it is at return. */
+/* Writes what has become of ray i of the batch; o, d: as it is at return. */
 static void tell_fate(const sgt_traced *out, size_t i, sgt_fate fate, size_t passed, sgt_vec3 o, sgt_vec3 d,
                       double opl)
 {
@@ -336,8 +339,8 @@ static void tell_fate(const sgt_traced *out, size_t i, sgt_fate fate, size_t pas
     tell_number(out->opl, i, opl);
 }
 
-/* The i-th ray of the tile stops at element `passed`, of which it has been told, and is to be told of none
- * behind. */
+/* The i-th ray of the tile stops at element `passed`, which has been written.  The passages behind it are
+ * written as not met. */
 static void stop(const bundle_work *job, tile *w, size_t i, sgt_fate fate, size_t passed, sgt_vec3 o,
                  sgt_vec3 d, double opl)
 {
@@ -350,7 +353,7 @@ static void stop(const bundle_work *job, tile *w, size_t i, sgt_fate fate, size_
     w->index[i] = -1;
 }
 
-/* Those that have not stopped move up.  Which they are is not to be foreseen: so all are moved, and without a
+/* Those that have not stopped move up.  Which they are cannot be predicted; so all are moved, without a
  * branch. */
 static void close_ranks(const bundle_work *job, tile *w, const bundle_place *at)
 {
@@ -367,7 +370,7 @@ static void close_ranks(const bundle_work *job, tile *w, const bundle_place *at)
     w->n = k;
 }
 
-/* The rays that the loops have not answered for, in order; again without a branch. */
+/* The rays that the loops have not answered for, in order; also without a branch. */
 typedef struct rest { size_t n; unsigned char of[TILE]; } rest;
 
 static void rest_of(const tile *w, rest *r)
@@ -386,8 +389,7 @@ static sgt_ray bundle_ray_of(const sgt_rays *r, size_t i)
     return (sgt_ray){.o = {r->o[0][i], r->o[1][i], r->o[2][i]}, .d = {r->d[0][i], r->d[1][i], r->d[2][i]}};
 }
 
-/* This and others are not inlined: what they have on the stack need not lie there while a surface's sweep
- * runs. */
+/* This and other functions are not inlined, so that their stack is free while a surface's lanes run. */
 SGT_NOINLINE static void launch_rest(const bundle_work *job, tile *w)
 {
     size_t stopped = 0;
@@ -412,7 +414,7 @@ SGT_NOINLINE static void launch_rest(const bundle_work *job, tile *w)
     if (stopped) close_ranks(job, w, &w->now);
 }
 
-/* Surfaces are asked for the root that is meant; that there is no other within the aperture is asked
+/* Surfaces are asked for the root that is meant.  Whether it is the only one within the aperture is asked
  * afterwards. */
 static sgt_options met_by(const sgt_options *opt)
 {
@@ -421,7 +423,8 @@ static sgt_options met_by(const sgt_options *opt)
     return own;
 }
 
-/* Rays that were met without a proof: those that the slope does not prove are hard.  How many are left. */
+/* For rays that were met without a proof: those that the slope does not prove become hard.  Returns how
+ * many are proven. */
 SGT_NOINLINE static size_t prove_by_slope(const sgt_element *e, const sgt_tile *rays, double aperture2,
                                           const vectors *p)
 {
@@ -435,7 +438,7 @@ SGT_NOINLINE static size_t prove_by_slope(const sgt_element *e, const sgt_tile *
     return left;
 }
 
-/* Rays that were met inside the aperture and may have another root there are hard: is any? */
+/* Rays that were met inside the aperture and may have another root there become hard.  Is there any? */
 SGT_NOINLINE static bool hide_others(const sgt_element *e, const sgt_tile *rays, double aperture2,
                                      const vectors *p)
 {
@@ -448,7 +451,7 @@ SGT_NOINLINE static bool hide_others(const sgt_element *e, const sgt_tile *rays,
     return any;
 }
 
-/* What the sweep has found; what was not asked of it is not read. */
+/* What the surface's lanes have found; outputs that were not asked for are not read. */
 static sgt_hit hit_of(const tile *w, size_t i, const sgt_hits *asked)
 {
     sgt_hit hit = sgt_not_met((sgt_status)w->status[i]).hit;
@@ -468,10 +471,12 @@ SGT_INLINE sgt_fate stopped_by(sgt_status status)
     return status == SGT_MISS ? SGT_MISSED : status > 0 ? SGT_CLIPPED : SGT_LOST;
 }
 
-/* What becomes of the i-th ray at element j, which the loops have left.  ASK: it is inside, sgt_pass is to
- * bend it; ASK_ANEW: it is another hit that is meant, or the sweep was given no ray; ASK_INSIDE: it stops,
- * unless *ray meets the surface within the aperture.  Most of them stop there, with the hit that the sweep
- * has found, and that is told already; the fate is then the verdict less STOPS. */
+/* What becomes of the i-th ray at element j, which the loops have left:
+ *
+ *     ASK            it is inside, and sgt_pass is to bend it
+ *     ASK_ANEW       another hit is meant, or the lanes were given no valid ray
+ *     ASK_INSIDE     it stops, unless *ray meets the surface within the aperture
+ *     STOPS + fate   it stops with the hit that the lanes have found, which has been written; most do */
 typedef enum bundle_verdict { ASK = 1, ASK_ANEW, ASK_INSIDE, STOPS = 8 } bundle_verdict;
 
 static int bundle_judge(const bundle_work *job, const tile *w, size_t i, size_t j, const bending *by,
@@ -497,7 +502,7 @@ static int bundle_judge(const bundle_work *job, const tile *w, size_t i, size_t 
     return aperture2 < HUGE_VAL && is_worth_more(status) ? ASK_INSIDE : STOPS + stopped_by(status);
 }
 
-/* Rays that are asked together whether they meet the surface inside, and whose they are. */
+/* Rays that are asked together whether they meet the surface inside; of: their places in the tile. */
 typedef double few[SGT_FEW];
 typedef struct chords {
     size_t n, of[SGT_FEW];
@@ -526,8 +531,8 @@ static void stops(const bundle_work *job, tile *w, size_t j, size_t i, int evals
     w->good[i] = -(STOPS + stopped_by((sgt_status)w->status[i]));
 }
 
-/* The questions are those of sgt_pass, each of all that are left.  A hit outside, on the stretches by which a
- * chord is longer than the aperture, is looked at by itself. */
+/* Asks what sgt_pass would ask, each question for all rays that are left.  A hit outside, where the chord
+ * is longer than the aperture, is looked at by itself. */
 static void ask_inside(const bundle_work *job, tile *w, size_t j, chords *c)
 {
     const sgt_element *e = &job->e[j];
@@ -567,7 +572,7 @@ static void ask_inside(const bundle_work *job, tile *w, size_t j, chords *c)
     }
 }
 
-/* The verdicts on the rays that the loops have left, negative, where `good` was 0. */
+/* Sets good to a verdict, which is negative, for the rays that the loops have left. */
 SGT_NOINLINE static void judge_rest(const bundle_work *job, tile *w, size_t j, const bending *by)
 {
     chords c = {.n = 0, .kept = {.radius2 = {0}}};
@@ -586,8 +591,8 @@ SGT_NOINLINE static void judge_rest(const bundle_work *job, tile *w, size_t j, c
     if (c.n) ask_inside(job, w, j, &c);
 }
 
-/* The rays that the loops left, through element j; asked, where not NULL: the sweep has met them, and there
- * are verdicts. */
+/* Takes the rays that the loops have left through element j.  If asked is not NULL, the surface's lanes
+ * have met them, and there are verdicts. */
 SGT_NOINLINE static void pass_rest(const bundle_work *job, tile *w, size_t j, const sgt_hits *asked)
 {
     const sgt_element *e = &job->e[j];
@@ -632,7 +637,8 @@ SGT_NOINLINE static void pass_rest(const bundle_work *job, tile *w, size_t j, co
 
 /* --------------------------------------------------------------- an element */
 
-/* By the loops, as far as they go: how many rays; *asked: what the sweep was asked. */
+/* Takes the rays through element j by the loops, and returns for how many that was all.  *asked: what the
+ * lanes were asked for. */
 static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, sgt_hits *asked)
 {
     const sgt_element *e = &job->e[j];
@@ -668,7 +674,7 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, s
     else if (met && asks_unique(&job->opt) && hide_others(e, &rays, aperture2_of(e->semi_diameter), w->p))
         met = 0;
     for (size_t i = 0; met < w->n && i < w->n; i++)
-        if (w->status[i] <= 0) w->p->x[i] = (double)NAN; /* as it is; the loops go by that */
+        if (w->status[i] <= 0) w->p->x[i] = (double)NAN; /* not met; the loops test for it */
     if (widened) {
         bool before = j > 0 && is_turned(&job->e[j - 1].pose);
         aside a = aside_of(w->base, e->pose.origin, turned, j == 0, before);
@@ -744,7 +750,7 @@ static void trace_tile(const bundle_work *job, tile *w)
     for (size_t j = 0; j < job->elements && w->n; j++) pass_all(job, w, j);
 }
 
-/* Those that have passed all, as they are at return. */
+/* Writes the rays that have passed all elements, as they are at return. */
 static void tell_passed(const bundle_work *job, tile *w)
 {
     const sgt_traced *out = job->out;
