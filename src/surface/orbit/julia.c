@@ -28,88 +28,185 @@ static sgt_interval enclose_by(const orbit *o, const sgt_ray *ray, sgt_interval 
 
 /* ------------------------------------------------------- the two surfaces */
 
-static sgt_hit first_of(const orbit *o, const sgt_ray *ray, const sgt_options *opt)
+/* The parameters of a set read as an orbit; an objection with a param where they are invalid. */
+typedef sgt_objection orbit_of(const void *self, orbit *o);
+
+SGT_INLINE double value_by(orbit_of *read, const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
+    orbit o;
+    if (!read(self, &o).param) return sgt_level_value(&o, p, grad);
+    if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};
+    return NAN;
+}
+
+SGT_INLINE sgt_span span_by(orbit_of *read, const void *self, const sgt_ray *ray)
+{
+    orbit o;
+    if (read(self, &o).param) return (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = NAN};
+    return sgt_level_span(&o, ray);
+}
+
+SGT_INLINE double rounding_by(orbit_of *read, const void *self, sgt_vec3 p)
+{
+    orbit o;
+    return read(self, &o).param ? (double)NAN : sgt_level_rounding(&o, p);
+}
+
+SGT_INLINE double estimate_by(orbit_of *read, const void *self, sgt_vec3 p)
+{
+    orbit o;
+    double f;
+    return read(self, &o).param ? (double)NAN : sgt_level_estimate(&o, p, &f);
+}
+
+SGT_INLINE sgt_interval enclosure_by(orbit_of *read, const void *self, const sgt_ray *ray, sgt_interval t,
+                                     sgt_interval *slope)
+{
+    orbit o;
+    *slope = (sgt_interval){NAN, NAN};
+    return read(self, &o).param ? *slope : enclose_by(&o, ray, t, slope);
+}
+
+SGT_INLINE sgt_hit meet_by(orbit_of *read, const void *self, const sgt_ray *ray, const sgt_options *opt)
+{
+    orbit o;
     sgt_list list = {.cap = 0, .count = 0};
-    int evals = sgt_level_march(o, ray, opt, false, &list);
+    if (read(self, &o).param) return hit_without(SGT_INVALID, ray, 0);
+    int evals = sgt_level_march(&o, ray, opt, false, &list);
     return first_entry(&list, ray, evals);
 }
 
-#define LEVEL_SET(kind)                                                                           \
-    static double kind##_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)                      \
-    {                                                                                             \
-        orbit o;                                                                                  \
-        if (!sgt_orbit_of_##kind(self, &o).param) return sgt_level_value(&o, p, grad);            \
-        if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};                                              \
-        return NAN;                                                                               \
-    }                                                                                             \
-    static sgt_span kind##_span(const void *self, const sgt_ray *ray)                             \
-    {                                                                                             \
-        orbit o;                                                                                  \
-        if (sgt_orbit_of_##kind(self, &o).param)                                                  \
-            return (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = NAN};                      \
-        return sgt_level_span(&o, ray);                                                           \
-    }                                                                                             \
-    static double kind##_rounding(const void *self, sgt_vec3 p)                                   \
-    {                                                                                             \
-        orbit o;                                                                                  \
-        return sgt_orbit_of_##kind(self, &o).param ? (double)NAN : sgt_level_rounding(&o, p);     \
-    }                                                                                             \
-    static double kind##_estimate(const void *self, sgt_vec3 p)                                   \
-    {                                                                                             \
-        orbit o;                                                                                  \
-        double f;                                                                                 \
-        return sgt_orbit_of_##kind(self, &o).param ? (double)NAN : sgt_level_estimate(&o, p, &f); \
-    }                                                                                             \
-    static sgt_interval kind##_enclose(const void *self, const sgt_ray *ray, sgt_interval t,      \
-                                       sgt_interval *slope)                                       \
-    {                                                                                             \
-        orbit o;                                                                                  \
-        *slope = (sgt_interval){NAN, NAN};                                                        \
-        return sgt_orbit_of_##kind(self, &o).param ? *slope : enclose_by(&o, ray, t, slope);      \
-    }                                                                                             \
-    static sgt_hit kind##_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)      \
-    {                                                                                             \
-        orbit o;                                                                                  \
-        if (sgt_orbit_of_##kind(self, &o).param) return hit_without(SGT_INVALID, ray, 0);         \
-        return first_of(&o, ray, opt);                                                            \
-    }                                                                                             \
-    static sgt_status kind##_all(const void *self, const sgt_ray *ray, const sgt_options *opt,    \
-                                 sgt_list *list)                                                  \
-    {                                                                                             \
-        orbit o;                                                                                  \
-        if (sgt_orbit_of_##kind(self, &o).param) return SGT_INVALID;                              \
-        sgt_level_march(&o, ray, opt, true, list);                                                \
-        return 0;                                                                                 \
-    }                                                                                             \
-    static size_t kind##_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)    \
-    {                                                                                             \
-        orbit o;                                                                                  \
-        if (!sgt_orbit_of_##kind(self, &o).param) return sgt_level_lanes(&o, tile, opt);          \
-        memset(tile->hits.status, SGT_HARD, tile->n);                                             \
-        return tile->n;                                                                           \
-    }                                                                                             \
-    static const struct sgt_builtin_ops kind##_builtin = {                                        \
-        .meet = kind##_meet, .all = kind##_all, .lanes = kind##_lanes, .tile = SGT_MOST_TILE};    \
-    const sgt_surface_ops sgt_##kind##_ops = {.name = #kind,                                      \
-                                              .value = kind##_value,                              \
-                                              .span = kind##_span,                                \
-                                              .rounding = kind##_rounding,                        \
-                                              .estimate = kind##_estimate,                        \
-                                              .enclose = kind##_enclose,                          \
-                                              .own_ = &kind##_builtin};                           \
-    double sgt_##kind##_potential(const sgt_##kind *s, sgt_vec3 p, sgt_vec3 *grad)                \
-    {                                                                                             \
-        orbit o;                                                                                  \
-        if (!sgt_orbit_of_##kind(s, &o).param) return sgt_level_potential(&o, p, grad);           \
-        if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};                                              \
-        return NAN;                                                                               \
-    }                                                                                             \
-    sgt_objection sgt_##kind##_object(const void *self)                                           \
-    {                                                                                             \
-        orbit o;                                                                                  \
-        return sgt_orbit_of_##kind(self, &o);                                                     \
-    }
+SGT_INLINE sgt_status all_by(orbit_of *read, const void *self, const sgt_ray *ray, const sgt_options *opt,
+                             sgt_list *list)
+{
+    orbit o;
+    if (read(self, &o).param) return SGT_INVALID;
+    sgt_level_march(&o, ray, opt, true, list);
+    return 0;
+}
 
-LEVEL_SET(julia)
-LEVEL_SET(mandelbrot)
+SGT_INLINE size_t lanes_by(orbit_of *read, const void *self, const sgt_tile *tile, const sgt_options *opt)
+{
+    orbit o;
+    if (!read(self, &o).param) return sgt_level_lanes(&o, tile, opt);
+    memset(tile->hits.status, SGT_HARD, tile->n);
+    return tile->n;
+}
+
+SGT_INLINE double potential_by(orbit_of *read, const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    orbit o;
+    if (!read(self, &o).param) return sgt_level_potential(&o, p, grad);
+    if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};
+    return NAN;
+}
+
+/* ------------------------------------------------------------------- julia */
+
+static double julia_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    return value_by(sgt_orbit_of_julia, self, p, grad);
+}
+
+static sgt_span julia_span(const void *self, const sgt_ray *ray) { return span_by(sgt_orbit_of_julia, self, ray); }
+
+static double julia_rounding(const void *self, sgt_vec3 p) { return rounding_by(sgt_orbit_of_julia, self, p); }
+
+static double julia_estimate(const void *self, sgt_vec3 p) { return estimate_by(sgt_orbit_of_julia, self, p); }
+
+static sgt_interval julia_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    return enclosure_by(sgt_orbit_of_julia, self, ray, t, slope);
+}
+
+static sgt_hit julia_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
+{
+    return meet_by(sgt_orbit_of_julia, self, ray, opt);
+}
+
+static sgt_status julia_all(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
+{
+    return all_by(sgt_orbit_of_julia, self, ray, opt, list);
+}
+
+static size_t julia_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)
+{
+    return lanes_by(sgt_orbit_of_julia, self, tile, opt);
+}
+
+static const struct sgt_builtin_ops julia_builtin = {
+    .meet = julia_meet, .all = julia_all, .lanes = julia_lanes, .tile = SGT_MOST_TILE};
+
+const sgt_surface_ops sgt_julia_ops = {.name = "julia",
+                                      .own_ = &julia_builtin,
+                                      .value = julia_value,
+                                      .span = julia_span,
+                                      .rounding = julia_rounding,
+                                      .estimate = julia_estimate,
+                                      .enclose = julia_enclose};
+
+double sgt_julia_potential(const sgt_julia *s, sgt_vec3 p, sgt_vec3 *grad)
+{
+    return potential_by(sgt_orbit_of_julia, s, p, grad);
+}
+
+sgt_objection sgt_julia_object(const void *self)
+{
+    orbit o;
+    return sgt_orbit_of_julia(self, &o);
+}
+
+/* ------------------------------------------------------------------- mandelbrot */
+
+static double mandelbrot_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    return value_by(sgt_orbit_of_mandelbrot, self, p, grad);
+}
+
+static sgt_span mandelbrot_span(const void *self, const sgt_ray *ray) { return span_by(sgt_orbit_of_mandelbrot, self, ray); }
+
+static double mandelbrot_rounding(const void *self, sgt_vec3 p) { return rounding_by(sgt_orbit_of_mandelbrot, self, p); }
+
+static double mandelbrot_estimate(const void *self, sgt_vec3 p) { return estimate_by(sgt_orbit_of_mandelbrot, self, p); }
+
+static sgt_interval mandelbrot_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    return enclosure_by(sgt_orbit_of_mandelbrot, self, ray, t, slope);
+}
+
+static sgt_hit mandelbrot_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
+{
+    return meet_by(sgt_orbit_of_mandelbrot, self, ray, opt);
+}
+
+static sgt_status mandelbrot_all(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
+{
+    return all_by(sgt_orbit_of_mandelbrot, self, ray, opt, list);
+}
+
+static size_t mandelbrot_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)
+{
+    return lanes_by(sgt_orbit_of_mandelbrot, self, tile, opt);
+}
+
+static const struct sgt_builtin_ops mandelbrot_builtin = {
+    .meet = mandelbrot_meet, .all = mandelbrot_all, .lanes = mandelbrot_lanes, .tile = SGT_MOST_TILE};
+
+const sgt_surface_ops sgt_mandelbrot_ops = {.name = "mandelbrot",
+                                      .own_ = &mandelbrot_builtin,
+                                      .value = mandelbrot_value,
+                                      .span = mandelbrot_span,
+                                      .rounding = mandelbrot_rounding,
+                                      .estimate = mandelbrot_estimate,
+                                      .enclose = mandelbrot_enclose};
+
+double sgt_mandelbrot_potential(const sgt_mandelbrot *s, sgt_vec3 p, sgt_vec3 *grad)
+{
+    return potential_by(sgt_orbit_of_mandelbrot, s, p, grad);
+}
+
+sgt_objection sgt_mandelbrot_object(const void *self)
+{
+    orbit o;
+    return sgt_orbit_of_mandelbrot(self, &o);
+}
