@@ -684,9 +684,28 @@ static void test_root_right_behind_a_start_far_from_the_middle(void **state)
     }
 }
 
+/* The estimate, begun at the root itself, knew t better than the search: the first root was one that counts,
+ * and of all of them there was none. */
+static void test_first_of_all_at_the_start(void **state)
+{
+    (void)state;
+    sgt_biconic s = {.c_y = -0x1.afe2a3094efa6p-11, .semi_diameter = 0x1.773796731d3c9p+0};
+    sgt_surface surface = {&sgt_biconic_ops, &s};
+    sgt_ray ray = {{-0x1.3b4f5af7cb08ep+0, -0x1.82ff31cbf2ecbp-7, -0x1.ed7bfce0d72bfp-25},
+                   {-0x1.4d4d80805afe9p-3, 0x1.1a4c6f2587a49p-4, -0x1.166d632ee254fp-2},
+                   -0x1.934079498d5e9p-68,
+                   INFINITY};
+    sgt_options opt = {.proof = SGT_PROVE_ROOT};
+    sgt_hit first = sgt_intersect(surface, ray, &opt), all = {.status = SGT_MISS};
+    sgt_intersect_all(surface, ray, 1, &all, &opt);
+    REQUIRE(first.status == all.status, "first %s, of all %s", sgt_status_text(first.status),
+            sgt_status_text(all.status));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_first_of_all_at_the_start),
         cmocka_unit_test(test_root_right_behind_a_start_far_from_the_middle),
         cmocka_unit_test(test_graze_that_reaches_inside_the_aperture),
         cmocka_unit_test(test_march_in_another_unit),
