@@ -38,6 +38,30 @@ static bool cells_touches(walk *w, const point *dark, double to, sgt_interval se
     return sgt_walk_take(w, &r, middle);
 }
 
+/* The monotone cell [tau, end] has a root very near tmin, an end of the search.  Rounding of the way from t0
+ * hides whether that root is accepted: t0 may be a thousand times as far off as the surface is large.  So the
+ * root is looked for once more from an origin at tmin, where t is as sharp as the rule of the start asks.  A
+ * root that cannot be told from the start there is within t_err of it, and is not accepted (sgt_ray). */
+static void cells_from_start(walk *w, double tau, double end, int side)
+{
+    local far = w->q;
+    double lo = w->lo, hi = w->hi, t_tol = w->t_tol;
+    double t0 = w->ray->tmin * inverse_of_scale(w->ray->d), by = far.t0 - t0, past;
+    double inward = 0x1p-50 * (fabs(far.t0) + fabs(t0) + fabs(end)); /* of `by`, and of end itself */
+    bool first = tau == lo, told = false; /* first: the cell begins at tmin */
+    w->q = local_at(w->ray, t0, 0);
+    w->t_tol = 0; /* it would hide the same */
+    w->lo = first ? 0 : tau + by + inward, w->hi = end + by - inward;
+    if (w->lo < w->hi) {
+        point a = sgt_walk_look(w, w->lo, SGT_PROBE, w->lo, w->hi),
+              b = sgt_walk_look(w, w->hi, SGT_PROBE, w->lo, w->hi);
+        told = sign_at(&b) == side && (first || sign_at(&a) == -side);
+        if (told && sign_at(&a) == -side) sgt_walk_between(w, &a, &b, &past);
+    }
+    w->q = far, w->lo = lo, w->hi = hi, w->t_tol = t_tol;
+    if (!told && !over(w)) sgt_walk_stretch(w, SGT_UNPROVEN, tau, end);
+}
+
 void sgt_walk_cells(walk *w, double lo, double hi)
 {
     const local *q = &w->q;
@@ -68,7 +92,8 @@ void sgt_walk_cells(walk *w, double lo, double hi)
         bool empty = excludes_zero(g) || g.lo > g.hi,
              monotone = !empty && g.lo <= g.hi && excludes_zero(slope) && slope.lo <= slope.hi;
         point left = {.g = (double)NAN}, right = left;
-        int signs = 0;
+        int signs = 0, side = 0;
+        bool start = false; /* a root may be the start, or one right behind it */
         if (monotone) {
             left = sgt_walk_look(w, tau, SGT_MARCH, tau, hi),
             right = sgt_walk_look(w, end, SGT_MARCH, tau, hi);
@@ -79,10 +104,14 @@ void sgt_walk_cells(walk *w, double lo, double hi)
             }
             moved = 0;
             signs = sign_at(&left) * sign_at(&right);
+            side = slope.lo > 0 ? 1 : -1;
             /* The start is on the surface, and that root is not accepted.  A second root behind it is one
              * root. */
-            if (signs == 0 && tau == lo && w->from_tmin) {
-                signs = sign_at(&right) * (slope.lo > 0 ? 1 : -1) > 0 ? 1 : 0;
+            if (signs == 0 && tau == lo && w->from_tmin && sign_at(&right) == side) {
+                double least = (slope.lo > 0 ? slope.lo : -slope.hi) * q->scale;
+                signs = 1;
+                start = !acceptance_of(q, tau, (fabs(left.g) + left.g_err) / least, left.p, left.n, left.at,
+                                       w->ray->tmin, w->ray->tmax, w->rim2, 0).off;
             }
             double most = larger(fabs(left.g) + left.g_err, fabs(right.g) + right.g_err);
             /* Undecided, with g between its values at the ends.  Not if the slope of `value` is so large
@@ -109,8 +138,14 @@ void sgt_walk_cells(walk *w, double lo, double hi)
             back = tau, tau = end, h *= 1.5;
         } else if (monotone) {
             double t_tol = w->t_tol;
-            if (!(end < hi)) w->t_tol = 0; /* else it would hide whether the root is accepted */
-            if (signs < 0) sgt_walk_between(w, &left, &right, &past);
+            /* at the far end a tolerance would hide whether the root is accepted */
+            if (!(end < hi)) w->t_tol = 0;
+            if (signs < 0) {
+                w->hidden.t = (double)NAN;
+                start = !sgt_walk_between(w, &left, &right, &past) && !w->off && w->from_tmin &&
+                        w->hidden.t - w->ray->tmin <= 2 * w->hidden.t_err;
+            }
+            if (start && !over(w)) cells_from_start(w, tau, end, side);
             w->t_tol = t_tol;
             if (signs == 0) sgt_walk_stretch(w, SGT_UNPROVEN, tau, end);
             back = signs > 0 ? tau : end;

@@ -28,6 +28,18 @@ static sgt_options plain(const sgt_options *opt)
     return estimate;
 }
 
+/* Is the root so near an end that the search may not accept it?  The search has another t and t_err, and the
+ * first root and the first of all are to be the same.  At the start the search drops a root that is nearer
+ * than the width of the rule and twice its t_err, if t_err is at most 16 widths (proof_take in prove.c). */
+static bool near_an_end(const sgt_ray *ray, const sgt_hit *hit)
+{
+    sgt_vec3 p = hit->p, n = hit->n, d = ray->d;
+    double room = END_ERRORS * (hit->t_err + SGT_U * fabs(hit->t));
+    double terms = fabs(p.x * n.x) + fabs(p.y * n.y) + fabs(p.z * n.z),
+           width = START_ULPS * terms / fabs(n.x * d.x + n.y * d.y + n.z * d.z) + 8 * SGT_U * fabs(hit->t);
+    return fabs(hit->t - ray->tmax) <= room || !(hit->t - ray->tmin > room + 33 * width);
+}
+
 /* Estimates a root with a few evaluations and proves it.  true: *hit is the proven root, or the watcher
  * has stopped. */
 static bool prove_estimate(proof *w, sgt_hit *hit)
@@ -37,8 +49,7 @@ static bool prove_estimate(proof *w, sgt_hit *hit)
     *hit = sgt_search_first(w->s, w->ray, &estimate);
     w->told.evals = hit->evals;
     if (hit->status <= 0) return hit->status == SGT_STOPPED;
-    /* next to tmax the search decides whether the root is accepted */
-    if (fabs(hit->t - w->ray->tmax) <= END_ERRORS * (hit->t_err + SGT_U * fabs(hit->t))) return false;
+    if (near_an_end(w->ray, hit)) return false; /* the search decides whether it is accepted */
     sgt_proof_take(w, hit->t, hit->t_lo, hit->t_err);
     *hit = w->list->last;
     bool proven = w->list->count > 0 && hit->status > 0;

@@ -659,9 +659,54 @@ static void test_graze_that_reaches_inside_the_aperture(void **state)
     REQUIRE(fate != SGT_CLIPPED && fate != SGT_MISSED, "%s", sgt_fate_text(fate));
 }
 
+/* A user's surface with `enclose`, the ray begins right before a root and ends far away, no seed: rounding
+ * of the way from the middle took the root for the start, or hid that it counts. */
+static void test_root_right_behind_a_start_far_from_the_middle(void **state)
+{
+    (void)state;
+    const sgt_surface_ops *from = &sgt_odd_asphere_ops;
+    sgt_surface_ops ops = {.name = "user's",
+                           .value = from->value,
+                           .rounding = from->rounding,
+                           .span = from->span,
+                           .enclose = from->enclose};
+    sgt_odd_asphere s = {
+        .c = -0x1.dacfa21f04c9dp-14, .k = 0x1.4d4f33b24033p-3, .a = {0, 0x1.7336dc561f657p-9}};
+    for (int i = 2; i < 80; i++) {
+        double root = 0x1.6d5daf7017384p+6, before = 16 * i * 0x1p-46;
+        sgt_ray ray = {{0x1.8798d9bb08bc8p+4, -0x1.12bc9456a3a8fp+2, 0x1.075b8be0a560cp-3},
+                       {-0x1.4d9209daff25cp-2, -0x1.11f8f073a4904p-15, 0x0p+0},
+                       root - before,
+                       0x1.e0d52c6e2b2a7p+14};
+        sgt_hit h = sgt_intersect((sgt_surface){&ops, &s}, ray, NULL);
+        REQUIRE(h.status == SGT_HIT && fabs(h.t - root) <= h.t_err, "%g before: %s, t = %.17g", before,
+                sgt_status_text(h.status), h.t);
+    }
+}
+
+/* The estimate, begun at the root itself, knew t better than the search: the first root was one that counts,
+ * and of all of them there was none. */
+static void test_first_of_all_at_the_start(void **state)
+{
+    (void)state;
+    sgt_biconic s = {.c_y = -0x1.afe2a3094efa6p-11, .semi_diameter = 0x1.773796731d3c9p+0};
+    sgt_surface surface = {&sgt_biconic_ops, &s};
+    sgt_ray ray = {{-0x1.3b4f5af7cb08ep+0, -0x1.82ff31cbf2ecbp-7, -0x1.ed7bfce0d72bfp-25},
+                   {-0x1.4d4d80805afe9p-3, 0x1.1a4c6f2587a49p-4, -0x1.166d632ee254fp-2},
+                   -0x1.934079498d5e9p-68,
+                   INFINITY};
+    sgt_options opt = {.proof = SGT_PROVE_ROOT};
+    sgt_hit first = sgt_intersect(surface, ray, &opt), all = {.status = SGT_MISS};
+    sgt_intersect_all(surface, ray, 1, &all, &opt);
+    REQUIRE(first.status == all.status, "first %s, of all %s", sgt_status_text(first.status),
+            sgt_status_text(all.status));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_first_of_all_at_the_start),
+        cmocka_unit_test(test_root_right_behind_a_start_far_from_the_middle),
         cmocka_unit_test(test_graze_that_reaches_inside_the_aperture),
         cmocka_unit_test(test_march_in_another_unit),
         cmocka_unit_test(test_start_reaches_a_little_beyond),

@@ -174,9 +174,9 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
                     quadratic_first(&r, &c, TERMS(&s, &r, c.first), tmin[i]))                               \
     static void NAME##_blocks(const void *self, size_t n, sgt_rays rays, sgt_spans out, bool first)         \
     {                                                                                                       \
-        double single[DEPARTURE_BLOCK];                                                                      \
+        double single[DEPARTURE_BLOCK];                                                                     \
         for (size_t i = 0, few; i < n; i += few) {                                                          \
-            few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;                                          \
+            few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;                                        \
             (first ? NAME##_all_firsts : NAME##_all_spans)(                                                 \
                 self, few, rays.o[0] + i, rays.o[1] + i, rays.o[2] + i, rays.d[0] + i, rays.d[1] + i,       \
                 rays.d[2] + i, first ? rays.tmin + i : NULL, out.lo + i, out.hi + i, out.seed + i, single); \
@@ -191,7 +191,7 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
     {                                                                                                       \
         NAME##_blocks(self, n, rays, out, true);                                                            \
     }                                                                                                       \
-    static sgt_span NAME##_unique(const void *self, const sgt_ray *ray, bool first)                         \
+    static sgt_span NAME##_one(const void *self, const sgt_ray *ray, bool first)                            \
     {                                                                                                       \
         sgt_span a;                                                                                         \
         sgt_rays rays = {                                                                                   \
@@ -201,12 +201,9 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
     }                                                                                                       \
     static sgt_span NAME##_span(const void *self, const sgt_ray *ray)                                       \
     {                                                                                                       \
-        return NAME##_unique(self, ray, false);                                                             \
+        return NAME##_one(self, ray, false);                                                                \
     }                                                                                                       \
-    static sgt_span NAME##_first(const void *self, const sgt_ray *ray)                                      \
-    {                                                                                                       \
-        return NAME##_unique(self, ray, true);                                                              \
-    }
+    static sgt_span NAME##_first(const void *self, const sgt_ray *ray) { return NAME##_one(self, ray, true); }
 
 SGT_INLINE near_ray near_ray_of(sgt_vec3 d)
 {

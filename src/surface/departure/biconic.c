@@ -278,7 +278,7 @@ static const departure biconic_departure = {.at = biconic_at,
                                             .noise = biconic_noise};
 
 /* The seed: a conic with the mean curvature, and the conic constant of the stronger axis. */
-static departure_sag biconic_unique(const sgt_biconic *b)
+static departure_sag biconic_on_conic(const sgt_biconic *b)
 {
     double k = fabs(b->c_x) > fabs(b->c_y) ? b->k_x : b->k_y;
     double A = (1 + b->k_x) * b->c_x * b->c_x, B = (1 + b->k_y) * b->c_y * b->c_y, least = A < B ? A : B,
@@ -291,7 +291,7 @@ static departure_sag biconic_unique(const sgt_biconic *b)
                            .reach = reach};
 }
 
-DEPARTURE_OPS(biconic, sgt_biconic, biconic_unique)
+DEPARTURE_OPS(biconic, sgt_biconic, biconic_on_conic)
 
 /* The same for a cylinder, by the names of its own row in dispatch/builtins.c. */
 sgt_objection sgt_cylinder_object(const void *self)

@@ -159,7 +159,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
 
 /* Defines sgt_NAME_ops and sgt_NAME_object, for parameters of type TYPE.  VIEW(s) is an expression of type
  * departure_sag for a pointer s to a TYPE.  NAME_departure must exist, and TYPE must have a semi_diameter. */
-#define DEPARTURE_OPS(NAME, TYPE, VIEW)                                                                      \
+#define DEPARTURE_OPS(NAME, TYPE, VIEW)                                                                     \
     static departure_sag NAME##_view(const void *self)                                                      \
     {                                                                                                       \
         const TYPE *s = self;                                                                               \
@@ -205,14 +205,14 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         departure_sag v = NAME##_view(self);                                                                \
         sgt_departure_noise_about(&v, radius, e);                                                           \
     }                                                                                                       \
-    static sgt_span NAME##_builtin_span(const void *self, const sgt_shared *shared, const sgt_ray *ray,         \
-                                    double *least)                                                          \
+    static sgt_span NAME##_builtin_span(const void *self, const sgt_shared *shared, const sgt_ray *ray,     \
+                                        double *least)                                                      \
     {                                                                                                       \
         (void)self;                                                                                         \
         return sgt_departure_span(shared, ray, least);                                                      \
     }                                                                                                       \
-    static void NAME##_builtin_spans(const void *self, const sgt_shared *shared, size_t n, sgt_rays r,          \
-                                 sgt_spans out, double *least)                                              \
+    static void NAME##_builtin_spans(const void *self, const sgt_shared *shared, size_t n, sgt_rays r,      \
+                                     sgt_spans out, double *least)                                          \
     {                                                                                                       \
         (void)self;                                                                                         \
         sgt_departure_spans(shared, n, r, out, least);                                                      \
@@ -229,8 +229,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         NAME##_share(self, &e);                                                                             \
         sgt_departure_spans(&e, n, r, out, NULL);                                                           \
     }                                                                                                       \
-    static sgt_interval NAME##_builtin_enclose(const void *self, const sgt_ray *ray, double t0, sgt_interval t, \
-                                           sgt_interval *slope)                                             \
+    static sgt_interval NAME##_builtin_enclose(const void *self, const sgt_ray *ray, double t0,             \
+                                               sgt_interval t, sgt_interval *slope)                         \
     {                                                                                                       \
         departure_sag v = NAME##_view(self);                                                                \
         return sgt_departure_enclose(&v, ray, t0, t, slope);                                                \
@@ -238,7 +238,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     static sgt_interval NAME##_ops_enclose(const void *self, const sgt_ray *ray, sgt_interval t,            \
                                            sgt_interval *slope)                                             \
     {                                                                                                       \
-        return NAME##_builtin_enclose(self, ray, 0, t, slope);                                                  \
+        return NAME##_builtin_enclose(self, ray, 0, t, slope);                                              \
     }                                                                                                       \
     static void NAME##_ops_second(const void *self, size_t n, sgt_points p, double *const out[6])           \
     {                                                                                                       \
@@ -280,9 +280,9 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                                                           .chords = sgt_departure_chords,                   \
                                                           .noise_within = NAME##_noise_within,              \
                                                           .roundings = NAME##_ops_roundings,                \
-                                                          .span = NAME##_builtin_span,                          \
-                                                          .spans = NAME##_builtin_spans,                        \
-                                                          .enclose = NAME##_builtin_enclose,                    \
+                                                          .span = NAME##_builtin_span,                      \
+                                                          .spans = NAME##_builtin_spans,                    \
+                                                          .enclose = NAME##_builtin_enclose,                \
                                                           .rim = NAME##_rim,                                \
                                                           .departure = &NAME##_departure};                  \
     const sgt_surface_ops sgt_##NAME##_ops = {.name = #NAME,                                                \

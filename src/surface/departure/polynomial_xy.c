@@ -200,8 +200,8 @@ SGT_KERNEL
 static void polynomial_second(size_t n, sgt_numbers a, const double *restrict x, const double *restrict y,
                               double *restrict pxx, double *restrict pxy, double *restrict pyy)
 {
-    double p[DEPARTURE_BLOCK], px[DEPARTURE_BLOCK], py[DEPARTURE_BLOCK], w[DEPARTURE_BLOCK], dw[DEPARTURE_BLOCK],
-        ddw[DEPARTURE_BLOCK];
+    double p[DEPARTURE_BLOCK], px[DEPARTURE_BLOCK], py[DEPARTURE_BLOCK], w[DEPARTURE_BLOCK],
+        dw[DEPARTURE_BLOCK], ddw[DEPARTURE_BLOCK];
     LANES for (size_t k = 0; k < n; k++) p[k] = px[k] = py[k] = pxx[k] = pxy[k] = pyy[k] = 0;
     for (size_t i = xy_rows_of(a); i-- > 0;) {
         xy_row of = xy_row_of(a, i);
@@ -242,7 +242,8 @@ SGT_KERNEL
 static void monomial(size_t i, size_t j, size_t n, const double *restrict x, const double *restrict y,
                      double *restrict p, double *restrict px, double *restrict py)
 {
-    double u[DEPARTURE_BLOCK], v[DEPARTURE_BLOCK], di = (double)i, dj = (double)j; /* x^(i-1), y^(j-1), or 1 */
+    /* x^(i-1), y^(j-1), or 1 */
+    double u[DEPARTURE_BLOCK], v[DEPARTURE_BLOCK], di = (double)i, dj = (double)j;
     LANES for (size_t k = 0; k < n; k++) u[k] = v[k] = 1;
     for (size_t m = 1; m < i; m++)
         LANES for (size_t k = 0; k < n; k++) u[k] *= x[k];

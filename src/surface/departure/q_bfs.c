@@ -370,8 +370,8 @@ static void q_bfs_second(size_t n, size_t terms, const double *b, double c, doub
                          const double *restrict x, const double *restrict y, double *restrict pxx,
                          double *restrict pxy, double *restrict pyy)
 {
-    double v[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK], dds[DEPARTURE_BLOCK], scale = 1 / norm2,
-                                                                                          c2 = c * c;
+    double v[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK], dds[DEPARTURE_BLOCK],
+        scale = 1 / norm2, c2 = c * c;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
     q_second(bfs_step, terms, b, n, v, s, ds, dds);
     LANES for (size_t i = 0; i < n; i++) {

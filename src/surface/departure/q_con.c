@@ -140,7 +140,8 @@ static void q_con_second(size_t n, size_t terms, const double *a, double norm2, 
                          const double *restrict y, double *restrict pxx, double *restrict pxy,
                          double *restrict pyy)
 {
-    double v[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK], dds[DEPARTURE_BLOCK], scale = 2 / norm2;
+    double v[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK], dds[DEPARTURE_BLOCK],
+        scale = 2 / norm2;
     LANES for (size_t i = 0; i < n; i++) v[i] = (x[i] * x[i] + y[i] * y[i]) / norm2;
     q_second(con_step, terms, a, n, v, s, ds, dds);
     LANES for (size_t i = 0; i < n; i++) {

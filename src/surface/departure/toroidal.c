@@ -435,7 +435,7 @@ static const departure toroidal_departure = {.at = toroidal_at,
                                              .noise_about = toroidal_noise_about};
 
 /* The seed: a conic with the mean curvature. */
-static departure_sag toroidal_unique(const sgt_toroidal *a)
+static departure_sag toroidal_on_conic(const sgt_toroidal *a)
 {
     double c_y = a->c + 2 * a->a[0];
     return (departure_sag){.c = 0.5 * (a->c_x + c_y),
@@ -445,4 +445,4 @@ static departure_sag toroidal_unique(const sgt_toroidal *a)
                            .self = a};
 }
 
-DEPARTURE_OPS(toroidal, sgt_toroidal, toroidal_unique)
+DEPARTURE_OPS(toroidal, sgt_toroidal, toroidal_on_conic)

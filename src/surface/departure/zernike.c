@@ -115,8 +115,8 @@ SGT_INLINE void gather(const sgt_zernike *z, size_t only, size_t m, harmonic *h)
  *   p, g            the sums over m of C Re zeta^m + S Im zeta^m, and of the same with C' and S'
  *   gx, gy          the sums over m of its derivatives by x and y, with C and S as constants */
 typedef struct zernike_work {
-    double x[DEPARTURE_BLOCK], y[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], re[DEPARTURE_BLOCK], im[DEPARTURE_BLOCK],
-        re1[DEPARTURE_BLOCK], im1[DEPARTURE_BLOCK];
+    double x[DEPARTURE_BLOCK], y[DEPARTURE_BLOCK], s[DEPARTURE_BLOCK], re[DEPARTURE_BLOCK],
+        im[DEPARTURE_BLOCK], re1[DEPARTURE_BLOCK], im1[DEPARTURE_BLOCK];
     double q[DEPARTURE_BLOCK], q1[DEPARTURE_BLOCK], d[DEPARTURE_BLOCK], d1[DEPARTURE_BLOCK];
     double c[DEPARTURE_BLOCK], sn[DEPARTURE_BLOCK], dc[DEPARTURE_BLOCK], ds[DEPARTURE_BLOCK];
     double p[DEPARTURE_BLOCK], g[DEPARTURE_BLOCK], gx[DEPARTURE_BLOCK], gy[DEPARTURE_BLOCK];

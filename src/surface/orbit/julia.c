@@ -108,11 +108,20 @@ static double julia_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
     return value_by(sgt_orbit_of_julia, self, p, grad);
 }
 
-static sgt_span julia_span(const void *self, const sgt_ray *ray) { return span_by(sgt_orbit_of_julia, self, ray); }
+static sgt_span julia_span(const void *self, const sgt_ray *ray)
+{
+    return span_by(sgt_orbit_of_julia, self, ray);
+}
 
-static double julia_rounding(const void *self, sgt_vec3 p) { return rounding_by(sgt_orbit_of_julia, self, p); }
+static double julia_rounding(const void *self, sgt_vec3 p)
+{
+    return rounding_by(sgt_orbit_of_julia, self, p);
+}
 
-static double julia_estimate(const void *self, sgt_vec3 p) { return estimate_by(sgt_orbit_of_julia, self, p); }
+static double julia_estimate(const void *self, sgt_vec3 p)
+{
+    return estimate_by(sgt_orbit_of_julia, self, p);
+}
 
 static sgt_interval julia_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
@@ -163,13 +172,23 @@ static double mandelbrot_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
     return value_by(sgt_orbit_of_mandelbrot, self, p, grad);
 }
 
-static sgt_span mandelbrot_span(const void *self, const sgt_ray *ray) { return span_by(sgt_orbit_of_mandelbrot, self, ray); }
+static sgt_span mandelbrot_span(const void *self, const sgt_ray *ray)
+{
+    return span_by(sgt_orbit_of_mandelbrot, self, ray);
+}
 
-static double mandelbrot_rounding(const void *self, sgt_vec3 p) { return rounding_by(sgt_orbit_of_mandelbrot, self, p); }
+static double mandelbrot_rounding(const void *self, sgt_vec3 p)
+{
+    return rounding_by(sgt_orbit_of_mandelbrot, self, p);
+}
 
-static double mandelbrot_estimate(const void *self, sgt_vec3 p) { return estimate_by(sgt_orbit_of_mandelbrot, self, p); }
+static double mandelbrot_estimate(const void *self, sgt_vec3 p)
+{
+    return estimate_by(sgt_orbit_of_mandelbrot, self, p);
+}
 
-static sgt_interval mandelbrot_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+static sgt_interval mandelbrot_enclose(const void *self, const sgt_ray *ray, sgt_interval t,
+                                       sgt_interval *slope)
 {
     return enclosure_by(sgt_orbit_of_mandelbrot, self, ray, t, slope);
 }
