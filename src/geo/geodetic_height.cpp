@@ -14,15 +14,16 @@ constexpr double DEEPEST = 0.99;
 sgt_objection object(const sgt_geodetic_height &s)
 {
     double a = s.a, f = s.f;
-    if (!(a >= 0 && a <= 1e100)) return {"a", "not above 0, nor finite and at most 1e100"};
-    if (a == 0 && f != 0) return {"f", "given, and so a must be"};
-    if (!(f < 1 && f >= -1e6)) return {"f", "not below 1, nor at least -1e6"};
+    if (!(a >= 0 && a <= 1e100)) return {"a", "must be above 0 and at most 1e100"};
+    if (a == 0 && f != 0) return {"f", "given without a; give both or neither"};
+    if (!(f < 1 && f >= -1e6)) return {"f", "must be below 1 and at least -1e6"};
     if (a == 0) a = wgs84().a, f = wgs84().f;
     double b = a * (1 - f), least = a < b ? a * (a / b) : b * (b / a);
-    if (!(b > 0 && least > 1e-100)) return {"a", "so small that the ellipsoid is none"};
-    if (!(s.h <= 1e100)) return {"h", "not at most 1e100"};
+    if (!(b > 0 && least > 1e-100))
+        return {"a", "too small, or f too near 1: the ellipsoid shrinks to nothing"};
+    if (!(s.h <= 1e100)) return {"h", "must be at most 1e100"};
     if (!(s.h > -DEEPEST * least))
-        return {"h", "not above -0.99 of the least radius of curvature: the surface folds there"};
+        return {"h", "must be above -0.99 of the least radius of curvature: below it the surface folds"};
     return {nullptr, nullptr};
 }
 

@@ -237,8 +237,8 @@ std::string read(const char *path, sgt_geoid &g)
 
 sgt_objection object(const sgt_geoid_height &s)
 {
-    if (!s.geoid) return {"file", "not given, or not read"};
-    if (!(s.h >= DEEPEST && s.h <= 1e100)) return {"h", "not between -6000 km and 1e100"};
+    if (!s.geoid) return {"file", "missing, or not read"};
+    if (!(s.h >= DEEPEST && s.h <= 1e100)) return {"h", "must be from -6e6 to 1e100 m"};
     return {nullptr, nullptr};
 }
 

@@ -43,11 +43,11 @@ double potential_at(double x, double z)
 sgt_objection object(const sgt_level_gravity &s)
 {
     const double a = wgs84().a;
-    if (!(s.h >= LEAST && s.h <= MOST)) return {"h", "not between -100 km and 10000 km"};
-    if (s.potential != 0 && s.h != 0) return {"potential", "given besides h"};
+    if (!(s.h >= LEAST && s.h <= MOST)) return {"h", "must be from -100e3 to 10e6 m"};
+    if (s.potential != 0 && s.h != 0) return {"potential", "given beside h; give one of the two"};
     if (s.potential != 0 &&
         !(s.potential >= potential_at(a + MOST, 0) && s.potential <= potential_at(a + LEAST, 0)))
-        return {"potential", "not that of a level from -100 km to 10000 km high on the equator"};
+        return {"potential", "must be that of a level from -100e3 to 10e6 m high on the equator"};
     return {nullptr, nullptr};
 }
 

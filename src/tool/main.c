@@ -11,11 +11,15 @@ static const char main_help[] =
     "\n"
     "  sagitta intersect --surface SPEC --rays FILE      one surface, many rays\n"
     "  sagitta trace LENS [--svg FILE]                   rays through a lens file\n"
-    "  sagitta diagnose ...                              watch the solver at work\n"
+    "  sagitta diagnose --surface SPEC --ray \"...\"       one ray, evaluation by evaluation\n"
     "  sagitta trade [LENS | --surface SPEC]             speed against accuracy, measured\n"
     "\n"
-    "  sagitta COMMAND --help     all of a command's options\n"
-    "  sagitta --version\n";
+    "  sagitta COMMAND --help     the options and the columns of a command\n"
+    "  sagitta --version\n"
+    "\n"
+    "For example:\n"
+    "  sagitta intersect --surface '{type: sphere, radius: 20}' --ray '0 3 -5 0 0 1'\n"
+    "  sagitta trace examples/lenses/ftheta.yaml --field 20 --fan 3\n";
 
 static const struct { const char *name, *full; exit_status (*run)(int argc, char *argv[]); } commands[] = {
     {"intersect", "sagitta intersect", command_intersect},
@@ -50,7 +54,7 @@ int main(int argc, char *argv[])
     if (strcmp(name, "--version") == 0) options_version();
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0)
         print_and_end("%s", main_help);
-    if (*name) fail_usage("no such command: %s", name);
+    if (*name) fail_usage("no such command: %s; there are intersect, trace, diagnose and trade", name);
     fputs(main_help, stderr);
     return EXIT_USAGE;
 }

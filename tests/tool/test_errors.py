@@ -44,8 +44,8 @@ SURFACES = [
     ('{type: mandelbrot, c: [0, 0, 0, 0]}', 'c: unknown key'),
     ('{type: julia, c: 1}', 'c: must be a list of 4 numbers'),
     ('{type: julia, c: []}', 'c: must hold'),
-    ('{type: julia, c: [1, 2, 3]}', 'c: has 3 numbers; 4 are wanted'),
-    ('{type: julia, c: [1, 2, 3, 4, 5]}', 'c: has 5 numbers; 4 are wanted'),
+    ('{type: julia, c: [1, 2, 3]}', 'c: has 3 numbers; it must have 4'),
+    ('{type: julia, c: [1, 2, 3, 4, 5]}', 'c: has 5 numbers; it must have 4'),
     ('{type: julia, c: [0, 0, x, 0]}', 'c[2]: must be a number'),
     ('{type: julia, c: [0, 0, 0, 1e7]}', 'c[3]: must be from -1000000 to 1000000, not 10000000'),
     ('{type: julia, c: [.nan, 0, 0, 0]}', 'c[0]: must be from -1000000 to 1000000, not nan'),
@@ -53,8 +53,8 @@ SURFACES = [
     ('{type: mandelbrot, slice: 0.5, at: [0, 0, 0, 0.5]}', 'slice: given beside at'),
     ('{type: julia, slice: [1]}', 'slice: must be a number'),
     ('{type: julia, slice: .inf}', 'slice: must be from'),
-    ('{type: julia, ex: [1, 0, 0, 0]}', 'ey: not given, and so '),
-    ('{type: julia, ey: [0, 1, 0, 0], ez: [1, 0, 0, 0]}', 'ex: not given, and so '),
+    ('{type: julia, ex: [1, 0, 0, 0]}', 'ey: missing, and so '),
+    ('{type: julia, ey: [0, 1, 0, 0], ez: [1, 0, 0, 0]}', 'ex: missing, and so '),
     ('{type: julia, ex: [1, 0, 0, 0], ey: [0, 1, 0, 0], ez: [1, 1, 0, 0]}', 'ez: '),
     ('{type: mandelbrot, ex: [1, 0, 0, 0], ey: [0, 0, 0, 0], ez: [0, 0, 1, 0]}', 'ey: '),
     ('{type: mandelbrot, ex: [1e-110, 0, 0, 0], ey: [0, 1, 0, 0], ez: [0, 0, 1, 0]}', 'ex: '),
@@ -82,7 +82,7 @@ SURFACES = [
     ('{type: julia, power: 1}', 'power: must be a whole number from 2 to 8, not 1'),
     ('{type: mandelbrot, power: 9}', 'power: must be a whole number from 2 to 8, not 9'),
     ('{type: julia, power: 2.1}', 'power: must be a whole number from 2 to 8, not 2.1'),
-    ('{type: odd_asphere, coefficients: [%s]}' % ', '.join(['1'] * 17), 'coefficients: has 17 numbers; 16 are the most'),
+    ('{type: odd_asphere, coefficients: [%s]}' % ', '.join(['1'] * 17), 'coefficients: has 17 numbers; at most 16 are allowed'),
     ('{type: odd_asphere, coefficients: [1, ~]}', 'coefficients[1]: must be a number'),
     ('{type: odd_asphere, norm: 1}', 'norm: unknown key'),
     ('{type: polynomial_xy, coefficients: [1, 2]}', 'coefficients[0]: must be a row'),
@@ -91,17 +91,17 @@ SURFACES = [
     ('{type: polynomial_xy, coefficients: [[1], []]}', 'coefficients[1]: must hold at least one number'),
     ('{type: polynomial_xy, coefficients: [[1], [1, .nan]]}', 'coefficients[1][1]: must be finite'),
     ('{type: polynomial_xy, coefficients: [[1], [1, [2]]]}', 'coefficients[1][1]: must be a number'),
-    ('{type: polynomial_xy, coefficients: [%s]}' % ', '.join(['[1]'] * 33), 'coefficients: has 33 rows; 32 are the most'),
-    ('{type: polynomial_xy, coefficients: [[1], [%s]]}' % ', '.join(['1'] * 33), 'coefficients[1]: has 33 numbers; 32 are the most'),
+    ('{type: polynomial_xy, coefficients: [%s]}' % ', '.join(['[1]'] * 33), 'coefficients: has 33 rows; at most 32 are allowed'),
+    ('{type: polynomial_xy, coefficients: [[1], [%s]]}' % ', '.join(['1'] * 33), 'coefficients[1]: has 33 numbers; at most 32 are allowed'),
     ('{type: polynomial_xy, coefficients: &a [*a]}', 'coefficients[0][0]: must be a number'),
     ('{type: chebyshev, norm_x: 0, norm_y: 1, coefficients: [[1]]}', 'norm_x: '),
     ('{type: chebyshev, norm_x: 1, norm_y: -1, coefficients: [[1]]}', 'norm_y: '),
-    ('{type: chebyshev, norm_x: 1, coefficients: [[1]]}', 'norm_y: not given, and '),
+    ('{type: chebyshev, norm_x: 1, coefficients: [[1]]}', 'norm_y: missing'),
     ('{type: chebyshev, norm_x: 1, norm_y: .inf, coefficients: [[1]]}', 'norm_y: must be finite'),
-    ('{type: chebyshev, norm_x: 1, norm_y: 1, coefficients: [%s]}' % ', '.join(['[1]'] * 65), 'coefficients: has 65 rows; 64 are the most'),
+    ('{type: chebyshev, norm_x: 1, norm_y: 1, coefficients: [%s]}' % ', '.join(['[1]'] * 65), 'coefficients: has 65 rows; at most 64 are allowed'),
     ('{type: zernike, norm: 0, order: noll, coefficients: [1]}', 'norm: '),
-    ('{type: zernike, order: noll, coefficients: [1]}', 'norm: not given, and '),
-    ('{type: zernike, norm: 1, coefficients: [1]}', 'order: not given, and '),
+    ('{type: zernike, order: noll, coefficients: [1]}', 'norm: missing'),
+    ('{type: zernike, norm: 1, coefficients: [1]}', 'order: missing'),
     ('{type: zernike, norm: 1, order: osa, coefficients: [1]}', 'order: must be one of noll|fringe, not "osa"'),
     ('{type: zernike, norm: 1, order: noll|fringe, coefficients: [1]}', 'order: must be one of'),
     ('{type: zernike, norm: 1, order: "", coefficients: [1]}', 'order: must be one of'),
@@ -109,28 +109,28 @@ SURFACES = [
     ('{type: zernike, norm: 1, order: [noll], coefficients: [1]}', 'order: must be a word'),
     ('{type: zernike, norm: 1, order: noll, normalised: 1, coefficients: [1]}', 'normalised: must be true or false'),
     ('{type: zernike, norm: 1, order: noll, normalised: maybe}', 'normalised: must be true or false'),
-    ('{type: zernike, norm: 1, order: noll, coefficients: [%s]}' % ', '.join(['1'] * 5152), 'coefficients: has 5152 numbers; 5151 are the most'),
+    ('{type: zernike, norm: 1, order: noll, coefficients: [%s]}' % ', '.join(['1'] * 5152), 'coefficients: has 5152 numbers; at most 5151 are allowed'),
     ('{type: zernike, norm: 1, order: noll, coefficients: [[1]]}', 'coefficients[0]: must be a number'),
     ('{type: q_con, norm: -2, coefficients: [1]}', 'norm: '),
-    ('{type: q_con, coefficients: [1]}', 'norm: not given, and '),
-    ('{type: q_con, norm: 1, coefficients: [%s]}' % ', '.join(['1'] * 65), 'coefficients: has 65 numbers; 64 are the most'),
+    ('{type: q_con, coefficients: [1]}', 'norm: missing'),
+    ('{type: q_con, norm: 1, coefficients: [%s]}' % ', '.join(['1'] * 65), 'coefficients: has 65 numbers; at most 64 are allowed'),
     ('{type: q_bfs, norm: 0, coefficients: [1]}', 'norm: '),
     ('{type: q_bfs, norm: 1, conic: -1, coefficients: [1]}', 'conic: unknown key'),
     ('{type: q_bfs, norm: 1, coefficients: [1, 1e999]}', 'coefficients[1]: '),
     ('{type: grid, step_x: 0, step_y: 1, sag: [[1, 1, 1, 1], [1, 1, 1, 1], [1, 1, 1, 1], [1, 1, 1, 1]]}', 'step_x: '),
     ('{type: grid, step_x: 1, step_y: -1, sag: [[1, 1, 1, 1], [1, 1, 1, 1], [1, 1, 1, 1], [1, 1, 1, 1]]}', 'step_y: '),
-    ('{type: grid, step_x: 1, step_y: 1}', 'sag: not given, and '),
+    ('{type: grid, step_x: 1, step_y: 1}', 'sag: missing'),
     ('{type: grid, step_x: 1, step_y: 1, sag: [[1, 1, 1, 1], [1, 1, 1, 1], [1, 1, 1, 1]]}', 'sag: '),
     ('{type: grid, step_x: 1, step_y: 1, sag: [[1, 1, 1], [1, 1, 1], [1, 1, 1], [1, 1, 1]]}', 'sag: '),
-    ('{type: grid, step_x: 1, step_y: 1, sag: [[1, 1, 1, 1], [1, 1, 1], [1, 1, 1, 1], [1, 1, 1, 1]]}', 'sag[1]: has 3 numbers, and the rows before have 4'),
-    ('{type: grid, step_x: 1, step_y: 1, sag: [[1, 1, 1, 1], [1, 1, 1, 1, 1], [1, 1, 1, 1], [1, 1, 1, 1]]}', 'sag[1]: has 5 numbers, and the rows before have 4'),
+    ('{type: grid, step_x: 1, step_y: 1, sag: [[1, 1, 1, 1], [1, 1, 1], [1, 1, 1, 1], [1, 1, 1, 1]]}', 'sag[1]: has 3 numbers, but the rows before have 4'),
+    ('{type: grid, step_x: 1, step_y: 1, sag: [[1, 1, 1, 1], [1, 1, 1, 1, 1], [1, 1, 1, 1], [1, 1, 1, 1]]}', 'sag[1]: has 5 numbers, but the rows before have 4'),
     ('{type: grid, step_x: 1, step_y: 1, sag: [[1, 1, 1, 1], [1, .nan, 1, 1], [1, 1, 1, 1], [1, 1, 1, 1]]}', 'sag[1][1]: must be finite'),
     ('{type: grid, step_x: 1, step_y: 1, sag: [[1, 1, 1, 1], [1, , 1, 1], [1, 1, 1, 1], [1, 1, 1, 1]]}', ''),
     ('{type: sum, terms: {type: odd_asphere}}', 'terms: must be a list of surfaces'),
     ('{type: sum, terms: []}', 'terms: must hold at least one surface'),
     ('{type: sum, terms: [odd_asphere]}', 'terms[0]: must be a map'),
     ('{type: sum, terms: [{coefficients: [1]}]}', 'type: missing'),
-    ('{type: sum, terms: [{type: odd_asphare}]}', 'type: no surface "odd_asphare"'),
+    ('{type: sum, terms: [{type: odd_asphare}]}', 'type: no surface is called "odd_asphare"'),
     ('{type: sum, terms: [{type: odd_asphere, radius: 3}]}', 'radius: unknown key; known here: type, coefficients'),
     ('{type: sum, terms: [{type: odd_asphere, conic: 3}]}', 'conic: unknown key'),
     ('{type: sum, terms: [{type: odd_asphere, semi_diameter: 3}]}', 'semi_diameter: unknown key'),
@@ -138,7 +138,7 @@ SURFACES = [
     ('{type: sum, terms: [{type: odd_asphere}, {type: torus, major: 2, minor: 1}]}', 'terms[1]: '),
     ('{type: sum, terms: [{type: odd_asphere}, {type: sum, terms: []}]}', 'terms[1]: '),
     ('{type: sum, terms: &a [{type: sum, terms: *a}]}', 'terms[0]: '),
-    ('{type: sum, terms: [%s]}' % ', '.join(['{type: odd_asphere}'] * 17), 'terms: has 17 surfaces; 16 are the most'),
+    ('{type: sum, terms: [%s]}' % ', '.join(['{type: odd_asphere}'] * 17), 'terms: has 17 surfaces; at most 16 are allowed'),
     ('{type: sum, coefficients: [1]}', 'coefficients: unknown key'),
     ('{type: toroidal, radius: 2, curvature_x: .inf}', 'curvature_x: must be finite'),
     ('{type: toroidal, radius_x: 0}', 'radius_x: must not be zero'),
@@ -148,19 +148,19 @@ SURFACES = [
     ('{type: biconic, conic_y: .nan}', 'conic_y: must be finite'),
     ('{type: cylinder, radius_y: 1}', 'radius_y: unknown key'),
     ('{type: cylinder, semi_diameter: -1}', 'semi_diameter: must be finite and at least 0'),
-    ('{type: quadric}', 'squares: not given, and '),
+    ('{type: quadric}', 'squares: missing, and so all zero'),
     ('{type: quadric, squares: [0, 0, 0], constant: 3}', 'squares: '),
-    ('{type: quadric, squares: [1, 2]}', 'squares: has 2 numbers; 3 are wanted'),
-    ('{type: quadric, linear: [1, 2, 3, 4]}', 'linear: has 4 numbers; 3 are wanted'),
+    ('{type: quadric, squares: [1, 2]}', 'squares: has 2 numbers; it must have 3'),
+    ('{type: quadric, linear: [1, 2, 3, 4]}', 'linear: has 4 numbers; it must have 3'),
     ('{type: quadric, products: [1, 2, .inf]}', 'products[2]: must be finite'),
     ('{type: quadric, squares: [1, 1, 1], semi_diameter: 2}', 'semi_diameter: unknown key'),
-    ('{type: ellipsoid}', 'a: not given, and '),
+    ('{type: ellipsoid}', 'a: missing'),
     ('{type: ellipsoid, a: 0}', 'a: '),
     ('{type: ellipsoid, a: -2}', 'a: '),
     ('{type: ellipsoid, a: 2, f: 1}', 'f: '),
     ('{type: ellipsoid, a: 2, f: 3}', 'f: '),
     ('{type: ellipsoid, a: 2, b: 1}', 'b: unknown key'),
-    ('{type: torus, major: 2}', 'minor: not given, and '),
+    ('{type: torus, major: 2}', 'minor: missing'),
     ('{type: torus, major: -2, minor: 1}', 'major: '),
     ('{type: torus, major: 2, minor: 0}', 'minor: '),
     ('{type: torus, majr: 2, minor: 1}', 'majr: unknown key'),
@@ -409,7 +409,11 @@ def test_small_slips():
     assert 'header missing' in run('trace', lens, '--rays', '-', stdin='0,0,-5,0,0,1\n', exit=BAD_INPUT).stderr
     assert 'decimal point' in run('intersect', '--surface', 'type: sphere\nradius: 51,68\n', *RAY, exit=BAD_INPUT).stderr
     assert ':9: origin: ' in run('trace', written(GOOD.replace('thickness: 5', 'origin: [0, 1]')), exit=BAD_INPUT).stderr
-    assert 'decimal point' in run('intersect', '--surface', '{type: sphere, radius: 51,68}', *RAY, exit=BAD_INPUT).stderr
+    for text, word in (('{type: sphere, radius: 51,68}', 'decimal point'), ('{type: sphere, radius: 2mm}', 'without its unit'), ('{type: sphere, radius: "2"}', 'without quotes'),
+                       ('{type: torus, major: 3, minor: -1}', 'minor: must be above 0, not -1'), ('sphere', '{type: sphere, radius: 20}'), ('a:\n\tb: 1', 'not by tabs')):
+        assert word in run('intersect', '--surface', text, *RAY, exit=BAD_INPUT).stderr, text
+    said = run('trace', written(GOOD.replace('[0.5, 0.6]', '[500, 0.6]')))
+    assert ':3: wavelengths: taken as 500 micrometres; for 500 nanometres write 0.5' in said.stderr, said.stderr
     for wrong in ('tilt: 45', 'tilt: [1, 2]'):
         assert ':8: tilt: must be three numbers' in run('trace', written(GOOD.replace('index: 1.5', wrong, 1)), exit=BAD_INPUT).stderr
     ended = run('trace', lens, '--rays', '-', stdin=rays((0, 0, -5, 0, 0, 1, 0, 1), header='ox,oy,oz,dx,dy,dz,tmin,tmax'))
@@ -447,9 +451,9 @@ def test_nesting():
     for text, line in DEEP:
         path = written(text * 200000)
         done = run('trace', path, exit=BAD_INPUT)
-        equal(done.stderr, f'sagitta: {path}:{line}: lists and maps within each other more than 64 deep\n', text)
+        equal(done.stderr, f'sagitta: {path}:{line}: lists and maps nested more than 64 deep\n', text)
     done = run('intersect', '--surface', '{a: ' * 1000, *RAY, exit=BAD_INPUT)
-    assert '--surface:1: lists and maps within' in done.stderr, done.stderr
+    assert '--surface:1: lists and maps nested' in done.stderr, done.stderr
     path = written('surfaces: ' + '[' * 62 + ']' * 62)
     assert 'must be a map' in run('trace', path, exit=BAD_INPUT).stderr  # 63 deep with the file's own map
 

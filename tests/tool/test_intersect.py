@@ -189,12 +189,12 @@ def test_reason_of_a_miss():
     for surface, ray, word in (
             (SPHERE, '0 5 -5 0 0 1', 'within r = 2.2136'), ('{type: plane}', '0 0 5 0 0 1', 'root at t = -5'),
             ('{type: plane, semi_diameter: 1}', '0 3 -5 0 0 1', 'r = 3'),
-            ('{type: zernike, norm: 1, order: noll, semi_diameter: 1}', '0 3 -5 0 0 1', 'outside semi_diameter only, first at r = 3'),
+            ('{type: zernike, norm: 1, order: noll, semi_diameter: 1}', '0 3 -5 0 0 1', 'only outside semi_diameter, first at r = 3'),
             ('{type: q_bfs, radius: 2, norm: 1}', '0 3 -5 0 0 1', 'never comes within r = 2'),
             ('{type: grid, step_x: 1, step_y: 1, sag: [[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,0]]}', '0 3 -5 0 0 1', 'there is no surface'),
-            ('{type: torus, major: 3, minor: 1}', '0 0 -5 0 0 1', 'passes the surface by'), ('{type: torus, major: 3, minor: 1}', '3 0 0 0 0 1 2 5', 'outside tmin'),
+            ('{type: torus, major: 3, minor: 1}', '0 0 -5 0 0 1', 'passes beside the surface'), ('{type: torus, major: 3, minor: 1}', '3 0 0 0 0 1 2 5', 'outside tmin'),
             ('{type: plane}', '0 0 -5 0 1 0', 'parallel'),
-            ('{type: sphere, radius: 2}', '0 0 3.5 0 1 0', 'other sheet'), ('{type: sphere, radius: 2}', '0 0 5 0 1 0', 'passes the whole')):
+            ('{type: sphere, radius: 2}', '0 0 3.5 0 1 0', 'other sheet'), ('{type: sphere, radius: 2}', '0 0 5 0 1 0', 'passes beside the whole')):
         for command in ('intersect', 'diagnose'):
             done = run(command, '--surface', surface, '--ray', ray)
             assert word in done.stdout, (surface, ray, done.stdout)

@@ -238,13 +238,13 @@ def test_fast_way_in_words():
     hit, aside, by = '0.1 0.2 -3 0 0 1', '1.25 0.1 -3 0 0 1', '0 9 -3 0 0 1'
     for ray, exit, words in ((hit, DECIDED, '1 hit.\n'), (aside, UNDECIDED, '1 unproven.')):
         said = run(*shown, ray, '--dt-min', '0.01', exit=exit).stdout
-        assert words in said and 'passed by' in said and 'certain' not in said, said
+        assert words in said and 'skipped' in said and 'certain' not in said, said
     assert 'certain' in run(*shown, hit).stdout
     for command in ('intersect', 'diagnose'):
         done = run(command, '--surface', '{type: plane}', '--ray', '0 0 -5 0 0 1', '--dt-min', '0.1')
-        assert '--dt-min: not used' in done.stderr and 'passed by' not in done.stdout, (done.stderr, done.stdout)
+        assert '--dt-min: not used' in done.stderr and 'skipped' not in done.stdout, (done.stderr, done.stdout)
         assert '--dt-min' not in run(command, '--surface', json.dumps(JULIA), '--ray', hit, '--dt-min', '0.1').stderr
-        assert 'passes the ball' in run(command, '--surface', json.dumps(JULIA), '--ray', by).stdout
+        assert 'passes beside the ball' in run(command, '--surface', json.dumps(JULIA), '--ray', by).stdout
         assert '--pick near-seed: not used' in run(command, '--surface', json.dumps(JULIA), '--ray', hit, '--pick', 'near-seed').stderr
         assert not run(command, '--surface', '{type: plane}', '--ray', hit, '--pick', 'near-seed').stderr
         behind = '0 0 9 0 0 1'
@@ -279,7 +279,7 @@ def test_diagnose():
     said = run('diagnose', '--surface', json.dumps(JULIA), '--ray', '1.25 0.1 -3 0 0 1').stdout
     assert 'marching: ' in said and 'wandering' not in said and 'certainly does not meet' in said, said
     said = run('diagnose', *one, '--dt-min', '0.01').stdout
-    assert 'passed by' in said, said
+    assert 'skipped' in said, said
     said = run('diagnose', '--surface', json.dumps(JULIA), '--ray', '1.25 0.1 -3 0 0 1', '--dt-min', '0.01', exit=UNDECIDED).stdout
     assert 'proves nothing' in said, said
 
@@ -295,7 +295,7 @@ def test_bare_methods_start_in_the_middle():
     close((float(first['t']) + float(last['t'])) / 2, middle, 1e-6)
     for method in ('newton', 'bisection'):
         said = run(*one, '0 9 -3 0 0 1', '--method', method, exit=UNDECIDED).stdout
-        assert 'passes the surface by' in said, said
+        assert 'passes beside the surface' in said, said
 
 
 LENS = '''name: a set in glass

@@ -286,16 +286,16 @@ def test_many_undecided():
     several = rays((0, 0, -5, 0, 0, 1), *edge)
     said = words('intersect', '--surface', SPHERE, '--rays', '-', '--proof', 'first', stdin=several, exit=UNDECIDED)
     equal([line.split(':')[0] for line in said[:4]], ['Ray 1', 'Ray 2', 'Ray 3', 'Ray 4'])
-    equal(said[4:], ['601 rays: 1 hit proven to be the first, 600 unproven.', '596 more undecided: sagitta diagnose says why.'])
+    equal(said[4:], ['601 rays: 1 hit proven to be the first, 600 unproven.', '596 more undecided: sagitta diagnose shows why.'])
 
 
 def test_without_a_proof_too():
     said = words('intersect', '--surface', WAVE, '--rays', '-', '--max-evals', 5, stdin=rays(WAVE_RAY), exit=UNDECIDED)
-    assert said[0].startswith('Ray 0: exhausted') and '--max-evals was spent' in said[0], said
+    assert said[0].startswith('Ray 0: exhausted') and '--max-evals was used up' in said[0], said
     equal(said[-1], '1 ray: 1 exhausted.')
     for surface, ray in ((WAVE, WAVE_RAY), (JULIA, (0.1, 0.2, -3, 0, 0, 1))):  # with one it is the same, under another name
         said, lo, hi = unproven(surface, ray, '--max-evals', 5, '--proof', 'first')
-        assert '--max-evals was spent first' in said, said
+        assert '--max-evals was used up first' in said, said
 
 
 def test_diagnose():

@@ -29,7 +29,7 @@ def random_rays(count, seed, across=2.5):
 
 def note(threads):
     """Without OpenMP it says that it works in one thread, and does."""
-    told = f'sagitta: --threads {threads}: this command is built without OpenMP, and works in one thread\n'
+    told = f'sagitta: --threads {threads}: not used; this command is built without OpenMP and works in one thread\n'
     return told.encode() if WITHOUT_OPENMP and threads > 1 else b''
 
 
@@ -58,7 +58,7 @@ def test_many_rays():
         done = {form: same(command, *surface, '--rays', path, '--format', form, threads=(1, 2, 7)).stdout
                 for form in ('csv', 'json', 'text')}
         if command == 'trace':
-            equal(done['text'].count(b'\n\n'), count, 'empty lines: between two rays, and one behind the last')
+            equal(done['text'].count(b'\n\n'), count + 1, 'empty lines: between two rays, behind the last, and behind the legend')
         table = list(csv.DictReader(io.StringIO(done['csv'].decode())))
         draw, start = random.Random(2), 0
         while start < count:
@@ -74,7 +74,7 @@ def test_all_roots():
     for surface, count in ((SPHERE, 1500), (JULIA, 300)):
         for form in ('csv', 'json', 'text'):
             done = same('intersect', '--surface', surface, '--all', '--rays', '-', '--format', form, stdin=rays(*random_rays(count, 3)))
-        equal(done.stdout.count(b'\n\n'), count, 'empty lines: between two rays, and one behind the last')
+        equal(done.stdout.count(b'\n\n'), count + 1, 'empty lines: between two rays, behind the last, and behind the legend')
 
 
 def test_grids():

@@ -161,7 +161,7 @@ def test_pupil_of_the_catalogue_in_front():
         close(crossing(surface), wanted, 1e-9, surface)
     for surface in ('polynomial_xy, coefficients: [[0, 1e-3]]', 'odd_asphere, coefficients: [1e-3]', 'torus, major: 3, minor: 1', 'ellipsoid, a: 3'):
         done = run('trace', written(template % surface), '--fan', 3, exit=BAD_INPUT)
-        assert 'pupil.distance: needed, for element 1' in done.stderr, done.stderr
+        assert 'pupil.distance: needed: element 1' in done.stderr, done.stderr
 
 
 def test_pupil_of_an_asphere_in_front():

@@ -29,14 +29,14 @@ void output_check(const char *option, const char *path)
     if (stat(path, &is) != 0) return;
     for (size_t i = 0; i < used_count; i++)
         if (is.st_dev == used[i].is.st_dev && is.st_ino == used[i].is.st_ino)
-            fail_usage("--%s %s: would be written over %s", option, path, used[i].name);
+            fail_usage("--%s %s: would be written over %s, which is in use", option, path, used[i].name);
 }
 
 void output_reserve(const char *option, const char *path)
 {
     output_check(option, path);
     FILE *file = fopen(path, "ab");
-    if (!file) fail_input("%s: %s", path, strerror(errno));
+    if (!file) fail_input("--%s %s: %s", option, path, strerror(errno));
     remember(file, "the picture of --svg");
     fclose(file);
 }

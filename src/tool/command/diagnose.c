@@ -19,22 +19,41 @@ static const char diagnose_help[] =
     "sagitta diagnose --surface SPEC --ray \"ox oy oz dx dy dz\" [--method M] [options]\n"
     "sagitta diagnose LENS [--ray I] [--element J] [--method M] [options]\n"
     "\n"
-    "Shows every evaluation of F on the way to a root: how its t was chosen (move), F, the\n"
-    "slope along the ray, and the bracket; and says what to conclude.\n"
+    "Shows how the root of one ray is found: a row for each evaluation of F (the surface is where\n"
+    "F = 0), and then what to conclude.  Of a lens, the search at each element.\n"
     "\n"
+    "Columns\n"
+    "  ray, element       the ray, counted from 0; the element, counted from 1\n"
+    "  eval               the evaluation, counted from 1\n"
+    "  move               how its t was chosen: seed, newton, bisect, march, or retreat (F was NaN)\n"
+    "  t                  place on the ray (in lengths of its direction; through a lens: distance\n"
+    "                     from the element before)\n"
+    "  f, slope           F there, and its derivative by t\n"
+    "  lo, hi             the bracket that holds the root, where there is one (like t)\n"
+    "\n"
+    "Options\n"
     "  --surface SPEC     one surface, as in sagitta intersect\n"
-    "  --ray ...          with --surface: a ray as six numbers, or eight with tmin tmax;\n"
-    "                     with LENS: its number, from 0.  Default: the one that took most\n"
-    "                     evaluations\n"
-    "  --element J        this element only, counted from 1.  Default: all\n"
-    "  --method M         safeguarded (the default): what the library does; newton: bare,\n"
-    "                     halving t where F is NaN; newton-normalised: with the gradient\n"
-    "                     scaled to unit length, the classic mistake; bisection.  The bare\n"
-    "                     methods start where the ray meets the vertex plane (of what is no\n"
-    "                     sag: mid-span), and stop after --max-evals (100)\n"
+    "  --ray ...          with --surface, the ray: six numbers, ox oy oz dx dy dz, or eight, with\n"
+    "                     tmin tmax behind them.  With LENS, the number of a ray, counted from 0;\n"
+    "                     default: the ray that took most evaluations\n"
+    "  --element J        only element J of the lens, counted from 1.  Default: all\n"
+    "  --method M         which search to show:\n"
+    "                     safeguarded (the default): what the library does\n"
+    "                     newton: Newton's steps alone; t is halved where F is NaN\n"
+    "                     newton-normalised: the same with the gradient scaled to length 1, a\n"
+    "                     common mistake\n"
+    "                     bisection\n"
+    "                     The last three start where the ray crosses the vertex plane (on a surface\n"
+    "                     without one: mid-way through it) and stop after --max-evals (default 100)\n"
     "  --pick P           the root that the library looks for: first or near-seed\n"
-    "  --proof P          what it is to prove: estimate (the default), root or first, as in\n"
+    "  --proof P          what the library must prove: estimate (the default), root or first, as in\n"
     "                     sagitta intersect and sagitta trace\n";
+
+/* At the end, for people: what has a unit. */
+static const char legend_of_surface[] =
+    "t, lo, hi: in lengths of the ray's direction.  f: F at t.  slope: the derivative of f by t.";
+static const char legend_of_lens[] =
+    "t, lo, hi: distance from the element before.  f: F at t.  slope: the derivative of f by t.";
 
 static const column diagnose_head[] = {
     {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"eval", COLUMN_COUNT}, {"move", COLUMN_WORD},
@@ -56,7 +75,7 @@ static method method_of(const char *name)
     static const char *const names[] = {"safeguarded", "newton", "newton-normalised", "bisection"};
     for (int m = 0; m < 4; m++)
         if (strcmp(name, names[m]) == 0) return (method)m;
-    fail_usage("--method wants safeguarded, newton, newton-normalised or bisection, not \"%s\"", name);
+    fail_usage("--method must be safeguarded, newton, newton-normalised or bisection, not \"%s\"", name);
 }
 
 static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
@@ -67,7 +86,7 @@ static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
         {"element", required_argument, NULL, ELEMENT}, {"method", required_argument, NULL, METHOD},
         JOB_OPTIONS, PROOF_OPTION, SHARED_OPTIONS, {0},
     };
-    char all_help[6000];
+    char all_help[HELP_SIZE];
     snprintf(all_help, sizeof all_help, "%s%s", diagnose_help, job_help);
     diagnose_arguments a = {.method = METHOD_SAFEGUARDED};
     bool rays_of_lens = false;
@@ -82,13 +101,17 @@ static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
             else options_take(&a.shared, code, all_help);
         }
     }
-    if (optind + 1 < argc) fail_usage("one lens at a time; what is \"%s\"?", argv[optind + 1]);
+    if (optind + 1 < argc)
+        fail_usage("unexpected argument \"%s\"; diagnose takes one lens file", argv[optind + 1]);
     if (optind < argc) a.job.lens = argv[optind];
     if (!a.surface == !a.job.lens)
-        fail_usage(a.surface ? "--surface or a lens, not both" : "--surface or a lens is missing");
-    if (a.surface && !a.ray) fail_usage("--ray is missing");
+        fail_usage(a.surface ? "give --surface or a lens file, not both"
+                             : "give --surface SPEC or a lens file");
+    if (a.surface && !a.ray) fail_usage("--ray is missing, as --ray \"ox oy oz dx dy dz\"");
     if (a.surface && (rays_of_lens || a.element))
-        fail_usage("an option that goes with a lens, beside --surface");
+        fail_usage(
+            "--field, --fan, --grid, --rays, --skip-bad, --wavelength, --no-apertures and --element go with "
+            "a lens file, not with --surface");
     return a;
 }
 
@@ -175,9 +198,10 @@ static const launch *chosen_ray(const diagnose_arguments *a, const job *j, const
     size_t reached = 0, chosen_reached = 0, alike = 0;
     sgt_fate fate, chosen_fate = SGT_PASSED;
     if (a->ray && !number_read_integer(a->ray, 0, LONG_MAX, &number))
-        fail_usage("--ray: with a lens, the number of a ray, from 0; not \"%s\"", a->ray);
+        fail_usage("--ray: with a lens give the number of a ray, counted from 0, not \"%s\"", a->ray);
     if ((size_t)a->element > j->lens.count)
-        fail_usage("--element %ld: the lens has %zu", a->element, j->lens.count);
+        fail_usage("--element %ld: the lens has %zu element%s", a->element, j->lens.count,
+                   j->lens.count == 1 ? "" : "s");
     for (size_t i = 0; i < j->rays.count; i++) {
         const launch *l = &j->rays.ray[i];
         if (a->ray && l->number != (size_t)number) continue;
@@ -194,7 +218,7 @@ static const launch *chosen_ray(const diagnose_arguments *a, const job *j, const
            : alike == j->rays.count     ? ", the first; each took as many evaluations"
                                         : ", the first of those that took most evaluations";
     if ((size_t)a->element > chosen_reached)
-        fail_usage("--element %ld: ray %zu does not come that far; it is %s at element %zu", a->element,
+        fail_usage("--element %ld: ray %zu does not get there; it is %s at element %zu", a->element,
                    chosen->number, sgt_fate_text(chosen_fate), chosen_reached);
     return chosen;
 }
@@ -251,6 +275,7 @@ exit_status command_diagnose(int argc, char *argv[])
         t = table_begin(&a.shared.target, HEAD_COUNT, diagnose_head);
         decided = diagnose_lens(t, &a, &j, l, how);
     }
+    table_line(t, "\n%s", a.surface ? legend_of_surface : legend_of_lens);
     table_end(t);
     return decided ? EXIT_DECIDED : EXIT_UNDECIDED;
 }

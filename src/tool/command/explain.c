@@ -14,27 +14,29 @@ static const char *advice(sgt_verdict v, method m, const record *r)
 {
     bool own = m == METHOD_SAFEGUARDED, normalised = m == METHOD_NORMALISED;
     if (own && r->count == method_march_steps(r))
-        return "marching: along the ray, and nowhere near enough to a root to solve for it";
+        return "marching: steps along the ray that never came near enough to a root to solve for it";
     if (!own && method_only_retreated(r))
-        return "backing off: halving t leads from one undefined point to the next";
+        return "backing off: halving t leads from one point where F is NaN to the next";
     switch (v) {
     case SGT_LINEAR:
-        return normalised ? "linear: a constant factor a step, for the gradient was scaled to unit length"
-               : own ? "linear: a constant factor a step; the ray grazes: two roots lie together, or nearly"
-                     : "linear: a constant factor a step, as where two roots lie together, or are seen from "
-                       "far away";
+        return normalised ? "linear: the error shrinks by a constant factor a step, since the gradient was "
+                            "scaled to unit length"
+               : own ? "linear: the error shrinks by a constant factor a step; the ray grazes: two roots are "
+                       "close together"
+                     : "linear: the error shrinks by a constant factor a step, as where two roots are close "
+                       "together, or are seen from far away";
     case SGT_BISECTING:
-        return own ? "bisecting: the bracket did the work, where Newton's steps would have left it; the "
-                     "answer holds all the same"
-                   : "bisecting: half the bracket a step, as the method is";
+        return own ? "bisecting: Newton's steps would have left the bracket, so it was halved; the answer "
+                     "is as certain as any"
+                   : "bisecting: each step halves the bracket, as this method does";
     case SGT_OSCILLATING:
         return normalised
-                   ? "oscillating: to and fro without closing in, as a gradient scaled to unit length does"
-               : own ? "oscillating: to and fro without closing in; the rows show where"
-                     : "oscillating: to and fro without closing in; --method safeguarded keeps a bracket "
+                   ? "oscillating: to and fro without coming closer, as with a gradient scaled to unit length"
+               : own ? "oscillating: to and fro without coming closer; the rows show where"
+                     : "oscillating: to and fro without coming closer; --method safeguarded keeps a bracket "
                        "that ends it";
     case SGT_WANDERING:
-        return own ? "wandering: no pattern, or too few steps to tell; the rows show the way it took"
+        return own ? "wandering: no pattern, or too few steps to tell; the rows show its way"
                    : "wandering: no pattern, or too few steps to tell; compare the rows with --method "
                      "safeguarded";
     case SGT_QUADRATIC: case SGT_ROUNDING: break;
@@ -74,7 +76,7 @@ static void print_root(char text[ROOT_SIZE], const sgt_hit *hit)
 }
 
 const char explain_fast[] =
-    "Marched in steps of --dt-min and more: thin parts may have been passed by.  Without it none are.";
+    "Searched in steps of --dt-min or more: thin parts may have been skipped.  Without --dt-min none are.";
 
 const char *explain_proof(const sgt_options *asked, bool near_seed, bool several)
 {
@@ -97,7 +99,7 @@ static void answer(table *t, const search *s, double condition)
     table_line(t, "%s%s%s.", root, proven ? ", " : "",
                proven ? explain_proof(s->asked, s->near_seed, false) : "");
     if (isfinite(condition))
-        table_line(t, "Condition %.3g: an error of 1 in F would move t by as much%s.", condition,
+        table_line(t, "Condition: an error in F moves t by %.3g times as much%s.", condition,
                    condition > 100 ? "; the ray grazes" : "");
 }
 
@@ -109,8 +111,8 @@ static void explain_rows(table *t, const record *r, const search *s)
     sgt_surface surface = s->surface;
     bool by_cells = surface.ops->enclose && surface.ops != &sgt_conic_ops && surface.ops != &sgt_asphere_ops;
     if (by_cells && !s->fast && method_march_steps(r))
-        table_line(t, "A march row is a cell about t, free of roots or to be made smaller; lo ... hi is what "
-                      "is left of the ray.");
+        table_line(t, "A march row is a cell around t.  It has no root, or it is divided next.  lo ... hi is "
+                      "the rest of the ray.");
     const sgt_asphere *asphere = surface.self;
     if (surface.ops != &sgt_asphere_ops || r->count < 2) return;
     double terms = 0;
@@ -140,9 +142,8 @@ static void explain_normalised(table *t, const record *r, const search *s)
     s->surface.ops->value(s->surface.self, vector_along(s->ray.o, s->ray.d, s->hit->t), &grad);
     double length = vector_length(grad), factor = 1 - length;
     if (fabs(factor) < 1e-12) { /* a distance */
-        table_line(
-            t,
-            "The gradient was scaled to unit length, which it has at the root: near it nothing is changed.");
+        table_line(t, "The gradient was scaled to unit length.  At the root it has unit length anyway: near "
+                      "it nothing changes.");
         return;
     }
     table_line(t, "The gradient was scaled to unit length and F was not: each step is too long by |grad F|,");
@@ -151,13 +152,13 @@ static void explain_normalised(table *t, const record *r, const search *s)
     if (fabs(factor) >= 1)
         table_line(t, "it goes to and fro and can never settle.  Use the gradient as it is.");
     else if (fabs(factor) > 0.9)
-        table_line(t, "it goes to and fro and hardly closes in.  Use the gradient as it is.");
+        table_line(t, "it goes to and fro and hardly comes closer.  Use the gradient as it is.");
     else if (r->settled)
-        table_line(t,
-                   "it settled, one constant factor at a time.  With the gradient as it is, digits double.");
+        table_line(t, "it settled, a constant factor a step.  With the gradient as it is, each step doubles "
+                      "the digits.");
     else
         table_line(
-            t, "close to the root it would settle, but it does not come close.  Use the gradient as it is.");
+            t, "close to the root it would settle, but it does not get close.  Use the gradient as it is.");
 }
 
 /* How near a line comes to the z axis. */
@@ -174,9 +175,10 @@ static void explain_miss_of_set(table *t, size_t number, sgt_surface surface, co
     if (!surface.ops->span) return;
     const char *what = surface.ops->estimate ? "the ball that holds the set" : "the surface";
     sgt_span span = surface.ops->span(surface.self, ray);
-    if (span.lo > span.hi) table_line(t, "Ray %zu: it passes %s by.", number, what);
+    if (span.lo > span.hi)
+        table_line(t, "Ray %zu: it passes beside %s.", number, what);
     else if (span.hi < ray->tmin || span.lo > ray->tmax)
-        table_line(t, "Ray %zu: it comes to %s outside tmin ... tmax only.", number, what);
+        table_line(t, "Ray %zu: it reaches %s only outside tmin ... tmax.", number, what);
 }
 
 void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
@@ -192,16 +194,16 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
     char at[NUMBER_SIZE];
     if (whole.status > 0) {
         number_print_short(at, whole.t, 6);
-        table_line(t,
-                   "Ray %zu: there is a root at t = %s, and tmin ... tmax, or its own start, leaves it out.",
-                   number, at);
+        table_line(
+            t, "Ray %zu: there is a root at t = %s, but it is outside tmin ... tmax, or the ray's own start.",
+            number, at);
         return;
     }
     if (whole.status < 0) return;
     sgt_hit beyond = sgt_intersect(b.surface, line, NULL);
     if (beyond.status > 0) {
         number_print_short(at, hypot(beyond.p.x, beyond.p.y), 6);
-        table_line(t, "Ray %zu: it meets the surface outside semi_diameter only, first at r = %s.", number,
+        table_line(t, "Ray %zu: it meets the surface only outside semi_diameter, first at r = %s.", number,
                    at);
         return;
     }
@@ -209,7 +211,8 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
     double domain = b.k > -1 && b.c != 0 ? 1 / (fabs(b.c) * sqrt(1 + b.k)) : HUGE_VAL;
     if (nearest_to_axis(ray) > domain * margin) {
         number_print_short(at, domain, 6);
-        table_line(t, "Ray %zu: it never comes within r = %s of the axis, where the surface is.", number, at);
+        table_line(t, "Ray %zu: it never comes within r = %s of the axis, and the surface ends there.",
+                   number, at);
     } else if (b.c == 0 && !b.terms && ray->d.z == 0) {
         table_line(t, "Ray %zu: it is parallel to the surface.", number);
     } else if (b.c != 0 && !b.terms) {
@@ -219,15 +222,15 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
         double C = b.c * (o.x * o.x + o.y * o.y + (1 + b.k) * o.z * o.z) - 2 * o.z;
         if (B * B > A * C + (B * B + fabs(A * C)) * 0x1p-20)
             table_line(t,
-                       "Ray %zu: it meets the quadric on its other sheet only (of a sphere, the far half).",
+                       "Ray %zu: it meets only the other sheet of the quadric (of a sphere, the far half).",
                        number);
         else if (B * B < A * C - (B * B + fabs(A * C)) * 0x1p-20)
-            table_line(t, "Ray %zu: it passes the whole quadric by.", number);
+            table_line(t, "Ray %zu: it passes beside the whole quadric.", number);
     } else if (b.terms && ray->d.z != 0) {
         sgt_vec3 plane = vector_along(ray->o, ray->d, -ray->o.z / ray->d.z);
         plane.z = 0;
         if (isnan(surface.ops->value(surface.self, plane, NULL)))
-            table_line(t, "Ray %zu: where it comes to the vertex plane there is no surface.", number);
+            table_line(t, "Ray %zu: there is no surface where it crosses the vertex plane.", number);
     }
 }
 

@@ -14,27 +14,47 @@
 static const char intersect_help[] =
     "sagitta intersect --surface SPEC [--rays FILE] [--ray \"ox oy oz dx dy dz\"] [options]\n"
     "\n"
-    "Where do rays meet a surface?  One row a ray: its number, the number of the root, the\n"
-    "status, t (in lengths of the direction) and a bound on its error, the point, the\n"
-    "gradient of F there (not normalised), and the evaluations spent.  root is -1 where\n"
-    "there is none.  With --all: one row a root, counted from 0 along the ray.\n"
+    "Where do rays meet a surface F(x, y, z) = 0?  Prints a row for each ray; with --all, a row\n"
+    "for each root.  Lengths have any unit; the surface and the rays share it.  A root is accepted\n"
+    "if it lies between tmin and tmax and within semi_diameter, and is not the ray's own start.\n"
     "\n"
-    "  --surface SPEC     YAML: '{type: conic, radius: -2.2136, conic: -0.6, semi_diameter: 2}'\n"
-    "                     or '{type: julia, c: [-0.2, 0.8, 0, 0], iterations: 8}';\n"
+    "Columns\n"
+    "  ray                the ray, counted from 0: data rows of the file, or --ray options\n"
+    "  root               the root, counted from 0 along the ray; -1: there is none\n"
+    "  status             hit; graze: the ray touches, as far as can be told; miss; or, undecided:\n"
+    "                     unproven, undefined (F is NaN there), exhausted (--max-evals)\n"
+    "  t, t_err           place on the ray, and a bound on its error (in lengths of the direction)\n"
+    "  x, y, z            the point (length)\n"
+    "  nx, ny, nz         the gradient of F there, not scaled to length 1\n"
+    "  evals              evaluations of F\n"
+    "  id                 as the file gives it, if it has this column\n"
+    "  lo, hi             with --proof root or first, csv and json only: of an undecided row, the\n"
+    "                     stretch of the ray still in doubt (like t)\n"
+    "\n"
+    "Options\n"
+    "  --surface SPEC     the surface, in YAML: '{type: sphere, radius: 20, semi_diameter: 2}' or\n"
+    "                     '{type: julia, c: [-0.2, 0.8, 0, 0], iterations: 8}'.\n"
     "                     docs/lens_file.md has every type and its keys\n"
-    "  --rays FILE        csv with a header: ox,oy,oz,dx,dy,dz and optionally tmin,tmax,id;\n"
-    "                     - for standard input.  ray counts the data rows from 0\n"
-    "  --ray \"...\"        a ray as six numbers, or eight with tmin tmax; may be repeated\n"
-    "  --skip-bad         leave bad rows out, and say how many\n"
-    "  --all              every root, and every stretch of the ray that could not be decided:\n"
-    "                     its t and t_err are its middle and half its length\n"
-    "  --pick P           first (the default): the smallest t that counts; near-seed, of\n"
-    "                     a sag: the one the crossing of the vertex plane leads to\n"
-    "  --proof P          what a hit is to prove.  estimate (the default): a root lies within\n"
-    "                     t_err of t; root: one, and only one; first: and it is the first that\n"
-    "                     counts (with near-seed: the only one on the ray).  What is not proven\n"
-    "                     is unproven; csv and json then have the columns lo and hi, the stretch\n"
-    "                     of the ray that is left\n";
+    "  --rays FILE        rays from csv with a header row: ox,oy,oz,dx,dy,dz and optionally\n"
+    "                     tmin,tmax,id.  FILE may be - for standard input\n"
+    "  --ray \"...\"        a ray: six numbers, ox oy oz dx dy dz, or eight, with tmin tmax behind\n"
+    "                     them.  May be repeated\n"
+    "  --skip-bad         skip bad rows of the file, and say how many\n"
+    "  --all              every root.  A stretch of the ray that could not be decided has a row too:\n"
+    "                     its t is the middle, its t_err half the length\n"
+    "  --pick P           first (the default): the accepted root of the smallest t; near-seed: on a\n"
+    "                     sag, the root that belongs to the ray's crossing of the vertex plane\n"
+    "  --proof P          what must be proven before a ray is a hit:\n"
+    "                     estimate (the default): a root lies within t_err of t\n"
+    "                     root: and it is the only one there\n"
+    "                     first: and no accepted root comes before it; with --pick near-seed, no\n"
+    "                     other root on the ray is accepted\n"
+    "                     A ray of which this is not proven is unproven\n";
+
+/* Under the table for people: what has a unit. */
+static const char intersect_legend[] =
+    "t, t_err: in lengths of the ray's direction.  x y z: the point, in the unit of the surface.\n"
+    "nx ny nz: the gradient of F there.  evals: evaluations of F.\n";
 
 static const column intersect_head[] = {
     {"ray", COLUMN_COUNT}, {"root", COLUMN_COUNT}, {"status", COLUMN_WORD},
@@ -66,7 +86,7 @@ static intersect_arguments intersect_arguments_of(int argc, char *argv[])
     intersect_arguments a = {.surface = NULL};
     const char *file = NULL;
     bool skip_bad = false;
-    char all_help[6000];
+    char all_help[HELP_SIZE];
     snprintf(all_help, sizeof all_help, "%s%s", intersect_help, options_threads_help);
     for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         switch (code) {
@@ -79,11 +99,13 @@ static intersect_arguments intersect_arguments_of(int argc, char *argv[])
         }
     }
     if (optind < argc)
-        fail_usage("what is \"%s\"?  The surface goes with --surface, rays with --rays", argv[optind]);
-    if (!a.surface) fail_usage("--surface is missing");
-    if (a.all && a.shared.solver.pick) fail_usage("--pick or --all, not both");
+        fail_usage("unexpected argument \"%s\"; give the surface by --surface, rays by --rays or --ray",
+                   argv[optind]);
+    if (!a.surface) fail_usage("--surface is missing, as --surface '{type: sphere, radius: 20}'");
+    if (a.all && a.shared.solver.pick) fail_usage("give --pick or --all, not both");
     if (!file == !a.rays.count)
-        fail_usage("%s", file ? "--rays or --ray, not both" : "--rays or --ray is missing");
+        fail_usage(file ? "give --rays or --ray, not both"
+                        : "no rays; give --rays FILE or --ray \"ox oy oz dx dy dz\"");
     a.rays.threads = options_threads(&a.shared);
     if (file) rays_read(&a.rays, file, skip_bad);
     return a;
@@ -249,14 +271,13 @@ static void write_verdict(const intersect_work *w, size_t undecided)
     if (a->all) snprintf(rows, sizeof rows, ", %zu row%s", all, all == 1 ? "" : "s");
     bool fast = options_fast(&a->shared, w->surface);
     table_line(t, "%zu ray%s%s:%s.%s", rays, rays == 1 ? "" : "s", rows, rays ? text : " nothing to decide",
-               undecided || fast || a->shared.solver.proof ? "" : "  Every answer is certain.");
+               undecided || fast || rays == 0 || a->shared.solver.proof ? "" : "  Every answer is certain.");
     if (undecided && a->all) {
-        table_line(
-            t,
-            "Of an undecided row t +- t_err is the stretch that may hold roots, or none; sagitta diagnose,");
-        table_line(t, "with its ends as tmin and tmax, says why.");
+        table_line(t,
+                   "In an undecided row, t +- t_err is a stretch that may hold roots, or none.  To see why,");
+        table_line(t, "run sagitta diagnose on the ray with the ends of the stretch as tmin and tmax.");
     } else if (w->found.shown == UNDECIDED_SHOWN && undecided > UNDECIDED_SHOWN) {
-        table_line(t, "%zu more undecided: sagitta diagnose says why.", undecided - UNDECIDED_SHOWN);
+        table_line(t, "%zu more undecided: sagitta diagnose shows why.", undecided - UNDECIDED_SHOWN);
     }
     if (fast) table_line(t, "%s", explain_fast);
 }
@@ -305,6 +326,7 @@ exit_status command_intersect(int argc, char *argv[])
     tiles_run(&in, &w, find, intersect_take);
     for (int s = SGT_INVALID; s < 0; s++) undecided += w.found.count[s - SGT_INVALID];
     if (text) {
+        if (a.rays.count) table_line(w.table, "%s", intersect_legend);
         if (w.found.missed) explain_miss(w.table, w.found.missed->number, w.surface, &w.found.missed->ray);
         write_undecided(&w);
         write_verdict(&w, undecided);

@@ -35,7 +35,7 @@ typedef struct methods_search {
     bool normalised;
 } methods_search;
 
-static const char SPENT[] = "--max-evals is spent";
+static const char SPENT[] = "--max-evals is used up";
 
 /* F and its slope at t, as a row of the record. */
 static double evaluate(methods_search *s, sgt_move move, double t, double lo, double hi, double *slope)
@@ -77,7 +77,7 @@ static void newton(methods_search *s)
     sgt_move move = SGT_SEED;
     record *r = s->record;
     if (isnan(t)) {
-        r->stopped = "the ray passes the surface by: there is nowhere to start";
+        r->stopped = "the ray passes beside the surface: there is nowhere to start";
         return;
     }
     for (r->stopped = SPENT; s->left > 0;) {
@@ -85,7 +85,7 @@ static void newton(methods_search *s)
         r->t = t;
         if (isnan(f) || isnan(slope)) {
             if (t == 0) {
-                r->stopped = "F is NaN at the ray's origin, and there is nowhere left to back off to";
+                r->stopped = "F is NaN at the ray's origin, so t cannot be halved any more";
                 return;
             }
             t /= 2;
@@ -94,7 +94,7 @@ static void newton(methods_search *s)
         }
         double next = t - f / slope;
         if (!isfinite(next)) {
-            r->stopped = "the slope vanished: the next step has no end";
+            r->stopped = "the slope vanished: the next step is infinite";
             return;
         }
         if (fabs(next - t) <= nextafter(fabs(t), HUGE_VAL) - fabs(t)) {
@@ -141,14 +141,15 @@ static void bisect(methods_search *s)
     sgt_span span = span_of(s);
     cut_to_aperture(s, &span);
     double lo = span.lo, hi = span.hi, slope;
-    if (lo > hi) r->stopped = "the ray passes the surface by: there is no span to halve";
+    if (lo > hi)
+        r->stopped = "the ray passes beside the surface: there is no span to halve";
     else if (!isfinite(lo) || !isfinite(hi))
-        r->stopped = "the span is infinite, and has no middle (a tmin and a tmax of the ray would end it)";
+        r->stopped = "the span is infinite and cannot be halved; give the ray a tmin and a tmax";
     if (r->stopped) return;
     double f_lo = end_value(s, &lo, hi, &slope), f_hi = end_value(s, &hi, lo, &slope);
     if (isnan(f_lo) || isnan(f_hi)) r->stopped = "F is NaN near an end of the span";
     else if ((f_lo > 0 && f_hi > 0) || (f_lo < 0 && f_hi < 0))
-        r->stopped = "F has one sign at both ends: there is no bracket to halve";
+        r->stopped = "F has the same sign at both ends: there is no bracket to halve";
     if (r->stopped) return;
     for (r->stopped = SPENT; s->left > 0;) {
         double middle = lo + (hi - lo) / 2;

@@ -17,30 +17,45 @@
 static const char trace_help[] =
     "sagitta trace LENS [options]\n"
     "\n"
-    "Traces rays through a lens file.  One row for each ray and each element it reached: the\n"
-    "ray (from 0, field after field), the element (from 1), its fate there (passed, missed,\n"
-    "clipped, tir, lost), the solver's status, the point and the direction behind the\n"
-    "surface, t from the element before and a bound on its error, the optical path length\n"
-    "from the launch, and the evaluations spent.  Object at infinity: the rays of a field\n"
-    "start on a common wavefront.\n"
+    "Traces rays through a lens file.  Prints a row for each ray and each element it reached.\n"
+    "Lengths have the unit of the lens.\n"
     "\n"
-    "A lens file is YAML; docs/lens_file.md has every key, examples/lenses complete files.\n"
-    "  file:     name, units, wavelengths: [um], object: {distance, index},\n"
+    "Columns\n"
+    "  ray, element       the ray, counted from 0, field after field; the surface, counted from 1\n"
+    "  fate               of the ray there: passed; missed; clipped by the clear aperture; tir: total\n"
+    "                     internal reflection; lost: it could not be decided\n"
+    "  status             of the search for the root: hit; graze: the ray touches, as far as can be\n"
+    "                     told; miss; or why it is undecided: unproven, undefined, exhausted\n"
+    "  x, y, z            the point (length), in the surface's own frame; see --frame\n"
+    "  l, m, n            the direction behind the surface (length 1), in the same frame\n"
+    "  t, t_err           distance from the element before, and a bound on its error (length)\n"
+    "  opl                optical path length since the start of the ray (length).  The rays of a\n"
+    "                     field start at the object, or on one wavefront if that is at infinity\n"
+    "  evals              evaluations of the surface's equation\n"
+    "  id                 as the file of rays gives it, if it has this column\n"
+    "  lo, hi             with --proof root or first, csv and json only: of an undecided row, the\n"
+    "                     stretch of the ray still in doubt (like t)\n"
+    "\n"
+    "A lens file is YAML.  docs/lens_file.md has every key, examples/lenses has complete files.\n"
+    "  file:     name, units, wavelengths: [micrometres], object: {distance, index},\n"
     "            pupil: {semi_diameter, distance}, fields: [degrees], surfaces: [...]\n"
     "  surface:  type, radius or curvature, conic, coefficients, semi_diameter,\n"
-    "            thickness (to the next), index (behind it), mirror, stop,\n"
-    "            decenter and tilt: [x, y, z]; or origin and tilt in all of them\n"
-    "\n";
+    "            thickness (to the next vertex), index (of the medium behind it), mirror, stop,\n"
+    "            decenter and tilt: [x, y, z]; or origin and tilt in every surface\n"
+    "\n"
+    "Options\n";
 static const char trace_more_help[] =
-    "  --frame F          local (the default): points and directions in each surface's own\n"
-    "                     frame; global: in that of the first vertex\n"
-    "  --svg FILE         draws the y-z section with the rays\n"
-    "  --pick P           near-seed (the default): the root near the surface's vertex; first\n"
-    "  --proof P          what a root is to prove.  estimate (the default): one lies within t_err\n"
-    "                     of t; root: one, and only one; first: and it is the only one within the\n"
-    "                     clear aperture (with --pick first, and on a level set: the first).  Where\n"
-    "                     that is not proven the ray is lost (unproven); csv and json then have the\n"
-    "                     columns lo and hi, the stretch of the ray, in its t, that is left\n";
+    "  --frame F          local (the default): points and directions in each surface's own frame;\n"
+    "                     global: in the frame of the first vertex\n"
+    "  --svg FILE         draw the y-z section of the lens, with the rays\n"
+    "  --pick P           near-seed (the default): the root near the surface's vertex; first: the\n"
+    "                     first root on the line of the ray\n"
+    "  --proof P          what must be proven at each element before a ray passes:\n"
+    "                     estimate (the default): a root lies within t_err of t\n"
+    "                     root: and it is the only one there\n"
+    "                     first: and no other root lies within the clear aperture; with --pick\n"
+    "                     first, and on a level set, no root lies before it\n"
+    "                     A ray of which this is not proven is lost, and its status is unproven\n";
 
 static const column trace_head[] = {
     {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"fate", COLUMN_WORD}, {"status", COLUMN_WORD},
@@ -66,7 +81,7 @@ static trace_arguments trace_arguments_of(int argc, char *argv[])
         {"ray", required_argument, NULL, RAY},
         JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
     };
-    char all_help[6000];
+    char all_help[HELP_SIZE];
     snprintf(all_help, sizeof all_help, "%s%s%s%s", trace_help, job_help, trace_more_help,
              options_threads_help);
     trace_arguments a = {.svg = NULL};
@@ -76,16 +91,17 @@ static trace_arguments trace_arguments_of(int argc, char *argv[])
         } else if (code == FRAME) {
             a.global = strcmp(optarg, "global") == 0;
             if (!a.global && strcmp(optarg, "local") != 0)
-                fail_usage("--frame wants local or global, not \"%s\"", optarg);
+                fail_usage("--frame must be local or global, not \"%s\"", optarg);
         } else if (code == RAY) { /* else getopt takes it for a short --rays */
             fail_usage(
-                "--ray: rays through a lens come from a file, --rays FILE, or from standard input, --rays -");
+                "--ray: give the rays of a lens as a file, --rays FILE, or on standard input, --rays -");
         } else if (!job_take(&a.job, code)) {
             options_take(&a.shared, code, all_help);
         }
     }
-    if (optind == argc) fail_usage("which lens?");
-    if (optind + 1 < argc) fail_usage("one lens at a time; what is \"%s\"?", argv[optind + 1]);
+    if (optind == argc) fail_usage("the lens file is missing: sagitta trace LENS");
+    if (optind + 1 < argc)
+        fail_usage("unexpected argument \"%s\"; trace takes one lens file", argv[optind + 1]);
     a.job.lens = argv[optind];
     if (a.svg) picture_check();
     return a;
@@ -306,11 +322,24 @@ static void write_losses(table *t, const job *j, const losses loss[])
         trace_append(text, loss[i].tir, "totally reflected", "");
         for (int s = 0; s >= SGT_INVALID; s--) {
             char reason[40];
-            snprintf(reason, sizeof reason, " (%s)", s ? sgt_status_text((sgt_status)s) : "where to?");
+            snprintf(reason, sizeof reason, " (%s)",
+                     s ? sgt_status_text((sgt_status)s) : "direction undecided");
             trace_append(text, loss[i].lost[s - SGT_INVALID], "lost", reason);
         }
         if (*text) table_line(t, "element %zu (%s):%s", i + 1, j->lens.surface[i].type, text);
     }
+}
+
+/* Under the table for people: what has a unit, and whose frame it is. */
+static void write_legend(const trace_work *w)
+{
+    const char *units = w->job->lens.units;
+    table_line(w->table, "x y z, l m n: point and direction behind the element, in %s frame.  t, t_err: from",
+               w->asked->global ? "the global" : "its own");
+    table_line(
+        w->table,
+        "the element before.  opl: optical path so far.  evals: evaluations.  Unit of length: %.20s.\n",
+        *units ? units : "that of the lens");
 }
 
 /* The first rays that were lost: where, and why. */
@@ -337,7 +366,7 @@ static void write_lost(const trace_work *w)
         undecided_explain(w->table, who, &s);
     }
     if (w->undecided > (size_t)w->shown)
-        table_line(w->table, "%zu more lost: sagitta diagnose says why.", w->undecided - (size_t)w->shown);
+        table_line(w->table, "%zu more lost: sagitta diagnose shows why.", w->undecided - (size_t)w->shown);
 }
 
 static size_t trace_columns_of(const trace_work *w, column to[HEAD_COUNT + 3])
@@ -376,7 +405,7 @@ exit_status command_trace(int argc, char *argv[])
         output_reserve("svg", a.svg);
         for (size_t i = 0; i < count; i++)
             if (j.element[i].surface.ops->estimate)
-                note("--svg: element %zu (%s) is a level set, and is not drawn", i + 1,
+                note("--svg: element %zu (%s) is not drawn, because it is a level set", i + 1,
                      j.lens.surface[i].type);
     }
     scene picture = scene_begin(&j);
@@ -392,8 +421,9 @@ exit_status command_trace(int argc, char *argv[])
     for (size_t i = 0; i < places; i++) w.room[i] = trace_room_for(&w, in.most);
     tiles_run(&in, &w, send, trace_take);
     if (text) {
-        table_line(w.table, "%zu of %zu ray%s passed all %zu elements.", w.passed, j.rays.count,
-                   j.rays.count == 1 ? "" : "s", count);
+        if (j.rays.count) write_legend(&w);
+        table_line(w.table, "%zu of %zu ray%s passed all %zu element%s.", w.passed, j.rays.count,
+                   j.rays.count == 1 ? "" : "s", count, count == 1 ? "" : "s");
         write_proof(&w);
         write_losses(w.table, &j, w.loss);
         write_lost(&w);

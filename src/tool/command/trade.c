@@ -13,57 +13,73 @@
 static const char trade_help[] =
     "sagitta trade [--surface SPEC [--rays FILE] [--ray \"...\"] | LENS [rays]] [options]\n"
     "\n"
-    "What does accuracy cost, and what is speed paid with?  Turns one knob after another,\n"
-    "all others as they are by default, and prints for each setting: nanoseconds a ray,\n"
-    "evaluations a ray, the median, the 99th percentile and the worst of the errors against\n"
-    "arithmetic of 113 bits, how many rays are undecided, how many answers are wrong, and in\n"
-    "words what it changes.  Surfaces of any type but those about the Earth.\n"
+    "What does accuracy cost, and what does speed cost?  Changes one option at a time, with all\n"
+    "others at their defaults, and measures each setting on this machine.  A surface may have any\n"
+    "type except those about the Earth.\n"
     "\n"
-    "best marks the settings that no best one beats: is not slower, nor less accurate at the\n"
-    "99th percentile, nor leaves more rays undecided or wrong, and is better in one of these, with\n"
-    "outputs as many or more, and as much proven.  Of several that are the same the first alone is\n"
-    "marked, and nothing that changes nothing.  Times within 10 % of each other count as equal, and\n"
-    "so do those whose spreads touch (ns_low to ns_high in csv and json); errors within a factor of\n"
-    "2; a smaller error of fewer rays, others being undecided, does not count.  What meets nothing\n"
-    "is not best.\n"
+    "Columns\n"
+    "  setting            the option that is changed; see Settings\n"
+    "  ns                 time per ray (nanoseconds of one thread, rays in memory)\n"
+    "  evals              evaluations of F per ray; of a lens, at all its elements\n"
+    "  err_median, err_99, err_worst\n"
+    "                     the median, 99th percentile and largest of the errors against numbers of\n"
+    "                     113 bits.  Of a surface: of t (lengths of the direction).  Of a lens: the\n"
+    "                     distance of the last point from where it should be (length)\n"
+    "  undecided          rays without an answer\n"
+    "  wrong              rays with a wrong answer.  Of a surface: an error above t_err, or a hit\n"
+    "                     that should be a miss, or the reverse.  Of a lens: another fate\n"
+    "  best               1: no other best setting beats it (below)\n"
+    "  path_worst         of a lens: the largest error of the optical path (length)\n"
+    "  waves_worst        the same in wavelengths\n"
+    "  effect             what the setting changes against the default, in words\n"
+    "  case, rays, ns_low, ns_high\n"
+    "                     csv and json only: what is measured, with how many rays, and the range\n"
+    "                     that holds the true median time with 95 % probability\n"
     "\n"
-    "Times are the processor's, of one thread, rays in memory: medians of several runs in\n"
-    "shuffled order.  They differ from run to run, and more from machine to machine: compare\n"
-    "those of one run.\n"
+    "One setting beats another if it gives as many outputs and proves as much, is worse in none of\n"
+    "ns, err_99, undecided and wrong, and is better in one of them.  Times are equal if they\n"
+    "differ by less than 10 %, or if their ranges ns_low to ns_high touch; errors are equal within\n"
+    "a factor of 2.  A smaller error is no advantage if more rays are undecided.  Of equal settings\n"
+    "the first is best.  A setting that changes nothing, or that meets nothing, is never best.\n"
     "\n"
-    "  --surface SPEC     a surface as sagitta intersect takes it, with --rays FILE, --ray\n"
-    "                     \"ox oy oz dx dy dz\", or a thousand rays that suit it.  The error\n"
-    "                     is that of t; wrong: it exceeds t_err, or a hit should be a miss\n"
-    "                     or the other way round\n"
-    "  LENS               a lens as sagitta trace takes it, its rays chosen in the same way (but\n"
-    "                     --grid 21 by default).  The error is the distance from where the ray\n"
-    "                     should end, path_worst that of the optical path, waves_worst the same\n"
-    "                     in waves; wrong: its fate is another\n"
-    "  neither            a conic, an asphere, a scan lens and a Julia set\n"
-    "\n";
+    "Times are medians of several runs in shuffled order.  They differ from run to run, and more\n"
+    "from machine to machine: compare only times of one run.\n"
+    "\n"
+    "Options\n"
+    "  --surface SPEC     a surface, as in sagitta intersect, with --rays FILE or --ray\n"
+    "                     \"ox oy oz dx dy dz\".  Default: a thousand rays that suit the surface\n"
+    "  LENS               a lens file, and options for its rays, as in sagitta trace (but --grid 21\n"
+    "                     by default)\n"
+    "                     With neither: a conic, an asphere, a scan lens and a Julia set\n";
 static const char trade_more_help[] =
     "\n"
-    "Settings: default (in a batch; status, t, t_err, p, n, or of a lens fate, point,\n"
-    "direction, path), single (one ray a call), out=t or out=point (nothing else asked for),\n"
-    "out=all, and these, one by one or separated by commas:\n"
-    "  --t-tol X,...      (1e-12,1e-9,1e-6,1e-3)\n"
-    "  --max-evals N,...  (a half, a quarter and an eighth of what the worst ray takes)\n"
-    "  --proof P,...      estimate, root or first (root,first)\n"
-    "  --dt-min X,...     level sets: the fast way, not certain (1e-1,1e-2,1e-3,1e-4)\n"
-    "  --iterations N,... level sets: other N, in a table of their own, with errors against the\n"
-    "                     deepest: they are those of the model (N - 4 to N + 4)\n"
-    "  --pick P           first or near-seed; without it both are tried, each against its own\n"
-    "                     root\n"
+    "Settings\n"
+    "  default            all rays in one call; outputs: status, t, t_err, point and gradient, or of\n"
+    "                     a lens fate, last point, last direction and path\n"
+    "  single             one call for each ray\n"
+    "  out=t, out=point   only t, or of a lens only the last point, is asked for\n"
+    "  out=all            every output\n"
+    "and these; values may be separated by commas, or the option repeated:\n"
+    "  --t-tol X,...      default 1e-12,1e-9,1e-6,1e-3\n"
+    "  --max-evals N,...  default: 1/2, 1/4 and 1/8 of what the worst ray takes\n"
+    "  --proof P,...      estimate, root or first; default root,first\n"
+    "  --dt-min X,...     level sets only: the fast search, which proves nothing; default\n"
+    "                     1e-1,1e-2,1e-3,1e-4\n"
+    "  --iterations N,... level sets only: other values of N, in a table of their own.  Errors are\n"
+    "                     against the largest N; default N - 4 to N + 4\n"
+    "  --pick P           first or near-seed; default: both, each measured against its own root\n"
     "\n"
-    "  --seconds S        for the times, about (10)\n"
-    "  --svg FILE         draws error against time\n"
+    "  --seconds S        time to spend on measuring, about (default 10)\n"
+    "  --svg FILE         draw error against time\n"
     "  --format F         text (for people, the default), csv or json\n"
     "  --hex              numbers in hexadecimal\n"
-    "  --output FILE      write there and not to standard output\n"
+    "  --output FILE      write to FILE and not to standard output\n"
     "  --help, --version\n"
     "\n"
-    "Exit status: 0, also where rays are undecided; 2 usage, 3 bad input,\n"
-    "or an output that cannot be written.\n";
+    "Exit status\n"
+    "  0  measured, even if some ray is undecided\n"
+    "  2  wrong arguments\n"
+    "  3  bad input, or output that cannot be written\n";
 
 /* -------------------------------------------------------------- arguments */
 
@@ -82,10 +98,10 @@ static void take_list(knob_list *list, const char *option, bool whole)
         if (list->count == sizeof list->value / sizeof list->value[0])
             fail_usage("--%s: at most %zu values", option, list->count);
         double x = whole ? (double)options_integer(option, word, 1, INT_MAX) : options_number(option, word);
-        if (!(x > 0)) fail_usage("--%s wants numbers above 0, and \"%s\" is not", option, word);
+        if (!(x > 0)) fail_usage("--%s must be above 0, not \"%s\"", option, word);
         list->value[list->count++] = x;
     }
-    if (!list->count) fail_usage("--%s wants a number", option);
+    if (!list->count) fail_usage("--%s needs a number", option);
 }
 
 static void take_proofs(trade_options *o)
@@ -97,26 +113,27 @@ static void take_proofs(trade_options *o)
     for (char *rest = copy, *word; (word = strtok_r(rest, ", ", &rest));) {
         size_t i = 0;
         while (i < 3 && strcmp(word, name[i]) != 0) i++;
-        if (i == 3) fail_usage("--proof wants estimate, root or first, not \"%s\"", word);
-        if (o->proofs == sizeof o->proof / sizeof o->proof[0]) fail_usage("--proof: each of them once");
+        if (i == 3) fail_usage("--proof must be estimate, root or first, not \"%s\"", word);
+        if (o->proofs == sizeof o->proof / sizeof o->proof[0]) fail_usage("--proof: give each value once");
         o->proof[o->proofs++] = (sgt_proof)i;
     }
-    if (o->proofs == before) fail_usage("--proof wants estimate, root or first");
+    if (o->proofs == before) fail_usage("--proof must be estimate, root or first");
 }
 
 static void check(const trade_arguments *a)
 {
     const job_options *j = &a->trade.job;
     bool rays = j->rays || a->trade.rays.count;
-    if (a->trade.surface && j->lens) fail_usage("--surface or a lens, not both");
+    if (a->trade.surface && j->lens) fail_usage("give --surface or a lens file, not both");
     if (a->trade.surface && (j->fields || j->fan || j->grid || j->wavelength || j->no_apertures))
-        fail_usage("--field, --fan, --grid, --wavelength, --no-apertures: of a lens, and not of --surface");
-    if (j->rays && a->trade.rays.count) fail_usage("--rays or --ray, not both");
+        fail_usage("--field, --fan, --grid, --wavelength and --no-apertures go with a lens file, not with "
+                   "--surface");
+    if (j->rays && a->trade.rays.count) fail_usage("give --rays or --ray, not both");
     if (a->trade.rays.count && !a->trade.surface)
-        fail_usage("--ray goes with --surface; for a lens --rays FILE");
+        fail_usage("--ray goes with --surface; for a lens give --rays FILE");
     if (!a->trade.surface && !j->lens &&
         (rays || j->fields || j->fan || j->grid || j->wavelength || j->no_apertures || j->skip_bad))
-        fail_usage("rays of whom?  A lens, or --surface, is missing");
+        fail_usage("there are options for rays, but no --surface and no lens file");
 }
 
 static trade_arguments trade_arguments_of(int argc, char *argv[])
@@ -136,7 +153,7 @@ static trade_arguments trade_arguments_of(int argc, char *argv[])
         case ITERATIONS: take_list(&a.trade.iterations, "iterations", true); break;
         case SECONDS:
             a.trade.seconds = options_number("seconds", optarg);
-            if (!(a.trade.seconds >= 0)) fail_usage("--seconds must not be negative");
+            if (!(a.trade.seconds >= 0)) fail_usage("--seconds must not be negative, as %s is", optarg);
             break;
         case SVG: a.svg = optarg; break;
         case PROOF: take_proofs(&a.trade); break;
@@ -151,7 +168,7 @@ static trade_arguments trade_arguments_of(int argc, char *argv[])
     }
     a.trade.pick = a.shared.solver.pick;
     if (optind < argc) a.trade.job.lens = argv[optind++];
-    if (optind < argc) fail_usage("one lens at a time; what is \"%s\"?", argv[optind]);
+    if (optind < argc) fail_usage("unexpected argument \"%s\"; trade takes one lens file", argv[optind]);
     check(&a);
     if (a.svg) trade_picture_check();
     quad_check();
@@ -172,8 +189,9 @@ static void note_unread(const trade_arguments *a, const trade *t)
         deep = deep || c->setting[0].turned == KNOB_ITERATIONS;
     }
     if (a->trade.iterations.count && !deep)
-        note("--iterations: not used; it is for two numbers or more, and a level set (julia, mandelbrot) by "
-             "itself");
+        note("--iterations: not used; it needs two numbers or more, and a level set (julia, mandelbrot) "
+             "given by "
+             "--surface");
 }
 
 /* ------------------------------------------------------------------ table */
@@ -235,8 +253,8 @@ static void write_about(table *t, const trade_case *c)
                met, c->lens ? "through to the end" : "met");
     if (unknown)
         table_line(t,
-                   "(of %zu there is no truth to tell errors by: undecided, touching, or beyond the digits "
-                   "of 113 bits)",
+                   "(%zu of them are left out of the errors, because no exact answer is known: undecided, "
+                   "touching, or beyond 113 bits)",
                    unknown);
 }
 
@@ -301,10 +319,18 @@ static void trade_write_rows(table *t, const header *h, const trade *all)
         for (size_t k = 0; k < c->settings; k++) write_setting(t, h, c, &c->setting[k]);
         write_words(t, c);
     }
-    table_line(t, "best 1: no best one of its table, with as many outputs and as much proven, is as good in "
-                  "time, err_99, undecided and wrong, and better in one;");
-    table_line(t, "of several that are the same the first.  Times count as different by more than their "
-                  "spread, and by 10 %%.");
+    bool surfaces = false;
+    for (size_t i = 0; i < all->count; i++) surfaces = surfaces || !all->list[i].lens;
+    table_line(t, "ns: nanoseconds a ray.  evals: evaluations a ray.  err: errors of %s.",
+               !h->lens    ? "t, in lengths of the direction"
+               : !surfaces ? "the last point, in lengths"
+                           : "t, in lengths of the direction (of a lens: of the last point, in lengths)");
+    if (h->lens)
+        table_line(t, "path_worst: error of the optical path, in lengths; waves_worst: in wavelengths.");
+    table_line(
+        t, "best 1: no other best setting of the table is as good in ns, err_99, undecided and wrong, and "
+           "better in one,");
+    table_line(t, "with as many outputs and as much proven.  sagitta trade --help has the details.");
 }
 
 exit_status command_trade(int argc, char *argv[])

@@ -64,7 +64,7 @@ static void field_entries(flow *f, const scene *s)
 {
     for (size_t i = 0; i < s->job->fields; i++) {
         char text[40];
-        snprintf(text, sizeof text, "%g\302\260", s->job->field[i]);
+        snprintf(text, sizeof text, "%s%g\302\260", i == 0 ? "field " : "", s->job->field[i]);
         double x = entry(f, SAMPLE, text), y = f->y - LEGEND_FONT / 3;
         legend_colour(f->cr, i);
         cairo_move_to(f->cr, x, y), cairo_line_to(f->cr, x + SAMPLE, y);

@@ -1,10 +1,7 @@
 /* picture_missing.c - in the place of picture.c where there is no cairo. */
 #include "picture.h"
 
-void picture_check(void)
-{
-    fail_usage("--svg: this sagitta was built without cairo, and draws nothing");
-}
+void picture_check(void) { fail_usage("--svg: not available; this command was built without cairo"); }
 
 void picture_write(const char *file, const scene *s)
 {

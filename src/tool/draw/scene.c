@@ -133,12 +133,14 @@ static double scene_enters(double a, double b, double low, double high)
     return 0;
 }
 
-/* From a, if it lies outside the lens and its lead, along the line to b until it does not. */
+/* If a lies outside the lens and its lead, the place on the line to b where it enters them, but at most so
+ * near to b that a lead's length of the line is left: a ray clipped far outside is still a line. */
 static spot brought_in(const scene *s, spot a, spot b, spot low, spot high)
 {
     double u = fmax(scene_enters(a.z, b.z, low.z - s->lead, high.z + s->lead),
                     scene_enters(a.y, b.y, low.y - s->lead, high.y + s->lead));
-    u = fmin(1, u);
+    double length = hypot(b.z - a.z, b.y - a.y);
+    u = fmax(0, fmin(u, length > 0 ? 1 - s->lead / length : 0));
     return (spot){a.z + u * (b.z - a.z), a.y + u * (b.y - a.y)};
 }
 

@@ -12,26 +12,27 @@
 enum { FAN_DEFAULT = 5, RAYS_MOST = 1000000000 };
 
 const char job_help[] =
-    "  --field DEG        degrees in the y-z plane, a positive one climbs toward +y; may be\n"
-    "                     repeated.  Default: the fields of the lens\n"
-    "  --fan N            N rays across the pupil in y, edge to edge (5)\n"
-    "  --grid N           N x N rays over the pupil's square, those in its circle\n"
-    "  --rays FILE        these rays instead, global frame; csv with a header:\n"
-    "                     ox,oy,oz,dx,dy,dz; - for standard input\n"
-    "  --skip-bad         leave bad rows of it out, and say how many\n"
-    "  --wavelength I     the indices of the I-th wavelength of the lens, counted from 1 (1)\n"
-    "  --no-apertures     clip nothing\n";
+    "  --field DEG        angle of a field in the y-z plane, in degrees; the chief ray of a positive\n"
+    "                     field climbs toward +y.  May be repeated.  Default: the fields of the lens\n"
+    "  --fan N            N rays across the entrance pupil in y, from edge to edge (default 5)\n"
+    "  --grid N           of N x N rays over the square around the pupil, those inside its circle\n"
+    "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"
+    "                     ox,oy,oz,dx,dy,dz and optionally id; FILE may be - for standard input\n"
+    "  --skip-bad         skip bad rows of the file, and say how many\n"
+    "  --wavelength I     use the refractive indices of the lens's I-th wavelength, counted from 1\n"
+    "                     (default 1)\n"
+    "  --no-apertures     ignore the clear apertures: clip no ray\n";
 
 bool job_take(job_options *o, int code)
 {
     switch (code) {
     case JOB_FIELD:
         if (strchr(optarg, ','))
-            fail_usage("--field takes one angle, not %s; for several it may be repeated", optarg);
+            fail_usage("--field takes one angle, not %s; for several angles repeat --field", optarg);
         o->field = memory_room(o->field, o->fields, &o->capacity, sizeof *o->field);
         o->field[o->fields] = options_number("field", optarg);
         if (!(fabs(o->field[o->fields++]) < 90))
-            fail_usage("--field must be less than 90 degrees, not %s", optarg);
+            fail_usage("--field must be between -90 and 90 degrees, not %s", optarg);
         return true;
     case JOB_FAN: o->fan = options_integer("fan", optarg, 1, RAYS_MOST); return true;
     case JOB_GRID: o->grid = options_integer("grid", optarg, 1, RAYS_MOST); return true;
@@ -53,9 +54,9 @@ sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray)
 
 job job_read(const job_options *o)
 {
-    if (o->fan && o->grid) fail_usage("--fan or --grid, not both");
+    if (o->fan && o->grid) fail_usage("give --fan or --grid, not both");
     if (o->rays && (o->fields || o->fan || o->grid))
-        fail_usage("--rays, or --field with --fan or --grid, not both");
+        fail_usage("give --rays, or --field with --fan or --grid, not both");
     job j = {.lens = lens_read(o->lens, o->wavelength ? (size_t)o->wavelength : 1)};
     j.element = memory_take(j.lens.count, sizeof *j.element);
     memcpy(j.element, j.lens.element, j.lens.count * sizeof *j.element);
@@ -64,7 +65,7 @@ job job_read(const job_options *o)
         j.rays.threads = o->threads;
         rays_read(&j.rays, o->rays, o->skip_bad);
         if (j.rays.ended)
-            note("%s: tmin, tmax: not used through a lens, where the whole line counts", o->rays);
+            note("%s: tmin, tmax: not used; through a lens the whole line of a ray is searched", o->rays);
         return j;
     }
     j.field = o->fields ? o->field : j.lens.field;
@@ -73,6 +74,6 @@ job job_read(const job_options *o)
     long n = o->grid ? o->grid : o->fan ? o->fan : FAN_DEFAULT;
     for (size_t f = 0; f < j.fields; f++) launch_field(&j.rays, &j.lens, f, j.field[f], pattern, n);
     if (!j.rays.count)
-        fail_usage("--grid %ld: no ray of it lies in the pupil's circle; 1, or 3 and more, have some", n);
+        fail_usage("--grid %ld: no ray lies inside the pupil's circle; use 1, or 3 or more", n);
     return j;
 }

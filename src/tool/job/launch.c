@@ -36,14 +36,15 @@ static double pupil_distance(const lens *l)
         const lens_surface *s = &l->surface[i];
         if (s->off_axis)
             document_fail(&l->source, l->source.root, "pupil.distance",
-                          "needed, for element %zu, not behind the stop, is tilted or off the axis", i + 1);
+                          "needed: element %zu, which is not behind the stop, is tilted or off the axis",
+                          i + 1);
         for (int r = 0; r < 2; r++) y[r] += (s->z - z) * u[r];
         z = s->z;
         if (i == l->stop) break;
         double c = profile_curvature(&l->element[i], step);
         if (isnan(c))
             document_fail(&l->source, l->source.root, "pupil.distance",
-                          "needed, for element %zu, in front of the stop, has no vertex curvature", i + 1);
+                          "needed: element %zu, in front of the stop, has no vertex curvature", i + 1);
         double behind = copysign(s->index, s->mirror ? -index : index);
         for (int r = 0; r < 2; r++) u[r] = (index * u[r] - y[r] * c * (behind - index)) / behind;
         index = behind;
@@ -51,7 +52,7 @@ static double pupil_distance(const lens *l)
     double p = y[1] / y[0];
     if (!(fabs(y[0]) > AT_INFINITY) || !isfinite(p))
         document_fail(&l->source, l->source.root, "pupil.distance",
-                      "needed, for the image of the stop (element %zu) is at infinity", l->stop + 1);
+                      "needed: the paraxial image of the stop (element %zu) is at infinity", l->stop + 1);
     return p;
 }
 
@@ -113,7 +114,7 @@ void launch_field(ray_list *list, const lens *l, size_t field, double degrees, p
 {
     if (isnan(l->pupil_semi_diameter))
         document_fail(&l->source, l->source.root, "pupil.semi_diameter",
-                      "missing, and rays are to go through the pupil");
+                      "missing: the pupil has no size to send rays through (or give rays with --rays FILE)");
     beam b = beam_of(l, degrees);
     double a = l->pupil_semi_diameter;
     /* whole numbers over whole numbers: the pupil is filled symmetrically, to the bit */

@@ -11,30 +11,34 @@
 #include <string.h>
 
 const char options_help[] =
-    "  --t-tol X          stop when t is known to X (lengths of the direction); 0: to rounding\n"
-    "  --dt-min X         level sets (julia, mandelbrot): go on in steps of X (lengths of the\n"
-    "                     direction) and more: faster, but no proof, and thin parts may be\n"
-    "                     passed by\n"
-    "  --max-evals N      give a root up after N evaluations (2000)\n"
+    "  --t-tol X          stop when the error of t is below X (lengths of the direction).\n"
+    "                     0 (the default): go on to the limit of rounding\n"
+    "  --dt-min X         only for level sets (julia, mandelbrot): go along the ray in steps of X\n"
+    "                     (lengths of the direction) or more.  Faster, but it proves nothing, and\n"
+    "                     thin parts may be skipped\n"
+    "  --max-evals N      give up on a root after N evaluations of F (default 2000)\n"
     "  --format F         text (for people, the default), csv or json\n"
     "  --hex              numbers in hexadecimal\n"
-    "  --output FILE      write there and not to standard output\n"
+    "  --output FILE      write to FILE and not to standard output\n"
     "  --help, --version\n"
     "\n"
-    "Exit status: 0 all rays decided (a miss is a decision), 1 some ray undecided, 2 usage,\n"
-    "3 bad input, or an output that cannot be written.\n";
+    "Exit status\n"
+    "  0  every ray is decided (a miss is a decision)\n"
+    "  1  some ray is undecided\n"
+    "  2  wrong arguments\n"
+    "  3  bad input, or output that cannot be written\n";
 
 enum { THREADS_MOST = 1024 };
 
 const char options_threads_help[] =
-    "  --threads N        work in N threads; the output is the same for any number.  Default: one\n"
-    "                     for each processor, or as OMP_NUM_THREADS says\n";
+    "  --threads N        work in N threads; the output does not depend on N.  Default: what\n"
+    "                     OMP_NUM_THREADS says, else one for each processor\n";
 
 double options_number(const char *option, const char *text)
 {
     double x;
     if (!number_read(text, &x) || !isfinite(x))
-        fail_usage("--%s wants a finite number, and \"%s\" is none", option, text);
+        fail_usage("--%s must be a finite number, not \"%s\"", option, text);
     return x;
 }
 
@@ -42,14 +46,14 @@ long options_integer(const char *option, const char *text, long lowest, long hig
 {
     long n;
     if (!number_read_integer(text, lowest, highest, &n))
-        fail_usage("--%s wants a whole number from %ld to %ld, not \"%s\"", option, lowest, highest, text);
+        fail_usage("--%s must be a whole number from %ld to %ld, not \"%s\"", option, lowest, highest, text);
     return n;
 }
 
 static double length_of(const char *option)
 {
     double x = options_number(option, optarg);
-    if (x < 0) fail_usage("--%s must not be negative", option);
+    if (x < 0) fail_usage("--%s must not be negative, as %s is", option, optarg);
     return x;
 }
 
@@ -58,14 +62,14 @@ static table_format format_of(const char *text)
     if (strcmp(text, "text") == 0) return TABLE_TEXT;
     if (strcmp(text, "csv") == 0) return TABLE_CSV;
     if (strcmp(text, "json") == 0) return TABLE_JSON;
-    fail_usage("--format wants text, csv or json, not \"%s\"", text);
+    fail_usage("--format must be text, csv or json, not \"%s\"", text);
 }
 
 static sgt_pick pick_of(const char *text)
 {
     if (strcmp(text, "first") == 0) return SGT_FIRST;
     if (strcmp(text, "near-seed") == 0) return SGT_NEAR_SEED;
-    fail_usage("--pick wants first or near-seed, not \"%s\"", text);
+    fail_usage("--pick must be first or near-seed, not \"%s\"", text);
 }
 
 static sgt_proof proof_of(const char *text)
@@ -73,7 +77,7 @@ static sgt_proof proof_of(const char *text)
     if (strcmp(text, "estimate") == 0) return SGT_ESTIMATE;
     if (strcmp(text, "root") == 0) return SGT_PROVE_ROOT;
     if (strcmp(text, "first") == 0) return SGT_PROVE_FIRST;
-    fail_usage("--proof wants estimate, root or first, not \"%s\"", text);
+    fail_usage("--proof must be estimate, root or first, not \"%s\"", text);
 }
 
 void options_note_unread(const shared_options *o, size_t count, const sgt_element element[])
@@ -84,10 +88,10 @@ void options_note_unread(const shared_options *o, size_t count, const sgt_elemen
         other = other || !element[i].surface.ops->estimate;
     }
     if (o->solver.dt_min > 0 && set && o->solver.proof)
-        fail_usage("--proof or --dt-min, not both: steps of --dt-min prove nothing");
+        fail_usage("give --proof or --dt-min, not both: the steps of --dt-min prove nothing");
     if (o->solver.dt_min > 0 && !set) note("--dt-min: not used; it is for level sets (julia, mandelbrot)");
     if (o->solver.pick == SGT_NEAR_SEED && !other)
-        note("--pick near-seed: not used; of a level set the first root counts");
+        note("--pick near-seed: not used; on a level set the first root is taken");
 }
 
 bool options_near_seed(const shared_options *o, sgt_surface s, sgt_pick by_default)
@@ -101,7 +105,8 @@ int options_threads(const shared_options *o)
     if (o->threads == 0) return most;
 #ifndef _OPENMP
     if (o->threads > 1)
-        note("--threads %d: this command is built without OpenMP, and works in one thread", o->threads);
+        note("--threads %d: not used; this command is built without OpenMP and works in one thread",
+             o->threads);
     return 1;
 #else
     return o->threads;

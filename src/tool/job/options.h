@@ -12,6 +12,9 @@ typedef struct shared_options {
     int threads;          /* 0: not given */
 } shared_options;
 
+/* Room for the --help of a subcommand with those of its parts. */
+enum { HELP_SIZE = 12000 };
+
 /* Codes for getopt_long; a subcommand's own begin with OPTION_OWN. */
 enum {
     OPTION_FORMAT = 256, OPTION_OUTPUT, OPTION_HEX, OPTION_HELP, OPTION_VERSION,

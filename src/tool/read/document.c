@@ -155,7 +155,7 @@ static const char *take_event(builder *b, const yaml_event_t *e)
         break;
     case YAML_SEQUENCE_START_EVENT:
     case YAML_MAPPING_START_EVENT:
-        if (b->depth == DEPTH_MOST) return "lists and maps within each other more than 64 deep";
+        if (b->depth == DEPTH_MOST) return "lists and maps nested more than 64 deep";
         n = node_at(b, e->start_mark, e->type == YAML_MAPPING_START_EVENT ? NODE_MAP : NODE_LIST);
         anchor = e->type == YAML_MAPPING_START_EVENT ? e->data.mapping_start.anchor
                                                      : e->data.sequence_start.anchor;
@@ -164,7 +164,7 @@ static const char *take_event(builder *b, const yaml_event_t *e)
         break;
     case YAML_ALIAS_EVENT:
         n = document_named(&b->anchors, (const char *)e->data.alias.anchor);
-        if (!n) return "found undefined alias";
+        if (!n) return "not valid YAML: an alias (*name) without its anchor (&name)";
         put_node(b, n);
         break;
     case YAML_SEQUENCE_END_EVENT:
@@ -172,7 +172,7 @@ static const char *take_event(builder *b, const yaml_event_t *e)
     default: break;
     }
     if (anchor && !add_name(&b->anchors, memory_text((const char *)anchor, strlen((const char *)anchor)), n))
-        return "found duplicate anchor";
+        return "not valid YAML: an anchor (&name) given twice";
     return NULL;
 }
 
@@ -189,18 +189,30 @@ static size_t directives(const char *text, size_t length)
     return count;
 }
 
+/* Is there a tab among the blanks at the start of a line? */
+static bool begins_with_tab(const char *text, size_t line)
+{
+    for (; line > 1 && (text = strchr(text, '\n')); line--) text++;
+    return text && text[strspn(text, " ")] == '\t';
+}
+
 /* What libyaml found wrong: its words, and the line.  Of a byte that is no text it tells the place and not
  * the line. */
 static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t length, size_t last,
                            char fault[FAULT_SIZE])
 {
-    snprintf(fault, FAULT_SIZE, "%s", parser->problem ? parser->problem : "not YAML");
+    snprintf(fault, FAULT_SIZE, "not valid YAML: %s", parser->problem ? parser->problem : "no reason given");
     if (parser->context) {
         size_t so_far = strlen(fault);
         snprintf(fault + so_far, FAULT_SIZE - so_far, ", %s that begins in line %zu", parser->context,
                  line_at(parser->context_mark, last));
     }
-    if (parser->error != YAML_READER_ERROR) return line_at(parser->problem_mark, last);
+    if (parser->error != YAML_READER_ERROR) {
+        size_t line = line_at(parser->problem_mark, last), so_far = strlen(fault);
+        if (begins_with_tab(text, line))
+            snprintf(fault + so_far, FAULT_SIZE - so_far, "; indent by blanks, not by tabs");
+        return line;
+    }
     return line_of(text, parser->problem_offset < length ? parser->problem_offset : length);
 }
 
@@ -213,7 +225,8 @@ document document_parse(const char *source, const char *text, size_t length)
     size_t line = 1;
     int documents = 0;
     if (directives(text, length) > DIRECTIVES_MOST)
-        document_fail(&d, &(node){.line = 1}, NULL, "more than %d lines that begin with %%", DIRECTIVES_MOST);
+        document_fail(&d, &(node){.line = 1}, NULL,
+                      "more than %d lines that begin with %% (directives of YAML)", DIRECTIVES_MOST);
     if (!yaml_parser_initialize(&parser)) fail_input("out of memory");
     yaml_parser_set_input_string(&parser, (const unsigned char *)text, length);
     for (bool more = true; more && !*fault;) {
@@ -225,7 +238,7 @@ document document_parse(const char *source, const char *text, size_t length)
         bool second = e.type == YAML_DOCUMENT_START_EVENT && documents++ > 0;
         const char *wrong = second ? NULL : take_event(&b, &e);
         if (wrong) snprintf(fault, sizeof fault, "%s", wrong);
-        if (second) snprintf(fault, sizeof fault, "a second document; only one is read");
+        if (second) snprintf(fault, sizeof fault, "a second document begins here; there must be one only");
         line = line_at(e.start_mark, b.last);
         more = e.type != YAML_STREAM_END_EVENT;
         yaml_event_delete(&e);
@@ -242,7 +255,7 @@ enum { KEYS_MANY = 64 };
 
 void document_map(const document *d, const node *n, const char *key)
 {
-    if (n->kind != NODE_MAP) document_fail(d, n, key, "must be a map, as {key: value}");
+    if (n->kind != NODE_MAP) document_fail(d, n, key, "must be a map of keys and values, as {key: value}");
     names seen = {.count = 0};
     for (size_t i = 0; i < n->count; i++) {
         const node *k = n->key[i];
@@ -272,8 +285,17 @@ void document_finish(const document *d, const node *map, const char *known)
             const char *key = map->key[i]->text;
             bool digits = *key && key[strspn(key, "0123456789")] == 0; /* {radius: 51,68} */
             document_fail(d, map->key[i], key, "unknown key; %sknown here: %s",
-                          digits ? "a decimal point is wanted, not a comma?  " : "", known);
+                          digits ? "was a decimal comma written?  Use a decimal point; " : "", known);
         }
+}
+
+/* What is probably wrong with a text that is not a number: 51,68 or 2mm. */
+static const char *number_hint(const node *n)
+{
+    const char *behind = n->text + strspn(n->text, "+-.0123456789");
+    if (n->quoted || behind == n->text || !*behind) return "";
+    if (*behind == ',') return "; write a decimal point, not a comma";
+    return *behind == ' ' || strchr("mciuf", *behind) ? "; write the number without its unit" : "";
 }
 
 double document_number(const document *d, const node *n, const char *key, number_range range)
@@ -282,12 +304,9 @@ double document_number(const document *d, const node *n, const char *key, number
     double value;
     bool good = number_read(n->text, &value);
     /* JSON has no infinity but as a string */
-    if (!good && !n->quoted && n->text[strspn(n->text, "+-0123456789")] == ',')
-        document_fail(d, n, key,
-                      "must be a number, and \"%.60s\" is none; a decimal point is wanted, not a comma",
-                      n->text);
-    if (!good || (n->quoted && !isinf(value)))
-        document_fail(d, n, key, "must be a number, and \"%.60s\" is none", n->text);
+    if (good && n->quoted && !isinf(value))
+        document_fail(d, n, key, "must be a number without quotes, not \"%.60s\"", n->text);
+    if (!good) document_fail(d, n, key, "must be a number, not \"%.60s\"%s", n->text, number_hint(n));
     if ((isnan(value) && range != NUMBER_ANY) || (isinf(value) && range == NUMBER_FINITE))
         document_fail(d, n, key, "must be finite, not %.60s", n->text);
     return value;
@@ -299,6 +318,7 @@ bool document_truth(const document *d, const node *n, const char *key)
     if (n->kind == NODE_SCALAR && !n->quoted)
         for (int i = 0; i < 6; i++)
             if (strcmp(n->text, words[i]) == 0) return i % 2 == 1;
+    if (n->kind == NODE_SCALAR) document_fail(d, n, key, "must be true or false, not \"%.60s\"", n->text);
     document_fail(d, n, key, "must be true or false");
 }
 
@@ -322,7 +342,7 @@ size_t document_numbers(const document *d, const node *n, const char *key, size_
 {
     if (n->kind != NODE_LIST) document_fail(d, n, key, "must be a list of numbers, as [1, 2]");
     if (n->count == 0) document_fail(d, n, key, "must hold at least one number");
-    if (n->count > most) document_fail(d, n, key, "has %zu numbers, and %zu are the most", n->count, most);
+    if (n->count > most) document_fail(d, n, key, "has %zu numbers; at most %zu are allowed", n->count, most);
     for (size_t i = 0; i < n->count; i++) {
         char name[120];
         snprintf(name, sizeof name, "%.90s[%zu]", key, i);

@@ -32,7 +32,8 @@ static const sgt_geoid *geoid_of(const document *d, const node *map)
     char found[1000], error[1200];
     const node *n = document_take(map, "file");
     if (!n && !sgt_geoid_find(found, sizeof found))
-        document_fail(d, map, "file", "not given, and proj-data, which has egm96_15.gtx, is not installed");
+        document_fail(d, map, "file",
+                      "missing, and the default grid, egm96_15.gtx of proj-data, is not installed");
     const char *path = n ? document_path(d, n, "file") : found;
     opened = memory_room(opened, count, &room, sizeof *opened);
     if (count == 0) atexit(close_all);

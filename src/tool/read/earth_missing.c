@@ -13,7 +13,7 @@ const char *earth_missing(const char *type)
 {
     static const char *const types[] = {"geodetic_height", "level_gravity", "geoid"};
     for (int i = 0; i < 3; i++)
-        if (strcmp(type, types[i]) == 0) return "this command was built without GeographicLib";
+        if (strcmp(type, types[i]) == 0) return "not available; this command was built without GeographicLib";
     return NULL;
 }
 

@@ -17,6 +17,8 @@
 #include <stdio.h>
 #include <string.h>
 
+static const double NANOMETRES = 100; /* micrometres: light so long is rarer than a slip of the unit */
+
 static double positive(const document *d, const node *n, const char *key, number_range range)
 {
     double x = document_number(d, n, key, range);
@@ -37,8 +39,8 @@ static double index_at(const lens *l, const node *n, const char *key, size_t wav
     const document *d = &l->source;
     if (n->kind != NODE_LIST) return positive(d, n, key, NUMBER_FINITE);
     if (n->count != l->wavelengths)
-        document_fail(d, n, key, "has %zu numbers, and there %s %zu wavelength%s", n->count,
-                      l->wavelengths == 1 ? "is" : "are", l->wavelengths, l->wavelengths == 1 ? "" : "s");
+        document_fail(d, n, key, "has %zu number%s, but the lens has %zu wavelength%s", n->count,
+                      n->count == 1 ? "" : "s", l->wavelengths, l->wavelengths == 1 ? "" : "s");
     double chosen = 0;
     for (size_t i = 0; i < n->count; i++) {
         double x = positive(d, n->item[i], key, NUMBER_FINITE);
@@ -53,9 +55,13 @@ static void read_wavelengths(lens *l, size_t wavelength)
     const node *n = document_take(d->root, "wavelengths");
     l->wavelengths = 1, l->wavelength = (double)NAN;
     double *list = n ? number_list(d, n, "wavelengths", &l->wavelengths) : NULL;
-    for (size_t i = 0; list && i < l->wavelengths; i++) positive(d, n->item[i], "wavelengths", NUMBER_FINITE);
+    for (size_t i = 0; list && i < l->wavelengths; i++)
+        if (positive(d, n->item[i], "wavelengths", NUMBER_FINITE) >= NANOMETRES)
+            note("%s:%zu: wavelengths: taken as %g micrometres; for %g nanometres write %g", d->source,
+                 n->item[i]->line, list[i], list[i], list[i] / 1000);
     if (wavelength > l->wavelengths)
-        fail_usage("--wavelength %zu: %s has %zu", wavelength, d->source, l->wavelengths);
+        fail_usage("--wavelength %zu: %s has %zu wavelength%s", wavelength, d->source, l->wavelengths,
+                   l->wavelengths == 1 ? "" : "s");
     if (list) l->wavelength = list[wavelength - 1];
 }
 
@@ -95,7 +101,7 @@ static void read_fields(lens *l)
     l->field = n ? number_list(d, n, "fields", &l->fields) : memory_take(1, sizeof *l->field);
     for (size_t i = 0; i < l->fields; i++)
         if (!(fabs(l->field[i]) < 90))
-            document_fail(d, n->item[i], "fields", "must be less than 90 degrees, not %g", l->field[i]);
+            document_fail(d, n->item[i], "fields", "must be between -90 and 90 degrees, not %g", l->field[i]);
 }
 
 static sgt_vec3 read_vector(const document *d, const node *n, const char *key)
@@ -115,11 +121,10 @@ static void read_place(const document *d, const node *map, bool placed, double *
 {
     const node *origin = document_take(map, "origin"), *thickness = document_take(map, "thickness");
     const node *decenter = document_take(map, "decenter"), *tilt = document_take(map, "tilt");
-    if (placed && !origin) document_fail(d, map, "origin", "missing: an entry gives it, so all must");
+    if (placed && !origin) document_fail(d, map, "origin", "missing; if one surface has it, all must");
     if (origin && thickness)
-        document_fail(d, thickness, "thickness", "given beside origin; one says where the next is");
-    if (origin && decenter)
-        document_fail(d, decenter, "decenter", "given beside origin; one says where it is");
+        document_fail(d, thickness, "thickness", "given beside origin; origin alone places a surface");
+    if (origin && decenter) document_fail(d, decenter, "decenter", "given beside origin; add it to origin");
 
     sgt_vec3 at = read_vector(d, origin, "origin"), turn = read_vector(d, tilt, "tilt");
     if (!origin) {
@@ -146,7 +151,8 @@ static void read_medium(const lens *l, const node *map, size_t wavelength, doubl
     s->index = index ? index_at(l, index, "index", wavelength) : before;
     if (s->mirror && s->index != before)
         document_fail(d, index, "index",
-                      "behind a mirror light is in the medium in front of it, of index %.17g", before);
+                      "must be left out or %.17g: behind a mirror light is in the same medium as before",
+                      before);
     e->index = s->mirror ? SGT_MIRROR : s->index;
 }
 
@@ -154,9 +160,9 @@ static void read_surfaces(lens *l, size_t wavelength)
 {
     const document *d = &l->source;
     const node *list = document_take(d->root, "surfaces");
-    if (!list) document_fail(d, d->root, "surfaces", "missing: a lens has at least one");
+    if (!list) document_fail(d, d->root, "surfaces", "missing; a lens has at least one surface");
     if (list->kind != NODE_LIST || list->count == 0)
-        document_fail(d, list, "surfaces", "must be a list of at least one");
+        document_fail(d, list, "surfaces", "must be a list of at least one surface, as [{type: plane}]");
     l->count = list->count;
     l->element = memory_take(l->count, sizeof *l->element);
     l->surface = memory_take(l->count, sizeof *l->surface);
@@ -178,7 +184,7 @@ static void read_surfaces(lens *l, size_t wavelength)
         read_medium(l, map, wavelength, before, e, s);
         const node *stop = document_take(map, "stop"), *rim = document_take(map, "semi_diameter");
         if (stop && document_truth(d, stop, "stop")) {
-            if (l->stop_marked) document_fail(d, stop, "stop", "a second one; a lens has one");
+            if (l->stop_marked) document_fail(d, stop, "stop", "a second stop; a lens has one");
             l->stop_marked = true, l->stop = i;
         }
         if (rim) e->semi_diameter = document_number(d, rim, "semi_diameter", NUMBER_FINITE);

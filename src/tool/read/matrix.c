@@ -51,18 +51,18 @@ static bool read_field(char *s, char *end, size_t line, size_t column, const cha
     while (s < end && is_blank(*s)) s++;
     while (end > s && is_blank(end[-1])) end--;
     *end = 0;
-    if (s == end) return bad(why, "%s:%zu: column %zu: empty; there must be no holes", name, line, column);
+    if (s == end)
+        return bad(why, "%s:%zu: column %zu: empty; every field needs a number", name, line, column);
     if (strlen(s) != (size_t)(end - s))
         return bad(why, "%s:%zu: column %zu: a zero byte", name, line, column);
     if (!number_read(s, x)) {
-        const char *hint = strpbrk(s, " \t;")         ? "; commas go between numbers"
-                           : line == 1 && column == 1 ? "; there is to be no header row"
+        const char *hint = strpbrk(s, " \t;")         ? "; put commas between numbers"
+                           : line == 1 && column == 1 ? "; the file must have no header row"
                                                       : "";
         return bad(why, "%s:%zu: column %zu: \"%.60s\" is not a number%s", name, line, column, s, hint);
     }
     if (!isfinite(*x))
-        return bad(why, "%s:%zu: column %zu: %.60s; every number must be finite, there must be no holes",
-                   name, line, column, s);
+        return bad(why, "%s:%zu: column %zu: %.60s; every number must be finite", name, line, column, s);
     return true;
 }
 
@@ -92,7 +92,7 @@ static bool read_csv(sgt_numbers *to, const input *in, size_t most, char why[MAT
         }
         if (rows == 0) columns = column;
         if (column != columns)
-            return bad(why, "%s:%zu: %zu number%s, and the rows above have %zu", in->name, rows + 1, column,
+            return bad(why, "%s:%zu: %zu number%s, but the rows above have %zu", in->name, rows + 1, column,
                        column == 1 ? "" : "s", columns);
     }
     *to = (sgt_numbers){x, rows, columns};
@@ -130,15 +130,14 @@ static bool matrix_read_header(npy *n, const char *header, const char *name, cha
     n->size = strncmp(type, "'<f8'", 5) == 0 ? 8 : strncmp(type, "'<f4'", 5) == 0 ? 4 : 0;
     if (n->size == 0) {
         const char *behind = strpbrk(type, ",}");
-        return bad(why, "%s: numbers of the type %.*s; '<f8' and '<f4' can be read", name,
+        return bad(why, "%s: numbers of the type %.*s; only '<f8' and '<f4' can be read", name,
                    behind ? (int)(behind - type) % 60 : 0, type);
     }
     n->fortran = strncmp(order, "True", 4) == 0;
     if (!n->fortran && strncmp(order, "False", 5) != 0) return bad(why, "%s: no header of an npy file", name);
     s = *s == '(' ? read_whole(s + 1, &n->rows) : NULL;
     s = s && *s == ',' ? read_whole(s + 1 + strspn(s + 1, " "), &n->columns) : NULL;
-    if (!s || *s != ')')
-        return bad(why, "%s: two dimensions are wanted, rows and columns, and the shape is another", name);
+    if (!s || *s != ')') return bad(why, "%s: the shape must have two dimensions, rows and columns", name);
     return true;
 }
 
@@ -163,7 +162,7 @@ static bool read_npy(sgt_numbers *to, const input *in, size_t most, char why[MAT
     if (in->length < 10 || memcmp(text, "\x93NUMPY", 6) != 0)
         return bad(why, "%s: not an npy file", in->name);
     if (text[6] < 1 || text[6] > 3)
-        return bad(why, "%s: version %d of the npy format; 1 to 3 can be read", in->name, text[6]);
+        return bad(why, "%s: version %d of the npy format; only 1 to 3 can be read", in->name, text[6]);
     size_t start = text[6] == 1 ? 10 : 12, header = text[8] | (size_t)text[9] << 8;
     if (start == 12 && in->length >= 12) header |= (size_t)text[10] << 16 | (size_t)text[11] << 24;
     if (in->length < start || in->length - start < header)
@@ -172,12 +171,11 @@ static bool read_npy(sgt_numbers *to, const input *in, size_t most, char why[MAT
     if (!matrix_read_header(&n, memory_text(in->text + start, header), in->name, why)) return false;
     if (n.rows == 0 || n.columns == 0) return bad(why, "%s: empty", in->name);
     if (n.rows > most || n.columns > most)
-        return bad(why, "%s: %zu rows and %zu columns; %zu are the most of either", in->name, n.rows,
+        return bad(why, "%s: %zu rows and %zu columns; at most %zu of either are allowed", in->name, n.rows,
                    n.columns, most);
     size_t count = n.rows * n.columns, have = in->length - start - header;
     if (have < count * n.size)
-        return bad(why, "%s: cut off: %zu numbers, and the header tells of %zu", in->name, have / n.size,
-                   count);
+        return bad(why, "%s: cut off: %zu numbers, but the header says %zu", in->name, have / n.size, count);
     if (have > count * n.size)
         return bad(why, "%s: %zu bytes behind the last number", in->name, have - count * n.size);
     double *x = memory_take(count, sizeof *x);
@@ -186,9 +184,8 @@ static bool read_npy(sgt_numbers *to, const input *in, size_t most, char why[MAT
         size_t row = n.fortran ? i % n.rows : i / n.columns, column = n.fortran ? i / n.rows : i % n.columns;
         double value = x[row * n.columns + column] = number_at(at, n.size);
         if (!isfinite(value))
-            return bad(why,
-                       "%s: row %zu, column %zu: %g; every number must be finite, there must be no holes",
-                       in->name, row + 1, column + 1, value);
+            return bad(why, "%s: row %zu, column %zu: %g; every number must be finite", in->name, row + 1,
+                       column + 1, value);
     }
     *to = (sgt_numbers){x, n.rows, n.columns};
     return true;

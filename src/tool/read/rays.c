@@ -32,7 +32,7 @@ enum { FIELDS_MOST = COLUMN_COUNT + 1 };
 #ifndef PIECE
 #define PIECE (1 << 18) /* bytes of the text, at least; a test may want them shorter */
 #endif
-static const char BROKEN[] = "a zero byte, a quote without an end, or something behind one";
+static const char BROKEN[] = "a quote that does not end, text behind a closing quote, or a zero byte";
 
 void rays_add(ray_list *list, launch ray)
 {
@@ -58,14 +58,15 @@ static bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray 
         if (!isfinite(value[i])) return bad(why, "%s: must be finite", column_name[i]);
     *ray = (sgt_ray){.o = {value[0], value[1], value[2]}, .d = {value[3], value[4], value[5]}};
     double longest = fmax(fabs(ray->d.x), fmax(fabs(ray->d.y), fabs(ray->d.z)));
-    if (longest == 0) return bad(why, "dx, dy, dz: a direction must not be zero");
-    if (longest < DBL_MIN) return bad(why, "dx, dy, dz: too short a direction to have one (subnormal)");
+    if (longest == 0) return bad(why, "dx, dy, dz: the direction must not be zero");
+    if (longest < DBL_MIN) return bad(why, "dx, dy, dz: the direction is too short (below 2.2e-308)");
     ray->tmin = has_tmin ? value[TMIN] : 0;
     ray->tmax = has_tmax ? value[TMAX] : HUGE_VAL;
     if (isnan(ray->tmin) || isnan(ray->tmax)) return bad(why, "tmin, tmax: must not be nan");
-    if (ray->tmin > ray->tmax) return bad(why, "tmin, tmax: %g is more than %g", ray->tmin, ray->tmax);
+    if (ray->tmin > ray->tmax)
+        return bad(why, "tmin, tmax: tmin must not be above tmax, and %g is above %g", ray->tmin, ray->tmax);
     if (ray->tmin == HUGE_VAL || ray->tmax == -HUGE_VAL)
-        return bad(why, "tmin, tmax: nothing lies between %g and %g", ray->tmin, ray->tmax);
+        return bad(why, "tmin, tmax: there is nothing between %g and %g", ray->tmin, ray->tmax);
     /* to the library tmax = 0 after tmin = 0 is "no end"; here it was written down, and means 0 */
     if (ray->tmax == 0 && ray->tmin == 0) ray->tmax = DBL_MIN * DBL_EPSILON;
     return true;
@@ -83,7 +84,7 @@ void rays_parse(ray_list *list, const char *text)
         if (count < 8) value[count] = x;
     }
     if (count != 6 && count != 8)
-        fail_input("--ray: wants 6 numbers, ox oy oz dx dy dz, or 8, with tmin tmax; not %d", count);
+        fail_input("--ray: must be 6 numbers, ox oy oz dx dy dz, or 8, with tmin tmax; not %d", count);
     launch l = {.number = list->count};
     if (!ray_of(value, count == 8, count == 8, &l.ray, why)) fail_input("--ray: %s", why);
     rays_add(list, l);
@@ -162,7 +163,7 @@ static void rays_read_header(reader *r, int place[COLUMN_COUNT])
 {
     const char *source = r->source;
     if (r->end - r->at >= 3 && memcmp(r->at, "\xef\xbb\xbf", 3) == 0) r->at += 3;
-    if (!next_line(r)) fail_input("%s: empty; a header row is wanted, as ox,oy,oz,dx,dy,dz", source);
+    if (!next_line(r)) fail_input("%s: empty; it needs a header row: ox,oy,oz,dx,dy,dz", source);
     if (r->broken) fail_input("%s:%zu: %s", source, r->line, BROKEN);
     for (int c = 0; c < COLUMN_COUNT; c++) place[c] = -1;
     for (int f = 0; f < r->count; f++) {
@@ -170,17 +171,21 @@ static void rays_read_header(reader *r, int place[COLUMN_COUNT])
         while (c < COLUMN_COUNT && strcmp(r->field[f], column_name[c]) != 0) c++;
         if (c == COLUMN_COUNT) {
             double x;
-            const char *hint = number_read(r->field[f], &x) ? "is the header missing?  "
-                             : strpbrk(r->field[f], " \t;") ? "a comma goes between two columns; " : "";
-            fail_input("%s:%zu: %.60s: unknown column; %sknown are ox, oy, oz, dx, dy, dz, tmin, tmax, id",
-                       source, r->line, r->field[f], hint);
+            const char *hint = number_read(r->field[f], &x)   ? "is the header missing?  "
+                               : strpbrk(r->field[f], " \t;") ? "put commas between columns; "
+                                                              : "";
+            fail_input(
+                "%s:%zu: %.60s: unknown column; %sknown columns: ox, oy, oz, dx, dy, dz, tmin, tmax, id",
+                source, r->line, r->field[f], hint);
         }
-        if (place[c] >= 0) fail_input("%s:%zu: %s: a column given twice", source, r->line, column_name[c]);
+        if (place[c] >= 0)
+            fail_input("%s:%zu: %s: this column is given twice", source, r->line, column_name[c]);
         place[c] = f;
     }
     for (int c = 0; c < REQUIRED; c++)
         if (place[c] < 0)
-            fail_input("%s:%zu: %s: no such column, and it is needed", source, r->line, column_name[c]);
+            fail_input("%s:%zu: %s: this column is missing; ox, oy, oz, dx, dy, dz are needed", source,
+                       r->line, column_name[c]);
 }
 
 static bool row_of(const reader *r, const int place[COLUMN_COUNT], int columns, launch *l, char why[120])
@@ -188,7 +193,8 @@ static bool row_of(const reader *r, const int place[COLUMN_COUNT], int columns, 
     double value[8] = {0};
     if (r->broken) return bad(why, "%s", BROKEN);
     if (r->count != columns)
-        return bad(why, "%s fields than the header's %d", r->count < columns ? "fewer" : "more", columns);
+        return bad(why, "%s fields than the %d of the header", r->count < columns ? "fewer" : "more",
+                   columns);
     for (int c = 0; c < ID; c++)
         if (place[c] >= 0 && !number_read(r->field[place[c]], &value[c]))
             return bad(why, "%s: \"%.60s\" is not a number", column_name[c], r->field[place[c]]);
@@ -261,7 +267,7 @@ void rays_read(ray_list *list, const char *path, bool skip_bad)
     for (size_t i = 0; i < pieces; i++) count_rows(&p[i]);
     for (size_t i = 0, line = r.line; i < pieces; line += p[i].lines, rows += p[i].rows, i++)
         p[i].reader.line = line, p[i].number = rows;
-    if (rows == 0) fail_input("%s: a header row and no rays under it", r.source);
+    if (rows == 0) fail_input("%s: no rays: there is a header row and nothing under it", r.source);
     list->ray = memory_grow(NULL, rows, sizeof *list->ray);
     list->capacity = rows;
     THREADS(omp parallel for schedule(dynamic) num_threads(threads))

@@ -61,7 +61,9 @@ static void check_keys(const document *d, const node *map, const sgt_builtin *ty
 static const sgt_builtin *type_of(const document *d, const node *map)
 {
     const node *n = document_take(map, "type");
-    if (!n) document_fail(d, map, "type", "missing: which surface is it?");
+    if (!n)
+        document_fail(d, map, "type",
+                      "missing; it says which surface this is, as {type: sphere, radius: 20}");
     const char *name = document_text(d, n, "type");
     char known[900];
     size_t length = 0;
@@ -75,14 +77,14 @@ static const sgt_builtin *type_of(const document *d, const node *map)
         }
     const char *missing = earth_missing(name);
     if (missing) document_fail(d, n, "type", "%.60s: %s", name, missing);
-    document_fail(d, n, "type", "no surface \"%.60s\"; there are: %s", name, known);
+    document_fail(d, n, "type", "no surface is called \"%.60s\"; there are: %s", name, known);
 }
 
 static double curvature_of(const document *d, const node *n, const char *key)
 {
     double radius = document_number(d, n, key, NUMBER_MAYBE_INFINITE);
     if (isinf(radius)) return 0;
-    if (radius == 0) document_fail(d, n, key, "must not be zero; a flat surface has the radius .inf");
+    if (radius == 0) document_fail(d, n, key, "must not be zero; for a flat surface write .inf");
     if (isinf(1 / radius)) document_fail(d, n, key, "too small: %.60s", n->text);
     return 1 / radius;
 }
@@ -120,7 +122,8 @@ static void print_item(char key[KEY_SIZE], const char *list, size_t i)
 static void check_count(const document *d, const node *n, const char *key, const char *what, size_t most)
 {
     if (n->count == 0) document_fail(d, n, key, "must hold at least one %s", what);
-    if (n->count > most) document_fail(d, n, key, "has %zu %ss; %zu are the most", n->count, what, most);
+    if (n->count > most)
+        document_fail(d, n, key, "has %zu %ss; at most %zu are allowed", n->count, what, most);
 }
 
 static void read_list(const document *d, const node *n, const char *key, const sgt_param *p, double value[])
@@ -130,7 +133,7 @@ static void read_list(const document *d, const node *n, const char *key, const s
     if (n->kind != NODE_LIST)
         document_fail(d, n, key, "must be a list of %s%zu numbers", exact ? "" : "up to ", most);
     if (exact && n->count > 0 && n->count != most)
-        document_fail(d, n, key, "has %zu number%s; %zu are wanted", n->count, n->count == 1 ? "" : "s",
+        document_fail(d, n, key, "has %zu number%s; it must have %zu", n->count, n->count == 1 ? "" : "s",
                       most);
     check_count(d, n, key, "number", most);
     for (size_t i = 0; i < n->count; i++) {
@@ -165,7 +168,7 @@ static sgt_numbers read_table(const document *d, const node *n, const sgt_param 
         print_item(key, p->name, i);
         if (row->kind != NODE_LIST) document_fail(d, row, key, "must be a row, a list of numbers");
         if (i > 0 && !may_end_early && row->count != t.columns)
-            document_fail(d, row, key, "has %zu number%s, and the rows before have %zu", row->count,
+            document_fail(d, row, key, "has %zu number%s, but the rows before have %zu", row->count,
                           row->count == 1 ? "" : "s", t.columns);
         if (row->count > t.columns) t.columns = row->count;
         check_count(d, row, key, "number", (size_t)p->count);
@@ -205,8 +208,7 @@ static node *given_as(const document *d, const node *map, const sgt_param *p, ch
 {
     radius_name(key, p->name);
     node *n = document_take(map, p->name), *reciprocal = *key ? document_take(map, key) : NULL;
-    if (n && reciprocal)
-        document_fail(d, reciprocal, key, "given beside %s; one of the two is enough", p->name);
+    if (n && reciprocal) document_fail(d, reciprocal, key, "given beside %s; give one of the two", p->name);
     if (!reciprocal) snprintf(key, NAME_SIZE, "%s", p->name);
     return reciprocal ? reciprocal : n;
 }
@@ -241,8 +243,7 @@ static void read_parameter(const document *d, const node *map, const sgt_builtin
     if (!n) return;
     for (const sgt_param *q = b->params; q < p; q++)
         if (share_memory(p, q) && document_take(map, q->name))
-            document_fail(d, n, key, "given beside %s, of which it is a part; one of the two is enough",
-                          q->name);
+            document_fail(d, n, key, "given beside %s, of which it is a part; give one of the two", q->name);
     void *to = self + p->offset;
     if (strcmp(key, p->name) != 0) {
         double *value = to;
@@ -278,8 +279,13 @@ static void check_whole(const document *d, const node *map, const sgt_builtin *b
     char key[NAME_SIZE];
     snprintf(key, NAME_SIZE, "%s", no.param);
     const node *n = p->name ? given_as(d, map, p, key) : NULL;
-    const char *and = n ? "" : strncmp(no.reason, "must ", 5) == 0 ? "not given, and " : "not given, and so ";
-    document_fail(d, n ? n : map, key, "%s%s", and, no.reason);
+    /* the library says "not above 0", or "must be above 0" */
+    bool negated = strncmp(no.reason, "not ", 4) == 0, must = negated || strncmp(no.reason, "must ", 5) == 0;
+    const char *missing = n ? "" : must ? "missing; " : "missing, and so ";
+    bool value = n && n->kind == NODE_SCALAR && (negated || strncmp(no.reason, "must be ", 8) == 0);
+    const char *given = value && !strchr(no.reason, ':') ? n->text : "";
+    document_fail(d, n ? n : map, key, "%s%s%s%s%.60s", missing, negated ? "must be " : "",
+                  no.reason + (negated ? 4 : 0), *given ? ", not " : "", given);
 }
 
 /* One after the other, so that the first that the sum cannot have is told. */
@@ -336,6 +342,8 @@ sgt_surface surface_parse_typed(const char *option, const char *text, const char
 {
     document d = document_parse(option, text, strlen(text));
     const sgt_builtin *row;
+    if (d.root->kind != NODE_MAP)
+        document_fail(&d, d.root, NULL, "must be a map of keys and values, as {type: sphere, radius: 20}");
     document_map(&d, d.root, NULL);
     sgt_surface s = surface_read(&d, d.root, SURFACE_OWN_RIM, "", &row);
     *type = row->type;

@@ -75,7 +75,8 @@ table *table_begin(const table_target *target, size_t columns, const column *hea
     table *t = table_new(target, columns, head);
     t->file = stdout;
     if (t->to.path) output_check("output", t->to.path);
-    if (t->to.path && !(t->file = fopen(t->to.path, "w"))) fail_input("%s: %s", t->to.path, strerror(errno));
+    if (t->to.path && !(t->file = fopen(t->to.path, "w")))
+        fail_input("--output %s: %s", t->to.path, strerror(errno));
     if (t->to.format == TABLE_JSON) put_byte(t, '[');
     for (size_t i = 0; i < columns && t->to.format == TABLE_CSV; i++) {
         put_text(t, head[i].name);
@@ -297,5 +298,7 @@ void table_end(table *t)
     if (t->to.format != TABLE_TEXT) write_kept(t);
     bool bad = fflush(t->file) != 0 || ferror(t->file);
     if (t->file != stdout) bad = fclose(t->file) != 0 || bad;
-    if (bad) fail_input("%s: could not be written", t->to.path ? t->to.path : "standard output");
+    if (bad)
+        fail_input("%s%s: could not be written", t->to.path ? "--output " : "",
+                   t->to.path ? t->to.path : "standard output");
 }

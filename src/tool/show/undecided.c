@@ -86,7 +86,7 @@ static view look(const search *s)
 
 /* ---------------------------------------------------------------- the reason */
 
-static const char budget_spent[] = "--max-evals was spent first";
+static const char budget_spent[] = "--max-evals was used up first";
 
 /* "t = 1.5 and 2", "t = 1, 2, 3 and 2 more" */
 static void print_places(char text[PLACES_SIZE], const view *v)
@@ -142,7 +142,7 @@ static void print_reason_of_unproven(char text[REASON_SIZE], const search *s)
     print_places(places, &v);
     if (v.rim > 0 && !(v.rim * v.rim > 0x1p-960)) {
         snprintf(text, REASON_SIZE,
-                 "nothing can be told of a semi_diameter so small that its square is lost");
+                 "nothing can be decided: the square of semi_diameter is too small for a double");
     } else if (v.at_rim >= 0) {
         const sgt_hit *h = &v.root[v.at_rim];
         char t[NUMBER_SIZE], r[NUMBER_SIZE], edge[NUMBER_SIZE];
@@ -155,20 +155,21 @@ static void print_reason_of_unproven(char text[REASON_SIZE], const search *s)
             t, r, edge);
     } else if (v.roots > 1 && s->near_seed && s->asked->proof == SGT_PROVE_FIRST) {
         const char *which = profile_is_sag(s->surface) ? "near the vertex" : "that is picked";
-        snprintf(text, REASON_SIZE, "the root %s is not the only one: it meets the surface at %s", which,
+        snprintf(text, REASON_SIZE, "the root %s is not the only one: the ray meets the surface at %s", which,
                  places);
     } else if (v.roots > 1) {
-        snprintf(text, REASON_SIZE, "it meets the surface at %s, and none of these roots is proven", places);
+        snprintf(text, REASON_SIZE, "the ray meets the surface at %s, but none of these roots is proven",
+                 places);
     } else if (v.roots == 1 && v.root[0].status == SGT_GRAZE) {
         snprintf(text, REASON_SIZE,
-                 "it touches the surface at %s as far as can be told: one root, two or none", places);
+                 "the ray touches the surface at %s, as far as can be told: one root, two or none", places);
     } else if (v.roots == 1) {
         snprintf(text, REASON_SIZE,
-                 "%sthere is a root at %s, at most %.2g off; that there is no other is not proven%s",
+                 "%sthere is a root at %s, at most %.2g off, but it is not proven to be the only one%s",
                  print_where(s, v.root[0].t), places, v.root[0].t_err,
-                 s->asked->t_tol > 0 ? ", and may be with a smaller --t-tol" : "");
+                 s->asked->t_tol > 0 ? "; a smaller --t-tol may help" : "");
     } else {
-        snprintf(text, REASON_SIZE, "%sthere may be a root or none: rounding does not let it be told",
+        snprintf(text, REASON_SIZE, "%sthere may be a root or none: rounding hides which",
                  print_where(s, 0.5 * s->hit->lo + 0.5 * s->hit->hi));
     }
 }
@@ -179,7 +180,9 @@ static void print_reason(char text[REASON_SIZE], const search *s)
     case SGT_UNPROVEN: print_reason_of_unproven(text, s); break;
     case SGT_UNDEFINED: snprintf(text, REASON_SIZE, "F is NaN where the root would have to be"); break;
     case SGT_EXHAUSTED: snprintf(text, REASON_SIZE, "%s", budget_spent); break;
-    case SGT_INVALID: snprintf(text, REASON_SIZE, "this is no ray, or no surface"); break;
+    case SGT_INVALID:
+        snprintf(text, REASON_SIZE, "the ray or the surface is invalid");
+        break;
     default: snprintf(text, REASON_SIZE, "no answer");
     }
 }

@@ -273,9 +273,9 @@ static void iterations_case(trade *t, const trade_options *o, const char *name, 
 static void check_known(const char *which, const char *type, sgt_surface s)
 {
     if (quad_formula_of(s)) return;
-    fail_usage("%s: of a surface about the Earth (%s) errors cannot be told: there is no formula in 113 bits "
-               "of it here",
-               which, type);
+    fail_usage(
+        "%s: trade cannot measure a surface about the Earth (%s): there is no formula of it in 113 bits",
+        which, type);
 }
 
 static void surface_case(trade *t, const trade_options *o, const char *name, const char *about, sgt_surface s)
@@ -305,7 +305,7 @@ static void lens_case(trade *t, const trade_options *o, const char *name, const 
     trade_case *c = add_case(t, name, &j->rays);
     c->lens = j;
     snprintf(c->about, sizeof c->about, "%zu elements%s%.20s", j->lens.count,
-             *j->lens.units ? ", lengths in " : "", j->lens.units);
+             *j->lens.units ? ", unit of length: " : "", j->lens.units);
     setting base = {.outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
     base.truth = trade_truth(c, &base);
     add_settings(c, o, base, seed, set);

@@ -23,7 +23,7 @@
 
 static const double PLOT_WIDTH = 1040, MARGIN = 16, PANEL_HIGH = 312, HEAD_HIGH = 44, FOOT_HIGH = 46,
                     LEFT = 70, GAP = 26;
-static const double FONT = 10.5, DOT = 4, RING = 3.4, FLOOR = 26, STEM = 3, LINE = 12.5, KEY_HIGH = 104;
+static const double FONT = 10.5, DOT = 4, RING = 3.4, FLOOR = 26, STEM = 3, LINE = 12.5, KEY_HIGH = 132;
 static const char *const knob_name[KNOBS] = {"default", "single ray", "outputs", "t_tol",     "max_evals",
                                              "pick",    "proof",      "dt_min",  "iterations"};
 static const size_t knob_colour[KNOBS] = {4, 2, 6, 0, 5, 4, 3, 1, 3};
@@ -144,7 +144,7 @@ static void time_axis(const panel *p)
             grey(cr, 0.25);
             write_text(cr, x, p->plot.bottom + 14, 0.5, text);
         }
-    write_text(cr, (p->plot.left + p->plot.right) / 2, p->plot.bottom + 31, 0.5, "time (ns a ray)");
+    write_text(cr, (p->plot.left + p->plot.right) / 2, p->plot.bottom + 31, 0.5, "time per ray (ns)");
 }
 
 /* Upward, beside the numbers. */
@@ -155,7 +155,8 @@ static void error_label(const panel *p)
     if (p->c->lens)
         snprintf(text, sizeof text, "error of the last point (%.20s)",
                  *p->c->lens->lens.units ? p->c->lens->lens.units : "lengths of the lens");
-    else snprintf(text, sizeof text, "error of t (lengths of the ray's direction)");
+    else
+        snprintf(text, sizeof text, "error of t (lengths of the direction)");
     cairo_save(cr);
     cairo_translate(cr, p->plot.left - LEFT + 16, (p->plot.top + p->plot.bottom) / 2);
     cairo_rotate(cr, -2 * atan(1));
@@ -609,12 +610,12 @@ static double write_wrapped(cairo_t *cr, double left, double right, double y, co
 static void draw_key(cairo_t *cr, const trade *t, double left, double right, double y)
 {
     static const char *const words[] = {
-        "A dot: the error that 99 % of the rays keep below; its stem: the worst.",
-        "A full dot: none with as many outputs and as much proven beats it in time, error, undecided, wrong.",
-        "A ring about a dot is another setting, at nearly the same place.  = what is the same, as far as "
-        "repeated runs can tell.",
-        "The grey stairs join the full ones with the default's outputs that are as sure as it is: the least "
-        "error to be had in a time.",
+        "A dot: 99 % of the rays have a smaller error.  Its stem ends at the largest error.",
+        "A filled dot is a best setting: none with as many outputs and as much proven beats it.",
+        "A ring around a dot is another setting at nearly the same place.",
+        "= SETTING: the same in time and error, as far as repeated runs can tell.",
+        "The grey stairs: the smallest error to be had in a given time, by filled dots with the default's "
+        "outputs, no proof, and no more undecided or wrong rays.",
     };
     double x = left;
     bool used[KNOBS] = {false};

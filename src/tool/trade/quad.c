@@ -19,8 +19,8 @@
 void quad_check(void)
 {
 #ifdef QUAD_MISSING
-    fail_usage("this sagitta was built without numbers of 113 bits, by which errors are told, or without "
-               "C++, in which their formulas are written");
+    fail_usage("trade is not available; this command was built without C++ or without numbers of 113 bits, "
+               "which it measures errors by");
 #endif
 }
 
