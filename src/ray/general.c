@@ -15,7 +15,7 @@
  *     the root near the seed,    there is a seed, or the span     the quick form (step.h), from the seed or
  *     or span.single             is single and has two ends       from the middle of the span
  *                                always                           the solver of solve/root.c, in the span
- *     what is left               `enclose`, built in, no `meet`   prove.c, which needs no ends
+ *     what is left               `enclose`, built in, no `meet`   proof.c, which needs no ends
  *                                `enclose`, two finite ends, not  cells.c
  *                                (dt_min > 0 and `estimate`)
  *                                a finite near end, or the root   a march, in steps
@@ -222,7 +222,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
 
 /* Replaces an infinite end by one 16 times as far from the point nearest the frame's origin as the ray's
  * start is from that origin.  Without this solve/root.c would sample among the floating-point numbers, and
- * the answer would depend on the unit of length.  What lies beyond is left to prove.c. */
+ * the answer would depend on the unit of length.  What lies beyond is left to proof.c. */
 static void cut_to_reach(const approach *a, const sgt_ray *ray, sgt_span *s)
 {
     const sgt_vec3 o = ray->o;
@@ -272,7 +272,7 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
             sgt_span cut = {.lo = lo, .hi = hi, .seed = seed, .single = span.single};
             if (is_catalogue(s.ops) && !span.single) cut_to_reach(&a, ray, &cut);
             sgt_root r = sgt_walk_solve(&w, sgt_walk_begin(&w, cut), &at);
-            /* prove.c knows over what length the ray touches */
+            /* proof.c knows over what length the ray touches */
             if (is_catalogue(s.ops) && r.status == SGT_GRAZE) r.status = SGT_UNPROVEN;
             bool taken = sgt_walk_take(&w, &r, at);
             if (taken || (span.single && (r.status == SGT_MISS || (r.status > 0 && w.off))))

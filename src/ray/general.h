@@ -2,7 +2,7 @@
  * `span`, `enclose` ...).
  *
  * Such a surface is a user's, or a built-in one without `meet` (is_catalogue in builtin.h).  The functions
- * are in intersect.c, proven.c, general.c and lanes.c. */
+ * are in intersect.c, general.c and lanes.c. */
 #ifndef SGT_RAY_GENERAL_H
 #define SGT_RAY_GENERAL_H
 #include "../surface/builtin.h"
@@ -38,15 +38,8 @@ SGT_INLINE bool parameters_valid(sgt_surface s)
 /* sgt_intersect, with the ray by address: its tmax is made explicit (ray_valid).  In intersect.c. */
 sgt_hit sgt_intersect_copy(sgt_surface s, sgt_ray *ray, const sgt_options *opt);
 
-/* The hit that options.pick asks for, under options.proof.  ray and opt have been checked, and tmax is
- * explicit.  In proven.c. */
-sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
-
-/* Adds every entry to the list, under options.proof.  The first entry is the hit that
- * sgt_intersect_general returns for SGT_FIRST. */
-void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
-
-/* The same without a proof: options.proof is not read.  In general.c. */
+/* As sgt_intersect_general and sgt_intersect_all_general of answer.h, without a proof: options.proof is not
+ * read.  In general.c. */
 sgt_hit sgt_search_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt);
 void sgt_search_all(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list);
 

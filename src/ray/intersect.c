@@ -2,8 +2,8 @@
  * checked, and the surface's own `meet` or the general search is called. */
 #include "../solve/root.h"
 #include "../surface/builtin.h"
+#include "answer.h"
 #include "unique.h"
-#include "general.h"
 
 /* Are the arguments valid?  Also sets *opt to the defaults if it is NULL, and makes the ray's tmax
  * explicit. */

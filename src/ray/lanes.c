@@ -981,14 +981,14 @@ static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
 size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_surface_ops *ops = s.ops;
-    /* one by one: a proof (prove.c), or invalid parameters */
+    /* one by one: a proof (proof.c), or invalid parameters */
     if (opt->proof || !parameters_valid(s) || !rim_in_range(rim2_of_surface(s))) {
         memset(tile->hits.status, SGT_HARD, tile->n);
         return tile->n;
     }
     lanes a;
     sgt_options own = *opt;
-    if (is_catalogue(ops)) own.f_tol = 0; /* as read_of in proven.c */
+    if (is_catalogue(ops)) own.f_tol = 0; /* as read_of in answer.c */
     vicinities kept; /* not cleared with the rest of w */
     lanes_job w = {.s = s,
                    .opt = &own,

@@ -1,6 +1,6 @@
 /* move.c - the origin of a ray moved along it, exactly.
  *
- * From afar an ulp of t is long.  So a search near the surface wants a ray that begins there (prove.c,
+ * From afar an ulp of t is long.  So a search near the surface wants a ray that begins there (proof.c,
  * FROM AFAR).  The new origin has to be doubles; if it were rounded, the line would be another one.  So t0
  * is the multiple of the least power of two, nearest to `about`, at which all three coordinates are
  * doubles.  If coordinates begin much smaller than they end, there may be none.

@@ -1,4 +1,4 @@
-/* proof.h - the search of prove.c: one ray and a surface that is met by its operations, proven by its
+/* proof.h - the search of proof.c: one ray and a surface that is met by its operations, proven by its
  * enclosure.
  *
  * Unless a comment says "the ray's own t", every t below counts from t0. */

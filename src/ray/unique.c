@@ -27,8 +27,7 @@
 #include "../num/lanes.h"
 
 #include "../surface/sag/sag.h"
-#include "general.h"
-#include "prove.h"
+#include "answer.h"
 
 enum { FEW = 4 };
 

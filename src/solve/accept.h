@@ -24,9 +24,9 @@
  *     accepted                     here                 surfaces with `meet`, single rays, careful form
  *     ends_hide                    here                 the same: is it certainly not accepted?
  *     acceptance_of                step.h               surfaces met by their operations: quick form, lanes,
- *                                                       walk of a single ray; prove.c asks it, too
+ *                                                       walk of a single ray; proof.c asks it, too
  *     sharpened_of                 step.h               the same, with the rounding of F at the very point
- *     proof_take, start_width      ray/prove.c          enclosures: with certain bounds on the slope
+ *     proof_take, start_width      ray/proof.c          enclosures: with certain bounds on the slope
  *     root_accepted                orbit/course.h       level sets, single rays and lanes
  *     lane_of                      sag/lanes.h          quick form of conic and asphere: by a wide margin
  *

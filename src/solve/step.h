@@ -228,11 +228,11 @@ SGT_INLINE acceptance acceptance_of(const local *q, double tau, double tau_err, 
  * (certified_of).
  *
  * The rounding of F alone may still be more than the reach, with all else far less.  Then the rule of
- * sagitta.h decides as in a search (prove.c, proof_take): a root that may be nearer to tmin than the reach
+ * sagitta.h decides as in a search (proof.c, proof_take): a root that may be nearer to tmin than the reach
  * is not accepted.  Two conditions hold:
  * - its error is not above 16 times the reach;
  * - the terms themselves are known: rounding of the gradient moves them by no more than 32 times what it
- *   does to F (prove.c, terms_err), which here is at most half of them. */
+ *   does to F (proof.c, terms_err), which here is at most half of them. */
 typedef struct sharpened { acceptance h; double tau_err; bool known; } sharpened;
 
 SGT_INLINE sharpened sharpened_of(sgt_surface s, const local *q, double tau, double g, sgt_vec3 p,

@@ -115,7 +115,7 @@ struct sgt_builtin_ops {
                   double least[]);
     /* As `enclose` of sgt_surface_ops, but t is counted from t0 on the ray: the parameter is exactly t0 +
      * t.  The origin of the ray may be so far away that an ulp of t is long compared with what is asked; t0
-     * avoids that.  NULL: only the operation of sgt_surface_ops exists.  Called by ray/prove.c and
+     * avoids that.  NULL: only the operation of sgt_surface_ops exists.  Called by ray/proof.c and
      * ray/wings.c. */
     sgt_interval (*enclose)(const void *self, const sgt_ray *ray, double t0, sgt_interval t,
                             sgt_interval *slope);

@@ -1,8 +1,8 @@
-/* prove.c - the search through a ray by a surface's enclosure: what is proven of a surface that is met by
+/* proof.c - the search through a ray by a surface's enclosure: what is proven of a surface that is met by
  * its operations.
  *
  * Without an enclosure nothing can be proven but that the ray misses the span.  The answer is then the
- * estimate, made UNPROVEN (proven.c).  With an enclosure, every claim rests on the span and on the
+ * estimate, made UNPROVEN (answer.c).  With an enclosure, every claim rests on the span and on the
  * intervals that it gives of g and g', in the ray's own t, for the ray as given.  `value` only guesses
  * where to look, and gives f and n of the hit.
  *

@@ -1,13 +1,13 @@
-/* proven.c - the answers about a surface that is met by its operations, with a proof or without.
+/* answer.c - the answers about a surface that is met by its operations, with a proof or without.
  *
  *     proof          `enclose`  answer
  *     none           any        what general.c finds
  *     root or first  yes        if one root is wanted that need not be the first: general.c estimates it
- *                               with at most QUICK evaluations, and prove.c proves it.  If that fails, or
- *                               the first or all are wanted: prove.c searches the whole ray
+ *                               with at most QUICK evaluations, and proof.c proves it.  If that fails, or
+ *                               the first or all are wanted: proof.c searches the whole ray
  *     root or first  no         a ray that misses the span is a proven miss; nothing else can be proven.
  *                               Else it is the estimate, made UNPROVEN */
-#include "prove.h"
+#include "answer.h"
 
 #include "proof.h"
 
@@ -30,7 +30,7 @@ static sgt_options plain(const sgt_options *opt)
 
 /* Is the root so near an end that the search may not accept it?  The search has another t and t_err, and the
  * first root and the first of all are to be the same.  At the start the search drops a root that is nearer
- * than the width of the rule and twice its t_err, if t_err is at most 16 widths (proof_take in prove.c). */
+ * than the width of the rule and twice its t_err, if t_err is at most 16 widths (proof_take in proof.c). */
 static bool near_an_end(const sgt_ray *ray, const sgt_hit *hit)
 {
     sgt_vec3 p = hit->p, n = hit->n, d = ray->d;
