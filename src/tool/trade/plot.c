@@ -614,8 +614,8 @@ static void draw_key(cairo_t *cr, const trade *t, double left, double right, dou
         "A filled dot is a best setting: none with as many outputs and as much proven beats it.",
         "A ring around a dot is another setting at nearly the same place.",
         "= SETTING: the same in time and error, as far as repeated runs can tell.",
-        "The grey stairs: the smallest error to be had in a given time, by filled dots with the default's "
-        "outputs, no proof, and no more undecided or wrong rays.",
+        ("The grey stairs: the smallest error to be had in a given time, by filled dots with the default's "
+         "outputs, no proof, and no more undecided or wrong rays."),
     };
     double x = left;
     bool used[KNOBS] = {false};
