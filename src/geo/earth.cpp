@@ -1,4 +1,4 @@
-// earth.cpp - the height over an ellipsoid, and the ellipsoids that hold a ray's roots.
+// earth.cpp - the height over an ellipsoid, and the two ellipsoids between which a ray's roots lie.
 #include "earth.hpp"
 
 #include <GeographicLib/Math.hpp>
@@ -51,14 +51,15 @@ shell shell_of(const ellipsoid &e, double h)
     return s;
 }
 
-// In the frame where the ellipsoid is the unit sphere, q + t e, from the point nearest the centre.  Its
-// distance c is off by 32 units of 2^-53 of |q|, its t by 16 of |q| / |e|; the slack is 2^11 times that.
+// Works in the frame where the ellipsoid is the unit sphere and the ray is q + t e, from the ray's point
+// nearest the centre.  The error of its distance is at most 32 units of 2^-53 |q|, that of its t 16 units of
+// 2^-53 |q| / |e|.  The slack is 2^11 times as large.
 chord chord_of(const shell &s, const sgt_ray &ray)
 {
     chord c = {};
     int power;
     std::frexp(std::fmax(std::fabs(ray.d.x), std::fmax(std::fabs(ray.d.y), std::fabs(ray.d.z))), &power);
-    double scale = std::ldexp(1.0, -power); // t of the scaled direction times scale is the ray's own
+    double scale = std::ldexp(1.0, -power); // the ray's own t = (t of the scaled direction) scale
     if (!(scale > 0 && scale < infinity)) return c;
     sgt_vec3 q = {ray.o.x / s.a, ray.o.y / s.a, ray.o.z / s.b};
     sgt_vec3 e = {ray.d.x * scale / s.a, ray.d.y * scale / s.a, ray.d.z * scale / s.b};
@@ -89,7 +90,7 @@ chord chord_of(const shell &s, const sgt_ray &ray)
 sgt_interval convex(sgt_interval t, const reading &from, const reading &to, sgt_interval *slope)
 {
     double w = (t.hi - t.lo) * (1 - 0x1p-50), fall = from.slope - from.slope_err,
-           rise = to.slope + to.slope_err; // w, rounded either way, is in the margin
+           rise = to.slope + to.slope_err; // the rounding of w, either way, is inside the margin
     double p = from.g - from.g_err, q = to.g - to.g_err,
            high = std::fmax(from.g + from.g_err, to.g + to.g_err), low;
     *slope = {fall, rise};
@@ -100,7 +101,7 @@ sgt_interval convex(sgt_interval t, const reading &from, const reading &to, sgt_
         low = (p * rise - q * fall + fall * rise * w) / (rise - fall) +
               0x1p-47 * (fall * w - std::fabs(p) - std::fabs(q));
     else low = -infinity;
-    low = std::fmin(low, std::fmin(p, q)); // what rounding has made of a tangent never parts g from its ends
+    low = std::fmin(low, std::fmin(p, q)); // rounding of the tangents must not put the bound above the ends
     return {std::isnan(low) ? -infinity : low, high};
 }
 

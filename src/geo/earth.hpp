@@ -1,5 +1,5 @@
-// earth.hpp - what the surfaces about the Earth share: the height over an ellipsoid and its error, the
-// ellipsoids that hold a ray's roots, and which root is the first.
+// earth.hpp - shared by the surfaces about the Earth: the height over an ellipsoid and its error, the two
+// ellipsoids between which a ray's roots lie, and which root is the first.
 #ifndef SGT_GEO_EARTH_HPP
 #define SGT_GEO_EARTH_HPP
 
@@ -19,7 +19,7 @@ constexpr double infinity = HUGE_VAL, nothing = static_cast<double>(NAN);
 inline double dot(const sgt_vec3 &a, const sgt_vec3 &b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline double length(const sgt_vec3 &a) { return std::sqrt(dot(a, a)); }
 
-// Each coordinate rounded once, however far o is: off by at most 2^-53 of itself.
+// Each coordinate is rounded once, however far o is: its relative error is at most 2^-53.
 inline sgt_vec3 at(const sgt_ray &ray, double t)
 {
     return {std::fma(t, ray.d.x, ray.o.x), std::fma(t, ray.d.y, ray.o.y), std::fma(t, ray.d.z, ray.o.z)};
@@ -27,18 +27,17 @@ inline sgt_vec3 at(const sgt_ray &ray, double t)
 
 // ---------------------------------------------------------------- the height
 
-// The height h over an ellipsoid is the signed distance to a convex body: with sigma(n) the distance from
-// the origin of its tangent plane of normal n,
+// The height h over an ellipsoid is the signed distance to a convex body.  Let sigma(n) be the distance from
+// the origin to its tangent plane of normal n.  Then
 //     h(p) = max over unit n of n . p - sigma(n),   sigma = sqrt(a^2 (nx^2 + ny^2) + b^2 nz^2),
-// at the up vector n (Rockafellar 1970, section 16: outside; inside the nearest tangent plane is that of
-// the nearest point).  Three things follow.
-//   - h is convex along every ray, and changes by no more than the way gone.
-//   - An error e of n changes the right side by (M + h) e^2 / 2 alone, M a radius of curvature.  So n is from
-//     GeographicLib's Reverse (Vermeille 2002; Karney 2011), that need only be right to 1e-10, and is to
-//       1e-15, and h is
-//     from the right side, with the rounding of that: no more of Reverse's own error comes in.
-//   - the Hessian of h is that of a parallel surface: 1 / (M + h) northward, 1 / (N + h) eastward.
-struct foot { // of p on the ellipsoid
+// and the maximum is at the up vector n (Rockafellar 1970, section 16, for points outside; for points inside,
+// the nearest tangent plane is that of the nearest point).  Three things follow.
+//   - h is convex along every ray, and changes by no more than the distance travelled.
+//   - An error e of n changes the right side only by (M + h) e^2 / 2, where M is a radius of curvature.  So n
+//     is from GeographicLib's Reverse (Vermeille 2002; Karney 2011), which need be right only to 1e-10 and is
+//     to 1e-15.  h is computed as the right side, and has its rounding.  No other error of Reverse enters.
+//   - The Hessian of h is that of a parallel surface: 1 / (M + h) northward, 1 / (N + h) eastward.
+struct foot { // the point of the ellipsoid below p
     double h, latitude, longitude;
     double sin_latitude, cos_latitude, cos_longitude, sin_longitude;
     sgt_vec3 up;
@@ -53,24 +52,23 @@ struct ellipsoid {
 
     foot below(const sgt_vec3 &p) const;
 
-    // A bound on |computed h - exact h| at p, from |p|.  In units of 2^-53, first order: r is off by 2, c
-    // r, s z and sigma by 1, 1 and 5 of themselves, s z - sigma (fused) and h by 1 of themselves, the
-    // length of (c, s) by 2; with c r + |s z| <= |p|, sigma <= most, |h| <= |p| + most: 3 |p| + 6 most + 3
-    // |h|.
+    // A bound on |computed h - exact h| at p; size: |p|.  Relative errors to first order, in units of 2^-53:
+    // r 2; c r 1; s z 1; sigma 5; s z - sigma (fused) and h 1 each; the length of (c, s) 2.  With
+    // c r + |s z| <= |p|, sigma <= most and |h| <= |p| + most the sum is 3 |p| + 6 most + 3 |h|.
     double rounding(double size, double h) const
     {
         return 0x1p-53 * (1 + 0x1p-40) * (3 * size + 6 * most + 3 * std::fabs(h));
     }
 
-    // At most |h|: a ball of the least radius is in the ellipsoid, which is in one of the greatest.
+    // An upper bound of |h|: the ellipsoid holds a ball of its least radius and lies in one of its greatest.
     double farthest(double size) const
     {
         return std::fmax(std::fabs(size - most), std::fabs(size - std::fmin(a, b)));
     }
 
-    // And on the error of n, where h is not near the evolute.  Observed, against quadruple precision (f =
-    // -5 ... 0.9, from half way to the evolute to 1000 a): 1.3 units of 2^-53 (|p| + most) / (least + h) at
-    // most; the bound is 64.
+    // A bound on the error of n, if h is not near the evolute.  Observed against quadruple precision (f =
+    // -5 ... 0.9, from half way to the evolute to 1000 a): at most 1.3 units of 2^-53 (|p| + most) / (least +
+    // h).  The bound is 64 units.
     double direction(double size, double h) const
     {
         return h + least > 0x1p-6 * least ? 0x1p-47 * (size + most) / (least + h) + 0x1p-50 : infinity;
@@ -82,24 +80,25 @@ struct ellipsoid {
 
 const ellipsoid &wgs84();
 
-// ------------------------------------------------ the ellipsoids that hold a ray's roots
+// --------------------------------- the two ellipsoids between which a ray's roots lie
 
-// Two ellipsoids of radii a, a, b times inner and times outer: the convex body is between them.
+// Two ellipsoids of radii (a, a, b) times `inner` and `outer`: the surface of the body lies between them.
 struct shell { double a, b, inner, outer; };
 
-// The body of height at most h: its tangent planes are at sigma + h, those of the ellipsoid of radii a + h,
-// b + h at |u + h n|, u = (a c, b s), |u| = sigma.  (|u| + h)^2 = |u + h n|^2 + 2 h (|u| - u.n), and 0 <=
-// |u| - u.n <= (a - b)^2 / (4 |u|): the angle between u and n has the sine (a - b) c s / |u|.
+// The shell of the points of height h.  The body's tangent planes are at distance sigma + h.  Those of the
+// ellipsoid of radii a + h, b + h are at |u + h n| with u = (a c, b s), |u| = sigma.  Now
+// (|u| + h)^2 = |u + h n|^2 + 2 h (|u| - u.n), and 0 <= |u| - u.n <= (a - b)^2 / (4 |u|), because the sine of
+// the angle between u and n is (a - b) c s / |u|.
 shell shell_of(const ellipsoid &e, double h);
 
-// A ray through it, t outward (inward for `inside`) by more than rounding can do.
+// A ray through a shell.  lo, hi are moved outward, and in, out inward, by more than rounding can do.
 struct chord {
-    bool by;               // passes the outer ellipsoid by
-    bool known;            // false: beyond the range of double, nothing is said
-    double lo, hi, middle; // in the outer one
-    double in, out;        // in the inner one: in <= out
-    double depth;          // of the middle below the surface, at least
-    double entry, exit;    // of the ellipsoid itself; of a ray that passes it by, the middle
+    bool by;               // it misses the outer ellipsoid
+    bool known;            // false: out of the range of double; nothing is claimed
+    double lo, hi, middle; // t of the chord of the outer ellipsoid, and of its middle
+    double in, out;        // t of the chord of the inner ellipsoid, if in <= out
+    double depth;          // at least how deep the middle is below the surface
+    double entry, exit;    // t where it meets the ellipsoid (a, a, b); if it misses that, t of the middle
 };
 chord chord_of(const shell &s, const sgt_ray &ray);
 
@@ -110,14 +109,14 @@ inline sgt_span span_of(const chord &c)
     return {c.lo, c.hi, c.entry, false};
 }
 
-// F along the ray and its slope, and how far each can be off.
+// F on the ray and its slope, and bounds on their errors.
 struct reading { double g, g_err, slope, slope_err; };
 
-// The first root that counts, of a convex body: `entry` if the ray starts before, `exit` if inside, none
-// behind.  A point of the ray certainly inside parts the two, and g falls before the one and rises behind
-// the other; by convexity the slope at a root is at least depth / (way to the point).  bend: how concave g
-// may be all over the chord, g'' >= -bend.  Where rounding hides on which side of the surface tmin is, or
-// whether the ray touches, nothing is said.
+// The first accepted root on a convex body: `entry` if the ray starts in front of the body, `exit` if inside,
+// none if behind.  A point of the ray that is certainly inside separates the two roots.  F on the ray, g,
+// falls before the first and rises behind the second.  By convexity the slope at a root is at least depth /
+// (distance to that point).  bend: g'' >= -bend on the whole chord.  If rounding hides on which side of the
+// surface tmin is, or whether the ray touches, nothing is claimed: it is the span, and not `single`.
 template <typename Read> sgt_span first_of(const chord &c, const sgt_ray &ray, double bend, Read &&read)
 {
     const sgt_span none = {infinity, -infinity, nothing, false};
@@ -136,7 +135,7 @@ template <typename Read> sgt_span first_of(const chord &c, const sgt_ray &ray, d
             depth = 0.5 * (-r.g - 4 * r.g_err);
             if (inside) break;
             double rest = std::fmax(middle - c.lo, c.hi - middle),
-                   fall = std::fabs(r.slope) + r.slope_err; // the tangent, and what bends below
+                   fall = std::fabs(r.slope) + r.slope_err; // g is above its tangent, less the bend
             if (r.g - r.g_err - fall * rest - 0.5 * bend * rest * rest > 0) return none;
             if (r.slope > 0) high = middle;
             else low = middle;
@@ -153,8 +152,8 @@ template <typename Read> sgt_span first_of(const chord &c, const sgt_ray &ray, d
 
     double far = std::fabs(ray.o.x) + std::fabs(ray.o.y) + std::fabs(ray.o.z), along = length(ray.d);
     double unsure = 0x1p-40 * (far + (std::fabs(c.lo) + std::fabs(c.hi)) *
-                                         along); // of F: 256 times what a start on the surface is given
-    double steep = 0.5 * depth / (c.hi - c.lo);  // of g, at least, at either root
+                                         along); // of F: 256 times the tolerance of a start on the surface
+    double steep = 0.5 * depth / (c.hi - c.lo);  // the least |slope| of g at a root
     if (ray.tmin <= c.lo && (ray.tmin == -infinity || (c.lo - ray.tmin) * steep > unsure))
         return {c.lo, middle, c.entry, true};
     if (ray.tmin >= in && ray.tmin <= out) return {ray.tmin, c.hi, c.exit, true};
@@ -166,8 +165,8 @@ template <typename Read> sgt_span first_of(const chord &c, const sgt_ray &ray, d
     return span_of(c);
 }
 
-// g over [lo, hi] of a convex g, from its ends: below the chord, above both tangents; the slope is between
-// those of the ends.
+// An enclosure of a convex g on t, from readings at its two ends.  g lies below the chord and above both
+// tangents, and its slope between those of the ends.
 sgt_interval convex(sgt_interval t, const reading &from, const reading &to, sgt_interval *slope);
 
 inline double no_gradient(sgt_vec3 *grad)
@@ -178,9 +177,9 @@ inline double no_gradient(sgt_vec3 *grad)
 
 // --------------------------------------------------------- a surface as its operations
 
-// S is what a struct of parameters stands for, worked out once per call: valid, value(p, grad),
-// rounding(p), span(ray), first(ray) - these two after prepare() -, enclose(ray, t, slope), by_parameter(),
-// the same at every point.  None throws.
+// S is made of a struct of parameters once per call.  It has: valid, value(p, grad), rounding(p), prepare(),
+// then span(ray) and first(ray), enclose(ray, t, slope), and by_parameter(), which is the same at every
+// point.  None of them throws.
 template <typename S> struct operations {
     static double value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
     {
@@ -264,7 +263,7 @@ template <typename S> struct operations {
     }
 };
 
-// What the rows of the table say of their parameters.
+// The checks of parameters for the rows of the table (sgt_builtin.object).
 sgt_objection object_to_geodetic_height(const void *self), object_to_level_gravity(const void *self),
     object_to_geoid_height(const void *self);
 

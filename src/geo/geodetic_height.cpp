@@ -1,14 +1,15 @@
-// geodetic_height.cpp - the surface at a height over an ellipsoid.  earth.hpp says why the height is a
-// convex distance; so
-//   - |F| less its rounding is a clearance, everywhere;
-//   - a ray enters once and leaves once, `first` tells which, and the two ends of a stretch enclose g and
-//     its slope.
+// geodetic_height.cpp - the points at one height over an ellipsoid.  The height is a convex distance
+// (earth.hpp).  So
+//   - |F| minus its rounding is a clearance everywhere;
+//   - a ray enters once and leaves once, and `first` tells which comes first;
+//   - readings at the two ends of a stretch enclose g and its slope.
 #include "earth.hpp"
 
 namespace geo {
 namespace {
 
-// Below it the surface is smooth and its body convex, its radii of curvature those of the ellipsoid + h.
+// If -h is below this part of the least radius of curvature, the surface is smooth and its body convex.  Its
+// radii of curvature are then those of the ellipsoid plus h.
 constexpr double DEEPEST = 0.99;
 
 sgt_objection object(const sgt_geodetic_height &s)
@@ -31,7 +32,7 @@ struct height {
     bool valid;
     double h;
     ellipsoid e;
-    shell body; // once prepared
+    shell body; // set by prepare()
     explicit height(const void *self) : height(*static_cast<const sgt_geodetic_height *>(self)) {}
     explicit height(const sgt_geodetic_height &s)
         : valid(!object(s).param), h(s.h), e(valid && s.a != 0 ? ellipsoid(s.a, s.f) : wgs84()), body() {}
@@ -79,7 +80,7 @@ double clearance(const void *self, sgt_vec3 p)
     return std::fabs(q.h - s.h) - s.rounding(length(p), q.h);
 }
 
-// That of a parallel surface: its curvatures are 1 / (M + h) northward and 1 / (N + h) eastward.
+// The second derivatives of a parallel surface: curvature 1 / (M + h) northward and 1 / (N + h) eastward.
 void second(const void *self, size_t n, sgt_points p, double *const out[6])
 {
     height s(self);

@@ -1,20 +1,21 @@
-// geoid.cpp - the surface h above a geoid whose heights N over WGS84 a grid gives.
+// geoid.cpp - the points at height h over a geoid.  A grid gives the geoid's heights N over WGS84.
 //
-// F = (geodetic height) - N(latitude, longitude) - h.  N between the nodes is the bicubic convolution of
-// Keys 1981 (IEEE Trans.  ASSP 29, 1153; a = -1/2): along each axis the cubic through z1 and z2 with the
-// slopes (z2 - z0) / 2 and (z3 - z1) / 2.  Beyond a pole the grid goes on half a turn away.
+// F = (geodetic height) - N(latitude, longitude) - h.  Between the nodes N is the bicubic convolution of Keys
+// 1981 (IEEE Trans. ASSP 29, 1153; a = -1/2): along each axis the cubic through z1 and z2 with the slopes
+// (z2 - z0) / 2 and (z3 - z1) / 2.  Beyond a pole the grid continues on the opposite meridian.
 //
-// BOUNDS.  With first, second and mixed differences of the nodes about a cell at most D, E and X along one
-// axis or both,
-//     slope <= 1.5 D,  second <= 3 E  along one axis, each times 1.25, the most the sum of the |weights| of
-//       the other can be;
-//     mixed <= 2.25 X.
-// They are kept for each row of cells, per metre on the ground, with what the meridians' closing in adds:
-// `tilt` bounds the slope of N, `twist` its Lipschitz constant.  At a pole the surface has a corner: all
-// that changes from meridian to meridian grows with s, the part of the cell that is between, by 1.8 s at
-// most of what the nodes do (the |weights| of the other rows are below s / 2, 7 s / 6 and s / 8; a pole has
-// one height, or the grid is refused); so `corner` (south, north) over the distance from the pole is to be
-// added to twist there.
+// BOUNDS.  Let the first and second differences of the nodes about a cell, along an axis, be at most D and E,
+// and the mixed ones at most X.  Then
+//     slope <= 1.5 D and second derivative <= 3 E along that axis, each times 1.25, the largest sum of the
+//         |weights| along the other axis;
+//     mixed derivative <= 2.25 X.
+// The bounds are kept for each row of cells, per metre on the ground, and include the convergence of the
+// meridians: `tilt` bounds the slope of N, `twist` the Lipschitz constant of that slope.
+//
+// AT A POLE the surface has a corner.  Let s be the part of the cell between the pole and the point.
+// Differences from meridian to meridian are at most 1.8 s of those of the nodes: the |weights| of the other
+// rows are below s / 2, 7 s / 6 and s / 8, and a pole has one height, or the grid is refused.  So there
+// `corner` / (distance from the pole) is added to twist; corner[0] is south, corner[1] north.
 #include "earth.hpp"
 
 #include <algorithm>
@@ -35,12 +36,12 @@
 struct sgt_geoid {
     int rows = 0,
         columns = 0; // rows from south to north, both poles among them; columns eastward, all around
-    double west = 0;           // longitude of the first
-    std::vector<float> height;
-    std::vector<double> tilt, twist; // of the cells north of row i
+    double west = 0;           // longitude of the first column, degrees
+    std::vector<float> height;       // [rows][columns], metres
+    std::vector<double> tilt, twist; // of the cells between rows i and i + 1
     double steepest = 0, corner[2] = {0, 0}, low = 0, high = 0;
 
-    // Node (i, j), i a little beyond the poles too.
+    // The height at node (i, j); i may be a little beyond the poles.
     double node(int i, int j) const
     {
         if (i < 0) i = -i, j += columns / 2;
@@ -56,12 +57,12 @@ namespace {
 
 constexpr double DEGREE = 0.017453292519943295;
 constexpr double DEEPEST = -6e6;   // of h
-constexpr double HOLE = -88.8888;  // what .gtx files have where they have nothing
+constexpr double HOLE = -88.8888;  // the mark of a missing height in .gtx files
 constexpr int MOST = 21601;        // rows: a 30" grid
 
 // ------------------------------------------------------------ between the nodes
 
-// The weights of four nodes at s of the way from the second to the third, and of their derivative.
+// The weights w of four nodes, at the part s of the way from the second to the third; d: derivatives by s.
 struct weights { double w[4], d[4]; };
 
 weights weights_at(double s)
@@ -100,7 +101,7 @@ void bound(sgt_geoid &g)
                  step_x = 360 * DEGREE / g.columns;
     size_t rows = static_cast<size_t>(g.rows);
     std::vector<double> north(rows + 3), north2(rows + 3), east(rows + 3), east2(rows + 3),
-        mixed(rows + 3); // of node row i - 1, and the step north of it
+        mixed(rows + 3); // index i: of node row i - 1, or of the step north of it
     g.low = g.high = g.node(0, 0);
     for (int i = -1; i <= g.rows; i++) {
         size_t at = static_cast<size_t>(i + 1);
@@ -133,8 +134,8 @@ void bound(sgt_geoid &g)
             g.twist.push_back((y2 + x2 / (close * close) + 2 * xy / close) / (ground * ground) +
                               tilt * (4 + 2 / close) / ground);
         } else {
-            // N is that of the pole at it: what is east of a meridian grows from there as the way from the
-            // pole does
+            // At the pole N is the same on all meridians: differences between meridians grow with the
+            // distance from the pole.
             double near = std::cos((pole - 180.0 / (g.rows - 1)) * DEGREE);
             double x1_s = 1.5 * 1.8 * most(east, 0, 3) / step_x,
                    x2_s = 3 * 1.8 * most(east2, 0, 3) / (step_x * step_x),
@@ -179,7 +180,7 @@ float single(const unsigned char *bytes)
 
 struct close_file { void operator()(std::FILE *file) const { std::fclose(file); } };
 
-// "" or what is wrong.
+// Reads a grid; returns "" or what is wrong.
 std::string read(const char *path, sgt_geoid &g)
 {
     enum { HEADER = 40 };
@@ -206,7 +207,7 @@ std::string read(const char *path, sgt_geoid &g)
     g.rows = static_cast<int>(rows), g.columns = static_cast<int>(columns), g.west = west;
     size_t count = static_cast<size_t>(rows * columns);
     std::vector<unsigned char> row(static_cast<size_t>(columns) * 4);
-    for (uint64_t i = 0; i < rows; i++) { // no more is asked for than the file has
+    for (uint64_t i = 0; i < rows; i++) { // memory grows with what the file really has
         got = std::fread(row.data(), 1, row.size(), file.get());
         if (std::ferror(file.get()))
             return std::string("cannot be read: ") + std::strerror(errno ? errno : EIO);
@@ -247,15 +248,15 @@ struct above {
     const sgt_geoid *geoid;
     double h;
     const ellipsoid &e;
-    shell body; // once prepared
+    shell body; // set by prepare()
     explicit above(const void *self) : above(*static_cast<const sgt_geoid_height *>(self)) {}
     explicit above(const sgt_geoid_height &s)
         : valid(!object(s).param), geoid(s.geoid), h(s.h), e(wgs84()), body()
     {
     }
 
-    // Over the highest N, and under the lowest: cubics go beyond their nodes by an eighth of what these
-    // differ by, twice.
+    // A shell that reaches above the highest N and below the lowest.  Along each axis a cubic exceeds its
+    // nodes by at most 1/8 of their difference, so both together by less than 0.3 of it.
     void prepare()
     {
         double beyond = 0.3 * (geoid->high - geoid->low);
@@ -280,7 +281,8 @@ struct above {
         }
         return q.h - n.N - h;
     }
-    // Of N: 64 units of its nodes, and its slope times 4 of the place on the ground.
+    // A bound on the rounding of N, in units of 2^-53: 64 of its nodes, and its slope times 4 of the place on
+    // the ground.
     double rounding_of_N(double size) const
     {
         return 0x1p-53 * (64 * std::fmax(std::fabs(geoid->low), std::fabs(geoid->high)) +
@@ -295,8 +297,9 @@ struct above {
     chord across(const sgt_ray &ray) const { return chord_of(body, ray); }
     sgt_span span(const sgt_ray &ray) const { return span_of(across(ray)); }
 
-    // A ray that, where it comes to the inner ellipsoid, falls more steeply than N can rise has fallen so
-    // since it came to the outer one, for the height is convex along it; and so from where it leaves.
+    // The height is convex along a ray.  So if at the inner ellipsoid the ray falls more steeply than N can
+    // rise, it has done so since the outer ellipsoid, and there is one root between them.  The same holds
+    // where the ray leaves.
     sgt_span first(const sgt_ray &ray) const
     {
         chord c = across(ray);
@@ -315,8 +318,8 @@ struct above {
         return span_of(c);
     }
 
-    // The height as earth.cpp has it; N about the middle.  Points of the ground move as those of the ray
-    // do, but for the ratio of radii e / (e + h).
+    // The height by convexity (earth.cpp), N by its bounds about the middle.  A point on the ground moves as
+    // far as its point of the ray does, times a ratio of radii e / (e + h).
     sgt_interval enclose(const sgt_ray &ray, sgt_interval t, sgt_interval *slope) const
     {
         double middle = 0.5 * t.lo + 0.5 * t.hi, along = length(ray.d),
@@ -339,7 +342,7 @@ struct above {
             return sgt_interval_sum(high, {-geoid->high - 0.3 * (geoid->high - geoid->low) - h,
                                            -geoid->low + 0.3 * (geoid->high - geoid->low) - h});
         }
-        // the rows of cells under it
+        // the rows of cells under the stretch
         double rows = geoid->rows - 1, y = (q.latitude + 90) * rows / 180,
                reach = half * ratio / e.least / DEGREE * rows / 180 * (1 + 1e-9) + 1e-9;
         int from = static_cast<int>(std::clamp(std::floor(y - reach), 0.0, rows - 1)),
@@ -358,8 +361,8 @@ struct above {
             }
         }
         double N = q.h - g - h, off = tilt * ratio * half, most = tilt * ratio * along;
-        // g by the range of the height and that of N; the slope by that of the height and the slope of N.
-        // lean is off by what the components of grad and up round, however flat N is.
+        // g from the ranges of the height and of N; the slope from those of their slopes.  However flat N is,
+        // the error of lean is the rounding of the components of grad and up.
         sgt_vec3 lean = {grad.x - q.up.x, grad.y - q.up.y, grad.z - q.up.z};
         double now = dot(lean, ray.d), turn = twist * ratio * ratio * along * half +
                                               tilt * ratio * 4 / (e.least + low) * along * half +

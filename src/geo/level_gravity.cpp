@@ -1,25 +1,25 @@
 // level_gravity.cpp - a level surface of normal gravity about the Earth.
 //
-// F = G(p) - G of the level, G = GM / U.  Of a point mass at rest G is the distance from it, so G is nearly
-// that: its gradient is nearly a unit vector, Newton's method walks it in two steps from anywhere, and it
-// is nearly convex.  U is from GeographicLib's NormalGravity (Heiskanen and Moritz 1967, section 2-7, in
+// F = G(p) - G of the level, with G = GM / U.  For a point mass at rest, G is the distance from it.  So G is
+// nearly a distance: its gradient is nearly a unit vector, Newton's method needs two steps from anywhere, and
+// it is nearly convex.  U is from GeographicLib's NormalGravity (Heiskanen and Moritz 1967, section 2-7, in
 // Karney's form).
 //
-// THE FAR SHEET.  U = GM / r + omega^2 rho^2 / 2 and small things: along a radius it falls up to r^3
-// sin^2(colatitude) = GM / omega^2, on the equator 42164 km, and rises from there on, so that U is that of
-// the level again far out.  F is defined inside a sphere that keeps clear of that; the span, closer still.
+// THE FAR SHEET.  U = GM / r + omega^2 rho^2 / 2 and small terms.  Along a radius U falls up to
+// r^3 sin^2(colatitude) = GM / omega^2 (42164 km on the equator) and rises from there on.  So far out U has
+// the value of the level again.  F is defined only inside a sphere that excludes that sheet; the span is
+// closer still.
 //
-// THE BODY inside is convex: across the vertical the second derivative of U is -GM / r^3 (1 - q), q =
-// omega^2 r^3 / GM, but for parts in 100, and q is below 0.06 where r <= a + MOST.  Its surface is all but
-// the ellipsoid of its own two radii: exactly that at h = 0; below, it is outside of it, above inside,
-// farthest at latitude 45 (to 1e-3 of the most; observed for -100 km ...  10000 km, every tenth of a
-// degree), by 0.4 m at 100 km.
+// THE BODY inside is convex.  Across the vertical the second derivative of U is -GM / r^3 (1 - q) with
+// q = omega^2 r^3 / GM, to some percent, and q is below 0.06 for r <= a + MOST.  Its surface is nearly the
+// ellipsoid of its own two radii: exactly that at h = 0, outside of it for h < 0, inside for h > 0.  It is
+// farthest from it at latitude 45 (to 1e-3 of the maximum; observed for -100 km ... 10000 km, every tenth of
+// a degree), by 0.4 m at h = 100 km.
 //
-// THE BOUNDS of the derivatives of F, times r: observed at 200,000 points and directions on spheres of 6280
-// km and more,
-//     second derivative -0.0206 (6280 km), -0.028 (7000 km), -0.078 (10000 km), -0.53 (20000 km) ...
-//       1.0006, gradient 0.97 ... 0.999;
-// what is used is 0.04 (r / 7000 km)^3 and 1.05, and 1.01.
+// THE BOUNDS of the derivatives of F, times r.  Observed at 200,000 points and directions, on spheres of 6280
+// km and more: gradient 0.97 ... 0.999; second derivative at most 1.0006, and at least -0.0206 (at 6280 km),
+// -0.028 (7000 km), -0.078 (10000 km), -0.53 (20000 km).  Used are 1.01 for the gradient, and 1.05 and
+// -0.04 (r / 7000 km)^3 for the second derivative.
 #include "earth.hpp"
 
 #include <GeographicLib/NormalGravity.hpp>
@@ -51,7 +51,7 @@ sgt_objection object(const sgt_level_gravity &s)
     return {nullptr, nullptr};
 }
 
-// The radius of the level U on the equator or the axis, to rounding: Newton on GM / U, two to four steps.
+// The radius of the level U on the equator or the axis, to rounding: Newton on GM / U in two to four steps.
 double radius_of(double U, bool axis)
 {
     const NormalGravity &field = NormalGravity::WGS84();
@@ -61,7 +61,7 @@ double radius_of(double U, bool axis)
                slope = axis ? gz : gx;
         double step = (1 - here / U) * here / slope;
         r += step;
-        if (!(std::fabs(step) > 1e-7 * r)) break; // the next would be 1e-14 of r
+        if (!(std::fabs(step) > 1e-7 * r)) break; // the next step would be 1e-14 of r
     }
     return r;
 }
@@ -69,7 +69,7 @@ double radius_of(double U, bool axis)
 struct level {
     bool valid, by_height;
     double a, U, G; // of the level: its radius on the equator, U, and GM / U
-    shell body;     // once prepared
+    shell body;     // set by prepare()
     explicit level(const void *self) : level(*static_cast<const sgt_level_gravity *>(self)) {}
     explicit level(const sgt_level_gravity &s)
         : valid(!object(s).param), by_height(s.potential == 0), a(wgs84().a + s.h),
@@ -112,8 +112,9 @@ struct level {
         return first_of(across(ray), ray, bends_down(a) / DEEP * dot(ray.d, ray.d),
                         [&](double t) { return read(ray, t); });
     }
-    // About the middle, by Taylor; deep down, where the field has its sources, only that U is more than GM
-    // / r, to 1.2e-3, of the farther end (a potential has its minimum on the boundary): F is negative.
+    // By Taylor about the middle.  Deep down, where the field has its sources, all that is used is that F is
+    // negative there: U is above GM / r of the farther end, to 1.2e-3, because a potential has its minimum on
+    // the boundary.
     sgt_interval enclose(const sgt_ray &ray, sgt_interval t, sgt_interval *slope) const
     {
         double middle = 0.5 * t.lo + 0.5 * t.hi,
@@ -132,7 +133,7 @@ struct level {
         return {r.g - r.g_err - steep * half * (1 + 0x1p-50) - down,
                 r.g + r.g_err + steep * half * (1 + 0x1p-50) + up};
     }
-    // By h: the level's own G changes; by U: dG / dU = -G / U.
+    // By h, through the change of the level's own G; or by U: dG / dU = -G / U.
     double by_parameter() const
     {
         double gx, gy, gz;

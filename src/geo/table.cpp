@@ -1,4 +1,4 @@
-// table.cpp - the surfaces about the Earth as data, as sgt_builtins has those of the library.
+// table.cpp - the table of the surfaces about the Earth, like the library's sgt_builtins.
 #include "earth.hpp"
 
 #include <cfloat>

@@ -28,13 +28,13 @@ static const struct { const char *name, *full; exit_status (*run)(int argc, char
     {"trade", "sagitta trade", command_trade},
 };
 
-/* What is closed at the start no file of ours is to be opened as: a word for standard error would be
- * written into it. */
+/* If a standard file is closed at the start, the next file opened would take its number, and a message for
+ * standard error would be written into it.  So open /dev/null in its place. */
 static void hold_standard_files(void)
 {
-#ifdef F_GETFD /* Windows has it not */
+#ifdef F_GETFD /* not on Windows */
     for (int file = 0; file < 3; file++)
-        /* reading and writing fail there */
+        /* opened the wrong way round: to use it is an error, as with a closed file */
         if (fcntl(file, F_GETFD) < 0 && open("/dev/null", file == 0 ? O_WRONLY : O_RDONLY) < 0) return;
 #endif
 }

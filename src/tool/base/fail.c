@@ -1,7 +1,7 @@
-/* fail.c - errors end the command where they are found.
+/* fail.c - an error ends the command where it is found.
  *
- * Whatever was allocated is freed on the way out (memory.c), and no output has been
- * begun: all input is read before the first line is written. */
+ * At exit all memory is freed (memory.c).  An error in the input leaves no half a table: all
+ * input is read before the first line is written. */
 #include "fail.h"
 
 #include <stdarg.h>

@@ -1,24 +1,31 @@
-/* fail.h - what the command says on standard error, and with what status it ends. */
+/* fail.h - messages on standard error, and the exit status. */
 #ifndef TOOL_FAIL_H
 #define TOOL_FAIL_H
 
 typedef enum exit_status {
-    EXIT_DECIDED = 0,   /* every ray has its answer: a miss is one */
-    EXIT_UNDECIDED = 1, /* some ray has none */
-    EXIT_USAGE = 2,     /* the arguments */
-    EXIT_BAD_INPUT = 3 /* what they name: a surface, a lens, rays, a file; an output that cannot be written */
+    EXIT_DECIDED = 0,   /* every ray is decided; a miss is a decision */
+    EXIT_UNDECIDED = 1, /* some ray is undecided */
+    EXIT_USAGE = 2,     /* wrong arguments */
+    EXIT_BAD_INPUT = 3  /* a bad surface, lens, ray or file; or output that cannot be written */
 } exit_status;
 
 #define LIKE_PRINTF(text, first) __attribute__((format(printf, text, first)))
 
-/* The subcommand that runs, for the hint under a usage error. */
+/* Sets the subcommand's name, for the hint under a usage error. */
 void fail_name(const char *command);
 
+/* Print a message and end the command, with EXIT_USAGE or EXIT_BAD_INPUT. */
 _Noreturn void fail_usage(const char *format, ...) LIKE_PRINTF(1, 2);
-_Noreturn void fail_hint(void); /* a usage error that has been told: where the help is */
 _Noreturn void fail_input(const char *format, ...) LIKE_PRINTF(1, 2);
-/* on standard output, as --help, and ends: well, if it could be written */
+
+/* Prints only the hint, where --help is, and ends with EXIT_USAGE: getopt has printed the message. */
+_Noreturn void fail_hint(void);
+
+/* Prints on standard output (as for --help) and ends: with EXIT_DECIDED, or EXIT_BAD_INPUT if it could not be
+ * written. */
 _Noreturn void print_and_end(const char *format, ...) LIKE_PRINTF(1, 2);
+
+/* Prints a message on standard error and goes on. */
 void note(const char *format, ...) LIKE_PRINTF(1, 2);
 
 #endif

@@ -1,4 +1,4 @@
-/* input.c - a file, or standard input, read whole; and that none is written over. */
+/* input.c - reads a file or standard input whole, and keeps output from overwriting an input. */
 #include "input.h"
 
 #include "fail.h"
@@ -10,7 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* The files in use, by what they are and not by what they are called. */
+/* The files in use, told apart by device and inode, since a file can have several names. */
 typedef struct used_file { struct stat is; const char *name; } used_file;
 static used_file *used;
 static size_t used_count, used_room;

@@ -5,20 +5,20 @@
 
 typedef struct input {
     const char *name;   /* for messages */
-    char *text;         /* a zero byte stands behind it */
+    char *text;         /* [length + 1], ends in a zero byte */
     size_t length;
 } input;
 
-/* path "-": standard input.  A file that cannot be read ends the command. */
+/* Reads a file; "-" is standard input.  A file that cannot be read ends the command. */
 input input_read(const char *path);
 
-/* A file of that name, be it "-"; NULL, or why it cannot be read. */
+/* Reads a file of that name, even if it is "-".  Returns NULL, or why it cannot be read. */
 const char *input_try(const char *path, input *in);
 
-/* A usage error if the path is a file that was read, or that is reserved, by whatever name. */
+/* Ends with a usage error if the path, under any name, is a file that was read or reserved. */
 void output_check(const char *option, const char *path);
 
-/* The same, and an error if it cannot be opened; what is in it stays, until it is written. */
+/* The same, and reserves it; an error if it cannot be opened.  Its content is kept until it is written. */
 void output_reserve(const char *option, const char *path);
 
 #endif

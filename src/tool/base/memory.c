@@ -1,8 +1,8 @@
 /* memory.c - a ring of blocks, each freed when the command ends.
  *
- * The command reads a file, answers, and ends: nothing is worth freeing before, and an
- * error may end it anywhere (fail.c).  A list of all blocks makes both simple.  Threads
- * take their turns at it. */
+ * The command reads a file, answers and ends, so nothing is worth freeing before.  An error
+ * may end it anywhere (fail.c).  A ring of all blocks makes both simple.  Threads change it
+ * one at a time. */
 #include "memory.h"
 
 #include "fail.h"
@@ -29,7 +29,7 @@ static void free_all(void)
     ring.before = &ring;
 }
 
-/* Other threads may be at work in the blocks: none is freed. */
+/* Ends without freeing: other threads may be using the blocks. */
 _Noreturn static void end(const char *why)
 {
     note("%s", why);

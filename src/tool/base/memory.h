@@ -3,16 +3,16 @@
 #define TOOL_MEMORY_H
 #include <stddef.h>
 
-/* Room for `count` things of `size` bytes, zeroed; never NULL (the command ends). */
+/* Room for `count` things of `size` bytes, zeroed.  Never NULL: without memory the command ends. */
 void *memory_take(size_t count, size_t size);
 
-/* The same block with room for `count` things; what is new is not zeroed.  NULL: a new one. */
+/* Resizes a block to `count` things; new bytes are not zeroed.  For NULL it makes a new block. */
 void *memory_grow(void *block, size_t count, size_t size);
 
-/* A copy that ends in a zero byte. */
+/* A copy of `length` bytes, with a zero byte behind them. */
 char *memory_text(const char *text, size_t length);
 
-/* Room for one more: doubles *capacity when `count` has reached it. */
+/* Makes room for one more: if `count` has reached *capacity, doubles it. */
 void *memory_room(void *data, size_t count, size_t *capacity, size_t size);
 
 #endif

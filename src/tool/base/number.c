@@ -1,19 +1,19 @@
 /* number.c - doubles as text, there and back.
  *
- * strtod and printf round correctly in the C library this is built with, and the
- * command never sets a locale, so a point is a point.  They are slow, though: through them
- * alone, nine tenths of the time of sagitta intersect were theirs (a million rays and a conic,
- * csv to csv: 7.5 s, and 1.0 s as it is).  Most numbers go a shorter way to the same bytes, and
- * what that does not take is left to them.
+ * strtod and printf round correctly in the C library this is built with.  The command never
+ * sets a locale, so the decimal point is always a point.  But they are slow: with them alone,
+ * they took nine tenths of the time of sagitta intersect (a million rays and a conic, csv to
+ * csv: 7.5 s, against 1.0 s as it is).  Most numbers take a quicker way to the same bytes.  The
+ * quick way declines what it cannot decide, and leaves that to strtod and printf.
  *
- * OUT.  10^k is a double for k = 0 ... 22.  Then x 10^k = p + e without an error, where p is
- * the rounded product and e = fma(x, 10^k, -p) what rounding took, |e| <= ulp(p) / 2.  The
- * whole number next to p + e is the decimal of so many digits next to x.
+ * OUT.  10^k is a double for k = 0 ... 22.  Then x 10^k = p + e exactly, where p is the rounded
+ * product and e = fma(x, 10^k, -p) is its rounding error, |e| <= ulp(p) / 2.  The whole number
+ * nearest to p + e gives the decimal with k places that is nearest to x.
  *
- * BACK.  A whole number D < 2^62 is h + l, both doubles.  q = h / 10^k rounded leaves
- * r = fma(-q, 10^k, h), exactly, so that D / 10^k = q + (r + l) / 10^k.  The second term is
- * computed to 2^-51 of itself; where q plus a little less of it and q plus a little more are
- * one double, that is the one next to D / 10^k, for rounding keeps the order.
+ * BACK.  A whole number D < 2^62 is h + l, both doubles.  With q = h / 10^k rounded,
+ * r = fma(-q, 10^k, h) is exact, so D / 10^k = q + (r + l) / 10^k.  The second term is computed
+ * to a relative 2^-51.  If q plus slightly less of it and q plus slightly more round to the same
+ * double, that is the double nearest to D / 10^k, because rounding is monotone.
  *
  * Source of "10^22 is exact": Clinger 1990, How to read floating point numbers accurately. */
 #include "number.h"
@@ -35,10 +35,10 @@ static const double power[POWER_MOST + 1] = {
     1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 };
 
-/* A decimal: digits / 10^places; rest is what it is more than the double it stands for, times 10^places. */
+/* A decimal: digits / 10^places.  rest: (the decimal - the double it stands for) 10^places. */
 typedef struct decimal { uint64_t digits; int places; double rest; } decimal;
 
-/* The double next to digits / 10^places, digits < 2^62; NaN where this way does not tell. */
+/* The double nearest to digits / 10^places, digits < 2^62; NaN if the quick way cannot decide. */
 static double double_of(uint64_t digits, int places)
 {
     if (places < -POWER_MOST || places > POWER_MOST) return (double)NAN;
@@ -56,7 +56,7 @@ static bool number_named(const char *text, const char *name)
     return strcasecmp(text, name) == 0 || (*text == '.' && strcasecmp(text + 1, name) == 0);
 }
 
-/* The digits from s on, behind those of *n; where they end. */
+/* Appends the digits from s on to *n; returns where they end. */
 static const char *read_digits(const char *s, uint64_t *n)
 {
     for (; *s >= '0' && *s <= '9'; s++) *n = 10 * *n + (uint64_t)(*s - '0');
@@ -69,7 +69,7 @@ static const char *skip_zeros(const char *s)
     return s;
 }
 
-/* 12, 1.5, .5, 5., 1e-06, without a sign; false: not of this form, or not told. */
+/* Reads 12, 1.5, .5, 5., 1e-06, without a sign; false: another form, or the quick way cannot decide. */
 static bool read_quick(const char *text, double *value)
 {
     uint64_t digits = 0;
@@ -118,7 +118,7 @@ bool number_read_integer(const char *text, long lowest, long highest, long *valu
 
 /* ------------------------------------------------------------------- out */
 
-static const double QUICK_LEAST = 1e-20, QUICK_MOST = 1e15;  /* what the quick way takes */
+static const double QUICK_LEAST = 1e-20, QUICK_MOST = 1e15;  /* the range of the quick way */
 
 /* The power of ten of the first digit: 10^E <= x < 10^(E + 1), x within QUICK_LEAST and QUICK_MOST. */
 static int first_place(double x)
@@ -126,30 +126,30 @@ static int first_place(double x)
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
     int binary = (int)(bits >> 52) - 1023;                       /* 2^binary <= x, -67 ... 49 */
-    /* of log10 2 = 1233/4096: right, or one too many */
+    /* by log10 2 = 1233/4096: right, or one too large */
     int guess = (binary * 1233 + 4096 * 100) / 4096 - 100 + 1;
-    /* x power[-guess] is rounded up to 1 only where x is the double next to that power of ten, and prints
-     * as it */
+    /* x power[-guess] rounds up to 1 only if x is the double nearest to that power of ten, and then it
+     * prints as that power */
     return (guess >= 0 ? x >= power[guess] : x * power[-guess] >= 1) ? guess : guess - 1;
 }
 
-/* x rounded to so many places, half to even as printf does; x 10^places < 10^17.  *p is it without
- * rounding, nearly. */
+/* x rounded to `places` decimal places, half to even as printf does; x 10^places < 10^17.  *p: the double
+ * nearest to x 10^places. */
 static decimal number_rounded(double x, int places, double *p)
 {
     *p = x * power[places];
     double e = sgt_fma(x, power[places], -*p);
     int64_t digits = llrint(*p);
     double half = *p - (double)digits; /* exact */
-    /* Where p has a fraction, e is less than half a unit of its last bit and counts only if p
-     * is half way.  Where it has none, e may be up to 8; and p is even if e is half or more. */
+    /* If p has a fraction, e is less than half of p's last bit, and matters only if p is half way between
+     * whole numbers.  If p has none, |e| may be up to 8; and p is even if |e| is 1/2 or more. */
     int64_t more = half == 0 ? llrint(e) : fabs(half) == 0.5 && half * e > 0 ? (int64_t)(2 * half) : 0;
     return (decimal){(uint64_t)(digits + more), places, (double)more - half - e};
 }
 
-/* Does it read back as x?  It does where it is off by less than a quarter of an ulp (below
- * a power of two the doubles are so close), and not where it is off by more than half of
- * one, p = x 10^places being 2^52 to 2^53 ulps.  -1: not told. */
+/* Does the decimal read back as x?  1: yes, it is off by less than a quarter of an ulp (just below a
+ * power of two doubles are half an ulp apart).  0: no, it is off by more than half an ulp.
+ * -1: undecided.  p = x 10^places is 2^52 to 2^53 ulps. */
 static int reads_back(const decimal *d, double x, double p)
 {
     double off = fabs(d->rest);
@@ -159,14 +159,14 @@ static int reads_back(const decimal *d, double x, double p)
     return isnan(back) ? -1 : back == x;
 }
 
-/* The shortest of 15, 16, 17 digits that reads back, x positive.  false: not told here. */
+/* The shortest of 15, 16, 17 digits that reads back as x > 0.  false: the quick way cannot decide. */
 static bool shortest_quick(double x, decimal *d)
 {
     if (!(x >= QUICK_LEAST && x < QUICK_MOST)) return false;
     int first = first_place(x), back = 0;
     for (int digits = 15; digits <= 17 && !back; digits++) {
         int places = digits - 1 - first;
-        if (digits == 15 && places > POWER_MOST) places = POWER_MOST; /* fewer than 15 may do as well */
+        if (digits == 15 && places > POWER_MOST) places = POWER_MOST; /* tries fewer than 15 digits */
         if (places > POWER_MOST) return false;
         double p;
         *d = number_rounded(x, places, &p);
@@ -175,12 +175,12 @@ static bool shortest_quick(double x, decimal *d)
     return back == 1;
 }
 
-/* A whole number; how many characters. */
+/* Prints a whole number; returns how many characters. */
 static int digits_of(char *text, uint64_t n)
 {
     char backward[20];
     int at = sizeof backward;
-    for (; n >= 100000000; n /= 100000000) { /* two chains of divisions, that do not wait for each other */
+    for (; n >= 100000000; n /= 100000000) { /* two chains of divisions that run in parallel */
         uint32_t low = (uint32_t)(n % 100000000);
         for (int i = 0; i < 8; i++, low /= 10) backward[--at] = (char)('0' + low % 10);
     }
@@ -195,7 +195,7 @@ static char *number_put(char *to, const char *from, int count)
     return memcpy(to, from, (size_t)count), to + count;
 }
 
-/* digits / 10^places as %.*g has it, without zeros at its end. */
+/* Prints digits / 10^places as %.*g does, without trailing zeros. */
 static int lay_out(char text[NUMBER_SIZE], bool minus, uint64_t digits, int places, int precision)
 {
     char d[20], *to = text;
@@ -220,7 +220,7 @@ static int lay_out(char text[NUMBER_SIZE], bool minus, uint64_t digits, int plac
     return (int)(to - text);
 }
 
-/* Prints the shortest decimal that reads back; how many digits it took. */
+/* Prints the shortest decimal that reads back; returns how many digits it has. */
 static int shortest(char text[NUMBER_SIZE], double value)
 {
     for (int digits = 15;; digits++) {
@@ -250,8 +250,8 @@ int number_print_count(char text[NUMBER_SIZE], long long value)
     return length;
 }
 
-/* Of the digits that were left out, counted in the last that was not: 0.4 of it, say, or
- * 0.6, where it was rounded up.  41 digits leave out 2^-80 of the value themselves. */
+/* The digits left out are a part of the last digit kept: 0.4 of it, say; or 0.6 if it was rounded up, and
+ * then the gap is 0.4.  41 digits are exact to a relative 2^-80. */
 double number_print_gap(double value)
 {
     char text[2 * NUMBER_SIZE], tail[3 * NUMBER_SIZE], unit[NUMBER_SIZE];
@@ -269,7 +269,7 @@ double number_print_gap(double value)
     return fmin(gap, strtod(unit, NULL) - gap) * (1 + 0x1p-50);
 }
 
-/* Three digits, half a unit of the third added: not less than x. */
+/* Adds half a unit of the third digit and rounds to three digits: not less than x. */
 double number_round_up(double x)
 {
     char text[NUMBER_SIZE];

@@ -2,7 +2,7 @@
 #ifndef TOOL_THREADS_H
 #define TOOL_THREADS_H
 
-/* THREADS(omp ...) is the pragma, or nothing. */
+/* THREADS(omp ...) is `#pragma omp ...`, or nothing without OpenMP. */
 #ifdef _OPENMP
 #define THREADS(words) _Pragma(#words)
 #else

@@ -1,10 +1,10 @@
 /* tiles.c - rays in tiles, tiles in threads, results in order.
  *
- * A ray's answer depends on no other ray, and tiles are taken in their order: which thread
- * worked one out, and when, changes no byte of the output.  Tiles go in rounds of several
- * for each thread.  Whoever comes first to a round takes the tiles of the round before, and the
- * others work meanwhile; each that is done works out the next tile, so that one that is hard
- * keeps the others waiting at the end of a round only. */
+ * A ray's answer depends on no other ray, and results are taken in the order of the tiles.  So it
+ * changes no byte of the output which thread computes a tile, and when.  Tiles go in rounds of
+ * several for each thread.  In each round one thread first takes the results of the round before,
+ * while the others compute.  A thread that has finished a tile computes the next one, so a hard
+ * tile makes others wait at the end of a round only. */
 #include "tiles.h"
 
 #include "threads.h"
@@ -35,7 +35,7 @@ static size_t round_of(const tiling *of) { return of->threads > 1 ? (size_t)of->
 
 size_t tiles_places(const tiling *of) { return least(tiles_of(of), of->threads > 1 ? 2 * round_of(of) : 1); }
 
-/* The i-th of the tiles from ray `first` on, whose places begin at `place`. */
+/* The i-th of the tiles that begin at ray `first` and at place `place`. */
 static tile tile_at(const tiling *of, size_t first, size_t place, size_t i)
 {
     size_t begin = first + i * tile_rays(of);
@@ -50,7 +50,7 @@ void tiles_run(const tiling *of, void *data, void (*work)(void *data, const tile
         size_t tiles = least(all - begin, most), place = begin % places,
                place_before = (begin - before) % places;
         int several = (int)least((size_t)of->threads, tiles);
-        (void)several; /* without OpenMP nobody reads it */
+        (void)several; /* unused without OpenMP */
         THREADS(omp parallel for schedule(dynamic) num_threads(several > 0 ? several : 1))
         for (size_t i = 0; i <= tiles; i++) {
             for (size_t k = 0; i == 0 && k < before; k++) {

@@ -1,30 +1,29 @@
-/* tiles.h - many rays, some hundred at a time, in threads. */
+/* tiles.h - works through many rays in threads, some hundred rays at a time. */
 #ifndef TOOL_TILES_H
 #define TOOL_TILES_H
 #include <stddef.h>
 
 enum { TILE_RAYS = 256 };
 
-/* How many threads are meant where none are asked for: the processors, or what
- * OMP_NUM_THREADS says; 1 where the command is built without OpenMP. */
+/* The default number of threads: OMP_NUM_THREADS, else the number of processors; 1 without
+ * OpenMP. */
 int tiles_threads(void);
 
-/* A piece of the work: rays first ... first + count - 1, and the place it has for itself. */
+/* Rays first ... first + count - 1, and the index of the room that this tile may use. */
 typedef struct tile { size_t place, first, count; } tile;
 
-/* So many rays in so many threads, in rounds of `share` tiles for each: more of them wait for
- * each other less often, and need more room. */
-/* most: rays in a tile, TILE_RAYS at most; 0: that */
+/* The work: `rays` rays in `threads` threads, in rounds of `share` tiles for each thread (a larger share
+ * means less waiting and more room), with at most `most` rays in a tile (at most TILE_RAYS; 0: TILE_RAYS). */
 typedef struct tiling { size_t rays; int threads; size_t share, most; } tiling;
 enum { SHARE_MOST = 32 };
 
-/* How many places are needed. */
+/* How many places are needed; it does not grow with the number of rays. */
 size_t tiles_places(const tiling *of);
 
-/* Calls work(data, tile) for tiles that cover all rays, several at a time and in any order,
- * and take(data, tile) for each that is worked out, one at a time and in the order of the
- * rays; both from any thread.  From work to take a place belongs to its tile.  There are at
- * most tiles_places() of them, so that the room they need does not grow with the rays. */
+/* Calls work(data, tile) for tiles that cover all rays: several at once, in any order.  Calls
+ * take(data, tile) for each finished tile: one at a time, in the order of the rays.  Both may
+ * be called from any thread.  A place belongs to its tile from work until take, and is below
+ * tiles_places(). */
 void tiles_run(const tiling *of, void *data, void (*work)(void *data, const tile *),
                void (*take)(void *data, const tile *));
 

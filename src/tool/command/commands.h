@@ -1,5 +1,5 @@
-/* commands.h - the subcommands.  Each takes its own argv, whose [0] is its name for
- * messages ("sagitta trace"), and returns the exit status. */
+/* commands.h - the subcommands.  Each takes its own arguments; argv[0] is its name in messages
+ * ("sagitta trace").  Each returns the exit status. */
 #ifndef TOOL_COMMANDS_H
 #define TOOL_COMMANDS_H
 #include "../base/fail.h"

@@ -1,8 +1,8 @@
 /* diagnose.c - sagitta diagnose: the solver watched, evaluation by evaluation.
  *
- * Either one surface and one ray, or a ray through a lens.  Through a lens the ray is
- * taken from element to element by the library; a bare method only replaces the search on
- * each element, so that all of them are seen with the same ray. */
+ * Either one surface and one ray, or one ray through a lens.  Through a lens the library takes the
+ * ray from element to element.  A bare method replaces only the search that is shown, so every
+ * method sees the same ray at each element. */
 #include "commands.h"
 #include "explain.h"
 #include "../job/job.h"
@@ -66,7 +66,7 @@ typedef struct diagnose_arguments {
     shared_options shared;
     job_options job;
     const char *surface, *ray;
-    long element;         /* 0: all */
+    long element;         /* from 1; 0: all */
     method method;
 } diagnose_arguments;
 
@@ -130,7 +130,7 @@ static void diagnose_write_rows(table *t, size_t ray, size_t element, const reco
     }
 }
 
-/* Shows a search and what to conclude; is it decided? */
+/* Shows a search and what to conclude.  Returns whether it is decided. */
 static bool show(table *t, const diagnose_arguments *a, size_t number, size_t element, const record *watched,
                  const search *s)
 {
@@ -146,7 +146,7 @@ static bool show(table *t, const diagnose_arguments *a, size_t number, size_t el
     return bare.settled;
 }
 
-/* The options of the library's own search: --max-evals is for the method shown. */
+/* The options of the library's own search.  --max-evals limits only the method that is shown. */
 static sgt_options watching(const diagnose_arguments *a, record *r)
 {
     sgt_options o = a->shared.solver;
@@ -174,7 +174,7 @@ static bool diagnose_surface(table *t, const diagnose_arguments *a, sgt_surface 
 
 /* -------------------------------------------------------------------- a lens */
 
-/* Evaluations of a ray, at one element or all; reached: how many it saw. */
+/* How many evaluations a ray takes, at --element or at all; *reached: how many elements it reached. */
 static long evaluations(const diagnose_arguments *a, const job *j, const launch *l, sgt_passage passage[],
                         size_t *reached, sgt_fate *fate)
 {
@@ -189,7 +189,7 @@ static long evaluations(const diagnose_arguments *a, const job *j, const launch 
     return n;
 }
 
-/* *how: by what it was chosen, in words. */
+/* The ray to show; *how: in words, by what it was chosen. */
 static const launch *chosen_ray(const diagnose_arguments *a, const job *j, const char **how)
 {
     sgt_passage *passage = memory_take(j->lens.count, sizeof *passage);

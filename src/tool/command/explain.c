@@ -1,4 +1,4 @@
-/* explain.c - one line of verdict, and the numbers it rests on. */
+/* explain.c - one line of verdict, and the numbers that support it. */
 #include "explain.h"
 
 #include "../show/frame.h"
@@ -9,7 +9,7 @@
 
 enum { ROOT_SIZE = 4 * NUMBER_SIZE };
 
-/* What a person at the command can do; the library's own words are for who calls it. */
+/* A verdict in words for the user of the command; sgt_verdict_text is for programmers. */
 static const char *advice(sgt_verdict v, method m, const record *r)
 {
     bool own = m == METHOD_SAFEGUARDED, normalised = m == METHOD_NORMALISED;
@@ -103,9 +103,9 @@ static void answer(table *t, const search *s, double condition)
                    condition > 100 ? "; the ray grazes" : "");
 }
 
-/* What a row shows, where it is not F at a t on the way to a root.  A level set, and any surface of the
- * catalogue, is searched by cells; on an asphere with terms the library works with a polynomial that has
- * the roots of F. */
+/* Explains rows that do not show F at a t on the way to a root.  Level sets and the surfaces of the catalogue
+ * are searched by cells.  On an asphere with terms the library works with a polynomial that has the same
+ * roots as F. */
 static void explain_rows(table *t, const record *r, const search *s)
 {
     sgt_surface surface = s->surface;
@@ -141,7 +141,7 @@ static void explain_normalised(table *t, const record *r, const search *s)
     sgt_vec3 grad;
     s->surface.ops->value(s->surface.self, vector_along(s->ray.o, s->ray.d, s->hit->t), &grad);
     double length = vector_length(grad), factor = 1 - length;
-    if (fabs(factor) < 1e-12) { /* a distance */
+    if (fabs(factor) < 1e-12) { /* F is a distance */
         table_line(t, "The gradient was scaled to unit length.  At the root it has unit length anyway: near "
                       "it nothing changes.");
         return;
@@ -161,15 +161,15 @@ static void explain_normalised(table *t, const record *r, const search *s)
             t, "close to the root it would settle, but it does not get close.  Use the gradient as it is.");
 }
 
-/* How near a line comes to the z axis. */
+/* The distance of a line from the z axis. */
 static double nearest_to_axis(const sgt_ray *ray)
 {
     double across = hypot(ray->d.x, ray->d.y);
     return across == 0 ? hypot(ray->o.x, ray->o.y) : fabs(ray->o.x * ray->d.y - ray->o.y * ray->d.x) / across;
 }
 
-/* All of a level set lies in a ball, and the span is the ray's chord of it; of a torus or an ellipsoid that
- * of something that holds it as well. */
+/* A level set lies inside a ball, and its span is the ray's chord of that ball.  A torus or an ellipsoid has
+ * a span of the same kind. */
 static void explain_miss_of_set(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
 {
     if (!surface.ops->span) return;
@@ -187,7 +187,7 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
         explain_miss_of_set(t, number, surface, ray);
         return;
     }
-    const double margin = 1 + 0x1p-30; /* said only where it is clear */
+    const double margin = 1 + 0x1p-30; /* far more than rounding: say it only if it is clear */
     const bare_surface b = undecided_without_rim(surface);
     sgt_ray line = {.o = ray->o, .d = ray->d, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
     sgt_hit whole = sgt_intersect(surface, line, NULL);
@@ -216,7 +216,7 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
     } else if (b.c == 0 && !b.terms && ray->d.z == 0) {
         table_line(t, "Ray %zu: it is parallel to the surface.", number);
     } else if (b.c != 0 && !b.terms) {
-        sgt_vec3 o = ray->o, d = ray->d; /* A t^2 - 2 B t + C = 0 of the whole quadric */
+        sgt_vec3 o = ray->o, d = ray->d; /* on the whole quadric A t^2 - 2 B t + C = 0 */
         double A = b.c * (d.x * d.x + d.y * d.y + (1 + b.k) * d.z * d.z);
         double B = d.z - b.c * (o.x * d.x + o.y * d.y + (1 + b.k) * o.z * d.z);
         double C = b.c * (o.x * o.x + o.y * o.y + (1 + b.k) * o.z * o.z) - 2 * o.z;
@@ -249,7 +249,7 @@ void explain_bare(table *t, method m, const record *r, const search *s)
     } else if (hit->status < 0) {
         undecided_explain(t, "The library's answer: ", s);
     } else {
-        /* a bare method rounds o + t d: some ulps beside the library's bound are no disagreement */
+        /* a bare method rounds o + t d, so a few ulps outside the library's bound still agree */
         double apart = fabs(r->t - hit->t), close = hit->t_err + 0x1p-40 * fabs(hit->t);
         const char *how = !r->settled ? "" : apart <= close ? ": the same" : ": another root, or none";
         table_line(t, "The library's answer: %s%s.", root, how);

@@ -115,22 +115,21 @@ static intersect_arguments intersect_arguments_of(int argc, char *argv[])
 
 enum { STATUS_COUNT = SGT_GRAZE - SGT_INVALID + 1 };
 
-/* What is said of them all when they are done: how many there are of each status, the first that missed, and
- * the first that are undecided. */
+/* What the verdict needs: how many rows there are of each status, the first ray that missed, and the first
+ * rays that are undecided. */
 typedef struct findings {
     size_t count[STATUS_COUNT];
     const launch *missed, *undecided[UNDECIDED_SHOWN];
     int shown;
 } findings;
 
-/* What a tile needs for itself: its rays and their answers as arrays, and what becomes of
- * them: rows of the table, and what is found. */
+/* The room of a tile: its rays and their answers as arrays, its rows of the table, and its findings. */
 typedef struct intersect_room {
     double ray[8][TILE_RAYS];                  /* o, d, tmin, tmax */
     double number[8][TILE_RAYS];               /* t, t_err, p, n */
     signed char status[TILE_RAYS];
     int evals[TILE_RAYS];
-    sgt_hit *hit;                              /* of --all: of one ray */
+    sgt_hit *hit;                              /* [capacity], for --all: the roots of one ray */
     int capacity;
     table *rows;
     findings found;
@@ -141,11 +140,11 @@ typedef struct intersect_work {
     sgt_surface surface;
     intersect_room *room;
     table *table;
-    bool stretches;                            /* lo and hi have columns */
+    bool stretches;                            /* there are columns lo and hi */
     findings found;
 } intersect_work;
 
-/* A miss, and a ray that is none, have no root; an undecided stretch is numbered as one. */
+/* A miss and an invalid ray have root -1; an undecided stretch is numbered as a root. */
 static void intersect_write_row(const intersect_work *w, intersect_room *r, const launch *l, int root,
                                 const sgt_hit *h)
 {
@@ -190,13 +189,13 @@ static void find_one_each(const intersect_work *w, intersect_room *r, const tile
     for (size_t i = 0; i < t->count; i++) {
         sgt_hit h = {.status = (sgt_status)r->status[i], .evals = r->evals[i], .t = n[0][i], .t_err = n[1][i],
                      .p = {n[2][i], n[3][i], n[4][i]}, .n = {n[5][i], n[6][i], n[7][i]}};
-        /* a batch does not tell lo and hi */
+        /* a batch does not give lo and hi */
         if (w->stretches && h.status < 0) h = sgt_intersect(w->surface, l[i].ray, &w->asked->shared.solver);
         intersect_write_row(w, r, &l[i], 0, &h);
     }
 }
 
-/* The room for the roots of one ray grows to what the richest ray needs. */
+/* The room for the roots of a ray grows to the most that any ray has. */
 static void find_all(const intersect_work *w, intersect_room *r, const tile *t)
 {
     const sgt_options *opt = &w->asked->shared.solver;
@@ -210,7 +209,7 @@ static void find_all(const intersect_work *w, intersect_room *r, const tile *t)
         if (i > 0) table_gap(r->rows);
         for (int root = 0; root < count; root++) intersect_write_row(w, r, l, root, &r->hit[root]);
         if (count > 0) continue;
-        sgt_hit none = sgt_intersect(w->surface, l->ray, opt); /* the search for one says what that took */
+        sgt_hit none = sgt_intersect(w->surface, l->ray, opt); /* for its status and evaluations */
         intersect_write_row(w, r, l, 0, &none);
     }
 }
@@ -236,7 +235,7 @@ static void intersect_take(void *data, const tile *t)
 
 /* ---------------------------------------------------------------- verdict */
 
-/* "3 hits proven to be the first", "1 miss proven"; without a proof asked for "3 hit", "1 miss". */
+/* "3 hits proven to be the first", "1 miss proven"; without --proof "3 hit", "1 miss". */
 static int print_count(char *text, size_t size, const intersect_work *w, sgt_status status, size_t n)
 {
     const sgt_options *asked = &w->asked->shared.solver;
@@ -299,7 +298,7 @@ static void write_undecided(const intersect_work *w)
     }
 }
 
-/* Every column but those of things that were not asked for. */
+/* The columns, with id, lo and hi only if they are wanted. */
 static size_t intersect_columns_of(const intersect_work *w, column to[HEAD_COUNT + 3])
 {
     size_t n = HEAD_COUNT;

@@ -1,15 +1,15 @@
-/* methods.c - Newton and bisection as they are written before one knows better.
+/* methods.c - Newton's method and bisection without any safeguard.
  *
- * Newton's step along a ray is t - F / (grad F . d).  Here it is bare: no bracket, and
- * where F is NaN t is halved, toward the ray's origin.  It stops when a step no longer
- * moves t by more than an ulp, which says nothing about F.
+ * Newton's step along a ray is t - F / (grad F . d).  Here there is no bracket, and where F
+ * is NaN, t is halved, toward the ray's origin.  The iteration stops when a step moves t by
+ * at most an ulp, which says nothing about F.
  *
- * `newton-normalised` scales the gradient to unit length first, as for a normal vector.
- * F stays as it was, so the step is too long by |grad F|, and near the root the error is
- * multiplied by 1 - |grad F| each time.  On a sag |grad F| is 1 / cos of the surface's
- * slope: beyond 60 degrees it is more than 2, and the iteration cannot settle.
+ * `newton-normalised` scales the gradient to unit length first, as for a normal vector.  F is
+ * not scaled, so the step is too long by the factor |grad F|, and near the root each step
+ * multiplies the error by 1 - |grad F|.  On a sag |grad F| is 1 / cos of the surface's slope:
+ * beyond 60 degrees it is more than 2, and the iteration cannot settle.
  *
- * Bisection halves the span of the surface on the ray, where the signs at its ends differ. */
+ * Bisection halves the span of the surface on the ray, if F has different signs at its ends. */
 #include "methods.h"
 
 #include "../show/frame.h"
@@ -59,7 +59,7 @@ static sgt_span span_of(const methods_search *s)
     return all;
 }
 
-/* A sag: where the ray meets the vertex plane.  Else the middle of the span; NaN: it has none. */
+/* On a sag, where the ray crosses the vertex plane; else the middle of the span; NaN if there is none. */
 static double start_of(const methods_search *s)
 {
     double plane = -s->ray->o.z / s->ray->d.z;
@@ -107,8 +107,8 @@ static void newton(methods_search *s)
     }
 }
 
-/* F at an end of the span, or as near to it as F is defined (the span may reach an ulp
- * beyond the domain): the end moves toward the middle by 2^-40 of the way, 2^-38 ... */
+/* F at an end of the span.  If F is NaN there (the span may reach an ulp beyond the domain), the end moves
+ * toward the middle by 2^-40 of the way, then 2^-38, 2^-36 ... */
 static double end_value(methods_search *s, double *end, double other, double *slope)
 {
     double at = *end, f = evaluate(s, SGT_SEED, at, fmin(at, other), fmax(at, other), slope);
@@ -119,8 +119,8 @@ static double end_value(methods_search *s, double *end, double other, double *sl
     return f;
 }
 
-/* An infinite end is cut to the chord of the aperture, x^2 + y^2 <= a^2; along the axis,
- * where that has no end, to so many times a on both sides of the vertex plane. */
+/* Cuts an infinite end to the chord of the aperture, x^2 + y^2 <= a^2.  Along the axis that chord is
+ * infinite too; there the span is AXIAL times a on both sides of the vertex plane. */
 static void cut_to_aperture(const methods_search *s, sgt_span *span)
 {
     const double AXIAL = 4;

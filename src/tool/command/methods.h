@@ -1,12 +1,12 @@
-/* methods.h - the solver watched, and the bare methods it is compared with. */
+/* methods.h - records the library's evaluations, and runs the bare methods to compare them with. */
 #ifndef TOOL_METHODS_H
 #define TOOL_METHODS_H
 #include <sagitta/diagnose.h>
 
 typedef enum method {
     METHOD_SAFEGUARDED,   /* what the library does */
-    METHOD_NEWTON,        /* bare, with the NaN back-off alone */
-    METHOD_NORMALISED,    /* the same, with the gradient scaled to unit length */
+    METHOD_NEWTON,        /* Newton's steps only; where F is NaN, t is halved */
+    METHOD_NORMALISED,    /* the same with the gradient scaled to unit length */
     METHOD_BISECTION
 } method;
 
@@ -14,22 +14,22 @@ typedef enum method {
 typedef struct record {
     sgt_step *step;
     size_t count, capacity;
-    bool settled;         /* a bare method: the next step would change nothing */
+    bool settled;         /* of a bare method: the next step would not change t */
     double t;             /* where it ended */
     const char *stopped;  /* why, if it did not settle */
 } record;
 
-/* A watcher for sgt_options; data is a record. */
+/* An sgt_options.watch that appends to a record; data: the record. */
 int method_watch(void *data, const sgt_step *step);
 
-/* Runs one of the bare methods; t is the ray's own.  Where the span is infinite, bisection
- * takes the stretch within the clear aperture (semi_diameter; 0: there is none). */
+/* Runs a bare method; t is in lengths of the ray's direction.  If the span is infinite, bisection
+ * uses the part inside the clear aperture (semi_diameter, a length; 0: none). */
 record method_run(method m, sgt_surface s, double semi_diameter, const sgt_ray *ray, int max_evals);
 
-/* Did it only back off from one undefined point to the next? */
+/* Was F NaN at every evaluation, so that all it did was to halve t? */
 bool method_only_retreated(const record *r);
 
-/* How many of the evaluations were steps of a march? */
+/* How many of the evaluations are steps of a march? */
 size_t method_march_steps(const record *r);
 
 sgt_diagnosis method_diagnose(const record *r);

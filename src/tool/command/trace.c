@@ -92,7 +92,7 @@ static trace_arguments trace_arguments_of(int argc, char *argv[])
             a.global = strcmp(optarg, "global") == 0;
             if (!a.global && strcmp(optarg, "local") != 0)
                 fail_usage("--frame must be local or global, not \"%s\"", optarg);
-        } else if (code == RAY) { /* else getopt takes it for a short --rays */
+        } else if (code == RAY) { /* without this code getopt would take --ray for --rays */
             fail_usage(
                 "--ray: give the rays of a lens as a file, --rays FILE, or on standard input, --rays -");
         } else if (!job_take(&a.job, code)) {
@@ -109,7 +109,7 @@ static trace_arguments trace_arguments_of(int argc, char *argv[])
 
 /* ------------------------------------------------------------------ tiles */
 
-/* What each element did to rays that ended there. */
+/* How many rays ended at an element, by fate. */
 typedef struct losses {
     size_t clipped, tir, missed, lost[SGT_HIT - SGT_INVALID + 1]; /* lost: by status */
 } losses;
@@ -122,7 +122,7 @@ static void count_loss(losses *l, sgt_fate fate, sgt_status status)
     else l->lost[(status < 0 ? (int)status : 0) - SGT_INVALID]++;
 }
 
-enum { RECORDS_MOST = 1 << 16 }; /* rays times elements of a tile */
+enum { RECORDS_MOST = 1 << 16 }; /* the most rays times elements in a tile */
 
 /* One element as the rays of a tile met it. */
 typedef struct records {
@@ -131,14 +131,14 @@ typedef struct records {
     double *number[9];             /* p, direction, t, t_err, opl */
 } records;
 
-/* What a tile needs for itself: its rays, what became of them, and rows of the table. */
+/* The room of a tile: its rays, what became of them, and its rows of the table. */
 typedef struct trace_room {
-    double ray[6][TILE_RAYS];      /* o, d; after the trace as it left them */
+    double ray[6][TILE_RAYS];      /* o, d; after the trace, where it ended */
     signed char fate[TILE_RAYS];
     int passed[TILE_RAYS];
     records *record;               /* [elements] */
-    sgt_passages *passages;        /* [elements]: where record is, for the library */
-    sgt_passage *alone;            /* [elements]: of one ray by itself, where stretches are told */
+    sgt_passages *passages;        /* [elements], for the library: point into record */
+    sgt_passage *alone;            /* [elements], for a ray traced by itself to get lo and hi */
     table *rows;
 } trace_room;
 
@@ -148,8 +148,8 @@ typedef struct trace_work {
     trace_room *room;
     table *table;
     scene *picture;                /* NULL: none */
-    bool stretches;                /* lo and hi have columns */
-    size_t passed, proven, undecided; /* of all rays; proven: no element was grazed */
+    bool stretches;                /* there are columns lo and hi */
+    size_t passed, proven, undecided; /* how many rays; proven: passed and grazed no element */
     const launch *lost[UNDECIDED_SHOWN];
     int shown;
     losses *loss;                  /* [elements] */
@@ -191,7 +191,7 @@ static void write_vector(table *t, sgt_vec3 v)
     table_number(t, v.z);
 }
 
-/* A ray by itself, of which more is told than in a batch: how it was met at the element where it ended. */
+/* Traces a ray by itself, for the lo and hi that a batch does not give.  Returns the hit where it ended. */
 static const sgt_hit *ended(const trace_work *w, const launch *l, sgt_passage alone[], size_t element)
 {
     sgt_ray ray = l->ray;
@@ -203,7 +203,7 @@ static const sgt_hit *ended(const trace_work *w, const launch *l, sgt_passage al
 static void trace_write_row(const trace_work *w, trace_room *own, const launch *l, size_t element,
                             sgt_fate fate, records *r, size_t i)
 {
-    /* what is not: the point of a miss, the direction of a ray that went no farther */
+    /* NaN: the point of a miss, the direction of a ray that ended here */
     const sgt_vec3 nowhere = {(double)NAN, (double)NAN, (double)NAN};
     sgt_vec3 point = r->status[i] > 0 ? vector_at(r->number, i) : nowhere;
     sgt_vec3 direction = fate == SGT_PASSED ? vector_at(r->number + 3, i) : nowhere;
@@ -261,7 +261,7 @@ static void draw(trace_work *w, const trace_room *r, const launch *l, size_t i)
               (sgt_vec3){r->ray[3][i], r->ray[4][i], r->ray[5][i]});
 }
 
-/* Did it cross every element for certain?  A graze is a touch as far as can be told. */
+/* Was it a hit at every element?  A graze is not proven. */
 static bool crossed_all(const trace_work *w, const trace_room *r, size_t i)
 {
     for (size_t k = 0; k < w->job->lens.count; k++)
@@ -294,7 +294,7 @@ static void trace_append(char text[400], size_t n, const char *what, const char 
     if (n) snprintf(text + length, 400 - length, "%s %zu %s%s", length ? "," : "", n, what, reason);
 }
 
-/* What is proven of the rays that passed. */
+/* Prints what is proven of the rays that passed. */
 static void write_proof(const trace_work *w)
 {
     const trace_arguments *a = w->asked;
@@ -342,7 +342,7 @@ static void write_legend(const trace_work *w)
         *units ? units : "that of the lens");
 }
 
-/* The first rays that were lost: where, and why. */
+/* Prints where and why the first lost rays were lost. */
 static void write_lost(const trace_work *w)
 {
     const job *j = w->job;
@@ -352,7 +352,7 @@ static void write_lost(const trace_work *w)
         sgt_ray ray = w->lost[i]->ray;
         size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &ray, alone, NULL,
                                   &asked->solver);
-        if (passed == j->lens.count) continue; /* never: a batch tells what a ray alone does */
+        if (passed == j->lens.count) continue; /* never: a batch gives the same answers as single rays */
         const sgt_element *e = &j->element[passed];
         const search s = {.surface = e->surface,
                           .semi_diameter = e->semi_diameter,
@@ -388,8 +388,8 @@ exit_status command_trace(int argc, char *argv[])
     options_note_unread(&a.shared, j.lens.count, j.element);
     const size_t count = j.lens.count;
     const bool text = a.shared.target.format == TABLE_TEXT;
-    /* the room of a tile is some 60 KB for each element: 16 MB a thread; of many elements the tiles have
-     * fewer rays */
+    /* A tile takes some 60 KB for each element.  At most 16 MB a thread: with many elements tiles have fewer
+     * rays. */
     const tiling in = {.rays = j.rays.count,
                        .threads = count > RECORDS_MOST ? 1 : threads,
                        .share = count < 4     ? SHARE_MOST
@@ -400,7 +400,6 @@ exit_status command_trace(int argc, char *argv[])
                                                                   : TILE_RAYS};
     const size_t places = tiles_places(&in);
     if (a.svg) {
-        /* before a picture is begun */
         if (a.shared.target.path) output_check("output", a.shared.target.path);
         output_reserve("svg", a.svg);
         for (size_t i = 0; i < count; i++)

@@ -1,4 +1,4 @@
-/* trade.c - sagitta trade: what does accuracy cost, and speed? */
+/* trade.c - sagitta trade: what does accuracy cost, and what does speed cost? */
 #include "../trade/trade.h"
 
 #include "commands.h"
@@ -66,7 +66,7 @@ static const char trade_more_help[] =
     "  --dt-min X,...     level sets only: the fast search, which proves nothing; default\n"
     "                     1e-1,1e-2,1e-3,1e-4\n"
     "  --iterations N,... level sets only: other values of N, in a table of their own.  Errors are\n"
-    "                     against the largest N; default N - 4 to N + 4\n"
+    "                     against the largest N; default N - 4, N - 2 ... N + 4\n"
     "  --pick P           first or near-seed; default: both, each measured against its own root\n"
     "\n"
     "  --seconds S        time to spend on measuring, about (default 10)\n"
@@ -89,7 +89,7 @@ typedef struct trade_arguments {
     const char *svg;
 } trade_arguments;
 
-/* Numbers separated by commas, after those that are there. */
+/* Appends numbers separated by commas to a list. */
 static void take_list(knob_list *list, const char *option, bool whole)
 {
     char copy[400];
@@ -175,7 +175,7 @@ static trade_arguments trade_arguments_of(int argc, char *argv[])
     return a;
 }
 
-/* A word on standard error of what was asked for and is of no use. */
+/* Notes on standard error which options have no effect here. */
 static void note_unread(const trade_arguments *a, const trade *t)
 {
     shared_options asked = {
@@ -196,7 +196,7 @@ static void note_unread(const trade_arguments *a, const trade *t)
 
 /* ------------------------------------------------------------------ table */
 
-/* For people the case stands above its rows, and the rays with it. */
+/* In text the case and its number of rays are not columns: they stand above the rows. */
 static const column trade_head[] = {
     {"case", COLUMN_WORD}, {"setting", COLUMN_WORD}, {"ns", COLUMN_NUMBER}, {"evals", COLUMN_NUMBER},
     {"err_median", COLUMN_ERROR}, {"err_99", COLUMN_ERROR}, {"err_worst", COLUMN_ERROR},
@@ -241,7 +241,7 @@ static void write_setting(table *t, const header *h, const trade_case *c, const 
     table_word(t, s->effect);
 }
 
-/* Above the rows of a case: what it is, how many rays there are, and of how many the errors. */
+/* Above the rows of a case: what it is, how many rays there are, and how many have no error. */
 static void write_about(table *t, const trade_case *c)
 {
     size_t met = 0, unknown = 0;
@@ -258,7 +258,7 @@ static void write_about(table *t, const trade_case *c)
                    unknown);
 }
 
-/* Words put together: "a", then "a and b", then "a, b and c". */
+/* A list in words: "a", "a and b", "a, b and c". */
 typedef struct words { char text[600]; size_t count, last; } words;
 
 static void words_add(words *w, const char *more)
@@ -277,7 +277,7 @@ static void words_end(words *w)
     snprintf(w->text + w->last, sizeof w->text - w->last, " and %s", last);
 }
 
-/* "t_tol changes nothing here": the knobs of which no setting does anything. */
+/* The knobs of which no setting changes anything, for "t_tol changes nothing here". */
 static words idle_knobs(const trade_case *c)
 {
     words idle = {.count = 0};
@@ -294,7 +294,7 @@ static words idle_knobs(const trade_case *c)
     return idle;
 }
 
-/* Under the rows: what is in vain, and what the best of the others do, if it is one thing. */
+/* Under the rows: which knobs change nothing, and what each best setting does, if it is one thing. */
 static void write_words(table *t, const trade_case *c)
 {
     char text[1200] = "";

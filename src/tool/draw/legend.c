@@ -1,5 +1,5 @@
-/* legend.c - entries from left to right, in as many rows as they need; the scale bar at
- * the right of the first. */
+/* legend.c - entries from left to right, in as many rows as they need, and the scale bar at
+ * the right end of the first row. */
 #include "legend.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 static const double LEGEND_ROW = 18, SAMPLE = 20, GAP = 6, BETWEEN = 22, BAR_ROOM = 190, BAR_LONGEST = 150,
                     TICK = 3;
 
-/* Colours that stay apart for the colour-blind, and in grey (Okabe & Ito 2008, jfly.uni-koeln.de/color). */
+/* Colours that differ for the colour-blind and in grey (Okabe & Ito 2008, jfly.uni-koeln.de/color). */
 static const double colour[][3] = {
     {0.00, 0.45, 0.70}, {0.84, 0.37, 0.00}, {0.00, 0.62, 0.45}, {0.80, 0.47, 0.65},
     {0.35, 0.35, 0.35}, {0.90, 0.62, 0.00}, {0.34, 0.71, 0.91},
@@ -45,7 +45,7 @@ typedef struct flow {
     double left, right, x, y;
 } flow;
 
-/* Makes room for a sample and a text; sets the text; returns where the sample goes. */
+/* Makes room for a sample and a text, and draws the text; returns x of the sample. */
 static double entry(flow *f, double sample, const char *text)
 {
     cairo_text_extents_t size;
@@ -100,7 +100,7 @@ static void fate_entries(flow *f, const scene *s)
     }
 }
 
-/* The longest of 1, 2, 5 times a power of ten that fits. */
+/* A bar of the longest length that fits: 1, 2 or 5 times a power of ten. */
 static void scale_bar(cairo_t *cr, const scene *s, double right, double y, double scale)
 {
     static const double steps[] = {1, 2, 5, 10};

@@ -1,4 +1,4 @@
-/* legend.h - the line under a picture: what the colours and marks mean, and how long. */
+/* legend.h - the line under a picture: the meaning of colours and marks, and a scale bar. */
 #ifndef TOOL_LEGEND_H
 #define TOOL_LEGEND_H
 #include "scene.h"
@@ -8,14 +8,14 @@
 #define LEGEND_FONT 11.0
 #define LEGEND_STOP_WIDTH 2.6
 
-/* The colour of a field's rays, as the source of what is drawn next. */
+/* Sets the colour of a field's rays for what is drawn next. */
 void legend_colour(cairo_t *cr, size_t field);
 
-/* Where a ray was lost: a cross, a ring or a triangle, as its fate asks. */
+/* Draws the mark of a ray's end: a cross (clipped), a ring (tir), a triangle (missed, lost). */
 void legend_mark(cairo_t *cr, sgt_fate fate, double x, double y);
 
-/* Draws the legend between left and right, from top down; returns its height.  scale:
- * points per length of the lens. */
+/* Draws the legend between left and right, from top down; returns its height.  All are points.
+ * scale: points per unit of length of the lens. */
 double legend_draw(cairo_t *cr, const scene *s, double left, double right, double top, double scale);
 
 #endif

@@ -1,9 +1,9 @@
-/* picture.c - a scene on a page, with cairo.
+/* picture.c - draws a scene on a page, with cairo.
  *
- * One scale for both directions; the page is as wide as a report's and as high as the
- * lens asks for.  From the back: glass, axis, rays, surfaces, what became of lost rays; a
- * line of title above and the legend with the scale bar below, so that no text meets a
- * line.  All sizes are points. */
+ * Both directions have the same scale.  The page has a fixed width, and the height that the
+ * lens needs.  Drawn from back to front: glass, axis, rays, surfaces, marks of rays that ended.
+ * The title is above and the legend with the scale bar below, so no text covers a line.  All
+ * sizes are points. */
 #include "picture.h"
 
 #include "legend.h"
@@ -77,7 +77,7 @@ static void draw_glass(const page *p, const outline *a, const outline *b)
     cairo_fill(p->cr);
 }
 
-/* The cylinder of a glass element, and the flat rings that join it to the faces. */
+/* The edge of a glass element, and the flat rings that join it to the faces. */
 static void draw_edges(const page *p, const outline *a, const outline *b)
 {
     double half = fmax(a->half, b->half);
@@ -108,7 +108,7 @@ static void draw_hatching(const page *p, const outline *o)
     picture_stroke(p, THIN, 0.35);
 }
 
-/* From the aperture outward, across the glass where that is wider. */
+/* Bars from the aperture outward, drawn over the glass if that is wider. */
 static void draw_stop(const page *p, const outline *o)
 {
     for (int side = 0; side < 2; side++) {

@@ -1,12 +1,12 @@
-/* picture.h - a scene on a page. */
+/* picture.h - writes a scene as a picture. */
 #ifndef TOOL_PICTURE_H
 #define TOOL_PICTURE_H
 #include "scene.h"
 
-/* A usage error in a command that was built without cairo. */
+/* Ends with a usage error if the command was built without cairo. */
 void picture_check(void);
 
-/* Writes an SVG file; one that cannot be written ends the command. */
+/* Writes an SVG file.  If it cannot be written the command ends. */
 void picture_write(const char *file, const scene *s);
 
 #endif

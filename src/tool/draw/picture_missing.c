@@ -1,4 +1,4 @@
-/* picture_missing.c - in the place of picture.c where there is no cairo. */
+/* picture_missing.c - replaces picture.c and legend.c if there is no cairo. */
 #include "picture.h"
 
 void picture_check(void) { fail_usage("--svg: not available; this command was built without cairo"); }

@@ -1,4 +1,4 @@
-/* scene.c - outlines of the elements and paths of the rays, cut to what a page shows. */
+/* scene.c - finds the outlines of the elements, and cuts the paths of the rays to what a page shows. */
 #include "scene.h"
 
 #include "../show/frame.h"
@@ -7,10 +7,10 @@
 
 #include <math.h>
 
-static const double LEAD = 0.08;       /* of the lens's extent: rays drawn before the first surface */
-static const double NEAR_OBJECT = 1.5; /* of the lens's length: an object that near is shown */
-static const double BEYOND_LENS = 3;   /* of the lens's extent: so far a ray that met nothing is followed */
-/* a surface without a clear aperture is drawn so much wider than the rays */
+static const double LEAD = 0.08;       /* of the lens's extent: the length of rays in front of it */
+static const double NEAR_OBJECT = 1.5; /* of the lens's length: an object at most so far away is shown */
+static const double BEYOND_LENS = 3;   /* of the lens's extent: a ray that met nothing is drawn so far */
+/* a surface without a clear aperture is drawn so many times as wide as the rays */
 static const double BEYOND_RAYS = 1.1;
 
 static spot spot_of(sgt_vec3 p) { return (spot){p.z, p.y}; }
@@ -32,14 +32,14 @@ void scene_add(scene *s, size_t field, size_t points, const sgt_vec3 point[], sg
         sgt_vec3 own = frame_point_in(&s->job->element[i - 1].pose, point[i]);
         s->reach[i - 1] = fmax(s->reach[i - 1], hypot(own.x, own.y));
     }
-    if (astray) p.at[p.count++] = spot_of(direction); /* made a point when the extent is known */
+    if (astray) p.at[p.count++] = spot_of(direction); /* scene_finish makes it a point */
     s->path = memory_room(s->path, s->paths, &s->capacity, sizeof *s->path);
     s->path[s->paths++] = p;
 }
 
 /* --------------------------------------------------------------- outlines */
 
-/* The widest half height up to `wanted` at which the surface is there on both sides. */
+/* The largest half height up to `wanted` at which the surface exists on both sides, by bisection. */
 static double half_height(const sgt_element *e, double wanted)
 {
     double low = 0, high = wanted;
@@ -52,7 +52,7 @@ static double half_height(const sgt_element *e, double wanted)
     return low;
 }
 
-/* A level set is not drawn: its section would be as fine as the net. */
+/* The section of a body.  A level set is not drawn: its details are finer than the net. */
 static void add_section(outline *o, const sgt_element *e, double reach)
 {
     sgt_vec3(*own)[2] = NULL;
@@ -86,7 +86,7 @@ static outline outline_of(const scene *s, size_t i, double back)
     for (int k = 0; k < OUTLINE_POINTS; k++) {
         double y = o.half * (2 * k - (OUTLINE_POINTS - 1)) / (OUTLINE_POINTS - 1);
         double sag = profile_sag(e, 0, y);
-        if (isnan(sag)) o.half = 0; /* a hole in the middle: not a shape that a line can show */
+        if (isnan(sag)) o.half = 0; /* a hole in the middle: a line cannot show it */
         o.at[k] = spot_of(frame_point_out(&e->pose, (sgt_vec3){0, y, isnan(sag) ? 0 : sag}));
     }
     return o;
@@ -115,7 +115,7 @@ static void include(scene *s, spot p)
     s->high = (spot){fmax(s->high.z, p.z), fmax(s->high.y, p.y)};
 }
 
-/* The edge of the glass behind element i is as wide as the wider of its faces. */
+/* The edge of the glass behind element i; it is as wide as the wider of its two faces. */
 static void include_edges(scene *s, size_t i)
 {
     const outline *a = &s->outline[i], *b = a + 1;
@@ -125,7 +125,7 @@ static void include_edges(scene *s, size_t i)
     }
 }
 
-/* How far from `a` toward `b` (0 ... 1) one coordinate comes inside [low, high]. */
+/* The part (0 ... 1) of the way from `a` to `b` after which a coordinate is inside [low, high]. */
 static double scene_enters(double a, double b, double low, double high)
 {
     if (a < low && b > a) return (low - a) / (b - a);
@@ -133,8 +133,8 @@ static double scene_enters(double a, double b, double low, double high)
     return 0;
 }
 
-/* If a lies outside the lens and its lead, the place on the line to b where it enters them, but at most so
- * near to b that a lead's length of the line is left: a ray clipped far outside is still a line. */
+/* Moves a along the line to b until it is inside the lens and its lead.  A lead's length of the line is
+ * always kept, so that a ray clipped far outside is still drawn as a line. */
 static spot brought_in(const scene *s, spot a, spot b, spot low, spot high)
 {
     double u = fmax(scene_enters(a.z, b.z, low.z - s->lead, high.z + s->lead),
@@ -144,8 +144,8 @@ static spot brought_in(const scene *s, spot a, spot b, spot low, spot high)
     return (spot){a.z + u * (b.z - a.z), a.y + u * (b.y - a.y)};
 }
 
-/* Where a ray begins in the picture: a beam from afar at a line before the lens, common to
- * all; a ray of a file at its own start, or where it enters what the picture shows. */
+/* Where a ray begins in the picture.  Rays of a distant field begin at a common line in front of the lens.  A
+ * ray of a file begins at its own start, or where it enters the picture. */
 static void cut_start(const scene *s, path *p, spot low, spot high)
 {
     const lens *l = &s->job->lens;
@@ -163,7 +163,7 @@ static void cut_start(const scene *s, path *p, spot low, spot high)
 void scene_finish(scene *s)
 {
     const lens *l = &s->job->lens;
-    double back = 1; /* light that goes toward +z leaves a mirror's +z side dark */
+    double back = 1; /* light along +z falls on the -z side of a mirror */
     s->low = (spot){HUGE_VAL, HUGE_VAL}, s->high = (spot){-HUGE_VAL, -HUGE_VAL};
     for (size_t i = 0; i < l->count; i++) {
         s->outline[i] = outline_of(s, i, back);
@@ -182,7 +182,7 @@ void scene_finish(scene *s)
         if (p->fate == SGT_MISSED || p->fate == SGT_LOST) {
             spot from = p->at[p->count - 2], d = p->at[p->count - 1];
             double far = s->lead, first = (l->surface[0].z - from.z) / d.z;
-            /* it met nothing at all */
+            /* it met nothing at all: draw it to the first surface and on */
             if (p->count == 2 && first > 0 && first < BEYOND_LENS * size) far += first;
             p->at[p->count - 1] = (spot){from.z + far * d.z, from.y + far * d.y};
         }

@@ -11,7 +11,7 @@ typedef struct job_options {
     size_t fields, capacity;
     long fan, grid, wavelength;       /* 0: not given */
     bool skip_bad, no_apertures;
-    int threads;                      /* that read rays; 0: one */
+    int threads;                      /* to read rays with; 0: one */
 } job_options;
 
 enum {
@@ -30,21 +30,21 @@ enum {
 
 extern const char job_help[];
 
-/* Takes one of the codes above; false: it is another. */
+/* Takes an option if its code is one of the above; else returns false. */
 bool job_take(job_options *o, int code);
 
 typedef struct job {
     lens lens;
-    sgt_element *element;     /* the lens's, without apertures where none are wanted */
+    sgt_element *element;     /* [lens.count], those of the lens; without apertures for --no-apertures */
     ray_list rays;
     size_t fields;            /* 0: the rays came from a file */
-    const double *field;
+    const double *field;      /* degrees */
 } job;
 
-/* The whole line of a ray as an element sees it: in its own frame. */
+/* The whole line of a ray, from -infinity to infinity, in an element's own frame. */
 sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray);
 
-/* Reads what the options name.  Whatever is wrong ends the command. */
+/* Reads the lens and the rays.  Any error ends the command. */
 job job_read(const job_options *o);
 
 #endif

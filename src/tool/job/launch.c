@@ -1,20 +1,20 @@
 /* launch.c - the entrance pupil, and the rays of a field through it.
  *
  * THE PUPIL is the image of the stop's centre in object space.  Trace two paraxial rays
- * from the first vertex to the stop, heights y and slopes u: refraction n'u' = n u -
- * y C (n' - n), transfer y' = y + t u', after a mirror the index changes its sign as the
- * thickness does (Welford 1986, Aberrations of Optical Systems, 3.2).  One starts with
- * y = 1, u = 0 and meets the stop at height A, the other with y = 0, u = 1 and meets it at
- * B.  The ray y = -p u, that crosses the axis at z = p, meets it at u (B - p A): it goes
- * through the stop's centre for p = B / A.  A = 0: the pupil is at infinity.
+ * from the first vertex to the stop, with heights y and slopes u.  Refraction: n'u' = n u -
+ * y C (n' - n).  Transfer: y' = y + t u'.  After a mirror the index changes its sign, as the
+ * thickness does (Welford 1986, Aberrations of Optical Systems, 3.2).  One ray starts with
+ * y = 1, u = 0 and meets the stop at height A; the other with y = 0, u = 1 and meets it at
+ * B.  A ray with y = -p u crosses the axis at z = p and meets the stop at height u (B - p A).
+ * So it goes through the stop's centre if p = B / A.  If A = 0 the pupil is at infinity.
  *
- * A FIELD of a degrees lies in the y-z plane, and its angle is that of the ray through
- * the pupil's centre, which runs along (0, sin a, cos a): a positive field climbs toward
- * +y.  An object at a finite distance D is then at height -(D + p) tan a.
+ * A FIELD of a degrees: its chief ray, through the pupil's centre, lies in the y-z plane and
+ * runs along (0, sin a, cos a), so a positive field climbs toward +y.  An object at a finite
+ * distance D is then at height -(D + p) tan a.
  *
  * OBJECT AT INFINITY: the rays start on one wavefront, a plane at right angles to their
- * direction, so that their optical path lengths may be compared.  Of the planes possible
- * it is one in front of the pupil and of all surfaces. */
+ * direction, so that their optical path lengths can be compared.  The plane lies in front of
+ * the pupil and of all surfaces. */
 #include "launch.h"
 
 #include "../show/frame.h"
@@ -23,14 +23,14 @@
 #include <math.h>
 
 static const double RADIAN = 0.017453292519943295; /* pi / 180 */
-static const double AT_INFINITY = 0x1p-40;         /* A begins as 1; what rounding leaves of it is none */
-static const double SOFT_EDGE = 1 + 0x1p-44;       /* as the library's rims, of r^2 */
+static const double AT_INFINITY = 0x1p-40;         /* |A| below this is rounding: A starts as 1 */
+static const double SOFT_EDGE = 1 + 0x1p-44;       /* of r^2, as for the library's rims */
 
-/* Where the entrance pupil is, from the first vertex along z. */
+/* The distance of the entrance pupil from the first vertex, along z. */
 static double pupil_distance(const lens *l)
 {
     if (!isnan(l->pupil_distance)) return l->pupil_distance;
-    const double step = l->pupil_semi_diameter * 0x1p-30; /* (C step)^2 is nothing */
+    const double step = l->pupil_semi_diameter * 0x1p-30; /* so small that (C step)^2 is negligible */
     double y[2] = {1, 0}, u[2] = {0, 1}, index = l->object_index, z = l->surface[0].z;
     for (size_t i = 0; i <= l->stop; i++) {
         const lens_surface *s = &l->surface[i];
@@ -56,8 +56,8 @@ static double pupil_distance(const lens *l)
     return p;
 }
 
-/* z of a plane in front of the pupil and of every surface (a mirror sends light back to
- * some that stand before the first). */
+/* The z of a plane in front of the pupil and of every surface.  A mirror may send light back to surfaces in
+ * front of the first. */
 static double front(const lens *l, double pupil)
 {
     double z = pupil;
@@ -66,17 +66,17 @@ static double front(const lens *l, double pupil)
         z = fmin(z, e->pose.origin.z);
         for (int side = -1; side <= 1; side += 2) {
             sgt_vec3 rim = {0, side * e->semi_diameter, profile_sag(e, 0, side * e->semi_diameter)};
-            z = fmin(z, frame_point_out(&e->pose, rim).z); /* fmin leaves a NaN aside */
+            z = fmin(z, frame_point_out(&e->pose, rim).z); /* fmin ignores a NaN */
         }
     }
     return z - l->pupil_semi_diameter;
 }
 
 typedef struct beam {
-    double pupil, wave;    /* z of the pupil; the wavefront is direction . p = wave */
+    double pupil, wave;    /* z of the pupil; the wavefront is the plane direction . p = wave */
     sgt_vec3 direction;    /* of the chief ray */
     bool finite;
-    sgt_vec3 object;       /* where the rays come from, if finite */
+    sgt_vec3 object;       /* if finite: the point the rays come from */
 } beam;
 
 static beam beam_of(const lens *l, double degrees)
@@ -105,7 +105,7 @@ static sgt_ray ray_through(const beam *b, double x, double y)
         return (sgt_ray){.o = vector_along(p, b->direction, b->wave - vector_dot(p, b->direction)),
                          .d = b->direction};
     sgt_vec3 d = vector_minus(p, b->object);
-    /* a pupil in front of the object: light goes on along +z */
+    /* light runs along +z even if the pupil lies in front of the object */
     double length = copysign(vector_length(d), d.z);
     return (sgt_ray){.o = b->object, .d = {d.x / length, d.y / length, d.z / length}};
 }
@@ -117,7 +117,7 @@ void launch_field(ray_list *list, const lens *l, size_t field, double degrees, p
                       "missing: the pupil has no size to send rays through (or give rays with --rays FILE)");
     beam b = beam_of(l, degrees);
     double a = l->pupil_semi_diameter;
-    /* whole numbers over whole numbers: the pupil is filled symmetrically, to the bit */
+    /* quotients of whole numbers: the rays are symmetric to the last bit */
     double last = n > 1 ? (double)(n - 1) : 1;
     for (long i = 0; i < (pattern == PUPIL_GRID ? n : 1); i++)
         for (long j = 0; j < n; j++) {

@@ -5,12 +5,12 @@
 #include "../read/rays.h"
 
 typedef enum pupil_pattern {
-    PUPIL_FAN,   /* n rays across the pupil in y, edge to edge; one: its centre */
-    PUPIL_GRID   /* n x n over the pupil's square, those in its circle */
+    PUPIL_FAN,   /* n rays across the pupil in y, from edge to edge; n = 1: its centre */
+    PUPIL_GRID   /* of n x n rays over the square around the pupil, those inside its circle */
 } pupil_pattern;
 
-/* Adds the rays of one field (degrees) to the list.  Without a pupil in the lens the
- * command ends, naming the key. */
+/* Adds the rays of one field (degrees) to the list.  If the lens gives no pupil the command ends, and
+ * the message names the key. */
 void launch_field(ray_list *list, const lens *l, size_t field, double degrees, pupil_pattern pattern, long n);
 
 #endif

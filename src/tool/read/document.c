@@ -1,9 +1,9 @@
-/* document.c - from libyaml's events to our tree, and the values in it.
+/* document.c - makes a tree from libyaml's events, and reads the values in it.
  *
- * The tree is made while the events come, so that nesting is refused where it becomes too
- * deep: libyaml's own time grows with the square of the depth.  An alias (*name) is a node
- * met twice, so that a file of aliases to aliases stays small however large it would be
- * written out.  Time and memory grow with the length of the text and no faster. */
+ * The tree is built as the events come, so too deep a nesting is refused at once: libyaml's own
+ * time grows with the square of the depth.  An alias (*name) is the same node a second time, so
+ * a file of aliases to aliases stays small, however large it would be written out.  Time and
+ * memory grow linearly with the length of the text. */
 #include "document.h"
 
 #include "../base/memory.h"
@@ -28,7 +28,7 @@ void document_fail(const document *d, const node *at, const char *key, const cha
 
 enum { FAULT_SIZE = 300 };
 
-/* A zero byte, that YAML can write as "\0", is not to end a word early. */
+/* A zero byte (YAML can write one as "\0") must not end a word early: it becomes a ?. */
 static const char *text_of(const char *value, size_t length)
 {
     char *text = memory_text(value, length);
@@ -37,7 +37,7 @@ static const char *text_of(const char *value, size_t length)
     return text;
 }
 
-/* The line of a byte of the text, counts from 1; a \r alone ends one too. */
+/* The line of a byte of the text, counted from 1.  A lone \r ends a line too. */
 static size_t line_of(const char *text, size_t at)
 {
     size_t line = 1;
@@ -45,13 +45,13 @@ static size_t line_of(const char *text, size_t at)
     return line;
 }
 
-/* Where a mark of libyaml stands; libyaml takes the end of the text for a line of its own. */
+/* The line of a libyaml mark.  libyaml counts the end of the text as a line of its own. */
 static size_t line_at(yaml_mark_t mark, size_t last) { return mark.line + 1 < last ? mark.line + 1 : last; }
 
 /* ------------------------------------------------------------------- names */
 
-/* Names and their nodes: a hash table, at most half full, each name in the first free place from its own
- * on. */
+/* A hash table of names and their nodes.  It is at most half full.  A name is in the first free place at or
+ * after the place of its hash. */
 typedef struct named_node { const char *text; node *of; } named_node;
 typedef struct names { named_node *place; size_t count, capacity; } names;
 
@@ -70,7 +70,7 @@ static node *document_named(const names *all, const char *text)
     return all->count ? place_of(all, text)->of : NULL;
 }
 
-/* false: it is there already. */
+/* Adds a name; false: it is there already. */
 static bool add_name(names *all, const char *text, node *of)
 {
     if (2 * all->count >= all->capacity) {
@@ -91,13 +91,13 @@ static bool add_name(names *all, const char *text, node *of)
 
 enum { DEPTH_MOST = 64, NODES_AT_ONCE = 64 };
 
-/* A list or map that is not yet closed, and the room of its arrays. */
+/* A list or map that is not yet closed, and the capacity of its arrays. */
 typedef struct opened { node *of; size_t keys, room, key_room; } opened;
 
 typedef struct builder {
-    size_t last;                    /* line of the text */
-    node *root, *fresh;             /* fresh: nodes that nobody has yet */
-    size_t left;                    /* of them */
+    size_t last;                    /* the last line of the text */
+    node *root, *fresh;             /* fresh: nodes allocated but not yet used */
+    size_t left;                    /* how many of these */
     opened open[DEPTH_MOST];
     size_t depth;
     names anchors;
@@ -112,7 +112,7 @@ static node *node_at(builder *b, yaml_mark_t mark, node_kind kind)
     return n;
 }
 
-/* The next item of the innermost list, the next key or value of the innermost map, or the root. */
+/* Adds a node: to the innermost list, to the innermost map as key or value, or as the root. */
 static void put_node(builder *b, node *n)
 {
     if (b->depth == 0) {
@@ -140,7 +140,7 @@ static void close_node(builder *b)
     n->taken = memory_take(n->count, sizeof *n->taken);
 }
 
-/* What is wrong with the event, or NULL. */
+/* Takes an event into the tree.  Returns what is wrong with it, or NULL. */
 static const char *take_event(builder *b, const yaml_event_t *e)
 {
     const yaml_char_t *anchor = NULL;
@@ -176,7 +176,8 @@ static const char *take_event(builder *b, const yaml_event_t *e)
     return NULL;
 }
 
-/* Lines that begin with % at the start of the text.  libyaml compares each with all before it. */
+/* Counts the lines that begin with % at the start of the text.  libyaml compares each with all before it, so
+ * its time grows with the square of their number. */
 enum { DIRECTIVES_MOST = 64 };
 static size_t directives(const char *text, size_t length)
 {
@@ -196,8 +197,8 @@ static bool begins_with_tab(const char *text, size_t line)
     return text && text[strspn(text, " ")] == '\t';
 }
 
-/* What libyaml found wrong: its words, and the line.  Of a byte that is no text it tells the place and not
- * the line. */
+/* What libyaml found wrong, in its words; returns the line.  For a byte that is not UTF-8, libyaml gives the
+ * byte's place and no line. */
 static size_t syntax_fault(const yaml_parser_t *parser, const char *text, size_t length, size_t last,
                            char fault[FAULT_SIZE])
 {
@@ -250,7 +251,7 @@ document document_parse(const char *source, const char *text, size_t length)
     return d;
 }
 
-/* No map that is right has more keys: what is wrong with such a one is not looked for pair by pair. */
+/* No valid map has more keys.  In a larger one, double keys are found by hashing and not pair by pair. */
 enum { KEYS_MANY = 64 };
 
 void document_map(const document *d, const node *n, const char *key)
@@ -303,7 +304,7 @@ double document_number(const document *d, const node *n, const char *key, number
     if (n->kind != NODE_SCALAR) document_fail(d, n, key, "must be a number");
     double value;
     bool good = number_read(n->text, &value);
-    /* JSON has no infinity but as a string */
+    /* an infinity may be quoted, since JSON can write it only as a string */
     if (good && n->quoted && !isinf(value))
         document_fail(d, n, key, "must be a number without quotes, not \"%.60s\"", n->text);
     if (!good) document_fail(d, n, key, "must be a number, not \"%.60s\"%s", n->text, number_hint(n));

@@ -21,7 +21,7 @@ typedef struct node {
     node_kind kind;
     size_t line;          /* counts from 1 */
     const char *text;     /* of a scalar */
-    bool quoted;          /* a scalar in quotes is no number and no truth value */
+    bool quoted;          /* a scalar in quotes: neither a number nor a truth value */
     size_t count;         /* of a list or map */
     struct node **item;   /* of a list; of a map: the values */
     struct node **key;    /* of a map */
@@ -43,14 +43,14 @@ void document_map(const document *d, const node *n, const char *key);
 node *document_take(const node *map, const char *key);
 void document_finish(const document *d, const node *map, const char *known);
 
-/* Values.  `key` is for the message; NaN and the infinite are refused unless they are
- * allowed (for who checks a range of his own). */
+/* Values.  `key` is for the message.  The range says which of NaN and the infinities are allowed;
+ * NUMBER_ANY is for callers that check the range themselves. */
 typedef enum number_range { NUMBER_FINITE, NUMBER_MAYBE_INFINITE, NUMBER_ANY } number_range;
 double document_number(const document *d, const node *n, const char *key, number_range range);
 bool document_truth(const document *d, const node *n, const char *key);
 const char *document_text(const document *d, const node *n, const char *key);
 
-/* The name of a file, which is looked for beside the document's. */
+/* The path of a file; a relative name is looked for in the folder of the document. */
 const char *document_path(const document *d, const node *n, const char *key);
 
 /* A list of at least one number and at most `most`; returns how many. */

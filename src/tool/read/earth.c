@@ -1,7 +1,7 @@
 /* earth.c - the surfaces about the Earth.
  *
- * A geoid is a grid in a file, which `file` names; without it, that of proj-data.  Those that were opened
- * are closed when the command ends. */
+ * A geoid is a grid in the file that `file` names; the default is that of proj-data.  Opened geoids are
+ * closed when the command ends. */
 #include "earth.h"
 
 #include "../base/memory.h"

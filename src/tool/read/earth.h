@@ -1,18 +1,18 @@
-/* earth.h - the types of surfaces of sagitta_geo, where the command is built with it. */
+/* earth.h - the surface types of sagitta_geo, if the command is built with it. */
 #ifndef TOOL_EARTH_H
 #define TOOL_EARTH_H
 #include "document.h"
 
 #include <sagitta/surfaces.h>
 
-/* Its rows, as sgt_builtins is; none where the command is built without. */
+/* A table like sgt_builtins; empty if the command is built without sagitta_geo. */
 const sgt_builtin *earth_types(void);
 
-/* Why a type of this name is not among them; NULL: there is none of that name. */
+/* Why a type of this name is not available; NULL if it is, or if there is no such type. */
 const char *earth_missing(const char *type);
 
-/* Takes what is no number out of the map, and puts it in: a geoid's file.  The keys so taken, for messages:
- * ", file", or "". */
+/* Takes the keys that are not numbers from the map and sets them in self: the file of a geoid.  Returns these
+ * keys for messages: ", file" or "". */
 const char *earth_take(const document *d, const node *map, const sgt_builtin *type, void *self);
 
 #endif

@@ -1,11 +1,11 @@
 /* lens.c - reads a lens file.
  *
- * The vertices stand on the axis at the running sum of the thicknesses, the first at
- * z = 0; `decenter` shifts and `tilt` turns an element's own frame and nothing behind
- * it.  Where entries give their `origin` instead, all of them do.
+ * The vertices stand on the axis at the running sum of the thicknesses, the first at z = 0.
+ * `decenter` shifts and `tilt` turns the frame of its own element only.  If one entry gives
+ * `origin` instead, all must.
  *
- * The maps are read in the order in which one explains the other: the wavelengths say
- * how long a list of indices must be. */
+ * The keys are read in the order in which they depend on each other: the wavelengths say how
+ * long a list of indices must be. */
 #include "lens.h"
 
 #include "../base/input.h"
@@ -115,7 +115,7 @@ static sgt_vec3 read_vector(const document *d, const node *n, const char *key)
 
 static bool nonzero(sgt_vec3 v) { return v.x != 0 || v.y != 0 || v.z != 0; }
 
-/* The frame of an entry.  next_z is where its vertex stands if thicknesses say so. */
+/* Reads the frame of an entry.  *next_z: z of its vertex by the thicknesses so far. */
 static void read_place(const document *d, const node *map, bool placed, double *next_z, sgt_element *e,
                        lens_surface *s)
 {

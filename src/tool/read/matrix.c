@@ -1,14 +1,14 @@
-/* matrix.c - a table of numbers from a file.
+/* matrix.c - reads a table of numbers from a file.
  *
- * CSV: a line is a row, commas between the numbers; blanks around a number, CR LF or LF, a
- * byte order mark, a last line without an end and empty lines behind it are let pass.  There
- * is no header, no comment, no quote: what is no number is an error, and so is a hole, be it an empty field
- * or nan.
+ * CSV: each line is a row of numbers with commas between them.  Allowed are blanks around a
+ * number, CR LF or LF, a byte order mark, a last line without an end, and empty lines at the end
+ * of the file.  There are no headers, comments or quotes: a field that is not a finite number is
+ * an error, and so is an empty one.
  *
- * NPY, format 1.0 to 3.0 of NumPy: "\x93NUMPY", two bytes of version, the length of the header
- * in 2 bytes (1.0) or 4, the header, a Python dictionary as text, then the numbers, row by
- * row or, in Fortran's order, column by column.  Source: NumPy's enhancement proposal 1 and
- * numpy.lib.format.  Read are two dimensions of '<f8' and '<f4'. */
+ * NPY, format 1.0 to 3.0 of NumPy: "\x93NUMPY", the version in two bytes, the length of the
+ * header in 2 bytes (1.0) or 4, the header (a Python dictionary as text), then the numbers, row
+ * by row or, in Fortran order, column by column.  Two dimensions of '<f8' or '<f4' are read.
+ * Source: NumPy's enhancement proposal 1 and numpy.lib.format. */
 #include "matrix.h"
 
 #include "../base/input.h"
@@ -44,7 +44,7 @@ LIKE_PRINTF(2, 3) static bool bad(char why[MATRIX_WHY_SIZE], const char *format,
 
 static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/* The number in [s, end), with a zero byte written at its end. */
+/* Reads the number in [s, end); writes a zero byte at its end. */
 static bool read_field(char *s, char *end, size_t line, size_t column, const char *name, double *x,
                        char why[MATRIX_WHY_SIZE])
 {
@@ -101,7 +101,7 @@ static bool read_csv(sgt_numbers *to, const input *in, size_t most, char why[MAT
 
 /* -------------------------------------------------------------------- npy */
 
-/* The value of a key of the header, behind the colon; NULL: it is not there. */
+/* The text behind a key of the header and its colon; NULL: there is no such key. */
 static const char *header_value(const char *header, const char *key)
 {
     const char *s = strstr(header, key);
@@ -112,7 +112,7 @@ static const char *header_value(const char *header, const char *key)
     return s + 1 + strspn(s + 1, " ");
 }
 
-/* A whole number and what stands behind it; NULL: there is none, or it is beyond any table. */
+/* Reads a whole number; returns what stands behind it, or NULL if there is none or it has over 12 digits. */
 static const char *read_whole(const char *s, size_t *n)
 {
     const char *first = s;

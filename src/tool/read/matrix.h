@@ -1,4 +1,4 @@
-/* matrix.h - a table of numbers from a file: csv, or npy as NumPy writes it. */
+/* matrix.h - reads a table of numbers from a file: csv, or npy as NumPy writes it. */
 #ifndef TOOL_MATRIX_H
 #define TOOL_MATRIX_H
 #include "../base/fail.h"
@@ -7,11 +7,11 @@
 
 #include <sagitta/surfaces.h>
 
-/* Is it a name of such a file: NAME.csv, NAME.npy? */
+/* Does the name end in .csv or .npy? */
 bool matrix_is_file(const char *name);
 
-/* Reads it: rows that are equally long, every number finite, at most `most` rows and `most` columns.
- * false: it cannot, and `why` says so: "grid.csv:3: column 4: empty". */
+/* Reads a file.  All rows must be equally long and every number finite, with at most `most` rows and `most`
+ * columns.  false: `why` says what is wrong, as "grid.csv:3: column 4: empty". */
 enum { MATRIX_WHY_SIZE = 600 };
 bool matrix_read(sgt_numbers *to, const char *path, size_t most, char why[MATRIX_WHY_SIZE]);
 

@@ -1,15 +1,15 @@
-/* rays.c - rays from CSV.
+/* rays.c - reads rays from CSV.
  *
- * RFC 4180 with room for what spreadsheets do: CR LF or LF, blanks around a field, a
- * field in quotes, a byte order mark, a last line without an end, empty lines between
- * (they are no rows).  The header says which column is which.
+ * RFC 4180, and what spreadsheets write: CR LF or LF, blanks around a field, a field in
+ * quotes, a byte order mark, a last line without an end, and empty lines (which are not
+ * rows).  The header says which column is which.
  *
- * A row is bad if a field is missing, superfluous or no number, or if the library would
- * have to call the ray invalid: then the user hears of the line and not of a status.
+ * A row is bad if it has too few or too many fields, or one that is not a number, or if the
+ * library would call the ray invalid.  So the user is told the line, and not only a status.
  *
- * A line ends where its \n is, in quotes or not: so the text can be cut at any \n and the
- * pieces read in threads.  First the rows of each are counted, and then each piece knows
- * where its rays go, and the numbers of its rows and lines. */
+ * A line ends at its \n, even inside quotes.  So the text can be cut at any \n, and the pieces
+ * are read in threads.  First the rows of each piece are counted.  Then each piece knows where
+ * its rays go, and the numbers of its rows and lines. */
 #include "rays.h"
 
 #include "../base/fail.h"
@@ -30,7 +30,7 @@ static const char *const column_name[COLUMN_COUNT] = {"ox", "oy",   "oz",   "dx"
 
 enum { FIELDS_MOST = COLUMN_COUNT + 1 };
 #ifndef PIECE
-#define PIECE (1 << 18) /* bytes of the text, at least; a test may want them shorter */
+#define PIECE (1 << 18) /* the least bytes of a piece; a test may set it lower */
 #endif
 static const char BROKEN[] = "a quote that does not end, text behind a closing quote, or a zero byte";
 
@@ -51,7 +51,7 @@ LIKE_PRINTF(2, 3) static bool bad(char why[120], const char *format, ...)
     return false;
 }
 
-/* value[0 ... 7] as the columns; given[] says which of the ends there are. */
+/* Makes a ray of value[0 ... 7], in the order of the columns.  false: `why` says what is wrong. */
 static bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, char why[120])
 {
     for (int i = 0; i < TMIN; i++)
@@ -67,7 +67,7 @@ static bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray 
         return bad(why, "tmin, tmax: tmin must not be above tmax, and %g is above %g", ray->tmin, ray->tmax);
     if (ray->tmin == HUGE_VAL || ray->tmax == -HUGE_VAL)
         return bad(why, "tmin, tmax: there is nothing between %g and %g", ray->tmin, ray->tmax);
-    /* to the library tmax = 0 after tmin = 0 is "no end"; here it was written down, and means 0 */
+    /* For the library tmin = tmax = 0 means "no end".  Here the 0 was written down, and means 0. */
     if (ray->tmax == 0 && ray->tmin == 0) ray->tmax = DBL_MIN * DBL_EPSILON;
     return true;
 }
@@ -96,10 +96,10 @@ typedef struct reader {
     const char *source; /* for messages */
     /* the next line, and the end of the last; a zero byte is written over each line's \n */
     char *at, *end;
-    size_t line;        /* of the line last split, counts from 1 */
-    int count;          /* its fields, FIELDS_MOST for more */
+    size_t line;        /* number of the last line split, from 1 */
+    int count;          /* of its fields; FIELDS_MOST also for more */
     char *field[FIELDS_MOST];
-    bool broken;        /* a quote that does not end, a zero byte */
+    bool broken;        /* it has the fault BROKEN */
 } reader;
 
 static char *skip_blanks(char *s) { return s + strspn(s, " \t\r"); }
@@ -128,7 +128,7 @@ static char *split_quoted(reader *r, char *s, char **field)
     return next;
 }
 
-/* The next line that is not empty and where it ends; NULL at the end. */
+/* The next line that is not empty; *stop: its end.  NULL at the end of the text. */
 static char *find_line(reader *r, char **stop)
 {
     while (r->at < r->end) {
@@ -142,7 +142,7 @@ static char *find_line(reader *r, char **stop)
     return NULL;
 }
 
-/* Splits it into its fields; false at the end. */
+/* Splits the next line into its fields; false at the end of the text. */
 static bool next_line(reader *r)
 {
     char *stop, *s = find_line(r, &stop);
@@ -158,7 +158,7 @@ static bool next_line(reader *r)
     return true;
 }
 
-/* Which field is which column: place[c], or -1. */
+/* Reads the header.  place[c]: the field that holds column c, or -1. */
 static void rays_read_header(reader *r, int place[COLUMN_COUNT])
 {
     const char *source = r->source;
@@ -201,12 +201,12 @@ static bool row_of(const reader *r, const int place[COLUMN_COUNT], int columns, 
     return ray_of(value, place[TMIN] >= 0, place[TMAX] >= 0, &l->ray, why);
 }
 
-/* A piece of the text, whole lines of it. */
+/* A piece of the text: whole lines. */
 typedef struct piece {
     reader reader;
-    size_t lines, rows;         /* in it */
-    size_t number, good, bad;   /* of its first row; rows that are rays, and those that are none */
-    size_t bad_line;            /* of the first of these */
+    size_t lines, rows;         /* how many */
+    size_t number, good, bad;   /* the number of its first row; how many rows are good, and bad */
+    size_t bad_line;            /* the line of the first bad row, and what is wrong with it */
     char why[120];
 } piece;
 
@@ -231,7 +231,7 @@ static void count_rows(piece *p)
     p->lines = r.line;
 }
 
-/* Its rays, one behind another from ray on. */
+/* Reads the rays of a piece to ray[0], ray[1] ... */
 static void read_piece(piece *p, const int place[COLUMN_COUNT], int columns, launch *ray, bool skip_bad)
 {
     reader *r = &p->reader;
@@ -262,7 +262,7 @@ void rays_read(ray_list *list, const char *path, bool skip_bad)
     size_t pieces, rows = 0, bad = 0;
     piece *p = cut(&r, &pieces), *first_bad = NULL;
     int threads = list->threads > 1 && pieces > 1 ? list->threads : 1;
-    (void)threads; /* without OpenMP nobody reads it */
+    (void)threads; /* unused without OpenMP */
     THREADS(omp parallel for schedule(dynamic) num_threads(threads))
     for (size_t i = 0; i < pieces; i++) count_rows(&p[i]);
     for (size_t i = 0, line = r.line; i < pieces; line += p[i].lines, rows += p[i].rows, i++)

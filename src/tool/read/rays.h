@@ -1,13 +1,13 @@
-/* rays.h - the rays a command is to answer for: from a file, an option, or a pupil. */
+/* rays.h - the rays of a command: from a file, from --ray, or through a pupil. */
 #ifndef TOOL_RAYS_H
 #define TOOL_RAYS_H
 #include <sagitta/sagitta.h>
 
 typedef struct launch {
     sgt_ray ray;
-    size_t number;      /* counts from 0; in a file, the data rows, bad ones included */
-    size_t field;       /* its index in the list of fields; 0 for rays from a file */
-    const char *id;     /* as the file gives it; NULL: it gives none */
+    size_t number;      /* from 0; in a file, that of its data row, bad rows included */
+    size_t field;       /* index in the list of fields; 0 for rays from a file */
+    const char *id;     /* from the file; NULL: it has no such column */
 } launch;
 
 typedef struct ray_list {
@@ -15,16 +15,17 @@ typedef struct ray_list {
     launch *ray;
     bool ended;         /* the file has a column tmin or tmax */
     bool named;         /* the file has a column `id` */
-    int threads;        /* that are to read the file; 0: one */
+    int threads;        /* to read the file with; 0: one */
 } ray_list;
 
 void rays_add(ray_list *list, launch ray);
 
-/* CSV with a header row from a file, or "-", into an empty list.  A bad row ends the command,
- * naming its line; with skip_bad it is left out, and their number said on standard error. */
+/* Reads CSV with a header row from a file ("-": standard input) into an empty list.  A bad row ends
+ * the command, with its line in the message.  With skip_bad bad rows are skipped, and a note on
+ * standard error says how many. */
 void rays_read(ray_list *list, const char *path, bool skip_bad);
 
-/* "ox oy oz dx dy dz", and optionally "tmin tmax": as --ray gives it. */
+/* Adds the ray of a --ray: "ox oy oz dx dy dz", optionally followed by "tmin tmax". */
 void rays_parse(ray_list *list, const char *text);
 
 #endif

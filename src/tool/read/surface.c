@@ -1,17 +1,16 @@
-/* surface.c - a surface from its YAML map, by the library's table.
+/* surface.c - reads a surface from its YAML map, by the library's table.
  *
- * The keys are the names of the parameters in sgt_builtins, their places and limits the
- * table's: a surface added there can be read here.  One convenience is ours: wherever a
- * parameter is a `curvature`, the map may give the `radius` instead, and the parameter is
- * 1/radius, rounded once (an infinite one is a plane).  `curvature_x` has its `radius_x`
- * in the same way.
+ * The keys are the names of the parameters in sgt_builtins, with their places and limits.  So a
+ * type added there can be read here at once.  One convenience is added: instead of a `curvature`
+ * the map may give the `radius`.  The parameter is then 1/radius, rounded once (0 for an
+ * infinite radius).  In the same way `radius_x` stands for `curvature_x`.
  *
- * Two parameters of a type may lie in the same memory: one is then a short name for a part
- * of the other, and a map that gives both contradicts itself.  What the ranges of single
- * numbers cannot say, the type's `object` does, when all have been read.
+ * Two parameters of a type may lie in the same memory.  Then one is a short name for a part of
+ * the other, and to give both is an error.  Conditions on several parameters are checked by the
+ * type's `object` when all have been read.
  *
- * A table of numbers is a list of rows, or the name of a file (matrix.h), which is looked for beside
- * the lens file.  Rows of `coefficients` may end early, for the coefficients left out are zero; of other
+ * A table of numbers is a list of rows, or the name of a file (matrix.h), which is looked for
+ * beside the lens file.  Rows of `coefficients` may end early: what is left out is 0.  In other
  * tables all rows are equally long. */
 #include "surface.h"
 
@@ -28,7 +27,7 @@
 static const char CURVATURE[] = "curvature", RADIUS[] = "radius", COEFFICIENTS[] = "coefficients";
 enum { NAME_SIZE = 64 };
 
-/* The name of the radius that stands for a curvature; "" where there is none. */
+/* The name of the radius that may stand for a curvature; "" for other parameters. */
 static void radius_name(char name[NAME_SIZE], const char *parameter)
 {
     size_t stem = strlen(CURVATURE);
@@ -89,7 +88,7 @@ static double curvature_of(const document *d, const node *n, const char *key)
     return 1 / radius;
 }
 
-/* The legal values in words: "a whole number from 1 to 100". */
+/* Checks the limits of the table; the message has them in words: "a whole number from 1 to 100". */
 static void check_range(const document *d, const node *n, const char *key, const sgt_param *p, double x)
 {
     bool whole = p->kind == SGT_WHOLE;
@@ -190,7 +189,7 @@ static sgt_numbers read_numbers(const document *d, const node *n, const sgt_para
     return (sgt_numbers){x, 1, n->count};
 }
 
-/* The number of the word, from 1 on; the words are parted by |. */
+/* The number of the word, from 1; the words in the table are separated by |. */
 static int read_word(const document *d, const node *n, const sgt_param *p)
 {
     const char *given = document_text(d, n, p->name), *word = p->unit;
@@ -203,7 +202,7 @@ static int read_word(const document *d, const node *n, const sgt_param *p)
     document_fail(d, n, p->name, "must be one of %s, not \"%.60s\"", p->unit, given);
 }
 
-/* The value of a parameter, and *key, the name it is given by; NULL: it is not given. */
+/* The value of a parameter; key: the name it is given by.  NULL: it is not given. */
 static node *given_as(const document *d, const node *map, const sgt_param *p, char key[NAME_SIZE])
 {
     radius_name(key, p->name);
@@ -213,7 +212,7 @@ static node *given_as(const document *d, const node *map, const sgt_param *p, ch
     return reciprocal ? reciprocal : n;
 }
 
-/* What follows a parameter of the kind SGT_TERMS. */
+/* The memory of a parameter of the kind SGT_TERMS. */
 typedef struct term_list { const sgt_surface *of; size_t count; } term_list;
 
 static size_t end_of(const sgt_param *p)
@@ -268,8 +267,8 @@ static void read_parameter(const document *d, const node *map, const sgt_builtin
     }
 }
 
-/* What is wrong with the whole is told of the parameter that makes it so, or, if that was
- * left out, of the map. */
+/* Checks all parameters together, by the type's `object`.  The message has the line of the parameter to
+ * blame, or, if that is missing, of the map. */
 static void check_whole(const document *d, const node *map, const sgt_builtin *b, const void *self)
 {
     sgt_objection no = b->object ? b->object(self) : (sgt_objection){NULL, NULL};
@@ -288,7 +287,7 @@ static void check_whole(const document *d, const node *map, const sgt_builtin *b
                   no.reason + (negated ? 4 : 0), *given ? ", not " : "", given);
 }
 
-/* One after the other, so that the first that the sum cannot have is told. */
+/* Checks the sum after each term, so that the message names the first term that the sum cannot have. */
 static void read_terms(const document *d, const node *n, const sgt_builtin *b, const sgt_param *p, char *self)
 {
     if (n->kind != NODE_LIST)

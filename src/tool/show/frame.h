@@ -1,4 +1,4 @@
-/* frame.h - from an element's own frame to the global one and back. */
+/* frame.h - points and directions from an element's own frame to the global one (out) and back (in). */
 #ifndef TOOL_FRAME_H
 #define TOOL_FRAME_H
 #include <math.h>
@@ -13,7 +13,7 @@ static inline sgt_vec3 vector_along(sgt_vec3 o, sgt_vec3 d, double t) /* o + t d
 }
 static inline sgt_vec3 vector_minus(sgt_vec3 a, sgt_vec3 b) { return vector_along(a, b, -1); }
 
-/* All-zero axes stand for no turn. */
+/* Is the frame turned?  Axes that are all zero mean that it is not. */
 static inline bool frame_turned(const sgt_pose *pose)
 {
     return vector_dot(pose->ex, pose->ex) != 0;

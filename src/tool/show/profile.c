@@ -1,25 +1,26 @@
 /* profile.c - sag and vertex curvature of any surface that has them.
  *
- * A surface that has a sag is told by its gradient: of z - s(x, y) dF/dz is 1, exactly, at
- * any z; of a level set it is not, at the two points of the axis that are looked at.
+ * A sag is recognised by its gradient.  For F = z - s(x, y), dF/dz is exactly 1 at every z.  For bodies and
+ * level sets it is not, at the two points of the axis that are tried.
  *
- * The sag is where a line parallel to z meets the surface.  The curvature: on the surface the slope of the
- * section is s'(y) = -F_y / F_z, and s'(y) = C y + O(y^3), so the gradient at y = h gives C = -F_y / (F_z
- * h) to a relative (C h)^2, and to rounding: the gradient is worked out, not differenced.  On an even
- * asphere that is c + 2 a_1, as it should be.  A surface that tells its second derivative has C = -F_yy
- * there; the gradient then says whether there is a vertex at all: on a cone, and where the normal is not
- * along z, it is not C h.
+ * The sag is where a line parallel to z meets the surface.
  *
- * THE SECTION of what is no sag is where F = 0 in a square net: how far it goes in z the lines parallel to
- * z tell that meet it; in each cell at whose corners F has both signs a stroke goes from side to side,
- * where F is 0 if it is linear between corners. */
+ * The curvature C: on the surface, the slope of the section is s'(y) = -F_y / F_z, and s'(y) = C y + O(y^3).
+ * So the gradient at y = h gives C = -F_y / (F_z h), to a relative (C h)^2 and to rounding (the gradient is
+ * computed by its formula, not by differences).  On an even asphere that is c + 2 a_1, as it should be.  If a
+ * surface offers its second derivative, C = -F_yy at the vertex.  The gradient at y = h then says whether
+ * there is a vertex: on a cone, or where the normal is not along z, it is not C h.
+ *
+ * THE SECTION of a surface that is not a sag: its extent in z is found by lines parallel to z.  F is computed
+ * on a square net over this extent.  In each cell where F has both signs at the corners, a stroke goes from
+ * side to side, between the points where F is 0 if it is linear between corners. */
 #include "profile.h"
 
 #include "../base/memory.h"
 
 #include <math.h>
 
-/* of C; of the slope at y = h, h a 2^-30 of the aperture */
+/* of C; of the slope at y = h, h being 2^-30 of the aperture */
 static const double SMOOTH = 0x1p-10, FLAT = 0x1p-40;
 
 bool profile_is_sag(sgt_surface s)
@@ -56,7 +57,7 @@ double profile_curvature(const sgt_element *e, double step)
 
 enum { NET = 128, ROOTS = 16 };
 
-/* As far as the line along y meets it, if that is not much more than `reach`; else reach. */
+/* The largest |y| where the y axis meets the surface, if that is not much more than reach; else reach. */
 static double whole(sgt_surface s, double reach)
 {
     const double MUCH = 4, MARGIN = 1.02;
@@ -69,7 +70,7 @@ static double whole(sgt_surface s, double reach)
     return far <= MUCH * reach ? fmax(far, reach) : reach;
 }
 
-/* Lines parallel to z, at net heights: the least and the greatest z at which one meets the surface. */
+/* The least and the greatest z at which lines parallel to z, at the heights of the net, meet the surface. */
 static bool section_ends(sgt_surface s, double reach, double *low, double *high)
 {
     *low = HUGE_VAL, *high = -HUGE_VAL;
@@ -84,7 +85,7 @@ static bool section_ends(sgt_surface s, double reach, double *low, double *high)
     return *low <= *high;
 }
 
-/* Where F = 0 on the side from a to b of a cell; false: it has one sign there. */
+/* Where F = 0 on the side from a to b of a cell, by linear interpolation; false: F has one sign there. */
 static bool crosses(sgt_vec3 a, double f, sgt_vec3 b, double g, sgt_vec3 *at)
 {
     if ((f > 0) == (g > 0) || isnan(f + g)) return false;
@@ -108,7 +109,7 @@ size_t profile_section(const sgt_element *e, double reach, sgt_vec3 (**stroke)[2
             sgt_vec3 p[5], end[4];
             double f[5];
             int ends = 0;
-            for (int k = 0; k < 5; k++) { /* round the cell, and back to where it began */
+            for (int k = 0; k < 5; k++) { /* round the cell, and back to the first corner */
                 double y = (double)(i + (k == 1 || k == 2)) / NET, z = (double)(j + (k == 2 || k == 3)) / NET;
                 p[k] = (sgt_vec3){0, reach * (2 * y - 1), low + (high - low) * z};
                 f[k] = s.ops->value(s.self, p[k], NULL);

@@ -1,22 +1,22 @@
-/* profile.h - the shape of an element, asked of the library as rays are. */
+/* profile.h - the shape of an element, found by asking the library. */
 #ifndef TOOL_PROFILE_H
 #define TOOL_PROFILE_H
 #include <sagitta/system.h>
 #include <stdbool.h>
 
-/* Is it one, F = z - s(x, y)?  What is not, a body or a level set, has no vertex and no profile. */
+/* Is the surface a sag, F = z - s(x, y)?  If not (a body, a level set), it has no vertex and no profile. */
 bool profile_is_sag(sgt_surface s);
 
-/* z of the surface at x, y of its own frame, the sheet at the vertex; NaN: none there. */
+/* The z of the surface at x, y of its own frame, on the sheet of the vertex; NaN if there is none. */
 double profile_sag(const sgt_element *e, double x, double y);
 
-/* The curvature of the section x = 0 at the vertex, from the gradient at y = step;
- * step is to be small beside the radius.  NaN where there is none. */
+/* The curvature (1/length) of the section x = 0 at the vertex, from the gradient at y = step.  step must be
+ * small against the radius.  NaN if there is none. */
 double profile_curvature(const sgt_element *e, double step);
 
-/* The section x = 0 of any other surface, in short strokes: two points (0, y, z) of its own frame for each,
- * |y| <= reach, or all of it where it has no clear aperture and is not much wider.  Parts smaller than
- * reach / 64 may be left out.  *stroke is memory of the command's; returns how many. */
+/* The section x = 0 of any other surface as short strokes, each from (0, y, z) to (0, y, z) in its own frame,
+ * with |y| <= reach; or all of the surface if it has no clear aperture and is not much wider.  Parts smaller
+ * than reach / 64 may be missing.  Returns how many strokes; *stroke lasts until the command ends. */
 size_t profile_section(const sgt_element *e, double reach, sgt_vec3 (**stroke)[2]);
 
 #endif

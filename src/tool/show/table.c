@@ -1,7 +1,8 @@
 /* table.c - text, csv and json from one stream of cells.
  *
- * Rows are kept as bytes until they are written: of csv and json those of the file, of text
- * a mark for each row or gap and the cells behind it, each with a zero byte at its end. */
+ * Rows are kept as bytes until they are written.  For csv and json these are the bytes of the
+ * file.  For text they are a mark for each row or gap, followed by the row's cells, each with a
+ * zero byte at its end. */
 #include "table.h"
 
 #include "../base/input.h"
@@ -18,11 +19,11 @@
 static const char TABLE_ROW = 'r', GAP = 'g';
 enum {
     SPACE_BETWEEN = 2,
-    WRITE_AT = 1 << 16   /* bytes kept, of csv and json, before they are written */
+    WRITE_AT = 1 << 16   /* csv and json are written when so many bytes are kept */
 };
 
-/* Numbers stand with their points under each other: so many characters before it, so
- * many from it on.  What has no point ends where the point would be. */
+/* Numbers are aligned at their decimal points: the characters before the point, and those from
+ * it on.  A number without a point ends where the point would be. */
 typedef struct width { size_t before, after; } width;
 
 struct table {
@@ -32,7 +33,7 @@ struct table {
     const column *column;
     char *kept;                 /* what is not yet written */
     size_t length, capacity;
-    width *width;               /* of the text that is kept */
+    width *width;               /* [columns], of the text that is kept */
     bool block_written;
 };
 
@@ -42,7 +43,7 @@ static void write_kept(table *t)
     t->length = 0;
 }
 
-/* Room for so many bytes more. */
+/* Makes room for `more` bytes; returns where they go. */
 static char *table_room(table *t, size_t more)
 {
     if (t->capacity - t->length < more) {
@@ -118,8 +119,8 @@ static void put_csv_field(table *t, const char *text)
     put_byte(t, '"');
 }
 
-/* A part cannot know whether its first row is the table's, and begins with a comma; table_join leaves it
- * out. */
+/* A part does not know whether its first row is the first of the table, so it begins with a comma; table_join
+ * leaves it out if it is. */
 static void cell_begin(table *t)
 {
     if (t->to.format != TABLE_JSON) return;
@@ -161,7 +162,7 @@ static void keep_cell(table *t, const char *text, size_t length)
 
 static char *fill(char *to, size_t count) { return memset(to, ' ', count), to + count; }
 
-/* cell: the cells of the row one behind another; where they end is returned. */
+/* Writes a row; cell: its cells, one behind another.  Returns where they end. */
 static const char *table_write_row(const table *t, const char *cell, char *line, bool header)
 {
     char *to = line;
@@ -238,9 +239,8 @@ void table_number(table *t, double value)
              t->to.format == TABLE_CSV || isnan(value) || (isfinite(value) && !t->to.hexadecimal));
 }
 
-/* The bound is for the double, and the decimal may be half an ulp beside it: who takes the
- * decimal at its word shall find it within the bound as well.  More than three digits of a
- * bound say nothing; it is rounded up to them. */
+/* The bound is for the double, and the printed decimal may be half an ulp beside it.  So the bound is raised
+ * to hold for the decimal too, and rounded up to three digits. */
 void table_number_within(table *t, double value, double error)
 {
     table_number(t, value);

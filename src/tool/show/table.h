@@ -1,7 +1,7 @@
-/* table.h - what the command writes: one table, as text, csv or json.
+/* table.h - the output of the command: one table, as text, csv or json.
  *
- * Cells are given row by row, in the order of the columns; csv and json go out as they
- * come, text when the table ends, for its columns are as wide as their widest cell. */
+ * Cells are given row by row, in the order of the columns.  csv and json are written as they
+ * come.  Text is written when the table ends, because a column is as wide as its widest cell. */
 #ifndef TOOL_TABLE_H
 #define TOOL_TABLE_H
 #include "../base/fail.h"
@@ -14,11 +14,11 @@ typedef enum table_format { TABLE_TEXT, TABLE_CSV, TABLE_JSON } table_format;
 typedef struct table_target {
     table_format format;
     const char *path;     /* NULL: standard output */
-    bool hexadecimal;     /* numbers as 0x1.8p+1; in json as strings, for it knows none */
+    bool hexadecimal;     /* numbers as 0x1.8p+1; in json as strings, since json has no such numbers */
 } table_target;
 
-/* How a column looks as text: a number with 9 digits, with as many as it has, or with 2; a
- * whole number; words. */
+/* How a column looks as text: NUMBER with 9 digits, EXACT with as many as it needs, ERROR with 2; COUNT a
+ * whole number; WORD words. */
 typedef enum column_kind { COLUMN_NUMBER, COLUMN_EXACT, COLUMN_ERROR, COLUMN_COUNT, COLUMN_WORD } column_kind;
 typedef struct column { const char *name; column_kind kind; } column;
 
@@ -26,22 +26,21 @@ typedef struct table table;
 
 table *table_begin(const table_target *target, size_t columns, const column *head);
 void table_number(table *t, double value);
-void table_number_within(table *t, double value, double error); /* two cells: it, and a bound on its error */
+void table_number_within(table *t, double value, double error); /* two cells: it, a bound on its error */
 void table_count(table *t, long long value);
 void table_word(table *t, const char *text);
 
-/* For people only, nothing in csv and json: a rule between two rows, and a line of text
- * under the rows so far; rows after it start a new block with its own header. */
+/* Only in text, not in csv and json.  table_gap: an empty line between two rows.  table_line: a line of text
+ * under the rows so far; later rows start a new block with its own header. */
 void table_gap(table *t);
 void table_line(table *t, const char *format, ...) LIKE_PRINTF(2, 3);
 
-/* Whole rows that are made apart, by another thread it may be: a part takes cells and gaps
- * as the table does, and its rows are put behind the table's own by table_join, which leaves
- * it empty for the next. */
+/* A part collects whole rows, perhaps in another thread: it takes cells and gaps as the table does.
+ * table_join appends its rows to the table and leaves the part empty. */
 table *table_part(const table *t);
 void table_join(table *t, table *part);
 
-/* Writes what is left.  A file that cannot be written ends the command. */
+/* Writes what is left.  If the file cannot be written the command ends. */
 void table_end(table *t);
 
 #endif

@@ -1,8 +1,8 @@
-/* undecided.c - the stretch that is left of a ray, and a reason.
+/* undecided.c - the stretch of a ray still in doubt, and the reason.
  *
- * The library says what is left, [lo, hi].  Why, is looked for by asking once more what is to be seen
- * there: every entry, without a proof and without the rim.  What is said of these is true as it stands, and
- * how far each is from the rim is worked out here. */
+ * The library gives the stretch [lo, hi].  To find the reason, the library is asked again for every root
+ * there, without a proof and without the rim.  What it says of these roots is true as it stands.  How far
+ * each is from the rim is computed here. */
 #include "undecided.h"
 
 #include "frame.h"
@@ -38,7 +38,7 @@ bare_surface undecided_without_rim(sgt_surface s)
     memset(bare + ((const char *)rim - (const char *)s.self), 0, sizeof *rim);
     b.surface.self = bare;
     b.rim = *rim;
-    /* else it is that of one section alone */
+    /* with a curvature_x, c and k belong to one section only */
     if (!surface_number(s, "curvature_x")) b.c = c ? *c : 0, b.k = k ? *k : 0;
     if (s.ops == &sgt_asphere_ops) {
         const sgt_asphere *asphere = s.self;
@@ -48,18 +48,18 @@ bare_surface undecided_without_rim(sgt_surface s)
     return b;
 }
 
-/* ------------------------------------------------------- what is to be seen */
+/* --------------------------------------------------- the roots in doubt */
 
 typedef struct view {
-    sgt_hit root[ENTRIES];   /* inside the rim, or as good as on it */
-    int roots, at_rim;       /* at_rim: which of them is on it; -1: none */
+    sgt_hit root[ENTRIES];   /* inside the rim, or too near to it to tell */
+    int roots, at_rim;       /* at_rim: the index of one that is too near to tell; -1: none */
     double rim;
 } view;
 
 /* The rim is soft by a part in 2^44 of r^2 (surfaces.h). */
 static double edge_of(double rim) { return rim * (1 + 0x1p-45); }
 
-/* 0: on the rim, as far as rounding lets it be told. */
+/* -1: inside the rim; 1: outside; 0: too near to tell, by rounding. */
 static int side_of_rim(const sgt_hit *root, double rim)
 {
     double r = hypot(root->p.x, root->p.y), edge = edge_of(rim), slack = 2 * root->p_err + 0x1p-50 * edge;
@@ -103,8 +103,8 @@ static void print_places(char text[PLACES_SIZE], const view *v)
         snprintf(text + length, (size_t)(PLACES_SIZE - length), " and %d more", v->roots - SHOWN);
 }
 
-/* At t: does the ray run along the surface, to a thousandth of a radian, or along the equator, where it
- * ends? */
+/* Words for a ray that at t runs along the surface, to a thousandth of a radian, or meets it at the equator,
+ * where it ends; else "". */
 static const char *print_where(const search *s, double t)
 {
     const sgt_vec3 d = s->ray.d, p = vector_along(s->ray.o, d, t);
@@ -118,7 +118,7 @@ static const char *print_where(const search *s, double t)
                : "";
 }
 
-/* Under a proof the library tells no budget from other reasons. */
+/* Was the budget spent?  Under a proof the status does not say so. */
 static bool is_spent(const search *s)
 {
     sgt_options same = *s->asked;
@@ -187,7 +187,7 @@ static void print_reason(char text[REASON_SIZE], const search *s)
     }
 }
 
-/* " from t = 1 to 2"; nothing of the whole ray. */
+/* " from t = 1 to 2"; "" for the whole ray. */
 static void print_stretch(char text[REASON_SIZE], const search *s)
 {
     char from[NUMBER_SIZE], to[NUMBER_SIZE];

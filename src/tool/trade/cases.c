@@ -1,15 +1,15 @@
 /* cases.c - surfaces, rays, and the settings to try on them.
  *
- * One knob is turned at a time, all others as they are by default: the batch; status, t, t_err, p, n (of a
- * lens fate, the last point and direction, the path); t_tol 0; the default budget and pick.  The budgets
- * tried halve what the worst ray takes by default, three times.
+ * One knob is turned at a time.  All others keep their defaults: a batch; the outputs status, t, t_err, p, n
+ * (of a lens: fate, last point and direction, path); t_tol 0; the default budget and pick.  The budgets tried
+ * are 1/2, 1/4 and 1/8 of what the worst ray takes by default.
  *
- * RAYS BY DEFAULT.  Of a sag: origins uniform in a disk of radius r at z = -2 r, l and m uniform in +-0.15,
- * where r is 5/8 of semi_diameter or of the norm of its polynomials or of half a grid, or 1/4 of a radius,
- * the smallest (1 where there is none).  Of a body or a level set: from anywhere on a sphere about the
- * origin of its frame, of 1.5 times its reach (as far as the axes meet it; the level set's escape), toward
- * any point within 3/4 of it.  Random numbers are splitmix64's (Steele, Lea, Flood 2014, OOPSLA), from
- * 0x1234567: always the same rays. */
+ * DEFAULT RAYS.  On a sag: origins uniform in a disk of radius r at z = -2 r, and l and m uniform in +-0.15.
+ * r is the smallest of 5/8 of semi_diameter, 5/8 of the norm of its polynomials, 5/8 of half a grid, and 1/4
+ * of a radius; 1 if it has none of these.  On a body or a level set: from a sphere about the origin of its
+ * frame, of radius 1.5 times its reach, toward any point within 3/4 of the reach.  The reach is the farthest
+ * root on the axes, or of a level set half the chord of its ball.  Random numbers are splitmix64 (Steele,
+ * Lea, Flood 2014, OOPSLA) from 0x1234567, so the rays are always the same. */
 #include "trade.h"
 
 #include "../job/launch.h"
@@ -60,7 +60,7 @@ static sgt_ray set_ray(uint64_t *state, double escape)
     return (sgt_ray){.o = o, .d = {d.x / length, d.y / length, d.z / length}};
 }
 
-/* Half the ball's chord on the line through the origin: how far the set reaches, about. */
+/* Half the chord of the ball on the line through the origin: about how far the set reaches. */
 static double half_chord(sgt_surface s)
 {
     sgt_span span = s.ops->span(s.self, &(sgt_ray){.o = {0, 0, 0}, .d = {0, 0, 1}});
@@ -152,7 +152,7 @@ static void add(trade_case *c, setting s, knob turned, const char *format, ...)
     c->setting[c->settings++] = s;
 }
 
-/* 1e-9, and not 1e-09; 1e-1 and 1e-2 in one way. */
+/* A number as a short text: 1e-9 and not 1e-09, 1e-1 like 1e-2. */
 static const char *brief(double x)
 {
     char text[40];
@@ -172,7 +172,8 @@ static const knob_list *given_or(const knob_list *given, const knob_list *otherw
 
 static const char *const proof_name[] = {"estimate", "root", "first"};
 
-/* One knob after another; seed (of any but a level set) and set: whose knobs are of use. */
+/* Adds the settings of one knob after another.  seed: --pick is of use (some surface is no level set); set:
+ * --dt-min is (some surface is one). */
 static void add_settings(trade_case *c, const trade_options *o, setting base, bool seed, bool set)
 {
     static const knob_list t_tol = {4, {1e-12, 1e-9, 1e-6, 1e-3}}, dt_min = {4, {1e-1, 1e-2, 1e-3, 1e-4}};
@@ -217,7 +218,7 @@ static void add_settings(trade_case *c, const trade_options *o, setting base, bo
 
 /* ------------------------------------------------- the number of iterations */
 
-/* Where a surface has its N; NULL: it has none. */
+/* The parameter N of a type; NULL: it has none. */
 static const sgt_param *iterations_of(const sgt_builtin *b)
 {
     for (const sgt_param *p = b->params; b->type && p->name; p++)
@@ -225,7 +226,7 @@ static const sgt_param *iterations_of(const sgt_builtin *b)
     return NULL;
 }
 
-/* The same surface with another N; self NULL: it cannot have that. */
+/* The same surface with another N; self NULL: that N is not valid. */
 static sgt_surface with_iterations(sgt_surface s, int n)
 {
     const sgt_builtin *b = surface_row(s);
@@ -269,7 +270,7 @@ static void iterations_case(trade *t, const trade_options *o, const char *name, 
 
 /* ------------------------------------------------------ surfaces and lenses */
 
-/* "--surface", or "element 2": of which type?  An error unless its errors can be told. */
+/* Ends with an error if there is no formula in 113 bits for a surface; which: "--surface" or "element 2". */
 static void check_known(const char *which, const char *type, sgt_surface s)
 {
     if (quad_formula_of(s)) return;

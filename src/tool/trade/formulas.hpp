@@ -1,29 +1,27 @@
-// formulas.hpp - F of each built-in surface by its definition in surfaces.h, for any type of number: a row
-// a type.
+// formulas.hpp - F of each built-in surface by its definition in surfaces.h, for any type of number; a row
+// for each type.
 //
-// The command's trade tells errors by it, and the oracles of tests/ judge the library by it.  It shares no
-// code and no method with the library: where that has a recurrence, here stands the explicit sum, product
-// or root, and the loss of digits is what the numbers of 113 bits are for.
+// The command's trade measures errors by it, and the oracles of tests/ judge the library by it.  It shares no
+// code and no method with the library: where the library has a recurrence, here is the explicit sum, product
+// or root.  Digits are lost so, which is why the numbers have 113 bits.
 //
-//   conic, sags on it   ISO 10110-12, in the form that is finite for c = 0;
-//   toroid, biconic     ISO 10110-12 as well, by their two curvatures;
+//   conic, sags on it   ISO 10110-12, in the form that is finite for c = 0
+//   toroid, biconic     ISO 10110-12 as well, by their two curvatures
 //   Chebyshev   T_n(u) = Re (u + i sqrt(1 - u^2))^n; beyond 1 the same with a real root (Mason and
-//               Handscomb 2002, 1.2);
-//   Zernike     R(rho) = sum of (-1)^k C(n - k, k) C(n - 2k, (n - m)/2 - k) rho^(n - 2k), the factorials of
-//               Noll's (1976)
-//               equation 1 as binomials; rho^m cos(m theta) = Re (x + i y)^m;
-//   Q_con       P_m^(0,4)(2x - 1) = sum of C(m, s) C(m + 4, s) (x - 1)^s x^(m - s) (Szego 1939, 4.3.2);
-//   Q_bfs       orthogonal in slope (Forbes 2007, section 3): the mean of the product of the derivatives of
-//               u^2 (1 - u^2) Q(u^2) by u, weighted by 1 / sqrt(1 - u^2), is 1 for one and 0 for two; by
-//                 Gram and
-//               Schmidt from x Q, the mean taken over points equally spaced in the arc sine of u, where it
-//                 is exact;
-//   grid        the sum of heights times Keys' (1981) kernel, boundary heights by his equation 25;
-//   level sets  the orbit Q -> Q^p + c as it is written down, with whole quaternion products (Norton 1982).
+//               Handscomb 2002, 1.2)
+//   Zernike     R(rho) = sum of (-1)^k C(n - k, k) C(n - 2k, (n - m)/2 - k) rho^(n - 2k): equation 1 of Noll
+//               (1976) with its factorials as binomials; rho^m cos(m theta) = Re (x + i y)^m
+//   Q_con       P_m^(0,4)(2x - 1) = sum of C(m, s) C(m + 4, s) (x - 1)^s x^(m - s) (Szego 1939, 4.3.2)
+//   Q_bfs       orthogonal in slope (Forbes 2007, section 3): take the derivatives by u of
+//               u^2 (1 - u^2) Q(u^2).  The mean of the product of two of them, weighted by 1 / sqrt(1 - u^2),
+//               is 1 for the same Q and 0 for different Q.  Found by Gram and Schmidt from x Q.  The mean is
+//               taken over points equally spaced in the arc sine of u, for which it is exact
+//   grid        the sum of heights times Keys' (1981) kernel; heights beyond the border by his equation 25
+//   level sets  the orbit Q -> Q^p + c by its definition, with full quaternion products (Norton 1982)
 //
-// Parameters come in the order in which surfaces.h counts them for sensitivities, as numbers of the same
-// type: so a `dual` in a parameter's place gives the derivative by it, and one of duals the mixed ones.
-// The numbers of a level set, which has no such derivatives, are read from its struct.
+// Parameters are in the order in which surfaces.h numbers them for sensitivities, and of the same type of
+// number as the point.  So a `dual` for a parameter gives the derivative by it, and a dual of duals gives the
+// mixed ones.  The numbers of a level set, which has no such derivatives, are read from its struct.
 //
 // To add a type: its parameters, its formula, and a row in `rows`.
 #ifndef TOOL_FORMULAS_HPP
@@ -116,7 +114,7 @@ inline double plain(double x) { return x; }
 inline double plain(quad x) { return oracle::to_double(x); }
 template <class T, int N> double plain(const dual<T, N> &x) { return plain(x.a); }
 
-// No number and no derivative: a term with it is left out.
+// Are the number and its derivatives 0?  A term with it is left out.
 inline bool nothing(double x) { return x == 0; }
 inline bool nothing(quad x) { return x == 0; }
 template <class T, int N> bool nothing(const dual<T, N> &x)
@@ -125,7 +123,7 @@ template <class T, int N> bool nothing(const dual<T, N> &x)
         if (!nothing(x.v[i])) return false;
     return nothing(x.a);
 }
-template <class T> bool nothing(const T &) { return false; } // of other libraries
+template <class T> bool nothing(const T &) { return false; } // numbers of other libraries
 
 template <class T, int N> dual<T, N> times(quad c, const dual<T, N> &x) { return x * c; }
 template <class T> T times(quad c, const T &x) { return x * T(oracle::to_double(c)); } // of other libraries
@@ -255,7 +253,7 @@ template <class T> T zernike_at(int n, int m, const T &x, const T &y)
     return sum * (m < 0 ? turned.im : turned.re);
 }
 
-// The sum of a[j - 1] Z_j; the powers that its terms share once.
+// The sum of a[j - 1] Z_j; powers that the terms share are computed once.
 template <class T> T zernike_sum(const sgt_zernike &s, const T *a, const T &x, const T &y)
 {
     const int terms = static_cast<int>(s.a.rows * s.a.columns);
@@ -337,7 +335,7 @@ public:
     }
 
 private:
-    enum { points = 160 }; // of the quarter circle: exact up to degree 640
+    enum { points = 160 }; // on the quarter circle: the mean is exact up to degree 640
     std::vector<std::vector<quad>> along_, value_, by_x_;
     std::vector<quad> size_, u_;
 
@@ -394,7 +392,7 @@ template <class T> T keys(const T &at)
     return T(0.0);
 }
 
-// The height at i and j, one beyond the grid too.
+// The height at i and j, which may be one beyond the grid.
 inline quad height(const sgt_numbers &z, long i, long j)
 {
     const long rows = static_cast<long>(z.rows), columns = static_cast<long>(z.columns);
@@ -428,7 +426,7 @@ template <class T> T grid_at(const sgt_grid &s, const T &x, const T &y)
 
 // ---------------------------------------------------------------- departures
 //
-// P(x, y) of a sag on a conic base of curvature c, from its own parameters at `a`.
+// P(x, y) of a sag on a conic base of curvature c; a: its own parameters.
 
 inline std::size_t count_of(const sgt_numbers &a) { return a.rows * a.columns; }
 inline void append(std::vector<double> *p, const double *x, std::size_t n) { p->insert(p->end(), x, x + n); }
@@ -445,7 +443,7 @@ template <class T> T even_departure(const void *, const T &, const T *a, const T
     return sum;
 }
 
-// On the axis r has no derivative: what is odd in r is left out there, of a cone too, as surfaces.h says.
+// On the axis r has no derivative.  There odd powers of r are left out, even for a cone, as in surfaces.h.
 template <class T> T odd_departure(const void *, const T &, const T *a, const T &x, const T &y)
 {
     const T r2 = x * x + y * y;
@@ -511,7 +509,7 @@ template <class T> T q_bfs_departure(const void *self, const T &c, const T *a, c
     const sgt_q_bfs &s = as<sgt_q_bfs>(self);
     T sum(0.0);
     const T r2 = x * x + y * y, u2 = r2 / (T(s.norm) * T(s.norm)), root = square_root(T(1.0) - c * c * r2);
-    if (!count_of(s.a)) return sum / root; // not defined beyond its end, either
+    if (!count_of(s.a)) return sum / root; // NaN where the conic ends, too
     const int n = static_cast<int>(count_of(s.a));
     const std::vector<T> q = slopes::up_to(n).at(u2, n);
     for (std::size_t m = 0; m < count_of(s.a); m++) sum = sum + a[m] * q[m];
@@ -559,7 +557,7 @@ template <class T> T ellipsoid_level(const void *, const T *p, const T &x, const
     return ((x * x + y * y) / (p[0] * p[0]) + z * z / (b * b) - one) * p[0] / T(2.0);
 }
 
-// The ring of the circle over 2 r; of a spindle the quartic, whose gradient on it is 8 r R (R + r).
+// ((rho - R)^2 + z^2 - r^2) / (2 r); for a spindle the quartic over 8 r R (R + r).
 template <class T> T torus_level(const void *, const T *p, const T &x, const T &y, const T &z)
 {
     const T r2 = x * x + y * y;
@@ -573,8 +571,8 @@ template <class T> T torus_level(const void *, const T *p, const T &x, const T &
 
 // ---------------------------------------------------------------- level sets
 
-// The root of x^p = x + |c|; of a mandelbrot, where |c| = |x|, of x^p = 2 x.  By Newton from above, where
-// both are convex.
+// The root of x^p = x + |c|; for a mandelbrot, where |c| = |x|, of x^p = 2 x.  By Newton from above, since
+// both are convex there.
 inline quad safe_escape(quad c, int p, bool mandelbrot)
 {
     quad x = 3 + c, next = 2 + c;
@@ -590,7 +588,7 @@ inline quad safe_escape(quad c, int p, bool mandelbrot)
 using oracle::constant;
 using oracle::quaternion;
 
-// F = (u - 1) / (u + 1), u = |Q_N|^2 / E^2.  c NULL: a mandelbrot, whose c is the point, from 0 on.
+// F = (u - 1) / (u + 1), u = |Q_N|^2 / E^2.  c NULL: a mandelbrot; c is the point, and the orbit starts at 0.
 template <class T, class S> T level_set(const S &s, const double *c, const T &x, const T &y, const T &z)
 {
     static const double own[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
@@ -624,7 +622,7 @@ template <class T> T mandelbrot_level(const void *self, const T *, const T &x, c
 
 // ------------------------------------------------------------------ the rows
 
-// The parameters after those of the base; of what has no base, all.
+// Appends the parameters after those of the base, or all if there is no base.
 typedef void append_parameters(const void *self, std::vector<double> *p);
 
 inline void no_parameters(const void *, std::vector<double> *) {}
@@ -651,16 +649,16 @@ inline void toroidal_parameters(const void *self, std::vector<double> *p)
 
 template <class T> struct row {
     const sgt_surface_ops *ops;
-    // how many numbers of a conic base come first in the struct: 2, or of Q_bfs 1 (k = 0); 0: there is none
+    // how many numbers of a conic base come first in the struct: 2; Q_bfs: 1 (k = 0); 0: no base
     int base;
     append_parameters *parameters;
     T (*sag)
     (const void *self, const T &c, const T *a, const T &x,
-     const T &y); // beside the base; NULL: it has a level
+     const T &y); // without the base; NULL: it has a level
     T (*level)(const void *self, const T *p, const T &x, const T &y, const T &z);
 };
 
-// NULL: there is none of this type.
+// The row of a surface's type; NULL: there is none.
 template <class T> const row<T> *row_of(const sgt_surface &s)
 {
     static const row<T> rows[] = {
@@ -687,14 +685,14 @@ template <class T> const row<T> *row_of(const sgt_surface &s)
     return nullptr;
 }
 
-// Those of each term after its base's, one term behind the other.
+// Of each term its parameters without the base, one term after another.
 inline void sum_parameters(const void *self, std::vector<double> *p)
 {
     const sgt_sum &s = as<sgt_sum>(self);
     for (std::size_t i = 0; i < s.count; i++) row_of<double>(s.terms[i])->parameters(s.terms[i].self, p);
 }
 
-// Of a term's base nothing is read but the c of a Q_bfs, in its root.
+// A term's base is not used, except for the c in the root of a Q_bfs.
 template <class T> T sum_departure(const void *self, const T &, const T *a, const T &x, const T &y)
 {
     const sgt_sum &s = as<sgt_sum>(self);
@@ -722,7 +720,7 @@ inline std::vector<double> parameters_of(const sgt_surface &s)
     return p;
 }
 
-// Is it a sag on a conic base?
+// Is the surface a sag on a conic base?
 inline bool base_of(const sgt_surface &s)
 {
     const row<double> *r = row_of<double>(s);
@@ -739,9 +737,9 @@ template <class T> T level(const sgt_surface &s, const T *p, const T &x, const T
     return r->base > 0 ? z - (conic_sag(c, r->base > 1 ? p[1] : T(0.0), x * x + y * y) + sag) : z - sag;
 }
 
-// The same zeros, and where a conic base ends no root to fall off: with w = z - P, (c r^2 + (1 + k) c w^2)
-// / 2 - w, a polynomial in w.  (It is zero on the other sheet of the base as well.)  Of what has no base,
-// F.
+// A function with the same zeros that is smooth where a conic base ends: with w = z - P it is
+// w - (c r^2 + (1 + k) c w^2) / 2, a polynomial in w.  (It is zero on the other sheet of the base too.)
+// Without a conic base of two numbers it is F.
 template <class T> T smooth_level(const sgt_surface &s, const T *p, const T &x, const T &y, const T &z)
 {
     const row<T> *r = row_of<T>(s);
@@ -750,7 +748,7 @@ template <class T> T smooth_level(const sgt_surface &s, const T *p, const T &x, 
     return w - p[0] * (x * x + y * y + (T(1.0) + p[1]) * w * w) / T(2.0);
 }
 
-// The same with the parameters as they are stored.
+// The same with the parameters stored in the surface.
 template <class T> struct formula {
     sgt_surface surface;
     std::vector<T> p;

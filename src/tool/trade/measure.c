@@ -1,15 +1,16 @@
-/* measure.c - how long a setting takes, and how far off it is.
+/* measure.c - how long a setting takes, and how large its errors are.
  *
- * ERRORS are those of every ray, against its truth: the library's answer at full care says which root is
- * meant, and Newton's method in 113 bits (quad.c) where it is.  Rays that are undecided even so, or on
- * which that method does not come to rest (a graze), have no truth and count in no error.
+ * ERRORS are measured for every ray against its truth.  The library's answer at full accuracy says which root
+ * is meant; Newton's method in 113 bits (quad.c) says where it is.  A ray that is undecided even at full
+ * accuracy, or on which that method does not settle (a graze), has no truth and is in no error.
  *
- * TIMES are the thread's own, of a call with the rays in memory.  Each setting runs as often in a row as
- * fills its share of the seconds; all settings take turns, in another order each round, so that a busy
- * moment of the machine falls on none alone; the median of the rounds counts.  Their spread is an interval
- * that holds the true median with 95 % whatever the times are like, from one of them to another (order
- * statistics, David and Nagaraja 2003, section 7.1): of 31 rounds from the 10th to the 22nd, of few all.
- * Times are told apart only where their spreads do not touch. */
+ * TIMES are processor times of the thread, for calls with the rays in memory.  Each setting runs so often in
+ * a row that it fills its share of the seconds.  All settings take turns, in another order each round, so
+ * that a busy moment of the machine does not fall on one setting only.  The result is the median of the
+ * rounds.  Its range holds the true median with 95 % probability, for any distribution of the times, and
+ * reaches from one of the sorted times to another (order statistics, David and Nagaraja 2003, section 7.1):
+ * of 31 rounds from the 10th to the 22nd; of few rounds it is all of them.  Two times differ only if their
+ * ranges do not touch. */
 #include "trade.h"
 
 #include "../base/memory.h"
@@ -26,7 +27,7 @@ enum { ROUNDS = 31, ROUNDS_LEAST = 5 };
 
 /* --------------------------------------------------------------- one call */
 
-/* Room for all that a surface or a lens can tell of its rays. */
+/* Room for every output of a surface or a lens. */
 typedef struct answers {
     sgt_hits hits;
     sgt_traced traced;
@@ -122,7 +123,7 @@ static void trace_lens(const trade_case *c, const setting *s, const sgt_traced *
     }
 }
 
-/* The call with the outputs that are asked for. */
+/* Makes the call, with only the wanted outputs. */
 static void call(const trade_case *c, const setting *s, outputs wanted, answers *a)
 {
     bool all = wanted == OUTPUTS_ALL, least = wanted == OUTPUTS_LEAST;
@@ -191,7 +192,7 @@ static int ascending(const void *a, const void *b)
     return (*x > *y) - (*x < *y);
 }
 
-/* The smallest that `part` of them do not exceed; NaN of none.  Sorts them. */
+/* The quantile: the smallest x that `part` of them do not exceed; NaN of none.  Sorts x. */
 static double quantile(size_t n, double *x, double part)
 {
     if (n == 0) return (double)NAN;
@@ -200,7 +201,7 @@ static double quantile(size_t n, double *x, double part)
     return x[below > 0 ? below - 1 : 0];
 }
 
-/* So many digits as a measured figure has. */
+/* Rounds to `digits` significant digits. */
 static double measure_rounded(double x, int digits)
 {
     char text[40];
@@ -215,7 +216,7 @@ static void find_quantiles(setting *s, size_t n, double *error)
     s->error_worst = quantile(n, error, 1);
 }
 
-/* A root is wrong where the truth is farther off than t_err. */
+/* A root is wrong if the truth is farther away than t_err. */
 static void judge_hits(const trade_case *c, setting *s, const answers *a, double *error)
 {
     size_t n = 0;
@@ -238,7 +239,7 @@ static void judge_hits(const trade_case *c, setting *s, const answers *a, double
     find_quantiles(s, n, error);
 }
 
-/* Micrometres in a unit of the lens; NaN of a label that is not known. */
+/* Micrometres in a unit of the lens; NaN for an unknown label. */
 static double micrometres(const char *unit)
 {
     static const struct { const char *name; double is; } known[] = {
@@ -249,7 +250,7 @@ static double micrometres(const char *unit)
     return (double)NAN;
 }
 
-/* A trace is wrong where the ray ends elsewhere, or otherwise, than it should. */
+/* A trace is wrong if the ray ends at another element, or with another fate, than it should. */
 static void judge_traces(const trade_case *c, setting *s, const answers *a, double *error)
 {
     const job *j = c->lens;
@@ -347,7 +348,7 @@ static void find_times(trade *t, answers room[], double seconds)
     }
     double begin = now(), share = seconds / (double)(ROUNDS * n);
     for (size_t i = 0; i < n; i++) {
-        /* the first brings the rays into the cache */
+        /* the first call brings the rays into the cache */
         double first = seconds_of(&all[i]), again = seconds_of(&all[i]);
         all[i].repeats = fmax(1, ceil(share / fmax(fmin(first, again), 1e-9)));
     }
@@ -377,16 +378,18 @@ const setting *trade_base(const trade_case *c)
 
 /* --------------------------------------------------------------- the best */
 
-/* Ratios that are no difference: what is not worth turning a knob for, and what rounding errors do. */
+/* Ratios up to which two times, or two errors, are the same: a smaller gain of time is not worth a knob, and
+ * rounding errors scatter so much. */
 static const double SAME_TIME = 1.1, SAME_ERROR = 2;
 
-/* By more than the spread of the rounds, and so much that it matters. */
+/* Is it slower by more than its range and by more than SAME_TIME? */
 static bool slower(const setting *a, const setting *b)
 {
     return a->ns > SAME_TIME * b->ns && a->ns_low > b->ns_high;
 }
 
-/* Is it worse in something?  An error is no worse than another's that is told of fewer rays. */
+/* Is it worse in something?  A larger error is not worse if the other has more undecided rays: its error is
+ * of fewer rays. */
 static bool worse(const setting *a, const setting *b)
 {
     bool far = a->error_99 > SAME_ERROR * b->error_99 && b->undecided <= a->undecided;
@@ -398,7 +401,7 @@ bool trade_same(const setting *a, const setting *b)
     return isnan(a->error_99) == isnan(b->error_99) && !worse(a, b) && !worse(b, a);
 }
 
-/* Has it all that the other has, outputs and what is proven? */
+/* Does it give all that the other gives: outputs and proof? */
 static bool gives(const setting *a, const setting *b)
 {
     return a->outputs >= b->outputs && a->options.proof >= b->options.proof;
@@ -419,10 +422,10 @@ static standing standing_of(const trade_case *c, size_t i, const standing now[])
     return open ? OPEN : BEST;
 }
 
-/* Best are those that no best one beats, and of several that are the same the first alone: the default, or
- * what is turned least.  What changes nothing against the default is out.  With what counts as equal,
- * "beats" is not handed on: what beats a setting may be beaten itself by one that does not beat it.  So
- * settings are told one from another, round by round, until nothing changes. */
+/* A setting is best if no best setting beats it.  Of several that are the same only the first is best: the
+ * default, or the one that is turned least.  A setting that changes nothing against the default is not best.
+ * Since nearly equal values are the same, "beats" is not transitive: A may beat B, and B beat C, while A does
+ * not beat C.  So settings are decided round by round, until nothing changes. */
 static void find_best(trade_case *c)
 {
     standing *now = memory_take(c->settings, sizeof *now);
@@ -430,7 +433,7 @@ static void find_best(trade_case *c)
     for (size_t i = 0; i < c->settings; i++) {
         const setting *s = &c->setting[i];
         bool nothing = base && s != base && gives(base, s) && trade_same(base, s);
-        if (nothing || isnan(s->error_99)) now[i] = BEATEN; /* what meets nothing is fast for nothing */
+        if (nothing || isnan(s->error_99)) now[i] = BEATEN; /* it meets nothing: its speed is worthless */
     }
     for (bool changed = true; changed;) {
         changed = false;
@@ -459,7 +462,7 @@ static void say(setting *s, const char *format, ...)
     va_end(values);
 }
 
-/* 1.52 and 15.2 as 1.5 and 15. */
+/* 1.52 becomes 1.5, 15.2 becomes 15, 152.3 becomes 152. */
 static double two_digits(double x) { return x < 100 ? measure_rounded(x, 2) : measure_rounded(x, 3); }
 
 static void say_more(setting *s, size_t now, size_t before, const char *what)

@@ -1,4 +1,4 @@
-// orbit.hpp - quaternions and the orbit Q -> Q^p + c as it is written down, for any scalar.
+// orbit.hpp - quaternions and the orbit Q -> Q^p + c by its definition, for any type of number.
 //
 // Shared by formulas.hpp and the oracles of tests/.
 #ifndef TOOL_ORBIT_HPP
@@ -32,7 +32,7 @@ template <class T> quaternion<T> power(const quaternion<T> &q, int p)
 }
 template <class T> quaternion<T> constant(const double v[4]) { return {T(v[0]), T(v[1]), T(v[2]), T(v[3])}; }
 
-// Q_n from q on, n at most `levels`; fewer if |Q|^2 is beyond `far`: from there on it only grows.
+// Q_n of the orbit that starts at q, n = `levels`; or the first with |Q|^2 > far: after that it grows.
 template <class T>
 quaternion<T> orbit(quaternion<T> q, const quaternion<T> &c, int p, int levels, double far, int *n)
 {

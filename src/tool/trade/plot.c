@@ -1,15 +1,17 @@
-/* plot.c - error against time, a panel a case, with cairo.
+/* plot.c - draws error against time, with cairo: a panel for each case.
  *
- * Both axes are logarithmic.  A dot is at the error that 99 % of the rays keep below, its stem ends at the
- * worst; an error of 0 stands on the floor.  Full dots are those that nothing beats.  The line of stairs is
- * the least error that can be had in a time: of the best with the default's outputs, no proof, and no more
- * undecided or wrong than the default's; from the top edge down, from one to the next, and on to the right
- * edge.
+ * Both axes are logarithmic.  A dot stands at the error that 99 % of the rays stay below; its stem ends at
+ * the largest error; an error of 0 stands on the floor.  A filled dot is a best setting.  The stairs show the
+ * smallest error that can be had in a given time: by best settings with the default's outputs, no proof, and
+ * no more undecided or wrong rays than the default.  They lead from the top edge down, from one dot to the
+ * next, and on to the right edge.
  *
- * What is the same as the default, or as another value of its knob, has no dot of its own: the name of the
- * other tells it.  Dots that still cover each other are rings about each other.  Each dot has its name: of
- * the places around it, nearest first, the first takes it where it covers no other name, dot, stem or edge,
- * and where its leader, if it has to stand off, crosses nothing; the leader has the colour of its dot. */
+ * A setting that is the same as the default, or as another value of its knob, has no dot of its own; its name
+ * is added to that of the other.  Dots that would still cover each other are drawn as rings about each other.
+ *
+ * Each dot has a name.  The places around the dot are tried, nearest first.  The name takes the first place
+ * where it covers no other name, dot, stem or edge.  If it stands apart from its dot, a leader in the colour
+ * of the dot joins them, and that must cross nothing either. */
 #include "trade.h"
 
 #include "../draw/legend.h"
@@ -34,7 +36,7 @@ typedef struct box { double left, top, right, bottom; } box;
 
 typedef struct plot_stroke { double x0, y0, x1, y1; } plot_stroke;
 
-/* A dot, and whose it is: of the settings that are the same the first. */
+/* A dot; of: its setting, the first of those that are the same. */
 typedef struct plot_dot {
     double x, y, radius;
     const setting *of;
@@ -45,14 +47,14 @@ typedef struct panel {
     cairo_t *cr;
     const trade_case *c;
     box plot;
-    double x_low, x_high, y_low, y_high;  /* decades */
+    double x_low, x_high, y_low, y_high;  /* ends of the axes, as log10 */
     bool floor;                           /* is there an error of 0? */
-    const setting **stands_for;           /* [settings]: whose dot it shares; NULL: it has no error */
+    const setting **stands_for;           /* [settings]: whose dot it has; NULL: it has no error */
     plot_dot *dot;
     size_t dots;
-    box *taken;                           /* names, dots, stems and stairs so far */
+    box *taken;                           /* where names, dots, stems and stairs are */
     size_t taken_count, taken_capacity;
-    box *name;                            /* those of the names once more */
+    box *name;                            /* where names are */
     size_t names, name_capacity;
     plot_stroke *leader;
     size_t leaders, leader_capacity;
@@ -88,7 +90,7 @@ static panel panel_of(cairo_t *cr, const trade_case *c, double left, double top,
     if (!(x[0] <= x[1])) x[0] = 0, x[1] = 1;
     if (!(y[0] <= y[1])) y[0] = -16, y[1] = -15;
     double middle = (x[0] + x[1]) / 2, half = fmax(x[1] - x[0], 0.6) / 2 + 0.12;
-    p.x_low = middle - 1.2 * half, p.x_high = middle + 1.3 * half; /* room for names on all sides */
+    p.x_low = middle - 1.2 * half, p.x_high = middle + 1.3 * half; /* with room for names on all sides */
     p.y_low = floor(y[0] - 0.15 - 0.22 * (y[1] - y[0])), p.y_high = ceil(y[1] + 0.3);
     return p;
 }
@@ -111,7 +113,7 @@ static double plot_width_of(cairo_t *cr, const char *text)
     return size.x_advance;
 }
 
-/* At x, or ending there, or about it: part 0, 1, 0.5. */
+/* Writes text that begins at x (part 0), ends there (1), or is centred there (0.5). */
 static void write_text(cairo_t *cr, double x, double y, double part, const char *text)
 {
     cairo_move_to(cr, x - part * plot_width_of(cr, text), y);
@@ -130,7 +132,7 @@ static void line(cairo_t *cr, double x0, double y0, double x1, double y1, double
 
 static void time_axis(const panel *p)
 {
-    static const double step[] = {1, 2, 5, 1.5, 3, 7}; /* the second half for a short axis */
+    static const double step[] = {1, 2, 5, 1.5, 3, 7}; /* the second half only for a short axis */
     int steps = p->x_high - p->x_low < 1.1 ? 6 : 3;
     cairo_t *cr = p->cr;
     for (int decade = (int)floor(p->x_low); decade <= (int)p->x_high + 1; decade++)
@@ -147,7 +149,7 @@ static void time_axis(const panel *p)
     write_text(cr, (p->plot.left + p->plot.right) / 2, p->plot.bottom + 31, 0.5, "time per ray (ns)");
 }
 
-/* Upward, beside the numbers. */
+/* Written upward, beside the numbers. */
 static void error_label(const panel *p)
 {
     cairo_t *cr = p->cr;
@@ -211,7 +213,7 @@ static const setting *shared_dot(const panel *p, size_t i)
     return s;
 }
 
-/* Of those that would cover each other the later ones are rings about the earlier. */
+/* Of dots that would cover each other, later ones become rings about the earlier. */
 static void find_dots(panel *p)
 {
     const trade_case *c = p->c;
@@ -241,7 +243,7 @@ static void colour_of(cairo_t *cr, knob turned)
     if (turned == KNOB_ITERATIONS) cairo_set_source_rgb(cr, 0.45, 0.3, 0.15);
 }
 
-/* On a white ground, so that what lies under it ends there. */
+/* On a white disk, so that lines under the dot end there. */
 static void draw_dot(cairo_t *cr, double x, double y, double radius, knob turned, bool best)
 {
     cairo_new_path(cr);
@@ -301,7 +303,7 @@ static void draw_stairs(panel *p)
     cairo_set_line_cap(p->cr, CAIRO_LINE_CAP_SQUARE);
     for (size_t i = 0; i < p->dots; i++) {
         const setting *s = step[i]->of;
-        bool own_model = s->turned == KNOB_ITERATIONS; /* none of these is as sure as the deepest */
+        bool own_model = s->turned == KNOB_ITERATIONS; /* all of these are less certain than the largest N */
         if (!step[i]->best || !base || s->outputs != base->outputs || s->options.proof != base->options.proof)
             continue;
         if (!own_model && (s->undecided > base->undecided || s->wrong > base->wrong)) continue;
@@ -330,7 +332,7 @@ typedef struct name {
     char line[LINES][TEXT_SIZE];
 } name;
 
-/* Lines more, "20 % undecided" and "0.1 % wrong". */
+/* Adds the lines "20 % undecided" and "0.1 % wrong". */
 static void add_shares(name *n, const setting *s, size_t rays)
 {
     const struct {
@@ -344,7 +346,7 @@ static void add_shares(name *n, const setting *s, size_t rays)
     }
 }
 
-/* After what there is, in the same line or a new one. */
+/* Appends a word, in the same line or a new one. */
 static void add_word(name *n, const char *before, const char *word)
 {
     char *last = n->line[n->lines - 1];
@@ -357,8 +359,8 @@ static void add_word(name *n, const char *before, const char *word)
     plot_append(last, word);
 }
 
-/* "default", and in a line of its own "= t_tol, pick, out=t": what is the same, a knob whole where it is
- * so. */
+/* Adds what is the same as this setting, in lines of their own: "= t_tol, pick, out=t".  If all values of a
+ * knob are, only the knob is named. */
 static void name_same(name *n, const panel *p)
 {
     const char *before = "= ";
@@ -405,7 +407,7 @@ static bool overlap(const box *a, const box *b)
     return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
 }
 
-/* Has it a part inside?  Cut to one pair of edges after the other (Liang and Barsky 1984, ACM TOG 3, 1). */
+/* Does the stroke enter the box?  Cuts it at each edge in turn (Liang and Barsky 1984, ACM TOG 3, 1). */
 static bool plot_enters(const plot_stroke *s, const box *b)
 {
     double from = 0, to = 1, dx = s->x1 - s->x0, dy = s->y1 - s->y0;
@@ -430,8 +432,9 @@ static bool cross(const plot_stroke *a, const plot_stroke *b)
            side(b, a->x0, a->y0) * side(b, a->x1, a->y1) <= 0;
 }
 
-/* What may be in the way of a name: all there is; all but stems and stairs; dots and names, and of its
- * leader dots; of that nothing. */
+/* What a name must not cover.  Each is tried if there is no place by the one before:
+ * ALL: anything.  LEADERS: stems and stairs may be covered.  DOTS: leaders too, and its own leader need only
+ * avoid dots.  NAMES: the same, and its own leader need avoid nothing. */
 typedef enum respect { RESPECT_ALL, RESPECT_LEADERS, RESPECT_DOTS, RESPECT_NAMES, RESPECTS } respect;
 
 static bool thin(const box *b) { return fmin(b->right - b->left, b->bottom - b->top) < STEM; }
@@ -448,7 +451,7 @@ static bool free_place(const panel *p, box b, respect of)
     return true;
 }
 
-/* From the edge of the dot to the nearest place of the name. */
+/* The leader: from the edge of the dot to the nearest place of the name. */
 static plot_stroke leader_to(const plot_dot *d, const box *b)
 {
     double x = fmin(fmax(d->x, b->left), b->right), y = fmin(fmax(d->y, b->top), b->bottom),
@@ -462,7 +465,8 @@ static bool hits(const plot_stroke *s, const plot_dot *d)
     return plot_enters(s, &(box){d->x - d->radius, d->y - d->radius, d->x + d->radius, d->y + d->radius});
 }
 
-/* It may cross stems and stairs, but no dot except those about its own; and no name, and no other leader. */
+/* May a leader be there?  It may cross stems and stairs and the rings about its own dot, but no other dot, no
+ * name and no other leader. */
 static bool free_leader(const panel *p, const plot_stroke *s, const plot_dot *of, respect respected)
 {
     for (size_t i = 0; i < p->dots && respected <= RESPECT_DOTS; i++)
@@ -483,7 +487,7 @@ static double off(const plot_dot *d, const box *b)
     return hypot(x - d->x, y - d->y) - d->radius;
 }
 
-/* Does the place belong to its dot at first sight?  No other may be nearer, if it is next to it. */
+/* Is it clear whose name it is?  No other dot may be nearer to the place than its own. */
 static bool clear_whose(const panel *p, const box *b, const plot_dot *of)
 {
     const double NEXT = 10;
@@ -493,14 +497,14 @@ static bool clear_whose(const panel *p, const box *b, const plot_dot *of)
     return true;
 }
 
-/* Along the circle of radius d about the dot; the name touches it from outside. */
+/* Tries places on circles about the dot; the name touches the circle from outside. */
 static bool find_place(const panel *p, const name *n, double wide, double high, respect of, bool *led, box *b)
 {
     enum { WAYS = 32 };
     const double near = n->of->radius + 4;
     for (double d = near; d < 300; d += 5)
         for (int k = 0; k < WAYS; k++) {
-            int turn = k % 2 ? (k + 1) / 2 : -k / 2; /* to the right first, the left last */
+            int turn = k % 2 ? (k + 1) / 2 : -k / 2; /* right first, left last */
             double x = cos(turn * 8 * atan(1) / WAYS), y = sin(turn * 8 * atan(1) / WAYS);
             double left = n->of->x + d * x - wide * (1 - x) / 2, top = n->of->y + d * y - high * (1 - y) / 2;
             *led = d > near;
@@ -521,7 +525,7 @@ static void place_name(panel *p, const name *n)
     for (int i = 0; i < n->lines; i++) wide = fmax(wide, plot_width_of(cr, n->line[i]));
     for (int of = RESPECT_ALL; of < RESPECTS && !found; of++)
         found = find_place(p, n, wide, high, (respect)of, &led, &b);
-    if (!found) return; /* it would cover others, or is wider than the panel */
+    if (!found) return; /* every place covers something, or the name is wider than the panel: leave it out */
     if (led) {
         plot_stroke s = leader_to(n->of, &b);
         colour_of(cr, n->of->of->turned);
@@ -542,7 +546,7 @@ static void place_name(panel *p, const name *n)
     }
 }
 
-/* As much of the text as fits between the panel's edges. */
+/* Writes as much of the text as fits between the panel's edges. */
 static void write_fitting(const panel *p, double y, const char *text)
 {
     char fitting[sizeof p->c->about + 4];
@@ -586,7 +590,7 @@ static void draw_panel(panel *p)
 
 /* ------------------------------------------------------------------- page */
 
-/* In as many lines as it needs; where the next begins is returned. */
+/* Writes a text in as many lines as it needs; returns y of the next line. */
 static double write_wrapped(cairo_t *cr, double left, double right, double y, const char *text)
 {
     char all[200];
@@ -641,7 +645,7 @@ static void draw_key(cairo_t *cr, const trade *t, double left, double right, dou
 void trade_picture(const char *file, const trade *t)
 {
     int columns = t->count > 1 ? 2 : 1, rows = ((int)t->count + columns - 1) / columns;
-    bool gap = columns == 2 && t->count % 2; /* a panel's place for the key */
+    bool gap = columns == 2 && t->count % 2; /* there is a free panel for the key */
     double width = (columns == 2 ? 1 : 1.4) * (PLOT_WIDTH - 2 * MARGIN - GAP) / 2;
     double page = columns * width + (columns - 1) * GAP + 2 * MARGIN,
            height = rows * PANEL_HIGH + (gap ? 0 : KEY_HIGH) + MARGIN;

@@ -1,4 +1,4 @@
-/* plot_missing.c - in the place of plot.c where there is no cairo. */
+/* plot_missing.c - replaces plot.c if there is no cairo. */
 #include "../draw/picture.h"
 #include "trade.h"
 

@@ -1,15 +1,15 @@
 /* quad.c - Newton's method in 113 bits, on the formulas of formulas.hpp.
  *
- * Of a sag on a conic base the function is the polynomial in z - P that has the same zeros: no square root,
- * and no equator to fall off.
+ * For a sag on a conic base the function is the polynomial in z - P with the same zeros.  It has no square
+ * root, so it is defined beyond the equator too.
  *
- * The start is right to 50 bits and more, so two steps reach the last bits, and a third sees that they
- * have.  That it does, to 2^-96 of the coordinates, is what `quad_meet` asks; or, where the many terms of a
- * polynomial cancel, after all its steps to 2^-72, which tells the errors of doubles still.  A double root
- * does not come to rest so: there each step halves the last.
+ * The start is right to at least 50 bits, so two steps reach the last bits, and the third confirms it.
+ * `quad_meet` asks that a step is at most 2^-96 of the coordinates.  If the many terms of a polynomial
+ * cancel, 2^-72 after all steps will do: that still measures the errors of doubles.  At a double root this
+ * fails, because each step is half the last.
  *
- * A TRACE takes axes of a pose to be at right angles, as they are meant: the doubles are so to
- * 2^-50, and are made so here. */
+ * A TRACE makes the axes of a pose exactly orthogonal, as they are meant to be.  In doubles they are so only
+ * to 2^-50. */
 #include "quad.h"
 
 #include "../base/fail.h"
@@ -27,7 +27,7 @@ void quad_check(void)
 static quad magnitude(quad x) { return x < 0 ? -x : x; }
 static quad larger(quad a, quad b) { return a > b ? a : b; }
 
-/* Newton from the double's root: 53 bits, 105, 113.  0 of what a double cannot tell from it. */
+/* The square root, by Newton from the double's: 53 bits, 105, 113.  0 if x <= 0 as a double. */
 static quad root(quad x)
 {
     quad y = sqrt((double)x);
@@ -56,7 +56,7 @@ static bool meet(const quad_formula *f, quad3 o, quad3 d, quad *t, quad3 *grad)
     bool near = false;
     for (int i = 0; i < 8; i++) {
         quad g = quad_value(f, along(o, *t, d), grad), step = -g / quad_dot(*grad, d);
-        if (!(magnitude(step) <= (quad)DBL_MAX)) return false; /* a NaN as well */
+        if (!(magnitude(step) <= (quad)DBL_MAX)) return false; /* false for NaN too */
         *t += step;
         quad reach = magnitude(*t) * size(d);
         if (magnitude(step) * size(d) <= 0x1p-96 * larger(size(o), reach)) return true;
@@ -73,7 +73,7 @@ bool quad_meet(sgt_surface s, const sgt_ray *ray, quad *t)
 
 /* ----------------------------------------------------------------- traces */
 
-static const double SAME_ROOT = 0x1p-26; /* of the lengths that are added up */
+static const double SAME_ROOT = 0x1p-26; /* of the size of the numbers involved */
 
 typedef struct frame { quad3 origin, x, y, z; } frame;
 
@@ -93,7 +93,7 @@ static quad3 into(const frame *f, quad3 v)
 }
 static quad3 out_of(const frame *f, quad3 v) { return along(along(times(v.x, f->x), v.y, f->y), v.z, f->z); }
 
-/* d = r d + (sqrt(1 - r^2 (1 - cos^2)) - r cos) n with n on the side to which the light goes. */
+/* Snell's law: d' = r d + (sqrt(1 - r^2 (1 - cos^2)) - r cos) n, with n on the side the light goes to. */
 static quad3 refracted(quad3 d, quad3 n, quad ratio)
 {
     quad cosine = quad_dot(d, n);

@@ -1,7 +1,7 @@
 // quad.hpp - numbers of 113 bits in C++: gcc's and clang's __float128, or a long double of that width.
 //
-// The arithmetic is in the compiler's own library; the square root is here, so that nothing else is asked
-// for.  The command's trade and the oracles of tests/ share this file and formulas.hpp.
+// The arithmetic is in the compiler's own library.  The square root is here, so no other library is needed.
+// The command's trade and the oracles of tests/ share this file and formulas.hpp.
 #ifndef TOOL_QUAD_HPP
 #define TOOL_QUAD_HPP
 #include "quad.h"
@@ -17,7 +17,7 @@ inline double magnitude(double x) { return std::fabs(x); }
 inline double to_double(quad x) { return static_cast<double>(x); }
 inline double square_root(double x) { return std::sqrt(x); }
 
-// Newton from the double root: 53 bits, 105, 113.  NaN for x < 0.
+// By Newton from the double's root: 53 bits, 105, 113.  NaN for x < 0.
 inline quad square_root(quad x)
 {
     if (!(x > 0)) return x == 0 ? x : quad(NAN);

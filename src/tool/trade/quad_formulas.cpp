@@ -1,4 +1,4 @@
-// quad_formulas.cpp - formulas.hpp for the C of the command: F and its gradient in 113 bits.
+// quad_formulas.cpp - makes formulas.hpp callable from C: F and its gradient in 113 bits.
 #include "formulas.hpp"
 
 typedef catalogue::dual<quad, 3> jet;

@@ -1,5 +1,4 @@
-/* quad_formulas_missing.c - in the place of quad_formulas.cpp where there is no C++, or no number of 113
- * bits. */
+/* quad_formulas_missing.c - replaces quad_formulas.cpp if there is no C++, or no number of 113 bits. */
 #include "quad.h"
 
 const quad_formula *quad_formula_of(sgt_surface s)

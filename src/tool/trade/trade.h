@@ -1,29 +1,29 @@
 /* trade.h - what sagitta trade tries, what it finds, and who does what.
  *
- *     trade.c          the arguments, and the table
- *     cases.c    surfaces, rays and the settings to try on them
- *     measure.c  times and errors
- *     plot.c     the picture */
+ *     command/trade.c  the arguments, and the table
+ *     cases.c          surfaces, rays and the settings to try on them
+ *     measure.c        times and errors
+ *     plot.c           the picture */
 #ifndef TOOL_TRADE_H
 #define TOOL_TRADE_H
 #include "../job/job.h"
 #include "quad.h"
 
-/* Values of a knob, from the command line or by default. */
+/* The values of a knob, given or by default. */
 typedef struct knob_list { size_t count; double value[16]; } knob_list;
 
 typedef struct trade_options {
     job_options job;
-    const char *surface;       /* --surface; NULL: job.lens, or else the default set */
+    const char *surface;       /* --surface; NULL: job.lens, or if that is NULL the default set */
     ray_list rays;             /* --ray */
     knob_list t_tol, dt_min, max_evals, iterations;
-    sgt_pick pick;             /* SGT_PICK_DEFAULT: each */
-    size_t proofs;             /* 0: each */
+    sgt_pick pick;             /* SGT_PICK_DEFAULT: try both */
+    size_t proofs;             /* 0: try root and first */
     sgt_proof proof[3];
     double seconds;
 } trade_options;
 
-/* What a user turns. */
+/* The option that a setting changes. */
 typedef enum knob {
     KNOB_NONE,
     KNOB_CALL,
@@ -37,15 +37,17 @@ typedef enum knob {
     KNOBS
 } knob;
 
-/* Outputs asked for.  Of a surface: t; status, t, t_err, p, n; all there are.  Of a lens: where
- * the ray ends; that, its direction, fate and path; each element's record as well. */
+/* The outputs asked for.
+ * LEAST: t; of a lens the last point.
+ * USUAL: status, t, t_err, p, n; of a lens the last point, direction, fate and path.
+ * ALL: every output; of a lens the record of each element as well. */
 typedef enum outputs { OUTPUTS_LEAST, OUTPUTS_USUAL, OUTPUTS_ALL } outputs;
 
-/* Per ray what is so.  path: of a lens. */
+/* The true answer of a ray.  path, kind, passed, point: of a lens. */
 typedef struct truth {
-    bool known;                /* false: undecided even at full care, or no rest in 113 bits */
-    bool met;                  /* a lens: passed all */
-    signed char kind;          /* a lens: the fate; a surface: unused */
+    bool known;                /* false: undecided at full accuracy, or Newton in 113 bits did not settle */
+    bool met;                  /* hit; of a lens: passed every element */
+    signed char kind;          /* of a lens: the fate */
     int passed;
     quad t, path;
     quad3 point;
@@ -54,19 +56,19 @@ typedef struct truth {
 typedef struct setting {
     char name[40];
     knob turned;
-    sgt_surface surface;       /* of a lens: unused */
+    sgt_surface surface;       /* unused for a lens */
     sgt_options options;
     outputs outputs;
-    bool single;               /* one ray a call, and not the batch */
+    bool single;               /* one call for each ray, and no batch */
     const truth *truth;        /* [rays] */
-    bool other_model;          /* truth is another surface's: t_err does not speak of it */
+    bool other_model;          /* truth is that of another surface: t_err does not bound the error */
 
-    double ns, ns_low, ns_high; /* the median of the rounds, and their spread: see measure.c */
+    double ns, ns_low, ns_high; /* median time per ray, and its range (measure.c), in nanoseconds */
     double evals, error_median, error_99, error_worst;
     double path_worst, waves_worst;         /* of a lens */
     size_t undecided, wrong;
     bool best;
-    char effect[160];          /* in words, against the case's base; of the base: empty */
+    char effect[160];          /* what it changes against the base, in words; "" for the base */
 } setting;
 
 typedef struct trade_case {
@@ -74,8 +76,8 @@ typedef struct trade_case {
     char about[400];           /* a line for people */
     const job *lens;           /* NULL: a surface */
     size_t rays;
-    sgt_ray *ray;              /* [rays], and the same as arrays */
-    sgt_rays columns;
+    sgt_ray *ray;              /* [rays] */
+    sgt_rays columns;          /* the same rays as arrays */
     setting *setting;
     size_t settings, capacity;
 } trade_case;
@@ -85,25 +87,25 @@ typedef struct trade {
     size_t count, capacity;
 } trade;
 
-/* "t_tol": what stands before = in the names of the knob's settings. */
+/* "t_tol": what stands before the = in the names of a knob's settings. */
 extern const char *const trade_knob_name[KNOBS];
 
-/* What the others of a case are compared with: the default, or the deepest N; NULL: there is none. */
+/* The base, with which the other settings are compared: the default, or the largest N; NULL if none. */
 const setting *trade_base(const trade_case *c);
 
-/* Is what it costs and gives the same, as far as repeated runs can tell? */
+/* Are time and results the same, as far as repeated runs can tell? */
 bool trade_same(const setting *a, const setting *b);
 
-/* All that is to be tried. */
+/* Makes all cases and their settings. */
 trade trade_cases(const trade_options *o);
 
-/* Fills in what is found. */
+/* Measures every setting, for about so many seconds. */
 void trade_measure(trade *t, double seconds);
 
-/* What is so, for each ray, of the surface or lens of this setting and the root it picks. */
+/* The true answers, [rays], for the surface or lens of a setting and the root that it picks. */
 const truth *trade_truth(const trade_case *c, const setting *s);
 
-/* The most evaluations that a ray takes (of a lens, at one element). */
+/* The most evaluations that a ray takes (of a lens: at one element). */
 int trade_most_evals(const trade_case *c, const setting *s);
 
 void trade_picture_check(void);
