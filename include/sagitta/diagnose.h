@@ -77,8 +77,8 @@ typedef enum sgt_fault {
  *
  *     operation   what is checked
  *     value       the gradient agrees with differences of F
- *     span        no change of sign that samples show lies outside it, nor do two lie
- *                 inside a span that is `single`
+ *     span        samples show no change of sign outside it, and never two inside a
+ *                 span that is `single`
  *     rounding    it is finite and not negative where F is defined
  *     enclose     over stretches of many widths it contains what samples show of F and
  *                 its slope; it is empty only where F is nowhere defined; where the slope
@@ -89,7 +89,7 @@ typedef enum sgt_fault {
  *     values,     they give what `value` and `span` give, to the last bit (a NaN for a
  *     spans       NaN), with and without gradients, and write no more than asked for
  *     first       if it is single, no accepted root lies before its stretch, nor two in
- *                 it, nor one behind it if none is in it
+ *                 it; and if it holds none, none lies behind it
  *     firsts      they give what `first` gives, as `spans` does of `span`
  *
  * Returns the first fault found.  If `where` is not NULL, *where is then a point that

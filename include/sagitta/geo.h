@@ -33,8 +33,8 @@ extern "C" {
  * surface begins to fold.  Parameters for sensitivities: h. */
 typedef struct sgt_geodetic_height {
     double a;  /* equatorial radius, m; 0 ... 1e100.  0: WGS84, its f included */
-    double f;  /* flattening (a - b) / a, below 1; below 0: prolate.  It is taken as it
-                  is: 0 is a sphere.  With a = 0 it is 0 */
+    double f;  /* flattening (a - b) / a, below 1; below 0: prolate.  0 is a
+                  sphere.  If a is 0, f must be 0 */
     double h;  /* height, m; at most 1e100 */
 } sgt_geodetic_height;
 

@@ -10,8 +10,8 @@
  *   - A NaN at either end says that nothing is known.  The result is then all numbers; an
  *     intersection takes all numbers in its place.  Empty is a proof, so it is never made
  *     of a NaN.
- *   - INFINITY at both ends, or -INFINITY, stands for the numbers beyond the largest
- *     double.
+ *   - INFINITY at both ends stands for numbers above the largest double, -INFINITY at
+ *     both ends for numbers below the least.
  *
  * ROUNDING.  Ends are worked out to nearest.  What that leaves out is a double, and its
  * sign says whether to go one double outward.  So a result is the least interval of

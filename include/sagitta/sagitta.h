@@ -64,9 +64,9 @@ typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
  * UNITS.  o and d are in the length unit of the surface.  d may have any length but
  * zero.  t is in lengths of d.
  *
- * ENDS.  tmax = 0 with tmin >= 0 stands for infinity, so ends of {0} are the half-line
- * from o on.  -INFINITY and INFINITY are the whole line.  At tmax a root is accepted if
- * its computed t is at most tmax.
+ * ENDS.  tmax = 0 with tmin >= 0 means infinity.  So the default ends {0} mean the
+ * half-line that begins at o.  -INFINITY and INFINITY mean the whole line.  At tmax a
+ * root is accepted if its computed t is at most tmax.
  *
  * THE START.  The root at the start itself is not accepted: a finite tmin stands for
  * "leave the surface you may be on".  Precisely, a root t is not accepted if
@@ -75,7 +75,8 @@ typedef struct sgt_vec3 { double x, y, z; } sgt_vec3;
  * coordinate of a point on the surface can put it.  Where the gradient nearly vanishes,
  * rounding hides how far that is.  A root that may be the one at the start is then
  * UNPROVEN and is never dropped.
- * To have it, give tmin = -INFINITY or a tmin a little less than zero. */
+ * To get the root at the start, give tmin = -INFINITY or a tmin a little less than
+ * zero. */
 typedef struct sgt_ray {
     sgt_vec3 o;     /* origin, length; finite */
     sgt_vec3 d;     /* direction; finite, its largest component not subnormal or 0 */
@@ -117,10 +118,10 @@ typedef struct sgt_spans { double *lo, *hi, *seed; bool *single; } sgt_spans;
  * The table grows at its end from version to version.  Use designated initialisers, in
  * this order in C++: {.name = "torus", .value = torus_value}. */
 typedef struct sgt_surface_ops {
-    /* How long this table is, in bytes.  0, the default: it ends with `by_parameter`, the
-     * last member of version 0.2.  A program that offers a member of a later version sets
-     * sizeof(sgt_surface_ops); members beyond `size` are not read.  If it is not 0 and
-     * less than the table of version 0.2, a user's surface is SGT_INVALID. */
+    /* How long this table is, in bytes.  0, the default: the table of version 0.2, whose
+     * last member is `by_parameter`.  A program that offers a member of a later version
+     * sets sizeof(sgt_surface_ops); members beyond `size` are not read.  If it is not 0
+     * and less than the table of version 0.2, a user's surface is SGT_INVALID. */
     size_t size;
 
     /* The built-in surfaces' own; leave it NULL. */
@@ -139,7 +140,7 @@ typedef struct sgt_surface_ops {
     sgt_span (*span)(const void *self, const sgt_ray *ray);
 
     /* A bound on |computed F(p) - exact F(p)|, with p taken as exact; in units of F.
-     * NULL: what is said of F is said of F as computed. */
+     * NULL: all answers are about F as computed, not about the exact F. */
     double (*rounding)(const void *self, sgt_vec3 p);
 
     /* A radius about p (length) within which the surface certainly is not.  Where F is
@@ -175,8 +176,8 @@ typedef struct sgt_surface_ops {
      * If `single` is set, [lo, hi] contains at most one root, F changes sign there, and
      * if that root is not accepted then no root on the ray is.  If `single` is not set,
      * nothing is said, and the solver uses `span`; so it does where `first` fails.
-     * It is asked if the first root is wanted.  It makes convex bodies as quick to meet
-     * as sags. */
+     * It is called only if the first root is wanted.  It makes convex bodies as quick to
+     * meet as sags. */
     sgt_span (*first)(const void *self, const sgt_ray *ray);
 
     /* `first` of n rays, to the last bit.  tmin and tmax are given; no output is NULL. */
@@ -240,8 +241,8 @@ typedef struct sgt_hit {
     double     t_err;   /* |t - root| <= t_err, in lengths of d.  On built-in surfaces a
                            bound by error analysis.  On a user's an estimate that trusts
                            `rounding` */
-    double     t_lo;    /* t + t_lo is as close to the root as the method can tell: closer
-                           than one double if the origin is far */
+    double     t_lo;    /* t + t_lo is as close to the root as the method can tell: nearer
+                           than t by itself if the origin is far */
     double     lo, hi;  /* the stretch of the ray that the status is about, in lengths of
                            d.  Of a root: t +- t_err, rounded outward.  Of an undecided
                            first root: the first stretch that is not decided.  No accepted
@@ -379,8 +380,8 @@ typedef struct sgt_hits {
 /* One hit for each of n rays.  opt may be NULL.  Returns the number of positive statuses.
  *
  * Each answer is the one that sgt_intersect would give, bit for bit (a NaN for a NaN),
- * whatever its neighbours are and whatever the processor.  A lane never changes its
- * neighbour.
+ * whatever its neighbours are and whatever the processor.  No ray changes the
+ * answer of another.
  *
  * Outputs must not overlap the rays or each other.  Nothing is allocated.  The stack
  * needed is below 80 KiB (a few KiB more if the library was built without optimisation).

@@ -50,8 +50,8 @@
  *     NaN if rounding has put p outside the domain.  The derivatives of t and p by the
  *     ray need neither of them and are as good as n.
  *
- * NOT SAID.  They are the derivatives of the root that was met.  That another root comes
- * before it, or that it passes the rim, no derivative tells.
+ * NOT SAID.  They are the derivatives of the root that was met.  No derivative
+ * tells whether another root comes before it, or whether it leaves the rim.
  *
  * Every function may run in any number of threads.  Nothing is allocated, and the stack
  * needed is below 80 KiB.  Answers have the same bits on every processor, alone and among

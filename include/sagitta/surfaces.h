@@ -77,8 +77,8 @@ extern SGT_API const sgt_surface_ops sgt_conic_ops, sgt_asphere_ops;
  *
  * SPEED.  A batch is fast if semi_diameter is given and the gradient within it is not so
  * steep that a ray could meet the surface twice.  So is a single ray.  Without
- * semi_diameter a miss is often SGT_UNPROVEN on a ray without an end, and so is a first
- * root on a ray without a beginning.
+ * semi_diameter, a miss is often SGT_UNPROVEN if tmax is infinite, and so is a first root
+ * if tmin is.
  *
  * A DEPARTURE P(x, y) on a conic base is
  *     s = c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + P(x, y),
@@ -220,10 +220,10 @@ extern SGT_API const sgt_surface_ops sgt_odd_asphere_ops, sgt_polynomial_xy_ops,
 
 /* The sum of the departures of `terms` on one conic base.  A term is one of these:
  *   - an even asphere, or one of the surfaces above with a departure.  Its own base and
- *     rim are not read, but for the c of a q_bfs, in its root;
+ *     rim are not read, except the c of a q_bfs, which its root needs;
  *   - a toroid or a biconic (below), with all of its sag.
- * Another sum is not a term.  Parameters: c, k, and those of each term in order; of terms
- * of the first kind those after their c and k.  Example:
+ * Another sum is not a term.  Parameters: c, k, and those of each term in order (a term
+ * of the first kind: without its c and k).  Example:
  *
  *     const double z[4] = {0, 0, 0, 0.001};
  *     const sgt_asphere asphere = {.a = {0, 1e-6}};

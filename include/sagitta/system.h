@@ -57,8 +57,8 @@ typedef struct sgt_element {
 /* What became of a ray at an element.  Negative is undecided, as everywhere. */
 typedef enum sgt_fate {
     SGT_PASSED  =  1,
-    SGT_CLIPPED =  2,  /* met outside the clear aperture, and certainly not inside.  For a
-                          user's surface without `enclose`, and without a proof: no root
+    SGT_CLIPPED =  2,  /* met outside the clear aperture and certainly not inside it.  For
+                          a user's surface without `enclose`, and without a proof: no root
                           was found inside */
     SGT_TIR     =  3,  /* total internal reflection */
     SGT_MISSED  =  0,  /* the surface is certainly not on the ray's line */
@@ -84,8 +84,8 @@ SGT_API const char *sgt_fate_text(sgt_fate fate);
  * is as good as its first order.
  *
  * LENGTHS.  Axes that are of unit length but for rounding change lengths by 2^-51.  At
- * the first element t counts lengths as the launch ray has them, behind it as the
- * element's frame has them. */
+ * the first element t is in the lengths of the launch ray, at the others in those of the
+ * element's frame. */
 typedef struct sgt_passage {
     sgt_hit  hit;        /* hit.t is a length: the direction in front is of unit length */
     sgt_vec3 direction;  /* behind the surface, of unit length; zero unless passed */

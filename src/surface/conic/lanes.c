@@ -210,7 +210,7 @@ size_t sgt_conic_lanes(double c, double k, double semi_diameter, const sgt_tile 
 }
 
 /* A ray is unique if its far root is certainly not accepted: F is monotone within the rim, or the far root
- * is gone.  If the far root certainly is accepted, the ray is NOT_UNIQUE.  If the root that was met is the
+ * is gone.  If the far root certainly is accepted, it is SGT_NOT_UNIQUE.  If the root that was met is the
  * far one itself, it is accepted, so it is never said to be gone. */
 bool sgt_conic_unique(double c, double k, double semi_diameter, const sgt_tile *tile, double rim2,
                       mask unique[], sgt_interval others[])

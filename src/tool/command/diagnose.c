@@ -44,7 +44,8 @@ static const char diagnose_help[] =
     "                     common mistake\n"
     "                     bisection\n"
     "                     The last three start where the ray crosses the vertex plane (on a surface\n"
-    "                     without one: mid-way through it) and stop after --max-evals (default 100)\n"
+    "                     without one: in the middle of the span) and stop after --max-evals\n"
+    "                     (default 100)\n"
     "  --pick P           the root that the library looks for: first or near-seed\n"
     "  --proof P          what the library must prove: estimate (the default), root or first, as in\n"
     "                     sagitta intersect and sagitta trace\n";
@@ -107,7 +108,7 @@ static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
     if (!a.surface == !a.job.lens)
         fail_usage(a.surface ? "give --surface or a lens file, not both"
                              : "give --surface SPEC or a lens file");
-    if (a.surface && !a.ray) fail_usage("--ray is missing, as --ray \"ox oy oz dx dy dz\"");
+    if (a.surface && !a.ray) fail_usage("--ray is missing; for example --ray \"ox oy oz dx dy dz\"");
     if (a.surface && (rays_of_lens || a.element))
         fail_usage(
             "--field, --fan, --grid, --rays, --skip-bad, --wavelength, --no-apertures and --element go with "

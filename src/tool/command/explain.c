@@ -76,7 +76,7 @@ static void print_root(char text[ROOT_SIZE], const sgt_hit *hit)
 }
 
 const char explain_fast[] =
-    "Searched in steps of --dt-min or more: thin parts may have been skipped.  Without --dt-min none are.";
+    "Searched in steps of --dt-min or more: thin parts may have been skipped.  Without --dt-min, no part is.";
 
 const char *explain_proof(const sgt_options *asked, bool near_seed, bool several)
 {

@@ -101,7 +101,7 @@ static intersect_arguments intersect_arguments_of(int argc, char *argv[])
     if (optind < argc)
         fail_usage("unexpected argument \"%s\"; give the surface by --surface, rays by --rays or --ray",
                    argv[optind]);
-    if (!a.surface) fail_usage("--surface is missing, as --surface '{type: sphere, radius: 20}'");
+    if (!a.surface) fail_usage("--surface is missing; for example --surface '{type: sphere, radius: 20}'");
     if (a.all && a.shared.solver.pick) fail_usage("give --pick or --all, not both");
     if (!file == !a.rays.count)
         fail_usage(file ? "give --rays or --ray, not both"

@@ -15,7 +15,7 @@ const char job_help[] =
     "  --field DEG        angle of a field in the y-z plane, in degrees; the chief ray of a positive\n"
     "                     field climbs toward +y.  May be repeated.  Default: the fields of the lens\n"
     "  --fan N            N rays across the entrance pupil in y, from edge to edge (default 5)\n"
-    "  --grid N           of N x N rays over the square around the pupil, those inside its circle\n"
+    "  --grid N           a square grid of N x N rays over the pupil, without those outside its circle\n"
     "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"
     "                     ox,oy,oz,dx,dy,dz and optionally id; FILE may be - for standard input\n"
     "  --skip-bad         skip bad rows of the file, and say how many\n"

@@ -341,7 +341,7 @@ const char *document_path(const document *d, const node *n, const char *key)
 
 size_t document_numbers(const document *d, const node *n, const char *key, size_t most, double value[])
 {
-    if (n->kind != NODE_LIST) document_fail(d, n, key, "must be a list of numbers, as [1, 2]");
+    if (n->kind != NODE_LIST) document_fail(d, n, key, "must be a list of numbers, like [1, 2]");
     if (n->count == 0) document_fail(d, n, key, "must hold at least one number");
     if (n->count > most) document_fail(d, n, key, "has %zu numbers; at most %zu are allowed", n->count, most);
     for (size_t i = 0; i < n->count; i++) {

@@ -162,7 +162,7 @@ static void read_surfaces(lens *l, size_t wavelength)
     const node *list = document_take(d->root, "surfaces");
     if (!list) document_fail(d, d->root, "surfaces", "missing; a lens has at least one surface");
     if (list->kind != NODE_LIST || list->count == 0)
-        document_fail(d, list, "surfaces", "must be a list of at least one surface, as [{type: plane}]");
+        document_fail(d, list, "surfaces", "must be a list of at least one surface, like [{type: plane}]");
     l->count = list->count;
     l->element = memory_take(l->count, sizeof *l->element);
     l->surface = memory_take(l->count, sizeof *l->surface);

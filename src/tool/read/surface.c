@@ -157,7 +157,7 @@ static sgt_numbers read_table(const document *d, const node *n, const sgt_param 
     if (n->kind == NODE_SCALAR && matrix_is_file(n->text)) return read_file(d, n, p);
     if (n->kind != NODE_LIST)
         document_fail(d, n, p->name,
-                      "must be a list of rows, as [[1, 2], [3, 4]], or a file, NAME.csv or NAME.npy");
+                      "must be a list of rows, like [[1, 2], [3, 4]], or a file, NAME.csv or NAME.npy");
     check_count(d, n, p->name, "row", (size_t)p->count);
     bool may_end_early = strcmp(p->name, COEFFICIENTS) == 0;
     sgt_numbers t = {.rows = n->count};
@@ -292,7 +292,7 @@ static void read_terms(const document *d, const node *n, const sgt_builtin *b, c
 {
     if (n->kind != NODE_LIST)
         document_fail(d, n, p->name,
-                      "must be a list of surfaces, as [{type: odd_asphere, coefficients: [0, 1e-3]}]");
+                      "must be a list of surfaces, like [{type: odd_asphere, coefficients: [0, 1e-3]}]");
     check_count(d, n, p->name, "surface", (size_t)p->count);
     sgt_surface *term = memory_take(n->count, sizeof *term);
     term_list *terms = (void *)(self + p->offset);

@@ -130,7 +130,7 @@ static bool is_spent(const search *s)
 static void print_reason_of_unproven(char text[REASON_SIZE], const search *s)
 {
     if (s->fast) {
-        snprintf(text, REASON_SIZE, "no root was seen, which proves nothing");
+        snprintf(text, REASON_SIZE, "no root was found, but one may have been passed by");
         return;
     }
     if (is_spent(s)) {
