@@ -432,8 +432,10 @@ struct sgt_root_private {
     int    sign_left, sign_right;        /* of g beside the candidate; 0: not yet known */
     int    side;                         /* the side of the candidate that is asked for */
     int    overshoots, bisections, retreats, sampled;
+    int    quick, probes;                /* quick form: its stage, looks beside a root */
     bool   bracketed, single, done;
-    double reserved[15];
+    double first, least, own;            /* first |g|, a bound on |g'|, more rounding */
+    double reserved[11];
 };
 
 /* Newton in a bracket, turned inside out: it never calls you.  Evaluate g and g' at r.t,

@@ -153,7 +153,7 @@
 #define sgt_vicinity_of SGT_SET_NAME(sgt_vicinity_of)
 #define sgt_walk_begin SGT_SET_NAME(sgt_walk_begin)
 #define sgt_walk_between SGT_SET_NAME(sgt_walk_between)
-#define sgt_walk_cells SGT_SET_NAME(sgt_walk_cells)
+#define sgt_walk_enclosed SGT_SET_NAME(sgt_walk_enclosed)
 #define sgt_walk_glance SGT_SET_NAME(sgt_walk_glance)
 #define sgt_walk_look SGT_SET_NAME(sgt_walk_look)
 #define sgt_walk_quick SGT_SET_NAME(sgt_walk_quick)

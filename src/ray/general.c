@@ -16,7 +16,7 @@
  *     or span.single             is single and has two ends       from the middle of the span
  *                                always                           the solver of solve/root.c, in the span
  *     what is left               `enclose`, built in, no `meet`   proof.c, which needs no ends
- *                                `enclose`, two finite ends, not  cells.c
+ *                                `enclose`, two finite ends, not  enclosed.c
  *                                (dt_min > 0 and `estimate`)
  *                                a finite near end, or the root   a march, in steps
  *                                near the seed
@@ -85,7 +85,7 @@ static void search_step(walk *w, const point *a, const point *b)
     sgt_root r = sgt_walk_begin(w, (sgt_span){.lo = c.tau, .hi = b->tau, .seed = m.tau});
     if (sgt_walk_sign(w, &c)) sgt_root_tell(&r, c.tau, c.g);
     point at = m;
-    r = sgt_walk_solve(w, r, &at);
+    sgt_walk_solve(w, &r, &at);
     sgt_walk_take(w, &r, at);
 }
 
@@ -271,7 +271,8 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
             double seed = a.seeded ? span.seed / a.q.scale - a.q.t0 : near ? a.nearest - a.q.t0 : (double)NAN;
             sgt_span cut = {.lo = lo, .hi = hi, .seed = seed, .single = span.single};
             if (is_catalogue(s.ops) && !span.single) cut_to_reach(&a, ray, &cut);
-            sgt_root r = sgt_walk_solve(&w, sgt_walk_begin(&w, cut), &at);
+            sgt_root r = sgt_walk_begin(&w, cut);
+            sgt_walk_solve(&w, &r, &at);
             /* proof.c knows over what length the ray touches */
             if (is_catalogue(s.ops) && r.status == SGT_GRAZE) r.status = SGT_UNPROVEN;
             bool taken = sgt_walk_take(&w, &r, at);
@@ -282,7 +283,7 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     if (over(&w)) sgt_walk_stretch(&w, w.told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, lo, hi);
     else if (is_catalogue(s.ops) && s.ops->enclose) sgt_prove_rest(s, ray, &w.told, all, near, list);
     else if (s.ops->enclose && isfinite(lo) && isfinite(hi) && !(opt->dt_min > 0 && s.ops->estimate))
-        sgt_walk_cells(&w, lo, hi);
+        sgt_walk_enclosed(&w, lo, hi);
     else if (isfinite(lo) || near) steps(&w, lo, hi, a.nearest);
     else sgt_walk_stretch(&w, SGT_UNPROVEN, lo, hi);
     return w.told.evals - w.told.before;

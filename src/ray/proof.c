@@ -146,8 +146,9 @@ static void count_from(proof *w, double t0)
         all = out_by(all, twofold_of(-t0)), tmin = out_by(tmin, twofold_of(-t0));
     }
     w->lo = all.lo, w->hi = all.hi, w->tmin = tmin;
-    w->done = down_by(w->done, by), w->told_dark = up_by(w->told_dark, by), w->dark = out_by(w->dark, by),
-    w->last = out_by(w->last, by);
+    cells *c = &w->march;
+    c->done = down_by(c->done, by), c->dark.lo = down_by(c->dark.lo, by), c->dark.hi = up_by(c->dark.hi, by);
+    w->told_dark = up_by(w->told_dark, by), w->last = out_by(w->last, by);
     w->seed += by.hi, w->centre += by.hi;
     w->t0 = t0;
 }
@@ -319,10 +320,11 @@ static bool proof_in_range(const proof_place *at)
 /* Ends the undecided stretch, if there is one: it is dropped, a graze, or UNPROVEN. */
 static void flush(proof *w)
 {
-    if (!w->pending) return;
-    w->pending = false;
-    w->told_dark = w->dark.hi;
-    sgt_interval at = w->dark, slope, steep;
+    undecided *dark = &w->march.dark;
+    if (!dark->any) return;
+    dark->any = false;
+    w->told_dark = dark->hi;
+    sgt_interval at = {dark->lo, dark->hi}, slope, steep;
     bool whole = at.lo <= finite(w->lo) && at.hi >= finite(w->hi) && at.hi > at.lo,
          start = at.lo <= w->tmin.hi;
     double t = whole ? start_within(w->ray, w->t0, at.lo, at.hi, w->centre, w->rim2)
@@ -363,16 +365,6 @@ static void flush(proof *w)
         }
     }
     sgt_proof_stretch(w, SGT_UNPROVEN, at.lo, at.hi);
-}
-
-static void undecided(proof *w, sgt_interval x)
-{
-    if (w->pending && x.lo - w->dark.hi <= 4 * ((w->dark.hi - w->dark.lo) + (x.hi - x.lo))) {
-        w->dark.hi = x.hi;
-        return;
-    }
-    flush(w);
-    w->dark = x, w->pending = true;
 }
 
 /* --------------------------------------------------------------------------- a root */
@@ -426,9 +418,10 @@ static bool proof_take(proof *w, const certain *c)
         return true;
     }
     if (root.lo <= w->told_dark) return false; /* it cannot be told from a stretch already reported */
-    if (w->pending && root.lo <= w->dark.hi) { /* that stretch is part of where this root is the only one */
-        if (!sgt_interval_is_in(w->dark, only)) return false;
-        w->pending = false;
+    undecided *dark = &w->march.dark;
+    if (dark->any && root.lo <= dark->hi) { /* that stretch is part of where this root is the only one */
+        if (!sgt_interval_is_in((sgt_interval){dark->lo, dark->hi}, only)) return false;
+        dark->any = false;
     }
     flush(w);
     if (proof_over(w)) return true;
@@ -472,13 +465,13 @@ static double guess(proof *w, sgt_interval n)
     for (int i = 0; i < GUESSES && !proof_over(w); i++) {
         sgt_vec3 grad = {0, 0, 0}, p = point_at(ray, 1, w->t0, t);
         double f = w->s.ops->value(w->s.self, p, &grad),
-               slope = grad.x * ray->d.x + grad.y * ray->d.y + grad.z * ray->d.z, step = f / slope,
-               next = t - step;
+               slope = grad.x * ray->d.x + grad.y * ray->d.y + grad.z * ray->d.z;
+        newton s = newton_of(f, slope, 0, t, last, n.lo, n.hi, 0, 0);
         tell(&w->told, SGT_NEWTON, w->t0 + t, f, slope, w->t0 + n.lo, w->t0 + n.hi);
-        if (!(next >= n.lo && next <= n.hi && fabs(step) <= 0.6 * last)) break;
+        if (!(s.go >= 0)) break;
         /* an estimate of the next step's length */
-        double shrinks = fabs(step) / last, left = fabs(step) * (shrinks * shrinks);
-        last = fabs(step), t = next;
+        double shrinks = s.size / last, left = s.size * (shrinks * shrinks);
+        last = s.size, t -= s.step;
         if (left <= 0x1p-53 * larger(fabs(t), w->t0 != 0 ? w->foot : 0) || last < 0.25 * w->told.opt->t_tol)
             break;
     }
@@ -508,14 +501,6 @@ static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, doub
 
 /* ---------------------------------------------------------------------- the search */
 
-typedef struct pieces { sgt_interval piece[PIECES]; int n; } pieces;
-
-/* The piece pushed last is searched first. */
-static void push(pieces *p, double lo, double hi)
-{
-    if (lo <= hi) p->piece[p->n++] = sgt_interval_between(lo, hi);
-}
-
 /* Where a piece is divided: its middle, or the geometric middle if it is long for its distance from the
  * centre.  DBL_MAX stands for an end at infinity, and is no length.  Such a piece is divided at 2^32 times
  * the distance of its other end, whatever the unit of length. */
@@ -530,38 +515,40 @@ static double middle_of(const proof *w, sgt_interval x)
     return m > x.lo && m < x.hi ? m : sgt_interval_middle(x);
 }
 
-/* Decides the piece X, or pushes what is left of it.  false: the search is over, and X is not decided. */
-static bool proof_look(proof *w, sgt_interval x, pieces *rest)
+static bool proof_ended(void *self) { return proof_over(self); }
+
+/* Decides the piece, or divides it. */
+static cells_kind proof_classify(void *self, cells *c)
 {
-    sgt_interval slope, G = sgt_interval_all(), g = proof_ask(w, x, SGT_MARCH, &slope);
-    certain c;
-    if (!has_zero(g)) return true;
-    if (proof_over(w)) return false;
+    proof *w = self;
+    sgt_interval x = {c->k.tau, c->k.hi}, slope, G = sgt_interval_all(),
+                 g = proof_ask(w, x, SGT_MARCH, &slope);
+    certain root;
+    c->at.end = x.hi;
+    if (!has_zero(g)) return CELLS_EMPTY;
+    if (proof_over(w)) return CELLS_AGAIN;
     double m = middle_of(w, x), past = m;
     bool smooth = is_bounded(slope),
-         room = m > x.lo && m < x.hi && x.hi - x.lo > w->least && rest->n + 2 <= PIECES;
+         room = m > x.lo && m < x.hi && x.hi - x.lo > w->least && c->count + 2 <= PIECES;
     bool asked = smooth || !is_bounded(g) || !room;
     if (asked) G = ask_at(w, m, SGT_MARCH);
-    if (proof_over(w)) return false;
+    if (proof_over(w)) return CELLS_AGAIN;
     if (smooth && !has_zero(slope)) {
-        switch (contract(w, x, slope, m, G, &c)) {
-        case NONE: return true;
+        switch (contract(w, x, slope, m, G, &root)) {
+        case NONE: return CELLS_EMPTY;
         case ROOT:
-            if (!proof_take(w, &c)) break;
-            w->done = larger(x.hi, c.only.hi);
-            return w->found || !proof_over(w);
+            if (!proof_take(w, &root)) break;
+            c->done = larger(x.hi, root.only.hi);
+            return w->found || !proof_over(w) ? CELLS_EMPTY : CELLS_AGAIN;
         case UNSURE: break;
         }
-        if (proof_over(w)) return false;
+        if (proof_over(w)) return CELLS_AGAIN;
     }
     bool noise = asked && ((has_zero(G) && sgt_interval_width(g) <= 4 * sgt_interval_width(G))
                            || sgt_interval_greatest(slope) * (x.hi - x.lo) <= sgt_interval_width(G));
     /* out of range at m: at the end of X, too? */
     if (noise && room && !is_bounded(G)) noise = !is_bounded(ask_at(w, x.lo, SGT_MARCH));
-    if (!room || noise) {
-        undecided(w, x);
-        return !proof_over(w) || w->found;
-    }
+    if (!room || noise) return CELLS_NOISE;
     if (smooth && G.lo <= G.hi && !has_zero(G)) {
         double size = G.lo > 0 ? G.lo : -G.hi, down = G.lo > 0 ? slope.hi : -slope.lo,
                up = G.lo > 0 ? -slope.lo : slope.hi;
@@ -570,46 +557,45 @@ static bool proof_look(proof *w, sgt_interval x, pieces *rest)
     } else if (smooth) { /* m may be a root: divide elsewhere */
         m = past = x.lo + 0.375 * (x.hi - x.lo);
     }
-    push(rest, larger(past, x.lo), x.hi);
-    push(rest, x.lo, m < x.hi ? m : x.hi);
+    cells_divide(c, m, past);
+    return CELLS_OPEN;
+}
+
+/* flush asks the enclosure about the stretch, and needs no signs at its ends. */
+static bool proof_dark(void *self, cells *c, sgt_status status)
+{
+    (void)c, (void)status;
+    flush(self);
     return true;
 }
 
-/* Searches `part`.  false: the search is over, and only what lies before *next is decided. */
-static bool search_part(proof *w, sgt_interval part, double *next)
+/* Searches `part`.  false: the search is over, and only what lies before cells_reached is decided. */
+static bool search_part(proof *w, sgt_interval part)
 {
-    pieces rest = {.n = 0};
+    sgt_interval pieces[PIECES];
+    cells *c = &w->march;
     double from = finite(part.lo), to = finite(part.hi);
     double left = w->centre - 2.125 * w->reach, right = w->centre + 2.125 * w->reach;
     bool far_left = from < w->centre - 8 * w->reach && left<to, far_right = to> w->centre + 8 * w->reach &&
                     right > from;
-    if (far_right) push(&rest, right, to), to = right;
-    push(&rest, far_left ? left : from, to);
-    if (far_left) push(&rest, from, left);
+    c->rest = pieces, c->count = 0, c->gap = 4;
+    c->k = (course){.tau = from, .hi = -HUGE_VAL, .h = HUGE_VAL, .growth = 1};
+    if (far_right) cells_push(c, right, to), to = right;
+    cells_push(c, far_left ? left : from, to);
+    if (far_left) cells_push(c, from, left);
     w->least = 0x1p-80 * (to - (far_left ? left : from));
-
-    bool decided = true;
-    *next = from; /* decided up to here, but for the undecided stretch */
-    while (rest.n > 0 && decided && !w->found) {
-        sgt_interval x = rest.piece[--rest.n];
-        x.lo = larger(x.lo, w->done);
-        if (x.lo > x.hi) continue;
-        *next = x.lo;
-        if (w->pending && x.lo - w->dark.hi > 4 * (w->dark.hi - w->dark.lo)) flush(w);
-        if (w->found) return true;
-        decided = !proof_over(w) && proof_look(w, x, &rest);
-    }
-    return decided;
+    cells_ops ops = {.over = proof_ended, .classify = proof_classify, .tell = proof_dark};
+    return cells_march(c, w, ops) || w->found;
 }
 
 void sgt_proof_search(proof *w)
 {
     sgt_interval all = w->all_t;
-    double border = border_of(w), next = all.lo;
+    double border = border_of(w);
     bool decided = true;
     count_from(w, 0);
-    w->done = w->told_dark = -HUGE_VAL, w->last = sgt_interval_between(-HUGE_VAL, -HUGE_VAL),
-    w->dark = w->last;
+    w->march = (cells){.k.tau = all.lo, .done = -HUGE_VAL};
+    w->told_dark = -HUGE_VAL, w->last = sgt_interval_between(-HUGE_VAL, -HUGE_VAL);
     for (int i = 0; i < 2 && decided && !w->found; i++) {
         sgt_interval part = {i ? larger(border, all.lo) : all.lo, i || !(border < all.hi) ? all.hi : border};
         if (i ? !(border < all.hi) : !(all.lo <= border)) continue;
@@ -617,13 +603,15 @@ void sgt_proof_search(proof *w)
         if (w->t0 != 0)
             part = sgt_interval_between(part.lo == all.lo ? w->lo : down_by(part.lo, twofold_of(-w->t0)),
                                         part.hi == all.hi ? w->hi : up_by(part.hi, twofold_of(-w->t0)));
-        decided = search_part(w, part, &next);
+        decided = search_part(w, part);
     }
     if (w->found) return;
-    if (decided) flush(w), next = w->hi;
+    double next = decided ? w->hi : w->march.k.tau;
+    if (decided) flush(w);
     sgt_status spent = w->told.opt->proof ? SGT_UNPROVEN : SGT_EXHAUSTED;
     if (w->told.stopped || !decided)
-        sgt_proof_stretch(w, w->told.stopped ? SGT_STOPPED : spent, w->pending ? w->dark.lo : next, w->hi);
+        sgt_proof_stretch(w, w->told.stopped ? SGT_STOPPED : spent,
+                          w->march.dark.any ? w->march.dark.lo : next, w->hi);
 }
 
 /* ----------------------------------------------------------- public in the library */
@@ -686,7 +674,7 @@ proof sgt_proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, co
 bool sgt_proof_take(proof *w, double t, double t_lo, double t_err)
 {
     certain c;
-    w->done = w->last.hi = w->told_dark = -HUGE_VAL;
+    w->march.done = w->last.hi = w->told_dark = -HUGE_VAL;
     count_from(w, (w->far > 0 && t > border_of(w)) || (w->far < 0 && t < border_of(w)) ? w->far : 0);
     twofold from = two_sum(t, -w->t0);
     double m = w->t0 != 0 ? from.hi + (from.lo + t_lo) : t;

@@ -5,6 +5,7 @@
 #ifndef SGT_RAY_PROOF_H
 #define SGT_RAY_PROOF_H
 
+#include "../solve/cells.h"
 #include "general.h"
 
 typedef struct proof {
@@ -27,9 +28,9 @@ typedef struct proof {
     sgt_hit nearest;       /* that entry */
     double rim2;           /* a root is accepted within r^2 <= rim2 */
     double least;          /* shorter pieces are not divided */
-    double lo, hi, done;   /* what is searched; no root is left before `done` */
-    bool pending;          /* there is an undecided stretch: */
-    sgt_interval dark, last; /* that stretch; the interval of the last root */
+    double lo, hi;         /* what is searched */
+    cells march;           /* its cells are pieces */
+    sgt_interval last;     /* the interval of the last root */
     double told_dark;      /* the end of the last undecided stretch that was reported */
 } proof;
 

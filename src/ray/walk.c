@@ -44,22 +44,29 @@ int sgt_walk_sign(const walk *w, const point *at)
     return (int)sign_of(at->g, at->g_err + (at->glanced ? own_rounding(w, at->p, at->g) : 0));
 }
 
-point sgt_walk_glance(walk *w, double tau, sgt_move move, double lo, double hi, double last)
+/* sgt_walk_glance, into *e. */
+SGT_INLINE void glance(walk *w, point *e, double tau, sgt_move move, double lo, double hi, double last)
 {
     const local *q = &w->q;
-    point e = {.tau = tau, .p = {q->x + tau * q->l, q->y + tau * q->m, q->z + tau * q->n}};
+    *e = (point){.tau = tau, .p = {q->x + tau * q->l, q->y + tau * q->m, q->z + tau * q->n}};
     if (over(w)) {
-        e.g = e.at.slope = (double)NAN;
-        return e;
+        e->g = e->at.slope = (double)NAN;
+        return;
     }
-    e.g = w->s.ops->value(w->s.self, e.p, &e.n);
-    e.at = around_of(q->x, q->y, q->z, q->l, q->m, q->n, tau, e.p, e.n, 0);
-    e.g_err = e.at.place;
-    e.glanced = w->s.ops->rounding && !close_of(e.g, e.at.slope, e.at.place, last, w->told.opt->f_tol);
-    if (!e.glanced) e.g_err += own_rounding(w, e.p, e.g);
-    w->defined = w->defined || !isnan(e.g);
-    tell(&w->told, move, (q->t0 + tau) * q->scale, e.g, e.at.slope / q->scale, (q->t0 + lo) * q->scale,
+    e->g = w->s.ops->value(w->s.self, e->p, &e->n);
+    e->at = around_of(q->x, q->y, q->z, q->l, q->m, q->n, tau, e->p, e->n, 0);
+    e->g_err = e->at.place;
+    e->glanced = w->s.ops->rounding && !close_of(e->g, e->at.slope, e->at.place, last, w->told.opt->f_tol);
+    if (!e->glanced) e->g_err += own_rounding(w, e->p, e->g);
+    w->defined = w->defined || !isnan(e->g);
+    tell(&w->told, move, (q->t0 + tau) * q->scale, e->g, e->at.slope / q->scale, (q->t0 + lo) * q->scale,
          (q->t0 + hi) * q->scale);
+}
+
+point sgt_walk_glance(walk *w, double tau, sgt_move move, double lo, double hi, double last)
+{
+    point e;
+    glance(w, &e, tau, move, lo, hi, last);
     return e;
 }
 
@@ -71,44 +78,23 @@ point sgt_walk_look(walk *w, double tau, sgt_move move, double lo, double hi)
 bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at,
                     double *tau_err, double *past)
 {
-    double f_tol = w->told.opt->f_tol;
-    for (int i = 1;; i++) {
-        *at = sgt_walk_glance(w, tau, i > 1 ? SGT_NEWTON : SGT_SEED, lo, hi, last);
+    sgt_root r = root_quickly(lo, hi, tau, last, first, w->least, w->t_tol, w->told.opt->f_tol);
+    do {
+        glance(w, at, r.t, r.move, lo, hi, r.private_.step);
         if (w->told.stopped) return false;
-        if (first < 0) first = fabs(at->g);
-        newton s = newton_of(at->g, at->at.slope, at->g_err, tau, last, lo, hi, w->t_tol, f_tol);
-        if (s.ready >= 0) break;
-        if (!(s.go >= 0) || i == QUICK_STEPS) return false;
-        tau -= s.step, last = s.size;
-    }
-    if (!(fabs(at->g) <= first)) return false;
-    if (f_tol > 0 && fabs(at->g) <= f_tol) {
-        /* twice the first order, to cover the second */
-        *tau_err = 2 * (fabs(at->g) + at->g_err) / fabs(at->at.slope);
-        *past = hi;
-        return *tau_err < HUGE_VAL;
-    }
-    if (w->least > 0) {
-        certified c = certified_of(at->tau, at->g,
-                                   at->glanced ? at->at.place + own_rounding(w, at->p, at->g) : at->g_err,
-                                   w->least, lo, hi);
-        *tau_err = c.tau_err, *past = at->tau + c.tau_err;
-        if (c.inside) return true;
-    }
-    double width = width_of(at->g, at->at.slope, at->g_err, at->tau, w->t_tol);
-    for (int i = 0, signs = 0; i < PROBES && signs == 0; i++, width *= 4) {
-        double left = at->tau - width, right = at->tau + width;
-        if (!(left >= lo && right <= hi)) return false;
-        point a = sgt_walk_look(w, left, SGT_PROBE, left, right),
-              b = sgt_walk_look(w, right, SGT_PROBE, left, right);
+        r.g_err = at->g_err;
+        newton s = root_newton(&r, at->g, at->at.slope);
+        if (s.ready >= 0 && at->glanced) r.private_.own = own_rounding(w, at->p, at->g);
+        if (!root_quick_next(&r, s, at->g, at->at.slope)) break;
+    } while (r.private_.quick == QUICK_NEWTON);
+    while (!r.private_.done) {
+        point beside = sgt_walk_look(w, r.t, SGT_PROBE, lo, hi);
         if (w->told.stopped) return false;
-        bool greater = fabs(a.g) > fabs(at->g) && fabs(b.g) > fabs(at->g); /* as beside a root, not a pole */
-        signs = greater ? sign_at(&a) * sign_at(&b) : 0;
-        *tau_err = larger(at->tau - left, right - at->tau);
-        *past = right;
-        if (signs < 0) return at->at.slope * sign_at(&b) > 0; /* unlike signs, wrong way round: a pole */
+        r.g_err = beside.g_err;
+        root_beside(&r, beside.g);
     }
-    return false;
+    *tau_err = r.t_err, *past = r.hi;
+    return r.status == SGT_HIT;
 }
 
 bool sgt_walk_quick_miss(walk *w, double lo, double hi)
@@ -126,17 +112,16 @@ sgt_root sgt_walk_begin(walk *w, sgt_span span)
         span, &(sgt_options){.t_tol = w->t_tol, .f_tol = w->told.opt->f_tol, .max_evals = w->told.budget});
 }
 
-sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at)
+void sgt_walk_solve(walk *w, sgt_root *r, point *at)
 {
     while (!over(w)) {
-        *at = sgt_walk_look(w, r.t, r.move, r.lo, r.hi);
+        *at = sgt_walk_look(w, r->t, r->move, r->lo, r->hi);
         if (w->told.stopped) break;
         if (fabs(at->g) < w->lowest) w->lowest = fabs(at->g);
         if (fabs(at->g) > w->highest) w->highest = fabs(at->g);
-        r.g_err = at->g_err;
-        if (!sgt_root_next(&r, at->g, at->at.slope)) break;
+        r->g_err = at->g_err;
+        if (!sgt_root_next(r, at->g, at->at.slope)) break;
     }
-    return r;
 }
 
 /* Is `at`, the end of a search within tau_err, a pole?  It is if |F| falls outward on each side, three
@@ -234,7 +219,7 @@ bool sgt_walk_take(walk *w, const sgt_root *r, point at)
         w->t_tol = 0;
         sgt_root sharp = sgt_walk_begin(w, (sgt_span){.lo = r->lo, .hi = r->hi, .seed = r->t});
         w->lowest = lowest, w->highest = highest;
-        sharp = sgt_walk_solve(w, sharp, &at);
+        sgt_walk_solve(w, &sharp, &at);
         bool taken = sgt_walk_take(w, &sharp, at);
         w->t_tol = t_tol;
         return taken;
@@ -258,7 +243,7 @@ bool sgt_walk_between(walk *w, const point *a, const point *b, double *past)
     sgt_root_tell(&r, b->tau, b->g);
     w->lowest = (ga < gb ? ga : gb) * (1 - 0x1p-52); /* a root has to be below both ends */
     w->highest = larger(ga, gb);
-    r = sgt_walk_solve(w, r, &at);
+    sgt_walk_solve(w, &r, &at);
     *past = r.hi;
     return sgt_walk_take(w, &r, at);
 }

@@ -1,8 +1,8 @@
 /* walk.h - one ray on its way along any surface: evaluations, brackets, and the roots they hold.
  *
  * All stretches and points (lo, hi, tau) are in the local measure: tau counts from the local origin, in
- * lengths of the scaled direction (step.h, approach_of).  The functions are in walk.c; sgt_walk_cells is
- * in cells.c. */
+ * lengths of the scaled direction (step.h, approach_of).  The functions are in walk.c; sgt_walk_enclosed is
+ * in enclosed.c. */
 #ifndef SGT_RAY_WALK_H
 #define SGT_RAY_WALK_H
 
@@ -62,10 +62,10 @@ point sgt_walk_glance(walk *w, double tau, sgt_move move, double lo, double hi, 
 /* The sign of g, with the surface's own rounding: 1, -1, or 0 if it is not certain. */
 int sgt_walk_sign(const walk *w, const point *at);
 
-/* sgt_walk_begin starts the solver with the ray's options.  sgt_walk_solve runs it; *at is set to the
- * point it ended on. */
-sgt_root sgt_walk_solve(walk *w, sgt_root r, point *at);
+/* sgt_walk_begin starts the careful search with the ray's options.  sgt_walk_solve runs it to its end; *at is
+ * set to the last point. */
 sgt_root sgt_walk_begin(walk *w, sgt_span span);
+void sgt_walk_solve(walk *w, sgt_root *r, point *at);
 
 /* Adds what the solver found.  false: it is not an accepted root. */
 bool sgt_walk_take(walk *w, const sgt_root *r, point at);
@@ -92,6 +92,6 @@ bool sgt_walk_between(walk *w, const point *a, const point *b, double *past);
 void sgt_walk_stretch(walk *w, sgt_status status, double lo, double hi);
 
 /* Adds every root in [lo, hi], both ends finite, by the surface's enclosure. */
-void sgt_walk_cells(walk *w, double lo, double hi);
+void sgt_walk_enclosed(walk *w, double lo, double hi);
 
 #endif

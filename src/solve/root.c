@@ -27,7 +27,13 @@
  * t_before| = 0 then passes for convergence.)  A bracket that closes in on a NaN inside is UNDEFINED, not
  * a root.
  *
- * THE BUDGET bounds everything: each stage either narrows, or is counted. */
+ * THE BUDGET bounds everything: each stage either narrows, or is counted.
+ *
+ * THE QUICK FORM (root_quickly of root.h; step.h has its steps and says what they claim) has three stages of
+ * its own before these: Newton's steps, and a look on either side of the root.  It needs no look if a lower
+ * bound on |g'| is known.  It ends without an answer instead of searching on.  Then the caller begins anew,
+ * mostly on a longer stretch.  It is a stage of the same solver, and not a loop beside it, as nearly all
+ * ordinary rays end in it. */
 #include "root.h"
 
 #include "../num/bits.h"
@@ -42,8 +48,6 @@ _Static_assert(sizeof(struct sgt_root_private) == 256, "sgt_root.private_ has an
 #define P(name) (r->private_.name)
 
 enum { SAMPLES = 32, RETREATS_MAX = 128 };
-
-static int root_sign_of(const sgt_root *r, double g) { return g > r->g_err ? 1 : g < -r->g_err ? -1 : 0; }
 
 static double ulp(double t)
 {
@@ -267,6 +271,11 @@ static bool probe_next(sgt_root *r)
 
 static bool root_probe_begin(sgt_root *r, double g, double slope)
 {
+    certified known = certified_of(r->t, g, r->g_err, P(least), r->lo, r->hi);
+    if (known.inside) { /* a lower bound on |g'| makes a look beside the root needless */
+        r->t_err = known.tau_err;
+        return finish(r, SGT_HIT);
+    }
     double w = 2 * (fabs(g) + r->g_err) / fabs(slope);
     P(candidate) = r->t;
     P(sign_left) = P(sign_right) = P(side) = 0;
@@ -307,6 +316,8 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
 {
     bool more = false;
     if (P(done)) return false;
+    if (P(quick) == QUICK_NEWTON) return root_quick_next(r, root_newton(r, g, slope), g, slope);
+    if (P(quick) != QUICK_NONE) return root_beside(r, g);
     r->evals++;
     if (P(side) != 0 && probe_tell(r, g, &more)) return more;
     if (isnan(g)) return retreat(r);
@@ -327,7 +338,7 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
     if (bracketed && r->hi - r->lo <= 2 * tol)
         return finish_between(r, fabs(P(g_lo)) < fabs(P(g_hi)) ? r->lo : r->hi);
 
-    double step = g / slope, allowed = bracketed ? 0.5 * fabs(P(step_before)) : 0.6 * fabs(P(step));
+    double step = step_of(g, slope), allowed = bracketed ? 0.5 * fabs(P(step_before)) : 0.6 * fabs(P(step));
     /* a root at 0 has no ulp at which steps of a half would stop */
     bool crawls = r->evals > 200 && (r->evals & 1);
     if (isfinite(step) && step != 0 && fabs(step) <= allowed && !crawls) {

@@ -139,6 +139,9 @@ SGT_INLINE bool gone_by(double sign_first, double sign_last, double n, double le
 
 /* -------------------------------------------------------------------- Newton's step */
 
+/* The step, to be taken from t: the root of g's tangent. */
+SGT_INLINE double step_of(double g, double slope) { return g / slope; }
+
 /* ready, go: true if not negative.  They are the lesser or greater margin of two conditions, as gcc works
  * with masks one by one, which is as slow as whole rows. */
 typedef struct newton { double step, size, ready, go; } newton;
@@ -152,7 +155,7 @@ typedef struct newton { double step, size, ready, go; } newton;
 SGT_INLINE newton newton_of(double g, double slope, double g_err, double tau, double last, double lo,
                             double hi, double t_tol, double f_tol)
 {
-    newton s = {.step = g / slope};
+    newton s = {.step = step_of(g, slope)};
     s.size = fabs(s.step);
     double near = larger(f_tol, g_err), noisy = larger(near, 64 * g_err), most = 0.6 * last,
            next = tau - s.step;

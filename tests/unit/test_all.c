@@ -664,7 +664,7 @@ static void test_clearance(void **state)
         misses += got == 0, roots += got;
         for (int j = 0; j < got; j++) evals += hit[j].evals;
     }
-    REQUIRE(misses > n / 20 && roots > n / 2, "%ld misses, %ld roots", misses, roots);
+    REQUIRE(misses > n / 50 && roots > n / 2, "%ld misses, %ld roots", misses, roots);
     print_message("%ld certain misses, %ld roots, %.1f evaluations each\n", misses, roots,
                   (double)evals / (double)roots);
 }

@@ -5,8 +5,8 @@
  * second comes from Cauchy's bound on the roots of a polynomial, with z <= z0 + |n| sqrt(rho / a) along the
  * ray.
  *
- * THE CELLS [m - h, m + h] cover it, nearest first.  Let e and e' be the rounding of G and G' at m, and M
- * >= |G''| over the cell (poly.c).
+ * THE CELLS [m - h, m + h] cover it (solve/cells.h has the march).  Let e and e' be the rounding of G and G'
+ * at m, and M >= |G''| over the cell (poly.c).
  *
  *  1. |G| > |G'| h + M h^2 / 2 + e + e' h:  no root in the cell.
  *  2. z - P and s have no value in common:  no root.  This test is for far from the surface.
@@ -17,11 +17,8 @@
  *     with G in twice the precision.  If that does not help, the cell joins an undecided stretch.
  *  5. Otherwise h is halved.
  *
- * After a success h grows by half.  For small h tests 1 or 3 hold unless G and G' vanish together, so the
- * march ends.
- *
- * An undecided stretch ends with the next decided cell whose sign is certain.  Unlike signs at its ends are
- * a crossing.  If they are like, it is UNPROVEN whether the ray touches there or just does not.
+ * For small h tests 1 or 3 hold unless G and G' vanish together, so the march ends.  If the signs at the ends
+ * of an undecided stretch are like, it is UNPROVEN whether the ray touches there or just does not.
  *
  * THE ROOT.  A bracket goes to the solver of solve/root.c.  Its result goes to sgt_poly_settle of poly.c,
  * from an origin moved to the root.
@@ -32,6 +29,7 @@
  * UNDER PROOF a root has to be the only one in t -+ t_err (sgt_poly_unique), and its side of the rim has to
  * be certain. */
 #include "../../num/bits.h"
+#include "../../solve/cells.h"
 #include "../../solve/root.h"
 #include "asphere.h"
 
@@ -230,9 +228,9 @@ static bool cell_settle(cell_walk *w, double tau, meeting *at, double *v_err)
     return settled;
 }
 
-/* Finds the one root in [lo, hi].  The signs at both ends are certain. */
+/* Finds the one root in [lo, hi].  The signs at both ends are certain; |G'| is at least `least` all over. */
 static void cell_polish(cell_walk *w, double lo, const sample *at_lo, double hi, const sample *at_hi,
-                        double seed, found *best)
+                        double least, double seed, found *best)
 {
     for (;;) {
         sgt_root r = sgt_root_begin(
@@ -240,6 +238,7 @@ static void cell_polish(cell_walk *w, double lo, const sample *at_lo, double hi,
             &(sgt_options){.t_tol = 0});
         sgt_root_tell(&r, lo, at_lo->g);
         sgt_root_tell(&r, hi, at_hi->g);
+        r.private_.least = least;
         sample e;
         do {
             e = cell_look(w, r.t, r.evals ? r.move : SGT_NEWTON, r.lo, r.hi);
@@ -286,6 +285,126 @@ static sgt_hit parallel(const shape *s, const sgt_ray *ray, tally *told)
     return hit_at(&at, SGT_HIT, asphere_f(s, at.p), SGT_NEWTON, ray, told);
 }
 
+/* ------------------------------------------------------------------------ the march */
+
+/* A march.  e: the sample in the middle of the cell at hand; bend >= |G''| over the cell; steep: a bound
+ * from below on |G'(m)|.  right: the sample at the end; left: that at left_at, mostly where the cell
+ * begins.  begin: where the march began, or from where a root at the start is taken. */
+typedef struct asphere_cells {
+    cell_walk *w;
+    sample e, left, right;
+    double left_at, bend, steep, begin, least, seed;
+    int moved;
+    found *best;
+} asphere_cells;
+
+static bool cells_spent(void *self)
+{
+    const asphere_cells *s = self;
+    return s->w->told->stopped || s->w->spent
+           || (s->best->any && s->w->told->opt->pick != SGT_NEAR_SEED);
+}
+
+static int left_sign(void *self, cells *c, double tau)
+{
+    asphere_cells *s = self;
+    s->left = cell_look(s->w, tau, SGT_MARCH, c->k.tau, c->k.hi), s->left_at = tau;
+    return cell_sign_at(&s->left);
+}
+
+static bool cells_dark(void *self, cells *c, sgt_status status)
+{
+    asphere_cells *s = self;
+    cell_walk *w = s->w;
+    double lo = c->dark.lo, hi = c->dark.hi;
+    w->dark = true;
+    cell_take(w, cell_middle(lo, hi), 0.5 * (hi - lo), lo, hi, status == SGT_HIT ? SGT_HIT : SGT_UNPROVEN,
+              s->seed, s->best);
+    w->dark = false;
+    return !w->told->stopped && !w->spent;
+}
+
+/* From here on in twice the precision. */
+static cells_kind sharper(asphere_cells *s)
+{
+    s->w->fine = true, s->left_at = (double)NAN;
+    return CELLS_AGAIN;
+}
+
+/* The ray starts on the surface: takes a sample before the start, as far back as G is monotone. */
+static void before_the_start(asphere_cells *s, cells *c)
+{
+    cell_walk *w = s->w;
+    for (int i = 0; c->k.tau == s->begin && !cell_sign_at(&s->left) && i < 8; i++) {
+        double tau = c->k.tau, m = c->at.m,
+               back = tau - 4 * (s->left.g_err + fabs(s->left.g)) / fabs(s->e.slope) * power_of_two(i),
+               far = m - back;
+        if (!(s->steep > sgt_poly_bend(w->s, &w->q, &s->e, far) * far)) break;
+        sample behind = cell_look(w, back, SGT_MARCH, tau, c->k.hi);
+        if (cell_sign_at(&behind)) s->left = behind, c->k.tau = s->begin = s->left_at = back;
+    }
+}
+
+/* The signs at the ends of a monotone cell.  NOISE: rounding hides both.  A shorter cell helps if only the
+ * far one is hidden. */
+static cells_kind asphere_ends(asphere_cells *s, cells *c)
+{
+    cell_walk *w = s->w;
+    s->right = cell_look(w, c->at.end, SGT_MARCH, c->k.tau, c->k.hi);
+    if (s->left_at != c->k.tau) left_sign(s, c, c->k.tau);
+    before_the_start(s, c);
+    int a = cell_sign_at(&s->left), b = cell_sign_at(&s->right);
+    if (c->k.tau == s->begin && !a && !w->fine) return sharper(s);
+    if (a && !b && s->moved++ < 16) {
+        c->k.h = 0.75 * c->at.h;
+        return CELLS_AGAIN;
+    }
+    s->moved = 0;
+    if (!w->fine && (!a || !b)) return sharper(s);
+    c->touches = false; /* |G| is not looked at */
+    return a || b ? CELLS_MONOTONE : CELLS_NOISE;
+}
+
+static cells_kind asphere_classify(void *self, cells *c)
+{
+    asphere_cells *s = self;
+    cell_walk *w = s->w;
+    double m = c->at.m, h = c->at.h;
+    s->e = cell_look(w, m, SGT_MARCH, c->k.tau, c->k.hi);
+    if (w->told->stopped || w->spent) return CELLS_AGAIN;
+    const sample *e = &s->e;
+    double slope = fabs(e->slope), bend = s->bend = sgt_poly_bend(w->s, &w->q, e, h);
+    s->steep = slope - e->slope_err;
+    if (fabs(e->g) > (slope + e->slope_err) * h + 0.5 * bend * h * h + e->g_err
+        || sgt_poly_apart(w->s, &w->q, e, h))
+        return CELLS_EMPTY;
+    if (s->steep > bend * h) return asphere_ends(s, c);
+    if (bend * h * h > 2 * e->g_err && h > larger(2 * DBL_EPSILON * fabs(m), s->least)) return CELLS_OPEN;
+    if (!w->fine) return sharper(s);
+    c->touches = false;
+    return CELLS_NOISE;
+}
+
+static cells_kind asphere_settle(void *self, cells *c)
+{
+    asphere_cells *s = self;
+    cell_walk *w = s->w;
+    double m = c->at.m, h = c->at.h, end = c->at.end, tau = c->k.tau, least = s->steep - s->bend * h;
+    int a = cell_sign_at(&s->left), b = cell_sign_at(&s->right);
+    if (a * b < 0) {
+        /* `least` is not of what lies before the cell */
+        cell_polish(w, tau, &s->left, end, &s->right, tau < m - h ? 0 : least, s->seed, s->best);
+    } else if (!a || !b) { /* by the least slope, the root is this near that end */
+        const sample *at = a ? &s->right : &s->left;
+        double off = (fabs(at->g) + at->g_err) / least * (1 + 0x1p-20);
+        if (off < h) cell_take(w, a ? end : tau, off, tau, end, SGT_UNPROVEN, s->seed, s->best);
+        else cell_take(w, m, h, tau, end, SGT_UNPROVEN, s->seed, s->best);
+    }
+    if (w->told->stopped || w->spent) return CELLS_AGAIN; /* before the root of this cell was reported */
+    s->left = s->right, s->left_at = end;
+    return a * b > 0 ? CELLS_EMPTY : CELLS_MONOTONE;
+}
+
 static sgt_hit cell_march(const shape *s, const sgt_ray *ray, double seed, tally *told, sgt_list *list)
 {
     const sgt_options *opt = told->opt;
@@ -310,93 +429,14 @@ static sgt_hit cell_march(const shape *s, const sgt_ray *ray, double seed, tally
     if (!(fabs(seed) < HUGE_VAL)) seed = w.q.t0;
 
     found best = {.any = false};
-    double h = 0.125 * (hi - lo), tau = lo, begin = lo, dark = 0;
     double away = fabs(w.q.x) + fabs(w.q.y) + fabs(w.q.z) + 0x1p-60 * (hi - lo);
-    double least = 0x1p-90 * smaller(away, hi - lo); /* smaller cells are not divided */
-    sample left = cell_look(&w, tau, SGT_MARCH, lo, hi), before = left;
-    int moved = 0;
-    /* left is the sample at tau.  If `pending`, [dark, tau] is undecided, and `before` is the sample at
-     * dark. */
-    bool known = true, pending = false;
-    while (tau < hi && !told->stopped && !w.spent && !(best.any && opt->pick != SGT_NEAR_SEED)) {
-        if (h > 0.5 * (hi - tau)) h = 0.5 * (hi - tau);
-        double m = tau + h, end = m + h;
-        if (!(m > tau && end > m)) m = sgt_next_above(tau), end = sgt_next_above(m);
-        h = larger(m - tau, end - m); /* as computed, not as intended */
-        sample e = cell_look(&w, m, SGT_MARCH, tau, hi);
-        double bend = sgt_poly_bend(s, &w.q, &e, h), slope = fabs(e.slope);
-        bool empty = fabs(e.g) > (slope + e.slope_err) * h + 0.5 * bend * h * h + e.g_err ||
-                     sgt_poly_apart(s, &w.q, &e, h);
-        bool monotone = !empty && slope - e.slope_err > bend * h;
-        if ((empty || monotone) && pending) {
-            left = cell_look(&w, tau, SGT_MARCH, tau, hi), known = true;
-            if (cell_sign_at(&left)) { /* the undecided stretch ends here */
-                w.dark = true;
-                cell_take(&w, cell_middle(dark, tau), 0.5 * (tau - dark), dark, tau,
-                          cell_sign_at(&before) * cell_sign_at(&left) < 0 ? SGT_HIT : SGT_UNPROVEN, seed,
-                          &best);
-                if (told->stopped || w.spent) break;
-                pending = w.dark = false;
-                continue;
-            }
-        }
-        if (empty) {
-            tau = end, h *= 1.5, known = false;
-        } else if (monotone) {
-            sample right = cell_look(&w, end, SGT_MARCH, tau, hi);
-            if (!known) left = cell_look(&w, tau, SGT_MARCH, tau, hi), known = true;
-            /* The ray starts on the surface: take a sample before the start. */
-            for (int i = 0; tau == begin && !cell_sign_at(&left) && i < 8; i++) {
-                double back = tau - 4 * (left.g_err + fabs(left.g)) / slope * power_of_two(i), far = m - back;
-                /* G is not monotone from so far before. */
-                if (!(slope - e.slope_err > sgt_poly_bend(s, &w.q, &e, far) * far)) break;
-                sample behind = cell_look(&w, back, SGT_MARCH, tau, hi);
-                if (cell_sign_at(&behind)) left = behind, tau = begin = back;
-            }
-            if (tau == begin && !cell_sign_at(&left) && !w.fine) {
-                w.fine = true, known = false;
-                continue;
-            }
-            if (!cell_sign_at(&right) && moved < 16) {
-                moved++;
-                h *= 0.75;
-                continue;
-            }
-            moved = 0;
-            /* Once more, in twice the precision. */
-            if (!w.fine && (!cell_sign_at(&left) || !cell_sign_at(&right))) {
-                w.fine = true, known = false;
-                continue;
-            }
-            if (cell_sign_at(&left) * cell_sign_at(&right) < 0)
-                cell_polish(&w, tau, &left, end, &right, seed, &best);
-            else if (!cell_sign_at(&left)
-                     || !cell_sign_at(&right)) { /* by the least slope, the root is this near that end */
-                const sample *at = cell_sign_at(&left) ? &right : &left;
-                double off = (fabs(at->g) + at->g_err) / (slope - e.slope_err - bend * h) * (1 + 0x1p-20);
-                if (off < h)
-                    cell_take(&w, cell_sign_at(&left) ? end : tau, off, tau, end, SGT_UNPROVEN, seed, &best);
-                else cell_take(&w, m, h, tau, end, SGT_UNPROVEN, seed, &best);
-            }
-            if (told->stopped || w.spent) break; /* before the root of this cell was reported */
-            tau = end, h *= 1.5, left = right;
-        } else if (bend * h * h > 2 * e.g_err && h > larger(2 * DBL_EPSILON * fabs(m), least)) {
-            h *= 0.5;
-        } else if (!w.fine) { /* from here on in twice the precision */
-            w.fine = true;
-            known = false;
-        } else {
-            if (!known) left = cell_look(&w, tau, SGT_MARCH, tau, hi);
-            if (!pending) dark = tau, before = left, pending = true;
-            tau = end, known = false;
-        }
-    }
-    w.dark = true;
-    if (pending && !told->stopped && !w.spent)
-        cell_take(&w, cell_middle(dark, tau), 0.5 * (tau - dark), dark, tau, SGT_UNPROVEN, seed, &best);
+    asphere_cells m = {.w = &w, .left_at = (double)NAN, .begin = lo, .seed = seed, .best = &best,
+                       .least = 0x1p-90 * smaller(away, hi - lo)}; /* smaller cells are not divided */
+    cells c = {.k = {.tau = lo, .hi = hi, .h = 0.1 * (hi - lo), .growth = 2}, .back = lo, .leap = 1.5};
+    cells_march(&c, &m, (cells_ops){cells_spent, asphere_classify, asphere_settle, left_sign, cells_dark});
     if (told->stopped || (w.spent && !(best.any && opt->pick != SGT_NEAR_SEED))) {
         sgt_hit hit = hit_without(told->stopped ? SGT_STOPPED : SGT_EXHAUSTED, ray, told->evals);
-        double reached = (w.q.t0 + (pending ? dark : tau)) * w.q.scale;
+        double reached = (w.q.t0 + cells_reached(&c)) * w.q.scale;
         hit.lo = smaller(larger(reached, ray->tmin), ray->tmax); /* hi was moved outward */
         return hit;
     }

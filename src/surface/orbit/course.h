@@ -7,6 +7,7 @@
 #define SGT_SURFACE_ORBIT_COURSE_H
 
 #include "cell.h"
+#include "../../solve/cells.h"
 #include "../builtin.h"
 
 #include <sagitta/interval.h>
@@ -100,47 +101,12 @@ SGT_INLINE void cut_to_ends(const local *q, double tmin, double tmax, double *lo
 
 /* ------------------------------------------------------------------- the march */
 
-/* The state of a march.  tau: where it is.  hi: its end.  h: half the next cell.  growth: by what factor h
- * has lately been growing or shrinking.  side: the sign of F where the cells so far end, 0 if it is not
- * known. */
-typedef struct course { double tau, hi, h, growth, side; } course;
-
-SGT_INLINE double grown(double growth)
-{
-    growth *= growth < 1.19 ? 1.08 : 1.15;
-    return growth < 2 ? growth : 2;
-}
-
-SGT_INLINE double shrunk(double growth)
-{
-    double less = 0.8 * growth;
-    return larger(less < 1.2 ? less : 1.2, 0.7);
-}
-
 /* The first course, over [lo, hi] of a chord that begins at `from`.  A ray that starts within the ball may
  * well start on the surface, so it starts with a short cell, and cells become longer fast. */
 SGT_INLINE course first_course(double from, double lo, double hi)
 {
     bool within = lo > from;
     return (course){lo, hi, (within ? 0.0003 : 0.1) * (hi - lo), within ? 2 : 1, 0};
-}
-
-static inline void faster(course *k) { k->growth = grown(k->growth), k->h *= k->growth; }
-
-static inline void slower(course *k) { k->growth = shrunk(k->growth), k->h *= 0.5; }
-
-/* The next double above x.  It is rarely needed.  Inline, it would cost the march registers, and 2.4 %
- * more instructions. */
-SGT_NOINLINE static double next_double(double x) { return sgt_next_above(x); }
-
-/* A cell as laid: [tau, end] about m, or what is left of [tau, hi].  h is as computed. */
-typedef struct place { double m, h, end; } place;
-
-static inline place lay(const course *k)
-{
-    double tau = k->tau, h = 2 * k->h > k->hi - tau ? 0.5 * (k->hi - tau) : k->h, m = tau + h, end = m + h;
-    if (!(m > tau && end > m)) m = next_double(tau), end = next_double(m);
-    return (place){m, larger(m - tau, end - m), end};
 }
 
 /* The bracket [lo, hi] of a root.  m is the best guess.  [a, b] is where the signs of F as computed place
@@ -180,8 +146,8 @@ typedef enum turn { ON, ROOT, ACROSS, RARE } turn;
  *
  * The cells do not depend on t_tol until ROOT or ACROSS.  t_tol costs at most one look, and mostly saves
  * some. */
-static inline turn decide(course *k, const place *at, const cell *e, const sighting *n, int levels, double E2,
-                          double t_tol, double least, bracket *p)
+static inline turn decide(course *k, const cell_place *at, const cell *e, const sighting *n, int levels,
+                          double E2, double t_tol, double least, bracket *p)
 {
     double m = at->m, end = at->end, h = at->h;
     k->h = h;
@@ -230,7 +196,7 @@ static inline turn decide(course *k, const place *at, const cell *e, const sight
 /* Ends ACROSS, with the verdict v of m only (h = 0).  Returns true if a root is certain within *err of
  * *root.  Returns false if rounding hides the sign at m.  It may do so in the next cells too, so the ray
  * goes on without a tolerance. */
-static inline bool found_across(course *k, const place *at, cell_verdict v, double *t_tol, double *root,
+static inline bool found_across(course *k, const cell_place *at, cell_verdict v, double *t_tol, double *root,
                                 double *err)
 {
     double there = v == CELL_OUTSIDE ? 1 : v == CELL_INSIDE ? -1 : 0;

@@ -16,14 +16,6 @@
  * |Q_N|^2.  Then it joins an undecided stretch, which ends with the next decided cell.  Unlike sides are a
  * crossing.  Like ones are a graze if |F| was within a few roundings all over the stretch, else UNPROVEN.
  *
- * THE LENGTH OF A CELL.  h is halved after a failure, and multiplied by a factor after a success.  The
- * factor itself grows with each success by 1.08, beyond 1.2 by 1.15, to at most 2.  With each failure it
- * is multiplied by 0.8, to between 0.7 and 1.2.  On the way toward a surface cells have to shrink, and
- * learn it; on the way from it they have to grow.  This is a flat optimum among some dozens tried.  Fixed
- * factors of 1.15 and 0.35 take 7 % more levels of the orbit on rays from outside.  A factor of at most
- * 1.2 takes twice the cells on rays that start on the surface.  A Newton step out of a failed cell could
- * only shorten it.
- *
  * THE START.  A ray that starts on the surface has no cell before it that gives the side.  If the root of
  * a monotone cell about the start may be on either side of the cell's beginning, the cell is laid slightly
  * earlier, so that the root is inside.  That root is not accepted, and behind it the side is known.  Such
@@ -126,7 +118,7 @@ static bool free_of_roots(level_walk *w, double lo, double hi, double h)
 {
     course k = {.tau = lo, .hi = hi, .h = h};
     for (int i = 0; k.tau < hi; i++) {
-        place at = lay(&k);
+        cell_place at = lay(&k);
         cell e;
         if (i == PROOF_CELLS || spent(&w->told)) return false;
         sgt_orbit_cell(&w->path, at.m, at.h, &e);
@@ -213,24 +205,10 @@ static bool level_polish(level_walk *w, bracket *p)
     return !w->told.stopped && add_root(w, SGT_HIT, p->m, root_error(p));
 }
 
-/* A stretch where rounding hides the sign of F.  It begins at lo; side is the sign of F before it.
- * touches: |F| was within a few of its roundings all over. */
-typedef struct dark_stretch { bool any, touches; double lo; int side; } dark_stretch;
-
-/* Ends it at tau, with a cell where F has the sign `here`.  Returns false if it was not reported. */
-static bool end_dark(level_walk *w, const dark_stretch *dark, double tau, double here)
-{
-    double middle = 0.5 * (dark->lo + tau), half = 0.5 * (tau - dark->lo) * (1 + 4 * SGT_U);
-    if (dark->side * here < 0) return add_root(w, SGT_HIT, middle, half);
-    if (dark->side && dark->touches) return add_root(w, SGT_GRAZE, middle, half);
-    level_stretch(w, SGT_UNPROVEN, dark->lo, tau);
-    return true;
-}
-
 /* Cells that the march may need next, looked at together. */
 typedef struct ahead { double m[4], h[4]; cell seen[4]; bool known[4]; } ahead;
 
-static const cell *level_look_at(const level_walk *w, ahead *a, place at, course k)
+static const cell *level_look_at(const level_walk *w, ahead *a, cell_place at, course k)
 {
     for (int i = 0; i < 4; i++)
         if (a->known[i] && a->m[i] == at.m && a->h[i] == at.h) return &a->seen[i];
@@ -243,82 +221,123 @@ static const cell *level_look_at(const level_walk *w, ahead *a, place at, course
     return &a->seen[0];
 }
 
+/* A march (solve/cells.h).  e: the cell at hand; n: where a root of it can be, if it is monotone.
+ * about: that may be before the cell or in it.  ends: the root at the end of an undecided stretch is in the
+ * cell at hand.  here: the sign of F where the cell begins or, with `ends`, behind the root; for the march
+ * to ask once. */
+typedef struct level_cells {
+    level_walk *w;
+    ahead *near;
+    const cell *e;
+    sighting n;
+    bool about, ends;
+    int here;
+} level_cells;
+
+SGT_INLINE bool level_over(void *self)
+{
+    const level_walk *w = ((level_cells *)self)->w;
+    return w->done || spent(&w->told);
+}
+
+SGT_INLINE int level_sign(void *self, cells *c, double tau)
+{
+    level_cells *s = self;
+    int here = s->here;
+    (void)c, (void)tau;
+    s->here = 0;
+    return here;
+}
+
+SGT_INLINE bool level_dark(void *self, cells *c, sgt_status status)
+{
+    level_walk *w = ((level_cells *)self)->w;
+    const undecided *dark = &c->dark;
+    double middle = 0.5 * (dark->lo + dark->hi), half = 0.5 * (dark->hi - dark->lo) * (1 + 4 * SGT_U);
+    if (status == SGT_HIT || (status == SGT_GRAZE && dark->before && dark->after))
+        return add_root(w, status, middle, half);
+    level_stretch(w, SGT_UNPROVEN, dark->lo, dark->hi);
+    return true;
+}
+
+/* What follows from the cell at hand (decide of course.h).  The march has mostly been moved on by it. */
+SGT_INLINE cells_kind level_turn(void *self, cells *c)
+{
+    level_cells *s = self;
+    level_walk *w = s->w;
+    const cell *e = s->e;
+    course *k = &c->k;
+    cell_place at = c->at;
+    double tau = k->tau, E2 = w->path.E * w->path.E, found, err;
+    bracket root;
+    cell middle;
+    turn what = RARE;
+    if (s->ends) {
+        s->ends = false, k->side = e->qv < 0 ? -1 : 1;
+        return CELLS_MONOTONE;
+    }
+    if (!(c->dark.any && s->about))
+        what = decide(k, &at, e, &s->n, w->path.iterations, E2, w->t_tol, w->least, &root);
+    switch (what) {
+    case ON: return CELLS_AGAIN;
+    case ROOT:
+        if (!level_polish(w, &root)) k->tau = tau; /* the root is part of what is left */
+        return CELLS_AGAIN;
+    case ACROSS:
+        if (spent(&w->told)) return CELLS_AGAIN;
+        sgt_orbit_cell(&w->path, at.m, 0, &middle);
+        look_on(w, SGT_PROBE, at.m, tau, k->hi);
+        if (!w->done && found_across(k, &at, middle.verdict, &w->t_tol, &found, &err)
+            && !add_root(w, SGT_HIT, found, err))
+            k->tau = tau;
+        return CELLS_AGAIN;
+    case RARE: break;
+    }
+    if (s->about && !c->dark.any) { /* the start is on the surface: begin before it */
+        k->tau = tau - 4 * at.h;
+        return CELLS_AGAIN;
+    }
+    bool hopeless = e->W < HUGE_VAL && (fabs(e->qv) + e->W) * at.h <= 4 * e->g_err;
+    if (!hopeless && !(at.h <= 2 * SGT_U * fabs(at.m))) return CELLS_OPEN;
+    c->touches = e->W < HUGE_VAL && fabs(e->A2 - E2) <= 5 * e->g_err;
+    s->here = (int)k->side, k->side = 0;
+    return CELLS_NOISE;
+}
+
+SGT_INLINE cells_kind level_classify(void *self, cells *c)
+{
+    level_cells *s = self;
+    level_walk *w = s->w;
+    double m = c->at.m, h = c->at.h;
+    const cell *e = s->e = level_look_at(w, s->near, c->at, c->k);
+    look_on(w, SGT_MARCH, m, c->k.tau, c->k.hi);
+    if (w->done) return CELLS_AGAIN;
+    bool monotone = e->verdict == CELL_MONOTONE,
+         bright = e->verdict == CELL_OUTSIDE || e->verdict == CELL_INSIDE;
+    s->n = monotone ? sight_of(w->path.E * w->path.E, e, h) : (sighting){0, 0, 0, 0};
+    s->about = monotone && c->k.side == 0 && s->n.lo < -h && s->n.hi > -h;
+    if (!c->dark.any) return CELLS_LATER;
+    int falls = e->qv < 0 ? 1 : -1;
+    if (s->about && s->n.hi < h) {
+        s->ends = true, s->here = -falls, c->dark.hi = m + s->n.hi;
+        return CELLS_MONOTONE;
+    }
+    if (!bright && (!monotone || s->about)) return CELLS_LATER;
+    s->here = bright ? e->verdict == CELL_OUTSIDE ? 1 : -1 : s->n.lo >= -h ? falls : -falls;
+    return CELLS_MONOTONE;
+}
+
 /* The march over [lo, hi] of a chord that begins at `start`. */
 static void level_march(level_walk *w, double start, double lo, double hi)
 {
-    double E2 = w->path.E * w->path.E;
-    course k = first_course(start, lo, hi);
-    dark_stretch dark = {.any = false};
     ahead near;
-    bracket root;
     for (int i = 0; i < 4; i++) near.known[i] = false;
-    while (k.tau < hi && !w->done && !spent(&w->told)) {
-        place at = lay(&k);
-        const cell *e = level_look_at(w, &near, at, k);
-        double tau = k.tau, m = at.m, end = at.end, h = at.h;
-        look_on(w, SGT_MARCH, m, tau, hi);
-        if (w->done) break;
-        bool monotone = e->verdict == CELL_MONOTONE,
-             bright = e->verdict == CELL_OUTSIDE || e->verdict == CELL_INSIDE;
-        sighting n = {0, 0, 0, 0};
-        double falls = e->qv < 0 ? 1 : -1;
-        if (monotone) n = sight_of(E2, e, h);
-        /* Is the root before the cell, or in it? */
-        bool about = monotone && k.side == 0 && n.lo < -h && n.hi > -h;
-        if (dark.any && about && n.hi < h) { /* behind the root, if it is one, the sign is known */
-            if (!end_dark(w, &dark, m + n.hi, -falls)) break;
-            dark.any = false, k.side = -falls, k.tau = end, k.h = h, faster(&k);
-            continue;
-        }
-        if (dark.any && (bright || (monotone && !about))) { /* the undecided stretch ends here */
-            double here = bright ? e->verdict == CELL_OUTSIDE ? 1 : -1 : n.lo >= -h ? falls : -falls;
-            if (!end_dark(w, &dark, tau, here)) break;
-            dark.any = false;
-            if (w->done) break;
-        }
-        k.h = h;
-        turn what = RARE;
-        if (!(dark.any && about))
-            what = decide(&k, &at, e, &n, w->path.iterations, E2, w->t_tol, w->least, &root);
-        switch (what) {
-        case ON: continue;
-        case ROOT:
-            if (level_polish(w, &root)) continue;
-            k.tau = tau; /* the root is part of what is left */
-            goto end;
-        case ACROSS: {
-            cell middle;
-            double found, err;
-            if (spent(&w->told)) goto end;
-            sgt_orbit_cell(&w->path, m, 0, &middle);
-            look_on(w, SGT_PROBE, m, tau, hi);
-            if (w->done) goto end;
-            if (!found_across(&k, &at, middle.verdict, &w->t_tol, &found, &err)) continue;
-            if (add_root(w, SGT_HIT, found, err)) continue;
-            k.tau = tau; /* the root is part of what is left */
-            goto end;
-        }
-        case RARE: break;
-        }
-        if (about && !dark.any) { /* the start is on the surface: begin before it */
-            k.tau = tau - 4 * h;
-            continue;
-        }
-        bool hopeless = e->W < HUGE_VAL && (fabs(e->qv) + e->W) * h <= 4 * e->g_err;
-        if (hopeless || h <= 2 * SGT_U * fabs(m)) {
-            if (!dark.any)
-                dark = (dark_stretch){.any = true, .touches = true, .lo = tau, .side = (int)k.side};
-            dark.touches = dark.touches && e->W < HUGE_VAL && fabs(e->A2 - E2) <= 5 * e->g_err;
-            k.side = 0, k.tau = end;
-        } else {
-            slower(&k);
-        }
-    }
-end:;
-    double from = dark.any ? dark.lo : k.tau;
+    level_cells s = {.w = w, .near = &near};
+    cells c = {.k = first_course(start, lo, hi), .back = lo, .leap = 1};
+    cells_march(&c, &s, (cells_ops){level_over, level_classify, level_turn, level_sign, level_dark});
+    double from = cells_reached(&c);
     if (w->told.stopped) level_stretch(w, SGT_STOPPED, from, hi);
-    else if (!w->done && k.tau < hi) level_stretch(w, SGT_EXHAUSTED, from, hi);
-    else if (!w->done && dark.any) level_stretch(w, SGT_UNPROVEN, from, hi);
+    else if (!w->done && (c.k.tau < hi || c.dark.any)) level_stretch(w, SGT_EXHAUSTED, from, hi);
 }
 
 /* ------------------------------------------------------------------- the fast way */

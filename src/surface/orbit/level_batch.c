@@ -87,7 +87,7 @@ typedef struct near {
     double A2[WIDTH], V2[WIDTH], qv[WIDTH], A[WIDTH], slope[WIDTH], center[WIDTH], live[WIDTH], out[WIDTH];
     double verdict[WIDTH], W[WIDTH], g_err[WIDTH], lo[WIDTH], hi[WIDTH], newton[WIDTH], wide[WIDTH];
     bracket root[WIDTH];
-    place at[WIDTH];
+    cell_place at[WIDTH];
     errand task[WIDTH];
     int count;
 } near;
