@@ -18,8 +18,9 @@
 /* The smaller, by one instruction; b if a is NaN.  (`larger` is in exact.h.) */
 SGT_INLINE double smaller(double a, double b) { return a < b ? a : b; }
 
-/* The larger, or the smaller, of two numbers.  If one is NaN, the other (IEEE 754-2019, 9.6).  Of zeros of
- * unlike sign it is b, which differs from IEEE 754. */
+/* The larger, or the smaller, of a and b.  If one of them is NaN, the other is returned.  That is what
+ * maximumNumber and minimumNumber of IEEE 754-2019 (section 9.6) do, but for zeros: there -0 is below +0,
+ * and here b is returned if a and b are both zero. */
 SGT_INLINE double maximum_number(double a, double b) { return a > b || b != b ? a : b; }
 SGT_INLINE double minimum_number(double a, double b) { return a < b || b != b ? a : b; }
 

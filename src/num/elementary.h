@@ -29,7 +29,8 @@
  *     the sum is above 1    |r S| is at most 0.415, the sum's ulp is 2 u: 0.96 ulps
  *     the sum is below 1    |r S| is at most 0.293, the sum's ulp is u: 1.35 ulps
  *
- * The last addition adds a half.  If r S is just below 0, the ulp may be that of 1.
+ * The last addition adds a half.  A sum just below 1 may be rounded to 1, where an ulp is 2 u.  Then the
+ * error is half as many ulps.
  *
  * SINE and COSINE of a twofold a, |a| <= pi/4, within 0.65 ulp.  With b = a^2 as a twofold,
  *

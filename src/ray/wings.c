@@ -16,8 +16,9 @@
  * Else a shorter step is tried.
  *
  * When the ray is made local, the stretch is made longer by 2^-50 of t at either end (step.h).  That is
- * less than a sixteenth of h, which is why the bound uses 1.125 B h.  And it is no farther out than the
- * radius is good for, a part in 2^19 more.
+ * less than a sixteenth of h, which is why the bound uses 1.125 B h.  B holds on the longer stretch, too:
+ * it is a bound for r <= radius (1 + 2^-19) (departure.c), and a root is taken as found only if the longer
+ * stretch reaches less than 2^-20 radius farther out (wings_judge).
  *
  * B.  F is z less the sag.  So F'' is the second derivative of the sag along (d_x, d_y).  It is at most
  * its norm within a radius that holds both points, times d_x^2 + d_y^2.  As r^2 is convex, that radius

@@ -98,7 +98,8 @@ def page_faults(page, tree, words, files):
         return found
     rows = '\n'.join(line for line in text.splitlines() if line.startswith('|'))
     for path in sorted(page.parent.iterdir()):
-        if path.suffix in C - {'.in'} and not re.search(rf'\b{path.stem}\.(?:{path.suffix[1:]}|cpp|c)\b', rows):
+        like = rf'\b{path.stem}\.(?:{path.suffix[1:]}|cpp|c)\b'
+        if path.suffix in C - {'.in'} and not re.search(like, rows):
             found.append(f'{path.name}: not in a table of the page')
     found += [f'{name}: no such file' for name in BARE.findall(CODE.sub('', text))
               if pathlib.PurePath(name).name not in files]
@@ -132,7 +133,14 @@ SOUND = {
     'src/ray/c.c': 'int main(void);\nops o = {.all = main};\n',
     'src/ray/d.h': '\n',
     'include/sagitta/sgt.h': 'extern int sgt_conic_ops, num;\n',
-    'docs/page.md': 'Save it as `my.c`, with `mine` in it, in `build/x/`:\n\n    cc my.c\n\n```c\nint mine;\n```\n',
+    'docs/page.md': '''Save it as `my.c`, with `mine` in it, in `build/x/`:
+
+    cc my.c
+
+```c
+int mine;
+```
+''',
 }
 
 PLANTED = [

@@ -17,13 +17,13 @@
  *
  * EASY, AWAY.  They answer nearly every ray: conic/easy.h.
  *
- * QUICK.  In doubles, from the vertex plane.  Let u = 2^-53, and A', B', C' the sums of the magnitudes of
+ * QUICK.  In doubles, from the vertex plane.  Let u = 2^-53, and Aa, Ba, Ca the sums of the magnitudes of
  * the terms of A, B and C.  Each coefficient is off by at most 6 u of its sum; the roundings are counted
  * below.  Rounding in D adds at most u of B^2 + |A C|.  To first order the root moves by
  *     (dA tau^2 + 2 dB |tau| + dC) / (2 sqrt D),
  * and the quotient itself rounds by 4 u |tau|.  Hence
- *     tau_err = 3.25 u (A' tau^2 + 2 B' |tau| + C') / sqrt D + 4.25 u |tau|.
- * First order is enough because a ray with D below 2^-20 of B'^2 + A' C' is passed on.  So the relative
+ *     tau_err = 3.25 u (Aa tau^2 + 2 Ba |tau| + Ca) / sqrt D + 4.25 u |tau|.
+ * First order is enough because a ray with D below 2^-20 of Ba^2 + Aa Ca is passed on.  So the relative
  * change of D is below 2^-28, and 3.25 in place of 3 covers the higher orders.
  *
  * The quick form also answers far roots and misses.  It passes on

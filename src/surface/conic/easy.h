@@ -62,8 +62,16 @@ SGT_INLINE bool conic_valid(double c, double k, double semi_diameter)
     return (c - c) + (k - k) + (semi_diameter - semi_diameter) == 0 && semi_diameter >= 0;
 }
 
-/* What all rays of a surface share.  extra n^2 + |A| >= Aa.  rim2 is finite, so that no infinite point is
- * inside.  Under a proof rim2 is that within which a root is certain.  reach is 2^46 rims. */
+/* A bowl is a plane, sphere or conic as the loops need it: what all its rays share.
+ *
+ *   c, abs_c     the curvature and its magnitude
+ *   k1 + k1_lo   1 + k
+ *   ck           (1 + k) c
+ *   extra        extra n^2 + |A| >= Aa
+ *   rim2         the square of the rim.  It is finite, so that no infinite point is inside.  Under a proof
+ *                it is that within which a root is certainly inside
+ *   reach        2^46 rims
+ *   proof        a proof is asked for */
 typedef struct bowl { double c, abs_c, k1, k1_lo, ck, extra, rim2, reach; bool proof; } bowl;
 
 /* Returns false if no ray of the surface is easy. */

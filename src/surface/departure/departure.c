@@ -165,8 +165,8 @@ SGT_INLINE chord departure_chord_of(double radius2, double steep, sgt_vec3 o, sg
     mask finite = across & ~along & MASK((lo - lo) + (hi - hi) == 0);
     lo = chosen(finite, lo, -HUGE_VAL), hi = chosen(finite, hi, HUGE_VAL);
     lo = chosen(none, 1, lo), hi = chosen(none, -1, hi);
-    /* L is valid up to a part in 2^20 beyond the rim.  So check that what rounding adds to the chord, here
-     * and where the ray is made local, stays within that. */
+    /* L bounds the slope for r <= rim (1 + 2^-20).  Rounding makes the chord longer, here and where the ray
+     * is made local.  So `least` is given only if the longer chord is certainly within that r. */
     double least = fabs(n) * (1 - 0x1p-40) - steep * sqrt(a), added = 0x1p-48 * (fabs(middle) + fabs(t0));
     least = chosen(along | (across & MASK(added * added * a <= 0x1p-42 * radius2) & MASK(hi - lo > 0x1p-900)),
                    least, 0);
