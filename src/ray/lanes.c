@@ -1,9 +1,9 @@
 /* ray/lanes.c - many rays and a surface that is met by its operations: the quick form of step.h with loops
  * around it.
  *
- * Rays are taken LANES at a time.  Each number of theirs is a row.  What the single ray does step by step
- * is done here phase by phase.  Each phase works on the lanes that are still in it; they are moved to the
- * front of the rows.
+ * LANE_COUNT rays are taken at a time.  Each number of theirs is a row.  What the single ray does step by
+ * step is done here phase by phase.  Each phase works on the lanes that are still in it; they are moved to
+ * the front of the rows.
  *
  *     approach      the span is asked, and the ray made local
  *     march         if the first of several roots is wanted: equal steps, until two neighbours have unlike
@@ -30,8 +30,8 @@
 
 #include <stddef.h>
 
-enum { LANES = 64, ABREAST = 8 };
-typedef double row[LANES];
+enum { LANE_COUNT = 64, ABREAST = 8 };
+typedef double row[LANE_COUNT];
 
 /* The state of a lane is its phase, and in the end a status or SGT_HARD. */
 enum { MARCH = 10, VALLEY, NEWTON, FAILED, READY, ROOT, DOUBTED };
@@ -105,8 +105,8 @@ static size_t front(lanes_job *w, size_t n, double state)
         if (j < i) break;
         w->moved = true;
         for (size_t k = 0; k < MOVED; k++) {
-            double other = rows[k * LANES + i];
-            rows[k * LANES + i] = rows[k * LANES + j], rows[k * LANES + j] = other;
+            double other = rows[k * LANE_COUNT + i];
+            rows[k * LANE_COUNT + i] = rows[k * LANE_COUNT + j], rows[k * LANE_COUNT + j] = other;
         }
     }
     return count;
@@ -210,7 +210,7 @@ static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f
     if (!last) around_all(a, n, tau, f->grad[0], f->grad[1], f->grad[2], slope, g_err, a->none);
     else if (around_close(a, n, tau, f, slope, g_err, last, w->opt->f_tol) == 0) return;
     if (!ops->rounding) return;
-    double own[LANES], none = is_catalogue(ops) ? HUGE_VAL : 0; /* for a bound that is none */
+    double own[LANE_COUNT], none = is_catalogue(ops) ? HUGE_VAL : 0; /* for a bound that is none */
     if (is_catalogue(ops) && ops->own_->roundings &&
         ops->own_->roundings(w->s.self, w->rows ? &w->bare : &w->shared, n, w->points, f->f, own)) {
         if (w->rows) add_noise(a, n, own);
@@ -232,7 +232,7 @@ static void bound(lanes_job *w, size_t n, const double *tau, const sgt_values *f
 SGT_KERNEL
 static void lanes_widen(size_t n, double *restrict out, const bool *restrict of)
 {
-    int wide[LANES];
+    int wide[LANE_COUNT];
 #pragma omp simd
     for (size_t i = 0; i < n; i++) wide[i] = of[i];
 #pragma omp simd
@@ -282,7 +282,7 @@ static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
     const sgt_surface_ops *ops = w->s.ops;
     const sgt_rays *r = &tile->rays;
     lanes *a = w->a;
-    bool single[LANES];
+    bool single[LANE_COUNT];
     for (size_t i = 0; i < n; i++) a->least[i] = a->evals[i] = 0;
     if (ops->first && w->near == 0) {
         const double *o[] = {r->o[0] + from, r->o[1] + from, r->o[2] + from},
@@ -909,7 +909,7 @@ static void copy(size_t n, double *const outs[TOLD], double *const rows[TOLD], s
 SGT_KERNEL
 static void lanes_narrow(const lanes *a, size_t n, signed char *status, int *evals)
 {
-    int state[LANES];
+    int state[LANE_COUNT];
 #pragma omp simd
     for (size_t i = 0; i < n; i++) state[i] = (int)a->state[i];
 #pragma omp simd
@@ -934,8 +934,8 @@ static size_t write(const lanes_job *w, size_t n, bool hits, const sgt_hits *h, 
 
 /* ----------------------------------------------------------------------- all phases */
 
-/* Answers at most LANES rays that are valid; their tmin and tmax are in their lanes.  Returns how many are
- * hard. */
+/* Answers at most LANE_COUNT rays that are valid; their tmin and tmax are in their lanes.  Returns how many
+ * are hard. */
 static size_t lanes_run(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
 {
     lanes *a = w->a;
@@ -1009,11 +1009,11 @@ size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
     vicinities_begin(w.kept);
     if (is_catalogue(ops) && ops->own_->share)
         ops->own_->share(s.self, &w.shared), w.bare = bare_of(w.shared);
-    for (int i = 0; i < LANES; i++) a.slot[i] = i; /* lanes_settle restores this after each run */
+    for (int i = 0; i < LANE_COUNT; i++) a.slot[i] = i; /* lanes_settle restores this after each run */
     w.points = (sgt_points){{a.px, a.py, a.pz}};
     w.f = (sgt_values){a.f, {a.fx, a.fy, a.fz}}, w.q = (sgt_values){a.qf, {a.qx, a.qy, a.qz}};
     for (size_t i = 0, n; i < tile->n; i += n) {
-        size_t most = tile->n - i < LANES ? tile->n - i : LANES;
+        size_t most = tile->n - i < LANE_COUNT ? tile->n - i : LANE_COUNT;
         n = most;
         if (door(&a, tile, i, most) < (double)most)
             for (n = 0; n < most && a.state[n] != 0;) n++;
