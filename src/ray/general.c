@@ -234,17 +234,20 @@ static void cut_to_reach(const approach *a, const sgt_ray *ray, sgt_span *s)
     if (s->hi == HUGE_VAL && nearest + away > s->lo) s->hi = nearest + away;
 }
 
-/* Adds the entries there are.  Returns the evaluations spent since the last entry. */
+/* Adds the entries there are.  Returns the evaluations spent since the last entry.  The steps are those of
+ * the README of this folder. */
 static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, bool all, sgt_list *list)
 {
     walk w = {.s = s, .ray = ray, .list = list, .all = all, .rim2 = rim2_of_surface(s),
               .told = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS}};
     bool near = opt->pick == SGT_NEAR_SEED && !all;
     if (is_catalogue(s.ops) && s.ops->own_->share) s.ops->own_->share(s.self, &w.shared);
+    /* step 1 */
     if (!near && !all && s.ops->first && first_of_several(&w)) return w.told.evals - w.told.before;
     sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
     if (is_catalogue(s.ops) && s.ops->own_->span) span = s.ops->own_->span(s.self, &w.shared, ray, &w.least);
     else if (s.ops->span) span = s.ops->span(s.self, ray);
+    /* step 2 */
     if (!all && !span.single && root_nearby(&w, &span, near)) return w.told.evals - w.told.before;
     approach a = approach_of(ray->o, ray->d, ray->tmin, ray->tmax, span.lo, span.hi, span.seed,
                              s.ops->enclose || s.ops->clearance ? 0x1p-50 : 0, true,
@@ -263,11 +266,12 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     if (span.single || near) {
         point at = {.tau = (double)NAN};
         w.hidden.t = (double)NAN;
+        /* step 3 */
         if (quickly(&w, &a, span.single)) return w.told.evals - w.told.before;
         bool hidden = span.single && is_catalogue(s.ops) && s.ops->enclose && !isnan(w.hidden.t) && !over(&w);
         if (hidden && sgt_prove_found(s, ray, &w.told, w.hidden.t, w.hidden.t_lo, w.hidden.t_err, list))
             return w.told.evals - w.told.before;
-        if (!over(&w)) {
+        if (!over(&w)) { /* step 4 */
             double seed = a.seeded ? span.seed / a.q.scale - a.q.t0 : near ? a.nearest - a.q.t0 : (double)NAN;
             sgt_span cut = {.lo = lo, .hi = hi, .seed = seed, .single = span.single};
             if (is_catalogue(s.ops) && !span.single) cut_to_reach(&a, ray, &cut);
@@ -280,6 +284,7 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
                 return w.told.evals - w.told.before;
         }
     }
+    /* steps 5, 6 and 7 */
     if (over(&w)) sgt_walk_stretch(&w, w.told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, lo, hi);
     else if (is_catalogue(s.ops) && s.ops->enclose) sgt_prove_rest(s, ray, &w.told, all, near, list);
     else if (s.ops->enclose && isfinite(lo) && isfinite(hi) && !(opt->dt_min > 0 && s.ops->estimate))
