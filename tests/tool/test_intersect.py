@@ -185,6 +185,9 @@ def test_text_for_people():
     equal(lines[-1], '2 rays: 1 hit, 1 miss.  Every answer is certain.')
 
 
+TWENTY = '{type: sphere, radius: 20}'  # its curvature, as a double, is above 1/20: it ends an ulp before r = 20
+
+
 def test_reason_of_a_miss():
     for surface, ray, word in (
             (SPHERE, '0 5 -5 0 0 1', 'within r = 2.2136'), ('{type: plane}', '0 0 5 0 0 1', 'root at t = -5'),
@@ -194,6 +197,9 @@ def test_reason_of_a_miss():
             ('{type: grid, step_x: 1, step_y: 1, sag: [[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,0]]}', '0 3 -5 0 0 1', 'there is no surface'),
             ('{type: torus, major: 3, minor: 1}', '0 0 -5 0 0 1', 'passes beside the surface'), ('{type: torus, major: 3, minor: 1}', '3 0 0 0 0 1 2 5', 'outside tmin'),
             ('{type: plane}', '0 0 -5 0 1 0', 'parallel'),
+            (TWENTY, '20 0 -5 0 0 1', 'very edge of the surface'), (TWENTY, '20 -5 20 0 1 0', 'ends, to within rounding'),
+            (TWENTY, '-5 0 -1e-9 1 0 0', 'only just misses'), (TWENTY, '5 0 40 1 0 0', 'near, but only to the other'),
+            (TWENTY, '25 0 25 -1 0 -1 0 3', 'Outside of them one is in doubt'),
             ('{type: sphere, radius: 2}', '0 0 3.5 0 1 0', 'other sheet'), ('{type: sphere, radius: 2}', '0 0 5 0 1 0', 'passes beside the whole')):
         for command in ('intersect', 'diagnose'):
             done = run(command, '--surface', surface, '--ray', ray)

@@ -272,6 +272,10 @@ def test_not_the_only_root():
 def test_where_rounding_decides():
     said, lo, hi = unproven('{type: sphere, radius: 2}', (0, -3, 2, 0, 1, 0), '--proof', 'root')
     assert 'equator' in said and lo <= 1 <= hi, said
+    for proof in ((), ('--proof', 'root')):  # the stretch in doubt is the whole ray
+        edge = words('intersect', '--surface', '{type: even_asphere, radius: 20, coefficients: [0, 1e-6]}',
+                     '--ray', '20 0 -5 0 0 1', *proof, exit=UNDECIDED)
+        assert 'at the equator, where the surface ends' in edge[0], edge
     said, lo, hi = unproven(WAVE, (0, -6, 0, 0, 1, 0), '--proof', 'root', '--pick', 'near-seed')
     assert 'grazes' in said and lo <= 6 <= hi, said
     said, lo, hi = unproven('{type: plane, semi_diameter: 1e-200}', (0, 0, -5, 0, 0, 1), '--proof', 'first')

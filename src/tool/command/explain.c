@@ -161,13 +161,6 @@ static void explain_normalised(table *t, const record *r, const search *s)
             t, "close to the root it would settle, but it does not get close.  Use the gradient as it is.");
 }
 
-/* The distance of a line from the z axis. */
-static double nearest_to_axis(const sgt_ray *ray)
-{
-    double across = hypot(ray->d.x, ray->d.y);
-    return across == 0 ? hypot(ray->o.x, ray->o.y) : fabs(ray->o.x * ray->d.y - ray->o.y * ray->d.x) / across;
-}
-
 /* A level set lies inside a ball, and its span is the ray's chord of that ball.  A torus or an ellipsoid has
  * a span of the same kind. */
 static void explain_miss_of_set(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
@@ -179,6 +172,27 @@ static void explain_miss_of_set(table *t, size_t number, sgt_surface surface, co
         table_line(t, "Ray %zu: it passes beside %s.", number, what);
     else if (span.hi < ray->tmin || span.lo > ray->tmax)
         table_line(t, "Ray %zu: it reaches %s only outside tmin ... tmax.", number, what);
+}
+
+/* On the whole quadric A t^2 - 2 B t + C = 0.  Its sheet is where (1 + k) c z < 1. */
+static void explain_miss_of_quadric(table *t, size_t number, const bare_surface *b, sgt_vec3 o, sgt_vec3 d)
+{
+    const char other[] = "the other sheet of the quadric (of a sphere, the far half)";
+    double k1 = 1 + b->k, A = b->c * (d.x * d.x + d.y * d.y + k1 * d.z * d.z);
+    double B = d.z - b->c * (o.x * d.x + o.y * d.y + k1 * o.z * d.z);
+    double C = b->c * (o.x * o.x + o.y * o.y + k1 * o.z * o.z) - 2 * o.z;
+    double slack = (B * B + fabs(A * C)) * 0x1p-20;
+    if (B * B > A * C + slack)
+        table_line(t, "Ray %zu: it meets only %s.", number, other);
+    else if (B * B < A * C - slack)
+        table_line(t, "Ray %zu: it passes beside the whole quadric.", number);
+    else if (k1 * b->c * vector_along(o, d, B / A).z > 1)
+        table_line(t, "Ray %zu: it comes near, but only to %s.", number, other);
+    else
+        table_line(t,
+                   "Ray %zu: it only just misses: it nearly touches the surface.  A small shift of the ray "
+                   "can make it a hit.",
+                   number);
 }
 
 void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
@@ -199,7 +213,11 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
             number, at);
         return;
     }
-    if (whole.status < 0) return;
+    if (whole.status < 0) {
+        table_line(t, "Ray %zu: there is no root between tmin and tmax.  Outside of them one is in doubt.",
+                   number);
+        return;
+    }
     sgt_hit beyond = sgt_intersect(b.surface, line, NULL);
     if (beyond.status > 0) {
         number_print_short(at, hypot(beyond.p.x, beyond.p.y), 6);
@@ -207,25 +225,27 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
                    at);
         return;
     }
-    if (beyond.status < 0) return;
+    if (beyond.status < 0) {
+        table_line(t, "Ray %zu: there is no root within semi_diameter.  Outside of it one is in doubt.",
+                   number);
+        return;
+    }
     double domain = b.k > -1 && b.c != 0 ? 1 / (fabs(b.c) * sqrt(1 + b.k)) : HUGE_VAL;
-    if (nearest_to_axis(ray) > domain * margin) {
-        number_print_short(at, domain, 6);
+    double nearest = vector_axis_distance(ray->o, ray->d);
+    number_print_short(at, domain, 6);
+    if (nearest > domain * margin) {
         table_line(t, "Ray %zu: it never comes within r = %s of the axis, and the surface ends there.",
                    number, at);
+    } else if (nearest * margin > domain) {
+        table_line(t,
+                   "Ray %zu: it passes the very edge of the surface.  It comes no nearer to the axis than "
+                   "r = %s,",
+                   number, at);
+        table_line(t, "and there the surface ends, to within rounding.  A nearer ray can meet it.");
     } else if (b.c == 0 && !b.terms && ray->d.z == 0) {
         table_line(t, "Ray %zu: it is parallel to the surface.", number);
     } else if (b.c != 0 && !b.terms) {
-        sgt_vec3 o = ray->o, d = ray->d; /* on the whole quadric A t^2 - 2 B t + C = 0 */
-        double A = b.c * (d.x * d.x + d.y * d.y + (1 + b.k) * d.z * d.z);
-        double B = d.z - b.c * (o.x * d.x + o.y * d.y + (1 + b.k) * o.z * d.z);
-        double C = b.c * (o.x * o.x + o.y * o.y + (1 + b.k) * o.z * o.z) - 2 * o.z;
-        if (B * B > A * C + (B * B + fabs(A * C)) * 0x1p-20)
-            table_line(t,
-                       "Ray %zu: it meets only the other sheet of the quadric (of a sphere, the far half).",
-                       number);
-        else if (B * B < A * C - (B * B + fabs(A * C)) * 0x1p-20)
-            table_line(t, "Ray %zu: it passes beside the whole quadric.", number);
+        explain_miss_of_quadric(t, number, &b, ray->o, ray->d);
     } else if (b.terms && ray->d.z != 0) {
         sgt_vec3 plane = vector_along(ray->o, ray->d, -ray->o.z / ray->d.z);
         plane.z = 0;

@@ -11,6 +11,12 @@ static inline sgt_vec3 vector_along(sgt_vec3 o, sgt_vec3 d, double t) /* o + t d
 {
     return (sgt_vec3){o.x + t * d.x, o.y + t * d.y, o.z + t * d.z};
 }
+/* The distance of the line o + t d from the z axis. */
+static inline double vector_axis_distance(sgt_vec3 o, sgt_vec3 d)
+{
+    double across = hypot(d.x, d.y);
+    return across == 0 ? hypot(o.x, o.y) : fabs(o.x * d.y - o.y * d.x) / across;
+}
 static inline sgt_vec3 vector_minus(sgt_vec3 a, sgt_vec3 b) { return vector_along(a, b, -1); }
 
 /* Is the frame turned?  Axes that are all zero mean that it is not. */

@@ -104,13 +104,14 @@ static void print_places(char text[PLACES_SIZE], const view *v)
 }
 
 /* Words for a ray that at t runs along the surface, to a thousandth of a radian, or meets it at the equator,
- * where it ends; else "". */
+ * where it ends; else "".  If t is not finite, a ray counts that comes no nearer to the axis than there. */
 static const char *print_where(const search *s, double t)
 {
     const sgt_vec3 d = s->ray.d, p = vector_along(s->ray.o, d, t);
     bare_surface b = undecided_without_rim(s->surface);
+    double r = isfinite(t) ? hypot(p.x, p.y) : vector_axis_distance(s->ray.o, d);
     sgt_vec3 n;
-    if (b.k > -1 && fabs((1 + b.k) * b.c * b.c * (p.x * p.x + p.y * p.y) - 1) < 1e-12)
+    if (b.k > -1 && fabs((1 + b.k) * b.c * b.c * r * r - 1) < 1e-12)
         return "at the equator, where the surface ends, ";
     double f = s->surface.ops->value(s->surface.self, p, &n);
     return isfinite(f) && fabs(vector_dot(n, d)) < 1e-3 * vector_length(n) * vector_length(d)
