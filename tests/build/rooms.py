@@ -9,7 +9,7 @@
   files ask of each other (nm).  tests/build/floors.py holds the floors to their order.
 - A name that a file keeps to itself (static functions and tables, types, macros) stands in no other file
   of the library, nor in two of the command.
-- Lines have at most 110 columns, also those of tests and examples; in public headers 90.
+- Lines have at most 110 columns, also those of tests and examples, and of meson; in public headers 90.
 - Each folder has a README.md of at most 40 lines.
 """
 import pathlib
@@ -23,9 +23,10 @@ COLUMNS, COLUMNS_PUBLIC, README_LINES = 110, 90, 40
 COMMENT = re.compile(r'/\*.*?\*/|//[^\n]*', re.DOTALL)
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
 # A definition begins in the first column.  SGT_INLINE and its kin are static (src/num/exact.h).
-STATIC = re.compile(r'^(?:(?:SGT_KERNEL|SGT_NOINLINE)\s+)?(?:static|SGT_INLINE)\b[^;{=()]*?\b(\w+)\s*(?:\(|(?:\[[^\]]*\])*\s*=)',
-                    re.MULTILINE)
-TYPE = re.compile(r'^typedef\s+(?:struct|union|enum)\b[^{;]*\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}\s*(\w+)\s*;', re.MULTILINE)
+STATIC = re.compile(r'^(?:(?:SGT_KERNEL|SGT_NOINLINE)\s+)?(?:static|SGT_INLINE)\b[^;{=()]*?'
+                    r'\b(\w+)\s*(?:\(|(?:\[[^\]]*\])*\s*=)', re.MULTILINE)
+TYPE = re.compile(r'^typedef\s+(?:struct|union|enum)\b[^{;]*'
+                  r'\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}\s*(\w+)\s*;', re.MULTILINE)
 MACRO = re.compile(r'^[ \t]*#[ \t]*define[ \t]+(\w+)', re.MULTILINE)
 
 
@@ -131,7 +132,10 @@ def faults(tree, libraries=()):
     found += name_faults([p for p in sources(src) if not any(c in p.parents for c in clients)], src)
     for client in clients:
         found += name_faults(sources(client), src)
-    for path in [p for room in ('src', 'include', 'tests', 'examples') for p in sources(tree / room)]:
+    rooms = [tree / room for room in ('src', 'include', 'tests', 'examples')]
+    meson = [p for room in rooms if room.is_dir() for p in sorted(room.rglob('meson.build'))]
+    meson += [p for p in (tree / 'meson.build', tree / 'meson_options.txt') if p.is_file()]
+    for path in [p for room in rooms for p in sources(room)] + meson:
         most = COLUMNS_PUBLIC if tree / 'include' in path.parents else COLUMNS
         for number, line in enumerate(path.read_text().splitlines(), 1):
             if len(line) > most:
@@ -167,6 +171,8 @@ PLANTED = [
     {'src/ray/e.c': 'typedef struct pair {\n    double y;\n} pair;\n'},
     {'src/ray/e.c': '/* ' + 'x' * 110 + ' */\n'},
     {'tests/unit/e.c': '/* ' + 'x' * 110 + ' */\n'},
+    {'tests/unit/meson.build': '# ' + 'x' * 110 + '\n'},
+    {'meson_options.txt': '# ' + 'x' * 110 + '\n'},
     {'include/sagitta/sagitta.h': '/* ' + 'x' * 90 + ' */\n'},
     {'src/ray/README.md': 'x\n' * 41},
     {'src/sub/e.c': 'int e;\n'},
