@@ -198,6 +198,7 @@ def test_reason_of_a_miss():
             ('{type: torus, major: 3, minor: 1}', '0 0 -5 0 0 1', 'passes beside the surface'), ('{type: torus, major: 3, minor: 1}', '3 0 0 0 0 1 2 5', 'outside tmin'),
             ('{type: plane}', '0 0 -5 0 1 0', 'parallel'),
             (TWENTY, '20 0 -5 0 0 1', 'very edge of the surface'), (TWENTY, '20 -5 20 0 1 0', 'ends, to within rounding'),
+            ('{type: sphere, radius: 20, semi_diameter: 5}', '20 0 -5 0 0 1', 'outside semi_diameter'),
             (TWENTY, '-5 0 -1e-9 1 0 0', 'only just misses'), (TWENTY, '5 0 40 1 0 0', 'near, but only to the other'),
             (TWENTY, '25 0 25 -1 0 -1 0 3', 'Outside of them one is in doubt'),
             ('{type: sphere, radius: 2}', '0 0 3.5 0 1 0', 'other sheet'), ('{type: sphere, radius: 2}', '0 0 5 0 1 0', 'passes beside the whole')):

@@ -236,6 +236,9 @@ void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *r
     if (nearest > domain * margin) {
         table_line(t, "Ray %zu: it never comes within r = %s of the axis, and the surface ends there.",
                    number, at);
+    } else if (nearest * margin > domain && b.rim > 0 && nearest > b.rim * margin) {
+        table_line(t, "Ray %zu: it comes no nearer to the axis than r = %s, outside semi_diameter.", number,
+                   at);
     } else if (nearest * margin > domain) {
         table_line(t,
                    "Ray %zu: it passes the very edge of the surface.  It comes no nearer to the axis than "
