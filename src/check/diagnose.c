@@ -176,8 +176,7 @@ const char *sgt_verdict_text(sgt_verdict v)
         return "wandering: no pattern, or too few steps to tell; look at the rows: give a span and a seed "
                "near the root";
     case SGT_ROUNDING:
-        return "rounding: at the limit of rounding from the first evaluation on; the seed is the root, "
-               "nothing to gain";
+        return "rounding: the seed is the root already, to within rounding; no step can come closer";
     }
     return "?";
 }

@@ -321,6 +321,9 @@ def test_ray_option():
     for text in ('', '1 2 3', '0 0 0 0 0 0', '0 0 0 0 0 x', '0 0 0 0 0 inf', '0 0 0 0 0 1 2', '0 0 0 0 0 1 2 1',
                  '0 0 0 0 0 1 2 3 4', '0 ' * 1000):
         assert '--ray: ' in run('intersect', '--surface', '{type: plane}', '--ray', text, exit=BAD_INPUT).stderr, text
+    # without quotes only the first number belongs to --ray
+    said = run('intersect', '--surface', '{type: plane}', '--ray', *'0 0 5 0 0 1'.split(), exit=BAD_INPUT).stderr
+    assert 'put the whole ray in quotes' in said, said
 
 
 def test_inputs_are_not_written_over():

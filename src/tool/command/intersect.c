@@ -37,8 +37,8 @@ static const char intersect_help[] =
     "                     docs/lens_file.md has every type and its keys\n"
     "  --rays FILE        rays from csv with a header row: ox,oy,oz,dx,dy,dz and optionally\n"
     "                     tmin,tmax,id.  FILE may be - for standard input\n"
-    "  --ray \"...\"        a ray: six numbers, ox oy oz dx dy dz, or eight, with tmin tmax behind\n"
-    "                     them.  May be repeated\n"
+    "  --ray \"...\"        a ray: six numbers in quotes, ox oy oz dx dy dz, or eight, with tmin tmax\n"
+    "                     at the end.  May be repeated\n"
     "  --skip-bad         skip bad rows of the file, and say how many\n"
     "  --all              every root.  A stretch of the ray that could not be decided has a row too:\n"
     "                     its t is the middle, its t_err half the length\n"
@@ -49,7 +49,7 @@ static const char intersect_help[] =
     "                     root: and it is the only one there\n"
     "                     first: and no accepted root comes before it; with --pick near-seed, no\n"
     "                     other root on the ray is accepted\n"
-    "                     A ray of which this is not proven is unproven\n";
+    "                     A ray for which this is not proven is unproven\n";
 
 /* Under the table for people: what has a unit. */
 static const char intersect_legend[] =

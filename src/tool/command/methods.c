@@ -94,7 +94,7 @@ static void newton(methods_search *s)
         }
         double next = t - f / slope;
         if (!isfinite(next)) {
-            r->stopped = "the slope vanished: the next step is infinite";
+            r->stopped = "the slope is 0 there, so the next step would be infinite";
             return;
         }
         if (fabs(next - t) <= nextafter(fabs(t), HUGE_VAL) - fabs(t)) {

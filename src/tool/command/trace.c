@@ -55,7 +55,7 @@ static const char trace_more_help[] =
     "                     root: and it is the only one there\n"
     "                     first: and no other root lies within the clear aperture; with --pick\n"
     "                     first, and on a level set, no root lies before it\n"
-    "                     A ray of which this is not proven is lost, and its status is unproven\n";
+    "                     A ray for which this is not proven is lost, and its status is unproven\n";
 
 static const column trace_head[] = {
     {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"fate", COLUMN_WORD}, {"status", COLUMN_WORD},

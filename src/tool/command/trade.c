@@ -73,7 +73,7 @@ static const char trade_more_help[] =
     "  --svg FILE         draw error against time\n"
     "  --format F         text (for people, the default), csv or json\n"
     "  --hex              numbers in hexadecimal\n"
-    "  --output FILE      write to FILE and not to standard output\n"
+    "  --output FILE      write to FILE instead of standard output\n"
     "  --help, --version\n"
     "\n"
     "Exit status\n"
@@ -153,7 +153,7 @@ static trade_arguments trade_arguments_of(int argc, char *argv[])
         case ITERATIONS: take_list(&a.trade.iterations, "iterations", true); break;
         case SECONDS:
             a.trade.seconds = options_number("seconds", optarg);
-            if (!(a.trade.seconds >= 0)) fail_usage("--seconds must not be negative, as %s is", optarg);
+            if (!(a.trade.seconds >= 0)) fail_usage("--seconds must not be negative, but is %s", optarg);
             break;
         case SVG: a.svg = optarg; break;
         case PROOF: take_proofs(&a.trade); break;
@@ -327,10 +327,8 @@ static void trade_write_rows(table *t, const header *h, const trade *all)
                            : "t, in lengths of the direction (of a lens: of the last point, in lengths)");
     if (h->lens)
         table_line(t, "path_worst: error of the optical path, in lengths; waves_worst: in wavelengths.");
-    table_line(
-        t, "best 1: no other best setting of the table is as good in ns, err_99, undecided and wrong, and "
-           "better in one,");
-    table_line(t, "with as many outputs and as much proven.  sagitta trade --help has the details.");
+    table_line(t, "best 1: none with as many outputs and as much proven is as good in ns, err_99,");
+    table_line(t, "undecided and wrong, and better in one of them.  Details: sagitta trade --help.");
 }
 
 exit_status command_trade(int argc, char *argv[])

@@ -19,7 +19,7 @@ const char options_help[] =
     "  --max-evals N      give up on a root after N evaluations of F (default 2000)\n"
     "  --format F         text (for people, the default), csv or json\n"
     "  --hex              numbers in hexadecimal\n"
-    "  --output FILE      write to FILE and not to standard output\n"
+    "  --output FILE      write to FILE instead of standard output\n"
     "  --help, --version\n"
     "\n"
     "Exit status\n"
@@ -53,7 +53,7 @@ long options_integer(const char *option, const char *text, long lowest, long hig
 static double length_of(const char *option)
 {
     double x = options_number(option, optarg);
-    if (x < 0) fail_usage("--%s must not be negative, as %s is", option, optarg);
+    if (x < 0) fail_usage("--%s must not be negative, but is %s", option, optarg);
     return x;
 }
 

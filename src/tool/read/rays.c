@@ -83,6 +83,9 @@ void rays_parse(ray_list *list, const char *text)
         if (!number_read(word, &x)) fail_input("--ray: \"%s\" is not a number", word);
         if (count < 8) value[count] = x;
     }
+    if (count == 1)
+        fail_input("--ray: \"%s\" is only one number; put the whole ray in quotes: \"ox oy oz dx dy dz\"",
+                   text);
     if (count != 6 && count != 8)
         fail_input("--ray: must be 6 numbers, ox oy oz dx dy dz, or 8, with tmin tmax; not %d", count);
     launch l = {.number = list->count};
