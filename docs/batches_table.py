@@ -50,7 +50,8 @@ def main(path):
     print(table(['', 'ns', 'to reach', 'times its peer', 'to reach'], reached(lines[begin + 1:])), end='\n\n')
     for cases, size in KINDS:
         names = [f'{case}-{size}' for case in cases]
-        rows = [[variant, *[short(medians[name, variant]) if (name, variant) in medians else '-' for name in names]]
+        rows = [[variant, *[short(medians[name, variant]) if (name, variant) in medians else '-'
+                            for name in names]]
                 for variant in order if any((name, variant) in medians for name in names)]
         print(table([size, *cases], rows), end='\n\n')
 

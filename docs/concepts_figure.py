@@ -17,7 +17,8 @@ RAY = f'0 {O[0]} {O[1]} 0 {D[0]} {D[1]}'
 
 
 def rows(sagitta, *arguments):
-    said = subprocess.run([sagitta, *arguments, '--format', 'csv'], text=True, capture_output=True, check=True)
+    said = subprocess.run([sagitta, *arguments, '--format', 'csv'], text=True, capture_output=True,
+                          check=True)
     return list(csv.DictReader(io.StringIO(said.stdout)))
 
 
@@ -32,7 +33,8 @@ def main(sagitta):
     def Y(y): return round((top - y) * scale, 1)
     def at(t): return O[1] + t * D[1], O[0] + t * D[0]
     out = []
-    def line(z1, y1, z2, y2, style): out.append(f'<line x1="{X(z1)}" y1="{Y(y1)}" x2="{X(z2)}" y2="{Y(y2)}" {style}/>')
+    def line(z1, y1, z2, y2, style):
+        out.append(f'<line x1="{X(z1)}" y1="{Y(y1)}" x2="{X(z2)}" y2="{Y(y2)}" {style}/>')
     def dot(t, style, r=5):
         z, y = at(t)
         out.append(f'<circle cx="{X(z)}" cy="{Y(y)}" r="{r}" {style}/>')
@@ -40,7 +42,8 @@ def main(sagitta):
 
     rim = abs(R)
     # the domain of the sag, r <= |R|, and its edge
-    out.append(f'<rect x="{X(-5.25)}" y="{Y(rim)}" width="{X(1.2) - X(-5.25)}" height="{Y(-0.75) - Y(rim)}" fill="#eef3f8"/>')
+    out.append(f'<rect x="{X(-5.25)}" y="{Y(rim)}" width="{X(1.2) - X(-5.25)}" height="{Y(-0.75) - Y(rim)}" '
+               f'fill="#eef3f8"/>')
     line(-5.25, rim, 1.2, rim, 'stroke="#7a93ab" stroke-dasharray="6 4"')
     text(-5.2, rim + 0.07, 'edge of the domain, r = |R|; F is NaN beyond', 'fill="#4d6880"')
     # axis, vertex plane
@@ -68,12 +71,14 @@ def main(sagitta):
     text(-2.75, 0.63, 'the span', 'fill="#b03a2e"')
     dot(0, 'fill="#b03a2e"', 4)
     # the sag at the root
-    line(z_root, y_root, 0, y_root, 'stroke="#2e7d32" stroke-width="1.8" marker-start="url(#tip)" marker-end="url(#tip)"')
+    line(z_root, y_root, 0, y_root,
+         'stroke="#2e7d32" stroke-width="1.8" marker-start="url(#tip)" marker-end="url(#tip)"')
     text(z_root / 2 + 0.1, y_root + 0.07, 's(r)', 'fill="#2e7d32" font-style="italic" text-anchor="middle"')
     text(0.08, y_root - 0.05, f'sag at the root: {z_root:.5g}', 'fill="#2e7d32"')
     # the gradient there
     ny = float(hit['ny'])
-    line(z_root, y_root, z_root + 0.45, y_root + 0.45 * ny, 'stroke="#1f4e79" stroke-width="1.5" marker-end="url(#tip2)"')
+    line(z_root, y_root, z_root + 0.45, y_root + 0.45 * ny,
+         'stroke="#1f4e79" stroke-width="1.5" marker-end="url(#tip2)"')
     text(z_root + 0.43, y_root + 0.45 * ny + 0.06, 'grad F', 'fill="#1f4e79" text-anchor="end"')
     # the iterates
     dot(t_seed, 'fill="white" stroke="#b03a2e" stroke-width="2"')

@@ -35,7 +35,8 @@ def error(row):
 ROWS = [  # title, what, lowest decade, highest, what is said below it, whose ends are lettered
     ('hits that are wrong: missed, late or false, by the hits there are', wrong, -6, 0, 'none',
      ('estimate', 'estimate-newton', 'povray')),
-    ('error of t that 99 % of the other hits do not exceed', error, -16, 0, '0', ('certified', 'stop', 'povray')),
+    ('error of t that 99 % of the other hits do not exceed', error, -16, 0, '0',
+     ('certified', 'stop', 'povray')),
 ]
 
 
@@ -59,7 +60,10 @@ def power(e):
 def panel(out, rows, left, top, what, low, high, floor, lettered):
     band = 22                                        # the strip below the lowest decade, for 0
     def X(ns): return left + (math.log10(ns) - X_LOW) / (X_HIGH - X_LOW) * WIDTH
-    def Y(v): return top + (high - math.log10(v)) / (high - low) * (HEIGHT - band) if v > 10.0**low else top + HEIGHT - band / 2
+    def Y(v):
+        if v > 10.0**low:
+            return top + (high - math.log10(v)) / (high - low) * (HEIGHT - band)
+        return top + HEIGHT - band / 2
     out.append(f'<rect x="{left}" y="{top + HEIGHT - band}" width="{WIDTH}" height="{band}" fill="#eef3f8"/>')
     out.append(f'<text x="{left - 8}" y="{top + HEIGHT - band / 2 + 4}" text-anchor="end">{floor}</text>')
     for ns in (500, 1000, 2000, 5000, 10000, 20000, 50000):
@@ -77,7 +81,8 @@ def panel(out, rows, left, top, what, low, high, floor, lettered):
                   if parts(r['variant'])[0] == family and what(r) == what(r)]
         if len(points) > 1:
             line = ' '.join(f'{x:.1f},{y:.1f}' for x, y, _ in points)
-            out.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="1.5" opacity="0.6"/>')
+            out.append(f'<polyline points="{line}" fill="none" stroke="{colour}" stroke-width="1.5" '
+                       f'opacity="0.6"/>')
         for i, (x, y, parameter) in enumerate(points):
             out.append(mark(shape, x, y, colour))
             if i in (0, len(points) - 1) and family in lettered:
@@ -87,11 +92,13 @@ def panel(out, rows, left, top, what, low, high, floor, lettered):
 
 def picture(data):
     across, down = LEFT + 2 * (WIDTH + GAP) + 20, TOP + 2 * (HEIGHT + GAP) + 4 * 20 + 20
-    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {across} {down}" font-family="sans-serif" font-size="12">',
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {across} {down}" font-family="sans-serif" '
+           f'font-size="12">',
            f'<rect width="{across}" height="{down}" fill="white"/>']
     for i, (case, heading) in enumerate(COLUMNS):
         left = LEFT + i * (WIDTH + GAP + 10)
-        out.append(f'<text x="{left + WIDTH / 2}" y="16" text-anchor="middle" font-weight="bold">{heading}</text>')
+        out.append(f'<text x="{left + WIDTH / 2}" y="16" text-anchor="middle" '
+                   f'font-weight="bold">{heading}</text>')
         for j, (title, *rest) in enumerate(ROWS):
             top = TOP + j * (HEIGHT + GAP)
             out.append(f'<text x="{left}" y="{top - 7}">{title}</text>')
@@ -126,7 +133,9 @@ def table(data):
     for case, variant in rows:
         if case == cases[0]:
             others = [rows[other, variant] for other in cases[1:]]
-            print('|', ' | '.join([variant] + [f'{float(row["ns"]):.0f} | {percent(wrong(row) * int(row["hits"]), row)} | {row["err_99"]}'
+            print('|', ' | '.join([variant]
+                                  + [f'{float(row["ns"]):.0f} | '
+                                     f'{percent(wrong(row) * int(row["hits"]), row)} | {row["err_99"]}'
                                                for row in others]), '|')
 
 

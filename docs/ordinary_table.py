@@ -3,8 +3,8 @@
 
     python3 docs/ordinary_table.py build
 
-runs build/tests/bench/bench_ordinary, first for its tables and then for the fifty random sags, and writes both over what is
-between the two marks of the page.  Further words are passed on to the program (--quick).
+runs build/tests/bench/bench_ordinary, first for its tables and then for the fifty random sags, and writes
+both over what is between the two marks of the page.  Further words are passed on to the program (--quick).
 """
 import pathlib
 import subprocess
@@ -22,7 +22,8 @@ def main(build, *words):
     tables, drawn = run(program, *words), run(program, '--drawn', *words)
     page = pathlib.Path(__file__).parent / 'accuracy.md'
     before, rest = page.read_text().split(BEGIN)
-    page.write_text(f'{before}{BEGIN}\n{tables}\n\n### Fifty random sags\n\n{drawn}\n\n{END}{rest.split(END)[1]}')
+    page.write_text(f'{before}{BEGIN}\n{tables}\n\n### Fifty random '
+                    f'sags\n\n{drawn}\n\n{END}{rest.split(END)[1]}')
 
 
 if __name__ == '__main__':

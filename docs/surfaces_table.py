@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""The measured tables of surfaces.md and accuracy.md: what the surfaces of the catalogue offer, how far off they are, what they cost.
+"""The measured tables of surfaces.md and accuracy.md: what the surfaces of the catalogue offer, how far off
+they are, what they cost.
 
     python3 docs/surfaces_table.py build
 
-runs build/tests/bench/bench_catalogue, and build/tests/catalogue/test_values with SCALE times its points, and writes the tables
-over what is between the two marks of each page.
+runs build/tests/bench/bench_catalogue, and build/tests/catalogue/test_values with SCALE times its points, and
+writes the tables over what is between the two marks of each page.
 """
 import os
 import pathlib
@@ -14,17 +15,21 @@ import sys
 
 SCALE = '20'
 BEGIN, END = '<!-- docs/surfaces_table.py: from here -->\n', '<!-- to here -->\n'
-WORST = re.compile(r'(\w+) +(\d+) points.*; F within (\S+) of its size and (\S+) of `rounding`.*gradient (\S+), second (\S+), by parameter (\S+)')
+WORST = re.compile(r'(\w+) +(\d+) points.*; F within (\S+) of its size and (\S+) of `rounding`.*gradient '
+                   r'(\S+), second (\S+), by parameter (\S+)')
 LONG = re.compile(r'(\S.*\S) +F within (\S+) of its size, the gradient within (\S+)')
 
 
 def table(head, rows):
-    return ''.join('| ' + ' | '.join(row) + ' |\n' for row in [head, ['---'] * len(head), *rows]).replace('| --- ', '|---').replace('--- |', '---|')
+    lines = ''.join('| ' + ' | '.join(row) + ' |\n' for row in [head, ['---'] * len(head), *rows])
+    return lines.replace('| --- ', '|---').replace('--- |', '---|')
 
 
 def short(number):
     """Three digits, and no exponent."""
-    return number if number in ('-', '') else f'{float(number):.0f}' if float(number) >= 100 else f'{float(number):.3g}'
+    if number in ('-', ''):
+        return number
+    return f'{float(number):.0f}' if float(number) >= 100 else f'{float(number):.3g}'
 
 
 def of_which(surface):
@@ -39,7 +44,8 @@ def replaced(page, text):
 
 
 def run(program, **environment):
-    return subprocess.run([program], env={**os.environ, **environment}, stdout=subprocess.PIPE, text=True, check=True).stdout
+    return subprocess.run([program], env={**os.environ, **environment}, stdout=subprocess.PIPE, text=True,
+                          check=True).stdout
 
 
 def main(build):
@@ -61,13 +67,17 @@ def main(build):
         of = [s for s in surfaces if s['type'] == kind]
         cost = [', '.join(short(s[column]) + of_which(s) for s in of) for column in ('first', 'one-first')]
         rows.append([f'`{kind}`', of[0]['offers'], f, of_rounding, gradient, second, by_parameter, *cost])
-    text = table(['type', 'offers', 'F', 'of `rounding`', 'gradient', 'second', 'by parameter', 'ns a ray, in a batch', 'one ray, ns'], rows)
-    text += '\n' + table(['a long sum', 'F', 'gradient'], [[name, f'{f:.2g}', f'{gradient:.2g}'] for name, (f, gradient) in long_sums.items()])
+    text = table(['type', 'offers', 'F', 'of `rounding`', 'gradient', 'second', 'by parameter',
+                  'ns a ray, in a batch', 'one ray, ns'], rows)
+    text += '\n' + table(['a long sum', 'F', 'gradient'],
+                         [[name, f'{f:.2g}', f'{gradient:.2g}'] for name, (f, gradient) in long_sums.items()])
     replaced(docs / 'surfaces.md', text)
 
     columns = ['met', 'evaluations', 'first', 'near', 'formula', 'times', 'one-first', 'one-near', 'boost']
-    head = ['', 'met', 'evaluations', 'batch, first', 'batch, near', 'formula', 'times', 'one ray, first', 'one ray, near', 'Boost']
-    replaced(docs / 'accuracy.md', table(head, [[s['surface'], *[short(s[c]) for c in columns]] for s in surfaces]))
+    head = ['', 'met', 'evaluations', 'batch, first', 'batch, near', 'formula', 'times', 'one ray, first',
+            'one ray, near', 'Boost']
+    replaced(docs / 'accuracy.md', table(head, [[s['surface'], *[short(s[c]) for c in columns]]
+                                                for s in surfaces]))
 
 
 if __name__ == '__main__':

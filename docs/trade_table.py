@@ -38,7 +38,8 @@ SURFACES = '''
 
 
 def trade(command, *arguments):
-    done = subprocess.run([command, 'trade', *arguments, '--seconds', SECONDS, '--format', 'csv'], capture_output=True, text=True, check=True)
+    done = subprocess.run([command, 'trade', *arguments, '--seconds', SECONDS, '--format', 'csv'],
+                          capture_output=True, text=True, check=True)
     table = list(csv.DictReader(io.StringIO(done.stdout)))
     return table[0]['case'], {row['setting']: row for row in table if row['case'] == table[0]['case']}
 
@@ -58,10 +59,13 @@ def main(build):
         line(['---'] * (1 + len(settings) + len(more)))
         for arguments in cases:
             name, table = trade(command, *arguments)
-            line([name, *(ns(table[s]) if s in table else '-' for s in settings), *(f'{float(table["default"][m]):.1e}' for m in more)])
+            line([name, *(ns(table[s]) if s in table else '-' for s in settings),
+                  *(f'{float(table["default"][m]):.1e}' for m in more)])
         print()
-    block(['default', 'single', 't_tol=1e-6', 'proof=root', 'proof=first'], ['err_99', 'err_worst'], [('--surface', s) for s in SURFACES])
-    block(['default', 'out=point', 'single', 'pick=first', 'proof=root', 'proof=first'], ['err_99', 'waves_worst'],
+    block(['default', 'single', 't_tol=1e-6', 'proof=root', 'proof=first'], ['err_99', 'err_worst'],
+          [('--surface', s) for s in SURFACES])
+    block(['default', 'out=point', 'single', 'pick=first', 'proof=root', 'proof=first'],
+          ['err_99', 'waves_worst'],
           [(str(lens),) for lens in sorted((HERE.parent / 'examples/lenses').glob('*.yaml'))])
 
 

@@ -3,9 +3,9 @@
 
     python3 sets.py PROGRAM ...
 
-Each program (checksum.c, checksum_earth.c) runs with SAGITTA_SET as each set that the processor has; what they print
-is the same.  A set that the processor has not is left out, and said so; where the library has one set alone the test
-is skipped.
+Each program (checksum.c, checksum_earth.c) runs once for each set that the processor has (SAGITTA_SET).  All
+print the same.  A set that the processor does not have is left out, and that is said.  If the library has
+one set only, the test is skipped.
 """
 import os
 import pathlib

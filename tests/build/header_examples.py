@@ -13,7 +13,8 @@ import subprocess
 import sys
 import tempfile
 
-FLAGS = ['-std=c11', '-Wall', '-Wextra', '-Wpedantic', '-Werror', '-Wno-unused-variable', '-Wno-unused-but-set-variable']
+FLAGS = ['-std=c11', '-Wall', '-Wextra', '-Wpedantic', '-Werror', '-Wno-unused-variable',
+         '-Wno-unused-but-set-variable']
 PROGRAM = r"""
 #include <math.h>
 #include <sagitta/diagnose.h>
@@ -75,7 +76,8 @@ def main(include, library, compiler):
             if re.search(r'\bsgt_surface s =', text):
                 text += f'\nfaults += meet("{where}", s);'
             blocks.append(f'{{\n#line {line + 2} "{header.name}"\n{text}\n}}\n')
-    declared = re.sub(r'/\*.*?\*/', '', pathlib.Path(include, 'sagitta', 'surfaces.h').read_text(), flags=re.DOTALL)
+    declared = re.sub(r'/\*.*?\*/', '', pathlib.Path(include, 'sagitta', 'surfaces.h').read_text(),
+                      flags=re.DOTALL)
     types = set(re.findall(r'\bsgt_\w+_ops\b', declared)) - {'sgt_surface_ops'}
     for name in sorted(types - set(re.findall(r'\w+', shown))):
         print(f'{name}: surfaces.h has no example with it')
@@ -84,7 +86,8 @@ def main(include, library, compiler):
     with tempfile.TemporaryDirectory() as folder:
         source, program = pathlib.Path(folder, 'examples.c'), pathlib.Path(folder, 'examples')
         source.write_text(PROGRAM.replace('EXAMPLES', ''.join(blocks)))
-        subprocess.run([*compiler.split(), *FLAGS, '-I', include, str(source), '-o', str(program), library, '-lm'], check=True)
+        subprocess.run([*compiler.split(), *FLAGS, '-I', include, str(source), '-o', str(program), library,
+                        '-lm'], check=True)
         environment = {**os.environ, 'LD_LIBRARY_PATH': str(pathlib.Path(library).parent)}
         done = subprocess.run([str(program)], text=True, capture_output=True, env=environment)
         print(done.stdout, end='')

@@ -23,7 +23,8 @@ GEO = r'''
 int main(void)
 {
     sgt_geodetic_height earth = {.h = 100};
-    sgt_hit hit = sgt_intersect((sgt_surface){&sgt_geodetic_height_ops, &earth}, (sgt_ray){.o = {7e6, 0, 0}, .d = {-1, 0, 0}}, NULL);
+    sgt_hit hit = sgt_intersect((sgt_surface){&sgt_geodetic_height_ops, &earth},
+                                (sgt_ray){.o = {7e6, 0, 0}, .d = {-1, 0, 0}}, NULL);
     printf("%s at %.3f m\n", sgt_status_text(hit.status), hit.t);
     return !(hit.status == SGT_HIT && hit.t > 621762.9 && hit.t < 621763.1);
 }
@@ -87,7 +88,8 @@ def main(build, readme, consumer_c, consumer_cpp, c_compiler, cpp_compiler=None)
             of_geo = [(['-std=c11'], c_compiler, 'geo.c')] if geo else []
             for standard, compiler, program in programs + of_geo:
                 run(*compiler.split(), *standard, '-Wall', '-Wextra', '-Wpedantic', '-Werror',
-                    program, '-o', 'program', *(libraries_geo[form] if program == 'geo.c' else flags), '-lm', cwd=there)  # -lm: the programs' own
+                    program, '-o', 'program', *(libraries_geo[form] if program == 'geo.c' else flags), '-lm',
+                    cwd=there)  # -lm: the programs' own
                 environment = {**os.environ, 'LD_LIBRARY_PATH': str(library_folder)}
                 said = run('./program', cwd=there, env=environment)
                 print(f'-- {program}, {form}\n{said}', end='')

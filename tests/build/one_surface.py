@@ -3,9 +3,9 @@
 
     python3 one_surface.py PROGRAM ALONE
 
-Both are made of one_surface.c, which meets a conic: PROGRAM with the whole library to choose from, ALONE with the files
-alone that a conic needs.  Code and data of the first are no larger, but for what lies between objects that are linked in
-another order, so the rest of the library adds nothing.
+Both are made of one_surface.c, which meets a conic: PROGRAM with the whole library to choose from, ALONE with
+only the files that a conic needs.  Code and data of PROGRAM are no larger, but for gaps between objects that
+are linked in another order.  So the rest of the library adds nothing.
 """
 import subprocess
 import sys
@@ -16,7 +16,8 @@ BETWEEN = 512  # bytes: a dozen objects, each at a multiple of 32
 
 def sizes(program):
     """Code, data and room for data."""
-    told = subprocess.run(['size', '--format=berkeley', program], text=True, check=True, capture_output=True).stdout.splitlines()
+    told = subprocess.run(['size', '--format=berkeley', program], text=True, check=True,
+                          capture_output=True).stdout.splitlines()
     return [int(number) for number in told[1].split()[:3]]
 
 
@@ -24,7 +25,8 @@ def main(program, alone):
     names = {line.split()[0] for line in subprocess.run(
         ['nm', '--format=posix', program], text=True, check=True, capture_output=True).stdout.splitlines()}
     carried = sorted(name for name in names if name.startswith('sgt_'))
-    too_many = [name for name in names if 'asphere' in name or 'departure' in name or name in ('sgt_builtins', 'sgt_trace')]
+    too_many = [name for name in names if 'asphere' in name or 'departure' in name
+                or name in ('sgt_builtins', 'sgt_trace')]
     size, least = sizes(program), sizes(alone)
     larger = any(a > b + BETWEEN for a, b in zip(size, least))
     said = subprocess.run([program], text=True, capture_output=True)

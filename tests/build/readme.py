@@ -51,10 +51,12 @@ def anchor_of(heading):
 
 def sections(page):
     """{anchor: the text from its heading to the next of the same level or a higher one}"""
-    text = re.sub(r'^```.*?^```', lambda block: re.sub('^#', ' #', block[0], flags=re.MULTILINE), page.read_text(),
+    text = re.sub(r'^```.*?^```', lambda block: re.sub('^#', ' #', block[0], flags=re.MULTILINE),
+                  page.read_text(),
                   flags=re.MULTILINE | re.DOTALL)
     return {anchor_of(title): re.split(rf'^#{{1,{len(level)}}} ', rest, maxsplit=1, flags=re.MULTILINE)[0]
-            for level, title, rest in ((m[1], m[2], text[m.end():]) for m in re.finditer(r'^(#+) (.*)$', text, re.MULTILINE))}
+            for level, title, rest in ((m[1], m[2], text[m.end():])
+                                       for m in re.finditer(r'^(#+) (.*)$', text, re.MULTILINE))}
 
 
 def numbers(text):
@@ -67,8 +69,10 @@ def unsourced(page):
     for row in re.findall(r'^\|.*\|$', parts['on-one-page'], re.MULTILINE):
         links = re.findall(r'\]\(#(.*?)\)', row)
         if links:
-            missing = numbers(re.sub(r'\(#.*?\)', '', row)) - set().union(*(numbers(parts.get(link, '')) for link in links))
-            yield from (f'{page.name}, on one page: {number} is not in {", ".join(links)}' for number in sorted(missing))
+            missing = numbers(re.sub(r'\(#.*?\)', '',
+                                     row)) - set().union(*(numbers(parts.get(link, '')) for link in links))
+            yield from (f'{page.name}, on one page: {number} is not in {", ".join(links)}'
+                        for number in sorted(missing))
 
 
 def dead_links(folder, pages):
@@ -87,7 +91,8 @@ def dead_links(folder, pages):
 def differing(page, programs, folder, somewhere):
     """Runs the commands of a page; (how many were compared, how many of them say something else)."""
     text = page.read_text()
-    files = {name: block for name, block in re.findall(r'^```\w+ (\S+)\n(.*?)^```', text, re.MULTILINE | re.DOTALL)}
+    files = {name: block for name, block in re.findall(r'^```\w+ (\S+)\n(.*?)^```', text,
+                                                       re.MULTILINE | re.DOTALL)}
     for name, block in files.items():
         (somewhere / name).write_text(block)
     compared, bad = 0, 0
@@ -102,12 +107,14 @@ def differing(page, programs, folder, somewhere):
             for i, word in enumerate(words[:-1]):
                 if word in ('--svg', '--output', '--picture'):
                     words[i + 1] = str(somewhere / ('out' + pathlib.Path(words[i + 1]).suffix))
-            said = subprocess.run([programs[words[0]]] + words[1:], text=True, capture_output=True, cwd=folder)
+            said = subprocess.run([programs[words[0]]] + words[1:], text=True, capture_output=True,
+                                  cwd=folder)
             compared += 1
             lines = (said.stdout + said.stderr).splitlines()
             if not matches(quoted.splitlines(), lines):
                 bad += 1
-                print(f'$ {command}\n{page.relative_to(folder)} says:\n{quoted}\nthe command says:', *lines, sep='\n')
+                print(f'$ {command}\n{page.relative_to(folder)} says:\n{quoted}\nthe command says:', *lines,
+                      sep='\n')
     return compared, bad
 
 
@@ -122,7 +129,8 @@ def main(readme, *programs):
     for page, (compared, _) in found.items():
         if compared:
             print(f'{page.relative_to(folder)}: {compared} commands compared')
-    print(*dead, f'{len(pages)} pages, {bad} commands differ; {len(dead)} dead links and numbers without a source', sep='\n')
+    print(*dead, f'{len(pages)} pages, {bad} commands differ; {len(dead)} dead links and numbers without a '
+                 f'source', sep='\n')
     return 1 if bad or dead or not found[folder / 'README.md'][0] else 0
 
 

@@ -152,7 +152,8 @@ def faults(tree, libraries=()):
 
 SOUND = {
     'src/num/README.md': 'Numbers.\n',
-    'src/num/a.h': '#define A 1\ntypedef struct pair { int x; } pair;\nSGT_INLINE int one(void) { return 1; }\n',
+    'src/num/a.h': '#define A 1\ntypedef struct pair { int x; } pair;\n'
+                   'SGT_INLINE int one(void) { return 1; }\n',
     'src/num/b.c': '#include "a.h"\nstatic int two(int x) { return x; }\nstatic const int table[3] = {0};\n',
     'src/ray/README.md': 'Rays.\n',
     'src/ray/c.c': '/* static int two(void) */\n#include "../num/a.h"\nint three(void) { return 3; }\n',

@@ -58,7 +58,8 @@ def declared(include, geo=False):
 def faults_of_names(exported, promised):
     return ([f'{name}: exported without the prefix sgt_' for name in exported if not name.startswith('sgt_')]
             + [f'{name}: declared in a public header and not exported' for name in promised - exported]
-            + [f'{name}: exported and in no public header' for name in exported - promised if name.startswith('sgt_')])
+            + [f'{name}: exported and in no public header' for name in exported - promised
+               if name.startswith('sgt_')])
 
 
 def exported_of(shared):
@@ -70,7 +71,8 @@ def faults_of_versions(shared):
     """Each name is of the interface that the soname says, so that a program asks for it by version."""
     [soname] = re.findall(r'\(SONAME\).*\.so\.(\d+)\]', output('readelf', '-dW', shared)) or ['?']
     faults = []
-    for line in output('nm', '-D', '--defined-only', '--with-symbol-versions', '--format=posix', shared).splitlines():
+    for line in output('nm', '-D', '--defined-only', '--with-symbol-versions', '--format=posix',
+                       shared).splitlines():
         name, kind = line.split()[:2]
         if kind != 'A' and not name.endswith(f'@@SAGITTA_{soname}'):
             faults.append(f'{name}: is not of version SAGITTA_{soname}')

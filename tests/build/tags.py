@@ -26,7 +26,8 @@ def functions(library):
 
 def main(tree, library):
     ctags = shutil.which('ctags')
-    if not ctags or 'Universal' not in subprocess.run([ctags, '--version'], capture_output=True, text=True).stdout:
+    if not ctags or 'Universal' not in subprocess.run([ctags, '--version'], capture_output=True,
+                                                      text=True).stdout:
         print('no Universal Ctags')
         return 77
     listing = subprocess.run([ctags, '-x', '-R', 'src', 'include'], cwd=tree, capture_output=True, text=True,

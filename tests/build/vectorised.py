@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Loops that are meant to become vector code have: the instructions of the library are counted.
 
-Meant to are the kernels (SGT_KERNEL of src/num/exact.h): loops
-over rays or cells.  A loop that has become vector code is there several times, one instruction for
-one operation each time: in the widest registers, in narrower ones, and up to three times ray by
-ray, for the last few and for arrays that might overlap (of a short one the last seven are written
-out one by one); one that has not is there once, ray by ray.
-So for x86-64-v3 and v4, of each, the packed operations in the widest registers (ymm, zmm) must
-be a quarter of the scalar ones (an eighth, where those are below 64), among which is also what is worked out once for all rays; where the
-work is, certain operations must be among the packed.
+Meant are the kernels (SGT_KERNEL of src/num/exact.h): loops over rays or cells.  A loop that has become
+vector code is in the library several times: in the widest registers, in narrower ones, and up to three times
+ray by ray, for the last few rays and for arrays that might overlap (of a short loop the last seven rays are
+written out one by one).  A loop that has not become vector code is there once, ray by ray.
+
+So in each kernel for x86-64-v3 and v4, the packed operations in the widest registers (ymm, zmm) must be at
+least a quarter of the scalar ones (an eighth, if those are below 64).  The scalar ones include what is worked
+out once for all rays.  In the kernels that do most of the work, certain operations must be packed.
 
     python3 vectorised.py LIBRARY_FOR_V3 LIBRARY_FOR_V4
 """
@@ -17,7 +17,8 @@ import re
 import subprocess
 import sys
 
-LEAST, LEAST_SHORT, SHORT = 0.25, 0.125, 64  # packed operations, in the widest registers, for one that is scalar
+# Packed operations, in the widest registers, for one that is scalar.
+LEAST, LEAST_SHORT, SHORT = 0.25, 0.125, 64
 # Functions (a pattern; at least one must be there) and what must occur packed in each.
 NEEDED = {
     r'conic_lanes_(first|near)\w*': {'sqrt', 'div', 'fma'},
@@ -46,7 +47,8 @@ def count(kind, lines, found):
             said = OPERATION.search(line)
             if said:
                 operation = 'fma' if said[1].startswith('f') else 'cmp' if 'c' in said[1] else said[1]
-                width = 'scalar' if said[2] == 'sd' else max(re.findall(r'%([xyz]mm)', said[3]), default='xmm')
+                widths = re.findall(r'%([xyz]mm)', said[3])
+                width = 'scalar' if said[2] == 'sd' else max(widths, default='xmm')
                 now[operation, width] += 1
 
 
@@ -75,7 +77,8 @@ def main(*libraries):
     found = collections.defaultdict(lambda: collections.defaultdict(collections.Counter))
     for kind, library in zip(WIDE, libraries):
         try:
-            listing = subprocess.run(['objdump', '-d', '--no-show-raw-insn', library], text=True, check=True, capture_output=True).stdout
+            listing = subprocess.run(['objdump', '-d', '--no-show-raw-insn', library], text=True, check=True,
+                                     capture_output=True).stdout
         except FileNotFoundError:
             print('skipped: there is no objdump')
             return 77

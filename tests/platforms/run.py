@@ -6,7 +6,8 @@
 builds the library for each system (all of them, or those named) in build/platforms/NAME, compares the sums of
 batch/checksum.c with batch/checksum.txt, measures batches, and prints a table.
 
-    --quick     compiled with little optimisation, which changes no bit; sums of a tenth of the rays, and no times
+    --quick     compiled with little optimisation, which changes no bit; sums of a tenth of the rays, and no
+                times
     --oracles   and the tests in plain C or C++ that need no other library (the batches, the oracles in 113
                 bits, the catalogue, the extremes), at a tenth of their scale; tests/nightly.sh
     --write     puts the table into docs/platforms.md
