@@ -289,6 +289,8 @@ SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, 
     double D = B * B - A * C, tau = C / (B + copysign(sqrt(D), B)), last = HUGE_VAL;
     if (!(tau > -HUGE_VAL && tau < HUGE_VAL)) tau = 0; /* the conic is not met: begin at the vertex plane */
     *seed = q.t0 + tau;
+    bool whole = single(s, &q);
+    if (!(whole || opt->pick == SGT_NEAR_SEED)) return false;
     if (!(fabs(q.n) >= 0x1p-10 && direction_is_whole(&q, ray->d))) return false;
     double t_tol = opt->t_tol / q.scale;
     sgt_move move = SGT_SEED;
@@ -309,7 +311,6 @@ SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, 
             if (!sgt_poly_certify(s, &q, &at, tau, t_tol, out, &v_err, &steady)) return false;
             if (steady) {
                 if (!(out->v > 16 * v_err)) return false;
-                bool whole = single(s, &q);
                 *miss = whole && out->p.x * out->p.x + out->p.y * out->p.y <= s->rim2
                         && !rim_hidden(out, s->rim2) && is_start(out, ray, q.scale);
                 if (*miss) return false;
@@ -321,14 +322,13 @@ SGT_INLINE bool asphere_quick(const shape *s, const sgt_ray *ray, meeting *out, 
                 if ((far > 3 * here || fx * fx + fy * fy > STEEP2 || !sharp(out, opt->t_tol)) &&
                     !sgt_poly_settle(s, ray, q.t0, q.t0_lo + tau, out, &v_err, w))
                     return false;
-                bool near = opt->pick == SGT_NEAR_SEED;
                 if (opt->proof != SGT_ESTIMATE &&
                     (rim_hidden(out, s->rim2) || !sgt_poly_unique(s, ray, out, w) || w->stopped))
                     return false;
                 if (fabs(out->t - ray->tmax)
                     <= larger(END_ERRORS * (out->t_err + SGT_U * fabs(out->t)), TINY))
                     return false; /* the march decides whether it is accepted */
-                return (near || whole) && accepted(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL &&
+                return accepted(out, ray, s->rim2, q.scale) && out->t_err < HUGE_VAL &&
                        !place_is_tiny(&q, out->t, out->p);
             }
         }

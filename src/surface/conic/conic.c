@@ -286,11 +286,24 @@ SGT_INLINE careful_root careful_root_at(const careful_quadric *g, twofold tau, d
     return r;
 }
 
-/* Settles a t near zero further, where twice the precision is not enough for its last bits. */
+/* Is the root off the sheet, the start or beyond tmax, however t is computed?  Then it is not accepted. */
+SGT_INLINE bool careful_away(const careful_root *r, const sgt_ray *ray, double scale)
+{
+    double after = r->at.t - ray->tmin, width = START_ULPS * r->terms / r->at.slope * scale;
+    return r->sheet < 0 ||
+           (!r->ends && !r->hidden &&
+            (after + 2 * r->at.t_err <= width * (1 - 0x1p-20) || r->at.t - 2 * r->at.t_err > ray->tmax));
+}
+
+/* Settles a t near zero further, where twice the precision is not enough for its last bits.  Nobody asks
+ * for those of a root that is not accepted.  On a ray that leaves the surface that root is the start, and
+ * settling it costs more than all else: up to 5 times the instructions (conics and balls, directions at
+ * random from a point on them). */
 static careful_root refined(double c, double k, careful_root r, const local *q, const sgt_ray *ray,
                             double rim2, tally *w)
 {
     if (r.at.t_err <= 8 * SGT_U * fabs(r.at.t) || !(r.at.t_err < HUGE_VAL)) return r;
+    if (careful_away(&r, ray, q->scale)) return r;
     shape s = {.c = c, .k = k, .ck = (1 + k) * c, .rim2 = rim2};
     careful_root again = r;
     double v_err;
