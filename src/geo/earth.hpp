@@ -117,6 +117,10 @@ struct reading { double g, g_err, slope, slope_err; };
 // falls before the first and rises behind the second.  By convexity the slope at a root is at least depth /
 // (distance to that point).  bend: g'' >= -bend on the whole chord.  If rounding hides on which side of the
 // surface tmin is, or whether the ray touches, nothing is claimed: it is the span, and not `single`.
+//
+// Why apart: convexity tells here what the general path has to search for.  Without `first` a height
+// over the ellipsoid costs 1.8 times the instructions one by one and 2.3 times in a batch, a level of
+// gravity 1.7 and 3.3 times (300 rays from 400 km above the Earth, by callgrind).
 template <typename Read> sgt_span first_of(const chord &c, const sgt_ray &ray, double bend, Read &&read)
 {
     const sgt_span none = {infinity, -infinity, nothing, false};

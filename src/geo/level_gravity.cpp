@@ -52,6 +52,8 @@ sgt_objection object(const sgt_level_gravity &s)
 }
 
 // The radius of the level U on the equator or the axis, to rounding: Newton on GM / U in two to four steps.
+// There is nothing to guard: GM / U is nearly r.  sgt_root_next, which proves the root besides, needs 5.4
+// evaluations where this needs 2.5 (means of 2002 radii, -100 km to 10000 km).
 double radius_of(double U, bool axis)
 {
     const NormalGravity &field = NormalGravity::WGS84();

@@ -4,6 +4,9 @@
  * trace_batch.c has a loop around it.  This file has the choice of the root that is meant, and all that is
  * rare.
  *
+ * NO LOOP HERE SEARCHES by itself: each asks sgt_intersect or sgt_intersect_all.  sgt_ask_inside asks from
+ * both ends of the chord before it asks for every root, four questions at most.
+ *
  * THE NORMAL is the gradient as the surface gives it, never normalised there.  Near the equator of a
  * sphere its components grow without bound.
  *

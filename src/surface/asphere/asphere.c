@@ -10,7 +10,12 @@
  * half the last.  If t is not sharp, the root is settled from there.  The root is certainly the only one
  * within the rim if
  *     |n| > L sqrt(a),  L = max |grad s| over the rim,  a = l^2 + m^2:
- * F is then monotone along the chord.  If that root is the start itself, the ray misses.
+ * F is then monotone along the chord.  If that root is the start itself, the ray misses.  Only such a root
+ * can be told to be the first one, so first roots are looked for on these rays only.
+ *
+ * Why apart: the cells alone would do.  Without it (192 pairs of an asphere and a kind of ray each, by
+ * callgrind) rays near the seed cost 1.14 times as much in the mean, up to 9.1 times, and first roots up to
+ * 2.7 times where the slope allows one root.  Where it does not, asking in vain cost up to 1.9 times as much.
  *
  * CAREFUL.  All else: the march in classify.c, which is certain too, but slower.
  *

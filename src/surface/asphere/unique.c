@@ -20,6 +20,11 @@
  * zero, and stays there.  The same holds if it falls on each.  If no piece may have a root, the ray is a
  * miss.
  *
+ * WHY APART.  Without the rings a proof goes on to the cells: 4.6 times the instructions for an asphere
+ * without a rim (near the seed, SGT_PROVE_FIRST; rays of tests/cost/cases.c, by callgrind).  Where the slope
+ * decides they cost nothing.  Rays that pass by: without `sgt_asphere_pass` single rays from the side cost up
+ * to 1.56 times as much, and the mean of 384 kinds of single rays, most of which meet the surface, is 0.97.
+ *
  * BOUNDS.  Let a ring be m +- h in rho.  P' differs from P'(m) by at most |P''(m)| h + third h^2 / 2, and P
  * from P(m) by at most |P'(m)| h + second h^2 / 2.  Here second and third are the bounds of `magnitude` at
  * the outer edge of the ring.  s and ds/drho are monotone.  2^-40 of all terms is added for rounding. */

@@ -25,6 +25,10 @@
  * - from the vertex to just behind the second root: only the second is in it.  Given if the first is
  *   certainly not accepted.
  *
+ * WHY APART.  The two stretches come without a search.  Without `first` and `firsts` the enclosures answer:
+ * an ellipsoid and a quadric then cost 9.6 times the instructions one by one, 47 and 57 times in a batch.  As
+ * a user's surface (own_ = NULL besides) it is 2.5 and 2.9, 13 and 17 times (300 rays each, by callgrind).
+ *
  * Nothing is promised in three cases: between these two; if D is not above 16 De (the ray touches); and if
  * the distance from the vertex is within what a double can tell of t. */
 #ifndef SGT_SURFACE_BODY_QUADRATIC_H

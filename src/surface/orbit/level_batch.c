@@ -11,6 +11,10 @@
  * (Q_0 and cells looked at twice included); 92 % of the lanes' levels spent on cells not yet decided.  The
  * cost is the number of vector instructions: two a cycle of 512 bits, some 95 a level and 120 a pulse.
  *
+ * WHY APART.  Without it (lanes = NULL) each ray goes to level.c by itself: 2.0 to 2.1 times as long with
+ * AVX-512, 1.6 to 1.8 times the instructions with AVX2 (2000 and 300 rays of a picture of a Julia set and of
+ * a Mandelbrot set; the times are ratios in one run).
+ *
  * THE FAST WAY.  An estimate is a short orbit with much work after it, so the lanes take whole orbits
  * together.  A change of sign goes to `near`.
  *
