@@ -10,16 +10,23 @@ static sgt_objection object_to_edge(const void *self)
 }
 
 static const sgt_param bulb_params[] = {
-    {"iterations", "1", offsetof(mandelbulb, iterations), 1, 1, BULB_MOST_ITERATIONS, SGT_WHOLE},
-    {"escape", "1", offsetof(mandelbulb, escape), 1, 1.2, 100, SGT_REAL},
+    {.name = "iterations",
+     .offset = offsetof(mandelbulb, iterations),
+     .count = 1,
+     .lo = 1,
+     .hi = BULB_MOST_ITERATIONS,
+     .kind = SGT_WHOLE},
+    {.name = "escape", .offset = offsetof(mandelbulb, escape), .count = 1, .lo = 1.2, .hi = 100},
     {0}};
-static const sgt_param edge_params[] = {{"radius", "length", offsetof(edge, radius), 1, 0, 1e6, SGT_REAL},
-                                        {"from", "length", offsetof(edge, from), 1, -1e6, 1e6, SGT_REAL},
-                                        {"to", "length", offsetof(edge, to), 1, -1e6, 1e6, SGT_REAL},
-                                        {0}};
+
+#define LENGTH(of, low)                                                                                 \
+    {                                                                                                   \
+        .name = #of, .unit = {.length = 1}, .offset = offsetof(edge, of), .count = 1, .lo = low, .hi = 1e6 \
+    }
+static const sgt_param edge_params[] = {LENGTH(radius, 0), LENGTH(from, -1e6), LENGTH(to, -1e6), {0}};
 
 const sgt_builtin own_surfaces[] = {
-    {"mandelbulb", &mandelbulb_ops, sizeof(mandelbulb), bulb_params, NULL, NULL},
-    {"edge", &edge_ops, sizeof(edge), edge_params, object_to_edge, NULL},
+    {.type = "mandelbulb", .ops = &mandelbulb_ops, .size = sizeof(mandelbulb), .params = bulb_params},
+    {.type = "edge", .ops = &edge_ops, .size = sizeof(edge), .params = edge_params, .object = object_to_edge},
     {0},
 };

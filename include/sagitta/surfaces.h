@@ -391,28 +391,45 @@ typedef enum sgt_kind {
     SGT_WHOLE,   /* an int */
     SGT_LIST,    /* an sgt_numbers of one row, of up to count numbers */
     SGT_TABLE,   /* an sgt_numbers of up to count rows and count columns */
-    SGT_WORD,    /* an int: 1 for the first of the words in `unit`, which are separated by
-                    |, 2 for the second, ...; 0: not given */
+    SGT_WORD,    /* an int: 1 for the first of `words`, 2 for the second, ...; 0: not
+                    given */
     SGT_TRUTH,   /* an int: 0 or 1 */
     SGT_TERMS    /* an sgt_surface pointer, followed by a size_t: up to count surfaces */
 } sgt_kind;
+
+/* A unit by its exponents: that of length is length + i by_i + j by_j.  i is the index in
+ * a list; in a table i is the row and j the column; else both are 0. */
+typedef struct sgt_unit {
+    int length, by_i, by_j;
+    int time;  /* exponent of time; 0 but for a potential (geo.h) */
+} sgt_unit;
 
 /* A parameter of a type.  Two parameters may be two names for one number ("slice" is
  * at[3]): then only one of them can be given. */
 typedef struct sgt_param {
     const char *name;    /* as in a lens file */
-    const char *unit;    /* a power of length, as text: "1", "length", "1/length".  Of an
-                            SGT_WORD: the words */
+    sgt_unit    unit;
     size_t      offset;  /* in the struct, bytes */
     int         count;   /* see sgt_kind */
     double      lo, hi;  /* the legal values: lo <= x <= hi, all finite */
     sgt_kind    kind;
+    const char *words;   /* of an SGT_WORD, separated by |; else NULL */
 } sgt_param;
 
 /* The first parameter that makes a struct SGT_INVALID, and why.  {NULL, NULL}: none. */
 typedef struct sgt_objection {
     const char *param, *reason;
 } sgt_objection;
+
+/* What a type is. */
+typedef enum sgt_family {
+    SGT_OTHER,      /* a user's, or one of another library */
+    SGT_CONIC,      /* a sag that is met in closed form */
+    SGT_ASPHERE,    /* a sag that is met by a polynomial with the roots of F */
+    SGT_DEPARTURE,  /* a sag that is met by its operations */
+    SGT_BODY,       /* about the origin; met by its operations */
+    SGT_LEVEL_SET   /* of an orbit; `estimate` is a bound on it */
+} sgt_family;
 
 /* A type, as a lens file names it.  "plane", "sphere" and "conic" share one struct and
  * one table of operations; they differ in the parameters that may be given. */
@@ -425,6 +442,9 @@ typedef struct sgt_builtin {
                                                    it all */
     void (*prepare)(void *self);  /* works out what can be worked out once, of valid
                                      parameters; NULL: nothing can */
+    sgt_family  family;
+    const void *specimen;  /* a usual surface of the type, of a few units of length, to
+                              test and to try.  NULL: there is none */
 } sgt_builtin;
 
 /* All types, for a parser, a benchmark, or a test of them all.  Ends with a row of zeros.

@@ -33,6 +33,13 @@
     OPERATION(NAME, sgt_interval, enclose,                                                          \
               (const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope),          \
               (self, ray, t, slope))
+/* What is wrong with the parameters; the same in all sets. */
+#define OBJECTION(NAME)                                     \
+    sgt_objection sgt_##NAME##_object(const void *self);    \
+    sgt_objection sgt_##NAME##_object(const void *self)     \
+    {                                                       \
+        return NAME##_in_set[SGT_BASE]->own_->object(self); \
+    }
 #define DERIVATIVES(NAME)                                                                          \
     OPERATION_VOID(NAME, second, (const void *self, size_t n, sgt_points p, double *const out[6]), \
                    (self, n, p, out))                                                              \
@@ -49,8 +56,6 @@
     OPERATION(NAME, sgt_span, first, (const void *self, const sgt_ray *ray), (self, ray))    \
     OPERATION_VOID(NAME, firsts, (const void *self, size_t n, sgt_rays rays, sgt_spans out), \
                    (self, n, rays, out))
-#define CLEARANCE(NAME) OPERATION(NAME, double, clearance, (const void *self, sgt_vec3 p), (self, p))
-#define ESTIMATE(NAME) OPERATION(NAME, double, estimate, (const void *self, sgt_vec3 p), (self, p))
 
 #define TABLE_OF_ALL(NAME)                                                                              \
     .value = NAME##_value, .span = NAME##_span, .rounding = NAME##_rounding, .enclose = NAME##_enclose, \
@@ -60,48 +65,39 @@
 #define TABLE_OF_MANY(NAME) .values = NAME##_values, .spans = NAME##_spans
 #define TABLE_OF_FIRSTS(NAME) .first = NAME##_first, .firsts = NAME##_firsts
 
-/* The tables by kind of type:
- *
- *     SGT_SAG          conics and even aspheres
- *     SGT_DEPARTURE    sags met by their operations
- *     SGT_QUADRIC      bodies without a clearance
- *     SGT_BODY         bodies with a clearance
- *     SGT_LEVEL_SET    level sets */
-#define SGT_SAG(NAME, SAID) \
-    ALL_HAVE(NAME)          \
-    DERIVATIVES(NAME)       \
+/* The tables by the kind of types.def. */
+#define OF_CONIC(NAME, SAID) \
+    ALL_HAVE(NAME)           \
+    DERIVATIVES(NAME)        \
     const sgt_surface_ops sgt_##NAME##_ops = {.name = SAID, TABLE_OF_ALL(NAME), TABLE_OF_DERIVATIVES(NAME)};
-#define SGT_DEPARTURE(NAME, SAID)               \
+#define OF_ASPHERE OF_CONIC
+#define OF_DEPARTURE(NAME, SAID)               \
     ALL_HAVE(NAME)                             \
+    OBJECTION(NAME)                            \
     DERIVATIVES(NAME)                          \
     MANY(NAME)                                 \
     const sgt_surface_ops sgt_##NAME##_ops = { \
         .name = SAID, TABLE_OF_ALL(NAME), TABLE_OF_DERIVATIVES(NAME), TABLE_OF_MANY(NAME)};
-#define SGT_QUADRIC(NAME, SAID)                                           \
-    ALL_HAVE(NAME)                                                        \
+#define BODY_WITH(NAME, SAID, ...)                                        \
+    OBJECTION(NAME)                                                       \
     DERIVATIVES(NAME)                                                     \
     MANY(NAME)                                                            \
     FIRSTS(NAME)                                                          \
-    const sgt_surface_ops sgt_##NAME##_ops = {.name = SAID,               \
-                                              TABLE_OF_ALL(NAME),         \
-                                              TABLE_OF_DERIVATIVES(NAME), \
-                                              TABLE_OF_MANY(NAME),        \
-                                              TABLE_OF_FIRSTS(NAME)};
-#define SGT_BODY(NAME, SAID)                                              \
-    ALL_HAVE(NAME)                                                        \
-    DERIVATIVES(NAME)                                                     \
-    MANY(NAME)                                                            \
-    FIRSTS(NAME)                                                          \
-    CLEARANCE(NAME)                                                       \
     const sgt_surface_ops sgt_##NAME##_ops = {.name = SAID,               \
                                               TABLE_OF_ALL(NAME),         \
                                               TABLE_OF_DERIVATIVES(NAME), \
                                               TABLE_OF_MANY(NAME),        \
                                               TABLE_OF_FIRSTS(NAME),      \
-                                              .clearance = NAME##_clearance};
-#define SGT_LEVEL_SET(NAME, SAID)              \
+                                              __VA_ARGS__};
+#define OF_QUADRIC(NAME, SAID) ALL_HAVE(NAME) BODY_WITH(NAME, SAID, .clearance = NULL)
+#define OF_BODY(NAME, SAID)                                                            \
+    ALL_HAVE(NAME)                                                                     \
+    OPERATION(NAME, double, clearance, (const void *self, sgt_vec3 p), (self, p))      \
+    BODY_WITH(NAME, SAID, .clearance = NAME##_clearance)
+#define OF_LEVEL_SET(NAME, SAID)               \
     ALL_HAVE(NAME)                             \
-    ESTIMATE(NAME)                             \
+    OBJECTION(NAME)                            \
+    OPERATION(NAME, double, estimate, (const void *self, sgt_vec3 p), (self, p)) \
     const sgt_surface_ops sgt_##NAME##_ops = { \
         .name = SAID, TABLE_OF_ALL(NAME), .estimate = NAME##_estimate};
 

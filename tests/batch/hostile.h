@@ -445,17 +445,8 @@ static UNUSED const sgt_param *param_of(const sgt_builtin *type, const char *nam
     return NULL;
 }
 
-/* The power of a length that `unit` is, of element i, j: "1", "length", "1/length^(i+j-1)", ... */
-static UNUSED int power_of_length(const char *unit, int i, int j)
-{
-    if (!strcmp(unit, "length^2")) return 2;
-    if (!strcmp(unit, "length")) return 1;
-    if (!strcmp(unit, "1/length")) return -1;
-    if (!strcmp(unit, "1/length^i")) return -i;
-    if (!strcmp(unit, "1/length^(2i+1)")) return -2 * i - 1;
-    if (!strcmp(unit, "1/length^(i+j-1)")) return 1 - i - j;
-    return 0;
-}
+/* The power of a length that number i, j of a parameter has. */
+static UNUSED int power_of_length(sgt_unit u, int i, int j) { return u.length + i * u.by_i + j * u.by_j; }
 
 /* A surface of the size h, its departure `strong` h. */
 static UNUSED void random_by_row(generator *g, const sgt_builtin *type, parameters *with, double h,

@@ -23,6 +23,9 @@ ASKING = {'choose.c': {'cpuid.h', 'stdlib.h'}}
 PUBLIC = {'sagitta.h': 'num', 'fma.h': 'num', 'interval.h': 'num', 'diagnose.h': 'check',
           'surfaces.h': 'surface', 'sensitivity.h': 'ray', 'system.h': 'system', 'geo.h': 'geo'}
 
+# The list of the built-in types, which is on no floor: data for all of them.
+LIST = 'types.def'
+
 # The intervals and the fma are inline, and need what they are made of.
 INLINE = {'float.h', 'math.h', 'string.h'}
 
@@ -68,6 +71,8 @@ def fault_in_library(src, path, floor, kind, name):
         other = target.relative_to(src.resolve()).parts[0]
     except ValueError:
         return 'outside src (a public header is included as <sagitta/...>)'
+    if other == LIST:
+        return None
     if other not in FLOORS:
         return f'{other} is no floor of the library'
     if FLOORS.index(other) > FLOORS.index(floor):
@@ -82,6 +87,8 @@ def fault_in_client(folder, path, kind, name):
         return None
     for base in (path.parent, folder):
         target = (base / name).resolve()
+        if target.name == LIST and target.is_file():
+            return None
         if target.is_file():
             inside = folder.resolve() in target.parents
             return None if inside else 'a client sees <sagitta/...> and its own folder'

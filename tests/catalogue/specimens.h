@@ -37,9 +37,20 @@ struct specimen {
     }
 };
 
-static const char *const types[] = {"odd_asphere", "polynomial_xy", "chebyshev", "zernike",  "q_con",
-                                    "q_bfs",       "grid",          "sum",       "toroidal", "biconic",
-                                    "cylinder",    "quadric",       "ellipsoid", "torus"};
+// The types that are met by their operations: all of them but conics, even aspheres and level sets.
+static const std::vector<const char *> types = [] {
+    std::vector<const char *> found;
+    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+        if (b->family == SGT_DEPARTURE || b->family == SGT_BODY) found.push_back(b->type);
+    return found;
+}();
+
+inline const sgt_builtin *row_named(const std::string &type)
+{
+    const sgt_builtin *b = sgt_builtins;
+    while (b->type && type != b->type) b++;
+    return b;
+}
 
 inline double *first_number(const sgt_surface &s)
 {
@@ -74,6 +85,38 @@ inline std::vector<double> random_terms(generator &g, std::size_t n, double size
 inline std::size_t random_length(generator &g, int few, int most)
 {
     return static_cast<std::size_t>(g.chance(0.05) ? most : g.chance(0.05) ? 0 : 1 + g.below(few));
+}
+
+// Of a type that is known by its row alone: its specimen, whose rim is 4, at the scale of h.  The numbers
+// without a base and a rim are as large, or smaller, by up to size / h over that of the specimen.
+inline sgt_surface departure_like_specimen(generator &g, specimen *s, const sgt_builtin *row, double h,
+                                           double size)
+{
+    std::vector<double> &with = *s->keep(std::vector<double>(row->size / sizeof(double) + 1));
+    char *self = reinterpret_cast<char *>(with.data());
+    std::memcpy(self, row->specimen, row->size);
+    for (const sgt_param *p = row->params; p->name; p++) {
+        const std::string key = p->name;
+        const bool base = key == "curvature" || key == "conic" || key == "semi_diameter";
+        const auto scaled = [&](double x, int i, int j) {
+            const int power = p->unit.length + i * p->unit.by_i + j * p->unit.by_j;
+            return base ? 0 : x * std::pow(h / 4, power) * g.uniform(0.5, 1);
+        };
+        if (p->kind == SGT_REAL || p->kind == SGT_VECTOR) {
+            double *x = reinterpret_cast<double *>(self + p->offset);
+            for (int i = 0; i < p->count; i++) x[i] = scaled(x[i], i, 0);
+        } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
+            sgt_numbers &a = *reinterpret_cast<sgt_numbers *>(self + p->offset);
+            std::vector<double> x(a.x, a.x + a.rows * a.columns);
+            for (std::size_t i = 0; i < x.size(); i++) {
+                const int m = static_cast<int>(i / a.columns), n = static_cast<int>(i % a.columns);
+                x[i] = p->kind == SGT_LIST ? scaled(x[i], n, 0) : scaled(x[i], m, n);
+                x[i] *= g.chance(0.3) ? 0 : std::fmin(1, size / (1e-3 * h));
+            }
+            a = s->numbers(a.rows, a.columns, x);
+        }
+    }
+    return {row->ops, self};
 }
 
 // Its departure is at most `size` within h (of a toroid and a biconic a tenth of h); c, k and semi_diameter
@@ -139,6 +182,7 @@ inline sgt_surface random_departure(generator &g, specimen *s, const std::string
     if (of == "biconic")
         return {&sgt_biconic_ops, s->keep(sgt_biconic{g.uniform(-0.1, 0.1) / h, g.uniform(-2, 1),
                                                       g.uniform(-0.1, 0.1) / h, g.uniform(-2, 1), 0})};
+    if (of != "grid") return departure_like_specimen(g, s, row_named(of), h, size);
     const std::size_t rows = 4 + static_cast<std::size_t>(g.below(large ? 30 : 12)),
                       columns = 4 + static_cast<std::size_t>(g.below(large ? 30 : 12));
     std::vector<double> z(rows * columns);

@@ -498,7 +498,7 @@ int main(int argc, char **argv)
 {
     const oracle::run r(argc, argv, 20, 20240604);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
-    for (std::size_t k = 0; k < sizeof types / sizeof types[0]; k++) {
+    for (std::size_t k = 0; k < types.size(); k++) {
         if (only && std::strcmp(only, types[k])) continue;
         generator g(r.seed ^ static_cast<std::uint64_t>(k) << 40);
         for (long i = 0; i < r.count; i++) sound(g, types[k]);

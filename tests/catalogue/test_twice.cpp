@@ -479,7 +479,7 @@ int main(int argc, char **argv)
     const oracle::run r(argc, argv, 200, 20260401);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
     std::vector<std::string> names(themselves, themselves + 6);
-    names.insert(names.end(), types, types + sizeof types / sizeof types[0]);
+    names.insert(names.end(), types.begin(), types.end());
     names.insert(names.end(), offer_names, offer_names + offers);
     for (const sgt_builtin *b = sgt_builtins; b->type; b++)
         if (std::find(names.begin(), names.end(), b->type) == names.end())

@@ -371,7 +371,7 @@ int main(int argc, char **argv)
 {
     const oracle::run r(argc, argv, 60, 20240601);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
-    for (std::size_t t = 0; t < sizeof types / sizeof types[0]; t++) {
+    for (std::size_t t = 0; t < types.size(); t++) {
         if (only && std::strcmp(only, types[t])) continue;
         generator g(r.seed ^ static_cast<std::uint64_t>(t) << 40);
         worst w = {};

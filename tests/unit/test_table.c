@@ -36,10 +36,7 @@ static size_t size_of(const sgt_param *p)
 }
 
 /* They have tests of their own (test_levels.c). */
-static bool is_level_set(const sgt_builtin *row)
-{
-    return row->ops == &sgt_julia_ops || row->ops == &sgt_mandelbrot_ops;
-}
+static bool is_level_set(const sgt_builtin *row) { return row->family == SGT_LEVEL_SET; }
 
 /* The first thing wrong, said of a key of the row. */
 static bool objected(const sgt_builtin *row, const parameters *p)
@@ -65,6 +62,8 @@ static void test_rows(void **state)
         assert_non_null(row->ops->span);
         assert_non_null(row->ops->rounding);
         assert_non_null(row->params);
+        assert_int_not_equal(row->family, SGT_OTHER);
+        assert_int_equal(row->family == SGT_LEVEL_SET, row->ops->estimate != NULL);
         REQUIRE(row->size > 0 && row->size <= LARGEST, "%s: %zu bytes", row->type, row->size);
         for (const char *c = row->type; *c; c++)
             REQUIRE((*c >= 'a' && *c <= 'z') || *c == '_' || (*c >= '0' && *c <= '9'), "%s: not a key",
@@ -72,12 +71,11 @@ static void test_rows(void **state)
         for (const sgt_builtin *other = sgt_builtins; other != row; other++)
             assert_string_not_equal(row->type, other->type);
         for (const sgt_param *p = row->params; p->name; p++) {
-            REQUIRE(p->unit && *p->unit, "%s.%s has no unit", row->type, p->name);
             REQUIRE(p->count >= 1 && p->offset % alignment_of(p) == 0 && p->offset + size_of(p) <= row->size,
                     "%s.%s lies outside the struct", row->type, p->name);
             if (p->kind == SGT_WORD) {
                 int words = 1;
-                for (const char *c = p->unit; *c; c++) words += *c == '|';
+                for (const char *c = p->words; *c; c++) words += *c == '|';
                 REQUIRE(p->lo == 1 && p->hi == words, "%s.%s: %d words, legal from %g to %g", row->type,
                         p->name, words, p->lo, p->hi);
             }
@@ -136,26 +134,23 @@ static void test_zero(void **state)
     }
 }
 
+static bool is_listed(sgt_unit u) { return u.by_i != 0 || u.by_j != 0; }
+
 /* A number of such a unit, for a part of size h, the i-th and j-th of its kind. */
-static bool random_number(generator *g, const char *unit, double h, int i, int j, double *x)
+static double random_number(generator *g, sgt_unit u, double h, int i, int j)
 {
-    if (!strcmp(unit, "1")) *x = chance(g, 0.3) ? -1 : uniform(g, -3, 2);
-    else if (!strcmp(unit, "length")) *x = chance(g, 0.5) ? 0 : h * uniform(g, 0.1, 1);
-    else if (!strcmp(unit, "length^2")) *x = chance(g, 0.2) ? 0 : h * h * uniform(g, -1, 1);
-    else if (!strcmp(unit, "1/length"))
-        *x = chance(g, 0.1) ? 0 : either_sign(g) / (h * log_uniform(g, 1.2, 1e3));
-    else if (!strcmp(unit, "1/length^(2i+1)"))
-        *x = chance(g, 0.5) ? 0 : uniform(g, -0.05, 0.05) * pow(h, -(2 * i + 1));
-    else if (!strcmp(unit, "1/length^i")) *x = chance(g, 0.5) ? 0 : uniform(g, -0.05, 0.05) * pow(h, -i);
-    else if (!strcmp(unit, "1/length^(i+j-1)"))
-        *x = chance(g, 0.5) ? 0 : uniform(g, -0.02, 0.02) * pow(h, 1 - i - j);
-    else return false;
-    return true;
+    int power = u.length + i * u.by_i + j * u.by_j;
+    if (!is_listed(u) && power == 0) return chance(g, 0.3) ? -1 : uniform(g, -3, 2);
+    if (!is_listed(u) && power == 1) return chance(g, 0.5) ? 0 : h * uniform(g, 0.1, 1);
+    if (!is_listed(u) && power == 2) return chance(g, 0.2) ? 0 : h * h * uniform(g, -1, 1);
+    if (!is_listed(u) && power == -1)
+        return chance(g, 0.1) ? 0 : either_sign(g) / (h * log_uniform(g, 1.2, 1e3));
+    double most = u.by_j ? 0.02 : 0.05;
+    return chance(g, 0.5) ? 0 : uniform(g, -most, most) * pow(h, power);
 }
 
 /* Some numbers, a part of h together. */
-static sgt_numbers random_numbers(generator *g, const sgt_builtin *row, const sgt_param *p, double h,
-                                  parameters *out)
+static sgt_numbers random_numbers(generator *g, const sgt_param *p, double h, parameters *out)
 {
     int most = p->count < 9 ? p->count : 9, rows = p->kind == SGT_LIST ? 1 : below(g, most + 1),
         columns = below(g, most + 1);
@@ -163,10 +158,9 @@ static sgt_numbers random_numbers(generator *g, const sgt_builtin *row, const sg
     for (int i = 0; i < rows; i++)
         for (int j = 0; j < columns; j++) {
             double *x = &out->room[out->used++];
-            if (!strcmp(p->unit, "length")) *x = h * uniform(g, -0.1, 0.1) / (rows * columns);
-            else
-                REQUIRE(random_number(g, p->unit, h, i, j, x), "%s.%s: no values are known for the unit %s",
-                        row->type, p->name, p->unit);
+            if (!is_listed(p->unit) && p->unit.length == 1) *x = h * uniform(g, -0.1, 0.1) / (rows * columns);
+            else *x = p->kind == SGT_LIST ? random_number(g, p->unit, h, j, 0)
+                                          : random_number(g, p->unit, h, i, j);
         }
     if (rows * columns == 0) a = (sgt_numbers){NULL, 0, 0};
     return a;
@@ -203,7 +197,7 @@ static void random_parameters(generator *g, const sgt_builtin *row, double h, pa
         out->of_term = of_term;
         for (const sgt_param *p = row->params; p->name; p++) {
             if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
-                sgt_numbers a = random_numbers(g, row, p, h, out);
+                sgt_numbers a = random_numbers(g, p, h, out);
                 memcpy(member(out, p), &a, sizeof a);
             } else if (p->kind == SGT_TERMS) random_terms(g, row, p, h, out);
             else if (is_whole(p->kind)) {
@@ -211,9 +205,7 @@ static void random_parameters(generator *g, const sgt_builtin *row, double h, pa
                 memcpy(member(out, p), &whole, sizeof whole);
             } else
                 for (int i = 0; i < p->count; i++) {
-                    double x;
-                    REQUIRE(random_number(g, p->unit, h, i, 0, &x),
-                            "%s.%s: no values are known for the unit %s", row->type, p->name, p->unit);
+                    double x = random_number(g, p->unit, h, i, 0);
                     /* far beyond it polynomials are wild */
                     if (!strncmp(p->name, "norm", 4)) x = chance(g, 0.1) ? 0 : h * uniform(g, 0.8, 1.5);
                     if (x >= p->lo && x <= p->hi) *number_at(out, p, i) = x;
@@ -344,9 +336,30 @@ static void test_not_finite(void **state)
             }
 }
 
+/* The specimen is valid, and rays down upon it meet it; of a sag, within its rim. */
+static void test_specimens(void **state)
+{
+    (void)state;
+    for (const sgt_builtin *row = sgt_builtins; row->type; row++) {
+        static double with[LARGEST / sizeof(double)];
+        REQUIRE(row->specimen, "%s has no specimen", row->type);
+        memcpy(with, row->specimen, row->size);
+        if (row->object) REQUIRE(!row->object(with).reason, "%s: %s", row->type, row->object(with).reason);
+        if (row->prepare) row->prepare(with);
+        int met = 0;
+        for (int i = 0; i < 100; i++) {
+            sgt_ray ray = {.o = {0.4 * (i % 10) - 1.9, 0.4 * (i / 10) - 1.7, -9}, .d = {0, 0, 1}};
+            met += sgt_intersect((sgt_surface){row->ops, with}, ray, NULL).status == SGT_HIT;
+        }
+        REQUIRE(met > (row->family == SGT_LEVEL_SET || row->family == SGT_BODY ? 10 : 99),
+                "%s: %d of 100 rays meet the specimen", row->type, met);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_rows), cmocka_unit_test(test_zero),
-                                       cmocka_unit_test(test_conformance), cmocka_unit_test(test_not_finite)};
+                                       cmocka_unit_test(test_conformance), cmocka_unit_test(test_not_finite),
+                                       cmocka_unit_test(test_specimens)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

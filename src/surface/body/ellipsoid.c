@@ -206,7 +206,7 @@ static void ellipsoid_by_parameter(const void *self, size_t j, size_t n, sgt_poi
     }
 }
 
-sgt_objection sgt_ellipsoid_object(const void *self)
+static sgt_objection ellipsoid_object(const void *self)
 {
     const sgt_ellipsoid *s = self;
     if (!(fabs(s->a) < HUGE_VAL)) return (sgt_objection){"a", "not finite"};
@@ -217,7 +217,7 @@ sgt_objection sgt_ellipsoid_object(const void *self)
 }
 
 static const struct sgt_builtin_ops ellipsoid_builtin = {
-    .object = sgt_ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from};
+    .object = ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from};
 
 const sgt_surface_ops sgt_ellipsoid_ops = {.name = "ellipsoid",
                                            .value = ellipsoid_value,

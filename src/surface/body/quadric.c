@@ -327,7 +327,7 @@ static void quadric_by_parameter(const void *self, size_t j, size_t n, sgt_point
     }
 }
 
-sgt_objection sgt_quadric_object(const void *self)
+static sgt_objection quadric_object(const void *self)
 {
     const sgt_quadric *s = self;
     if (!numbers_finite(3, s->squares)) return (sgt_objection){"squares", "not finite"};
@@ -341,7 +341,7 @@ sgt_objection sgt_quadric_object(const void *self)
 }
 
 static const struct sgt_builtin_ops quadric_builtin = {
-    .object = sgt_quadric_object, .roundings = quadric_roundings, .enclose = quadric_enclose_from};
+    .object = quadric_object, .roundings = quadric_roundings, .enclose = quadric_enclose_from};
 
 const sgt_surface_ops sgt_quadric_ops = {.name = "quadric",
                                          .value = quadric_value,

@@ -602,7 +602,7 @@ static void torus_by_parameter(const void *self, size_t j, size_t n, sgt_points 
     }
 }
 
-sgt_objection sgt_torus_object(const void *self)
+static sgt_objection torus_object(const void *self)
 {
     const sgt_torus *s = self;
     if (!(fabs(s->major) < HUGE_VAL)) return (sgt_objection){"major", "not finite"};
@@ -613,7 +613,7 @@ sgt_objection sgt_torus_object(const void *self)
 }
 
 static const struct sgt_builtin_ops torus_builtin = {
-    .object = sgt_torus_object, .roundings = torus_roundings, .enclose = torus_enclose_from};
+    .object = torus_object, .roundings = torus_roundings, .enclose = torus_enclose_from};
 
 const sgt_surface_ops sgt_torus_ops = {.name = "torus",
                                        .value = torus_value,

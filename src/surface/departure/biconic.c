@@ -292,13 +292,3 @@ static departure_sag biconic_on_conic(const sgt_biconic *b)
 }
 
 DEPARTURE_OPS(biconic, sgt_biconic, biconic_on_conic)
-
-/* The same for a cylinder, by the names of its own row in dispatch/builtins.c. */
-sgt_objection sgt_cylinder_object(const void *self)
-{
-    const sgt_biconic *s = self;
-    sgt_objection no = sgt_biconic_object(self);
-    if (!(s->semi_diameter >= 0 && s->semi_diameter < HUGE_VAL)) return no;
-    if (no.reason) no.param = fabs(s->c_x) < HUGE_VAL && fabs(s->c_y) < HUGE_VAL ? "conic" : "curvature";
-    return no;
-}

@@ -157,7 +157,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     return (sgt_objection){NULL, NULL};
 }
 
-/* Defines sgt_NAME_ops and sgt_NAME_object, for parameters of type TYPE.  VIEW(s) is an expression of type
+/* Defines sgt_NAME_ops, for parameters of type TYPE.  VIEW(s) is an expression of type
  * departure_sag for a pointer s to a TYPE.  NAME_departure must exist, and TYPE must have a semi_diameter. */
 #define DEPARTURE_OPS(NAME, TYPE, VIEW)                                                                     \
     static departure_sag NAME##_view(const void *self)                                                      \
@@ -261,7 +261,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         (void)self;                                                                                         \
         return sgt_departure_roundings(shared, n, p, f, out);                                               \
     }                                                                                                       \
-    sgt_objection sgt_##NAME##_object(const void *self)                                                     \
+    static sgt_objection NAME##_ops_object(const void *self)                                                \
     {                                                                                                       \
         departure_sag v = NAME##_view(self);                                                                \
         return sgt_departure_object(&v);                                                                    \
@@ -271,7 +271,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         const TYPE *s = self;                                                                               \
         return s->semi_diameter;                                                                            \
     }                                                                                                       \
-    static const struct sgt_builtin_ops NAME##_builtin = {.object = sgt_##NAME##_object,                    \
+    static const struct sgt_builtin_ops NAME##_builtin = {.object = NAME##_ops_object,                      \
                                                           .tile = SGT_MOST_TILE,                            \
                                                           .share = NAME##_share,                            \
                                                           .share_within = NAME##_share_within,              \
@@ -304,23 +304,5 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         return (departure_sag){s->c, s->k, s->semi_diameter, true, &NAME##_departure, s, false, 0}; \
     }                                                                                               \
     DEPARTURE_OPS(NAME, TYPE, NAME##_on_conic)
-
-/* The `object` of each type, also for sgt_builtin. */
-sgt_objection sgt_odd_asphere_object(const void *self);
-sgt_objection sgt_polynomial_xy_object(const void *self);
-sgt_objection sgt_chebyshev_object(const void *self);
-sgt_objection sgt_zernike_object(const void *self);
-sgt_objection sgt_q_con_object(const void *self);
-sgt_objection sgt_q_bfs_object(const void *self);
-sgt_objection sgt_grid_object(const void *self);
-sgt_objection sgt_sum_object(const void *self);
-sgt_objection sgt_toroidal_object(const void *self);
-sgt_objection sgt_biconic_object(const void *self);
-sgt_objection sgt_cylinder_object(const void *self);
-sgt_objection sgt_quadric_object(const void *self);
-sgt_objection sgt_ellipsoid_object(const void *self);
-sgt_objection sgt_torus_object(const void *self);
-
-void sgt_grid_prepare(void *self);
 
 #endif

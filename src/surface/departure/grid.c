@@ -321,8 +321,6 @@ void sgt_grid_measure(sgt_grid *g)
     if (isnan(b.size)) g->height = 0;
 }
 
-void sgt_grid_prepare(void *self) { sgt_grid_measure(self); }
-
 /* ------------------------------------------------------------------------------------- parameters */
 
 static size_t grid_parameter_count(const void *self) { (void)self; return 0; }

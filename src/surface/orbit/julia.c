@@ -143,7 +143,14 @@ static size_t julia_lanes(const void *self, const sgt_tile *tile, const sgt_opti
     return lanes_by(sgt_orbit_of_julia, self, tile, opt);
 }
 
+static sgt_objection julia_object(const void *self)
+{
+    orbit o;
+    return sgt_orbit_of_julia(self, &o);
+}
+
 static const struct sgt_builtin_ops julia_builtin = {
+    .object = julia_object,
     .meet = julia_meet, .all = julia_all, .lanes = julia_lanes, .tile = SGT_MOST_TILE};
 
 const sgt_surface_ops sgt_julia_ops = {.name = "julia",
@@ -157,12 +164,6 @@ const sgt_surface_ops sgt_julia_ops = {.name = "julia",
 double sgt_julia_potential(const sgt_julia *s, sgt_vec3 p, sgt_vec3 *grad)
 {
     return potential_by(sgt_orbit_of_julia, s, p, grad);
-}
-
-sgt_objection sgt_julia_object(const void *self)
-{
-    orbit o;
-    return sgt_orbit_of_julia(self, &o);
 }
 
 /* ------------------------------------------------------------------- mandelbrot */
@@ -208,7 +209,14 @@ static size_t mandelbrot_lanes(const void *self, const sgt_tile *tile, const sgt
     return lanes_by(sgt_orbit_of_mandelbrot, self, tile, opt);
 }
 
+static sgt_objection mandelbrot_object(const void *self)
+{
+    orbit o;
+    return sgt_orbit_of_mandelbrot(self, &o);
+}
+
 static const struct sgt_builtin_ops mandelbrot_builtin = {
+    .object = mandelbrot_object,
     .meet = mandelbrot_meet, .all = mandelbrot_all, .lanes = mandelbrot_lanes, .tile = SGT_MOST_TILE};
 
 const sgt_surface_ops sgt_mandelbrot_ops = {.name = "mandelbrot",
@@ -222,10 +230,4 @@ const sgt_surface_ops sgt_mandelbrot_ops = {.name = "mandelbrot",
 double sgt_mandelbrot_potential(const sgt_mandelbrot *s, sgt_vec3 p, sgt_vec3 *grad)
 {
     return potential_by(sgt_orbit_of_mandelbrot, s, p, grad);
-}
-
-sgt_objection sgt_mandelbrot_object(const void *self)
-{
-    orbit o;
-    return sgt_orbit_of_mandelbrot(self, &o);
 }

@@ -71,10 +71,6 @@ typedef struct orbit {
 sgt_objection sgt_orbit_of_julia(const void *s, orbit *o);
 sgt_objection sgt_orbit_of_mandelbrot(const void *s, orbit *o);
 
-/* The same for the table of surfaces. */
-sgt_objection sgt_julia_object(const void *self);
-sgt_objection sgt_mandelbrot_object(const void *self);
-
 SGT_INLINE double quaternion_dot(quaternion p, quaternion q)
 {
     return (p.a * q.a + p.b * q.b) + (p.c * q.c + p.d * q.d);

@@ -3,6 +3,7 @@
 
 #include "../show/frame.h"
 #include "../base/number.h"
+#include "../read/surface.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -109,15 +110,12 @@ static void answer(table *t, const search *s, double condition)
 static void explain_rows(table *t, const record *r, const search *s)
 {
     sgt_surface surface = s->surface;
-    bool by_cells = surface.ops->enclose && surface.ops != &sgt_conic_ops && surface.ops != &sgt_asphere_ops;
+    sgt_family family = surface_row(surface)->family;
+    bool by_cells = surface.ops->enclose && family != SGT_CONIC && family != SGT_ASPHERE;
     if (by_cells && !s->fast && method_march_steps(r))
         table_line(t, "A march row is a cell around t.  It has no root, or it is divided next.  lo ... hi is "
                       "the rest of the ray.");
-    const sgt_asphere *asphere = surface.self;
-    if (surface.ops != &sgt_asphere_ops || r->count < 2) return;
-    double terms = 0;
-    for (int i = 0; i < 8; i++) terms += fabs(asphere->a[i]);
-    if (terms == 0) return;
+    if (family != SGT_ASPHERE || r->count < 2 || !undecided_without_rim(surface).terms) return;
     table_line(t, "%s of the polynomial form",
                s->hit->status > 0 ? "f and slope in the rows before the last are"
                                   : "f and slope in the rows are");
@@ -166,7 +164,7 @@ static void explain_normalised(table *t, const record *r, const search *s)
 static void explain_miss_of_set(table *t, size_t number, sgt_surface surface, const sgt_ray *ray)
 {
     if (!surface.ops->span) return;
-    const char *what = surface.ops->estimate ? "the ball that holds the set" : "the surface";
+    const char *what = surface_is_level_set(surface) ? "the ball that holds the set" : "the surface";
     sgt_span span = surface.ops->span(surface.self, ray);
     if (span.lo > span.hi)
         table_line(t, "Ray %zu: it passes beside %s.", number, what);

@@ -5,6 +5,7 @@
 #include "../job/job.h"
 #include "../base/memory.h"
 #include "../draw/picture.h"
+#include "../read/surface.h"
 #include "../show/profile.h"
 #include "../draw/scene.h"
 #include "../base/tiles.h"
@@ -301,7 +302,7 @@ static void write_proof(const trace_work *w)
     bool others = false, sets = false;
     if (!a->shared.solver.proof) return;
     for (size_t i = 0; i < w->job->lens.count; i++) {
-        bool set = w->job->element[i].surface.ops->estimate;
+        bool set = surface_is_level_set(w->job->element[i].surface);
         sets = sets || set, others = others || !set;
     }
     const char *what = a->shared.solver.proof == SGT_PROVE_ROOT        ? ""
@@ -403,7 +404,7 @@ exit_status command_trace(int argc, char *argv[])
         if (a.shared.target.path) output_check("output", a.shared.target.path);
         output_reserve("svg", a.svg);
         for (size_t i = 0; i < count; i++)
-            if (j.element[i].surface.ops->estimate)
+            if (surface_is_level_set(j.element[i].surface))
                 note("--svg: element %zu (%s) is not drawn, because it is a level set", i + 1,
                      j.lens.surface[i].type);
     }

@@ -3,6 +3,7 @@
 
 #include "../show/frame.h"
 #include "../base/memory.h"
+#include "../read/surface.h"
 #include "../show/profile.h"
 
 #include <math.h>
@@ -56,7 +57,7 @@ static double half_height(const sgt_element *e, double wanted)
 static void add_section(outline *o, const sgt_element *e, double reach)
 {
     sgt_vec3(*own)[2] = NULL;
-    o->strokes = e->surface.ops->estimate ? 0 : profile_section(e, reach, &own);
+    o->strokes = surface_is_level_set(e->surface) ? 0 : profile_section(e, reach, &own);
     o->stroke = memory_take(o->strokes, sizeof *o->stroke);
     for (size_t i = 0; i < o->strokes; i++)
         for (int k = 0; k < 2; k++) o->stroke[i][k] = spot_of(frame_point_out(&e->pose, own[i][k]));

@@ -84,8 +84,8 @@ void options_note_unread(const shared_options *o, size_t count, const sgt_elemen
 {
     bool set = false, other = false;
     for (size_t i = 0; i < count; i++) {
-        set = set || element[i].surface.ops->estimate;
-        other = other || !element[i].surface.ops->estimate;
+        set = set || surface_is_level_set(element[i].surface);
+        other = other || !surface_is_level_set(element[i].surface);
     }
     if (o->solver.dt_min > 0 && set && o->solver.proof)
         fail_usage("give --proof or --dt-min, not both: the steps of --dt-min prove nothing");
@@ -96,7 +96,7 @@ void options_note_unread(const shared_options *o, size_t count, const sgt_elemen
 
 bool options_near_seed(const shared_options *o, sgt_surface s, sgt_pick by_default)
 {
-    return (o->solver.pick ? o->solver.pick : by_default) == SGT_NEAR_SEED && !s.ops->estimate;
+    return (o->solver.pick ? o->solver.pick : by_default) == SGT_NEAR_SEED && !surface_is_level_set(s);
 }
 
 int options_threads(const shared_options *o)

@@ -1,6 +1,7 @@
 /* options.h - the options that several subcommands share. */
 #ifndef TOOL_OPTIONS_H
 #define TOOL_OPTIONS_H
+#include "../read/surface.h"
 #include "../show/table.h"
 
 #include <getopt.h>
@@ -51,7 +52,7 @@ _Noreturn void options_version(void);
 /* Is this surface searched in the fast way of --dt-min?  Its answers then claim less. */
 static inline bool options_fast(const shared_options *o, sgt_surface s)
 {
-    return o->solver.dt_min > 0 && s.ops->estimate;
+    return o->solver.dt_min > 0 && surface_is_level_set(s);
 }
 
 /* Is the root near the seed asked for?  by_default: the pick without --pick.  Never on a level set, which has

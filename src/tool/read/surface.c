@@ -22,10 +22,11 @@
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const char CURVATURE[] = "curvature", RADIUS[] = "radius", COEFFICIENTS[] = "coefficients";
-enum { NAME_SIZE = 64 };
+enum { NAME_SIZE = 64, UNIT_SIZE = 64 };
 
 /* The name of the radius that may stand for a curvature; "" for other parameters. */
 static void radius_name(char name[NAME_SIZE], const char *parameter)
@@ -88,26 +89,37 @@ static double curvature_of(const document *d, const node *n, const char *key)
     return 1 / radius;
 }
 
+/* " (unit: 1/length^3)", of number i, j; nothing if it has no unit. */
+static void print_unit(char text[UNIT_SIZE], sgt_unit u, int i, int j)
+{
+    int power = u.length + i * u.by_i + j * u.by_j;
+    char exponent[12] = "", time[16] = "";
+    if (abs(power) > 1) snprintf(exponent, sizeof exponent, "^%d", abs(power));
+    if (u.time) snprintf(time, sizeof time, "/s^%d", -u.time);
+    *text = 0;
+    if (power) snprintf(text, UNIT_SIZE, " (unit: %slength%s%s)", power < 0 ? "1/" : "", exponent, time);
+}
+
 /* Checks the limits of the table; the message has them in words: "a whole number from 1 to 100". */
-static void check_range(const document *d, const node *n, const char *key, const sgt_param *p, double x)
+static void check_range(const document *d, const node *n, const char *key, const sgt_param *p, int i, int j,
+                        double x)
 {
     bool whole = p->kind == SGT_WHOLE;
     if (x >= p->lo && x <= p->hi && !(whole && x != floor(x))) return;
-    char range[120], given[NUMBER_SIZE];
+    char range[120], given[NUMBER_SIZE], unit[UNIT_SIZE];
     number_print(given, x, false);
     if (p->hi < DBL_MAX)
         snprintf(range, sizeof range, "%sfrom %.10g to %.10g", whole ? "a whole number " : "", p->lo, p->hi);
     else if (p->lo > -DBL_MAX) snprintf(range, sizeof range, "finite and at least %.10g", p->lo);
     else snprintf(range, sizeof range, "finite");
-    const char *unit = strcmp(p->unit, "1") == 0 ? "" : p->unit;
-    document_fail(d, n, key, "must be %s%s%s%s, not %s", range, *unit ? " (unit: " : "", unit,
-                  *unit ? ")" : "", given);
+    print_unit(unit, p->unit, i, j);
+    document_fail(d, n, key, "must be %s%s, not %s", range, unit, given);
 }
 
-static double read_number(const document *d, const node *n, const char *key, const sgt_param *p)
+static double read_number(const document *d, const node *n, const char *key, const sgt_param *p, int i, int j)
 {
     double x = document_number(d, n, key, NUMBER_ANY);
-    check_range(d, n, key, p, x);
+    check_range(d, n, key, p, i, j, x);
     return x;
 }
 
@@ -125,7 +137,9 @@ static void check_count(const document *d, const node *n, const char *key, const
         document_fail(d, n, key, "has %zu %ss; at most %zu are allowed", n->count, what, most);
 }
 
-static void read_list(const document *d, const node *n, const char *key, const sgt_param *p, double value[])
+/* A list, or row number `row` of a table. */
+static void read_list(const document *d, const node *n, const char *key, const sgt_param *p, size_t row,
+                      double value[])
 {
     size_t most = (size_t)p->count;
     bool exact = p->kind == SGT_VECTOR;
@@ -138,7 +152,9 @@ static void read_list(const document *d, const node *n, const char *key, const s
     for (size_t i = 0; i < n->count; i++) {
         char item[KEY_SIZE];
         print_item(item, key, i);
-        value[i] = read_number(d, n->item[i], item, p);
+        int at = (int)i;
+        value[i] = p->kind == SGT_TABLE ? read_number(d, n->item[i], item, p, (int)row, at)
+                                        : read_number(d, n->item[i], item, p, at, 0);
     }
 }
 
@@ -148,7 +164,8 @@ static sgt_numbers read_file(const document *d, const node *n, const sgt_param *
     sgt_numbers t;
     if (!matrix_read(&t, document_path(d, n, p->name), (size_t)p->count, why))
         document_fail(d, n, p->name, "%s", why);
-    for (size_t i = 0; i < t.rows * t.columns; i++) check_range(d, n, p->name, p, t.x[i]);
+    for (size_t i = 0; i < t.rows * t.columns; i++)
+        check_range(d, n, p->name, p, (int)(i / t.columns), (int)(i % t.columns), t.x[i]);
     return t;
 }
 
@@ -175,7 +192,7 @@ static sgt_numbers read_table(const document *d, const node *n, const sgt_param 
     double *x = memory_take(t.rows * t.columns, sizeof *x);
     for (size_t i = 0; i < n->count; i++) {
         print_item(key, p->name, i);
-        read_list(d, n->item[i], key, p, x + i * t.columns);
+        read_list(d, n->item[i], key, p, i, x + i * t.columns);
     }
     t.x = x;
     return t;
@@ -185,21 +202,21 @@ static sgt_numbers read_numbers(const document *d, const node *n, const sgt_para
 {
     if (p->kind == SGT_TABLE) return read_table(d, n, p);
     double *x = memory_take(n->kind == NODE_LIST ? n->count : 0, sizeof *x);
-    read_list(d, n, p->name, p, x);
+    read_list(d, n, p->name, p, 0, x);
     return (sgt_numbers){x, 1, n->count};
 }
 
 /* The number of the word, from 1; the words in the table are separated by |. */
 static int read_word(const document *d, const node *n, const sgt_param *p)
 {
-    const char *given = document_text(d, n, p->name), *word = p->unit;
+    const char *given = document_text(d, n, p->name), *word = p->words;
     for (int number = 1;; number++) {
         size_t length = strcspn(word, "|");
         if (strlen(given) == length && strncmp(given, word, length) == 0) return number;
         if (!word[length]) break;
         word += length + 1;
     }
-    document_fail(d, n, p->name, "must be one of %s, not \"%.60s\"", p->unit, given);
+    document_fail(d, n, p->name, "must be one of %s, not \"%.60s\"", p->words, given);
 }
 
 /* The value of a parameter; key: the name it is given by.  NULL: it is not given. */
@@ -247,7 +264,7 @@ static void read_parameter(const document *d, const node *map, const sgt_builtin
     if (strcmp(key, p->name) != 0) {
         double *value = to;
         *value = curvature_of(d, n, key);
-        check_range(d, n, key, p, *value);
+        check_range(d, n, key, p, 0, 0, *value);
     } else if (p->kind == SGT_TERMS) {
         read_terms(d, n, b, p, self);
     } else if (p->kind == SGT_LIST || p->kind == SGT_TABLE) {
@@ -257,13 +274,13 @@ static void read_parameter(const document *d, const node *map, const sgt_builtin
         int *value = to;
         *value = p->kind == SGT_WORD ? read_word(d, n, p) : document_truth(d, n, key);
     } else if (p->count > 1) {
-        read_list(d, n, key, p, to);
+        read_list(d, n, key, p, 0, to);
     } else if (p->kind == SGT_WHOLE) {
         int *value = to;
-        *value = (int)read_number(d, n, key, p);
+        *value = (int)read_number(d, n, key, p, 0, 0);
     } else {
         double *value = to;
-        *value = read_number(d, n, key, p);
+        *value = read_number(d, n, key, p, 0, 0);
     }
 }
 
@@ -355,6 +372,8 @@ const sgt_builtin *surface_row(sgt_surface s)
     while (b->type && b->ops != s.ops) b++;
     return b;
 }
+
+bool surface_is_level_set(sgt_surface s) { return surface_row(s)->family == SGT_LEVEL_SET; }
 
 const double *surface_number(sgt_surface s, const char *key)
 {

@@ -16,9 +16,11 @@ typedef enum surface_rim { SURFACE_OWN_RIM, SURFACE_NO_RIM, SURFACE_TERM } surfa
 sgt_surface surface_read(const document *d, const node *map, surface_rim rim, const char *others,
                          const sgt_builtin **type);
 
-/* surface_row: the first row of the table with the operations of s.  surface_number: a number of s by its
- * key, in any row with these operations; NULL if it has none of that name. */
+/* surface_row: the first row of the table with the operations of s; of other surfaces the row of zeros at its
+ * end.  surface_is_level_set: by its family.  surface_number: a number of s by its key, in any row with these
+ * operations; NULL if it has none of that name. */
 const sgt_builtin *surface_row(sgt_surface s);
+bool surface_is_level_set(sgt_surface s);
 const double *surface_number(sgt_surface s, const char *key);
 
 /* Reads a surface from the text of an option. */

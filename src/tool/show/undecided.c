@@ -28,22 +28,22 @@ bool undecided_has_rim(sgt_surface s) { return surface_number(s, RIM) != NULL; }
 
 bare_surface undecided_without_rim(sgt_surface s)
 {
-    bare_surface b = {.surface = s, .terms = s.ops != &sgt_conic_ops};
+    const sgt_builtin *row = surface_row(s);
+    bare_surface b = {.surface = s, .terms = row->family != SGT_CONIC};
     const double *rim = surface_number(s, RIM), *c = surface_number(s, "curvature"),
                  *k = surface_number(s, "conic");
     if (!rim) return b;
-    size_t size = surface_row(s)->size;
-    char *bare = memory_take(1, size);
-    memcpy(bare, s.self, size);
+    char *bare = memory_take(1, row->size);
+    memcpy(bare, s.self, row->size);
     memset(bare + ((const char *)rim - (const char *)s.self), 0, sizeof *rim);
     b.surface.self = bare;
     b.rim = *rim;
     /* with a curvature_x, c and k belong to one section only */
     if (!surface_number(s, "curvature_x")) b.c = c ? *c : 0, b.k = k ? *k : 0;
-    if (s.ops == &sgt_asphere_ops) {
-        const sgt_asphere *asphere = s.self;
+    if (row->family == SGT_ASPHERE) { /* of no terms it is a conic */
+        const double *a = surface_number(s, "coefficients");
         b.terms = false;
-        for (int i = 0; i < 8; i++) b.terms = b.terms || asphere->a[i] != 0;
+        for (int i = 0; i < 8; i++) b.terms = b.terms || a[i] != 0;
     }
     return b;
 }

@@ -93,11 +93,12 @@ static double sag_reach(sgt_surface s)
         const double *x = surface_number(s, limit[i].key);
         if (x && *x != 0) reach = fmin(reach, limit[i].curvature ? 0.25 / fabs(*x) : 0.625 * *x);
     }
-    if (s.ops == &sgt_grid_ops) {
-        const sgt_grid *g = s.self;
-        if (g->z.rows)
-            reach = fmin(reach, 0.3125 * fmin(g->step_x * (double)(g->z.columns - 1),
-                                              g->step_y * (double)(g->z.rows - 1)));
+    const double *step_x = surface_number(s, "step_x"), *step_y = surface_number(s, "step_y");
+    for (const sgt_param *p = surface_row(s)->params; step_x && step_y && p->name; p++) {
+        const sgt_numbers *z = (const void *)((const char *)s.self + p->offset);
+        if (p->kind == SGT_TABLE && z->rows)
+            reach = fmin(reach, 0.3125 * fmin(*step_x * (double)(z->columns - 1),
+                                              *step_y * (double)(z->rows - 1)));
     }
     return reach < HUGE_VAL ? reach : 1;
 }
@@ -107,7 +108,7 @@ static ray_list default_rays(sgt_surface s)
     ray_list list = {.count = 0};
     uint64_t state = 0x1234567;
     bool sag = profile_is_sag(s);
-    double reach = sag ? sag_reach(s) : s.ops->estimate ? half_chord(s) : body_reach(s);
+    double reach = sag ? sag_reach(s) : surface_is_level_set(s) ? half_chord(s) : body_reach(s);
     for (int i = 0; i < RAYS_DEFAULT; i++)
         rays_add(&list, (launch){.ray = sag ? sag_ray(&state, reach) : set_ray(&state, reach)});
     return list;
@@ -287,7 +288,7 @@ static void surface_case(trade *t, const trade_options *o, const char *name, con
     snprintf(c->about, sizeof c->about, "%.300s", about);
     setting base = {.surface = s, .outputs = OUTPUTS_USUAL, .options = {.pick = o->pick}};
     base.truth = trade_truth(c, &base);
-    add_settings(c, o, base, !s.ops->estimate, s.ops->estimate);
+    add_settings(c, o, base, !surface_is_level_set(s), surface_is_level_set(s));
     char deeper[100];
     snprintf(deeper, sizeof deeper, "%.60s-iterations", name);
     iterations_case(t, o, deeper, about, s, &rays);
@@ -300,8 +301,8 @@ static void lens_case(trade *t, const trade_options *o, const char *name, const 
         char which[40];
         snprintf(which, sizeof which, "element %zu", i + 1);
         check_known(which, j->lens.surface[i].type, j->element[i].surface);
-        seed = seed || !j->element[i].surface.ops->estimate;
-        set = set || j->element[i].surface.ops->estimate;
+        bool is_set = surface_is_level_set(j->element[i].surface);
+        seed = seed || !is_set, set = set || is_set;
     }
     trade_case *c = add_case(t, name, &j->rays);
     c->lens = j;

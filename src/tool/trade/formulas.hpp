@@ -23,7 +23,8 @@
 // number as the point.  So a `dual` for a parameter gives the derivative by it, and a dual of duals gives the
 // mixed ones.  The numbers of a level set, which has no such derivatives, are read from its struct.
 //
-// To add a type: its parameters, its formula, and a row in `rows`.
+// To add a type: FORMULA in its row of types.def.  A formula that does not fit there is written here: its
+// parameters, its formula, and a row in `rows`, which comes before what types.def says.
 #ifndef TOOL_FORMULAS_HPP
 #define TOOL_FORMULAS_HPP
 #include "orbit.hpp"
@@ -34,6 +35,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <map>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -622,74 +624,82 @@ template <class T> T mandelbrot_level(const void *self, const T *, const T &x, c
 
 // ------------------------------------------------------------------ the rows
 
-// Appends the parameters after those of the base, or all if there is no base.
-typedef void append_parameters(const void *self, std::vector<double> *p);
-
-inline void no_parameters(const void *, std::vector<double> *) {}
-template <std::size_t n> void first_parameters(const void *self, std::vector<double> *p)
-{
-    append(p, static_cast<const double *>(self), n);
-}
-template <class S> void list_parameters(const void *self, std::vector<double> *p)
-{
-    append(p, as<S>(self).a);
-}
-template <class S, std::size_t n> void array_parameters(const void *self, std::vector<double> *p)
-{
-    append(p, as<S>(self).a, n);
-}
-inline void sum_parameters(const void *self, std::vector<double> *p); // below
-
-inline void toroidal_parameters(const void *self, std::vector<double> *p)
-{
-    const sgt_toroidal &t = as<sgt_toroidal>(self);
-    p->insert(p->end(), {t.c, t.k, t.c_x});
-    append(p, t.a, 8);
-}
-
 template <class T> struct row {
     const sgt_surface_ops *ops;
     // how many numbers of a conic base come first in the struct: 2; Q_bfs: 1 (k = 0); 0: no base
     int base;
-    append_parameters *parameters;
     T (*sag)
     (const void *self, const T &c, const T *a, const T &x,
      const T &y); // without the base; NULL: it has a level
     T (*level)(const void *self, const T *p, const T &x, const T &y, const T &z);
 };
 
+// What types.def says.  Of a type that has a row below it is not asked.
+#define SAYS(text) T(static_cast<double>(NAN))
+#define FORMULA(...) (__VA_ARGS__)
+#define TYPE(KIND, type, NAME, file, formula, ...)                                                      \
+    template <class T> T type##_listed(const void *self, const T &, const T *p, const T &x, const T &y) \
+    {                                                                                                   \
+        const sgt_##NAME &s = as<sgt_##NAME>(self);                                                     \
+        static_cast<void>(s), static_cast<void>(p), static_cast<void>(x), static_cast<void>(y);         \
+        return formula;                                                                                 \
+    }
+#include "../../types.def"
+#undef TYPE
+
 // The row of a surface's type; NULL: there is none.
 template <class T> const row<T> *row_of(const sgt_surface &s)
 {
     static const row<T> rows[] = {
-        {&sgt_conic_ops, 2, no_parameters, no_departure<T>, nullptr}, // plane and sphere are conics
-        {&sgt_asphere_ops, 2, array_parameters<sgt_asphere, 8>, even_departure<T>, nullptr},
-        {&sgt_odd_asphere_ops, 2, array_parameters<sgt_odd_asphere, 16>, odd_departure<T>, nullptr},
-        {&sgt_polynomial_xy_ops, 2, list_parameters<sgt_polynomial_xy>, polynomial_departure<T>, nullptr},
-        {&sgt_chebyshev_ops, 2, list_parameters<sgt_chebyshev>, chebyshev_departure<T>, nullptr},
-        {&sgt_zernike_ops, 2, list_parameters<sgt_zernike>, zernike_departure<T>, nullptr},
-        {&sgt_q_con_ops, 2, list_parameters<sgt_q_con>, q_con_departure<T>, nullptr},
-        {&sgt_q_bfs_ops, 1, list_parameters<sgt_q_bfs>, q_bfs_departure<T>, nullptr},
-        {&sgt_grid_ops, 2, no_parameters, grid_departure<T>, nullptr},
-        {&sgt_sum_ops, 2, sum_parameters, sum_departure<T>, nullptr},
-        {&sgt_toroidal_ops, 0, toroidal_parameters, toroidal_sag<T>, nullptr},
-        {&sgt_biconic_ops, 0, first_parameters<4>, biconic_sag<T>, nullptr}, // a cylinder is one
-        {&sgt_quadric_ops, 0, first_parameters<10>, nullptr, quadric_level<T>},
-        {&sgt_ellipsoid_ops, 0, first_parameters<2>, nullptr, ellipsoid_level<T>},
-        {&sgt_torus_ops, 0, first_parameters<2>, nullptr, torus_level<T>},
-        {&sgt_julia_ops, 0, no_parameters, nullptr, julia_level<T>},
-        {&sgt_mandelbrot_ops, 0, no_parameters, nullptr, mandelbrot_level<T>},
+        {&sgt_conic_ops, 2, no_departure<T>, nullptr}, // plane and sphere are conics
+        {&sgt_asphere_ops, 2, even_departure<T>, nullptr},
+        {&sgt_odd_asphere_ops, 2, odd_departure<T>, nullptr},
+        {&sgt_polynomial_xy_ops, 2, polynomial_departure<T>, nullptr},
+        {&sgt_chebyshev_ops, 2, chebyshev_departure<T>, nullptr},
+        {&sgt_zernike_ops, 2, zernike_departure<T>, nullptr},
+        {&sgt_q_con_ops, 2, q_con_departure<T>, nullptr},
+        {&sgt_q_bfs_ops, 1, q_bfs_departure<T>, nullptr},
+        {&sgt_grid_ops, 2, grid_departure<T>, nullptr},
+        {&sgt_sum_ops, 2, sum_departure<T>, nullptr},
+        {&sgt_toroidal_ops, 0, toroidal_sag<T>, nullptr},
+        {&sgt_biconic_ops, 0, biconic_sag<T>, nullptr}, // a cylinder is one
+        {&sgt_quadric_ops, 0, nullptr, quadric_level<T>},
+        {&sgt_ellipsoid_ops, 0, nullptr, ellipsoid_level<T>},
+        {&sgt_torus_ops, 0, nullptr, torus_level<T>},
+        {&sgt_julia_ops, 0, nullptr, julia_level<T>},
+        {&sgt_mandelbrot_ops, 0, nullptr, mandelbrot_level<T>},
+#define TYPE(KIND, type, NAME, ...) {&sgt_##NAME##_ops, 2, type##_listed<T>, nullptr},
+#include "../../types.def"
+#undef TYPE
     };
     for (const row<T> &r : rows)
         if (r.ops == s.ops) return &r;
     return nullptr;
 }
 
-// Of each term its parameters without the base, one term after another.
-inline void sum_parameters(const void *self, std::vector<double> *p)
+// The parameters after those of the base, or all if there is no base; of a sum those of each term in turn.
+inline std::vector<double> parameters_beyond_base(const sgt_surface &s)
 {
-    const sgt_sum &s = as<sgt_sum>(self);
-    for (std::size_t i = 0; i < s.count; i++) row_of<double>(s.terms[i])->parameters(s.terms[i].self, p);
+    std::vector<double> p;
+    const row<double> *r = row_of<double>(s);
+    const sgt_builtin *b = sgt_builtins;
+    while (b->ops != s.ops) b++;
+    for (const sgt_param *of = b->params; of->name && b->family != SGT_LEVEL_SET; of++) {
+        const std::string key = of->name;
+        if (key == "semi_diameter" || key == "sag" || key.substr(0, 4) == "norm" || key.substr(0, 4) == "step" ||
+            (r->base > 0 && (key == "curvature" || key == "conic")))
+            continue;
+        const void *at = static_cast<const char *>(s.self) + of->offset;
+        if (of->kind == SGT_REAL || of->kind == SGT_VECTOR)
+            append(&p, static_cast<const double *>(at), static_cast<std::size_t>(of->count));
+        if (of->kind == SGT_LIST || of->kind == SGT_TABLE) append(&p, *static_cast<const sgt_numbers *>(at));
+        if (of->kind != SGT_TERMS) continue;
+        for (std::size_t i = 0; i < as<sgt_sum>(s.self).count; i++) {
+            const std::vector<double> own = parameters_beyond_base(as<sgt_sum>(s.self).terms[i]);
+            append(&p, own.data(), own.size());
+        }
+    }
+    return p;
 }
 
 // A term's base is not used, except for the c in the root of a Q_bfs.
@@ -699,11 +709,9 @@ template <class T> T sum_departure(const void *self, const T &, const T *a, cons
     T sum(0.0);
     for (std::size_t i = 0; i < s.count; i++) {
         const row<T> *term = row_of<T>(s.terms[i]);
-        const T c(s.terms[i].ops == &sgt_q_bfs_ops ? as<sgt_q_bfs>(s.terms[i].self).c : 0);
-        std::vector<double> own;
+        const T c(term->base == 1 ? *static_cast<const double *>(s.terms[i].self) : 0);
         sum = sum + term->sag(s.terms[i].self, c, a, x, y);
-        term->parameters(s.terms[i].self, &own);
-        a += own.size();
+        a += parameters_beyond_base(s.terms[i]).size();
     }
     return sum;
 }
@@ -714,8 +722,9 @@ inline std::vector<double> parameters_of(const sgt_surface &s)
 {
     std::vector<double> p;
     if (const row<double> *r = row_of<double>(s)) {
+        const std::vector<double> more = parameters_beyond_base(s);
         append(&p, static_cast<const double *>(s.self), static_cast<std::size_t>(r->base));
-        r->parameters(s.self, &p);
+        append(&p, more.data(), more.size());
     }
     return p;
 }
