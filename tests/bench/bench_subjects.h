@@ -126,7 +126,7 @@ inline std::vector<Subject> subjects(Kept &kept, double rim = RIM)
     std::vector<sgt_surface> terms = { { &sgt_zernike_ops, wave }, { &sgt_asphere_ops, kept.keep(even) } };
     const std::vector<sgt_surface> *both = kept.keep(terms);
     sgt_quadric saddle = { { 0.05, 0.04, 0.01 }, { 0.01, 0.005, -0.005 }, { 0.02, 0.01, -1 }, -0.2 };
-    return {
+    std::vector<Subject> all = {
         {"conic", "conic", {&sgt_conic_ops, kept.keep(sgt_conic{C, K, rim})}, true},
         {"even_asphere", "even_asphere", {&sgt_asphere_ops, kept.keep(even)}, true},
         {"odd_asphere, to r^8", "odd_asphere", {&sgt_odd_asphere_ops, kept.keep(odd)}, true},
@@ -167,6 +167,13 @@ inline std::vector<Subject> subjects(Kept &kept, double rim = RIM)
         {"torus", "torus", {&sgt_torus_ops, kept.keep(sgt_torus{2, 1.5})}, false},
         {"ellipsoid", "ellipsoid", {&sgt_ellipsoid_ops, kept.keep(sgt_ellipsoid{5, 0.2})}, false},
     };
+    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {  // any other, by its specimen, whose rim is RIM
+        bool known = b->family == SGT_CONIC || b->family == SGT_LEVEL_SET;
+        for (const Subject &s : all)
+            known = known || s.s.ops == b->ops;
+        if (!known) all.push_back({b->type, b->type, {b->ops, b->specimen}, b->family == SGT_DEPARTURE});
+    }
+    return all;
 }
 
 } // namespace catalogue

@@ -37,13 +37,17 @@ struct specimen {
     }
 };
 
-// The types that are met by their operations: all of them but conics, even aspheres and level sets.
-static const std::vector<const char *> types = [] {
-    std::vector<const char *> found;
+// The types of these families, behind the names that are given.
+inline std::vector<const char *> types_of(std::vector<const char *> found, bool of_sags, bool of_bodies)
+{
     for (const sgt_builtin *b = sgt_builtins; b->type; b++)
-        if (b->family == SGT_DEPARTURE || b->family == SGT_BODY) found.push_back(b->type);
+        if ((of_sags && b->family == SGT_DEPARTURE) || (of_bodies && b->family == SGT_BODY))
+            found.push_back(b->type);
     return found;
-}();
+}
+
+// The types that are met by their operations: all but conics, even aspheres and level sets.
+static const std::vector<const char *> types = types_of({}, true, true), sags = types_of({}, true, false);
 
 inline const sgt_builtin *row_named(const std::string &type)
 {
@@ -55,6 +59,16 @@ inline const sgt_builtin *row_named(const std::string &type)
 inline double *first_number(const sgt_surface &s)
 {
     return static_cast<double *>(const_cast<void *>(s.self));
+}
+
+// Where the rim of a sag is.
+inline double *rim_of(const specimen &s)
+{
+    const sgt_builtin *b = sgt_builtins;
+    while (b->ops != s.s.ops) b++;
+    const sgt_param *p = b->params;
+    while (std::strcmp(p->name, "semi_diameter")) p++;
+    return first_number(s.s) + p->offset / sizeof(double);
 }
 
 // A curvature and a conic constant that leave room for h.

@@ -110,8 +110,7 @@ sgt_ray global(const sgt_pose &p, sgt_ray ray)
 void types_by_aperture(generator &g, double scale)
 {
     std::printf("%-14s %7s %9s %9s %9s\n", "type", "rays", "intersect", "trace", "alone");
-    for (const char *type : {"odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid",
-                             "sum", "toroidal", "biconic", "cylinder"}) {
+    for (const char *type : sags) {
         long asked = 0, by_rim = 0, by_trace = 0, alone = 0;
         for (int i = 0; i < std::max(1, static_cast<int>(30 * scale)); i++) {
             specimen s;
@@ -197,8 +196,7 @@ specimen with_rim(generator &g, const std::string &type)
 void clipped(generator &g, double scale)
 {
     std::printf("%-14s %7s %9s %9s %9s\n", "clipped", "rays", "passed", "clipped", "judged");
-    for (const char *type : {"conic", "asphere", "hump", "odd_asphere", "polynomial_xy", "chebyshev",
-                             "zernike", "q_con", "q_bfs", "grid", "sum", "toroidal", "biconic", "cylinder"}) {
+    for (const char *type : types_of({"conic", "asphere", "hump"}, true, false)) {
         long asked = 0, passed = 0, stopped = 0, judged = 0;
         for (int i = 0; i < std::max(1, static_cast<int>(30 * scale)); i++) {
             const specimen s = with_rim(g, type);
@@ -240,8 +238,7 @@ void clipped(generator &g, double scale)
 void on_the_rim(generator &g, double scale)
 {
     std::printf("%-14s %7s %9s %9s %9s\n", "on the rim", "rays", "hits", "misses", "unproven");
-    for (const char *type : {"conic", "asphere", "odd_asphere", "polynomial_xy", "chebyshev", "zernike",
-                             "q_con", "q_bfs", "grid", "sum", "toroidal", "biconic", "cylinder"}) {
+    for (const char *type : types_of({"conic", "asphere"}, true, false)) {
         long asked = 0, hits = 0, misses = 0, unproven = 0;
         for (int i = 0; i < std::max(1, static_cast<int>(20 * scale)); i++) {
             const specimen s = with_rim(g, type);

@@ -80,16 +80,11 @@ sgt_options hostile_options(generator &g)
 // Any number of the struct's own.
 void spoil(generator &g, specimen *s)
 {
-    static const std::map<std::string, int> numbers = {
-        {"odd_asphere", 19}, {"polynomial_xy", 3}, {"chebyshev", 5}, {"zernike", 4},   {"q_con", 4},
-        {"q_bfs", 3},        {"grid", 5},          {"sum", 3},       {"toroidal", 12}, {"biconic", 5},
-        {"cylinder", 5},     {"quadric", 10},      {"ellipsoid", 2}, {"torus", 2}};
-    first_number(s->s)[g.below(numbers.at(s->type))] = g.chance(0.5) ? hostile_number(g) : g.uniform(-2, 2);
-    const double *rim = s->type == "q_bfs"                              ? first_number(s->s) + 1
-                        : s->type == "toroidal"                         ? first_number(s->s) + 3
-                        : s->type == "biconic" || s->type == "cylinder" ? first_number(s->s) + 4
-                                                                        : first_number(s->s) + 2;
-    if (s->sag) s->rim = *rim;
+    int numbers = 0;
+    for (const sgt_param *p = row_named(s->type)->params; p->name; p++)
+        if (p->kind == SGT_REAL || p->kind == SGT_VECTOR) numbers += p->count;
+    first_number(s->s)[g.below(numbers)] = g.chance(0.5) ? hostile_number(g) : g.uniform(-2, 2);
+    if (s->sag) s->rim = *rim_of(*s);
 }
 
 struct array {
@@ -214,14 +209,12 @@ std::size_t one_batch(generator &g, const char *type)
 // A lens of one size: three to five sags, one behind the other, some of them tilted.
 std::size_t one_trace(generator &g)
 {
-    static const char *const sags[] = {"odd_asphere", "polynomial_xy", "chebyshev", "zernike",
-                                       "q_con",       "q_bfs",         "grid",      "sum",
-                                       "toroidal",    "biconic",       "cylinder"};
     std::vector<specimen> parts;
     std::vector<sgt_element> lens;
     double z = 0;
     while (parts.size() < static_cast<std::size_t>(3 + g.below(3))) {
-        specimen s = random_specimen(g, sags[g.below(11)]);
+        const int which = g.below(static_cast<int>(sags.size()));
+        specimen s = random_specimen(g, sags[static_cast<std::size_t>(which)]);
         if (s.h < 3 || s.h > 20) continue;
         parts.push_back(std::move(s));
     }

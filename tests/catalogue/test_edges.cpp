@@ -27,18 +27,7 @@ struct tally {
     long asked, hit, miss, undecided, unasked, narrowed;
 } told;
 
-const char *const edge_types[] = {
-    "conic", "even_asphere", "odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con",     "q_bfs",
-    "grid",  "sum",          "toroidal",    "biconic",       "cylinder",  "quadric", "ellipsoid", "torus"};
-
-double *rim_of(const specimen &s)
-{
-    double *p = first_number(s.s);
-    return s.type == "q_bfs"                             ? p + 1
-           : s.type == "toroidal"                        ? p + 3
-           : s.type == "biconic" || s.type == "cylinder" ? p + 4
-                                                         : p + 2;
-}
+const std::vector<const char *> edge_types = types_of({"conic", "even_asphere"}, true, true);
 
 void set_rim(specimen *s, double rim)
 {
@@ -475,7 +464,7 @@ int main(int argc, char **argv)
 {
     const oracle::run r(argc, argv, 10, 20241118);
     const char *only = std::getenv("SAGITTA_TEST_TYPE");
-    for (std::size_t k = 0; k < sizeof edge_types / sizeof edge_types[0]; k++) {
+    for (std::size_t k = 0; k < edge_types.size(); k++) {
         if (only && std::strcmp(only, edge_types[k])) continue;
         generator g(r.seed ^ static_cast<std::uint64_t>(k) << 40),
             apart(r.seed ^ static_cast<std::uint64_t>(k) << 40 ^ 1);

@@ -98,8 +98,7 @@ int main()
     const int rounds = static_cast<int>(40 * (scale ? std::atof(scale) : 1));
     constexpr int RAYS = 24;
     std::printf("seed %llu\n", static_cast<unsigned long long>(from));
-    for (const char *type : {"odd_asphere", "polynomial_xy", "chebyshev", "zernike", "q_con", "q_bfs", "grid",
-                             "sum", "toroidal", "biconic", "cylinder"}) {
+    for (const char *type : sags) {
         if (only && std::string(only) != type) continue;
         generator g(from ^ (static_cast<std::uint64_t>(type[0]) << 8 | static_cast<std::uint64_t>(type[2])));
         long rays = 0, decided = 0, wings = 0, leaving = 0, told = 0, misses = 0;

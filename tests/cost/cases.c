@@ -414,6 +414,16 @@ int main(int argc, char **argv)
         batch(of, MANY, &first);
         ask_case(name, "derivatives by the ray", differentiate, of, MANY, first);
     }
+    for (const sgt_builtin *b = sgt_builtins; b->type; b++) { /* any other, by its specimen */
+        bool named = false;
+        for (size_t i = 0; i < COUNT_OF(surfaces); i++) named = named || surfaces[i].of.surface.ops == b->ops;
+        const subject of = {{b->ops, b->specimen}, NULL};
+        if (named) continue;
+        draw(toward_lens);
+        ask_case(b->type, "one ray", alone, &of, ALONE, first);
+        ask_case(b->type, "a batch", batch, &of, MANY, first);
+        ask_case(b->type, "one ray proven", alone, &of, ALONE, proven);
+    }
     /* cost.py sees that a tolerance costs nothing: what it ends has to end in the lanes. */
     const struct { const char *name; subject of; double t_tol[3]; } loose[] = {
         {"julia of 11 levels", {{&sgt_julia_ops, &julia_11}, NULL}, {1e-1, 1e-2, 1e-6}},

@@ -471,11 +471,11 @@ def test_bad_files():
         assert '--surface:1: sag: ' in done.stderr, done.stderr
 
 
-DOCUMENT = HERE.parent.parent / 'docs' / 'lens_file.md'
+DOCUMENT, TABLES = HERE.parent.parent / 'docs' / 'lens_file.md', HERE.parent.parent / 'docs' / 'surfaces.md'
 
 
 def test_document():
-    """Each surface that docs/lens_file.md shows can be read; it names every type, and every key of each."""
+    """Each surface that docs/lens_file.md shows can be read; with docs/surfaces.md it names every type, and every key of each."""
     text = DOCUMENT.read_text()
     heights = written('\n'.join(','.join(['0.01'] * 5) for _ in range(5)), 'measured.csv')
     examples = [line[2:].split('   #')[0] for line in text.splitlines() if line.startswith('- {type')]
@@ -483,6 +483,7 @@ def test_document():
     for example in examples:
         run('intersect', '--surface', example.replace('measured.csv', str(heights)), '--ray', '0.1 0.2 -5 0 0 1', exit=None)
     done = run('intersect', '--surface', '{type: nothing}', '--ray', '0 0 -5 0 0 1', exit=BAD_INPUT)
+    text += TABLES.read_text()
     types = done.stderr.strip().split('there are: ')[1].split(', ')
     assert len(types) >= 20, types
     for name in types:

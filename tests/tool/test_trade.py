@@ -9,7 +9,9 @@ import decimal
 import itertools
 import json
 import math
+import pathlib
 import re
+import sys
 import xml.etree.ElementTree as xml
 from decimal import Decimal
 
@@ -409,21 +411,10 @@ def test_lens_of_types_old_and_new():
 
 # ------------------------------------------------------------------- every type
 
-# One surface of each; a number of hits that there must be of the thousand rays that suit it.
-TYPES = {
-    'plane': '', 'sphere': 'radius: 10', 'conic': 'radius: 10, conic: -0.6',
-    'even_asphere': 'radius: 10, coefficients: [0, 1e-4], semi_diameter: 4',
-    'odd_asphere': 'curvature: 0.02, coefficients: [0, -0.002, 1e-4], semi_diameter: 5',
-    'polynomial_xy': 'curvature: 0.01, coefficients: [[0, 0, 0.014], [0, 2e-3]], semi_diameter: 5',
-    'chebyshev': 'curvature: -0.02, norm_x: 7, norm_y: 9, coefficients: [[0, 0.1, 0.2], [0.1, -0.05]], semi_diameter: 5',
-    'zernike': 'curvature: 0.02, norm: 6, order: noll, coefficients: [0.1, 0.02, -0.03, 0.2, 0.1], semi_diameter: 5',
-    'q_con': 'curvature: 0.03, norm: 8, coefficients: [0.3, -0.1, 0.05]', 'q_bfs': 'curvature: 0.03, norm: 8, coefficients: [0.3, -0.1]',
-    'grid': 'step_x: 2, step_y: 3, sag: [[0, 0.1, 0.2, 0], [0.1, 0, 0, 0.1], [0, 0.1, 0.1, 0], [0.1, 0.2, 0, 0]]',
-    'sum': 'curvature: 0.02, semi_diameter: 5, terms: [{type: even_asphere, coefficients: [1e-3]}, {type: zernike, norm: 6, order: fringe, coefficients: [0, 0.1]}]',
-    'toroidal': 'curvature: 0.025, curvature_x: 0.04', 'biconic': 'curvature_x: 0.04, curvature_y: -0.02', 'cylinder': 'radius: 20',
-    'quadric': 'squares: [1, 2, 0.5], products: [0.3, -0.2, 0.1], linear: [1, -1, 0.5], constant: -20', 'ellipsoid': 'a: 5, f: 0.3',
-    'torus': 'major: 5, minor: 2', 'julia': 'c: [-0.2, 0.8, 0, 0], iterations: 4', 'mandelbrot': 'iterations: 4',
-}
+# One surface of each: the specimens of src/types.def.
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent.parent / 'docs'))
+import surfaces_types  # noqa: E402
+TYPES = {**surfaces_types.specimens(), 'sum': 'curvature: 0.02, semi_diameter: 5, terms: [{type: even_asphere, coefficients: [1e-3]}, {type: zernike, norm: 6, order: fringe, coefficients: [0, 0.1]}]'}
 
 
 def test_every_type():

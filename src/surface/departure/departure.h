@@ -79,7 +79,7 @@ typedef struct departure {
                          sag_values out);
 
     /* The first invalid parameter of P with the reason, or {NULL, NULL} if all are valid.  The parameters
-     * of the base are not its task.  The name is that of the parameter in dispatch/builtins.c.  The reason
+     * of the base are not its task.  The name is that of the parameter in types.def.  The reason
      * is printed behind it: "must be above 0". */
     sgt_objection (*object)(const void *self);
 
