@@ -57,48 +57,34 @@
     OPERATION_VOID(NAME, firsts, (const void *self, size_t n, sgt_rays rays, sgt_spans out), \
                    (self, n, rays, out))
 
-#define TABLE_OF_ALL(NAME)                                                                              \
-    .value = NAME##_value, .span = NAME##_span, .rounding = NAME##_rounding, .enclose = NAME##_enclose, \
-    .own_ = &NAME##_builtin
+#define PUBLIC_TABLE(NAME, SAID, ...)                     \
+    const sgt_surface_ops sgt_##NAME##_ops = {            \
+        .name = SAID, .own_ = &NAME##_builtin,            \
+        .value = NAME##_value, .span = NAME##_span,       \
+        .rounding = NAME##_rounding,                      \
+        .enclose = NAME##_enclose, __VA_ARGS__};
 #define TABLE_OF_DERIVATIVES(NAME) \
     .second = NAME##_second, .parameters = NAME##_parameters, .by_parameter = NAME##_by_parameter
-#define TABLE_OF_MANY(NAME) .values = NAME##_values, .spans = NAME##_spans
-#define TABLE_OF_FIRSTS(NAME) .first = NAME##_first, .firsts = NAME##_firsts
+#define TABLE_OF_MANY(NAME) TABLE_OF_DERIVATIVES(NAME), .values = NAME##_values, .spans = NAME##_spans
+#define TABLE_OF_FIRSTS(NAME) TABLE_OF_MANY(NAME), .first = NAME##_first, .firsts = NAME##_firsts
 
 /* The tables by the kind of types.def. */
 #define OF_CONIC(NAME, SAID) \
-    ALL_HAVE(NAME)           \
-    DERIVATIVES(NAME)        \
-    const sgt_surface_ops sgt_##NAME##_ops = {.name = SAID, TABLE_OF_ALL(NAME), TABLE_OF_DERIVATIVES(NAME)};
+    ALL_HAVE(NAME) DERIVATIVES(NAME) PUBLIC_TABLE(NAME, SAID, TABLE_OF_DERIVATIVES(NAME))
 #define OF_ASPHERE OF_CONIC
-#define OF_DEPARTURE(NAME, SAID)               \
-    ALL_HAVE(NAME)                             \
-    OBJECTION(NAME)                            \
-    DERIVATIVES(NAME)                          \
-    MANY(NAME)                                 \
-    const sgt_surface_ops sgt_##NAME##_ops = { \
-        .name = SAID, TABLE_OF_ALL(NAME), TABLE_OF_DERIVATIVES(NAME), TABLE_OF_MANY(NAME)};
-#define BODY_WITH(NAME, SAID, ...)                                        \
-    OBJECTION(NAME)                                                       \
-    DERIVATIVES(NAME)                                                     \
-    MANY(NAME)                                                            \
-    FIRSTS(NAME)                                                          \
-    const sgt_surface_ops sgt_##NAME##_ops = {.name = SAID,               \
-                                              TABLE_OF_ALL(NAME),         \
-                                              TABLE_OF_DERIVATIVES(NAME), \
-                                              TABLE_OF_MANY(NAME),        \
-                                              TABLE_OF_FIRSTS(NAME),      \
-                                              __VA_ARGS__};
-#define OF_QUADRIC(NAME, SAID) ALL_HAVE(NAME) BODY_WITH(NAME, SAID, .clearance = NULL)
-#define OF_BODY(NAME, SAID)                                                            \
-    ALL_HAVE(NAME)                                                                     \
-    OPERATION(NAME, double, clearance, (const void *self, sgt_vec3 p), (self, p))      \
-    BODY_WITH(NAME, SAID, .clearance = NAME##_clearance)
-#define OF_LEVEL_SET(NAME, SAID)               \
-    ALL_HAVE(NAME)                             \
-    OBJECTION(NAME)                            \
+#define OF_DEPARTURE(NAME, SAID) \
+    ALL_HAVE(NAME) OBJECTION(NAME) DERIVATIVES(NAME) MANY(NAME) \
+    PUBLIC_TABLE(NAME, SAID, TABLE_OF_MANY(NAME))
+#define OF_QUADRIC(NAME, SAID)                                              \
+    ALL_HAVE(NAME) OBJECTION(NAME) DERIVATIVES(NAME) MANY(NAME) FIRSTS(NAME) \
+    PUBLIC_TABLE(NAME, SAID, TABLE_OF_FIRSTS(NAME))
+#define OF_BODY(NAME, SAID)                                                             \
+    ALL_HAVE(NAME) OBJECTION(NAME) DERIVATIVES(NAME) MANY(NAME) FIRSTS(NAME)            \
+    OPERATION(NAME, double, clearance, (const void *self, sgt_vec3 p), (self, p))       \
+    PUBLIC_TABLE(NAME, SAID, TABLE_OF_FIRSTS(NAME), .clearance = NAME##_clearance)
+#define OF_LEVEL_SET(NAME, SAID)                                                 \
+    ALL_HAVE(NAME) OBJECTION(NAME)                                               \
     OPERATION(NAME, double, estimate, (const void *self, sgt_vec3 p), (self, p)) \
-    const sgt_surface_ops sgt_##NAME##_ops = { \
-        .name = SAID, TABLE_OF_ALL(NAME), .estimate = NAME##_estimate};
+    PUBLIC_TABLE(NAME, SAID, .estimate = NAME##_estimate)
 
 #endif

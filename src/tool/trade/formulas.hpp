@@ -686,8 +686,8 @@ inline std::vector<double> parameters_beyond_base(const sgt_surface &s)
     while (b->ops != s.ops) b++;
     for (const sgt_param *of = b->params; of->name && b->family != SGT_LEVEL_SET; of++) {
         const std::string key = of->name;
-        if (key == "semi_diameter" || key == "sag" || key.substr(0, 4) == "norm" || key.substr(0, 4) == "step" ||
-            (r->base > 0 && (key == "curvature" || key == "conic")))
+        if (key == "semi_diameter" || key == "sag" || !key.compare(0, 4, "norm") ||
+            !key.compare(0, 4, "step") || (r->base > 0 && (key == "curvature" || key == "conic")))
             continue;
         const void *at = static_cast<const char *>(s.self) + of->offset;
         if (of->kind == SGT_REAL || of->kind == SGT_VECTOR)
