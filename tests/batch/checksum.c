@@ -242,20 +242,26 @@ static void add_poses(generator *g, int rounds)
 
 /* ---------------------------------------------------------------------------- */
 
+static void part_of_type(const sgt_builtin *b, generator *g, double scale, int argc, char **argv)
+{
+    generator own = {random_bits(g)};
+    bool sag = param_of(b, "semi_diameter") != NULL, dear = !answers_itself(b); /* these march by intervals */
+    if (begin(b->type, argc, argv))
+        add_type(b, &own, (int)((sag && !dear ? 150 : 40) * scale) + 1, dear ? 100 : BATCH), end(b->type);
+}
+
 int main(int argc, char **argv)
 {
+    /* Types that came later are behind all else: so a new one, at the end of the list, changes no other sum. */
+    enum { FIRST_TYPES = 20 };
     generator g = {test_seed(2)};
     double scale = test_scale();
-    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
-        generator own = {random_bits(&g)};
-        /* these march by intervals */
-        bool sag = param_of(b, "semi_diameter") != NULL, dear = !answers_itself(b);
-        if (begin(b->type, argc, argv))
-            add_type(b, &own, (int)((sag && !dear ? 150 : 40) * scale) + 1, dear ? 100 : BATCH), end(b->type);
-    }
+    for (int i = 0; i < FIRST_TYPES; i++) part_of_type(&sgt_builtins[i], &g, scale, argc, argv);
     generator own = {random_bits(&g)}, lens = {random_bits(&g)}, poses = {random_bits(&g)};
     if (begin("own surface", argc, argv)) add_own_surface(&own, (int)(60 * scale) + 1), end("own surface");
     if (begin("lens", argc, argv)) add_lens(&lens, (int)(60 * scale) + 1), end("lens");
     if (begin("poses", argc, argv)) add_poses(&poses, (int)(1000 * scale) + 1), end("poses");
+    for (const sgt_builtin *b = &sgt_builtins[FIRST_TYPES]; b->type; b++)
+        part_of_type(b, &g, scale, argc, argv);
     return 0;
 }
