@@ -252,7 +252,7 @@ static void part_of_type(const sgt_builtin *b, generator *g, double scale, int a
 
 int main(int argc, char **argv)
 {
-    /* Types that came later are behind all else: so a new one, at the end of the list, changes no other sum. */
+    /* Types that came later are behind all else: a new one, at the end of the list, changes no other sum. */
     enum { FIRST_TYPES = 20 };
     generator g = {test_seed(2)};
     double scale = test_scale();

@@ -56,6 +56,13 @@ inline const sgt_builtin *row_named(const std::string &type)
     return b;
 }
 
+inline const sgt_builtin *row_of_ops(const sgt_surface_ops *ops)
+{
+    const sgt_builtin *b = sgt_builtins;
+    while (b->ops != ops) b++;
+    return b;
+}
+
 inline double *first_number(const sgt_surface &s)
 {
     return static_cast<double *>(const_cast<void *>(s.self));
@@ -64,9 +71,7 @@ inline double *first_number(const sgt_surface &s)
 // Where the rim of a sag is.
 inline double *rim_of(const specimen &s)
 {
-    const sgt_builtin *b = sgt_builtins;
-    while (b->ops != s.s.ops) b++;
-    const sgt_param *p = b->params;
+    const sgt_param *p = row_of_ops(s.s.ops)->params;
     while (std::strcmp(p->name, "semi_diameter")) p++;
     return first_number(s.s) + p->offset / sizeof(double);
 }

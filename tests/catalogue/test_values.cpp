@@ -54,15 +54,17 @@ template <class T> T level_at(const specimen &s, const std::vector<T> &p, const 
     return level(s.s, p.data(), variable<T>(at.x, 0), variable<T>(at.y, 1), variable<T>(at.z, 2));
 }
 
-// dF / d(parameter j) and its gradient.  What is linear in a coefficient needs no other.
+// dF / d(parameter j) and its gradient.  What is linear in a list of coefficients needs no other of them.
 gradient exact_by_parameter(const specimen &s, const std::vector<double> &p, std::size_t j,
                             const sgt_vec3 &at)
 {
     const std::size_t base = s.s.ops == &sgt_q_bfs_ops ? 1 : 2;
+    bool listed = false;
+    for (const sgt_param *of = row_of_ops(s.s.ops)->params; of->name; of++)
+        listed = listed || of->kind == SGT_LIST || of->kind == SGT_TABLE;
     std::vector<by_parameter> q;
     for (std::size_t i = 0; i < p.size(); i++)
-        q.push_back(by_parameter(
-            gradient(quad(base_of(s.s) && s.s.ops != &sgt_sum_ops && j >= base && i >= 2 ? 0 : p[i]))));
+        q.push_back(by_parameter(gradient(quad(listed && j >= base && i >= 2 ? 0 : p[i]))));
     q[j].v[0] = gradient(quad(1));
     return level_at(s, q, at).v[0];
 }
