@@ -14,6 +14,7 @@
 
 #include "../num/lanes.h"
 #include "../solve/root.h"
+#include "../solve/ways.h"
 #include "unique.h"
 #include "general.h"
 
@@ -98,6 +99,7 @@ size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options
     for (size_t i = 0; hard > 0; i++) {
         if (tile->hits.status[i] != SGT_HARD) continue;
         own.t_tol = tile->t_tol[i];
+        WENT(WAY_SINGLE);
         sgt_hit hit = sgt_intersect(s, batch_ray_of(&tile->rays, i), &own);
         write_hit(&tile->hits, i, &hit);
         hard--;

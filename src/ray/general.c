@@ -40,6 +40,7 @@
 #include "general.h"
 
 #include "../num/bits.h"
+#include "../solve/ways.h"
 #include "proof.h"
 #include "vicinity.h"
 #include "walk.h"
@@ -95,6 +96,7 @@ static void search_step(walk *w, const point *a, const point *b)
 static bool search_march(walk *w, double lo, double hi, double dt, double growth, double *reached)
 {
     const sgt_surface_ops *ops = w->s.ops;
+    WENT(WAY_STEPS);
     bool guess = w->told.opt->dt_min > 0 && ops->estimate;
     double length = sqrt(w->q.l * w->q.l + w->q.m * w->q.m + w->q.n * w->q.n), next = lo;
     double all = ops->clearance ? (double)NAN : HUGE_VAL;

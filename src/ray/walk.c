@@ -23,6 +23,7 @@
  * A jump is a change of sign, and a hit. */
 #include "walk.h"
 
+#include "../solve/ways.h"
 #include "vicinity.h"
 
 static double own_rounding(const walk *w, sgt_vec3 p, double f)
@@ -78,6 +79,7 @@ point sgt_walk_look(walk *w, double tau, sgt_move move, double lo, double hi)
 bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at,
                     double *tau_err, double *past)
 {
+    WENT(WAY_QUICK);
     sgt_root r = root_quickly(lo, hi, tau, last, first, w->least, w->t_tol, w->told.opt->f_tol);
     do {
         glance(w, at, r.t, r.move, lo, hi, r.private_.step);

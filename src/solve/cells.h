@@ -36,6 +36,7 @@
 #define SGT_SOLVE_CELLS_H
 
 #include "accept.h"
+#include "ways.h"
 
 #include <sagitta/interval.h>
 
@@ -182,6 +183,7 @@ SGT_INLINE void cells_join_dark(cells *c, void *self, cells_ops ops)
 SGT_INLINE bool cells_march(cells *c, void *self, cells_ops ops)
 {
     course *k = &c->k;
+    WENT(WAY_CELLS);
     while (k->tau < k->hi || cells_next(c)) {
         if (ops.over(self)) return false;
         bool far = c->dark.any && c->gap > 0 && k->tau - c->dark.hi > c->gap * (c->dark.hi - c->dark.lo);

@@ -37,6 +37,7 @@
 #include "root.h"
 
 #include "../num/bits.h"
+#include "ways.h"
 
 #include <float.h>
 #include <math.h>
@@ -127,6 +128,7 @@ static double root_sample(const sgt_root *r, int i)
 sgt_root sgt_root_begin(sgt_span span, const sgt_options *opt)
 {
     sgt_options o = opt ? *opt : (sgt_options){0};
+    WENT(WAY_ROOT);
     sgt_root root = {.lo = span.lo,
                      .hi = span.hi,
                      .t_err = HUGE_VAL,

@@ -10,7 +10,7 @@
 - A name that a file keeps to itself (static functions and tables, types, macros) stands in no other file
   of the library, nor in two of the command.
 - Lines have at most 110 columns, also those of tests and examples, and of meson; in public headers 90.
-- Each folder has a README.md of at most 40 lines.
+- Each folder has a README.md of at most 40 lines; that of src/ray, which has the list of searches, 70.
 """
 import pathlib
 import re
@@ -19,7 +19,7 @@ import sys
 import tempfile
 
 SOURCE = {'.c', '.h', '.cpp', '.hpp'}
-COLUMNS, COLUMNS_PUBLIC, README_LINES = 110, 90, 40
+COLUMNS, COLUMNS_PUBLIC, README_LINES, README_LINES_RAY = 110, 90, 40, 70
 COMMENT = re.compile(r'/\*.*?\*/|//[^\n]*', re.DOTALL)
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
 # A definition begins in the first column.  SGT_INLINE and its kin are static (src/num/exact.h).
@@ -143,8 +143,9 @@ def faults(tree, libraries=()):
     for folder in sorted({p.parent for p in sources(src)}):
         readme = folder / 'README.md'
         lines = len(readme.read_text().splitlines()) if readme.is_file() else 0
-        if not 0 < lines <= README_LINES:
-            found.append(f'{readme.relative_to(tree)}: {lines} lines, 1 to {README_LINES} are wanted')
+        most = README_LINES_RAY if readme.parent.name == 'ray' else README_LINES
+        if not 0 < lines <= most:
+            found.append(f'{readme.relative_to(tree)}: {lines} lines, 1 to {most} are wanted')
     return found
 
 
@@ -175,7 +176,7 @@ PLANTED = [
     {'tests/unit/meson.build': '# ' + 'x' * 110 + '\n'},
     {'meson_options.txt': '# ' + 'x' * 110 + '\n'},
     {'include/sagitta/sagitta.h': '/* ' + 'x' * 90 + ' */\n'},
-    {'src/ray/README.md': 'x\n' * 41},
+    {'src/ray/README.md': 'x\n' * 71},
     {'src/sub/e.c': 'int e;\n'},
 ]
 

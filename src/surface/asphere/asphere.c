@@ -25,6 +25,7 @@
 #include "asphere.h"
 
 #include "../../solve/root.h"
+#include "../../solve/ways.h"
 #include "../conic/conic.h"
 #include "easy.h"
 #include "../sag/second.h"
@@ -394,6 +395,7 @@ SGT_NOINLINE static sgt_hit asphere_meet(const void *self, const sgt_ray *ray, c
     tally w = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS};
     wavy v;
     lane e;
+    WENT(WAY_ROUNDS);
     easy_answer is = w.budget > MOST_EASY && wavy_of(&h, opt->proof != SGT_ESTIMATE, &v)
                          ? easy(&v, ray, &e, &w)
                          : EASY_NOT;

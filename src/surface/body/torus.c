@@ -44,6 +44,7 @@
  *     G in G(m) + 2 b(m) tau + [G''] tau^2 / 2,     b in b(m) + [G''] tau / 2.
  * On long stretches, and near the axis, the formulas of G and b are taken besides: rho' = h / rho never
  * falls.  For a spindle the same is done with H, which has -R in place of R, and the two are multiplied. */
+#include "../../solve/ways.h"
 #include "quadratic.h"
 
 enum { STEPS = 8 };
@@ -389,6 +390,7 @@ static void torus_search(const void *self, size_t n, sgt_rays rays, bool first, 
     torus_ring s = ring_of(self);
     torus_course c;
     row whole;
+    WENT(WAY_PARTED);
     for (size_t i = 0; i < BLOCK; i++) whole[i] = -HUGE_VAL;
     for (size_t at = 0, few; at < n; at += few) {
         few = n - at < BLOCK ? n - at : BLOCK;

@@ -54,6 +54,7 @@
  *
  * Times, worst cases: docs/accuracy.md. */
 #include "../../num/bits.h"
+#include "../../solve/ways.h"
 #include "easy.h"
 #include "../sag/poly.h"
 #include "../sag/second.h"
@@ -470,6 +471,7 @@ SGT_INLINE sgt_hit conic_first(double c, double k, double semi_diameter, const s
     sgt_status status;
     bowl b;
     lane e;
+    WENT(WAY_CLOSED);
     if (!conic_valid(c, k, semi_diameter)) return hit_without(SGT_INVALID, ray, 0);
     if (!rim_in_range(rim2)) return hit_without(SGT_UNPROVEN, ray, 0);
     bool usual = bowl_of(c, k, rim2, opt->proof != SGT_ESTIMATE, &b),
@@ -532,6 +534,7 @@ sgt_status sgt_conic_all(double c, double k, double semi_diameter, const sgt_ray
     double rim2 = rim2_of(semi_diameter);
     tally w = {.opt = opt, .budget = 100};
     careful_pair p = {.away = HUGE_VAL};
+    WENT(WAY_CLOSED);
     if (!conic_valid(c, k, semi_diameter)) return SGT_INVALID;
     sgt_status status = SGT_UNPROVEN;
     bool proof = opt->proof != SGT_ESTIMATE;

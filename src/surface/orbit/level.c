@@ -370,6 +370,7 @@ double sgt_level_estimate(const orbit *o, sgt_vec3 p, double *f)
 static void march_fast(level_walk *w, double lo, double hi, double dt_min)
 {
     const orbit *o = w->orbit;
+    WENT(WAY_STEPS);
     double inverse = 1 / sqrt(w->q.l * w->q.l + w->q.m * w->q.m + w->q.n * w->q.n), last = lo, last_f = NAN,
            tau = lo, f;
     estimator s = estimator_of(o, o->c);
