@@ -92,8 +92,11 @@ typedef enum sgt_fault {
  *                 it; and if it holds none, none lies behind it
  *     firsts      they give what `first` gives, as `spans` does of `span`
  *
+ * Not checked: estimate, second, parameters, by_parameter, and whether `rounding` is as
+ * large as it has to be.
+ *
  * Returns the first fault found.  If `where` is not NULL, *where is then a point that
- * shows it; of SGT_WRONG_SPANS it is the ray's origin. */
+ * shows it; of SGT_WRONG_SPANS it is the ray's origin; NaN if there is no fault. */
 SGT_API sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[],
                             sgt_vec3 *where);
 

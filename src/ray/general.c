@@ -15,9 +15,11 @@
  *     the root near the seed,    there is a seed, or the span     the quick form (step.h), from the seed or
  *     or span.single             is single and has two ends       from the middle of the span
  *                                always                           the solver of solve/root.c, in the span
- *     what is left               `enclose`, built in, no `meet`   proof.c, which needs no ends
- *                                `enclose`, two finite ends, not  enclosed.c
- *                                (dt_min > 0 and `estimate`)
+ *     what is left               `enclose`, built in, or an end   proof.c, which needs no ends
+ *                                at infinity
+ *                                `enclose`, two finite ends       enclosed.c
+ *                                (both: not dt_min > 0 and
+ *                                `estimate`, of a user's surface)
  *                                a finite near end, or the root   a march, in steps
  *                                near the seed
  *                                else                             nothing: UNPROVEN
@@ -288,9 +290,11 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
     }
     /* steps 5, 6 and 7 */
     if (over(&w)) sgt_walk_stretch(&w, w.told.stopped ? SGT_STOPPED : SGT_EXHAUSTED, lo, hi);
-    else if (is_catalogue(s.ops) && s.ops->enclose) sgt_prove_rest(s, ray, &w.told, all, near, list);
-    else if (s.ops->enclose && isfinite(lo) && isfinite(hi) && !(opt->dt_min > 0 && s.ops->estimate))
-        sgt_walk_enclosed(&w, lo, hi);
+    else if (s.ops->enclose && is_catalogue(s.ops)) sgt_prove_rest(s, ray, &w.told, all, near, list);
+    else if (s.ops->enclose && !(opt->dt_min > 0 && s.ops->estimate)) {
+        if (isfinite(lo) && isfinite(hi)) sgt_walk_enclosed(&w, lo, hi);
+        else sgt_prove_rest(s, ray, &w.told, all, near, list);
+    }
     else if (isfinite(lo) || near) steps(&w, lo, hi, a.nearest);
     else sgt_walk_stretch(&w, SGT_UNPROVEN, lo, hi);
     return w.told.evals - w.told.before;

@@ -408,6 +408,21 @@ static bool unique_as_told(proof *w, const proof_place *at, sgt_interval only)
            (behind.lo > behind.hi || !has_zero(proof_ask(w, behind, SGT_PROBE, &slope)));
 }
 
+/* A user's surface without a proof: has F, by `value`, certainly one sign on both sides of the root?  Then
+ * the enclosure does not belong to this F, and its root is not told. */
+static bool refuted(proof *w, sgt_interval only)
+{
+    if (is_catalogue(w->s.ops) || w->told.opt->proof) return false;
+    int signs[2];
+    for (int i = 0; i < 2; i++) {
+        proof_place at = proof_place_of(w, i ? only.hi : only.lo, 0, sgt_interval_all());
+        double own = w->s.ops->rounding ? w->s.ops->rounding(w->s.self, at.p) : 0,
+               off = 8 * (own + 2 * SGT_U * proof_absolute(at.p) * proof_absolute(at.n));
+        signs[i] = (int)sign_of(at.f, off);
+    }
+    return signs[0] * signs[1] > 0;
+}
+
 /* Adds the root if it is accepted, or an UNPROVEN stretch if that cannot be told.  false: the root cannot
  * be told from an earlier entry. */
 static bool proof_take(proof *w, const certain *c)
@@ -450,7 +465,8 @@ static bool proof_take(proof *w, const certain *c)
     if (on_rim && w->told.opt->proof) sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi);
     else if (hidden && !(w->t0 + root.lo > w->ray->tmax))
         sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi); /* the start or not */
-    else if (at.h.accepted && at.exact && proof_in_range(&at) && unique_as_told(w, &at, only))
+    else if (at.h.accepted && at.exact && proof_in_range(&at) && unique_as_told(w, &at, only) &&
+             !refuted(w, only))
         proof_add(w, SGT_HIT, &at, root, about);
     else if (!at.h.off && !(at.h.t - at.h.t_err <= w->ray->tmin + at.width && at.h.t_err <= 16 * at.width))
         sgt_proof_stretch(w, SGT_UNPROVEN, root.lo, root.hi);

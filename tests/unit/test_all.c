@@ -700,6 +700,74 @@ static void test_enclose(void **state)
                   four, undecided);
 }
 
+/* A corrugated sheet, z = a cos(2 pi x): along x it has roots without end. */
+static double sheet_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    const double a = *(const double *)self, turn = 2 * 3.141592653589793;
+    if (grad) *grad = (sgt_vec3){a * turn * sin(turn * p.x), 0, 1};
+    return p.z - a * cos(turn * p.x);
+}
+
+static double sheet_rounding(const void *self, sgt_vec3 p)
+{
+    return 1e-15 * (fabs(p.z) + *(const double *)self * (1 + fabs(p.x)));
+}
+
+/* cos(2 pi x) over x in [lo, hi], with room for libm's error. */
+static sgt_interval cosine_over(double lo, double hi)
+{
+    double turn = 2 * 3.141592653589793, a = cos(turn * lo), b = cos(turn * hi),
+           off = 1e-14 * (1 + fabs(lo) + fabs(hi));
+    if (!(hi - lo < 1 && off < 1)) return (sgt_interval){-1, 1};
+    bool most = ceil(lo - off) <= hi + off, least = ceil(lo - off - 0.5) + 0.5 <= hi + off;
+    return (sgt_interval){least ? -1 : fmin(a, b) - off, most ? 1 : fmax(a, b) + off};
+}
+
+static sgt_interval sheet_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    double a = *(const double *)self, x = ray->o.x + t.lo * ray->d.x, far = ray->o.x + t.hi * ray->d.x,
+           lo = fmin(x, far), hi = fmax(x, far);
+    sgt_interval c = cosine_over(lo, hi), s = cosine_over(lo - 0.25, hi - 0.25);
+    double z = ray->o.z + t.lo * ray->d.z, end = ray->o.z + t.hi * ray->d.z,
+           off = 1e-14 * (1 + fabs(z) + fabs(end)), steep = a * 6.283185307179586 * fabs(ray->d.x);
+    bool turned = ray->d.x < 0;
+    *slope = (sgt_interval){ray->d.z + steep * (turned ? -s.hi : s.lo) - 1e-12,
+                            ray->d.z + steep * (turned ? -s.lo : s.hi) + 1e-12};
+    return (sgt_interval){fmin(z, end) - a * c.hi - off, fmax(z, end) - a * c.lo + off};
+}
+
+/* With `enclose` the first root is the first on a ray without an end, too; none is left out of the list. */
+static void test_without_an_end(void **state)
+{
+    (void)state;
+    generator g = seeded("without an end");
+    long n = scaled(100);
+    const sgt_surface_ops ops = {
+        .value = sheet_value, .rounding = sheet_rounding, .enclose = sheet_enclose};
+    for (long i = 0; i < n; i++) {
+        double a = log_uniform(&g, 0.1, 1), z = a * uniform(&g, 0.5, 1 - 1e-9), turn = 2 * 3.141592653589793,
+               off = acos(z / a) / turn, scale = log_uniform(&g, 1e-3, 1e3);
+        sgt_ray ray = {{-uniform(&g, 1, 400), uniform(&g, -1, 1), z}, {scale, 0, 0}, 0, FAR};
+        sgt_hit hit[MOST], first = sgt_intersect((sgt_surface){&ops, &a}, ray, NULL);
+        int got = sgt_intersect_all((sgt_surface){&ops, &a}, ray, MOST, hit, NULL);
+        REQUIRE(got >= MOST, "ray %ld: %d entries", i, got);
+        double x = floor(ray.o.x) - 1; /* of the crest; roots are at x - off and x + off */
+        int side = -1;
+        for (int j = 0; j < MOST; j++) {
+            do {
+                side = -side;
+                if (side < 0) x += 1;
+            } while (x + side * off <= ray.o.x);
+            double t = (x + side * off - ray.o.x) / scale, room = (1e-11 + 1e-14 / (1e-9 + off)) / scale;
+            REQUIRE(hit[j].status == SGT_HIT && fabs(hit[j].t - t) <= hit[j].t_err + room,
+                    "ray %ld: entry %d is %s at %.17g +- %g, the root at %.17g", i, j,
+                    sgt_status_text(hit[j].status), hit[j].t, hit[j].t_err, t);
+        }
+        REQUIRE(first.status == SGT_HIT && fabs(first.t - hit[0].t) <= first.t_err + hit[0].t_err,
+                "ray %ld: the first is told at %.17g, and listed at %.17g", i, first.t, hit[0].t);
+    }
+}
+
 /* A guess is no proof: with it, no MISS but where the span says so; without dt_min it is not read. */
 static void test_estimate(void **state)
 {
@@ -1233,6 +1301,7 @@ int main(void)
         cmocka_unit_test(test_value_only),
         cmocka_unit_test(test_clearance),
         cmocka_unit_test(test_enclose),
+        cmocka_unit_test(test_without_an_end),
         cmocka_unit_test(test_estimate),
         cmocka_unit_test(test_single),
         cmocka_unit_test(test_no_beginning),
