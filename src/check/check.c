@@ -74,13 +74,7 @@
 #include <string.h>
 
 enum {
-    SAMPLES = 256,
-    POINTS = 16,
-    LEVELS = 18,
-    POINTS_AT_ONCE = 67,
-    FEW = 3,
-    RAYS_AT_ONCE = 35,
-    WIDTHS = 9,
+    SAMPLES = 256, POINTS = 16, LEVELS = 18, POINTS_AT_ONCE = 67, FEW = 3, RAYS_AT_ONCE = 35, WIDTHS = 9,
     WITHIN = 5
 };
 static const double CUT = 1000; /* lengths of d, if neither ray nor span has an end */
@@ -493,10 +487,8 @@ static bool check_spans(check *c, size_t n, double o[3][RAYS_AT_ONCE], double d[
     sgt_fault fault = tmin ? SGT_WRONG_FIRSTS : SGT_WRONG_SPANS;
     (tmin ? c->s.ops->firsts : c->s.ops->spans)(c->s.self, n, many, (sgt_spans){lo, hi, seed, single});
     for (size_t i = 0; i < n; i++) {
-        sgt_ray ray = {.o = {o[0][i], o[1][i], o[2][i]},
-                       .d = {d[0][i], d[1][i], d[2][i]},
-                       .tmin = tmin ? tmin[i] : 0,
-                       .tmax = tmax ? tmax[i] : 0};
+        sgt_ray ray = {.o = {o[0][i], o[1][i], o[2][i]}, .d = {d[0][i], d[1][i], d[2][i]},
+                       .tmin = tmin ? tmin[i] : 0, .tmax = tmax ? tmax[i] : 0};
         sgt_span one = (tmin ? c->s.ops->first : c->s.ops->span)(c->s.self, &ray);
         if (tmin && !one.single && !single[i]) continue;
         if (one.lo > one.hi && lo[i] > hi[i] && one.single == single[i]) continue;

@@ -20,26 +20,6 @@
 
 #include <string.h>
 
-static sgt_ray batch_ray_of(const sgt_rays *r, size_t i)
-{
-    return (sgt_ray){{r->o[0][i], r->o[1][i], r->o[2][i]},
-                     {r->d[0][i], r->d[1][i], r->d[2][i]},
-                     r->tmin ? r->tmin[i] : 0,
-                     r->tmax ? r->tmax[i] : HUGE_VAL};
-}
-
-static void write_hit(const sgt_hits *out, size_t i, const sgt_hit *hit)
-{
-    if (out->status) out->status[i] = (signed char)hit->status;
-    if (out->evals) out->evals[i] = hit->evals;
-    if (out->t) out->t[i] = hit->t;
-    if (out->t_err) out->t_err[i] = hit->t_err;
-    if (out->t_lo) out->t_lo[i] = hit->t_lo;
-    if (out->p[0]) out->p[0][i] = hit->p.x, out->p[1][i] = hit->p.y, out->p[2][i] = hit->p.z;
-    if (out->n[0]) out->n[0][i] = hit->n.x, out->n[1][i] = hit->n.y, out->n[2][i] = hit->n.z;
-    if (out->p_err) out->p_err[i] = hit->p_err;
-}
-
 /* How many statuses are positive, eight at a time.  A status is below 127, so adding 127 to a byte sets
  * its sign bit if the status is positive.  A negative status has its sign bit set already; that bit is
  * masked out. */
@@ -100,8 +80,8 @@ size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options
         if (tile->hits.status[i] != SGT_HARD) continue;
         own.t_tol = tile->t_tol[i];
         WENT(WAY_SINGLE);
-        sgt_hit hit = sgt_intersect(s, batch_ray_of(&tile->rays, i), &own);
-        write_hit(&tile->hits, i, &hit);
+        sgt_hit hit = sgt_intersect(s, ray_of(&tile->rays, i), &own);
+        put_hit(&tile->hits, i, &hit);
         hard--;
     }
     return positives(tile->hits.status, tile->n);
@@ -124,8 +104,8 @@ static size_t one_by_one(sgt_surface s, size_t n, const sgt_rays *rays, const sg
     size_t met = 0;
     for (size_t i = 0; i < n; i++) {
         told.ray = i;
-        sgt_hit hit = sgt_intersect(s, batch_ray_of(rays, i), &own);
-        write_hit(hits, i, &hit);
+        sgt_hit hit = sgt_intersect(s, ray_of(rays, i), &own);
+        put_hit(hits, i, &hit);
         met += hit.status > 0;
     }
     return met;
@@ -137,15 +117,10 @@ static double *from(double *a, size_t i) { return a ? a + i : NULL; }
 static sgt_hits hits_from(const sgt_hits *h, size_t i)
 {
     return (sgt_hits){
-        .status = h->status ? h->status + i : NULL,
-        .evals = h->evals ? h->evals + i : NULL,
-        .t = from(h->t, i),
-        .t_err = from(h->t_err, i),
-        .t_lo = from(h->t_lo, i),
-        .p_err = from(h->p_err, i),
+        .status = h->status ? h->status + i : NULL, .evals = h->evals ? h->evals + i : NULL,
+        .t = from(h->t, i), .t_err = from(h->t_err, i), .t_lo = from(h->t_lo, i), .p_err = from(h->p_err, i),
         .p = {from(h->p[0], i), from(h->p[1], i), from(h->p[2], i)},
-        .n = {from(h->n[0], i), from(h->n[1], i), from(h->n[2], i)},
-    };
+        .n = {from(h->n[0], i), from(h->n[1], i), from(h->n[2], i)}};
 }
 
 /* tmax = 0 with tmin >= 0 stands for infinity. */
@@ -165,13 +140,9 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
     size_t met = 0, most = s.ops && s.ops->own_ && s.ops->own_->tile ? s.ops->own_->tile : SGT_TILE;
     for (size_t i = 0; i < most && i < n; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
     for (size_t i = 0; i < n; i += most) {
-        sgt_tile tile = {.n = n - i < most ? n - i : most,
-                         .t_tol = t_tol,
-                         .hits = hits_from(&hits, i),
-                         .rays = {{rays.o[0] + i, rays.o[1] + i, rays.o[2] + i},
-                                  {rays.d[0] + i, rays.d[1] + i, rays.d[2] + i},
-                                  rays.tmin ? rays.tmin + i : tmin,
-                                  tmax}};
+        sgt_tile tile = {.n = n - i < most ? n - i : most, .t_tol = t_tol, .hits = hits_from(&hits, i),
+                         .rays = rays_from(&rays, i)};
+        tile.rays.tmin = rays.tmin ? rays.tmin + i : tmin, tile.rays.tmax = tmax;
         if (rays.tmax) explicit_ends(tile.n, tile.rays.tmin, rays.tmax + i, tmax);
         if (!tile.hits.status) tile.hits.status = status;
         met += sgt_intersect_tile(s, &tile, opt);

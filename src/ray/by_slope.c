@@ -85,9 +85,7 @@ size_t sgt_unique_by_slope(sgt_surface s, const sgt_tile *tile, double rim2, boo
     double own_rim2 = rim2_of_surface(s);
     for (size_t from = 0, n; from < tile->n; from += n) {
         n = tile->n - from < BLOCK ? tile->n - from : BLOCK;
-        const sgt_rays *r = &tile->rays;
-        sgt_rays rays = {.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from},
-                         .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}};
+        sgt_rays rays = rays_from(&tile->rays, from);
         sgt_points p = {{b.x, b.y, b.z}};
         builtin->spans(s.self, &shared, n, rays, (sgt_spans){b.lo, b.hi, b.seed, NULL}, b.least);
         points_of(&b, n, rays.o[0], rays.o[1], rays.o[2], rays.d[0], rays.d[1], rays.d[2],
@@ -116,27 +114,15 @@ bool sgt_meet_by_slope(sgt_surface s, const sgt_ray *ray, double rim2, const sgt
     if (hit->status != SGT_HIT || r2 > rim2) return false;
     signed char status = SGT_HIT;
     bool proven;
-    sgt_tile one = {.n = 1,
-                    .rays = {{&ray->o.x, &ray->o.y, &ray->o.z},
-                             {&ray->d.x, &ray->d.y, &ray->d.z},
-                             &ray->tmin,
-                             &ray->tmax},
-                    .hits = {.status = &status,
-                             .evals = &hit->evals,
-                             .t = &hit->t,
-                             .t_err = &hit->t_err,
-                             .t_lo = &hit->t_lo,
-                             .p = {&hit->p.x, &hit->p.y, &hit->p.z},
+    sgt_tile one = {.n = 1, .rays = rays_of(ray),
+                    .hits = {.status = &status, .evals = &hit->evals, .t = &hit->t, .t_err = &hit->t_err,
+                             .t_lo = &hit->t_lo, .p = {&hit->p.x, &hit->p.y, &hit->p.z},
                              .p_err = &hit->p_err}};
     if (!sgt_unique_by_slope(s, &one, rim2, &proven)) return false;
     sgt_interval about = sgt_about(hit->t, hit->t_err);
     hit->lo = about.lo, hit->hi = about.hi;
-    sgt_step step = {.eval = hit->evals,
-                     .move = SGT_PROBE,
-                     .t = hit->t,
-                     .f = hit->f,
-                     .slope = hit->n.x * ray->d.x + hit->n.y * ray->d.y + hit->n.z * ray->d.z,
-                     .lo = about.lo,
+    sgt_step step = {.eval = hit->evals, .move = SGT_PROBE, .t = hit->t, .f = hit->f,
+                     .slope = hit->n.x * ray->d.x + hit->n.y * ray->d.y + hit->n.z * ray->d.z, .lo = about.lo,
                      .hi = about.hi};
     if (opt->watch && opt->watch(opt->watch_data, &step)) *hit = hit_without(SGT_STOPPED, ray, hit->evals);
     return true;

@@ -207,7 +207,7 @@ static bool root_nearby(walk *w, const sgt_span *span, bool near)
                   .noise = {&w->noise[0], &w->noise[1], &w->noise[2]},
                   .evals = &evals, .budget = w->told.budget, .told = &w->told};
     for (int i = 0; i < VICINITY_ROWS; i++) v.work[i] = &work[i];
-    sgt_rays one = {.o = {&ray->o.x, &ray->o.y, &ray->o.z}, .d = {&ray->d.x, &ray->d.y, &ray->d.z}};
+    sgt_rays one = rays_of(ray);
     sgt_vicinity_of(w->s, 1, one, near, &w->shared, &kept, &v);
     w->nearby = !(w->shared.noise[0] < HUGE_VAL);
     if (asked != 0) return false;

@@ -280,17 +280,15 @@ static void lanes_nearby(lanes_job *w, sgt_rays rays, size_t n)
 static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
 {
     const sgt_surface_ops *ops = w->s.ops;
-    const sgt_rays *r = &tile->rays;
     lanes *a = w->a;
+    sgt_rays rays = rays_from(&tile->rays, from);
     bool single[LANE_COUNT];
     for (size_t i = 0; i < n; i++) a->least[i] = a->evals[i] = 0;
     if (ops->first && w->near == 0) {
-        const double *o[] = {r->o[0] + from, r->o[1] + from, r->o[2] + from},
-                     *d[] = {r->d[0] + from, r->d[1] + from, r->d[2] + from};
-        sgt_rays rays = {{o[0], o[1], o[2]}, {d[0], d[1], d[2]}, a->tmin, a->tmax};
+        rays.tmin = a->tmin, rays.tmax = a->tmax;
         if (ops->firsts) ops->firsts(w->s.self, n, rays, (sgt_spans){a->lo, a->hi, a->seed, single});
         for (size_t i = 0; i < n && !ops->firsts; i++) {
-            sgt_ray ray = {{o[0][i], o[1][i], o[2][i]}, {d[0][i], d[1][i], d[2][i]}, a->tmin[i], a->tmax[i]};
+            sgt_ray ray = ray_of(&rays, i);
             sgt_span span = ops->first(w->s.self, &ray);
             a->lo[i] = span.lo, a->hi[i] = span.hi, a->seed[i] = span.seed, single[i] = span.single;
         }
@@ -300,27 +298,19 @@ static void spans(lanes_job *w, const sgt_tile *tile, size_t from, size_t n)
         return;
     }
     if (w->slopes) {
-        sgt_rays rays = {.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from},
-                         .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}};
         ops->own_->spans(w->s.self, &w->shared, n, rays, (sgt_spans){a->lo, a->hi, a->seed, NULL}, a->least);
         single_all(a, n);
         lanes_nearby(w, rays, n);
         return;
     }
     if (ops->spans && ops->span) { /* without `span`, `spans` is not read, as in sgt_intersect */
-        ops->spans(w->s.self, n,
-                   (sgt_rays){.o = {r->o[0] + from, r->o[1] + from, r->o[2] + from},
-                              .d = {r->d[0] + from, r->d[1] + from, r->d[2] + from}},
-                   (sgt_spans){a->lo, a->hi, a->seed, single});
+        ops->spans(w->s.self, n, rays, (sgt_spans){a->lo, a->hi, a->seed, single});
         lanes_widen(n, a->single, single);
         return;
     }
+    rays.tmin = a->tmin, rays.tmax = a->tmax;
     for (size_t i = 0; i < n; i++) {
-        size_t k = from + i;
-        sgt_ray ray = {{r->o[0][k], r->o[1][k], r->o[2][k]},
-                       {r->d[0][k], r->d[1][k], r->d[2][k]},
-                       a->tmin[i],
-                       a->tmax[i]};
+        sgt_ray ray = ray_of(&rays, i);
         sgt_span span = {.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = (double)NAN};
         if (ops->span) span = ops->span(w->s.self, &ray);
         a->lo[i] = span.lo, a->hi[i] = span.hi, a->seed[i] = span.seed,
@@ -990,14 +980,9 @@ size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options 
     sgt_options own = *opt;
     if (is_catalogue(ops)) own.f_tol = 0; /* as read_of in answer.c */
     vicinities kept; /* not cleared with the rest of w */
-    lanes_job w = {.s = s,
-                   .opt = &own,
-                   .a = &a,
-                   .kept = &kept,
-                   .near = opt->pick == SGT_NEAR_SEED,
+    lanes_job w = {.s = s, .opt = &own, .a = &a, .kept = &kept, .near = opt->pick == SGT_NEAR_SEED,
                    .back = ops->enclose || ops->clearance ? 0x1p-50 : 0,
-                   .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS,
-                   .rim2 = rim2_of_surface(s),
+                   .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS, .rim2 = rim2_of_surface(s),
                    .margin = ops->first && opt->pick != SGT_NEAR_SEED ? END_ERRORS : 0,
                    .slopes = is_catalogue(ops) && ops->own_->spans,
                    .walks_from = ops->first || ops->enclose || ops->clearance ||

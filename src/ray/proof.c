@@ -201,10 +201,7 @@ static proof_place proof_place_of(proof *w, double t, double t_err, sgt_interval
     const sgt_ray *ray = w->ray;
     double scale = scale_of(ray->d), inverse = inverse_of_scale(ray->d);
     double from = w->t0 != 0 ? w->t0 : t, rest = w->t0 != 0 ? t : 0, tau = rest * inverse;
-    local q = {.scale = scale,
-               .l = ray->d.x * scale,
-               .m = ray->d.y * scale,
-               .n = ray->d.z * scale,
+    local q = {.scale = scale, .l = ray->d.x * scale, .m = ray->d.y * scale, .n = ray->d.z * scale,
                .t0 = from * inverse};
     proof_place at = {.p = point_at(ray, scale, q.t0, tau),
                       .exact = q.t0 * scale == from && tau * scale == rest};
@@ -242,17 +239,9 @@ void sgt_proof_stretch(proof *w, sgt_status status, double lo, double hi)
 /* about: [lo, hi] of the hit, in the ray's own t; x: the root's interval, counted from t0. */
 static void proof_add(proof *w, sgt_status status, const proof_place *at, sgt_interval x, sgt_interval about)
 {
-    sgt_hit hit = {.status = status,
-                   .t = at->h.t,
-                   .t_lo = at->h.t_lo,
-                   .t_err = at->h.t_err,
-                   .lo = about.lo,
-                   .hi = about.hi,
-                   .f = at->f,
-                   .p = at->p,
-                   .n = at->n,
-                   .p_err = at->h.p_err,
-                   .evals = w->told.evals - w->told.before};
+    sgt_hit hit = hit_found(status, w->told.evals - w->told.before, at->h.t, at->h.t_err, at->h.t_lo, at->f,
+                            at->p, at->n, at->h.p_err);
+    hit.lo = about.lo, hit.hi = about.hi;
     w->told.before = w->told.evals;
     if (w->anew) next_root(&w->told);
     sgt_list_add(w->list, &hit);
@@ -657,17 +646,8 @@ proof sgt_proof_of(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, co
                    sgt_list *list, bool all)
 {
     sgt_interval all_t = {span->lo, span->hi};
-    proof w = {.s = s,
-               .ray = ray,
-               .list = list,
-               .all = all,
-               .anew = all,
-               .lo = span->lo,
-               .hi = span->hi,
-               .all_t = all_t,
-               .tmin = {ray->tmin, ray->tmin},
-               .seed = span->seed,
-               .near = HUGE_VAL,
+    proof w = {.s = s, .ray = ray, .list = list, .all = all, .anew = all, .lo = span->lo, .hi = span->hi,
+               .all_t = all_t, .tmin = {ray->tmin, ray->tmin}, .seed = span->seed, .near = HUGE_VAL,
                .rim2 = rim2_of_surface(s),
                .told = {.opt = opt, .budget = opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS}};
     const sgt_vec3 o = ray->o, d = ray->d;

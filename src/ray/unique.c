@@ -45,10 +45,7 @@ bool sgt_unique_tile(sgt_surface s, const sgt_tile *tile, double rim2, unsigned 
 static unsigned long long at_once(sgt_surface s, const sgt_ray *ray, double rim2, sgt_interval *other)
 {
     unsigned long long unique;
-    sgt_tile one = {
-        .n = 1,
-        .rays = {
-            {&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax}};
+    sgt_tile one = {.n = 1, .rays = rays_of(ray)};
     sgt_unique_tile(s, &one, rim2, &unique, other);
     return unique;
 }

@@ -158,18 +158,8 @@ static bool walk_take(walk *w, sgt_status status, point at, double tau_err)
                                  w->rim2, w->margin);
     w->off = h.off, w->hidden = h;
     if (!h.accepted) return false;
-    sgt_interval about = sgt_about(h.t, h.t_err);
-    sgt_hit hit = {.status = status,
-                   .t = h.t,
-                   .t_lo = h.t_lo,
-                   .t_err = h.t_err,
-                   .lo = about.lo,
-                   .hi = about.hi,
-                   .f = at.g,
-                   .p = at.p,
-                   .n = at.n,
-                   .p_err = h.p_err,
-                   .evals = w->told.evals - w->told.before};
+    sgt_hit hit = hit_found(status, w->told.evals - w->told.before, h.t, h.t_err, h.t_lo, at.g, at.p, at.n,
+                            h.p_err);
     w->told.before = w->told.evals;
     next_root(&w->told);
     sgt_list_add(w->list, &hit);

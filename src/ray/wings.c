@@ -221,7 +221,7 @@ static double inside_edge(sgt_surface s, const sgt_ray *ray, double from, double
     const struct sgt_builtin_ops *builtin = s.ops->own_;
     double x = ray->o.x + from * ray->d.x, y = ray->o.y + from * ray->d.y;
     if (!(edge < HUGE_VAL) || radius_of(x, y) < edge * (1 - 0x1p-8)) return from;
-    sgt_rays one = {.o = {&ray->o.x, &ray->o.y, &ray->o.z}, .d = {&ray->d.x, &ray->d.y, &ray->d.z}};
+    sgt_rays one = rays_of(ray);
     double outer2 = edge * edge * (1 + 0x1p-40), inner2 = outer2 * (1 - 0x1p-7), steep = 0, lo, hi, begin,
            least;
     builtin->chords(1, one, &inner2, &steep, &lo, &hi, &least);
@@ -242,7 +242,7 @@ static bool leaves_by_edge(sgt_surface s, const sgt_ray *ray, double edge, rows 
                            const vicinity *v)
 {
     if (!(a[RADIUS][i] > edge * (1 - 0x1p-10))) return false;
-    sgt_rays one = {.o = {&ray->o.x, &ray->o.y, &ray->o.z}, .d = {&ray->d.x, &ray->d.y, &ray->d.z}};
+    sgt_rays one = rays_of(ray);
     double outer2 = edge * edge * (1 + 0x1p-40), steep = 0, lo, end, least, from = a[T][i] * scale;
     s.ops->own_->chords(1, one, &outer2, &steep, &lo, &end, &least);
     if (end > ray->tmax) end = ray->tmax;

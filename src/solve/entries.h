@@ -79,17 +79,19 @@ static inline bool sgt_list_same(sgt_list *list, double t, double t_err)
 
 SGT_INLINE sgt_hit hit_without(sgt_status status, const sgt_ray *ray, int evals)
 {
-    return (sgt_hit){.status = status,
-                     .evals = evals,
-                     .t = (double)NAN,
-                     .t_err = (double)NAN,
-                     .t_lo = (double)NAN,
-                     .lo = ray->tmin,
-                     .hi = ray->tmax,
-                     .f = (double)NAN,
+    return (sgt_hit){.status = status, .evals = evals, .t = (double)NAN, .t_err = (double)NAN,
+                     .t_lo = (double)NAN, .lo = ray->tmin, .hi = ray->tmax, .f = (double)NAN,
                      .p = {(double)NAN, (double)NAN, (double)NAN},
-                     .n = {(double)NAN, (double)NAN, (double)NAN},
-                     .p_err = (double)NAN};
+                     .n = {(double)NAN, (double)NAN, (double)NAN}, .p_err = (double)NAN};
+}
+
+/* A hit or a graze, with lo and hi about t. */
+SGT_INLINE sgt_hit hit_found(sgt_status status, int evals, double t, double t_err, double t_lo, double f,
+                             sgt_vec3 p, sgt_vec3 n, double p_err)
+{
+    sgt_interval about = sgt_about(t, t_err);
+    return (sgt_hit){.status = status, .evals = evals, .t = t, .t_err = t_err, .t_lo = t_lo, .lo = about.lo,
+                     .hi = about.hi, .f = f, .p = p, .n = n, .p_err = p_err};
 }
 
 /* An undecided answer about [lo, hi], cut to the ray's ends.  If nothing is left of it, it is about the
@@ -136,18 +138,7 @@ SGT_INLINE sgt_hit hit_at(const meeting *h, sgt_status status, double f, sgt_mov
     if (w->stopped) return hit_without(SGT_STOPPED, ray, w->evals - w->before);
     if (!(h->t_err < HUGE_VAL && h->p_err < HUGE_VAL))
         return hit_without(SGT_UNPROVEN, ray, w->evals - w->before);
-    sgt_interval about = sgt_about(h->t, h->t_err);
-    return (sgt_hit){.status = status,
-                     .evals = w->evals - w->before,
-                     .t = h->t,
-                     .t_err = h->t_err,
-                     .t_lo = h->t_lo,
-                     .lo = about.lo,
-                     .hi = about.hi,
-                     .f = f,
-                     .p = h->p,
-                     .n = h->n,
-                     .p_err = h->p_err};
+    return hit_found(status, w->evals - w->before, h->t, h->t_err, h->t_lo, f, h->p, h->n, h->p_err);
 }
 
 /* The result of a search for the first entry: that entry, or a miss. */

@@ -24,6 +24,39 @@
 enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_HARD = -100, SGT_NOT_UNIQUE = 1 };
 typedef struct sgt_tile { size_t n; sgt_rays rays; const double *t_tol; sgt_hits hits; } sgt_tile;
 
+/* One ray as a batch of one. */
+SGT_INLINE sgt_rays rays_of(const sgt_ray *ray)
+{
+    return (sgt_rays){
+        {&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};
+}
+
+/* o and d from the i-th ray on; tmin and tmax are left out. */
+SGT_INLINE sgt_rays rays_from(const sgt_rays *r, size_t i)
+{
+    return (sgt_rays){.o = {r->o[0] + i, r->o[1] + i, r->o[2] + i},
+                      .d = {r->d[0] + i, r->d[1] + i, r->d[2] + i}};
+}
+
+SGT_INLINE sgt_ray ray_of(const sgt_rays *r, size_t i)
+{
+    return (sgt_ray){{r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]},
+                     r->tmin ? r->tmin[i] : 0, r->tmax ? r->tmax[i] : HUGE_VAL};
+}
+
+/* Writes what is wanted of the hit of ray i. */
+SGT_INLINE void put_hit(const sgt_hits *out, size_t i, const sgt_hit *hit)
+{
+    if (out->status) out->status[i] = (signed char)hit->status;
+    if (out->evals) out->evals[i] = hit->evals;
+    if (out->t) out->t[i] = hit->t;
+    if (out->t_err) out->t_err[i] = hit->t_err;
+    if (out->t_lo) out->t_lo[i] = hit->t_lo;
+    if (out->p[0]) out->p[0][i] = hit->p.x, out->p[1][i] = hit->p.y, out->p[2][i] = hit->p.z;
+    if (out->n[0]) out->n[0][i] = hit->n.x, out->n[1][i] = hit->n.y, out->n[2][i] = hit->n.z;
+    if (out->p_err) out->p_err[i] = hit->p_err;
+}
+
 /* What the rays and points of one surface have in common.  `share` works it out once for many of them.  How
  * the members are used is the surface's own affair. */
 typedef struct sgt_shared { double c, k1, radius2, steep, base_c, base_k, most2, noise[2]; } sgt_shared;

@@ -70,8 +70,7 @@ sgt_pose sgt_pose_tilted(sgt_vec3 origin, sgt_vec3 degrees)
 {
     pose_turn x = turn_of(degrees.x), y = turn_of(degrees.y), z = turn_of(degrees.z);
     return (sgt_pose){
-        .origin = origin,
-        .ex = {0.0 + z.c * y.c, 0.0 + z.s * y.c, 0.0 - y.s},
+        .origin = origin, .ex = {0.0 + z.c * y.c, 0.0 + z.s * y.c, 0.0 - y.s},
         .ey = {0.0 + (z.c * y.s * x.s - z.s * x.c), 0.0 + (z.s * y.s * x.s + z.c * x.c), 0.0 + y.c * x.s},
         .ez = {0.0 + (z.c * y.s * x.c + z.s * x.s), 0.0 + (z.s * y.s * x.c - z.c * x.s), 0.0 + y.c * x.c},
     };

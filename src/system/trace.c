@@ -108,12 +108,6 @@ SGT_INLINE void tell_of_given(sgt_hit *hit, const state *at, const sgt_pose *pos
 
 /* ------------------------------------------------------------------ meeting */
 
-static sgt_rays rays_of(const sgt_ray *ray)
-{
-    return (sgt_rays){
-        {&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};
-}
-
 /* How many roots of a chord are looked at.  If there are more, it is UNPROVEN. */
 enum { FEW = 4 };
 
@@ -245,18 +239,9 @@ sgt_passage sgt_not_met(sgt_status why)
 {
     const double none = (double)NAN;
     return (sgt_passage){
-        .hit = {.status = why,
-                .t = none,
-                .t_err = none,
-                .t_lo = none,
-                .lo = none,
-                .hi = none,
-                .f = none,
-                .p_err = none,
-                .p = {none, none, none},
-                .n = {none, none, none}},
-        .opl = none,
-    };
+        .hit = {.status = why, .t = none, .t_err = none, .t_lo = none, .lo = none, .hi = none, .f = none,
+                .p_err = none, .p = {none, none, none}, .n = {none, none, none}},
+        .opl = none};
 }
 
 /* One element.  plain: the element is (is_plain); told: the caller wants the passage. */
@@ -268,9 +253,7 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, bool plain, state *at, const sgt_
     *passage = sgt_not_met(SGT_INVALID);
     if (!plain || !is_sound(e, n1)) return SGT_LOST;
 
-    sgt_ray ray = {.o = plus(minus(at->base, e->pose.origin), at->offset),
-                   .d = at->d,
-                   .tmin = -HUGE_VAL,
+    sgt_ray ray = {.o = plus(minus(at->base, e->pose.origin), at->offset), .d = at->d, .tmin = -HUGE_VAL,
                    .tmax = HUGE_VAL};
     if (turned) {
         ray.o = to_local(&e->pose, ray.o), ray.d = to_local(&e->pose, ray.d);

@@ -311,22 +311,11 @@ static void tell_vector(double *const out[3], size_t i, sgt_vec3 a)
     if (out[0]) out[0][i] = a.x, out[1][i] = a.y, out[2][i] = a.z;
 }
 
-static void tell_number(double *out, size_t i, double a)
-{
-    if (out) out[i] = a;
-}
+static void tell_number(double *out, size_t i, double a) { if (out) out[i] = a; }
 
 static void tell_passage(const sgt_passages *out, size_t i, const sgt_passage *p)
 {
-    const sgt_hits *h = &out->hits;
-    if (h->status) h->status[i] = (signed char)p->hit.status;
-    if (h->evals) h->evals[i] = p->hit.evals;
-    tell_number(h->t, i, p->hit.t);
-    tell_number(h->t_err, i, p->hit.t_err);
-    tell_number(h->t_lo, i, p->hit.t_lo);
-    tell_number(h->p_err, i, p->hit.p_err);
-    tell_vector(h->p, i, p->hit.p);
-    tell_vector(h->n, i, p->hit.n);
+    put_hit(&out->hits, i, &p->hit);
     tell_vector(out->direction, i, p->direction);
     tell_number(out->opl, i, p->opl);
 }
@@ -387,6 +376,7 @@ static void rest_of(const tile *w, rest *r)
 
 /* -------------------------------------------------------------- one by one */
 
+/* A launch ray; its tmin and tmax are not read. */
 static sgt_ray bundle_ray_of(const sgt_rays *r, size_t i)
 {
     return (sgt_ray){.o = {r->o[0][i], r->o[1][i], r->o[2][i]}, .d = {r->d[0][i], r->d[1][i], r->d[2][i]}};

@@ -354,13 +354,8 @@ static int asphere_terms_of(const sgt_asphere *s)
 
 static shape shape_of(const sgt_asphere *s, int terms)
 {
-    return (shape){.c = s->c,
-                   .k = s->k,
-                   .ck = (1 + s->k) * s->c,
-                   .terms = terms,
-                   .a = s->a,
-                   .rim2 = rim2_of(s->semi_diameter),
-                   .domain2 = domain2_of(s->c, s->k, s->semi_diameter)};
+    return (shape){.c = s->c, .k = s->k, .ck = (1 + s->k) * s->c, .terms = terms, .a = s->a,
+                   .rim2 = rim2_of(s->semi_diameter), .domain2 = domain2_of(s->c, s->k, s->semi_diameter)};
 }
 
 /* x - x is 0 for a finite x, NaN otherwise. */
@@ -374,10 +369,7 @@ static bool asphere_valid(const sgt_asphere *s)
 static bool passes_by(const shape *s, const sgt_ray *ray)
 {
     mask passes = MASK(true);
-    sgt_tile one = {
-        .n = 1,
-        .rays = {
-            {&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax}};
+    sgt_tile one = {.n = 1, .rays = rays_of(ray)};
     sgt_asphere_pass(s, &one, &passes);
     return passes != 0;
 }
@@ -537,18 +529,11 @@ static bool asphere_unique(const void *self, const sgt_tile *tile, double rim2, 
     return sgt_conic_unique(s->c, s->k, s->semi_diameter, tile, rim2, unique, others);
 }
 
-static const struct sgt_builtin_ops asphere_builtin = {.meet = asphere_meet,
-                                                       .all = asphere_all,
-                                                       .lanes = asphere_lanes,
-                                                       .unique = asphere_unique,
-                                                       .departure = &sgt_asphere_departure};
+static const struct sgt_builtin_ops asphere_builtin = {
+    .meet = asphere_meet, .all = asphere_all, .lanes = asphere_lanes, .unique = asphere_unique,
+    .departure = &sgt_asphere_departure};
 
-const sgt_surface_ops sgt_asphere_ops = {.name = "even_asphere",
-                                         .value = asphere_value,
-                                         .span = asphere_span,
-                                         .rounding = asphere_rounding,
-                                         .enclose = asphere_enclose,
-                                         .own_ = &asphere_builtin,
-                                         .second = sgt_asphere_second,
-                                         .parameters = sgt_asphere_parameters,
-                                         .by_parameter = sgt_asphere_by_parameter};
+const sgt_surface_ops sgt_asphere_ops = {
+    .name = "even_asphere", .value = asphere_value, .span = asphere_span, .rounding = asphere_rounding,
+    .enclose = asphere_enclose, .own_ = &asphere_builtin, .second = sgt_asphere_second,
+    .parameters = sgt_asphere_parameters, .by_parameter = sgt_asphere_by_parameter};

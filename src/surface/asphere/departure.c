@@ -110,12 +110,7 @@ static sgt_objection asphere_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-const departure sgt_asphere_departure = {.at = asphere_at,
-                                         .rounding = terms_rounding,
-                                         .bounds = asphere_bounds,
-                                         .range = asphere_range,
-                                         .second = asphere_second,
-                                         .parameters = asphere_parameters,
-                                         .by_parameter = asphere_by_parameter,
-                                         .object = asphere_object,
-                                         .noise = asphere_noise};
+const departure sgt_asphere_departure = {
+    .at = asphere_at, .rounding = terms_rounding, .bounds = asphere_bounds, .range = asphere_range,
+    .second = asphere_second, .parameters = asphere_parameters, .by_parameter = asphere_by_parameter,
+    .object = asphere_object, .noise = asphere_noise};

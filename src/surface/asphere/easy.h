@@ -74,16 +74,9 @@ typedef struct wavy {
 SGT_INLINE bool wavy_of(const shape *s, bool proof, wavy *v)
 {
     double rim2 = s->rim2 < 0x1p1000 ? s->rim2 : 0x1p1000;
-    *v = (wavy){.c = s->c,
-                .abs_c = fabs(s->c),
-                .k1 = 1 + s->k,
-                .ck = s->ck,
-                .abs_ck = fabs(s->ck),
-                .bend = 2 * (2 * s->terms - 1),
-                .rim2 = proof ? sure_rim2(rim2) : rim2,
-                .room = proof ? 98 * SGT_U * sqrt(rim2) : 0,
-                .proof = proof,
-                .single = single_limit(s),
+    *v = (wavy){.c = s->c, .abs_c = fabs(s->c), .k1 = 1 + s->k, .ck = s->ck, .abs_ck = fabs(s->ck),
+                .bend = 2 * (2 * s->terms - 1), .rim2 = proof ? sure_rim2(rim2) : rim2,
+                .room = proof ? 98 * SGT_U * sqrt(rim2) : 0, .proof = proof, .single = single_limit(s),
                 .most_e = s->ck == 0 ? HUGE_VAL : 0x1p-46 / fabs(s->ck)};
     for (int i = 0; i < s->terms; i++)
         v->a[i] = s->a[i], v->slope[i] = (i + 1) * s->a[i], v->size[i] = (i + 1) * fabs(s->a[i]);
@@ -192,11 +185,9 @@ SGT_INLINE wavy_round wavy_bound(const wavy *s, int terms, double x0, double y0,
                 MASK(rho0 <= 4 * rho) & usual_length(a + n2) & MASK(ackw < 1 - 0x1p-8) & MASK(e < s->most_e) &
                 MASK(e <= 24 * SGT_U * (aw + az)) & MASK(s->abs_ck * (W1 * H) < 0x1p-10);
     sure &= MASK(8 * (as * off) <= noise) | MASK(tau_err <= 0.5 * t_tol); /* if not, it can be sharper */
-    return (wavy_round){.tau = tau,
-                        .tau_err = chosen(sure, tau_err, (double)NAN),
+    return (wavy_round){.tau = tau, .tau_err = chosen(sure, tau_err, (double)NAN),
                         .v = sgt_fma(s->ck, step * at->dw, 1 - ckw),
-                        .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)),
-                        .g = g,
+                        .near = sgt_fma(ai, sgt_fma(rho, first + (first + s->abs_c), az), fabs(tau)), .g = g,
                         .again = again & ~sure & MASK(as <= 0.5 * fabs(at->step2))};
 }
 
@@ -303,14 +294,8 @@ SGT_INLINE mask wavy_first_from(const wavy *s, int terms, bool halves, double ox
 SGT_INLINE near_root wavy_root(double x, double y, double t0, double t0_lo, double tau, double tau_err)
 {
     double small = t0_lo + tau, t = t0 + small, reach = fabs(t) + fabs(small);
-    return (near_root){.x = x,
-                       .y = y,
-                       .tau = tau,
-                       .t = t,
-                       .t_err = sgt_fma(1.01 * SGT_U, reach, tau_err),
-                       .tau_err = tau_err,
-                       .t0 = t0,
-                       .small = small};
+    return (near_root){.x = x, .y = y, .tau = tau, .t = t, .t_err = sgt_fma(1.01 * SGT_U, reach, tau_err),
+                       .tau_err = tau_err, .t0 = t0, .small = small};
 }
 
 /* If the ray starts in the vertex, nothing has underflowed, and the errors are 0.  A bound that is NaN

@@ -161,11 +161,7 @@ static sgt_interval ellipsoid_enclose_from(const void *self, const sgt_ray *ray,
             w2 = twofold_product(twofold_product(r.z, r.z), e), a2 = two_product(s->a, s->a);
     twofold r2 = twofold_sum(twofold_sum(twofold_product(r.x, r.x), twofold_product(r.y, r.y)), w2);
     fine_parabola p = {twofold_sum(twofold_sum(two_product(r.l, r.l), two_product(r.m, r.m)), n2),
-                       twofold_sum(twofold_sum(xl, ym), zn),
-                       twofold_difference(r2, a2),
-                       0,
-                       0,
-                       0};
+                       twofold_sum(twofold_sum(xl, ym), zn), twofold_difference(r2, a2), 0, 0, 0};
     p.Aa = p.A.hi, p.Ba = fabs(xl.hi) + fabs(ym.hi) + fabs(zn.hi) + 0x1p-700, p.Ca = r2.hi + a2.hi;
     sgt_interval twice = sgt_interval_of(2 * s->a);
     g = sgt_interval_quotient(fine_enclose(&p, &r, slope), twice);
@@ -219,17 +215,9 @@ static sgt_objection ellipsoid_object(const void *self)
 static const struct sgt_builtin_ops ellipsoid_builtin = {
     .object = ellipsoid_object, .roundings = ellipsoid_roundings, .enclose = ellipsoid_enclose_from};
 
-const sgt_surface_ops sgt_ellipsoid_ops = {.name = "ellipsoid",
-                                           .value = ellipsoid_value,
-                                           .values = ellipsoid_values,
-                                           .span = ellipsoid_span,
-                                           .spans = ellipsoid_spans,
-                                           .rounding = ellipsoid_rounding,
-                                           .clearance = ellipsoid_clearance,
-                                           .enclose = ellipsoid_enclose,
-                                           .first = ellipsoid_first,
-                                           .firsts = ellipsoid_firsts,
-                                           .second = ellipsoid_second,
-                                           .parameters = ellipsoid_parameters,
-                                           .by_parameter = ellipsoid_by_parameter,
-                                           .own_ = &ellipsoid_builtin};
+const sgt_surface_ops sgt_ellipsoid_ops = {
+    .name = "ellipsoid", .value = ellipsoid_value, .values = ellipsoid_values, .span = ellipsoid_span,
+    .spans = ellipsoid_spans, .rounding = ellipsoid_rounding, .clearance = ellipsoid_clearance,
+    .enclose = ellipsoid_enclose, .first = ellipsoid_first, .firsts = ellipsoid_firsts,
+    .second = ellipsoid_second, .parameters = ellipsoid_parameters, .by_parameter = ellipsoid_by_parameter,
+    .own_ = &ellipsoid_builtin};

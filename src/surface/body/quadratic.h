@@ -198,9 +198,7 @@ SGT_INLINE lane_span quadratic_first(const near_ray *r, const crossings *c, doub
     static sgt_span NAME##_one(const void *self, const sgt_ray *ray, bool first)                            \
     {                                                                                                       \
         sgt_span a;                                                                                         \
-        sgt_rays rays = {                                                                                   \
-            {&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};  \
-        NAME##_blocks(self, 1, rays, (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single}, first);                 \
+        NAME##_blocks(self, 1, rays_of(ray), (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single}, first);         \
         return a;                                                                                           \
     }                                                                                                       \
     static sgt_span NAME##_span(const void *self, const sgt_ray *ray)                                       \

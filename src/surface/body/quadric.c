@@ -207,9 +207,7 @@ static bool quadric_fine(const sgt_quadric *s, const sgt_ray *ray, double t0, sg
     fine_parabola p = {fine_dot(l, along.x, m, along.y, n, along.z),
                        twofold_times_power(fine_dot(l, full.x, m, full.y, n, full.z), 0.5),
                        twofold_sum(fine_dot(x, upper.x, y, upper.y, z, upper.z), twofold_of(s->constant)),
-                       0,
-                       0,
-                       0};
+                       0, 0, 0};
     p.Aa = quadric_bent(&size, la, ma, na),
     p.Ca = quadric_at(&size, fabs(x.hi), fabs(y.hi), fabs(z.hi), &sizes) + tiny;
     p.Ba = 0.5 * (sizes.x * la + sizes.y * ma + sizes.z * na) + tiny;
@@ -343,16 +341,8 @@ static sgt_objection quadric_object(const void *self)
 static const struct sgt_builtin_ops quadric_builtin = {
     .object = quadric_object, .roundings = quadric_roundings, .enclose = quadric_enclose_from};
 
-const sgt_surface_ops sgt_quadric_ops = {.name = "quadric",
-                                         .value = quadric_value,
-                                         .values = quadric_values,
-                                         .span = quadric_span,
-                                         .spans = quadric_spans,
-                                         .rounding = quadric_rounding,
-                                         .enclose = quadric_enclose,
-                                         .first = quadric_first,
-                                         .firsts = quadric_firsts,
-                                         .second = quadric_second,
-                                         .parameters = quadric_parameters,
-                                         .by_parameter = quadric_by_parameter,
-                                         .own_ = &quadric_builtin};
+const sgt_surface_ops sgt_quadric_ops = {
+    .name = "quadric", .value = quadric_value, .values = quadric_values, .span = quadric_span,
+    .spans = quadric_spans, .rounding = quadric_rounding, .enclose = quadric_enclose,
+    .first = quadric_first, .firsts = quadric_firsts, .second = quadric_second,
+    .parameters = quadric_parameters, .by_parameter = quadric_by_parameter, .own_ = &quadric_builtin};

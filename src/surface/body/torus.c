@@ -419,9 +419,7 @@ static void torus_firsts(const void *self, size_t n, sgt_rays rays, sgt_spans ou
 static sgt_span unique(const void *self, const sgt_ray *ray, bool first)
 {
     sgt_span a;
-    sgt_rays rays = {
-        {&ray->o.x, &ray->o.y, &ray->o.z}, {&ray->d.x, &ray->d.y, &ray->d.z}, &ray->tmin, &ray->tmax};
-    torus_search(self, 1, rays, first, (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single});
+    torus_search(self, 1, rays_of(ray), first, (sgt_spans){&a.lo, &a.hi, &a.seed, &a.single});
     return a;
 }
 
@@ -461,12 +459,9 @@ static view view_of(const fine_ray *r)
             yl = twofold_scaled(r->y, r->l);
     twofold l2 = two_product(r->l, r->l), m2 = two_product(r->m, r->m), a = twofold_sum(l2, m2),
             X = twofold_difference(xm, yl);
-    fine_parabola p = {a,
-                       twofold_sum(xl, ym),
-                       twofold_sum(twofold_product(r->x, r->x), twofold_product(r->y, r->y)),
-                       a.hi,
-                       fabs(xl.hi) + fabs(ym.hi) + 0x1p-700,
-                       0};
+    fine_parabola p = {a, twofold_sum(xl, ym),
+                       twofold_sum(twofold_product(r->x, r->x), twofold_product(r->y, r->y)), a.hi,
+                       fabs(xl.hi) + fabs(ym.hi) + 0x1p-700, 0};
     sgt_interval square, slope, A = fine_interval(a, FINE_COEFFICIENT * a.hi);
     p.Ca = p.C.hi + 0x1p-700;
     square = fine_enclose(&p, r, &slope);
@@ -617,17 +612,8 @@ static sgt_objection torus_object(const void *self)
 static const struct sgt_builtin_ops torus_builtin = {
     .object = torus_object, .roundings = torus_roundings, .enclose = torus_enclose_from};
 
-const sgt_surface_ops sgt_torus_ops = {.name = "torus",
-                                       .value = torus_value,
-                                       .values = torus_values,
-                                       .span = torus_span,
-                                       .spans = torus_spans,
-                                       .rounding = torus_rounding,
-                                       .clearance = torus_clearance,
-                                       .enclose = torus_enclose,
-                                       .first = torus_first,
-                                       .firsts = torus_firsts,
-                                       .second = torus_second,
-                                       .parameters = torus_parameters,
-                                       .by_parameter = torus_by_parameter,
-                                       .own_ = &torus_builtin};
+const sgt_surface_ops sgt_torus_ops = {
+    .name = "torus", .value = torus_value, .values = torus_values, .span = torus_span, .spans = torus_spans,
+    .rounding = torus_rounding, .clearance = torus_clearance, .enclose = torus_enclose,
+    .first = torus_first, .firsts = torus_firsts, .second = torus_second, .parameters = torus_parameters,
+    .by_parameter = torus_by_parameter, .own_ = &torus_builtin};

@@ -623,12 +623,7 @@ static bool conic_unique(const void *self, const sgt_tile *tile, double rim2, ma
 static const struct sgt_builtin_ops conic_builtin = {
     .meet = conic_meet, .all = conic_all, .lanes = conic_lanes, .unique = conic_unique};
 
-const sgt_surface_ops sgt_conic_ops = {.name = "conic",
-                                       .value = conic_value,
-                                       .span = conic_span,
-                                       .rounding = conic_rounding,
-                                       .enclose = conic_enclose,
-                                       .own_ = &conic_builtin,
-                                       .second = sgt_conic_second,
-                                       .parameters = sgt_conic_parameters,
-                                       .by_parameter = sgt_conic_by_parameter};
+const sgt_surface_ops sgt_conic_ops = {
+    .name = "conic", .value = conic_value, .span = conic_span, .rounding = conic_rounding,
+    .enclose = conic_enclose, .own_ = &conic_builtin, .second = sgt_conic_second,
+    .parameters = sgt_conic_parameters, .by_parameter = sgt_conic_by_parameter};

@@ -78,15 +78,8 @@ typedef struct bowl { double c, abs_c, k1, k1_lo, ck, extra, rim2, reach; bool p
 SGT_INLINE bool bowl_of(double c, double k, double rim2, bool proof, bowl *s)
 {
     double most = rim2 < 0x1p600 ? rim2 : 0x1p600;
-    *s = (bowl){c,
-                fabs(c),
-                1 + k,
-                two_sum(1, k).lo,
-                (1 + k) * c,
-                1 + k < 0 ? 2 * fabs(1 + k) * fabs(c) : 0,
-                proof ? sure_rim2(most) : most,
-                0x1p46 * sqrt(most),
-                proof};
+    *s = (bowl){c, fabs(c), 1 + k, two_sum(1, k).lo, (1 + k) * c, 1 + k < 0 ? 2 * fabs(1 + k) * fabs(c) : 0,
+                proof ? sure_rim2(most) : most, 0x1p46 * sqrt(most), proof};
     return (c == 0 || (fabs(c) > 0x1p-60 && fabs(c) < 0x1p60)) && fabs(k) < 0x1p60 && rim_in_range(rim2);
 }
 
@@ -202,12 +195,8 @@ SGT_INLINE near_root plane_start(const bowl *s, bool proof, double ox, double oy
     double t = t0 + t0_lo, reach = fabs(t) + fabs(t0_lo);
     mask good = MASK(n * n > 0x1p-200);
     if (proof) good &= MASK(fabs(t0) * (fabs(l) + fabs(m)) <= s->reach);
-    return (near_root){.x = x,
-                       .y = y,
-                       .t = t,
-                       .t_err = chosen(good, 1.01 * SGT_U * reach, (double)NAN),
-                       .t0 = t0,
-                       .small = t0_lo};
+    return (near_root){.x = x, .y = y, .t = t, .t_err = chosen(good, 1.01 * SGT_U * reach, (double)NAN),
+                       .t0 = t0, .small = t0_lo};
 }
 
 SGT_INLINE lane plane_end(const bowl *s, const near_root *r, double l, double m, double n, double tmin,
@@ -274,13 +263,8 @@ SGT_INLINE lane nearby(const bowl *s, const near_root *at, double ox, double oy,
            g = -s->c / (1 - w), side = fabs(l) + fabs(m);
     double terms = sgt_fma(s->abs_c, ox * ox + oy * oy + fabs(k1zz.hi), 2 * fabs(oz)),
            around = sgt_fma(s->abs_c, px * px + py * py, fabs(pz) * (2 + fabs(w)));
-    near_root r = {.x = ox,
-                   .y = oy,
-                   .tau = t,
-                   .t = t,
-                   .t_err = 25.1 * SGT_U * fabs(t),
-                   .tau_err = 25.1 * SGT_U * fabs(t),
-                   .small = t};
+    near_root r = {.x = ox, .y = oy, .tau = t, .t = t, .t_err = 25.1 * SGT_U * fabs(t),
+                   .tau_err = 25.1 * SGT_U * fabs(t), .small = t};
     mask exact = at_vertex(ox, oy, oz),
          sharp = MASK(fabs(C) > 0x1p-47 * terms) & MASK(terms > 0x1p-400) & MASK(terms < 0x1p400);
     mask same = MASK(fabs(t - at->t) <= 4 * at->t_err) & MASK(4 * D >= 3 * size)

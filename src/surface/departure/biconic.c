@@ -267,15 +267,10 @@ static sgt_objection biconic_objection(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const departure biconic_departure = {.at = biconic_at,
-                                            .rounding = biconic_off,
-                                            .bounds = biconic_bounds,
-                                            .range = biconic_range,
-                                            .second = biconic_second,
-                                            .parameters = biconic_parameter_count,
-                                            .by_parameter = biconic_by_parameter_of,
-                                            .object = biconic_objection,
-                                            .noise = biconic_noise};
+static const departure biconic_departure = {
+    .at = biconic_at, .rounding = biconic_off, .bounds = biconic_bounds, .range = biconic_range,
+    .second = biconic_second, .parameters = biconic_parameter_count,
+    .by_parameter = biconic_by_parameter_of, .object = biconic_objection, .noise = biconic_noise};
 
 /* The seed: a conic with the mean curvature, and the conic constant of the stronger axis. */
 static departure_sag biconic_on_conic(const sgt_biconic *b)
@@ -283,12 +278,8 @@ static departure_sag biconic_on_conic(const sgt_biconic *b)
     double k = fabs(b->c_x) > fabs(b->c_y) ? b->k_x : b->k_y;
     double A = (1 + b->k_x) * b->c_x * b->c_x, B = (1 + b->k_y) * b->c_y * b->c_y, least = A < B ? A : B,
            reach = least > 0x1p-900 ? (1 + 0x1p-40) / sqrt(least) : 0;
-    return (departure_sag){.c = 0.5 * (b->c_x + b->c_y),
-                           .k = k,
-                           .semi_diameter = b->semi_diameter,
-                           .of = &biconic_departure,
-                           .self = b,
-                           .reach = reach};
+    return (departure_sag){.c = 0.5 * (b->c_x + b->c_y), .k = k, .semi_diameter = b->semi_diameter,
+                           .of = &biconic_departure, .self = b, .reach = reach};
 }
 
 DEPARTURE_OPS(biconic, sgt_biconic, biconic_on_conic)

@@ -437,14 +437,8 @@ static sgt_objection chebyshev_object(const void *self)
 }
 
 static const departure chebyshev_departure = {
-    .at = chebyshev_at,
-    .rounding = chebyshev_rounding,
-    .bounds = chebyshev_bounds,
-    .second = chebyshev_second,
-    .parameters = chebyshev_parameters,
-    .by_parameter = chebyshev_by_parameter,
-    .object = chebyshev_object,
-    .noise = chebyshev_noise,
-};
+    .at = chebyshev_at, .rounding = chebyshev_rounding, .bounds = chebyshev_bounds,
+    .second = chebyshev_second, .parameters = chebyshev_parameters, .by_parameter = chebyshev_by_parameter,
+    .object = chebyshev_object, .noise = chebyshev_noise};
 
 DEPARTURE_ON_CONIC(chebyshev, sgt_chebyshev)

@@ -128,8 +128,10 @@ static void roundings_within(size_t n, double c, double k, double most2, double 
     }
 }
 
-bool sgt_departure_roundings(const sgt_shared *s, size_t n, sgt_points p, const double f[], double out[])
+bool sgt_departure_roundings(const void *self, const sgt_shared *s, size_t n, sgt_points p, const double f[],
+                             double out[])
 {
+    (void)self;
     if (!(s->noise[0] + s->noise[1] < HUGE_VAL)) return false;
     roundings_within(n, s->base_c, s->base_k, s->most2, s->noise[0], s->noise[1], p.p[0], p.p[1], p.p[2], f,
                      out);
@@ -322,12 +324,8 @@ void sgt_departure_share(const departure_sag *s, sgt_shared *shared)
 {
     sgt_extent e;
     sgt_departure_within(s, &e);
-    *shared = (sgt_shared){.c = s->c,
-                           .k1 = 1 + s->k,
-                           .radius2 = e.radius2,
-                           .steep = e.steep,
-                           .base_c = s->base ? s->c : 0,
-                           .base_k = s->base ? s->k : 0,
+    *shared = (sgt_shared){.c = s->c, .k1 = 1 + s->k, .radius2 = e.radius2, .steep = e.steep,
+                           .base_c = s->base ? s->c : 0, .base_k = s->base ? s->k : 0,
                            .most2 = rim2_within_frame(s) * (1 + 0x1p-20)};
     sgt_departure_noise(s, sqrt(shared->most2) * (1 + 0x1p-40), shared->noise);
 }
@@ -366,8 +364,10 @@ static void all_spans(const sgt_shared *self, size_t n, const double *restrict o
     }
 }
 
-void sgt_departure_spans(const sgt_shared *s, size_t n, sgt_rays r, sgt_spans out, double *least)
+void sgt_departure_spans(const void *self, const sgt_shared *s, size_t n, sgt_rays r, sgt_spans out,
+                         double *least)
 {
+    (void)self;
     double own[DEPARTURE_BLOCK];
     for (size_t i = 0, few; i < n; i += few) {
         few = n - i < DEPARTURE_BLOCK ? n - i : DEPARTURE_BLOCK;
@@ -383,8 +383,9 @@ static spanned one_span(const sgt_shared *s, const sgt_ray *ray)
     return span_of(s->c, s->k1, s->radius2, s->steep, ray->o, ray->d);
 }
 
-sgt_span sgt_departure_span(const sgt_shared *s, const sgt_ray *ray, double *least)
+sgt_span sgt_departure_span(const void *self, const sgt_shared *s, const sgt_ray *ray, double *least)
 {
+    (void)self;
     spanned a = one_span(s, ray);
     if (least) *least = a.least;
     return (sgt_span){a.lo, a.hi, a.seed, a.least > 0};
@@ -485,12 +486,7 @@ static sgt_interval base_over(const departure_sag *s, const sgt_ray *ray, double
                               sgt_interval *slope)
 {
     double c = s->base ? s->c : 0;
-    shape conic = {.c = c,
-                   .k = s->k,
-                   .ck = (1 + s->k) * c,
-                   .terms = 0,
-                   .a = NULL,
-                   .rim2 = HUGE_VAL,
+    shape conic = {.c = c, .k = s->k, .ck = (1 + s->k) * c, .terms = 0, .a = NULL, .rim2 = HUGE_VAL,
                    .domain2 = HUGE_VAL};
     return sgt_sag_enclose(&conic, ray, t0, t, slope);
 }

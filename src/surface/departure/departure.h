@@ -128,12 +128,13 @@ void sgt_departure_chords(size_t n, sgt_rays rays, const double *radius2, const 
                          double *hi, double *least);
 void sgt_departure_noise(const departure_sag *s, double radius, double e[2]);
 void sgt_departure_noise_about(const departure_sag *s, double radius, double e[2]);
-sgt_span sgt_departure_span(const sgt_shared *shared, const sgt_ray *ray, double *least);
-void sgt_departure_spans(const sgt_shared *shared, size_t n, sgt_rays rays, sgt_spans out, double *least);
+sgt_span sgt_departure_span(const void *self, const sgt_shared *shared, const sgt_ray *ray, double *least);
+void sgt_departure_spans(const void *self, const sgt_shared *shared, size_t n, sgt_rays rays, sgt_spans out,
+                         double *least);
 sgt_interval sgt_departure_enclose(const departure_sag *s, const sgt_ray *ray, double t0, sgt_interval t,
                                    sgt_interval *slope);
-bool sgt_departure_roundings(const sgt_shared *shared, size_t n, sgt_points p, const double f[],
-                             double out[]);
+bool sgt_departure_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p,
+                             const double f[], double out[]);
 void sgt_departure_second(const departure_sag *s, size_t n, sgt_points p, double *const out[6]);
 size_t sgt_departure_parameters(const departure_sag *s);
 void sgt_departure_by_parameter(const departure_sag *s, size_t j, size_t n, sgt_points p, sgt_values out);
@@ -157,145 +158,76 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
     return (sgt_objection){NULL, NULL};
 }
 
+/* A function of departure.c as one of the type NAME: HEAD is its name and parameters, the first of which is
+ * `self`; what it does is written of v, the sag. */
+#define DEPARTURE_OF(NAME, HEAD, ...)                                                                        \
+    static HEAD                                                                                              \
+    {                                                                                                        \
+        departure_sag v = NAME##_view(self);                                                                 \
+        __VA_ARGS__;                                                                                         \
+    }
+
 /* Defines sgt_NAME_ops, for parameters of type TYPE.  VIEW(s) is an expression of type
  * departure_sag for a pointer s to a TYPE.  NAME_departure must exist, and TYPE must have a semi_diameter. */
-#define DEPARTURE_OPS(NAME, TYPE, VIEW)                                                                     \
-    static departure_sag NAME##_view(const void *self)                                                      \
-    {                                                                                                       \
-        const TYPE *s = self;                                                                               \
-        return VIEW(s);                                                                                     \
-    }                                                                                                       \
-    static double NAME##_ops_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)                            \
-    {                                                                                                       \
-        departure_sag v = NAME##_view(self);                                                                \
-        return sgt_departure_value(&v, p, grad);                                                            \
-    }                                                                                                       \
-    static void NAME##_ops_values(const void *self, size_t n, sgt_points p, sgt_values out)                 \
-    {                                                                                                       \
-        departure_sag v = NAME##_view(self);                                                                \
-        sgt_departure_values(&v, n, p, out);                                                                \
-    }                                                                                                       \
-    static double NAME##_ops_rounding(const void *self, sgt_vec3 p)                                         \
-    {                                                                                                       \
-        departure_sag v = NAME##_view(self);                                                                \
-        return sgt_departure_rounding(&v, p);                                                               \
-    }                                                                                                       \
-    static void NAME##_share(const void *self, sgt_shared *shared)                                          \
-    {                                                                                                       \
-        departure_sag v = NAME##_view(self);                                                                \
-        sgt_departure_share(&v, shared);                                                                    \
-    }                                                                                                       \
-    static void NAME##_share_within(const void *self, double most, sgt_shared *shared)                      \
-    {                                                                                                       \
-        departure_sag v = sgt_departure_narrowed(NAME##_view(self), most);                                  \
-        sgt_departure_share(&v, shared);                                                                    \
-    }                                                                                                       \
-    static void NAME##_extent_within(const void *self, double most, sgt_extent *extent)                     \
-    {                                                                                                       \
-        departure_sag v = sgt_departure_narrowed(NAME##_view(self), most);                                  \
-        sgt_departure_within(&v, extent);                                                                   \
-    }                                                                                                       \
-    static void NAME##_heights(const void *self, sgt_heights *out)                                          \
-    {                                                                                                       \
-        departure_sag v = NAME##_view(self);                                                                \
-        sgt_departure_heights(&v, out);                                                                     \
-    }                                                                                                       \
-    static void NAME##_noise_within(const void *self, double radius, double e[2])                           \
-    {                                                                                                       \
-        departure_sag v = NAME##_view(self);                                                                \
-        sgt_departure_noise_about(&v, radius, e);                                                           \
-    }                                                                                                       \
-    static sgt_span NAME##_builtin_span(const void *self, const sgt_shared *shared, const sgt_ray *ray,     \
-                                        double *least)                                                      \
-    {                                                                                                       \
-        (void)self;                                                                                         \
-        return sgt_departure_span(shared, ray, least);                                                      \
-    }                                                                                                       \
-    static void NAME##_builtin_spans(const void *self, const sgt_shared *shared, size_t n, sgt_rays r,      \
-                                     sgt_spans out, double *least)                                          \
-    {                                                                                                       \
-        (void)self;                                                                                         \
-        sgt_departure_spans(shared, n, r, out, least);                                                      \
-    }                                                                                                       \
-    static sgt_span NAME##_ops_span(const void *self, const sgt_ray *ray)                                   \
-    {                                                                                                       \
-        sgt_shared e;                                                                                       \
-        NAME##_share(self, &e);                                                                             \
-        return sgt_departure_span(&e, ray, NULL);                                                           \
-    }                                                                                                       \
-    static void NAME##_ops_spans(const void *self, size_t n, sgt_rays r, sgt_spans out)                     \
-    {                                                                                                       \
-        sgt_shared e;                                                                                       \
-        NAME##_share(self, &e);                                                                             \
-        sgt_departure_spans(&e, n, r, out, NULL);                                                           \
-    }                                                                                                       \
-    static sgt_interval NAME##_builtin_enclose(const void *self, const sgt_ray *ray, double t0,             \
-                                               sgt_interval t, sgt_interval *slope)                         \
-    {                                                                                                       \
-        departure_sag v = NAME##_view(self);                                                                \
-        return sgt_departure_enclose(&v, ray, t0, t, slope);                                                \
-    }                                                                                                       \
-    static sgt_interval NAME##_ops_enclose(const void *self, const sgt_ray *ray, sgt_interval t,            \
-                                           sgt_interval *slope)                                             \
-    {                                                                                                       \
-        return NAME##_builtin_enclose(self, ray, 0, t, slope);                                              \
-    }                                                                                                       \
-    static void NAME##_ops_second(const void *self, size_t n, sgt_points p, double *const out[6])           \
-    {                                                                                                       \
-        departure_sag v = NAME##_view(self);                                                                \
-        sgt_departure_second(&v, n, p, out);                                                                \
-    }                                                                                                       \
-    static size_t NAME##_ops_parameters(const void *self)                                                   \
-    {                                                                                                       \
-        departure_sag v = NAME##_view(self);                                                                \
-        return sgt_departure_parameters(&v);                                                                \
-    }                                                                                                       \
-    static void NAME##_ops_by_parameter(const void *self, size_t j, size_t n, sgt_points p, sgt_values out) \
-    {                                                                                                       \
-        departure_sag v = NAME##_view(self);                                                                \
-        sgt_departure_by_parameter(&v, j, n, p, out);                                                       \
-    }                                                                                                       \
-    static bool NAME##_ops_roundings(const void *self, const sgt_shared *shared, size_t n, sgt_points p,    \
-                                     const double f[], double out[])                                        \
-    {                                                                                                       \
-        (void)self;                                                                                         \
-        return sgt_departure_roundings(shared, n, p, f, out);                                               \
-    }                                                                                                       \
-    static sgt_objection NAME##_ops_object(const void *self)                                                \
-    {                                                                                                       \
-        departure_sag v = NAME##_view(self);                                                                \
-        return sgt_departure_object(&v);                                                                    \
-    }                                                                                                       \
-    static double NAME##_rim(const void *self)                                                              \
-    {                                                                                                       \
-        const TYPE *s = self;                                                                               \
-        return s->semi_diameter;                                                                            \
-    }                                                                                                       \
-    static const struct sgt_builtin_ops NAME##_builtin = {.object = NAME##_ops_object,                      \
-                                                          .tile = SGT_MOST_TILE,                            \
-                                                          .share = NAME##_share,                            \
-                                                          .share_within = NAME##_share_within,              \
-                                                          .extent_within = NAME##_extent_within,            \
-                                                          .heights = NAME##_heights,                        \
-                                                          .chords = sgt_departure_chords,                   \
-                                                          .noise_within = NAME##_noise_within,              \
-                                                          .roundings = NAME##_ops_roundings,                \
-                                                          .span = NAME##_builtin_span,                      \
-                                                          .spans = NAME##_builtin_spans,                    \
-                                                          .enclose = NAME##_builtin_enclose,                \
-                                                          .rim = NAME##_rim,                                \
-                                                          .departure = &NAME##_departure};                  \
-    const sgt_surface_ops sgt_##NAME##_ops = {.name = #NAME,                                                \
-                                              .value = NAME##_ops_value,                                    \
-                                              .span = NAME##_ops_span,                                      \
-                                              .rounding = NAME##_ops_rounding,                              \
-                                              .enclose = NAME##_ops_enclose,                                \
-                                              .values = NAME##_ops_values,                                  \
-                                              .spans = NAME##_ops_spans,                                    \
-                                              .own_ = &NAME##_builtin,                                      \
-                                              .second = NAME##_ops_second,                                  \
-                                              .parameters = NAME##_ops_parameters,                          \
-                                              .by_parameter = NAME##_ops_by_parameter};
+#define DEPARTURE_OPS(NAME, TYPE, VIEW)                                                                      \
+    static departure_sag NAME##_view(const void *self) { return VIEW((const TYPE *)self); }                  \
+    static double NAME##_rim(const void *self) { return ((const TYPE *)self)->semi_diameter; }               \
+    DEPARTURE_OF(NAME, double NAME##_ops_value(const void *self, sgt_vec3 p, sgt_vec3 *grad),                \
+                 return sgt_departure_value(&v, p, grad))                                                    \
+    DEPARTURE_OF(NAME, void NAME##_ops_values(const void *self, size_t n, sgt_points p, sgt_values out),     \
+                 sgt_departure_values(&v, n, p, out))                                                        \
+    DEPARTURE_OF(NAME, double NAME##_ops_rounding(const void *self, sgt_vec3 p),                             \
+                 return sgt_departure_rounding(&v, p))                                                       \
+    DEPARTURE_OF(NAME, void NAME##_share(const void *self, sgt_shared *shared),                              \
+                 sgt_departure_share(&v, shared))                                                            \
+    DEPARTURE_OF(NAME, void NAME##_share_within(const void *self, double most, sgt_shared *shared),          \
+                 v = sgt_departure_narrowed(v, most); sgt_departure_share(&v, shared))                       \
+    DEPARTURE_OF(NAME, void NAME##_extent_within(const void *self, double most, sgt_extent *extent),         \
+                 v = sgt_departure_narrowed(v, most); sgt_departure_within(&v, extent))                      \
+    DEPARTURE_OF(NAME, void NAME##_heights(const void *self, sgt_heights *out),                              \
+                 sgt_departure_heights(&v, out))                                                             \
+    DEPARTURE_OF(NAME, void NAME##_noise_within(const void *self, double radius, double e[2]),               \
+                 sgt_departure_noise_about(&v, radius, e))                                                   \
+    DEPARTURE_OF(NAME,                                                                                       \
+                 sgt_interval NAME##_builtin_enclose(const void *self, const sgt_ray *ray, double t0,        \
+                                                     sgt_interval t, sgt_interval *slope),                   \
+                 return sgt_departure_enclose(&v, ray, t0, t, slope))                                        \
+    DEPARTURE_OF(NAME,                                                                                       \
+                 sgt_interval NAME##_ops_enclose(const void *self, const sgt_ray *ray, sgt_interval t,       \
+                                                 sgt_interval *slope),                                       \
+                 return sgt_departure_enclose(&v, ray, 0, t, slope))                                         \
+    DEPARTURE_OF(NAME,                                                                                       \
+                 void NAME##_ops_second(const void *self, size_t n, sgt_points p, double *const out[6]),     \
+                 sgt_departure_second(&v, n, p, out))                                                        \
+    DEPARTURE_OF(NAME, size_t NAME##_ops_parameters(const void *self), return sgt_departure_parameters(&v))  \
+    DEPARTURE_OF(NAME,                                                                                       \
+                 void NAME##_ops_by_parameter(const void *self, size_t j, size_t n, sgt_points p,            \
+                                              sgt_values out),                                               \
+                 sgt_departure_by_parameter(&v, j, n, p, out))                                               \
+    DEPARTURE_OF(NAME, sgt_objection NAME##_ops_object(const void *self), return sgt_departure_object(&v))   \
+    static sgt_span NAME##_ops_span(const void *self, const sgt_ray *ray)                                    \
+    {                                                                                                        \
+        sgt_shared e;                                                                                        \
+        NAME##_share(self, &e);                                                                              \
+        return sgt_departure_span(self, &e, ray, NULL);                                                      \
+    }                                                                                                        \
+    static void NAME##_ops_spans(const void *self, size_t n, sgt_rays r, sgt_spans out)                      \
+    {                                                                                                        \
+        sgt_shared e;                                                                                        \
+        NAME##_share(self, &e);                                                                              \
+        sgt_departure_spans(self, &e, n, r, out, NULL);                                                      \
+    }                                                                                                        \
+    static const struct sgt_builtin_ops NAME##_builtin = {                                                   \
+        .object = NAME##_ops_object, .tile = SGT_MOST_TILE, .share = NAME##_share,                           \
+        .share_within = NAME##_share_within, .extent_within = NAME##_extent_within,                          \
+        .heights = NAME##_heights, .chords = sgt_departure_chords, .noise_within = NAME##_noise_within,      \
+        .roundings = sgt_departure_roundings, .span = sgt_departure_span, .spans = sgt_departure_spans,      \
+        .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .departure = &NAME##_departure};               \
+    const sgt_surface_ops sgt_##NAME##_ops = {                                                               \
+        .name = #NAME, .value = NAME##_ops_value, .span = NAME##_ops_span, .rounding = NAME##_ops_rounding,  \
+        .enclose = NAME##_ops_enclose, .values = NAME##_ops_values, .spans = NAME##_ops_spans,               \
+        .own_ = &NAME##_builtin, .second = NAME##_ops_second, .parameters = NAME##_ops_parameters,           \
+        .by_parameter = NAME##_ops_by_parameter};
 
 /* The same for a sag on a conic base with parameters c and k. */
 #define DEPARTURE_ON_CONIC(NAME, TYPE)                                                               \

@@ -113,13 +113,8 @@ SGT_INLINE patch patch_at(const double *z, int columns, axis ax, axis ay, double
     double dx = greater(greater(r0.of.d, r1.of.d), greater(r2.of.d, r3.of.d)),
            sx = greater(greater(r0.of.s, r1.of.s), greater(r2.of.s, r3.of.s));
     double dy = greater(p.d, greater(z0, greater(z1, z2)));
-    return (patch){r1.z + inside,
-                   r1.of.rise + p.rise,
-                   r1.of.slope + q.rise + inside,
-                   p.slope + inside,
-                   r1.of.bend + bend.rise,
-                   q.slope,
-                   p.bend,
+    return (patch){r1.z + inside, r1.of.rise + p.rise, r1.of.slope + q.rise + inside, p.slope + inside,
+                   r1.of.bend + bend.rise, q.slope, p.bend,
                    28 * dx + 20 * sx + 10 * dy + 6 * p.s,
                    7 * dx + 22 * sx + 7 * q.d + 5 * q.s,
                    32 * dx + 22 * sx + 7 * dy + 17 * p.s};
@@ -325,25 +320,16 @@ void sgt_grid_measure(sgt_grid *g)
 
 static size_t grid_parameter_count(const void *self) { (void)self; return 0; }
 
-static const departure grid_departure = {.at = grid_at,
-                                         .rounding = grid_off,
-                                         .bounds = grid_bounds,
-                                         .second = grid_second,
-                                         .parameters = grid_parameter_count,
-                                         .object = grid_objection,
-                                         .noise = grid_noise,
-                                         .framed = true};
+static const departure grid_departure = {
+    .at = grid_at, .rounding = grid_off, .bounds = grid_bounds, .second = grid_second,
+    .parameters = grid_parameter_count, .object = grid_objection, .noise = grid_noise, .framed = true};
 
 static departure_sag grid_on_conic(const sgt_grid *g)
 {
     double across = axis_of(g->step_x, g->z.columns).edge, along = axis_of(g->step_y, g->z.rows).edge;
-    return (departure_sag){.c = g->c,
-                      .k = g->k,
-                      .semi_diameter = g->semi_diameter,
-                      .base = true,
-                      .of = &grid_departure,
-                      .self = g,
-                      .reach = length_of(across, along) * (1 + 0x1p-50)};
+    return (departure_sag){.c = g->c, .k = g->k, .semi_diameter = g->semi_diameter, .base = true,
+                           .of = &grid_departure, .self = g,
+                           .reach = length_of(across, along) * (1 + 0x1p-50)};
 }
 
 DEPARTURE_OPS(grid, sgt_grid, grid_on_conic)

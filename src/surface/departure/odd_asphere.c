@@ -225,13 +225,8 @@ static sgt_objection odd_object(const void *self)
                : (sgt_objection){"coefficients", "must be finite"};
 }
 
-static const departure odd_asphere_departure = {.at = odd_sag,
-                                                .rounding = odd_rounding,
-                                                .bounds = odd_bounds_over,
-                                                .second = odd_bend,
-                                                .parameters = odd_parameters,
-                                                .by_parameter = odd_by_parameter,
-                                                .object = odd_object,
-                                                .noise = odd_noise};
+static const departure odd_asphere_departure = {
+    .at = odd_sag, .rounding = odd_rounding, .bounds = odd_bounds_over, .second = odd_bend,
+    .parameters = odd_parameters, .by_parameter = odd_by_parameter, .object = odd_object, .noise = odd_noise};
 
 DEPARTURE_ON_CONIC(odd_asphere, sgt_odd_asphere)

@@ -276,13 +276,8 @@ static sgt_objection xy_object(const void *self)
     return (sgt_objection){reason ? "coefficients" : NULL, reason};
 }
 
-static const departure polynomial_xy_departure = {.at = xy_at,
-                                                  .rounding = xy_rounding,
-                                                  .bounds = xy_bounds_over,
-                                                  .second = xy_second,
-                                                  .parameters = xy_parameters,
-                                                  .by_parameter = xy_by_parameter,
-                                                  .object = xy_object,
-                                                  .noise = xy_noise};
+static const departure polynomial_xy_departure = {
+    .at = xy_at, .rounding = xy_rounding, .bounds = xy_bounds_over, .second = xy_second,
+    .parameters = xy_parameters, .by_parameter = xy_by_parameter, .object = xy_object, .noise = xy_noise};
 
 DEPARTURE_ON_CONIC(polynomial_xy, sgt_polynomial_xy)

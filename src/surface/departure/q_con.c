@@ -182,13 +182,8 @@ static sgt_objection con_object(const void *self)
     return object_to_list("coefficients", s->a, Q_TERMS, "must have at most 64 numbers");
 }
 
-static const departure q_con_departure = {.at = con_at,
-                                          .rounding = con_rounding,
-                                          .bounds = con_bounds_over,
-                                          .second = con_second,
-                                          .parameters = con_parameters,
-                                          .by_parameter = con_by_parameter,
-                                          .object = con_object,
-                                          .noise = con_noise};
+static const departure q_con_departure = {
+    .at = con_at, .rounding = con_rounding, .bounds = con_bounds_over, .second = con_second,
+    .parameters = con_parameters, .by_parameter = con_by_parameter, .object = con_object, .noise = con_noise};
 
 DEPARTURE_ON_CONIC(q_con, sgt_q_con)

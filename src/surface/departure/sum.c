@@ -129,14 +129,8 @@ static sgt_objection sum_object(const void *self)
     return fine;
 }
 
-static const departure sum_departure = {.at = sum_at,
-                                        .rounding = sum_rounding,
-                                        .bounds = sum_bounds,
-                                        .range = sum_range,
-                                        .second = sum_second,
-                                        .parameters = sum_parameters,
-                                        .by_parameter = sum_by_parameter,
-                                        .object = sum_object,
-                                        .noise = sum_noise};
+static const departure sum_departure = {
+    .at = sum_at, .rounding = sum_rounding, .bounds = sum_bounds, .range = sum_range, .second = sum_second,
+    .parameters = sum_parameters, .by_parameter = sum_by_parameter, .object = sum_object, .noise = sum_noise};
 
 DEPARTURE_ON_CONIC(sum, sgt_sum)

@@ -423,26 +423,18 @@ static sgt_objection toroidal_objection(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
-static const departure toroidal_departure = {.at = toroidal_at,
-                                             .rounding = toroidal_off,
-                                             .bounds = toroidal_bounds,
-                                             .range = toroidal_range,
-                                             .second = toroidal_second,
-                                             .parameters = toroidal_parameter_count,
-                                             .by_parameter = toroidal_by_parameter_of,
-                                             .object = toroidal_objection,
-                                             .noise = toroidal_noise,
-                                             .noise_about = toroidal_noise_about};
+static const departure toroidal_departure = {
+    .at = toroidal_at, .rounding = toroidal_off, .bounds = toroidal_bounds, .range = toroidal_range,
+    .second = toroidal_second, .parameters = toroidal_parameter_count,
+    .by_parameter = toroidal_by_parameter_of, .object = toroidal_objection, .noise = toroidal_noise,
+    .noise_about = toroidal_noise_about};
 
 /* The seed: a conic with the mean curvature. */
 static departure_sag toroidal_on_conic(const sgt_toroidal *a)
 {
     double c_y = a->c + 2 * a->a[0];
-    return (departure_sag){.c = 0.5 * (a->c_x + c_y),
-                           .k = fabs(a->c_x) > fabs(c_y) ? 0 : a->k,
-                           .semi_diameter = a->semi_diameter,
-                           .of = &toroidal_departure,
-                           .self = a};
+    return (departure_sag){.c = 0.5 * (a->c_x + c_y), .k = fabs(a->c_x) > fabs(c_y) ? 0 : a->k,
+                           .semi_diameter = a->semi_diameter, .of = &toroidal_departure, .self = a};
 }
 
 DEPARTURE_OPS(toroidal, sgt_toroidal, toroidal_on_conic)

@@ -425,14 +425,8 @@ static sgt_objection zernike_object(const void *self)
 }
 
 static const departure zernike_departure = {
-    .at = zernike_at,
-    .rounding = zernike_rounding,
-    .bounds = zernike_bounds,
-    .second = zernike_second,
-    .parameters = zernike_parameters,
-    .by_parameter = zernike_by_parameter,
-    .object = zernike_object,
-    .noise = zernike_noise,
-};
+    .at = zernike_at, .rounding = zernike_rounding, .bounds = zernike_bounds, .second = zernike_second,
+    .parameters = zernike_parameters, .by_parameter = zernike_by_parameter, .object = zernike_object,
+    .noise = zernike_noise};
 
 DEPARTURE_ON_CONIC(zernike, sgt_zernike)

@@ -220,10 +220,8 @@ typedef struct estimator { quaternion along_c; double im, E2, power2, inverse_le
 SGT_INLINE estimator estimator_of(const orbit *o, quaternion c)
 {
     double im = sqrt(c.b * c.b + c.c * c.c + c.d * c.d), inverse = im > 0 ? 1 / im : 0;
-    return (estimator){.along_c = {c.a, c.b * inverse, c.c * inverse, c.d * inverse},
-                       .im = im,
-                       .E2 = o->E * o->E,
-                       .power2 = (double)(o->power * o->power),
+    return (estimator){.along_c = {c.a, c.b * inverse, c.c * inverse, c.d * inverse}, .im = im,
+                       .E2 = o->E * o->E, .power2 = (double)(o->power * o->power),
                        .inverse_length = 1 / larger(o->x_length, larger(o->y_length, o->z_length))};
 }
 

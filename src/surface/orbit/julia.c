@@ -28,206 +28,75 @@ static sgt_interval enclose_by(const orbit *o, const sgt_ray *ray, sgt_interval 
 
 /* ------------------------------------------------------- the two surfaces */
 
-/* The parameters of a set read as an orbit; an objection with a param where they are invalid. */
-typedef sgt_objection orbit_of(const void *self, orbit *o);
-
-SGT_INLINE double value_by(orbit_of *read, const void *self, sgt_vec3 p, sgt_vec3 *grad)
+static double value_nowhere(sgt_vec3 *grad)
 {
-    orbit o;
-    if (!read(self, &o).param) return sgt_level_value(&o, p, grad);
     if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};
     return NAN;
 }
 
-SGT_INLINE sgt_span span_by(orbit_of *read, const void *self, const sgt_ray *ray)
+static sgt_hit meet_orbit(const orbit *o, const sgt_ray *ray, const sgt_options *opt)
 {
-    orbit o;
-    if (read(self, &o).param) return (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = NAN};
-    return sgt_level_span(&o, ray);
-}
-
-SGT_INLINE double rounding_by(orbit_of *read, const void *self, sgt_vec3 p)
-{
-    orbit o;
-    return read(self, &o).param ? (double)NAN : sgt_level_rounding(&o, p);
-}
-
-SGT_INLINE double estimate_by(orbit_of *read, const void *self, sgt_vec3 p)
-{
-    orbit o;
-    double f;
-    return read(self, &o).param ? (double)NAN : sgt_level_estimate(&o, p, &f);
-}
-
-SGT_INLINE sgt_interval enclosure_by(orbit_of *read, const void *self, const sgt_ray *ray, sgt_interval t,
-                                     sgt_interval *slope)
-{
-    orbit o;
-    *slope = (sgt_interval){NAN, NAN};
-    return read(self, &o).param ? *slope : enclose_by(&o, ray, t, slope);
-}
-
-SGT_INLINE sgt_hit meet_by(orbit_of *read, const void *self, const sgt_ray *ray, const sgt_options *opt)
-{
-    orbit o;
     sgt_list list = {.cap = 0, .count = 0};
-    if (read(self, &o).param) return hit_without(SGT_INVALID, ray, 0);
-    int evals = sgt_level_march(&o, ray, opt, false, &list);
+    int evals = sgt_level_march(o, ray, opt, false, &list);
     return first_entry(&list, ray, evals);
 }
 
-SGT_INLINE sgt_status all_by(orbit_of *read, const void *self, const sgt_ray *ray, const sgt_options *opt,
-                             sgt_list *list)
+static sgt_status all_of_orbit(const orbit *o, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
 {
-    orbit o;
-    if (read(self, &o).param) return SGT_INVALID;
-    sgt_level_march(&o, ray, opt, true, list);
+    sgt_level_march(o, ray, opt, true, list);
     return 0;
 }
 
-SGT_INLINE size_t lanes_by(orbit_of *read, const void *self, const sgt_tile *tile, const sgt_options *opt)
+static size_t all_hard(const sgt_tile *tile)
 {
-    orbit o;
-    if (!read(self, &o).param) return sgt_level_lanes(&o, tile, opt);
     memset(tile->hits.status, SGT_HARD, tile->n);
     return tile->n;
 }
 
-SGT_INLINE double potential_by(orbit_of *read, const void *self, sgt_vec3 p, sgt_vec3 *grad)
-{
-    orbit o;
-    if (!read(self, &o).param) return sgt_level_potential(&o, p, grad);
-    if (grad) *grad = (sgt_vec3){NAN, NAN, NAN};
-    return NAN;
-}
+/* A function of an orbit o as one of a surface.  HEAD: its name and parameters, the first of which is
+ * `self`.  IF_NOT: its value where a parameter is invalid. */
+#define OF_ORBIT(NAME, HEAD, IF_NOT, THEN)                                                                  \
+    static HEAD                                                                                             \
+    {                                                                                                       \
+        orbit o;                                                                                            \
+        return sgt_orbit_of_##NAME(self, &o).param ? (IF_NOT) : (THEN);                                     \
+    }
 
-/* ------------------------------------------------------------------- julia */
+/* sgt_NAME_ops and sgt_NAME_potential, from sgt_orbit_of_NAME, which reads the parameters. */
+#define LEVEL_SET(NAME)                                                                                     \
+    OF_ORBIT(NAME, double NAME##_value(const void *self, sgt_vec3 p, sgt_vec3 *grad), value_nowhere(grad),  \
+             sgt_level_value(&o, p, grad))                                                                  \
+    OF_ORBIT(NAME, sgt_span NAME##_span(const void *self, const sgt_ray *ray),                              \
+             ((sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = NAN}), sgt_level_span(&o, ray))           \
+    OF_ORBIT(NAME, double NAME##_rounding(const void *self, sgt_vec3 p), (double)NAN,                       \
+             sgt_level_rounding(&o, p))                                                                     \
+    OF_ORBIT(NAME, double NAME##_estimate(const void *self, sgt_vec3 p), (double)NAN,                       \
+             sgt_level_estimate(&o, p, &(double){0}))                                                       \
+    OF_ORBIT(NAME,                                                                                          \
+             sgt_interval NAME##_enclose(const void *self, const sgt_ray *ray, sgt_interval t,              \
+                                         sgt_interval *slope),                                              \
+             (*slope = (sgt_interval){NAN, NAN}), enclose_by(&o, ray, t, slope))                            \
+    OF_ORBIT(NAME, sgt_hit NAME##_meet(const void *self, const sgt_ray *ray, const sgt_options *opt),       \
+             hit_without(SGT_INVALID, ray, 0), meet_orbit(&o, ray, opt))                                    \
+    OF_ORBIT(NAME,                                                                                          \
+             sgt_status NAME##_all(const void *self, const sgt_ray *ray, const sgt_options *opt,            \
+                                   sgt_list *list),                                                         \
+             SGT_INVALID, all_of_orbit(&o, ray, opt, list))                                                 \
+    OF_ORBIT(NAME, size_t NAME##_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt),     \
+             all_hard(tile), sgt_level_lanes(&o, tile, opt))                                                \
+    OF_ORBIT(NAME, double NAME##_logarithm(const void *self, sgt_vec3 p, sgt_vec3 *grad),                   \
+             value_nowhere(grad), sgt_level_potential(&o, p, grad))                                         \
+    static sgt_objection NAME##_object(const void *self) { return sgt_orbit_of_##NAME(self, &(orbit){0}); } \
+    static const struct sgt_builtin_ops NAME##_builtin = {                                                  \
+        .object = NAME##_object, .meet = NAME##_meet, .all = NAME##_all, .lanes = NAME##_lanes,             \
+        .tile = SGT_MOST_TILE};                                                                             \
+    const sgt_surface_ops sgt_##NAME##_ops = {                                                              \
+        .name = #NAME, .own_ = &NAME##_builtin, .value = NAME##_value, .span = NAME##_span,                 \
+        .rounding = NAME##_rounding, .estimate = NAME##_estimate, .enclose = NAME##_enclose};               \
+    double sgt_##NAME##_potential(const sgt_##NAME *s, sgt_vec3 p, sgt_vec3 *grad)                          \
+    {                                                                                                       \
+        return NAME##_logarithm(s, p, grad);                                                                \
+    }
 
-static double julia_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
-{
-    return value_by(sgt_orbit_of_julia, self, p, grad);
-}
-
-static sgt_span julia_span(const void *self, const sgt_ray *ray)
-{
-    return span_by(sgt_orbit_of_julia, self, ray);
-}
-
-static double julia_rounding(const void *self, sgt_vec3 p)
-{
-    return rounding_by(sgt_orbit_of_julia, self, p);
-}
-
-static double julia_estimate(const void *self, sgt_vec3 p)
-{
-    return estimate_by(sgt_orbit_of_julia, self, p);
-}
-
-static sgt_interval julia_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
-{
-    return enclosure_by(sgt_orbit_of_julia, self, ray, t, slope);
-}
-
-static sgt_hit julia_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
-{
-    return meet_by(sgt_orbit_of_julia, self, ray, opt);
-}
-
-static sgt_status julia_all(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
-{
-    return all_by(sgt_orbit_of_julia, self, ray, opt, list);
-}
-
-static size_t julia_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)
-{
-    return lanes_by(sgt_orbit_of_julia, self, tile, opt);
-}
-
-static sgt_objection julia_object(const void *self)
-{
-    orbit o;
-    return sgt_orbit_of_julia(self, &o);
-}
-
-static const struct sgt_builtin_ops julia_builtin = {
-    .object = julia_object,
-    .meet = julia_meet, .all = julia_all, .lanes = julia_lanes, .tile = SGT_MOST_TILE};
-
-const sgt_surface_ops sgt_julia_ops = {.name = "julia",
-                                      .own_ = &julia_builtin,
-                                      .value = julia_value,
-                                      .span = julia_span,
-                                      .rounding = julia_rounding,
-                                      .estimate = julia_estimate,
-                                      .enclose = julia_enclose};
-
-double sgt_julia_potential(const sgt_julia *s, sgt_vec3 p, sgt_vec3 *grad)
-{
-    return potential_by(sgt_orbit_of_julia, s, p, grad);
-}
-
-/* ------------------------------------------------------------------- mandelbrot */
-
-static double mandelbrot_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
-{
-    return value_by(sgt_orbit_of_mandelbrot, self, p, grad);
-}
-
-static sgt_span mandelbrot_span(const void *self, const sgt_ray *ray)
-{
-    return span_by(sgt_orbit_of_mandelbrot, self, ray);
-}
-
-static double mandelbrot_rounding(const void *self, sgt_vec3 p)
-{
-    return rounding_by(sgt_orbit_of_mandelbrot, self, p);
-}
-
-static double mandelbrot_estimate(const void *self, sgt_vec3 p)
-{
-    return estimate_by(sgt_orbit_of_mandelbrot, self, p);
-}
-
-static sgt_interval mandelbrot_enclose(const void *self, const sgt_ray *ray, sgt_interval t,
-                                       sgt_interval *slope)
-{
-    return enclosure_by(sgt_orbit_of_mandelbrot, self, ray, t, slope);
-}
-
-static sgt_hit mandelbrot_meet(const void *self, const sgt_ray *ray, const sgt_options *opt)
-{
-    return meet_by(sgt_orbit_of_mandelbrot, self, ray, opt);
-}
-
-static sgt_status mandelbrot_all(const void *self, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)
-{
-    return all_by(sgt_orbit_of_mandelbrot, self, ray, opt, list);
-}
-
-static size_t mandelbrot_lanes(const void *self, const sgt_tile *tile, const sgt_options *opt)
-{
-    return lanes_by(sgt_orbit_of_mandelbrot, self, tile, opt);
-}
-
-static sgt_objection mandelbrot_object(const void *self)
-{
-    orbit o;
-    return sgt_orbit_of_mandelbrot(self, &o);
-}
-
-static const struct sgt_builtin_ops mandelbrot_builtin = {
-    .object = mandelbrot_object,
-    .meet = mandelbrot_meet, .all = mandelbrot_all, .lanes = mandelbrot_lanes, .tile = SGT_MOST_TILE};
-
-const sgt_surface_ops sgt_mandelbrot_ops = {.name = "mandelbrot",
-                                      .own_ = &mandelbrot_builtin,
-                                      .value = mandelbrot_value,
-                                      .span = mandelbrot_span,
-                                      .rounding = mandelbrot_rounding,
-                                      .estimate = mandelbrot_estimate,
-                                      .enclose = mandelbrot_enclose};
-
-double sgt_mandelbrot_potential(const sgt_mandelbrot *s, sgt_vec3 p, sgt_vec3 *grad)
-{
-    return potential_by(sgt_orbit_of_mandelbrot, s, p, grad);
-}
+LEVEL_SET(julia)
+LEVEL_SET(mandelbrot)

@@ -67,8 +67,7 @@ sgt_span sgt_level_span(const orbit *o, const sgt_ray *ray)
     double slack = 0x1p-48 * (fabs(q.t0) + fabs(lo) + fabs(hi));
     if (!(hi - lo < HUGE_VAL)) return (sgt_span){.lo = -HUGE_VAL, .hi = HUGE_VAL, .seed = NAN};
     return (sgt_span){.lo = end_below(q.t0 + lo - slack, q.scale),
-                      .hi = end_above(q.t0 + hi + slack, q.scale),
-                      .seed = NAN};
+                      .hi = end_above(q.t0 + hi + slack, q.scale), .seed = NAN};
 }
 
 /* ----------------------------------------------------------------- entries */
@@ -174,17 +173,8 @@ static bool add_root(level_walk *w, sgt_status status, double tau, double tau_er
             return true;
         }
     }
-    sgt_interval about = sgt_about(h.t, h.t_err);
-    level_add(w, &(sgt_hit){.status = status,
-                            .t = h.t,
-                            .t_err = h.t_err,
-                            .t_lo = h.t_lo,
-                            .lo = about.lo,
-                            .hi = about.hi,
-                            .f = f,
-                            .p = h.p,
-                            .n = h.n,
-                            .p_err = h.p_err});
+    sgt_hit hit = hit_found(status, 0, h.t, h.t_err, h.t_lo, f, h.p, h.n, h.p_err);
+    level_add(w, &hit);
     return true;
 }
 

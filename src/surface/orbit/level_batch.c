@@ -44,27 +44,8 @@ enum { WIDTH = 16, WAITING = 8, HITS = 8, MOST_LEVELS = 16 };
 
 /* A ray in its march.  Each number is a row. */
 enum field {
-    SA,
-    SB,
-    SC,
-    SD,
-    LA,
-    LB,
-    LC,
-    LD,
-    START_SIZE,
-    ALONG_SIZE,
-    TAU,
-    HI,
-    H,
-    GROWTH,
-    SIDE,
-    EVALS,
-    T_TOL,
-    LEAST,
-    LEAST_STEP,
-    RAY,
-    FIELDS
+    SA, SB, SC, SD, LA, LB, LC, LD, START_SIZE, ALONG_SIZE, TAU, HI, H, GROWTH, SIDE, EVALS, T_TOL, LEAST,
+    LEAST_STEP, RAY, FIELDS
 };
 
 /* On the fast way: where F was last evaluated, F there, and 1 over the length of a unit of tau. */
@@ -172,18 +153,9 @@ SGT_INLINE void on_a_level(flight *s, double h, double h2, const one_constant *c
 /* Lays the next cell if the last is decided, and takes it two levels further. */
 SGT_INLINE void fly(stream *s, int l, const shared *w, bool mandelbrot)
 {
-    flight f = {{.a = s->a[l],
-                 .b = s->b[l],
-                 .c = s->c[l],
-                 .d = s->d[l],
-                 .va = s->va[l],
-                 .vb = s->vb[l],
-                 .vc = s->vc[l],
-                 .vd = s->vd[l],
-                 .e = s->e[l]},
-                s->over[l],
-                s->left[l],
-                s->verdict[l]};
+    flight f = {{.a = s->a[l], .b = s->b[l], .c = s->c[l], .d = s->d[l], .va = s->va[l], .vb = s->vb[l],
+                 .vc = s->vc[l], .vd = s->vd[l], .e = s->e[l]},
+                s->over[l], s->left[l], s->verdict[l]};
     double tau = s->f[TAU][l], rest = s->f[HI][l] - tau, step = s->f[H][l],
            laid = 2 * step > rest ? 0.5 * rest : step, old_m = s->m[l], old_h = s->h[l], old_end = s->end[l];
     double new_m = tau + laid, new_end = new_m + laid, new_h = larger(new_m - tau, new_end - new_m),
@@ -237,16 +209,19 @@ SGT_INLINE double go_on(stream *s, int l, const shared w)
     return leave;
 }
 
+/* A bit for each lane that leaves. */
+SGT_INLINE unsigned leaving_of(const stream *s)
+{
+    unsigned which = 0;
+    for (int l = 0; l < WIDTH; l++) which |= (s->leave[l] > 0 ? 1U : 0U) << l;
+    return which;
+}
+
 SGT_INLINE unsigned advance(stream *s, const set *o, bool mandelbrot)
 {
-    const shared w = {.c = o->path.c,
-                      .near = circle_of(&o->path),
-                      .limit = o->escape.limit,
-                      .over = o->escape.over,
-                      .growth = o->escape.growth,
-                      .E2 = o->E2,
-                      .levels = o->path.iterations - (mandelbrot ? 1 : 0),
-                      .budget = o->budget};
+    const shared w = {.c = o->path.c, .near = circle_of(&o->path), .limit = o->escape.limit,
+                      .over = o->escape.over, .growth = o->escape.growth, .E2 = o->E2,
+                      .levels = o->path.iterations - (mandelbrot ? 1 : 0), .budget = o->budget};
     double leaving = 0;
     do {
 #pragma omp simd
@@ -255,9 +230,7 @@ SGT_INLINE unsigned advance(stream *s, const set *o, bool mandelbrot)
 #pragma omp simd reduction(+ : leaving)
         for (int l = 0; l < WIDTH; l++) leaving += go_on(s, l, w);
     } while (leaving == 0);
-    unsigned which = 0;
-    for (int l = 0; l < WIDTH; l++) which |= (s->leave[l] > 0 ? 1U : 0U) << l;
-    return which;
+    return leaving_of(s);
 }
 
 /* Advances all lanes until one leaves. */
@@ -330,16 +303,11 @@ SGT_INLINE unsigned advance_fast(stream *s, const set *w, bool mandelbrot)
 #pragma omp simd reduction(+ : leaving)
         for (int l = 0; l < WIDTH; l++) leaving += end_estimate(s, l, e, budget);
     } while (leaving == 0);
-    unsigned which = 0;
-    for (int l = 0; l < WIDTH; l++) which |= (s->leave[l] > 0 ? 1U : 0U) << l;
-    return which;
+    return leaving_of(s);
 }
 
-SGT_KERNEL static unsigned advance_fast_julia(stream *s, const set *w) { return advance_fast(s, w, false); }
-SGT_KERNEL static unsigned advance_fast_mandelbrot(stream *s, const set *w)
-{
-    return advance_fast(s, w, true);
-}
+SGT_KERNEL static unsigned fast_julia(stream *s, const set *w) { return advance_fast(s, w, false); }
+SGT_KERNEL static unsigned fast_mandelbrot(stream *s, const set *w) { return advance_fast(s, w, true); }
 
 /* ------------------------------------------------------------- near the surface */
 
@@ -362,15 +330,8 @@ SGT_INLINE void look_at_level(near *s, int l, double E, double far, const circle
 {
     SGT_COUNT_LEVEL(l < s->count && s->live[l] > 0);
     double h = s->h[l], live = s->live[l], out = s->out[l], A, room;
-    one q = {.a = s->a[l],
-             .b = s->b[l],
-             .c = s->c[l],
-             .d = s->d[l],
-             .va = s->va[l],
-             .vb = s->vb[l],
-             .vc = s->vc[l],
-             .vd = s->vd[l],
-             .e = s->e[l]};
+    one q = {.a = s->a[l], .b = s->b[l], .c = s->c[l], .d = s->d[l], .va = s->va[l], .vb = s->vb[l],
+             .vc = s->vc[l], .vd = s->vd[l], .e = s->e[l]};
     one_norms(&q);
     double y = h * h * q.V2, x = fabs(q.qv) * h;
     one_twice_root(&q.A2, &A);
@@ -386,18 +347,8 @@ SGT_INLINE void next_level(near *s, int l, const quaternion set_c, const circle 
            own = 0;
     double start_size = s->f[START_SIZE][l], along_size = s->f[ALONG_SIZE][l];
     double la = s->f[LA][l], lb = s->f[LB][l], lc = s->f[LC][l], ld = s->f[LD][l];
-    one q = {.a = s->a[l],
-             .b = s->b[l],
-             .c = s->c[l],
-             .d = s->d[l],
-             .va = s->va[l],
-             .vb = s->vb[l],
-             .vc = s->vc[l],
-             .vd = s->vd[l],
-             .e = s->e[l],
-             .A2 = s->A2[l],
-             .V2 = s->V2[l],
-             .qv = s->qv[l]};
+    one q = {.a = s->a[l], .b = s->b[l], .c = s->c[l], .d = s->d[l], .va = s->va[l], .vb = s->vb[l],
+             .vc = s->vc[l], .vd = s->vd[l], .e = s->e[l], .A2 = s->A2[l], .V2 = s->V2[l], .qv = s->qv[l]};
     double y = h * h * q.V2;
     one_constant c = {set_c.a, set_c.b, set_c.c, set_c.d, 0};
     if (mandelbrot) {
@@ -460,14 +411,9 @@ SGT_KERNEL static void look_near_mandelbrot(near *s, const set *w) { look_near(s
 
 static void write_without(const sgt_hits *out, size_t i, sgt_status status, int evals)
 {
-    out->status[i] = (signed char)status;
-    if (out->evals) out->evals[i] = evals;
-    if (out->t) out->t[i] = NAN;
-    if (out->t_err) out->t_err[i] = NAN;
-    if (out->t_lo) out->t_lo[i] = NAN;
-    if (out->p[0]) out->p[0][i] = out->p[1][i] = out->p[2][i] = NAN;
-    if (out->n[0]) out->n[0][i] = out->n[1][i] = out->n[2][i] = NAN;
-    if (out->p_err) out->p_err[i] = NAN;
+    static const sgt_ray any = {.tmin = 0}; /* its ends, lo and hi, are not written */
+    sgt_hit hit = hit_without(status, &any, evals);
+    put_hit(out, i, &hit);
 }
 
 static void give_up(job *j, size_t i) { j->tile->hits.status[i] = SGT_HARD, j->hard++; }
@@ -476,10 +422,8 @@ static void give_up(job *j, size_t i) { j->tile->hits.status[i] = SGT_HARD, j->h
 SGT_INLINE sgt_ray ray_at(const sgt_rays *r, size_t i)
 {
     double tmin = r->tmin[i], tmax = r->tmax[i], half_line = tmin >= 0 ? HUGE_VAL : 0;
-    return (sgt_ray){{r->o[0][i], r->o[1][i], r->o[2][i]},
-                     {r->d[0][i], r->d[1][i], r->d[2][i]},
-                     tmin,
-                     tmax == 0 ? half_line : tmax};
+    return (sgt_ray){{r->o[0][i], r->o[1][i], r->o[2][i]}, {r->d[0][i], r->d[1][i], r->d[2][i]},
+                     tmin, tmax == 0 ? half_line : tmax};
 }
 
 /* Makes ray `at` of the tile ready as number i of those that wait.  Returns 1 if it is ready, 0 if it
@@ -695,7 +639,6 @@ static void count_far(hits *s, size_t l)
 static void tell_hits(job *j)
 {
     hits *s = j->hits;
-    const sgt_hits *out = &j->tile->hits;
     if (j->set->path.mandelbrot) meet_mandelbrot(s, j->set);
     else meet_julia(s, j->set);
     for (size_t l = 0; l < s->count; l++) {
@@ -717,14 +660,10 @@ static void tell_hits(job *j)
                 continue;
             }
         }
-        out->status[i] = SGT_HIT;
-        if (out->evals) out->evals[i] = (int)s->f[EVALS][l];
-        if (out->t) out->t[i] = s->t[l];
-        if (out->t_err) out->t_err[i] = s->t_err[l];
-        if (out->t_lo) out->t_lo[i] = s->t_lo[l];
-        if (out->p[0]) out->p[0][i] = s->p[0][l], out->p[1][i] = s->p[1][l], out->p[2][i] = s->p[2][l];
-        if (out->n[0]) out->n[0][i] = s->y[0][l], out->n[1][i] = s->y[1][l], out->n[2][i] = s->y[2][l];
-        if (out->p_err) out->p_err[i] = s->p_err[l];
+        sgt_hit hit = {.status = SGT_HIT, .evals = (int)s->f[EVALS][l], .t = s->t[l], .t_err = s->t_err[l],
+                       .t_lo = s->t_lo[l], .p = {s->p[0][l], s->p[1][l], s->p[2][l]},
+                       .n = {s->y[0][l], s->y[1][l], s->y[2][l]}, .p_err = s->p_err[l]};
+        put_hit(&j->tile->hits, i, &hit);
     }
     s->count = 0;
 }
@@ -763,14 +702,8 @@ static bool stream_settle(job *j, int l)
     size_t i = (size_t)s->f[RAY][l];
     double E2 = w->E2, t_tol = s->f[T_TOL][l], least = s->f[LEAST][l], wanted = larger(t_tol, least);
     bracket *p = &s->root[l];
-    cell e = {(cell_verdict)s->verdict[l],
-              s->live[l] > 0 ? w->path.iterations : 0,
-              s->A2[l],
-              s->V2[l],
-              s->qv[l],
-              s->e[l],
-              s->W[l],
-              s->g_err[l]};
+    cell e = {(cell_verdict)s->verdict[l], s->live[l] > 0 ? w->path.iterations : 0,
+              s->A2[l], s->V2[l], s->qv[l], s->e[l], s->W[l], s->g_err[l]};
     sighting n = {s->lo[l], s->hi[l], s->newton[l], s->wide[l]};
     s->f[EVALS][l] += 1;
     bool on;
@@ -922,10 +855,8 @@ size_t sgt_level_lanes(const orbit *o, const sgt_tile *tile, const sgt_options *
     while (busy || close.count || met.count) {
         bool drains = 2 * busy <= close.count; /* rays that come back from the surface fill the lanes */
         if (busy && !drains) {
-            unsigned leaving = w.dt_min > 0
-                                   ? (w.path.mandelbrot ? advance_fast_mandelbrot : advance_fast_julia)(&s,
-                                                                                                        &w)
-                                   : (w.path.mandelbrot ? advance_mandelbrot : advance_julia)(&s, &w);
+            unsigned leaving = (w.dt_min > 0 ? w.path.mandelbrot ? fast_mandelbrot : fast_julia
+                                : w.path.mandelbrot ? advance_mandelbrot : advance_julia)(&s, &w);
             for (; leaving; leaving &= leaving - 1) {
                 int l = lowest(leaving);
                 stream_leave(&j, l);

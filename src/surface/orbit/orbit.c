@@ -234,14 +234,9 @@ SGT_INLINE void look_at_squares(const path *w, const double m[4], const double h
     lanes at = {m[0], m[1], m[2], m[3]}, half = {h[0], h[1], h[2], h[3]}, zero = {0, 0, 0, 0}, far,
           half2 = half * half;
     four_magnitude(&at, &far);
-    four s = {.a = w->start.a + at * w->along.a,
-              .b = w->start.b + at * w->along.b,
-              .c = w->start.c + at * w->along.c,
-              .d = w->start.d + at * w->along.d,
-              .va = w->along.a + zero,
-              .vb = w->along.b + zero,
-              .vc = w->along.c + zero,
-              .vd = w->along.d + zero,
+    four s = {.a = w->start.a + at * w->along.a, .b = w->start.b + at * w->along.b,
+              .c = w->start.c + at * w->along.c, .d = w->start.d + at * w->along.d, .va = w->along.a + zero,
+              .vb = w->along.b + zero, .vc = w->along.c + zero, .vd = w->along.d + zero,
               .e = 8 * SGT_U * (w->start_size + (far + half) * w->along_size)};
     four_constant c = {w->c.a + zero, w->c.b + zero, w->c.c + zero, w->c.d + zero, zero};
     if (mandelbrot) c = (four_constant){s.a, s.b, s.c, s.d, s.e}; /* Q_1 = c */

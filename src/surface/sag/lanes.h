@@ -85,18 +85,8 @@ SGT_INLINE easy_answer easy_unscaled(lane *e, double scale)
 /* The hit of a single ray, as in a tile. */
 SGT_INLINE sgt_hit hit_of_lane(const lane *e, int evals, double f)
 {
-    sgt_interval about = sgt_about(e->t, e->t_err);
-    return (sgt_hit){.status = SGT_HIT,
-                     .evals = evals,
-                     .t = e->t,
-                     .t_err = e->t_err,
-                     .t_lo = e->t_lo,
-                     .lo = about.lo,
-                     .hi = about.hi,
-                     .f = f,
-                     .p = {e->px, e->py, e->pz},
-                     .n = {e->nx, e->ny, 1},
-                     .p_err = e->p_err};
+    return hit_found(SGT_HIT, evals, e->t, e->t_err, e->t_lo, f, (sgt_vec3){e->px, e->py, e->pz},
+                     (sgt_vec3){e->nx, e->ny, 1}, e->p_err);
 }
 
 /* Where the second loop writes.  Outputs that are not wanted go to one array in the first-level cache. */
@@ -111,17 +101,10 @@ SGT_INLINE lane_to lane_to_of(const sgt_tile *tile, lane_ends *ends)
 {
     const sgt_hits *h = &tile->hits;
     double *no = ends->unwanted;
-    return (lane_to){h->t ? h->t : no,
-                     h->t_err ? h->t_err : no,
-                     h->t_lo ? h->t_lo : no,
-                     h->p[0] ? h->p[0] : no,
-                     h->p[0] ? h->p[1] : no,
-                     h->p[0] ? h->p[2] : no,
-                     h->n[0] ? h->n[0] : no,
-                     h->n[0] ? h->n[1] : no,
-                     h->n[0] ? h->n[2] : no,
-                     h->p_err ? h->p_err : no,
-                     ends->hit};
+    return (lane_to){h->t ? h->t : no, h->t_err ? h->t_err : no, h->t_lo ? h->t_lo : no,
+                     h->p[0] ? h->p[0] : no, h->p[0] ? h->p[1] : no, h->p[0] ? h->p[2] : no,
+                     h->n[0] ? h->n[0] : no, h->n[0] ? h->n[1] : no, h->n[0] ? h->n[2] : no,
+                     h->p_err ? h->p_err : no, ends->hit};
 }
 
 /* rich: t_lo and p_err are wanted. */

@@ -11,7 +11,6 @@
 #include "../read/surface.h"
 
 #include <limits.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -162,12 +161,9 @@ static bool diagnose_surface(table *t, const diagnose_arguments *a, sgt_surface 
     record watched = {.count = 0};
     sgt_options o = watching(a, &watched);
     sgt_hit hit = sgt_intersect(surface, *ray, &o);
-    const search made = {.surface = surface,
-                         .ray = *ray,
-                         .asked = &a->shared.solver,
+    const search made = {.surface = surface, .ray = *ray, .asked = &a->shared.solver,
                          .near_seed = options_near_seed(&a->shared, surface, SGT_FIRST),
-                         .fast = options_fast(&a->shared, surface),
-                         .hit = &hit};
+                         .fast = options_fast(&a->shared, surface), .hit = &hit};
     bool decided = show(t, a, 0, 0, &watched, &made);
     if (hit.status == SGT_MISS) explain_miss(t, 0, surface, ray);
     return decided;
@@ -236,10 +232,8 @@ static bool diagnose_lens(table *t, const diagnose_arguments *a, const job *j, c
         const sgt_element *e = &j->element[i];
         record watched = {.count = 0};
         sgt_options o = watching(a, &watched);
-        search made = {.surface = e->surface,
-                       .semi_diameter = e->semi_diameter,
-                       .ray = job_own_ray(&e->pose, &ray),
-                       .asked = &a->shared.solver,
+        search made = {.surface = e->surface, .semi_diameter = e->semi_diameter,
+                       .ray = job_own_ray(&e->pose, &ray), .asked = &a->shared.solver,
                        .near_seed = options_near_seed(&a->shared, e->surface, SGT_NEAR_SEED),
                        .fast = options_fast(&a->shared, e->surface)};
         sgt_passage passage;

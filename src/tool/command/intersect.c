@@ -284,8 +284,7 @@ static void write_verdict(const intersect_work *w, size_t undecided)
 static void write_undecided(const intersect_work *w)
 {
     const intersect_arguments *a = w->asked;
-    search s = {.surface = w->surface,
-                .asked = &a->shared.solver,
+    search s = {.surface = w->surface, .asked = &a->shared.solver,
                 .near_seed = options_near_seed(&a->shared, w->surface, SGT_FIRST),
                 .fast = options_fast(&a->shared, w->surface)};
     for (int i = 0; i < w->found.shown && !a->all; i++) {
@@ -312,8 +311,7 @@ exit_status command_intersect(int argc, char *argv[])
 {
     intersect_arguments a = intersect_arguments_of(argc, argv);
     const bool text = a.shared.target.format == TABLE_TEXT;
-    intersect_work w = {.asked = &a,
-                        .surface = surface_parse("--surface", a.surface),
+    intersect_work w = {.asked = &a, .surface = surface_parse("--surface", a.surface),
                         .stretches = a.shared.solver.proof && !text};
     column columns[HEAD_COUNT + 3];
     options_note_unread(&a.shared, 1, &(sgt_element){.surface = w.surface});

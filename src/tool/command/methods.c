@@ -185,12 +185,8 @@ size_t method_march_steps(const record *r)
 record method_run(method m, sgt_surface s, double semi_diameter, const sgt_ray *ray, int max_evals)
 {
     record r = {.t = (double)NAN};
-    methods_search q = {.surface = s,
-                        .ray = ray,
-                        .record = &r,
-                        .semi_diameter = semi_diameter,
-                        .left = max_evals,
-                        .normalised = m == METHOD_NORMALISED};
+    methods_search q = {.surface = s, .ray = ray, .record = &r, .semi_diameter = semi_diameter,
+                        .left = max_evals, .normalised = m == METHOD_NORMALISED};
     if (m == METHOD_BISECTION) bisect(&q);
     else newton(&q);
     return r;

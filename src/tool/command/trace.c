@@ -161,8 +161,7 @@ static trace_room trace_room_for(const trace_work *w, size_t rays)
 {
     size_t count = w->job->lens.count;
     trace_room r = {.record = memory_take(count, sizeof *r.record),
-                    .passages = memory_take(count, sizeof *r.passages),
-                    .rows = table_part(w->table)};
+                    .passages = memory_take(count, sizeof *r.passages), .rows = table_part(w->table)};
     if (w->stretches) r.alone = memory_take(count, sizeof *r.alone);
     signed char *status = memory_take(count, rays * sizeof *status);
     int *evals = memory_take(count, rays * sizeof *evals);
@@ -172,11 +171,8 @@ static trace_room trace_room_for(const trace_work *w, size_t rays)
         double **n = record->number;
         record->status = status + i * rays, record->evals = evals + i * rays;
         for (size_t k = 0; k < 9; k++) n[k] = number + (9 * i + k) * rays;
-        r.passages[i] = (sgt_passages){.hits = {.status = record->status,
-                                                .evals = record->evals,
-                                                .p = {n[0], n[1], n[2]},
-                                                .t = n[6],
-                                                .t_err = n[7]},
+        r.passages[i] = (sgt_passages){.hits = {.status = record->status, .evals = record->evals,
+                                                .p = {n[0], n[1], n[2]}, .t = n[6], .t_err = n[7]},
                                        .direction = {n[3], n[4], n[5]},
                                        .opl = n[8]};
     }
@@ -355,13 +351,10 @@ static void write_lost(const trace_work *w)
                                   &asked->solver);
         if (passed == j->lens.count) continue; /* never: a batch gives the same answers as single rays */
         const sgt_element *e = &j->element[passed];
-        const search s = {.surface = e->surface,
-                          .semi_diameter = e->semi_diameter,
-                          .ray = job_own_ray(&e->pose, &ray),
-                          .asked = &asked->solver,
+        const search s = {.surface = e->surface, .semi_diameter = e->semi_diameter,
+                          .ray = job_own_ray(&e->pose, &ray), .asked = &asked->solver,
                           .near_seed = options_near_seed(asked, e->surface, SGT_NEAR_SEED),
-                          .fast = options_fast(asked, e->surface),
-                          .hit = &alone[passed].hit};
+                          .fast = options_fast(asked, e->surface), .hit = &alone[passed].hit};
         char who[80];
         snprintf(who, sizeof who, "Ray %zu at element %zu: ", w->lost[i]->number, passed + 1);
         undecided_explain(w->table, who, &s);
@@ -391,8 +384,7 @@ exit_status command_trace(int argc, char *argv[])
     const bool text = a.shared.target.format == TABLE_TEXT;
     /* A tile takes some 60 KB for each element.  At most 16 MB a thread: with many elements tiles have fewer
      * rays. */
-    const tiling in = {.rays = j.rays.count,
-                       .threads = count > RECORDS_MOST ? 1 : threads,
+    const tiling in = {.rays = j.rays.count, .threads = count > RECORDS_MOST ? 1 : threads,
                        .share = count < 4     ? SHARE_MOST
                                 : count < 128 ? 128 / count
                                               : 1,
@@ -409,11 +401,8 @@ exit_status command_trace(int argc, char *argv[])
                      j.lens.surface[i].type);
     }
     scene picture = scene_begin(&j);
-    trace_work w = {.asked = &a,
-                    .job = &j,
-                    .room = memory_take(places, sizeof *w.room),
-                    .picture = a.svg ? &picture : NULL,
-                    .stretches = a.shared.solver.proof && !text,
+    trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room),
+                    .picture = a.svg ? &picture : NULL, .stretches = a.shared.solver.proof && !text,
                     .loss = memory_take(count, sizeof *w.loss),
                     .point = memory_take(count + 1, sizeof *w.point)};
     column columns[HEAD_COUNT + 3];

@@ -46,10 +46,8 @@ bool job_take(job_options *o, int code)
 
 sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray)
 {
-    return (sgt_ray){.o = frame_point_in(pose, ray->o),
-                     .d = frame_direction_in(pose, ray->d),
-                     .tmin = -HUGE_VAL,
-                     .tmax = HUGE_VAL};
+    return (sgt_ray){.o = frame_point_in(pose, ray->o), .d = frame_direction_in(pose, ray->d),
+                     .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
 }
 
 job job_read(const job_options *o)

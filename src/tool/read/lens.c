@@ -14,7 +14,6 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <string.h>
 
 static const double NANOMETRES = 100; /* micrometres: light so long is rarer than a slip of the unit */

@@ -326,15 +326,9 @@ static const job *scan_lens(void)
     enum { COUNT = sizeof row / sizeof row[0] };
     sgt_conic *sag = memory_take(COUNT, sizeof *sag);
     job *j = memory_take(1, sizeof *j);
-    j->lens = (lens){.name = "f-theta scan lens",
-                     .units = "in",
-                     .wavelengths = 1,
-                     .wavelength = 0.5876,
-                     .object_distance = HUGE_VAL,
-                     .object_index = 1,
-                     .pupil_semi_diameter = 0.5,
-                     .pupil_distance = 0,
-                     .count = COUNT,
+    j->lens = (lens){.name = "f-theta scan lens", .units = "in", .wavelengths = 1, .wavelength = 0.5876,
+                     .object_distance = HUGE_VAL, .object_index = 1, .pupil_semi_diameter = 0.5,
+                     .pupil_distance = 0, .count = COUNT,
                      .element = memory_take(COUNT, sizeof *j->lens.element),
                      .surface = memory_take(COUNT, sizeof *j->lens.surface)};
     double z = 0;
@@ -343,8 +337,7 @@ static const job *scan_lens(void)
         j->lens.surface[i] = (lens_surface){
             .type = isinf(row[i].radius) ? "plane" : "sphere", .index = row[i].index, .z = z};
         j->lens.element[i] = (sgt_element){.surface = {&sgt_conic_ops, &sag[i]},
-                                           .pose = {.origin = {0, 0, z}},
-                                           .index = row[i].index,
+                                           .pose = {.origin = {0, 0, z}}, .index = row[i].index,
                                            .semi_diameter = row[i].semi_diameter};
         z += row[i].thickness;
     }

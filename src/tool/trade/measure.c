@@ -39,12 +39,8 @@ static double *numbers(size_t n) { return memory_take(n, sizeof(double)); }
 
 static sgt_hits room_for_hits(size_t n)
 {
-    sgt_hits h = {.status = memory_take(n, 1),
-                  .evals = memory_take(n, sizeof(int)),
-                  .t = numbers(n),
-                  .t_err = numbers(n),
-                  .t_lo = numbers(n),
-                  .p_err = numbers(n)};
+    sgt_hits h = {.status = memory_take(n, 1), .evals = memory_take(n, sizeof(int)), .t = numbers(n),
+                  .t_err = numbers(n), .t_lo = numbers(n), .p_err = numbers(n)};
     for (int k = 0; k < 3; k++) h.p[k] = numbers(n), h.n[k] = numbers(n);
     return h;
 }
@@ -56,8 +52,7 @@ static answers measure_room_for(const trade_case *c)
         a.hits = room_for_hits(c->rays);
         return a;
     }
-    a.traced = (sgt_traced){.fate = memory_take(c->rays, 1),
-                            .passed = memory_take(c->rays, sizeof(int)),
+    a.traced = (sgt_traced){.fate = memory_take(c->rays, 1), .passed = memory_take(c->rays, sizeof(int)),
                             .opl = numbers(c->rays)};
     for (int k = 0; k < 3; k++) a.traced.o[k] = numbers(c->rays), a.traced.d[k] = numbers(c->rays);
     a.element = memory_take(c->lens->lens.count, sizeof *a.element);

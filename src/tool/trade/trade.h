@@ -25,16 +25,8 @@ typedef struct trade_options {
 
 /* The option that a setting changes. */
 typedef enum knob {
-    KNOB_NONE,
-    KNOB_CALL,
-    KNOB_OUTPUTS,
-    KNOB_T_TOL,
-    KNOB_MAX_EVALS,
-    KNOB_PICK,
-    KNOB_PROOF,
-    KNOB_DT_MIN,
-    KNOB_ITERATIONS,
-    KNOBS
+    KNOB_NONE, KNOB_CALL, KNOB_OUTPUTS, KNOB_T_TOL, KNOB_MAX_EVALS, KNOB_PICK, KNOB_PROOF, KNOB_DT_MIN,
+    KNOB_ITERATIONS, KNOBS
 } knob;
 
 /* The outputs asked for.
