@@ -58,7 +58,6 @@
  *   to the gradient.
  * - If that interval is bounded, and F defined, each difference quotient has to be in it.  That is the
  *   mean value theorem, on which every proof rests: a slope that is bounded where F jumps is a fault.
- * - It is a fault, too, if that interval is bounded and F is not defined at two samples in a row.
  * - An empty interval is a fault if F is defined on both sides of a sample.
  *
  * THE CLEARANCE is tried at points of the ray.  On lines through them, along the ray, the gradient and six
@@ -279,8 +278,6 @@ static bool check_enclosure(check *c, double lo, double hi, double across)
         if (!check_look(c, t, &a)) return false;
         bool regular = isfinite(a.f) && isfinite(a.n.x) && isfinite(a.n.y) && isfinite(a.n.z);
         defined = defined && !isnan(a.f);
-        if (bounded && g.lo <= g.hi && i && isnan(before.f) && isnan(a.f) && !well_defined(c, t))
-            return fail(c, SGT_WRONG_ENCLOSURE, a.p); /* two in a row: no slip at the edge of a domain */
         doubt = doubt_of(c, &a, across);
         if (g.lo > g.hi && isfinite(a.f) && well_defined(c, t)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
         if (regular && g.lo <= g.hi && (a.f + doubt < g.lo || a.f - doubt > g.hi))

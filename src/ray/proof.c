@@ -590,7 +590,9 @@ static bool search_part(proof *w, sgt_interval part)
     if (far_left) cells_push(c, from, left);
     w->least = 0x1p-80 * (to - (far_left ? left : from));
     cells_ops ops = {.over = proof_ended, .classify = proof_classify, .tell = proof_dark};
-    return cells_march(c, w, ops) || w->found;
+    bool whole = cells_march(c, w, ops);
+    c->rest = NULL;
+    return whole || w->found;
 }
 
 void sgt_proof_search(proof *w)

@@ -84,8 +84,8 @@ typedef enum cells_kind {
     CELLS_MONOTONE,
     CELLS_OPEN,
     CELLS_NOISE,
-    CELLS_LATER, /* not decided: settle goes on with it */
-    CELLS_AGAIN  /* no answer: the caller knows more now, has moved the march itself, or is over */
+    CELLS_LATER, /* settle has the answer, but nothing is decided that would end an undecided stretch */
+    CELLS_AGAIN  /* none of these: classify knows more now, or has moved the march itself; or the search is over */
 } cells_kind;
 
 /* An undecided stretch.  before, after: the certain signs of g at its ends, or 0.  touches: |g| is within a
@@ -98,10 +98,10 @@ typedef struct cells {
     undecided dark;
     double back;     /* no root in [back, k.tau] */
     bool touches;    /* set by classify with NOISE: |g| is within a few roundings all over the cell */
-    /* For a caller that divides cells: the pieces behind the one at hand, the nearest last.  A piece is laid
-     * whole, so h is infinite. */
+    /* For a caller that divides cells, and takes each piece whole: the pieces behind the one at hand, the
+     * nearest last. */
     sgt_interval *rest;
-    int count, room;
+    int count;
     double done;     /* no root is left before it */
     double leap;     /* by what h grows after NOISE: 1, or more if all the ray may lie in the surface */
     /* undecided cells with less than `gap` times their length between them are one stretch */
@@ -112,7 +112,7 @@ typedef struct cells {
 typedef struct cells_ops {
     bool (*over)(void *self);                         /* ask no more */
     cells_kind (*classify)(void *self, cells *c);     /* the cell c->at */
-    cells_kind (*settle)(void *self, cells *c);       /* MONOTONE: its root is added.  EMPTY: it has none */
+    cells_kind (*settle)(void *self, cells *c);       /* EMPTY: the cell has no root.  MONOTONE: it is added */
     /* the certain sign of g at tau, or 0; NULL: not asked */
     int (*sign)(void *self, cells *c, double tau);
     bool (*tell)(void *self, cells *c, sgt_status s); /* adds c->dark as an entry.  false: over before */
@@ -143,7 +143,7 @@ SGT_INLINE bool cells_next(cells *c)
     return false;
 }
 
-/* How far nothing is left undecided, if the search is over before its end. */
+/* Up to here all is decided and told, if the search is over before its end. */
 SGT_INLINE double cells_reached(const cells *c) { return c->dark.any ? c->dark.lo : c->k.tau; }
 
 /* The certain sign at tau; else farther into `free`, a length without a root.  0: none is certain. */
@@ -156,11 +156,13 @@ SGT_INLINE int cells_sign(cells *c, void *self, cells_ops ops, double tau, doubl
     return sign;
 }
 
-/* Ends the undecided stretch.  behind: what is free of roots behind it. */
+/* Ends the undecided stretch, or leaves it if the search is over before it can be told.  behind: what is free
+ * of roots behind it. */
 SGT_INLINE void cells_end_dark(cells *c, void *self, cells_ops ops, double behind)
 {
     undecided *dark = &c->dark;
     dark->after = cells_sign(c, self, ops, dark->hi, behind);
+    if (!dark->after && ops.sign && ops.over(self)) return;
     int signs = dark->before * dark->after;
     dark->any = !ops.tell(self, c, signs < 0 ? SGT_HIT : dark->touches ? SGT_GRAZE : SGT_UNPROVEN);
 }
@@ -202,7 +204,7 @@ SGT_INLINE bool cells_march(cells *c, void *self, cells_ops ops)
         }
         k->h = c->at.h;
         if (kind == CELLS_OPEN) {
-            if (k->tau < k->hi) slower(k);
+            if (k->tau < k->hi) slower(k); /* else it was divided */
             continue;
         }
         if (kind == CELLS_NOISE) cells_join_dark(c, self, ops), k->h *= c->leap;
@@ -210,9 +212,10 @@ SGT_INLINE bool cells_march(cells *c, void *self, cells_ops ops)
         c->back = kind == CELLS_EMPTY ? k->tau : c->at.end;
         k->tau = c->at.end;
     }
-    if (!c->dark.any || c->gap > 0) return true;
-    if (!ops.over(self)) cells_end_dark(c, self, ops, 0);
-    return !c->dark.any;
+    if (!c->dark.any) return true;
+    if (ops.over(self)) return false;
+    if (c->gap == 0) cells_end_dark(c, self, ops, 0);
+    return c->gap > 0 || !c->dark.any;
 }
 
 #endif

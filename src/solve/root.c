@@ -32,8 +32,8 @@
  * THE QUICK FORM (root_quickly of root.h; step.h has its steps and says what they claim) has three stages of
  * its own before these: Newton's steps, and a look on either side of the root.  It needs no look if a lower
  * bound on |g'| is known.  It ends without an answer instead of searching on.  Then the caller begins anew,
- * mostly on a longer stretch.  It is a stage of the same solver, and not a loop beside it, as nearly all
- * ordinary rays end in it. */
+ * mostly on a longer stretch.  It has the state of this solver, and is inline for speed: most ordinary rays
+ * end in it. */
 #include "root.h"
 
 #include "../num/bits.h"
@@ -273,10 +273,10 @@ static bool probe_next(sgt_root *r)
 
 static bool root_probe_begin(sgt_root *r, double g, double slope)
 {
-    certified known = certified_of(r->t, g, r->g_err, P(least), r->lo, r->hi);
-    if (known.inside) { /* a lower bound on |g'| makes a look beside the root needless */
+    if (P(least) > 0) { /* a lower bound on |g'| makes a look beside the root needless */
+        certified known = certified_of(r->t, g, r->g_err, P(least), r->lo, r->hi);
         r->t_err = known.tau_err;
-        return finish(r, SGT_HIT);
+        if (known.inside) return finish(r, SGT_HIT);
     }
     double w = 2 * (fabs(g) + r->g_err) / fabs(slope);
     P(candidate) = r->t;
@@ -318,8 +318,6 @@ bool sgt_root_next(sgt_root *r, double g, double slope)
 {
     bool more = false;
     if (P(done)) return false;
-    if (P(quick) == QUICK_NEWTON) return root_quick_next(r, root_newton(r, g, slope), g, slope);
-    if (P(quick) != QUICK_NONE) return root_beside(r, g);
     r->evals++;
     if (P(side) != 0 && probe_tell(r, g, &more)) return more;
     if (isnan(g)) return retreat(r);

@@ -180,7 +180,7 @@ static bool add_root(level_walk *w, sgt_status status, double tau, double tau_er
 
 /* ----------------------------------------------------------- the certified march */
 
-/* Finds the root in the bracket.  Returns false if the search stopped before it was reported. */
+/* Finds the root in the bracket.  Returns false if the search is over before it was reported. */
 static bool level_polish(level_walk *w, bracket *p)
 {
     double E2 = w->path.E * w->path.E, wanted = larger(w->t_tol, w->least);
@@ -192,7 +192,10 @@ static bool level_polish(level_walk *w, bracket *p)
         sighting n = sight_of(E2, &e, p->h);
         on = narrow(p, &e, &n, w->path.iterations, E2, wanted, w->least);
     }
-    return !w->told.stopped && add_root(w, SGT_HIT, p->m, root_error(p));
+    int count = w->list->count;
+    if (w->told.stopped || !add_root(w, SGT_HIT, p->m, root_error(p))) return false;
+    /* the budget ended it, and so wide a bracket could not be told from the start: it is left */
+    return !on || w->done || w->list->count > count;
 }
 
 /* Cells that the march may need next, looked at together. */
