@@ -18,7 +18,15 @@
  *
  * The careful path does not trust slopes.  A root is suspicious if its |F| is not the least of its search,
  * or not far below the greatest (the seed itself may be next to a pole).  Such a root is looked at from
- * 256, 1024, 4096 ... times its error.  If |F| falls outward on both sides, it is a pole, and is skipped.
+ * 64, 256, 1024 ... times its error.  If |F| falls outward on a side, it is a pole, and is skipped.
+ *
+ * F MAY BE NOISIER than it says, if it offers no `rounding`.  Then what is left of a pole is 1 / noise, which
+ * rises, falls and changes sign by chance.  One look that rises says nothing.  So four looks in a row have to
+ * agree on each side, which noise does in less than one of 500 times.  Where they nowhere agree, the root is
+ * skipped.  The price: a suspicious root is skipped, too, if |F| rises over less than 4096 errors beside it.
+ *
+ * What is left: 1 / F of two values only, over 16384 errors, is a jump to all that can be seen.  And the
+ * quick form, from a seed inside the noise of a pole, may by chance see the signs of a root.
  *
  * A jump is a change of sign, and a hit. */
 #include "walk.h"
@@ -126,28 +134,45 @@ void sgt_walk_solve(walk *w, sgt_root *r, point *at)
     }
 }
 
-/* Is `at`, the end of a search within tau_err, a pole?  It is if |F| falls outward on each side, three
- * times or as far as it can be asked, and at least once.  Also true if the search is over before.  The
- * first look is 256 times as far away as the error, as F may be noisier than it says. */
+/* What the looks from `at` outward on one side say: 1, it may be a root or a jump; -1, it may not; 0, F
+ * cannot be asked there.  The first look is 64 errors away.  RUN looks of one sign that each rise, or each
+ * fall, decide, wherever they begin.  So do RUN + 1 looks of one sign that rise or stay, if none before fell.
+ * If the stretch ends first, none may fall.  Where F's rounding is bounded, one look that certainly rises
+ * decides. */
+static int side_of(walk *w, const point *at, double e, int side)
+{
+    enum { LOOKS = 20, RUN = 4 };
+    bool bounded = w->s.ops->rounding, none_fell = true;
+    int run = 0, held = 0, kind_before = 0, sign_before = 0, says = 0;
+    double before = fabs(at->g), far = 64 * e;
+    for (int i = 0; i < LOOKS; i++, far *= 4) {
+        double tau = at->tau + side * far;
+        if (!(tau >= w->lo && tau <= w->hi)) break;
+        point p = sgt_walk_look(w, tau, SGT_PROBE, at->tau, tau);
+        if (over(w)) return -1;
+        if (isnan(p.g)) break;
+        double size = fabs(p.g);
+        int sign = sign_at(&p), kind = size > 1.25 * before ? 1 : 1.25 * size < before ? -1 : 0;
+        bool finite = size < HUGE_VAL, certain = sign != 0 && finite, same = sign == sign_before;
+        if (bounded && finite && size - p.g_err > fabs(at->g) + at->g_err) return 1;
+        none_fell = none_fell && certain && kind >= 0;
+        run = !certain ? 0 : run > 0 && kind == kind_before && same ? run + 1 : 1;
+        held = same ? held + 1 : 1;
+        says = none_fell && held == i + 1 ? 1 : -1;
+        if (run >= RUN && kind != 0) return kind;
+        if (held > RUN && none_fell) return 1;
+        kind_before = kind, sign_before = sign, before = size;
+    }
+    return says;
+}
+
+/* Is `at`, the end of a search within tau_err, a pole, as far as its sides can be asked?  Also true if the
+ * search is over before. */
 static bool is_pole(walk *w, const point *at, double tau_err)
 {
     double place = larger(larger(at->at.ex, at->at.ey), at->at.ez);
     double e = larger(tau_err, place * DBL_EPSILON); /* rounding of the point hides what is nearer */
-    bool falls = false;
-    for (int side = -1; side <= 1; side += 2) {
-        double before = fabs(at->g), far = 256 * e;
-        for (int i = 0, times = 0; i < 20 && times < 3; i++, far *= 4) {
-            double tau = at->tau + side * far;
-            if (!(tau >= w->lo && tau <= w->hi)) break;
-            point p = sgt_walk_look(w, tau, SGT_PROBE, at->tau, tau);
-            if (over(w)) return true;
-            if (isnan(p.g)) break;
-            if (fabs(p.g) == before || fabs(p.g) == HUGE_VAL) continue; /* the same point, as rounded */
-            if (!sign_at(&p) || !(1.25 * fabs(p.g) < before)) return false;
-            before = fabs(p.g), falls = true, times++;
-        }
-    }
-    return falls;
+    return side_of(w, at, e, -1) < 0 || side_of(w, at, e, 1) < 0;
 }
 
 /* Adds the root at `at`, if it is accepted. */

@@ -237,6 +237,126 @@ static void test_poles_and_jumps(void **state)
     for (int k = 0; k < KINDS; k++) print_message("%s: %ld of %ld met\n", names[k], met[k], asked[k]);
 }
 
+/* --------------------------------------------------------- noise at a pole */
+
+/* G = w + noise, w = z - a.  F is 1 / G, 1 / G^3, G or sign G (1 + |w| + noise).  The noise reaches
+ * far beyond the neighbours of w = 0.  No bound on it is offered, or an honest one. */
+typedef enum noisy_kind {
+    NOISY_POLE,
+    NOISY_POLE_3,
+    NOISY_POLES,
+    NOISY_ROOT = NOISY_POLES,
+    NOISY_JUMP,
+    NOISY_KINDS
+} noisy_kind;
+static const char *const noisy_names[NOISY_KINDS] = {"1/G", "1/G^3", "G", "sign G"};
+
+typedef struct noisy {
+    noisy_kind kind;
+    double a, noise, lo, hi, seed, slope; /* slope: what that of F is told to be, times its own */
+    bool steps, single;                   /* steps: G is a multiple of the noise */
+} noisy;
+
+/* In [-1, 1), of z alone. */
+static double noise_at(double z)
+{
+    uint64_t bits;
+    memcpy(&bits, &z, sizeof bits);
+    generator g = {bits * 0x9e3779b97f4a7c15u};
+    random_bits(&g);
+    return uniform(&g, -1, 1);
+}
+
+static double noisy_G(const noisy *s, double z)
+{
+    double G = z - s->a + s->noise * noise_at(z);
+    return s->steps ? s->noise * nearbyint(G / s->noise) : G;
+}
+
+static double noisy_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    const noisy *s = self;
+    double w = p.z - s->a, n = s->noise * noise_at(p.z), G = noisy_G(s, p.z), slope = 1, f = G;
+    if (s->kind == NOISY_POLE) slope = -1 / (G * G), f = 1 / G;
+    if (s->kind == NOISY_POLE_3) slope = -3 / (G * G * G * G), f = 1 / (G * G * G);
+    if (s->kind == NOISY_JUMP) f = copysign(1 + fabs(w) + n, G);
+    if (grad) *grad = (sgt_vec3){0, 0, slope * s->slope};
+    return f;
+}
+
+static double noisy_rounding(const void *self, sgt_vec3 p)
+{
+    const noisy *s = self;
+    double G = fabs(noisy_G(s, p.z)), off = 2 * s->noise, least = G - off, bound = off;
+    if (s->kind == NOISY_ROOT) return off;
+    if (s->kind == NOISY_POLE) bound = 1 / least - 1 / G;
+    if (s->kind == NOISY_POLE_3) bound = 1 / (least * least * least) - 1 / (G * G * G);
+    if (s->kind == NOISY_JUMP && !(least > 0)) return 3 * (1 + fabs(p.z - s->a)); /* of either sign */
+    return least > 0 ? bound : FAR;
+}
+
+static sgt_span noisy_span(const void *self, const sgt_ray *ray)
+{
+    const noisy *s = self;
+    return (sgt_span){s->lo - ray->o.z, s->hi - ray->o.z, s->seed - ray->o.z, s->single};
+}
+
+/* In noise nothing is certain: a few may be told by chance.  Not asked is what the quick form may take for a
+ * root from a seed inside the noise (ray/walk.c). */
+static void test_noisy_poles(void **state)
+{
+    (void)state;
+    static const double slopes[] = {1, 1, 1, 0, NAN, -1, 1e10, 1e-10};
+    static const sgt_surface_ops ops[] = {{.name = "value", .value = noisy_value},
+                                          {.name = "span", .value = noisy_value, .span = noisy_span},
+                                          {.name = "rounding", .value = noisy_value, .span = noisy_span,
+                                           .rounding = noisy_rounding}};
+    generator g = seeded("noise at poles, roots and jumps");
+    long n = scaled(20000), met[NOISY_KINDS] = {0}, asked[NOISY_KINDS] = {0};
+    for (long i = 0; i < n; i++) {
+        sgt_ray ray = {.o = {0, 0, uniform(&g, -2, 2)}, .d = {0, 0, 1}, .tmax = 5};
+        noisy s = {.kind = (noisy_kind)below(&g, NOISY_KINDS),
+                   .a = ray.o.z + uniform(&g, 0.1, 4.9),
+                   .noise = log_uniform(&g, 1e-16, 1e-6),
+                   .lo = ray.o.z,
+                   .hi = ray.o.z + 5,
+                   .slope = slopes[below(&g, 8)],
+                   .steps = chance(&g, 0.5),
+                   .single = chance(&g, 0.5)};
+        s.seed = chance(&g, 0.4) ? s.a : chance(&g, 0.3) ? NOT : uniform(&g, s.lo, s.hi);
+        if (chance(&g, 0.2)) s.seed = s.a + s.noise * uniform(&g, -2, 2);
+        sgt_options opt = {.pick = chance(&g, 0.5) ? SGT_NEAR_SEED : SGT_FIRST,
+                           .t_tol = chance(&g, 0.6) ? 0 : log_uniform(&g, 1e-15, 1e-3),
+                           .dt_min = chance(&g, 0.7) ? 0 : log_uniform(&g, 1e-2, 1)};
+        bool newton = s.slope != 0 && !isnan(s.slope),
+             quick = newton && !(s.kind == NOISY_POLE && s.slope == 1 && opt.t_tol == 0);
+        if (s.kind < NOISY_POLES && quick && fabs(s.seed - s.a) <= 2 * s.noise + 1e-14) continue;
+        sgt_surface surface = {&ops[below(&g, 3)], &s};
+        sgt_hit hit[9];
+        hit[8] = sgt_intersect(surface, ray, &opt);
+        int count = sgt_intersect_all(surface, ray, 8, hit, &opt);
+        bool first = hit[8].status > 0, any = false;
+        double slack = 1e-14 * (s.slope > 1 ? s.slope : 1); /* rounding, as the slope tells it */
+        for (int j = 0; j < 9; j++) {
+            if ((j >= count && j < 8) || hit[j].status <= 0) continue;
+            any = any || j < 8;
+            REQUIRE(fabs(hit[j].t + ray.o.z - s.a) <= hit[j].t_err + 4 * s.noise + slack,
+                    "case %ld: %s, noise %g, slope %g: t is off by %g, t_err %g", i, noisy_names[s.kind],
+                    s.noise, s.slope, hit[j].t + ray.o.z - s.a, hit[j].t_err);
+        }
+        met[s.kind] += first + any, asked[s.kind] += 2;
+    }
+    for (int k = 0; k < NOISY_KINDS; k++) {
+        print_message("%s: %ld of %ld met\n", noisy_names[k], met[k], asked[k]);
+        if (k < NOISY_POLES)
+            REQUIRE(met[k] <= 2 + asked[k] / 5000, "%s: %ld of %ld poles are told as roots", noisy_names[k],
+                    met[k], asked[k]);
+        else
+            REQUIRE(met[k] >= asked[k] - 4 - asked[k] / 200, "%s: only %ld of %ld are met", noisy_names[k],
+                    met[k], asked[k]);
+    }
+}
+
 /* A root that is not the pole beside it. */
 static double beside_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
@@ -529,6 +649,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_poles_and_jumps), cmocka_unit_test(test_root_beside_pole),
+        cmocka_unit_test(test_noisy_poles),
         cmocka_unit_test(test_random_answers),  cmocka_unit_test(test_undecided),
         cmocka_unit_test(test_from_surface),
     };
