@@ -82,7 +82,7 @@ typedef enum sgt_fault {
  *     rounding    it is finite and not negative where F is defined
  *     enclose     over stretches of many widths it contains what samples show of F and
  *                 its slope; it is empty only where F is nowhere defined; where the slope
- *                 has two finite ends, F does not jump between samples where it is defined
+ *                 has two finite ends, F does not jump between its samples
  *     clearance   within it F does not change sign, about points of the rays, in some
  *                 directions
  *     values,     they give what `value` and `span` give, to the last bit (a NaN for a

@@ -152,7 +152,8 @@ typedef struct sgt_surface_ops {
 
     /* An interval that contains g(t) = F(o + t d), and in *slope (never NULL) one that
      * contains g'(t), over the whole of t: of the exact F, with all that your arithmetic
-     * here rounds.  interval.h helps to write it.  t is finite, in lengths of d.  Read only o and d of the ray.
+     * here rounds.  interval.h helps to write it.  t is finite, in lengths of d.  Read
+     * only o and d of the ray.
      *   - Either interval may be as wide as it must be.  -INFINITY to INFINITY says
      *     nothing, and so does a NaN.
      *   - lo > hi: F is undefined all over t, and so has no zero there.
@@ -360,10 +361,10 @@ typedef struct sgt_options {
  * Newton's step never lengthens a step of a march.
  *
  * ENDS AT INFINITY, of a user's surface without `enclose`.  Toward a far end at infinity
- * steps go as far as the ray is nearer to the origin of the surface's frame than its start
- * is.  From there on each is longer by half, 128 of them; so far off rounding of the point
- * may make F zero, and a graze of it.  With a near end at infinity there is no first root
- * to be found: it is UNPROVEN.  Give a span with two ends.
+ * steps go as far as the ray is nearer to the origin of the surface's frame than its
+ * start is.  From there on each is longer by half, 128 of them; so far off rounding of
+ * the point may make F zero, and a graze of it.  With a near end at infinity there is no
+ * first root to be found: it is UNPROVEN.  Give a span with two ends.
  *
  * Iteration counts may change between versions.  What a status means may not. */
 SGT_API sgt_hit sgt_intersect(sgt_surface s, sgt_ray ray, const sgt_options *opt);

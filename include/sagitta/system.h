@@ -106,9 +106,9 @@ typedef struct sgt_passage {
  *     opt           NULL, or the options
  *
  * WHICH ROOT.  Of the roots on the line the one near the surface's own guess is meant
- * (options.pick decides otherwise).  The guess is span.seed.  A user's surface without one
- * is met nearest the point of the line that is nearest the origin of its frame.  If that
- * root lies outside the clear aperture and another lies inside, the one inside is meant.
+ * (options.pick decides otherwise).  The guess is span.seed.  A user's surface without
+ * one is met nearest the point of the line that is nearest the origin of its frame.  If
+ * that root lies outside the clear aperture and another lies inside, that one is meant.
  *
  * A PROOF (options.proof) is asked for at each root.  With SGT_PROVE_FIRST the root has
  * to be the only accepted one within the clear aperture; without an aperture, on the

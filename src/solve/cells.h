@@ -85,7 +85,7 @@ typedef enum cells_kind {
     CELLS_OPEN,
     CELLS_NOISE,
     CELLS_LATER, /* settle has the answer, but nothing is decided that would end an undecided stretch */
-    CELLS_AGAIN  /* none of these: classify knows more now, or has moved the march itself; or the search is over */
+    CELLS_AGAIN  /* none of these: classify knows more now, or has moved the march, or the search is over */
 } cells_kind;
 
 /* An undecided stretch.  before, after: the certain signs of g at its ends, or 0.  touches: |g| is within a
@@ -112,7 +112,7 @@ typedef struct cells {
 typedef struct cells_ops {
     bool (*over)(void *self);                         /* ask no more */
     cells_kind (*classify)(void *self, cells *c);     /* the cell c->at */
-    cells_kind (*settle)(void *self, cells *c);       /* EMPTY: the cell has no root.  MONOTONE: it is added */
+    cells_kind (*settle)(void *self, cells *c);       /* EMPTY: it has no root.  MONOTONE: that is added */
     /* the certain sign of g at tau, or 0; NULL: not asked */
     int (*sign)(void *self, cells *c, double tau);
     bool (*tell)(void *self, cells *c, sgt_status s); /* adds c->dark as an entry.  false: over before */
