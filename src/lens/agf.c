@@ -31,7 +31,8 @@ static void add_remark(draft *d, const char *text, size_t length)
 {
     size_t used = strlen(d->remark), room = sizeof d->remark - used - 1;
     if (used && room > 2) memcpy(d->remark + used, "; ", 3), used += 2, room -= 2;
-    if (length > room) length = room;
+    if (length > room)
+        for (length = room; length > 0 && (text[length] & 0xC0) == 0x80;) length--; /* no half character */
     memcpy(d->remark + used, text, length), d->remark[used + length] = 0;
 }
 
@@ -47,9 +48,9 @@ static bool finish_glass(const reader *r, draft *d)
     double n = sgt_glass_covers(g, um) ? sgt_glass_index(g, um) : (double)NAN;
     if (g->nd > 1 && fabs(n - g->nd) > ND_SLIP) {
         char text[100];
-        int length = snprintf(text, sizeof text, "its formula gives nd = %.6f, but %.6f is printed", n,
-                              g->nd);
-        add_remark(d, text, (size_t)length);
+        /* %g: an nd of 1e300 has 300 digits in %f. */
+        snprintf(text, sizeof text, "its formula gives nd = %.7g, but %.7g is printed", n, g->nd);
+        add_remark(d, text, strlen(text));
     }
     g->remark = d->remark[0] ? d->remark : NULL;
     d->open = false;

@@ -29,7 +29,7 @@ void *sgt_reader_take(sgt_catalogue *c, size_t size)
     block *b = c->allocator.resize(c->allocator.context, NULL, sizeof *b + size);
     if (!b) return NULL;
     b->next = c->blocks, c->blocks = b;
-    return b + 1; /* a pointer's size is as good an alignment as that of doubles */
+    return b + 1;
 }
 
 char *sgt_reader_text(sgt_catalogue *c, piece text)
@@ -78,7 +78,10 @@ bool sgt_reader_is(piece text, const char *word)
 int sgt_reader_width(piece text)
 {
     enum { SHOWN = 60 };
-    return text.end - text.begin > SHOWN ? SHOWN : (int)(text.end - text.begin);
+    if (text.end - text.begin <= SHOWN) return (int)(text.end - text.begin);
+    int width = SHOWN;
+    while (width > 0 && (text.begin[width] & 0xC0) == 0x80) width--; /* no half of a character */
+    return width;
 }
 
 static const char *digits(const char *s, const char *end)

@@ -6,7 +6,7 @@
 /* A stretch of text, without a zero at its end. */
 typedef struct piece { const char *begin, *end; } piece;
 
-typedef struct block { struct block *next; } block;
+typedef union block { union block *next; double aligned; } block; /* doubles follow it */
 
 /* Texts and coefficients lie in blocks that stay where they are until the catalogue is freed,
  * so that glasses may point to them. */

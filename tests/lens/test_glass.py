@@ -237,6 +237,9 @@ def test_agf_of_each_formula():
         assert abs(g['n'][0] - nd) < 1e-14 and g['outside'] == [False, True] and not g['remark'], g
         [g] = glasses(written(agf(f, c + [0, 0], nd='1.9', more='GC for tests\n')))
         assert g['c'] == c and 'for tests; its formula gives nd' in g['remark'], g
+    # Found by fuzz_glass: as %f such an nd was longer than its room.
+    [g] = glasses(written(agf(2, AGF[2], nd='1e300')))
+    assert 'but 1e+300 is printed' in g['remark'], g
 
 
 def test_makers_print():
@@ -398,7 +401,7 @@ def test_memory():
 
 
 with tempfile.TemporaryDirectory() as name:
-    class folder:
+    class folder:  # its name, as command.py of tests/tool has it
         pass
     folder.name = name
     failed = 0
