@@ -10,7 +10,7 @@ import sys
 import tempfile
 
 FLOORS = ['num', 'solve', 'surface', 'ray', 'check', 'system', 'dispatch']  # the library, from the ground up
-CLIENTS = ['geo', 'tool']                              # see <sagitta/...> as any program does
+CLIENTS = ['geo', 'lens', 'tool']                      # see <sagitta/...> as any program does
 
 # All the library may ask of C: nothing that allocates, prints, ends the program
 # or keeps a state (errno, the locale).
@@ -21,7 +21,8 @@ ASKING = {'choose.c': {'cpuid.h', 'stdlib.h'}}
 
 # The floor that answers for a public header; those below do not know of it.
 PUBLIC = {'sagitta.h': 'num', 'fma.h': 'num', 'interval.h': 'num', 'diagnose.h': 'check',
-          'surfaces.h': 'surface', 'sensitivity.h': 'ray', 'system.h': 'system', 'geo.h': 'geo'}
+          'surfaces.h': 'surface', 'sensitivity.h': 'ray', 'system.h': 'system', 'geo.h': 'geo',
+          'lens.h': 'lens'}
 
 # The list of the built-in types, which is on no floor: data for all of them.
 LIST = 'types.def'
@@ -154,6 +155,8 @@ PLANTED = [
     ('src/tool/in.c', '#include "../num/exact.h"\n'),
     ('src/geo/in.cpp', '#include "tool/main.h"\n'),
     ('src/ray/client.c', '#include <sagitta/geo.h>\n'),
+    ('src/ray/client.c', '#include <sagitta/lens.h>\n'),
+    ('src/lens/in.c', '#include "num/exact.h"\n'),
     ('examples/in.c', '#include "../src/num/exact.h"\n'),
     ('src/attic/old.c', ''),
     ('src/loose.c', ''),

@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-HEADERS = ['diagnose.h', 'fma.h', 'interval.h', 'sagitta.h', 'sensitivity.h', 'surfaces.h', 'system.h']
+HEADERS = ['diagnose.h', 'fma.h', 'interval.h', 'lens.h', 'sagitta.h', 'sensitivity.h', 'surfaces.h', 'system.h']
 GEO = r'''
 #include <sagitta/geo.h>
 #include <stdio.h>
@@ -27,6 +27,22 @@ int main(void)
                                 (sgt_ray){.o = {7e6, 0, 0}, .d = {-1, 0, 0}}, NULL);
     printf("%s at %.3f m\n", sgt_status_text(hit.status), hit.t);
     return !(hit.status == SGT_HIT && hit.t > 621762.9 && hit.t < 621763.1);
+}
+'''
+LENS = r'''
+#include <sagitta/lens.h>
+#include <stdio.h>
+int main(void)
+{
+    sgt_lens_error error;
+    sgt_catalogue *c = sgt_catalogue_new(NULL);
+    sgt_glass g;
+    if (!sgt_catalogue_add(c, NULL, &error) || !sgt_catalogue_find(c, "SCHOTT N-BK7", 0, NULL, &g, &error))
+        return printf("%s:%zu: %s: %s\n", error.file, error.line, error.key, error.words), 1;
+    double n = sgt_glass_index(&g, sgt_spectral_line("d"));
+    printf("%zu glasses, N-BK7 %.5f\n", sgt_catalogue_count(c), n);
+    sgt_catalogue_free(c);
+    return !(n > 1.516795 && n < 1.516805);
 }
 '''
 
@@ -64,11 +80,17 @@ def main(build, readme, consumer_c, consumer_cpp, c_compiler, cpp_compiler=None)
             'shared': pkg_config('--cflags', '--libs', package='sagitta-geo'),
             'static': pkg_config('--cflags', '--libs', '--static', package='sagitta-geo'),
         } if geo else {}
+        libraries_lens = {
+            'shared': pkg_config('--cflags', '--libs', package='sagitta-lens'),
+            'static': pkg_config('--cflags', '--libs', '--static', package='sagitta-lens'),
+        }
         library_folder = pathlib.Path(pkg_config('--variable=libdir')[0])
         [block] = re.findall(r'^```c\n(.*?)^```', pathlib.Path(readme).read_text(),
                              re.MULTILINE | re.DOTALL)
         (there / 'readme.c').write_text(block)
         (there / 'geo.c').write_text(GEO)
+        (there / 'lens.c').write_text(LENS)
+        glass = pathlib.Path(*(prefix / 'share').rglob('sagitta/glass'))
         shutil.copy(consumer_c, there / 'consumer.c')
         shutil.copy(consumer_cpp, there / 'consumer.cpp')
         programs = [(['-std=c11'], c_compiler, 'consumer.c'), (['-std=c11'], c_compiler, 'readme.c')]
@@ -86,11 +108,14 @@ def main(build, readme, consumer_c, consumer_cpp, c_compiler, cpp_compiler=None)
                 for library in library_folder.glob('libsagitta*.so*'):
                     library.unlink()
             of_geo = [(['-std=c11'], c_compiler, 'geo.c')] if geo else []
-            for standard, compiler, program in programs + of_geo:
+            of_lens = [(['-std=c11'], c_compiler, 'lens.c')]
+            flags_of = {'geo.c': libraries_geo.get(form), 'lens.c': libraries_lens[form]}
+            for standard, compiler, program in programs + of_geo + of_lens:
                 run(*compiler.split(), *standard, '-Wall', '-Wextra', '-Wpedantic', '-Werror',
-                    program, '-o', 'program', *(libraries_geo[form] if program == 'geo.c' else flags), '-lm',
+                    program, '-o', 'program', *flags_of.get(program, flags), '-lm',
                     cwd=there)  # -lm: the programs' own
-                environment = {**os.environ, 'LD_LIBRARY_PATH': str(library_folder)}
+                environment = {**os.environ, 'LD_LIBRARY_PATH': str(library_folder),
+                               'SAGITTA_GLASS': str(glass)}
                 said = run('./program', cwd=there, env=environment)
                 print(f'-- {program}, {form}\n{said}', end='')
     return 0

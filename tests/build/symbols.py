@@ -2,9 +2,9 @@
 """What the library is made of: only sgt_ names go out, only copies of memory
 and what the compiler itself asks for come in, and nothing in it can be written to but one number.
 
-    python3 symbols.py INCLUDE_FOLDER SHARED_LIBRARY STATIC_LIBRARY [SHARED_LIBRARY_OF_GEO]
+    python3 symbols.py INCLUDE_FOLDER SHARED_LIBRARY STATIC_LIBRARY [OTHER_SHARED_LIBRARY ...]
 
-Of the library of geo.h, that is C++, only the names are looked at.
+Of the libraries of geo.h and lens.h, which allocate, only the names are looked at.
 """
 import pathlib
 import re
@@ -26,6 +26,7 @@ COMPILER = {  # what its own runtime and the linker answer
     '_GLOBAL_OFFSET_TABLE_': 'position-independent code',
     '__stack_chk_fail': '-fstack-protector of a distribution',
 }
+OTHERS = {'libsagitta_geo': 'geo.h', 'libsagitta_lens': 'lens.h'}
 ALLOWED = MEMORY.keys() | ENVIRONMENT.keys() | COMPILER.keys()
 LIBRARIES = re.compile(r'^(libm|libc|ld-linux[\w-]*)\.so')
 
@@ -42,11 +43,11 @@ def symbols(*arguments):
             yield word[1], word[0].split('@')[0]
 
 
-def declared(include, geo=False):
-    """The names that the public headers declare; geo: those of the library of geo.h."""
+def declared(include, header_name=None):
+    """The names that the public headers of the core declare, or that one header declares."""
     names = set()
     for header in sorted(pathlib.Path(include, 'sagitta').glob('*.h')):
-        if (header.name == 'geo.h') != geo:
+        if header.name != header_name and (header_name or header.name in OTHERS.values()):
             continue
         text = re.sub(r'/\*.*?\*/', '', header.read_text(), flags=re.DOTALL)
         for statement in re.findall(r'\bSGT_API\b([^;{]*);', text):
@@ -79,11 +80,12 @@ def faults_of_versions(shared):
     return faults
 
 
-def main(include, shared, static, geo=None):
+def main(include, shared, static, *others):
     exported, promised = exported_of(shared), declared(include)
     faults = faults_of_names(exported, promised) + faults_of_versions(shared)
-    if geo:
-        faults += faults_of_names(exported_of(geo), declared(include, geo=True)) + faults_of_versions(geo)
+    for other in others:
+        header = OTHERS[pathlib.Path(other).name.split('.')[0]]
+        faults += faults_of_names(exported_of(other), declared(include, header)) + faults_of_versions(other)
 
     needed = re.findall(r'\(NEEDED\).*\[(.*)\]', output('readelf', '-dW', shared))
     faults += [f'{name}: needed by the shared library' for name in needed if not LIBRARIES.match(name)]

@@ -110,8 +110,8 @@ static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
     if (a.surface && !a.ray) fail_usage("--ray is missing; for example --ray \"ox oy oz dx dy dz\"");
     if (a.surface && (rays_of_lens || a.element))
         fail_usage(
-            "--field, --fan, --grid, --rays, --skip-bad, --wavelength, --no-apertures and --element go with "
-            "a lens file, not with --surface");
+            "--field, --fan, --grid, --rays, --skip-bad, --wavelength, --glass, --no-apertures and --element "
+            "go with a lens file, not with --surface");
     return a;
 }
 

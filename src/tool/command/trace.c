@@ -38,11 +38,12 @@ static const char trace_help[] =
     "                     stretch of the ray still in doubt (like t)\n"
     "\n"
     "A lens file is YAML.  docs/lens_file.md has every key, examples/lenses has complete files.\n"
-    "  file:     name, units, wavelengths: [micrometres], object: {distance, index},\n"
-    "            pupil: {semi_diameter, distance}, fields: [degrees], surfaces: [...]\n"
+    "  file:     name, units, wavelengths: [micrometres], makers: [of glasses],\n"
+    "            object: {distance, index or glass}, pupil: {semi_diameter, distance},\n"
+    "            fields: [degrees], surfaces: [...]\n"
     "  surface:  type, radius or curvature, conic, coefficients, semi_diameter,\n"
-    "            thickness (to the next vertex), index (of the medium behind it), mirror, stop,\n"
-    "            decenter and tilt: [x, y, z]; or origin and tilt in every surface\n"
+    "            thickness (to the next vertex), index or glass (of the medium behind it),\n"
+    "            mirror, stop, decenter and tilt: [x, y, z]; or origin and tilt in every surface\n"
     "\n"
     "Options\n";
 static const char trace_more_help[] =

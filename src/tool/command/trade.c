@@ -125,14 +125,15 @@ static void check(const trade_arguments *a)
     const job_options *j = &a->trade.job;
     bool rays = j->rays || a->trade.rays.count;
     if (a->trade.surface && j->lens) fail_usage("give --surface or a lens file, not both");
-    if (a->trade.surface && (j->fields || j->fan || j->grid || j->wavelength || j->no_apertures))
-        fail_usage("--field, --fan, --grid, --wavelength and --no-apertures go with a lens file, not with "
-                   "--surface");
+    if (a->trade.surface && (j->fields || j->fan || j->grid || j->wavelength || j->glass || j->no_apertures))
+        fail_usage("--field, --fan, --grid, --wavelength, --glass and --no-apertures go with a lens file, "
+                   "not with --surface");
     if (j->rays && a->trade.rays.count) fail_usage("give --rays or --ray, not both");
     if (a->trade.rays.count && !a->trade.surface)
         fail_usage("--ray goes with --surface; for a lens give --rays FILE");
     if (!a->trade.surface && !j->lens &&
-        (rays || j->fields || j->fan || j->grid || j->wavelength || j->no_apertures || j->skip_bad))
+        (rays || j->fields || j->fan || j->grid || j->wavelength || j->glass || j->no_apertures ||
+         j->skip_bad))
         fail_usage("there are options for rays, but no --surface and no lens file");
 }
 

@@ -7,6 +7,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <sagitta/lens.h>
 #include <string.h>
 
 enum { FAN_DEFAULT = 5, RAYS_MOST = 1000000000 };
@@ -19,9 +20,26 @@ const char job_help[] =
     "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"
     "                     ox,oy,oz,dx,dy,dz and optionally id; FILE may be - for standard input\n"
     "  --skip-bad         skip bad rows of the file, and say how many\n"
-    "  --wavelength I     use the refractive indices of the lens's I-th wavelength, counted from 1\n"
-    "                     (default 1)\n"
+    "  --wavelength W     a whole number: the lens's W-th wavelength, counted from 1 (default 1).\n"
+    "                     With a point: micrometres.  Or a spectral line: i h g F' F e d D C' C r s t\n"
+    "  --glass PATH       glasses of a catalogue (.agf, .yml, .csv) or a folder of them, before those\n"
+    "                     that ship.  May be repeated\n"
     "  --no-apertures     ignore the clear apertures: clip no ray\n";
+
+static void take_wavelength(job_options *o)
+{
+    o->wavelength = -1, o->um = sgt_spectral_line(optarg);
+    if (!isnan(o->um)) return;
+    if (!strchr(optarg, '.')) {
+        if (!strpbrk(optarg, "0123456789"))
+            fail_usage("--wavelength must be a whole number, micrometres with a point, or a spectral line "
+                       "(i h g F' F e d D C' C r s t), not \"%s\"", optarg);
+        o->wavelength = options_integer("wavelength", optarg, 1, INT_MAX);
+        return;
+    }
+    o->um = options_number("wavelength", optarg);
+    if (!(o->um > 0)) fail_usage("--wavelength must be positive, not %s micrometres", optarg);
+}
 
 bool job_take(job_options *o, int code)
 {
@@ -38,7 +56,8 @@ bool job_take(job_options *o, int code)
     case JOB_GRID: o->grid = options_integer("grid", optarg, 1, RAYS_MOST); return true;
     case JOB_RAYS: o->rays = optarg; return true;
     case JOB_SKIP_BAD: o->skip_bad = true; return true;
-    case JOB_WAVELENGTH: o->wavelength = options_integer("wavelength", optarg, 1, INT_MAX); return true;
+    case JOB_WAVELENGTH: take_wavelength(o); return true;
+    case JOB_GLASS: glass_folder(optarg), o->glass = true; return true;
     case JOB_NO_APERTURES: o->no_apertures = true; return true;
     default: return false;
     }
@@ -55,7 +74,8 @@ job job_read(const job_options *o)
     if (o->fan && o->grid) fail_usage("give --fan or --grid, not both");
     if (o->rays && (o->fields || o->fan || o->grid))
         fail_usage("give --rays, or --field with --fan or --grid, not both");
-    job j = {.lens = lens_read(o->lens, o->wavelength ? (size_t)o->wavelength : 1)};
+    job j = {.lens = o->wavelength < 0 ? lens_read_at(o->lens, o->um)
+                                       : lens_read(o->lens, o->wavelength ? (size_t)o->wavelength : 1)};
     j.element = memory_take(j.lens.count, sizeof *j.element);
     memcpy(j.element, j.lens.element, j.lens.count * sizeof *j.element);
     for (size_t i = 0; o->no_apertures && i < j.lens.count; i++) j.element[i].semi_diameter = 0;

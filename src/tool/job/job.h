@@ -9,13 +9,15 @@ typedef struct job_options {
     const char *lens, *rays;          /* files */
     double *field;                    /* --field, one after another */
     size_t fields, capacity;
-    long fan, grid, wavelength;       /* 0: not given */
-    bool skip_bad, no_apertures;
+    long fan, grid, wavelength;       /* 0: not given; wavelength -1: um */
+    double um;                        /* --wavelength in micrometres */
+    bool skip_bad, no_apertures, glass;
     int threads;                      /* to read rays with; 0: one */
 } job_options;
 
 enum {
     JOB_FIELD = OPTION_OWN, JOB_FAN, JOB_GRID, JOB_RAYS, JOB_SKIP_BAD, JOB_WAVELENGTH, JOB_NO_APERTURES,
+    JOB_GLASS,
     OPTION_AFTER_JOB
 };
 
@@ -26,6 +28,7 @@ enum {
     {"rays", required_argument, NULL, JOB_RAYS},                \
     {"skip-bad", no_argument, NULL, JOB_SKIP_BAD},              \
     {"wavelength", required_argument, NULL, JOB_WAVELENGTH},    \
+    {"glass", required_argument, NULL, JOB_GLASS},              \
     {"no-apertures", no_argument, NULL, JOB_NO_APERTURES}
 
 extern const char job_help[];

@@ -5,7 +5,9 @@
  * `origin` instead, all must.
  *
  * The keys are read in the order in which they depend on each other: the wavelengths say how
- * long a list of indices must be. */
+ * long a list of indices must be.
+ *
+ * A wavelength that the file does not list serves glasses, and indices that are one number. */
 #include "lens.h"
 
 #include "../base/input.h"
@@ -33,7 +35,7 @@ static double *number_list(const document *d, const node *n, const char *key, si
 }
 
 /* A refractive index: a number, or a list with one for each wavelength. */
-static double index_at(const lens *l, const node *n, const char *key, size_t wavelength)
+static double index_at(const lens *l, const node *n, const char *key)
 {
     const document *d = &l->source;
     if (n->kind != NODE_LIST) return positive(d, n, key, NUMBER_FINITE);
@@ -43,12 +45,40 @@ static double index_at(const lens *l, const node *n, const char *key, size_t wav
     double chosen = 0;
     for (size_t i = 0; i < n->count; i++) {
         double x = positive(d, n->item[i], key, NUMBER_FINITE);
-        if (i + 1 == wavelength) chosen = x;
+        if (i + 1 == l->chosen) chosen = x;
     }
+    if (l->chosen == 0)
+        document_fail(d, n, key, "is for the wavelengths of the file; %g micrometres is none of them",
+                      l->wavelength);
     return chosen;
 }
 
-static void read_wavelengths(lens *l, size_t wavelength)
+/* The index that `index` or `glass` of a map gives, or `otherwise`. */
+static double medium_of(const lens *l, const node *map, const char *in, double otherwise)
+{
+    const document *d = &l->source;
+    const node *index = document_take(map, "index");
+    node *glass = document_take(map, "glass");
+    char key[30];
+    if (glass && index) document_fail(d, glass, "glass", "given beside index; one of them says the medium");
+    snprintf(key, sizeof key, "%s%s", in, glass ? "glass" : "index");
+    if (glass) return glass_index(d, glass, key, l->wavelength, &l->makers);
+    return index ? index_at(l, index, key) : otherwise;
+}
+
+static void read_makers(lens *l)
+{
+    const document *d = &l->source;
+    const node *n = document_take(d->root, "makers");
+    if (!n) return;
+    if (n->kind != NODE_LIST) document_fail(d, n, "makers", "must be a list of names, like [SCHOTT, OHARA]");
+    l->makers.name = memory_take(n->count, sizeof *l->makers.name);
+    for (size_t i = 0; i < n->count; i++)
+        l->makers.name[l->makers.count++] = document_text(d, n->item[i], "makers");
+}
+
+/* wavelength: from 1; 0: um is meant. */
+static void read_wavelengths(lens *l, size_t wavelength, double um)
 {
     const document *d = &l->source;
     const node *n = document_take(d->root, "wavelengths");
@@ -61,10 +91,14 @@ static void read_wavelengths(lens *l, size_t wavelength)
     if (wavelength > l->wavelengths)
         fail_usage("--wavelength %zu: %s has %zu wavelength%s", wavelength, d->source, l->wavelengths,
                    l->wavelengths == 1 ? "" : "s");
-    if (list) l->wavelength = list[wavelength - 1];
+    l->chosen = wavelength;
+    if (wavelength == 0) l->wavelength = um;
+    for (size_t i = 0; list && i < l->wavelengths && !l->chosen; i++)
+        if (list[i] == um) l->chosen = i + 1;
+    if (list && l->chosen) l->wavelength = list[l->chosen - 1];
 }
 
-static void read_object(lens *l, size_t wavelength)
+static void read_object(lens *l)
 {
     const document *d = &l->source;
     l->object_distance = HUGE_VAL, l->object_index = 1;
@@ -73,9 +107,8 @@ static void read_object(lens *l, size_t wavelength)
     document_map(d, map, "object");
     const node *n = document_take(map, "distance");
     if (n) l->object_distance = positive(d, n, "object.distance", NUMBER_MAYBE_INFINITE);
-    n = document_take(map, "index");
-    if (n) l->object_index = index_at(l, n, "object.index", wavelength);
-    document_finish(d, map, "distance, index");
+    l->object_index = medium_of(l, map, "object.", 1);
+    document_finish(d, map, "distance, index or glass");
 }
 
 static void read_pupil(lens *l)
@@ -141,21 +174,21 @@ static void read_place(const document *d, const node *map, bool placed, double *
 }
 
 /* The medium behind an entry; `before` is the index in front of it. */
-static void read_medium(const lens *l, const node *map, size_t wavelength, double before, sgt_element *e,
-                        lens_surface *s)
+static void read_medium(const lens *l, const node *map, double before, sgt_element *e, lens_surface *s)
 {
     const document *d = &l->source;
     const node *mirror = document_take(map, "mirror"), *index = document_take(map, "index");
+    const node *glass = document_take(map, "glass");
     s->mirror = mirror && document_truth(d, mirror, "mirror");
-    s->index = index ? index_at(l, index, "index", wavelength) : before;
+    s->index = medium_of(l, map, "", before);
     if (s->mirror && s->index != before)
-        document_fail(d, index, "index",
+        document_fail(d, index ? index : glass, index ? "index" : "glass",
                       "must be left out or %.17g: behind a mirror light is in the same medium as before",
                       before);
     e->index = s->mirror ? SGT_MIRROR : s->index;
 }
 
-static void read_surfaces(lens *l, size_t wavelength)
+static void read_surfaces(lens *l)
 {
     const document *d = &l->source;
     const node *list = document_take(d->root, "surfaces");
@@ -180,7 +213,7 @@ static void read_surfaces(lens *l, size_t wavelength)
         const sgt_builtin *type;
         document_map(d, map, "surfaces");
         read_place(d, map, placed, &z, e, s);
-        read_medium(l, map, wavelength, before, e, s);
+        read_medium(l, map, before, e, s);
         const node *stop = document_take(map, "stop"), *rim = document_take(map, "semi_diameter");
         if (stop && document_truth(d, stop, "stop")) {
             if (l->stop_marked) document_fail(d, stop, "stop", "a second stop; a lens has one");
@@ -189,7 +222,8 @@ static void read_surfaces(lens *l, size_t wavelength)
         if (rim) e->semi_diameter = document_number(d, rim, "semi_diameter", NUMBER_FINITE);
         if (!(e->semi_diameter >= 0)) document_fail(d, rim, "semi_diameter", "must not be negative");
         e->surface = surface_read(d, map, SURFACE_NO_RIM,
-                                  "; semi_diameter, thickness, index, mirror, stop, decenter, tilt, origin",
+                                  "; semi_diameter, thickness, index, glass, mirror, stop, decenter, "
+                                  "tilt, origin",
                                   &type);
         s->type = type->type;
         before = s->index;
@@ -199,7 +233,7 @@ static void read_surfaces(lens *l, size_t wavelength)
     }
 }
 
-lens lens_read(const char *path, size_t wavelength)
+static lens read_lens(const char *path, size_t wavelength, double um)
 {
     input file = input_read(path);
     lens l = {.source = document_parse(file.name, file.text, file.length)};
@@ -210,11 +244,16 @@ lens lens_read(const char *path, size_t wavelength)
     const node *name = document_take(d->root, "name"), *units = document_take(d->root, "units");
     l.name = name ? document_text(d, name, "name") : "";
     l.units = units ? document_text(d, units, "units") : "";
-    read_wavelengths(&l, wavelength);
-    read_object(&l, wavelength);
+    read_makers(&l);
+    read_wavelengths(&l, wavelength, um);
+    read_object(&l);
     read_pupil(&l);
     read_fields(&l);
-    read_surfaces(&l, wavelength);
-    document_finish(d, d->root, "name, units, wavelengths, object, pupil, fields, surfaces");
+    read_surfaces(&l);
+    document_finish(d, d->root, "name, units, wavelengths, makers, object, pupil, fields, surfaces");
     return l;
 }
+
+lens lens_read(const char *path, size_t wavelength) { return read_lens(path, wavelength, (double)NAN); }
+
+lens lens_read_at(const char *path, double um) { return read_lens(path, 0, um); }

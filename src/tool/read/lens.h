@@ -2,6 +2,7 @@
 #ifndef TOOL_LENS_H
 #define TOOL_LENS_H
 #include "document.h"
+#include "glass.h"
 
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
@@ -18,7 +19,9 @@ typedef struct lens {
     document source;                  /* for errors that are found later */
     const char *name, *units;         /* "" where not given */
     size_t wavelengths;               /* how many there are; 1 if the file gives none */
+    size_t chosen;                    /* which of them, from 1; 0: none, `wavelength` is another */
     double wavelength;                /* the chosen one, in micrometres; NaN: the file gives none */
+    glass_makers makers;
     double object_distance;           /* from the object to the first vertex; default infinite */
     double object_index;
     double pupil_semi_diameter;       /* NaN: not given */
@@ -34,5 +37,8 @@ typedef struct lens {
 
 /* wavelength: counted from 1.  Any error ends the command, with file, line and key in the message. */
 lens lens_read(const char *path, size_t wavelength);
+
+/* The same at a wavelength in micrometres, which need not be one of the file. */
+lens lens_read_at(const char *path, double um);
 
 #endif

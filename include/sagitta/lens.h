@@ -1,0 +1,174 @@
+/* lens.h - the glass that lenses are made of: catalogues of dispersion, and the index of
+ * a glass at a wavelength.
+ *
+ * This is a library of its own, sagitta_lens; the core needs none of it.  It allocates,
+ * by an allocator of the caller's choice, and reads files.
+ *
+ * UNITS.  Wavelengths are micrometres.  Indices are those of the formula: makers give
+ * them relative to air of 20 C and one atmosphere.  Nothing is converted.
+ *
+ * THREADS.  Functions that take a const catalogue or a glass may run in any number of
+ * threads at once.  sgt_catalogue_add... needs the catalogue for itself.  Numbers have a
+ * point in any locale, as long as no other thread sets the locale meanwhile.
+ *
+ *     sgt_lens_error error;
+ *     sgt_catalogue *c = sgt_catalogue_new(NULL);
+ *     sgt_glass glass;
+ *     if (c && sgt_catalogue_add(c, NULL, &error) &&
+ *         sgt_catalogue_find(c, "SCHOTT N-BK7", 0, NULL, &glass, &error))
+ *         printf("%.5f\n", sgt_glass_index(&glass, sgt_spectral_line("d")));   1.51680
+ *     sgt_catalogue_free(c); */
+#ifndef SAGITTA_LENS_H
+#define SAGITTA_LENS_H
+#include <sagitta/sagitta.h>
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Where memory comes from.  resize as realloc: block NULL is a new one, size 0 frees and
+ * returns NULL, NULL for another size is a failure that leaves the block as it was. */
+typedef struct sgt_allocator {
+    void *(*resize)(void *context, void *block, size_t size);
+    void *context;
+} sgt_allocator;
+
+/* What is wrong.  Texts end with a zero; one that is too long is cut (of a file the end
+ * is kept). */
+typedef struct sgt_lens_error {
+    char   file[256];   /* empty: none is to blame */
+    size_t line;        /* from 1; 0: no line */
+    char   key[64];     /* the record or key, such as "CD"; may be empty */
+    char   words[320];  /* a sentence without a full stop */
+} sgt_lens_error;
+
+/* ---------------------------------------------------------------- formulas
+ *
+ * w is the wavelength, C1, C2 ... the coefficients in the order of the file.
+ *
+ * 1 ... 9: those of refractiveindex.info (M. N. Polyanskiy, Dispersion formulas, 2021).
+ * Terms go on as long as there are coefficients, missing ones are 0.
+ *   1  n^2 = 1 + C1 + C2 w^2 / (w^2 - C3^2) + C4 w^2 / (w^2 - C5^2) + ...
+ *   2  n^2 = 1 + C1 + C2 w^2 / (w^2 - C3) + C4 w^2 / (w^2 - C5) + ...
+ *   3  n^2 = C1 + C2 w^C3 + C4 w^C5 + ...
+ *   4  n^2 = C1 + C2 w^C3 / (w^2 - C4^C5) + C6 w^C7 / (w^2 - C8^C9)
+ *          + C10 w^C11 + C12 w^C13 + ...
+ *   5  n = C1 + C2 w^C3 + C4 w^C5 + ...
+ *   6  n = 1 + C1 + C2 / (C3 - w^-2) + C4 / (C5 - w^-2) + ...
+ *   7  n = C1 + C2 / (w^2 - 0.028) + C3 / (w^2 - 0.028)^2 + C4 w^2 + C5 w^4 + C6 w^6
+ *   8  (n^2 - 1) / (n^2 + 2) = C1 + C2 w^2 / (w^2 - C3) + C4 w^2
+ *   9  n^2 = C1 + C2 / (w^2 - C3) + C4 (w - C5) / ((w - C5)^2 + C6)
+ *
+ * 101 ... 113: formulas 1 ... 13 of .agf catalogues (OpticStudio's manual, The glass
+ * dispersion formulas).  All coefficients that the formula names are needed.
+ *   1  Schott      n^2 = C1 + C2 w^2 + C3 w^-2 + C4 w^-4 + C5 w^-6 + C6 w^-8
+ *   2  Sellmeier 1 n^2 = 1 + sum of 3: C1 w^2 / (w^2 - C2) ...
+ *   3  Herzberger  n = C1 + C2 L + C3 L^2 + C4 w^2 + C5 w^4 + C6 w^6, L = 1/(w^2 - 0.028)
+ *   4  Sellmeier 2 n^2 = 1 + C1 + C2 w^2 / (w^2 - C3^2) + C4 / (w^2 - C5^2)
+ *   5  Conrady     n = C1 + C2 / w + C3 / w^3.5
+ *   6  Sellmeier 3 as 2, with 4 terms
+ *   7  Handbook 1  n^2 = C1 + C2 / (w^2 - C3) - C4 w^2
+ *   8  Handbook 2  n^2 = C1 + C2 w^2 / (w^2 - C3) - C4 w^2
+ *   9  Sellmeier 4 n^2 = C1 + C2 w^2 / (w^2 - C3) + C4 w^2 / (w^2 - C5)
+ *   10 Extended    as 1, + C7 w^-10 + C8 w^-12
+ *   11 Sellmeier 5 as 2, with 5 terms
+ *   12 Extended 2  as 1, + C7 w^4 + C8 w^6
+ *   13 Extended 3  n^2 = C1 + C2 w^2 + C3 w^4 + C4 w^-2 + C5 w^-4 ... + C9 w^-12
+ *
+ * SGT_FORMULA_PAIRS: C1 a wavelength, C2 the index there, C3 the next wavelength ...,
+ *   rising.  Straight lines between them, and beyond the ends the lines there; one pair
+ *   is one index for all.
+ * SGT_FORMULA_MODEL: C1 = nd, C2 = vd (0: no dispersion), C3 = the deviation of PgF from
+ *   the normal line 0.6438 - 0.001682 vd (0 if missing).  n = nd + a v + b v^2 with
+ *   v = x / (1 + 2.5 x), x = w - 0.5875618 (Buchdahl's coordinate), a and b such that
+ *   nF - nC = (nd - 1) / vd and ng - nF = PgF (nF - nC).  APPROXIMATE: good to some 1e-4
+ *   in the visible; ranges and catalogues do not bind it. */
+enum {
+    SGT_FORMULA_AGF = 100,    /* plus the number */
+    SGT_FORMULA_PAIRS = 201,
+    SGT_FORMULA_MODEL = 202
+};
+
+/* A glass as plain data.  One from a catalogue borrows its texts and coefficients:
+ * they last until sgt_catalogue_free.  One of your own may be filled in by hand: begin
+ * with zeros, set formula, count and coefficient. */
+typedef struct sgt_glass {
+    const char   *name;         /* NULL: none */
+    const char   *maker;        /* of an .agf file: its name without the ending */
+    const char   *remark;       /* what a user should know, or NULL */
+    const char   *file;         /* where it stands, and the line from 1; or NULL */
+    size_t        line;
+    int           formula;      /* as above */
+    size_t        count;        /* of coefficients */
+    const double *coefficient;
+    double        from, to;     /* where the formula was fitted, um; 0 and 0: not known */
+    double        nd, vd;       /* as the catalogue prints them; 0: it does not */
+} sgt_glass;
+
+/* The index of refraction at a wavelength in um, also outside the range of the glass: ask
+ * sgt_glass_covers.  NaN: the wavelength is not positive and finite, the formula is
+ * unknown or lacks coefficients, or its answer is no positive number (n^2 < 0, a pole).
+ * Rounding: observed below 1e-15 of n for all glasses that ship (docs/glass.md). */
+SGT_API double sgt_glass_index(const sgt_glass *glass, double um);
+
+/* Whether a wavelength lies in the range of the glass; true if that is not known. */
+SGT_API bool sgt_glass_covers(const sgt_glass *glass, double um);
+
+/* What is wrong with a glass, whatever the wavelength: NULL if nothing, else a constant
+ * text (an unknown formula, too few coefficients, pairs that do not rise ...). */
+SGT_API const char *sgt_glass_fault(const sgt_glass *glass);
+
+/* The wavelength, um, of a spectral line: i h g F' F e d D C' C r s t (SCHOTT, TIE-29);
+ * NaN for another name. */
+SGT_API double sgt_spectral_line(const char *name);
+
+/* -------------------------------------------------------------- catalogues */
+
+typedef struct sgt_catalogue sgt_catalogue;
+
+/* An empty catalogue; NULL: no memory.  The allocator (NULL: malloc) is copied. */
+SGT_API sgt_catalogue *sgt_catalogue_new(const sgt_allocator *allocator);
+SGT_API void           sgt_catalogue_free(sgt_catalogue *catalogue); /* NULL: nothing */
+
+/* Adds the glasses of a file, or of all files of a folder with a known ending, in the
+ * order of their names.  Endings, in either case:
+ *   .agf          a catalogue as OpticStudio writes it
+ *   .csv          the form of the table that ships: maker,glass,formula,from_um,to_um,
+ *                 and coefficients with blanks between; # begins a comment
+ *   .yml, .yaml   one material of refractiveindex.info: formula 1 ... 9, tabulated n, nk.
+ *                 Its name is that of the file, its maker the folder's
+ * UTF-8, UTF-16 (with and without mark) or Latin-1; lines end as they like.
+ *
+ * path NULL: the table that ships.  It is looked for in the environment variable
+ * SAGITTA_GLASS (a file or folder; nothing else is then tried), in the folder
+ * <datadir>/sagitta/glass of the installation, and in the source tree this was built
+ * from.
+ *
+ * false: `error` (may be NULL) says what and where.  Glasses of files read before remain;
+ * of the file at fault none does.  A file that ends in the middle of a line of numbers is
+ * at fault: it may be cut off. */
+SGT_API bool sgt_catalogue_add(sgt_catalogue *catalogue, const char *path,
+                               sgt_lens_error *error);
+
+/* The same of text in memory; `name` is a file's name, and its ending tells the form. */
+SGT_API bool sgt_catalogue_add_text(sgt_catalogue *catalogue, const char *name,
+                                    const char *text, size_t length,
+                                    sgt_lens_error *error);
+
+/* How many glasses there are, and the one at a place from 0, in the order in which they
+ * were added; false: there is none. */
+SGT_API size_t sgt_catalogue_count(const sgt_catalogue *catalogue);
+SGT_API bool   sgt_catalogue_glass(const sgt_catalogue *catalogue, size_t place,
+                                   sgt_glass *glass);
+
+/* Finds a glass by `NAME` or `MAKER NAME`, in either case of letters.  If several makers
+ * have the name, the first in the list `makers` that has it is taken, else any: the glass
+ * of the call that added last, and of that call the first.  glass->maker tells which.
+ * false: none, and `error` (may be NULL) names those whose names are nearest. */
+SGT_API bool sgt_catalogue_find(const sgt_catalogue *catalogue, const char *name,
+                                size_t makers_count, const char *const *makers,
+                                sgt_glass *glass, sgt_lens_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* SAGITTA_LENS_H */

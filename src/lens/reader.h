@@ -1,0 +1,68 @@
+/* reader.h - what the readers of catalogues share: memory, lines, words, numbers, errors. */
+#ifndef SGT_LENS_READER_H
+#define SGT_LENS_READER_H
+#include <sagitta/lens.h>
+
+/* A stretch of text, without a zero at its end. */
+typedef struct piece { const char *begin, *end; } piece;
+
+typedef union block { union block *next; double aligned; } block; /* doubles follow it */
+
+/* Texts and coefficients lie in blocks that stay where they are until the catalogue is freed,
+ * so that glasses may point to them. */
+struct sgt_catalogue {
+    sgt_allocator allocator;
+    block        *blocks;
+    sgt_glass    *glass;
+    unsigned     *addition; /* of each glass: which call added it */
+    size_t        count, room;
+    unsigned      additions;
+};
+
+typedef struct reader {
+    sgt_catalogue  *catalogue;
+    const char     *file;
+    sgt_lens_error *error; /* never NULL */
+    const char     *at, *end;
+    size_t          line;  /* of the last that was read, from 1 */
+    bool            whole; /* it has an end of line */
+} reader;
+
+enum { READER_COEFFICIENTS = 64 };
+
+/* Fills in r->error; false. */
+bool sgt_reader_fail(const reader *r, size_t line, const char *key, const char *words, ...);
+
+/* Memory that lasts as long as the catalogue; NULL: none. */
+void *sgt_reader_take(sgt_catalogue *c, size_t size);
+char *sgt_reader_text(sgt_catalogue *c, piece text);
+
+/* The next line, without its end and the blanks after it; false: there is none. */
+bool sgt_reader_line(reader *r, piece *line);
+
+/* The first word of *rest, which is moved behind it; empty: there is none. */
+piece sgt_reader_word(piece *rest);
+
+bool sgt_reader_is(piece text, const char *word);
+
+/* How much of it a message shows: for %.*s. */
+int sgt_reader_width(piece text);
+
+/* A finite decimal number, whatever the locale: sign, digits, point, exponent. */
+bool sgt_reader_number(piece word, double *value);
+
+/* A line that must be whole is; false: told, the file may be cut off. */
+bool sgt_reader_whole(const reader *r, const char *key);
+
+/* Numbers to the end of the line, at most READER_COEFFICIENTS; false: told. */
+bool sgt_reader_numbers(const reader *r, const char *key, piece rest, double value[], size_t *count);
+
+/* Copies texts and coefficients and appends the glass, if sgt_glass_fault has nothing to say;
+ * false: told. */
+bool sgt_reader_append(const reader *r, sgt_glass glass, const char *key);
+
+bool sgt_read_agf(reader *r, piece maker);
+bool sgt_read_csv(reader *r);
+bool sgt_read_rii(reader *r, piece name, piece maker);
+
+#endif
