@@ -110,26 +110,27 @@ RII = {
     9: [2.1823, 0.0125, 0.0300, 0.01, 0.5, 0.05],
 }
 
-# Indices as their makers print them.
+# Indices to compare with: those of makers' catalogues that have been read, and others as they are quoted.
+QUOTED = 'as it is commonly quoted; the maker\'s own page has not been read'
 PRINTED = [
-    ('schott N-BK7', 'd', '1.51680', 'SCHOTT, data sheet of N-BK7'),
-    ('schott F2', 'd', '1.62004', 'SCHOTT, data sheet of F2'),
-    ('schott N-SF6', 'd', '1.80518', 'SCHOTT, data sheet of N-SF6'),
-    ('schott N-SK16', 'd', '1.62041', 'SCHOTT, data sheet of N-SK16'),
-    ('schott BOROFLOAT33', 'd', '1.4714', 'SCHOTT, BOROFLOAT 33, optical properties: 1.4714'),
-    ('ohara S-BSL7', 'd', '1.51633', 'OHARA, data sheet of S-BSL7'),
+    ('schott N-BK7', 'd', '1.51680', QUOTED),
+    ('schott F2', 'd', '1.62004', QUOTED),
+    ('schott N-SF6', 'd', '1.80518', QUOTED),
+    ('schott N-SK16', 'd', '1.62041', QUOTED),
+    ('schott BOROFLOAT33', 'd', '1.4714', QUOTED),
+    ('ohara S-BSL7', 'd', '1.51633', QUOTED),
     ('ohara BSM24', 'd', '1.617646', 'OHARA, catalogue of 2017-11-30: nd 1.617646'),
     ('ohara BSM16', 'd', '1.620410', 'OHARA, catalogue of 2017-11-30: nd 1.620410'),
-    ('hoya BSC7', 'd', '1.51680', 'HOYA, data sheet of BSC7'),
-    ('hoya FCD1', 'd', '1.49700', 'HOYA, data sheet of FCD1'),
-    ('cdgm H-K9L', 'd', '1.51680', 'CDGM, data sheet of H-K9L'),
-    ('hikari J-BK7A', 'd', '1.51680', 'HIKARI, data sheet of J-BK7A'),
-    ('sumita K-BK7', 'd', '1.51633', 'SUMITA, optical glass data book'),
+    ('hoya BSC7', 'd', '1.51680', QUOTED),
+    ('hoya FCD1', 'd', '1.49700', QUOTED),
+    ('cdgm H-K9L', 'd', '1.51680', QUOTED),
+    ('hikari J-BK7A', 'd', '1.51680', QUOTED),
+    ('sumita K-BK7', 'd', '1.51633', QUOTED),
     ('sumita K-LaKn14', 'd', '1.74100', 'SUMITA, catalogue of 2017-02-02: nd 1.74100'),
-    ('vitron IG2', 10.0, '2.4967', 'VITRON, IG2, n at 10 um'),
-    ('cargille fused_silica_matching_liquid-50350', 'D', '1.4587', 'Cargille, code 50350: nD 1.4587'),
-    ('material SiO2', 'd', '1.45846', 'Malitson 1965, table I'),
-    ('material ZnSe', 10.0, '2.4065', 'II-VI, ZnSe, n at 10 um: 2.4065'),
+    ('vitron IG2', 10.0, '2.4967', QUOTED),
+    ('cargille fused_silica_matching_liquid-50350', 'D', '1.4587', QUOTED),
+    ('material SiO2', 'd', '1.45846', QUOTED),
+    ('material ZnSe', 10.0, '2.4065', QUOTED),
 ]
 LINES = {'d': 0.5875618, 'D': 0.5892938}
 

@@ -14,6 +14,7 @@
 #include "../base/memory.h"
 #include "surface.h"
 
+#include <stdio.h>
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
