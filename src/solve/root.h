@@ -16,7 +16,7 @@ enum { QUICK_NONE, QUICK_NEWTON, QUICK_LEFT, QUICK_RIGHT };
  *     first    |g| where the search began; negative: |g| at tau
  *     least    a lower bound on |g'| all along [lo, hi]; 0: not known
  *
- * At the end t + t_err or, if F was looked at beside the root, the look behind it, is in r.hi. */
+ * At the end r.hi is t + t_err; the look behind the root, if there was one; with f_tol, hi. */
 SGT_INLINE sgt_root root_quickly(double lo, double hi, double tau, double last, double first, double least,
                                  double t_tol, double f_tol)
 {

@@ -14,7 +14,7 @@
  * root, certain and like signs at both of its ends are a miss.  In any other case the quick form has no
  * answer, and the careful path begins anew.  The evaluations of the quick form are counted.
  *
- * BIT FOR BIT.  The single ray (walk.c, general.c) and the lanes of a batch (ray/lanes.c) call the
+ * BIT FOR BIT.  The single ray (solve/root.h, ray/walk.c) and the lanes of a batch (ray/lanes.c) call the
  * functions below: the same operations in the same order, and so the same bits.  They have no branches; a
  * loop around them becomes vector code. */
 #ifndef SGT_SOLVE_STEP_H

@@ -1,7 +1,7 @@
 /* Which search a ray goes through: a line for each type of surface, with the share of rays that take each
  * way of src/solve/ways.h, as docs/ways_table.py wants it.
  *
- *     ways        type,rays,which root,proof,share of each way in per cent ...
+ *     ways        type,rays,which root,share of each way in per cent ...
  *
  * Ordinary rays: like those of the benchmarks, on the specimen of src/types.def.  Hostile ones: hostile.h.
  * A user's surface is a saddle, with what a user may offer.  Rays and shares are the same on every system. */
