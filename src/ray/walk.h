@@ -71,7 +71,7 @@ void sgt_walk_solve(walk *w, sgt_root *r, point *at);
 bool sgt_walk_take(walk *w, const sgt_root *r, point at);
 
 /* The quick form (solve/root.h), from tau, with `last` the size of the step before.  first: |g| where the
- * search began; if it is negative, |g| at tau.  true: *at is a root, within *tau_err; *past lies behind it. */
+ * search began; if it is negative, |g| at tau.  true: *at is a root, within *tau_err; *past is behind it. */
 bool sgt_walk_quick(walk *w, double lo, double hi, double tau, double last, double first, point *at,
                     double *tau_err, double *past);
 bool sgt_walk_take_quick(walk *w, point at, double tau_err);
