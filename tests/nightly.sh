@@ -5,6 +5,7 @@
 #              chooses other cases: the day of the year, unless it is set)
 #   platforms  the library on other systems (platforms/run.py): all sums, the speed, and the oracles by wine and qemu at
 #              a tenth of their scale
+#   examples   under AddressSanitizer and UBSan
 #   fuzz       each target for FUZZ_SECONDS (2400), from corpora that grow in build/fuzz/corpus from night to night
 #   mutants    single edits of the library that the tests must notice (mutants/run.py)
 #
@@ -31,6 +32,12 @@ stage() {  # stage NAME COMMAND...
     fi
 }
 
+sanitized_examples() {
+    rm -rf $logs/sanitized
+    meson setup $logs/sanitized -Dbuildtype=debugoptimized -Db_sanitize=address,undefined -Dtests=false &&
+        meson compile -C $logs/sanitized && meson test -C $logs/sanitized --suite examples --timeout-multiplier 3
+}
+
 if [ ! -f $build/build.ninja ]; then
     meson setup $build || exit 1
 fi
@@ -46,6 +53,7 @@ sh .ci/install ninja-build musl-tools gcc-mingw-w64-x86-64-posix g++-mingw-w64-x
     gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross \
     gcc-s390x-linux-gnu g++-s390x-linux-gnu libc6-dev-s390x-cross || exit 1
 stage platforms python3 tests/platforms/run.py --oracles
+stage examples sanitized_examples
 stage fuzz sh tests/fuzz/run.sh $((4 * fuzz_seconds))
 if [ -f tests/mutants/run.py ]; then
     stage mutants python3 tests/mutants/run.py
