@@ -31,6 +31,9 @@ typedef struct reader {
 enum { READER_COEFFICIENTS = 64 };
 
 /* Fills in r->error; false. */
+#ifdef __GNUC__
+__attribute__((format(printf, 4, 5)))
+#endif
 bool sgt_reader_fail(const reader *r, size_t line, const char *key, const char *words, ...);
 
 /* Memory that lasts as long as the catalogue; NULL: none. */
