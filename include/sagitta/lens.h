@@ -20,7 +20,8 @@
  *     sgt_catalogue_free(c); */
 #ifndef SAGITTA_LENS_H
 #define SAGITTA_LENS_H
-#include <sagitta/sagitta.h>
+#include <sagitta/surfaces.h>
+#include <sagitta/system.h>
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -37,8 +38,8 @@ typedef struct sgt_allocator {
 typedef struct sgt_lens_error {
     char   file[256];   /* empty: none is to blame */
     size_t line;        /* from 1; 0: no line */
-    char   key[64];     /* the record or key, such as "CD"; may be empty */
-    char   words[320];  /* a sentence without a full stop */
+    char   key[128];    /* the record or key, such as "CD"; may be empty */
+    char   words[1400]; /* a sentence without a full stop */
 } sgt_lens_error;
 
 /* ---------------------------------------------------------------- formulas
@@ -167,6 +168,158 @@ SGT_API bool   sgt_catalogue_glass(const sgt_catalogue *catalogue, size_t place,
 SGT_API bool sgt_catalogue_find(const sgt_catalogue *catalogue, const char *name,
                                 size_t makers_count, const char *const *makers,
                                 sgt_glass *glass, sgt_lens_error *error);
+
+/* ------------------------------------------------------------------- lenses
+ *
+ * A lens as a file gives it: a row of elements for sgt_trace, and what a user launches
+ * rays by.  Formats: the lens file of docs/lens_file.md (YAML, any ending), and .zmx as
+ * OpticStudio writes it.  Lengths are in the unit of the file, angles in degrees.
+ *
+ *     sgt_lens_error error;
+ *     sgt_lens *lens = sgt_lens_read("triplet.zmx", NULL, &error);
+ *     if (!lens) { printf("%s:%zu: %s\n", error.file, error.line, error.words); ... }
+ *     sgt_trace(lens->count, lens->element, lens->index_before, &ray, NULL, &fate, NULL);
+ *     sgt_lens_free(lens); */
+
+/* What a user should know of a lens that was read.  Nothing is ignored in silence. */
+typedef enum sgt_remark_kind {
+    SGT_REMARK_NOTE,     /* of interest: which maker's glass, a wavelength out of range */
+    SGT_REMARK_TURNED,   /* turned into something else, such as a solve into its value */
+    SGT_REMARK_LEFT_OUT  /* not imported, though rays may depend on it */
+} sgt_remark_kind;
+
+typedef struct sgt_lens_remark {
+    sgt_remark_kind kind;
+    size_t      line;   /* from 1 */
+    const char *key;    /* the record or key */
+    const char *words;  /* a sentence without a full stop */
+} sgt_lens_remark;
+
+/* How a file defines the size of the pupil.  Only SGT_PUPIL_RADIUS is a length. */
+typedef enum sgt_pupil_kind {
+    SGT_PUPIL_NONE,             /* not given */
+    SGT_PUPIL_RADIUS,           /* the semi-diameter of the entrance pupil */
+    SGT_PUPIL_F_NUMBER,         /* focal length / diameter of the entrance pupil */
+    SGT_PUPIL_WORKING_F_NUMBER, /* paraxial, at the conjugates given: 1 / (2 n' u') */
+    SGT_PUPIL_OBJECT_NA,        /* n sin of the marginal ray's angle at the object */
+    SGT_PUPIL_OBJECT_ANGLE,     /* that angle, degrees */
+    SGT_PUPIL_STOP_SIZE         /* the image of the stop at its size; no number */
+} sgt_pupil_kind;
+
+/* What the numbers of the fields are. */
+typedef enum sgt_field_kind {
+    SGT_FIELD_ANGLE,           /* degrees; the chief ray has the slopes (tan x, tan y) */
+    SGT_FIELD_OBJECT_HEIGHT,   /* lengths, as all that follow */
+    SGT_FIELD_PARAXIAL_IMAGE_HEIGHT,
+    SGT_FIELD_REAL_IMAGE_HEIGHT
+} sgt_field_kind;
+
+typedef struct sgt_lens_field { double x, y, weight; } sgt_lens_field;
+
+/* A surface, beside its element. */
+typedef struct sgt_lens_surface {
+    const char *type;        /* as in the lens file: "sphere" */
+    const char *name;        /* a comment of the file; "" where not given */
+    size_t      line;        /* where it stands, from 1 */
+    double      z;           /* its vertex on an unfolded axis: the sum of thicknesses.
+                                With `origin`, the z of that */
+    bool        mirror;
+    bool        off_axis;    /* placed by `origin`, and tilted or beside the axis */
+    double      size;        /* the half height in use, or 0: for drawings, and for
+                                SGT_PUPIL_STOP_SIZE.  It clips nothing */
+    double      focal_length; /* of the type "ideal", whose element has no surface (ops is
+                                NULL) and cannot be traced; else 0 */
+} sgt_lens_surface;
+
+typedef struct sgt_lens {
+    const char *file;        /* where it was read from, for messages */
+    size_t      line;        /* the first line of it that says anything */
+    const char *name, *units; /* "" where not given */
+
+    size_t        wavelengths; /* 1 or more */
+    const double *wavelength;  /* um; NULL: the file gives none */
+    const double *wavelength_weight; /* 1 where not given */
+    size_t        primary;     /* the place of the reference wavelength, from 0 */
+
+    /* from the object to the first vertex; infinite: from afar */
+    double object_distance;
+
+    sgt_pupil_kind pupil;
+    double pupil_size;       /* as the kind says; NaN for none */
+    double pupil_distance;   /* of the entrance pupil from the first vertex; NaN: that of
+                                the paraxial image of the stop */
+    size_t stop;             /* the place of its surface; 0 if none is marked */
+    bool   stop_marked;
+
+    sgt_field_kind field_kind;
+    size_t fields;           /* 1 or more; one on the axis where none is given */
+    const sgt_lens_field *field;
+
+    size_t count;            /* of surfaces */
+    const sgt_element *element;      /* [count], at the primary wavelength */
+    const sgt_lens_surface *surface; /* [count] */
+    double index_before;     /* in front of the first, at the primary wavelength */
+
+    size_t remarks;
+    const sgt_lens_remark *remark;
+} sgt_lens;
+
+/* How to read.  Zeros are the defaults. */
+typedef struct sgt_lens_options {
+    const sgt_allocator *allocator;  /* NULL: malloc.  It must last as long as the lens.
+                                        (libyaml takes from malloc while it parses) */
+    const sgt_catalogue *glasses;    /* NULL: the table that ships, read if a name is met.
+                                        What the lens needs of it is copied */
+    const sgt_builtin *types;        /* more surfaces than the built-in ones, such as
+                                        sgt_geo_builtins; NULL: none */
+    /* Called for each surface with the operations file_ops (of `types`) when its
+     * numbers are read.  path: the value of its key `file`, or NULL.  Returns NULL, or
+     * what is wrong. */
+    const sgt_surface_ops *file_ops;
+    const char *(*complete)(void *context, const sgt_builtin *type, void *self,
+                            const char *path);
+    /* How a file is read: sets *text, which is then freed by `forget`, and *length;
+     * returns NULL, or why it cannot be read.  NULL: by fopen. */
+    const char *(*read)(void *context, const char *path, char **text, size_t *length);
+    void (*forget)(void *context, char *text);
+    void *context;
+    /* of a file with several, from 1; 0: the active one */
+    int configuration;
+} sgt_lens_options;
+
+/* Reads a lens from a file.  A name that ends in .zmx is read as that, any other as YAML.
+ * NULL: `error` (may be NULL) says what and where. */
+SGT_API sgt_lens *sgt_lens_read(const char *path, const sgt_lens_options *opt,
+                                sgt_lens_error *error);
+
+/* The same of text in memory; `name` is a file's name, for messages, and its ending
+ * tells the form.  Other files that the lens names are looked for in its folder. */
+SGT_API sgt_lens *sgt_lens_read_text(const char *name, const char *text, size_t length,
+                                     const sgt_lens_options *opt, sgt_lens_error *error);
+
+/* One surface from text, "{type: sphere, radius: 20}": a lens of one element at the
+ * origin, whose semi_diameter is the surface's own rim.  name: for messages. */
+SGT_API sgt_lens *sgt_lens_read_surface(const char *name, const char *text,
+                                        const sgt_lens_options *opt,
+                                        sgt_lens_error *error);
+
+SGT_API void sgt_lens_free(sgt_lens *lens); /* NULL: nothing */
+
+/* The elements at a wavelength in um: copies lens->element to `element`, room for
+ * lens->count, with the indices of that wavelength, and sets *index_before.  um NaN:
+ * where the file gives no wavelengths.  false: some medium has no index there (a list
+ * of indices for other wavelengths, a pole), and `error` says which. */
+SGT_API bool sgt_lens_at(const sgt_lens *lens, double um, sgt_element element[],
+                         double *index_before, sgt_lens_error *error);
+
+/* The glass behind a surface (place 1 ... count), or in front of the first (place 0), and
+ * the line that names it.  false: an index by numbers, or the medium in front. */
+SGT_API bool sgt_lens_glass(const sgt_lens *lens, size_t place, sgt_glass *glass,
+                            size_t *line);
+
+/* The lens as a lens file in YAML, whatever it was read from: it reads back as the same
+ * lens, bit for bit.  The text lasts as long as the lens.  NULL: no memory. */
+SGT_API const char *sgt_lens_yaml(sgt_lens *lens, size_t *length);
 
 #ifdef __cplusplus
 }

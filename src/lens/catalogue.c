@@ -1,8 +1,4 @@
-/* catalogue.c - catalogues of glasses: files and folders, encodings, looking up by name.
- *
- * ENCODINGS.  A mark at the start tells UTF-8 and both UTF-16.  Without one, a zero in one of the
- * first two bytes tells UTF-16, since a catalogue begins with a character of ASCII; text that is
- * valid UTF-8 is that, and all other is Latin-1, of which each byte is a character.
+/* catalogue.c - catalogues of glasses: files and folders, looking up by name.
  *
  * NEAREST NAMES are those with the least edit distance (Levenshtein 1966): insertions, deletions
  * and changes of one character, the case of letters aside. */
@@ -16,31 +12,21 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* A catalogue of all makers is some megabytes; a device without an end is none. */
-enum { FILE_MOST = 256 << 20, NAME_MOST = 63, NEAREST = 3 };
-
-static void *plain_resize(void *context, void *memory, size_t size)
-{
-    (void)context;
-    if (size) return realloc(memory, size);
-    free(memory);
-    return NULL;
-}
+enum { NAME_MOST = 63, NEAREST = 3 };
 
 sgt_catalogue *sgt_catalogue_new(const sgt_allocator *allocator)
 {
-    sgt_allocator a = {.resize = plain_resize};
-    if (allocator) a = *allocator;
+    sgt_allocator a = sgt_allocator_or(allocator);
     sgt_catalogue *c = a.resize(a.context, NULL, sizeof *c);
-    if (c) *c = (sgt_catalogue){.allocator = a};
+    if (c) *c = (sgt_catalogue){.arena = {.allocator = a}};
     return c;
 }
 
 void sgt_catalogue_free(sgt_catalogue *c)
 {
     if (!c) return;
-    sgt_allocator a = c->allocator;
-    for (block *b = c->blocks, *next; b; b = next) next = b->next, a.resize(a.context, b, 0);
+    sgt_allocator a = c->arena.allocator;
+    sgt_arena_free(&c->arena);
     if (c->glass) a.resize(a.context, c->glass, 0);
     if (c->addition) a.resize(a.context, c->addition, 0);
     a.resize(a.context, c, 0);
@@ -53,74 +39,6 @@ bool sgt_catalogue_glass(const sgt_catalogue *c, size_t place, sgt_glass *glass)
     if (place >= c->count) return false;
     *glass = c->glass[place];
     return true;
-}
-
-/* -------------------------------------------------------------- encodings */
-
-/* Appends a character as UTF-8. */
-static char *put(char *out, unsigned long u)
-{
-    if (u < 0x80) return *out++ = (char)u, out;
-    int more = u < 0x800 ? 1 : u < 0x10000 ? 2 : 3;
-    static const unsigned mark[] = {0, 0xC0, 0xE0, 0xF0};
-    *out++ = (char)(mark[more] | u >> 6 * more);
-    while (more--) *out++ = (char)(0x80 | (u >> 6 * more & 0x3F));
-    return out;
-}
-
-/* Whether bytes are UTF-8, without forms that are longer than needed and without surrogates. */
-static bool is_utf8(const unsigned char *s, const unsigned char *end)
-{
-    while (s < end) {
-        unsigned long u = *s++;
-        int more = u < 0x80                ? 0
-                   : u >= 0xC2 && u < 0xE0 ? 1
-                   : u >= 0xE0 && u < 0xF0 ? 2
-                   : u >= 0xF0 && u < 0xF5 ? 3
-                                           : -1;
-        static const unsigned long least[] = {0, 0x80, 0x800, 0x10000};
-        if (more < 0 || end - s < more) return false;
-        u &= more == 0 ? 0x7FUL : 0x3FUL >> more;
-        for (int i = 0; i < more; i++, s++) {
-            if ((*s & 0xC0) != 0x80) return false;
-            u = u << 6 | (*s & 0x3FU);
-        }
-        if (u < least[more] || u > 0x10FFFF || (u >= 0xD800 && u < 0xE000)) return false;
-    }
-    return true;
-}
-
-/* A copy as UTF-8, of which *length is set; NULL: no memory. */
-static char *decoded(sgt_catalogue *c, const char *text, size_t *length)
-{
-    const unsigned char *s = (const unsigned char *)text, *end = s + *length;
-    if (*length > SIZE_MAX / 2 - 1) return NULL;
-    char *copy = sgt_reader_take(c, 2 * *length + 1), *out = copy;
-    if (!copy) return NULL;
-    bool two = *length >= 2;
-    bool low_first = two && ((s[0] == 0xFF && s[1] == 0xFE) || (s[0] && !s[1]));
-    bool high_first = two && ((s[0] == 0xFE && s[1] == 0xFF) || (!s[0] && s[1]));
-    if (low_first || high_first) {
-        for (; end - s >= 2; s += 2) {
-            unsigned long u = low_first ? s[0] | (unsigned long)s[1] << 8 : s[1] | (unsigned long)s[0] << 8;
-            if (u >= 0xD800 && u < 0xDC00 && end - s >= 4) {
-                const unsigned char *t = s + 2;
-                unsigned long v = low_first ? t[0] | (unsigned long)t[1] << 8
-                                            : t[1] | (unsigned long)t[0] << 8;
-                if (v >= 0xDC00 && v < 0xE000) u = 0x10000 + ((u - 0xD800) << 10) + (v - 0xDC00), s += 2;
-            }
-            if (u >= 0xD800 && u < 0xE000) u = 0xFFFD; /* half a pair */
-            if (u != 0xFEFF) out = put(out, u);        /* the mark */
-        }
-        if (s < end) out = put(out, 0xFFFD); /* half a character */
-    } else if (is_utf8(s, end)) {
-        if (end - s >= 3 && s[0] == 0xEF && s[1] == 0xBB && s[2] == 0xBF) s += 3;
-        memcpy(out, s, (size_t)(end - s)), out += end - s;
-    } else {
-        while (s < end) out = put(out, *s++);
-    }
-    *length = (size_t)(out - copy);
-    return copy;
 }
 
 /* ------------------------------------------------------------------ files */
@@ -185,8 +103,8 @@ static bool add_text(sgt_catalogue *c, const char *path, const char *text, size_
     form f = form_of(path);
     if (f == FORM_NONE)
         return sgt_reader_fail(&r, 0, "", "not a catalogue by its name: .agf, .csv, .yml or .yaml is known");
-    const char *file = sgt_reader_text(c, (piece){path, path + strlen(path)});
-    char *copy = decoded(c, text, &length);
+    const char *file = sgt_arena_text(&c->arena, path, strlen(path));
+    char *copy = sgt_reader_decoded(&c->arena, text, &length);
     if (!file || !copy) return sgt_reader_fail(&r, 0, "", "no memory");
     r.file = file, r.at = copy, r.end = copy + length;
     const char *zero = memchr(copy, 0, length);
@@ -206,28 +124,12 @@ static bool add_text(sgt_catalogue *c, const char *path, const char *text, size_
 
 static bool add_file(sgt_catalogue *c, const char *path, sgt_lens_error *error)
 {
-    reader r = {.catalogue = c, .file = path, .error = error};
-    sgt_allocator *a = &c->allocator;
-    FILE *file = fopen(path, "rb");
-    if (!file) return sgt_reader_fail(&r, 0, "", "cannot be opened: %s", strerror(errno));
-    char *text = NULL;
-    size_t length = 0, room = 0;
-    bool fine = true, whole = false;
-    while (fine && !whole) {
-        if (length == room) {
-            room = room ? 2 * room : 1 << 16;
-            char *more = room <= FILE_MOST ? a->resize(a->context, text, room) : NULL;
-            if (!more) { fine = sgt_reader_fail(&r, 0, "", "too long, or no memory"); break; }
-            text = more;
-        }
-        size_t n = fread(text + length, 1, room - length, file);
-        length += n;
-        if (ferror(file)) fine = sgt_reader_fail(&r, 0, "", "cannot be read: %s", strerror(errno));
-        whole = feof(file);
-    }
-    fclose(file);
-    fine = fine && add_text(c, path, text, length, error);
-    if (text) a->resize(a->context, text, 0);
+    const sgt_allocator *a = &c->arena.allocator;
+    char *text;
+    size_t length;
+    if (!sgt_reader_file(a, path, &text, &length, error)) return false;
+    bool fine = add_text(c, path, text, length, error);
+    a->resize(a->context, text, 0);
     return fine;
 }
 
@@ -239,7 +141,7 @@ static int by_name(const void *a, const void *b)
 static bool add_folder(sgt_catalogue *c, const char *path, sgt_lens_error *error)
 {
     reader r = {.catalogue = c, .file = path, .error = error};
-    sgt_allocator *a = &c->allocator;
+    const sgt_allocator *a = &c->arena.allocator;
     DIR *folder = opendir(path);
     if (!folder) return sgt_reader_fail(&r, 0, "", "cannot be opened: %s", strerror(errno));
     char **name = NULL;
@@ -254,7 +156,7 @@ static bool add_folder(sgt_catalogue *c, const char *path, sgt_lens_error *error
             name = more;
         }
         size_t own = strlen(entry->d_name);
-        name[count] = sgt_reader_take(c, length + own + 2);
+        name[count] = sgt_arena_take(&c->arena, length + own + 2);
         if (!name[count]) { fine = sgt_reader_fail(&r, 0, "", "no memory"); break; }
         memcpy(name[count], path, length), name[count][length] = '/';
         memcpy(name[count] + length + 1, entry->d_name, own + 1);

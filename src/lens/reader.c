@@ -23,21 +23,9 @@ bool sgt_reader_fail(const reader *r, size_t line, const char *key, const char *
     return false;
 }
 
-void *sgt_reader_take(sgt_catalogue *c, size_t size)
-{
-    if (size > SIZE_MAX - sizeof(block) - sizeof(double)) return NULL;
-    block *b = c->allocator.resize(c->allocator.context, NULL, sizeof *b + size);
-    if (!b) return NULL;
-    b->next = c->blocks, c->blocks = b;
-    return b + 1;
-}
-
 char *sgt_reader_text(sgt_catalogue *c, piece text)
 {
-    size_t length = (size_t)(text.end - text.begin);
-    char *copy = sgt_reader_take(c, length + 1);
-    if (copy) memcpy(copy, text.begin, length), copy[length] = 0;
-    return copy;
+    return sgt_arena_text(&c->arena, text.begin, (size_t)(text.end - text.begin));
 }
 
 /* ------------------------------------------------------------------- text */
@@ -149,9 +137,10 @@ static bool more_room(sgt_catalogue *c)
     if (c->count < c->room) return true;
     size_t room = c->room ? 2 * c->room : 64;
     if (room > SIZE_MAX / sizeof *c->glass / 2) return false;
-    sgt_glass *glass = c->allocator.resize(c->allocator.context, c->glass, room * sizeof *glass);
+    const sgt_allocator *a = &c->arena.allocator;
+    sgt_glass *glass = a->resize(a->context, c->glass, room * sizeof *glass);
     if (glass) c->glass = glass;
-    unsigned *addition = c->allocator.resize(c->allocator.context, c->addition, room * sizeof *addition);
+    unsigned *addition = a->resize(a->context, c->addition, room * sizeof *addition);
     if (addition) c->addition = addition;
     if (!glass || !addition) return false;
     c->room = room;
@@ -160,7 +149,7 @@ static bool more_room(sgt_catalogue *c)
 
 static const char *kept(sgt_catalogue *c, const char *text)
 {
-    return text ? sgt_reader_text(c, (piece){text, text + strlen(text)}) : NULL;
+    return text ? sgt_arena_text(&c->arena, text, strlen(text)) : NULL;
 }
 
 bool sgt_reader_append(const reader *r, sgt_glass g, const char *key)
@@ -168,7 +157,7 @@ bool sgt_reader_append(const reader *r, sgt_glass g, const char *key)
     sgt_catalogue *c = r->catalogue;
     const char *fault = sgt_glass_fault(&g);
     if (fault) return sgt_reader_fail(r, r->line, key, "glass %.60s: %s", g.name, fault);
-    double *coefficient = sgt_reader_take(c, g.count * sizeof *coefficient);
+    double *coefficient = sgt_arena_take(&c->arena, g.count * sizeof *coefficient);
     if (coefficient) memcpy(coefficient, g.coefficient, g.count * sizeof *coefficient);
     const char *name = kept(c, g.name), *maker = kept(c, g.maker), *remark = kept(c, g.remark);
     if (!coefficient || !name || !maker || (g.remark && !remark) || !more_room(c))

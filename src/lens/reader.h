@@ -1,18 +1,15 @@
 /* reader.h - what the readers of catalogues share: memory, lines, words, numbers, errors. */
 #ifndef SGT_LENS_READER_H
 #define SGT_LENS_READER_H
-#include <sagitta/lens.h>
+#include "arena.h"
 
 /* A stretch of text, without a zero at its end. */
 typedef struct piece { const char *begin, *end; } piece;
 
-typedef union block { union block *next; double aligned; } block; /* doubles follow it */
-
-/* Texts and coefficients lie in blocks that stay where they are until the catalogue is freed,
- * so that glasses may point to them. */
+/* Texts and coefficients stay where they are until the catalogue is freed, so that glasses may
+ * point to them. */
 struct sgt_catalogue {
-    sgt_allocator allocator;
-    block        *blocks;
+    arena         arena;
     sgt_glass    *glass;
     unsigned     *addition; /* of each glass: which call added it */
     size_t        count, room;
@@ -36,9 +33,15 @@ __attribute__((format(printf, 4, 5)))
 #endif
 bool sgt_reader_fail(const reader *r, size_t line, const char *key, const char *words, ...);
 
-/* Memory that lasts as long as the catalogue; NULL: none. */
-void *sgt_reader_take(sgt_catalogue *c, size_t size);
+/* A copy that lasts as long as the catalogue; NULL: no memory. */
 char *sgt_reader_text(sgt_catalogue *c, piece text);
+
+/* A copy of text as UTF-8, whatever its encoding, of which *length is set; NULL: no memory. */
+char *sgt_reader_decoded(arena *a, const char *text, size_t *length);
+
+/* All of a file, in memory of the allocator: true if it could be read.  Else e says why. */
+bool sgt_reader_file(const sgt_allocator *a, const char *path, char **text, size_t *length,
+                     sgt_lens_error *e);
 
 /* The next line, without its end and the blanks after it; false: there is none. */
 bool sgt_reader_line(reader *r, piece *line);

@@ -62,7 +62,8 @@ static bool rii_row(const reader *r, material *m, piece line)
     if (count != m->columns)
         return sgt_reader_fail(r, r->line, "data", "%zu numbers, not %zu", count, m->columns);
     if (!m->pair) { /* as much as the rest of the file has lines for: a row has 4 characters or more */
-        m->pair = sgt_reader_take(r->catalogue, ((size_t)(r->end - r->at) / 4 + 2) * 2 * sizeof *m->pair);
+        m->pair = sgt_arena_take(&r->catalogue->arena,
+                                 ((size_t)(r->end - r->at) / 4 + 2) * 2 * sizeof *m->pair);
         if (!m->pair) return sgt_reader_fail(r, r->line, "data", "no memory");
     }
     m->pair[2 * m->pairs] = value[0], m->pair[2 * m->pairs + 1] = value[1];

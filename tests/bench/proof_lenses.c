@@ -9,15 +9,15 @@
 proof_lens proof_lens_read(const char *path, size_t rays)
 {
     lens *l = memory_take(1, sizeof *l);
-    *l = lens_read(path, 1);
-    proof_field *field = memory_take(l->fields, sizeof *field);
+    *l = lens_read(path, (lens_wavelength){.place = 1});
+    proof_field *field = memory_take(l->of->fields, sizeof *field);
     long side = lround(sqrt((double)rays / 0.785398)); /* of the square about the pupil, pi / 4 is in it */
-    for (size_t i = 0; i < l->fields; i++) {
+    for (size_t i = 0; i < l->of->fields; i++) {
         ray_list list = {0};
-        launch_field(&list, l, i, l->field[i], PUPIL_GRID, side);
+        launch_field(&list, l, i, SGT_FIELD_ANGLE, l->of->field[i], PUPIL_GRID, side);
         sgt_ray *all = memory_take(list.count, sizeof *all);
         for (size_t j = 0; j < list.count; j++) all[j] = list.ray[j].ray;
-        field[i] = (proof_field){l->field[i], list.count, all};
+        field[i] = (proof_field){l->of->field[i].y, list.count, all};
     }
-    return (proof_lens){l->count, l->fields, l->element, l->object_index, field};
+    return (proof_lens){l->count, l->of->fields, l->element, l->index_before, field};
 }

@@ -1,14 +1,36 @@
-/* fuzz_lens.c - bytes as a lens file, and as a surface given on the command line.
+/* fuzz_lens.c - bytes as a lens file, and as one surface.
  *
- * What is accepted is finite and legal: a lens of it can be traced, and no surface of it is SGT_INVALID.
- * What is refused is refused in words that name a line of the text.  A grid's file is a part of the input
- * (tool.h). */
-#include "tool.h"
+ * What is accepted is finite and legal: a lens of it can be traced, and no surface of it is SGT_INVALID; it
+ * is written as YAML, which reads back as the same elements.  What is refused is refused in words that name
+ * a line of the text.  All memory comes back.  A file that the text names (a grid's) holds what stands in
+ * the input behind its first byte 0xff, which no text has. */
+#include "fuzz.h"
 
-#include "../../src/tool/read/lens.h"
-#include "../../src/tool/read/surface.h"
+#include <sagitta/lens.h>
 
 static const char SOURCE[] = "text";
+static long blocks_held;
+static struct { char *data; size_t size; } file;
+
+static void *counted_resize(void *context, void *block, size_t size)
+{
+    (void)context;
+    blocks_held += (size != 0) - (block != NULL);
+    if (size) return realloc(block, size);
+    free(block);
+    return NULL;
+}
+
+static const char *read_given(void *context, const char *path, char **text, size_t *length)
+{
+    (void)context, (void)path;
+    if (!file.data) return "there is none";
+    *text = file.data, *length = file.size;
+    return NULL;
+}
+
+static const sgt_allocator counted = {counted_resize, NULL};
+static const sgt_lens_options options = {.allocator = &counted, .read = read_given};
 
 static void require_surface(sgt_surface s, const char *type, double size)
 {
@@ -47,94 +69,118 @@ static void require_surface(sgt_surface s, const char *type, double size)
     REQUIRE(hit.status != SGT_INVALID, "%s", type);
 }
 
-/* "text:LINE: what is wrong". */
-static void require_message(const uint8_t *data, size_t size)
+/* At most so many lines: YAML ends one at \r, at U+0085, U+2028 and U+2029 too. */
+static size_t lines_of(const uint8_t *data, size_t size)
 {
-    if (status == EXIT_USAGE) return; /* a wavelength that the lens does not have */
-    REQUIRE(status == EXIT_BAD_INPUT && message_length > 0, "status %d", (int)status);
-    REQUIRE(message_length < 1500, "a message of %d characters", message_length);
-    REQUIRE(strncmp(message, "text:", 5) == 0, "\"%s\"", message);
-    char *end;
-    unsigned long line = strtoul(message + 5, &end, 10);
-    REQUIRE(line >= 1 && line <= lines_of(data, size), "line %lu of %zu: \"%s\"", line, lines_of(data, size),
-            message);
-    if (strcmp(end, ": control characters are not allowed") == 0) {
-        size_t before = 1, i = 0;
-        while (i < size && (data[i] >= 32 || data[i] == '\n' || data[i] == '\t') && data[i] < 127)
-            before += data[i++] == '\n';
-        REQUIRE(i == size || data[i] >= 127 || data[i] == '\r' || line == before, "line %zu: \"%s\"", before,
-                message);
-    }
-    REQUIRE(end[0] == ':' && end[1] == ' ' && end[2], "\"%s\"", message);
+    size_t lines = 1;
+    for (size_t i = 0; i + 1 < size; i++)
+        lines += data[i] == '\n' || data[i] == '\r' || data[i] == 0x85 || data[i] == 0xa8 ||
+                 data[i] == 0xa9 || data[i] == 0x28 || data[i] == 0x29;
+    return lines;
 }
 
-static void require_lens(const lens *l)
+static void require_message(const sgt_lens_error *e, const uint8_t *data, size_t size)
+{
+    REQUIRE(*e->words && strcmp(e->file, SOURCE) == 0, "%s: %s", e->file, e->words);
+    REQUIRE(e->line >= 1 && e->line <= lines_of(data, size), "line %zu of %zu: \"%s\"", e->line,
+            lines_of(data, size), e->words);
+    if (strcmp(e->words, "control characters are not allowed") != 0) return;
+    size_t before = 1, i = 0;
+    while (i < size && (data[i] >= 32 || data[i] == '\n' || data[i] == '\t') && data[i] < 127)
+        before += data[i++] == '\n';
+    REQUIRE(i == size || data[i] >= 127 || data[i] == '\r' || e->line == before, "line %zu", before);
+}
+
+static void require_lens(const sgt_lens *l)
 {
     REQUIRE(l->name && l->units && l->wavelengths >= 1 && l->count >= 1 && l->fields >= 1, "%zu surfaces",
             l->count);
-    REQUIRE(isnan(l->wavelength) || (l->wavelength > 0 && isfinite(l->wavelength)), "%a", l->wavelength);
-    REQUIRE(l->object_distance > 0 && l->object_index > 0 && isfinite(l->object_index), "%a %a",
-            l->object_distance, l->object_index);
-    REQUIRE(isnan(l->pupil_semi_diameter) || (l->pupil_semi_diameter > 0 && isfinite(l->pupil_semi_diameter)),
-            "%a", l->pupil_semi_diameter);
+    REQUIRE(l->primary < l->wavelengths, "primary %zu", l->primary);
+    for (size_t i = 0; i < l->wavelengths; i++) {
+        REQUIRE(!l->wavelength || (l->wavelength[i] > 0 && isfinite(l->wavelength[i])), "%a",
+                l->wavelength[i]);
+        REQUIRE(l->wavelength_weight[i] >= 0, "%a", l->wavelength_weight[i]);
+    }
+    REQUIRE(l->object_distance > 0 && !(l->index_before <= 0) && !isinf(l->index_before), "%a %a",
+            l->object_distance, l->index_before);
+    REQUIRE(isnan(l->pupil_size) || (l->pupil_size > 0 && isfinite(l->pupil_size)), "%a", l->pupil_size);
     REQUIRE(!isinf(l->pupil_distance), "%a", l->pupil_distance);
-    for (size_t i = 0; i < l->fields; i++) REQUIRE(fabs(l->field[i]) < 90, "%a", l->field[i]);
+    for (size_t i = 0; i < l->fields; i++)
+        REQUIRE(isfinite(l->field[i].x) && isfinite(l->field[i].y) &&
+                    (l->field_kind != SGT_FIELD_ANGLE || fabs(l->field[i].y) < 90),
+                "%a", l->field[i].y);
     REQUIRE(l->stop < l->count, "stop %zu", l->stop);
-    double before = l->object_index;
     for (size_t i = 0; i < l->count; i++) {
         const sgt_element *e = &l->element[i];
-        const lens_surface *s = &l->surface[i];
+        const sgt_lens_surface *s = &l->surface[i];
         const sgt_pose *p = &e->pose;
-        const double place[] = {p->origin.x, p->origin.y, p->origin.z, p->ex.x,          p->ex.y,
-                                p->ex.z,     p->ey.x,     p->ey.y,     p->ey.z,          p->ez.x,
-                                p->ez.y,     p->ez.z,     s->z,        e->semi_diameter, s->index};
+        const double place[] = {p->origin.x, p->origin.y, p->origin.z, p->ex.x,         p->ex.y,
+                                p->ex.z,     p->ey.x,     p->ey.y,     p->ey.z,         p->ez.x,
+                                p->ez.y,     p->ez.z,     s->z,        e->semi_diameter};
         for (size_t j = 0; j < COUNT_OF(place); j++)
             REQUIRE(isfinite(place[j]), "element %zu: %zu: %a", i, j, place[j]);
         double turn = p->ex.x * p->ex.x + p->ex.y * p->ex.y + p->ex.z * p->ex.z;
         REQUIRE(turn == 0 || fabs(turn - 1) < 1e-14, "element %zu: an axis of length^2 %a", i, turn);
-        REQUIRE(e->semi_diameter >= 0 && s->index > 0, "element %zu: %a %a", i, e->semi_diameter, s->index);
-        REQUIRE(s->mirror ? e->index == SGT_MIRROR && s->index == before : e->index == s->index,
-                "element %zu: index %a", i, e->index);
-        before = s->index;
-        require_surface(e->surface, s->type, e->semi_diameter);
+        REQUIRE(e->semi_diameter >= 0 && s->size >= 0, "element %zu: %a", i, e->semi_diameter);
+        REQUIRE(s->mirror ? e->index == SGT_MIRROR : !(e->index <= 0), "element %zu: index %a", i, e->index);
+        if (e->surface.ops) require_surface(e->surface, s->type, e->semi_diameter);
+        else REQUIRE(strcmp(s->type, "ideal") == 0 && s->focal_length != 0, "element %zu: %s", i, s->type);
     }
     sgt_ray ray = {.d = {0, 0.01, 1}};
     sgt_passage met[4];
-    size_t n = l->count < 4 ? l->count : 4, passed = sgt_trace(n, l->element, l->object_index, &ray, met,
-                                                               NULL, &(sgt_options){.max_evals = 50});
-    for (size_t i = 0; i < n && i <= passed; i++)
-        REQUIRE(met[i].hit.status != SGT_INVALID || i > 0, "element %zu", i);
+    size_t n = 0;
+    while (n < 4 && n < l->count && l->element[n].surface.ops) n++;
+    size_t passed = sgt_trace(n, l->element, l->index_before, &ray, met, NULL,
+                              &(sgt_options){.max_evals = 50});
+    for (size_t i = 0; i < n && i <= passed && !isnan(l->index_before); i++)
+        REQUIRE(met[i].hit.status != SGT_INVALID || i > 0 || isnan(l->element[0].index), "element %zu", i);
+}
+
+/* The YAML of a lens reads back as the same lens. */
+static void require_again(sgt_lens *l)
+{
+    size_t length;
+    sgt_lens_error e = {0};
+    const char *text = sgt_lens_yaml(l, &length);
+    REQUIRE(text, "%zu surfaces", l->count);
+    sgt_lens *same_lens = sgt_lens_read_text(SOURCE, text, length, &options, &e);
+    REQUIRE(same_lens, "line %zu: %s: %s\n%s", e.line, e.key, e.words, text);
+    REQUIRE(same_lens->count == l->count && same_lens->fields == l->fields && same_lens->stop == l->stop,
+            "%s", text);
+    for (size_t i = 0; i < l->count; i++) {
+        const sgt_element *a = &l->element[i], *b = &same_lens->element[i];
+        REQUIRE(same(a->index, b->index) && same(a->semi_diameter, b->semi_diameter) &&
+                    memcmp(&a->pose, &b->pose, sizeof a->pose) == 0 && a->surface.ops == b->surface.ops,
+                "element %zu\n%s", i, text);
+    }
+    sgt_lens_free(same_lens);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static lens l;
-    volatile size_t wavelength = 1, wavelengths = 1;
-    size = split(data, size);
-    do {
-        read_anew(data, size);
-        if (setjmp(refused) == 0) {
-            l = lens_read(SOURCE, wavelength);
-            wavelengths = l.wavelengths;
-            require_lens(&l);
-        } else {
-            require_message(data, size);
-            REQUIRE(status != EXIT_USAGE, "wavelength %zu of %zu", (size_t)wavelength, (size_t)wavelengths);
-        }
-    } while (wavelength < 3 && ++wavelength <= wavelengths);
-
-    read_anew(data, size);
-    if (setjmp(refused) == 0) {
-        char *text = memory_text((const char *)data, size);
-        sgt_surface s = surface_parse(SOURCE, text);
-        const sgt_builtin *b = sgt_builtins;
-        while (b->type && b->ops != s.ops) b++;
-        REQUIRE(b->type, "a surface of the table");
-        while (b[1].ops == s.ops) b++; /* of the types that share it the one with most parameters */
-        require_surface(s, b->type, 0.1);
-    } else {
-        require_message(data, size);
+    const uint8_t *behind = size ? memchr(data, 0xff, size) : NULL;
+    size_t length = behind ? (size_t)(behind - data) : size;
+    char *text = malloc(length + 1);
+    file.data = NULL;
+    if (behind) {
+        file.size = size - length - 1;
+        file.data = malloc(file.size + 1);
+        if (file.data) memcpy(file.data, behind + 1, file.size);
     }
-    free_all();
+    if (text) {
+        memcpy(text, data, length), text[length] = 0;
+        sgt_lens_error e = {0};
+        sgt_lens *l = sgt_lens_read_text(SOURCE, text, length, &options, &e);
+        if (l) require_lens(l), require_again(l);
+        else require_message(&e, data, length);
+        sgt_lens_free(l);
+        l = sgt_lens_read_surface(SOURCE, text, &options, &e);
+        if (l) require_surface(l->element[0].surface, l->surface[0].type, 0.1);
+        else require_message(&e, data, length);
+        sgt_lens_free(l);
+    }
+    free(text);
+    free(file.data);
+    REQUIRE(blocks_held == 0, "%ld blocks", blocks_held);
     return 0;
 }

@@ -6,7 +6,7 @@
  * bad and how many, and on the line of the first. */
 #include "tool.h"
 
-#include "../../src/tool/base/number.h"
+#include "../../src/text/number.h"
 #include "../../src/tool/read/rays.h"
 
 #include <ctype.h>

@@ -7,7 +7,7 @@
 #include "explain.h"
 #include "../job/job.h"
 #include "../base/memory.h"
-#include "../base/number.h"
+#include "../../text/number.h"
 #include "../read/surface.h"
 
 #include <limits.h>
@@ -178,7 +178,7 @@ static long evaluations(const diagnose_arguments *a, const job *j, const launch 
     sgt_options o = watching(a, NULL);
     o.watch = NULL;
     sgt_ray ray = l->ray;
-    size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &ray, passage, fate, &o);
+    size_t passed = sgt_trace(j->lens.count, j->element, j->lens.index_before, &ray, passage, fate, &o);
     *reached = passed + (*fate != SGT_PASSED);
     long n = 0;
     for (size_t i = 0; i < *reached; i++)
@@ -224,9 +224,9 @@ static bool diagnose_lens(table *t, const diagnose_arguments *a, const job *j, c
                           const char *how)
 {
     sgt_ray ray = l->ray;
-    double index = j->lens.object_index;
+    double index = j->lens.index_before;
     bool decided = true;
-    table_line(t, "%s: ray %zu%s.", *j->lens.name ? j->lens.name : j->lens.source.source, l->number,
+    table_line(t, "%s: ray %zu%s.", *j->lens.name ? j->lens.name : j->lens.of->file, l->number,
                how);
     for (size_t i = 0; i < j->lens.count; i++) {
         const sgt_element *e = &j->element[i];
@@ -245,7 +245,7 @@ static bool diagnose_lens(table *t, const diagnose_arguments *a, const job *j, c
             decided = show(t, a, l->number, i, &watched, &made) && decided;
         }
         if (fate != SGT_PASSED) return decided && fate >= 0;
-        index = j->lens.surface[i].index;
+        index = j->lens.index[i];
     }
     return decided;
 }

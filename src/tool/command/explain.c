@@ -2,7 +2,7 @@
 #include "explain.h"
 
 #include "../show/frame.h"
-#include "../base/number.h"
+#include "../../text/number.h"
 #include "../read/surface.h"
 
 #include <math.h>

@@ -193,7 +193,7 @@ static void write_vector(table *t, sgt_vec3 v)
 static const sgt_hit *ended(const trace_work *w, const launch *l, sgt_passage alone[], size_t element)
 {
     sgt_ray ray = l->ray;
-    sgt_trace(element + 1, w->job->element, w->job->lens.object_index, &ray, alone, NULL,
+    sgt_trace(element + 1, w->job->element, w->job->lens.index_before, &ray, alone, NULL,
               &w->asked->shared.solver);
     return &alone[element].hit;
 }
@@ -237,7 +237,7 @@ static void send(void *data, const tile *t)
     const sgt_rays rays = {.o = {r->ray[0], r->ray[1], r->ray[2]}, .d = {r->ray[3], r->ray[4], r->ray[5]}};
     const sgt_traced out = {.fate = r->fate, .passed = r->passed, .o = {r->ray[0], r->ray[1], r->ray[2]},
                             .d = {r->ray[3], r->ray[4], r->ray[5]}};
-    sgt_trace_batch(j->lens.count, j->element, j->lens.object_index, t->count, rays, out, r->passages,
+    sgt_trace_batch(j->lens.count, j->element, j->lens.index_before, t->count, rays, out, r->passages,
                     &w->asked->shared.solver);
     for (size_t i = 0; i < t->count; i++) {
         size_t passed = (size_t)r->passed[i];
@@ -348,7 +348,7 @@ static void write_lost(const trace_work *w)
     for (int i = 0; i < w->shown; i++) {
         const shared_options *asked = &w->asked->shared;
         sgt_ray ray = w->lost[i]->ray;
-        size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &ray, alone, NULL,
+        size_t passed = sgt_trace(j->lens.count, j->element, j->lens.index_before, &ray, alone, NULL,
                                   &asked->solver);
         if (passed == j->lens.count) continue; /* never: a batch gives the same answers as single rays */
         const sgt_element *e = &j->element[passed];

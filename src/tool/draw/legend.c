@@ -60,11 +60,20 @@ static double entry(flow *f, double sample, const char *text)
     return x;
 }
 
+/* "field 5°" or, of lengths, "field 3, 4". */
+static void print_field(char *text, size_t size, const job *j, size_t i)
+{
+    const char *unit = j->field_kind == SGT_FIELD_ANGLE ? "\302\260" : "", *word = i == 0 ? "field " : "";
+    sgt_lens_field at = j->field[i];
+    if (at.x == 0) snprintf(text, size, "%s%g%s", word, at.y, unit);
+    else snprintf(text, size, "%s%g%s, %g%s", word, at.x, unit, at.y, unit);
+}
+
 static void field_entries(flow *f, const scene *s)
 {
     for (size_t i = 0; i < s->job->fields; i++) {
         char text[40];
-        snprintf(text, sizeof text, "%s%g\302\260", i == 0 ? "field " : "", s->job->field[i]);
+        print_field(text, sizeof text, s->job, i);
         double x = entry(f, SAMPLE, text), y = f->y - LEGEND_FONT / 3;
         legend_colour(f->cr, i);
         cairo_move_to(f->cr, x, y), cairo_line_to(f->cr, x + SAMPLE, y);
@@ -76,7 +85,7 @@ static void field_entries(flow *f, const scene *s)
 static void stop_entry(flow *f, const scene *s)
 {
     char text[60];
-    snprintf(text, sizeof text, "stop: element %zu", s->job->lens.stop + 1);
+    snprintf(text, sizeof text, "stop: element %zu", s->job->lens.of->stop + 1);
     double x = entry(f, LEGEND_STOP_WIDTH, text);
     cairo_set_source_rgb(f->cr, 0, 0, 0);
     cairo_move_to(f->cr, x + 1, f->y + 1), cairo_line_to(f->cr, x + 1, f->y - LEGEND_FONT + 2);
@@ -132,7 +141,7 @@ double legend_draw(cairo_t *cr, const scene *s, double left, double right, doubl
     cairo_set_font_size(cr, LEGEND_FONT);
     flow f = {.cr = cr, .left = left, .right = right - BAR_ROOM, .x = left, .y = top};
     field_entries(&f, s);
-    if (s->job->lens.stop_marked) stop_entry(&f, s);
+    if (s->job->lens.of->stop_marked) stop_entry(&f, s);
     fate_entries(&f, s);
     scale_bar(cr, s, right, top, scale);
     return f.y - top + LEGEND_ROW;

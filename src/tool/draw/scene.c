@@ -69,16 +69,18 @@ static outline outline_of(const scene *s, size_t i, double back)
 {
     const lens *l = &s->job->lens;
     const sgt_element *e = &l->element[i];
-    double before = i ? l->surface[i - 1].index : l->object_index;
+    double before = i ? l->index[i - 1] : l->index_before;
     bool mirror = l->surface[i].mirror;
     outline o = {
         .up = spot_of(frame_direction_out(&e->pose, (sgt_vec3){0, 1, 0})),
         .ahead = spot_of(frame_direction_out(&e->pose, (sgt_vec3){0, 0, 1})),
-        .mirror = mirror, .stop = l->stop_marked && l->stop == i, .back = back,
-        .dummy = !mirror && l->surface[i].index == before && i + 1 < l->count,
+        .mirror = mirror, .stop = l->of->stop_marked && l->of->stop == i, .back = back,
+        .dummy = !mirror && l->index[i] == before && i + 1 < l->count,
     };
-    double wanted = e->semi_diameter > 0 ? e->semi_diameter : BEYOND_RAYS * s->reach[i];
-    if (wanted == 0 && !isnan(l->pupil_semi_diameter)) wanted = l->pupil_semi_diameter;
+    double wanted = e->semi_diameter > 0       ? e->semi_diameter
+                    : l->surface[i].size > 0 ? l->surface[i].size
+                                             : BEYOND_RAYS * s->reach[i];
+    if (wanted == 0 && l->of->pupil == SGT_PUPIL_RADIUS) wanted = l->of->pupil_size;
     if (!profile_is_sag(e->surface)) {
         add_section(&o, e, wanted);
         return o;
@@ -96,7 +98,7 @@ static outline outline_of(const scene *s, size_t i, double back)
 bool scene_glass_behind(const scene *s, size_t i)
 {
     const lens *l = &s->job->lens;
-    return i + 1 < l->count && l->surface[i].index != 1 && s->outline[i].half > 0 &&
+    return i + 1 < l->count && l->index[i] != 1 && s->outline[i].half > 0 &&
            s->outline[i + 1].half > 0;
 }
 
@@ -152,7 +154,7 @@ static void cut_start(const scene *s, path *p, spot low, spot high)
     const lens *l = &s->job->lens;
     double left = low.z - s->lead;
     bool beam = s->job->fields > 0;
-    if (p->count < 2 || (beam && l->object_distance <= NEAR_OBJECT * (high.z - low.z))) return;
+    if (p->count < 2 || (beam && l->of->object_distance <= NEAR_OBJECT * (high.z - low.z))) return;
     spot a = p->at[0], b = p->at[1];
     if (beam && b.z > a.z && b.z > left) {
         double u = (a.z - left) / (b.z - a.z);

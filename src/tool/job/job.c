@@ -48,8 +48,8 @@ bool job_take(job_options *o, int code)
         if (strchr(optarg, ','))
             fail_usage("--field takes one angle, not %s; for several angles repeat --field", optarg);
         o->field = memory_room(o->field, o->fields, &o->capacity, sizeof *o->field);
-        o->field[o->fields] = options_number("field", optarg);
-        if (!(fabs(o->field[o->fields++]) < 90))
+        o->field[o->fields] = (sgt_lens_field){.y = options_number("field", optarg), .weight = 1};
+        if (!(fabs(o->field[o->fields++].y) < 90))
             fail_usage("--field must be between -90 and 90 degrees, not %s", optarg);
         return true;
     case JOB_FAN: o->fan = options_integer("fan", optarg, 1, RAYS_MOST); return true;
@@ -57,7 +57,7 @@ bool job_take(job_options *o, int code)
     case JOB_RAYS: o->rays = optarg; return true;
     case JOB_SKIP_BAD: o->skip_bad = true; return true;
     case JOB_WAVELENGTH: take_wavelength(o); return true;
-    case JOB_GLASS: glass_folder(optarg), o->glass = true; return true;
+    case JOB_GLASS: lens_glass_folder(optarg), o->glass = true; return true;
     case JOB_NO_APERTURES: o->no_apertures = true; return true;
     default: return false;
     }
@@ -74,8 +74,9 @@ job job_read(const job_options *o)
     if (o->fan && o->grid) fail_usage("give --fan or --grid, not both");
     if (o->rays && (o->fields || o->fan || o->grid))
         fail_usage("give --rays, or --field with --fan or --grid, not both");
-    job j = {.lens = o->wavelength < 0 ? lens_read_at(o->lens, o->um)
-                                       : lens_read(o->lens, o->wavelength ? (size_t)o->wavelength : 1)};
+    lens_wavelength at = {.place = o->wavelength > 0 ? (size_t)o->wavelength : 0,
+                          .um = o->wavelength < 0 ? o->um : (double)NAN};
+    job j = {.lens = lens_read(o->lens, at)};
     j.element = memory_take(j.lens.count, sizeof *j.element);
     memcpy(j.element, j.lens.element, j.lens.count * sizeof *j.element);
     for (size_t i = 0; o->no_apertures && i < j.lens.count; i++) j.element[i].semi_diameter = 0;
@@ -86,11 +87,13 @@ job job_read(const job_options *o)
             note("%s: tmin, tmax: not used; through a lens the whole line of a ray is searched", o->rays);
         return j;
     }
-    j.field = o->fields ? o->field : j.lens.field;
-    j.fields = o->fields ? o->fields : j.lens.fields;
+    j.field = o->fields ? o->field : j.lens.of->field;
+    j.fields = o->fields ? o->fields : j.lens.of->fields;
+    j.field_kind = o->fields ? SGT_FIELD_ANGLE : j.lens.of->field_kind;
     pupil_pattern pattern = o->grid ? PUPIL_GRID : PUPIL_FAN;
     long n = o->grid ? o->grid : o->fan ? o->fan : FAN_DEFAULT;
-    for (size_t f = 0; f < j.fields; f++) launch_field(&j.rays, &j.lens, f, j.field[f], pattern, n);
+    for (size_t f = 0; f < j.fields; f++)
+        launch_field(&j.rays, &j.lens, f, j.field_kind, j.field[f], pattern, n);
     if (!j.rays.count)
         fail_usage("--grid %ld: no ray lies inside the pupil's circle; use 1, or 3 or more", n);
     return j;

@@ -7,7 +7,7 @@
 
 typedef struct job_options {
     const char *lens, *rays;          /* files */
-    double *field;                    /* --field, one after another */
+    sgt_lens_field *field;            /* --field, one after another */
     size_t fields, capacity;
     long fan, grid, wavelength;       /* 0: not given; wavelength -1: um */
     double um;                        /* --wavelength in micrometres */
@@ -41,7 +41,8 @@ typedef struct job {
     sgt_element *element;     /* [lens.count], those of the lens; without apertures for --no-apertures */
     ray_list rays;
     size_t fields;            /* 0: the rays came from a file */
-    const double *field;      /* degrees */
+    const sgt_lens_field *field;
+    sgt_field_kind field_kind;
 } job;
 
 /* The whole line of a ray, from -infinity to infinity, in an element's own frame. */

@@ -9,8 +9,9 @@ typedef enum pupil_pattern {
     PUPIL_GRID   /* of n x n rays over the square around the pupil, those inside its circle */
 } pupil_pattern;
 
-/* Adds the rays of one field (degrees) to the list.  If the lens gives no pupil the command ends, and
- * the message names the key. */
-void launch_field(ray_list *list, const lens *l, size_t field, double degrees, pupil_pattern pattern, long n);
+/* Adds the rays of a field, the field-th, to the list.  If the lens gives no pupil the command ends, and the
+ * message names the key. */
+void launch_field(ray_list *list, const lens *l, size_t field, sgt_field_kind kind, sgt_lens_field at,
+                  pupil_pattern pattern, long n);
 
 #endif

@@ -1,7 +1,7 @@
 /* options.c - the options that several subcommands share. */
 #include "options.h"
 
-#include "../base/number.h"
+#include "../../text/number.h"
 #include "../base/tiles.h"
 
 #include <limits.h>

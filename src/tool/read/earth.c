@@ -12,12 +12,6 @@
 
 const sgt_builtin *earth_types(void) { return sgt_geo_builtins; }
 
-const char *earth_missing(const char *type)
-{
-    (void)type;
-    return NULL;
-}
-
 static sgt_geoid **opened;
 static size_t count, room;
 
@@ -26,26 +20,21 @@ static void close_all(void)
     while (count > 0) sgt_geoid_close(opened[--count]);
 }
 
-static const sgt_geoid *geoid_of(const document *d, const node *map)
+const sgt_surface_ops *earth_file_ops(void) { return &sgt_geoid_height_ops; }
+
+const char *earth_complete(void *context, const sgt_builtin *type, void *self, const char *path)
 {
-    char found[1000], error[1200];
-    const node *n = document_take(map, "file");
-    if (!n && !sgt_geoid_find(found, sizeof found))
-        document_fail(d, map, "file",
-                      "missing, and the default grid, egm96_15.gtx of proj-data, is not installed");
-    const char *path = n ? document_path(d, n, "file") : found;
+    static char error[1200];
+    char found[1000];
+    (void)context, (void)type;
+    if (!path && !sgt_geoid_find(found, sizeof found))
+        return "missing, and the default grid, egm96_15.gtx of proj-data, is not installed";
     opened = memory_room(opened, count, &room, sizeof *opened);
     if (count == 0) atexit(close_all);
-    sgt_geoid *geoid = sgt_geoid_open(path, error, sizeof error);
-    if (!geoid) document_fail(d, n ? n : map, "file", "%s", error);
+    sgt_geoid *geoid = sgt_geoid_open(path ? path : found, error, sizeof error);
+    if (!geoid) return error;
     opened[count++] = geoid;
-    return geoid;
-}
-
-const char *earth_take(const document *d, const node *map, const sgt_builtin *type, void *self)
-{
-    if (type->ops != &sgt_geoid_height_ops) return "";
     sgt_geoid_height *s = self;
-    s->geoid = geoid_of(d, map);
-    return ", file";
+    s->geoid = geoid;
+    return NULL;
 }

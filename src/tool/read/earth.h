@@ -1,18 +1,13 @@
 /* earth.h - the surface types of sagitta_geo, if the command is built with it. */
 #ifndef TOOL_EARTH_H
 #define TOOL_EARTH_H
-#include "document.h"
-
 #include <sagitta/surfaces.h>
 
-/* A table like sgt_builtins; empty if the command is built without sagitta_geo. */
+/* A table like sgt_builtins; NULL if the command is built without sagitta_geo. */
 const sgt_builtin *earth_types(void);
 
-/* Why a type of this name is not available; NULL if it is, or if there is no such type. */
-const char *earth_missing(const char *type);
-
-/* Takes the keys that are not numbers from the map and sets them in self: the file of a geoid.  Returns these
- * keys for messages: ", file" or "". */
-const char *earth_take(const document *d, const node *map, const sgt_builtin *type, void *self);
+/* For sgt_lens_options: opens the file of a geoid. */
+const sgt_surface_ops *earth_file_ops(void);
+const char *earth_complete(void *context, const sgt_builtin *type, void *self, const char *path);
 
 #endif

@@ -1,260 +1,178 @@
-/* lens.c - reads a lens file.
+/* lens.c - a lens as a command uses it.
  *
- * The vertices stand on the axis at the running sum of the thicknesses, the first at z = 0.
- * `decenter` shifts and `tilt` turns the frame of its own element only.  If one entry gives
- * `origin` instead, all must.
- *
- * The keys are read in the order in which they depend on each other: the wavelengths say how
- * long a list of indices must be.
- *
- * A wavelength that the file does not list serves glasses, and indices that are one number. */
+ * Reading is sagitta_lens's.  Here are the command's own manners: files are read by input.c, so
+ * that no output overwrites them; an error ends the command; remarks become notes. */
 #include "lens.h"
 
 #include "../base/input.h"
 #include "../base/memory.h"
-#include "surface.h"
+#include "earth.h"
 
-#include <stdio.h>
 #include <math.h>
-#include <stdint.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-static const double NANOMETRES = 100; /* micrometres: light so long is rarer than a slip of the unit */
-
-static double positive(const document *d, const node *n, const char *key, number_range range)
+_Noreturn void lens_refuse(const sgt_lens_error *e)
 {
-    double x = document_number(d, n, key, range);
-    if (!(x > 0)) document_fail(d, n, key, "must be positive, not %g", x);
-    return x;
+    const char *key = e->key, *colon = *key ? ": " : "";
+    if (e->line) fail_input("%s:%zu: %s%s%s", e->file, e->line, key, colon, e->words);
+    fail_input("%s%s%s%s%s", e->file, *e->file ? ": " : "", key, colon, e->words);
 }
 
-static double *number_list(const document *d, const node *n, const char *key, size_t *count)
+_Noreturn void lens_fail(const lens *l, const char *key, const char *format, ...)
 {
-    double *list = memory_take(n->kind == NODE_LIST ? n->count : 0, sizeof *list);
-    *count = document_numbers(d, n, key, SIZE_MAX, list);
-    return list;
+    sgt_lens_error e = {.line = l->of->line};
+    va_list values;
+    va_start(values, format);
+    vsnprintf(e.words, sizeof e.words, format, values);
+    va_end(values);
+    snprintf(e.file, sizeof e.file, "%s", l->of->file);
+    snprintf(e.key, sizeof e.key, "%s", key);
+    lens_refuse(&e);
 }
 
-/* A refractive index: a number, or a list with one for each wavelength. */
-static double index_at(const lens *l, const node *n, const char *key)
+/* ------------------------------------------------------------------ options */
+
+static const char **folder;
+static size_t folders, folder_capacity;
+
+void lens_glass_folder(const char *path)
 {
-    const document *d = &l->source;
-    if (n->kind != NODE_LIST) return positive(d, n, key, NUMBER_FINITE);
-    if (n->count != l->wavelengths)
-        document_fail(d, n, key, "has %zu number%s, but the lens has %zu wavelength%s", n->count,
-                      n->count == 1 ? "" : "s", l->wavelengths, l->wavelengths == 1 ? "" : "s");
-    double chosen = 0;
-    for (size_t i = 0; i < n->count; i++) {
-        double x = positive(d, n->item[i], key, NUMBER_FINITE);
-        if (i + 1 == l->chosen) chosen = x;
+    folder = memory_room(folder, folders, &folder_capacity, sizeof *folder);
+    folder[folders++] = path;
+}
+
+static sgt_catalogue *glasses;
+
+static void forget_glasses(void) { sgt_catalogue_free(glasses); }
+
+/* The glasses that ship and those of --glass; NULL without --glass: the library then reads the table if it
+ * needs it.  Of glasses with one name and no maker to decide, the last that was added is taken. */
+static const sgt_catalogue *own_glasses(void)
+{
+    if (glasses || !folders) return glasses;
+    sgt_lens_error e;
+    glasses = sgt_catalogue_new(NULL);
+    if (!glasses) fail_input("out of memory");
+    atexit(forget_glasses);
+    if (!sgt_catalogue_add(glasses, NULL, &e)) lens_refuse(&e);
+    for (size_t i = 0; i < folders; i++)
+        if (!sgt_catalogue_add(glasses, folder[i], &e)) lens_refuse(&e);
+    return glasses;
+}
+
+static const char *read_whole(void *context, const char *path, char **text, size_t *length)
+{
+    (void)context;
+    input in;
+    const char *fault = input_try(path, &in);
+    *text = in.text, *length = in.length;
+    return fault;
+}
+
+sgt_lens_options lens_options(void)
+{
+    return (sgt_lens_options){.glasses = own_glasses(), .types = earth_types(),
+                              .file_ops = earth_file_ops(), .complete = earth_complete,
+                              .read = read_whole};
+}
+
+/* --------------------------------------------------------------- the lens */
+
+/* Lenses are freed when the command ends. */
+static sgt_lens **lenses;
+static size_t lens_count, lens_capacity;
+
+static void free_lenses(void)
+{
+    for (size_t i = 0; i < lens_count; i++) sgt_lens_free(lenses[i]);
+    free(lenses);
+}
+
+sgt_lens *lens_keep(sgt_lens *l)
+{
+    if (lens_count == lens_capacity) {
+        if (!lenses) atexit(free_lenses);
+        lens_capacity = lens_capacity ? 2 * lens_capacity : 8;
+        sgt_lens **more = realloc(lenses, lens_capacity * sizeof *more);
+        if (!more) fail_input("out of memory");
+        lenses = more;
     }
-    if (l->chosen == 0)
-        document_fail(d, n, key, "is for the wavelengths of the file; %g micrometres is none of them",
-                      l->wavelength);
-    return chosen;
+    return lenses[lens_count++] = l;
 }
 
-/* The index that `index` or `glass` of a map gives, or `otherwise`. */
-static double medium_of(const lens *l, const node *map, const char *in, double otherwise)
+/* Notes each glass that is used outside its range at the wavelength, once. */
+static void note_ranges(const lens *l)
 {
-    const document *d = &l->source;
-    const node *index = document_take(map, "index");
-    node *glass = document_take(map, "glass");
-    char key[30];
-    if (glass && index) document_fail(d, glass, "glass", "given beside index; one of them says the medium");
-    snprintf(key, sizeof key, "%s%s", in, glass ? "glass" : "index");
-    if (glass) return glass_index(d, glass, key, l->wavelength, &l->makers);
-    return index ? index_at(l, index, key) : otherwise;
-}
-
-static void read_makers(lens *l)
-{
-    const document *d = &l->source;
-    const node *n = document_take(d->root, "makers");
-    if (!n) return;
-    if (n->kind != NODE_LIST) document_fail(d, n, "makers", "must be a list of names, like [SCHOTT, OHARA]");
-    l->makers.name = memory_take(n->count, sizeof *l->makers.name);
-    for (size_t i = 0; i < n->count; i++)
-        l->makers.name[l->makers.count++] = document_text(d, n->item[i], "makers");
-}
-
-/* wavelength: from 1; 0: um is meant. */
-static void read_wavelengths(lens *l, size_t wavelength, double um)
-{
-    const document *d = &l->source;
-    const node *n = document_take(d->root, "wavelengths");
-    l->wavelengths = 1, l->wavelength = (double)NAN;
-    double *list = n ? number_list(d, n, "wavelengths", &l->wavelengths) : NULL;
-    for (size_t i = 0; list && i < l->wavelengths; i++)
-        if (positive(d, n->item[i], "wavelengths", NUMBER_FINITE) >= NANOMETRES)
-            note("%s:%zu: wavelengths: taken as %g micrometres; for %g nanometres write %g", d->source,
-                 n->item[i]->line, list[i], list[i], list[i] / 1000);
-    if (wavelength > l->wavelengths)
-        fail_usage("--wavelength %zu: %s has %zu wavelength%s", wavelength, d->source, l->wavelengths,
-                   l->wavelengths == 1 ? "" : "s");
-    l->chosen = wavelength;
-    if (wavelength == 0) l->wavelength = um;
-    for (size_t i = 0; list && i < l->wavelengths && !l->chosen; i++)
-        if (list[i] == um) l->chosen = i + 1;
-    if (list && l->chosen) l->wavelength = list[l->chosen - 1];
-}
-
-static void read_object(lens *l)
-{
-    const document *d = &l->source;
-    l->object_distance = HUGE_VAL, l->object_index = 1;
-    const node *map = document_take(d->root, "object");
-    if (!map) return;
-    document_map(d, map, "object");
-    const node *n = document_take(map, "distance");
-    if (n) l->object_distance = positive(d, n, "object.distance", NUMBER_MAYBE_INFINITE);
-    l->object_index = medium_of(l, map, "object.", 1);
-    document_finish(d, map, "distance, index or glass");
-}
-
-static void read_pupil(lens *l)
-{
-    const document *d = &l->source;
-    l->pupil_semi_diameter = l->pupil_distance = (double)NAN;
-    const node *map = document_take(d->root, "pupil");
-    if (!map) return;
-    document_map(d, map, "pupil");
-    const node *n = document_take(map, "semi_diameter");
-    if (n) l->pupil_semi_diameter = positive(d, n, "pupil.semi_diameter", NUMBER_FINITE);
-    n = document_take(map, "distance");
-    if (n) l->pupil_distance = document_number(d, n, "pupil.distance", NUMBER_FINITE);
-    document_finish(d, map, "semi_diameter, distance");
-}
-
-static void read_fields(lens *l)
-{
-    const document *d = &l->source;
-    const node *n = document_take(d->root, "fields");
-    l->fields = 1;
-    l->field = n ? number_list(d, n, "fields", &l->fields) : memory_take(1, sizeof *l->field);
-    for (size_t i = 0; i < l->fields; i++)
-        if (!(fabs(l->field[i]) < 90))
-            document_fail(d, n->item[i], "fields", "must be between -90 and 90 degrees, not %g", l->field[i]);
-}
-
-static sgt_vec3 read_vector(const document *d, const node *n, const char *key)
-{
-    double v[3] = {0};
-    if (n && (n->kind != NODE_LIST || n->count != 3))
-        document_fail(d, n, key, "must be three numbers, [x, y, z]");
-    if (n) document_numbers(d, n, key, 3, v);
-    return (sgt_vec3){v[0], v[1], v[2]};
-}
-
-static bool nonzero(sgt_vec3 v) { return v.x != 0 || v.y != 0 || v.z != 0; }
-
-/* Reads the frame of an entry.  *next_z: z of its vertex by the thicknesses so far. */
-static void read_place(const document *d, const node *map, bool placed, double *next_z, sgt_element *e,
-                       lens_surface *s)
-{
-    const node *origin = document_take(map, "origin"), *thickness = document_take(map, "thickness");
-    const node *decenter = document_take(map, "decenter"), *tilt = document_take(map, "tilt");
-    if (placed && !origin) document_fail(d, map, "origin", "missing; if one surface has it, all must");
-    if (origin && thickness)
-        document_fail(d, thickness, "thickness", "given beside origin; origin alone places a surface");
-    if (origin && decenter) document_fail(d, decenter, "decenter", "given beside origin; add it to origin");
-
-    sgt_vec3 at = read_vector(d, origin, "origin"), turn = read_vector(d, tilt, "tilt");
-    if (!origin) {
-        at = read_vector(d, decenter, "decenter");
-        at.z += *next_z;
-        if (!isfinite(at.z))
-            document_fail(d, decenter, "decenter", "the vertex is beyond the largest number");
-    }
-    s->z = origin ? at.z : *next_z;
-    s->off_axis = origin && (at.x != 0 || at.y != 0 || nonzero(turn));
-    e->pose = nonzero(turn) ? sgt_pose_tilted(at, turn) : (sgt_pose){.origin = at};
-    if (thickness) *next_z += document_number(d, thickness, "thickness", NUMBER_FINITE);
-    if (!isfinite(*next_z))
-        document_fail(d, thickness, "thickness", "the next vertex is beyond the largest number");
-}
-
-/* The medium behind an entry; `before` is the index in front of it. */
-static void read_medium(const lens *l, const node *map, double before, sgt_element *e, lens_surface *s)
-{
-    const document *d = &l->source;
-    const node *mirror = document_take(map, "mirror"), *index = document_take(map, "index");
-    const node *glass = document_take(map, "glass");
-    s->mirror = mirror && document_truth(d, mirror, "mirror");
-    s->index = medium_of(l, map, "", before);
-    if (s->mirror && s->index != before)
-        document_fail(d, index ? index : glass, index ? "index" : "glass",
-                      "must be left out or %.17g: behind a mirror light is in the same medium as before",
-                      before);
-    e->index = s->mirror ? SGT_MIRROR : s->index;
-}
-
-static void read_surfaces(lens *l)
-{
-    const document *d = &l->source;
-    const node *list = document_take(d->root, "surfaces");
-    if (!list) document_fail(d, d->root, "surfaces", "missing; a lens has at least one surface");
-    if (list->kind != NODE_LIST || list->count == 0)
-        document_fail(d, list, "surfaces", "must be a list of at least one surface, like [{type: plane}]");
-    l->count = list->count;
-    l->element = memory_take(l->count, sizeof *l->element);
-    l->surface = memory_take(l->count, sizeof *l->surface);
-
-    bool placed = false;
-    for (size_t i = 0; i < l->count; i++) {
-        document_map(d, list->item[i], "surfaces");
-        const node *origin = document_take(list->item[i], "origin");
-        if (origin) placed = true, read_vector(d, origin, "origin");
-    }
-    double z = 0, before = l->object_index;
-    for (size_t i = 0; i < l->count; i++) {
-        const node *map = list->item[i];
-        sgt_element *e = &l->element[i];
-        lens_surface *s = &l->surface[i];
-        const sgt_builtin *type;
-        document_map(d, map, "surfaces");
-        read_place(d, map, placed, &z, e, s);
-        read_medium(l, map, before, e, s);
-        const node *stop = document_take(map, "stop"), *rim = document_take(map, "semi_diameter");
-        if (stop && document_truth(d, stop, "stop")) {
-            if (l->stop_marked) document_fail(d, stop, "stop", "a second stop; a lens has one");
-            l->stop_marked = true, l->stop = i;
-        }
-        if (rim) e->semi_diameter = document_number(d, rim, "semi_diameter", NUMBER_FINITE);
-        if (!(e->semi_diameter >= 0)) document_fail(d, rim, "semi_diameter", "must not be negative");
-        e->surface = surface_read(d, map, SURFACE_NO_RIM,
-                                  "; semi_diameter, thickness, index, glass, mirror, stop, decenter, "
-                                  "tilt, origin",
-                                  &type);
-        s->type = type->type;
-        before = s->index;
-
-        if (!placed && i + 1 < l->count && !document_take(map, "thickness"))
-            document_fail(d, map, "thickness", "missing; 0 if that is meant");
+    sgt_glass g, before = {.name = NULL};
+    size_t line;
+    for (size_t i = 0; i <= l->count; i++) {
+        if (!sgt_lens_glass(l->of, i, &g, &line) || sgt_glass_covers(&g, l->wavelength)) continue;
+        if (before.name && strcmp(before.name, g.name) == 0) continue;
+        note("%s:%zu: glass: %g micrometres is outside the range of %s, %g to %g", l->of->file, line,
+             l->wavelength, g.name, g.from, g.to);
+        before = g;
     }
 }
 
-static lens read_lens(const char *path, size_t wavelength, double um)
+static lens lens_at(sgt_lens *of, lens_wavelength at)
 {
-    input file = input_read(path);
-    lens l = {.source = document_parse(file.name, file.text, file.length)};
-    const document *d = &l.source;
-    const char *behind = strrchr(path, '/');
-    if (behind) l.source.folder = memory_text(path, (size_t)(behind + 1 - path));
-    document_map(d, d->root, NULL);
-    const node *name = document_take(d->root, "name"), *units = document_take(d->root, "units");
-    l.name = name ? document_text(d, name, "name") : "";
-    l.units = units ? document_text(d, units, "units") : "";
-    read_makers(&l);
-    read_wavelengths(&l, wavelength, um);
-    read_object(&l);
-    read_pupil(&l);
-    read_fields(&l);
-    read_surfaces(&l);
-    document_finish(d, d->root, "name, units, wavelengths, makers, object, pupil, fields, surfaces");
+    lens l = {.of = lens_keep(of), .name = of->name, .units = of->units, .count = of->count,
+              .surface = of->surface};
+    sgt_lens_error e;
+    if (at.place > of->wavelengths)
+        fail_usage("--wavelength %zu: %s has %zu wavelength%s", at.place, of->file, of->wavelengths,
+                   of->wavelengths == 1 ? "" : "s");
+    l.chosen = at.place || !isnan(at.um) ? at.place : of->primary + 1;
+    l.wavelength = at.um;
+    for (size_t i = 0; of->wavelength && i < of->wavelengths && !l.chosen; i++)
+        if (of->wavelength[i] == at.um) l.chosen = i + 1;
+    if (l.chosen) l.wavelength = of->wavelength ? of->wavelength[l.chosen - 1] : (double)NAN;
+    l.element = memory_take(l.count, sizeof *l.element);
+    l.index = memory_take(l.count, sizeof *l.index);
+    if (!sgt_lens_at(of, l.wavelength, l.element, &l.index_before, &e)) lens_refuse(&e);
+    for (size_t i = 0; i < l.count; i++)
+        l.index[i] = l.surface[i].mirror ? (i ? l.index[i - 1] : l.index_before) : l.element[i].index;
     return l;
 }
 
-lens lens_read(const char *path, size_t wavelength) { return read_lens(path, wavelength, (double)NAN); }
+static void note_remarks(const sgt_lens *l)
+{
+    for (size_t i = 0; i < l->remarks; i++) {
+        const sgt_lens_remark *r = &l->remark[i];
+        note("%s:%zu: %s%s%s", l->file, r->line, r->key, *r->key ? ": " : "", r->words);
+    }
+}
 
-lens lens_read_at(const char *path, double um) { return read_lens(path, 0, um); }
+lens lens_read(const char *path, lens_wavelength at)
+{
+    sgt_lens_options o = lens_options();
+    sgt_lens_error e;
+    sgt_lens *of;
+    if (strcmp(path, "-") == 0) {
+        input in = input_read(path);
+        of = sgt_lens_read_text(in.name, in.text, in.length, &o, &e);
+    } else {
+        of = sgt_lens_read(path, &o, &e);
+    }
+    if (!of) lens_refuse(&e);
+    note_remarks(of);
+    lens l = lens_at(of, at);
+    note_ranges(&l);
+    for (size_t i = 0; i < l.count; i++)
+        if (!l.element[i].surface.ops)
+            fail_input("%s:%zu: surface %zu: an ideal lens cannot be traced yet", of->file, l.surface[i].line,
+                       i + 1);
+    return l;
+}
+
+lens lens_of_text(const char *name, const char *text)
+{
+    sgt_lens_options o = lens_options();
+    sgt_lens_error e;
+    sgt_lens *of = sgt_lens_read_text(name, text, strlen(text), &o, &e);
+    if (!of) lens_refuse(&e);
+    return lens_at(of, (lens_wavelength){.um = (double)NAN});
+}

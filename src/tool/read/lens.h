@@ -1,44 +1,46 @@
-/* lens.h - reads a lens file: its elements in order, at one of its wavelengths. */
+/* lens.h - a lens as a command uses it: that of a file, at one wavelength. */
 #ifndef TOOL_LENS_H
 #define TOOL_LENS_H
-#include "document.h"
-#include "glass.h"
+#include "../base/fail.h"
 
-#include <sagitta/surfaces.h>
-#include <sagitta/system.h>
-
-typedef struct lens_surface {
-    const char *type;     /* its name in the file */
-    double index;         /* behind it, positive, after a mirror too */
-    double z;             /* its vertex on the axis, before any decenter */
-    bool mirror;
-    bool off_axis;        /* given by `origin`, and tilted or beside the axis */
-} lens_surface;
+#include <sagitta/lens.h>
+#include <stdbool.h>
 
 typedef struct lens {
-    document source;                  /* for errors that are found later */
-    const char *name, *units;         /* "" where not given */
-    size_t wavelengths;               /* how many there are; 1 if the file gives none */
-    size_t chosen;                    /* which of them, from 1; 0: none, `wavelength` is another */
-    double wavelength;                /* the chosen one, in micrometres; NaN: the file gives none */
-    glass_makers makers;
-    double object_distance;           /* from the object to the first vertex; default infinite */
-    double object_index;
-    double pupil_semi_diameter;       /* NaN: not given */
-    double pupil_distance;            /* from the first vertex to the entrance pupil; NaN: not given */
-    size_t fields;
-    double *field;                    /* degrees; {0} by default */
+    sgt_lens *of;             /* as the file gives it */
+    const char *name, *units; /* "" where not given */
+    size_t chosen;            /* which of its wavelengths, from 1; 0: none, `wavelength` is another */
+    double wavelength;        /* the chosen one, in micrometres; NaN: the file gives none */
+    double index_before;
     size_t count;
-    sgt_element *element;             /* [count], at the chosen wavelength */
-    lens_surface *surface;            /* [count] */
-    size_t stop;                      /* the index of its surface; 0 if none is marked */
-    bool stop_marked;
+    sgt_element *element;     /* [count], at the chosen wavelength */
+    double *index;            /* [count]: behind each, positive, after a mirror too */
+    const sgt_lens_surface *surface; /* [count] */
 } lens;
 
-/* wavelength: counted from 1.  Any error ends the command, with file, line and key in the message. */
-lens lens_read(const char *path, size_t wavelength);
+/* Which wavelength: place counts from 1; 0: `um`, or (NaN) the primary one of the file. */
+typedef struct lens_wavelength { size_t place; double um; } lens_wavelength;
 
-/* The same at a wavelength in micrometres, which need not be one of the file. */
-lens lens_read_at(const char *path, double um);
+/* --glass: a catalogue, or a folder of them, whose glasses go before those that ship. */
+void lens_glass_folder(const char *path);
+
+/* Any error ends the command, with file, line and key in the message.  What a user should know of the lens is
+ * noted on standard error. */
+lens lens_read(const char *path, lens_wavelength at);
+
+/* The same of text; nothing is noted. */
+lens lens_of_text(const char *name, const char *text);
+
+/* Ends the command by what is wrong with a file: "FILE:LINE: KEY: words". */
+_Noreturn void lens_refuse(const sgt_lens_error *e);
+
+/* The same of a lens that was read, where the line is that of its beginning. */
+_Noreturn void lens_fail(const lens *l, const char *key, const char *format, ...) LIKE_PRINTF(3, 4);
+
+/* Frees it when the command ends. */
+sgt_lens *lens_keep(sgt_lens *l);
+
+/* Files through base/input.h, and the types about the Earth where they are built in. */
+sgt_lens_options lens_options(void);
 
 #endif

@@ -15,7 +15,7 @@
 #include "../base/fail.h"
 #include "../base/input.h"
 #include "../base/memory.h"
-#include "../base/number.h"
+#include "../../text/number.h"
 #include "../base/threads.h"
 
 #include <float.h>

@@ -7,6 +7,7 @@ typedef struct launch {
     sgt_ray ray;
     size_t number;      /* from 0; in a file, that of its data row, bad rows included */
     size_t field;       /* index in the list of fields; 0 for rays from a file */
+    double px, py;      /* where it crosses the pupil, in radii of it; of a launched ray */
     const char *id;     /* from the file; NULL: it has no such column */
 } launch;
 

@@ -7,7 +7,7 @@
 
 #include "../base/input.h"
 #include "../base/memory.h"
-#include "../base/number.h"
+#include "../../text/number.h"
 
 #include <errno.h>
 #include <math.h>

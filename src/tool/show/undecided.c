@@ -7,7 +7,7 @@
 
 #include "frame.h"
 #include "../base/memory.h"
-#include "../base/number.h"
+#include "../../text/number.h"
 #include "profile.h"
 #include "../read/surface.h"
 

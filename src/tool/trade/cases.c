@@ -314,37 +314,26 @@ static void lens_case(trade *t, const trade_options *o, const char *name, const 
 }
 
 /* The scan lens of examples/lenses/ftheta.yaml, at its first wavelength. */
+static const char SCAN_LENS[] =
+    "{name: f-theta scan lens, units: in, wavelengths: [0.5876], pupil: {semi_diameter: 0.5, distance: 0},"
+    " fields: [0, 10, 20], surfaces: ["
+    "{type: plane, thickness: 5, semi_diameter: 0.5},"
+    "{type: sphere, radius: -2.2136, thickness: 0.3, index: 1.84666, semi_diameter: 2},"
+    "{type: sphere, radius: -2.6575, thickness: 0.02, index: 1, semi_diameter: 2.25},"
+    "{type: sphere, radius: -5.5022, thickness: 0.5292, index: 1.84666, semi_diameter: 2.5},"
+    "{type: sphere, radius: -3.8129, thickness: 4.2927, index: 1, semi_diameter: 2.6},"
+    "{type: sphere, radius: 7.9951, thickness: 0.59, index: 1.84666, semi_diameter: 4.05},"
+    "{type: sphere, radius: 8.3651, thickness: 18.0014, index: 1, semi_diameter: 4},"
+    "{type: plane, semi_diameter: 7.2}]}";
+
 static const job *scan_lens(void)
 {
-    static const struct { double radius, thickness, index, semi_diameter;
-    } row[] = {
-        {HUGE_VAL, 5, 1, 0.5},           {-2.2136, 0.3, 1.84666, 2.0}, {-2.6575, 0.02, 1, 2.25},
-        {-5.5022, 0.5292, 1.84666, 2.5}, {-3.8129, 4.2927, 1, 2.6},    {7.9951, 0.59, 1.84666, 4.05},
-        {8.3651, 18.0014, 1, 4.0},       {HUGE_VAL, 0, 1, 7.2},
-    };
-    static const double field[] = {0, 10, 20};
-    enum { COUNT = sizeof row / sizeof row[0] };
-    sgt_conic *sag = memory_take(COUNT, sizeof *sag);
     job *j = memory_take(1, sizeof *j);
-    j->lens = (lens){.name = "f-theta scan lens", .units = "in", .wavelengths = 1, .wavelength = 0.5876,
-                     .object_distance = HUGE_VAL, .object_index = 1, .pupil_semi_diameter = 0.5,
-                     .pupil_distance = 0, .count = COUNT,
-                     .element = memory_take(COUNT, sizeof *j->lens.element),
-                     .surface = memory_take(COUNT, sizeof *j->lens.surface)};
-    double z = 0;
-    for (int i = 0; i < COUNT; i++) {
-        sag[i].c = 1 / row[i].radius;
-        j->lens.surface[i] = (lens_surface){
-            .type = isinf(row[i].radius) ? "plane" : "sphere", .index = row[i].index, .z = z};
-        j->lens.element[i] = (sgt_element){.surface = {&sgt_conic_ops, &sag[i]},
-                                           .pose = {.origin = {0, 0, z}}, .index = row[i].index,
-                                           .semi_diameter = row[i].semi_diameter};
-        z += row[i].thickness;
-    }
+    j->lens = lens_of_text("scan-lens", SCAN_LENS);
     j->element = j->lens.element;
-    j->fields = 3, j->field = field;
+    j->fields = j->lens.of->fields, j->field = j->lens.of->field;
     for (size_t f = 0; f < j->fields; f++)
-        launch_field(&j->rays, &j->lens, f, field[f], PUPIL_GRID, GRID_DEFAULT);
+        launch_field(&j->rays, &j->lens, f, SGT_FIELD_ANGLE, j->field[f], PUPIL_GRID, GRID_DEFAULT);
     return j;
 }
 

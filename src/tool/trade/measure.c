@@ -98,14 +98,14 @@ static void trace_lens(const trade_case *c, const setting *s, const sgt_traced *
 {
     const job *j = c->lens;
     if (!s->single) {
-        sgt_trace_batch(j->lens.count, j->element, j->lens.object_index, c->rays, c->columns, *to, element,
+        sgt_trace_batch(j->lens.count, j->element, j->lens.index_before, c->rays, c->columns, *to, element,
                         &s->options);
         return;
     }
     for (size_t i = 0; i < c->rays; i++) {
         sgt_ray ray = c->ray[i];
         sgt_fate fate;
-        size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &ray, passage, &fate,
+        size_t passed = sgt_trace(j->lens.count, j->element, j->lens.index_before, &ray, passage, &fate,
                                   &s->options);
         if (to->fate) to->fate[i] = (signed char)fate;
         if (to->passed) to->passed[i] = (int)passed;
@@ -150,11 +150,11 @@ static truth truth_of_trace(const job *j, const sgt_ray *ray, const sgt_options 
 {
     sgt_ray end = *ray;
     sgt_fate fate;
-    size_t passed = sgt_trace(j->lens.count, j->element, j->lens.object_index, &end, seen, &fate, opt);
+    size_t passed = sgt_trace(j->lens.count, j->element, j->lens.index_before, &end, seen, &fate, opt);
     truth is = {
         .known = fate >= 0, .met = fate == SGT_PASSED, .kind = (signed char)fate, .passed = (int)passed};
     if (is.met)
-        is.known = quad_trace(passed, j->element, j->lens.object_index, ray, seen, &is.point, &is.path);
+        is.known = quad_trace(passed, j->element, j->lens.index_before, ray, seen, &is.point, &is.path);
     return is;
 }
 

@@ -1,6 +1,6 @@
-/* number.h - doubles as text, there and back. */
-#ifndef TOOL_NUMBER_H
-#define TOOL_NUMBER_H
+/* number.h - doubles as text, there and back; the point is a point in any locale. */
+#ifndef SGT_TEXT_NUMBER_H
+#define SGT_TEXT_NUMBER_H
 #include <stdbool.h>
 
 /* Reads the whole text as a number: decimal (1e-06, .5, 5.), hexadecimal (0x1.8p+1), .inf or

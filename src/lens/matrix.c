@@ -11,9 +11,7 @@
  * Source: NumPy's enhancement proposal 1 and numpy.lib.format. */
 #include "matrix.h"
 
-#include "../base/input.h"
-#include "../base/memory.h"
-#include "../base/number.h"
+#include "../text/number.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -23,15 +21,17 @@
 #include <string.h>
 #include <strings.h>
 
+typedef struct table_file { const char *name; char *text; size_t length; } table_file;
+
 static bool ends_in(const char *name, const char *end)
 {
     size_t length = strlen(name), behind = strlen(end);
     return length > behind && strcasecmp(name + length - behind, end) == 0;
 }
 
-bool matrix_is_file(const char *name) { return ends_in(name, ".csv") || ends_in(name, ".npy"); }
+bool sgt_matrix_is_file(const char *name) { return ends_in(name, ".csv") || ends_in(name, ".npy"); }
 
-LIKE_PRINTF(2, 3) static bool bad(char why[MATRIX_WHY_SIZE], const char *format, ...)
+SGT_PRINTF(2, 3) static bool bad(char why[MATRIX_WHY_SIZE], const char *format, ...)
 {
     va_list values;
     va_start(values, format);
@@ -66,7 +66,8 @@ static bool read_field(char *s, char *end, size_t line, size_t column, const cha
     return true;
 }
 
-static bool read_csv(sgt_numbers *to, const input *in, size_t most, char why[MATRIX_WHY_SIZE])
+static bool read_csv(source *of, sgt_numbers *to, const table_file *in, size_t most,
+                     char why[MATRIX_WHY_SIZE])
 {
     char *s = in->text, *last = in->text + in->length;
     if (in->length >= 3 && memcmp(s, "\xef\xbb\xbf", 3) == 0) s += 3;
@@ -84,7 +85,7 @@ static bool read_csv(sgt_numbers *to, const input *in, size_t most, char why[MAT
             char *comma = memchr(s, ',', (size_t)(stop - s));
             within = comma != NULL;
             if (column == most) return bad(why, "%s:%zu: more than %zu columns", in->name, rows + 1, most);
-            x = memory_room(x, count, &room, sizeof *x);
+            x = tree_grow(of, x, count, &room, sizeof *x);
             if (!read_field(s, within ? comma : stop, rows + 1, column + 1, in->name, &x[count], why))
                 return false;
             count++;
@@ -156,7 +157,8 @@ static double number_at(const unsigned char *at, size_t size)
     return (double)x;
 }
 
-static bool read_npy(sgt_numbers *to, const input *in, size_t most, char why[MATRIX_WHY_SIZE])
+static bool read_npy(source *of, sgt_numbers *to, const table_file *in, size_t most,
+                     char why[MATRIX_WHY_SIZE])
 {
     const unsigned char *text = (const unsigned char *)in->text;
     if (in->length < 10 || memcmp(text, "\x93NUMPY", 6) != 0)
@@ -168,7 +170,7 @@ static bool read_npy(sgt_numbers *to, const input *in, size_t most, char why[MAT
     if (in->length < start || in->length - start < header)
         return bad(why, "%s: cut off within its header", in->name);
     npy n = {.size = 0};
-    if (!matrix_read_header(&n, memory_text(in->text + start, header), in->name, why)) return false;
+    if (!matrix_read_header(&n, tree_text(of, in->text + start, header), in->name, why)) return false;
     if (n.rows == 0 || n.columns == 0) return bad(why, "%s: empty", in->name);
     if (n.rows > most || n.columns > most)
         return bad(why, "%s: %zu rows and %zu columns; at most %zu of either are allowed", in->name, n.rows,
@@ -178,7 +180,7 @@ static bool read_npy(sgt_numbers *to, const input *in, size_t most, char why[MAT
         return bad(why, "%s: cut off: %zu numbers, but the header says %zu", in->name, have / n.size, count);
     if (have > count * n.size)
         return bad(why, "%s: %zu bytes behind the last number", in->name, have - count * n.size);
-    double *x = memory_take(count, sizeof *x);
+    double *x = tree_room(of, count, sizeof *x);
     const unsigned char *at = text + start + header;
     for (size_t i = 0; i < count; i++, at += n.size) {
         size_t row = n.fortran ? i % n.rows : i / n.columns, column = n.fortran ? i / n.rows : i % n.columns;
@@ -191,10 +193,10 @@ static bool read_npy(sgt_numbers *to, const input *in, size_t most, char why[MAT
     return true;
 }
 
-bool matrix_read(sgt_numbers *to, const char *path, size_t most, char why[MATRIX_WHY_SIZE])
+bool sgt_matrix_read(source *of, sgt_numbers *to, const char *path, size_t most, char why[MATRIX_WHY_SIZE])
 {
-    input in;
-    const char *fault = input_try(path, &in);
+    table_file in = {.name = path};
+    const char *fault = tree_file(of, path, &in.text, &in.length);
     if (fault) return bad(why, "%s: %s", path, fault);
-    return ends_in(path, ".npy") ? read_npy(to, &in, most, why) : read_csv(to, &in, most, why);
+    return ends_in(path, ".npy") ? read_npy(of, to, &in, most, why) : read_csv(of, to, &in, most, why);
 }

@@ -1,0 +1,20 @@
+/* lens.h - a lens and what it is made of, beyond what users see. */
+#ifndef SGT_LENS_LENS_H
+#define SGT_LENS_LENS_H
+#include "medium.h"
+
+typedef struct whole_lens {
+    sgt_lens lens;           /* first: users have a pointer to it */
+    arena memory;            /* in which everything lies that the lens points to */
+    node *root;              /* the tree it was made of */
+    sgt_element *element;
+    sgt_lens_surface *about;
+    medium *medium;          /* [count + 1]: in front of the first surface, behind each */
+    media media;             /* while it is read */
+} whole_lens;
+
+/* Fill in w->lens from s->root. */
+void sgt_read_lens(whole_lens *w, source *s);
+void sgt_read_one_surface(whole_lens *w, source *s);
+
+#endif

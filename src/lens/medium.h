@@ -1,0 +1,45 @@
+/* medium.h - a medium as a lens file names it, and its index at a wavelength. */
+#ifndef SGT_LENS_MEDIUM_H
+#define SGT_LENS_MEDIUM_H
+#include "tree.h"
+
+typedef enum medium_kind {
+    MEDIUM_BEFORE,  /* as in front */
+    MEDIUM_NUMBER,  /* one index for all wavelengths */
+    MEDIUM_LIST,    /* one for each wavelength of the file */
+    MEDIUM_GLASS
+} medium_kind;
+
+typedef struct medium {
+    medium_kind kind;
+    size_t line;
+    const char *key;        /* "index", "glass", "object.index" ... */
+    double number;
+    const double *list;
+    const sgt_glass *glass;
+} medium;
+
+/* What the media of one lens share. */
+enum { KNOWN_MOST = 64 };
+typedef struct media {
+    source *source;
+    size_t makers;          /* in the order in which one is taken where several have a name */
+    const char **maker;
+    sgt_catalogue *own;     /* the table that ships, once it is needed; to be freed */
+    const char *known_name[KNOWN_MOST];
+    const sgt_glass *known_glass[KNOWN_MOST];
+    size_t known;
+} media;
+
+/* `glass` says: a name, {nd, vd, dPgF}, {sellmeier: [...]}, or a list of [wavelength, index].  Remarks what a
+ * user should know. */
+medium sgt_medium_of_glass(media *m, node *n, const char *key);
+
+/* `index` says: a number, or a list with one for each of the wavelengths. */
+medium sgt_medium_of_index(media *m, const node *n, const char *key, size_t wavelengths);
+
+/* The index at a wavelength (um; NaN: none is known).  NaN: `why` says why there is none. */
+enum { WHY_SIZE = 300 };
+double sgt_medium_index(const medium *m, const sgt_lens *lens, double um, double before, char why[WHY_SIZE]);
+
+#endif
