@@ -12,6 +12,7 @@ static const char main_help[] =
     "  sagitta intersect --surface SPEC --rays FILE      one surface, many rays\n"
     "  sagitta trace LENS [--svg FILE]                   rays through a lens file\n"
     "  sagitta diagnose --surface SPEC --ray \"...\"       one ray, evaluation by evaluation\n"
+    "  sagitta import FILE [-o LENS]                     a .zmx file as a lens file\n"
     "  sagitta trade [LENS | --surface SPEC]             speed against accuracy, measured\n"
     "\n"
     "  sagitta COMMAND --help     the options and the columns of a command\n"
@@ -26,6 +27,7 @@ static const struct { const char *name, *full; exit_status (*run)(int argc, char
     {"trace", "sagitta trace", command_trace},
     {"diagnose", "sagitta diagnose", command_diagnose},
     {"trade", "sagitta trade", command_trade},
+    {"import", "sagitta import", command_import},
 };
 
 /* If a standard file is closed at the start, the next file opened would take its number, and a message for
@@ -54,7 +56,8 @@ int main(int argc, char *argv[])
     if (strcmp(name, "--version") == 0) options_version();
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0)
         print_and_end("%s", main_help);
-    if (*name) fail_usage("no such command: %s; there are intersect, trace, diagnose and trade", name);
+    if (*name)
+        fail_usage("no such command: %s; there are intersect, trace, diagnose, trade and import", name);
     fputs(main_help, stderr);
     return EXIT_USAGE;
 }

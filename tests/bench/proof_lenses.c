@@ -9,7 +9,7 @@
 proof_lens proof_lens_read(const char *path, size_t rays)
 {
     lens *l = memory_take(1, sizeof *l);
-    *l = lens_read(path, (lens_wavelength){.place = 1});
+    *l = lens_at(lens_open(path), (lens_wavelength){.place = 1});
     proof_field *field = memory_take(l->of->fields, sizeof *field);
     long side = lround(sqrt((double)rays / 0.785398)); /* of the square about the pupil, pi / 4 is in it */
     for (size_t i = 0; i < l->of->fields; i++) {

@@ -73,7 +73,7 @@ def own_trace(several, origin, direction):
 def test_columns():
     for name in NAMES:
         done = run('trace', LENSES / f'{name}.yaml', '--format', 'csv')
-        equal(done.stdout.splitlines()[0], TRACE)
+        equal(done.stdout.splitlines()[0], TRACE_ALL)
 
 
 def test_against_own_trace():
@@ -317,7 +317,7 @@ def test_json_and_ids():
     text = rays((0, 0, -1, 0, 0, 1, 'chief'), (0, 9, -1, 0, 0, 1, '9'), header='ox,oy,oz,dx,dy,dz,id')
     shown = ('trace', LENSES / 'ftheta.yaml', '--rays', '-', '--format', 'json')
     got = json.loads(run(*shown, stdin=text).stdout)
-    equal(list(got[0]), TRACE.split(',') + ['id'])
+    equal(list(got[0]), TRACE_ALL.split(',') + ['id'])
     equal((got[0]['id'], got[-1]['id'], got[-1]['l'], got[-1]['fate']), ('chief', '9', None, 'clipped'))
 
 

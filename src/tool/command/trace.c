@@ -33,6 +33,9 @@ static const char trace_help[] =
     "  opl                optical path length since the start of the ray (length).  The rays of a\n"
     "                     field start at the object, or on one wavefront if that is at infinity\n"
     "  evals              evaluations of the surface's equation\n"
+    "  field, wavelength  csv and json, and text if there are several wavelengths: the field, counted\n"
+    "                     from 1; the wavelength in micrometres; empty where there is none\n"
+    "  px, py             with them: where the ray was sent through the pupil, in radii of it\n"
     "  id                 as the file of rays gives it, if it has this column\n"
     "  lo, hi             with --proof root or first, csv and json only: of an undecided row, the\n"
     "                     stretch of the ray still in doubt (like t)\n"
@@ -65,8 +68,15 @@ static const column trace_head[] = {
     {"l", COLUMN_NUMBER}, {"m", COLUMN_NUMBER}, {"n", COLUMN_NUMBER},
     {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR}, {"opl", COLUMN_NUMBER}, {"evals", COLUMN_COUNT},
 };
+static const column launch_head[] = {
+    {"field", COLUMN_COUNT}, {"wavelength", COLUMN_EXACT}, {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER},
+};
 static const column trace_id = {"id", COLUMN_WORD}, left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
-enum { HEAD_COUNT = sizeof trace_head / sizeof trace_head[0] };
+enum {
+    HEAD_COUNT = sizeof trace_head / sizeof trace_head[0],
+    LAUNCH_COUNT = sizeof launch_head / sizeof launch_head[0],
+    COLUMNS_MOST = HEAD_COUNT + LAUNCH_COUNT + 3
+};
 
 typedef struct trace_arguments {
     shared_options shared;
@@ -86,7 +96,7 @@ static trace_arguments trace_arguments_of(int argc, char *argv[])
     char all_help[HELP_SIZE];
     snprintf(all_help, sizeof all_help, "%s%s%s%s", trace_help, job_help, trace_more_help,
              options_threads_help);
-    trace_arguments a = {.svg = NULL};
+    trace_arguments a = {.job = {.several = true}};
     for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         if (code == SVG) {
             a.svg = optarg;
@@ -150,9 +160,11 @@ typedef struct trace_work {
     trace_room *room;
     table *table;
     scene *picture;                /* NULL: none */
+    const job_lens *at;             /* the lens at the wavelength that is being traced */
+    bool launches;                 /* there are the columns of launch_head */
     bool stretches;                /* there are columns lo and hi */
     size_t passed, proven, undecided; /* how many rays; proven: passed and grazed no element */
-    const launch *lost[UNDECIDED_SHOWN];
+    struct { const launch *ray; const job_lens *at; } lost[UNDECIDED_SHOWN];
     int shown;
     losses *loss;                  /* [elements] */
     sgt_vec3 *point;               /* [elements + 1] */
@@ -193,9 +205,21 @@ static void write_vector(table *t, sgt_vec3 v)
 static const sgt_hit *ended(const trace_work *w, const launch *l, sgt_passage alone[], size_t element)
 {
     sgt_ray ray = l->ray;
-    sgt_trace(element + 1, w->job->element, w->job->lens.index_before, &ray, alone, NULL,
+    sgt_trace(element + 1, w->at->element, w->at->lens.index_before, &ray, alone, NULL,
               &w->asked->shared.solver);
     return &alone[element].hit;
+}
+
+static void write_launch(const trace_work *w, table *t, const launch *l)
+{
+    bool beam = w->job->fields > 0;
+    if (beam) table_count(t, (long long)l->field + 1);
+    else table_empty(t);
+    if (isnan(w->at->lens.wavelength)) table_empty(t);
+    else table_number(t, w->at->lens.wavelength);
+    for (int k = 0; k < 2; k++)
+        if (beam) table_number(t, k ? l->py : l->px);
+        else table_empty(t);
 }
 
 static void trace_write_row(const trace_work *w, trace_room *own, const launch *l, size_t element,
@@ -205,7 +229,7 @@ static void trace_write_row(const trace_work *w, trace_room *own, const launch *
     const sgt_vec3 nowhere = {(double)NAN, (double)NAN, (double)NAN};
     sgt_vec3 point = r->status[i] > 0 ? vector_at(r->number, i) : nowhere;
     sgt_vec3 direction = fate == SGT_PASSED ? vector_at(r->number + 3, i) : nowhere;
-    const sgt_pose *pose = w->asked->global ? &w->job->element[element].pose : NULL;
+    const sgt_pose *pose = w->asked->global ? &w->at->element[element].pose : NULL;
     table *t = own->rows;
     table_count(t, (long long)l->number);
     table_count(t, (long long)element + 1);
@@ -216,6 +240,7 @@ static void trace_write_row(const trace_work *w, trace_room *own, const launch *
     table_number_within(t, r->number[6][i], r->number[7][i]);
     table_number(t, r->number[8][i]);
     table_count(t, r->evals[i]);
+    if (w->launches) write_launch(w, t, l);
     if (w->job->rays.named) table_word(t, l->id);
     if (!w->stretches) return;
     const sgt_hit *hit = r->status[i] < 0 ? ended(w, l, own->alone, element) : NULL;
@@ -237,11 +262,11 @@ static void send(void *data, const tile *t)
     const sgt_rays rays = {.o = {r->ray[0], r->ray[1], r->ray[2]}, .d = {r->ray[3], r->ray[4], r->ray[5]}};
     const sgt_traced out = {.fate = r->fate, .passed = r->passed, .o = {r->ray[0], r->ray[1], r->ray[2]},
                             .d = {r->ray[3], r->ray[4], r->ray[5]}};
-    sgt_trace_batch(j->lens.count, j->element, j->lens.index_before, t->count, rays, out, r->passages,
+    sgt_trace_batch(j->lens.count, w->at->element, w->at->lens.index_before, t->count, rays, out, r->passages,
                     &w->asked->shared.solver);
     for (size_t i = 0; i < t->count; i++) {
         size_t passed = (size_t)r->passed[i];
-        if (t->first + i > 0) table_gap(r->rows);
+        if (t->first + i > 0 || w->at != j->at) table_gap(r->rows);
         for (size_t k = 0; k < passed; k++) trace_write_row(w, r, &l[i], k, SGT_PASSED, &r->record[k], i);
         if (r->fate[i] != SGT_PASSED)
             trace_write_row(w, r, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
@@ -254,7 +279,7 @@ static void draw(trace_work *w, const trace_room *r, const launch *l, size_t i)
     size_t met = (size_t)r->passed[i] + (fate == SGT_CLIPPED || fate == SGT_TIR);
     w->point[0] = l->ray.o;
     for (size_t k = 0; k < met; k++)
-        w->point[k + 1] = frame_point_out(&w->job->element[k].pose, vector_at(r->record[k].number, i));
+        w->point[k + 1] = frame_point_out(&w->at->element[k].pose, vector_at(r->record[k].number, i));
     scene_add(w->picture, l->field, met + 1, w->point, fate,
               (sgt_vec3){r->ray[3][i], r->ray[4][i], r->ray[5][i]});
 }
@@ -279,7 +304,7 @@ static void trace_take(void *data, const tile *t)
         else count_loss(&w->loss[passed], (sgt_fate)r->fate[i], (sgt_status)r->record[passed].status[i]);
         if (r->fate[i] < 0) w->undecided++;
         if (r->fate[i] < 0 && r->record[passed].status[i] < 0 && w->shown < UNDECIDED_SHOWN)
-            w->lost[w->shown++] = l;
+            w->lost[w->shown].ray = l, w->lost[w->shown++].at = w->at;
         if (w->picture) draw(w, r, l, i);
     }
 }
@@ -347,27 +372,29 @@ static void write_lost(const trace_work *w)
     sgt_passage *alone = memory_take(j->lens.count, sizeof *alone);
     for (int i = 0; i < w->shown; i++) {
         const shared_options *asked = &w->asked->shared;
-        sgt_ray ray = w->lost[i]->ray;
-        size_t passed = sgt_trace(j->lens.count, j->element, j->lens.index_before, &ray, alone, NULL,
+        const job_lens *at = w->lost[i].at;
+        sgt_ray ray = w->lost[i].ray->ray;
+        size_t passed = sgt_trace(j->lens.count, at->element, at->lens.index_before, &ray, alone, NULL,
                                   &asked->solver);
         if (passed == j->lens.count) continue; /* never: a batch gives the same answers as single rays */
-        const sgt_element *e = &j->element[passed];
+        const sgt_element *e = &at->element[passed];
         const search s = {.surface = e->surface, .semi_diameter = e->semi_diameter,
                           .ray = job_own_ray(&e->pose, &ray), .asked = &asked->solver,
                           .near_seed = options_near_seed(asked, e->surface, SGT_NEAR_SEED),
                           .fast = options_fast(asked, e->surface), .hit = &alone[passed].hit};
         char who[80];
-        snprintf(who, sizeof who, "Ray %zu at element %zu: ", w->lost[i]->number, passed + 1);
+        snprintf(who, sizeof who, "Ray %zu at element %zu: ", w->lost[i].ray->number, passed + 1);
         undecided_explain(w->table, who, &s);
     }
     if (w->undecided > (size_t)w->shown)
         table_line(w->table, "%zu more lost: sagitta diagnose shows why.", w->undecided - (size_t)w->shown);
 }
 
-static size_t trace_columns_of(const trace_work *w, column to[HEAD_COUNT + 3])
+static size_t trace_columns_of(const trace_work *w, column to[COLUMNS_MOST])
 {
     size_t n = HEAD_COUNT;
     memcpy(to, trace_head, sizeof trace_head);
+    for (int k = 0; w->launches && k < LAUNCH_COUNT; k++) to[n++] = launch_head[k];
     if (w->job->rays.named) to[n++] = trace_id;
     if (w->stretches) to[n++] = left[0], to[n++] = left[1];
     return n;
@@ -403,17 +430,22 @@ exit_status command_trace(int argc, char *argv[])
     }
     scene picture = scene_begin(&j);
     trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room),
-                    .picture = a.svg ? &picture : NULL, .stretches = a.shared.solver.proof && !text,
+                    .picture = a.svg ? &picture : NULL, .launches = !text || j.wavelengths > 1,
+                    .stretches = a.shared.solver.proof && !text,
                     .loss = memory_take(count, sizeof *w.loss),
                     .point = memory_take(count + 1, sizeof *w.point)};
-    column columns[HEAD_COUNT + 3];
+    column columns[COLUMNS_MOST];
     w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
     for (size_t i = 0; i < places; i++) w.room[i] = trace_room_for(&w, in.most);
-    tiles_run(&in, &w, send, trace_take);
+    for (size_t c = 0; c < j.wavelengths; c++) {
+        w.at = &j.at[c];
+        tiles_run(&in, &w, send, trace_take);
+    }
     if (text) {
-        if (j.rays.count) write_legend(&w);
-        table_line(w.table, "%zu of %zu ray%s passed all %zu element%s.", w.passed, j.rays.count,
-                   j.rays.count == 1 ? "" : "s", count, count == 1 ? "" : "s");
+        const size_t all = j.rays.count * j.wavelengths;
+        if (all) write_legend(&w);
+        table_line(w.table, "%zu of %zu ray%s passed all %zu element%s.", w.passed, all, all == 1 ? "" : "s",
+                   count, count == 1 ? "" : "s");
         write_proof(&w);
         write_losses(w.table, &j, w.loss);
         write_lost(&w);

@@ -120,20 +120,26 @@ static void take_proofs(trade_options *o)
     if (o->proofs == before) fail_usage("--proof must be estimate, root or first");
 }
 
+/* Is there an option that only a lens has? */
+static bool is_of_lens(const job_options *j)
+{
+    return j->fields || j->fan || j->grid || j->wavelengths || j->all_wavelengths || j->glass || j->strict ||
+           j->no_apertures;
+}
+
 static void check(const trade_arguments *a)
 {
     const job_options *j = &a->trade.job;
     bool rays = j->rays || a->trade.rays.count;
     if (a->trade.surface && j->lens) fail_usage("give --surface or a lens file, not both");
-    if (a->trade.surface && (j->fields || j->fan || j->grid || j->wavelength || j->glass || j->no_apertures))
+    if (a->trade.surface && is_of_lens(j))
         fail_usage("--field, --fan, --grid, --wavelength, --glass and --no-apertures go with a lens file, "
                    "not with --surface");
     if (j->rays && a->trade.rays.count) fail_usage("give --rays or --ray, not both");
     if (a->trade.rays.count && !a->trade.surface)
         fail_usage("--ray goes with --surface; for a lens give --rays FILE");
     if (!a->trade.surface && !j->lens &&
-        (rays || j->fields || j->fan || j->grid || j->wavelength || j->glass || j->no_apertures ||
-         j->skip_bad))
+        (rays || is_of_lens(j) || j->skip_bad))
         fail_usage("there are options for rays, but no --surface and no lens file");
 }
 

@@ -20,25 +20,46 @@ const char job_help[] =
     "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"
     "                     ox,oy,oz,dx,dy,dz and optionally id; FILE may be - for standard input\n"
     "  --skip-bad         skip bad rows of the file, and say how many\n"
-    "  --wavelength W     a whole number: the lens's W-th wavelength, counted from 1 (default 1).\n"
-    "                     With a point: micrometres.  Or a spectral line: i h g F' F e d D C' C r s t\n"
+    "  --wavelength W     a whole number: the lens's W-th wavelength, counted from 1 (default: its\n"
+    "                     primary one).  With a point: micrometres.  Or a spectral line:\n"
+    "                     i h g F' F e d D C' C r s t.  Or all: those of the lens, one after another;\n"
+    "                     also with --wavelength repeated (trace only)\n"
     "  --glass PATH       glasses of a catalogue (.agf, .yml, .csv) or a folder of them, before those\n"
     "                     that ship.  May be repeated\n"
+    "  --strict           what the reader of a .zmx file leaves out, and a wavelength outside the range\n"
+    "                     of a glass, are errors\n"
     "  --no-apertures     ignore the clear apertures: clip no ray\n";
+
+static const char LINES[] = "i h g F' F e d D C' C r s t";
+
+static lens_wavelength wavelength_of(const char *text)
+{
+    double um = sgt_spectral_line(text);
+    if (!isnan(um)) return (lens_wavelength){.um = um};
+    if (strchr(text, ','))
+        fail_usage("--wavelength takes one, not %s; for several repeat --wavelength", text);
+    if (!strchr(text, '.')) {
+        if (!strpbrk(text, "0123456789"))
+            fail_usage(
+                "--wavelength must be a whole number, micrometres with a point, a spectral line (%s), or "
+                "all, not \"%s\"",
+                LINES, text);
+        return (lens_wavelength){.place = (size_t)options_integer("wavelength", text, 1, INT_MAX)};
+    }
+    um = options_number("wavelength", text);
+    if (!(um > 0)) fail_usage("--wavelength must be positive, not %s micrometres", text);
+    return (lens_wavelength){.um = um};
+}
 
 static void take_wavelength(job_options *o)
 {
-    o->wavelength = -1, o->um = sgt_spectral_line(optarg);
-    if (!isnan(o->um)) return;
-    if (!strchr(optarg, '.')) {
-        if (!strpbrk(optarg, "0123456789"))
-            fail_usage("--wavelength must be a whole number, micrometres with a point, or a spectral line "
-                       "(i h g F' F e d D C' C r s t), not \"%s\"", optarg);
-        o->wavelength = options_integer("wavelength", optarg, 1, INT_MAX);
+    if (strcmp(optarg, "all") == 0) {
+        o->all_wavelengths = true;
         return;
     }
-    o->um = options_number("wavelength", optarg);
-    if (!(o->um > 0)) fail_usage("--wavelength must be positive, not %s micrometres", optarg);
+    o->wavelength = memory_room(o->wavelength, o->wavelengths, &o->wavelength_capacity,
+                                sizeof *o->wavelength);
+    o->wavelength[o->wavelengths++] = wavelength_of(optarg);
 }
 
 bool job_take(job_options *o, int code)
@@ -58,6 +79,7 @@ bool job_take(job_options *o, int code)
     case JOB_SKIP_BAD: o->skip_bad = true; return true;
     case JOB_WAVELENGTH: take_wavelength(o); return true;
     case JOB_GLASS: lens_glass_folder(optarg), o->glass = true; return true;
+    case JOB_STRICT: o->strict = true; return true;
     case JOB_NO_APERTURES: o->no_apertures = true; return true;
     default: return false;
     }
@@ -69,17 +91,36 @@ sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray)
                      .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
 }
 
+/* Sets the lens at each wavelength that is asked for. */
+static void read_wavelengths(job *j, const job_options *o, sgt_lens *of)
+{
+    const lens_wavelength primary = {.um = (double)NAN};
+    j->wavelengths = o->all_wavelengths ? of->wavelengths : o->wavelengths ? o->wavelengths : 1;
+    j->at = memory_take(j->wavelengths, sizeof *j->at);
+    for (size_t c = 0; c < j->wavelengths; c++) {
+        lens_wavelength at = o->all_wavelengths ? (lens_wavelength){.place = c + 1}
+                             : o->wavelengths   ? o->wavelength[c]
+                                                : primary;
+        lens l = lens_at(of, at);
+        sgt_element *element = memory_take(l.count, sizeof *element);
+        memcpy(element, l.element, l.count * sizeof *element);
+        for (size_t i = 0; o->no_apertures && i < l.count; i++) element[i].semi_diameter = 0;
+        j->at[c] = (job_lens){l, element};
+    }
+    j->lens = j->at[0].lens, j->element = j->at[0].element;
+}
+
 job job_read(const job_options *o)
 {
     if (o->fan && o->grid) fail_usage("give --fan or --grid, not both");
     if (o->rays && (o->fields || o->fan || o->grid))
         fail_usage("give --rays, or --field with --fan or --grid, not both");
-    lens_wavelength at = {.place = o->wavelength > 0 ? (size_t)o->wavelength : 0,
-                          .um = o->wavelength < 0 ? o->um : (double)NAN};
-    job j = {.lens = lens_read(o->lens, at)};
-    j.element = memory_take(j.lens.count, sizeof *j.element);
-    memcpy(j.element, j.lens.element, j.lens.count * sizeof *j.element);
-    for (size_t i = 0; o->no_apertures && i < j.lens.count; i++) j.element[i].semi_diameter = 0;
+    if (!o->several && (o->all_wavelengths || o->wavelengths > 1))
+        fail_usage("--wavelength: give one wavelength");
+    if (o->all_wavelengths && o->wavelengths) fail_usage("give --wavelength all, or single ones, not both");
+    if (o->strict) lens_be_strict();
+    job j = {.wavelengths = 0};
+    read_wavelengths(&j, o, lens_open(o->lens));
     if (o->rays) {
         j.rays.threads = o->threads;
         rays_read(&j.rays, o->rays, o->skip_bad);

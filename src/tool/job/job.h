@@ -9,15 +9,18 @@ typedef struct job_options {
     const char *lens, *rays;          /* files */
     sgt_lens_field *field;            /* --field, one after another */
     size_t fields, capacity;
-    long fan, grid, wavelength;       /* 0: not given; wavelength -1: um */
-    double um;                        /* --wavelength in micrometres */
-    bool skip_bad, no_apertures, glass;
+    long fan, grid;                   /* 0: not given */
+    lens_wavelength *wavelength;      /* --wavelength, one after another */
+    size_t wavelengths, wavelength_capacity;
+    bool all_wavelengths;             /* --wavelength all */
+    bool several;                     /* set by a command that takes several wavelengths */
+    bool skip_bad, no_apertures, glass, strict;
     int threads;                      /* to read rays with; 0: one */
 } job_options;
 
 enum {
     JOB_FIELD = OPTION_OWN, JOB_FAN, JOB_GRID, JOB_RAYS, JOB_SKIP_BAD, JOB_WAVELENGTH, JOB_NO_APERTURES,
-    JOB_GLASS,
+    JOB_GLASS, JOB_STRICT,
     OPTION_AFTER_JOB
 };
 
@@ -29,6 +32,7 @@ enum {
     {"skip-bad", no_argument, NULL, JOB_SKIP_BAD},              \
     {"wavelength", required_argument, NULL, JOB_WAVELENGTH},    \
     {"glass", required_argument, NULL, JOB_GLASS},              \
+    {"strict", no_argument, NULL, JOB_STRICT},                  \
     {"no-apertures", no_argument, NULL, JOB_NO_APERTURES}
 
 extern const char job_help[];
@@ -36,9 +40,14 @@ extern const char job_help[];
 /* Takes an option if its code is one of the above; else returns false. */
 bool job_take(job_options *o, int code);
 
+/* The lens at a wavelength, and its elements: without apertures for --no-apertures. */
+typedef struct job_lens { lens lens; sgt_element *element; } job_lens;
+
 typedef struct job {
-    lens lens;
-    sgt_element *element;     /* [lens.count], those of the lens; without apertures for --no-apertures */
+    size_t wavelengths;       /* one for each --wavelength */
+    job_lens *at;
+    lens lens;                /* the first */
+    sgt_element *element;
     ray_list rays;
     size_t fields;            /* 0: the rays came from a file */
     const sgt_lens_field *field;

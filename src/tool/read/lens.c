@@ -44,6 +44,10 @@ void lens_glass_folder(const char *path)
     folder[folders++] = path;
 }
 
+static int configuration;
+
+void lens_configuration(int number) { configuration = number; }
+
 static sgt_catalogue *glasses;
 
 static void forget_glasses(void) { sgt_catalogue_free(glasses); }
@@ -76,7 +80,7 @@ sgt_lens_options lens_options(void)
 {
     return (sgt_lens_options){.glasses = own_glasses(), .types = earth_types(),
                               .file_ops = earth_file_ops(), .complete = earth_complete,
-                              .read = read_whole};
+                              .read = read_whole, .configuration = configuration};
 }
 
 /* --------------------------------------------------------------- the lens */
@@ -103,6 +107,10 @@ sgt_lens *lens_keep(sgt_lens *l)
     return lenses[lens_count++] = l;
 }
 
+static bool strict;
+
+void lens_be_strict(void) { strict = true; }
+
 /* Notes each glass that is used outside its range at the wavelength, once. */
 static void note_ranges(const lens *l)
 {
@@ -111,17 +119,17 @@ static void note_ranges(const lens *l)
     for (size_t i = 0; i <= l->count; i++) {
         if (!sgt_lens_glass(l->of, i, &g, &line) || sgt_glass_covers(&g, l->wavelength)) continue;
         if (before.name && strcmp(before.name, g.name) == 0) continue;
-        note("%s:%zu: glass: %g micrometres is outside the range of %s, %g to %g", l->of->file, line,
-             l->wavelength, g.name, g.from, g.to);
+        static const char words[] = "%s:%zu: glass: %g micrometres is outside the range of %s, %g to %g";
+        if (strict) fail_input(words, l->of->file, line, l->wavelength, g.name, g.from, g.to);
+        note(words, l->of->file, line, l->wavelength, g.name, g.from, g.to);
         before = g;
     }
 }
 
-static lens lens_at(sgt_lens *of, lens_wavelength at)
+/* Without its elements. */
+static lens lens_chosen(sgt_lens *of, lens_wavelength at)
 {
-    lens l = {.of = lens_keep(of), .name = of->name, .units = of->units, .count = of->count,
-              .surface = of->surface};
-    sgt_lens_error e;
+    lens l = {.of = of, .name = of->name, .units = of->units, .count = of->count, .surface = of->surface};
     if (at.place > of->wavelengths)
         fail_usage("--wavelength %zu: %s has %zu wavelength%s", at.place, of->file, of->wavelengths,
                    of->wavelengths == 1 ? "" : "s");
@@ -132,21 +140,51 @@ static lens lens_at(sgt_lens *of, lens_wavelength at)
     if (l.chosen) l.wavelength = of->wavelength ? of->wavelength[l.chosen - 1] : (double)NAN;
     l.element = memory_take(l.count, sizeof *l.element);
     l.index = memory_take(l.count, sizeof *l.index);
-    if (!sgt_lens_at(of, l.wavelength, l.element, &l.index_before, &e)) lens_refuse(&e);
-    for (size_t i = 0; i < l.count; i++)
-        l.index[i] = l.surface[i].mirror ? (i ? l.index[i - 1] : l.index_before) : l.element[i].index;
     return l;
+}
+
+static bool lens_fill(lens *l, sgt_lens_error *e)
+{
+    if (!sgt_lens_at(l->of, l->wavelength, l->element, &l->index_before, e)) return false;
+    for (size_t i = 0; i < l->count; i++)
+        l->index[i] = l->surface[i].mirror ? (i ? l->index[i - 1] : l->index_before) : l->element[i].index;
+    return true;
+}
+
+lens lens_at(sgt_lens *of, lens_wavelength at)
+{
+    lens l = lens_chosen(of, at);
+    sgt_lens_error e;
+    for (size_t i = 0; i < l.count; i++)
+        if (!of->element[i].surface.ops)
+            fail_input("%s:%zu: type: surface %zu is an ideal lens (%s), which cannot be traced yet",
+                       of->file, of->surface[i].line, i + 1, of->surface[i].type);
+    if (!lens_fill(&l, &e)) lens_refuse(&e);
+    note_ranges(&l);
+    return l;
+}
+
+lens lens_for_launch(const lens *otherwise)
+{
+    lens l = lens_chosen(otherwise->of, (lens_wavelength){.um = (double)NAN});
+    return lens_fill(&l, NULL) ? l : *otherwise;
 }
 
 static void note_remarks(const sgt_lens *l)
 {
+    size_t left_out = 0;
     for (size_t i = 0; i < l->remarks; i++) {
         const sgt_lens_remark *r = &l->remark[i];
-        note("%s:%zu: %s%s%s", l->file, r->line, r->key, *r->key ? ": " : "", r->words);
+        static const char *const kind[] = {"", "", "left out: "};
+        left_out += r->kind == SGT_REMARK_LEFT_OUT;
+        note("%s:%zu: %s%s%s%s", l->file, r->line, r->key, *r->key ? ": " : "", kind[r->kind], r->words);
     }
+    if (strict && left_out)
+        fail_input("%s: %zu thing%s left out, and --strict was given", l->file, left_out,
+                   left_out == 1 ? " was" : "s were");
 }
 
-lens lens_read(const char *path, lens_wavelength at)
+sgt_lens *lens_open(const char *path)
 {
     sgt_lens_options o = lens_options();
     sgt_lens_error e;
@@ -158,14 +196,8 @@ lens lens_read(const char *path, lens_wavelength at)
         of = sgt_lens_read(path, &o, &e);
     }
     if (!of) lens_refuse(&e);
-    note_remarks(of);
-    lens l = lens_at(of, at);
-    note_ranges(&l);
-    for (size_t i = 0; i < l.count; i++)
-        if (!l.element[i].surface.ops)
-            fail_input("%s:%zu: surface %zu: an ideal lens cannot be traced yet", of->file, l.surface[i].line,
-                       i + 1);
-    return l;
+    note_remarks(lens_keep(of));
+    return of;
 }
 
 lens lens_of_text(const char *name, const char *text)
@@ -174,5 +206,5 @@ lens lens_of_text(const char *name, const char *text)
     sgt_lens_error e;
     sgt_lens *of = sgt_lens_read_text(name, text, strlen(text), &o, &e);
     if (!of) lens_refuse(&e);
-    return lens_at(of, (lens_wavelength){.um = (double)NAN});
+    return lens_at(lens_keep(of), (lens_wavelength){.um = (double)NAN});
 }

@@ -24,9 +24,22 @@ typedef struct lens_wavelength { size_t place; double um; } lens_wavelength;
 /* --glass: a catalogue, or a folder of them, whose glasses go before those that ship. */
 void lens_glass_folder(const char *path);
 
+/* --configuration: of a file with several; 0: the one in which it was saved. */
+void lens_configuration(int number);
+
+/* --strict: what a reader leaves out, and a wavelength outside the range of a glass, are errors. */
+void lens_be_strict(void);
+
 /* Any error ends the command, with file, line and key in the message.  What a user should know of the lens is
  * noted on standard error. */
-lens lens_read(const char *path, lens_wavelength at);
+sgt_lens *lens_open(const char *path);
+
+/* The lens at a wavelength.  Notes glasses that are used outside their ranges. */
+lens lens_at(sgt_lens *of, lens_wavelength at);
+
+/* The lens by which rays are launched: at its primary wavelength, or, if the file gives none, as
+ * `otherwise`. */
+lens lens_for_launch(const lens *otherwise);
 
 /* The same of text; nothing is noted. */
 lens lens_of_text(const char *name, const char *text);

@@ -258,6 +258,12 @@ void table_count(table *t, long long value)
 
 void table_word(table *t, const char *text) { put_cell(t, text, strlen(text), false); }
 
+void table_empty(table *t)
+{
+    const char *text = t->to.format == TABLE_TEXT ? "-" : t->to.format == TABLE_JSON ? "null" : "";
+    put_cell(t, text, strlen(text), true);
+}
+
 void table_gap(table *t)
 {
     if (t->to.format == TABLE_TEXT) put_byte(t, GAP);

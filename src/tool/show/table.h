@@ -29,6 +29,7 @@ void table_number(table *t, double value);
 void table_number_within(table *t, double value, double error); /* two cells: it, a bound on its error */
 void table_count(table *t, long long value);
 void table_word(table *t, const char *text);
+void table_empty(table *t); /* nothing in csv, null in json, - in text */
 
 /* Only in text, not in csv and json.  table_gap: an empty line between two rows.  table_line: a line of text
  * under the rows so far; later rows start a new block with its own header. */

@@ -1,0 +1,246 @@
+#!/usr/bin/env python3
+"""Lens files: the running frame, pupils and fields, several wavelengths, and `sagitta import` of a lens file.
+
+    python3 test_lens_files.py SAGITTA
+
+Frames are checked against products of 4 x 4 matrices, pupils and fields against matrices of paraxial rays,
+each in the manner of their definition and not in that of the command.
+"""
+import json
+import math
+import random
+
+from command import *
+
+SEED = 20261123
+
+
+# ------------------------------------------------------------ the running frame
+
+def times(a, b):
+    return [[sum(a[i][k] * b[k][j] for k in range(4)) for j in range(4)] for i in range(4)]
+
+
+def turn(axis, degrees):
+    m = [[float(i == j) for j in range(4)] for i in range(4)]
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    i, j = [(1, 2), (2, 0), (0, 1)][axis]
+    m[i][i], m[i][j], m[j][i], m[j][j] = c, -s, s, c
+    return m
+
+
+def shift(x, y, z):
+    return [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, z], [0.0, 0.0, 0.0, 1.0]]
+
+
+def broken(decenter, tilt, tilt_first):
+    """The matrix of a break: new coordinates to old ones."""
+    turns = [turn(i, tilt[i]) for i in range(3)]
+    if tilt_first:
+        return times(times(times(turns[2], turns[1]), turns[0]), shift(*decenter, 0))
+    return times(times(times(shift(*decenter, 0), turns[0]), turns[1]), turns[2])
+
+
+def test_breaks():
+    """Where a plane stands and how it is turned, after random breaks: the point and direction that a ray has in its
+    frame, against the inverse of the product of the matrices."""
+    draw = random.Random(SEED)
+    print(f'       seed {SEED}')
+    for case in range(40):
+        frame, surfaces = shift(0, 0, 0), []
+        for _ in range(draw.randrange(1, 5)):
+            decenter = [draw.uniform(-1, 1), draw.uniform(-1, 1)]
+            tilt = [draw.choice([0, 45, -90, draw.uniform(-30, 30)]) for _ in range(3)]
+            late, thickness = draw.random() < 0.5, draw.uniform(-2, 2)
+            surfaces.append({'type': 'break', 'decenter': decenter, 'tilt': tilt, 'thickness': thickness,
+                             **({'order': 'tilt_first'} if late else {})})
+            frame = times(times(frame, broken(decenter, tilt, late)), shift(0, 0, thickness))
+        own = [draw.uniform(-20, 20) for _ in range(3)]
+        surfaces.append({'type': 'plane', 'tilt': own, 'decenter': [0.1, -0.2, 0.3]})
+        frame = times(frame, shift(0.1, -0.2, 0.3))
+        frame = times(times(times(frame, turn(2, own[2])), turn(1, own[1])), turn(0, own[0]))
+        # a ray from a point of the frame's own +z or -z side, along its z
+        at = [0.7, -0.4, -3.0]
+        origin = [sum(frame[i][j] * at[j] for j in range(3)) + frame[i][3] for i in range(3)]
+        direction = [frame[i][2] for i in range(3)]
+        path = written(json.dumps({'surfaces': surfaces}))
+        row, = rows('trace', path, '--rays', '-', stdin=rays((*map(repr, origin + direction),)))
+        for key, wanted in zip('xyzlmn', (0.7, -0.4, 0, 0, 0, 1)):
+            close(row[key], wanted, 2e-15 * 8, (case, key, row))
+        close(row['t'], 3, 1e-14, case)
+
+
+def test_a_break_undone():
+    """Order 1 with all signs changed undoes order 0; a thickness is travelled along the new axis."""
+    forth = {'type': 'break', 'decenter': [0.3, -0.2], 'tilt': [12, -7, 31], 'thickness': 0}
+    back = {'type': 'break', 'decenter': [-0.3, 0.2], 'tilt': [-12, 7, -31], 'order': 'tilt_first', 'thickness': 5}
+    path = written(json.dumps({'surfaces': [forth, back] * 500 + [{'type': 'plane'}]}))
+    row, = rows('trace', path, '--rays', '-', stdin=rays((1, 2, -1, 0, 0, 1)))
+    for key, wanted in (('x', 1), ('y', 2), ('z', 0), ('l', 0), ('m', 0), ('n', 1), ('t', 2501)):
+        close(row[key], wanted, 2e-12, key)
+
+
+def test_a_fold():
+    """A mirror between two breaks of 45 degrees sends light to +y; negative thicknesses after it."""
+    fold = {'type': 'break', 'tilt': [45, 0, 0], 'thickness': 0}
+    path = written(json.dumps({'surfaces': [
+        {'type': 'plane', 'thickness': 10}, fold, {'type': 'plane', 'mirror': True, 'thickness': 0}, fold,
+        {'type': 'break', 'thickness': -7}, {'type': 'plane'}]}))
+    last = rows('trace', path, '--rays', '-', '--frame', 'global', stdin=rays((0.5, 0.25, -1, 0, 0, 1)))[-1]
+    for key, wanted in zip('xyzlmn', (0.5, 7, 10.25, 0, 1, 0)):
+        close(last[key], wanted, 4e-15, (key, last))
+
+
+def test_older_files_mean_what_they_meant():
+    """Without a break a tilt moves nothing but its own surface, as ever."""
+    lens = {'surfaces': [{'type': 'plane', 'thickness': 10, 'tilt': [30, 0, 0]}, {'type': 'plane'}]}
+    last = rows('trace', written(json.dumps(lens)), '--rays', '-', stdin=rays((0.5, 0.25, -1, 0, 0, 1)))[-1]
+    for key, wanted in (('x', 0.5), ('y', 0.25), ('z', 0), ('t', 10 - 0.25 * math.tan(math.radians(30)))):
+        close(last[key], wanted, 1e-14, key)
+
+
+# ---------------------------------------------------------- pupils and fields
+
+SINGLET = {'wavelengths': [0.5], 'surfaces': [
+    {'type': 'plane', 'thickness': 3},
+    {'type': 'sphere', 'radius': 40, 'thickness': 5, 'index': 1.6},
+    {'type': 'plane', 'thickness': 4, 'index': 1},
+    {'type': 'plane', 'thickness': 60, 'stop': True, 'draw_to': 2.5},
+    {'type': 'plane'}]}
+
+
+def matrix(upto):
+    """[[A, B], [C, D]] of (y, n u) from the first vertex to that of a surface of the singlet."""
+    def by(p, q):
+        return [[sum(p[i][k] * q[k][j] for k in range(2)) for j in range(2)] for i in range(2)]
+    m, n = [[1, 0], [0, 1]], 1.0
+    for s in SINGLET['surfaces'][:upto]:
+        behind = s.get('index', n)
+        m = by([[1, 0], [-(behind - n) / s.get('radius', math.inf), 1]], m)
+        n = behind
+        m = by([[1, s['thickness'] / n], [0, 1]], m)
+    return m
+
+
+def launched(extra, *options, field=(0,)):
+    path = written(json.dumps({**SINGLET, **extra}))
+    return rows('trace', path, '--fan', 3, *options)
+
+
+def pupil_of(distance=math.inf, **pupil):
+    """The semi-diameter of the entrance pupil as the rays show it: in its plane, where p = B/A."""
+    got = launched({'pupil': pupil, 'object': {'distance': distance if distance < math.inf else '.inf'}})
+    first = [r for r in got if r['element'] == '1'][-1]
+    stop = matrix(3)
+    p = stop[0][1] / stop[0][0]
+    return float(first['y']) + p * float(first['m']) / float(first['n'])
+
+
+def test_definitions_of_the_pupil():
+    power, stop = -matrix(4)[1][0], matrix(3)
+    p = stop[0][1] / stop[0][0]
+    for distance in (math.inf, 200.0):
+        close(pupil_of(distance, semi_diameter=3), 3, 1e-13)
+        close(pupil_of(distance, f_number=10), 1 / power / 20, 1e-12)
+        close(pupil_of(distance, stop_size=True), 2.5 / stop[0][0], 1e-12)
+    close(pupil_of(working_f_number=10), 1 / power / 20, 1e-12)
+    close(pupil_of(200.0, object_na=0.02), math.tan(math.asin(0.02)) * (200 + p), 1e-12)
+    close(pupil_of(200.0, object_angle=1.5), math.tan(math.radians(1.5)) * (200 + p), 1e-12)
+    slope = matrix(4)[1][0] * 200 + matrix(4)[1][1]  # n'u' of y = 200 u, u = 1
+    close(pupil_of(200.0, working_f_number=10), abs((200 + p) / (20 * slope)), 1e-12)
+
+
+def test_a_stop_seen_through_a_lens():
+    """Paraxially the marginal ray of a stop's size meets the stop at its edge."""
+    row = [r for r in launched({'pupil': {'stop_size': True, 'distance': 12.0}}) if r['element'] == '4']
+    assert 2.4 < float(row[-1]['y']) < 2.6, row
+
+
+def test_kinds_of_fields():
+    power, stop = -matrix(4)[1][0], matrix(3)
+    p = stop[0][1] / stop[0][0]
+    pupil = {'pupil': {'semi_diameter': 1e-3}}
+
+    def slopes(distance, **fields):
+        got = launched({**pupil, 'object': {'distance': distance if distance < math.inf else '.inf'}, **fields})
+        middle = [r for r in got if r['element'] == '1' and r['py'] == '0'][0]
+        return [float(middle[k]) / float(middle['n']) for k in 'lm']
+
+    for got, wanted in (
+            (slopes(math.inf, fields=[[3, -4]]), [math.tan(math.radians(3)), -math.tan(math.radians(4))]),
+            (slopes(200.0, fields=[[3, -4]]), [math.tan(math.radians(3)), -math.tan(math.radians(4))]),
+            (slopes(200.0, fields=[[3, -4]], field_type='object_height'), [-3 / (200 + p), 4 / (200 + p)]),
+            (slopes(math.inf, fields=[2], field_type='paraxial_image_height'), [0, 2 * power])):
+        for a, b in zip(got, wanted):
+            close(a, b, 1e-14)
+    # at finite distance: the object is at h / m, m = 1 / (n'u' of y = D u)
+    m = 1 / (matrix(4)[1][0] * 200 + matrix(4)[1][1])
+    got = slopes(200.0, fields=[2], field_type='paraxial_image_height')
+    close(got[1], -2 / m / (200 + p), 1e-14)
+
+
+# ----------------------------------------------------------------- wavelengths
+
+def test_several_wavelengths():
+    """Rows come wavelength after wavelength, the same launch rays in each, at its indices."""
+    lens = {'wavelengths': [0.4861327, 0.5875618, 0.6562725], 'primary': 2, 'pupil': {'semi_diameter': 2},
+            'fields': [0, 3], 'surfaces': [{'type': 'sphere', 'radius': 30, 'thickness': 4, 'glass': 'N-BK7'},
+                                           {'type': 'plane', 'thickness': 50, 'glass': 'air'}, {'type': 'plane'}]}
+    path = written(json.dumps(lens))
+    together = rows('trace', path, '--wavelength', 'all', '--fan', 3)
+    alone = [rows('trace', path, '--wavelength', w, '--fan', 3) for w in (1, 2, 3)]
+    equal(together, alone[0] + alone[1] + alone[2])
+    equal([r['wavelength'] for r in together[::18]], ['0.4861327', '0.5875618', '0.6562725'])
+    equal({(r['field'], r['px'], r['py']) for r in together},
+          {(f, '0', y) for f in '12' for y in ('-1', '0', '1')})
+    equal(rows('trace', path, '--fan', 3), alone[1], 'the primary one is the default')
+    equal(rows('trace', path, '--fan', 3, '--wavelength', 'F', '--wavelength', '3'), alone[0] + alone[2])
+    text = run('trace', path, '--wavelength', 'all', '--fan', 3).stdout
+    equal(text.splitlines()[0].split(), TRACE_ALL.split(','))
+    assert '18 of 18 rays passed' in text, text
+    equal(run('trace', path, '--fan', 3).stdout.splitlines()[0].split(), TRACE.split(','))
+    row = rows('trace', path, '--rays', '-', stdin=rays((0, 1, -5, 0, 0, 1)))[0]
+    equal((row['field'], row['wavelength'], row['px'], row['py']), ('', '0.5875618', '', ''))
+    assert json.loads(run('trace', path, '--rays', '-', '--format', 'json',
+                          stdin=rays((0, 1, -5, 0, 0, 1))).stdout)[0]['px'] is None
+    run('diagnose', path, '--wavelength', 'all', exit=USAGE)
+    run('trace', path, '--wavelength', 'all', '--wavelength', '1', exit=USAGE)
+    assert 'repeat' in run('trace', path, '--wavelength', '0.5,0.6', exit=USAGE).stderr
+
+
+def test_strict():
+    lens = {'wavelengths': [0.1], 'pupil': {'semi_diameter': 2}, 'surfaces': [
+        {'type': 'sphere', 'radius': 30, 'thickness': 4, 'glass': 'N-BK7'}, {'type': 'plane'}]}
+    path = written(json.dumps(lens))
+    lens['wavelengths'] = [3]
+    path = written(json.dumps(lens))
+    assert 'outside the range of N-BK7' in run('trace', path).stderr
+    assert 'outside the range of N-BK7' in run('trace', path, '--strict', exit=BAD_INPUT).stderr
+
+
+# ---------------------------------------------------------------------- import
+
+def test_import_of_lens_files():
+    """Each example, imported, traces to the same bytes; imported twice it is the same text."""
+    for path in sorted(LENSES.glob('*.yaml')):
+        text = run('import', path).stdout
+        again = written(text, path.name)
+        for file in LENSES.glob('*.csv'):
+            (again.parent / file.name).write_bytes(file.read_bytes())
+        equal(run('import', again).stdout, text, path)
+        equal(run('trace', again, '--grid', 5, '--format', 'csv').stdout,
+              run('trace', path, '--grid', 5, '--format', 'csv').stdout, path)
+
+
+def test_import_writes():
+    path = written(json.dumps({'name': 'a "quoted": name\n', 'surfaces': [{'type': 'plane', 'name': 'true'}]}))
+    out = path.parent / 'out.yaml'
+    run('import', path, '-o', out)
+    equal(run('import', out).stdout, out.read_text())
+    assert 'would be written over' in run('import', path, '-o', path, exit=USAGE).stderr
+    run('import', exit=USAGE)
+    run('import', path, path, exit=USAGE)
+    assert 'import' in run('import', '--help').stdout
+
+
+main(globals())
