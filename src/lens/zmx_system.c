@@ -1,0 +1,342 @@
+/* zmx_system.c - what a .zmx file says of the lens as a whole: pupil, fields, wavelengths.
+ *
+ * PUPIL.  ENPD d is the diameter of the entrance pupil, FNUM the f-number of the image space (focal length
+ * over that diameter) or the paraxial working one, OBNA the numerical aperture n sin u or the angle u of the
+ * marginal ray at the object, FLOA says that the stop's DIAM, a semi-diameter, defines the pupil.
+ *
+ * FIELDS.  FTYP says how many fields and wavelengths are in use: the lists behind their keywords are often
+ * longer.  Angles are those whose tangents are the slopes of the chief ray.  (OpticStudio's help, System
+ * Explorer: Aperture, Fields, Wavelengths.) */
+#include "zmx.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+static void append(zmx *z, zmx_list *list, double x)
+{
+    list->value = tree_grow(z->s, list->value, list->count, &list->room, sizeof *list->value);
+    list->value[list->count++] = x;
+}
+
+static void left_out(zmx *z, const char *words)
+{
+    tree_remark(z->s, SGT_REMARK_LEFT_OUT, z->lines.line, z->row->key, "%s", words);
+}
+
+static void read_mode(zmx *z)
+{
+    piece mode = sgt_zmx_needed(z);
+    if (!sgt_reader_is(mode, "SEQ"))
+        tree_fail(z->s, z->lines.line, "MODE",
+                  "\"%.*s\" is not sequential: there is no row of surfaces to read", sgt_reader_width(mode),
+                  mode.begin);
+}
+
+static void read_unit(zmx *z)
+{
+    static const char *const units[][2] = {{"MM", "mm"}, {"CM", "cm"}, {"IN", "in"}, {"METER", "m"}};
+    piece unit = sgt_zmx_needed(z);
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (sgt_reader_is(unit, units[i][0])) z->units = units[i][1], z->units_line = z->lines.line;
+    if (!z->units)
+        tree_fail(z->s, z->lines.line, "UNIT", "\"%.*s\" is no known unit", sgt_reader_width(unit),
+                  unit.begin);
+}
+
+static void read_name(zmx *z)
+{
+    const char *name = sgt_zmx_text(z);
+    if (name) z->name = name, z->name_line = z->lines.line;
+}
+
+static void set_pupil(zmx *z, const char *pupil, double size)
+{
+    if (z->pupil_line)
+        tree_fail(z->s, z->lines.line, z->row->key, "the pupil is already defined in line %zu",
+                  z->pupil_line);
+    z->pupil_line = z->lines.line, z->pupil_key = z->row->key;
+    z->pupil = pupil, z->pupil_size = size;
+}
+
+static void read_diameter(zmx *z) { set_pupil(z, "semi_diameter", sgt_zmx_number(z) / 2); }
+static void read_float(zmx *z) { set_pupil(z, "stop_size", 1); }
+
+/* FNUM: 0 is that of the image space, 1 the paraxial working one.  OBNA: 0 is n sin, 1 degrees. */
+static void read_kind_of_pupil(zmx *z)
+{
+    static const char *const pupils[] = {"f_number", "working_f_number", "object_na", "object_angle"};
+    double size = sgt_zmx_number(z);
+    size_t kind = sgt_zmx_whole_or(z, 0);
+    if (kind > 1) tree_fail(z->s, z->lines.line, z->row->key, "field 2: %zu is neither 0 nor 1", kind);
+    set_pupil(z, pupils[z->row->which + kind], size);
+}
+
+static void read_environment(zmx *z)
+{
+    double celsius = sgt_zmx_number(z), atmospheres = sgt_zmx_number_or(z, 1),
+           adjusted = sgt_zmx_number_or(z, 0);
+    if (adjusted != 0 && (celsius != 20 || atmospheres != 1))
+        tree_remark(z->s, SGT_REMARK_LEFT_OUT, z->lines.line, "ENVD",
+                    "indices are not adjusted to %g degrees Celsius and %g atmospheres", celsius,
+                    atmospheres);
+}
+
+/* TEMP and PRES of older files. */
+static void read_condition(zmx *z)
+{
+    double usual = (double)z->row->which, x = sgt_zmx_number(z);
+    if (x != usual)
+        tree_remark(z->s, SGT_REMARK_LEFT_OUT, z->lines.line, z->row->key,
+                    "indices are those at %g, and not at %g", usual, x);
+}
+
+static void read_gcat(zmx *z)
+{
+    if (!z->makers) z->makers = tree_node(z->s, NODE_LIST, z->lines.line);
+    for (piece word = sgt_zmx_field(z); word.begin < word.end; word = sgt_zmx_field(z))
+        tree_append(z->s, z->makers, tree_word(z->s, z->lines.line, sgt_zmx_copy(z, word)));
+}
+
+static void read_aiming(zmx *z)
+{
+    sgt_zmx_number_or(z, 0);
+    if (sgt_zmx_number_or(z, 0) != 0)
+        left_out(z, "rays are not aimed at the stop, but at the paraxial entrance pupil");
+}
+
+static void read_apodisation(zmx *z)
+{
+    if (sgt_zmx_number_or(z, 0) != 0)
+        left_out(z, "the pupil is not apodised: all of its rays have the same weight");
+}
+
+static void read_field_type(zmx *z)
+{
+    size_t type = sgt_zmx_whole(z), telecentric = sgt_zmx_whole_or(z, 0);
+    if (type > 3) tree_fail(z->s, z->lines.line, "FTYP", "fields of the type %zu are not read", type);
+    z->field_type = (unsigned)type, z->ftyp_line = z->lines.line;
+    if (telecentric) left_out(z, "chief rays are not parallel to the axis, as in a telecentric object space");
+    z->fields = sgt_zmx_whole_or(z, SIZE_MAX), z->waves = sgt_zmx_whole_or(z, SIZE_MAX);
+}
+
+static void read_values(zmx *z)
+{
+    zmx_list *list = &z->list[z->row->which];
+    list->line = z->lines.line;
+    for (piece word = sgt_zmx_field(z); word.begin < word.end; word = sgt_zmx_field(z))
+        append(z, list, sgt_zmx_number_in(z, word));
+}
+
+/* WAVM i um weight: in any order; a NaN is one that was not given. */
+static void read_wavelength(zmx *z)
+{
+    enum { MOST = 1000 };
+    zmx_list *um = &z->list[ZMX_WAVM], *weight = &z->list[ZMX_WAVM_WEIGHT];
+    size_t i = sgt_zmx_whole(z);
+    double x = sgt_zmx_number(z), w = sgt_zmx_number_or(z, 1);
+    if (i < 1 || i > MOST)
+        tree_fail(z->s, z->lines.line, "WAVM", "field 1: %zu is not between 1 and %d", i, MOST);
+    while (um->count < i) append(z, um, (double)NAN), append(z, weight, 1);
+    if (!isnan(um->value[i - 1])) tree_fail(z->s, z->lines.line, "WAVM", "a second WAVM %zu", i);
+    um->value[i - 1] = x, weight->value[i - 1] = w;
+    um->line = weight->line = z->lines.line;
+}
+
+static void read_primary(zmx *z) { z->primary = sgt_zmx_whole(z), z->primary_line = z->lines.line; }
+
+static void read_configurations(zmx *z)
+{
+    z->configurations = sgt_zmx_whole(z), z->configuration = sgt_zmx_whole_or(z, 1);
+    z->configuration_line = z->lines.line;
+    if (z->configurations > 1)
+        tree_remark(z->s, SGT_REMARK_LEFT_OUT, z->lines.line, "MNUM",
+                    "of %zu configurations only the active one, number %zu, is imported", z->configurations,
+                    z->configuration);
+}
+
+/* --------------------------------------------------------------- the table */
+
+static const zmx_record system_rows[] = {
+    /* the most frequent first */
+    {"WAVM", ZMX_MANY, read_wavelength, 0},
+    {"MODE", ZMX_ONCE, read_mode, 0},
+    {"UNIT", ZMX_ONCE, read_unit, 0},
+    {"NAME", ZMX_LOOSE, read_name, 0},
+    {"ENPD", ZMX_MANY, read_diameter, 0},
+    {"FNUM", ZMX_MANY, read_kind_of_pupil, 0},
+    {"OBNA", ZMX_MANY, read_kind_of_pupil, 2},
+    {"FLOA", ZMX_MANY, read_float, 0},
+    {"ENVD", ZMX_ONCE, read_environment, 0},
+    {"TEMP", ZMX_ONCE, read_condition, 20},
+    {"PRES", ZMX_ONCE, read_condition, 1},
+    {"GCAT", ZMX_MANY, read_gcat, 0},
+    {"RAIM", ZMX_ONCE, read_aiming, 0},
+    {"GFAC", ZMX_ONCE, read_apodisation, 0},
+    {"FTYP", ZMX_ONCE, read_field_type, 0},
+    {"XFLN", ZMX_ONCE, read_values, ZMX_XFLN},
+    {"YFLN", ZMX_ONCE, read_values, ZMX_YFLN},
+    {"FWGN", ZMX_ONCE, read_values, ZMX_FWGN},
+    {"XFLD", ZMX_ONCE, read_values, ZMX_XFLD},
+    {"YFLD", ZMX_ONCE, read_values, ZMX_YFLD},
+    {"FWGT", ZMX_ONCE, read_values, ZMX_FWGT},
+    {"WAVL", ZMX_ONCE, read_values, ZMX_WAVL},
+    {"WWGT", ZMX_ONCE, read_values, ZMX_WWGT},
+    {"PWAV", ZMX_ONCE, read_primary, 0},
+    {"VDXN", ZMX_ONCE, read_values, ZMX_VIGNETTING},
+    {"VDYN", ZMX_ONCE, read_values, ZMX_VIGNETTING + 1},
+    {"VCXN", ZMX_ONCE, read_values, ZMX_VIGNETTING + 2},
+    {"VCYN", ZMX_ONCE, read_values, ZMX_VIGNETTING + 3},
+    {"VANN", ZMX_ONCE, read_values, ZMX_VIGNETTING + 4},
+    {"ZVDX", ZMX_ONCE, read_values, ZMX_VIGNETTING + 5},
+    {"ZVDY", ZMX_ONCE, read_values, ZMX_VIGNETTING + 6},
+    {"ZVCX", ZMX_ONCE, read_values, ZMX_VIGNETTING + 7},
+    {"ZVCY", ZMX_ONCE, read_values, ZMX_VIGNETTING + 8},
+    {"MNUM", ZMX_ONCE, read_configurations, 0},
+};
+
+_Static_assert(sizeof system_rows / sizeof *system_rows <= (size_t)ZMX_RECORDS, "zmx counts them");
+
+/* Notes, preferences, data for drawings and tolerances, polarisation (POLS), how a pupil is shifted for
+ * aiming (PUSH), margins of automatic semi-diameters (SDMA), the frame that is printed as global (GLRS), what
+ * path differences refer to (ROPD). */
+const zmx_table sgt_zmx_system_records = {sizeof system_rows / sizeof *system_rows, system_rows,
+                                          "NOTE VERS AUTH IWDP PFIL LANG PUSH SDMA OMMA ROPD HYPR PICB POLS "
+                                          "GLRS GSTD NSCD COFN LUID EERA TOL  MOFF "};
+
+/* -------------------------------------------------------------- the system */
+
+static const char *key_of_list(size_t which)
+{
+    for (size_t i = 0; i < sizeof system_rows / sizeof *system_rows; i++)
+        if (system_rows[i].read == read_values && system_rows[i].which == which) return system_rows[i].key;
+    return "WAVM";
+}
+
+/* Which of two lists is in the file: the newer one, the older one, or none. */
+static zmx_list *either(zmx *z, size_t newer, size_t older)
+{
+    return &z->list[z->list[newer].line ? newer : older];
+}
+
+/* Whether the list has so many numbers; one that is not there has none and need not. */
+static void require_count(zmx *z, const zmx_list *list, size_t count)
+{
+    if (list->line && list->count < count)
+        tree_fail(z->s, list->line, key_of_list((size_t)(list - z->list)),
+                  "FTYP has %zu of them in use, but there are %zu", count, list->count);
+}
+
+/* Weights, unless all are 1. */
+static void write_weights(zmx *z, node *root, const char *key, const zmx_list *weight, size_t count)
+{
+    bool even = true;
+    require_count(z, weight, count);
+    for (size_t i = 0; i < count && weight->line; i++) even = even && weight->value[i] == 1;
+    if (!even) tree_set(z->s, root, key, tree_numbers(z->s, weight->line, count, weight->value));
+}
+
+static void write_wavelengths(zmx *z, node *root)
+{
+    const zmx_list *um = either(z, ZMX_WAVM, ZMX_WAVL),
+                   *weight = um == &z->list[ZMX_WAVM] ? &z->list[ZMX_WAVM_WEIGHT] : &z->list[ZMX_WWGT];
+    size_t count = z->waves == SIZE_MAX ? um->count : z->waves;
+    const char *key = um->line ? key_of_list((size_t)(um - z->list)) : "FTYP";
+    if (count > um->count)
+        tree_fail(z->s, um->line ? um->line : z->ftyp_line, key,
+                  "FTYP has %zu wavelengths in use, but there are %zu", count, um->count);
+    for (size_t i = 0; i < count; i++)
+        if (!(um->value[i] > 0))
+            tree_fail(z->s, um->line, key, "wavelength %zu is %s", i + 1,
+                      isnan(um->value[i]) ? "missing" : "not above 0");
+    if (z->primary_line && (z->primary < 1 || z->primary > count))
+        tree_fail(z->s, z->primary_line, "PWAV", "there is no wavelength %zu", z->primary);
+    if (count) tree_set(z->s, root, "wavelengths", tree_numbers(z->s, um->line, count, um->value));
+    write_weights(z, root, "wavelength_weights", weight, count);
+    if (z->primary > 1)
+        tree_set(z->s, root, "primary", tree_number(z->s, z->primary_line, (double)z->primary));
+}
+
+static void write_pupil(zmx *z, node *root)
+{
+    const char *why = NULL;
+    if (!z->pupil) return;
+    if (!(z->pupil_size > 0)) why = "the pupil has no size, and is left out";
+    if (strcmp(z->pupil, "object_angle") == 0 && z->pupil_size >= 90)
+        why = "a cone of 90 degrees and more is no pupil, and is left out";
+    if (why) {
+        tree_remark(z->s, SGT_REMARK_LEFT_OUT, z->pupil_line, z->pupil_key, "%s", why);
+        return;
+    }
+    node *map = tree_node(z->s, NODE_MAP, z->pupil_line),
+         *size = tree_number(z->s, z->pupil_line, z->pupil_size);
+    if (strcmp(z->pupil, "stop_size") == 0) {
+        if (!z->stop || !(z->surface[z->stop].size > 0))
+            tree_fail(z->s, z->pupil_line, "FLOA", "the pupil is of the size of the stop, but there is no %s",
+                      z->stop ? "DIAM of it" : "stop");
+        size = tree_word(z->s, z->pupil_line, "true");
+        tree_remark(z->s, SGT_REMARK_TURNED, z->pupil_line, "FLOA",
+                    "the pupil became the paraxial image of the stop at its DIAM");
+    }
+    tree_set(z->s, map, z->pupil, size);
+    tree_set(z->s, root, "pupil", map);
+}
+
+static double value_or_0(const zmx_list *list, size_t i) { return i < list->count ? list->value[i] : 0; }
+
+_Noreturn static void refuse_angle(zmx *z, const zmx_list *list, size_t field)
+{
+    tree_fail(z->s, list->line, key_of_list((size_t)(list - z->list)),
+              "field %zu is an angle of %g degrees; it must be less than 90", field + 1, list->value[field]);
+}
+
+static void tally_vignetting(zmx *z, size_t fields)
+{
+    for (size_t which = ZMX_VIGNETTING; which < ZMX_LISTS; which++)
+        for (size_t i = 0; i < fields && i < z->list[which].count; i++)
+            if (z->list[which].value[i] != 0) {
+                sgt_zmx_tally(z, ZMX_VIGNETTED, z->list[which].line, key_of_list(which));
+                return;
+            }
+}
+
+static void write_fields(zmx *z, node *root)
+{
+    static const char *const types[] = {NULL, "object_height", "paraxial_image_height", "real_image_height"};
+    const zmx_list *x = either(z, ZMX_XFLN, ZMX_XFLD), *y = either(z, ZMX_YFLN, ZMX_YFLD);
+    size_t count = z->fields, line = y->line ? y->line : x->line;
+    if (count == SIZE_MAX) count = x->count > y->count ? x->count : y->count;
+    bool plane = true;
+    require_count(z, x, count), require_count(z, y, count);
+    if (count && !line)
+        tree_fail(z->s, z->ftyp_line, "FTYP", "%zu fields are in use, but there is none", count);
+    for (size_t i = 0; i < count; i++) {
+        double a = value_or_0(x, i), b = value_or_0(y, i);
+        plane = plane && a == 0;
+        if (z->field_type == 0 && !(fabs(a) < 90 && fabs(b) < 90)) refuse_angle(z, fabs(a) < 90 ? y : x, i);
+    }
+    if (z->field_type)
+        tree_set(z->s, root, "field_type", tree_word(z->s, z->ftyp_line, types[z->field_type]));
+    if (!count) return;
+    node *list = plane && y->count >= count ? tree_numbers(z->s, line, count, y->value)
+                                            : tree_node(z->s, NODE_LIST, line);
+    for (size_t i = list->count; i < count; i++)
+        tree_append(z->s, list, tree_numbers(z->s, line, 2, (double[]){value_or_0(x, i), value_or_0(y, i)}));
+    tree_set(z->s, root, "fields", list);
+    write_weights(z, root, "field_weights", either(z, ZMX_FWGN, ZMX_FWGT), count);
+    tally_vignetting(z, count);
+}
+
+void sgt_zmx_write_system(zmx *z, node *root)
+{
+    if (z->name) {
+        node *name = tree_word(z->s, z->name_line, z->name);
+        name->quoted = true;
+        tree_set(z->s, root, "name", name);
+    }
+    if (z->units) tree_set(z->s, root, "units", tree_word(z->s, z->units_line, z->units));
+    if (z->makers && z->makers->count) tree_set(z->s, root, "makers", z->makers);
+    write_wavelengths(z, root);
+    write_pupil(z, root);
+    write_fields(z, root);
+}
