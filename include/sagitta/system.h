@@ -23,8 +23,79 @@ typedef struct sgt_pose {
 SGT_API sgt_pose sgt_pose_tilted(sgt_vec3 origin, sgt_vec3 degrees);
 
 /* For later versions: see sgt_element. */
-struct sgt_aperture;
 struct sgt_phase;
+
+/* ------------------------------------------------------------------- apertures */
+
+/* The shape of an item of an aperture, and the members that it needs.  x and y are seen
+ * from its centre, along axes that are turned by `degrees`. */
+typedef enum sgt_aperture_shape {
+    SGT_CIRCLE = 1,  /* radius */
+    SGT_ANNULUS,     /* radius and inner, at most radius: between the two circles */
+    SGT_RECTANGLE,   /* half: |x| <= half.x and |y| <= half.y */
+    SGT_ELLIPSE,     /* half: its half axes along x and y */
+    SGT_POLYGON,     /* count, at least 3, and vertices in order, either way round.  It
+                        need not be convex.  If sides cross each other, a point is inside
+                        where a line from it to far outside crosses an odd number */
+    SGT_SPIDER       /* arms, width, length: strips from the centre outward, at equal
+                        angles, the first along x */
+} sgt_aperture_shape;
+
+typedef struct sgt_vec2 { double x, y; } sgt_vec2;
+
+/* One item.  Lengths are in the element's frame.  Sizes are 0 or above, and may be
+ * infinite.  Members that its shape has no use for are not read. */
+typedef struct sgt_aperture_item {
+    sgt_aperture_shape shape;
+    bool            obscuring;  /* false: what is outside of it is clipped.  true: what
+                                   is inside of it (a spider: usually) */
+    sgt_vec2        centre;     /* at most 2^500 in magnitude */
+    double          degrees;    /* the turn about the centre, from x toward y, finite.
+                                   Multiples of 90 are exact */
+    double          radius, inner;  /* circle, annulus */
+    sgt_vec2        half;           /* rectangle, ellipse */
+    const sgt_vec2 *vertices;       /* polygon: seen from the centre, at most 2^500 in
+                                       magnitude */
+    size_t          count;          /* polygon: of vertices */
+    int             arms;           /* spider: 1 to 64 */
+    double          width;          /* spider: of an arm, from side to side */
+    double          length;         /* spider: of an arm, from the centre.  0: no end */
+    unsigned long long reserved_[2]; /* leave it zero */
+} sgt_aperture_item;
+
+/* A list of items.  Each clips by itself: a ray passes if no item clips it.  The list and
+ * what it points to stay the caller's, and may serve many elements.  Example:
+ *
+ *     sgt_vec2 corners[] = {{-3, -2}, {3, -2}, {3, 2}, {0, 3}, {-3, 2}};
+ *     sgt_aperture_item items[] = {
+ *         {.shape = SGT_POLYGON, .vertices = corners, .count = 5, .degrees = 30},
+ *         {.shape = SGT_CIRCLE, .radius = 0.8, .obscuring = true},
+ *         {.shape = SGT_SPIDER, .arms = 3, .width = 0.1, .obscuring = true},
+ *     };
+ *     sgt_aperture stop = {.count = 3, .items = items};
+ *     sgt_conic plane = {0};
+ *     sgt_element e = {.surface = {&sgt_conic_ops, &plane}, .aperture = &stop};
+ *
+ * WHERE IT IS JUDGED.  At the point that is met, by its x and y in the element's frame,
+ * whatever its z.  Items do not change which root is meant, as semi_diameter does.  If an
+ * item clips that root, the ray is clipped, even if another root would pass.  Nor does a
+ * proof (options.proof) know of them.
+ *
+ * EDGES ARE SOFT.  A point on an edge passes, from either side.  So does one that is
+ * beyond it by at most
+ *
+ *     2^-45 of radius + |centre.x| + |centre.y|    circle, annulus, with its own radius
+ *     2^-45 of |x - centre.x| + |y - centre.y|     the others, along the axes of the item
+ *              + |centre.x| + |centre.y|           or of the arm
+ *     2^-500 and 2^-45 of that side's |x| + |y|    more, a polygon; in any direction
+ *
+ * The inner end of an arm is no edge: what is on it is inside of the arm.  A centred
+ * circle clips the points that a semi_diameter of its radius clips. */
+typedef struct sgt_aperture {
+    size_t count;                    /* 0: no item.  Below 2^31 */
+    const sgt_aperture_item *items;
+    unsigned long long reserved_[2]; /* leave it zero */
+} sgt_aperture;
 
 /* The index of a mirror.  Indices stay positive behind it. */
 #define SGT_MIRROR (-1.0)
@@ -45,12 +116,14 @@ typedef struct sgt_element {
     double      index;          /* refractive index behind it, above 0 and finite.
                                    SGT_MIRROR: it reflects.  0: as in front */
     double      semi_diameter;  /* of the clear aperture, length; soft by a part in 2^44.
-                                   0, or 2^500 and more: none */
+                                   0, or 2^500 and more: none.  It has a say in which root
+                                   is meant (sgt_trace) */
+    const sgt_aperture *aperture; /* what else clips at the point that is met.  NULL:
+                                     nothing */
 
     /* For later versions, that may give them a meaning.  Leave them zero.  If one is not,
      * a ray that comes to this element is SGT_LOST with hit.status SGT_INVALID. */
-    const struct sgt_aperture *aperture;
-    const struct sgt_phase    *phase;
+    const struct sgt_phase *phase;
     unsigned long long         reserved_[6];
 } sgt_element;
 
@@ -59,7 +132,7 @@ typedef enum sgt_fate {
     SGT_PASSED  =  1,
     SGT_CLIPPED =  2,  /* met outside the clear aperture and certainly not inside it.  For
                           a user's surface without `enclose`, and without a proof: no root
-                          was found inside */
+                          was found inside.  Or met where an item of `aperture` clips */
     SGT_TIR     =  3,  /* total internal reflection */
     SGT_MISSED  =  0,  /* the surface is certainly not on the ray's line */
     SGT_LOST    = -1   /* hit.status says why */
@@ -116,11 +189,44 @@ typedef struct sgt_passage {
  * SGT_FIRST it is as sgt_intersect has it.)
  *
  * SGT_LOST with hit.status SGT_INVALID: a bad ray; an index that is negative (but
- * SGT_MIRROR) or not finite; an element with a member for later versions that is not
- * zero. */
+ * SGT_MIRROR) or not finite; an aperture with an item that is not as its shape needs it
+ * (NaN, a negative size, inner > radius, fewer than 3 vertices, an unknown shape); an
+ * element with a member for later versions that is not zero. */
 SGT_API size_t sgt_trace(size_t n, const sgt_element e[], double index_before,
                          sgt_ray *ray, sgt_passage passages[], sgt_fate *fate,
                          const sgt_options *opt);
+
+/* What clips at a point. */
+enum {
+    SGT_BY_NONE          = -1,
+    SGT_BY_SEMI_DIAMETER = -2,
+    SGT_BY_UNSOUND       = -3  /* semi_diameter or aperture is not as it has to be */
+};
+
+typedef struct sgt_clipping {
+    int    by;     /* the index of the first item that clips, or one of those above */
+    double size;   /* what was too large, or too small,                              */
+    double limit;  /* and beside what.  Both are 0 if nothing clips, NaN if unsound  */
+} sgt_clipping;
+
+/* What of an element clips the point p, the hit.p of a passage; only x and y are read.
+ * The semi_diameter comes first, then the items in order.
+ *
+ *     semi_diameter   size: the distance from the origin; limit: semi_diameter
+ *     circle          size: the distance from the centre; limit: radius
+ *     annulus         size: the same; limit: radius or inner, whichever it is beyond; of
+ *                     an obscuring one the nearer
+ *     the others      size: how far the point is beyond the edge, above 0; limit: 0
+ *
+ * That distance beyond is, outside of the shape or inside:
+ *
+ *     rectangle   from the line of a side: outside the largest, inside the least
+ *     ellipse     from the edge, to first order; from the middle of a side of the box
+ *                 about it, if that is not defined
+ *     polygon     from the nearest side
+ *     spider      as of a rectangle, from the nearest arm; inside from the sides and the
+ *                 outer end of the arm that the point is deepest in */
+SGT_API sgt_clipping sgt_clipped_by(const sgt_element *e, sgt_vec3 p);
 
 /* ------------------------------------------------------------------ many rays */
 

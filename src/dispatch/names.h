@@ -14,6 +14,9 @@
 
 #define sgt_unique_by_slope SGT_SET_NAME(sgt_unique_by_slope)
 #define sgt_unique_tile SGT_SET_NAME(sgt_unique_tile)
+#define sgt_aperture_clips SGT_SET_NAME(sgt_aperture_clips)
+#define sgt_aperture_clips_tile SGT_SET_NAME(sgt_aperture_clips_tile)
+#define sgt_aperture_sound SGT_SET_NAME(sgt_aperture_sound)
 #define sgt_ask_inside SGT_SET_NAME(sgt_ask_inside)
 #define sgt_asphere_unique SGT_SET_NAME(sgt_asphere_unique)
 #define sgt_asphere_by_parameter SGT_SET_NAME(sgt_asphere_by_parameter)
@@ -24,6 +27,7 @@
 #define sgt_asphere_second SGT_SET_NAME(sgt_asphere_second)
 #define sgt_check SGT_SET_NAME(sgt_check)
 #define sgt_chord SGT_SET_NAME(sgt_chord)
+#define sgt_clipped_by SGT_SET_NAME(sgt_clipped_by)
 #define sgt_conic_all SGT_SET_NAME(sgt_conic_all)
 #define sgt_conic_unique SGT_SET_NAME(sgt_conic_unique)
 #define sgt_conic_by_parameter SGT_SET_NAME(sgt_conic_by_parameter)

@@ -244,14 +244,14 @@ sgt_passage sgt_not_met(sgt_status why)
         .opl = none};
 }
 
-/* One element.  plain: the element is (is_plain); told: the caller wants the passage. */
-SGT_INLINE sgt_fate pass(const sgt_element *e, bool plain, state *at, const sgt_options *opt,
+/* One element.  sound: as in sgt_pass; told: the caller wants the passage. */
+SGT_INLINE sgt_fate pass(const sgt_element *e, bool sound, state *at, const sgt_options *opt,
                          const sgt_hit *met, bool told, sgt_passage *passage)
 {
     bool mirror = e->index == SGT_MIRROR, turned = is_turned(&e->pose), inside;
     double n1 = at->index, n2 = index_behind(e, n1);
     *passage = sgt_not_met(SGT_INVALID);
-    if (!plain || !is_sound(e, n1)) return SGT_LOST;
+    if (!sound || !is_sound(e, n1)) return SGT_LOST;
 
     sgt_ray ray = {.o = plus(minus(at->base, e->pose.origin), at->offset), .d = at->d, .tmin = -HUGE_VAL,
                    .tmax = HUGE_VAL};
@@ -285,7 +285,7 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, bool plain, state *at, const sgt_
 
     twofold path = longer(at->path, n1, hit.t, hit.t_lo);
     passage->opl = path.hi;
-    if (!inside) return SGT_CLIPPED;
+    if (!inside || is_obstructed(e, hit.p)) return SGT_CLIPPED;
 
     bending by = bending_of(n1, n2, mirror);
     sgt_vec3 d = ray.d;
@@ -308,10 +308,10 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, bool plain, state *at, const sgt_
     return SGT_PASSED;
 }
 
-sgt_fate sgt_pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met,
+sgt_fate sgt_pass(const sgt_element *e, bool sound, state *at, const sgt_options *opt, const sgt_hit *met,
                   sgt_passage *passage)
 {
-    return pass(e, is_plain(e), at, opt, met, true, passage);
+    return pass(e, sound, at, opt, met, true, passage);
 }
 
 size_t sgt_trace(size_t n, const sgt_element e[], double index_before, sgt_ray *ray, sgt_passage passages[],
@@ -331,7 +331,8 @@ size_t sgt_trace(size_t n, const sgt_element e[], double index_before, sgt_ray *
     }
     while (last == SGT_PASSED && passed < n) {
         sgt_passage passage;
-        last = pass(&e[passed], passed < plain, &at, &options, NULL, passages != NULL, &passage);
+        bool sound = passed < plain && is_aperture_sound(&e[passed]);
+        last = pass(&e[passed], sound, &at, &options, NULL, passages != NULL, &passage);
         if (passages) passages[passed] = passage;
         if (last != SGT_PASSED) break;
         passed++;

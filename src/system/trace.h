@@ -69,6 +69,7 @@
 #ifndef SGT_SYSTEM_TRACE_H
 #define SGT_SYSTEM_TRACE_H
 #include "../surface/sag/sag.h"
+#include "aperture.h"
 #include <sagitta/system.h>
 #include <stdint.h>
 
@@ -376,22 +377,34 @@ SGT_INLINE double index_behind(const sgt_element *e, double n1)
 SGT_INLINE bool is_plain(const sgt_element *e)
 {
     const unsigned long long *r = e->reserved_;
-    unsigned long long later = (uintptr_t)e->aperture | (uintptr_t)e->phase;
-    return (later | r[0] | r[1] | r[2] | r[3] | r[4] | r[5]) == 0;
+    return ((uintptr_t)e->phase | r[0] | r[1] | r[2] | r[3] | r[4] | r[5]) == 0;
 }
 
-/* Are the numbers of the element valid (sgt_trace)?  Whether it is plain is asked apart. */
+/* Are the numbers of the element valid (sgt_trace)?  Is it plain, and its aperture sound: that is asked
+ * apart. */
 SGT_INLINE bool is_sound(const sgt_element *e, double n1)
 {
     return is_index(n1) && is_index(index_behind(e, n1)) && e->semi_diameter >= 0;
 }
 
+SGT_INLINE bool is_aperture_sound(const sgt_element *e)
+{
+    return !e->aperture || sgt_aperture_sound(e->aperture);
+}
+
+/* Does an item of its aperture clip a ray that is met at p?  The element is sound. */
+SGT_INLINE bool is_obstructed(const sgt_element *e, sgt_vec3 p)
+{
+    return e->aperture && sgt_aperture_clips(e->aperture, p.x, p.y) >= 0;
+}
+
 /* Sets *at to the ray before its first element (NULL: there is none).  false: the ray is not valid. */
 bool sgt_launch(const sgt_ray *ray, const sgt_element *first, double index, state *at);
 
-/* Takes the ray through one element.  Sets *passage, and *at if the ray passes.  If met is not NULL, it is
- * the answer of the surface on the ray's line; its lo, hi and f are not read. */
-sgt_fate sgt_pass(const sgt_element *e, state *at, const sgt_options *opt, const sgt_hit *met,
+/* Takes the ray through one element.  sound: it is plain, and its aperture is sound.  Sets *passage, and *at
+ * if the ray passes.  If met is not NULL, it is the answer of the surface on the ray's line; its lo, hi and f
+ * are not read. */
+sgt_fate sgt_pass(const sgt_element *e, bool sound, state *at, const sgt_options *opt, const sgt_hit *met,
                   sgt_passage *passage);
 
 /* The passage of a ray without a hit, with the status `why`. */

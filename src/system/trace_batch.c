@@ -10,6 +10,9 @@
  * The formulas are those of the single ray (trace.h), the same operations in the same order, and so the
  * same bits.
  *
+ * THE ITEMS OF AN APERTURE are asked after the bending, of rays that the loops have answered for.  What they
+ * clip stops with the hit that has been found, and is asked nothing more (aperture.c).
+ *
  * WHAT THE LOOPS LEAVE.  They answer for a ray that is met within the clear aperture and goes on.  Any
  * other ray is looked at by itself: missed, outside, totally reflected, or with a normal or a direction
  * out of range.  If it goes on, sgt_pass takes it through that one element.  A launch ray that may not be
@@ -486,7 +489,8 @@ static int bundle_judge(const bundle_work *job, const tile *w, size_t i, size_t 
         if (!(fabs(off) <= NEAR_UNIT)) return ASK_ANEW;
         ray->d = kept_unit(ray->d, off);
     }
-    if (status > 0 && is_inside(get(w->p, i), aperture2)) { /* it goes on, or is reflected */
+    if (status > 0 && is_inside(get(w->p, i), aperture2)) { /* it goes on, or is clipped or reflected */
+        if (is_obstructed(e, get(w->p, i))) return STOPS + SGT_CLIPPED;
         if (by->kind == STRAIGHT) return ASK;
         bent b = bent_by(by->kind, by->r, by->k, ray->d, get(&w->n_, i));
         return in_range(b.G) && b.D < 0 ? STOPS + SGT_TIR : ASK;
@@ -565,7 +569,7 @@ static void ask_inside(const bundle_work *job, tile *w, size_t j, chords *c)
     }
 }
 
-/* Sets good to a verdict, which is negative, for the rays that the loops have left. */
+/* Sets good to a verdict, which is negative, for the rays that the loops have left, where it is not one. */
 SGT_NOINLINE static void judge_rest(const bundle_work *job, tile *w, size_t j, const bending *by)
 {
     chords c = {.n = 0, .kept = {.radius2 = {0}}};
@@ -574,6 +578,7 @@ SGT_NOINLINE static void judge_rest(const bundle_work *job, tile *w, size_t j, c
     for (size_t k = 0; k < all.n; k++) {
         size_t i = all.of[k];
         sgt_ray ray;
+        if (w->good[i] < 0) continue; /* an item of the aperture has stopped it */
         int what = bundle_judge(job, w, i, j, by, &ray);
         w->good[i] = -what;
         if (what != ASK_INSIDE) continue;
@@ -584,9 +589,10 @@ SGT_NOINLINE static void judge_rest(const bundle_work *job, tile *w, size_t j, c
     if (c.n) ask_inside(job, w, j, &c);
 }
 
-/* Takes the rays that the loops have left through element j.  If asked is not NULL, the surface's lanes
- * have met them, and there are verdicts. */
-SGT_NOINLINE static void pass_rest(const bundle_work *job, tile *w, size_t j, const sgt_hits *asked)
+/* Takes the rays that the loops have left through element j.  sound: as in sgt_pass.  If asked is not NULL,
+ * the surface's lanes have met them, and there are verdicts. */
+SGT_NOINLINE static void pass_rest(const bundle_work *job, tile *w, size_t j, bool sound,
+                                   const sgt_hits *asked)
 {
     const sgt_element *e = &job->e[j];
     const sgt_passages *told = job->passages ? &job->passages[j] : NULL;
@@ -613,7 +619,7 @@ SGT_NOINLINE static void pass_rest(const bundle_work *job, tile *w, size_t j, co
             sgt_passage passage;
             sgt_hit hit;
             if (what == ASK) hit = hit_of(w, i, asked);
-            fate = sgt_pass(e, &s, &opt, what == ASK ? &hit : NULL, &passage);
+            fate = sgt_pass(e, sound, &s, &opt, what == ASK ? &hit : NULL, &passage);
             if (told) tell_passage(told, r, &passage);
             if (fate == SGT_PASSED) {
                 put(w->next.offset, i, s.offset);
@@ -689,13 +695,18 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, s
     tell_all(w, told->opl, w->next.path->hi);
     if (turned)
         good = return_all(w->n, &e->pose, by.kind != STRAIGHT, w->p, w->next.offset, w->next.d, w->good);
+    if (e->aperture) {
+        const double verdict = -(double)(STOPS + SGT_CLIPPED);
+        good = (double)sgt_aperture_clips_tile(e->aperture, w->n, w->p->x, w->p->y, verdict, w->good);
+    }
     return good;
 }
 
 static void pass_all(const bundle_work *job, tile *w, size_t j)
 {
     const sgt_element *e = &job->e[j];
-    bool turned = is_turned(&e->pose), loops = !job->by_hand && is_plain(e) && is_sound(e, w->medium);
+    bool sound = is_plain(e) && is_aperture_sound(e), turned = is_turned(&e->pose);
+    bool loops = !job->by_hand && sound && is_sound(e, w->medium);
     double n2 = index_behind(e, w->medium), good = 0;
     bending by = bending_of(w->medium, n2, e->index == SGT_MIRROR);
     vectors *other = w->now.d == &w->ds[0] ? &w->ds[1] : &w->ds[0];
@@ -707,7 +718,7 @@ static void pass_all(const bundle_work *job, tile *w, size_t j)
     else memset(w->good, 0, sizeof w->good);
     bool some = good < (double)w->n;
     if (some && loops) judge_rest(job, w, j, &by);
-    if (some) pass_rest(job, w, j, loops ? &asked : NULL);
+    if (some) pass_rest(job, w, j, sound, loops ? &asked : NULL);
 
     bundle_place last = w->now;
     w->now = w->next;

@@ -1,11 +1,11 @@
 /* sgt_trace_batch gives every ray what sgt_trace gives it alone, bit for bit, and writes nothing else.
  *
- * Lenses as they are built (rows of conics and aspheres with stops, mirrors, dummy planes, tilts and
- * decentres), and lenses that nobody builds: surfaces of hostile.h, a user's surface with normals of every
- * kind from place to place, poses far away or of no unit length, indices and apertures out of range.  Rays
- * as a lens has them, hostile ones, and these side by side, at each lane of a register and at the edges of
- * tiles.  Outputs all or some, in arrays of their own or in those the rays came in; of each element all,
- * some or none.  Around each array lie words that nobody may write to.
+ * Lenses as they are built (rows of conics and aspheres with stops, lists of apertures, mirrors, dummy
+ * planes, tilts and decentres), and lenses that nobody builds: surfaces of hostile.h, a user's surface with
+ * normals of every kind from place to place, poses far away or of no unit length, indices and apertures out
+ * of range.  Rays as a lens has them, hostile ones, and these side by side, at each lane of a register and
+ * at the edges of tiles.  Outputs all or some, in arrays of their own or in those the rays came in; of each
+ * element all, some or none.  Around each array lie words that nobody may write to.
  *
  *     test_trace_batch      SAGITTA_TEST_SCALE, SAGITTA_TEST_SEED
  * */
@@ -14,8 +14,9 @@
 #include <sagitta/diagnose.h>
 #include <sagitta/system.h>
 
-enum { ELEMENTS = 6, SHOWN = 10, LENGTH = 700 };
+enum { ELEMENTS = 6, SHOWN = 10, LENGTH = 700, ITEMS = 4, CORNERS = 9 };
 static long failures, compared, with_fate[SGT_TIR + 2], not_moved, unequal_neighbours;
+static long clipped_by[SGT_SPIDER + 1]; /* how often, by semi_diameter and by each shape */
 
 /* ----------------------------------------------------------- a user's surface */
 
@@ -79,12 +80,45 @@ typedef struct lens {
     sgt_element e[ELEMENTS];
     specimen s[ELEMENTS];
     quilt quilts[ELEMENTS];
+    sgt_aperture apertures[ELEMENTS];
+    sgt_aperture_item items[ELEMENTS][ITEMS];
+    sgt_vec2 corners[ELEMENTS][ITEMS][CORNERS];
     double before;
 } lens;
 
 static sgt_vec3 point(generator *g, double size)
 {
     return (sgt_vec3){uniform(g, -size, size), uniform(g, -size, size), uniform(g, -size, size)};
+}
+
+/* Of a passing item most rays pass, of an obscuring one too. */
+static sgt_aperture_item random_item(generator *g, sgt_vec2 corners[])
+{
+    sgt_aperture_item i = {.shape = (sgt_aperture_shape)(SGT_CIRCLE + below(g, SGT_SPIDER)),
+                           .obscuring = chance(g, 0.5)};
+    double size = i.obscuring ? uniform(g, 0.1, 0.7) : uniform(g, 1.2, 4);
+    if (chance(g, 0.6)) i.centre = (sgt_vec2){uniform(g, -0.4, 0.4), uniform(g, -0.4, 0.4)};
+    if (chance(g, 0.5)) i.degrees = chance(g, 0.3) ? 90.0 * below(g, 5) : uniform(g, -200, 200);
+    i.half = (sgt_vec2){size, size * uniform(g, 0.5, 2)};
+    i.radius = size;
+    if (chance(g, 0.8)) i.inner = size * (i.obscuring ? uniform(g, 0.3, 1) : uniform(g, 0, 0.2));
+    i.arms = 1 + below(g, 6), i.width = i.obscuring ? uniform(g, 0.02, 0.3) : 3;
+    if (chance(g, 0.5)) i.length = size;
+    i.count = 3 + (size_t)below(g, CORNERS - 2), i.vertices = corners;
+    for (size_t k = 0; k < i.count; k++) {
+        double a = 6.283185307179586 * ((double)k + uniform(g, 0, 0.7)) / (double)i.count;
+        double r = size * uniform(g, 0.6, 1.5);
+        corners[k] = (sgt_vec2){r * cos(a), r * sin(a)};
+    }
+    return i;
+}
+
+static void give_aperture(generator *g, lens *l, size_t i)
+{
+    sgt_aperture *a = &l->apertures[i];
+    *a = (sgt_aperture){.count = (size_t)below(g, ITEMS + 1), .items = l->items[i]};
+    for (size_t k = 0; k < a->count; k++) l->items[i][k] = random_item(g, l->corners[i][k]);
+    l->e[i].aperture = a;
 }
 
 static void as_built(generator *g, lens *l)
@@ -116,6 +150,7 @@ static void as_built(generator *g, lens *l)
                                     : chance(g, 0.1) ? 1e10
                                     : tight          ? uniform(g, 0.3, 1.5)
                                                      : uniform(g, 1.5, 5);
+        if (chance(g, 0.25)) give_aperture(g, l, i);
         double u = uniform(g, 0, 1);
         if (u < 0.12) l->e[i].index = SGT_MIRROR, step = -step;
         else if (u < 0.24) l->e[i].index = chance(g, 0.5) ? 0 : index;
@@ -136,7 +171,14 @@ static void spoil_element(generator *g, lens *l, size_t i)
     switch (below(g, 8)) {
     case 0: e->index = indices[below(g, COUNT_OF(indices))]; break;
     case 1: /* or what later versions may ask for */
-        if (chance(g, 0.1)) e->reserved_[below(g, (int)COUNT_OF(e->reserved_))] = 1;
+        if (chance(g, 0.4)) {
+            give_aperture(g, l, i);
+            if (chance(g, 0.5)) break;
+            sgt_aperture_item *bad = &l->items[i][below(g, ITEMS)];
+            double *number[] = {&bad->radius, &bad->inner,   &bad->half.x,
+                                &bad->width,  &bad->degrees, &bad->centre.x};
+            *number[below(g, COUNT_OF(number))] = hostile_number(g);
+        } else if (chance(g, 0.1)) e->reserved_[below(g, (int)COUNT_OF(e->reserved_))] = 1;
         else if (chance(g, 0.1)) e->phase = (const struct sgt_phase *)l;
         else e->semi_diameter = apertures[below(g, COUNT_OF(apertures))];
         break;
@@ -286,6 +328,12 @@ static void trace_alone(const lens *l, size_t i, const sgt_options *opt)
     a->passed = sgt_trace(l->n, l->e, l->before, &a->ray, a->p, &a->fate, opt);
     a->opl = is_bad(&rays[i]) ? NOT : a->passed ? a->p[a->passed - 1].opl : 0;
     with_fate[a->fate - SGT_LOST]++;
+    if (a->fate == SGT_CLIPPED) {
+        const sgt_element *e = &l->e[a->passed];
+        int by = sgt_clipped_by(e, a->p[a->passed].hit.p).by;
+        if (by == SGT_BY_NONE || by == SGT_BY_UNSOUND) failures++, printf("FAIL clipped by nothing\n");
+        else clipped_by[by < 0 ? 0 : (int)e->aperture->items[by].shape]++;
+    }
 }
 
 static void report(const lens *l, const sgt_options *opt, size_t i, const char *what)
@@ -305,6 +353,13 @@ static void report(const lens *l, const sgt_options *opt, size_t i, const char *
         if (e->surface.self == q)
             printf("    quilt  a {%a, %a, %a}  square %a\n", q->a.x, q->a.y, q->a.z, q->square);
         else if (l->s[j].type) print_specimen(&l->s[j]);
+        for (size_t k = 0; e->aperture && k < e->aperture->count; k++) {
+            const sgt_aperture_item *a = &e->aperture->items[k];
+            printf("    item: shape %d, obscuring %d, centre {%a, %a}, %a degrees, radius %a, inner %a, ",
+                   (int)a->shape, a->obscuring, a->centre.x, a->centre.y, a->degrees, a->radius, a->inner);
+            printf("half {%a, %a}, %zu corners, %d arms, width %a, length %a\n", a->half.x, a->half.y,
+                   a->count, a->arms, a->width, a->length);
+        }
     }
     print_ray(&rays[i]);
 }
@@ -491,7 +546,11 @@ int main(void)
     for (int i = SGT_LOST; i <= SGT_TIR; i++)
         printf(" %s %ld", sgt_fate_text((sgt_fate)i), with_fate[i - SGT_LOST]),
             each = each && (double)with_fate[i - SGT_LOST] > asked / 200;
-    printf("; %ld passed nothing, %ld unlike their neighbour\n", not_moved, unequal_neighbours);
+    printf("; %ld passed nothing, %ld unlike their neighbour", not_moved, unequal_neighbours);
+    printf("; clipped by semi_diameter and shapes:");
+    for (int i = 0; i <= SGT_SPIDER; i++)
+        printf(" %ld", clipped_by[i]), each = each && (double)clipped_by[i] > asked / 1000;
+    printf("\n");
     if (!each) printf("FAIL too few of some kind\n");
     return failures > 0 || !each;
 }

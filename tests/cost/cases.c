@@ -207,7 +207,19 @@ static sgt_conic lens_conic[ELEMENTS];
 static sgt_asphere lens_even[ELEMENTS];
 static sgt_odd_asphere lens_odd[ELEMENTS];
 static sgt_element lens_of_spheres[ELEMENTS], lens_of_aspheres[ELEMENTS], lens_of_odd_aspheres[ELEMENTS];
-static sgt_element open_lens[ELEMENTS], clipping_lens[ELEMENTS];
+static sgt_element open_lens[ELEMENTS], clipping_lens[ELEMENTS], ringed_lens[ELEMENTS],
+    figured_lens[ELEMENTS];
+
+/* Lists that clip none of the rays, and one that clips half of them. */
+static const sgt_vec2 corners[] = {{9, -9}, {9, 9}, {0, 10}, {-9, 9}, {-9, -9}};
+static const sgt_aperture_item rings[] = {{.shape = SGT_CIRCLE, .radius = 9, .centre = {0.1, 0}},
+                                          {.shape = SGT_ANNULUS, .radius = 9, .inner = 8, .obscuring = true}};
+static const sgt_aperture_item figures[] = {{.shape = SGT_RECTANGLE, .half = {9, 9}, .degrees = 30},
+                                            {.shape = SGT_POLYGON, .count = 5, .vertices = corners},
+                                            {.shape = SGT_SPIDER, .arms = 4, .obscuring = true}};
+static const sgt_aperture_item disc = {.shape = SGT_CIRCLE, .radius = 0.35, .obscuring = true};
+static const sgt_aperture ring_list = {.count = 2, .items = rings}, disc_list = {.count = 1, .items = &disc},
+                          figure_list = {.count = 3, .items = figures};
 
 static void make_lenses(void)
 {
@@ -231,12 +243,14 @@ static void make_lenses(void)
     }
 }
 
-/* The same lens without clear apertures; and with one in its middle that stops half of the rays. */
+/* The same lens without clear apertures; with one in its middle that stops half of the rays; with lists of
+ * apertures at each element. */
 static void make_others(const sgt_element *lens)
 {
     for (int i = 0; i < ELEMENTS; i++) {
-        open_lens[i] = clipping_lens[i] = lens[i];
+        open_lens[i] = clipping_lens[i] = ringed_lens[i] = figured_lens[i] = lens[i];
         open_lens[i].semi_diameter = 0;
+        ringed_lens[i].aperture = &ring_list, figured_lens[i].aperture = &figure_list;
     }
     clipping_lens[ELEMENTS / 2].semi_diameter = 0.42;
 }
@@ -457,6 +471,15 @@ int main(int argc, char **argv)
         ask_case(name, "a trace of first roots", trace, of, ALONE, first);
         ask_case(name, "a trace proven", trace, of, ALONE, proven);
         ask_case(name, "a trace batch proven", trace_batch, of, MANY, proven);
+        if (i) continue;
+        const subject ringed = {{NULL, NULL}, ringed_lens}, figured = {{NULL, NULL}, figured_lens};
+        ask_case(name, "a trace with circle and annulus", trace, &ringed, ALONE, near);
+        ask_case(name, "a trace batch with circle and annulus", trace_batch, &ringed, MANY, near);
+        ask_case(name, "a trace with rectangle, polygon, spider", trace, &figured, ALONE, near);
+        ask_case(name, "a trace batch with rectangle, polygon, spider", trace_batch, &figured, MANY, near);
+        clipping_lens[ELEMENTS / 2] = lens_of_spheres[ELEMENTS / 2];
+        clipping_lens[ELEMENTS / 2].aperture = &disc_list;
+        ask_case(name, "a trace batch that loses half to a disc", trace_batch, &clipping, MANY, near);
     }
     return 0;
 }

@@ -51,7 +51,7 @@ NEAREST = [
     (r'src/ray/(cells|walk|general)|src/solve/step', ['unit intersect', 'unit general', 'unit all', 'catalogue twice', 'edges', 'unit rows', 'oracle brute', 'catalogue roots', 'batch']),
     (r'src/solve/', ['unit root', 'unit intersect', 'unit rows', 'oracle brute']),
     (r'src/ray/(prove|unique)', ['unit prove', 'edges', 'unit trace', 'proof', 'catalogue roots', 'catalogue laws']),
-    (r'src/system/', ['unit trace', 'unit pose', 'edges', 'unit refract', 'batch trace', 'oracle reference']),
+    (r'src/system/', ['unit trace', 'unit aperture', 'unit pose', 'edges', 'unit refract', 'batch trace', 'oracle reference']),
     (r'src/geo/', ['earth']),
     (r'src/tool/', ['tool']),
 ]
