@@ -9,6 +9,7 @@
  * be had of a lens that was read once. */
 #include "lens.h"
 
+#include "aperture.h"
 #include "frame.h"
 #include "reader.h"
 #include "surface.h"
@@ -337,6 +338,8 @@ static void read_surface(whole_lens *w, source *s, const node *map, size_t i, bo
     read_medium(w, s, map, i, now);
     const node *stop = tree_take(map, "stop"), *rim = tree_take(map, "semi_diameter");
     const node *name = tree_take(map, "name"), *size = tree_take(map, "draw_to");
+    const node *apertures = tree_take(map, "apertures");
+    if (apertures) e->aperture = sgt_read_apertures(s, apertures);
     about->name = name ? tree_read_text(s, name, "name") : "";
     if (stop && tree_read_truth(s, stop, "stop")) {
         if (l->stop_marked) tree_fail(s, stop->line, "stop", "a second stop; a lens has one");
