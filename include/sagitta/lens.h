@@ -225,6 +225,7 @@ typedef struct sgt_lens_surface {
                                 With `origin`, the z of that */
     bool        mirror;
     bool        off_axis;    /* placed by `origin`, and tilted or beside the axis */
+    bool        folded;      /* breaks in front of it have turned or moved the axis */
     double      size;        /* the half height in use, or 0: for drawings, and for
                                 SGT_PUPIL_STOP_SIZE.  It clips nothing */
     double      focal_length; /* of the type "ideal", whose element has no surface (ops is

@@ -43,7 +43,8 @@ static double size_of(source *s, const node *map, const char *key, double otherw
 static sgt_vec2 pair_of(source *s, const node *n, const char *key)
 {
     double x[2] = {0};
-    if (n && (n->kind != NODE_LIST || n->count != 2)) tree_fail(s, n->line, key, "must be two numbers, [x, y]");
+    if (n && (n->kind != NODE_LIST || n->count != 2))
+        tree_fail(s, n->line, key, "must be two numbers, [x, y]");
     if (n) tree_read_numbers(s, n, key, 2, x);
     return (sgt_vec2){x[0], x[1]};
 }

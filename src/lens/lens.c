@@ -261,6 +261,8 @@ static void read_place(source *s, const node *map, bool placed, running *at, sgt
     }
     e->pose = sgt_frame_pose(at, shift, turn);
     about->z = at->z;
+    about->folded = at->turned || at->pose.origin.x != 0 || at->pose.origin.y != 0 ||
+                    at->pose.origin.z != at->z;
     if (!is_place(e->pose.origin))
         tree_fail(s, decenter->line, "decenter", "the vertex is beyond the largest number");
     advance(s, thickness, at);

@@ -179,6 +179,67 @@ def test_kinds_of_fields():
     close(got[1], -2 / m / (200 + p), 1e-14)
 
 
+# ------------------------------------------------------------------ apertures
+
+SHAPES = [
+    ({'type': 'circle', 'radius': 2.0}, lambda z: abs(z) - 2),
+    ({'type': 'annulus', 'inner': 1.0, 'outer': 2.5}, lambda z: max(abs(z) - 2.5, 1 - abs(z))),
+    ({'type': 'rectangle', 'half_width': 2.0, 'half_height': 1.0}, lambda z: max(abs(z.real) - 2, abs(z.imag) - 1)),
+    ({'type': 'ellipse', 'half_width': 2.0, 'half_height': 1.0}, lambda z: abs(complex(z.real, 2 * z.imag)) - 2),
+    ({'type': 'polygon', 'points': [[-2, -1], [2, -1], [0, 2]]},  # between y = -1 and two lines of slope 3/2
+     lambda z: max(-1 - z.imag, 1.5 * abs(z.real) + z.imag - 2)),
+    ({'type': 'spider', 'arms': 3, 'width': 0.6},
+     lambda z: min(max(abs((z / a).imag) - 0.3, -(z / a).real) for a in (1, THIRD, THIRD * THIRD))),
+]
+THIRD = complex(-0.5, math.sqrt(0.75))
+
+
+def test_apertures():
+    """Each shape, passing and obscuring, offset and turned: which rays of a grid are clipped.  Complex numbers say it:
+    the point, less the offset, turned back, and a function of it that is negative inside."""
+    points = [complex(-3 + 0.37 * i, -3 + 0.41 * j) for i in range(17) for j in range(15)]
+    launched = rays(*((z.real, z.imag, -1, 0, 0, 1) for z in points))
+    for shape, outside in SHAPES:
+        for obscures in (False, True):
+            for offset, degrees in ((0j, 0), (0.3 - 0.2j, 25)):
+                aperture = {**shape, 'offset': [offset.real, offset.imag], 'turn': degrees, 'obscures': obscures}
+                path = written(json.dumps({'surfaces': [{'type': 'plane', 'apertures': [aperture]}]}))
+                back = complex(math.cos(math.radians(degrees)), -math.sin(math.radians(degrees)))
+                for z, row in zip(points, rows('trace', path, '--rays', '-', stdin=launched)):
+                    beyond = outside((z - offset) * back)
+                    assert abs(beyond) > 1e-9, (shape, z)
+                    clipped = (beyond < 0) if obscures else (beyond > 0)
+                    equal(row['fate'], 'clipped' if clipped else 'passed', (aperture, z))
+
+
+def test_by_what_a_ray_is_clipped():
+    path = written(json.dumps({'pupil': {'semi_diameter': 4}, 'surfaces': [{'type': 'plane', 'semi_diameter': 3.5, 'apertures': [
+        {'type': 'circle', 'radius': 1, 'obscures': True}, {'type': 'rectangle', 'half_width': 5, 'half_height': 2.5}]}]}))
+    said = run('trace', path, '--fan', 9).stdout
+    for line in ('element 1 (plane): 5 clipped', 'Ray 0 at element 1: clipped by its semi_diameter: r = 4, limit 3.5.',
+                 'Ray 1 at element 1: clipped by aperture 2 (rectangle): 0.5 beyond its edge.',
+                 'Ray 4 at element 1: clipped by aperture 1 (circle, obscuring): r = 0, limit 1.',
+                 '1 more clipped: sagitta diagnose LENS --ray N shows by what.'):
+        assert line in said, (line, said)
+    assert 'clipped by aperture 2 (rectangle): 0.5 beyond' in run('diagnose', path, '--fan', 9, '--ray', 7).stdout
+    assert 'clipped' not in run('trace', path, '--fan', 9, '--no-apertures').stdout
+
+
+def test_bad_apertures():
+    for aperture, line in (
+            ({'type': 'square'}, 'type: must be circle, annulus, rectangle, ellipse, polygon or spider, not "square"'),
+            ({'radius': 1}, 'type: missing'), ({'type': 'circle'}, 'radius: missing'),
+            ({'type': 'circle', 'radius': -1}, 'radius: must not be negative'),
+            ({'type': 'annulus', 'inner': 2, 'outer': 1}, 'inner: must not be larger than outer'),
+            ({'type': 'polygon', 'points': [[0, 0], [1, 1]]}, 'points: must be a list of at least three'),
+            ({'type': 'spider', 'arms': 0, 'width': 1}, 'arms: must be a whole number from 1 to 64'),
+            ({'type': 'circle', 'radius': 1, 'inner': 2}, 'inner: unknown key'),
+            ({'type': 'circle', 'radius': 1, 'offset': 3}, 'offset: must be two numbers')):
+        said = run('trace', written(json.dumps({'surfaces': [{'type': 'plane', 'apertures': [aperture]}]})), '--rays', '-',
+                   stdin=rays((0, 0, -1, 0, 0, 1)), exit=BAD_INPUT).stderr
+        assert line in said, (line, said)
+
+
 # ----------------------------------------------------------------- wavelengths
 
 def test_several_wavelengths():

@@ -8,6 +8,7 @@
 #include "../job/job.h"
 #include "../base/memory.h"
 #include "../../text/number.h"
+#include "../show/clipped.h"
 #include "../read/surface.h"
 
 #include <limits.h>
@@ -240,7 +241,10 @@ static bool diagnose_lens(table *t, const diagnose_arguments *a, const job *j, c
         sgt_fate fate;
         sgt_trace(1, e, index, &ray, &passage, &fate, &o);
         if (!a->element || (size_t)a->element == i + 1) {
-            table_line(t, "\nElement %zu (%s): %s", i + 1, j->lens.surface[i].type, sgt_fate_text(fate));
+            char by[CLIPPED_SIZE] = "";
+            if (fate == SGT_CLIPPED) clipped_print(by, e, passage.hit.p);
+            table_line(t, "\nElement %zu (%s): %s%s%s", i + 1, j->lens.surface[i].type, sgt_fate_text(fate),
+                       *by ? " " : "", by);
             made.hit = &passage.hit;
             decided = show(t, a, l->number, i, &watched, &made) && decided;
         }

@@ -9,6 +9,7 @@
 #include "../show/profile.h"
 #include "../draw/scene.h"
 #include "../base/tiles.h"
+#include "../show/clipped.h"
 #include "../show/undecided.h"
 
 #include <math.h>
@@ -166,6 +167,8 @@ typedef struct trace_work {
     size_t passed, proven, undecided; /* how many rays; proven: passed and grazed no element */
     struct { const launch *ray; const job_lens *at; } lost[UNDECIDED_SHOWN];
     int shown;
+    struct { size_t ray, element; char by[CLIPPED_SIZE]; } clipped[UNDECIDED_SHOWN];
+    size_t clipped_shown, clipped_count;
     losses *loss;                  /* [elements] */
     sgt_vec3 *point;               /* [elements + 1] */
 } trace_work;
@@ -292,6 +295,15 @@ static bool crossed_all(const trace_work *w, const trace_room *r, size_t i)
     return true;
 }
 
+/* Keeps by what the first clipped rays were clipped. */
+static void keep_clipped(trace_work *w, const launch *l, size_t element, sgt_vec3 p)
+{
+    if (w->clipped_count++ >= UNDECIDED_SHOWN) return;
+    size_t k = w->clipped_shown++;
+    w->clipped[k].ray = l->number, w->clipped[k].element = element;
+    clipped_print(w->clipped[k].by, &w->at->element[element], p);
+}
+
 static void trace_take(void *data, const tile *t)
 {
     trace_work *w = data;
@@ -302,6 +314,8 @@ static void trace_take(void *data, const tile *t)
         const launch *l = &w->job->rays.ray[t->first + i];
         if (r->fate[i] == SGT_PASSED) w->passed++, w->proven += crossed_all(w, r, i);
         else count_loss(&w->loss[passed], (sgt_fate)r->fate[i], (sgt_status)r->record[passed].status[i]);
+        if (r->fate[i] == SGT_CLIPPED)
+            keep_clipped(w, l, (size_t)passed, vector_at(r->record[passed].number, i));
         if (r->fate[i] < 0) w->undecided++;
         if (r->fate[i] < 0 && r->record[passed].status[i] < 0 && w->shown < UNDECIDED_SHOWN)
             w->lost[w->shown].ray = l, w->lost[w->shown++].at = w->at;
@@ -341,7 +355,7 @@ static void write_losses(table *t, const job *j, const losses loss[])
     for (size_t i = 0; i < j->lens.count; i++) {
         char text[400] = "";
         trace_append(text, loss[i].missed, "missed it", "");
-        trace_append(text, loss[i].clipped, "clipped at its rim", "");
+        trace_append(text, loss[i].clipped, "clipped", "");
         trace_append(text, loss[i].tir, "totally reflected", "");
         for (int s = 0; s >= SGT_INVALID; s--) {
             char reason[40];
@@ -351,6 +365,16 @@ static void write_losses(table *t, const job *j, const losses loss[])
         }
         if (*text) table_line(t, "element %zu (%s):%s", i + 1, j->lens.surface[i].type, text);
     }
+}
+
+static void write_clipped(const trace_work *w)
+{
+    for (size_t k = 0; k < w->clipped_shown; k++)
+        table_line(w->table, "Ray %zu at element %zu: clipped %s.", w->clipped[k].ray,
+                   w->clipped[k].element + 1, w->clipped[k].by);
+    if (w->clipped_count > w->clipped_shown)
+        table_line(w->table, "%zu more clipped: sagitta diagnose LENS --ray N shows by what.",
+                   w->clipped_count - w->clipped_shown);
 }
 
 /* Under the table for people: what has a unit, and whose frame it is. */
@@ -448,6 +472,7 @@ exit_status command_trace(int argc, char *argv[])
                    count, count == 1 ? "" : "s");
         write_proof(&w);
         write_losses(w.table, &j, w.loss);
+        write_clipped(&w);
         write_lost(&w);
     }
     table_end(w.table);

@@ -144,11 +144,25 @@ static void draw_surfaces(const page *p, const scene *s)
     }
 }
 
+/* What the apertures of an element clip in this plane. */
+static void draw_blocked(const page *p, const scene *s)
+{
+    for (size_t i = 0; i < s->job->lens.count; i++) {
+        const outline *o = &s->outline[i];
+        for (size_t k = 0; k < o->blocked_count; k++) {
+            line_to(p, o->blocked[k][0]);
+            line_to(p, o->blocked[k][1]);
+            picture_stroke(p, LEGEND_STOP_WIDTH, 0);
+        }
+    }
+}
+
 static void draw_axis(const page *p, const scene *s)
 {
     static const double dashes[] = {12, 3, 2, 3};
     for (size_t i = 0; i < s->job->lens.count; i++)
-        if (s->job->lens.surface[i].off_axis) return; /* a folded system has no one axis */
+        if (s->job->lens.surface[i].off_axis || s->job->lens.surface[i].folded)
+            return; /* a folded system has no one axis */
     cairo_set_dash(p->cr, dashes, 4, 0);
     line_to(p, (spot){s->low.z - AXIS_BEYOND / p->scale, 0});
     line_to(p, (spot){s->high.z + AXIS_BEYOND / p->scale, 0});
@@ -223,6 +237,7 @@ void picture_write(const char *file, const scene *s)
     draw_axis(&p, s);
     draw_rays(&p, s);
     draw_surfaces(&p, s);
+    draw_blocked(&p, s);
     draw_marks(&p, s);
     draw_title(&p, &s->job->lens);
     legend_draw(p.cr, s, MARGIN, PICTURE_WIDTH - MARGIN, p.legend_top, p.scale);

@@ -14,6 +14,8 @@ static const double BEYOND_LENS = 3;   /* of the lens's extent: a ray that met n
 /* a surface without a clear aperture is drawn so many times as wide as the rays */
 static const double BEYOND_RAYS = 1.1;
 
+enum { BLOCKED_STEPS = 512 };
+
 static spot spot_of(sgt_vec3 p) { return (spot){p.z, p.y}; }
 
 scene scene_begin(const job *j)
@@ -65,6 +67,26 @@ static void add_section(outline *o, const sgt_element *e, double reach)
         o->at[k] = spot_of(frame_point_out(&e->pose, (sgt_vec3){0, 0, 0}));
 }
 
+/* Finds the pieces of the section that the apertures clip, to a part in BLOCKED_STEPS of the height. */
+static void add_blocked(outline *o, const sgt_element *e)
+{
+    size_t room = 0;
+    spot last = {0, 0};
+    bool open = false;
+    if (!e->aperture || !(o->half > 0)) return;
+    for (int k = 0; k <= BLOCKED_STEPS; k++) {
+        sgt_vec3 own = {0, o->half * (2 * k - BLOCKED_STEPS) / BLOCKED_STEPS, 0};
+        bool blocks = sgt_clipped_by(e, own).by >= 0;
+        own.z = profile_sag(e, 0, own.y);
+        spot here = spot_of(frame_point_out(&e->pose, own));
+        if (blocks && open) {
+            o->blocked = memory_room(o->blocked, o->blocked_count, &room, sizeof *o->blocked);
+            o->blocked[o->blocked_count][0] = last, o->blocked[o->blocked_count++][1] = here;
+        }
+        open = blocks, last = here;
+    }
+}
+
 static outline outline_of(const scene *s, size_t i, double back)
 {
     const lens *l = &s->job->lens;
@@ -92,6 +114,7 @@ static outline outline_of(const scene *s, size_t i, double back)
         if (isnan(sag)) o.half = 0; /* a hole in the middle: a line cannot show it */
         o.at[k] = spot_of(frame_point_out(&e->pose, (sgt_vec3){0, y, isnan(sag) ? 0 : sag}));
     }
+    add_blocked(&o, e);
     return o;
 }
 

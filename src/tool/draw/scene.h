@@ -23,6 +23,8 @@ typedef struct outline {
     /* [strokes], of a surface that is not a sag: its section; `half` is then 0 */
     spot (*stroke)[2];
     size_t strokes;
+    spot (*blocked)[2];       /* [blocked_count]: pieces of it that the element's apertures clip */
+    size_t blocked_count;
     double back;              /* +1 or -1: the side of its own z that is away from the light */
 } outline;
 

@@ -104,7 +104,8 @@ static void read_wavelengths(job *j, const job_options *o, sgt_lens *of)
         lens l = lens_at(of, at);
         sgt_element *element = memory_take(l.count, sizeof *element);
         memcpy(element, l.element, l.count * sizeof *element);
-        for (size_t i = 0; o->no_apertures && i < l.count; i++) element[i].semi_diameter = 0;
+        for (size_t i = 0; o->no_apertures && i < l.count; i++)
+            element[i].semi_diameter = 0, element[i].aperture = NULL;
         j->at[c] = (job_lens){l, element};
     }
     j->lens = j->at[0].lens, j->element = j->at[0].element;
