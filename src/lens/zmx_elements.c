@@ -329,6 +329,7 @@ static void append_break(zmx *z, node *list, const zmx_break *b, double thicknes
         tree_set(z->s, map, "tilt", tree_numbers(z->s, b->line, 3, b->tilt));
     if (b->tilt_first) set_word(z, map, "order", b->line, "tilt_first");
     set_number(z, map, "thickness", line, thickness);
+    map->inline_ = true;
     tree_append(z->s, list, map);
 }
 
@@ -368,6 +369,7 @@ static void write_surface(zmx *z, node *list, const zmx_surface *f, bool *air)
         name->quoted = true;
         tree_set(z->s, map, "name", name);
     }
+    map->inline_ = !tree_take(map, "coefficients"); /* such a list needs lines of its own */
     tree_append(z->s, list, map);
     if (behind) append_break(z, list, f->behind, f->thickness, f->thickness_line);
     tally_unused(z, f);

@@ -1,6 +1,6 @@
 #!/bin/sh
-# sh tests/fuzz/run.sh [SECONDS] [TARGET...]   fuzzes each target in turn with libFuzzer: lens, rays, surface, interval and
-# glass unless some are named, SECONDS (300) divided among them.  Twenty minutes of each: sh tests/fuzz/run.sh 4800
+# sh tests/fuzz/run.sh [SECONDS] [TARGET...]   fuzzes each target in turn with libFuzzer: lens, zmx, rays, surface, interval
+# and glass unless some are named, SECONDS (300) divided among them.  Twenty minutes of each: sh tests/fuzz/run.sh 4800
 #
 # Builds by clang, under its sanitizers, into build/fuzz.  Starts from corpus/ and past/ of this folder; what is new goes
 # to build/fuzz/corpus, a finding to build/fuzz/found, and stops its target: the run ends with status 1 and says
@@ -15,7 +15,7 @@ here=tests/fuzz
 build=build/fuzz
 seconds=${1:-300}
 [ $# -gt 0 ] && shift
-targets=${*:-lens rays surface interval glass}
+targets=${*:-lens zmx rays surface interval glass}
 # shellcheck disable=SC2086
 set -- $targets
 
