@@ -251,7 +251,8 @@ static void tell_records(zmx *z)
 
 static void require_surfaces(zmx *z)
 {
-    if (z->count == 0) tree_fail(z->s, z->lines.line ? z->lines.line : 1, "SURF", "there is no surface in this file");
+    if (z->count == 0)
+        tree_fail(z->s, z->lines.line ? z->lines.line : 1, "SURF", "there is no surface in this file");
     if (z->count == 1) tree_fail(z->s, z->surface[0].line, "SURF", "there is no surface behind the object");
     for (size_t i = 0; i < z->count; i++)
         if (!z->surface[i].thickness_line && (i < z->count - 1 || !z->behind))
