@@ -50,14 +50,32 @@ static bool is_plain_word(const char *text)
     return true;
 }
 
-/* In double quotes: control characters, quotes and backslashes are escaped. */
+/* The character at c, if it must be escaped: a control character, a line end other than YAML's own, a byte
+ * order mark and what is no character (YAML 1.2, 5.1 and 5.4); else 0.  *length: its bytes in UTF-8. */
+static unsigned must_escape(const unsigned char *c, size_t *length)
+{
+    *length = 1;
+    if (c[0] < 0x20 || c[0] == 0x7F) return c[0];
+    if (c[0] == 0xC2 && c[1] >= 0x80 && c[1] < 0xA0) return *length = 2, c[1];
+    if (c[0] != 0xE2 && c[0] != 0xEF) return 0;
+    static const unsigned odd[] = {0x2028, 0x2029, 0xFEFF, 0xFFFE, 0xFFFF};
+    for (size_t i = 0; i < sizeof odd / sizeof *odd; i++)
+        if ((c[0] & 0x0Fu) == odd[i] >> 12 && c[1] == (0x80 | (odd[i] >> 6 & 0x3F)) &&
+            c[2] == (0x80 | (odd[i] & 0x3F)))
+            return *length = 3, odd[i];
+    return 0;
+}
+
+/* In double quotes. */
 static void write_quoted(writer *w, const char *text)
 {
     write_text(w, "\"");
-    for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
+    size_t length;
+    for (const unsigned char *c = (const unsigned char *)text; *c; c += length) {
         char escaped[8];
+        unsigned u = must_escape(c, &length);
         if (*c == '"' || *c == '\\') snprintf(escaped, sizeof escaped, "\\%c", *c);
-        else if (*c < 0x20 || *c == 0x7F) snprintf(escaped, sizeof escaped, "\\x%02X", *c);
+        else if (u) snprintf(escaped, sizeof escaped, "\\u%04X", u & 0xFFFF);
         else snprintf(escaped, sizeof escaped, "%c", *c);
         write_text(w, escaped);
     }

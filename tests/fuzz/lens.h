@@ -110,12 +110,14 @@ static void require_again(sgt_lens *l, const char *name, const sgt_lens_options 
     REQUIRE(text, "%zu surfaces", l->count);
     sgt_lens *same_lens = sgt_lens_read_text(name, text, length, options, &e);
     REQUIRE(same_lens, "line %zu: %s: %s\n%s", e.line, e.key, e.words, text);
+    REQUIRE(strcmp(same_lens->name, l->name) == 0 && strcmp(same_lens->units, l->units) == 0, "%s", text);
     REQUIRE(same_lens->count == l->count && same_lens->fields == l->fields && same_lens->stop == l->stop,
             "%s", text);
     for (size_t i = 0; i < l->count; i++) {
         const sgt_element *a = &l->element[i], *b = &same_lens->element[i];
         REQUIRE(same(a->index, b->index) && same(a->semi_diameter, b->semi_diameter) &&
-                    memcmp(&a->pose, &b->pose, sizeof a->pose) == 0 && a->surface.ops == b->surface.ops,
+                    memcmp(&a->pose, &b->pose, sizeof a->pose) == 0 && a->surface.ops == b->surface.ops &&
+                    strcmp(l->surface[i].name, same_lens->surface[i].name) == 0,
                 "element %zu\n%s", i, text);
     }
     sgt_lens_free(same_lens);
