@@ -322,6 +322,59 @@ SGT_API bool sgt_lens_glass(const sgt_lens *lens, size_t place, sgt_glass *glass
  * lens, bit for bit.  The text lasts as long as the lens.  NULL: no memory. */
 SGT_API const char *sgt_lens_yaml(sgt_lens *lens, size_t *length);
 
+/* ------------------------------------------------------------- first-order data
+ *
+ * By paraxial rays (heights y, and n u with the slope u) in the y-z plane from vertex to
+ * vertex on the unfolded axis: tilts, decentres and breaks do not count, as lens files
+ * mean it.  So an off-axis parabola has the data of its parent.  The last surface is the
+ * image; it has no power.  After a mirror n is negative, and distances along z keep their
+ * signs (Welford 1986, Aberrations of Optical Systems, 3.2, 3.3; Seidel sums 8.2 to 8.4).
+ *
+ * NaN is "there is none": the focal length of an afocal system, a pupil at infinity. */
+typedef struct sgt_first_order {
+    double wavelength;          /* um, or NaN */
+    double power;               /* P, 1/length; 0: afocal */
+    double efl;                 /* 1 / P: the focal length, in the medium 1 */
+    double efl_image;           /* |n'| / P: in the image medium */
+    double ffd;                 /* from the first vertex to the front focus */
+    double bfd;                 /* rear focus, from the last vertex before the image */
+    double focus;               /* the rear focus, from the image surface */
+    double image;               /* the paraxial image, from the image surface */
+    double front_principal;     /* from the first vertex */
+    double rear_principal;      /* from the image surface */
+    double front_nodal, rear_nodal; /* the same of the nodal points */
+    double magnification;       /* of an object at a distance; NaN: at infinity */
+    double entrance_pupil;      /* from the first vertex */
+    double entrance_radius;     /* its semi-diameter */
+    double exit_pupil;          /* from the image surface */
+    double exit_radius;         /* its semi-diameter */
+    double stop_radius;         /* the height of the paraxial marginal ray at the stop */
+    double f_number;            /* |efl| / (2 entrance_radius) */
+    double working_f_number;    /* 1 / (2 n' u') of the marginal ray, positive */
+    double image_height;        /* paraxial, of the field farthest from the axis */
+    double lagrange;            /* n (u ybar - ubar y), marginal and that chief ray */
+    double petzval;             /* the Petzval radius of curvature; negative: it bends
+                                   toward a lens of positive power */
+    size_t without_vertex;      /* the first surface, from 1, that has no vertex curvature
+                                   or stands off the axis by `origin`: what depends on its
+                                   power is NaN.  0: none */
+} sgt_first_order;
+
+/* The Seidel sums of one surface, for the marginal ray and the chief ray of the field
+ * that is farthest from the axis: of the wavefront, in lengths.  chromatic: axial,
+ * lateral, for the indices at the shortest and the longest wavelength of the file. */
+typedef struct sgt_seidel {
+    double spherical, coma, astigmatism, petzval, distortion, chromatic[2];
+} sgt_seidel;
+
+/* Sets *out for a wavelength in um (NaN: the primary one).  seidel: NULL, or room for
+ * lens->count; *why_not is then NULL, or a constant text that says why there are no
+ * Seidel sums (all are NaN then).  false: some medium has no index there, or there is no
+ * memory. */
+SGT_API bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_order *out,
+                                  sgt_seidel seidel[], const char **why_not,
+                                  sgt_lens_error *error);
+
 #ifdef __cplusplus
 }
 #endif

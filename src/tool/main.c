@@ -12,6 +12,7 @@ static const char main_help[] =
     "  sagitta intersect --surface SPEC --rays FILE      one surface, many rays\n"
     "  sagitta trace LENS [--svg FILE]                   rays through a lens file\n"
     "  sagitta diagnose --surface SPEC --ray \"...\"       one ray, evaluation by evaluation\n"
+    "  sagitta info LENS                                 focal length, pupils, Seidel sums\n"
     "  sagitta import FILE [-o LENS]                     a .zmx file as a lens file\n"
     "  sagitta trade [LENS | --surface SPEC]             speed against accuracy, measured\n"
     "\n"
@@ -27,6 +28,7 @@ static const struct { const char *name, *full; exit_status (*run)(int argc, char
     {"trace", "sagitta trace", command_trace},
     {"diagnose", "sagitta diagnose", command_diagnose},
     {"trade", "sagitta trade", command_trade},
+    {"info", "sagitta info", command_info},
     {"import", "sagitta import", command_import},
 };
 
@@ -57,7 +59,7 @@ int main(int argc, char *argv[])
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0)
         print_and_end("%s", main_help);
     if (*name)
-        fail_usage("no such command: %s; there are intersect, trace, diagnose, trade and import", name);
+        fail_usage("no such command: %s; there are intersect, trace, diagnose, trade, info and import", name);
     fputs(main_help, stderr);
     return EXIT_USAGE;
 }

@@ -475,8 +475,9 @@ int main(int argc, char **argv)
         const subject ringed = {{NULL, NULL}, ringed_lens}, figured = {{NULL, NULL}, figured_lens};
         ask_case(name, "a trace with circle and annulus", trace, &ringed, ALONE, near);
         ask_case(name, "a trace batch with circle and annulus", trace_batch, &ringed, MANY, near);
-        ask_case(name, "a trace with rectangle, polygon, spider", trace, &figured, ALONE, near);
-        ask_case(name, "a trace batch with rectangle, polygon, spider", trace_batch, &figured, MANY, near);
+        ask_case(name, "a trace with rectangle and polygon and spider", trace, &figured, ALONE, near);
+        ask_case(name, "a trace batch with rectangle and polygon and spider", trace_batch, &figured, MANY,
+                 near);
         clipping_lens[ELEMENTS / 2] = lens_of_spheres[ELEMENTS / 2];
         clipping_lens[ELEMENTS / 2].aperture = &disc_list;
         ask_case(name, "a trace batch that loses half to a disc", trace_batch, &clipping, MANY, near);

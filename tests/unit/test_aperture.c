@@ -295,6 +295,9 @@ static void test_ends_of_the_range(void **state)
     assert_true(clips(&i, 0, 0) && clips(&i, 1e300, 1e300));
     i.obscuring = false;
     assert_true(!clips(&i, 0, 0) && !clips(&i, 1e300, 1e300));
+    i = (sgt_aperture_item){.shape = SGT_ANNULUS, .radius = 1, .centre = {2, 1}, .obscuring = true};
+    assert_true(clips(&i, 2, 1) && clips(&i, 2.5, 1) && !clips(&i, 3, 1)); /* without a hole: a disc */
+    i = (sgt_aperture_item){.shape = SGT_CIRCLE};
     for (int e = -1060; e <= 1022; e += 2) {
         double r = ldexp(1, e);
         sgt_aperture_item ring = {.shape = SGT_ANNULUS, .radius = r, .inner = r / 2};

@@ -8,6 +8,7 @@ exit_status command_intersect(int argc, char *argv[]);
 exit_status command_trace(int argc, char *argv[]);
 exit_status command_diagnose(int argc, char *argv[]);
 exit_status command_trade(int argc, char *argv[]);
+exit_status command_info(int argc, char *argv[]);
 exit_status command_import(int argc, char *argv[]);
 
 #endif

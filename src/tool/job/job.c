@@ -91,22 +91,36 @@ sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray)
                      .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
 }
 
-/* Sets the lens at each wavelength that is asked for. */
-static void read_wavelengths(job *j, const job_options *o, sgt_lens *of)
+lens_list job_lenses(const job_options *o)
 {
+    if (!o->several && (o->all_wavelengths || o->wavelengths > 1))
+        fail_usage("--wavelength: give one wavelength");
+    if (o->all_wavelengths && o->wavelengths) fail_usage("give --wavelength all, or single ones, not both");
+    if (o->strict) lens_be_strict();
+    sgt_lens *of = lens_open(o->lens);
     const lens_wavelength primary = {.um = (double)NAN};
-    j->wavelengths = o->all_wavelengths ? of->wavelengths : o->wavelengths ? o->wavelengths : 1;
-    j->at = memory_take(j->wavelengths, sizeof *j->at);
-    for (size_t c = 0; c < j->wavelengths; c++) {
-        lens_wavelength at = o->all_wavelengths ? (lens_wavelength){.place = c + 1}
-                             : o->wavelengths   ? o->wavelength[c]
-                                                : primary;
-        lens l = lens_at(of, at);
-        sgt_element *element = memory_take(l.count, sizeof *element);
-        memcpy(element, l.element, l.count * sizeof *element);
-        for (size_t i = 0; o->no_apertures && i < l.count; i++)
+    lens_list all = {.count = o->all_wavelengths ? of->wavelengths : o->wavelengths ? o->wavelengths : 1};
+    all.lens = memory_take(all.count, sizeof *all.lens);
+    for (size_t i = 0; i < all.count; i++)
+        all.lens[i] = lens_at(of, o->all_wavelengths ? (lens_wavelength){.place = i + 1}
+                                  : o->wavelengths   ? o->wavelength[i]
+                                                     : primary);
+    return all;
+}
+
+/* Sets the lens at each wavelength, with its elements. */
+static void read_wavelengths(job *j, const job_options *o)
+{
+    lens_list all = job_lenses(o);
+    j->wavelengths = all.count;
+    j->at = memory_take(all.count, sizeof *j->at);
+    for (size_t c = 0; c < all.count; c++) {
+        const lens *l = &all.lens[c];
+        sgt_element *element = memory_take(l->count, sizeof *element);
+        memcpy(element, l->element, l->count * sizeof *element);
+        for (size_t i = 0; o->no_apertures && i < l->count; i++)
             element[i].semi_diameter = 0, element[i].aperture = NULL;
-        j->at[c] = (job_lens){l, element};
+        j->at[c] = (job_lens){*l, element};
     }
     j->lens = j->at[0].lens, j->element = j->at[0].element;
 }
@@ -116,12 +130,8 @@ job job_read(const job_options *o)
     if (o->fan && o->grid) fail_usage("give --fan or --grid, not both");
     if (o->rays && (o->fields || o->fan || o->grid))
         fail_usage("give --rays, or --field with --fan or --grid, not both");
-    if (!o->several && (o->all_wavelengths || o->wavelengths > 1))
-        fail_usage("--wavelength: give one wavelength");
-    if (o->all_wavelengths && o->wavelengths) fail_usage("give --wavelength all, or single ones, not both");
-    if (o->strict) lens_be_strict();
     job j = {.wavelengths = 0};
-    read_wavelengths(&j, o, lens_open(o->lens));
+    read_wavelengths(&j, o);
     if (o->rays) {
         j.rays.threads = o->threads;
         rays_read(&j.rays, o->rays, o->skip_bad);
@@ -134,8 +144,10 @@ job job_read(const job_options *o)
     j.field_kind = o->fields ? SGT_FIELD_ANGLE : j.lens.of->field_kind;
     pupil_pattern pattern = o->grid ? PUPIL_GRID : PUPIL_FAN;
     long n = o->grid ? o->grid : o->fan ? o->fan : FAN_DEFAULT;
+    const lens launching = lens_for_launch(&j.lens);
+    const sgt_first_order data = launch_data(&launching);
     for (size_t f = 0; f < j.fields; f++)
-        launch_field(&j.rays, &j.lens, f, j.field_kind, j.field[f], pattern, n);
+        launch_field(&j.rays, &launching, &data, f, j.field_kind, j.field[f], pattern, n);
     if (!j.rays.count)
         fail_usage("--grid %ld: no ray lies inside the pupil's circle; use 1, or 3 or more", n);
     return j;

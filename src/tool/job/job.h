@@ -57,6 +57,10 @@ typedef struct job {
 /* The whole line of a ray, from -infinity to infinity, in an element's own frame. */
 sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray);
 
+/* The lens at each wavelength that is asked for. */
+typedef struct lens_list { size_t count; lens *lens; } lens_list;
+lens_list job_lenses(const job_options *o);
+
 /* Reads the lens and the rays.  Any error ends the command. */
 job job_read(const job_options *o);
 

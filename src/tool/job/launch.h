@@ -11,7 +11,10 @@ typedef enum pupil_pattern {
 
 /* Adds the rays of a field, the field-th, to the list.  If the lens gives no pupil the command ends, and the
  * message names the key. */
-void launch_field(ray_list *list, const lens *l, size_t field, sgt_field_kind kind, sgt_lens_field at,
-                  pupil_pattern pattern, long n);
+void launch_field(ray_list *list, const lens *l, const sgt_first_order *data, size_t field,
+                  sgt_field_kind kind, sgt_lens_field at, pupil_pattern pattern, long n);
+
+/* What launch_field needs of the lens. */
+sgt_first_order launch_data(const lens *l);
 
 #endif

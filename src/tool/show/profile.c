@@ -1,15 +1,9 @@
-/* profile.c - sag and vertex curvature of any surface that has them.
+/* profile.c - the shape of an element, found by asking the library.
  *
  * A sag is recognised by its gradient.  For F = z - s(x, y), dF/dz is exactly 1 at every z.  For bodies and
  * level sets it is not, at the two points of the axis that are tried.
  *
  * The sag is where a line parallel to z meets the surface.
- *
- * The curvature C: on the surface, the slope of the section is s'(y) = -F_y / F_z, and s'(y) = C y + O(y^3).
- * So the gradient at y = h gives C = -F_y / (F_z h), to a relative (C h)^2 and to rounding (the gradient is
- * computed by its formula, not by differences).  On an even asphere that is c + 2 a_1, as it should be.  If a
- * surface offers its second derivative, C = -F_yy at the vertex.  The gradient at y = h then says whether
- * there is a vertex: on a cone, or where the normal is not along z, it is not C h.
  *
  * THE SECTION of a surface that is not a sag: its extent in z is found by lines parallel to z.  F is computed
  * on a square net over this extent.  In each cell where F has both signs at the corners, a stroke goes from
@@ -19,9 +13,6 @@
 #include "../base/memory.h"
 
 #include <math.h>
-
-/* of C; of the slope at y = h, h being 2^-30 of the aperture */
-static const double SMOOTH = 0x1p-10, FLAT = 0x1p-40;
 
 bool profile_is_sag(sgt_surface s)
 {
@@ -37,22 +28,6 @@ double profile_sag(const sgt_element *e, double x, double y)
     sgt_ray line = {.o = {x, y, 0}, .d = {0, 0, 1}, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
     sgt_hit hit = sgt_intersect(e->surface, line, &(sgt_options){.pick = SGT_NEAR_SEED});
     return hit.status > 0 ? hit.p.z : (double)NAN;
-}
-
-double profile_curvature(const sgt_element *e, double step)
-{
-    const sgt_surface s = e->surface;
-    if (!profile_is_sag(s)) return (double)NAN;
-    sgt_vec3 slope;
-    double f = s.ops->value(s.self, (sgt_vec3){0, step, 0}, &slope), c = -slope.y / (slope.z * step);
-    if (!isfinite(f) || !isfinite(c) || !s.ops->second) return isfinite(f) && isfinite(c) ? c : (double)NAN;
-    const double zero = 0;
-    double second[6], *to[6];
-    for (int i = 0; i < 6; i++) to[i] = &second[i];
-    s.ops->second(s.self, 1, (sgt_points){{&zero, &zero, &zero}}, to);
-    double at_vertex = -second[3];
-    return fabs(c - at_vertex) <= SMOOTH * fabs(at_vertex) || fabs(c - at_vertex) * step < FLAT ? at_vertex
-                                                                                                : (double)NAN;
 }
 
 enum { NET = 128, ROOTS = 16 };

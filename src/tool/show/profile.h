@@ -10,10 +10,6 @@ bool profile_is_sag(sgt_surface s);
 /* The z of the surface at x, y of its own frame, on the sheet of the vertex; NaN if there is none. */
 double profile_sag(const sgt_element *e, double x, double y);
 
-/* The curvature (1/length) of the section x = 0 at the vertex, from the gradient at y = step.  step must be
- * small against the radius.  NaN if there is none. */
-double profile_curvature(const sgt_element *e, double step);
-
 /* The section x = 0 of any other surface as short strokes, each from (0, y, z) to (0, y, z) in its own frame,
  * with |y| <= reach; or all of the surface if it has no clear aperture and is not much wider.  Parts smaller
  * than reach / 64 may be missing.  Returns how many strokes; *stroke lasts until the command ends. */

@@ -332,8 +332,9 @@ static const job *scan_lens(void)
     j->lens = lens_of_text("scan-lens", SCAN_LENS);
     j->element = j->lens.element;
     j->fields = j->lens.of->fields, j->field = j->lens.of->field;
+    const sgt_first_order data = launch_data(&j->lens);
     for (size_t f = 0; f < j->fields; f++)
-        launch_field(&j->rays, &j->lens, f, SGT_FIELD_ANGLE, j->field[f], PUPIL_GRID, GRID_DEFAULT);
+        launch_field(&j->rays, &j->lens, &data, f, SGT_FIELD_ANGLE, j->field[f], PUPIL_GRID, GRID_DEFAULT);
     return j;
 }
 

@@ -1,0 +1,368 @@
+/* first_order.c - paraxial data of a lens, and its Seidel sums.
+ *
+ * A RAY is (y, w) with w = n u.  A surface of power F = C (n' - n) takes w to w - y F, a
+ * thickness t takes y to y + t w / n.  Behind a mirror n changes its sign.  Both are linear, so
+ * two rays tell all: (1, 0) and (0, 1) at the first vertex.
+ *
+ * THE VERTEX CURVATURE of any sag F = z - s(x, y) is C = -F_y / (F_z h) at y = h, to a relative
+ * (C h)^2; h is so small that this is below rounding, and the gradient is the surface's formula,
+ * no difference.  If the surface has second derivatives, C is the one at the vertex, and the
+ * gradient only says whether there is a vertex: on a cone it is not C h.
+ *
+ * SEIDEL SUMS (Welford 1986, 8.2).  With A = n (u + y C), and a bar for the chief ray,
+ * H = A ybar - Abar y, and D(x) = x' - x,
+ *
+ *     S1 = -A^2 y D(u/n)     S2 = -A Abar y D(u/n)     S3 = -Abar^2 y D(u/n)
+ *     S4 = -H^2 C D(1/n)     S5 = Abar/A (S3 + S4)
+ *
+ * and as D(u/n) = A D(1/n^2) - y C D(1/n), A can be divided out of the last:
+ *
+ *     S5 = Abar (-Abar^2 y D(1/n^2) - ybar (A ybar - 2 Abar y) C D(1/n)).
+ *
+ * A surface z = C r^2/2 + (C^3/8 + g) r^4 + ... adds 8 g D(n) y^4 to S1, and to S2, S3, S5 the
+ * same with one, two, three of the y replaced by ybar.  Colour: A y D(dn/n), Abar y D(dn/n). */
+#include "lens.h"
+
+#include "reader.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double SMOOTH = 0x1p-10, FLAT = 0x1p-40; /* of C; of the slope at y = h */
+static const double AT_INFINITY = 0x1p-40;            /* a height below this is rounding: it began as 1 */
+static const double RADIAN = 0.017453292519943295;    /* pi / 180 */
+
+/* NaN: there is no vertex, or its normal is not along z. */
+static double vertex_curvature(sgt_surface s, double h)
+{
+    sgt_vec3 low, high, slope;
+    s.ops->value(s.self, (sgt_vec3){0, 0, 0}, &low);
+    s.ops->value(s.self, (sgt_vec3){0, 0, 1}, &high);
+    if (low.z != 1 || high.z != 1) return (double)NAN; /* no sag */
+    double f = s.ops->value(s.self, (sgt_vec3){0, h, 0}, &slope), c = -slope.y / (slope.z * h);
+    if (!isfinite(f) || !isfinite(c)) return (double)NAN;
+    if (!s.ops->second) return c;
+    const double zero = 0;
+    double second[6], *to[6];
+    for (int i = 0; i < 6; i++) to[i] = &second[i];
+    s.ops->second(s.self, 1, (sgt_points){{&zero, &zero, &zero}}, to);
+    double vertex = -second[3];
+    return fabs(c - vertex) <= SMOOTH * fabs(vertex) || fabs(c - vertex) * h < FLAT ? vertex : (double)NAN;
+}
+
+/* A surface as paraxial rays meet it. */
+typedef struct vertex { double z, c, n, power; } vertex; /* n: behind it, with sign */
+
+typedef struct paraxial {
+    const sgt_lens *lens;
+    double before;        /* the index in front */
+    size_t last;          /* the place of the image */
+    vertex *at;           /* [lens->count] */
+} paraxial;
+
+typedef struct beam_ray { double y, w, n, z; } beam_ray;
+
+static void go_to(beam_ray *r, double z)
+{
+    r->y += (z - r->z) * r->w / r->n;
+    r->z = z;
+}
+
+/* From the first vertex through the surfaces first ... end - 1. */
+static void go_through(const paraxial *p, beam_ray *r, size_t first, size_t end)
+{
+    for (size_t i = first; i < end; i++) {
+        const vertex *v = &p->at[i];
+        go_to(r, v->z);
+        r->w -= r->y * v->power, r->n = v->n;
+    }
+}
+
+static beam_ray ray_at_first(const paraxial *p, double y, double w)
+{
+    return (beam_ray){y, w, p->before, p->at[0].z};
+}
+
+static beam_ray at_image(const paraxial *p, double y, double w)
+{
+    beam_ray r = ray_at_first(p, y, w);
+    go_through(p, &r, 0, p->last);
+    go_to(&r, p->at[p->last].z);
+    return r;
+}
+
+static double at_stop(const paraxial *p, double y, double w)
+{
+    beam_ray r = ray_at_first(p, y, w);
+    go_through(p, &r, 0, p->lens->stop);
+    go_to(&r, p->at[p->lens->stop].z);
+    return r.y;
+}
+
+/* Where a ray crosses the axis, from where it is. */
+static double crossing(const beam_ray *r) { return r->w == 0 ? (double)NAN : -r->y * r->n / r->w; }
+
+/* --------------------------------------------------------------- the pupil */
+
+/* The semi-diameter of the entrance pupil; p.entrance_pupil and the power are known. */
+static double entrance_radius(const paraxial *p, const sgt_first_order *o)
+{
+    const sgt_lens *l = p->lens;
+    const double d = l->object_distance, size = l->pupil_size, pupil = o->entrance_pupil;
+    double slope = (double)NAN;
+    switch (l->pupil) {
+    case SGT_PUPIL_NONE: return (double)NAN;
+    case SGT_PUPIL_RADIUS: return size;
+    case SGT_PUPIL_F_NUMBER: return fabs(o->efl) / (2 * size);
+    case SGT_PUPIL_WORKING_F_NUMBER:
+        if (!isfinite(d)) return fabs(o->efl) / (2 * size);
+        slope = 1 / (2 * size * fabs(at_image(p, d, p->before).w));
+        break;
+    case SGT_PUPIL_OBJECT_NA: slope = tan(asin(size / p->before)); break;
+    case SGT_PUPIL_OBJECT_ANGLE: slope = tan(size * RADIAN); break;
+    case SGT_PUPIL_STOP_SIZE: return l->surface[l->stop].size / fabs(at_stop(p, 1, 0));
+    }
+    return isfinite(d) ? slope * fabs(d + pupil) : (double)NAN;
+}
+
+/* The marginal ray at the first vertex: toward the edge of the entrance pupil. */
+static beam_ray marginal_ray(const paraxial *p, const sgt_first_order *o)
+{
+    const double d = p->lens->object_distance;
+    if (!isfinite(d)) return ray_at_first(p, o->entrance_radius, 0);
+    double u = o->entrance_radius / (d + o->entrance_pupil);
+    return ray_at_first(p, d * u, p->before * u);
+}
+
+/* The slope in object space of the chief ray of the field that is farthest from the axis. */
+static double chief_slope(const paraxial *p, const sgt_first_order *o)
+{
+    const sgt_lens *l = p->lens;
+    double most = 0;
+    for (size_t i = 0; i < l->fields; i++) {
+        double x = l->field[i].x, y = l->field[i].y;
+        if (l->field_kind == SGT_FIELD_ANGLE) x = tan(x * RADIAN), y = tan(y * RADIAN);
+        most = fmax(most, hypot(x, y));
+    }
+    bool finite = isfinite(l->object_distance);
+    switch (l->field_kind) {
+    case SGT_FIELD_ANGLE: return most;
+    case SGT_FIELD_OBJECT_HEIGHT: return most / (l->object_distance + o->entrance_pupil);
+    case SGT_FIELD_PARAXIAL_IMAGE_HEIGHT:
+    case SGT_FIELD_REAL_IMAGE_HEIGHT: break;
+    }
+    return finite ? most / fabs(o->magnification) / (l->object_distance + o->entrance_pupil)
+                  : most * fabs(o->power) / p->before;
+}
+
+/* ----------------------------------------------------------------- together */
+
+static void set_pupils(const paraxial *p, sgt_first_order *o)
+{
+    const sgt_lens *l = p->lens;
+    double a = at_stop(p, 1, 0), b = at_stop(p, 0, p->before);
+    o->entrance_pupil = fabs(a) > AT_INFINITY ? b / a : (double)NAN;
+    if (!isnan(l->pupil_distance)) o->entrance_pupil = l->pupil_distance;
+    o->entrance_radius = entrance_radius(p, o);
+
+    beam_ray chief = {0, 1, p->before, p->at[l->stop].z}, marginal = marginal_ray(p, o);
+    if (l->stop > 0) chief.n = p->at[l->stop - 1].n;
+    chief.w = chief.n;
+    go_through(p, &chief, l->stop, p->last);
+    go_to(&chief, p->at[p->last].z);
+    o->exit_pupil = l->stop < p->last ? crossing(&chief) : (double)NAN;
+    beam_ray end = at_image(p, marginal.y, marginal.w);
+    o->stop_radius = fabs(at_stop(p, marginal.y, marginal.w));
+    o->exit_radius = fabs(end.y + o->exit_pupil * end.w / end.n);
+    o->working_f_number = end.w == 0 ? (double)NAN : 1 / (2 * fabs(end.w));
+    o->f_number = fabs(o->efl) / (2 * o->entrance_radius);
+}
+
+static void set_points(const paraxial *p, sgt_first_order *o)
+{
+    const double d = p->lens->object_distance, image_z = p->at[p->last].z;
+    beam_ray from_afar = at_image(p, 1, 0), other = at_image(p, 0, 1);
+    const double n = p->before, behind = from_afar.n;
+    o->power = -from_afar.w;
+    bool afocal = o->power == 0;
+    const double none = (double)NAN, reciprocal = afocal ? none : 1 / o->power;
+    o->efl = reciprocal, o->efl_image = fabs(behind) * reciprocal;
+    o->focus = afocal ? none : crossing(&from_afar);
+    o->bfd = o->focus + image_z - (p->last ? p->at[p->last - 1].z : image_z);
+    o->ffd = -other.w * n * reciprocal;
+    o->front_principal = o->ffd + n * reciprocal, o->rear_principal = o->focus - behind * reciprocal;
+    o->front_nodal = o->ffd + behind * reciprocal, o->rear_nodal = o->focus - n * reciprocal;
+    o->image = o->focus, o->magnification = none;
+    if (!isfinite(d)) return;
+    beam_ray axial = at_image(p, d, n);
+    o->image = crossing(&axial);
+    o->magnification = axial.w == 0 ? none : n / axial.w;
+}
+
+static void set_field(const paraxial *p, sgt_first_order *o)
+{
+    double slope = chief_slope(p, o), sum = 0, n = p->before;
+    beam_ray marginal = marginal_ray(p, o);
+    bool finite = isfinite(p->lens->object_distance);
+    o->image_height = finite ? fabs(slope * (p->lens->object_distance + o->entrance_pupil) * o->magnification)
+                             : fabs(slope * n * o->efl);
+    double ybar = -o->entrance_pupil * slope, wbar = n * slope;
+    o->lagrange = marginal.w * ybar - wbar * marginal.y;
+    for (size_t i = 0; i < p->last; i++) {
+        sum += p->at[i].power / (n * p->at[i].n);
+        n = p->at[i].n;
+    }
+    o->petzval = sum == 0 ? (double)NAN : -1 / (n * sum);
+}
+
+/* -------------------------------------------------------------- Seidel sums */
+
+/* g of the head: how far the r^4 of a surface is from that of the sphere of its vertex curvature.  false: the
+ * surface has no such symmetry, or is not known to. */
+static bool fourth_order(const sgt_lens *l, size_t i, double c, double *g)
+{
+    const sgt_surface s = l->element[i].surface;
+    const char *type = l->surface[i].type;
+    *g = 0;
+    if (s.ops == &sgt_conic_ops) {
+        const sgt_conic *conic = s.self;
+        *g = conic->k * c * c * c / 8;
+        return true;
+    }
+    if (s.ops == &sgt_asphere_ops) {
+        const sgt_asphere *a = s.self;
+        *g = ((1 + a->k) * a->c * a->c * a->c - c * c * c) / 8 + a->a[1];
+        return true;
+    }
+    return strcmp(type, "ideal") == 0;
+}
+
+static const char *lacks_symmetry(const sgt_lens *l)
+{
+    for (size_t i = 0; i < l->count; i++) {
+        const sgt_lens_surface *s = &l->surface[i];
+        const sgt_pose *pose = &l->element[i].pose;
+        bool turned = pose->ex.x != 0 || pose->ex.y != 0 || pose->ex.z != 0;
+        if (s->off_axis || s->folded || turned || pose->origin.x != 0 || pose->origin.y != 0)
+            return "the lens is not centred: a surface is tilted, decentred or behind a break";
+    }
+    return NULL;
+}
+
+static const char *set_seidel(const paraxial *p, const sgt_first_order *o, const double dn[],
+                              sgt_seidel seidel[])
+{
+    const sgt_lens *l = p->lens;
+    const char *lacks = lacks_symmetry(l);
+    if (lacks) return lacks;
+    if (o->without_vertex) return "a surface has no vertex curvature";
+    if (isnan(o->lagrange)) return "the pupil or the fields are not known";
+    double slope = chief_slope(p, o);
+    beam_ray ray = marginal_ray(p, o), chief = ray_at_first(p, -o->entrance_pupil * slope, p->before * slope);
+    for (size_t i = 0; i <= p->last; i++) {
+        const vertex *v = &p->at[i];
+        double n = ray.n, g;
+        go_to(&ray, v->z), go_to(&chief, v->z);
+        if (!fourth_order(l, i, v->c, &g)) return "a surface is not a plane, sphere, conic or even asphere";
+        double a = ray.w + n * ray.y * v->c, abar = chief.w + n * chief.y * v->c, y = ray.y, ybar = chief.y;
+        double u = ray.w / n, h = a * ybar - abar * y, m = i < p->last ? v->n : n;
+        go_through(p, &ray, i, i + (i < p->last)), go_through(p, &chief, i, i + (i < p->last));
+        double by_n = 1 / m - 1 / n, by_n2 = 1 / (m * m) - 1 / (n * n), slopes = ray.w / (m * m) - u / n;
+        double aspheric = 8 * g * (m - n), colour = dn[i + 1] / m - dn[i] / n;
+        seidel[i] = (sgt_seidel){
+            .spherical = -a * a * y * slopes + aspheric * y * y * y * y,
+            .coma = -a * abar * y * slopes + aspheric * y * y * y * ybar,
+            .astigmatism = -abar * abar * y * slopes + aspheric * y * y * ybar * ybar,
+            .petzval = -h * h * v->c * by_n,
+            .distortion = abar * (-abar * abar * y * by_n2 - ybar * (a * ybar - 2 * abar * y) * v->c * by_n) +
+                          aspheric * y * ybar * ybar * ybar,
+            .chromatic = {a * y * colour, abar * y * colour},
+        };
+        if (i == p->last) seidel[i] = (sgt_seidel){0};
+    }
+    return NULL;
+}
+
+/* The change of the index of each medium, from in front on, over the wavelengths of the file; with the sign
+ * of the index. */
+static void set_changes(const paraxial *p, sgt_element e[], double dn[])
+{
+    const sgt_lens *l = p->lens;
+    double least = HUGE_VAL, most = 0, before[2] = {0};
+    for (size_t i = 0; l->wavelength && i < l->wavelengths; i++)
+        least = fmin(least, l->wavelength[i]), most = fmax(most, l->wavelength[i]);
+    for (size_t i = 0; i <= l->count; i++) dn[i] = 0;
+    for (int k = 0; k < 2 && most > 0; k++) {
+        if (!sgt_lens_at(l, k ? most : least, e, &before[k], NULL)) {
+            for (size_t i = 0; i <= l->count; i++) dn[i] = (double)NAN;
+            return;
+        }
+        double index = before[k], sign = 1;
+        dn[0] += (k ? -1 : 1) * index;
+        for (size_t i = 0; i < l->count; i++) {
+            if (e[i].index == SGT_MIRROR) sign = -sign;
+            else if (e[i].index != 0) index = e[i].index;
+            dn[i + 1] += (k ? -1 : 1) * sign * index;
+        }
+    }
+}
+
+/* ---------------------------------------------------------------- the whole */
+
+/* An element without a vertex has the power NaN, and so has what depends on it. */
+static bool set_vertices(paraxial *p, sgt_element e[], double um, size_t *without_vertex,
+                         sgt_lens_error *error)
+{
+    const sgt_lens *l = p->lens;
+    if (!sgt_lens_at(l, um, e, &p->before, error)) return false;
+    double n = p->before, sign = 1;
+    for (size_t i = 0; i < l->count; i++) {
+        vertex *v = &p->at[i];
+        v->z = l->surface[i].z;
+        double size = l->surface[i].size > 0 && l->surface[i].size < 1e100 ? l->surface[i].size : 0x1p-10;
+        double focal_length = l->surface[i].focal_length;
+        v->c = focal_length != 0 ? 0 : vertex_curvature(e[i].surface, size * 0x1p-30);
+        if (e[i].index == SGT_MIRROR) sign = -sign;
+        v->n = e[i].index == SGT_MIRROR ? -n : copysign(e[i].index, sign);
+        v->power = focal_length != 0 ? 1 / focal_length : v->c * (v->n - n);
+        if (l->surface[i].off_axis) v->c = v->power = (double)NAN;
+        if (isnan(v->c) && i < p->last && !*without_vertex) *without_vertex = i + 1;
+        n = v->n;
+    }
+    return true;
+}
+
+bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_order *out, sgt_seidel seidel[],
+                          const char **why_not, sgt_lens_error *error)
+{
+    const whole_lens *w = (const void *)lens;
+    const sgt_allocator *a = &w->memory.allocator;
+    sgt_lens_error unread;
+    reader r = {.file = lens->file, .error = error ? error : &unread};
+    if (isnan(um) && lens->wavelength) um = lens->wavelength[lens->primary];
+    struct room { vertex *at; sgt_element *element; double *dn; } room;
+    room.at = a->resize(a->context, NULL, lens->count * sizeof *room.at);
+    room.element = a->resize(a->context, NULL, lens->count * sizeof *room.element);
+    room.dn = a->resize(a->context, NULL, (lens->count + 1) * sizeof *room.dn);
+    paraxial p = {.lens = lens, .last = lens->count - 1, .at = room.at};
+    bool fine = room.at && room.element && room.dn;
+    if (!fine) sgt_reader_fail(&r, 0, "", "no memory");
+    *out = (sgt_first_order){.wavelength = um};
+    fine = fine && set_vertices(&p, room.element, um, &out->without_vertex, r.error);
+    if (fine) {
+        set_points(&p, out);
+        set_pupils(&p, out);
+        set_field(&p, out);
+        if (seidel) set_changes(&p, room.element, room.dn);
+        const char *lacks = seidel ? set_seidel(&p, out, room.dn, seidel) : NULL;
+        const double none = (double)NAN;
+        for (size_t i = 0; lacks && i < lens->count; i++)
+            seidel[i] = (sgt_seidel){none, none, none, none, none, {none, none}};
+        if (why_not) *why_not = lacks;
+    }
+    if (room.at) a->resize(a->context, room.at, 0);
+    if (room.element) a->resize(a->context, room.element, 0);
+    if (room.dn) a->resize(a->context, room.dn, 0);
+    return fine;
+}
