@@ -526,7 +526,8 @@ def test_glass_codes():
             compare(f'{what}: GLAS {glass} at {um}', data, launch)
     # Pickups: of a surface in front and behind, of a model, along a chain, over mirrors.
     data = zmx(FAR, surf(glass=glas('N-BK7'), **curved), surf(t=1.0),
-               surf(glass=glas('___BLANK', 2, 1), **curved), surf(t=1.0), surf(glass=glas('F2', 2, 7), **curved),
+               surf(glass=glas('___BLANK', 2, 1), **curved), surf(t=1.0),
+               surf(glass=glas('F2', 2, 7), **curved),
                surf(t=1.0),
                surf(glass=glas('___BLANK', 1, 0, 1.65, 33.8), **curved), surf(t=1.0),
                surf(glass=glas('STALE', 2, 5), c=-0.01, t=1.0), surf(t=3.0), IMAGE)
