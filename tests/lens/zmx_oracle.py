@@ -277,6 +277,12 @@ class Surface:
             else:
                 self.after = moved
 
+    def without(self, keyword):
+        """Takes the apertures of this keyword away; how many there were."""
+        before = len(self.apertures)
+        self.apertures = [a for a in self.apertures if a[0] != keyword]
+        return before - len(self.apertures)
+
     def stops(self, x, y):
         """True, False, or None where a hair decides."""
         x, y = float(x) - self.centre[0], float(y) - self.centre[1]
