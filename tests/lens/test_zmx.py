@@ -385,11 +385,11 @@ def test_types_mixed():
 
 # ------------------------------------------------------------------ breaks
 
-def coordinate_break(generator, amount=1.0, order=None, t=None):
+def coordinate_break(generator, amount=1.0, order=None, tilt=25):
     u = generator.uniform
     order = generator.choice((0, 1)) if order is None else order
-    return surf('COORDBRK', t=u(-2, 2) * amount if t is None else t,
-                parm=[u(-1, 1) * amount, u(-1, 1) * amount, *(u(-25, 25) * amount for _ in range(3)), order])
+    return surf('COORDBRK', t=u(-2, 2) * amount,
+                parm=[u(-1, 1) * amount, u(-1, 1) * amount, *(u(-tilt, tilt) * amount for _ in range(3)), order])
 
 
 def test_breaks():
@@ -397,12 +397,12 @@ def test_breaks():
     generator = random.Random(f'{SEED} breaks')
     for order in (0, 1, 2, -1):
         for trial in range(several(2)):
-            def b(**how):
-                return coordinate_break(generator, order=order, **how)
+            def b(tilt=12):  # five of 25 degrees would leave rays along the surfaces
+                return coordinate_break(generator, order=order, tilt=tilt)
             data = zmx(FAR, surf(t=3.0), b(), surf(c=0.02, t=4.0, glass=glas('N-BK7')), b(),
                        surf(c=-0.02, t=5.0), b(), b(), surf(c=-0.01, t=-6.0, glass=MIRROR), b(), IMAGE)
             compare(f'order {order}, lens {trial}', data, launches(generator, 8, 1.0))
-            data = zmx(FAR, b(), b(), surf(t=3.0), surf(c=0.01, t=2.0), IMAGE)
+            data = zmx(FAR, b(25), b(25), surf(t=3.0), surf(c=0.01, t=2.0), IMAGE)
             compare(f'order {order}, a break in front of all, {trial}', data, launches(generator, 8, 1.0))
 
 
