@@ -330,6 +330,8 @@ SGT_API const char *sgt_lens_yaml(sgt_lens *lens, size_t *length);
  * image; it has no power.  After a mirror n is negative, and distances along z keep their
  * signs (Welford 1986, Aberrations of Optical Systems, 3.2, 3.3; Seidel sums 8.2 to 8.4).
  *
+ * The entrance pupil is that of the primary wavelength, at all wavelengths alike.
+ *
  * NaN is "there is none": the focal length of an afocal system, a pupil at infinity. */
 typedef struct sgt_first_order {
     double wavelength;          /* um, or NaN */

@@ -158,13 +158,15 @@ static double chief_slope(const paraxial *p, const sgt_first_order *o)
 
 /* ----------------------------------------------------------------- together */
 
-static void set_pupils(const paraxial *p, sgt_first_order *o)
+/* The entrance pupil is that of the primary wavelength at every other, too: `primary`, or NULL if this is it. */
+static void set_pupils(const paraxial *p, const sgt_first_order *primary, sgt_first_order *o)
 {
     const sgt_lens *l = p->lens;
     double a = at_stop(p, 1, 0), b = at_stop(p, 0, p->before);
     o->entrance_pupil = fabs(a) > AT_INFINITY ? b / a : (double)NAN;
     if (!isnan(l->pupil_distance)) o->entrance_pupil = l->pupil_distance;
-    o->entrance_radius = entrance_radius(p, o);
+    if (primary) o->entrance_pupil = primary->entrance_pupil;
+    o->entrance_radius = primary ? primary->entrance_radius : entrance_radius(p, o);
 
     beam_ray chief = {0, 1, p->before, p->at[l->stop].z}, marginal = marginal_ray(p, o);
     if (l->stop > 0) chief.n = p->at[l->stop - 1].n;
@@ -333,14 +335,13 @@ static bool set_vertices(paraxial *p, sgt_element e[], double um, size_t *withou
     return true;
 }
 
-bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_order *out, sgt_seidel seidel[],
-                          const char **why_not, sgt_lens_error *error)
+/* At um, with the pupil of `primary` (NULL: its own). */
+static bool first_order_at(const whole_lens *w, double um, const sgt_first_order *primary, sgt_first_order *out,
+                           sgt_seidel seidel[], const char **why_not, sgt_lens_error *error)
 {
-    const whole_lens *w = (const void *)lens;
+    const sgt_lens *lens = &w->lens;
     const sgt_allocator *a = &w->memory.allocator;
-    sgt_lens_error unread;
-    reader r = {.file = lens->file, .error = error ? error : &unread};
-    if (isnan(um) && lens->wavelength) um = lens->wavelength[lens->primary];
+    reader r = {.file = lens->file, .error = error};
     struct room { vertex *at; sgt_element *element; double *dn; } room;
     room.at = a->resize(a->context, NULL, lens->count * sizeof *room.at);
     room.element = a->resize(a->context, NULL, lens->count * sizeof *room.element);
@@ -349,10 +350,10 @@ bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_order *out,
     bool fine = room.at && room.element && room.dn;
     if (!fine) sgt_reader_fail(&r, 0, "", "no memory");
     *out = (sgt_first_order){.wavelength = um};
-    fine = fine && set_vertices(&p, room.element, um, &out->without_vertex, r.error);
+    fine = fine && set_vertices(&p, room.element, um, &out->without_vertex, error);
     if (fine) {
         set_points(&p, out);
-        set_pupils(&p, out);
+        set_pupils(&p, primary, out);
         set_field(&p, out);
         if (seidel) set_changes(&p, room.element, room.dn);
         const char *lacks = seidel ? set_seidel(&p, out, room.dn, seidel) : NULL;
@@ -365,4 +366,18 @@ bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_order *out,
     if (room.element) a->resize(a->context, room.element, 0);
     if (room.dn) a->resize(a->context, room.dn, 0);
     return fine;
+}
+
+bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_order *out, sgt_seidel seidel[],
+                          const char **why_not, sgt_lens_error *error)
+{
+    const whole_lens *w = (const void *)lens;
+    sgt_lens_error unread;
+    sgt_first_order primary;
+    if (!error) error = &unread;
+    const double reference = lens->wavelength ? lens->wavelength[lens->primary] : um;
+    if (isnan(um)) um = reference;
+    bool other = um != reference && !isnan(reference);
+    if (other && !first_order_at(w, reference, NULL, &primary, NULL, NULL, error)) return false;
+    return first_order_at(w, um, other ? &primary : NULL, out, seidel, why_not, error);
 }
