@@ -158,7 +158,8 @@ static double chief_slope(const paraxial *p, const sgt_first_order *o)
 
 /* ----------------------------------------------------------------- together */
 
-/* The entrance pupil is that of the primary wavelength at every other, too: `primary`, or NULL if this is it. */
+/* The entrance pupil is that of the primary wavelength at every other, too: `primary`, or NULL if this is
+ * it. */
 static void set_pupils(const paraxial *p, const sgt_first_order *primary, sgt_first_order *o)
 {
     const sgt_lens *l = p->lens;
@@ -336,8 +337,9 @@ static bool set_vertices(paraxial *p, sgt_element e[], double um, size_t *withou
 }
 
 /* At um, with the pupil of `primary` (NULL: its own). */
-static bool first_order_at(const whole_lens *w, double um, const sgt_first_order *primary, sgt_first_order *out,
-                           sgt_seidel seidel[], const char **why_not, sgt_lens_error *error)
+static bool first_order_at(const whole_lens *w, double um, const sgt_first_order *primary,
+                           sgt_first_order *out, sgt_seidel seidel[], const char **why_not,
+                           sgt_lens_error *error)
 {
     const sgt_lens *lens = &w->lens;
     const sgt_allocator *a = &w->memory.allocator;
