@@ -1,6 +1,7 @@
 /* aperture.c - the apertures of a surface from its list of maps. */
 #include "aperture.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -17,6 +18,7 @@ static const struct shape {
     {"polygon", SGT_POLYGON, "points"},
     {"spider", SGT_SPIDER, "arms, width, length"},
 };
+static const double FARTHEST = 0x1p500; /* of a centre or a point: system.h */
 enum { SHAPES = sizeof shapes / sizeof shapes[0], ARMS_MOST = 64 };
 
 static const struct shape *shape_of(source *s, const node *map)
@@ -46,6 +48,9 @@ static sgt_vec2 pair_of(source *s, const node *n, const char *key)
     if (n && (n->kind != NODE_LIST || n->count != 2))
         tree_fail(s, n->line, key, "must be two numbers, [x, y]");
     if (n) tree_read_numbers(s, n, key, 2, x);
+    for (int i = 0; i < 2; i++)
+        if (!(fabs(x[i]) <= FARTHEST))
+            tree_fail(s, n->line, key, "must be at most %.3g in magnitude, but is %g", FARTHEST, x[i]);
     return (sgt_vec2){x[0], x[1]};
 }
 
