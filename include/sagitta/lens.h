@@ -22,6 +22,7 @@
 #define SAGITTA_LENS_H
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
+#include <stdint.h>
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -376,6 +377,31 @@ typedef struct sgt_seidel {
 SGT_API bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_order *out,
                                   sgt_seidel seidel[], const char **why_not,
                                   sgt_lens_error *error);
+
+/* ---------------------------------------------------------- points of a pupil */
+
+typedef enum sgt_pattern {
+    SGT_PATTERN_FAN,       /* n points along y, from edge to edge; 1: the centre */
+    SGT_PATTERN_GRID,      /* of a square of n x n about the circle, those in it */
+    SGT_PATTERN_HEXAPOLAR, /* the centre and n rings, the j-th of 6 j points */
+    SGT_PATTERN_RANDOM,    /* n points, uniform over the area */
+    SGT_PATTERN_SOBOL      /* the first n of a sequence that fills the area evenly */
+} sgt_pattern;
+
+/* In the unit circle.  weight: for a mean over the area; all of a pattern add up to 1.
+ * (Of a fan they are equal: it has no area.) */
+typedef struct sgt_pupil_point { double x, y, weight; } sgt_pupil_point;
+
+/* Sets at[0 ... most - 1] to the first points of a pattern, and returns how many it has
+ * (so most = 0 asks for the number).  seed: of a random one; its i-th point depends on
+ * the seed and on i alone.  The bits are the same on every system.  Weights are those of
+ * the points that were set. */
+SGT_API size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t most,
+                                sgt_pupil_point at[]);
+
+/* Philox4x32-10 (Salmon et al. 2011): 128 random bits of a counter and a key. */
+SGT_API void sgt_philox(const uint32_t counter[4], const uint32_t key[2],
+                        uint32_t out[4]);
 
 #ifdef __cplusplus
 }

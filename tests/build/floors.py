@@ -124,7 +124,7 @@ def faults(tree):
             look(path, lambda kind, name: fault_in_client(folder, path, kind, name))
     for path in sources(tree / 'include'):
         look(path, lambda kind, name: None if kind == '<' and (
-            name in ('stdbool.h', 'stddef.h') or (path.name in ('fma.h', 'interval.h') and name in INLINE)
+            name in ('stdbool.h', 'stddef.h') or (path.name == 'lens.h' and name == 'stdint.h') or (path.name in ('fma.h', 'interval.h') and name in INLINE)
             or name[len('sagitta/'):] in PUBLIC)
             else 'a public header includes <stdbool.h>, <stddef.h> and <sagitta/...>')
     return found, seen

@@ -123,7 +123,7 @@ static void take_proofs(trade_options *o)
 /* Is there an option that only a lens has? */
 static bool is_of_lens(const job_options *j)
 {
-    return j->fields || j->fan || j->grid || j->wavelengths || j->all_wavelengths || j->glass || j->strict ||
+    return j->fields || j->points || j->wavelengths || j->all_wavelengths || j->glass || j->strict ||
            j->no_apertures;
 }
 

@@ -10,13 +10,30 @@
 #include <sagitta/lens.h>
 #include <string.h>
 
-enum { FAN_DEFAULT = 5, RAYS_MOST = 1000000000 };
+enum { RAYS_MOST = 1000000000, SIDE_MOST = 30000 };
+
+/* The patterns, and how many points each has without a number. */
+static const struct { const char *name; long points;
+} patterns[] = {
+    [SGT_PATTERN_FAN] = {"fan", 5},
+    [SGT_PATTERN_GRID] = {"grid", 11},
+    [SGT_PATTERN_HEXAPOLAR] = {"hexapolar", 6},
+    [SGT_PATTERN_RANDOM] = {"random", 100},
+    [SGT_PATTERN_SOBOL] = {"sobol", 128},
+};
+enum { PATTERNS = sizeof patterns / sizeof patterns[0] };
+static const char ONE_PATTERN[] = "give one of --fan, --grid, --hexapolar, --random, --sobol, --pattern";
 
 const char job_help[] =
     "  --field DEG        angle of a field in the y-z plane, in degrees; the chief ray of a positive\n"
-    "                     field climbs toward +y.  May be repeated.  Default: the fields of the lens\n"
+    "                     field climbs toward +y.  May be repeated.  Default, or all: the fields of\n"
+    "                     the lens\n"
     "  --fan N            N rays across the entrance pupil in y, from edge to edge (default 5)\n"
     "  --grid N           a square grid of N x N rays over the pupil, without those outside its circle\n"
+    "  --hexapolar N      the centre, and N rings of 6, 12, 18 ... rays\n"
+    "  --random N         N random rays, uniform over the area; --seed S (from 1; default 1) draws others\n"
+    "  --sobol N          N rays that fill the area evenly\n"
+    "  --pattern P        fan, grid, hexapolar, random or sobol, with a number of rays that suits\n"
     "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"
     "                     ox,oy,oz,dx,dy,dz and optionally id; FILE may be - for standard input\n"
     "  --skip-bad         skip bad rows of the file, and say how many\n"
@@ -62,19 +79,47 @@ static void take_wavelength(job_options *o)
     o->wavelength[o->wavelengths++] = wavelength_of(optarg);
 }
 
+/* --fan N and its like. */
+static void take_points(job_options *o, sgt_pattern pattern)
+{
+    long most = pattern == SGT_PATTERN_GRID || pattern == SGT_PATTERN_HEXAPOLAR ? SIDE_MOST : RAYS_MOST;
+    if (o->points) fail_usage("%s", ONE_PATTERN);
+    o->pattern = pattern;
+    o->points = options_integer(patterns[pattern].name, optarg, 1, most);
+}
+
+static void take_pattern(job_options *o)
+{
+    int i = 0;
+    if (o->points) fail_usage("%s", ONE_PATTERN);
+    while (i < PATTERNS && strcmp(optarg, patterns[i].name) != 0) i++;
+    if (i == PATTERNS)
+        fail_usage("--pattern must be fan, grid, hexapolar, random or sobol, not \"%s\"", optarg);
+    o->pattern = (sgt_pattern)i, o->points = patterns[i].points;
+}
+
+static void take_field(job_options *o)
+{
+    if (strcmp(optarg, "all") == 0) return; /* those of the lens: the default */
+    if (strchr(optarg, ','))
+        fail_usage("--field takes one angle, not %s; for several angles repeat --field", optarg);
+    o->field = memory_room(o->field, o->fields, &o->capacity, sizeof *o->field);
+    o->field[o->fields] = (sgt_lens_field){.y = options_number("field", optarg), .weight = 1};
+    if (!(fabs(o->field[o->fields++].y) < 90))
+        fail_usage("--field must be between -90 and 90 degrees, not %s", optarg);
+}
+
 bool job_take(job_options *o, int code)
 {
     switch (code) {
-    case JOB_FIELD:
-        if (strchr(optarg, ','))
-            fail_usage("--field takes one angle, not %s; for several angles repeat --field", optarg);
-        o->field = memory_room(o->field, o->fields, &o->capacity, sizeof *o->field);
-        o->field[o->fields] = (sgt_lens_field){.y = options_number("field", optarg), .weight = 1};
-        if (!(fabs(o->field[o->fields++].y) < 90))
-            fail_usage("--field must be between -90 and 90 degrees, not %s", optarg);
-        return true;
-    case JOB_FAN: o->fan = options_integer("fan", optarg, 1, RAYS_MOST); return true;
-    case JOB_GRID: o->grid = options_integer("grid", optarg, 1, RAYS_MOST); return true;
+    case JOB_FIELD: take_field(o); return true;
+    case JOB_FAN:
+    case JOB_GRID:
+    case JOB_HEXAPOLAR:
+    case JOB_RANDOM:
+    case JOB_SOBOL: take_points(o, (sgt_pattern)(code - JOB_FAN)); return true;
+    case JOB_PATTERN: take_pattern(o); return true;
+    case JOB_SEED: o->seed = options_integer("seed", optarg, 1, LONG_MAX); return true;
     case JOB_RAYS: o->rays = optarg; return true;
     case JOB_SKIP_BAD: o->skip_bad = true; return true;
     case JOB_WAVELENGTH: take_wavelength(o); return true;
@@ -127,9 +172,9 @@ static void read_wavelengths(job *j, const job_options *o)
 
 job job_read(const job_options *o)
 {
-    if (o->fan && o->grid) fail_usage("give --fan or --grid, not both");
-    if (o->rays && (o->fields || o->fan || o->grid))
-        fail_usage("give --rays, or --field with --fan or --grid, not both");
+    if (o->rays && (o->fields || o->points))
+        fail_usage("give --rays, or --field with --fan, --grid or another pattern, not both");
+    if (o->seed && o->pattern != SGT_PATTERN_RANDOM) fail_usage("--seed goes with --random N");
     job j = {.wavelengths = 0};
     read_wavelengths(&j, o);
     if (o->rays) {
@@ -142,12 +187,12 @@ job job_read(const job_options *o)
     j.field = o->fields ? o->field : j.lens.of->field;
     j.fields = o->fields ? o->fields : j.lens.of->fields;
     j.field_kind = o->fields ? SGT_FIELD_ANGLE : j.lens.of->field_kind;
-    pupil_pattern pattern = o->grid ? PUPIL_GRID : PUPIL_FAN;
-    long n = o->grid ? o->grid : o->fan ? o->fan : FAN_DEFAULT;
+    const long n = o->points ? o->points : patterns[SGT_PATTERN_FAN].points;
+    const launch_pattern points = launch_points(o->pattern, (size_t)n, o->seed ? (uint64_t)o->seed : 1);
     const lens launching = lens_for_launch(&j.lens);
     const sgt_first_order data = launch_data(&launching);
     for (size_t f = 0; f < j.fields; f++)
-        launch_field(&j.rays, &launching, &data, f, j.field_kind, j.field[f], pattern, n);
+        launch_field(&j.rays, &launching, &data, f, j.field_kind, j.field[f], &points);
     if (!j.rays.count)
         fail_usage("--grid %ld: no ray lies inside the pupil's circle; use 1, or 3 or more", n);
     return j;

@@ -9,7 +9,9 @@ typedef struct job_options {
     const char *lens, *rays;          /* files */
     sgt_lens_field *field;            /* --field, one after another */
     size_t fields, capacity;
-    long fan, grid;                   /* 0: not given */
+    long points;                      /* --fan N and its like; 0: not given */
+    sgt_pattern pattern;              /* then */
+    long seed;                        /* of --random; 0: not given */
     lens_wavelength *wavelength;      /* --wavelength, one after another */
     size_t wavelengths, wavelength_capacity;
     bool all_wavelengths;             /* --wavelength all */
@@ -19,8 +21,20 @@ typedef struct job_options {
 } job_options;
 
 enum {
-    JOB_FIELD = OPTION_OWN, JOB_FAN, JOB_GRID, JOB_RAYS, JOB_SKIP_BAD, JOB_WAVELENGTH, JOB_NO_APERTURES,
-    JOB_GLASS, JOB_STRICT,
+    JOB_FIELD = OPTION_OWN,
+    JOB_FAN,
+    JOB_GRID,
+    JOB_HEXAPOLAR,
+    JOB_RANDOM,
+    JOB_SOBOL,
+    JOB_PATTERN,
+    JOB_SEED,
+    JOB_RAYS,
+    JOB_SKIP_BAD,
+    JOB_WAVELENGTH,
+    JOB_NO_APERTURES,
+    JOB_GLASS,
+    JOB_STRICT,
     OPTION_AFTER_JOB
 };
 
@@ -28,6 +42,12 @@ enum {
     {"field", required_argument, NULL, JOB_FIELD},              \
     {"fan", required_argument, NULL, JOB_FAN},                  \
     {"grid", required_argument, NULL, JOB_GRID},                \
+    {"hexapolar", required_argument, NULL, JOB_HEXAPOLAR},      \
+    {"random", required_argument, NULL, JOB_RANDOM},            \
+    {"sobol", required_argument, NULL, JOB_SOBOL},              \
+    {"pattern", required_argument, NULL, JOB_PATTERN},          \
+    {"seed", required_argument, NULL, JOB_SEED},                \
+    {"fields", required_argument, NULL, JOB_FIELD},             \
     {"rays", required_argument, NULL, JOB_RAYS},                \
     {"skip-bad", no_argument, NULL, JOB_SKIP_BAD},              \
     {"wavelength", required_argument, NULL, JOB_WAVELENGTH},    \

@@ -13,13 +13,13 @@
  * the pupil and of all surfaces. */
 #include "launch.h"
 
+#include "../base/memory.h"
 #include "../show/frame.h"
 #include "../show/profile.h"
 
 #include <math.h>
 
 static const double RADIAN = 0.017453292519943295; /* pi / 180 */
-static const double SOFT_EDGE = 1 + 0x1p-44;       /* of r^2, as for the library's rims */
 
 sgt_first_order launch_data(const lens *l)
 {
@@ -141,19 +141,22 @@ static sgt_ray ray_through(const beam *b, double x, double y)
     return (sgt_ray){.o = b->object, .d = {d.x / length, d.y / length, d.z / length}};
 }
 
+launch_pattern launch_points(sgt_pattern pattern, size_t n, uint64_t seed)
+{
+    size_t count = sgt_pupil_points(pattern, n, seed, 0, NULL);
+    sgt_pupil_point *at = memory_take(count, sizeof *at);
+    sgt_pupil_points(pattern, n, seed, count, at);
+    return (launch_pattern){count, at};
+}
+
 void launch_field(ray_list *list, const lens *l, const sgt_first_order *data, size_t field,
-                  sgt_field_kind kind, sgt_lens_field at, pupil_pattern pattern, long n)
+                  sgt_field_kind kind, sgt_lens_field at, const launch_pattern *points)
 {
     beam b = beam_of(l, data, kind, at);
     double a = b.radius;
-    /* quotients of whole numbers: the rays are symmetric to the last bit */
-    double last = n > 1 ? (double)(n - 1) : 1;
-    for (long i = 0; i < (pattern == PUPIL_GRID ? n : 1); i++)
-        for (long j = 0; j < n; j++) {
-            double x = pattern == PUPIL_GRID ? (double)(2 * i - (n - 1)) / last : 0;
-            double y = (double)(2 * j - (n - 1)) / last;
-            if (x * x + y * y > SOFT_EDGE) continue;
-            rays_add(list, (launch){.ray = ray_through(&b, a * x, a * y), .number = list->count,
-                                    .field = field, .px = x, .py = y});
-        }
+    for (size_t i = 0; i < points->count; i++) {
+        double x = points->at[i].x, y = points->at[i].y;
+        rays_add(list, (launch){.ray = ray_through(&b, a * x, a * y), .number = list->count, .field = field,
+                                .px = x, .py = y});
+    }
 }

@@ -333,8 +333,9 @@ static const job *scan_lens(void)
     j->element = j->lens.element;
     j->fields = j->lens.of->fields, j->field = j->lens.of->field;
     const sgt_first_order data = launch_data(&j->lens);
+    const launch_pattern grid = launch_points(SGT_PATTERN_GRID, GRID_DEFAULT, 0);
     for (size_t f = 0; f < j->fields; f++)
-        launch_field(&j->rays, &j->lens, &data, f, SGT_FIELD_ANGLE, j->field[f], PUPIL_GRID, GRID_DEFAULT);
+        launch_field(&j->rays, &j->lens, &data, f, SGT_FIELD_ANGLE, j->field[f], &grid);
     return j;
 }
 
@@ -363,7 +364,7 @@ trade trade_cases(const trade_options *o)
     } else if (o->job.lens) {
         job *j = memory_take(1, sizeof *j);
         job_options asked = o->job;
-        if (!asked.rays && !asked.fan && !asked.grid) asked.grid = GRID_DEFAULT;
+        if (!asked.rays && !asked.points) asked.pattern = SGT_PATTERN_GRID, asked.points = GRID_DEFAULT;
         *j = job_read(&asked);
         lens_case(&t, o, *j->lens.name ? j->lens.name : o->job.lens, j);
     } else {
