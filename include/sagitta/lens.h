@@ -215,7 +215,12 @@ typedef enum sgt_field_kind {
     SGT_FIELD_REAL_IMAGE_HEIGHT
 } sgt_field_kind;
 
-typedef struct sgt_lens_field { double x, y, weight; } sgt_lens_field;
+/* Vignetting factors shrink the pupil of a field: a point x, y of the unit circle becomes
+ * dx + x (1 - cx), dy + y (1 - cy), turned by angle (degrees, from x toward y). */
+typedef struct sgt_lens_field {
+    double x, y, weight;
+    double dx, dy, cx, cy, angle;
+} sgt_lens_field;
 
 /* A surface, beside its element. */
 typedef struct sgt_lens_surface {
@@ -245,6 +250,8 @@ typedef struct sgt_lens {
 
     /* from the object to the first vertex; infinite: from afar */
     double object_distance;
+    bool   telecentric;      /* chief rays are parallel to the axis in object space; the
+                                pupil is then a cone (object_na, object_angle) */
 
     sgt_pupil_kind pupil;
     double pupil_size;       /* as the kind says; NaN for none */

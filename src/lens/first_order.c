@@ -105,6 +105,15 @@ static double crossing(const beam_ray *r) { return r->w == 0 ? (double)NAN : -r-
 
 /* --------------------------------------------------------------- the pupil */
 
+/* The slope of the cone of an aperture at the object; NaN: the aperture is another. */
+static double cone_slope(const paraxial *p)
+{
+    const sgt_lens *l = p->lens;
+    return l->pupil == SGT_PUPIL_OBJECT_NA      ? tan(asin(l->pupil_size / p->before))
+           : l->pupil == SGT_PUPIL_OBJECT_ANGLE ? tan(l->pupil_size * RADIAN)
+                                                : (double)NAN;
+}
+
 /* The semi-diameter of the entrance pupil; p.entrance_pupil and the power are known. */
 static double entrance_radius(const paraxial *p, const sgt_first_order *o)
 {
@@ -119,8 +128,8 @@ static double entrance_radius(const paraxial *p, const sgt_first_order *o)
         if (!isfinite(d)) return fabs(o->efl) / (2 * size);
         slope = 1 / (2 * size * fabs(at_image(p, d, p->before).w));
         break;
-    case SGT_PUPIL_OBJECT_NA: slope = tan(asin(size / p->before)); break;
-    case SGT_PUPIL_OBJECT_ANGLE: slope = tan(size * RADIAN); break;
+    case SGT_PUPIL_OBJECT_NA:
+    case SGT_PUPIL_OBJECT_ANGLE: slope = cone_slope(p); break;
     case SGT_PUPIL_STOP_SIZE: return l->surface[l->stop].size / fabs(at_stop(p, 1, 0));
     }
     return isfinite(d) ? slope * fabs(d + pupil) : (double)NAN;
@@ -130,30 +139,30 @@ static double entrance_radius(const paraxial *p, const sgt_first_order *o)
 static beam_ray marginal_ray(const paraxial *p, const sgt_first_order *o)
 {
     const double d = p->lens->object_distance;
+    if (p->lens->telecentric) return ray_at_first(p, d * cone_slope(p), p->before * cone_slope(p));
     if (!isfinite(d)) return ray_at_first(p, o->entrance_radius, 0);
     double u = o->entrance_radius / (d + o->entrance_pupil);
     return ray_at_first(p, d * u, p->before * u);
 }
 
-/* The slope in object space of the chief ray of the field that is farthest from the axis. */
-static double chief_slope(const paraxial *p, const sgt_first_order *o)
+/* The chief ray, at the first vertex, of the field that is farthest from the axis. */
+static beam_ray chief_ray(const paraxial *p, const sgt_first_order *o)
 {
     const sgt_lens *l = p->lens;
+    const double d = l->object_distance;
     double most = 0;
     for (size_t i = 0; i < l->fields; i++) {
         double x = l->field[i].x, y = l->field[i].y;
         if (l->field_kind == SGT_FIELD_ANGLE) x = tan(x * RADIAN), y = tan(y * RADIAN);
         most = fmax(most, hypot(x, y));
     }
-    bool finite = isfinite(l->object_distance);
-    switch (l->field_kind) {
-    case SGT_FIELD_ANGLE: return most;
-    case SGT_FIELD_OBJECT_HEIGHT: return most / (l->object_distance + o->entrance_pupil);
-    case SGT_FIELD_PARAXIAL_IMAGE_HEIGHT:
-    case SGT_FIELD_REAL_IMAGE_HEIGHT: break;
-    }
-    return finite ? most / fabs(o->magnification) / (l->object_distance + o->entrance_pupil)
-                  : most * fabs(o->power) / p->before;
+    bool image = l->field_kind == SGT_FIELD_PARAXIAL_IMAGE_HEIGHT || l->field_kind == SGT_FIELD_REAL_IMAGE_HEIGHT;
+    if (image && isfinite(d)) most /= fabs(o->magnification); /* an object height */
+    if (l->telecentric) return ray_at_first(p, -most, 0);
+    double slope = l->field_kind == SGT_FIELD_ANGLE ? most
+                   : isfinite(d)                    ? most / (d + o->entrance_pupil)
+                                                    : most * fabs(o->power) / p->before;
+    return ray_at_first(p, -o->entrance_pupil * slope, p->before * slope);
 }
 
 /* ----------------------------------------------------------------- together */
@@ -167,6 +176,7 @@ static void set_pupils(const paraxial *p, const sgt_first_order *primary, sgt_fi
     o->entrance_pupil = fabs(a) > AT_INFINITY ? b / a : (double)NAN;
     if (!isnan(l->pupil_distance)) o->entrance_pupil = l->pupil_distance;
     if (primary) o->entrance_pupil = primary->entrance_pupil;
+    if (l->telecentric) o->entrance_pupil = (double)NAN;
     o->entrance_radius = primary ? primary->entrance_radius : entrance_radius(p, o);
 
     beam_ray chief = {0, 1, p->before, p->at[l->stop].z}, marginal = marginal_ray(p, o);
@@ -205,13 +215,11 @@ static void set_points(const paraxial *p, sgt_first_order *o)
 
 static void set_field(const paraxial *p, sgt_first_order *o)
 {
-    double slope = chief_slope(p, o), sum = 0, n = p->before;
-    beam_ray marginal = marginal_ray(p, o);
-    bool finite = isfinite(p->lens->object_distance);
-    o->image_height = finite ? fabs(slope * (p->lens->object_distance + o->entrance_pupil) * o->magnification)
-                             : fabs(slope * n * o->efl);
-    double ybar = -o->entrance_pupil * slope, wbar = n * slope;
-    o->lagrange = marginal.w * ybar - wbar * marginal.y;
+    const double d = p->lens->object_distance;
+    double sum = 0, n = p->before;
+    beam_ray marginal = marginal_ray(p, o), chief = chief_ray(p, o);
+    o->image_height = isfinite(d) ? fabs((chief.y - d * chief.w / n) * o->magnification) : fabs(chief.w * o->efl);
+    o->lagrange = marginal.w * chief.y - chief.w * marginal.y;
     for (size_t i = 0; i < p->last; i++) {
         sum += p->at[i].power / (n * p->at[i].n);
         n = p->at[i].n;
@@ -261,8 +269,7 @@ static const char *set_seidel(const paraxial *p, const sgt_first_order *o, const
     if (lacks) return lacks;
     if (o->without_vertex) return "a surface has no vertex curvature";
     if (isnan(o->lagrange)) return "the pupil or the fields are not known";
-    double slope = chief_slope(p, o);
-    beam_ray ray = marginal_ray(p, o), chief = ray_at_first(p, -o->entrance_pupil * slope, p->before * slope);
+    beam_ray ray = marginal_ray(p, o), chief = chief_ray(p, o);
     for (size_t i = 0; i <= p->last; i++) {
         const vertex *v = &p->at[i];
         double n = ray.n, g;

@@ -119,8 +119,12 @@ static void read_object(whole_lens *w, source *s)
     tree_map(s, map, "object");
     const node *n = tree_take(map, "distance");
     if (n) l->object_distance = positive_number(s, n, "object.distance", NUMBER_MAYBE_INFINITE);
+    const node *telecentric = tree_take(map, "telecentric");
+    l->telecentric = telecentric && tree_read_truth(s, telecentric, "object.telecentric");
+    if (l->telecentric && !isfinite(l->object_distance))
+        tree_fail(s, telecentric->line, "object.telecentric", "the object must be at a distance");
     w->medium[0] = medium_of(w, map, "object.", w->medium[0]);
-    tree_finish(s, map, "distance, index or glass");
+    tree_finish(s, map, "distance, telecentric, index or glass");
 }
 
 static const struct { const char *key; sgt_pupil_kind kind; } pupil_keys[] = {
@@ -165,6 +169,27 @@ static double field_number(const sgt_lens *l, source *s, const node *n)
     return x;
 }
 
+/* One map a field, with some of the factors. */
+static void read_vignetting(sgt_lens_field field[], size_t fields, source *s)
+{
+    const node *list = tree_take(s->root, "vignetting");
+    if (!list) return;
+    if (list->kind != NODE_LIST || list->count != fields)
+        tree_fail(s, list->line, "vignetting", "must be a list with a map for each field, like [{}, {cy: 0.2}]");
+    for (size_t i = 0; i < fields; i++) {
+        const node *map = list->item[i];
+        tree_map(s, map, "vignetting");
+        const struct { const char *key; double *to; } factor[] = {
+            {"dx", &field[i].dx}, {"dy", &field[i].dy}, {"cx", &field[i].cx}, {"cy", &field[i].cy},
+            {"angle", &field[i].angle}};
+        for (int k = 0; k < 5; k++) {
+            const node *n = tree_take(map, factor[k].key);
+            if (n) *factor[k].to = tree_read_number(s, n, factor[k].key, NUMBER_FINITE);
+        }
+        tree_finish(s, map, "dx, dy, cx, cy, angle");
+    }
+}
+
 /* A field is a number, along y, or [x, y]. */
 static void read_fields(sgt_lens *l, source *s)
 {
@@ -189,6 +214,7 @@ static void read_fields(sgt_lens *l, source *s)
         if (pair) field[i].x = field_number(l, s, n->item[0]);
         field[i].y = field_number(l, s, pair ? n->item[1] : n);
     }
+    read_vignetting(field, l->fields, s);
     l->field = field;
 }
 
@@ -450,7 +476,7 @@ void sgt_read_lens(whole_lens *w, source *s)
     read_surfaces(w, s, list);
     tree_finish(s, s->root,
                 "name, units, wavelengths, wavelength_weights, primary, makers, object, pupil, fields, "
-                "field_type, field_weights, surfaces");
+                "field_type, field_weights, vignetting, surfaces");
     char why[WHY_SIZE];
     fill_indices(w, l->wavelength ? l->wavelength[l->primary] : (double)NAN, w->element, &l->index_before,
                  why);

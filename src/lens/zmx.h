@@ -109,6 +109,7 @@ struct zmx {
     double pupil_size;
     size_t pupil_line; /* 0: none */
     unsigned field_type;
+    bool telecentric;
     size_t fields, waves; /* SIZE_MAX: not given */
     size_t ftyp_line, primary, primary_line;
     size_t configurations, configuration, configuration_line;

@@ -398,6 +398,7 @@ static void write_object(zmx *z, node *root, bool *air)
                         "the object is curved; rays start from a plane");
     }
     set_medium(z, map, f, air);
+    if (z->telecentric) tree_set(z->s, map, "telecentric", tree_word(z->s, z->ftyp_line, "true"));
     if (map->count) tree_set(z->s, root, "object", map);
     set_aperture(z, NULL, f);
     tally_unused(z, f);

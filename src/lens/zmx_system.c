@@ -116,7 +116,7 @@ static void read_field_type(zmx *z)
     size_t type = sgt_zmx_whole(z), telecentric = sgt_zmx_whole_or(z, 0);
     if (type > 3) tree_fail(z->s, z->lines.line, "FTYP", "fields of the type %zu are not read", type);
     z->field_type = (unsigned)type, z->ftyp_line = z->lines.line;
-    if (telecentric) left_out(z, "chief rays are not parallel to the axis, as in a telecentric object space");
+    z->telecentric = telecentric != 0;
     z->fields = sgt_zmx_whole_or(z, SIZE_MAX), z->waves = sgt_zmx_whole_or(z, SIZE_MAX);
 }
 
@@ -290,14 +290,31 @@ _Noreturn static void refuse_angle(zmx *z, const zmx_list *list, size_t field)
               "field %zu is an angle of %g degrees; it must be less than 90", field + 1, list->value[field]);
 }
 
-static void tally_vignetting(zmx *z, size_t fields)
+/* Factors of VDXN and its kin, one map a field; those of other pupils (ZVDX ...) are left out. */
+static void write_vignetting(zmx *z, node *root, size_t fields)
 {
+    static const char *const keys[] = {"dx", "dy", "cx", "cy", "angle"};
+    enum { KEYS = sizeof keys / sizeof keys[0] };
+    size_t line = 0;
     for (size_t which = ZMX_VIGNETTING; which < ZMX_LISTS; which++)
         for (size_t i = 0; i < fields && i < z->list[which].count; i++)
-            if (z->list[which].value[i] != 0) {
+            if (z->list[which].value[i] != 0 && which < ZMX_VIGNETTING + KEYS) line = z->list[which].line;
+            else if (z->list[which].value[i] != 0) {
                 sgt_zmx_tally(z, ZMX_VIGNETTED, z->list[which].line, key_of_list(which));
-                return;
+                break;
             }
+    if (!line) return;
+    node *list = tree_node(z->s, NODE_LIST, line);
+    for (size_t i = 0; i < fields; i++) {
+        node *map = tree_node(z->s, NODE_MAP, line);
+        map->inline_ = true;
+        for (size_t k = 0; k < KEYS; k++) {
+            double factor = value_or_0(&z->list[ZMX_VIGNETTING + k], i);
+            if (factor != 0) tree_set(z->s, map, keys[k], tree_number(z->s, line, factor));
+        }
+        tree_append(z->s, list, map);
+    }
+    tree_set(z->s, root, "vignetting", list);
 }
 
 static void write_fields(zmx *z, node *root)
@@ -324,7 +341,7 @@ static void write_fields(zmx *z, node *root)
         tree_append(z->s, list, tree_numbers(z->s, line, 2, (double[]){value_or_0(x, i), value_or_0(y, i)}));
     tree_set(z->s, root, "fields", list);
     write_weights(z, root, "field_weights", either(z, ZMX_FWGN, ZMX_FWGT), count);
-    tally_vignetting(z, count);
+    write_vignetting(z, root, count);
 }
 
 void sgt_zmx_write_system(zmx *z, node *root)

@@ -179,6 +179,34 @@ def test_kinds_of_fields():
     close(got[1], -2 / m / (200 + p), 1e-14)
 
 
+def test_telecentric():
+    lens = {'object': {'distance': 50, 'telecentric': True}, 'pupil': {'object_na': 0.1}, 'fields': [0, 3],
+            'field_type': 'object_height', 'surfaces': [{'type': 'plane', 'thickness': 1}, {'type': 'plane'}]}
+    got = [r for r in rows('trace', written(json.dumps(lens)), '--fan', 3) if r['element'] == '1']
+    for r, (height, py) in zip(got, ((h, p) for h in (0, 3) for p in (-1, 0, 1))):
+        slope = py * math.tan(math.asin(0.1))
+        close(float(r['m']) / float(r['n']), slope, 1e-15, r)
+        close(r['y'], height + 50 * slope, 1e-13, r)
+    for change, words in (({'pupil': {'semi_diameter': 1}}, 'object_na or object_angle'),
+                          ({'object': {'telecentric': True}}, 'must be at a distance'),
+                          ({'field_type': 'angle'}, 'object_height')):
+        assert words in run('trace', written(json.dumps({**lens, **change})), exit=BAD_INPUT).stderr, words
+
+
+def test_vignetting():
+    """A point x, y of the pupil goes to dx + x (1 - cx), dy + y (1 - cy), turned; px, py are as asked for."""
+    draw = random.Random(SEED + 1)
+    factors = [{}, {'dy': -0.2, 'cy': 0.3}, {k: draw.uniform(-0.3, 0.3) for k in ('dx', 'dy', 'cx', 'cy')} | {'angle': 30}]
+    lens = {'pupil': {'semi_diameter': 2.0}, 'fields': [0, 0, 0], 'vignetting': factors, 'surfaces': [{'type': 'plane'}]}
+    for r in rows('trace', written(json.dumps(lens)), '--hexapolar', 2):
+        f = {'dx': 0, 'dy': 0, 'cx': 0, 'cy': 0, 'angle': 0} | factors[int(r['field']) - 1]
+        z = complex(f['dx'] + float(r['px']) * (1 - f['cx']), f['dy'] + float(r['py']) * (1 - f['cy']))
+        z *= 2 * complex(math.cos(math.radians(f['angle'])), math.sin(math.radians(f['angle'])))
+        close(r['x'], z.real, 1e-14, r), close(r['y'], z.imag, 1e-14, r)
+    lens['vignetting'] = [{}]
+    assert 'a map for each field' in run('trace', written(json.dumps(lens)), exit=BAD_INPUT).stderr
+
+
 # ------------------------------------------------------------------ apertures
 
 SHAPES = [

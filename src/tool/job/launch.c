@@ -81,6 +81,7 @@ static double front(const lens *l, double pupil, double radius)
 
 typedef struct beam {
     double pupil, radius, wave;    /* z of the pupil; the wavefront is the plane direction . p = wave */
+    double cone;           /* of a telecentric object: the slope of its marginal rays; else 0 */
     sgt_vec3 direction;    /* of the chief ray */
     bool finite;
     sgt_vec3 object;       /* if finite: the point the rays come from */
@@ -98,12 +99,27 @@ static sgt_vec3 direction_at(double x, double y)
 
 static double degrees_of(double slope) { return atan(slope) / RADIAN; }
 
+/* The slope of the marginal rays of a telecentric object. */
+static double cone_of(const lens *l, sgt_field_kind kind, sgt_lens_field at)
+{
+    const sgt_lens *of = l->of;
+    if (of->pupil != SGT_PUPIL_OBJECT_NA && of->pupil != SGT_PUPIL_OBJECT_ANGLE)
+        lens_fail(l, "pupil", "must be object_na or object_angle, since the object space is telecentric");
+    if (kind == SGT_FIELD_ANGLE && (at.x != 0 || at.y != 0))
+        lens_fail(l, "field_type", "of a telecentric object a field is a height: give object_height");
+    double slope = of->pupil == SGT_PUPIL_OBJECT_NA ? tan(asin(of->pupil_size / l->index_before))
+                                                    : tan(of->pupil_size * RADIAN);
+    if (!(slope > 0 && isfinite(slope))) lens_fail(l, "pupil", "has no size: the aperture is too wide");
+    return slope;
+}
+
 static beam beam_of(const lens *l, const sgt_first_order *o, sgt_field_kind kind, sgt_lens_field at)
 {
-    require_pupil(l, o);
+    if (!l->of->telecentric) require_pupil(l, o);
     const double d = l->of->object_distance, first = l->surface[0].z, p = o->entrance_pupil;
     beam b = {.pupil = first + p, .radius = o->entrance_radius, .finite = isfinite(d)};
     double hx = at.x, hy = at.y;
+    if (l->of->telecentric) b.cone = cone_of(l, kind, at);
     if (kind == SGT_FIELD_REAL_IMAGE_HEIGHT)
         lens_fail(l, "field_type",
                   "rays for a real image height need aiming, which is not there yet; give --field or --rays");
@@ -113,7 +129,7 @@ static beam beam_of(const lens *l, const sgt_first_order *o, sgt_field_kind kind
             lens_fail(l, "field_type", "there is no paraxial image; give --field or --rays");
         hx *= by, hy *= by;
         if (!b.finite) hx = degrees_of(hx), hy = degrees_of(hy);
-    } else if (kind == SGT_FIELD_ANGLE && b.finite) {
+    } else if (kind == SGT_FIELD_ANGLE && b.finite && b.cone == 0) {
         if (d + p == 0) lens_fail(l, "object.distance", "the object lies in the entrance pupil");
         hx = -(d + p) * tan(hx * RADIAN), hy = -(d + p) * tan(hy * RADIAN);
     }
@@ -129,9 +145,15 @@ static beam beam_of(const lens *l, const sgt_first_order *o, sgt_field_kind kind
     return b;
 }
 
+/* x, y: in the unit circle of the pupil. */
 static sgt_ray ray_through(const beam *b, double x, double y)
 {
-    sgt_vec3 p = {x, y, b->pupil};
+    sgt_vec3 p = {b->radius * x, b->radius * y, b->pupil};
+    if (b->cone > 0) {
+        sgt_vec3 slopes = {b->cone * x, b->cone * y, 1};
+        double length = vector_length(slopes);
+        return (sgt_ray){.o = b->object, .d = {slopes.x / length, slopes.y / length, 1 / length}};
+    }
     if (!b->finite)
         return (sgt_ray){.o = vector_along(p, b->direction, b->wave - vector_dot(p, b->direction)),
                          .d = b->direction};
@@ -153,10 +175,14 @@ void launch_field(ray_list *list, const lens *l, const sgt_first_order *data, si
                   sgt_field_kind kind, sgt_lens_field at, const launch_pattern *points)
 {
     beam b = beam_of(l, data, kind, at);
-    double a = b.radius;
+    const sgt_vec3 turn = sgt_pose_tilted((sgt_vec3){0, 0, 0}, (sgt_vec3){0, 0, at.angle}).ex;
+    const bool turned = turn.x != 0 || turn.y != 0;
     for (size_t i = 0; i < points->count; i++) {
         double x = points->at[i].x, y = points->at[i].y;
-        rays_add(list, (launch){.ray = ray_through(&b, a * x, a * y), .number = list->count, .field = field,
+        double u = at.dx + x * (1 - at.cx), v = at.dy + y * (1 - at.cy);
+        sgt_vec3 q = turned ? (sgt_vec3){u * turn.x - v * turn.y, u * turn.y + v * turn.x, 0}
+                            : (sgt_vec3){u, v, 0};
+        rays_add(list, (launch){.ray = ray_through(&b, q.x, q.y), .number = list->count, .field = field,
                                 .px = x, .py = y});
     }
 }
