@@ -12,7 +12,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { NAME_MOST = 63, NEAREST = 3 };
+enum { NEAREST = 3 };
 
 sgt_catalogue *sgt_catalogue_new(const sgt_allocator *allocator)
 {
@@ -43,12 +43,10 @@ bool sgt_catalogue_glass(const sgt_catalogue *c, size_t place, sgt_glass *glass)
 
 /* ------------------------------------------------------------------ files */
 
-static char lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c + ('a' - 'A')) : c; }
-
 static bool same_letters(piece a, const char *b)
 {
     for (; a.begin < a.end && *b; a.begin++, b++)
-        if (lower(*a.begin) != lower(*b)) return false;
+        if (sgt_lower(*a.begin) != sgt_lower(*b)) return false;
     return a.begin == a.end && !*b;
 }
 
@@ -200,24 +198,9 @@ bool sgt_catalogue_add_text(sgt_catalogue *c, const char *name, const char *text
 
 /* ------------------------------------------------------------------ names */
 
-/* Levenshtein's distance of two names, of which at most NAME_MOST characters are looked at. */
 static size_t distance(piece a, const char *b)
 {
-    size_t row[NAME_MOST + 1], m = (size_t)(a.end - a.begin), n = strlen(b);
-    if (m > NAME_MOST) m = NAME_MOST;
-    if (n > NAME_MOST) n = NAME_MOST;
-    for (size_t j = 0; j <= n; j++) row[j] = j;
-    for (size_t i = 0; i < m; i++) {
-        size_t diagonal = row[0];
-        row[0] = i + 1;
-        for (size_t j = 0; j < n; j++) {
-            size_t best = diagonal + (lower(a.begin[i]) != lower(b[j]));
-            if (row[j] + 1 < best) best = row[j] + 1;
-            if (row[j + 1] + 1 < best) best = row[j + 1] + 1;
-            diagonal = row[j + 1], row[j + 1] = best;
-        }
-    }
-    return row[n];
+    return sgt_reader_distance(a, (piece){b, b + strlen(b)});
 }
 
 /* `name` is that of the glass, or MAKER NAME. */

@@ -156,7 +156,8 @@ static beam_ray chief_ray(const paraxial *p, const sgt_first_order *o)
         if (l->field_kind == SGT_FIELD_ANGLE) x = tan(x * RADIAN), y = tan(y * RADIAN);
         most = fmax(most, hypot(x, y));
     }
-    bool image = l->field_kind == SGT_FIELD_PARAXIAL_IMAGE_HEIGHT || l->field_kind == SGT_FIELD_REAL_IMAGE_HEIGHT;
+    bool image = l->field_kind == SGT_FIELD_PARAXIAL_IMAGE_HEIGHT ||
+                 l->field_kind == SGT_FIELD_REAL_IMAGE_HEIGHT;
     if (image && isfinite(d)) most /= fabs(o->magnification); /* an object height */
     if (l->telecentric) return ray_at_first(p, -most, 0);
     double slope = l->field_kind == SGT_FIELD_ANGLE ? most
@@ -218,7 +219,8 @@ static void set_field(const paraxial *p, sgt_first_order *o)
     const double d = p->lens->object_distance;
     double sum = 0, n = p->before;
     beam_ray marginal = marginal_ray(p, o), chief = chief_ray(p, o);
-    o->image_height = isfinite(d) ? fabs((chief.y - d * chief.w / n) * o->magnification) : fabs(chief.w * o->efl);
+    o->image_height = isfinite(d) ? fabs((chief.y - d * chief.w / n) * o->magnification)
+                                  : fabs(chief.w * o->efl);
     o->lagrange = marginal.w * chief.y - chief.w * marginal.y;
     for (size_t i = 0; i < p->last; i++) {
         sum += p->at[i].power / (n * p->at[i].n);

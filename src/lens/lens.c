@@ -88,13 +88,29 @@ static void read_makers(whole_lens *w, source *s)
         w->media.maker[w->media.makers++] = tree_read_text(s, n->item[i], "makers");
 }
 
+/* Numbers in micrometres, or spectral lines: [F, d, 0.6562725]. */
+static double *wavelength_list(source *s, const node *n, size_t *count)
+{
+    if (n->kind != NODE_LIST || n->count == 0)
+        tree_fail(s, n->line, "wavelengths",
+                  "must be a list of micrometres or spectral lines, like [F, 0.5876]");
+    double *list = tree_room(s, n->count, sizeof *list);
+    *count = n->count;
+    for (size_t i = 0; i < n->count; i++) {
+        const node *one = n->item[i];
+        list[i] = one->kind == NODE_SCALAR ? sgt_spectral_line(one->text) : (double)NAN;
+        if (isnan(list[i])) list[i] = positive_number(s, one, "wavelengths", NUMBER_FINITE);
+    }
+    return list;
+}
+
 static void read_wavelengths(sgt_lens *l, source *s)
 {
     const node *n = tree_take(s->root, "wavelengths"), *primary = tree_take(s->root, "primary");
     l->wavelengths = 1;
-    double *list = n ? number_list(s, n, "wavelengths", &l->wavelengths) : NULL;
+    double *list = n ? wavelength_list(s, n, &l->wavelengths) : NULL;
     for (size_t i = 0; list && i < l->wavelengths; i++)
-        if (positive_number(s, n->item[i], "wavelengths", NUMBER_FINITE) >= NANOMETRES)
+        if (list[i] >= NANOMETRES)
             tree_remark(s, SGT_REMARK_NOTE, n->item[i]->line, "wavelengths",
                         "taken as %g micrometres; for %g nanometres write %g", list[i], list[i],
                         list[i] / 1000);
@@ -153,10 +169,17 @@ static void read_pupil(sgt_lens *l, source *s)
         if (l->pupil == SGT_PUPIL_OBJECT_ANGLE && !(l->pupil_size < RIGHT_ANGLE))
             tree_fail(s, n->line, key, "must be below 90 degrees, not %g", l->pupil_size);
     }
-    const node *n = tree_take(map, "distance");
+    const node *diameter = tree_take(map, "diameter"), *n = tree_take(map, "distance");
+    if (diameter && l->pupil)
+        tree_fail(s, diameter->line, "pupil.diameter", "a second size of the pupil; give one");
+    if (diameter) {
+        l->pupil = SGT_PUPIL_RADIUS;
+        l->pupil_size = positive_number(s, diameter, "pupil.diameter", NUMBER_FINITE) / 2;
+    }
     if (n) l->pupil_distance = tree_read_number(s, n, "pupil.distance", NUMBER_FINITE);
     tree_finish(s, map,
-                "semi_diameter, f_number, working_f_number, object_na, object_angle or stop_size; distance");
+                "semi_diameter or diameter, f_number, working_f_number, object_na, object_angle or "
+                "stop_size; distance");
 }
 
 static const char FIELD_KINDS[] = "angle|object_height|paraxial_image_height|real_image_height";
@@ -175,7 +198,8 @@ static void read_vignetting(sgt_lens_field field[], size_t fields, source *s)
     const node *list = tree_take(s->root, "vignetting");
     if (!list) return;
     if (list->kind != NODE_LIST || list->count != fields)
-        tree_fail(s, list->line, "vignetting", "must be a list with a map for each field, like [{}, {cy: 0.2}]");
+        tree_fail(s, list->line, "vignetting",
+                  "must be a list with a map for each field, like [{}, {cy: 0.2}]");
     for (size_t i = 0; i < fields; i++) {
         const node *map = list->item[i];
         tree_map(s, map, "vignetting");
@@ -462,6 +486,7 @@ void sgt_read_lens(whole_lens *w, source *s)
 {
     sgt_lens *l = &w->lens;
     tree_map(s, s->root, NULL);
+    s->in_lens = true;
     l->line = s->root->line;
     const node *name = tree_take(s->root, "name"), *units = tree_take(s->root, "units");
     const node *list = surface_list(s);

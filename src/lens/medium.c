@@ -4,16 +4,16 @@
  * A name is looked up once: a lens has few glasses, and many surfaces of each. */
 #include "medium.h"
 
+#include "reader.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
-static char lower_case(char c) { return c >= 'A' && c <= 'Z' ? (char)(c + ('a' - 'A')) : c; }
-
 static bool same_name(const char *a, const char *b)
 {
-    while (*a && lower_case(*a) == lower_case(*b)) a++, b++;
+    while (*a && sgt_lower(*a) == sgt_lower(*b)) a++, b++;
     return *a == *b;
 }
 
@@ -56,6 +56,13 @@ static bool mil_number(const char *name, double nd_vd[2])
     return true;
 }
 
+/* What a name that is none may mean. */
+static const char *name_hint(const char *name)
+{
+    if (same_name(name, "mirror")) return "; write mirror: true";
+    return *name && strspn(name, "0123456789.") == strlen(name) ? "; write an index as index: 1.5" : "";
+}
+
 static const sgt_glass *glass_named(media *m, const node *n, const char *key)
 {
     source *s = m->source;
@@ -71,8 +78,10 @@ static const sgt_glass *glass_named(media *m, const node *n, const char *key)
     } else {
         const sgt_catalogue *c = catalogue_of(m, n, key);
         if (!sgt_catalogue_find(c, name, m->makers, m->maker, &g, &e))
-            tree_fail(s, n->line, key, "%s", e.words);
-        for (size_t i = 0; same_name(name, g.name) && sgt_catalogue_glass(c, i, &other); i++)
+            tree_fail(s, n->line, key, "%s%s", e.words, name_hint(name));
+        bool decided = false; /* by the makers of the lens */
+        for (size_t i = 0; i < m->makers; i++) decided = decided || same_name(m->maker[i], g.maker);
+        for (size_t i = 0; !decided && same_name(name, g.name) && sgt_catalogue_glass(c, i, &other); i++)
             if (same_name(other.name, g.name) && !same_name(other.maker, g.maker)) {
                 tree_remark(s, SGT_REMARK_NOTE, n->line, key, "%s is that of %s; %s has one, too", g.name,
                             g.maker, other.maker);
@@ -85,8 +94,9 @@ static const sgt_glass *glass_named(media *m, const node *n, const char *key)
     return own;
 }
 
-static sgt_glass glass_of_map(source *s, node *map, const char *key)
+static sgt_glass glass_of_map(media *m, node *map, const char *key)
 {
+    source *s = m->source;
     tree_map(s, map, key);
     const node *nd = tree_take(map, "nd"), *vd = tree_take(map, "vd");
     const node *slope = tree_take(map, "dPgF"), *sellmeier = tree_take(map, "sellmeier");
@@ -110,7 +120,9 @@ static sgt_glass glass_of_map(source *s, node *map, const char *key)
     if (slope) c[2] = tree_read_number(s, slope, "dPgF", NUMBER_FINITE);
     if (!(c[0] > 0)) tree_fail(s, nd->line, "nd", "must be positive, not %g", c[0]);
     if (!(c[1] >= 0)) tree_fail(s, vd->line, "vd", "must not be negative, but is %g", c[1]);
-    tree_remark(s, SGT_REMARK_NOTE, map->line, key, "a model of nd and vd: its index is approximate");
+    if (!m->model_told)
+        tree_remark(s, SGT_REMARK_NOTE, map->line, key, "a model of nd and vd: its index is approximate");
+    m->model_told = true;
     g.formula = SGT_FORMULA_MODEL, g.count = 3, g.coefficient = c;
     return g;
 }
@@ -143,7 +155,7 @@ medium sgt_medium_of_glass(media *m, node *n, const char *key)
     if (n->kind == NODE_SCALAR) {
         is.glass = glass_named(m, n, key);
     } else {
-        sgt_glass g = n->kind == NODE_MAP ? glass_of_map(s, n, key) : glass_of_pairs(s, n, key);
+        sgt_glass g = n->kind == NODE_MAP ? glass_of_map(m, n, key) : glass_of_pairs(s, n, key);
         is.glass = own_copy(s, g);
     }
     const char *fault = sgt_glass_fault(is.glass);

@@ -29,6 +29,7 @@ typedef struct media {
     const char *known_name[KNOWN_MOST];
     const sgt_glass *known_glass[KNOWN_MOST];
     size_t known;
+    bool model_told;        /* that a model glass is approximate */
 } media;
 
 /* `glass` says: a name, {nd, vd, dPgF}, {sellmeier: [...]}, or a list of [wavelength, index].  Remarks what a

@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { NAME_MOST = 63 };
+
 bool sgt_reader_fail(const reader *r, size_t line, const char *key, const char *words, ...)
 {
     sgt_lens_error *e = r->error;
@@ -70,6 +72,27 @@ int sgt_reader_width(piece text)
     int width = SHOWN;
     while (width > 0 && (text.begin[width] & 0xC0) == 0x80) width--; /* no half of a character */
     return width;
+}
+
+char sgt_lower(char c) { return c >= 'A' && c <= 'Z' ? (char)(c + ('a' - 'A')) : c; }
+
+size_t sgt_reader_distance(piece a, piece b)
+{
+    size_t row[NAME_MOST + 1], m = (size_t)(a.end - a.begin), n = (size_t)(b.end - b.begin);
+    if (m > NAME_MOST) m = NAME_MOST;
+    if (n > NAME_MOST) n = NAME_MOST;
+    for (size_t j = 0; j <= n; j++) row[j] = j;
+    for (size_t i = 0; i < m; i++) {
+        size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (size_t j = 0; j < n; j++) {
+            size_t best = diagonal + (sgt_lower(a.begin[i]) != sgt_lower(b.begin[j]));
+            if (row[j] + 1 < best) best = row[j] + 1;
+            if (row[j + 1] + 1 < best) best = row[j + 1] + 1;
+            diagonal = row[j + 1], row[j + 1] = best;
+        }
+    }
+    return row[n];
 }
 
 static const char *digits(const char *s, const char *end)

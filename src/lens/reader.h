@@ -51,6 +51,12 @@ piece sgt_reader_word(piece *rest);
 
 bool sgt_reader_is(piece text, const char *word);
 
+/* A capital letter of ASCII as a small one. */
+char sgt_lower(char c);
+
+/* Levenshtein's distance of two names, whatever the case of letters; long ones are cut. */
+size_t sgt_reader_distance(piece a, piece b);
+
 /* How much of it a message shows: for %.*s. */
 int sgt_reader_width(piece text);
 

@@ -16,6 +16,7 @@
 
 #include "../text/number.h"
 #include "matrix.h"
+#include "reader.h"
 
 #include <float.h>
 #include <math.h>
@@ -40,6 +41,31 @@ static bool not_read(const sgt_param *p, surface_rim rim)
     return rim == SURFACE_TERM && (strcmp(p->name, CURVATURE) == 0 || strcmp(p->name, "conic") == 0);
 }
 
+/* "; types that have it: conic, even_asphere ..."; nothing if there is none. */
+static void print_types_with(char text[], size_t size, const char *key, const char *own)
+{
+    enum { SHOWN = 3 };
+    int count = 0;
+    size_t length = 0;
+    *text = 0;
+    for (const sgt_builtin *b = sgt_builtins; b->type; b++)
+        for (const sgt_param *p = b->params; p->name; p++) {
+            if (strcmp(p->name, key) != 0 || strcmp(b->type, own) == 0) continue;
+            if (count < SHOWN && length < size)
+                length += (size_t)snprintf(text + length, size - length, "%s%s",
+                                           count ? ", " : "; types that have it: ", b->type);
+            count++;
+        }
+    if (count > SHOWN && length < size) snprintf(text + length, size - length, " ...");
+}
+
+static void refuse_key_of_others(source *s, const node *key, const char *own, const char *known)
+{
+    char types[200];
+    print_types_with(types, sizeof types, key->text, own);
+    if (*types) tree_fail(s, key->line, key->text, "unknown key%s; known here: %s", types, known);
+}
+
 static void check_keys(source *s, const node *map, const sgt_builtin *type, surface_rim rim,
                        const char *more, const char *others)
 {
@@ -53,6 +79,8 @@ static void check_keys(source *s, const node *map, const sgt_builtin *type, surf
         length += (size_t)snprintf(text + length, sizeof text - length, ", %s%s%s", p->name, or, radius);
     }
     if (length < sizeof text) snprintf(text + length, sizeof text - length, "%s%s", more, others);
+    for (size_t i = 0; i < map->count; i++)
+        if (!map->taken[i]) refuse_key_of_others(s, map->key[i], type->type, text);
     tree_finish(s, map, text);
 }
 
@@ -78,7 +106,15 @@ static const sgt_builtin *type_of(source *s, const node *map)
         if (strcmp(name, earth[i]) == 0)
             tree_fail(s, n->line, "type",
                       "%s: not available; it is one of sagitta_geo, which needs GeographicLib", name);
-    tree_fail(s, n->line, "type", "no surface is called \"%.60s\"; there are: %s", name, known);
+    const char *near = "", *words = "";
+    size_t least = strlen(name) / 3 + 1;
+    for (const sgt_builtin *b = sgt_builtins; b->type; b++) {
+        piece own = {name, name + strlen(name)}, other = {b->type, b->type + strlen(b->type)};
+        size_t apart = sgt_reader_distance(own, other);
+        if (apart < least) near = b->type, words = "did you mean ", least = apart;
+    }
+    tree_fail(s, n->line, "type", "no surface is called \"%.60s\"; %s%s%sthere are: %s%s", name, words, near,
+              *near ? "?  " : "", known, s->in_lens ? ", break, ideal" : "");
 }
 
 static double curvature_of(source *s, const node *n, const char *key)

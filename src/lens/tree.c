@@ -195,21 +195,46 @@ node *tree_take(const node *map, const char *key)
     return NULL;
 }
 
+/* The word of a list such as "curvature or radius, conic; thickness" that is nearest to a key, if it is
+ * near. */
+static piece nearest_word(const char *key, const char *known)
+{
+    static const char between[] = ", ;";
+    piece near = {NULL, NULL}, own = {key, key + strlen(key)};
+    size_t least = (size_t)(own.end - own.begin) / 3 + 1;
+    for (const char *at = known; *at;) {
+        piece word = {at, at + strcspn(at, between)};
+        size_t apart = sgt_reader_distance(own, word);
+        if (word.end > word.begin && apart < least) near = word, least = apart;
+        at = word.end + strspn(word.end, between);
+    }
+    return near;
+}
+
 void tree_finish(source *s, const node *map, const char *known)
 {
     for (size_t i = 0; i < map->count; i++)
         if (!map->taken[i]) {
             const char *key = map->key[i]->text;
             bool digits = *key && key[strspn(key, "0123456789")] == 0; /* {radius: 51,68} */
+            const piece near = nearest_word(key, known);
+            if (near.begin)
+                tree_fail(s, map->key[i]->line, key, "unknown key; did you mean %.*s?  Known here: %s",
+                          (int)(near.end - near.begin), near.begin, known);
             tree_fail(s, map->key[i]->line, key, "unknown key; %sknown here: %s",
-                      digits ? "was a decimal comma written?  Use a decimal point; " : "", known);
+                      digits ? "was a decimal comma written?  Use a decimal point; "
+                      : strchr(key, ':') ? "is a blank missing behind its colon?  " : "", known);
         }
 }
+
+static const char INFINITE[] = "infinity";
 
 /* What is probably wrong with a text that is not a number: 51,68 or 2mm. */
 static const char *number_hint(const node *n)
 {
-    const char *behind = n->text + strspn(n->text, "+-.0123456789");
+    const char *behind = n->text + strspn(n->text, "+-.0123456789"), *bare = n->text + (*n->text == '-');
+    if (sgt_reader_distance((piece){bare, bare + strlen(bare)}, (piece){INFINITE, INFINITE + 8}) == 0)
+        return "; write .inf";
     if (n->quoted || behind == n->text || !*behind) return "";
     if (*behind == ',') return "; write a decimal point, not a comma";
     return *behind == ' ' || strchr("mciuf", *behind) ? "; write the number without its unit" : "";

@@ -54,6 +54,7 @@ typedef struct source {
     sgt_lens_error *error;
     jmp_buf *refused;     /* where the reading began */
     node *root;
+    bool in_lens;         /* not one surface alone */
     sgt_lens_remark *remark;
     size_t remarks, remark_room;
 } source;

@@ -27,6 +27,7 @@
 #include "zmx.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const double DEGREE = 57.295779513082320877;
@@ -53,15 +54,21 @@ static void set_number(zmx *z, node *map, const char *key, size_t line, double x
 
 /* ------------------------------------------------------------------ shapes */
 
-/* The curvature as its radius, if that is the same number: 1/(1/c) is not always c. */
+/* The curvature as its radius, if that is the same number: 1/(1/c) is not always c.  The radius with the
+ * fewest digits is taken: people type radii, and programs store their reciprocals. */
 static void set_curvature(zmx *z, node *map, const char *radius, const char *curvature, size_t line, double c)
 {
-    double r = 1 / c;
+    enum { FEWEST = 4, MOST = 17 };
     if (c == 0) return;
-    if (isfinite(r) && 1 / r == c)
+    for (int digits = FEWEST; digits <= MOST; digits++) {
+        char text[40];
+        double r;
+        snprintf(text, sizeof text, "%.*g", digits, 1 / c);
+        if (!sgt_reader_number((piece){text, text + strlen(text)}, &r) || 1 / r != c) continue;
         set_number(z, map, radius, line, r);
-    else
-        set_number(z, map, curvature, line, c);
+        return;
+    }
+    set_number(z, map, curvature, line, c);
 }
 
 static void write_base(zmx *z, const zmx_surface *f, node *map, const char *type)
@@ -363,7 +370,9 @@ static void write_surface(zmx *z, node *list, const zmx_surface *f, bool *air)
     if (number_of(z, f) == z->stop) set_word(z, map, "stop", z->stop_line, "true");
     bool tilted = f->type->write == write_tilted && (f->parm[1] != 0 || f->parm[2] != 0);
     set_aperture(z, tilted ? NULL : map, f);
-    if (f->size > 0) set_number(z, map, "draw_to", f->size_line, f->size);
+    const node *rim = tree_take(map, "semi_diameter");
+    double semi_diameter = rim ? tree_read_number(z->s, rim, "semi_diameter", NUMBER_FINITE) : 0;
+    if (f->size > 0 && f->size != semi_diameter) set_number(z, map, "draw_to", f->size_line, f->size);
     if (f->comment) {
         node *name = tree_word(z->s, f->comment_line, f->comment);
         name->quoted = true;

@@ -260,7 +260,11 @@ static void write_wavelengths(zmx *z, node *root)
 static void write_pupil(zmx *z, node *root)
 {
     const char *why = NULL;
-    if (!z->pupil) return;
+    if (!z->pupil) {
+        tree_remark(z->s, SGT_REMARK_NOTE, z->line, "ENPD",
+                    "the file gives no size of the pupil: give rays by --rays, or a pupil");
+        return;
+    }
     if (!(z->pupil_size > 0)) why = "the pupil has no size, and is left out";
     if (strcmp(z->pupil, "object_angle") == 0 && z->pupil_size >= 90)
         why = "a cone of 90 degrees and more is no pupil, and is left out";

@@ -393,7 +393,7 @@ def test_earth():
     for spec_of, wanted in (('geodetic_height, f: 1', 'f: '), ('geodetic_height, a: -1', 'a: '), ('geodetic_height, h: -7e6', 'h: '),
                             ('geodetic_height, potential: 1', 'potential: unknown key'), ('level_gravity, h: 1e8', 'h: '),
                             ('level_gravity, potential: 1', 'potential: '), (f'geoid, file: "{cut}"', f'file: {cut}'),
-                            ('geoid, file: nowhere.gtx', 'file: nowhere.gtx'), ('geoid, fil: x', 'fil: unknown key; known here: type, h, file'),
+                            ('geoid, file: nowhere.gtx', 'file: nowhere.gtx'), ('geoid, fil: x', 'fil: unknown key; did you mean file?  Known here: type, h, file'),
                             (f'geoid, file: "{flat}", h: .inf', 'h: must be finite')):
         done = run('intersect', '--surface', '{type: %s}' % spec_of, '--ray', '7e6 0 0 -1 0 0', exit=BAD_INPUT)
         assert '--surface:1: ' + wanted in done.stderr, (spec_of, done.stderr)
