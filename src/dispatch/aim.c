@@ -1,0 +1,15 @@
+/* aim.c - derivatives of a trace, and rays through a wanted point: aim.h. */
+#include "dispatch.h"
+
+#include <sagitta/aim.h>
+
+SGT_DISPATCH(int, sgt_trace_sensitivity,
+             (size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
+              const sgt_passage passages[], size_t columns, const sgt_ray_change change[],
+              sgt_ray_change out[]),
+             (n, e, index_before, launch, passages, columns, change, out))
+SGT_DISPATCH(size_t, sgt_trace_parameters, (size_t n, const sgt_element e[]), (n, e))
+SGT_DISPATCH(int, sgt_trace_gradient,
+             (size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
+              const sgt_passage passages[], size_t rows, const sgt_ray_change weight[], double gradient[]),
+             (n, e, index_before, launch, passages, rows, weight, gradient))

@@ -1,0 +1,169 @@
+/* chain.h - the chain rule at one element: forward, and backward.
+ *
+ * All is in the element's frame.  o, d is the ray in front, t the length to the point p = o + t d that is
+ * met, n the gradient of F there, d' the direction behind, a the parameters of the surface.
+ *
+ * THE POINT.  F = 0 stays so (ray/sensitivity.c).  With q = do + t dd and s = n . d,
+ *
+ *     dt = -(n . q + F_a da) / s,   dp = q + d dt,   dn = H dp + grad F_a da,   dL = n1 dt + t dn1.
+ *
+ * THE DIRECTION.  d' = r d + f n, |d'| = 1, r = n1 / n2.  So G f^2 + 2 r g f = 1 - r^2, where G = n . n and
+ * g = d . n.  Half of its differential is
+ *
+ *     (G f + r g) df = -f (f n . dn + r d . dn + r n . dd) - dr (r + g f).
+ *
+ * S = G f + r g is d' . n, f n + r d is d', and r + g f is d . d'.  Hence
+ *
+ *     df = -(f / S) (d' . dn + r n . dd) - dr (d . d') / S,   dd' = r dd + f dn + n df + dr d.
+ *
+ * A mirror is r = 1, S = -g: the same formula.  f = (1 - r^2) / (r g + S) is a quotient of numbers that do
+ * not cancel, as S has the sign of g (trace.h).  Between equal indices f = 0, and n has no say but by dr.
+ *
+ * BACKWARD.  Let A_x be the derivative of the one number at the end by x.  Transposed, the above is, with
+ * a = A_d', b = a . n / S:
+ *
+ *     A_n = f (a - b d'),   A_d = r (a - f b n),   A_r = a . d - b (d . d'),
+ *     A_p' = A_p + H A_n,   w = -(A_p' . d + n1 A_L) / s,
+ *     A_a = w F_a + A_n . grad F_a,   A_o = A_p' + w n,   A_d += t A_o.
+ *
+ * Nothing but the ray itself is needed: no tape. */
+#ifndef SGT_SYSTEM_CHAIN_H
+#define SGT_SYSTEM_CHAIN_H
+#include "trace.h"
+
+#include <sagitta/aim.h>
+
+/* An element as a ray met it.  bends: n has a say in d'. */
+typedef struct chain_link {
+    sgt_vec3 d, p, n, after;
+    double t, inverse, r, f, by_S, n1, n2; /* inverse = 1 / s, by_S = 1 / S */
+    double passed;                         /* 1; NaN: there is no d' */
+    double h[6];                           /* H: xx, xy, xz, yy, yz, zz */
+    bool bends, own_index;                 /* own_index: behind it the index is its own */
+} chain_link;
+
+/* The operations of the set; none if the table is not whole. */
+SGT_INLINE sgt_surface chain_surface(sgt_surface s)
+{
+    static const sgt_surface_ops nothing = {0};
+    s = in_set(s);
+    if (!s.ops || !is_whole(s.ops)) s.ops = &nothing;
+    return s;
+}
+
+SGT_INLINE size_t chain_parameters(sgt_surface s)
+{
+    return s.ops->parameters && s.ops->by_parameter ? s.ops->parameters(s.self) : 0;
+}
+
+SGT_INLINE bool has_own_index(const sgt_element *e) { return e->index != 0 && e->index != SGT_MIRROR; }
+
+/* The direction of a launch ray, of unit length, and its length before. */
+typedef struct unit_launch { sgt_vec3 d; double length; } unit_launch;
+
+SGT_INLINE unit_launch unit_of(sgt_vec3 d)
+{
+    double scale = scale_of(d);
+    sgt_vec3 v = times(scale, d);
+    double length = sqrt(dot(v, v)), inverse = 1 / length;
+    return (unit_launch){times(inverse, v), length / scale};
+}
+
+SGT_INLINE sgt_vec3 into(const sgt_pose *pose, sgt_vec3 a) { return is_turned(pose) ? to_local(pose, a) : a; }
+SGT_INLINE sgt_vec3 out_of(const sgt_pose *pose, sgt_vec3 a)
+{
+    return is_turned(pose) ? to_global(pose, a) : a;
+}
+
+/* Sets all but H.  d: in front, in the element's frame. */
+SGT_INLINE void chain_at(const sgt_element *e, sgt_vec3 d, double n1, const sgt_passage *passage,
+                         chain_link *c)
+{
+    const double n2 = index_behind(e, n1), none = (double)NAN;
+    bending by = bending_of(n1, n2, e->index == SGT_MIRROR);
+    double met = passage->hit.status > 0 ? 1 : none;
+    c->passed = is_zero(passage->direction) ? none : 1;
+    c->p = passage->hit.p, c->n = passage->hit.n, c->t = passage->hit.t, c->d = d;
+    c->after = passage->direction, c->n1 = n1, c->n2 = n2;
+    c->own_index = has_own_index(e);
+    c->bends = by.kind != STRAIGHT;
+    double g = dot(d, c->n), S = by.kind == STRAIGHT ? g : dot(c->after, c->n);
+    c->inverse = met / g, c->by_S = c->passed / S;
+    c->r = by.kind == BACK ? 1 : by.r;
+    c->f = by.kind == STRAIGHT ? 0 : by.kind == BACK ? -2 * g / dot(c->n, c->n) : by.k / (by.r * g + S);
+}
+
+/* Sets H; NaN if the surface has none, and false. */
+SGT_INLINE bool chain_second(sgt_surface s, chain_link *c)
+{
+    double *const out[6] = {c->h, c->h + 1, c->h + 2, c->h + 3, c->h + 4, c->h + 5};
+    if (s.ops->second) {
+        s.ops->second(s.self, 1, (sgt_points){{&c->p.x, &c->p.y, &c->p.z}}, out);
+        return true;
+    }
+    for (int i = 0; i < 6; i++) c->h[i] = (double)NAN;
+    return false;
+}
+
+SGT_INLINE sgt_vec3 chain_bend(const chain_link *c, sgt_vec3 a)
+{
+    const double *h = c->h;
+    return (sgt_vec3){h[0] * a.x + h[1] * a.y + h[2] * a.z, h[1] * a.x + h[3] * a.y + h[4] * a.z,
+                      h[2] * a.x + h[4] * a.y + h[5] * a.z};
+}
+
+SGT_INLINE sgt_vec3 plus_times(sgt_vec3 a, double f, sgt_vec3 b)
+{
+    return (sgt_vec3){a.x + f * b.x, a.y + f * b.y, a.z + f * b.z};
+}
+
+SGT_INLINE sgt_vec3 cross_product(sgt_vec3 a, sgt_vec3 b)
+{
+    return (sgt_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/* The change of p, d' and L by that of o, d and L. */
+SGT_INLINE sgt_ray_change chain_forward(const chain_link *c, sgt_ray_change x)
+{
+    sgt_vec3 q = plus_times(x.p, c->t, x.d);
+    double dt = -dot(c->n, q) * c->inverse;
+    sgt_vec3 dp = plus_times(q, dt, c->d), dd = times(c->passed, x.d);
+    if (c->bends) {
+        sgt_vec3 dn = chain_bend(c, dp);
+        double df = -c->f * c->by_S * (dot(c->after, dn) + c->r * dot(c->n, x.d));
+        dd = plus_times(plus_times(times(c->r, dd), c->f, dn), df, c->n);
+    }
+    return (sgt_ray_change){dp, dd, x.opl + c->n1 * dt};
+}
+
+/* What the end has of an element: the adjoints of the point and the direction, of the path, and of the index
+ * of the medium there. */
+typedef struct chain_back { sgt_vec3 p, d; double opl, index; } chain_back;
+
+/* Of the step backward: the adjoint of the gradient n, w, and that of r. */
+typedef struct chain_inside { sgt_vec3 n; double w, r; } chain_inside;
+
+/* From p, d', L and the index behind to o, d, L and the index in front.  *front is the direction in front
+ * without the share that comes by way of the point: t A_o is not added.  turns: the direction behind has a
+ * say. */
+SGT_INLINE chain_inside chain_backward(const chain_link *c, bool turns, chain_back *x, sgt_vec3 *front)
+{
+    chain_inside in = {.n = {0, 0, 0}, .r = 0};
+    sgt_vec3 a = x->d, to_p = x->p;
+    *front = a;
+    if (turns) {
+        double b = dot(a, c->n) * c->by_S;
+        if (c->bends) {
+            in.n = times(c->f, plus_times(a, -b, c->after));
+            *front = times(c->r, plus_times(a, -c->f * b, c->n));
+            to_p = plus(to_p, chain_bend(c, in.n));
+        }
+        if (c->own_index) in.r = dot(a, c->d) - b * dot(c->d, c->after);
+    }
+    in.w = -(dot(to_p, c->d) + c->n1 * x->opl) * c->inverse;
+    x->p = plus_times(to_p, in.w, c->n);
+    x->d = plus_times(*front, c->t, x->p);
+    return in;
+}
+
+#endif

@@ -1,0 +1,181 @@
+/* gradient.c - derivatives of a whole trace: forward by the launch ray, backward by all parameters (aim.h).
+ *
+ * chain.h has the formulas of one element.  Between two the ray is turned from frame to frame.  With R the
+ * axes of a pose as columns and c its origin, a point q of the frame is c + R q.  Let c move by dc, and the
+ * element turn about its own axes by the small angles w, so that R becomes R (1 + [w]x).  Then
+ *
+ *     the ray in front, seen from the element   dq = -R^T dc - w x q,   dd = -w x d
+ *     the ray behind, seen from outside         dc + R (w x p),         R (w x d')
+ *
+ * In front q may be any point of the line; taking p for it, the adjoints by w are -(p x A_o) - (d x A_d), and
+ * +(p x A_p) + (d' x A_d') from behind.  The end is in the frame of the last element: nothing comes from
+ * behind that.
+ *
+ * THE INDEX in front of an element is the one behind the last element before it that has an index of its
+ * own.  Its adjoint gathers t A_L of each stretch in its medium, and A_r / n2 of the surface that ends it.
+ *
+ * THE LAUNCH.  d = D / |D|: dd = (dD - d (d . dD)) / |D|, and the same transposed.
+ *
+ * WHAT IT COSTS.  An element needs its second derivatives once, whatever the columns or rows, one quotient
+ * for s and one for f.  A parameter needs its F_a and their gradient once for up to eight rows. */
+#include "chain.h"
+
+#include <string.h>
+
+enum { ROWS = 8, OF_LAUNCH = 7, OF_ELEMENT = 7 };
+
+/* The index in front of element i. */
+static double index_in_front(const sgt_element e[], size_t i, double before)
+{
+    while (i-- > 0)
+        if (has_own_index(&e[i])) return e[i].index;
+    return before == 0 ? 1 : before;
+}
+
+/* The direction in front of element i, in its frame. */
+static sgt_vec3 direction_in_front(const sgt_element e[], size_t i, const sgt_ray *launch,
+                                   const sgt_passage passages[])
+{
+    sgt_vec3 d = i > 0 ? out_of(&e[i - 1].pose, passages[i - 1].direction) : unit_of(launch->d).d;
+    return into(&e[i].pose, d);
+}
+
+/* ------------------------------------------------------------------- forward */
+
+int sgt_trace_sensitivity(size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
+                          const sgt_passage passages[], size_t columns, const sgt_ray_change change[],
+                          sgt_ray_change out[])
+{
+    int lacks = 0;
+    unit_launch from = unit_of(launch->d);
+    sgt_vec3 d = from.d;
+    double index = index_before == 0 ? 1 : index_before;
+    for (size_t j = 0; j < columns; j++) {
+        sgt_ray_change x = change[j];
+        x.d = times(1 / from.length, plus_times(x.d, -dot(from.d, x.d), from.d));
+        out[j] = x;
+    }
+    for (size_t i = 0; i < n; i++) {
+        const sgt_pose *pose = &e[i].pose;
+        sgt_surface s = chain_surface(e[i].surface);
+        chain_link c;
+        bool turned = is_turned(pose), turned_before = i > 0 && is_turned(&e[i - 1].pose);
+        chain_at(&e[i], into(pose, d), index, &passages[i], &c);
+        if (c.bends && !chain_second(s, &c)) lacks |= SGT_LACKS_SECOND;
+        for (size_t j = 0; j < columns; j++) {
+            sgt_ray_change x = out[j];
+            if (turned_before) x.p = to_global(&e[i - 1].pose, x.p), x.d = to_global(&e[i - 1].pose, x.d);
+            if (turned) x.p = to_local(pose, x.p), x.d = to_local(pose, x.d);
+            out[j] = chain_forward(&c, x);
+        }
+        d = out_of(pose, passages[i].direction);
+        index = c.n2;
+    }
+    return lacks;
+}
+
+/* ------------------------------------------------------------------ backward */
+
+size_t sgt_trace_parameters(size_t n, const sgt_element e[])
+{
+    size_t count = OF_LAUNCH;
+    for (size_t i = 0; i < n; i++) count += OF_ELEMENT + chain_parameters(chain_surface(e[i].surface));
+    return count;
+}
+
+SGT_INLINE void put_three(double *to, sgt_vec3 a) { to[0] = a.x, to[1] = a.y, to[2] = a.z; }
+SGT_INLINE void add_three(double *to, sgt_vec3 a) { to[0] += a.x, to[1] += a.y, to[2] += a.z; }
+
+/* A sweep: rows that go back together.  at: where the numbers of the element are. */
+typedef struct sweep {
+    const sgt_element *e;
+    const sgt_ray *launch;
+    const sgt_passage *passages;
+    double index_before;
+    size_t rows, stride;
+    chain_back *back;
+    double *at;
+} sweep;
+
+/* What the pose of an element does to the ray behind it; and that ray in the element's frame. */
+static void behind(const sweep *w, size_t i, size_t m, chain_back *x, double *to)
+{
+    const sgt_pose *pose = &w->e[i].pose;
+    const sgt_passage *passage = &w->passages[i];
+    put_three(to + m, x->p);
+    x->p = into(pose, x->p), x->d = into(pose, x->d);
+    put_three(to + m + 3, plus(cross_product(passage->hit.p, x->p), cross_product(passage->direction, x->d)));
+}
+
+/* The derivatives of F by each parameter, and by the gradient of it where the direction turns. */
+static void by_surface(const sweep *w, sgt_surface s, const chain_link *c, size_t m,
+                       const chain_inside in[ROWS], bool turns)
+{
+    for (size_t j = 0; j < m; j++) {
+        double f, x = 0, y = 0, z = 0;
+        sgt_values out = {&f, {turns ? &x : NULL, turns ? &y : NULL, turns ? &z : NULL}};
+        s.ops->by_parameter(s.self, j, 1, (sgt_points){{&c->p.x, &c->p.y, &c->p.z}}, out);
+        for (size_t r = 0; r < w->rows; r++)
+            w->at[r * w->stride + j] = in[r].w * f + (in[r].n.x * x + in[r].n.y * y + in[r].n.z * z);
+    }
+}
+
+/* One element.  last: the end is in its frame. */
+static int element_back(const sweep *w, size_t i, bool last)
+{
+    const sgt_element *e = &w->e[i];
+    sgt_surface s = chain_surface(e->surface);
+    size_t m = chain_parameters(s);
+    int lacks = s.ops->parameters && s.ops->by_parameter ? 0 : SGT_LACKS_PARAMETERS;
+    chain_link c;
+    chain_inside in[ROWS];
+    bool turns = false;
+    chain_at(e, direction_in_front(w->e, i, w->launch, w->passages),
+             index_in_front(w->e, i, w->index_before), &w->passages[i], &c);
+    for (size_t r = 0; r < w->rows; r++) turns = turns || !last || !is_zero(w->back[r].d);
+    if (c.bends && turns && !chain_second(s, &c)) lacks |= SGT_LACKS_SECOND;
+    for (size_t r = 0; r < w->rows; r++) {
+        double *to = w->at + r * w->stride;
+        chain_back *x = &w->back[r];
+        sgt_vec3 front;
+        if (last) memset(to + m, 0, 6 * sizeof(double));
+        else behind(w, i, m, x, to);
+        bool own = !last || !is_zero(x->d);
+        in[r] = chain_backward(&c, own, x, &front);
+        add_three(to + m + 3, times(-1, plus(cross_product(c.p, x->p), cross_product(c.d, front))));
+        to[m + 6] = c.own_index ? x->index - c.r / c.n2 * in[r].r : 0;
+        x->index = (c.own_index ? in[r].r / c.n2 : x->index) + c.t * x->opl;
+        x->p = out_of(&e->pose, x->p), x->d = out_of(&e->pose, x->d);
+        add_three(to + m, times(-1, x->p));
+    }
+    by_surface(w, s, &c, m, in, turns && c.bends);
+    return lacks;
+}
+
+int sgt_trace_gradient(size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
+                       const sgt_passage passages[], size_t rows, const sgt_ray_change weight[],
+                       double gradient[])
+{
+    const size_t count = sgt_trace_parameters(n, e);
+    unit_launch from = unit_of(launch->d);
+    int lacks = 0;
+    for (size_t done = 0; done < rows; done += ROWS) {
+        chain_back back[ROWS];
+        sweep w = {e, launch, passages, index_before, rows - done < ROWS ? rows - done : ROWS, count, back,
+                   gradient + done * count + count};
+        for (size_t r = 0; r < w.rows; r++)
+            back[r] = (chain_back){weight[done + r].p, weight[done + r].d, weight[done + r].opl, 0};
+        for (size_t i = n; i-- > 0;) {
+            w.at -= OF_ELEMENT + chain_parameters(chain_surface(e[i].surface));
+            lacks |= element_back(&w, i, i == n - 1);
+        }
+        for (size_t r = 0; r < w.rows; r++) {
+            double *to = gradient + (done + r) * count;
+            sgt_vec3 a = back[r].d;
+            put_three(to, back[r].p);
+            put_three(to + 3, times(1 / from.length, plus_times(a, -dot(from.d, a), from.d)));
+            to[6] = back[r].index;
+        }
+    }
+    return lacks;
+}

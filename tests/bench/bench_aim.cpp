@@ -1,0 +1,157 @@
+// What derivatives of a trace cost beside the trace, and what it costs to aim.
+//
+//     build/tests/bench/bench_aim
+//
+// All run on the same rays of the same lens, by turns, in one process; the figures are medians of the turns.
+// A trace is sgt_trace with its passages.
+//
+//     trace      ns a ray
+//     launch     sgt_trace_sensitivity, two columns: beside the trace, at most 3
+//     gradient   sgt_trace_gradient of one number by all parameters: beside the trace, at most 5
+//     jacobian   the gradients of all seven numbers: ns for each of its entries
+#include <sagitta/aim.h>
+#include <sagitta/surfaces.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace {
+
+struct Lens {
+    std::string name;
+    std::vector<sgt_element> e;
+    double reach, slope, start;  // rays: |x|, |y| and slopes at z = 0, and where they begin
+};
+
+sgt_conic spheres[40];
+sgt_asphere aspheres[8];
+sgt_odd_asphere odd;
+const double coefficients[16] = { 0, 1e-6, -2e-6, 1e-5, 2e-6, -1e-6 };
+sgt_zernike zernike;
+int used;
+
+sgt_surface sphere(double radius)
+{
+    spheres[used] = { radius == 0 ? 0 : 1 / radius, 0, 0 };
+    return { &sgt_conic_ops, &spheres[used++] };
+}
+
+void put(Lens &lens, sgt_surface s, double z, double index)
+{
+    sgt_element e = {};
+    e.surface = s, e.pose.origin = { 0, 0, z }, e.index = index;
+    lens.e.push_back(e);
+}
+
+Lens triplet(const char *name)
+{
+    Lens l = { name, {}, 3, 0.1, -20 };
+    const double r[7] = { 22.01359, -435.76044, -22.21328, 20.29192, 79.6836, -18.39533, 0 },
+                 index[7] = { 1.6226, 1, 1.6237, 1, 1.6226, 1, 1 },
+                 z[7] = { 0, 3.25896, 9.26651, 10.26648, 15.01689, 17.96897, 60.17675 };
+    for (int i = 0; i < 7; i++)
+        put(l, sphere(r[i]), z[i], index[i]);
+    return l;
+}
+
+std::vector<Lens> lenses()
+{
+    std::vector<Lens> all = { triplet("triplet, 7 spheres") };
+    all.push_back(triplet("the same, all turned"));
+    for (sgt_element &e : all.back().e)
+        e.pose = sgt_pose_tilted(e.pose.origin, { 0.5, -0.3, 0 });
+    all.push_back(triplet("triplet, 3 even aspheres"));
+    for (size_t i = 0; i < 3; i++) {
+        aspheres[i] = { spheres[used - 7 + int(2 * i)].c, 0, 0, { 0, 1e-6, -2e-9, 1e-11 } };
+        all.back().e[2 * i].surface = { &sgt_asphere_ops, &aspheres[i] };
+    }
+    all.push_back(triplet("triplet, 1 odd asphere"));
+    odd = { 1 / 22.01359, 0, 12, { 0, 1e-5, 1e-6, -1e-8 } };
+    all.back().e[0].surface = { &sgt_odd_asphere_ops, &odd };
+    all.push_back(triplet("triplet, 1 zernike of 16"));
+    zernike.c = 1 / 22.01359, zernike.semi_diameter = 12, zernike.norm = 12, zernike.order = SGT_FRINGE;
+    zernike.a = { coefficients, 1, 16 };
+    all.back().e[0].surface = { &sgt_zernike_ops, &zernike };
+    return all;
+}
+
+std::vector<sgt_ray> rays_of(const Lens &lens)
+{
+    std::vector<sgt_ray> rays;
+    unsigned long long state = 1;
+    auto unit = [&state] {
+        state = state * 6364136223846793005ULL + 1442695040888963407ULL;
+        return double(state >> 11) / 9007199254740992.0 * 2 - 1;
+    };
+    while (rays.size() < 500) {
+        sgt_vec3 d = { lens.slope * unit(), lens.slope * unit(), 1 };
+        double x = lens.reach * unit(), y = lens.reach * unit();
+        sgt_ray ray = { { x + lens.start * d.x, y + lens.start * d.y, lens.start }, d, 0, 0 }, copy = ray;
+        if (sgt_trace(lens.e.size(), lens.e.data(), 1, &copy, nullptr, nullptr, nullptr) == lens.e.size())
+            rays.push_back(ray);
+    }
+    return rays;
+}
+
+double seconds()
+{
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// Medians of some turns, each ns a ray.
+std::vector<double> medians(const std::vector<std::function<void(size_t)>> &works, size_t rays)
+{
+    std::vector<std::vector<double>> times(works.size());
+    for (int turn = 0; turn < 61; turn++)
+        for (size_t w = 0; w < works.size(); w++) {
+            const double from = seconds();
+            for (size_t i = 0; i < rays; i++)
+                works[w](i);
+            times[w].push_back((seconds() - from) / double(rays) * 1e9);
+        }
+    std::vector<double> result;
+    for (auto &t : times) {
+        std::sort(t.begin(), t.end());
+        result.push_back(t[t.size() / 2]);
+    }
+    return result;
+}
+
+void derivatives(const Lens &lens)
+{
+    const size_t n = lens.e.size(), count = sgt_trace_parameters(n, lens.e.data());
+    const std::vector<sgt_ray> rays = rays_of(lens);
+    std::vector<sgt_passage> passages(n * rays.size());
+    std::vector<double> gradient(7 * count);
+    sgt_ray_change two[2] = { { { 0, 0, 0 }, { 1, 0, 0 }, 0 }, { { 0, 0, 0 }, { 0, 1, 0 }, 0 } }, out[2];
+    sgt_ray_change seven[7] = {};
+    for (int r = 0; r < 7; r++)
+        (r < 3 ? &seven[r].p.x : r < 6 ? &seven[r].d.x : &seven[r].opl)[r < 6 ? r % 3 : 0] = 1;
+    const sgt_element *e = lens.e.data();
+    double *all = gradient.data();
+    const std::vector<double> t = medians(
+        { [&](size_t i) {
+             sgt_ray ray = rays[i];
+             sgt_trace(n, e, 1, &ray, &passages[n * i], nullptr, nullptr);
+         },
+          [&](size_t i) { sgt_trace_sensitivity(n, e, 1, &rays[i], &passages[n * i], 2, two, out); },
+          [&](size_t i) { sgt_trace_gradient(n, e, 1, &rays[i], &passages[n * i], 1, seven, all); },
+          [&](size_t i) { sgt_trace_gradient(n, e, 1, &rays[i], &passages[n * i], 7, seven, all); } },
+        rays.size());
+    std::printf("%-26s %7.0f ns  %8.2f  %8.2f of %3zu  %8.1f ns of %4zu\n", lens.name.c_str(), t[0],
+                t[1] / t[0], t[2] / t[0], count, t[3] / double(7 * count), 7 * count);
+}
+
+} // namespace
+
+int main()
+{
+    std::printf("%-26s %10s  %8s  %15s  %s\n", "lens", "trace", "launch", "gradient", "jacobian, each");
+    for (const Lens &lens : lenses())
+        derivatives(lens);
+    return 0;
+}
