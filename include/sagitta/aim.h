@@ -99,6 +99,122 @@ SGT_API int sgt_trace_gradient(size_t n, const sgt_element e[], double index_bef
                                size_t rows, const sgt_ray_change weight[],
                                double gradient[]);
 
+/* ------------------------------------------------------------------------- aiming */
+
+/* A family of launch rays with two parameters:
+ *     o(u, v) = o + u ou + v ov,   d(u, v) = d + u du + v dv.
+ * From an object point: ou = ov = 0, and the direction varies.  A beam from afar: du = dv
+ * = 0, and the origin varies in a plane.  Both may vary.  A vector that is left zero does
+ * not.  u and v have any unit; all numbers are finite. */
+typedef struct sgt_beam {
+    sgt_vec3 o, ou, ov;  /* length */
+    sgt_vec3 d, du, dv;  /* of any length */
+    sgt_interval u, v;   /* lo <= hi: the box that is searched, ends included */
+} sgt_beam;
+
+/* A launch ray of the beam, from its origin on. */
+SGT_API sgt_ray sgt_beam_ray(const sgt_beam *beam, double u, double v);
+
+/* What became of it.  Negative is undecided, as everywhere. */
+typedef enum sgt_aimed {
+    SGT_MET           =  1,  /* `ray` meets the point, within `miss` */
+    SGT_NO_SUCH_RAY   =  0,  /* proven: no launch ray of the box meets it */
+    SGT_AIM_UNDECIDED = -1,  /* none was found, and none excluded: see the attempts */
+    SGT_AIM_INVALID   = -2   /* a number of the beam, the point or the options is NaN,
+                                infinite, or not in its range; no direction at all */
+} sgt_aimed;
+
+/* "met", "no such ray", "undecided" or "invalid". */
+SGT_API const char *sgt_aimed_text(sgt_aimed aimed);
+
+/* How the search from one start ended. */
+typedef enum sgt_aim_reason {
+    SGT_AIM_ARRIVED,  /* at the point */
+    SGT_AIM_NO_WAY,   /* the start itself does not get to the stop: fate and element */
+    SGT_AIM_CUT,      /* rays that would be nearer do not get there: fate and element of
+                         the last one */
+    SGT_AIM_AT_EDGE,  /* the nearest ray is on the edge of the box */
+    SGT_AIM_STUCK,    /* the miss has a minimum that is not 0, or cannot be made less */
+    SGT_AIM_SPENT     /* max_traces was spent */
+} sgt_aim_reason;
+
+typedef struct sgt_attempt {
+    sgt_vec2       from, to;  /* (u, v) at its start, and of the best ray */
+    double         miss;      /* of the best ray, length; NaN: no ray has got there */
+    sgt_aim_reason reason;
+    sgt_fate       fate;      /* of the last ray that did not get there, and at which */
+    size_t         element;   /* element; SGT_PASSED if all have */
+    int            traces;    /* spent */
+} sgt_attempt;
+
+/* Zeros are the defaults. */
+typedef struct sgt_aim_options {
+    double tol;             /* a miss of that length is good enough; 0: as little as
+                               rounding allows */
+    size_t starts;          /* where to begin, (u, v): such as the answers for          */
+    const sgt_vec2 *start;  /* neighbouring points.  Moved into the box if outside.  They
+                               are tried first, in order */
+    int max_traces;         /* of the search; 0: 400 */
+    int max_boxes;          /* of the proof that there is no such ray; 0: 1500, some
+                               milliseconds; below 0: no proof is tried */
+    size_t       room;      /* of attempt[]: of further starts nothing is told */
+    sgt_attempt *attempt;   /* written */
+    unsigned long long reserved_[4]; /* leave it zero */
+} sgt_aim_options;
+
+/* The answer.  If nothing is met, all numbers but the counts are NaN. */
+typedef struct sgt_aiming {
+    sgt_aimed status;
+    double    u, v;
+    sgt_ray   ray;       /* the launch ray: to be traced as it stands */
+    sgt_vec2  point;     /* where it meets the stop, as traced */
+    double    miss;      /* the exact ray meets the stop within `miss` of the wanted
+                            point, by x and y.  See BOUND */
+    size_t    clipped;   /* the first of e[0 ... stop] whose semi_diameter or aperture
+                            clips it; stop + 1: none does */
+    size_t    attempts;  /* starts that were tried */
+    int       traces, boxes; /* spent on the search and on the proof */
+} sgt_aiming;
+
+/* The launch ray of the beam that meets element `stop` where x and y of its frame are
+ * those wanted, after e[0] ... e[stop - 1] in order.
+ *
+ *     passages  room for stop + 1: how the best ray of the last attempt went.  If it is
+ *               met, that of the answer
+ *     opt       NULL, or the options
+ *
+ * Returns the status, which is in *out too (NULL: not wanted).
+ *
+ * WHAT IS A WAY.  The roots, the refraction and the mirrors are those of sgt_trace
+ * without options.  Apertures are ignored: where a ray is clipped it goes on (`clipped`
+ * says so).  At the stop itself the ray has to be met, and need not go on.
+ *
+ * METHOD.  Newton's for two equations, by the derivatives of sgt_trace_sensitivity.  A
+ * step is taken only if it makes the miss less.  Else it is halved, as it is if its ray
+ * misses a surface or is totally reflected.  Where the derivatives are singular, or no
+ * step along Newton's is good, a damped step is taken (Levenberg 1944, Quart. Appl. Math.
+ * 2, 164; Marquardt 1963, J. SIAM 11, 431).  Steps end at the edge of the box.  The
+ * starts are yours, then the middle of the box, then points all over it (Halton 1960,
+ * Numer. Math. 2, 84).
+ *
+ * THE FIRST FOUND.  If several rays of the box meet the point, one of them is the answer,
+ * mostly the one nearest to the first start.
+ *
+ * BOUND.  miss = |point - wanted| + the error of `point`.  That is p_err of the hit, and
+ * what the errors of all elements before do to it: p_err of each, and the rounding of
+ * each direction, by the derivatives of the end by both.  It is of first order, with a
+ * half added.  The rounding of directions is observed (src/system/trace.h), not proven.
+ * NaN: a surface has no second derivatives.
+ *
+ * THE PROOF of SGT_NO_SUCH_RAY is tried if no start arrives.  The box is divided, and
+ * each part is traced as a whole: all numbers are linear in (u, v) with a bound on what
+ * that leaves out and on all rounding (Taylor models of the first order: Makino and Berz
+ * 2003, Int. J. Pure Appl. Math. 4, 379).  A part is done if no ray of it gets to the
+ * stop, or none to the point.  It covers every root that sgt_trace may mean. */
+SGT_API sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before,
+                          const sgt_beam *beam, sgt_vec2 wanted, sgt_passage passages[],
+                          const sgt_aim_options *opt, sgt_aiming *out);
+
 #ifdef __cplusplus
 }
 #endif

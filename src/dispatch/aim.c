@@ -13,3 +13,9 @@ SGT_DISPATCH(int, sgt_trace_gradient,
              (size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
               const sgt_passage passages[], size_t rows, const sgt_ray_change weight[], double gradient[]),
              (n, e, index_before, launch, passages, rows, weight, gradient))
+SGT_EXPORT(sgt_ray, sgt_beam_ray, (const sgt_beam *beam, double u, double v), (beam, u, v))
+SGT_EXPORT(const char *, sgt_aimed_text, (sgt_aimed aimed), (aimed))
+SGT_DISPATCH(sgt_aimed, sgt_aim,
+             (size_t stop, const sgt_element e[], double index_before, const sgt_beam *beam, sgt_vec2 wanted,
+              sgt_passage passages[], const sgt_aim_options *opt, sgt_aiming *out),
+             (stop, e, index_before, beam, wanted, passages, opt, out))

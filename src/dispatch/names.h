@@ -14,6 +14,10 @@
 
 #define sgt_unique_by_slope SGT_SET_NAME(sgt_unique_by_slope)
 #define sgt_unique_tile SGT_SET_NAME(sgt_unique_tile)
+#define sgt_aim SGT_SET_NAME(sgt_aim)
+#define sgt_aim_error SGT_SET_NAME(sgt_aim_error)
+#define sgt_aim_trace SGT_SET_NAME(sgt_aim_trace)
+#define sgt_aimed_text SGT_SET_NAME(sgt_aimed_text)
 #define sgt_aperture_clips SGT_SET_NAME(sgt_aperture_clips)
 #define sgt_aperture_clips_tile SGT_SET_NAME(sgt_aperture_clips_tile)
 #define sgt_aperture_sound SGT_SET_NAME(sgt_aperture_sound)
@@ -25,6 +29,7 @@
 #define sgt_asphere_parameters SGT_SET_NAME(sgt_asphere_parameters)
 #define sgt_asphere_pass SGT_SET_NAME(sgt_asphere_pass)
 #define sgt_asphere_second SGT_SET_NAME(sgt_asphere_second)
+#define sgt_beam_ray SGT_SET_NAME(sgt_beam_ray)
 #define sgt_check SGT_SET_NAME(sgt_check)
 #define sgt_chord SGT_SET_NAME(sgt_chord)
 #define sgt_clipped_by SGT_SET_NAME(sgt_clipped_by)

@@ -75,6 +75,22 @@ SGT_INLINE sgt_vec3 out_of(const sgt_pose *pose, sgt_vec3 a)
     return is_turned(pose) ? to_global(pose, a) : a;
 }
 
+/* The index in front of element i. */
+SGT_INLINE double chain_index(const sgt_element e[], size_t i, double before)
+{
+    while (i-- > 0)
+        if (has_own_index(&e[i])) return e[i].index;
+    return before == 0 ? 1 : before;
+}
+
+/* The direction in front of element i, in its frame. */
+SGT_INLINE sgt_vec3 chain_direction(const sgt_element e[], size_t i, const sgt_ray *launch,
+                                    const sgt_passage passages[])
+{
+    sgt_vec3 d = i > 0 ? out_of(&e[i - 1].pose, passages[i - 1].direction) : unit_of(launch->d).d;
+    return into(&e[i].pose, d);
+}
+
 /* Sets all but H.  d: in front, in the element's frame. */
 SGT_INLINE void chain_at(const sgt_element *e, sgt_vec3 d, double n1, const sgt_passage *passage,
                          chain_link *c)

@@ -24,22 +24,6 @@
 
 enum { ROWS = 8, OF_LAUNCH = 7, OF_ELEMENT = 7 };
 
-/* The index in front of element i. */
-static double index_in_front(const sgt_element e[], size_t i, double before)
-{
-    while (i-- > 0)
-        if (has_own_index(&e[i])) return e[i].index;
-    return before == 0 ? 1 : before;
-}
-
-/* The direction in front of element i, in its frame. */
-static sgt_vec3 direction_in_front(const sgt_element e[], size_t i, const sgt_ray *launch,
-                                   const sgt_passage passages[])
-{
-    sgt_vec3 d = i > 0 ? out_of(&e[i - 1].pose, passages[i - 1].direction) : unit_of(launch->d).d;
-    return into(&e[i].pose, d);
-}
-
 /* ------------------------------------------------------------------- forward */
 
 int sgt_trace_sensitivity(size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
@@ -130,8 +114,8 @@ static int element_back(const sweep *w, size_t i, bool last)
     chain_link c;
     chain_inside in[ROWS];
     bool turns = false;
-    chain_at(e, direction_in_front(w->e, i, w->launch, w->passages),
-             index_in_front(w->e, i, w->index_before), &w->passages[i], &c);
+    chain_at(e, chain_direction(w->e, i, w->launch, w->passages),
+             chain_index(w->e, i, w->index_before), &w->passages[i], &c);
     for (size_t r = 0; r < w->rows; r++) turns = turns || !last || !is_zero(w->back[r].d);
     if (c.bends && turns && !chain_second(s, &c)) lacks |= SGT_LACKS_SECOND;
     for (size_t r = 0; r < w->rows; r++) {

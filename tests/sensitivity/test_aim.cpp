@@ -1,0 +1,309 @@
+// Rays through a wanted point (sgt_aim), on the lenses of examples/lenses: fields, object points and points
+// of the stop are random.
+//
+//     test_aim FOLDER-OF-LENSES
+//
+// Every ray that is met is traced again in 113 bits (slow_trace.h) and has to meet the point within `miss`.
+// Every answer "no such ray" is attacked: launch rays all over the box in 113 bits, and a descent from the
+// nearest of them.  Where an answer is neither, and where it is "no such ray", no ray that passes all
+// apertures may be found near the point.
+//
+// SAGITTA_TEST_SCALE multiplies the points and the attacking rays; SAGITTA_TEST_SEED replaces the seed.
+#include "slow_trace.h"
+#include "../oracle/cases.h"
+
+#include <sagitta/aim.h>
+#include <sagitta/lens.h>
+
+#include <cstdlib>
+#include <string>
+
+using namespace slow;
+
+static int failures;
+static double scale = 1;
+
+static void fail(const char *lens, const char *what, double a, double b)
+{
+    if (failures++ < 30) std::printf("FAIL %s: %s: %.17g, %.17g\n", lens, what, a, b);
+}
+
+// ------------------------------------------------------------------ a question
+
+struct question {
+    const char *name;
+    std::vector<sgt_element> e;
+    std::vector<element> slow;
+    double before;
+    std::size_t stop;
+    sgt_beam beam;
+    sgt_vec2 wanted;
+};
+
+// The miss of a launch ray in quads; negative: it does not get there.
+static quad slow_miss(const question &q, const vec &o, const vec &d, quad f[2])
+{
+    const end r = trace(q.slow, q.stop + 1, q.before, o, d, true);
+    if (r.why) return -1;
+    f[0] = r.p.x - q.wanted.x, f[1] = r.p.y - q.wanted.y;
+    return square_root(f[0] * f[0] + f[1] * f[1]);
+}
+
+static quad slow_at(const question &q, quad u, quad v, quad f[2])
+{
+    const sgt_beam &b = q.beam;
+    return slow_miss(q, of(b.o) + (u * of(b.ou) + v * of(b.ov)), of(b.d) + (u * of(b.du) + v * of(b.dv)), f);
+}
+
+static quad clamp(quad x, const sgt_interval &box)
+{
+    return x < box.lo ? quad(box.lo) : x > box.hi ? quad(box.hi) : x;
+}
+
+// The least miss that a search finds: random rays, then Newton's steps by differences from the best.
+static double attack(const question &q, oracle::generator &random, int rays)
+{
+    quad best = -1, u = 0, v = 0, f[2];
+    const sgt_interval bu = q.beam.u, bv = q.beam.v;
+    for (int i = 0; i < rays; i++) {
+        const double a = random.uniform(bu.lo, bu.hi), b = random.uniform(bv.lo, bv.hi);
+        const quad miss = slow_at(q, a, b, f);
+        if (miss >= 0 && (best < 0 || miss < best)) best = miss, u = a, v = b;
+    }
+    for (int i = 0; i < 12 && best > 0; i++) {
+        quad g[2], h[2];
+        const quad hu = quad(1e-9) * (bu.hi - bu.lo), hv = quad(1e-9) * (bv.hi - bv.lo);
+        if (slow_at(q, u, v, f) < 0 || slow_at(q, u + hu, v, g) < 0 || slow_at(q, u, v + hv, h) < 0) break;
+        const quad a = (g[0] - f[0]) / hu, b = (h[0] - f[0]) / hv, c = (g[1] - f[1]) / hu,
+                   d = (h[1] - f[1]) / hv, det = a * d - b * c;
+        const quad su = -(d * f[0] - b * f[1]) / det, sv = -(a * f[1] - c * f[0]) / det;
+        bool better = false;
+        for (quad part = 1; part > 1e-3 && !better; part /= 2) {
+            const quad x = clamp(u + part * su, bu), y = clamp(v + part * sv, bv), miss = slow_at(q, x, y, g);
+            if (miss >= 0 && miss < best) best = miss, u = x, v = y, better = true;
+        }
+        if (!better) break;
+    }
+    return to_double(best);
+}
+
+// ---------------------------------------------------------------------- answers
+
+struct tally {
+    long met, none, undecided, clipped, traces, boxes;
+    double worst, largest;
+};
+
+static const sgt_aim_options *options = nullptr;
+
+static sgt_aiming ask(const question &q, oracle::generator &random, tally *count, bool inside)
+{
+    std::vector<sgt_passage> passages(q.stop + 1);
+    sgt_aiming a;
+    const sgt_aimed status =
+        sgt_aim(q.stop, q.e.data(), q.before, &q.beam, q.wanted, passages.data(), options, &a);
+    if (status != a.status) fail(q.name, "status", status, a.status);
+    count->traces += a.traces, count->boxes += a.boxes;
+    if (status == SGT_MET) {
+        quad f[2];
+        const quad miss = slow_miss(q, of(a.ray.o), of(a.ray.d), f);
+        const double off = to_double(miss);
+        if (!(miss >= 0) || !(off <= a.miss)) fail(q.name, "the miss is not within its bound", off, a.miss);
+        if (a.u < q.beam.u.lo || a.u > q.beam.u.hi || a.v < q.beam.v.lo || a.v > q.beam.v.hi)
+            fail(q.name, "outside of the box", a.u, a.v);
+        count->worst = std::max(count->worst, off / a.miss),
+        count->largest = std::max(count->largest, a.miss);
+        count->met++, count->clipped += a.clipped <= q.stop;
+        // what is traced is what was said
+        sgt_ray ray = a.ray;
+        std::vector<sgt_passage> again(q.stop + 1);
+        const std::size_t passed =
+            sgt_trace(q.stop + 1, q.e.data(), q.before, &ray, again.data(), nullptr, nullptr);
+        if (a.clipped > q.stop) {
+            const sgt_vec3 p = again[q.stop].hit.p;
+            if (passed < q.stop || p.x != a.point.x || p.y != a.point.y)
+                fail(q.name, "traced again", p.x, a.point.x);
+        } else if (passed != a.clipped) {
+            fail(q.name, "clipped", double(passed), double(a.clipped));
+        }
+        return a;
+    }
+    if (status == SGT_NO_SUCH_RAY) {
+        count->none++;
+        const double miss = attack(q, random, std::max(20, int(100 * scale)));
+        if (miss >= 0 && miss < 1e-9) fail(q.name, "there is such a ray", miss, 0);
+        if (inside) fail(q.name, "no such ray inside the pupil", q.wanted.x, q.wanted.y);
+    } else {
+        count->undecided++;
+        if (inside) fail(q.name, "undecided inside the pupil", q.wanted.x, q.wanted.y);
+    }
+    return a;
+}
+
+// ------------------------------------------------------------------------ lenses
+
+static question of_lens(const sgt_lens *lens, const char *name)
+{
+    question q = {name, {}, {}, lens->index_before, lens->stop_marked ? lens->stop : 0, {}, {0, 0}};
+    for (std::size_t i = 0; i < lens->count; i++) {
+        q.e.push_back(lens->element[i]);
+        q.slow.push_back(element_of(lens->element[i]));
+    }
+    return q;
+}
+
+// A beam from afar, or from an object point; u and v are x and y in the plane of the first vertex, up to
+// `reach`.
+static sgt_beam beam_of(oracle::generator &random, double angle, double reach, double size)
+{
+    sgt_beam b = {};
+    const double a = random.uniform(-1, 1) * angle, c = random.uniform(-1, 1) * angle;
+    b.u = b.v = {-reach, reach};
+    if (random.chance(0.5)) {
+        b.o = {-size * a, -size * c, -size}, b.ou = {1, 0, 0}, b.ov = {0, 1, 0}, b.d = {a, c, 1};
+    } else {
+        const double far = size * random.log_uniform(10, 1000);
+        b.o = {-far * a, -far * c, -far}, b.d = {far * a, far * c, far}, b.du = {1, 0, 0}, b.dv = {0, 1, 0};
+    }
+    return b;
+}
+
+static void try_lens(const std::string &folder, const char *name, oracle::generator &random)
+{
+    sgt_lens_error error;
+    sgt_lens *lens = sgt_lens_read((folder + "/" + name + ".yaml").c_str(), nullptr, &error);
+    if (!lens) return fail(name, error.words, 0, 0);
+    question q = of_lens(lens, name);
+    double field = 0;
+    for (std::size_t i = 0; i < lens->fields; i++)
+        field = std::max(field, std::hypot(lens->field[i].x, lens->field[i].y));
+    const double angle = std::tan(field * std::acos(-1.0) / 180) / std::sqrt(2.0),
+                 first = q.e[0].semi_diameter;
+    const int points = std::max(10, int(125 * scale));
+    tally in = {}, out = {}, end = {};
+    for (int i = 0; i < points; i++) { // inside the pupil
+        const double r = q.e[q.stop].semi_diameter * 0.95 * std::sqrt(random.uniform(0, 1)),
+                     turn = random.uniform(0, 7);
+        q.beam = beam_of(random, angle, 1.2 * first, 2 * first),
+        q.wanted = {r * std::cos(turn), r * std::sin(turn)};
+        ask(q, random, &in, true);
+    }
+    for (int i = 0; i < points; i++) { // anywhere, from a part of the beam, at any element
+        question other = q;
+        other.stop = std::size_t(random.below(int(q.e.size())));
+        const double r = other.e[other.stop].semi_diameter * random.log_uniform(0.3, 4),
+                     turn = random.uniform(0, 7);
+        other.beam = beam_of(random, angle, first, 2 * first);
+        for (sgt_interval *x : {&other.beam.u, &other.beam.v}) {
+            const double middle = random.uniform(-1, 1) * first, half = random.log_uniform(0.05, 1) * first;
+            *x = {middle - half, middle + half};
+        }
+        other.wanted = {r * std::cos(turn), r * std::sin(turn)};
+        ask(other, random, i % 2 ? &out : &end, false);
+    }
+    std::printf(
+        "%-18s pupil: %ld met (%ld clipped), %ld none, %ld undecided, %.1f traces, worst %.2g of a miss of "
+        "%.2g\n%18s anywhere: %ld met, %ld none, %ld undecided (%.1f %%), %.0f traces, %.0f boxes\n",
+        name, in.met, in.clipped, in.none, in.undecided, double(in.traces) / points, in.worst, in.largest, "",
+        out.met + end.met, out.none + end.none, out.undecided + end.undecided,
+        100.0 * double(out.undecided + end.undecided) / points, double(out.traces + end.traces) / points,
+        double(out.boxes + end.boxes) / points);
+    sgt_lens_free(lens);
+}
+
+// -------------------------------------------------------------------- odd questions
+
+static void expect(const char *what, const question &q, sgt_aimed want, const sgt_aim_options *opt = nullptr)
+{
+    std::vector<sgt_passage> passages(q.stop + 1);
+    sgt_aiming a;
+    const sgt_aimed got = sgt_aim(q.stop, q.e.data(), q.before, &q.beam, q.wanted, passages.data(), opt, &a);
+    if (got != want) fail(what, sgt_aimed_text(got), double(got), double(want));
+    if (got != SGT_MET && (a.u == a.u || a.miss == a.miss)) fail(what, "numbers without a ray", a.u, a.miss);
+}
+
+static void odd_questions()
+{
+    static sgt_conic front = {1 / 50.0, 0, 0}, back = {-1 / 50.0, 0, 0}, plane = {0, 0, 0},
+                     dish = {-1 / 200.0, -1, 0};
+    question q = {"odd", {}, {}, 1, 2, {}, {1, 0.5}};
+    sgt_element e = {};
+    e.surface = {&sgt_conic_ops, &front}, e.index = 1.5, q.e.push_back(e);
+    e.surface = {&sgt_conic_ops, &back}, e.index = 1, e.pose.origin = {0, 0, 5}, q.e.push_back(e);
+    e.surface = {&sgt_conic_ops, &plane}, e.index = 0, e.pose.origin = {0, 0, 10}, q.e.push_back(e);
+    e.surface = {&sgt_conic_ops, &dish}, e.index = SGT_MIRROR,
+    e.pose = sgt_pose_tilted({0, 0, 40}, {10, -5, 0});
+    q.e.push_back(e);
+    e.surface = {&sgt_conic_ops, &plane}, e.index = 0, e.pose = sgt_pose_tilted({10, 20, 0}, {30, 20, 10});
+    q.e.push_back(e);
+    const sgt_beam beam = {{0, 0, -20}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1},
+                           {0, 0, 0},   {0, 0, 0}, {-8, 8},   {-8, 8}};
+    q.beam = beam;
+    for (std::size_t i = 0; i < q.e.size(); i++) q.slow.push_back(element_of(q.e[i]));
+    oracle::generator random(3);
+    tally count = {};
+    for (q.stop = 0; q.stop < 5; q.stop++) { // the point of a known ray
+        for (int i = 0; i < 5; i++) {
+            std::vector<sgt_passage> passages(5);
+            sgt_ray ray = sgt_beam_ray(&beam, random.uniform(-8, 8), random.uniform(-8, 8));
+            if (sgt_trace(5, q.e.data(), 1, &ray, passages.data(), nullptr, nullptr) != 5) continue;
+            q.wanted = {passages[q.stop].hit.p.x, passages[q.stop].hit.p.y};
+            if (ask(q, random, &count, true).status != SGT_MET) fail("known", "not met", double(q.stop), i);
+        }
+    }
+    if (count.met < 15) fail("known", "too few", double(count.met), 15);
+    q.stop = 2, q.wanted = {1, 0.5};
+    question bad = q;
+    bad.wanted.x = NAN, expect("wanted NaN", bad, SGT_AIM_INVALID);
+    bad = q, bad.beam.o.y = NAN, expect("origin NaN", bad, SGT_AIM_INVALID);
+    bad = q, bad.beam.du.z = INFINITY, expect("infinite", bad, SGT_AIM_INVALID);
+    bad = q, bad.beam.u = {1, -1}, expect("empty box", bad, SGT_AIM_INVALID);
+    bad = q, bad.beam.v.lo = NAN, expect("box NaN", bad, SGT_AIM_INVALID);
+    bad = q, bad.beam.d = {0, 0, 0}, expect("no direction", bad, SGT_AIM_INVALID);
+    sgt_aim_options opt = {};
+    opt.tol = NAN, expect("tol NaN", q, SGT_AIM_INVALID, &opt);
+    opt.tol = 0, opt.max_traces = -1, expect("no traces", q, SGT_AIM_INVALID, &opt);
+    opt.max_traces = 0, opt.reserved_[2] = 1, expect("reserved", q, SGT_AIM_INVALID, &opt);
+    // one parameter, or none: met only where the point is on its curve
+    bad = q, bad.beam.ov = {0, 0, 0}, bad.wanted = {1, 0}, expect("a fan", bad, SGT_MET);
+    bad.wanted = {1, 0.5};
+    sgt_aim_options search = {};
+    search.max_boxes = -1;
+    expect("beside a fan", bad, SGT_AIM_UNDECIDED, &search);
+    bad = q, bad.beam.ov = bad.beam.ou, bad.wanted = {1, 0}, expect("u + v", bad, SGT_MET);
+    bad = q, bad.beam.ou = bad.beam.ov = {0, 0, 0}, bad.wanted = {0, 0}, expect("one ray", bad, SGT_MET);
+    bad = q, bad.beam.u = {2, 2}, bad.beam.v = {0, 0},
+    expect("a point of the box", bad, SGT_AIM_UNDECIDED, &search);
+    // a bad element
+    bad = q, bad.e[1].index = -3, expect("a bad index", bad, SGT_AIM_UNDECIDED, &search);
+    // the attempts, a start, a tolerance, and a budget
+    sgt_attempt attempt[3];
+    const sgt_vec2 start = {1.2, 0.6};
+    search.attempt = attempt, search.room = 3, search.start = &start, search.starts = 1;
+    expect("a start", q, SGT_MET, &search);
+    if (attempt[0].reason != SGT_AIM_ARRIVED || attempt[0].from.x != 1.2 || attempt[0].traces > 8)
+        fail("a start", "attempt", attempt[0].reason, attempt[0].traces);
+    search.max_traces = 2, expect("a budget", q, SGT_AIM_UNDECIDED, &search);
+    if (attempt[0].reason != SGT_AIM_SPENT) fail("a budget", "reason", attempt[0].reason, 0);
+    search.max_traces = 0, search.tol = 0.5, expect("a tolerance", q, SGT_MET, &search);
+    if (attempt[0].traces > 3) fail("a tolerance", "traces", attempt[0].traces, 3);
+    search.tol = 0, bad = q, bad.wanted = {30, 0}, bad.beam.u = bad.beam.v = {-8, 8};
+    expect("beyond the edge", bad, SGT_AIM_UNDECIDED, &search);
+    if (attempt[1].reason != SGT_AIM_AT_EDGE) fail("beyond the edge", "reason", attempt[1].reason, 0);
+    bad.beam.o.x = 500, expect("beside the lens", bad, SGT_AIM_UNDECIDED, &search);
+    if (attempt[1].reason != SGT_AIM_NO_WAY || attempt[1].fate != SGT_MISSED)
+        fail("beside the lens", "reason", attempt[1].reason, 0);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2) return std::printf("usage: test_aim FOLDER-OF-LENSES\n"), 2;
+    const char *text = std::getenv("SAGITTA_TEST_SCALE"), *seed = std::getenv("SAGITTA_TEST_SEED");
+    if (text) scale = std::atof(text);
+    oracle::generator random(seed ? std::strtoull(seed, nullptr, 10) : 20262);
+    for (const char *name : {"cooke_triplet", "ftheta", "cassegrain", "newtonian", "aspheric_singlet",
+                             "toroidal_lens", "figured_mirror"})
+        try_lens(argv[1], name, random);
+    odd_questions();
+    return failures != 0;
+}
