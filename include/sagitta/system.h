@@ -22,9 +22,6 @@ typedef struct sgt_pose {
  * in degrees, right-handed.  Multiples of 90 are exact. */
 SGT_API sgt_pose sgt_pose_tilted(sgt_vec3 origin, sgt_vec3 degrees);
 
-/* For later versions: see sgt_element. */
-struct sgt_phase;
-
 /* ------------------------------------------------------------------- apertures */
 
 /* The shape of an item of an aperture, and the members that it needs.  x and y are seen
@@ -97,6 +94,62 @@ typedef struct sgt_aperture {
     unsigned long long reserved_[2]; /* leave it zero */
 } sgt_aperture;
 
+/* ---------------------------------------------------------------------- phases */
+
+typedef enum sgt_phase_kind {
+    SGT_IDEAL_LENS = 1
+} sgt_phase_kind;
+
+/* What an element does to light instead of refraction by its surface.
+ *
+ * AN IDEAL LENS is thin and without aberration: PARAXIAL of OpticStudio.  Its surface is
+ * meant to be a plane, sgt_conic {0}.  A ray is met there at (x, y), comes with the
+ * direction (l, m, n), and goes on by its slopes in the element's frame, u = l / |n| and
+ * v = m / |n|:
+ *
+ *     n2 u' = n1 u - x / f,    n2 v' = n1 v - y / f,    f = focal_length
+ *
+ * n1 and n2 are the indices in front and behind.  n keeps its sign.  So f > 0 focuses
+ * parallel light, whichever way along z it goes.  From afar the focus is n2 f behind.
+ * index SGT_MIRROR: the same with n2 = n1, and n changes its sign: l and m are those of
+ * the lens that light goes through, unfolded.
+ *
+ * THE PATH.  opl is that of an ideal image.  Rays that come from one point of the object
+ * plane have the same opl from there to its image, that of the ray through the vertex.
+ * The object plane is at object_distance in front of the vertex, on the side the light
+ * comes from; below 0 it is behind (the light converges to it).  From afar, an object
+ * point is a direction, and opl is counted from a wavefront through the vertex.  So is it
+ * behind the lens, if the image is at infinity.  For rays from other planes opl is only
+ * what follows from this.  The ray's place and direction do not depend on it.
+ *
+ * The path is added at the point that is met.  With w = (u, v), w' that behind, the same
+ * with 0 for the ray through the vertex, p = (x, y) and S(w) = sqrt(1 + w^2) it is
+ *
+ *     W = n2 p . (w' + w0') / (S(w') + S(w0')) - n1 p . (w + w0) / (S(w) + S(w0)),
+ *     w0 = w - p / object_distance,    n2 w0' = n1 w0.
+ *
+ * W > 0 makes opl longer.  On the axis, from afar, it is nearly -p^2 / (2 f).  The
+ * passage's opl has W in it if the ray passed the element.
+ *
+ * ROUNDING.  A component of the direction behind is off by at most 2^-50, if |n| is 2^-50
+ * n1 / n2 or more.  W is off by at most 2^-47 of
+ *
+ *     (p^2 / |f| (1 + |n2 - n1| / n2) + |n2 - n1| |p|) (1 + |p| / (n2 |f|))
+ *
+ * apart from what x, y and the direction in front are off by; opl is then rounded once.
+ * t_err and p_err are those of the hit.  If n is so small that W overflows, opl is not
+ * finite.
+ *
+ * On a surface that is no plane, (x, y) is that of the point, slopes are changed there as
+ * above, and W is that of a plane: paths are not equal then. */
+typedef struct sgt_phase {
+    sgt_phase_kind kind;
+    double focal_length;     /* length, 2^-500 to 2^500 in magnitude */
+    double object_distance;  /* length, as above.  0 or infinite: from afar.  Else 2^-500
+                                to 2^500 in magnitude */
+    unsigned long long reserved_[6]; /* leave it zero */
+} sgt_phase;
+
 /* The index of a mirror.  Indices stay positive behind it. */
 #define SGT_MIRROR (-1.0)
 
@@ -121,10 +174,12 @@ typedef struct sgt_element {
     const sgt_aperture *aperture; /* what else clips at the point that is met.  NULL:
                                      nothing */
 
+    const sgt_phase *phase;       /* NULL: it refracts or reflects.  Else what it does to
+                                     light.  It may serve many elements */
+
     /* For later versions, that may give them a meaning.  Leave them zero.  If one is not,
      * a ray that comes to this element is SGT_LOST with hit.status SGT_INVALID. */
-    const struct sgt_phase *phase;
-    unsigned long long         reserved_[6];
+    unsigned long long reserved_[6];
 } sgt_element;
 
 /* What became of a ray at an element.  Negative is undecided, as everywhere. */
@@ -163,7 +218,8 @@ typedef struct sgt_passage {
     sgt_hit  hit;        /* hit.t is a length: the direction in front is of unit length */
     sgt_vec3 direction;  /* behind the surface, of unit length; zero unless passed */
     double   opl;        /* the sum of index * length from the launch to here.  A stretch
-                            travelled backwards (t < 0) is negative */
+                            travelled backwards (t < 0) is negative.  What phases add is
+                            in it */
 } sgt_passage;
 
 /* Traces a ray through e[0] ... e[n-1] in this order.  Returns how many elements it
@@ -190,8 +246,12 @@ typedef struct sgt_passage {
  *
  * SGT_LOST with hit.status SGT_INVALID: a bad ray; an index that is negative (but
  * SGT_MIRROR) or not finite; an aperture with an item that is not as its shape needs it
- * (NaN, a negative size, inner > radius, fewer than 3 vertices, an unknown shape); an
- * element with a member for later versions that is not zero. */
+ * (NaN, a negative size, inner > radius, fewer than 3 vertices, an unknown shape); a
+ * phase of an unknown kind, or with a length out of range; a member for later versions
+ * that is not zero.
+ *
+ * SGT_LOST with SGT_UNDEFINED: no normal at the point, or no direction behind it, as the
+ * indices are too unlike; at an ideal lens, a direction along its plane (n = 0). */
 SGT_API size_t sgt_trace(size_t n, const sgt_element e[], double index_before,
                          sgt_ray *ray, sgt_passage passages[], sgt_fate *fate,
                          const sgt_options *opt);

@@ -18,6 +18,7 @@
 #include "trace.h"
 
 #include "../ray/unique.h"
+#include "phase.h"
 
 /* ------------------------------------------------------------------ launch */
 
@@ -233,6 +234,18 @@ SGT_INLINE sgt_fate trace_bend(const bending *by, sgt_vec3 *d, sgt_vec3 n)
     return SGT_PASSED;
 }
 
+/* At p; sets *d, and makes *path longer if a caller wants it. */
+SGT_NOINLINE static sgt_fate bend_by_phase(const sgt_element *e, double n1, double n2, bool told, sgt_vec3 p,
+                                           sgt_vec3 *d, twofold *path)
+{
+    thin_lens by = thin_lens_of(e->phase, n1, n2, e->index == SGT_MIRROR);
+    focused b = focus_by(by, p, *d);
+    if (where_focused(b, 1) == 0) return SGT_LOST;
+    if (told) *path = twofold_sum(*path, twofold_of(phase_path(by, p, *d)));
+    *d = b.d;
+    return SGT_PASSED;
+}
+
 /* --------------------------------------------------------------- the trace */
 
 sgt_passage sgt_not_met(sgt_status why)
@@ -289,13 +302,15 @@ SGT_INLINE sgt_fate pass(const sgt_element *e, bool sound, state *at, const sgt_
 
     bending by = bending_of(n1, n2, mirror);
     sgt_vec3 d = ray.d;
-    sgt_fate fate = trace_bend(&by, &d, hit.n);
-    if (fate == SGT_LOST) { /* no normal there */
+    sgt_fate fate;
+    if (e->phase) by.kind = BY_PHASE, fate = bend_by_phase(e, n1, n2, told, hit.p, &d, &path);
+    else fate = trace_bend(&by, &d, hit.n);
+    if (fate == SGT_LOST) { /* no normal there, or no direction behind */
         *passage = sgt_not_met(SGT_UNDEFINED);
         passage->hit.evals = hit.evals;
     }
     if (fate != SGT_PASSED) return fate;
-    passage->direction = d;
+    passage->direction = d, passage->opl = path.hi;
     if (by.kind != STRAIGHT) { /* else the global direction stays as it is, to the bit */
         at->d = turned ? to_global(&e->pose, d) : d;
         if (turned) make_unit(&at->d);
@@ -331,7 +346,7 @@ size_t sgt_trace(size_t n, const sgt_element e[], double index_before, sgt_ray *
     }
     while (last == SGT_PASSED && passed < n) {
         sgt_passage passage;
-        bool sound = passed < plain && is_aperture_sound(&e[passed]);
+        bool sound = passed < plain && is_aperture_sound(&e[passed]) && is_phase_sound(&e[passed]);
         last = pass(&e[passed], sound, &at, &options, NULL, passages != NULL, &passage);
         if (passages) passages[passed] = passage;
         if (last != SGT_PASSED) break;

@@ -71,7 +71,6 @@
 #include "../surface/sag/sag.h"
 #include "aperture.h"
 #include <sagitta/system.h>
-#include <stdint.h>
 
 /* ------------------------------------------------------------------ vectors */
 
@@ -309,8 +308,9 @@ sgt_hit sgt_ask_inside(sgt_surface surface, sgt_ray chord, double aperture2, con
 
 /* ------------------------------------------------------------------ bending */
 
-/* How an element bends all rays alike: not at all, back, or on, with D in one of its two forms. */
-typedef enum bend_kind { STRAIGHT, BACK, ON, ON_BY_SINE } bend_kind;
+/* How an element bends all rays alike: not at all, back, or on, with D in one of its two forms; or by its
+ * phase (phase.h). */
+typedef enum bend_kind { STRAIGHT, BACK, ON, ON_BY_SINE, BY_PHASE } bend_kind;
 typedef struct bending { bend_kind kind; double r, k; } bending;
 
 SGT_INLINE bending bending_of(double n1, double n2, bool mirror)
@@ -377,11 +377,11 @@ SGT_INLINE double index_behind(const sgt_element *e, double n1)
 SGT_INLINE bool is_plain(const sgt_element *e)
 {
     const unsigned long long *r = e->reserved_;
-    return ((uintptr_t)e->phase | r[0] | r[1] | r[2] | r[3] | r[4] | r[5]) == 0;
+    return (r[0] | r[1] | r[2] | r[3] | r[4] | r[5]) == 0;
 }
 
-/* Are the numbers of the element valid (sgt_trace)?  Is it plain, and its aperture sound: that is asked
- * apart. */
+/* Are the numbers of the element valid (sgt_trace)?  Is it plain, are its aperture and its phase sound: that
+ * is asked apart. */
 SGT_INLINE bool is_sound(const sgt_element *e, double n1)
 {
     return is_index(n1) && is_index(index_behind(e, n1)) && e->semi_diameter >= 0;
@@ -401,9 +401,9 @@ SGT_INLINE bool is_obstructed(const sgt_element *e, sgt_vec3 p)
 /* Sets *at to the ray before its first element (NULL: there is none).  false: the ray is not valid. */
 bool sgt_launch(const sgt_ray *ray, const sgt_element *first, double index, state *at);
 
-/* Takes the ray through one element.  sound: it is plain, and its aperture is sound.  Sets *passage, and *at
- * if the ray passes.  If met is not NULL, it is the answer of the surface on the ray's line; its lo, hi and f
- * are not read. */
+/* Takes the ray through one element.  sound: it is plain, its aperture and its phase are sound.  Sets
+ * *passage, and *at if the ray passes.  If met is not NULL, it is the answer of the surface on the ray's
+ * line; its lo, hi and f are not read. */
 sgt_fate sgt_pass(const sgt_element *e, bool sound, state *at, const sgt_options *opt, const sgt_hit *met,
                   sgt_passage *passage);
 

@@ -5,7 +5,8 @@
  *
  *     1. the rays are placed in the element's frame; without turns that is a sum
  *     2. the surface's lanes meet them (ray/batch.c)
- *     3. they are bent, on to the next element; between equal indices nothing is bent
+ *     3. they are bent, on to the next element; between equal indices nothing is bent.  Of an ideal lens
+ *        that is a loop of its own, and one more if paths are wanted
  *
  * The formulas are those of the single ray (trace.h), the same operations in the same order, and so the
  * same bits.
@@ -29,6 +30,7 @@
 #include "../ray/unique.h"
 #include "../ray/batch.h"
 #include "../solve/root.h"
+#include "phase.h"
 
 /* The rays of a tile.  128 of them are 30 KiB, of which a third is for paths and records only.  So with
  * what the surface's lanes need they stay in a first cache of 32 KiB, and with its stack they are below
@@ -210,8 +212,41 @@ static double bend_all(size_t n, bending by, double aperture2, const vectors *p,
     case BACK: return bend_by(BACK, n, by, aperture2, p, d, normal, out, good);
     case ON: return bend_by(ON, n, by, aperture2, p, d, normal, out, good);
     case ON_BY_SINE: return bend_by(ON_BY_SINE, n, by, aperture2, p, d, normal, out, good);
+    case BY_PHASE: break; /* focus_all */
     }
     return 0;
+}
+
+/* bend_all of an ideal lens. */
+SGT_KERNEL
+static double focus_all(size_t n, const thin_lens *by, double aperture2, const vectors *restrict p,
+                        const vectors *d, vectors *out, double *restrict good)
+{
+    thin_lens lens = *by;
+    double count = 0;
+#pragma omp simd reduction(+ : count)
+    for (size_t i = 0; i < n; i++) {
+        double inside = p->x[i] * p->x[i] + p->y[i] * p->y[i] <= aperture2 ? 1 : 0;
+        focused b = focus_by(lens, get(p, i), get(d, i));
+        put(out, i, b.d);
+        good[i] = where_focused(b, inside);
+        count += good[i];
+    }
+    return count;
+}
+
+/* Adds the path of an ideal lens; d: the direction in front. */
+SGT_KERNEL
+static void add_phase_all(size_t n, const thin_lens *by, const vectors *restrict p, const vectors *restrict d,
+                          paths *restrict path)
+{
+    thin_lens lens = *by;
+#pragma omp simd
+    for (size_t i = 0; i < n; i++) {
+        twofold before = {path->hi[i], path->lo[i]};
+        twofold l = twofold_sum(before, twofold_of(phase_path(lens, get(p, i), get(d, i))));
+        path->hi[i] = l.hi, path->lo[i] = l.lo;
+    }
 }
 
 /* Back to global axes; also d, in place, if d_too. */
@@ -491,7 +526,7 @@ static int bundle_judge(const bundle_work *job, const tile *w, size_t i, size_t 
     }
     if (status > 0 && is_inside(get(w->p, i), aperture2)) { /* it goes on, or is clipped or reflected */
         if (is_obstructed(e, get(w->p, i))) return STOPS + SGT_CLIPPED;
-        if (by->kind == STRAIGHT) return ASK;
+        if (by->kind == STRAIGHT || by->kind == BY_PHASE) return ASK;
         bent b = bent_by(by->kind, by->r, by->k, ray->d, get(&w->n_, i));
         return in_range(b.G) && b.D < 0 ? STOPS + SGT_TIR : ASK;
     }
@@ -612,6 +647,8 @@ SGT_NOINLINE static void pass_rest(const bundle_work *job, tile *w, size_t j, bo
             fate = (sgt_fate)(what - STOPS);
             if (told) tell_vector(told->direction, r, (sgt_vec3){0, 0, 0});
             if (told && w->status[i] <= 0) tell_number(told->opl, r, (double)NAN);
+            else if (told && told->opl && e->phase) /* without what the phase adds */
+                told->opl[r] = longer(path, w->medium, w->t[i], w->t_lo[i]).hi;
         } else {
             state s = {.base = w->base, .offset = offset, .d = d, .index = w->medium, .path = path};
             s.first = j == 0, s.turned = j > 0 && is_turned(&job->e[j - 1].pose);
@@ -636,9 +673,9 @@ SGT_NOINLINE static void pass_rest(const bundle_work *job, tile *w, size_t j, bo
 
 /* --------------------------------------------------------------- an element */
 
-/* Takes the rays through element j by the loops, and returns for how many that was all.  *asked: what the
- * lanes were asked for. */
-static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, sgt_hits *asked)
+/* Takes the rays through element j by the loops, and returns for how many that was all.  n2: the index
+ * behind; *asked: what the lanes were asked for. */
+static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, double n2, sgt_hits *asked)
 {
     const sgt_element *e = &job->e[j];
     static const sgt_passages none = {0};
@@ -652,7 +689,8 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, s
     for (size_t i = 0; job->opt.t_tol != 0 && i < w->n; i++) w->t_tol[i] = job->opt.t_tol;
 
     *asked = (sgt_hits){.status = w->status, .p = {w->p->x, w->p->y, w->p->z}};
-    if (by.kind != STRAIGHT || h->n[0]) asked->n[0] = w->n_.x, asked->n[1] = w->n_.y, asked->n[2] = w->n_.z;
+    if ((by.kind != STRAIGHT && by.kind != BY_PHASE) || h->n[0])
+        asked->n[0] = w->n_.x, asked->n[1] = w->n_.y, asked->n[2] = w->n_.z;
     bool shifted = j == 0 && w->moved && (job->path || h->t || h->t_lo || h->t_err);
     bool widened = h->t_err || h->p_err;
     if (job->path || h->t || shifted || widened) asked->t = w->t;
@@ -690,7 +728,14 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, s
     tell_vectors(w, h->n, &w->n_);
 
     if (job->path) lengthen_all(w->n, w->medium, w->t, w->t_lo, w->now.path, w->next.path);
-    double good = bend_all(w->n, by, aperture2_of(e->semi_diameter), w->p, w->d, &w->n_, w->next.d, w->good);
+    double aperture2 = aperture2_of(e->semi_diameter), good;
+    if (e->phase) {
+        thin_lens lens = thin_lens_of(e->phase, w->medium, n2, e->index == SGT_MIRROR);
+        if (job->path) add_phase_all(w->n, &lens, w->p, w->d, w->next.path);
+        good = focus_all(w->n, &lens, aperture2, w->p, w->d, w->next.d, w->good);
+    } else {
+        good = bend_all(w->n, by, aperture2, w->p, w->d, &w->n_, w->next.d, w->good);
+    }
     tell_vectors(w, told->direction, by.kind == STRAIGHT ? w->d : w->next.d);
     tell_all(w, told->opl, w->next.path->hi);
     if (turned)
@@ -705,16 +750,17 @@ static double pass_most(const bundle_work *job, tile *w, size_t j, bending by, s
 static void pass_all(const bundle_work *job, tile *w, size_t j)
 {
     const sgt_element *e = &job->e[j];
-    bool sound = is_plain(e) && is_aperture_sound(e), turned = is_turned(&e->pose);
+    bool sound = is_plain(e) && is_aperture_sound(e) && is_phase_sound(e), turned = is_turned(&e->pose);
     bool loops = !job->by_hand && sound && is_sound(e, w->medium);
     double n2 = index_behind(e, w->medium), good = 0;
     bending by = bending_of(w->medium, n2, e->index == SGT_MIRROR);
+    if (e->phase) by.kind = BY_PHASE;
     vectors *other = w->now.d == &w->ds[0] ? &w->ds[1] : &w->ds[0];
     w->d = turned ? other : w->now.d; /* bent in place, or left there */
     w->next.offset = turned ? w->o : w->p;
     w->next.d = by.kind == STRAIGHT ? w->now.d : other;
     sgt_hits asked;
-    if (loops) good = pass_most(job, w, j, by, &asked);
+    if (loops) good = pass_most(job, w, j, by, n2, &asked);
     else memset(w->good, 0, sizeof w->good);
     bool some = good < (double)w->n;
     if (some && loops) judge_rest(job, w, j, &by);

@@ -83,6 +83,7 @@ typedef struct lens {
     sgt_aperture apertures[ELEMENTS];
     sgt_aperture_item items[ELEMENTS][ITEMS];
     sgt_vec2 corners[ELEMENTS][ITEMS][CORNERS];
+    sgt_phase phases[ELEMENTS];
     double before;
 } lens;
 
@@ -121,6 +122,14 @@ static void give_aperture(generator *g, lens *l, size_t i)
     l->e[i].aperture = a;
 }
 
+static void give_phase(generator *g, lens *l, size_t i)
+{
+    l->phases[i] = (sgt_phase){.kind = SGT_IDEAL_LENS, .focal_length = either_sign(g) * uniform(g, 0.5, 60)};
+    if (chance(g, 0.6)) l->phases[i].object_distance = either_sign(g) * uniform(g, 0.5, 60);
+    else if (chance(g, 0.3)) l->phases[i].object_distance = either_sign(g) * FAR;
+    l->e[i].phase = &l->phases[i];
+}
+
 static void as_built(generator *g, lens *l)
 {
     const sgt_builtin *asphere = NULL;
@@ -151,6 +160,7 @@ static void as_built(generator *g, lens *l)
                                     : tight          ? uniform(g, 0.3, 1.5)
                                                      : uniform(g, 1.5, 5);
         if (chance(g, 0.25)) give_aperture(g, l, i);
+        if (chance(g, 0.15)) give_phase(g, l, i);
         double u = uniform(g, 0, 1);
         if (u < 0.12) l->e[i].index = SGT_MIRROR, step = -step;
         else if (u < 0.24) l->e[i].index = chance(g, 0.5) ? 0 : index;
@@ -179,7 +189,13 @@ static void spoil_element(generator *g, lens *l, size_t i)
                                 &bad->width,  &bad->degrees, &bad->centre.x};
             *number[below(g, COUNT_OF(number))] = hostile_number(g);
         } else if (chance(g, 0.1)) e->reserved_[below(g, (int)COUNT_OF(e->reserved_))] = 1;
-        else if (chance(g, 0.1)) e->phase = (const struct sgt_phase *)l;
+        else if (chance(g, 0.2)) {
+            give_phase(g, l, i);
+            if (chance(g, 0.1)) l->phases[i].kind = (sgt_phase_kind)below(g, 3);
+            else if (chance(g, 0.1)) l->phases[i].reserved_[below(g, 6)] = 1;
+            else if (chance(g, 0.5)) l->phases[i].focal_length = hostile_number(g);
+            else l->phases[i].object_distance = hostile_number(g);
+        }
         else e->semi_diameter = apertures[below(g, COUNT_OF(apertures))];
         break;
     case 2: e->pose.origin = times(chance(g, 0.5) ? 1e9 : any_scale(g, 0, 300), point(g, 1)); break;
@@ -353,6 +369,9 @@ static void report(const lens *l, const sgt_options *opt, size_t i, const char *
         if (e->surface.self == q)
             printf("    quilt  a {%a, %a, %a}  square %a\n", q->a.x, q->a.y, q->a.z, q->square);
         else if (l->s[j].type) print_specimen(&l->s[j]);
+        if (e->phase)
+            printf("    phase %d: f %a, object %a\n", (int)e->phase->kind, e->phase->focal_length,
+                   e->phase->object_distance);
         for (size_t k = 0; e->aperture && k < e->aperture->count; k++) {
             const sgt_aperture_item *a = &e->aperture->items[k];
             printf("    item: shape %d, obscuring %d, centre {%a, %a}, %a degrees, radius %a, inner %a, ",

@@ -339,9 +339,10 @@ static void test_invalid(void **state)
     }
     /* what later versions may ask for */
     enum { RESERVED = sizeof e.reserved_ / sizeof e.reserved_[0] };
+    static const sgt_phase unknown = {.focal_length = 1};
     for (size_t i = 0; i < RESERVED + 1; i++) {
         sgt_element two[2] = {good, good};
-        if (i == RESERVED) two[1].phase = (const struct sgt_phase *)&flat;
+        if (i == RESERVED) two[1].phase = &unknown;
         else two[1].reserved_[i] = 1ULL << (i % 2 ? 63 : 0);
         ray = launch;
         REQUIRE(sgt_trace(2, two, 1, &ray, p, &fate, NULL) == 1 && fate == SGT_LOST &&
