@@ -234,8 +234,8 @@ typedef struct sgt_lens_surface {
     bool        folded;      /* breaks in front of it have turned or moved the axis */
     double      size;        /* the half height in use, or 0: for drawings, and for
                                 SGT_PUPIL_STOP_SIZE.  It clips nothing */
-    double      focal_length; /* of the type "ideal", whose element has no surface (ops is
-                                NULL) and cannot be traced; else 0 */
+    double      focal_length; /* of the type "ideal", whose element is a plane with an
+                                sgt_phase; else 0 */
 } sgt_lens_surface;
 
 typedef struct sgt_lens {

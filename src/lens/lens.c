@@ -360,18 +360,39 @@ static const char OTHER_KEYS[] =
     "; semi_diameter, apertures, draw_to, name, thickness, index, glass, mirror, stop, "
     "decenter, tilt, origin";
 
+/* A length of a phase, finite: not zero, and not beyond what sgt_phase takes. */
+static double phase_length(source *s, const node *n, const char *key, double x)
+{
+    if (x == 0) tree_fail(s, n->line, key, "must not be zero");
+    if (!(fabs(x) >= 0x1p-500 && fabs(x) <= 0x1p500))
+        tree_fail(s, n->line, key, "must be from 4e-151 to 3e150 in magnitude, not %g", x);
+    return x;
+}
+
+/* An ideal lens: a plane with a phase. */
+static void read_ideal(source *s, const node *map, sgt_element *e)
+{
+    const node *f = tree_take(map, "focal_length"), *from = tree_take(map, "object_distance");
+    sgt_phase *phase = tree_room(s, 1, sizeof *phase);
+    if (!f) tree_fail(s, map->line, "focal_length", "missing; an ideal lens has one");
+    phase->kind = SGT_IDEAL_LENS;
+    phase->focal_length =
+        phase_length(s, f, "focal_length", tree_read_number(s, f, "focal_length", NUMBER_FINITE));
+    double distance = from ? tree_read_number(s, from, "object_distance", NUMBER_MAYBE_INFINITE) : HUGE_VAL;
+    if (isfinite(distance)) phase->object_distance = phase_length(s, from, "object_distance", distance);
+    char known[200];
+    snprintf(known, sizeof known, "type, focal_length, object_distance%s", OTHER_KEYS);
+    tree_finish(s, map, known);
+    e->surface = (sgt_surface){&sgt_conic_ops, tree_room(s, 1, sizeof(sgt_conic))};
+    e->phase = phase;
+}
+
 static void read_shape(source *s, const node *map, sgt_element *e, sgt_lens_surface *about)
 {
     const node *type = tree_take(map, "type");
     if (type && type->kind == NODE_SCALAR && strcmp(type->text, "ideal") == 0) {
-        const node *f = tree_take(map, "focal_length");
-        if (!f) tree_fail(s, map->line, "focal_length", "missing; an ideal lens has one");
-        about->focal_length = tree_read_number(s, f, "focal_length", NUMBER_FINITE);
-        if (about->focal_length == 0) tree_fail(s, f->line, "focal_length", "must not be zero");
-        char known[200];
-        snprintf(known, sizeof known, "type, focal_length%s", OTHER_KEYS);
-        tree_finish(s, map, known);
-        about->type = "ideal";
+        read_ideal(s, map, e);
+        about->type = "ideal", about->focal_length = e->phase->focal_length;
         return;
     }
     const sgt_builtin *row;

@@ -88,13 +88,15 @@ static void require_lens(const sgt_lens *l)
         REQUIRE(turn == 0 || fabs(turn - 1) < 1e-14, "element %zu: an axis of length^2 %a", i, turn);
         REQUIRE(e->semi_diameter >= 0 && s->size >= 0, "element %zu: %a", i, e->semi_diameter);
         REQUIRE(s->mirror ? e->index == SGT_MIRROR : !(e->index <= 0), "element %zu: index %a", i, e->index);
-        if (e->surface.ops) require_surface(e->surface, s->type, e->semi_diameter);
-        else REQUIRE(strcmp(s->type, "ideal") == 0 && s->focal_length != 0, "element %zu: %s", i, s->type);
+        bool ideal = strcmp(s->type, "ideal") == 0;
+        require_surface(e->surface, ideal ? "plane" : s->type, e->semi_diameter);
+        REQUIRE(ideal == (e->phase != NULL) && s->focal_length == (ideal ? e->phase->focal_length : 0),
+                "element %zu: %a", i, s->focal_length);
     }
     sgt_ray ray = {.d = {0, 0.01, 1}};
     sgt_passage met[4];
     size_t n = 0;
-    while (n < 4 && n < l->count && l->element[n].surface.ops) n++;
+    while (n < 4 && n < l->count) n++;
     size_t passed = sgt_trace(n, l->element, l->index_before, &ray, met, NULL,
                               &(sgt_options){.max_evals = 50});
     for (size_t i = 0; i < n && i <= passed && !isnan(l->index_before); i++)

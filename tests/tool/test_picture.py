@@ -135,6 +135,27 @@ surfaces:
         assert abs(a - c) < 0.01 and abs(b - d) < 0.01, ((a, b), (c, d))
 
 
+def test_ideal_lens():
+    """Two barbs at each end: within the height of the line for a positive focal length, beyond it for a negative one."""
+    text = '''pupil: {semi_diameter: 4}
+fields: [0]
+surfaces:
+  - {type: plane, thickness: 20, semi_diameter: 12}
+  - {type: ideal, focal_length: %g, thickness: 20, semi_diameter: 6}
+  - {type: plane, semi_diameter: 12}
+'''
+    outward, inward = (list(points(picture(written(text % f), '--fan', 1))) for f in (50, -50))
+
+    def only(these, others):
+        return [(x, y) for x, y in these if all(abs(x - a) + abs(y - b) > 0.5 for a, b in others)]
+
+    within, beyond = only(outward, inward), only(inward, outward)
+    equal((len(outward), len(within), len(beyond)), (len(inward), 4, 4))
+    (low, high), (lowest, highest) = (sorted({round(y) for _, y in these}) for these in (within, beyond))
+    assert lowest < low < high < highest, (within, beyond)
+    equal(len({round(x) for x, _ in within}), 2)
+
+
 def test_level_set():
     """A set has no profile: its rays bend in the empty, and the user is told why."""
     lens = written('''pupil: {semi_diameter: 0.4, distance: 0}

@@ -409,6 +409,26 @@ def test_lens_of_types_old_and_new():
     assert 0 < float(got['err_worst']) < 1e-12, got
 
 
+IDEAL = '''units: mm
+surfaces:
+  - {type: ideal, focal_length: 100, thickness: 125, semi_diameter: 9, stop: true}
+  - {type: ideal, focal_length: -25, object_distance: -25, index: 1.3, thickness: 31.25, tilt: [3, 2, 0]}
+  - {type: ideal, focal_length: 60, mirror: true, object_distance: 70, thickness: -20, tilt: [10, 0, 0]}
+  - {type: ideal, focal_length: 30, index: 1, object_distance: 500, thickness: -20}
+  - {type: plane}
+pupil: {semi_diameter: 5}
+fields: [0, 2]
+'''
+
+
+def test_ideal_lenses():
+    """Places and paths, by the formulas of system.h in 113 bits."""
+    got = by_setting(trade(written(IDEAL), '--grid', 7))
+    for name in ('default', 'single', 'out=all'):
+        equal((got[name]['wrong'], got[name]['undecided']), ('0', '0'), got[name])
+        assert float(got[name]['err_worst']) < 2e-13 and float(got[name]['path_worst']) < 2e-13, got[name]
+
+
 # ------------------------------------------------------------------- every type
 
 # One surface of each: the specimens of src/types.def.

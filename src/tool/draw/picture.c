@@ -14,6 +14,7 @@
 
 static const double PICTURE_WIDTH = 900, MARGIN = 34, TOP = 68, PLOT_HIGHEST = 460, PLOT_LOWEST = 110;
 static const double THIN = 0.5, SURFACE = 0.9, MIRROR = 1.6;
+static const double ARROW_LENGTH = 7, ARROW_WIDTH = 4;
 static const double HATCH_STEP = 5, HATCH_LENGTH = 5, STOP_TICK = 13, AXIS_BEYOND = 12, RAY = 0.6,
                     RAY_MANY = 0.3;
 enum { MANY_RAYS = 60 };
@@ -120,6 +121,22 @@ static void draw_stop(const page *p, const outline *o)
     }
 }
 
+/* The sign of an ideal lens: arrow heads at its ends, outward if it focuses, else inward. */
+static void draw_arrows(const page *p, const outline *o)
+{
+    for (int side = 0; side < 2; side++) {
+        double along = (side ? -1 : 1) * o->lens * ARROW_LENGTH;
+        picture_dot tip = on_page(p, scene_corner(o, side, o->half));
+        for (int barb = -1; barb <= 1; barb += 2) {
+            double across = barb * ARROW_WIDTH;
+            cairo_move_to(p->cr, tip.x, tip.y);
+            cairo_line_to(p->cr, tip.x + along * o->up.z + across * o->ahead.z,
+                          tip.y - along * o->up.y - across * o->ahead.y);
+        }
+    }
+    picture_stroke(p, SURFACE, 0.15);
+}
+
 static void draw_surfaces(const page *p, const scene *s)
 {
     static const double dashes[] = {3, 3};
@@ -133,6 +150,7 @@ static void draw_surfaces(const page *p, const scene *s)
         if (o->half == 0) continue;
         if (scene_glass_behind(s, i)) draw_edges(p, o, &s->outline[i + 1]);
         if (o->mirror) draw_hatching(p, o);
+        if (o->lens != 0) draw_arrows(p, o);
         if (o->stop) {
             draw_stop(p, o);
             if (o->dummy) continue; /* a hole, and no surface */

@@ -97,7 +97,8 @@ static outline outline_of(const scene *s, size_t i, double back)
         .up = spot_of(frame_direction_out(&e->pose, (sgt_vec3){0, 1, 0})),
         .ahead = spot_of(frame_direction_out(&e->pose, (sgt_vec3){0, 0, 1})),
         .mirror = mirror, .stop = l->of->stop_marked && l->of->stop == i, .back = back,
-        .dummy = !mirror && l->index[i] == before && i + 1 < l->count,
+        .lens = e->phase ? copysign(1, e->phase->focal_length) : 0,
+        .dummy = !mirror && !e->phase && l->index[i] == before && i + 1 < l->count,
     };
     double wanted = e->semi_diameter > 0       ? e->semi_diameter
                     : l->surface[i].size > 0 ? l->surface[i].size

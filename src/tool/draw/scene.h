@@ -25,6 +25,7 @@ typedef struct outline {
     size_t strokes;
     spot (*blocked)[2];       /* [blocked_count]: pieces of it that the element's apertures clip */
     size_t blocked_count;
+    double lens;              /* the sign of the focal length of an ideal lens; 0: it is none */
     double back;              /* +1 or -1: the side of its own z that is away from the light */
 } outline;
 

@@ -155,10 +155,6 @@ lens lens_at(sgt_lens *of, lens_wavelength at)
 {
     lens l = lens_chosen(of, at);
     sgt_lens_error e;
-    for (size_t i = 0; i < l.count; i++)
-        if (!of->element[i].surface.ops)
-            fail_input("%s:%zu: type: surface %zu is an ideal lens (%s), which cannot be traced yet",
-                       of->file, of->surface[i].line, i + 1, of->surface[i].type);
     if (!lens_fill(&l, &e)) lens_refuse(&e);
     note_ranges(&l);
     return l;

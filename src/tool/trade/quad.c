@@ -102,6 +102,21 @@ static quad3 refracted(quad3 d, quad3 n, quad ratio)
     return unit(along(times(ratio, d), behind - ratio * cosine, n));
 }
 
+/* The direction behind an ideal lens, by slopes, and the path that it adds, as system.h defines them: p, d in
+ * its frame. */
+static quad3 focused(const sgt_element *e, quad n1, quad n2, quad3 p, quad3 d, quad *more)
+{
+    const sgt_phase *a = e->phase;
+    quad to = d.z < 0 ? -1 : 1, x = p.x, y = p.y, f = a->focal_length;
+    quad near = a->object_distance == 0 ? 0 : 1 / (quad)a->object_distance;
+    quad u = d.x / (to * d.z), v = d.y / (to * d.z), u0 = u - near * x, v0 = v - near * y;
+    quad u2 = (n1 * u - x / f) / n2, v2 = (n1 * v - y / f) / n2, u02 = n1 * u0 / n2, v02 = n1 * v0 / n2;
+    quad in = root(1 + u * u + v * v) + root(1 + u0 * u0 + v0 * v0);
+    quad out = root(1 + u2 * u2 + v2 * v2) + root(1 + u02 * u02 + v02 * v02);
+    *more = n2 * (x * (u2 + u02) + y * (v2 + v02)) / out - n1 * (x * (u + u0) + y * (v + v0)) / in;
+    return unit((quad3){u2, v2, e->index == SGT_MIRROR ? -to : to});
+}
+
 bool quad_trace(size_t passed, const sgt_element e[], double index_before, const sgt_ray *ray,
                 const sgt_passage seen[], quad3 *point, quad *path)
 {
@@ -117,7 +132,12 @@ bool quad_trace(size_t passed, const sgt_element e[], double index_before, const
         o = along(o, t, d);
         *path += index * t;
         quad3 n = unit(out_of(&f, grad));
-        if (e[i].index == SGT_MIRROR) {
+        if (e[i].phase) {
+            quad behind = e[i].index == 0 || e[i].index == SGT_MIRROR ? index : (quad)e[i].index, more;
+            d = out_of(&f, focused(&e[i], index, behind, along(q, t, v), v, &more));
+            *path += more;
+            index = behind;
+        } else if (e[i].index == SGT_MIRROR) {
             d = unit(along(d, -2 * quad_dot(d, n), n));
         } else if (e[i].index != 0 && e[i].index != (double)index) {
             d = refracted(d, n, index / e[i].index);
