@@ -238,9 +238,8 @@ def test_examples_against_references():
     """Chief rays and the four at the stop's edge: at the image, in its frame and in that of surface 1."""
     faults = []
     for name in EXAMPLES:
-        if name == PARAXIAL:
-            continue
-        length = zmx_oracle.Lens((DATA / name).read_bytes()).length
+        # the tracer of this test has no ideal lens; the reference has
+        length = 243 if name == PARAXIAL else zmx_oracle.Lens((DATA / name).read_bytes()).length
         for wave in sorted({r[1] for r in example_rays(name)}):
             these = [r for r in example_rays(name) if r[1] == wave]
             beam = written(rays(*(r[3] for r in these)), 'rays.csv')
@@ -298,15 +297,12 @@ def test_primary_wavelength():
         compare('0.6 um', data, launch, 0.6, ('--wavelength', '0.6'))
 
 
-def test_an_ideal_lens_is_refused():
-    """PARAXIAL is read, but cannot be traced: said by its name."""
+def test_an_ideal_lens():
+    """PARAXIAL is read as an ideal lens; traced it is compared above."""
     path = written((DATA / PARAXIAL).read_bytes(), PARAXIAL)
     lens, _ = imported(path)
     assert re.search(r'type: ideal\b[^\n]*focal_length: 100(\.0*)?\b', lens.read_text()), lens.read_text()
-    beam = written(rays((0, 0, -1, 0, 0, 1)))
-    for file in (path, lens):
-        done = run('trace', file, '--rays', beam, exit=BAD_INPUT)
-        assert str(file) in done.stderr and re.search('PARAXIAL|ideal', done.stderr), done.stderr
+    equal(run('trace', path, '--fan', 3, '--format', 'csv').stdout, run('trace', lens, '--fan', 3, '--format', 'csv').stdout)
 
 
 # ------------------------------------------------------------------ surface types
