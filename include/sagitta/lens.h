@@ -238,6 +238,13 @@ typedef struct sgt_lens_surface {
                                 sgt_phase; else 0 */
 } sgt_lens_surface;
 
+/* Where the points of a pattern are. */
+typedef enum sgt_lens_aim {
+    SGT_AIM_PUPIL,      /* in the paraxial entrance pupil */
+    SGT_AIM_STOP,       /* on the stop, out to the height of the paraxial marginal ray */
+    SGT_AIM_REAL_STOP   /* on the stop, out to the height of the real marginal ray */
+} sgt_lens_aim;
+
 typedef struct sgt_lens {
     const char *file;        /* where it was read from, for messages */
     size_t      line;        /* the first line of it that says anything */
@@ -257,6 +264,7 @@ typedef struct sgt_lens {
     double pupil_size;       /* as the kind says; NaN for none */
     double pupil_distance;   /* of the entrance pupil from the first vertex; NaN: that of
                                 the paraxial image of the stop */
+    sgt_lens_aim aim;
     size_t stop;             /* the place of its surface; 0 if none is marked */
     bool   stop_marked;
 

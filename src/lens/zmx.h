@@ -110,6 +110,8 @@ struct zmx {
     size_t pupil_line; /* 0: none */
     unsigned field_type;
     bool telecentric;
+    int aiming; /* 0: at the pupil; 1, 2: at the stop, with its paraxial or its real size */
+    size_t aiming_line;
     size_t fields, waves; /* SIZE_MAX: not given */
     size_t ftyp_line, primary, primary_line;
     size_t configurations, configuration, configuration_line;

@@ -101,8 +101,10 @@ static void read_gcat(zmx *z)
 static void read_aiming(zmx *z)
 {
     sgt_zmx_number_or(z, 0);
-    if (sgt_zmx_number_or(z, 0) != 0)
-        left_out(z, "rays are not aimed at the stop, but at the paraxial entrance pupil");
+    double how = sgt_zmx_number_or(z, 0);
+    if (how != 0 && how != 1 && how != 2)
+        left_out(z, "ray aiming of an unknown kind; rays go by the paraxial pupil");
+    else z->aiming = (int)how, z->aiming_line = z->lines.line;
 }
 
 static void read_apodisation(zmx *z)
@@ -359,5 +361,7 @@ void sgt_zmx_write_system(zmx *z, node *root)
     if (z->makers && z->makers->count) tree_set(z->s, root, "makers", z->makers);
     write_wavelengths(z, root);
     write_pupil(z, root);
+    if (z->aiming)
+        tree_set(z->s, root, "aim", tree_word(z->s, z->aiming_line, z->aiming == 1 ? "stop" : "real_stop"));
     write_fields(z, root);
 }

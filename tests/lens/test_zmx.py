@@ -749,14 +749,14 @@ def test_remarks_and_strict():
     _, said = imported(path, '--strict')
     equal(said, [])
     for data, words in ((clean.replace('PWAV', 'VDYN 0.1 0 0\nVCXN 0.2 0 0\nPWAV'), '- {dy: 0.1, cx: 0.2}'),
-                        (clean.replace('FTYP 0 0 1', 'FTYP 1 1 1').replace('INFINITY', '40.0'), 'telecentric: true')):
+                        (clean.replace('FTYP 0 0 1', 'FTYP 1 1 1').replace('INFINITY', '40.0'), 'telecentric: true'),
+                        (clean.replace('RAIM 0 0', 'RAIM 0 2'), 'aim: real_stop')):
         path = written(data, 'lens.zmx')
         assert words in run('import', path).stdout, (words, run('import', path).stdout)
     faults = []
     for keyword, data in [
             ('ZZQX', clean.replace('GCAT', 'ZZQX 1 2 3\nGCAT')),
             ('ZZQX', clean.replace('  CURV 0.02', '  ZZQX 1\n  CURV 0.02')),
-            ('RAIM', clean.replace('RAIM 0 0', 'RAIM 0 1')),
             ('GLAS', clean.replace('N-BK7 0 0', '___BLANK 1 0')),
             ('ENVD', clean.replace('ENVD 2.0E+1 1 0', 'ENVD 35 0.5 1')),
             ('MNUM', clean.replace('MNUM 1 1', 'MNUM 3 2')),

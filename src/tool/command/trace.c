@@ -255,7 +255,7 @@ static void send(void *data, const tile *t)
 {
     const trace_work *w = data;
     const job *j = w->job;
-    const launch *l = &j->rays.ray[t->first];
+    const launch *l = &w->at->rays.ray[t->first];
     trace_room *r = &w->room[t->place];
     for (size_t i = 0; i < t->count; i++) {
         const sgt_ray *ray = &l[i].ray;
@@ -311,7 +311,7 @@ static void trace_take(void *data, const tile *t)
     table_join(w->table, r->rows);
     for (size_t i = 0; i < t->count; i++) {
         int passed = r->passed[i];
-        const launch *l = &w->job->rays.ray[t->first + i];
+        const launch *l = &w->at->rays.ray[t->first + i];
         if (r->fate[i] == SGT_PASSED) w->passed++, w->proven += crossed_all(w, r, i);
         else count_loss(&w->loss[passed], (sgt_fate)r->fate[i], (sgt_status)r->record[passed].status[i]);
         if (r->fate[i] == SGT_CLIPPED)
@@ -436,7 +436,7 @@ exit_status command_trace(int argc, char *argv[])
     const bool text = a.shared.target.format == TABLE_TEXT;
     /* A tile takes some 60 KB for each element.  At most 16 MB a thread: with many elements tiles have fewer
      * rays. */
-    const tiling in = {.rays = j.rays.count, .threads = count > RECORDS_MOST ? 1 : threads,
+    tiling in = {.rays = j.rays.count, .threads = count > RECORDS_MOST ? 1 : threads,
                        .share = count < 4     ? SHARE_MOST
                                 : count < 128 ? 128 / count
                                               : 1,
@@ -461,12 +461,13 @@ exit_status command_trace(int argc, char *argv[])
     column columns[COLUMNS_MOST];
     w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
     for (size_t i = 0; i < places; i++) w.room[i] = trace_room_for(&w, in.most);
+    size_t all = 0;
     for (size_t c = 0; c < j.wavelengths; c++) {
         w.at = &j.at[c];
+        in.rays = w.at->rays.count, all += in.rays;
         tiles_run(&in, &w, send, trace_take);
     }
     if (text) {
-        const size_t all = j.rays.count * j.wavelengths;
         if (all) write_legend(&w);
         table_line(w.table, "%zu of %zu ray%s passed all %zu element%s.", w.passed, all, all == 1 ? "" : "s",
                    count, count == 1 ? "" : "s");
@@ -480,5 +481,5 @@ exit_status command_trace(int argc, char *argv[])
         scene_finish(&picture);
         picture_write(a.svg, &picture);
     }
-    return w.undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
+    return w.undecided || j.undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
 }

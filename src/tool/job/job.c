@@ -34,6 +34,8 @@ const char job_help[] =
     "  --random N         N random rays, uniform over the area; --seed S (from 1; default 1) draws others\n"
     "  --sobol N          N rays that fill the area evenly\n"
     "  --pattern P        fan, grid, hexapolar, random or sobol, with a number of rays that suits\n"
+    "  --aim A            where px, py are: paraxial, in the paraxial entrance pupil; real: on the stop\n"
+    "                     (its radius is the height of the marginal ray there).  Default: as the lens says\n"
     "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"
     "                     ox,oy,oz,dx,dy,dz and optionally id; FILE may be - for standard input\n"
     "  --skip-bad         skip bad rows of the file, and say how many\n"
@@ -124,6 +126,11 @@ bool job_take(job_options *o, int code)
     case JOB_SKIP_BAD: o->skip_bad = true; return true;
     case JOB_WAVELENGTH: take_wavelength(o); return true;
     case JOB_GLASS: lens_glass_folder(optarg), o->glass = true; return true;
+    case JOB_AIM:
+        o->aim_given = true, o->aimed = strcmp(optarg, "real") == 0;
+        if (!o->aimed && strcmp(optarg, "paraxial") != 0)
+            fail_usage("--aim must be paraxial or real, not \"%s\"", optarg);
+        return true;
     case JOB_STRICT: o->strict = true; return true;
     case JOB_NO_APERTURES: o->no_apertures = true; return true;
     default: return false;
@@ -165,9 +172,17 @@ static void read_wavelengths(job *j, const job_options *o)
         memcpy(element, l->element, l->count * sizeof *element);
         for (size_t i = 0; o->no_apertures && i < l->count; i++)
             element[i].semi_diameter = 0, element[i].aperture = NULL;
-        j->at[c] = (job_lens){*l, element};
+        j->at[c] = (job_lens){.lens = *l, .element = element};
     }
     j->lens = j->at[0].lens, j->element = j->at[0].element;
+}
+
+/* Where rays are sent: as --aim says, else as the lens does. */
+static launch_aim aim_of(const job_options *o, const sgt_lens *l)
+{
+    if (o->aim_given && !o->aimed) return LAUNCH_AT_PUPIL;
+    if (l->aim == SGT_AIM_REAL_STOP) return LAUNCH_AT_REAL_STOP;
+    return o->aimed || l->aim == SGT_AIM_STOP ? LAUNCH_AT_STOP : LAUNCH_AT_PUPIL;
 }
 
 job job_read(const job_options *o)
@@ -182,6 +197,7 @@ job job_read(const job_options *o)
         rays_read(&j.rays, o->rays, o->skip_bad);
         if (j.rays.ended)
             note("%s: tmin, tmax: not used; through a lens the whole line of a ray is searched", o->rays);
+        for (size_t c = 0; c < j.wavelengths; c++) j.at[c].rays = j.rays;
         return j;
     }
     j.field = o->fields ? o->field : j.lens.of->field;
@@ -189,11 +205,22 @@ job job_read(const job_options *o)
     j.field_kind = o->fields ? SGT_FIELD_ANGLE : j.lens.of->field_kind;
     const long n = o->points ? o->points : patterns[SGT_PATTERN_FAN].points;
     const launch_pattern points = launch_points(o->pattern, (size_t)n, o->seed ? (uint64_t)o->seed : 1);
-    const lens launching = lens_for_launch(&j.lens);
-    const sgt_first_order data = launch_data(&launching);
-    for (size_t f = 0; f < j.fields; f++)
-        launch_field(&j.rays, &launching, &data, f, j.field_kind, j.field[f], &points);
-    if (!j.rays.count)
+    const lens primary = lens_for_launch(&j.lens);
+    launch_how how = launch_by(&primary, aim_of(o, j.lens.of));
+    for (size_t c = 0; c < j.wavelengths; c++) {
+        if (c > 0 && how.aim == LAUNCH_AT_PUPIL) { /* the same rays at all wavelengths */
+            j.at[c].rays = j.at[0].rays;
+            continue;
+        }
+        how.count = 0;
+        for (size_t f = 0; f < j.fields; f++)
+            launch_field(&j.at[c].rays, &how, &j.at[c].lens, f, j.field_kind, j.field[f], &points);
+    }
+    j.rays = j.at[0].rays, j.undecided = how.undecided;
+    if (how.none + how.undecided)
+        note("%zu of %zu rays are not there: of %zu that is proven", how.none + how.undecided,
+             how.count * j.wavelengths, how.none);
+    if (!how.count)
         fail_usage("--grid %ld: no ray lies inside the pupil's circle; use 1, or 3 or more", n);
     return j;
 }

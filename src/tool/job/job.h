@@ -12,6 +12,7 @@ typedef struct job_options {
     long points;                      /* --fan N and its like; 0: not given */
     sgt_pattern pattern;              /* then */
     long seed;                        /* of --random; 0: not given */
+    bool aimed, aim_given;            /* --aim real; --aim */
     lens_wavelength *wavelength;      /* --wavelength, one after another */
     size_t wavelengths, wavelength_capacity;
     bool all_wavelengths;             /* --wavelength all */
@@ -28,7 +29,7 @@ enum {
     JOB_RANDOM,
     JOB_SOBOL,
     JOB_PATTERN,
-    JOB_SEED,
+    JOB_SEED, JOB_AIM,
     JOB_RAYS,
     JOB_SKIP_BAD,
     JOB_WAVELENGTH,
@@ -48,6 +49,7 @@ enum {
     {"pattern", required_argument, NULL, JOB_PATTERN},          \
     {"seed", required_argument, NULL, JOB_SEED},                \
     {"fields", required_argument, NULL, JOB_FIELD},             \
+    {"aim", required_argument, NULL, JOB_AIM},                  \
     {"rays", required_argument, NULL, JOB_RAYS},                \
     {"skip-bad", no_argument, NULL, JOB_SKIP_BAD},              \
     {"wavelength", required_argument, NULL, JOB_WAVELENGTH},    \
@@ -60,15 +62,16 @@ extern const char job_help[];
 /* Takes an option if its code is one of the above; else returns false. */
 bool job_take(job_options *o, int code);
 
-/* The lens at a wavelength, and its elements: without apertures for --no-apertures. */
-typedef struct job_lens { lens lens; sgt_element *element; } job_lens;
+/* The lens at a wavelength; its elements, without apertures for --no-apertures; the rays for it. */
+typedef struct job_lens { lens lens; sgt_element *element; ray_list rays; } job_lens;
 
 typedef struct job {
     size_t wavelengths;       /* one for each --wavelength */
     job_lens *at;
     lens lens;                /* the first */
     sgt_element *element;
-    ray_list rays;
+    ray_list rays;            /* those of the first wavelength */
+    size_t undecided;         /* how many rays aiming has neither found nor excluded */
     size_t fields;            /* 0: the rays came from a file */
     const sgt_lens_field *field;
     sgt_field_kind field_kind;

@@ -8,11 +8,14 @@
  * -(D + p) tan.  A paraxial image height h: the slope is h P / n from afar (P the power, n the
  * index in front); else the object is at h / m, m the magnification.
  *
+ * AIMING at the stop, and fields by real image heights: aim.c.
+ *
  * OBJECT AT INFINITY: the rays start on one wavefront, a plane at right angles to their
  * direction, so that their optical path lengths can be compared.  The plane lies in front of
  * the pupil and of all surfaces. */
 #include "launch.h"
 
+#include "aim.h"
 #include "../base/memory.h"
 #include "../show/frame.h"
 #include "../show/profile.h"
@@ -21,7 +24,7 @@
 
 static const double RADIAN = 0.017453292519943295; /* pi / 180 */
 
-sgt_first_order launch_data(const lens *l)
+static sgt_first_order first_order_of(const lens *l)
 {
     sgt_first_order o;
     sgt_lens_error e;
@@ -79,14 +82,6 @@ static double front(const lens *l, double pupil, double radius)
     return z - radius;
 }
 
-typedef struct beam {
-    double pupil, radius, wave;    /* z of the pupil; the wavefront is the plane direction . p = wave */
-    double cone;           /* of a telecentric object: the slope of its marginal rays; else 0 */
-    sgt_vec3 direction;    /* of the chief ray */
-    bool finite;
-    sgt_vec3 object;       /* if finite: the point the rays come from */
-} beam;
-
 /* The direction of a chief ray from its angles in degrees.  (In the y-z plane it is exactly (0, sin, cos).)
  */
 static sgt_vec3 direction_at(double x, double y)
@@ -113,16 +108,33 @@ static double cone_of(const lens *l, sgt_field_kind kind, sgt_lens_field at)
     return slope;
 }
 
-static beam beam_of(const lens *l, const sgt_first_order *o, sgt_field_kind kind, sgt_lens_field at)
+void beam_point(beam *b, const lens *l, double x, double y)
 {
+    if (b->finite) {
+        b->object = (sgt_vec3){x, y, l->surface[0].z - l->of->object_distance};
+        return;
+    }
+    b->direction = direction_at(x, y);
+    /* from (x, y, pupil) back along the direction to the wavefront, s = hypot(dx, dy), c = dz:
+     * z = pupil - (x dx + y dy + pupil c - wave) c <= pupil s^2 + a s c + wave c */
+    double s = hypot(b->direction.x, b->direction.y), c = b->direction.z;
+    b->wave = (b->front - b->pupil * s * s - b->radius * s * c) / c;
+}
+
+static beam beam_of(const launch_how *how, sgt_field_kind kind, sgt_lens_field at)
+{
+    const lens *l = &how->lens;
+    const sgt_first_order *o = &how->data;
     if (!l->of->telecentric) require_pupil(l, o);
     const double d = l->of->object_distance, first = l->surface[0].z, p = o->entrance_pupil;
     beam b = {.pupil = first + p, .radius = o->entrance_radius, .finite = isfinite(d)};
     double hx = at.x, hy = at.y;
+    if (!b.finite) b.front = front(l, b.pupil, b.radius);
     if (l->of->telecentric) b.cone = cone_of(l, kind, at);
-    if (kind == SGT_FIELD_REAL_IMAGE_HEIGHT)
-        lens_fail(l, "field_type",
-                  "rays for a real image height need aiming, which is not there yet; give --field or --rays");
+    if (kind == SGT_FIELD_REAL_IMAGE_HEIGHT) {
+        aim_field(how, &b, at);
+        return b;
+    }
     if (kind == SGT_FIELD_PARAXIAL_IMAGE_HEIGHT) {
         double by = b.finite ? 1 / o->magnification : o->power / l->index_before;
         if (!isfinite(by) || by == 0)
@@ -133,20 +145,12 @@ static beam beam_of(const lens *l, const sgt_first_order *o, sgt_field_kind kind
         if (d + p == 0) lens_fail(l, "object.distance", "the object lies in the entrance pupil");
         hx = -(d + p) * tan(hx * RADIAN), hy = -(d + p) * tan(hy * RADIAN);
     }
-    if (b.finite) {
-        b.object = (sgt_vec3){hx, hy, first - d};
-        return b;
-    }
-    b.direction = direction_at(hx, hy);
-    /* from (x, y, pupil) back along the direction to the wavefront, s = hypot(dx, dy), c = dz:
-     * z = pupil - (x dx + y dy + pupil c - wave) c <= pupil s^2 + a s c + wave c */
-    double s = hypot(b.direction.x, b.direction.y), c = b.direction.z;
-    b.wave = (front(l, b.pupil, b.radius) - b.pupil * s * s - b.radius * s * c) / c;
+    beam_point(&b, l, hx, hy);
     return b;
 }
 
 /* x, y: in the unit circle of the pupil. */
-static sgt_ray ray_through(const beam *b, double x, double y)
+sgt_ray beam_ray(const beam *b, double x, double y)
 {
     sgt_vec3 p = {b->radius * x, b->radius * y, b->pupil};
     if (b->cone > 0) {
@@ -171,18 +175,32 @@ launch_pattern launch_points(sgt_pattern pattern, size_t n, uint64_t seed)
     return (launch_pattern){count, at};
 }
 
-void launch_field(ray_list *list, const lens *l, const sgt_first_order *data, size_t field,
-                  sgt_field_kind kind, sgt_lens_field at, const launch_pattern *points)
+launch_how launch_by(const lens *l, launch_aim aim)
 {
-    beam b = beam_of(l, data, kind, at);
+    launch_how how = {.lens = *l, .data = first_order_of(l), .aim = aim};
+    if (aim != LAUNCH_AT_PUPIL && !l->of->telecentric) how.stop_radius = aim_stop_radius(&how);
+    return how;
+}
+
+beam launch_axial_beam(const launch_how *how)
+{
+    return beam_of(how, SGT_FIELD_ANGLE, (sgt_lens_field){.y = 0});
+}
+
+void launch_field(ray_list *list, launch_how *how, const lens *traced, size_t field, sgt_field_kind kind,
+                  sgt_lens_field at, const launch_pattern *points)
+{
+    beam b = beam_of(how, kind, at);
     const sgt_vec3 turn = sgt_pose_tilted((sgt_vec3){0, 0, 0}, (sgt_vec3){0, 0, at.angle}).ex;
-    const bool turned = turn.x != 0 || turn.y != 0;
+    const bool turned = turn.x != 0 || turn.y != 0, aimed = how->aim != LAUNCH_AT_PUPIL && b.cone == 0;
+    aim_start start = {.known = false};
     for (size_t i = 0; i < points->count; i++) {
         double x = points->at[i].x, y = points->at[i].y;
         double u = at.dx + x * (1 - at.cx), v = at.dy + y * (1 - at.cy);
-        sgt_vec3 q = turned ? (sgt_vec3){u * turn.x - v * turn.y, u * turn.y + v * turn.x, 0}
-                            : (sgt_vec3){u, v, 0};
-        rays_add(list, (launch){.ray = ray_through(&b, q.x, q.y), .number = list->count, .field = field,
-                                .px = x, .py = y});
+        sgt_vec2 q = turned ? (sgt_vec2){u * turn.x - v * turn.y, u * turn.y + v * turn.x} : (sgt_vec2){u, v};
+        launch l = {.number = how->count++, .field = field, .px = x, .py = y};
+        if (!aimed) l.ray = beam_ray(&b, q.x, q.y);
+        else if (!aim_ray(how, traced, &b, q, &l, &start)) continue;
+        rays_add(list, l);
     }
 }

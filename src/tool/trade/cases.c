@@ -332,10 +332,10 @@ static const job *scan_lens(void)
     j->lens = lens_of_text("scan-lens", SCAN_LENS);
     j->element = j->lens.element;
     j->fields = j->lens.of->fields, j->field = j->lens.of->field;
-    const sgt_first_order data = launch_data(&j->lens);
+    launch_how how = launch_by(&j->lens, LAUNCH_AT_PUPIL);
     const launch_pattern grid = launch_points(SGT_PATTERN_GRID, GRID_DEFAULT, 0);
     for (size_t f = 0; f < j->fields; f++)
-        launch_field(&j->rays, &j->lens, &data, f, SGT_FIELD_ANGLE, j->field[f], &grid);
+        launch_field(&j->rays, &how, &j->lens, f, SGT_FIELD_ANGLE, j->field[f], &grid);
     return j;
 }
 
