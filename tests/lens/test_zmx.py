@@ -918,7 +918,7 @@ SURF 3
     stride = max(1, round(1 / SCALE))
     for what, data, step in (('UTF-8', small.encode(), 1),
                              ('UTF-16', b'\xff\xfe' + small.encode('utf-16-le'), 9)):
-        assert prefixes(what, data, [*range(0, len(data), step * stride), len(data)], 'small.zmx') > 2
+        assert prefixes(what, data, [*range(0, len(data), step * stride), len(data)], 'small.zmx') > 0
     for name, step in (('optiland__lens1__ad519c.zmx', 1), ('optiland__thorlabs_lj1598l1__b68ae1.zmx', 3),
                        ('optiland__simple_fold_mirror_up__8136ed.zmx', 4)):
         data = (DATA / name).read_bytes()

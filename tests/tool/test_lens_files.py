@@ -244,10 +244,10 @@ def test_by_what_a_ray_is_clipped():
     path = written(json.dumps({'pupil': {'semi_diameter': 4}, 'surfaces': [{'type': 'plane', 'semi_diameter': 3.5, 'apertures': [
         {'type': 'circle', 'radius': 1, 'obscures': True}, {'type': 'rectangle', 'half_width': 5, 'half_height': 2.5}]}]}))
     said = run('trace', path, '--fan', 9).stdout
-    for line in ('element 1 (plane): 5 clipped', 'Ray 0 at element 1: clipped by its semi_diameter: r = 4, limit 3.5.',
-                 'Ray 1 at element 1: clipped by aperture 2 (rectangle): 0.5 beyond its edge.',
-                 'Ray 4 at element 1: clipped by aperture 1 (circle, obscuring): r = 0, limit 1.',
-                 '1 more clipped: sagitta diagnose LENS --ray N shows by what.'):
+    for line in ('element 1 (plane): 5 clipped', 'Ray 0 (field 1, px 0, py -1) at element 1: clipped by its semi_diameter: r = 4 is beyond 3.5.',
+                 'Ray 1 (field 1, px 0, py -0.75) at element 1: clipped by aperture 2 (rectangle): 0.5 beyond its edge.',
+                 'Ray 4 (field 1, px 0, py 0) at element 1: clipped by aperture 1 (circle, obscuring): r = 0 is within 1.',
+                 '1 more did not get through: sagitta diagnose LENS --ray N shows why.'):
         assert line in said, (line, said)
     assert 'clipped by aperture 2 (rectangle): 0.5 beyond' in run('diagnose', path, '--fan', 9, '--ray', 7).stdout
     assert 'clipped' not in run('trace', path, '--fan', 9, '--no-apertures').stdout

@@ -8,7 +8,8 @@
 #include "../job/job.h"
 #include "../base/memory.h"
 #include "../../text/number.h"
-#include "../show/clipped.h"
+#include "../show/frame.h"
+#include "../show/stopped.h"
 #include "../read/surface.h"
 
 #include <limits.h>
@@ -241,10 +242,17 @@ static bool diagnose_lens(table *t, const diagnose_arguments *a, const job *j, c
         sgt_fate fate;
         sgt_trace(1, e, index, &ray, &passage, &fate, &o);
         if (!a->element || (size_t)a->element == i + 1) {
-            char by[CLIPPED_SIZE] = "";
-            if (fate == SGT_CLIPPED) clipped_print(by, e, passage.hit.p);
-            table_line(t, "\nElement %zu (%s): %s%s%s", i + 1, j->lens.surface[i].type, sgt_fate_text(fate),
-                       *by ? " " : "", by);
+            char why[STOPPED_SIZE];
+            double length = vector_length(made.ray.d);
+            const arrival come = {
+                .from = made.ray.o,
+                .p = passage.hit.p,
+                .index = index,
+                .behind = j->lens.index[i],
+                .direction = {made.ray.d.x / length, made.ray.d.y / length, made.ray.d.z / length}};
+            stopped_print(why, e, fate, &come);
+            table_line(t, "\nElement %zu (%s): %s", i + 1, j->lens.surface[i].type,
+                       *why ? why : sgt_fate_text(fate));
             made.hit = &passage.hit;
             decided = show(t, a, l->number, i, &watched, &made) && decided;
         }

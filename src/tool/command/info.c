@@ -211,10 +211,29 @@ static void write_seidel(const info_arguments *a, const lens *l)
     table_end(t);
 }
 
+/* What the numbers leave out. */
+static void note_limits(const sgt_lens *l)
+{
+    bool tilted = false, sections = false;
+    for (size_t i = 0; i < l->count; i++) {
+        const sgt_pose *p = &l->element[i].pose;
+        const char *type = l->surface[i].type;
+        tilted = tilted || l->surface[i].off_axis || l->surface[i].folded || p->ex.x != 0 || p->ex.y != 0 ||
+                 p->ex.z != 0 || p->origin.x != 0 || p->origin.y != 0;
+        sections = sections || strcmp(type, "toroidal") == 0 || strcmp(type, "biconic") == 0 ||
+                   strcmp(type, "cylinder") == 0;
+    }
+    if (tilted) note("%s: tilts, decentres and breaks do not count in these data", l->file);
+    if (sections) note("%s: these data are of the y-z section; a surface is another in x-z", l->file);
+    if (l->field_kind == SGT_FIELD_REAL_IMAGE_HEIGHT)
+        note("%s: real image heights are taken as paraxial ones in these data", l->file);
+}
+
 exit_status command_info(int argc, char *argv[])
 {
     info_arguments a = info_arguments_of(argc, argv);
     lens_list at = job_lenses(&a.job);
+    note_limits(at.lens[0].of);
     if (a.seidel) write_seidel(&a, &at.lens[0]);
     else if (a.target.format == TABLE_TEXT) write_by_rows(&a, &at);
     else write_by_columns(&a, &at);

@@ -9,7 +9,7 @@
 #include "../show/profile.h"
 #include "../draw/scene.h"
 #include "../base/tiles.h"
-#include "../show/clipped.h"
+#include "../show/stopped.h"
 #include "../show/undecided.h"
 
 #include <math.h>
@@ -167,8 +167,15 @@ typedef struct trace_work {
     size_t passed, proven, undecided; /* how many rays; proven: passed and grazed no element */
     struct { const launch *ray; const job_lens *at; } lost[UNDECIDED_SHOWN];
     int shown;
-    struct { size_t ray, element; char by[CLIPPED_SIZE]; } clipped[UNDECIDED_SHOWN];
-    size_t clipped_shown, clipped_count;
+    struct {
+        const launch *ray;
+        const job_lens *at;
+        size_t element;
+        char why[STOPPED_SIZE];
+    } ended[UNDECIDED_SHOWN];
+    size_t ended_shown, ended_count;
+    size_t *back;                  /* [elements]: how many rays came to it at t < 0 */
+    struct { size_t rays, passed, first, last; } *field; /* [fields]: and where the others ended */
     losses *loss;                  /* [elements] */
     sgt_vec3 *point;               /* [elements + 1] */
 } trace_work;
@@ -295,13 +302,39 @@ static bool crossed_all(const trace_work *w, const trace_room *r, size_t i)
     return true;
 }
 
-/* Keeps by what the first clipped rays were clipped. */
-static void keep_clipped(trace_work *w, const launch *l, size_t element, sgt_vec3 p)
+/* Keeps why the first rays ended. */
+static void keep_ended(trace_work *w, const trace_room *r, const launch *l, size_t i)
 {
-    if (w->clipped_count++ >= UNDECIDED_SHOWN) return;
-    size_t k = w->clipped_shown++;
-    w->clipped[k].ray = l->number, w->clipped[k].element = element;
-    clipped_print(w->clipped[k].by, &w->at->element[element], p);
+    const size_t element = (size_t)r->passed[i];
+    const lens *of = &w->at->lens;
+    const sgt_element *e = &w->at->element[element], *before = element ? e - 1 : NULL;
+    if (r->fate[i] < 0 || w->ended_count++ >= UNDECIDED_SHOWN) return;
+    sgt_vec3 from = l->ray.o, d = l->ray.d;
+    if (before) {
+        from = frame_point_out(&before->pose, vector_at(r->record[element - 1].number, i));
+        d = frame_direction_out(&before->pose, vector_at(r->record[element - 1].number + 3, i));
+    }
+    double length = vector_length(d);
+    const arrival a = {
+        .from = frame_point_in(&e->pose, from),
+        .direction = frame_direction_in(&e->pose, (sgt_vec3){d.x / length, d.y / length, d.z / length}),
+        .p = vector_at(r->record[element].number, i),
+        .index = element ? of->index[element - 1] : of->index_before,
+        .behind = of->index[element]};
+    size_t k = w->ended_shown++;
+    w->ended[k].ray = l, w->ended[k].at = w->at, w->ended[k].element = element;
+    stopped_print(w->ended[k].why, e, (sgt_fate)r->fate[i], &a);
+}
+
+static void count_field(trace_work *w, const launch *l, size_t passed)
+{
+    if (!w->job->fields) return;
+    bool all = passed == w->job->lens.count;
+    w->field[l->field].rays++, w->field[l->field].passed += all;
+    if (all) return;
+    if (!w->field[l->field].first || passed + 1 < w->field[l->field].first)
+        w->field[l->field].first = passed + 1;
+    if (passed + 1 > w->field[l->field].last) w->field[l->field].last = passed + 1;
 }
 
 static void trace_take(void *data, const tile *t)
@@ -314,8 +347,9 @@ static void trace_take(void *data, const tile *t)
         const launch *l = &w->at->rays.ray[t->first + i];
         if (r->fate[i] == SGT_PASSED) w->passed++, w->proven += crossed_all(w, r, i);
         else count_loss(&w->loss[passed], (sgt_fate)r->fate[i], (sgt_status)r->record[passed].status[i]);
-        if (r->fate[i] == SGT_CLIPPED)
-            keep_clipped(w, l, (size_t)passed, vector_at(r->record[passed].number, i));
+        if (r->fate[i] != SGT_PASSED) keep_ended(w, r, l, i);
+        count_field(w, l, (size_t)passed);
+        for (int k = 0; k < passed; k++) w->back[k] += r->record[k].number[6][i] < 0;
         if (r->fate[i] < 0) w->undecided++;
         if (r->fate[i] < 0 && r->record[passed].status[i] < 0 && w->shown < UNDECIDED_SHOWN)
             w->lost[w->shown].ray = l, w->lost[w->shown++].at = w->at;
@@ -367,14 +401,52 @@ static void write_losses(table *t, const job *j, const losses loss[])
     }
 }
 
-static void write_clipped(const trace_work *w)
+/* "Ray 9 (field 2, px 0, py -0.33, 0.4861 um)" */
+static void print_ray(char text[120], const trace_work *w, const launch *l, const job_lens *at)
 {
-    for (size_t k = 0; k < w->clipped_shown; k++)
-        table_line(w->table, "Ray %zu at element %zu: clipped %s.", w->clipped[k].ray,
-                   w->clipped[k].element + 1, w->clipped[k].by);
-    if (w->clipped_count > w->clipped_shown)
-        table_line(w->table, "%zu more clipped: sagitta diagnose LENS --ray N shows by what.",
-                   w->clipped_count - w->clipped_shown);
+    int n = snprintf(text, 120, "Ray %zu", l->number);
+    if (w->job->fields)
+        n += snprintf(text + n, (size_t)(120 - n), " (field %zu, px %.4g, py %.4g", l->field + 1, l->px,
+                      l->py);
+    if (w->job->fields && w->job->wavelengths > 1 && !isnan(at->lens.wavelength))
+        n += snprintf(text + n, (size_t)(120 - n), ", %.6g um", at->lens.wavelength);
+    if (w->job->fields) snprintf(text + n, (size_t)(120 - n), ")");
+}
+
+static void write_ended(const trace_work *w)
+{
+    char who[120];
+    for (size_t k = 0; k < w->ended_shown; k++) {
+        print_ray(who, w, w->ended[k].ray, w->ended[k].at);
+        table_line(w->table, "%s at element %zu: %s.", who, w->ended[k].element + 1, w->ended[k].why);
+    }
+    if (w->ended_count > w->ended_shown)
+        table_line(w->table, "%zu more did not get through: sagitta diagnose LENS --ray N shows why.",
+                   w->ended_count - w->ended_shown);
+}
+
+/* What is probably wrong with the lens, or with the rays that were sent. */
+static void write_doubts(const trace_work *w)
+{
+    const job *j = w->job;
+    for (size_t k = 1; k < j->lens.count; k++)
+        if (w->back[k])
+            table_line(
+                w->table,
+                "element %zu (%s): %zu ray%s came to it backwards (t < 0); behind a mirror a thickness is "
+                "negative, else positive",
+                k + 1, j->lens.surface[k].type, w->back[k], w->back[k] == 1 ? "" : "s");
+    for (size_t f = 0; f < j->fields; f++) {
+        if (!w->field[f].rays || w->field[f].passed) continue;
+        char range[60];
+        snprintf(range, sizeof range,
+                 w->field[f].first < w->field[f].last ? "elements %zu to %zu" : "element %zu",
+                 w->field[f].first, w->field[f].last);
+        table_line(w->table, "No ray of field %zu gets through: they end at %s%s", f + 1, range,
+                   w->asked->job.aimed
+                       ? "."
+                       : ". --aim real sends them through the stop; --no-apertures clips none.");
+    }
 }
 
 /* Under the table for people: what has a unit, and whose frame it is. */
@@ -406,8 +478,9 @@ static void write_lost(const trace_work *w)
                           .ray = job_own_ray(&e->pose, &ray), .asked = &asked->solver,
                           .near_seed = options_near_seed(asked, e->surface, SGT_NEAR_SEED),
                           .fast = options_fast(asked, e->surface), .hit = &alone[passed].hit};
-        char who[80];
-        snprintf(who, sizeof who, "Ray %zu at element %zu: ", w->lost[i].ray->number, passed + 1);
+        char ray_name[120], who[160];
+        print_ray(ray_name, w, w->lost[i].ray, at);
+        snprintf(who, sizeof who, "%s at element %zu: ", ray_name, passed + 1);
         undecided_explain(w->table, who, &s);
     }
     if (w->undecided > (size_t)w->shown)
@@ -456,7 +529,8 @@ exit_status command_trace(int argc, char *argv[])
     trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room),
                     .picture = a.svg ? &picture : NULL, .launches = !text || j.wavelengths > 1,
                     .stretches = a.shared.solver.proof && !text,
-                    .loss = memory_take(count, sizeof *w.loss),
+                    .loss = memory_take(count, sizeof *w.loss), .back = memory_take(count, sizeof *w.back),
+                    .field = memory_take(j.fields, sizeof *w.field),
                     .point = memory_take(count + 1, sizeof *w.point)};
     column columns[COLUMNS_MOST];
     w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
@@ -473,7 +547,8 @@ exit_status command_trace(int argc, char *argv[])
                    count, count == 1 ? "" : "s");
         write_proof(&w);
         write_losses(w.table, &j, w.loss);
-        write_clipped(&w);
+        write_ended(&w);
+        write_doubts(&w);
         write_lost(&w);
     }
     table_end(w.table);

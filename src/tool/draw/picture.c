@@ -11,6 +11,7 @@
 #include <cairo-svg.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static const double PICTURE_WIDTH = 900, MARGIN = 34, TOP = 68, PLOT_HIGHEST = 460, PLOT_LOWEST = 110;
 static const double THIN = 0.5, SURFACE = 0.9, MIRROR = 1.6;
@@ -215,15 +216,22 @@ static void draw_marks(const page *p, const scene *s)
 
 /* ---------------------------------------------------------------- text */
 
-static void draw_title(const page *p, const lens *l)
+static void draw_title(const page *p, const job *j)
 {
-    char text[120] = "y-z section";
-    if (!isnan(l->wavelength)) snprintf(text, sizeof text, "%g \302\265m, y-z section", l->wavelength);
+    const lens *l = &j->lens;
+    char text[200] = "y-z section";
+    size_t length = 0;
+    for (size_t i = 0; i < j->wavelengths && !isnan(l->wavelength) && length < sizeof text; i++)
+        length += (size_t)snprintf(text + length, sizeof text - length, "%s%g", i ? ", " : "",
+                                   j->at[i].lens.wavelength);
+    if (length && length < sizeof text)
+        snprintf(text + length, sizeof text - length, " \302\265m, y-z section");
+    const char *file = strrchr(l->of->file, '/'), *title = *l->name ? l->name : file ? file + 1 : l->of->file;
     cairo_set_source_rgb(p->cr, 0, 0, 0);
     cairo_select_font_face(p->cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_BOLD);
     cairo_set_font_size(p->cr, 15);
     cairo_move_to(p->cr, MARGIN, 26);
-    cairo_show_text(p->cr, l->name);
+    cairo_show_text(p->cr, title);
     cairo_select_font_face(p->cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(p->cr, LEGEND_FONT);
     cairo_set_source_rgb(p->cr, 0.35, 0.35, 0.35);
@@ -257,7 +265,7 @@ void picture_write(const char *file, const scene *s)
     draw_surfaces(&p, s);
     draw_blocked(&p, s);
     draw_marks(&p, s);
-    draw_title(&p, &s->job->lens);
+    draw_title(&p, s->job);
     legend_draw(p.cr, s, MARGIN, PICTURE_WIDTH - MARGIN, p.legend_top, p.scale);
     cairo_destroy(p.cr);
     cairo_surface_finish(surface);

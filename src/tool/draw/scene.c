@@ -75,7 +75,7 @@ static void add_blocked(outline *o, const sgt_element *e)
     bool open = false;
     if (!e->aperture || !(o->half > 0)) return;
     for (int k = 0; k <= BLOCKED_STEPS; k++) {
-        sgt_vec3 own = {0, o->half * (2 * k - BLOCKED_STEPS) / BLOCKED_STEPS, 0};
+        sgt_vec3 own = {0, o->middle + o->half * (2 * k - BLOCKED_STEPS) / BLOCKED_STEPS, 0};
         bool blocks = sgt_clipped_by(e, own).by >= 0;
         own.z = profile_sag(e, 0, own.y);
         spot here = spot_of(frame_point_out(&e->pose, own));
@@ -85,6 +85,25 @@ static void add_blocked(outline *o, const sgt_element *e)
         }
         open = blocks, last = here;
     }
+}
+
+/* The part of y that the first aperture beside the axis lets through, from its middle; false: there is
+ * none. */
+static bool part_in_use(const sgt_element *e, double *middle, double *half)
+{
+    const sgt_aperture *a = e->aperture;
+    for (size_t i = 0; a && i < a->count; i++) {
+        const sgt_aperture_item *item = &a->items[i];
+        if (item->obscuring || item->centre.y == 0 || item->shape == SGT_POLYGON || item->shape == SGT_SPIDER)
+            continue;
+        *middle = item->centre.y;
+        *half = item->shape == SGT_CIRCLE || item->shape == SGT_ANNULUS ? item->radius
+                                                                        : hypot(item->half.x, item->half.y);
+        if (item->degrees == 0 && (item->shape == SGT_RECTANGLE || item->shape == SGT_ELLIPSE))
+            *half = item->half.y;
+        return true;
+    }
+    return false;
 }
 
 static outline outline_of(const scene *s, size_t i, double back)
@@ -108,9 +127,12 @@ static outline outline_of(const scene *s, size_t i, double back)
         add_section(&o, e, wanted);
         return o;
     }
-    o.half = half_height(e, wanted);
+    double middle = 0;
+    if (part_in_use(e, &middle, &wanted)) o.half = wanted;
+    else o.half = half_height(e, wanted);
+    o.middle = middle;
     for (int k = 0; k < OUTLINE_POINTS; k++) {
-        double y = o.half * (2 * k - (OUTLINE_POINTS - 1)) / (OUTLINE_POINTS - 1);
+        double y = middle + o.half * (2 * k - (OUTLINE_POINTS - 1)) / (OUTLINE_POINTS - 1);
         double sag = profile_sag(e, 0, y);
         if (isnan(sag)) o.half = 0; /* a hole in the middle: a line cannot show it */
         o.at[k] = spot_of(frame_point_out(&e->pose, (sgt_vec3){0, y, isnan(sag) ? 0 : sag}));

@@ -18,6 +18,8 @@ enum { OUTLINE_POINTS = 65 };
 typedef struct outline {
     spot at[OUTLINE_POINTS];
     double half;              /* half its height; 0: nothing to draw */
+    /* the own y about which it is drawn; 0 unless an aperture lies beside the axis */
+    double middle;
     spot up, ahead;           /* its own y and z axes in the picture */
     bool mirror, stop, dummy; /* dummy: the medium does not change, and it is not the last */
     /* [strokes], of a surface that is not a sag: its section; `half` is then 0 */

@@ -13,8 +13,8 @@ double aim_stop_radius(const launch_how *how);
  * was found; counted, and noted for the first few. */
 bool aim_ray(launch_how *how, const lens *traced, const beam *b, sgt_vec2 q, launch *l, aim_start *start);
 
-/* Sets the point or direction of the beam so that its chief ray meets the image at the height `at`.  If none is
- * found the command ends. */
+/* Sets the point or direction of the beam so that its chief ray meets the image at the height `at`.  If
+ * none is found the command ends. */
 void aim_field(const launch_how *how, beam *b, sgt_lens_field at);
 
 #endif

@@ -31,11 +31,11 @@ const char job_help[] =
     "  --fan N            N rays across the entrance pupil in y, from edge to edge (default 5)\n"
     "  --grid N           a square grid of N x N rays over the pupil, without those outside its circle\n"
     "  --hexapolar N      the centre, and N rings of 6, 12, 18 ... rays\n"
-    "  --random N         N random rays, uniform over the area; --seed S (from 1; default 1) draws others\n"
+    "  --random N         N random rays, uniform over the area; --seed S (default 1) draws others\n"
     "  --sobol N          N rays that fill the area evenly\n"
     "  --pattern P        fan, grid, hexapolar, random or sobol, with a number of rays that suits\n"
     "  --aim A            where px, py are: paraxial, in the paraxial entrance pupil; real: on the stop\n"
-    "                     (its radius is the height of the marginal ray there).  Default: as the lens says\n"
+    "                     (its radius is the marginal ray's height there).  Default: as the lens says\n"
     "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"
     "                     ox,oy,oz,dx,dy,dz and optionally id; FILE may be - for standard input\n"
     "  --skip-bad         skip bad rows of the file, and say how many\n"
@@ -49,6 +49,7 @@ const char job_help[] =
     "                     of a glass, are errors\n"
     "  --no-apertures     ignore the clear apertures: clip no ray\n";
 
+static const double NANOMETRES = 100; /* um: light so long is rarer than a slip of the unit */
 static const char LINES[] = "i h g F' F e d D C' C r s t";
 
 static lens_wavelength wavelength_of(const char *text)
@@ -67,6 +68,8 @@ static lens_wavelength wavelength_of(const char *text)
     }
     um = options_number("wavelength", text);
     if (!(um > 0)) fail_usage("--wavelength must be positive, not %s micrometres", text);
+    if (um >= NANOMETRES)
+        fail_usage("--wavelength %s would be micrometres; for %g nanometres write %g", text, um, um / 1000);
     return (lens_wavelength){.um = um};
 }
 

@@ -9,7 +9,8 @@ void clipped_print(char text[CLIPPED_SIZE], const sgt_element *e, sgt_vec3 p)
                                          "ellipse", "polygon", "spider"};
     sgt_clipping by = sgt_clipped_by(e, p);
     if (by.by == SGT_BY_SEMI_DIAMETER) {
-        snprintf(text, CLIPPED_SIZE, "by its semi_diameter: r = %.9g, limit %.9g", by.size, by.limit);
+        snprintf(text, CLIPPED_SIZE, "by its semi_diameter: r = %.9g is beyond %.9g", by.size,
+                 by.limit);
         return;
     }
     if (by.by < 0) {
@@ -21,7 +22,8 @@ void clipped_print(char text[CLIPPED_SIZE], const sgt_element *e, sgt_vec3 p)
     int length = snprintf(text, CLIPPED_SIZE, "by aperture %d (%s%s)", by.by + 1, shapes[item->shape],
                           obscuring);
     if (item->shape == SGT_CIRCLE || item->shape == SGT_ANNULUS)
-        snprintf(text + length, (size_t)(CLIPPED_SIZE - length), ": r = %.9g, limit %.9g", by.size, by.limit);
+        snprintf(text + length, (size_t)(CLIPPED_SIZE - length), ": r = %.9g is %s %.9g", by.size,
+                 by.size > by.limit ? "beyond" : "within", by.limit);
     else
         snprintf(text + length, (size_t)(CLIPPED_SIZE - length), ": %.3g %s its edge", by.size,
                  item->obscuring ? "within" : "beyond");

@@ -1,0 +1,19 @@
+/* stopped.h - why a ray ended at an element, in words of optics. */
+#ifndef TOOL_STOPPED_H
+#define TOOL_STOPPED_H
+#include <sagitta/system.h>
+
+/* A ray as it came to an element, in the element's frame: from the point before, or the launch. */
+typedef struct arrival {
+    sgt_vec3 from, direction;   /* of unit length */
+    sgt_vec3 p;                 /* where it was met; unless it was missed */
+    double index, behind;       /* of the media in front and behind */
+} arrival;
+
+/* "clipped by its semi_diameter ...", "totally reflected: incidence 53.1 degrees, critical angle 41.2",
+ * "missed it: its line crosses the vertex plane 20 from the axis"; empty for a ray that passed or was lost.
+ */
+enum { STOPPED_SIZE = 160 };
+void stopped_print(char text[STOPPED_SIZE], const sgt_element *e, sgt_fate fate, const arrival *a);
+
+#endif
