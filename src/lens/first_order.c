@@ -19,6 +19,9 @@
  *
  *     S5 = Abar (-Abar^2 y D(1/n^2) - ybar (A ybar - 2 Abar y) C D(1/n)).
  *
+ * An ideal lens images every plane without aberration, and has none of these.  Its part of the colour
+ * is what the media do: y (w' dn'/n' - w dn/n), and with ybar and wbar.
+ *
  * A surface z = C r^2/2 + (C^3/8 + g) r^4 + ... adds 8 g D(n) y^4 to S1, and to S2, S3, S5 the
  * same with one, two, three of the y replaced by ybar.  Colour: A y D(dn/n), Abar y D(dn/n). */
 #include "lens.h"
@@ -236,7 +239,6 @@ static void set_field(const paraxial *p, sgt_first_order *o)
 static bool fourth_order(const sgt_lens *l, size_t i, double c, double *g)
 {
     const sgt_surface s = l->element[i].surface;
-    const char *type = l->surface[i].type;
     *g = 0;
     if (s.ops == &sgt_conic_ops) {
         const sgt_conic *conic = s.self;
@@ -248,7 +250,7 @@ static bool fourth_order(const sgt_lens *l, size_t i, double c, double *g)
         *g = ((1 + a->k) * a->c * a->c * a->c - c * c * c) / 8 + a->a[1];
         return true;
     }
-    return strcmp(type, "ideal") == 0;
+    return false;
 }
 
 static const char *lacks_symmetry(const sgt_lens *l)
@@ -278,7 +280,7 @@ static const char *set_seidel(const paraxial *p, const sgt_first_order *o, const
         go_to(&ray, v->z), go_to(&chief, v->z);
         if (!fourth_order(l, i, v->c, &g)) return "a surface is not a plane, sphere, conic or even asphere";
         double a = ray.w + n * ray.y * v->c, abar = chief.w + n * chief.y * v->c, y = ray.y, ybar = chief.y;
-        double u = ray.w / n, h = a * ybar - abar * y, m = i < p->last ? v->n : n;
+        double u = ray.w / n, h = a * ybar - abar * y, m = i < p->last ? v->n : n, w = ray.w, wbar = chief.w;
         go_through(p, &ray, i, i + (i < p->last)), go_through(p, &chief, i, i + (i < p->last));
         double by_n = 1 / m - 1 / n, by_n2 = 1 / (m * m) - 1 / (n * n), slopes = ray.w / (m * m) - u / n;
         double aspheric = 8 * g * (m - n), colour = dn[i + 1] / m - dn[i] / n;
@@ -291,6 +293,9 @@ static const char *set_seidel(const paraxial *p, const sgt_first_order *o, const
                           aspheric * y * ybar * ybar * ybar,
             .chromatic = {a * y * colour, abar * y * colour},
         };
+        if (l->surface[i].focal_length != 0)
+            seidel[i] = (sgt_seidel){.chromatic = {y * (ray.w * dn[i + 1] / m - w * dn[i] / n),
+                                                   y * (chief.w * dn[i + 1] / m - wbar * dn[i] / n)}};
         if (i == p->last) seidel[i] = (sgt_seidel){0};
     }
     return NULL;

@@ -88,6 +88,15 @@ def drawn(draw):
             'surfaces': surfaces}
 
 
+def with_ideal(draw, lens):
+    """An ideal lens somewhere among its surfaces, in their medium or with one of its own in front of the next."""
+    ideal = {'type': 'ideal', 'focal_length': draw.choice((-1, 1)) * draw.uniform(60, 200), 'thickness': draw.uniform(1, 6)}
+    if draw.random() < 0.5:
+        ideal['index'] = draw.uniform(1.1, 1.8)
+    lens['surfaces'].insert(draw.randrange(len(lens['surfaces']) - 1), ideal)
+    return lens
+
+
 def vertices(lens):
     """(curvature, power, n behind, thickness, fourth-order coefficient beyond the sphere) of each surface."""
     out, n = [], mpmath.mpf(1)
@@ -97,7 +106,8 @@ def vertices(lens):
         sphere = c + 2 * a2
         fourth = (1 + mpmath.mpf(s.get('conic', 0))) * c ** 3 / 8 + a4
         behind = mpmath.mpf(s.get('index', n))
-        out.append((sphere, sphere * (behind - n), behind, mpmath.mpf(s.get('thickness', 0)), fourth))
+        power = 1 / mpmath.mpf(s['focal_length']) if 'focal_length' in s else sphere * (behind - n)
+        out.append((sphere, power, behind, mpmath.mpf(s.get('thickness', 0)), fourth))
         n = behind
     return out
 
@@ -107,8 +117,10 @@ def test_random_lenses():
     mpmath.mp.dps = 30
     draw = random.Random(SEED)
     print(f'       seed {SEED}')
-    for case in range(40):
+    for case in range(60):
         lens = drawn(draw)
+        if case >= 40:
+            lens = with_ideal(draw, lens)
         got = info(written(json.dumps(lens)))[0]
         v, stop = vertices(lens), [bool(s.get('stop')) for s in lens['surfaces']].index(True)
 
@@ -173,7 +185,12 @@ def through(lens, origin, d):
         _, slope = sag(p[0] ** 2 + p[1] ** 2)
         normal = [-2 * slope * p[0], -2 * slope * p[1], mpmath.mpf(1)]
         length = mpmath.sqrt(sum(x * x for x in normal))
-        d = refracted(d, [x / length for x in normal], n, vertex[2])
+        if 'focal_length' in s:
+            slopes = [(n * a / d[2] - x / mpmath.mpf(s['focal_length'])) / vertex[2] for a, x in zip(d, p[:2])]
+            length = mpmath.sqrt(1 + slopes[0] ** 2 + slopes[1] ** 2)
+            d = [slopes[0] / length, slopes[1] / length, 1 / length]
+        else:
+            d = refracted(d, [x / length for x in normal], n, vertex[2])
         n, z = vertex[2], z + vertex[3]
     return p, d
 
@@ -184,8 +201,10 @@ def test_seidel_sums_of_random_lenses():
     what remains, so three halvings and an extrapolation give the sums to some digits."""
     mpmath.mp.dps = 40
     draw = random.Random(SEED + 1)
-    for case in range(6):
+    for case in range(10):
         lens = drawn(draw)
+        if case >= 6:
+            lens = with_ideal(draw, lens)
         lens['object'] = {'distance': '.inf'}
         got = info(written(json.dumps(lens)))[0]
         lens['surfaces'][-2]['thickness'] += got['image']       # to the paraxial image
