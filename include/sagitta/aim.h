@@ -40,7 +40,9 @@ extern "C" {
  *
  * WHAT IS MISSING.  Both functions return the sum of the SGT_LACKS_... of the elements.
  * Without second derivatives of a surface that bends, d behind it is NaN, and so is all
- * that it has a say in.  Where a hit is not positive, all is NaN.  If the ray passed all
+ * that it has a say in.  An element with a phase lacks them, too: at it and behind it all
+ * is NaN, and so is the gradient by all that lies in front.  Where a hit is not positive,
+ * all is NaN.  If the ray passed all
  * but the last element, and met that one, p and opl are right and d is NaN. */
 
 /* A change of a ray: of its point, its direction, and its path. */
@@ -204,7 +206,7 @@ typedef struct sgt_aiming {
  * what the errors of all elements before do to it: p_err of each, and the rounding of
  * each direction, by the derivatives of the end by both.  It is of first order, with a
  * half added.  The rounding of directions is observed (src/system/trace.h), not proven.
- * NaN: a surface has no second derivatives.
+ * NaN: a surface has no second derivatives, or an element has a phase.
  *
  * THE PROOF of SGT_NO_SUCH_RAY is tried if no start arrives.  The box is divided, and
  * each part is traced as a whole: all numbers are linear in (u, v) with a bound on what

@@ -15,6 +15,8 @@
  * guess that tests/sensitivity/test_aim.cpp holds against 113 bits.  A half is added for the second order. */
 #include "aim.h"
 
+#include "phase.h"
+
 /* --------------------------------------------------------------------- the trace */
 
 bool sgt_aim_trace(const aim_task *task, const sgt_ray *launch, sgt_fate *fate, size_t *element,
@@ -31,7 +33,7 @@ bool sgt_aim_trace(const aim_task *task, const sgt_ray *launch, sgt_fate *fate, 
     for (size_t i = 0; i <= stop; i++) {
         const sgt_element *e = &task->e[i];
         sgt_passage *passage = &task->passages[i];
-        bool sound = is_plain(e) && is_aperture_sound(e);
+        bool sound = is_plain(e) && is_aperture_sound(e) && is_phase_sound(e);
         *fate = sgt_pass(e, sound, &at, &options, NULL, passage), *element = i;
         if (*fate == SGT_CLIPPED) {
             if (i < *clipped) *clipped = i;

@@ -91,14 +91,14 @@ SGT_INLINE sgt_vec3 chain_direction(const sgt_element e[], size_t i, const sgt_r
     return into(&e[i].pose, d);
 }
 
-/* Sets all but H.  d: in front, in the element's frame. */
+/* Sets all but H; of an element with a phase so that all is NaN.  d: in front, in the element's frame. */
 SGT_INLINE void chain_at(const sgt_element *e, sgt_vec3 d, double n1, const sgt_passage *passage,
                          chain_link *c)
 {
     const double n2 = index_behind(e, n1), none = (double)NAN;
     bending by = bending_of(n1, n2, e->index == SGT_MIRROR);
-    double met = passage->hit.status > 0 ? 1 : none;
-    c->passed = is_zero(passage->direction) ? none : 1;
+    double met = passage->hit.status > 0 && !e->phase ? 1 : none; /* of a phase nothing is known here */
+    c->passed = is_zero(passage->direction) || e->phase ? none : 1;
     c->p = passage->hit.p, c->n = passage->hit.n, c->t = passage->hit.t, c->d = d;
     c->after = passage->direction, c->n1 = n1, c->n2 = n2;
     c->own_index = has_own_index(e);

@@ -2,6 +2,7 @@
  * sound. */
 #include "unit.h"
 
+#include <sagitta/aim.h>
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
 
@@ -289,6 +290,41 @@ static void test_fates(void **state)
     }
 }
 
+/* No derivatives are known of it: NaN, and no wrong ones. */
+static void test_derivatives(void **state)
+{
+    (void)state;
+    sgt_phase phase = lens_of(10, 0);
+    const sgt_element e[] = {element_of(NULL, 1.5, 0), element_of(&phase, 0, 1), element_of(NULL, 1, 2),
+                             element_of(NULL, 0, 5)};
+    for (size_t n = 1; n <= 4; n++) {
+        sgt_ray launch = {.o = {0.1, 0.2, -1}, .d = {0, 0.1, 1}}, ray = launch;
+        sgt_passage is[4];
+        assert_int_equal(sgt_trace(n, e, 1, &ray, is, NULL, NULL), n);
+        sgt_ray_change change = {.p = {1, 0, 0}}, out;
+        int lacks = sgt_trace_sensitivity(n, e, 1, &launch, is, 1, &change, &out);
+        assert_int_equal(lacks, n > 1 ? SGT_LACKS_SECOND : 0);
+        assert_true(isnan(out.p.x) == (n > 1) && isnan(out.d.x) == (n > 1) && isnan(out.opl) == (n > 1));
+        double gradient[80];
+        size_t all = sgt_trace_parameters(n, e), own = sgt_trace_parameters(2, e);
+        assert_true(all <= COUNT_OF(gradient));
+        sgt_ray_change weight = {.p = {1, 0, 0}, .opl = 1};
+        lacks = sgt_trace_gradient(n, e, 1, &launch, is, 1, &weight, gradient);
+        assert_int_equal(lacks & SGT_LACKS_SECOND, n > 1 ? SGT_LACKS_SECOND : 0);
+        for (size_t i = 0; n > 1 && i < own; i++)
+            REQUIRE(isnan(gradient[i]), "%zu elements, number %zu", n, i);
+        for (size_t i = n > 1 ? own : 0; i < all; i++)
+            REQUIRE(!isnan(gradient[i]), "%zu elements, number %zu", n, i);
+    }
+    sgt_passage is[4];
+    sgt_aiming found;
+    sgt_beam beam = {
+        .o = {0, 0, -1}, .ou = {1, 0, 0}, .ov = {0, 1, 0}, .d = {0, 0, 1}, .u = {-1, 1}, .v = {-1, 1}};
+    sgt_aimed aimed = sgt_aim(3, e, 1, &beam, (sgt_vec2){0.11, 0.07}, is, NULL, &found);
+    assert_true(aimed == SGT_MET && isnan(found.miss)); /* by differences */
+    assert_true(fabs(found.point.x - 0.11) < 1e-12 && fabs(found.point.y - 0.07) < 1e-12);
+}
+
 static void require_unsound(sgt_phase phase, const char *what)
 {
     sgt_element e = element_of(&phase, 0, 0);
@@ -337,8 +373,9 @@ static void test_unsound(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_slopes),     cmocka_unit_test(test_signs), cmocka_unit_test(test_paths),
-        cmocka_unit_test(test_two_lenses), cmocka_unit_test(test_fates), cmocka_unit_test(test_unsound),
+        cmocka_unit_test(test_slopes),      cmocka_unit_test(test_signs), cmocka_unit_test(test_paths),
+        cmocka_unit_test(test_two_lenses),  cmocka_unit_test(test_fates), cmocka_unit_test(test_unsound),
+        cmocka_unit_test(test_derivatives),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
