@@ -223,6 +223,8 @@ class Shape:
             return s, sx, sy
         if self.type == 'TILTSURF':
             return p[1] * x + p[2] * y, p[1], p[2]
+        if self.type == 'PARAXIAL':
+            return self.zero, self.zero, self.zero
         raise ValueError(f'{self.type} has no sag')
 
 
@@ -294,6 +296,18 @@ class Surface:
 
 class Step:
     """A ray at a surface: the surface's numbers with and without breaks, the ray's fate, where, and how."""
+
+
+def ideal(f, n, behind, p, d, mirror):
+    """The direction behind a PARAXIAL surface, and the path that it adds for an object at infinity."""
+    def size(w):
+        return (1 + w[0] * w[0] + w[1] * w[1]).sqrt()
+    w = [a / abs(d[2]) for a in d[:2]]
+    out, middle = [(n * a - x / f) / behind for a, x in zip(w, p)], [n * a / behind for a in w]
+    more = (behind * sum(x * (a + b) for x, a, b in zip(p, out, middle)) / (size(out) + size(middle))
+            - n * sum(x * a for x, a in zip(p, w)) / size(w))
+    way = [*out, D(-1 if (d[2] > 0) == mirror else 1)]
+    return [a / size(out) for a in way], more
 
 
 class Lens:
@@ -465,7 +479,11 @@ class Lens:
             normal = [-sx / size, -sy / size, 1 / size]
             cosine = sum(a * b for a, b in zip(there, normal))
             behind = self.index(i, um)
-            if self.mirror(i):
+            if s.type == 'PARAXIAL':
+                there, more = ideal(D(s.parm[1]), n, behind, here[:2], there, self.mirror(i))
+                opl += more
+                step.opl = opl
+            elif self.mirror(i):
                 there = [a - 2 * cosine * b for a, b in zip(there, normal)]
             elif behind != n:
                 ratio = n / behind
