@@ -248,6 +248,25 @@ static bool aim_from_starts(aim_search *s, const sgt_aim_options *opt, sgt_aimin
     return false;
 }
 
+/* Proves that there is no ray, or finds it. */
+static bool aim_or_proof(aim_search *s, const sgt_aim_options *opt, sgt_aiming *out, aim_ray *r,
+                         double *error)
+{
+    aim_proof w = sgt_aim_proof_of(s->task, opt->max_boxes ? opt->max_boxes : BOXES);
+    aim_verdict verdict;
+    s->most += s->most / 4; /* for the looks */
+    while ((verdict = sgt_aim_proof_next(&w)) == PROOF_LOOK) {
+        sgt_attempt a = aim_try(s, (sgt_vec2){w.u, w.v}, r, error);
+        if (out->attempts < opt->room && opt->attempt) opt->attempt[out->attempts] = a;
+        out->attempts++;
+        out->boxes = w.boxes;
+        if (a.reason == SGT_AIM_ARRIVED) return true;
+    }
+    out->boxes = w.boxes;
+    if (verdict == PROOF_DONE) out->status = SGT_NO_SUCH_RAY;
+    return false;
+}
+
 /* ---------------------------------------------------------------------- the call */
 
 static bool aim_finite(sgt_vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
@@ -288,7 +307,9 @@ sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before, const
     aim_ray r;
     double error = none;
     a->status = SGT_AIM_UNDECIDED;
-    if (aim_from_starts(&s, &given, a, &r, &error)) {
+    bool met = aim_from_starts(&s, &given, a, &r, &error);
+    if (!met && given.max_boxes >= 0) met = aim_or_proof(&s, &given, a, &r, &error);
+    if (met) {
         const sgt_vec3 p = passages[stop].hit.p;
         a->status = SGT_MET, a->u = r.u, a->v = r.v, a->ray = r.ray, a->point = (sgt_vec2){p.x, p.y};
         a->miss = (r.miss + error) * (1 + 8 * SGT_U), a->clipped = r.clipped;

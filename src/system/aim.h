@@ -24,4 +24,20 @@ bool sgt_aim_trace(const aim_task *task, const sgt_ray *launch, sgt_fate *fate, 
  * *grain: how far an ulp of each number of the launch ray puts them. */
 double sgt_aim_error(const aim_task *task, const sgt_ray *launch, double *grain);
 
+/* The search for a proof that no ray of the beam meets the point (aim_proof.c).  It is a walk over parts of
+ * the box, and stops where a ray may be near.  PROOF_LOOK: at (u, v); ask again to go on.  PROOF_DONE: there
+ * is no such ray.  PROOF_OPEN: it cannot be told, or the budget is spent. */
+typedef enum aim_verdict { PROOF_DONE, PROOF_OPEN, PROOF_LOOK } aim_verdict;
+typedef struct aim_part { sgt_interval u, v; } aim_part;
+enum { AIM_DEEP = 100 };
+typedef struct aim_proof {
+    const aim_task *task;
+    aim_part stack[AIM_DEEP];
+    int height, boxes, most, looks;
+    bool given_up; /* on a part */
+    double u, v;
+} aim_proof;
+aim_proof sgt_aim_proof_of(const aim_task *task, int most);
+aim_verdict sgt_aim_proof_next(aim_proof *w);
+
 #endif

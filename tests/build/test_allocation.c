@@ -5,6 +5,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sagitta/aim.h>
 #include <sagitta/diagnose.h>
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
@@ -139,6 +140,20 @@ int main(void)
         sgt_fate fate;
         sgt_ray traced = { { random_number(), random_number(), 0 }, { 0.1 * random_number(), 0, 1 }, 0, 0 };
         passed += sgt_trace(3, elements, 1, &traced, i % 2 ? passages : NULL, &fate, NULL);
+
+        if (i % 50 == 0) {
+            const sgt_beam beam = { traced.o, { 1, 0, 0 }, { 0, 1, 0 }, traced.d, { 0, 0, 0 }, { 0, 0, 0 },
+                                    { -1, 1 }, { -1, 1 } };
+            const sgt_vec2 wanted = { 3 * random_number(), random_number() };
+            static double gradient[1000];
+            sgt_ray_change weight = { { 1, 0, 0 }, { 0, 1, 0 }, 1 }, change;
+            sgt_ray launch = sgt_beam_ray(&beam, 0, 0), end = launch;
+            const size_t n = sgt_trace(3, elements, 1, &end, passages, &fate, NULL);
+            if (sgt_trace_parameters(n, elements) <= 1000)
+                sgt_trace_gradient(n, elements, 1, &launch, passages, 1, &weight, gradient);
+            sgt_trace_sensitivity(n, elements, 1, &launch, passages, 1, &weight, &change);
+            passed += sgt_aim(2, elements, 1, &beam, wanted, passages, NULL, NULL) == SGT_MET;
+        }
 
         const double number[6] = { ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z };
         for (int k = 0; k < 6; k++)

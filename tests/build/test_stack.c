@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <ucontext.h>
+#include <sagitta/aim.h>
 #include <sagitta/diagnose.h>
 #include <sagitta/sensitivity.h>
 #include <sagitta/surfaces.h>
@@ -283,6 +284,25 @@ static void trace(void)
     }
 }
 
+/* The derivatives of traces, and aiming where it is not met, so that a proof is tried. */
+static void aim(void)
+{
+    static double gradient[2 * 4096];
+    const sgt_beam beam = {.o = {0, 0, -9}, .ou = {1, 0, 0}, .ov = {0, 1, 0}, .d = {0, 0, 1}, .u = {-2, 2},
+                           .v = {-2, 2}};
+    sgt_passage passages[3];
+    sgt_ray_change weight[2] = {{{1, 0, 0}, {0, 0, 0}, 0}, {{0, 0, 0}, {0, 1, 0}, 0}}, change[2];
+    for (size_t i = 0; i < 20; i++) {
+        sgt_ray launch = sgt_beam_ray(&beam, 0.1 * (double)i - 1, 0.5), ray = launch;
+        size_t n = sgt_trace(3, elements, 1, &ray, passages, NULL, NULL);
+        if (sgt_trace_parameters(n, elements) <= 4096)
+            sgt_trace_gradient(n, elements, 1, &launch, passages, 2, weight, gradient);
+        sgt_trace_sensitivity(n, elements, 1, &launch, passages, 2, weight, change);
+        sgt_vec2 wanted = {0.3 * (double)i, 0.1};
+        met += 1 + (size_t)(sgt_aim(2, elements, 1, &beam, wanted, passages, NULL, NULL) == SGT_MET);
+    }
+}
+
 static void check(void)
 {
     sgt_ray walk = {{0.3, 0.2, -5}, {0, 0.1, 1}, 0, 10};
@@ -308,10 +328,10 @@ int main(void)
                                         .semi_diameter = i ? 3 : 0};
         elements[1].pose = sgt_pose_tilted((sgt_vec3){0.1, 0, 2}, (sgt_vec3){2, 0, 0});
         elements[2].index = SGT_MIRROR;
-        static void (*const calls[])(void) = {intersect_batch, intersect, trace_batch,
-                                              trace,           check,     differentiate};
-        static const char *const names[] = {"intersect_batch", "intersect", "trace_batch",
-                                            "trace",           "check",     "differentiate"};
+        static void (*const calls[])(void) = {intersect_batch, intersect,     trace_batch, trace,
+                                              check,           differentiate, aim};
+        static const char *const names[] = {"intersect_batch", "intersect",     "trace_batch", "trace",
+                                            "check",           "differentiate", "aim"};
         printf("%-16s", surfaces[s].name);
         for (size_t c = 0; c < sizeof calls / sizeof calls[0]; c++) {
             size_t used = stack_of(calls[c]);

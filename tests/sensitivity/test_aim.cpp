@@ -5,8 +5,8 @@
 //
 // Every ray that is met is traced again in 113 bits (slow_trace.h) and has to meet the point within `miss`.
 // Every answer "no such ray" is attacked: launch rays all over the box in 113 bits, and a descent from the
-// nearest of them.  Where an answer is neither, and where it is "no such ray", no ray that passes all
-// apertures may be found near the point.
+// nearest of them.  The proof alone, without a search, is asked of points that are met: of the same lenses,
+// and of random rows of surfaces.  A point inside the aperture of the stop has to be met.
 //
 // SAGITTA_TEST_SCALE multiplies the points and the attacking rays; SAGITTA_TEST_SEED replaces the seed.
 #include "slow_trace.h"
@@ -168,6 +168,39 @@ static sgt_beam beam_of(oracle::generator &random, double angle, double reach, d
     return b;
 }
 
+// Points that a ray of the box does meet, for the proof alone: no search has been made.  It must not be
+// proven that there is none, in boxes of any size, in which the ray is anywhere.
+static long known_rays(const question &q, oracle::generator &random, double angle, double first, double rays)
+{
+    sgt_aim_options alone = {};
+    const sgt_vec2 start = {1e9, 1e9};
+    alone.max_traces = 1, alone.start = &start, alone.starts = 1, alone.max_boxes = 100;
+    long asked = 0;
+    for (int i = 0; i < rays; i++) {
+        question other = q;
+        other.stop = std::size_t(random.below(int(q.e.size())));
+        other.beam = beam_of(random, angle * random.log_uniform(0.5, 5), first, 2 * first);
+        const double u = random.uniform(-2, 2) * first, v = random.uniform(-2, 2) * first;
+        std::vector<sgt_passage> passages(q.e.size());
+        for (sgt_element &e : other.e) e.aperture = nullptr, e.semi_diameter *= random.chance(0.5) ? 1 : 2;
+        sgt_ray ray = sgt_beam_ray(&other.beam, u, v);
+        const std::size_t passed =
+            sgt_trace(other.stop + 1, other.e.data(), q.before, &ray, passages.data(), nullptr, nullptr);
+        if (passed < other.stop || passages[other.stop].hit.status <= 0) continue;
+        other.wanted = {passages[other.stop].hit.p.x, passages[other.stop].hit.p.y};
+        for (sgt_interval *x : {&other.beam.u, &other.beam.v}) {
+            const double at = x == &other.beam.u ? u : v, wide = random.log_uniform(1e-6, 2) * first;
+            x->lo = at - random.uniform(0.01, 1) * wide, x->hi = at + random.uniform(0.01, 1) * wide;
+        }
+        asked++;
+        sgt_aiming a;
+        if (sgt_aim(other.stop, other.e.data(), q.before, &other.beam, other.wanted, passages.data(), &alone,
+                    &a) == SGT_NO_SUCH_RAY)
+            fail(q.name, "a known ray is said not to be", u, v);
+    }
+    return asked;
+}
+
 static void try_lens(const std::string &folder, const char *name, oracle::generator &random)
 {
     sgt_lens_error error;
@@ -191,24 +224,70 @@ static void try_lens(const std::string &folder, const char *name, oracle::genera
     for (int i = 0; i < points; i++) { // anywhere, from a part of the beam, at any element
         question other = q;
         other.stop = std::size_t(random.below(int(q.e.size())));
-        const double r = other.e[other.stop].semi_diameter * random.log_uniform(0.3, 4),
+        const double r = other.e[other.stop].semi_diameter * random.log_uniform(0.1, 4),
                      turn = random.uniform(0, 7);
         other.beam = beam_of(random, angle, first, 2 * first);
         for (sgt_interval *x : {&other.beam.u, &other.beam.v}) {
-            const double middle = random.uniform(-1, 1) * first, half = random.log_uniform(0.05, 1) * first;
+            const double middle = random.uniform(-0.7, 0.7) * first,
+                         half = random.log_uniform(0.1, 1.5) * first;
             *x = {middle - half, middle + half};
         }
         other.wanted = {r * std::cos(turn), r * std::sin(turn)};
         ask(other, random, i % 2 ? &out : &end, false);
     }
+    const long known = known_rays(q, random, angle, first, 1000 * scale);
     std::printf(
         "%-18s pupil: %ld met (%ld clipped), %ld none, %ld undecided, %.1f traces, worst %.2g of a miss of "
-        "%.2g\n%18s anywhere: %ld met, %ld none, %ld undecided (%.1f %%), %.0f traces, %.0f boxes\n",
+        "%.2g\n%18s anywhere: %ld met, %ld none, %ld undecided (%.1f %%), %.0f traces, %.0f boxes; %ld known "
+        "rays\n",
         name, in.met, in.clipped, in.none, in.undecided, double(in.traces) / points, in.worst, in.largest, "",
         out.met + end.met, out.none + end.none, out.undecided + end.undecided,
         100.0 * double(out.undecided + end.undecided) / points, double(out.traces + end.traces) / points,
-        double(out.boxes + end.boxes) / points);
+        double(out.boxes + end.boxes) / points, known);
     sgt_lens_free(lens);
+}
+
+// Random rows of conics and even aspheres, with turns, mirrors, rims and apertures: of points that their rays
+// do meet it must not be said that there is no ray.
+static void random_systems(oracle::generator &random)
+{
+    long asked = 0;
+    const int systems = std::max(20, int(300 * scale));
+    for (int i = 0; i < systems; i++) {
+        std::vector<sgt_conic> conics(6);
+        std::vector<sgt_asphere> aspheres(6);
+        question q = {"random", {}, {}, random.chance(0.3) ? 1.5 : 1, 0, {}, {0, 0}};
+        double z = 0, way = 1;
+        const std::size_t count = std::size_t(1 + random.below(5));
+        for (std::size_t k = 0; k < count; k++) {
+            static const double constants[] = {0, 0, -1, -0.5, 0.7, -3, 10, -1.2};
+            const double c = random.chance(0.1) ? 0 : random.sign() * random.log_uniform(0.005, 0.2),
+                         conic = constants[random.below(8)],
+                         rim = random.chance(0.4) ? random.uniform(3, 12) : 0;
+            conics[k] = {c, conic, rim};
+            aspheres[k] = {c, conic, rim, {}};
+            for (int j = 0; j < 4; j++)
+                if (random.chance(0.5))
+                    aspheres[k].a[j] =
+                        random.uniform(-1, 1) * std::pow(8.0, -2 * j - 1) * random.log_uniform(0.01, 1);
+            sgt_element e = {};
+            e.surface = random.chance(0.5) ? sgt_surface{&sgt_conic_ops, &conics[k]}
+                                           : sgt_surface{&sgt_asphere_ops, &aspheres[k]};
+            e.index = random.chance(0.25) ? SGT_MIRROR : random.chance(0.1) ? 0 : random.uniform(1, 1.9);
+            e.semi_diameter = random.chance(0.6) ? random.uniform(2, 12) : 0;
+            const sgt_vec3 origin = {random.uniform(-1, 1), random.uniform(-1, 1), z};
+            if (random.chance(0.5))
+                e.pose = sgt_pose_tilted(origin, {random.uniform(-20, 20), random.uniform(-20, 20), 0});
+            else
+                e.pose.origin = origin;
+            q.e.push_back(e);
+            if (e.index == SGT_MIRROR) way = -way;
+            z += way * random.uniform(0, 15);
+        }
+        asked += known_rays(q, random, random.log_uniform(0.05, 0.5), 6, 5);
+    }
+    std::printf("%ld known rays of %d random systems\n", asked, systems);
+    if (asked < systems) fail("random", "too few rays", double(asked), systems);
 }
 
 // -------------------------------------------------------------------- odd questions
@@ -304,6 +383,7 @@ int main(int argc, char **argv)
     for (const char *name : {"cooke_triplet", "ftheta", "cassegrain", "newtonian", "aspheric_singlet",
                              "toroidal_lens", "figured_mirror"})
         try_lens(argv[1], name, random);
+    random_systems(random);
     odd_questions();
     return failures != 0;
 }

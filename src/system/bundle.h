@@ -1,0 +1,33 @@
+/* bundle.h - all launch rays of a part of a beam at once, as far as a stop. */
+#ifndef SGT_SYSTEM_BUNDLE_H
+#define SGT_SYSTEM_BUNDLE_H
+#include "aim.h"
+#include "form.h"
+
+typedef enum bundle_fate {
+    BUNDLE_THERE,    /* rays that get to the stop meet it within x, y */
+    BUNDLE_GONE,     /* certainly none gets there */
+    BUNDLE_UNKNOWN   /* nothing is known of so large a part */
+} bundle_fate;
+
+/* Can bundles be traced through these elements at all?  (bundle.c) */
+bool sgt_bundle_offered(const aim_task *task);
+
+/* The rays of the beam with u and v in the box, which is mapped to U and V: where they meet the stop, in its
+ * frame.  (bundle.c) */
+bundle_fate sgt_bundle_trace(const aim_task *task, sgt_interval u, sgt_interval v, linear *x, linear *y);
+
+/* The lines of a bundle at a surface: they cross its vertex plane at (x, y, 0), with the unit direction d. */
+typedef struct bundle_lines { linear x, y; form3 d; } bundle_lines;
+
+/* Where the lines meet a surface: n is along the gradient there, size2 is n . n, slope n . d, and sign that
+ * of the slope on all lines. */
+typedef struct bundle_hit { form3 p, n; linear size2, slope; double sign; } bundle_hit;
+
+/* Every root that sgt_trace may mean, of a conic and of an even asphere.  aperture: of the element; HUGE_VAL:
+ * none.  (bundle.c, bundle_sag.c) */
+bundle_fate sgt_bundle_conic(double c, double k, double rim, double aperture, const bundle_lines *w,
+                             bundle_hit *h);
+bundle_fate sgt_bundle_sag(const sgt_asphere *s, double aperture, const bundle_lines *w, bundle_hit *h);
+
+#endif
