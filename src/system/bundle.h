@@ -10,6 +10,12 @@ typedef enum bundle_fate {
     BUNDLE_UNKNOWN   /* nothing is known of so large a part */
 } bundle_fate;
 
+/* Far more than the rounding of directions and axes (bundle.c). */
+#define BUNDLE_SLACK 0x1p-46
+
+SGT_INLINE bool form_below(linear x, double limit) { return form_range(x).hi < limit; }
+SGT_INLINE bool form_above(linear x, double limit) { return form_range(x).lo > limit; }
+
 /* Can bundles be traced through these elements at all?  (bundle.c) */
 bool sgt_bundle_offered(const aim_task *task);
 
@@ -25,7 +31,7 @@ typedef struct bundle_lines { linear x, y; form3 d; } bundle_lines;
 typedef struct bundle_hit { form3 p, n; linear size2, slope; double sign; } bundle_hit;
 
 /* Every root that sgt_trace may mean, of a conic and of an even asphere.  aperture: of the element; HUGE_VAL:
- * none.  (bundle.c, bundle_sag.c) */
+ * none.  (bundle_conic.c, bundle_sag.c) */
 bundle_fate sgt_bundle_conic(double c, double k, double rim, double aperture, const bundle_lines *w,
                              bundle_hit *h);
 bundle_fate sgt_bundle_sag(const sgt_asphere *s, double aperture, const bundle_lines *w, bundle_hit *h);
