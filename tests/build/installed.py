@@ -43,7 +43,20 @@ int main(void)
     double n = sgt_glass_index(&g, sgt_spectral_line("d"));
     printf("%zu glasses, N-BK7 %.5f\n", sgt_catalogue_count(c), n);
     sgt_catalogue_free(c);
-    return !(n > 1.516795 && n < 1.516805);
+    if (!(n > 1.516795 && n < 1.516805)) return 1;
+    static const char zmx[] =
+        "MODE SEQ\nENPD 10\nFTYP 0 0 1 1\nYFLN 0\nWAVM 1 0.5875618 1\nPWAV 1\nSURF 0\n DISZ INFINITY\n"
+        "SURF 1\n STOP\n CURV 0.02\n DISZ 4\n GLAS N-BK7 0 0\nSURF 2\n CURV -0.02\n DISZ 40\nSURF 3\n DISZ 0\n";
+    sgt_lens *lens = sgt_lens_read_text("a.zmx", zmx, sizeof zmx - 1, NULL, &error);
+    if (!lens) return printf("%s:%zu: %s: %s\n", error.file, error.line, error.key, error.words), 1;
+    sgt_first_order data;
+    bool fine = sgt_lens_first_order(lens, 0.5875618, &data, NULL, NULL, &error);
+    sgt_ray ray = {.o = {0, 1, -10}, .d = {0, 0, 1}};
+    sgt_fate fate;
+    size_t passed = sgt_trace(lens->count, lens->element, lens->index_before, &ray, NULL, &fate, NULL);
+    printf("%zu surfaces, efl %.4f, the ray passed %zu\n", lens->count, data.efl, passed);
+    sgt_lens_free(lens);
+    return !(fine && passed == 3 && data.efl > 49 && data.efl < 50);
 }
 '''
 
