@@ -178,9 +178,16 @@ static void read_pupil(sgt_lens *l, source *s)
         l->pupil = SGT_PUPIL_RADIUS;
         l->pupil_size = positive_number(s, diameter, "pupil.diameter", NUMBER_FINITE) / 2;
     }
+    const node *na = tree_take(map, "image_na");
+    if (na && l->pupil) tree_fail(s, na->line, "pupil.image_na", "a second size of the pupil; give one");
+    if (na) {
+        l->pupil = SGT_PUPIL_WORKING_F_NUMBER;
+        l->pupil_size = 1 / (2 * positive_number(s, na, "pupil.image_na", NUMBER_FINITE));
+        if (!isfinite(l->pupil_size)) tree_fail(s, na->line, "pupil.image_na", "too small");
+    }
     if (n) l->pupil_distance = tree_read_number(s, n, "pupil.distance", NUMBER_FINITE);
     tree_finish(s, map,
-                "semi_diameter or diameter, f_number, working_f_number, object_na, object_angle or "
+                "semi_diameter or diameter, f_number, working_f_number, image_na, object_na, object_angle or "
                 "stop_size; distance");
 }
 

@@ -242,6 +242,96 @@ def test_seidel_sums_of_random_lenses():
                 assert abs(a - b) < 1e-6 * scale / abs(marginal), ('sign', case, px, py, h, a, b)
 
 
+# ------------------------------------------------------- along the chief ray
+
+MIRROR = '  GLAS MIRROR 0 0\n'
+
+
+def surface(number, thickness, more='', kind='STANDARD', curvature=0.0):
+    return f'SURF {number}\n  TYPE {kind}\n{more}  CURV {curvature!r}\n  DISZ {thickness!r}\n'
+
+
+def folded(field, *surfaces):
+    head = f'MODE SEQ\nENPD 10\nFTYP 0 0 1 1\nYFLN {field}\nWAVM 1 0.55 1\nPWAV 1\n'
+    return (head + 'SURF 0\n  DISZ INFINITY\n' + ''.join(surfaces)).encode()
+
+
+def freeform(field):
+    """Three mirrors with polynomials of x^2, y, y^2 and x^2 y, tilted and displaced in the y-z plane."""
+    def tilt(number, degrees, thickness, dy=0.0):
+        return surface(number, thickness, f'  PARM 2 {dy}\n  PARM 3 {degrees}\n', 'COORDBRK')
+
+    def mirror(number, curvature, terms):
+        data = ''.join(f'  XDAT {i} {v!r} 0 0\n' for i, v in enumerate([9, 50.0, *terms], 1))
+        return surface(number, 0.0, MIRROR + data, 'XPOLYNOM', curvature)
+    return folded(field, surface(1, 60.0, '  STOP\n'),
+                  tilt(2, 12.0, 0.0), mirror(3, -0.004, [0, 0.02, 0.5, 0, 0.3, 0, 0.05, 0, -0.02]), tilt(4, 11.0, -80.0),
+                  tilt(5, -20.0, 0.0, 1.5), mirror(6, -0.006, [0, 0, -0.4, 0, 0.2, 0, 0, 0, 0.03]), tilt(7, -19.0, 90.0),
+                  tilt(8, 15.0, 0.0), mirror(9, -0.008, [0, 0, 0.1, 0, -0.3, 0, 0.02, 0, 0]), tilt(10, 14.0, -70.0),
+                  surface(11, 0.0)), 3
+
+
+def cassegrain(field):
+    return folded(field, surface(1, 100.0, '  STOP\n'), surface(2, -70.0, MIRROR + '  CONI -1\n', curvature=-0.005),
+                  surface(3, 90.0, MIRROR + '  CONI -2.5\n', curvature=-0.012), surface(4, 0.0)), 2
+
+
+def off_axis_parabola(field):
+    return (ZMX / 'ray-optics__zmax_37992__40b107.zmx').read_bytes(), 1
+
+
+def test_parabasal():
+    """Against finite differences of rays traced at 50 digits: the section across the plane of symmetry is x's."""
+    sys.path.insert(0, str(HERE.parent / 'lens'))
+    import zmx_oracle
+    D = zmx_oracle.D
+    for make in (cassegrain, off_axis_parabola, freeform):
+        for field in ((0.0, 0.7) if make is not off_axis_parabola else (0.0,)):
+            data, mirrors = make(field)
+            row = rows('info', written(data, 'lens.zmx'), '--parabasal')[0]
+            lens = zmx_oracle.Lens(data)
+            angle = mpmath.radians(mpmath.mpf(field))
+            mpmath.mp.dps = 50
+            d = [D(0), D(mpmath.nstr(mpmath.sin(angle), 45)), D(mpmath.nstr(mpmath.cos(angle), 45))]
+            h = D('1e-20')
+            ex, ey = [D(1), D(0), D(0)], [D(0), d[2], -d[1]]
+
+            def end(origin, direction):
+                length = sum(v * v for v in direction).sqrt()
+                last = lens.trace(origin, [v / length for v in direction], lens.wavelengths[0], apertures=False)[-1]
+                equal(last.fate, 'passed')
+                return last.everywhere, last.direction
+
+            start = [-10 * v for v in d]
+            p0, d0 = end(start, d)
+            sign = (-1) ** mirrors
+            ey_end = [D(0), sign * d0[2], -sign * d0[1]]    # d' x ex, reflected
+            for name, base, base_end in (('x', ex, ex), ('y', ey, ey_end)):
+                p, q = end([o + h * e for o, e in zip(start, base)], d)
+                a = sum((u - v) * e for u, v, e in zip(p, p0, base_end)) / h
+                c = sum((u - v) * e for u, v, e in zip(q, d0, base_end)) / h
+                what = (make.__name__, field, name)
+                close(row['efl_' + name], -1 / c, 1e-9 * abs(float(1 / c)), what)
+                close(row['focus_' + name], -a / c, 1e-9 * abs(float(1 / c)), what)
+            close(row['power_xy'], 0, 1e-12)
+
+
+def test_parabasal_on_the_axis():
+    """On the axis of a centred lens both sections are the paraxial data; of an object at a distance the image too."""
+    draw = random.Random(SEED + 2)
+    for case in range(20):
+        lens = drawn(draw)
+        lens['fields'] = [0]
+        path = written(json.dumps(lens))
+        plain, along = info(path)[0], rows('info', path, '--parabasal')[0]
+        for name in 'xy':
+            close(along['efl_' + name], plain['efl'], 1e-11 * abs(plain['efl']), case)
+            close(along['focus_' + name], plain['focus'], 1e-10 * abs(plain['efl']), case)
+            close(along['image_' + name], plain['image'], 1e-10 * (abs(plain['image']) + abs(plain['efl'])), case)
+            if plain['magnification'] is not None:
+                close(along['magnification_' + name], plain['magnification'], 1e-9 * abs(plain['magnification']), case)
+
+
 def test_colour():
     """Axial and lateral colour: the paraxial rays at the two wavelengths, in the limit of a small change of index."""
     lens = json.loads(json.dumps(TRIPLET))

@@ -141,6 +141,8 @@ def test_definitions_of_the_pupil():
     p = stop[0][1] / stop[0][0]
     for distance in (math.inf, 200.0):
         close(pupil_of(distance, semi_diameter=3), 3, 1e-13)
+        close(pupil_of(distance, diameter=6), 3, 1e-13)
+        close(pupil_of(distance, image_na=0.05), pupil_of(distance, working_f_number=10), 1e-13)
         close(pupil_of(distance, f_number=10), 1 / power / 20, 1e-12)
         close(pupil_of(distance, stop_size=True), 2.5 / stop[0][0], 1e-12)
     close(pupil_of(working_f_number=10), 1 / power / 20, 1e-12)

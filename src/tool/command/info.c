@@ -5,6 +5,7 @@
 #include "../job/options.h"
 #include "../read/lens.h"
 #include "../job/job.h"
+#include "../job/launch.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -41,10 +42,16 @@ static const char info_help[] =
     "  lagrange           invariant n (u ybar - ubar y) of the marginal ray and that chief ray\n"
     "  petzval            radius of the Petzval surface\n"
     "\n"
+    "With --parabasal a row for each field: the same along its real chief ray, which is aimed at the\n"
+    "centre of the stop, in two sections, for folded, tilted and freeform lenses: efl_x, efl_y,\n"
+    "focus_x, focus_y, image_x, image_y, magnification_x, magnification_y (distances along the ray,\n"
+    "from the image surface), power_xy (not 0: the sections mix, and there is no such data).\n"
+    "\n"
     "With --seidel a row for each surface, and their sum: spherical, coma, astigmatism, petzval,\n"
     "distortion (S1 to S5, wavefront, in lengths), axial, lateral (colour, over the lens's wavelengths).\n"
     "\n"
     "Options\n"
+    "  --parabasal        along the real chief rays, at the first wavelength that is asked for\n"
     "  --seidel           the Seidel sums, at the first wavelength that is asked for\n"
     "  --wavelength W     as for sagitta trace: a number in the lens, micrometres, a spectral line, or\n"
     "                     all; may be repeated\n"
@@ -100,14 +107,14 @@ static double value_of(const sgt_first_order *o, int k)
 typedef struct info_arguments {
     table_target target;
     job_options job;
-    bool seidel;
+    bool seidel, parabasal;
 } info_arguments;
 
 static info_arguments info_arguments_of(int argc, char *argv[])
 {
-    enum { SEIDEL = OPTION_AFTER_JOB };
+    enum { SEIDEL = OPTION_AFTER_JOB, PARABASAL };
     static const struct option known[] = {
-        {"seidel", no_argument, NULL, SEIDEL},
+        {"seidel", no_argument, NULL, SEIDEL}, {"parabasal", no_argument, NULL, PARABASAL},
         {"wavelength", required_argument, NULL, JOB_WAVELENGTH},
         {"glass", required_argument, NULL, JOB_GLASS},
         {"strict", no_argument, NULL, JOB_STRICT},
@@ -123,6 +130,7 @@ static info_arguments info_arguments_of(int argc, char *argv[])
     for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         if (code == 'h' || code == OPTION_HELP) print_and_end("%s", info_help);
         if (code == SEIDEL) a.seidel = true;
+        else if (code == PARABASAL) a.parabasal = true;
         else if (!job_take(&a.job, code)) options_take(&shared, code, info_help);
     }
     if (optind == argc) fail_usage("the lens file is missing: sagitta info LENS");
@@ -229,12 +237,55 @@ static void note_limits(const sgt_lens *l)
         note("%s: real image heights are taken as paraxial ones in these data", l->file);
 }
 
+/* A row for each field whose chief ray gets through. */
+static void write_parabasal(const info_arguments *a, const lens *l)
+{
+    static const column columns[] = {
+        {"field", COLUMN_COUNT},     {"efl_x", COLUMN_NUMBER},           {"efl_y", COLUMN_NUMBER},
+        {"focus_x", COLUMN_NUMBER},  {"focus_y", COLUMN_NUMBER},         {"image_x", COLUMN_NUMBER},
+        {"image_y", COLUMN_NUMBER},  {"magnification_x", COLUMN_NUMBER}, {"magnification_y", COLUMN_NUMBER},
+        {"power_xy", COLUMN_NUMBER},
+    };
+    launch_how how = launch_by(l, l->of->telecentric ? LAUNCH_AT_PUPIL : LAUNCH_AT_STOP);
+    const launch_pattern middle = launch_points(SGT_PATTERN_FAN, 1, 0);
+    sgt_element *open = memory_take(l->count, sizeof *open);
+    for (size_t i = 0; i < l->count; i++) {
+        open[i] = l->element[i];
+        open[i].semi_diameter = 0, open[i].aperture = NULL;
+    }
+    sgt_passage *passage = memory_take(l->count, sizeof *passage);
+    table *t = table_begin(&a->target, sizeof columns / sizeof columns[0], columns);
+    for (size_t f = 0; f < l->of->fields; f++) {
+        ray_list chief = {.count = 0};
+        launch_field(&chief, &how, l, f, l->of->field_kind, l->of->field[f], &middle);
+        sgt_parabasal p = {.efl = {(double)NAN, (double)NAN}};
+        bool fine = false;
+        if (chief.count) {
+            sgt_ray ray = chief.ray[0].ray;
+            sgt_trace(l->count, open, l->index_before, &ray, passage, NULL, NULL);
+            fine = sgt_lens_parabasal(l->count, open, l->index_before, isfinite(l->of->object_distance),
+                                      &chief.ray[0].ray, passage, &p);
+        }
+        if (!fine)
+            note("field %zu: its chief ray does not get through, or a surface has no second derivatives",
+                 f + 1);
+        const double mixed = fmax(fabs(p.power[0][1]), fabs(p.power[1][0]));
+        const double x[] = {p.efl[0],   p.efl[1],           p.focus[0],         p.focus[1], p.image[0],
+                            p.image[1], p.magnification[0], p.magnification[1], mixed};
+        table_count(t, (long long)f + 1);
+        for (int k = 0; k < 9; k++) table_number(t, fine ? x[k] : (double)NAN);
+    }
+    table_end(t);
+}
+
 exit_status command_info(int argc, char *argv[])
 {
     info_arguments a = info_arguments_of(argc, argv);
     lens_list at = job_lenses(&a.job);
-    note_limits(at.lens[0].of);
+    if (!a.parabasal) note_limits(at.lens[0].of);
+    if (a.seidel && a.parabasal) fail_usage("give --seidel or --parabasal, not both");
     if (a.seidel) write_seidel(&a, &at.lens[0]);
+    else if (a.parabasal) write_parabasal(&a, &at.lens[0]);
     else if (a.target.format == TABLE_TEXT) write_by_rows(&a, &at);
     else write_by_columns(&a, &at);
     return EXIT_DECIDED;
