@@ -393,22 +393,22 @@ SGT_API bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_ord
                                   sgt_seidel seidel[], const char **why_not,
                                   sgt_lens_error *error);
 
-/* First-order data along a real ray, for lenses that are folded, tilted or freeform: of the
- * rays near it.  [0] is the section of the global x, [1] that of y, carried along with the
- * ray (src/lens/parabasal.c).  Distances are along the ray, from where it meets the last
- * element.  On the axis of a centred lens they agree with sgt_first_order.  NaN: there is
- * none, or the sections mix (power[0][1] or power[1][0] is not 0). */
+/* First-order data along a real ray, for lenses that are folded, tilted or freeform: of
+ * the rays near it.  [0] is the section of the global x, [1] that of y, carried along with
+ * the ray (src/lens/parabasal.c).  Distances are along the ray, from where it meets the
+ * last element.  On the axis of a centred lens they agree with sgt_first_order.  NaN:
+ * there is none, or the sections mix (power[0][1] or power[1][0] is not 0). */
 typedef struct sgt_parabasal {
     double power[2][2];       /* -n' times the change of direction by a displacement */
-    double efl[2];            /* 1 / power, in the image medium: n' / power is not meant */
+    double efl[2];            /* 1 / power */
     double focus[2];          /* to where rays meet that came parallel to it */
     double image[2];          /* to where rays meet that came from its start */
     double magnification[2];  /* there */
 } sgt_parabasal;
 
 /* chief and passages: as given to sgt_trace, and as it left them, of all n elements.
- * from_point: the chief ray starts at its object point; else from afar, and image is focus.
- * false: it did not get through, or a surface has no second derivatives; all is NaN. */
+ * from_point: the chief ray starts at its object point; else from afar, and image is
+ * focus.  false: it did not get through, or a surface has no second derivatives; all is NaN. */
 SGT_API bool sgt_lens_parabasal(size_t n, const sgt_element e[], double index_before,
                                 bool from_point, const sgt_ray *chief,
                                 const sgt_passage passages[], sgt_parabasal *out);
