@@ -394,8 +394,8 @@ SGT_API bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_ord
                                   sgt_lens_error *error);
 
 /* First-order data along a real ray, for lenses that are folded, tilted or freeform: of
- * the rays near it.  [0] is the section of the global x, [1] that of y, carried along with
- * the ray (src/lens/parabasal.c).  Distances are along the ray, from where it meets the
+ * the rays near it.  [0] is the section of the global x, [1] that of y, carried along
+ * with the ray (src/lens/parabasal.c).  Distances are along the ray, from where it meets the
  * last element.  On the axis of a centred lens they agree with sgt_first_order.  NaN:
  * there is none, or the sections mix (power[0][1] or power[1][0] is not 0). */
 typedef struct sgt_parabasal {
@@ -408,7 +408,8 @@ typedef struct sgt_parabasal {
 
 /* chief and passages: as given to sgt_trace, and as it left them, of all n elements.
  * from_point: the chief ray starts at its object point; else from afar, and image is
- * focus.  false: it did not get through, or a surface has no second derivatives; all is NaN. */
+ * focus.  false: it did not get through, or a surface has no second derivatives; all is
+ * NaN. */
 SGT_API bool sgt_lens_parabasal(size_t n, const sgt_element e[], double index_before,
                                 bool from_point, const sgt_ray *chief,
                                 const sgt_passage passages[], sgt_parabasal *out);

@@ -33,6 +33,7 @@
 #define sgt_asphere_second SGT_SET_NAME(sgt_asphere_second)
 #define sgt_beam_ray SGT_SET_NAME(sgt_beam_ray)
 #define sgt_bundle_conic SGT_SET_NAME(sgt_bundle_conic)
+#define sgt_bundle_has_sag SGT_SET_NAME(sgt_bundle_has_sag)
 #define sgt_bundle_offered SGT_SET_NAME(sgt_bundle_offered)
 #define sgt_bundle_sag SGT_SET_NAME(sgt_bundle_sag)
 #define sgt_bundle_trace SGT_SET_NAME(sgt_bundle_trace)

@@ -154,6 +154,8 @@ struct sgt_builtin_ops {
                             sgt_interval *slope);
     /* The semi_diameter (length).  NULL: the surface has no rim. */
     double (*rim)(const void *self);
+    /* With `departure`: c and k of that base; c is 0 if it is a plane.  Used by system/bundle_sag.c. */
+    void (*base)(const void *self, double *c, double *k);
     /* The sag without its conic base (departure/departure.h), with or without `meet`.  Used by
      * departure/sum.c.  NULL: the surface has no such part. */
     const struct departure *departure;

@@ -94,7 +94,7 @@ static bundle_fate bundle_meet(const sgt_element *e, const bundle_lines *w, bund
         return sgt_bundle_conic(q->c, q->k, is_open(q->semi_diameter) ? HUGE_VAL : q->semi_diameter, aperture,
                                 w, h);
     }
-    return sgt_bundle_sag(s.self, aperture, w, h);
+    return sgt_bundle_sag(s, aperture, w, h);
 }
 
 bundle_fate sgt_bundle_trace(const aim_task *task, sgt_interval u, sgt_interval v, linear *x, linear *y)
@@ -126,17 +126,11 @@ bundle_fate sgt_bundle_trace(const aim_task *task, sgt_interval u, sgt_interval 
 
 /* ----------------------------------------------------------------------- offered */
 
-static bool offered_sag(sgt_surface surface)
+static bool offered_here(sgt_surface surface)
 {
-    if (surface.ops == &sgt_conic_ops) {
-        const sgt_conic *s = surface.self;
-        return isfinite(s->c) && isfinite(s->k) && s->semi_diameter >= 0;
-    }
-    if (surface.ops != &sgt_asphere_ops) return false;
-    const sgt_asphere *s = surface.self;
-    bool all = isfinite(s->c) && isfinite(s->k) && s->semi_diameter >= 0;
-    for (int i = 0; i < 8; i++) all = all && isfinite(s->a[i]);
-    return all;
+    if (surface.ops != &sgt_conic_ops) return surface.ops && sgt_bundle_has_sag(surface);
+    const sgt_conic *s = surface.self;
+    return isfinite(s->c) && isfinite(s->k) && s->semi_diameter >= 0;
 }
 
 bool sgt_bundle_offered(const aim_task *task)
@@ -145,7 +139,7 @@ bool sgt_bundle_offered(const aim_task *task)
     for (size_t i = 0; i <= task->stop; i++) {
         const sgt_element *e = &task->e[i];
         if (!is_plain(e) || e->phase || !is_aperture_sound(e) || !is_sound(e, index)) return false;
-        if (!offered_sag(in_set(e->surface))) return false;
+        if (!offered_here(in_set(e->surface))) return false;
         index = index_behind(e, index);
     }
     return true;

@@ -30,10 +30,13 @@ typedef struct bundle_lines { linear x, y; form3 d; } bundle_lines;
  * of the slope on all lines. */
 typedef struct bundle_hit { form3 p, n; linear size2, slope; double sign; } bundle_hit;
 
-/* Every root that sgt_trace may mean, of a conic and of an even asphere.  aperture: of the element; HUGE_VAL:
- * none.  (bundle_conic.c, bundle_sag.c) */
+/* Every root that sgt_trace may mean, of a conic, and of an even asphere or a departure.  aperture: of the
+ * element; HUGE_VAL: none.  (bundle_conic.c, bundle_sag.c) */
 bundle_fate sgt_bundle_conic(double c, double k, double rim, double aperture, const bundle_lines *w,
                              bundle_hit *h);
-bundle_fate sgt_bundle_sag(const sgt_asphere *s, double aperture, const bundle_lines *w, bundle_hit *h);
+bundle_fate sgt_bundle_sag(sgt_surface surface, double aperture, const bundle_lines *w, bundle_hit *h);
+
+/* Is it one of these, with valid parameters?  (bundle_sag.c) */
+bool sgt_bundle_has_sag(sgt_surface surface);
 
 #endif

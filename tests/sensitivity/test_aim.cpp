@@ -226,10 +226,12 @@ static void try_lens(const std::string &folder, const char *name, oracle::genera
         other.stop = std::size_t(random.below(int(q.e.size())));
         const double r = other.e[other.stop].semi_diameter * random.log_uniform(0.1, 4),
                      turn = random.uniform(0, 7);
+        const double reach =
+            i % 4 < 2 ? first : 0.3 * first; // of the second half all are inside the first aperture
         other.beam = beam_of(random, angle, first, 2 * first);
         for (sgt_interval *x : {&other.beam.u, &other.beam.v}) {
-            const double middle = random.uniform(-0.7, 0.7) * first,
-                         half = random.log_uniform(0.1, 1.5) * first;
+            const double middle = random.uniform(-0.7, 0.7) * reach,
+                         half = random.log_uniform(0.1, 1.5) * reach;
             *x = {middle - half, middle + half};
         }
         other.wanted = {r * std::cos(turn), r * std::sin(turn)};
@@ -247,8 +249,8 @@ static void try_lens(const std::string &folder, const char *name, oracle::genera
     sgt_lens_free(lens);
 }
 
-// Random rows of conics and even aspheres, with turns, mirrors, rims and apertures: of points that their rays
-// do meet it must not be said that there is no ray.
+// Random rows of conics, even aspheres and two departures, with turns, mirrors, rims and apertures: of points
+// that their rays do meet it must not be said that there is no ray.
 static void random_systems(oracle::generator &random)
 {
     long asked = 0;
@@ -256,6 +258,9 @@ static void random_systems(oracle::generator &random)
     for (int i = 0; i < systems; i++) {
         std::vector<sgt_conic> conics(6);
         std::vector<sgt_asphere> aspheres(6);
+        std::vector<sgt_odd_asphere> odds(6);
+        std::vector<sgt_zernike> zernikes(6);
+        const double terms[9] = {0, 0.02, -0.03, 0.05, 0.1, -0.04, 0.03, 0, 0.02};
         question q = {"random", {}, {}, random.chance(0.3) ? 1.5 : 1, 0, {}, {0, 0}};
         double z = 0, way = 1;
         const std::size_t count = std::size_t(1 + random.below(5));
@@ -271,8 +276,13 @@ static void random_systems(oracle::generator &random)
                     aspheres[k].a[j] =
                         random.uniform(-1, 1) * std::pow(8.0, -2 * j - 1) * random.log_uniform(0.01, 1);
             sgt_element e = {};
-            e.surface = random.chance(0.5) ? sgt_surface{&sgt_conic_ops, &conics[k]}
-                                           : sgt_surface{&sgt_asphere_ops, &aspheres[k]};
+            odds[k] = {c, conic, rim, {0, 1e-4, random.uniform(-1, 1) * 1e-4, random.uniform(-1, 1) * 1e-5}};
+            const double norm = 12;
+            zernikes[k] = {c, conic, rim, norm, SGT_FRINGE, 0, {terms, 1, 9}};
+            const sgt_surface types[] = {{&sgt_conic_ops, &conics[k]},     {&sgt_conic_ops, &conics[k]},
+                                         {&sgt_asphere_ops, &aspheres[k]}, {&sgt_asphere_ops, &aspheres[k]},
+                                         {&sgt_odd_asphere_ops, &odds[k]}, {&sgt_zernike_ops, &zernikes[k]}};
+            e.surface = types[random.below(6)];
             e.index = random.chance(0.25) ? SGT_MIRROR : random.chance(0.1) ? 0 : random.uniform(1, 1.9);
             e.semi_diameter = random.chance(0.6) ? random.uniform(2, 12) : 0;
             const sgt_vec3 origin = {random.uniform(-1, 1), random.uniform(-1, 1), z};
