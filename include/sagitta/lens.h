@@ -395,8 +395,8 @@ SGT_API bool sgt_lens_first_order(const sgt_lens *lens, double um, sgt_first_ord
 
 /* First-order data along a real ray, for lenses that are folded, tilted or freeform: of
  * the rays near it.  [0] is the section of the global x, [1] that of y, carried along
- * with the ray (src/lens/parabasal.c).  Distances are along the ray, from where it meets the
- * last element.  On the axis of a centred lens they agree with sgt_first_order.  NaN:
+ * with the ray (src/lens/parabasal.c).  Distances are along the ray, from where it meets
+ * the last element.  On the axis of a centred lens they agree with sgt_first_order.  NaN:
  * there is none, or the sections mix (power[0][1] or power[1][0] is not 0). */
 typedef struct sgt_parabasal {
     double power[2][2];       /* -n' times the change of direction by a displacement */
