@@ -224,8 +224,8 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         .share_within = NAME##_share_within, .extent_within = NAME##_extent_within,                          \
         .heights = NAME##_heights, .chords = sgt_departure_chords, .noise_within = NAME##_noise_within,      \
         .roundings = sgt_departure_roundings, .span = sgt_departure_span, .spans = sgt_departure_spans,      \
-        .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base,         \
-        .departure = &NAME##_departure};               \
+        .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base,              \
+        .departure = &NAME##_departure};                                                                     \
     const sgt_surface_ops sgt_##NAME##_ops = {                                                               \
         .name = #NAME, .value = NAME##_ops_value, .span = NAME##_ops_span, .rounding = NAME##_ops_rounding,  \
         .enclose = NAME##_ops_enclose, .values = NAME##_ops_values, .spans = NAME##_ops_spans,               \
