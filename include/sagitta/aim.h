@@ -197,7 +197,7 @@ typedef struct sgt_aiming {
  * step along Newton's is good, a damped step is taken (Levenberg 1944, Quart. Appl. Math.
  * 2, 164; Marquardt 1963, J. SIAM 11, 431).  Steps end at the edge of the box.  The
  * starts are yours, then the middle of the box, then points all over it (Halton 1960,
- * Numer. Math. 2, 84).
+ * Numer. Math. 2, 84).  After a few of them the proof is tried, then the rest.
  *
  * THE FIRST FOUND.  If several rays of the box meet the point, one of them is the answer,
  * mostly the one nearest to the first start.

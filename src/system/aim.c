@@ -21,6 +21,7 @@
 #include "aim.h"
 
 enum { TRACES = 400, BOXES = 1500, HALVES = 10, FEW_STEPS = 60, STARTS = 12, SCAN = 64 };
+enum { FIRST_STARTS = 2, FIRST_SCAN = 8 };
 static const double NOISE = 8;
 
 /* A ray of the beam that got to the stop. */
@@ -36,6 +37,8 @@ typedef struct aim_search {
     const aim_task *task;
     double wide[2], tol; /* the sizes of the box */
     int traces, most;
+    size_t next; /* of the starts */
+    int walked;  /* starts of ours whose rays got there */
     sgt_fate fate; /* of the last ray that did not get there */
     size_t element;
 } aim_search;
@@ -233,17 +236,24 @@ static sgt_attempt aim_try(aim_search *s, sgt_vec2 from, aim_ray *r, double *err
     return a;
 }
 
-/* Starts until one arrives, or STARTS of ours have led nowhere, or SCAN of ours had no way. */
-static bool aim_from_starts(aim_search *s, const sgt_aim_options *opt, sgt_aiming *out, aim_ray *r,
-                            double *error)
+/* A search from one start, told to the caller. */
+static sgt_aim_reason aim_told(aim_search *s, const sgt_aim_options *opt, sgt_aiming *out, sgt_vec2 from,
+                               aim_ray *r, double *error)
 {
-    int walked = 0;
-    for (size_t i = 0; i < opt->starts + SCAN && walked < STARTS && s->traces < s->most; i++) {
-        sgt_attempt a = aim_try(s, aim_start(s->task, opt, i), r, error);
-        if (i < opt->room && opt->attempt) opt->attempt[i] = a;
-        out->attempts = i + 1;
-        if (a.reason == SGT_AIM_ARRIVED) return true;
-        if (i >= opt->starts && a.reason != SGT_AIM_NO_WAY) walked++;
+    sgt_attempt a = aim_try(s, from, r, error);
+    if (out->attempts < opt->room && opt->attempt) opt->attempt[out->attempts] = a;
+    out->attempts++;
+    return a.reason;
+}
+
+/* Goes on with the starts, until one arrives, or `most` of ours have led nowhere, or ours are `last`. */
+static bool aim_from_starts(aim_search *s, const sgt_aim_options *opt, int most, size_t last, sgt_aiming *out,
+                            aim_ray *r, double *error)
+{
+    for (; s->next < opt->starts + last && s->walked < most && s->traces < s->most; s->next++) {
+        sgt_aim_reason reason = aim_told(s, opt, out, aim_start(s->task, opt, s->next), r, error);
+        if (reason == SGT_AIM_ARRIVED) return true;
+        if (s->next >= opt->starts && reason != SGT_AIM_NO_WAY) s->walked++;
     }
     return false;
 }
@@ -254,17 +264,20 @@ static bool aim_or_proof(aim_search *s, const sgt_aim_options *opt, sgt_aiming *
 {
     aim_proof w = sgt_aim_proof_of(s->task, opt->max_boxes ? opt->max_boxes : BOXES);
     aim_verdict verdict;
-    s->most += s->most / 4; /* for the looks */
-    while ((verdict = sgt_aim_proof_next(&w)) == PROOF_LOOK) {
-        sgt_attempt a = aim_try(s, (sgt_vec2){w.u, w.v}, r, error);
-        if (out->attempts < opt->room && opt->attempt) opt->attempt[out->attempts] = a;
-        out->attempts++;
-        out->boxes = w.boxes;
-        if (a.reason == SGT_AIM_ARRIVED) return true;
-    }
+    bool met = false;
+    while (!met && (verdict = sgt_aim_proof_next(&w)) == PROOF_LOOK)
+        met = aim_told(s, opt, out, (sgt_vec2){w.u, w.v}, r, error) == SGT_AIM_ARRIVED;
     out->boxes = w.boxes;
-    if (verdict == PROOF_DONE) out->status = SGT_NO_SUCH_RAY;
-    return false;
+    if (!met && verdict == PROOF_DONE) out->status = SGT_NO_SUCH_RAY;
+    return met;
+}
+
+/* A few starts find most rays; where there is none, a proof costs less than many starts do. */
+static bool aim_find(aim_search *s, const sgt_aim_options *opt, sgt_aiming *out, aim_ray *r, double *error)
+{
+    if (aim_from_starts(s, opt, FIRST_STARTS, FIRST_SCAN, out, r, error)) return true;
+    if (opt->max_boxes >= 0 && aim_or_proof(s, opt, out, r, error)) return true;
+    return out->status != SGT_NO_SUCH_RAY && aim_from_starts(s, opt, STARTS, SCAN, out, r, error);
 }
 
 /* ---------------------------------------------------------------------- the call */
@@ -307,9 +320,7 @@ sgt_aimed sgt_aim(size_t stop, const sgt_element e[], double index_before, const
     aim_ray r;
     double error = none;
     a->status = SGT_AIM_UNDECIDED;
-    bool met = aim_from_starts(&s, &given, a, &r, &error);
-    if (!met && given.max_boxes >= 0) met = aim_or_proof(&s, &given, a, &r, &error);
-    if (met) {
+    if (aim_find(&s, &given, a, &r, &error)) {
         const sgt_vec3 p = passages[stop].hit.p;
         a->status = SGT_MET, a->u = r.u, a->v = r.v, a->ray = r.ray, a->point = (sgt_vec2){p.x, p.y};
         a->miss = (r.miss + error) * (1 + 8 * SGT_U), a->clipped = r.clipped;

@@ -10,8 +10,6 @@
  * BENDING as in trace.h: f = (1 - r^2) / (r g + sign(g) sqrt(D)), with g = n . d of a known sign. */
 #include "bundle.h"
 
-
-
 /* ----------------------------------------------------------------------- bending */
 
 /* d behind the surface.  false: *fate says why there is none. */

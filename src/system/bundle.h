@@ -4,17 +4,14 @@
 #include "aim.h"
 #include "form.h"
 
+/* See the head of bundle.c. */
+#define BUNDLE_SLACK 0x1p-46
+
 typedef enum bundle_fate {
     BUNDLE_THERE,    /* rays that get to the stop meet it within x, y */
     BUNDLE_GONE,     /* certainly none gets there */
     BUNDLE_UNKNOWN   /* nothing is known of so large a part */
 } bundle_fate;
-
-/* Far more than the rounding of directions and axes (bundle.c). */
-#define BUNDLE_SLACK 0x1p-46
-
-SGT_INLINE bool form_below(linear x, double limit) { return form_range(x).hi < limit; }
-SGT_INLINE bool form_above(linear x, double limit) { return form_range(x).lo > limit; }
 
 /* Can bundles be traced through these elements at all?  (bundle.c) */
 bool sgt_bundle_offered(const aim_task *task);

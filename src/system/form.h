@@ -53,6 +53,9 @@ SGT_INLINE sgt_interval form_range(linear x)
     return (sgt_interval){x.c - by - off, x.c + by + off};
 }
 
+SGT_INLINE bool form_below(linear x, double limit) { return form_range(x).hi < limit; }
+SGT_INLINE bool form_above(linear x, double limit) { return form_range(x).lo > limit; }
+
 SGT_INLINE linear form_negative(linear x) { return (linear){-x.c, -x.a, -x.b, x.e}; }
 SGT_INLINE linear form_wider(linear x, double by)
 {
