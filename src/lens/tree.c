@@ -53,7 +53,7 @@ char *tree_text(source *s, const char *text, size_t length)
 
 enum { SENTENCE = 1200 };
 
-static const char *sentence(source *s, const char *words, va_list more)
+SGT_PRINTF(2, 0) static const char *sentence(source *s, const char *words, va_list more)
 {
     char text[SENTENCE];
     vsnprintf(text, sizeof text, words, more);

@@ -107,6 +107,13 @@ constexpr double NOTHING = 1e-13;
 static double worst_vector, worst_entry;
 static long compared;
 
+// Component r of the seven: p, d, the path.
+static double &component(sgt_ray_change &c, std::size_t r)
+{
+    double *const all[7] = {&c.p.x, &c.p.y, &c.p.z, &c.d.x, &c.d.y, &c.d.z, &c.opl};
+    return *all[r];
+}
+
 static void compare_ray(const gauss &lens, std::size_t n, const sgt_ray &launch, double before)
 {
     std::vector<sgt_passage> passages(n);
@@ -115,14 +122,13 @@ static void compare_ray(const gauss &lens, std::size_t n, const sgt_ray &launch,
     const std::size_t count = sgt_trace_parameters(n, lens.e.data());
     std::vector<double> gradient(7 * count);
     sgt_ray_change weight[7] = {};
-    for (int r = 0; r < 7; r++)
-        (r < 3 ? &weight[r].p.x : r < 6 ? &weight[r].d.x : &weight[r].opl)[r < 6 ? r % 3 : 0] = 1;
+    for (std::size_t r = 0; r < 7; r++) component(weight[r], r) = 1;
     const int lacks = sgt_trace_gradient(n, lens.e.data(), before, &launch, passages.data(), 7, weight,
                                          gradient.data());
     if (lacks) fail("lacks", n, 0, lacks, 0);
 
     sgt_ray_change forward[6] = {};
-    for (int j = 0; j < 6; j++) (j < 3 ? &forward[j].p.x : &forward[j].d.x)[j % 3] = 1;
+    for (std::size_t j = 0; j < 6; j++) component(forward[j], j) = 1;
     sgt_trace_sensitivity(n, lens.e.data(), before, &launch, passages.data(), 6, forward, forward);
 
     system_of s = {{}, before, of(launch.o), of(launch.d)};
@@ -160,8 +166,7 @@ static void compare_ray(const gauss &lens, std::size_t n, const sgt_ray &launch,
             if (!(off <= 1e-9 * all + NOTHING / unit)) fail("gradient", r, j, g, by[r]);
             if (itself && !(off <= 1e-9 * std::fabs(by[r]))) fail("gradient, by itself", r, j, g, by[r]);
             if (j >= 6) continue;
-            const sgt_ray_change &f = forward[j];
-            const double x = (r < 3 ? &f.p.x : r < 6 ? &f.d.x : &f.opl)[r < 6 ? r % 3 : 0];
+            const double x = component(forward[j], r);
             if (!(std::fabs(x - by[r]) <= 1e-9 * all + NOTHING)) fail("forward", r, j, x, by[r]);
         }
     }
