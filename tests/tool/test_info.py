@@ -23,10 +23,21 @@ def info(path, *options):
     return json.loads(run('info', path, '--format', 'json', *options).stdout)
 
 
+def flat(path, *options):
+    """The object with the names of csv, whose numbers are the same."""
+    got = info(path, *options)
+    got['working_f_number'], got['petzval'] = got['f_number_working'], got['petzval_radius']
+    for pupil in ('entrance', 'exit'):
+        z, radius = got[pupil + '_pupil'].values()
+        got[pupil + '_pupil'], got[pupil + '_radius'] = z, radius
+    got['image_height'] = max(got['image_height'], key=lambda x: x or 0)
+    return got
+
+
 def test_files():
     """Ten files as people have them; null: what an afocal system lacks."""
     for name, wanted in json.loads((ZMX / 'first_order.json').read_text()).items():
-        got = info(ZMX / name)[0]
+        got = flat(ZMX / name)
         for key, value in wanted.items():
             if value is None:
                 equal(got[key], None, (name, key))
@@ -57,12 +68,125 @@ def test_published_seidel_sums():
     for row, wanted in zip(rows('info', path, '--seidel'), SEIDEL):
         for key, value in zip(SUMS, wanted):
             close(row[key], value, 0.6e-6, (row['surface'], key))
-    got = info(path)[0]
+    got = flat(path)
     for key, value, within in (('efl', 50, 0.5), ('ffd', -37.1, 0.05), ('bfd', 41.24, 0.005), ('f_number', 4, 0.05),
                                ('entrance_pupil', 11.68, 0.005), ('exit_pupil', -10.01 - 41.24, 0.01),
                                ('exit_radius', 6.406, 5e-4), ('image_height', 18.2, 0.05), ('front_principal', 12.9, 0.05),
                                ('rear_principal', 41.24 - 50.0 - 41.2365, 0.05)):
         close(got[key], value, within, key)
+
+
+# ---------------------------------------------------------------- the object
+
+CONTRACT = ['name', 'units', 'wavelength', 'efl', 'bfd', 'ffd', 'f_number', 'f_number_working', 'magnification',
+            'entrance_pupil', 'exit_pupil', 'image_height', 'petzval_radius', 'lagrange', 'fields', 'wavelengths',
+            'surfaces', 'parabasal']
+DOUBLET = {'name': 'a "doublet"', 'units': 'mm', 'wavelengths': [0.5875618, 0.4861327, 0.6562725], 'primary': 1,
+           'pupil': {'semi_diameter': 4}, 'fields': [[0, 0], [3, -4], 2], 'field_weights': [1, 2, 0.5], 'surfaces': [
+    {'type': 'sphere', 'radius': 40, 'thickness': 4, 'glass': 'N-BK7'},
+    {'type': 'sphere', 'radius': -30, 'thickness': 2, 'glass': 'N-SF2', 'stop': True},
+    {'type': 'plane', 'thickness': 50, 'glass': 'air'}, {'type': 'plane'}]}
+
+
+def test_the_object():
+    """Its names, and that each is there and is what the file says; csv has the same bits."""
+    path = written(json.dumps(DOUBLET))
+    got = info(path)
+    equal(list(got)[:len(CONTRACT)], CONTRACT)
+    equal([got[k] for k in ('name', 'units', 'wavelength', 'surfaces', 'stop', 'magnification')],
+          ['a "doublet"', 'mm', 0.5875618, 4, 2, None])
+    equal(got['wavelengths'], DOUBLET['wavelengths'])
+    equal(got['fields'], [{'x': x, 'y': y, 'kind': 'angle', 'weight': w} for x, y, w in ((0, 0, 1), (3, -4, 2), (0, 2, 0.5))])
+    equal([set(got[k]) for k in ('entrance_pupil', 'exit_pupil')], [{'z', 'radius'}] * 2)
+    same, row = flat(path), rows('info', path)[0]
+    for key, value in row.items():
+        equal(math.nan if same[key] is None else same[key], float(value), key) if value != 'nan' else equal(same[key], None, key)
+    equal(len([k for k in row if row[k] == 'nan']), 1)
+    # several wavelengths are a list, one is not, however it is asked for
+    each = info(path, '--wavelength', 'all')
+    equal([o['wavelength'] for o in each], DOUBLET['wavelengths'])
+    equal(each[0], got)
+    equal(info(path, '--wavelength', 'F'), each[1])
+    equal(info(path, '--wavelength', 'F', '--wavelength', '3'), each[1:])
+    equal(info(written(json.dumps({**DOUBLET, 'wavelengths': [0.5875618]})), '--wavelength', 'all')[0]['efl'], got['efl'])
+    # the options that choose a table choose none here; hexadecimal numbers are words
+    equal(info(path, '--seidel'), got), equal(info(path, '--parabasal'), got)
+    equal(float.fromhex(info(path, '--hex')['efl']), got['efl'])
+    out = path.parent / 'out.json'
+    run('info', path, '--format', 'json', '--output', out)
+    equal(json.loads(out.read_text()), got)
+    assert 'would be written over' in run('info', path, '--format', 'json', '--output', path, exit=USAGE).stderr
+    # nothing is said of what is not given
+    bare = {'surfaces': [{'type': 'plane', 'thickness': 3}, {'type': 'plane'}]}
+    got = info(written(json.dumps(bare)))
+    equal([got[k] for k in ('name', 'units', 'wavelength', 'wavelengths', 'image_height', 'parabasal', 'seidel', 'seidel_sum')],
+          [None, None, None, [], [None], None, None, None])
+    equal(got['entrance_pupil'], {'z': 0, 'radius': None})
+    assert 'pupil has no size' in got['parabasal_why_not'] and got['seidel_why_not'], got
+
+
+def test_image_heights():
+    """Of each kind of field: f tan of the angle to the axis, and object heights by the magnification."""
+    mpmath.mp.dps = 30
+    m, n = mpmath.eye(2), mpmath.mpf(1)
+    lens = {'pupil': {'semi_diameter': 1}, 'surfaces': [
+        {'type': 'sphere', 'radius': 30, 'thickness': 5, 'index': 1.6, 'stop': True},
+        {'type': 'sphere', 'radius': -45, 'thickness': 50, 'index': 1.2}, {'type': 'plane'}]}
+    for s in lens['surfaces'][:2]:
+        m = mpmath.matrix([[1, 0], [-(s['index'] - n) / mpmath.mpf(s['radius']), 1]]) * m
+        n = mpmath.mpf(s['index'])
+        if s is lens['surfaces'][0]:
+            m = mpmath.matrix([[1, 5 / n], [0, 1]]) * m
+    fields = [[0, 0], [3, -4], [0, 2], [-1, 0]]
+    tangents = [mpmath.hypot(*(mpmath.tan(mpmath.radians(a)) for a in f)) for f in fields]
+    heights = [mpmath.hypot(*f) for f in fields]
+    near = 1 / (m[1, 0] * 200 + m[1, 1])
+    for change, wanted in (
+            ({}, [-t / m[1, 0] for t in tangents]),
+            ({'object': {'distance': 200}}, [abs(near) * 200 * t for t in tangents]),
+            ({'object': {'distance': 200}, 'field_type': 'object_height'}, [abs(near) * h for h in heights]),
+            ({'object': {'distance': 200}, 'field_type': 'paraxial_image_height'}, heights),
+            ({'field_type': 'paraxial_image_height'}, heights)):
+        got = info(written(json.dumps({**lens, **change, 'fields': fields})))
+        equal(len(got['image_height']), 4)
+        for a, b in zip(got['image_height'], wanted):
+            close(a, b, 1e-13 * 20, change)
+        equal({f['kind'] for f in got['fields']}, {change.get('field_type', 'angle')})
+
+
+def test_sums_and_chief_rays_of_the_object():
+    """They are those of the tables, and a reason stands where there are none."""
+    path = written(json.dumps(TRIPLET))
+    got = info(path)
+    *table, total = rows('info', path, '--seidel')
+    equal(len(got['seidel']), got['surfaces'])
+    for number, (a, b, wanted) in enumerate(zip(got['seidel'] + [got['seidel_sum']], table + [total], SEIDEL), 1):
+        equal([a[k] for k in (*SUMS, 'axial', 'lateral')], [float(b[k]) for k in (*SUMS, 'axial', 'lateral')])
+        equal((a.get('surface'), a.get('type')), (number, b['type']) if number < 8 else (None, None))
+        for key, value in zip(SUMS, wanted):
+            close(a[key], value, 0.6e-6, (number, key))
+    equal([got['seidel_why_not'], got['parabasal_why_not']], [None, None])
+    for field, row in zip(got['parabasal']['fields'], rows('info', path, '--parabasal')):
+        equal(field.pop('why_not'), None)
+        equal({k: 'nan' if v is None else float(v) for k, v in field.items()},
+              {k: v if v == 'nan' else float(v) for k, v in row.items()})
+    # a field whose chief ray misses the second surface: the others are there
+    ball = {'pupil': {'semi_diameter': 0.1}, 'fields': [0, 80], 'surfaces': [
+        {'type': 'plane', 'thickness': 10, 'stop': True},
+        {'type': 'sphere', 'radius': 5, 'thickness': 10, 'index': 1.5}, {'type': 'plane'}]}
+    path = written(json.dumps(ball))
+    done = run('info', path, '--format', 'json')
+    first, second = json.loads(done.stdout)['parabasal']['fields']
+    equal((first['why_not'], second['why_not'], second['efl_x']), (None, 'the chief ray does not get through surface 2', None))
+    close(first['efl_x'], 10, 1e-12)
+    equal(done.stderr, '')
+    assert 'field 2: the chief ray does not get through surface 2' in run('info', path, '--parabasal').stderr
+    # of a real image height that no ray has there is no chief ray, and the rest is there
+    far = {**ball, 'fields': [1000], 'field_type': 'real_image_height'}
+    got = info(written(json.dumps(far)))
+    equal(got['parabasal'], None)
+    assert 'no chief ray was found that meets the image at [0, 1000]' in got['parabasal_why_not'], got['parabasal_why_not']
+    close(got['efl'], 10, 1e-12)
 
 
 # ------------------------------------------------------------- random lenses
@@ -121,7 +245,7 @@ def test_random_lenses():
         lens = drawn(draw)
         if case >= 40:
             lens = with_ideal(draw, lens)
-        got = info(written(json.dumps(lens)))[0]
+        got = flat(written(json.dumps(lens)))
         v, stop = vertices(lens), [bool(s.get('stop')) for s in lens['surfaces']].index(True)
 
         def matrix(first, end, transfers):
@@ -206,11 +330,11 @@ def test_seidel_sums_of_random_lenses():
         if case >= 6:
             lens = with_ideal(draw, lens)
         lens['object'] = {'distance': '.inf'}
-        got = info(written(json.dumps(lens)))[0]
+        got = flat(written(json.dumps(lens)))
         lens['surfaces'][-2]['thickness'] += got['image']       # to the paraxial image
         path = written(json.dumps(lens))
         total = rows('info', path, '--seidel')[-1]
-        got = info(path)[0]
+        got = flat(path)
         slope = mpmath.tan(mpmath.radians(4))
         marginal = -5 / mpmath.mpf(got['efl'])                  # n'u'
         measured = {}
@@ -323,7 +447,7 @@ def test_parabasal_on_the_axis():
         lens = drawn(draw)
         lens['fields'] = [0]
         path = written(json.dumps(lens))
-        plain, along = info(path)[0], rows('info', path, '--parabasal')[0]
+        plain, along = flat(path), rows('info', path, '--parabasal')[0]
         for name in 'xy':
             close(along['efl_' + name], plain['efl'], 1e-11 * abs(plain['efl']), case)
             close(along['focus_' + name], plain['focus'], 1e-10 * abs(plain['efl']), case)
@@ -337,14 +461,14 @@ def test_colour():
     lens = json.loads(json.dumps(TRIPLET))
     total = rows('info', written(json.dumps(lens)), '--seidel')[-1]
     # the sums with the sign of Welford: axial W = sum / 2; the foci of F and C differ by sum / (n'u'^2)
-    red, blue = info(written(json.dumps(lens)), '--wavelength', 'C')[0], info(written(json.dumps(lens)), '--wavelength', 'F')[0]
+    red, blue = flat(written(json.dumps(lens)), '--wavelength', 'C'), flat(written(json.dumps(lens)), '--wavelength', 'F')
     marginal = 6.25 / 50
     close(blue['focus'] - red['focus'], -float(total['axial']) / marginal ** 2, 0.1 * abs(blue['focus'] - red['focus']) + 2e-3)
 
 
 def test_what_is_not_there():
     afocal = {'pupil': {'semi_diameter': 1}, 'surfaces': [{'type': 'plane', 'thickness': 3}, {'type': 'plane'}]}
-    got = info(written(json.dumps(afocal)))[0]
+    got = flat(written(json.dumps(afocal)))
     for key in ('efl', 'bfd', 'focus', 'image', 'petzval'):
         equal(got[key], None, key)
     tilted = {'pupil': {'semi_diameter': 1}, 'surfaces': [
@@ -352,16 +476,38 @@ def test_what_is_not_there():
     path = written(json.dumps(tilted))
     assert 'no Seidel sums: the lens is not centred' in run('info', path, '--seidel').stderr
     equal(rows('info', path, '--seidel')[-1]['coma'], 'nan')
-    close(info(path)[0]['efl'], 100, 1e-12)  # as of its parent, on the axis
+    close(flat(path)['efl'], 100, 1e-12)  # as of its parent, on the axis
     body = {'pupil': {'semi_diameter': 1, 'distance': 0}, 'surfaces': [
         {'type': 'torus', 'major': 10, 'minor': 2, 'thickness': 3}, {'type': 'plane'}]}
-    equal(info(written(json.dumps(body)))[0]['efl'], None)
+    equal(flat(written(json.dumps(body)))['efl'], None)
 
 
 def test_text():
     said = run('info', written(json.dumps(TRIPLET)), '--wavelength', 'all').stdout
     assert said.splitlines()[0].split() == ['quantity', 'value', 'value', 'value', 'is'], said
     assert '7 surfaces, stop: surface 3' in said
+    assert 'Object: at infinity.  2 fields by angle, in degrees.' in said, said
+    for quantity, words in (('magnification', 'none: the object is at infinity'), ('entrance_pupil.z', 'from the first vertex')):
+        line, = (s for s in said.splitlines() if s.startswith(quantity + ' '))
+        assert line.endswith(words), line
+    head = run('info', written(json.dumps(DOUBLET)), '--seidel', '--wavelength', 'F').stdout.splitlines()[0]
+    equal(head, 'Seidel sums (wavefront) at 0.4861327 micrometres, lengths in mm.  Axial and lateral colour: '
+                'from 0.4861327 to 0.6562725 micrometres.')
+    for surfaces, more, reasons in (
+            ([{'type': 'plane', 'thickness': 3}, {'type': 'plane'}], {'pupil': {'semi_diameter': 1}},
+             {'wavelength': 'the lens gives no wavelengths', 'efl': 'the lens is afocal, it has no power',
+              'f_number': 'the lens is afocal, it has no power', 'petzval_radius': 'it is flat'}),
+            ([{'type': 'sphere', 'radius': 5, 'index': 1.5, 'thickness': 10}, {'type': 'plane', 'stop': True, 'thickness': 1},
+              {'type': 'plane'}], {},
+             {'exit_pupil.radius': 'the lens gives no size of its pupil', 'f_number': 'the lens gives no size of its pupil'}),
+            ([{'type': 'torus', 'major': 10, 'minor': 2, 'thickness': 3}, {'type': 'plane'}], {'pupil': {'semi_diameter': 1}},
+             {'efl': 'the power of the lens is not known'}),
+            ([{'type': 'sphere', 'radius': 5, 'index': 1.5, 'thickness': 15}, {'type': 'plane', 'stop': True, 'thickness': 1},
+              {'type': 'plane'}], {'pupil': {'semi_diameter': 1}}, {'entrance_pupil.z': 'at infinity'})):
+        said = run('info', written(json.dumps({'surfaces': surfaces, **more}))).stdout
+        for quantity, reason in reasons.items():
+            line, = (s for s in said.splitlines() if s.startswith(quantity + ' '))
+            assert line.endswith('none: ' + reason) and line.split()[1] == '-', (line, reason)
     run('info', exit=USAGE)
     run('info', written('surfaces: 3'), exit=BAD_INPUT)
 

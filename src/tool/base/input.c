@@ -41,6 +41,17 @@ void output_reserve(const char *option, const char *path)
     fclose(file);
 }
 
+void output_write(const char *path, const char *text, size_t length)
+{
+    FILE *file = stdout;
+    if (path) output_check("output", path);
+    if (path && !(file = fopen(path, "wb"))) fail_input("--output %s: %s", path, strerror(errno));
+    fwrite(text, 1, length, file);
+    bool fine = fflush(file) == 0 && !ferror(file);
+    if (path && fclose(file) != 0) fine = false;
+    if (!fine) fail_input("%s%s: could not be written", path ? "--output " : "", path ? path : "standard output");
+}
+
 static const char *read_all(FILE *file, input *in)
 {
     size_t capacity = 0;

@@ -5,10 +5,7 @@
 #include "../job/options.h"
 #include "../read/lens.h"
 
-#include <errno.h>
 #include <limits.h>
-#include <stdio.h>
-#include <string.h>
 
 static const char import_help[] =
     "sagitta import FILE [options]\n"
@@ -32,17 +29,6 @@ static const char import_help[] =
     "  0  the lens was written\n"
     "  2  wrong arguments\n"
     "  3  bad input, or output that cannot be written\n";
-
-static void write_lens(const char *path, const char *text, size_t length)
-{
-    FILE *file = stdout;
-    if (path) output_check("output", path);
-    if (path && !(file = fopen(path, "wb"))) fail_input("--output %s: %s", path, strerror(errno));
-    fwrite(text, 1, length, file);
-    bool fine = fflush(file) == 0 && !ferror(file);
-    if (path && fclose(file) != 0) fine = false;
-    if (!fine) fail_input("%s: could not be written", path ? path : "standard output");
-}
 
 exit_status command_import(int argc, char *argv[])
 {
@@ -74,6 +60,6 @@ exit_status command_import(int argc, char *argv[])
     size_t length;
     const char *text = sgt_lens_yaml(l, &length);
     if (!text) fail_input("%s: could not be written as YAML", l->file);
-    write_lens(output, text, length);
+    output_write(output, text, length);
     return EXIT_DECIDED;
 }

@@ -1,10 +1,12 @@
-/* info.c - sagitta info: first-order data and Seidel sums of a lens. */
+/* info.c - sagitta info: first-order data and Seidel sums of a lens, as text and csv; json is that of
+ * info_json.c. */
 #include "commands.h"
+
+#include "info.h"
 
 #include "../base/memory.h"
 #include "../job/options.h"
 #include "../read/lens.h"
-#include "../job/job.h"
 #include "../job/launch.h"
 
 #include <math.h>
@@ -16,31 +18,39 @@ static const char info_help[] =
     "sagitta info LENS [options]\n"
     "\n"
     "Prints the first-order data of a lens, at its primary wavelength or those that are asked for;\n"
-    "with --seidel its Seidel sums by surface.\n"
+    "with --seidel its Seidel sums by surface, with --parabasal data along its real chief rays.  json\n"
+    "has all three.\n"
     "\n"
     "Paraxial rays go from vertex to vertex along the unfolded axis: tilts, decentres and breaks do\n"
-    "not count.  The last surface is the image.  Lengths have the unit of the lens; - (text), nan (csv),\n"
-    "null (json): there is none.\n"
+    "not count.  Surfaces count from 1; the last is the image.  Lengths have the unit of the lens.\n"
+    "- (text), nan (csv), null (json): there is none.\n"
     "\n"
-    "Columns of csv and json, a row for each wavelength; rows of text\n"
+    "Quantities, as text and json name them\n"
     "  wavelength         micrometres\n"
     "  efl, efl_image     focal length 1/power, and |n'|/power in the image medium\n"
     "  ffd, bfd           from the first vertex to the front focus; from the last vertex before the\n"
     "                     image to the rear focus\n"
     "  focus, image       the rear focus, and the paraxial image, from the image surface\n"
     "  f_number           |efl| / diameter of the entrance pupil\n"
-    "  working_f_number   1 / (2 n' u') of the marginal ray\n"
-    "  magnification      of an object at a distance\n"
-    "  entrance_pupil, entrance_radius\n"
-    "                     from the first vertex; its semi-diameter\n"
-    "  exit_pupil, exit_radius\n"
-    "                     from the image surface; its semi-diameter\n"
+    "  f_number_working   1 / (2 n' u') of the marginal ray\n"
+    "  magnification      of an object at a distance; none for one at infinity\n"
+    "  entrance_pupil     z, from the first vertex; radius, its semi-diameter\n"
+    "  exit_pupil         z, from the image surface; radius\n"
     "  stop_radius        height of the marginal ray at the stop\n"
     "  front_principal, rear_principal, front_nodal, rear_nodal\n"
     "                     from the first vertex; from the image surface\n"
-    "  image_height       paraxial, of the field that is farthest from the axis\n"
+    "  image_height       of the paraxial image, from the axis, never negative.  Text, csv: of the field\n"
+    "                     that is farthest from the axis; json: a list, one for each field\n"
     "  lagrange           invariant n (u ybar - ubar y) of the marginal ray and that chief ray\n"
-    "  petzval            radius of the Petzval surface\n"
+    "  petzval_radius     radius of the Petzval surface\n"
+    "\n"
+    "csv has a row for each wavelength.  It names f_number_working working_f_number, petzval_radius\n"
+    "petzval, and the pupils entrance_pupil, entrance_radius, exit_pupil, exit_radius.\n"
+    "\n"
+    "json is one object; with --wavelength all, or several, a list of them.  Beside the quantities it\n"
+    "has name, units, fields ({x, y, kind, weight}), wavelengths, surfaces (how many), stop (which),\n"
+    "seidel (by surface), seidel_sum, and parabasal: {fields: [...]}, an object for each field.  If\n"
+    "seidel or parabasal is null, seidel_why_not or parabasal_why_not says why.\n"
     "\n"
     "With --parabasal a row for each field: the same along its real chief ray, which is aimed at the\n"
     "centre of the stop, in two sections, for folded, tilted and freeform lenses: efl_x, efl_y,\n"
@@ -68,31 +78,33 @@ static const char info_help[] =
     "  2  wrong arguments\n"
     "  3  bad input, or output that cannot be written\n";
 
-/* The quantities, in the order of the columns. */
-static const struct { const char *name, *what; size_t offset; } quantity[] = {
-#define QUANTITY(name, what) {#name, what, offsetof(sgt_first_order, name)}
-    QUANTITY(wavelength, "micrometres"),
-    QUANTITY(efl, "focal length, 1 / power"),
-    QUANTITY(efl_image, "focal length in the image medium"),
-    QUANTITY(ffd, "front focus, from the first vertex"),
-    QUANTITY(bfd, "rear focus, from the last vertex before the image"),
-    QUANTITY(focus, "rear focus, from the image surface"),
-    QUANTITY(image, "paraxial image, from the image surface"),
-    QUANTITY(f_number, "|efl| / diameter of the entrance pupil"),
-    QUANTITY(working_f_number, "1 / (2 n' u') of the marginal ray"),
-    QUANTITY(magnification, "of an object at a distance"),
-    QUANTITY(entrance_pupil, "from the first vertex"),
-    QUANTITY(entrance_radius, "its semi-diameter"),
-    QUANTITY(exit_pupil, "from the image surface"),
-    QUANTITY(exit_radius, "its semi-diameter"),
-    QUANTITY(stop_radius, "height of the marginal ray at the stop"),
-    QUANTITY(front_principal, "from the first vertex"),
-    QUANTITY(rear_principal, "from the image surface"),
-    QUANTITY(front_nodal, "from the first vertex"),
-    QUANTITY(rear_nodal, "from the image surface"),
-    QUANTITY(image_height, "of the outermost field"),
-    QUANTITY(lagrange, "n (u ybar - ubar y)"),
-    QUANTITY(petzval, "radius of the Petzval surface"),
+/* The quantities in the order of csv: the name there and the one in text (as in json), what it is, and what it
+ * lacks if it is not there. */
+typedef enum lack { POWER, OBJECT, PUPIL, SIZE, CURVE, WAVELENGTH } lack;
+static const struct { const char *column, *name, *what; lack needs; size_t offset; } quantity[] = {
+#define QUANTITY(member, name, what, needs) {#member, name, what, needs, offsetof(sgt_first_order, member)}
+    QUANTITY(wavelength, "wavelength", "micrometres", WAVELENGTH),
+    QUANTITY(efl, "efl", "focal length, 1 / power", POWER),
+    QUANTITY(efl_image, "efl_image", "focal length in the image medium", POWER),
+    QUANTITY(ffd, "ffd", "front focus, from the first vertex", POWER),
+    QUANTITY(bfd, "bfd", "rear focus, from the last vertex before the image", POWER),
+    QUANTITY(focus, "focus", "rear focus, from the image surface", POWER),
+    QUANTITY(image, "image", "paraxial image, from the image surface", POWER),
+    QUANTITY(f_number, "f_number", "|efl| / diameter of the entrance pupil", SIZE),
+    QUANTITY(working_f_number, "f_number_working", "1 / (2 n' u') of the marginal ray", SIZE),
+    QUANTITY(magnification, "magnification", "of the object", OBJECT),
+    QUANTITY(entrance_pupil, "entrance_pupil.z", "from the first vertex", PUPIL),
+    QUANTITY(entrance_radius, "entrance_pupil.radius", "semi-diameter of the entrance pupil", SIZE),
+    QUANTITY(exit_pupil, "exit_pupil.z", "from the image surface", PUPIL),
+    QUANTITY(exit_radius, "exit_pupil.radius", "semi-diameter of the exit pupil", SIZE),
+    QUANTITY(stop_radius, "stop_radius", "height of the marginal ray at the stop", SIZE),
+    QUANTITY(front_principal, "front_principal", "front principal point, from the first vertex", POWER),
+    QUANTITY(rear_principal, "rear_principal", "rear principal point, from the image surface", POWER),
+    QUANTITY(front_nodal, "front_nodal", "front nodal point, from the first vertex", POWER),
+    QUANTITY(rear_nodal, "rear_nodal", "rear nodal point, from the image surface", POWER),
+    QUANTITY(image_height, "image_height", "paraxial, of the field farthest from the axis", POWER),
+    QUANTITY(lagrange, "lagrange", "invariant n (u ybar - ubar y) of marginal and chief ray", SIZE),
+    QUANTITY(petzval, "petzval_radius", "radius of the Petzval surface", CURVE),
 #undef QUANTITY
 };
 enum { QUANTITIES = sizeof quantity / sizeof quantity[0], SEIDEL_COLUMNS = 9 };
@@ -141,7 +153,7 @@ static info_arguments info_arguments_of(int argc, char *argv[])
     return a;
 }
 
-static sgt_first_order first_order_at(const lens *l, sgt_seidel seidel[], const char **why_not)
+sgt_first_order info_first_order(const lens *l, sgt_seidel seidel[], const char **why_not)
 {
     sgt_first_order o;
     sgt_lens_error e;
@@ -149,17 +161,54 @@ static sgt_first_order first_order_at(const lens *l, sgt_seidel seidel[], const 
     return o;
 }
 
-/* csv and json: a row for each wavelength. */
+/* csv: a row for each wavelength. */
 static void write_by_columns(const info_arguments *a, const lens_list *at)
 {
     column columns[QUANTITIES];
-    for (int k = 0; k < QUANTITIES; k++) columns[k] = (column){quantity[k].name, COLUMN_EXACT};
+    for (int k = 0; k < QUANTITIES; k++) columns[k] = (column){quantity[k].column, COLUMN_EXACT};
     table *t = table_begin(&a->target, QUANTITIES, columns);
     for (size_t i = 0; i < at->count; i++) {
-        sgt_first_order o = first_order_at(&at->lens[i], NULL, NULL);
+        sgt_first_order o = info_first_order(&at->lens[i], NULL, NULL);
         for (int k = 0; k < QUANTITIES; k++) table_number(t, value_of(&o, k));
     }
     table_end(t);
+}
+
+/* Why a quantity is not there. */
+static const char *why_none(const sgt_lens *l, const sgt_first_order *o, lack of)
+{
+    if (of == WAVELENGTH) return "none: the lens gives no wavelengths";
+    if (of == OBJECT && !isfinite(l->object_distance)) return "none: the object is at infinity";
+    if (of == PUPIL && l->telecentric) return "none: at infinity, the lens is telecentric";
+    if (isnan(o->power)) return "none: the power of the lens is not known";
+    if (of == PUPIL && l->stop == l->count - 1) return "none: the stop is the image surface";
+    if (of == PUPIL) return "none: at infinity";
+    if (of == CURVE) return "none: it is flat";
+    if (of == SIZE && !l->telecentric && isnan(o->entrance_radius))
+        return l->pupil == SGT_PUPIL_NONE ? "none: the lens gives no size of its pupil"
+                                          : "none: the pupil has no size";
+    if (o->power == 0) return "none: the lens is afocal, it has no power";
+    return "none: at infinity";
+}
+
+/* A sentence about the lens, under its table. */
+static void say_lens(table *t, const sgt_lens *l, const sgt_first_order *o)
+{
+    static const char *const kinds[] = {[SGT_FIELD_ANGLE] = "by angle, in degrees",
+                                        [SGT_FIELD_OBJECT_HEIGHT] = "by object height",
+                                        [SGT_FIELD_PARAXIAL_IMAGE_HEIGHT] = "by paraxial image height",
+                                        [SGT_FIELD_REAL_IMAGE_HEIGHT] = "by real image height"};
+    char object[60] = "infinity";
+    if (isfinite(l->object_distance))
+        snprintf(object, sizeof object, "%.9g in front of the first surface", l->object_distance);
+    table_line(t, "%s%s%zu surfaces, stop: surface %zu%s.  Unit of length: %.20s.", l->name,
+               *l->name ? ": " : "", l->count, l->stop + 1, l->stop_marked ? "" : " (none is marked)",
+               *l->units ? l->units : "that of the lens");
+    table_line(t, "Object: at %s.  %zu field%s %s.", object, l->fields, l->fields == 1 ? "" : "s",
+               kinds[l->field_kind]);
+    if (o->without_vertex)
+        table_line(t, "Surface %zu stands off the axis, or has no curvature at its vertex: the power is not known.  "
+                      "Try --parabasal.", o->without_vertex);
 }
 
 /* Text: a row for each quantity, a column for each wavelength. */
@@ -169,21 +218,34 @@ static void write_by_rows(const info_arguments *a, const lens_list *at)
     sgt_first_order *o = memory_take(at->count, sizeof *o);
     columns[0] = (column){"quantity", COLUMN_WORD};
     for (size_t i = 0; i < at->count; i++) {
-        o[i] = first_order_at(&at->lens[i], NULL, NULL);
+        o[i] = info_first_order(&at->lens[i], NULL, NULL);
         columns[i + 1] = (column){"value", COLUMN_NUMBER};
     }
     columns[at->count + 1] = (column){"is", COLUMN_WORD};
+    const sgt_lens *l = at->lens[0].of;
     table *t = table_begin(&a->target, at->count + 2, columns);
     for (int k = 0; k < QUANTITIES; k++) {
+        bool there = false;
         table_word(t, quantity[k].name);
-        for (size_t i = 0; i < at->count; i++) table_number(t, value_of(&o[i], k));
-        table_word(t, quantity[k].what);
+        for (size_t i = 0; i < at->count; i++) {
+            table_number(t, value_of(&o[i], k));
+            there = there || !isnan(value_of(&o[i], k));
+        }
+        table_word(t, there ? quantity[k].what : why_none(l, &o[0], quantity[k].needs));
     }
-    const sgt_lens *l = at->lens[0].of;
-    table_line(t, "%s%s%zu surfaces, stop: surface %zu%s.  Unit of length: %.20s.", l->name,
-               *l->name ? ": " : "", l->count, l->stop + 1, l->stop_marked ? "" : " (none is marked)",
-               *l->units ? l->units : "that of the lens");
+    say_lens(t, l, &o[0]);
     table_end(t);
+}
+
+sgt_seidel info_seidel_sum(const lens *l, const sgt_seidel s[])
+{
+    sgt_seidel sum = {.spherical = 0};
+    for (size_t i = 0; i < l->count; i++) {
+        sum.spherical += s[i].spherical, sum.coma += s[i].coma, sum.astigmatism += s[i].astigmatism;
+        sum.petzval += s[i].petzval, sum.distortion += s[i].distortion;
+        for (int k = 0; k < 2; k++) sum.chromatic[k] += s[i].chromatic[k];
+    }
+    return sum;
 }
 
 static void seidel_row(table *t, const char *surface, const char *type, const sgt_seidel *s)
@@ -195,6 +257,28 @@ static void seidel_row(table *t, const char *surface, const char *type, const sg
     for (int k = 0; k < 7; k++) table_number(t, x[k]);
 }
 
+/* " at 0.55 micrometres, lengths in mm": for the line over a table. */
+static const char *conditions(const lens *l)
+{
+    static char text[100];
+    char at[50] = "";
+    if (!isnan(l->wavelength)) snprintf(at, sizeof at, " at %.9g micrometres", l->wavelength);
+    snprintf(text, sizeof text, "%s, lengths in %.20s", at, *l->units ? l->units : "the unit of the lens");
+    return text;
+}
+
+/* The line over the Seidel sums. */
+static void say_sums(table *t, const lens *l)
+{
+    double least = HUGE_VAL, most = 0;
+    char colour[100] = "0, the lens has one wavelength";
+    for (size_t i = 0; l->of->wavelength && i < l->of->wavelengths; i++)
+        least = fmin(least, l->of->wavelength[i]), most = fmax(most, l->of->wavelength[i]);
+    if (!l->of->wavelength) snprintf(colour, sizeof colour, "0, the lens gives no wavelengths");
+    if (most > least) snprintf(colour, sizeof colour, "from %.9g to %.9g micrometres", least, most);
+    table_line(t, "Seidel sums (wavefront)%s.  Axial and lateral colour: %s.", conditions(l), colour);
+}
+
 static void write_seidel(const info_arguments *a, const lens *l)
 {
     static const column columns[SEIDEL_COLUMNS] = {
@@ -202,21 +286,35 @@ static void write_seidel(const info_arguments *a, const lens *l)
         {"coma", COLUMN_NUMBER},       {"astigmatism", COLUMN_NUMBER}, {"petzval", COLUMN_NUMBER},
         {"distortion", COLUMN_NUMBER}, {"axial", COLUMN_NUMBER},       {"lateral", COLUMN_NUMBER},
     };
-    sgt_seidel *s = memory_take(l->count, sizeof *s), sum = {.spherical = 0};
+    sgt_seidel *s = memory_take(l->count, sizeof *s);
     const char *why_not;
-    first_order_at(l, s, &why_not);
+    info_first_order(l, s, &why_not);
     if (why_not) note("%s: no Seidel sums: %s", l->of->file, why_not);
     table *t = table_begin(&a->target, SEIDEL_COLUMNS, columns);
+    say_sums(t, l);
     for (size_t i = 0; i < l->count; i++) {
         char number[24];
         snprintf(number, sizeof number, "%zu", i + 1);
         seidel_row(t, number, l->surface[i].type, &s[i]);
-        sum.spherical += s[i].spherical, sum.coma += s[i].coma, sum.astigmatism += s[i].astigmatism;
-        sum.petzval += s[i].petzval, sum.distortion += s[i].distortion;
-        for (int k = 0; k < 2; k++) sum.chromatic[k] += s[i].chromatic[k];
     }
+    const sgt_seidel sum = info_seidel_sum(l, s);
     seidel_row(t, "sum", "", &sum);
     table_end(t);
+}
+
+/* Each kind of field is proportional to its image height: that of the farthest is known. */
+double *info_image_heights(const lens *l, const sgt_first_order *o)
+{
+    static const double radian = 0.017453292519943295; /* pi / 180 */
+    double *height = memory_take(l->of->fields, sizeof *height), most = 0;
+    for (size_t i = 0; i < l->of->fields; i++) {
+        double x = l->of->field[i].x, y = l->of->field[i].y;
+        if (l->of->field_kind == SGT_FIELD_ANGLE) x = tan(x * radian), y = tan(y * radian);
+        height[i] = hypot(x, y), most = fmax(most, height[i]);
+    }
+    for (size_t i = 0; i < l->of->fields; i++)
+        height[i] = most > 0 ? height[i] / most * o->image_height : o->image_height;
+    return height;
 }
 
 /* What the numbers leave out. */
@@ -237,7 +335,83 @@ static void note_limits(const sgt_lens *l)
         note("%s: real image heights are taken as paraxial ones in these data", l->file);
 }
 
-/* A row for each field whose chief ray gets through. */
+/* ------------------------------------------------------------- chief rays */
+
+/* The chief ray of a field, if there is one. */
+typedef struct chief_search {
+    const lens *l;
+    const launch_pattern *middle;
+    launch_how how;
+    size_t field;
+    ray_list found;
+} chief_search;
+
+static void find_pupil(void *of)
+{
+    chief_search *s = of;
+    const lens primary = lens_for_launch(s->l);
+    s->how = launch_by(&primary, s->l->of->telecentric ? LAUNCH_AT_PUPIL : LAUNCH_AT_STOP);
+}
+
+static void find_ray(void *of)
+{
+    chief_search *s = of;
+    const sgt_lens *l = s->l->of;
+    launch_field(&s->found, &s->how, s->l, s->field, l->field_kind, l->field[s->field], s->middle);
+}
+
+static const char *kept(const char *text) { return text ? memory_text(text, strlen(text)) : NULL; }
+
+/* Returns NULL, or why there is no data. */
+static const char *chief_data(const lens *l, const sgt_element open[], const sgt_ray *chief, sgt_parabasal *out)
+{
+    static char text[100];
+    sgt_passage *passage = memory_take(l->count, sizeof *passage);
+    sgt_ray ray = *chief;
+    size_t passed = sgt_trace(l->count, open, l->index_before, &ray, passage, NULL, NULL);
+    if (passed < l->count) {
+        snprintf(text, sizeof text, "the chief ray does not get through surface %zu", passed + 1);
+        return text;
+    }
+    if (sgt_lens_parabasal(l->count, open, l->index_before, isfinite(l->of->object_distance), chief, passage,
+                           out))
+        return NULL;
+    return "a surface has no second derivatives";
+}
+
+info_chief *info_chiefs(const lens *l)
+{
+    const size_t fields = l->of->fields;
+    const double none = (double)NAN;
+    const launch_pattern middle = launch_points(SGT_PATTERN_FAN, 1, 0);
+    info_chief *out = memory_take(fields, sizeof *out);
+    sgt_element *open = memory_take(l->count, sizeof *open);
+    for (size_t i = 0; i < l->count; i++) {
+        open[i] = l->element[i];
+        open[i].semi_diameter = 0, open[i].aperture = NULL;
+    }
+    chief_search s = {.l = l, .middle = &middle};
+    const char *no_pupil = kept(fail_caught(find_pupil, &s));
+    for (size_t f = 0; f < fields; f++) {
+        out[f].of = (sgt_parabasal){.power = {{none, none}, {none, none}}, .efl = {none, none},
+                                    .focus = {none, none}, .image = {none, none},
+                                    .magnification = {none, none}};
+        out[f].why_not = no_pupil;
+        if (no_pupil) continue;
+        s.field = f, s.found = (ray_list){.count = 0};
+        const char *why_not = fail_caught(find_ray, &s);
+        if (s.found.count) why_not = chief_data(l, open, &s.found.ray[0].ray, &out[f].of);
+        out[f].why_not = kept(why_not);
+    }
+    return out;
+}
+
+double info_power_xy(const sgt_parabasal *p)
+{
+    return isnan(p->power[0][1]) ? p->power[0][1] : fmax(fabs(p->power[0][1]), fabs(p->power[1][0]));
+}
+
+/* A row for each field. */
 static void write_parabasal(const info_arguments *a, const lens *l)
 {
     static const column columns[] = {
@@ -246,34 +420,18 @@ static void write_parabasal(const info_arguments *a, const lens *l)
         {"image_y", COLUMN_NUMBER},  {"magnification_x", COLUMN_NUMBER}, {"magnification_y", COLUMN_NUMBER},
         {"power_xy", COLUMN_NUMBER},
     };
-    launch_how how = launch_by(l, l->of->telecentric ? LAUNCH_AT_PUPIL : LAUNCH_AT_STOP);
-    const launch_pattern middle = launch_points(SGT_PATTERN_FAN, 1, 0);
-    sgt_element *open = memory_take(l->count, sizeof *open);
-    for (size_t i = 0; i < l->count; i++) {
-        open[i] = l->element[i];
-        open[i].semi_diameter = 0, open[i].aperture = NULL;
-    }
-    sgt_passage *passage = memory_take(l->count, sizeof *passage);
+    const info_chief *chief = info_chiefs(l);
     table *t = table_begin(&a->target, sizeof columns / sizeof columns[0], columns);
+    table_line(t, "Along the real chief ray of each field%s.", conditions(l));
     for (size_t f = 0; f < l->of->fields; f++) {
-        ray_list chief = {.count = 0};
-        launch_field(&chief, &how, l, f, l->of->field_kind, l->of->field[f], &middle);
-        sgt_parabasal p = {.efl = {(double)NAN, (double)NAN}};
-        bool fine = false;
-        if (chief.count) {
-            sgt_ray ray = chief.ray[0].ray;
-            sgt_trace(l->count, open, l->index_before, &ray, passage, NULL, NULL);
-            fine = sgt_lens_parabasal(l->count, open, l->index_before, isfinite(l->of->object_distance),
-                                      &chief.ray[0].ray, passage, &p);
-        }
-        if (!fine)
-            note("field %zu: its chief ray does not get through, or a surface has no second derivatives",
-                 f + 1);
-        const double mixed = fmax(fabs(p.power[0][1]), fabs(p.power[1][0]));
-        const double x[] = {p.efl[0],   p.efl[1],           p.focus[0],         p.focus[1], p.image[0],
-                            p.image[1], p.magnification[0], p.magnification[1], mixed};
+        const sgt_parabasal *p = &chief[f].of;
+        if (chief[f].why_not) note("field %zu: %s", f + 1, chief[f].why_not);
         table_count(t, (long long)f + 1);
-        for (int k = 0; k < 9; k++) table_number(t, fine ? x[k] : (double)NAN);
+        for (int k = 0; k < 2; k++) table_number(t, p->efl[k]);
+        for (int k = 0; k < 2; k++) table_number(t, p->focus[k]);
+        for (int k = 0; k < 2; k++) table_number(t, p->image[k]);
+        for (int k = 0; k < 2; k++) table_number(t, p->magnification[k]);
+        table_number(t, info_power_xy(p));
     }
     table_end(t);
 }
@@ -281,10 +439,12 @@ static void write_parabasal(const info_arguments *a, const lens *l)
 exit_status command_info(int argc, char *argv[])
 {
     info_arguments a = info_arguments_of(argc, argv);
-    lens_list at = job_lenses(&a.job);
-    if (!a.parabasal) note_limits(at.lens[0].of);
     if (a.seidel && a.parabasal) fail_usage("give --seidel or --parabasal, not both");
-    if (a.seidel) write_seidel(&a, &at.lens[0]);
+    lens_list at = job_lenses(&a.job);
+    const bool json = a.target.format == TABLE_JSON;
+    if (json || !a.parabasal) note_limits(at.lens[0].of);
+    if (json) info_json(&a.target, &at, a.job.all_wavelengths || a.job.wavelengths > 1);
+    else if (a.seidel) write_seidel(&a, &at.lens[0]);
     else if (a.parabasal) write_parabasal(&a, &at.lens[0]);
     else if (a.target.format == TABLE_TEXT) write_by_rows(&a, &at);
     else write_by_columns(&a, &at);
