@@ -193,7 +193,8 @@ typedef struct sgt_lens_remark {
     sgt_remark_kind kind;
     size_t      line;   /* from 1 */
     const char *key;    /* the record or key */
-    const char *words;  /* a sentence without a full stop */
+    const char *words;  /* a sentence without a full stop; of what was turned it begins
+                           "taken as", of what was left out "left out:" */
 } sgt_lens_remark;
 
 /* How a file defines the size of the pupil.  Only SGT_PUPIL_RADIUS is a length. */
@@ -335,7 +336,8 @@ SGT_API bool sgt_lens_glass(const sgt_lens *lens, size_t place, sgt_glass *glass
                             size_t *line);
 
 /* The lens as a lens file in YAML, whatever it was read from: it reads back as the same
- * lens, bit for bit.  The text lasts as long as the lens.  NULL: no memory. */
+ * lens, bit for bit.  Comments at the head of the file, and the notes of a .zmx file, stand
+ * in front.  The text lasts as long as the lens.  NULL: no memory. */
 SGT_API const char *sgt_lens_yaml(sgt_lens *lens, size_t *length);
 
 /* ------------------------------------------------------------- first-order data

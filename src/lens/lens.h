@@ -7,6 +7,8 @@ typedef struct whole_lens {
     sgt_lens lens;           /* first: users have a pointer to it */
     arena memory;            /* in which everything lies that the lens points to */
     node *root;              /* the tree it was made of */
+    const char **comment;    /* at the head of the file */
+    size_t comments;
     sgt_element *element;
     sgt_lens_surface *about;
     medium *medium;          /* [count + 1]: in front of the first surface, behind each */

@@ -60,7 +60,8 @@ static bool mil_number(const char *name, double nd_vd[2])
 static const char *name_hint(const char *name)
 {
     if (same_name(name, "mirror")) return "; write mirror: true";
-    return *name && strspn(name, "0123456789.") == strlen(name) ? "; write an index as index: 1.5" : "";
+    bool number = *name && strspn(name, "0123456789.") == strlen(name);
+    return number ? "; write an index as index: 1.5" : "; or give a catalogue that has it: --glass PATH";
 }
 
 static const sgt_glass *glass_named(media *m, const node *n, const char *key)
@@ -74,7 +75,7 @@ static const sgt_glass *glass_named(media *m, const node *n, const char *key)
     sgt_lens_error e;
     if (mil_number(name, mil)) {
         tree_remark(s, SGT_REMARK_TURNED, n->line, key,
-                    "%s: a MIL number: nd %.3f, vd %.1f; its index is approximate", name, mil[0], mil[1]);
+                    "nd %.3f, vd %.1f: %s is a MIL number, and its index approximate", mil[0], mil[1], name);
     } else {
         const sgt_catalogue *c = catalogue_of(m, n, key);
         if (!sgt_catalogue_find(c, name, m->makers, m->maker, &g, &e))
@@ -83,7 +84,7 @@ static const sgt_glass *glass_named(media *m, const node *n, const char *key)
         for (size_t i = 0; i < m->makers; i++) decided = decided || same_name(m->maker[i], g.maker);
         for (size_t i = 0; !decided && same_name(name, g.name) && sgt_catalogue_glass(c, i, &other); i++)
             if (same_name(other.name, g.name) && !same_name(other.maker, g.maker)) {
-                tree_remark(s, SGT_REMARK_NOTE, n->line, key, "%s is that of %s; %s has one, too", g.name,
+                tree_remark(s, SGT_REMARK_NOTE, n->line, key, "taken as %s of %s; %s has one, too", g.name,
                             g.maker, other.maker);
                 break;
             }
@@ -121,7 +122,7 @@ static sgt_glass glass_of_map(media *m, node *map, const char *key)
     if (!(c[0] > 0)) tree_fail(s, nd->line, "nd", "must be positive, not %g", c[0]);
     if (!(c[1] >= 0)) tree_fail(s, vd->line, "vd", "must not be negative, but is %g", c[1]);
     if (!m->model_told)
-        tree_remark(s, SGT_REMARK_NOTE, map->line, key, "a model of nd and vd: its index is approximate");
+        tree_remark(s, SGT_REMARK_NOTE, map->line, key, "taken as a model of nd and vd: its index is approximate");
     m->model_told = true;
     g.formula = SGT_FORMULA_MODEL, g.count = 3, g.coefficient = c;
     return g;

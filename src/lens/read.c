@@ -57,7 +57,7 @@ static void read_into(maker make, whole_lens *w, source *s, const char *name, co
     else sgt_read_yaml(s);
     make(w, s);
     w->lens.remarks = s->remarks, w->lens.remark = s->remark;
-    w->root = s->root;
+    w->root = s->root, w->comment = s->comment, w->comments = s->comments;
 }
 
 static bool read_by(maker make, whole_lens *w, source *s, const char *name, const char *text, size_t length)
@@ -124,7 +124,8 @@ const char *sgt_lens_yaml(sgt_lens *lens, size_t *length)
     static const sgt_lens_options defaults = {0};
     sgt_lens_error unread;
     source s = {
-        .arena = &w->memory, .options = &defaults, .error = &unread, .file = lens->file, .root = w->root};
+        .arena = &w->memory, .options = &defaults, .error = &unread, .file = lens->file, .root = w->root,
+        .comment = w->comment, .comments = w->comments};
     jmp_buf here;
     s.refused = &here;
     return setjmp(here) == 0 ? sgt_write_yaml(&s, length) : NULL;

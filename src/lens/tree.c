@@ -72,13 +72,22 @@ char *tree_print(source *s, const char *words, ...)
 
 void tree_remark(source *s, sgt_remark_kind kind, size_t line, const char *key, const char *words, ...)
 {
+    static const char *const begins[] = {[SGT_REMARK_NOTE] = "", [SGT_REMARK_TURNED] = "taken as ",
+                                         [SGT_REMARK_LEFT_OUT] = "left out: "};
     va_list more;
     va_start(more, words);
     s->remark = tree_grow(s, s->remark, s->remarks, &s->remark_room, sizeof *s->remark);
     s->remark[s->remarks++] = (sgt_lens_remark){.kind = kind, .line = line,
                                                 .key = tree_text(s, key ? key : "", key ? strlen(key) : 0),
-                                                .words = sentence(s, words, more)};
+                                                .words = tree_print(s, "%s%s", begins[kind],
+                                                                    sentence(s, words, more))};
     va_end(more);
+}
+
+void tree_comment(source *s, const char *text)
+{
+    s->comment = tree_grow(s, s->comment, s->comments, &s->comment_room, sizeof *s->comment);
+    s->comment[s->comments++] = text;
 }
 
 /* ---------------------------------------------------------------- building */

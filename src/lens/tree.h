@@ -57,12 +57,17 @@ typedef struct source {
     bool in_lens;         /* not one surface alone */
     sgt_lens_remark *remark;
     size_t remarks, remark_room;
+    const char **comment; /* lines at the head of the file, for people */
+    size_t comments, comment_room;
 } source;
 
 /* The words are a sentence without a full stop.  key NULL: none. */
 _Noreturn void tree_fail(source *s, size_t line, const char *key, const char *words, ...) SGT_PRINTF(4, 5);
+/* Words of a thing that was turned are put behind "taken as ", of one left out behind "left out: ". */
 void tree_remark(source *s, sgt_remark_kind kind, size_t line, const char *key, const char *words, ...)
     SGT_PRINTF(5, 6);
+
+void tree_comment(source *s, const char *text); /* kept as it is */
 
 /* Memory of the reading, zeroed; without memory the reading fails. */
 void *tree_room(source *s, size_t count, size_t size);

@@ -2,7 +2,7 @@
  *
  * A list or map is written in one line, in brackets, if it is marked so or fits the line; else
  * each of its items has a line of its own.  Words are quoted if YAML would read them as
- * something else.  What is written reads back as the same tree. */
+ * something else.  What is written reads back as the same tree, with the same comments in front of it. */
 #include "tree.h"
 
 #include <stdio.h>
@@ -161,9 +161,22 @@ static void write_block(writer *w, const node *n, size_t depth)
     }
 }
 
+/* A line of its own.  What YAML does not take in a comment, or takes for the end of a line, becomes a blank. */
+static void write_comment(writer *w, const char *text)
+{
+    write_text(w, *text ? "# " : "#");
+    size_t length;
+    for (const unsigned char *c = (const unsigned char *)text; *c; c += length) {
+        if (must_escape(c, &length)) write_text(w, " ");
+        else write_bytes(w, (const char *)c, length);
+    }
+    write_text(w, "\n");
+}
+
 char *sgt_write_yaml(source *s, size_t *length)
 {
     writer w = {.s = s};
+    for (size_t i = 0; i < s->comments; i++) write_comment(&w, s->comment[i]);
     write_block(&w, s->root, 0);
     *length = w.length;
     write_bytes(&w, "", 1);

@@ -227,6 +227,20 @@ static bool parse_guarded(parsing *p, builder *b)
     return false;
 }
 
+/* Keeps the lines of comment at the head of the text, as UTF-8 has them. */
+static void keep_comments(source *s)
+{
+    const char *at = s->text;
+    if (strncmp(at, "\xEF\xBB\xBF", 3) == 0) at += 3;
+    for (size_t length;; at += length) {
+        at += strspn(at, "\r\n");
+        length = strcspn(at, "\r\n");
+        if (*at != '#') return;
+        const char *text = at + 1 + (at[1] == ' ');
+        tree_comment(s, tree_text(s, text, (size_t)(at + length - text)));
+    }
+}
+
 void sgt_read_yaml(source *s)
 {
     builder b = {.s = s, .last = line_of(s->text, s->length ? s->length - 1 : 0)};
@@ -244,4 +258,5 @@ void sgt_read_yaml(source *s)
     if (refused) longjmp(*outer, 1);
     if (*p.fault) tree_fail(s, p.line, NULL, "%s", p.fault);
     if (!s->root) tree_fail(s, 1, NULL, "empty");
+    keep_comments(s);
 }

@@ -156,7 +156,7 @@ static void read_known(zmx *z, size_t table)
     zmx_count *count = &z->record[table][place].count;
     if (count->count++ == 0) count->line = line;
     if (!r->read) return;
-    if (!z->lines.whole && r->fate != ZMX_LOOSE)
+    if (!z->lines.whole && r->fate != ZMX_LOOSE && r->fate != ZMX_FREE)
         tree_fail(z->s, line, r->key, "the file ends in the middle of this line; is it cut off?");
     z->field = 0;
     r->read(z);
@@ -205,20 +205,20 @@ static void tell_tallies(zmx *z)
         int kind;
         const char *words;
     } tallies[ZMX_TALLIES] = {
-        [ZMX_BREAKS] = {TURNED, "a surface of this type became a break"},
-        [ZMX_TILTED] = {TURNED, "a surface of this type became a plane with a tilt"},
-        [ZMX_SCBD] = {TURNED, "a tilt or decenter of a surface became a break before or behind it"},
-        [ZMX_RETURNS] = {TURNED, "a coordinate return became the numbers that are stored in its break"},
-        [ZMX_SOLVES] = {TURNED, "a solve or pickup became the number that is stored"},
-        [ZMX_PICKUPS] = {TURNED, "a pickup became the glass of the surface that it names"},
-        [ZMX_MODELS] = {TURNED, "a model glass became its nd, vd and dPgF, which is approximate"},
-        [ZMX_FLAP] = {TURNED, "a floating aperture became a clear aperture of the size of DIAM"},
-        [ZMX_UNUSED] = {LEFT, "a number that this type of surface does not use is not imported"},
-        [ZMX_BREAK_GLASS] = {LEFT, "the glass of a coordinate break is not imported"},
+        [ZMX_BREAKS] = {TURNED, "a break"},
+        [ZMX_TILTED] = {TURNED, "a plane with a tilt"},
+        [ZMX_SCBD] = {TURNED, "a break before or behind the surface: its tilt or decenter"},
+        [ZMX_RETURNS] = {TURNED, "the numbers that are stored in its break: it is a coordinate return"},
+        [ZMX_SOLVES] = {TURNED, "the number that is stored: it is a solve or pickup"},
+        [ZMX_PICKUPS] = {TURNED, "the glass of the surface that it names: it is a pickup"},
+        [ZMX_MODELS] = {TURNED, "its nd, vd and dPgF: a model glass, which is approximate"},
+        [ZMX_FLAP] = {TURNED, "a clear aperture of the size of DIAM: it is a floating one"},
+        [ZMX_UNUSED] = {LEFT, "a number that this type of surface does not use"},
+        [ZMX_BREAK_GLASS] = {LEFT, "the glass of a coordinate break"},
         [ZMX_APERTURES] = {LEFT,
                            "an aperture without a size, or of an object, a coordinate break or a tilted "
-                           "surface, is not imported"},
-        [ZMX_VIGNETTED] = {LEFT, "vignetting factors are not applied"},
+                           "surface"},
+        [ZMX_VIGNETTED] = {LEFT, "vignetting factors"},
     };
     for (size_t i = 0; i < ZMX_TALLIES; i++)
         tell(z, (sgt_remark_kind)tallies[i].kind, z->tally[i].key, &z->tally[i], tallies[i].words);
@@ -232,14 +232,14 @@ static void tell_records(zmx *z)
             const zmx_count *count = &z->record[table][i].count;
             if (r->fate == ZMX_SOLVE)
                 tell(z, SGT_REMARK_TURNED, r->key, count,
-                     "a solve or pickup became the number that is stored");
+                     "the number that is stored: it is a solve or pickup");
             if (r->fate == ZMX_LEFT)
-                tell(z, SGT_REMARK_LEFT_OUT, r->key, count, "this record is not imported");
+                tell(z, SGT_REMARK_LEFT_OUT, r->key, count, "this record");
         }
     for (size_t i = 0; i < z->unknowns; i++)
-        tell(z, SGT_REMARK_LEFT_OUT, z->unknown[i].key, &z->unknown[i], "an unknown record is not imported");
+        tell(z, SGT_REMARK_LEFT_OUT, z->unknown[i].key, &z->unknown[i], "an unknown record");
     if (z->others)
-        tree_remark(z->s, SGT_REMARK_LEFT_OUT, z->lines.line, "", "%zu more unknown records are not imported",
+        tree_remark(z->s, SGT_REMARK_LEFT_OUT, z->lines.line, "records", "%zu more unknown ones",
                     z->others);
     if (!z->behind)
         tree_remark(
@@ -259,7 +259,7 @@ static void require_surfaces(zmx *z)
             tree_fail(z->s, z->surface[i].line, "SURF", "surface %zu has no DISZ", i);
     if (!z->stop_line)
         tree_remark(z->s, SGT_REMARK_NOTE, z->line, "STOP",
-                    "no surface is marked as the stop: it is the first");
+                    "taken as the first surface, since none is marked");
 }
 
 static void require_configuration(zmx *z)
@@ -289,6 +289,7 @@ void sgt_read_zmx(source *s)
     z->s = s, z->fields = z->waves = SIZE_MAX;
     z->lines.at = s->text, z->lines.end = s->text + s->length;
     for (piece line; sgt_reader_line(&z->lines, &line);) read_record(z, line);
+    sgt_zmx_end_note(z);
     require_surfaces(z);
     require_configuration(z);
     s->root = tree_node(s, NODE_MAP, z->line);

@@ -56,8 +56,10 @@ typedef struct zmx_surface {
 
 /* What becomes of a record.  SOLVE: its value is stored elsewhere.  LEFT: it is not imported.
  * The others are read: once for the system or for a surface (LOOSE: without an end of line,
- * too), or more often; OPEN begins a surface. */
-typedef enum zmx_fate { ZMX_SOLVE, ZMX_LEFT, ZMX_ONCE, ZMX_LOOSE, ZMX_MANY, ZMX_OPEN } zmx_fate;
+ * too), or more often (FREE: without an end of line, too); OPEN begins a surface. */
+typedef enum zmx_fate {
+    ZMX_SOLVE, ZMX_LEFT, ZMX_ONCE, ZMX_LOOSE, ZMX_MANY, ZMX_FREE, ZMX_OPEN
+} zmx_fate;
 
 typedef struct zmx zmx;
 
@@ -108,6 +110,9 @@ struct zmx {
     const char *pupil, *pupil_key;      /* the keys of the lens file and of this one */
     double pupil_size;
     size_t pupil_line; /* 0: none */
+    char *note; /* the paragraph that is read */
+    size_t note_length, note_room, blank_notes;
+    bool note_goes_on;
     unsigned field_type;
     bool telecentric;
     int aiming; /* 0: at the pupil; 1, 2: at the stop, with its paraxial or its real size */
@@ -142,6 +147,9 @@ void sgt_zmx_tally(zmx *z, zmx_tally which, size_t line, const char *key);
 
 /* zmx_elements.c: the type of that name; NULL: it is not read. */
 const zmx_type *sgt_zmx_type(piece name);
+
+/* zmx_system.c: behind the last NOTE. */
+void sgt_zmx_end_note(zmx *z);
 
 /* zmx_system.c and zmx_elements.c: what was read becomes keys of the root. */
 void sgt_zmx_write_system(zmx *z, node *root);

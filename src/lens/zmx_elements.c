@@ -404,7 +404,7 @@ static void write_object(zmx *z, node *root, bool *air)
         set_number(z, map, "distance", f->thickness_line, distance);
         if (f->curvature != 0)
             tree_remark(z->s, SGT_REMARK_LEFT_OUT, f->curvature_line, "CURV",
-                        "the object is curved; rays start from a plane");
+                        "the curvature of the object; rays start from a plane");
     }
     set_medium(z, map, f, air);
     if (z->telecentric) tree_set(z->s, map, "telecentric", tree_word(z->s, z->ftyp_line, "true"));

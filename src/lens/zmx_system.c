@@ -50,6 +50,44 @@ static void read_name(zmx *z)
     if (name) z->name = name, z->name_line = z->lines.line;
 }
 
+/* A paragraph of the designer's becomes comments, in lines of some COLUMNS; blank ones only between others. */
+void sgt_zmx_end_note(zmx *z)
+{
+    enum { COLUMNS = 100 };
+    if (z->note_length == 0) return;
+    const char *at = z->note, *end = at + z->note_length;
+    z->note_length = 0;
+    for (; z->blank_notes && z->s->comments; z->blank_notes--) tree_comment(z->s, "");
+    z->blank_notes = 0;
+    while (at < end) {
+        const char *cut = end - at <= COLUMNS ? end : at + COLUMNS;
+        while (cut < end && cut > at && *cut != ' ') cut--;
+        if (cut == at)
+            while (cut < end && (cut == at || *cut != ' ')) cut++;
+        tree_comment(z->s, tree_text(z->s, at, (size_t)(cut - at)));
+        for (at = cut; at < end && *at == ' '; at++) continue;
+    }
+}
+
+/* NOTE code text: code 0 is a text, in pieces of CHARACTERS if it is long, 4 the end of one. */
+static void read_note(zmx *z)
+{
+    enum { CHARACTERS = 200 };
+    piece text = z->rest, code = sgt_zmx_field(z);
+    bool coded = code.end - code.begin == 1 && *code.begin >= '0' && *code.begin <= '9';
+    if (coded) text = z->rest;
+    if (text.begin < text.end) text.begin++; /* one blank */
+    if (!z->note_goes_on) sgt_zmx_end_note(z);
+    if (text.begin == text.end && (!coded || *code.begin == '0')) z->blank_notes++;
+    size_t characters = 0;
+    for (const char *c = text.begin; c < text.end; c++) {
+        z->note = tree_grow(z->s, z->note, z->note_length, &z->note_room, 1);
+        z->note[z->note_length++] = *c;
+        characters += ((unsigned char)*c & 0xC0) != 0x80;
+    }
+    z->note_goes_on = characters >= CHARACTERS;
+}
+
 static void set_pupil(zmx *z, const char *pupil, double size)
 {
     if (z->pupil_line)
@@ -78,7 +116,7 @@ static void read_environment(zmx *z)
            adjusted = sgt_zmx_number_or(z, 0);
     if (adjusted != 0 && (celsius != 20 || atmospheres != 1))
         tree_remark(z->s, SGT_REMARK_LEFT_OUT, z->lines.line, "ENVD",
-                    "indices are not adjusted to %g degrees Celsius and %g atmospheres", celsius,
+                    "the change of indices to %g degrees Celsius and %g atmospheres", celsius,
                     atmospheres);
 }
 
@@ -110,7 +148,7 @@ static void read_aiming(zmx *z)
 static void read_apodisation(zmx *z)
 {
     if (sgt_zmx_number_or(z, 0) != 0)
-        left_out(z, "the pupil is not apodised: all of its rays have the same weight");
+        left_out(z, "the apodisation: all rays of the pupil have the same weight");
 }
 
 static void read_field_type(zmx *z)
@@ -153,7 +191,7 @@ static void read_configurations(zmx *z)
     z->configuration_line = z->lines.line;
     if (z->configurations > 1)
         tree_remark(z->s, SGT_REMARK_LEFT_OUT, z->lines.line, "MNUM",
-                    "of %zu configurations only the active one, number %zu, is imported", z->configurations,
+                    "all of the %zu configurations but the active one, number %zu", z->configurations,
                     z->configuration);
 }
 
@@ -165,6 +203,7 @@ static const zmx_record system_rows[] = {
     {"MODE", ZMX_ONCE, read_mode, 0},
     {"UNIT", ZMX_ONCE, read_unit, 0},
     {"NAME", ZMX_LOOSE, read_name, 0},
+    {"NOTE", ZMX_FREE, read_note, 0},
     {"ENPD", ZMX_MANY, read_diameter, 0},
     {"FNUM", ZMX_MANY, read_kind_of_pupil, 0},
     {"OBNA", ZMX_MANY, read_kind_of_pupil, 2},
@@ -199,11 +238,11 @@ static const zmx_record system_rows[] = {
 
 _Static_assert(sizeof system_rows / sizeof *system_rows <= (size_t)ZMX_RECORDS, "zmx counts them");
 
-/* Notes, preferences, data for drawings and tolerances, polarisation (POLS), how a pupil is shifted for
+/* Preferences, data for drawings and tolerances, polarisation (POLS), how a pupil is shifted for
  * aiming (PUSH), margins of automatic semi-diameters (SDMA), the frame that is printed as global (GLRS), what
  * path differences refer to (ROPD). */
 const zmx_table sgt_zmx_system_records = {sizeof system_rows / sizeof *system_rows, system_rows,
-                                          "NOTE VERS AUTH IWDP PFIL LANG PUSH SDMA OMMA ROPD HYPR PICB POLS "
+                                          "VERS AUTH IWDP PFIL LANG PUSH SDMA OMMA ROPD HYPR PICB POLS "
                                           "GLRS GSTD NSCD COFN LUID EERA TOL  MOFF "};
 
 /* -------------------------------------------------------------- the system */
@@ -267,9 +306,9 @@ static void write_pupil(zmx *z, node *root)
                     "the file gives no size of the pupil: give rays by --rays, or a pupil");
         return;
     }
-    if (!(z->pupil_size > 0)) why = "the pupil has no size, and is left out";
+    if (!(z->pupil_size > 0)) why = "the pupil, which has no size";
     if (strcmp(z->pupil, "object_angle") == 0 && z->pupil_size >= 90)
-        why = "a cone of 90 degrees and more is no pupil, and is left out";
+        why = "the pupil: a cone of 90 degrees and more is none";
     if (why) {
         tree_remark(z->s, SGT_REMARK_LEFT_OUT, z->pupil_line, z->pupil_key, "%s", why);
         return;
@@ -282,7 +321,7 @@ static void write_pupil(zmx *z, node *root)
                       z->stop ? "DIAM of it" : "stop");
         size = tree_word(z->s, z->pupil_line, "true");
         tree_remark(z->s, SGT_REMARK_TURNED, z->pupil_line, "FLOA",
-                    "the pupil became the paraxial image of the stop at its DIAM");
+                    "the paraxial image of the stop at its DIAM");
     }
     tree_set(z->s, map, z->pupil, size);
     tree_set(z->s, root, "pupil", map);

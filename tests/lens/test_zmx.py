@@ -32,7 +32,8 @@ DATA = HERE.parent / 'data' / 'zmx'
 os.environ['SAGITTA_GLASS'] = str(zmx_oracle.GLASSES)
 EXAMPLES = json.loads((DATA / 'rays.json').read_text(), parse_float=zmx_oracle.D, parse_int=int)
 PARAXIAL = 'DeepLens__zemax_double_gaussian__e5f0f7.zmx'
-REMARK = re.compile(r'sagitta: (?P<file>[^\n]*?):(?P<line>\d+): (?P<key>\S+): (?P<words>.+)')
+REMARK = re.compile(r'(?!sagitta: )(?P<file>[^\n]*?):(?P<line>\d+): (?P<key>\S+): (?P<words>.+)')
+ERROR_AT = re.compile(r'sagitta: (?P<file>[^\n]*?):(?P<line>\d+): (?P<key>\S+): (?P<words>.+)')
 # A whole file may be at fault, and then there is no line.
 ERROR = re.compile(r'sagitta: (?P<file>[^\n]*?)(?::(?P<line>\d+))?: (?P<words>.+)')
 # Apertures that an importer may leave out, if it says so of each.
@@ -766,7 +767,7 @@ def test_remarks_and_strict():
                 continue  # a model glass is approximate, but not left out
             path = written(data, 'lens.zmx')
             done = run('import', path, '--strict', exit=BAD_INPUT)
-            if f'sagitta: {path}:{line_of(data, keyword)}: {keyword}: ' not in done.stderr:
+            if f'{path}:{line_of(data, keyword)}: {keyword}: ' not in done.stderr:
                 faults.append(f'{keyword} with --strict: {done.stderr!r}')
             equal(done.stdout, '', f'{keyword}: standard output of a file that is refused')
         except AssertionError as error:
@@ -780,7 +781,7 @@ def refused(data, keyword, lines, *words):
     out = path.with_suffix('.yaml')
     done = run('import', path, '-o', out, exit=BAD_INPUT)
     last = done.stderr.rstrip('\n').splitlines()[-1]
-    m = REMARK.fullmatch(last)
+    m = ERROR_AT.fullmatch(last)
     assert m and m['file'] == str(path), f'{keyword}: {last!r}'
     assert m['key'] in ((keyword, 'glass') if keyword == 'GLAS' else (keyword,)), f'{keyword}: {last!r}'
     assert int(m['line']) in lines, f'{keyword}: not line {lines}: {last!r}'

@@ -379,6 +379,104 @@ def test_import_of_lens_files():
               run('trace', path, '--grid', 5, '--format', 'csv').stdout, path)
 
 
+ZMX = HERE.parent / 'data' / 'zmx'
+SMALL = """MODE SEQ
+NAME small
+{notes}UNIT MM X W X CM MR CPMM
+ENPD 4
+FTYP 0 0 1 1
+YFLN 0
+WAVM 1 0.55 1
+PWAV 1
+SURF 0
+  DISZ INFINITY
+SURF 1
+  STOP
+{more}  CURV 0.02
+  DISZ 3
+  GLAS {glass} 0 0
+SURF 2
+  DISZ 5
+TOL TOFF
+"""
+
+
+def small(notes='', more='', glass='N-BK7'):
+    return SMALL.format(notes=notes, more=more, glass=glass)
+
+
+def head(text):
+    return [line for line in text.splitlines() if line.startswith('#')]
+
+
+def test_remarks_of_import():
+    """Each on one line, that begins with the file and the line of it; --strict refuses, and writes nothing."""
+    path = written(small(more='  COAT AR\n  PKUP 1 1\n  COAT AR\n', notes='ZZQX 3\n'), 'small.zmx')
+    out = path.parent / 'out.yaml'
+    said = run('import', path, '-o', out).stderr
+    equal(sorted(said.splitlines()), sorted([
+        f'{path}:3: ZZQX: left out: an unknown record',
+        f'{path}:14: COAT: left out: this record (2 times)',
+        f'{path}:15: PKUP: taken as the number that is stored: it is a solve or pickup']))
+    out.unlink()
+    said = run('import', path, '-o', out, '--strict', exit=BAD_INPUT)
+    equal((out.exists(), said.stdout), (False, ''))
+    assert said.stderr.endswith(f'sagitta: {path}: 2 things were left out, and --strict was given\n'), said.stderr
+    for file in ZMX.glob('*.zmx'):
+        for line in run('import', file).stderr.splitlines():
+            assert line.startswith(f'{file}:'), line
+            number, key, words = line[len(str(file)) + 1:].split(': ', 2)
+            assert int(number) > 0 and ' ' not in key, line
+            assert words.startswith(('taken as ', 'left out: ', 'the file ends with a surface')), line
+
+
+def test_an_unknown_glass():
+    said = run('import', written(small(glass='N-BK77'), 'small.zmx'), exit=BAD_INPUT).stderr
+    for words in (':15: ', '"N-BK77"', 'N-BK7,', '--glass PATH'):
+        assert words in said, (words, said)
+    equal(len(said.splitlines()), 1)
+
+
+def test_notes_are_comments():
+    """NOTE lines of a .zmx file stand at the head of the YAML; the lens is the same, and they survive the next import."""
+    words = ['word%d' % i for i in range(90)]
+    long = ' '.join(words)                                  # in pieces of 200 characters, as OpticStudio writes it
+    pieces = ''.join(f'NOTE 0 {long[i:i + 200]}\n' for i in range(0, len(long), 200))
+    plain = written(small(), 'small.zmx')
+    bare = run('import', plain).stdout
+    equal(head(bare), [])
+    for notes, wanted in (
+            ('NOTE 0 one: {two}\nNOTE 4\n', ['# one: {two}']),
+            ('NOTE 0\nNOTE 4\nNOTE 0 one\nNOTE 4\nNOTE 0 \nNOTE 4\nNOTE 0   two # "3\nNOTE 4\nNOTE 0\n', ['# one', '#', '#   two # "3']),
+            ('NOTE no code\nNOTE 12 lenses\n', ['# no code', '# 12 lenses']),
+            ('NOTE 0 a\x01b\u2028c\x85d\x7f\te\nNOTE 0 \u00fc\U0001F52D\n', ['# a b c d  e', '# \u00fc\U0001F52D']),
+            ('NOTE 0 ' + 'x' * 150 + '\n', ['# ' + 'x' * 150]),
+            ('NOTE 0 ---\nNOTE 0 %YAML 1.1\nNOTE 0 surfaces: 3\n', ['# ---', '# %YAML 1.1', '# surfaces: 3'])):
+        path = written(small(notes=notes), 'small.zmx')
+        done = run('import', path)
+        equal((head(done.stdout), done.stderr), (wanted, ''))
+        equal(done.stdout, ''.join(line + '\n' for line in wanted) + bare)
+        equal(run('import', written(done.stdout)).stdout, done.stdout)
+    got = head(run('import', written(small(notes=pieces), 'small.zmx')).stdout)
+    equal(' '.join(line[2:] for line in got), long)
+    assert len(got) > 4 and all(line[:2] == '# ' and len(line) <= 102 for line in got), got
+    last = small() + 'NOTE 0 the end'                       # without an end of line
+    equal(head(run('import', written(last, 'small.zmx')).stdout), ['# the end'])
+    # rays are the same, to the last byte
+    for file in ZMX.glob('*.zmx'):
+        again = written(run('import', file).stdout)
+        equal(run('trace', again, '--grid', 5, '--format', 'csv', exit=None).stdout,
+              run('trace', file, '--grid', 5, '--format', 'csv', exit=None).stdout, file)
+
+
+def test_comments_of_lens_files():
+    """Those at the head are kept, whatever ends their lines; others are not."""
+    for end in ('\n', '\r\n'):
+        text = end.join(['\ufeff# one', '', '#two', '#', 'surfaces:  # three', '# four', '  - {type: plane}', ''])
+        equal(run('import', written(text)).stdout, '# one\n# two\n#\nsurfaces:\n  - {type: plane}\n')
+    equal(run('import', written('#\n#')  , exit=BAD_INPUT).stdout, '')
+
+
 def test_import_writes():
     path = written(json.dumps({'name': 'a "quoted": name\n', 'surfaces': [{'type': 'plane', 'name': 'true'}]}))
     out = path.parent / 'out.yaml'

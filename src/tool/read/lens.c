@@ -171,9 +171,8 @@ static void note_remarks(const sgt_lens *l)
     size_t left_out = 0;
     for (size_t i = 0; i < l->remarks; i++) {
         const sgt_lens_remark *r = &l->remark[i];
-        static const char *const kind[] = {"", "", "left out: "};
         left_out += r->kind == SGT_REMARK_LEFT_OUT;
-        note("%s:%zu: %s%s%s%s", l->file, r->line, r->key, *r->key ? ": " : "", kind[r->kind], r->words);
+        remark("%s:%zu: %s%s%s", l->file, r->line, r->key, *r->key ? ": " : "", r->words);
     }
     if (strict && left_out)
         fail_input("%s: %zu thing%s left out, and --strict was given", l->file, left_out,
