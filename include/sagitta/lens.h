@@ -336,8 +336,8 @@ SGT_API bool sgt_lens_glass(const sgt_lens *lens, size_t place, sgt_glass *glass
                             size_t *line);
 
 /* The lens as a lens file in YAML, whatever it was read from: it reads back as the same
- * lens, bit for bit.  Comments at the head of the file, and the notes of a .zmx file, stand
- * in front.  The text lasts as long as the lens.  NULL: no memory. */
+ * lens, bit for bit.  Comments at the head of the file, and the notes of a .zmx file,
+ * stand in front.  The text lasts as long as the lens.  NULL: no memory. */
 SGT_API const char *sgt_lens_yaml(sgt_lens *lens, size_t *length);
 
 /* ------------------------------------------------------------- first-order data

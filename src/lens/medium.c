@@ -75,7 +75,8 @@ static const sgt_glass *glass_named(media *m, const node *n, const char *key)
     sgt_lens_error e;
     if (mil_number(name, mil)) {
         tree_remark(s, SGT_REMARK_TURNED, n->line, key,
-                    "nd %.3f, vd %.1f: %s is a MIL number, and its index approximate", mil[0], mil[1], name);
+                    "nd %.3f, vd %.1f: %s is a MIL number, and its index approximate", mil[0], mil[1],
+                    name);
     } else {
         const sgt_catalogue *c = catalogue_of(m, n, key);
         if (!sgt_catalogue_find(c, name, m->makers, m->maker, &g, &e))
@@ -122,7 +123,8 @@ static sgt_glass glass_of_map(media *m, node *map, const char *key)
     if (!(c[0] > 0)) tree_fail(s, nd->line, "nd", "must be positive, not %g", c[0]);
     if (!(c[1] >= 0)) tree_fail(s, vd->line, "vd", "must not be negative, but is %g", c[1]);
     if (!m->model_told)
-        tree_remark(s, SGT_REMARK_NOTE, map->line, key, "taken as a model of nd and vd: its index is approximate");
+        tree_remark(s, SGT_REMARK_NOTE, map->line, key,
+                    "taken as a model of nd and vd: its index is approximate");
     m->model_told = true;
     g.formula = SGT_FORMULA_MODEL, g.count = 3, g.coefficient = c;
     return g;

@@ -161,7 +161,7 @@ static void write_block(writer *w, const node *n, size_t depth)
     }
 }
 
-/* A line of its own.  What YAML does not take in a comment, or takes for the end of a line, becomes a blank. */
+/* What YAML does not take in a comment, or takes for the end of a line, becomes a blank. */
 static void write_comment(writer *w, const char *text)
 {
     write_text(w, *text ? "# " : "#");

@@ -50,7 +50,7 @@ static void read_name(zmx *z)
     if (name) z->name = name, z->name_line = z->lines.line;
 }
 
-/* A paragraph of the designer's becomes comments, in lines of some COLUMNS; blank ones only between others. */
+/* A paragraph of a note becomes comments, in lines of some COLUMNS; blank ones only between others. */
 void sgt_zmx_end_note(zmx *z)
 {
     enum { COLUMNS = 100 };

@@ -49,7 +49,8 @@ void output_write(const char *path, const char *text, size_t length)
     fwrite(text, 1, length, file);
     bool fine = fflush(file) == 0 && !ferror(file);
     if (path && fclose(file) != 0) fine = false;
-    if (!fine) fail_input("%s%s: could not be written", path ? "--output " : "", path ? path : "standard output");
+    if (!fine)
+        fail_input("%s%s: could not be written", path ? "--output " : "", path ? path : "standard output");
 }
 
 static const char *read_all(FILE *file, input *in)

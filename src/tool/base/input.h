@@ -21,7 +21,8 @@ void output_check(const char *option, const char *path);
 /* The same, and reserves it; an error if it cannot be opened.  Its content is kept until it is written. */
 void output_reserve(const char *option, const char *path);
 
-/* Writes a text to the file of --output (NULL: standard output).  If it cannot be written the command ends. */
+/* Writes a text to the file of --output (NULL: standard output).  If it cannot be written the command
+ * ends. */
 void output_write(const char *path, const char *text, size_t length);
 
 #endif

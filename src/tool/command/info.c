@@ -78,8 +78,8 @@ static const char info_help[] =
     "  2  wrong arguments\n"
     "  3  bad input, or output that cannot be written\n";
 
-/* The quantities in the order of csv: the name there and the one in text (as in json), what it is, and what it
- * lacks if it is not there. */
+/* The quantities in the order of csv: the name there and the one in text (as in json), what it is, and what
+ * is lacking if it is not there. */
 typedef enum lack { POWER, OBJECT, PUPIL, SIZE, CURVE, WAVELENGTH } lack;
 static const struct { const char *column, *name, *what; lack needs; size_t offset; } quantity[] = {
 #define QUANTITY(member, name, what, needs) {#member, name, what, needs, offsetof(sgt_first_order, member)}
@@ -207,8 +207,8 @@ static void say_lens(table *t, const sgt_lens *l, const sgt_first_order *o)
     table_line(t, "Object: at %s.  %zu field%s %s.", object, l->fields, l->fields == 1 ? "" : "s",
                kinds[l->field_kind]);
     if (o->without_vertex)
-        table_line(t, "Surface %zu stands off the axis, or has no curvature at its vertex: the power is not known.  "
-                      "Try --parabasal.", o->without_vertex);
+        table_line(t, "Surface %zu stands off the axis, or has no curvature at its vertex: the power is not "
+                      "known.  Try --parabasal.", o->without_vertex);
 }
 
 /* Text: a row for each quantity, a column for each wavelength. */
@@ -363,7 +363,8 @@ static void find_ray(void *of)
 static const char *kept(const char *text) { return text ? memory_text(text, strlen(text)) : NULL; }
 
 /* Returns NULL, or why there is no data. */
-static const char *chief_data(const lens *l, const sgt_element open[], const sgt_ray *chief, sgt_parabasal *out)
+static const char *chief_data(const lens *l, const sgt_element open[], const sgt_ray *chief,
+                              sgt_parabasal *out)
 {
     static char text[100];
     sgt_passage *passage = memory_take(l->count, sizeof *passage);
