@@ -55,7 +55,7 @@ def test_a_stop_behind_a_lens():
         {'type': 'sphere', 'radius': 50, 'thickness': 6, 'glass': 'N-SF6'}, {'type': 'plane', 'thickness': 12, 'glass': 'air'},
         {'type': 'plane', 'stop': True, 'thickness': 20}, {'type': 'plane'}]}
     path = written(json.dumps(lens))
-    radius = json.loads(run('info', path, '--format', 'json').stdout)[0]['stop_radius']
+    radius = json.loads(run('info', path, '--format', 'json').stdout)['stop_radius']
     for r in rows('trace', path, '--aim', 'real', '--hexapolar', 2, '--wavelength', 'all'):
         if r['element'] == '3':
             close(r['x'], float(r['px']) * radius, 1e-13), close(r['y'], float(r['py']) * radius, 1e-13)

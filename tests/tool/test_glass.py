@@ -56,7 +56,7 @@ def test_forms():
     same_trace(with_glass('{nd: 1.5168, vd: 0}'), 1.5168, '--wavelength', 'g')
     same_trace(with_glass('schott n-bk7'), sellmeier(0.5875618, BK7))
     said = run('trace', with_glass('{nd: 1.5168, vd: 64.17}')).stderr
-    assert 'yaml:5: glass: a model of nd and vd: its index is approximate' in said, said
+    assert 'yaml:5: glass: taken as a model of nd and vd: its index is approximate' in said, said
     n = [float(r['opl']) for w in 'FdC' for r in rows('trace', with_glass('{nd: 1.5168, vd: 64.17}'), '--fan', '1',
                                                       '--wavelength', w) if r['element'] == '3']
     assert abs((n[1] - 20) / (n[0] - n[2]) - 64.17) < 1e-9, n  # 4 mm of glass on the axis
@@ -73,7 +73,7 @@ def test_notes():
     said = run('trace', written(LENS), '--wavelength', '3.0').stderr
     assert ':5: glass: 3 micrometres is outside the range of N-BK7, 0.3 to 2.5' in said, said
     equal(run('trace', written(LENS)).stderr, '')
-    assert 'glass: BAF10 is that of hikari' in run('trace', with_glass('BAF10')).stderr
+    assert 'glass: taken as BAF10 of hikari' in run('trace', with_glass('BAF10')).stderr
     indices = [rows('trace', with_glass('BAF10', f'makers: [{makers}]\n' + LENS)) for makers in ('NOBODY, HOYA', 'HOYA', 'Hikari, HOYA')]
     assert indices[0] == indices[1] != indices[2]  # the lens says whose: no note
     equal(run('trace', with_glass('BAF10', 'makers: [NOBODY, HOYA]\n' + LENS)).stderr, '')
