@@ -184,9 +184,10 @@ static const char *why_none(const sgt_lens *l, const sgt_first_order *o, lack of
     if (of == PUPIL && l->stop == l->count - 1) return "none: the stop is the image surface";
     if (of == PUPIL) return "none: at infinity";
     if (of == CURVE) return "none: it is flat";
-    if (of == SIZE && !l->telecentric && isnan(o->entrance_radius))
-        return l->pupil == SGT_PUPIL_NONE ? "none: the lens gives no size of its pupil"
-                                          : "none: the pupil has no size";
+    if (of == SIZE && isnan(o->entrance_radius))
+        return l->telecentric              ? "none: the entrance pupil is at infinity"
+               : l->pupil == SGT_PUPIL_NONE ? "none: the lens gives no size of its pupil"
+                                            : "none: the pupil has no size";
     if (o->power == 0) return "none: the lens is afocal, it has no power";
     return "none: at infinity";
 }
@@ -201,8 +202,9 @@ static void say_lens(table *t, const sgt_lens *l, const sgt_first_order *o)
     char object[60] = "infinity";
     if (isfinite(l->object_distance))
         snprintf(object, sizeof object, "%.9g in front of the first surface", l->object_distance);
-    table_line(t, "%s%s%zu surfaces, stop: surface %zu%s.  Unit of length: %.20s.", l->name,
-               *l->name ? ": " : "", l->count, l->stop + 1, l->stop_marked ? "" : " (none is marked)",
+    table_line(t, "%s%s%zu surface%s, stop: surface %zu%s.  Unit of length: %.20s.", l->name,
+               *l->name ? ": " : "", l->count, l->count == 1 ? "" : "s", l->stop + 1,
+               l->stop_marked ? "" : " (none is marked)",
                *l->units ? l->units : "that of the lens");
     table_line(t, "Object: at %s.  %zu field%s %s.", object, l->fields, l->fields == 1 ? "" : "s",
                kinds[l->field_kind]);
