@@ -101,6 +101,33 @@ SGT_API int sgt_trace_gradient(size_t n, const sgt_element e[], double index_bef
                                size_t rows, const sgt_ray_change weight[],
                                double gradient[]);
 
+/* ------------------------------------------------------------ the error of the end */
+
+/* How far rounding has put the end of a ray off. */
+typedef struct sgt_end_error {
+    double point; /* x and y of the last hit.p, in its frame, from the exact ray's */
+    double path;  /* opl, but for what `point` adds: the path to the foot of the
+                     perpendicular from a fixed point near the end on the ray.  opl itself
+                     is off by at most path + index * point */
+    double grain; /* how far an ulp of each number of the launch ray moves the point */
+} sgt_end_error;
+
+/* Bounds on the errors of the end of a ray that sgt_trace took through all n elements, or
+ * up to the last and met it, against the exact ray from the launch ray as it stands.
+ *
+ * METHOD.  Each element adds p_err, t_err and the rounding of a direction.  For the point
+ * they go through the derivatives of the rest of the lens, with a half added for the
+ * second order; the rounding of directions is observed, not proven (src/system/trace.h).
+ * For the path there is Fermat's principle: between surfaces that are met exactly it is
+ * stationary, so a point that is off the surface by p_err adds |n d - n' d'| p_err, a
+ * stretch its own t_err times the index, and directions nothing of first order.
+ *
+ * point is NaN where a surface that bends has no second derivatives, and at or behind an
+ * element with a phase.  false: a hit is not positive; all is NaN. */
+SGT_API bool sgt_trace_error(size_t n, const sgt_element e[], double index_before,
+                             const sgt_ray *launch, const sgt_passage passages[],
+                             sgt_end_error *out);
+
 /* ------------------------------------------------------------------------- aiming */
 
 /* A family of launch rays with two parameters:

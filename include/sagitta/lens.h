@@ -423,7 +423,11 @@ typedef enum sgt_pattern {
     SGT_PATTERN_GRID,      /* of a square of n x n about the circle, those in it */
     SGT_PATTERN_HEXAPOLAR, /* the centre and n rings, the j-th of 6 j points */
     SGT_PATTERN_RANDOM,    /* n points, uniform over the area */
-    SGT_PATTERN_SOBOL      /* the first n of a sequence that fills the area evenly */
+    SGT_PATTERN_SOBOL,     /* the first n of a sequence that fills the area evenly */
+    SGT_PATTERN_CELLS,     /* the centres of the cells of a square of n x n about the
+                              circle, those in it */
+    SGT_PATTERN_CROSS      /* n points along y, then n along x; the centre once if n is
+                              odd */
 } sgt_pattern;
 
 /* In the unit circle.  weight: for a mean over the area; all of a pattern add up to 1.

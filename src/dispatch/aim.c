@@ -13,6 +13,10 @@ SGT_DISPATCH(int, sgt_trace_gradient,
              (size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
               const sgt_passage passages[], size_t rows, const sgt_ray_change weight[], double gradient[]),
              (n, e, index_before, launch, passages, rows, weight, gradient))
+SGT_DISPATCH(bool, sgt_trace_error,
+             (size_t n, const sgt_element e[], double index_before, const sgt_ray *launch,
+              const sgt_passage passages[], sgt_end_error *out),
+             (n, e, index_before, launch, passages, out))
 SGT_EXPORT(sgt_ray, sgt_beam_ray, (const sgt_beam *beam, double u, double v), (beam, u, v))
 SGT_EXPORT(const char *, sgt_aimed_text, (sgt_aimed aimed), (aimed))
 SGT_DISPATCH(sgt_aimed, sgt_aim,

@@ -135,6 +135,7 @@
 #define sgt_lanes_steeper SGT_SET_NAME(sgt_lanes_steeper)
 #define sgt_trace SGT_SET_NAME(sgt_trace)
 #define sgt_trace_batch SGT_SET_NAME(sgt_trace_batch)
+#define sgt_trace_error SGT_SET_NAME(sgt_trace_error)
 #define sgt_trace_gradient SGT_SET_NAME(sgt_trace_gradient)
 #define sgt_trace_parameters SGT_SET_NAME(sgt_trace_parameters)
 #define sgt_trace_sensitivity SGT_SET_NAME(sgt_trace_sensitivity)

@@ -17,34 +17,11 @@
  * the sections do not mix, C_xy = C_yx = 0, that is t = -A_xx / C_xx and -A_yy / C_yy.  Rays from
  * the start of the chief ray (X = 0): t = -B / D (the matrices of Buchroeder 1970 and of
  * Stone and Forbes 1992, J. Opt. Soc. Am. A 9, 96, for the base ray of an asymmetric system). */
+#include "parabasal.h"
+
+#include "vec3.h"
+
 #include <sagitta/aim.h>
-#include <sagitta/lens.h>
-
-#include <math.h>
-
-static double dot3(sgt_vec3 a, sgt_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
-static sgt_vec3 along3(sgt_vec3 a, double t, sgt_vec3 b)
-{
-    return (sgt_vec3){a.x + t * b.x, a.y + t * b.y, a.z + t * b.z};
-}
-
-static sgt_vec3 cross3(sgt_vec3 a, sgt_vec3 b)
-{
-    return (sgt_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-static sgt_vec3 unit3(sgt_vec3 a)
-{
-    const sgt_vec3 none = {0, 0, 0};
-    return along3(none, 1 / sqrt(dot3(a, a)), a);
-}
-
-static sgt_vec3 out_of(const sgt_pose *p, sgt_vec3 a)
-{
-    if (dot3(p->ex, p->ex) == 0) return a;
-    return along3(along3(along3((sgt_vec3){0, 0, 0}, a.x, p->ex), a.y, p->ey), a.z, p->ez);
-}
 
 /* A vector across the ray d as it goes on along d'. */
 static sgt_vec3 carried(sgt_vec3 e, sgt_vec3 d, sgt_vec3 after, bool mirror)
@@ -57,8 +34,9 @@ static sgt_vec3 carried(sgt_vec3 e, sgt_vec3 d, sgt_vec3 after, bool mirror)
     return along3(along3(e, 1, once), 1 / (1 + dot3(d, after)), twice);
 }
 
-bool sgt_lens_parabasal(size_t n, const sgt_element e[], double index_before, bool from_point,
-                        const sgt_ray *chief, const sgt_passage passages[], sgt_parabasal *out)
+bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], double index_before,
+                         bool from_point, const sgt_ray *chief, const sgt_passage passages[],
+                         sgt_parabasal *out)
 {
     const double none = (double)NAN;
     *out = (sgt_parabasal){.power = {{none, none}, {none, none}}};
@@ -68,10 +46,9 @@ bool sgt_lens_parabasal(size_t n, const sgt_element e[], double index_before, bo
         if (!(passages[i].hit.status > 0)) return false;
     sgt_ray ray = *chief;
     ray.d = unit3(ray.d);
-    const sgt_vec3 x = {1, 0, 0}, y = {0, 1, 0}, zero = {0, 0, 0};
+    const sgt_vec3 zero = {0, 0, 0};
     sgt_vec3 d = ray.d, base[2];
-    base[0] = unit3(along3(x, -dot3(x, d), d));
-    if (!(fabs(d.x) < 0.99)) base[0] = unit3(along3(y, -dot3(y, d), d));
+    base[0] = unit3(along3(across, -dot3(across, d), d));
     base[1] = cross3(d, base[0]);
 
     sgt_ray_change change[4];
@@ -83,7 +60,7 @@ bool sgt_lens_parabasal(size_t n, const sgt_element e[], double index_before, bo
 
     double index = index_before == 0 ? 1 : index_before;
     for (size_t i = 0; i < n; i++) {
-        sgt_vec3 after = unit3(out_of(&e[i].pose, passages[i].direction));
+        sgt_vec3 after = unit3(out_of3(&e[i].pose, passages[i].direction));
         for (int k = 0; k < 2; k++) base[k] = carried(base[k], d, after, e[i].index == SGT_MIRROR);
         if (e[i].index != SGT_MIRROR && e[i].index != 0) index = e[i].index;
         d = after;
@@ -91,7 +68,7 @@ bool sgt_lens_parabasal(size_t n, const sgt_element e[], double index_before, bo
     /* m[row][column]: X', U' along the two vectors, by X and U */
     double m[4][4];
     for (int c = 0; c < 4; c++) {
-        sgt_vec3 dp = out_of(&e[n - 1].pose, change[c].p), dd = out_of(&e[n - 1].pose, change[c].d);
+        sgt_vec3 dp = out_of3(&e[n - 1].pose, change[c].p), dd = out_of3(&e[n - 1].pose, change[c].d);
         for (int k = 0; k < 2; k++) m[k][c] = dot3(base[k], dp), m[k + 2][c] = dot3(base[k], dd);
     }
     double largest = 0, mixed = 0;
@@ -114,4 +91,12 @@ bool sgt_lens_parabasal(size_t n, const sgt_element e[], double index_before, bo
         }
     }
     return true;
+}
+
+bool sgt_lens_parabasal(size_t n, const sgt_element e[], double index_before, bool from_point,
+                        const sgt_ray *chief, const sgt_passage passages[], sgt_parabasal *out)
+{
+    const bool along_x = !(fabs(unit3(chief->d).x) < 0.99);
+    const sgt_vec3 across = along_x ? (sgt_vec3){0, 1, 0} : (sgt_vec3){1, 0, 0};
+    return sgt_parabasal_about(across, n, e, index_before, from_point, chief, passages, out);
 }

@@ -96,6 +96,23 @@ static void add_grid(points *p, size_t n)
         }
 }
 
+static void add_cells(points *p, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            double x = (2 * (double)i + 1 - (double)n) / (double)n,
+                   y = (2 * (double)j + 1 - (double)n) / (double)n;
+            if (x * x + y * y <= 1) add_point(p, x, y, 1);
+        }
+}
+
+static void add_cross(points *p, size_t n)
+{
+    for (size_t i = 0; i < n; i++) add_point(p, 0, step_of_grid(i, n), 1);
+    for (size_t i = 0; i < n; i++)
+        if (step_of_grid(i, n) != 0) add_point(p, step_of_grid(i, n), 0, 1);
+}
+
 static void add_hexapolar(points *p, size_t n)
 {
     add_point(p, 0, 0, 0.25);
@@ -136,6 +153,8 @@ size_t sgt_pupil_points(sgt_pattern pattern, size_t n, uint64_t seed, size_t mos
         }
         break;
     case SGT_PATTERN_SOBOL: add_sobol(&p, n); break;
+    case SGT_PATTERN_CELLS: add_cells(&p, n); break;
+    case SGT_PATTERN_CROSS: add_cross(&p, n); break;
     }
     double sum = 0;
     size_t kept = p.count < most ? p.count : most;

@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 
-HEADERS = ['aim.h', 'diagnose.h', 'fma.h', 'interval.h', 'lens.h', 'sagitta.h', 'sensitivity.h', 'surfaces.h',
+HEADERS = ['aim.h', 'analysis.h', 'diagnose.h', 'fma.h', 'interval.h', 'lens.h', 'sagitta.h', 'sensitivity.h', 'surfaces.h',
            'system.h']
 GEO = r'''
 #include <sagitta/geo.h>

@@ -4,7 +4,7 @@ and what the compiler itself asks for come in, and nothing in it can be written 
 
     python3 symbols.py INCLUDE_FOLDER SHARED_LIBRARY STATIC_LIBRARY [OTHER_SHARED_LIBRARY ...]
 
-Of the libraries of geo.h and lens.h, which allocate, only the names are looked at.
+Of the libraries of geo.h and of lens.h and analysis.h, which allocate, only the names are looked at.
 """
 import pathlib
 import re
@@ -26,7 +26,7 @@ COMPILER = {  # what its own runtime and the linker answer
     '_GLOBAL_OFFSET_TABLE_': 'position-independent code',
     '__stack_chk_fail': '-fstack-protector of a distribution',
 }
-OTHERS = {'libsagitta_geo': 'geo.h', 'libsagitta_lens': 'lens.h'}
+OTHERS = {'libsagitta_geo': ['geo.h'], 'libsagitta_lens': ['lens.h', 'analysis.h']}
 ALLOWED = MEMORY.keys() | ENVIRONMENT.keys() | COMPILER.keys()
 LIBRARIES = re.compile(r'^(libm|libc|ld-linux[\w-]*)\.so')
 
@@ -43,11 +43,11 @@ def symbols(*arguments):
             yield word[1], word[0].split('@')[0]
 
 
-def declared(include, header_name=None):
-    """The names that the public headers of the core declare, or that one header declares."""
+def declared(include, headers=None):
+    """The names that the public headers of the core declare, or that those given declare."""
     names = set()
     for header in sorted(pathlib.Path(include, 'sagitta').glob('*.h')):
-        if header.name != header_name and (header_name or header.name in OTHERS.values()):
+        if header.name not in headers if headers else any(header.name in others for others in OTHERS.values()):
             continue
         text = re.sub(r'/\*.*?\*/', '', header.read_text(), flags=re.DOTALL)
         for statement in re.findall(r'\bSGT_API\b([^;{]*);', text):

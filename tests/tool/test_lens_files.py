@@ -352,7 +352,8 @@ def test_several_wavelengths():
                           stdin=rays((0, 1, -5, 0, 0, 1))).stdout)[0]['px'] is None
     run('diagnose', path, '--wavelength', 'all', exit=USAGE)
     run('trace', path, '--wavelength', 'all', '--wavelength', '1', exit=USAGE)
-    assert 'repeat' in run('trace', path, '--wavelength', '0.5,0.6', exit=USAGE).stderr
+    both = run('trace', path, '--wavelength', '0.5,0.6', '--format', 'csv').stdout
+    assert both == run('trace', path, '--wavelength', '0.5', '--wavelength', '0.6', '--format', 'csv').stdout
 
 
 def test_strict():

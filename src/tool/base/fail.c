@@ -2,28 +2,19 @@
  *
  * At exit all memory is freed (memory.c).  An error in the input leaves no half a table: all
  * input is read before the first line is written.
- *
- * Because memory lasts until the exit, a part that fails can also be left by a jump (fail_caught). */
+ */
 #include "fail.h"
 
-#include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 static const char *running = "";
 
-static jmp_buf *catcher; /* NULL: messages are printed */
-static char caught[2048];
-
 void fail_name(const char *command) { running = command; }
 
 LIKE_PRINTF(2, 0) static void say_after(const char *prefix, const char *format, va_list values)
 {
-    if (catcher) {
-        vsnprintf(caught, sizeof caught, format, values);
-        return;
-    }
     fputs(prefix, stderr);
     vfprintf(stderr, format, values);
     fputc('\n', stderr);
@@ -55,17 +46,7 @@ void fail_input(const char *format, ...)
     va_start(values, format);
     say(format, values);
     va_end(values);
-    if (catcher) longjmp(*catcher, 1);
     exit(EXIT_BAD_INPUT);
-}
-
-const char *fail_caught(void (*work)(void *of), void *of)
-{
-    jmp_buf here;
-    caught[0] = 0, catcher = &here;
-    if (setjmp(here) == 0) work(of);
-    catcher = NULL;
-    return caught[0] ? caught : NULL;
 }
 
 void print_and_end(const char *format, ...)

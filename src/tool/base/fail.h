@@ -31,9 +31,4 @@ void note(const char *format, ...) LIKE_PRINTF(1, 2);
 /* The same without the name of the command: for what begins with FILE:LINE: of an input. */
 void remark(const char *format, ...) LIKE_PRINTF(1, 2);
 
-/* Does the work of a part that the command can do without.  Messages of fail_input and note are not
- * printed meanwhile, and fail_input ends only the work.  Returns the last message, which lasts until the
- * next call, or NULL.  Not for work in threads, and not one within another. */
-const char *fail_caught(void (*work)(void *of), void *of);
-
 #endif

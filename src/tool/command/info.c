@@ -7,9 +7,9 @@
 #include "../base/memory.h"
 #include "../job/options.h"
 #include "../read/lens.h"
-#include "../job/launch.h"
 
 #include <math.h>
+#include <sagitta/analysis.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
@@ -339,30 +339,13 @@ static void note_limits(const sgt_lens *l)
 
 /* ------------------------------------------------------------- chief rays */
 
-/* The chief ray of a field, if there is one. */
-typedef struct chief_search {
-    const lens *l;
-    const launch_pattern *middle;
-    launch_how how;
-    size_t field;
-    ray_list found;
-} chief_search;
-
-static void find_pupil(void *of)
+/* "FILE:LINE: key: words" */
+static const char *fault_of(const sgt_lens_error *e)
 {
-    chief_search *s = of;
-    const lens primary = lens_for_launch(s->l);
-    s->how = launch_by(&primary, s->l->of->telecentric ? LAUNCH_AT_PUPIL : LAUNCH_AT_STOP);
+    char text[sizeof *e + 40];
+    snprintf(text, sizeof text, "%s:%zu: %s%s%s", e->file, e->line, e->key, *e->key ? ": " : "", e->words);
+    return memory_text(text, strlen(text));
 }
-
-static void find_ray(void *of)
-{
-    chief_search *s = of;
-    const sgt_lens *l = s->l->of;
-    launch_field(&s->found, &s->how, s->l, s->field, l->field_kind, l->field[s->field], s->middle);
-}
-
-static const char *kept(const char *text) { return text ? memory_text(text, strlen(text)) : NULL; }
 
 /* Returns NULL, or why there is no data. */
 static const char *chief_data(const lens *l, const sgt_element open[], const sgt_ray *chief,
@@ -382,30 +365,46 @@ static const char *chief_data(const lens *l, const sgt_element open[], const sgt
     return "a surface has no second derivatives";
 }
 
+/* Sets the chief ray of a field; else returns why there is none. */
+static const char *find_chief(const sgt_launcher *from, const lens *l, size_t field, sgt_launched *chief)
+{
+    const sgt_pupil_point centre = {0, 0, 1};
+    sgt_field_beam beam;
+    sgt_lens_error e;
+    if (!sgt_launch_field(from, l->of->field_kind, &l->of->field[field], &beam, &e)) return fault_of(&e);
+    if (!sgt_launch_rays(from, &beam, l->element, l->index_before, 1, &centre, chief))
+        fail_input("out of memory");
+    return chief->status == SGT_MET          ? NULL
+           : chief->status == SGT_NO_SUCH_RAY ? "there is no ray through the centre of the stop"
+                                              : "no ray through the centre of the stop was found";
+}
+
 info_chief *info_chiefs(const lens *l)
 {
     const size_t fields = l->of->fields;
     const double none = (double)NAN;
-    const launch_pattern middle = launch_points(SGT_PATTERN_FAN, 1, 0);
     info_chief *out = memory_take(fields, sizeof *out);
     sgt_element *open = memory_take(l->count, sizeof *open);
     for (size_t i = 0; i < l->count; i++) {
         open[i] = l->element[i];
         open[i].semi_diameter = 0, open[i].aperture = NULL;
     }
-    chief_search s = {.l = l, .middle = &middle};
-    const char *no_pupil = kept(fail_caught(find_pupil, &s));
+    const sgt_lens_aim aim = l->of->telecentric ? SGT_AIM_PUPIL : SGT_AIM_STOP;
+    sgt_lens_error e;
+    sgt_launcher *from = sgt_launcher_new(
+        l->of, &(sgt_launcher_options){.aim = &aim, .wavelength = isnan(l->wavelength) ? 0 : l->wavelength},
+        &e);
+    const char *no_pupil = from ? NULL : fault_of(&e);
     for (size_t f = 0; f < fields; f++) {
+        sgt_launched chief;
         out[f].of = (sgt_parabasal){.power = {{none, none}, {none, none}}, .efl = {none, none},
                                     .focus = {none, none}, .image = {none, none},
                                     .magnification = {none, none}};
-        out[f].why_not = no_pupil;
-        if (no_pupil) continue;
-        s.field = f, s.found = (ray_list){.count = 0};
-        const char *why_not = fail_caught(find_ray, &s);
-        if (s.found.count) why_not = chief_data(l, open, &s.found.ray[0].ray, &out[f].of);
-        out[f].why_not = kept(why_not);
+        const char *why_not = no_pupil ? no_pupil : find_chief(from, l, f, &chief);
+        if (!why_not) why_not = chief_data(l, open, &chief.ray, &out[f].of);
+        out[f].why_not = why_not ? memory_text(why_not, strlen(why_not)) : NULL;
     }
+    sgt_launcher_free(from);
     return out;
 }
 

@@ -223,7 +223,7 @@ static const sgt_hit *ended(const trace_work *w, const launch *l, sgt_passage al
 static void write_launch(const trace_work *w, table *t, const launch *l)
 {
     bool beam = w->job->fields > 0;
-    if (beam) table_count(t, (long long)l->field + 1);
+    if (beam) table_count(t, (long long)w->job->field_number[l->field] + 1);
     else table_empty(t);
     if (isnan(w->at->lens.wavelength)) table_empty(t);
     else table_number(t, w->at->lens.wavelength);
@@ -406,7 +406,8 @@ static void print_ray(char text[120], const trace_work *w, const launch *l, cons
 {
     int n = snprintf(text, 120, "Ray %zu", l->number);
     if (w->job->fields)
-        n += snprintf(text + n, (size_t)(120 - n), " (field %zu, px %.4g, py %.4g", l->field + 1, l->px,
+        n += snprintf(text + n, (size_t)(120 - n), " (field %zu, px %.4g, py %.4g",
+                      w->job->field_number[l->field] + 1, l->px,
                       l->py);
     if (w->job->fields && w->job->wavelengths > 1 && !isnan(at->lens.wavelength))
         n += snprintf(text + n, (size_t)(120 - n), ", %.6g um", at->lens.wavelength);
@@ -442,7 +443,8 @@ static void write_doubts(const trace_work *w)
         snprintf(range, sizeof range,
                  w->field[f].first < w->field[f].last ? "elements %zu to %zu" : "element %zu",
                  w->field[f].first, w->field[f].last);
-        table_line(w->table, "No ray of field %zu gets through: they end at %s%s", f + 1, range,
+        table_line(w->table, "No ray of field %zu gets through: they end at %s%s",
+                   j->field_number[f] + 1, range,
                    w->asked->job.aimed
                        ? "."
                        : ". --aim real sends them through the stop; --no-apertures clips none.");

@@ -2,12 +2,12 @@
 #include "job.h"
 
 #include "../show/frame.h"
-#include "launch.h"
 #include "../base/memory.h"
 
 #include <limits.h>
 #include <math.h>
 #include <sagitta/lens.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { RAYS_MOST = 1000000000, SIDE_MOST = 30000 };
@@ -20,20 +20,29 @@ static const struct { const char *name; long points;
     [SGT_PATTERN_HEXAPOLAR] = {"hexapolar", 6},
     [SGT_PATTERN_RANDOM] = {"random", 100},
     [SGT_PATTERN_SOBOL] = {"sobol", 128},
+    [SGT_PATTERN_CELLS] = {"cells", 20},
+    [SGT_PATTERN_CROSS] = {"cross", 21},
 };
 enum { PATTERNS = sizeof patterns / sizeof patterns[0] };
-static const char ONE_PATTERN[] = "give one of --fan, --grid, --hexapolar, --random, --sobol, --pattern";
+static const char ONE_PATTERN[] =
+    "give one of --fan, --grid, --hexapolar, --random, --sobol, --cells, --cross, --pattern";
+static const char PATTERN_NAMES[] = "fan, grid, hexapolar, random, sobol, cells or cross";
 
 const char job_help[] =
     "  --field DEG        angle of a field in the y-z plane, in degrees; the chief ray of a positive\n"
-    "                     field climbs toward +y.  May be repeated.  Default, or all: the fields of\n"
-    "                     the lens\n"
+    "                     field climbs toward +y.  May be repeated\n"
+    "  --fields LIST      fields of the lens by their numbers, counted from 1: 1,3.  Or all, the default\n"
     "  --fan N            N rays across the entrance pupil in y, from edge to edge (default 5)\n"
     "  --grid N           a square grid of N x N rays over the pupil, without those outside its circle\n"
     "  --hexapolar N      the centre, and N rings of 6, 12, 18 ... rays\n"
     "  --random N         N random rays, uniform over the area; --seed S (default 1) draws others\n"
     "  --sobol N          N rays that fill the area evenly\n"
-    "  --pattern P        fan, grid, hexapolar, random or sobol, with a number of rays that suits\n"
+    "  --cells N          the centres of the cells of a square of N x N, those in the circle\n"
+    "  --cross N          N rays across in y, and N in x\n"
+    "  --pattern P        fan, grid, hexapolar, random, sobol, cells or cross, with as many rays as suit;\n"
+    "  --rays-across N    or so many across the pupil (of random and sobol as many as a grid would have)\n"
+    "  --chief            the ray through the centre of the pupil: --pupil \"0 0\"\n"
+    "  --pupil \"PX PY\"    the ray through a point of the pupil, in radii of it.  May be repeated\n"
     "  --aim A            where px, py are: paraxial, in the paraxial entrance pupil; real: on the stop\n"
     "                     (its radius is the marginal ray's height there).  Default: as the lens says\n"
     "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"
@@ -42,7 +51,7 @@ const char job_help[] =
     "  --wavelength W     a whole number: the lens's W-th wavelength, counted from 1 (default: its\n"
     "                     primary one).  With a point: micrometres.  Or a spectral line:\n"
     "                     i h g F' F e d D C' C r s t.  Or all: those of the lens, one after another;\n"
-    "                     also with --wavelength repeated (trace only)\n"
+    "                     also W,W... and --wavelength repeated\n"
     "  --glass PATH       glasses of a catalogue (.agf, .yml, .csv) or a folder of them, before those\n"
     "                     that ship.  May be repeated\n"
     "  --strict           what the reader of a .zmx file leaves out, and a wavelength outside the range\n"
@@ -56,8 +65,6 @@ static lens_wavelength wavelength_of(const char *text)
 {
     double um = sgt_spectral_line(text);
     if (!isnan(um)) return (lens_wavelength){.um = um};
-    if (strchr(text, ','))
-        fail_usage("--wavelength takes one, not %s; for several repeat --wavelength", text);
     if (!strchr(text, '.')) {
         if (!strpbrk(text, "0123456789"))
             fail_usage(
@@ -73,34 +80,65 @@ static lens_wavelength wavelength_of(const char *text)
     return (lens_wavelength){.um = um};
 }
 
+/* The next part of a list with commas; NULL: there is none. */
+static char *next_word(char **rest)
+{
+    char *word = *rest, *comma = word ? strchr(word, ',') : NULL;
+    if (comma) *comma = 0;
+    *rest = comma ? comma + 1 : NULL;
+    return word;
+}
+
 static void take_wavelength(job_options *o)
 {
     if (strcmp(optarg, "all") == 0) {
         o->all_wavelengths = true;
         return;
     }
-    o->wavelength = memory_room(o->wavelength, o->wavelengths, &o->wavelength_capacity,
-                                sizeof *o->wavelength);
-    o->wavelength[o->wavelengths++] = wavelength_of(optarg);
+    for (char *rest = memory_text(optarg, strlen(optarg)), *word; (word = next_word(&rest));) {
+        o->wavelength = memory_room(o->wavelength, o->wavelengths, &o->wavelength_capacity,
+                                    sizeof *o->wavelength);
+        o->wavelength[o->wavelengths++] = wavelength_of(word);
+    }
 }
 
 /* --fan N and its like. */
 static void take_points(job_options *o, sgt_pattern pattern)
 {
-    long most = pattern == SGT_PATTERN_GRID || pattern == SGT_PATTERN_HEXAPOLAR ? SIDE_MOST : RAYS_MOST;
-    if (o->points) fail_usage("%s", ONE_PATTERN);
-    o->pattern = pattern;
+    const bool square = pattern == SGT_PATTERN_GRID || pattern == SGT_PATTERN_CELLS ||
+                        pattern == SGT_PATTERN_HEXAPOLAR;
+    const long most = square ? SIDE_MOST : RAYS_MOST;
+    if (o->pattern_given) fail_usage("%s", ONE_PATTERN);
+    o->pattern = pattern, o->pattern_given = true;
     o->points = options_integer(patterns[pattern].name, optarg, 1, most);
 }
 
 static void take_pattern(job_options *o)
 {
     int i = 0;
-    if (o->points) fail_usage("%s", ONE_PATTERN);
+    if (o->pattern_given) fail_usage("%s", ONE_PATTERN);
     while (i < PATTERNS && strcmp(optarg, patterns[i].name) != 0) i++;
-    if (i == PATTERNS)
-        fail_usage("--pattern must be fan, grid, hexapolar, random or sobol, not \"%s\"", optarg);
-    o->pattern = (sgt_pattern)i, o->points = patterns[i].points;
+    if (i == PATTERNS) fail_usage("--pattern must be %s, not \"%s\"", PATTERN_NAMES, optarg);
+    o->pattern = (sgt_pattern)i, o->pattern_given = true;
+}
+
+static void take_pupil(job_options *o, const char *text)
+{
+    double x, y;
+    char more;
+    if (sscanf(text, "%lf %lf %c", &x, &y, &more) != 2 || !(fabs(x) <= 100) || !(fabs(y) <= 100))
+        fail_usage("--pupil must be two numbers, \"PX PY\", in radii of the pupil, not \"%s\"", text);
+    o->pupil = memory_room(o->pupil, o->pupils, &o->pupil_capacity, sizeof *o->pupil);
+    o->pupil[o->pupils++] = (sgt_pupil_point){x, y, 1};
+}
+
+static void take_fields(job_options *o)
+{
+    if (strcmp(optarg, "all") == 0) return; /* the default */
+    for (char *rest = memory_text(optarg, strlen(optarg)), *word; (word = next_word(&rest));) {
+        o->number = memory_room(o->number, o->numbers, &o->number_capacity, sizeof *o->number);
+        o->number[o->numbers++] = (size_t)options_integer("fields", word, 1, INT_MAX) - 1;
+    }
 }
 
 static void take_field(job_options *o)
@@ -118,6 +156,12 @@ bool job_take(job_options *o, int code)
 {
     switch (code) {
     case JOB_FIELD: take_field(o); return true;
+    case JOB_FIELDS: take_fields(o); return true;
+    case JOB_CHIEF: take_pupil(o, "0 0"); return true;
+    case JOB_PUPIL: take_pupil(o, optarg); return true;
+    case JOB_ACROSS: o->across = options_integer("rays-across", optarg, 1, SIDE_MOST); return true;
+    case JOB_CELLS: take_points(o, SGT_PATTERN_CELLS); return true;
+    case JOB_CROSS: take_points(o, SGT_PATTERN_CROSS); return true;
     case JOB_FAN:
     case JOB_GRID:
     case JOB_HEXAPOLAR:
@@ -163,6 +207,15 @@ lens_list job_lenses(const job_options *o)
     return all;
 }
 
+sgt_element *job_elements(const job_options *o, const lens *l)
+{
+    sgt_element *element = memory_take(l->count, sizeof *element);
+    memcpy(element, l->element, l->count * sizeof *element);
+    for (size_t i = 0; o->no_apertures && i < l->count; i++)
+        element[i].semi_diameter = 0, element[i].aperture = NULL;
+    return element;
+}
+
 /* Sets the lens at each wavelength, with its elements. */
 static void read_wavelengths(job *j, const job_options *o)
 {
@@ -171,28 +224,76 @@ static void read_wavelengths(job *j, const job_options *o)
     j->at = memory_take(all.count, sizeof *j->at);
     for (size_t c = 0; c < all.count; c++) {
         const lens *l = &all.lens[c];
-        sgt_element *element = memory_take(l->count, sizeof *element);
-        memcpy(element, l->element, l->count * sizeof *element);
-        for (size_t i = 0; o->no_apertures && i < l->count; i++)
-            element[i].semi_diameter = 0, element[i].aperture = NULL;
-        j->at[c] = (job_lens){.lens = *l, .element = element};
+        j->at[c] = (job_lens){.lens = *l, .element = job_elements(o, l)};
     }
     j->lens = j->at[0].lens, j->element = j->at[0].element;
 }
 
-/* Where rays are sent: as --aim says, else as the lens does. */
-static launch_aim aim_of(const job_options *o, const sgt_lens *l)
+const sgt_lens_aim *job_aim(const job_options *o, const sgt_lens *l)
 {
-    if (o->aim_given && !o->aimed) return LAUNCH_AT_PUPIL;
-    if (l->aim == SGT_AIM_REAL_STOP) return LAUNCH_AT_REAL_STOP;
-    return o->aimed || l->aim == SGT_AIM_STOP ? LAUNCH_AT_STOP : LAUNCH_AT_PUPIL;
+    static const sgt_lens_aim pupil = SGT_AIM_PUPIL, stop = SGT_AIM_STOP;
+    if (!o->aim_given) return NULL;
+    if (!o->aimed) return &pupil;
+    return l->aim == SGT_AIM_REAL_STOP ? NULL : &stop;
+}
+
+field_list job_fields(const job_options *o, const lens *l)
+{
+    const sgt_lens *of = l->of;
+    if (o->fields && o->numbers) fail_usage("give --field or --fields, not both");
+    field_list list = {.count = o->fields ? o->fields : o->numbers ? o->numbers : of->fields,
+                       .at = o->fields ? o->field : of->field,
+                       .kind = o->fields ? SGT_FIELD_ANGLE : of->field_kind};
+    size_t *number = memory_take(list.count, sizeof *number);
+    for (size_t i = 0; i < list.count; i++) number[i] = i;
+    list.number = o->numbers ? o->number : number;
+    if (!o->numbers) return list;
+    sgt_lens_field *at = memory_take(list.count, sizeof *at);
+    for (size_t i = 0; i < list.count; i++) {
+        if (o->number[i] >= of->fields)
+            fail_usage("--fields %zu: %s has %zu field%s", o->number[i] + 1, of->file, of->fields,
+                       of->fields == 1 ? "" : "s");
+        at[i] = of->field[o->number[i]];
+    }
+    list.at = at;
+    return list;
+}
+
+/* The N of a pattern that has so many rays across the pupil. */
+static long points_across(sgt_pattern pattern, long across)
+{
+    const double QUARTER = 0.785398163397448; /* pi / 4: a circle in its square */
+    if (pattern == SGT_PATTERN_HEXAPOLAR) return across / 2 ? across / 2 : 1;
+    if (pattern != SGT_PATTERN_RANDOM && pattern != SGT_PATTERN_SOBOL) return across;
+    return (long)ceil(QUARTER * (double)across * (double)across);
+}
+
+launch_pattern job_points(const job_options *o, sgt_pattern otherwise, long n)
+{
+    if (o->pupils && (o->pattern_given || o->across))
+        fail_usage("give --chief and --pupil, or a pattern, not both");
+    if (o->points && o->across) fail_usage("--rays-across goes with --pattern");
+    const sgt_pattern pattern = o->pattern_given ? o->pattern : otherwise;
+    if (o->seed && pattern != SGT_PATTERN_RANDOM) fail_usage("--seed goes with --random N");
+    if (o->pupils) {
+        for (size_t i = 0; i < o->pupils; i++) o->pupil[i].weight = 1 / (double)o->pupils;
+        return (launch_pattern){o->pupils, o->pupil};
+    }
+    const long count = o->across                    ? points_across(pattern, o->across)
+                       : o->points                  ? o->points
+                       : n > 0 && !o->pattern_given ? n
+                                                    : patterns[pattern].points;
+    const launch_pattern points = launch_points(pattern, (size_t)count, o->seed ? (uint64_t)o->seed : 1);
+    if (!points.count)
+        fail_usage("--grid %ld: no ray lies inside the pupil's circle; use 1, or 3 or more", count);
+    return points;
 }
 
 job job_read(const job_options *o)
 {
-    if (o->rays && (o->fields || o->points))
+    if (o->rays && (o->fields || o->numbers || o->pattern_given || o->pupils || o->across))
         fail_usage("give --rays, or --field with --fan, --grid or another pattern, not both");
-    if (o->seed && o->pattern != SGT_PATTERN_RANDOM) fail_usage("--seed goes with --random N");
+    if (o->rays && o->seed) fail_usage("--seed goes with --random N");
     job j = {.wavelengths = 0};
     read_wavelengths(&j, o);
     if (o->rays) {
@@ -203,15 +304,14 @@ job job_read(const job_options *o)
         for (size_t c = 0; c < j.wavelengths; c++) j.at[c].rays = j.rays;
         return j;
     }
-    j.field = o->fields ? o->field : j.lens.of->field;
-    j.fields = o->fields ? o->fields : j.lens.of->fields;
-    j.field_kind = o->fields ? SGT_FIELD_ANGLE : j.lens.of->field_kind;
-    const long n = o->points ? o->points : patterns[SGT_PATTERN_FAN].points;
-    const launch_pattern points = launch_points(o->pattern, (size_t)n, o->seed ? (uint64_t)o->seed : 1);
-    const lens primary = lens_for_launch(&j.lens);
-    launch_how how = launch_by(&primary, aim_of(o, j.lens.of));
+    const field_list fields = job_fields(o, &j.lens);
+    j.field = fields.at, j.fields = fields.count, j.field_number = fields.number, j.field_kind = fields.kind;
+    const launch_pattern points = job_points(o, SGT_PATTERN_FAN, 0);
+    const sgt_lens_aim *aim = job_aim(o, j.lens.of);
+    const bool aimed = (aim ? *aim : j.lens.of->aim) != SGT_AIM_PUPIL;
+    launch_how how = launch_by(&j.lens, aim);
     for (size_t c = 0; c < j.wavelengths; c++) {
-        if (c > 0 && how.aim == LAUNCH_AT_PUPIL) { /* the same rays at all wavelengths */
+        if (c > 0 && !aimed) { /* the same rays at all wavelengths */
             j.at[c].rays = j.at[0].rays;
             continue;
         }
@@ -220,10 +320,6 @@ job job_read(const job_options *o)
             launch_field(&j.at[c].rays, &how, &j.at[c].lens, f, j.field_kind, j.field[f], &points);
     }
     j.rays = j.at[0].rays, j.undecided = how.undecided;
-    if (how.none + how.undecided)
-        note("%zu of %zu rays are not there: of %zu that is proven", how.none + how.undecided,
-             how.count * j.wavelengths, how.none);
-    if (!how.count)
-        fail_usage("--grid %ld: no ray lies inside the pupil's circle; use 1, or 3 or more", n);
+    launch_note(&how, j.wavelengths);
     return j;
 }

@@ -2,6 +2,7 @@
 #ifndef TOOL_JOB_H
 #define TOOL_JOB_H
 #include "../read/lens.h"
+#include "launch.h"
 #include "options.h"
 #include "../read/rays.h"
 
@@ -9,7 +10,13 @@ typedef struct job_options {
     const char *lens, *rays;          /* files */
     sgt_lens_field *field;            /* --field, one after another */
     size_t fields, capacity;
-    long points;                      /* --fan N and its like; 0: not given */
+    size_t *number;                   /* --fields, one after another, from 0 */
+    size_t numbers, number_capacity;
+    sgt_pupil_point *pupil;           /* --pupil and --chief, one after another */
+    size_t pupils, pupil_capacity;
+    bool pattern_given;               /* --pattern or --fan N and its like */
+    long points;                      /* the N of --fan N and its like; 0: not given */
+    long across;                      /* --rays-across; 0: not given */
     sgt_pattern pattern;              /* then */
     long seed;                        /* of --random; 0: not given */
     bool aimed, aim_given;            /* --aim real; --aim */
@@ -28,6 +35,12 @@ enum {
     JOB_HEXAPOLAR,
     JOB_RANDOM,
     JOB_SOBOL,
+    JOB_CELLS,
+    JOB_CROSS,
+    JOB_FIELDS,
+    JOB_CHIEF,
+    JOB_PUPIL,
+    JOB_ACROSS,
     JOB_PATTERN,
     JOB_SEED, JOB_AIM,
     JOB_RAYS,
@@ -48,7 +61,12 @@ enum {
     {"sobol", required_argument, NULL, JOB_SOBOL},              \
     {"pattern", required_argument, NULL, JOB_PATTERN},          \
     {"seed", required_argument, NULL, JOB_SEED},                \
-    {"fields", required_argument, NULL, JOB_FIELD},             \
+    {"cells", required_argument, NULL, JOB_CELLS},              \
+    {"cross", required_argument, NULL, JOB_CROSS},              \
+    {"rays-across", required_argument, NULL, JOB_ACROSS},       \
+    {"chief", no_argument, NULL, JOB_CHIEF},                    \
+    {"pupil", required_argument, NULL, JOB_PUPIL},              \
+    {"fields", required_argument, NULL, JOB_FIELDS},            \
     {"aim", required_argument, NULL, JOB_AIM},                  \
     {"rays", required_argument, NULL, JOB_RAYS},                \
     {"skip-bad", no_argument, NULL, JOB_SKIP_BAD},              \
@@ -74,6 +92,7 @@ typedef struct job {
     size_t undecided;         /* how many rays aiming has neither found nor excluded */
     size_t fields;            /* 0: the rays came from a file */
     const sgt_lens_field *field;
+    const size_t *field_number; /* as in field_list */
     sgt_field_kind field_kind;
 } job;
 
@@ -83,6 +102,25 @@ sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray);
 /* The lens at each wavelength that is asked for. */
 typedef struct lens_list { size_t count; lens *lens; } lens_list;
 lens_list job_lenses(const job_options *o);
+
+/* The fields that are asked for: those of --field, those of --fields, or all of the lens. */
+typedef struct field_list {
+    size_t count;
+    const sgt_lens_field *at;
+    const size_t *number;     /* of each in the lens, from 0; with --field from 0 on */
+    sgt_field_kind kind;
+} field_list;
+field_list job_fields(const job_options *o, const lens *l);
+
+/* The points of the pupil that are asked for; without any, those of `otherwise`, n of them (0: as --pattern
+ * has it). */
+launch_pattern job_points(const job_options *o, sgt_pattern otherwise, long n);
+
+/* Where rays are sent: NULL is as the lens says. */
+const sgt_lens_aim *job_aim(const job_options *o, const sgt_lens *l);
+
+/* The elements without apertures for --no-apertures. */
+sgt_element *job_elements(const job_options *o, const lens *l);
 
 /* Reads the lens and the rays.  Any error ends the command. */
 job job_read(const job_options *o);

@@ -160,12 +160,6 @@ lens lens_at(sgt_lens *of, lens_wavelength at)
     return l;
 }
 
-lens lens_for_launch(const lens *otherwise)
-{
-    lens l = lens_chosen(otherwise->of, (lens_wavelength){.um = (double)NAN});
-    return lens_fill(&l, NULL) ? l : *otherwise;
-}
-
 static void note_remarks(const sgt_lens *l)
 {
     size_t left_out = 0;

@@ -37,10 +37,6 @@ sgt_lens *lens_open(const char *path);
 /* The lens at a wavelength.  Notes glasses that are used outside their ranges. */
 lens lens_at(sgt_lens *of, lens_wavelength at);
 
-/* The lens by which rays are launched: at its primary wavelength, or, if the file gives none, as
- * `otherwise`. */
-lens lens_for_launch(const lens *otherwise);
-
 /* The same of text; nothing is noted. */
 lens lens_of_text(const char *name, const char *text);
 

@@ -332,7 +332,7 @@ static const job *scan_lens(void)
     j->lens = lens_of_text("scan-lens", SCAN_LENS);
     j->element = j->lens.element;
     j->fields = j->lens.of->fields, j->field = j->lens.of->field;
-    launch_how how = launch_by(&j->lens, LAUNCH_AT_PUPIL);
+    launch_how how = launch_by(&j->lens, &(sgt_lens_aim){SGT_AIM_PUPIL});
     const launch_pattern grid = launch_points(SGT_PATTERN_GRID, GRID_DEFAULT, 0);
     for (size_t f = 0; f < j->fields; f++)
         launch_field(&j->rays, &how, &j->lens, f, SGT_FIELD_ANGLE, j->field[f], &grid);
@@ -364,7 +364,8 @@ trade trade_cases(const trade_options *o)
     } else if (o->job.lens) {
         job *j = memory_take(1, sizeof *j);
         job_options asked = o->job;
-        if (!asked.rays && !asked.points) asked.pattern = SGT_PATTERN_GRID, asked.points = GRID_DEFAULT;
+        if (!asked.rays && !asked.pattern_given && !asked.pupils)
+            asked.pattern = SGT_PATTERN_GRID, asked.pattern_given = true, asked.points = GRID_DEFAULT;
         *j = job_read(&asked);
         lens_case(&t, o, *j->lens.name ? j->lens.name : o->job.lens, j);
     } else {

@@ -1,0 +1,243 @@
+/* analysis.h - what a designer looks at: the rays of a field through a lens and where
+ * they end, spots, wavefronts, and the curves of a field.  Part of sagitta_lens.
+ *
+ * Lengths are in the unit of the lens, angles in degrees, wavelengths in micrometres.
+ *
+ * THREADS AND PARTS.  Functions that take a const launcher may run in any number of
+ * threads.  What they tell of a ray depends on that ray alone, so rays may be traced in
+ * parts; sums are taken in the order of the rays.  Bits do not depend on threads or
+ * parts.
+ *
+ *     sgt_launcher *from = sgt_launcher_new(lens, NULL, &error);
+ *     sgt_field_beam beam;
+ *     sgt_launch_field(from, lens->field_kind, &lens->field[0], &beam, &error);
+ *     sgt_trace_pupil(from, &beam, lens->element, lens->index_before, n, at, NULL, end,
+ *                     &error);
+ *     sgt_spot spot = sgt_spot_of(1, &(sgt_ends){n, end, 1}, NULL);
+ *     sgt_launcher_free(from); */
+#ifndef SAGITTA_ANALYSIS_H
+#define SAGITTA_ANALYSIS_H
+#include <sagitta/aim.h>
+#include <sagitta/lens.h>
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------- the rays of a field */
+
+/* A lens and its pupil, from which rays are launched. */
+typedef struct sgt_launcher sgt_launcher;
+
+/* Zeros are the defaults. */
+typedef struct sgt_launcher_options {
+    const sgt_allocator *allocator; /* NULL: malloc.  It lasts as long as the launcher */
+    const sgt_lens_aim  *aim;       /* NULL: as the lens says */
+    double wavelength;              /* um: pupil and fields are defined at the primary
+                                       wavelength of the lens; if it has none, there.
+                                       0: none */
+} sgt_launcher_options;
+
+/* The lens has to last as long as the launcher.  NULL: `error` (may be NULL) says why:
+ * no memory, or (aimed at the real stop) the marginal ray does not get there.
+ *
+ * THE PUPIL is that of the first-order data: the paraxial image of the stop in object
+ * space, of the size that the lens defines. */
+SGT_API sgt_launcher *sgt_launcher_new(const sgt_lens *lens,
+                                       const sgt_launcher_options *opt,
+                                       sgt_lens_error *error);
+SGT_API void          sgt_launcher_free(sgt_launcher *from); /* NULL: nothing */
+
+/* The first-order data by which rays are launched. */
+SGT_API const sgt_first_order *sgt_launcher_data(const sgt_launcher *from);
+
+/* The rays of one field.  z is global. */
+typedef struct sgt_field_beam {
+    bool     finite;        /* all start at `object`; else all run along `direction`, and
+                               start on one plane wavefront, in front of all surfaces */
+    sgt_vec3 object, direction;
+    double   pupil, radius; /* z and semi-diameter of the entrance pupil */
+    /* of a telecentric object: the slope of its marginal rays; 0 */
+    double   cone;
+    /* that wavefront is direction . p = wave; z in front of all */
+    double   front, wave;
+    sgt_vec2 shift, scale;  /* of the pupil by vignetting, */
+    sgt_vec2 turn;          /* and the cosine and sine of its turn */
+} sgt_field_beam;
+
+/* Sets the beam of a field.  Chief rays go through the centre of the pupil:
+ *   angles a, b        slopes tan a in x, tan b in y: a positive field climbs
+ *   object heights     from that point
+ *   paraxial heights   the slope or the object that paraxial rays bring there
+ *   real heights       the chief ray that meets the image there, as the lens aims
+ * false: `error` (may be NULL) names the key that is missing or does not fit. */
+SGT_API bool sgt_launch_field(const sgt_launcher *from, sgt_field_kind kind,
+                              const sgt_lens_field *field, sgt_field_beam *beam,
+                              sgt_lens_error *error);
+
+/* The ray through x, y of the unit circle of the paraxial entrance pupil.  Vignetting
+ * does not count. */
+SGT_API sgt_ray sgt_field_ray(const sgt_field_beam *beam, double x, double y);
+
+typedef struct sgt_launched {
+    sgt_ray   ray;
+    sgt_aimed status; /* SGT_MET: there it is.  Else aiming has found none (aim.h) */
+    bool      folded; /* near it the pupil is inside out, as neighbouring rays reach the
+                         stop in reversed order: the pupil folds back on itself, and
+                         another ray of the field may reach the same point */
+} sgt_launched;
+
+/* The rays of a field through points of the unit circle of the pupil, after vignetting.
+ * If the lens is aimed at the stop they meet e[stop] there (sgt_aim); e and index_before
+ * are the lens at the wavelength of the rays, and its apertures do not count.
+ * false: no memory. */
+SGT_API bool sgt_launch_rays(const sgt_launcher *from, const sgt_field_beam *beam,
+                             const sgt_element e[], double index_before, size_t count,
+                             const sgt_pupil_point at[], sgt_launched out[]);
+
+/* ------------------------------------------------------------------- where rays end */
+
+typedef struct sgt_ray_end {
+    double     px, py, weight; /* of the point of the pupil */
+    sgt_aimed  aimed;    /* unless SGT_MET, no ray was traced */
+    sgt_fate   fate;     /* SGT_LOST also where none was traced */
+    sgt_status status;   /* of the hit at the element where it ended */
+    size_t     element;  /* which, from 0; the last if it passed */
+    bool       folded;
+    bool       proven;   /* passed, and a hit (no graze) at every element: with a proof
+                            asked for, it is one */
+    int        evals;
+    double     t_err;    /* the largest of its elements */
+    /* Where it met the last element, in that frame, and how it goes on; NaN unless it
+     * passed. */
+    sgt_vec3 p, d;
+    double   opl;        /* from the object, or the common wavefront */
+    /* Bounds, to first order: how far x and y of p are off (infinite: not known), and the
+     * path to the foot of a perpendicular from a fixed point near p (sgt_trace_error).
+     * The rounding of the launch ray is in them. */
+    double p_err, opl_err;
+} sgt_ray_end;
+
+/* Traces the rays of a field through points of the pupil.  opt: NULL, or for sgt_trace.
+ * false: no memory. */
+SGT_API bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *beam,
+                             const sgt_element e[], double index_before, size_t count,
+                             const sgt_pupil_point at[], const sgt_options *opt,
+                             sgt_ray_end out[]);
+
+/* ---------------------------------------------------------------------------- spots */
+
+/* Rays of one field and wavelength, with the weight of that wavelength. */
+typedef struct sgt_ends { size_t count; const sgt_ray_end *end; double weight; } sgt_ends;
+
+typedef struct sgt_spot {
+    size_t   rays, passed;
+    sgt_vec2 reference;            /* distances are from here */
+    double   rms, rms_x, rms_y;    /* root of the weighted mean of squares */
+    double   geometric;            /* the largest distance */
+    double   error;                /* rounding puts rms off by no more */
+} sgt_spot;
+
+/* The spot of some groups of rays together, in the frame of the last element.  A ray
+ * weighs as its point of the pupil times its group.  reference: NULL, the centroid.  With
+ * no ray that passed all lengths are NaN. */
+SGT_API sgt_spot sgt_spot_of(size_t groups, const sgt_ends group[],
+                             const sgt_vec2 *reference);
+
+/* The radius of the first dark ring of the Airy disc, 1.21966989 lambda N, with the
+ * wavelength and the answer in the same unit. */
+SGT_API double sgt_airy_radius(double wavelength, double working_f_number);
+
+/* ----------------------------------------------------------------------- wavefronts */
+
+/* The surface to which paths are compared. */
+typedef struct sgt_reference {
+    enum {
+        SGT_REFERENCE_SPHERE,   /* about `centre`, through the exit pupil */
+        SGT_REFERENCE_INFINITE, /* the same of infinite radius: the exit pupil is at
+                                   infinity.  Paths go to the foot of the perpendicular
+                                   from the centre on the ray */
+        SGT_REFERENCE_PLANE     /* the image is at infinity: a plane through the centre,
+                                   across the chief ray */
+    } kind;
+    sgt_vec3 centre;  /* where the chief ray met the last element, in its frame */
+    sgt_vec3 along;   /* the direction of the chief ray there */
+    double   radius;  /* positive: the centre lies in the direction of the light */
+    double   index;   /* of the image space */
+    double   opl, opl_err, p_err; /* of the chief ray */
+} sgt_reference;
+
+/* The reference of a chief ray that passed.  The radius is the distance from the centre
+ * to the axial point of the paraxial exit pupil (Welford 1986, 7.1).  data: of the
+ * primary wavelength.  false: the chief ray did not pass. */
+SGT_API bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data,
+                              const sgt_element e[], double index_before,
+                              const sgt_ray_end *chief, sgt_reference *out);
+
+/* The optical path of a ray up to the reference, less that of the chief ray; a length.
+ * Positive: the ray's path is longer.  *error (may be NULL): a bound, to first order, on
+ * what rounding does to it.  NaN: the ray did not pass, or misses the sphere. */
+SGT_API double sgt_opd(const sgt_reference *of, const sgt_ray_end *end, double *error);
+
+typedef struct sgt_wavefront {
+    size_t rays, passed;
+    double mean, rms;        /* weighted; the root of the mean square about the mean */
+    double least, most;      /* most - least: peak to valley */
+    double error;            /* rounding puts none of the numbers off by more */
+} sgt_wavefront;
+
+/* Of path differences opd[i] +- error[i] of end[i], weighted as the points of the
+ * pupil. */
+SGT_API sgt_wavefront sgt_wavefront_of(size_t count, const sgt_ray_end end[],
+                                       const double opd[], const double error[]);
+
+/* The least-squares fit of the first `terms` Zernike polynomials to value[i] at x[i],
+ * y[i] in the unit circle, with weights; points with a NaN do not count.
+ *
+ *     order       SGT_NOLL, with the mean square of each over the circle 1; SGT_FRINGE,
+ *                 with the value 1 at the edge (sgt_zernike of surfaces.h, `normalised` 1
+ *                 and 0)
+ *     coefficient [terms], in the unit of the values
+ *     *residual   (may be NULL) the root of the weighted mean square that is left
+ *
+ * By Householder's reflections: a coefficient is good to some roundings times the
+ * condition of the points.  false: no memory, or the points do not determine all
+ * coefficients. */
+SGT_API bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count,
+                             const double x[], const double y[], const double value[],
+                             const double weight[], double coefficient[],
+                             double *residual, const sgt_allocator *allocator);
+
+/* ------------------------------------------------------------------ curves of a field */
+
+typedef struct sgt_field_point {
+    sgt_fate fate;               /* of the chief ray */
+    size_t   element;            /* where it ended */
+    sgt_vec2 image;              /* where it met the image */
+    double   error;              /* a bound on what is off there */
+    /* Along z of the image surface, from where the chief ray meets it: where rays near
+     * it meet in the plane of the field and the axis, and across that plane. */
+    double   tangential, sagittal;
+    double   ideal;              /* the height of an image without distortion, signed
+                                    along the field; NaN: there is none */
+    double   distortion;         /* (height - ideal) / ideal; NaN on the axis */
+} sgt_field_point;
+
+typedef enum sgt_distortion {
+    SGT_DISTORTION_TAN,   /* efl tan(angle); of an object at a distance: magnification
+                             times its height */
+    SGT_DISTORTION_THETA  /* efl times the angle, in radians */
+} sgt_distortion;
+
+/* Astigmatism along the real chief ray (by the derivatives of the trace, which is what
+ * Coddington's equations say where there is a plane of symmetry), and distortion.
+ * data: first-order data at the wavelength of e.  A field on the axis has its tangential
+ * plane along y.  false: no memory. */
+SGT_API bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam,
+                             const sgt_element e[], double index_before,
+                             const sgt_first_order *data, sgt_distortion distortion,
+                             sgt_field_point *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,239 @@
+/* aim.c - rays aimed at the stop, and fields aimed at the image.
+ *
+ * A RAY OF A BEAM is one of a family with two parameters, its coordinates u, v in the entrance
+ * pupil: all numbers of origin and direction are linear in them.  sgt_aim finds the one that
+ * meets a point of the stop, or proves that there is none in the box of u and v (BOX radii of the
+ * pupil, on either side).
+ *
+ * WHERE THE SEARCH BEGINS: where the linear map about the chief ray puts the point.  So a ray depends
+ * on no other but the chief ray, and rays may be aimed in any parts.
+ *
+ * FOLDS.  The map from the pupil to the stop has a determinant.  On the axis of any lens it is not 0.
+ * Where it has the other sign, neighbouring rays reach the stop in reversed order: between there and
+ * the axis the pupil is folded, and points near the fold have two rays.
+ *
+ * A FIELD BY ITS REAL IMAGE HEIGHT is a chief ray, as the lens itself aims.  At the paraxial pupil it
+ * goes through the pupil's centre: another family of two parameters, the slopes (from afar) or
+ * the object point, aimed at the image.  Aimed at the stop each of these has its own
+ * chief ray; then Newton's method finds the parameters, with differences for derivatives: they
+ * are good to about 1e-5, and each step gains as much. */
+#include "launch.h"
+
+static const double RADIANS = 0.017453292519943295; /* a degree */
+static const double BOX = 6, SLOPES = 50;           /* of the pupil; a direction of 88.9 degrees */
+enum { STEPS = 12 };
+
+/* The rays of a beam by their coordinates in the pupil. */
+static sgt_beam family_of(const sgt_field_beam *b)
+{
+    const double a = b->radius;
+    sgt_beam f = {.u = {-BOX, BOX}, .v = {-BOX, BOX}};
+    if (b->finite) {
+        f.o = b->object;
+        f.d = minus3((sgt_vec3){0, 0, b->pupil}, b->object);
+        f.du.x = f.dv.y = a;
+        return f;
+    }
+    const sgt_vec3 d = b->direction;
+    f.d = d;
+    f.o = along3((sgt_vec3){0, 0, b->pupil}, b->wave - b->pupil * d.z, d);
+    f.ou = along3((sgt_vec3){a, 0, 0}, -a * d.x, d);
+    f.ov = along3((sgt_vec3){0, a, 0}, -a * d.y, d);
+    return f;
+}
+
+/* The linear map from the beam's parameters to an element, about a ray. */
+typedef struct linear { double xu, xv, yu, yv, determinant; } linear;
+
+static linear linear_at(size_t element, const sgt_element e[], double before, const sgt_beam *f,
+                        const sgt_ray *ray, const sgt_passage passages[])
+{
+    sgt_ray_change by[2] = {{.p = f->ou, .d = f->du}, {.p = f->ov, .d = f->dv}};
+    sgt_trace_sensitivity(element + 1, e, before, ray, passages, 2, by, by);
+    const linear l = {by[0].p.x, by[1].p.x, by[0].p.y, by[1].p.y, 0};
+    return (linear){l.xu, l.xv, l.yu, l.yv, l.xu * l.yv - l.xv * l.yu};
+}
+
+static sgt_aiming aim_at(size_t element, const sgt_element e[], double before, const sgt_beam *f,
+                         sgt_vec2 wanted, sgt_passage passages[], size_t starts, const sgt_vec2 start[])
+{
+    sgt_aiming a;
+    sgt_aim(element, e, before, f, wanted, passages,
+            &(sgt_aim_options){.starts = starts, .start = start}, &a);
+    return a;
+}
+
+bool sgt_aim_at_stop(sgt_launcher *from, sgt_lens_error *error)
+{
+    const size_t stop = from->lens->stop;
+    sgt_field_beam b;
+    const sgt_lens_field axis = {.weight = 1};
+    if (!sgt_launch_field(from, SGT_FIELD_ANGLE, &axis, &b, error)) return false;
+    sgt_passage *passages = sgt_launch_take(from, stop + 1, sizeof *passages);
+    if (!passages) return sgt_launch_fail(from, error, "", "no memory");
+    sgt_ray ray = sgt_field_ray(&b, 0, 1);
+    from->stop_radius = from->data.stop_radius;
+    if (from->aim == SGT_AIM_REAL_STOP) {
+        size_t passed = sgt_trace(stop + 1, from->element, from->before, &ray, passages, NULL, NULL);
+        const sgt_hit *hit = &passages[stop].hit;
+        from->stop_radius = passed >= stop && hit->status > 0 ? hypot(hit->p.x, hit->p.y) : (double)NAN;
+    }
+    const sgt_beam f = family_of(&b);
+    const sgt_ray chief = sgt_beam_ray(&f, 0, 0);
+    ray = chief;
+    if (sgt_trace(stop + 1, from->element, from->before, &ray, passages, NULL, NULL) >= stop &&
+        passages[stop].hit.status > 0) {
+        double d = linear_at(stop, from->element, from->before, &f, &chief, passages).determinant;
+        from->sense = d > 0 ? 1 : d < 0 ? -1 : 0;
+    }
+    sgt_launch_forget(from, passages);
+    return !isnan(from->stop_radius) ||
+           sgt_launch_fail(from, error, "aim",
+                           "the real marginal ray on the axis does not reach the stop, element %zu",
+                           stop + 1);
+}
+
+static sgt_ray of_unit_length(sgt_ray ray)
+{
+    ray.d = unit3(ray.d);
+    ray.tmin = ray.tmax = 0;
+    return ray;
+}
+
+bool sgt_aim_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
+                  size_t count, const sgt_pupil_point at[], sgt_launched out[])
+{
+    const size_t stop = from->lens->stop;
+    const sgt_beam f = family_of(b);
+    sgt_passage *passages = sgt_launch_take(from, stop + 1, sizeof *passages);
+    if (!passages) return false;
+    const sgt_vec2 middle = {0, 0};
+    const sgt_aiming chief = aim_at(stop, e, before, &f, middle, passages, 1, &middle);
+    linear map = {.determinant = 0};
+    if (chief.status == SGT_MET) map = linear_at(stop, e, before, &f, &chief.ray, passages);
+    const bool mapped = fabs(map.determinant) > 0;
+    for (size_t i = 0; i < count; i++) {
+        const sgt_vec2 q = sgt_vignetted(b, at[i].x, at[i].y);
+        const sgt_vec2 wanted = {q.x * from->stop_radius, q.y * from->stop_radius};
+        sgt_vec2 starts[2] = {q, q};
+        if (mapped) {
+            const double x = wanted.x - chief.point.x, y = wanted.y - chief.point.y;
+            starts[0].x = chief.u + (map.yv * x - map.xv * y) / map.determinant;
+            starts[0].y = chief.v + (map.xu * y - map.yu * x) / map.determinant;
+        }
+        const sgt_aiming a = aim_at(stop, e, before, &f, wanted, passages, 2, starts);
+        out[i] = (sgt_launched){.ray = of_unit_length(a.ray), .status = a.status};
+        if (a.status == SGT_MET && from->sense != 0)
+            out[i].folded = linear_at(stop, e, before, &f, &a.ray, passages).determinant * from->sense < 0;
+    }
+    sgt_launch_forget(from, passages);
+    return true;
+}
+
+/* ------------------------------------------------------------ real image heights */
+
+/* The chief rays through the centre of the paraxial pupil, by their slopes or by their object point. */
+static sgt_beam chiefs_of(const sgt_field_beam *b)
+{
+    if (b->finite)
+        return (sgt_beam){.o = {0, 0, b->object.z}, .ou = {1, 0, 0}, .ov = {0, 1, 0},
+                          .d = {0, 0, b->pupil - b->object.z}, .du = {-1, 0, 0}, .dv = {0, -1, 0}};
+    double way = b->pupil - b->front;
+    return (sgt_beam){.o = {0, 0, b->front}, .ou = {-way, 0, 0}, .ov = {0, -way, 0}, .d = {0, 0, 1},
+                      .du = {1, 0, 0}, .dv = {0, 1, 0}, .u = {-SLOPES, SLOPES}, .v = {-SLOPES, SLOPES}};
+}
+
+static void set_point(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 at)
+{
+    if (b->finite) sgt_beam_point(from, b, at.x, at.y);
+    else sgt_beam_point(from, b, atan(at.x) / RADIANS, atan(at.y) / RADIANS);
+}
+
+/* What a search for a field works with. */
+typedef struct field_search {
+    const sgt_launcher *from;
+    sgt_element *open;       /* the lens without apertures */
+    sgt_passage *passages;
+    size_t count;
+} field_search;
+
+/* Where the chief ray through the centre of the stop meets the image, for a field at `at`. */
+static bool image_of(const field_search *s, sgt_field_beam b, sgt_vec2 at, sgt_vec2 *image, sgt_vec2 *pupil)
+{
+    set_point(s->from, &b, at);
+    const sgt_beam f = family_of(&b);
+    sgt_aiming a = aim_at(s->from->lens->stop, s->open, s->from->before, &f, (sgt_vec2){0, 0}, s->passages, 1,
+                          pupil);
+    if (a.status != SGT_MET) return false;
+    *pupil = (sgt_vec2){a.u, a.v};
+    size_t passed = sgt_trace(s->count, s->open, s->from->before, &a.ray, s->passages, NULL, NULL);
+    if (passed < s->count) return false;
+    *image = (sgt_vec2){s->passages[s->count - 1].hit.p.x, s->passages[s->count - 1].hit.p.y};
+    return true;
+}
+
+/* Newton's method for the field whose aimed chief ray meets the image at `wanted`. */
+static bool solve_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 wanted, sgt_vec2 *at)
+{
+    const double scale = 1e-5 * (b->finite ? fabs(b->object.z - b->pupil) : 1);
+    double least = HUGE_VAL;
+    sgt_vec2 best = *at, pupil = {0, 0};
+    for (int i = 0; i < STEPS; i++) {
+        sgt_vec2 f, fx, fy, x = {at->x + scale, at->y}, y = {at->x, at->y + scale};
+        if (!image_of(s, *b, *at, &f, &pupil)) break;
+        double miss = hypot(f.x - wanted.x, f.y - wanted.y);
+        if (!(miss < least)) break; /* as near as rounding allows, or off the way */
+        least = miss, best = *at;
+        if (!image_of(s, *b, x, &fx, &pupil) || !image_of(s, *b, y, &fy, &pupil)) break;
+        double a = (fx.x - f.x) / scale, c = (fy.x - f.x) / scale, e = (fx.y - f.y) / scale,
+               g = (fy.y - f.y) / scale, by = a * g - c * e, u = wanted.x - f.x, v = wanted.y - f.y;
+        if (!(fabs(by) > 0)) break;
+        at->x += (g * u - c * v) / by, at->y += (a * v - e * u) / by;
+    }
+    *at = best;
+    return least <= 1e-9 * (hypot(wanted.x, wanted.y) + 1e-3 * fabs(b->pupil - b->front));
+}
+
+static bool find_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 wanted, sgt_vec2 *found)
+{
+    const sgt_lens *l = s->from->lens;
+    if (l->aim != SGT_AIM_PUPIL && b->cone == 0) return solve_field(s, b, wanted, found);
+    sgt_beam f = chiefs_of(b);
+    if (b->finite) {
+        double reach = 10 * (hypot(found->x, found->y) + b->radius);
+        f.u = f.v = (sgt_interval){-reach, reach};
+    }
+    sgt_aiming a = aim_at(l->count - 1, s->from->element, s->from->before, &f, wanted, s->passages, 1, found);
+    *found = (sgt_vec2){a.u, a.v};
+    return a.status == SGT_MET;
+}
+
+bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 wanted, sgt_lens_error *error)
+{
+    const sgt_lens *l = from->lens;
+    if (b->finite) b->object.z = l->surface[0].z - l->object_distance;
+    double by = b->finite ? 1 / from->data.magnification : from->data.power / from->before;
+    sgt_vec2 found = {isfinite(by) ? wanted.x * by : 0, isfinite(by) ? wanted.y * by : 0};
+    field_search s = {.from = from, .count = l->count};
+    s.open = sgt_launch_take(from, l->count, sizeof *s.open);
+    s.passages = sgt_launch_take(from, l->count, sizeof *s.passages);
+    const bool room = s.open && s.passages;
+    bool fine = room;
+    if (room) {
+        for (size_t i = 0; i < l->count; i++) {
+            s.open[i] = from->element[i];
+            s.open[i].semi_diameter = 0, s.open[i].aperture = NULL;
+        }
+        fine = find_field(&s, b, wanted, &found);
+    }
+    sgt_launch_forget(from, s.open);
+    sgt_launch_forget(from, s.passages);
+    if (fine) {
+        set_point(from, b, found);
+        return true;
+    }
+    if (!room) return sgt_launch_fail(from, error, "", "no memory");
+    return sgt_launch_fail(from, error, "fields",
+                           "no chief ray was found that meets the image at [%g, %g]; give --field or --rays",
+                           wanted.x, wanted.y);
+}

@@ -1,0 +1,70 @@
+/* curves.c - where rays near a chief ray meet, and how far its image lies from where it should.
+ *
+ * THE TANGENTIAL PLANE holds the axis and the field: the object's direction, or its point.  The sections
+ * along it and across it are those of parabasal.c; where they mix (a lens without symmetry about that
+ * plane) there are no two foci, and both are NaN.
+ *
+ * THE IDEAL HEIGHT from afar is that of a paraxial ray at the focus, n u / P for the slope u: it depends on
+ * the slope alone.  For f theta the slope is replaced by the angle. */
+#include "launch.h"
+
+#include "../parabasal.h"
+
+/* The direction of the field across the axis, and what the image height is in proportion to. */
+typedef struct field_way { sgt_vec2 h; double size; } field_way;
+
+static field_way way_of(const sgt_field_beam *b, const sgt_ray *chief, sgt_distortion distortion)
+{
+    sgt_vec2 v = b->finite ? (sgt_vec2){b->object.x, b->object.y}
+                           : (sgt_vec2){chief->d.x / chief->d.z, chief->d.y / chief->d.z};
+    double size = hypot(v.x, v.y);
+    if (size == 0) return (field_way){{0, 1}, 0};
+    const sgt_vec2 h = {v.x / size, v.y / size};
+    return (field_way){h, !b->finite && distortion == SGT_DISTORTION_THETA ? atan(size) : size};
+}
+
+static double ideal_of(const sgt_launcher *from, const sgt_field_beam *b, const sgt_first_order *data)
+{
+    const double index = from->before == 0 ? 1 : from->before;
+    return b->finite ? data->magnification : data->efl * index;
+}
+
+bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
+                     double index_before, const sgt_first_order *data, sgt_distortion distortion,
+                     sgt_field_point *out)
+{
+    const double none = (double)NAN;
+    const size_t count = from->lens->count;
+    const sgt_pupil_point centre = {0, 0, 1};
+    *out = (sgt_field_point){.fate = SGT_LOST, .image = {none, none}, .error = none, .tangential = none,
+                             .sagittal = none, .ideal = none, .distortion = none};
+    sgt_launched chief;
+    sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
+    if (!passages) return false;
+    if (!sgt_launch_rays(from, b, e, index_before, 1, &centre, &chief)) {
+        sgt_launch_forget(from, passages);
+        return false;
+    }
+    sgt_ray ray = chief.ray;
+    size_t passed = 0;
+    if (chief.status == SGT_MET) passed = sgt_trace(count, e, index_before, &ray, passages, &out->fate, NULL);
+    out->element = passed < count ? passed : count - 1;
+    if (passed == count) {
+        const field_way way = way_of(b, &chief.ray, distortion);
+        const sgt_passage *last = &passages[count - 1];
+        sgt_end_error off;
+        sgt_parabasal near;
+        sgt_trace_error(count, e, index_before, &chief.ray, passages, &off);
+        out->image = (sgt_vec2){last->hit.p.x, last->hit.p.y}, out->error = off.point + 4 * off.grain;
+        if (sgt_parabasal_about((sgt_vec3){way.h.y, -way.h.x, 0}, count, e, index_before, b->finite,
+                                &chief.ray, passages, &near))
+            out->sagittal = near.image[0] * last->direction.z,
+            out->tangential = near.image[1] * last->direction.z;
+        out->ideal = ideal_of(from, b, data) * way.size;
+        if (out->ideal != 0)
+            out->distortion =
+                (out->image.x * way.h.x + out->image.y * way.h.y - out->ideal) / out->ideal;
+    }
+    sgt_launch_forget(from, passages);
+    return true;
+}

@@ -1,0 +1,11 @@
+/* parabasal.h - the two sections of a chief ray, the first of them along any direction. */
+#ifndef SGT_LENS_PARABASAL_H
+#define SGT_LENS_PARABASAL_H
+#include <sagitta/lens.h>
+
+/* sgt_lens_parabasal with [0] along `across`, global, as far as that is across the chief ray. */
+bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], double index_before,
+                         bool from_point, const sgt_ray *chief, const sgt_passage passages[],
+                         sgt_parabasal *out);
+
+#endif
