@@ -144,13 +144,11 @@ sgt_ray_end *look_trace(look *l, const sgt_field_beam *beam, const look_band *ba
     return w.end;
 }
 
-sgt_ray_end look_chief(look *l, const sgt_field_beam *beam, const look_band *band, const sgt_element *element)
+sgt_ray_end look_chief(const look *l, const sgt_field_beam *beam, const look_band *band,
+                       const sgt_element *element)
 {
-    static const sgt_pupil_point centre = {0, 0, 1};
     sgt_ray_end end;
-    look_work w = {.look = l, .beam = beam, .element = element, .before = band->lens.index_before,
-                   .at = &centre, .end = &end};
-    trace_part(&w, &(tile){.count = 1});
+    if (!sgt_trace_chief(l->from, beam, element, band->lens.index_before, &end)) fail_input("out of memory");
     return end;
 }
 

@@ -68,7 +68,9 @@ sgt_field_beam look_beam(const look *l, sgt_field_kind kind, sgt_lens_field at);
  * counted: they are added to l->fates. */
 sgt_ray_end *look_trace(look *l, const sgt_field_beam *beam, const look_band *band,
                         const sgt_element *element, const launch_pattern *points, bool counted);
-sgt_ray_end look_chief(look *l, const sgt_field_beam *beam, const look_band *band,
+
+/* The end of the chief ray, whatever clips it. */
+sgt_ray_end look_chief(const look *l, const sgt_field_beam *beam, const look_band *band,
                        const sgt_element *element);
 
 /* The same pattern with half as many rays across the pupil; none where that cannot be. */
