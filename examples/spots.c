@@ -19,8 +19,8 @@ static bool print_field(const sgt_launcher *from, const sgt_lens *lens, size_t f
                 sgt_trace_pupil(from, &beam, lens->element, lens->index_before, count, at, NULL, end);
     if (fine) {
         sgt_spot spot = sgt_spot_of(1, &(sgt_ends){count, end, 1}, NULL);
-        printf("field %zu: %zu of %zu rays passed, rms %.6g +- %.1g", field + 1, spot.passed, spot.rays, spot.rms,
-               spot.error);
+        printf("field %zu: %zu of %zu rays passed, rms %.6g +- %.1g", field + 1, spot.passed, spot.rays,
+               spot.rms, spot.error);
         if (sgt_reference_of(lens, sgt_launcher_data(from), lens->element, lens->index_before, &chief, false,
                              &about)) {
             for (size_t i = 0; i < count; i++) opd[i] = sgt_opd(&about, &end[i], &opd_err[i]);

@@ -270,6 +270,16 @@ const char *look_title(const look *l, const char *what)
     return look_text("%s: %s", *of->name ? of->name : file ? file + 1 : of->of->file, what);
 }
 
+size_t look_colour(const look *l, size_t band)
+{
+    size_t shorter = 0;
+    for (size_t b = 0; b < l->bands; b++) {
+        const double one = l->band[b].lens.wavelength, own = l->band[band].lens.wavelength;
+        shorter += one < own || (one == own && b < band);
+    }
+    return shorter;
+}
+
 const char *look_wavelength_name(const look_band *band)
 {
     return isnan(band->lens.wavelength) ? NULL : look_text("%.6g \302\265m", band->lens.wavelength);
@@ -282,6 +292,7 @@ const char *look_lens_line(const look *l)
     for (size_t i = 0; i < l->bands && n < sizeof text - 40 && !isnan(l->band[i].lens.wavelength); i++)
         n += (size_t)snprintf(text + n, sizeof text - n, "%s%.6g", i ? ", " : "", l->band[i].lens.wavelength);
     const char *units = l->primary.lens.units;
+    if (strcmp(units, "in") == 0) units = "inches";
     return look_text("%s%slengths in %s%s", text, n ? " \302\265m; " : "",
                      *units ? units : "the unit of the lens",
                      l->asked->shared.solver.proof == SGT_PROVE_FIRST  ? "; every hit proven to be the first"
