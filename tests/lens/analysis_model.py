@@ -26,7 +26,7 @@ import zmx_oracle
 
 mp.dps = 60
 KEYS = set('type radius curvature conic coefficients thickness index mirror stop semi_diameter draw_to origin tilt '
-           'radius_x terms norm order step_x step_y sag name'.split())
+           'radius_x terms norm order step_x step_y sag name decenter'.split())
 
 
 class Fails(Exception):
@@ -209,13 +209,13 @@ def turn_of(tilt):
 
 class Surface:
     """rough, fine: its sag; vertex, turn: its frame; index: behind it, at each wavelength of the lens, positive;
-    power: of an ideal lens, else None; limit: beyond this radius a ray is clipped (infinite: never)."""
+    focal: the focal length of an ideal lens, else None; clips: whether it stops a ray at x, y."""
 
-    def __init__(self, c=0.0, k=0.0, a=(), mirror=False, swept=None, terms=(), folder=None, limit=0.0):
+    def __init__(self, c=0.0, k=0.0, a=(), mirror=False, swept=None, terms=(), folder=None, clips=None):
         self.rough = Sag(c, k, a, float, swept, [Departure(t, folder, float) for t in terms])
         self.fine = Sag(c, k, a, mpf, swept, [Departure(t, folder, mpf) for t in terms])
         self.c = mpf(c) + (2 * mpf(a[0]) if a else 0)  # of the vertex, in the y-z plane
-        self.mirror, self.focal, self.limit = mirror, None, limit or math.inf
+        self.mirror, self.focal, self.clips = mirror, None, clips or (lambda x, y: False)
         self.vertex, self.turn, self.plain, self.index = [mpf(0)] * 3, IDENTITY, True, []
 
     def placed(self, vertex, turn=None):
@@ -364,6 +364,8 @@ class Lens:
             return value
         if kind == 'f_number':
             return abs(1 / self.power(self.primary)) / (2 * value)
+        if kind == 'object_na':
+            return mp.tan(mp.asin(value / self.before[self.primary])) * (self.object + self.entrance_pupil())
         y, _ = self.paraxial(*self.marginal(), 0, self.stop, self.primary)
         return value / abs(y)  # the semi-diameter of the stop
 
@@ -372,11 +374,15 @@ class Lens:
         _, nu = self.paraxial(self.object / self.before[wave], mpf(1), 0, len(self.surfaces) - 1, wave)
         return 1 / nu  # n u / (n' u')
 
+    def length(self):
+        """Along the axis, from the object or else the first vertex to the image."""
+        return sum(map(abs, self.thicknesses)) + (self.object or 0)
+
     # -------------------------------------------------------------- real rays
 
     def trace(self, wave, o, d, opl=mpf(0), last=None):
         """A global ray: point and direction behind surface `last` (the image) in its frame, path, and whether no
-        limit clips it."""
+        aperture clips it."""
         n, inside = self.before[wave], True
         for i, s in enumerate(self.surfaces):
             p = [a - b for a, b in zip(o, s.vertex)]
@@ -385,7 +391,7 @@ class Lens:
                 p, way = back(s.turn, p), back(s.turn, d)
             t, sx, sy = s.met(p, way)
             p, opl = along(p, t, way), opl + n * t
-            inside = inside and p[0] ** 2 + p[1] ** 2 <= s.limit ** 2
+            inside = inside and not s.clips(p[0], p[1])
             way, more = s.bent(p, way, (sx, sy), n, s.index[wave])
             opl += more
             if i == last:
@@ -413,8 +419,9 @@ def yaml_surface(s, folder):
     if kind == 'toroidal':
         c = curvature(s, '_x')
         swept = 1 / mpf(c) if c else mpf(0)  # as the surface has it: the curvature, rounded once
+    limit = float(s.get('semi_diameter', 0)) or math.inf
     return Surface(curvature(s), float(s.get('conic', 0)), a, bool(s.get('mirror')), swept,
-                   s.get('terms', ()), folder, float(s.get('semi_diameter', 0)))
+                   s.get('terms', ()), folder, lambda x, y: x * x + y * y > limit * limit)
 
 
 def indices(value, waves):
@@ -430,7 +437,8 @@ def place(lens, rows):
         if 'origin' in row:
             s.placed([mpf(float(x)) for x in row['origin']], turn)
         else:
-            s.placed([mpf(0), mpf(0), z], turn)
+            aside = [mpf(float(x)) for x in row.get('decenter', (0, 0, 0))]
+            s.placed([aside[0], aside[1], z + aside[2]], turn)
             if row is not rows[-1]:
                 lens.thicknesses.append(mpf(float(row['thickness'])))
                 z += lens.thicknesses[-1]
@@ -511,7 +519,7 @@ def read_zmx(path):
         p = [s.parm.get(j, 0.0) for j in range(9)]
         swept = mpf(p[1]) if s.type == 'TOROIDAL' else None
         a = p[1:] if s.type == 'EVENASPH' else p[2:] if s.type == 'TOROIDAL' else []
-        made = Surface(s.c, s.k, a, file.mirror(i), swept)
+        made = Surface(s.c, s.k, a, file.mirror(i), swept, clips=s.stops)
         made.focal = mpf(p[1]) if s.type == 'PARAXIAL' else None
         made.index = [mpf(str(file.index(i, w))) for w in lens.wavelengths]
         turn = [[mpf(str(x)) for x in row] for row in frame.turn]

@@ -2,7 +2,8 @@
 """Spots, wavefronts and curves of fields at 50 digits, by mpmath: writes ../data/analysis_*.csv.
 
     python3 analysis_oracle.py [LENS ...]            needs mpmath, PyYAML
-    python3 analysis_oracle.py --compare FOLDER      against the reference's own json files (../data/README.md)
+    python3 analysis_oracle.py --reference FOLDER    rewrites analysis_reference.csv (../data/README.md) from the
+                                                     json files in FOLDER, and compares it with the oracle
 
 The lenses and their real and paraxial rays are those of analysis_model.py.  What is made of them here:
 
@@ -157,7 +158,7 @@ class Beam:
         return place
 
     def end(self, px, py):
-        """Point, direction, path and whether no limit clips, at the image."""
+        """Point, direction, path and whether no aperture clips, at the image."""
         return self.lens.trace(self.wave, *self.through(*self.place(mpf(px), mpf(py))))
 
     def chief(self):
@@ -198,8 +199,10 @@ class Beam:
     # -------------------------------------------------------------- curves of a field
 
     def along_field(self):
-        """The direction of the field in x, y; on the axis y."""
+        """The direction of the field in x, y: of its slopes, or of its height; on the axis y."""
         x, y = self.field.x, self.field.y
+        if self.lens.kind == 'angle':
+            x, y = (mp.tan(a * mp.pi / 180) for a in (x, y))
         size = mp.sqrt(x * x + y * y)
         return (x / size, y / size) if size else (mpf(0), mpf(1))
 
@@ -310,7 +313,7 @@ def rays_of(beam):
 
 TABLES = {
     'rays': 'px py passed x y z l m n opl opd',
-    'fields': 'x y radius tangential sagittal ideal_tan distortion_tan ideal_theta distortion_theta',
+    'fields': 'length x y radius tangential sagittal ideal_tan distortion_tan ideal_theta distortion_theta',
     'spots': 'rays traced passed x y rms_centroid rms_x_centroid rms_y_centroid geometric_centroid rms_chief '
              'rms_x_chief rms_y_chief geometric_chief opd_mean opd_rms opd_pv',
     'zernike': 'order term n m coefficient'}
@@ -324,7 +327,8 @@ def tables_of(name, lens):
             where, beam = {'lens': name, 'field': i, 'wavelength': um}, Beam(lens, field, wave)
             out['rays'] += [{**where, **row} for row in rays_of(beam)]
             try:
-                out['fields'].append({**where, 'radius': beam.reference_radius(), **beam.curves()})
+                out['fields'].append({**where, 'length': lens.length(), 'radius': beam.reference_radius(),
+                                      **beam.curves()})
             except Fails:
                 continue
             if wave == lens.primary:
@@ -337,6 +341,13 @@ def tables_of(name, lens):
     return out
 
 
+def save(table, columns, rows):
+    with (DATA / f'analysis_{table}.csv').open('w', newline='') as file:
+        out = csv.DictWriter(file, ['lens', 'field', 'wavelength', *columns.split()], lineterminator='\n')
+        out.writeheader()
+        out.writerows({key: text(value) for key, value in row.items()} for row in rows)
+
+
 def write(names):
     everything = {table: [] for table in TABLES}
     for name, (read, path) in lenses().items():
@@ -346,11 +357,36 @@ def write(names):
         for table, rows in tables_of(name, read(path)).items():
             everything[table] += rows
     for table, columns in TABLES.items():
-        with (DATA / f'analysis_{table}.csv').open('w', newline='') as file:
-            out = csv.DictWriter(file, ['lens', 'field', 'wavelength', *columns.split()], lineterminator='\n')
-            out.writeheader()
-            out.writerows({key: text(value) for key, value in row.items()} for row in everything[table])
+        save(table, columns, everything[table])
+
+
+REFERENCE = 'slope traced rms_centroid rms_chief opd_pv opd_rms'
+
+
+def reference(folder):
+    """Of each field and wavelength, aimed at the paraxial pupil: what the reference has, and how far off we are."""
+    rows, off = [], mpf(0)
+    for path in sorted(pathlib.Path(folder).glob('*.json')):
+        lens = read_zmx(DATA / 'zmx' / f'{path.stem}.zmx')
+        for r in json.loads(path.read_text())['rays']:
+            theirs, waves = r['spot'], r.get('opd') or {}
+            row = {'lens': f'{path.stem}.zmx', 'field': r['field'] + 1, 'wavelength': lens.wavelengths[r['wavelength']],
+                   'slope': (r.get('object_slopes') or [None, None])[1], 'traced': theirs['n'],
+                   'rms_centroid': theirs.get('rms_centroid'), 'rms_chief': theirs.get('rms_chief'),
+                   'opd_pv': waves.get('pv_waves'), 'opd_rms': waves.get('rms_waves')}
+            beam = Beam(lens, lens.fields[r['field']], r['wavelength'])
+            beam.aim = 'pupil'
+            ours = spot(beam)[0] if theirs['n'] else {}
+            for key in REFERENCE.split()[2:]:
+                if row[key] and key in ours and (lens.power(lens.primary) or 'opd' not in key):
+                    off = max(off, abs(ours[key] - mpf(row[key])) / (abs(ours[key]) + mpf(10) ** -20))
+            rows.append(row)
+    save('reference', REFERENCE, rows)
+    print('the largest relative difference:', mp.nstr(off, 3))
 
 
 if __name__ == '__main__':
-    write(sys.argv[1:])
+    if sys.argv[1:2] == ['--reference']:
+        reference(sys.argv[2])
+    else:
+        write(sys.argv[1:])
