@@ -24,8 +24,13 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
     const sgt_passage *last = &passages[out->element];
     out->status = last->hit.status, out->folded = l->folded;
     out->proven = passed == count;
+    sgt_vec3 d = l->ray.d;
     for (size_t i = 0; i <= out->element; i++) {
         const sgt_hit *hit = &passages[i].hit;
+        const sgt_vec3 in = into3(&e[i].pose, d);
+        if (hit->status > 0)
+            out->condition = fmax(out->condition, length3(hit->n) * length3(in) / fabs(dot3(hit->n, in)));
+        d = out_of3(&e[i].pose, passages[i].direction);
         out->evals += hit->evals;
         out->t_err = fmax(out->t_err, hit->t_err);
         out->proven = out->proven && hit->status == SGT_HIT;
