@@ -1,15 +1,14 @@
-/* chart_missing.c - in the place of chart.c where there is no cairo. */
-#include "chart.h"
-
+/* chart_missing.c - replaces the files of a chart if there is no cairo. */
 #include "../base/fail.h"
+#include "chart.h"
 
 void chart_check(const char *option, const char *path)
 {
-    (void)path;
-    fail_usage("--%s needs cairo, which this command was built without", option);
+    fail_usage("%s %s: not available; this command was built without cairo", option, path);
 }
 
 void chart_write(const char *path, const chart *c)
 {
-    (void)path, (void)c;
+    (void)c;
+    chart_check("picture", path);
 }
