@@ -21,6 +21,20 @@ void legend_colour(cairo_t *cr, size_t field)
     cairo_set_source_rgb(cr, c[0], c[1], c[2]);
 }
 
+static void legend_set(cairo_t *cr, size_t i)
+{
+    static const double dashes[][2] = {{0, 0}, {6, 3}, {2, 2.5}, {10, 3}};
+    enum { DASHES = sizeof dashes / sizeof dashes[0] };
+    const double *dash = dashes[i / COLOURS % DASHES];
+    legend_colour(cr, i);
+    cairo_set_dash(cr, dash, dash[0] > 0 ? 2 : 0, 0);
+}
+
+void legend_ray(cairo_t *cr, const scene *s, const ray_path *ray)
+{
+    legend_set(cr, s->by_wavelength ? ray->wavelength : ray->field);
+}
+
 void legend_mark(cairo_t *cr, sgt_fate fate, double x, double y)
 {
     const double r = 3;
@@ -30,6 +44,9 @@ void legend_mark(cairo_t *cr, sgt_fate fate, double x, double y)
         cairo_move_to(cr, x - r, y + r), cairo_line_to(cr, x + r, y - r);
     } else if (fate == SGT_TIR) {
         cairo_arc(cr, x, y, r, 0, 8 * atan(1.0));
+    } else if (fate == SGT_LOST) {
+        cairo_rectangle(cr, x - 0.75 * r, y - 0.75 * r, 1.5 * r, 1.5 * r);
+        cairo_fill_preserve(cr);
     } else {
         cairo_move_to(cr, x, y - r), cairo_line_to(cr, x + r, y + r), cairo_line_to(cr, x - r, y + r);
         cairo_close_path(cr);
@@ -60,25 +77,35 @@ static double entry(flow *f, double sample, const char *text)
     return x;
 }
 
-/* "field 5°" or, of lengths, "field 3, 4". */
+/* "field 5°" or, of lengths, "field 3, 4 mm"; the word only before the first. */
 static void print_field(char *text, size_t size, const job *j, size_t i)
 {
-    const char *unit = j->field_kind == SGT_FIELD_ANGLE ? "\302\260" : "", *word = i == 0 ? "field " : "";
+    bool angle = j->field_kind == SGT_FIELD_ANGLE;
+    const char *unit = angle ? "\302\260" : j->lens.units, *blank = angle ? "" : " ";
+    const char *word = i == 0 ? "field " : "";
     sgt_lens_field at = j->field[i];
-    if (at.x == 0) snprintf(text, size, "%s%g%s", word, at.y, unit);
-    else snprintf(text, size, "%s%g%s, %g%s", word, at.x, unit, at.y, unit);
+    if (at.x == 0)
+        snprintf(text, size, "%s%g%s%.20s", word, at.y, blank, unit);
+    else
+        snprintf(text, size, "%s(%g, %g)%s%.20s", word, at.x, at.y, blank, unit);
 }
 
-static void field_entries(flow *f, const scene *s)
+/* What the colours of the rays mean. */
+static void ray_entries(flow *f, const scene *s)
 {
-    for (size_t i = 0; i < s->job->fields; i++) {
-        char text[40];
-        print_field(text, sizeof text, s->job, i);
+    const job *j = s->job;
+    for (size_t i = 0; i < (s->by_wavelength ? j->wavelengths : j->fields); i++) {
+        char text[80];
+        if (s->by_wavelength)
+            snprintf(text, sizeof text, "%g \302\265m", j->at[i].lens.wavelength);
+        else
+            print_field(text, sizeof text, j, i);
         double x = entry(f, SAMPLE, text), y = f->y - LEGEND_FONT / 3;
-        legend_colour(f->cr, i);
+        legend_set(f->cr, i);
         cairo_move_to(f->cr, x, y), cairo_line_to(f->cr, x + SAMPLE, y);
         cairo_set_line_width(f->cr, 1.6);
         cairo_stroke(f->cr);
+        cairo_set_dash(f->cr, NULL, 0, 0);
     }
 }
 
@@ -95,8 +122,14 @@ static void stop_entry(flow *f, const scene *s)
 
 static void fate_entries(flow *f, const scene *s)
 {
-    static const struct { sgt_fate fate; const char *name; } fates[] = {
-        {SGT_CLIPPED, "clipped"}, {SGT_TIR, "totally reflected"}, {SGT_MISSED, "missed"}, {SGT_LOST, "lost"},
+    static const struct {
+        sgt_fate fate;
+        const char *name;
+    } fates[] = {
+        {SGT_CLIPPED, "clipped"},
+        {SGT_TIR, "totally reflected"},
+        {SGT_MISSED, "missed"},
+        {SGT_LOST, "lost"},
     };
     for (int k = 0; k < 4; k++) {
         size_t n = 0;
@@ -140,7 +173,7 @@ double legend_draw(cairo_t *cr, const scene *s, double left, double right, doubl
     cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(cr, LEGEND_FONT);
     flow f = {.cr = cr, .left = left, .right = right - BAR_ROOM, .x = left, .y = top};
-    field_entries(&f, s);
+    ray_entries(&f, s);
     if (s->job->lens.of->stop_marked) stop_entry(&f, s);
     fate_entries(&f, s);
     scale_bar(cr, s, right, top, scale);

@@ -11,7 +11,11 @@
 /* Sets the colour of a field's rays for what is drawn next. */
 void legend_colour(cairo_t *cr, size_t field);
 
-/* Draws the mark of a ray's end: a cross (clipped), a ring (tir), a triangle (missed, lost). */
+/* Sets colour and dash of a ray: those of its field, or of its wavelength (scene.by_wavelength). */
+void legend_ray(cairo_t *cr, const scene *s, const ray_path *ray);
+
+/* Draws the mark of a ray's end: a cross (clipped), a ring (tir), a triangle (missed), a full square (lost).
+ */
 void legend_mark(cairo_t *cr, sgt_fate fate, double x, double y);
 
 /* Draws the legend between left and right, from top down; returns its height.  All are points.
