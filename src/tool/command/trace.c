@@ -524,14 +524,11 @@ exit_status command_trace(int argc, char *argv[])
     const size_t places = tiles_places(&in);
     pictures_reserve(&a.pictures, a.shared.target.path, &j);
     scene picture = scene_begin(&j, a.pictures.plane);
-    trace_work w = {.asked = &a,
-                    .job = &j,
-                    .room = memory_take(places, sizeof *w.room),
+    trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room),
                     .picture = pictures_wanted(&a.pictures) ? &picture : NULL,
                     .launches = !text || j.wavelengths > 1,
                     .stretches = a.shared.solver.proof && !text,
-                    .loss = memory_take(count, sizeof *w.loss),
-                    .back = memory_take(count, sizeof *w.back),
+                    .loss = memory_take(count, sizeof *w.loss), .back = memory_take(count, sizeof *w.back),
                     .field = memory_take(j.fields, sizeof *w.field),
                     .point = memory_take(count + 1, sizeof *w.point)};
     column columns[COLUMNS_MOST];

@@ -2,32 +2,20 @@
  * the right end of the first row. */
 #include "legend.h"
 
+#include "chart_draw.h"
+#include "palette.h"
+
 #include <math.h>
 #include <stdio.h>
 
-static const double LEGEND_ROW = 18, SAMPLE = 20, GAP = 6, BETWEEN = 22, BAR_ROOM = 190, BAR_LONGEST = 150,
+static const double LEGEND_ROW = 18, SAMPLE = 20, GAP = 6, BETWEEN = 22, BAR_ROOM = 210, BAR_LONGEST = 150,
                     TICK = 3;
 
-/* Colours that differ for the colour-blind and in grey (Okabe & Ito 2008, jfly.uni-koeln.de/color). */
-static const double colour[][3] = {
-    {0.00, 0.45, 0.70}, {0.84, 0.37, 0.00}, {0.00, 0.62, 0.45}, {0.80, 0.47, 0.65},
-    {0.35, 0.35, 0.35}, {0.90, 0.62, 0.00}, {0.34, 0.71, 0.91},
-};
-enum { COLOURS = sizeof colour / sizeof colour[0] };
-
-void legend_colour(cairo_t *cr, size_t field)
-{
-    const double *c = colour[field % COLOURS];
-    cairo_set_source_rgb(cr, c[0], c[1], c[2]);
-}
-
+/* The colour of a field or wavelength; beyond the number of colours, other dashes. */
 static void legend_set(cairo_t *cr, size_t i)
 {
-    static const double dashes[][2] = {{0, 0}, {6, 3}, {2, 2.5}, {10, 3}};
-    enum { DASHES = sizeof dashes / sizeof dashes[0] };
-    const double *dash = dashes[i / COLOURS % DASHES];
-    legend_colour(cr, i);
-    cairo_set_dash(cr, dash, dash[0] > 0 ? 2 : 0, 0);
+    palette_set(cr, i);
+    palette_dash(cr, i / PALETTE_COLOURS);
 }
 
 void legend_ray(cairo_t *cr, const scene *s, const ray_path *ray)
@@ -65,14 +53,11 @@ typedef struct flow {
 /* Makes room for a sample and a text, and draws the text; returns x of the sample. */
 static double entry(flow *f, double sample, const char *text)
 {
-    cairo_text_extents_t size;
-    cairo_text_extents(f->cr, text, &size);
-    double wide = sample + GAP + size.x_advance;
+    double room = f->right - f->left, wide = fmin(sample + GAP + chart_width(f->cr, text), room);
     if (f->x > f->left && f->x + wide > f->right) f->x = f->left, f->y += LEGEND_ROW;
     double x = f->x;
-    cairo_set_source_rgb(f->cr, 0.2, 0.2, 0.2);
-    cairo_move_to(f->cr, x + sample + GAP, f->y);
-    cairo_show_text(f->cr, text);
+    chart_grey(f->cr, 0.2);
+    chart_text(f->cr, x + sample + GAP, f->y, 0, room, text);
     f->x += wide + BETWEEN;
     return x;
 }
@@ -100,7 +85,7 @@ static void ray_entries(flow *f, const scene *s)
             snprintf(text, sizeof text, "%g \302\265m", j->at[i].lens.wavelength);
         else
             print_field(text, sizeof text, j, i);
-        double x = entry(f, SAMPLE, text), y = f->y - LEGEND_FONT / 3;
+        double x = entry(f, SAMPLE, text), y = f->y - CHART_NORMAL / 3;
         legend_set(f->cr, i);
         cairo_move_to(f->cr, x, y), cairo_line_to(f->cr, x + SAMPLE, y);
         cairo_set_line_width(f->cr, 1.6);
@@ -115,7 +100,7 @@ static void stop_entry(flow *f, const scene *s)
     snprintf(text, sizeof text, "stop: element %zu", s->job->lens.of->stop + 1);
     double x = entry(f, LEGEND_STOP_WIDTH, text);
     cairo_set_source_rgb(f->cr, 0, 0, 0);
-    cairo_move_to(f->cr, x + 1, f->y + 1), cairo_line_to(f->cr, x + 1, f->y - LEGEND_FONT + 2);
+    cairo_move_to(f->cr, x + 1, f->y + 1), cairo_line_to(f->cr, x + 1, f->y - CHART_NORMAL + 2);
     cairo_set_line_width(f->cr, LEGEND_STOP_WIDTH);
     cairo_stroke(f->cr);
 }
@@ -138,7 +123,7 @@ static void fate_entries(flow *f, const scene *s)
         char text[60];
         snprintf(text, sizeof text, "%zu %s", n, fates[k].name);
         double x = entry(f, 6, text);
-        legend_mark(f->cr, fates[k].fate, x + 3, f->y - LEGEND_FONT / 3);
+        legend_mark(f->cr, fates[k].fate, x + 3, f->y - CHART_NORMAL / 3);
     }
 }
 
@@ -147,20 +132,15 @@ static void scale_bar(cairo_t *cr, const scene *s, double right, double y, doubl
 {
     static const double steps[] = {1, 2, 5, 10};
     double longest = BAR_LONGEST / scale, ten = pow(10, floor(log10(longest))), length = ten;
+    char text[CHART_TEXT];
     for (int i = 0; i < 4; i++)
         if (steps[i] * ten <= longest) length = steps[i] * ten;
-    char text[40];
-    cairo_text_extents_t number, units;
-    snprintf(text, sizeof text, "%g ", length);
-    cairo_text_extents(cr, text, &number);
-    cairo_text_extents(cr, s->job->lens.units, &units);
-    double wide = number.x_advance + units.x_advance;
-    cairo_set_source_rgb(cr, 0.2, 0.2, 0.2);
-    cairo_move_to(cr, right - wide, y);
-    cairo_show_text(cr, text);
-    cairo_show_text(cr, s->job->lens.units);
+    chart_number(length, s->job->lens.units, text);
+    double wide = fmin(chart_width(cr, text), BAR_ROOM - BAR_LONGEST);
     double end = right - wide - GAP, start = end - scale * length;
-    y -= LEGEND_FONT / 3;
+    chart_grey(cr, 0.2);
+    chart_text(cr, right, y, 1, wide, text);
+    y -= CHART_NORMAL / 3;
     cairo_move_to(cr, start, y - TICK), cairo_line_to(cr, start, y + TICK);
     cairo_move_to(cr, start, y), cairo_line_to(cr, end, y);
     cairo_move_to(cr, end, y - TICK), cairo_line_to(cr, end, y + TICK);
@@ -170,12 +150,15 @@ static void scale_bar(cairo_t *cr, const scene *s, double right, double y, doubl
 
 double legend_draw(cairo_t *cr, const scene *s, double left, double right, double top, double scale)
 {
-    cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(cr, LEGEND_FONT);
-    flow f = {.cr = cr, .left = left, .right = right - BAR_ROOM, .x = left, .y = top};
+    chart_font(cr, CHART_NORMAL, false);
+    flow f = {.cr = cr,
+              .left = left,
+              .right = right - (scale > 0 ? BAR_ROOM : 0),
+              .x = left,
+              .y = top + CHART_NORMAL};
     ray_entries(&f, s);
     if (s->job->lens.of->stop_marked) stop_entry(&f, s);
     fate_entries(&f, s);
-    scale_bar(cr, s, right, top, scale);
-    return f.y - top + LEGEND_ROW;
+    if (scale > 0) scale_bar(cr, s, right, top + CHART_NORMAL, scale);
+    return f.y - top + LEGEND_ROW / 2;
 }

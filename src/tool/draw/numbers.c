@@ -7,11 +7,12 @@
 #include "numbers.h"
 
 #include "../base/memory.h"
+#include "chart_draw.h"
 
 #include <math.h>
 #include <stdio.h>
 
-static const double SIZE = 9, FIRST = 8, ROW = 10.5, AWAY = 1.5, STOP_BEYOND = 13, PAGE_EDGE = 4;
+static const double SIZE = CHART_SMALL, FIRST = 8, ROW = 10.5, AWAY = 1.5, STOP_BEYOND = 13, PAGE_EDGE = 4;
 enum { ROWS = 9 };
 
 typedef struct number_box {
@@ -20,9 +21,7 @@ typedef struct number_box {
 
 static number_box box_of(const page *p, const char *text, page_dot middle)
 {
-    cairo_text_extents_t size;
-    cairo_text_extents(p->cr, text, &size);
-    double half = size.x_advance / 2 + AWAY, high = 0.36 * SIZE + AWAY;
+    double half = chart_width(p->cr, text) / 2 + AWAY, high = 0.36 * SIZE + AWAY;
     return (number_box){middle.x - half, middle.y - high, middle.x + half, middle.y + high};
 }
 
@@ -140,7 +139,7 @@ static void number_anchor(const page *p, size_t i, int side, page_dot *from, pag
         if (sign * (from->y - d.y) > 0) *from = d;
         if (space) *out = (page_dot){0, -sign};
     }
-    double beyond = o->stop && o->half > 0 ? STOP_BEYOND : 0;
+    double beyond = o->stop && o->half > 0 ? fmax(0, STOP_BEYOND - p->scale * (half - o->half)) : 0;
     *from = (page_dot){from->x + beyond * out->x, from->y + beyond * out->y};
 }
 
@@ -163,19 +162,13 @@ static bool place_number(const page *p, const obstacles *o, const element_number
     return false;
 }
 
-static void number_font(const page *p)
-{
-    cairo_select_font_face(p->cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(p->cr, SIZE);
-}
-
 element_numbers numbers_of(const page *p, double width)
 {
     const size_t count = p->scene->job->lens.count;
     element_numbers n = {
         .number = memory_take(count, sizeof *n.number), .top = HUGE_VAL, .bottom = -HUGE_VAL};
     obstacles o = obstacles_of(p);
-    number_font(p);
+    chart_font(p->cr, SIZE, false);
     for (size_t i = 0; i < count; i++) {
         number *new = &n.number[n.count];
         snprintf(new->text, sizeof new->text, "%zu", i + 1);
@@ -192,7 +185,7 @@ element_numbers numbers_of(const page *p, double width)
 
 void numbers_draw(const page *p, const element_numbers *n, double down)
 {
-    number_font(p);
+    chart_font(p->cr, SIZE, false);
     for (size_t i = 0; i < n->count; i++) {
         const number *one = &n->number[i];
         if (!one->led) continue;
@@ -202,9 +195,7 @@ void numbers_draw(const page *p, const element_numbers *n, double down)
     }
     for (size_t i = 0; i < n->count; i++) {
         const number *one = &n->number[i];
-        cairo_text_extents_t size;
-        cairo_text_extents(p->cr, one->text, &size);
-        cairo_move_to(p->cr, one->at.x - size.x_advance / 2, one->at.y + 0.36 * SIZE + down);
+        cairo_move_to(p->cr, one->at.x - chart_width(p->cr, one->text) / 2, one->at.y + 0.36 * SIZE + down);
         cairo_text_path(p->cr, one->text);
         cairo_set_source_rgb(p->cr, 1, 1, 1);
         cairo_set_line_width(p->cr, 2.5);

@@ -153,7 +153,7 @@ static part part_in_use(const job *j, size_t i, const reach *met, double all)
     sgt_vec2 middle, half;
     if (item && (beside || !given || j->lens.surface[i].mirror))
         return part_of_item(item, known > 0 ? known : all, false);
-    if (!known && j->lens.surface[i].mirror && clear_of_axis(met, &middle, &half))
+    if (known == 0 && j->lens.surface[i].mirror && clear_of_axis(met, &middle, &half))
         return part_ellipse(middle, BEYOND_RAYS * half.x, BEYOND_RAYS * half.y);
     double radius = known > 0 ? known : met->radius > 0 ? BEYOND_RAYS * met->radius : all;
     radius = whole_radius(e, radius);

@@ -28,14 +28,11 @@ page_dot page_at(const page *p, sgt_vec3 point);
 /* The same of a direction, not scaled: its x and y on the page are at most 1. */
 page_dot page_along(const page *p, sgt_vec3 direction);
 
-/* Adds lines through `count` points to the path, from `back` to front if given; after a point that is not
+/* Adds lines through `count` points to the path; after a point that is not
  * finite a new line begins. */
 void page_line(const page *p, const sgt_vec3 at[], size_t count);
 
 /* Strokes the path in grey (0: black). */
 void page_stroke(const page *p, double width, double grey);
-
-/* Draws a text from x on, at most `room` wide: a longer one ends in an ellipsis.  Returns its width. */
-double page_text(cairo_t *cr, double x, double y, double room, const char *text);
 
 #endif

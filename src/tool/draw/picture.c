@@ -8,73 +8,84 @@
  * All sizes are points.  A png has two pixels a point. */
 #include "picture.h"
 
+#include "chart_draw.h"
 #include "elements.h"
 #include "legend.h"
 #include "numbers.h"
+#include "ruler.h"
+#include "sheet.h"
 
-#include <cairo-pdf.h>
-#include <cairo-svg.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
-static const double PICTURE_WIDTH = 900, LEFT = 34, MARGIN = 34, TOP = 76, PLOT_HIGHEST = 460,
+static const double PICTURE_WIDTH = 900, MARGIN = 24, TOP = 78, INSIDE = 14, PLOT_HIGHEST = 460,
                     PLOT_LOWEST = 110;
-static const double AXIS_BEYOND = 12, RAY = 0.6, RAY_MANY = 0.3, PNG_PIXELS = 2;
+static const double TITLE_FONT = 15, LINE_FONT = 10.5, AXIS_BEYOND = 12, CORNER = 80, RAY = 0.6,
+                    RAY_MANY = 0.3;
 enum { MANY_RAYS = 60 };
 
 void picture_check(const char *option) { (void)option; }
 
-picture_format picture_format_of(const char *option, const char *path)
+picture_kind picture_kind_of(const char *option, const char *path)
 {
     static const char *const endings[] = {
         [PICTURE_SVG] = ".svg", [PICTURE_PNG] = ".png", [PICTURE_PDF] = ".pdf"};
     size_t length = strlen(path);
     for (int k = PICTURE_SVG; k <= PICTURE_PDF; k++)
-        if (length > 4 && strcmp(path + length - 4, endings[k]) == 0) return (picture_format)k;
+        if (length > 4 && strcasecmp(path + length - 4, endings[k]) == 0) return (picture_kind)k;
     fail_usage("--%s %s: the name must end in .svg, .png or .pdf", option, path);
 }
 
 /* --------------------------------------------------------------------- page */
 
-/* Where things are on the page.  The plot is the box of what is drawn of the lens, without its numbers. */
 typedef struct layout {
     page page;
     element_numbers numbers;
     double down;           /* by how much the numbers move the lens down */
-    double bottom, height; /* of the plot with its numbers; of the page */
+    frame_box plot;        /* with the numbers */
+    double legend, height; /* the top of the legend; of the page */
 } layout;
 
-static void lay_scale(page *p, const scene *s, double *plot)
+/* Sets the scale, and puts the lens in the middle of a plot that begins at left; returns where it ends below.
+ */
+static double lay_scale(page *p, double left)
 {
-    double wide = s->most.right - s->least.right, high = s->most.up - s->least.up;
-    double room = PICTURE_WIDTH - LEFT - MARGIN;
-    *p = (page){.cr = p->cr, .scene = s, .scale = fmin(room / wide, PLOT_HIGHEST / high)};
-    *plot = PLOT_LOWEST;
-    p->left = LEFT + room / 2, p->base = TOP + *plot / 2;
+    const scene *s = p->scene;
+    double wide = s->most.right - s->least.right, high = s->most.up - s->least.up, plot = PLOT_LOWEST;
+    double room = PICTURE_WIDTH - MARGIN - left - 2 * INSIDE;
+    p->scale = fmin(room / wide, PLOT_HIGHEST / high);
+    p->left = left + INSIDE + room / 2, p->base = TOP + INSIDE + plot / 2;
     if (!(p->scale > 0 && isfinite(p->scale))) p->scale = 1;
-    if (!(wide >= 0 && high >= 0)) return; /* nothing to draw */
-    *plot = fmax(PLOT_LOWEST, p->scale * high);
-    p->left -= p->scale * (s->least.right + s->most.right) / 2;
-    p->base = TOP + *plot / 2 + p->scale * (s->least.up + s->most.up) / 2;
+    if (wide >= 0 && high >= 0) { /* else there is nothing to draw */
+        plot = fmax(PLOT_LOWEST, p->scale * high);
+        p->left -= p->scale * (s->least.right + s->most.right) / 2;
+        p->base = TOP + INSIDE + plot / 2 + p->scale * (s->least.up + s->most.up) / 2;
+    }
+    return TOP + plot + 2 * INSIDE;
 }
 
-/* Finds the layout by a page that is drawn nowhere. */
+/* Finds the layout by a page that is drawn nowhere.  The ruler's width depends on its numbers, and they on
+ * the scale, that depends on the width; one more round is enough, as the ruler only gets narrower. */
 static layout lay_out(const scene *s)
 {
-    cairo_surface_t *nowhere = cairo_recording_surface_create(CAIRO_CONTENT_COLOR, NULL);
-    layout l = {.page = {.cr = cairo_create(nowhere)}};
-    double plot;
-    lay_scale(&l.page, s, &plot);
-    l.numbers = numbers_of(&l.page, PICTURE_WIDTH);
-    l.down = fmax(0, TOP - l.numbers.top);
-    l.bottom = l.down + fmax(TOP + plot, l.numbers.bottom);
-    l.height = l.bottom + MARGIN + MARGIN / 2 +
-               legend_draw(l.page.cr, s, MARGIN, PICTURE_WIDTH - MARGIN, 0, l.page.scale);
-    l.page.base += l.down;
-    cairo_destroy(l.page.cr);
-    cairo_surface_destroy(nowhere);
+    layout l = {.page = {.cr = sheet_nowhere(), .scene = s},
+                .plot = {MARGIN, TOP, PICTURE_WIDTH - MARGIN, 0}};
+    page *p = &l.page;
+    bool space = s->view.plane == VIEW_3D;
+    l.plot.bottom = lay_scale(p, l.plot.left);
+    if (!space) l.plot.left = MARGIN + ruler_width(p, &l.plot);
+    l.plot.bottom = lay_scale(p, l.plot.left);
+    l.numbers = numbers_of(p, PICTURE_WIDTH);
+    l.down = fmax(0, TOP + INSIDE / 2 - l.numbers.top);
+    l.plot.bottom = l.down + fmax(l.plot.bottom, l.numbers.bottom + INSIDE / 2);
+    l.legend = l.plot.bottom + (space ? 0 : RULER_HEIGHT) + INSIDE / 2;
+    l.height = l.legend + MARGIN / 2 +
+               legend_draw(p->cr, s, MARGIN, PICTURE_WIDTH - MARGIN, 0, space ? p->scale : 0);
+    p->base += l.down;
+    sheet_forget(p->cr);
     return l;
 }
 
@@ -178,60 +189,43 @@ static void draw_title(cairo_t *cr, const scene *s)
 {
     const lens *l = &s->job->lens;
     const char *file = strrchr(l->of->file, '/'), *title = *l->name ? l->name : file ? file + 1 : l->of->file;
-    const double room = PICTURE_WIDTH - 2 * MARGIN;
+    const double room = PICTURE_WIDTH - 2 * MARGIN - (s->view.plane == VIEW_3D ? CORNER + MARGIN : 0);
     char text[600];
-    cairo_set_source_rgb(cr, 0, 0, 0);
-    cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_BOLD);
-    cairo_set_font_size(cr, 15);
-    page_text(cr, MARGIN, 26, room, title);
-    cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(cr, LEGEND_FONT);
-    cairo_set_source_rgb(cr, 0.35, 0.35, 0.35);
+    chart_font(cr, TITLE_FONT, true);
+    chart_grey(cr, 0);
+    chart_text(cr, MARGIN, MARGIN + TITLE_FONT - 3, 0, room, title);
+    chart_font(cr, LINE_FONT, false);
+    chart_grey(cr, 0.35);
     print_facts(text, sizeof text, s);
-    page_text(cr, MARGIN, 42, room, text);
+    chart_text(cr, MARGIN, MARGIN + TITLE_FONT + LINE_FONT + 2, 0, room, text);
     print_fields(text, sizeof text, s->job);
-    page_text(cr, MARGIN, 57, room, text);
+    chart_text(cr, MARGIN, MARGIN + TITLE_FONT + LINE_FONT * (1 + CHART_LINE) + 2, 0, room, text);
 }
 
 /* --------------------------------------------------------------------- file */
 
-static cairo_surface_t *surface_for(const char *file, picture_format format, double height)
+static void draw_page(cairo_t *cr, const void *what)
 {
-    if (format == PICTURE_SVG) return cairo_svg_surface_create(file, PICTURE_WIDTH, height);
-    if (format == PICTURE_PNG)
-        return cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)(PNG_PIXELS * PICTURE_WIDTH),
-                                          (int)ceil(PNG_PIXELS * height));
-    cairo_surface_t *pdf = cairo_pdf_surface_create(file, PICTURE_WIDTH, height);
-    /* else cairo writes the time of day, and two files of one picture differ */
-    cairo_pdf_surface_set_metadata(pdf, CAIRO_PDF_METADATA_CREATE_DATE, "1970-01-01T00:00:00Z");
-    return pdf;
+    const layout *l = what;
+    page p = l->page;
+    p.cr = cr;
+    cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
+    cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
+    bool space = p.scene->view.plane == VIEW_3D;
+    if (!space) ruler_draw(&p, &l->plot);
+    elements_fill(&p);
+    draw_axis(&p);
+    draw_rays(&p);
+    elements_stroke(&p);
+    draw_marks(&p);
+    numbers_draw(&p, &l->numbers, l->down);
+    if (space) ruler_directions(&p, (page_dot){PICTURE_WIDTH - MARGIN - CORNER / 2, MARGIN + CORNER / 2});
+    draw_title(cr, p.scene);
+    legend_draw(cr, p.scene, MARGIN, PICTURE_WIDTH - MARGIN, l->legend, space ? p.scale : 0);
 }
 
-void picture_write(const char *file, picture_format format, const scene *s)
+void picture_write(const char *file, picture_kind kind, const scene *s)
 {
     layout l = lay_out(s);
-    page *p = &l.page;
-    cairo_surface_t *surface = surface_for(file, format, l.height);
-    p->cr = cairo_create(surface);
-    if (format == PICTURE_PNG) cairo_scale(p->cr, PNG_PIXELS, PNG_PIXELS);
-    cairo_set_line_cap(p->cr, CAIRO_LINE_CAP_ROUND);
-    cairo_set_line_join(p->cr, CAIRO_LINE_JOIN_ROUND);
-    cairo_set_source_rgb(p->cr, 1, 1, 1);
-    cairo_paint(p->cr);
-    elements_fill(p);
-    draw_axis(p);
-    draw_rays(p);
-    elements_stroke(p);
-    draw_marks(p);
-    numbers_draw(p, &l.numbers, l.down);
-    draw_title(p->cr, s);
-    legend_draw(p->cr, s, MARGIN, PICTURE_WIDTH - MARGIN, l.bottom + MARGIN, p->scale);
-    cairo_status_t status = cairo_status(p->cr);
-    cairo_destroy(p->cr);
-    if (format == PICTURE_PNG && status == CAIRO_STATUS_SUCCESS)
-        status = cairo_surface_write_to_png(surface, file);
-    cairo_surface_finish(surface);
-    if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface);
-    cairo_surface_destroy(surface);
-    if (status != CAIRO_STATUS_SUCCESS) fail_input("%s: %s", file, cairo_status_to_string(status));
+    sheet_write(file, kind, PICTURE_WIDTH, l.height, draw_page, &l);
 }

@@ -3,16 +3,16 @@
 #define TOOL_PICTURE_H
 #include "scene.h"
 
-typedef enum picture_format { PICTURE_SVG, PICTURE_PNG, PICTURE_PDF } picture_format;
+typedef enum picture_kind { PICTURE_SVG, PICTURE_PNG, PICTURE_PDF } picture_kind;
 
-/* The format that the ending of a file tells.  Ends with a usage error if it is none of .svg, .png and .pdf.
+/* The kind that the ending of a file tells.  Ends with a usage error if it is none of .svg, .png and .pdf.
  */
-picture_format picture_format_of(const char *option, const char *path);
+picture_kind picture_kind_of(const char *option, const char *path);
 
 /* Ends with a usage error if the command was built without cairo. */
 void picture_check(const char *option);
 
 /* Writes the picture.  If it cannot be written the command ends. */
-void picture_write(const char *file, picture_format format, const scene *s);
+void picture_write(const char *file, picture_kind kind, const scene *s);
 
 #endif

@@ -14,7 +14,7 @@ bool pictures_wanted(const pictures *p) { return p->file || p->svg; }
 void pictures_check(pictures *p)
 {
     if (p->svg) picture_check("svg");
-    if (p->file) picture_check("picture"), p->format = picture_format_of("picture", p->file);
+    if (p->file) picture_check("picture"), p->kind = picture_kind_of("picture", p->file);
     if (p->plane_given && !view_named(p->plane_given, &p->plane))
         fail_usage("--plane must be yz, xz or 3d, not \"%s\"", p->plane_given);
     if (p->plane_given && !pictures_wanted(p))
@@ -38,5 +38,5 @@ void pictures_write(const pictures *p, scene *s)
     if (!pictures_wanted(p)) return;
     scene_finish(s);
     if (p->svg) picture_write(p->svg, PICTURE_SVG, s);
-    if (p->file) picture_write(p->file, p->format, s);
+    if (p->file) picture_write(p->file, p->kind, s);
 }

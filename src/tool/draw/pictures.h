@@ -7,7 +7,7 @@ typedef struct pictures {
     const char *file, *svg;  /* of --picture and --svg; NULL: not given */
     const char *plane_given; /* NULL: none, then it is yz */
     view_plane plane;
-    picture_format format; /* of `file` */
+    picture_kind kind; /* of `file` */
 } pictures;
 
 /* The help of the options. */
