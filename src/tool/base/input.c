@@ -37,7 +37,9 @@ void output_reserve(const char *option, const char *path)
     output_check(option, path);
     FILE *file = fopen(path, "ab");
     if (!file) fail_input("--%s %s: %s", option, path, strerror(errno));
-    remember(file, "the picture of --svg");
+    char name[80];
+    snprintf(name, sizeof name, "the file of --%s", option);
+    remember(file, name);
     fclose(file);
 }
 

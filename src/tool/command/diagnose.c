@@ -135,7 +135,7 @@ static void diagnose_write_rows(table *t, size_t ray, size_t element, const reco
         const sgt_step *s = &r->step[i];
         table_count(t, (long long)ray);
         table_count(t, (long long)element + 1);
-        table_count(t, s->eval);
+        table_count(t, (long long)i + 1); /* s->eval begins anew where the library searches twice */
         table_word(t, sgt_move_text(s->move));
         const double numbers[] = {s->t, s->f, s->slope, s->lo, s->hi};
         for (int k = 0; k < 5; k++) table_number(t, numbers[k]);

@@ -1,5 +1,6 @@
 /* trace.c - sagitta trace: rays through a lens. */
 #include "commands.h"
+#include "watch.h"
 #include "../show/frame.h"
 #include "../base/input.h"
 #include "../job/job.h"
@@ -54,6 +55,8 @@ static const char trace_more_help[] =
     "  --frame F          local (the default): points and directions in each surface's own frame;\n"
     "                     global: in the frame of the first vertex\n"
     "  --svg FILE         draw the y-z section of the lens, with the rays\n"
+    "  --watch FILE       write the evaluations of each ray that is lost, as csv: the columns of sagitta\n"
+    "                     diagnose, and wavelength\n"
     "  --pick P           near-seed (the default): the root near the surface's vertex; first: the\n"
     "                     first root on the line of the ray\n"
     "  --proof P          what must be proven at each element before a ray passes:\n"
@@ -83,15 +86,15 @@ typedef struct trace_arguments {
     shared_options shared;
     job_options job;
     bool global;
-    const char *svg;
+    const char *svg, *watch;
 } trace_arguments;
 
 static trace_arguments trace_arguments_of(int argc, char *argv[])
 {
-    enum { FRAME = OPTION_AFTER_JOB, SVG, RAY };
+    enum { FRAME = OPTION_AFTER_JOB, SVG, RAY, WATCH };
     static const struct option known[] = {
         {"frame", required_argument, NULL, FRAME}, {"svg", required_argument, NULL, SVG},
-        {"ray", required_argument, NULL, RAY},
+        {"ray", required_argument, NULL, RAY}, {"watch", required_argument, NULL, WATCH},
         JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
     };
     char all_help[HELP_SIZE];
@@ -101,6 +104,8 @@ static trace_arguments trace_arguments_of(int argc, char *argv[])
     for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         if (code == SVG) {
             a.svg = optarg;
+        } else if (code == WATCH) {
+            a.watch = optarg;
         } else if (code == FRAME) {
             a.global = strcmp(optarg, "global") == 0;
             if (!a.global && strcmp(optarg, "local") != 0)
@@ -161,6 +166,7 @@ typedef struct trace_work {
     trace_room *room;
     table *table;
     scene *picture;                /* NULL: none */
+    watch *watch;                  /* NULL: none */
     const job_lens *at;             /* the lens at the wavelength that is being traced */
     bool launches;                 /* there are the columns of launch_head */
     bool stretches;                /* there are columns lo and hi */
@@ -280,6 +286,7 @@ static void send(void *data, const tile *t)
         for (size_t k = 0; k < passed; k++) trace_write_row(w, r, &l[i], k, SGT_PASSED, &r->record[k], i);
         if (r->fate[i] != SGT_PASSED)
             trace_write_row(w, r, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
+        if (r->fate[i] < 0) watch_trace(w->watch, t->place, w->at, &l[i], &w->asked->shared.solver);
     }
 }
 
@@ -342,6 +349,7 @@ static void trace_take(void *data, const tile *t)
     trace_work *w = data;
     trace_room *r = &w->room[t->place];
     table_join(w->table, r->rows);
+    watch_take(w->watch, t->place);
     for (size_t i = 0; i < t->count; i++) {
         int passed = r->passed[i];
         const launch *l = &w->at->rays.ray[t->first + i];
@@ -518,6 +526,7 @@ exit_status command_trace(int argc, char *argv[])
                        .most = count > RECORDS_MOST               ? 1
                                : count > RECORDS_MOST / TILE_RAYS ? RECORDS_MOST / count
                                                                   : TILE_RAYS};
+    watch_tiling(&in, a.watch, &a.shared.solver);
     const size_t places = tiles_places(&in);
     if (a.svg) {
         if (a.shared.target.path) output_check("output", a.shared.target.path);
@@ -529,6 +538,7 @@ exit_status command_trace(int argc, char *argv[])
     }
     scene picture = scene_begin(&j);
     trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room),
+                    .watch = watch_begin(a.watch, a.shared.target.hexadecimal, places, count),
                     .picture = a.svg ? &picture : NULL, .launches = !text || j.wavelengths > 1,
                     .stretches = a.shared.solver.proof && !text,
                     .loss = memory_take(count, sizeof *w.loss), .back = memory_take(count, sizeof *w.back),
@@ -554,6 +564,7 @@ exit_status command_trace(int argc, char *argv[])
         write_lost(&w);
     }
     table_end(w.table);
+    watch_end(w.watch);
     if (a.svg) {
         scene_finish(&picture);
         picture_write(a.svg, &picture);
