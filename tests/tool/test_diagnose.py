@@ -262,7 +262,7 @@ def test_nearest_approach_by_hand():
         close(got[0], h - 10, 2e-6 * (h - 10) + 1e-9, h)
         for number, wanted in zip(got[1:], (15, 0, 10, 10, 10)):
             close(number, wanted, 1e-4, (h, got))
-        assert 'within r = 10 of the axis, and the surface ends there' in text, text
+        assert 'within r = 10 of the axis, and the surface ends there' in text and '(r = 10, its edge)' in text, text
     for lens, ray, distance, point in (
             # through the hole of a torus, 1 beside its axis; and 22 from the axis, in the plane of the ring's circle
             ('type: torus, major: 10, minor: 3', (1, 0, -20, 0, 0, 1), 6, (7, 0, 0)),

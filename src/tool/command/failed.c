@@ -46,16 +46,24 @@ static void explain_tir(table *t, const failed *f)
 /* 0 for what is only the rounding of a length r. */
 static double tidy(double x, double r) { return fabs(x) < 1e-12 * r ? 0 : x; }
 
+/* Does the surface end at p, to within rounding? */
+static bool is_edge(sgt_surface s, sgt_vec3 p)
+{
+    const double outward = 1 + 1e-9;
+    return isnan(s.ops->value(s.self, (sgt_vec3){p.x * outward, p.y * outward, p.z}, NULL));
+}
+
 static void explain_missed(table *t, const failed *f)
 {
-    const sgt_ray *ray = &f->search->ray;
-    const nearest n = nearest_approach(f->search->surface, ray);
-    explain_miss(t, f->number, f->search->surface, ray);
+    const sgt_surface s = f->search->surface;
+    const nearest n = nearest_approach(s, &f->search->ray);
+    explain_miss(t, f->number, s, &f->search->ray);
     if (!n.known) return;
-    double r = hypot(n.p.x, n.p.y), scale = r + n.distance;
-    table_line(t, "Nearest approach: %.6g, at t = %.6g, to %.6g, %.6g, %.6g of the surface (r = %.6g).",
+    double r = hypot(n.p.x, n.p.y), scale = r + n.distance, rim = f->search->semi_diameter;
+    const char *where = is_edge(s, n.p) ? ", its edge" : rim > 0 && r > rim ? ", beyond its semi_diameter" : "";
+    table_line(t, "Nearest approach: %.6g, at t = %.6g, to %.6g, %.6g, %.6g of the surface (r = %.6g%s).",
                n.distance, tidy(n.t, scale), tidy(n.p.x, scale), tidy(n.p.y, scale), tidy(n.p.z, scale),
-               tidy(r, scale));
+               tidy(r, scale), where);
     table_line(t, "(An estimate: the line was moved parallel to itself until it met the surface.)");
 }
 

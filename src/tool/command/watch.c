@@ -95,7 +95,8 @@ void watch_trace(watch *w, size_t place, const job_lens *at, const launch *l, co
     }
 }
 
-void watch_intersect(watch *w, size_t place, sgt_surface s, const launch *l, const sgt_options *opt, bool all)
+void watch_intersect(watch *w, size_t place, sgt_surface s, const launch *l, const sgt_options *opt,
+                     bool all)
 {
     if (!w) return;
     watch_part *p = &w->part[place];

@@ -20,7 +20,8 @@ watch *watch_begin(const char *path, bool hexadecimal, size_t places, size_t ele
 
 /* Repeats a lost ray and keeps its evaluations at the place of its tile.  all: as for --all. */
 void watch_trace(watch *w, size_t place, const job_lens *at, const launch *l, const sgt_options *opt);
-void watch_intersect(watch *w, size_t place, sgt_surface s, const launch *l, const sgt_options *opt, bool all);
+void watch_intersect(watch *w, size_t place, sgt_surface s, const launch *l, const sgt_options *opt,
+                     bool all);
 
 /* Writes what is kept at a place: for each tile in turn, after its rays. */
 void watch_take(watch *w, size_t place);
