@@ -1,5 +1,6 @@
 /* trace.c - sagitta trace: rays through a lens. */
 #include "commands.h"
+#include "watch.h"
 #include "../show/frame.h"
 #include "../base/input.h"
 #include "../job/job.h"
@@ -52,6 +53,8 @@ static const char trace_help[] =
 static const char trace_more_help[] =
     "  --frame F          local (the default): points and directions in each surface's own frame;\n"
     "                     global: in the frame of the first vertex\n"
+    "  --watch FILE       write the evaluations of each ray that is lost, as csv: the columns of sagitta\n"
+    "                     diagnose, and wavelength\n"
     "  --pick P           near-seed (the default): the root near the surface's vertex; first: the\n"
     "                     first root on the line of the ray\n"
     "  --proof P          what must be proven at each element before a ray passes:\n"
@@ -82,15 +85,16 @@ typedef struct trace_arguments {
     job_options job;
     bool global;
     pictures pictures;
+    const char *watch;
 } trace_arguments;
 
 static trace_arguments trace_arguments_of(int argc, char *argv[])
 {
-    enum { FRAME = OPTION_AFTER_JOB, SVG, PICTURE, PLANE, RAY };
+    enum { FRAME = OPTION_AFTER_JOB, SVG, PICTURE, PLANE, RAY, WATCH };
     static const struct option known[] = {
         {"frame", required_argument, NULL, FRAME}, {"svg", required_argument, NULL, SVG},
         {"picture", required_argument, NULL, PICTURE}, {"plane", required_argument, NULL, PLANE},
-        {"ray", required_argument, NULL, RAY},
+        {"ray", required_argument, NULL, RAY}, {"watch", required_argument, NULL, WATCH},
         JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
     };
     char all_help[HELP_SIZE];
@@ -104,6 +108,8 @@ static trace_arguments trace_arguments_of(int argc, char *argv[])
             a.pictures.file = optarg;
         } else if (code == PLANE) {
             a.pictures.plane_given = optarg;
+        } else if (code == WATCH) {
+            a.watch = optarg;
         } else if (code == FRAME) {
             a.global = strcmp(optarg, "global") == 0;
             if (!a.global && strcmp(optarg, "local") != 0)
@@ -164,6 +170,7 @@ typedef struct trace_work {
     trace_room *room;
     table *table;
     scene *picture;                /* NULL: none */
+    watch *watch;                  /* NULL: none */
     const job_lens *at;             /* the lens at the wavelength that is being traced */
     bool launches;                 /* there are the columns of launch_head */
     bool stretches;                /* there are columns lo and hi */
@@ -283,6 +290,7 @@ static void send(void *data, const tile *t)
         for (size_t k = 0; k < passed; k++) trace_write_row(w, r, &l[i], k, SGT_PASSED, &r->record[k], i);
         if (r->fate[i] != SGT_PASSED)
             trace_write_row(w, r, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
+        if (r->fate[i] < 0) watch_trace(w->watch, t->place, w->at, &l[i], &w->asked->shared.solver);
     }
 }
 
@@ -345,6 +353,7 @@ static void trace_take(void *data, const tile *t)
     trace_work *w = data;
     trace_room *r = &w->room[t->place];
     table_join(w->table, r->rows);
+    watch_take(w->watch, t->place);
     for (size_t i = 0; i < t->count; i++) {
         int passed = r->passed[i];
         const launch *l = &w->at->rays.ray[t->first + i];
@@ -521,10 +530,12 @@ exit_status command_trace(int argc, char *argv[])
                        .most = count > RECORDS_MOST               ? 1
                                : count > RECORDS_MOST / TILE_RAYS ? RECORDS_MOST / count
                                                                   : TILE_RAYS};
+    watch_tiling(&in, a.watch, &a.shared.solver);
     const size_t places = tiles_places(&in);
     pictures_reserve(&a.pictures, a.shared.target.path, &j);
     scene picture = scene_begin(&j, a.pictures.plane);
     trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room),
+                    .watch = watch_begin(a.watch, a.shared.target.hexadecimal, places, count),
                     .picture = pictures_wanted(&a.pictures) ? &picture : NULL,
                     .launches = !text || j.wavelengths > 1,
                     .stretches = a.shared.solver.proof && !text,
@@ -551,6 +562,7 @@ exit_status command_trace(int argc, char *argv[])
         write_lost(&w);
     }
     table_end(w.table);
+    watch_end(w.watch);
     pictures_write(&a.pictures, &picture);
     return w.undecided || j.undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
 }
