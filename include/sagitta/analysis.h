@@ -107,6 +107,8 @@ typedef struct sgt_ray_end {
                             asked for, it is one */
     int        evals;
     double     t_err;    /* the largest of its elements */
+    double     condition; /* the largest 1 / cos of its angles of incidence: a surface
+                             off along its normal moves t by so many times as much */
     /* Where it met the last element, in that frame, and how it goes on; NaN unless it
      * passed. */
     sgt_vec3 p, d;
@@ -123,6 +125,12 @@ SGT_API bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *bea
                              const sgt_element e[], double index_before, size_t count,
                              const sgt_pupil_point at[], const sgt_options *opt,
                              sgt_ray_end out[]);
+
+/* The same of the chief ray, through the centre of the pupil, whatever clips it: it is a
+ * reference also where it is obscured. */
+SGT_API bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *beam,
+                             const sgt_element e[], double index_before,
+                             sgt_ray_end *out);
 
 /* ---------------------------------------------------------------------------- spots */
 
@@ -153,11 +161,11 @@ SGT_API double sgt_airy_radius(double wavelength, double working_f_number);
 typedef struct sgt_reference {
     enum {
         SGT_REFERENCE_SPHERE,   /* about `centre`, through the exit pupil */
-        SGT_REFERENCE_INFINITE, /* the same of infinite radius: the exit pupil is at
-                                   infinity.  Paths go to the foot of the perpendicular
-                                   from the centre on the ray */
-        SGT_REFERENCE_PLANE     /* the image is at infinity: a plane through the centre,
-                                   across the chief ray */
+        SGT_REFERENCE_INFINITE, /* the same of infinite radius, where the exit pupil is at
+                                   infinity: in the limit paths go to the foot of the
+                                   perpendicular from the centre on the ray */
+        SGT_REFERENCE_PLANE     /* for light that leaves as parallel rays: a plane through
+                                   the centre, across the chief ray */
     } kind;
     sgt_vec3 centre;  /* where the chief ray met the last element, in its frame */
     sgt_vec3 along;   /* the direction of the chief ray there */
@@ -168,10 +176,11 @@ typedef struct sgt_reference {
 
 /* The reference of a chief ray that passed.  The radius is the distance from the centre
  * to the axial point of the paraxial exit pupil (Welford 1986, 7.1).  data: of the
- * primary wavelength.  false: the chief ray did not pass. */
+ * primary wavelength.  afocal: take a plane instead.  false: the chief ray did not
+ * pass. */
 SGT_API bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data,
                               const sgt_element e[], double index_before,
-                              const sgt_ray_end *chief, sgt_reference *out);
+                              const sgt_ray_end *chief, bool afocal, sgt_reference *out);
 
 /* The optical path of a ray up to the reference, less that of the chief ray; a length.
  * Positive: the ray's path is longer.  *error (may be NULL): a bound, to first order, on
@@ -231,7 +240,8 @@ typedef enum sgt_distortion {
 /* Astigmatism along the real chief ray (by the derivatives of the trace, which is what
  * Coddington's equations say where there is a plane of symmetry), and distortion.
  * data: first-order data at the wavelength of e.  A field on the axis has its tangential
- * plane along y.  false: no memory. */
+ * plane along y.  Apertures do not count: a chief ray may be obscured.  false: no
+ * memory. */
 SGT_API bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before,
                              const sgt_first_order *data, sgt_distortion distortion,

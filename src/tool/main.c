@@ -13,6 +13,12 @@ static const char main_help[] =
     "  sagitta trace LENS [--svg FILE]                   rays through a lens file\n"
     "  sagitta diagnose --surface SPEC --ray \"...\"       one ray, evaluation by evaluation\n"
     "  sagitta info LENS                                 focal length, pupils, Seidel sums\n"
+    "  sagitta spot LENS [--picture FILE]                spot diagrams: how rays scatter at the image\n"
+    "  sagitta fan LENS [--picture FILE]                 transverse errors across the pupil\n"
+    "  sagitta opd LENS [--picture FILE]                 optical path differences, Zernike polynomials\n"
+    "  sagitta field LENS [--picture FILE]               field curvature, astigmatism, distortion\n"
+    "  sagitta map LENS [--picture FILE]                 where rays are lost, over pupil or field\n"
+    "  sagitta sweep LENS [--picture FILE]               what becomes of rays, against the field\n"
     "  sagitta import FILE [-o LENS]                     a .zmx file as a lens file\n"
     "  sagitta trade [LENS | --surface SPEC]             speed against accuracy, measured\n"
     "\n"
@@ -30,6 +36,12 @@ static const struct { const char *name, *full; exit_status (*run)(int argc, char
     {"trade", "sagitta trade", command_trade},
     {"info", "sagitta info", command_info},
     {"import", "sagitta import", command_import},
+    {"spot", "sagitta spot", command_spot},
+    {"fan", "sagitta fan", command_fan},
+    {"opd", "sagitta opd", command_opd},
+    {"field", "sagitta field", command_field},
+    {"map", "sagitta map", command_map},
+    {"sweep", "sagitta sweep", command_sweep},
 };
 
 /* If a standard file is closed at the start, the next file opened would take its number, and a message for
@@ -59,7 +71,7 @@ int main(int argc, char *argv[])
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0)
         print_and_end("%s", main_help);
     if (*name)
-        fail_usage("no such command: %s; there are intersect, trace, diagnose, trade, info and import", name);
+        fail_usage("no such command: %s; sagitta --help lists them", name);
     fputs(main_help, stderr);
     return EXIT_USAGE;
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""sagitta trace --svg: a picture is XML, of a sensible size, and shows what it should.
+"""sagitta trace --picture, --svg: a picture is XML, of a sensible size, and shows what it should.
 
     python3 test_picture.py SAGITTA
 """
@@ -34,6 +34,8 @@ def strokes(root):
     count = {}
     for path in root.iter(SVG + 'path'):
         look = path.get('style') or path.get('stroke')
+        if 'stroke-width' not in look and not path.get('stroke-width'):
+            continue  # a letter
         count[look] = count.get(look, 0) + 1
     return count
 
@@ -75,12 +77,16 @@ surfaces:
   - {type: plane, thickness: 30, index: 1, semi_diameter: 12}
   - {type: plane, semi_diameter: 12}
 '''
-    bars = []
+    heights = []
     for index in (1.5, 1):
         root = picture(written(text % index), '--field', '0')
-        bars.append([p.get('d') for p in root.iter(SVG + 'path') if '2.6' in (p.get('stroke-width') or p.get('style') or '')])
-    equal(*bars)
-    assert len(bars[0]) >= 2, bars
+        bars = [p.get('d') for p in root.iter(SVG + 'path') if '2.6' in (p.get('stroke-width') or p.get('style') or '')]
+        equal(len(bars), 3)  # two, and that of the legend
+        ends = [float(w) for d in bars[:2] for w in re.findall(r'[-.\d]+', d)[1::2]]
+        heights.append(sorted(y - min(ends) for y in ends))
+    for a, b in zip(*heights):
+        close(a, b, 0.01)
+    assert len(heights[0]) == 4, heights
 
 
 def test_each_ray_is_a_line():

@@ -23,7 +23,7 @@
 static const double ROUND = 0x1p-52;
 
 bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data, const sgt_element e[],
-                      double index_before, const sgt_ray_end *chief, sgt_reference *out)
+                      double index_before, const sgt_ray_end *chief, bool afocal, sgt_reference *out)
 {
     if (chief->fate != SGT_PASSED) return false;
     *out = (sgt_reference){.kind = SGT_REFERENCE_SPHERE, .centre = chief->p, .along = chief->d,
@@ -31,8 +31,7 @@ bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data, const s
                            .opl_err = chief->opl_err, .p_err = chief->p_err};
     for (size_t i = 0; i < lens->count; i++)
         if (e[i].index != SGT_MIRROR && e[i].index != 0) out->index = e[i].index;
-    const bool object_afar = !isfinite(lens->object_distance);
-    if (object_afar && (data->power == 0 || isnan(data->focus))) out->kind = SGT_REFERENCE_PLANE;
+    if (afocal) out->kind = SGT_REFERENCE_PLANE;
     else if (!isfinite(data->exit_pupil)) out->kind = SGT_REFERENCE_INFINITE;
     if (out->kind != SGT_REFERENCE_SPHERE) return true;
     const sgt_vec3 pupil = {0, 0, data->exit_pupil}, to = minus3(chief->p, pupil);

@@ -10,5 +10,11 @@ exit_status command_diagnose(int argc, char *argv[]);
 exit_status command_trade(int argc, char *argv[]);
 exit_status command_info(int argc, char *argv[]);
 exit_status command_import(int argc, char *argv[]);
+exit_status command_spot(int argc, char *argv[]);
+exit_status command_fan(int argc, char *argv[]);
+exit_status command_opd(int argc, char *argv[]);
+exit_status command_field(int argc, char *argv[]);
+exit_status command_map(int argc, char *argv[]);
+exit_status command_sweep(int argc, char *argv[]);
 
 #endif

@@ -5,10 +5,9 @@
 #include "../base/input.h"
 #include "../job/job.h"
 #include "../base/memory.h"
-#include "../draw/picture.h"
+#include "../draw/pictures.h"
 #include "../read/surface.h"
 #include "../show/profile.h"
-#include "../draw/scene.h"
 #include "../base/tiles.h"
 #include "../show/stopped.h"
 #include "../show/undecided.h"
@@ -54,7 +53,6 @@ static const char trace_help[] =
 static const char trace_more_help[] =
     "  --frame F          local (the default): points and directions in each surface's own frame;\n"
     "                     global: in the frame of the first vertex\n"
-    "  --svg FILE         draw the y-z section of the lens, with the rays\n"
     "  --watch FILE       write the evaluations of each ray that is lost, as csv: the columns of sagitta\n"
     "                     diagnose, and wavelength\n"
     "  --pick P           near-seed (the default): the root near the surface's vertex; first: the\n"
@@ -86,24 +84,30 @@ typedef struct trace_arguments {
     shared_options shared;
     job_options job;
     bool global;
-    const char *svg, *watch;
+    pictures pictures;
+    const char *watch;
 } trace_arguments;
 
 static trace_arguments trace_arguments_of(int argc, char *argv[])
 {
-    enum { FRAME = OPTION_AFTER_JOB, SVG, RAY, WATCH };
+    enum { FRAME = OPTION_AFTER_JOB, SVG, PICTURE, PLANE, RAY, WATCH };
     static const struct option known[] = {
         {"frame", required_argument, NULL, FRAME}, {"svg", required_argument, NULL, SVG},
+        {"picture", required_argument, NULL, PICTURE}, {"plane", required_argument, NULL, PLANE},
         {"ray", required_argument, NULL, RAY}, {"watch", required_argument, NULL, WATCH},
         JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
     };
     char all_help[HELP_SIZE];
-    snprintf(all_help, sizeof all_help, "%s%s%s%s", trace_help, job_help, trace_more_help,
-             options_threads_help);
+    snprintf(all_help, sizeof all_help, "%s%s%s%s%s", trace_help, job_help, pictures_help,
+             trace_more_help, options_threads_help);
     trace_arguments a = {.job = {.several = true}};
     for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
         if (code == SVG) {
-            a.svg = optarg;
+            a.pictures.svg = optarg;
+        } else if (code == PICTURE) {
+            a.pictures.file = optarg;
+        } else if (code == PLANE) {
+            a.pictures.plane_given = optarg;
         } else if (code == WATCH) {
             a.watch = optarg;
         } else if (code == FRAME) {
@@ -121,7 +125,7 @@ static trace_arguments trace_arguments_of(int argc, char *argv[])
     if (optind + 1 < argc)
         fail_usage("unexpected argument \"%s\"; trace takes one lens file", argv[optind + 1]);
     a.job.lens = argv[optind];
-    if (a.svg) picture_check();
+    pictures_check(&a.pictures);
     return a;
 }
 
@@ -297,7 +301,7 @@ static void draw(trace_work *w, const trace_room *r, const launch *l, size_t i)
     w->point[0] = l->ray.o;
     for (size_t k = 0; k < met; k++)
         w->point[k + 1] = frame_point_out(&w->at->element[k].pose, vector_at(r->record[k].number, i));
-    scene_add(w->picture, l->field, met + 1, w->point, fate,
+    scene_add(w->picture, l->field, (size_t)(w->at - w->job->at), met + 1, w->point, fate,
               (sgt_vec3){r->ray[3][i], r->ray[4][i], r->ray[5][i]});
 }
 
@@ -528,18 +532,12 @@ exit_status command_trace(int argc, char *argv[])
                                                                   : TILE_RAYS};
     watch_tiling(&in, a.watch, &a.shared.solver);
     const size_t places = tiles_places(&in);
-    if (a.svg) {
-        if (a.shared.target.path) output_check("output", a.shared.target.path);
-        output_reserve("svg", a.svg);
-        for (size_t i = 0; i < count; i++)
-            if (surface_is_level_set(j.element[i].surface))
-                note("--svg: element %zu (%s) is not drawn, because it is a level set", i + 1,
-                     j.lens.surface[i].type);
-    }
-    scene picture = scene_begin(&j);
+    pictures_reserve(&a.pictures, a.shared.target.path, &j);
+    scene picture = scene_begin(&j, a.pictures.plane);
     trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room),
                     .watch = watch_begin(a.watch, a.shared.target.hexadecimal, places, count),
-                    .picture = a.svg ? &picture : NULL, .launches = !text || j.wavelengths > 1,
+                    .picture = pictures_wanted(&a.pictures) ? &picture : NULL,
+                    .launches = !text || j.wavelengths > 1,
                     .stretches = a.shared.solver.proof && !text,
                     .loss = memory_take(count, sizeof *w.loss), .back = memory_take(count, sizeof *w.back),
                     .field = memory_take(j.fields, sizeof *w.field),
@@ -565,9 +563,6 @@ exit_status command_trace(int argc, char *argv[])
     }
     table_end(w.table);
     watch_end(w.watch);
-    if (a.svg) {
-        scene_finish(&picture);
-        picture_write(a.svg, &picture);
-    }
+    pictures_write(&a.pictures, &picture);
     return w.undecided || j.undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
 }

@@ -1,7 +1,7 @@
 /* chart.h - a sheet of panels with curves, points, maps and circles, as svg, png or pdf.
  *
- * Everything lasts until chart_write returns.  Texts are UTF-8.  A NULL or a zero means that there is none, or
- * that the chart chooses. */
+ * Everything lasts until chart_write returns.  Texts are UTF-8.  A NULL or a zero means that there is none,
+ * or that the chart chooses. */
 #ifndef TOOL_CHART_H
 #define TOOL_CHART_H
 #include <stdbool.h>

@@ -2,23 +2,25 @@
  * the right end of the first row. */
 #include "legend.h"
 
+#include "chart_draw.h"
+#include "palette.h"
+
 #include <math.h>
 #include <stdio.h>
 
-static const double LEGEND_ROW = 18, SAMPLE = 20, GAP = 6, BETWEEN = 22, BAR_ROOM = 190, BAR_LONGEST = 150,
+static const double LEGEND_ROW = 18, SAMPLE = 20, GAP = 6, BETWEEN = 22, BAR_ROOM = 210, BAR_LONGEST = 150,
                     TICK = 3;
 
-/* Colours that differ for the colour-blind and in grey (Okabe & Ito 2008, jfly.uni-koeln.de/color). */
-static const double colour[][3] = {
-    {0.00, 0.45, 0.70}, {0.84, 0.37, 0.00}, {0.00, 0.62, 0.45}, {0.80, 0.47, 0.65},
-    {0.35, 0.35, 0.35}, {0.90, 0.62, 0.00}, {0.34, 0.71, 0.91},
-};
-enum { COLOURS = sizeof colour / sizeof colour[0] };
-
-void legend_colour(cairo_t *cr, size_t field)
+/* The colour of a field or wavelength; beyond the number of colours, other dashes. */
+static void legend_set(cairo_t *cr, size_t i)
 {
-    const double *c = colour[field % COLOURS];
-    cairo_set_source_rgb(cr, c[0], c[1], c[2]);
+    palette_set(cr, i);
+    palette_dash(cr, i / PALETTE_COLOURS);
+}
+
+void legend_ray(cairo_t *cr, const scene *s, const ray_path *ray)
+{
+    legend_set(cr, s->by_wavelength ? ray->wavelength : ray->field);
 }
 
 void legend_mark(cairo_t *cr, sgt_fate fate, double x, double y)
@@ -30,6 +32,9 @@ void legend_mark(cairo_t *cr, sgt_fate fate, double x, double y)
         cairo_move_to(cr, x - r, y + r), cairo_line_to(cr, x + r, y - r);
     } else if (fate == SGT_TIR) {
         cairo_arc(cr, x, y, r, 0, 8 * atan(1.0));
+    } else if (fate == SGT_LOST) {
+        cairo_rectangle(cr, x - 0.75 * r, y - 0.75 * r, 1.5 * r, 1.5 * r);
+        cairo_fill_preserve(cr);
     } else {
         cairo_move_to(cr, x, y - r), cairo_line_to(cr, x + r, y + r), cairo_line_to(cr, x - r, y + r);
         cairo_close_path(cr);
@@ -48,37 +53,44 @@ typedef struct flow {
 /* Makes room for a sample and a text, and draws the text; returns x of the sample. */
 static double entry(flow *f, double sample, const char *text)
 {
-    cairo_text_extents_t size;
-    cairo_text_extents(f->cr, text, &size);
-    double wide = sample + GAP + size.x_advance;
+    double room = f->right - f->left, wide = fmin(sample + GAP + chart_width(f->cr, text), room);
     if (f->x > f->left && f->x + wide > f->right) f->x = f->left, f->y += LEGEND_ROW;
     double x = f->x;
-    cairo_set_source_rgb(f->cr, 0.2, 0.2, 0.2);
-    cairo_move_to(f->cr, x + sample + GAP, f->y);
-    cairo_show_text(f->cr, text);
+    chart_grey(f->cr, 0.2);
+    chart_text(f->cr, x + sample + GAP, f->y, 0, room, text);
     f->x += wide + BETWEEN;
     return x;
 }
 
-/* "field 5°" or, of lengths, "field 3, 4". */
+/* "field 5°" or, of lengths, "field 3, 4 mm"; the word only before the first. */
 static void print_field(char *text, size_t size, const job *j, size_t i)
 {
-    const char *unit = j->field_kind == SGT_FIELD_ANGLE ? "\302\260" : "", *word = i == 0 ? "field " : "";
+    bool angle = j->field_kind == SGT_FIELD_ANGLE;
+    const char *unit = angle ? "\302\260" : j->lens.units, *blank = angle ? "" : " ";
+    const char *word = i == 0 ? "field " : "";
     sgt_lens_field at = j->field[i];
-    if (at.x == 0) snprintf(text, size, "%s%g%s", word, at.y, unit);
-    else snprintf(text, size, "%s%g%s, %g%s", word, at.x, unit, at.y, unit);
+    if (at.x == 0)
+        snprintf(text, size, "%s%g%s%.20s", word, at.y, blank, unit);
+    else
+        snprintf(text, size, "%s(%g, %g)%s%.20s", word, at.x, at.y, blank, unit);
 }
 
-static void field_entries(flow *f, const scene *s)
+/* What the colours of the rays mean. */
+static void ray_entries(flow *f, const scene *s)
 {
-    for (size_t i = 0; i < s->job->fields; i++) {
-        char text[40];
-        print_field(text, sizeof text, s->job, i);
-        double x = entry(f, SAMPLE, text), y = f->y - LEGEND_FONT / 3;
-        legend_colour(f->cr, i);
+    const job *j = s->job;
+    for (size_t i = 0; i < (s->by_wavelength ? j->wavelengths : j->fields); i++) {
+        char text[80];
+        if (s->by_wavelength)
+            snprintf(text, sizeof text, "%g \302\265m", j->at[i].lens.wavelength);
+        else
+            print_field(text, sizeof text, j, i);
+        double x = entry(f, SAMPLE, text), y = f->y - CHART_NORMAL / 3;
+        legend_set(f->cr, i);
         cairo_move_to(f->cr, x, y), cairo_line_to(f->cr, x + SAMPLE, y);
         cairo_set_line_width(f->cr, 1.6);
         cairo_stroke(f->cr);
+        cairo_set_dash(f->cr, NULL, 0, 0);
     }
 }
 
@@ -88,15 +100,21 @@ static void stop_entry(flow *f, const scene *s)
     snprintf(text, sizeof text, "stop: element %zu", s->job->lens.of->stop + 1);
     double x = entry(f, LEGEND_STOP_WIDTH, text);
     cairo_set_source_rgb(f->cr, 0, 0, 0);
-    cairo_move_to(f->cr, x + 1, f->y + 1), cairo_line_to(f->cr, x + 1, f->y - LEGEND_FONT + 2);
+    cairo_move_to(f->cr, x + 1, f->y + 1), cairo_line_to(f->cr, x + 1, f->y - CHART_NORMAL + 2);
     cairo_set_line_width(f->cr, LEGEND_STOP_WIDTH);
     cairo_stroke(f->cr);
 }
 
 static void fate_entries(flow *f, const scene *s)
 {
-    static const struct { sgt_fate fate; const char *name; } fates[] = {
-        {SGT_CLIPPED, "clipped"}, {SGT_TIR, "totally reflected"}, {SGT_MISSED, "missed"}, {SGT_LOST, "lost"},
+    static const struct {
+        sgt_fate fate;
+        const char *name;
+    } fates[] = {
+        {SGT_CLIPPED, "clipped"},
+        {SGT_TIR, "totally reflected"},
+        {SGT_MISSED, "missed"},
+        {SGT_LOST, "lost"},
     };
     for (int k = 0; k < 4; k++) {
         size_t n = 0;
@@ -105,7 +123,7 @@ static void fate_entries(flow *f, const scene *s)
         char text[60];
         snprintf(text, sizeof text, "%zu %s", n, fates[k].name);
         double x = entry(f, 6, text);
-        legend_mark(f->cr, fates[k].fate, x + 3, f->y - LEGEND_FONT / 3);
+        legend_mark(f->cr, fates[k].fate, x + 3, f->y - CHART_NORMAL / 3);
     }
 }
 
@@ -114,20 +132,15 @@ static void scale_bar(cairo_t *cr, const scene *s, double right, double y, doubl
 {
     static const double steps[] = {1, 2, 5, 10};
     double longest = BAR_LONGEST / scale, ten = pow(10, floor(log10(longest))), length = ten;
+    char text[CHART_TEXT];
     for (int i = 0; i < 4; i++)
         if (steps[i] * ten <= longest) length = steps[i] * ten;
-    char text[40];
-    cairo_text_extents_t number, units;
-    snprintf(text, sizeof text, "%g ", length);
-    cairo_text_extents(cr, text, &number);
-    cairo_text_extents(cr, s->job->lens.units, &units);
-    double wide = number.x_advance + units.x_advance;
-    cairo_set_source_rgb(cr, 0.2, 0.2, 0.2);
-    cairo_move_to(cr, right - wide, y);
-    cairo_show_text(cr, text);
-    cairo_show_text(cr, s->job->lens.units);
+    chart_number(length, s->job->lens.units, text);
+    double wide = fmin(chart_width(cr, text), BAR_ROOM - BAR_LONGEST);
     double end = right - wide - GAP, start = end - scale * length;
-    y -= LEGEND_FONT / 3;
+    chart_grey(cr, 0.2);
+    chart_text(cr, right, y, 1, wide, text);
+    y -= CHART_NORMAL / 3;
     cairo_move_to(cr, start, y - TICK), cairo_line_to(cr, start, y + TICK);
     cairo_move_to(cr, start, y), cairo_line_to(cr, end, y);
     cairo_move_to(cr, end, y - TICK), cairo_line_to(cr, end, y + TICK);
@@ -137,12 +150,15 @@ static void scale_bar(cairo_t *cr, const scene *s, double right, double y, doubl
 
 double legend_draw(cairo_t *cr, const scene *s, double left, double right, double top, double scale)
 {
-    cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(cr, LEGEND_FONT);
-    flow f = {.cr = cr, .left = left, .right = right - BAR_ROOM, .x = left, .y = top};
-    field_entries(&f, s);
+    chart_font(cr, CHART_NORMAL, false);
+    flow f = {.cr = cr,
+              .left = left,
+              .right = right - (scale > 0 ? BAR_ROOM : 0),
+              .x = left,
+              .y = top + CHART_NORMAL};
+    ray_entries(&f, s);
     if (s->job->lens.of->stop_marked) stop_entry(&f, s);
     fate_entries(&f, s);
-    scale_bar(cr, s, right, top, scale);
-    return f.y - top + LEGEND_ROW;
+    if (scale > 0) scale_bar(cr, s, right, top + CHART_NORMAL, scale);
+    return f.y - top + LEGEND_ROW / 2;
 }

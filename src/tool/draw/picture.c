@@ -1,275 +1,231 @@
 /* picture.c - draws a scene on a page, with cairo.
  *
- * Both directions have the same scale.  The page has a fixed width, and the height that the
- * lens needs.  Drawn from back to front: glass, axis, rays, surfaces, marks of rays that ended.
- * The title is above and the legend with the scale bar below, so no text covers a line.  All
- * sizes are points. */
+ * Both directions have the same scale.  The page has a fixed width, and the height that the lens needs.  From
+ * top to bottom: the title, the plot with its rulers, the legend; so no text covers a line.  In the plot,
+ * from back to front: glass, axis, rays, surfaces, marks of rays that ended, numbers of elements.  The
+ * numbers may need room above and below the lens: they are placed first, and the lens is moved down by it.
+ *
+ * All sizes are points.  A png has two pixels a point. */
 #include "picture.h"
 
+#include "chart_draw.h"
+#include "elements.h"
 #include "legend.h"
+#include "numbers.h"
+#include "ruler.h"
+#include "sheet.h"
 
-#include <cairo-svg.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
-static const double PICTURE_WIDTH = 900, MARGIN = 34, TOP = 68, PLOT_HIGHEST = 460, PLOT_LOWEST = 110;
-static const double THIN = 0.5, SURFACE = 0.9, MIRROR = 1.6;
-static const double ARROW_LENGTH = 7, ARROW_WIDTH = 4;
-static const double HATCH_STEP = 5, HATCH_LENGTH = 5, STOP_TICK = 13, AXIS_BEYOND = 12, RAY = 0.6,
+static const double PICTURE_WIDTH = 900, MARGIN = 24, TOP = 78, INSIDE = 14, PLOT_HIGHEST = 460,
+                    PLOT_LOWEST = 110;
+static const double TITLE_FONT = 15, LINE_FONT = 10.5, AXIS_BEYOND = 12, CORNER = 80, RAY = 0.6,
                     RAY_MANY = 0.3;
 enum { MANY_RAYS = 60 };
 
-void picture_check(void) {}
+void picture_check(const char *option) { (void)option; }
 
-/* ---------------------------------------------------------------- page */
-
-typedef struct page {
-    cairo_t *cr;
-    double scale, left, middle;   /* x = left + scale z, y = middle - scale y */
-    double height, legend_top;
-} page;
-
-typedef struct picture_dot { double x, y; } picture_dot;
-
-static picture_dot on_page(const page *p, spot s)
+picture_kind picture_kind_of(const char *option, const char *path)
 {
-    return (picture_dot){p->left + p->scale * s.z, p->middle - p->scale * s.y};
+    static const char *const endings[] = {
+        [PICTURE_SVG] = ".svg", [PICTURE_PNG] = ".png", [PICTURE_PDF] = ".pdf"};
+    size_t length = strlen(path);
+    for (int k = PICTURE_SVG; k <= PICTURE_PDF; k++)
+        if (length > 4 && strcasecmp(path + length - 4, endings[k]) == 0) return (picture_kind)k;
+    fail_usage("--%s %s: the name must end in .svg, .png or .pdf", option, path);
 }
 
-static page page_of(const scene *s, double legend_height)
-{
-    double z = s->high.z - s->low.z, y = s->high.y - s->low.y, room = PICTURE_WIDTH - 2 * MARGIN;
-    page p = {.scale = fmin(room / z, PLOT_HIGHEST / y)};
-    if (!(p.scale > 0 && isfinite(p.scale))) p.scale = 1;
-    double plot = fmax(PLOT_LOWEST, p.scale * y);
-    p.left = MARGIN + (room - p.scale * z) / 2 - p.scale * s->low.z;
-    p.middle = TOP + plot / 2 + p.scale * (s->low.y + s->high.y) / 2;
-    p.legend_top = TOP + plot + MARGIN;
-    p.height = p.legend_top + legend_height + MARGIN / 2;
-    return p;
-}
+/* --------------------------------------------------------------------- page */
 
-static void line_to(const page *p, spot s)
-{
-    picture_dot d = on_page(p, s);
-    cairo_line_to(p->cr, d.x, d.y);
-}
+typedef struct layout {
+    page page;
+    element_numbers numbers;
+    double down;           /* by how much the numbers move the lens down */
+    frame_box plot;        /* with the numbers */
+    double legend, height; /* the top of the legend; of the page */
+} layout;
 
-static void picture_stroke(const page *p, double width, double grey)
+/* Sets the scale, and puts the lens in the middle of a plot that begins at left; returns where it ends below.
+ */
+static double lay_scale(page *p, double left)
 {
-    cairo_set_source_rgb(p->cr, grey, grey, grey);
-    cairo_set_line_width(p->cr, width);
-    cairo_stroke(p->cr);
-}
-
-/* ------------------------------------------------------------ elements */
-
-static void draw_glass(const page *p, const outline *a, const outline *b)
-{
-    double half = fmax(a->half, b->half);
-    for (int k = 0; k < OUTLINE_POINTS; k++) line_to(p, a->at[k]);
-    line_to(p, scene_corner(a, 1, half));
-    line_to(p, scene_corner(b, 1, half));
-    for (int k = OUTLINE_POINTS - 1; k >= 0; k--) line_to(p, b->at[k]);
-    line_to(p, scene_corner(b, 0, half));
-    line_to(p, scene_corner(a, 0, half));
-    cairo_close_path(p->cr);
-    cairo_set_source_rgb(p->cr, 0.89, 0.93, 0.96);
-    cairo_fill(p->cr);
-}
-
-/* The edge of a glass element, and the flat rings that join it to the faces. */
-static void draw_edges(const page *p, const outline *a, const outline *b)
-{
-    double half = fmax(a->half, b->half);
-    for (int side = 0; side < 2; side++) {
-        line_to(p, scene_corner(a, side, a->half));
-        line_to(p, scene_corner(a, side, half));
-        line_to(p, scene_corner(b, side, half));
-        line_to(p, scene_corner(b, side, b->half));
-        picture_stroke(p, SURFACE, 0.15);
+    const scene *s = p->scene;
+    double wide = s->most.right - s->least.right, high = s->most.up - s->least.up, plot = PLOT_LOWEST;
+    double room = PICTURE_WIDTH - MARGIN - left - 2 * INSIDE;
+    p->scale = fmin(room / wide, PLOT_HIGHEST / high);
+    p->left = left + INSIDE + room / 2, p->base = TOP + INSIDE + plot / 2;
+    if (!(p->scale > 0 && isfinite(p->scale))) p->scale = 1;
+    if (wide >= 0 && high >= 0) { /* else there is nothing to draw */
+        plot = fmax(PLOT_LOWEST, p->scale * high);
+        p->left -= p->scale * (s->least.right + s->most.right) / 2;
+        p->base = TOP + INSIDE + plot / 2 + p->scale * (s->least.up + s->most.up) / 2;
     }
+    return TOP + plot + 2 * INSIDE;
 }
 
-static void draw_hatching(const page *p, const outline *o)
+/* Finds the layout by a page that is drawn nowhere.  The ruler's width depends on its numbers, and they on
+ * the scale, that depends on the width; one more round is enough, as the ruler only gets narrower. */
+static layout lay_out(const scene *s)
 {
-    double rest = HATCH_STEP / 2;
-    for (int k = 1; k < OUTLINE_POINTS; k++) {
-        picture_dot a = on_page(p, o->at[k - 1]), b = on_page(p, o->at[k]);
-        double length = hypot(b.x - a.x, b.y - a.y), done = rest;
-        for (; done < length; done += HATCH_STEP) {
-            double u = done / length, along = HATCH_LENGTH / length;
-            double x = a.x + u * (b.x - a.x), y = a.y + u * (b.y - a.y);
-            cairo_move_to(p->cr, x, y);
-            cairo_line_to(p->cr, x + HATCH_LENGTH * o->back * o->ahead.z - along * (b.x - a.x),
-                          y - HATCH_LENGTH * o->back * o->ahead.y - along * (b.y - a.y));
-        }
-        rest = done - length;
-    }
-    picture_stroke(p, THIN, 0.35);
+    layout l = {.page = {.cr = sheet_nowhere(), .scene = s},
+                .plot = {MARGIN, TOP, PICTURE_WIDTH - MARGIN, 0}};
+    page *p = &l.page;
+    bool space = s->view.plane == VIEW_3D;
+    l.plot.bottom = lay_scale(p, l.plot.left);
+    if (!space) l.plot.left = MARGIN + ruler_width(p, &l.plot);
+    l.plot.bottom = lay_scale(p, l.plot.left);
+    l.numbers = numbers_of(p, PICTURE_WIDTH);
+    l.down = fmax(0, TOP + INSIDE / 2 - l.numbers.top);
+    l.plot.bottom = l.down + fmax(l.plot.bottom, l.numbers.bottom + INSIDE / 2);
+    l.legend = l.plot.bottom + (space ? 0 : RULER_HEIGHT) + INSIDE / 2;
+    l.height = l.legend + MARGIN / 2 +
+               legend_draw(p->cr, s, MARGIN, PICTURE_WIDTH - MARGIN, 0, space ? p->scale : 0);
+    p->base += l.down;
+    sheet_forget(p->cr);
+    return l;
 }
 
-/* Bars from the aperture outward, drawn over the glass if that is wider. */
-static void draw_stop(const page *p, const outline *o)
+static void draw_axis(const page *p)
 {
-    for (int side = 0; side < 2; side++) {
-        double sign = side ? 1 : -1;
-        picture_dot d = on_page(p, scene_corner(o, side, o->half));
-        cairo_move_to(p->cr, d.x, d.y);
-        cairo_line_to(p->cr, d.x + sign * STOP_TICK * o->up.z, d.y - sign * STOP_TICK * o->up.y);
-        picture_stroke(p, LEGEND_STOP_WIDTH, 0);
-    }
+    static const double dashes[] = {12, 3, 2, 3};
+    const scene *s = p->scene;
+    if (!scene_straight(s)) return; /* a folded system has no one axis */
+    double more = AXIS_BEYOND / p->scale;
+    double low = s->view.plane == VIEW_3D ? s->low.z : s->least.right;
+    double high = s->view.plane == VIEW_3D ? s->high.z : s->most.right;
+    const sgt_vec3 axis[] = {{0, 0, low - more}, {0, 0, high + more}};
+    cairo_set_dash(p->cr, dashes, 4, 0);
+    page_line(p, axis, 2);
+    page_stroke(p, PAGE_THIN, 0.6);
+    cairo_set_dash(p->cr, NULL, 0, 0);
 }
 
-/* The sign of an ideal lens: arrow heads at its ends, outward if it focuses, else inward. */
-static void draw_arrows(const page *p, const outline *o)
-{
-    for (int side = 0; side < 2; side++) {
-        double along = (side ? -1 : 1) * o->lens * ARROW_LENGTH;
-        picture_dot tip = on_page(p, scene_corner(o, side, o->half));
-        for (int barb = -1; barb <= 1; barb += 2) {
-            double across = barb * ARROW_WIDTH;
-            cairo_move_to(p->cr, tip.x, tip.y);
-            cairo_line_to(p->cr, tip.x + along * o->up.z + across * o->ahead.z,
-                          tip.y - along * o->up.y - across * o->ahead.y);
-        }
-    }
-    picture_stroke(p, SURFACE, 0.15);
-}
+/* --------------------------------------------------------------------- rays */
 
-static void draw_surfaces(const page *p, const scene *s)
+static void draw_rays(const page *p)
 {
-    static const double dashes[] = {3, 3};
-    for (size_t i = 0; i < s->job->lens.count; i++) {
-        const outline *o = &s->outline[i];
-        for (size_t k = 0; k < o->strokes; k++) {
-            line_to(p, o->stroke[k][0]);
-            line_to(p, o->stroke[k][1]);
-            picture_stroke(p, o->mirror ? MIRROR : SURFACE, 0.15);
-        }
-        if (o->half == 0) continue;
-        if (scene_glass_behind(s, i)) draw_edges(p, o, &s->outline[i + 1]);
-        if (o->mirror) draw_hatching(p, o);
-        if (o->lens != 0) draw_arrows(p, o);
-        if (o->stop) {
-            draw_stop(p, o);
-            if (o->dummy) continue; /* a hole, and no surface */
-        }
-        for (int k = 0; k < OUTLINE_POINTS; k++) line_to(p, o->at[k]);
-        if (o->dummy) cairo_set_dash(p->cr, dashes, 2, 0);
-        picture_stroke(p, o->dummy ? THIN : o->mirror ? MIRROR : SURFACE, o->dummy ? 0.5 : 0.15);
+    const scene *s = p->scene;
+    size_t fields = s->job->fields ? s->job->fields : 1;
+    for (size_t i = 0; i < s->paths; i++) {
+        const ray_path *r = &s->path[i];
+        page_line(p, r->at, r->count);
+        legend_ray(p->cr, s, r);
+        cairo_set_line_width(p->cr, s->paths / fields > MANY_RAYS ? RAY_MANY : RAY);
+        cairo_stroke(p->cr);
         cairo_set_dash(p->cr, NULL, 0, 0);
     }
 }
 
-/* What the apertures of an element clip in this plane. */
-static void draw_blocked(const page *p, const scene *s)
+static void draw_marks(const page *p)
 {
-    for (size_t i = 0; i < s->job->lens.count; i++) {
-        const outline *o = &s->outline[i];
-        for (size_t k = 0; k < o->blocked_count; k++) {
-            line_to(p, o->blocked[k][0]);
-            line_to(p, o->blocked[k][1]);
-            picture_stroke(p, LEGEND_STOP_WIDTH, 0);
-        }
-    }
-}
-
-static void draw_axis(const page *p, const scene *s)
-{
-    static const double dashes[] = {12, 3, 2, 3};
-    for (size_t i = 0; i < s->job->lens.count; i++)
-        if (s->job->lens.surface[i].off_axis || s->job->lens.surface[i].folded)
-            return; /* a folded system has no one axis */
-    cairo_set_dash(p->cr, dashes, 4, 0);
-    line_to(p, (spot){s->low.z - AXIS_BEYOND / p->scale, 0});
-    line_to(p, (spot){s->high.z + AXIS_BEYOND / p->scale, 0});
-    picture_stroke(p, THIN, 0.6);
-    cairo_set_dash(p->cr, NULL, 0, 0);
-}
-
-/* ---------------------------------------------------------------- rays */
-
-static void draw_rays(const page *p, const scene *s)
-{
-    size_t fields = s->job->fields ? s->job->fields : 1;
+    const scene *s = p->scene;
     for (size_t i = 0; i < s->paths; i++) {
-        const path *r = &s->path[i];
-        for (size_t k = 0; k < r->count; k++) line_to(p, r->at[k]);
-        legend_colour(p->cr, r->field);
-        cairo_set_line_width(p->cr, s->paths / fields > MANY_RAYS ? RAY_MANY : RAY);
-        cairo_stroke(p->cr);
-    }
-}
-
-static void draw_marks(const page *p, const scene *s)
-{
-    for (size_t i = 0; i < s->paths; i++) {
-        const path *r = &s->path[i];
+        const ray_path *r = &s->path[i];
         if (r->fate == SGT_PASSED) continue;
-        picture_dot d = on_page(p, r->at[r->count - 1]);
-        legend_colour(p->cr, r->field);
+        page_dot d = page_at(p, r->at[r->count - 1]);
+        if (!isfinite(d.x + d.y)) continue;
+        legend_ray(p->cr, s, r);
+        cairo_set_dash(p->cr, NULL, 0, 0);
         legend_mark(p->cr, r->fate, d.x, d.y);
     }
 }
 
-/* ---------------------------------------------------------------- text */
+/* -------------------------------------------------------------------- title */
 
-static void draw_title(const page *p, const job *j)
+/* Adds to a text as far as there is room. */
+static void add_words(char *text, size_t size, const char *format, ...) LIKE_PRINTF(3, 4);
+static void add_words(char *text, size_t size, const char *format, ...)
 {
-    const lens *l = &j->lens;
-    char text[200] = "y-z section";
-    size_t length = 0;
-    for (size_t i = 0; i < j->wavelengths && !isnan(l->wavelength) && length < sizeof text; i++)
-        length += (size_t)snprintf(text + length, sizeof text - length, "%s%g", i ? ", " : "",
-                                   j->at[i].lens.wavelength);
-    if (length && length < sizeof text)
-        snprintf(text + length, sizeof text - length, " \302\265m, y-z section");
+    size_t length = strlen(text);
+    va_list values;
+    va_start(values, format);
+    vsnprintf(text + length, size - length, format, values);
+    va_end(values);
+}
+
+/* "y-z section; 0.4861, 0.5876 um; 20 of 21 rays passed" */
+static void print_facts(char *text, size_t size, const scene *s)
+{
+    const job *j = s->job;
+    size_t passed = 0;
+    for (size_t i = 0; i < s->paths; i++) passed += s->path[i].fate == SGT_PASSED;
+    snprintf(text, size, "%s", view_title(s->view.plane));
+    for (size_t i = 0; i < j->wavelengths && !isnan(j->lens.wavelength); i++)
+        add_words(text, size, "%s%g", i ? ", " : "; ", j->at[i].lens.wavelength);
+    if (!isnan(j->lens.wavelength)) add_words(text, size, " \302\265m");
+    if (s->paths)
+        add_words(text, size, "; %zu of %zu ray%s passed", passed, s->paths, s->paths == 1 ? "" : "s");
+    else
+        add_words(text, size, "; no rays");
+}
+
+/* "fields: object height 0, 3, 5 mm" */
+static void print_fields(char *text, size_t size, const job *j)
+{
+    static const char *const kinds[] = {
+        [SGT_FIELD_ANGLE] = "angle",
+        [SGT_FIELD_OBJECT_HEIGHT] = "object height",
+        [SGT_FIELD_PARAXIAL_IMAGE_HEIGHT] = "paraxial image height",
+        [SGT_FIELD_REAL_IMAGE_HEIGHT] = "real image height",
+    };
+    bool angle = j->field_kind == SGT_FIELD_ANGLE;
+    snprintf(text, size, j->fields ? "field%s: %s" : "rays of a file", j->fields == 1 ? "" : "s",
+             kinds[j->field_kind]);
+    for (size_t i = 0; i < j->fields; i++) {
+        add_words(text, size, i ? ", " : " ");
+        if (j->field[i].x != 0)
+            add_words(text, size, "(%g, %g)", j->field[i].x, j->field[i].y);
+        else
+            add_words(text, size, "%g", j->field[i].y);
+    }
+    if (j->fields) add_words(text, size, "%s%.20s", angle ? "\302\260" : " ", angle ? "" : j->lens.units);
+}
+
+static void draw_title(cairo_t *cr, const scene *s)
+{
+    const lens *l = &s->job->lens;
     const char *file = strrchr(l->of->file, '/'), *title = *l->name ? l->name : file ? file + 1 : l->of->file;
-    cairo_set_source_rgb(p->cr, 0, 0, 0);
-    cairo_select_font_face(p->cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_BOLD);
-    cairo_set_font_size(p->cr, 15);
-    cairo_move_to(p->cr, MARGIN, 26);
-    cairo_show_text(p->cr, title);
-    cairo_select_font_face(p->cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
-    cairo_set_font_size(p->cr, LEGEND_FONT);
-    cairo_set_source_rgb(p->cr, 0.35, 0.35, 0.35);
-    cairo_move_to(p->cr, MARGIN, 42);
-    cairo_show_text(p->cr, text);
+    const double room = PICTURE_WIDTH - 2 * MARGIN - (s->view.plane == VIEW_3D ? CORNER + MARGIN : 0);
+    char text[600];
+    chart_font(cr, TITLE_FONT, true);
+    chart_grey(cr, 0);
+    chart_text(cr, MARGIN, MARGIN + TITLE_FONT - 3, 0, room, title);
+    chart_font(cr, LINE_FONT, false);
+    chart_grey(cr, 0.35);
+    print_facts(text, sizeof text, s);
+    chart_text(cr, MARGIN, MARGIN + TITLE_FONT + LINE_FONT + 2, 0, room, text);
+    print_fields(text, sizeof text, s->job);
+    chart_text(cr, MARGIN, MARGIN + TITLE_FONT + LINE_FONT * (1 + CHART_LINE) + 2, 0, room, text);
 }
 
-static double measured_legend(const scene *s)
+/* --------------------------------------------------------------------- file */
+
+static void draw_page(cairo_t *cr, const void *what)
 {
-    cairo_surface_t *nowhere = cairo_recording_surface_create(CAIRO_CONTENT_COLOR, NULL);
-    cairo_t *cr = cairo_create(nowhere);
-    double height = legend_draw(cr, s, MARGIN, PICTURE_WIDTH - MARGIN, 0, 1);
-    cairo_destroy(cr);
-    cairo_surface_destroy(nowhere);
-    return height;
+    const layout *l = what;
+    page p = l->page;
+    p.cr = cr;
+    cairo_set_line_cap(cr, CAIRO_LINE_CAP_ROUND);
+    cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
+    bool space = p.scene->view.plane == VIEW_3D;
+    if (!space) ruler_draw(&p, &l->plot);
+    elements_fill(&p);
+    draw_axis(&p);
+    draw_rays(&p);
+    elements_stroke(&p);
+    draw_marks(&p);
+    numbers_draw(&p, &l->numbers, l->down);
+    if (space) ruler_directions(&p, (page_dot){PICTURE_WIDTH - MARGIN - CORNER / 2, MARGIN + CORNER / 2});
+    draw_title(cr, p.scene);
+    legend_draw(cr, p.scene, MARGIN, PICTURE_WIDTH - MARGIN, l->legend, space ? p.scale : 0);
 }
 
-void picture_write(const char *file, const scene *s)
+void picture_write(const char *file, picture_kind kind, const scene *s)
 {
-    page p = page_of(s, measured_legend(s));
-    cairo_surface_t *surface = cairo_svg_surface_create(file, PICTURE_WIDTH, p.height);
-    p.cr = cairo_create(surface);
-    cairo_set_line_cap(p.cr, CAIRO_LINE_CAP_ROUND);
-    cairo_set_line_join(p.cr, CAIRO_LINE_JOIN_ROUND);
-    cairo_set_source_rgb(p.cr, 1, 1, 1);
-    cairo_paint(p.cr);
-    for (size_t i = 0; i < s->job->lens.count; i++)
-        if (scene_glass_behind(s, i)) draw_glass(&p, &s->outline[i], &s->outline[i + 1]);
-    draw_axis(&p, s);
-    draw_rays(&p, s);
-    draw_surfaces(&p, s);
-    draw_blocked(&p, s);
-    draw_marks(&p, s);
-    draw_title(&p, s->job);
-    legend_draw(p.cr, s, MARGIN, PICTURE_WIDTH - MARGIN, p.legend_top, p.scale);
-    cairo_destroy(p.cr);
-    cairo_surface_finish(surface);
-    cairo_status_t status = cairo_surface_status(surface);
-    cairo_surface_destroy(surface);
-    if (status != CAIRO_STATUS_SUCCESS) fail_input("%s: %s", file, cairo_status_to_string(status));
+    layout l = lay_out(s);
+    sheet_write(file, kind, PICTURE_WIDTH, l.height, draw_page, &l);
 }

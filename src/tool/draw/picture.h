@@ -3,10 +3,16 @@
 #define TOOL_PICTURE_H
 #include "scene.h"
 
-/* Ends with a usage error if the command was built without cairo. */
-void picture_check(void);
+typedef enum picture_kind { PICTURE_SVG, PICTURE_PNG, PICTURE_PDF } picture_kind;
 
-/* Writes an SVG file.  If it cannot be written the command ends. */
-void picture_write(const char *file, const scene *s);
+/* The kind that the ending of a file tells.  Ends with a usage error if it is none of .svg, .png and .pdf.
+ */
+picture_kind picture_kind_of(const char *option, const char *path);
+
+/* Ends with a usage error if the command was built without cairo. */
+void picture_check(const char *option);
+
+/* Writes the picture.  If it cannot be written the command ends. */
+void picture_write(const char *file, picture_kind kind, const scene *s);
 
 #endif

@@ -1,10 +1,19 @@
-/* picture_missing.c - replaces picture.c and legend.c if there is no cairo. */
+/* picture_missing.c - replaces what draws pictures of a lens if there is no cairo. */
 #include "picture.h"
 
-void picture_check(void) { fail_usage("--svg: not available; this command was built without cairo"); }
-
-void picture_write(const char *file, const scene *s)
+void picture_check(const char *option)
 {
-    (void)file, (void)s;
-    picture_check();
+    fail_usage("--%s: not available; this command was built without cairo", option);
+}
+
+picture_kind picture_kind_of(const char *option, const char *path)
+{
+    (void)path;
+    picture_check(option);
+    return PICTURE_SVG;
+}
+
+void picture_write(const char *file, picture_kind kind, const scene *s)
+{
+    (void)file, (void)kind, (void)s;
 }

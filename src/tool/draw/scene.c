@@ -1,167 +1,95 @@
-/* scene.c - finds the outlines of the elements, and cuts the paths of the rays to what a page shows. */
+/* scene.c - collects the outlines of the elements, and cuts the paths of the rays to what a page shows. */
 #include "scene.h"
 
-#include "../show/frame.h"
 #include "../base/memory.h"
-#include "../read/surface.h"
-#include "../show/profile.h"
+#include "../show/frame.h"
 
 #include <math.h>
 
 static const double LEAD = 0.08;       /* of the lens's extent: the length of rays in front of it */
 static const double NEAR_OBJECT = 1.5; /* of the lens's length: an object at most so far away is shown */
 static const double BEYOND_LENS = 3;   /* of the lens's extent: a ray that met nothing is drawn so far */
-/* a surface without a clear aperture is drawn so many times as wide as the rays */
-static const double BEYOND_RAYS = 1.1;
 
-enum { BLOCKED_STEPS = 512 };
-
-static spot spot_of(sgt_vec3 p) { return (spot){p.z, p.y}; }
-
-scene scene_begin(const job *j)
+scene scene_begin(const job *j, view_plane plane)
 {
-    return (scene){.job = j, .reach = memory_take(j->lens.count, sizeof(double)),
-                   .outline = memory_take(j->lens.count, sizeof(outline))};
+    scene s = {.job = j,
+               .view = view_of(plane),
+               .reach = memory_take(j->lens.count, sizeof(reach)),
+               .outline = memory_take(j->lens.count, sizeof(outline)),
+               .by_wavelength = j->wavelengths > 1 && j->fields <= 1};
+    for (size_t i = 0; i < j->lens.count; i++)
+        s.reach[i] = (reach){0, {HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
+    return s;
 }
 
-void scene_add(scene *s, size_t field, size_t points, const sgt_vec3 point[], sgt_fate fate,
-               sgt_vec3 direction)
+static void reach_widen(reach *r, sgt_vec3 own)
 {
-    bool astray = fate == SGT_MISSED || fate == SGT_LOST;
-    path p = {.field = field, .count = points, .fate = fate, .at = memory_take(points + 1, sizeof *p.at)};
+    r->radius = fmax(r->radius, hypot(own.x, own.y));
+    r->low = (sgt_vec2){fmin(r->low.x, own.x), fmin(r->low.y, own.y)};
+    r->high = (sgt_vec2){fmax(r->high.x, own.x), fmax(r->high.y, own.y)};
+}
+
+static bool astray(sgt_fate fate) { return fate == SGT_MISSED || fate == SGT_LOST; }
+
+void scene_add(scene *s, size_t field, size_t wavelength, size_t points, const sgt_vec3 point[],
+               sgt_fate fate, sgt_vec3 direction)
+{
+    ray_path p = {.field = field,
+                  .wavelength = wavelength,
+                  .count = points,
+                  .fate = fate,
+                  .at = memory_take(points + 1, sizeof *p.at)};
     for (size_t i = 0; i < points; i++) {
-        p.at[i] = spot_of(point[i]);
-        if (i == 0) continue;
-        sgt_vec3 own = frame_point_in(&s->job->element[i - 1].pose, point[i]);
-        s->reach[i - 1] = fmax(s->reach[i - 1], hypot(own.x, own.y));
+        p.at[i] = point[i];
+        if (i > 0) reach_widen(&s->reach[i - 1], frame_point_in(&s->job->element[i - 1].pose, point[i]));
     }
-    if (astray) p.at[p.count++] = spot_of(direction); /* scene_finish makes it a point */
+    if (astray(fate)) p.at[p.count++] = direction; /* scene_finish makes it a point */
     s->path = memory_room(s->path, s->paths, &s->capacity, sizeof *s->path);
     s->path[s->paths++] = p;
-}
-
-/* --------------------------------------------------------------- outlines */
-
-/* The largest half height up to `wanted` at which the surface exists on both sides, by bisection. */
-static double half_height(const sgt_element *e, double wanted)
-{
-    double low = 0, high = wanted;
-    if (!isnan(profile_sag(e, 0, high) + profile_sag(e, 0, -high))) return high;
-    for (int i = 0; i < 40; i++) {
-        double middle = (low + high) / 2;
-        if (isnan(profile_sag(e, 0, middle) + profile_sag(e, 0, -middle))) high = middle;
-        else low = middle;
-    }
-    return low;
-}
-
-/* The section of a body.  A level set is not drawn: its details are finer than the net. */
-static void add_section(outline *o, const sgt_element *e, double reach)
-{
-    sgt_vec3(*own)[2] = NULL;
-    o->strokes = surface_is_level_set(e->surface) ? 0 : profile_section(e, reach, &own);
-    o->stroke = memory_take(o->strokes, sizeof *o->stroke);
-    for (size_t i = 0; i < o->strokes; i++)
-        for (int k = 0; k < 2; k++) o->stroke[i][k] = spot_of(frame_point_out(&e->pose, own[i][k]));
-    for (int k = 0; k < OUTLINE_POINTS; k++)
-        o->at[k] = spot_of(frame_point_out(&e->pose, (sgt_vec3){0, 0, 0}));
-}
-
-/* Finds the pieces of the section that the apertures clip, to a part in BLOCKED_STEPS of the height. */
-static void add_blocked(outline *o, const sgt_element *e)
-{
-    size_t room = 0;
-    spot last = {0, 0};
-    bool open = false;
-    if (!e->aperture || !(o->half > 0)) return;
-    for (int k = 0; k <= BLOCKED_STEPS; k++) {
-        sgt_vec3 own = {0, o->middle + o->half * (2 * k - BLOCKED_STEPS) / BLOCKED_STEPS, 0};
-        bool blocks = sgt_clipped_by(e, own).by >= 0;
-        own.z = profile_sag(e, 0, own.y);
-        spot here = spot_of(frame_point_out(&e->pose, own));
-        if (blocks && open) {
-            o->blocked = memory_room(o->blocked, o->blocked_count, &room, sizeof *o->blocked);
-            o->blocked[o->blocked_count][0] = last, o->blocked[o->blocked_count++][1] = here;
-        }
-        open = blocks, last = here;
-    }
-}
-
-/* The part of y that the first aperture beside the axis lets through, from its middle; false: there is
- * none. */
-static bool part_in_use(const sgt_element *e, double *middle, double *half)
-{
-    const sgt_aperture *a = e->aperture;
-    for (size_t i = 0; a && i < a->count; i++) {
-        const sgt_aperture_item *item = &a->items[i];
-        if (item->obscuring || item->centre.y == 0 || item->shape == SGT_POLYGON || item->shape == SGT_SPIDER)
-            continue;
-        *middle = item->centre.y;
-        *half = item->shape == SGT_CIRCLE || item->shape == SGT_ANNULUS ? item->radius
-                                                                        : hypot(item->half.x, item->half.y);
-        if (item->degrees == 0 && (item->shape == SGT_RECTANGLE || item->shape == SGT_ELLIPSE))
-            *half = item->half.y;
-        return true;
-    }
-    return false;
-}
-
-static outline outline_of(const scene *s, size_t i, double back)
-{
-    const lens *l = &s->job->lens;
-    const sgt_element *e = &l->element[i];
-    double before = i ? l->index[i - 1] : l->index_before;
-    bool mirror = l->surface[i].mirror;
-    outline o = {
-        .up = spot_of(frame_direction_out(&e->pose, (sgt_vec3){0, 1, 0})),
-        .ahead = spot_of(frame_direction_out(&e->pose, (sgt_vec3){0, 0, 1})),
-        .mirror = mirror, .stop = l->of->stop_marked && l->of->stop == i, .back = back,
-        .lens = e->phase ? copysign(1, e->phase->focal_length) : 0,
-        .dummy = !mirror && !e->phase && l->index[i] == before && i + 1 < l->count,
-    };
-    double wanted = e->semi_diameter > 0       ? e->semi_diameter
-                    : l->surface[i].size > 0 ? l->surface[i].size
-                                             : BEYOND_RAYS * s->reach[i];
-    if (wanted == 0 && l->of->pupil == SGT_PUPIL_RADIUS) wanted = l->of->pupil_size;
-    if (!profile_is_sag(e->surface)) {
-        add_section(&o, e, wanted);
-        return o;
-    }
-    double middle = 0;
-    if (part_in_use(e, &middle, &wanted)) o.half = wanted;
-    else o.half = half_height(e, wanted);
-    o.middle = middle;
-    for (int k = 0; k < OUTLINE_POINTS; k++) {
-        double y = middle + o.half * (2 * k - (OUTLINE_POINTS - 1)) / (OUTLINE_POINTS - 1);
-        double sag = profile_sag(e, 0, y);
-        if (isnan(sag)) o.half = 0; /* a hole in the middle: a line cannot show it */
-        o.at[k] = spot_of(frame_point_out(&e->pose, (sgt_vec3){0, y, isnan(sag) ? 0 : sag}));
-    }
-    add_blocked(&o, e);
-    return o;
 }
 
 bool scene_glass_behind(const scene *s, size_t i)
 {
     const lens *l = &s->job->lens;
-    return i + 1 < l->count && l->index[i] != 1 && s->outline[i].half > 0 &&
-           s->outline[i + 1].half > 0;
+    return i + 1 < l->count && l->index[i] != 1 && s->outline[i].half > 0 && s->outline[i + 1].half > 0;
 }
 
-spot scene_corner(const outline *o, int side, double half)
+bool scene_straight(const scene *s)
 {
-    spot rim = o->at[side ? OUTLINE_POINTS - 1 : 0];
-    double more = (side ? 1 : -1) * (half - o->half);
-    return (spot){rim.z + more * o->up.z, rim.y + more * o->up.y};
+    const lens *l = &s->job->lens;
+    for (size_t i = 0; i < l->count; i++)
+        if (l->surface[i].off_axis || l->surface[i].folded) return false;
+    return true;
 }
 
-/* ----------------------------------------------------------------- extent */
+/* ------------------------------------------------------------------- extent */
 
-static void include(scene *s, spot p)
+static double *coordinate(sgt_vec3 *p, int k) { return k == 0 ? &p->x : k == 1 ? &p->y : &p->z; }
+
+static void include(scene *s, sgt_vec3 p)
 {
-    if (!isfinite(p.z) || !isfinite(p.y)) return;
-    s->low = (spot){fmin(s->low.z, p.z), fmin(s->low.y, p.y)};
-    s->high = (spot){fmax(s->high.z, p.z), fmax(s->high.y, p.y)};
+    spot at = view_spot(&s->view, p);
+    if (!isfinite(at.right) || !isfinite(at.up)) return;
+    s->least = (spot){fmin(s->least.right, at.right), fmin(s->least.up, at.up)};
+    s->most = (spot){fmax(s->most.right, at.right), fmax(s->most.up, at.up)};
+}
+
+static void include_element(scene *s, sgt_vec3 p)
+{
+    include(s, p);
+    for (int k = 0; k < 3; k++) {
+        double *low = coordinate(&s->low, k), *high = coordinate(&s->high, k), at = *coordinate(&p, k);
+        *low = fmin(*low, at), *high = fmax(*high, at);
+    }
+}
+
+static void include_outline(scene *s, const outline *o)
+{
+    for (int k = 0; k < OUTLINE_POINTS; k++) include_element(s, o->at[k]);
+    for (size_t i = 0; i < o->pieces; i++)
+        for (size_t k = 0; k < o->piece[i].count; k++) include_element(s, o->piece[i].at[k]);
+    for (size_t i = 0; i < o->strokes; i++)
+        include_element(s, o->stroke[i][0]), include_element(s, o->stroke[i][1]);
 }
 
 /* The edge of the glass behind element i; it is as wide as the wider of its two faces. */
@@ -169,10 +97,12 @@ static void include_edges(scene *s, size_t i)
 {
     const outline *a = &s->outline[i], *b = a + 1;
     for (int side = 0; side < 2; side++) {
-        include(s, scene_corner(a, side, fmax(a->half, b->half)));
-        include(s, scene_corner(b, side, fmax(a->half, b->half)));
+        include_element(s, outline_corner(a, side, fmax(a->half, b->half)));
+        include_element(s, outline_corner(b, side, fmax(a->half, b->half)));
     }
 }
+
+/* ---------------------------------------------------------------------- rays */
 
 /* The part (0 ... 1) of the way from `a` to `b` after which a coordinate is inside [low, high]. */
 static double scene_enters(double a, double b, double low, double high)
@@ -184,60 +114,73 @@ static double scene_enters(double a, double b, double low, double high)
 
 /* Moves a along the line to b until it is inside the lens and its lead.  A lead's length of the line is
  * always kept, so that a ray clipped far outside is still drawn as a line. */
-static spot brought_in(const scene *s, spot a, spot b, spot low, spot high)
+static sgt_vec3 brought_in(const scene *s, sgt_vec3 a, sgt_vec3 b)
 {
-    double u = fmax(scene_enters(a.z, b.z, low.z - s->lead, high.z + s->lead),
-                    scene_enters(a.y, b.y, low.y - s->lead, high.y + s->lead));
-    double length = hypot(b.z - a.z, b.y - a.y);
+    const bool shown[] = {s->view.plane != VIEW_YZ, s->view.plane != VIEW_XZ, true};
+    sgt_vec3 low = s->low, high = s->high;
+    double u = 0;
+    for (int k = 0; k < 3; k++)
+        if (shown[k])
+            u = fmax(u, scene_enters(*coordinate(&a, k), *coordinate(&b, k), *coordinate(&low, k) - s->lead,
+                                     *coordinate(&high, k) + s->lead));
+    double length = vector_length(vector_minus(b, a));
     u = fmax(0, fmin(u, length > 0 ? 1 - s->lead / length : 0));
-    return (spot){a.z + u * (b.z - a.z), a.y + u * (b.y - a.y)};
+    return vector_along(a, vector_minus(b, a), u);
 }
 
-/* Where a ray begins in the picture.  Rays of a distant field begin at a common line in front of the lens.  A
+/* Where a ray begins in the picture.  Rays of a distant field begin at a common plane in front of the lens. A
  * ray of a file begins at its own start, or where it enters the picture. */
-static void cut_start(const scene *s, path *p, spot low, spot high)
+static void cut_start(const scene *s, ray_path *p)
 {
     const lens *l = &s->job->lens;
-    double left = low.z - s->lead;
+    double front = s->low.z - s->lead;
     bool beam = s->job->fields > 0;
-    if (p->count < 2 || (beam && l->of->object_distance <= NEAR_OBJECT * (high.z - low.z))) return;
-    spot a = p->at[0], b = p->at[1];
-    if (beam && b.z > a.z && b.z > left) {
-        double u = (a.z - left) / (b.z - a.z);
-        a = (spot){left, a.y - u * (b.y - a.y)};
-    }
-    p->at[0] = brought_in(s, a, b, low, high);
+    if (p->count < 2 || (beam && l->of->object_distance <= NEAR_OBJECT * (s->high.z - s->low.z))) return;
+    sgt_vec3 a = p->at[0], b = p->at[1], d = vector_minus(b, a);
+    if (beam && b.z > a.z && b.z > front) a = vector_along(b, d, (front - b.z) / d.z);
+    p->at[0] = brought_in(s, a, b);
+}
+
+/* The end of a ray that met nothing: on its way, a lead's length from the last point.  If it met no element
+ * at all, it is drawn to the first one and on. */
+static void end_astray(const scene *s, ray_path *p, double size)
+{
+    sgt_vec3 from = p->at[p->count - 2], d = p->at[p->count - 1];
+    double far = s->lead, first = (s->job->lens.surface[0].z - from.z) / d.z;
+    if (p->count == 2 && first > 0 && first < BEYOND_LENS * size) far += first;
+    p->at[p->count - 1] = vector_along(from, d, far);
+}
+
+/* The largest height of any element: for those of which nothing is known. */
+static double any_height(const scene *s)
+{
+    const lens *l = &s->job->lens;
+    double all = 0;
+    for (size_t i = 0; i < l->count; i++) all = fmax(all, fmax(outline_known(s->job, i), s->reach[i].radius));
+    return all == 0 && l->of->pupil == SGT_PUPIL_RADIUS ? l->of->pupil_size : all;
 }
 
 void scene_finish(scene *s)
 {
     const lens *l = &s->job->lens;
-    double back = 1; /* light along +z falls on the -z side of a mirror */
-    s->low = (spot){HUGE_VAL, HUGE_VAL}, s->high = (spot){-HUGE_VAL, -HUGE_VAL};
+    double back = 1, all = any_height(s); /* light along +z falls on the -z side of a mirror */
+    s->low = (sgt_vec3){HUGE_VAL, HUGE_VAL, HUGE_VAL}, s->high = (sgt_vec3){-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    s->least = (spot){HUGE_VAL, HUGE_VAL}, s->most = (spot){-HUGE_VAL, -HUGE_VAL};
     for (size_t i = 0; i < l->count; i++) {
-        s->outline[i] = outline_of(s, i, back);
-        for (int k = 0; k < OUTLINE_POINTS; k++) include(s, s->outline[i].at[k]);
-        for (size_t k = 0; k < s->outline[i].strokes; k++)
-            include(s, s->outline[i].stroke[k][0]), include(s, s->outline[i].stroke[k][1]);
+        s->outline[i] = outline_of(s->job, &s->view, i, &s->reach[i], all, back);
+        include_outline(s, &s->outline[i]);
         if (l->surface[i].mirror) back = -back;
     }
     for (size_t i = 0; i < l->count; i++)
         if (scene_glass_behind(s, i)) include_edges(s, i);
-    double size = fmax(s->high.z - s->low.z, s->high.y - s->low.y);
+    double size = fmax(s->most.right - s->least.right, s->most.up - s->least.up);
     s->lead = LEAD * (size > 0 ? size : 1);
-    spot low = s->low, high = s->high;
     for (size_t i = 0; i < s->paths; i++) {
-        path *p = &s->path[i];
-        if (p->fate == SGT_MISSED || p->fate == SGT_LOST) {
-            spot from = p->at[p->count - 2], d = p->at[p->count - 1];
-            double far = s->lead, first = (l->surface[0].z - from.z) / d.z;
-            /* it met nothing at all: draw it to the first surface and on */
-            if (p->count == 2 && first > 0 && first < BEYOND_LENS * size) far += first;
-            p->at[p->count - 1] = (spot){from.z + far * d.z, from.y + far * d.y};
-        }
-        cut_start(s, p, low, high);
+        ray_path *p = &s->path[i];
+        if (astray(p->fate)) end_astray(s, p, size);
+        cut_start(s, p);
         if (p->fate == SGT_CLIPPED)
-            p->at[p->count - 1] = brought_in(s, p->at[p->count - 1], p->at[p->count - 2], low, high);
+            p->at[p->count - 1] = brought_in(s, p->at[p->count - 1], p->at[p->count - 2]);
         for (size_t k = 0; k < p->count; k++) include(s, p->at[k]);
     }
 }

@@ -277,7 +277,7 @@ launch_pattern job_points(const job_options *o, sgt_pattern otherwise, long n)
     if (o->seed && pattern != SGT_PATTERN_RANDOM) fail_usage("--seed goes with --random N");
     if (o->pupils) {
         for (size_t i = 0; i < o->pupils; i++) o->pupil[i].weight = 1 / (double)o->pupils;
-        return (launch_pattern){o->pupils, o->pupil};
+        return (launch_pattern){.count = o->pupils, .at = o->pupil};
     }
     const long count = o->across                    ? points_across(pattern, o->across)
                        : o->points                  ? o->points

@@ -11,7 +11,7 @@ launch_pattern launch_points(sgt_pattern pattern, size_t n, uint64_t seed)
     size_t count = sgt_pupil_points(pattern, n, seed, 0, NULL);
     sgt_pupil_point *at = memory_take(count, sizeof *at);
     sgt_pupil_points(pattern, n, seed, count, at);
-    return (launch_pattern){count, at};
+    return (launch_pattern){.count = count, .n = n, .at = at, .pattern = pattern};
 }
 
 /* Launchers are freed when the command ends. */

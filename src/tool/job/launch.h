@@ -6,8 +6,13 @@
 
 #include <sagitta/analysis.h>
 
-/* Points in the unit circle of the pupil; they last until the command ends. */
-typedef struct launch_pattern { size_t count; const sgt_pupil_point *at; } launch_pattern;
+/* Points in the unit circle of the pupil; they last until the command ends.  n: as sgt_pupil_points has it, 0
+ * for single points. */
+typedef struct launch_pattern {
+    size_t count, n;
+    const sgt_pupil_point *at;
+    sgt_pattern pattern;
+} launch_pattern;
 launch_pattern launch_points(sgt_pattern pattern, size_t n, uint64_t seed);
 
 /* What the launching of all fields shares. */

@@ -5,9 +5,9 @@
  *
  * The sag is where a line parallel to z meets the surface.
  *
- * THE SECTION of a surface that is not a sag: its extent in z is found by lines parallel to z.  F is computed
- * on a square net over this extent.  In each cell where F has both signs at the corners, a stroke goes from
- * side to side, between the points where F is 0 if it is linear between corners. */
+ * THE SECTION of a surface that is not a sag: its extent is found by lines parallel to `along`.  F is
+ * computed on a square net over this extent.  In each cell where F has both signs at the corners, a stroke
+ * goes from side to side, between the points where F is 0 if it is linear between corners. */
 #include "profile.h"
 
 #include "../base/memory.h"
@@ -32,30 +32,45 @@ double profile_sag(const sgt_element *e, double x, double y)
 
 enum { NET = 128, ROOTS = 16 };
 
-/* The largest |y| where the y axis meets the surface, if that is not much more than reach; else reach. */
-static double whole(sgt_surface s, double reach)
+/* The plane of a section: the point (u, w) is u across + w along. */
+typedef struct section {
+    sgt_vec3 across, along;
+} section;
+
+static sgt_vec3 section_point(const section *in, double u, double w)
+{
+    const sgt_vec3 *a = &in->across, *b = &in->along;
+    return (sgt_vec3){u * a->x + w * b->x, u * a->y + w * b->y, u * a->z + w * b->z};
+}
+
+/* The largest |u| where the axis `across` meets the surface, if that is not much more than reach; else
+ * reach. */
+static double whole(sgt_surface s, const section *in, double reach)
 {
     const double MUCH = 4, MARGIN = 1.02;
     double far = 0;
     sgt_hit hit[ROOTS];
     int count = sgt_intersect_all(
-        s, (sgt_ray){.o = {0, 0, 0}, .d = {0, 1, 0}, .tmin = -HUGE_VAL, .tmax = HUGE_VAL}, ROOTS, hit, NULL);
+        s, (sgt_ray){.o = {0, 0, 0}, .d = in->across, .tmin = -HUGE_VAL, .tmax = HUGE_VAL}, ROOTS, hit, NULL);
     for (int i = 0; i < count && i < ROOTS; i++)
-        if (hit[i].status > 0) far = fmax(far, MARGIN * fabs(hit[i].p.y));
+        if (hit[i].status > 0) far = fmax(far, MARGIN * fabs(hit[i].t));
     return far <= MUCH * reach ? fmax(far, reach) : reach;
 }
 
-/* The least and the greatest z at which lines parallel to z, at the heights of the net, meet the surface. */
-static bool section_ends(sgt_surface s, double reach, double *low, double *high)
+/* The least and the greatest w at which lines parallel to `along`, at the heights of the net, meet the
+ * surface. */
+static bool section_ends(sgt_surface s, const section *in, double reach, double *low, double *high)
 {
     *low = HUGE_VAL, *high = -HUGE_VAL;
     for (int k = 0; k <= NET; k++) {
         sgt_hit hit[ROOTS];
-        sgt_ray line = {
-            .o = {0, reach * (2.0 * k / NET - 1), 0}, .d = {0, 0, 1}, .tmin = -HUGE_VAL, .tmax = HUGE_VAL};
+        sgt_ray line = {.o = section_point(in, reach * (2.0 * k / NET - 1), 0),
+                        .d = in->along,
+                        .tmin = -HUGE_VAL,
+                        .tmax = HUGE_VAL};
         int count = sgt_intersect_all(s, line, ROOTS, hit, NULL);
         for (int i = 0; i < count && i < ROOTS; i++)
-            if (hit[i].status > 0) *low = fmin(*low, hit[i].p.z), *high = fmax(*high, hit[i].p.z);
+            if (hit[i].status > 0) *low = fmin(*low, hit[i].t), *high = fmax(*high, hit[i].t);
     }
     return *low <= *high;
 }
@@ -65,18 +80,20 @@ static bool crosses(sgt_vec3 a, double f, sgt_vec3 b, double g, sgt_vec3 *at)
 {
     if ((f > 0) == (g > 0) || isnan(f + g)) return false;
     double u = f / (f - g);
-    *at = (sgt_vec3){0, a.y + u * (b.y - a.y), a.z + u * (b.z - a.z)};
+    *at = (sgt_vec3){a.x + u * (b.x - a.x), a.y + u * (b.y - a.y), a.z + u * (b.z - a.z)};
     return true;
 }
 
-size_t profile_section(const sgt_element *e, double reach, sgt_vec3 (**stroke)[2])
+size_t profile_section(const sgt_element *e, double reach, sgt_vec3 across, sgt_vec3 along,
+                       sgt_vec3 (**stroke)[2])
 {
     const sgt_surface s = e->surface;
+    const section in = {across, along};
     double low, high;
     size_t count = 0, room = 0;
     *stroke = NULL;
-    if (!(e->semi_diameter > 0)) reach = whole(s, reach);
-    if (!(reach > 0) || !section_ends(s, reach, &low, &high)) return 0;
+    if (!(e->semi_diameter > 0)) reach = whole(s, &in, reach);
+    if (!(reach > 0) || !section_ends(s, &in, reach, &low, &high)) return 0;
     double beyond = 2 * ((high - low) / NET + reach * 0x1p-20);
     low -= beyond, high += beyond;
     for (int i = 0; i < NET; i++)
@@ -85,8 +102,8 @@ size_t profile_section(const sgt_element *e, double reach, sgt_vec3 (**stroke)[2
             double f[5];
             int ends = 0;
             for (int k = 0; k < 5; k++) { /* round the cell, and back to the first corner */
-                double y = (double)(i + (k == 1 || k == 2)) / NET, z = (double)(j + (k == 2 || k == 3)) / NET;
-                p[k] = (sgt_vec3){0, reach * (2 * y - 1), low + (high - low) * z};
+                double u = (double)(i + (k == 1 || k == 2)) / NET, w = (double)(j + (k == 2 || k == 3)) / NET;
+                p[k] = section_point(&in, reach * (2 * u - 1), low + (high - low) * w);
                 f[k] = s.ops->value(s.self, p[k], NULL);
                 if (k > 0 && crosses(p[k - 1], f[k - 1], p[k], f[k], &end[ends])) ends++;
             }

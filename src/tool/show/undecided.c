@@ -67,7 +67,7 @@ static int side_of_rim(const sgt_hit *root, double rim)
     return r > edge + slack ? 1 : 0;
 }
 
-static view look(const search *s)
+static view view_of(const search *s)
 {
     view v = {.at_rim = -1, .rim = s->semi_diameter};
     bare_surface b = undecided_without_rim(s->surface);
@@ -138,7 +138,7 @@ static void print_reason_of_unproven(char text[REASON_SIZE], const search *s)
         snprintf(text, REASON_SIZE, "%s", budget_spent);
         return;
     }
-    view v = look(s);
+    view v = view_of(s);
     char places[PLACES_SIZE];
     print_places(places, &v);
     if (v.rim > 0 && !(v.rim * v.rim > 0x1p-960)) {

@@ -14,7 +14,7 @@
  * of the dot joins them, and that must cross nothing either. */
 #include "trade.h"
 
-#include "../draw/legend.h"
+#include "../draw/palette.h"
 #include "../base/memory.h"
 
 #include <cairo-svg.h>
@@ -28,7 +28,7 @@ static const double PLOT_WIDTH = 1040, MARGIN = 16, PANEL_HIGH = 312, HEAD_HIGH 
 static const double FONT = 10.5, DOT = 4, RING = 3.4, FLOOR = 26, STEM = 3, LINE = 12.5, KEY_HIGH = 132;
 static const char *const knob_name[KNOBS] = {"default", "single ray", "outputs", "t_tol",     "max_evals",
                                              "pick",    "proof",      "dt_min",  "iterations"};
-static const size_t knob_colour[KNOBS] = {4, 2, 6, 0, 5, 4, 3, 1, 3};
+static const size_t knob_colour[KNOBS] = {4, 5, 3, 0, 1, 4, 6, 2, 6};
 
 void trade_picture_check(void) {}
 
@@ -237,9 +237,9 @@ static void find_dots(panel *p)
 
 static void colour_of(cairo_t *cr, knob turned)
 {
-    legend_colour(cr, knob_colour[turned]);
+    palette_set(cr, knob_colour[turned]);
     if (turned == KNOB_NONE) grey(cr, 0);
-    /* there is no eighth colour in the legend */
+    /* there is no eighth colour in the palette */
     if (turned == KNOB_ITERATIONS) cairo_set_source_rgb(cr, 0.45, 0.3, 0.15);
 }
 

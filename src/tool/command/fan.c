@@ -1,0 +1,84 @@
+/* fan.c - sagitta fan: transverse errors along two lines of the pupil. */
+#include "commands.h"
+#include "../base/memory.h"
+#include "../draw/chart.h"
+#include "../look/look.h"
+#include "../look/lines.h"
+
+#include <math.h>
+
+static const char fan_help[] =
+    "sagitta fan LENS [options]\n"
+    "\n"
+    "Transverse errors: where the rays of a field meet the image, from where the chief ray of the primary\n"
+    "wavelength does.  By default for two lines across the pupil, in y (tangential) and in x (sagittal).\n"
+    "\n"
+    "Columns\n"
+    "  field, wavelength  the field, counted from 1; micrometres\n"
+    "  px, py             the point of the pupil, in radii of it\n"
+    "  fate               passed; missed, clipped, tir, lost; none: it is proven that there is no such ray\n"
+    "  ex, ey             the errors in x and y (length, in the frame of the last surface)\n"
+    "  e_err              rounding puts neither off by more (length)\n"
+    "\n"
+    "Options\n";
+
+typedef struct fan_work {
+    look look;
+    launch_pattern points;
+    table *table;
+    look_lines *lines;          /* [fields] */
+} fan_work;
+
+static void fan_rows(fan_work *w, size_t field)
+{
+    look *l = &w->look;
+    const sgt_field_beam *beam = &l->beam[field];
+    const sgt_ray_end chief = look_chief(l, beam, &l->primary, l->primary.element);
+    for (size_t b = 0; b < l->bands; b++) {
+        const look_band *band = &l->band[b];
+        const sgt_ray_end *end = look_trace(l, beam, band, band->element, &w->points, true);
+        if (field + b > 0) table_gap(w->table);
+        for (size_t i = 0; i < w->points.count; i++) {
+            const double ex = end[i].p.x - chief.p.x, ey = end[i].p.y - chief.p.y;
+            look_cells(w->table, l, field, band);
+            table_number(w->table, end[i].px);
+            table_number(w->table, end[i].py);
+            table_word(w->table, look_fate(&end[i]));
+            look_number(w->table, ex);
+            look_number(w->table, ey);
+            look_number(w->table, end[i].p_err + chief.p_err);
+            look_lines_add(&w->lines[field], b, &end[i], look_small(l, ey), look_small(l, ex));
+        }
+    }
+}
+
+exit_status command_fan(int argc, char *argv[])
+{
+    enum { ACROSS = 21 };
+    static const struct option known[] = {LOOK_OPTIONS, {0}};
+    static const column columns[] = {
+        {"field", COLUMN_COUNT}, {"wavelength", COLUMN_EXACT}, {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER},
+        {"fate", COLUMN_WORD},   {"ex", COLUMN_NUMBER},        {"ey", COLUMN_NUMBER}, {"e_err", COLUMN_ERROR},
+    };
+    look_options o = {.picture = NULL};
+    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;)
+        look_take(&o, code, fan_help, "");
+    look_argument(&o, argc, argv, "fan", true);
+    fan_work w = {.points = job_points(&o.job, SGT_PATTERN_CROSS, ACROSS)};
+    w.look = look_begin(&o);
+    w.lines = memory_take(w.look.fields.count, sizeof *w.lines);
+    w.table = table_begin(&o.shared.target, sizeof columns / sizeof columns[0], columns);
+    for (size_t f = 0; f < w.look.fields.count; f++) {
+        w.lines[f] = look_lines_for(&w.look, &w.points);
+        fan_rows(&w, f);
+    }
+    table_line(w.table, "ex, ey: from the chief ray of the primary wavelength.  Unit of length: %s.",
+               *w.look.primary.lens.units ? w.look.primary.lens.units : "that of the lens");
+    look_verdict(w.table, &w.look);
+    table_end(w.table);
+    if (o.picture)
+        look_lines_draw(&w.look, w.lines, "ray fans", "from the chief ray of the primary wavelength",
+                        look_text("ey (%s)", look_small_unit(&w.look)),
+                        look_text("ex (%s)", look_small_unit(&w.look)));
+    return look_status(&w.look);
+}

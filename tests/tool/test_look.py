@@ -1,0 +1,286 @@
+#!/usr/bin/env python3
+"""The analyses: spot, fan, opd, field, map, sweep.
+
+    python3 test_look.py SAGITTA [--without-cairo]
+
+What they tell is held against the same rays of `sagitta trace`, summed here; the rays themselves and the
+wavefronts have an oracle of their own (tests/lens).
+"""
+import json
+import math
+
+from command import *
+
+TRIPLET, NEWTONIAN = LENSES / 'cooke_triplet.yaml', LENSES / 'newtonian.yaml'
+COLOURED = '''
+units: mm
+wavelengths: [0.4861327, 0.5875618, 0.6562725]
+wavelength_weights: [1, 2, 1]
+primary: 2
+pupil: {semi_diameter: 5}
+fields: [0, 3]
+surfaces:
+  - {type: sphere, radius: 51.68, thickness: 4, glass: SCHOTT N-BK7, semi_diameter: 5, stop: true}
+  - {type: sphere, radius: -51.68, thickness: 48, index: 1}
+  - {type: plane}
+'''
+ANALYSES = ('spot', 'fan', 'opd', 'field', 'map', 'sweep')
+
+
+def ends(lens, *options):
+    """The last rows of traced rays, and for each field and wavelength those that passed."""
+    last = {}
+    for row in rows('trace', lens, *options, exit=None):
+        last[row['field'], row['wavelength'], row['ray']] = row
+    groups = {}
+    for (field, wavelength, _), row in last.items():
+        groups.setdefault((field, wavelength), []).append(row)
+    return groups
+
+
+def passed(group):
+    return [(float(r['x']), float(r['y'])) for r in group if r['fate'] == 'passed']
+
+
+def spread(points, about):
+    square = [math.fsum((p[k] - about[k]) ** 2 for p in points) / len(points) for k in (0, 1)]
+    return math.sqrt(sum(square)), *map(math.sqrt, square)
+
+
+def test_spot():
+    """Counts, centroid and rms of the rays that trace tells."""
+    for lens in (TRIPLET, NEWTONIAN, written(COLOURED)):
+        groups = ends(lens, '--cells', 12, '--wavelength', 'all')
+        for row in rows('spot', lens, '--cells', 12, '--reference', 'centroid'):
+            if row['wavelength'] == 'all':
+                continue
+            group = groups[row['field'], row['wavelength']]
+            points = passed(group)
+            equal((int(row['rays']), int(row['passed'])), (len(group), len(points)), lens)
+            middle = [math.fsum(p[k] for p in points) / len(points) for k in (0, 1)]
+            close(row['x'], middle[0], 1e-13), close(row['y'], middle[1], 1e-13)
+            wanted = (*spread(points, middle), max(math.dist(p, middle) for p in points))
+            for key, value in zip(('rms', 'rms_x', 'rms_y', 'geometric'), wanted):
+                close(row[key], value, 1e-12 * value + 1e-15, (lens, key))
+
+
+def test_spot_of_all_wavelengths():
+    """About the chief ray of the primary wavelength, weighted."""
+    lens = written(COLOURED)
+    groups = ends(lens, '--cells', 12, '--wavelength', 'all')
+    for row in rows('spot', lens, '--cells', 12):
+        chief = passed(ends(lens, '--chief', '--fields', row['field'])[row['field'], '0.5875618'])[0]
+        close(row['y'], chief[1], 0)
+        several = [(w, groups[row['field'], f'{um}']) for um, w in ((.4861327, 1), (.5875618, 2), (.6562725, 1))]
+        if row['wavelength'] != 'all':
+            several = [(1, groups[row['field'], row['wavelength']])]
+        weighted = [(w, math.dist(p, chief) ** 2) for w, group in several for p in passed(group)]
+        close(row['rms'], math.sqrt(math.fsum(w * s for w, s in weighted) / sum(w for w, _ in weighted)), 1e-13)
+    first = rows('spot', lens, '--wavelength', 1)[0]
+    close(first['airy'], 1.2196698912665045 * .4861327e-3 * first_order(lens, 1), 1e-12)
+
+
+def first_order(lens, wavelength):
+    return json.loads(run('info', lens, '--wavelength', wavelength, '--format', 'json').stdout)['f_number_working']
+
+
+def test_defocus():
+    """A moved image surface is that of a lens whose last thickness is another."""
+    for z in (-.5, 0, .25):
+        moved = written(COLOURED.replace('thickness: 48', f'thickness: {48 + z}'))
+        one, other = rows('spot', moved), rows('spot', written(COLOURED), '--defocus', z)
+        for a, b in zip(one, other):
+            close(a['rms'], b['rms'], 1e-14), close(b['defocus'], z, 0)
+    equal([r['defocus'] for r in rows('spot', TRIPLET, '--fields', 1, '--defocus', '-1,0', '--defocus', 2)],
+          ['-1', '-1', '0', '0', '2', '2'])
+
+
+def test_sampling():
+    """What half as many rays across change."""
+    fine, coarse = rows('spot', TRIPLET, '--cells', 20), rows('spot', TRIPLET, '--cells', 10)
+    for a, b in zip(fine, coarse):
+        close(a['sampling'], float(a['rms']) - float(b['rms']), 1e-15)
+    fine, coarse = (rows('opd', TRIPLET, '--summary', '--hexapolar', n) for n in (8, 4))
+    for a, b in zip(fine, coarse):
+        close(a['sampling'], float(a['rms']) - float(b['rms']), 1e-13)
+
+
+def test_fan():
+    """Errors from the chief ray of the primary wavelength."""
+    lens = written(COLOURED)
+    groups = ends(lens, '--cross', 7, '--wavelength', 'all')
+    for field in '12':
+        chief = passed(ends(lens, '--chief', '--fields', field)[field, '0.5875618'])[0]
+        for row in rows('fan', lens, '--cross', 7, '--fields', field):
+            ray = [r for r in groups[field, row['wavelength']] if (r['px'], r['py']) == (row['px'], row['py'])]
+            equal((len(ray), ray[0]['fate']), (1, row['fate']))
+            if row['fate'] != 'passed':
+                equal((row['ex'], row['ey']), ('', ''))
+                continue
+            close(row['ex'], float(ray[0]['x']) - chief[0], 0), close(row['ey'], float(ray[0]['y']) - chief[1], 0)
+
+
+def test_a_perfect_mirror():
+    """A paraboloid has no spot and no path difference on the axis, as far as it says that it knows."""
+    row = rows('spot', NEWTONIAN, '--fields', 1)[0]
+    equal(row['digits'], '0')
+    close(row['rms'], 0, 1e-12)
+    for row in rows('opd', NEWTONIAN, '--fields', 1, '--grid', 9):
+        close(row['opd'], 0, float(row['opd_err']))
+
+
+def test_opd_of_a_mirror_out_of_focus():
+    """Of a paraboloid whose image surface lies 1 before the focus the wavefront is known."""
+    lens = written('units: mm\nwavelengths: [0.5]\npupil: {semi_diameter: 5}\nsurfaces:\n'
+                   '  - {type: conic, radius: -200, conic: -1, mirror: true, stop: true, thickness: -99}\n'
+                   '  - {type: plane}\n')
+    for row in rows('opd', lens, '--fan', 9):
+        # The stop is the mirror, so the sphere about (0, -99) has the radius 99, and the chief ray starts on it.
+        y = 5 * float(row['py'])
+        z = -y * y / 400
+        far = math.hypot(y, z + 100)                       # to the focus
+        along = (y * -y + (z + 99) * (-100 - z)) / far     # from the centre to the mirror, along the ray
+        to_sphere = -along - math.sqrt(along ** 2 - (y * y + (z + 99) ** 2 - 99 ** 2))
+        close(row['opd'], (z + to_sphere) / .5e-3, 1e-9, row)
+
+
+def test_fates():
+    """The sums of fates are those of trace; none is dropped."""
+    options = ('--field', 24, '--grid', 21)
+    group = ends(TRIPLET, *options)['1', '0.55']
+    row = rows('spot', TRIPLET, *options)[0]
+    for fate in ('passed', 'missed', 'clipped', 'tir', 'lost'):
+        equal(int(row[fate]), sum(r['fate'] == fate for r in group), fate)
+    equal([r['fate'] for r in rows('map', TRIPLET, *options)], [r['fate'] for r in group])
+    equal([r['element'] for r in rows('map', TRIPLET, *options)], [r['element'] for r in group])
+    row = rows('sweep', TRIPLET, '--from', 24, '--to', 25, '--steps', 2, '--grid', 21)[0]
+    for fate in ('passed', 'missed', 'clipped', 'tir', 'lost'):
+        equal(int(row[fate]), sum(r['fate'] == fate for r in group), fate)
+    said = run('spot', TRIPLET, *options).stdout
+    assert f"{sum(r['fate'] == 'clipped' for r in group)} clipped" in said, said
+
+
+def test_map_of_evaluations_and_conditions():
+    groups = {}
+    for row in rows('trace', TRIPLET, '--field', 14, '--grid', 5):
+        groups.setdefault(row['ray'], []).append(row)
+    for row, ray in zip(rows('map', TRIPLET, '--field', 14, '--grid', 5), groups.values()):
+        equal(int(row['evals']), sum(int(r['evals']) for r in ray))
+        most = max(float(r['t_err']) for r in ray)         # for csv trace adds the rounding of t in decimal
+        assert most / 2 <= float(row['t_err']) <= most, (row, most)
+        assert float(row['condition']) >= 1
+    # on a plane the condition is 1 / cos of the angle of incidence
+    plane = written('pupil: {semi_diameter: 1}\nfields: [30]\nsurfaces:\n  - {type: plane}\n')
+    close(rows('map', plane, '--chief')[0]['condition'], 1 / math.cos(math.radians(30)), 1e-14)
+
+
+def test_field_of_a_sphere():
+    """A concave mirror with the stop at its centre has no astigmatism, and a spherical image."""
+    lens = written('units: mm\npupil: {semi_diameter: 1}\nfields: [0, 5, 10]\nsurfaces:\n'
+                   '  - {type: plane, stop: true, thickness: 200}\n'
+                   '  - {type: sphere, radius: -200, mirror: true, thickness: -100}\n  - {type: plane}\n')
+    for row in rows('field', lens):
+        angle = math.radians(float(row['fy']))
+        # every field is focused at 100 from the centre of curvature, along its chief ray
+        z = 100 * math.cos(angle) - 100
+        for curve in ('tangential', 'sagittal'):
+            close(row[curve], z, 1e-11, row)
+        if angle:
+            close(row['distortion'], 0, 1e-13, row)
+
+
+def test_distortion():
+    """The height of an f theta lens against both rules."""
+    row = {d: rows('field', LENSES / 'ftheta.yaml', '--distortion', d)[-1] for d in ('tan', 'theta')}
+    angle, efl = math.radians(float(row['tan']['fy'])), float(row['tan']['ideal']) / math.tan(math.radians(
+        float(row['tan']['fy'])))
+    for rule, ideal in (('tan', efl * math.tan(angle)), ('theta', efl * angle)):
+        close(row[rule]['ideal'], ideal, 1e-12 * abs(ideal))
+        close(row[rule]['distortion'], float(row[rule]['y']) / ideal - 1, 1e-14)
+    steps = rows('field', TRIPLET, '--steps', 5)
+    equal([(s['field'], float(s['fy'])) for s in steps], [(str(i + 1), 5.0 * i) for i in range(5)])
+
+
+def test_threads():
+    for name in ANALYSES:
+        one = run(name, TRIPLET, '--format', 'csv', '--threads', 1).stdout
+        for threads in (2, 3):
+            equal(run(name, TRIPLET, '--format', 'csv', '--threads', threads).stdout, one, (name, threads))
+
+
+def test_formats():
+    """json has the columns and the values of csv; text names the fates."""
+    for name in ANALYSES:
+        table, objects = rows(name, TRIPLET), json.loads(run(name, TRIPLET, '--format', 'json').stdout)
+        equal(len(objects), len(table), name)
+        for row, one in zip(table, objects):
+            equal(list(one), list(row))
+            for key, value in one.items():
+                if value is None:
+                    equal(row[key], '', key)
+                elif isinstance(value, str):
+                    equal(row[key], value, key)
+                else:
+                    close(row[key], value, 0, key)
+        said = run(name, TRIPLET).stdout.splitlines()[-1]
+        assert 'passed' in said and 'ray' in said, said
+
+
+def test_proof():
+    row = rows('spot', TRIPLET, '--fields', 2, '--proof', 'first')[0]
+    equal(row['proven'], row['passed'])
+    assert 'proven' in run('spot', TRIPLET, '--proof', 'first').stdout
+
+
+def test_no_chief_ray():
+    """A field whose chief ray does not get through has no reference, and says so."""
+    done = run('opd', TRIPLET, '--field', 40)
+    assert 'no reference' in done.stderr, done.stderr
+    row = rows('spot', TRIPLET, '--field', 40)[0]
+    equal((row['passed'], row['rms'], row['x']), ('0', '', ''))
+
+
+def test_errors():
+    for words, *arguments in (
+            ('the lens file is missing: sagitta spot LENS', 'spot'),
+            ('--reference must be chief or centroid, not "middle"', 'spot', TRIPLET, '--reference', 'middle'),
+            ('--defocus', 'spot', TRIPLET, '--defocus', 'a'),
+            ('--defocus must be a length', 'spot', TRIPLET, '--defocus', ''),
+            ('give --summary or --zernike', 'opd', TRIPLET, '--summary', '--zernike', 3),
+            ('--order goes with --zernike', 'opd', TRIPLET, '--order', 'noll'),
+            ('--zernike', 'opd', TRIPLET, '--zernike', 0),
+            ('--distortion must be tan or theta', 'field', TRIPLET, '--distortion', 'sin'),
+            ('a pattern of rays is of no use here', 'field', TRIPLET, '--grid', 3),
+            ('--over must be pupil or field', 'map', TRIPLET, '--over', 'x'),
+            ('--of must be fate', 'map', TRIPLET, '--of', 'x'),
+            ('--steps goes with --over field', 'map', TRIPLET, '--steps', 3),
+            ('sweep takes --from and --to', 'sweep', TRIPLET, '--field', 3),
+            ('--from, --to: angles', 'sweep', TRIPLET, '--to', 90),
+            ('--rays: fan launches', 'fan', TRIPLET, '--rays', 'x.csv')):
+        done = run(*arguments, exit=USAGE)
+        assert words in done.stderr, (arguments, done.stderr)
+    plain = written(COLOURED.replace('units: mm\n', ''))
+    done = run('opd', plain, exit=BAD_INPUT)
+    assert f'{plain}:' in done.stderr and 'units: must be mm' in done.stderr, done.stderr
+    equal(rows('spot', plain)[0]['airy'], '')
+
+
+def test_pictures():
+    """Each analysis draws in each format."""
+    begins = {'svg': b'<?xml', 'png': b'\x89PNG\r\n', 'pdf': b'%PDF-'}
+    for name, *options in (*((n,) for n in ANALYSES), ('opd', '--cells', 12), ('map', '--of', 't_err'),
+                           ('spot', '--defocus', '-.1,0,.1'), ('map', '--over', 'field', '--steps', 5)):
+        for ending, begin in begins.items():
+            path = written('', f'{name}.{ending}')
+            if '--without-cairo' in sys.argv:
+                assert 'needs cairo' in run(name, TRIPLET, '--picture', path, exit=USAGE).stderr
+                continue
+            run(name, TRIPLET, *options, '--picture', path, '--format', 'csv')
+            equal(path.read_bytes()[:len(begin)], begin, (name, ending))
+    if '--without-cairo' not in sys.argv:
+        run('spot', TRIPLET, '--picture', 'x.gif', exit=USAGE)
+        done = run('fan', TRIPLET, '--grid', 4, '--picture', written('', 'x.svg'), exit=USAGE)
+        assert 'on no line across the pupil' in done.stderr, done.stderr
+
+
+main(globals())
