@@ -251,7 +251,7 @@ def test_total_reflection():
 
 def nearest(text):
     """Distance, t, x, y, z, r."""
-    return numbers(line_with(text, 'Nearest approach'))
+    return numbers(line_with(text, 'Nearest approach')) + numbers(line_with(text, '(r = '))
 
 
 def test_nearest_approach_by_hand():
@@ -278,6 +278,11 @@ def test_nearest_approach_by_hand():
         close(got[0], distance, 1e-5 * distance, lens)
         for number, wanted in zip(got[2:5], point or ()):
             close(number, wanted, 1e-3, (lens, got))
+    # the steep front of the scan lens at 35 degrees, in the y-z plane: the line from the stop, 5 before, to the edge
+    text = run('diagnose', LENSES / 'ftheta.yaml', '--field', 35, '--fan', 7, '--ray', 5).stdout
+    y, R, sine, cosine = 0.5 * (2 * 5 / 6 - 1), 2.2136, math.sin(math.radians(35)), math.cos(math.radians(35))
+    close(nearest(text)[0], abs((R - y) * cosine - (5 - R) * sine), 1e-6)
+    close(nearest(text)[1], (R - y) * sine + (5 - R) * cosine, 1e-5)
 
 
 def test_nearest_approach_to_spheres():

@@ -37,8 +37,8 @@ void output_reserve(const char *option, const char *path)
     output_check(option, path);
     FILE *file = fopen(path, "ab");
     if (!file) fail_input("--%s %s: %s", option, path, strerror(errno));
-    char name[80];
-    snprintf(name, sizeof name, "the file of --%.40s", option);
+    char name[40];
+    snprintf(name, sizeof name, "the file of --%.15s", option);
     remember(file, name);
     fclose(file);
 }

@@ -60,13 +60,13 @@ static void explain_missed(table *t, const failed *f)
     explain_miss(t, f->number, s, &f->search->ray);
     if (!n.known) return;
     double r = hypot(n.p.x, n.p.y), scale = r + n.distance, rim = f->search->semi_diameter;
-    const char *where = is_edge(s, n.p)      ? ", its edge"
+    const char *where = is_edge(s, n.p)         ? ", its edge"
                         : rim > 0 && r > rim ? ", beyond its semi_diameter"
                                              : "";
-    table_line(t, "Nearest approach: %.6g, at t = %.6g, to %.6g, %.6g, %.6g of the surface (r = %.6g%s).",
-               n.distance, tidy(n.t, scale), tidy(n.p.x, scale), tidy(n.p.y, scale), tidy(n.p.z, scale),
+    table_line(t, "Nearest approach: %.6g, at t = %.6g.  The surface is there at %.6g, %.6g, %.6g",
+               n.distance, tidy(n.t, scale), tidy(n.p.x, scale), tidy(n.p.y, scale), tidy(n.p.z, scale));
+    table_line(t, "(r = %.6g%s).  Estimated: the line was moved parallel to itself until it met.",
                tidy(r, scale), where);
-    table_line(t, "(An estimate: the line was moved parallel to itself until it met the surface.)");
 }
 
 /* ---------------------------------------------------------------- a lost ray */
