@@ -12,7 +12,7 @@
 #include <math.h>
 #include <stdio.h>
 
-static const double SIZE = CHART_SMALL, FIRST = 8, ROW = 10.5, AWAY = 1.5, LETTER = 6.5, UNDER = 4.5,
+static const double SIZE = CHART_SMALL, FIRST = 9, ROW = 10.5, AWAY = 1.5, LETTER = 6.5, UNDER = 4,
                     STOP_BEYOND = 13, PAGE_EDGE = 4;
 enum { ROWS = 6 };
 
@@ -155,6 +155,19 @@ static void number_in_row(number *n, page_dot from, page_dot out, int row, doubl
     n->led = row > 0 || fabs(aside) > 1;
 }
 
+/* To which side a number may move: +1 or -1; 0: to both.  That of a glass's face goes away from its other
+ * face, so that the numbers of both have their order. */
+static int side_of(const page *p, size_t i, int side, page_dot from, page_dot out)
+{
+    const scene *s = p->scene;
+    size_t other = i > 0 && scene_glass_behind(s, i - 1) ? i - 1 : scene_glass_behind(s, i) ? i + 1 : i;
+    if (other == i) return 0;
+    page_dot there, unused;
+    number_anchor(p, other, side, &there, &unused);
+    double beyond = out.x * (there.y - from.y) - out.y * (there.x - from.x);
+    return (out.x + out.y > 0 ? -beyond : beyond) > 0 ? -1 : 1;
+}
+
 /* Looks for a place row by row; false: there is none. */
 static bool place_number(const page *p, const obstacles *o, const element_numbers *done, size_t i,
                          double width, number *n)
@@ -164,7 +177,9 @@ static bool place_number(const page *p, const obstacles *o, const element_number
     for (int side = 1; side >= 0; side--) {
         page_dot from, out;
         number_anchor(p, i, side, &from, &out);
+        const int allowed = side_of(p, i, side, from, out);
         for (int k = 0; k < ROWS * ASIDE; k++) {
+            if (allowed * aside[k % ASIDE] < 0) continue;
             number_in_row(n, from, out, k / ASIDE, aside[k % ASIDE]);
             number_box at = box_of(p, n->text, n->at);
             if (at.left > PAGE_EDGE && at.right < width - PAGE_EDGE && is_free(p, o, done, n)) return true;
