@@ -126,6 +126,12 @@ SGT_API bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *bea
                              const sgt_pupil_point at[], const sgt_options *opt,
                              sgt_ray_end out[]);
 
+/* The same of the chief ray, through the centre of the pupil, whatever clips it: it is a
+ * reference also where it is obscured. */
+SGT_API bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *beam,
+                             const sgt_element e[], double index_before,
+                             sgt_ray_end *out);
+
 /* ---------------------------------------------------------------------------- spots */
 
 /* Rays of one field and wavelength, with the weight of that wavelength. */
@@ -234,7 +240,8 @@ typedef enum sgt_distortion {
 /* Astigmatism along the real chief ray (by the derivatives of the trace, which is what
  * Coddington's equations say where there is a plane of symmetry), and distortion.
  * data: first-order data at the wavelength of e.  A field on the axis has its tangential
- * plane along y.  false: no memory. */
+ * plane along y.  Apertures do not count: a chief ray may be obscured.  false: no
+ * memory. */
 SGT_API bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before,
                              const sgt_first_order *data, sgt_distortion distortion,

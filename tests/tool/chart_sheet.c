@@ -173,7 +173,9 @@ static chart opd_sheet(void)
 static chart field_sheet(void)
 {
     enum { POINTS = 41 };
-    static const char *const curve[] = {"tangential", "sagittal"};
+    static const char *const curve[] = {"tangential, 0.4861 " MICRO, "sagittal, 0.4861 " MICRO,
+                                        "tangential, 0.5876 " MICRO, "sagittal, 0.5876 " MICRO,
+                                        "tangential, 0.6563 " MICRO, "sagittal, 0.6563 " MICRO};
     double *field = line_of(POINTS, 0, 20), *still = line_of(POINTS, 0, 20), *bent = line_of(POINTS, 0, 20);
     chart_series *focus = memory_take(6, sizeof *focus), *height = memory_take(3, sizeof *height);
     for (size_t i = 0; i < 6; i++) {
@@ -181,7 +183,7 @@ static chart field_sheet(void)
         for (size_t k = 0; k < POINTS; k++)
             z[k] = (i % 2 ? -2e-4 : -6e-4) * field[k] * field[k] + 4e-9 * pow(field[k], 5) +
                    0.02 * (double)(i / 2);
-        focus[i] = (chart_series){.name = curve[i % 2],
+        focus[i] = (chart_series){.name = curve[i],
                                   .colour = i / 2,
                                   .dash = i % 2 ? CHART_DASHED : CHART_SOLID,
                                   .line = true,
@@ -218,7 +220,7 @@ static chart field_sheet(void)
                              .series_count = 2,
                              .series = focus,
                              .y_high = 20};
-    return (chart){.title = "Field curves", .panels = 3, .panel = panel, .legend_title = "focus"};
+    return (chart){.title = "Field curves", .panels = 3, .panel = panel};
 }
 
 static chart map_sheet(void)
@@ -267,8 +269,12 @@ static chart sweep_sheet(void)
                               .y = y};
     }
     chart_panel *panel = memory_take(1, sizeof *panel);
-    *panel =
-        (chart_panel){.x_label = "field angle (\302\260)", .y_label = "rays", .series_count = 5, .series = s};
+    *panel = (chart_panel){.x_label = "field angle (\302\260)",
+                           .y_label = "rays",
+                           .series_count = 5,
+                           .x_high = 45,
+                           .y_high = 10000,
+                           .series = s};
     return (chart){.title = "Fates of 10000 rays against the field angle", .panels = 1, .panel = panel};
 }
 

@@ -166,8 +166,8 @@ def test_map_of_evaluations_and_conditions():
         groups.setdefault(row['ray'], []).append(row)
     for row, ray in zip(rows('map', TRIPLET, '--field', 14, '--grid', 5), groups.values()):
         equal(int(row['evals']), sum(int(r['evals']) for r in ray))
-        most = max(float(r['t_err']) for r in ray)         # which trace rounds up to two digits
-        assert .8 * most <= float(row['t_err']) <= most, (row, most)
+        most = max(float(r['t_err']) for r in ray)         # for csv trace adds the rounding of t in decimal
+        assert most / 2 <= float(row['t_err']) <= most, (row, most)
         assert float(row['condition']) >= 1
     # on a plane the condition is 1 / cos of the angle of incidence
     plane = written('pupil: {semi_diameter: 1}\nfields: [30]\nsurfaces:\n  - {type: plane}\n')

@@ -29,9 +29,10 @@ static double ideal_of(const sgt_launcher *from, const sgt_field_beam *b, const 
     return b->finite ? data->magnification : data->efl * index;
 }
 
-bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
+/* The same of elements that clip nothing; room: a passage for each. */
+static bool curve_of(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
                      double index_before, const sgt_first_order *data, sgt_distortion distortion,
-                     sgt_field_point *out)
+                     sgt_passage passages[], sgt_field_point *out)
 {
     const double none = (double)NAN;
     const size_t count = from->lens->count;
@@ -39,12 +40,7 @@ bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *b, const sg
     *out = (sgt_field_point){.fate = SGT_LOST, .image = {none, none}, .error = none, .tangential = none,
                              .sagittal = none, .ideal = none, .distortion = none};
     sgt_launched chief;
-    sgt_passage *passages = sgt_launch_take(from, count, sizeof *passages);
-    if (!passages) return false;
-    if (!sgt_launch_rays(from, b, e, index_before, 1, &centre, &chief)) {
-        sgt_launch_forget(from, passages);
-        return false;
-    }
+    if (!sgt_launch_rays(from, b, e, index_before, 1, &centre, &chief)) return false;
     sgt_ray ray = chief.ray;
     size_t passed = 0;
     if (chief.status == SGT_MET) passed = sgt_trace(count, e, index_before, &ray, passages, &out->fate, NULL);
@@ -65,6 +61,17 @@ bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *b, const sg
             out->distortion =
                 (out->image.x * way.h.x + out->image.y * way.h.y - out->ideal) / out->ideal;
     }
-    sgt_launch_forget(from, passages);
     return true;
+}
+
+bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
+                     double index_before, const sgt_first_order *data, sgt_distortion distortion,
+                     sgt_field_point *out)
+{
+    sgt_passage *passages = sgt_launch_take(from, from->lens->count, sizeof *passages);
+    sgt_element *open = sgt_open_elements(from, e);
+    bool fine = passages && open && curve_of(from, b, open, index_before, data, distortion, passages, out);
+    sgt_launch_forget(from, open);
+    sgt_launch_forget(from, passages);
+    return fine;
 }

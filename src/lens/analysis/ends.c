@@ -72,3 +72,22 @@ bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *b, const sg
     sgt_launch_forget(from, passages);
     return fine;
 }
+
+sgt_element *sgt_open_elements(const sgt_launcher *from, const sgt_element e[])
+{
+    const size_t count = from->lens->count;
+    sgt_element *open = sgt_launch_take(from, count, sizeof *open);
+    for (size_t i = 0; open && i < count; i++)
+        open[i] = e[i], open[i].semi_diameter = 0, open[i].aperture = NULL;
+    return open;
+}
+
+bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
+                     double index_before, sgt_ray_end *out)
+{
+    static const sgt_pupil_point centre = {0, 0, 1};
+    sgt_element *open = sgt_open_elements(from, e);
+    bool fine = open && sgt_trace_pupil(from, b, open, index_before, 1, &centre, NULL, out);
+    sgt_launch_forget(from, open);
+    return fine;
+}

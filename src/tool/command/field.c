@@ -115,7 +115,6 @@ static field_curves field_curves_of(const look *l, const field_arguments *a, con
         const sgt_field_point p = field_point(l, a, band, at);
         c.field[i] = look_farthest(l)->x == 0 ? at.y : hypot(at.x, at.y);
         c.value[0][i] = p.tangential, c.value[1][i] = p.sagittal, c.value[2][i] = 100 * p.distortion;
-        if (i == 0 && isnan(c.value[2][0])) c.value[2][0] = 0; /* on the axis there is none */
     }
     return c;
 }
@@ -130,25 +129,29 @@ static void draw_field(const look *l, const field_arguments *a)
         const field_curves c = field_curves_of(l, a, &l->band[b], steps);
         const char *name = look_wavelength_name(&l->band[b]);
         for (size_t k = 0; k < 2; k++)
-            focus[2 * b + k] = (chart_series){.name = look_text("%s%s%s", name ? name : "", name ? ", " : "",
-                                                                k ? "sagittal" : "tangential"),
-                                              .colour = b,
+            focus[2 * b + k] = (chart_series){.name = k ? name : NULL,
+                                              .colour = look_colour(l, b),
                                               .line = true,
                                               .dash = k ? CHART_SOLID : CHART_DASHED,
                                               .count = steps,
                                               .x = c.value[k],
                                               .y = c.field};
-        shift[b] = (chart_series){.name = name, .colour = b, .line = true, .count = steps, .x = c.value[2],
+        shift[b] = (chart_series){.name = name,
+                                  .colour = look_colour(l, b),
+                                  .line = true,
+                                  .count = steps,
+                                  .x = c.value[2],
                                   .y = c.field};
     }
     const char *units = l->primary.lens.units;
     const chart_rule zero = {.upright = true};
+    static const char *const dashes[] = {"solid: sagittal, dashed: tangential"};
     const chart_panel panel[] = {
         {.title = "field curvature",
          .x_label = look_text("z from the image (%s)", *units ? units : "length"),
          .y_label = look_field_axis(l),
          .series_count = 2 * l->bands,
-         .series = focus,
+         .series = focus, .note = dashes, .notes = 1,
          .rules = 1,
          .rule = &zero},
         {.title = a->distortion == SGT_DISTORTION_THETA           ? "distortion against f theta"

@@ -169,38 +169,55 @@ static void map_fields(map_work *w)
 
 /* ---------------------------------------------------------------- picture */
 
-/* The kinds of a map of fates or of elements, and the kind of a ray. */
-typedef struct map_kinds { size_t count; const char **name; } map_kinds;
+/* What became of a ray as a number: the element where it ended, 0 if it passed; or its fate. */
+static size_t map_kind(const map_work *w, const sgt_ray_end *end)
+{
+    enum { PASSED, MISSED, CLIPPED, TIR, LOST, NONE };
+    if (end->aimed == SGT_NO_SUCH_RAY)
+        return w->asked->of == MAP_FATE ? NONE : w->look.primary.lens.count + 1;
+    if (end->fate == SGT_PASSED) return PASSED;
+    if (w->asked->of == MAP_ELEMENT) return end->element + 1;
+    return end->fate == SGT_MISSED    ? MISSED
+           : end->fate == SGT_CLIPPED ? CLIPPED
+           : end->fate == SGT_TIR     ? TIR
+                                      : LOST;
+}
+
+/* Names for those kinds that there are. */
+typedef struct map_kinds { size_t count; const char **name; double *place; } map_kinds;
 
 static map_kinds map_kinds_of(const map_work *w)
 {
-    static const char *const fates[] = {"passed", "missed", "clipped", "tir", "lost", "none"};
-    enum { FATES = sizeof fates / sizeof *fates };
+    static const char *const fates[] = {"passed", "missed",     "clipped", "totally reflected",
+                                        "lost",   "no such ray"};
     const lens *l = &w->look.primary.lens;
     const bool fate = w->asked->of == MAP_FATE;
-    map_kinds k = {.count = fate ? FATES : w->asked->of == MAP_ELEMENT ? l->count + 1 : 0};
-    k.name = memory_take(k.count, sizeof *k.name);
-    for (size_t i = 0; i < k.count; i++)
-        k.name[i] = fate ? fates[i] : i ? look_text("ends at %zu (%s)", i, l->surface[i - 1].type) : "passed";
+    const size_t most = fate ? sizeof fates / sizeof *fates : l->count + 2;
+    map_kinds k = {.count = 0};
+    if (!fate && w->asked->of != MAP_ELEMENT) return k;
+    bool *there = memory_take(most, sizeof *there);
+    k.name = memory_take(most, sizeof *k.name), k.place = memory_take(most, sizeof *k.place);
+    for (size_t p = 0; p < w->panels; p++)
+        for (size_t i = 0; i < w->panel[p].points.count; i++) there[map_kind(w, &w->panel[p].end[i])] = true;
+    for (size_t i = 0; i < most; i++) {
+        if (!there[i]) continue;
+        k.place[i] = (double)k.count;
+        k.name[k.count++] = fate          ? fates[i]
+                            : i == 0      ? "passed"
+                            : i > l->count ? "no such ray"
+                                          : look_text("ends at %zu (%s)", i, l->surface[i - 1].type);
+    }
     return k;
 }
 
 static double map_value(const map_work *w, const map_kinds *kinds, const sgt_ray_end *end)
 {
-    const bool traced = end->aimed == SGT_MET;
-    switch (w->asked->of) {
-    case MAP_FATE:
-        for (size_t i = 0; i < kinds->count; i++)
-            if (strcmp(look_fate(end), kinds->name[i]) == 0) return (double)i;
-        return (double)NAN;
-    case MAP_ELEMENT: return !traced ? (double)NAN : end->fate == SGT_PASSED ? 0 : (double)(end->element + 1);
-    case MAP_EVALS: return traced ? end->evals : (double)NAN;
-    case MAP_T_ERR: return traced && end->t_err > 0 ? end->t_err : (double)NAN;
-    default: return traced ? end->condition : (double)NAN;
-    }
+    if (kinds->count) return kinds->place[map_kind(w, end)];
+    if (end->aimed != SGT_MET) return (double)NAN;
+    return w->asked->of == MAP_EVALS ? end->evals : w->asked->of == MAP_T_ERR ? end->t_err : end->condition;
 }
 
-static void draw_map(const map_work *w)
+static void map_draw(const map_work *w)
 {
     const look *l = &w->look;
     const map_kinds kinds = map_kinds_of(w);
@@ -215,7 +232,6 @@ static void draw_map(const map_work *w)
         for (size_t i = 0; i < of->points.count; i++) value[i] = map_value(w, &kinds, &of->end[i]);
         map[p] = look_net(&of->points, value, label);
         map[p].kinds = kinds.count ? kinds.name : NULL, map[p].kind_count = kinds.count;
-        map[p].logarithmic = w->asked->of == MAP_T_ERR;
         if (w->asked->over_field)
             map[p].x_low *= w->half, map[p].x_high *= w->half, map[p].y_low *= w->half,
                 map[p].y_high *= w->half;
@@ -227,9 +243,10 @@ static void draw_map(const map_work *w)
                           .y_label = w->asked->over_field ? look_text("y, %s", look_field_axis(l)) : "py"};
     }
     const char *line[] = {look_lens_line(l), look_fates_line(l, &l->fates)};
-    const char *what =
-        look_text("%s over the %s", w->asked->of == MAP_FATE ? "fates" : map_names[w->asked->of],
-                  w->asked->over_field ? "field" : "pupil");
+    const char *number = w->asked->of == MAP_FATE      ? "fates"
+                         : w->asked->of == MAP_ELEMENT ? "where rays end"
+                                                       : map_names[w->asked->of];
+    const char *what = look_text("%s, over the %s", number, w->asked->over_field ? "field" : "pupil");
     chart_write(l->asked->picture, &(chart){.title = look_title(l, what), .line = line, .lines = 2,
                                             .panels = w->panels, .panel = panel});
 }
@@ -250,6 +267,6 @@ exit_status command_map(int argc, char *argv[])
     else map_pupils(&w);
     look_verdict(w.table, &w.look);
     table_end(w.table);
-    if (a.look.picture) draw_map(&w);
+    if (a.look.picture) map_draw(&w);
     return look_status(&w.look);
 }

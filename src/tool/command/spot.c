@@ -205,8 +205,12 @@ static chart_series spot_series(const look *l, const spot_panel *p, size_t b)
         x[i] = look_small(l, g->end[i].p.x - p->all.reference.x);
         y[i] = look_small(l, g->end[i].p.y - p->all.reference.y);
     }
-    return (chart_series){.name = look_wavelength_name(&l->band[b]), .colour = b,
-                          .mark = (chart_mark)(CHART_DOT + b % 3), .count = g->count, .x = x, .y = y};
+    return (chart_series){.name = look_wavelength_name(&l->band[b]),
+                          .colour = look_colour(l, b),
+                          .mark = (chart_mark)(CHART_DOT + look_colour(l, b) % 3),
+                          .count = g->count,
+                          .x = x,
+                          .y = y};
 }
 
 static chart_panel spot_chart_panel(const spot_work *w, size_t field, size_t surface, double half)

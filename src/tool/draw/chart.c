@@ -22,7 +22,7 @@
 #include <strings.h>
 
 static const double SHEET_WIDTH = 900, SHEET_MARGIN = 24, PANELS_APART = 20, ROWS_APART = 14, TITLE_FONT = 15,
-                    LINE_FONT = 10.5, PANEL_TITLE = 18, TALLEST = 470, FLATTEST = 0.4, PNG_SCALE = 2,
+                    LINE_FONT = 10.5, TALLEST = 470, FLATTEST = 0.4, NARROWEST_PLOT = 20, PNG_SCALE = 2,
                     PNG_HIGHEST = 32000;
 
 typedef enum chart_format { CHART_SVG, CHART_PNG, CHART_PDF, CHART_FORMATS } chart_format;
@@ -43,6 +43,8 @@ void chart_check(const char *option, const char *path)
 
 /* ----------------------------------------------------------------- layout */
 
+enum { MOST_COLUMNS = 8 };
+
 typedef struct chart_sheet {
     cairo_t *cr;
     const chart *c;
@@ -55,8 +57,9 @@ typedef struct chart_sheet {
 
 static size_t columns_of(const chart *c)
 {
-    if (c->columns) return c->columns;
-    return c->panels <= 3 ? c->panels : c->panels == 4 ? 2 : c->panels <= 9 ? 3 : 4;
+    size_t chosen = c->panels <= 3 ? c->panels : c->panels == 4 ? 2 : c->panels <= 9 ? 3 : 4;
+    if (c->columns) chosen = c->columns < c->panels ? c->columns : c->panels;
+    return chosen < MOST_COLUMNS ? chosen : MOST_COLUMNS;
 }
 
 static void join_ranges(chart_range *all, const chart_range *r)
@@ -88,7 +91,7 @@ static double shape_of(const chart_sheet *s)
     for (size_t i = 0; i < s->c->panels; i++)
         if (s->place[i].of->square) tallest = fmax(tallest, span(&s->place[i].y) / span(&s->place[i].x));
     if (tallest > 0) return fmin(fmax(tallest, FLATTEST), 1);
-    return s->columns == 1 ? 0.5 : s->columns == 2 ? 0.66 : 0.8;
+    return s->columns == 1 ? 0.5 : s->columns == 2 ? 0.58 : 0.8;
 }
 
 static void set_scale(chart_axis *a, double new_span)
@@ -120,7 +123,7 @@ static void set_ticks(const chart_sheet *s, chart_place *p)
         chart_axis_ticks(&p->y, s->high, s->wide / 5);
     } else {
         chart_axis_ticks_beside(s->cr, &p->x, s->wide);
-        chart_axis_ticks(&p->y, s->high, 28);
+        chart_axis_ticks(&p->y, s->high, fmax(26, s->high / 9));
     }
     if (p->of->map) p->scale = chart_scale_of(p->of->map, s->high);
 }
@@ -129,21 +132,21 @@ static void set_ticks(const chart_sheet *s, chart_place *p)
 static void place_all(chart_sheet *s)
 {
     double shape = shape_of(s), room = 0;
+    bool square = false;
+    for (size_t i = 0; i < s->c->panels; i++) square = square || s->place[i].of->square;
     square_up(s, shape);
-    s->left = 40, s->right = 6;
     do {
         room = s->left + s->right;
-        s->wide = fmax(s->cell - room, 20);
+        s->wide = fmax(s->cell - room, NARROWEST_PLOT);
         s->high = fmin(s->wide * shape, TALLEST);
-        bool square = false;
-        for (size_t i = 0; i < s->c->panels; i++) square = square || s->place[i].of->square;
         if (square) s->wide = s->high / shape;
         for (size_t i = 0; i < s->c->panels; i++) {
-            set_ticks(s, &s->place[i]);
-            s->left = fmax(s->left, chart_place_left(s->cr, &s->place[i]));
-            s->right = fmax(s->right, chart_place_right(s->cr, &s->place[i]));
+            chart_place *p = &s->place[i];
+            set_ticks(s, p);
+            s->left = fmax(s->left, chart_place_left(s->cr, p));
+            s->right = fmax(s->right, chart_place_right(s->cr, p, s->wide));
         }
-    } while (s->left + s->right > room && s->cell - s->left - s->right > 20);
+    } while (s->left + s->right > room && s->wide > NARROWEST_PLOT);
 }
 
 /* ---------------------------------------------------------------- drawing */
@@ -151,58 +154,68 @@ static void place_all(chart_sheet *s)
 /* The title block; returns where it ends. */
 static double title_block(const chart_sheet *s, bool draw)
 {
-    double y = SHEET_MARGIN, room = SHEET_WIDTH - 2 * SHEET_MARGIN, step = CHART_LINE * LINE_FONT;
-    if (s->c->title && *s->c->title) {
-        chart_font(s->cr, TITLE_FONT, true);
-        chart_grey(s->cr, 0);
-        y += TITLE_FONT;
-        if (draw) chart_text(s->cr, SHEET_MARGIN, y - 3, 0, room, s->c->title);
-    }
+    double y = SHEET_MARGIN, room = SHEET_WIDTH - 2 * SHEET_MARGIN, step = CHART_LINE * TITLE_FONT;
+    chart_font(s->cr, TITLE_FONT, true);
+    chart_grey(s->cr, 0);
+    y += step * (double)chart_wrap(s->cr, SHEET_MARGIN, y + TITLE_FONT - 3, room, step, s->c->title, draw);
     chart_font(s->cr, LINE_FONT, false);
     chart_grey(s->cr, 0.35);
+    step = CHART_LINE * LINE_FONT;
     for (size_t i = 0; i < s->c->lines; i++)
-        y += step * (double)chart_wrap(s->cr, SHEET_MARGIN, y + LINE_FONT, room, step, s->c->line[i], draw);
-    return y + 12;
+        y += step *
+             (double)chart_wrap(s->cr, SHEET_MARGIN, y + LINE_FONT - 1, room, step, s->c->line[i], draw);
+    return y + 10;
+}
+
+/* The title above a plot, whose last line is just above it; returns its height. */
+static double title_of(const chart_sheet *s, const chart_place *p, bool draw)
+{
+    double step = CHART_LINE * CHART_NORMAL, room = s->wide + p->after;
+    chart_font(s->cr, CHART_NORMAL, true);
+    chart_grey(s->cr, 0.1);
+    double lines = (double)chart_wrap(s->cr, 0, 0, room, step, p->of->title, false);
+    double y = p->plot.top - 6 - (lines - 1) * step;
+    if (draw) chart_wrap(s->cr, p->plot.left, y, room, step, p->of->title, true);
+    return lines == 0 ? 0 : 5 + lines * step;
 }
 
 static double notes_of(const chart_sheet *s, const chart_place *p, bool draw)
 {
-    double step = CHART_LINE * CHART_SMALL, y = p->plot.bottom + chart_place_foot(p) + 2 + CHART_SMALL,
-           lines = 0;
+    double step = CHART_LINE * CHART_SMALL, room = s->wide + p->after, lines = 0,
+           y = p->plot.bottom + chart_place_foot(p) + 2 + CHART_SMALL;
     chart_font(s->cr, CHART_SMALL, false);
     chart_grey(s->cr, 0.35);
     for (size_t i = 0; i < p->of->notes; i++)
-        lines +=
-            (double)chart_wrap(s->cr, p->plot.left, y + lines * step, s->wide, step, p->of->note[i], draw);
+        lines += (double)chart_wrap(s->cr, p->plot.left, y + lines * step, room, step, p->of->note[i], draw);
     return lines == 0 ? 0 : 4 + lines * step;
 }
 
 /* Places a row of panels from y down, and draws it if `draw`; returns where it ends. */
-static double row_of_panels(chart_sheet *s, size_t row, double y, bool draw)
+static double row_of_panels(const chart_sheet *s, size_t row, double y, bool draw)
 {
     double title = 0, foot = 0, notes = 0;
+    double spare = fmax(s->cell - s->left - s->right - s->wide, 0) / 2; /* of a cell wider than its panel */
     size_t first = row * s->columns, end = first + s->columns;
     if (end > s->c->panels) end = s->c->panels;
-    for (size_t i = first; i < end; i++)
-        if (s->place[i].of->title) title = PANEL_TITLE;
-    double free = s->cell - s->left - s->right - s->wide; /* of a cell that is wider than its panel */
     for (size_t i = first; i < end; i++) {
         chart_place *p = &s->place[i];
-        double x =
-            SHEET_MARGIN + (double)(i - first) * (s->cell + PANELS_APART) + s->left + fmax(free, 0) / 2;
+        p->before = s->left + spare, p->after = s->right + spare;
+        title = fmax(title, title_of(s, p, false));
+    }
+    for (size_t i = first; i < end; i++) {
+        chart_place *p = &s->place[i];
+        double x = SHEET_MARGIN + (double)(i - first) * (s->cell + PANELS_APART) + p->before;
         p->plot = (chart_box){x, y + title, x + s->wide, y + title + s->high};
         notes = fmax(notes, notes_of(s, p, draw));
         foot = fmax(foot, chart_place_foot(p));
         if (!draw) continue;
-        chart_font(s->cr, CHART_NORMAL, true);
-        chart_grey(s->cr, 0.1);
-        chart_text(s->cr, x, p->plot.top - 6, 0, s->wide, p->of->title);
+        title_of(s, p, true);
         chart_place_draw(s->cr, p);
     }
     return y + title + s->high + foot + notes;
 }
 
-static double draw_sheet(chart_sheet *s, bool draw)
+static double draw_sheet(const chart_sheet *s, bool draw)
 {
     double y = title_block(s, draw);
     for (size_t row = 0; row < s->rows; row++) y = row_of_panels(s, row, y, draw) + ROWS_APART;

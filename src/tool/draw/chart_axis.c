@@ -15,6 +15,7 @@
 
 static const double LARGEST = 1e300, SMALLEST = 1e-300, NARROWEST = 1e-12, MARGIN_PART = 0.05,
                     MOST_STEPS = 1e5; /* from 0 to the farthest tick without an origin */
+enum { LONGEST_ORIGIN = 15 };
 #define MINUS "\342\210\222"
 #define TIMES "\303\227"
 
@@ -60,15 +61,18 @@ long chart_axis_last(const chart_axis *a) { return (long)floor((a->high - a->ori
 
 double chart_axis_part(const chart_axis *a, double value) { return (value - a->low) / (a->high - a->low); }
 
-/* The origin is a short number just below the range, to the digit. */
+/* The origin is the shortest number within a few lengths of the range. */
 static void set_origin(chart_axis *a)
 {
     a->origin = 0;
     if (fmax(fabs(a->low), fabs(a->high)) / a->step <= MOST_STEPS) return;
-    char text[40];
-    double unit = pow(10, power_of(a->high - a->low) + 1);
-    snprintf(text, sizeof text, "%.14g", floor(a->low / unit) * unit);
-    a->origin = strtod(text, NULL);
+    double middle = a->low / 2 + a->high / 2;
+    for (int digits = 1; digits <= LONGEST_ORIGIN; digits++) {
+        char text[40];
+        snprintf(text, sizeof text, "%.*g", digits, middle);
+        a->origin = strtod(text, NULL);
+        if (fabs(a->origin - middle) <= 5 * (a->high - a->low)) return;
+    }
 }
 
 void chart_axis_ticks(chart_axis *a, double length, double spacing)
@@ -93,7 +97,7 @@ void chart_axis_ticks(chart_axis *a, double length, double spacing)
 void chart_axis_ticks_beside(cairo_t *cr, chart_axis *a, double length)
 {
     const double apart = 9;
-    double spacing = 38;
+    double spacing = fmax(38, length / 10);
     for (int i = 0; i < 6; i++) { /* a second round is rare: numbers of longer steps are shorter */
         chart_axis_ticks(a, length, spacing);
         double wide = chart_axis_width(cr, a) + apart, step = a->step / (a->high - a->low) * length;
@@ -190,16 +194,17 @@ void chart_axis_label(const chart_axis *a, const char *label, bool numbers, char
     while (length > 0 && label[length - 1] == ' ') length--;
     snprintf(text, CHART_TEXT, "%.*s", length, label);
     if (!numbers) return;
-    if (a->origin != 0) {
-        chart_append(text, a->origin < 0 ? " + " : " " MINUS " ");
-        snprintf(number, sizeof number, "%.14g", fabs(a->origin));
-        chart_append(text, number);
-    }
     chart_unit(label, unit);
-    if (!*unit && a->exponent == 0) return;
+    if (!*unit && a->exponent == 0 && a->origin == 0) return;
     chart_append(text, *text ? " (" : "(");
     if (a->exponent != 0) append_power(text, a->exponent);
     if (a->exponent != 0 && *unit) chart_append(text, " ");
     chart_append(text, unit);
+    if (a->origin != 0) {
+        snprintf(number, sizeof number, "%.*g", LONGEST_ORIGIN, a->origin);
+        chart_append(text, a->exponent != 0 || *unit ? " from " : "from ");
+        append_signed(text, number);
+        if (*unit) chart_append(text, " "), chart_append(text, unit);
+    }
     chart_append(text, ")");
 }

@@ -76,7 +76,7 @@ double chart_axis_part(const chart_axis *a, double value);
 void chart_axis_number(const chart_axis *a, long i, char text[CHART_TEXT]);
 double chart_axis_width(cairo_t *cr, const chart_axis *a); /* of its widest number */
 
-/* The label with the axis's origin and power of ten: "z (mm)" becomes "z - 97.4 (10^-6 mm)".  Without
+/* The label with the axis's power of ten and origin: "z (mm)" becomes "z (10^-6 mm from 97.4 mm)".  Without
  * `numbers` it loses its unit. */
 void chart_axis_label(const chart_axis *a, const char *label, bool numbers, char text[CHART_TEXT]);
 
@@ -111,16 +111,19 @@ typedef struct chart_place {
     bool bar; /* a scale bar in place of numbers */
     chart_range x_range, y_range;
     chart_axis x, y;
-    chart_scale scale; /* of the map */
-    chart_box plot;    /* inside the frame */
+    chart_scale scale;    /* of the map */
+    chart_box plot;       /* inside the frame */
+    double before, after; /* room to its left and right that texts may use */
 } chart_place;
 
 /* What the panel has to show; the axes and the plot are still to be found. */
 chart_place chart_place_of(const chart_panel *p);
 
-double chart_place_left(cairo_t *cr, const chart_place *p); /* room that it needs beside the plot */
-double chart_place_right(cairo_t *cr, const chart_place *p);
-double chart_place_foot(const chart_place *p); /* and below it, without notes */
+/* Room that the panel needs on the left and the right of a plot that is `wide`, and below it without notes.
+ */
+double chart_place_left(cairo_t *cr, const chart_place *p);
+double chart_place_right(cairo_t *cr, const chart_place *p, double wide);
+double chart_place_foot(const chart_place *p);
 void chart_place_draw(cairo_t *cr, const chart_place *p);
 
 /* --------------------------------------------------------------- chart_series.c */
@@ -128,6 +131,9 @@ void chart_place_draw(cairo_t *cr, const chart_place *p);
 void chart_series_draw(cairo_t *cr, const chart_place *p, const chart_series *s);
 void chart_circle_draw(cairo_t *cr, const chart_place *p, const chart_circle *c);
 void chart_rule_draw(cairo_t *cr, const chart_place *p, const chart_rule *r);
+
+/* Whether a circle can be drawn, with all of it among the numbers of an axis. */
+bool chart_circle_there(const chart_circle *c);
 
 /* Samples for the legend, between x and x + width. */
 void chart_series_sample(cairo_t *cr, const chart_series *s, double x, double y, double width);

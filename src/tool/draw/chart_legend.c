@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double ENTRY_ROW = 17, ENTRY_SAMPLE = 22, ENTRY_GAP = 6, ENTRIES_APART = 20;
+static const double ENTRY_ROW = 17, ENTRY_LINE = 22, ENTRY_MARK = 12, ENTRY_GAP = 6, ENTRIES_APART = 20;
 
 /* One of the four is set. */
 typedef struct chart_entry {
@@ -67,21 +67,28 @@ static chart_entries entries_of(const chart *c)
     return list;
 }
 
+/* Lines need long samples, to show their dashes. */
+static double sample_width(const chart_entry *e)
+{
+    return (e->series && e->series->line) || (e->rule && !e->rule->upright) ? ENTRY_LINE : ENTRY_MARK;
+}
+
 static void draw_swatch(cairo_t *cr, size_t kind, double x, double y)
 {
     double rgb[3];
     chart_kind_colour(kind, rgb);
-    cairo_rectangle(cr, x + 4, y - 5, ENTRY_SAMPLE - 8, 10);
+    cairo_rectangle(cr, x, y - 5, ENTRY_MARK, 10);
     cairo_set_source_rgb(cr, rgb[0], rgb[1], rgb[2]);
     cairo_fill(cr);
 }
 
 static void draw_sample(cairo_t *cr, const chart_entry *e, double x, double y)
 {
+    double width = sample_width(e);
     cairo_new_path(cr);
-    if (e->series) chart_series_sample(cr, e->series, x, y, ENTRY_SAMPLE);
-    if (e->circle) chart_circle_sample(cr, e->circle, x, y, ENTRY_SAMPLE);
-    if (e->rule) chart_rule_sample(cr, e->rule, x, y, ENTRY_SAMPLE);
+    if (e->series) chart_series_sample(cr, e->series, x, y, width);
+    if (e->circle) chart_circle_sample(cr, e->circle, x, y, width);
+    if (e->rule) chart_rule_sample(cr, e->rule, x, y, width);
     if (e->map) draw_swatch(cr, e->kind, x, y);
 }
 
@@ -89,7 +96,7 @@ double chart_legend(cairo_t *cr, const chart *c, double left, double right, doub
 {
     chart_entries list = entries_of(c);
     if (list.count == 0) return 0;
-    double x = left, y = top + ENTRY_ROW / 2, start = ENTRY_SAMPLE + ENTRY_GAP;
+    double x = left, y = top + ENTRY_ROW / 2;
     chart_font(cr, CHART_NORMAL, false);
     chart_grey(cr, 0.2);
     if (c->legend_title) {
@@ -98,7 +105,8 @@ double chart_legend(cairo_t *cr, const chart *c, double left, double right, doub
     }
     for (size_t i = 0; i < list.count; i++) {
         const chart_entry *e = &list.entry[i];
-        double wide = fmin(start + chart_width(cr, e->name), right - left);
+        double start = sample_width(e) + ENTRY_GAP,
+               wide = fmin(start + chart_width(cr, e->name), right - left);
         if (x > left && x + wide > right) x = left, y += ENTRY_ROW;
         if (draw) {
             chart_grey(cr, 0.2);

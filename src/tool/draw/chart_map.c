@@ -16,8 +16,10 @@
 #include <math.h>
 #include <stdint.h>
 
-static const double BAR_GAP = 10, BAR_WIDTH = 11, BAR_TICK = 3, BAR_TEXT = 6, PIXELS_PER_POINT = 3;
+static const double BAR_GAP = 10, BAR_WIDTH = 11, BAR_TICK = 3, BAR_TEXT = 6, PIXELS_PER_POINT = 3,
+                    FEWEST_DECADES = 0.8;
 enum { STEPS = 17, LARGEST_IMAGE = 30000 };
+static const uint32_t BLANK = 0xFFFFFFFFu; /* no pixel has this */
 
 static const double sequence[STEPS][3] = {
     {0.182, 0.111, 0.352}, {0.176, 0.175, 0.415}, {0.157, 0.236, 0.466}, {0.129, 0.296, 0.505},
@@ -87,6 +89,11 @@ chart_scale chart_scale_of(const chart_map *m, double length)
         chart_range_add(r.fixed, -most);
     }
     s.shown = !m->kinds && r.fixed[0] <= r.fixed[1];
+    if (m->logarithmic &&
+        r.fixed[1] - r.fixed[0] < FEWEST_DECADES) { /* so that two of 1, 2, 5 are on the bar */
+        double middle = (r.fixed[0] + r.fixed[1]) / 2;
+        r.fixed[0] = middle - FEWEST_DECADES / 2, r.fixed[1] = middle + FEWEST_DECADES / 2;
+    }
     s.axis = chart_axis_of(&r);
     chart_axis_ticks(&s.axis, length, 26);
     return s;
@@ -98,7 +105,7 @@ static uint32_t pixel_of(const double rgb[3])
 {
     uint32_t part[3];
     for (int i = 0; i < 3; i++) part[i] = (uint32_t)lround(255 * rgb[i]);
-    return 0xFF000000u | part[0] << 16 | part[1] << 8 | part[2];
+    return part[0] << 16 | part[1] << 8 | part[2];
 }
 
 /* How many pixels a square has along a side of the map. */
@@ -108,23 +115,45 @@ static size_t pixels_of(size_t squares, double length)
     return wanted * squares <= LARGEST_IMAGE ? wanted : 1;
 }
 
-/* Fills `at` with an image of columns * rows pixels, each repeated; row 0 is the lowest. */
+/* Adds the coloured squares to the path, in runs along the rows; returns whether these are all. */
+static bool add_coloured(cairo_t *cr, const uint32_t *colour, size_t columns, size_t rows,
+                         const chart_box *at)
+{
+    double wide = (at->right - at->left) / (double)columns, high = (at->bottom - at->top) / (double)rows;
+    bool all = true;
+    for (size_t j = 0; j < rows; j++)
+        for (size_t i = 0, end; i < columns; i = end) {
+            for (end = i; end < columns && colour[j * columns + end] != BLANK;) end++;
+            double count = (double)(end - i);
+            if (end > i)
+                cairo_rectangle(cr, at->left + (double)i * wide, at->bottom - (double)(j + 1) * high,
+                                count * wide, high);
+            for (; end < columns && colour[j * columns + end] == BLANK; end++) all = false;
+        }
+    return all;
+}
+
+/* Fills `at` with an image of columns * rows squares; row 0 is the lowest. */
 static void draw_squares(cairo_t *cr, const uint32_t *colour, size_t columns, size_t rows,
                          const chart_box *at)
 {
     size_t across = pixels_of(columns, at->right - at->left), up = pixels_of(rows, at->bottom - at->top);
     int width = (int)(columns * across), height = (int)(rows * up);
-    cairo_surface_t *image = cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height);
+    cairo_surface_t *image = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
     unsigned char *data = cairo_image_surface_get_data(image);
     size_t stride = (size_t)cairo_image_surface_get_stride(image);
-    if (data) {
-        for (size_t y = 0; y < rows * up; y++)
-            for (size_t x = 0; x < columns * across; x++)
-                ((uint32_t *)(void *)(data + y * stride))[x] =
-                    colour[(rows - 1 - y / up) * columns + x / across];
-        cairo_surface_mark_dirty(image);
+    for (size_t y = 0; data && y < rows * up; y++) {
+        uint32_t *pixel = (uint32_t *)(void *)(data + y * stride);
+        const uint32_t *row = colour + (rows - 1 - y / up) * columns;
+        for (size_t x = 0; x < columns * across; x++) pixel[x] = row[x / across];
     }
+    cairo_surface_mark_dirty(image);
     cairo_save(cr);
+    cairo_new_path(cr);
+    if (add_coloured(cr, colour, columns, rows, at))
+        cairo_new_path(cr);
+    else
+        cairo_clip(cr);
     cairo_translate(cr, at->left, at->top);
     cairo_scale(cr, (at->right - at->left) / width, (at->bottom - at->top) / height);
     cairo_set_source_surface(cr, image, 0, 0);
@@ -139,9 +168,9 @@ void chart_map_draw(cairo_t *cr, const chart_map *m, const chart_scale *s, const
 {
     double rgb[3];
     size_t count = m->columns * m->rows;
-    uint32_t *colour = memory_take(count, sizeof *colour); /* zero: nothing is drawn there */
+    uint32_t *colour = memory_take(count, sizeof *colour);
     for (size_t i = 0; i < count; i++)
-        if (square_colour(m, s, m->value[i], rgb)) colour[i] = pixel_of(rgb);
+        colour[i] = square_colour(m, s, m->value[i], rgb) ? pixel_of(rgb) : BLANK;
     draw_squares(cr, colour, m->columns, m->rows, at);
 }
 
@@ -153,16 +182,15 @@ typedef struct bar_tick {
 } bar_tick;
 enum { MOST_TICKS = 60 };
 
-/* Of a logarithmic scale: 1, 2, 5 in less than three decades, else powers of ten, at most ten of them. */
+/* Of a logarithmic scale: powers of ten, and 2 and 5 times those where there is room. */
 static size_t logarithmic_ticks(const chart_axis *a, bar_tick tick[MOST_TICKS])
 {
     static const double leading[] = {1, 2, 5};
     size_t count = 0;
-    double decades = a->high - a->low;
-    int each = decades < 3 ? 3 : 1, apart = decades < 10 ? 1 : (int)ceil(decades / 10);
-    int power = (int)floor(a->low / apart) * apart;
-    for (; power <= a->high && count + 3 < MOST_TICKS; power += apart)
-        for (int i = 0; i < each; i++) {
+    int each = a->step <= 0.5 ? 3 : 1, apart = (int)fmax(a->step, 1),
+        power = (int)floor(a->low / apart) * apart;
+    for (; power <= a->high; power += apart)
+        for (int i = 0; i < each && count < MOST_TICKS; i++) {
             double at = power + log10(leading[i]);
             if (at < a->low - 1e-9 || at > a->high + 1e-9) continue;
             tick[count].at = at;
@@ -173,15 +201,8 @@ static size_t logarithmic_ticks(const chart_axis *a, bar_tick tick[MOST_TICKS])
 
 static size_t bar_ticks(const chart_map *m, const chart_axis *a, bar_tick tick[MOST_TICKS])
 {
+    if (m->logarithmic) return logarithmic_ticks(a, tick);
     size_t count = 0;
-    if (m->logarithmic) count = logarithmic_ticks(a, tick);
-    if (m->logarithmic && count > 1) return count;
-    if (m->logarithmic) { /* less than one step: the ends */
-        double end[2] = {a->low, a->high};
-        for (count = 0; count < 2; count++)
-            tick[count].at = end[count], chart_number(pow(10, end[count]), NULL, tick[count].text);
-        return count;
-    }
     for (long i = chart_axis_first(a); i <= chart_axis_last(a) && count < MOST_TICKS; i++) {
         tick[count].at = a->origin + (double)i * a->step;
         chart_axis_number(a, i, tick[count++].text);

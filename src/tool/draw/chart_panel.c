@@ -17,6 +17,11 @@ static void map_range(chart_place *p, const chart_map *m)
     chart_range_add(p->y_range.fixed, m->y_low), chart_range_add(p->y_range.fixed, m->y_high);
 }
 
+bool chart_circle_there(const chart_circle *c)
+{
+    return c->radius >= 0 && chart_finite(fabs(c->x) + c->radius) && chart_finite(fabs(c->y) + c->radius);
+}
+
 chart_place chart_place_of(const chart_panel *p)
 {
     chart_place place = {
@@ -35,7 +40,7 @@ chart_place chart_place_of(const chart_panel *p)
     }
     for (size_t i = 0; i < p->circles; i++) {
         const chart_circle *c = &p->circle[i];
-        if (!chart_finite(c->x) || !chart_finite(c->y) || !chart_finite(c->radius)) continue;
+        if (!chart_circle_there(c)) continue;
         chart_range_add(x, c->x - c->radius), chart_range_add(x, c->x + c->radius);
         chart_range_add(y, c->y - c->radius), chart_range_add(y, c->y + c->radius);
     }
@@ -51,13 +56,22 @@ double chart_place_left(cairo_t *cr, const chart_place *p)
     return label + (p->bar ? 0 : NUMBER_GAP + chart_axis_width(cr, &p->y));
 }
 
-double chart_place_right(cairo_t *cr, const chart_place *p)
+static double bar_length(const chart_place *p, double wide)
+{
+    return p->x.step / (p->x.high - p->x.low) * wide;
+}
+
+double chart_place_right(cairo_t *cr, const chart_place *p, double wide)
 {
     char text[CHART_TEXT];
-    chart_axis_number(&p->x, chart_axis_last(&p->x), text);
+    if (p->bar)
+        chart_number(p->x.step, NULL, text);
+    else
+        chart_axis_number(&p->x, chart_axis_last(&p->x), text);
     chart_font(cr, CHART_SMALL, false);
-    double number = p->bar ? 0 : chart_width(cr, text) / 2;
-    return fmax(number, p->of->map ? chart_scale_width(cr, p->of->map, &p->scale) : 0);
+    double number = chart_width(cr, text),
+           beyond = p->bar ? bar_length(p, wide) + 5 + number - wide : number / 2;
+    return fmax(beyond, p->of->map ? chart_scale_width(cr, p->of->map, &p->scale) : 0);
 }
 
 double chart_place_foot(const chart_place *p)
@@ -77,20 +91,25 @@ static double y_at(const chart_place *p, double i, double step)
     return p->plot.bottom - chart_axis_part(&p->y, p->y.origin + i * step) * (p->plot.bottom - p->plot.top);
 }
 
+/* The lines through zero are darker. */
 static void draw_grid(cairo_t *cr, const chart_place *p)
 {
     const chart_box *b = &p->plot;
-    for (long i = chart_axis_first(&p->x); i <= chart_axis_last(&p->x); i++) {
-        double x = x_at(p, (double)i, p->x.step);
-        cairo_move_to(cr, x, b->top), cairo_line_to(cr, x, b->bottom);
-    }
-    for (long i = chart_axis_first(&p->y); i <= chart_axis_last(&p->y); i++) {
-        double y = y_at(p, (double)i, p->y.step);
-        cairo_move_to(cr, b->left, y), cairo_line_to(cr, b->right, y);
-    }
-    chart_grey(cr, 0.88);
     cairo_set_line_width(cr, GRID);
-    cairo_stroke(cr);
+    for (int zero = 0; zero < 2; zero++) {
+        for (long i = chart_axis_first(&p->x); i <= chart_axis_last(&p->x); i++) {
+            if ((i == 0 && p->x.origin == 0) != zero) continue;
+            cairo_move_to(cr, x_at(p, (double)i, p->x.step), b->top),
+                cairo_rel_line_to(cr, 0, b->bottom - b->top);
+        }
+        for (long i = chart_axis_first(&p->y); i <= chart_axis_last(&p->y); i++) {
+            if ((i == 0 && p->y.origin == 0) != zero) continue;
+            cairo_move_to(cr, b->left, y_at(p, (double)i, p->y.step)),
+                cairo_rel_line_to(cr, b->right - b->left, 0);
+        }
+        chart_grey(cr, zero ? 0.65 : 0.88);
+        cairo_stroke(cr);
+    }
 }
 
 static void draw_ticks(cairo_t *cr, const chart_place *p)
@@ -137,7 +156,7 @@ static void draw_labels(cairo_t *cr, const chart_place *p)
     chart_font(cr, CHART_NORMAL, false);
     chart_axis_label(&p->x, p->of->x_label, true, text);
     chart_text(cr, (b->left + b->right) / 2, b->bottom + FOOT_NUMBERS + FOOT_LABEL - 3, 0.5,
-               b->right - b->left, text);
+               b->right - b->left + 2 * fmin(p->before, p->after), text);
     chart_axis_label(&p->y, p->of->y_label, true, text);
     chart_text_up(cr, b->left - numbers - LABEL_GAP, (b->top + b->bottom) / 2, b->bottom - b->top, text);
 }
@@ -147,21 +166,23 @@ static void draw_scale_bar(cairo_t *cr, const chart_place *p)
 {
     char text[CHART_TEXT], unit[CHART_TEXT];
     const chart_box *b = &p->plot;
-    double y = b->bottom + FOOT_BAR - 6, long_ = p->x.step / (p->x.high - p->x.low) * (b->right - b->left);
-    cairo_move_to(cr, b->left, y - 6), cairo_line_to(cr, b->left, y);
-    cairo_move_to(cr, b->left, y - 3), cairo_line_to(cr, b->left + long_, y - 3);
-    cairo_move_to(cr, b->left + long_, y - 6), cairo_line_to(cr, b->left + long_, y);
+    double y = b->bottom + FOOT_BAR - 6, end = b->left + bar_length(p, b->right - b->left),
+           right = b->right + p->after;
+    for (int i = 0; i < 2; i++)
+        cairo_move_to(cr, i ? end : b->left, y - 6), cairo_line_to(cr, i ? end : b->left, y);
+    cairo_move_to(cr, b->left, y - 3), cairo_line_to(cr, end, y - 3);
     cairo_set_line_width(cr, 1);
     cairo_stroke(cr);
-    chart_unit(p->of->x_label, unit);
-    chart_number(p->x.step, unit, text);
+    chart_number(p->x.step, NULL, text);
     chart_font(cr, CHART_SMALL, false);
-    double from = b->left + long_ + 5;
-    chart_text(cr, from, y, 0, b->right - from, text);
-    from += chart_width(cr, text) + 10;
+    chart_text(cr, end += 5, y, 0, HUGE_VAL, text);
+    chart_unit(p->of->x_label, unit);
+    end += chart_width(cr, text) + 3;
+    chart_text(cr, end, y, 0, right - end, unit);
+    end += chart_width(cr, unit) + 10;
     chart_font(cr, CHART_NORMAL, false);
     chart_axis_label(&p->x, p->of->x_label, false, text);
-    chart_text(cr, b->right, y, 1, b->right - from, text);
+    chart_text(cr, b->right, y, 1, b->right - end, text);
     chart_axis_label(&p->y, p->of->y_label, false, text);
     chart_text_up(cr, b->left - LABEL_GAP, (b->top + b->bottom) / 2, b->bottom - b->top, text);
 }

@@ -1,16 +1,15 @@
 /* chart_series.c - lines, marks, circles and rules of a panel, and their samples in the legend.
  *
- * Cairo counts points in 24 bits before the binary point, and a path may go to 1e300.  So lines are cut at
- * the frame here (Liang & Barsky 1984, ACM Trans. Graph. 3, 1), not by cairo.  A circle is a line of many
- * sides, each at most 1/16 point beside it. */
+ * The axes take in every number that can be drawn (chart_place_of), so nothing has to be cut at the frame. */
 #include "chart_draw.h"
 
 #include "palette.h"
 
 #include <math.h>
 
-static const double LINE_WIDTH = 1.2, THIN_LINE = 0.8, RADIUS = 2.7, TURN = 6.283185307179586;
-enum { BATCH = 500, MOST_SIDES = 20000 };
+static const double LINE_WIDTH = 1.2, THIN_LINE = 0.8, RADIUS = 2.7, TURN = 6.283185307179586,
+                    SMALLEST_CIRCLE = 0.01; /* cairo refuses a scale of 0 */
+enum { BATCH = 500 };
 
 typedef struct chart_point {
     double x, y;
@@ -24,43 +23,28 @@ static chart_point point_of(const chart_place *p, double x, double y)
 
 /* ------------------------------------------------------------------ lines */
 
-/* Narrows [u[0], u[1]] to where from + u * (to - from) lies in [low, high]. */
-static void narrow(double from, double to, double low, double high, double u[2])
+static bool point_there(const chart_series *s, size_t i)
 {
-    double step = to - from;
-    if (step == 0) {
-        if (from < low || from > high) u[1] = -1;
-        return;
-    }
-    double a = (low - from) / step, b = (high - from) / step;
-    u[0] = fmax(u[0], fmin(a, b)), u[1] = fmin(u[1], fmax(a, b));
+    return i < s->count && chart_finite(s->x[i]) && chart_finite(s->y[i]);
 }
 
-/* Adds the part of a segment inside the frame to the path; goes on from its last point if `joined`.  Returns
- * whether the end of the segment was reached. */
-static bool add_segment(cairo_t *cr, const chart_box *frame, chart_point a, chart_point b, bool joined)
-{
-    double u[2] = {0, 1};
-    narrow(a.x, b.x, frame->left, frame->right, u);
-    narrow(a.y, b.y, frame->top, frame->bottom, u);
-    if (!(u[0] <= u[1])) return false;
-    if (!joined || u[0] > 0) cairo_move_to(cr, a.x + u[0] * (b.x - a.x), a.y + u[0] * (b.y - a.y));
-    cairo_line_to(cr, a.x + u[1] * (b.x - a.x), a.y + u[1] * (b.y - a.y));
-    return u[1] == 1;
-}
-
+/* A point between two gaps is drawn as a dot as wide as the line. */
 static void draw_line(cairo_t *cr, const chart_place *p, const chart_series *s)
 {
-    bool joined = false, before = false;
-    chart_point last = {0, 0};
+    bool before = false;
     cairo_new_path(cr);
-    for (size_t i = 0; i < s->count; i++) {
-        bool there = chart_finite(s->x[i]) && chart_finite(s->y[i]);
-        chart_point next = there ? point_of(p, s->x[i], s->y[i]) : last;
-        joined = there && before && add_segment(cr, &p->plot, last, next, joined);
-        before = there, last = next;
-    }
     cairo_set_line_width(cr, LINE_WIDTH);
+    for (size_t i = 0; i < s->count; i++) {
+        bool there = point_there(s, i);
+        chart_point at = there ? point_of(p, s->x[i], s->y[i]) : (chart_point){0, 0};
+        if (there && before)
+            cairo_line_to(cr, at.x, at.y);
+        else if (there && point_there(s, i + 1))
+            cairo_move_to(cr, at.x, at.y);
+        else if (there)
+            cairo_stroke(cr), cairo_arc(cr, at.x, at.y, LINE_WIDTH / 2, 0, TURN), cairo_fill(cr);
+        before = there;
+    }
     cairo_stroke(cr);
 }
 
@@ -137,10 +121,8 @@ static void draw_points(cairo_t *cr, const chart_place *p, const chart_series *s
     size_t waiting = 0;
     cairo_new_path(cr);
     for (size_t i = 0; i < s->count; i++) {
-        if (!chart_finite(s->x[i]) || !chart_finite(s->y[i])) continue;
+        if (!point_there(s, i)) continue;
         chart_point at = point_of(p, s->x[i], s->y[i]);
-        if (at.x < p->plot.left - 0.01 || at.x > p->plot.right + 0.01) continue;
-        if (at.y < p->plot.top - 0.01 || at.y > p->plot.bottom + 0.01) continue;
         add_mark(cr, mark, radius_of(s), at.x, at.y);
         if (++waiting == BATCH) finish_marks(cr, mark, radius_of(s)), waiting = 0;
     }
@@ -172,21 +154,15 @@ static void thin_look(cairo_t *cr, chart_dash dash)
 
 void chart_circle_draw(cairo_t *cr, const chart_place *p, const chart_circle *c)
 {
-    chart_point centre = point_of(p, c->x, c->y), last = point_of(p, c->x + c->radius, c->y);
-    double across = fabs(last.x - centre.x), up = fabs(point_of(p, c->x, c->y + c->radius).y - centre.y);
-    if (!chart_finite(centre.x) || !chart_finite(centre.y) || !chart_finite(across) || !chart_finite(up))
-        return;
-    /* A side of angle w lies r w^2 / 8 within the circle. */
-    double sides = ceil(TURN * sqrt(2 * fmax(across, up))), count = fmin(fmax(sides, 24), MOST_SIDES);
-    bool joined = false;
+    if (!chart_circle_there(c)) return;
+    chart_point centre = point_of(p, c->x, c->y), corner = point_of(p, c->x + c->radius, c->y + c->radius);
     thin_look(cr, c->dash);
+    cairo_save(cr);
+    cairo_translate(cr, centre.x, centre.y);
+    cairo_scale(cr, fmax(corner.x - centre.x, SMALLEST_CIRCLE), fmax(centre.y - corner.y, SMALLEST_CIRCLE));
     cairo_new_path(cr);
-    for (int i = 1; i <= (int)count; i++) {
-        double angle = TURN * i / count;
-        chart_point next = {centre.x + across * cos(angle), centre.y - up * sin(angle)};
-        joined = add_segment(cr, &p->plot, last, next, joined);
-        last = next;
-    }
+    cairo_arc(cr, 0, 0, 1, 0, TURN);
+    cairo_restore(cr);
     cairo_stroke(cr);
     palette_dash(cr, 0);
 }
@@ -195,10 +171,9 @@ void chart_rule_draw(cairo_t *cr, const chart_place *p, const chart_rule *r)
 {
     if (!chart_finite(r->at)) return;
     chart_point at = r->upright ? point_of(p, r->at, p->y.low) : point_of(p, p->x.low, r->at);
-    chart_point to = r->upright ? (chart_point){at.x, p->plot.top} : (chart_point){p->plot.right, at.y};
     thin_look(cr, r->dash);
-    cairo_new_path(cr);
-    add_segment(cr, &p->plot, at, to, false);
+    cairo_move_to(cr, at.x, at.y);
+    cairo_line_to(cr, r->upright ? at.x : p->plot.right, r->upright ? p->plot.top : at.y);
     cairo_stroke(cr);
     palette_dash(cr, 0);
 }

@@ -38,9 +38,13 @@ static chart_panel lines_panel(const look *l, const look_lines *of, size_t field
 {
     chart_series *series = memory_take(of->bands, sizeof *series);
     for (size_t b = 0; b < of->bands; b++)
-        series[b] = (chart_series){.name = look_wavelength_name(&l->band[b]), .colour = b,
-                                   .mark = CHART_NO_MARK, .dash = (chart_dash)(b % 3), .line = true,
-                                   .count = of->line[k][b].count, .x = of->line[k][b].at,
+        series[b] = (chart_series){.name = look_wavelength_name(&l->band[b]),
+                                   .colour = look_colour(l, b),
+                                   .mark = CHART_NO_MARK,
+                                   .dash = (chart_dash)(look_colour(l, b) % 3),
+                                   .line = true,
+                                   .count = of->line[k][b].count,
+                                   .x = of->line[k][b].at,
                                    .y = of->line[k][b].value};
     return (chart_panel){.title =
                              look_text("%s, %s", look_field_name(l, field), k ? "sagittal" : "tangential"),

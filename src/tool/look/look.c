@@ -144,13 +144,11 @@ sgt_ray_end *look_trace(look *l, const sgt_field_beam *beam, const look_band *ba
     return w.end;
 }
 
-sgt_ray_end look_chief(look *l, const sgt_field_beam *beam, const look_band *band, const sgt_element *element)
+sgt_ray_end look_chief(const look *l, const sgt_field_beam *beam, const look_band *band,
+                       const sgt_element *element)
 {
-    static const sgt_pupil_point centre = {0, 0, 1};
     sgt_ray_end end;
-    look_work w = {.look = l, .beam = beam, .element = element, .before = band->lens.index_before,
-                   .at = &centre, .end = &end};
-    trace_part(&w, &(tile){.count = 1});
+    if (!sgt_trace_chief(l->from, beam, element, band->lens.index_before, &end)) fail_input("out of memory");
     return end;
 }
 
@@ -272,6 +270,16 @@ const char *look_title(const look *l, const char *what)
     return look_text("%s: %s", *of->name ? of->name : file ? file + 1 : of->of->file, what);
 }
 
+size_t look_colour(const look *l, size_t band)
+{
+    size_t shorter = 0;
+    for (size_t b = 0; b < l->bands; b++) {
+        const double one = l->band[b].lens.wavelength, own = l->band[band].lens.wavelength;
+        shorter += one < own || (one == own && b < band);
+    }
+    return shorter;
+}
+
 const char *look_wavelength_name(const look_band *band)
 {
     return isnan(band->lens.wavelength) ? NULL : look_text("%.6g \302\265m", band->lens.wavelength);
@@ -284,6 +292,7 @@ const char *look_lens_line(const look *l)
     for (size_t i = 0; i < l->bands && n < sizeof text - 40 && !isnan(l->band[i].lens.wavelength); i++)
         n += (size_t)snprintf(text + n, sizeof text - n, "%s%.6g", i ? ", " : "", l->band[i].lens.wavelength);
     const char *units = l->primary.lens.units;
+    if (strcmp(units, "in") == 0) units = "inches";
     return look_text("%s%slengths in %s%s", text, n ? " \302\265m; " : "",
                      *units ? units : "the unit of the lens",
                      l->asked->shared.solver.proof == SGT_PROVE_FIRST  ? "; every hit proven to be the first"

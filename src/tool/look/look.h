@@ -68,7 +68,9 @@ sgt_field_beam look_beam(const look *l, sgt_field_kind kind, sgt_lens_field at);
  * counted: they are added to l->fates. */
 sgt_ray_end *look_trace(look *l, const sgt_field_beam *beam, const look_band *band,
                         const sgt_element *element, const launch_pattern *points, bool counted);
-sgt_ray_end look_chief(look *l, const sgt_field_beam *beam, const look_band *band,
+
+/* The end of the chief ray, whatever clips it. */
+sgt_ray_end look_chief(const look *l, const sgt_field_beam *beam, const look_band *band,
                        const sgt_element *element);
 
 /* The same pattern with half as many rays across the pupil; none where that cannot be. */
@@ -111,6 +113,7 @@ const char *look_title(const look *l, const char *what);   /* "Cooke triplet: sp
 const char *look_lens_line(const look *l);                 /* its wavelengths, unit, and what is proven */
 const char *look_fates_line(const look *l, const look_fates *f); /* "316 rays: 300 passed, 16 clipped" */
 const char *look_field_name(const look *l, size_t field);  /* "field 2: 14°" */
+size_t look_colour(const look *l, size_t band);            /* bluer where the wavelength is shorter */
 const char *look_wavelength_name(const look_band *band);   /* "0.5876 µm", or NULL */
 const char *look_field_axis(const look *l);                /* "field (degrees)" */
 
