@@ -214,7 +214,7 @@ def test_rulers():
             ticks = [(p[0][axis], abs(p[1][1 - axis] - p[0][1 - axis])) for p in parts[1:]]
             places = sorted(at for at, long in ticks if long > 3)
             step = (places[1] - places[0]) / scale
-            leading = step / 10 ** math.floor(math.log10(step) + 1e-6)
+            leading = step / 10 ** math.floor(math.log10(step) + 1e-4)
             assert min(abs(leading - k) for k in (1, 2, 5)) < 1e-2, (height, axis, step)
             if axis == 1:
                 off = ((image[0][1] + image[-1][1]) / 2 - places[0]) / scale / step  # from y = 0
