@@ -6,6 +6,8 @@
  * not matter. */
 #include "elements.h"
 
+#include "../show/frame.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -71,18 +73,32 @@ static size_t hull_of(page_dot dot[], size_t count, page_dot hull[])
     return n;
 }
 
-/* The edges of a glass as they are seen in space: its faces' points are all within the hull. */
+/* The rim of a face, widened to half the height `half` by a flat ring. */
+static void widened_rim(const outline *o, double half, sgt_vec3 rim[RIM_POINTS + 1])
+{
+    sgt_vec3 middle = {0, 0, 0};
+    for (int k = 0; k < RIM_POINTS; k++) middle = vector_along(middle, o->rim[k], 1.0 / RIM_POINTS);
+    for (int k = 0; k <= RIM_POINTS; k++)
+        rim[k] = vector_along(middle, vector_minus(o->rim[k % RIM_POINTS], middle), half / o->half);
+}
+
+/* A glass as it is seen in space: the hull of its faces and of their rims, that are as wide as the wider. */
 static void glass_in_space(const page *p, const outline *a, const outline *b)
 {
     enum { MOST = 2 * (RIM_POINTS + OUTLINE_POINTS) };
+    const double half = fmax(a->half, b->half);
     page_dot dot[MOST], hull[2 * MOST];
     size_t n = 0;
     for (int face = 0; face < 2; face++) {
         const outline *o = face ? b : a;
+        sgt_vec3 rim[RIM_POINTS + 1];
+        widened_rim(o, half, rim);
         for (int k = 0; k < RIM_POINTS + OUTLINE_POINTS; k++) {
-            page_dot d = page_at(p, k < RIM_POINTS ? o->rim[k] : o->at[k - RIM_POINTS]);
+            page_dot d = page_at(p, k < RIM_POINTS ? rim[k] : o->at[k - RIM_POINTS]);
             if (isfinite(d.x) && isfinite(d.y)) dot[n++] = d;
         }
+        if (half > o->half) page_line(p, rim, RIM_POINTS + 1);
+        page_stroke(p, PAGE_THIN, 0.35);
     }
     n = hull_of(dot, n, hull);
     for (size_t i = 0; i < n; i++) cairo_line_to(p->cr, hull[i].x, hull[i].y);
@@ -201,6 +217,8 @@ void elements_stroke(const page *p)
             const outline_piece *at = &s->outline[i].piece[k];
             if (at->kind != PIECE_BLOCKED) continue;
             page_line(p, at->at, at->count);
+            cairo_set_source_rgba(p->cr, 0, 0, 0, 0.4);
+            if (at->solid) cairo_fill_preserve(p->cr);
             page_stroke(p, PAGE_BLOCKED, 0);
         }
 }

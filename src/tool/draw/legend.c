@@ -18,9 +18,12 @@ static void legend_set(cairo_t *cr, size_t i)
     palette_dash(cr, i / PALETTE_COLOURS);
 }
 
-void legend_ray(cairo_t *cr, const scene *s, const ray_path *ray)
+void legend_ray(cairo_t *cr, const scene *s, const ray_path *ray, double opaque)
 {
-    legend_set(cr, s->by_wavelength ? ray->wavelength : ray->field);
+    size_t i = s->by_wavelength ? ray->wavelength : ray->field;
+    const double *c = palette_colour(i);
+    legend_set(cr, i);
+    cairo_set_source_rgba(cr, c[0], c[1], c[2], opaque);
 }
 
 void legend_mark(cairo_t *cr, sgt_fate fate, double x, double y)
@@ -148,7 +151,8 @@ static void scale_bar(cairo_t *cr, const scene *s, double right, double y, doubl
     cairo_stroke(cr);
 }
 
-double legend_draw(cairo_t *cr, const scene *s, double left, double right, double top, double scale)
+double legend_draw(cairo_t *cr, const scene *s, const char *words, double left, double right, double top,
+                   double scale)
 {
     chart_font(cr, CHART_NORMAL, false);
     flow f = {.cr = cr,
@@ -159,6 +163,7 @@ double legend_draw(cairo_t *cr, const scene *s, double left, double right, doubl
     ray_entries(&f, s);
     if (s->job->lens.of->stop_marked) stop_entry(&f, s);
     fate_entries(&f, s);
+    if (*words) entry(&f, 0, words);
     if (scale > 0) scale_bar(cr, s, right, top + CHART_NORMAL, scale);
     return f.y - top + LEGEND_ROW / 2;
 }

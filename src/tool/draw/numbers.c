@@ -1,9 +1,9 @@
 /* numbers.c - places the numbers of the elements.
  *
- * A number stands beyond the upper end of its element.  If another number or an element is in the way it goes
- * farther out, row by row, and a fine line leads to it; then the same below the lower end.  If all rows are
- * taken it is left out.  The first rows are tried for all before any number is moved farther than it has to:
- * elements are numbered in the order of light, so what stands close together gets a staircase. */
+ * A number stands beyond the upper end of its element.  If another number or an element is in the way it
+ * moves aside, then farther out, row by row, and a fine line leads to it; then the same below the lower end.
+ * If all that is taken it is left out.  Elements are numbered in the order of light, so what stands close
+ * together gets a staircase. */
 #include "numbers.h"
 
 #include "../base/memory.h"
@@ -12,8 +12,9 @@
 #include <math.h>
 #include <stdio.h>
 
-static const double SIZE = CHART_SMALL, FIRST = 8, ROW = 10.5, AWAY = 1.5, STOP_BEYOND = 13, PAGE_EDGE = 4;
-enum { ROWS = 9 };
+static const double SIZE = CHART_SMALL, FIRST = 9, ROW = 10.5, AWAY = 1.5, LETTER = 6.5, UNDER = 4,
+                    STOP_BEYOND = 13, PAGE_EDGE = 4;
+enum { ROWS = 6 };
 
 typedef struct number_box {
     double left, top, right, bottom;
@@ -143,21 +144,46 @@ static void number_anchor(const page *p, size_t i, int side, page_dot *from, pag
     *from = (page_dot){from->x + beyond * out->x, from->y + beyond * out->y};
 }
 
+/* Puts a number into a row, and moves it aside by so many letters. */
+static void number_in_row(number *n, page_dot from, page_dot out, int row, double aside)
+{
+    double far = FIRST + row * ROW, beside = aside * LETTER;
+    if (out.x + out.y > 0) beside = -beside; /* the same order to the right, or downward, on both sides */
+    n->from = from;
+    n->at = (page_dot){from.x + far * out.x - beside * out.y, from.y + far * out.y + beside * out.x};
+    n->to = (page_dot){n->at.x - UNDER * out.x, n->at.y - UNDER * out.y};
+    n->led = row > 0 || fabs(aside) > 1;
+}
+
+/* To which side a number may move: +1 or -1; 0: to both.  That of a glass's face goes away from its other
+ * face, so that the numbers of both have their order. */
+static int side_of(const page *p, size_t i, int side, page_dot from, page_dot out)
+{
+    const scene *s = p->scene;
+    size_t other = i > 0 && scene_glass_behind(s, i - 1) ? i - 1 : scene_glass_behind(s, i) ? i + 1 : i;
+    if (other == i) return 0;
+    page_dot there, unused;
+    number_anchor(p, other, side, &there, &unused);
+    double beyond = out.x * (there.y - from.y) - out.y * (there.x - from.x);
+    return (out.x + out.y > 0 ? -beyond : beyond) > 0 ? -1 : 1;
+}
+
 /* Looks for a place row by row; false: there is none. */
 static bool place_number(const page *p, const obstacles *o, const element_numbers *done, size_t i,
                          double width, number *n)
 {
-    for (int k = 0; k < 2 * ROWS; k++) {
-        page_dot out;
-        int row = k % ROWS;
-        number_anchor(p, i, k < ROWS, &n->from, &out);
-        double far = FIRST + row * ROW;
-        n->at = (page_dot){n->from.x + far * out.x, n->from.y + far * out.y};
-        n->to = (page_dot){n->from.x + (far - 0.5 * SIZE) * out.x, n->from.y + (far - 0.5 * SIZE) * out.y};
-        n->led = row > 0;
-        number_box at = box_of(p, n->text, n->at);
-        if (isfinite(far) && at.left > PAGE_EDGE && at.right < width - PAGE_EDGE && is_free(p, o, done, n))
-            return true;
+    static const double aside[] = {0, 0.8, -0.8, 1.6, -1.6, 2.4, -2.4};
+    enum { ASIDE = sizeof aside / sizeof aside[0] };
+    for (int side = 1; side >= 0; side--) {
+        page_dot from, out;
+        number_anchor(p, i, side, &from, &out);
+        const int allowed = side_of(p, i, side, from, out);
+        for (int k = 0; k < ROWS * ASIDE; k++) {
+            if (allowed * aside[k % ASIDE] < 0) continue;
+            number_in_row(n, from, out, k / ASIDE, aside[k % ASIDE]);
+            number_box at = box_of(p, n->text, n->at);
+            if (at.left > PAGE_EDGE && at.right < width - PAGE_EDGE && is_free(p, o, done, n)) return true;
+        }
     }
     return false;
 }

@@ -193,7 +193,7 @@ static open_kind open_at(const sgt_element *e, bool mirror, sgt_vec3 p)
 static sgt_vec3 *add_piece(outline *o, piece_kind kind, size_t count)
 {
     o->piece = memory_room(o->piece, o->pieces, &o->piece_room, sizeof *o->piece);
-    o->piece[o->pieces] = (outline_piece){kind, count, memory_take(count, sizeof(sgt_vec3))};
+    o->piece[o->pieces] = (outline_piece){kind, false, count, memory_take(count, sizeof(sgt_vec3))};
     return o->piece[o->pieces++].at;
 }
 
@@ -240,7 +240,7 @@ static void add_rim(outline *o, const sgt_element *e, const part *p, piece_kind 
     }
 }
 
-/* A spider's arms, out to where they end or to the rim of radius `most`. */
+/* A spider's arms, out to where they end or to a rim of radius `most`. */
 static void add_arms(outline *o, const sgt_element *e, const sgt_aperture_item *item, double most)
 {
     double length = item->length > 0 ? fmin(item->length, most) : most;
@@ -263,12 +263,14 @@ static void add_items(outline *o, const sgt_element *e, const part *rim)
         const sgt_aperture_item *item = &e->aperture->items[i];
         piece_kind kind = o->mirror && !item->obscuring ? PIECE_SURFACE : PIECE_BLOCKED;
         if (item->shape == SGT_SPIDER) {
-            add_arms(o, e, item, most);
+            add_arms(o, e, item, o->half);
             continue;
         }
         for (int inner = 0; inner < (item->shape == SGT_ANNULUS ? 2 : 1); inner++) {
             part edge = part_of_item(item, most, inner);
-            if (inner || item != rim->item) add_rim(o, e, &edge, kind);
+            if (!inner && item == rim->item) continue;
+            add_rim(o, e, &edge, kind);
+            o->piece[o->pieces - 1].solid = item->obscuring && item->shape != SGT_ANNULUS;
         }
     }
 }

@@ -21,6 +21,7 @@ typedef enum piece_kind {
 
 typedef struct outline_piece {
     piece_kind kind;
+    bool solid; /* the whole inside of the line blocks light */
     size_t count;
     sgt_vec3 *at; /* [count], joined by a line */
 } outline_piece;

@@ -8,6 +8,7 @@
  * All sizes are points.  A png has two pixels a point. */
 #include "picture.h"
 
+#include "../read/surface.h"
 #include "chart_draw.h"
 #include "elements.h"
 #include "legend.h"
@@ -19,25 +20,15 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 static const double PICTURE_WIDTH = 900, MARGIN = 24, TOP = 78, INSIDE = 14, PLOT_HIGHEST = 460,
                     PLOT_LOWEST = 110;
 static const double TITLE_FONT = 15, LINE_FONT = 10.5, AXIS_BEYOND = 12, CORNER = 80, RAY = 0.6,
                     RAY_MANY = 0.3;
-enum { MANY_RAYS = 60 };
+/* of a beam: more rays are thinner; still more let shine through what is behind */
+static const double MANY_RAYS = 60, FULL_RAYS = 150, FAINTEST = 0.12;
 
 void picture_check(const char *option) { (void)option; }
-
-picture_kind picture_kind_of(const char *option, const char *path)
-{
-    static const char *const endings[] = {
-        [PICTURE_SVG] = ".svg", [PICTURE_PNG] = ".png", [PICTURE_PDF] = ".pdf"};
-    size_t length = strlen(path);
-    for (int k = PICTURE_SVG; k <= PICTURE_PDF; k++)
-        if (length > 4 && strcasecmp(path + length - 4, endings[k]) == 0) return (picture_kind)k;
-    fail_usage("--%s %s: the name must end in .svg, .png or .pdf", option, path);
-}
 
 /* --------------------------------------------------------------------- page */
 
@@ -46,6 +37,7 @@ typedef struct layout {
     element_numbers numbers;
     double down;           /* by how much the numbers move the lens down */
     frame_box plot;        /* with the numbers */
+    char missing[200];     /* what is not shown, in words; may be empty */
     double legend, height; /* the top of the legend; of the page */
 } layout;
 
@@ -67,6 +59,30 @@ static double lay_scale(page *p, double left)
     return TOP + plot + 2 * INSIDE;
 }
 
+/* Adds to a text as far as there is room. */
+static void add_words(char *text, size_t size, const char *format, ...) LIKE_PRINTF(3, 4);
+static void add_words(char *text, size_t size, const char *format, ...)
+{
+    size_t length = strlen(text);
+    va_list values;
+    va_start(values, format);
+    vsnprintf(text + length, size - length, format, values);
+    va_end(values);
+}
+
+/* "level set, not drawn: element 2; 3 elements without a number", or nothing. */
+static void print_missing(char *text, size_t size, const scene *s, size_t left_out)
+{
+    size_t sets = 0;
+    *text = 0;
+    for (size_t i = 0; i < s->job->lens.count; i++)
+        if (surface_is_level_set(s->job->element[i].surface))
+            add_words(text, size, sets++ ? ", %zu" : "level set, not drawn: element %zu", i + 1);
+    if (left_out)
+        add_words(text, size, "%s%zu element%s without a number", sets ? "; " : "", left_out,
+                  left_out == 1 ? "" : "s");
+}
+
 /* Finds the layout by a page that is drawn nowhere.  The ruler's width depends on its numbers, and they on
  * the scale, that depends on the width; one more round is enough, as the ruler only gets narrower. */
 static layout lay_out(const scene *s)
@@ -82,8 +98,9 @@ static layout lay_out(const scene *s)
     l.down = fmax(0, TOP + INSIDE / 2 - l.numbers.top);
     l.plot.bottom = l.down + fmax(l.plot.bottom, l.numbers.bottom + INSIDE / 2);
     l.legend = l.plot.bottom + (space ? 0 : RULER_HEIGHT) + INSIDE / 2;
+    print_missing(l.missing, sizeof l.missing, s, l.numbers.left_out);
     l.height = l.legend + MARGIN / 2 +
-               legend_draw(p->cr, s, MARGIN, PICTURE_WIDTH - MARGIN, 0, space ? p->scale : 0);
+               legend_draw(p->cr, s, l.missing, MARGIN, PICTURE_WIDTH - MARGIN, 0, space ? p->scale : 0);
     p->base += l.down;
     sheet_forget(p->cr);
     return l;
@@ -109,12 +126,13 @@ static void draw_axis(const page *p)
 static void draw_rays(const page *p)
 {
     const scene *s = p->scene;
-    size_t fields = s->job->fields ? s->job->fields : 1;
+    size_t beams = s->by_wavelength ? s->job->wavelengths : s->job->fields ? s->job->fields : 1;
+    double rays = (double)s->paths / (double)beams;
     for (size_t i = 0; i < s->paths; i++) {
         const ray_path *r = &s->path[i];
         page_line(p, r->at, r->count);
-        legend_ray(p->cr, s, r);
-        cairo_set_line_width(p->cr, s->paths / fields > MANY_RAYS ? RAY_MANY : RAY);
+        legend_ray(p->cr, s, r, fmax(FAINTEST, fmin(1, FULL_RAYS / rays)));
+        cairo_set_line_width(p->cr, rays > MANY_RAYS ? RAY_MANY : RAY);
         cairo_stroke(p->cr);
         cairo_set_dash(p->cr, NULL, 0, 0);
     }
@@ -128,24 +146,13 @@ static void draw_marks(const page *p)
         if (r->fate == SGT_PASSED) continue;
         page_dot d = page_at(p, r->at[r->count - 1]);
         if (!isfinite(d.x + d.y)) continue;
-        legend_ray(p->cr, s, r);
+        legend_ray(p->cr, s, r, 1);
         cairo_set_dash(p->cr, NULL, 0, 0);
         legend_mark(p->cr, r->fate, d.x, d.y);
     }
 }
 
 /* -------------------------------------------------------------------- title */
-
-/* Adds to a text as far as there is room. */
-static void add_words(char *text, size_t size, const char *format, ...) LIKE_PRINTF(3, 4);
-static void add_words(char *text, size_t size, const char *format, ...)
-{
-    size_t length = strlen(text);
-    va_list values;
-    va_start(values, format);
-    vsnprintf(text + length, size - length, format, values);
-    va_end(values);
-}
 
 /* "y-z section; 0.4861, 0.5876 um; 20 of 21 rays passed" */
 static void print_facts(char *text, size_t size, const scene *s)
@@ -221,7 +228,7 @@ static void draw_page(cairo_t *cr, const void *what)
     numbers_draw(&p, &l->numbers, l->down);
     if (space) ruler_directions(&p, (page_dot){PICTURE_WIDTH - MARGIN - CORNER / 2, MARGIN + CORNER / 2});
     draw_title(cr, p.scene);
-    legend_draw(cr, p.scene, MARGIN, PICTURE_WIDTH - MARGIN, l->legend, space ? p.scale : 0);
+    legend_draw(cr, p.scene, l->missing, MARGIN, PICTURE_WIDTH - MARGIN, l->legend, space ? p.scale : 0);
 }
 
 void picture_write(const char *file, picture_kind kind, const scene *s)
