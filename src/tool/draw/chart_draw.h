@@ -16,6 +16,10 @@ typedef struct chart_box {
 #define CHART_LINE 1.32 /* from one line of text to the next, in sizes of the font */
 
 void chart_font(cairo_t *cr, double size, bool bold);
+
+/* The font with which the text is no wider than `room`, but at least three quarters of `size`. */
+void chart_font_within(cairo_t *cr, double size, double room, const char *text);
+
 void chart_grey(cairo_t *cr, double grey);
 
 /* Width of a text as it is drawn; 0 for NULL.  Bytes that are not UTF-8 stand as a question mark, and control

@@ -15,6 +15,7 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 
 static const double BAR_GAP = 10, BAR_WIDTH = 11, BAR_TICK = 3, BAR_TEXT = 6, PIXELS_PER_POINT = 3,
                     FEWEST_DECADES = 0.8;
@@ -255,8 +256,11 @@ void chart_scale_draw(cairo_t *cr, const chart_map *m, const chart_scale *s, con
         chart_text(cr, bar.right + BAR_TEXT, y + 0.35 * CHART_SMALL, 0, HUGE_VAL, tick[i].text);
     }
     if (!m->label) return;
-    chart_axis_label(&s->axis, m->label, true, label);
-    chart_font(cr, CHART_NORMAL, false);
-    chart_text_up(cr, right + 4 + CHART_NORMAL, (bar.top + bar.bottom) / 2, bar.bottom - bar.top,
-                  m->logarithmic ? m->label : label);
+    double high = bar.bottom - bar.top + 12; /* a label may be longer than the bar */
+    if (m->logarithmic)
+        snprintf(label, sizeof label, "%s", m->label);
+    else
+        chart_axis_label(&s->axis, m->label, true, label);
+    chart_font_within(cr, CHART_NORMAL, high, label);
+    chart_text_up(cr, right + 4 + CHART_NORMAL, (bar.top + bar.bottom) / 2, high, label);
 }

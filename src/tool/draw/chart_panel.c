@@ -8,7 +8,8 @@
 #include <math.h>
 
 static const double TICK_LENGTH = 4, MINOR_LENGTH = 2, NUMBER_GAP = 6, LABEL_GAP = 5, EDGE = 0.7, GRID = 0.5,
-                    FOOT_NUMBERS = 15, FOOT_LABEL = 13, FOOT_BAR = 18;
+                    FOOT_NUMBERS = 15, FOOT_LABEL = 13, FOOT_BAR = 18,
+                    LABEL_BEYOND = 6; /* a label may be longer than the axis */
 
 static void map_range(chart_place *p, const chart_map *m)
 {
@@ -152,13 +153,15 @@ static void draw_labels(cairo_t *cr, const chart_place *p)
 {
     char text[CHART_TEXT];
     const chart_box *b = &p->plot;
-    double numbers = NUMBER_GAP + chart_axis_width(cr, &p->y);
-    chart_font(cr, CHART_NORMAL, false);
+    double left = b->left - NUMBER_GAP - chart_axis_width(cr, &p->y) - LABEL_GAP,
+           wide = b->right - b->left + 2 * fmin(p->before, p->after),
+           high = b->bottom - b->top + 2 * LABEL_BEYOND;
     chart_axis_label(&p->x, p->of->x_label, true, text);
-    chart_text(cr, (b->left + b->right) / 2, b->bottom + FOOT_NUMBERS + FOOT_LABEL - 3, 0.5,
-               b->right - b->left + 2 * fmin(p->before, p->after), text);
+    chart_font_within(cr, CHART_NORMAL, wide, text);
+    chart_text(cr, (b->left + b->right) / 2, b->bottom + FOOT_NUMBERS + FOOT_LABEL - 3, 0.5, wide, text);
     chart_axis_label(&p->y, p->of->y_label, true, text);
-    chart_text_up(cr, b->left - numbers - LABEL_GAP, (b->top + b->bottom) / 2, b->bottom - b->top, text);
+    chart_font_within(cr, CHART_NORMAL, high, text);
+    chart_text_up(cr, left, (b->top + b->bottom) / 2, high, text);
 }
 
 /* The bar and its length on the left below the plot, the name of x on the right. */

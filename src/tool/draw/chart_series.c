@@ -7,9 +7,9 @@
 
 #include <math.h>
 
-static const double LINE_WIDTH = 1.2, THIN_LINE = 0.8, RADIUS = 2.7, TURN = 6.283185307179586,
-                    SMALLEST_CIRCLE = 0.01; /* cairo refuses a scale of 0 */
-enum { BATCH = 500 };
+static const double LINE_WIDTH = 1.2, THIN_LINE = 0.8, RADIUS = 2.7, SMALL = 1.6, SMALLER = 1,
+                    TURN = 6.283185307179586, SMALLEST_CIRCLE = 0.01; /* cairo refuses a scale of 0 */
+enum { BATCH = 500, MANY = 1000 };
 
 typedef struct chart_point {
     double x, y;
@@ -28,7 +28,7 @@ static bool point_there(const chart_series *s, size_t i)
     return i < s->count && chart_finite(s->x[i]) && chart_finite(s->y[i]);
 }
 
-/* A point between two gaps is drawn as a dot as wide as the line. */
+/* A point without a mark between two gaps is drawn as a dot as wide as the line. */
 static void draw_line(cairo_t *cr, const chart_place *p, const chart_series *s)
 {
     bool before = false;
@@ -41,7 +41,7 @@ static void draw_line(cairo_t *cr, const chart_place *p, const chart_series *s)
             cairo_line_to(cr, at.x, at.y);
         else if (there && point_there(s, i + 1))
             cairo_move_to(cr, at.x, at.y);
-        else if (there)
+        else if (there && s->mark == CHART_NO_MARK)
             cairo_stroke(cr), cairo_arc(cr, at.x, at.y, LINE_WIDTH / 2, 0, TURN), cairo_fill(cr);
         before = there;
     }
@@ -105,8 +105,11 @@ static void finish_marks(cairo_t *cr, chart_mark mark, double r)
     cairo_set_line_cap(cr, CAIRO_LINE_CAP_BUTT);
 }
 
-/* Single points are smaller than those on a line. */
-static double radius_of(const chart_series *s) { return s->line ? RADIUS : 0.6 * RADIUS; }
+/* Single points are smaller than those on a line, and still smaller if there are many. */
+static double radius_of(const chart_series *s)
+{
+    return s->line ? RADIUS : s->count > MANY ? SMALLER : SMALL;
+}
 
 /* If colours repeat, marks and dashes go on. */
 static chart_mark mark_of(const chart_series *s)

@@ -4,6 +4,7 @@
  * every text is cleaned first. */
 #include "chart_draw.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -15,6 +16,13 @@ void chart_font(cairo_t *cr, double size, bool bold)
     cairo_select_font_face(cr, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
                            bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(cr, size);
+}
+
+void chart_font_within(cairo_t *cr, double size, double room, const char *text)
+{
+    chart_font(cr, size, false);
+    double wide = chart_width(cr, text);
+    if (wide > room) cairo_set_font_size(cr, size * fmax(room / wide, 0.75));
 }
 
 void chart_grey(cairo_t *cr, double grey) { cairo_set_source_rgb(cr, grey, grey, grey); }
