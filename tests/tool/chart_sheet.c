@@ -474,7 +474,7 @@ int main(int argc, char **argv)
     for (size_t i = 0; i < COUNT(sheets); i++) {
         if (argc == 1) puts(sheets[i].name);
         if (argc != 3 || strcmp(argv[1], sheets[i].name) != 0) continue;
-        chart_check("--picture", argv[2]);
+        chart_check("picture", argv[2]);
         chart c = sheets[i].make();
         chart_write(argv[2], &c);
         return EXIT_DECIDED;

@@ -9,37 +9,16 @@
  * the larger one that the two need.  If the panels share a range, they share that scale.
  *
  * The same chart gives the same bytes: the pdf has no date. */
-#include "../base/fail.h"
 #include "../base/memory.h"
 #include "chart_draw.h"
+#include "sheet.h"
 
-#include <cairo-pdf.h>
-#include <cairo-svg.h>
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
-#include <strings.h>
 
 static const double SHEET_WIDTH = 900, SHEET_MARGIN = 24, PANELS_APART = 20, ROWS_APART = 14, TITLE_FONT = 15,
-                    LINE_FONT = 10.5, TALLEST = 470, FLATTEST = 0.4, NARROWEST_PLOT = 20, PNG_SCALE = 2,
-                    PNG_HIGHEST = 32000;
+                    LINE_FONT = 10.5, TALLEST = 470, FLATTEST = 0.4, NARROWEST_PLOT = 20;
 
-typedef enum chart_format { CHART_SVG, CHART_PNG, CHART_PDF, CHART_FORMATS } chart_format;
-static const char *const ending[CHART_FORMATS] = {".svg", ".png", ".pdf"};
-
-static chart_format picture_format(const char *path)
-{
-    size_t length = strlen(path), f = 0;
-    while (f < CHART_FORMATS && (length < 4 || strcasecmp(path + length - 4, ending[f]) != 0)) f++;
-    return (chart_format)f;
-}
-
-void chart_check(const char *option, const char *path)
-{
-    if (picture_format(path) == CHART_FORMATS)
-        fail_usage("%s %s: the name of a picture ends in .svg, .png or .pdf", option, path);
-}
+void chart_check(const char *option, const char *path) { picture_kind_of(option, path); }
 
 /* ----------------------------------------------------------------- layout */
 
@@ -223,81 +202,31 @@ static double draw_sheet(const chart_sheet *s, bool draw)
     return y + SHEET_MARGIN / 2;
 }
 
-static cairo_t *begin(cairo_surface_t *surface)
-{
-    cairo_t *cr = cairo_create(surface);
-    cairo_font_options_t *options = cairo_font_options_create();
-    cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
-    cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
-    cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
-    cairo_set_font_options(cr, options);
-    cairo_font_options_destroy(options);
-    cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
-    return cr;
-}
-
 static chart_sheet measured(const chart *c)
 {
     chart_sheet s = {.c = c, .columns = columns_of(c), .place = memory_take(c->panels, sizeof *s.place)};
-    cairo_surface_t *nowhere = cairo_recording_surface_create(CAIRO_CONTENT_COLOR, NULL);
-    s.cr = begin(nowhere);
+    s.cr = sheet_nowhere();
     if (s.columns > 0) {
         s.rows = (c->panels + s.columns - 1) / s.columns;
         s.cell = (SHEET_WIDTH - 2 * SHEET_MARGIN + PANELS_APART) / (double)s.columns - PANELS_APART;
         find_ranges(&s);
         place_all(&s);
     }
-    s.height = ceil(draw_sheet(&s, false));
-    cairo_destroy(s.cr);
-    cairo_surface_destroy(nowhere);
+    s.height = draw_sheet(&s, false);
+    sheet_forget(s.cr);
     return s;
 }
 
-/* ------------------------------------------------------------------ files */
-
-static cairo_status_t write_bytes(void *file, const unsigned char *data, unsigned length)
+static void draw_chart(cairo_t *cr, const void *what)
 {
-    return fwrite(data, 1, length, file) == length ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
-}
-
-static cairo_surface_t *surface_of(chart_format format, FILE *file, double height, double scale)
-{
-    if (format == CHART_SVG)
-        return cairo_svg_surface_create_for_stream(write_bytes, file, SHEET_WIDTH, height);
-    if (format == CHART_PNG)
-        return cairo_image_surface_create(CAIRO_FORMAT_RGB24, (int)(SHEET_WIDTH * scale),
-                                          (int)(height * scale));
-    cairo_surface_t *pdf = cairo_pdf_surface_create_for_stream(write_bytes, file, SHEET_WIDTH, height);
-    cairo_pdf_surface_set_metadata(pdf, CAIRO_PDF_METADATA_CREATE_DATE, "");
-    return pdf;
-}
-
-static cairo_status_t write_sheet(chart_sheet *s, chart_format format, FILE *file)
-{
-    double scale = format == CHART_PNG ? fmin(PNG_SCALE, PNG_HIGHEST / s->height) : 1;
-    cairo_surface_t *surface = surface_of(format, file, s->height, scale);
-    s->cr = begin(surface);
-    cairo_scale(s->cr, scale, scale);
-    cairo_set_source_rgb(s->cr, 1, 1, 1);
-    cairo_paint(s->cr);
-    draw_sheet(s, true);
-    cairo_status_t status = cairo_status(s->cr);
-    cairo_destroy(s->cr);
-    if (status == CAIRO_STATUS_SUCCESS && format == CHART_PNG)
-        status = cairo_surface_write_to_png_stream(surface, write_bytes, file);
-    cairo_surface_finish(surface);
-    if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface);
-    cairo_surface_destroy(surface);
-    return status;
+    chart_sheet s = *(const chart_sheet *)what;
+    s.cr = cr;
+    cairo_set_line_join(cr, CAIRO_LINE_JOIN_ROUND);
+    draw_sheet(&s, true);
 }
 
 void chart_write(const char *path, const chart *c)
 {
-    FILE *file = fopen(path, "wb");
-    if (!file) fail_input("%s: %s", path, strerror(errno));
     chart_sheet s = measured(c);
-    cairo_status_t status = write_sheet(&s, picture_format(path), file);
-    bool written = !ferror(file);
-    if (fclose(file) != 0 || !written) fail_input("%s: cannot be written", path);
-    if (status != CAIRO_STATUS_SUCCESS) fail_input("%s: %s", path, cairo_status_to_string(status));
+    sheet_write(path, picture_kind_of("picture", path), SHEET_WIDTH, s.height, draw_chart, &s);
 }

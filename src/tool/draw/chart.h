@@ -72,7 +72,7 @@ typedef struct chart {
 } chart;
 
 /* Ends with a usage error if the ending of `path` is none of .svg, .png and .pdf, or if the command was built
- * without cairo. */
+ * without cairo.  option: without its dashes. */
 void chart_check(const char *option, const char *path);
 
 /* Writes the picture.  If it cannot be written the command ends. */

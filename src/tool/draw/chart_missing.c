@@ -4,7 +4,7 @@
 
 void chart_check(const char *option, const char *path)
 {
-    fail_usage("%s %s: not available; this command was built without cairo", option, path);
+    fail_usage("--%s %s: not available; this command was built without cairo", option, path);
 }
 
 void chart_write(const char *path, const chart *c)

@@ -211,14 +211,15 @@ void chart_place_draw(cairo_t *cr, const chart_place *p)
     const chart_panel *of = p->of;
     draw_grid(cr, p);
     draw_map(cr, p);
-    for (size_t i = 0; i < of->rules; i++) chart_rule_draw(cr, p, &of->rule[i]);
-    for (size_t i = 0; i < of->circles; i++) chart_circle_draw(cr, p, &of->circle[i]);
-    for (size_t i = 0; i < of->series_count; i++) chart_series_draw(cr, p, &of->series[i]);
     chart_grey(cr, 0.25);
     cairo_rectangle(cr, p->plot.left, p->plot.top, p->plot.right - p->plot.left,
                     p->plot.bottom - p->plot.top);
     cairo_set_line_width(cr, EDGE);
     cairo_stroke(cr);
+    for (size_t i = 0; i < of->rules; i++) chart_rule_draw(cr, p, &of->rule[i]);
+    for (size_t i = 0; i < of->circles; i++) chart_circle_draw(cr, p, &of->circle[i]);
+    for (size_t i = 0; i < of->series_count; i++) chart_series_draw(cr, p, &of->series[i]);
+    chart_grey(cr, 0.25);
     if (p->bar) {
         draw_scale_bar(cr, p);
         return;

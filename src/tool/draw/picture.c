@@ -19,7 +19,6 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 static const double PICTURE_WIDTH = 900, MARGIN = 24, TOP = 78, INSIDE = 14, PLOT_HIGHEST = 460,
                     PLOT_LOWEST = 110;
@@ -28,16 +27,6 @@ static const double TITLE_FONT = 15, LINE_FONT = 10.5, AXIS_BEYOND = 12, CORNER 
 enum { MANY_RAYS = 60 };
 
 void picture_check(const char *option) { (void)option; }
-
-picture_kind picture_kind_of(const char *option, const char *path)
-{
-    static const char *const endings[] = {
-        [PICTURE_SVG] = ".svg", [PICTURE_PNG] = ".png", [PICTURE_PDF] = ".pdf"};
-    size_t length = strlen(path);
-    for (int k = PICTURE_SVG; k <= PICTURE_PDF; k++)
-        if (length > 4 && strcasecmp(path + length - 4, endings[k]) == 0) return (picture_kind)k;
-    fail_usage("--%s %s: the name must end in .svg, .png or .pdf", option, path);
-}
 
 /* --------------------------------------------------------------------- page */
 

@@ -3,10 +3,13 @@
  * Fonts are not hinted: so texts have the same widths in a file of any kind, and where they are measured. */
 #include "sheet.h"
 
+#include "../base/fail.h"
+
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <errno.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* sheet.h - the file of a picture: svg, png or pdf. */
 #ifndef TOOL_SHEET_H
 #define TOOL_SHEET_H
-#include "picture.h"
+#include "kind.h"
 
 #include <cairo.h>
 
