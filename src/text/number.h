@@ -18,8 +18,8 @@ enum { NUMBER_SIZE = 40 };
  * hexadecimal form; nan, inf, -inf. */
 int number_print(char text[NUMBER_SIZE], double value, bool hexadecimal);
 
-/* |decimal - double|, where the decimal is what number_print writes for the double. */
-double number_print_gap(double value);
+/* The same, decimal; *gap: at least |decimal - double|, and hardly more. */
+int number_print_with_gap(char text[NUMBER_SIZE], double value, double *gap);
 
 /* x > 0 rounded up to three significant digits (or x itself): not less than x, at most some 1 % more. */
 double number_round_up(double x);

@@ -243,9 +243,11 @@ void table_number(table *t, double value)
  * to hold for the decimal too, and rounded up to three digits. */
 void table_number_within(table *t, double value, double error)
 {
+    char text[NUMBER_SIZE];
+    double gap;
     table_number(t, value);
     if (t->to.format != TABLE_TEXT && !t->to.hexadecimal && error > 0)
-        error = number_round_up(error + number_print_gap(value));
+        number_print_with_gap(text, value, &gap), error = number_round_up(error + gap);
     table_number(t, error);
 }
 
