@@ -155,12 +155,13 @@ static const uint64_t ten[] = {
 };
 
 /* x 10^places = whole + fraction / 2^64, and less than 2^-64 more if `more`. */
-typedef struct scaled {
+typedef struct magnified {
     uint64_t whole, fraction;
-    uint64_t half_ulp;  /* of x, in the same scale, in units of 2^-56, rounded down; 17 digits: below 12 2^56 */
+    /* of x, in the same scale, in units of 2^-56, rounded down: with 17 digits from 0.55 2^56 to 12 2^56 */
+    uint64_t half_ulp;
     int places;
     bool more, power_of_two;
-} scaled;
+} magnified;
 
 /* The low 64 bits of a b + carry; *high: the others. */
 static uint64_t product(uint64_t a, uint64_t b, uint64_t carry, uint64_t *high)
@@ -170,8 +171,10 @@ static uint64_t product(uint64_t a, uint64_t b, uint64_t carry, uint64_t *high)
     wide all = (wide)a * b + carry;
     return *high = (uint64_t)(all >> 64), (uint64_t)all;
 #else
-    const uint64_t half = 0xffffffffu, low = (a & half) * (b & half), middle = (a >> 32) * (b & half) + (low >> 32),
-                   other = (a & half) * (b >> 32) + (middle & half), sum = other << 32 | (low & half);
+    const uint64_t half = 0xffffffffu, low = (a & half) * (b & half);
+    const uint64_t middle = (a >> 32) * (b & half) + (low >> 32);
+    const uint64_t other = (a & half) * (b >> 32) + (middle & half);
+    const uint64_t sum = other << 32 | (low & half);
     *high = (a >> 32) * (b >> 32) + (middle >> 32) + (other >> 32) + (sum + carry < sum);
     return sum + carry;
 #endif
@@ -186,7 +189,7 @@ static uint64_t bits_at(const uint64_t n[5], int at)
 }
 
 /* Of m 5^places 2^-shift, where the product may have more than 128 bits. */
-static void scale_far(scaled *to, uint64_t m, int shift)
+static void scale_far(magnified *to, uint64_t m, int shift)
 {
     const int more = to->places > FIVES ? to->places - FIVES : 0;
     uint64_t n[5] = {0}, ulp[5] = {0}, high = 0;
@@ -203,10 +206,10 @@ static void scale_far(scaled *to, uint64_t m, int shift)
 
 /* Sets x 10^places so that its whole part has so many digits, at most 17.  false: not the quick way.
  *
- * log2(1 + f) is f, or at most 0.09 more, for 0 <= f <= 1.  So the upper half of the bits of x is its log2, but
- * for that, and times log10 2 the power of ten of its first digit, or sometimes one less.  (The factor is too
- * small by a relative 5e-11.  No power of ten in the range but 1 is so near to a power of two.) */
-static bool number_scale(double x, int digits, scaled *to)
+ * log2(1 + f) is f, or at most 0.09 more, for 0 <= f <= 1.  So the upper half of the bits of x is its log2,
+ * but for that, and times log10 2 the power of ten of its first digit, or sometimes one less.  (The factor is
+ * too small by a relative 5e-11.  No power of ten in the range but 1 is so near to a power of two.) */
+static inline bool number_scale(double x, int digits, magnified *to)
 {
     if (!(x >= QUICK_LEAST && x < QUICK_MOST)) return false;
     enum { LEAST_PLACE = 39 };  /* what is shifted right is not negative */
@@ -220,7 +223,7 @@ static bool number_scale(double x, int digits, scaled *to)
     for (int k = digits - 1 + LEAST_PLACE - (int)(place >> 52);; k--) {
         const int shift = -(e + k);
         if (k < 0 || k > 2 * FIVES || shift < 1) return false;
-        *to = (scaled){.places = k, .power_of_two = m == one};
+        to->places = k, to->power_of_two = m == one, to->more = false;
         if (k <= FIVES && shift < 64) {
             uint64_t high, low = product(m, five[k], 0, &high);
             to->whole = high << (64 - shift) | low >> shift;
@@ -234,42 +237,44 @@ static bool number_scale(double x, int digits, scaled *to)
 }
 
 /* Rounds to a unit of 1, 10 or 100, half to even, as printf does. */
-static inline decimal rounded_to(const scaled *x, unsigned unit)
+static inline decimal rounded_to(const magnified *x, unsigned unit)
 {
     const uint64_t q = x->whole / unit, middle = (uint64_t)1 << 63;
     const unsigned r = (unsigned)(x->whole % unit), border = unit > 1 ? unit / 2 : 1;
     const unsigned above = unit > 1 ? r : (unsigned)(x->fraction >> 63);
     const bool rest = (unit > 1 ? x->fraction : x->fraction & (middle - 1)) || x->more;
-    const bool up = above > border || (above == border && (rest || (q & 1)));
-    return (decimal){q + up, x->places - (unit == 100 ? 2 : unit == 10), up ? (int)(r - unit) : (int)r};
+    const bool up = (above > border) | ((above == border) & (rest | (q & 1)));
+    return (decimal){q + up, x->places - (unit == 100 ? 2 : unit == 10), (int)r - (up ? (int)unit : 0)};
 }
 
-/* Does it read back as x?  1: yes, it is off by less than half an ulp (just below a power of two doubles are
- * half an ulp apart).  0: no.  -1: too close to tell. */
-static inline int reads_back(const decimal *d, const scaled *x)
+/* How far off it is, in units of 2^-56, but for a unit. */
+static inline uint64_t off_by(const decimal *d, const magnified *x)
 {
-    const uint64_t part = x->fraction >> 8, half = x->half_ulp, slack = 2;
-    const uint64_t off = d->left < 0 ? ((uint64_t)-d->left << 56) - part : ((uint64_t)d->left << 56) + part;
-    if (off > half + slack) return 0;
-    return off + slack < (x->power_of_two ? half / 2 : half) ? 1 : -1;
+    const uint64_t part = x->fraction >> 8, sign = 0 - (uint64_t)(d->left < 0);
+    return ((((uint64_t)(int64_t)d->left << 56) + part) ^ sign) - sign;
 }
 
-/* The shortest of 15, 16, 17 digits that reads back as x > 0.  false: the quick way cannot decide. */
-static inline bool shortest_quick(double x, scaled *all, decimal *d)
+/* The shortest of 15, 16, 17 digits that reads back as x > 0: one that is off by less than half an ulp.
+ * (Just below a power of two doubles are half an ulp apart.)  false: too close to tell.  The processor cannot
+ * foresee which of 16 and 17 digits it is, so there is no branch on that. */
+static inline bool shortest_quick(double x, magnified *all, decimal *d)
 {
+    enum { SLACK = 2 };
     if (!number_scale(x, 17, all)) return false;
-    *d = rounded_to(all, 100);
-    int back = reads_back(d, all);
-    if (back) return back == 1;
-    *d = rounded_to(all, 10);
-    back = reads_back(d, all);
-    if (back) return back == 1;
-    *d = rounded_to(all, 1);
-    return true;
+    const uint64_t least = (all->power_of_two ? all->half_ulp / 2 : all->half_ulp) - SLACK,
+                   most = all->half_ulp + SLACK;
+    const decimal d15 = rounded_to(all, 100), d16 = rounded_to(all, 10), d17 = rounded_to(all, 1);
+    const uint64_t off15 = off_by(&d15, all), off16 = off_by(&d16, all);
+    if (off15 <= most) return *d = d15, off15 < least;
+    const bool shorter = off16 < least;
+    d->digits = shorter ? d16.digits : d17.digits;
+    d->places = shorter ? d16.places : d17.places;
+    d->left = shorter ? d16.left : d17.left;
+    return shorter || off16 > most;
 }
 
 /* |d - x|, or hardly more. */
-static double gap_of(const decimal *d, const scaled *x)
+static double gap_of(const decimal *d, const magnified *x)
 {
     const double part = 0x1p-64 * (double)(d->left < 0 ? 0 - x->fraction : x->fraction + x->more);
     const int whole = d->left < 0 ? -d->left - (x->fraction > 0) : d->left;
@@ -293,10 +298,10 @@ static int number_digits(uint64_t n)
     return count;
 }
 
-static char *put_pair(char *to, uint32_t n) { return memcpy(to, pairs + 2 * n, 2), to + 2; }
+static inline char *put_pair(char *to, uint32_t n) { return memcpy(to, pairs + 2 * n, 2), to + 2; }
 
 /* Prints n < 10^8, with leading zeros. */
-static char *put_eight(char *to, uint32_t n)
+static inline char *put_eight(char *to, uint32_t n)
 {
     const uint32_t high = n / 10000, low = n % 10000;
     return put_pair(put_pair(put_pair(put_pair(to, high / 100), high % 100), low / 100), low % 100);
@@ -306,8 +311,9 @@ static char *put_eight(char *to, uint32_t n)
 static char *put_places(char *to, uint64_t n, int count)
 {
     n *= ten[18 - count];
-    put_eight(put_eight(put_pair(to, (uint32_t)(n / 10000000000000000)), (uint32_t)(n / 100000000 % 100000000)),
-              (uint32_t)(n % 100000000));
+    const uint64_t eight = 100000000;
+    char *at = put_pair(to, (uint32_t)(n / (eight * eight)));
+    put_eight(put_eight(at, (uint32_t)(n / eight % eight)), (uint32_t)(n % eight));
     return to + count;
 }
 
@@ -315,6 +321,7 @@ static char *put_places(char *to, uint64_t n, int count)
 static char *put_whole(char *to, uint64_t n, int count)
 {
     char *const end = to + count, *at = end;
+    if (count <= 2) return memcpy(to, pairs + 2 * n + (count == 1), 2), end;
     for (; count > 8; count -= 8, n /= 100000000) put_eight(at -= 8, (uint32_t)(n % 100000000));
     uint32_t part = (uint32_t)n;
     for (; count > 1; count -= 2, part /= 100) put_pair(at -= 2, part % 100);
@@ -372,7 +379,7 @@ static int with_point(char text[NUMBER_SIZE])
 
 int number_print(char text[NUMBER_SIZE], double value, bool hexadecimal)
 {
-    scaled all;
+    magnified all;
     decimal d;
     if (!isfinite(value))
         return snprintf(text, NUMBER_SIZE, "%s", isnan(value) ? "nan" : value > 0 ? "inf" : "-inf");
@@ -411,7 +418,7 @@ static double gap_slowly(double value)
 
 int number_print_with_gap(char text[NUMBER_SIZE], double value, double *gap)
 {
-    scaled all;
+    magnified all;
     decimal d;
     if (!isfinite(value) || value == 0) return *gap = 0, number_print(text, value, false);
     if (shortest_quick(fabs(value), &all, &d))
@@ -419,25 +426,41 @@ int number_print_with_gap(char text[NUMBER_SIZE], double value, double *gap)
     return *gap = gap_slowly(value), number_print(text, value, false);
 }
 
-/* Adds half a unit of the third digit and rounds to three digits: not less than x. */
-double number_round_up(double x)
+/* Adds half a unit of the third digit and rounds to three digits: not less than x.  *d: the decimal; with 0
+ * digits there is none. */
+static double rounded_up(double x, decimal *d)
 {
     char text[NUMBER_SIZE];
-    double raised = x * 1.005;
-    scaled three;
+    const double raised = x * 1.005;
+    magnified three;
+    d->digits = 0;
     if (raised < 1e2 && number_scale(raised, 3, &three)) {
-        decimal d = rounded_to(&three, 1);
-        double value = double_of(d.digits, d.places);
+        const decimal up = rounded_to(&three, 1);
+        double value = double_of(up.digits, up.places);
+        if (value >= x) *d = up;
         if (!isnan(value)) return fmax(x, value);
     }
     snprintf(text, sizeof text, "%.2e", raised);
     return fmax(x, strtod(text, NULL));
 }
 
+double number_round_up(double x)
+{
+    decimal d;
+    return rounded_up(x, &d);
+}
+
+int number_print_up(char text[NUMBER_SIZE], double x)
+{
+    decimal d;
+    const double value = rounded_up(x, &d);
+    return d.digits ? lay_out(text, false, d.digits, d.places, 15) : number_print(text, value, false);
+}
+
 int number_print_short(char text[NUMBER_SIZE], double value, int digits)
 {
     if (isnan(value) || value == 0) return text[0] = value == 0 ? '0' : '-', text[1] = 0, 1;
-    scaled few;
+    magnified few;
     if (number_scale(fabs(value), digits, &few)) {
         decimal d = rounded_to(&few, 1);
         return lay_out(text, value < 0, d.digits, d.places, digits);
