@@ -60,11 +60,11 @@ static const char intersect_legend[] =
     "nx ny nz: the gradient of F there.  evals: evaluations of F.\n";
 
 static const column intersect_head[] = {
-    {"ray", COLUMN_COUNT}, {"root", COLUMN_COUNT}, {"status", COLUMN_WORD},
+    {"ray", COLUMN_COUNT}, {"root", COLUMN_INTEGER}, {"status", COLUMN_CODE},
     {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR},
     {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER}, {"z", COLUMN_NUMBER},
     {"nx", COLUMN_NUMBER}, {"ny", COLUMN_NUMBER}, {"nz", COLUMN_NUMBER},
-    {"evals", COLUMN_COUNT},
+    {"evals", COLUMN_INTEGER},
 };
 static const column intersect_id = {"id", COLUMN_WORD},
                     left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
@@ -85,14 +85,14 @@ static intersect_arguments intersect_arguments_of(int argc, char *argv[])
         {"surface", required_argument, NULL, SURFACE}, {"rays", required_argument, NULL, RAYS},
         {"ray", required_argument, NULL, RAY}, {"skip-bad", no_argument, NULL, SKIP_BAD},
         {"all", no_argument, NULL, ALL}, {"watch", required_argument, NULL, WATCH},
-        PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
+        PROOF_OPTION, THREADS_OPTION, ROWS_OPTIONS, SHARED_OPTIONS, {0},
     };
-    intersect_arguments a = {.surface = NULL};
+    intersect_arguments a = {.shared.scales = true};
     const char *file = NULL;
     bool skip_bad = false;
     char all_help[HELP_SIZE];
-    snprintf(all_help, sizeof all_help, "%s%s", intersect_help, options_threads_help);
-    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+    snprintf(all_help, sizeof all_help, "%s%s%s", intersect_help, options_threads_help, options_rows_help);
+    for (int code; (code = getopt_long(argc, argv, ROWS_LETTERS, known, NULL)) != -1;) {
         switch (code) {
         case SURFACE: a.surface = optarg; break;
         case RAYS: file = optarg; break;
@@ -162,7 +162,7 @@ static void intersect_write_row(const intersect_work *w, intersect_room *r, cons
                               met ? h->n.x : no, met ? h->n.y : no, met ? h->n.z : no};
     table_count(t, (long long)l->number);
     table_count(t, none ? -1 : root);
-    table_word(t, sgt_status_text(h->status));
+    table_code(t, h->status, sgt_status_text(h->status));
     table_number_within(t, h->t, h->t_err);
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) table_number(t, numbers[i]);
     table_count(t, h->evals);
@@ -326,9 +326,10 @@ exit_status command_intersect(int argc, char *argv[])
     intersect_arguments a = intersect_arguments_of(argc, argv);
     const bool text = a.shared.target.format == TABLE_TEXT;
     intersect_work w = {.asked = &a, .surface = surface_parse("--surface", a.surface),
-                        .stretches = a.shared.solver.proof && !text};
+                        .stretches = a.shared.solver.proof && (!text || a.shared.target.columns)};
     column columns[HEAD_COUNT + 3];
     options_note_unread(&a.shared, 1, &(sgt_element){.surface = w.surface});
+    a.shared.target.word_size = a.rays.longest_id;
     tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};
     watch_tiling(&in, a.watch, &a.shared.solver);
     size_t places = tiles_places(&in), undecided = 0;
