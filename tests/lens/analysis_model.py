@@ -373,6 +373,13 @@ class Lens:
         _, nu = self.paraxial(self.object / self.before[wave], mpf(1), 0, len(self.surfaces) - 1, wave)
         return 1 / nu  # n u / (n' u')
 
+    def working_f_number(self, wave):
+        """1 / (2 n' u') of the marginal ray at a wavelength, or None."""
+        y, nu = (self.pupil_radius() * x for x in self.marginal())
+        nu *= self.before[wave] / self.before[self.primary]
+        nu = self.paraxial(y, nu, 0, len(self.surfaces) - 1, wave)[1]
+        return 1 / abs(2 * nu) if nu else None
+
     def length(self):
         """Along the axis, from the object or else the first vertex to the image."""
         return sum(map(abs, self.thicknesses)) + (self.object or 0)

@@ -319,7 +319,7 @@ def rays_of(beam):
 
 TABLES = {
     'rays': 'px py passed x y z l m n opl opd opd_foot opd_plane',
-    'fields': 'micrometres length x y radius tangential sagittal '
+    'fields': 'micrometres length working_f_number x y radius tangential sagittal '
               'ideal_tan distortion_tan ideal_theta distortion_theta',
     'spots': 'rays traced passed x y rms_centroid rms_x_centroid rms_y_centroid geometric_centroid rms_chief '
              'rms_x_chief rms_y_chief geometric_chief opd_mean opd_rms opd_pv',
@@ -336,7 +336,8 @@ def tables_of(name, lens):
             try:
                 out['fields'].append({
                     **where, 'micrometres': MICROMETRES[lens.units], 'length': lens.length(),
-                    'radius': beam.reference_radius(), **beam.curves()})
+                    'working_f_number': lens.working_f_number(wave), 'radius': beam.reference_radius(),
+                    **beam.curves()})
             except Fails:
                 continue
             if wave == lens.primary:

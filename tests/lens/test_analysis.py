@@ -83,6 +83,28 @@ def waves(lens, wavelength):
     return float(oracle('fields')[lens][0]['micrometres']) / wavelength
 
 
+@functools.lru_cache
+def ends(lens):
+    """Where rays end: the rows of `sagitta trace` at the image, by field, wavelength and point of the pupil."""
+    everything = rows('trace', path_of(lens), '--no-apertures', '--wavelength', 'all', *points_of(lens))
+    last = max(int(row['element']) for row in everything)
+    return {key(row): row for row in everything if int(row['element']) == last}
+
+
+def test_rays():
+    """Points, directions and paths at the image."""
+    for lens, rays in oracle('rays').items():
+        got = ends(lens)
+        equal(len(got), len(rays), f'{lens}: rays')
+        for row in rays:
+            mine, what = got[key(row)], f'{lens} {key(row)}: '
+            for column in 'xyzlmn':
+                within = 1e-14 if column in 'lmn' else 1e-14 * length_of(lens)
+                close(mine[column], row[column], within, what + column)
+            chief = got[key(row)[:2] + (0, 0)]
+            close(float(mine['opl']) - float(chief['opl']), row['opl'], 1e-14 * length_of(lens), what + 'opl')
+
+
 def test_fans():
     """Each transverse error, from the chief ray of the primary wavelength."""
     for lens, rays in oracle('rays').items():
@@ -105,8 +127,8 @@ def test_path_differences():
         column = 'opd_foot' if lens in NOT_PARAXIAL else 'opd'
         got, longest = told('opd', lens, *points_of(lens)), {}
         equal(len(got), len(rays), f'{lens}: rays')
-        for row in rows('trace', path_of(lens), '--no-apertures', '--wavelength', 'all', *points_of(lens)):
-            longest[key(row)[:2]] = max(longest.get(key(row)[:2], 0), abs(float(row['opl'])))
+        for at, row in ends(lens).items():
+            longest[at[:2]] = max(longest.get(at[:2], 0), abs(float(row['opl'])))
         for row in rays:
             mine, what = got[key(row)], f'{lens} {key(row)}'
             equal(mine['fate'], 'passed', what)
@@ -177,6 +199,41 @@ def test_spots():
         passed = {key(row): row['passed'] for row in clipped if row['wavelength'] != 'all'}
         for row in spots:
             equal(int(passed[key(row)]), int(row['passed']), f'{lens} {key(row)}: rays that pass')
+
+
+def rms_about(points, centre):
+    return math.sqrt(math.fsum((x - centre[0]) ** 2 + (y - centre[1]) ** 2 for x, y in points) / len(points))
+
+
+def test_through_focus():
+    """Spots of single rays on a moved image, of each wavelength and of all, about the primary chief ray."""
+    for lens in ('ftheta.yaml', 'analysis_tilted.yaml', 'ray-optics__US05331467-1__e65bce.zmx'):
+        primary = float(oracle('spots')[lens][0]['wavelength'])
+        for z in (0.0, 0.25, -0.125):
+            got = {(row['field'], row['wavelength']): row for row in rows(
+                'spot', path_of(lens), '--no-apertures', *points_of(lens), f'--defocus={z}')}
+            for field in dict.fromkeys(row['field'] for row in oracle('rays')[lens]):
+                points, chief = {'all': []}, None
+                for row in (row for row in oracle('rays')[lens] if row['field'] == field):
+                    x, y, l, m, n = (float(row[k]) for k in 'xylmn')
+                    here = x + z * l / n, y + z * m / n
+                    points['all'].append(here)
+                    points.setdefault(row['wavelength'], []).append(here)
+                    chief = here if key(row)[1:] == (primary, 0, 0) else chief
+                for wavelength, several in points.items():
+                    close(got[field, wavelength]['rms'], rms_about(several, chief), WITHIN * length_of(lens),
+                          f'{lens}, field {field}, {wavelength}, {z} out of focus')
+
+
+def test_airy():
+    """1.22 wavelength working F-number: the first zero of the Bessel function J1 is 3.8317059702."""
+    for lens, fields in oracle('fields').items():
+        got = told('spot', lens, '--chief')
+        for row in fields:
+            wanted = None if lens in NOT_PARAXIAL else number(row['working_f_number'])
+            if wanted is not None:
+                wanted *= 3.8317059702 / math.pi / waves(lens, float(row['wavelength']))
+            both(got[key(row)]['airy'], wanted, 1e-9 * (wanted or 0), f'{lens} {key(row)}: airy')
 
 
 def test_wavefronts():
