@@ -18,7 +18,7 @@
 #include <stdio.h>
 
 static const double BAR_GAP = 10, BAR_WIDTH = 11, BAR_TICK = 3, BAR_TEXT = 6, PIXELS_PER_POINT = 3,
-                    FEWEST_DECADES = 0.8;
+                    FEWEST_DECADES = 0.8, OVERLAP = 0.3;
 enum { STEPS = 17, LARGEST_IMAGE = 30000 };
 static const uint32_t BLANK = 0xFFFFFFFFu; /* no pixel has this */
 
@@ -96,7 +96,7 @@ chart_scale chart_scale_of(const chart_map *m, double length)
         r.fixed[0] = middle - FEWEST_DECADES / 2, r.fixed[1] = middle + FEWEST_DECADES / 2;
     }
     s.axis = chart_axis_of(&r);
-    chart_axis_ticks(&s.axis, length, 26);
+    chart_axis_ticks(&s.axis, length, fmax(26, length / 9));
     return s;
 }
 
@@ -116,7 +116,8 @@ static size_t pixels_of(size_t squares, double length)
     return wanted * squares <= LARGEST_IMAGE ? wanted : 1;
 }
 
-/* Adds the coloured squares to the path, in runs along the rows; returns whether these are all. */
+/* Adds the coloured squares to the path, in runs along the rows; returns whether these are all.  A run
+ * reaches a little into the row below, or a seam would show. */
 static bool add_coloured(cairo_t *cr, const uint32_t *colour, size_t columns, size_t rows,
                          const chart_box *at)
 {
@@ -128,7 +129,7 @@ static bool add_coloured(cairo_t *cr, const uint32_t *colour, size_t columns, si
             double count = (double)(end - i);
             if (end > i)
                 cairo_rectangle(cr, at->left + (double)i * wide, at->bottom - (double)(j + 1) * high,
-                                count * wide, high);
+                                count * wide, high + OVERLAP);
             for (; end < columns && colour[j * columns + end] == BLANK; end++) all = false;
         }
     return all;
