@@ -246,13 +246,13 @@ def root_mean(values):
 
 def spot(beam):
     """Of all cells; also the wavefront and its coefficients."""
-    ends, failed = [], 0
+    ends = []
     for x, y in CELLS:
         try:
             ends.append((x, y, beam.end(mpf(x) / 20, mpf(y) / 20)))
         except Fails:
-            failed += 1
-    out = {'rays': len(CELLS), 'traced': len(ends), 'passed': sum(e[3] for _, _, e in ends)}
+            pass
+    out = {'traced': len(ends), 'passed': sum(e[3] for _, _, e in ends)}
     if not ends:
         return out, {}
     points = [e[0][:2] for _, _, e in ends]
@@ -267,7 +267,7 @@ def spot(beam):
                     f'geometric_{name}': max(mp.sqrt(a[0] ** 2 + a[1] ** 2) for a in apart)})
     waves = [beam.opd(e) for _, _, e in ends]
     mean = sum(waves) / len(waves)
-    out.update(opd_mean=mean, opd_rms=root_mean([w - mean for w in waves]), opd_pv=max(waves) - min(waves))
+    out.update(opd_rms=root_mean([w - mean for w in waves]), opd_pv=max(waves) - min(waves))
     points = [(mpf(x) / 20, mpf(y) / 20) for x, y, _ in ends]
     return out, {order: fit(order, points, waves) for order in TERMS}
 
@@ -321,8 +321,8 @@ TABLES = {
     'rays': 'px py passed x y z l m n opl opd opd_foot opd_plane',
     'fields': 'micrometres length working_f_number x y radius tangential sagittal '
               'ideal_tan distortion_tan ideal_theta distortion_theta',
-    'spots': 'rays traced passed x y rms_centroid rms_x_centroid rms_y_centroid geometric_centroid rms_chief '
-             'rms_x_chief rms_y_chief geometric_chief opd_mean opd_rms opd_pv',
+    'spots': 'traced passed x y rms_centroid rms_x_centroid rms_y_centroid geometric_centroid rms_chief '
+             'rms_x_chief rms_y_chief geometric_chief opd_rms opd_pv',
     'zernike': 'order term n m coefficient'}
 
 

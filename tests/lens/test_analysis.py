@@ -119,6 +119,10 @@ def test_fans():
                 what = f'{lens} {key(row)}: e{axis}'
                 close(mine['e' + axis], wanted, WITHIN * length_of(lens), what)
                 close(mine['e' + axis], wanted, float(mine['e_err']), what + ', its error')
+        clipped = {key(row): row['fate'] for row in rows('fan', path_of(lens), *points_of(lens), exit=None)}
+        for row in rays:
+            fate = 'passed' if row['passed'] == '1' else 'clipped'
+            equal(clipped[key(row)], fate, f'{lens} {key(row)}, apertures')
 
 
 def test_path_differences():
@@ -302,6 +306,15 @@ def test_published():
                 got = float(point(angle)[row['quantity']])
             last = 10.0 ** -len(row['value'].partition('.')[2])
             close(got, row['value'], last, str(row))  # some are cut off, not rounded
+
+
+def test_threads():
+    """The same bytes for any number of threads."""
+    for how in (['spot'], ['fan'], ['opd'], ['opd', '--summary'], ['opd', '--zernike', 11], ['field']):
+        ways = [] if how == ['field'] else ['--hexapolar', 30]
+        several = {run(how[0], path_of('analysis_relay.yaml'), *how[1:], *ways, '--format', 'csv', '--threads', n,
+                       exit=None).stdout for n in (1, 2, 5)}
+        equal(len(several), 1, f'{how}: outputs')
 
 
 def test_numpy():
