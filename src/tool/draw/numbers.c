@@ -83,6 +83,11 @@ static obstacles obstacles_of(const page *p)
         const outline *a = &s->outline[i];
         for (size_t k = 0; k < a->pieces; k++) add_obstacle(&o, p, a->piece[k].at, a->piece[k].count);
         for (size_t k = 0; k < a->strokes; k++) add_obstacle(&o, p, a->stroke[k], 2);
+        for (int side = 0; a->stop && a->half > 0 && side < 2; side++) {
+            const sgt_vec3 bar[] = {outline_corner(a, side, a->half),
+                                    outline_corner(a, side, a->half + STOP_BEYOND / p->scale)};
+            add_obstacle(&o, p, bar, 2);
+        }
         double half = scene_glass_behind(s, i) ? fmax(a->half, a[1].half) : 0;
         for (int side = 0; half > 0 && side < 2; side++) {
             const sgt_vec3 edge[] = {outline_corner(a, side, a->half), outline_corner(a, side, half),
@@ -140,7 +145,7 @@ static void number_anchor(const page *p, size_t i, int side, page_dot *from, pag
         if (sign * (from->y - d.y) > 0) *from = d;
         if (space) *out = (page_dot){0, -sign};
     }
-    double beyond = o->stop && o->half > 0 ? fmax(0, STOP_BEYOND - p->scale * (half - o->half)) : 0;
+    double beyond = o->stop && o->half > 0 && !space ? fmax(0, STOP_BEYOND - p->scale * (half - o->half)) : 0;
     *from = (page_dot){from->x + beyond * out->x, from->y + beyond * out->y};
 }
 
