@@ -191,6 +191,17 @@ def test_off_axis_part():
         close(span(mirror, 0) / scale, depth, 0.02, plane)
 
 
+def test_what_a_surface_is_drawn_to():
+    """semi_diameter, else the first aperture, else draw_to.  In the plane of the rectangle's longer side that is seen."""
+    shapes = 'apertures: [{type: circle, radius: 1, obscures: true}, {type: rectangle, half_width: 7, half_height: 3}]'
+    for keys, high, wide in (('semi_diameter: 4, draw_to: 9', 8, 8), (shapes + ', draw_to: 9', 6, 14), ('draw_to: 9', 18, 18)):
+        text = BARE + '  - {type: sphere, radius: 100, thickness: 9, index: 1.5, %s}\n  - {type: plane, semi_diameter: 2}\n' % keys
+        for plane, expected in (('yz', high), ('xz', wide)):
+            glass = of(lines(text, '--fan', '1', '--plane', plane), SURFACE)
+            image = max(glass, key=lambda p: min(x for x, _ in p))
+            close(span([p for line in glass for p in line], 1) / (span(image, 1) / 4), expected, 1e-3, (keys, plane))
+
+
 def test_turned_out_of_the_plane():
     """Of a mirror that is turned about y by 60 degrees y-z shows the rim, too: an ellipse of sin 60 by 1."""
     text = BARE + '  - {type: plane, semi_diameter: 8, mirror: true, tilt: [0, %d, 0], thickness: -30}\n  - {type: plane, semi_diameter: 8}\n'
