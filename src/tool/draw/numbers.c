@@ -160,8 +160,8 @@ static void number_in_row(number *n, page_dot from, page_dot out, int row, doubl
     n->led = row > 0 || fabs(aside) > 1;
 }
 
-/* To which side a number may move: +1 or -1; 0: to both.  That of a glass's face goes away from its other
- * face, so that the numbers of both have their order. */
+/* To which side a number may move: +1 or -1; 0: to both.  That of a glass's face goes away from the face
+ * before it, and that of the first away from the next: so numbers have the order of the faces. */
 static int side_of(const page *p, size_t i, int side, page_dot from, page_dot out)
 {
     const scene *s = p->scene;
