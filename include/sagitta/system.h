@@ -230,7 +230,8 @@ typedef struct sgt_passage {
  *                   global frame, with a direction of unit length
  *     index_before  the refractive index in front of e[0]; 0: 1
  *     passages      NULL, or room for n.  passages[i] says how element i was met, the one
- *                   that stopped the ray included
+ *                   that stopped the ray included.  It is stored before a watcher
+ *                   (options.watch) is told of an evaluation at the next element
  *     fate          NULL, or what became of the ray at last
  *     opt           NULL, or the options
  *

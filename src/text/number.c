@@ -6,9 +6,9 @@
  * csv: 7.5 s, against 1.0 s as it is).  Most numbers take a quicker way to the same bytes.  The
  * quick way declines what it cannot decide, and leaves that to strtod and printf.
  *
- * OUT.  10^k is a double for k = 0 ... 22.  Then x 10^k = p + e exactly, where p is the rounded
- * product and e = fma(x, 10^k, -p) is its rounding error, |e| <= ulp(p) / 2.  The whole number
- * nearest to p + e gives the decimal with k places that is nearest to x.
+ * OUT.  x = m 2^e with m < 2^53, so x 10^k = m 5^k 2^(e + k).  For k = 0 ... 54 the whole number m 5^k has
+ * at most 179 bits, and is made exactly.  Its upper bits are x 10^k rounded down, the others say
+ * what is left: so the nearest decimal is found without any rounding.
  *
  * BACK.  A whole number D < 2^62 is h + l, both doubles.  With q = h / 10^k rounded,
  * r = fma(-q, 10^k, h) is exact, so D / 10^k = q + (r + l) / 10^k.  The second term is computed
@@ -36,8 +36,12 @@ static const double power[POWER_MOST + 1] = {
     1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22,
 };
 
-/* A decimal: digits / 10^places.  rest: (the decimal - the double it stands for) 10^places. */
-typedef struct decimal { uint64_t digits; int places; double rest; } decimal;
+/* A decimal: digits / 10^places. */
+typedef struct decimal {
+    uint64_t digits;
+    int places;
+    int left;   /* of what was rounded, what is left, or if negative missing, in units of its last digit */
+} decimal;
 
 /* The double nearest to digits / 10^places, digits < 2^62; NaN if the quick way cannot decide. */
 static double double_of(uint64_t digits, int places)
@@ -134,103 +138,222 @@ bool number_read_integer(const char *text, long lowest, long highest, long *valu
 
 /* ------------------------------------------------------------------- out */
 
-static const double QUICK_LEAST = 1e-20, QUICK_MOST = 1e15;  /* the range of the quick way */
+static const double QUICK_LEAST = 1e-38, QUICK_MOST = 1e15;  /* the range of the quick way */
 
-/* The power of ten of the first digit: 10^E <= x < 10^(E + 1), x within QUICK_LEAST and QUICK_MOST. */
-static int first_place(double x)
+enum { FIVES = 27 };
+static const uint64_t five[FIVES + 1] = { /* 5^k; five[27] < 2^63 */
+    1u, 5u, 25u, 125u, 625u, 3125u, 15625u, 78125u, 390625u, 1953125u, 9765625u, 48828125u, 244140625u,
+    1220703125u, 6103515625u, 30517578125u, 152587890625u, 762939453125u, 3814697265625u, 19073486328125u,
+    95367431640625u, 476837158203125u, 2384185791015625u, 11920928955078125u, 59604644775390625u,
+    298023223876953125u, 1490116119384765625u, 7450580596923828125u,
+};
+
+static const uint64_t ten[] = {
+    1u, 10u, 100u, 1000u, 10000u, 100000u, 1000000u, 10000000u, 100000000u, 1000000000u, 10000000000u,
+    100000000000u, 1000000000000u, 10000000000000u, 100000000000000u, 1000000000000000u, 10000000000000000u,
+    100000000000000000u, 1000000000000000000u,
+};
+
+/* x 10^places = whole + fraction / 2^64, and less than 2^-64 more if `more`. */
+typedef struct magnified {
+    uint64_t whole, fraction;
+    /* of x, in the same scale, in units of 2^-56, rounded down: with 17 digits from 0.55 2^56 to 12 2^56 */
+    uint64_t half_ulp;
+    int places;
+    bool more, power_of_two;
+} magnified;
+
+/* The low 64 bits of a b + carry; *high: the others. */
+static uint64_t product(uint64_t a, uint64_t b, uint64_t carry, uint64_t *high)
 {
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    int binary = (int)(bits >> 52) - 1023;                       /* 2^binary <= x, -67 ... 49 */
-    /* by log10 2 = 1233/4096: right, or one too large */
-    int guess = (binary * 1233 + 4096 * 100) / 4096 - 100 + 1;
-    /* x power[-guess] rounds up to 1 only if x is the double nearest to that power of ten, and then it
-     * prints as that power */
-    return (guess >= 0 ? x >= power[guess] : x * power[-guess] >= 1) ? guess : guess - 1;
+#ifdef __SIZEOF_INT128__
+    __extension__ typedef unsigned __int128 wide;
+    wide all = (wide)a * b + carry;
+    return *high = (uint64_t)(all >> 64), (uint64_t)all;
+#else
+    const uint64_t half = 0xffffffffu, low = (a & half) * (b & half);
+    const uint64_t middle = (a >> 32) * (b & half) + (low >> 32);
+    const uint64_t other = (a & half) * (b >> 32) + (middle & half);
+    const uint64_t sum = other << 32 | (low & half);
+    *high = (a >> 32) * (b >> 32) + (middle >> 32) + (other >> 32) + (sum + carry < sum);
+    return sum + carry;
+#endif
 }
 
-/* x rounded to `places` decimal places, half to even as printf does; x 10^places < 10^17.  *p: the double
- * nearest to x 10^places. */
-static decimal number_rounded(double x, int places, double *p)
+/* 64 bits of n[1], n[2], n[3], from bit `at` on, -64 <= at < 192; n[0] = n[4] = 0. */
+static uint64_t bits_at(const uint64_t n[5], int at)
 {
-    *p = x * power[places];
-    double e = sgt_fma(x, power[places], -*p);
-    int64_t digits = llrint(*p);
-    double half = *p - (double)digits; /* exact */
-    /* If p has a fraction, e is less than half of p's last bit, and matters only if p is half way between
-     * whole numbers.  If p has none, |e| may be up to 8; and p is even if |e| is 1/2 or more. */
-    int64_t more = half == 0 ? llrint(e) : fabs(half) == 0.5 && half * e > 0 ? (int64_t)(2 * half) : 0;
-    return (decimal){(uint64_t)(digits + more), places, (double)more - half - e};
+    const uint64_t *limb = n + (at + 64) / 64;
+    const int shift = (at + 64) % 64;
+    return shift ? limb[0] >> shift | limb[1] << (64 - shift) : limb[0];
 }
 
-/* Does the decimal read back as x?  1: yes, it is off by less than a quarter of an ulp (just below a
- * power of two doubles are half an ulp apart).  0: no, it is off by more than half an ulp.
- * -1: undecided.  p = x 10^places is 2^52 to 2^53 ulps. */
-static int reads_back(const decimal *d, double x, double p)
+/* Of m 5^places 2^-shift, where the product may have more than 128 bits. */
+static void scale_far(magnified *to, uint64_t m, int shift)
 {
-    double off = fabs(d->rest);
-    if (off > p * (0x1p-53 * (1 + 0x1p-40))) return 0;
-    if (off < p * (0x1p-54 * (1 - 0x1p-40))) return 1;
-    double back = double_of(d->digits, d->places);
-    return isnan(back) ? -1 : back == x;
+    const int more = to->places > FIVES ? to->places - FIVES : 0;
+    uint64_t n[5] = {0}, ulp[5] = {0}, high = 0;
+    n[1] = product(m, five[to->places - more], 0, &n[2]);
+    n[1] = product(n[1], five[more], 0, &high);
+    n[2] = product(n[2], five[more], high, &n[3]);
+    ulp[1] = product(five[to->places - more], five[more], 0, &ulp[2]);
+    to->whole = bits_at(n, shift);
+    to->fraction = bits_at(n, shift - 64);
+    to->half_ulp = bits_at(ulp, shift - 55);
+    /* 5^k is odd, so n ends in as many zeros as m */
+    to->more = shift > 64 && (shift >= 64 + 53 || (m & (((uint64_t)1 << (shift - 64)) - 1)));
 }
 
-/* The shortest of 15, 16, 17 digits that reads back as x > 0.  false: the quick way cannot decide. */
-static bool shortest_quick(double x, decimal *d)
+/* Sets x 10^places so that its whole part has so many digits, at most 17.  false: not the quick way.
+ *
+ * log2(1 + f) is f, or at most 0.09 more, for 0 <= f <= 1.  So the upper half of the bits of x is its log2,
+ * but for that, and times log10 2 the power of ten of its first digit, or sometimes one less.  (The factor is
+ * too small by a relative 5e-11.  No power of ten in the range but 1 is so near to a power of two.) */
+static inline bool number_scale(double x, int digits, magnified *to)
 {
     if (!(x >= QUICK_LEAST && x < QUICK_MOST)) return false;
-    int first = first_place(x), back = 0;
-    for (int digits = 15; digits <= 17 && !back; digits++) {
-        int places = digits - 1 - first;
-        if (digits == 15 && places > POWER_MOST) places = POWER_MOST; /* tries fewer than 15 digits */
-        if (places > POWER_MOST) return false;
-        double p;
-        *d = number_rounded(x, places, &p);
-        back = digits == 17 ? 1 : reads_back(d, x, p);
+    enum { LEAST_PLACE = 39 };  /* what is shifted right is not negative */
+    const uint64_t one = (uint64_t)1 << 52;
+    const int64_t log10_2 = 1292913986; /* in 2^-32 */
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    const uint64_t m = (bits & (one - 1)) | one;
+    const int e = (int)(bits >> 52) - 1075;
+    const int64_t place = ((int64_t)(bits >> 32) - (1023 << 20)) * log10_2 + ((int64_t)LEAST_PLACE << 52);
+    for (int k = digits - 1 + LEAST_PLACE - (int)(place >> 52);; k--) {
+        const int shift = -(e + k);
+        if (k < 0 || k > 2 * FIVES || shift < 1) return false;
+        to->places = k, to->power_of_two = m == one, to->more = false;
+        if (k <= FIVES && shift < 64) {
+            uint64_t high, low = product(m, five[k], 0, &high);
+            to->whole = high << (64 - shift) | low >> shift;
+            to->fraction = low << (64 - shift);
+            to->half_ulp = shift > 55 ? five[k] >> (shift - 55) : five[k] << (55 - shift);
+        } else {
+            scale_far(to, m, shift);
+        }
+        if (to->whole < ten[digits]) return true;
     }
-    return back == 1;
 }
 
-/* Prints a whole number; returns how many characters. */
-static int digits_of(char *text, uint64_t n)
+/* Rounds to a unit of 1, 10 or 100, half to even, as printf does. */
+static inline decimal rounded_to(const magnified *x, unsigned unit)
 {
-    char backward[20];
-    int at = sizeof backward;
-    for (; n >= 100000000; n /= 100000000) { /* two chains of divisions that run in parallel */
-        uint32_t low = (uint32_t)(n % 100000000);
-        for (int i = 0; i < 8; i++, low /= 10) backward[--at] = (char)('0' + low % 10);
-    }
-    uint32_t high = (uint32_t)n;
-    do backward[--at] = (char)('0' + high % 10), high /= 10; while (high > 0);
-    memcpy(text, backward + at, sizeof backward - (size_t)at);
-    return (int)sizeof backward - at;
+    const uint64_t q = x->whole / unit, middle = (uint64_t)1 << 63;
+    const unsigned r = (unsigned)(x->whole % unit), border = unit > 1 ? unit / 2 : 1;
+    const unsigned above = unit > 1 ? r : (unsigned)(x->fraction >> 63);
+    const bool rest = (unit > 1 ? x->fraction : x->fraction & (middle - 1)) || x->more;
+    const bool up = (above > border) | ((above == border) & (rest | (q & 1)));
+    return (decimal){q + up, x->places - (unit == 100 ? 2 : unit == 10), (int)r - (up ? (int)unit : 0)};
 }
 
-static char *number_put(char *to, const char *from, int count)
+/* How far off it is, in units of 2^-56, but for a unit. */
+static inline uint64_t off_by(const decimal *d, const magnified *x)
 {
-    return memcpy(to, from, (size_t)count), to + count;
+    const uint64_t part = x->fraction >> 8, sign = 0 - (uint64_t)(d->left < 0);
+    return ((((uint64_t)(int64_t)d->left << 56) + part) ^ sign) - sign;
+}
+
+/* The shortest of 15, 16, 17 digits that reads back as x > 0: one that is off by less than half an ulp.
+ * (Just below a power of two doubles are half an ulp apart.)  false: too close to tell.  The processor cannot
+ * foresee which of 16 and 17 digits it is, so there is no branch on that. */
+static inline bool shortest_quick(double x, magnified *all, decimal *d)
+{
+    enum { SLACK = 2 };
+    if (!number_scale(x, 17, all)) return false;
+    const uint64_t least = (all->power_of_two ? all->half_ulp / 2 : all->half_ulp) - SLACK,
+                   most = all->half_ulp + SLACK;
+    const decimal d15 = rounded_to(all, 100), d16 = rounded_to(all, 10), d17 = rounded_to(all, 1);
+    const uint64_t off15 = off_by(&d15, all), off16 = off_by(&d16, all);
+    if (off15 <= most) return *d = d15, off15 < least;
+    const bool shorter = off16 < least;
+    d->digits = shorter ? d16.digits : d17.digits;
+    d->places = shorter ? d16.places : d17.places;
+    d->left = shorter ? d16.left : d17.left;
+    return shorter || off16 > most;
+}
+
+/* |d - x|, or hardly more. */
+static double gap_of(const decimal *d, const magnified *x)
+{
+    const double part = 0x1p-64 * (double)(d->left < 0 ? 0 - x->fraction : x->fraction + x->more);
+    const int whole = d->left < 0 ? -d->left - (x->fraction > 0) : d->left;
+    double gap = ((double)whole + part) * (1 + 0x1p-50);
+    int places = x->places;
+    for (; places > POWER_MOST; places -= POWER_MOST) gap /= power[POWER_MOST];
+    return gap / power[places];
+}
+
+static const char pairs[] = "00010203040506070809101112131415161718192021222324252627282930313233343536373839"
+                            "40414243444546474849505152535455565758596061626364656667686970717273747576777879"
+                            "8081828384858687888990919293949596979899";
+
+/* How many digits n has, at most 19; 1 for 0. */
+static int number_digits(uint64_t n)
+{
+    if (n >= ten[14]) return 15 + (n >= ten[15]) + (n >= ten[16]) + (n >= ten[17]) + (n >= ten[18]);
+    int count = 1;
+    for (; n >= ten[8]; n /= ten[8]) count += 8;
+    for (; n >= 10; n /= 10) count++;
+    return count;
+}
+
+static inline char *put_pair(char *to, uint32_t n) { return memcpy(to, pairs + 2 * n, 2), to + 2; }
+
+/* Prints n < 10^8, with leading zeros. */
+static inline char *put_eight(char *to, uint32_t n)
+{
+    const uint32_t high = n / 10000, low = n % 10000;
+    return put_pair(put_pair(put_pair(put_pair(to, high / 100), high % 100), low / 100), low % 100);
+}
+
+/* Prints n with so many digits, with leading zeros, as they follow a point.  18 characters are written. */
+static char *put_places(char *to, uint64_t n, int count)
+{
+    n *= ten[18 - count];
+    const uint64_t eight = 100000000;
+    char *at = put_pair(to, (uint32_t)(n / (eight * eight)));
+    put_eight(put_eight(at, (uint32_t)(n / eight % eight)), (uint32_t)(n % eight));
+    return to + count;
+}
+
+/* Prints a whole number of so many digits. */
+static char *put_whole(char *to, uint64_t n, int count)
+{
+    char *const end = to + count, *at = end;
+    if (count <= 2) return memcpy(to, pairs + 2 * n + (count == 1), 2), end;
+    for (; count > 8; count -= 8, n /= 100000000) put_eight(at -= 8, (uint32_t)(n % 100000000));
+    uint32_t part = (uint32_t)n;
+    for (; count > 1; count -= 2, part /= 100) put_pair(at -= 2, part % 100);
+    if (count) at[-1] = (char)('0' + part);
+    return end;
 }
 
 /* Prints digits / 10^places as %.*g does, without trailing zeros. */
 static int lay_out(char text[NUMBER_SIZE], bool minus, uint64_t digits, int places, int precision)
 {
-    char d[20], *to = text;
+    char *to = text;
+    for (; digits % 100000000 == 0; places -= 8) digits /= 100000000;
     for (; digits % 10 == 0; places--) digits /= 10;
-    int count = digits_of(d, digits), first = count - 1 - places, whole = first + 1;
-    if (minus) *to++ = '-';
+    const int count = number_digits(digits), first = count - 1 - places;
+    *to = '-';
+    to += minus;
     if (first < -4 || first >= precision) {
-        *to++ = d[0];
-        if (count > 1) *to++ = '.', to = number_put(to, d + 1, count - 1);
+        const uint64_t unit = ten[count - 1];
+        *to++ = (char)('0' + digits / unit);
+        if (count > 1) *to++ = '.', to = put_places(to, digits % unit, count - 1);
         *to++ = 'e', *to++ = first < 0 ? '-' : '+';
-        if (abs(first) < 10) *to++ = '0';
-        to += digits_of(to, (uint64_t)abs(first));
-    } else if (whole <= 0) {
-        to = number_put(number_put(to, "0.000", 2 - whole), d, count);
-    } else if (count > whole) {
-        to = number_put(number_put(to, d, whole), ".", 1);
-        to = number_put(to, d + whole, count - whole);
+        to = put_pair(to, (uint32_t)abs(first));
+    } else if (first < 0) {
+        memcpy(to, "0.000", 5);
+        to = put_places(to + 1 - first, digits, count);
+    } else if (places > 0) {
+        const uint64_t unit = ten[places];
+        to = put_whole(to, digits / unit, first + 1);
+        *to++ = '.';
+        to = put_places(to, digits % unit, places);
     } else {
-        to = number_put(number_put(to, d, count), "00000000000000000", whole - count);
+        to = put_whole(to, digits * ten[-places], first + 1);
     }
     *to = 0;
     return (int)(to - text);
@@ -256,12 +379,13 @@ static int with_point(char text[NUMBER_SIZE])
 
 int number_print(char text[NUMBER_SIZE], double value, bool hexadecimal)
 {
+    magnified all;
     decimal d;
     if (!isfinite(value))
         return snprintf(text, NUMBER_SIZE, "%s", isnan(value) ? "nan" : value > 0 ? "inf" : "-inf");
     if (hexadecimal) return snprintf(text, NUMBER_SIZE, "%a", value), with_point(text);
     if (value == 0) return snprintf(text, NUMBER_SIZE, signbit(value) ? "-0" : "0");
-    if (shortest_quick(fabs(value), &d)) return lay_out(text, value < 0, d.digits, d.places, 15);
+    if (shortest_quick(fabs(value), &all, &d)) return lay_out(text, value < 0, d.digits, d.places, 15);
     shortest(text, value);
     return with_point(text);
 }
@@ -270,19 +394,17 @@ int number_print_count(char text[NUMBER_SIZE], long long value)
 {
     bool minus = value < 0;
     if (minus) *text = '-';
-    int length = minus + digits_of(text + minus, minus ? 0 - (uint64_t)value : (uint64_t)value);
-    text[length] = 0;
-    return length;
+    const uint64_t size = minus ? 0 - (uint64_t)value : (uint64_t)value;
+    char *end = put_whole(text + minus, size, number_digits(size));
+    *end = 0;
+    return (int)(end - text);
 }
 
 /* The digits left out are a part of the last digit kept: 0.4 of it, say; or 0.6 if it was rounded up, and
  * then the gap is 0.4.  41 digits are exact to a relative 2^-80. */
-double number_print_gap(double value)
+static double gap_slowly(double value)
 {
     char text[2 * NUMBER_SIZE], tail[3 * NUMBER_SIZE], unit[NUMBER_SIZE];
-    decimal d;
-    if (!isfinite(value) || value == 0) return 0;
-    if (shortest_quick(fabs(value), &d)) return fabs(d.rest) / power[d.places] * (1 + 0x1p-50);
     int digits = shortest(unit, value);
     snprintf(text, sizeof text, "%.40e", fabs(value)); /* d.ddd ... e+dd */
     char *e = strchr(text, 'e');
@@ -294,30 +416,54 @@ double number_print_gap(double value)
     return fmin(gap, strtod(unit, NULL) - gap) * (1 + 0x1p-50);
 }
 
-/* Adds half a unit of the third digit and rounds to three digits: not less than x. */
-double number_round_up(double x)
+int number_print_with_gap(char text[NUMBER_SIZE], double value, double *gap)
+{
+    magnified all;
+    decimal d;
+    if (!isfinite(value) || value == 0) return *gap = 0, number_print(text, value, false);
+    if (shortest_quick(fabs(value), &all, &d))
+        return *gap = gap_of(&d, &all), lay_out(text, value < 0, d.digits, d.places, 15);
+    return *gap = gap_slowly(value), number_print(text, value, false);
+}
+
+/* Adds half a unit of the third digit and rounds to three digits: not less than x.  *d: the decimal; with 0
+ * digits there is none. */
+static double rounded_up(double x, decimal *d)
 {
     char text[NUMBER_SIZE];
-    double raised = x * 1.005;
-    if (raised >= QUICK_LEAST && raised < 1e2) {
-        double p;
-        decimal d = number_rounded(raised, 2 - first_place(raised), &p);
-        double value = double_of(d.digits, d.places);
+    const double raised = x * 1.005;
+    magnified three;
+    d->digits = 0;
+    if (raised < 1e2 && number_scale(raised, 3, &three)) {
+        const decimal up = rounded_to(&three, 1);
+        double value = double_of(up.digits, up.places);
+        if (value >= x) *d = up;
         if (!isnan(value)) return fmax(x, value);
     }
     snprintf(text, sizeof text, "%.2e", raised);
     return fmax(x, strtod(text, NULL));
 }
 
+double number_round_up(double x)
+{
+    decimal d;
+    return rounded_up(x, &d);
+}
+
+int number_print_up(char text[NUMBER_SIZE], double x)
+{
+    decimal d;
+    const double value = rounded_up(x, &d);
+    return d.digits ? lay_out(text, false, d.digits, d.places, 15) : number_print(text, value, false);
+}
+
 int number_print_short(char text[NUMBER_SIZE], double value, int digits)
 {
     if (isnan(value) || value == 0) return text[0] = value == 0 ? '0' : '-', text[1] = 0, 1;
-    double size = fabs(value);
-    if (size >= QUICK_LEAST && size < QUICK_MOST) {
-        double p;
-        int places = digits - 1 - first_place(size);
-        if (places >= 0 && places <= POWER_MOST)
-            return lay_out(text, value < 0, number_rounded(size, places, &p).digits, places, digits);
+    magnified few;
+    if (number_scale(fabs(value), digits, &few)) {
+        decimal d = rounded_to(&few, 1);
+        return lay_out(text, value < 0, d.digits, d.places, digits);
     }
     return snprintf(text, NUMBER_SIZE, "%.*g", digits, value);
 }

@@ -11,18 +11,19 @@ bool number_read(const char *text, double *value);
 /* Reads a whole number from lowest to highest. */
 bool number_read_integer(const char *text, long lowest, long highest, long *value);
 
-/* Functions that print return the length of the text. */
+/* Functions that print return the length of the text; what is behind it may be written over. */
 enum { NUMBER_SIZE = 40 };
 
 /* Prints the shortest of 15, 16 or 17 digits that reads back to the same double, or its
  * hexadecimal form; nan, inf, -inf. */
 int number_print(char text[NUMBER_SIZE], double value, bool hexadecimal);
 
-/* |decimal - double|, where the decimal is what number_print writes for the double. */
-double number_print_gap(double value);
+/* The same, decimal; *gap: at least |decimal - double|, and hardly more. */
+int number_print_with_gap(char text[NUMBER_SIZE], double value, double *gap);
 
 /* x > 0 rounded up to three significant digits (or x itself): not less than x, at most some 1 % more. */
 double number_round_up(double x);
+int number_print_up(char text[NUMBER_SIZE], double x); /* prints that */
 
 /* Prints `digits` significant digits, for people; - for NaN. */
 int number_print_short(char text[NUMBER_SIZE], double value, int digits);

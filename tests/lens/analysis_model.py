@@ -1,32 +1,31 @@
 """A lens and its rays at 60 digits, by mpmath: the ground of analysis_oracle.py.
 
-It shares nothing with the library.  Lenses come from two readers: YAML by PyYAML, for the keys that the lenses
-at hand use (any other key is an error), and .zmx by zmx_oracle.py, of which only the reading of records, breaks
-and glass is used.
+It shares nothing with the library.  Lenses come from two readers: YAML by PyYAML, for the keys that the
+lenses at hand use (any other key is an error), and .zmx by zmx_oracle.py, of which only the reading of
+records, breaks and glass is used.
 
-    surface   z = s(x, y) in its frame; a ray meets it at the root of s that is nearest to the vertex plane, by
-              Newton's method, in doubles first
+    surface     z = s(x, y) in its frame; a ray meets it at the root of s that is nearest to the vertex
+                plane, by Newton's method, in doubles first
     refraction  n' d' = n d + (n' cos I' - n cos I) N  (Welford 1986, Aberrations of Optical Systems, 4.2)
-    paraxial  y and n u from vertex to vertex, n negative after a mirror  (Welford 3.2).  A lens whose places are
-              given by `origin` is unfolded along the ray on its axis
-    pupil     the paraxial image of the stop in object space, at the primary wavelength
-    aiming    Newton's method on the place in the pupil, until the stop is met where it should
+    paraxial    y and n u from vertex to vertex, n negative after a mirror  (Welford 3.2).  A lens whose
+                places are given by `origin` is unfolded along the ray on its axis
+    pupil       the paraxial image of the stop in object space, at the primary wavelength
 
-Numbers of a file are doubles, as a program reads them; a radius is told by its curvature, rounded once, as the
-lens file has it.  All that is made of them is exact to some 50 digits.
+Numbers of a file are doubles, as a program reads them; a radius is told by its curvature, rounded once, as
+the lens file has it.  All that is made of them is exact to some 50 digits.
 """
 import csv
 import math
 import pathlib
 
-import mpmath
 from mpmath import mp, mpf
 
 import zmx_oracle
 
 mp.dps = 60
-KEYS = set('type radius curvature conic coefficients thickness index mirror stop semi_diameter draw_to origin tilt '
-           'radius_x terms norm order step_x step_y sag name decenter'.split())
+SURFACE_KEYS = set('type radius curvature conic coefficients thickness index mirror stop semi_diameter '
+                   'origin tilt decenter radius_x terms name'.split())
+LENS_KEYS = 'name units wavelengths primary object pupil aim field_type fields vignetting surfaces'
 
 
 class Fails(Exception):
@@ -42,10 +41,10 @@ def root(x):
 
 
 def zernike(order, j):
-    """Polynomial j of an order, not normalised: {(a, b): factor of x^a y^b}, its n and its m (negative: sine).
+    """Polynomial j of an order, 1 at the edge: {(a, b): factor of x^a y^b}, n, and m (negative: a sine).
 
-    Noll 1976 (J. Opt. Soc. Am. 66, 207): n rises, then |m|; even numbers are cosines.  Fringe (Wyant and Creath
-    1992): groups of equal n + |m|, in which |m| falls, the cosine before the sine."""
+    Noll 1976 (J. Opt. Soc. Am. 66, 207): n rises, then |m|; even numbers are cosines.  Fringe (Wyant and
+    Creath 1992): groups of equal n + |m|, in which |m| falls, the cosine before the sine."""
     if order == 'noll':
         n, first = 0, 1
         while first + n + 1 <= j:
@@ -134,8 +133,8 @@ class Departure:
 class Sag:
     """A sag in floats or in mpf: value and slopes at x, y.
 
-    conic + a[i] r^(2 i + 2) + departures;  of a toroid (`swept`) the profile of y, turned about an axis parallel
-    to y at z = radius_x (0: at infinity)."""
+    conic + a[i] r^(2 i + 2) + departures;  of a toroid (`swept`) the profile of y, turned about an axis
+    parallel to y at z = radius_x (0: at infinity)."""
 
     def __init__(self, c, k, coefficients, number, swept=None, departures=()):
         self.c, self.k, self.a = number(c), number(k), [number(a) for a in coefficients]
@@ -208,8 +207,8 @@ def turn_of(tilt):
 
 
 class Surface:
-    """rough, fine: its sag; vertex, turn: its frame; index: behind it, at each wavelength of the lens, positive;
-    focal: the focal length of an ideal lens, else None; clips: whether it stops a ray at x, y."""
+    """rough, fine: its sag; vertex, turn: its frame; index: behind it, at each wavelength of the lens,
+    positive; focal: the focal length of an ideal lens, else None; clips: whether it stops a ray at x, y."""
 
     def __init__(self, c=0.0, k=0.0, a=(), mirror=False, swept=None, terms=(), folder=None, clips=None):
         self.rough = Sag(c, k, a, float, swept, [Departure(t, folder, float) for t in terms])
@@ -223,7 +222,7 @@ class Surface:
         return self
 
     def starts(self, p, d):
-        """Where the conic of the vertex is met, the root nearest to the vertex plane first; last, that plane."""
+        """Where the conic is met, the root nearest to the vertex plane first; last, that plane."""
         c, k = self.rough.c, self.rough.k
         q, m = c * (1 + k), d[0] * p[0] + d[1] * p[1]
         a = c * (d[0] ** 2 + d[1] ** 2) + q * d[2] ** 2
@@ -280,8 +279,8 @@ class Surface:
         return [(n * a + (other - n * cosine) * b) / behind for a, b in zip(d, normal)], 0
 
     def ideal(self, p, d, n, behind):
-        """An object at infinity: slopes n' w' = n w - x / f.  The path from the wavefront through the vertex to
-        the point where all of that beam meet is that of the ray through the vertex."""
+        """An object at infinity: slopes n' w' = n w - x / f.  The path from the wavefront through the
+        vertex to the point where all of that beam meet is that of the ray through the vertex."""
         if self.mirror or d[2] < 0 or self.focal < 0:
             raise ValueError('only a positive ideal lens that is not a mirror, and light along +z')
         w = [n * a / d[2] for a in d[:2]]
@@ -326,7 +325,7 @@ class Lens:
         return out
 
     def paraxial(self, y, nu, first, last, wave):
-        """A ray in front of surface `first` becomes y and n u in front of surface `last` (not yet bent there)."""
+        """A ray in front of surface `first`: its y and n u in front of surface `last`, not yet bent there."""
         n, t = self.signed(wave), self.thicknesses
         for i in range(first, last):
             nu -= y * self.power_of(i, n)
@@ -341,7 +340,7 @@ class Lens:
         return -self.paraxial(mpf(1), mpf(0), 0, len(self.surfaces) - 1, wave)[1]
 
     def entrance_pupil(self):
-        """Its z from the first vertex: where rays from the centre of the stop cross the axis in object space."""
+        """Its z from the first vertex: where rays to the stop's centre cross the axis in object space."""
         a, b = (self.paraxial(mpf(y), mpf(nu), 0, self.stop, self.primary)[0] for y, nu in ((1, 0), (0, 1)))
         return b * self.before[self.primary] / a  # y + z (-nu / n) with a y + b nu = 0
 
@@ -374,6 +373,13 @@ class Lens:
         _, nu = self.paraxial(self.object / self.before[wave], mpf(1), 0, len(self.surfaces) - 1, wave)
         return 1 / nu  # n u / (n' u')
 
+    def working_f_number(self, wave):
+        """1 / (2 n' u') of the marginal ray at a wavelength, or None."""
+        y, nu = (self.pupil_radius() * x for x in self.marginal())
+        nu *= self.before[wave] / self.before[self.primary]
+        nu = self.paraxial(y, nu, 0, len(self.surfaces) - 1, wave)[1]
+        return 1 / abs(2 * nu) if nu else None
+
     def length(self):
         """Along the axis, from the object or else the first vertex to the image."""
         return sum(map(abs, self.thicknesses)) + (self.object or 0)
@@ -381,8 +387,8 @@ class Lens:
     # -------------------------------------------------------------- real rays
 
     def trace(self, wave, o, d, opl=mpf(0), last=None):
-        """A global ray: point and direction behind surface `last` (the image) in its frame, path, and whether no
-        aperture clips it."""
+        """A global ray: point and direction behind surface `last` (the image) in its frame, path, and
+        whether no aperture clips it."""
         n, inside = self.before[wave], True
         for i, s in enumerate(self.surfaces):
             p = [a - b for a, b in zip(o, s.vertex)]
@@ -410,8 +416,8 @@ def curvature(s, ending=''):
 
 
 def yaml_surface(s, folder):
-    if set(s) - KEYS:
-        raise ValueError(f'unknown keys {set(s) - KEYS}')
+    if set(s) - SURFACE_KEYS:
+        raise ValueError(f'unknown keys {set(s) - SURFACE_KEYS}')
     kind, a = s['type'], [float(x) for x in s.get('coefficients', [])]
     if kind not in ('plane', 'sphere', 'conic', 'even_asphere', 'toroidal', 'sum'):
         raise ValueError(f'unknown type {kind}')
@@ -450,10 +456,9 @@ def read_yaml(path):
     import yaml
     path = pathlib.Path(path)
     file, lens = yaml.safe_load(path.read_text()), Lens(path.stem)
-    allowed = {'name', 'units', 'wavelengths', 'object', 'pupil', 'fields', 'surfaces', 'field_type', 'primary',
-               'aim', 'vignetting'}
-    if set(file) - allowed:
-        raise ValueError(f'unknown keys {set(file) - allowed}')
+    unknown = set(file) - set(LENS_KEYS.split())
+    if unknown:
+        raise ValueError(f'unknown keys {unknown}')
     lens.wavelengths, lens.units = [float(x) for x in file['wavelengths']], file.get('units', 'mm')
     lens.primary, lens.aim = file.get('primary', 1) - 1, file.get('aim', 'pupil')
     far = float(file.get('object', {}).get('distance', math.inf))

@@ -1,30 +1,32 @@
 #!/usr/bin/env python3
 """Spots, wavefronts and curves of fields at 50 digits, by mpmath: writes ../data/analysis_*.csv.
 
-    python3 analysis_oracle.py [LENS ...]            needs mpmath, PyYAML
-    python3 analysis_oracle.py --reference FOLDER    rewrites analysis_reference.csv (../data/README.md) from the
-                                                     json files in FOLDER, and compares it with the oracle
+    python3 analysis_oracle.py [LENS ...]            all, or the rows of some; needs mpmath and PyYAML
+    python3 analysis_oracle.py --reference FOLDER    rewrites analysis_reference.csv (../data/README.md) from
+                                                     the json files in FOLDER, and compares
 
 The lenses and their real and paraxial rays are those of analysis_model.py.  What is made of them here:
 
-    launch     of a field of angles a, b the rays have the slopes tan a, tan b; of a height h of the paraxial
-               image h P / n.  They start on the plane across the chief ray's direction through the centre of the
-               paraxial entrance pupil, or at the object point.  px, py are in radii of that pupil, or (aimed) of
-               the paraxial or real marginal ray's height at the stop
-    image      x, y of a ray in the frame of the last surface; (l, m, n) its direction there
-    opd        n (path of the ray - path of the chief ray), in waves, up to the sphere about the chief ray's image
-               point through the axial point of the paraxial exit pupil (Welford 1986, Aberrations of Optical
-               Systems, 7.1); positive where the ray's path is longer.  The chief ray is that of the same
-               wavelength, the pupil that of the primary one.  An exit pupil at infinity: up to the foot of the
-               perpendicular from that point.  An image at infinity: up to the plane across the chief ray
-    foci       the chief ray and one beside it, by a step of 1e-20 of the pupil in the plane of the field and the
-               axis (tangential) or across it (sagittal): the z of the image's frame where both have the same
-               place in that direction.  In the limit these are Coddington's equations (Welford 9.2)
-    distortion (h - h') / h', h the chief ray's image height along the field, h' = tan(angle) n / P, or the angle
-               n / P; of an object at a distance the magnification times its height.  P is the power at that
-               wavelength
-    spot, rms  of the 316 centres of a 20 x 20 grid of cells that lie in the circle, weighted equally, and
-               without apertures, at the primary wavelength
+    launch      of a field of angles a, b the rays have the slopes tan a, tan b; of a height h of the paraxial
+                image h P / n.  They start on the plane across the chief ray's direction through the centre
+                of the paraxial entrance pupil, or at the object point.  px, py are in radii of that pupil.
+                Aimed, they are in heights of the paraxial or real marginal ray at the stop, and Newton's
+                method finds the ray to there
+    image       x, y of a ray in the frame of the last surface; (l, m, n) its direction there
+    opd         n (path of the ray - path of the chief ray), in waves, up to the sphere about the chief ray's
+                image point through the axial point of the paraxial exit pupil (Welford 1986, Aberrations of
+                Optical Systems, 7.1); positive where the ray's path is longer.  The chief ray is that of the
+                same wavelength, the pupil that of the primary one.  opd_foot, and opd if that pupil is at
+                infinity: up to the foot of the perpendicular from that point on the ray.  opd_plane, for an
+                image at infinity: up to the plane across the chief ray
+    foci        the chief ray and one beside it, by a step of 1e-20 of the pupil in the plane of the field and
+                the axis (tangential) or across it (sagittal): the z of the image's frame where both have the
+                same place in that direction.  In the limit these are Coddington's equations (Welford 9.2)
+    distortion  (h - h') / h', h the chief ray's image height along the field, h' = tan(angle) n / P, or the
+                angle n / P; of an object at a distance the magnification times its height.  P is the power at
+                that wavelength
+    spot, rms   of the 316 centres of a 20 x 20 grid of cells that lie in the circle, weighted equally, and
+                without apertures, at the primary wavelength
 """
 import csv
 import json
@@ -39,6 +41,7 @@ SKEW = [(0.45, 0.25), (-0.35, 0.75), (-0.85, -0.45), (0.65, -0.15)]  # these are
 CROSS = [(0.0, i / 4) for i in range(-4, 5)] + [(i / 4, 0.0) for i in range(-4, 5) if i]
 CELLS = [(x, y) for y in range(-19, 20, 2) for x in range(-19, 20, 2) if x * x + y * y <= 400]
 TERMS = {'noll': 15, 'fringe': 16}
+MICROMETRES = {'mm': 1000, 'in': 25400, 'm': 1000000}
 
 
 def newton(miss, x, what):
@@ -110,7 +113,9 @@ class Beam:
             place = x[2:] if aimed else [mpf(0), mpf(0)]
             p = lens.trace(lens.primary, *self.through(*place))[0]
             out = [p[0] - self.field.x, p[1] - self.field.y]
-            return out + (lens.trace(lens.primary, *self.through(*place), last=lens.stop)[0][:2] if aimed else [])
+            if aimed:
+                out += lens.trace(lens.primary, *self.through(*place), last=lens.stop)[0][:2]
+            return out
         x = self.field_start() + [mpf(0)] * (2 if aimed else 0)
         self.set_field(newton(miss, x, 'real image height')[:2])
 
@@ -136,7 +141,7 @@ class Beam:
         return self.places[px, py]
 
     def aimed(self, px, py):
-        """By Newton's method, from the nearest point that is known; the chief ray's from the field on the axis."""
+        """By Newton's method, from the nearest point that is known."""
         def miss(place):
             x, y = self.at_stop(place)
             return [x - px, y - py]
@@ -178,14 +183,14 @@ class Beam:
         apart = [p[0], p[1], p[2] - z]
         return mp.sign(-z * d[2]) * mp.sqrt(dot(apart, apart))
 
-    def opd(self, end):
-        """In waves."""
+    def opd(self, end, kind='sphere'):
+        """In waves: up to the sphere, to the foot of the perpendicular, or to the plane."""
         lens, (c, along_chief, path, _) = self.lens, self.chief()
         n, (p, d, opl, _) = lens.surfaces[-1].index[self.wave], end
         apart = [a - b for a, b in zip(p, c)]
-        if not lens.power(lens.primary):  # an image at infinity
+        if kind == 'plane':
             more = -dot(apart, along_chief) / dot(d, along_chief)
-        elif lens.exit_pupil() is None:
+        elif kind == 'foot' or lens.exit_pupil() is None:
             more = -dot(apart, d)
         else:
             r, b = self.reference_radius(), dot(apart, d)
@@ -193,8 +198,7 @@ class Beam:
             if square < 0:
                 raise Fails('misses the sphere')
             more = -b - mp.sign(r) * mp.sqrt(square) + r
-        micrometres = {'mm': 1000, 'in': 25400, 'm': 1000000}[lens.units]
-        return (opl - path + n * more) * micrometres / mpf(lens.wavelengths[self.wave])
+        return (opl - path + n * more) * MICROMETRES[lens.units] / mpf(lens.wavelengths[self.wave])
 
     # -------------------------------------------------------------- curves of a field
 
@@ -216,7 +220,7 @@ class Beam:
 
     def ideal(self, theta):
         """The height of an image without distortion."""
-        lens, f = self.lens, self.field
+        lens = self.lens
         if lens.object is not None:
             start = self.object[:2]
             return lens.magnification(self.wave) * (start[0] * self.along_field()[0]
@@ -264,7 +268,8 @@ def spot(beam):
     waves = [beam.opd(e) for _, _, e in ends]
     mean = sum(waves) / len(waves)
     out.update(opd_mean=mean, opd_rms=root_mean([w - mean for w in waves]), opd_pv=max(waves) - min(waves))
-    return out, {order: fit(order, [(mpf(x) / 20, mpf(y) / 20) for x, y, _ in ends], waves) for order in TERMS}
+    points = [(mpf(x) / 20, mpf(y) / 20) for x, y, _ in ends]
+    return out, {order: fit(order, points, waves) for order in TERMS}
 
 
 def fit(order, points, values):
@@ -279,7 +284,8 @@ def fit(order, points, values):
             row.append(scale * sum(f * x ** a * y ** b for (a, b), f in poly.items()))
         rows.append(row)
     a = mp.matrix([[sum(r[i] * r[j] for r in rows) for j in range(count)] for i in range(count)])
-    return list(mp.lu_solve(a, mp.matrix([sum(r[i] * v for r, v in zip(rows, values)) for i in range(count)])))
+    b = mp.matrix([sum(r[i] * v for r, v in zip(rows, values)) for i in range(count)])
+    return list(mp.lu_solve(a, b))
 
 
 # ------------------------------------------------------------------ files
@@ -304,16 +310,17 @@ def rays_of(beam):
         row = {'px': px, 'py': py}
         try:
             p, d, opl, inside = end = beam.end(px, py)
-            row.update(zip('xyzlmn', [*p, *d]), opl=opl - beam.chief()[2], opd=beam.opd(end),
-                       passed=int(inside))
+            row.update(zip('xyzlmn', [*p, *d]), opl=opl - beam.chief()[2], passed=int(inside),
+                       opd=beam.opd(end), opd_foot=beam.opd(end, 'foot'), opd_plane=beam.opd(end, 'plane'))
         except Fails as why:
             row.update(passed=why)
         yield row
 
 
 TABLES = {
-    'rays': 'px py passed x y z l m n opl opd',
-    'fields': 'length x y radius tangential sagittal ideal_tan distortion_tan ideal_theta distortion_theta',
+    'rays': 'px py passed x y z l m n opl opd opd_foot opd_plane',
+    'fields': 'micrometres length working_f_number x y radius tangential sagittal '
+              'ideal_tan distortion_tan ideal_theta distortion_theta',
     'spots': 'rays traced passed x y rms_centroid rms_x_centroid rms_y_centroid geometric_centroid rms_chief '
              'rms_x_chief rms_y_chief geometric_chief opd_mean opd_rms opd_pv',
     'zernike': 'order term n m coefficient'}
@@ -327,8 +334,10 @@ def tables_of(name, lens):
             where, beam = {'lens': name, 'field': i, 'wavelength': um}, Beam(lens, field, wave)
             out['rays'] += [{**where, **row} for row in rays_of(beam)]
             try:
-                out['fields'].append({**where, 'length': lens.length(), 'radius': beam.reference_radius(),
-                                      **beam.curves()})
+                out['fields'].append({
+                    **where, 'micrometres': MICROMETRES[lens.units], 'length': lens.length(),
+                    'working_f_number': lens.working_f_number(wave), 'radius': beam.reference_radius(),
+                    **beam.curves()})
             except Fails:
                 continue
             if wave == lens.primary:
@@ -348,10 +357,18 @@ def save(table, columns, rows):
         out.writerows({key: text(value) for key, value in row.items()} for row in rows)
 
 
+def written(table, name):
+    """The rows of a lens as they stand."""
+    with (DATA / f'analysis_{table}.csv').open() as file:
+        return [row for row in csv.DictReader(file) if row['lens'] == name]
+
+
 def write(names):
     everything = {table: [] for table in TABLES}
     for name, (read, path) in lenses().items():
         if names and name not in names:
+            for table in TABLES:
+                everything[table] += written(table, name)
             continue
         print(name, flush=True)
         for table, rows in tables_of(name, read(path)).items():
@@ -360,25 +377,25 @@ def write(names):
         save(table, columns, everything[table])
 
 
-REFERENCE = 'slope traced rms_centroid rms_chief opd_pv opd_rms'
+REFERENCE = 'traced rms_centroid rms_chief opd_pv opd_rms'
 
 
 def reference(folder):
-    """Of each field and wavelength, aimed at the paraxial pupil: what the reference has, and how far off we are."""
+    """Of each field and wavelength, aimed at the paraxial pupil; prints how far off we are."""
     rows, off = [], mpf(0)
     for path in sorted(pathlib.Path(folder).glob('*.json')):
         lens = read_zmx(DATA / 'zmx' / f'{path.stem}.zmx')
         for r in json.loads(path.read_text())['rays']:
             theirs, waves = r['spot'], r.get('opd') or {}
-            row = {'lens': f'{path.stem}.zmx', 'field': r['field'] + 1, 'wavelength': lens.wavelengths[r['wavelength']],
-                   'slope': (r.get('object_slopes') or [None, None])[1], 'traced': theirs['n'],
+            row = {'lens': f'{path.stem}.zmx', 'field': r['field'] + 1,
+                   'wavelength': lens.wavelengths[r['wavelength']], 'traced': theirs['n'],
                    'rms_centroid': theirs.get('rms_centroid'), 'rms_chief': theirs.get('rms_chief'),
                    'opd_pv': waves.get('pv_waves'), 'opd_rms': waves.get('rms_waves')}
             beam = Beam(lens, lens.fields[r['field']], r['wavelength'])
             beam.aim = 'pupil'
             ours = spot(beam)[0] if theirs['n'] else {}
-            for key in REFERENCE.split()[2:]:
-                if row[key] and key in ours and (lens.power(lens.primary) or 'opd' not in key):
+            for key in REFERENCE.split()[1:]:
+                if row[key] and key in ours:
                     off = max(off, abs(ours[key] - mpf(row[key])) / (abs(ours[key]) + mpf(10) ** -20))
             rows.append(row)
     save('reference', REFERENCE, rows)

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""sagitta diagnose: the published iterations, and what is said of them.
+"""sagitta diagnose: the published iterations, and what is said of them; why a ray ended in a lens.
 
     python3 test_diagnose.py SAGITTA
 """
 import math
+import random
+import re
 
 from command import *
 
@@ -172,6 +174,218 @@ def test_element_that_is_not_reached():
     done = run(*one, '--element', '2', stdin=rays((0, 2, -1, 0, 0, 1)), exit=USAGE)
     assert 'clipped at element 1' in done.stderr, done.stderr
     run(*one, '--element', '3', stdin=rays((0, 0, -1, 0, 0, 1)), exit=USAGE)
+
+
+# ------------------------------------------------------------------- why a ray ended
+
+SEED = int(os.environ.get('SAGITTA_TEST_SEED', 20261123))
+print(f'       seed {SEED}')
+
+
+def said(lens, ray, *more, exit=DECIDED):
+    """What is said of one ray through a lens, given as YAML or as a file."""
+    path = lens if isinstance(lens, os.PathLike) else written(lens)
+    return run('diagnose', path, '--rays', '-', *more, stdin=rays(ray), exit=exit).stdout
+
+
+def numbers(line):
+    return [float(x) for x in re.findall(r'-?\d+\.?\d*(?:e[-+]\d+)?', line)]
+
+
+def line_with(text, word):
+    found = [line for line in text.splitlines() if word in line]
+    equal(len(found), 1, (word, text))
+    return found[0]
+
+
+def surfaces(*entries, index=1):
+    return f'object: {{index: {index}}}\nsurfaces:\n' + ''.join(f'  - {{{entry}}}\n' for entry in entries)
+
+
+def test_clipped_by_how_much():
+    """Parallel to the axis at the height 6, on an aperture of 5: 1 too far out, and 20 %."""
+    lens = surfaces('type: plane, thickness: 3',
+                    'type: sphere, radius: 20, semi_diameter: 5, thickness: 1, name: rear, stop: true', 'type: plane')
+    text = said(lens, (0, 6, -1, 0, 0, 1))
+    assert 'ray 0.  It passed 1 of 3 elements.' in text, text
+    line = line_with(text, 'Element 2')
+    assert line.startswith('Element 2 (sphere, stop, rear): clipped by') and 'r = 6 is beyond 5' in line, line
+    equal(numbers(line_with(text, 'too far out'))[:2], [1, 20])
+    assert text.index('too far out') < text.index('eval'), text
+    # an obscuring circle clips what is within it: 0.5 of 2 is 25 %
+    hole = surfaces('type: plane, apertures: [{type: circle, radius: 9}, {type: circle, radius: 2, obscures: true}]')
+    text = said(hole, (1.5, 0, -1, 0, 0, 1))
+    assert 'by aperture 2 (circle, obscuring): r = 1.5 is within 2' in text, text
+    equal(numbers(line_with(text, 'too far in'))[:2], [0.5, 25])
+    # of other shapes the first line has it: 4 of a half width of 3
+    text = said(surfaces('type: plane, apertures: [{type: rectangle, half_width: 3, half_height: 3}]'), (4, 0, -1, 0, 0, 1))
+    assert '1 beyond its edge' in text and 'too far' not in text, text
+
+
+def test_clipped_in_an_example():
+    """The first surface of the triplet, R = 22.01359, from 30 degrees: the height is that of the closed form."""
+    lens = LENSES / 'cooke_triplet.yaml'
+    first = [r for r in rows('trace', lens, '--no-apertures', '--field', 30, '--fan', 11, exit=None) if r['ray'] == '0'][0]
+    text = run('diagnose', lens, '--field', 30, '--fan', 11, '--ray', 0).stdout
+    x, y, z = (float(first[k]) for k in 'xyz')
+    close(x * x + y * y + (z - 22.01359) ** 2, 22.01359 ** 2, 1e-12)
+    close(numbers(line_with(text, 'too far out'))[0], math.hypot(x, y) - 9.5, 1e-6)
+
+
+def test_total_reflection():
+    """From an index of 1.5 into air the critical angle is asin(1 / 1.5)."""
+    lens = surfaces('type: plane, thickness: 5, index: 1.5', 'type: plane, thickness: 1, index: 1', index=1.5)
+    critical = math.degrees(math.asin(1 / 1.5))
+    for angle in (42, 45, 60, 89):
+        a = math.radians(angle)
+        text = said(lens, (0, 0, -1, 0, math.sin(a), math.cos(a)))
+        line = line_with(text, 'Element 2 (plane)')
+        assert 'totally reflected' in line, text
+        for got, wanted in zip(numbers(line.split('reflected')[1]), (angle, critical)):
+            close(got, wanted, 6e-3)
+        beyond, front, behind = numbers(line_with(text, 'beyond it'))
+        close(beyond, angle - critical, 6e-3)
+        equal((front, behind), (1.5, 1))
+    assert 'passed all 2' in said(lens, (0, 0, -1, 0, math.sin(0.5), math.cos(0.5)))
+
+
+def nearest(text):
+    """Distance, t, x, y, z, r."""
+    return numbers(line_with(text, 'Nearest approach')) + numbers(line_with(text, '(r = '))
+
+
+def test_nearest_approach_by_hand():
+    sphere = surfaces('type: plane, thickness: 5', 'type: sphere, radius: 10')
+    for h in (10.000001, 10.5, 12, 30, 1e4):  # parallel to the axis: h - R, at the equator
+        text = said(sphere, (0, h, -1, 0, 0, 1))
+        got = nearest(text)
+        close(got[0], h - 10, 2e-6 * (h - 10) + 1e-9, h)
+        for number, wanted in zip(got[1:], (15, 0, 10, 10, 10)):
+            close(number, wanted, 1e-4, (h, got))
+        assert 'within r = 10 of the axis, and the surface ends there' in text and '(r = 10, its edge)' in text, text
+    for lens, ray, distance, point in (
+            # through the hole of a torus, 1 beside its axis; and 22 from the axis, in the plane of the ring's circle
+            ('type: torus, major: 10, minor: 3', (1, 0, -20, 0, 0, 1), 6, (7, 0, 0)),
+            ('type: torus, major: 10, minor: 3', (0, 20, -20, 0, 0.1, 1), 12 / math.hypot(1, 0.1) - 3, None),
+            # beside an ellipsoid of half axes 2, 2, 1
+            ('type: ellipsoid, a: 2, f: 0.5', (2.75, 0, -20, 0, 0, 1), 0.75, (2, 0, 0)),
+            ('type: ellipsoid, a: 2, f: 0.5', (0, -20, 1.5, 0, 1, 0), 0.5, (0, 0, 1)),
+            # parallel to a plane, and to the vertex plane of a hyperboloid and of an asphere
+            ('type: plane', (1, 2, -0.25, 1, 1, 0), 0.25, (1, 2, 0)),
+            ('type: conic, radius: 10, conic: -2', (0, 0, -12, 0, 1, 0), 12, (0, 0, 0)),
+            ('type: even_asphere, radius: 10, coefficients: [1e-3]', (0, 0, -12, 1, 0, 0), 12, (0, 0, 0))):
+        got = nearest(said(surfaces(lens), ray))
+        close(got[0], distance, 1e-5 * distance, lens)
+        for number, wanted in zip(got[2:5], point or ()):
+            close(number, wanted, 1e-3, (lens, got))
+    # the steep front of the scan lens at 35 degrees, in the y-z plane: the line from the stop, 5 before, to the edge
+    text = run('diagnose', LENSES / 'ftheta.yaml', '--field', 35, '--fan', 7, '--ray', 5).stdout
+    y, R, sine, cosine = 0.5 * (2 * 5 / 6 - 1), 2.2136, math.sin(math.radians(35)), math.cos(math.radians(35))
+    close(nearest(text)[0], abs((R - y) * cosine - (5 - R) * sine), 1e-6)
+    close(nearest(text)[1], (R - y) * sine + (5 - R) * cosine, 1e-5)
+
+
+def test_nearest_approach_to_spheres():
+    """The near half of a sphere: its distance is that of its centre less R where the nearest point of the whole
+    sphere is on that half, else that of the equator, by many points of it."""
+    lens, R, draw = written(surfaces('type: sphere, radius: 10')), 10, random.Random(SEED)
+    missed = 0
+    for _ in range(40):
+        o, d = [draw.uniform(-40, 40) for _ in range(3)], [draw.uniform(-1, 1) for _ in range(3)]
+        length = math.sqrt(sum(x * x for x in d))
+
+        def from_line(p):
+            w = [a - b for a, b in zip(p, o)]
+            k = sum(a * b for a, b in zip(w, d)) / length
+            away = [a - k * b / length for a, b in zip(w, d)]
+            return math.sqrt(sum(a * a for a in away)), away
+
+        h, away = from_line((0, 0, R))
+        if h > R and -R * away[2] / h <= 0:
+            wanted, within = h - R, 1e-5
+        else:
+            ring = [(R * math.cos(a), R * math.sin(a), R) for a in (2 * math.pi * k / 3000 for k in range(3000))]
+            wanted, within = min(from_line(p)[0] for p in ring), 0.01
+        text = said(lens, (*o, *d))
+        if 'missed it' not in text:
+            continue
+        missed += 1
+        got = nearest(text)
+        close(got[0], wanted, 1e-5 * wanted + (0.02 if within > 1e-4 else 0), (o, d))
+        # the point is on the sphere, and as far from the line
+        x, y, z = got[2:5]
+        close(math.sqrt(x * x + y * y + (z - R) ** 2), R, 1e-3, got)
+        close(from_line((x, y, z))[0], got[0], 1e-3 + 1e-3 * got[0], got)
+    assert missed > 15, missed
+
+
+def test_lost_and_what_decides_it():
+    lens = surfaces('type: plane, thickness: 5', 'type: even_asphere, radius: 20, coefficients: [1e-4, 1e-5, 1e-6], index: 1.5')
+    ray = (0, 3, -1, 0, 0.1, 1)
+    text = said(lens, ray, '--max-evals', 1, exit=UNDECIDED)
+    line = line_with(text, 'Element 2')
+    assert 'lost, exhausted' in line and '--max-evals was used up first' in line, text
+    assert text.count('used up') == 1, text
+    option = re.search(r'With (--max-evals \d+) it is decided: passed\.', text).group(1)
+    assert 'It passed all 2' in said(lens, ray, *option.split())
+    # across a sphere, sqrt(75) to each side of its axis, at the height 5: two roots
+    sphere, across = surfaces('type: sphere, radius: 10'), (0, -20, 5, 0, 1, 1e-9)
+    text = said(sphere, across, '--proof', 'first', exit=UNDECIDED)
+    two = [float(t) for t in re.search(r'meets the surface at t = ([\d.]+) and ([\d.]+)\.', text).groups()]
+    close(two[0], 20 - math.sqrt(75), 1e-6)
+    close(two[1], 20 + math.sqrt(75), 1e-6)
+    options = re.findall(r'With (.*) it is decided: passed\.', text)
+    equal(options, ['--proof root', '--proof estimate', '--pick first'])
+    for option in options:
+        assert 'It passed' in said(sphere, across, '--proof', 'first', *option.split(), exit=None), option
+    # where it touches the vertex, rounding hides whether it does, whatever is tried
+    text = said(surfaces('type: even_asphere, coefficients: [0.2, 0.02]'), (0, -20, 0, 0, 1, 0), exit=UNDECIDED)
+    assert 'the ray grazes' in text and 'Tried in vain: --max-evals 200000, --pick first.' in text, text
+
+
+def test_the_failing_element_alone():
+    """Text has the search at the element where the ray ended; --all-elements and csv that at each."""
+    lens = ('diagnose', LENSES / 'cooke_triplet.yaml', '--field', 30, '--fan', 11, '--ray', 10)
+    text = run(*lens).stdout
+    equal(re.findall(r'^Element (\d)', text, re.MULTILINE), ['4'])
+    assert 'It passed 3 of 7 elements.' in text and '(sphere, stop): clipped' in text, text
+    text = run(*lens, '--all-elements').stdout
+    equal(re.findall(r'^Element (\d)', text, re.MULTILINE), list('1234'))
+    equal(re.findall(r'^Element (\d)', run(*lens, '--element', 2).stdout, re.MULTILINE), ['2'])
+    equal(re.findall(r'^Element (\d)', run(*lens, '--method', 'newton').stdout, re.MULTILINE), ['4'])
+    for more in ((), ('--all-elements',)):
+        equal(sorted({row['element'] for row in rows(*lens, *more)}), list('1234'))
+    run(*lens, '--all-elements', '--element', 2, exit=USAGE)
+    run('diagnose', *GOLDEN, '--all-elements', exit=USAGE)
+
+
+def test_a_ray_that_passed():
+    """A sphere of radius 20, met parallel to the axis at the height 8: at asin(8 / 20) from the normal."""
+    lens = surfaces('type: plane, thickness: 3, semi_diameter: 10, name: the window',
+                    'type: sphere, radius: 20, index: 1.5, thickness: 2', 'type: plane')
+    text = said(lens, (0, 8, -1, 0, 0, 1))
+    assert 'ray 0.  It passed all 3 elements.' in text and 'Element' not in text, text
+    head, window, sphere, plane = [line.split() for line in text.splitlines() if line][1:5]
+    equal(head, 'element type r semi_diameter share incidence t t_err evals name'.split())
+    equal(window[:7] + window[9:], ['1', 'plane', '8', '10', '0.8', '0', '1', 'the', 'window'])
+    equal(sphere[1:5], ['sphere', '8', '-', '-'])
+    close(sphere[5], math.degrees(math.asin(0.4)), 5e-3)
+    turned = math.asin(0.4) - math.asin(0.4 / 1.5)
+    close(plane[5], math.degrees(turned), 5e-3)
+    text = said(lens, (0, 8, -1, 0, 0, 1), '--all-elements')
+    equal(text.count(': passed'), 3)
+    equal(text.count('hit at t'), 3)
+
+
+def test_evaluations_of_each_element():
+    """As many rows at each element as the trace says of the batch, in rays of every fate."""
+    for name in ('cooke_triplet', 'ftheta', 'aspheric_singlet', 'toroidal_lens', 'cassegrain', 'figured_mirror'):
+        lens = LENSES / f'{name}.yaml'
+        for more in (('--field', 8), ('--field', 25, '--max-evals', 3), ('--field', 2, '--proof', 'first')):
+            for row in rows('trace', lens, '--fan', 3, *more, exit=None):
+                if row['element'] == '1':
+                    seen = [r['element'] for r in rows('diagnose', lens, '--fan', 3, *more, '--ray', row['ray'], exit=None)]
+                equal(seen.count(row['element']), int(row['evals']), (name, more, row['ray'], row['element']))
 
 
 main(globals())

@@ -96,7 +96,7 @@ def test_two_pictures_in_one_file():
     where = written('').parent
     for arguments in (('--svg', where / 'a.svg', '--picture', where / 'a.svg'), ('--output', where / 'b.svg', '--picture', where / 'b.svg')):
         done = run('trace', LENSES / 'cooke_triplet.yaml', *arguments, exit=USAGE)
-        assert 'would be written over the picture of --' in done.stderr, done.stderr
+        assert 'would be written over the file of --' in done.stderr, done.stderr
 
 
 # ------------------------------------------------------------------ places

@@ -11,6 +11,12 @@ import math
 
 from command import *
 
+try:
+    import numpy
+except ImportError:
+    numpy = None
+    print('no numpy: the arrays are not read')
+
 TRIPLET, NEWTONIAN = LENSES / 'cooke_triplet.yaml', LENSES / 'newtonian.yaml'
 COLOURED = '''
 units: mm
@@ -224,6 +230,26 @@ def test_formats():
                     close(row[key], value, 0, key)
         said = run(name, TRIPLET).stdout.splitlines()[-1]
         assert 'passed' in said and 'ray' in said, said
+
+
+def test_npy_and_columns():
+    """The arrays have what csv has; the columns that are asked for come in that order."""
+    codes = {'passed': 1, 'clipped': 2, 'tir': 3, 'missed': 0, 'lost': -1, 'none': -2}
+    for name in ANALYSES if numpy else ():
+        path = written('', 'out.npy')
+        run(name, TRIPLET, '--format', 'npy', '-o', path)
+        array, table = numpy.load(path), rows(name, TRIPLET)
+        equal((len(array), list(array.dtype.names)), (len(table), list(table[0])), name)
+        for one, row in zip(array, table):
+            for key, text in row.items():
+                if key == 'fate':
+                    equal(one[key], codes[text])
+                elif text not in ('', 'all'):
+                    equal(float(one[key]), float(text), (name, key))
+                elif one.dtype[key].kind == 'f':
+                    assert math.isnan(one[key]), (name, key)
+    equal(list(rows('spot', TRIPLET, '--columns', 'rms,field')[0]), ['rms', 'field'])
+    assert 'clipped' in run('spot', TRIPLET, '--columns', 'field,clipped').stdout.splitlines()[0]
 
 
 def test_proof():

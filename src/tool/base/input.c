@@ -38,7 +38,7 @@ void output_reserve(const char *option, const char *path)
     FILE *file = fopen(path, "ab");
     if (!file) fail_input("--%s %s: %s", option, path, strerror(errno));
     char name[40];
-    snprintf(name, sizeof name, "the picture of --%.15s", option);
+    snprintf(name, sizeof name, "the file of --%.15s", option);
     remember(file, name);
     fclose(file);
 }

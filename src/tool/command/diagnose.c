@@ -2,14 +2,18 @@
  *
  * Either one surface and one ray, or one ray through a lens.  Through a lens the library takes the
  * ray from element to element.  A bare method replaces only the search that is shown, so every
- * method sees the same ray at each element. */
+ * method sees the same ray at each element.
+ *
+ * WHAT IS SHOWN of a lens, as text: the element where the ray ended, if it did; of a ray that passed, a row
+ * for each element.  Which one to look at is the question there.  csv and json have every evaluation. */
 #include "commands.h"
 #include "explain.h"
+#include "failed.h"
+#include "passed.h"
+#include "watched.h"
 #include "../job/job.h"
 #include "../base/memory.h"
 #include "../../text/number.h"
-#include "../show/frame.h"
-#include "../show/stopped.h"
 #include "../read/surface.h"
 
 #include <limits.h>
@@ -18,15 +22,17 @@
 
 static const char diagnose_help[] =
     "sagitta diagnose --surface SPEC --ray \"ox oy oz dx dy dz\" [--method M] [options]\n"
-    "sagitta diagnose LENS [--ray I] [--element J] [--method M] [options]\n"
+    "sagitta diagnose LENS [--ray I] [--element J] [--all-elements] [--method M] [options]\n"
     "\n"
     "Shows how the root of one ray is found: a row for each evaluation of F (the surface is where\n"
-    "F = 0), and then what to conclude.  Of a lens, the search at each element.\n"
+    "F = 0), and then what to conclude.  Of a lens: why the ray ended, and the search at the element\n"
+    "where it did.  Of a ray that passed: a row for each element.\n"
     "\n"
     "Columns\n"
     "  ray, element       the ray, counted from 0; the element, counted from 1\n"
     "  eval               the evaluation, counted from 1\n"
-    "  move               how its t was chosen: seed, newton, bisect, march, or retreat (F was NaN)\n"
+    "  move               how its t was chosen: seed, newton, bisect, march, retreat (F was NaN), or\n"
+    "                     probe (beside a root)\n"
     "  t                  place on the ray (in lengths of its direction; through a lens: distance\n"
     "                     from the element before)\n"
     "  f, slope           F there, and its derivative by t\n"
@@ -37,13 +43,15 @@ static const char diagnose_help[] =
     "  --ray ...          with --surface, the ray: six numbers in quotes, ox oy oz dx dy dz, or eight,\n"
     "                     with tmin tmax at the end.  With LENS, the number of a ray, counted from 0;\n"
     "                     default: the ray that took most evaluations\n"
-    "  --element J        only element J of the lens, counted from 1.  Default: all\n"
+    "  --element J        the search at element J of the lens, counted from 1\n"
+    "  --all-elements     the search at each element that the ray reached; csv and json have it anyway\n"
     "  --method M         which search to show:\n"
     "                     safeguarded (the default): what the library does\n"
     "                     newton: Newton's steps alone; t is halved where F is NaN\n"
     "                     newton-normalised: the same with the gradient scaled to length 1, a\n"
     "                     common mistake\n"
     "                     bisection\n"
+    "                     Of a ray that passed a lens, at each element.\n"
     "                     The last three start where the ray crosses the vertex plane (on a surface\n"
     "                     without one: in the middle of the span) and stop after --max-evals\n"
     "                     (default 100)\n"
@@ -68,7 +76,8 @@ typedef struct diagnose_arguments {
     shared_options shared;
     job_options job;
     const char *surface, *ray;
-    long element;         /* from 1; 0: all */
+    long element;         /* from 1; 0: not given */
+    bool all_elements, method_given;
     method method;
 } diagnose_arguments;
 
@@ -82,10 +91,11 @@ static method method_of(const char *name)
 
 static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
 {
-    enum { SURFACE = OPTION_AFTER_JOB, RAY, ELEMENT, METHOD };
+    enum { SURFACE = OPTION_AFTER_JOB, RAY, ELEMENT, ALL_ELEMENTS, METHOD };
     static const struct option known[] = {
         {"surface", required_argument, NULL, SURFACE}, {"ray", required_argument, NULL, RAY},
         {"element", required_argument, NULL, ELEMENT}, {"method", required_argument, NULL, METHOD},
+        {"all-elements", no_argument, NULL, ALL_ELEMENTS},
         JOB_OPTIONS, PROOF_OPTION, SHARED_OPTIONS, {0},
     };
     char all_help[HELP_SIZE];
@@ -97,7 +107,8 @@ static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
         case SURFACE: a.surface = optarg; break;
         case RAY: a.ray = optarg; break;
         case ELEMENT: a.element = options_integer("element", optarg, 1, INT_MAX); break;
-        case METHOD: a.method = method_of(optarg); break;
+        case ALL_ELEMENTS: a.all_elements = true; break;
+        case METHOD: a.method = method_of(optarg), a.method_given = true; break;
         default:
             if (job_take(&a.job, code)) rays_of_lens = true;
             else options_take(&a.shared, code, all_help);
@@ -110,10 +121,10 @@ static diagnose_arguments diagnose_arguments_of(int argc, char *argv[])
         fail_usage(a.surface ? "give --surface or a lens file, not both"
                              : "give --surface SPEC or a lens file");
     if (a.surface && !a.ray) fail_usage("--ray is missing; for example --ray \"ox oy oz dx dy dz\"");
-    if (a.surface && (rays_of_lens || a.element))
-        fail_usage(
-            "--field, --fan, --grid, --rays, --skip-bad, --wavelength, --glass, --no-apertures and --element "
-            "go with a lens file, not with --surface");
+    if (a.surface && (rays_of_lens || a.element || a.all_elements))
+        fail_usage("--field, --fan, --grid, --rays, --skip-bad, --wavelength, --glass, --no-apertures, "
+                   "--element and --all-elements go with a lens file, not with --surface");
+    if (a.element && a.all_elements) fail_usage("give --element or --all-elements, not both");
     return a;
 }
 
@@ -125,20 +136,21 @@ static void diagnose_write_rows(table *t, size_t ray, size_t element, const reco
         const sgt_step *s = &r->step[i];
         table_count(t, (long long)ray);
         table_count(t, (long long)element + 1);
-        table_count(t, s->eval);
+        table_count(t, (long long)i + 1); /* s->eval begins anew where the library searches twice */
         table_word(t, sgt_move_text(s->move));
         const double numbers[] = {s->t, s->f, s->slope, s->lo, s->hi};
         for (int k = 0; k < 5; k++) table_number(t, numbers[k]);
     }
 }
 
-/* Shows a search and what to conclude.  Returns whether it is decided. */
-static bool show(table *t, const diagnose_arguments *a, size_t number, size_t element, const record *watched,
-                 const search *s)
+/* Shows a search and what to conclude; told: why it is undecided has been said.  Returns whether it is
+ * decided. */
+static bool show(table *t, const diagnose_arguments *a, size_t number, size_t element, const record *seen,
+                 const search *s, bool told)
 {
     if (a->method == METHOD_SAFEGUARDED) {
-        diagnose_write_rows(t, number, element, watched);
-        explain_safeguarded(t, watched, s);
+        diagnose_write_rows(t, number, element, seen);
+        explain_safeguarded(t, seen, s, told);
         return s->hit->status >= 0;
     }
     int most = a->shared.solver.max_evals ? a->shared.solver.max_evals : BARE_EVALS;
@@ -149,24 +161,23 @@ static bool show(table *t, const diagnose_arguments *a, size_t number, size_t el
 }
 
 /* The options of the library's own search.  --max-evals limits only the method that is shown. */
-static sgt_options watching(const diagnose_arguments *a, record *r)
+static sgt_options own_options(const diagnose_arguments *a)
 {
     sgt_options o = a->shared.solver;
     if (a->method != METHOD_SAFEGUARDED) o.max_evals = 0;
-    o.watch = method_watch;
-    o.watch_data = r;
     return o;
 }
 
 static bool diagnose_surface(table *t, const diagnose_arguments *a, sgt_surface surface, const sgt_ray *ray)
 {
-    record watched = {.count = 0};
-    sgt_options o = watching(a, &watched);
+    record seen = {.count = 0};
+    sgt_options o = own_options(a);
+    o.watch = method_watch, o.watch_data = &seen;
     sgt_hit hit = sgt_intersect(surface, *ray, &o);
     const search made = {.surface = surface, .ray = *ray, .asked = &a->shared.solver,
                          .near_seed = options_near_seed(&a->shared, surface, SGT_FIRST),
                          .fast = options_fast(&a->shared, surface), .hit = &hit};
-    bool decided = show(t, a, 0, 0, &watched, &made);
+    bool decided = show(t, a, 0, 0, &seen, &made, false);
     if (hit.status == SGT_MISS) explain_miss(t, 0, surface, ray);
     return decided;
 }
@@ -177,8 +188,7 @@ static bool diagnose_surface(table *t, const diagnose_arguments *a, sgt_surface 
 static long evaluations(const diagnose_arguments *a, const job *j, const launch *l, sgt_passage passage[],
                         size_t *reached, sgt_fate *fate)
 {
-    sgt_options o = watching(a, NULL);
-    o.watch = NULL;
+    sgt_options o = own_options(a);
     sgt_ray ray = l->ray;
     size_t passed = sgt_trace(j->lens.count, j->element, j->lens.index_before, &ray, passage, fate, &o);
     *reached = passed + (*fate != SGT_PASSED);
@@ -222,67 +232,77 @@ static const launch *chosen_ray(const diagnose_arguments *a, const job *j, const
     return chosen;
 }
 
-static bool diagnose_lens(table *t, const diagnose_arguments *a, const job *j, const launch *l,
-                          const char *how)
+static bool diagnose_element(table *t, const diagnose_arguments *a, const job *j, size_t number,
+                             const watched *w, size_t i)
 {
-    sgt_ray ray = l->ray;
-    double index = j->lens.index_before;
-    bool decided = true;
-    table_line(t, "%s: ray %zu%s.", *j->lens.name ? j->lens.name : j->lens.of->file, l->number,
-               how);
-    for (size_t i = 0; i < j->lens.count; i++) {
-        const sgt_element *e = &j->element[i];
-        record watched = {.count = 0};
-        sgt_options o = watching(a, &watched);
-        search made = {.surface = e->surface, .semi_diameter = e->semi_diameter,
-                       .ray = job_own_ray(&e->pose, &ray), .asked = &a->shared.solver,
-                       .near_seed = options_near_seed(&a->shared, e->surface, SGT_NEAR_SEED),
-                       .fast = options_fast(&a->shared, e->surface)};
-        sgt_passage passage;
-        sgt_fate fate;
-        sgt_trace(1, e, index, &ray, &passage, &fate, &o);
-        if (!a->element || (size_t)a->element == i + 1) {
-            char why[STOPPED_SIZE];
-            double length = vector_length(made.ray.d);
-            const arrival come = {
-                .from = made.ray.o,
-                .p = passage.hit.p,
-                .index = index,
-                .behind = j->lens.index[i],
-                .direction = {made.ray.d.x / length, made.ray.d.y / length, made.ray.d.z / length}};
-            stopped_print(why, e, fate, &come);
-            table_line(t, "\nElement %zu (%s): %s", i + 1, j->lens.surface[i].type,
-                       *why ? why : sgt_fate_text(fate));
-            made.hit = &passage.hit;
-            decided = show(t, a, l->number, i, &watched, &made) && decided;
-        }
-        if (fate != SGT_PASSED) return decided && fate >= 0;
-        index = j->lens.index[i];
-    }
-    return decided;
+    const sgt_element *e = &j->element[i];
+    const sgt_options o = own_options(a);
+    const sgt_ray ray = watched_ray(w, &j->lens, i);
+    const record seen = watched_at(w, i);
+    const search made = {.surface = e->surface, .semi_diameter = e->semi_diameter,
+                         .ray = job_own_ray(&e->pose, &ray), .asked = &o,
+                         .near_seed = options_near_seed(&a->shared, e->surface, SGT_NEAR_SEED),
+                         .fast = options_fast(&a->shared, e->surface), .hit = &w->passage[i].hit};
+    const failed f = {.lens = &j->lens, .element = j->element, .at = i, .number = number,
+                      .fate = i < w->passed ? SGT_PASSED : w->fate, .launch = &w->launch,
+                      .come = watched_arrival(w, &j->lens, i), .search = &made};
+    if (a->shared.target.format == TABLE_TEXT) failed_explain(t, &f);
+    return show(t, a, number, i, &seen, &made, f.fate == SGT_LOST);
+}
+
+/* Is every element shown by a row, and no search? */
+static bool in_short(const diagnose_arguments *a, const watched *w)
+{
+    return a->shared.target.format == TABLE_TEXT && w->fate == SGT_PASSED && !a->element &&
+           !a->all_elements && !a->method_given;
+}
+
+static bool diagnose_lens(const diagnose_arguments *a, const job *j, const launch *l, const char *how)
+{
+    const sgt_options o = own_options(a);
+    const size_t count = j->lens.count;
+    watched w = watched_room(count);
+    watched_trace(&w, j->element, j->lens.index_before, &l->ray, &o);
+    bool brief = in_short(a, &w), decided = true, failing = w.fate != SGT_PASSED;
+    table *t = brief ? passed_begin(&a->shared.target, &j->lens)
+                     : table_begin(&a->shared.target, HEAD_COUNT, diagnose_head);
+    const char *name = *j->lens.name ? j->lens.name : j->lens.of->file, *plural = count == 1 ? "" : "s";
+    if (failing)
+        table_line(t, "%s: ray %zu%s.  It passed %zu of %zu element%s.", name, l->number, how, w.passed,
+                   count, plural);
+    else
+        table_line(t, "%s: ray %zu%s.  It passed all %zu element%s.", name, l->number, how, count, plural);
+    if (brief) passed_write(t, j, &w);
+    size_t first = 0, end = w.passed + failing;
+    bool all = a->all_elements || a->shared.target.format != TABLE_TEXT;
+    if (a->element) first = (size_t)a->element - 1, end = first + 1;
+    else if (failing && !all) first = w.passed;
+    for (size_t i = first; i < end && !brief; i++)
+        decided = diagnose_element(t, a, j, l->number, &w, i) && decided;
+    if (!brief) table_line(t, "\n%s", legend_of_lens);
+    table_end(t);
+    return decided && w.fate >= 0;
 }
 
 exit_status command_diagnose(int argc, char *argv[])
 {
     diagnose_arguments a = diagnose_arguments_of(argc, argv);
     bool decided;
-    table *t;
     if (a.surface) {
         ray_list rays = {.count = 0};
         rays_parse(&rays, a.ray);
         sgt_surface surface = surface_parse("--surface", a.surface);
         options_note_unread(&a.shared, 1, &(sgt_element){.surface = surface});
-        t = table_begin(&a.shared.target, HEAD_COUNT, diagnose_head);
+        table *t = table_begin(&a.shared.target, HEAD_COUNT, diagnose_head);
         decided = diagnose_surface(t, &a, surface, &rays.ray[0].ray);
+        table_line(t, "\n%s", legend_of_surface);
+        table_end(t);
     } else {
         job j = job_read(&a.job);
         options_note_unread(&a.shared, j.lens.count, j.element);
         const char *how = "";
         const launch *l = chosen_ray(&a, &j, &how);
-        t = table_begin(&a.shared.target, HEAD_COUNT, diagnose_head);
-        decided = diagnose_lens(t, &a, &j, l, how);
+        decided = diagnose_lens(&a, &j, l, how);
     }
-    table_line(t, "\n%s", a.surface ? legend_of_surface : legend_of_lens);
-    table_end(t);
     return decided ? EXIT_DECIDED : EXIT_UNDECIDED;
 }

@@ -88,11 +88,11 @@ const char *explain_proof(const sgt_options *asked, bool near_seed, bool several
                       : "proven to be the only root";
 }
 
-static void answer(table *t, const search *s, double condition)
+static void answer(table *t, const search *s, double condition, bool told)
 {
     const sgt_hit *hit = s->hit;
     if (hit->status == SGT_MISS) table_line(t, "miss: the ray certainly does not meet the surface.");
-    if (hit->status < 0) undecided_explain(t, "", s);
+    if (hit->status < 0 && !told) undecided_explain(t, "", s);
     if (hit->status <= 0) return;
     char root[ROOT_SIZE];
     print_root(root, hit);
@@ -123,11 +123,11 @@ static void explain_rows(table *t, const record *r, const search *s)
                s->hit->status > 0 ? "; the last row is F itself" : "");
 }
 
-void explain_safeguarded(table *t, const record *r, const search *s)
+void explain_safeguarded(table *t, const record *r, const search *s, bool told)
 {
     if (r->count > 0) verdict(t, METHOD_SAFEGUARDED, r);
     else table_line(t, "Answered without an evaluation.");
-    answer(t, s, r->count > 0 ? method_diagnose(r).condition : (double)NAN);
+    answer(t, s, r->count > 0 ? method_diagnose(r).condition : (double)NAN, told);
     if (s->fast && s->hit->status != SGT_MISS) table_line(t, "%s", explain_fast);
     explain_rows(t, r, s);
 }

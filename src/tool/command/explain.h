@@ -10,8 +10,8 @@ extern const char explain_fast[];
 /* What the requested proof says of one hit, or of several: "proven to be the first". */
 const char *explain_proof(const sgt_options *asked, bool near_seed, bool several);
 
-/* Explains the library's own search and its answer. */
-void explain_safeguarded(table *t, const record *r, const search *s);
+/* Explains the library's own search and its answer.  told: why it is undecided has been said. */
+void explain_safeguarded(table *t, const record *r, const search *s, bool told);
 
 /* Prints why a ray certainly misses, if that is cheap to know; else nothing. */
 void explain_miss(table *t, size_t number, sgt_surface surface, const sgt_ray *ray);

@@ -43,7 +43,7 @@ static void fan_rows(fan_work *w, size_t field)
             look_cells(w->table, l, field, band);
             table_number(w->table, end[i].px);
             table_number(w->table, end[i].py);
-            table_word(w->table, look_fate(&end[i]));
+            look_fate_cell(w->table, &end[i]);
             look_number(w->table, ex);
             look_number(w->table, ey);
             look_number(w->table, end[i].p_err + chief.p_err);
@@ -58,10 +58,10 @@ exit_status command_fan(int argc, char *argv[])
     static const struct option known[] = {LOOK_OPTIONS, {0}};
     static const column columns[] = {
         {"field", COLUMN_COUNT}, {"wavelength", COLUMN_EXACT}, {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER},
-        {"fate", COLUMN_WORD},   {"ex", COLUMN_NUMBER},        {"ey", COLUMN_NUMBER}, {"e_err", COLUMN_ERROR},
+        {"fate", COLUMN_CODE},   {"ex", COLUMN_NUMBER},        {"ey", COLUMN_NUMBER}, {"e_err", COLUMN_ERROR},
     };
     look_options o = {.picture = NULL};
-    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;)
+    for (int code; (code = getopt_long(argc, argv, LOOK_LETTERS, known, NULL)) != -1;)
         look_take(&o, code, fan_help, "");
     look_argument(&o, argc, argv, "fan", true);
     fan_work w = {.points = job_points(&o.job, SGT_PATTERN_CROSS, ACROSS)};

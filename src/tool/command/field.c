@@ -44,7 +44,7 @@ static field_arguments field_arguments_of(int argc, char *argv[])
         LOOK_OPTIONS, {0},
     };
     field_arguments a = {.distortion = SGT_DISTORTION_TAN};
-    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+    for (int code; (code = getopt_long(argc, argv, LOOK_LETTERS, known, NULL)) != -1;) {
         if (code == DISTORTION) {
             a.distortion = strcmp(optarg, "theta") == 0 ? SGT_DISTORTION_THETA : SGT_DISTORTION_TAN;
             if (a.distortion == SGT_DISTORTION_TAN && strcmp(optarg, "tan") != 0)
@@ -94,7 +94,7 @@ static void field_row(table *t, look *l, size_t number, const look_band *band, s
     look_number(t, p->distortion);
     table_number(t, at.x);
     table_number(t, at.y);
-    table_word(t, sgt_fate_text(p->fate));
+    table_code(t, p->fate, sgt_fate_text(p->fate));
     const double each[] = {p->image.x, p->image.y, p->error, p->ideal};
     for (size_t i = 0; i < sizeof each / sizeof *each; i++) look_number(t, each[i]);
     table_count(t, look_digits(hypot(p->image.x, p->image.y), p->error));
@@ -175,7 +175,7 @@ exit_status command_field(int argc, char *argv[])
     static const column columns[] = {
         {"field", COLUMN_COUNT}, {"wavelength", COLUMN_EXACT}, {"tangential", COLUMN_NUMBER},
         {"sagittal", COLUMN_NUMBER}, {"distortion", COLUMN_NUMBER}, {"fx", COLUMN_NUMBER},
-        {"fy", COLUMN_NUMBER}, {"fate", COLUMN_WORD}, {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER},
+        {"fy", COLUMN_NUMBER}, {"fate", COLUMN_CODE}, {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER},
         {"xy_err", COLUMN_ERROR}, {"ideal", COLUMN_NUMBER}, {"digits", COLUMN_COUNT},
     };
     const field_arguments a = field_arguments_of(argc, argv);

@@ -1,6 +1,7 @@
 /* intersect.c - sagitta intersect: one surface, many rays. */
 #include "commands.h"
 #include "explain.h"
+#include "watch.h"
 #include "../base/memory.h"
 #include "../job/options.h"
 #include "../read/rays.h"
@@ -42,6 +43,8 @@ static const char intersect_help[] =
     "  --skip-bad         skip bad rows of the file, and say how many\n"
     "  --all              every root.  A stretch of the ray that could not be decided has a row too:\n"
     "                     its t is the middle, its t_err half the length\n"
+    "  --watch FILE       write the evaluations of each ray that is undecided, as csv: the columns of\n"
+    "                     sagitta diagnose\n"
     "  --pick P           first (the default): the accepted root of the smallest t; near-seed: on a\n"
     "                     sag, the root that belongs to the ray's crossing of the vertex plane\n"
     "  --proof P          what must be proven before a ray is a hit:\n"
@@ -57,11 +60,11 @@ static const char intersect_legend[] =
     "nx ny nz: the gradient of F there.  evals: evaluations of F.\n";
 
 static const column intersect_head[] = {
-    {"ray", COLUMN_COUNT}, {"root", COLUMN_COUNT}, {"status", COLUMN_WORD},
+    {"ray", COLUMN_COUNT}, {"root", COLUMN_INTEGER}, {"status", COLUMN_CODE},
     {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR},
     {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER}, {"z", COLUMN_NUMBER},
     {"nx", COLUMN_NUMBER}, {"ny", COLUMN_NUMBER}, {"nz", COLUMN_NUMBER},
-    {"evals", COLUMN_COUNT},
+    {"evals", COLUMN_INTEGER},
 };
 static const column intersect_id = {"id", COLUMN_WORD},
                     left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
@@ -72,29 +75,31 @@ typedef struct intersect_arguments {
     const char *surface;
     ray_list rays;
     bool all;
+    const char *watch;
 } intersect_arguments;
 
 static intersect_arguments intersect_arguments_of(int argc, char *argv[])
 {
-    enum { SURFACE = OPTION_OWN, RAYS, RAY, SKIP_BAD, ALL };
+    enum { SURFACE = OPTION_OWN, RAYS, RAY, SKIP_BAD, ALL, WATCH };
     static const struct option known[] = {
         {"surface", required_argument, NULL, SURFACE}, {"rays", required_argument, NULL, RAYS},
         {"ray", required_argument, NULL, RAY}, {"skip-bad", no_argument, NULL, SKIP_BAD},
-        {"all", no_argument, NULL, ALL},
-        PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
+        {"all", no_argument, NULL, ALL}, {"watch", required_argument, NULL, WATCH},
+        PROOF_OPTION, THREADS_OPTION, ROWS_OPTIONS, SHARED_OPTIONS, {0},
     };
-    intersect_arguments a = {.surface = NULL};
+    intersect_arguments a = {.shared.scales = true};
     const char *file = NULL;
     bool skip_bad = false;
     char all_help[HELP_SIZE];
-    snprintf(all_help, sizeof all_help, "%s%s", intersect_help, options_threads_help);
-    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+    snprintf(all_help, sizeof all_help, "%s%s%s", intersect_help, options_threads_help, options_rows_help);
+    for (int code; (code = getopt_long(argc, argv, ROWS_LETTERS, known, NULL)) != -1;) {
         switch (code) {
         case SURFACE: a.surface = optarg; break;
         case RAYS: file = optarg; break;
         case RAY: rays_parse(&a.rays, optarg); break;
         case SKIP_BAD: skip_bad = true; break;
         case ALL: a.all = true; break;
+        case WATCH: a.watch = optarg; break;
         default: options_take(&a.shared, code, all_help);
         }
     }
@@ -140,6 +145,7 @@ typedef struct intersect_work {
     sgt_surface surface;
     intersect_room *room;
     table *table;
+    watch *watch;                              /* NULL: none */
     bool stretches;                            /* there are columns lo and hi */
     findings found;
 } intersect_work;
@@ -156,7 +162,7 @@ static void intersect_write_row(const intersect_work *w, intersect_room *r, cons
                               met ? h->n.x : no, met ? h->n.y : no, met ? h->n.z : no};
     table_count(t, (long long)l->number);
     table_count(t, none ? -1 : root);
-    table_word(t, sgt_status_text(h->status));
+    table_code(t, h->status, sgt_status_text(h->status));
     table_number_within(t, h->t, h->t_err);
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) table_number(t, numbers[i]);
     table_count(t, h->evals);
@@ -192,6 +198,8 @@ static void find_one_each(const intersect_work *w, intersect_room *r, const tile
         /* a batch does not give lo and hi */
         if (w->stretches && h.status < 0) h = sgt_intersect(w->surface, l[i].ray, &w->asked->shared.solver);
         intersect_write_row(w, r, &l[i], 0, &h);
+        if (h.status < 0)
+            watch_intersect(w->watch, t->place, w->surface, &l[i], &w->asked->shared.solver, false);
     }
 }
 
@@ -207,7 +215,12 @@ static void find_all(const intersect_work *w, intersect_room *r, const tile *t)
             r->hit = memory_grow(r->hit, (size_t)count, sizeof *r->hit);
         }
         if (i > 0) table_gap(r->rows);
-        for (int root = 0; root < count; root++) intersect_write_row(w, r, l, root, &r->hit[root]);
+        bool lost = false;
+        for (int root = 0; root < count; root++) {
+            intersect_write_row(w, r, l, root, &r->hit[root]);
+            lost = lost || r->hit[root].status < 0;
+        }
+        if (lost) watch_intersect(w->watch, t->place, w->surface, l, opt, true);
         if (count > 0) continue;
         sgt_hit none = sgt_intersect(w->surface, l->ray, opt); /* for its status and evaluations */
         intersect_write_row(w, r, l, 0, &none);
@@ -225,6 +238,7 @@ static void intersect_take(void *data, const tile *t)
     intersect_work *w = data;
     intersect_room *r = &w->room[t->place];
     table_join(w->table, r->rows);
+    watch_take(w->watch, t->place);
     findings *all = &w->found, *f = &r->found;
     for (int s = 0; s < STATUS_COUNT; s++) all->count[s] += f->count[s];
     if (!all->missed) all->missed = f->missed;
@@ -312,12 +326,15 @@ exit_status command_intersect(int argc, char *argv[])
     intersect_arguments a = intersect_arguments_of(argc, argv);
     const bool text = a.shared.target.format == TABLE_TEXT;
     intersect_work w = {.asked = &a, .surface = surface_parse("--surface", a.surface),
-                        .stretches = a.shared.solver.proof && !text};
+                        .stretches = a.shared.solver.proof && (!text || a.shared.target.columns)};
     column columns[HEAD_COUNT + 3];
     options_note_unread(&a.shared, 1, &(sgt_element){.surface = w.surface});
-    w.table = table_begin(&a.shared.target, intersect_columns_of(&w, columns), columns);
-    const tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};
+    a.shared.target.word_size = a.rays.longest_id;
+    tiling in = {.rays = a.rays.count, .threads = a.rays.threads, .share = SHARE_MOST};
+    watch_tiling(&in, a.watch, &a.shared.solver);
     size_t places = tiles_places(&in), undecided = 0;
+    w.watch = watch_begin(a.watch, a.shared.target.hexadecimal, places, 0);
+    w.table = table_begin(&a.shared.target, intersect_columns_of(&w, columns), columns);
     w.room = memory_take(places, sizeof *w.room);
     for (size_t i = 0; i < places; i++) w.room[i].rows = table_part(w.table);
     tiles_run(&in, &w, find, intersect_take);
@@ -329,5 +346,6 @@ exit_status command_intersect(int argc, char *argv[])
         write_verdict(&w, undecided);
     }
     table_end(w.table);
+    watch_end(w.watch);
     return undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
 }

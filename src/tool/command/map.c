@@ -56,7 +56,7 @@ static map_arguments map_arguments_of(int argc, char *argv[])
         {"of", required_argument, NULL, OF}, LOOK_OPTIONS, {0},
     };
     map_arguments a = {.steps = 0};
-    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+    for (int code; (code = getopt_long(argc, argv, LOOK_LETTERS, known, NULL)) != -1;) {
         if (code == OVER) {
             a.over_field = strcmp(optarg, "field") == 0;
             if (!a.over_field && strcmp(optarg, "pupil") != 0)
@@ -104,7 +104,7 @@ static void map_row(map_work *w, size_t number, const look_band *band, sgt_lens_
     look_number(t, band->lens.wavelength);
     const double each[] = {at.x, at.y, end->px, end->py};
     for (size_t i = 0; i < sizeof each / sizeof *each; i++) table_number(t, each[i]);
-    table_word(t, look_fate(end));
+    look_fate_cell(t, end);
     if (traced) table_count(t, (long long)end->element + 1);
     else table_empty(t);
     table_count(t, end->evals);
@@ -256,7 +256,7 @@ exit_status command_map(int argc, char *argv[])
     enum { STEPS = 21 };
     static const column columns[] = {
         {"field", COLUMN_COUNT}, {"wavelength", COLUMN_EXACT}, {"fx", COLUMN_NUMBER}, {"fy", COLUMN_NUMBER},
-        {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER}, {"fate", COLUMN_WORD}, {"element", COLUMN_COUNT},
+        {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER}, {"fate", COLUMN_CODE}, {"element", COLUMN_COUNT},
         {"evals", COLUMN_COUNT}, {"t_err", COLUMN_ERROR}, {"condition", COLUMN_NUMBER},
     };
     const map_arguments a = map_arguments_of(argc, argv);

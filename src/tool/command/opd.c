@@ -63,7 +63,7 @@ static opd_arguments opd_arguments_of(int argc, char *argv[])
     };
     opd_arguments a = {.order = SGT_NOLL};
     bool order = false;
-    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+    for (int code; (code = getopt_long(argc, argv, LOOK_LETTERS, known, NULL)) != -1;) {
         if (code == SUMMARY) {
             a.summary = true;
         } else if (code == AFOCAL) {
@@ -131,7 +131,7 @@ static void opd_ray_rows(opd_work *w, size_t field, size_t b, const opd_of *of)
         look_cells(w->table, &w->look, field, &w->look.band[b]);
         table_number(w->table, of->end[i].px);
         table_number(w->table, of->end[i].py);
-        table_word(w->table, look_fate(&of->end[i]));
+        look_fate_cell(w->table, &of->end[i]);
         look_number(w->table, of->waves[i]);
         look_number(w->table, of->error[i]);
         look_lines_add(&w->lines[field], b, &of->end[i], of->waves[i], of->waves[i]);
@@ -205,7 +205,7 @@ static table *opd_table(const opd_work *w)
 {
     static const column first[] = {{"field", COLUMN_COUNT}, {"wavelength", COLUMN_EXACT}};
     static const column ray[] = {
-        {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER}, {"fate", COLUMN_WORD}, {"opd", COLUMN_NUMBER},
+        {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER}, {"fate", COLUMN_CODE}, {"opd", COLUMN_NUMBER},
         {"opd_err", COLUMN_ERROR},
     };
     static const column summary[] = {

@@ -16,8 +16,8 @@ static const char spot_help[] =
     "The spots of a lens: how rays of each field and wavelength scatter about a point of the image.\n"
     "\n"
     "Columns (lengths in the unit of the lens, in the frame of the last surface)\n"
-    "  field, wavelength  the field, counted from 1; micrometres, or all: together, as the lens weighs\n"
-    "                     its wavelengths\n"
+    "  field, wavelength  the field, counted from 1; micrometres, or all (a NaN in npy): together, as the\n"
+    "                     lens weighs its wavelengths\n"
     "  rays, passed       how many were sent, and how many reached the image: the others do not count\n"
     "  x, y               the reference: distances are from here\n"
     "  rms, rms_x, rms_y  root of the mean square of the distances, and of their x and y\n"
@@ -64,7 +64,7 @@ static spot_arguments spot_arguments_of(int argc, char *argv[])
         LOOK_OPTIONS, {0},
     };
     spot_arguments a = {.centroid = false};
-    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+    for (int code; (code = getopt_long(argc, argv, LOOK_LETTERS, known, NULL)) != -1;) {
         if (code == DEFOCUS) {
             spot_take_defocus(&a);
         } else if (code == REFERENCE) {
@@ -152,7 +152,9 @@ static void write_spot(const spot_work *w, size_t field, const look_band *band, 
     const look *l = &w->look;
     table *t = w->table;
     if (band) look_cells(t, l, field, band);
-    else table_count(t, (long long)l->fields.number[field] + 1), table_word(t, "all");
+    else table_count(t, (long long)l->fields.number[field] + 1);
+    if (!band && l->asked->shared.target.format == TABLE_NPY) table_empty(t); /* a NaN */
+    else if (!band) table_word(t, "all");
     table_count(t, (long long)s->rays);
     table_count(t, (long long)s->passed);
     const double each[] = {s->reference.x, s->reference.y, s->rms, s->rms_x, s->rms_y, s->geometric,

@@ -47,7 +47,7 @@ static sweep_arguments sweep_arguments_of(int argc, char *argv[])
         {"steps", required_argument, NULL, STEPS}, LOOK_OPTIONS, {0},
     };
     sweep_arguments a = {.from = (double)NAN, .to = (double)NAN, .steps = STEPS_DEFAULT};
-    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+    for (int code; (code = getopt_long(argc, argv, LOOK_LETTERS, known, NULL)) != -1;) {
         if (code == FROM) a.from = sweep_end("from");
         else if (code == TO) a.to = sweep_end("to");
         else if (code == STEPS) a.steps = options_integer("steps", optarg, 2, STEPS_MOST);

@@ -1,5 +1,6 @@
 /* trace.c - sagitta trace: rays through a lens. */
 #include "commands.h"
+#include "watch.h"
 #include "../show/frame.h"
 #include "../base/input.h"
 #include "../job/job.h"
@@ -52,6 +53,9 @@ static const char trace_help[] =
 static const char trace_more_help[] =
     "  --frame F          local (the default): points and directions in each surface's own frame;\n"
     "                     global: in the frame of the first vertex\n"
+    "  --last             only the last row of each ray: where it ended\n"
+    "  --watch FILE       write the evaluations of each ray that is lost, as csv: the columns of sagitta\n"
+    "                     diagnose, and wavelength\n"
     "  --pick P           near-seed (the default): the root near the surface's vertex; first: the\n"
     "                     first root on the line of the ray\n"
     "  --proof P          what must be proven at each element before a ray passes:\n"
@@ -62,13 +66,13 @@ static const char trace_more_help[] =
     "                     A ray for which this is not proven is lost, and its status is unproven\n";
 
 static const column trace_head[] = {
-    {"ray", COLUMN_COUNT}, {"element", COLUMN_COUNT}, {"fate", COLUMN_WORD}, {"status", COLUMN_WORD},
+    {"ray", COLUMN_COUNT}, {"element", COLUMN_INTEGER}, {"fate", COLUMN_CODE}, {"status", COLUMN_CODE},
     {"x", COLUMN_NUMBER}, {"y", COLUMN_NUMBER}, {"z", COLUMN_NUMBER},
     {"l", COLUMN_NUMBER}, {"m", COLUMN_NUMBER}, {"n", COLUMN_NUMBER},
-    {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR}, {"opl", COLUMN_NUMBER}, {"evals", COLUMN_COUNT},
+    {"t", COLUMN_NUMBER}, {"t_err", COLUMN_ERROR}, {"opl", COLUMN_NUMBER}, {"evals", COLUMN_INTEGER},
 };
 static const column launch_head[] = {
-    {"field", COLUMN_COUNT}, {"wavelength", COLUMN_EXACT}, {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER},
+    {"field", COLUMN_INTEGER}, {"wavelength", COLUMN_EXACT}, {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER},
 };
 static const column trace_id = {"id", COLUMN_WORD}, left[] = {{"lo", COLUMN_NUMBER}, {"hi", COLUMN_NUMBER}};
 enum {
@@ -80,30 +84,36 @@ enum {
 typedef struct trace_arguments {
     shared_options shared;
     job_options job;
-    bool global;
+    bool global, last;
     pictures pictures;
+    const char *watch;
 } trace_arguments;
 
 static trace_arguments trace_arguments_of(int argc, char *argv[])
 {
-    enum { FRAME = OPTION_AFTER_JOB, SVG, PICTURE, PLANE, RAY };
+    enum { FRAME = OPTION_AFTER_JOB, SVG, PICTURE, PLANE, RAY, LAST, WATCH };
     static const struct option known[] = {
         {"frame", required_argument, NULL, FRAME}, {"svg", required_argument, NULL, SVG},
         {"picture", required_argument, NULL, PICTURE}, {"plane", required_argument, NULL, PLANE},
-        {"ray", required_argument, NULL, RAY},
-        JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS, {0},
+        {"last", no_argument, NULL, LAST}, {"ray", required_argument, NULL, RAY},
+        {"watch", required_argument, NULL, WATCH},
+        JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, ROWS_OPTIONS, SHARED_OPTIONS, {0},
     };
     char all_help[HELP_SIZE];
-    snprintf(all_help, sizeof all_help, "%s%s%s%s%s", trace_help, job_help, pictures_help,
-             trace_more_help, options_threads_help);
-    trace_arguments a = {.job = {.several = true}};
-    for (int code; (code = getopt_long(argc, argv, "h", known, NULL)) != -1;) {
+    snprintf(all_help, sizeof all_help, "%s%s%s%s%s%s", trace_help, job_help, pictures_help,
+             trace_more_help, options_threads_help, options_rows_help);
+    trace_arguments a = {.shared.scales = true, .job = {.several = true}};
+    for (int code; (code = getopt_long(argc, argv, ROWS_LETTERS, known, NULL)) != -1;) {
         if (code == SVG) {
             a.pictures.svg = optarg;
         } else if (code == PICTURE) {
             a.pictures.file = optarg;
         } else if (code == PLANE) {
             a.pictures.plane_given = optarg;
+        } else if (code == LAST) {
+            a.last = true;
+        } else if (code == WATCH) {
+            a.watch = optarg;
         } else if (code == FRAME) {
             a.global = strcmp(optarg, "global") == 0;
             if (!a.global && strcmp(optarg, "local") != 0)
@@ -164,6 +174,7 @@ typedef struct trace_work {
     trace_room *room;
     table *table;
     scene *picture;                /* NULL: none */
+    watch *watch;                  /* NULL: none */
     const job_lens *at;             /* the lens at the wavelength that is being traced */
     bool launches;                 /* there are the columns of launch_head */
     bool stretches;                /* there are columns lo and hi */
@@ -246,8 +257,8 @@ static void trace_write_row(const trace_work *w, trace_room *own, const launch *
     table *t = own->rows;
     table_count(t, (long long)l->number);
     table_count(t, (long long)element + 1);
-    table_word(t, sgt_fate_text(fate));
-    table_word(t, sgt_status_text((sgt_status)r->status[i]));
+    table_code(t, fate, sgt_fate_text(fate));
+    table_code(t, r->status[i], sgt_status_text((sgt_status)r->status[i]));
     write_vector(t, pose ? frame_point_out(pose, point) : point);
     write_vector(t, pose ? frame_direction_out(pose, direction) : direction);
     table_number_within(t, r->number[6][i], r->number[7][i]);
@@ -279,10 +290,12 @@ static void send(void *data, const tile *t)
                     &w->asked->shared.solver);
     for (size_t i = 0; i < t->count; i++) {
         size_t passed = (size_t)r->passed[i];
-        if (t->first + i > 0 || w->at != j->at) table_gap(r->rows);
-        for (size_t k = 0; k < passed; k++) trace_write_row(w, r, &l[i], k, SGT_PASSED, &r->record[k], i);
+        const size_t first = !w->asked->last ? 0 : r->fate[i] == SGT_PASSED ? passed - 1 : passed;
+        if ((t->first + i > 0 || w->at != j->at) && !w->asked->last) table_gap(r->rows);
+        for (size_t k = first; k < passed; k++) trace_write_row(w, r, &l[i], k, SGT_PASSED, &r->record[k], i);
         if (r->fate[i] != SGT_PASSED)
             trace_write_row(w, r, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
+        if (r->fate[i] < 0) watch_trace(w->watch, t->place, w->at, &l[i], &w->asked->shared.solver);
     }
 }
 
@@ -345,6 +358,7 @@ static void trace_take(void *data, const tile *t)
     trace_work *w = data;
     trace_room *r = &w->room[t->place];
     table_join(w->table, r->rows);
+    watch_take(w->watch, t->place);
     for (size_t i = 0; i < t->count; i++) {
         int passed = r->passed[i];
         const launch *l = &w->at->rays.ray[t->first + i];
@@ -511,7 +525,7 @@ exit_status command_trace(int argc, char *argv[])
     job j = job_read(&a.job);
     options_note_unread(&a.shared, j.lens.count, j.element);
     const size_t count = j.lens.count;
-    const bool text = a.shared.target.format == TABLE_TEXT;
+    const bool text = a.shared.target.format == TABLE_TEXT, all = !text || a.shared.target.columns;
     /* A tile takes some 60 KB for each element.  At most 16 MB a thread: with many elements tiles have fewer
      * rays. */
     tiling in = {.rays = j.rays.count, .threads = count > RECORDS_MOST ? 1 : threads,
@@ -521,28 +535,31 @@ exit_status command_trace(int argc, char *argv[])
                        .most = count > RECORDS_MOST               ? 1
                                : count > RECORDS_MOST / TILE_RAYS ? RECORDS_MOST / count
                                                                   : TILE_RAYS};
+    watch_tiling(&in, a.watch, &a.shared.solver);
     const size_t places = tiles_places(&in);
     pictures_reserve(&a.pictures, a.shared.target.path, &j);
     scene picture = scene_begin(&j, a.pictures.plane);
     trace_work w = {.asked = &a, .job = &j, .room = memory_take(places, sizeof *w.room),
+                    .watch = watch_begin(a.watch, a.shared.target.hexadecimal, places, count),
                     .picture = pictures_wanted(&a.pictures) ? &picture : NULL,
-                    .launches = !text || j.wavelengths > 1,
-                    .stretches = a.shared.solver.proof && !text,
+                    .launches = all || j.wavelengths > 1,
+                    .stretches = all && a.shared.solver.proof,
                     .loss = memory_take(count, sizeof *w.loss), .back = memory_take(count, sizeof *w.back),
                     .field = memory_take(j.fields, sizeof *w.field),
                     .point = memory_take(count + 1, sizeof *w.point)};
     column columns[COLUMNS_MOST];
+    a.shared.target.word_size = j.rays.longest_id;
     w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
     for (size_t i = 0; i < places; i++) w.room[i] = trace_room_for(&w, in.most);
-    size_t all = 0;
+    size_t rays = 0;
     for (size_t c = 0; c < j.wavelengths; c++) {
         w.at = &j.at[c];
-        in.rays = w.at->rays.count, all += in.rays;
+        in.rays = w.at->rays.count, rays += in.rays;
         tiles_run(&in, &w, send, trace_take);
     }
     if (text) {
-        if (all) write_legend(&w);
-        table_line(w.table, "%zu of %zu ray%s passed all %zu element%s.", w.passed, all, all == 1 ? "" : "s",
+        if (rays) write_legend(&w);
+        table_line(w.table, "%zu of %zu ray%s passed all %zu element%s.", w.passed, rays, rays == 1 ? "" : "s",
                    count, count == 1 ? "" : "s");
         write_proof(&w);
         write_losses(w.table, &j, w.loss);
@@ -551,6 +568,7 @@ exit_status command_trace(int argc, char *argv[])
         write_lost(&w);
     }
     table_end(w.table);
+    watch_end(w.watch);
     pictures_write(&a.pictures, &picture);
     return w.undecided || j.undecided ? EXIT_UNDECIDED : EXIT_DECIDED;
 }

@@ -34,6 +34,11 @@ const char options_threads_help[] =
     "  --threads N        work in N threads; the output does not depend on N.  Default: what\n"
     "                     OMP_NUM_THREADS says, else one for each processor\n";
 
+const char options_rows_help[] =
+    "  --columns A,B,...  only these columns, in this order\n"
+    "  --format npy       with --output NAME.npy one array of rows for NumPy; with --output FOLDER an\n"
+    "                     array for each column.  docs/lens_file.md has types and codes\n";
+
 double options_number(const char *option, const char *text)
 {
     double x;
@@ -57,12 +62,14 @@ static double length_of(const char *option)
     return x;
 }
 
-static table_format format_of(const char *text)
+static table_format format_of(const char *text, bool scales)
 {
     if (strcmp(text, "text") == 0) return TABLE_TEXT;
     if (strcmp(text, "csv") == 0) return TABLE_CSV;
     if (strcmp(text, "json") == 0) return TABLE_JSON;
-    fail_usage("--format must be text, csv or json, not \"%s\"", text);
+    if (scales && strcmp(text, "npy") == 0) return TABLE_NPY;
+    fail_usage("--format must be text, csv%s json%s, not \"%s\"", scales ? "," : " or", scales ? " or npy" : "",
+               text);
 }
 
 static sgt_pick pick_of(const char *text)
@@ -121,7 +128,9 @@ void options_version(void)
 void options_take(shared_options *o, int code, const char *help)
 {
     switch (code) {
-    case OPTION_FORMAT: o->target.format = format_of(optarg); return;
+    case OPTION_FORMAT: o->target.format = format_of(optarg, o->scales); return;
+    case OPTION_COLUMNS: o->target.columns = optarg; return;
+    case 'o':
     case OPTION_OUTPUT: o->target.path = optarg; return;
     case OPTION_HEX: o->target.hexadecimal = true; return;
     case OPTION_PICK: o->solver.pick = pick_of(optarg); return;

@@ -11,6 +11,7 @@ typedef struct shared_options {
     table_target target;
     sgt_options solver;
     int threads;          /* 0: not given */
+    bool scales;          /* set by a command with ROWS_OPTIONS */
 } shared_options;
 
 /* Room for the --help of a subcommand with those of its parts. */
@@ -19,7 +20,8 @@ enum { HELP_SIZE = 12000 };
 /* Codes for getopt_long.  Those of a subcommand begin with OPTION_OWN. */
 enum {
     OPTION_FORMAT = 256, OPTION_OUTPUT, OPTION_HEX, OPTION_HELP, OPTION_VERSION,
-    OPTION_PICK, OPTION_T_TOL, OPTION_DT_MIN, OPTION_MAX_EVALS, OPTION_THREADS, OPTION_PROOF, OPTION_OWN
+    OPTION_PICK, OPTION_T_TOL, OPTION_DT_MIN, OPTION_MAX_EVALS, OPTION_THREADS, OPTION_PROOF,
+    OPTION_COLUMNS, OPTION_OWN
 };
 
 /* To be put into a subcommand's table of options, which ends with {0}. */
@@ -40,8 +42,12 @@ enum {
 /* For subcommands that prove. */
 #define PROOF_OPTION {"proof", required_argument, NULL, OPTION_PROOF}
 
-/* The help of the shared options, and that of --threads. */
-extern const char options_help[], options_threads_help[];
+/* For subcommands that write a row for each ray: --columns, --format npy and -o. */
+#define ROWS_OPTIONS {"columns", required_argument, NULL, OPTION_COLUMNS}
+#define ROWS_LETTERS "ho:"
+
+/* The help of the shared options, that of --threads, and that of ROWS_OPTIONS. */
+extern const char options_help[], options_threads_help[], options_rows_help[];
 
 /* Takes an option with one of the shared codes.  Any other code is an unknown option: getopt has printed a
  * message, and this ends with a usage error.  --help and --version end the command here. */

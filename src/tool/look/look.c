@@ -25,13 +25,15 @@ static const char look_help[] =
 void look_take(look_options *o, int code, const char *before, const char *after)
 {
     char help[HELP_SIZE];
+    o->shared.scales = true;
     if (job_take(&o->job, code)) return;
     if (code == LOOK_PICTURE) {
         chart_check("picture", optarg);
         o->picture = optarg;
         return;
     }
-    snprintf(help, sizeof help, "%s%s%s%s%s", before, look_help, job_help, after, options_threads_help);
+    snprintf(help, sizeof help, "%s%s%s%s%s%s", before, look_help, job_help, after, options_threads_help,
+             options_rows_help);
     options_take(&o->shared, code, help);
 }
 
@@ -187,13 +189,23 @@ const char *look_fate(const sgt_ray_end *end)
     return end->aimed == SGT_NO_SUCH_RAY ? "none" : sgt_fate_text(end->fate);
 }
 
+void look_fate_cell(table *t, const sgt_ray_end *end)
+{
+    table_code(t, end->aimed == SGT_NO_SUCH_RAY ? LOOK_NONE : (int)end->fate, look_fate(end));
+}
+
 void look_cells(table *t, const look *l, size_t field, const look_band *band)
 {
     table_count(t, (long long)l->fields.number[field] + 1);
     look_number(t, band->lens.wavelength);
 }
 
-static bool is_text(const look *l) { return l->asked->shared.target.format == TABLE_TEXT; }
+/* The columns of text are fewer, unless they are asked for. */
+static bool is_text(const look *l)
+{
+    const table_target *to = &l->asked->shared.target;
+    return to->format == TABLE_TEXT && !to->columns;
+}
 
 size_t look_fate_columns(const look *l, column *to)
 {

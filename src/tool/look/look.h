@@ -17,7 +17,8 @@ enum { LOOK_PICTURE = OPTION_AFTER_JOB, OPTION_AFTER_LOOK };
 /* To be put into the table of options of an analysis, which ends with {0}. */
 #define LOOK_OPTIONS                                    \
     {"picture", required_argument, NULL, LOOK_PICTURE}, \
-    JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, SHARED_OPTIONS
+    JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, ROWS_OPTIONS, SHARED_OPTIONS
+#define LOOK_LETTERS ROWS_LETTERS
 
 /* Takes an option that is none of the analysis's own.  before, after: the help around that of the rays. */
 void look_take(look_options *o, int code, const char *before, const char *after);
@@ -84,8 +85,11 @@ void look_number(table *t, double value);
 /* How many decimal digits of a value are certain: 0 to 16. */
 int look_digits(double value, double error);
 
-/* "passed", "lost" and so on, or "none": there is no such ray. */
+/* "passed", "lost" and so on, or "none": there is no such ray.  The cell has sgt_fate as its code, or
+ * LOOK_NONE. */
+enum { LOOK_NONE = -2 };
 const char *look_fate(const sgt_ray_end *end);
+void look_fate_cell(table *t, const sgt_ray_end *end);
 
 /* The cells of a field's number (from 1) and of a wavelength, which is empty where there is none. */
 void look_cells(table *t, const look *l, size_t field, const look_band *band);

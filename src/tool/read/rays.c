@@ -282,6 +282,10 @@ void rays_read(ray_list *list, const char *path, bool skip_bad)
         list->count += p[i].good;
         bad += p[i].bad;
     }
+    for (size_t i = 0; i < list->count && list->named; i++) {
+        const size_t length = strlen(list->ray[i].id);
+        if (length > list->longest_id) list->longest_id = length;
+    }
     if (bad)
         note("%s: %zu bad row%s skipped, the first in line %zu: %s", r.source, bad, bad == 1 ? "" : "s",
              first_bad->bad_line, first_bad->why);

@@ -16,6 +16,7 @@ typedef struct ray_list {
     launch *ray;
     bool ended;         /* the file has a column tmin or tmax */
     bool named;         /* the file has a column `id` */
+    size_t longest_id;  /* characters of the longest of them */
     int threads;        /* to read the file with; 0: one */
 } ray_list;
 

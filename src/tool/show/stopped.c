@@ -3,24 +3,39 @@
 
 #include "clipped.h"
 #include "frame.h"
+#include "profile.h"
 
 #include <math.h>
 #include <stdio.h>
 
 static const double DEGREES = 57.295779513082321; /* in a radian */
 
-/* The angle between the direction and the normal at p, in degrees. */
-static double incidence(const sgt_element *e, const arrival *a)
+/* By the tangent, since the cosine of a small angle is 1 to within rounding. */
+double stopped_incidence(const sgt_element *e, const arrival *a)
 {
-    sgt_vec3 n;
+    sgt_vec3 n, d = a->direction;
     e->surface.ops->value(e->surface.self, a->p, &n);
-    return acos(fmin(1, fabs(vector_dot(n, a->direction)) / vector_length(n))) * DEGREES;
+    const sgt_vec3 across = {n.y * d.z - n.z * d.y, n.z * d.x - n.x * d.z, n.x * d.y - n.y * d.x};
+    return atan2(vector_length(across), fabs(vector_dot(n, d))) * DEGREES;
+}
+
+double stopped_critical_angle(const arrival *a) { return asin(fmin(1, a->behind / a->index)) * DEGREES; }
+
+static void print_missed(char text[STOPPED_SIZE], const sgt_element *e, const arrival *a)
+{
+    const sgt_vec3 at_vertex = vector_along(a->from, a->direction, -a->from.z / a->direction.z);
+    if (!profile_is_sag(e->surface))
+        snprintf(text, STOPPED_SIZE, "missed it");
+    else if (a->direction.z == 0)
+        snprintf(text, STOPPED_SIZE, "missed it: it runs parallel to the vertex plane");
+    else
+        snprintf(text, STOPPED_SIZE, "missed it: its line crosses the vertex plane %.4g from the axis",
+                 hypot(at_vertex.x, at_vertex.y));
 }
 
 void stopped_print(char text[STOPPED_SIZE], const sgt_element *e, sgt_fate fate, const arrival *a)
 {
     char by[CLIPPED_SIZE];
-    sgt_vec3 at_vertex;
     *text = 0;
     switch (fate) {
     case SGT_CLIPPED:
@@ -29,12 +44,10 @@ void stopped_print(char text[STOPPED_SIZE], const sgt_element *e, sgt_fate fate,
         break;
     case SGT_TIR:
         snprintf(text, STOPPED_SIZE, "totally reflected: incidence %.4g degrees, critical angle %.4g",
-                 incidence(e, a), asin(fmin(1, a->behind / a->index)) * DEGREES);
+                 stopped_incidence(e, a), stopped_critical_angle(a));
         break;
     case SGT_MISSED:
-        at_vertex = vector_along(a->from, a->direction, -a->from.z / a->direction.z);
-        snprintf(text, STOPPED_SIZE, "missed it: its line crosses the vertex plane %.4g from the axis",
-                 hypot(at_vertex.x, at_vertex.y));
+        print_missed(text, e, a);
         break;
     case SGT_PASSED:
     case SGT_LOST: break;

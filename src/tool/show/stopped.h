@@ -10,6 +10,11 @@ typedef struct arrival {
     double index, behind;       /* of the media in front and behind */
 } arrival;
 
+/* In degrees: the angle between the ray and the normal where it is met, and the least one of total
+ * reflection (90: there is none). */
+double stopped_incidence(const sgt_element *e, const arrival *a);
+double stopped_critical_angle(const arrival *a);
+
 /* "clipped by its semi_diameter ...", "totally reflected: incidence 53.1 degrees, critical angle 41.2",
  * "missed it: its line crosses the vertex plane 20 from the axis"; empty for a ray that passed or was lost.
  */

@@ -1,278 +1,359 @@
-/* table.c - text, csv and json from one stream of cells.
+/* table.c - text, csv, json and npy from one stream of cells.
  *
- * Rows are kept as bytes until they are written.  For csv and json these are the bytes of the
- * file.  For text they are a mark for each row or gap, followed by the row's cells, each with a
- * zero byte at its end. */
+ * The cells of a row are kept as values until the row is whole.  Then those that are wanted are printed, in
+ * the order they are wanted in.  A number that stands in its column as before is not printed again but
+ * copied: a wavelength, or a point of the pupil, is the same in many rows. */
 #include "table.h"
 
+#include "../base/bytes.h"
 #include "../base/input.h"
-#include "../base/memory.h"
 #include "../../text/number.h"
+#include "block.h"
+#include "npy.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
-static const char TABLE_ROW = 'r', GAP = 'g';
-enum {
-    SPACE_BETWEEN = 2,
-    WRITE_AT = 1 << 16   /* csv and json are written when so many bytes are kept */
-};
+enum { WRITE_AT = 1 << 16 }; /* csv, json and npy are written when so many bytes are kept */
 
-/* Numbers are aligned at their decimal points: the characters before the point, and those from
- * it on.  A number without a point ends where the point would be. */
-typedef struct width { size_t before, after; } width;
+enum { CELL_EMPTY, CELL_NUMBER, CELL_BOUND, CELL_COUNT, CELL_WORD, CELL_CODE };
+typedef struct cell {
+    int kind;
+    double number;     /* of a BOUND: on the error of the number in the cell before; of an EMPTY: NaN */
+    long long count;   /* or the code; of a WORD: where in `words` it begins */
+    const char *word;  /* of a CODE */
+} cell;
+
+/* What was printed in a column last, and where. */
+typedef struct printed {
+    uint64_t bits;
+    double gap;        /* of a number with a bound: at least how far off its decimal is */
+    size_t start;      /* in `kept` */
+    int length;        /* 0: nothing that is still kept */
+    int kind;          /* twice that of the cell, and 1 if a bound on it follows */
+} printed;
 
 struct table {
     table_target to;
-    FILE *file;                 /* NULL: a part of another table */
-    size_t columns, cells;      /* cells so far, of all rows */
+    FILE *file;                 /* NULL: a part of another table, or npy */
+    npy_output *npy;
+    size_t columns, filled, rows;
     const column *column;
-    char *kept;                 /* what is not yet written */
-    size_t length, capacity;
-    width *width;               /* [columns], of the text that is kept */
-    bool block_written;
+    cell *cell;                 /* [columns], and one that stays empty, of the row that is being filled */
+    printed *last;              /* [columns] */
+    size_t chosen;
+    const size_t *choice;       /* [chosen]: which cells are written */
+    column *head;               /* [chosen] */
+    bytes kept, words;
+    block *block;               /* of text */
+    bool part, block_written;
 };
 
-static void write_kept(table *t)
+/* ------------------------------------------------------------ the choice */
+
+_Noreturn static void fail_column(const table *t, const char *name, int length, const char *what)
 {
-    fwrite(t->kept, 1, t->length, t->file);
-    t->length = 0;
+    char all[1000] = "";
+    for (size_t i = 0, n = 0; i < t->columns && n < sizeof all; i++)
+        n += (size_t)snprintf(all + n, sizeof all - n, "%s%s", i ? ", " : "", t->column[i].name);
+    fail_usage("--columns: \"%.*s\" %s; there are %s", length < 60 ? length : 60, name, what, all);
 }
 
-/* Makes room for `more` bytes; returns where they go. */
-static char *table_room(table *t, size_t more)
+/* The place of a column by its name; t->columns: there is none. */
+static size_t place_of(const table *t, const char *name, size_t length)
 {
-    if (t->capacity - t->length < more) {
-        t->capacity = 2 * t->capacity + more;
-        t->kept = memory_grow(t->kept, t->capacity, 1);
+    for (size_t i = 0; i < t->columns; i++)
+        if (strncmp(t->column[i].name, name, length) == 0 && !t->column[i].name[length]) return i;
+    return t->columns;
+}
+
+static void choose(table *t)
+{
+    size_t *choice = memory_take(t->columns, sizeof *choice), count = 0;
+    for (size_t i = 0; i < t->columns && !t->to.columns; i++) choice[count++] = i;
+    for (const char *name = t->to.columns, *next; name; name = *next ? next + 1 : NULL) {
+        const size_t length = strcspn(name, ","), place = place_of(t, name, length);
+        next = name + length;
+        if (place == t->columns) fail_column(t, name, (int)length, "is no column");
+        for (size_t i = 0; i < count; i++)
+            if (choice[i] == place) fail_column(t, name, (int)length, "is named twice");
+        choice[count++] = place;
     }
-    return t->kept + t->length;
+    t->choice = choice, t->chosen = count;
+    t->head = memory_take(count, sizeof *t->head);
+    for (size_t i = 0; i < count; i++) t->head[i] = t->column[choice[i]];
 }
 
-static void table_put(table *t, const char *text, size_t length)
-{
-    memcpy(table_room(t, length), text, length);
-    t->length += length;
-}
+/* ------------------------------------------------------------------ begin */
 
-static void put_text(table *t, const char *text) { table_put(t, text, strlen(text)); }
-
-static void put_byte(table *t, char c) { table_put(t, &c, 1); }
-
-static table *table_new(const table_target *target, size_t columns, const column *head)
+static table *table_new(const table *like)
 {
     table *t = memory_take(1, sizeof *t);
-    *t = (table){
-        .to = *target, .columns = columns, .column = head, .width = memory_take(columns, sizeof *t->width)};
+    *t = *like;
+    t->cell = memory_take(t->columns + 1, sizeof *t->cell);
+    t->last = memory_take(t->columns, sizeof *t->last);
+    if (t->to.format == TABLE_TEXT) t->block = block_new(t->chosen, t->head);
     return t;
 }
 
 table *table_begin(const table_target *target, size_t columns, const column *head)
 {
-    table *t = table_new(target, columns, head);
+    table blank = {.to = *target, .columns = columns, .column = head};
+    choose(&blank);
+    table *t = table_new(&blank);
+    if (t->to.format == TABLE_NPY) {
+        t->npy = npy_begin(&t->to, t->chosen, t->head);
+        return t;
+    }
     t->file = stdout;
     if (t->to.path) output_check("output", t->to.path);
     if (t->to.path && !(t->file = fopen(t->to.path, "w")))
         fail_input("--output %s: %s", t->to.path, strerror(errno));
-    if (t->to.format == TABLE_JSON) put_byte(t, '[');
-    for (size_t i = 0; i < columns && t->to.format == TABLE_CSV; i++) {
-        put_text(t, head[i].name);
-        put_byte(t, i + 1 < columns ? ',' : '\n');
+    if (t->to.format == TABLE_JSON) bytes_one(&t->kept, '[');
+    for (size_t i = 0; i < t->chosen && t->to.format == TABLE_CSV; i++) {
+        bytes_text(&t->kept, t->head[i].name);
+        bytes_one(&t->kept, i + 1 < t->chosen ? ',' : '\n');
     }
     return t;
 }
 
 /* ------------------------------------------------------------ csv and json */
 
-static void put_json_string(table *t, const char *text)
+static void put_json_string(bytes *b, const char *text)
 {
     char code[8];
-    put_byte(t, '"');
+    bytes_one(b, '"');
     for (const char *c = text; *c; c++) {
         if ((unsigned char)*c < 32) {
             snprintf(code, sizeof code, "\\u%04x", (unsigned)*c);
-            put_text(t, code);
+            bytes_text(b, code);
             continue;
         }
-        if (*c == '"' || *c == '\\') put_byte(t, '\\');
-        put_byte(t, *c);
+        if (*c == '"' || *c == '\\') bytes_one(b, '\\');
+        bytes_one(b, *c);
     }
-    put_byte(t, '"');
+    bytes_one(b, '"');
 }
 
-static void put_csv_field(table *t, const char *text)
+static void put_csv_field(bytes *b, const char *text)
 {
     size_t plain = strcspn(text, ",\"\r\n");
     if (!text[plain]) {
-        table_put(t, text, plain);
+        bytes_put(b, text, plain);
         return;
     }
-    put_byte(t, '"');
+    bytes_one(b, '"');
     for (const char *c = text; *c; c++) {
-        if (*c == '"') put_byte(t, '"');
-        put_byte(t, *c);
+        if (*c == '"') bytes_one(b, '"');
+        bytes_one(b, *c);
     }
-    put_byte(t, '"');
+    bytes_one(b, '"');
 }
 
 /* A part does not know whether its first row is the first of the table, so it begins with a comma; table_join
  * leaves it out if it is. */
-static void cell_begin(table *t)
+static void put_json_key(table *t, size_t i)
 {
-    if (t->to.format != TABLE_JSON) return;
-    size_t i = t->cells % t->columns;
-    put_text(t, i ? ", \"" : t->cells == 0 && t->file ? "\n{\"" : ",\n{\"");
-    put_text(t, t->column[i].name);
-    table_put(t, "\": ", 3);
-}
-
-static void cell_end(table *t)
-{
-    bool last = ++t->cells % t->columns == 0;
-    if (t->to.format == TABLE_CSV) put_byte(t, last ? '\n' : ',');
-    else if (last) put_byte(t, '}');
-    if (last && t->file && t->length >= WRITE_AT) write_kept(t);
-}
-
-/* ------------------------------------------------------------------- text */
-
-static width table_width_of(const char *cell, size_t length, column_kind kind)
-{
-    size_t before = kind == COLUMN_NUMBER || kind == COLUMN_EXACT ? strcspn(cell, ".e") : length;
-    return (width){before, length - before};
-}
-
-static void widen(width *w, width by)
-{
-    if (by.before > w->before) w->before = by.before;
-    if (by.after > w->after) w->after = by.after;
-}
-
-static void keep_cell(table *t, const char *text, size_t length)
-{
-    size_t i = t->cells++ % t->columns;
-    if (i == 0) put_byte(t, TABLE_ROW);
-    table_put(t, text, length + 1);
-    widen(&t->width[i], table_width_of(text, length, t->column[i].kind));
-}
-
-static char *fill(char *to, size_t count) { return memset(to, ' ', count), to + count; }
-
-/* Writes a row; cell: its cells, one behind another.  Returns where they end. */
-static const char *table_write_row(const table *t, const char *cell, char *line, bool header)
-{
-    char *to = line;
-    for (size_t i = 0; i < t->columns; i++) {
-        column_kind kind = t->column[i].kind;
-        bool words = kind == COLUMN_WORD;
-        if (header) cell = t->column[i].name;
-        const width *w = &t->width[i];
-        size_t length = strlen(cell);
-        width own = header ? (width){length, 0} : table_width_of(cell, length, kind);
-        size_t all = w->before + w->after;
-        size_t left = words ? 0 : header ? all - own.before : w->before - own.before;
-        size_t right = i + 1 < t->columns ? all - left - length : 0;
-        if (i) to = fill(to, SPACE_BETWEEN);
-        to = fill(to, left);
-        memcpy(to, cell, length);
-        to = fill(to + length, right);
-        cell += length + 1;
-    }
-    *to++ = '\n';
-    fwrite(line, 1, (size_t)(to - line), t->file);
-    return cell;
-}
-
-static void write_block(table *t)
-{
-    size_t longest = 1;
-    for (size_t c = 0; c < t->columns; c++) {
-        width *w = &t->width[c];
-        size_t length = strlen(t->column[c].name), all = w->before + w->after;
-        if (length > all) w->before += length - all;
-        longest += w->before + w->after + SPACE_BETWEEN;
-    }
-    char *line = memory_grow(NULL, longest, 1);
-    if (t->block_written) fputc('\n', t->file);
-    table_write_row(t, NULL, line, true);
-    for (const char *at = t->kept, *end = at + t->length; at < end;) {
-        if (*at++ == TABLE_ROW) at = table_write_row(t, at, line, false);
-        else if (at < end) fputc('\n', t->file);
-    }
-    t->length = 0;
-    memset(t->width, 0, t->columns * sizeof *t->width);
-    t->block_written = true;
+    bytes_text(&t->kept, i ? ", \"" : t->rows == 0 && !t->part ? "\n{\"" : ",\n{\"");
+    bytes_text(&t->kept, t->head[i].name);
+    bytes_text(&t->kept, "\": ");
 }
 
 /* ------------------------------------------------------------------ cells */
 
-/* bare: csv and json may have it as it is. */
-static void put_cell(table *t, const char *text, size_t length, bool bare)
+/* Prints a number as the format has it; returns the length. */
+static int print_number(const table *t, size_t place, double value, char text[NUMBER_SIZE], double *gap)
 {
-    if (t->to.format == TABLE_TEXT) {
-        keep_cell(t, text, length);
-        return;
+    const column_kind kind = t->column[place].kind;
+    const table_format format = t->to.format;
+    const bool hexadecimal = t->to.hexadecimal, json = format == TABLE_JSON;
+    if (format == TABLE_TEXT && ((!hexadecimal && kind != COLUMN_EXACT) || isnan(value)))
+        return number_print_short(text, value, kind == COLUMN_ERROR ? 2 : 9);
+    if (json && isnan(value)) return snprintf(text, NUMBER_SIZE, "null");
+    if (json && (hexadecimal || isinf(value))) {
+        char bare[NUMBER_SIZE];
+        number_print(bare, value, hexadecimal);
+        return snprintf(text, NUMBER_SIZE, "\"%.36s\"", bare);
     }
-    cell_begin(t);
-    if (bare) table_put(t, text, length);
-    else if (t->to.format == TABLE_CSV) put_csv_field(t, text);
-    else put_json_string(t, text);
-    cell_end(t);
-}
-
-void table_number(table *t, double value)
-{
-    char text[NUMBER_SIZE];
-    column_kind kind = t->column[t->cells % t->columns].kind;
-    int length;
-    if (t->to.format == TABLE_TEXT && ((!t->to.hexadecimal && kind != COLUMN_EXACT) || isnan(value)))
-        length = number_print_short(text, value, kind == COLUMN_ERROR ? 2 : 9);
-    else if (t->to.format == TABLE_JSON && isnan(value))
-        length = snprintf(text, sizeof text, "null");
-    else
-        length = number_print(text, value, t->to.hexadecimal);
-    put_cell(t, text, (size_t)length,
-             t->to.format == TABLE_CSV || isnan(value) || (isfinite(value) && !t->to.hexadecimal));
+    if (t->cell[place + 1].kind == CELL_BOUND && !hexadecimal) return number_print_with_gap(text, value, gap);
+    return number_print(text, value, hexadecimal);
 }
 
 /* The bound is for the double, and the printed decimal may be half an ulp beside it.  So the bound is raised
  * to hold for the decimal too, and rounded up to three digits. */
+static int print_bound(const table *t, size_t place, char text[NUMBER_SIZE])
+{
+    const double error = t->cell[place].number, value = t->cell[place - 1].number;
+    const printed *p = &t->last[place - 1];
+    double gap = p->gap;
+    if (t->to.format == TABLE_TEXT || t->to.hexadecimal || !(error > 0) || !isfinite(error))
+        return print_number(t, place, error, text, &gap);
+    if (!p->length || memcmp(&p->bits, &value, sizeof value) != 0) number_print_with_gap(text, value, &gap);
+    return number_print_up(text, error + gap);
+}
+
+/* Prints a cell that is no word; returns the length.  Words of codes are only letters, and shorter than
+ * numbers. */
+static int print_cell(const table *t, size_t place, char text[NUMBER_SIZE], double *gap)
+{
+    const cell *c = &t->cell[place];
+    if (c->kind == CELL_NUMBER) return print_number(t, place, c->number, text, gap);
+    if (c->kind == CELL_BOUND) return print_bound(t, place, text);
+    if (c->kind == CELL_COUNT) return number_print_count(text, c->count);
+    return snprintf(text, NUMBER_SIZE, t->to.format == TABLE_JSON ? "\"%s\"" : "%s", c->word);
+}
+
+static void put_word(table *t, const char *text)
+{
+    if (t->block) block_cell(t->block, text, strlen(text));
+    else if (t->to.format == TABLE_CSV) put_csv_field(&t->kept, text);
+    else put_json_string(&t->kept, text);
+}
+
+static void put_empty(table *t)
+{
+    if (t->block) block_cell(t->block, "-", 1);
+    else if (t->to.format == TABLE_JSON) bytes_text(&t->kept, "null");
+}
+
+/* If the column has the same as in the row before, its text is copied; but a bound, which hangs on two. */
+static void put_again(table *t, size_t place)
+{
+    const cell *c = &t->cell[place];
+    printed *p = &t->last[place];
+    char *text = bytes_room(&t->kept, NUMBER_SIZE);
+    const int kind = 2 * c->kind + (t->cell[place + 1].kind == CELL_BOUND);
+    uint64_t bits;
+    memcpy(&bits, c->kind == CELL_NUMBER ? (const void *)&c->number : &c->count, sizeof bits);
+    if (p->length && p->bits == bits && p->kind == kind && c->kind != CELL_BOUND) {
+        memmove(text, t->kept.at + p->start, NUMBER_SIZE); /* quicker than one of any other size */
+    } else {
+        p->gap = 0;
+        p->length = print_cell(t, place, text, &p->gap);
+        p->bits = bits, p->kind = kind, p->start = t->kept.length;
+    }
+    t->kept.length += (size_t)p->length;
+}
+
+static void put_cell(table *t, size_t place)
+{
+    const cell *c = &t->cell[place];
+    char text[NUMBER_SIZE];
+    double gap;
+    if (c->kind == CELL_EMPTY) put_empty(t);
+    else if (c->kind == CELL_WORD) put_word(t, t->words.at + c->count);
+    else if (!t->block) put_again(t, place);
+    else block_cell(t->block, text, (size_t)print_cell(t, place, text, &gap));
+}
+
+static void put_binary(table *t, size_t i)
+{
+    const cell *c = &t->cell[t->choice[i]];
+    const size_t size = npy_size(&t->to, t->head[i].kind);
+    char *to = bytes_room(&t->kept, size);
+    t->kept.length += size;
+    const int32_t integer = (int32_t)c->count;
+    const int8_t code = (int8_t)c->count;
+    switch (t->head[i].kind) {
+    case COLUMN_NUMBER:
+    case COLUMN_EXACT:
+    case COLUMN_ERROR: memcpy(to, &c->number, sizeof c->number); break;
+    case COLUMN_COUNT: memcpy(to, &(int64_t){c->count}, sizeof(int64_t)); break;
+    case COLUMN_INTEGER: memcpy(to, &integer, sizeof integer); break;
+    case COLUMN_CODE: memcpy(to, &code, sizeof code); break;
+    case COLUMN_WORD:
+        memset(to, 0, size);
+        if (c->kind == CELL_WORD) memcpy(to, t->words.at + c->count, strlen(t->words.at + c->count));
+    }
+}
+
+/* Forgets the bytes that are kept. */
+static void drop_kept(table *t)
+{
+    t->kept.length = 0;
+    for (size_t i = 0; i < t->columns; i++) t->last[i].length = 0;
+}
+
+static void write_bytes(table *t, const char *at, size_t length)
+{
+    if (t->npy) npy_write(t->npy, length, at);
+    else if (length) fwrite(at, 1, length, t->file);
+}
+
+static void write_kept(table *t)
+{
+    write_bytes(t, t->kept.at, t->kept.length);
+    drop_kept(t);
+}
+
+static void end_row(table *t)
+{
+    const table_format format = t->to.format;
+    for (size_t i = 0; i < t->chosen; i++) {
+        if (format == TABLE_NPY) {
+            put_binary(t, i);
+            continue;
+        }
+        if (format == TABLE_JSON) put_json_key(t, i);
+        put_cell(t, t->choice[i]);
+        if (format == TABLE_CSV) bytes_one(&t->kept, i + 1 < t->chosen ? ',' : '\n');
+    }
+    if (format == TABLE_JSON) bytes_one(&t->kept, '}');
+    t->filled = t->words.length = 0;
+    t->rows++;
+    if (!t->part && t->kept.length >= WRITE_AT) write_kept(t);
+}
+
+/* Fills in the next cell, member by member: a whole one, copied, would cost as much as all the rest. */
+static void add_cell(table *t, int kind, double number, long long count, const char *word)
+{
+    cell *c = &t->cell[t->filled];
+    c->kind = kind, c->number = number, c->count = count, c->word = word;
+    if (++t->filled == t->columns) end_row(t);
+}
+
+void table_number(table *t, double value) { add_cell(t, CELL_NUMBER, value, 0, NULL); }
+
 void table_number_within(table *t, double value, double error)
 {
-    table_number(t, value);
-    if (t->to.format != TABLE_TEXT && !t->to.hexadecimal && error > 0)
-        error = number_round_up(error + number_print_gap(value));
-    table_number(t, error);
+    add_cell(t, CELL_NUMBER, value, 0, NULL);
+    add_cell(t, CELL_BOUND, error, 0, NULL);
 }
 
-void table_count(table *t, long long value)
+void table_count(table *t, long long value) { add_cell(t, CELL_COUNT, 0, value, NULL); }
+
+void table_code(table *t, int code, const char *word) { add_cell(t, CELL_CODE, 0, code, word); }
+
+void table_word(table *t, const char *text)
 {
-    char text[NUMBER_SIZE];
-    int length = number_print_count(text, value);
-    put_cell(t, text, (size_t)length, true);
+    const size_t start = t->words.length;
+    bytes_put(&t->words, text, strlen(text) + 1);
+    add_cell(t, CELL_WORD, 0, (long long)start, NULL);
 }
 
-void table_word(table *t, const char *text) { put_cell(t, text, strlen(text), false); }
+void table_empty(table *t) { add_cell(t, CELL_EMPTY, (double)NAN, 0, NULL); }
 
-void table_empty(table *t)
+/* ------------------------------------------------------------------- text */
+
+static void write_block(table *t)
 {
-    const char *text = t->to.format == TABLE_TEXT ? "-" : t->to.format == TABLE_JSON ? "null" : "";
-    put_cell(t, text, strlen(text), true);
+    if (t->block_written) fputc('\n', t->file);
+    block_write(t->block, t->file);
+    t->block_written = true;
 }
 
 void table_gap(table *t)
 {
-    if (t->to.format == TABLE_TEXT) put_byte(t, GAP);
+    if (t->block) block_gap(t->block);
 }
 
 void table_line(table *t, const char *format, ...)
 {
-    if (t->to.format != TABLE_TEXT) return;
-    if (t->length) write_block(t), fputc('\n', t->file);
+    if (!t->block) return;
+    if (!block_empty(t->block)) write_block(t), fputc('\n', t->file);
     va_list values;
     va_start(values, format);
     vfprintf(t->file, format, values);
@@ -283,25 +364,38 @@ void table_line(table *t, const char *format, ...)
 
 /* ------------------------------------------------------------------ parts */
 
-table *table_part(const table *t) { return table_new(&t->to, t->columns, t->column); }
+table *table_part(const table *t)
+{
+    table like = *t;
+    like.file = NULL, like.npy = NULL, like.part = true;
+    like.kept = like.words = (bytes){.length = 0};
+    like.filled = like.rows = 0;
+    return table_new(&like);
+}
 
 void table_join(table *t, table *part)
 {
-    if (part->length == 0) return;
-    size_t comma = t->to.format == TABLE_JSON && t->cells == 0;
-    table_put(t, part->kept + comma, part->length - comma);
-    for (size_t c = 0; c < t->columns; c++) widen(&t->width[c], part->width[c]);
-    if (t->to.format != TABLE_TEXT && t->length >= WRITE_AT) write_kept(t);
-    t->cells += part->cells;
-    part->cells = part->length = 0;
-    memset(part->width, 0, part->columns * sizeof *part->width);
+    if (t->block) {
+        block_join(t->block, part->block);
+    } else if (part->rows) {
+        const size_t comma = t->to.format == TABLE_JSON && t->rows == 0;
+        write_kept(t);
+        write_bytes(t, part->kept.at + comma, part->kept.length - comma);
+    }
+    t->rows += part->rows;
+    part->rows = 0;
+    drop_kept(part);
 }
 
 void table_end(table *t)
 {
-    if (t->to.format == TABLE_TEXT && t->length) write_block(t);
-    if (t->to.format == TABLE_JSON) put_text(t, t->cells ? "\n]\n" : "]\n");
-    if (t->to.format != TABLE_TEXT) write_kept(t);
+    if (t->block && !block_empty(t->block)) write_block(t);
+    if (t->to.format == TABLE_JSON) bytes_text(&t->kept, t->rows ? "\n]\n" : "]\n");
+    if (!t->block) write_kept(t);
+    if (t->npy) {
+        npy_end(t->npy);
+        return;
+    }
     bool bad = fflush(t->file) != 0 || ferror(t->file);
     if (t->file != stdout) bad = fclose(t->file) != 0 || bad;
     if (bad)

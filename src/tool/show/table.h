@@ -1,7 +1,8 @@
-/* table.h - the output of the command: one table, as text, csv or json.
+/* table.h - the output of the command: one table, as text, csv, json or npy.
  *
- * Cells are given row by row, in the order of the columns.  csv and json are written as they
- * come.  Text is written when the table ends, because a column is as wide as its widest cell. */
+ * Cells are given row by row, in the order of the columns.  csv, json and npy are written as they
+ * come.  Text is written when the table ends, because a column is as wide as its widest cell.  Memory
+ * does not grow with the rows. */
 #ifndef TOOL_TABLE_H
 #define TOOL_TABLE_H
 #include "../base/fail.h"
@@ -9,30 +10,37 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-typedef enum table_format { TABLE_TEXT, TABLE_CSV, TABLE_JSON } table_format;
+typedef enum table_format { TABLE_TEXT, TABLE_CSV, TABLE_JSON, TABLE_NPY } table_format;
 
 typedef struct table_target {
     table_format format;
     const char *path;     /* NULL: standard output */
     bool hexadecimal;     /* numbers as 0x1.8p+1; in json as strings, since json has no such numbers */
+    const char *columns;  /* of --columns: names with commas, in the order they are wanted; NULL: all */
+    size_t word_size;     /* of the longest word in a column of WORD, for npy */
 } table_target;
 
-/* How a column looks as text: NUMBER with 9 digits, EXACT with as many as it needs, ERROR with 2; COUNT a
- * whole number; WORD words. */
-typedef enum column_kind { COLUMN_NUMBER, COLUMN_EXACT, COLUMN_ERROR, COLUMN_COUNT, COLUMN_WORD } column_kind;
+/* How a column looks as text, and in npy: NUMBER with 9 digits, EXACT with as many as it needs, ERROR with 2,
+ * a double; COUNT a whole number of 8 bytes, INTEGER one of 4; CODE a word that has a number, of 1 byte; WORD
+ * words, of target.word_size bytes. */
+typedef enum column_kind {
+    COLUMN_NUMBER, COLUMN_EXACT, COLUMN_ERROR, COLUMN_COUNT, COLUMN_INTEGER, COLUMN_CODE, COLUMN_WORD
+} column_kind;
 typedef struct column { const char *name; column_kind kind; } column;
 
 typedef struct table table;
 
+/* An unknown name in target->columns ends with a usage error. */
 table *table_begin(const table_target *target, size_t columns, const column *head);
 void table_number(table *t, double value);
 void table_number_within(table *t, double value, double error); /* two cells: it, a bound on its error */
 void table_count(table *t, long long value);
 void table_word(table *t, const char *text);
-void table_empty(table *t); /* nothing in csv, null in json, - in text */
+void table_code(table *t, int code, const char *word); /* word: as long as the table */
+void table_empty(table *t); /* nothing in csv, null in json, - in text; NaN, 0 or no letters in npy */
 
-/* Only in text, not in csv and json.  table_gap: an empty line between two rows.  table_line: a line of text
- * under the rows so far; later rows start a new block with its own header. */
+/* Only in text.  table_gap: an empty line between two rows.  table_line: a line of text under the rows so
+ * far; later rows start a new block with its own header. */
 void table_gap(table *t);
 void table_line(table *t, const char *format, ...) LIKE_PRINTF(2, 3);
 

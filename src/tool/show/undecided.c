@@ -179,7 +179,11 @@ static void print_reason(char text[REASON_SIZE], const search *s)
 {
     switch (s->hit->status) {
     case SGT_UNPROVEN: print_reason_of_unproven(text, s); break;
-    case SGT_UNDEFINED: snprintf(text, REASON_SIZE, "F is NaN where the root would have to be"); break;
+    case SGT_UNDEFINED:
+        snprintf(text, REASON_SIZE, "%s",
+                 isnan(s->hit->lo) ? "met, but without a normal there, or a direction behind it"
+                                   : "F is NaN where the root would have to be");
+        break;
     case SGT_EXHAUSTED: snprintf(text, REASON_SIZE, "%s", budget_spent); break;
     case SGT_INVALID:
         snprintf(text, REASON_SIZE, "the ray or the surface is invalid");

@@ -1,0 +1,125 @@
+/* watch.c - --watch FILE: every evaluation of those rays of a batch that were lost.
+ *
+ * A batch under a watcher would run ray by ray.  So the batch runs without one.  A ray that it has lost is
+ * answered once more by itself, under a watcher.  A batch gives the same bits as single rays, so these are
+ * the evaluations that lost it.  This is done in the thread of the ray's tile, and the rows wait at the place
+ * of the tile until it is its turn. */
+#include "watch.h"
+
+#include "watched.h"
+#include "../base/input.h"
+#include "../base/memory.h"
+#include "../../text/number.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char watch_head[] = "ray,element,eval,move,t,f,slope,lo,hi";
+
+enum {
+    EVALS_MOST = 1 << 18,   /* of the rays of a tile, if each spends all it may: some 32 MB as text */
+    SHARE_WATCHED = 2,
+    ROW_SIZE = 8 * NUMBER_SIZE + 80
+};
+
+/* The lost rays of a tile. */
+typedef struct watch_part {
+    watched ray;             /* the one that is repeated; its record serves single surfaces, too */
+    char *text;
+    size_t length, capacity;
+} watch_part;
+
+struct watch {
+    const char *path;
+    FILE *file;
+    bool hexadecimal;
+    watch_part *part;        /* [places] */
+};
+
+void watch_tiling(tiling *in, const char *path, const sgt_options *opt)
+{
+    const size_t evals = opt->max_evals ? (size_t)opt->max_evals : 2000 /* sagitta.h */;
+    const size_t most = evals < EVALS_MOST ? EVALS_MOST / evals : 1;
+    if (!path) return;
+    if (in->most == 0 || in->most > most) in->most = most < TILE_RAYS ? most : TILE_RAYS;
+    if (in->share > SHARE_WATCHED) in->share = SHARE_WATCHED;
+}
+
+watch *watch_begin(const char *path, bool hexadecimal, size_t places, size_t elements)
+{
+    if (!path) return NULL;
+    output_reserve("watch", path);
+    watch *w = memory_take(1, sizeof *w);
+    *w = (watch){.path = path, .file = fopen(path, "wb"), .hexadecimal = hexadecimal,
+                 .part = memory_take(places, sizeof *w->part)};
+    if (!w->file) fail_input("--watch %s: %s", path, strerror(errno));
+    fprintf(w->file, "%s%s\n", watch_head, elements ? ",wavelength" : "");
+    for (size_t i = 0; i < places; i++) w->part[i].ray = watched_room(elements);
+    return w;
+}
+
+/* The i-th evaluation of a ray at an element.  behind: the end of the row. */
+static void watch_write(const watch *w, watch_part *p, size_t ray, size_t element, const record *r, size_t i,
+                        const char *behind)
+{
+    const sgt_step *s = &r->step[i];
+    const double numbers[] = {s->t, s->f, s->slope, s->lo, s->hi};
+    if (p->capacity - p->length < ROW_SIZE) {
+        p->capacity = 2 * p->capacity + ROW_SIZE;
+        p->text = memory_grow(p->text, p->capacity, 1);
+    }
+    char *to = p->text + p->length;
+    to += snprintf(to, ROW_SIZE, "%zu,%zu,%zu,%s", ray, element + 1, i + 1, sgt_move_text(s->move));
+    for (int k = 0; k < 5; k++) {
+        *to++ = ',';
+        to += number_print(to, numbers[k], w->hexadecimal);
+    }
+    size_t length = strlen(behind);
+    memcpy(to, behind, length);
+    p->length = (size_t)(to - p->text) + length;
+}
+
+void watch_trace(watch *w, size_t place, const job_lens *at, const launch *l, const sgt_options *opt)
+{
+    char behind[NUMBER_SIZE + 2] = ",", um[NUMBER_SIZE] = "";
+    if (!w) return;
+    watch_part *p = &w->part[place];
+    if (!isnan(at->lens.wavelength)) number_print(um, at->lens.wavelength, w->hexadecimal);
+    snprintf(behind, sizeof behind, ",%s\n", um);
+    watched_trace(&p->ray, at->element, at->lens.index_before, &l->ray, opt);
+    for (size_t i = 0; i < p->ray.count; i++) {
+        const record r = watched_at(&p->ray, i);
+        for (size_t k = 0; k < r.count; k++) watch_write(w, p, l->number, i, &r, k, behind);
+    }
+}
+
+void watch_intersect(watch *w, size_t place, sgt_surface s, const launch *l, const sgt_options *opt,
+                     bool all)
+{
+    if (!w) return;
+    watch_part *p = &w->part[place];
+    record *r = &p->ray.all;
+    sgt_options own = *opt;
+    own.watch = method_watch, own.watch_data = r;
+    r->count = 0;
+    if (all) sgt_intersect_all(s, l->ray, 0, NULL, &own);
+    else sgt_intersect(s, l->ray, &own);
+    for (size_t k = 0; k < r->count; k++) watch_write(w, p, l->number, 0, r, k, "\n");
+}
+
+void watch_take(watch *w, size_t place)
+{
+    if (!w) return;
+    watch_part *p = &w->part[place];
+    fwrite(p->text, 1, p->length, w->file);
+    p->length = 0;
+}
+
+void watch_end(watch *w)
+{
+    if (!w) return;
+    bool bad = fflush(w->file) != 0 || ferror(w->file);
+    if (fclose(w->file) != 0 || bad) fail_input("--watch %s: could not be written", w->path);
+}

@@ -1,0 +1,172 @@
+/* npy.c - writes the npy format, version 1.0 (NEP 1): a header that is a Python literal, then the bytes.
+ *
+ * How many rows there are is known last.  So a header has room for the largest number, and is written twice:
+ * first with no rows, so that a file of a command that was stopped is an empty array, and last with all. */
+#include "npy.h"
+
+#include "../base/bytes.h"
+#include "../base/input.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <sys/stat.h>
+
+typedef struct npy_file {
+    char *path;
+    FILE *file;
+    bytes packed;      /* of a folder: the cells of one column */
+} npy_file;
+
+struct npy_output {
+    const table_target *target;
+    const column *head;
+    size_t columns, row_size, rows;
+    bool folder;
+    npy_file *file;    /* one, or one for each column */
+};
+
+size_t npy_size(const table_target *target, column_kind kind)
+{
+    switch (kind) {
+    case COLUMN_INTEGER: return sizeof(int32_t);
+    case COLUMN_CODE: return 1;
+    case COLUMN_WORD: return target->word_size ? target->word_size : 1;
+    default: return 8;
+    }
+}
+
+/* "<f8": order, letter and size. */
+static void put_type(bytes *b, const npy_output *n, size_t place)
+{
+    const column_kind kind = n->head[place].kind;
+    const size_t size = npy_size(n->target, kind);
+    const uint16_t one = 1;
+    const bool little = *(const uint8_t *)&one == 1, single = size == 1 || kind == COLUMN_WORD;
+    const char letter = kind == COLUMN_WORD ? 'S' : kind < COLUMN_COUNT ? 'f' : 'i';
+    char text[40];
+    snprintf(text, sizeof text, "'%c%c%zu'", single ? '|' : little ? '<' : '>', letter, size);
+    bytes_text(b, text);
+}
+
+/* The columns first ... first + count - 1 of a file; one in a folder is an array of numbers. */
+static void npy_write_header(npy_output *n, size_t place)
+{
+    enum { START = 10, DIGITS = 20, MULTIPLE = 64 };
+    bytes b = {.length = 0};
+    char shape[80];
+    bytes_put(&b, "\x93NUMPY\x01\x00..", START);
+    bytes_text(&b, "{'descr': ");
+    for (size_t i = 0; i < n->columns && !n->folder; i++) {
+        bytes_text(&b, i ? ", ('" : "[('");
+        bytes_text(&b, n->head[i].name);
+        bytes_text(&b, "', ");
+        put_type(&b, n, i);
+        bytes_one(&b, ')');
+    }
+    if (n->folder) put_type(&b, n, place);
+    bytes_text(&b, n->folder ? ", 'fortran_order': False" : "], 'fortran_order': False");
+    bytes_text(&b, ", 'shape': (");
+    const int digits = snprintf(shape, sizeof shape, "%zu,), }", n->rows);
+    const size_t spaces = (size_t)DIGITS + 5 - (size_t)digits;
+    bytes_text(&b, shape);
+    memset(bytes_room(&b, spaces + MULTIPLE), ' ', spaces + MULTIPLE);
+    b.length += spaces;
+    b.length += MULTIPLE - b.length % MULTIPLE;
+    b.at[b.length - 1] = '\n';
+    b.at[8] = (char)((b.length - START) & 255), b.at[9] = (char)((b.length - START) >> 8);
+    fwrite(b.at, 1, b.length, n->file[place].file);
+}
+
+static void npy_open(npy_output *n, size_t place, char *path)
+{
+    struct stat is;
+    npy_file *f = &n->file[place];
+    f->path = path;
+    output_check("output", path);
+    if (stat(path, &is) == 0 && !S_ISREG(is.st_mode))
+        fail_input("--output %s: not a file, and an npy file is written from its beginning again", path);
+    if (!(f->file = fopen(path, "wb"))) fail_input("--output %s: %s", path, strerror(errno));
+    npy_write_header(n, place);
+}
+
+static char *path_of(const char *folder, const char *name)
+{
+    bytes b = {.length = 0};
+    bytes_text(&b, folder);
+    if (b.length && b.at[b.length - 1] != '/') bytes_one(&b, '/');
+    bytes_text(&b, name);
+    bytes_put(&b, ".npy", 5);
+    return b.at;
+}
+
+static bool is_column_file(const npy_output *n, const char *name)
+{
+    for (size_t i = 0; i < n->columns; i++) {
+        const size_t length = strlen(n->head[i].name);
+        if (strncmp(name, n->head[i].name, length) == 0 && strcmp(name + length, ".npy") == 0) return true;
+    }
+    return false;
+}
+
+/* Makes the folder; one that is there may hold the columns of this table, and nothing else. */
+static void npy_open_folder(npy_output *n, const char *path)
+{
+    DIR *folder = NULL;
+    if (mkdir(path, 0777) != 0 && (errno != EEXIST || !(folder = opendir(path))))
+        fail_input("--output %s: %s", path, strerror(errno));
+    for (struct dirent *e; folder && (e = readdir(folder));)
+        if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0 && !is_column_file(n, e->d_name))
+            fail_input("--output %s: it holds %s, which is no column of this table; give a folder that is "
+                       "empty or not there yet, or a file NAME.npy",
+                       path, e->d_name);
+    if (folder) closedir(folder);
+    for (size_t i = 0; i < n->columns; i++) npy_open(n, i, path_of(path, n->head[i].name));
+}
+
+npy_output *npy_begin(const table_target *target, size_t columns, const column *head)
+{
+    const char *path = target->path;
+    if (!path || strcmp(path, "-") == 0)
+        fail_usage("--format npy: give --output NAME.npy or --output FOLDER; it cannot go to standard output, "
+                   "since the number of rows is written last, at the beginning");
+    const size_t length = strlen(path);
+    npy_output *n = memory_take(1, sizeof *n);
+    *n = (npy_output){.target = target, .head = head, .columns = columns,
+                      .file = memory_take(columns, sizeof *n->file),
+                      .folder = length < 4 || strcmp(path + length - 4, ".npy") != 0};
+    for (size_t i = 0; i < columns; i++) n->row_size += npy_size(target, head[i].kind);
+    if (n->folder) npy_open_folder(n, path);
+    else npy_open(n, 0, memory_text(path, length));
+    return n;
+}
+
+void npy_write(npy_output *n, size_t length, const char *rows)
+{
+    const size_t count = length / n->row_size;
+    n->rows += count;
+    if (!n->folder) {
+        fwrite(rows, 1, length, n->file[0].file);
+        return;
+    }
+    for (size_t c = 0, at = 0, size; c < n->columns; c++, at += size) {
+        npy_file *f = &n->file[c];
+        size = npy_size(n->target, n->head[c].kind);
+        f->packed.length = 0;
+        char *to = bytes_room(&f->packed, count * size);
+        for (size_t i = 0; i < count; i++) memcpy(to + i * size, rows + i * n->row_size + at, size);
+        fwrite(to, 1, count * size, f->file);
+    }
+}
+
+void npy_end(npy_output *n)
+{
+    for (size_t i = 0; i < (n->folder ? n->columns : 1); i++) {
+        npy_file *f = &n->file[i];
+        bool bad = ferror(f->file) || fseek(f->file, 0, SEEK_SET) != 0;
+        if (!bad) npy_write_header(n, i);
+        bad = bad || ferror(f->file);
+        if (fclose(f->file) != 0 || bad) fail_input("--output %s: could not be written", f->path);
+    }
+}

@@ -1,0 +1,348 @@
+#!/usr/bin/env python3
+"""Spots, wavefronts and curves of fields by the command, against rays at 50 digits.
+
+    python3 test_analysis.py SAGITTA
+
+The oracle is analysis_oracle.py; its answers are ../data/analysis_*.csv, whose README says what the columns
+are.  Lengths may be off by 1e-10 of the lens's length, from the object or else the first vertex to the image,
+and by no more than the error that is told; path differences by no more than the error that is told.
+"""
+import csv
+import functools
+import math
+import os
+import pathlib
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / 'tool'))
+from command import *  # noqa: E402
+
+DATA = HERE.parent / 'data'
+os.environ['SAGITTA_GLASS'] = str(HERE.parents[1] / 'data' / 'glass')
+WITHIN = 1e-10   # of the length of a lens
+ULPS = 256       # an error of a path difference, in ulps of the longest path
+DEEP = 'DeepLens__zemax_double_gaussian__e5f0f7.zmx'
+# Elements tilted or beside the axis by `origin`, or without a curvature at the vertex: no paraxial data.
+NOT_PARAXIAL = 'figured_mirror.yaml', 'newtonian.yaml'
+IDEAL = DEEP,    # behind an ideal lens no error is known
+# No foci: no plane of symmetry, a grid of heights (its second derivative jumps), an ideal lens.
+NO_FOCI = 'analysis_tilted.yaml', 'figured_mirror.yaml', DEEP
+
+
+def number(cell):
+    return float(cell) if cell else None
+
+
+@functools.lru_cache
+def oracle(table):
+    """The rows of a table, of each lens."""
+    out = {}
+    with (DATA / f'analysis_{table}.csv').open() as file:
+        for row in csv.DictReader(file):
+            out.setdefault(row['lens'], []).append(row)
+    return out
+
+
+def path_of(lens):
+    return next(p for p in (LENSES / lens, DATA / lens, DATA / 'zmx' / lens) if p.exists())
+
+
+def length_of(lens):
+    return float(oracle('fields')[lens][0]['length'])
+
+
+def key(row):
+    return (int(row['field']), float(row['wavelength'])) + tuple(
+        round(float(row[k]), 9) + 0.0 for k in ('px', 'py') if k in row)
+
+
+def told(command, lens, *arguments):
+    """Rows of the command, by field, wavelength and point of the pupil."""
+    return {key(row): row for row in rows(command, path_of(lens), '--no-apertures', *arguments, exit=None)
+            if row['wavelength'] != 'all'}
+
+
+def points_of(lens):
+    first = oracle('rays')[lens]
+    several = dict.fromkeys((row['px'], row['py']) for row in first)
+    return [word for point in several for word in ('--pupil', ' '.join(point))]
+
+
+def both(got, wanted, within, what):
+    """Two numbers within a tolerance, or two that are not there."""
+    got, wanted = (number(x) if isinstance(x, str) else x for x in (got, wanted))
+    if got is None or wanted is None:
+        equal(got, wanted, what)
+    else:
+        close(got, wanted, within, what)
+
+
+def waves(lens, wavelength):
+    """In a unit of length."""
+    return float(oracle('fields')[lens][0]['micrometres']) / wavelength
+
+
+@functools.lru_cache
+def ends(lens):
+    """Where rays end: the rows of `sagitta trace` at the image, by field, wavelength and point of the pupil."""
+    everything = rows('trace', path_of(lens), '--no-apertures', '--wavelength', 'all', *points_of(lens))
+    last = max(int(row['element']) for row in everything)
+    return {key(row): row for row in everything if int(row['element']) == last}
+
+
+def test_rays():
+    """Points, directions and paths at the image."""
+    for lens, rays in oracle('rays').items():
+        got = ends(lens)
+        equal(len(got), len(rays), f'{lens}: rays')
+        for row in rays:
+            mine, what = got[key(row)], f'{lens} {key(row)}: '
+            for column in 'xyzlmn':
+                within = 1e-14 if column in 'lmn' else 1e-14 * length_of(lens)
+                close(mine[column], row[column], within, what + column)
+            chief = got[key(row)[:2] + (0, 0)]
+            close(float(mine['opl']) - float(chief['opl']), row['opl'], 1e-14 * length_of(lens), what + 'opl')
+
+
+def test_fans():
+    """Each transverse error, from the chief ray of the primary wavelength."""
+    for lens, rays in oracle('rays').items():
+        got, primary = told('fan', lens, *points_of(lens)), float(oracle('spots')[lens][0]['wavelength'])
+        chief = {key(row)[0]: row for row in rays if key(row)[1:] == (primary, 0, 0)}
+        equal(len(got), len(rays), f'{lens}: rays of a fan')
+        for row in rays:
+            mine, centre = got[key(row)], chief[int(row['field'])]
+            equal(mine['fate'], 'passed', f'{lens} {key(row)}')
+            for axis in 'xy':
+                wanted = float(row[axis]) - float(centre[axis])
+                what = f'{lens} {key(row)}: e{axis}'
+                close(mine['e' + axis], wanted, WITHIN * length_of(lens), what)
+                close(mine['e' + axis], wanted, float(mine['e_err']), what + ', its error')
+
+
+def test_path_differences():
+    """Each opd, and what is told of its error."""
+    for lens, rays in oracle('rays').items():
+        column = 'opd_foot' if lens in NOT_PARAXIAL else 'opd'
+        got, longest = told('opd', lens, *points_of(lens)), {}
+        equal(len(got), len(rays), f'{lens}: rays')
+        for at, row in ends(lens).items():
+            longest[at[:2]] = max(longest.get(at[:2], 0), abs(float(row['opl'])))
+        for row in rays:
+            mine, what = got[key(row)], f'{lens} {key(row)}'
+            equal(mine['fate'], 'passed', what)
+            if lens in IDEAL:
+                close(mine['opd'], row[column], 1e-8, what)
+                continue
+            close(mine['opd'], row[column], float(mine['opd_err']), what)
+            ulp = math.ulp(longest[key(row)[:2]]) * waves(lens, key(row)[1])
+            if not float(mine['opd_err']) <= ULPS * ulp:
+                raise AssertionError(f"{what}: opd_err is {float(mine['opd_err']) / ulp:.0f} ulps")
+
+
+def test_afocal():
+    """Parallel light against a plane."""
+    for lens in ('analysis_afocal.yaml', 'optiland__simple_fold_mirror_up__8136ed.zmx'):
+        got = told('opd', lens, '--afocal', *points_of(lens))
+        for row in oracle('rays')[lens]:
+            mine = got[key(row)]
+            close(mine['opd'], row['opd_plane'], float(mine['opd_err']), f'{lens} {key(row)}')
+
+
+def test_unknown_exit_pupil():
+    """Paths then go to the foot of the perpendicular, and that is told."""
+    for lens in NOT_PARAXIAL:
+        done = run('opd', path_of(lens), '--pupil', '0 1')
+        if 'exit pupil is not known' not in done.stderr:
+            raise AssertionError(f'{lens}: {done.stderr!r}')
+
+
+def test_fields():
+    """Chief rays, foci, distortion of both kinds."""
+    for lens, fields in oracle('fields').items():
+        length = length_of(lens)
+        for kind in ('tan', 'theta'):
+            got = told('field', lens, '--distortion', kind)
+            equal(len(got), len(fields), f'{lens}: fields')
+            for row in fields:
+                mine, what = got[key(row)], f'{lens} {key(row)}: '
+                error = number(mine['xy_err'])  # none behind an ideal lens
+                equal(error is None, lens in IDEAL, what + 'xy_err')
+                for axis in 'xy':
+                    close(mine[axis], row[axis], min(WITHIN * length, error or length), what + axis)
+                for focus in ('tangential', 'sagittal'):
+                    wanted = '' if lens in NO_FOCI else row[focus]
+                    both(mine[focus], wanted, WITHIN * max(length, abs(number(wanted) or 0)), what + focus)
+                for column in ('ideal', 'distortion'):
+                    wanted = '' if lens in NOT_PARAXIAL else row[f'{column}_{kind}']
+                    both(mine[column], wanted, WITHIN * (length if column == 'ideal' else 1), what + column)
+
+
+def test_spots():
+    """316 cells, about the centroid and about the chief ray; how many pass the apertures."""
+    for lens, spots in oracle('spots').items():
+        length = length_of(lens)
+        for about in ('centroid', 'chief'):
+            got = told('spot', lens, '--cells', '20', '--reference', about)
+            for row in spots:
+                mine, what = got[key(row)], f'{lens} {key(row)}, {about}: '
+                equal(int(mine['passed']), int(row['traced']), what + 'rays')
+                for column in ('rms', 'rms_x', 'rms_y', 'geometric'):
+                    close(mine[column], row[f'{column}_{about}'], WITHIN * length, what + column)
+                close(mine['rms'], row['rms_' + about], float(mine['rms']) * 10.0 ** -int(mine['digits']),
+                      what + f"{mine['digits']} digits of rms")
+                if about == 'centroid':
+                    for axis in 'xy':
+                        close(mine[axis], row[axis], WITHIN * length, what + axis)
+        clipped = rows('spot', path_of(lens), '--cells', '20', exit=None)
+        passed = {key(row): row['passed'] for row in clipped if row['wavelength'] != 'all'}
+        for row in spots:
+            equal(int(passed[key(row)]), int(row['passed']), f'{lens} {key(row)}: rays that pass')
+
+
+def rms_about(points, centre):
+    return math.sqrt(math.fsum((x - centre[0]) ** 2 + (y - centre[1]) ** 2 for x, y in points) / len(points))
+
+
+def test_through_focus():
+    """Spots of single rays on a moved image, of each wavelength and of all, about the primary chief ray."""
+    for lens in ('ftheta.yaml', 'analysis_tilted.yaml', 'ray-optics__US05331467-1__e65bce.zmx'):
+        primary = float(oracle('spots')[lens][0]['wavelength'])
+        for z in (0.0, 0.25, -0.125):
+            got = {(row['field'], row['wavelength']): row for row in rows(
+                'spot', path_of(lens), '--no-apertures', *points_of(lens), f'--defocus={z}')}
+            for field in dict.fromkeys(row['field'] for row in oracle('rays')[lens]):
+                points, chief = {'all': []}, None
+                for row in (row for row in oracle('rays')[lens] if row['field'] == field):
+                    x, y, l, m, n = (float(row[k]) for k in 'xylmn')
+                    here = x + z * l / n, y + z * m / n
+                    points['all'].append(here)
+                    points.setdefault(row['wavelength'], []).append(here)
+                    chief = here if key(row)[1:] == (primary, 0, 0) else chief
+                for wavelength, several in points.items():
+                    close(got[field, wavelength]['rms'], rms_about(several, chief), WITHIN * length_of(lens),
+                          f'{lens}, field {field}, {wavelength}, {z} out of focus')
+
+
+def test_airy():
+    """1.22 wavelength working F-number: the first zero of the Bessel function J1 is 3.8317059702."""
+    for lens, fields in oracle('fields').items():
+        got = told('spot', lens, '--chief')
+        for row in fields:
+            wanted = None if lens in NOT_PARAXIAL else number(row['working_f_number'])
+            if wanted is not None:
+                wanted *= 3.8317059702 / math.pi / waves(lens, float(row['wavelength']))
+            both(got[key(row)]['airy'], wanted, 1e-9 * (wanted or 0), f'{lens} {key(row)}: airy')
+
+
+def test_wavefronts():
+    """316 cells: RMS, peak to valley, the coefficients of both orders."""
+    for lens, spots in oracle('spots').items():
+        if lens in NOT_PARAXIAL + IDEAL:
+            continue
+        cells = ('--cells', '20')
+        off = {}
+        for at, row in told('opd', lens, *cells).items():
+            off[at[:2]] = max(off.get(at[:2], 0), float(row['opd_err']))
+        got = told('opd', lens, *cells, '--summary')
+        for row in spots:
+            mine, what, within = got[key(row)], f'{lens} {key(row)}: ', off[key(row)]
+            close(mine['rms'], row['opd_rms'], within, what + 'rms')
+            close(mine['rms'], row['opd_rms'], float(mine['rms']) * 10.0 ** -int(mine['digits']),
+                  what + f"{mine['digits']} digits of rms")
+            close(mine['pv'], row['opd_pv'], 2 * within, what + 'pv')
+        for order, terms in (('noll', 15), ('fringe', 16)):
+            fits = {key(row) + (row['term'],): row for row in rows(
+                'opd', path_of(lens), *cells, '--no-apertures', '--zernike', terms, '--order', order)}
+            for row in oracle('zernike')[lens]:
+                if row['order'] == order:
+                    mine, what = fits[key(row) + (row['term'],)], f"{lens} {key(row)}: {order} {row['term']}"
+                    equal((mine['n'], mine['m']), (row['n'], row['m']), what)
+                    # a coefficient is the mean of the values times a factor below 2 n + 2
+                    close(mine['coefficient'], row['coefficient'], 14 * off[key(row)], what)
+
+
+def test_reference():
+    """RMS spots and wavefronts of the ten .zmx files by another tracer, aimed at the paraxial pupil."""
+    for lens, several in oracle('reference').items():
+        how = ('--aim', 'paraxial', '--cells', '20')
+        length, primary = length_of(lens), float(oracle('spots')[lens][0]['wavelength'])
+        spots = {about: told('spot', lens, *how, '--reference', about) for about in ('centroid', 'chief')}
+        summary, off = told('opd', lens, *how, '--summary'), {}
+        for at, row in told('opd', lens, *how).items():
+            off[at[:2]] = max(off.get(at[:2], 0), number(row['opd_err']) or 0)
+        for row in several:
+            what = f'{lens} {key(row)}: '
+            equal(spots['centroid'][key(row)]['passed'], row['traced'], what + 'rays')
+            for about in ('centroid', 'chief') if key(row)[1] == primary else ('centroid',):
+                both(spots[about][key(row)]['rms'], row['rms_' + about], WITHIN * length, what + about)
+            for column in ('pv', 'rms') if row['opd_pv'] else ():
+                close(summary[key(row)][column], row['opd_' + column], 2 * off[key(row)], what + column)
+
+
+def test_published():
+    """Foci and distortion of a published lens, to the digits that are published.
+
+    There distortion is a percentage, and compared to the height that rays near the axis have, not efl."""
+    lens = 'published_triplet.yaml'
+    with (DATA / 'published_triplet.csv').open() as file:
+        for row in csv.DictReader(file):
+            nominator, _, denominator = row['degrees'].partition('/')
+            angle = float(nominator) / float(denominator or 1)
+            kind = row['quantity'] if row['quantity'] in ('tan', 'theta') else 'tan'
+
+            def point(degrees):
+                several = told('field', lens, '--field', repr(degrees), '--distortion', kind)
+                return several[1, float(row['wavelength'])]
+            if row['quantity'] in ('tan', 'theta'):
+                far, near = (1 + float(point(a)['distortion']) for a in (angle, 1e-4))
+                got = 100 * (far / near - 1)
+            else:
+                got = float(point(angle)[row['quantity']])
+            last = 10.0 ** -len(row['value'].partition('.')[2])
+            close(got, row['value'], last, str(row))  # some are cut off, not rounded
+
+
+def test_numpy():
+    """Coefficients are those of numpy.linalg.lstsq for the differences that the command told."""
+    try:
+        import numpy
+    except ImportError:
+        print('       (numpy is missing: the oracle\'s own fits are compared all the same)')
+        return
+    for lens in ('cooke_triplet.yaml', 'analysis_relay.yaml', 'analysis_tilted.yaml'):
+        for hexapolar in (2, 6):
+            pattern = '--hexapolar', str(hexapolar)
+            several, fits = {}, {}
+            for row in told('opd', lens, *pattern).values():
+                several.setdefault(key(row)[:2], []).append([float(row[k]) for k in ('px', 'py', 'opd')])
+            for row in rows('opd', path_of(lens), *pattern, '--no-apertures', '--zernike', 11):
+                fits.setdefault(key(row), []).append(float(row['coefficient']))
+            for at, points in several.items():
+                x, y, opd = numpy.array(points).T
+                weight = numpy.sqrt([hexapolar_weight(hexapolar, r) for r in numpy.hypot(x, y)])
+                wanted = numpy.linalg.lstsq((numpy.array(noll(x, y)) * weight).T, opd * weight, rcond=None)[0]
+                for term, (a, b) in enumerate(zip(fits[at], wanted), 1):
+                    close(a, b, 1e-12 * max(abs(opd)), f'{lens} {at}, {hexapolar} rings: term {term}')
+
+
+def hexapolar_weight(rings, radius):
+    """As docs/lens_file.md has it, for a ray at this radius."""
+    ring = round(radius * rings)
+    if ring == 0:
+        return 1 / (4 * rings ** 2)
+    if ring == rings:
+        return (rings - 1 / 4) / (6 * rings ** 3)
+    return 1 / (3 * rings ** 2)
+
+
+def noll(x, y):
+    """The first 11 (Noll 1976, table I)."""
+    r2, s = x * x + y * y, math.sqrt
+    return [x * 0 + 1, 2 * x, 2 * y, s(3) * (2 * r2 - 1), 2 * s(6) * x * y, s(6) * (x * x - y * y),
+            s(8) * (3 * r2 - 2) * y, s(8) * (3 * r2 - 2) * x, s(8) * (3 * x * x - y * y) * y,
+            s(8) * (x * x - 3 * y * y) * x, s(5) * (6 * r2 * r2 - 6 * r2 + 1)]
+
+
+main(globals())
