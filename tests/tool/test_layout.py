@@ -92,6 +92,13 @@ def test_wrong_options():
         equal((done.stdout, list(where.glob('*.svg'))), ('', []))
 
 
+def test_fan_seen_from_its_edge():
+    path = written('', 'a.svg')
+    for arguments, told in ((('--fan', 3), True), (('--cross', 3), False), (('--chief', '--fields', '1'), False)):
+        said = run('trace', LENSES / 'cooke_triplet.yaml', *arguments, '--plane', 'xz', '--picture', path).stderr
+        assert ('--cross N sends some in x' in said) == told, (arguments, said)
+
+
 def test_two_pictures_in_one_file():
     where = written('').parent
     for arguments in (('--svg', where / 'a.svg', '--picture', where / 'a.svg'), ('--output', where / 'b.svg', '--picture', where / 'b.svg')):
