@@ -2,8 +2,8 @@
  *
  * A number stands beyond the upper end of its element.  If another number or an element is in the way it
  * moves aside, then farther out, row by row, and a fine line leads to it; then the same below the lower end.
- * If all that is taken it is left out.  Elements are numbered in the order of light, so what stands close
- * together gets a staircase. */
+ * If all that is taken it is left out.  So are those beyond NUMBERED, as the time grows by the square.
+ * Elements are numbered in the order of light, so what stands close together gets a staircase. */
 #include "numbers.h"
 
 #include "../base/memory.h"
@@ -14,7 +14,7 @@
 
 static const double SIZE = CHART_SMALL, FIRST = 9, ROW = 10.5, AWAY = 1.5, LETTER = 6.5, UNDER = 4,
                     STOP_BEYOND = 13, PAGE_EDGE = 4;
-enum { ROWS = 6 };
+enum { ROWS = 6, NUMBERED = 400 };
 
 typedef struct number_box {
     double left, top, right, bottom;
@@ -203,7 +203,7 @@ element_numbers numbers_of(const page *p, double width)
     for (size_t i = 0; i < count; i++) {
         number *new = &n.number[n.count];
         snprintf(new->text, sizeof new->text, "%zu", i + 1);
-        if (!place_number(p, &o, &n, i, width, new)) {
+        if (i >= NUMBERED || !place_number(p, &o, &n, i, width, new)) {
             n.left_out++;
             continue;
         }
