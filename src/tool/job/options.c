@@ -68,8 +68,8 @@ static table_format format_of(const char *text, bool scales)
     if (strcmp(text, "csv") == 0) return TABLE_CSV;
     if (strcmp(text, "json") == 0) return TABLE_JSON;
     if (scales && strcmp(text, "npy") == 0) return TABLE_NPY;
-    fail_usage("--format must be text, csv%s json%s, not \"%s\"", scales ? "," : " or", scales ? " or npy" : "",
-               text);
+    fail_usage("--format must be text, csv%s json%s, not \"%s\"", scales ? "," : " or",
+               scales ? " or npy" : "", text);
 }
 
 static sgt_pick pick_of(const char *text)

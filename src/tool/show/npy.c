@@ -129,8 +129,8 @@ npy_output *npy_begin(const table_target *target, size_t columns, const column *
 {
     const char *path = target->path;
     if (!path || strcmp(path, "-") == 0)
-        fail_usage("--format npy: give --output NAME.npy or --output FOLDER; it cannot go to standard output, "
-                   "since the number of rows is written last, at the beginning");
+        fail_usage("--format npy: give --output NAME.npy or --output FOLDER; it cannot go to standard "
+                   "output, since the number of rows is written last, at the beginning");
     const size_t length = strlen(path);
     npy_output *n = memory_take(1, sizeof *n);
     *n = (npy_output){.target = target, .head = head, .columns = columns,
