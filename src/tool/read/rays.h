@@ -13,6 +13,7 @@ typedef struct launch {
     bool folded;        /* and the pupil is inside out near it */
 } launch;
 
+typedef struct ray_table ray_table;
 typedef struct ray_list {
     size_t count, capacity;
     launch *ray;
@@ -20,11 +21,13 @@ typedef struct ray_list {
     bool named;         /* the file has a column `id` */
     size_t longest_id;  /* characters of the longest of them */
     int threads;        /* to read the file with; 0: one */
+    bool parts;         /* set by a command that calls rays_part: arrays are then not read whole */
+    const ray_table *table; /* arrays that are read in parts: `ray` is NULL, `count` with bad rows */
 } ray_list;
 
 void rays_add(ray_list *list, launch ray);
 
-/* Reads CSV with a header row from a file ("-": standard input) into an empty list.  A bad row ends
+/* Reads CSV with a header row from a file ("-": standard input), or arrays of NumPy, into an empty list.  A bad row ends
  * the command, with its line in the message.  With skip_bad bad rows are skipped, and a note on
  * standard error says how many. */
 void rays_read(ray_list *list, const char *path, bool skip_bad);
