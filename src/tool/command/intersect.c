@@ -2,6 +2,7 @@
 #include "commands.h"
 #include "explain.h"
 #include "../base/memory.h"
+#include "../base/progress.h"
 #include "../job/options.h"
 #include "../read/rays.h"
 #include "../read/surface.h"
@@ -36,7 +37,8 @@ static const char intersect_help[] =
     "                     '{type: julia, c: [-0.2, 0.8, 0, 0], iterations: 8}'.\n"
     "                     docs/lens_file.md has every type and its keys\n"
     "  --rays FILE        rays from csv with a header row: ox,oy,oz,dx,dy,dz and optionally\n"
-    "                     tmin,tmax,id.  FILE may be - for standard input\n"
+    "                     tmin,tmax,id.  FILE may be - for standard input; or an array of NumPy,\n"
+    "                     NAME.npy, or a folder with an array for each column\n"
     "  --ray \"...\"        a ray: six numbers in quotes, ox oy oz dx dy dz, or eight, with tmin tmax\n"
     "                     at the end.  May be repeated\n"
     "  --skip-bad         skip bad rows of the file, and say how many\n"
@@ -233,6 +235,7 @@ static void intersect_take(void *data, const tile *t)
     intersect_room *r = &w->room[t->place];
     table_join(w->table, r->rows);
     w->rays += r->there;
+    progress_add(t->count);
     findings *all = &w->found, *f = &r->found;
     for (int s = 0; s < STATUS_COUNT; s++) all->count[s] += f->count[s];
     if (f->any_missed && !all->any_missed) all->any_missed = true, all->missed = f->missed;
@@ -329,7 +332,9 @@ exit_status command_intersect(int argc, char *argv[])
     size_t places = tiles_places(&in), undecided = 0;
     w.room = memory_take(places, sizeof *w.room);
     for (size_t i = 0; i < places; i++) w.room[i].rows = table_part(w.table);
+    progress_begin(in.rays, !a.shared.target.path, a.shared.progress);
     tiles_run(&in, &w, find, intersect_take);
+    progress_end();
     for (int s = SGT_INVALID; s < 0; s++) undecided += w.found.count[s - SGT_INVALID];
     if (text) {
         if (w.rays) table_line(w.table, "%s", intersect_legend);

@@ -4,6 +4,7 @@
 #include "../base/input.h"
 #include "../job/job.h"
 #include "../base/memory.h"
+#include "../base/progress.h"
 #include "../draw/picture.h"
 #include "../read/surface.h"
 #include "../show/profile.h"
@@ -351,6 +352,7 @@ static void trace_take(void *data, const tile *t)
     table_join(w->table, r->rows);
     for (size_t i = 0; i < t->count && w->job->how; i++) launch_there(w->job->how, &r->launch[i]);
     w->rays += r->there;
+    progress_add(t->count);
     for (size_t i = 0; i < r->there; i++) {
         int passed = r->passed[i];
         const launch *l = &r->launch[i];
@@ -547,11 +549,13 @@ exit_status command_trace(int argc, char *argv[])
     a.shared.target.word_size = j.rays.longest_id;
     w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
     for (size_t i = 0; i < places; i++) w.room[i] = trace_room_for(&w, in.most);
+    progress_begin(j.wavelengths * job_count(j.at), !a.shared.target.path, a.shared.progress);
     for (size_t c = 0; c < j.wavelengths; c++) {
         w.at = &j.at[c];
         in.rays = job_count(w.at);
         tiles_run(&in, &w, send, trace_take);
     }
+    progress_end();
     job_end_parts(&j);
     if (text) {
         if (w.rays) write_legend(&w);
