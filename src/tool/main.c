@@ -10,7 +10,7 @@ static const char main_help[] =
     "sagitta: where does a ray meet a surface, and how sure is the answer?\n"
     "\n"
     "  sagitta intersect --surface SPEC --rays FILE      one surface, many rays\n"
-    "  sagitta trace LENS [--svg FILE]                   rays through a lens file\n"
+    "  sagitta trace LENS [--picture FILE]               rays through a lens file\n"
     "  sagitta diagnose --surface SPEC --ray \"...\"       one ray, evaluation by evaluation\n"
     "  sagitta info LENS                                 focal length, pupils, Seidel sums\n"
     "  sagitta spot LENS [--picture FILE]                spot diagrams: how rays scatter at the image\n"

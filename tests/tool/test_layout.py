@@ -92,6 +92,20 @@ def test_wrong_options():
         equal((done.stdout, list(where.glob('*.svg'))), ('', []))
 
 
+def test_fan_seen_from_its_edge():
+    path = written('', 'a.svg')
+    for arguments, told in ((('--fan', 3), True), (('--cross', 3), False), (('--chief', '--fields', '1'), False)):
+        said = run('trace', LENSES / 'cooke_triplet.yaml', *arguments, '--plane', 'xz', '--picture', path).stderr
+        assert ('--cross N sends some in x' in said) == told, (arguments, said)
+
+
+def test_two_pictures_in_one_file():
+    where = written('').parent
+    for arguments in (('--svg', where / 'a.svg', '--picture', where / 'a.svg'), ('--output', where / 'b.svg', '--picture', where / 'b.svg')):
+        done = run('trace', LENSES / 'cooke_triplet.yaml', *arguments, exit=USAGE)
+        assert 'would be written over the file of --' in done.stderr, done.stderr
+
+
 # ------------------------------------------------------------------ places
 
 BARE = '''pupil: {semi_diameter: 4}
@@ -189,6 +203,17 @@ def test_off_axis_part():
         scale = span(of(drawn, SURFACE)[0], 1) / 40
         close(span(mirror, 1) / scale, wide, 0.02, plane)
         close(span(mirror, 0) / scale, depth, 0.02, plane)
+
+
+def test_what_a_surface_is_drawn_to():
+    """semi_diameter, else the first aperture, else draw_to.  In the plane of the rectangle's longer side that is seen."""
+    shapes = 'apertures: [{type: circle, radius: 1, obscures: true}, {type: rectangle, half_width: 7, half_height: 3}]'
+    for keys, high, wide in (('semi_diameter: 4, draw_to: 9', 8, 8), (shapes + ', draw_to: 9', 6, 14), ('draw_to: 9', 18, 18)):
+        text = BARE + '  - {type: sphere, radius: 100, thickness: 9, index: 1.5, %s}\n  - {type: plane, semi_diameter: 2}\n' % keys
+        for plane, expected in (('yz', high), ('xz', wide)):
+            glass = of(lines(text, '--fan', '1', '--plane', plane), SURFACE)
+            image = max(glass, key=lambda p: min(x for x, _ in p))
+            close(span([p for line in glass for p in line], 1) / (span(image, 1) / 4), expected, 1e-3, (keys, plane))
 
 
 def test_turned_out_of_the_plane():

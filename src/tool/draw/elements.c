@@ -193,7 +193,7 @@ static void pieces_stroke(const page *p, const outline *o)
         page_line(p, at->at, at->count);
         if (o->dummy) cairo_set_dash(p->cr, dashes, 2, 0);
         if (o->dummy || fine)
-            page_stroke(p, PAGE_THIN, o->stop ? 0 : 0.5);
+            page_stroke(p, PAGE_THIN, o->stop && !fine ? 0 : 0.5);
         else
             page_stroke(p, o->mirror ? PAGE_MIRROR : PAGE_SURFACE, 0.15);
         cairo_set_dash(p->cr, NULL, 0, 0);

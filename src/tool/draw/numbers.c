@@ -2,8 +2,8 @@
  *
  * A number stands beyond the upper end of its element.  If another number or an element is in the way it
  * moves aside, then farther out, row by row, and a fine line leads to it; then the same below the lower end.
- * If all that is taken it is left out.  Elements are numbered in the order of light, so what stands close
- * together gets a staircase. */
+ * If all that is taken it is left out.  So are those beyond NUMBERED, as the time grows by the square.
+ * Elements are numbered in the order of light, so what stands close together gets a staircase. */
 #include "numbers.h"
 
 #include "../base/memory.h"
@@ -14,7 +14,7 @@
 
 static const double SIZE = CHART_SMALL, FIRST = 9, ROW = 10.5, AWAY = 1.5, LETTER = 6.5, UNDER = 4,
                     STOP_BEYOND = 13, PAGE_EDGE = 4;
-enum { ROWS = 6 };
+enum { ROWS = 6, NUMBERED = 400 };
 
 typedef struct number_box {
     double left, top, right, bottom;
@@ -83,6 +83,11 @@ static obstacles obstacles_of(const page *p)
         const outline *a = &s->outline[i];
         for (size_t k = 0; k < a->pieces; k++) add_obstacle(&o, p, a->piece[k].at, a->piece[k].count);
         for (size_t k = 0; k < a->strokes; k++) add_obstacle(&o, p, a->stroke[k], 2);
+        for (int side = 0; a->stop && a->half > 0 && side < 2; side++) {
+            const sgt_vec3 bar[] = {outline_corner(a, side, a->half),
+                                    outline_corner(a, side, a->half + STOP_BEYOND / p->scale)};
+            add_obstacle(&o, p, bar, 2);
+        }
         double half = scene_glass_behind(s, i) ? fmax(a->half, a[1].half) : 0;
         for (int side = 0; half > 0 && side < 2; side++) {
             const sgt_vec3 edge[] = {outline_corner(a, side, a->half), outline_corner(a, side, half),
@@ -140,7 +145,7 @@ static void number_anchor(const page *p, size_t i, int side, page_dot *from, pag
         if (sign * (from->y - d.y) > 0) *from = d;
         if (space) *out = (page_dot){0, -sign};
     }
-    double beyond = o->stop && o->half > 0 ? fmax(0, STOP_BEYOND - p->scale * (half - o->half)) : 0;
+    double beyond = o->stop && o->half > 0 && !space ? fmax(0, STOP_BEYOND - p->scale * (half - o->half)) : 0;
     *from = (page_dot){from->x + beyond * out->x, from->y + beyond * out->y};
 }
 
@@ -155,8 +160,8 @@ static void number_in_row(number *n, page_dot from, page_dot out, int row, doubl
     n->led = row > 0 || fabs(aside) > 1;
 }
 
-/* To which side a number may move: +1 or -1; 0: to both.  That of a glass's face goes away from its other
- * face, so that the numbers of both have their order. */
+/* To which side a number may move: +1 or -1; 0: to both.  That of a glass's face goes away from the face
+ * before it, and that of the first away from the next: so numbers have the order of the faces. */
 static int side_of(const page *p, size_t i, int side, page_dot from, page_dot out)
 {
     const scene *s = p->scene;
@@ -198,7 +203,7 @@ element_numbers numbers_of(const page *p, double width)
     for (size_t i = 0; i < count; i++) {
         number *new = &n.number[n.count];
         snprintf(new->text, sizeof new->text, "%zu", i + 1);
-        if (!place_number(p, &o, &n, i, width, new)) {
+        if (i >= NUMBERED || !place_number(p, &o, &n, i, width, new)) {
             n.left_out++;
             continue;
         }

@@ -1,10 +1,10 @@
 /* outline.c - finds the shape of an element, by asking the library for its sag and its apertures.
  *
  * THE PART IN USE of a sag is a closed line about a middle in its own x, y: its rim.  It is the circle of
- * semi_diameter, or of the height that the file gives for drawings.  Of a mirror, where an aperture lies
- * beside the axis, and where nothing else is known, it is the first aperture that does not obscure.  Where
- * the file gives nothing at all it is drawn to the rays that met it: a circle about the axis, or, of a mirror
- * that rays meet clear of its axis, an ellipse about them.
+ * semi_diameter.  Of a mirror, where an aperture lies beside the axis, and without a semi_diameter, it is the
+ * first aperture that does not obscure.  Without any, it is the circle that the file gives for drawings.
+ * Where the file gives nothing at all the surface is drawn to the rays that met it: to a circle about the
+ * axis, or, of a mirror that rays meet clear of its axis, to an ellipse about them.
  *
  * A SECTION is a straight line in x, y through that middle.  In a plane of the picture it is the line that
  * lies in the plane, in the element's own frame; so a cylinder that is turned by 90 degrees shows its other
@@ -128,9 +128,9 @@ double outline_known(const job *j, size_t i)
 {
     const sgt_element *e = &j->element[i];
     const sgt_aperture_item *item = opening(e);
+    double size = item ? item_size(item) : 0;
     if (e->semi_diameter > 0 && e->semi_diameter < 0x1p500) return e->semi_diameter;
-    if (j->lens.surface[i].size > 0) return j->lens.surface[i].size;
-    return item ? item_size(item) : 0;
+    return size > 0 ? size : j->lens.surface[i].size;
 }
 
 /* Are the rays that met an element clear of its axis, by more than the half of their width? */
@@ -149,9 +149,8 @@ static part part_in_use(const job *j, size_t i, const reach *met, double all)
     const sgt_aperture_item *item = opening(e);
     double known = outline_known(j, i);
     bool beside = item && (item->centre.x != 0 || item->centre.y != 0);
-    bool given = e->semi_diameter > 0 || j->lens.surface[i].size > 0;
     sgt_vec2 middle, half;
-    if (item && (beside || !given || j->lens.surface[i].mirror))
+    if (item && (beside || !(e->semi_diameter > 0) || j->lens.surface[i].mirror))
         return part_of_item(item, known > 0 ? known : all, false);
     if (known == 0 && j->lens.surface[i].mirror && clear_of_axis(met, &middle, &half))
         return part_ellipse(middle, BEYOND_RAYS * half.x, BEYOND_RAYS * half.y);

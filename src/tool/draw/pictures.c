@@ -4,9 +4,12 @@
 #include "../base/input.h"
 #include "../read/surface.h"
 
+#include <math.h>
+
 const char pictures_help[] =
     "  --picture FILE     draw the lens with the rays: an svg, png or pdf file by the ending of its name\n"
-    "  --plane P          of the picture: yz (the default) and xz are sections; 3d is a view in space\n"
+    "  --plane P          of the picture: yz (the default) and xz are sections; 3d is a view in space.\n"
+    "                     The rays of a fan lie in yz; --cross N sends as many in xz\n"
     "  --svg FILE         as --picture; an svg file, whatever its ending\n";
 
 bool pictures_wanted(const pictures *p) { return p->file || p->svg; }
@@ -33,10 +36,20 @@ void pictures_reserve(const pictures *p, const char *output, const job *j)
                  p->file ? "picture" : "svg", i + 1, j->lens.surface[i].type);
 }
 
+/* Do all rays lie in the plane x = 0, seen from its edge? */
+static bool edge_on(const scene *s)
+{
+    double most = 0;
+    for (size_t i = 0; i < s->paths; i++)
+        for (size_t k = 0; k < s->path[i].count; k++) most = fmax(most, fabs(s->path[i].at[k].x));
+    return s->view.plane == VIEW_XZ && s->paths > 1 && s->job->fields > 0 && most < 1e-9 * s->lead;
+}
+
 void pictures_write(const pictures *p, scene *s)
 {
     if (!pictures_wanted(p)) return;
     scene_finish(s);
+    if (edge_on(s)) note("--plane xz: all rays lie in the plane x = 0; --cross N sends some in x, too");
     if (p->svg) picture_write(p->svg, PICTURE_SVG, s);
     if (p->file) picture_write(p->file, p->kind, s);
 }

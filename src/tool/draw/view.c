@@ -2,7 +2,7 @@
  *
  * right, up and toward are right-handed, so no picture is a mirror image: y-z is seen from -x, x-z from +y.
  *
- * THE VIEW IN SPACE is the y-z section, whose eye at -x is moved by ASIDE toward the light's source and by
+ * THE VIEW IN SPACE is the y-z section, whose eye at -x is moved by BESIDE toward the light's source and by
  * ABOVE toward +y.  With s, c of the first and S, C of the second angle:
  *
  *     toward = (-C c, S, -C s),  right = (-s, 0, c),  up = toward x right = (S c, C, S s) */
@@ -12,7 +12,7 @@
 
 #include <string.h>
 
-static const double ASIDE = 40, ABOVE = 20; /* degrees */
+static const double BESIDE = 40, ABOVE = 20; /* degrees */
 
 static const struct {
     const char *name, *title;
@@ -28,7 +28,7 @@ view_axes view_of(view_plane plane)
     if (plane == VIEW_YZ) return (view_axes){plane, z, y, {-1, 0, 0}};
     if (plane == VIEW_XZ) return (view_axes){plane, z, x, y};
     const double degree = atan(1) / 45;
-    double s = sin(ASIDE * degree), c = cos(ASIDE * degree), S = sin(ABOVE * degree), C = cos(ABOVE * degree);
+    double s = sin(BESIDE * degree), c = cos(BESIDE * degree), S = sin(ABOVE * degree), C = cos(ABOVE * degree);
     return (view_axes){plane, {-s, 0, c}, {S * c, C, S * s}, {-C * c, S, -C * s}};
 }
 
