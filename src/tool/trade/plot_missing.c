@@ -2,10 +2,10 @@
 #include "../draw/picture.h"
 #include "trade.h"
 
-void trade_picture_check(void) { picture_check(); }
+void trade_picture_check(void) { picture_check("svg"); }
 
 void trade_picture(const char *file, const trade *t)
 {
     (void)file, (void)t;
-    picture_check();
+    picture_check("svg");
 }
