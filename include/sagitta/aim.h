@@ -119,8 +119,9 @@ typedef struct sgt_end_error {
  * they go through the derivatives of the rest of the lens, with a half added for the
  * second order; the rounding of directions is observed, not proven (src/system/trace.h).
  * For the path there is Fermat's principle: between surfaces that are met exactly it is
- * stationary, so a point that is off the surface by p_err adds |n d - n' d'| p_err, a
- * stretch its own t_err times the index, and directions nothing of first order.
+ * stationary, so a point that is off the surface by p_err adds |n d - n' d'| p_err, and
+ * directions nothing of first order.  How far opl is from the path through the points is
+ * computed, in twice the precision.
  *
  * point is NaN where a surface that bends has no second derivatives, and at or behind an
  * element with a phase.  false: a hit is not positive; all is NaN. */

@@ -25,6 +25,7 @@ import zmx_oracle
 mp.dps = 60
 SURFACE_KEYS = set('type radius curvature conic coefficients thickness index mirror stop semi_diameter '
                    'origin tilt decenter radius_x terms name'.split())
+BY_ITSELF = 'odd_asphere', 'polynomial_xy'  # no curvature at the vertex, or a slope
 LENS_KEYS = 'name units wavelengths primary object pupil aim field_type fields vignetting surfaces'
 
 
@@ -79,12 +80,16 @@ def powers(x, count):
 
 
 class Departure:
-    """What a term of a sum adds: value and slopes at x, y."""
+    """What a term of a sum, or a type by itself, adds to a conic: value and slopes at x, y."""
 
     def __init__(self, term, folder, number):
-        self.kind = term['type']
-        if self.kind == 'zernike':
-            self.norm, self.poly = number(float(term['norm'])), {}
+        self.kind, self.norm, self.poly = term['type'], number(float(term.get('norm', 1))), {}
+        if self.kind == 'odd_asphere':
+            self.odd = [number(float(a)) for a in term['coefficients']]
+        elif self.kind == 'polynomial_xy':
+            self.poly = {(i, j): number(float(a)) for i, row in enumerate(term['coefficients'])
+                         for j, a in enumerate(row)}
+        elif self.kind == 'zernike':
             for j, a in enumerate(term['coefficients'], 1):
                 for at, factor in zernike(term['order'], j)[0].items():
                     self.poly[at] = self.poly.get(at, 0) + factor * number(float(a))
@@ -116,7 +121,12 @@ class Departure:
             (1 + 8 * v - 9 * v ** 2) / 2 / step, (-2 * v + 3 * v ** 2) / 2 / step]
 
     def __call__(self, x, y):
-        if self.kind == 'zernike':
+        if self.kind == 'odd_asphere':
+            r = root(x * x + y * y)
+            u = powers(r, len(self.odd))
+            slope = sum(i * a * u[i - 1] for i, a in enumerate(self.odd, 1)) / r
+            return sum(a * v for a, v in zip(self.odd, u[1:])), slope * x, slope * y
+        if self.poly:
             top = max(a + b for a, b in self.poly)
             u, v = powers(x / self.norm, top), powers(y / self.norm, top)
             return (sum(f * u[a] * v[b] for (a, b), f in self.poly.items()),
@@ -208,12 +218,13 @@ def turn_of(tilt):
 
 class Surface:
     """rough, fine: its sag; vertex, turn: its frame; index: behind it, at each wavelength of the lens,
-    positive; focal: the focal length of an ideal lens, else None; clips: whether it stops a ray at x, y."""
+    positive; c: curvature of the vertex in the y-z plane, None if it has none; focal: the focal length of an
+    ideal lens, else None; clips: whether it stops a ray at x, y."""
 
     def __init__(self, c=0.0, k=0.0, a=(), mirror=False, swept=None, terms=(), folder=None, clips=None):
         self.rough = Sag(c, k, a, float, swept, [Departure(t, folder, float) for t in terms])
         self.fine = Sag(c, k, a, mpf, swept, [Departure(t, folder, mpf) for t in terms])
-        self.c = mpf(c) + (2 * mpf(a[0]) if a else 0)  # of the vertex, in the y-z plane
+        self.c = mpf(c) + (2 * mpf(a[0]) if a else 0)
         self.mirror, self.focal, self.clips = mirror, None, clips or (lambda x, y: False)
         self.vertex, self.turn, self.plain, self.index = [mpf(0)] * 3, IDENTITY, True, []
 
@@ -334,6 +345,8 @@ class Lens:
 
     def power_of(self, i, n):
         s = self.surfaces[i]
+        if s.c is None:
+            raise Fails('no curvature at a vertex')
         return (n[i + 1] - n[i]) * s.c if s.focal is None else 1 / s.focal
 
     def power(self, wave):
@@ -418,16 +431,20 @@ def curvature(s, ending=''):
 def yaml_surface(s, folder):
     if set(s) - SURFACE_KEYS:
         raise ValueError(f'unknown keys {set(s) - SURFACE_KEYS}')
-    kind, a = s['type'], [float(x) for x in s.get('coefficients', [])]
-    if kind not in ('plane', 'sphere', 'conic', 'even_asphere', 'toroidal', 'sum'):
+    kind = s['type']
+    a = [float(x) for x in s.get('coefficients', [])] if kind in ('even_asphere', 'toroidal') else []
+    if kind not in ('plane', 'sphere', 'conic', 'even_asphere', 'toroidal', 'sum', *BY_ITSELF):
         raise ValueError(f'unknown type {kind}')
     swept = None
     if kind == 'toroidal':
         c = curvature(s, '_x')
         swept = 1 / mpf(c) if c else mpf(0)  # as the surface has it: the curvature, rounded once
     limit = float(s.get('semi_diameter', 0)) or math.inf
-    return Surface(curvature(s), float(s.get('conic', 0)), a, bool(s.get('mirror')), swept,
-                   s.get('terms', ()), folder, lambda x, y: x * x + y * y > limit * limit)
+    terms = [s] if kind in BY_ITSELF else s.get('terms', ())
+    out = Surface(curvature(s), float(s.get('conic', 0)), a, bool(s.get('mirror')), swept, terms, folder,
+                  lambda x, y: x * x + y * y > limit * limit)
+    out.c = None if kind in BY_ITSELF else out.c
+    return out
 
 
 def indices(value, waves):

@@ -60,6 +60,14 @@ def newton(miss, x, what):
     raise Fails(f'no convergence: {what}')
 
 
+def or_none(function, *arguments):
+    """What depends on paraxial data, which a lens may not have."""
+    try:
+        return function(*arguments)
+    except Fails:
+        return None
+
+
 class Beam:
     """The rays of one field at one wavelength."""
 
@@ -234,7 +242,7 @@ class Beam:
         (x, y), u = self.chief()[0][:2], self.along_field()
         out = {'x': x, 'y': y, 'tangential': self.focus(u), 'sagittal': self.focus((-u[1], u[0]))}
         for name, theta in (('tan', False), ('theta', True)):
-            ideal = self.ideal(theta)
+            ideal = or_none(self.ideal, theta)
             out['ideal_' + name] = ideal
             out['distortion_' + name] = (x * u[0] + y * u[1]) / ideal - 1 if ideal else None
         return out
@@ -246,13 +254,13 @@ def root_mean(values):
 
 def spot(beam):
     """Of all cells; also the wavefront and its coefficients."""
-    ends, failed = [], 0
+    ends = []
     for x, y in CELLS:
         try:
             ends.append((x, y, beam.end(mpf(x) / 20, mpf(y) / 20)))
         except Fails:
-            failed += 1
-    out = {'rays': len(CELLS), 'traced': len(ends), 'passed': sum(e[3] for _, _, e in ends)}
+            pass
+    out = {'traced': len(ends), 'passed': sum(e[3] for _, _, e in ends)}
     if not ends:
         return out, {}
     points = [e[0][:2] for _, _, e in ends]
@@ -265,9 +273,11 @@ def spot(beam):
         out.update({f'rms_{name}': mp.sqrt(rms[0] ** 2 + rms[1] ** 2), f'rms_x_{name}': rms[0],
                     f'rms_y_{name}': rms[1],
                     f'geometric_{name}': max(mp.sqrt(a[0] ** 2 + a[1] ** 2) for a in apart)})
-    waves = [beam.opd(e) for _, _, e in ends]
+    waves = [or_none(beam.opd, e) for _, _, e in ends]
+    if None in waves:
+        return out, {}
     mean = sum(waves) / len(waves)
-    out.update(opd_mean=mean, opd_rms=root_mean([w - mean for w in waves]), opd_pv=max(waves) - min(waves))
+    out.update(opd_rms=root_mean([w - mean for w in waves]), opd_pv=max(waves) - min(waves))
     points = [(mpf(x) / 20, mpf(y) / 20) for x, y, _ in ends]
     return out, {order: fit(order, points, waves) for order in TERMS}
 
@@ -311,7 +321,8 @@ def rays_of(beam):
         try:
             p, d, opl, inside = end = beam.end(px, py)
             row.update(zip('xyzlmn', [*p, *d]), opl=opl - beam.chief()[2], passed=int(inside),
-                       opd=beam.opd(end), opd_foot=beam.opd(end, 'foot'), opd_plane=beam.opd(end, 'plane'))
+                       opd=or_none(beam.opd, end), opd_foot=beam.opd(end, 'foot'),
+                       opd_plane=beam.opd(end, 'plane'))
         except Fails as why:
             row.update(passed=why)
         yield row
@@ -321,8 +332,8 @@ TABLES = {
     'rays': 'px py passed x y z l m n opl opd opd_foot opd_plane',
     'fields': 'micrometres length working_f_number x y radius tangential sagittal '
               'ideal_tan distortion_tan ideal_theta distortion_theta',
-    'spots': 'rays traced passed x y rms_centroid rms_x_centroid rms_y_centroid geometric_centroid rms_chief '
-             'rms_x_chief rms_y_chief geometric_chief opd_mean opd_rms opd_pv',
+    'spots': 'traced passed x y rms_centroid rms_x_centroid rms_y_centroid geometric_centroid rms_chief '
+             'rms_x_chief rms_y_chief geometric_chief opd_rms opd_pv',
     'zernike': 'order term n m coefficient'}
 
 
@@ -336,7 +347,8 @@ def tables_of(name, lens):
             try:
                 out['fields'].append({
                     **where, 'micrometres': MICROMETRES[lens.units], 'length': lens.length(),
-                    'working_f_number': lens.working_f_number(wave), 'radius': beam.reference_radius(),
+                    'working_f_number': or_none(lens.working_f_number, wave),
+                    'radius': or_none(beam.reference_radius),
                     **beam.curves()})
             except Fails:
                 continue

@@ -2,13 +2,16 @@
  * ones.
  *
  *   chart_sheet               the names of the sheets
- *   chart_sheet NAME FILE     draws one */
+ *   chart_sheet NAME FILE     draws one
+ *   chart_sheet SEED FILE     draws a random one, of a number above 0 */
 #include "../../src/tool/base/fail.h"
 #include "../../src/tool/base/memory.h"
 #include "../../src/tool/draw/chart.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define COUNT(list) (sizeof(list) / sizeof(list)[0])
@@ -458,6 +461,124 @@ static chart tall_sheet(void)
         .title = "Taller than a png may be at 2 pixels a point", .columns = 1, .panels = 120, .panel = panel};
 }
 
+/* ---------------------------------------------------------------------- random */
+
+static uint64_t state;
+
+/* Below n, by splitmix64 (Steele, Lea & Flood 2014). */
+static size_t pick(size_t n)
+{
+    uint64_t z = state += 0x9E3779B97F4A7C15;
+    z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9;
+    z = (z ^ z >> 27) * 0x94D049BB133111EB;
+    return (size_t)((z ^ z >> 31) % n);
+}
+
+static double part(void) { return (double)pick(1u << 30) / (1u << 30); }
+
+static double any_size(void) { return pow(10, pick(4) ? 6 * part() - 3 : 615 * part() - 310); }
+
+/* Values of one size about a middle, some of them not finite. */
+static double *any_values(size_t count)
+{
+    double middle = pick(2) ? 0 : any_size(), size = pick(3) ? any_size() : middle * pow(10, -16 * part());
+    double *v = memory_take(count, sizeof *v);
+    for (size_t i = 0; i < count; i++) {
+        v[i] = pick(10) ? middle + size * (2 * part() - 1) : middle;
+        if (!pick(12)) v[i] = pick(2) ? (double)NAN : HUGE_VAL;
+    }
+    return v;
+}
+
+static const char *any_text(void)
+{
+    static const char *const word[] = {
+        "field",   "14\302\260",       "RMS (" MICRO ")",   "x", "(mm)", "a", "wavelengths,",
+        "clipped", "\342\210\2220.25", "Gullstrand-LeGrand"};
+    if (!pick(6)) return NULL;
+    char *text = memory_take(400, 1);
+    for (size_t words = pick(5) ? pick(4) : pick(20); words > 0; words--)
+        strcat(strcat(text, word[pick(COUNT(word))]), words > 1 ? " " : "");
+    return text;
+}
+
+static const char *const *any_texts(size_t count)
+{
+    const char **list = memory_take(count, sizeof *list);
+    for (size_t i = 0; i < count; i++) list[i] = any_text();
+    return list;
+}
+
+static chart_map *any_map(void)
+{
+    size_t columns = 1 + pick(30), rows = 1 + pick(30), kinds = 1 + pick(9);
+    chart_map *m = memory_take(1, sizeof *m);
+    *m = (chart_map){.columns = columns,
+                     .rows = rows,
+                     .x_low = -any_size(),
+                     .x_high = any_size(),
+                     .y_low = -any_size(),
+                     .y_high = any_size(),
+                     .value = any_values(columns * rows),
+                     .label = any_text(),
+                     .kinds = pick(3) ? NULL : any_texts(kinds),
+                     .kind_count = kinds,
+                     .logarithmic = pick(2),
+                     .about_zero = pick(2)};
+    return m;
+}
+
+static chart_panel any_panel(void)
+{
+    chart_panel p = {.title = any_text(),
+                     .x_label = any_text(),
+                     .y_label = any_text(),
+                     .notes = pick(3),
+                     .square = pick(2),
+                     .bar = pick(2),
+                     .series_count = pick(4),
+                     .circles = pick(3),
+                     .rules = pick(3)};
+    p.note = any_texts(p.notes);
+    chart_series *s = memory_take(p.series_count, sizeof *s);
+    for (size_t i = 0; i < p.series_count; i++) {
+        size_t count = pick(40);
+        s[i] = (chart_series){.name = any_text(),
+                              .colour = pick(30),
+                              .mark = (chart_mark)pick(8),
+                              .dash = (chart_dash)pick(3),
+                              .line = pick(2),
+                              .count = count,
+                              .x = any_values(count),
+                              .y = any_values(count)};
+    }
+    chart_circle *c = memory_take(p.circles, sizeof *c);
+    for (size_t i = 0; i < p.circles; i++)
+        c[i] = (chart_circle){*any_values(1), *any_values(1), any_size(), any_text(), CHART_DASHED};
+    chart_rule *r = memory_take(p.rules, sizeof *r);
+    for (size_t i = 0; i < p.rules; i++)
+        r[i] = (chart_rule){pick(2), *any_values(1), any_text(), CHART_DOTTED};
+    if (pick(2)) p.x_low = -any_size(), p.x_high = any_size();
+    p.series = s, p.circle = c, p.rule = r, p.map = pick(3) ? NULL : any_map();
+    return p;
+}
+
+static chart random_sheet(uint64_t seed)
+{
+    state = seed;
+    chart c = {.title = any_text(),
+               .lines = pick(4),
+               .columns = pick(12),
+               .panels = pick(13),
+               .legend_title = any_text(),
+               .same_x = pick(2),
+               .same_y = pick(2)};
+    chart_panel *panel = memory_take(c.panels, sizeof *panel);
+    for (size_t i = 0; i < c.panels; i++) panel[i] = any_panel();
+    c.panel = panel, c.line = any_texts(c.lines);
+    return c;
+}
+
 static const struct {
     const char *name;
     chart (*make)(void);
@@ -468,17 +589,24 @@ static const struct {
     {"maps", maps_sheet},     {"far", far_sheet},     {"tall", tall_sheet},
 };
 
+static chart sheet_named(const char *name)
+{
+    uint64_t seed = strtoull(name, NULL, 10);
+    if (seed > 0) return random_sheet(seed);
+    for (size_t i = 0; i < COUNT(sheets); i++)
+        if (strcmp(name, sheets[i].name) == 0) return sheets[i].make();
+    fail_usage("%s: no such sheet", name);
+}
+
 int main(int argc, char **argv)
 {
     fail_name("chart_sheet");
-    for (size_t i = 0; i < COUNT(sheets); i++) {
-        if (argc == 1) puts(sheets[i].name);
-        if (argc != 3 || strcmp(argv[1], sheets[i].name) != 0) continue;
-        chart_check("picture", argv[2]);
-        chart c = sheets[i].make();
-        chart_write(argv[2], &c);
-        return EXIT_DECIDED;
-    }
-    if (argc != 1) fail_usage("%s: no such sheet", argv[1]);
+    if (argc == 1)
+        for (size_t i = 0; i < COUNT(sheets); i++) puts(sheets[i].name);
+    if (argc == 1) return EXIT_DECIDED;
+    if (argc != 3) fail_usage("chart_sheet [NAME FILE]");
+    chart_check("picture", argv[2]);
+    chart c = sheet_named(argv[1]);
+    chart_write(argv[2], &c);
     return EXIT_DECIDED;
 }

@@ -4,6 +4,7 @@
     python3 test_chart.py SAGITTA CHART_SHEET
 """
 import pathlib
+import random
 import re
 import struct
 import subprocess
@@ -59,19 +60,31 @@ def texts(root):
             yield box
 
 
+def texts_apart(name):
+    """All texts lie on the sheet, and none covers another.  How many there are."""
+    root = xml.parse(drawn(name, 'svg')).getroot()
+    width, height = size(root)
+    equal(width, 900)
+    boxes = sorted(texts(root))
+    for i, (left, top, right, bottom) in enumerate(boxes):
+        assert 0 <= left and 0 <= top and right <= width and bottom <= height, (name, boxes[i])
+        for other in boxes[i + 1:]:
+            if other[0] >= right:
+                break
+            assert other[1] >= bottom or other[3] <= top, (name, boxes[i], other)
+    return len(boxes)
+
+
 def test_texts_are_on_the_sheet_and_apart():
     for name in NAMES:
-        root = xml.parse(drawn(name, 'svg')).getroot()
-        width, height = size(root)
-        equal(width, 900)
-        boxes = sorted(texts(root))
-        assert boxes or name == 'bare', name
-        for i, (left, top, right, bottom) in enumerate(boxes):
-            assert 0 <= left and 0 <= top and right <= width and bottom <= height, (name, boxes[i])
-            for other in boxes[i + 1:]:
-                if other[0] >= right:
-                    break
-                assert other[1] >= bottom or other[3] <= top, (name, boxes[i], other)
+        assert texts_apart(name) > 0, name
+
+
+def test_random_sheets():
+    first = random.SystemRandom().randrange(1, 10**9)
+    print(f'random sheets from seed {first}')
+    for seed in range(first, first + 60):
+        texts_apart(str(seed))
 
 
 def test_png():

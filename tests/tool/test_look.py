@@ -299,7 +299,7 @@ def test_pictures():
         for ending, begin in begins.items():
             path = written('', f'{name}.{ending}')
             if '--without-cairo' in sys.argv:
-                assert 'needs cairo' in run(name, TRIPLET, '--picture', path, exit=USAGE).stderr
+                assert 'without cairo' in run(name, TRIPLET, '--picture', path, exit=USAGE).stderr
                 continue
             run(name, TRIPLET, *options, '--picture', path, '--format', 'csv')
             equal(path.read_bytes()[:len(begin)], begin, (name, ending))

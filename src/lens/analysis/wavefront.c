@@ -59,7 +59,7 @@ double sgt_opd(const sgt_reference *of, const sgt_ray_end *end, double *error)
         opd = base + n * (h2 / (R + copysign(root, R)) - b);
         off += n * (end->p_err + of->p_err) * sqrt(h2) / root;
     }
-    off += 4 * ROUND * (fabs(base) + n * length3(v)) + ROUND * fabs(end->opl);
+    off += 4 * ROUND * (fabs(base) + n * length3(v));
     if (error) *error = isnan(opd) ? none : off;
     return opd;
 }

@@ -113,7 +113,7 @@ void watch_take(watch *w, size_t place)
 {
     if (!w) return;
     watch_part *p = &w->part[place];
-    fwrite(p->text, 1, p->length, w->file);
+    if (p->length) fwrite(p->text, 1, p->length, w->file);
     p->length = 0;
 }
 

@@ -16,7 +16,7 @@
 #include <math.h>
 
 static const double SHEET_WIDTH = 900, SHEET_MARGIN = 24, PANELS_APART = 20, ROWS_APART = 14, TITLE_FONT = 15,
-                    LINE_FONT = 10.5, TALLEST = 470, FLATTEST = 0.4, NARROWEST_PLOT = 20;
+                    LINE_FONT = 10.5, TALLEST = 470, FLATTEST = 0.4, NARROWEST_PLOT = 72;
 
 void chart_check(const char *option, const char *path) { picture_kind_of(option, path); }
 
@@ -114,9 +114,10 @@ static void place_all(chart_sheet *s)
     bool square = false;
     for (size_t i = 0; i < s->c->panels; i++) square = square || s->place[i].of->square;
     square_up(s, shape);
+    s->left = s->right = 0;
     do {
         room = s->left + s->right;
-        s->wide = fmax(s->cell - room, NARROWEST_PLOT);
+        s->wide = fmax(s->cell - room, NARROWEST_PLOT / 2);
         s->high = fmin(s->wide * shape, TALLEST);
         if (square) s->wide = s->high / shape;
         for (size_t i = 0; i < s->c->panels; i++) {
@@ -125,7 +126,7 @@ static void place_all(chart_sheet *s)
             s->left = fmax(s->left, chart_place_left(s->cr, p));
             s->right = fmax(s->right, chart_place_right(s->cr, p, s->wide));
         }
-    } while (s->left + s->right > room && s->wide > NARROWEST_PLOT);
+    } while (s->left + s->right > room && s->wide >= NARROWEST_PLOT);
 }
 
 /* ---------------------------------------------------------------- drawing */
@@ -202,15 +203,17 @@ static double draw_sheet(const chart_sheet *s, bool draw)
     return y + SHEET_MARGIN / 2;
 }
 
+/* If the plots would be too narrow there are fewer columns. */
 static chart_sheet measured(const chart *c)
 {
     chart_sheet s = {.c = c, .columns = columns_of(c), .place = memory_take(c->panels, sizeof *s.place)};
     s.cr = sheet_nowhere();
-    if (s.columns > 0) {
+    for (; s.columns > 0; s.columns--) {
         s.rows = (c->panels + s.columns - 1) / s.columns;
         s.cell = (SHEET_WIDTH - 2 * SHEET_MARGIN + PANELS_APART) / (double)s.columns - PANELS_APART;
         find_ranges(&s);
         place_all(&s);
+        if (s.wide >= NARROWEST_PLOT || s.columns == 1) break;
     }
     s.height = draw_sheet(&s, false);
     sheet_forget(s.cr);

@@ -64,7 +64,7 @@ typedef struct chart {
     const char *title;               /* of the sheet, bold */
     const char *const *line;         /* [lines] under it */
     size_t lines;
-    size_t columns;                  /* of panels; 0: the chart chooses */
+    size_t columns;                  /* of panels; fewer if too narrow; 0: the chart chooses */
     size_t panels;
     const chart_panel *panel;
     const char *legend_title;

@@ -185,7 +185,7 @@ void chart_unit(const char *label, char text[CHART_TEXT])
     if (open) snprintf(text, CHART_TEXT, "%.*s", (int)strlen(open) - 2, open + 1);
 }
 
-void chart_axis_label(const chart_axis *a, const char *label, bool numbers, char text[CHART_TEXT])
+bool chart_axis_label(const chart_axis *a, const char *label, bool numbers, char text[CHART_TEXT])
 {
     char number[60], unit[CHART_TEXT];
     if (!label) label = "";
@@ -193,9 +193,9 @@ void chart_axis_label(const chart_axis *a, const char *label, bool numbers, char
     int length = open ? (int)(open - label) : (int)strlen(label);
     while (length > 0 && label[length - 1] == ' ') length--;
     snprintf(text, CHART_TEXT, "%.*s", length, label);
-    if (!numbers) return;
+    if (!numbers) return *text;
     chart_unit(label, unit);
-    if (!*unit && a->exponent == 0 && a->origin == 0) return;
+    if (!*unit && a->exponent == 0 && a->origin == 0) return *text;
     chart_append(text, *text ? " (" : "(");
     if (a->exponent != 0) append_power(text, a->exponent);
     if (a->exponent != 0 && *unit) chart_append(text, " ");
@@ -207,4 +207,5 @@ void chart_axis_label(const chart_axis *a, const char *label, bool numbers, char
         if (*unit) chart_append(text, " "), chart_append(text, unit);
     }
     chart_append(text, ")");
+    return true;
 }

@@ -81,8 +81,8 @@ void chart_axis_number(const chart_axis *a, long i, char text[CHART_TEXT]);
 double chart_axis_width(cairo_t *cr, const chart_axis *a); /* of its widest number */
 
 /* The label with the axis's power of ten and origin: "z (mm)" becomes "z (10^-6 mm from 97.4 mm)".  Without
- * `numbers` it loses its unit. */
-void chart_axis_label(const chart_axis *a, const char *label, bool numbers, char text[CHART_TEXT]);
+ * `numbers` it loses its unit.  Returns whether there is any. */
+bool chart_axis_label(const chart_axis *a, const char *label, bool numbers, char text[CHART_TEXT]);
 
 /* A number by itself: 0.02, or 2 x 10^-6.  `unit` (may be NULL) stands behind it. */
 void chart_number(double value, const char *unit, char text[CHART_TEXT]);

@@ -15,10 +15,9 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdio.h>
 
-static const double BAR_GAP = 10, BAR_WIDTH = 11, BAR_TICK = 3, BAR_TEXT = 6, PIXELS_PER_POINT = 3,
-                    FEWEST_DECADES = 0.8;
+static const double BAR_GAP = 10, BAR_WIDTH = 11, BAR_TICK = 3, BAR_TEXT = 6, BAR_LABEL = 14,
+                    PIXELS_PER_POINT = 3, FEWEST_DECADES = 0.8, OVERLAP = 0.3;
 enum { STEPS = 17, LARGEST_IMAGE = 30000 };
 static const uint32_t BLANK = 0xFFFFFFFFu; /* no pixel has this */
 
@@ -96,7 +95,8 @@ chart_scale chart_scale_of(const chart_map *m, double length)
         r.fixed[0] = middle - FEWEST_DECADES / 2, r.fixed[1] = middle + FEWEST_DECADES / 2;
     }
     s.axis = chart_axis_of(&r);
-    chart_axis_ticks(&s.axis, length, 26);
+    chart_axis_ticks(&s.axis, length, fmax(26, length / 9));
+    if (m->logarithmic) s.axis.exponent = 0, s.axis.origin = 0; /* its numbers are those of the values */
     return s;
 }
 
@@ -116,7 +116,8 @@ static size_t pixels_of(size_t squares, double length)
     return wanted * squares <= LARGEST_IMAGE ? wanted : 1;
 }
 
-/* Adds the coloured squares to the path, in runs along the rows; returns whether these are all. */
+/* Adds the coloured squares to the path, in runs along the rows; returns whether these are all.  A run
+ * reaches a little into the row below, or a seam would show. */
 static bool add_coloured(cairo_t *cr, const uint32_t *colour, size_t columns, size_t rows,
                          const chart_box *at)
 {
@@ -128,7 +129,7 @@ static bool add_coloured(cairo_t *cr, const uint32_t *colour, size_t columns, si
             double count = (double)(end - i);
             if (end > i)
                 cairo_rectangle(cr, at->left + (double)i * wide, at->bottom - (double)(j + 1) * high,
-                                count * wide, high);
+                                count * wide, high + OVERLAP);
             for (; end < columns && colour[j * columns + end] == BLANK; end++) all = false;
         }
     return all;
@@ -224,7 +225,9 @@ static double widest_tick(cairo_t *cr, const chart_map *m, const chart_scale *s)
 double chart_scale_width(cairo_t *cr, const chart_map *m, const chart_scale *s)
 {
     if (!s->shown) return 0;
-    return BAR_GAP + BAR_WIDTH + BAR_TEXT + widest_tick(cr, m, s) + (m->label ? 4 + 1.2 * CHART_NORMAL : 0);
+    char text[CHART_TEXT];
+    double label = chart_axis_label(&s->axis, m->label, true, text) ? BAR_LABEL + 0.3 * CHART_NORMAL : 0;
+    return BAR_GAP + BAR_WIDTH + BAR_TEXT + widest_tick(cr, m, s) + label;
 }
 
 static void draw_bar(cairo_t *cr, const chart_map *m, const chart_box *bar)
@@ -255,12 +258,8 @@ void chart_scale_draw(cairo_t *cr, const chart_map *m, const chart_scale *s, con
         cairo_stroke(cr);
         chart_text(cr, bar.right + BAR_TEXT, y + 0.35 * CHART_SMALL, 0, HUGE_VAL, tick[i].text);
     }
-    if (!m->label) return;
     double high = bar.bottom - bar.top + 12; /* a label may be longer than the bar */
-    if (m->logarithmic)
-        snprintf(label, sizeof label, "%s", m->label);
-    else
-        chart_axis_label(&s->axis, m->label, true, label);
+    if (!chart_axis_label(&s->axis, m->label, true, label)) return;
     chart_font_within(cr, CHART_NORMAL, high, label);
-    chart_text_up(cr, right + 4 + CHART_NORMAL, (bar.top + bar.bottom) / 2, high, label);
+    chart_text_up(cr, right + BAR_LABEL, (bar.top + bar.bottom) / 2, high, label);
 }

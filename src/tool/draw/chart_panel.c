@@ -53,7 +53,8 @@ chart_place chart_place_of(const chart_panel *p)
 
 double chart_place_left(cairo_t *cr, const chart_place *p)
 {
-    double label = p->of->y_label ? LABEL_GAP + CHART_NORMAL : 0;
+    char text[CHART_TEXT];
+    double label = chart_axis_label(&p->y, p->of->y_label, !p->bar, text) ? LABEL_GAP + CHART_NORMAL : 0;
     return label + (p->bar ? 0 : NUMBER_GAP + chart_axis_width(cr, &p->y));
 }
 
@@ -77,7 +78,9 @@ double chart_place_right(cairo_t *cr, const chart_place *p, double wide)
 
 double chart_place_foot(const chart_place *p)
 {
-    return p->bar ? FOOT_BAR : FOOT_NUMBERS + (p->of->x_label ? FOOT_LABEL : 0);
+    char text[CHART_TEXT];
+    if (p->bar) return FOOT_BAR;
+    return FOOT_NUMBERS + (chart_axis_label(&p->x, p->of->x_label, true, text) ? FOOT_LABEL : 0);
 }
 
 /* ------------------------------------------------------------------- axes */
