@@ -158,6 +158,15 @@ def test_holes_and_obscurations():
     close(inner / outer, 0.25, 0.01)
 
 
+def test_mirror_in_a_wider_aperture():
+    """What semi_diameter clips is not drawn, though an aperture is wider."""
+    drawn = lines(BARE + '''  - {type: plane, mirror: true, thickness: -30, semi_diameter: 5, apertures: [{type: annulus, inner: 1, outer: 10}]}
+  - {type: plane, semi_diameter: 10}
+''', '--fan', '1')
+    mirror = [y for p in of(drawn, MIRROR) for _, y in p]
+    close((max(mirror) - min(mirror)) / span(of(drawn, SURFACE)[0], 1), 0.5, 1e-3)
+
+
 def test_stop_that_is_a_plate_with_a_hole():
     """Beside a dummy's opening there is a plate: it is drawn, and its opening is not."""
     drawn = lines(BARE + '''  - {type: plane, thickness: 20, stop: true, semi_diameter: 10, apertures: [{type: circle, radius: 4}]}

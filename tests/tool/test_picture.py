@@ -210,6 +210,8 @@ def test_inputs_are_not_written_over():
 def without_cairo():
     done = run('trace', LENSES / 'ftheta.yaml', '--svg', written('').parent / 'x.svg', exit=USAGE)
     assert 'without cairo' in done.stderr, done.stderr
+    done = run('trace', LENSES / 'ftheta.yaml', '--picture', written('').parent / 'x.png', exit=USAGE)
+    assert '--picture: not available' in done.stderr, done.stderr
 
 
 main({'test_without_cairo': without_cairo} if '--without-cairo' in sys.argv else globals())

@@ -1,10 +1,12 @@
 /* outline.c - finds the shape of an element, by asking the library for its sag and its apertures.
  *
- * THE PART IN USE of a sag is a closed line about a middle in its own x, y: its rim.  It is the circle of
- * semi_diameter.  Of a mirror, where an aperture lies beside the axis, and without a semi_diameter, it is the
- * first aperture that does not obscure.  Without any, it is the circle that the file gives for drawings.
- * Where the file gives nothing at all the surface is drawn to the rays that met it: to a circle about the
- * axis, or, of a mirror that rays meet clear of its axis, to an ellipse about them.
+ * THE PART IN USE of a sag is a closed line about a middle in its own x, y: its rim.  It is
+ *
+ *   - the first aperture that does not obscure: beside the axis, without a semi_diameter, or of a mirror
+ *     that is cut smaller by it
+ *   - else the circle of semi_diameter, or else of what the file gives for drawings
+ *   - where the file gives nothing, what the rays that met it show: a circle about the axis, or an ellipse
+ *     about them, if they meet a mirror clear of its axis
  *
  * A SECTION is a straight line in x, y through that middle.  In a plane of the picture it is the line that
  * lies in the plane, in the element's own frame; so a cylinder that is turned by 90 degrees shows its other
@@ -148,11 +150,12 @@ static part part_in_use(const job *j, size_t i, const reach *met, double all)
     const sgt_element *e = &j->element[i];
     const sgt_aperture_item *item = opening(e);
     double known = outline_known(j, i);
-    bool beside = item && (item->centre.x != 0 || item->centre.y != 0);
+    bool beside = item && (item->centre.x != 0 || item->centre.y != 0), mirror = j->lens.surface[i].mirror;
     sgt_vec2 middle, half;
-    if (item && (beside || !(e->semi_diameter > 0) || j->lens.surface[i].mirror))
-        return part_of_item(item, known > 0 ? known : all, false);
-    if (known == 0 && j->lens.surface[i].mirror && clear_of_axis(met, &middle, &half))
+    bool round = e->semi_diameter > 0;
+    bool wins = item && (beside || !round || (mirror && item_size(item) <= e->semi_diameter));
+    if (wins) return part_of_item(item, known > 0 ? known : all, false);
+    if (known == 0 && mirror && clear_of_axis(met, &middle, &half))
         return part_ellipse(middle, BEYOND_RAYS * half.x, BEYOND_RAYS * half.y);
     double radius = known > 0 ? known : met->radius > 0 ? BEYOND_RAYS * met->radius : all;
     radius = whole_radius(e, radius);
@@ -184,8 +187,8 @@ static open_kind open_at(const sgt_element *e, bool mirror, sgt_vec3 p)
 {
     if (isnan(p.z)) return GAP;
     int by = e->aperture ? sgt_clipped_by(e, p).by : SGT_BY_NONE;
-    if (by < 0) return OPEN;
-    return mirror && !e->aperture->items[by].obscuring ? GAP : BLOCKED;
+    if (by == SGT_BY_NONE || by == SGT_BY_UNSOUND) return OPEN;
+    return mirror && (by < 0 || !e->aperture->items[by].obscuring) ? GAP : BLOCKED;
 }
 
 /* Adds a piece of `count` points, that are then to be set. */

@@ -28,7 +28,8 @@ view_axes view_of(view_plane plane)
     if (plane == VIEW_YZ) return (view_axes){plane, z, y, {-1, 0, 0}};
     if (plane == VIEW_XZ) return (view_axes){plane, z, x, y};
     const double degree = atan(1) / 45;
-    double s = sin(BESIDE * degree), c = cos(BESIDE * degree), S = sin(ABOVE * degree), C = cos(ABOVE * degree);
+    double s = sin(BESIDE * degree), c = cos(BESIDE * degree), S = sin(ABOVE * degree),
+           C = cos(ABOVE * degree);
     return (view_axes){plane, {-s, 0, c}, {S * c, C, S * s}, {-C * c, S, -C * s}};
 }
 
