@@ -167,7 +167,7 @@ static far_point at_point(const sgt_pose *pose, sgt_vec3 p)
     return out;
 }
 
-static twofold distance_of(const far_point *a, const far_point *b)
+static twofold length_between(const far_point *a, const far_point *b)
 {
     twofold sum = {0, 0};
     for (int k = 0; k < 3; k++) {
@@ -211,7 +211,7 @@ bool sgt_trace_error(size_t n, const sgt_element e[], double index_before, const
                  &passages[i], &c);
         const far_point to = at_point(&e[i].pose, passages[i].hit.p);
         const double before = i > 0 ? passages[i - 1].opl : 0;
-        const twofold piece = twofold_scaled(distance_of(&from, &to), c.t < 0 ? -c.n1 : c.n1);
+        const twofold piece = twofold_scaled(length_between(&from, &to), c.t < 0 ? -c.n1 : c.n1);
         if (e[i].phase) {
             path = twofold_sum(path, two_sum(passages[i].opl, -before));
             out->path += of_phase(&c, &passages[i], before);

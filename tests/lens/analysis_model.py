@@ -26,7 +26,8 @@ mp.dps = 60
 SURFACE_KEYS = set('type radius curvature conic coefficients thickness index mirror stop semi_diameter '
                    'origin tilt decenter radius_x terms name'.split())
 BY_ITSELF = 'odd_asphere', 'polynomial_xy'  # no curvature at the vertex, or a slope
-LENS_KEYS = 'name units wavelengths primary object pupil aim field_type fields vignetting surfaces'
+LENS_KEYS = ('name units wavelengths wavelength_weights primary object pupil aim field_type fields '
+             'vignetting surfaces')
 
 
 class Fails(Exception):

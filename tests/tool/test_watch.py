@@ -108,10 +108,14 @@ def test_intersect():
         line = ' '.join(text.splitlines()[int(ray) + 1].split(','))
         alone = rows('diagnose', '--surface', JULIA, '--ray', line, '--max-evals', 12, *more, exit=UNDECIDED)
         equal([row['t'] for row in seen if row['ray'] == ray], [row['t'] for row in alone])
-    done, seen, _ = watched('intersect', '--surface', JULIA, '--rays', '-', '--max-evals', 12, '--all', '--format', 'csv',
+    done, seen, _ = watched('intersect', '--surface', JULIA, '--rays', '-', '--max-evals', 26, '--all', '--format', 'csv',
                             stdin=text, exit=UNDECIDED)
     undecided = {row['ray'] for row in table(done) if row['status'] not in ('hit', 'graze', 'miss')}
     equal({row['ray'] for row in seen}, undecided)
+    # all that its entries took is there, and so the search behind the first root
+    spent = {ray: sum(int(row['evals']) for row in table(done) if row['ray'] == ray) for ray in undecided}
+    assert sum(row['root'] != '0' for row in table(done) if row['ray'] in undecided) > 5
+    equal({ray: sum(row['ray'] == ray for row in seen) for ray in undecided}, spent)
 
 
 def test_threads():

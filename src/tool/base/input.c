@@ -23,6 +23,14 @@ static void remember(FILE *file, const char *name)
     used[used_count++] = (used_file){is, memory_text(name, strlen(name))};
 }
 
+FILE *input_open(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    if (!file) fail_input("%s: %s", path, strerror(errno));
+    remember(file, path);
+    return file;
+}
+
 void output_check(const char *option, const char *path)
 {
     struct stat is;

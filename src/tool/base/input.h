@@ -2,6 +2,7 @@
 #ifndef TOOL_INPUT_H
 #define TOOL_INPUT_H
 #include <stddef.h>
+#include <stdio.h>
 
 typedef struct input {
     const char *name;   /* for messages */
@@ -14,6 +15,9 @@ input input_read(const char *path);
 
 /* Reads a file of that name, even if it is "-".  Returns NULL, or why it cannot be read. */
 const char *input_try(const char *path, input *in);
+
+/* Opens a file to be read in parts; one that cannot be opened ends the command. */
+FILE *input_open(const char *path);
 
 /* Ends with a usage error if the path, under any name, is a file that was read or reserved. */
 void output_check(const char *option, const char *path);

@@ -3,6 +3,7 @@
 #include "explain.h"
 #include "watch.h"
 #include "../base/memory.h"
+#include "../base/progress.h"
 #include "../job/options.h"
 #include "../read/rays.h"
 #include "../read/surface.h"
@@ -37,7 +38,8 @@ static const char intersect_help[] =
     "                     '{type: julia, c: [-0.2, 0.8, 0, 0], iterations: 8}'.\n"
     "                     docs/lens_file.md has every type and its keys\n"
     "  --rays FILE        rays from csv with a header row: ox,oy,oz,dx,dy,dz and optionally\n"
-    "                     tmin,tmax,id.  FILE may be - for standard input\n"
+    "                     tmin,tmax,id.  FILE may be - for standard input; or an array of NumPy,\n"
+    "                     NAME.npy, or a folder with an array for each column\n"
     "  --ray \"...\"        a ray: six numbers in quotes, ox oy oz dx dy dz, or eight, with tmin tmax\n"
     "                     at the end.  May be repeated\n"
     "  --skip-bad         skip bad rows of the file, and say how many\n"
@@ -111,7 +113,7 @@ static intersect_arguments intersect_arguments_of(int argc, char *argv[])
     if (!file == !a.rays.count)
         fail_usage(file ? "give --rays or --ray, not both"
                         : "no rays; give --rays FILE or --ray \"ox oy oz dx dy dz\"");
-    a.rays.threads = options_threads(&a.shared);
+    a.rays.threads = options_threads(&a.shared), a.rays.parts = true;
     if (file) rays_read(&a.rays, file, skip_bad);
     return a;
 }
@@ -124,12 +126,16 @@ enum { STATUS_COUNT = SGT_GRAZE - SGT_INVALID + 1 };
  * rays that are undecided. */
 typedef struct findings {
     size_t count[STATUS_COUNT];
-    const launch *missed, *undecided[UNDECIDED_SHOWN];
+    bool any_missed;
+    launch missed, undecided[UNDECIDED_SHOWN];
     int shown;
 } findings;
 
 /* The room of a tile: its rays and their answers as arrays, its rows of the table, and its findings. */
 typedef struct intersect_room {
+    launch room[TILE_RAYS];
+    const launch *launch;                      /* [there], in `room` or in the list */
+    size_t there;
     double ray[8][TILE_RAYS];                  /* o, d, tmin, tmax */
     double number[8][TILE_RAYS];               /* t, t_err, p, n */
     signed char status[TILE_RAYS];
@@ -147,6 +153,7 @@ typedef struct intersect_work {
     table *table;
     watch *watch;                              /* NULL: none */
     bool stretches;                            /* there are columns lo and hi */
+    size_t rays;
     findings found;
 } intersect_work;
 
@@ -173,14 +180,14 @@ static void intersect_write_row(const intersect_work *w, intersect_room *r, cons
     }
     findings *f = &r->found;
     f->count[h->status - SGT_INVALID]++;
-    if (h->status == SGT_MISS && !f->missed) f->missed = l;
-    if (h->status < 0 && f->shown < UNDECIDED_SHOWN) f->undecided[f->shown++] = l;
+    if (h->status == SGT_MISS && !f->any_missed) f->any_missed = true, f->missed = *l;
+    if (h->status < 0 && f->shown < UNDECIDED_SHOWN) f->undecided[f->shown++] = *l;
 }
 
-static void find_one_each(const intersect_work *w, intersect_room *r, const tile *t)
+static void find_one_each(const intersect_work *w, intersect_room *r)
 {
-    const launch *l = &w->asked->rays.ray[t->first];
-    for (size_t i = 0; i < t->count; i++) {
+    const launch *l = r->launch;
+    for (size_t i = 0; i < r->there; i++) {
         const sgt_ray *ray = &l[i].ray;
         const double numbers[] = {ray->o.x, ray->o.y, ray->o.z,  ray->d.x,
                                   ray->d.y, ray->d.z, ray->tmin, ray->tmax};
@@ -191,36 +198,37 @@ static void find_one_each(const intersect_work *w, intersect_room *r, const tile
     double(*n)[TILE_RAYS] = r->number;
     const sgt_hits hits = {.status = r->status, .evals = r->evals, .t = n[0], .t_err = n[1],
                            .p = {n[2], n[3], n[4]}, .n = {n[5], n[6], n[7]}};
-    sgt_intersect_batch(w->surface, t->count, rays, hits, &w->asked->shared.solver);
-    for (size_t i = 0; i < t->count; i++) {
+    sgt_intersect_batch(w->surface, r->there, rays, hits, &w->asked->shared.solver);
+    for (size_t i = 0; i < r->there; i++) {
         sgt_hit h = {.status = (sgt_status)r->status[i], .evals = r->evals[i], .t = n[0][i], .t_err = n[1][i],
                      .p = {n[2][i], n[3][i], n[4][i]}, .n = {n[5][i], n[6][i], n[7][i]}};
         /* a batch does not give lo and hi */
         if (w->stretches && h.status < 0) h = sgt_intersect(w->surface, l[i].ray, &w->asked->shared.solver);
         intersect_write_row(w, r, &l[i], 0, &h);
         if (h.status < 0)
-            watch_intersect(w->watch, t->place, w->surface, &l[i], &w->asked->shared.solver, false);
+            watch_intersect(w->watch, (size_t)(r - w->room), w->surface, &l[i], &w->asked->shared.solver,
+                            false);
     }
 }
 
 /* The room for the roots of a ray grows to the most that any ray has. */
-static void find_all(const intersect_work *w, intersect_room *r, const tile *t)
+static void find_all(const intersect_work *w, intersect_room *r)
 {
     const sgt_options *opt = &w->asked->shared.solver;
-    for (size_t i = t->first; i < t->first + t->count; i++) {
-        const launch *l = &w->asked->rays.ray[i];
+    for (size_t i = 0; i < r->there; i++) {
+        const launch *l = &r->launch[i];
         int count;
         while ((count = sgt_intersect_all(w->surface, l->ray, r->capacity, r->hit, opt)) > r->capacity) {
             r->capacity = count;
             r->hit = memory_grow(r->hit, (size_t)count, sizeof *r->hit);
         }
-        if (i > 0) table_gap(r->rows);
+        table_gap(r->rows);
         bool lost = false;
         for (int root = 0; root < count; root++) {
             intersect_write_row(w, r, l, root, &r->hit[root]);
             lost = lost || r->hit[root].status < 0;
         }
-        if (lost) watch_intersect(w->watch, t->place, w->surface, l, opt, true);
+        if (lost) watch_intersect(w->watch, (size_t)(r - w->room), w->surface, l, opt, true);
         if (count > 0) continue;
         sgt_hit none = sgt_intersect(w->surface, l->ray, opt); /* for its status and evaluations */
         intersect_write_row(w, r, l, 0, &none);
@@ -230,7 +238,9 @@ static void find_all(const intersect_work *w, intersect_room *r, const tile *t)
 static void find(void *data, const tile *t)
 {
     const intersect_work *w = data;
-    (w->asked->all ? find_all : find_one_each)(w, &w->room[t->place], t);
+    intersect_room *r = &w->room[t->place];
+    r->launch = rays_part(&w->asked->rays, t->first, t->count, r->room, &r->there);
+    (w->asked->all ? find_all : find_one_each)(w, r);
 }
 
 static void intersect_take(void *data, const tile *t)
@@ -239,12 +249,14 @@ static void intersect_take(void *data, const tile *t)
     intersect_room *r = &w->room[t->place];
     table_join(w->table, r->rows);
     watch_take(w->watch, t->place);
+    w->rays += r->there;
+    progress_add(t->count);
     findings *all = &w->found, *f = &r->found;
     for (int s = 0; s < STATUS_COUNT; s++) all->count[s] += f->count[s];
-    if (!all->missed) all->missed = f->missed;
+    if (f->any_missed && !all->any_missed) all->any_missed = true, all->missed = f->missed;
     for (int i = 0; i < f->shown && all->shown < UNDECIDED_SHOWN; i++)
         all->undecided[all->shown++] = f->undecided[i];
-    *f = (findings){.missed = NULL};
+    *f = (findings){.shown = 0};
 }
 
 /* ---------------------------------------------------------------- verdict */
@@ -273,7 +285,7 @@ static void write_verdict(const intersect_work *w, size_t undecided)
     table *t = w->table;
     const intersect_arguments *a = w->asked;
     char text[400] = "", rows[60] = "";
-    size_t length = 0, all = 0, rays = a->rays.count;
+    size_t length = 0, all = 0, rays = w->rays;
     for (int s = SGT_GRAZE; s >= SGT_INVALID; s--) {
         size_t n = w->found.count[s - SGT_INVALID];
         if (n == 0) continue;
@@ -303,10 +315,10 @@ static void write_undecided(const intersect_work *w)
                 .fast = options_fast(&a->shared, w->surface)};
     for (int i = 0; i < w->found.shown && !a->all; i++) {
         char who[40];
-        s.ray = w->found.undecided[i]->ray;
+        s.ray = w->found.undecided[i].ray;
         sgt_hit hit = sgt_intersect(s.surface, s.ray, s.asked);
         s.hit = &hit;
-        snprintf(who, sizeof who, "Ray %zu: ", w->found.undecided[i]->number);
+        snprintf(who, sizeof who, "Ray %zu: ", w->found.undecided[i].number);
         undecided_explain(w->table, who, &s);
     }
 }
@@ -337,11 +349,14 @@ exit_status command_intersect(int argc, char *argv[])
     w.table = table_begin(&a.shared.target, intersect_columns_of(&w, columns), columns);
     w.room = memory_take(places, sizeof *w.room);
     for (size_t i = 0; i < places; i++) w.room[i].rows = table_part(w.table);
+    progress_begin(in.rays, !a.shared.target.path, a.shared.progress);
     tiles_run(&in, &w, find, intersect_take);
+    progress_end();
     for (int s = SGT_INVALID; s < 0; s++) undecided += w.found.count[s - SGT_INVALID];
     if (text) {
-        if (a.rays.count) table_line(w.table, "%s", intersect_legend);
-        if (w.found.missed) explain_miss(w.table, w.found.missed->number, w.surface, &w.found.missed->ray);
+        if (w.rays) table_line(w.table, "%s", intersect_legend);
+        if (w.found.any_missed)
+            explain_miss(w.table, w.found.missed.number, w.surface, &w.found.missed.ray);
         write_undecided(&w);
         write_verdict(&w, undecided);
     }

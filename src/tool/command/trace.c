@@ -5,6 +5,7 @@
 #include "../base/input.h"
 #include "../job/job.h"
 #include "../base/memory.h"
+#include "../base/progress.h"
 #include "../draw/pictures.h"
 #include "../read/surface.h"
 #include "../show/profile.h"
@@ -102,7 +103,7 @@ static trace_arguments trace_arguments_of(int argc, char *argv[])
     char all_help[HELP_SIZE];
     snprintf(all_help, sizeof all_help, "%s%s%s%s%s%s", trace_help, job_help, pictures_help,
              trace_more_help, options_threads_help, options_rows_help);
-    trace_arguments a = {.shared.scales = true, .job = {.several = true}};
+    trace_arguments a = {.shared.scales = true, .job = {.several = true, .parts = true}};
     for (int code; (code = getopt_long(argc, argv, ROWS_LETTERS, known, NULL)) != -1;) {
         if (code == SVG) {
             a.pictures.svg = optarg;
@@ -159,6 +160,9 @@ typedef struct records {
 
 /* The room of a tile: its rays, what became of them, and its rows of the table. */
 typedef struct trace_room {
+    launch room[TILE_RAYS];
+    const launch *launch;          /* [TILE_RAYS], in `room` or in a list */
+    size_t there;                  /* so many are traced; the others are not there */
     double ray[6][TILE_RAYS];      /* o, d; after the trace, where it ended */
     signed char fate[TILE_RAYS];
     int passed[TILE_RAYS];
@@ -178,11 +182,11 @@ typedef struct trace_work {
     const job_lens *at;             /* the lens at the wavelength that is being traced */
     bool launches;                 /* there are the columns of launch_head */
     bool stretches;                /* there are columns lo and hi */
-    size_t passed, proven, undecided; /* how many rays; proven: passed and grazed no element */
-    struct { const launch *ray; const job_lens *at; } lost[UNDECIDED_SHOWN];
+    size_t rays, passed, proven, undecided; /* how many rays; proven: passed and grazed no element */
+    struct { launch ray; const job_lens *at; } lost[UNDECIDED_SHOWN];
     int shown;
     struct {
-        const launch *ray;
+        launch ray;
         const job_lens *at;
         size_t element;
         char why[STOPPED_SIZE];
@@ -276,9 +280,9 @@ static void send(void *data, const tile *t)
 {
     const trace_work *w = data;
     const job *j = w->job;
-    const launch *l = &w->at->rays.ray[t->first];
     trace_room *r = &w->room[t->place];
-    for (size_t i = 0; i < t->count; i++) {
+    const launch *l = r->launch = job_part(w->at, t->first, t->count, r->room, &r->there);
+    for (size_t i = 0; i < r->there; i++) {
         const sgt_ray *ray = &l[i].ray;
         const double numbers[] = {ray->o.x, ray->o.y, ray->o.z, ray->d.x, ray->d.y, ray->d.z};
         for (int k = 0; k < 6; k++) r->ray[k][i] = numbers[k];
@@ -286,12 +290,12 @@ static void send(void *data, const tile *t)
     const sgt_rays rays = {.o = {r->ray[0], r->ray[1], r->ray[2]}, .d = {r->ray[3], r->ray[4], r->ray[5]}};
     const sgt_traced out = {.fate = r->fate, .passed = r->passed, .o = {r->ray[0], r->ray[1], r->ray[2]},
                             .d = {r->ray[3], r->ray[4], r->ray[5]}};
-    sgt_trace_batch(j->lens.count, w->at->element, w->at->lens.index_before, t->count, rays, out, r->passages,
+    sgt_trace_batch(j->lens.count, w->at->element, w->at->lens.index_before, r->there, rays, out, r->passages,
                     &w->asked->shared.solver);
-    for (size_t i = 0; i < t->count; i++) {
+    for (size_t i = 0; i < r->there; i++) {
         size_t passed = (size_t)r->passed[i];
         const size_t first = !w->asked->last ? 0 : r->fate[i] == SGT_PASSED ? passed - 1 : passed;
-        if ((t->first + i > 0 || w->at != j->at) && !w->asked->last) table_gap(r->rows);
+        if (!w->asked->last) table_gap(r->rows);
         for (size_t k = first; k < passed; k++) trace_write_row(w, r, &l[i], k, SGT_PASSED, &r->record[k], i);
         if (r->fate[i] != SGT_PASSED)
             trace_write_row(w, r, &l[i], passed, (sgt_fate)r->fate[i], &r->record[passed], i);
@@ -338,7 +342,7 @@ static void keep_ended(trace_work *w, const trace_room *r, const launch *l, size
         .index = element ? of->index[element - 1] : of->index_before,
         .behind = of->index[element]};
     size_t k = w->ended_shown++;
-    w->ended[k].ray = l, w->ended[k].at = w->at, w->ended[k].element = element;
+    w->ended[k].ray = *l, w->ended[k].at = w->at, w->ended[k].element = element;
     stopped_print(w->ended[k].why, e, (sgt_fate)r->fate[i], &a);
 }
 
@@ -359,9 +363,12 @@ static void trace_take(void *data, const tile *t)
     trace_room *r = &w->room[t->place];
     table_join(w->table, r->rows);
     watch_take(w->watch, t->place);
-    for (size_t i = 0; i < t->count; i++) {
+    for (size_t i = 0; i < t->count && w->job->how; i++) launch_there(w->job->how, &r->launch[i]);
+    w->rays += r->there;
+    progress_add(t->count);
+    for (size_t i = 0; i < r->there; i++) {
         int passed = r->passed[i];
-        const launch *l = &w->at->rays.ray[t->first + i];
+        const launch *l = &r->launch[i];
         if (r->fate[i] == SGT_PASSED) w->passed++, w->proven += crossed_all(w, r, i);
         else count_loss(&w->loss[passed], (sgt_fate)r->fate[i], (sgt_status)r->record[passed].status[i]);
         if (r->fate[i] != SGT_PASSED) keep_ended(w, r, l, i);
@@ -369,7 +376,7 @@ static void trace_take(void *data, const tile *t)
         for (int k = 0; k < passed; k++) w->back[k] += r->record[k].number[6][i] < 0;
         if (r->fate[i] < 0) w->undecided++;
         if (r->fate[i] < 0 && r->record[passed].status[i] < 0 && w->shown < UNDECIDED_SHOWN)
-            w->lost[w->shown].ray = l, w->lost[w->shown++].at = w->at;
+            w->lost[w->shown].ray = *l, w->lost[w->shown++].at = w->at;
         if (w->picture) draw(w, r, l, i);
     }
 }
@@ -435,7 +442,7 @@ static void write_ended(const trace_work *w)
 {
     char who[120];
     for (size_t k = 0; k < w->ended_shown; k++) {
-        print_ray(who, w, w->ended[k].ray, w->ended[k].at);
+        print_ray(who, w, &w->ended[k].ray, w->ended[k].at);
         table_line(w->table, "%s at element %zu: %s.", who, w->ended[k].element + 1, w->ended[k].why);
     }
     if (w->ended_count > w->ended_shown)
@@ -488,7 +495,7 @@ static void write_lost(const trace_work *w)
     for (int i = 0; i < w->shown; i++) {
         const shared_options *asked = &w->asked->shared;
         const job_lens *at = w->lost[i].at;
-        sgt_ray ray = w->lost[i].ray->ray;
+        sgt_ray ray = w->lost[i].ray.ray;
         size_t passed = sgt_trace(j->lens.count, at->element, at->lens.index_before, &ray, alone, NULL,
                                   &asked->solver);
         if (passed == j->lens.count) continue; /* never: a batch gives the same answers as single rays */
@@ -498,7 +505,7 @@ static void write_lost(const trace_work *w)
                           .near_seed = options_near_seed(asked, e->surface, SGT_NEAR_SEED),
                           .fast = options_fast(asked, e->surface), .hit = &alone[passed].hit};
         char ray_name[120], who[160];
-        print_ray(ray_name, w, w->lost[i].ray, at);
+        print_ray(ray_name, w, &w->lost[i].ray, at);
         snprintf(who, sizeof who, "%s at element %zu: ", ray_name, passed + 1);
         undecided_explain(w->table, who, &s);
     }
@@ -528,7 +535,7 @@ exit_status command_trace(int argc, char *argv[])
     const bool text = a.shared.target.format == TABLE_TEXT, all = !text || a.shared.target.columns;
     /* A tile takes some 60 KB for each element.  At most 16 MB a thread: with many elements tiles have fewer
      * rays. */
-    tiling in = {.rays = j.rays.count, .threads = count > RECORDS_MOST ? 1 : threads,
+    tiling in = {.rays = job_count(j.at), .threads = count > RECORDS_MOST ? 1 : threads,
                        .share = count < 4     ? SHARE_MOST
                                 : count < 128 ? 128 / count
                                               : 1,
@@ -551,16 +558,18 @@ exit_status command_trace(int argc, char *argv[])
     a.shared.target.word_size = j.rays.longest_id;
     w.table = table_begin(&a.shared.target, trace_columns_of(&w, columns), columns);
     for (size_t i = 0; i < places; i++) w.room[i] = trace_room_for(&w, in.most);
-    size_t rays = 0;
+    progress_begin(j.wavelengths * job_count(j.at), !a.shared.target.path, a.shared.progress);
     for (size_t c = 0; c < j.wavelengths; c++) {
         w.at = &j.at[c];
-        in.rays = w.at->rays.count, rays += in.rays;
+        in.rays = job_count(w.at);
         tiles_run(&in, &w, send, trace_take);
     }
+    progress_end();
+    job_end_parts(&j);
     if (text) {
-        if (rays) write_legend(&w);
-        table_line(w.table, "%zu of %zu ray%s passed all %zu element%s.", w.passed, rays, rays == 1 ? "" : "s",
-                   count, count == 1 ? "" : "s");
+        if (w.rays) write_legend(&w);
+        table_line(w.table, "%zu of %zu ray%s passed all %zu element%s.", w.passed, w.rays,
+                   w.rays == 1 ? "" : "s", count, count == 1 ? "" : "s");
         write_proof(&w);
         write_losses(w.table, &j, w.loss);
         write_ended(&w);

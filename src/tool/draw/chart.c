@@ -102,7 +102,7 @@ static void set_ticks(const chart_sheet *s, chart_place *p)
         chart_axis_ticks(&p->y, s->high, s->wide / 5);
     } else {
         chart_axis_ticks_beside(s->cr, &p->x, s->wide);
-        chart_axis_ticks(&p->y, s->high, fmax(26, s->high / 9));
+        chart_axis_ticks(&p->y, s->high, fmax(17, s->high / 9));
     }
     if (p->of->map) p->scale = chart_scale_of(p->of->map, s->high);
 }

@@ -97,7 +97,7 @@ void chart_axis_ticks(chart_axis *a, double length, double spacing)
 void chart_axis_ticks_beside(cairo_t *cr, chart_axis *a, double length)
 {
     const double apart = 9;
-    double spacing = fmax(38, length / 10);
+    double spacing = fmax(24, length / 9);
     for (int i = 0; i < 6; i++) { /* a second round is rare: numbers of longer steps are shorter */
         chart_axis_ticks(a, length, spacing);
         double wide = chart_axis_width(cr, a) + apart, step = a->step / (a->high - a->low) * length;

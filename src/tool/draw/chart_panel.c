@@ -9,11 +9,19 @@
 
 static const double TICK_LENGTH = 4, MINOR_LENGTH = 2, NUMBER_GAP = 6, LABEL_GAP = 5, EDGE = 0.7, GRID = 0.5,
                     FOOT_NUMBERS = 15, FOOT_LABEL = 13, FOOT_BAR = 18,
-                    LABEL_BEYOND = 6; /* a label may be longer than the axis */
+                    LABEL_BEYOND = 6, /* a label may be longer than the axis */
+    SMALLEST_MAP = 0.01;
+
+/* Whether there is a map that can be drawn. */
+static bool map_there(const chart_map *m)
+{
+    return m && m->columns > 0 && m->rows > 0 && chart_finite(m->x_low) && chart_finite(m->x_high) &&
+           chart_finite(m->y_low) && chart_finite(m->y_high) && m->x_low < m->x_high && m->y_low < m->y_high;
+}
 
 static void map_range(chart_place *p, const chart_map *m)
 {
-    if (!m || m->columns == 0 || m->rows == 0) return;
+    if (!map_there(m)) return;
     chart_range_add(p->x_range.fixed, m->x_low), chart_range_add(p->x_range.fixed, m->x_high);
     chart_range_add(p->y_range.fixed, m->y_low), chart_range_add(p->y_range.fixed, m->y_high);
 }
@@ -198,13 +206,14 @@ static void draw_scale_bar(cairo_t *cr, const chart_place *p)
 static void draw_map(cairo_t *cr, const chart_place *p)
 {
     const chart_map *m = p->of->map;
-    if (!m || m->columns == 0 || m->rows == 0) return;
+    if (!map_there(m)) return;
     double x = p->plot.right - p->plot.left, y = p->plot.bottom - p->plot.top;
     chart_box at = {.left = p->plot.left + chart_axis_part(&p->x, m->x_low) * x,
                     .right = p->plot.left + chart_axis_part(&p->x, m->x_high) * x,
                     .top = p->plot.bottom - chart_axis_part(&p->y, m->y_high) * y,
                     .bottom = p->plot.bottom - chart_axis_part(&p->y, m->y_low) * y};
-    if (!(at.left < at.right && at.top < at.bottom)) return;
+    /* Cairo refuses a scale of 0: of a map beside values that are 1e9 times as large. */
+    if (!(at.right - at.left > SMALLEST_MAP && at.bottom - at.top > SMALLEST_MAP)) return;
     chart_map_draw(cr, m, &p->scale, &at);
     chart_scale_draw(cr, m, &p->scale, &p->plot);
 }

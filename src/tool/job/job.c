@@ -46,7 +46,8 @@ const char job_help[] =
     "  --aim A            where px, py are: paraxial, in the paraxial entrance pupil; real: on the stop\n"
     "                     (its radius is the marginal ray's height there).  Default: as the lens says\n"
     "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"
-    "                     ox,oy,oz,dx,dy,dz and optionally id; FILE may be - for standard input\n"
+    "                     ox,oy,oz,dx,dy,dz and optionally id; FILE may be - for standard input; or\n"
+    "                     an array of NumPy, NAME.npy, or a folder with an array for each column\n"
     "  --skip-bad         skip bad rows of the file, and say how many\n"
     "  --wavelength W     a whole number: the lens's W-th wavelength, counted from 1 (default: its\n"
     "                     primary one).  With a point: micrometres.  Or a spectral line:\n"
@@ -289,6 +290,43 @@ launch_pattern job_points(const job_options *o, sgt_pattern otherwise, long n)
     return points;
 }
 
+/* The rays are made when they are needed. */
+static void plan_rays(job *j, const launch_pattern *points)
+{
+    sgt_field_beam *beam = memory_take(j->fields, sizeof *beam);
+    for (size_t f = 0; f < j->fields; f++) beam[f] = launch_beam(j->how, j->field_kind, j->field[f]);
+    for (size_t c = 0; c < j->wavelengths; c++)
+        j->at[c].plan = (launch_plan){.how = j->how, .traced = &j->at[c].lens, .fields = j->fields,
+                                      .beam = beam, .points = points};
+    j->how->count = j->fields * points->count;
+}
+
+size_t job_count(const job_lens *at)
+{
+    return at->plan.fields ? at->plan.fields * at->plan.points->count : at->rays.count;
+}
+
+const launch *job_part(const job_lens *at, size_t first, size_t count, launch room[], size_t *there)
+{
+    if (!at->plan.fields) return rays_part(&at->rays, first, count, room, there);
+    launch_part(&at->plan, first, count, room);
+    for (*there = 0; *there < count && room[*there].status == SGT_MET;) ++*there;
+    for (size_t i = *there + 1; i < count; i++) {
+        if (room[i].status != SGT_MET) continue;
+        const launch l = room[i];
+        memmove(&room[*there + 1], &room[*there], (i - *there) * sizeof l);
+        room[(*there)++] = l;
+    }
+    return room;
+}
+
+void job_end_parts(job *j)
+{
+    if (!j->how) return;
+    j->undecided = j->how->undecided;
+    launch_note(j->how, j->wavelengths);
+}
+
 job job_read(const job_options *o)
 {
     if (o->rays && (o->fields || o->numbers || o->pattern_given || o->pupils || o->across))
@@ -297,7 +335,7 @@ job job_read(const job_options *o)
     job j = {.wavelengths = 0};
     read_wavelengths(&j, o);
     if (o->rays) {
-        j.rays.threads = o->threads;
+        j.rays.threads = o->threads, j.rays.parts = o->parts;
         rays_read(&j.rays, o->rays, o->skip_bad);
         if (j.rays.ended)
             note("%s: tmin, tmax: not used; through a lens the whole line of a ray is searched", o->rays);
@@ -306,20 +344,26 @@ job job_read(const job_options *o)
     }
     const field_list fields = job_fields(o, &j.lens);
     j.field = fields.at, j.fields = fields.count, j.field_number = fields.number, j.field_kind = fields.kind;
-    const launch_pattern points = job_points(o, SGT_PATTERN_FAN, 0);
+    launch_pattern *points = memory_take(1, sizeof *points);
+    *points = job_points(o, SGT_PATTERN_FAN, 0);
     const sgt_lens_aim *aim = job_aim(o, j.lens.of);
     const bool aimed = (aim ? *aim : j.lens.of->aim) != SGT_AIM_PUPIL;
-    launch_how how = launch_by(&j.lens, aim);
+    j.how = memory_take(1, sizeof *j.how);
+    *j.how = launch_by(&j.lens, aim);
+    if (o->parts) {
+        plan_rays(&j, points);
+        return j;
+    }
     for (size_t c = 0; c < j.wavelengths; c++) {
         if (c > 0 && !aimed) { /* the same rays at all wavelengths */
             j.at[c].rays = j.at[0].rays;
             continue;
         }
-        how.count = 0;
+        j.how->count = 0;
         for (size_t f = 0; f < j.fields; f++)
-            launch_field(&j.at[c].rays, &how, &j.at[c].lens, f, j.field_kind, j.field[f], &points);
+            launch_field(&j.at[c].rays, j.how, &j.at[c].lens, f, j.field_kind, j.field[f], points);
     }
-    j.rays = j.at[0].rays, j.undecided = how.undecided;
-    launch_note(&how, j.wavelengths);
+    j.rays = j.at[0].rays;
+    job_end_parts(&j);
     return j;
 }

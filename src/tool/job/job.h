@@ -24,6 +24,7 @@ typedef struct job_options {
     size_t wavelengths, wavelength_capacity;
     bool all_wavelengths;             /* --wavelength all */
     bool several;                     /* set by a command that takes several wavelengths */
+    bool parts;                       /* set by a command that calls job_part */
     bool skip_bad, no_apertures, glass, strict;
     int threads;                      /* to read rays with; 0: one */
 } job_options;
@@ -80,8 +81,14 @@ extern const char job_help[];
 /* Takes an option if its code is one of the above; else returns false. */
 bool job_take(job_options *o, int code);
 
-/* The lens at a wavelength; its elements, without apertures for --no-apertures; the rays for it. */
-typedef struct job_lens { lens lens; sgt_element *element; ray_list rays; } job_lens;
+/* The lens at a wavelength; its elements, without apertures for --no-apertures; the rays for it: `rays`, or
+ * for a job in parts the plan. */
+typedef struct job_lens {
+    lens lens;
+    sgt_element *element;
+    ray_list rays;
+    launch_plan plan;         /* of no fields: there is none */
+} job_lens;
 
 typedef struct job {
     size_t wavelengths;       /* one for each --wavelength */
@@ -89,12 +96,21 @@ typedef struct job {
     lens lens;                /* the first */
     sgt_element *element;
     ray_list rays;            /* those of the first wavelength */
+    launch_how *how;          /* NULL: rays from a file */
     size_t undecided;         /* how many rays aiming has neither found nor excluded */
     size_t fields;            /* 0: the rays came from a file */
     const sgt_lens_field *field;
     const size_t *field_number; /* as in field_list */
     sgt_field_kind field_kind;
 } job;
+
+/* Rays of a job in parts: how many at each wavelength, those that are not there included; and some of them.
+ * room: [count].  *there: how many of them are there, in their order; the others are behind them. */
+size_t job_count(const job_lens *at);
+const launch *job_part(const job_lens *at, size_t first, size_t count, launch room[], size_t *there);
+
+/* Notes what aiming did not find, when all parts are taken. */
+void job_end_parts(job *j);
 
 /* The whole line of a ray, from -infinity to infinity, in an element's own frame. */
 sgt_ray job_own_ray(const sgt_pose *pose, const sgt_ray *ray);

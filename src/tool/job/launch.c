@@ -47,29 +47,54 @@ static void note_missing(launch_how *how, const launch *l, sgt_aimed status)
     *(none ? &how->none : &how->undecided) += 1;
 }
 
-void launch_field(ray_list *list, launch_how *how, const lens *traced, size_t field, sgt_field_kind kind,
-                  sgt_lens_field at, const launch_pattern *points)
+bool launch_there(launch_how *how, const launch *l)
 {
-    enum { PART = 4096 };
+    if (l->status != SGT_MET) note_missing(how, l, l->status);
+    else how->folded += l->folded;
+    return l->status == SGT_MET;
+}
+
+sgt_field_beam launch_beam(const launch_how *how, sgt_field_kind kind, sgt_lens_field at)
+{
     sgt_field_beam beam;
     sgt_lens_error e;
     if (!sgt_launch_field(how->from, kind, &at, &beam, &e)) lens_refuse(&e);
-    const size_t room = points->count < PART ? points->count : PART;
-    sgt_launched *launched = memory_take(room, sizeof *launched);
-    for (size_t first = 0; first < points->count; first += PART) {
-        const size_t left = points->count - first, part = left < PART ? left : PART;
-        const sgt_pupil_point *p = points->at + first;
-        if (!sgt_launch_rays(how->from, &beam, traced->element, traced->index_before, part, p, launched))
+    return beam;
+}
+
+enum { LAUNCH_PART = 256 };
+
+void launch_part(const launch_plan *plan, size_t first, size_t count, launch out[])
+{
+    sgt_launched launched[LAUNCH_PART];
+    for (size_t done = 0, part; done < count; done += part) {
+        const size_t number = first + done, field = number / plan->points->count;
+        const size_t point = number % plan->points->count, left = plan->points->count - point;
+        const sgt_pupil_point *p = plan->points->at + point;
+        part = count - done < left ? count - done : left;
+        if (part > LAUNCH_PART) part = LAUNCH_PART;
+        if (!sgt_launch_rays(plan->how->from, &plan->beam[field], plan->traced->element,
+                             plan->traced->index_before, part, p, launched))
             fail_input("out of memory");
-        for (size_t i = 0; i < part; i++) {
-            const launch l = {.ray = launched[i].ray, .number = how->count++, .field = field, .px = p[i].x,
-                              .py = p[i].y};
-            if (launched[i].status != SGT_MET) {
-                note_missing(how, &l, launched[i].status);
-                continue;
-            }
-            how->folded += launched[i].folded;
-            rays_add(list, l);
+        for (size_t i = 0; i < part; i++)
+            out[done + i] = (launch){.ray = launched[i].ray, .number = number + i, .field = field,
+                                     .px = p[i].x, .py = p[i].y, .status = launched[i].status,
+                                     .folded = launched[i].folded};
+    }
+}
+
+void launch_field(ray_list *list, launch_how *how, const lens *traced, size_t field, sgt_field_kind kind,
+                  sgt_lens_field at, const launch_pattern *points)
+{
+    const sgt_field_beam beam = launch_beam(how, kind, at);
+    const launch_plan plan = {.how = how, .traced = traced, .fields = 1, .beam = &beam, .points = points};
+    launch part[LAUNCH_PART];
+    for (size_t first = 0, count; first < points->count; first += count, how->count += count) {
+        count = points->count - first < LAUNCH_PART ? points->count - first : LAUNCH_PART;
+        launch_part(&plan, first, count, part);
+        for (size_t i = 0; i < count; i++) {
+            part[i].number = how->count + i, part[i].field = field;
+            if (launch_there(how, &part[i])) rays_add(list, part[i]);
         }
     }
 }

@@ -26,6 +26,25 @@ typedef struct launch_how {
 /* aim NULL: as the lens says.  A fault of the lens ends the command, and the message names the key. */
 launch_how launch_by(const lens *l, const sgt_lens_aim *aim);
 
+/* Rays of several fields at one wavelength, that are made when they are needed: field after field, each with
+ * the same points. */
+typedef struct launch_plan {
+    const launch_how *how;
+    const lens *traced;          /* the lens at the wavelength they are for */
+    size_t fields;
+    const sgt_field_beam *beam;  /* [fields] */
+    const launch_pattern *points;
+} launch_plan;
+
+/* The beam of a field; a fault ends the command. */
+sgt_field_beam launch_beam(const launch_how *how, sgt_field_kind kind, sgt_lens_field at);
+
+/* Makes the rays first ... first + count - 1.  May run in any thread. */
+void launch_part(const launch_plan *plan, size_t first, size_t count, launch out[]);
+
+/* Is the ray there?  Counts and notes it if not; counts it if it is folded. */
+bool launch_there(launch_how *how, const launch *l);
+
 /* Adds the rays of a field, the field-th, to the list.  Aimed ones are those of `traced`, the lens at the
  * wavelength they are for; a ray that is not there is left out, counted, and noted. */
 void launch_field(ray_list *list, launch_how *how, const lens *traced, size_t field, sgt_field_kind kind,

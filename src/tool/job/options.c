@@ -37,7 +37,8 @@ const char options_threads_help[] =
 const char options_rows_help[] =
     "  --columns A,B,...  only these columns, in this order\n"
     "  --format npy       with --output NAME.npy one array of rows for NumPy; with --output FOLDER an\n"
-    "                     array for each column.  docs/lens_file.md has types and codes\n";
+    "                     array for each column.  docs/lens_file.md has types and codes\n"
+    "  --progress         say on standard error how far it is; without this only on a terminal\n";
 
 double options_number(const char *option, const char *text)
 {
@@ -68,8 +69,8 @@ static table_format format_of(const char *text, bool scales)
     if (strcmp(text, "csv") == 0) return TABLE_CSV;
     if (strcmp(text, "json") == 0) return TABLE_JSON;
     if (scales && strcmp(text, "npy") == 0) return TABLE_NPY;
-    fail_usage("--format must be text, csv%s json%s, not \"%s\"", scales ? "," : " or", scales ? " or npy" : "",
-               text);
+    fail_usage("--format must be text, csv%s json%s, not \"%s\"", scales ? "," : " or",
+               scales ? " or npy" : "", text);
 }
 
 static sgt_pick pick_of(const char *text)
@@ -130,6 +131,7 @@ void options_take(shared_options *o, int code, const char *help)
     switch (code) {
     case OPTION_FORMAT: o->target.format = format_of(optarg, o->scales); return;
     case OPTION_COLUMNS: o->target.columns = optarg; return;
+    case OPTION_PROGRESS: o->progress = true; return;
     case 'o':
     case OPTION_OUTPUT: o->target.path = optarg; return;
     case OPTION_HEX: o->target.hexadecimal = true; return;

@@ -12,6 +12,7 @@ typedef struct shared_options {
     sgt_options solver;
     int threads;          /* 0: not given */
     bool scales;          /* set by a command with ROWS_OPTIONS */
+    bool progress;
 } shared_options;
 
 /* Room for the --help of a subcommand with those of its parts. */
@@ -21,7 +22,7 @@ enum { HELP_SIZE = 12000 };
 enum {
     OPTION_FORMAT = 256, OPTION_OUTPUT, OPTION_HEX, OPTION_HELP, OPTION_VERSION,
     OPTION_PICK, OPTION_T_TOL, OPTION_DT_MIN, OPTION_MAX_EVALS, OPTION_THREADS, OPTION_PROOF,
-    OPTION_COLUMNS, OPTION_OWN
+    OPTION_COLUMNS, OPTION_PROGRESS, OPTION_OWN
 };
 
 /* To be put into a subcommand's table of options, which ends with {0}. */
@@ -42,8 +43,10 @@ enum {
 /* For subcommands that prove. */
 #define PROOF_OPTION {"proof", required_argument, NULL, OPTION_PROOF}
 
-/* For subcommands that write a row for each ray: --columns, --format npy and -o. */
-#define ROWS_OPTIONS {"columns", required_argument, NULL, OPTION_COLUMNS}
+/* For subcommands that write a row for each ray: --columns, --progress, --format npy and -o. */
+#define ROWS_OPTIONS                                    \
+    {"columns", required_argument, NULL, OPTION_COLUMNS}, \
+    {"progress", no_argument, NULL, OPTION_PROGRESS}
 #define ROWS_LETTERS "ho:"
 
 /* The help of the shared options, that of --threads, and that of ROWS_OPTIONS. */

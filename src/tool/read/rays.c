@@ -10,7 +10,7 @@
  * A line ends at its \n, even inside quotes.  So the text can be cut at any \n, and the pieces
  * are read in threads.  First the rows of each piece are counted.  Then each piece knows where
  * its rays go, and the numbers of its rows and lines. */
-#include "rays.h"
+#include "ray_table.h"
 
 #include "../base/fail.h"
 #include "../base/input.h"
@@ -24,11 +24,9 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { COLUMN_COUNT = 9, TMIN = 6, TMAX = 7, ID = 8, REQUIRED = 6 };
-static const char *const column_name[COLUMN_COUNT] = {"ox", "oy",   "oz",   "dx", "dy",
-                                                      "dz", "tmin", "tmax", "id"};
+const char *const ray_column_name[RAY_COLUMNS] = {"ox", "oy", "oz", "dx", "dy", "dz", "tmin", "tmax", "id"};
 
-enum { FIELDS_MOST = COLUMN_COUNT + 1 };
+enum { FIELDS_MOST = RAY_COLUMNS + 1 };
 #ifndef PIECE
 #define PIECE (1 << 18) /* the least bytes of a piece; a test may set it lower */
 #endif
@@ -42,26 +40,25 @@ void rays_add(ray_list *list, launch ray)
 
 /* ---------------------------------------------------------------- one ray */
 
-LIKE_PRINTF(2, 3) static bool bad(char why[120], const char *format, ...)
+LIKE_PRINTF(2, 3) static bool bad(char why[RAY_WHY], const char *format, ...)
 {
     va_list values;
     va_start(values, format);
-    vsnprintf(why, 120, format, values);
+    vsnprintf(why, RAY_WHY, format, values);
     va_end(values);
     return false;
 }
 
-/* Makes a ray of value[0 ... 7], in the order of the columns.  false: `why` says what is wrong. */
-static bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, char why[120])
+bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray *ray, char why[RAY_WHY])
 {
-    for (int i = 0; i < TMIN; i++)
-        if (!isfinite(value[i])) return bad(why, "%s: must be finite", column_name[i]);
+    for (int i = 0; i < RAY_TMIN; i++)
+        if (!isfinite(value[i])) return bad(why, "%s: must be finite", ray_column_name[i]);
     *ray = (sgt_ray){.o = {value[0], value[1], value[2]}, .d = {value[3], value[4], value[5]}};
     double longest = fmax(fabs(ray->d.x), fmax(fabs(ray->d.y), fabs(ray->d.z)));
     if (longest == 0) return bad(why, "dx, dy, dz: the direction must not be zero");
     if (longest < DBL_MIN) return bad(why, "dx, dy, dz: the direction is too short (below 2.2e-308)");
-    ray->tmin = has_tmin ? value[TMIN] : 0;
-    ray->tmax = has_tmax ? value[TMAX] : HUGE_VAL;
+    ray->tmin = has_tmin ? value[RAY_TMIN] : 0;
+    ray->tmax = has_tmax ? value[RAY_TMAX] : HUGE_VAL;
     if (isnan(ray->tmin) || isnan(ray->tmax)) return bad(why, "tmin, tmax: must not be nan");
     if (ray->tmin > ray->tmax)
         return bad(why, "tmin, tmax: tmin must not be above tmax, and %g is above %g", ray->tmin, ray->tmax);
@@ -74,7 +71,7 @@ static bool ray_of(const double value[8], bool has_tmin, bool has_tmax, sgt_ray 
 
 void rays_parse(ray_list *list, const char *text)
 {
-    char copy[400], why[120];
+    char copy[400], why[RAY_WHY];
     double value[8] = {0};
     int count = 0;
     if (snprintf(copy, sizeof copy, "%s", text) >= (int)sizeof copy) fail_input("--ray: too long");
@@ -162,17 +159,17 @@ static bool next_line(reader *r)
 }
 
 /* Reads the header.  place[c]: the field that holds column c, or -1. */
-static void rays_read_header(reader *r, int place[COLUMN_COUNT])
+static void rays_read_header(reader *r, int place[RAY_COLUMNS])
 {
     const char *source = r->source;
     if (r->end - r->at >= 3 && memcmp(r->at, "\xef\xbb\xbf", 3) == 0) r->at += 3;
     if (!next_line(r)) fail_input("%s: empty; it needs a header row: ox,oy,oz,dx,dy,dz", source);
     if (r->broken) fail_input("%s:%zu: %s", source, r->line, BROKEN);
-    for (int c = 0; c < COLUMN_COUNT; c++) place[c] = -1;
+    for (int c = 0; c < RAY_COLUMNS; c++) place[c] = -1;
     for (int f = 0; f < r->count; f++) {
         int c = 0;
-        while (c < COLUMN_COUNT && strcmp(r->field[f], column_name[c]) != 0) c++;
-        if (c == COLUMN_COUNT) {
+        while (c < RAY_COLUMNS && strcmp(r->field[f], ray_column_name[c]) != 0) c++;
+        if (c == RAY_COLUMNS) {
             double x;
             const char *hint = number_read(r->field[f], &x)   ? "is the header missing?  "
                                : strpbrk(r->field[f], " \t;") ? "put commas between columns; "
@@ -182,26 +179,26 @@ static void rays_read_header(reader *r, int place[COLUMN_COUNT])
                 source, r->line, r->field[f], hint);
         }
         if (place[c] >= 0)
-            fail_input("%s:%zu: %s: this column is given twice", source, r->line, column_name[c]);
+            fail_input("%s:%zu: %s: this column is given twice", source, r->line, ray_column_name[c]);
         place[c] = f;
     }
-    for (int c = 0; c < REQUIRED; c++)
+    for (int c = 0; c < RAY_REQUIRED; c++)
         if (place[c] < 0)
             fail_input("%s:%zu: %s: this column is missing; ox, oy, oz, dx, dy, dz are needed", source,
-                       r->line, column_name[c]);
+                       r->line, ray_column_name[c]);
 }
 
-static bool row_of(const reader *r, const int place[COLUMN_COUNT], int columns, launch *l, char why[120])
+static bool row_of(const reader *r, const int place[RAY_COLUMNS], int columns, launch *l, char why[RAY_WHY])
 {
     double value[8] = {0};
     if (r->broken) return bad(why, "%s", BROKEN);
     if (r->count != columns)
         return bad(why, "%s fields than the %d of the header", r->count < columns ? "fewer" : "more",
                    columns);
-    for (int c = 0; c < ID; c++)
+    for (int c = 0; c < RAY_ID; c++)
         if (place[c] >= 0 && !number_read(r->field[place[c]], &value[c]))
-            return bad(why, "%s: \"%.60s\" is not a number", column_name[c], r->field[place[c]]);
-    return ray_of(value, place[TMIN] >= 0, place[TMAX] >= 0, &l->ray, why);
+            return bad(why, "%s: \"%.60s\" is not a number", ray_column_name[c], r->field[place[c]]);
+    return ray_of(value, place[RAY_TMIN] >= 0, place[RAY_TMAX] >= 0, &l->ray, why);
 }
 
 /* A piece of the text: whole lines. */
@@ -210,7 +207,7 @@ typedef struct piece {
     size_t lines, rows;         /* how many */
     size_t number, good, bad;   /* the number of its first row; how many rows are good, and bad */
     size_t bad_line;            /* the line of the first bad row, and what is wrong with it */
-    char why[120];
+    char why[RAY_WHY];
 } piece;
 
 static piece *cut(const reader *r, size_t *count)
@@ -235,15 +232,15 @@ static void count_rows(piece *p)
 }
 
 /* Reads the rays of a piece to ray[0], ray[1] ... */
-static void read_piece(piece *p, const int place[COLUMN_COUNT], int columns, launch *ray, bool skip_bad)
+static void read_piece(piece *p, const int place[RAY_COLUMNS], int columns, launch *ray, bool skip_bad)
 {
     reader *r = &p->reader;
-    char why[120];
+    char why[RAY_WHY];
     for (size_t number = p->number; next_line(r); number++) {
         launch *l = &ray[p->good];
         *l = (launch){.number = number};
         if (row_of(r, place, columns, l, why)) {
-            if (place[ID] >= 0) l->id = r->field[place[ID]];
+            if (place[RAY_ID] >= 0) l->id = r->field[place[RAY_ID]];
             p->good++;
         } else if (p->bad++ == 0) {
             p->bad_line = r->line;
@@ -253,14 +250,22 @@ static void read_piece(piece *p, const int place[COLUMN_COUNT], int columns, lau
     }
 }
 
-void rays_read(ray_list *list, const char *path, bool skip_bad)
+static void read_table(ray_list *list, const char *path, bool skip_bad)
+{
+    ray_table_open(list, path, skip_bad);
+    if (list->parts) return;
+    list->ray = memory_take(list->count, sizeof *list->ray);
+    ray_table_part(list->table, 0, list->count, list->ray, &list->count);
+}
+
+static void read_csv(ray_list *list, const char *path, bool skip_bad)
 {
     input file = input_read(path);
     reader r = {.source = file.name, .at = file.text, .end = file.text + file.length};
-    int place[COLUMN_COUNT];
+    int place[RAY_COLUMNS];
     rays_read_header(&r, place);
-    list->ended = place[TMIN] >= 0 || place[TMAX] >= 0;
-    list->named = place[ID] >= 0;
+    list->ended = place[RAY_TMIN] >= 0 || place[RAY_TMAX] >= 0;
+    list->named = place[RAY_ID] >= 0;
     const int columns = r.count;
     size_t pieces, rows = 0, bad = 0;
     piece *p = cut(&r, &pieces), *first_bad = NULL;
@@ -289,4 +294,16 @@ void rays_read(ray_list *list, const char *path, bool skip_bad)
     if (bad)
         note("%s: %zu bad row%s skipped, the first in line %zu: %s", r.source, bad, bad == 1 ? "" : "s",
              first_bad->bad_line, first_bad->why);
+}
+
+void rays_read(ray_list *list, const char *path, bool skip_bad)
+{
+    (ray_table_is(path) ? read_table : read_csv)(list, path, skip_bad);
+}
+
+const launch *rays_part(const ray_list *list, size_t first, size_t count, launch room[], size_t *there)
+{
+    if (list->ray) return *there = count, &list->ray[first];
+    ray_table_part(list->table, first, count, room, there);
+    return room;
 }

@@ -1,7 +1,7 @@
 /* rays.h - the rays of a command: from a file, from --ray, or through a pupil. */
 #ifndef TOOL_RAYS_H
 #define TOOL_RAYS_H
-#include <sagitta/sagitta.h>
+#include <sagitta/aim.h>
 
 typedef struct launch {
     sgt_ray ray;
@@ -9,8 +9,11 @@ typedef struct launch {
     size_t field;       /* index in the list of fields; 0 for rays from a file */
     double px, py;      /* where it crosses the pupil, in radii of it; of a launched ray */
     const char *id;     /* from the file; NULL: it has no such column */
+    sgt_aimed status;   /* of a launched ray: unless SGT_MET, it is not there */
+    bool folded;        /* and the pupil is inside out near it */
 } launch;
 
+typedef struct ray_table ray_table;
 typedef struct ray_list {
     size_t count, capacity;
     launch *ray;
@@ -18,14 +21,20 @@ typedef struct ray_list {
     bool named;         /* the file has a column `id` */
     size_t longest_id;  /* characters of the longest of them */
     int threads;        /* to read the file with; 0: one */
+    bool parts;         /* set by a command that calls rays_part: arrays are then not read whole */
+    const ray_table *table; /* arrays that are read in parts: `ray` is NULL, `count` with bad rows */
 } ray_list;
 
 void rays_add(ray_list *list, launch ray);
 
-/* Reads CSV with a header row from a file ("-": standard input) into an empty list.  A bad row ends
+/* Reads CSV with a header row from a file ("-": standard input), or arrays of NumPy, into an empty list.  A bad row ends
  * the command, with its line in the message.  With skip_bad bad rows are skipped, and a note on
  * standard error says how many. */
 void rays_read(ray_list *list, const char *path, bool skip_bad);
+
+/* The rays first ... first + count - 1.  room: [count], which may be used or not.  *there: how many of them
+ * are good. */
+const launch *rays_part(const ray_list *list, size_t first, size_t count, launch room[], size_t *there);
 
 /* Adds the ray of a --ray: "ox oy oz dx dy dz", optionally followed by "tmin tmax". */
 void rays_parse(ray_list *list, const char *text);

@@ -114,22 +114,24 @@ static const char *block_write_row(const block *b, const char *cell, char *line,
     return cell;
 }
 
-/* A gap is written when a row follows. */
-static void write_rows(const block *b, const bytes *rows, char *line, bool *gap, FILE *file)
+/* What was written last; a gap is written only between rows, when the next one follows. */
+typedef enum written { WRITTEN_HEADER, WRITTEN_ROW, GAP_PENDING } written;
+
+static void write_rows(const block *b, const bytes *rows, char *line, written *last, FILE *file)
 {
     for (const char *at = rows->at, *end = at + rows->length; at < end;) {
         if (*at++ != BLOCK_ROW) {
-            *gap = true;
+            if (*last == WRITTEN_ROW) *last = GAP_PENDING;
             continue;
         }
-        if (*gap) fputc('\n', file);
-        *gap = false;
+        if (*last == GAP_PENDING) fputc('\n', file);
+        *last = WRITTEN_ROW;
         at = block_write_row(b, at, line, false, file);
     }
 }
 
 /* Writes the rows that were put aside. */
-static void write_aside(block *b, char *line, bool *gap, FILE *file)
+static void write_aside(block *b, char *line, written *last, FILE *file)
 {
     bytes rows = {.length = 0};
     if (fflush(b->aside) != 0) fail_aside("written");
@@ -139,7 +141,7 @@ static void write_aside(block *b, char *line, bool *gap, FILE *file)
         rows.length = 0;
         if (fread(bytes_room(&rows, length), 1, length, b->aside) != length) fail_aside("read");
         rows.length = length;
-        write_rows(b, &rows, line, gap, file);
+        write_rows(b, &rows, line, last, file);
     }
     if (ferror(b->aside)) fail_aside("read");
     fclose(b->aside);
@@ -149,7 +151,7 @@ static void write_aside(block *b, char *line, bool *gap, FILE *file)
 void block_write(block *b, FILE *file)
 {
     size_t longest = 1;
-    bool gap = false;
+    written last = WRITTEN_HEADER;
     for (size_t c = 0; c < b->columns; c++) {
         width *w = &b->width[c];
         size_t length = strlen(b->column[c].name), all = w->before + w->after;
@@ -158,8 +160,8 @@ void block_write(block *b, FILE *file)
     }
     char *line = memory_grow(NULL, longest, 1);
     block_write_row(b, NULL, line, true, file);
-    if (b->aside) write_aside(b, line, &gap, file);
-    write_rows(b, &b->kept, line, &gap, file);
+    if (b->aside) write_aside(b, line, &last, file);
+    write_rows(b, &b->kept, line, &last, file);
     b->kept.length = b->cells = 0;
     memset(b->width, 0, b->columns * sizeof *b->width);
 }

@@ -115,7 +115,7 @@ static void npy_open_folder(npy_output *n, const char *path)
 {
     DIR *folder = NULL;
     if (mkdir(path, 0777) != 0 && (errno != EEXIST || !(folder = opendir(path))))
-        fail_input("--output %s: %s", path, strerror(errno));
+        fail_input("--output %s: %s; npy goes into a folder, or a file NAME.npy", path, strerror(errno));
     for (struct dirent *e; folder && (e = readdir(folder));)
         if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0 && !is_column_file(n, e->d_name))
             fail_input("--output %s: it holds %s, which is no column of this table; give a folder that is "
@@ -129,8 +129,9 @@ npy_output *npy_begin(const table_target *target, size_t columns, const column *
 {
     const char *path = target->path;
     if (!path || strcmp(path, "-") == 0)
-        fail_usage("--format npy: give --output NAME.npy or --output FOLDER; it cannot go to standard output, "
-                   "since the number of rows is written last, at the beginning");
+        fail_usage("--format npy: give --output NAME.npy or --output FOLDER; it cannot go to standard "
+                   "output, since the number of rows is written last, at the beginning");
+    if (target->hexadecimal) fail_usage("--hex: not with --format npy, where numbers are bytes");
     const size_t length = strlen(path);
     npy_output *n = memory_take(1, sizeof *n);
     *n = (npy_output){.target = target, .head = head, .columns = columns,

@@ -39,8 +39,8 @@ void table_word(table *t, const char *text);
 void table_code(table *t, int code, const char *word); /* word: as long as the table */
 void table_empty(table *t); /* nothing in csv, null in json, - in text; NaN, 0 or no letters in npy */
 
-/* Only in text.  table_gap: an empty line between two rows.  table_line: a line of text under the rows so
- * far; later rows start a new block with its own header. */
+/* Only in text.  table_gap: an empty line, if it is between two rows.  table_line: a line of text under the
+ * rows so far; later rows start a new block with its own header. */
 void table_gap(table *t);
 void table_line(table *t, const char *format, ...) LIKE_PRINTF(2, 3);
 

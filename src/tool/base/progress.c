@@ -1,0 +1,60 @@
+/* progress.c - one line that is written over, with no colour and no sign but a return. */
+#include "progress.h"
+
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+static const double SILENT = 2, EVERY = 0.5, EVERY_LINE = 5; /* s */
+
+static struct {
+    size_t all, done;
+    bool shown, forced, terminal;
+    double start, last;
+    int length;      /* of the line that is on the terminal */
+} progress;
+
+static double progress_now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+void progress_begin(size_t rays, bool data_on_standard_output, bool forced)
+{
+    const bool terminal = isatty(STDERR_FILENO) == 1;
+    progress.all = rays, progress.done = 0, progress.length = 0;
+    progress.terminal = terminal, progress.forced = forced;
+    progress.shown = forced || (terminal && !(data_on_standard_output && isatty(STDOUT_FILENO) == 1));
+    progress.start = progress_now(), progress.last = progress.start + SILENT;
+}
+
+static void show_line(double seconds)
+{
+    const double part = (double)progress.done / (double)progress.all;
+    fprintf(stderr, progress.terminal ? "\r" : "sagitta: ");
+    const int length = fprintf(stderr, "%zu of %zu rays, %.0f %%, %.0f s, %.0f s left", progress.done,
+                               progress.all, 100 * part, seconds, seconds / part - seconds);
+    if (progress.terminal) fprintf(stderr, "%*s", progress.length > length ? progress.length - length : 0, "");
+    else fputc('\n', stderr);
+    progress.length = length;
+    fflush(stderr);
+}
+
+void progress_add(size_t rays)
+{
+    progress.done += rays;
+    if (!progress.shown) return;
+    const double now = progress_now();
+    if (now < progress.last) return;
+    progress.last = now + (progress.terminal ? EVERY : EVERY_LINE);
+    if (progress.done < progress.all) show_line(now - progress.start);
+}
+
+void progress_end(void)
+{
+    if (progress.terminal && progress.length) fprintf(stderr, "\r%*s\r", progress.length, "");
+    if (progress.forced)
+        fprintf(stderr, "sagitta: %zu rays, %.1f s\n", progress.done, progress_now() - progress.start);
+}

@@ -1,0 +1,17 @@
+/* progress.h - how far the command is, on standard error, once it has lasted two seconds. */
+#ifndef TOOL_PROGRESS_H
+#define TOOL_PROGRESS_H
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Begins to count rays.  Nothing is shown unless standard error is a terminal, and the data do not go to one.
+ * With `forced` it is always shown; in lines, if standard error is no terminal. */
+void progress_begin(size_t rays, bool data_on_standard_output, bool forced);
+
+/* So many are done.  Not in two threads at once. */
+void progress_add(size_t rays);
+
+/* All are done: clears the line, or with `forced` says how long it took. */
+void progress_end(void);
+
+#endif

@@ -1,0 +1,198 @@
+/* array.c - reads the npy format, versions 1 to 3 (NEP 1).
+ *
+ * The header is a Python dictionary with three keys: descr, a type or a list of ('name', 'type'); fortran_order;
+ * and shape.  Here it is read as what NumPy writes, strictly: what is not understood is an error.  Rows are
+ * read when they are asked for, so memory does not hold the file. */
+#include "array.h"
+
+#include "../base/fail.h"
+#include "../base/input.h"
+#include "../base/memory.h"
+#include "../base/threads.h"
+
+#include <errno.h>
+#include <stdint.h>
+#include <string.h>
+
+typedef struct words { const char *path, *at; } words; /* of the header */
+
+_Noreturn static void fail_header(const words *w, const char *what)
+{
+    fail_input("%s: %s, at \"%.20s\" of its header", w->path, what, w->at);
+}
+
+/* Skips blanks, and a sign if it is there. */
+static bool take(words *w, char sign)
+{
+    w->at += strspn(w->at, " \n");
+    if (*w->at != sign) return false;
+    w->at++;
+    w->at += strspn(w->at, " \n");
+    return true;
+}
+
+static void expect(words *w, char sign)
+{
+    char what[] = "? expected";
+    what[0] = sign;
+    if (!take(w, sign)) fail_header(w, what);
+}
+
+/* A text in quotes, shorter than size. */
+static void take_text(words *w, char *to, size_t size)
+{
+    const char quote = *w->at;
+    const size_t length = quote == '\'' || quote == '"' ? strcspn(w->at + 1, "'\"\\") : 0;
+    if ((quote != '\'' && quote != '"') || w->at[length + 1] != quote) fail_header(w, "a text expected");
+    if (length >= size) fail_header(w, "a text too long");
+    memcpy(to, w->at + 1, length);
+    to[length] = 0;
+    w->at += length + 2;
+}
+
+static size_t take_whole(words *w)
+{
+    size_t n = 0;
+    const char *first = w->at;
+    for (; *w->at >= '0' && *w->at <= '9' && w->at - first < 16; w->at++) n = 10 * n + (size_t)(*w->at - '0');
+    if (w->at == first || (*w->at >= '0' && *w->at <= '9')) fail_header(w, "a whole number expected");
+    return n;
+}
+
+/* '<f8': the bytes are the digits behind the letter. */
+static void take_type(words *w, array *a)
+{
+    array_field *f = &a->field[a->fields++];
+    take_text(w, f->type, sizeof f->type);
+    words digits = {w->path, f->type + (*f->type ? 1 + (f->type[1] != 0) : 0)};
+    f->size = take_whole(&digits);
+    if (*digits.at || !strchr("<>|=", *f->type)) fail_header(&digits, "a type expected");
+    f->offset = a->row_size;
+    if (f->type[1] == 'U') f->size *= 4;
+    a->row_size += f->size;
+}
+
+static void take_fields(words *w, array *a)
+{
+    size_t capacity = 0;
+    expect(w, '[');
+    while (!take(w, ']')) {
+        a->field = memory_room(a->field, a->fields, &capacity, sizeof *a->field);
+        a->field[a->fields] = (array_field){.size = 0};
+        expect(w, '(');
+        take_text(w, a->field[a->fields].name, sizeof a->field->name);
+        expect(w, ',');
+        take_type(w, a);
+        if (take(w, ',') && *w->at != ')') fail_header(w, "a field that is itself an array");
+        expect(w, ')');
+        take(w, ',');
+    }
+}
+
+/* (N,) or (N, M) */
+static void take_shape(words *w, array *a)
+{
+    expect(w, '(');
+    a->rows = take_whole(w);
+    expect(w, ',');
+    if (take(w, ')')) return;
+    a->columns = take_whole(w);
+    take(w, ',');
+    expect(w, ')');
+    if (!a->columns) fail_header(w, "no columns");
+}
+
+static void read_dictionary(array *a, const char *text)
+{
+    words w = {a->path, text};
+    enum { DESCR = 1, ORDER = 2, SHAPE = 4 };
+    int seen = 0;
+    expect(&w, '{');
+    while (!take(&w, '}')) {
+        char key[24];
+        take_text(&w, key, sizeof key);
+        expect(&w, ':');
+        const int now = strcmp(key, "descr") == 0 ? DESCR : strcmp(key, "fortran_order") == 0 ? ORDER
+                      : strcmp(key, "shape") == 0 ? SHAPE : 0;
+        if (!now || (seen & now)) fail_header(&w, "an unknown key, or one given twice, in front of it");
+        seen |= now;
+        if (now == SHAPE) {
+            take_shape(&w, a);
+        } else if (now == ORDER) {
+            if (strncmp(w.at, "False", 5) != 0) fail_header(&w, "not in C order, row by row");
+            w.at += 5;
+        } else if (*w.at == '[') {
+            take_fields(&w, a);
+        } else {
+            a->field = memory_take(1, sizeof *a->field);
+            take_type(&w, a);
+        }
+        take(&w, ',');
+    }
+    if (*w.at || seen != (DESCR | ORDER | SHAPE)) fail_header(&w, "descr, fortran_order and shape expected");
+    if (a->columns && (a->fields != 1 || *a->field->name)) fail_header(&w, "a structured array of two dimensions");
+    if (a->columns) a->row_size *= a->columns;
+    if (!a->row_size) fail_header(&w, "rows without a byte");
+}
+
+/* Is the file as long as its header says? */
+static void check_length(const array *a)
+{
+    const long end = fseek(a->file, 0, SEEK_END) == 0 ? ftell(a->file) : -1;
+    if (end < 0) fail_input("%s: not a file that can be read in parts", a->path);
+    const size_t have = (size_t)(end - a->start);
+    if (have / a->row_size < a->rows)
+        fail_input("%s: cut off: %zu rows, but the header says %zu", a->path, have / a->row_size, a->rows);
+    if (have != a->rows * a->row_size)
+        fail_input("%s: %zu bytes behind the last row", a->path, have - a->rows * a->row_size);
+}
+
+array array_open(const char *path)
+{
+    enum { HEADER_MOST = 1 << 20 };
+    array a = {.path = path, .file = input_open(path)};
+    unsigned char start[12] = {0};
+    if (fread(start, 1, 10, a.file) != 10 || memcmp(start, "\x93NUMPY", 6) != 0)
+        fail_input("%s: not an npy file", path);
+    if (start[6] < 1 || start[6] > 3)
+        fail_input("%s: version %d of the npy format; only 1 to 3 can be read", path, start[6]);
+    if (start[6] > 1 && fread(start + 10, 1, 2, a.file) != 2) fail_input("%s: cut off within its header", path);
+    const size_t length = start[8] | (size_t)start[9] << 8 | (size_t)start[10] << 16 | (size_t)start[11] << 24;
+    if (length > HEADER_MOST) fail_input("%s: a header of %zu bytes", path, length);
+    char *text = memory_take(length + 1, 1);
+    if (fread(text, 1, length, a.file) != length) fail_input("%s: cut off within its header", path);
+    a.start = (long)length + (start[6] > 1 ? 12 : 10);
+    read_dictionary(&a, text);
+    check_length(&a);
+    return a;
+}
+
+void array_read(const array *a, size_t first, size_t count, unsigned char *to)
+{
+    size_t got = 0;
+    THREADS(omp critical(array))
+    {
+        if (fseek(a->file, a->start + (long)(first * a->row_size), SEEK_SET) == 0)
+            got = fread(to, a->row_size, count, a->file);
+    }
+    if (got == count) return;
+    note("%s: it became shorter while it was read", a->path);
+    _Exit(EXIT_BAD_INPUT); /* other threads are at work */
+}
+
+double array_double(const unsigned char *at)
+{
+    const long long integer = array_integer(at, 8);
+    double x;
+    memcpy(&x, &integer, sizeof x);
+    return x;
+}
+
+long long array_integer(const unsigned char *at, size_t size)
+{
+    uint64_t bits = at[size - 1] & 128 ? ~(uint64_t)0 : 0;
+    for (size_t i = size; i-- > 0;) bits = bits << 8 | at[i];
+    long long n;
+    memcpy(&n, &bits, sizeof n);
+    return n;
+}

@@ -1,0 +1,200 @@
+/* ray_table.c - rays from arrays of NumPy: one structured array, or one of N x 6 numbers, or a folder with an
+ * array for each column.
+ *
+ * The columns have the names of those of csv, and the numbers are doubles, '<f8'.  All rays are looked at
+ * before the first is traced, so that a bad one is told before anything is written.  Then they are read again,
+ * some at a time; only ids are kept. */
+#include "ray_table.h"
+
+#include "../base/fail.h"
+#include "../base/memory.h"
+#include "array.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* Where a column is; file NULL: there is none. */
+typedef struct ray_column { const array *file; size_t offset; const array_field *field; } ray_column;
+
+struct ray_table {
+    const char *path;
+    size_t rows, files;
+    array file[RAY_COLUMNS];
+    ray_column column[RAY_COLUMNS];
+    char *id;          /* [rows], each of id_room bytes */
+    size_t id_room;
+};
+
+static bool ends_in_npy(const char *name)
+{
+    const size_t length = strlen(name);
+    return length > 4 && strcmp(name + length - 4, ".npy") == 0;
+}
+
+static bool is_folder(const char *path)
+{
+    struct stat is;
+    return stat(path, &is) == 0 && S_ISDIR(is.st_mode);
+}
+
+bool ray_table_is(const char *path) { return ends_in_npy(path) || is_folder(path); }
+
+static void set_column(ray_table *t, int c, const array *file, const array_field *field, size_t offset)
+{
+    const char *type = field->type, *name = ray_column_name[c];
+    if (t->column[c].file) fail_input("%s: %s: this column is given twice", t->path, name);
+    const bool integer = strcmp(type, "<i8") == 0 || strcmp(type, "<i4") == 0;
+    if (c < RAY_ID && strcmp(type, "<f8") != 0)
+        fail_input("%s: %s: of the type '%s'; only '<f8' can be read, float64 with the lower byte first",
+                   file->path, name, type);
+    if (c == RAY_ID && !integer && (type[0] != '|' || type[1] != 'S'))
+        fail_input("%s: id: of the type '%s'; only bytes, '|S', and integers, '<i4' and '<i8', can be read",
+                   file->path, type);
+    t->column[c] = (ray_column){file, offset, field};
+}
+
+static int column_named(const array *file, const char *name, size_t length)
+{
+    for (int c = 0; c < RAY_COLUMNS; c++)
+        if (strncmp(ray_column_name[c], name, length) == 0 && !ray_column_name[c][length]) return c;
+    fail_input("%s: %.*s: unknown column; known columns: ox, oy, oz, dx, dy, dz, tmin, tmax, id",
+               file ? file->path : "--rays", (int)length, name);
+}
+
+/* One array: its fields are the columns, or its six numbers a row. */
+static void open_file(ray_table *t, const char *path)
+{
+    array *a = &t->file[t->files++];
+    *a = array_open(path);
+    t->rows = a->rows;
+    const bool plain = a->fields == 1 && !*a->field->name;
+    if (plain && a->columns != RAY_REQUIRED)
+        fail_input("%s: a plain array must be N x 6: ox, oy, oz, dx, dy, dz", path);
+    for (int c = 0; plain && c < RAY_REQUIRED; c++) set_column(t, c, a, a->field, (size_t)c * a->field->size);
+    for (size_t i = 0; !plain && i < a->fields; i++) {
+        const array_field *f = &a->field[i];
+        if (!*f->name && f->type[1] == 'V') continue; /* padding */
+        set_column(t, column_named(a, f->name, strlen(f->name)), a, f, f->offset);
+    }
+}
+
+static void open_folder(ray_table *t, const char *path)
+{
+    DIR *folder = opendir(path);
+    if (!folder) fail_input("%s: cannot be read", path);
+    for (struct dirent *e; (e = readdir(folder));) {
+        if (!ends_in_npy(e->d_name)) continue;
+        const size_t size = strlen(path) + strlen(e->d_name) + 2;
+        char *name = memory_take(size, 1);
+        snprintf(name, size, "%s/%s", path, e->d_name);
+        array is = {.path = path};
+        const int c = column_named(&is, e->d_name, strlen(e->d_name) - 4);
+        array *a = &t->file[t->files++];
+        *a = array_open(name);
+        if (a->columns || *a->field->name) fail_input("%s: a column must have one dimension, and no fields", name);
+        if (t->files > 1 && a->rows != t->rows)
+            fail_input("%s: %zu rows, and %s has %zu", name, a->rows, t->file[0].path, t->rows);
+        t->rows = a->rows;
+        set_column(t, c, a, a->field, 0);
+    }
+    closedir(folder);
+}
+
+/* Reads the numbers of rows; value[i]: those of a row. */
+static void read_values(const ray_table *t, size_t first, size_t count, double value[][RAY_ID], unsigned char *room)
+{
+    for (size_t f = 0; f < t->files; f++) {
+        const array *a = &t->file[f];
+        array_read(a, first, count, room);
+        for (int c = 0; c < RAY_ID; c++) {
+            if (t->column[c].file != a) continue;
+            for (size_t i = 0; i < count; i++)
+                value[i][c] = array_double(room + i * a->row_size + t->column[c].offset);
+        }
+    }
+}
+
+enum { TABLE_PART = 256, ROW_MOST = 512 }; /* rows at a time; bytes of a row */
+
+void ray_table_part(const ray_table *t, size_t first, size_t count, launch out[], size_t *there)
+{
+    unsigned char room[TABLE_PART * ROW_MOST];
+    double value[TABLE_PART][RAY_ID];
+    *there = 0;
+    for (size_t done = 0, part; done < count; done += part) {
+        part = count - done < TABLE_PART ? count - done : TABLE_PART;
+        read_values(t, first + done, part, value, room);
+        for (size_t i = 0; i < part; i++) {
+            char why[RAY_WHY];
+            const size_t row = first + done + i;
+            launch l = {.number = row, .id = t->id ? t->id + row * t->id_room : NULL};
+            if (ray_of(value[i], t->column[RAY_TMIN].file, t->column[RAY_TMAX].file, &l.ray, why))
+                out[(*there)++] = l;
+        }
+    }
+}
+
+/* Looks at every ray; returns how many are bad. */
+static size_t check_rows(const ray_table *t, bool skip_bad, size_t *first_bad, char first_why[RAY_WHY])
+{
+    unsigned char room[TABLE_PART * ROW_MOST];
+    double value[TABLE_PART][RAY_ID];
+    size_t bad = 0;
+    for (size_t first = 0, part; first < t->rows; first += part) {
+        part = t->rows - first < TABLE_PART ? t->rows - first : TABLE_PART;
+        read_values(t, first, part, value, room);
+        for (size_t i = 0; i < part; i++) {
+            sgt_ray ray;
+            char why[RAY_WHY];
+            if (ray_of(value[i], t->column[RAY_TMIN].file, t->column[RAY_TMAX].file, &ray, why)) continue;
+            if (!skip_bad) fail_input("%s: row %zu, counted from 0: %s", t->path, first + i, why);
+            if (bad++ == 0) *first_bad = first + i, memcpy(first_why, why, RAY_WHY);
+        }
+    }
+    return bad;
+}
+
+static void read_ids(ray_table *t, ray_list *list)
+{
+    enum { INTEGER_ROOM = 24 };
+    const ray_column *c = &t->column[RAY_ID];
+    const bool text = c->field->type[1] == 'S';
+    t->id_room = text ? c->field->size + 1 : INTEGER_ROOM;
+    t->id = memory_take(t->rows, t->id_room);
+    unsigned char *row = memory_take(1, c->file->row_size);
+    for (size_t i = 0; i < t->rows; i++) {
+        char *to = t->id + i * t->id_room;
+        array_read(c->file, i, 1, row);
+        if (text) memcpy(to, row + c->offset, c->field->size);
+        else snprintf(to, INTEGER_ROOM, "%lld", array_integer(row + c->offset, c->field->size));
+        const size_t length = strlen(to);
+        if (length > list->longest_id) list->longest_id = length;
+    }
+    list->named = true;
+}
+
+void ray_table_open(ray_list *list, const char *path, bool skip_bad)
+{
+    ray_table *t = memory_take(1, sizeof *t);
+    t->path = path;
+    if (is_folder(path)) open_folder(t, path);
+    else open_file(t, path);
+    for (int c = 0; c < RAY_REQUIRED; c++)
+        if (!t->column[c].file)
+            fail_input("%s: %s: this column is missing; ox, oy, oz, dx, dy, dz are needed", path,
+                       ray_column_name[c]);
+    for (size_t f = 0; f < t->files; f++)
+        if (t->file[f].row_size > ROW_MOST) fail_input("%s: a row has more than %d bytes", path, ROW_MOST);
+    if (!t->rows) fail_input("%s: no rays: the array is empty", path);
+    size_t first_bad = 0;
+    char why[RAY_WHY];
+    const size_t bad = check_rows(t, skip_bad, &first_bad, why);
+    if (bad)
+        note("%s: %zu bad row%s skipped, the first is row %zu, counted from 0: %s", path, bad,
+             bad == 1 ? "" : "s", first_bad, why);
+    if (t->column[RAY_ID].file) read_ids(t, list);
+    list->ended = t->column[RAY_TMIN].file || t->column[RAY_TMAX].file;
+    list->table = t, list->count = t->rows;
+}
