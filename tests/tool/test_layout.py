@@ -313,6 +313,21 @@ surfaces:
     equal(marks(drawn), {(corners['lost'], False): 2, (corners['lost'], True): 1})
 
 
+def test_missed_ray_goes_as_far_as_what_it_missed():
+    text = BARE + '''  - {type: plane, thickness: 15, stop: true, semi_diameter: 12}
+  - {type: torus, major: 10, minor: 2, thickness: 15}
+  - {type: plane, semi_diameter: 12}
+'''
+    drawn = lines(text, '--fan', '3')
+    image = max(of(drawn, SURFACE), key=lambda p: (span(p, 1) > 50, p[0][0]))
+    scale = span(image, 1) / 24
+    ends = [line.points[0] for line in drawn if line.width == '1.1' and not line.grey]
+    equal(len(ends), 3)
+    for x, _ in ends:
+        z = 30 - (image[0][0] - x) / scale
+        assert 15 < z < 15 + 0.1 * 40, z
+
+
 def test_colours_and_dashes():
     """Fields differ by colour, then by dash; wavelengths of one field by colour."""
     fields = [word for f in range(9) for word in ('--field', f)]

@@ -209,7 +209,7 @@ static void add_cut(outline *o, const sgt_element *e, const sgt_vec3 own[], int 
         while (k < count && open_at(e, o->mirror, own[k]) == kind) k++;
         int last = k < count ? k : count - 1; /* pieces meet */
         if (kind == GAP) continue;
-        if (last < count && isnan(own[last].z)) last--;
+        if (isnan(own[last].z)) last--;
         sgt_vec3 *to =
             add_piece(o, kind == BLOCKED ? PIECE_BLOCKED : open, (size_t)((last - first) / stride + 2));
         size_t n = 0;

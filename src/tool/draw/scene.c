@@ -8,7 +8,7 @@
 
 static const double LEAD = 0.08;       /* of the lens's extent: the length of rays in front of it */
 static const double NEAR_OBJECT = 1.5; /* of the lens's length: an object at most so far away is shown */
-static const double BEYOND_LENS = 3;   /* of the lens's extent: a ray that met nothing is drawn so far */
+static const double BEYOND_LENS = 3;   /* of the lens's extent: a ray is drawn to what it missed within it */
 
 scene scene_begin(const job *j, view_plane plane)
 {
@@ -141,14 +141,15 @@ static void cut_start(const scene *s, ray_path *p)
     p->at[0] = brought_in(s, a, b);
 }
 
-/* The end of a ray that met nothing: on its way, a lead's length from the last point.  If it met no element
- * at all, it is drawn to the first one and on. */
+/* The end of a ray that missed an element, or is lost: as far on its way as the element is, and a lead's
+ * length on.  If the element is behind it, or very far, only that. */
 static void end_astray(const scene *s, ray_path *p, double size)
 {
     sgt_vec3 from = p->at[p->count - 2], d = p->at[p->count - 1];
-    double far = s->lead, first = (s->job->lens.surface[0].z - from.z) / d.z;
-    if (p->count == 2 && first > 0 && first < BEYOND_LENS * size) far += first;
-    p->at[p->count - 1] = vector_along(from, d, far);
+    sgt_vec3 to = vector_minus(s->job->element[p->count - 2].pose.origin, from);
+    double length = vector_length(d), far = vector_dot(to, d) / length;
+    far = far > 0 && far < BEYOND_LENS * size ? far + s->lead : s->lead;
+    p->at[p->count - 1] = vector_along(from, d, far / length);
 }
 
 /* The largest height of any element: for those of which nothing is known. */
