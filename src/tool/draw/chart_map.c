@@ -1,10 +1,10 @@
 /* chart_map.c - values as colours, and the bar that tells them.
  *
- * The ramp goes from dark violet by blue and green to yellow.  Lightness grows evenly: its 17 colours are
- * equal steps of CIELAB's L*, from 16 to 91, give or take half a step.  So values can be read in grey, too.
- * The ramp about zero goes from light grey by steps of equal CIELAB distance to dark blue and dark orange.
- * Neighbours of both ramps stay apart in protanopia, deuteranopia and tritanopia (4.8 or more, Machado et al.
- * 2009).  Between two of the colours, values are interpolated.
+ * The ramp goes from dark violet by blue and green to yellow.  Its 17 colours are equal steps of CIELAB's
+ * lightness L*, from 16 to 91, to within 0.3.  So values can be read in grey, too.  The ramp about zero goes
+ * from light grey by steps of equal CIELAB distance to dark blue and dark orange.  Neighbours of both ramps
+ * stay 4.4 or more apart in protanopia, deuteranopia and tritanopia (Machado, Oliveira & Fernandes 2009).
+ * Between two of the colours, values are interpolated.
  *
  * A map is drawn as an image with a whole number of pixels for each square, so that edges are sharp in every
  * viewer and no seams show between squares. */
@@ -22,10 +22,10 @@ enum { STEPS = 17, LARGEST_IMAGE = 30000 };
 static const uint32_t BLANK = 0xFFFFFFFFu; /* no pixel has this */
 
 static const double sequence[STEPS][3] = {
-    {0.182, 0.111, 0.352}, {0.176, 0.175, 0.415}, {0.157, 0.236, 0.466}, {0.129, 0.296, 0.505},
-    {0.101, 0.354, 0.531}, {0.093, 0.411, 0.548}, {0.122, 0.467, 0.561}, {0.167, 0.524, 0.574},
-    {0.212, 0.582, 0.585}, {0.244, 0.640, 0.591}, {0.281, 0.697, 0.585}, {0.357, 0.749, 0.564},
-    {0.461, 0.795, 0.532}, {0.579, 0.835, 0.494}, {0.703, 0.868, 0.454}, {0.830, 0.896, 0.415},
+    {0.182, 0.111, 0.352}, {0.177, 0.167, 0.408}, {0.162, 0.223, 0.457}, {0.138, 0.280, 0.495},
+    {0.109, 0.336, 0.524}, {0.092, 0.392, 0.543}, {0.108, 0.446, 0.557}, {0.147, 0.499, 0.568},
+    {0.189, 0.553, 0.580}, {0.232, 0.607, 0.588}, {0.255, 0.664, 0.590}, {0.308, 0.719, 0.578},
+    {0.402, 0.771, 0.551}, {0.522, 0.817, 0.513}, {0.659, 0.857, 0.468}, {0.806, 0.891, 0.422},
     {0.958, 0.918, 0.386},
 };
 static const double two_sided[STEPS][3] = {
@@ -95,7 +95,7 @@ chart_scale chart_scale_of(const chart_map *m, double length)
         r.fixed[0] = middle - FEWEST_DECADES / 2, r.fixed[1] = middle + FEWEST_DECADES / 2;
     }
     s.axis = chart_axis_of(&r);
-    chart_axis_ticks(&s.axis, length, fmax(26, length / 9));
+    chart_axis_ticks(&s.axis, length, fmax(20, length / 9));
     if (m->logarithmic) s.axis.exponent = 0, s.axis.origin = 0; /* its numbers are those of the values */
     return s;
 }
