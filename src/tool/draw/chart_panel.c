@@ -229,8 +229,8 @@ void chart_place_draw(cairo_t *cr, const chart_place *p)
     cairo_set_line_width(cr, EDGE);
     cairo_stroke(cr);
     for (size_t i = 0; i < of->rules; i++) chart_rule_draw(cr, p, &of->rule[i]);
-    for (size_t i = 0; i < of->circles; i++) chart_circle_draw(cr, p, &of->circle[i]);
     for (size_t i = 0; i < of->series_count; i++) chart_series_draw(cr, p, &of->series[i]);
+    for (size_t i = 0; i < of->circles; i++) chart_circle_draw(cr, p, &of->circle[i]);
     chart_grey(cr, 0.25);
     if (p->bar) {
         draw_scale_bar(cr, p);

@@ -8,7 +8,8 @@
 #include <math.h>
 
 static const double LINE_WIDTH = 1.2, THIN_LINE = 0.8, RADIUS = 2.7, SMALL = 1.6, SMALLER = 1,
-                    TURN = 6.283185307179586, SMALLEST_CIRCLE = 0.01; /* cairo refuses a scale of 0 */
+                    FULL_SIZE = 240, TURN = 6.283185307179586,
+                    SMALLEST_CIRCLE = 0.01; /* cairo refuses a scale of 0 */
 enum { BATCH = 500, MANY = 1000 };
 
 typedef struct chart_point {
@@ -105,10 +106,11 @@ static void finish_marks(cairo_t *cr, chart_mark mark, double r)
     cairo_set_line_cap(cr, CAIRO_LINE_CAP_BUTT);
 }
 
-/* Single points are smaller than those on a line, and still smaller if there are many. */
-static double radius_of(const chart_series *s)
+/* Single points are smaller than those on a line, still smaller if there are many, and on small plots. */
+static double radius_on(const chart_place *p, const chart_series *s)
 {
-    return s->line ? RADIUS : s->count > MANY ? SMALLER : SMALL;
+    double part = fmin(fmax((p->plot.right - p->plot.left) / FULL_SIZE, 0.6), 1);
+    return s->line ? RADIUS : part * (s->count > MANY ? SMALLER : SMALL);
 }
 
 /* If colours repeat, marks and dashes go on. */
@@ -121,15 +123,16 @@ static chart_mark mark_of(const chart_series *s)
 static void draw_points(cairo_t *cr, const chart_place *p, const chart_series *s)
 {
     chart_mark mark = mark_of(s);
+    double radius = radius_on(p, s);
     size_t waiting = 0;
     cairo_new_path(cr);
     for (size_t i = 0; i < s->count; i++) {
         if (!point_there(s, i)) continue;
         chart_point at = point_of(p, s->x[i], s->y[i]);
-        add_mark(cr, mark, radius_of(s), at.x, at.y);
-        if (++waiting == BATCH) finish_marks(cr, mark, radius_of(s)), waiting = 0;
+        add_mark(cr, mark, radius, at.x, at.y);
+        if (++waiting == BATCH) finish_marks(cr, mark, radius), waiting = 0;
     }
-    finish_marks(cr, mark, radius_of(s));
+    finish_marks(cr, mark, radius);
 }
 
 static void series_look(cairo_t *cr, const chart_series *s)
@@ -185,14 +188,15 @@ void chart_rule_draw(cairo_t *cr, const chart_place *p, const chart_rule *r)
 
 void chart_series_sample(cairo_t *cr, const chart_series *s, double x, double y, double width)
 {
+    double radius = s->line ? 1.3 * RADIUS : 1.3 * SMALL;
     series_look(cr, s);
     cairo_move_to(cr, x, y), cairo_line_to(cr, x + width, y);
     cairo_set_line_width(cr, LINE_WIDTH);
     if (s->line) cairo_stroke(cr);
     palette_dash(cr, 0);
     cairo_new_path(cr);
-    add_mark(cr, mark_of(s), 1.3 * radius_of(s), x + width / 2, y);
-    if (s->mark != CHART_NO_MARK) finish_marks(cr, mark_of(s), 1.3 * radius_of(s));
+    add_mark(cr, mark_of(s), radius, x + width / 2, y);
+    if (s->mark != CHART_NO_MARK) finish_marks(cr, mark_of(s), radius);
     cairo_new_path(cr);
 }
 
