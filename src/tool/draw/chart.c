@@ -144,7 +144,7 @@ static double title_block(const chart_sheet *s, bool draw)
     for (size_t i = 0; i < s->c->lines; i++)
         y += step *
              (double)chart_wrap(s->cr, SHEET_MARGIN, y + LINE_FONT - 1, room, step, s->c->line[i], draw);
-    return y + 10;
+    return y + 14;
 }
 
 /* The title above a plot, whose last line is just above it; returns its height. */
