@@ -1,5 +1,5 @@
 #!/bin/sh
-# sh tests/fuzz/run.sh [SECONDS] [TARGET...]   fuzzes each target in turn with libFuzzer: lens, zmx, rays, surface, interval
+# sh tests/fuzz/run.sh [SECONDS] [TARGET...]   fuzzes each target in turn with libFuzzer: lens, zmx, rays, array, surface, interval
 # and glass unless some are named, SECONDS (300) divided among them.  Twenty minutes of each: sh tests/fuzz/run.sh 4800
 #
 # Builds by clang, under its sanitizers, into build/fuzz.  Starts from corpus/ and past/ of this folder; what is new goes

@@ -63,6 +63,15 @@ input input_read(const char *path)
         .name = path, .text = memory_text((const char *)given.data, given.size), .length = given.size};
 }
 
+FILE *input_open(const char *path)
+{
+    static FILE *opened;
+    if (opened) fclose(opened);
+    opened = fmemopen((void *)(uintptr_t)given.data, given.size, "rb");
+    if (!opened) fail_input("%s: empty", path);
+    return opened;
+}
+
 const char *input_try(const char *path, input *in)
 {
     *in = (input){.name = path};

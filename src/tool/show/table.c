@@ -40,6 +40,7 @@ struct table {
     table_target to;
     FILE *file;                 /* NULL: a part of another table, or npy */
     npy_output *npy;
+    size_t row_size, word_size; /* of npy: bytes */
     size_t columns, filled, rows;
     const column *column;
     cell *cell;                 /* [columns], and one that stays empty, of the row that is being filled */
@@ -103,6 +104,8 @@ table *table_begin(const table_target *target, size_t columns, const column *hea
 {
     table blank = {.to = *target, .columns = columns, .column = head};
     choose(&blank);
+    blank.word_size = npy_size(target, COLUMN_WORD);
+    for (size_t i = 0; i < blank.chosen; i++) blank.row_size += npy_size(target, blank.head[i].kind);
     table *t = table_new(&blank);
     if (t->to.format == TABLE_NPY) {
         t->npy = npy_begin(&t->to, t->chosen, t->head);
@@ -249,24 +252,27 @@ static void put_cell(table *t, size_t place)
     else block_cell(t->block, text, (size_t)print_cell(t, place, text, &gap));
 }
 
-static void put_binary(table *t, size_t i)
+/* Appends the row as npy has it. */
+static void put_binary_row(table *t)
 {
-    const cell *c = &t->cell[t->choice[i]];
-    const size_t size = npy_size(&t->to, t->head[i].kind);
-    char *to = bytes_room(&t->kept, size);
-    t->kept.length += size;
-    const int32_t integer = (int32_t)c->count;
-    const int8_t code = (int8_t)c->count;
-    switch (t->head[i].kind) {
-    case COLUMN_NUMBER:
-    case COLUMN_EXACT:
-    case COLUMN_ERROR: memcpy(to, &c->number, sizeof c->number); break;
-    case COLUMN_COUNT: memcpy(to, &(int64_t){c->count}, sizeof(int64_t)); break;
-    case COLUMN_INTEGER: memcpy(to, &integer, sizeof integer); break;
-    case COLUMN_CODE: memcpy(to, &code, sizeof code); break;
-    case COLUMN_WORD:
-        memset(to, 0, size);
-        if (c->kind == CELL_WORD) memcpy(to, t->words.at + c->count, strlen(t->words.at + c->count));
+    char *to = bytes_room(&t->kept, t->row_size);
+    t->kept.length += t->row_size;
+    for (size_t i = 0; i < t->chosen; i++) {
+        const cell *c = &t->cell[t->choice[i]];
+        const int32_t integer = (int32_t)c->count;
+        const char *word = t->words.at + c->count;
+        switch (t->head[i].kind) {
+        case COLUMN_NUMBER:
+        case COLUMN_EXACT:
+        case COLUMN_ERROR: memcpy(to, &c->number, 8), to += 8; break;
+        case COLUMN_COUNT: memcpy(to, &c->count, 8), to += 8; break;
+        case COLUMN_INTEGER: memcpy(to, &integer, 4), to += 4; break;
+        case COLUMN_CODE: *to++ = (char)c->count; break;
+        case COLUMN_WORD:
+            memset(to, 0, t->word_size);
+            if (c->kind == CELL_WORD) memcpy(to, word, strlen(word));
+            to += t->word_size;
+        }
     }
 }
 
@@ -292,11 +298,8 @@ static void write_kept(table *t)
 static void end_row(table *t)
 {
     const table_format format = t->to.format;
-    for (size_t i = 0; i < t->chosen; i++) {
-        if (format == TABLE_NPY) {
-            put_binary(t, i);
-            continue;
-        }
+    if (format == TABLE_NPY) put_binary_row(t);
+    for (size_t i = 0; i < t->chosen && format != TABLE_NPY; i++) {
         if (format == TABLE_JSON) put_json_key(t, i);
         put_cell(t, t->choice[i]);
         if (format == TABLE_CSV) bytes_one(&t->kept, i + 1 < t->chosen ? ',' : '\n');
