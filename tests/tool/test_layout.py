@@ -165,6 +165,11 @@ def test_mirror_in_a_wider_aperture():
 ''', '--fan', '1')
     mirror = [y for p in of(drawn, MIRROR) for _, y in p]
     close((max(mirror) - min(mirror)) / span(of(drawn, SURFACE)[0], 1), 0.5, 1e-3)
+    drawn = lines(BARE + '''  - {type: plane, mirror: true, thickness: -30, semi_diameter: 5, apertures: [{type: circle, radius: 10}]}
+  - {type: plane, semi_diameter: 10}
+''', '--fan', '1', '--plane', '3d')
+    rims = sorted(span(p, 1) for p in of(drawn, MIRROR) if len(p) > 100)
+    close(rims[0] / max(span(p, 1) for p in of(drawn, SURFACE)), 0.5, 1e-3)
 
 
 def test_stop_that_is_a_plate_with_a_hole():
@@ -282,6 +287,21 @@ def test_too_many_elements_to_be_numbered():
     rows = ''.join(f'  - {{type: plane, thickness: 0.01, index: {1.5 if k % 2 else 1}, semi_diameter: 5}}\n' for k in range(200))
     found = boxes(lines('pupil: {semi_diameter: 1}\nsurfaces:\n' + rows + '  - {type: plane, semi_diameter: 5}\n', '--fan', '1'))
     assert 5 < len(found) < 200, len(found)
+    assert min(top for _, top, _, _ in found) > 68  # below the title
+
+
+def test_number_beside_a_steep_face():
+    """A face goes through the place of the number of the plane in front of it; so the number is elsewhere."""
+    text = 'pupil: {semi_diameter: 2}\nsurfaces:\n  - {type: plane, thickness: %g, semi_diameter: 5}\n'
+    face = '  - {type: sphere, radius: -20, thickness: 5, index: 1.5, semi_diameter: 15}\n  - {type: plane, semi_diameter: 15}\n'
+    for thickness in (0.6, 0.8, 1, 1.2):
+        drawn = lines(text % thickness + face, '--fan', '1')
+        found = boxes(drawn)
+        equal(len(found), 3)
+        for a, b in ((a, b) for p in of(drawn, SURFACE) for a, b in zip(p, p[1:])):
+            for k in range(20):
+                x, y = (u + k / 20 * (v - u) for u, v in zip(a, b))
+                assert not any(left < x < right and top < y < bottom for left, top, right, bottom in found), thickness
 
 
 # -------------------------------------------------------------------- rays

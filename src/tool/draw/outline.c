@@ -2,8 +2,8 @@
  *
  * THE PART IN USE of a sag is a closed line about a middle in its own x, y: its rim.  It is
  *
- *   - the first aperture that does not obscure: beside the axis, without a semi_diameter, or of a mirror
- *     that is cut smaller by it
+ *   - the first aperture that does not obscure: beside the axis, of a mirror, or without a semi_diameter; no
+ *     side of it is farther out than a semi_diameter
  *   - else the circle of semi_diameter, or else of what the file gives for drawings
  *   - where the file gives nothing, what the rays that met it show: a circle about the axis, or an ellipse
  *     about them, if they meet a mirror clear of its axis
@@ -152,9 +152,8 @@ static part part_in_use(const job *j, size_t i, const reach *met, double all)
     double known = outline_known(j, i);
     bool beside = item && (item->centre.x != 0 || item->centre.y != 0), mirror = j->lens.surface[i].mirror;
     sgt_vec2 middle, half;
-    bool round = e->semi_diameter > 0;
-    bool wins = item && (beside || !round || (mirror && item_size(item) <= e->semi_diameter));
-    if (wins) return part_of_item(item, known > 0 ? known : all, false);
+    if (item && (beside || mirror || !(e->semi_diameter > 0)))
+        return part_of_item(item, known > 0 ? known : all, false);
     if (known == 0 && mirror && clear_of_axis(met, &middle, &half))
         return part_ellipse(middle, BEYOND_RAYS * half.x, BEYOND_RAYS * half.y);
     double radius = known > 0 ? known : met->radius > 0 ? BEYOND_RAYS * met->radius : all;
