@@ -48,7 +48,7 @@ SAGITTA_TEST_SEED=${SAGITTA_TEST_SEED:-$(date +%j)}
 export SAGITTA_TEST_SEED
 SAGITTA_TEST_SCALE=10 stage scale meson test -C $build --no-rebuild --timeout-multiplier 0 --print-errorlogs \
     --suite unit --suite batch --suite oracle --suite interval --suite extremes \
-    --suite sensitivity --suite geo --suite catalogue
+    --suite sensitivity --suite geo --suite catalogue --suite lens
 sh .ci/install ninja-build musl-tools gcc-mingw-w64-x86-64-posix g++-mingw-w64-x86-64-posix wine64 qemu-user \
     gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross \
     gcc-s390x-linux-gnu g++-s390x-linux-gnu libc6-dev-s390x-cross || exit 1
