@@ -1,9 +1,10 @@
-/* bench_rows.c - what `sagitta trace LENS --random N --field 0` does without its output: launches N rays through the
- * lens and traces them in batches, in threads.
+/* bench_rows.c - what `sagitta trace LENS --random N --field 0` does without its output: launches N rays
+ * through the lens and traces them in batches, in threads.
  *
  *     build/tests/bench/bench_rows LENS N THREADS
  *
- * Prints seconds of the trace alone, and of launching, and how many rays passed.  docs/rows_table.py compares. */
+ * Prints seconds of the trace alone, and of launching, and how many rays passed.  docs/rows_table.py
+ * compares. */
 #include <sagitta/analysis.h>
 
 #include <stdio.h>
@@ -28,7 +29,8 @@ static sgt_passages *answers(size_t elements)
     for (size_t i = 0; i < elements; i++) {
         double *n = column(NUMBERS * RAYS);
         p[i] = (sgt_passages){.hits = {.status = malloc(RAYS), .evals = malloc(RAYS * sizeof(int)),
-                                       .p = {n, n + RAYS, n + 2 * RAYS}, .t = n + 6 * RAYS, .t_err = n + 7 * RAYS},
+                                       .p = {n, n + RAYS, n + 2 * RAYS}, .t = n + 6 * RAYS,
+                                       .t_err = n + 7 * RAYS},
                               .direction = {n + 3 * RAYS, n + 4 * RAYS, n + 5 * RAYS},
                               .opl = n + 8 * RAYS};
     }

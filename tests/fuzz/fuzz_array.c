@@ -1,7 +1,7 @@
 /* fuzz_array.c - bytes as an array of rays, NAME.npy.
  *
- * The first byte says whether bad rows are skipped.  What is not refused must be as long as its header says: so
- * many rays are told, good or bad, and each good one is as rays.h promises. */
+ * The first byte says whether bad rows are skipped.  What is not refused must be as long as its header says:
+ * so many rays are told, good or bad, and each good one is as rays.h promises. */
 #include "tool.h"
 
 #include "../../src/tool/read/rays.h"

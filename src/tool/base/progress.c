@@ -36,7 +36,8 @@ static void show_line(double seconds)
     fprintf(stderr, progress.terminal ? "\r" : "sagitta: ");
     const int length = fprintf(stderr, "%zu of %zu rays, %.0f %%, %.0f s, %.0f s left", progress.done,
                                progress.all, 100 * part, seconds, seconds / part - seconds);
-    if (progress.terminal) fprintf(stderr, "%*s", progress.length > length ? progress.length - length : 0, "");
+    const int shorter = progress.length > length ? progress.length - length : 0;
+    if (progress.terminal) fprintf(stderr, "%*s", shorter, "");
     else fputc('\n', stderr);
     progress.length = length;
     fflush(stderr);

@@ -1,8 +1,8 @@
 /* array.c - reads the npy format, versions 1 to 3 (NEP 1).
  *
- * The header is a Python dictionary with three keys: descr, a type or a list of ('name', 'type'); fortran_order;
- * and shape.  Here it is read as what NumPy writes, strictly: what is not understood is an error.  Rows are
- * read when they are asked for, so memory does not hold the file. */
+ * The header is a Python dictionary with three keys: descr, a type or a list of ('name', 'type');
+ * fortran_order; and shape.  Here it is read as what NumPy writes, strictly: what is not understood is an
+ * error.  Rows are read when they are asked for, so memory does not hold the file. */
 #include "array.h"
 
 #include "../base/fail.h"
@@ -12,17 +12,18 @@
 
 #include <errno.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
-typedef struct words { const char *path, *at; } words; /* of the header */
+typedef struct header_text { const char *path, *at; } header_text;
 
-_Noreturn static void fail_header(const words *w, const char *what)
+_Noreturn static void fail_header(const header_text *w, const char *what)
 {
     fail_input("%s: %s, at \"%.20s\" of its header", w->path, what, w->at);
 }
 
 /* Skips blanks, and a sign if it is there. */
-static bool take(words *w, char sign)
+static bool take(header_text *w, char sign)
 {
     w->at += strspn(w->at, " \n");
     if (*w->at != sign) return false;
@@ -31,7 +32,7 @@ static bool take(words *w, char sign)
     return true;
 }
 
-static void expect(words *w, char sign)
+static void expect(header_text *w, char sign)
 {
     char what[] = "? expected";
     what[0] = sign;
@@ -39,7 +40,7 @@ static void expect(words *w, char sign)
 }
 
 /* A text in quotes, shorter than size. */
-static void take_text(words *w, char *to, size_t size)
+static void take_text(header_text *w, char *to, size_t size)
 {
     const char quote = *w->at;
     const size_t length = quote == '\'' || quote == '"' ? strcspn(w->at + 1, "'\"\\") : 0;
@@ -50,7 +51,7 @@ static void take_text(words *w, char *to, size_t size)
     w->at += length + 2;
 }
 
-static size_t take_whole(words *w)
+static size_t take_whole(header_text *w)
 {
     size_t n = 0;
     const char *first = w->at;
@@ -60,11 +61,11 @@ static size_t take_whole(words *w)
 }
 
 /* '<f8': the bytes are the digits behind the letter. */
-static void take_type(words *w, array *a)
+static void take_type(header_text *w, array *a)
 {
     array_field *f = &a->field[a->fields++];
     take_text(w, f->type, sizeof f->type);
-    words digits = {w->path, f->type + (*f->type ? 1 + (f->type[1] != 0) : 0)};
+    header_text digits = {w->path, f->type + (*f->type ? 1 + (f->type[1] != 0) : 0)};
     f->size = take_whole(&digits);
     if (*digits.at || !strchr("<>|=", *f->type)) fail_header(&digits, "a type expected");
     f->offset = a->row_size;
@@ -72,7 +73,7 @@ static void take_type(words *w, array *a)
     a->row_size += f->size;
 }
 
-static void take_fields(words *w, array *a)
+static void take_structure(header_text *w, array *a)
 {
     size_t capacity = 0;
     expect(w, '[');
@@ -90,7 +91,7 @@ static void take_fields(words *w, array *a)
 }
 
 /* (N,) or (N, M) */
-static void take_shape(words *w, array *a)
+static void take_shape(header_text *w, array *a)
 {
     expect(w, '(');
     a->rows = take_whole(w);
@@ -104,7 +105,7 @@ static void take_shape(words *w, array *a)
 
 static void read_dictionary(array *a, const char *text)
 {
-    words w = {a->path, text};
+    header_text w = {a->path, text};
     enum { DESCR = 1, ORDER = 2, SHAPE = 4 };
     int seen = 0;
     expect(&w, '{');
@@ -122,7 +123,7 @@ static void read_dictionary(array *a, const char *text)
             if (strncmp(w.at, "False", 5) != 0) fail_header(&w, "not in C order, row by row");
             w.at += 5;
         } else if (*w.at == '[') {
-            take_fields(&w, a);
+            take_structure(&w, a);
         } else {
             a->field = memory_take(1, sizeof *a->field);
             take_type(&w, a);
@@ -130,7 +131,8 @@ static void read_dictionary(array *a, const char *text)
         take(&w, ',');
     }
     if (*w.at || seen != (DESCR | ORDER | SHAPE)) fail_header(&w, "descr, fortran_order and shape expected");
-    if (a->columns && (a->fields != 1 || *a->field->name)) fail_header(&w, "a structured array of two dimensions");
+    if (a->columns && (a->fields != 1 || *a->field->name))
+        fail_header(&w, "a structured array of two dimensions");
     if (a->columns) a->row_size *= a->columns;
     if (!a->row_size) fail_header(&w, "rows without a byte");
 }
@@ -156,8 +158,10 @@ array array_open(const char *path)
         fail_input("%s: not an npy file", path);
     if (start[6] < 1 || start[6] > 3)
         fail_input("%s: version %d of the npy format; only 1 to 3 can be read", path, start[6]);
-    if (start[6] > 1 && fread(start + 10, 1, 2, a.file) != 2) fail_input("%s: cut off within its header", path);
-    const size_t length = start[8] | (size_t)start[9] << 8 | (size_t)start[10] << 16 | (size_t)start[11] << 24;
+    if (start[6] > 1 && fread(start + 10, 1, 2, a.file) != 2)
+        fail_input("%s: cut off within its header", path);
+    const size_t low = start[8] | (size_t)start[9] << 8, high = start[10] | (size_t)start[11] << 8;
+    const size_t length = high << 16 | low;
     if (length > HEADER_MOST) fail_input("%s: a header of %zu bytes", path, length);
     char *text = memory_take(length + 1, 1);
     if (fread(text, 1, length, a.file) != length) fail_input("%s: cut off within its header", path);

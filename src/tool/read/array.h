@@ -20,8 +20,8 @@ typedef struct array {
     array_field *field;
 } array;
 
-/* Opens a file; path: as long as the command.  A file that cannot be read, that is not what its header says, or
- * whose header is not understood, ends the command. */
+/* Opens a file; path: as long as the command.  A file that cannot be read, that is not what its header says,
+ * or whose header is not understood, ends the command. */
 array array_open(const char *path);
 
 /* Reads rows.  May be called from any thread. */

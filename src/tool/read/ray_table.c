@@ -2,8 +2,8 @@
  * array for each column.
  *
  * The columns have the names of those of csv, and the numbers are doubles, '<f8'.  All rays are looked at
- * before the first is traced, so that a bad one is told before anything is written.  Then they are read again,
- * some at a time; only ids are kept. */
+ * before the first is traced, so that a bad one is told before anything is written.  Then they are read
+ * again, some at a time; only ids are kept. */
 #include "ray_table.h"
 
 #include "../base/fail.h"
@@ -93,7 +93,8 @@ static void open_folder(ray_table *t, const char *path)
         const int c = column_named(&is, e->d_name, strlen(e->d_name) - 4);
         array *a = &t->file[t->files++];
         *a = array_open(name);
-        if (a->columns || *a->field->name) fail_input("%s: a column must have one dimension, and no fields", name);
+        if (a->columns || *a->field->name)
+            fail_input("%s: a column must have one dimension, and no fields", name);
         if (t->files > 1 && a->rows != t->rows)
             fail_input("%s: %zu rows, and %s has %zu", name, a->rows, t->file[0].path, t->rows);
         t->rows = a->rows;
@@ -103,7 +104,8 @@ static void open_folder(ray_table *t, const char *path)
 }
 
 /* Reads the numbers of rows; value[i]: those of a row. */
-static void read_values(const ray_table *t, size_t first, size_t count, double value[][RAY_ID], unsigned char *room)
+static void read_values(const ray_table *t, size_t first, size_t count, double value[][RAY_ID],
+                        unsigned char *room)
 {
     for (size_t f = 0; f < t->files; f++) {
         const array *a = &t->file[f];

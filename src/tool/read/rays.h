@@ -27,8 +27,8 @@ typedef struct ray_list {
 
 void rays_add(ray_list *list, launch ray);
 
-/* Reads CSV with a header row from a file ("-": standard input), or arrays of NumPy, into an empty list.  A bad row ends
- * the command, with its line in the message.  With skip_bad bad rows are skipped, and a note on
+/* Reads CSV with a header row from a file ("-": standard input), or arrays of NumPy, into an empty list.  A
+ * bad row ends the command, with its line in the message.  With skip_bad bad rows are skipped, and a note on
  * standard error says how many. */
 void rays_read(ray_list *list, const char *path, bool skip_bad);
 
