@@ -54,7 +54,7 @@ static void fan_rows(fan_work *w, size_t field)
 
 exit_status command_fan(int argc, char *argv[])
 {
-    enum { ACROSS = 21 };
+    enum { ACROSS = 41 };
     static const struct option known[] = {LOOK_OPTIONS, {0}};
     static const column columns[] = {
         {"field", COLUMN_COUNT}, {"wavelength", COLUMN_EXACT}, {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER},

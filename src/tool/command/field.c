@@ -144,14 +144,20 @@ static void draw_field(const look *l, const field_arguments *a)
                                   .y = c.field};
     }
     const char *units = l->primary.lens.units;
+    const sgt_lens_field *far = look_farthest(l);
+    const double end = far->x == 0 ? far->y : hypot(far->x, far->y);
     const chart_rule zero = {.upright = true};
     static const char *const dashes[] = {"solid: sagittal, dashed: tangential"};
     const chart_panel panel[] = {
         {.title = "field curvature",
          .x_label = look_text("z from the image (%s)", *units ? units : "length"),
          .y_label = look_field_axis(l),
+         .y_low = fmin(end, 0),
+         .y_high = fmax(end, 0),
          .series_count = 2 * l->bands,
-         .series = focus, .note = dashes, .notes = 1,
+         .series = focus,
+         .note = dashes,
+         .notes = 1,
          .rules = 1,
          .rule = &zero},
         {.title = a->distortion == SGT_DISTORTION_THETA           ? "distortion against f theta"
@@ -159,6 +165,8 @@ static void draw_field(const look *l, const field_arguments *a)
                                                                   : "distortion against f tan(theta)",
          .x_label = "distortion (%)",
          .y_label = look_field_axis(l),
+         .y_low = fmin(end, 0),
+         .y_high = fmax(end, 0),
          .series_count = l->bands,
          .series = shift,
          .rules = 1,

@@ -294,7 +294,7 @@ static void check_waves(const look *l)
 
 exit_status command_opd(int argc, char *argv[])
 {
-    enum { ACROSS = 21, CELLS = 32 };
+    enum { ACROSS = 41, CELLS = 32 };
     const opd_arguments a = opd_arguments_of(argc, argv);
     const bool area = a.summary || a.terms;
     opd_work w = {.asked = &a, .points = job_points(&a.look.job, area ? SGT_PATTERN_CELLS : SGT_PATTERN_CROSS,

@@ -154,6 +154,8 @@ static void draw_sweep(const sweep_work *w)
                           .x_label = w->angle ? "field angle (degrees)"
                                               : look_text("object height (%s)", *units ? units : "length"),
                           .y_label = "rays (%)",
+                          .x_low = fmin(w->from, w->to),
+                          .x_high = fmax(w->from, w->to),
                           .y_high = 100,
                           .series_count = n,
                           .series = series};
