@@ -6,8 +6,8 @@
 6 rays of each field and wavelength, through the lenses of the oracle and 20 of conics that are drawn here: an
 object near or far, an image in glass or air, aimed in each way.  SAGITTA_TEST_SEED (1) draws others, and
 SAGITTA_TEST_SCALE (1) multiplies how many rays and lenses.  Half of the rays are near the chief ray, where
-paths differ least.  What is told of a ray may be off by no more than the error that is told; for each lens the
-largest part of that error is printed.
+paths differ least.  What is told of a ray may be off by no more than the error that is told; for each lens
+the largest part of that error is printed.
 """
 import csv
 import io
