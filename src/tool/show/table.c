@@ -232,7 +232,9 @@ static void put_again(table *t, size_t place)
     uint64_t bits;
     memcpy(&bits, c->kind == CELL_NUMBER ? (const void *)&c->number : &c->count, sizeof bits);
     if (p->length && p->bits == bits && p->kind == kind && c->kind != CELL_BOUND) {
-        memmove(text, t->kept.at + p->start, NUMBER_SIZE); /* quicker than one of any other size */
+        char again[NUMBER_SIZE]; /* copies of a known size are quicker */
+        memcpy(again, t->kept.at + p->start, NUMBER_SIZE);
+        memcpy(text, again, NUMBER_SIZE);
     } else {
         p->gap = 0;
         p->length = print_cell(t, place, text, &p->gap);
