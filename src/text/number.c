@@ -268,7 +268,8 @@ static inline bool shortest_quick(double x, magnified *all, decimal *d)
     if (!number_scale(x, 17, all)) return false;
     const uint64_t least = (all->power_of_two ? all->half_ulp / 2 : all->half_ulp) - SLACK,
                    most = all->half_ulp + SLACK;
-    if ((all->whole + 13) % 100 <= 26) { /* no other is within `most`, or 12 units, of 15 digits */
+    const uint64_t units = (most >> 56) + 1;
+    if ((all->whole + units) % 100 <= 2 * units) { /* else 15 digits are further away than `most` */
         *d = rounded_to(all, 100);
         const uint64_t off15 = off_by(d, all);
         if (off15 <= most) return off15 < least;
@@ -309,9 +310,9 @@ static int number_digits(uint64_t n)
 
 static inline char *put_pair(char *to, uint32_t n) { return memcpy(to, pairs + 2 * n, 2), to + 2; }
 
-/* Prints n < 10^8, with leading zeros.  All digits are made at once, in parts of a word: two of 32 bits with four
- * digits, four of 16 bits with two, eight bytes.  10486 / 2^20 is 1/100 for numbers below 10^4, rounded down, and
- * 103 / 2^10 is 1/10 for those below 100. */
+/* Prints n < 10^8, with leading zeros.  All digits are made at once, in parts of a word: two of 32 bits with
+ * four digits, four of 16 bits with two, eight bytes.  Rounded down, 10486 / 2^20 is 1/100 for numbers below
+ * 10^4, and 103 / 2^10 is 1/10 for those below 100. */
 static inline char *put_eight(char *to, uint32_t n)
 {
     const uint64_t fours = n / 10000 | (uint64_t)(n % 10000) << 32;
@@ -446,8 +447,8 @@ int number_print_with_gap(char text[NUMBER_SIZE], double value, double *gap)
     return *gap = gap_slowly(value), number_print(text, value, false);
 }
 
-/* Adds half a unit of the third digit and rounds to three digits: not less than x.  (From 101 on a unit is less than
- * a hundredth.)  false: not the quick way. */
+/* Adds half a unit of the third digit and rounds to three digits: not less than x.  (From 101 on half a unit is
+ * less than was added.)  false: not the quick way. */
 static bool rounded_up(double x, decimal *d)
 {
     const double raised = x * 1.005;
