@@ -224,11 +224,16 @@ static inline bool number_scale(double x, int digits, magnified *to)
         const int shift = -(e + k);
         if (k < 0 || k > 2 * FIVES || shift < 1) return false;
         to->places = k, to->power_of_two = m == one, to->more = false;
+        uint64_t high, low = k <= FIVES ? product(m, five[k], 0, &high) : 0;
         if (k <= FIVES && shift < 64) {
-            uint64_t high, low = product(m, five[k], 0, &high);
             to->whole = high << (64 - shift) | low >> shift;
             to->fraction = low << (64 - shift);
             to->half_ulp = shift > 55 ? five[k] >> (shift - 55) : five[k] << (55 - shift);
+        } else if (k <= FIVES && shift > 64 && shift < 119) {
+            to->whole = high >> (shift - 64);
+            to->fraction = high << (128 - shift) | low >> (shift - 64);
+            to->more = low << (128 - shift) != 0;
+            to->half_ulp = five[k] >> (shift - 55);
         } else {
             scale_far(to, m, shift);
         }
@@ -263,9 +268,14 @@ static inline bool shortest_quick(double x, magnified *all, decimal *d)
     if (!number_scale(x, 17, all)) return false;
     const uint64_t least = (all->power_of_two ? all->half_ulp / 2 : all->half_ulp) - SLACK,
                    most = all->half_ulp + SLACK;
-    const decimal d15 = rounded_to(all, 100), d16 = rounded_to(all, 10), d17 = rounded_to(all, 1);
-    const uint64_t off15 = off_by(&d15, all), off16 = off_by(&d16, all);
-    if (off15 <= most) return *d = d15, off15 < least;
+    const uint64_t units = (most >> 56) + 1;
+    if ((all->whole + units) % 100 <= 2 * units) { /* else 15 digits are further away than `most` */
+        *d = rounded_to(all, 100);
+        const uint64_t off15 = off_by(d, all);
+        if (off15 <= most) return off15 < least;
+    }
+    const decimal d16 = rounded_to(all, 10), d17 = rounded_to(all, 1);
+    const uint64_t off16 = off_by(&d16, all);
     const bool shorter = off16 < least;
     d->digits = shorter ? d16.digits : d17.digits;
     d->places = shorter ? d16.places : d17.places;
@@ -300,11 +310,18 @@ static int number_digits(uint64_t n)
 
 static inline char *put_pair(char *to, uint32_t n) { return memcpy(to, pairs + 2 * n, 2), to + 2; }
 
-/* Prints n < 10^8, with leading zeros. */
+/* Prints n < 10^8, with leading zeros.  All digits are made at once, in parts of a word: two of 32 bits with
+ * four digits, four of 16 bits with two, eight bytes.  Rounded down, 10486 / 2^20 is 1/100 for numbers below
+ * 10^4, and 103 / 2^10 is 1/10 for those below 100. */
 static inline char *put_eight(char *to, uint32_t n)
 {
-    const uint32_t high = n / 10000, low = n % 10000;
-    return put_pair(put_pair(put_pair(put_pair(to, high / 100), high % 100), low / 100), low % 100);
+    const uint64_t fours = n / 10000 | (uint64_t)(n % 10000) << 32;
+    const uint64_t upper = (fours * 10486 >> 20) & 0x0000007f0000007fu;
+    const uint64_t twos = upper | (fours - 100 * upper) << 16;
+    const uint64_t tens = (twos * 103 >> 10) & 0x000f000f000f000fu;
+    const uint64_t ones = (tens | (twos - 10 * tens) << 8) + 0x3030303030303030u;
+    for (int i = 0; i < 8; i++) to[i] = (char)(ones >> 8 * i & 255); /* one store, or two */
+    return to + 8;
 }
 
 /* Prints n with so many digits, with leading zeros, as they follow a point.  18 characters are written. */
@@ -329,10 +346,11 @@ static char *put_whole(char *to, uint64_t n, int count)
     return end;
 }
 
-/* Prints digits / 10^places as %.*g does, without trailing zeros. */
-static int lay_out(char text[NUMBER_SIZE], bool minus, uint64_t digits, int places, int precision)
+/* Prints digits / 10^places, what x was rounded to, as %.*g does, without trailing zeros. */
+static int lay_out(char text[NUMBER_SIZE], double x, uint64_t digits, int places, int precision)
 {
     char *to = text;
+    const bool minus = x < 0;
     for (; digits % 100000000 == 0; places -= 8) digits /= 100000000;
     for (; digits % 10 == 0; places--) digits /= 10;
     const int count = number_digits(digits), first = count - 1 - places;
@@ -348,10 +366,13 @@ static int lay_out(char text[NUMBER_SIZE], bool minus, uint64_t digits, int plac
         memcpy(to, "0.000", 5);
         to = put_places(to + 1 - first, digits, count);
     } else if (places > 0) {
+        /* The whole part is that of |x|, or one more if it was rounded up to that.  A division takes longer. */
         const uint64_t unit = ten[places];
-        to = put_whole(to, digits / unit, first + 1);
+        uint64_t whole = (uint64_t)(int64_t)fabs(x), rest = digits - whole * unit;
+        if (rest >= unit) whole++, rest -= unit;
+        to = put_whole(to, whole, first + 1);
         *to++ = '.';
-        to = put_places(to, digits % unit, places);
+        to = put_places(to, rest, places);
     } else {
         to = put_whole(to, digits * ten[-places], first + 1);
     }
@@ -385,7 +406,7 @@ int number_print(char text[NUMBER_SIZE], double value, bool hexadecimal)
         return snprintf(text, NUMBER_SIZE, "%s", isnan(value) ? "nan" : value > 0 ? "inf" : "-inf");
     if (hexadecimal) return snprintf(text, NUMBER_SIZE, "%a", value), with_point(text);
     if (value == 0) return snprintf(text, NUMBER_SIZE, signbit(value) ? "-0" : "0");
-    if (shortest_quick(fabs(value), &all, &d)) return lay_out(text, value < 0, d.digits, d.places, 15);
+    if (shortest_quick(fabs(value), &all, &d)) return lay_out(text, value, d.digits, d.places, 15);
     shortest(text, value);
     return with_point(text);
 }
@@ -422,39 +443,36 @@ int number_print_with_gap(char text[NUMBER_SIZE], double value, double *gap)
     decimal d;
     if (!isfinite(value) || value == 0) return *gap = 0, number_print(text, value, false);
     if (shortest_quick(fabs(value), &all, &d))
-        return *gap = gap_of(&d, &all), lay_out(text, value < 0, d.digits, d.places, 15);
+        return *gap = gap_of(&d, &all), lay_out(text, value, d.digits, d.places, 15);
     return *gap = gap_slowly(value), number_print(text, value, false);
 }
 
-/* Adds half a unit of the third digit and rounds to three digits: not less than x.  *d: the decimal; with 0
- * digits there is none. */
-static double rounded_up(double x, decimal *d)
+/* Adds half a unit of the third digit and rounds to three digits: not less than x.  (From 101 on half a unit is
+ * less than was added.)  false: not the quick way. */
+static bool rounded_up(double x, decimal *d)
 {
-    char text[NUMBER_SIZE];
     const double raised = x * 1.005;
     magnified three;
-    d->digits = 0;
-    if (raised < 1e2 && number_scale(raised, 3, &three)) {
-        const decimal up = rounded_to(&three, 1);
-        double value = double_of(up.digits, up.places);
-        if (value >= x) *d = up;
-        if (!isnan(value)) return fmax(x, value);
-    }
-    snprintf(text, sizeof text, "%.2e", raised);
-    return fmax(x, strtod(text, NULL));
+    if (!(raised < 1e2) || !number_scale(raised, 3, &three)) return false;
+    *d = rounded_to(&three, 1);
+    return d->digits > 100 || double_of(d->digits, d->places) >= x;
 }
 
 double number_round_up(double x)
 {
+    char text[NUMBER_SIZE];
     decimal d;
-    return rounded_up(x, &d);
+    const double value = rounded_up(x, &d) ? double_of(d.digits, d.places) : (double)NAN;
+    if (!isnan(value)) return fmax(x, value);
+    snprintf(text, sizeof text, "%.2e", x * 1.005);
+    return fmax(x, strtod(text, NULL));
 }
 
 int number_print_up(char text[NUMBER_SIZE], double x)
 {
     decimal d;
-    const double value = rounded_up(x, &d);
-    return d.digits ? lay_out(text, false, d.digits, d.places, 15) : number_print(text, value, false);
+    if (rounded_up(x, &d)) return lay_out(text, x, d.digits, d.places, 15);
+    return number_print(text, number_round_up(x), false);
 }
 
 int number_print_short(char text[NUMBER_SIZE], double value, int digits)
@@ -463,7 +481,7 @@ int number_print_short(char text[NUMBER_SIZE], double value, int digits)
     magnified few;
     if (number_scale(fabs(value), digits, &few)) {
         decimal d = rounded_to(&few, 1);
-        return lay_out(text, value < 0, d.digits, d.places, digits);
+        return lay_out(text, value, d.digits, d.places, digits);
     }
     return snprintf(text, NUMBER_SIZE, "%.*g", digits, value);
 }

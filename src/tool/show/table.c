@@ -33,6 +33,8 @@ typedef struct printed {
     double gap;        /* of a number with a bound: at least how far off its decimal is */
     size_t start;      /* in `kept` */
     int length;        /* 0: nothing that is still kept */
+    bool again;        /* it came again, and is in `text`, too */
+    char text[NUMBER_SIZE];
     int kind;          /* twice that of the cell, and 1 if a bound on it follows */
 } printed;
 
@@ -51,6 +53,7 @@ struct table {
     bytes kept, words;
     block *block;               /* of text */
     bool part, block_written;
+    bool plain;                 /* csv, and not hexadecimal */
 };
 
 /* ------------------------------------------------------------ the choice */
@@ -102,7 +105,8 @@ static table *table_new(const table *like)
 
 table *table_begin(const table_target *target, size_t columns, const column *head)
 {
-    table blank = {.to = *target, .columns = columns, .column = head};
+    table blank = {.to = *target, .columns = columns, .column = head,
+                   .plain = target->format == TABLE_CSV && !target->hexadecimal};
     choose(&blank);
     blank.word_size = npy_size(target, COLUMN_WORD);
     for (size_t i = 0; i < blank.chosen; i++) blank.row_size += npy_size(target, blank.head[i].kind);
@@ -212,33 +216,35 @@ static int print_cell(const table *t, size_t place, char text[NUMBER_SIZE], doub
 static void put_word(table *t, const char *text)
 {
     if (t->block) block_cell(t->block, text, strlen(text));
-    else if (t->to.format == TABLE_CSV) put_csv_field(&t->kept, text);
     else put_json_string(&t->kept, text);
 }
 
 static void put_empty(table *t)
 {
     if (t->block) block_cell(t->block, "-", 1);
-    else if (t->to.format == TABLE_JSON) bytes_text(&t->kept, "null");
+    else bytes_text(&t->kept, "null");
 }
 
-/* If the column has the same as in the row before, its text is copied; but a bound, which hangs on two. */
-static void put_again(table *t, size_t place)
+/* Prints a cell that is no word into `kept`, where NUMBER_SIZE characters have room; returns the length.  If the
+ * column has the same as in the row before, that is copied; but a bound, which hangs on two cells. */
+static inline size_t print_or_copy(table *t, size_t place, char *text)
 {
     const cell *c = &t->cell[place];
     printed *p = &t->last[place];
-    char *text = bytes_room(&t->kept, NUMBER_SIZE);
     const int kind = 2 * c->kind + (t->cell[place + 1].kind == CELL_BOUND);
     uint64_t bits;
     memcpy(&bits, c->kind == CELL_NUMBER ? (const void *)&c->number : &c->count, sizeof bits);
     if (p->length && p->bits == bits && p->kind == kind && c->kind != CELL_BOUND) {
-        memmove(text, t->kept.at + p->start, NUMBER_SIZE); /* quicker than one of any other size */
-    } else {
-        p->gap = 0;
-        p->length = print_cell(t, place, text, &p->gap);
-        p->bits = bits, p->kind = kind, p->start = t->kept.length;
+        /* copies of a known size are quicker, and so are those of what was not written just now */
+        if (!p->again) memcpy(p->text, t->kept.at + p->start, NUMBER_SIZE), p->again = true;
+        memcpy(text, p->text, NUMBER_SIZE);
+        return (size_t)p->length;
     }
-    t->kept.length += (size_t)p->length;
+    p->gap = 0;
+    p->length = kind == 2 * CELL_NUMBER && t->plain ? number_print(text, c->number, false)
+                                                    : print_cell(t, place, text, &p->gap);
+    p->bits = bits, p->kind = kind, p->start = (size_t)(text - t->kept.at), p->again = false;
+    return (size_t)p->length;
 }
 
 static void put_cell(table *t, size_t place)
@@ -248,8 +254,28 @@ static void put_cell(table *t, size_t place)
     double gap;
     if (c->kind == CELL_EMPTY) put_empty(t);
     else if (c->kind == CELL_WORD) put_word(t, t->words.at + c->count);
-    else if (!t->block) put_again(t, place);
-    else block_cell(t->block, text, (size_t)print_cell(t, place, text, &gap));
+    else if (t->block) block_cell(t->block, text, (size_t)print_cell(t, place, text, &gap));
+    else t->kept.length += print_or_copy(t, place, bytes_room(&t->kept, NUMBER_SIZE));
+}
+
+static void put_csv_row(table *t)
+{
+    const size_t most = t->chosen * (NUMBER_SIZE + 1);
+    char *to = bytes_room(&t->kept, most);
+    for (size_t i = 0; i < t->chosen; i++) {
+        const size_t place = t->choice[i];
+        const cell *c = &t->cell[place];
+        if (c->kind == CELL_WORD) {
+            t->kept.length = (size_t)(to - t->kept.at);
+            put_csv_field(&t->kept, t->words.at + c->count);
+            to = bytes_room(&t->kept, most);
+        } else if (c->kind != CELL_EMPTY) {
+            to += print_or_copy(t, place, to);
+        }
+        *to++ = ',';
+    }
+    to[-1] = '\n';
+    t->kept.length = (size_t)(to - t->kept.at);
 }
 
 /* Appends the row as npy has it. */
@@ -299,10 +325,10 @@ static void end_row(table *t)
 {
     const table_format format = t->to.format;
     if (format == TABLE_NPY) put_binary_row(t);
-    for (size_t i = 0; i < t->chosen && format != TABLE_NPY; i++) {
+    else if (format == TABLE_CSV) put_csv_row(t);
+    for (size_t i = 0; i < t->chosen && (format == TABLE_TEXT || format == TABLE_JSON); i++) {
         if (format == TABLE_JSON) put_json_key(t, i);
         put_cell(t, t->choice[i]);
-        if (format == TABLE_CSV) bytes_one(&t->kept, i + 1 < t->chosen ? ',' : '\n');
     }
     if (format == TABLE_JSON) bytes_one(&t->kept, '}');
     t->filled = t->words.length = 0;
