@@ -11,8 +11,7 @@
  *     sgt_launcher *from = sgt_launcher_new(lens, NULL, &error);
  *     sgt_field_beam beam;
  *     sgt_launch_field(from, lens->field_kind, &lens->field[0], &beam, &error);
- *     sgt_trace_pupil(from, &beam, lens->element, lens->index_before, n, at, NULL, end,
- *                     &error);
+ *     sgt_trace_pupil(from, &beam, lens->element, lens->index_before, n, at, NULL, end);
  *     sgt_spot spot = sgt_spot_of(1, &(sgt_ends){n, end, 1}, NULL);
  *     sgt_launcher_free(from); */
 #ifndef SAGITTA_ANALYSIS_H
@@ -238,7 +237,8 @@ typedef enum sgt_distortion {
 } sgt_distortion;
 
 /* Astigmatism along the real chief ray (by the derivatives of the trace, which is what
- * Coddington's equations say where there is a plane of symmetry), and distortion.
+ * Coddington's equations say where there is a plane of symmetry; where there is none, a
+ * focus is where a ray fan of the section has no slope), and distortion.
  * data: first-order data at the wavelength of e.  A field on the axis has its tangential
  * plane along y.  Apertures do not count: a chief ray may be obscured.  false: no
  * memory. */

@@ -16,7 +16,10 @@
  * POWER is -n' C.  Rays that come parallel (U = 0) meet the chief ray where A + t C is singular; if
  * the sections do not mix, C_xy = C_yx = 0, that is t = -A_xx / C_xx and -A_yy / C_yy.  Rays from
  * the start of the chief ray (X = 0): t = -B / D (the matrices of Buchroeder 1970 and of
- * Stone and Forbes 1992, J. Opt. Soc. Am. A 9, 96, for the base ray of an asymmetric system). */
+ * Stone and Forbes 1992, J. Opt. Soc. Am. A 9, 96, for the base ray of an asymmetric system).
+ *
+ * IF THE SECTIONS MIX, a neighbouring ray of a section passes the chief ray beside it.  Its part along the
+ * section still vanishes at -A_xx / C_xx, or -B_xx / D_xx: there the ray fan of the section has no slope. */
 #include "parabasal.h"
 
 #include "vec3.h"
@@ -36,9 +39,10 @@ static sgt_vec3 carried(sgt_vec3 e, sgt_vec3 d, sgt_vec3 after, bool mirror)
 
 bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], double index_before,
                          bool from_point, const sgt_ray *chief, const sgt_passage passages[],
-                         sgt_parabasal *out)
+                         sgt_parabasal *out, double foci[2])
 {
     const double none = (double)NAN;
+    if (foci) foci[0] = foci[1] = none;
     *out = (sgt_parabasal){.power = {{none, none}, {none, none}}};
     for (int k = 0; k < 2; k++) out->efl[k] = out->focus[k] = out->image[k] = out->magnification[k] = none;
     if (n == 0) return false;
@@ -79,9 +83,10 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], doubl
             if (i == j) largest = fmax(largest, size);
             else mixed = fmax(mixed, size);
         }
+    const bool apart = mixed <= 1e-9 * largest;
     for (int k = 0; k < 2; k++) {
         double a = m[k][k], b = m[k][k + 2], c = m[k + 2][k], g = m[k + 2][k + 2];
-        bool apart = mixed <= 1e-9 * largest, powered = fabs(c) > 1e-13 * largest && largest > 0;
+        bool powered = fabs(c) > 1e-13 * largest && largest > 0;
         if (apart && powered) out->efl[k] = -1 / (index * c), out->focus[k] = -a / c;
         if (apart && from_point && g != 0) {
             out->image[k] = -b / g;
@@ -89,6 +94,7 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], doubl
         } else if (apart) {
             out->image[k] = out->focus[k];
         }
+        if (foci) foci[k] = !from_point ? (powered ? -a / c : none) : g != 0 ? -b / g : none;
     }
     return true;
 }
@@ -98,5 +104,5 @@ bool sgt_lens_parabasal(size_t n, const sgt_element e[], double index_before, bo
 {
     const bool along_x = !(fabs(unit3(chief->d).x) < 0.99);
     const sgt_vec3 across = along_x ? (sgt_vec3){0, 1, 0} : (sgt_vec3){1, 0, 0};
-    return sgt_parabasal_about(across, n, e, index_before, from_point, chief, passages, out);
+    return sgt_parabasal_about(across, n, e, index_before, from_point, chief, passages, out, NULL);
 }

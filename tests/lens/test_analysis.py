@@ -27,8 +27,10 @@ DEEP = 'DeepLens__zemax_double_gaussian__e5f0f7.zmx'
 NOT_PARAXIAL = ('figured_mirror.yaml', 'newtonian.yaml', 'analysis_odd_asphere.yaml',
                 'analysis_polynomial_xy.yaml')
 IDEAL = DEEP,    # behind an ideal lens no error is known
-# No foci: no plane of symmetry, a grid of heights (its second derivative jumps), an ideal lens.
-NO_FOCI = 'analysis_tilted.yaml', 'analysis_polynomial_xy.yaml', 'figured_mirror.yaml', DEEP
+NO_FOCI = DEEP,  # behind an ideal lens no derivatives are known
+JUMPS = 'figured_mirror.yaml',  # the second derivative of a grid of heights, so the oracle has no foci
+# No plane of symmetry: the oracle compares rays in planes z of the image, the command across the chief ray.
+MIXED = {'analysis_tilted.yaml': 1e-6, 'analysis_polynomial_xy.yaml': 1e-6}
 
 
 def number(cell):
@@ -172,13 +174,15 @@ def test_fields():
             equal(len(got), len(fields), f'{lens}: fields')
             for row in fields:
                 mine, what = got[key(row)], f'{lens} {key(row)}: '
-                error = number(mine['xy_err'])  # none behind an ideal lens
-                equal(error is None, lens in IDEAL, what + 'xy_err')
+                error = number(mine['xy_err'])  # not known behind an ideal lens
+                equal(math.isinf(error), lens in IDEAL, what + 'xy_err')
                 for axis in 'xy':
                     close(mine[axis], row[axis], min(WITHIN * length, error or length), what + axis)
                 for focus in ('tangential', 'sagittal'):
                     wanted = '' if lens in NO_FOCI else row[focus]
-                    both(mine[focus], wanted, WITHIN * max(length, abs(number(wanted) or 0)), what + focus)
+                    within = MIXED.get(lens, WITHIN * max(length, abs(number(wanted) or 0)))
+                    if lens not in JUMPS:
+                        both(mine[focus], wanted, within, what + focus)
                 for column in ('ideal', 'distortion'):
                     wanted = '' if lens in NOT_PARAXIAL else row[f'{column}_{kind}']
                     both(mine[column], wanted, WITHIN * (length if column == 'ideal' else 1), what + column)

@@ -2,7 +2,7 @@
  *
  * THE TANGENTIAL PLANE holds the axis and the field: the object's direction, or its point.  The sections
  * along it and across it are those of parabasal.c; where they mix (a lens without symmetry about that
- * plane) there are no two foci, and both are NaN.
+ * plane) a focus is where a ray fan of the section has no slope.
  *
  * THE IDEAL HEIGHT from afar is that of a paraxial ray at the focus, n u / P for the slope u: it depends on
  * the slope alone.  For f theta the slope is replaced by the angle. */
@@ -50,12 +50,13 @@ static bool curve_of(const sgt_launcher *from, const sgt_field_beam *b, const sg
         const sgt_passage *last = &passages[count - 1];
         sgt_end_error off;
         sgt_parabasal near;
+        double foci[2];
         sgt_trace_error(count, e, index_before, &chief.ray, passages, &off);
-        out->image = (sgt_vec2){last->hit.p.x, last->hit.p.y}, out->error = off.point + 4 * off.grain;
+        out->image = (sgt_vec2){last->hit.p.x, last->hit.p.y};
+        out->error = isnan(off.point) ? HUGE_VAL : off.point + 4 * off.grain;
         if (sgt_parabasal_about((sgt_vec3){way.h.y, -way.h.x, 0}, count, e, index_before, b->finite,
-                                &chief.ray, passages, &near))
-            out->sagittal = near.image[0] * last->direction.z,
-            out->tangential = near.image[1] * last->direction.z;
+                                &chief.ray, passages, &near, foci))
+            out->sagittal = foci[0] * last->direction.z, out->tangential = foci[1] * last->direction.z;
         out->ideal = ideal_of(from, b, data) * way.size;
         if (out->ideal != 0)
             out->distortion =

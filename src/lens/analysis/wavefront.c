@@ -60,7 +60,7 @@ double sgt_opd(const sgt_reference *of, const sgt_ray_end *end, double *error)
         off += n * (end->p_err + of->p_err) * sqrt(h2) / root;
     }
     off += 4 * ROUND * (fabs(base) + n * length3(v));
-    if (error) *error = isnan(opd) ? none : off;
+    if (error) *error = isnan(opd) ? none : isnan(off) ? HUGE_VAL : off;
     return opd;
 }
 
