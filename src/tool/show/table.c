@@ -225,8 +225,8 @@ static void put_empty(table *t)
     else bytes_text(&t->kept, "null");
 }
 
-/* Prints a cell that is no word into `kept`, where NUMBER_SIZE characters have room; returns the length.  If the
- * column has the same as in the row before, that is copied; but a bound, which hangs on two cells. */
+/* Prints a cell that is no word into `kept`, where NUMBER_SIZE characters have room; returns the length.  If
+ * the column has the same as in the row before, that is copied; but a bound, which hangs on two cells. */
 static inline size_t print_or_copy(table *t, size_t place, char *text)
 {
     const cell *c = &t->cell[place];
