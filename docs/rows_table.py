@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What the rows of `sagitta trace` cost: the table of accuracy.md's section on rows.
 
-    python3 docs/rows_table.py build [--rays N] [--runs N] [--before SAGITTA]
+    python3 docs/rows_table.py build [--rays N] [--runs N] [--threads N] [--before SAGITTA]
 
 Each kind of output is written in turn, N times, and the table has medians.  Beside them stands the trace alone,
 by sgt_trace_batch (tests/bench/bench_rows.c), and a copy of the file (cat, to another file).  Files are in the
@@ -18,7 +18,6 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 LENS = HERE.parent / 'examples' / 'lenses' / 'double_gauss.yaml'
-THREADS = '2'
 
 
 def timed(*command):
@@ -36,12 +35,13 @@ def main():
     parser.add_argument('build', type=pathlib.Path)
     parser.add_argument('--rays', type=int, default=1000000)
     parser.add_argument('--runs', type=int, default=7)
+    parser.add_argument('--threads', default='2')
     parser.add_argument('--before')
     asked = parser.parse_args()
     sagitta, bench = asked.build / 'src/tool/sagitta', asked.build / 'tests/bench/bench_rows'
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
-        trace = ('trace', LENS, '--field', 0, '--random', asked.rays, '--threads', THREADS)
+        trace = ('trace', LENS, '--field', 0, '--random', asked.rays, '--threads', asked.threads)
         kinds = {
             'npy': (sagitta, *trace, '--format', 'npy', '-o', folder / 'all.npy'),
             'npy, a folder': (sagitta, *trace, '--format', 'npy', '-o', folder / 'columns'),
@@ -55,7 +55,8 @@ def main():
         copies = {'npy': folder / 'all.npy', 'npy, `--last`': folder / 'last.npy'}
         seconds, memory, copied, alone = {k: [] for k in kinds}, {k: 0 for k in kinds}, {k: [] for k in copies}, []
         for _ in range(asked.runs):
-            done = subprocess.run([bench, LENS, str(asked.rays), THREADS], capture_output=True, text=True, check=True)
+            done = subprocess.run([bench, LENS, str(asked.rays), asked.threads], capture_output=True, text=True,
+                                  check=True)
             alone.append(float(done.stdout.split()[0]))
             for kind, command in kinds.items():
                 for path in folder.iterdir():

@@ -366,7 +366,7 @@ static int lay_out(char text[NUMBER_SIZE], double x, uint64_t digits, int places
         memcpy(to, "0.000", 5);
         to = put_places(to + 1 - first, digits, count);
     } else if (places > 0) {
-        /* The whole part is that of |x|, or one more if it was rounded up to that.  A division is slower. */
+        /* The whole part is that of |x|, or one more if it was rounded up.  A division takes longer. */
         const uint64_t unit = ten[places];
         uint64_t whole = (uint64_t)(int64_t)fabs(x), rest = digits - whole * unit;
         if (rest >= unit) whole++, rest -= unit;

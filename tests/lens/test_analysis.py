@@ -30,7 +30,7 @@ IDEAL = DEEP,    # behind an ideal lens no error is known
 NO_FOCI = DEEP,  # behind an ideal lens no derivatives are known
 JUMPS = 'figured_mirror.yaml',  # the second derivative of a grid of heights, so the oracle has no foci
 # No plane of symmetry: the oracle's sections are those of the image, the command's turn with the chief ray.
-MIXED = {'analysis_tilted.yaml': 1e-6, 'analysis_polynomial_xy.yaml': 1e-4}
+MIXED = {'analysis_tilted.yaml': 1e-5, 'analysis_polynomial_xy.yaml': 1e-4}
 
 
 def number(cell):
