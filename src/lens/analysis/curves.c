@@ -53,7 +53,8 @@ static bool curve_of(const sgt_launcher *from, const sgt_field_beam *b, const sg
         double foci[2];
         sgt_trace_error(count, e, index_before, &chief.ray, passages, &off);
         out->image = (sgt_vec2){last->hit.p.x, last->hit.p.y};
-        out->error = isnan(off.point) ? HUGE_VAL : off.point + 4 * off.grain;
+        out->error = off.point + 4 * off.grain;
+        if (isnan(out->error)) out->error = HUGE_VAL;
         if (sgt_parabasal_about((sgt_vec3){way.h.y, -way.h.x, 0}, count, e, index_before, b->finite,
                                 &chief.ray, passages, &near, foci))
             out->sagittal = foci[0] * last->direction.z, out->tangential = foci[1] * last->direction.z;
