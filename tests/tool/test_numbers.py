@@ -31,16 +31,16 @@ def near(x, draw):
 
 
 # what may go wrong: ties, powers of two and ten and their neighbours, few digits, the borders
-# 1e-20, 1e-6, 1e15 of what goes the short way, 2^53 / 10^k, very large and very small
+# 1e-38, 1e-6, 1e15 of what goes the short way, 5^27, 2^53 / 10^k, very large and very small
 KINDS = {
     'uniform': lambda d: d.uniform(-10, 10),
-    'any size': lambda d: d.uniform(-10, 10) * 10.0 ** d.randint(-30, 30),
+    'any size': lambda d: d.uniform(-10, 10) * 10.0 ** d.randint(-45, 30),
     'very small or large': lambda d: d.uniform(1, 10) * 10.0 ** d.choice((d.randint(-307, -200), d.randint(90, 120))),
     'few digits': lambda d: float(f'{d.randrange(10 ** d.randint(1, 16))}e{d.randint(-25, 5)}'),
-    'binary fractions': lambda d: math.ldexp(d.randrange(2 ** d.randint(1, 53)), -d.randint(0, 70)),
+    'binary fractions': lambda d: math.ldexp(d.randrange(2 ** d.randint(1, 53)), -d.randint(0, 140)),
     'halves': lambda d: (d.randrange(10 ** d.randint(1, 9)) + 0.5) / 2 ** d.randint(0, 20),
-    'powers of ten': lambda d: near(10.0 ** d.randint(-24, 20), d),
-    'powers of two': lambda d: near(2.0 ** d.randint(-80, 60), d),
+    'powers of ten': lambda d: near(10.0 ** d.randint(-42, 20), d),
+    'powers of two': lambda d: near(2.0 ** d.randint(-140, 60), d),
     'nines': lambda d: near((10 ** d.randint(1, 17) - 1) / 10.0 ** d.randint(0, 22), d),
     '2^53 and a power of ten': lambda d: near(2.0 ** 53 / 10.0 ** d.randint(0, 22), d),
 }
