@@ -4,7 +4,7 @@
  * Lengths are in the unit of the lens, angles in degrees, wavelengths in micrometres.
  *
  * THREADS AND PARTS.  Functions that take a const launcher may run in any number of
- * threads.  What they tell of a ray depends on that ray alone, so rays may be traced in
+ * threads, if its allocator may.  What they tell of a ray depends on that ray alone, so rays may be traced in
  * parts; sums are taken in the order of the rays.  Bits do not depend on threads or
  * parts.
  *
@@ -63,11 +63,13 @@ typedef struct sgt_field_beam {
     sgt_vec2 turn;          /* and the cosine and sine of its turn */
 } sgt_field_beam;
 
-/* Sets the beam of a field.  Chief rays go through the centre of the pupil:
+/* Sets the beam of a field.  Before vignetting, chief rays go through the centre of the
+ * pupil:
  *   angles a, b        slopes tan a in x, tan b in y: a positive field climbs
  *   object heights     from that point
  *   paraxial heights   the slope or the object that paraxial rays bring there
  *   real heights       the chief ray that meets the image there, as the lens aims
+ *                      (whatever aim the launcher was given)
  * false: `error` (may be NULL) names the key that is missing or does not fit. */
 SGT_API bool sgt_launch_field(const sgt_launcher *from, sgt_field_kind kind,
                               const sgt_lens_field *field, sgt_field_beam *beam,
@@ -99,7 +101,8 @@ typedef struct sgt_ray_end {
     double     px, py, weight; /* of the point of the pupil */
     sgt_aimed  aimed;    /* unless SGT_MET, no ray was traced */
     sgt_fate   fate;     /* SGT_LOST also where none was traced */
-    sgt_status status;   /* of the hit at the element where it ended */
+    sgt_status status;   /* of the hit at the element where it ended; SGT_EXHAUSTED where
+                            no ray was traced */
     size_t     element;  /* which, from 0; the last if it passed */
     bool       folded;
     bool       proven;   /* passed, and a hit (no graze) at every element: with a proof
@@ -108,8 +111,8 @@ typedef struct sgt_ray_end {
     double     t_err;    /* the largest of its elements */
     double     condition; /* the largest 1 / cos of its angles of incidence: a surface
                              off along its normal moves t by so many times as much */
-    /* Where it met the last element, in that frame, and how it goes on; NaN unless it
-     * passed. */
+    /* Where it met the last element, and its direction in front of it, in that frame; NaN
+     * unless it passed. */
     sgt_vec3 p, d;
     double   opl;        /* from the object, or the common wavefront */
     /* Bounds, to first order: how far x and y of p are off (infinite: not known), and the
@@ -125,8 +128,8 @@ SGT_API bool sgt_trace_pupil(const sgt_launcher *from, const sgt_field_beam *bea
                              const sgt_pupil_point at[], const sgt_options *opt,
                              sgt_ray_end out[]);
 
-/* The same of the chief ray, through the centre of the pupil, whatever clips it: it is a
- * reference also where it is obscured. */
+/* The same of the chief ray, through the point 0, 0 of the pupil, whatever clips it: it
+ * is a reference also where it is obscured. */
 SGT_API bool sgt_trace_chief(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before,
                              sgt_ray_end *out);
@@ -145,8 +148,9 @@ typedef struct sgt_spot {
 } sgt_spot;
 
 /* The spot of some groups of rays together, in the frame of the last element.  A ray
- * weighs as its point of the pupil times its group.  reference: NULL, the centroid.  With
- * no ray that passed all lengths are NaN. */
+ * weighs as its point of the pupil times its group.  reference: NULL, the centroid; what
+ * is given is taken as exact.  With no ray that passed and weighs, or a reference that is
+ * NaN, all lengths are NaN. */
 SGT_API sgt_spot sgt_spot_of(size_t groups, const sgt_ends group[],
                              const sgt_vec2 *reference);
 
@@ -174,8 +178,8 @@ typedef struct sgt_reference {
 } sgt_reference;
 
 /* The reference of a chief ray that passed.  The radius is the distance from the centre
- * to the axial point of the paraxial exit pupil (Welford 1986, 7.1).  data: of the
- * primary wavelength.  afocal: take a plane instead.  false: the chief ray did not
+ * to the axial point of the paraxial exit pupil (Welford 1986, 7.1), taken on the z axis
+ * of the last element, which bends no light here.  data: of the primary wavelength.  afocal: take a plane instead.  false: the chief ray did not
  * pass. */
 SGT_API bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data,
                               const sgt_element e[], double index_before,
@@ -218,7 +222,8 @@ SGT_API bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count
 /* ------------------------------------------------------------------ curves of a field */
 
 typedef struct sgt_field_point {
-    sgt_fate fate;               /* of the chief ray */
+    sgt_aimed aimed;             /* unless SGT_MET, no chief ray was traced */
+    sgt_fate fate;               /* of the chief ray; SGT_LOST also where none was traced */
     size_t   element;            /* where it ended */
     sgt_vec2 image;              /* where it met the image */
     double   error;              /* a bound on what is off there */
@@ -238,9 +243,10 @@ typedef enum sgt_distortion {
 
 /* Astigmatism along the real chief ray (by the derivatives of the trace, which is what
  * Coddington's equations say where there is a plane of symmetry; where there is none, a
- * focus is where a ray fan of the section has no slope), and distortion.
+ * focus is where rays of a section have no distance from it along the section), and
+ * distortion.
  * data: first-order data at the wavelength of e.  A field on the axis has its tangential
- * plane along y.  Apertures do not count: a chief ray may be obscured.  false: no
+ * plane along y.  Apertures and vignetting do not count: a chief ray may be obscured.  false: no
  * memory. */
 SGT_API bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before,

@@ -213,6 +213,7 @@ static void set_points(const paraxial *p, sgt_first_order *o)
     o->image = o->focus, o->magnification = none;
     if (!isfinite(d)) return;
     beam_ray axial = at_image(p, d, n);
+    if (fabs(axial.w) <= AT_INFINITY * n) axial.w = 0; /* the object is at the front focus */
     o->image = crossing(&axial);
     o->magnification = axial.w == 0 ? none : n / axial.w;
 }

@@ -39,10 +39,10 @@ static sgt_vec3 carried(sgt_vec3 e, sgt_vec3 d, sgt_vec3 after, bool mirror)
 
 bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], double index_before,
                          bool from_point, const sgt_ray *chief, const sgt_passage passages[],
-                         sgt_parabasal *out, double foci[2])
+                         sgt_parabasal *out, sgt_sections *sections)
 {
     const double none = (double)NAN;
-    if (foci) foci[0] = foci[1] = none;
+    if (sections) *sections = (sgt_sections){{none, none}, {{none, none, none}, {none, none, none}}};
     *out = (sgt_parabasal){.power = {{none, none}, {none, none}}};
     for (int k = 0; k < 2; k++) out->efl[k] = out->focus[k] = out->image[k] = out->magnification[k] = none;
     if (n == 0) return false;
@@ -86,15 +86,16 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], doubl
     const bool apart = mixed <= 1e-9 * largest;
     for (int k = 0; k < 2; k++) {
         double a = m[k][k], b = m[k][k + 2], c = m[k + 2][k], g = m[k + 2][k + 2];
-        bool powered = fabs(c) > 1e-13 * largest && largest > 0;
+        bool powered = fabs(c) > 1e-13 * largest && largest > 0, converging = fabs(g) > 1e-13;
         if (apart && powered) out->efl[k] = -1 / (index * c), out->focus[k] = -a / c;
-        if (apart && from_point && g != 0) {
+        if (apart && from_point && converging) {
             out->image[k] = -b / g;
             out->magnification[k] = a + out->image[k] * c;
         } else if (apart) {
             out->image[k] = out->focus[k];
         }
-        if (foci) foci[k] = !from_point ? (powered ? -a / c : none) : g != 0 ? -b / g : none;
+        if (sections) sections->along[k] = into3(&e[n - 1].pose, base[k]);
+        if (sections && (from_point ? converging : powered)) sections->focus[k] = from_point ? -b / g : -a / c;
     }
     return true;
 }

@@ -16,7 +16,7 @@
  * is k / q but for |n|.  Three roundings are in r and three in g (absolute: of d and n), and c2 = sqrt(Q)
  * is off by 6 u / c2, as Q is by at most 12 u (observed: trace.h), so
  *
- *     e_f <= u (6 + (5 r + 2 + 6 / c2) / q).
+ *     e_f <= u (6 + (6 r + 2 + 6 / c2) / q).
  *
  * The rounding of r turns d' by u tan.
  *
@@ -100,7 +100,7 @@ static double of_bending(const chain_link *c)
     const double n = sqrt(dot(c->n, c->n)), fn = fabs(c->f) * n, behind = 1 / (fabs(c->by_S) * n);
     const double q = c->r * fabs(dot(c->d, c->n)) / n + behind;
     const sgt_vec3 cross = cross_product(c->after, c->n);
-    const double sine = sqrt(dot(cross, cross)) / n, part = 6 + (5 * c->r + 2 + 6 / behind) / q;
+    const double sine = sqrt(dot(cross, cross)) / n, part = 6 + (6 * c->r + 2 + 6 / behind) / q;
     return SGT_U * (c->r + fn + 3 + sine * (fn * part + 1 / behind));
 }
 
@@ -178,18 +178,17 @@ static twofold length_between(const far_point *a, const far_point *b)
 }
 
 /* |n d - n' d'| p_err */
-static double of_kick(const sgt_element *e, const chain_link *c, const sgt_passage *passage)
+static double of_kick(const chain_link *c, const sgt_passage *passage)
 {
-    const double behind = e->index == SGT_MIRROR || e->index == 0 ? c->n1 : e->index;
     if (is_zero(passage->direction)) return 0;
-    sgt_vec3 kick = plus_times(times(c->n1, c->d), -behind, passage->direction);
+    sgt_vec3 kick = plus_times(times(c->n1, c->d), -c->n2, passage->direction);
     return size_of(kick) * passage->hit.p_err;
 }
 
 /* What opl has gained at an element with a phase is taken as it is: its stretch, the phase, and the sum. */
 static double of_phase(const chain_link *c, const sgt_passage *passage, double before)
 {
-    const double way = c->n1 * fabs(c->t), phase = fabs(passage->opl - before) - way;
+    const double way = c->n1 * fabs(c->t), phase = passage->opl - before - c->n1 * c->t;
     return c->n1 * passage->hit.t_err + SGT_U * (5 * way + fabs(passage->opl) + 8 * fabs(phase));
 }
 
@@ -217,8 +216,8 @@ bool sgt_trace_error(size_t n, const sgt_element e[], double index_before, const
             out->path += of_phase(&c, &passages[i], before);
         } else {
             path = twofold_sum(path, piece);
-            out->path += of_kick(&e[i], &c, &passages[i]);
-            if (is_turned(&e[i].pose)) out->path += 8 * SGT_U * size_of(passages[i].hit.p) * c.n1;
+            out->path += of_kick(&c, &passages[i]);
+            if (is_turned(&e[i].pose)) out->path += 8 * SGT_U * size_of(passages[i].hit.p) * (c.n1 + c.n2);
         }
         from = to;
     }

@@ -28,10 +28,11 @@ static sgt_beam family_of(const sgt_field_beam *b)
 {
     const double a = b->radius;
     sgt_beam f = {.u = {-BOX, BOX}, .v = {-BOX, BOX}};
-    if (b->finite) {
+    if (b->finite) { /* light runs along +z even if the pupil lies in front of the object */
+        const double ahead = copysign(1, b->pupil - b->object.z);
         f.o = b->object;
-        f.d = minus3((sgt_vec3){0, 0, b->pupil}, b->object);
-        f.du.x = f.dv.y = a;
+        f.d = along3((sgt_vec3){0, 0, ahead * b->pupil}, -ahead, b->object);
+        f.du.x = f.dv.y = ahead * a;
         return f;
     }
     const sgt_vec3 d = b->direction;
@@ -135,9 +136,12 @@ bool sgt_aim_rays(const sgt_launcher *from, const sgt_field_beam *b, const sgt_e
 /* The chief rays through the centre of the paraxial pupil, by their slopes or by their object point. */
 static sgt_beam chiefs_of(const sgt_field_beam *b)
 {
-    if (b->finite)
-        return (sgt_beam){.o = {0, 0, b->object.z}, .ou = {1, 0, 0}, .ov = {0, 1, 0},
-                          .d = {0, 0, b->pupil - b->object.z}, .du = {-1, 0, 0}, .dv = {0, -1, 0}};
+    if (b->finite) {
+        sgt_beam f = {.o = {0, 0, b->object.z}, .ou = {1, 0, 0}, .ov = {0, 1, 0}, .d = {0, 0, 1}};
+        const double ahead = b->cone > 0 ? 0 : copysign(1, b->pupil - b->object.z); /* 0: telecentric */
+        if (ahead != 0) f.d.z = fabs(b->pupil - b->object.z), f.du.x = f.dv.y = -ahead;
+        return f;
+    }
     double way = b->pupil - b->front;
     return (sgt_beam){.o = {0, 0, b->front}, .ou = {-way, 0, 0}, .ov = {0, -way, 0}, .d = {0, 0, 1},
                       .du = {1, 0, 0}, .dv = {0, 1, 0}, .u = {-SLOPES, SLOPES}, .v = {-SLOPES, SLOPES}};
@@ -191,7 +195,7 @@ static bool solve_field(const field_search *s, const sgt_field_beam *b, sgt_vec2
         at->x += (g * u - c * v) / by, at->y += (a * v - e * u) / by;
     }
     *at = best;
-    return least <= 1e-9 * (hypot(wanted.x, wanted.y) + 1e-3 * fabs(b->pupil - b->front));
+    return least <= 1e-9 * (hypot(wanted.x, wanted.y) + 1e-3 * b->radius);
 }
 
 static bool find_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 wanted, sgt_vec2 *found)
@@ -200,7 +204,8 @@ static bool find_field(const field_search *s, const sgt_field_beam *b, sgt_vec2 
     if (l->aim != SGT_AIM_PUPIL && b->cone == 0) return solve_field(s, b, wanted, found);
     sgt_beam f = chiefs_of(b);
     if (b->finite) {
-        double reach = 10 * (hypot(found->x, found->y) + b->radius);
+        double reach =
+            10 * (hypot(found->x, found->y) + (b->cone > 0 ? hypot(wanted.x, wanted.y) : b->radius));
         f.u = f.v = (sgt_interval){-reach, reach};
     }
     sgt_aiming a = aim_at(l->count - 1, s->from->element, s->from->before, &f, wanted, s->passages, 1, found);
@@ -215,17 +220,11 @@ bool sgt_aim_field(const sgt_launcher *from, sgt_field_beam *b, sgt_vec2 wanted,
     double by = b->finite ? 1 / from->data.magnification : from->data.power / from->before;
     sgt_vec2 found = {isfinite(by) ? wanted.x * by : 0, isfinite(by) ? wanted.y * by : 0};
     field_search s = {.from = from, .count = l->count};
-    s.open = sgt_launch_take(from, l->count, sizeof *s.open);
+    s.open = sgt_open_elements(from, from->element);
     s.passages = sgt_launch_take(from, l->count, sizeof *s.passages);
     const bool room = s.open && s.passages;
     bool fine = room;
-    if (room) {
-        for (size_t i = 0; i < l->count; i++) {
-            s.open[i] = from->element[i];
-            s.open[i].semi_diameter = 0, s.open[i].aperture = NULL;
-        }
-        fine = find_field(&s, b, wanted, &found);
-    }
+    if (room) fine = find_field(&s, b, wanted, &found);
     sgt_launch_forget(from, s.open);
     sgt_launch_forget(from, s.passages);
     if (fine) {

@@ -24,10 +24,10 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
     const sgt_passage *last = &passages[out->element];
     out->status = last->hit.status, out->folded = l->folded;
     out->proven = passed == count;
-    sgt_vec3 d = l->ray.d;
+    sgt_vec3 d = l->ray.d, in = d;
     for (size_t i = 0; i <= out->element; i++) {
         const sgt_hit *hit = &passages[i].hit;
-        const sgt_vec3 in = into3(&e[i].pose, d);
+        in = into3(&e[i].pose, d);
         if (hit->status > 0)
             out->condition = fmax(out->condition, length3(hit->n) * length3(in) / fabs(dot3(hit->n, in)));
         d = out_of3(&e[i].pose, passages[i].direction);
@@ -38,7 +38,7 @@ static void follow(const sgt_launcher *from, const sgt_field_beam *b, const sgt_
     if (passed < count) return;
     sgt_end_error off;
     sgt_trace_error(count, e, before, &l->ray, passages, &off);
-    out->p = last->hit.p, out->d = last->direction, out->opl = last->opl;
+    out->p = last->hit.p, out->d = in, out->opl = last->opl;
     out->p_err = off.point + GRAINS * off.grain;
     if (isnan(out->p_err)) out->p_err = HUGE_VAL;
     out->opl_err = off.path + launch_error(b, &l->ray, before == 0 ? 1 : before);

@@ -211,6 +211,9 @@ bool sgt_launch_field(const sgt_launcher *from, sgt_field_kind kind, const sgt_l
                           .shift = {at->dx, at->dy}, .scale = {1 - at->cx, 1 - at->cy},
                           .turn = at->angle == 0 ? (sgt_vec2){1, 0} : (sgt_vec2){turn.x, turn.y}};
     double x = at->x, y = at->y;
+    if (kind == SGT_FIELD_ANGLE && !(fabs(x) < 90 && fabs(y) < 90))
+        return sgt_launch_fail(from, error, "fields",
+                               "angles must be between -90 and 90 degrees, not [%g, %g]", x, y);
     if (!b->finite) b->front = front_of(from, b->pupil, b->radius);
     if (l->telecentric && !set_cone(from, kind, at, &b->cone, error)) return false;
     if (kind == SGT_FIELD_REAL_IMAGE_HEIGHT) return sgt_aim_field(from, b, (sgt_vec2){x, y}, error);

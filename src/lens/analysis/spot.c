@@ -29,7 +29,10 @@ sgt_spot sgt_spot_of(size_t groups, const sgt_ends group[], const sgt_vec2 *refe
                   .error = none};
     double sum = 0, x2 = 0, y2 = 0, off = 0, far = 0;
     sgt_vec2 about;
-    for (size_t g = 0; g < groups; g++) s.rays += group[g].count;
+    for (size_t g = 0; g < groups; g++) {
+        s.rays += group[g].count;
+        for (size_t i = 0; i < group[g].count; i++) s.passed += counts(&group[g].end[i]);
+    }
     bool any = centroid_of(groups, group, &about);
     if (reference) about = *reference;
     for (size_t g = 0; g < groups && any; g++)
@@ -37,12 +40,11 @@ sgt_spot sgt_spot_of(size_t groups, const sgt_ends group[], const sgt_vec2 *refe
             const sgt_ray_end *e = &group[g].end[i];
             if (!counts(e)) continue;
             double w = e->weight * group[g].weight, x = e->p.x - about.x, y = e->p.y - about.y;
-            s.passed++;
             sum += w, x2 += w * x * x, y2 += w * y * y, off += w * e->p_err * e->p_err;
             far = fmax(far, hypot(x, y));
         }
     if (!any) return s;
-    s.reference = about, s.geometric = far;
+    s.reference = about, s.geometric = isnan(about.x + about.y) ? none : far;
     s.rms_x = sqrt(x2 / sum), s.rms_y = sqrt(y2 / sum), s.rms = sqrt((x2 + y2) / sum);
     s.error = sqrt(off / sum) + (double)s.passed * 0x1p-52 * s.rms;
     return s;

@@ -14,8 +14,8 @@
  * A plane across the chief ray: s = v . d0 / d . d0, and the chief ray's is 0.
  *
  * THE ERROR.  L and L0 have theirs (sgt_trace_error), and to first order a point of the ray that is off
- * changes L - n b by nothing.  It changes h^2 by 2 h p_err, and with b and v . d0 that of the chief ray,
- * c, counts by |d - d0|. */
+ * changes L - n b by nothing.  Its direction is off by some u: 8 u |v|.  The point changes h^2 by
+ * 2 h p_err, and with b and v . d0 that of the chief ray, c, counts by |d - d0|. */
 #include "launch.h"
 
 #include "../arena.h"
@@ -29,13 +29,14 @@ bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data, const s
     *out = (sgt_reference){.kind = SGT_REFERENCE_SPHERE, .centre = chief->p, .along = chief->d,
                            .index = index_before == 0 ? 1 : index_before, .opl = chief->opl,
                            .opl_err = chief->opl_err, .p_err = chief->p_err};
-    for (size_t i = 0; i < lens->count; i++)
+    for (size_t i = 0; i + 1 < lens->count; i++) /* what the last one does to light is not looked at */
         if (e[i].index != SGT_MIRROR && e[i].index != 0) out->index = e[i].index;
     if (afocal) out->kind = SGT_REFERENCE_PLANE;
     else if (!isfinite(data->exit_pupil)) out->kind = SGT_REFERENCE_INFINITE;
     if (out->kind != SGT_REFERENCE_SPHERE) return true;
     const sgt_vec3 pupil = {0, 0, data->exit_pupil}, to = minus3(chief->p, pupil);
     out->radius = copysign(length3(to), dot3(to, chief->d));
+    if (out->radius == 0) out->kind = SGT_REFERENCE_INFINITE; /* the pupil lies in the image */
     return true;
 }
 

@@ -28,7 +28,7 @@ static const char field_help[] =
     "  --distortion D     tan (the default): the ideal height is efl tan(angle), of an object at a\n"
     "                     distance magnification times its height; theta: efl times the angle\n"
     "  --steps N          N fields from the axis to that of the lens which is farthest from it, in place\n"
-    "                     of its own.  The picture has 33 of them\n";
+    "                     of its own.  The picture has as many, or 33\n";
 
 typedef struct field_arguments {
     look_options look;
@@ -59,6 +59,8 @@ static field_arguments field_arguments_of(int argc, char *argv[])
     const job_options *o = &a.look.job;
     if (o->pupils || o->pattern_given || o->across)
         fail_usage("a pattern of rays is of no use here: the rays are those near the chief ray");
+    if (a.look.shared.solver.proof)
+        fail_usage("--proof: field follows chief rays and proves nothing; spot, fan, opd, map and sweep do");
     return a;
 }
 
@@ -84,9 +86,8 @@ static sgt_field_point field_point(const look *l, const field_arguments *a, cons
 static void field_row(table *t, look *l, size_t number, const look_band *band, sgt_lens_field at,
                       const sgt_field_point *p)
 {
-    l->fates.rays++, l->fates.passed += p->fate == SGT_PASSED, l->fates.missed += p->fate == SGT_MISSED;
-    l->fates.clipped += p->fate == SGT_CLIPPED, l->fates.tir += p->fate == SGT_TIR;
-    l->fates.lost += p->fate == SGT_LOST;
+    const sgt_ray_end end = {.aimed = p->aimed, .fate = p->fate};
+    look_count(&l->fates, &end);
     table_count(t, (long long)number + 1);
     look_number(t, band->lens.wavelength);
     look_number(t, p->tangential);
@@ -94,7 +95,7 @@ static void field_row(table *t, look *l, size_t number, const look_band *band, s
     look_number(t, p->distortion);
     table_number(t, at.x);
     table_number(t, at.y);
-    table_code(t, p->fate, sgt_fate_text(p->fate));
+    look_fate_cell(t, &end);
     const double each[] = {p->image.x, p->image.y, p->error, p->ideal};
     for (size_t i = 0; i < sizeof each / sizeof *each; i++) look_number(t, each[i]);
     table_count(t, look_digits(hypot(p->image.x, p->image.y), p->error));

@@ -143,7 +143,7 @@ static void map_fields(map_work *w)
     const launch_pattern one = job_points(o, SGT_PATTERN_FAN, 1);
     sgt_lens_field *at = memory_take(count, sizeof *at);
     sgt_pupil_point *net = memory_take(count, sizeof *net);
-    w->half = hypot(far->x, far->y);
+    w->half = fmax(fabs(far->x), fabs(far->y));
     if (w->half == 0) fail_usage("--over field: the lens has no field off the axis; give --field");
     w->panel = memory_take(l->bands, sizeof *w->panel);
     for (size_t i = 0; i < count; i++) {
