@@ -4,9 +4,9 @@
  * Lengths are in the unit of the lens, angles in degrees, wavelengths in micrometres.
  *
  * THREADS AND PARTS.  Functions that take a const launcher may run in any number of
- * threads, if its allocator may.  What they tell of a ray depends on that ray alone, so rays may be traced in
- * parts; sums are taken in the order of the rays.  Bits do not depend on threads or
- * parts.
+ * threads, if its allocator may.  What they tell of a ray depends on that ray alone, so
+ * rays may be traced in parts; sums are taken in the order of the rays.  Bits do not
+ * depend on threads or parts.
  *
  *     sgt_launcher *from = sgt_launcher_new(lens, NULL, &error);
  *     sgt_field_beam beam;
@@ -179,8 +179,8 @@ typedef struct sgt_reference {
 
 /* The reference of a chief ray that passed.  The radius is the distance from the centre
  * to the axial point of the paraxial exit pupil (Welford 1986, 7.1), taken on the z axis
- * of the last element, which bends no light here.  data: of the primary wavelength.  afocal: take a plane instead.  false: the chief ray did not
- * pass. */
+ * of the last element, which bends no light here.  data: of the primary wavelength.
+ * afocal: take a plane instead.  false: the chief ray did not pass. */
 SGT_API bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data,
                               const sgt_element e[], double index_before,
                               const sgt_ray_end *chief, bool afocal, sgt_reference *out);
@@ -223,7 +223,7 @@ SGT_API bool sgt_zernike_fit(sgt_zernike_order order, size_t terms, size_t count
 
 typedef struct sgt_field_point {
     sgt_aimed aimed;             /* unless SGT_MET, no chief ray was traced */
-    sgt_fate fate;               /* of the chief ray; SGT_LOST also where none was traced */
+    sgt_fate fate;               /* of the chief ray; SGT_LOST also if none was traced */
     size_t   element;            /* where it ended */
     sgt_vec2 image;              /* where it met the image */
     double   error;              /* a bound on what is off there */
@@ -244,10 +244,9 @@ typedef enum sgt_distortion {
 /* Astigmatism along the real chief ray (by the derivatives of the trace, which is what
  * Coddington's equations say where there is a plane of symmetry; where there is none, a
  * focus is where rays of a section have no distance from it along the section), and
- * distortion.
- * data: first-order data at the wavelength of e.  A field on the axis has its tangential
- * plane along y.  Apertures and vignetting do not count: a chief ray may be obscured.  false: no
- * memory. */
+ * distortion.  data: first-order data at the wavelength of e.  A field on the axis has
+ * its tangential plane along y.  Apertures and vignetting do not count: a chief ray may
+ * be obscured.  false: no memory. */
 SGT_API bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam,
                              const sgt_element e[], double index_before,
                              const sgt_first_order *data, sgt_distortion distortion,

@@ -95,7 +95,8 @@ bool sgt_parabasal_about(sgt_vec3 across, size_t n, const sgt_element e[], doubl
             out->image[k] = out->focus[k];
         }
         if (sections) sections->along[k] = into3(&e[n - 1].pose, base[k]);
-        if (sections && (from_point ? converging : powered)) sections->focus[k] = from_point ? -b / g : -a / c;
+        if (sections && (from_point ? converging : powered))
+            sections->focus[k] = from_point ? -b / g : -a / c;
     }
     return true;
 }

@@ -31,9 +31,9 @@ static double ideal_of(const sgt_field_beam *b, const sgt_first_order *data, dou
 }
 
 /* What the passages of a chief ray tell. */
-static void tell(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[], double before,
-                 const sgt_first_order *data, sgt_distortion distortion, const sgt_ray *chief,
-                 const sgt_passage passages[], sgt_field_point *out)
+static void tell_curve(const sgt_launcher *from, const sgt_field_beam *b, const sgt_element e[],
+                       double before, const sgt_first_order *data, sgt_distortion distortion,
+                       const sgt_ray *chief, const sgt_passage passages[], sgt_field_point *out)
 {
     const size_t count = from->lens->count;
     const field_way way = way_of(b, chief, distortion);
@@ -82,7 +82,7 @@ bool sgt_field_curve(const sgt_launcher *from, const sgt_field_beam *beam, const
             passed = sgt_trace(count, open, index_before, &ray, passages, &out->fate, NULL);
         out->aimed = chief.status, out->element = passed < count ? passed : count - 1;
         if (passed == count)
-            tell(from, &b, open, index_before, data, distortion, &chief.ray, passages, out);
+            tell_curve(from, &b, open, index_before, data, distortion, &chief.ray, passages, out);
     }
     sgt_launch_forget(from, open);
     sgt_launch_forget(from, passages);
