@@ -26,7 +26,8 @@ typedef struct fan_work {
     look look;
     launch_pattern points;
     table *table;
-    look_lines *lines;          /* [fields] */
+    sgt_ray_end *end;           /* [points], of one field and wavelength after another */
+    look_lines *lines;          /* [fields]; NULL: no picture */
 } fan_work;
 
 static void fan_rows(fan_work *w, size_t field)
@@ -36,7 +37,8 @@ static void fan_rows(fan_work *w, size_t field)
     const sgt_ray_end chief = look_chief(l, beam, &l->primary, l->primary.element);
     for (size_t b = 0; b < l->bands; b++) {
         const look_band *band = &l->band[b];
-        const sgt_ray_end *end = look_trace(l, beam, band, band->element, &w->points, true);
+        const sgt_ray_end *end = w->end;
+        look_trace(l, beam, band, band->element, &w->points, true, w->end);
         if (field + b > 0) table_gap(w->table);
         for (size_t i = 0; i < w->points.count; i++) {
             const double ex = end[i].p.x - chief.p.x, ey = end[i].p.y - chief.p.y;
@@ -47,7 +49,8 @@ static void fan_rows(fan_work *w, size_t field)
             look_number(w->table, ex);
             look_number(w->table, ey);
             look_number(w->table, end[i].p_err + chief.p_err);
-            look_lines_add(&w->lines[field], b, &end[i], look_small(l, ey), look_small(l, ex));
+            if (w->lines)
+                look_lines_add(&w->lines[field], b, &end[i], look_small(l, ey), look_small(l, ex));
         }
     }
 }
@@ -60,16 +63,18 @@ exit_status command_fan(int argc, char *argv[])
         {"field", COLUMN_COUNT}, {"wavelength", COLUMN_EXACT}, {"px", COLUMN_NUMBER}, {"py", COLUMN_NUMBER},
         {"fate", COLUMN_CODE},   {"ex", COLUMN_NUMBER},        {"ey", COLUMN_NUMBER}, {"e_err", COLUMN_ERROR},
     };
-    look_options o = {.picture = NULL};
+    look_options o = {.pattern = "--cross 41"};
     for (int code; (code = getopt_long(argc, argv, LOOK_LETTERS, known, NULL)) != -1;)
         look_take(&o, code, fan_help, "");
     look_argument(&o, argc, argv, "fan", true);
     fan_work w = {.points = job_points(&o.job, SGT_PATTERN_CROSS, ACROSS)};
+    if (o.picture) look_lines_check(&w.points);
     w.look = look_begin(&o);
-    w.lines = memory_take(w.look.fields.count, sizeof *w.lines);
+    w.end = memory_take(w.points.count, sizeof *w.end);
+    if (o.picture) w.lines = memory_take(w.look.fields.count, sizeof *w.lines);
     w.table = table_begin(&o.shared.target, sizeof columns / sizeof columns[0], columns);
     for (size_t f = 0; f < w.look.fields.count; f++) {
-        w.lines[f] = look_lines_for(&w.look, &w.points);
+        if (w.lines) w.lines[f] = look_lines_for(&w.look, &w.points);
         fan_rows(&w, f);
     }
     table_line(w.table, "ex, ey: from the chief ray of the primary wavelength.  Unit of length: %s.",

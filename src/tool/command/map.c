@@ -55,7 +55,7 @@ static map_arguments map_arguments_of(int argc, char *argv[])
         {"over", required_argument, NULL, OVER}, {"steps", required_argument, NULL, STEPS},
         {"of", required_argument, NULL, OF}, LOOK_OPTIONS, {0},
     };
-    map_arguments a = {.steps = 0};
+    map_arguments a = {.look = {.pattern = "--cells 41", .primary_alone = true}};
     for (int code; (code = getopt_long(argc, argv, LOOK_LETTERS, known, NULL)) != -1;) {
         if (code == OVER) {
             a.over_field = strcmp(optarg, "field") == 0;
@@ -71,7 +71,7 @@ static map_arguments map_arguments_of(int argc, char *argv[])
             look_take(&a.look, code, map_help, "");
         }
     }
-    look_argument(&a.look, argc, argv, "map", false);
+    look_argument(&a.look, argc, argv, "map", !a.look.primary_alone);
     if (a.steps && !a.over_field) fail_usage("--steps goes with --over field; over the pupil give --cells N");
     if (a.over_field && (a.look.job.pattern_given || a.look.job.across || a.look.job.pupils > 1))
         fail_usage("--over field sends one ray of each field: the chief ray, or that of one --pupil");
@@ -90,7 +90,7 @@ typedef struct map_work {
     look look;
     table *table;
     size_t panels;
-    map_panel *panel;
+    map_panel *panel;          /* without a picture all share the ends of the last */
     size_t steps;              /* over the field */
     double half;               /* of its square */
 } map_work;
@@ -117,11 +117,13 @@ static void map_pupils(map_work *w)
     enum { CELLS = 41 };
     look *l = &w->look;
     const launch_pattern points = job_points(&w->asked->look.job, SGT_PATTERN_CELLS, CELLS);
+    sgt_ray_end *end = NULL;
     w->panel = memory_take(l->fields.count * l->bands, sizeof *w->panel);
     for (size_t f = 0; f < l->fields.count; f++)
         for (size_t b = 0; b < l->bands; b++) {
             const look_band *band = &l->band[b];
-            const sgt_ray_end *end = look_trace(l, &l->beam[f], band, band->element, &points, true);
+            if (!end || l->asked->picture) end = memory_take(points.count, sizeof *end);
+            look_trace(l, &l->beam[f], band, band->element, &points, true, end);
             const char *name = look_wavelength_name(band), *field = look_field_name(l, f);
             if (w->panels > 0) table_gap(w->table);
             for (size_t i = 0; i < points.count; i++)
@@ -156,7 +158,7 @@ static void map_fields(map_work *w)
         sgt_ray_end *end = memory_take(count, sizeof *end);
         for (size_t i = 0; i < count; i++) {
             const sgt_field_beam beam = look_beam(l, l->fields.kind, at[i]);
-            end[i] = *look_trace(l, &beam, band, band->element, &one, true);
+            look_trace(l, &beam, band, band->element, &one, true, &end[i]);
             if (i == 0 && b > 0) table_gap(w->table);
             map_row(w, i + 1, band, at[i], &end[i]);
         }

@@ -61,7 +61,8 @@ static opd_arguments opd_arguments_of(int argc, char *argv[])
         {"summary", no_argument, NULL, SUMMARY}, {"zernike", required_argument, NULL, ZERNIKE},
         {"order", required_argument, NULL, ORDER}, {"afocal", no_argument, NULL, AFOCAL}, LOOK_OPTIONS, {0},
     };
-    opd_arguments a = {.order = SGT_NOLL};
+    opd_arguments a = {.look.pattern = "--cross 41; with --summary or --zernike --cells 32",
+                       .order = SGT_NOLL};
     bool order = false;
     for (int code; (code = getopt_long(argc, argv, LOOK_LETTERS, known, NULL)) != -1;) {
         if (code == SUMMARY) {
@@ -84,39 +85,66 @@ static opd_arguments opd_arguments_of(int argc, char *argv[])
     return a;
 }
 
+/* The rays of a field at a wavelength, and their differences in waves. */
+typedef struct opd_of { sgt_ray_end *end; double *waves, *error; bool reference; } opd_of;
+
 typedef struct opd_work {
     const opd_arguments *asked;
     look look;
     launch_pattern points, coarse;
     table *table;
-    look_lines *lines;          /* [fields] */
-    double **map;               /* [fields * bands]: waves, [points] */
+    opd_of fine, half;          /* rooms for points and coarse */
+    look_lines *lines;          /* [fields]; NULL: they are not drawn */
+    double **map;               /* [fields * bands]: waves, [points]; NULL: they are not drawn */
     size_t rows;
 } opd_work;
 
-/* The rays of a field at a wavelength, and their differences in waves. */
-typedef struct opd_of { const sgt_ray_end *end; double *waves, *error; bool reference; } opd_of;
+static opd_of opd_room(size_t count)
+{
+    return (opd_of){.end = memory_take(count, sizeof(sgt_ray_end)),
+                    .waves = memory_take(count, sizeof(double)),
+                    .error = memory_take(count, sizeof(double))};
+}
 
-static opd_of opd_trace(opd_work *w, size_t field, const look_band *band, const launch_pattern *points,
-                        bool counted)
+static void opd_trace(opd_work *w, size_t field, const look_band *band, const launch_pattern *points,
+                      bool counted, opd_of *of)
 {
     look *l = &w->look;
     const sgt_field_beam *beam = &l->beam[field];
     const double scale = l->um / band->lens.wavelength;
-    opd_of of = {.end = look_trace(l, beam, band, band->element, points, counted),
-                 .waves = memory_take(points->count, sizeof(double)),
-                 .error = memory_take(points->count, sizeof(double))};
+    look_trace(l, beam, band, band->element, points, counted, of->end);
     const sgt_ray_end chief = look_chief(l, beam, band, band->element);
     sgt_reference about;
-    of.reference = sgt_reference_of(band->lens.of, &l->primary.data, band->element, band->lens.index_before,
-                                    &chief, w->asked->afocal, &about);
+    of->reference = sgt_reference_of(band->lens.of, &l->primary.data, band->element, band->lens.index_before,
+                                     &chief, w->asked->afocal, &about);
     for (size_t i = 0; i < points->count; i++) {
-        of.waves[i] = of.error[i] = (double)NAN;
-        if (!of.reference) continue;
-        of.waves[i] = scale * sgt_opd(&about, &of.end[i], &of.error[i]);
-        of.error[i] *= scale;
+        of->waves[i] = of->error[i] = (double)NAN;
+        if (!of->reference) continue;
+        of->waves[i] = scale * sgt_opd(&about, &of->end[i], &of->error[i]);
+        of->error[i] *= scale;
     }
-    return of;
+}
+
+/* "field 2", and the wavelength where there are several. */
+static const char *opd_name(const look *l, size_t field, const look_band *band)
+{
+    const size_t number = l->fields.number[field] + 1;
+    return l->bands > 1 ? look_text("field %zu, %s", number, look_wavelength_name(band))
+                        : look_text("field %zu", number);
+}
+
+/* Says why cells of rays that passed are empty. */
+static void opd_note_empty(const opd_work *w, const char *name, const opd_of *of)
+{
+    size_t without = 0;
+    for (size_t i = 0; i < w->points.count; i++)
+        without += of->end[i].fate == SGT_PASSED && isnan(of->waves[i]);
+    if (!of->reference)
+        note("%s: the chief ray does not get through, so there is no reference", name);
+    else if (without)
+        note("%s: %zu ray%s passed and %s no path difference: the reference sphere is missed, or has no "
+             "radius",
+             name, without, without == 1 ? "" : "s", without == 1 ? "has" : "have");
 }
 
 static void opd_gap(opd_work *w)
@@ -124,17 +152,16 @@ static void opd_gap(opd_work *w)
     if (w->rows++ > 0) table_gap(w->table);
 }
 
-static void opd_ray_rows(opd_work *w, size_t field, size_t b, const opd_of *of)
+static void opd_ray_rows(opd_work *w, size_t field, const look_band *band, const opd_of *of)
 {
     opd_gap(w);
     for (size_t i = 0; i < w->points.count; i++) {
-        look_cells(w->table, &w->look, field, &w->look.band[b]);
+        look_cells(w->table, &w->look, field, band);
         table_number(w->table, of->end[i].px);
         table_number(w->table, of->end[i].py);
         look_fate_cell(w->table, &of->end[i]);
         look_number(w->table, of->waves[i]);
         look_number(w->table, of->error[i]);
-        look_lines_add(&w->lines[field], b, &of->end[i], of->waves[i], of->waves[i]);
     }
 }
 
@@ -144,8 +171,8 @@ static void opd_summary_row(opd_work *w, size_t field, const look_band *band, co
     look_fates fates = {.rays = 0};
     for (size_t i = 0; i < w->points.count; i++) look_count(&fates, &of->end[i]);
     const sgt_wavefront front = sgt_wavefront_of(w->points.count, of->end, of->waves, of->error);
-    const opd_of half = opd_trace(w, field, band, &w->coarse, false);
-    const sgt_wavefront coarse = sgt_wavefront_of(w->coarse.count, half.end, half.waves, half.error);
+    opd_trace(w, field, band, &w->coarse, false, &w->half);
+    const sgt_wavefront coarse = sgt_wavefront_of(w->coarse.count, w->half.end, w->half.waves, w->half.error);
     look_cells(t, &w->look, field, band);
     look_number(t, front.most - front.least);
     look_number(t, front.rms);
@@ -182,9 +209,9 @@ static void opd_zernike_rows(opd_work *w, size_t field, const look_band *band, c
         x[i] = of->end[i].px, y[i] = of->end[i].py, weight[i] = of->end[i].weight;
     if (!sgt_zernike_fit(w->asked->order, terms, count, x, y, of->waves, weight, coefficient, &residual,
                          NULL)) {
-        note("field %zu: the rays that passed do not determine %zu polynomials; take more rays, or fewer "
-             "terms",
-             w->look.fields.number[field] + 1, terms);
+        note("%s: the rays that passed do not determine %zu polynomials, or there is no memory; take more "
+             "rays, or fewer terms",
+             opd_name(&w->look, field, band), terms);
         for (size_t i = 0; i < terms; i++) coefficient[i] = (double)NAN;
         residual = (double)NAN;
     }
@@ -248,6 +275,20 @@ static bool opd_is_map(const opd_work *w)
     return w->points.n && (w->points.pattern == SGT_PATTERN_CELLS || w->points.pattern == SGT_PATTERN_GRID);
 }
 
+/* Keeps what the picture needs of a field at a wavelength; the differences are copied. */
+static void opd_keep(opd_work *w, size_t field, size_t b, const opd_of *of)
+{
+    if (w->map) {
+        double *waves = memory_take(w->points.count, sizeof *waves);
+        memcpy(waves, of->waves, w->points.count * sizeof *waves);
+        w->map[field * w->look.bands + b] = waves;
+    } else if (w->lines) {
+        if (b == 0) w->lines[field] = look_lines_for(&w->look, &w->points);
+        for (size_t i = 0; i < w->points.count; i++)
+            look_lines_add(&w->lines[field], b, &of->end[i], of->waves[i], of->waves[i]);
+    }
+}
+
 static void draw_opd_maps(const opd_work *w)
 {
     const look *l = &w->look;
@@ -271,14 +312,14 @@ static void draw_opd_maps(const opd_work *w)
 
 static void draw_opd(const opd_work *w)
 {
-    if (opd_is_map(w)) draw_opd_maps(w);
+    if (w->map) draw_opd_maps(w);
     else
         look_lines_draw(&w->look, w->lines, "optical path differences",
                         "in waves, against the chief ray of each wavelength", "opd (waves)", "opd (waves)");
 }
 
 /* A wave is a length: both have to be known. */
-static void check_waves(const look *l)
+static void check_waves(const look *l, bool afocal)
 {
     const lens *of = &l->primary.lens;
     for (size_t b = 0; b < l->bands; b++)
@@ -288,8 +329,9 @@ static void check_waves(const look *l)
     if (isnan(l->um))
         lens_fail(of, "units", "must be mm, cm, m, um or in for differences in waves%s%s",
                   *of->units ? ", not " : "; it is missing", of->units);
-    if (isnan(l->primary.data.exit_pupil))
-        note("the exit pupil is not known (sagitta info): the reference sphere has an infinite radius");
+    if (!afocal && !isfinite(l->primary.data.exit_pupil))
+        note("the exit pupil is at infinity or not known (sagitta info): the reference sphere has an "
+             "infinite radius");
 }
 
 exit_status command_opd(int argc, char *argv[])
@@ -299,26 +341,26 @@ exit_status command_opd(int argc, char *argv[])
     const bool area = a.summary || a.terms;
     opd_work w = {.asked = &a, .points = job_points(&a.look.job, area ? SGT_PATTERN_CELLS : SGT_PATTERN_CROSS,
                                                     area ? CELLS : ACROSS)};
+    const bool map = a.look.picture && opd_is_map(&w), lines = a.look.picture && !map;
+    if (lines) look_lines_check(&w.points);
     w.look = look_begin(&a.look);
     look *l = &w.look;
-    check_waves(l);
+    check_waves(l, a.afocal);
     w.coarse = look_coarser(l, &w.points);
-    w.lines = memory_take(l->fields.count, sizeof *w.lines);
-    w.map = memory_take(l->fields.count * l->bands, sizeof *w.map);
+    w.fine = opd_room(w.points.count), w.half = opd_room(w.coarse.count);
+    if (lines) w.lines = memory_take(l->fields.count, sizeof *w.lines);
+    if (map) w.map = memory_take(l->fields.count * l->bands, sizeof *w.map);
     w.table = opd_table(&w);
-    for (size_t f = 0; f < l->fields.count; f++) {
-        w.lines[f] = look_lines_for(l, &w.points);
+    for (size_t f = 0; f < l->fields.count; f++)
         for (size_t b = 0; b < l->bands; b++) {
-            const opd_of of = opd_trace(&w, f, &l->band[b], &w.points, true);
-            w.map[f * l->bands + b] = of.waves;
-            if (!of.reference)
-                note("field %zu: the chief ray does not get through, so there is no reference",
-                     l->fields.number[f] + 1);
-            if (a.summary) opd_summary_row(&w, f, &l->band[b], &of);
-            else if (a.terms) opd_zernike_rows(&w, f, &l->band[b], &of);
-            else opd_ray_rows(&w, f, b, &of);
+            const look_band *band = &l->band[b];
+            opd_trace(&w, f, band, &w.points, true, &w.fine);
+            opd_note_empty(&w, opd_name(l, f, band), &w.fine);
+            opd_keep(&w, f, b, &w.fine);
+            if (a.summary) opd_summary_row(&w, f, band, &w.fine);
+            else if (a.terms) opd_zernike_rows(&w, f, band, &w.fine);
+            else opd_ray_rows(&w, f, band, &w.fine);
         }
-    }
     opd_lines_under(&w);
     table_end(w.table);
     if (a.look.picture) draw_opd(&w);

@@ -63,7 +63,7 @@ static spot_arguments spot_arguments_of(int argc, char *argv[])
         {"reference", required_argument, NULL, REFERENCE}, {"defocus", required_argument, NULL, DEFOCUS},
         LOOK_OPTIONS, {0},
     };
-    spot_arguments a = {.centroid = false};
+    spot_arguments a = {.look.pattern = "--hexapolar 10"};
     for (int code; (code = getopt_long(argc, argv, LOOK_LETTERS, known, NULL)) != -1;) {
         if (code == DEFOCUS) {
             spot_take_defocus(&a);
@@ -82,7 +82,8 @@ static spot_arguments spot_arguments_of(int argc, char *argv[])
 /* The spots of a field on one image surface. */
 typedef struct spot_panel {
     sgt_vec2 chief;        /* the end of the chief ray; NaN: it did not get there */
-    sgt_ends *ends;        /* [bands] */
+    double chief_err;      /* a bound on what is off there */
+    sgt_ends *ends;        /* [bands]; they last only if there is a picture */
     sgt_spot *of, all;     /* [bands], and together */
     double *sampling, sampling_all;
     look_fates *fates, fates_all;
@@ -92,6 +93,7 @@ typedef struct spot_work {
     const spot_arguments *asked;
     look look;
     launch_pattern points, coarse;
+    sgt_ray_end **fine, **half; /* [bands]: rooms for points and coarse */
     table *table;
     size_t surfaces;       /* image surfaces: one, or each defocus */
     spot_panel *panel;     /* [fields * surfaces] */
@@ -110,6 +112,29 @@ static sgt_element *spot_defocused(const look_band *b, double z)
     return e;
 }
 
+/* Rooms for the rays of each wavelength. */
+static sgt_ray_end **spot_rooms(const look *l, const launch_pattern *points)
+{
+    sgt_ray_end **room = memory_take(l->bands, sizeof *room);
+    for (size_t b = 0; b < l->bands; b++) room[b] = memory_take(points->count, sizeof *room[b]);
+    return room;
+}
+
+/* Is distance from the chief ray asked for, and the chief ray is not there? */
+static bool spot_lacks_reference(const spot_work *w, const spot_panel *p)
+{
+    return !w->asked->centroid && isnan(p->chief.x);
+}
+
+static void spot_note(const spot_work *w, size_t field, double z, const spot_panel *p)
+{
+    const size_t number = w->look.fields.number[field] + 1;
+    if (spot_lacks_reference(w, p))
+        note("field %zu%s: the chief ray does not get through, so there is no reference", number,
+             w->asked->defocuses ? look_text(", defocus %g", z) : "");
+}
+
+/* A row for one wavelength leaves its weight out, which may be 0. */
 static spot_panel spot_panel_of(spot_work *w, size_t field, double z)
 {
     look *l = &w->look;
@@ -119,19 +144,21 @@ static spot_panel spot_panel_of(spot_work *w, size_t field, double z)
                     .fates = memory_take(l->bands, sizeof *p.fates)};
     sgt_ends *coarse = memory_take(l->bands, sizeof *coarse);
     const sgt_ray_end chief = look_chief(l, beam, &l->primary, spot_defocused(&l->primary, z));
-    p.chief = (sgt_vec2){chief.p.x, chief.p.y};
+    p.chief = (sgt_vec2){chief.p.x, chief.p.y}, p.chief_err = chief.p_err;
     const sgt_vec2 *about = w->asked->centroid ? NULL : &p.chief;
     for (size_t b = 0; b < l->bands; b++) {
         const look_band *band = &l->band[b];
         const sgt_element *e = spot_defocused(band, z);
-        const sgt_ray_end *end = look_trace(l, beam, band, e, &w->points, true);
-        p.ends[b] = (sgt_ends){w->points.count, end, band->weight};
-        p.of[b] = sgt_spot_of(1, &p.ends[b], about);
+        const double weight = l->bands > 1 ? band->weight : 1;
+        const sgt_ray_end *end = w->fine[b], *half = w->half[b];
+        look_trace(l, beam, band, e, &w->points, true, w->fine[b]);
+        look_trace(l, beam, band, e, &w->coarse, false, w->half[b]);
+        p.ends[b] = (sgt_ends){w->points.count, end, weight};
+        coarse[b] = (sgt_ends){w->coarse.count, half, weight};
+        p.of[b] = sgt_spot_of(1, &(sgt_ends){w->points.count, end, 1}, about);
+        p.sampling[b] = p.of[b].rms - sgt_spot_of(1, &(sgt_ends){w->coarse.count, half, 1}, about).rms;
         for (size_t i = 0; i < w->points.count; i++)
             look_count(&p.fates[b], &end[i]), look_count(&p.fates_all, &end[i]);
-        end = look_trace(l, beam, band, e, &w->coarse, false);
-        coarse[b] = (sgt_ends){w->coarse.count, end, band->weight};
-        p.sampling[b] = p.of[b].rms - sgt_spot_of(1, &coarse[b], about).rms;
     }
     p.all = sgt_spot_of(l->bands, p.ends, about);
     p.sampling_all = p.all.rms - sgt_spot_of(l->bands, coarse, about).rms;
@@ -145,8 +172,11 @@ static double spot_airy(const look *l, const look_band *b)
     return sgt_airy_radius(b->lens.wavelength / l->um, b->data.working_f_number);
 }
 
-/* band: NULL, all of them. */
-static void write_spot(const spot_work *w, size_t field, const look_band *band, const sgt_spot *s,
+/* The wavelength of the Airy disc of a field: the primary one, or the only one that is traced. */
+static const look_band *spot_airy_band(const look *l) { return l->bands == 1 ? &l->band[0] : &l->primary; }
+
+/* band: NULL, all of them.  off: a bound on what is off in the reference. */
+static void write_spot(const spot_work *w, size_t field, const look_band *band, const sgt_spot *s, double off,
                        double sampling, const look_fates *fates, double z)
 {
     const look *l = &w->look;
@@ -157,10 +187,11 @@ static void write_spot(const spot_work *w, size_t field, const look_band *band, 
     else if (!band) table_word(t, "all");
     table_count(t, (long long)s->rays);
     table_count(t, (long long)s->passed);
-    const double each[] = {s->reference.x, s->reference.y, s->rms, s->rms_x, s->rms_y, s->geometric,
-                           spot_airy(l, band ? band : &l->primary)};
+    const double each[] = {s->reference.x, s->reference.y, s->rms, s->rms_x, s->rms_y,
+                           isnan(s->rms) ? (double)NAN : s->geometric,
+                           spot_airy(l, band ? band : spot_airy_band(l))};
     for (size_t i = 0; i < sizeof each / sizeof *each; i++) look_number(t, each[i]);
-    table_count(t, look_digits(s->rms, s->error));
+    table_count(t, look_digits(s->rms, s->error + off));
     look_number(t, sampling);
     look_fate_cells(t, l, fates);
     if (w->asked->defocuses) table_number(t, z);
@@ -189,11 +220,12 @@ static void spot_rows(const spot_work *w, size_t field, size_t surface)
     const look *l = &w->look;
     const spot_panel *p = &w->panel[field * w->surfaces + surface];
     const double z = w->asked->defocuses ? w->asked->defocus[surface] : 0;
+    const double off = w->asked->centroid ? 0 : p->chief_err;
     if (field + surface > 0) table_gap(w->table);
     for (size_t b = 0; b < l->bands; b++)
-        write_spot(w, field, &l->band[b], &p->of[b], p->sampling[b], &p->fates[b], z);
+        write_spot(w, field, &l->band[b], &p->of[b], off, p->sampling[b], &p->fates[b], z);
     if (l->bands > 1 || l->asked->shared.target.format != TABLE_TEXT)
-        write_spot(w, field, NULL, &p->all, p->sampling_all, &p->fates_all, z);
+        write_spot(w, field, NULL, &p->all, off, p->sampling_all, &p->fates_all, z);
 }
 
 /* ---------------------------------------------------------------- picture */
@@ -221,17 +253,21 @@ static chart_panel spot_chart_panel(const spot_work *w, size_t field, size_t sur
     const spot_panel *p = &w->panel[field * w->surfaces + surface];
     chart_series *series = memory_take(l->bands, sizeof *series);
     for (size_t b = 0; b < l->bands; b++) series[b] = spot_series(l, p, b);
-    const double airy = look_small(l, spot_airy(l, &l->primary));
+    const look_band *band = spot_airy_band(l);
+    const double airy = look_small(l, spot_airy(l, band));
     chart_circle *circle = memory_take(1, sizeof *circle);
     *circle = (chart_circle){.radius = airy,
-                             .name = look_text("Airy disc, %.4g \302\265m", l->primary.lens.wavelength)};
+                             .name = look_text("Airy disc, %.4g \302\265m", band->lens.wavelength)};
     const char **note = memory_take(2, sizeof *note);
-    note[0] = look_text("RMS %.4g, largest %.4g %s", look_small(l, p->all.rms),
-                        look_small(l, p->all.geometric), look_small_unit(l));
+    note[0] = spot_lacks_reference(w, p) ? "no reference"
+              : isnan(p->all.rms)        ? "no ray passed"
+                                         : look_text("RMS %.4g, largest %.4g %s", look_small(l, p->all.rms),
+                                                     look_small(l, p->all.geometric), look_small_unit(l));
     note[1] = look_fates_line(l, &p->fates_all);
     const char *name = look_field_name(l, field);
     if (w->asked->defocuses)
-        name = look_text("%s, z %+g%s%s", name, w->asked->defocus[surface], *l->primary.lens.units ? " " : "",
+        name = look_text("%s, z %s%s%s%s", name, w->asked->defocus[surface] < 0 ? "" : "+",
+                         look_signed(w->asked->defocus[surface]), *l->primary.lens.units ? " " : "",
                          l->primary.lens.units);
     return (chart_panel){.title = name, .x_label = look_text("x (%s)", look_small_unit(l)),
                          .y_label = look_text("y (%s)", look_small_unit(l)), .note = note, .notes = 2,
@@ -246,7 +282,7 @@ static void draw_spots(const spot_work *w)
     const size_t panels = l->fields.count * w->surfaces;
     double half = 0;
     for (size_t i = 0; i < panels; i++) half = fmax(half, look_small(l, w->panel[i].all.geometric));
-    half = 1.05 * fmax(half, look_small(l, spot_airy(l, &l->primary)));
+    half = 1.05 * fmax(half, look_small(l, spot_airy(l, spot_airy_band(l))));
     chart_panel *panel = memory_take(panels, sizeof *panel);
     for (size_t i = 0; i < panels; i++)
         panel[i] = spot_chart_panel(w, i / w->surfaces, i % w->surfaces, half);
@@ -269,12 +305,15 @@ exit_status command_spot(int argc, char *argv[])
     w.look = look_begin(&a.look);
     w.coarse = look_coarser(&w.look, &w.points);
     w.panel = memory_take(w.look.fields.count * w.surfaces, sizeof *w.panel);
+    w.fine = spot_rooms(&w.look, &w.points), w.half = spot_rooms(&w.look, &w.coarse);
     w.table = spot_table(&w);
     for (size_t f = 0; f < w.look.fields.count; f++)
         for (size_t s = 0; s < w.surfaces; s++) {
             const double z = a.defocuses ? a.defocus[s] : 0;
             w.panel[f * w.surfaces + s] = spot_panel_of(&w, f, z);
+            spot_note(&w, f, z, &w.panel[f * w.surfaces + s]);
             spot_rows(&w, f, s);
+            if (a.look.picture) w.fine = spot_rooms(&w.look, &w.points);
         }
     table_line(w.table, "rms, geometric: about %s.  airy: radius.  Unit of length: %s.",
                a.centroid ? "the centroid" : "the chief ray of the primary wavelength",

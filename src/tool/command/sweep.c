@@ -46,14 +46,15 @@ static sweep_arguments sweep_arguments_of(int argc, char *argv[])
         {"from", required_argument, NULL, FROM}, {"to", required_argument, NULL, TO},
         {"steps", required_argument, NULL, STEPS}, LOOK_OPTIONS, {0},
     };
-    sweep_arguments a = {.from = (double)NAN, .to = (double)NAN, .steps = STEPS_DEFAULT};
+    sweep_arguments a = {.look = {.pattern = "--hexapolar 10", .no_fields = true, .primary_alone = true},
+                         .from = (double)NAN, .to = (double)NAN, .steps = STEPS_DEFAULT};
     for (int code; (code = getopt_long(argc, argv, LOOK_LETTERS, known, NULL)) != -1;) {
         if (code == FROM) a.from = sweep_end("from");
         else if (code == TO) a.to = sweep_end("to");
         else if (code == STEPS) a.steps = options_integer("steps", optarg, 2, STEPS_MOST);
         else look_take(&a.look, code, sweep_help, "");
     }
-    look_argument(&a.look, argc, argv, "sweep", false);
+    look_argument(&a.look, argc, argv, "sweep", !a.look.primary_alone);
     if (a.look.job.fields || a.look.job.numbers)
         fail_usage("--field, --fields: sweep takes --from and --to");
     return a;
@@ -67,6 +68,8 @@ typedef struct sweep_work {
     bool angle;
     double from, to;
     size_t steps;
+    launch_pattern points;
+    sgt_ray_end *end;           /* [points], of one field after another */
     sweep_step *step;           /* [bands * steps] */
 } sweep_work;
 
@@ -90,20 +93,22 @@ static void sweep_range(sweep_work *w)
     w->from = isnan(a->from) ? 0 : a->from;
     w->to = isnan(a->to) ? sweep_far(&w->look, w->angle) : a->to;
     if (w->from == w->to)
-        fail_usage("--from and --to are the same: %g; give a range of object heights", w->to);
+        fail_usage("--from and --to are the same: %g; give a range of %s", w->to,
+                   w->angle ? "angles" : "object heights");
     if (w->angle && !(fabs(w->from) < 90 && fabs(w->to) < 90))
         fail_usage("--from, --to: angles must be between -90 and 90 degrees, not %g to %g", w->from, w->to);
 }
 
-static sweep_step sweep_at(sweep_work *w, const look_band *band, double at, const launch_pattern *points)
+static sweep_step sweep_at(sweep_work *w, const look_band *band, double at)
 {
     look *l = &w->look;
     const sgt_field_beam beam = look_beam(l, w->angle ? SGT_FIELD_ANGLE : SGT_FIELD_OBJECT_HEIGHT,
                                           (sgt_lens_field){.y = at, .weight = 1});
-    const sgt_ray_end *end = look_trace(l, &beam, band, band->element, points, true);
+    look_trace(l, &beam, band, band->element, &w->points, true, w->end);
     sweep_step s = {.at = at};
-    for (size_t i = 0; i < points->count; i++) look_count(&s.fates, &end[i]), s.evals += end[i].evals;
-    s.evals /= (double)points->count;
+    for (size_t i = 0; i < w->points.count; i++)
+        look_count(&s.fates, &w->end[i]), s.evals += w->end[i].evals;
+    s.evals /= (double)w->points.count;
     return s;
 }
 
@@ -175,8 +180,9 @@ exit_status command_sweep(int argc, char *argv[])
     };
     enum { COUNT = sizeof columns / sizeof columns[0] };
     const sweep_arguments a = sweep_arguments_of(argc, argv);
-    const launch_pattern points = job_points(&a.look.job, SGT_PATTERN_HEXAPOLAR, RINGS);
-    sweep_work w = {.asked = &a, .steps = (size_t)a.steps};
+    sweep_work w = {.asked = &a, .steps = (size_t)a.steps,
+                    .points = job_points(&a.look.job, SGT_PATTERN_HEXAPOLAR, RINGS)};
+    w.end = memory_take(w.points.count, sizeof *w.end);
     w.look = look_begin(&a.look);
     w.angle = !isfinite(w.look.primary.lens.of->object_distance);
     sweep_range(&w);
@@ -186,7 +192,7 @@ exit_status command_sweep(int argc, char *argv[])
         if (b > 0) table_gap(t);
         for (size_t i = 0; i < w.steps; i++) {
             const double at = w.from + (w.to - w.from) * (double)i / (double)(w.steps - 1);
-            w.step[b * w.steps + i] = sweep_at(&w, &w.look.band[b], at, &points);
+            w.step[b * w.steps + i] = sweep_at(&w, &w.look.band[b], at);
             sweep_row(t, &w.look, &w.look.band[b], &w.step[b * w.steps + i]);
         }
     }

@@ -28,36 +28,53 @@ static const char ONE_PATTERN[] =
     "give one of --fan, --grid, --hexapolar, --random, --sobol, --cells, --cross, --pattern";
 static const char PATTERN_NAMES[] = "fan, grid, hexapolar, random, sobol, cells or cross";
 
-const char job_help[] =
-    "  --field DEG        angle of a field in the y-z plane, in degrees; the chief ray of a positive\n"
-    "                     field climbs toward +y.  May be repeated\n"
+/* The help in parts, and the whole of it. */
+#define FIELDS_HELP                                                                                     \
+    "  --field DEG        angle of a field in the y-z plane, in degrees; the chief ray of a positive\n" \
+    "                     field climbs toward +y.  May be repeated\n"                                   \
     "  --fields LIST      fields of the lens by their numbers, counted from 1: 1,3.  Or all, the default\n"
-    "  --fan N            N rays across the entrance pupil in y, from edge to edge (default 5)\n"
-    "  --grid N           a square grid of N x N rays over the pupil, without those outside its circle\n"
-    "  --hexapolar N      the centre, and N rings of 6, 12, 18 ... rays\n"
-    "  --random N         N random rays, uniform over the area; --seed S (default 1) draws others\n"
-    "  --sobol N          N rays that fill the area evenly\n"
-    "  --cells N          the centres of the cells of a square of N x N, those in the circle\n"
-    "  --cross N          N rays across in y, and N in x\n"
-    "  --pattern P        fan, grid, hexapolar, random, sobol, cells or cross, with as many rays as suit;\n"
-    "  --rays-across N    or so many across the pupil (of random and sobol as many as a grid would have)\n"
-    "  --chief            the ray through the centre of the pupil: --pupil \"0 0\"\n"
+
+#define PATTERNS_HELP                                                                                        \
+    "  --fan N            N rays across the entrance pupil in y, from edge to edge\n"                        \
+    "  --grid N           a square grid of N x N rays over the pupil, without those outside its circle\n"    \
+    "  --hexapolar N      the centre, and N rings of 6, 12, 18 ... rays\n"                                   \
+    "  --random N         N random rays, uniform over the area; --seed S (default 1) draws others\n"         \
+    "  --sobol N          N rays that fill the area evenly\n"                                                \
+    "  --cells N          the centres of the cells of a square of N x N, those in the circle\n"              \
+    "  --cross N          N rays across in y, and N in x\n"                                                  \
+    "  --pattern P        fan, grid, hexapolar, random, sobol, cells or cross, with as many rays as suit;\n" \
+    "  --rays-across N    or so many across the pupil (of random and sobol as many as a grid would have)\n"  \
+    "  --chief            the ray through the centre of the pupil: --pupil \"0 0\"\n"                        \
     "  --pupil \"PX PY\"    the ray through a point of the pupil, in radii of it.  May be repeated\n"
-    "  --aim A            where px, py are: paraxial, in the paraxial entrance pupil; real: on the stop\n"
+
+#define AIM_HELP                                                                                           \
+    "  --aim A            where px, py are: paraxial, in the paraxial entrance pupil; real: on the stop\n" \
     "                     (its radius is the marginal ray's height there).  Default: as the lens says\n"
-    "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"
-    "                     ox,oy,oz,dx,dy,dz and optionally id; FILE may be - for standard input; or\n"
-    "                     an array of NumPy, NAME.npy, or a folder with an array for each column\n"
+
+#define FILE_HELP                                                                                      \
+    "  --rays FILE        rays from a file instead, in the global frame: csv with a header row,\n"     \
+    "                     ox,oy,oz,dx,dy,dz and optionally id; FILE may be - for standard input; or\n" \
+    "                     an array of NumPy, NAME.npy, or a folder with an array for each column\n"    \
     "  --skip-bad         skip bad rows of the file, and say how many\n"
-    "  --wavelength W     a whole number: the lens's W-th wavelength, counted from 1 (default: its\n"
-    "                     primary one).  With a point: micrometres.  Or a spectral line:\n"
-    "                     i h g F' F e d D C' C r s t.  Or all: those of the lens, one after another;\n"
-    "                     also W,W... and --wavelength repeated\n"
-    "  --glass PATH       glasses of a catalogue (.agf, .yml, .csv) or a folder of them, before those\n"
-    "                     that ship.  May be repeated\n"
-    "  --strict           what the reader of a .zmx file leaves out, and a wavelength outside the range\n"
-    "                     of a glass, are errors\n"
-    "  --no-apertures     ignore the clear apertures: clip no ray\n";
+
+#define WAVELENGTH_HELP                                                                         \
+    "  --wavelength W     a whole number: the lens's W-th wavelength, counted from 1.  With a\n"  \
+    "                     point: micrometres.  Or a spectral line: i h g F' F e d D C' C r s\n"  \
+    "                     t.  Or all: those of the lens, one after another; also W,W... and\n"   \
+    "                     --wavelength repeated.\n"
+
+#define LENS_HELP                                                                                          \
+    "  --glass PATH       glasses of a catalogue (.agf, .yml, .csv) or a folder of them, before those\n"   \
+    "                     that ship.  May be repeated\n"                                                   \
+    "  --strict           what the reader of a .zmx file leaves out, and a wavelength outside the range\n" \
+    "                     of a glass, are errors\n"                                                        \
+    "  --no-apertures     ignore the clear apertures: clip no ray\n"
+
+const char job_fields_help[] = FIELDS_HELP, job_patterns_help[] = PATTERNS_HELP, job_aim_help[] = AIM_HELP,
+           job_wavelength_help[] = WAVELENGTH_HELP, job_lens_help[] = LENS_HELP;
+const char job_help[] = FIELDS_HELP PATTERNS_HELP
+    "  none of these      --fan 5\n" AIM_HELP FILE_HELP WAVELENGTH_HELP
+    "                     Default: its primary one\n" LENS_HELP;
 
 static const double NANOMETRES = 100; /* um: light so long is rarer than a slip of the unit */
 static const char LINES[] = "i h g F' F e d D C' C r s t";

@@ -76,7 +76,10 @@ enum {
     {"strict", no_argument, NULL, JOB_STRICT},                  \
     {"no-apertures", no_argument, NULL, JOB_NO_APERTURES}
 
-extern const char job_help[];
+/* The help of all of them, and its parts: --field and --fields; patterns of rays; --aim; --wavelength, without
+ * its default; what else is of the lens. */
+extern const char job_help[], job_fields_help[], job_patterns_help[], job_aim_help[], job_wavelength_help[],
+    job_lens_help[];
 
 /* Takes an option if its code is one of the above; else returns false. */
 bool job_take(job_options *o, int code);

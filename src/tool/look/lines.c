@@ -6,6 +6,15 @@
 
 #include <math.h>
 
+void look_lines_check(const launch_pattern *points)
+{
+    size_t count[2] = {0, 0};
+    for (size_t i = 0; i < points->count; i++)
+        count[0] += points->at[i].x == 0, count[1] += points->at[i].y == 0;
+    if (count[0] < 2 && count[1] < 2)
+        fail_usage("--picture: these rays are on no line across the pupil; give --cross N or --fan N");
+}
+
 look_lines look_lines_for(const look *l, const launch_pattern *points)
 {
     look_lines all = {.bands = l->bands};
@@ -19,7 +28,8 @@ look_lines look_lines_for(const look *l, const launch_pattern *points)
     return all;
 }
 
-/* The points of a line come in the order of the line, but that the centre is told with the first. */
+/* Keeps the points of a line in order.  A cross sends its centre with the line in y, so the centre reaches
+ * the line in x first. */
 static void add_to_line(struct look_line *line, double at, double value)
 {
     size_t i = line->count++;
@@ -65,8 +75,6 @@ void look_lines_draw(const look *l, const look_lines of[], const char *what, con
     for (size_t f = 0; f < l->fields.count; f++)
         for (int k = 0; k < 2; k++)
             if (any[k]) panel[n++] = lines_panel(l, &of[f], f, k, k ? sagittal_label : tangential_label);
-    if (n == 0)
-        fail_usage("--picture: these rays are on no line across the pupil; give --cross N or --fan N");
     const char *lines[] = {look_lens_line(l), line, look_fates_line(l, &l->fates)};
     chart_write(l->asked->picture,
                 &(chart){.title = look_title(l, what), .line = lines, .lines = 3,

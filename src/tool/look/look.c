@@ -17,7 +17,6 @@
 /* ---------------------------------------------------------------- options */
 
 static const char look_help[] =
-    "  --wavelength W     as below; by default all of the lens (of map and sweep: its primary one)\n"
     "  --picture FILE     draws it: svg, png or pdf, by the ending of the name\n"
     "  --proof P          estimate, root or first: what must be proven of each hit (sagitta trace --help);\n"
     "                     a ray for which it is not is lost\n";
@@ -32,8 +31,13 @@ void look_take(look_options *o, int code, const char *before, const char *after)
         o->picture = optarg;
         return;
     }
-    snprintf(help, sizeof help, "%s%s%s%s%s%s", before, look_help, job_help, after, options_threads_help,
-             options_rows_help);
+    int n = snprintf(help, sizeof help, "%s%s%s", before, look_help, o->no_fields ? "" : job_fields_help);
+    if (o->pattern)
+        n += snprintf(help + n, sizeof help - (size_t)n, "%s  none of these      %s\n", job_patterns_help,
+                      o->pattern);
+    snprintf(help + n, sizeof help - (size_t)n, "%s%s                     Default: %s\n%s%s%s%s",
+             job_aim_help, job_wavelength_help, o->primary_alone ? "its primary one" : "all",
+             job_lens_help, after, options_threads_help, options_rows_help);
     options_take(&o->shared, code, help);
 }
 
@@ -43,6 +47,7 @@ void look_argument(look_options *o, int argc, char *argv[], const char *name, bo
     if (optind + 1 < argc)
         fail_usage("unexpected argument \"%s\"; %s takes one lens file", argv[optind + 1], name);
     if (o->job.rays) fail_usage("--rays: %s launches the rays of fields; sagitta trace takes a file", name);
+    if (o->job.skip_bad) fail_usage("--skip-bad goes with --rays; %s launches the rays of fields", name);
     o->job.lens = argv[optind];
     o->job.several = true;
     o->job.all_wavelengths = o->job.all_wavelengths || (all && !o->job.wavelengths);
@@ -64,7 +69,7 @@ static look_band band_of(const look_options *o, const lens *l)
 }
 
 /* The unit of length in micrometres. */
-static double unit_of(const char *units)
+static double micrometres_of(const char *units)
 {
     static const struct { const char *name; double um; } known[] = {
         {"mm", 1e3}, {"cm", 1e4}, {"m", 1e6}, {"um", 1}, {"\302\265m", 1}, {"in", 25400}, {"inch", 25400},
@@ -95,18 +100,19 @@ look look_begin(const look_options *o)
 {
     look l = {.asked = o, .threads = options_threads(&o->shared)};
     const lens_list lenses = job_lenses(&o->job);
-    const lens primary = lens_at(lenses.lens[0].of, (lens_wavelength){.um = (double)NAN});
+    sgt_lens *of = lenses.lens[0].of;
+    const lens primary =
+        of->wavelength ? lens_at(of, (lens_wavelength){.um = (double)NAN}) : lenses.lens[0];
     l.bands = lenses.count;
     l.band = memory_take(l.bands, sizeof *l.band);
     for (size_t i = 0; i < l.bands; i++) l.band[i] = band_of(o, &lenses.lens[i]);
     l.primary = band_of(o, &primary);
     options_note_unread(&o->shared, primary.count, l.primary.element);
-    l.from =
-        launch_by(isnan(primary.wavelength) ? &lenses.lens[0] : &primary, job_aim(&o->job, primary.of)).from;
+    l.from = launch_by(&primary, job_aim(&o->job, of)).from;
     l.fields = job_fields(&o->job, &primary);
     l.beam = memory_take(l.fields.count, sizeof *l.beam);
     for (size_t i = 0; i < l.fields.count; i++) l.beam[i] = look_beam(&l, l.fields.kind, l.fields.at[i]);
-    l.um = unit_of(primary.units);
+    l.um = micrometres_of(primary.units);
     return l;
 }
 
@@ -134,16 +140,15 @@ static void nothing_more(void *data, const tile *t)
     (void)data, (void)t;
 }
 
-sgt_ray_end *look_trace(look *l, const sgt_field_beam *beam, const look_band *band,
-                        const sgt_element *element, const launch_pattern *points, bool counted)
+void look_trace(look *l, const sgt_field_beam *beam, const look_band *band, const sgt_element *element,
+                const launch_pattern *points, bool counted, sgt_ray_end end[])
 {
     look_work w = {.look = l, .beam = beam, .element = element, .before = band->lens.index_before,
-                   .at = points->at, .end = memory_take(points->count, sizeof(sgt_ray_end))};
+                   .at = points->at, .end = end};
     const tiling in = {.rays = points->count, .threads = l->threads, .share = SHARE_MOST,
                        .most = points->count < 8 * TILE_RAYS ? TILE_RAYS / 8 : TILE_RAYS};
     tiles_run(&in, &w, trace_part, nothing_more);
-    for (size_t i = 0; counted && i < points->count; i++) look_count(&l->fates, &w.end[i]);
-    return w.end;
+    for (size_t i = 0; counted && i < points->count; i++) look_count(&l->fates, &end[i]);
 }
 
 sgt_ray_end look_chief(const look *l, const sgt_field_beam *beam, const look_band *band,
@@ -312,14 +317,17 @@ const char *look_lens_line(const look *l)
                                                                        : "");
 }
 
+const char *look_signed(double x) { return look_text("%s%g", x < 0 ? "\342\210\222" : "", fabs(x)); }
+
 const char *look_field_name(const look *l, size_t field)
 {
     const sgt_lens_field *at = &l->fields.at[field];
     const char *units = l->primary.lens.units;
     const char *unit = l->fields.kind == SGT_FIELD_ANGLE ? "\302\260" : *units ? look_text(" %s", units) : "";
     const size_t number = l->fields.number[field] + 1;
-    return at->x == 0 ? look_text("field %zu: %g%s", number, at->y, unit)
-                      : look_text("field %zu: %g, %g%s", number, at->x, at->y, unit);
+    return at->x == 0 ? look_text("field %zu: %s%s", number, look_signed(at->y), unit)
+                      : look_text("field %zu: %s, %s%s", number, look_signed(at->x), look_signed(at->y),
+                                  unit);
 }
 
 const char *look_field_axis(const look *l)

@@ -10,6 +10,10 @@ typedef struct look_options {
     shared_options shared;
     job_options job;
     const char *picture;        /* NULL: none */
+    /* For --help, set by the analysis; zeros fit one that takes fields and no pattern. */
+    const char *pattern;        /* the rays by default; NULL: it takes no pattern */
+    bool no_fields;             /* it takes no --field and no --fields */
+    bool primary_alone;         /* by default at the primary wavelength, not at all of the lens */
 } look_options;
 
 enum { LOOK_PICTURE = OPTION_AFTER_JOB, OPTION_AFTER_LOOK };
@@ -56,7 +60,8 @@ typedef struct look {
     look_fates fates;           /* of all rays of look_trace */
 } look;
 
-/* Reads the lens and sets what is above, by default for all its wavelengths.  Any error ends the command. */
+/* Reads the lens and sets what is above, by default for all its wavelengths.  Of a lens without wavelengths
+ * `primary` is the first band.  Any error ends the command. */
 look look_begin(const look_options *o);
 
 /* That of the fields of the lens which is farthest from the axis. */
@@ -66,9 +71,9 @@ const sgt_lens_field *look_farthest(const look *l);
 sgt_field_beam look_beam(const look *l, sgt_field_kind kind, sgt_lens_field at);
 
 /* Where the rays of a beam end, in threads.  element: those of the band, or the same with another last one.
- * counted: they are added to l->fates. */
-sgt_ray_end *look_trace(look *l, const sgt_field_beam *beam, const look_band *band,
-                        const sgt_element *element, const launch_pattern *points, bool counted);
+ * counted: they are added to l->fates.  end: [points->count]. */
+void look_trace(look *l, const sgt_field_beam *beam, const look_band *band, const sgt_element *element,
+                const launch_pattern *points, bool counted, sgt_ray_end end[]);
 
 /* The end of the chief ray, whatever clips it. */
 sgt_ray_end look_chief(const look *l, const sgt_field_beam *beam, const look_band *band,
@@ -113,6 +118,7 @@ const char *look_small_unit(const look *l);
 
 /* Texts that last until the command ends. */
 const char *look_text(const char *format, ...) LIKE_PRINTF(1, 2);
+const char *look_signed(double x);                         /* with the minus sign of the axes */
 const char *look_title(const look *l, const char *what);   /* "Cooke triplet: spots" */
 const char *look_lens_line(const look *l);                 /* its wavelengths, unit, and what is proven */
 const char *look_fates_line(const look *l, const look_fates *f); /* "316 rays: 300 passed, 16 clipped" */

@@ -12,7 +12,7 @@ chart_map look_net(const launch_pattern *points, const double value[], const cha
     const double step = cells   ? 2 / (double)n
                         : n > 1 ? 2 / (double)(n - 1)
                                 : 2,
-                 edge = cells ? 1 : 1 + step / 2;
+                 edge = cells || n == 1 ? 1 : 1 + step / 2;
     double *square = memory_take(n * n, sizeof *square);
     for (size_t i = 0; i < n * n; i++) square[i] = (double)NAN;
     for (size_t i = 0; i < points->count; i++) {
