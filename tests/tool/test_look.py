@@ -30,6 +30,28 @@ surfaces:
   - {type: sphere, radius: -51.68, thickness: 48, index: 1}
   - {type: plane}
 '''
+# Seen at 15 degrees the chief ray passes beside the ball, and rays from below meet it.
+BALL = '''
+units: mm
+wavelengths: [0.5, 0.6]
+pupil: {semi_diameter: 5}
+fields: [15]
+surfaces:
+  - {type: plane, stop: true, thickness: 20}
+  - {type: sphere, radius: 4, thickness: 30, index: 1.2}
+  - {type: plane}
+'''
+# A mirror with the stop `far` before it; the image is `behind` the mirror's vertex.
+MIRROR = '''
+units: mm
+wavelengths: [0.5]
+pupil: {{semi_diameter: 5}}
+fields: [0]
+surfaces:
+  - {{type: plane, stop: true, thickness: {far}}}
+  - {{type: sphere, radius: -200, mirror: true, thickness: {behind}}}
+  - {{type: plane}}
+'''
 ANALYSES = ('spot', 'fan', 'opd', 'field', 'map', 'sweep')
 
 
@@ -88,6 +110,54 @@ def test_spot_of_all_wavelengths():
 
 def first_order(lens, wavelength):
     return json.loads(run('info', lens, '--wavelength', wavelength, '--format', 'json').stdout)['f_number_working']
+
+
+def test_a_wavelength_without_weight():
+    """A row for one wavelength does not depend on how the lens weighs it; the row of all does."""
+    weighed, not_weighed = written(COLOURED), written(COLOURED.replace('[1, 2, 1]', '[0, 2, 1]'))
+    for one, other in zip(rows('spot', weighed), rows('spot', not_weighed)):
+        if one['wavelength'] != 'all':
+            equal(other, one)
+        else:
+            assert one['rms'] != other['rms'], one
+    single, together = rows('spot', not_weighed, '--fields', 1, '--wavelength', 1)
+    equal({**together, 'wavelength': single['wavelength']}, single)  # with the Airy radius of that wavelength
+
+
+def test_digits_know_the_reference():
+    """The bound on rms has that of the chief ray in it, which fan tells twice for the chief ray itself."""
+    counted = 0
+    for lens in (TRIPLET, NEWTONIAN, LENSES / 'double_gauss.yaml'):
+        for n in (4, 6, 8, 10, 12):
+            errors = {}
+            for row in rows('fan', lens, '--cells', n):
+                if row['fate'] == 'passed':
+                    errors.setdefault((row['field'], row['wavelength']), []).append(float(row['e_err']))
+            chiefs = {(r['field'], r['wavelength']): float(r['e_err']) / 2 for r in rows('fan', lens, '--chief')}
+            for row in rows('spot', lens, '--cells', n):
+                key = row['field'], row['wavelength']
+                if row['wavelength'] == 'all' or not float(row['rms']) or key not in chiefs:
+                    continue
+                own = [e - chiefs[key] for e in errors[key]]
+                rms, rounding = float(row['rms']), len(own) * 2 ** -52 * float(row['rms'])
+                spread = math.sqrt(math.fsum(e * e for e in own) / len(own)) + rounding
+                wanted, without = math.log10(rms / (spread + chiefs[key])), math.log10(rms / spread)
+                equal(int(row['digits']), max(0, math.floor(wanted)), (lens, n, row))
+                counted += wanted > 0 and math.floor(wanted) != math.floor(without)
+    assert counted, 'no case depends on the reference'
+
+
+def test_memory_of_many_surfaces():
+    """Without a picture the rays of one image surface make room for those of the next."""
+    def most(*options):
+        child = subprocess.Popen([SAGITTA, 'spot', TRIPLET, '--fields', '1', '--cells', '100', *options],
+                                 stdout=subprocess.DEVNULL)
+        _, status, usage = os.wait4(child.pid, 0)
+        child.returncode = os.waitstatus_to_exitcode(status)
+        equal(child.returncode, 0)
+        return usage.ru_maxrss                             # kB
+    more = most('--defocus', ','.join(f'{i / 100}' for i in range(40))) - most()
+    assert more < 20000, f'{more} kB more for 40 surfaces'
 
 
 def test_defocus():
@@ -266,6 +336,80 @@ def test_no_chief_ray():
     equal((row['passed'], row['rms'], row['x']), ('0', '', ''))
 
 
+def test_a_chief_ray_that_is_lost():
+    """Without its reference a spot has no numbers, and says why; the centroid has them."""
+    lens = written(BALL)
+    done = run('spot', lens, '--cells', 12, '--format', 'csv')
+    assert 'field 1: the chief ray does not get through, so there is no reference' in done.stderr, done.stderr
+    for row in csv.DictReader(io.StringIO(done.stdout)):
+        assert int(row['passed']) > 0, row
+        equal((row['rms'], row['geometric'], row['x'], row['digits']), ('', '', '', '0'))
+    done = run('spot', lens, '--defocus', '-1,2')
+    assert 'field 1, defocus 2: the chief ray' in done.stderr, done.stderr
+    done = run('spot', lens, '--cells', 12, '--reference', 'centroid', '--format', 'csv')
+    equal(done.stderr, '')
+    assert all(float(r['rms']) > 0 for r in csv.DictReader(io.StringIO(done.stdout)))
+    done = run('opd', lens, '--cells', 12)                 # which names the wavelength
+    for wavelength in ('0.5', '0.6'):
+        assert f'field 1, {wavelength} \u00b5m: the chief ray does not' in done.stderr, done.stderr
+
+
+def test_reference_spheres():
+    """What is said of a reference sphere of infinite radius, and of one without a radius."""
+    infinite = written(MIRROR.format(far=100, behind=-99))
+    said = 'the exit pupil is at infinity or not known'
+    assert said in run('opd', infinite).stderr
+    equal(run('opd', infinite, '--afocal').stderr, '')
+    none = written(MIRROR.format(far=200, behind=-200))    # the exit pupil is the image surface
+    done = run('opd', none, '--fan', 9, '--format', 'csv')
+    equal([r['opd'] for r in csv.DictReader(io.StringIO(done.stdout))], [''] * 9)
+    assert 'field 1: 9 rays passed and have no path difference' in done.stderr, done.stderr
+    equal(run('opd', written(MIRROR.format(far=150, behind=-99))).stderr, '')
+    done = run('opd', TRIPLET, '--zernike', 40, '--cells', 3)
+    assert 'do not determine 40 polynomials, or there is no memory' in done.stderr, done.stderr
+
+
+def test_a_glass_and_no_wavelengths():
+    """A wavelength that is asked for is the primary one of a lens without any."""
+    lens = written('''
+units: mm
+pupil: {semi_diameter: 5}
+fields: [0, 3]
+surfaces:
+  - {type: sphere, radius: 51.68, thickness: 4, glass: SCHOTT N-BK7, stop: true}
+  - {type: sphere, radius: -51.68, thickness: 48, index: 1}
+  - {type: plane}
+''')
+    given = written(lens.read_text().replace('units: mm', 'units: mm\nwavelengths: [0.55]'))
+    for name in ANALYSES:
+        equal(rows(name, lens, '--wavelength', .55), rows(name, given), name)
+        run(name, lens, exit=BAD_INPUT)
+
+
+def test_help():
+    """--help offers what is taken, and tells the defaults."""
+    for name, default in (('spot', '--hexapolar 10'), ('fan', '--cross 41'), ('opd', '--cross 41; with'),
+                          ('field', None), ('map', '--cells 41'), ('sweep', '--hexapolar 10')):
+        said = run(name, '--help').stdout
+        options = [line.split()[0] for line in said.splitlines() if line.startswith('  --')]
+        for option in ('--wavelength', '--aim', '--glass', '--proof', '--picture', '--threads', '--max-evals'):
+            equal(options.count(option), 1, (name, option))
+        for option in ('--rays', '--skip-bad'):
+            assert option not in options, (name, option)
+        for option in ('--field', '--fields'):
+            equal(option in options, name != 'sweep', (name, option))
+        for option in ('--fan', '--cells', '--rays-across', '--chief', '--pupil'):
+            equal(option in options, name != 'field', (name, option))
+        if default:
+            assert f'none of these      {default}' in said, name
+        wavelength = said[said.index('--wavelength W'):said.index('--glass')]
+        assert ('Default: its primary one' if name in ('map', 'sweep') else 'Default: all\n') in wavelength, name
+    said = run('trace', '--help').stdout
+    for words in ('--rays FILE', '--skip-bad', '--fields LIST', 'none of these      --fan 5',
+                  'Default: its primary one'):
+        equal(said.count(words), 1, words)
+
+
 def test_errors():
     for words, *arguments in (
             ('the lens file is missing: sagitta spot LENS', 'spot'),
@@ -282,6 +426,11 @@ def test_errors():
             ('--steps goes with --over field', 'map', TRIPLET, '--steps', 3),
             ('sweep takes --from and --to', 'sweep', TRIPLET, '--field', 3),
             ('--from, --to: angles', 'sweep', TRIPLET, '--to', 90),
+            ('--from and --to are the same: 5; give a range of angles', 'sweep', TRIPLET, '--from', 5, '--to', 5),
+            ('give a range of object heights', 'sweep',
+             written(COLOURED.replace('fields:', 'object: {distance: 100}\nfield_type: object_height\nfields:')),
+             '--from', 5, '--to', 5),
+            *(('--skip-bad goes with --rays', name, TRIPLET, '--skip-bad') for name in ANALYSES),
             ('--rays: fan launches', 'fan', TRIPLET, '--rays', 'x.csv')):
         done = run(*arguments, exit=USAGE)
         assert words in done.stderr, (arguments, done.stderr)
@@ -305,8 +454,14 @@ def test_pictures():
             equal(path.read_bytes()[:len(begin)], begin, (name, ending))
     if '--without-cairo' not in sys.argv:
         run('spot', TRIPLET, '--picture', 'x.gif', exit=USAGE)
-        done = run('fan', TRIPLET, '--grid', 4, '--picture', written('', 'x.svg'), exit=USAGE)
-        assert 'on no line across the pupil' in done.stderr, done.stderr
+        for name, *options in (('fan', '--grid', 4), ('opd', '--sobol', 9), ('opd', '--summary', '--sobol', 9)):
+            done = run(name, TRIPLET, *options, '--picture', written('', 'x.svg'), exit=USAGE)
+            assert 'on no line across the pupil' in done.stderr, done.stderr
+            equal(done.stdout, '')
+        run('opd', TRIPLET, '--summary', '--hexapolar', 4, '--picture', written('', 'x.svg'))
+        run('spot', written(BALL), '--picture', written('', 'x.svg'))
+        for name in 'map', 'opd':                          # wrote behind a map of one cell
+            run(name, TRIPLET, '--grid', 1, '--picture', written('', 'x.svg'))
 
 
 main(globals())

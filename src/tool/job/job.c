@@ -57,8 +57,8 @@ static const char PATTERN_NAMES[] = "fan, grid, hexapolar, random, sobol, cells 
     "                     an array of NumPy, NAME.npy, or a folder with an array for each column\n"    \
     "  --skip-bad         skip bad rows of the file, and say how many\n"
 
-#define WAVELENGTH_HELP                                                                         \
-    "  --wavelength W     a whole number: the lens's W-th wavelength, counted from 1.  With a\n"  \
+#define WAVELENGTH_HELP                                                                          \
+    "  --wavelength W     a whole number: the lens's W-th wavelength, counted from 1.  With a\n" \
     "                     point: micrometres.  Or a spectral line: i h g F' F e d D C' C r s\n"  \
     "                     t.  Or all: those of the lens, one after another; also W,W... and\n"   \
     "                     --wavelength repeated.\n"
