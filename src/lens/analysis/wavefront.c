@@ -36,7 +36,6 @@ bool sgt_reference_of(const sgt_lens *lens, const sgt_first_order *data, const s
     if (out->kind != SGT_REFERENCE_SPHERE) return true;
     const sgt_vec3 pupil = {0, 0, data->exit_pupil}, to = minus3(chief->p, pupil);
     out->radius = copysign(length3(to), dot3(to, chief->d));
-    if (out->radius == 0) out->kind = SGT_REFERENCE_INFINITE; /* the pupil lies in the image */
     return true;
 }
 
