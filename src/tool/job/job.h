@@ -76,8 +76,8 @@ enum {
     {"strict", no_argument, NULL, JOB_STRICT},                  \
     {"no-apertures", no_argument, NULL, JOB_NO_APERTURES}
 
-/* The help of all of them, and its parts: --field and --fields; patterns of rays; --aim; --wavelength,
- * without its default; what else is of the lens. */
+/* The help of all options, and its parts: --field and --fields; the patterns; --aim; --wavelength without its
+ * default; --glass, --strict and --no-apertures. */
 extern const char job_help[], job_fields_help[], job_patterns_help[], job_aim_help[], job_wavelength_help[],
     job_lens_help[];
 
