@@ -39,7 +39,7 @@
  * sin x = x S(-x^2), sinh x = x S(x^2), cos x = C(-x^2), cosh x = C(x^2),
  * atan x = x A(-x^2), and half of log((1 + x) / (1 - x)) = x A(x^2).
  *
- * Test: tests/interval/test_functions.c (MPFR). */
+ * Test: tests/interval/test_pair.c (MPFR). */
 #ifndef SAGITTA_PAIR_H
 #define SAGITTA_PAIR_H
 #include <sagitta/fma.h>
@@ -299,8 +299,8 @@ typedef struct sgt_turn {
  * x - n p is exact: if n is not 0, it is a multiple of 2^-53, and below 1.  Each sum
  * after it is within 2^-102 of what it gives.  No double but 0 is nearer to a multiple of
  * pi/2 than 2^-61.1 (6381956970095103 2^797 is the nearest: Muller, Elementary Functions,
- * on worst cases of range reduction).  n s is below 2^-82, so the last sum does not cancel.
- * What is left out, n 2^-163, is below 2^-137: 2^-75 of the rest. */
+ * on worst cases of range reduction).  n s is below 2^-82, so the last sum does not
+ * cancel.  What is left out, n 2^-163, is below 2^-137: 2^-75 of the rest. */
 static inline sgt_turn sgt_turn_of(double x)
 {
     sgt_turn turn;
