@@ -849,17 +849,18 @@ static inline sgt_interval sgt_interval_hypotenuse(sgt_interval x, sgt_interval 
  * two of the corners. */
 static inline sgt_interval sgt_interval_real_power(sgt_interval x, sgt_interval y)
 {
-    sgt_interval power, at;
+    sgt_interval power, other;
     if (!(x.lo <= x.hi && y.lo <= y.hi)) return sgt_interval_odd(x, y);
     if (x.hi < 0 || (x.hi == 0 && y.hi <= 0)) return sgt_interval_empty();
     if (x.hi == 0) return sgt_interval_of(0);
     if (x.lo < 0) x.lo = 0;
     x = sgt_interval_reached(x), y = sgt_interval_reached(y);
-    power = sgt_real_power_at(x.lo, y.lo);
-    at = sgt_real_power_at(x.lo, y.hi), power = sgt_interval_hull(power, at);
-    at = sgt_real_power_at(x.hi, y.lo), power = sgt_interval_hull(power, at);
-    at = sgt_real_power_at(x.hi, y.hi);
-    return sgt_interval_hull(power, at);
+    power = sgt_real_power_at(x.lo, y.lo), other = sgt_real_power_at(x.hi, y.lo);
+    power = sgt_interval_hull(power, other);
+    if (y.lo == y.hi) return power;
+    other = sgt_real_power_at(x.lo, y.hi), power = sgt_interval_hull(power, other);
+    other = sgt_real_power_at(x.hi, y.hi);
+    return sgt_interval_hull(power, other);
 }
 
 #ifdef __cplusplus
