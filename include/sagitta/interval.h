@@ -443,12 +443,13 @@ static inline sgt_interval sgt_interval_of_pair(sgt_pair x)
 static inline sgt_interval sgt_interval_of_pair_times(sgt_pair x, int k)
 {
     sgt_interval y = sgt_interval_of_pair(x);
-    double by = sgt_pair_two_to(k > 1023 ? 1023 : k < -1074 ? -1074 : k);
-    if (k > 1024) return sgt_interval_between(DBL_MAX, (double)INFINITY);
-    if (k > 1023) y.lo += y.lo, y.hi += y.hi; /* exact */
-    y.lo = k < -1074 ? 0 : -sgt_product_above(-y.lo, by);
-    y.hi = sgt_product_above(y.hi, by);
-    return y;
+    int over = k > 1023 ? k - 1023 : k < -1074 ? k + 1074 : 0;
+    double by = sgt_pair_two_to(k - over);
+    if (over > 1) return sgt_interval_between(DBL_MAX, (double)INFINITY);
+    if (over < -2) return sgt_interval_between(0, sgt_next_above(0));
+    y.lo *= sgt_pair_two_to(over), y.hi *= sgt_pair_two_to(over); /* exact */
+    return sgt_interval_between(-sgt_product_above(-y.lo, by),
+                                sgt_product_above(y.hi, by));
 }
 
 /* From x to the next double toward 0, or away from it; x is not 0.  For |x| <= 2^-27 it

@@ -399,6 +399,8 @@ int main(void)
     for (int i = 0; i < FUNCTIONS; i++) {
         tally t = tallied(&functions[i], n, false);
         if (functions[i].shape == SINE) try_near_multiples(&t);
+        if (functions[i].shape == ANGLE) /* a slope below the least double, found by fuzzing */
+            try(&functions[i], &t, sgt_interval_of(-0x1.ffffp-211), sgt_interval_of(0x1.4444p+976), false);
         printf("%-20s %8ld %7.2f%% %7ld %g\n", functions[i].name, t.tried,
                100.0 * (double)t.tight / (double)t.ends, t.failed, t.farthest);
         failures += t.failed;
