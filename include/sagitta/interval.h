@@ -22,6 +22,20 @@
  *   - sgt_interval_power, which is made of products.
  * No end crosses zero by that, except that of a sum whose operands are of 1e307 and more.
  *
+ * ELEMENTARY FUNCTIONS.  Between its ends a function is monotone, or its extremes are
+ * known.  pair.h works out the value at an end as a sum hi + lo of two doubles, within
+ * 2^-62 of it.  |lo| is at most half the gap between hi and the next double on its side,
+ * and the bound is less than a 256th of a gap.  So an upper end is hi if lo and the bound
+ * add up to 0 or less, and else the next double above hi: the value is not above either.
+ *   - An end is the best one or the next double outward: that where the value is a
+ *     double, and at less than one of a hundred others.  It may be one double more where
+ *     it is of 1e-289 and less or 1e307 and more.
+ *   - Sine, cosine and tangent tell nothing of arguments beyond 2^26: they are [-1, 1]
+ *     and all numbers.  A tangent with a pole in x is all numbers, too.
+ *   - A function that is not defined on all of x is that of the part where it is: empty
+ *     if there is none.  An `enclose` has to see to it that its slope is infinite there.
+ *   - A sine and a cosine stay in [-1, 1], and a hyperbolic tangent does.
+ *
  * THE SAME BITS ON EVERY PROCESSOR.  The processor's rounding mode is left alone and has
  * to be to nearest, with subnormal numbers kept.  sgt_fma rounds once on every system
  * (fma.h).  No product stands beside a sum that a compiler could fuse it with.  The
@@ -42,6 +56,7 @@
 #ifndef SAGITTA_INTERVAL_H
 #define SAGITTA_INTERVAL_H
 #include <sagitta/fma.h>
+#include <sagitta/pair.h>
 #include <sagitta/sagitta.h>
 
 #include <float.h>
@@ -388,6 +403,465 @@ static inline sgt_interval sgt_interval_power(sgt_interval x, int n)
 static inline sgt_interval sgt_interval_scaled(sgt_interval x, double by)
 {
     return sgt_interval_product(x, sgt_interval_of(by));
+}
+
+/* The lesser and the greater of each two members. */
+static inline sgt_interval sgt_interval_minimum(sgt_interval x, sgt_interval y)
+{
+    if (!(x.lo <= x.hi && y.lo <= y.hi)) return sgt_interval_odd(x, y);
+    return sgt_interval_between(x.lo < y.lo ? x.lo : y.lo, x.hi < y.hi ? x.hi : y.hi);
+}
+
+static inline sgt_interval sgt_interval_maximum(sgt_interval x, sgt_interval y)
+{
+    if (!(x.lo <= x.hi && y.lo <= y.hi)) return sgt_interval_odd(x, y);
+    return sgt_interval_between(x.lo > y.lo ? x.lo : y.lo, x.hi > y.hi ? x.hi : y.hi);
+}
+
+/* --------------------------------------------- functions of one number, enclosed
+ *
+ * sgt_NAME_at(x) is an interval about the value at x.  At an x that is infinite its outer
+ * end is the limit, and its inner end that of the largest double: x.lo = INFINITY stands
+ * for numbers above DBL_MAX.  So also where the value is beyond the largest double. */
+
+/* pair.h proves 2^-71, and 2^-63.8 of sgt_real_power_at. */
+#define SGT_PAIR_ERROR (1 / 4611686018427387904.0) /* 2^-62 */
+
+static inline double sgt_pair_above(sgt_pair x)
+{
+    double off = x.lo + fabs(x.hi) * SGT_PAIR_ERROR; /* an exact product */
+    return off > 0 ? sgt_next_above(x.hi) : x.hi;
+}
+
+/* About x, from 2^-400 to 2^400 in magnitude. */
+static inline sgt_interval sgt_interval_of_pair(sgt_pair x)
+{
+    return sgt_interval_between(-sgt_pair_above(sgt_pair_negative(x)), sgt_pair_above(x));
+}
+
+/* x times 2^k; 1/2 <= x < 4. */
+static inline sgt_interval sgt_interval_of_pair_times(sgt_pair x, int k)
+{
+    sgt_interval y = sgt_interval_of_pair(x);
+    int over = k > 1023 ? k - 1023 : k < -1074 ? k + 1074 : 0;
+    double by = sgt_pair_two_to(k - over);
+    if (over > 1) return sgt_interval_between(DBL_MAX, (double)INFINITY);
+    if (over < -2) return sgt_interval_between(0, sgt_next_above(0));
+    y.lo *= sgt_pair_two_to(over), y.hi *= sgt_pair_two_to(over); /* exact */
+    return sgt_interval_between(-sgt_product_above(-y.lo, by),
+                                sgt_product_above(y.hi, by));
+}
+
+/* From x to the next double toward 0, or away from it; x is not 0.  For |x| <= 2^-27 it
+ * holds each of sin, atan, tanh (toward) and tan, asin, sinh (away): they begin as
+ * x - a x^3 with |a| <= 1/2, and x^3 / 2 is below 2^-55 of x, a quarter of a gap. */
+static inline sgt_interval sgt_interval_beside(double x, bool away)
+{
+    double y = (x > 0) == away ? sgt_next_above(x) : sgt_next_below(x);
+    return x < y ? sgt_interval_between(x, y) : sgt_interval_between(y, x);
+}
+
+static inline bool sgt_is_tiny(double x)
+{
+    return fabs(x) <= 1 / 134217728.0; /* 2^-27 */
+}
+
+static inline sgt_interval sgt_cube_root_at(double x)
+{
+    int k, rest;
+    double f;
+    sgt_interval y;
+    if (x == 0) return sgt_interval_of(0);
+    if (x < 0) return sgt_interval_negative(sgt_cube_root_at(-x));
+    f = sgt_pair_fraction(sgt_within(x), &k);
+    rest = (k + 1200) % 3, k = (k - rest) / 3;
+    y = sgt_interval_of_pair_times(sgt_pair_cube_root(f * (1 << rest)), k);
+    return x > DBL_MAX ? sgt_interval_between(y.lo, x) : y;
+}
+
+/* e^x is below 2^-1075 under -746, and above DBL_MAX over 710. */
+static inline sgt_interval sgt_exponential_at(double x)
+{
+    int k;
+    sgt_pair f;
+    if (x == 0) return sgt_interval_of(1);
+    if (x > 710) return sgt_interval_between(DBL_MAX, (double)INFINITY);
+    if (x < -746) return sgt_interval_between(0, sgt_next_above(0));
+    f = sgt_pair_exponential(sgt_pair_of(x), &k);
+    return sgt_interval_of_pair_times(f, k);
+}
+
+/* x >= 0. */
+static inline sgt_interval sgt_logarithm_at(double x)
+{
+    sgt_interval y;
+    if (x == 0) return sgt_interval_of(-(double)INFINITY);
+    if (x == 1) return sgt_interval_of(0);
+    y = sgt_interval_of_pair(sgt_pair_logarithm(sgt_within(x)));
+    return x > DBL_MAX ? sgt_interval_between(y.lo, x) : y;
+}
+
+/* With E = e^x: (E - 1 / E) / 2, above 1, where it cancels by 1.4 at most; 1 / E is below
+ * 2^-119 of E if k is above 60. */
+static inline sgt_interval sgt_hyperbolic_sine_at(double x)
+{
+    int k;
+    sgt_pair f;
+    if (x == 0) return sgt_interval_of(0);
+    if (x < 0) return sgt_interval_negative(sgt_hyperbolic_sine_at(-x));
+    if (sgt_is_tiny(x)) return sgt_interval_beside(x, true);
+    if (x <= 1) return sgt_interval_of_pair(sgt_pair_sine(sgt_pair_of(x), 1));
+    if (x > 712) return sgt_interval_between(DBL_MAX, (double)INFINITY);
+    f = sgt_pair_exponential(sgt_pair_of(x), &k);
+    if (k <= 60) {
+        sgt_pair other = sgt_pair_quotient(sgt_pair_of(sgt_pair_two_to(-2 * k)), f);
+        f = sgt_pair_difference(f, other);
+    }
+    return sgt_interval_of_pair_times(f, k - 1);
+}
+
+/* x >= 0: (E + 1 / E) / 2. */
+static inline sgt_interval sgt_hyperbolic_cosine_at(double x)
+{
+    int k;
+    sgt_pair f;
+    if (x == 0) return sgt_interval_of(1);
+    if (x > 712) return sgt_interval_between(DBL_MAX, (double)INFINITY);
+    f = sgt_pair_exponential(sgt_pair_of(x), &k);
+    if (k <= 60) {
+        sgt_pair other = sgt_pair_quotient(sgt_pair_of(sgt_pair_two_to(-2 * k)), f);
+        f = sgt_pair_sum(f, other);
+    }
+    return sgt_interval_of_pair_times(f, k - 1);
+}
+
+/* Above 1: 1 - 2 / (E^2 + 1); above 40 it is within 2^-114 of 1. */
+static inline sgt_interval sgt_hyperbolic_tangent_at(double x)
+{
+    const sgt_pair one = {1, 0}, two = {2, 0};
+    sgt_pair f;
+    sgt_interval y;
+    int k;
+    if (x == 0) return sgt_interval_of(0);
+    if (x < 0) return sgt_interval_negative(sgt_hyperbolic_tangent_at(-x));
+    if (sgt_is_tiny(x)) return sgt_interval_beside(x, false);
+    if (x > 40) return sgt_interval_between(sgt_next_below(1), 1);
+    if (x <= 1) {
+        f = sgt_pair_quotient(sgt_pair_sine(sgt_pair_of(x), 1),
+                              sgt_pair_cosine(sgt_pair_of(x), 1));
+    } else {
+        f = sgt_pair_exponential(sgt_pair_of(2 * x), &k);
+        f = sgt_pair_sum(sgt_pair_scaled(f, sgt_pair_two_to(k)), one);
+        f = sgt_pair_difference(one, sgt_pair_quotient(two, f));
+    }
+    y = sgt_interval_of_pair(f);
+    return y.hi > 1 ? sgt_interval_between(y.lo, 1) : y;
+}
+
+/* Above 2^64 it is within 2^-64 of pi/2. */
+static inline sgt_interval sgt_arc_tangent_at(double x)
+{
+    if (x == 0) return sgt_interval_of(0);
+    if (x < 0) return sgt_interval_negative(sgt_arc_tangent_at(-x));
+    if (sgt_is_tiny(x)) return sgt_interval_beside(x, false);
+    if (x > 18446744073709551616.0) return sgt_interval_of_pair(sgt_pair_half_pi());
+    return sgt_interval_of_pair(sgt_pair_arc_tangent(sgt_pair_of(x)));
+}
+
+/* |x| <= 1: the arc tangent of x / sqrt((1 - x) (1 + x)). */
+static inline sgt_interval sgt_arc_sine_at(double x)
+{
+    sgt_pair root;
+    if (x == 0) return sgt_interval_of(0);
+    if (x < 0) return sgt_interval_negative(sgt_arc_sine_at(-x));
+    if (sgt_is_tiny(x)) return sgt_interval_beside(x, true);
+    if (x >= 1) return sgt_interval_of_pair(sgt_pair_half_pi());
+    root = sgt_pair_product(sgt_pair_exact_sum(1, -x), sgt_pair_exact_sum(1, x));
+    root = sgt_pair_quotient(sgt_pair_of(x), sgt_pair_root(root));
+    return sgt_interval_of_pair(sgt_pair_arc_tangent(root));
+}
+
+/* |x| <= 1: twice the arc tangent of sqrt((1 - x) / (1 + x)). */
+static inline sgt_interval sgt_arc_cosine_at(double x)
+{
+    sgt_pair t;
+    if (x >= 1) return sgt_interval_of(0);
+    if (x <= -1) return sgt_interval_of_pair(sgt_pair_scaled(sgt_pair_half_pi(), 2));
+    t = sgt_pair_quotient(sgt_pair_exact_sum(1, -x), sgt_pair_exact_sum(1, x));
+    t = sgt_pair_arc_tangent(sgt_pair_root(t));
+    return sgt_interval_of_pair(sgt_pair_scaled(t, 2));
+}
+
+/* x^y for x > 0 and y, as limits if they are 0 or infinite.  log x is within 2^-73.5,
+ * and |y log x| below 2^9.6: so the power is within 2^-63.9 + 2^-71 of itself. */
+static inline sgt_interval sgt_real_power_at(double x, double y)
+{
+    sgt_pair log_x = {x == 0 ? -(double)INFINITY : x, 0};
+    double size;
+    int k;
+    if (y == 0 || x == 1) return sgt_interval_of(1);
+    if (x > 0 && x <= DBL_MAX) log_x = sgt_pair_logarithm(x);
+    size = sgt_pair_times(log_x.hi, y);
+    if (size > 711) return sgt_interval_between(DBL_MAX, (double)INFINITY);
+    if (size < -747) return sgt_interval_between(0, sgt_next_above(0));
+    log_x = sgt_pair_exponential(sgt_pair_product(log_x, sgt_pair_of(y)), &k);
+    return sgt_interval_of_pair_times(log_x, k);
+}
+
+/* sqrt(x^2 + y^2), 0 <= y <= x.  If y is below 2^-40 of x, that is above x by less than
+ * 2^-81 of it. */
+static inline sgt_interval sgt_hypotenuse_at(double x, double y)
+{
+    int k, k_y;
+    double f, g;
+    sgt_pair s;
+    sgt_interval length;
+    if (y == 0) return sgt_interval_of(x);
+    f = sgt_pair_fraction(sgt_within(x), &k), g = sgt_pair_fraction(sgt_within(y), &k_y);
+    if (k - k_y > 41) return sgt_interval_between(sgt_within(x), sgt_next_above(x));
+    g *= sgt_pair_two_to(k_y - k);
+    s = sgt_pair_sum(sgt_pair_exact_product(f, f), sgt_pair_exact_product(g, g));
+    s = sgt_pair_scaled(sgt_pair_root(s), 0.5);
+    length = sgt_interval_of_pair_times(s, k + 1);
+    return x > DBL_MAX ? sgt_interval_between(length.lo, x) : length;
+}
+
+/* The angle of the point x, y; y >= 0, and not both are 0; a limit, if one is infinite.
+ * With q = y / |x|: if q > 2^64, it is within 2^-64 of pi/2.  If q < 2^-64 and x < 0, it
+ * is within 2^-64 of pi.  If q < 2^-64 and x > 0, it is q, less at most q^3 / 3. */
+static inline sgt_interval sgt_angle_at(double y, double x)
+{
+    const sgt_pair half = sgt_pair_half_pi(), pi = sgt_pair_scaled(half, 2);
+    double f, g;
+    sgt_pair t;
+    int k, k_y;
+    if ((y == 0 && x > 0) || x > DBL_MAX) return sgt_interval_of(0);
+    if (y == 0 || x < -DBL_MAX) return sgt_interval_of_pair(pi);
+    if (x == 0 || y > DBL_MAX) return sgt_interval_of_pair(half);
+    f = sgt_pair_fraction(fabs(x), &k), g = sgt_pair_fraction(y, &k_y);
+    if (k_y - k > 64) return sgt_interval_of_pair(half);
+    if (x < 0 && k_y - k < -64) return sgt_interval_of_pair(pi);
+    t = sgt_pair_quotient(sgt_pair_of(g), sgt_pair_of(f));
+    if (k_y - k < -64) return sgt_interval_of_pair_times(t, k_y - k);
+    t = sgt_pair_arc_tangent(sgt_pair_scaled(t, sgt_pair_two_to(k_y - k)));
+    if (x < 0) t = sgt_pair_difference(pi, t);
+    return sgt_interval_of_pair(t);
+}
+
+/* The sine of turn.n + quarters quarter turns and the rest; x is what the turn is of. */
+static inline sgt_interval sgt_sine_at(double x, sgt_turn turn, int quarters)
+{
+    int n = (turn.n + quarters) & 3;
+    sgt_pair s;
+    sgt_interval y;
+    if (x == 0) return sgt_interval_of(quarters);
+    if (sgt_is_tiny(x) && !quarters) return sgt_interval_beside(x, false);
+    s = n & 1 ? sgt_pair_cosine(turn.rest, -1) : sgt_pair_sine(turn.rest, -1);
+    y = sgt_interval_of_pair(n & 2 ? sgt_pair_negative(s) : s);
+    return sgt_interval_between(y.lo < -1 ? -1 : y.lo, y.hi > 1 ? 1 : y.hi);
+}
+
+static inline sgt_interval sgt_tangent_at(double x, sgt_turn turn)
+{
+    sgt_pair sine, cosine;
+    if (x == 0) return sgt_interval_of(0);
+    if (sgt_is_tiny(x)) return sgt_interval_beside(x, true);
+    sine = sgt_pair_sine(turn.rest, -1), cosine = sgt_pair_cosine(turn.rest, -1);
+    return sgt_interval_of_pair(turn.n & 1
+                                    ? sgt_pair_quotient(cosine, sgt_pair_negative(sine))
+                                    : sgt_pair_quotient(sine, cosine));
+}
+
+/* floor(x / (pi/2)), to which 2^27 is added: never negative. */
+static inline int sgt_turn_quadrant(sgt_turn turn)
+{
+    return 134217728 + turn.n - (turn.rest.hi < 0);
+}
+
+/* ----------------------------------------------------------- elementary functions */
+
+typedef sgt_interval sgt_function_at(double x);
+
+/* Of a function that rises all over x, or falls. */
+static inline sgt_interval sgt_interval_rising(sgt_interval x, sgt_function_at *at)
+{
+    sgt_interval low;
+    if (!(x.lo <= x.hi)) return sgt_interval_odd(x, x);
+    low = at(x.lo);
+    return sgt_interval_between(low.lo, x.lo < x.hi ? at(x.hi).hi : low.hi);
+}
+
+static inline sgt_interval sgt_interval_falling(sgt_interval x, sgt_function_at *at)
+{
+    sgt_interval low;
+    if (!(x.lo <= x.hi)) return sgt_interval_odd(x, x);
+    low = at(x.lo);
+    return sgt_interval_between(x.lo < x.hi ? at(x.hi).lo : low.lo, low.hi);
+}
+
+static inline sgt_interval sgt_interval_cube_root(sgt_interval x)
+{
+    return sgt_interval_rising(x, sgt_cube_root_at);
+}
+
+static inline sgt_interval sgt_interval_exponential(sgt_interval x)
+{
+    return sgt_interval_rising(x, sgt_exponential_at);
+}
+
+/* The natural one, of the part of x that is above 0. */
+static inline sgt_interval sgt_interval_logarithm(sgt_interval x)
+{
+    if (x.lo <= x.hi && x.hi <= 0) return sgt_interval_empty();
+    if (x.lo < 0 && x.hi > 0) x.lo = 0;
+    return sgt_interval_rising(x, sgt_logarithm_at);
+}
+
+static inline sgt_interval sgt_interval_hyperbolic_sine(sgt_interval x)
+{
+    return sgt_interval_rising(x, sgt_hyperbolic_sine_at);
+}
+
+static inline sgt_interval sgt_interval_hyperbolic_cosine(sgt_interval x)
+{
+    if (x.lo <= x.hi) x = sgt_interval_absolute(x);
+    return sgt_interval_rising(x, sgt_hyperbolic_cosine_at);
+}
+
+static inline sgt_interval sgt_interval_hyperbolic_tangent(sgt_interval x)
+{
+    return sgt_interval_rising(x, sgt_hyperbolic_tangent_at);
+}
+
+/* The sine of x + quarters pi/2.  It is 1 where the quadrants 1, 5, 9 ... begin, and -1
+ * where 3, 7, 11 ... do. */
+static inline sgt_interval sgt_interval_wave(sgt_interval x, int quarters)
+{
+    sgt_interval y = {-1, 1}, low, high;
+    sgt_turn from, to;
+    int p, q;
+    if (!(x.lo <= x.hi)) return sgt_interval_odd(x, x);
+    if (!(x.lo >= -SGT_TURN_LIMIT && x.hi <= SGT_TURN_LIMIT)) return y;
+    from = sgt_turn_of(x.lo), low = sgt_sine_at(x.lo, from, quarters);
+    if (x.lo == x.hi) return low;
+    to = sgt_turn_of(x.hi), high = sgt_sine_at(x.hi, to, quarters);
+    p = sgt_turn_quadrant(from) + quarters, q = sgt_turn_quadrant(to) + quarters;
+    if ((p + 3) / 4 == (q + 3) / 4) y.hi = low.hi > high.hi ? low.hi : high.hi;
+    if ((p + 1) / 4 == (q + 1) / 4) y.lo = low.lo < high.lo ? low.lo : high.lo;
+    return y;
+}
+
+static inline sgt_interval sgt_interval_sine(sgt_interval x)
+{
+    return sgt_interval_wave(x, 0);
+}
+
+static inline sgt_interval sgt_interval_cosine(sgt_interval x)
+{
+    return sgt_interval_wave(x, 1);
+}
+
+/* The poles are where the odd quadrants begin. */
+static inline sgt_interval sgt_interval_tangent(sgt_interval x)
+{
+    sgt_interval low;
+    sgt_turn from, to;
+    if (!(x.lo <= x.hi)) return sgt_interval_odd(x, x);
+    if (!(x.lo >= -SGT_TURN_LIMIT && x.hi <= SGT_TURN_LIMIT)) return sgt_interval_all();
+    from = sgt_turn_of(x.lo), low = sgt_tangent_at(x.lo, from);
+    if (x.lo == x.hi) return low;
+    to = sgt_turn_of(x.hi);
+    if ((sgt_turn_quadrant(from) + 1) / 2 != (sgt_turn_quadrant(to) + 1) / 2)
+        return sgt_interval_all();
+    return sgt_interval_between(low.lo, sgt_tangent_at(x.hi, to).hi);
+}
+
+/* In [-pi/2, pi/2], of the part of x in [-1, 1]. */
+static inline sgt_interval sgt_interval_arc_sine(sgt_interval x)
+{
+    if (x.lo <= x.hi) x = sgt_interval_intersection(x, sgt_interval_between(-1, 1));
+    return sgt_interval_rising(x, sgt_arc_sine_at);
+}
+
+/* In [0, pi], of the part of x in [-1, 1]. */
+static inline sgt_interval sgt_interval_arc_cosine(sgt_interval x)
+{
+    if (x.lo <= x.hi) x = sgt_interval_intersection(x, sgt_interval_between(-1, 1));
+    return sgt_interval_falling(x, sgt_arc_cosine_at);
+}
+
+static inline sgt_interval sgt_interval_arc_tangent(sgt_interval x)
+{
+    return sgt_interval_rising(x, sgt_arc_tangent_at);
+}
+
+/* An end at infinity that stands for numbers beyond the largest double: the largest. */
+static inline sgt_interval sgt_interval_reached(sgt_interval x)
+{
+    return sgt_interval_between(x.lo > 0 ? sgt_within(x.lo) : x.lo,
+                                x.hi < 0 ? sgt_within(x.hi) : x.hi);
+}
+
+/* Of y >= 0.  The angle falls with x.  It rises with y where x > 0, and falls where
+ * x < 0. */
+static inline sgt_interval sgt_interval_angle_above(sgt_interval y, sgt_interval x)
+{
+    double first, last;
+    if (y.hi == 0) { /* on the axis */
+        if (x.lo == 0 && x.hi == 0) return sgt_interval_empty();
+        return sgt_interval_between(x.hi > 0 ? 0 : sgt_angle_at(0, -1).lo,
+                                    x.lo < 0 ? sgt_angle_at(0, -1).hi : 0);
+    }
+    first = x.hi > 0 ? y.lo : y.hi, last = x.lo < 0 ? y.lo : y.hi;
+    first = sgt_angle_at(first, x.hi).lo, last = sgt_angle_at(last, x.lo).hi;
+    return sgt_interval_between(first, last);
+}
+
+/* atan2(y, x): the angle of the points (x, y) from the axis of x, in [-pi, pi]; pi where
+ * x < 0 and y = 0.  Of x = y = 0 there is none.  If x < 0 and both y = 0 and y < 0 are
+ * among them, it is [-pi, pi]: the cut is crossed. */
+static inline sgt_interval sgt_interval_angle(sgt_interval y, sgt_interval x)
+{
+    double below, above;
+    if (!(x.lo <= x.hi && y.lo <= y.hi)) return sgt_interval_odd(x, y);
+    x = sgt_interval_reached(x), y = sgt_interval_reached(y);
+    if (y.lo >= 0) return sgt_interval_angle_above(y, x);
+    if (y.hi < 0 || (y.hi == 0 && x.lo >= 0))
+        return sgt_interval_negative(
+            sgt_interval_angle_above(sgt_interval_negative(y), x));
+    if (x.lo < 0) y.lo = 0, y.hi = 0, x.lo = -1; /* pi either way */
+    below = -sgt_angle_at(-y.lo, x.lo).hi, above = sgt_angle_at(y.hi, x.lo).hi;
+    return sgt_interval_between(below, above);
+}
+
+/* sqrt(x^2 + y^2). */
+static inline sgt_interval sgt_interval_hypotenuse(sgt_interval x, sgt_interval y)
+{
+    sgt_interval low, high;
+    if (!(x.lo <= x.hi && y.lo <= y.hi)) return sgt_interval_odd(x, y);
+    x = sgt_interval_absolute(x), y = sgt_interval_absolute(y);
+    low = x.lo > y.lo ? sgt_hypotenuse_at(x.lo, y.lo) : sgt_hypotenuse_at(y.lo, x.lo);
+    high = x.hi > y.hi ? sgt_hypotenuse_at(x.hi, y.hi) : sgt_hypotenuse_at(y.hi, x.hi);
+    return sgt_interval_between(low.lo, high.hi);
+}
+
+/* x^y = e^(y log x), of the part of x above 0, and 0^y = 0 for y > 0.  sgt_interval_power
+ * is for integer exponents, and for numbers below 0, too.  y log x has its extremes at
+ * two of the corners. */
+static inline sgt_interval sgt_interval_real_power(sgt_interval x, sgt_interval y)
+{
+    sgt_interval power, other;
+    if (!(x.lo <= x.hi && y.lo <= y.hi)) return sgt_interval_odd(x, y);
+    if (x.hi < 0 || (x.hi == 0 && y.hi <= 0)) return sgt_interval_empty();
+    if (x.hi == 0) return sgt_interval_of(0);
+    if (x.lo < 0) x.lo = 0;
+    x = sgt_interval_reached(x), y = sgt_interval_reached(y);
+    power = sgt_real_power_at(x.lo, y.lo), other = sgt_real_power_at(x.hi, y.lo);
+    power = sgt_interval_hull(power, other);
+    if (y.lo == y.hi) return power;
+    other = sgt_real_power_at(x.lo, y.hi), power = sgt_interval_hull(power, other);
+    other = sgt_real_power_at(x.hi, y.hi);
+    return sgt_interval_hull(power, other);
 }
 
 #ifdef __cplusplus

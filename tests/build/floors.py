@@ -21,7 +21,7 @@ C_HEADERS = {'float.h', 'limits.h', 'math.h', 'stdbool.h', 'stddef.h', 'stdint.h
 ASKING = {'choose.c': {'cpuid.h', 'stdlib.h'}}
 
 # The floor that answers for a public header; those below do not know of it.
-PUBLIC = {'sagitta.h': 'num', 'fma.h': 'num', 'interval.h': 'num', 'diagnose.h': 'check',
+PUBLIC = {'sagitta.h': 'num', 'fma.h': 'num', 'pair.h': 'num', 'interval.h': 'num', 'diagnose.h': 'check',
           'surfaces.h': 'surface', 'sensitivity.h': 'ray', 'system.h': 'system', 'aim.h': 'system',
           'geo.h': 'geo', 'lens.h': 'lens', 'analysis.h': 'lens'}
 
@@ -124,7 +124,7 @@ def faults(tree):
             look(path, lambda kind, name: fault_in_client(folder, path, kind, name))
     for path in sources(tree / 'include'):
         look(path, lambda kind, name: None if kind == '<' and (
-            name in ('stdbool.h', 'stddef.h') or (path.name == 'lens.h' and name == 'stdint.h') or (path.name in ('fma.h', 'interval.h') and name in INLINE)
+            name in ('stdbool.h', 'stddef.h') or (path.name == 'lens.h' and name == 'stdint.h') or (path.name in ('fma.h', 'pair.h', 'interval.h') and name in INLINE)
             or name[len('sagitta/'):] in PUBLIC)
             else 'a public header includes <stdbool.h>, <stddef.h> and <sagitta/...>')
     return found, seen

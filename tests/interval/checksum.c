@@ -52,12 +52,32 @@ static sgt_interval interval(void)
     }
 }
 
+/* Of numbers that most functions are defined for, and do not take to infinity. */
+static sgt_interval narrow(sgt_interval x)
+{
+    double a = fabs(x.lo) / (1 + fabs(x.lo)), b = fabs(x.hi) / (1 + fabs(x.hi));
+    return a <= b ? sgt_interval_between(a, b) : sgt_interval_between(b, a);
+}
+
+static void add_function(sgt_interval x, sgt_interval y, int which)
+{
+    static sgt_interval (*const functions[])(sgt_interval) = {
+        sgt_interval_cube_root, sgt_interval_exponential, sgt_interval_logarithm, sgt_interval_sine,
+        sgt_interval_cosine, sgt_interval_tangent, sgt_interval_arc_sine, sgt_interval_arc_cosine,
+        sgt_interval_arc_tangent, sgt_interval_hyperbolic_sine, sgt_interval_hyperbolic_cosine,
+        sgt_interval_hyperbolic_tangent};
+    if (which < 12) add_interval(functions[which](x));
+    else if (which == 12) add_interval(sgt_interval_angle(x, y));
+    else if (which == 13) add_interval(sgt_interval_hypotenuse(x, y));
+    else add_interval(sgt_interval_real_power(x, y));
+}
+
 int main(int count, char **words)
 {
     long i, n = count > 1 ? strtol(words[1], NULL, 10) : 1000000;
     for (i = 0; i < n; i++) {
         sgt_interval x = interval(), y = interval();
-        switch (i % 10) {
+        switch (i % 13) {
         case 0: add_interval(sgt_interval_sum(x, y)); break;
         case 1: add_interval(sgt_interval_difference(x, y)); break;
         case 2: add_interval(sgt_interval_product(x, y)); break;
@@ -69,6 +89,9 @@ int main(int count, char **words)
             add_interval(sgt_interval_hull(sgt_interval_absolute(x), sgt_interval_intersection(x, y)));
             break;
         case 8: add(sgt_interval_middle(x)), add(sgt_interval_width(x)), add(sgt_interval_greatest(x)); break;
+        case 9: add_function(x, y, (int)(bits() % 15)); break;
+        case 10: add_function(narrow(x), narrow(y), (int)(bits() % 15)); break;
+        case 11: add_function(sgt_interval_of(x.lo), sgt_interval_of(y.lo), (int)(bits() % 15)); break;
         default: /* what C++ users and C users call by hand: a small expression */
             add_interval(sgt_interval_sum(sgt_interval_product(x, y),
                                           sgt_interval_scaled(sgt_interval_square(y), 0.75)));

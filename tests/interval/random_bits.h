@@ -1,4 +1,4 @@
-/* random_bits.h - the random numbers of test_fma.c and test_elementary.c. */
+/* random_bits.h - the random numbers of test_fma.c, test_elementary.c, test_pair.c and test_functions.c. */
 #ifndef RANDOM_BITS_H
 #define RANDOM_BITS_H
 
