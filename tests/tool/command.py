@@ -16,6 +16,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 LENSES = HERE.parent.parent / 'examples' / 'lenses'
 SAGITTA = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else 'sagitta'
 
+os.environ['LSAN_OPTIONS'] = f'suppressions={HERE / "leaks.supp"}:print_suppressions=0'
+
 DECIDED, UNDECIDED, USAGE, BAD_INPUT = 0, 1, 2, 3
 
 INTERSECT = 'ray,root,status,t,t_err,x,y,z,nx,ny,nz,evals'
@@ -26,10 +28,9 @@ DIAGNOSE = 'ray,element,eval,move,t,f,slope,lo,hi'
 
 def run(*arguments, stdin='', exit=DECIDED, binary=False):
     """Runs the command; what it printed.  A status other than `exit` is a failure (None: 0 or 1)."""
-    environment = dict(os.environ, LSAN_OPTIONS=f'suppressions={HERE / "leaks.supp"}:print_suppressions=0')
     if isinstance(stdin, str):
         stdin = stdin.encode()
-    done = subprocess.run([SAGITTA, *map(str, arguments)], input=stdin, capture_output=True, env=environment, timeout=100)
+    done = subprocess.run([SAGITTA, *map(str, arguments)], input=stdin, capture_output=True, timeout=100)
     if done.returncode not in ((DECIDED, UNDECIDED) if exit is None else (exit,)):
         raise AssertionError(f'exit {done.returncode}, not {exit}: {arguments}\n{done.stderr.decode()[-1500:]}')
     if not binary:

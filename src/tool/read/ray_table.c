@@ -80,17 +80,32 @@ static void open_file(ray_table *t, const char *path)
     }
 }
 
-static void open_folder(ray_table *t, const char *path)
+/* The arrays in a folder. */
+typedef struct array_names { size_t count, capacity; char **name; } array_names;
+
+static array_names names_in(const char *path)
 {
+    array_names all = {.count = 0};
     DIR *folder = opendir(path);
     if (!folder) fail_input("%s: cannot be read", path);
     for (struct dirent *e; (e = readdir(folder));) {
         if (!ends_in_npy(e->d_name)) continue;
-        const size_t size = strlen(path) + strlen(e->d_name) + 2;
+        all.name = memory_room(all.name, all.count, &all.capacity, sizeof *all.name);
+        all.name[all.count++] = memory_text(e->d_name, strlen(e->d_name));
+    }
+    closedir(folder);
+    return all;
+}
+
+static void open_folder(ray_table *t, const char *path)
+{
+    const array_names all = names_in(path);
+    for (size_t i = 0; i < all.count; i++) {
+        const size_t size = strlen(path) + strlen(all.name[i]) + 2;
         char *name = memory_take(size, 1);
-        snprintf(name, size, "%s/%s", path, e->d_name);
+        snprintf(name, size, "%s/%s", path, all.name[i]);
         array is = {.path = path};
-        const int c = column_named(&is, e->d_name, strlen(e->d_name) - 4);
+        const int c = column_named(&is, all.name[i], strlen(all.name[i]) - 4);
         array *a = &t->file[t->files++];
         *a = array_open(name);
         if (a->columns || *a->field->name)
@@ -100,7 +115,6 @@ static void open_folder(ray_table *t, const char *path)
         t->rows = a->rows;
         set_column(t, c, a, a->field, 0);
     }
-    closedir(folder);
 }
 
 /* Reads the numbers of rows; value[i]: those of a row. */

@@ -116,12 +116,15 @@ static void npy_open_folder(npy_output *n, const char *path)
     DIR *folder = NULL;
     if (mkdir(path, 0777) != 0 && (errno != EEXIST || !(folder = opendir(path))))
         fail_input("--output %s: %s; npy goes into a folder, or a file NAME.npy", path, strerror(errno));
-    for (struct dirent *e; folder && (e = readdir(folder));)
+    const char *other = NULL;
+    for (struct dirent *e; folder && !other && (e = readdir(folder));)
         if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0 && !is_column_file(n, e->d_name))
-            fail_input("--output %s: it holds %s, which is no column of this table; give a folder that is "
-                       "empty or not there yet, or a file NAME.npy",
-                       path, e->d_name);
+            other = memory_text(e->d_name, strlen(e->d_name));
     if (folder) closedir(folder);
+    if (other)
+        fail_input("--output %s: it holds %s, which is no column of this table; give a folder that is "
+                   "empty or not there yet, or a file NAME.npy",
+                   path, other);
     for (size_t i = 0; i < n->columns; i++) npy_open(n, i, path_of(path, n->head[i].name));
 }
 
@@ -146,6 +149,7 @@ npy_output *npy_begin(const table_target *target, size_t columns, const column *
 void npy_write(npy_output *n, size_t length, const char *rows)
 {
     const size_t count = length / n->row_size;
+    if (count == 0) return; /* a tile of no rows has no text */
     n->rows += count;
     if (!n->folder) {
         fwrite(rows, 1, length, n->file[0].file);
