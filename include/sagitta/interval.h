@@ -538,7 +538,6 @@ static inline sgt_interval sgt_hyperbolic_cosine_at(double x)
 /* Above 1: 1 - 2 / (E^2 + 1); above 40 it is within 2^-114 of 1. */
 static inline sgt_interval sgt_hyperbolic_tangent_at(double x)
 {
-    const sgt_pair one = {1, 0}, two = {2, 0};
     sgt_pair f;
     sgt_interval y;
     int k;
@@ -551,8 +550,9 @@ static inline sgt_interval sgt_hyperbolic_tangent_at(double x)
                               sgt_pair_cosine(sgt_pair_of(x), 1));
     } else {
         f = sgt_pair_exponential(sgt_pair_of(2 * x), &k);
-        f = sgt_pair_sum(sgt_pair_scaled(f, sgt_pair_two_to(k)), one);
-        f = sgt_pair_difference(one, sgt_pair_quotient(two, f));
+        f = sgt_pair_sum(sgt_pair_scaled(f, sgt_pair_two_to(k)), sgt_pair_of(1));
+        f = sgt_pair_quotient(sgt_pair_of(2), f);
+        f = sgt_pair_difference(sgt_pair_of(1), f);
     }
     y = sgt_interval_of_pair(f);
     return y.hi > 1 ? sgt_interval_between(y.lo, 1) : y;

@@ -330,13 +330,13 @@ static inline sgt_pair sgt_pair_cosine(sgt_pair x, double sign)
  * tan(pi / 16) = 0.1989. */
 static inline sgt_pair sgt_pair_arc_tangent(sgt_pair t)
 {
-    const sgt_pair one = {1, 0};
     bool over = t.hi > 1;
     double times = 1;
-    if (over) t = sgt_pair_quotient(one, t);
+    if (over) t = sgt_pair_quotient(sgt_pair_of(1), t);
     for (; t.hi > 0.2 && times < 4; times *= 2) {
-        sgt_pair root = sgt_pair_root(sgt_pair_sum(one, sgt_pair_product(t, t)));
-        t = sgt_pair_quotient(t, sgt_pair_sum(one, root));
+        sgt_pair root = sgt_pair_sum(sgt_pair_of(1), sgt_pair_product(t, t));
+        root = sgt_pair_root(root);
+        t = sgt_pair_quotient(t, sgt_pair_sum(sgt_pair_of(1), root));
     }
     t = sgt_pair_product(
         t, sgt_pair_series_a(sgt_pair_negative(sgt_pair_product(t, t))));

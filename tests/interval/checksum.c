@@ -72,12 +72,25 @@ static void add_function(sgt_interval x, sgt_interval y, int which)
     else add_interval(sgt_interval_real_power(x, y));
 }
 
+static void add_pair(sgt_pair x) { add(x.hi), add(x.lo); }
+
+/* Of x > 0, at most 1: rounding outward would hide most of what differs. */
+static void add_pairs(double x)
+{
+    int k;
+    if (!(x > 0)) return;
+    add_pair(sgt_pair_exponential(sgt_pair_of(700 * x), &k)), add_pair(sgt_pair_logarithm(x));
+    add_pair(sgt_pair_sine(sgt_pair_of(x), -1)), add_pair(sgt_pair_cosine(sgt_pair_of(x), 1));
+    add_pair(sgt_turn_of(1e7 * x).rest), add_pair(sgt_pair_cube_root(1 + x));
+    if (x > 1e-19) add_pair(sgt_pair_arc_tangent(sgt_pair_of(x)));
+}
+
 int main(int count, char **words)
 {
     long i, n = count > 1 ? strtol(words[1], NULL, 10) : 1000000;
     for (i = 0; i < n; i++) {
         sgt_interval x = interval(), y = interval();
-        switch (i % 13) {
+        switch (i % 14) {
         case 0: add_interval(sgt_interval_sum(x, y)); break;
         case 1: add_interval(sgt_interval_difference(x, y)); break;
         case 2: add_interval(sgt_interval_product(x, y)); break;
@@ -92,6 +105,7 @@ int main(int count, char **words)
         case 9: add_function(x, y, (int)(bits() % 15)); break;
         case 10: add_function(narrow(x), narrow(y), (int)(bits() % 15)); break;
         case 11: add_function(sgt_interval_of(x.lo), sgt_interval_of(y.lo), (int)(bits() % 15)); break;
+        case 12: add_pairs(narrow(x).hi); break;
         default: /* what C++ users and C users call by hand: a small expression */
             add_interval(sgt_interval_sum(sgt_interval_product(x, y),
                                           sgt_interval_scaled(sgt_interval_square(y), 0.75)));
