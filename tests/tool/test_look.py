@@ -349,6 +349,8 @@ def test_a_chief_ray_that_is_lost():
     done = run('spot', lens, '--cells', 12, '--reference', 'centroid', '--format', 'csv')
     equal(done.stderr, '')
     assert all(float(r['rms']) > 0 for r in csv.DictReader(io.StringIO(done.stdout)))
+    done = run('fan', lens, '--cross', 3, '--format', 'csv')
+    assert 'field 1: the chief ray does not get through, so there is no reference' in done.stderr, done.stderr
     done = run('opd', lens, '--cells', 12)                 # which names the wavelength
     for wavelength in ('0.5', '0.6'):
         assert f'field 1, {wavelength} \u00b5m: the chief ray does not' in done.stderr, done.stderr

@@ -35,6 +35,9 @@ static void fan_rows(fan_work *w, size_t field)
     look *l = &w->look;
     const sgt_field_beam *beam = &l->beam[field];
     const sgt_ray_end chief = look_chief(l, beam, &l->primary, l->primary.element);
+    if (chief.fate != SGT_PASSED)
+        note("field %zu: the chief ray does not get through, so there is no reference",
+             l->fields.number[field] + 1);
     for (size_t b = 0; b < l->bands; b++) {
         const look_band *band = &l->band[b];
         const sgt_ray_end *end = w->end;
@@ -65,8 +68,8 @@ exit_status command_fan(int argc, char *argv[])
     };
     look_options o = {.pattern = "--cross 41"};
     for (int code; (code = getopt_long(argc, argv, LOOK_LETTERS, known, NULL)) != -1;)
-        look_take(&o, code, fan_help, "");
-    look_argument(&o, argc, argv, "fan", true);
+        look_take_option(&o, code, fan_help, "");
+    look_take_lens(&o, argc, argv, "fan", true);
     fan_work w = {.points = job_points(&o.job, SGT_PATTERN_CROSS, ACROSS)};
     if (o.picture) look_lines_check(&w.points);
     w.look = look_begin(&o);

@@ -21,7 +21,7 @@ static const char look_help[] =
     "  --proof P          estimate, root or first: what must be proven of each hit (sagitta trace --help);\n"
     "                     a ray for which it is not is lost\n";
 
-void look_take(look_options *o, int code, const char *before, const char *after)
+void look_take_option(look_options *o, int code, const char *before, const char *after)
 {
     char help[HELP_SIZE];
     o->shared.scales = true;
@@ -41,7 +41,7 @@ void look_take(look_options *o, int code, const char *before, const char *after)
     options_take(&o->shared, code, help);
 }
 
-void look_argument(look_options *o, int argc, char *argv[], const char *name, bool all)
+void look_take_lens(look_options *o, int argc, char *argv[], const char *name, bool all)
 {
     if (optind == argc) fail_usage("the lens file is missing: sagitta %s LENS", name);
     if (optind + 1 < argc)

@@ -25,11 +25,11 @@ enum { LOOK_PICTURE = OPTION_AFTER_JOB, OPTION_AFTER_LOOK };
 #define LOOK_LETTERS ROWS_LETTERS
 
 /* Takes an option that is none of the analysis's own.  before, after: the help around that of the rays. */
-void look_take(look_options *o, int code, const char *before, const char *after);
+void look_take_option(look_options *o, int code, const char *before, const char *after);
 
 /* The lens from the arguments that are left.  name: of the analysis.  all: by default for all wavelengths of
  * the lens, else for the primary one. */
-void look_argument(look_options *o, int argc, char *argv[], const char *name, bool all);
+void look_take_lens(look_options *o, int argc, char *argv[], const char *name, bool all);
 
 /* How many rays met which fate. */
 typedef struct look_fates {
