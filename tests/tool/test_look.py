@@ -149,6 +149,9 @@ def test_digits_know_the_reference():
 
 def test_memory_of_many_surfaces():
     """Without a picture the rays of one image surface make room for those of the next."""
+    if b'__asan_init' in pathlib.Path(SAGITTA).read_bytes():
+        return                                             # what is freed is kept for a while
+
     def most(*options):
         child = subprocess.Popen([SAGITTA, 'spot', TRIPLET, '--fields', '1', '--cells', '100', *options],
                                  stdout=subprocess.DEVNULL)
