@@ -501,38 +501,33 @@ static inline sgt_interval sgt_logarithm_at(double x)
     return x > DBL_MAX ? sgt_interval_between(y.lo, x) : y;
 }
 
-/* With E = e^x: (E - 1 / E) / 2, above 1, where it cancels by 1.4 at most; 1 / E is below
- * 2^-119 of E if k is above 60. */
-static inline sgt_interval sgt_hyperbolic_sine_at(double x)
+/* With E = e^x and x >= 0: (E + 1 / E) / 2 if sign is 1; (E - 1 / E) / 2 if it is -1, above
+ * 1, where it cancels by 1.4 at most.  1 / E is below 2^-119 of E if k is above 60. */
+static inline sgt_interval sgt_exponentials_at(double x, double sign)
 {
     int k;
     sgt_pair f;
+    if (x > 712) return sgt_interval_between(DBL_MAX, (double)INFINITY);
+    f = sgt_pair_exponential(sgt_pair_of(x), &k);
+    if (k <= 60)
+        f = sgt_pair_sum(
+            f, sgt_pair_quotient(sgt_pair_of(sign * sgt_pair_two_to(-2 * k)), f));
+    return sgt_interval_of_pair_times(f, k - 1);
+}
+
+static inline sgt_interval sgt_hyperbolic_sine_at(double x)
+{
     if (x == 0) return sgt_interval_of(0);
     if (x < 0) return sgt_interval_negative(sgt_hyperbolic_sine_at(-x));
     if (sgt_is_tiny(x)) return sgt_interval_beside(x, true);
     if (x <= 1) return sgt_interval_of_pair(sgt_pair_sine(sgt_pair_of(x), 1));
-    if (x > 712) return sgt_interval_between(DBL_MAX, (double)INFINITY);
-    f = sgt_pair_exponential(sgt_pair_of(x), &k);
-    if (k <= 60) {
-        sgt_pair other = sgt_pair_quotient(sgt_pair_of(sgt_pair_two_to(-2 * k)), f);
-        f = sgt_pair_difference(f, other);
-    }
-    return sgt_interval_of_pair_times(f, k - 1);
+    return sgt_exponentials_at(x, -1);
 }
 
-/* x >= 0: (E + 1 / E) / 2. */
+/* x >= 0. */
 static inline sgt_interval sgt_hyperbolic_cosine_at(double x)
 {
-    int k;
-    sgt_pair f;
-    if (x == 0) return sgt_interval_of(1);
-    if (x > 712) return sgt_interval_between(DBL_MAX, (double)INFINITY);
-    f = sgt_pair_exponential(sgt_pair_of(x), &k);
-    if (k <= 60) {
-        sgt_pair other = sgt_pair_quotient(sgt_pair_of(sgt_pair_two_to(-2 * k)), f);
-        f = sgt_pair_sum(f, other);
-    }
-    return sgt_interval_of_pair_times(f, k - 1);
+    return x == 0 ? sgt_interval_of(1) : sgt_exponentials_at(x, 1);
 }
 
 /* Above 1: 1 - 2 / (E^2 + 1); above 40 it is within 2^-114 of 1. */

@@ -194,20 +194,23 @@ def test_turned_image():
                 equal({k: b[k] for k in b if k != 'fate'}, {k: a[k] for k in a if k != 'fate'}, image)
 
 
-def test_pupil_before_the_object():
-    """Rays through a pupil in front of the object (a hypercentric lens) run on along z if they are aimed, too."""
-    lens = written("""units: mm
+STOP_BEHIND = """units: mm
 wavelengths: [0.55]
-object: {distance: 100}
-pupil: {semi_diameter: 4}
-field_type: object_height
+object: {distance: 100, telecentric: %s}
+pupil: {%s}
+field_type: %s
 fields: [0, 2]
 surfaces:
   - {type: sphere, radius: 51, thickness: 2, index: 1.5}
-  - {type: sphere, radius: -51, thickness: 60, index: 1}
+  - {type: sphere, radius: -51, thickness: %g, index: 1}
   - {type: plane, thickness: 40, stop: true}
   - {type: plane}
-""")
+"""
+
+
+def test_pupil_before_the_object():
+    """Rays through a pupil in front of the object (a hypercentric lens) run on along z if they are aimed, too."""
+    lens = written(STOP_BEHIND % ('false', 'semi_diameter: 4', 'object_height', 60))
     near, far = (rows('opd', lens, '--fan', 3, '--fields', 1, '--aim', aim)[-1] for aim in ('paraxial', 'real'))
     close(far['opd'], near['opd'], 0.02 * abs(float(near['opd'])))
     for row in rows('trace', lens, '--fan', 3, '--aim', 'real'):
@@ -224,18 +227,7 @@ def test_vignetting_does_not_move_the_field():
 
 def test_real_heights():
     """Fields by real image heights: telecentric, and about a decentred stop, the field 0 too."""
-    telecentric = """units: mm
-wavelengths: [0.55]
-object: {distance: 100, telecentric: true}
-pupil: {object_na: 0.05}
-field_type: real_image_height
-fields: [0, 2]
-surfaces:
-  - {type: sphere, radius: 51, thickness: 2, index: 1.5}
-  - {type: sphere, radius: -51, thickness: 50, index: 1}
-  - {type: plane, thickness: 50, stop: true}
-  - {type: plane}
-"""
+    telecentric = STOP_BEHIND % ('true', 'object_na: 0.05', 'real_image_height', 50)
     decentred = """units: mm
 wavelengths: [0.55]
 object: {distance: 100}
@@ -271,6 +263,37 @@ surfaces:
         opl = rows('trace', lens, '--field', 0, '--chief', '--wavelength', row['wavelength'])[0]
         index = float(opl['opl']) / float(opl['t'])
         close(row['ideal'], index * float(data['efl']) * math.tan(math.radians(5)), 1e-9)
+
+
+def test_tip_of_a_cone():
+    """At the tip there is no second derivative, so no focus, and no digit is certain; without a cone there are."""
+    text = """units: mm
+wavelengths: [0.55]
+pupil: {semi_diameter: 3, distance: 0}
+fields: [0]
+surfaces:
+  - {type: odd_asphere, radius: 50, coefficients: [%g, 0.001, 0.0001], thickness: 5, index: 1.5, stop: true}
+  - {type: plane, thickness: 60, index: 1}
+  - {type: plane}
+"""
+    tip, smooth = (rows('field', written(text % slope))[0] for slope in (0.01, 0))
+    equal((tip['tangential'], tip['sagittal'], tip['xy_err']), ('', '', 'inf'))
+    assert smooth['tangential'] and float(smooth['xy_err']) < 1e-10, smooth
+
+
+def test_units():
+    """A lens in metres is the same lens: its path differences in waves, and its spots a thousandth."""
+    metres = SINGLET.replace('units: mm', 'units: m').replace('semi_diameter: 6', 'semi_diameter: 0.006')
+    for length in ('radius: 50', 'radius: -60', 'thickness: 5,', 'thickness: 20', 'thickness: 10'):
+        key, value = length.rstrip(',').split(': ')
+        metres = metres.replace(length, f'{key}: {float(value) / 1000:.17g}' + ',' * length.endswith(','))
+    here, there = written(SINGLET), written(metres)
+    for a, b in zip(rows('opd', here), rows('opd', there)):
+        close(b['opd'], a['opd'], 10 * float(a['opd_err']), a)
+    for a, b in zip(rows('spot', here), rows('spot', there)):
+        for column in ('rms', 'geometric', 'airy'):
+            close(1000 * float(b[column]), a[column], 1e-11, column)
+        assert abs(int(a['digits']) - int(b['digits'])) <= 1, (a, b)
 
 
 def test_nothing_to_tell():

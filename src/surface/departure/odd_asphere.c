@@ -5,6 +5,7 @@
  * All but a[0]/r is smooth at r = 0.  There a[0]/r is omitted: (0, 0) is the mean of the cone's gradients.
  * The second derivative is P'' along the radius and G across it: pxx = G + (x/r)^2 (P'' - G), pxy = (x y /
  * r^2) (P'' - G), with P'' - G = -a[0]/r + r (3 h' + r h'').  Its norm is the greater of |P''| and |G|.
+ * At the tip of a cone there is none: NaN.
  *
  * ROUNDING.  h and its derivatives are computed by Horner's rule, each step one fma.  That is stable: a
  * step rounds by at most u of its result, and this enters the sum multiplied only by the powers of r
@@ -173,7 +174,7 @@ static void odd_second(size_t n, int terms, const double *a, const double *restr
         }
     }
     LANES for (size_t i = 0; i < n; i++) {
-        double cone = by_radius(tip, r[i]), G = cone + sgt_fma(r[i], dh[i], h[i] + h[i]);
+        double cone = tip != 0 ? tip / r[i] : 0, G = cone + sgt_fma(r[i], dh[i], h[i] + h[i]);
         double along = r[i] * sgt_fma(3, dh[i], 2 * r[i] * half_ddh[i]) - cone; /* P'' - G */
         double cosine = by_radius(x[i], r[i]), sine = by_radius(y[i], r[i]);
         pxx[i] = sgt_fma(cosine * cosine, along, G);

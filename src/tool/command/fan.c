@@ -68,8 +68,8 @@ exit_status command_fan(int argc, char *argv[])
     };
     look_options o = {.pattern = "--cross 41"};
     for (int code; (code = getopt_long(argc, argv, LOOK_LETTERS, known, NULL)) != -1;)
-        look_take_option(&o, code, fan_help, "");
-    look_take_lens(&o, argc, argv, "fan", true);
+        look_take_option(&o, code, fan_help);
+    look_take_lens(&o, argc, argv, "fan");
     fan_work w = {.points = job_points(&o.job, SGT_PATTERN_CROSS, ACROSS)};
     if (o.picture) look_lines_check(&w.points);
     w.look = look_begin(&o);

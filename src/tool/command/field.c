@@ -52,10 +52,10 @@ static field_arguments field_arguments_of(int argc, char *argv[])
         } else if (code == STEPS) {
             a.steps = options_integer("steps", optarg, 2, STEPS_MOST);
         } else {
-            look_take_option(&a.look, code, field_help, "");
+            look_take_option(&a.look, code, field_help);
         }
     }
-    look_take_lens(&a.look, argc, argv, "field", true);
+    look_take_lens(&a.look, argc, argv, "field");
     const job_options *o = &a.look.job;
     if (o->pupils || o->pattern_given || o->across)
         fail_usage("a pattern of rays is of no use here: the rays are those near the chief ray");

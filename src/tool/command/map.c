@@ -68,10 +68,10 @@ static map_arguments map_arguments_of(int argc, char *argv[])
             if (a.of == MAP_NUMBERS)
                 fail_usage("--of must be fate, element, evals, t_err or condition, not \"%s\"", optarg);
         } else {
-            look_take_option(&a.look, code, map_help, "");
+            look_take_option(&a.look, code, map_help);
         }
     }
-    look_take_lens(&a.look, argc, argv, "map", !a.look.primary_alone);
+    look_take_lens(&a.look, argc, argv, "map");
     if (a.steps && !a.over_field) fail_usage("--steps goes with --over field; over the pupil give --cells N");
     if (a.over_field && (a.look.job.pattern_given || a.look.job.across || a.look.job.pupils > 1))
         fail_usage("--over field sends one ray of each field: the chief ray, or that of one --pupil");

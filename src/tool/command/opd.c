@@ -76,10 +76,10 @@ static opd_arguments opd_arguments_of(int argc, char *argv[])
             if (a.order == SGT_NOLL && strcmp(optarg, "noll") != 0)
                 fail_usage("--order must be noll or fringe, not \"%s\"", optarg);
         } else {
-            look_take_option(&a.look, code, opd_help, "");
+            look_take_option(&a.look, code, opd_help);
         }
     }
-    look_take_lens(&a.look, argc, argv, "opd", true);
+    look_take_lens(&a.look, argc, argv, "opd");
     if (a.summary && a.terms) fail_usage("give --summary or --zernike, not both");
     if (order && !a.terms) fail_usage("--order goes with --zernike N");
     return a;

@@ -72,10 +72,10 @@ static spot_arguments spot_arguments_of(int argc, char *argv[])
             if (!a.centroid && strcmp(optarg, "chief") != 0)
                 fail_usage("--reference must be chief or centroid, not \"%s\"", optarg);
         } else {
-            look_take_option(&a.look, code, spot_help, "");
+            look_take_option(&a.look, code, spot_help);
         }
     }
-    look_take_lens(&a.look, argc, argv, "spot", true);
+    look_take_lens(&a.look, argc, argv, "spot");
     return a;
 }
 

@@ -52,9 +52,9 @@ static sweep_arguments sweep_arguments_of(int argc, char *argv[])
         if (code == FROM) a.from = sweep_end("from");
         else if (code == TO) a.to = sweep_end("to");
         else if (code == STEPS) a.steps = options_integer("steps", optarg, 2, STEPS_MOST);
-        else look_take_option(&a.look, code, sweep_help, "");
+        else look_take_option(&a.look, code, sweep_help);
     }
-    look_take_lens(&a.look, argc, argv, "sweep", !a.look.primary_alone);
+    look_take_lens(&a.look, argc, argv, "sweep");
     if (a.look.job.fields || a.look.job.numbers)
         fail_usage("--field, --fields: sweep takes --from and --to");
     return a;

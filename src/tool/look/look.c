@@ -21,9 +21,9 @@ static const char look_help[] =
     "  --proof P          estimate, root or first: what must be proven of each hit (sagitta trace --help);\n"
     "                     a ray for which it is not is lost\n";
 
-void look_take_option(look_options *o, int code, const char *before, const char *after)
+void look_take_option(look_options *o, int code, const char *help)
 {
-    char help[HELP_SIZE];
+    char all[HELP_SIZE];
     o->shared.scales = true;
     if (job_take(&o->job, code)) return;
     if (code == LOOK_PICTURE) {
@@ -31,17 +31,17 @@ void look_take_option(look_options *o, int code, const char *before, const char 
         o->picture = optarg;
         return;
     }
-    int n = snprintf(help, sizeof help, "%s%s%s", before, look_help, o->no_fields ? "" : job_fields_help);
+    int n = snprintf(all, sizeof all, "%s%s%s", help, look_help, o->no_fields ? "" : job_fields_help);
     if (o->pattern)
-        n += snprintf(help + n, sizeof help - (size_t)n, "%s  none of these      %s\n", job_patterns_help,
+        n += snprintf(all + n, sizeof all - (size_t)n, "%s  none of these      %s\n", job_patterns_help,
                       o->pattern);
-    snprintf(help + n, sizeof help - (size_t)n, "%s%s                     Default: %s\n%s%s%s%s",
-             job_aim_help, job_wavelength_help, o->primary_alone ? "its primary one" : "all",
-             job_lens_help, after, options_threads_help, options_rows_help);
-    options_take(&o->shared, code, help);
+    snprintf(all + n, sizeof all - (size_t)n, "%s%s                     Default: %s\n%s%s%s", job_aim_help,
+             job_wavelength_help, o->primary_alone ? "its primary one" : "all", job_lens_help,
+             options_threads_help, options_rows_help);
+    options_take(&o->shared, code, all);
 }
 
-void look_take_lens(look_options *o, int argc, char *argv[], const char *name, bool all)
+void look_take_lens(look_options *o, int argc, char *argv[], const char *name)
 {
     if (optind == argc) fail_usage("the lens file is missing: sagitta %s LENS", name);
     if (optind + 1 < argc)
@@ -50,7 +50,7 @@ void look_take_lens(look_options *o, int argc, char *argv[], const char *name, b
     if (o->job.skip_bad) fail_usage("--skip-bad goes with --rays; %s launches the rays of fields", name);
     o->job.lens = argv[optind];
     o->job.several = true;
-    o->job.all_wavelengths = o->job.all_wavelengths || (all && !o->job.wavelengths);
+    if (!o->primary_alone && !o->job.wavelengths) o->job.all_wavelengths = true;
     if (!o->picture) return;
     if (o->shared.target.path) output_check("output", o->shared.target.path);
     output_reserve("picture", o->picture);

@@ -10,9 +10,9 @@ typedef struct look_options {
     shared_options shared;
     job_options job;
     const char *picture;        /* NULL: none */
-    /* For --help, set by the analysis; zeros fit one that takes fields and no pattern. */
-    const char *pattern;        /* the rays by default; NULL: it takes no pattern */
-    bool no_fields;             /* it takes no --field and no --fields */
+    /* Set by the analysis; zeros fit one that takes fields and no pattern. */
+    const char *pattern;        /* for --help: the rays by default; NULL: it takes no pattern */
+    bool no_fields;             /* for --help: it takes no --field and no --fields */
     bool primary_alone;         /* by default at the primary wavelength, not at all of the lens */
 } look_options;
 
@@ -24,12 +24,11 @@ enum { LOOK_PICTURE = OPTION_AFTER_JOB, OPTION_AFTER_LOOK };
     JOB_OPTIONS, PROOF_OPTION, THREADS_OPTION, ROWS_OPTIONS, SHARED_OPTIONS
 #define LOOK_LETTERS ROWS_LETTERS
 
-/* Takes an option that is none of the analysis's own.  before, after: the help around that of the rays. */
-void look_take_option(look_options *o, int code, const char *before, const char *after);
+/* Takes an option that is none of the analysis's own.  help: what --help says before that of the rays. */
+void look_take_option(look_options *o, int code, const char *help);
 
-/* The lens from the arguments that are left.  name: of the analysis.  all: by default for all wavelengths of
- * the lens, else for the primary one. */
-void look_take_lens(look_options *o, int argc, char *argv[], const char *name, bool all);
+/* The lens from the arguments that are left.  name: of the analysis. */
+void look_take_lens(look_options *o, int argc, char *argv[], const char *name);
 
 /* How many rays met which fate. */
 typedef struct look_fates {
