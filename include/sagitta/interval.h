@@ -501,8 +501,9 @@ static inline sgt_interval sgt_logarithm_at(double x)
     return x > DBL_MAX ? sgt_interval_between(y.lo, x) : y;
 }
 
-/* With E = e^x and x >= 0: (E + 1 / E) / 2 if sign is 1; (E - 1 / E) / 2 if it is -1, above
- * 1, where it cancels by 1.4 at most.  1 / E is below 2^-119 of E if k is above 60. */
+/* With E = e^x and x >= 0: (E + 1 / E) / 2 if sign is 1; (E - 1 / E) / 2 if it is -1,
+ * above 1, where it cancels by 1.4 at most.  1 / E is below 2^-119 of E if k is above
+ * 60. */
 static inline sgt_interval sgt_exponentials_at(double x, double sign)
 {
     int k;
