@@ -1,0 +1,104 @@
+/*
+ * formula.h - a surface from its formula as text: "x^4 + y^4 + z^4 = a".
+ *
+ * sgt_formula_read makes a tape of the text: a row of steps, each with one operation.
+ * Everything that a surface can offer (sagitta.h, sgt_surface_ops) is worked out from the
+ * tape: F, its gradient, the rounding of both, enclosures, second derivatives and those
+ * by the parameters.  So a formula is proven and differentiated as a built-in surface is.
+ *
+ * TWO SURFACES.  sgt_formula_ops is the set F(x, y, z) = 0, clipped by a ball or a box.
+ * sgt_formula_sag_ops is the sag z = s(x, y), clipped by a rim, as the sags of surfaces.h.
+ *
+ * GRAMMAR
+ *
+ *     formula   sum, or sum = sum, which stands for the difference
+ *     sum       terms with + and - between
+ *     term      factors with * and / between
+ *     factor    -factor, or a power
+ *     power     atom, or atom ^ factor: -x^2 is -(x^2), and 2^-x, x^y^z = x^(y^z)
+ *     atom      a number, a name, (sum), or a function of sums with commas between
+ *     names     x, y, z, r = sqrt(x^2 + y^2), pi, and those of the parameters: a letter,
+ *               then letters, digits and _.  A sag has no z
+ *     functions sqrt cbrt exp log sin cos tan asin acos atan sinh cosh tanh abs of one
+ *               argument; atan2 (y, x), min, max, hypot of two
+ *
+ * A number is the double nearest to it.  pi is the number itself: an interval.  So is all
+ * that is worked out of numbers and parameters alone.  A power with a whole number is a
+ * product and defined for all of its base; with any other exponent it is exp(e log b),
+ * defined where b > 0 (and where b = 0, if e > 0).
+ *
+ * UNDEFINED is a root of a negative number, a logarithm of 0 or less, an arc sine or
+ * cosine beyond 1, a quotient by 0, atan2(0, 0), and all that is made of it.  F is NaN
+ * there.
+ *
+ * Nothing is allocated.  A tape is not changed but by sgt_formula_set.  So any number of
+ * threads may use it, while none sets it.
+ */
+#ifndef SAGITTA_FORMULA_H
+#define SAGITTA_FORMULA_H
+
+#include <sagitta/sagitta.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What a formula may name besides x, y, z, r, pi and the functions, which are reserved. */
+typedef struct sgt_named { const char *name; double value; } sgt_named;
+
+/* What is wrong with a text.  column: of the first character that is wrong, from 1, in
+ * bytes; 0: no character is to blame (a parameter, the room).  text: a sentence without a
+ * full stop, "expected a number, a name or (, not )"; never longer than fits. */
+typedef struct sgt_formula_error { size_t column; char text[120]; } sgt_formula_error;
+
+/* Of which variables a formula is. */
+typedef enum sgt_formula_kind {
+    SGT_FORMULA_XYZ, /* x, y, z, r: for sgt_formula */
+    SGT_FORMULA_XY   /* x, y, r: for sgt_formula_sag */
+} sgt_formula_kind;
+
+/* A formula that has been read. */
+typedef struct sgt_tape sgt_tape;
+
+/* The longest text (bytes), the deepest nesting of parentheses and powers, and how many
+ * parameters there may be. */
+enum { SGT_FORMULA_LONGEST = 32768, SGT_FORMULA_DEEPEST = 200, SGT_FORMULA_PARAMETERS = 256 };
+
+/* How many bytes of room suffice for the text with n parameters; 0 if it is too long, or
+ * n too large.  Less may do. */
+SGT_API size_t sgt_formula_room(const char *text, size_t n);
+
+/* Reads the text.  The tape is in `room`, `size` bytes that the caller provides, aligned
+ * as for a double.  They must stay, and not move, as long as the tape is used.  The text
+ * and the names need not stay.  NULL: *error, if not NULL, says what is wrong.  A
+ * parameter need not be used. */
+SGT_API sgt_tape *sgt_formula_read(const char *text, sgt_formula_kind kind, size_t n,
+                                   const sgt_named parameters[], void *room, size_t size,
+                                   sgt_formula_error *error);
+
+/* Gives the parameters other values, n as when it was read.  false: one is not finite,
+ * and nothing is changed. */
+SGT_API bool sgt_formula_set(sgt_tape *tape, const double values[]);
+
+/* F(x, y, z) = 0 within a ball about the origin, or a box, or both.  Points outside are
+ * not of the surface; at its border that is so up to rounding. */
+typedef struct sgt_formula {
+    const sgt_tape *tape;     /* of SGT_FORMULA_XYZ */
+    double          ball;     /* radius, length; 0: no ball */
+    sgt_vec3        lo, hi;   /* corners of the box, length; both zero: no box */
+} sgt_formula;
+
+/* The sag z = s(x, y), F = z - s(x, y). */
+typedef struct sgt_formula_sag {
+    const sgt_tape *tape;          /* of SGT_FORMULA_XY */
+    double          semi_diameter; /* of the rim, length; 0: none (surfaces.h) */
+} sgt_formula_sag;
+
+/* parameters: those given to sgt_formula_read, in that order. */
+SGT_API extern const sgt_surface_ops sgt_formula_ops;
+SGT_API extern const sgt_surface_ops sgt_formula_sag_ops;
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* SAGITTA_FORMULA_H */

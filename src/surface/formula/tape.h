@@ -1,0 +1,70 @@
+/* tape.h - a formula that has been read: steps over registers, and the numbers they share.
+ *
+ * A STEP does one operation on one or two operands and puts the result in a register.  Registers 0, 1, 2
+ * hold x, y, z and are never written.  The others are used again as soon as their number is not needed
+ * any more (read.c).  So a tape of any length runs in FORMULA_REGISTERS registers, for a row of points at a
+ * time, on the stack.
+ *
+ * UNIFORM is what does not depend on the point: numbers, pi, parameters, and what is made of them alone.
+ * Uniforms have steps of their own, which sgt_formula_set runs once, in intervals; `value` takes the
+ * middle.  A step of points may have one uniform operand, or two in no case: then it is uniform itself.
+ *
+ * An operand is the number of a register, or FORMULA_UNIFORM + the index of a uniform. */
+#ifndef SGT_SURFACE_FORMULA_TAPE_H
+#define SGT_SURFACE_FORMULA_TAPE_H
+
+#include <sagitta/formula.h>
+
+enum { FORMULA_REGISTERS = 48, FORMULA_UNIFORM = 0x8000 };
+
+typedef enum formula_op {
+    FORMULA_ADD, FORMULA_SUB, FORMULA_MUL, FORMULA_DIV, FORMULA_MIN, FORMULA_MAX,
+    FORMULA_HYPOT,       /* sqrt(a^2 + b^2) */
+    FORMULA_ATAN2,       /* atan2(a, b): a is the y */
+    FORMULA_REAL_POWER,  /* a^b */
+    FORMULA_POWER,       /* a^n, n whole: 3 and more, or -1 and less */
+    FORMULA_SQUARE, FORMULA_NEG, FORMULA_ABS,
+    FORMULA_SQRT, FORMULA_CBRT, FORMULA_EXP, FORMULA_LOG,
+    FORMULA_SIN, FORMULA_COS, FORMULA_TAN, FORMULA_ASIN, FORMULA_ACOS, FORMULA_ATAN,
+    FORMULA_SINH, FORMULA_COSH, FORMULA_TANH,
+    FORMULA_COPY,        /* a: only as the last step, if the formula is a variable or a uniform */
+    /* uniforms only */
+    FORMULA_NUMBER,      /* `number` */
+    FORMULA_PI,
+    FORMULA_PARAMETER    /* the parameter n */
+} formula_op;
+
+enum { FORMULA_OF_X = 1, FORMULA_OF_Y = 2, FORMULA_OF_Z = 4 };
+
+typedef struct formula_step {
+    unsigned char op;
+    unsigned char of;        /* on which of x, y, z the result depends */
+    unsigned short out;      /* a register, 3 or more */
+    unsigned short a, b;     /* operands; b of the first nine operations only */
+    int n;                   /* of FORMULA_POWER */
+} formula_step;
+
+/* a, b: indices of earlier uniforms. */
+typedef struct formula_uniform {
+    unsigned char op;
+    unsigned short a, b;
+    int n;                   /* of FORMULA_POWER and FORMULA_PARAMETER */
+    double number;
+} formula_uniform;
+
+/* All pointers point into the room.  The result is what the last step puts out. */
+struct sgt_tape {
+    sgt_formula_kind kind;
+    int steps, uniforms, parameters, registers; /* registers: how many are used, with x, y, z */
+    const formula_step *step;
+    const formula_uniform *uniform;
+    sgt_interval *value;     /* of each uniform */
+    double *middle;          /* of these; NaN if a uniform is not defined */
+    double *given;           /* the values of the parameters */
+};
+
+/* One operation on intervals, as interval.h has it (apply.c).  FORMULA_COPY is a; not for the operations of
+ * uniforms only. */
+sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_interval b);
+
+#endif
