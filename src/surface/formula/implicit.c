@@ -166,8 +166,10 @@ static sgt_objection implicit_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
+static bool implicit_jumps(const void *self) { return ((const sgt_formula *)self)->tape->jumps; }
+
 static const struct sgt_builtin_ops implicit_builtin = {
-    .object = implicit_object, .enclose = implicit_enclose_from};
+    .object = implicit_object, .enclose = implicit_enclose_from, .jumps = implicit_jumps};
 
 const sgt_surface_ops sgt_formula_ops = {
     .name = "formula", .own_ = &implicit_builtin, .value = implicit_value, .span = implicit_span,

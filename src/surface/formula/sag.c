@@ -93,10 +93,12 @@ static sgt_objection formula_object(const void *self)
     return (sgt_objection){NULL, NULL};
 }
 
+static bool formula_jumps(const void *self) { return tape_of(self)->jumps; }
+
 static const departure formula_sag_departure = {
     .at = formula_at, .rounding = formula_rounding, .bounds = formula_bounds, .range = formula_range,
     .second = formula_second, .parameters = formula_parameters, .by_parameter = formula_by_parameter,
-    .object = formula_object, .noise = formula_noise};
+    .object = formula_object, .noise = formula_noise, .jumps = formula_jumps};
 
 static departure_sag formula_of(const sgt_formula_sag *s)
 {

@@ -59,6 +59,7 @@ typedef struct formula_uniform {
 struct sgt_tape {
     sgt_formula_kind kind;
     int steps, uniforms, parameters, registers; /* registers: how many are used, with x, y, z */
+    bool jumps;              /* a step is an atan2, whose cut F may cross */
     const formula_step *step;
     const formula_uniform *uniform;
     sgt_interval *value;     /* of each uniform */
