@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+"""find_package(sagitta) from bare projects: every library, shared and static, and what has to be refused.
+
+    python3 find_package.py BUILD C_COMPILER     skipped (77) without CMake
+
+The build is installed, moved to another folder, and seen by nothing but CMAKE_PREFIX_PATH.  Programs use
+the core, lens and geo, in C alone; each is run, and has to need our shared libraries if and only if they
+were asked for.
+"""
+import pathlib
+import shutil
+import sys
+import tempfile
+
+sys.dont_write_bytecode = True
+import installed  # noqa: E402
+import prefix  # noqa: E402
+
+CORE = r'''
+#include <sagitta/surfaces.h>
+#include <stdio.h>
+int main(void)
+{
+    const sgt_conic sphere = {.c = 1 / -2.2136};
+    sgt_ray ray = {.o = {0, 0.5, -5}, .d = {0, 0.3420201433256687, 0.9396926207859084}};
+    sgt_hit hit = sgt_intersect((sgt_surface){&sgt_conic_ops, &sphere}, ray, NULL);
+    printf("%s at t = %.16g, version %s\n", sgt_status_text(hit.status), hit.t, sgt_version());
+    return !(hit.status == SGT_HIT && sgt_version_number() == SGT_VERSION);
+}
+'''
+PROJECT = '''cmake_minimum_required(VERSION 3.16)
+project(bare LANGUAGES C)
+{find}
+{more}
+'''
+PROGRAM = 'add_executable({0} {0}.c)\ntarget_link_libraries({0} PRIVATE sagitta::{1}{2})\n'
+SOURCES = {'sagitta': ('core', CORE), 'lens': ('lens', installed.LENS), 'geo': ('geo', installed.GEO)}
+
+
+class Projects:
+    def __init__(self, there, folder, compiler):
+        self.there, self.folder, self.compiler, self.count = there, folder, compiler, 0
+        self.environment = {name: value for name, value in there.environment.items()
+                            if name not in ('LD_LIBRARY_PATH', 'PKG_CONFIG_PATH')}
+
+    def configure(self, find, more='', fails=False):
+        self.count += 1
+        project = self.folder / f'project{self.count}'
+        project.mkdir()
+        for file, source in SOURCES.values():
+            (project / f'{file}.c').write_text(source)
+        (project / 'CMakeLists.txt').write_text(PROJECT.format(find=find, more=more))
+        self.said = prefix.run('cmake', '-S', project, '-B', project / 'b',
+                               f'-DCMAKE_PREFIX_PATH={self.there.path}', '-DCMAKE_BUILD_TYPE=Release',
+                               f'-DCMAKE_C_COMPILER={self.compiler}', fails=fails, env=self.environment)
+        return project / 'b'
+
+    def runs(self, find, libraries, form, suffix=''):
+        """The programs of these libraries, built and run, are of that form."""
+        programs = [SOURCES[library][0] for library in libraries]
+        build = self.configure(find, ''.join(PROGRAM.format(program, library, suffix)
+                                             for program, library in zip(programs, libraries)))
+        prefix.run('cmake', '--build', build, env=self.environment)
+        for program, library in zip(programs, libraries):
+            said = prefix.run(build / program, env=self.environment).splitlines()[-1]
+            needed = prefix.run('readelf', '-d', build / program)
+            shared = 'libsagitta' in needed
+            if shared != (form == 'shared'):
+                sys.exit(f'{find}: {program} is not {form}:\n{needed}')
+            print(f'{"; ".join(find.splitlines())}: sagitta::{library}{suffix}, {form}: {said}')
+
+    def refused(self, find, words):
+        self.configure(find, fails=True)
+        if ' '.join(words.split()) not in ' '.join(self.said.split()):
+            sys.exit(f'{find}: is refused, but not for: {words}\n{self.said}')
+        print(f'{"; ".join(find.splitlines())}: refused, {words}')
+
+
+def main(build, compiler):
+    if not shutil.which('cmake'):
+        print('skipped: no cmake')
+        return 77
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        there = prefix.Prefix(build, folder)
+        projects = Projects(there, folder, compiler)
+        version = prefix.run('pkg-config', '--modversion', 'sagitta', env=there.environment).strip()
+        major, minor, _ = version.split('.')
+        names = ['sagitta', 'lens'] + ['geo'] * there.geo
+        rest = ' '.join(names[1:])
+
+        projects.runs(f'find_package(sagitta {major}.{minor} REQUIRED COMPONENTS {rest})', names, 'shared')
+        projects.runs('find_package(sagitta 0.2 CONFIG REQUIRED)', names[:1], 'shared')
+        projects.runs(f'find_package(sagitta {version} EXACT REQUIRED static {rest})', names, 'static')
+        projects.runs('find_package(sagitta REQUIRED)', names[:1], 'static', '_static')
+        # A project with two libraries that ask for it independently, and one that wants both forms.
+        again = '\nfind_package(sagitta REQUIRED)'
+        projects.runs('find_package(sagitta REQUIRED COMPONENTS lens)' + again, names[:2], 'shared')
+        projects.runs('find_package(sagitta REQUIRED static)' + again, names[:2], 'static')
+
+        projects.refused('find_package(sagitta REQUIRED shared)\nfind_package(sagitta REQUIRED static)',
+                         'stands for sagitta::sagitta_shared already')
+        projects.refused('find_package(sagitta REQUIRED shared static)', 'ask for shared or for static')
+        projects.refused('find_package(sagitta REQUIRED COMPONENTS none)', 'no component none')
+        projects.refused(f'find_package(sagitta {major}.{int(minor) + 1} REQUIRED)', f'version: {version}')
+        projects.refused('find_package(sagitta 0.1 REQUIRED)', f'version: {version}')
+        projects.refused(f'find_package(sagitta 0.2...<{version} REQUIRED)', f'version: {version}')
+        projects.runs(f'find_package(sagitta 0.2...{version} REQUIRED)', names[:1], 'shared')
+        projects.refused('set(CMAKE_SIZEOF_VOID_P 2)\nfind_package(sagitta REQUIRED)', f'version: {version}')
+        projects.configure('find_package(sagitta OPTIONAL_COMPONENTS none)\n'
+                           'if(NOT sagitta_FOUND OR sagitta_none_FOUND)\nmessage(FATAL_ERROR no)\nendif()')
+
+        # /lib beside /usr/lib: a link to the folder of libraries, from where /../include is not.
+        (folder / 'links').mkdir()
+        (folder / 'links' / 'lib').symlink_to(there.path / 'lib')
+        moved, there.path = there.path, folder / 'links'
+        projects.runs('find_package(sagitta REQUIRED)', names[:1], 'shared')
+        there.path = moved
+
+        there.without_shared()
+        projects.runs('find_package(sagitta REQUIRED)', names[:2], 'static')
+        projects.refused('find_package(sagitta REQUIRED shared)', 'no shared library')
+    print(f'{projects.count} projects')
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(*sys.argv[1:]))
