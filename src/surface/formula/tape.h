@@ -66,8 +66,8 @@ struct sgt_tape {
     double *given;           /* the values of the parameters */
 };
 
-/* One operation on intervals, as interval.h has it (apply.c).  FORMULA_COPY is a; all numbers for the operations of
- * uniforms only. */
+/* One operation on intervals, as interval.h has it (apply.c).  FORMULA_COPY is a.  All numbers for the
+ * operations of uniforms only. */
 sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_interval b);
 
 #endif
