@@ -7,6 +7,8 @@
 
 #include "../../src/surface/formula/tape.h"
 
+#include <sagitta/interval.h>
+
 #include <math.h>
 
 /* NaN where it is not defined; infinite if it is too large. */
@@ -70,15 +72,50 @@ static UNUSED long double tape_value(const sgt_tape *t, const long double point[
     return r[t->step[t->steps - 1].out];
 }
 
-/* The same in intervals. */
+/* One operation on intervals. */
+static UNUSED sgt_interval op_interval(formula_op op, int n, sgt_interval a, sgt_interval b)
+{
+    switch (op) {
+    case FORMULA_ADD: return sgt_interval_sum(a, b);
+    case FORMULA_SUB: return sgt_interval_difference(a, b);
+    case FORMULA_MUL: return sgt_interval_product(a, b);
+    case FORMULA_DIV: return sgt_interval_quotient(a, b);
+    case FORMULA_MIN: return sgt_interval_minimum(a, b);
+    case FORMULA_MAX: return sgt_interval_maximum(a, b);
+    case FORMULA_HYPOT: return sgt_interval_hypotenuse(a, b);
+    case FORMULA_ATAN2: return sgt_interval_angle(a, b);
+    case FORMULA_REAL_POWER: return sgt_interval_real_power(a, b);
+    case FORMULA_POWER: return sgt_interval_power(a, n);
+    case FORMULA_SQUARE: return sgt_interval_square(a);
+    case FORMULA_NEG: return sgt_interval_negative(a);
+    case FORMULA_ABS: return sgt_interval_absolute(a);
+    case FORMULA_SQRT: return sgt_interval_square_root(a);
+    case FORMULA_CBRT: return sgt_interval_cube_root(a);
+    case FORMULA_EXP: return sgt_interval_exponential(a);
+    case FORMULA_LOG: return sgt_interval_logarithm(a);
+    case FORMULA_SIN: return sgt_interval_sine(a);
+    case FORMULA_COS: return sgt_interval_cosine(a);
+    case FORMULA_TAN: return sgt_interval_tangent(a);
+    case FORMULA_ASIN: return sgt_interval_arc_sine(a);
+    case FORMULA_ACOS: return sgt_interval_arc_cosine(a);
+    case FORMULA_ATAN: return sgt_interval_arc_tangent(a);
+    case FORMULA_SINH: return sgt_interval_hyperbolic_sine(a);
+    case FORMULA_COSH: return sgt_interval_hyperbolic_cosine(a);
+    case FORMULA_TANH: return sgt_interval_hyperbolic_tangent(a);
+    default: return a;
+    }
+}
+
+/* F at a point in intervals, of the tape's own intervals. */
 static UNUSED sgt_interval tape_interval(const sgt_tape *t, sgt_vec3 p)
 {
     sgt_interval r[FORMULA_REGISTERS] = {{p.x, p.x}, {p.y, p.y}, {p.z, p.z}};
     for (int i = 0; i < t->steps; i++) {
         const formula_step *s = t->step + i;
         sgt_interval a = s->a < FORMULA_UNIFORM ? r[s->a] : t->value[s->a - FORMULA_UNIFORM], b = a;
-        if (s->op <= FORMULA_REAL_POWER) b = s->b < FORMULA_UNIFORM ? r[s->b] : t->value[s->b - FORMULA_UNIFORM];
-        r[s->out] = sgt_formula_interval((formula_op)s->op, s->n, a, b);
+        if (s->op <= FORMULA_REAL_POWER)
+            b = s->b < FORMULA_UNIFORM ? r[s->b] : t->value[s->b - FORMULA_UNIFORM];
+        r[s->out] = op_interval((formula_op)s->op, s->n, a, b);
     }
     return r[t->step[t->steps - 1].out];
 }

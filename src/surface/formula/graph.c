@@ -27,7 +27,7 @@
  * constant is that number exactly: 2^0.5 stays, 4^0.5 becomes 2.  If it is empty, the text asks for what is
  * not defined anywhere, such as 1/0 or sqrt(-1): that is an error.
  *
- * Test: tests/formula/test_read.c. */
+ * Test: tests/unit/test_formula.c. */
 #include "graph.h"
 
 #include <sagitta/interval.h>

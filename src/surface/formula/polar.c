@@ -19,7 +19,7 @@
  * for an odd n one product with x + i y follows.  Cosine and sine of the same n share them.  x^3 - 3 x y^2 is
  * made as x (x^2 - 3 y^2), which has fewer operations and tighter intervals.
  *
- * Test: tests/formula/test_read.c. */
+ * Test: tests/unit/test_formula.c. */
 #include "polar.h"
 
 #include <sagitta/interval.h>
