@@ -1,6 +1,6 @@
 /* tape_run.h - the tape of a formula looked at and run, step by step, for tests of the reader.
  *
- * It is the plain reading of src/surface/formula/tape.h, in long double, with the C library's functions.  What
+ * It is the plain reading of src/surface/formula/tape.h, in long double, with the C library's functions. What
  * is not defined is NaN.  REQUIRE comes from who includes this. */
 #ifndef TESTS_UNIT_TAPE_RUN_H
 #define TESTS_UNIT_TAPE_RUN_H
@@ -17,33 +17,60 @@ static UNUSED long double op_value(formula_op op, int n, long double a, long dou
     const long double none = (long double)NAN;
     if (isnan(a) || isnan(b)) return none;
     switch (op) {
-    case FORMULA_ADD: return a + b;
-    case FORMULA_SUB: return a - b;
-    case FORMULA_MUL: return a * b;
-    case FORMULA_DIV: return b == 0 ? none : a / b;
-    case FORMULA_MIN: return a < b ? a : b;
-    case FORMULA_MAX: return a > b ? a : b;
-    case FORMULA_HYPOT: return hypotl(a, b);
-    case FORMULA_ATAN2: return a == 0 && b == 0 ? none : atan2l(a == 0 ? 0 : a, b);
-    case FORMULA_REAL_POWER: return a < 0 || (a == 0 && b <= 0) ? none : powl(a, b);
-    case FORMULA_POWER: return n < 0 && a == 0 ? none : powl(a, n);
-    case FORMULA_SQUARE: return a * a;
-    case FORMULA_NEG: return -a;
-    case FORMULA_ABS: return fabsl(a);
-    case FORMULA_SQRT: return a < 0 ? none : sqrtl(a);
-    case FORMULA_CBRT: return cbrtl(a);
-    case FORMULA_EXP: return expl(a);
-    case FORMULA_LOG: return a <= 0 ? none : logl(a);
-    case FORMULA_SIN: return sinl(a);
-    case FORMULA_COS: return cosl(a);
-    case FORMULA_TAN: return tanl(a);
-    case FORMULA_ASIN: return fabsl(a) > 1 ? none : asinl(a);
-    case FORMULA_ACOS: return fabsl(a) > 1 ? none : acosl(a);
-    case FORMULA_ATAN: return atanl(a);
-    case FORMULA_SINH: return sinhl(a);
-    case FORMULA_COSH: return coshl(a);
-    case FORMULA_TANH: return tanhl(a);
-    default: return a;
+    case FORMULA_ADD:
+        return a + b;
+    case FORMULA_SUB:
+        return a - b;
+    case FORMULA_MUL:
+        return a * b;
+    case FORMULA_DIV:
+        return b == 0 ? none : a / b;
+    case FORMULA_MIN:
+        return a < b ? a : b;
+    case FORMULA_MAX:
+        return a > b ? a : b;
+    case FORMULA_HYPOT:
+        return hypotl(a, b);
+    case FORMULA_ATAN2:
+        return a == 0 && b == 0 ? none : atan2l(a == 0 ? 0 : a, b);
+    case FORMULA_REAL_POWER:
+        return a < 0 || (a == 0 && b <= 0) ? none : powl(a, b);
+    case FORMULA_POWER:
+        return n < 0 && a == 0 ? none : powl(a, n);
+    case FORMULA_SQUARE:
+        return a * a;
+    case FORMULA_NEG:
+        return -a;
+    case FORMULA_ABS:
+        return fabsl(a);
+    case FORMULA_SQRT:
+        return a < 0 ? none : sqrtl(a);
+    case FORMULA_CBRT:
+        return cbrtl(a);
+    case FORMULA_EXP:
+        return expl(a);
+    case FORMULA_LOG:
+        return a <= 0 ? none : logl(a);
+    case FORMULA_SIN:
+        return sinl(a);
+    case FORMULA_COS:
+        return cosl(a);
+    case FORMULA_TAN:
+        return tanl(a);
+    case FORMULA_ASIN:
+        return fabsl(a) > 1 ? none : asinl(a);
+    case FORMULA_ACOS:
+        return fabsl(a) > 1 ? none : acosl(a);
+    case FORMULA_ATAN:
+        return atanl(a);
+    case FORMULA_SINH:
+        return sinhl(a);
+    case FORMULA_COSH:
+        return coshl(a);
+    case FORMULA_TANH:
+        return tanhl(a);
+    default:
+        return a;
     }
 }
 
@@ -66,7 +93,8 @@ static UNUSED long double tape_value(const sgt_tape *t, const long double point[
     for (int i = 0; i < t->steps; i++) {
         const formula_step *s = t->step + i;
         long double a = s->a < FORMULA_UNIFORM ? r[s->a] : uniform[s->a - FORMULA_UNIFORM], b = 0;
-        if (s->op <= FORMULA_REAL_POWER) b = s->b < FORMULA_UNIFORM ? r[s->b] : uniform[s->b - FORMULA_UNIFORM];
+        if (s->op <= FORMULA_REAL_POWER)
+            b = s->b < FORMULA_UNIFORM ? r[s->b] : uniform[s->b - FORMULA_UNIFORM];
         r[s->out] = op_value((formula_op)s->op, s->n, a, b);
     }
     return r[t->step[t->steps - 1].out];
@@ -76,33 +104,60 @@ static UNUSED long double tape_value(const sgt_tape *t, const long double point[
 static UNUSED sgt_interval op_interval(formula_op op, int n, sgt_interval a, sgt_interval b)
 {
     switch (op) {
-    case FORMULA_ADD: return sgt_interval_sum(a, b);
-    case FORMULA_SUB: return sgt_interval_difference(a, b);
-    case FORMULA_MUL: return sgt_interval_product(a, b);
-    case FORMULA_DIV: return sgt_interval_quotient(a, b);
-    case FORMULA_MIN: return sgt_interval_minimum(a, b);
-    case FORMULA_MAX: return sgt_interval_maximum(a, b);
-    case FORMULA_HYPOT: return sgt_interval_hypotenuse(a, b);
-    case FORMULA_ATAN2: return sgt_interval_angle(a, b);
-    case FORMULA_REAL_POWER: return sgt_interval_real_power(a, b);
-    case FORMULA_POWER: return sgt_interval_power(a, n);
-    case FORMULA_SQUARE: return sgt_interval_square(a);
-    case FORMULA_NEG: return sgt_interval_negative(a);
-    case FORMULA_ABS: return sgt_interval_absolute(a);
-    case FORMULA_SQRT: return sgt_interval_square_root(a);
-    case FORMULA_CBRT: return sgt_interval_cube_root(a);
-    case FORMULA_EXP: return sgt_interval_exponential(a);
-    case FORMULA_LOG: return sgt_interval_logarithm(a);
-    case FORMULA_SIN: return sgt_interval_sine(a);
-    case FORMULA_COS: return sgt_interval_cosine(a);
-    case FORMULA_TAN: return sgt_interval_tangent(a);
-    case FORMULA_ASIN: return sgt_interval_arc_sine(a);
-    case FORMULA_ACOS: return sgt_interval_arc_cosine(a);
-    case FORMULA_ATAN: return sgt_interval_arc_tangent(a);
-    case FORMULA_SINH: return sgt_interval_hyperbolic_sine(a);
-    case FORMULA_COSH: return sgt_interval_hyperbolic_cosine(a);
-    case FORMULA_TANH: return sgt_interval_hyperbolic_tangent(a);
-    default: return a;
+    case FORMULA_ADD:
+        return sgt_interval_sum(a, b);
+    case FORMULA_SUB:
+        return sgt_interval_difference(a, b);
+    case FORMULA_MUL:
+        return sgt_interval_product(a, b);
+    case FORMULA_DIV:
+        return sgt_interval_quotient(a, b);
+    case FORMULA_MIN:
+        return sgt_interval_minimum(a, b);
+    case FORMULA_MAX:
+        return sgt_interval_maximum(a, b);
+    case FORMULA_HYPOT:
+        return sgt_interval_hypotenuse(a, b);
+    case FORMULA_ATAN2:
+        return sgt_interval_angle(a, b);
+    case FORMULA_REAL_POWER:
+        return sgt_interval_real_power(a, b);
+    case FORMULA_POWER:
+        return sgt_interval_power(a, n);
+    case FORMULA_SQUARE:
+        return sgt_interval_square(a);
+    case FORMULA_NEG:
+        return sgt_interval_negative(a);
+    case FORMULA_ABS:
+        return sgt_interval_absolute(a);
+    case FORMULA_SQRT:
+        return sgt_interval_square_root(a);
+    case FORMULA_CBRT:
+        return sgt_interval_cube_root(a);
+    case FORMULA_EXP:
+        return sgt_interval_exponential(a);
+    case FORMULA_LOG:
+        return sgt_interval_logarithm(a);
+    case FORMULA_SIN:
+        return sgt_interval_sine(a);
+    case FORMULA_COS:
+        return sgt_interval_cosine(a);
+    case FORMULA_TAN:
+        return sgt_interval_tangent(a);
+    case FORMULA_ASIN:
+        return sgt_interval_arc_sine(a);
+    case FORMULA_ACOS:
+        return sgt_interval_arc_cosine(a);
+    case FORMULA_ATAN:
+        return sgt_interval_arc_tangent(a);
+    case FORMULA_SINH:
+        return sgt_interval_hyperbolic_sine(a);
+    case FORMULA_COSH:
+        return sgt_interval_hyperbolic_cosine(a);
+    case FORMULA_TANH:
+        return sgt_interval_hyperbolic_tangent(a);
+    default:
+        return a;
     }
 }
 
@@ -129,7 +184,8 @@ static UNUSED int tape_count(const sgt_tape *t, formula_op op)
 
 static UNUSED bool op_commutes(int op)
 {
-    return op == FORMULA_ADD || op == FORMULA_MUL || op == FORMULA_MIN || op == FORMULA_MAX || op == FORMULA_HYPOT;
+    return op == FORMULA_ADD || op == FORMULA_MUL || op == FORMULA_MIN || op == FORMULA_MAX ||
+           op == FORMULA_HYPOT;
 }
 
 /* Holds a tape to all that tape.h says of one. */
@@ -160,7 +216,8 @@ static UNUSED void tape_check(const sgt_tape *t)
                 REQUIRE(o - FORMULA_UNIFORM < t->uniforms, "step %d: no uniform %d", i, o);
                 REQUIRE(k == 1 || !op_commutes(s->op), "step %d: its uniform operand is the first", i);
             } else {
-                REQUIRE(o < t->registers && written[o], "step %d reads register %d, which is not written", i, o);
+                REQUIRE(o < t->registers && written[o], "step %d reads register %d, which is not written", i,
+                        o);
                 REQUIRE(o != s->out, "step %d writes register %d, which it reads", i, o);
                 mask |= of[o], read[o] = true;
             }
@@ -168,12 +225,12 @@ static UNUSED void tape_check(const sgt_tape *t)
         REQUIRE(s->op == FORMULA_COPY || uniforms < many, "step %d is uniform", i);
         REQUIRE(mask == s->of, "step %d is of %d and says %d", i, mask, s->of);
         REQUIRE(s->out >= 3 && s->out < t->registers, "step %d writes register %d", i, s->out);
-        REQUIRE(!written[s->out] || read[s->out], "step %d overwrites register %d, which nobody read", i, s->out);
+        REQUIRE(!written[s->out] || read[s->out], "step %d overwrites register %d, which nobody read", i,
+                s->out);
         of[s->out] = mask, written[s->out] = true, read[s->out] = false;
         if (s->out >= used) used = s->out + 1;
     }
-    for (int i = 3; i < used; i++)
-        REQUIRE(read[i] != (i == t->step[last].out), "register %d at the end", i);
+    for (int i = 3; i < used; i++) REQUIRE(read[i] != (i == t->step[last].out), "register %d at the end", i);
     REQUIRE(used == t->registers, "%d registers are used, not %d", used, t->registers);
     for (int i = 0; i < t->uniforms; i++) {
         sgt_interval v = t->value[i];

@@ -1,6 +1,6 @@
-/* Numbers in formulas (src/surface/formula/decimal.c) against strtod of the C library, which rounds correctly:
- * random digits, doubles printed with 1 to 800 digits, middles between two doubles exactly and next to them,
- * the ends of the range, and forms of every kind. */
+/* Numbers in formulas (src/surface/formula/decimal.c) against strtod of the C library, which rounds
+ * correctly: random digits, doubles printed with 1 to 800 digits, middles between two doubles exactly and
+ * next to them, the ends of the range, and forms of every kind. */
 #include "unit.h"
 
 #include "../../src/surface/formula/tape.h"
@@ -25,8 +25,8 @@ static void judge(const char *text)
     sgt_formula_error error = {0};
     double want = strtod(text, NULL), got = number_of(text, &error);
     if (isinf(want)) {
-        REQUIRE(isnan(got) && error.column == 1 && strstr(error.text, "larger"), "%.60s...: column %d, %s", text,
-                (int)error.column, error.text);
+        REQUIRE(isnan(got) && error.column == 1 && strstr(error.text, "larger"), "%.60s...: column %d, %s",
+                text, (int)error.column, error.text);
         return;
     }
     REQUIRE(same_bits(want, got), "%.60s...: %a, not %a (%s)", text, got, want, error.text);
@@ -36,14 +36,53 @@ static void test_forms(void **state)
 {
     (void)state;
     static const char *const texts[] = {
-        "0", "0.0", "00", "1", "1.", ".5", "5.", "0.5e1", "1e5", "1E5", "1e+5", "1e-5", "1e05", "000123.4500e-002",
-        "0e999999999999", "0.000e-99999", "1e-99999999999", "123456789012345678901234567890", "1e22", "1e23",
-        "9007199254740993", "9007199254740992.99999999999999999999999999", "9007199254740993.00000000000000000001",
-        "4.9e-324", "2.4703282292062327e-324", "2.4703282292062328e-324", "2.2250738585072014e-308",
-        "2.2250738585072011e-308", "1.7976931348623157e308", "1.7976931348623158e308", "1.7976931348623159e308",
-        "179769313486231580793e289", "1e308", "1e309", "1e310", "1e99999", "1e9999999999999999999",
-        "0.000000000000000000000000000000000000000000000000000000000000000001", "8.5e15", "123456789012345e22",
-        "999999999999999e22", "999999999999999e-22", "1e-22", "1e-23", "0.1", "0.3", "6929495644600919.5",
+        "0",
+        "0.0",
+        "00",
+        "1",
+        "1.",
+        ".5",
+        "5.",
+        "0.5e1",
+        "1e5",
+        "1E5",
+        "1e+5",
+        "1e-5",
+        "1e05",
+        "000123.4500e-002",
+        "0e999999999999",
+        "0.000e-99999",
+        "1e-99999999999",
+        "123456789012345678901234567890",
+        "1e22",
+        "1e23",
+        "9007199254740993",
+        "9007199254740992.99999999999999999999999999",
+        "9007199254740993.00000000000000000001",
+        "4.9e-324",
+        "2.4703282292062327e-324",
+        "2.4703282292062328e-324",
+        "2.2250738585072014e-308",
+        "2.2250738585072011e-308",
+        "1.7976931348623157e308",
+        "1.7976931348623158e308",
+        "1.7976931348623159e308",
+        "179769313486231580793e289",
+        "1e308",
+        "1e309",
+        "1e310",
+        "1e99999",
+        "1e9999999999999999999",
+        "0.000000000000000000000000000000000000000000000000000000000000000001",
+        "8.5e15",
+        "123456789012345e22",
+        "999999999999999e22",
+        "999999999999999e-22",
+        "1e-22",
+        "1e-23",
+        "0.1",
+        "0.3",
+        "6929495644600919.5",
         "3.141592653589793238462643383279502884197169399375105820974944592307816406286",
     };
     for (size_t i = 0; i < COUNT_OF(texts); i++) judge(texts[i]);

@@ -139,10 +139,10 @@ static sgt_tape *tape_read(formula_reader *r, size_t length, void *room, size_t 
     const room_plan plan = room_for(r->scan.text, length, r->names);
     const size_t tail = room_rounded(plan.buckets * sizeof(int) + plan.waves * sizeof(polar_wave));
     double values[SGT_FORMULA_PARAMETERS];
-    if (size > plan.all) size = plan.all;
-    size -= size % ROOM_ALIGNED;
+    const size_t given = room ? size : 0;
+    size = size < plan.all ? size - size % ROOM_ALIGNED : plan.all;
     if (!room || size < plan.head + tail + 4 * sizeof(formula_node))
-        return room_too_small(&r->fault, room ? size : 0, plan.all), NULL;
+        return room_too_small(&r->fault, given, plan.all), NULL;
     char *first = (char *)room + plan.head, *end = (char *)room + size, *table = end - tail;
     size_t fit = (size_t)(table - first) / sizeof(formula_node);
     r->graph = (formula_graph){.node = (formula_node *)(void *)first,
@@ -160,7 +160,7 @@ static sgt_tape *tape_read(formula_reader *r, size_t length, void *room, size_t 
         char *behind = first + (size_t)r->graph.count * sizeof(formula_node);
         tape = tape_made(r, result, room, plan.head, behind, (size_t)(end - behind));
     }
-    if (r->graph.full) return r->fault.found = false, room_too_small(&r->fault, size, plan.all), NULL;
+    if (r->graph.full) return r->fault.found = false, room_too_small(&r->fault, given, plan.all), NULL;
     if (!tape) return NULL;
     for (size_t i = 0; i < r->names; i++) values[i] = r->name[i].value;
     sgt_formula_set(tape, values);

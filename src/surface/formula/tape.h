@@ -79,4 +79,7 @@ struct sgt_tape {
  * operations of uniforms only. */
 sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_interval b);
 
+/* The same of uniforms: all numbers if it is not known whether it is defined (apply.c). */
+sgt_interval sgt_formula_uniform(formula_op op, int n, sgt_interval a, sgt_interval b);
+
 #endif
