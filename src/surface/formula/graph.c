@@ -133,11 +133,11 @@ int sgt_graph_number(formula_graph *g, double number)
 int sgt_graph_parameter(formula_graph *g, int n) { return node_of(g, FORMULA_PARAMETER, 0, 0, n, 0); }
 int sgt_graph_pi(formula_graph *g) { return node_of(g, FORMULA_PI, 0, 0, 0, 0); }
 
-static int node_one(formula_graph *g, int op, int a) { return node_of(g, op, a, 0, 0, 0); }
-static int node_two(formula_graph *g, int op, int a, int b) { return node_of(g, op, a, b, 0, 0); }
+static int node_one(formula_graph *g, formula_op op, int a) { return node_of(g, (int)op, a, 0, 0, 0); }
+static int node_two(formula_graph *g, formula_op op, int a, int b) { return node_of(g, (int)op, a, b, 0, 0); }
 
 /* Where the operands may change places. */
-static int node_either_way(formula_graph *g, int op, int a, int b)
+static int node_either_way(formula_graph *g, formula_op op, int a, int b)
 {
     bool uniform_a = !g->node[a].of, uniform_b = !g->node[b].of;
     bool change = uniform_a != uniform_b ? uniform_a : a > b;
