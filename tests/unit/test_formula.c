@@ -439,6 +439,7 @@ static void test_precedence(void **state)
         {"hypot(y, x+2)", 5},
         {"abs(x-y)", 1},
         {"x^0.5*x^0.5", 2},
+        {"x^-2*(x^-2)^2", 1.0 / 64},
         {"z/2*2", 5},
         {"2/z", 0.4},
         {"x*1e-1", 0.2},
@@ -665,6 +666,7 @@ static void test_shared(void **state)
         {"sin(-x) + sin(x)", 2, FORMULA_SIN, 1},
         {"x^0*y", 1, FORMULA_COPY, 1},
         {"log(x)^0 + y", 4, FORMULA_LOG, 1},
+        {"(x^-2)^0 + y", 4, FORMULA_POWER, 1},
         {"sqrt(x^2 + y^2)", 1, FORMULA_HYPOT, 1},
         {"sqrt(x^2 + a^2)", 3, FORMULA_SQRT, 1},
         {"r^2", 3, FORMULA_HYPOT, 0},
@@ -885,6 +887,22 @@ static void test_large(void **state)
     t = read_in(written, SGT_FORMULA_XYZ, 0, &error);
     REQUIRE(t || strstr(error.text, "at once") || strstr(error.text, "there may be 1024"), "the longest: %s",
             error.text);
+    /* as many numbers as there may be, and one more */
+    for (int n = FORMULA_UNIFORMS; n <= FORMULA_UNIFORMS + 1; n++) {
+        length = 0;
+        put("0");
+        for (int i = 0; i < n; i++) {
+            char part[40];
+            sprintf(part, "+x*%d.5", i);
+            put(part);
+        }
+        t = read_in(written, SGT_FORMULA_XYZ, 0, &error);
+        if (n == FORMULA_UNIFORMS)
+            REQUIRE(t && t->uniforms == n, "%d numbers: %s", n, error.text);
+        else
+            REQUIRE(!t && error.column == 0 && strstr(error.text, "has 1025 numbers"), "1025: %s",
+                    error.text);
+    }
     /* waves: as many nodes as they can make */
     length = 0;
     put("x");
