@@ -35,7 +35,7 @@ static inline vec3 point_in(const sgt_pose *p, double small, vec3 at)
 
 static bool is_start_again(const object *o, const beam *b, sgt_status status, vec3 n, vec3 d)
 {
-    return b->from == o && o->solid && status > 0 && b->side * dot(n, d) > 0;
+    return b->from == o && !o->sheet && status > 0 && b->side * dot(n, d) > 0;
 }
 
 /* A ray by itself: the start is passed by as often as it is found.  hit.evals is the sum. */

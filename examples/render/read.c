@@ -218,3 +218,9 @@ void read_scene(scene *s, const char *file)
     for (int i = 0; i < s->objects; i++) read_object(&d, document_item(&d, objects, i), &s->object[i]);
     document_close(&d);
 }
+
+void scene_free(scene *s)
+{
+    for (int i = 0; i < s->objects; i++) sgt_lens_free(s->object[i].read);
+    s->objects = 0;
+}

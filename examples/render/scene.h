@@ -3,15 +3,14 @@
 #define RENDER_SCENE_H
 #include "vector.h"
 
-#include <sagitta/system.h>
+#include <sagitta/lens.h>
 
 enum {
     MOST_OBJECTS = 64,
     MOST_LIGHTS = 16,
     MOST_POINTS = 16,
     MOST_COLOURS = 8,
-    MOST_DEPTH = 12,
-    SELF_SIZE = 256
+    MOST_DEPTH = 12
 };
 
 /* A colour that may change from place to place, in the object's own frame. */
@@ -45,9 +44,9 @@ typedef struct object {
     double scale;
     sgt_options options;
     normal_kind normal;
-    bool solid;                /* closed: F < 0 is its inside, wherever one is */
+    bool sheet;                /* may end: where F falls along a ray need not be where something is entered */
     material material;
-    _Alignas(16) char self[SELF_SIZE];  /* the surface's parameters */
+    sgt_lens *read;            /* what holds the surface's parameters */
 } object;
 
 typedef struct light { vec3 position, colour; double radius; } light;
