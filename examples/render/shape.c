@@ -127,6 +127,15 @@ static bool is_sheet(document *d, const node *map, const sgt_builtin *row, const
     return sheet;
 }
 
+static bool is_bounded(const sgt_surface_ops *ops)
+{
+    const sgt_surface_ops *const all[] = {&sgt_torus_ops, &sgt_ellipsoid_ops, &sgt_julia_ops, &sgt_mandelbrot_ops,
+                                          &mandelbulb_ops, &box_ops};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (ops == all[i]) return ops->span != NULL;
+    return false;
+}
+
 void shape_read(document *d, const node *map, const char *more, object *o)
 {
     const sgt_lens_options options = {.types = own_surfaces};
@@ -141,5 +150,6 @@ void shape_read(document *d, const node *map, const char *more, object *o)
                    unknown ? "; and of an object " : "", unknown ? more : "");
     }
     o->surface = o->read->element[0].surface;
+    o->bounded = is_bounded(o->surface.ops);
     o->sheet = is_sheet(d, map, row_of(o->read->surface[0].type), o->surface.ops);
 }
