@@ -1,33 +1,35 @@
 /* compound.c - union, intersection and difference of objects, and clips.
  *
- * INSIDE.  A point is inside an object where F < 0, outside where F > 0.  Of a union, an intersection, a difference
- * that follows by logic.  Along a ray it can change only at a root of one of the parts.  Between roots one value
- * of F tells; its sign is certain if |F| is above its rounding, and above what the error of the point makes of it.
- * Else, and where F is not defined, it is not known; and what is not known is carried through the logic (S. C.
- * Kleene, 1938): outside of one part a point is outside of the intersection, whatever the others are.
+ * INSIDE.  A point is inside an object where F < 0, outside where F > 0.  Of a union, an intersection, a
+ * difference that follows by logic.  Along a ray it can change only at a root of one of the parts.  Between
+ * roots one value of F tells; its sign is certain if |F| is above its rounding, and above what the error of
+ * the point makes of it.  Else, and where F is not defined, it is not known; and what is not known is carried
+ * through the logic (S. C. Kleene, 1938): outside of one part a point is outside of the intersection,
+ * whatever the others are.
  *
- * THE SEARCH.  Each part is asked for its first root, all rays at a time.  The nearest root of all is looked at: if
- * the body is the same on both sides of it, it is hidden, and its part is asked for its next root.  Else it is the
- * body's first hit.  So a part is asked no more often than it has hidden roots in front, and a ray that meets no
- * part costs a batch each.  (sgt_intersect_all finds the same roots; it looks for all of them at once, and of a
- * fractal there are hundreds behind the first.)
+ * THE SEARCH.  Each part is asked for its first root, all rays at a time.  The nearest root of all is looked
+ * at: if the body is the same on both sides of it, it is hidden, and its part is asked for its next root.
+ * Else it is the body's first hit.  So a part is asked no more often than it has hidden roots in front, and a
+ * ray that meets no part costs a batch each.  (sgt_intersect_all finds the same roots; it looks for all of
+ * them at once, and of a fractal there are hundreds behind the first.)
  *
- * ROOTS TOGETHER.  A root is known to an error.  Roots whose errors overlap are looked at together, since their
- * order is not known.  If the body is another in front of them than behind, it is met there, whatever the order
- * is.  If it is the same, and would be the same for all states of those parts, nothing is met.  Else a sliver, or
- * an edge that is touched, may be there or not: undecided.
+ * ROOTS TOGETHER.  A root is known to an error.  Roots whose errors overlap are looked at together, since
+ * their order is not known.  If the body is another in front of them than behind, it is met there, whatever
+ * the order is.  If it is the same, and would be the same for all states of those parts, nothing is met.
+ * Else a sliver, or an edge that is touched, may be there or not: undecided.
  *
- * UNDECIDED.  A part may answer that it cannot tell of a stretch.  If the body is the same whatever the part is there,
- * no harm is done.  Else the ray is undecided, counted as such, and goes on behind, as if nothing were there.  So
- * a hit without an undecided stretch before it is the first, as surely as the parts' own are.
+ * UNDECIDED.  A part may answer that it cannot tell of a stretch.  If the body is the same whatever the part
+ * is there, no harm is done.  Else the ray is undecided, counted as such, and goes on behind, as if nothing
+ * were there.  So a hit without an undecided stretch before it is the first, as surely as the parts' own are.
  *
- * A TOUCH (a graze of one part) changes no side.  It is a touch of the body if the body depends on that part there.
+ * A TOUCH (a graze of one part) changes no side.  It is a touch of the body if the body depends on that part
+ * there.
  *
- * WHAT IS LEFT OUT.  A body that is bounded is nowhere outside of its surface's span.  So what is intersected with it,
- * or taken from it, is asked of that stretch only, and a little more.
+ * WHAT IS LEFT OUT.  A body that is bounded is nowhere outside of its surface's span.  So what is intersected
+ * with it, or taken from it, is asked of that stretch only, and a little more.
  *
- * CLIPS.  A ball and a box leave one stretch of a ray, by computed numbers, and nothing is asked beyond it.
- * That of a region (another body) is asked at each hit: is this point inside?  What lies nearer to the
+ * CLIPS.  A ball and a box leave one stretch of a ray, by computed numbers, and nothing is asked beyond
+ * it.  That of a region (another body) is asked at each hit: is this point inside?  What lies nearer to the
  * region's border than rounding lets tell is undecided. */
 #include "compound.h"
 
@@ -113,7 +115,8 @@ static void ranges_of(const scene *s, int first_part, int at, const beam *b, str
     const knot *k = &s->knot[at];
     if (k->op == PART) ranges[k->object - first_part] = in;
     if (k->op == INTERSECTION)
-        for (int child = at + 1; child < k->end; child = s->knot[child].end) in = both(in, bounds_of(s, child, b));
+        for (int child = at + 1; child < k->end; child = s->knot[child].end)
+            in = both(in, bounds_of(s, child, b));
     stretch first = k->op == DIFFERENCE ? both(in, bounds_of(s, at + 1, b)) : in;
     for (int child = at + 1; child < k->end; child = s->knot[child].end)
         ranges_of(s, first_part, child, b, child > at + 1 ? first : in, ranges);
@@ -128,7 +131,8 @@ static stretch clipped(const clip *c, const beam *b)
     double half[3] = {c->half.x * c->scale, c->half.y * c->scale, c->half.z * c->scale};
     stretch in = WHOLE;
     if (c->kind == CLIP_BALL) {
-        double t = -dot(from, b->d), near2 = half[0] * half[0] - dot(along(from, t, b->d), along(from, t, b->d));
+        double t = -dot(from, b->d),
+               near2 = half[0] * half[0] - dot(along(from, t, b->d), along(from, t, b->d));
         double way = near2 >= 0 ? sqrt(near2) : -1;
         return (stretch){t - way, t + way};
     }
@@ -167,7 +171,8 @@ static void go_on(walk *w, int k)
 {
     const object *o = &w->s->object[k];
     event *e = event_of(w, k);
-    double end = w->range[k - w->of->first].hi, to = end < w->far ? end : w->far, from = e->status > 0 ? e->t : e->hi;
+    double end = w->range[k - w->of->first].hi, to = end < w->far ? end : w->far,
+           from = e->status > 0 ? e->t : e->hi;
     double rise = dot(e->n, ray_in(o, w->beam).d);
     double side = e->status == SGT_HIT && rise != 0 ? (rise > 0 ? 1 : -1) : 0;
     *e = event_alone(o, w->beam, from, to, side);
@@ -221,8 +226,8 @@ static bool gather(const walk *w, stretch *all, bool among[], int *count)
     return *count > 0;
 }
 
-/* Which of the events among is the body's?  They are gone through in the order of t, from the states in front of
- * all; it is that at which the body becomes what it is behind all.  -1: none. */
+/* Which of the events among is the body's?  They are gone through in the order of t, from the states in
+ * front of all; it is that at which the body becomes what it is behind all.  -1: none. */
 static int changer(const walk *w, bool among[], int behind)
 {
     int root = w->of->knot;
@@ -244,8 +249,8 @@ static void set_states(walk *w, const bool among[], int known, bool before)
             w->now[k] = known >= 0 ? (state)known : beside(&w->s->object[k], w->beam, event_of(w, k), before);
 }
 
-/* What the events make of the body.  Returns the part that is met, or -1; *undecided says more.  One event alone
- * is where that part changes, or may: from which side to which does not matter. */
+/* What the events make of the body.  Returns the part that is met, or -1; *undecided says more.  One event
+ * alone is where that part changes, or may: from which side to which does not matter. */
 static int judge(walk *w, const stretch *all, bool among[], int count, sgt_status *undecided)
 {
     const scene *s = w->s;
@@ -312,7 +317,8 @@ static stretch allowed(const body *of, const beam *b, double far)
 {
     stretch in = {0, far};
     for (int i = 0; i < of->clips; i++)
-        if (of->clip[i].kind == CLIP_BALL || of->clip[i].kind == CLIP_BOX) in = both(in, clipped(&of->clip[i], b));
+        if (of->clip[i].kind == CLIP_BALL || of->clip[i].kind == CLIP_BOX)
+            in = both(in, clipped(&of->clip[i], b));
     return in;
 }
 

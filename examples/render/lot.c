@@ -41,9 +41,10 @@ static bool is_start_again(const object *o, double side, sgt_status status, vec3
 
 static double side_at(const object *o, const beam *b) { return b->from == o ? b->side : 0; }
 
-/* How far a root may be off in t.  To the library's own bound comes what the way into the frame has rounded of the
- * ray's points, three products and sums of a point and of a direction: that moves a root by so much along the
- * normal.  With t_tol nothing is told apart by less than that, and the order is that of t. */
+/* How far a root may be off in t.  To the library's own bound comes what the way into the frame has
+ * rounded of the ray's points, three products and sums of a point and of a direction: that moves a root by
+ * so much along the normal.  With t_tol nothing is told apart by less than that, and the order is that of
+ * t. */
 static double error_of(const object *o, const sgt_ray *ray, double t, double t_err, vec3 n)
 {
     if (o->options.t_tol > 0) return 0;
@@ -106,7 +107,8 @@ void lot_meet(lot *l, const object *o)
     sgt_intersect_batch(o->surface, n, rays, hits, &o->options);
     for (size_t i = 0; i < n; i++) {
         const beam *b = l->beam[i];
-        if (!is_start_again(o, side_at(o, b), l->status[i], vector_of(l->n_at, i), vector_of(l->d, i))) continue;
+        if (!is_start_again(o, side_at(o, b), l->status[i], vector_of(l->n_at, i), vector_of(l->d, i)))
+            continue;
         event e = event_alone(o, b, l->lo[i], l->far[i], b->side);
         l->status[i] = (signed char)e.status, l->evals[i] = e.evals, l->t[i] = e.t;
         l->t_err[i] = e.hi - e.t;

@@ -15,8 +15,8 @@ typedef struct event {
     vec3 p, n;        /* in the object's frame; n is F's gradient */
 } event;
 
-/* Some rays, a row for each number: in the world, in the frame of an object, and their hits with it.  Looked for is
- * from lo to far; lo 0: from where the ray starts. */
+/* Some rays, a row for each number: in the world, in the frame of an object, and their hits with it.
+ * Looked for is from lo to far; lo 0: from where the ray starts. */
 enum { LOT = 256 };
 typedef double row[LOT];
 typedef struct lot {
@@ -37,8 +37,8 @@ void lot_meet(lot *l, const object *o);
 /* The i-th ray's answer, after lot_meet. */
 event lot_event(lot *l, size_t i, const object *o);
 
-/* A ray by itself, from tmin to far.  tmin is 0, or where the object was met last; `side` is where the ray went
- * from there, as in a beam, or 0: not known. */
+/* A ray by itself, from tmin to far.  tmin is 0, or where the object was met last; `side` is where the ray
+ * went from there, as in a beam, or 0: not known. */
 event event_alone(const object *o, const beam *b, double tmin, double far, double side);
 
 /* The ray in the object's frame.  It begins where the library put it, if it starts on the object. */

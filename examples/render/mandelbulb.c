@@ -1,37 +1,38 @@
-/* mandelbulb.c - a surface of one's own with an enclosure: every ray is proven.
+/* mandelbulb.c - a surface of one's own with an enclosure: first hits and misses are proven.
  *
- * The triplex power 8 of v (D. White and P. Nylander, 2009) multiplies by 8 the angle from the z axis
- * and the angle about it.  With rho = |(x, y)|, a = z + i rho and e = (x + i y) / rho it is
+ * The triplex power 8 of v (D. White and P. Nylander, 2009) multiplies by 8 the angle from the z axis and the
+ * angle about it.  With rho = |(x, y)|, a = z + i rho and e = (x + i y) / rho it is
  *
  *     z' = Re a^8,   x' + i y' = Im a^8 e^8,   |v'| = |v|^8,
  *
- * six squarings of complex numbers and no sine.  The surface is |v_N| = E of the orbit v_1 = p,
- * v_{j+1} = v_j^8 + p; F = (u - 1) / (u + 1), u = |v_N|^2 / E^2, is below zero inside.
+ * six squarings of complex numbers and no sine.  The surface is |v_N| = E of the orbit v_1 = p, v_{j+1} =
+ * v_j^8 + p; F = (u - 1) / (u + 1), u = |v_N|^2 / E^2, is below zero inside.
  *
  * THE ENCLOSURE is the same orbit in models (model.h): each number is a straight line along the cell, with a
- * bound on what it is off.  So its width falls with the square of the cell's length, and it does not matter that the
- * power stretches by up to 64 r^7 at each level: along a ray, lines say which way.  With q = rho^2 the power is
+ * bound on what it is off.  So its width falls with the square of the cell's length, and it does not matter
+ * that the power stretches by up to 64 r^7 at each level: along a ray, lines say which way.  With q = rho^2
+ * the power is
  *
  *     A = z^2 - q,   B = 4 z^2 q,   R = A^2 - B = Re a^4,   Re a^8 = R^2 - 4 A^2 B,   Im a^8 = 8 z rho A R,
  *
- * and e^2 = (x^2 - y^2 + 2 i x y) / q: one root and one quotient a level.  On the axis rho has a kink, and e is not
- * defined; but |x' + i y'| <= |Im a^8|, which is all that is used of a cell that may meet it.  Its slope is not known
- * then, so a root on the axis, or where the orbit comes there, is undecided.
+ * and e^2 = (x^2 - y^2 + 2 i x y) / q: one root and one quotient a level.  On the axis rho has a kink, and e
+ * is not defined; but |x' + i y'| <= |Im a^8|, which is all that is used of a cell that may meet it.  Its
+ * slope is not known then, so a root on the axis, or where the orbit comes there, is undecided.
  *
- * LET GO.  With |p| <= C, and T^8 = E + C, T <= E: an orbit that is beyond T at some level is beyond
- * T^8 - C = E >= T at the next and ever after.  Then F is above zero, and the levels left need not be gone through.
+ * LET GO.  With |p| <= C, and T^8 = E + C, T <= E: an orbit that is beyond T at some level is beyond T^8 - C
+ * = E >= T at the next and ever after.  Then F is above zero, and the levels left need not be gone through.
  * Far from the surface most cells end so after one level or two.
  *
- * ROUNDING OF F.  In the directions of a (two of them) and about the axis, the power stretches by
- * 8 r^7, 8 r^7 and 8 r^7 |sin 8 theta / sin theta|, and takes the three directions, at right angles
- * to each other, to three that are so too.  Hence its norm is J = 8 r^7 max(1, |sin 8 theta / sin
- * theta|), where the quotient is at most 8.  On the axis itself the power has no derivative, but it is
- * continuous, and the bound holds on both sides: J bounds how far two points move apart.  So an error e_n of
- * v_n is one of at most J_n e_n, and of the level's own rounding, in v_{n+1}.
+ * ROUNDING OF F.  In the directions of a (two of them) and about the axis, the power stretches by 8 r^7, 8
+ * r^7 and 8 r^7 |sin 8 theta / sin theta|, and takes the three directions, at right angles to each other, to
+ * three that are so too.  Hence its norm is J = 8 r^7 max(1, |sin 8 theta / sin theta|), where the quotient
+ * is at most 8.  On the axis itself the power has no derivative, but it is continuous, and the bound holds on
+ * both sides: J bounds how far two points move apart.  So an error e_n of v_n is one of at most J_n e_n, and
+ * of the level's own rounding, in v_{n+1}.
  *
- * (Before it had an enclosure, the march went by a clearance from those norms.  That was a tenth of the distance, and
- * a ray that starts on the surface, as all shadow rays do, begins with a clearance of 0: a quarter of all
- * rays found nothing that way and were unproven.) */
+ * (Before it had an enclosure, the march went by a clearance from those norms.  That was a tenth of the
+ * distance, and a ray that starts on the surface, as all shadow rays do, begins with a clearance of 0: a
+ * quarter of all rays found nothing that way and were unproven.) */
 #include "own.h"
 
 #include "model.h"
@@ -138,7 +139,8 @@ static double bulb_rounding(const void *self, vec3 p)
     return fmin(2, (nearest > 0.6 ? 4 * nearest / (q * q) : 1.3) * e / escape + 8 * U);
 }
 
-/* Beyond (E + 2)^(1/8) a point is beyond T, as long as E is at most 100.  With one level the surface is a ball. */
+/* Beyond (E + 2)^(1/8) a point is beyond T, as long as E is at most 100.  With one level the surface is a
+ * ball. */
 static sgt_span bulb_span(const void *self, const sgt_ray *ray)
 {
     const mandelbulb *s = self;

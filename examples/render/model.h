@@ -1,10 +1,10 @@
 /* model.h - numbers along a cell of a ray, as straight lines with a bound on the rest.
  *
- * A cell is t = m + h tau, tau from -1 to 1.  A model {c, s, e} stands for every function of tau that is within e
- * of c + s tau all over the cell: a Taylor model of first order (K. Makino and M. Berz, 1996).  Intervals forget
- * that two numbers come from the same t; lines keep it, so what is left out falls with h^2.  What every operation
- * rounds is added to e: U = 2^-53 of each result, counted, with some to spare for the rounding of e itself.  2^-1000
- * is more than all that underflows.
+ * A cell is t = m + h tau, tau from -1 to 1.  A model {c, s, e} stands for every function of tau that is
+ * within e of c + s tau all over the cell: a Taylor model of first order (K. Makino and M. Berz, 1996).
+ * Intervals forget that two numbers come from the same t; lines keep it, so what is left out falls with h^2.
+ * What every operation rounds is added to e: U = 2^-53 of each result, counted, with some to spare for the
+ * rounding of e itself.  2^-1000 is more than all that underflows.
  *
  * A jet is a model of a number and one of its derivative by t. */
 #ifndef RENDER_MODEL_H
@@ -39,8 +39,8 @@ static inline model minus(model a, model b) { return plus(a, negative(b)); }
 /* By a power of 2. */
 static inline model scaled_model(model a, double by) { return (model){by * a.c, by * a.s, by * a.e}; }
 
-/* s s' tau^2 is within s s' / 2 of s s' / 2.  c has two products and a sum, s the same, and s s' is rounded: below
- * 3 U of the product of the sizes. */
+/* s s' tau^2 is within s s' / 2 of s s' / 2.  c has two products and a sum, s the same, and s s' is
+ * rounded: below 3 U of the product of the sizes. */
 static inline model product(model a, model b)
 {
     double bend = 0.5 * (a.s * b.s), A = size_of(a), B = size_of(b);

@@ -32,9 +32,13 @@ static sgt_objection object_to_box(const void *self)
     return all ? (sgt_objection){NULL, NULL} : (sgt_objection){"half", "must be three numbers above 0"};
 }
 
-static const sgt_param box_params[] = {
-    {.name = "half", .unit = {.length = 1}, .offset = offsetof(box, half), .count = 3, .hi = 1e6, .kind = SGT_VECTOR},
-    {0}};
+static const sgt_param box_params[] = {{.name = "half",
+                                        .unit = {.length = 1},
+                                        .offset = offsetof(box, half),
+                                        .count = 3,
+                                        .hi = 1e6,
+                                        .kind = SGT_VECTOR},
+                                       {0}};
 
 const sgt_builtin own_surfaces[] = {
     {.type = "mandelbulb", .ops = &mandelbulb_ops, .size = sizeof(mandelbulb), .params = bulb_params},

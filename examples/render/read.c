@@ -178,16 +178,19 @@ typedef struct setting {
 } setting;
 
 /* Of something placed within the frame `in`. */
-static void place_in(const setting *in, vec3 position, vec3 rotation, double scale, sgt_pose *pose, double *all)
+static void place_in(const setting *in, vec3 position, vec3 rotation, double scale, sgt_pose *pose,
+                     double *all)
 {
     sgt_pose own = sgt_pose_tilted(position, rotation);
     *all = in->scale * scale;
     pose->origin = along(in->pose.origin, in->scale, turned(&in->pose, position));
-    pose->ex = turned(&in->pose, own.ex), pose->ey = turned(&in->pose, own.ey), pose->ez = turned(&in->pose, own.ez);
+    pose->ex = turned(&in->pose, own.ex), pose->ey = turned(&in->pose, own.ey),
+    pose->ez = turned(&in->pose, own.ez);
 }
 
 #define OF_ALL "position rotation scale t_tol dt_min max_evals normal material"
-static const char OF_OBJECT[] = OF_ALL " clip", OF_COMPOUND[] = "union intersection difference " OF_ALL " clip";
+static const char OF_OBJECT[] = OF_ALL " clip",
+                  OF_COMPOUND[] = "union intersection difference " OF_ALL " clip";
 static const char *const NORMALS[] = {"gradient", "difference", "potential", NULL};
 
 /* The keys that all have, read into what is above; returns its own setting. */
@@ -229,9 +232,11 @@ static void read_surface(document *d, const node *map, const setting *in, bool p
     if (normal && o->normal == NORMAL_POTENTIAL && !has_potential(o))
         document_fail(d, normal, "normal", "only julia and mandelbrot have a potential");
     if (part && o->surface.ops == &edge_ops)
-        document_fail(d, document_find(d, map, "type"), "type", "an edge has no inside: take a quadric and planes");
+        document_fail(d, document_find(d, map, "type"), "type",
+                      "an edge has no inside: take a quadric and planes");
     if (part && rim)
-        document_fail(d, rim, "semi_diameter", "a part has no rim: its inside is all that lies below the sag");
+        document_fail(d, rim, "semi_diameter",
+                      "a part has no rim: its inside is all that lies below the sag");
 }
 
 static int add_knot(document *d, const node *at, operation op, scene *s)
@@ -265,7 +270,8 @@ static int read_tree(document *d, const node *map, const setting *in, bool part,
     document_keys(d, map, "objects");
     const node *list = operation_of(d, map, &op, &key), *cut = document_find(d, map, "clip");
     if (cut && part)
-        document_fail(d, cut, "clip", "what is clipped has no inside: a part is cut by an intersection or difference");
+        document_fail(d, cut, "clip",
+                      "what is clipped has no inside: a part is cut by an intersection or difference");
     int at = add_knot(d, map, op, s);
     if (list) {
         if (depth == DEPTH_MOST) document_fail(d, list, key, "more than %d within each other", DEPTH_MOST);
@@ -284,7 +290,8 @@ static int read_tree(document *d, const node *map, const setting *in, bool part,
 static void read_clip(document *d, const node *map, const setting *in, scene *s, clip *c)
 {
     static const char *const kinds[] = {"ball", "box", "object", "outside"};
-    static const char *const known[] = {"ball position rotation", "box position rotation", "object", "outside"};
+    static const char *const known[] = {"ball position rotation", "box position rotation", "object",
+                                        "outside"};
     vec3 position = {0}, rotation = {0};
     const node *n = NULL;
     document_keys(d, map, "clip");

@@ -59,7 +59,8 @@ typedef struct object {
     sgt_lens *read;            /* what holds the surface's parameters */
 } object;
 
-/* A tree of objects, as a row: a knot, then its first child with all that is below it, then the next child. */
+/* A tree of objects, as a row: a knot, then its first child with all that is below it, then the next
+ * child. */
 typedef enum operation { PART, UNION, INTERSECTION, DIFFERENCE } operation;
 typedef struct knot {
     operation op;

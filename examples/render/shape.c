@@ -1,12 +1,13 @@
 /* shape.c - surfaces as lens files have them, read by the library's own reader (sagitta/lens.h).
  *
- * That reader takes one surface as text, `{type: sphere, radius: 20}`.  An object's map holds such a surface and
- * keys of this program beside it.  So the map is written out once more, without the keys of this program, and
- * given to the reader under the scene's name: files that it names are looked for beside the scene.  What is
- * written stands on the line on which it stands in the scene, so a fault is told with the line that the user sees.
- * (An alias is written out where it is used.  If its anchor stands above, it takes the line that has been
- * reached.)  Types, keys, limits and messages are the reader's; a type that comes to it later can be used here
- * at once.  Surfaces of this program's own go to the reader as a table (own.h). */
+ * That reader takes one surface as text, `{type: sphere, radius: 20}`.  An object's map holds such a
+ * surface and keys of this program beside it.  So the map is written out once more, without the keys of
+ * this program, and given to the reader under the scene's name: files that it names are looked for beside
+ * the scene.  What is written stands on the line on which it stands in the scene, so a fault is told with
+ * the line that the user sees.  (An alias is written out where it is used.  If its anchor stands above, it
+ * takes the line that has been reached.)  Types, keys, limits and messages are the reader's; a type that
+ * comes to it later can be used here at once.  Surfaces of this program's own go to the reader as a table
+ * (own.h). */
 #include "shape.h"
 
 #include "own.h"
@@ -36,8 +37,8 @@ static void go_to_line(writer *w, const node *n)
     for (; w->line < n->start_mark.line; w->line++) write_bytes(w, "\n", 1);
 }
 
-/* What is a number or a plain word anywhere stays one.  All else goes in quotes, with every byte that is not a
- * printing character of ASCII, and not of a longer one in UTF-8, by its number. */
+/* What is a number or a plain word anywhere stays one.  All else goes in quotes, with every byte that is
+ * not a printing character of ASCII, and not of a longer one in UTF-8, by its number. */
 static void write_scalar(writer *w, const node *n)
 {
     const unsigned char *text = n->data.scalar.value;
@@ -117,8 +118,8 @@ static const sgt_builtin *row_of(const char *type)
     return NULL;
 }
 
-/* A sheet may have a rim, or is a sag by name; the edge of a lens ends.  All else is closed, or its border is that
- * of a convex region: along a ray F falls and rises in turn. */
+/* A sheet may have a rim, or is a sag by name; the edge of a lens ends.  All else is closed, or its border
+ * is that of a convex region: along a ray F falls and rises in turn. */
 static bool is_sheet(document *d, const node *map, const sgt_builtin *row, const sgt_surface_ops *ops)
 {
     bool sheet = ops == &edge_ops || document_find(d, map, "sag") || document_find(d, map, "semi_diameter");
@@ -129,8 +130,8 @@ static bool is_sheet(document *d, const node *map, const sgt_builtin *row, const
 
 static bool is_bounded(const sgt_surface_ops *ops)
 {
-    const sgt_surface_ops *const all[] = {&sgt_torus_ops, &sgt_ellipsoid_ops, &sgt_julia_ops, &sgt_mandelbrot_ops,
-                                          &mandelbulb_ops, &box_ops};
+    const sgt_surface_ops *const all[] = {&sgt_torus_ops,      &sgt_ellipsoid_ops, &sgt_julia_ops,
+                                          &sgt_mandelbrot_ops, &mandelbulb_ops,    &box_ops};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         if (ops == all[i]) return ops->span != NULL;
     return false;

@@ -98,7 +98,8 @@ static void test_bulb(long count)
 /* A function of tau that a model stands for, and one that it does. */
 static model any_model(long double tau, long double *value)
 {
-    double c = uniform(-2, 2), s = uniform(-1, 1) * pow(10, uniform(-16, 0)), e = uniform(0, 1) * pow(10, uniform(-18, 0));
+    double c = uniform(-2, 2), s = uniform(-1, 1) * pow(10, uniform(-16, 0)),
+           e = uniform(0, 1) * pow(10, uniform(-18, 0));
     model a = {c, uniform(0, 1) < 0.3 ? 0 : s, uniform(0, 1) < 0.3 ? 0 : e};
     *value = a.c + a.s * tau + a.e * (uniform(0, 1) < 0.5 ? 1 : -1);
     return a;
@@ -109,7 +110,8 @@ static void require_model(model a, long double tau, long double value, const cha
 {
     const long double known = 100 * LDBL_EPSILON * (1 + fabsl(value));
     long double off = fabsl(value - (a.c + a.s * tau)) - known;
-    require(off <= a.e && value + known >= lowest(a) && value - known <= highest(a), what, (vec3){a.c, a.s, a.e}, (double)off, a.e);
+    require(off <= a.e && value + known >= lowest(a) && value - known <= highest(a), what,
+            (vec3){a.c, a.s, a.e}, (double)off, a.e);
 }
 
 static void test_models(long count)
@@ -129,8 +131,8 @@ static void test_models(long count)
     }
 }
 
-/* A ray at a point near the surface; some in a plane of symmetry, where the orbit meets the axis again and again,
- * some through the axis, and some along it. */
+/* A ray at a point near the surface; some in a plane of symmetry, where the orbit meets the axis again and
+ * again, some through the axis, and some along it. */
 static sgt_ray ray_at_bulb(const mandelbulb *s, long kind)
 {
     vec3 at = near_bulb(s), d = direction();
@@ -146,8 +148,9 @@ static long double bulb_on_ray(const mandelbulb *s, const sgt_ray *ray, long dou
     return bulb_by_angles(s, ray->o, t * ray->d.x, t * ray->d.y, t * ray->d.z);
 }
 
-/* F by angles is in the enclosure at points of the cell, and what it rises between two of them is in that of
- * the slope (the mean value theorem).  And it is narrow: by how much it is too wide falls with the square of the cell. */
+/* F by angles is in the enclosure at points of the cell, and what it rises between two of them is in that
+ * of the slope (the mean value theorem).  And it is narrow: by how much it is too wide falls with the
+ * square of the cell. */
 static void test_bulb_enclosure(long count)
 {
     long sloped = 0, small = 0, square = 0;
@@ -167,22 +170,27 @@ static void test_bulb_enclosure(long count)
         sloped += known;
         for (int k = 0; k < 16 && known && width * length(ray.d) > 1e-5; k++)
             for (int j = k + 1; j <= 16; j += 5) {
-                long double rise = (f[j] - f[k]) / ((j - k) / 16.0L * (t.hi - t.lo)), off = 1e-9L * (1 + fabsl(rise));
-                require(slope.lo <= rise + off && rise - off <= slope.hi, "bulb, slope", ray.o, (double)rise, slope.lo);
+                long double rise = (f[j] - f[k]) / ((j - k) / 16.0L * (t.hi - t.lo)),
+                            off = 1e-9L * (1 + fabsl(rise));
+                require(slope.lo <= rise + off && rise - off <= slope.hi, "bulb, slope", ray.o, (double)rise,
+                        slope.lo);
             }
         if (i % 4 || !known || lowest > 0.5L || highest < -0.5L) continue;
-        sgt_interval part = {from + 0.45 * width, from + 0.55 * width}, narrow = mandelbulb_ops.enclose(&s, &ray, part, &slope);
+        sgt_interval part = {from + 0.45 * width, from + 0.55 * width},
+                     narrow = mandelbulb_ops.enclose(&s, &ray, part, &slope);
         double too_wide = g.hi - g.lo - (double)(highest - lowest),
-               then = narrow.hi - narrow.lo - fabs((double)(bulb_on_ray(&s, &ray, part.hi) - bulb_on_ray(&s, &ray, part.lo)));
+               then = narrow.hi - narrow.lo -
+                      fabs((double)(bulb_on_ray(&s, &ray, part.hi) - bulb_on_ray(&s, &ray, part.lo)));
         small++, square += then < 0.02 * too_wide + 1e-11;
     }
-    printf("bulb: %ld of %ld cells have a slope; of %ld small ones %ld are narrower by the square\n", sloped, count, small,
-           square);
-    require(small > count / 200 && square > small * 9 / 10, "bulb, narrow cells", (vec3){0}, (double)small, (double)square);
+    printf("bulb: %ld of %ld cells have a slope; of %ld small ones %ld are narrower by the square\n", sloped,
+           count, small, square);
+    require(small > count / 200 && square > small * 9 / 10, "bulb, narrow cells", (vec3){0}, (double)small,
+            (double)square);
 }
 
-/* Whole rays: a hit is where F changes its sign, and before it, or all along where nothing is met, F by angles
- * keeps its sign at many points.  Of those that start on the surface, too. */
+/* Whole rays: a hit is where F changes its sign, and before it, or all along where nothing is met, F by
+ * angles keeps its sign at many points.  Of those that start on the surface, too. */
 static void test_bulb_rays(long count)
 {
     long undecided[2] = {0}, hits = 0;
@@ -204,16 +212,19 @@ static void test_bulb_rays(long count)
         long double first = bulb_on_ray(&s, &ray, fmin(off, 0.5 * end));
         for (int k = 1; k < 400; k++) {
             long double here = bulb_on_ray(&s, &ray, off + (end - 2 * off) * (k / 400.0L));
-            require(end < 3 * off || first * here > 0, "bulb, a root before the first", ray.o, end * k / 400, end);
+            require(end < 3 * off || first * here > 0, "bulb, a root before the first", ray.o, end * k / 400,
+                    end);
         }
         if (hit.status != SGT_HIT) continue;
-        long double a = bulb_on_ray(&s, &ray, hit.t - hit.t_err - off), b = bulb_on_ray(&s, &ray, hit.t + hit.t_err + off);
-        require(a * b < 0 || end < 3 * off, "bulb, no change of sign at the hit", ray.o, (double)a, (double)b);
+        long double a = bulb_on_ray(&s, &ray, hit.t - hit.t_err - off),
+                    b = bulb_on_ray(&s, &ray, hit.t + hit.t_err + off);
+        require(a * b < 0 || end < 3 * off, "bulb, no change of sign at the hit", ray.o, (double)a,
+                (double)b);
     }
-    printf("bulb: %ld rays, %ld hits, %ld undecided, and %ld in a plane of symmetry\n", count, hits, undecided[0],
-           undecided[1]);
-    require(hits > count / 3 && undecided[0] <= count / 200 && undecided[1] <= count / 50, "bulb, undecided rays",
-            (vec3){0}, (double)undecided[0], (double)undecided[1]);
+    printf("bulb: %ld rays, %ld hits, %ld undecided, and %ld in a plane of symmetry\n", count, hits,
+           undecided[0], undecided[1]);
+    require(hits > count / 3 && undecided[0] <= count / 200 && undecided[1] <= count / 50,
+            "bulb, undecided rays", (vec3){0}, (double)undecided[0], (double)undecided[1]);
 }
 
 /* ------------------------------------------------------------------ the box */
@@ -233,7 +244,8 @@ static void test_box(long count)
         for (int k = 0; k < 3; k++) {
             if (v[k] == 0 && fabs(o[k]) > s.half[k]) in = HUGE_VALL;
             if (v[k] == 0) continue;
-            long double a = ((long double)-s.half[k] - o[k]) / v[k], b = ((long double)s.half[k] - o[k]) / v[k];
+            long double a = ((long double)-s.half[k] - o[k]) / v[k],
+                        b = ((long double)s.half[k] - o[k]) / v[k];
             in = fmaxl(in, fminl(a, b)), out = fminl(out, fmaxl(a, b));
         }
         near = fabsl(in - out) * length(ray.d);
@@ -245,14 +257,15 @@ static void test_box(long count)
         if (near < 1e-9L || fabsl(in) < 1e-9L || fabsl(out) < 1e-9L) continue;
         require(met == wanted, "box, the number of roots", ray.o, met, wanted);
         for (int k = 0; k < wanted && met == wanted; k++) {
-            bool good = hit[k].status == SGT_HIT && fabsl(hit[k].t - roots[k]) <= hit[k].t_err + 1e-15L * fabsl(roots[k]);
+            bool good = hit[k].status == SGT_HIT &&
+                        fabsl(hit[k].t - roots[k]) <= hit[k].t_err + 1e-15L * fabsl(roots[k]);
             require(good, "box, a root", ray.o, hit[k].t, (double)roots[k]);
         }
         sgt_hit first = sgt_intersect((sgt_surface){&box_ops, &s}, ray, NULL);
         require(first.status == (wanted ? SGT_HIT : SGT_MISS), "box, the first", ray.o, first.status, wanted);
         if (!wanted) continue;
-        require(fabsl(first.t - roots[0]) <= first.t_err + 1e-15L * fabsl(roots[0]), "box, the first root", ray.o, first.t,
-                (double)roots[0]);
+        require(fabsl(first.t - roots[0]) <= first.t_err + 1e-15L * fabsl(roots[0]), "box, the first root",
+                ray.o, first.t, (double)roots[0]);
         /* off the face it has met: out of it nothing is met, into it the other side */
         vec3 turn = direction();
         bool inward = dot(turn, first.n) < 0;

@@ -729,10 +729,13 @@ def test_undecided_parts():
     torus = '{type: torus, major: 0.9, minor: 0.5, max_evals: 1, position: [%s]}'
     given_up, _ = codes(torus % '0, 0, 0')
     assert given_up.count(EXHAUSTED) > 300
+    within, said = codes(f'{{intersection: [{{type: ellipsoid, a: 2.5}}, {torus % "0, 0, 0"}]}}')
+    assert within == given_up and f' {within.count(EXHAUSTED)} undecided' in said, said
     behind, said = codes(f'{{difference: [{ball_at}, {torus % "-2.1, 4.3, -2.4"}]}}')
     assert behind == alone and ' 0 undecided' in said, said
     cut, said = codes(f'{{difference: [{ball_at}, {torus % "0, 0, 0"}]}}')
     assert 50 < cut.count(EXHAUSTED) < 2000 and set(cut) <= {HIT, MISS, EXHAUSTED}, said
+    assert f' {cut.count(EXHAUSTED)} undecided' in said, said
     for a, b in zip(alone, cut):
         assert b == MISS or a == HIT  # outside of the ball nothing is undecided
 
