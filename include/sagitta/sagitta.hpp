@@ -23,6 +23,9 @@
  * its compiler's: -ffp-contract=off keeps them the same, -ffast-math takes NaN away. */
 #ifndef SAGITTA_SAGITTA_HPP
 #define SAGITTA_SAGITTA_HPP
+#if __cplusplus < 201703L && !(defined(_MSVC_LANG) && _MSVC_LANG >= 201703L)
+#error "sagitta.hpp is C++17: -std=c++17.  The headers of C are C++11."
+#endif
 #include <cstddef>
 #include <limits>
 #include <sagitta/diagnose.h>
@@ -284,11 +287,18 @@ private:
     template <of Which, class R, class... A>
     void offer(R (*&member)(const void *, A...)) noexcept
     {
-        if constexpr (count<Which>() == 1)
-            member = [](const void *self, A... a) noexcept -> R {
-                return detail::chosen<Which>(*static_cast<const surface *>(self))(
-                    detail::shown(a)...);
-            };
+        if constexpr (count<Which>() == 1) {
+            using F = decltype(detail::chosen<Which>(std::declval<const surface &>()));
+            constexpr bool fits = std::is_invocable_r_v<
+                R, F, decltype(detail::shown(std::declval<A>()))...>;
+            static_assert(fits, "a lambda has other arguments or another result than the "
+                                "list in sagitta.hpp says, or it is mutable");
+            if constexpr (fits)
+                member = [](const void *self, A... a) noexcept -> R {
+                    return detail::chosen<Which>(*static_cast<const surface *>(self))(
+                        detail::shown(a)...);
+                };
+        }
     }
 
     static double value(const void *self, sgt_vec3 p, sgt_vec3 *grad) noexcept
@@ -300,12 +310,19 @@ private:
             return f(p, grad);
         } else {
             constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+            constexpr bool fits = std::is_invocable_r_v<double, decltype(f), sgt_vec3>;
+            static_assert(fits, "F has to be double f(sgt_vec3 p), or "
+                                "double f(sgt_vec3 p, sgt_vec3 *grad)");
             if constexpr (count<of::gradient>() == 1) {
+                using G = decltype(detail::chosen<of::gradient>(s));
+                static_assert(std::is_invocable_r_v<sgt_vec3, G, sgt_vec3>,
+                              "the gradient has to be sgt_vec3 f(sgt_vec3 p)");
                 if (grad) *grad = detail::chosen<of::gradient>(s)(p);
             } else {
                 if (grad) *grad = {nan, nan, nan};
             }
-            return f(p);
+            if constexpr (fits) return f(p);
+            return nan;
         }
     }
 
@@ -389,8 +406,9 @@ inline sgt_fault check(const sgt_surface &s, view<const sgt_ray> along,
 
 /* -------------------------------------------------------------------- intervals */
 
-/* sgt_interval with the operators of arithmetic, rounded outward: for `enclose`.  A
- * double is the interval of itself alone. */
+/* sgt_interval with the operators of arithmetic and functions by the names of <cmath>,
+ * rounded outward: for `enclose`.  A double is the interval of itself alone.  pow by an
+ * int is of all numbers; by anything else it is of those above 0. */
 struct interval : sgt_interval {
     interval(double x) noexcept : sgt_interval(sgt_interval_of(x)) {}
     interval(sgt_interval x) noexcept : sgt_interval(x) {}
@@ -421,6 +439,44 @@ struct interval : sgt_interval {
     friend interval sin(interval x) noexcept { return sgt_interval_sine(x); }
     friend interval cos(interval x) noexcept { return sgt_interval_cosine(x); }
     friend interval tan(interval x) noexcept { return sgt_interval_tangent(x); }
+    friend interval asin(interval x) noexcept { return sgt_interval_arc_sine(x); }
+    friend interval acos(interval x) noexcept { return sgt_interval_arc_cosine(x); }
+    friend interval atan(interval x) noexcept { return sgt_interval_arc_tangent(x); }
+    friend interval sinh(interval x) noexcept { return sgt_interval_hyperbolic_sine(x); }
+    friend interval cosh(interval x) noexcept
+    {
+        return sgt_interval_hyperbolic_cosine(x);
+    }
+    friend interval tanh(interval x) noexcept
+    {
+        return sgt_interval_hyperbolic_tangent(x);
+    }
+    friend interval cbrt(interval x) noexcept { return sgt_interval_cube_root(x); }
+    friend interval pow(interval x, int n) noexcept { return sgt_interval_power(x, n); }
+    friend interval pow(interval x, double y) noexcept
+    {
+        return sgt_interval_real_power(x, sgt_interval_of(y));
+    }
+    friend interval pow(interval x, interval y) noexcept
+    {
+        return sgt_interval_real_power(x, y);
+    }
+    friend interval atan2(interval y, interval x) noexcept
+    {
+        return sgt_interval_angle(y, x);
+    }
+    friend interval hypot(interval x, interval y) noexcept
+    {
+        return sgt_interval_hypotenuse(x, y);
+    }
+    friend interval min(interval x, interval y) noexcept
+    {
+        return sgt_interval_minimum(x, y);
+    }
+    friend interval max(interval x, interval y) noexcept
+    {
+        return sgt_interval_maximum(x, y);
+    }
 };
 
 }  // namespace sagitta

@@ -1,5 +1,5 @@
 // sagitta.hpp is the functions of C and nothing else.  Lambdas give, bit by bit, the answers of the same
-// surface written in C.  Every operation arrives with its arguments.  Views of unequal lengths change nothing.
+// surface written in C.  Every operation arrives with its arguments.  Views of unequal length change nothing.
 // Not one byte is allocated.  Compiled without exceptions and without run-time types.
 #include <sagitta/sagitta.hpp>
 
@@ -337,6 +337,15 @@ static void intervals()
         EXPECT(same(sin(x), sgt_interval_sine(x)) && same(cos(x), sgt_interval_cosine(x)));
         EXPECT(same(tan(x), sgt_interval_tangent(x)) && same(2 * x - a, interval(2) * x - interval(a)));
         EXPECT(same(interval(-1, a + 2), {-1, a + 2}));
+        EXPECT(same(asin(x), sgt_interval_arc_sine(x)) && same(acos(x), sgt_interval_arc_cosine(x)));
+        EXPECT(same(atan(x), sgt_interval_arc_tangent(x)) && same(atan2(x, y), sgt_interval_angle(x, y)));
+        EXPECT(same(sinh(x), sgt_interval_hyperbolic_sine(x)) && same(cbrt(x), sgt_interval_cube_root(x)));
+        EXPECT(same(cosh(x), sgt_interval_hyperbolic_cosine(x)));
+        EXPECT(same(tanh(x), sgt_interval_hyperbolic_tangent(x)));
+        EXPECT(same(pow(x, 3), sgt_interval_power(x, 3)) && same(pow(x, y), sgt_interval_real_power(x, y)));
+        EXPECT(same(pow(x, 2.5), sgt_interval_real_power(x, sgt_interval_of(2.5))));
+        EXPECT(same(hypot(x, y), sgt_interval_hypotenuse(x, y)));
+        EXPECT(same(min(x, y), sgt_interval_minimum(x, y)) && same(max(x, y), sgt_interval_maximum(x, y)));
     }
 }
 
