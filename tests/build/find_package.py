@@ -28,7 +28,7 @@ int main(void)
     return !(hit.status == SGT_HIT && sgt_version_number() == SGT_VERSION);
 }
 '''
-PROJECT = '''cmake_minimum_required(VERSION 3.16)
+PROJECT = '''cmake_minimum_required(VERSION {least})
 project(bare LANGUAGES C)
 {find}
 {more}
@@ -40,6 +40,7 @@ SOURCES = {'sagitta': ('core', CORE), 'lens': ('lens', installed.LENS), 'geo': (
 class Projects:
     def __init__(self, there, folder, compiler):
         self.there, self.folder, self.compiler, self.count = there, folder, compiler, 0
+        self.least = '3.16'  # the version of CMake whose policies hold in the project
         self.environment = {name: value for name, value in there.environment.items()
                             if name not in ('LD_LIBRARY_PATH', 'PKG_CONFIG_PATH')}
 
@@ -49,7 +50,7 @@ class Projects:
         project.mkdir()
         for file, source in SOURCES.values():
             (project / f'{file}.c').write_text(source)
-        (project / 'CMakeLists.txt').write_text(PROJECT.format(find=find, more=more))
+        (project / 'CMakeLists.txt').write_text(PROJECT.format(find=find, more=more, least=self.least))
         self.said = prefix.run('cmake', '-S', project, '-B', project / 'b',
                                f'-DCMAKE_PREFIX_PATH={self.there.path}', '-DCMAKE_BUILD_TYPE=Release',
                                f'-DCMAKE_C_COMPILER={self.compiler}', fails=fails, env=self.environment)
@@ -97,6 +98,11 @@ def main(build, compiler):
         again = '\nfind_package(sagitta REQUIRED)'
         projects.runs('find_package(sagitta REQUIRED COMPONENTS lens)' + again, names[:2], 'shared')
         projects.runs('find_package(sagitta REQUIRED static)' + again, names[:2], 'static')
+
+        if int(prefix.run('cmake', '--version').split()[2].split('.')[0]) < 4:  # which has no policies of 3.1
+            projects.least = '3.1'
+            projects.runs(f'find_package(sagitta {version} REQUIRED static {rest})', names, 'static')
+            projects.least = '3.16'
 
         projects.refused('find_package(sagitta REQUIRED shared)\nfind_package(sagitta REQUIRED static)',
                          'stands for sagitta::sagitta_shared already')
