@@ -43,14 +43,14 @@ extern "C" {
 /* --------------------------------------------------------------- version */
 
 /* The version of this header.  SGT_VERSION is one number, for #if and for comparison:
- * 10000 major + 100 minor + patch, so 200 is 0.2.0. */
+ * 10000 major + 100 minor + patch, so 300 is 0.3.0. */
 #define SGT_VERSION_MAJOR 0
-#define SGT_VERSION_MINOR 2
+#define SGT_VERSION_MINOR 3
 #define SGT_VERSION_PATCH 0
 #define SGT_VERSION \
     (10000 * SGT_VERSION_MAJOR + 100 * SGT_VERSION_MINOR + SGT_VERSION_PATCH)
 
-/* The version of the library that the program runs with: as text ("0.2.0", constant,
+/* The version of the library that the program runs with: as text ("0.3.0", constant,
  * never NULL), and as a number like SGT_VERSION.  It may be later than the header's. */
 SGT_API const char *sgt_version(void);
 SGT_API int         sgt_version_number(void);
@@ -109,6 +109,9 @@ typedef struct sgt_span {
 typedef struct sgt_points { const double *p[3]; } sgt_points;
 typedef struct sgt_values { double *f, *grad[3]; } sgt_values;
 typedef struct sgt_spans { double *lo, *hi, *seed; bool *single; } sgt_spans;
+
+/* Many enclosures: the intervals of g, [lo, hi], and of its slope. */
+typedef struct sgt_enclosures { double *lo, *hi, *slope_lo, *slope_hi; } sgt_enclosures;
 
 /* What a surface can do.  `self` is the pointer of sgt_surface, `p` is a point (length).
  *
@@ -197,6 +200,21 @@ typedef struct sgt_surface_ops {
      * points.  grad[0] may be NULL: the gradient is not wanted. */
     void (*by_parameter)(const void *self, size_t j, size_t n, sgt_points p,
                          sgt_values out);
+
+    /* From here on members are of version 0.3, and read only if `size` covers them.
+     *
+     * What `enclose` says, of n cells at once: of cell i, which is [t_lo[i], t_hi[i]] of
+     * ray i, with t_lo[i] <= t_hi[i], both finite.  The cells of one ray may be many.
+     * Of `rays` only o and d are given.
+     *   - The promises are those of `enclose`, which has to be offered, too.  The
+     *     intervals may be other ones: wider, or narrower.
+     *   - What is said of a cell does not depend on its neighbours, nor on its place
+     *     among them, to the last bit (of an interval that is not a NaN).
+     *   - out.slope_lo NULL: slopes are not wanted, and out.slope_hi is NULL, too.
+     * First roots are searched for by it, of many rays side by side and of one, unless
+     * the surface has `first`, or the span is single. */
+    void (*encloses)(const void *self, size_t n, sgt_rays rays, const double *t_lo,
+                     const double *t_hi, sgt_enclosures out);
 } sgt_surface_ops;
 
 /* A surface: what it can do, and its parameters (borrowed). */
