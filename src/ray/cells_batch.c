@@ -216,84 +216,77 @@ static bool fill(job *j, size_t k)
 
 /* ------------------------------------------------------------------------ the march */
 
-/* What follows from an answer: the next cell or point, or how the ray leaves. */
-enum { OPEN, PAST, TO_FIRST, TO_LAST, FOUND, LOST };
+/* Chosen by bits, as `chosen` of num/lanes.h is by its meaning.  gcc 12 makes branches of many choices by one
+ * condition, and then no vector code.  It cannot see what these masks are. */
+SGT_INLINE double either(mask m, double yes, double no)
+{
+    unsigned long long y, n;
+    memcpy(&y, &yes, sizeof y), memcpy(&n, &no, sizeof n);
+    y = (y & m) | (n & ~m);
+    memcpy(&yes, &y, sizeof y);
+    return yes;
+}
 
+/* What follows from an answer: the next cell or point, or how the ray leaves. */
 SGT_INLINE double march_on(slots *s, size_t k, double budget)
 {
     double a = s->a[k], b = s->b[k], end = s->end[k], sign = s->sign[k], least = s->least[k],
            asks = s->asks[k], evals = s->evals[k] + 1, w = b - a;
-    double g_lo = s->g_lo[k], g_hi = s->g_hi[k], lo = s->slope_lo[k], hi = s->slope_hi[k];
-    double kept_lo = s->steep_lo[k], kept_hi = s->steep_hi[k];
-    bool cell = asks == CELL;
-    lo = cell ? lo : kept_lo, hi = cell ? hi : kept_hi;
-    /* the sign of G: a NaN says nothing */
-    double above = g_lo <= g_hi ? g_lo : 0, below = g_lo <= g_hi ? g_hi : 0;
-    double here = (above > 0 ? 1.0 : 0.0) - (below < 0 ? 1.0 : 0.0), size = larger(above, -below);
-    bool nowhere = g_lo > g_hi, decided = here != 0;
-    double known = asks == FIRST_POINT ? here : sign; /* the sign at a */
-    double down = known < 0 ? hi : -lo; /* |g| falls at most so fast */
-    bool bounded = (lo > -HUGE_VAL) & (hi < HUGE_VAL) & (lo <= hi);
-    double monotone = bounded & ((lo > 0) | (hi < 0)) ? 1.0 : 0.0;
-    double way = down < 0 ? (double)PAST : (double)TO_LAST;
-    way = known == 0 ? (double)TO_FIRST : way;
-    way = monotone != 0 ? way : (double)OPEN;
-    double of_cell = decided | nowhere ? (double)PAST : way;
-    double of_first = decided ? way : (double)LOST;
-    double of_last = here * sign > 0 ? (double)PAST : (double)FOUND;
-    of_last = decided ? of_last : (double)LOST;
-    double of_point = asks == FIRST_POINT ? of_first : of_last;
-    double turn = cell ? of_cell : of_point;
+    double g_lo = s->g_lo[k], g_hi = s->g_hi[k];
+    const mask cell = MASK(asks == CELL), at_first = MASK(asks == FIRST_POINT), at_last = ~(cell | at_first);
+    double lo = either(cell, s->slope_lo[k], s->steep_lo[k]), hi = either(cell, s->slope_hi[k], s->steep_hi[k]);
+    /* The sign of G.  A NaN says nothing. */
+    const mask above = MASK(g_lo > 0) & MASK(g_lo <= g_hi), below = MASK(g_hi < 0) & MASK(g_lo <= g_hi),
+               decided = above | below, nowhere = MASK(g_lo > g_hi) & cell;
+    double here = either(above, 1, either(below, -1, 0)), size = either(above, g_lo, -g_hi);
+    double known = either(at_first, here, sign);       /* the sign at a, 0: not known */
+    double down = either(MASK(known < 0), hi, -lo);    /* |g| falls at most so fast */
+    const mask bounded = MASK(lo > -HUGE_VAL) & MASK(hi < HUGE_VAL) & MASK(lo <= hi),
+               monotone = bounded & (MASK(lo > 0) | MASK(hi < 0)), signless = MASK(known == 0),
+               rises = monotone & ~signless & MASK(down < 0), falls = monotone & ~signless & MASK(down > 0);
     /* The move by the slope.  2^-10 of `least` is left: the sum of a and `reach` may round by 2^-53 of b. */
-    double reach = least / down * (1 - 0x1p-10), shrunk = least * 0x1p-11;
-    double moves = (turn == OPEN) & bounded & (known != 0) & (least > 0) & (down > 0) ? 1.0 : 0.0;
+    const mask open = cell & ~decided & ~nowhere & ~monotone & bounded & ~signless & MASK(least > 0) &
+                      MASK(down > 0);
+    double reach = either(open, least / down * (1 - 0x1p-10), 0), shrunk = least * 0x1p-11;
     double worth = larger(0x1p-4 * w, 0x1p-40 * larger(fabs(a), fabs(b)));
-    reach = moves != 0 ? reach : 0;
-    turn = reach >= w ? (double)PAST : turn;
-    double moved = reach > worth ? reach : 0;
-    moved = turn == OPEN ? moved : 0;
-    double left = moves != 0 ? shrunk : least;
-    /* the new place */
-    bool past = turn == PAST;
-    double new_sign = decided ? here : sign;
-    new_sign = nowhere & cell ? 0 : new_sign;
-    double new_least = decided ? size : left;
-    new_least = nowhere & cell ? 0 : new_least;
-    double held = moved > 0 ? shrunk : least, after = asks == FIRST_POINT ? size : held;
-    double next = a + moved;
-    next = past ? b : next;
-    sign = past ? new_sign : known, least = past ? new_least : after;
-    /* the next length; all of it is a guess */
-    double side = sign != 0 ? sign : g_lo + g_hi > 0 ? 1.0 : -1.0;
-    double middle = 0.5 * (g_lo + g_hi) * side, slope = 0.5 * (lo + hi) * side, wide = (g_hi - g_lo) / w,
-           bend = (hi - lo) / w;
-    double half = 0.5 * slope * w, ahead = middle + half, behind = middle - half + slope * moved;
-    double start = past ? ahead : behind;
-    start = start > least ? start : least;
-    double clears = 2 * start / (wide - slope), to_root = start / -slope, length = clears;
-    length = bend * to_root < -1.2 * slope ? larger(2 * to_root, clears) : length;
-    length = slope < 0 ? length : clears;
-    double shortest = past ? 0.3 * w : 0.1 * (w - moved), longest = past ? 4 * w : 0.5 * (w - moved);
-    length = length > shortest ? length : shortest;
-    length = length < longest ? length : longest;
-    length = cell ? length : w;
-    double stop = next + length;
-    stop = next + 1.125 * length < end ? stop : end;
-    bool points = (turn == TO_FIRST) | (turn == TO_LAST);
-    stop = points ? b : stop;
+    const mask through = MASK(reach >= w), moves = ~through & MASK(reach > worth);
+    /* what follows */
+    const mask same = MASK(here * sign > 0), past = (cell & (decided | nowhere)) | (~at_last & rises) | through
+                                                    | (at_last & same),
+               to_first = cell & ~past & monotone & signless, to_last = ~at_last & ~past & falls,
+               found = at_last & decided & ~same, lost = ~cell & ~decided;
+    const mask points = to_first | to_last;
+    double moved = either(moves, reach, 0), next = either(past & ~lost, b, a + moved);
+    double held = either(moves | through, shrunk, either(at_first, size, least)),
+           behind = either(decided, size, held);
+    double new_sign = either(past, either(decided, here, sign), known),
+           new_least = either(past, behind, held);
+    new_sign = either(nowhere, 0, new_sign), new_least = either(nowhere, 0, new_least);
+    /* The next length; all of it is a guess. */
+    double side = either(MASK(new_sign != 0), new_sign, either(MASK(g_lo + g_hi > 0), 1, -1));
+    double middle = 0.5 * (g_lo + g_hi) * side, slope = 0.5 * (lo + hi) * side, per = 1 / w,
+           wide = (g_hi - g_lo) * per, bend = (hi - lo) * per, half = 0.5 * slope * w;
+    double start = middle + either(past, half, slope * moved - half);
+    start = either(MASK(start > new_least), start, new_least);
+    double clears = 2.2 * start / (wide - slope), to_root = start / -slope, one_way = fabs(slope) / bend;
+    double falling = either(MASK(bend * to_root < -1.5 * slope) & MASK(1.6 * to_root > one_way), 1.6 * to_root,
+                            one_way);
+    double length = either(MASK(slope < 0), falling, 1.5 * one_way), left = w - moved;
+    length = either(MASK(length > clears), length, clears);
+    double shortest = either(past, 0.3 * w, 0.1 * left), longest = either(past, 4 * w, 0.5 * left);
+    length = either(MASK(length > shortest), length, shortest); /* of a NaN, too */
+    length = either(MASK(length < longest), length, longest);
+    length = either(cell, length, w);
+    double stop = either(MASK(next + 1.125 * length < end), next + length, end);
+    stop = either(points | found, b, stop);
     /* how the ray leaves */
-    double coarse = stop - next > 0x1p-44 * larger(fabs(next), fabs(stop)) ? (double)STAYS : (double)GIVEN_UP;
-    double leave = evals < budget ? coarse : (double)GIVEN_UP;
-    leave = turn == LOST ? (double)GIVEN_UP : leave;
-    leave = past & (next >= end) ? (double)PASSED : leave;
-    leave = turn == FOUND ? (double)BRACKET : leave;
-    bool found = turn == FOUND;
-    double new_asks = turn == TO_FIRST ? (double)FIRST_POINT : (double)CELL;
-    new_asks = turn == TO_LAST ? (double)LAST_POINT : new_asks;
-    s->a[k] = found ? a : next, s->b[k] = found ? b : stop;
-    s->sign[k] = found ? known : sign, s->least[k] = least, s->asks[k] = new_asks, s->evals[k] = evals;
+    const mask gone = past & MASK(next >= end), fine = MASK(stop - next > 0x1p-44 * larger(fabs(next), fabs(stop)));
+    double leave = either(fine & MASK(evals < budget) & ~lost, STAYS, GIVEN_UP);
+    leave = either(found, BRACKET, either(gone & ~lost, PASSED, leave));
+    s->a[k] = next, s->b[k] = stop, s->sign[k] = new_sign, s->least[k] = new_least, s->evals[k] = evals;
+    s->asks[k] = either(to_first, FIRST_POINT, either(to_last, LAST_POINT, CELL));
     s->steep_lo[k] = lo, s->steep_hi[k] = hi;
-    s->t_lo[k] = turn == TO_LAST ? b : next, s->t_hi[k] = turn == TO_FIRST ? a : stop;
+    s->t_lo[k] = either(to_last, b, next), s->t_hi[k] = either(to_first, a, stop);
     s->leave[k] = leave;
     return leave;
 }
@@ -326,7 +319,9 @@ SGT_INLINE void meeting_begin(meetings *s, size_t k)
     double scale = scale_of(d), inverse = inverse_of_scale(d), a = s->a[k], b = s->b[k];
     double g = 0.5 * (s->g_lo[k] + s->g_hi[k]), slope = 0.5 * (s->slope_lo[k] + s->slope_hi[k]);
     double t = b - g / slope, middle = 0.5 * a + 0.5 * b;
-    t = (t > a) & (t < b) ? t : middle;
+    bool inside = (t > a) & (t < b);
+    double step = inside ? b - t : 0; /* 0: nothing is known of how steps shrink */
+    t = inside ? t : middle;
     double l = d.x * scale, m = d.y * scale, n = d.z * scale, t0 = t * inverse;
     s->noise[k] = s->g_hi[k] - s->g_lo[k];
     s->scale[k] = scale, s->inverse[k] = inverse, s->l[k] = l, s->m[k] = m, s->n[k] = n, s->t0[k] = t0;
@@ -335,7 +330,7 @@ SGT_INLINE void meeting_begin(meetings *s, size_t k)
     s->x[k] = x, s->y[k] = y, s->z[k] = z;
     s->px[k] = x, s->py[k] = y, s->pz[k] = z;
     s->tau[k] = 0, s->lo[k] = a * inverse - t0, s->hi[k] = b * inverse - t0;
-    s->last[k] = (b - a) * inverse, s->asks[k] = 1;
+    s->last[k] = step * inverse, s->asks[k] = 1;
 }
 
 SGT_KERNEL
@@ -356,7 +351,7 @@ SGT_INLINE double meeting_step(meetings *s, size_t k)
     next = (next >= lo) & (next <= hi) ? next : middle;
     double size = fabs(next - tau), ratio = size / last,
            fine = 0x1p-53 * larger(fabs(s->t0[k]), fabs(tau)), left = size * (ratio * ratio);
-    double more = left > fine ? 1.0 : 0.0; /* false for NaN: last is 0 */
+    double more = (left > fine) & (size > 0) ? 1.0 : 0.0;
     bool on = asks != 0;
     tau = on ? next : tau;
     s->evals[k] += asks;
