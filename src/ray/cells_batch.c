@@ -357,7 +357,7 @@ SGT_INLINE double meeting_step(meetings *s, size_t k)
     s->evals[k] += asks;
     s->asks[k] = on ? more : 0;
     s->tau[k] = tau, s->lo[k] = lo, s->hi[k] = hi, s->last[k] = on ? size : last;
-    s->steep[k] = slope;
+    s->steep[k] = on ? slope : s->steep[k]; /* one that waits for others is asked again, elsewhere */
     s->px[k] = s->x[k] + tau * l, s->py[k] = s->y[k] + tau * m, s->pz[k] = s->z[k] + tau * n;
     return on ? more : 0;
 }
