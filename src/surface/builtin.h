@@ -183,10 +183,14 @@ static inline bool is_whole(const sgt_surface_ops *ops)
  * `enclose`, which answers what cells in lanes leave open. */
 typedef void sgt_enclose_many(const void *self, size_t n, sgt_rays rays, const double *t_lo,
                               const double *t_hi, sgt_enclosures out);
-static inline sgt_enclose_many *encloses_of(const sgt_surface_ops *ops)
+static inline bool offers_encloses(const sgt_surface_ops *ops)
 {
     size_t end = offsetof(sgt_surface_ops, encloses) + sizeof ops->encloses;
-    return (ops->own_ || ops->size >= end) && ops->enclose ? ops->encloses : NULL;
+    return (ops->own_ || ops->size >= end) && ops->encloses;
+}
+static inline sgt_enclose_many *encloses_of(const sgt_surface_ops *ops)
+{
+    return offers_encloses(ops) && ops->enclose ? ops->encloses : NULL;
 }
 
 static inline bool answers_itself(const sgt_surface_ops *ops) { return ops->own_ && ops->own_->meet; }

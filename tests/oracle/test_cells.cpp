@@ -295,7 +295,7 @@ void judge(const Product &s, sgt_surface plain, const sgt_ray &given, const sgt_
         sgt_options proven = opt;
         proven.proof = SGT_PROVE_FIRST;
         sgt_hit old = sgt_intersect(plain, given, &proven);
-        if (h.status < 0 || old.status < 0)
+        if (h.status < 0 || old.status < 0 || old.status == SGT_GRAZE)
             return;
         if ((old.status > 0) != met)
             return fail("near an end: another status than without encloses", s, given, h, every);
