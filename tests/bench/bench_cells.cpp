@@ -7,10 +7,11 @@
 // `encloses`.  The latter are widened outward by 2^-52 of themselves and 2^-1000, one rounding of which is
 // 2^-53; sine and cosine by 2^-49.
 //
-// Two ways take turns, slices of the picture, by the time of the processor that this thread has had:
+// Three ways take turns, slices of the picture, by the time of the processor that this thread has had:
 //
 //     cells     sgt_intersect_batch, SGT_PROVE_FIRST, with `encloses`
-//     one       the same without: `enclose`, ray by ray, on each 40th slice
+//     single    sgt_intersect, ray by ray, with `encloses`, on a fortieth of each slice
+//     one       the same with `enclose` only
 //
 // Told are medians of ns a ray, the evaluations a ray, the cells a ray that `encloses` was asked for, how many
 // rays are undecided, and how many statuses or roots differ by more than both errors.
@@ -403,7 +404,7 @@ int main(int argc, char **argv)
     const int turns = quick ? 1 : 5;
     sgt_options opt = {};
     opt.proof = SGT_PROVE_FIRST;
-    std::printf("%-14s %9s %9s %7s | %6s %6s %6s | %6s %6s %6s\n", "ns a ray", "cells", "one", "ratio", "evals",
+    std::printf("%-14s %9s %9s %9s %7s | %6s %6s %6s | %6s %6s %6s\n", "ns a ray", "cells", "single", "one", "ratio", "evals",
                 "cells", "one", "hit", "open", "unlike");
     for (const Subject &s : subjects) {
         if (!only.empty() && std::string(s.name).find(only) == std::string::npos)
@@ -411,17 +412,28 @@ int main(int argc, char **argv)
         sgt_surface_ops by_one = s.ops;
         by_one.encloses = nullptr;
         Answers in_lanes(rays.count()), alone(rays.count());
-        std::vector<double> lanes_ns, one_ns;
-        long hits = 0, open = 0, unlike = 0, evals = 0, one_evals = 0, compared = 0;
+        std::vector<double> lanes_ns, single_ns, one_ns;
+        long hits = 0, open = 0, unlike = 0, evals = 0, one_evals = 0, compared = 0, kept = 0;
+        long in_batches = 0;
         for (int turn = 0; turn < turns; turn++) {
-            double spent = 0, spent_one = 0;
+            double spent = 0, spent_single = 0, spent_one = 0;
             size_t ones = 0;
-            asked = 0;
+            in_batches = 0;
             for (size_t i = 0, k = 0; i < rays.count(); i += slice, k++) {
+                asked = 0;
                 double start = now();
                 sgt_intersect_batch({ &s.ops, nullptr }, slice, rays.from(i), in_lanes.from(i), &opt);
                 spent += now() - start;
+                in_batches += asked;
                 size_t few = slice / sparse, at = i + (k % sparse) * few;
+                sgt_rays some = rays.from(at);
+                start = now();
+                for (size_t r = 0; r < few; r++) {
+                    sgt_ray ray = { { some.o[0][r], some.o[1][r], some.o[2][r] },
+                                    { some.d[0][r], some.d[1][r], some.d[2][r] }, 0, 0 };
+                    kept += sgt_intersect({ &s.ops, nullptr }, ray, &opt).evals;
+                }
+                spent_single += now() - start;
                 start = now();
                 sgt_intersect_batch({ &by_one, nullptr }, few, rays.from(at), alone.from(at), &opt);
                 spent_one += now() - start;
@@ -435,13 +447,16 @@ int main(int argc, char **argv)
                 }
             }
             lanes_ns.push_back(spent / static_cast<double>(rays.count()));
+            single_ns.push_back(spent_single / static_cast<double>(ones));
             one_ns.push_back(spent_one / static_cast<double>(ones));
         }
         for (size_t i = 0; i < rays.count(); i++)
             hits += in_lanes.status[i] > 0, open += in_lanes.status[i] < 0, evals += in_lanes.evals[i];
         double all_rays = static_cast<double>(rays.count()), ns = median(lanes_ns), one = median(one_ns);
-        std::printf("%-14s %9.0f %9.0f %7.1f | %6.1f %6.1f %6.1f | %6.3f %6ld %6ld\n", s.name, ns, one, one / ns,
-                    static_cast<double>(evals) / all_rays, static_cast<double>(asked) / all_rays,
+        if (kept == 0)
+            std::printf("nothing was evaluated\n");
+        std::printf("%-14s %9.0f %9.0f %9.0f %7.1f | %6.1f %6.1f %6.1f | %6.3f %6ld %6ld\n", s.name, ns, median(single_ns), one, one / ns,
+                    static_cast<double>(evals) / all_rays, static_cast<double>(in_batches) / all_rays,
                     static_cast<double>(one_evals) / static_cast<double>(compared),
                     static_cast<double>(hits) / all_rays, open, unlike);
         std::fflush(stdout);
