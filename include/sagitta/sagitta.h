@@ -212,7 +212,9 @@ typedef struct sgt_surface_ops {
      *     among them, to the last bit (of an interval that is not a NaN).
      *   - out.slope_lo NULL: slopes are not wanted, and out.slope_hi is NULL, too.
      * First roots are searched for by it, of many rays side by side and of one, unless
-     * the surface has `first`, or the span is single. */
+     * the surface has `first`, or the span is single and no proof is asked for.  Such a
+     * root is proven, whatever options.proof is, and as sharp as rounding allows (t_tol is
+     * not read).  Grazes, and roots beside an end of the ray, are left to `enclose`. */
     void (*encloses)(const void *self, size_t n, sgt_rays rays, const double *t_lo,
                      const double *t_hi, sgt_enclosures out);
 } sgt_surface_ops;
@@ -412,7 +414,7 @@ typedef struct sgt_hits {
  * Built-in surfaces are fast, and so is a user's that offers `values`; with `spans` it is
  * faster still.  Without `values` a user's `value` is called point by point.  If a first
  * root has to be searched for by clearance, enclose or estimate, the rays are answered
- * one by one. */
+ * one by one; with `encloses` many together. */
 SGT_API size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits,
                                    const sgt_options *opt);
 

@@ -60,8 +60,8 @@
  *   mean value theorem, on which every proof rests: a slope that is bounded where F jumps is a fault.
  * - An empty interval is a fault if F is defined on both sides of a sample.
  *
- * MANY ENCLOSURES, of `encloses`, are tried in the same way.  What is said of CELLS_AT_ONCE cells, from all of
- * the ray down to points, and of FEW of them, is compared bit by bit with what is said of each alone.
+ * MANY ENCLOSURES, of `encloses`, are tried in the same way.  What is said of CELLS_AT_ONCE cells, from all
+ * of the ray down to points, and of FEW of them, is compared bit by bit with what is said of each alone.
  *
  * THE CLEARANCE is tried at points of the ray.  On lines through them, along the ray, the gradient and six
  * others, no certain change of sign may be nearer. */
@@ -76,7 +76,14 @@
 #include <string.h>
 
 enum {
-    SAMPLES = 256, POINTS = 16, LEVELS = 18, POINTS_AT_ONCE = 67, CELLS_AT_ONCE = 37, FEW = 3, RAYS_AT_ONCE = 35, WIDTHS = 9,
+    SAMPLES = 256,
+    POINTS = 16,
+    LEVELS = 18,
+    POINTS_AT_ONCE = 67,
+    CELLS_AT_ONCE = 37,
+    FEW = 3,
+    RAYS_AT_ONCE = 35,
+    WIDTHS = 9,
     WITHIN = 5
 };
 static const double CUT = 1000; /* lengths of d, if neither ray nor span has an end */
@@ -306,8 +313,7 @@ static bool check_enclosure(check *c, bool many, double lo, double hi, double ac
         defined = defined && !isnan(a.f);
         doubt = doubt_of(c, &a, across);
         if (g.lo > g.hi && isfinite(a.f) && well_defined(c, t)) return fail(c, fault, a.p);
-        if (regular && g.lo <= g.hi && (a.f + doubt < g.lo || a.f - doubt > g.hi))
-            return fail(c, fault, a.p);
+        if (regular && g.lo <= g.hi && (a.f + doubt < g.lo || a.f - doubt > g.hi)) return fail(c, fault, a.p);
         /* the slope says something */
         if (regular && !(g.lo > g.hi) && (slope.lo > -HUGE_VAL || slope.hi < HUGE_VAL)) {
             if (steeper(c, &a, slope)) return fail(c, fault, a.p);

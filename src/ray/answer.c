@@ -119,7 +119,11 @@ static const sgt_options *read_of(sgt_surface s, const sgt_options *opt, sgt_opt
 }
 
 /* A watcher of what follows on a search by cells: evaluations are counted from there. */
-typedef struct counted { sgt_watch *watch; void *data; int before; } counted;
+typedef struct counted {
+    sgt_watch *watch;
+    void *data;
+    int before;
+} counted;
 
 static int watch_counted(void *data, const sgt_step *step)
 {

@@ -74,11 +74,14 @@ static double *from(double *a, size_t i) { return a ? a + i : NULL; }
 
 static sgt_hits hits_from(const sgt_hits *h, size_t i)
 {
-    return (sgt_hits){
-        .status = h->status ? h->status + i : NULL, .evals = h->evals ? h->evals + i : NULL,
-        .t = from(h->t, i), .t_err = from(h->t_err, i), .t_lo = from(h->t_lo, i), .p_err = from(h->p_err, i),
-        .p = {from(h->p[0], i), from(h->p[1], i), from(h->p[2], i)},
-        .n = {from(h->n[0], i), from(h->n[1], i), from(h->n[2], i)}};
+    return (sgt_hits){.status = h->status ? h->status + i : NULL,
+                      .evals = h->evals ? h->evals + i : NULL,
+                      .t = from(h->t, i),
+                      .t_err = from(h->t_err, i),
+                      .t_lo = from(h->t_lo, i),
+                      .p_err = from(h->p_err, i),
+                      .p = {from(h->p[0], i), from(h->p[1], i), from(h->p[2], i)},
+                      .n = {from(h->n[0], i), from(h->n[1], i), from(h->n[2], i)}};
 }
 
 /* Runs of rays with a single span go through the quick form in lanes.  Returns how many rays of the tile are
@@ -89,7 +92,9 @@ static size_t single_runs(sgt_surface s, const sgt_tile *tile, const sgt_options
         n = 1;
         if (tile->hits.status[i] != SGT_SINGLE) continue;
         while (i + n < tile->n && tile->hits.status[i + n] == SGT_SINGLE) n++;
-        sgt_tile run = {.n = n, .t_tol = tile->t_tol + i, .hits = hits_from(&tile->hits, i),
+        sgt_tile run = {.n = n,
+                        .t_tol = tile->t_tol + i,
+                        .hits = hits_from(&tile->hits, i),
                         .rays = rays_from(&tile->rays, i)};
         run.rays.tmin = tile->rays.tmin + i, run.rays.tmax = tile->rays.tmax + i;
         hard -= n - sgt_lanes_general(s, &run, opt);

@@ -27,15 +27,17 @@
  * F as `value` has it must be 0 there within 2^10 roundings; if not, `encloses` and `value` are not about
  * one F, and nothing is said.
  *
- * THE LENGTH OF A CELL is only a guess, from the last answer: over a cell of length w about which g is
- * (G.lo + G.hi) / 2 with the slope S in the middle, G is K w wide.  Let c be |g| where the next cell begins,
- * with the slope s of |g|.  A cell of length h excludes 0 if c + s h/2 > K h/2, so h = 2 c / (K - s).  Where
- * |g| falls, and S changes so little that 0 will not be in it, the cell is as long as two Newton steps: it
- * then has the root and is monotone.
+ * THE LENGTH OF A CELL is only a guess, from the last answer.  Over a cell of length w, g was K w wide and S
+ * was B w wide.  Let c be |g| where the next cell begins, as the middles of G and S have it, and s the slope
+ * of |g|.  The next cell is the longest of these, but at most 4 w, and w/2 if nothing was decided:
  *
- * Measured on 640 x 480 rays into a ball of 1.6 (tests/bench/bench_cells.cpp), cells a ray: Barth's sextic
- * 9.6, Clebsch 4.0, Chmutov of degree 8 7.6, a gyroid 5.1.  Without the move by slopes, 2 to 5 % more; with the
- * growing and shrinking of solve/cells.h, 1.3 to 1.5 times as many.
+ *     2.2 c / (K - s)    a cell of length h excludes 0 if c + s h/2 > K h/2
+ *     |s| / B            S will not change its sign in it (1.5 times that, if |g| rises: then it has no root)
+ *     1.6 c / |s|        1.6 Newton steps, if |g| falls and S stays away from 0 so far: the cell has the root
+ *
+ * COST, 640 x 480 rays into a ball of 1.6 (tests/bench/bench_cells.cpp), cells a ray, those that certify a
+ * root included: Barth's sextic 11.6, Clebsch 8.0, Chmutov of degree 8 8.3, a gyroid 8.7.  The march of a
+ * cell takes 5 ns with AVX-512.
  *
  * WHAT IS LEFT is SGT_HARD, and goes through answer.c:
  * - rays without two finite ends, with numbers out of range, or from so far that an ulp of t is coarse;
@@ -67,8 +69,8 @@ enum { STAYS, PASSED, BRACKET, GIVEN_UP };
 typedef struct slots {
     double o[3][SLOTS], d[3][SLOTS];
     double a[SLOTS], b[SLOTS], end[SLOTS], sign[SLOTS], least[SLOTS], asks[SLOTS], evals[SLOTS], ray[SLOTS];
-    double steep_lo[SLOTS], steep_hi[SLOTS];  /* the slope over the cell whose points are asked for */
-    double t_lo[SLOTS], t_hi[SLOTS];          /* what is asked for, and the answers */
+    double steep_lo[SLOTS], steep_hi[SLOTS]; /* the slope over the cell whose points are asked for */
+    double t_lo[SLOTS], t_hi[SLOTS];         /* what is asked for, and the answers */
     double g_lo[SLOTS], g_hi[SLOTS], slope_lo[SLOTS], slope_hi[SLOTS], leave[SLOTS];
     size_t count;
 } slots;
@@ -78,9 +80,9 @@ typedef struct meetings {
     double o[3][2 * MEETINGS], d[3][2 * MEETINGS], t_lo[2 * MEETINGS], t_hi[2 * MEETINGS];
     double g_lo[2 * MEETINGS], g_hi[2 * MEETINGS], slope_lo[2 * MEETINGS], slope_hi[2 * MEETINGS];
     double a[MEETINGS], b[MEETINGS], tmin[MEETINGS], tmax[MEETINGS], evals[MEETINGS], ray[MEETINGS];
-    double sign[MEETINGS], noise[MEETINGS];   /* noise: the width of G at a point */
+    double sign[MEETINGS], noise[MEETINGS]; /* noise: the width of G at a point */
     double x[MEETINGS], y[MEETINGS], z[MEETINGS], l[MEETINGS], m[MEETINGS], n[MEETINGS], t0[MEETINGS],
-        scale[MEETINGS], inverse[MEETINGS];   /* the ray made local */
+        scale[MEETINGS], inverse[MEETINGS]; /* the ray made local */
     double tau[MEETINGS], lo[MEETINGS], hi[MEETINGS], last[MEETINGS], asks[MEETINGS], steep[MEETINGS];
     double px[MEETINGS], py[MEETINGS], pz[MEETINGS], f[MEETINGS], fx[MEETINGS], fy[MEETINGS], fz[MEETINGS];
     double tau_err[MEETINGS], least[MEETINGS], room[MEETINGS];
@@ -121,11 +123,13 @@ static void cells_cut(size_t n, const sgt_rays *rays, size_t from, double *lo, d
     const double *ox = rays->o[0] + from, *oy = rays->o[1] + from, *oz = rays->o[2] + from,
                  *dx = rays->d[0] + from, *dy = rays->d[1] + from, *dz = rays->d[2] + from,
                  *tmin = rays->tmin + from, *tmax = rays->tmax + from;
-    LANES for (size_t i = 0; i < n; i++) {
+    LANES for (size_t i = 0; i < n; i++)
+    {
         sgt_vec3 d = {dx[i], dy[i], dz[i]};
         double from_t = lo[i], to_t = hi[i], scale = scale_of(d), inverse = inverse_of_scale(d);
         double first = tmin[i], last = tmax[i] + 0x1p-44 * fabs(tmax[i]);
-        double begin = fabs(from_t) < HUGE_VAL ? fabs(from_t) : 0, stop = fabs(to_t) < HUGE_VAL ? fabs(to_t) : 0;
+        double begin = fabs(from_t) < HUGE_VAL ? fabs(from_t) : 0,
+               stop = fabs(to_t) < HUGE_VAL ? fabs(to_t) : 0;
         double room = 0x1p-50 * (begin + stop), a = from_t - room, b = to_t + room;
         bool misses = from_t > to_t;
         a = a >= first ? a : first, b = b <= last ? b : last;
@@ -143,9 +147,12 @@ static void cells_cut(size_t n, const sgt_rays *rays, size_t from, double *lo, d
 
 static void give(const job *j, size_t i, sgt_status status, double evals)
 {
-    static const sgt_hit none = {.t = (double)NAN, .t_err = (double)NAN, .t_lo = (double)NAN,
+    static const sgt_hit none = {.t = (double)NAN,
+                                 .t_err = (double)NAN,
+                                 .t_lo = (double)NAN,
                                  .p = {(double)NAN, (double)NAN, (double)NAN},
-                                 .n = {(double)NAN, (double)NAN, (double)NAN}, .p_err = (double)NAN};
+                                 .n = {(double)NAN, (double)NAN, (double)NAN},
+                                 .p_err = (double)NAN};
     sgt_hit hit = none;
     hit.status = status, hit.evals = (int)evals;
     put_hit(&j->tile->hits, i, &hit);
@@ -200,12 +207,16 @@ static bool fill(job *j, size_t k)
         while (q->next == q->count)
             if (!refill(j)) return false;
         size_t at = q->next++, i = q->from + at;
-        if (q->state[at] == SGT_MISS) give(j, i, SGT_MISS, 0);
-        else if (q->state[at] == SGT_HARD) leave_hard(j, i, 0);
-        else if (q->state[at] != READY) give(j, i, (sgt_status)SGT_SINGLE, 0), j->hard++;
+        if (q->state[at] == SGT_MISS)
+            give(j, i, SGT_MISS, 0);
+        else if (q->state[at] == SGT_HARD)
+            leave_hard(j, i, 0);
+        else if (q->state[at] != READY)
+            give(j, i, (sgt_status)SGT_SINGLE, 0), j->hard++;
         else {
             double lo = q->lo[at], hi = q->hi[at];
-            for (int c = 0; c < 3; c++) s->o[c][k] = j->tile->rays.o[c][i], s->d[c][k] = j->tile->rays.d[c][i];
+            for (int c = 0; c < 3; c++)
+                s->o[c][k] = j->tile->rays.o[c][i], s->d[c][k] = j->tile->rays.d[c][i];
             s->a[k] = s->t_lo[k] = lo, s->b[k] = s->t_hi[k] = lo + 0.2 * (hi - lo), s->end[k] = hi;
             s->sign[k] = s->least[k] = s->evals[k] = s->steep_lo[k] = s->steep_hi[k] = 0;
             s->asks[k] = CELL, s->ray[k] = (double)i;
@@ -234,25 +245,26 @@ SGT_INLINE double march_on(slots *s, size_t k, double budget)
            asks = s->asks[k], evals = s->evals[k] + 1, w = b - a;
     double g_lo = s->g_lo[k], g_hi = s->g_hi[k];
     const mask cell = MASK(asks == CELL), at_first = MASK(asks == FIRST_POINT), at_last = ~(cell | at_first);
-    double lo = either(cell, s->slope_lo[k], s->steep_lo[k]), hi = either(cell, s->slope_hi[k], s->steep_hi[k]);
+    double lo = either(cell, s->slope_lo[k], s->steep_lo[k]),
+           hi = either(cell, s->slope_hi[k], s->steep_hi[k]);
     /* The sign of G.  A NaN says nothing. */
     const mask above = MASK(g_lo > 0) & MASK(g_lo <= g_hi), below = MASK(g_hi < 0) & MASK(g_lo <= g_hi),
                decided = above | below, nowhere = MASK(g_lo > g_hi) & cell;
     double here = either(above, 1, either(below, -1, 0)), size = either(above, g_lo, -g_hi);
-    double known = either(at_first, here, sign);       /* the sign at a, 0: not known */
-    double down = either(MASK(known < 0), hi, -lo);    /* |g| falls at most so fast */
+    double known = either(at_first, here, sign);    /* the sign at a, 0: not known */
+    double down = either(MASK(known < 0), hi, -lo); /* |g| falls at most so fast */
     const mask bounded = MASK(lo > -HUGE_VAL) & MASK(hi < HUGE_VAL) & MASK(lo <= hi),
                monotone = bounded & (MASK(lo > 0) | MASK(hi < 0)), signless = MASK(known == 0),
                rises = monotone & ~signless & MASK(down < 0), falls = monotone & ~signless & MASK(down > 0);
     /* The move by the slope.  2^-10 of `least` is left: the sum of a and `reach` may round by 2^-53 of b. */
-    const mask open = cell & ~decided & ~nowhere & ~monotone & bounded & ~signless & MASK(least > 0) &
-                      MASK(down > 0);
+    const mask open =
+        cell & ~decided & ~nowhere & ~monotone & bounded & ~signless & MASK(least > 0) & MASK(down > 0);
     double reach = either(open, least / down * (1 - 0x1p-10), 0), shrunk = least * 0x1p-11;
     double worth = larger(0x1p-4 * w, 0x1p-40 * larger(fabs(a), fabs(b)));
     const mask through = MASK(reach >= w), moves = ~through & MASK(reach > worth);
     /* what follows */
-    const mask same = MASK(here * sign > 0), past = (cell & (decided | nowhere)) | (~at_last & rises) | through
-                                                    | (at_last & same),
+    const mask same = MASK(here * sign > 0),
+               past = (cell & (decided | nowhere)) | (~at_last & rises) | through | (at_last & same),
                to_first = cell & ~past & monotone & signless, to_last = ~at_last & ~past & falls,
                found = at_last & decided & ~same, lost = ~cell & ~decided;
     const mask points = to_first | to_last;
@@ -269,8 +281,8 @@ SGT_INLINE double march_on(slots *s, size_t k, double budget)
     double start = middle + either(past, half, slope * moved - half);
     start = either(MASK(start > new_least), start, new_least);
     double clears = 2.2 * start / (wide - slope), to_root = start / -slope, one_way = fabs(slope) / bend;
-    double falling = either(MASK(bend * to_root < -1.5 * slope) & MASK(1.6 * to_root > one_way), 1.6 * to_root,
-                            one_way);
+    double falling =
+        either(MASK(bend * to_root < -1.5 * slope) & MASK(1.6 * to_root > one_way), 1.6 * to_root, one_way);
     double length = either(MASK(slope < 0), falling, 1.5 * one_way), left = w - moved;
     length = either(MASK(length > clears), length, clears);
     double shortest = either(past, 0.3 * w, 0.1 * left), longest = either(past, 4 * w, 0.5 * left);
@@ -280,7 +292,8 @@ SGT_INLINE double march_on(slots *s, size_t k, double budget)
     double stop = either(MASK(next + 1.125 * length < end), next + length, end);
     stop = either(points | found, b, stop);
     /* how the ray leaves */
-    const mask gone = past & MASK(next >= end), fine = MASK(stop - next > 0x1p-44 * larger(fabs(next), fabs(stop)));
+    const mask gone = past & MASK(next >= end),
+               fine = MASK(stop - next > 0x1p-44 * larger(fabs(next), fabs(stop)));
     double leave = either(fine & MASK(evals < budget) & ~lost, STAYS, GIVEN_UP);
     leave = either(found, BRACKET, either(gone & ~lost, PASSED, leave));
     s->a[k] = next, s->b[k] = stop, s->sign[k] = new_sign, s->least[k] = new_least, s->evals[k] = evals;
@@ -349,8 +362,8 @@ SGT_INLINE double meeting_step(meetings *s, size_t k)
     lo = side > 0 ? tau : lo, hi = side > 0 ? hi : tau;
     double next = tau - f / slope, middle = 0.5 * (lo + hi);
     next = (next >= lo) & (next <= hi) ? next : middle;
-    double size = fabs(next - tau), ratio = size / last,
-           fine = 0x1p-53 * larger(fabs(s->t0[k]), fabs(tau)), left = size * (ratio * ratio);
+    double size = fabs(next - tau), ratio = size / last, fine = 0x1p-53 * larger(fabs(s->t0[k]), fabs(tau)),
+           left = size * (ratio * ratio);
     double more = (left > fine) & (size > 0) ? 1.0 : 0.0;
     bool on = asks != 0;
     tau = on ? next : tau;
@@ -383,10 +396,7 @@ SGT_INLINE void meeting_ask(meetings *s, size_t k, size_t n)
 }
 
 SGT_KERNEL
-static void meetings_ask(meetings *s, size_t n)
-{
-    LANES for (size_t k = 0; k < n; k++) meeting_ask(s, k, n);
-}
+static void meetings_ask(meetings *s, size_t n) { LANES for (size_t k = 0; k < n; k++) meeting_ask(s, k, n); }
 
 /* t - G / S, about t: is it inside X, and in the bracket? */
 SGT_INLINE void meeting_certify(meetings *s, size_t k, size_t n)
@@ -441,10 +451,7 @@ SGT_INLINE void meeting_take(meetings *s, size_t k)
 }
 
 SGT_KERNEL
-static void meetings_take(meetings *s, size_t n)
-{
-    LANES for (size_t k = 0; k < n; k++) meeting_take(s, k);
-}
+static void meetings_take(meetings *s, size_t n) { LANES for (size_t k = 0; k < n; k++) meeting_take(s, k); }
 
 static void value_all(const job *j, meetings *s, size_t n)
 {
@@ -466,7 +473,8 @@ static void tell_value(job *j, const meetings *s, sgt_move move)
 {
     if (!j->told || j->told->stopped) return;
     double slope = s->fx[0] * s->l[0] + s->fy[0] * s->m[0] + s->fz[0] * s->n[0];
-    tell(j->told, move, (s->t0[0] + s->tau[0]) * s->scale[0], s->f[0], slope * s->inverse[0], s->a[0], s->b[0]);
+    tell(j->told, move, (s->t0[0] + s->tau[0]) * s->scale[0], s->f[0], slope * s->inverse[0], s->a[0],
+         s->b[0]);
 }
 
 /* Answers all brackets there are. */
@@ -500,9 +508,14 @@ static void meet(job *j)
             leave_hard(j, i, s->evals[k]);
             continue;
         }
-        sgt_hit hit = {.status = SGT_HIT, .evals = (int)s->evals[k], .t = s->t[k], .t_err = s->t_err[k],
-                       .t_lo = s->t_over[k], .p = {s->px[k], s->py[k], s->pz[k]},
-                       .n = {s->fx[k], s->fy[k], s->fz[k]}, .p_err = s->p_err[k]};
+        sgt_hit hit = {.status = SGT_HIT,
+                       .evals = (int)s->evals[k],
+                       .t = s->t[k],
+                       .t_err = s->t_err[k],
+                       .t_lo = s->t_over[k],
+                       .p = {s->px[k], s->py[k], s->pz[k]},
+                       .n = {s->fx[k], s->fy[k], s->fz[k]},
+                       .p_err = s->p_err[k]};
         put_hit(&j->tile->hits, i, &hit);
     }
 }
@@ -534,9 +547,12 @@ static void answer_slot(job *j, size_t k)
 {
     const slots *s = j->slots;
     size_t i = (size_t)s->ray[k];
-    if (s->leave[k] == PASSED) give(j, i, SGT_MISS, s->evals[k]);
-    else if (s->leave[k] == BRACKET) add_meeting(j, k);
-    else leave_hard(j, i, s->evals[k]);
+    if (s->leave[k] == PASSED)
+        give(j, i, SGT_MISS, s->evals[k]);
+    else if (s->leave[k] == BRACKET)
+        add_meeting(j, k);
+    else
+        leave_hard(j, i, s->evals[k]);
 }
 
 static void stream(job *j)
@@ -585,7 +601,8 @@ static size_t search(job *j)
     slots s;
     meetings m;
     s.count = m.count = 0;
-    j->encloses = encloses_of(j->s.ops), j->budget = budget_of(j->opt), j->proof = j->opt->proof != SGT_ESTIMATE;
+    j->encloses = encloses_of(j->s.ops), j->budget = budget_of(j->opt),
+    j->proof = j->opt->proof != SGT_ESTIMATE;
     j->queue = &q, j->slots = &s, j->meetings = &m;
     stream(j);
     j->queue = NULL, j->slots = NULL, j->meetings = NULL;
@@ -603,9 +620,15 @@ bool sgt_cells_first(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, 
     signed char status = SGT_HARD;
     int evals = 0;
     sgt_hit a = {.status = SGT_HARD};
-    sgt_tile tile = {.n = 1, .rays = rays_of(ray),
-                     .hits = {.status = &status, .evals = &evals, .t = &a.t, .t_err = &a.t_err, .t_lo = &a.t_lo,
-                              .p = {&a.p.x, &a.p.y, &a.p.z}, .n = {&a.n.x, &a.n.y, &a.n.z},
+    sgt_tile tile = {.n = 1,
+                     .rays = rays_of(ray),
+                     .hits = {.status = &status,
+                              .evals = &evals,
+                              .t = &a.t,
+                              .t_err = &a.t_err,
+                              .t_lo = &a.t_lo,
+                              .p = {&a.p.x, &a.p.y, &a.p.z},
+                              .n = {&a.n.x, &a.n.y, &a.n.z},
                               .p_err = &a.p_err}};
     tally told = {.opt = opt, .budget = 0};
     job j = {.s = s, .opt = opt, .tile = &tile, .told = opt->watch ? &told : NULL};

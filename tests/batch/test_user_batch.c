@@ -189,7 +189,8 @@ static void user_encloses(const void *self, size_t n, sgt_rays r, const double *
         double any = hash((sgt_vec3){lo[i], hi[i], r.o[0][i]}), by = any * 0x1p-48;
         g.lo -= by * fabs(g.lo), g.hi += by * fabs(g.hi);
         if (s->fault != HONEST && any < 0.1) slope = (sgt_interval){any < 0.05 ? -FAR : NOT, FAR};
-        if (s->fault != HONEST && any < 0.03) g = (sgt_interval){any < 0.02 ? -FAR : 1, any < 0.01 ? NOT : -1};
+        if (s->fault != HONEST && any < 0.03)
+            g = (sgt_interval){any < 0.02 ? -FAR : 1, any < 0.01 ? NOT : -1};
         out.lo[i] = g.lo, out.hi[i] = g.hi;
         if (out.slope_lo) out.slope_lo[i] = slope.lo, out.slope_hi[i] = slope.hi;
     }
@@ -459,8 +460,11 @@ static void cells_together(generator *g)
     static int evals[2][COUNT];
     long calls = 0, cells = 0, counted = 0;
     shape s = {.form = TORUS, .a = 1, .b = 0.4, .calls = &calls, .rays = &cells};
-    sgt_surface_ops ops = {.size = sizeof ops, .value = user_value, .span = user_span,
-                           .enclose = user_enclose, .encloses = user_encloses};
+    sgt_surface_ops ops = {.size = sizeof ops,
+                           .value = user_value,
+                           .span = user_span,
+                           .enclose = user_enclose,
+                           .encloses = user_encloses};
     for (size_t i = 0; i < COUNT; i++) {
         sgt_vec3 d = random_direction(g), at = {uniform(g, -1, 1), uniform(g, -1, 1), uniform(g, -0.3, 0.3)};
         const double numbers[] = {at.x - 4 * d.x, at.y - 4 * d.y, at.z - 4 * d.z, d.x, d.y, d.z};
@@ -468,10 +472,13 @@ static void cells_together(generator *g)
     }
     sgt_rays all = {.o = {in[0], in[1], in[2]}, .d = {in[3], in[4], in[5]}};
     sgt_options opt = {.proof = SGT_PROVE_FIRST};
-    size_t met = sgt_intersect_batch((sgt_surface){&ops, &s}, COUNT, all, (sgt_hits){.evals = evals[0]}, &opt);
+    size_t met =
+        sgt_intersect_batch((sgt_surface){&ops, &s}, COUNT, all, (sgt_hits){.evals = evals[0]}, &opt);
     for (size_t i = 0; i < COUNT; i++) counted += evals[0][i];
-    printf("%zu of %d rays met, %ld evaluations, %ld cells in %ld calls\n", met, COUNT, counted, cells, calls);
-    if ((met < COUNT / 3 || cells > counted || cells * 5 < counted * 3 || calls * 8 > cells) && ++failures <= 5)
+    printf("%zu of %d rays met, %ld evaluations, %ld cells in %ld calls\n", met, COUNT, counted, cells,
+           calls);
+    if ((met < COUNT / 3 || cells > counted || cells * 5 < counted * 3 || calls * 8 > cells) &&
+        ++failures <= 5)
         printf("FAIL cells are not asked for together\n");
     calls = 0;
     ops.size = offsetof(sgt_surface_ops, encloses);

@@ -395,7 +395,10 @@ static double ball_clearance(const void *self, sgt_vec3 p)
 
 /* Of many cells.  enclose keeps its promises, encloses may not. */
 typedef enum company { IN_COMPANY, BY_COUNT, BY_PLACE, BY_SLOPE, BEYOND, COMPANIES } company;
-typedef struct crowd { ball of; company how; } crowd;
+typedef struct crowd {
+    ball of;
+    company how;
+} crowd;
 static double crowd_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
     return ball_value(&((const crowd *)self)->of, p, grad);
@@ -425,8 +428,8 @@ static void test_many_enclosures(void **state)
 {
     (void)state;
     generator g = seeded("many enclosures");
-    sgt_surface_ops ops = {.size = sizeof ops, .value = crowd_value, .enclose = crowd_enclose,
-                           .encloses = crowd_encloses};
+    sgt_surface_ops ops = {
+        .size = sizeof ops, .value = crowd_value, .enclose = crowd_enclose, .encloses = crowd_encloses};
     for (int what = KEPT; what < LARGER_CLEARANCE; what++)
         for (int how = IN_COMPANY; how < (what == KEPT ? COMPANIES : 1); how++) {
             double size = log_uniform(&g, 1e-4, 1e4);
@@ -688,13 +691,13 @@ static void test_texts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_planted),     cmocka_unit_test(test_where),
-        cmocka_unit_test(test_promises),    cmocka_unit_test(test_spans_alone),
-        cmocka_unit_test(test_many_enclosures),
-        cmocka_unit_test(test_span_of_nan), cmocka_unit_test(test_beyond),
-        cmocka_unit_test(test_no_value),    cmocka_unit_test(test_bad_rays),
-        cmocka_unit_test(test_sound),       cmocka_unit_test(test_builtin),
-        cmocka_unit_test(test_level_sets),  cmocka_unit_test(test_texts),
+        cmocka_unit_test(test_planted),         cmocka_unit_test(test_where),
+        cmocka_unit_test(test_promises),        cmocka_unit_test(test_spans_alone),
+        cmocka_unit_test(test_many_enclosures), cmocka_unit_test(test_span_of_nan),
+        cmocka_unit_test(test_beyond),          cmocka_unit_test(test_no_value),
+        cmocka_unit_test(test_bad_rays),        cmocka_unit_test(test_sound),
+        cmocka_unit_test(test_builtin),         cmocka_unit_test(test_level_sets),
+        cmocka_unit_test(test_texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
