@@ -6,8 +6,11 @@
  * time, on the stack.
  *
  * UNIFORM is what does not depend on the point: numbers, pi, parameters, and what is made of them alone.
- * Uniforms have steps of their own, which sgt_formula_set runs once, in intervals; `value` takes the
- * middle.  A step of points may have one uniform operand, or two in no case: then it is uniform itself.
+ * Uniforms have steps of their own, which sgt_formula_set runs once, in intervals; evaluation at points takes
+ * the middle.  A step of points has one uniform operand at most: with two it would be uniform itself.  Of a
+ * sum, a product, a minimum, a maximum and a hypot it is b; of the others it may be a.
+ *
+ * A step never writes a register that it reads, so operands and result do not overlap.
  *
  * An operand is the number of a register, or FORMULA_UNIFORM + the index of a uniform. */
 #ifndef SGT_SURFACE_FORMULA_TAPE_H
@@ -15,7 +18,7 @@
 
 #include <sagitta/formula.h>
 
-enum { FORMULA_REGISTERS = 48, FORMULA_UNIFORM = 0x8000 };
+enum { FORMULA_REGISTERS = 48, FORMULA_UNIFORMS = 1024, FORMULA_UNIFORM = 0x8000 };
 
 typedef enum formula_op {
     FORMULA_ADD, FORMULA_SUB, FORMULA_MUL, FORMULA_DIV, FORMULA_MIN, FORMULA_MAX,
@@ -33,6 +36,9 @@ typedef enum formula_op {
     FORMULA_PI,
     FORMULA_PARAMETER    /* the parameter n */
 } formula_op;
+
+/* No function of num/functions.h is off by more than this many u of its result. */
+enum { FORMULA_FUNCTION_ULPS = 32 };
 
 enum { FORMULA_OF_X = 1, FORMULA_OF_Y = 2, FORMULA_OF_Z = 4 };
 
@@ -56,15 +62,24 @@ typedef struct formula_uniform {
 struct sgt_tape {
     sgt_formula_kind kind;
     int steps, uniforms, parameters, registers; /* registers: how many are used, with x, y, z */
+    bool jumps;              /* a step is an atan2, whose cut F may cross */
     const formula_step *step;
     const formula_uniform *uniform;
     sgt_interval *value;     /* of each uniform */
-    double *middle;          /* of these; NaN if a uniform is not defined */
+    double *middle;          /* of these; NaN if a uniform is not defined, or has an end at infinity */
     double *given;           /* the values of the parameters */
 };
 
-/* One operation on intervals, as interval.h has it (apply.c).  FORMULA_COPY is a; not for the operations of
- * uniforms only. */
+/* What is compiled once (read.c and its kin) calls that of the base set. */
+#ifndef SGT_SET_NUMBER
+#define sgt_formula_interval sgt_formula_interval_base
+#endif
+
+/* One operation on intervals, as interval.h has it (enclose.c).  FORMULA_COPY is a.  All numbers for the
+ * operations of uniforms only. */
 sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_interval b);
+
+/* The same of uniforms: all numbers if it is not known whether it is defined (apply.c). */
+sgt_interval sgt_formula_uniform(formula_op op, int n, sgt_interval a, sgt_interval b);
 
 #endif
