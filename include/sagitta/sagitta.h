@@ -161,7 +161,7 @@ typedef struct sgt_surface_ops {
      *     nothing, and so does a NaN.
      *   - lo > hi: F is undefined all over t, and so has no zero there.
      *   - A slope with two finite ends also says that F is defined and continuous all
-     *     over t.  Where it may not be, return an infinite slope.
+     *     over t.  Where it may not be, return a slope with an end at infinity.
      * The ray need not be the caller's: for a distant origin it is the same line from an
      * origin nearby. */
     sgt_interval (*enclose)(const void *self, const sgt_ray *ray, sgt_interval t,
@@ -213,8 +213,8 @@ typedef struct sgt_surface_ops {
      *   - out.slope_lo NULL: slopes are not wanted, and out.slope_hi is NULL, too.
      * First roots are searched for by it, of many rays side by side and of one, unless
      * the surface has `first`, or the span is single and no proof is asked for.  Such a
-     * root is proven, whatever options.proof is, and as sharp as rounding allows (t_tol is
-     * not read).  Grazes, and roots beside an end of the ray, are left to `enclose`. */
+     * root is proven, whatever options.proof is, and as sharp as rounding allows (t_tol
+     * is not read).  Grazes, and roots beside an end of the ray, are left to `enclose`. */
     void (*encloses)(const void *self, size_t n, sgt_rays rays, const double *t_lo,
                      const double *t_hi, sgt_enclosures out);
 } sgt_surface_ops;
