@@ -242,13 +242,15 @@ int main(void)
             && isnan(lane_atan2(0.0, -0.0)) && lane_atan2(0, -1) == lane_acos(-1), "atan, atan2");
     require(lane_sinh(inf) == inf && lane_sinh(-inf) == -inf && lane_cosh(-inf) == inf
             && isnan(lane_sinh(none)) && isnan(lane_cosh(none)) && lane_tanh(inf) == 1
-            && lane_tanh(-inf) == -1 && isnan(lane_tanh(none)) && lane_sinh(0) == 0 && lane_cosh(0) == 1 && lane_tanh(0) == 0, "sinh, cosh, tanh");
+            && lane_tanh(-inf) == -1 && isnan(lane_tanh(none)) && lane_sinh(0) == 0 && lane_cosh(0) == 1
+            && lane_tanh(0) == 0, "sinh, cosh, tanh");
     require(lane_cbrt(inf) == inf && lane_cbrt(-inf) == -inf && isnan(lane_cbrt(none)) && lane_cbrt(0) == 0,
             "cbrt");
     require(lane_hypot(inf, 1) == inf && lane_hypot(1, -inf) == inf && isnan(lane_hypot(none, 1))
             && isnan(lane_hypot(1, none)) && lane_hypot(0, 0) == 0 && lane_hypot(-3, 4) == 5, "hypot");
     require(lane_power(0, 1) == 0 && isnan(lane_power(0, 0)) && isnan(lane_power(0, -1))
-            && isnan(lane_power(-8, 3)) && lane_power(5, 0) == 1 && isnan(lane_power(none, 1)) && isnan(lane_power(2, none)), "power");
+            && isnan(lane_power(-8, 3)) && lane_power(5, 0) == 1 && isnan(lane_power(none, 1))
+            && isnan(lane_power(2, none)), "power");
 
     for (int k = 0; k < LANE_FUNCTIONS; k++)
         for (long i = 0; i < 1 + n / 30; i++) {
