@@ -82,6 +82,7 @@
 #define sgt_departure_value SGT_SET_NAME(sgt_departure_value)
 #define sgt_departure_values SGT_SET_NAME(sgt_departure_values)
 #define sgt_departure_within SGT_SET_NAME(sgt_departure_within)
+#define sgt_formula_encloses SGT_SET_NAME(sgt_formula_encloses)
 #define sgt_formula_interval SGT_SET_NAME(sgt_formula_interval)
 #define sgt_formula_jet SGT_SET_NAME(sgt_formula_jet)
 #define sgt_formula_local SGT_SET_NAME(sgt_formula_local)
