@@ -1,0 +1,289 @@
+// What a formula offers to a solver, operation by operation, against Arb: at random points of each formula of
+// formulas.h, at special ones and beside these.
+//
+//   value      within `rounding` of F; NaN where F is not defined.  The gradient, to 1e-10 of its terms
+//   values     the same bits
+//   enclose    has F and its slope at points of the stretch; a finite slope only where no jump is.  In balls
+//              of width 0 to a tenth of the chord
+//   second, by_parameter, sgt_differentiate   the same by dual numbers of dual numbers of balls
+//   sgt_formula_set   another value of a parameter is the formula read with it
+//
+//     test_operations [--count N] [--seed S] [--only NAME]
+#include "rays.h"
+#include "subject.h"
+
+#include <sagitta/sensitivity.h>
+
+#include <cstdio>
+#include <cstring>
+#include <map>
+
+using namespace formula;
+using second_dual = dual<dual<ball>>;
+
+namespace {
+
+long failures, examples = 2;
+std::map<std::string, long> faults;
+
+void fail(const written &f, const char *what, const sgt_vec3 &p, double have, double want)
+{
+    failures++;
+    if (faults[f.name + ": " + what]++ < examples)
+        std::printf("FAIL %s: %s at {%a, %a, %a}: %.17g, not %.17g\n", f.name.c_str(), what, p.x, p.y, p.z, have,
+                    want);
+}
+
+second_dual variable(double x, bool outer, bool inner)
+{
+    return {dual<ball>(ball(x), ball(inner)), dual<ball>(ball(outer), ball(0))};
+}
+
+// d^2 F / dx_i dx_j.
+ball bend(const written &f, const sgt_vec3 &p, int i, int j)
+{
+    return f.at(variable(p.x, i == 0, j == 0), variable(p.y, i == 1, j == 1), variable(p.z, i == 2, j == 2)).s.s;
+}
+
+// dF/da_j and its derivative by x_i.
+dual<ball> by_parameter(const written &f, std::size_t j, const sgt_vec3 &p, int i)
+{
+    return f.by(j, variable(p.x, false, i == 0), variable(p.y, false, i == 1), variable(p.z, false, i == 2)).s;
+}
+
+const int rows[6] = {0, 0, 0, 1, 1, 2}, columns[6] = {0, 1, 2, 1, 2, 2};
+
+void at_point(const written &f, const sgt_surface &s, const sgt_vec3 &p)
+{
+    const precision prec(256);
+    seen = marks();
+    const ball exact = f.at(ball(p.x), ball(p.y), ball(p.z));
+    sgt_vec3 n, again;
+    const double v = s.ops->value(s.self, p, &n), alone = s.ops->value(s.self, p, nullptr);
+    if (std::memcmp(&v, &alone, sizeof v) && !(v != v && alone != alone)) fail(f, "value alone", p, alone, v);
+    double f_lane, g_lane[3];
+    s.ops->values(s.self, 1, {{&p.x, &p.y, &p.z}}, {&f_lane, {&g_lane[0], &g_lane[1], &g_lane[2]}});
+    again = {g_lane[0], g_lane[1], g_lane[2]};
+    const double mine[4] = {v, n.x, n.y, n.z}, lane[4] = {f_lane, again.x, again.y, again.z};
+    for (int i = 0; i < 4; i++)
+        if (std::memcmp(&mine[i], &lane[i], sizeof v) && !(mine[i] != mine[i] && lane[i] != lane[i]))
+            fail(f, "values are not value", p, lane[i], mine[i]);
+
+    if (!exact.is_finite()) { // not defined, or a border that balls cannot tell
+        if (seen.nowhere && v == v) fail(f, "a value where none is", p, v, NAN);
+        return;
+    }
+    const double rounding = s.ops->rounding(s.self, p);
+    if (v != v) {
+        if (!seen.torn() && !(rounding > 1e-9)) fail(f, "no value", p, v, exact.rough());
+        return;
+    }
+    if (!(rounding >= 0)) fail(f, "no rounding", p, rounding, 0);
+    if (less(ball(rounding), proof::size(ball(v) - exact)))
+        fail(f, "value beyond its rounding", p, v, exact.rough());
+
+    // What is smooth there: F, and the terms of its derivatives.
+    seen = marks();
+    const point3 g = gradient(f, {p.x, p.y, p.z});
+    const bool smooth = !seen.torn() && !seen.kink && norm(g).is_finite();
+    if (!smooth) return;
+    const double size = f.where.size(), steep = norm(g).rough() + std::fabs(v) / size;
+    const ball *exact_g[3] = {&g.x, &g.y, &g.z};
+    for (int i = 0; i < 3; i++)
+        if (!(std::fabs(mine[i + 1] - exact_g[i]->rough()) <= 1e-10 * steep + 1e3 * rounding / size))
+            fail(f, "gradient", p, mine[i + 1], exact_g[i]->rough());
+
+    double h[6];
+    double *const list[6] = {&h[0], &h[1], &h[2], &h[3], &h[4], &h[5]};
+    double bent[6], most = 0;
+    s.ops->second(s.self, 1, {{&p.x, &p.y, &p.z}}, list);
+    for (int k = 0; k < 6; k++) bent[k] = bend(f, p, rows[k], columns[k]).rough(), most = std::max(most, std::fabs(bent[k]));
+    const double allowed = 1e-9 * (most + steep / size) + 1e6 * rounding / size / size;
+    for (int k = 0; k < 6; k++)
+        if (!(std::fabs(h[k] - bent[k]) <= allowed)) fail(f, "second derivative", p, h[k], bent[k]);
+
+    const std::size_t parameters = s.ops->parameters(s.self);
+    if (parameters != f.named.size())
+        return fail(f, "number of parameters", p, static_cast<double>(parameters),
+                    static_cast<double>(f.named.size()));
+    for (std::size_t j = 0; j < parameters; j++) {
+        double fa, ga[3];
+        s.ops->by_parameter(s.self, j, 1, {{&p.x, &p.y, &p.z}}, {&fa, {&ga[0], &ga[1], &ga[2]}});
+        double exact_a[4], terms = 0;
+        for (int i = 0; i < 3; i++) {
+            const dual<ball> d = by_parameter(f, j, p, i);
+            exact_a[0] = d.v.rough(), exact_a[i + 1] = d.s.rough();
+            terms = std::max(terms, std::fabs(d.s.rough()));
+        }
+        const double unit = std::max(1.0, 1 / std::fabs(f.named[j].value)),
+                     some = std::fabs(exact_a[0]) + terms * size + (steep * size + std::fabs(v)) * unit;
+        if (!(std::fabs(fa - exact_a[0]) <= 1e-10 * some + 1e3 * rounding * unit))
+            fail(f, "by parameter", p, fa, exact_a[0]);
+        for (int i = 0; i < 3; i++)
+            if (!(std::fabs(ga[i] - exact_a[i + 1]) <= 1e-9 * some / size + 1e3 * rounding * unit / size))
+                fail(f, "gradient by parameter", p, ga[i], exact_a[i + 1]);
+    }
+}
+
+void enclosed(generator &g, const written &f, const sgt_surface &s, const sgt_ray &ray)
+{
+    const precision prec(256);
+    const sgt_span chord = chord_of(f.where, ray);
+    if (!(chord.lo < chord.hi)) return;
+    const double all = chord.hi - chord.lo, width = g.chance(0.1) ? 0 : all * g.log_uniform(1e-16, 0.1);
+    const double lo = chord.lo + g.uniform(0, 1) * all, hi = lo + width;
+    sgt_interval slope;
+    const sgt_interval v = s.ops->enclose(s.self, &ray, {lo, hi}, &slope);
+    const bool smooth = slope.lo > -HUGE_VAL && slope.hi < HUGE_VAL;
+    ball before;
+    for (int i = 0; i <= 4; i++) {
+        const ball t = ball(lo) + (ball(hi) - ball(lo)) * ball(i / 4.0);
+        const ball x = ball(ray.o.x) + ball(ray.d.x) * t, y = ball(ray.o.y) + ball(ray.d.y) * t,
+                   z = ball(ray.o.z) + ball(ray.d.z) * t;
+        const sgt_vec3 p = {x.rough(), y.rough(), z.rough()};
+        seen = marks();
+        const dual<ball> e = f.at(dual<ball>(x, ray.d.x), dual<ball>(y, ray.d.y), dual<ball>(z, ray.d.z));
+        if (seen.nowhere && smooth && v.lo <= v.hi) fail(f, "a finite slope where F is not defined", p, slope.lo, NAN);
+        if (seen.nowhere || !e.v.is_finite()) continue;
+        if (seen.torn() || seen.kink) continue;
+        if (less(e.v, ball(v.lo)) || less(ball(v.hi), e.v) || v.lo > v.hi)
+            fail(f, "F is not in its enclosure", p, v.lo, e.v.rough());
+        if (e.s.is_finite() && (less(e.s, ball(slope.lo)) || less(ball(slope.hi), e.s)))
+            fail(f, "F' is not in its enclosure", p, slope.lo, e.s.rough());
+        if (smooth && i > 0) { // of a jump the difference is too large
+            const ball step = (ball(hi) - ball(lo)) * ball(0.25), up = e.v - before;
+            if (less(ball(slope.hi) * step, up) || less(up, ball(slope.lo) * step))
+                fail(f, "a jump within a finite slope", p, slope.lo, up.rough());
+        }
+        before = e.v;
+    }
+}
+
+void differentiated(const written &f, const sgt_surface &s, const sgt_ray &ray)
+{
+    const sgt_hit h = sgt_intersect(s, ray, nullptr);
+    if (h.status != SGT_HIT) return;
+    const precision prec(256);
+    seen = marks();
+    const point3 g = gradient(f, widen(h.p));
+    if (seen.torn() || seen.kink || !norm(g).is_finite()) return;
+    const double n[3] = {g.x.rough(), g.y.rough(), g.z.rough()}, d[3] = {ray.d.x, ray.d.y, ray.d.z};
+    const double slope = n[0] * d[0] + n[1] * d[1] + n[2] * d[2], steep = norm(g).rough(),
+                 length = std::sqrt(inner(ray.d, ray.d)), size = f.where.size();
+    if (!(std::fabs(slope) > 1e-2 * steep * length)) return;
+    sgt_change by_o[3], by_a[8];
+    const int lacks = sgt_differentiate(s, &ray, &h, by_o, by_a);
+    if (lacks & SGT_LACKS_SECOND) return fail(f, "no second derivatives", h.p, lacks, 0);
+    double bent[3][3], most = 0;
+    for (int k = 0; k < 6; k++) {
+        bent[rows[k]][columns[k]] = bent[columns[k]][rows[k]] = bend(f, h.p, rows[k], columns[k]).rough();
+        most = std::max(most, std::fabs(bent[rows[k]][columns[k]]));
+    }
+    const double rounding = s.ops->rounding(s.self, h.p), noise = 1e-8 + 1e8 * rounding / (steep * size);
+    const double bends = most * 3 + steep / size;
+    if (!(noise < 1e-3) || !(h.p_err * bends < 1e-9 * steep)) return;
+    const auto near = [&](double have, double want, double of, const char *what) {
+        if (!(std::fabs(have - want) <= noise * of)) fail(f, what, h.p, have, want);
+    };
+    for (int j = 0; j < 3; j++) {
+        const double dt = -n[j] / slope;
+        near(by_o[j].t, dt, 100 / length, "dt/do");
+        const double dp[3] = {by_o[j].p.x, by_o[j].p.y, by_o[j].p.z}, dn[3] = {by_o[j].n.x, by_o[j].n.y, by_o[j].n.z};
+        double way[3];
+        for (int i = 0; i < 3; i++) way[i] = (i == j) + d[i] * dt, near(dp[i], way[i], 100, "dp/do");
+        for (int i = 0; i < 3; i++)
+            near(dn[i], bent[i][0] * way[0] + bent[i][1] * way[1] + bent[i][2] * way[2], 100 * bends, "dn/do");
+    }
+    for (std::size_t j = 0; j < f.named.size(); j++) {
+        double mixed[3], fa = 0, terms = 0;
+        for (int i = 0; i < 3; i++) {
+            const dual<ball> e = by_parameter(f, j, h.p, i);
+            fa = e.v.rough(), mixed[i] = e.s.rough(), terms = std::max(terms, std::fabs(mixed[i]));
+        }
+        const double dt = -fa / slope, unit = std::max(1.0, 1 / std::fabs(f.named[j].value)),
+                     of = std::fabs(fa) / steep + (terms / steep + unit) * size;
+        near(by_a[j].t, dt, 100 * of / length, "dt/da");
+        const double dn[3] = {by_a[j].n.x, by_a[j].n.y, by_a[j].n.z}, dp[3] = {by_a[j].p.x, by_a[j].p.y, by_a[j].p.z};
+        for (int i = 0; i < 3; i++) {
+            near(dp[i], d[i] * dt, 100 * of, "dp/da");
+            near(dn[i], (bent[i][0] * d[0] + bent[i][1] * d[1] + bent[i][2] * d[2]) * dt + mixed[i],
+                 100 * (bends * of + terms), "dn/da");
+        }
+    }
+}
+
+#ifdef WITH_FORMULA
+// A parameter set anew, and read anew.
+void set_anew(generator &g, const written &f)
+{
+    const std::size_t n = f.named.size();
+    if (!n) return;
+    std::vector<sgt_named> named = f.named;
+    std::vector<double> values(n);
+    for (std::size_t i = 0; i < n; i++) values[i] = named[i].value *= g.uniform(0.9, 1.1);
+    const std::size_t size = sgt_formula_room(f.text.c_str(), n);
+    std::vector<double> room[2];
+    sgt_tape *tape[2];
+    for (int k = 0; k < 2; k++) {
+        room[k].resize(size / sizeof(double) + 1);
+        tape[k] = sgt_formula_read(f.text.c_str(), f.sag() ? SGT_FORMULA_XY : SGT_FORMULA_XYZ, n,
+                                   (k ? f.named : named).data(), room[k].data(), size, nullptr);
+        if (!tape[k]) return fail(f, "not read", {0, 0, 0}, k, 0);
+    }
+    if (!sgt_formula_set(tape[1], values.data())) fail(f, "not set", {0, 0, 0}, 0, 0);
+    values[0] = NAN;
+    if (sgt_formula_set(tape[1], values.data())) fail(f, "NaN was set", {0, 0, 0}, 0, 0);
+    for (int i = 0; i < 20; i++) {
+        const sgt_vec3 p = random_point(g, f.where);
+        double v[2];
+        for (int k = 0; k < 2; k++) {
+            const sgt_formula level = {tape[k], 0, {0, 0, 0}, {0, 0, 0}};
+            const sgt_formula_sag sag = {tape[k], 0};
+            v[k] = f.sag() ? sgt_formula_sag_ops.value(&sag, p, nullptr) : sgt_formula_ops.value(&level, p, nullptr);
+        }
+        if (std::memcmp(&v[0], &v[1], sizeof v[0]) && !(v[0] != v[0] && v[1] != v[1]))
+            fail(f, "set and read differ", p, v[1], v[0]);
+    }
+}
+#endif
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    const char *only = nullptr;
+    for (int i = 1; i + 1 < argc; i++)
+        if (!std::strcmp(argv[i], "--only")) only = argv[i + 1];
+    const oracle::run run(argc, argv, 60, 20261124);
+    std::uint64_t number = 0;
+    for (const auto &f : formulas()) {
+        number++;
+        if (only && f->name != only) continue;
+        const subject s(*f, false);
+        if (!s.error().empty()) {
+            std::printf("FAIL %s: %s\n", f->name.c_str(), s.error().c_str());
+            failures++;
+            continue;
+        }
+        generator g(run.seed + 7919 * number);
+        for (long i = 0; i < run.count; i++) {
+            sgt_vec3 p = random_point(g, f->where);
+            if (g.chance(0.1)) (g.chance(0.5) ? p.x : p.y) = 0;
+            if (g.chance(0.2) && !f->special.empty()) {
+                p = f->special[static_cast<std::size_t>(g.below(static_cast<int>(f->special.size())))];
+                if (g.chance(0.7)) p = plus(p, f->where.size() * g.log_uniform(1e-16, 1e-3), random_way(g));
+            }
+            at_point(*f, s.surface(), p);
+            const int kind = g.below(kinds_of_rays);
+            const sgt_ray ray = random_ray(g, *f, kind == 2 ? 0 : kind);
+            enclosed(g, *f, s.surface(), ray);
+            differentiated(*f, s.surface(), ray);
+        }
+#ifdef WITH_FORMULA
+        set_anew(g, *f);
+#endif
+    }
+    for (const auto &x : faults) std::printf("    %6ld %s\n", x.second, x.first.c_str());
+    std::printf("%ld failures\n", failures);
+    return failures != 0;
+}
