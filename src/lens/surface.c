@@ -15,6 +15,7 @@
 #include "surface.h"
 
 #include "../text/number.h"
+#include "formula.h"
 #include "matrix.h"
 #include "reader.h"
 
@@ -24,7 +25,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char CURVATURE[] = "curvature", RADIUS[] = "radius", COEFFICIENTS[] = "coefficients";
+static const char CURVATURE[] = "curvature", RADIUS[] = "radius", COEFFICIENTS[] = "coefficients",
+                  FORMULA[] = "formula";
 enum { NAME_SIZE = 64, UNIT_SIZE = 64 };
 
 /* The name of the radius that may stand for a curvature; "" for other parameters. */
@@ -113,7 +115,7 @@ static const sgt_builtin *type_of(source *s, const node *map)
         size_t apart = sgt_reader_distance(own, other);
         if (apart < least) near = b->type, words = "did you mean ", least = apart;
     }
-    tree_fail(s, n->line, "type", "no surface is called \"%.60s\"; %s%s%sthere are: %s%s", name, words, near,
+    tree_fail(s, n->line, "type", "no surface is called \"%.60s\"; %s%s%sthere are: %s, formula%s", name, words, near,
               *near ? "?  " : "", known, s->in_lens ? ", break, ideal" : "");
 }
 
@@ -385,6 +387,11 @@ static const char *complete(source *s, const node *map, const sgt_builtin *b, vo
 sgt_surface sgt_read_surface(source *s, const node *map, surface_rim rim, const char *others,
                              const sgt_builtin **type)
 {
+    const node *named = tree_take(map, "type");
+    if (named && named->kind == NODE_SCALAR && strcmp(named->text, FORMULA) == 0) {
+        if (rim == SURFACE_TERM) tree_fail(s, named->line, "type", "a formula cannot be a term of a sum");
+        return sgt_read_formula(s, map, rim, type);
+    }
     const sgt_builtin *b = type_of(s, map);
     char *self = tree_room(s, 1, b->size);
     for (const sgt_param *p = b->params; p->name; p++) {

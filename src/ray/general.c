@@ -267,7 +267,8 @@ static int search_along(sgt_surface s, const sgt_ray *ray, const sgt_options *op
         return 0;
     }
 
-    if (span.single || near) {
+    bool jumps = is_catalogue(s.ops) && s.ops->own_->jumps && s.ops->own_->jumps(s.self);
+    if ((span.single || near) && !jumps) {
         point at = {.tau = (double)NAN};
         w.hidden.t = (double)NAN;
         /* step 3 */

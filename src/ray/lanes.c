@@ -971,8 +971,9 @@ static double door(lanes *a, const sgt_tile *tile, size_t from, size_t n)
 size_t sgt_lanes_general(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     const sgt_surface_ops *ops = s.ops;
-    /* one by one: a proof (proof.c), or invalid parameters */
-    if (opt->proof || !parameters_valid(s) || !rim_in_range(rim2_of_surface(s))) {
+    bool jumps = is_catalogue(ops) && ops->own_->jumps && ops->own_->jumps(s.self);
+    /* one by one: a proof (proof.c), an F that jumps, or invalid parameters */
+    if (opt->proof || jumps || !parameters_valid(s) || !rim_in_range(rim2_of_surface(s))) {
         memset(tile->hits.status, SGT_HARD, tile->n);
         return tile->n;
     }

@@ -95,6 +95,9 @@ typedef struct departure {
      * although P is not defined all over the region; departure.c relies on it there. */
     bool framed;
 
+    /* May P jump where it is defined?  NULL: it does not. */
+    bool (*jumps)(const void *self);
+
     /* dP/dc with its gradient, if P depends on the curvature c of its base.  NULL: it does not. */
     void (*by_curvature)(const void *self, size_t n, const double *x, const double *y, sag_values out);
 } departure;
@@ -205,6 +208,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
                                               sgt_values out),                                               \
                  sgt_departure_by_parameter(&v, j, n, p, out))                                               \
     DEPARTURE_OF(NAME, sgt_objection NAME##_ops_object(const void *self), return sgt_departure_object(&v))   \
+    DEPARTURE_OF(NAME, bool NAME##_jumps(const void *self), return v.of->jumps && v.of->jumps(v.self))       \
     DEPARTURE_OF(NAME, void NAME##_base_of(const void *self, double *c, double *k),                          \
                  *c = v.base ? v.c : 0; *k = v.base ? v.k : 0)                                               \
     static sgt_span NAME##_ops_span(const void *self, const sgt_ray *ray)                                    \
@@ -224,7 +228,7 @@ SGT_INLINE sgt_objection object_to_list(const char *name, sgt_numbers a, size_t 
         .share_within = NAME##_share_within, .extent_within = NAME##_extent_within,                          \
         .heights = NAME##_heights, .chords = sgt_departure_chords, .noise_within = NAME##_noise_within,      \
         .roundings = sgt_departure_roundings, .span = sgt_departure_span, .spans = sgt_departure_spans,      \
-        .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base_of,      \
+        .enclose = NAME##_builtin_enclose, .rim = NAME##_rim, .base = NAME##_base_of, .jumps = NAME##_jumps, \
         .departure = &NAME##_departure};               \
     const sgt_surface_ops sgt_##NAME##_ops = {                                                               \
         .name = #NAME, .value = NAME##_ops_value, .span = NAME##_ops_span, .rounding = NAME##_ops_rounding,  \

@@ -15,7 +15,7 @@
 
 #include <sagitta/formula.h>
 
-enum { FORMULA_REGISTERS = 48, FORMULA_UNIFORM = 0x8000 };
+enum { FORMULA_REGISTERS = 48, FORMULA_UNIFORMS = 1024, FORMULA_UNIFORM = 0x8000 };
 
 typedef enum formula_op {
     FORMULA_ADD, FORMULA_SUB, FORMULA_MUL, FORMULA_DIV, FORMULA_MIN, FORMULA_MAX,
@@ -33,6 +33,9 @@ typedef enum formula_op {
     FORMULA_PI,
     FORMULA_PARAMETER    /* the parameter n */
 } formula_op;
+
+/* No function of num/functions.h is off by more than this many u of its result. */
+enum { FORMULA_FUNCTION_ULPS = 32 };
 
 enum { FORMULA_OF_X = 1, FORMULA_OF_Y = 2, FORMULA_OF_Z = 4 };
 
@@ -56,6 +59,7 @@ typedef struct formula_uniform {
 struct sgt_tape {
     sgt_formula_kind kind;
     int steps, uniforms, parameters, registers; /* registers: how many are used, with x, y, z */
+    bool jumps;              /* a step is an atan2, whose cut F may cross */
     const formula_step *step;
     const formula_uniform *uniform;
     sgt_interval *value;     /* of each uniform */

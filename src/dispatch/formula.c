@@ -1,0 +1,7 @@
+/* The operations of formulas as a program sees them: operations.h. */
+#include "operations.h"
+
+#include <sagitta/formula.h>
+
+OF_DEPARTURE(formula, "formula")
+OF_DEPARTURE(formula_sag, "formula")

@@ -1,0 +1,165 @@
+/* local.c - one operation of a formula on a row of points (local.h). */
+#include "local.h"
+
+#include <string.h>
+
+#define ROWS(NAME)                                                                                    \
+    SGT_KERNEL                                                                                        \
+    static void NAME(const double *restrict a, const double *restrict b, double *restrict v,          \
+                     double *restrict va, double *restrict vb, double *restrict vaa, double *restrict vab, \
+                     double *restrict vbb)
+
+/* An operation on one operand: x is a number, y the result. */
+#define OF_ONE(NAME, VALUE, FIRST, SECOND)                                                            \
+    ROWS(NAME##_second)                                                                               \
+    {                                                                                                 \
+        (void)b, (void)vb, (void)vab, (void)vbb;                                                      \
+        LANES for (int i = 0; i < FORMULA_BLOCK; i++) {                                               \
+            double x = a[i], y = VALUE, f = FIRST;                                                    \
+            v[i] = y, va[i] = f, vaa[i] = SECOND;                                                     \
+        }                                                                                             \
+    }                                                                                                 \
+    ROWS(NAME##_first)                                                                                \
+    {                                                                                                 \
+        (void)b, (void)vb, (void)vaa, (void)vab, (void)vbb;                                           \
+        LANES for (int i = 0; i < FORMULA_BLOCK; i++) {                                               \
+            double x = a[i], y = VALUE;                                                               \
+            v[i] = y, va[i] = FIRST;                                                                  \
+        }                                                                                             \
+    }                                                                                                 \
+    ROWS(NAME##_value)                                                                                \
+    {                                                                                                 \
+        (void)b, (void)va, (void)vb, (void)vaa, (void)vab, (void)vbb;                                 \
+        LANES for (int i = 0; i < FORMULA_BLOCK; i++) {                                               \
+            double x = a[i];                                                                          \
+            v[i] = VALUE;                                                                             \
+        }                                                                                             \
+    }
+
+/* Of two operands, x and w. */
+#define OF_TWO(NAME, VALUE, BY_A, BY_B, AA, AB, BB)                                                   \
+    ROWS(NAME##_second)                                                                               \
+    {                                                                                                 \
+        LANES for (int i = 0; i < FORMULA_BLOCK; i++) {                                               \
+            double x = a[i], w = b[i], y = VALUE, f = BY_A, g = BY_B;                                 \
+            v[i] = y, va[i] = f, vb[i] = g, vaa[i] = AA, vab[i] = AB, vbb[i] = BB;                    \
+            (void)f, (void)g;                                                                         \
+        }                                                                                             \
+    }                                                                                                 \
+    ROWS(NAME##_first)                                                                                \
+    {                                                                                                 \
+        (void)vaa, (void)vab, (void)vbb;                                                              \
+        LANES for (int i = 0; i < FORMULA_BLOCK; i++) {                                               \
+            double x = a[i], w = b[i], y = VALUE;                                                     \
+            v[i] = y, va[i] = BY_A, vb[i] = BY_B;                                                     \
+        }                                                                                             \
+    }                                                                                                 \
+    ROWS(NAME##_value)                                                                                \
+    {                                                                                                 \
+        (void)va, (void)vb, (void)vaa, (void)vab, (void)vbb;                                          \
+        LANES for (int i = 0; i < FORMULA_BLOCK; i++) {                                               \
+            double x = a[i], w = b[i];                                                                \
+            v[i] = VALUE;                                                                             \
+        }                                                                                             \
+    }
+
+#define UNDEFINED (double)NAN
+
+/* A number that is NaN if x or w is, else y. */
+SGT_INLINE double if_both(double x, double w, double y) { return chosen(MASK((x == x) & (w == w)), y, UNDEFINED); }
+
+SGT_INLINE double over(double x, double w) { return chosen(MASK(w != 0), x / w, UNDEFINED); }
+SGT_INLINE double over_or_0(double x, double w) { return chosen(MASK(w != 0), x / w, 0); }
+
+OF_TWO(add, x + w, 1, 1, 0, 0, 0)
+OF_TWO(subtract, x - w, 1, -1, 0, 0, 0)
+OF_TWO(multiply, x * w, w, x, 0, 1, 0)
+OF_TWO(divide, over(x, w), over(1, w), -over(y, w), 0, over(-1, w * w), 2 * over(y, w * w))
+OF_TWO(least, if_both(x, w, x <= w ? x : w), x <= w ? 1 : 0, x <= w ? 0 : 1, 0, 0, 0)
+OF_TWO(most, if_both(x, w, x >= w ? x : w), x >= w ? 1 : 0, x >= w ? 0 : 1, 0, 0, 0)
+OF_TWO(hypot_of, lane_hypot(x, w), over_or_0(x, y), over_or_0(w, y), over(g * g, y), -over(f * g, y), over(f * f, y))
+/* atan2(x, w): x is the y of the point */
+OF_TWO(angle, lane_atan2(x, w), over(over(w, lane_hypot(x, w)), lane_hypot(x, w)),
+       -over(over(x, lane_hypot(x, w)), lane_hypot(x, w)), 2 * f * g, g * g - f * f, -2 * f * g)
+/* x^w, x > 0; at x = 0 it is 0 for w > 0 */
+OF_TWO(real_power, lane_power(x, w), w * lane_power(x, w - 1), chosen(MASK(x > 0), y * lane_log(x), 0),
+       w * (w - 1) * lane_power(x, w - 2), lane_power(x, w - 1) * (1 + w * chosen(MASK(x > 0), lane_log(x), 0)),
+       g * chosen(MASK(x > 0), lane_log(x), 0))
+
+OF_ONE(copy, x, 1, y - y)
+OF_ONE(square, x * x, 2 * x, 2 + (y - y))
+OF_ONE(negative, -x, -1, y - y)
+OF_ONE(absolute, fabs(x), x < 0 ? -1.0 : 1.0, y - y)
+OF_ONE(square_root, sqrt(x), over(0.5, y), over(over(-0.25, y), x))
+OF_ONE(cube_root, lane_cbrt(x), over(over(1.0 / 3, y), y), over(over(over(-2.0 / 9, y), y), x))
+OF_ONE(exponential, lane_exp(x), y, f)
+OF_ONE(logarithm, lane_log(x), over(1, x), -f * f + (y - y))
+OF_ONE(sine, lane_sin(x), lane_cos(x), -y + 0 * f)
+OF_ONE(cosine, lane_cos(x), -lane_sin(x), -y + 0 * f)
+OF_ONE(tangent, lane_tan(x), 1 + y * y, 2 * y * f)
+OF_ONE(arc_sine, lane_asin(x), over(1, sqrt((1 - x) * (1 + x))), x * f * f * f + (y - y))
+OF_ONE(arc_cosine, lane_acos(x), over(-1, sqrt((1 - x) * (1 + x))), x * f * f * f + (y - y))
+OF_ONE(arc_tangent, lane_atan(x), 1 / (1 + x * x), -2 * x * f * f + (y - y))
+OF_ONE(sine_h, lane_sinh(x), lane_cosh(x), y + 0 * f)
+OF_ONE(cosine_h, lane_cosh(x), lane_sinh(x), y + 0 * f)
+OF_ONE(tangent_h, lane_tanh(x), (1 - y) * (1 + y), -2 * y * f)
+
+SGT_KERNEL
+static void rows_product(const double *a, const double *b, double *v)
+{
+    LANES for (int i = 0; i < FORMULA_BLOCK; i++) v[i] = a[i] * b[i];
+}
+
+/* n over y^1 or y^2 for n < 0: f is n / a, s is n (n - 1) / a^2, times v. */
+SGT_KERNEL
+static void rows_inverse(double n, const double *restrict a, double *restrict v, double *restrict f,
+                         double *restrict s)
+{
+    LANES for (int i = 0; i < FORMULA_BLOCK; i++) {
+        double y = over(1, v[i]), by = over(y, a[i]);
+        v[i] = y, f[i] = n * by, s[i] = n * (n - 1) * over(by, a[i]);
+    }
+}
+
+SGT_KERNEL
+static void rows_scaled(double by, double *v)
+{
+    LANES for (int i = 0; i < FORMULA_BLOCK; i++) v[i] *= by;
+}
+
+/* a^n by squaring: with p = a^(|n| - 2), v = (p a) a, whatever else is wanted. */
+static void power(int n, const double *a, bool first, double *v, double *va, double *vaa)
+{
+    formula_row square, p, f, s;
+    for (int i = 0; i < FORMULA_BLOCK; i++) square[i] = a[i], p[i] = 1;
+    for (int k = (n < 0 ? -n : n) - 2; k > 0; k >>= 1) {
+        if (k & 1) rows_product(p, square, p);
+        if (k > 1) rows_product(square, square, square);
+    }
+    if (n == -1) for (int i = 0; i < FORMULA_BLOCK; i++) v[i] = a[i];
+    else rows_product(p, a, f), rows_product(f, a, v);
+    if (n < 0) rows_inverse(n, a, v, f, s);
+    else rows_scaled(n, f);
+    if (n > 0 && vaa) rows_scaled((double)n * (n - 1), p);
+    if (first) memcpy(va, f, sizeof f);
+    if (vaa) memcpy(vaa, n < 0 ? s : p, sizeof s);
+}
+
+void sgt_formula_local(formula_op op, int n, const double *a, const double *b, bool first, formula_local out)
+{
+    typedef void rows(const double *restrict, const double *restrict, double *restrict, double *restrict,
+                      double *restrict, double *restrict, double *restrict, double *restrict);
+#define OF(OP, NAME) [OP] = {NAME##_value, NAME##_first, NAME##_second}
+    static rows *const of[][3] = {
+        OF(FORMULA_ADD, add),           OF(FORMULA_SUB, subtract),     OF(FORMULA_MUL, multiply),
+        OF(FORMULA_DIV, divide),        OF(FORMULA_MIN, least),        OF(FORMULA_MAX, most),
+        OF(FORMULA_HYPOT, hypot_of),    OF(FORMULA_ATAN2, angle),      OF(FORMULA_REAL_POWER, real_power),
+        OF(FORMULA_SQUARE, square),     OF(FORMULA_NEG, negative),     OF(FORMULA_ABS, absolute),
+        OF(FORMULA_SQRT, square_root),  OF(FORMULA_CBRT, cube_root),   OF(FORMULA_EXP, exponential),
+        OF(FORMULA_LOG, logarithm),     OF(FORMULA_SIN, sine),         OF(FORMULA_COS, cosine),
+        OF(FORMULA_TAN, tangent),       OF(FORMULA_ASIN, arc_sine),    OF(FORMULA_ACOS, arc_cosine),
+        OF(FORMULA_ATAN, arc_tangent),  OF(FORMULA_SINH, sine_h),      OF(FORMULA_COSH, cosine_h),
+        OF(FORMULA_TANH, tangent_h),    OF(FORMULA_COPY, copy)};
+    if (op == FORMULA_POWER) power(n, a, first, out.v, out.va, out.vaa);
+    else of[op][out.vaa ? 2 : first](a, b, out.v, out.va, out.vb, out.vaa, out.vab, out.vbb);
+}
