@@ -74,7 +74,8 @@ template <class S> class row : public written {
 
 public:
     using second = dual<dual<ball>>;
-    ball at(const ball &x, const ball &y, const ball &z, bool root) const override { return of(x, y, z, root); }
+    ball at(const ball &x, const ball &y, const ball &z, bool root) const override { return of(x, y, z,
+        root); }
     dual<ball> at(const dual<ball> &x, const dual<ball> &y, const dual<ball> &z, bool root) const override
     {
         return of(x, y, z, root);
@@ -138,7 +139,7 @@ bool list_of(const char *name, const char *text, const place &where, const std::
     return true;
 }
 
-// ------------------------------------------------------------------------------------- algebraic, with nodes
+// ----------------------------------------------------------------------------------- algebraic, with nodes
 
 FORMULA(barth,
         "4*((2.618033988749895*x^2-y^2)*(2.618033988749895*y^2-z^2)*(2.618033988749895*z^2-x^2))"
@@ -187,7 +188,8 @@ FORMULA(boy,
         BALL(2), LIST(), LIST({0, 0, 0}, {0, 0, 1}),
         const N X = sq(x), Y = sq(y), Z = sq(z), q = X + Y, u = (N(1) - z) * z, w = sqrt(N(2));
         return N(64) * pown(u, 3) - N(48) * sq(u) * (N(3) * q + N(2) * Z) +
-               N(12) * u * (N(27) * sq(q) - N(24) * Z * q + N(36) * w * y * z * (Y - N(3) * X) + N(4) * sq(Z)) +
+               N(12) * u * (N(27) * sq(q) - N(24) * Z * q + N(36) * w * y * z * (Y - N(3) * X) +
+               N(4) * sq(Z)) +
                (N(9) * q - N(2) * Z) *
                    (N(-81) * sq(q) - N(72) * Z * q + N(108) * w * x * z * (X - N(3) * Y) + N(4) * sq(Z)))
 FORMULA(klein_bottle,
@@ -196,11 +198,12 @@ FORMULA(klein_bottle,
         return (q + N(2) * y) * (sq(m) - N(8) * sq(z)) + N(16) * x * z * m)
 FORMULA(cone, "z^2 = x^2 + y^2", BALL(2), LIST(), LIST({0, 0, 0}), return sq(z) - sq(x) - sq(y))
 
-// ------------------------------------------------------------------------------------------ algebraic, smooth
+// --------------------------------------------------------------------------------------- algebraic, smooth
 
 FORMULA(plane, "x + 2*y - z = 0.1", BALL(1), LIST(), LIST(), return x + N(2) * y - z - N(0.1))
 FORMULA(heart, "(x^2 + 9/4*y^2 + z^2 - 1)^3 = x^2*z^3 + 9/80*y^2*z^3", BOX(1.5, 1.5, 1.5), LIST(),
-        LIST({0, 0, 1}, {1, 0, 0}, {0, 0, 0}), const N p = sq(x) + N(9) / N(4) * sq(y) + sq(z) - N(1), Z = pown(z, 3);
+        LIST({0, 0, 1}, {1, 0, 0}, {0, 0, 0}), const N p = sq(x) + N(9) / N(4) * sq(y) + sq(z) - N(1),
+        Z = pown(z, 3);
         return pown(p, 3) - sq(x) * Z - N(9) / N(80) * sq(y) * Z)
 FORMULA(tanglecube, "x^4 - 5*x^2 + y^4 - 5*y^2 + z^4 - 5*z^2 + 11.8 = 0", BALL(4), LIST(), LIST({0, 0, 0}),
         const auto q = [](const N &u) { return sq(u) * (sq(u) - N(5)); };
@@ -223,7 +226,7 @@ FORMULA(decocube,
 FORMULA(open_sphere, "x^2 + y^2 + z^2 = 2", OPEN(1.5), LIST(), LIST({0, 0, 0}),
         return sq(x) + sq(y) + sq(z) - N(2))
 
-// ------------------------------------------------------------------------------------------------ other units
+// --------------------------------------------------------------------------------------------- other units
 
 FORMULA(barth_mm,
         "4*((phi^2*(x/s)^2-(y/s)^2)*(phi^2*(y/s)^2-(z/s)^2)*(phi^2*(z/s)^2-(x/s)^2))"
@@ -236,7 +239,7 @@ FORMULA(small_torus, "(hypot(x, y) - R)^2 + z^2 = s^2", BALL(2e-6), LIST({"R", 1
 FORMULA(large_goursat, "(x/L)^4 + (y/L)^4 + (z/L)^4 = 1", BALL(1.6e9), LIST({"L", 1e9}), LIST(),
         return pown(x / a[0], 4) + pown(y / a[0], 4) + pown(z / a[0], 4) - N(1))
 
-// ----------------------------------------------------------------------------------------- roots and distances
+// ------------------------------------------------------------------------------------- roots and distances
 
 FORMULA(root_sphere, "sqrt(x^2 + y^2 + z^2) = R", BALL(2), LIST({"R", 1.25}), LIST({0, 0, 0}),
         return sqrt(sq(x) + sq(y) + sq(z)) - a[0])
@@ -250,7 +253,8 @@ FORMULA(hypot_torus, "hypot(hypot(x, y) - 1, z) = 0.3", BALL(2), LIST(), LIST({0
 FORMULA(hemisphere, "z = sqrt(1 - x^2 - y^2)", BALL(1.5), LIST(), LIST({1, 0, 0}, {0.6, 0.8, 0}),
         return z - sqrt(N(1) - sq(x) - sq(y)))
 FORMULA(box_asphere, "z = c*r^2/(1+sqrt(1-(1+k)*c^2*r^2)) + a4*r^4 + a6*r^6", BOX(4, 4, 4),
-        LIST({"c", 0.2}, {"k", -0.3}, {"a4", 1e-3}, {"a6", -2e-5}), LIST({0, 0, 0}), const N q = sq(x) + sq(y);
+        LIST({"c", 0.2}, {"k", -0.3}, {"a4", 1e-3}, {"a6",
+        -2e-5}), LIST({0, 0, 0}), const N q = sq(x) + sq(y);
         return z - (a[0] * q / (N(1) + sqrt(N(1) - (N(1) + a[1]) * sq(a[0]) * q)) + a[2] * sq(q) +
                     a[3] * q * sq(q)))
 FORMULA(superquadric, "abs(x)^n + abs(y/0.8)^n + abs(z/1.2)^m = 1", BALL(2), LIST({"n", 2.5}, {"m", 3.7}),
@@ -266,11 +270,12 @@ FORMULA(real_power, "x^y = z + 1/2", BALL(2), LIST(), LIST({1, 0, 0.5}), return 
 FORMULA(tower, "2^-x + 3^y*0.5 = z^2", BALL(2), LIST(), LIST({0, 0, 0}),
         return power(N(2), -x) + power(N(3), y) * N(0.5) - sq(z))
 
-// -------------------------------------------------------------------------------------------------- min, max, abs
+// ------------------------------------------------------------------------------------------- min, max, abs
 
 FORMULA(octahedron, "abs(x) + abs(y) + abs(z) = 1", BALL(1.5), LIST(), LIST({1, 0, 0}, {0.5, 0.5, 0}),
         return abs(x) + abs(y) + abs(z) - N(1))
-FORMULA(cube, "max(abs(x), max(abs(y), abs(z))) = 0.8", BALL(1.5), LIST(), LIST({0.8, 0.8, 0.8}, {0.8, 0.8, 0}),
+FORMULA(cube, "max(abs(x), max(abs(y), abs(z))) = 0.8",
+        BALL(1.5), LIST(), LIST({0.8, 0.8, 0.8}, {0.8, 0.8, 0}),
         return max(abs(x), max(abs(y), abs(z))) - N(0.8))
 FORMULA(rounded_cube,
         "sqrt(max(abs(x)-w, 0)^2 + max(abs(y)-w, 0)^2 + max(abs(z)-w, 0)^2) = s", BALL(1.8),
@@ -281,7 +286,7 @@ FORMULA(bored_sphere, "max(x^2 + y^2 + z^2 - 1, 0.25 - min(x^2 + y^2, y^2 + z^2)
         LIST({0.5, 0, 0.866}, {0, 0.5, 0}),
         return max(sq(x) + sq(y) + sq(z) - N(1), N(0.25) - min(sq(x) + sq(y), sq(y) + sq(z))))
 
-// -------------------------------------------------------------------------------------------------- transcendental
+// ------------------------------------------------------------------------------------------ transcendental
 
 FORMULA(gyroid, "sin(6*x)*cos(6*y)+sin(6*y)*cos(6*z)+sin(6*z)*cos(6*x)", BALL(1.6), LIST(), LIST({0, 0, 0}),
         const N u = N(6) * x, v = N(6) * y, w = N(6) * z;
@@ -295,7 +300,8 @@ FORMULA(eggs, "sin(pi*x)*sin(pi*y)*sin(pi*z) = 0.1", BALL(1.7), LIST(), LIST({0.
         const N p = pi<N>(); return sin(p * x) * sin(p * y) * sin(p * z) - N(0.1))
 FORMULA(helicoid, "x*sin(2*z) = y*cos(2*z)", BALL(2), LIST(), LIST({0, 0, 0.5}),
         return x * sin(N(2) * z) - y * cos(N(2) * z))
-FORMULA(bumps, "exp(-4*((x-0.5)^2+y^2+z^2)) + exp(-4*((x+0.5)^2+y^2+z^2)) + exp(-8*(x^2+(y-0.7)^2+z^2)) = 0.4",
+FORMULA(bumps,
+        "exp(-4*((x-0.5)^2+y^2+z^2)) + exp(-4*((x+0.5)^2+y^2+z^2)) + exp(-8*(x^2+(y-0.7)^2+z^2)) = 0.4",
         BALL(2), LIST(), LIST({0, 0, 0}), const N q = sq(y) + sq(z);
         return exp(N(-4) * (sq(x - N(0.5)) + q)) + exp(N(-4) * (sq(x + N(0.5)) + q)) +
                exp(N(-8) * (sq(x) + sq(y - N(0.7)) + sq(z))) - N(0.4))
@@ -303,7 +309,8 @@ FORMULA(cushion, "log(exp(8*x^2) + exp(8*y^2) + exp(8*z^2)) = p", BALL(1.5), LIS
         return log(exp(N(8) * sq(x)) + exp(N(8) * sq(y)) + exp(N(8) * sq(z))) - a[0])
 FORMULA(catenoid, "r = w*cosh(z/w)", BALL(2), LIST({"w", 0.6}), LIST({0, 0, 0}),
         return r() - a[0] * cosh(z / a[0]))
-FORMULA(sinhs, "sinh(x)*sinh(2*y) = z", BALL(1.5), LIST(), LIST({0, 0, 0}), return sinh(x) * sinh(N(2) * y) - z)
+FORMULA(sinhs, "sinh(x)*sinh(2*y) = z",
+        BALL(1.5), LIST(), LIST({0, 0, 0}), return sinh(x) * sinh(N(2) * y) - z)
 FORMULA(tanhs, "tanh(4*x) + tanh(4*y) + tanh(4*z) = 0.3", BALL(2), LIST(), LIST({0, 0, 0}),
         return tanh(N(4) * x) + tanh(N(4) * y) + tanh(N(4) * z) - N(0.3))
 FORMULA(scherk, "exp(z)*cos(y) = cos(x)", BALL(5), LIST(), LIST({1.5707963267948966, 1.5707963267948966, 0}),
@@ -314,11 +321,13 @@ FORMULA(arc_cosines, "acos(x) + acos(y) + acos(z) = 4", BALL(1.6), LIST(), LIST(
 FORMULA(drop, "r^2 = z*exp(-z)*log(2 + z)", BALL(3), LIST(), LIST({0, 0, 0}, {0, 0, -2}),
         return sq(x) + sq(y) - z * exp(-z) * log(N(2) + z))
 
-// ---------------------------------------------------------------------------------- jumps, poles, and what touches
+// -------------------------------------------------------------------------- jumps, poles, and what touches
 
-FORMULA(spiral_stair, "atan2(y, x) = p*z", BALL(2), LIST({"p", 1.7}), LIST({0, 0, 0}, {-1, 0, 0}, {-1, 0, 1.8}),
+FORMULA(spiral_stair, "atan2(y, x) = p*z", BALL(2), LIST({"p",
+        1.7}), LIST({0, 0, 0}, {-1, 0, 0}, {-1, 0, 1.8}),
         return atan2(y, x) - a[0] * z)
-FORMULA(metaballs, "1/((x-0.6)^2+y^2+z^2) + 1/((x+0.6)^2+y^2+z^2) + 0.5/(x^2+(y-0.9)^2+z^2) = 5", BALL(2), LIST(),
+FORMULA(metaballs, "1/((x-0.6)^2+y^2+z^2) + 1/((x+0.6)^2+y^2+z^2) + 0.5/(x^2+(y-0.9)^2+z^2) = 5",
+        BALL(2), LIST(),
         LIST({0.6, 0, 0}, {0, 0, 0}),
         return N(1) / (sq(x - N(0.6)) + sq(y) + sq(z)) + N(1) / (sq(x + N(0.6)) + sq(y) + sq(z)) +
                N(0.5) / (sq(x) + sq(y - N(0.9)) + sq(z)) - N(5))
@@ -331,11 +340,13 @@ TOUCHES(double_sphere, "(x^2 + y^2 + z^2 - 1)^2", BALL(1.5), LIST(), LIST({0, 0,
         return sq(x) + sq(y) + sq(z) - N(1))
 TOUCHES(double_saddle, "z^2 - 2*z*x*y + x^2*y^2", BALL(1.5), LIST(), LIST({0, 0, 0}), return z - x * y)
 
-// -------------------------------------------------------------------------------------------------------- sags
+// ---------------------------------------------------------------------------------------------------- sags
 
 FORMULA(asphere_sag, "c*r^2/(1+sqrt(1-(1+k)*c^2*r^2)) + a4*r^4 + a6*r^6", SAG(4, 4),
-        LIST({"c", 0.15}, {"k", -0.6}, {"a4", 1e-4}, {"a6", -2e-6}), LIST({0, 0, 0}), const N q = sq(x) + sq(y);
-        return a[0] * q / (N(1) + sqrt(N(1) - (N(1) + a[1]) * sq(a[0]) * q)) + a[2] * sq(q) + a[3] * q * sq(q))
+        LIST({"c", 0.15}, {"k", -0.6}, {"a4", 1e-4}, {"a6",
+        -2e-6}), LIST({0, 0, 0}), const N q = sq(x) + sq(y);
+        return a[0] * q / (N(1) + sqrt(N(1) - (N(1) + a[1]) * sq(a[0]) * q)) + a[2] * sq(q) +
+        a[3] * q * sq(q))
 FORMULA(trefoil_sag, "c*r^2/(1+sqrt(1-(1+k)*c^2*r^2)) + t*r^3*cos(3*atan2(y,x))", SAG(4, 4),
         LIST({"c", 0.1}, {"k", -1}, {"t", 2e-3}), LIST({0, 0, 0}), const N q = sq(x) + sq(y);
         return a[0] * q / (N(1) + sqrt(N(1) - (N(1) + a[1]) * sq(a[0]) * q)) +
@@ -347,7 +358,8 @@ FORMULA(twisted_sag, "c*r^2/(1+sqrt(1-(1+k)*c^2*r^2)) + a*r^4*cos(3*atan2(y,x))"
 FORMULA(ripple_sag, "A*cos(k*r)*exp(-r/5)", SAG(6, 1), LIST({"A", 0.3}, {"k", 4}), LIST({0, 0, 0.3}),
         return a[0] * cos(a[1] * r()) * exp(-r() / N(5)))
 FORMULA(axicon_sag, "0.2*r", SAG(3, 1), LIST(), LIST({0, 0, 0}), return N(0.2) * r())
-FORMULA(grating_sag, "c*r^2/2 + A*sin(k*x)", SAG(3, 1), LIST({"c", 0.05}, {"A", 0.01}, {"k", 30}), LIST({0, 0, 0}),
+FORMULA(grating_sag, "c*r^2/2 + A*sin(k*x)", SAG(3, 1), LIST({"c", 0.05}, {"A", 0.01}, {"k",
+        30}), LIST({0, 0, 0}),
         return a[0] * (sq(x) + sq(y)) / N(2) + a[1] * sin(a[2] * x))
 
 } // namespace formula

@@ -24,7 +24,8 @@
 
 #include <cmath>
 
-namespace formula {
+namespace formula
+{
 
 struct marks {
     bool nowhere = false, border = false, pole = false, cut = false, kink = false;
@@ -36,14 +37,20 @@ inline marks seen;
 
 // ------------------------------------------------------------------------------------------------- balls
 
-namespace proof {
+namespace proof
+{
 
 using formula::seen;
 
 inline int sign_of(const ball &a) { return a.sign(); }
 inline bool is_nothing(const ball &a) { return a.is_zero(); }
 inline bool has_zero(const ball &a) { return arb_contains_zero(a.x); }
-inline ball unknown() { ball r; arb_indeterminate(r.x); return r; }
+inline ball unknown()
+{
+    ball r;
+    arb_indeterminate(r.x);
+    return r;
+}
 inline ball hull(const ball &a, const ball &b) { return between(a, b); }
 inline ball not_negative(const ball &a)
 {
@@ -82,8 +89,10 @@ inline ball sqrt(ball a)
 {
     if (!to_domain(&a)) return unknown();
     ball r;
-    if (a.sign() || a.is_zero()) arb_sqrt(r.x, a.x, bits);
-    else arb_sqrt(r.x, high(a).x, bits), r = between(ball(0), r);
+    if (a.sign() || a.is_zero())
+        arb_sqrt(r.x, a.x, bits);
+    else
+        arb_sqrt(r.x, high(a).x, bits), r = between(ball(0), r);
     return r;
 }
 inline ball log(const ball &a)
@@ -98,6 +107,7 @@ inline ball cbrt(const ball &a)
 {
     if (a.sign() < 0) return -cbrt(-a);
     ball r;
+    if (a.is_zero()) seen.kink = true;
     if (a.sign() > 0 || a.is_zero()) {
         arb_root_ui(r.x, a.x, 3, bits);
         return r;
@@ -106,13 +116,48 @@ inline ball cbrt(const ball &a)
     if (!a.is_finite()) return unknown();
     return between(cbrt(low(a)), cbrt(high(a)));
 }
-inline ball exp(const ball &a) { ball r; arb_exp(r.x, a.x, bits); return r; }
-inline ball sin(const ball &a) { ball r; arb_sin(r.x, a.x, bits); return r; }
-inline ball cos(const ball &a) { ball r; arb_cos(r.x, a.x, bits); return r; }
-inline ball atan(const ball &a) { ball r; arb_atan(r.x, a.x, bits); return r; }
-inline ball sinh(const ball &a) { ball r; arb_sinh(r.x, a.x, bits); return r; }
-inline ball cosh(const ball &a) { ball r; arb_cosh(r.x, a.x, bits); return r; }
-inline ball tanh(const ball &a) { ball r; arb_tanh(r.x, a.x, bits); return r; }
+inline ball exp(const ball &a)
+{
+    ball r;
+    arb_exp(r.x, a.x, bits);
+    return r;
+}
+inline ball sin(const ball &a)
+{
+    ball r;
+    arb_sin(r.x, a.x, bits);
+    return r;
+}
+inline ball cos(const ball &a)
+{
+    ball r;
+    arb_cos(r.x, a.x, bits);
+    return r;
+}
+inline ball atan(const ball &a)
+{
+    ball r;
+    arb_atan(r.x, a.x, bits);
+    return r;
+}
+inline ball sinh(const ball &a)
+{
+    ball r;
+    arb_sinh(r.x, a.x, bits);
+    return r;
+}
+inline ball cosh(const ball &a)
+{
+    ball r;
+    arb_cosh(r.x, a.x, bits);
+    return r;
+}
+inline ball tanh(const ball &a)
+{
+    ball r;
+    arb_tanh(r.x, a.x, bits);
+    return r;
+}
 inline ball tan(const ball &a)
 {
     if (cos(a).sign() == 0) {
@@ -137,7 +182,12 @@ inline bool to_circle(ball *a)
     arb_add_error(unit.x, one.x);
     return arb_intersection(a->x, a->x, unit.x, bits);
 }
-inline ball half_pi() { ball r; arb_const_pi(r.x, bits); return scaled(r, -1); }
+inline ball half_pi()
+{
+    ball r;
+    arb_const_pi(r.x, bits);
+    return scaled(r, -1);
+}
 inline ball asin(ball a)
 {
     if (!to_circle(&a)) return unknown();
@@ -167,8 +217,18 @@ inline ball atan2(const ball &y, const ball &x)
     return r;
 }
 inline ball absolute(const ball &a) { return a.sign() ? size(a) : not_negative(size(a)); }
-inline ball min(const ball &a, const ball &b) { ball r; arb_min(r.x, a.x, b.x, bits); return r; }
-inline ball max(const ball &a, const ball &b) { ball r; arb_max(r.x, a.x, b.x, bits); return r; }
+inline ball min(const ball &a, const ball &b)
+{
+    ball r;
+    arb_min(r.x, a.x, b.x, bits);
+    return r;
+}
+inline ball max(const ball &a, const ball &b)
+{
+    ball r;
+    arb_max(r.x, a.x, b.x, bits);
+    return r;
+}
 inline ball hypot(const ball &a, const ball &b) { return sqrt(sq(a) + sq(b)); }
 inline ball power(ball b, const ball &e)
 {
@@ -190,7 +250,8 @@ inline ball power(ball b, const ball &e)
 
 } // namespace proof
 
-namespace formula {
+namespace formula
+{
 
 using proof::ball;
 
@@ -217,7 +278,10 @@ inline double sinh(double a) { return std::sinh(a); }
 inline double cosh(double a) { return std::cosh(a); }
 inline double tanh(double a) { return std::tanh(a); }
 inline double absolute(double a) { return std::fabs(a); }
-inline double atan2(double y, double x) { return x == 0 && y == 0 ? static_cast<double>(NAN) : std::atan2(y, x); }
+inline double atan2(double y, double x)
+{
+    return x == 0 && y == 0 ? static_cast<double>(NAN) : std::atan2(y, x);
+}
 inline double min(double a, double b) { return a < b ? a : b; }
 inline double max(double a, double b) { return a > b ? a : b; }
 inline double hypot(double a, double b) { return std::hypot(a, b); }
@@ -278,11 +342,11 @@ inline range tan(range a)
 }
 inline range asin(range a)
 {
-    return marked(sgt_interval_arc_sine(a.i), a.i.lo > 1 || a.i.hi < -1, a.i.hi > 1 || a.i.lo < -1);
+    return marked(sgt_interval_arc_sine(a.i), a.i.lo > 1 || a.i.hi<-1, a.i.hi> 1 || a.i.lo < -1);
 }
 inline range acos(range a)
 {
-    return marked(sgt_interval_arc_cosine(a.i), a.i.lo > 1 || a.i.hi < -1, a.i.hi > 1 || a.i.lo < -1);
+    return marked(sgt_interval_arc_cosine(a.i), a.i.lo > 1 || a.i.hi<-1, a.i.hi> 1 || a.i.lo < -1);
 }
 inline range absolute(range a) { return sgt_interval_absolute(a.i); }
 inline range atan2(range y, range x)
@@ -324,7 +388,10 @@ template <class T> struct dual {
 template <class T> int sign_of(const dual<T> &a) { return sign_of(a.v); }
 template <class T> bool is_nothing(const dual<T> &a) { return is_nothing(a.v) && is_nothing(a.s); }
 template <class T> bool has_zero(const dual<T> &a) { return has_zero(a.v); }
-template <class T> dual<T> hull(const dual<T> &a, const dual<T> &b) { return {hull(a.v, b.v), hull(a.s, b.s)}; }
+template <class T> dual<T> hull(const dual<T> &a, const dual<T> &b)
+{
+    return {hull(a.v, b.v), hull(a.s, b.s)};
+}
 template <class T> dual<T> over(const dual<T> &a, const dual<T> &b) { return a / b; }
 template <class T> dual<T> sq(const dual<T> &a) { return {sq(a.v), T(2.0) * a.v * a.s}; }
 template <class T> dual<T> pown(const dual<T> &a, int n)
@@ -420,8 +487,12 @@ template <class N> N power(const N &b, double e) { return power(b, N(e)); }
 template <class N> N abs(const N &a) { return absolute(a); }
 
 template <class N> struct number_pi;
-template <> struct number_pi<double> { static double get() { return 3.141592653589793; } };
-template <> struct number_pi<ball> { static ball get() { return proof::scaled(proof::half_pi(), 1); } };
+template <> struct number_pi<double> {
+    static double get() { return 3.141592653589793; }
+};
+template <> struct number_pi<ball> {
+    static ball get() { return proof::scaled(proof::half_pi(), 1); }
+};
 template <> struct number_pi<range> {
     static range get() { return sgt_interval{0x1.921fb54442d18p+1, 0x1.921fb54442d19p+1}; }
 };

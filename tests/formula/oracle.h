@@ -16,7 +16,8 @@
 
 #include <sagitta/sagitta.h>
 
-namespace formula {
+namespace formula
+{
 
 using proof::less;
 using proof::precision;
@@ -55,8 +56,10 @@ inline int within_clip(const place &w, const point3 &p)
 {
     int side = 1;
     const auto keep = [&](const ball &x, const ball &most) {
-        if (less(most * (1 + 2 * hem), x)) side = -1;
-        else if (side > 0 && !less(x, most * (1 - 2 * hem))) side = 0;
+        if (less(most * (1 + 2 * hem), x))
+            side = -1;
+        else if (side > 0 && !less(x, most * (1 - 2 * hem)))
+            side = 0;
     };
     if (w.open) return 1;
     if (w.ball > 0) keep(dot(p, p), proof::square(ball(w.ball)));
@@ -81,8 +84,8 @@ struct answer {
     std::vector<meeting> roots;
     std::vector<meeting> touches; // double roots, known to be
     std::vector<doubt> doubts;
-    double lo = 1, hi = 0;        // what was searched, of t; lo > hi: the ray misses the volume
-    bool lies = false;            // F is 0 all along
+    double lo = 1, hi = 0; // what was searched, of t; lo > hi: the ray misses the volume
+    bool lies = false;     // F is 0 all along
     bool gave_up = false;
     long cells = 0;
 };
@@ -90,11 +93,21 @@ struct answer {
 static const char why_double[] = "double root", why_singular[] = "singular point", why_kink[] = "kink",
                   why_cut[] = "branch cut", why_pole[] = "pole", why_border[] = "end of the domain",
                   why_clip[] = "border of the clip", why_start[] = "start or end of the ray",
-                  why_tangent[] = "tangent", why_near[] = "two roots close by", why_lies[] = "ray in the surface",
-                  why_budget[] = "oracle in doubt";
+                  why_tangent[] = "tangent", why_near[] = "two roots close by",
+                  why_lies[] = "ray in the surface", why_budget[] = "oracle in doubt";
+// Does a kink or a jump lie within a few ulps of the point?
+inline bool breaks_at(const written &f, const sgt_vec3 &p)
+{
+    const ball wide = plus_minus(0x1p-44 * f.where.size());
+    seen = marks();
+    f.at(dual<ball>(ball(p.x) + wide, ball(1)), dual<ball>(ball(p.y) + wide, ball(1)),
+         dual<ball>(ball(p.z) + wide, ball(1)));
+    return seen.torn() || seen.kink;
+}
 
-class course {
-public:
+class course
+{
+  public:
     course(const written &f, const sgt_ray &ray, double steep) : f_(f), ray_(ray), steep_(steep)
     {
         const precision p(2000);
@@ -148,7 +161,8 @@ public:
         const ball s = proof::around(m, e);
         const point3 p = at(s);
         seen = marks();
-        const dual<ball> v = f_.at(dual<ball>(p.x, d_.x), dual<ball>(p.y, d_.y), dual<ball>(p.z, d_.z), root_);
+        const dual<ball> v =
+            f_.at(dual<ball>(p.x, d_.x), dual<ball>(p.y, d_.y), dual<ball>(p.z, d_.z), root_);
         if (seen.nowhere) return false;
         *g = v.v;
         *slope = seen.torn() ? proof::unknown() : v.s;
@@ -182,8 +196,8 @@ public:
             if (!in(m)) continue;
             if (m.inside == 0) return why_clip;
             for (double end : {ray_.tmin, ray_.tmax})
-                if (less(proof::size(m.t - ball(end)), m.spread * 0x1p-44 + ball(near) * 0x1p-10 +
-                                                           proof::size(m.t) * 0x1p-48))
+                if (less(proof::size(m.t - ball(end)),
+                         m.spread * 0x1p-44 + ball(near) * 0x1p-10 + proof::size(m.t) * 0x1p-48))
                     return why_start;
             if (i > 0 && less(m.t - a.roots[i - 1].t, ball(2 * near))) return why_near;
         }
@@ -191,23 +205,25 @@ public:
         const ball step = (to - from) * ball(1.0 / pieces);
         const char *tangent = nullptr;
         const ball wide = plus_minus(1e-10 * steep_ * f_.where.size());
-        for (int i = 0; i < pieces; i++) {
-            const ball t = from + step * ball(i), s = t - ball(t0_), whole = proof::between(s, s + step);
+        const auto torn = [&](const ball &s) -> const char * {
+            const point3 p = at(s);
             seen = marks();
-            const point3 p = at(whole);
             const dual<ball> v = f_.at(dual<ball>(p.x, d_.x), dual<ball>(p.y, d_.y), dual<ball>(p.z, d_.z));
             const ball blurred = v.v + wide;
-            if (!seen.nowhere && !blurred.sign()) {
-                if (const char *why = seen_reason()) return why;
-            }
+            return seen.nowhere || blurred.sign() ? nullptr : seen_reason();
+        };
+        if (hi - lo <= 4 * near)
+            if (const char *why = torn(proof::between(from, to) - ball(t0_))) return why;
+        for (int i = 0; i < pieces; i++) {
+            const ball t = from + step * ball(i), s = t - ball(t0_), whole = proof::between(s, s + step);
+            if (const char *why = torn(whole)) return why;
             const point3 q = at(proof::middle(whole));
             const ball g = f_.at(q.x, q.y, q.z);
             const point3 n = gradient(f_, q);
             if (!g.is_finite() || !norm(n).is_finite()) continue;
             const double size = f_.where.size(), steep = norm(n).rough(), off = std::fabs(g.rough());
             if (steep < 1e-4 * steep_ && off < 1e-9 * steep_ * size) return why_singular;
-            if (off < 1e-9 * steep * size &&
-                std::fabs(dot(n, d_).rough()) < 1e-4 * steep * norm(d_).rough())
+            if (off < 1e-9 * steep * size && std::fabs(dot(n, d_).rough()) < 1e-4 * steep * norm(d_).rough())
                 tangent = why_tangent;
         }
         return tangent;
@@ -231,7 +247,7 @@ public:
     point3 at_t(const ball &t) const { return at(t - ball(t0_)); }
     double length() const { return norm(d_).rough(); }
 
-private:
+  private:
     const written &f_;
     sgt_ray ray_;
     double steep_, t0_, lo_ = 1, hi_ = 0;
@@ -245,11 +261,15 @@ private:
         const place &w = f_.where;
         const double o[3] = {o_.x.rough(), o_.y.rough(), o_.z.rough()}, d[3] = {ray_.d.x, ray_.d.y, ray_.d.z};
         double lo = -HUGE_VAL, hi = HUGE_VAL;
-        const auto cut = [&](double a, double b) { lo = std::max(lo, std::min(a, b)), hi = std::min(hi, std::max(a, b)); };
+        const auto cut = [&](double a, double b) {
+            lo = std::max(lo, std::min(a, b)), hi = std::min(hi, std::max(a, b));
+        };
         const auto slab = [&](int i, double most) {
             most *= 1.001;
-            if (d[i] != 0) cut((-most - o[i]) / d[i], (most - o[i]) / d[i]);
-            else if (!(std::fabs(o[i]) <= most)) cut(1, -1), lo = 1, hi = 0;
+            if (d[i] != 0)
+                cut((-most - o[i]) / d[i], (most - o[i]) / d[i]);
+            else if (!(std::fabs(o[i]) <= most))
+                cut(1, -1), lo = 1, hi = 0;
         };
         const auto round = [&](double most, int n) {
             double a = 0, b = 0, c = -most * most * 1.002;
@@ -259,8 +279,10 @@ private:
                 return;
             }
             const double inner = b * b - a * c;
-            if (!(inner > 0)) lo = 1, hi = 0;
-            else cut((-b - std::sqrt(inner)) / a, (-b + std::sqrt(inner)) / a);
+            if (!(inner > 0))
+                lo = 1, hi = 0;
+            else
+                cut((-b - std::sqrt(inner)) / a, (-b + std::sqrt(inner)) / a);
         };
         if (w.ball > 0) round(w.ball, 3);
         if (w.rim > 0) round(w.rim, 2), slab(2, w.reach);
@@ -285,8 +307,11 @@ private:
 
     static const char *seen_reason()
     {
-        return seen.cut ? why_cut : seen.pole ? why_pole : seen.border ? why_border : seen.kink ? why_kink
-                                                                                              : nullptr;
+        return seen.cut      ? why_cut
+               : seen.pole   ? why_pole
+               : seen.border ? why_border
+               : seen.kink   ? why_kink
+                             : nullptr;
     }
     const char *reason_at(const proof::stretch &s) const
     {
@@ -306,8 +331,8 @@ inline double value_at(const written &f, const sgt_vec3 &p, sgt_vec3 *n, bool ro
 {
     double g[3], v = 0;
     for (int i = 0; i < 3; i++) {
-        const dual<double> r = f.at(dual<double>(p.x, i == 0), dual<double>(p.y, i == 1),
-                                    dual<double>(p.z, i == 2), root);
+        const dual<double> r =
+            f.at(dual<double>(p.x, i == 0), dual<double>(p.y, i == 1), dual<double>(p.z, i == 2), root);
         v = r.v, g[i] = r.s;
     }
     if (n) *n = {g[0], g[1], g[2]};
@@ -324,8 +349,10 @@ inline sgt_span chord_of(const place &w, const sgt_ray &r)
         const double m = a > 0 ? -b / a : 0;
         for (int i = 0; i < n; i++) c += (o[i] + m * d[i]) * (o[i] + m * d[i]);
         const double left = most * most - c;
-        if (!(left >= 0)) lo = 1, hi = -1;
-        else if (a > 0) lo = std::max(lo, m - std::sqrt(left / a)), hi = std::min(hi, m + std::sqrt(left / a));
+        if (!(left >= 0))
+            lo = 1, hi = -1;
+        else if (a > 0)
+            lo = std::max(lo, m - std::sqrt(left / a)), hi = std::min(hi, m + std::sqrt(left / a));
     };
     const auto slab = [&](int i, double most) {
         if (d[i] == 0) {

@@ -5,12 +5,13 @@
 #include "oracle.h"
 #include "../oracle/cases.h"
 
-namespace formula {
+namespace formula
+{
 
 using oracle::generator;
 
-static const char *const ray_kinds[] = {"through", "inside", "far", "parallel", "special",
-                                        "grazing", "start", "ends", "scaled"};
+static const char *const ray_kinds[] = {"through", "inside", "far",  "parallel", "special",
+                                        "grazing", "start",  "ends", "scaled"};
 enum { kinds_of_rays = 9 };
 
 inline sgt_vec3 plus(const sgt_vec3 &p, double by, const sgt_vec3 &d)
@@ -76,8 +77,12 @@ inline sgt_ray random_ray(generator &g, const written &f, int kind)
     sgt_vec3 d = random_way(g), p, n;
     sgt_ray ray = {plus(at, -size * g.uniform(2, 5), d), d, 0, infinity};
     switch (kind) {
-    case 1: ray.o = at; break;
-    case 2: ray.o = plus(at, -size * g.log_uniform(1e2, 1e9), d); break;
+    case 1:
+        ray.o = at;
+        break;
+    case 2:
+        ray.o = plus(at, -size * g.log_uniform(1e2, 1e9), d);
+        break;
     case 3: {
         double *const v[3] = {&ray.d.x, &ray.d.y, &ray.d.z};
         ray.d = {0, 0, 0};
@@ -111,8 +116,10 @@ inline sgt_ray random_ray(generator &g, const written &f, int kind)
         break;
     case 7:
         ray.o = plus(at, -size * g.uniform(0, 3), d);
-        if (g.chance(0.3)) ray.tmin = -infinity;
-        else ray.tmin = size * g.uniform(-3, 3);
+        if (g.chance(0.3))
+            ray.tmin = -infinity;
+        else
+            ray.tmin = size * g.uniform(-3, 3);
         if (!g.chance(0.3)) ray.tmax = std::max(ray.tmin, 0.0) + size * g.uniform(0.01, 3);
         if (g.chance(0.3) && point_of(g, f, &p, &n)) { // an end on the surface, or beside it
             ray = {plus(p, -2 * size, d), d, 0, infinity};
@@ -126,7 +133,8 @@ inline sgt_ray random_ray(generator &g, const written &f, int kind)
         if (g.chance(0.3)) ray.tmax = size * g.uniform(1, 6) / by;
         break;
     }
-    default: break;
+    default:
+        break;
     }
     return ray;
 }

@@ -1,8 +1,8 @@
 // subject.h - a written formula as a surface: read from its text, or made by hand of the public headers.
 //
-// By hand: value and gradient by dual numbers of doubles, `enclose` by those of intervals (natural and mean value
-// form), `rounding` from the interval of F at a point.  It shares numbers.h with the oracle, and nothing with what reads texts: what
-// fails by hand too is no fault of the reader, or one of the oracle.
+// By hand: value and gradient by dual numbers of doubles, `enclose` by those of intervals (natural and mean
+// value form), `rounding` from the interval of F at a point.  It shares numbers.h with the oracle, and
+// nothing with what reads texts: what fails by hand too is no fault of the reader, or one of the oracle.
 #ifndef FORMULA_SUBJECT_H
 #define FORMULA_SUBJECT_H
 
@@ -12,7 +12,8 @@
 #include <string>
 #include <vector>
 
-namespace formula {
+namespace formula
+{
 
 inline double hand_value(const void *self, sgt_vec3 p, sgt_vec3 *n)
 {
@@ -58,47 +59,44 @@ inline const sgt_surface_ops *hand_ops()
     return &ops;
 }
 
-class subject {
-public:
+class subject
+{
+  public:
     subject(const written &f, bool by_hand) : f_(f)
     {
         if (by_hand) {
             surface_ = {hand_ops(), &f_};
             return;
         }
-#ifdef WITH_FORMULA
         const std::size_t n = f.named.size();
         const std::size_t size = sgt_formula_room(f.text.c_str(), n);
         room_.resize(size / sizeof(double) + 1);
         sgt_formula_error e = {0, ""};
-        tape_ = sgt_formula_read(f.text.c_str(), f.sag() ? SGT_FORMULA_XY : SGT_FORMULA_XYZ, n, f.named.data(),
-                                 room_.data(), size, &e);
+        tape_ = sgt_formula_read(f.text.c_str(), f.sag() ? SGT_FORMULA_XY : SGT_FORMULA_XYZ, n,
+                                 f.named.data(), room_.data(), size, &e);
         if (!tape_) {
             error_ = std::string(e.text) + " (column " + std::to_string(e.column) + ")";
             return;
         }
         const place &w = f.where;
         sag_ = {tape_, w.rim};
-        level_ = {tape_, w.open ? 0 : w.ball, {-w.box[0], -w.box[1], -w.box[2]}, {w.box[0], w.box[1], w.box[2]}};
-        surface_ = f.sag() ? sgt_surface{&sgt_formula_sag_ops, &sag_} : sgt_surface{&sgt_formula_ops, &level_};
-#else
-        error_ = "formulas are not built";
-#endif
+        level_ = {
+            tape_, w.open ? 0 : w.ball, {-w.box[0], -w.box[1], -w.box[2]}, {w.box[0], w.box[1], w.box[2]}};
+        surface_ =
+            f.sag() ? sgt_surface{&sgt_formula_sag_ops, &sag_} : sgt_surface{&sgt_formula_ops, &level_};
     }
     subject(const subject &) = delete;
     const sgt_surface &surface() const { return surface_; }
     const std::string &error() const { return error_; } // empty: it has been read
 
-private:
+  private:
     const written &f_;
     sgt_surface surface_ = {nullptr, nullptr};
     std::string error_;
-#ifdef WITH_FORMULA
     std::vector<double> room_;
     sgt_tape *tape_ = nullptr;
     sgt_formula level_ = {};
     sgt_formula_sag sag_ = {};
-#endif
 };
 
 } // namespace formula
