@@ -176,57 +176,14 @@ class course
     // ------------------------------------------------------------------------------------- what else
 
     // Why an answer may be undecided that knows nothing of [lo, hi]; NULL: no reason.  What is looked at is
-    // that stretch and `beside` of the chord to each side of it; of a long one its beginning.
-    const char *reason(const answer &a, double lo, double hi, double beside = 0x1p-20) const
+    // that stretch and a millionth of the chord to each side of it; of a long one its ends.
+    const char *reason(const answer &a, double lo, double hi) const
     {
-        const precision prec(192);
-        const double chord = hi_ - lo_, near = beside * chord;
-        if (a.lies) return why_lies;
-        if (!(lo_ < hi_)) return why_clip; // (it touches the clip, or what a user's span adds to it)
-        lo = std::max(lo, a.lo), hi = std::min(std::min(hi, a.hi), lo + 0x1p-10 * chord);
-        if (!(lo <= hi)) return lo > a.hi || hi < a.lo ? why_clip : nullptr;
-        const ball from = ball(lo) - ball(near), to = ball(hi) + ball(near);
-        for (const doubt &d : a.doubts)
-            if (!less(d.hi, from) && !less(to, d.lo)) return d.why;
-        const auto in = [&](const meeting &m) { return !less(m.t, from) && !less(to, m.t); };
-        for (const meeting &m : a.touches)
-            if (in(m)) return why_double;
-        for (std::size_t i = 0; i < a.roots.size(); i++) {
-            const meeting &m = a.roots[i];
-            if (!in(m)) continue;
-            if (m.inside == 0) return why_clip;
-            for (double end : {ray_.tmin, ray_.tmax})
-                if (less(proof::size(m.t - ball(end)),
-                         m.spread * 0x1p-44 + ball(near) * 0x1p-10 + proof::size(m.t) * 0x1p-48))
-                    return why_start;
-            if (i > 0 && less(m.t - a.roots[i - 1].t, ball(2 * near))) return why_near;
-        }
-        const int pieces = 64;
-        const ball step = (to - from) * ball(1.0 / pieces);
-        const char *tangent = nullptr;
-        const ball wide = plus_minus(1e-10 * steep_ * f_.where.size());
-        const auto torn = [&](const ball &s) -> const char * {
-            const point3 p = at(s);
-            seen = marks();
-            const dual<ball> v = f_.at(dual<ball>(p.x, d_.x), dual<ball>(p.y, d_.y), dual<ball>(p.z, d_.z));
-            const ball blurred = v.v + wide;
-            return seen.nowhere || blurred.sign() ? nullptr : seen_reason();
-        };
-        if (hi - lo <= 4 * near)
-            if (const char *why = torn(proof::between(from, to) - ball(t0_))) return why;
-        for (int i = 0; i < pieces; i++) {
-            const ball t = from + step * ball(i), s = t - ball(t0_), whole = proof::between(s, s + step);
-            if (const char *why = torn(whole)) return why;
-            const point3 q = at(proof::middle(whole));
-            const ball g = f_.at(q.x, q.y, q.z);
-            const point3 n = gradient(f_, q);
-            if (!g.is_finite() || !norm(n).is_finite()) continue;
-            const double size = f_.where.size(), steep = norm(n).rough(), off = std::fabs(g.rough());
-            if (steep < 1e-4 * steep_ && off < 1e-9 * steep_ * size) return why_singular;
-            if (off < 1e-9 * steep * size && std::fabs(dot(n, d_).rough()) < 1e-4 * steep * norm(d_).rough())
-                tangent = why_tangent;
-        }
-        return tangent;
+        const double part = 0x1p-10 * (hi_ - lo_);
+        lo = std::max(lo, a.lo), hi = std::min(hi, a.hi);
+        if (!(lo <= hi)) return nullptr; // outside of the clip
+        const char *why = reason_near(a, lo, std::min(hi, lo + part));
+        return why || !(hi - lo > part) ? why : reason_near(a, hi - part, hi);
     }
 
     // Of 4096 points from lo to hi the one where |F| / |grad F| is least, and the cosine there.
@@ -303,6 +260,55 @@ class course
         m.spread = (proof::size(m.p.x * m.n.x) + proof::size(m.p.y * m.n.y) + proof::size(m.p.z * m.n.z)) /
                    proof::size(m.slope);
         return m;
+    }
+
+    const char *reason_near(const answer &a, double lo, double hi) const
+    {
+        const precision prec(192);
+        const double chord = hi_ - lo_, near = 0x1p-20 * chord;
+        if (a.lies) return why_lies;
+        const ball from = ball(lo) - ball(near), to = ball(hi) + ball(near);
+        for (const doubt &d : a.doubts)
+            if (!less(d.hi, from) && !less(to, d.lo)) return d.why;
+        const auto in = [&](const meeting &m) { return !less(m.t, from) && !less(to, m.t); };
+        for (const meeting &m : a.touches)
+            if (in(m)) return why_double;
+        for (std::size_t i = 0; i < a.roots.size(); i++) {
+            const meeting &m = a.roots[i];
+            if (!in(m)) continue;
+            if (m.inside == 0) return why_clip;
+            for (double end : {ray_.tmin, ray_.tmax})
+                if (less(proof::size(m.t - ball(end)),
+                         m.spread * 0x1p-44 + ball(near) * 0x1p-10 + proof::size(m.t) * 0x1p-48))
+                    return why_start;
+            if (i > 0 && less(m.t - a.roots[i - 1].t, ball(2 * near))) return why_near;
+        }
+        const int pieces = 64;
+        const ball step = (to - from) * ball(1.0 / pieces);
+        const char *tangent = nullptr;
+        const ball wide = plus_minus(1e-10 * steep_ * f_.where.size());
+        const auto torn = [&](const ball &s) -> const char * {
+            const point3 p = at(s);
+            seen = marks();
+            const dual<ball> v = f_.at(dual<ball>(p.x, d_.x), dual<ball>(p.y, d_.y), dual<ball>(p.z, d_.z));
+            const ball blurred = v.v + wide;
+            return seen.nowhere || blurred.sign() ? nullptr : seen_reason();
+        };
+        if (hi - lo <= 4 * near)
+            if (const char *why = torn(proof::between(from, to) - ball(t0_))) return why;
+        for (int i = 0; i < pieces; i++) {
+            const ball t = from + step * ball(i), s = t - ball(t0_), whole = proof::between(s, s + step);
+            if (const char *why = torn(whole)) return why;
+            const point3 q = at(proof::middle(whole));
+            const ball g = f_.at(q.x, q.y, q.z);
+            const point3 n = gradient(f_, q);
+            if (!g.is_finite() || !norm(n).is_finite()) continue;
+            const double size = f_.where.size(), steep = norm(n).rough(), off = std::fabs(g.rough());
+            if (steep < 1e-4 * steep_ && off < 1e-9 * steep_ * size) return why_singular;
+            if (off < 1e-9 * steep * size && std::fabs(dot(n, d_).rough()) < 1e-4 * steep * norm(d_).rough())
+                tangent = why_tangent;
+        }
+        return tangent;
     }
 
     static const char *seen_reason()
