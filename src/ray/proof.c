@@ -17,8 +17,8 @@
  *                       (m - min G / max S, m + min G / -min S); for G < 0 the same with signs changed.
  *                       What is left on either side is a piece (Hansen and Walster 2004, chapter 9)
  *     else              X is divided, if more pieces can tell more.  They cannot, and X is undecided, if
- *                       m is at the limit of doubles, or g over X is no wider than four times G, or
- *                       S times the length of X is no more than the width of G
+ *                       m is at the limit of doubles, or 0 is in G and g over X is no wider than four
+ *                       times G, or S times the length of X is no more than the width of G
  *
  * A slope without bound says nothing of a root: g may jump there, or not be defined.  A bounded slope
  * promises that F is defined and continuous (sgt_surface_ops.enclose in sagitta.h says so).
@@ -549,7 +549,7 @@ static cells_kind proof_classify(void *self, cells *c)
         }
         if (proof_over(w)) return CELLS_AGAIN;
     }
-    bool noise = asked && ((has_zero(G) && sgt_interval_width(g) <= 4 * sgt_interval_width(G))
+    bool noise = asked && has_zero(G) && (sgt_interval_width(g) <= 4 * sgt_interval_width(G)
                            || sgt_interval_greatest(slope) * (x.hi - x.lo) <= sgt_interval_width(G));
     /* out of range at m: at the end of X, too? */
     if (noise && room && !is_bounded(G)) noise = !is_bounded(ask_at(w, x.lo, SGT_MARCH));
