@@ -239,8 +239,7 @@ inline ball power(ball b, const ball &e)
     }
     if (!to_domain(&b)) return unknown();
     if (e.sign() <= 0) {
-        if (b.is_zero()) seen.nowhere = true;
-        seen.pole = true;
+        (b.is_zero() && arb_is_nonpositive(e.x) ? seen.nowhere : seen.pole) = true;
         return unknown();
     }
     if (b.is_zero()) return 0;

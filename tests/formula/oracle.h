@@ -176,10 +176,10 @@ class course
     // ------------------------------------------------------------------------------------- what else
 
     // Why an answer may be undecided that knows nothing of [lo, hi]; NULL: no reason.  What is looked at is
-    // that stretch and a millionth of the chord to each side of it; of a long one its ends.
+    // that stretch and a millionth of the chord (or the size) to each side of it; of a long one its ends.
     const char *reason(const answer &a, double lo, double hi) const
     {
-        const double part = 0x1p-10 * (hi_ - lo_);
+        const double part = 0x1p-10 * scale();
         lo = std::max(lo, a.lo), hi = std::min(hi, a.hi);
         if (!(lo <= hi)) return nullptr; // outside of the clip
         const char *why = reason_near(a, lo, std::min(hi, lo + part));
@@ -265,7 +265,7 @@ class course
     const char *reason_near(const answer &a, double lo, double hi) const
     {
         const precision prec(192);
-        const double chord = hi_ - lo_, near = 0x1p-20 * chord;
+        const double near = 0x1p-20 * scale();
         if (a.lies) return why_lies;
         const ball from = ball(lo) - ball(near), to = ball(hi) + ball(near);
         for (const doubt &d : a.doubts)
@@ -310,6 +310,9 @@ class course
         }
         return tangent;
     }
+
+    // Of a short chord the size, in lengths of d.
+    double scale() const { return std::max(hi_ - lo_, f_.where.size() / length()); }
 
     static const char *seen_reason()
     {

@@ -237,7 +237,7 @@ class judge
         if (ray_.tmin > -HUGE_VAL && less(meant->t - ball(ray_.tmin),
                                           proof::scaled(meant->spread, -48) * 0.999 - ball(h.t_err) * 0.001))
             return "a root at the start";
-        const double off = proof::size(meant->t - ball(h.t)).rough();
+        const double off = proof::low(proof::size(meant->t - ball(h.t))).rough(); // (t itself may be 0)
         if (off > t_.worst * h.t_err && h.t_err > 0) t_.worst = off / h.t_err;
         const ball away = norm(minus(widen(h.p), meant->p));
         if (less(ball(h.p_err), away)) return "p is farther from the root than p_err";
@@ -267,7 +267,7 @@ class judge
             way_->nearest(a_->lo, h.hi, &t, &off, &along);
             if (before > 1000)
                 why = "max_evals was spent before";
-            else if (off < 1e-4 * f_.where.size() && std::fabs(along) < 0.05)
+            else if (off < (f_.touches ? 1e-3 : 1e-4) * f_.where.size() && std::fabs(along) < 0.05)
                 why = "max_evals near a tangent";
             t_.spent += why != nullptr;
         }
