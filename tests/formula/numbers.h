@@ -477,7 +477,7 @@ template <class T> dual<T> power(const dual<T> &b, const dual<T> &e)
         s = e.v * power(b.v, e.v - T(1.0)) * b.s;
         if (seen.pole && !before.pole) seen = before, seen.kink = true;
     }
-    if (!is_nothing(e.s)) s = s + v * log(b.v) * e.s;
+    if (!is_nothing(e.s) && !is_nothing(v)) s = s + v * log(b.v) * e.s; // (0^e is 0 for all e > 0)
     return {v, s};
 }
 
