@@ -377,6 +377,28 @@ class judge
     }
 };
 
+// Rays that something was wrong with.
+const struct {
+    const char *name;
+    sgt_ray ray;
+} past[] = {
+    // From one face close to an edge, and along the next face: Newton's interval is as long as that face, and
+    // the root was UNPROVEN in it (proof.c, between_signs).
+    {"octahedron",
+     {{0x1.cb7cccb8669a9p-2, -0x1.134c9aaeb651ep+1, -0x1.59c376a47e959p+1},
+      {-0x1.2ac2e31c68306p-4, 0x1.7b43863d0bd94p-1, 0x1.55eb29d97ed3bp-1},
+      0,
+      HUGE_VAL}},
+    {"octahedron",
+     {{-0x1.06f60f3249c42p-2, -0x1.d2ab1f0241d08p+0, 0x1.21db37ff349d4p-1},
+      {0x1.ee5e790bf57a8p-3, 0x1.97a6b3a631cb3p-1, -0x1.1c0f1563346cdp-1},
+      0,
+      HUGE_VAL}},
+    // In the plane x = 0, where 0^y is 0 and its derivative by y has a logarithm of 0 (numbers.h, power).
+    {"real_power",
+     {{0, -0x1.1d767e0bd2d78p+3, 0x1.27b54b7894b86p+3}, {0, 1, -1}, 0, HUGE_VAL}},
+};
+
 // The middle one of |grad F| in the volume.
 double steepness(const written &f, generator &g)
 {
@@ -440,6 +462,8 @@ int main(int argc, char **argv)
             rays.push_back(random_ray(g, *f, kind));
             j.take(rays.back(), ray_kinds[kind]);
         }
+        for (const auto &p : past)
+            if (f->name == p.name) rays.push_back(p.ray), j.take(p.ray, "past");
         j.batch(rays);
         std::printf("%-20s %6ld %6ld %6ld %6ld %6ld %8.3f %8.0f %8.0f ", f->name.c_str(), t.rays, t.hits,
                     t.misses, t.undecided, t.grazes, t.worst, t.nanoseconds, t.proven);
