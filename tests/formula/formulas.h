@@ -44,6 +44,8 @@ public:
     std::vector<sgt_vec3> special;
     virtual ~written() = default;
     bool sag() const { return where.rim > 0; }
+    // Are all its parts there well within the range of doubles?
+    virtual bool is_tame(const sgt_vec3 &) const { return true; }
 
     // F, and for surfaces that touch, what is squared.
     virtual ball at(const ball &x, const ball &y, const ball &z, bool root = false) const = 0;

@@ -58,17 +58,17 @@ inline ball not_negative(const ball &a)
     return between(ball(0), high(a));
 }
 inline ball sq(const ball &a) { return not_negative(square(a)); }
-inline ball pown(const ball &a, int n)
-{
-    if (n == 0) return 1;
-    if (n < 0) return ball(1) / pown(a, -n);
-    return n % 2 ? a * pown(a, n - 1) : sq(pown(a, n / 2));
-}
 inline ball over(const ball &a, const ball &b)
 {
     if (b.is_zero()) seen.nowhere = true;
     if (b.sign() == 0) seen.pole = true;
     return a / b;
+}
+inline ball pown(const ball &a, int n)
+{
+    if (n == 0) return 1;
+    if (n < 0) return over(1, pown(a, -n));
+    return n % 2 ? a * pown(a, n - 1) : sq(pown(a, n / 2));
 }
 // The part of a that is at least 0; false: there is none.
 inline bool to_domain(ball *a)
