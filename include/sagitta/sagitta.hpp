@@ -163,7 +163,7 @@ namespace detail {
 /* The members of sgt_surface_ops, but for its size and its name. */
 enum class of {
     value, gradient, span, rounding, clearance, estimate, enclose, values, spans, first,
-    firsts, second, parameters, by_parameter
+    firsts, second, parameters, by_parameter, encloses
 };
 
 /* One lambda, and what it is for. */
@@ -223,7 +223,9 @@ public:
      *     void         second(std::size_t n, sgt_points p, double *const out[6])
      *     std::size_t  parameters()
      *     void         by_parameter(std::size_t j, std::size_t n, sgt_points p,
-     *                               sgt_values out) */
+     *                               sgt_values out)
+     *     void         encloses(std::size_t n, sgt_rays rays, const double *t_lo,
+     *                           const double *t_hi, sgt_enclosures out) */
     template <class F> auto span(F f) const { return with<of::span>(f); }
     template <class F> auto rounding(F f) const { return with<of::rounding>(f); }
     template <class F> auto clearance(F f) const { return with<of::clearance>(f); }
@@ -236,6 +238,7 @@ public:
     template <class F> auto second(F f) const { return with<of::second>(f); }
     template <class F> auto parameters(F f) const { return with<of::parameters>(f); }
     template <class F> auto by_parameter(F f) const { return with<of::by_parameter>(f); }
+    template <class F> auto encloses(F f) const { return with<of::encloses>(f); }
 
     /* For messages; the text is borrowed. */
     surface name(const char *text) const
@@ -272,6 +275,7 @@ private:
         offer<of::second>(table_.second);
         offer<of::parameters>(table_.parameters);
         offer<of::by_parameter>(table_.by_parameter);
+        offer<of::encloses>(table_.encloses);
     }
 
     template <of Which, class F> auto with(F f) const

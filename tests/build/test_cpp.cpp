@@ -158,6 +158,10 @@ static void every_operation()
                    .by_parameter([&](std::size_t j, std::size_t n, sgt_points, sgt_values out) {
                        calls++, out.f[n - 1] = static_cast<double>(j);
                    })
+                   .encloses([&](std::size_t n, sgt_rays r, const double *lo, const double *hi,
+                                 sgt_enclosures out) {
+                       calls++, out.lo[n - 1] = r.d[2][n - 1] + 10 * lo[n - 1] + 100 * hi[n - 1];
+                   })
                    .name("all");
     auto copy = all;
     sgt_surface s = copy;
@@ -189,12 +193,17 @@ static void every_operation()
     EXPECT(o.parameters(s.self) == 3 && calls == 14);
     o.by_parameter(s.self, 2, 1, points, values);
     EXPECT(out_f[0] == 2 && calls == 15);
+    sgt_enclosures enclosures = {out_f, out_f, nullptr, nullptr};
+    const double from[1] = {1}, to[1] = {2};
+    o.encloses(s.self, 1, rays, from, to, enclosures);
+    EXPECT(out_f[0] == 215 && calls == 16);
 
     auto bare = sagitta::surface(plane);
     s = bare;
     EXPECT(s.ops->value && !s.ops->span && !s.ops->rounding && !s.ops->clearance && !s.ops->estimate &&
            !s.ops->enclose && !s.ops->values && !s.ops->spans && !s.ops->first && !s.ops->firsts &&
-           !s.ops->second && !s.ops->parameters && !s.ops->by_parameter && !s.ops->name);
+           !s.ops->second && !s.ops->parameters && !s.ops->by_parameter && !s.ops->encloses &&
+           !s.ops->name);
     EXPECT(s.ops->value(s.self, p, &grad) == 3 && grad.x != grad.x && grad.y != grad.y && grad.z != grad.z);
 }
 
