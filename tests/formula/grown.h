@@ -58,7 +58,8 @@ public:
                                             dual<double>(p.z, k == 2), i);
                 const auto is_small = [](double x) { return std::fabs(x) < 1e60; };
                 if (!is_small(v.v) || !is_small(v.s) || (v.v != 0 && !is_small(1 / v.v))) return false;
-                if (nodes_[i].what == op::tanh && std::fabs(v.v) > 1 - 1e-6) return false; // its slope: 1 - v^2
+                if (nodes_[i].what == op::tanh && std::fabs(v.v) > 1 - 1e-6)
+                    return false; // its slope: 1 - v^2
             }
         return true;
     }

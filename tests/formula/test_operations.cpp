@@ -62,8 +62,8 @@ dual<ball> by_parameter(const written &f, std::size_t j, const sgt_vec3 &p, int 
         .s;
 }
 
-// Is it what balls of 256 bits have, within what is known of it by balls of 40 bits of a point that is known to
-// 40 bits?
+// Is it what balls of 256 bits have, within what is known of it by balls of 40 bits of a point that is known
+// to 40 bits?
 template <class W>
 void near(const written &f, const char *what, const sgt_vec3 &p, double have, const W &want)
 {
