@@ -129,6 +129,8 @@ class course
         for (int i = 0; i < 5 && a.lies; i++) {
             const ball g = value(lo_ + (hi_ - lo_) * (0.12 + 0.171 * i));
             a.lies = g.is_finite() && less(proof::size(g), ball(steep_ * f_.where.size() * 1e-25));
+            const precision high(2000);
+            a.lies = a.lies && !value(lo_ + (hi_ - lo_) * (0.12 + 0.171 * i)).sign();
         }
         if (a.lies) return a;
         proof::found found;

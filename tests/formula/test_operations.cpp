@@ -62,8 +62,8 @@ dual<ball> by_parameter(const written &f, std::size_t j, const sgt_vec3 &p, int 
         .s;
 }
 
-// Is it what balls of 256 bits have, within what is known of it by balls of 40 bits of a point that is known to
-// 40 bits?
+// Is it what balls of 256 bits have, within what is known of it by balls of 40 bits of a point that is known
+// to 40 bits?
 template <class W>
 void near(const written &f, const char *what, const sgt_vec3 &p, double have, const W &want)
 {
@@ -98,7 +98,6 @@ void at_point(const written &f, const sgt_surface &s, const sgt_vec3 &p)
 
     if (!exact.is_finite()) { // not defined, or a border that balls cannot tell
         if (!seen.nowhere || v != v) return;
-        if (p.x == 0 && p.y == 0 && f.text.find("atan2") != std::string::npos) return; // THE VERTEX
         const ball some = plus_minus(0x1p-48 * f.where.size()); // beside a border rounding may be within
         const precision rough(40);
         seen = marks();
