@@ -271,6 +271,8 @@ class judge
             way_->nearest(a_->lo, h.hi, &t, &off, &along);
             if (before > 1000)
                 why = "max_evals was spent before";
+            else if (h.status == SGT_EXHAUSTED && course::has_doubt(*a_, h.lo, h.hi))
+                why = "max_evals before a pole or the like";
             else if (off < (f_.touches ? 1e-3 : 1e-4) * f_.where.size() && std::fabs(along) < 0.05)
                 why = "max_evals near a tangent";
             t_.spent += why != nullptr;
@@ -400,6 +402,11 @@ const struct {
     {"octahedron",
      {{-0x1.06f60f3249c42p-2, -0x1.d2ab1f0241d08p+0, 0x1.21db37ff349d4p-1},
       {0x1.ee5e790bf57a8p-3, 0x1.97a6b3a631cb3p-1, -0x1.1c0f1563346cdp-1},
+      0,
+      HUGE_VAL}},
+    {"octahedron",
+     {{0x1.5450a80519b96p+0, -0x1.191208ff79337p-1, 0x1.c7b30be185302p+0},
+      {-0x1.874c91a064752p-1, 0x1.10eb6f665cffcp-3, -0x1.4311b5c6cd357p-1},
       0,
       HUGE_VAL}},
     // In the plane x = 0, where 0^y is 0 and its derivative by y has a logarithm of 0 (numbers.h, power).
