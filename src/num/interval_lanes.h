@@ -46,7 +46,7 @@ typedef struct lane_interval {
 } lane_interval;
 
 /* Of one lane. */
-typedef struct lane_ends { double lo, hi; } lane_ends;
+typedef struct two_ends { double lo, hi; } two_ends;
 
 #define LANE_LEAST 0x1p-1074
 #define LANE_HALF_GAP 0x1.0000000000001p-53
@@ -56,27 +56,27 @@ typedef struct lane_ends { double lo, hi; } lane_ends;
 #define LANE_HALF_PI 0x1.921fb54442d19p+0
 #define LANE_PI 0x1.921fb54442d19p+1
 
-SGT_INLINE lane_ends ends_of(double lo, double hi) { return (lane_ends){lo, hi}; }
-SGT_INLINE lane_ends ends_negative(lane_ends a) { return ends_of(-a.hi, -a.lo); }
+SGT_INLINE two_ends ends_of(double lo, double hi) { return (two_ends){lo, hi}; }
+SGT_INLINE two_ends ends_negative(two_ends a) { return ends_of(-a.hi, -a.lo); }
 
 /* 0, or NaN if one of the numbers added up is not finite. */
 SGT_INLINE double ends_unknown(double sum) { return sum * 0; }
 
 /* The nearest to products, quotients or roots made ends.  NaN, if unknown is. */
-SGT_INLINE lane_ends ends_outward(double lo, double hi, double unknown)
+SGT_INLINE two_ends ends_outward(double lo, double hi, double unknown)
 {
     double least = LANE_LEAST + unknown;
     return ends_of(lo - (fabs(lo) * LANE_HALF_GAP + least), hi + (fabs(hi) * LANE_HALF_GAP + least));
 }
 
 /* The same of sums. */
-SGT_INLINE lane_ends ends_outward_sum(double lo, double hi)
+SGT_INLINE two_ends ends_outward_sum(double lo, double hi)
 {
     return ends_of(lo - fabs(lo) * 0x1p-52, hi + fabs(hi) * 0x1p-52);
 }
 
 /* The same of a function that is off by `off` of itself and by LANE_LEAST. */
-SGT_INLINE lane_ends ends_outward_by(double lo, double hi, double off)
+SGT_INLINE two_ends ends_outward_by(double lo, double hi, double off)
 {
     return ends_of(lo - (fabs(lo) * off + 2 * LANE_LEAST), hi + (fabs(hi) * off + 2 * LANE_LEAST));
 }
@@ -85,44 +85,44 @@ SGT_INLINE lane_ends ends_outward_by(double lo, double hi, double off)
 SGT_INLINE double lesser_of(double a, double b) { return a < b ? a : b; }
 SGT_INLINE double greater_of(double a, double b) { return a > b ? a : b; }
 
-SGT_INLINE lane_ends ends_of_four(double p, double q, double r, double s)
+SGT_INLINE two_ends ends_of_four(double p, double q, double r, double s)
 {
     return ends_of(lesser_of(lesser_of(p, q), lesser_of(r, s)),
                    greater_of(greater_of(p, q), greater_of(r, s)));
 }
 
 /* The numbers of the product, to nearest. */
-SGT_INLINE lane_ends ends_corners(lane_ends a, lane_ends b)
+SGT_INLINE two_ends ends_corners(two_ends a, two_ends b)
 {
     return ends_of_four(a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi);
 }
 
 /* In [least, most], where all values are known to be; a NaN, too. */
-SGT_INLINE lane_ends ends_within(lane_ends a, double least, double most)
+SGT_INLINE two_ends ends_within(two_ends a, double least, double most)
 {
     return ends_of(a.lo > least ? a.lo : least, a.hi < most ? a.hi : most);
 }
 
 /* ----------------------------------------------------------- sums and products */
 
-SGT_INLINE lane_ends ends_sum(lane_ends a, lane_ends b) { return ends_outward_sum(a.lo + b.lo, a.hi + b.hi); }
+SGT_INLINE two_ends ends_sum(two_ends a, two_ends b) { return ends_outward_sum(a.lo + b.lo, a.hi + b.hi); }
 
-SGT_INLINE lane_ends ends_difference(lane_ends a, lane_ends b)
+SGT_INLINE two_ends ends_difference(two_ends a, two_ends b)
 {
     return ends_outward_sum(a.lo - b.hi, a.hi - b.lo);
 }
 
-SGT_INLINE lane_ends ends_product(lane_ends a, lane_ends b)
+SGT_INLINE two_ends ends_product(two_ends a, two_ends b)
 {
-    lane_ends p = ends_corners(a, b);
+    two_ends p = ends_corners(a, b);
     return ends_outward(p.lo, p.hi, ends_unknown((a.lo + a.hi) + (b.lo + b.hi)));
 }
 
 /* a b + c d, for the slope of a product.  The products are off by u of themselves and e/2, their sum and the
  * last difference by u of theirs: w is greater. */
-SGT_INLINE lane_ends ends_two_products(lane_ends a, lane_ends b, lane_ends c, lane_ends d)
+SGT_INLINE two_ends ends_two_products(two_ends a, two_ends b, two_ends c, two_ends d)
 {
-    lane_ends p = ends_corners(a, b), q = ends_corners(c, d);
+    two_ends p = ends_corners(a, b), q = ends_corners(c, d);
     double sum = ((a.lo + a.hi) + (b.lo + b.hi)) + ((c.lo + c.hi) + (d.lo + d.hi));
     double least = 2 * LANE_LEAST + ends_unknown(sum);
     return ends_of((p.lo + q.lo) - ((fabs(p.lo) + fabs(q.lo)) * 0x1p-51 + least),
@@ -130,91 +130,91 @@ SGT_INLINE lane_ends ends_two_products(lane_ends a, lane_ends b, lane_ends c, la
 }
 
 /* a k, for a number k that is finite. */
-SGT_INLINE lane_ends ends_scaled(lane_ends a, double k)
+SGT_INLINE two_ends ends_scaled(two_ends a, double k)
 {
     double p = a.lo * k, q = a.hi * k;
     return ends_outward(k < 0 ? q : p, k < 0 ? p : q, 0);
 }
 
 /* The number of least magnitude, and that of the greatest. */
-SGT_INLINE lane_ends ends_absolute(lane_ends a)
+SGT_INLINE two_ends ends_absolute(two_ends a)
 {
     double near = a.hi < 0 ? -a.hi : 0;
     near = a.lo > 0 ? a.lo : near;
     return ends_of(near, greater_of(-a.lo, a.hi) + ends_unknown(a.lo + a.hi));
 }
 
-SGT_INLINE lane_ends ends_square(lane_ends a)
+SGT_INLINE two_ends ends_square(two_ends a)
 {
-    lane_ends m = ends_absolute(a), s = ends_outward(m.lo * m.lo, m.hi * m.hi, 0);
+    two_ends m = ends_absolute(a), s = ends_outward(m.lo * m.lo, m.hi * m.hi, 0);
     return ends_of(s.lo > 0 ? s.lo : 0, s.hi);
 }
 
 /* Two roundings. */
-SGT_INLINE lane_ends ends_cube(lane_ends a)
+SGT_INLINE two_ends ends_cube(two_ends a)
 {
     return ends_outward_by(a.lo * a.lo * a.lo, a.hi * a.hi * a.hi, LANE_OFF(2));
 }
 
 /* a k, where all of k is finite and above 0: an end of a that is not known leaves the other as it is. */
-SGT_INLINE lane_ends ends_product_positive(lane_ends a, lane_ends k)
+SGT_INLINE two_ends ends_product_positive(two_ends a, two_ends k)
 {
     return ends_outward(lesser_of(a.lo * k.lo, a.lo * k.hi), greater_of(a.hi * k.lo, a.hi * k.hi), 0);
 }
 
 /* NaN, if 0 may be in a, or an end is NaN. */
-SGT_INLINE lane_ends ends_reciprocal(lane_ends a)
+SGT_INLINE two_ends ends_reciprocal(two_ends a)
 {
     return ends_outward(1 / a.hi, 1 / a.lo, a.lo * a.hi > 0 ? 0 : (double)NAN);
 }
 
-SGT_INLINE lane_ends ends_quotient(lane_ends a, lane_ends b) { return ends_product(a, ends_reciprocal(b)); }
+SGT_INLINE two_ends ends_quotient(two_ends a, two_ends b) { return ends_product(a, ends_reciprocal(b)); }
 
 /* The root of the part that is not negative; ends_no_root: there is none. */
-SGT_INLINE lane_ends ends_root(lane_ends a)
+SGT_INLINE two_ends ends_root(two_ends a)
 {
     double low = a.lo > 0 ? a.lo : 0;
-    lane_ends r = ends_outward(sqrt(low), sqrt(a.hi), 0);
+    two_ends r = ends_outward(sqrt(low), sqrt(a.hi), 0);
     return ends_of(r.lo > 0 ? r.lo : 0, r.hi);
 }
 
-SGT_INLINE bool ends_no_root(lane_ends a) { return a.hi < 0; }
+SGT_INLINE bool ends_no_root(two_ends a) { return a.hi < 0; }
 
 /* --------------------------------------------------------------- two of a kind */
 
-SGT_INLINE lane_ends ends_hull(lane_ends a, lane_ends b)
+SGT_INLINE two_ends ends_hull(two_ends a, two_ends b)
 {
     double unknown = ends_unknown((a.lo + a.hi) + (b.lo + b.hi));
     return ends_of(lesser_of(a.lo, b.lo) + unknown, greater_of(a.hi, b.hi) + unknown);
 }
 
 /* What is in both: a NaN gives way. */
-SGT_INLINE lane_ends ends_intersection(lane_ends a, lane_ends b)
+SGT_INLINE two_ends ends_intersection(two_ends a, two_ends b)
 {
     double lo = a.lo > b.lo ? a.lo : b.lo, hi = a.hi < b.hi ? a.hi : b.hi;
     return ends_of(b.lo == b.lo ? lo : a.lo, b.hi == b.hi ? hi : a.hi);
 }
 
-SGT_INLINE lane_ends ends_minimum(lane_ends a, lane_ends b)
+SGT_INLINE two_ends ends_minimum(two_ends a, two_ends b)
 {
     double hi = a.hi < b.hi ? a.hi : b.hi;
     return ends_of(lesser_of(a.lo, b.lo) + ends_unknown(a.lo + b.lo), b.hi == b.hi ? hi : a.hi);
 }
 
-SGT_INLINE lane_ends ends_maximum(lane_ends a, lane_ends b)
+SGT_INLINE two_ends ends_maximum(two_ends a, two_ends b)
 {
     return ends_negative(ends_minimum(ends_negative(a), ends_negative(b)));
 }
 
-SGT_INLINE lane_ends ends_hypotenuse(lane_ends a, lane_ends b)
+SGT_INLINE two_ends ends_hypotenuse(two_ends a, two_ends b)
 {
-    lane_ends p = ends_absolute(a), q = ends_absolute(b);
-    lane_ends h = ends_outward_by(lane_hypot(p.lo, q.lo), lane_hypot(p.hi, q.hi), LANE_OFF(LANE_HYPOT_BOUND));
+    two_ends p = ends_absolute(a), q = ends_absolute(b);
+    two_ends h = ends_outward_by(lane_hypot(p.lo, q.lo), lane_hypot(p.hi, q.hi), LANE_OFF(LANE_HYPOT_BOUND));
     return ends_of(h.lo > 0 ? h.lo : 0, h.hi);
 }
 
 /* 0 if the points (x, y) are all on one side of the cut y = 0, x <= 0, and away from it; else NaN. */
-SGT_INLINE double ends_beside_cut(lane_ends y, lane_ends x)
+SGT_INLINE double ends_beside_cut(two_ends y, two_ends x)
 {
     double beside = x.lo > 0 ? 0 : (double)NAN;
     beside = y.lo > 0 ? 0 : beside;
@@ -223,31 +223,31 @@ SGT_INLINE double ends_beside_cut(lane_ends y, lane_ends x)
 
 /* atan2(y, x).  The angle is greater than a given one on one side of a line through the origin.  So on a box
  * beside the cut, which lies in half of the plane, it has its extremes at corners. */
-SGT_INLINE lane_ends ends_angle(lane_ends y, lane_ends x)
+SGT_INLINE two_ends ends_angle(two_ends y, two_ends x)
 {
     double p = lane_atan2(y.lo, x.lo), q = lane_atan2(y.lo, x.hi);
     double r = lane_atan2(y.hi, x.lo), s = lane_atan2(y.hi, x.hi);
     double unknown = ends_unknown((p + q) + (r + s)) + ends_beside_cut(y, x);
-    lane_ends a = ends_of_four(p, q, r, s);
+    two_ends a = ends_of_four(p, q, r, s);
     a = ends_outward_by(a.lo + unknown, a.hi + unknown, LANE_OFF(LANE_ATAN_BOUND));
     return ends_within(a, -LANE_PI, LANE_PI);
 }
 
 /* ------------------------------------------------------------------- functions */
 
-SGT_INLINE lane_ends ends_exp(lane_ends a)
+SGT_INLINE two_ends ends_exp(two_ends a)
 {
-    lane_ends e = ends_outward_by(lane_exp(a.lo), lane_exp(a.hi), LANE_OFF(LANE_EXP_BOUND));
+    two_ends e = ends_outward_by(lane_exp(a.lo), lane_exp(a.hi), LANE_OFF(LANE_EXP_BOUND));
     return ends_of(e.lo > 0 ? e.lo : 0, e.hi);
 }
 
 /* Of the part above 0; ends_no_log: there is none. */
-SGT_INLINE lane_ends ends_log(lane_ends a)
+SGT_INLINE two_ends ends_log(two_ends a)
 {
     return ends_outward_by(lane_log(a.lo), lane_log(a.hi), LANE_OFF(LANE_LOG_BOUND));
 }
 
-SGT_INLINE bool ends_no_log(lane_ends a) { return a.hi <= 0; }
+SGT_INLINE bool ends_no_log(two_ends a) { return a.hi <= 0; }
 
 /* May there be an integer k with from <= first + period k <= to?  `from` and `to` count quarter turns. */
 SGT_INLINE bool ends_has_turn(double from, double to, double first, double per)
@@ -259,82 +259,82 @@ SGT_INLINE bool ends_has_turn(double from, double to, double first, double per)
 
 /* a in quarter turns, with a margin: 2 / pi and the product are off by 2 u, the differences in ends_has_turn
  * by another u and 3 u more.  (a is below 2^26, else it is not used.) */
-SGT_INLINE lane_ends ends_turns(lane_ends a)
+SGT_INLINE two_ends ends_turns(two_ends a)
 {
     double p = a.lo * 0x1.45f306dc9c883p-1, q = a.hi * 0x1.45f306dc9c883p-1;
     double margin = (fabs(p) + fabs(q)) * 0x1p-50 + 0x1p-50;
     return ends_of(p - margin, q + margin);
 }
 
-typedef struct ends_wave { lane_ends sine, cosine; } ends_wave;
+typedef struct ends_wave { two_ends sine, cosine; } ends_wave;
 
-SGT_INLINE lane_ends ends_of_wave(double a, double b, double unknown, bool top, bool bottom)
+SGT_INLINE two_ends ends_of_wave(double a, double b, double unknown, bool top, bool bottom)
 {
     double lo = lesser_of(a, b) + unknown, hi = greater_of(a, b) + unknown;
-    lane_ends w = ends_within(ends_outward_by(lo, hi, LANE_OFF(LANE_SIN_BOUND)), -1, 1);
+    two_ends w = ends_within(ends_outward_by(lo, hi, LANE_OFF(LANE_SIN_BOUND)), -1, 1);
     return ends_of(bottom ? -1 : w.lo, top ? 1 : w.hi);
 }
 
-SGT_INLINE ends_wave ends_sin_cos(lane_ends a)
+SGT_INLINE ends_wave ends_sin_cos(two_ends a)
 {
     lane_wave p = lane_sin_cos(a.lo), q = lane_sin_cos(a.hi);
     double unknown = ends_unknown(p.sine + q.sine);
-    lane_ends t = ends_turns(a);
+    two_ends t = ends_turns(a);
     return (ends_wave){ends_of_wave(p.sine, q.sine, unknown, ends_has_turn(t.lo, t.hi, 1, 0.25),
                                     ends_has_turn(t.lo, t.hi, 3, 0.25)),
                        ends_of_wave(p.cosine, q.cosine, unknown, ends_has_turn(t.lo, t.hi, 0, 0.25),
                                     ends_has_turn(t.lo, t.hi, 2, 0.25))};
 }
 
-SGT_INLINE lane_ends ends_tan(lane_ends a)
+SGT_INLINE two_ends ends_tan(two_ends a)
 {
-    lane_ends t = ends_turns(a);
+    two_ends t = ends_turns(a);
     double p = lane_tan(a.lo), q = lane_tan(a.hi), unknown = ends_unknown(p + q);
     unknown = ends_has_turn(t.lo, t.hi, 1, 0.5) ? (double)NAN : unknown;
     return ends_outward_by(p + unknown, q + unknown, LANE_OFF(LANE_TAN_BOUND));
 }
 
 /* Of the part in [-1, 1]; ends_no_arc: there is none. */
-SGT_INLINE lane_ends ends_asin(lane_ends a)
+SGT_INLINE two_ends ends_asin(two_ends a)
 {
-    lane_ends x = ends_within(a, -1, 1);
+    two_ends x = ends_within(a, -1, 1);
     x = ends_outward_by(lane_asin(x.lo), lane_asin(x.hi), LANE_OFF(LANE_ASIN_BOUND));
     return ends_within(x, -LANE_HALF_PI, LANE_HALF_PI);
 }
 
-SGT_INLINE lane_ends ends_acos(lane_ends a)
+SGT_INLINE two_ends ends_acos(two_ends a)
 {
-    lane_ends x = ends_within(a, -1, 1);
+    two_ends x = ends_within(a, -1, 1);
     x = ends_outward_by(lane_acos(x.hi), lane_acos(x.lo), LANE_OFF(LANE_ASIN_BOUND));
     return ends_within(x, 0, LANE_PI);
 }
 
-SGT_INLINE bool ends_no_arc(lane_ends a) { return a.lo > 1 || a.hi < -1; }
+SGT_INLINE bool ends_no_arc(two_ends a) { return a.lo > 1 || a.hi < -1; }
 
-SGT_INLINE lane_ends ends_atan(lane_ends a)
+SGT_INLINE two_ends ends_atan(two_ends a)
 {
-    lane_ends x = ends_outward_by(lane_atan(a.lo), lane_atan(a.hi), LANE_OFF(LANE_ATAN_BOUND));
+    two_ends x = ends_outward_by(lane_atan(a.lo), lane_atan(a.hi), LANE_OFF(LANE_ATAN_BOUND));
     return ends_within(x, -LANE_HALF_PI, LANE_HALF_PI);
 }
 
-SGT_INLINE lane_ends ends_sinh(lane_ends a)
+SGT_INLINE two_ends ends_sinh(two_ends a)
 {
     return ends_outward_by(lane_sinh(a.lo), lane_sinh(a.hi), LANE_OFF(LANE_SINH_BOUND));
 }
 
-SGT_INLINE lane_ends ends_cosh(lane_ends a)
+SGT_INLINE two_ends ends_cosh(two_ends a)
 {
-    lane_ends m = ends_absolute(a);
-    lane_ends c = ends_outward_by(lane_cosh(m.lo), lane_cosh(m.hi), LANE_OFF(LANE_SINH_BOUND));
+    two_ends m = ends_absolute(a);
+    two_ends c = ends_outward_by(lane_cosh(m.lo), lane_cosh(m.hi), LANE_OFF(LANE_SINH_BOUND));
     return ends_of(c.lo > 1 ? c.lo : 1, c.hi);
 }
 
-SGT_INLINE lane_ends ends_tanh(lane_ends a)
+SGT_INLINE two_ends ends_tanh(two_ends a)
 {
     return ends_within(ends_outward_by(lane_tanh(a.lo), lane_tanh(a.hi), LANE_OFF(LANE_TANH_BOUND)), -1, 1);
 }
 
-SGT_INLINE lane_ends ends_cbrt(lane_ends a)
+SGT_INLINE two_ends ends_cbrt(two_ends a)
 {
     return ends_outward_by(lane_cbrt(a.lo), lane_cbrt(a.hi), LANE_OFF(LANE_CBRT_BOUND));
 }

@@ -7,9 +7,10 @@
 // `encloses`.  The latter are widened outward by 2^-52 of themselves and 2^-1000, one rounding of which is
 // 2^-53; sine and cosine by 2^-49.
 //
-// Three ways take turns, slices of the picture, by the time of the processor that this thread has had:
+// Four ways take turns, slices of the picture, by the time of the processor that this thread has had:
 //
-//     cells     sgt_intersect_batch, SGT_PROVE_FIRST, with `encloses`
+//     formula   sgt_intersect_batch, SGT_PROVE_FIRST, of the surface read from its text (formula.h)
+//     cells     the same of the compiled surface, with `encloses`
 //     single    sgt_intersect, ray by ray, with `encloses`, on a fortieth of each slice
 //     one       the same with `enclose` only
 //
@@ -22,6 +23,7 @@
 #include <string>
 #include <vector>
 #include <time.h>
+#include <sagitta/formula.h>
 #include <sagitta/interval.h>
 #include <sagitta/sagitta.h>
 
@@ -428,20 +430,43 @@ struct Answers {
     }
 };
 
+// Are both decided, and not the same?
+bool differ(const Answers &a, const Answers &b, size_t r)
+{
+    if (a.status[r] < 0 || b.status[r] < 0) return false;
+    double far = std::fabs((a.t[r] - b.t[r]) + (a.t_lo[r] - b.t_lo[r]));
+    return a.status[r] != b.status[r] || far > a.t_err[r] + b.t_err[r];
+}
+
 struct Subject {
-    const char *name;
+    const char *name, *text;
     sgt_surface_ops ops;
 };
 
+// A formula in a room of its own.
+struct Text {
+    std::vector<double> room;
+    sgt_formula formula = {};
+    explicit Text(const char *text)
+    {
+        room.resize(sgt_formula_room(text, 0) / sizeof(double) + 1);
+        sgt_formula_error error;
+        formula.ball = BALL;
+        formula.tape = sgt_formula_read(text, SGT_FORMULA_XYZ, 0, nullptr, room.data(),
+                                        room.size() * sizeof(double), &error);
+        if (!formula.tape) std::printf("%s: column %zu: %s\n", text, error.column, error.text);
+    }
+};
+
 template <class S>
-Subject subject(const char *name, decltype(sgt_surface_ops::values) values,
+Subject subject(const char *name, const char *text, decltype(sgt_surface_ops::values) values,
                 decltype(sgt_surface_ops::encloses) encloses)
 {
     sgt_surface_ops ops = {};
     ops.size = sizeof ops;
     ops.name = name, ops.value = value<S>, ops.span = span, ops.enclose = enclose<S>, ops.values = values;
     ops.spans = spans, ops.encloses = encloses;
-    return {name, ops};
+    return {name, text, ops};
 }
 
 } // namespace
@@ -458,27 +483,39 @@ int main(int argc, char **argv)
         else
             return std::fprintf(stderr, "bench_cells [--quick] [--only TEXT]\n"), 2;
     }
-    const Subject subjects[] = {subject<Barth>("Barth sextic", values_Barth, encloses_Barth),
-                                subject<Clebsch>("Clebsch", values_Clebsch, encloses_Clebsch),
-                                subject<Chmutov>("Chmutov 8", values_Chmutov, encloses_Chmutov),
-                                subject<Gyroid>("gyroid", values_Gyroid, encloses_Gyroid)};
+    const Subject subjects[] = {
+        subject<Barth>("Barth sextic",
+                       "4*(2.618033988749895*x^2 - y^2)*(2.618033988749895*y^2 - z^2)*(2.618033988749895*z^2 - x^2)"
+                       " - 4.23606797749979*(x^2 + y^2 + z^2 - 1)^2",
+                       values_Barth, encloses_Barth),
+        subject<Clebsch>("Clebsch",
+                         "81*(x^3 + y^3 + z^3) - 189*(x^2*(y + z) + y^2*(x + z) + z^2*(x + y)) + 54*x*y*z"
+                         " + 126*(x*y + x*z + y*z) - 9*(x^2 + y^2 + z^2) - 9*(x + y + z) + 1",
+                         values_Clebsch, encloses_Clebsch),
+        subject<Chmutov>("Chmutov 8",
+                         "2*(2*(2*x^2-1)^2-1)^2 + 2*(2*(2*y^2-1)^2-1)^2 + 2*(2*(2*z^2-1)^2-1)^2 - 2",
+                         values_Chmutov, encloses_Chmutov),
+        subject<Gyroid>("gyroid", "sin(6*x)*cos(6*y) + sin(6*y)*cos(6*z) + sin(6*z)*cos(6*x)", values_Gyroid,
+                        encloses_Gyroid)};
     const Picture rays = picture();
     const size_t slice = 5 * WIDTH, sparse = 40;
     const int turns = quick ? 1 : 5;
     sgt_options opt = {};
     opt.proof = SGT_PROVE_FIRST;
-    std::printf("%-14s %9s %9s %9s %7s | %6s %6s %6s | %6s %6s %6s\n", "ns a ray", "cells", "single", "one",
+    std::printf("%-14s %9s %9s %9s %9s %7s | %6s %6s %6s | %6s %6s %6s\n", "ns a ray", "formula", "cells", "single", "one",
                 "ratio", "evals", "cells", "one", "hit", "open", "unlike");
     for (const Subject &s : subjects) {
         if (!only.empty() && std::string(s.name).find(only) == std::string::npos) continue;
         sgt_surface_ops by_one = s.ops;
         by_one.encloses = nullptr;
-        Answers in_lanes(rays.count()), alone(rays.count());
-        std::vector<double> lanes_ns, single_ns, one_ns;
+        Answers in_lanes(rays.count()), alone(rays.count()), from_text(rays.count());
+        const Text text(s.text);
+        if (!text.formula.tape) return 1;
+        std::vector<double> text_ns, lanes_ns, single_ns, one_ns;
         long hits = 0, open = 0, unlike = 0, evals = 0, one_evals = 0, compared = 0, kept = 0;
         long in_batches = 0;
         for (int turn = 0; turn < turns; turn++) {
-            double spent = 0, spent_single = 0, spent_one = 0;
+            double spent = 0, spent_text = 0, spent_single = 0, spent_one = 0;
             size_t ones = 0;
             in_batches = 0;
             for (size_t i = 0, k = 0; i < rays.count(); i += slice, k++) {
@@ -487,6 +524,10 @@ int main(int argc, char **argv)
                 sgt_intersect_batch({&s.ops, nullptr}, slice, rays.from(i), in_lanes.from(i), &opt);
                 spent += now() - start;
                 in_batches += asked;
+                start = now();
+                sgt_intersect_batch({&sgt_formula_ops, &text.formula}, slice, rays.from(i), from_text.from(i), &opt);
+                spent_text += now() - start;
+                for (size_t r = i; turn == 0 && r < i + slice; r++) unlike += differ(in_lanes, from_text, r);
                 size_t few = slice / sparse, at = i + (k % sparse) * few;
                 sgt_rays some = rays.from(at);
                 start = now();
@@ -504,21 +545,21 @@ int main(int argc, char **argv)
                 ones += few;
                 for (size_t r = at; turn == 0 && r < at + few; r++) {
                     compared++, one_evals += alone.evals[r];
-                    if (in_lanes.status[r] < 0 || alone.status[r] < 0) continue;
-                    double far = std::fabs((in_lanes.t[r] - alone.t[r]) + (in_lanes.t_lo[r] - alone.t_lo[r]));
-                    unlike +=
-                        in_lanes.status[r] != alone.status[r] || far > in_lanes.t_err[r] + alone.t_err[r];
+                    unlike += differ(in_lanes, alone, r);
                 }
             }
+            text_ns.push_back(spent_text / static_cast<double>(rays.count()));
             lanes_ns.push_back(spent / static_cast<double>(rays.count()));
             single_ns.push_back(spent_single / static_cast<double>(ones));
             one_ns.push_back(spent_one / static_cast<double>(ones));
         }
         for (size_t i = 0; i < rays.count(); i++)
-            hits += in_lanes.status[i] > 0, open += in_lanes.status[i] < 0, evals += in_lanes.evals[i];
+            hits += in_lanes.status[i] > 0, open += (in_lanes.status[i] < 0) + (from_text.status[i] < 0),
+                evals += in_lanes.evals[i];
         double all_rays = static_cast<double>(rays.count()), ns = median(lanes_ns), one = median(one_ns);
         if (kept == 0) std::printf("nothing was evaluated\n");
-        std::printf("%-14s %9.0f %9.0f %9.0f %7.1f | %6.1f %6.1f %6.1f | %6.3f %6ld %6ld\n", s.name, ns,
+        std::printf("%-14s %9.0f %9.0f %9.0f %9.0f %7.1f | %6.1f %6.1f %6.1f | %6.3f %6ld %6ld\n", s.name,
+                    median(text_ns), ns,
                     median(single_ns), one, one / ns, static_cast<double>(evals) / all_rays,
                     static_cast<double>(in_batches) / all_rays,
                     static_cast<double>(one_evals) / static_cast<double>(compared),

@@ -39,15 +39,15 @@ typedef struct operation {
     const char *name;
     int operands;
     double limit;
-    lane_ends (*lanes)(const lane_ends *x);
+    two_ends (*lanes)(const two_ends *x);
     int (*right)(mpfr_t y, mpfr_t *x, mpfr_rnd_t way);
     sgt_interval (*tight)(const sgt_interval *x);
-    bool (*no_value)(lane_ends x);
+    bool (*no_value)(two_ends x);
 } operation;
 
-#define LANES_OF_1(NAME) static lane_ends lanes_##NAME(const lane_ends *x) { return ends_##NAME(x[0]); }
+#define LANES_OF_1(NAME) static two_ends lanes_##NAME(const two_ends *x) { return ends_##NAME(x[0]); }
 #define LANES_OF_2(NAME) \
-    static lane_ends lanes_##NAME(const lane_ends *x) { return ends_##NAME(x[0], x[1]); }
+    static two_ends lanes_##NAME(const two_ends *x) { return ends_##NAME(x[0], x[1]); }
 #define RIGHT_1(NAME, MPFR) \
     static int right_##NAME(mpfr_t y, mpfr_t *x, mpfr_rnd_t way) { return mpfr_##MPFR(y, x[0], way); }
 #define RIGHT_2(NAME, MPFR) \
@@ -82,8 +82,8 @@ LANES_OF_1(tanh) RIGHT_1(tanh, tanh) TIGHT_1(tanh, hyperbolic_tangent)
 LANES_OF_1(cube) LANES_OF_1(reciprocal)
 RIGHT_1(sin, sin) TIGHT_1(sin, sine) RIGHT_1(cos, cos) TIGHT_1(cos, cosine)
 
-static lane_ends lanes_sin(const lane_ends *x) { return ends_sin_cos(x[0]).sine; }
-static lane_ends lanes_cos(const lane_ends *x) { return ends_sin_cos(x[0]).cosine; }
+static two_ends lanes_sin(const two_ends *x) { return ends_sin_cos(x[0]).sine; }
+static two_ends lanes_cos(const two_ends *x) { return ends_sin_cos(x[0]).cosine; }
 static int right_cube(mpfr_t y, mpfr_t *x, mpfr_rnd_t way) { return mpfr_pow_ui(y, x[0], 3, way); }
 static sgt_interval tight_cube(const sgt_interval *x) { return sgt_interval_power(x[0], 3); }
 static int right_reciprocal(mpfr_t y, mpfr_t *x, mpfr_rnd_t way) { return mpfr_ui_div(y, 1, x[0], way); }
@@ -92,7 +92,7 @@ static sgt_interval tight_reciprocal(const sgt_interval *x)
     return sgt_interval_quotient(sgt_interval_of(1), x[0]);
 }
 
-static lane_ends lanes_two(const lane_ends *x) { return ends_two_products(x[0], x[1], x[2], x[3]); }
+static two_ends lanes_two(const two_ends *x) { return ends_two_products(x[0], x[1], x[2], x[3]); }
 static int right_two(mpfr_t y, mpfr_t *x, mpfr_rnd_t way)
 {
     return mpfr_fmma(y, x[0], x[1], x[2], x[3], way); /* rounded once */
@@ -109,23 +109,23 @@ static double greatest_product(const sgt_interval *x)
 
 /* By a number, the lower end of the second operand. */
 static double number_of(double k) { return fabs(k) <= DBL_MAX ? k : 1.5; }
-static lane_ends lanes_scaled(const lane_ends *x) { return ends_scaled(x[0], number_of(x[1].lo)); }
+static two_ends lanes_scaled(const two_ends *x) { return ends_scaled(x[0], number_of(x[1].lo)); }
 static sgt_interval tight_scaled(const sgt_interval *x)
 {
     return sgt_interval_scaled(x[0], number_of(x[1].lo));
 }
 
 /* The second operand is made finite and above 0. */
-static lane_ends positive(lane_ends x)
+static two_ends positive(two_ends x)
 {
     double a = fabs(number_of(x.lo)), b = fabs(number_of(x.hi));
     a = a > 0 ? a : 0x1p-1074, b = b > 0 ? b : 0x1p-1074;
     return a < b ? ends_of(a, b) : ends_of(b, a);
 }
-static lane_ends lanes_positive(const lane_ends *x) { return ends_product_positive(x[0], x[1]); }
+static two_ends lanes_positive(const two_ends *x) { return ends_product_positive(x[0], x[1]); }
 
 /* The hull has all members of both; what is in both has the members that are. */
-static lane_ends lanes_hull(const lane_ends *x) { return ends_hull(x[0], x[1]); }
+static two_ends lanes_hull(const two_ends *x) { return ends_hull(x[0], x[1]); }
 static int right_first(mpfr_t y, mpfr_t *x, mpfr_rnd_t way) { return mpfr_set(y, x[0], way); }
 TIGHT_2(hull, hull)
 
@@ -177,12 +177,12 @@ static double end(bool moderate)
     return below(2) ? -x : x;
 }
 
-static lane_ends any_interval(bool moderate)
+static two_ends any_interval(bool moderate)
 {
     double a = end(moderate), b = end(moderate);
     if (below(3) == 0) b = a; /* one point */
     else if (below(2)) b = a + ldexp(fabs(a), -below(54));
-    lane_ends x = a < b ? ends_of(a, b) : ends_of(b, a);
+    two_ends x = a < b ? ends_of(a, b) : ends_of(b, a);
     if (fabs(x.hi) > DBL_MAX) x.hi = x.lo;
     if (!moderate && below(10) == 0) x.lo = below(2) ? -inf : (double)NAN;
     if (!moderate && below(10) == 0) x.hi = below(2) ? inf : (double)NAN;
@@ -190,7 +190,7 @@ static lane_ends any_interval(bool moderate)
 }
 
 /* One of its numbers, which is finite. */
-static double member(lane_ends x)
+static double member(two_ends x)
 {
     bool no_lo = !(x.lo > -inf), no_hi = !(x.hi < inf);
     double y;
@@ -209,7 +209,7 @@ static double member(lane_ends x)
 
 static mpfr_t low, high, given[MOST_OPERANDS];
 
-static void fault(const operation *f, const char *what, const lane_ends *x, lane_ends y, const double *at)
+static void fault(const operation *f, const char *what, const two_ends *x, two_ends y, const double *at)
 {
     if (faults++ >= 30) return;
     printf("%s: %s:", f->name, what);
@@ -219,9 +219,9 @@ static void fault(const operation *f, const char *what, const lane_ends *x, lane
     printf("\n");
 }
 
-static void look(const operation *f, const lane_ends *x, long *decided)
+static void look(const operation *f, const two_ends *x, long *decided)
 {
-    lane_ends y = f->lanes(x);
+    two_ends y = f->lanes(x);
     bool none = f->no_value && f->no_value(x[0]);
     for (int times = 0; times < 4; times++) {
         double at[MOST_OPERANDS];
@@ -246,12 +246,12 @@ static double steps(double out, double size)
     return out <= 0 ? 0 : (out - 0x1p-1070) / (size * 0x1p-52 + 0x1p-1074);
 }
 
-static void measure(const operation *f, const lane_ends *x, double *most)
+static void measure(const operation *f, const two_ends *x, double *most)
 {
     sgt_interval of[MOST_OPERANDS];
     for (int k = 0; k < f->operands; k++) of[k] = sgt_interval_between(x[k].lo, x[k].hi);
     sgt_interval t = f->tight(of);
-    lane_ends y = f->lanes(x);
+    two_ends y = f->lanes(x);
     if (sgt_interval_is_empty(t) || !(t.lo > -inf && t.hi < inf)) return;
     /* what lanes do not look into: divisors with 0 in them, angles at the cut */
     if (f->lanes == lanes_quotient && x[1].lo <= 0 && x[1].hi >= 0) return;
@@ -267,7 +267,7 @@ static void measure(const operation *f, const lane_ends *x, double *most)
 static void look_at_intersections(long n)
 {
     for (long i = 0; i < n; i++) {
-        lane_ends a = any_interval(false), b = any_interval(false), y = ends_intersection(a, b);
+        two_ends a = any_interval(false), b = any_interval(false), y = ends_intersection(a, b);
         double x = member(below(2) ? a : b);
         bool in_a = !(x < a.lo) && !(x > a.hi), in_b = !(x < b.lo) && !(x > b.hi);
         if (in_a && in_b && (x < y.lo || x > y.hi)) faults++, printf("intersection: %a is lost\n", x);
@@ -290,7 +290,7 @@ int main(void)
         double most = 0;
         long decided = 0;
         for (long i = 0; i < n; i++) {
-            lane_ends x[MOST_OPERANDS];
+            two_ends x[MOST_OPERANDS];
             bool moderate = i % 2 == 0;
             for (int k = 0; k < f->operands; k++) x[k] = any_interval(moderate);
             if (f->lanes == lanes_positive) x[1] = positive(x[1]);
