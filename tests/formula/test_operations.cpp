@@ -331,14 +331,14 @@ void operations(generator &g, const written &f, const sgt_surface &s, long count
     set_anew(g, f);
 }
 
-// Random formulas (grown.h), 12 points and rays each: 10 * run.count of them, as many as the time allows, or
+// Random formulas (grown.h), 12 points and rays each: 5 * run.count of them, as many as the time allows, or
 // number `only`.
 void randomly(const oracle::run &run, double seconds, const char *only)
 {
     const std::time_t start = std::time(nullptr);
     long refused = 0, undefined = 0, read = 0, nodes = 0, told = 0, most = only ? std::atol(only) : -1;
     for (long i = std::max(most, 0L); most < 0 || i == most; i++) {
-        if (seconds > 0 ? std::difftime(std::time(nullptr), start) >= seconds : i >= 10 * run.count && !only)
+        if (seconds > 0 ? std::difftime(std::time(nullptr), start) >= seconds : i >= 5 * run.count && !only)
             break;
         generator g(run.seed + 7919 * static_cast<std::uint64_t>(i));
         const grown f(g, i);

@@ -428,15 +428,15 @@ double steepness(const written &f, generator &g)
     return all.empty() ? 1 : all[all.size() / 2];
 }
 
-// Nine rays each, one of every kind, to random formulas.  What is undecided there need not have a reason that
-// oracle.h knows: it is counted.
+// Nine rays each, one of every kind, to run.count / 2 random formulas, or to as many as the time allows.  What
+// is undecided there need not have a reason that oracle.h knows: it is counted.
 void randomly(const oracle::run &run, double seconds, const char *only)
 {
     const std::time_t start = std::time(nullptr);
     long formulas = 0, most = only ? std::atol(only) : -1;
     tally t;
     for (long i = std::max(most, 0L); most < 0 || i == most; i++) {
-        if (seconds > 0 ? std::difftime(std::time(nullptr), start) >= seconds : i >= run.count && !only)
+        if (seconds > 0 ? std::difftime(std::time(nullptr), start) >= seconds : 2 * i >= run.count && !only)
             break;
         generator g(run.seed + 7919 * static_cast<std::uint64_t>(i));
         const grown f(g, i);
