@@ -4,32 +4,48 @@
  * sgt_formula_read makes a tape of the text: a row of steps, each with one operation.
  * Everything that a surface can offer (sagitta.h, sgt_surface_ops) is worked out from the
  * tape: F, its gradient, the rounding of both, enclosures, second derivatives and those
- * by the parameters.  So a formula is proven and differentiated as a built-in surface is.
+ * by the parameters.  So a formula is proven and differentiated as a built-in surface
+ * is.
  *
  * TWO SURFACES.  sgt_formula_ops is the set F(x, y, z) = 0, clipped by a ball or a box.
  * sgt_formula_sag_ops is the sag z = s(x, y), clipped by a rim, as the sags of surfaces.h.
  *
  * GRAMMAR
  *
- *     formula   sum, or sum = sum, which stands for the difference
+ *     formula   sum, or sum = sum, which stands for the difference (no = in a sag)
  *     sum       terms with + and - between
  *     term      factors with * and / between
  *     factor    -factor, or a power
  *     power     atom, or atom ^ factor: -x^2 is -(x^2), and 2^-x, x^y^z = x^(y^z)
  *     atom      a number, a name, (sum), or a function of sums with commas between
  *     names     x, y, z, r = sqrt(x^2 + y^2), pi, and those of the parameters: a letter,
- *               then letters, digits and _.  A sag has no z
+ *               then letters, digits and _.  A sag has no z.  There is no sign for
+ *               a product but *
  *     functions sqrt cbrt exp log sin cos tan asin acos atan sinh cosh tanh abs of one
  *               argument; atan2 (y, x), min, max, hypot of two
  *
  * A number is the double nearest to it.  pi is the number itself: an interval.  So is all
- * that is worked out of numbers and parameters alone.  A power with a whole number is a
- * product and defined for all of its base; with any other exponent it is exp(e log b),
- * defined where b > 0 (and where b = 0, if e > 0).
+ * that is worked out of numbers and parameters alone.
+ *
+ * A POWER with a whole number is a product and defined for all of its base; with any
+ * other exponent it is exp(e log b), defined where b > 0 (and where b = 0, if e > 0).  A
+ * whole exponent is one that numbers alone make exactly: 2, -(1 + 1), 4/2, up to 2^20.  A
+ * parameter's value can change, so x^p is exp(p log x), also for p = 2.
  *
  * UNDEFINED is a root of a negative number, a logarithm of 0 or less, an arc sine or
  * cosine beyond 1, a quotient by 0, atan2(0, 0), and all that is made of it.  F is NaN
- * there.
+ * there.  If numbers alone are not defined, such as 1/0, the text is refused.
+ *
+ * THE VERTEX.  r^n cos(n atan2(y, x)) and r^n sin(n atan2(y, x)), n a whole number up to
+ * 64, are worked out as the polynomials that they are, and even powers of r as those of
+ * x^2 + y^2.  So they are defined and have a slope at x = y = 0, where atan2(y, x) has
+ * neither.  The factors may stand apart in a product, with more of r: a*r^4/b*cos(2*
+ * atan2(y, x)) is one.  A sum in parentheses is not multiplied out: r^2*(1 + cos(2*atan2(y,
+ * x))) stays as it is.  A quotient takes nothing from r: r^2/r is not defined at 0.
+ *
+ * THE SAME FUNCTION.  What is worked out has the value of the text at each point and, but
+ * at such a vertex, is defined where the text is.  It may be rounded otherwise: equal
+ * parts are worked out once, x*x is x^2, sqrt(u^2) is abs(u).
  *
  * Nothing is allocated.  A tape is not changed but by sgt_formula_set.  So any number of
  * threads may use it, while none sets it.
@@ -43,7 +59,8 @@
 extern "C" {
 #endif
 
-/* What a formula may name besides x, y, z, r, pi and the functions, which are reserved. */
+/* What a formula may name besides x, y, z, r, pi and the functions, which are reserved.
+ * Its value is finite. */
 typedef struct sgt_named { const char *name; double value; } sgt_named;
 
 /* What is wrong with a text.  column: of the first character that is wrong, from 1, in
@@ -62,7 +79,11 @@ typedef struct sgt_tape sgt_tape;
 
 /* The longest text (bytes), the deepest nesting of parentheses and powers, and how many
  * parameters there may be. */
-enum { SGT_FORMULA_LONGEST = 32768, SGT_FORMULA_DEEPEST = 200, SGT_FORMULA_PARAMETERS = 256 };
+enum {
+    SGT_FORMULA_LONGEST = 32768,
+    SGT_FORMULA_DEEPEST = 200,
+    SGT_FORMULA_PARAMETERS = 256
+};
 
 /* How many bytes of room suffice for the text with n parameters; 0 if it is too long, or
  * n too large.  Less may do. */
@@ -71,7 +92,8 @@ SGT_API size_t sgt_formula_room(const char *text, size_t n);
 /* Reads the text.  The tape is in `room`, `size` bytes that the caller provides, aligned
  * as for a double.  They must stay, and not move, as long as the tape is used.  The text
  * and the names need not stay.  NULL: *error, if not NULL, says what is wrong.  A
- * parameter need not be used. */
+ * parameter need not be used.  A formula of SGT_FORMULA_XYZ has one of x, y, z, r; a sag
+ * may be a number. */
 SGT_API sgt_tape *sgt_formula_read(const char *text, sgt_formula_kind kind, size_t n,
                                    const sgt_named parameters[], void *room, size_t size,
                                    sgt_formula_error *error);

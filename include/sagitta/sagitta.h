@@ -43,14 +43,14 @@ extern "C" {
 /* --------------------------------------------------------------- version */
 
 /* The version of this header.  SGT_VERSION is one number, for #if and for comparison:
- * 10000 major + 100 minor + patch, so 200 is 0.2.0. */
+ * 10000 major + 100 minor + patch, so 300 is 0.3.0. */
 #define SGT_VERSION_MAJOR 0
-#define SGT_VERSION_MINOR 2
+#define SGT_VERSION_MINOR 3
 #define SGT_VERSION_PATCH 0
 #define SGT_VERSION \
     (10000 * SGT_VERSION_MAJOR + 100 * SGT_VERSION_MINOR + SGT_VERSION_PATCH)
 
-/* The version of the library that the program runs with: as text ("0.2.0", constant,
+/* The version of the library that the program runs with: as text ("0.3.0", constant,
  * never NULL), and as a number like SGT_VERSION.  It may be later than the header's. */
 SGT_API const char *sgt_version(void);
 SGT_API int         sgt_version_number(void);

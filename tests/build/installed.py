@@ -16,8 +16,8 @@ import subprocess
 import sys
 import tempfile
 
-HEADERS = ['aim.h', 'analysis.h', 'diagnose.h', 'fma.h', 'interval.h', 'lens.h', 'pair.h', 'sagitta.h', 'sensitivity.h',
-           'surfaces.h', 'system.h']
+HEADERS = ['aim.h', 'analysis.h', 'diagnose.h', 'fma.h', 'formula.h', 'interval.h', 'lens.h', 'pair.h', 'sagitta.h',
+           'sensitivity.h', 'surfaces.h', 'system.h']
 GEO = r'''
 #include <sagitta/geo.h>
 #include <stdio.h>

@@ -6,8 +6,11 @@
  * time, on the stack.
  *
  * UNIFORM is what does not depend on the point: numbers, pi, parameters, and what is made of them alone.
- * Uniforms have steps of their own, which sgt_formula_set runs once, in intervals; `value` takes the
- * middle.  A step of points may have one uniform operand, or two in no case: then it is uniform itself.
+ * Uniforms have steps of their own, which sgt_formula_set runs once, in intervals; evaluation at points takes
+ * the middle.  A step of points has one uniform operand at most: with two it would be uniform itself.  Of a
+ * sum, a product, a minimum, a maximum and a hypot it is b; of the others it may be a.
+ *
+ * A step never writes a register that it reads, so operands and result do not overlap.
  *
  * An operand is the number of a register, or FORMULA_UNIFORM + the index of a uniform. */
 #ifndef SGT_SURFACE_FORMULA_TAPE_H
@@ -63,11 +66,11 @@ struct sgt_tape {
     const formula_step *step;
     const formula_uniform *uniform;
     sgt_interval *value;     /* of each uniform */
-    double *middle;          /* of these; NaN if a uniform is not defined */
+    double *middle;          /* of these; NaN if a uniform is not defined, or has an end at infinity */
     double *given;           /* the values of the parameters */
 };
 
-/* One operation on intervals, as interval.h has it (apply.c).  FORMULA_COPY is a; not for the operations of
+/* One operation on intervals, as interval.h has it (apply.c).  FORMULA_COPY is a; all numbers for the operations of
  * uniforms only. */
 sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_interval b);
 

@@ -1,0 +1,182 @@
+/* read.c - a formula from its text: the room, and the tape in it.
+ *
+ * grammar.c makes a graph of the text.  schedule.c makes steps of the graph.
+ *
+ * THE ROOM has the tape itself, the values of the parameters, the nodes, and at its end the table of their
+ * hashes and the waves (polar.h).  The steps and uniforms are written behind the nodes, and then moved to the
+ * front.
+ *
+ * How many nodes a text makes: at most one for each character, for an operator has two operands, and what is
+ * simplified to more than one node is longer (x^1.5 makes three).  A wave that becomes a polynomial of degree
+ * 63, the longest, makes ROOM_WAVE more at most.  The tests and the fuzzer read each text in a room that is
+ * just as large as sgt_formula_room says.
+ *
+ * Test: tests/formula/test_read.c, tests/fuzz/fuzz_formula.c. */
+#include "grammar.h"
+#include "schedule.h"
+
+#include <sagitta/interval.h>
+
+#include <string.h>
+
+/* -------------------------------------------------------------------- room */
+
+/* Nodes of any text, and of each wave. */
+enum { ROOM_NODES = 16, ROOM_WAVE = 56 };
+enum { ROOM_ALIGNED = sizeof(double) };
+
+static size_t room_rounded(size_t bytes) { return (bytes + ROOM_ALIGNED - 1) / ROOM_ALIGNED * ROOM_ALIGNED; }
+
+/* How long a text is; SGT_FORMULA_LONGEST + 1 if it is longer. */
+static size_t text_length(const char *text)
+{
+    size_t length = 0;
+    while (length <= SGT_FORMULA_LONGEST && text[length]) length++;
+    return length;
+}
+
+typedef struct room_plan {
+    size_t head, nodes, buckets, waves, all;
+} room_plan;
+
+static room_plan room_for(const char *text, size_t length, size_t n)
+{
+    room_plan plan = {.nodes = length + ROOM_NODES, .buckets = 16, .waves = length};
+    for (size_t i = 0; i + 5 <= length; i++)
+        if (memcmp(text + i, "atan2", 5) == 0) plan.nodes += ROOM_WAVE;
+    while (plan.buckets < length) plan.buckets *= 2;
+    plan.head = room_rounded(sizeof(sgt_tape)) + n * sizeof(double);
+    plan.all = plan.head +
+               plan.nodes *
+                   (sizeof(formula_node) + sizeof(formula_uniform) + sizeof(sgt_interval) + sizeof(double)) +
+               room_rounded(plan.buckets * sizeof(int) + plan.waves * sizeof(polar_wave));
+    return plan;
+}
+
+size_t sgt_formula_room(const char *text, size_t n)
+{
+    size_t length = text ? text_length(text) : 0;
+    if (length > SGT_FORMULA_LONGEST || n > SGT_FORMULA_PARAMETERS) return 0;
+    return room_for(text, length, n).all;
+}
+
+static void room_too_small(formula_fault *fault, size_t size, size_t wanted)
+{
+    formula_fault *f = sgt_formula_blame(fault, 0);
+    f = sgt_formula_say_number(sgt_formula_say(f, "the room is too small: it has "), size);
+    f = sgt_formula_say_number(sgt_formula_say(f, " bytes, "), wanted > size ? wanted - size : 0);
+    sgt_formula_say(f, " more suffice");
+}
+
+/* ------------------------------------------------------------------ the tape */
+
+static void parameters_checked(formula_fault *fault, size_t n, const sgt_named parameters[])
+{
+    if (n > SGT_FORMULA_PARAMETERS) {
+        formula_fault *f = sgt_formula_say(sgt_formula_blame(fault, 0), "there are more than ");
+        sgt_formula_say(sgt_formula_say_number(f, SGT_FORMULA_PARAMETERS), " parameters");
+        return;
+    }
+    for (size_t i = 0; i < n && !fault->found; i++) {
+        const char *name = parameters[i].name ? parameters[i].name : "", *what = NULL;
+        size_t length = text_length(name);
+        if (!sgt_scan_is_name(name))
+            what = " is no name: a letter, then letters, digits and _";
+        else if (sgt_grammar_reserves(name, length))
+            what = " has a meaning of its own";
+        else if (!isfinite(parameters[i].value))
+            what = " is not finite";
+        for (size_t j = 0; j < i && !what; j++)
+            if (sgt_scan_is(name, length, parameters[j].name)) what = " is given twice";
+        if (!what) continue;
+        formula_fault *f = sgt_formula_say(sgt_formula_blame(fault, 0), "the parameter ");
+        sgt_formula_say(sgt_formula_say_part(f, name, length), what);
+    }
+}
+
+/* Puts the tape together at the begin of the room; behind the nodes there are `left` bytes. */
+static sgt_tape *tape_made(formula_reader *r, int result, sgt_tape *tape, size_t head, char *behind,
+                           size_t left)
+{
+    formula_needs needs = sgt_schedule_needs(&r->graph, result);
+    size_t uniforms = (size_t)needs.uniforms, steps = (size_t)needs.steps;
+    size_t numbers = uniforms * (sizeof(sgt_interval) + sizeof(double)),
+           written = uniforms * sizeof(formula_uniform);
+    size_t all = numbers + written + steps * sizeof(formula_step);
+    if (all > left) return r->graph.full = true, NULL;
+    formula_uniform *uniform = (formula_uniform *)(void *)(behind + numbers);
+    formula_step *step = (formula_step *)(void *)(behind + numbers + written);
+    int registers = sgt_schedule_write(&r->graph, result, uniform, step);
+    if (registers > FORMULA_REGISTERS || needs.uniforms > FORMULA_UNIFORM - 1) {
+        formula_fault *f = sgt_formula_blame(&r->fault, 0);
+        if (registers > FORMULA_REGISTERS) {
+            f = sgt_formula_say_number(sgt_formula_say(f, "the formula needs "), (size_t)registers - 3);
+            f = sgt_formula_say(f, " intermediate results at once, and there may be ");
+            sgt_formula_say_number(f, FORMULA_REGISTERS - 3);
+        } else {
+            sgt_formula_say(f, "the formula has too many numbers");
+        }
+        return NULL;
+    }
+    char *base = (char *)tape + head;
+    memmove(base, behind, all);
+    tape->kind = r->kind, tape->parameters = (int)r->names;
+    tape->steps = needs.steps, tape->uniforms = needs.uniforms, tape->registers = registers;
+    tape->given = (double *)(void *)((char *)tape + room_rounded(sizeof *tape));
+    tape->value = (sgt_interval *)(void *)base;
+    tape->middle = (double *)(void *)(base + uniforms * sizeof(sgt_interval));
+    tape->uniform = (const formula_uniform *)(const void *)(base + numbers);
+    tape->step = (const formula_step *)(const void *)(base + numbers + written);
+    return tape;
+}
+
+static sgt_tape *tape_read(formula_reader *r, size_t length, void *room, size_t size)
+{
+    const room_plan plan = room_for(r->scan.text, length, r->names);
+    const size_t tail = room_rounded(plan.buckets * sizeof(int) + plan.waves * sizeof(polar_wave));
+    double values[SGT_FORMULA_PARAMETERS];
+    if (size > plan.all) size = plan.all;
+    size -= size % ROOM_ALIGNED;
+    if (!room || size < plan.head + tail + 4 * sizeof(formula_node))
+        return room_too_small(&r->fault, room ? size : 0, plan.all), NULL;
+    char *first = (char *)room + plan.head, *end = (char *)room + size, *table = end - tail;
+    size_t fit = (size_t)(table - first) / sizeof(formula_node);
+    r->graph = (formula_graph){.node = (formula_node *)(void *)first,
+                               .most = (int)fit,
+                               .bucket = (int *)(void *)table,
+                               .buckets = (int)plan.buckets,
+                               .fault = &r->fault};
+    r->waves = (polar_waves){.wave = (polar_wave *)(void *)(table + plan.buckets * sizeof(int)),
+                             .most = (int)plan.waves};
+    sgt_graph_begin(&r->graph);
+    int result = sgt_grammar_read(r);
+    if (r->fault.found && !r->graph.full) return NULL;
+    sgt_tape *tape = NULL;
+    if (!r->graph.full) {
+        char *behind = first + (size_t)r->graph.count * sizeof(formula_node);
+        tape = tape_made(r, result, room, plan.head, behind, (size_t)(end - behind));
+    }
+    if (r->graph.full) return r->fault.found = false, room_too_small(&r->fault, size, plan.all), NULL;
+    if (!tape) return NULL;
+    for (size_t i = 0; i < r->names; i++) values[i] = r->name[i].value;
+    sgt_formula_set(tape, values);
+    return tape;
+}
+
+sgt_tape *sgt_formula_read(const char *text, sgt_formula_kind kind, size_t n, const sgt_named parameters[],
+                           void *room, size_t size, sgt_formula_error *error)
+{
+    formula_reader r = {.kind = kind, .names = n, .name = parameters, .scan = {.text = text ? text : ""}};
+    sgt_tape *tape = NULL;
+    size_t length = text_length(r.scan.text);
+    r.scan.fault = &r.fault;
+    parameters_checked(&r.fault, n, parameters);
+    if (length > SGT_FORMULA_LONGEST) {
+        formula_fault *f = sgt_formula_blame(&r.fault, SGT_FORMULA_LONGEST + 1);
+        f = sgt_formula_say_number(sgt_formula_say(f, "a formula has at most "), SGT_FORMULA_LONGEST);
+        sgt_formula_say(f, " characters");
+    }
+    if (!r.fault.found) tape = tape_read(&r, length, room, size);
+    if (!tape && error) *error = r.fault.error;
+    return tape;
+}
