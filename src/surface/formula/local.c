@@ -5,7 +5,7 @@
 
 #define ROWS(NAME)                                                                                    \
     SGT_KERNEL                                                                                        \
-    static void NAME(const double *restrict a, const double *restrict b, double *restrict v,          \
+    static void NAME(size_t n, const double *restrict a, const double *restrict b, double *restrict v,          \
                      double *restrict va, double *restrict vb, double *restrict vaa, double *restrict vab, \
                      double *restrict vbb)
 
@@ -14,7 +14,7 @@
     ROWS(NAME##_second)                                                                               \
     {                                                                                                 \
         (void)b, (void)vb, (void)vab, (void)vbb;                                                      \
-        LANES for (int i = 0; i < FORMULA_BLOCK; i++) {                                               \
+        LANES for (size_t i = 0; i < n; i++) {                                               \
             double x = a[i], y = VALUE, f = FIRST;                                                    \
             v[i] = y, va[i] = f, vaa[i] = SECOND;                                                     \
         }                                                                                             \
@@ -22,7 +22,7 @@
     ROWS(NAME##_first)                                                                                \
     {                                                                                                 \
         (void)b, (void)vb, (void)vaa, (void)vab, (void)vbb;                                           \
-        LANES for (int i = 0; i < FORMULA_BLOCK; i++) {                                               \
+        LANES for (size_t i = 0; i < n; i++) {                                               \
             double x = a[i], y = VALUE;                                                               \
             v[i] = y, va[i] = FIRST;                                                                  \
         }                                                                                             \
@@ -30,7 +30,7 @@
     ROWS(NAME##_value)                                                                                \
     {                                                                                                 \
         (void)b, (void)va, (void)vb, (void)vaa, (void)vab, (void)vbb;                                 \
-        LANES for (int i = 0; i < FORMULA_BLOCK; i++) {                                               \
+        LANES for (size_t i = 0; i < n; i++) {                                               \
             double x = a[i];                                                                          \
             v[i] = VALUE;                                                                             \
         }                                                                                             \
@@ -40,7 +40,7 @@
 #define OF_TWO(NAME, VALUE, BY_A, BY_B, AA, AB, BB)                                                   \
     ROWS(NAME##_second)                                                                               \
     {                                                                                                 \
-        LANES for (int i = 0; i < FORMULA_BLOCK; i++) {                                               \
+        LANES for (size_t i = 0; i < n; i++) {                                               \
             double x = a[i], w = b[i], y = VALUE, f = BY_A, g = BY_B;                                 \
             v[i] = y, va[i] = f, vb[i] = g, vaa[i] = AA, vab[i] = AB, vbb[i] = BB;                    \
             (void)f, (void)g;                                                                         \
@@ -49,7 +49,7 @@
     ROWS(NAME##_first)                                                                                \
     {                                                                                                 \
         (void)vaa, (void)vab, (void)vbb;                                                              \
-        LANES for (int i = 0; i < FORMULA_BLOCK; i++) {                                               \
+        LANES for (size_t i = 0; i < n; i++) {                                               \
             double x = a[i], w = b[i], y = VALUE;                                                     \
             v[i] = y, va[i] = BY_A, vb[i] = BY_B;                                                     \
         }                                                                                             \
@@ -57,7 +57,7 @@
     ROWS(NAME##_value)                                                                                \
     {                                                                                                 \
         (void)va, (void)vb, (void)vaa, (void)vab, (void)vbb;                                          \
-        LANES for (int i = 0; i < FORMULA_BLOCK; i++) {                                               \
+        LANES for (size_t i = 0; i < n; i++) {                                               \
             double x = a[i], w = b[i];                                                                \
             v[i] = VALUE;                                                                             \
         }                                                                                             \
@@ -105,49 +105,50 @@ OF_ONE(cosine_h, lane_cosh(x), lane_sinh(x), y + 0 * f)
 OF_ONE(tangent_h, lane_tanh(x), (1 - y) * (1 + y), -2 * y * f)
 
 SGT_KERNEL
-static void rows_product(const double *a, const double *b, double *v)
+static void rows_product(size_t n, const double *a, const double *b, double *v)
 {
-    LANES for (int i = 0; i < FORMULA_BLOCK; i++) v[i] = a[i] * b[i];
+    LANES for (size_t i = 0; i < n; i++) v[i] = a[i] * b[i];
 }
 
-/* n over y^1 or y^2 for n < 0: f is n / a, s is n (n - 1) / a^2, times v. */
+/* Of a^e, e < 0, with a^-e in v: its value, e v / a, and e (e - 1) v / a^2. */
 SGT_KERNEL
-static void rows_inverse(double n, const double *restrict a, double *restrict v, double *restrict f,
+static void rows_inverse(size_t n, double e, const double *restrict a, double *restrict v, double *restrict f,
                          double *restrict s)
 {
-    LANES for (int i = 0; i < FORMULA_BLOCK; i++) {
+    LANES for (size_t i = 0; i < n; i++) {
         double y = over(1, v[i]), by = over(y, a[i]);
-        v[i] = y, f[i] = n * by, s[i] = n * (n - 1) * over(by, a[i]);
+        v[i] = y, f[i] = e * by, s[i] = e * (e - 1) * over(by, a[i]);
     }
 }
 
 SGT_KERNEL
-static void rows_scaled(double by, double *v)
+static void rows_scaled(size_t n, double by, double *v)
 {
-    LANES for (int i = 0; i < FORMULA_BLOCK; i++) v[i] *= by;
+    LANES for (size_t i = 0; i < n; i++) v[i] *= by;
 }
 
-/* a^n by squaring: with p = a^(|n| - 2), v = (p a) a, whatever else is wanted. */
-static void power(int n, const double *a, bool first, double *v, double *va, double *vaa)
+/* a^e by squaring: with p = a^(|e| - 2), v = (p a) a, whatever else is wanted. */
+static void power(size_t n, int e, const double *a, bool first, double *v, double *va, double *vaa)
 {
     formula_row square, p, f, s;
-    for (int i = 0; i < FORMULA_BLOCK; i++) square[i] = a[i], p[i] = 1;
-    for (int k = (n < 0 ? -n : n) - 2; k > 0; k >>= 1) {
-        if (k & 1) rows_product(p, square, p);
-        if (k > 1) rows_product(square, square, square);
+    for (size_t i = 0; i < n; i++) square[i] = a[i], p[i] = 1;
+    for (int k = (e < 0 ? -e : e) - 2; k > 0; k >>= 1) {
+        if (k & 1) rows_product(n, p, square, p);
+        if (k > 1) rows_product(n, square, square, square);
     }
-    if (n == -1) for (int i = 0; i < FORMULA_BLOCK; i++) v[i] = a[i];
-    else rows_product(p, a, f), rows_product(f, a, v);
-    if (n < 0) rows_inverse(n, a, v, f, s);
-    else rows_scaled(n, f);
-    if (n > 0 && vaa) rows_scaled((double)n * (n - 1), p);
-    if (first) memcpy(va, f, sizeof f);
-    if (vaa) memcpy(vaa, n < 0 ? s : p, sizeof s);
+    if (e == -1) memcpy(v, a, n * sizeof *v);
+    else rows_product(n, p, a, f), rows_product(n, f, a, v);
+    if (e < 0) rows_inverse(n, e, a, v, f, s);
+    else if (first) rows_scaled(n, e, f);
+    if (e > 0 && vaa) rows_scaled(n, (double)e * (e - 1), p);
+    if (first) memcpy(va, f, n * sizeof *va);
+    if (vaa) memcpy(vaa, e < 0 ? s : p, n * sizeof *vaa);
 }
 
-void sgt_formula_local(formula_op op, int n, const double *a, const double *b, bool first, formula_local out)
+void sgt_formula_local(formula_op op, int e, size_t n, const double *a, const double *b, bool first,
+                       formula_local out)
 {
-    typedef void rows(const double *restrict, const double *restrict, double *restrict, double *restrict,
+    typedef void rows(size_t, const double *restrict, const double *restrict, double *restrict, double *restrict,
                       double *restrict, double *restrict, double *restrict, double *restrict);
 #define OF(OP, NAME) [OP] = {NAME##_value, NAME##_first, NAME##_second}
     static rows *const of[][3] = {
@@ -160,6 +161,6 @@ void sgt_formula_local(formula_op op, int n, const double *a, const double *b, b
         OF(FORMULA_TAN, tangent),       OF(FORMULA_ASIN, arc_sine),    OF(FORMULA_ACOS, arc_cosine),
         OF(FORMULA_ATAN, arc_tangent),  OF(FORMULA_SINH, sine_h),      OF(FORMULA_COSH, cosine_h),
         OF(FORMULA_TANH, tangent_h),    OF(FORMULA_COPY, copy)};
-    if (op == FORMULA_POWER) power(n, a, first, out.v, out.va, out.vaa);
-    else of[op][out.vaa ? 2 : first](a, b, out.v, out.va, out.vb, out.vaa, out.vab, out.vbb);
+    if (op == FORMULA_POWER) power(n, e, a, first, out.v, out.va, out.vaa);
+    else of[op][out.vaa ? 2 : first](n, a, b, out.v, out.va, out.vb, out.vaa, out.vab, out.vbb);
 }

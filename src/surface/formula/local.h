@@ -16,7 +16,7 @@
 #include "../../num/lanes.h"
 #include "tape.h"
 
-enum { FORMULA_BLOCK = 16 };
+enum { FORMULA_BLOCK = 64 };
 
 typedef double formula_row[FORMULA_BLOCK];
 
@@ -24,7 +24,8 @@ typedef double formula_row[FORMULA_BLOCK];
  * not wanted.  No row is a or b. */
 typedef struct formula_local { double *v, *va, *vb, *vaa, *vab, *vbb; } formula_local;
 
-/* All rows have FORMULA_BLOCK numbers.  first: va and vb are wanted. */
-void sgt_formula_local(formula_op op, int n, const double *a, const double *b, bool first, formula_local out);
+/* Of n numbers, FORMULA_BLOCK at most.  e: the exponent of FORMULA_POWER.  first: va and vb are wanted. */
+void sgt_formula_local(formula_op op, int e, size_t n, const double *a, const double *b, bool first,
+                       formula_local out);
 
 #endif

@@ -107,14 +107,16 @@ static sgt_tape *tape_made(formula_reader *r, int result, sgt_tape *tape, size_t
     formula_uniform *uniform = (formula_uniform *)(void *)(behind + numbers);
     formula_step *step = (formula_step *)(void *)(behind + numbers + written);
     int registers = sgt_schedule_write(&r->graph, result, uniform, step);
-    if (registers > FORMULA_REGISTERS || needs.uniforms > FORMULA_UNIFORM - 1) {
+    if (registers > FORMULA_REGISTERS || needs.uniforms > FORMULA_UNIFORMS) {
         formula_fault *f = sgt_formula_blame(&r->fault, 0);
         if (registers > FORMULA_REGISTERS) {
             f = sgt_formula_say_number(sgt_formula_say(f, "the formula needs "), (size_t)registers - 3);
             f = sgt_formula_say(f, " intermediate results at once, and there may be ");
             sgt_formula_say_number(f, FORMULA_REGISTERS - 3);
         } else {
-            sgt_formula_say(f, "the formula has too many numbers");
+            f = sgt_formula_say_number(sgt_formula_say(f, "the formula has "), uniforms);
+            f = sgt_formula_say(f, " numbers and parameters, with what is made of them, and there may be ");
+            sgt_formula_say_number(f, FORMULA_UNIFORMS);
         }
         return NULL;
     }
@@ -127,6 +129,8 @@ static sgt_tape *tape_made(formula_reader *r, int result, sgt_tape *tape, size_t
     tape->middle = (double *)(void *)(base + uniforms * sizeof(sgt_interval));
     tape->uniform = (const formula_uniform *)(const void *)(base + numbers);
     tape->step = (const formula_step *)(const void *)(base + numbers + written);
+    tape->jumps = false;
+    for (size_t i = 0; i < steps; i++) tape->jumps = tape->jumps || tape->step[i].op == FORMULA_ATAN2;
     return tape;
 }
 

@@ -70,8 +70,13 @@ struct sgt_tape {
     double *given;           /* the values of the parameters */
 };
 
-/* One operation on intervals, as interval.h has it (apply.c).  FORMULA_COPY is a; all numbers for the operations of
- * uniforms only. */
+/* What is compiled once (read.c and its kin) calls that of the base set. */
+#ifndef SGT_SET_NUMBER
+#define sgt_formula_interval sgt_formula_interval_base
+#endif
+
+/* One operation on intervals, as interval.h has it (enclose.c).  FORMULA_COPY is a; all numbers
+ * for the operations of uniforms only. */
 sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_interval b);
 
 #endif

@@ -1,7 +1,7 @@
 /* values.c - a formula and its derivatives at many points, in doubles.
  *
- * GRADIENT.  Each register carries its number and its derivatives by x, y and z, forward, FORMULA_BLOCK points
- * at a time.  Backward would ask for every number of the tape again at its end, so tapes could not be
+ * GRADIENT.  Each register carries its number and its derivatives by x, y and z, forward, for a row of up to
+ * FORMULA_BLOCK points.  Backward would ask for every number of the tape again at its end, so tapes could not be
  * longer than the stack is; and most steps depend on one variable or two, for which `of` spares the others.
  *
  * MIXED SECOND DERIVATIVES.  Each register carries v, v_p, v_q and v_pq (a hyper-dual number: Fike and Alonso
@@ -13,132 +13,209 @@
 
 #include <string.h>
 
-/* -------------------------------------------------------------------------- operands */
-
-/* A row of one number. */
-static const double *filled_with(double x, formula_row row)
-{
-    for (int i = 0; i < FORMULA_BLOCK; i++) row[i] = x;
-    return row;
-}
-
 static bool is_uniform(unsigned short operand) { return operand >= FORMULA_UNIFORM; }
 
 static bool has_second_operand(int op) { return op <= FORMULA_REAL_POWER; }
 
-/* Up to FORMULA_BLOCK points, those that are missing copies of the last. */
-static void take_points(const double *of, size_t n, double *row)
+static double middle_of(const sgt_tape *tape, unsigned short operand)
 {
-    for (size_t i = 0; i < FORMULA_BLOCK; i++) row[i] = of ? of[i < n ? i : n - 1] : 0;
+    return tape->middle[operand - FORMULA_UNIFORM];
 }
 
-static void give(const double *row, size_t n, double *out)
+static void fill(size_t n, double x, double *row)
 {
-    if (out) memcpy(out, row, n * sizeof *out);
+    for (size_t i = 0; i < n; i++) row[i] = x;
+}
+
+/* ------------------------------------------------------------------------ rows of numbers */
+
+SGT_KERNEL
+static void row_sum(size_t n, const double *a, const double *b, double *out)
+{
+    LANES for (size_t i = 0; i < n; i++) out[i] = a[i] + b[i];
+}
+
+SGT_KERNEL
+static void row_difference(size_t n, const double *a, const double *b, double *out)
+{
+    LANES for (size_t i = 0; i < n; i++) out[i] = a[i] - b[i];
+}
+
+/* by a + plus */
+SGT_KERNEL
+static void row_moved(size_t n, double by, const double *a, double plus, double *out)
+{
+    LANES for (size_t i = 0; i < n; i++) out[i] = by * a[i] + plus;
+}
+
+SGT_KERNEL
+static void row_scaled(size_t n, double by, const double *a, double *out)
+{
+    LANES for (size_t i = 0; i < n; i++) out[i] = by * a[i];
+}
+
+SGT_KERNEL
+static void row_product(size_t n, const double *a, const double *b, double *out)
+{
+    LANES for (size_t i = 0; i < n; i++) out[i] = a[i] * b[i];
+}
+
+SGT_KERNEL
+static void row_products(size_t n, const double *va, const double *a, const double *vb, const double *b, double *out)
+{
+    LANES for (size_t i = 0; i < n; i++) out[i] = va[i] * a[i] + vb[i] * b[i];
 }
 
 /* -------------------------------------------------------------------------- gradient */
 
-typedef struct graded { formula_row v, d[3]; } graded;
+enum { PARTS = 4, NUMBERS = 4096, LEAST_LANES = 16 }; /* 32 KiB */
 
-SGT_KERNEL
-static void one_part(const double *restrict va, const double *restrict a, double *restrict out)
+/* A register: n numbers and their derivatives by x, y, z, each a row. */
+typedef struct graded { double *v, *d[3]; } graded;
+
+typedef struct graded_run {
+    const sgt_tape *tape;
+    size_t n, lanes;
+    bool wanted;                 /* the gradient */
+    int of[FORMULA_REGISTERS];   /* on which of x, y, z a register depends */
+    double number[NUMBERS];
+} graded_run;
+
+/* Registers need PARTS rows each.  The fewer there are, the longer their rows. */
+static size_t lanes_of(const sgt_tape *tape)
 {
-    LANES for (int i = 0; i < FORMULA_BLOCK; i++) out[i] = va[i] * a[i];
+    size_t most = NUMBERS / (PARTS * (size_t)tape->registers) / 8 * 8;
+    return most < FORMULA_BLOCK ? most : FORMULA_BLOCK;
 }
 
-SGT_KERNEL
-static void two_parts(const double *restrict va, const double *restrict a, const double *restrict vb,
-                      const double *restrict b, double *restrict out)
+static graded graded_of(graded_run *w, int reg)
 {
-    LANES for (int i = 0; i < FORMULA_BLOCK; i++) out[i] = va[i] * a[i] + vb[i] * b[i];
+    double *row = w->number + (size_t)reg * PARTS * w->lanes;
+    return (graded){row, {row + w->lanes, row + 2 * w->lanes, row + 3 * w->lanes}};
 }
 
-SGT_KERNEL
-static void sum_of(const double *a, const double *b, double sign, double *out)
+/* out = by a + plus. */
+static void graded_moved(graded_run *w, double by, const graded *a, int of, double plus, const graded *out)
 {
-    LANES for (int i = 0; i < FORMULA_BLOCK; i++) out[i] = a[i] + sign * b[i];
-}
-
-/* v = a + sign b, or a b: without rows of 1, or copies.  The bits are those of two_parts, as a product by 1 is
- * exact.  true: done. */
-static bool graded_quickly(formula_op op, const graded *a, const graded *b, int of_a, int of_b, graded *out)
-{
-    double sign = op == FORMULA_SUB ? -1.0 : 1.0;
-    if (op == FORMULA_ADD || op == FORMULA_SUB) {
-        for (int k = 0; k < 3; k++) {
-            int in_a = of_a >> k & 1, in_b = of_b >> k & 1;
-            if (in_a && in_b) sum_of(a->d[k], b->d[k], sign, out->d[k]);
-            else if (in_a && out != a) memcpy(out->d[k], a->d[k], sizeof out->d[k]);
-            else if (in_b && sign > 0 && out != b) memcpy(out->d[k], b->d[k], sizeof out->d[k]);
-            else if (in_b && sign < 0) for (int i = 0; i < FORMULA_BLOCK; i++) out->d[k][i] = -b->d[k][i];
-        }
-        sum_of(a->v, b->v, sign, out->v);
-        return true;
+    for (int k = 0; k < 3; k++) {
+        if (!(of >> k & 1) || (by == 1 && a->v == out->v)) continue;
+        if (by == 1) memcpy(out->d[k], a->d[k], w->n * sizeof(double));
+        else row_scaled(w->n, by, a->d[k], out->d[k]);
     }
-    return false;
+    row_moved(w->n, by, a->v, plus, out->v);
 }
 
-static void graded_step(const sgt_tape *tape, const formula_step *s, graded r[], const int of[], bool wanted)
+static void graded_sum(graded_run *w, const graded *a, int of_a, const graded *b, int of_b, bool less,
+                       const graded *out)
 {
-    graded other, result;
-    formula_row va, vb;
-    bool two = has_second_operand(s->op), u_a = is_uniform(s->a), u_b = two && is_uniform(s->b);
-    const graded *a = u_a ? &other : &r[s->a], *b = u_b ? &other : two ? &r[s->b] : NULL;
-    int of_a = wanted && !u_a ? of[s->a] : 0, of_b = wanted && two && !u_b ? of[s->b] : 0;
-    if (u_a) filled_with(tape->middle[s->a - FORMULA_UNIFORM], other.v);
-    if (u_b) filled_with(tape->middle[s->b - FORMULA_UNIFORM], other.v);
-    if (graded_quickly((formula_op)s->op, a, b, of_a, of_b, &r[s->out])) return;
-    bool product = s->op == FORMULA_MUL, first = (of_a || of_b) && !product;
-    const double *by_a = product ? b->v : va, *by_b = product ? a->v : vb;
-    sgt_formula_local((formula_op)s->op, s->n, a->v, b ? b->v : NULL, first,
-                      (formula_local){.v = result.v, .va = va, .vb = vb});
     for (int k = 0; k < 3; k++) {
         int in_a = of_a >> k & 1, in_b = of_b >> k & 1;
-        double *out = result.d[k];
-        if (in_a && in_b) two_parts(by_a, a->d[k], by_b, b->d[k], out);
-        else if (in_a) one_part(by_a, a->d[k], out);
-        else if (in_b) one_part(by_b, b->d[k], out);
+        if (in_a && in_b) (less ? row_difference : row_sum)(w->n, a->d[k], b->d[k], out->d[k]);
+        else if (in_a && out->v != a->v) memcpy(out->d[k], a->d[k], w->n * sizeof(double));
+        else if (in_b && less) row_scaled(w->n, -1, b->d[k], out->d[k]);
+        else if (in_b && out->v != b->v) memcpy(out->d[k], b->d[k], w->n * sizeof(double));
     }
-    memcpy(r[s->out].v, result.v, sizeof result.v);
-    for (int k = 0; k < 3; k++)
-        if ((of_a | of_b) >> k & 1) memcpy(r[s->out].d[k], result.d[k], sizeof result.d[k]);
+    (less ? row_difference : row_sum)(w->n, a->v, b->v, out->v);
+}
+
+/* The derivatives of the result by those of the operands.  Each row is done by itself, so that out may be a
+ * or b. */
+static void graded_chain(graded_run *w, const double *va, const graded *a, int of_a, const double *vb,
+                         const graded *b, int of_b, const graded *out)
+{
+    for (int k = 0; k < 3; k++) {
+        int in_a = of_a >> k & 1, in_b = of_b >> k & 1;
+        if (in_a && in_b) row_products(w->n, va, a->d[k], vb, b->d[k], out->d[k]);
+        else if (in_a) row_product(w->n, va, a->d[k], out->d[k]);
+        else if (in_b) row_product(w->n, vb, b->d[k], out->d[k]);
+    }
+}
+
+static void graded_step(graded_run *w, const formula_step *s)
+{
+    formula_row v, va, vb, uniform;
+    size_t n = w->n;
+    formula_op op = (formula_op)s->op;
+    bool two = has_second_operand(op), u_a = is_uniform(s->a), u_b = two && is_uniform(s->b);
+    graded given = {uniform, {NULL, NULL, NULL}}, a = u_a ? given : graded_of(w, s->a),
+           b = u_b ? given : two ? graded_of(w, s->b) : (graded){NULL, {NULL, NULL, NULL}},
+           out = graded_of(w, s->out);
+    int of_a = w->wanted && !u_a ? w->of[s->a] : 0, of_b = w->wanted && two && !u_b ? w->of[s->b] : 0;
+    double u = u_a ? middle_of(w->tape, s->a) : u_b ? middle_of(w->tape, s->b) : 0;
+    const graded *other = u_a ? &b : &a; /* the operand that is not uniform */
+    w->of[s->out] = s->of;
+    switch (op) {
+    case FORMULA_ADD:
+    case FORMULA_SUB:
+        if (u_a) graded_moved(w, op == FORMULA_SUB ? -1 : 1, other, of_b, u, &out);
+        else if (u_b) graded_moved(w, 1, other, of_a, op == FORMULA_SUB ? -u : u, &out);
+        else graded_sum(w, &a, of_a, &b, of_b, op == FORMULA_SUB, &out);
+        return;
+    case FORMULA_MUL:
+        if (u_a || u_b) {
+            for (int k = 0; k < 3; k++)
+                if ((of_a | of_b) >> k & 1) row_scaled(n, u, other->d[k], out.d[k]);
+            row_scaled(n, u, other->v, out.v);
+            return;
+        }
+        graded_chain(w, b.v, &a, of_a, a.v, &b, of_b, &out);
+        row_product(n, a.v, b.v, out.v);
+        return;
+    case FORMULA_SQUARE:
+        row_sum(n, a.v, a.v, va);
+        graded_chain(w, va, &a, of_a, NULL, NULL, 0, &out);
+        row_product(n, a.v, a.v, out.v);
+        return;
+    default: break;
+    }
+    if (u_a || u_b) fill(n, u, uniform);
+    sgt_formula_local(op, s->n, n, a.v, b.v, of_a || of_b, (formula_local){.v = v, .va = va, .vb = vb});
+    graded_chain(w, va, &a, of_a, vb, &b, of_b, &out);
+    memcpy(out.v, v, n * sizeof *v);
+}
+
+static void graded_points(graded_run *w, sgt_points p, size_t i, int variables)
+{
+    for (int k = 0; k < variables; k++) {
+        graded r = graded_of(w, k);
+        memcpy(r.v, p.p[k] + i, w->n * sizeof *r.v);
+        if (w->wanted && i == 0) fill(w->lanes, 1, r.d[k]);
+    }
 }
 
 void sgt_formula_values(const sgt_tape *tape, size_t n, sgt_points p, sgt_values out)
 {
-    graded r[FORMULA_REGISTERS];
-    int of[FORMULA_REGISTERS] = {FORMULA_OF_X, FORMULA_OF_Y, FORMULA_OF_Z};
+    graded_run w; /* its numbers are not cleared */
+    w.tape = tape, w.lanes = lanes_of(tape), w.wanted = out.grad[0] != NULL;
+    w.of[0] = FORMULA_OF_X, w.of[1] = FORMULA_OF_Y, w.of[2] = FORMULA_OF_Z;
     int variables = tape->kind == SGT_FORMULA_XY ? 2 : 3;
-    bool wanted = out.grad[0] != NULL;
-    const graded *last = &r[tape->step[tape->steps - 1].out];
-    for (int k = 0; k < variables && wanted; k++) filled_with(1, r[k].d[k]);
-    for (size_t i = 0, few; i < n; i += few) {
-        few = n - i < FORMULA_BLOCK ? n - i : FORMULA_BLOCK;
-        for (int k = 0; k < variables; k++) take_points(p.p[k] + i, few, r[k].v);
-        for (int j = 0; j < tape->steps; j++) {
-            const formula_step *s = &tape->step[j];
-            graded_step(tape, s, r, of, wanted);
-            of[s->out] = s->of;
-        }
-        give(last->v, few, out.f + i);
-        for (int k = 0; k < variables && wanted; k++) {
-            bool in = tape->step[tape->steps - 1].of >> k & 1;
-            for (size_t l = 0; l < few; l++) out.grad[k][i + l] = in ? last->d[k][l] : last->v[l] - last->v[l];
+    const formula_step *end = &tape->step[tape->steps - 1];
+    if (n < w.lanes) w.lanes = n;
+    graded last = graded_of(&w, end->out);
+    for (size_t i = 0; i < n; i += w.n) {
+        w.n = n - i < w.lanes ? n - i : w.lanes;
+        graded_points(&w, p, i, variables);
+        for (int j = 0; j < tape->steps; j++) graded_step(&w, &tape->step[j]);
+        memcpy(out.f + i, last.v, w.n * sizeof *out.f);
+        for (int k = 0; k < variables && w.wanted; k++) {
+            if (end->of >> k & 1) memcpy(out.grad[k] + i, last.d[k], w.n * sizeof *out.f);
+            else row_difference(w.n, last.v, last.v, out.grad[k] + i); /* 0, or NaN */
         }
     }
 }
 
 /* ------------------------------------------------------- mixed second derivatives */
 
-typedef struct mixed { formula_row v, p, q, pq; } mixed;
+enum { MIXED_BLOCK = 8 };
+typedef double mixed_row[MIXED_BLOCK];
+typedef struct mixed { mixed_row v, p, q, pq; } mixed;
 
 static void mixed_step(formula_op op, int n, const mixed *a, const mixed *b, mixed *out)
 {
-    formula_row v, va, vb, vaa, vab, vbb;
+    mixed_row v, va, vb, vaa, vab, vbb;
     mixed m;
-    sgt_formula_local(op, n, a->v, b ? b->v : NULL, true, (formula_local){v, va, vb, vaa, vab, vbb});
-    for (int i = 0; i < FORMULA_BLOCK; i++) {
+    sgt_formula_local(op, n, MIXED_BLOCK, a->v, b ? b->v : NULL, true, (formula_local){v, va, vb, vaa, vab, vbb});
+    for (int i = 0; i < MIXED_BLOCK; i++) {
         double p = va[i] * a->p[i], q = va[i] * a->q[i], pq = va[i] * a->pq[i] + vaa[i] * (a->p[i] * a->q[i]);
         if (b) {
             p += vb[i] * b->p[i], q += vb[i] * b->q[i];
@@ -153,7 +230,8 @@ static void mixed_step(formula_op op, int n, const mixed *a, const mixed *b, mix
 /* A number and its derivatives by p and q. */
 static void mixed_fill(double v, double p, double q, mixed *out)
 {
-    filled_with(v, out->v), filled_with(p, out->p), filled_with(q, out->q), filled_with(0, out->pq);
+    fill(MIXED_BLOCK, v, out->v), fill(MIXED_BLOCK, p, out->p), fill(MIXED_BLOCK, q, out->q);
+    fill(MIXED_BLOCK, 0, out->pq);
 }
 
 /* d[i]: the derivative of each uniform by the parameter j, in doubles.  All zero if there is no such parameter. */
@@ -163,13 +241,12 @@ static void uniforms_by(const sgt_tape *tape, size_t j, double d[FORMULA_UNIFORM
         const formula_uniform *u = &tape->uniform[i];
         bool leaf = u->op >= FORMULA_NUMBER, two = has_second_operand(u->op);
         double da = leaf ? 0 : d[u->a], db = two ? d[u->b] : 0;
-        formula_row a, b, v, va, vb;
+        double v, va = 0, vb = 0;
         d[i] = u->op == FORMULA_PARAMETER && (size_t)u->n == j;
         if (da == 0 && db == 0) continue;
-        sgt_formula_local((formula_op)u->op, u->n, filled_with(tape->middle[u->a], a),
-                          two ? filled_with(tape->middle[u->b], b) : NULL, true,
-                          (formula_local){.v = v, .va = va, .vb = vb});
-        d[i] = (da != 0 ? va[0] * da : 0) + (db != 0 ? vb[0] * db : 0);
+        sgt_formula_local((formula_op)u->op, u->n, 1, &tape->middle[u->a], two ? &tape->middle[u->b] : NULL, true,
+                          (formula_local){.v = &v, .va = &va, .vb = &vb});
+        d[i] = (da != 0 ? va * da : 0) + (db != 0 ? vb * db : 0);
     }
 }
 
@@ -180,11 +257,11 @@ void sgt_formula_mixed(const sgt_tape *tape, size_t p, size_t q, size_t n, sgt_p
     size_t variables = tape->kind == SGT_FORMULA_XY ? 2 : 3;
     double by_p[FORMULA_UNIFORMS];
     if (p >= 3) uniforms_by(tape, p - 3, by_p);
-    for (size_t i = 0, few; i < n; i += few) {
-        few = n - i < FORMULA_BLOCK ? n - i : FORMULA_BLOCK;
+    for (size_t i = 0, few; i < n; i += few) { /* missing points are copies of the last */
+        few = n - i < MIXED_BLOCK ? n - i : MIXED_BLOCK;
         for (size_t k = 0; k < variables; k++) {
             mixed_fill(0, k == p, k == q, &r[k]);
-            take_points(at.p[k] + i, few, r[k].v);
+            for (size_t l = 0; l < MIXED_BLOCK; l++) r[k].v[l] = at.p[k][i + (l < few ? l : few - 1)];
         }
         for (int j = 0; j < tape->steps; j++) {
             const formula_step *s = &tape->step[j];
@@ -194,7 +271,9 @@ void sgt_formula_mixed(const sgt_tape *tape, size_t p, size_t q, size_t n, sgt_p
             mixed_step((formula_op)s->op, s->n, u_a ? &other : &r[s->a], u_b ? &other : two ? &r[s->b] : NULL,
                        &r[s->out]);
         }
-        give(last->v, few, out.f ? out.f + i : NULL), give(last->p, few, out.u ? out.u + i : NULL);
-        give(last->q, few, out.v ? out.v + i : NULL), give(last->pq, few, out.uv ? out.uv + i : NULL);
+        if (out.f) memcpy(out.f + i, last->v, few * sizeof(double));
+        if (out.u) memcpy(out.u + i, last->p, few * sizeof(double));
+        if (out.v) memcpy(out.v + i, last->q, few * sizeof(double));
+        if (out.uv) memcpy(out.uv + i, last->pq, few * sizeof(double));
     }
 }
