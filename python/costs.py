@@ -1,0 +1,184 @@
+#!/usr/bin/env python3
+"""What a call from Python costs, beside the same from C and beside numpy.
+
+    SAGITTA_PYTHON_LIBRARY=BUILD/python/libsagitta_python.so python3 python/costs.py BUILD/python/costs [--write]
+
+Prints the table of docs/python.md; --write puts it there.  Each figure is the least of several rounds, and
+rounds of what is compared alternate.
+
+A million rays    out= is given.  More: (Python - C) / C.
+One ray           "an empty call of the same kind" is the same method with the library's function replaced by
+                  one that returns at once (sagitta_nothing); "of ctypes": that function by itself, with the same
+                  arguments.
+A function        of Python as a surface, 10^5 rays.  numpy: what numpy itself takes to evaluate it at as many
+                  points as were asked for, by 10^5 at once; in brackets in arrays as long as those that were
+                  asked for, which stay in the processor's cache.
+"""
+import ctypes
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+
+here = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(here))
+
+import sagitta  # noqa: E402
+import sagitta.surface  # noqa: E402
+from sagitta import _library as C  # noqa: E402
+
+BEGIN, END = "<!-- costs -->", "<!-- end of costs -->"
+LENS = here.parent / "examples" / "lenses" / "double_gauss.yaml"
+
+
+def least(call, rounds=7):
+    best = float("inf")
+    for _ in range(rounds):
+        begin = time.perf_counter()
+        call()
+        best = min(best, time.perf_counter() - begin)
+    return best
+
+
+def each(call, n=20000):
+    """Microseconds a call, without those of the loop."""
+
+    def calls():
+        for _ in range(n):
+            call()
+
+    def nothing():
+        for _ in range(n):
+            pass
+
+    return (least(calls) - least(nothing)) / n * 1e6
+
+
+def million(program):
+    n, rng = 10**6, np.random.default_rng(1)
+    o, d = rng.uniform(-1, 1, (3, n)) * 10, rng.uniform(-0.02, 0.02, (3, n))
+    o[2], d[2] = -20, 1
+    conic, lens = sagitta.Conic(radius=100, conic=-1), sagitta.Lens.read(LENS)
+    hits, traced = sagitta.Hits.empty(n), sagitta.Traced.empty(n)
+    best = np.full((2, 2), np.inf)
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "rays"
+        np.vstack([o, d]).tofile(path)
+        for _ in range(8):
+            mine = (
+                least(lambda: conic.intersect(o, d, out=hits), 3),
+                least(lambda: lens.trace(o, d, out=traced), 3),
+            )
+            said = subprocess.run(
+                [program, path, "3", LENS, "{type: conic, radius: 100, conic: -1}"],
+                capture_output=True,
+                text=True,
+                check=True,
+            ).stdout
+            best[0], best[1] = np.minimum(best[0], mine), np.minimum(
+                best[1], [float(x) for x in said.split()]
+            )
+    for i, name in enumerate(("conic, `intersect`", f"{len(lens)} surfaces, `trace`")):
+        yield (
+            f"a million rays, {name}",
+            f"{best[0, i] * 1e3:.1f} ms",
+            f"{best[1, i] * 1e3:.1f} ms in C",
+            f"{(best[0, i] / best[1, i] - 1) * 100:+.1f} %",
+        )
+
+
+def one_ray():
+    conic, o, d = sagitta.Conic(radius=100, conic=-1), (0, 1, -5), (0, 0, 1)
+    a, b = np.array([[0.0], [1], [-5]]), np.array([[0.0], [0], [1]])
+    call = conic.prepare(a, b)
+    empty, at = C.library.sagitta_nothing, ctypes.byref(C.Call())
+    bare = each(lambda: empty(at, at, None, at))
+    full, ready = each(lambda: conic.intersect(o, d)), each(call)
+    whole = each(lambda: conic.intersect(a, b), 5000)
+    real, sagitta.surface._one = sagitta.surface._one, empty
+    try:
+        same = each(lambda: conic.intersect(o, d))
+    finally:
+        sagitta.surface._one = real
+    yield (
+        "one ray, `intersect((0, 1, -5), (0, 0, 1))`",
+        f"{full:.2f} us",
+        f"{same:.2f} us empty",
+        f"{full - same:+.2f} us",
+    )
+    yield "one ray, `prepare`d", f"{ready:.2f} us", f"{bare:.2f} us empty, of ctypes", f"{ready - bare:+.2f} us"
+    yield "one ray as an array (3, 1)", f"{whole:.1f} us", "", ""
+
+
+def torus(x, y, z):
+    q = x * x + y * y
+    s = q + z * z + 3.75
+    return s * s - 16 * q, 4 * s * x - 32 * x, 4 * s * y - 32 * y, 4 * s * z
+
+
+def tube(x, y, z):
+    rho = np.hypot(x, y)
+    u = rho - 2
+    return np.hypot(u, z) - 0.5, u * x / rho, u * y / rho, z + 0 * x
+
+
+def gyroid(x, y, z):
+    a, b, c, p, q, r = np.sin(x), np.sin(y), np.sin(z), np.cos(x), np.cos(y), np.cos(z)
+    return a * q + b * r + c * p, p * q - c * a, q * r - a * b, r * p - b * c
+
+
+def functions():
+    n, rng = 10**5, np.random.default_rng(1)
+    o, d = rng.uniform(-3, 3, (3, n)), rng.uniform(-0.1, 0.1, (3, n))
+    o[2], d[2] = -5, 1
+    asked = []
+    out = sagitta.Hits.empty(n)
+    for name, f, inside in (
+        ("torus, a polynomial", torus, 2.6),
+        ("torus, by `hypot`", tube, 2.6),
+        ("gyroid, sines and cosines", gyroid, 4),
+    ):
+
+        def counted(x, y, z, f=f):
+            asked.append(len(x))
+            return f(x, y, z)
+
+        sagitta.Function(counted, inside=inside).intersect(o, d, out=out)
+        surface = sagitta.Function(f, inside=inside)
+        whole = own = once = float("inf")
+        points, most = sum(asked), int(np.average(asked, weights=asked))
+        asked.clear()
+        x, wide = rng.uniform(-2, 2, (3, most)), rng.uniform(-2, 2, (3, n))
+        for _ in range(5):
+            whole = min(whole, least(lambda: surface.intersect(o, d, out=out), 2))
+            own = min(own, least(lambda: f(*x), 20) / most * points)
+            once = min(once, least(lambda: f(*wide), 5) / n * points)
+        yield (
+            f"{name}: {points / n:.0f} evaluations a ray, {most} at a time",
+            f"{whole / n * 1e6:.2f} us a ray",
+            f"{once / n * 1e6:.2f} ({own / n * 1e6:.2f}) us in numpy",
+            f"{whole / once:.1f} ({whole / own:.1f}) times",
+        )
+
+
+def main(program, *more):
+    rows = [*million(program), *one_ray(), *functions()]
+    lines = [
+        "| | from Python | beside | |",
+        "|---|---|---|---|",
+        *("| " + " | ".join(r) + " |" for r in rows),
+    ]
+    text = "\n".join(lines)
+    print(text)
+    if "--write" in more:
+        page = here.parent / "docs" / "python.md"
+        before, rest = page.read_text().split(BEGIN)
+        page.write_text(f"{before}{BEGIN}\n{text}\n{END}{rest.split(END)[1]}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
