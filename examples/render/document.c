@@ -105,8 +105,7 @@ static const char *text_of(const node *n)
 
 static bool is_text(const node *n, const char *text) { return text_of(n) && strcmp(text_of(n), text) == 0; }
 
-/* Is the word one of those in the list, which are parted by blanks? */
-static bool is_among(const char *word, const char *list)
+bool document_is_among(const char *word, const char *list)
 {
     size_t size = strlen(word);
     for (const char *at = list; size && (at = strstr(at, word)); at++)
@@ -115,17 +114,33 @@ static bool is_among(const char *word, const char *list)
     return false;
 }
 
-void document_map(document *d, const node *map, const char *name, const char *known)
+void document_keys(document *d, const node *map, const char *name)
 {
     if (map->type != YAML_MAPPING_NODE) document_fail(d, map, name, "must be a map, as {key: value}");
     for (yaml_node_pair_t *p = map->data.mapping.pairs.start; p < map->data.mapping.pairs.top; p++) {
         const node *key = node_of(d, p->key);
         const char *text = text_of(key);
         if (!text) document_fail(d, key, name, "a key must be a word");
-        if (!is_among(text, known)) document_fail(d, key, text, "unknown key; known here: %s", known);
         for (yaml_node_pair_t *q = map->data.mapping.pairs.start; q < p; q++)
             if (is_text(node_of(d, q->key), text)) document_fail(d, key, text, "given twice");
     }
+}
+
+void document_map(document *d, const node *map, const char *name, const char *known)
+{
+    document_keys(d, map, name);
+    const node *key, *value;
+    for (int i = 0; (key = document_key(d, map, i, &value)); i++)
+        if (!document_is_among(text_of(key), known))
+            document_fail(d, key, text_of(key), "unknown key; known here: %s", known);
+}
+
+const node *document_key(document *d, const node *map, int i, const node **value)
+{
+    yaml_node_pair_t *p = map->data.mapping.pairs.start + i;
+    if (p >= map->data.mapping.pairs.top) return NULL;
+    *value = node_of(d, p->value);
+    return node_of(d, p->key);
 }
 
 node *document_find(document *d, const node *map, const char *key)

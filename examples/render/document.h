@@ -28,6 +28,15 @@ _Noreturn void document_fail(const document *d, const node *at, const char *key,
  * which are parted by blanks. */
 void document_map(document *d, const node *map, const char *name, const char *known);
 
+/* The same of any keys: a map, of words, none of them twice. */
+void document_keys(document *d, const node *map, const char *name);
+
+/* Is the word one of those in the list, which are parted by blanks? */
+bool document_is_among(const char *word, const char *list);
+
+/* The i-th key of a map, and its value; NULL: there are no more. */
+const node *document_key(document *d, const node *map, int i, const node **value);
+
 node *document_find(document *d, const node *map, const char *key); /* NULL: absent */
 
 /* Values; `key` is for the message.  All numbers are finite, from lo to hi. */

@@ -147,5 +147,6 @@ int main(int count, char *words[])
     if (r.width) s.width = r.width, s.height = r.height;
     for (int i = 0; i < s.objects && r.normal >= 0; i++) s.object[i].normal = (normal_kind)r.normal;
     draw(&s, &r);
+    scene_free(&s);
     return 0;
 }

@@ -25,8 +25,24 @@ static const sgt_param bulb_params[] = {
     }
 static const sgt_param edge_params[] = {LENGTH(radius, 0), LENGTH(from, -1e6), LENGTH(to, -1e6), {0}};
 
+static sgt_objection object_to_box(const void *self)
+{
+    const box *s = self;
+    bool all = s->half[0] > 0 && s->half[1] > 0 && s->half[2] > 0;
+    return all ? (sgt_objection){NULL, NULL} : (sgt_objection){"half", "must be three numbers above 0"};
+}
+
+static const sgt_param box_params[] = {{.name = "half",
+                                        .unit = {.length = 1},
+                                        .offset = offsetof(box, half),
+                                        .count = 3,
+                                        .hi = 1e6,
+                                        .kind = SGT_VECTOR},
+                                       {0}};
+
 const sgt_builtin own_surfaces[] = {
     {.type = "mandelbulb", .ops = &mandelbulb_ops, .size = sizeof(mandelbulb), .params = bulb_params},
     {.type = "edge", .ops = &edge_ops, .size = sizeof(edge), .params = edge_params, .object = object_to_edge},
+    {.type = "box", .ops = &box_ops, .size = sizeof(box), .params = box_params, .object = object_to_box},
     {0},
 };

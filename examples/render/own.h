@@ -18,6 +18,10 @@ enum { BULB_MOST_ITERATIONS = 16 };
 typedef struct edge { double radius, from, to; } edge;
 extern const sgt_surface_ops edge_ops;
 
+/* A box about the origin: half the lengths of its edges, along x, y and z. */
+typedef struct box { double half[3]; } box;
+extern const sgt_surface_ops box_ops;
+
 /* Ends with a row of zeros. */
 extern const sgt_builtin own_surfaces[];
 

@@ -5,6 +5,7 @@
 #include "read.h"
 
 #include "document.h"
+#include "own.h"
 #include "sample.h"
 #include "shape.h"
 
@@ -165,29 +166,176 @@ static void read_material(document *d, const node *map, material *m)
     read_colour(d, map, "absorption", 1e6, &m->absorption);
 }
 
-static void read_object(document *d, const node *map, object *o)
+/* ------------------------------------------------------------------ bodies */
+
+/* What is above an object: its place in the world, and what it has unless it says otherwise. */
+typedef struct setting {
+    sgt_pose pose;
+    double scale;
+    sgt_options options;
+    normal_kind normal;
+    material material;
+} setting;
+
+/* Of something placed within the frame `in`. */
+static void place_in(const setting *in, vec3 position, vec3 rotation, double scale, sgt_pose *pose,
+                     double *all)
 {
-    static const char *const normals[] = {"gradient", "difference", "potential", NULL};
+    sgt_pose own = sgt_pose_tilted(position, rotation);
+    *all = in->scale * scale;
+    pose->origin = along(in->pose.origin, in->scale, turned(&in->pose, position));
+    pose->ex = turned(&in->pose, own.ex), pose->ey = turned(&in->pose, own.ey),
+    pose->ez = turned(&in->pose, own.ez);
+}
+
+#define OF_ALL "position rotation scale t_tol dt_min max_evals normal material"
+static const char OF_OBJECT[] = OF_ALL " clip",
+                  OF_COMPOUND[] = "union intersection difference " OF_ALL " clip";
+static const char *const NORMALS[] = {"gradient", "difference", "potential", NULL};
+
+/* The keys that all have, read into what is above; returns its own setting. */
+static setting read_setting(document *d, const node *map, const setting *in)
+{
+    setting own = *in;
     vec3 position = {0}, rotation = {0};
-    *o = (object){
-        .scale = 1,
-        .material = {.pattern = {.count = 1, .colour = {{0.7, 0.7, 0.7}}}, .diffuse = 1, .shininess = 40}};
-    shape_read(d, map, "position rotation scale t_tol dt_min max_evals normal material", o);
+    double scale = 1;
     read_vector(d, map, "position", -FAR, FAR, &position);
     read_vector(d, map, "rotation", -FAR, FAR, &rotation);
-    read_real(d, map, "scale", 1e-6, FAR, &o->scale);
-    o->pose = sgt_pose_tilted(position, rotation);
-    read_real(d, map, "t_tol", 0, FAR, &o->options.t_tol);
-    read_real(d, map, "dt_min", 0, FAR, &o->options.dt_min);
-    read_whole(d, map, "max_evals", 0, 1 << 30, &o->options.max_evals);
+    read_real(d, map, "scale", 1e-6, FAR, &scale);
+    place_in(in, position, rotation, scale, &own.pose, &own.scale);
+    read_real(d, map, "t_tol", 0, FAR, &own.options.t_tol);
+    read_real(d, map, "dt_min", 0, FAR, &own.options.dt_min);
+    read_whole(d, map, "max_evals", 0, 1 << 30, &own.options.max_evals);
     const node *normal = document_find(d, map, "normal"), *of = document_find(d, map, "material");
-    if (normal) {
-        o->normal = (normal_kind)document_choice(d, normal, "normal", normals);
-        if (o->normal == NORMAL_POTENTIAL && o->surface.ops != &sgt_julia_ops &&
-            o->surface.ops != &sgt_mandelbrot_ops)
-            document_fail(d, normal, "normal", "only julia and mandelbrot have a potential");
+    if (normal) own.normal = (normal_kind)document_choice(d, normal, "normal", NORMALS);
+    if (of) read_material(d, of, &own.material);
+    return own;
+}
+
+static bool has_potential(const object *o)
+{
+    return o->surface.ops == &sgt_julia_ops || o->surface.ops == &sgt_mandelbrot_ops;
+}
+
+/* A surface: the next object of the scene. */
+static void read_surface(document *d, const node *map, const setting *in, bool part, scene *s)
+{
+    if (s->objects == MOST_OBJECTS) document_fail(d, map, "objects", "more than %d surfaces", MOST_OBJECTS);
+    object *o = &s->object[s->objects];
+    *o = (object){.scale = 1};
+    shape_read(d, map, OF_OBJECT, o);
+    s->objects++;
+    const setting own = read_setting(d, map, in);
+    o->pose = own.pose, o->scale = own.scale, o->options = own.options, o->normal = own.normal;
+    o->material = own.material;
+    const node *normal = document_find(d, map, "normal"), *rim = document_find(d, map, "semi_diameter");
+    if (normal && o->normal == NORMAL_POTENTIAL && !has_potential(o))
+        document_fail(d, normal, "normal", "only julia and mandelbrot have a potential");
+    if (part && o->surface.ops == &edge_ops)
+        document_fail(d, document_find(d, map, "type"), "type",
+                      "an edge has no inside: take a quadric and planes");
+    if (part && rim)
+        document_fail(d, rim, "semi_diameter",
+                      "a part has no rim: its inside is all that lies below the sag");
+}
+
+static int add_knot(document *d, const node *at, operation op, scene *s)
+{
+    if (s->knots == MOST_KNOTS) document_fail(d, at, "objects", "more than %d parts of bodies", MOST_KNOTS);
+    s->knot[s->knots] = (knot){.op = op, .object = s->objects};
+    return s->knots++;
+}
+
+/* The key of an operation that the map has; NULL: none. */
+static const node *operation_of(document *d, const node *map, operation *op, const char **key)
+{
+    static const char *const names[] = {"union", "intersection", "difference"};
+    const node *found = NULL;
+    for (int i = 0; i < 3; i++) {
+        const node *n = document_find(d, map, names[i]);
+        if (n && found) document_fail(d, n, names[i], "given beside %s; an object is one of them", *key);
+        if (n) found = n, *op = (operation)(UNION + i), *key = names[i];
     }
-    if (of) read_material(d, of, &o->material);
+    const node *type = document_find(d, map, "type");
+    if (found && type) document_fail(d, type, "type", "given beside %s; an object is one of them", *key);
+    return found;
+}
+
+/* An object, or several, as a tree; part: of a tree, or a region that clips. */
+static int read_tree(document *d, const node *map, const setting *in, bool part, int depth, scene *s)
+{
+    enum { DEPTH_MOST = 32, CHILDREN_MOST = 64 };
+    operation op = PART;
+    const char *key;
+    document_keys(d, map, "objects");
+    const node *list = operation_of(d, map, &op, &key), *cut = document_find(d, map, "clip");
+    if (cut && part)
+        document_fail(d, cut, "clip",
+                      "what is clipped has no inside: a part is cut by an intersection or difference");
+    int at = add_knot(d, map, op, s);
+    if (list) {
+        if (depth == DEPTH_MOST) document_fail(d, list, key, "more than %d within each other", DEPTH_MOST);
+        document_map(d, map, NULL, OF_COMPOUND);
+        setting own = read_setting(d, map, in);
+        int count = document_list(d, list, key, 2, CHILDREN_MOST);
+        for (int i = 0; i < count; i++) read_tree(d, document_item(d, list, i), &own, true, depth + 1, s);
+    } else {
+        read_surface(d, map, in, part, s);
+    }
+    s->knot[at].end = s->knots;
+    return at;
+}
+
+/* {ball: radius}, {box: [a, b, c]}, both with position and rotation; {object: ...} or {outside: ...} */
+static void read_clip(document *d, const node *map, const setting *in, scene *s, clip *c)
+{
+    static const char *const kinds[] = {"ball", "box", "object", "outside"};
+    static const char *const known[] = {"ball position rotation", "box position rotation", "object",
+                                        "outside"};
+    vec3 position = {0}, rotation = {0};
+    const node *n = NULL;
+    document_keys(d, map, "clip");
+    for (int i = 0; i < 4 && !n; i++)
+        if ((n = document_find(d, map, kinds[i]))) c->kind = (clip_kind)i;
+    if (!n) document_fail(d, map, "clip", "wants one of the keys ball, box, object, outside");
+    document_map(d, map, "clip", known[c->kind]);
+    if (c->kind == CLIP_BALL) {
+        double radius = document_number(d, n, "ball", 1e-6, FAR);
+        c->half = (vec3){radius, radius, radius};
+    } else if (c->kind == CLIP_BOX) {
+        c->half = vector_of(d, n, "box", 1e-6, FAR);
+    } else {
+        c->knot = read_tree(d, n, in, true, 0, s);
+    }
+    read_vector(d, map, "position", -FAR, FAR, &position);
+    read_vector(d, map, "rotation", -FAR, FAR, &rotation);
+    place_in(in, position, rotation, 1, &c->pose, &c->scale);
+}
+
+static void read_clips(document *d, const node *n, const setting *in, scene *s, body *of)
+{
+    bool several = n->type == YAML_SEQUENCE_NODE;
+    of->clips = several ? document_list(d, n, "clip", 1, MOST_CLIPS) : 1;
+    for (int i = 0; i < of->clips; i++)
+        read_clip(d, several ? document_item(d, n, i) : n, in, s, &of->clip[i]);
+}
+
+static void read_body(document *d, const node *map, scene *s)
+{
+    const setting plain = {
+        .pose = sgt_pose_tilted((vec3){0}, (vec3){0}),
+        .scale = 1,
+        .material = {.pattern = {.count = 1, .colour = {{0.7, 0.7, 0.7}}}, .diffuse = 1, .shininess = 40}};
+    body *of = &s->body[s->bodies];
+    *of = (body){.first = s->objects};
+    of->knot = read_tree(d, map, &plain, false, 0, s);
+    of->parts = s->objects - of->first;
+    const node *cut = document_find(d, map, "clip");
+    if (cut) {
+        setting own = read_setting(d, map, &plain);
+        read_clips(d, cut, &own, s, of);
+    }
+    s->bodies++;
 }
 
 void read_scene(scene *s, const char *file)
@@ -214,7 +362,13 @@ void read_scene(scene *s, const char *file)
     if ((part = document_find(&d, root, "sky"))) read_sky(&d, part, s);
     if ((part = document_find(&d, root, "ambient"))) read_ambient(&d, part, s);
     if ((part = document_find(&d, root, "lights"))) read_lights(&d, part, s);
-    s->objects = document_list(&d, objects, "objects", 1, MOST_OBJECTS);
-    for (int i = 0; i < s->objects; i++) read_object(&d, document_item(&d, objects, i), &s->object[i]);
+    int count = document_list(&d, objects, "objects", 1, MOST_OBJECTS);
+    for (int i = 0; i < count; i++) read_body(&d, document_item(&d, objects, i), s);
     document_close(&d);
+}
+
+void scene_free(scene *s)
+{
+    for (int i = 0; i < s->objects; i++) sgt_lens_free(s->object[i].read);
+    s->objects = s->bodies = s->knots = 0;
 }

@@ -6,4 +6,7 @@
 /* Whatever is wrong with the file ends the program, with file, line and key. */
 void read_scene(scene *s, const char *file);
 
+/* Gives back what it holds. */
+void scene_free(scene *s);
+
 #endif

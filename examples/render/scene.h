@@ -3,16 +3,23 @@
 #define RENDER_SCENE_H
 #include "vector.h"
 
-#include <sagitta/system.h>
+#include <sagitta/lens.h>
 
 enum {
-    MOST_OBJECTS = 64,
+    MOST_OBJECTS = 256,  /* surfaces: whole objects, parts of others, and regions that clip */
+    MOST_KNOTS = 512,
+    MOST_CLIPS = 4,
     MOST_LIGHTS = 16,
     MOST_POINTS = 16,
     MOST_COLOURS = 8,
-    MOST_DEPTH = 12,
-    SELF_SIZE = 256
+    MOST_DEPTH = 12
 };
+
+/* A vector of a frame, in the world. */
+static inline vec3 turned(const sgt_pose *p, vec3 v)
+{
+    return along(along(scaled(p->ex, v.x), v.y, p->ey), v.z, p->ez);
+}
 
 /* A colour that may change from place to place, in the object's own frame. */
 typedef enum pattern_kind { PATTERN_PLAIN, PATTERN_CHECKS, PATTERN_BLEND } pattern_kind;
@@ -39,16 +46,45 @@ typedef enum normal_kind {
     NORMAL_POTENTIAL   /* of the orbit continued: level sets only */
 } normal_kind;
 
+/* A surface in its place. */
 typedef struct object {
     sgt_surface surface;
     sgt_pose pose;             /* own frame to world: p = origin + scale (x ex + y ey + z ez) */
     double scale;
     sgt_options options;
     normal_kind normal;
-    bool solid;                /* closed: F < 0 is its inside, wherever one is */
+    bool sheet;                /* may end: where F falls along a ray need not be where something is entered */
     material material;
-    _Alignas(16) char self[SELF_SIZE];  /* the surface's parameters */
+    bool bounded;              /* F > 0 wherever a ray is outside of the surface's span */
+    sgt_lens *read;            /* what holds the surface's parameters */
 } object;
+
+/* A tree of objects, as a row: a knot, then its first child with all that is below it, then the next
+ * child. */
+typedef enum operation { PART, UNION, INTERSECTION, DIFFERENCE } operation;
+typedef struct knot {
+    operation op;
+    int object;   /* of a part: which of the scene's */
+    int end;      /* the first knot that is not below this one */
+} knot;
+
+/* A body is clipped where it is not inside a ball or a box, or not inside a region, or not outside of it. */
+typedef enum clip_kind { CLIP_BALL, CLIP_BOX, CLIP_INSIDE, CLIP_OUTSIDE } clip_kind;
+typedef struct clip {
+    clip_kind kind;
+    sgt_pose pose;    /* of ball and box: own frame to world, and scale */
+    double scale;
+    vec3 half;        /* of a box: half its edges; of a ball: its radius, thrice */
+    int knot;         /* of a region */
+} clip;
+
+/* What is met: an object, or several by their tree; and what of it is clipped away. */
+typedef struct body {
+    int knot;
+    int first, parts;  /* the objects of the tree: a row of the scene's */
+    int clips;
+    clip clip[MOST_CLIPS];
+} body;
 
 typedef struct light { vec3 position, colour; double radius; } light;
 
@@ -63,9 +99,11 @@ typedef struct scene {
     struct { vec3 zenith, horizon, ground; double haze; } sky;
     /* reach 0: to the sky; rays 0: no occlusion */
     struct { double strength, reach; int rays; } ambient;
-    int lights, objects;
+    int lights, objects, knots, bodies;
     light light[MOST_LIGHTS];
     object object[MOST_OBJECTS];
+    knot knot[MOST_KNOTS];
+    body body[MOST_OBJECTS];
 } scene;
 
 #endif

@@ -1,103 +1,156 @@
-/* shape.c - surfaces by the library's table and by our own, which are of one kind.
+/* shape.c - surfaces as lens files have them, read by the library's own reader (sagitta/lens.h).
  *
- * The keys are the names in the table, so that a surface added to either can be read here at
- * once.  Where there is a `curvature` its `radius` may be given instead. */
+ * That reader takes one surface as text, `{type: sphere, radius: 20}`.  An object's map holds such a
+ * surface and keys of this program beside it.  So the map is written out once more, without the keys of
+ * this program, and given to the reader under the scene's name: files that it names are looked for beside
+ * the scene.  What is written stands on the line on which it stands in the scene, so a fault is told with
+ * the line that the user sees.  (An alias is written out where it is used.  If its anchor stands above, it
+ * takes the line that has been reached.)  Types, keys, limits and messages are the reader's; a type that
+ * comes to it later can be used here at once.  Surfaces of this program's own go to the reader as a table
+ * (own.h). */
 #include "shape.h"
 
 #include "own.h"
 
+#include <sagitta/lens.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-enum { KNOWN_SIZE = 600 };
+/* The text as far as it is written. */
+enum { TEXT_MOST = 1 << 28, DEPTH_MOST = 64, KNOWN_SIZE = 1600 };
+typedef struct writer { char *text; size_t length, room, line; } writer;
 
-/* Lists, tables, words and terms are not read here. */
-static bool is_read(const sgt_builtin *b)
+static void write_bytes(writer *w, const char *bytes, size_t length)
 {
-    for (const sgt_param *p = b->params; p->name; p++)
-        if (p->kind != SGT_REAL && p->kind != SGT_VECTOR && p->kind != SGT_WHOLE) return false;
-    return true;
+    if (w->room < w->length + length + 1)
+        w->text = room(w->text, w->room = 2 * (w->length + length) + 4096, 1);
+    memcpy(w->text + w->length, bytes, length);
+    w->length += length;
+    w->text[w->length] = 0;
 }
 
-static const sgt_builtin *type_named(const char *name, char known[KNOWN_SIZE])
+static void write_words(writer *w, const char *words) { write_bytes(w, words, strlen(words)); }
+
+static void go_to_line(writer *w, const node *n)
+{
+    for (; w->line < n->start_mark.line; w->line++) write_bytes(w, "\n", 1);
+}
+
+/* What is a number or a plain word anywhere stays one.  All else goes in quotes, with every byte that is
+ * not a printing character of ASCII, and not of a longer one in UTF-8, by its number. */
+static void write_scalar(writer *w, const node *n)
+{
+    const unsigned char *text = n->data.scalar.value;
+    size_t length = n->data.scalar.length, plain = strspn((const char *)text, "+-.0123456789_"
+                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ");
+    bool bare = n->data.scalar.style == YAML_PLAIN_SCALAR_STYLE && plain == length && length > 0 &&
+                strspn((const char *)text, "-.") < length;
+    if (bare) {
+        write_bytes(w, (const char *)text, length);
+        return;
+    }
+    write_words(w, "\"");
+    for (size_t i = 0; i < length; i++) {
+        char byte[8];
+        bool kept = text[i] >= ' ' && text[i] != 127 && text[i] != '"' && text[i] != '\\';
+        int size = snprintf(byte, sizeof byte, kept ? "%c" : "\\x%02X", text[i]);
+        write_bytes(w, byte, (size_t)size);
+    }
+    write_words(w, "\"");
+}
+
+static void write_node(document *d, writer *w, const node *n, const char *key, int depth)
+{
+    if (depth > DEPTH_MOST || w->length > TEXT_MOST)
+        document_fail(d, n, key, "too long, or holds itself: an alias within its own anchor");
+    go_to_line(w, n);
+    if (n->type == YAML_SCALAR_NODE) {
+        write_scalar(w, n);
+    } else if (n->type == YAML_SEQUENCE_NODE) {
+        write_words(w, "[");
+        for (int i = 0; i < n->data.sequence.items.top - n->data.sequence.items.start; i++) {
+            if (i) write_words(w, ", ");
+            write_node(d, w, document_item(d, n, i), key, depth + 1);
+        }
+        write_words(w, "]");
+    } else {
+        const node *item, *value;
+        write_words(w, "{");
+        for (int i = 0; (item = document_key(d, n, i, &value)); i++) {
+            if (i) write_words(w, ", ");
+            write_node(d, w, item, key, depth + 1);
+            write_words(w, ": ");
+            write_node(d, w, value, key, depth + 1);
+        }
+        write_words(w, "}");
+    }
+}
+
+/* The surface of the map, without the keys in `more`. */
+static char *surface_text(document *d, const node *map, const char *more)
+{
+    writer w = {0};
+    const node *key, *value;
+    go_to_line(&w, map);
+    write_words(&w, "{");
+    bool any = false;
+    for (int i = 0; (key = document_key(d, map, i, &value)); i++) {
+        const char *name = document_word(d, key, "key");
+        if (document_is_among(name, more)) continue;
+        if (any) write_words(&w, ", ");
+        any = true;
+        go_to_line(&w, key);
+        write_scalar(&w, key);
+        write_words(&w, ": ");
+        write_node(d, &w, value, name, 1);
+    }
+    write_words(&w, "}");
+    return w.text;
+}
+
+static const sgt_builtin *row_of(const char *type)
 {
     const sgt_builtin *const tables[] = {sgt_builtins, own_surfaces};
-    *known = 0;
     for (int i = 0; i < 2; i++)
-        for (const sgt_builtin *b = tables[i]; b->type; b++) {
-            if (!is_read(b)) continue;
-            if (strcmp(b->type, name) == 0) return b;
-            size_t used = strlen(known);
-            snprintf(known + used, KNOWN_SIZE - used, "%s%s", used ? ", " : "", b->type);
-        }
+        for (const sgt_builtin *b = tables[i]; b->type; b++)
+            if (strcmp(b->type, type) == 0) return b;
     return NULL;
 }
 
-static bool is_curvature(const sgt_param *p) { return strcmp(p->name, "curvature") == 0; }
-
-static size_t size_of(const sgt_param *p)
+/* A sheet may have a rim, or is a sag by name; the edge of a lens ends.  All else is closed, or its border
+ * is that of a convex region: along a ray F falls and rises in turn. */
+static bool is_sheet(document *d, const node *map, const sgt_builtin *row, const sgt_surface_ops *ops)
 {
-    return (size_t)p->count * (p->kind == SGT_WHOLE ? sizeof(int) : sizeof(double));
+    bool sheet = ops == &edge_ops || document_find(d, map, "sag") || document_find(d, map, "semi_diameter");
+    for (const sgt_param *p = row ? row->params : NULL; p && p->name; p++)
+        sheet = sheet || strcmp(p->name, "semi_diameter") == 0;
+    return sheet;
 }
 
-/* "slice" is at[3]: two names of one number contradict each other. */
-static bool overlap(const sgt_param *p, const sgt_param *q)
+static bool is_bounded(const sgt_surface_ops *ops)
 {
-    return p->offset < q->offset + size_of(q) && q->offset < p->offset + size_of(p);
-}
-
-static void read_parameter(document *d, const node *map, const sgt_builtin *b, const sgt_param *p, char *self)
-{
-    const node *n = document_find(d, map, p->name),
-               *radius = is_curvature(p) ? document_find(d, map, "radius") : NULL;
-    if (n && radius) document_fail(d, radius, "radius", "given beside curvature; one of the two is enough");
-    for (const sgt_param *q = b->params; n && q < p; q++)
-        if (overlap(p, q) && document_find(d, map, q->name))
-            document_fail(d, n, p->name, "given beside %s, of which it is a part", q->name);
-    double value[64] = {0};
-    if (radius) {
-        double r = document_number(d, radius, "radius", -1e300, 1e300);
-        if (fabs(r) < 1e-300)
-            document_fail(d, radius, "radius", "must not be zero; a flat surface is a plane");
-        value[0] = 1 / r;
-    } else if (!n) {
-        return;
-    } else if (p->count > 1) {
-        document_numbers(d, n, p->name, p->kind == SGT_VECTOR ? p->count : 1, p->count, p->lo, p->hi, value);
-    } else {
-        value[0] = p->kind == SGT_WHOLE ? document_whole(d, n, p->name, (int)p->lo, (int)p->hi)
-                                        : document_number(d, n, p->name, p->lo, p->hi);
-    }
-    int whole = p->kind == SGT_WHOLE ? (int)value[0] : 0;
-    memcpy(self + p->offset, p->kind == SGT_WHOLE ? (const void *)&whole : value, size_of(p));
+    const sgt_surface_ops *const all[] = {&sgt_torus_ops,      &sgt_ellipsoid_ops, &sgt_julia_ops,
+                                          &sgt_mandelbrot_ops, &mandelbulb_ops,    &box_ops};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (ops == all[i]) return ops->span != NULL;
+    return false;
 }
 
 void shape_read(document *d, const node *map, const char *more, object *o)
 {
-    char known[KNOWN_SIZE];
-    if (map->type != YAML_MAPPING_NODE)
-        document_fail(d, map, "objects", "each must be a map, as {type: torus}");
-    const node *type = document_find(d, map, "type");
-    if (!type) document_fail(d, map, "type", "missing: which surface is it?");
-    const char *name = document_word(d, type, "type");
-    const sgt_builtin *b = type_named(name, known);
-    if (!b) document_fail(d, type, "type", "no surface \"%.60s\"; there are: %s", name, known);
-    if (b->size > SELF_SIZE) document_fail(d, type, "type", "has too many parameters for this program");
-
-    snprintf(known, sizeof known, "type %s", more);
-    o->solid = true;
-    for (const sgt_param *p = b->params; p->name; p++) {
-        size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, " %s%s", p->name, is_curvature(p) ? " radius" : "");
-        if (strcmp(p->name, "semi_diameter") == 0) o->solid = false; /* a sheet with a rim */
+    const sgt_lens_options options = {.types = own_surfaces};
+    sgt_lens_error e;
+    document_keys(d, map, "objects");
+    char *text = surface_text(d, map, more);
+    o->read = sgt_lens_read_surface(d->file, text, &options, &e);
+    free(text);
+    if (!o->read) {
+        bool unknown = strncmp(e.words, "unknown key", strlen("unknown key")) == 0;
+        fail_input("%s:%zu: %s%s%s%s%s", e.file, e.line, e.key, *e.key ? ": " : "", e.words,
+                   unknown ? "; and of an object " : "", unknown ? more : "");
     }
-    document_map(d, map, NULL, known);
-    for (const sgt_param *p = b->params; p->name; p++) read_parameter(d, map, b, p, o->self);
-    sgt_objection no = b->object ? b->object(o->self) : (sgt_objection){NULL, NULL};
-    if (b->prepare && !no.reason) b->prepare(o->self);
-    if (no.reason) {
-        const node *n = document_find(d, map, no.param);
-        document_fail(d, n ? n : map, no.param, "%s", no.reason);
-    }
-    o->surface = (sgt_surface){.ops = b->ops, .self = o->self};
+    o->surface = o->read->element[0].surface;
+    o->bounded = is_bounded(o->surface.ops);
+    o->sheet = is_sheet(d, map, row_of(o->read->surface[0].type), o->surface.ops);
 }

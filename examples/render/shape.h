@@ -4,8 +4,8 @@
 #include "document.h"
 #include "scene.h"
 
-/* Reads `type` and the parameters of that type into o->surface and o->self; `more` are
- * the keys that are the caller's to read. */
+/* Reads `type` and the parameters of that type into o->surface, o->read and o->sheet; `more`
+ * are the keys that are the caller's to read. */
 void shape_read(document *d, const node *map, const char *more, object *o);
 
 #endif

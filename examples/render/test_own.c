@@ -3,9 +3,10 @@
  * The triplex power is worked out here by angles, in long double, which is not how the program does it.
  * SAGITTA_TEST_SEED chooses other cases, SAGITTA_TEST_SCALE
  * multiplies how many. */
+#include "model.h"
 #include "own.h"
-#include "vector.h"
 
+#include <float.h>
 #include <sagitta/diagnose.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -71,8 +72,6 @@ static vec3 near_bulb(const mandelbulb *s)
 
 static void test_bulb(long count)
 {
-    double useful = 0;
-    long outside = 0;
     for (long i = 0; i < count; i++) {
         const mandelbulb s = {.escape = uniform(1.2, 1) < 1.1 ? 2 : uniform(1.2, 4),
                               .iterations = 1 + (int)uniform(1, 6)};
@@ -92,39 +91,191 @@ static void test_bulb(long count)
         if (length(m) < 1e3 && p.x * p.x + p.y * p.y > 1e-3)
             require(length(subtract(m, n)) <= 1e-5 * (1 + length(m) * length(m)), "bulb, gradient", p,
                     length(n), length(m));
-
-        double clear = mandelbulb_ops.clearance(&s, p);
-        require(clear >= 0 && clear < 2, "bulb, clearance", p, clear, 0);
-        vec3 uphill = scaled(n, 1 / fmax(length(n), 1e-300));
-        for (int k = 0; k < 12 && clear > 0; k++) {
-            vec3 d = scaled(k == 0   ? uphill
-                            : k == 1 ? scaled(uphill, -1)
-                                     : direction(),
-                            clear * (k < 6 ? 1 : uniform(0, 1)));
-            long double there = bulb_by_angles(&s, p, d.x, d.y, d.z);
-            require(f > 0 ? there > 0 : there < 0, "bulb, a root within the clearance", p, clear,
-                    (double)there);
-        }
-        if (f > 0) { /* how far along 20 directions until F changes sign: the distance is no more */
-            double far = 2;
-            for (int k = 0; k < 20; k++) {
-                vec3 d = k ? direction() : scaled(uphill, -1);
-                double lo = 0, hi = far;
-                if (bulb_by_angles(&s, p, hi * d.x, hi * d.y, hi * d.z) > 0) continue;
-                for (int j = 0; j < 40; j++) {
-                    double middle = 0.5 * (lo + hi);
-                    if (bulb_by_angles(&s, p, middle * d.x, middle * d.y, middle * d.z) > 0) lo = middle;
-                    else hi = middle;
-                }
-                far = hi;
-            }
-            outside++, useful += clear / far;
-        }
     }
-    printf("bulb: %ld points, the clearance is %.2f of the distance on the mean\n", count,
-           useful / (double)outside);
-    require(useful / (double)outside > 0.05, "bulb, a clearance of some use", (vec3){0}, useful,
-            (double)outside);
+    printf("bulb: %ld points\n", count);
+}
+
+/* A function of tau that a model stands for, and one that it does. */
+static model any_model(long double tau, long double *value)
+{
+    double c = uniform(-2, 2), s = uniform(-1, 1) * pow(10, uniform(-16, 0)),
+           e = uniform(0, 1) * pow(10, uniform(-18, 0));
+    model a = {c, uniform(0, 1) < 0.3 ? 0 : s, uniform(0, 1) < 0.3 ? 0 : e};
+    *value = a.c + a.s * tau + a.e * (uniform(0, 1) < 0.5 ? 1 : -1);
+    return a;
+}
+
+/* known: to what the long doubles here are; the numbers are of 1 to 100. */
+static void require_model(model a, long double tau, long double value, const char *what)
+{
+    const long double known = 100 * LDBL_EPSILON * (1 + fabsl(value));
+    long double off = fabsl(value - (a.c + a.s * tau)) - known;
+    require(off <= a.e && value + known >= lowest(a) && value - known <= highest(a), what,
+            (vec3){a.c, a.s, a.e}, (double)off, a.e);
+}
+
+static void test_models(long count)
+{
+    for (long i = 0; i < count; i++) {
+        long double tau = i % 3 ? uniform(-1, 1) : uniform(0, 1) < 0.5 ? 1 : -1, x, y;
+        model a = any_model(tau, &x), b = any_model(tau, &y);
+        require_model(plus(a, b), tau, x + y, "model, sum");
+        require_model(minus(a, b), tau, x - y, "model, difference");
+        require_model(product(a, b), tau, x * y, "model, product");
+        require_model(product(a, a), tau, x * x, "model, square");
+        double o = uniform(-9, 9), d = uniform(-2, 2), m = uniform(-9, 9), h = pow(10, uniform(-9, 1));
+        require_model(on_ray(o, d, m, h), tau, o + (m + h * tau) * d, "model, a ray");
+        if (!(lowest(a) > 0)) continue;
+        require_model(inverse_of(a), tau, 1 / x, "model, inverse");
+        require_model(root_of(a), tau, sqrtl(x), "model, root");
+    }
+}
+
+/* A ray at a point near the surface; some in a plane of symmetry, where the orbit meets the axis again and
+ * again, some through the axis, and some along it. */
+static sgt_ray ray_at_bulb(const mandelbulb *s, long kind)
+{
+    vec3 at = near_bulb(s), d = direction();
+    if (kind % 10 == 1) at.x = d.x = 0;
+    if (kind % 10 == 2) at.x = at.y = 0;
+    if (kind % 10 == 3) at.x = at.y = d.x = d.y = 0;
+    double back = uniform(0, 4), size = pow(10, uniform(-1, 1));
+    return (sgt_ray){.o = along(at, -back, d), .d = scaled(d, size), .tmin = back / size};
+}
+
+static long double bulb_on_ray(const mandelbulb *s, const sgt_ray *ray, long double t)
+{
+    return bulb_by_angles(s, ray->o, t * ray->d.x, t * ray->d.y, t * ray->d.z);
+}
+
+/* F by angles is in the enclosure at points of the cell, and what it rises between two of them is in that
+ * of the slope (the mean value theorem).  And it is narrow: by how much it is too wide falls with the
+ * square of the cell. */
+static void test_bulb_enclosure(long count)
+{
+    long sloped = 0, small = 0, square = 0;
+    for (long i = 0; i < count; i++) {
+        const mandelbulb s = {.escape = uniform(1.2, 4), .iterations = 1 + (int)uniform(0, 6)};
+        sgt_ray ray = ray_at_bulb(&s, i);
+        double width = pow(10, uniform(-7, 0.3)) / length(ray.d), from = ray.tmin - uniform(0, width);
+        if (i % 4 == 0) width = 1e-5 / length(ray.d);
+        sgt_interval t = {from, from + width}, slope, g = mandelbulb_ops.enclose(&s, &ray, t, &slope);
+        long double f[17], lowest = HUGE_VALL, highest = -HUGE_VALL;
+        for (int k = 0; k <= 16; k++) {
+            f[k] = bulb_on_ray(&s, &ray, k == 16 ? t.hi : t.lo + (t.hi - t.lo) * (k / 16.0L));
+            lowest = fminl(lowest, f[k]), highest = fmaxl(highest, f[k]);
+            require(g.lo <= f[k] && f[k] <= g.hi, "bulb, enclosure", ray.o, (double)f[k], g.lo);
+        }
+        bool known = fabs(slope.lo) < HUGE_VAL && fabs(slope.hi) < HUGE_VAL;
+        sloped += known;
+        for (int k = 0; k < 16 && known && width * length(ray.d) > 1e-5; k++)
+            for (int j = k + 1; j <= 16; j += 5) {
+                long double rise = (f[j] - f[k]) / ((j - k) / 16.0L * (t.hi - t.lo)),
+                            off = 1e-9L * (1 + fabsl(rise));
+                require(slope.lo <= rise + off && rise - off <= slope.hi, "bulb, slope", ray.o, (double)rise,
+                        slope.lo);
+            }
+        if (i % 4 || !known || lowest > 0.5L || highest < -0.5L) continue;
+        sgt_interval part = {from + 0.45 * width, from + 0.55 * width},
+                     narrow = mandelbulb_ops.enclose(&s, &ray, part, &slope);
+        double too_wide = g.hi - g.lo - (double)(highest - lowest),
+               then = narrow.hi - narrow.lo -
+                      fabs((double)(bulb_on_ray(&s, &ray, part.hi) - bulb_on_ray(&s, &ray, part.lo)));
+        small++, square += then < 0.02 * too_wide + 1e-11;
+    }
+    printf("bulb: %ld of %ld cells have a slope; of %ld small ones %ld are narrower by the square\n", sloped,
+           count, small, square);
+    require(small > count / 200 && square > small * 9 / 10, "bulb, narrow cells", (vec3){0}, (double)small,
+            (double)square);
+}
+
+/* Whole rays: a hit is where F changes its sign, and before it, or all along where nothing is met, F by
+ * angles keeps its sign at many points.  Of those that start on the surface, too. */
+static void test_bulb_rays(long count)
+{
+    long undecided[2] = {0}, hits = 0;
+    for (long i = 0; i < count; i++) {
+        const mandelbulb s = {.escape = 2, .iterations = 1 + (int)uniform(0, 5)};
+        bool plane = i % 4 == 0;
+        sgt_surface surface = {&mandelbulb_ops, &s};
+        sgt_ray ray = ray_at_bulb(&s, plane ? 1 : 0);
+        ray.tmin = 0;
+        sgt_hit hit = sgt_intersect(surface, ray, NULL);
+        if (i % 2 && hit.status > 0) {
+            ray = (sgt_ray){.o = hit.p, .d = direction()};
+            hit = sgt_intersect(surface, ray, NULL);
+        }
+        undecided[plane] += hit.status < 0;
+        hits += hit.status > 0;
+        if (hit.status < 0) continue;
+        double end = (hit.status > 0 ? hit.t : 7 / length(ray.d)), off = 1e-9 / length(ray.d);
+        long double first = bulb_on_ray(&s, &ray, fmin(off, 0.5 * end));
+        for (int k = 1; k < 400; k++) {
+            long double here = bulb_on_ray(&s, &ray, off + (end - 2 * off) * (k / 400.0L));
+            require(end < 3 * off || first * here > 0, "bulb, a root before the first", ray.o, end * k / 400,
+                    end);
+        }
+        if (hit.status != SGT_HIT) continue;
+        long double a = bulb_on_ray(&s, &ray, hit.t - hit.t_err - off),
+                    b = bulb_on_ray(&s, &ray, hit.t + hit.t_err + off);
+        require(a * b < 0 || end < 3 * off, "bulb, no change of sign at the hit", ray.o, (double)a,
+                (double)b);
+    }
+    printf("bulb: %ld rays, %ld hits, %ld undecided, and %ld in a plane of symmetry\n", count, hits,
+           undecided[0], undecided[1]);
+    require(hits > count / 3 && undecided[0] <= count / 200 && undecided[1] <= count / 50,
+            "bulb, undecided rays", (vec3){0}, (double)undecided[0], (double)undecided[1]);
+}
+
+/* ------------------------------------------------------------------ the box */
+
+/* The roots are where the ray is on a wall and within the others. */
+static void test_box(long count)
+{
+    long undecided = 0;
+    for (long i = 0; i < count; i++) {
+        const box s = {{uniform(0.1, 2), uniform(0.1, 2), uniform(0.1, 2)}};
+        vec3 at = {uniform(-2, 2), uniform(-2, 2), uniform(-2, 2)}, d = direction();
+        if (i % 5 == 0) d.x = 0, d = unit(d);
+        if (i % 25 == 0) d = (vec3){0, 0, 1};
+        sgt_ray ray = {.o = along(at, -uniform(0, 6), d), .d = scaled(d, pow(10, uniform(-1, 1)))};
+        const double o[3] = {ray.o.x, ray.o.y, ray.o.z}, v[3] = {ray.d.x, ray.d.y, ray.d.z};
+        long double in = -HUGE_VALL, out = HUGE_VALL, near = HUGE_VALL;
+        for (int k = 0; k < 3; k++) {
+            if (v[k] == 0 && fabs(o[k]) > s.half[k]) in = HUGE_VALL;
+            if (v[k] == 0) continue;
+            long double a = ((long double)-s.half[k] - o[k]) / v[k],
+                        b = ((long double)s.half[k] - o[k]) / v[k];
+            in = fmaxl(in, fminl(a, b)), out = fminl(out, fmaxl(a, b));
+        }
+        near = fabsl(in - out) * length(ray.d);
+        sgt_hit hit[4];
+        int met = sgt_intersect_all((sgt_surface){&box_ops, &s}, ray, 4, hit, NULL), wanted = 0;
+        long double roots[2];
+        if (in <= out && in > 0) roots[wanted++] = in;
+        if (in <= out && out > 0) roots[wanted++] = out;
+        if (near < 1e-9L || fabsl(in) < 1e-9L || fabsl(out) < 1e-9L) continue;
+        require(met == wanted, "box, the number of roots", ray.o, met, wanted);
+        for (int k = 0; k < wanted && met == wanted; k++) {
+            bool good = hit[k].status == SGT_HIT &&
+                        fabsl(hit[k].t - roots[k]) <= hit[k].t_err + 1e-15L * fabsl(roots[k]);
+            require(good, "box, a root", ray.o, hit[k].t, (double)roots[k]);
+        }
+        sgt_hit first = sgt_intersect((sgt_surface){&box_ops, &s}, ray, NULL);
+        require(first.status == (wanted ? SGT_HIT : SGT_MISS), "box, the first", ray.o, first.status, wanted);
+        if (!wanted) continue;
+        require(fabsl(first.t - roots[0]) <= first.t_err + 1e-15L * fabsl(roots[0]), "box, the first root",
+                ray.o, first.t, (double)roots[0]);
+        /* off the face it has met: out of it nothing is met, into it the other side */
+        vec3 turn = direction();
+        bool inward = dot(turn, first.n) < 0;
+        sgt_hit next = sgt_intersect((sgt_surface){&box_ops, &s}, (sgt_ray){.o = first.p, .d = turn}, NULL);
+        undecided += next.status < 0;
+        require(next.status < 0 || next.status == (inward ? SGT_HIT : SGT_MISS), "box, from a face", first.p,
+                next.status, inward);
+    }
+    printf("box: %ld rays, %ld from a face undecided\n", count, undecided);
+    require(undecided <= count / 1000, "box, undecided rays", (vec3){0}, (double)undecided, 0);
 }
 
 /* -------------------------------------------------- -------- the edge */
@@ -136,6 +287,17 @@ static void edge_along(const void *self, const sgt_ray *ray, long double t, long
     const edge *s = self;
     long double x = ray->o.x + t * ray->d.x, y = ray->o.y + t * ray->d.y, r = s->radius;
     *g = (x * x + y * y - r * r) / (2 * r), *slope = (x * ray->d.x + y * ray->d.y) / r;
+}
+
+static void box_along(const void *self, const sgt_ray *ray, long double t, long double *g, long double *slope)
+{
+    const box *s = self;
+    const double o[3] = {ray->o.x, ray->o.y, ray->o.z}, d[3] = {ray->d.x, ray->d.y, ray->d.z};
+    *g = -HUGE_VALL;
+    for (int i = 0; i < 3; i++) {
+        long double x = o[i] + t * d[i], f = fabsl(x) - s->half[i];
+        if (f > *g) *g = f, *slope = x > 0 ? d[i] : -d[i];
+    }
 }
 
 typedef void along_a_ray(const void *self, const sgt_ray *ray, long double t, long double *g,
@@ -167,7 +329,9 @@ static void test_enclosures(long count)
 {
     for (long i = 0; i < count; i++) {
         const edge rim = {.radius = uniform(0.1, 2), .from = -1, .to = 1};
-            test_enclosure((sgt_surface){&edge_ops, &rim}, edge_along, 2);
+        const box cube = {{uniform(0.1, 2), uniform(0.1, 2), uniform(0.1, 2)}};
+        test_enclosure((sgt_surface){&edge_ops, &rim}, edge_along, 2);
+        test_enclosure((sgt_surface){&box_ops, &cube}, box_along, 1);
     }
 }
 
@@ -216,11 +380,12 @@ static void test_conformance(long count)
 {
     const mandelbulb bulb = {.escape = 2, .iterations = 4};
     const edge rim = {.radius = 1, .from = -0.5, .to = 0.5};
-    const sgt_surface several[] = {{&mandelbulb_ops, &bulb}, {&edge_ops, &rim}};
+    const box cube = {{1, 0.7, 0.5}};
+    const sgt_surface several[] = {{&mandelbulb_ops, &bulb}, {&edge_ops, &rim}, {&box_ops, &cube}};
     for (long i = 0; i < count; i++) {
         vec3 d = direction(), at = scaled(direction(), uniform(0, 1.2)), where = {0};
         sgt_ray ray = {.o = along(at, -4, d), .d = d, .tmin = 0, .tmax = 8};
-        for (int k = 0; k < 2; k++) {
+        for (int k = 0; k < 3; k++) {
             sgt_fault fault = sgt_check(several[k], 1, &ray, &where);
             require(fault == SGT_SOUND, sgt_fault_text(fault), ray.o, k, where.z);
         }
@@ -233,7 +398,8 @@ static void test_many(long count)
     enum { MOST = 37 };
     const mandelbulb bulb = {.escape = 2, .iterations = 4};
     const edge rim = {.radius = 1, .from = -0.5, .to = 0.5};
-    const sgt_surface several[] = {{&mandelbulb_ops, &bulb}, {&edge_ops, &rim}};
+    const box cube = {{1, 0.7, 0.5}};
+    const sgt_surface several[] = {{&mandelbulb_ops, &bulb}, {&edge_ops, &rim}, {&box_ops, &cube}};
     for (long i = 0; i < count; i++) {
         double o[3][MOST], d[3][MOST], f[2][MOST], grad[3][MOST], lo[MOST], hi[MOST], seed[MOST];
         bool single[MOST];
@@ -244,8 +410,8 @@ static void test_many(long count)
             d[2][k] = q.z;
         }
         const sgt_rays rays = {.o = {o[0], o[1], o[2]}, .d = {d[0], d[1], d[2]}};
-        const sgt_surface_ops *ops = several[i % 2].ops;
-        const void *self = several[i % 2].self;
+        const sgt_surface_ops *ops = several[i % 3].ops;
+        const void *self = several[i % 3].self;
         size_t n = 1 + (size_t)uniform(0, MOST);
         if (ops->values) {
             ops->values(self, n, (sgt_points){{o[0], o[1], o[2]}},
@@ -279,6 +445,10 @@ int main(void)
     state = seed ? strtoull(seed, NULL, 0) : 1;
     printf("SAGITTA_TEST_SEED=%llu, SAGITTA_TEST_SCALE=%g\n", (unsigned long long)state, times);
     test_bulb(1 + (long)(2000 * times));
+    test_models(1 + (long)(300000 * times));
+    test_bulb_enclosure(1 + (long)(20000 * times));
+    test_bulb_rays(1 + (long)(2000 * times));
+    test_box(1 + (long)(20000 * times));
     test_enclosures(1 + (long)(20000 * times));
     test_edge_spans(1 + (long)(20000 * times));
     test_many(1 + (long)(2000 * times));

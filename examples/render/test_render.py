@@ -14,6 +14,7 @@ import sys
 import tempfile
 import traceback
 import zlib
+from random import Random
 
 SCENES = sorted((pathlib.Path(__file__).resolve().parent / 'scenes').glob('*.yaml'))
 RENDER = os.path.abspath(sys.argv[1])
@@ -366,6 +367,379 @@ def test_reflection():
     assert max(map(max, dark.pixels())) == 0
 
 
+# --------------------------------------------------------------- every type, by height
+
+# Only the sky's light, white everywhere: what is seen is the colour itself.
+WHITE = """
+picture: {size: [64, 48], samples: 16}
+camera: {position: [%s], look_at: [%s], field: %s}
+sky: {zenith: [1, 1, 1], horizon: [1, 1, 1], ground: [1, 1, 1]}
+ambient: {strength: 1, rays: 0}
+objects:
+"""
+ABOVE = (0.3, -3, 24)
+
+
+def conic(c, k, r2):
+    return c * r2 / (1 + math.sqrt(1 - (1 + k) * c * c * r2))
+
+
+def ball(radius):
+    return lambda x, y: math.sqrt(radius * radius - x * x - y * y)
+
+
+def q_bfs(x, y):
+    u2 = (x * x + y * y) / 16
+    return conic(0.05, 0, x * x + y * y) + u2 * (1 - u2) / math.sqrt(1 - 0.0025 * (x * x + y * y)) \
+        * (1.5 - 0.8 * (13 - 16 * u2) / math.sqrt(19))
+
+
+def toroid(x, y):
+    profile = 0.1 * y * y / (1 + math.sqrt(1 - 0.4 * 0.01 * y * y)) + 1e-3 * y ** 4
+    return (1 - math.sqrt((1 - 0.07 * profile) ** 2 - 0.0049 * x * x)) / 0.07
+
+
+def biconic(x, y):
+    return (0.1 * x * x - 0.07 * y * y) / (1 + math.sqrt(1 - 0.4 * 0.01 * x * x - 1.3 * 0.0049 * y * y))
+
+
+def fringe(x, y):
+    u, a = math.hypot(x, y) / 4, math.atan2(y, x)
+    return 0.2 * u * math.cos(a) + 0.3 * (2 * u * u - 1) - 0.4 * u * u * math.sin(2 * a)
+
+
+ROWS = [[round(0.05 * (x - 2) ** 2 - 0.03 * (y - 2) * (x - 2) + 0.1 * (y - 2), 3) for x in range(5)] for y in range(5)]
+
+# type: its keys, what is seen from above, how far out
+HEIGHTS = {
+    'plane': ('', lambda x, y: 0, 3),
+    'sphere': ('radius: -8', lambda x, y: conic(-0.125, 0, x * x + y * y), 3),
+    'conic': ('curvature: 0.1, conic: -2', lambda x, y: conic(0.1, -2, x * x + y * y), 3),
+    'even_asphere': ('curvature: 0.1, coefficients: [-0.1, 5e-3]', lambda x, y: conic(0.1, 0, x * x + y * y)
+                     - 0.1 * (x * x + y * y) + 5e-3 * (x * x + y * y) ** 2, 3),
+    'odd_asphere': ('coefficients: [-0.3, 0, 0.02]', lambda x, y: -0.3 * math.hypot(x, y) + 0.02 * math.hypot(x, y) ** 3, 3),
+    'polynomial_xy': ('coefficients: [[0, 0.1, -0.05], [0, 0.06], [0.04]]',
+                      lambda x, y: 0.1 * y - 0.05 * y * y + 0.06 * x * y + 0.04 * x * x, 3),
+    'toroidal': ('curvature: 0.1, conic: -0.6, curvature_x: 0.07, coefficients: [0, 1e-3]', toroid, 3),
+    'biconic': ('radius_x: 10, conic_x: -0.6, curvature_y: -0.07, conic_y: 0.3', biconic, 3),
+    'cylinder': ('curvature: 0.2, conic: -1', lambda x, y: 0.1 * y * y, 3),
+    'zernike': ('norm: 4, order: fringe, coefficients: [0, 0.2, 0, 0.3, 0, -0.4]', fringe, 3),
+    'chebyshev': ('norm_x: 4, norm_y: 5, coefficients: [[0, 0.3], [0.2, -0.3, 0], [0.4]]',
+                  lambda x, y: 0.3 * y / 5 + 0.2 * x / 4 - 0.3 * x * y / 20 + 0.4 * (2 * x * x / 16 - 1), 3),
+    'q_con': ('norm: 4, coefficients: [0.9, 0.5]', lambda x, y: ((x * x + y * y) / 16) ** 2
+              * (0.9 - 0.5 * (5 - 6 * (x * x + y * y) / 16)), 3),
+    'q_bfs': ('radius: 20, norm: 4, coefficients: [1.5, -0.8]', q_bfs, 3),
+    'grid': (f'step_x: 1.5, step_y: 2, sag: {ROWS}', lambda x, y: 0.05 * (x / 1.5) ** 2 - 0.01 * x * y
+             + 0.05 * y, 2.5),
+    'sum': ('terms: [{type: even_asphere, coefficients: [0.04]}, {type: polynomial_xy, coefficients: [[0, 0.1], [0, 0.05]]}]',
+            lambda x, y: 0.04 * (x * x + y * y) + 0.1 * y + 0.05 * x * y, 3),
+    'quadric': ('squares: [1, 2, 1], constant: -16', lambda x, y: math.sqrt(16 - x * x - 2 * y * y), 2),
+    'torus': ('major: 2, minor: 1', lambda x, y: math.sqrt(1 - (math.hypot(x, y) - 2) ** 2), 0),
+    'ellipsoid': ('a: 4, f: 0.5', lambda x, y: 0.5 * math.sqrt(16 - x * x - y * y), 2.5),
+    'julia': ('c: [0, 0, 0, 0], iterations: 1, escape: 16', ball(4), 2.5),
+    'mandelbrot': ('iterations: 1, escape: 4', ball(4), 2.5),
+    'mandelbulb': ('iterations: 1, escape: 4', ball(4), 2.5),
+    'box': ('half: [3, 2.5, 0.5]', lambda x, y: 0.5, 2.3),
+}
+
+
+def test_every_type():
+    """Each type of the catalogue, once: its heights, seen as shades of grey, are those of its formula."""
+    rows = (pathlib.Path(__file__).resolve().parents[2] / 'src' / 'types.def').read_text()
+    missing = set(re.findall(r'^TYPE\(\w+, (\w+),', rows, re.M)) - set(HEIGHTS) - {'formula'}
+    assert not missing, missing
+    size, at = (64, 48), (0, 0, 0)
+    for name, (keys, height, reach) in HEIGHTS.items():
+        def point(x, y):
+            d, z = direction(size, ABOVE, at, 16, x, y), 0.0
+            for _ in range(60):
+                p = add(ABOVE, d, (z - ABOVE[2]) / d[2])
+                z = height(p[0], p[1])
+            return p, z
+        near = [(x, y) for y in range(48) for x in range(64) if math.hypot(x - 32, y - 24) < 22]
+        seen = {}
+        for x, y in near:
+            try:
+                p, z = point(x, y)
+            except ValueError:
+                continue
+            r = math.hypot(p[0], p[1])
+            if r < reach or (name == 'torus' and abs(r - 2) < 0.6):
+                seen[x, y] = z
+        assert len(seen) > 200, (name, len(seen))
+        lo, hi = min(seen.values()) - 0.05, max(seen.values()) + 0.05
+        text = WHITE % (', '.join(map(str, ABOVE)), '0, 0, 0', 16)
+        text += f'  - {{type: {name}{", " if keys else ""}{keys}, material: {{colour: {{blend: z, from: {lo}, to: {hi}, ' \
+                'colours: [[0, 0, 0], [0.7, 0.7, 0.7]]}}}\n'
+        picture, said = draw(text, '--samples', '64')
+        assert ' 0 undecided' in said, (name, said)
+        for (x, y), z in seen.items():
+            grey, wanted = linear(picture.at(x, y)[0]), 0.7 * (z - lo) / (hi - lo)
+            assert abs(grey - wanted) < 0.025, (name, x, y, grey, wanted)
+
+
+def test_tables_from_files():
+    """A file of heights is looked for beside the scene."""
+    text = WHITE % ('0, -3, 9', '0, 0, 0', 30) + '  - {type: grid, step_x: 1, step_y: 1, sag: %s}\n'
+    path = written(text % 'heights.csv')
+    (path.parent / 'heights.csv').write_text('\n'.join(','.join(map(str, row)) for row in ROWS) + '\n')
+    assert draw(path)[0].rows == draw(text % ROWS)[0].rows
+
+
+# ------------------------------------------------------- union, intersection, difference
+
+def turn(degrees, v):
+    """Rz Ry Rx v."""
+    for axis, angle in enumerate(degrees):
+        c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+        i, j = ((1, 2), (2, 0), (0, 1))[axis]
+        v = list(v)
+        v[i], v[j] = c * v[i] - s * v[j], s * v[i] + c * v[j]
+    return v
+
+
+class Part:
+    """A ball, a box or the half below a plane, placed: where a ray is in it."""
+
+    def __init__(self, kind, size, position=(0, 0, 0), rotation=(0, 0, 0), colour=(0.5, 0.5, 0.5)):
+        self.kind, self.size, self.position, self.rotation, self.colour = kind, size, position, rotation, colour
+        self.axes = [turn(rotation, e) for e in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
+
+    def yaml(self):
+        keys = {'ball': lambda: f'type: ellipsoid, a: {self.size}', 'box': lambda: f'type: box, half: {list(self.size)}',
+                'half': lambda: 'type: plane'}[self.kind]()
+        return f'{{{keys}, position: {list(self.position)}, rotation: {list(self.rotation)}, ' \
+               f'material: {{colour: {list(self.colour)}}}}}'
+
+    def stretch(self, o, d):
+        """(from, to) along the ray; None: nothing of it."""
+        o = [dot(e, add(o, self.position, -1)) for e in self.axes]
+        d = [dot(e, d) for e in self.axes]
+        if self.kind == 'ball':
+            b, w = dot(o, d), dot(o, d) ** 2 - dot(o, o) + self.size ** 2
+            return (-b - math.sqrt(w), -b + math.sqrt(w)) if w > 0 else None
+        if self.kind == 'half':
+            t = -o[2] / d[2]
+            return (t, math.inf) if d[2] < 0 else (-math.inf, t)
+        slabs = [sorted(((-h - a) / b, (h - a) / b)) for h, a, b in zip(self.size, o, d)]
+        lo, hi = max(s[0] for s in slabs), min(s[1] for s in slabs)
+        return (lo, hi) if lo < hi else None
+
+    def parts(self):
+        return [self]
+
+    def has(self, stretches, t):
+        s = stretches[self]
+        return s is not None and s[0] < t < s[1]
+
+
+class Tree:
+    def __init__(self, how, *of):
+        self.how, self.of = how, of
+
+    def yaml(self):
+        return f'{{{self.how}: [' + ', '.join(part.yaml() for part in self.of) + ']}'
+
+    def parts(self):
+        return [leaf for part in self.of for leaf in part.parts()]
+
+    def has(self, stretches, t):
+        states = [part.has(stretches, t) for part in self.of]
+        return {'union': any(states), 'intersection': all(states), 'difference': states[0] and not any(states[1:])}[self.how]
+
+
+def first_hit(tree, o, d, keep=lambda p: True):
+    """(t, part) of the body's border; None: a miss; 'near': two borders are too near each other to tell."""
+    stretches = {part: part.stretch(o, d) for part in tree.parts()}
+    ends = sorted((t, part.kind, id(part), part) for part, s in stretches.items() if s for t in s if 0 < t < math.inf)
+    for (t, *_), (u, *_) in zip(ends, ends[1:]):
+        if u - t < 1e-5:
+            return 'near'
+    for t, _, _, part in ends:
+        if tree.has(stretches, t - 1e-6) != tree.has(stretches, t + 1e-6) and keep(add(o, d, t)):
+            return t, part
+    return None
+
+
+def random_tree(random, depth, colours):
+    if depth == 0 or (depth < 3 and random.random() < 0.25):
+        kind = random.choice(('ball', 'ball', 'box', 'box', 'half'))
+        size = {'ball': round(random.uniform(0.5, 1.3), 3), 'half': 0,
+                'box': tuple(round(random.uniform(0.3, 1.2), 3) for _ in range(3))}[kind]
+        place = [round(random.uniform(-0.8, 0.8), 3) for _ in range(3)]
+        return Part(kind, size, place, [round(random.uniform(-90, 90), 2) for _ in range(3)], colours.pop())
+    how = random.choice(('union', 'intersection', 'difference'))
+    return Tree(how, *(random_tree(random, depth - 1, colours) for _ in range(random.choice((2, 2, 3)))))
+
+
+def all_colours():
+    levels = (0.1, 0.4, 0.7)
+    return [(r, g, b) for r in levels for g in levels for b in levels][::-1] * 2
+
+
+LOOK = ((2.1, -4.3, 2.4), (0, 0, 0), 36, (64, 48))
+
+
+def compare(text, seen):
+    """Status of every pixel, and colours where all neighbours are of one part.  seen(o, d): as first_hit."""
+    eye, at, field, size = LOOK
+    status, said = draw(text, '--paint', 'status')
+    picture, _ = draw(text)
+    hits = [[seen(eye, direction(size, eye, at, field, x, y)) for x in range(64)] for y in range(48)]
+    coloured = met = 0
+    for y in range(48):
+        for x in range(64):
+            hit = hits[y][x]
+            if hit == 'near':
+                continue
+            met += hit is not None
+            assert status.code(x, y) == (HIT if hit else MISS), (text, x, y, hit, hex(status.code(x, y)))
+            around = [hits[v][u] for v in range(max(y - 1, 0), min(y + 2, 48)) for u in range(max(x - 1, 0), min(x + 2, 64))]
+            if not hit or any(h in ('near', None) or h[1] is not hit[1] for h in around):
+                continue
+            coloured += 1
+            if all(abs(linear(a) - b) < 0.02 for a, b in zip(picture.at(x, y), hit[1].colour)):
+                continue
+            # or something thin between the middles of pixels
+            between = [seen(eye, direction(size, eye, at, field, x + i / 16, y + j / 16)) for i in range(-16, 17) for j in range(-16, 17)]
+            assert any(h in ('near', None) or h[1] is not hit[1] for h in between), (text, x, y, picture.at(x, y), hit[1].colour)
+    return met, coloured, said
+
+
+def test_random_trees():
+    """Unions, intersections and differences within each other, of balls, boxes and halves: what is met first, and if."""
+    seed = int(os.environ.get('SAGITTA_TEST_SEED', 1))
+    scale = float(os.environ.get('SAGITTA_TEST_SCALE', 1))
+    random, met = Random(seed), 0
+    print(f'SAGITTA_TEST_SEED={seed}')
+    text = WHITE % tuple(', '.join(map(str, v)) if isinstance(v, tuple) else v for v in LOOK[:3])
+    for _ in range(int(14 * scale)):
+        tree = random_tree(random, random.choice((1, 1, 2, 3)), all_colours())
+        if isinstance(tree, Part):
+            continue
+        body = text + f'  - {tree.yaml()}\n'
+        met += compare(body, lambda o, d: first_hit(tree, o, d))[0] > 100
+    assert met >= 4 * scale, met
+
+
+A = Part('ball', 1.2, (0, 0, 0), (0, 0, 0), (0.7, 0.1, 0.1))
+B = Part('ball', 0.9, (0.6, -0.5, 0.4), (0, 0, 0), (0.1, 0.7, 0.1))
+C = Part('box', (0.9, 0.5, 0.8), (0.2, 0.1, 0), (20, 10, 30), (0.1, 0.1, 0.7))
+
+
+def scene_of(*bodies):
+    text = WHITE % tuple(', '.join(map(str, v)) if isinstance(v, tuple) else v for v in LOOK[:3])
+    return text + ''.join(f'  - {body}\n' for body in bodies)
+
+
+def test_operations():
+    """Each by itself, and one that is placed as a whole."""
+    for how in ('union', 'intersection', 'difference'):
+        for parts in ((A, B), (B, A), (A, C, B)):
+            tree = Tree(how, *parts)
+            met, coloured, said = compare(scene_of(tree.yaml()), lambda o, d: first_hit(tree, o, d))
+            assert met > 100 and coloured > 50 and ' 0 undecided' in said, (how, met, coloured, said)
+    tree = Tree('difference', A, B)
+
+    def placed(o, d):
+        axes = [turn((10, 20, 30), e) for e in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
+        return first_hit(tree, [dot(e, add(o, (0.3, 0.2, -0.1), -1)) / 0.8 for e in axes], [dot(e, d) for e in axes])
+    text = scene_of(tree.yaml()[:-1] + ', position: [0.3, 0.2, -0.1], rotation: [10, 20, 30], scale: 0.8}')
+    assert compare(text, placed)[0] > 300
+
+
+def test_clips():
+    """By a ball, a box, an object and what is outside of one; of a surface, and of a compound; and two at once."""
+    box, c = Part('box', (0.9, 0.6, 1), (0.2, 0, 0.1), (0, 0, 25)), Part('ball', 0.8, (0.4, -0.6, 0.5))
+    inside = {'ball': lambda p: dot(p, p) < 1.21, 'moved': lambda p: dot(add(p, (0.4, -0.6, 0.5), -1), add(p, (0.4, -0.6, 0.5), -1)) < 0.64,
+              'box': lambda p: all(abs(dot(e, add(p, box.position, -1))) < h for e, h in zip(box.axes, box.size))}
+    moved = '{ball: 0.8, position: [0.4, -0.6, 0.5]}'
+    boxed = '{box: [0.9, 0.6, 1], position: [0.2, 0, 0.1], rotation: [0, 0, 25]}'
+    clips = [('{ball: 1.1}', inside['ball']), (moved, inside['moved']), (boxed, inside['box']),
+             (f'{{object: {c.yaml()}}}', inside['moved']), (f'{{outside: {c.yaml()}}}', lambda p: not inside['moved'](p)),
+             (f'{{outside: {box.yaml()}}}', lambda p: not inside['box'](p)),
+             (f'[{boxed}, {{outside: {c.yaml()}}}]', lambda p: inside['box'](p) and not inside['moved'](p)),
+             (f'{{object: {{union: [{c.yaml()}, {box.yaml()}]}}}}', lambda p: inside['moved'](p) or inside['box'](p))]
+    for body in (Tree('union', A, C), Tree('difference', C, B)):
+        for text, keep in clips:
+            yaml = body.yaml()[:-1] + f', clip: {text}}}'
+            met = compare(scene_of(yaml), lambda o, d: first_hit(body, o, d, keep))[0]
+            assert met > 20 or (met == 0 and text == '{ball: 1.1}'), (yaml, met)  # A is all outside of that
+    # of one surface, in its own frame, which is moved and scaled
+    for text, keep in clips[1:]:
+        yaml = A.yaml()[:-1].replace('position: [0, 0, 0]', 'position: [0.1, 0.2, 0.3], scale: 0.9') + f', clip: {text}}}'
+        met = compare(scene_of(yaml), lambda o, d: first_hit(A, [v / 0.9 for v in add(o, (0.1, 0.2, 0.3), -1)], d, keep))[0]
+        assert met > 20, (yaml, met)
+
+
+def test_shadow_and_mirror_of_a_difference():
+    """Shadow rays and reflected ones meet the same body: a ball with a ball taken out of it, over a mirror."""
+    tree, light = Tree('difference', Part('ball', 0.9, (0, 0, 1.2), colour=(0.7, 0.1, 0.1)),
+                       Part('ball', 0.8, (0.3, -0.5, 1.5), colour=(0.1, 0.1, 0.7))), (0.5, -0.4, 6)
+    picture, said = draw(FLOOR.replace('0.5, 0, 4', '0.5, -0.4, 6') + f'  - {tree.yaml()}\n')
+    dark = lit = 0
+    for y in range(48):
+        for x in range(64):
+            p = floor_point(x, y)
+            if first_hit(tree, (0, -6, 5), unit(add(p, (0, -6, 5), -1))):
+                continue
+            shades = {first_hit(tree, q, unit(add(light, q, -1))) is None for q in
+                      (floor_point(x + i / 2, y + j / 2) for i in (-2, 0, 2) for j in (-2, 0, 2))}
+            if len(shades) > 1:
+                continue
+            dark, lit = dark + (shades == {False}), lit + (shades == {True})
+            assert (picture.at(x, y)[0] > 40) == (shades == {True}), (x, y, picture.at(x, y))
+    assert dark > 100 and lit > 1000 and ', 0 undecided' in said, (dark, lit, said)
+    mirror = scene_of(tree.yaml(), '{type: plane, material: {reflection: 1}}')
+    eye, at, field, size = LOOK
+    picture, _ = draw(mirror)
+
+    def seen(x, y):
+        d = direction(size, eye, at, field, x, y)
+        if d[2] >= 0 or first_hit(tree, eye, d):
+            return None
+        return first_hit(tree, add(eye, d, -eye[2] / d[2]), (d[0], d[1], -d[2]))
+    hits, compared = [[seen(x, y) for x in range(64)] for y in range(48)], 0
+    for y in range(1, 47):
+        for x in range(1, 63):
+            around = [hits[y + j][x + i] for i in (-1, 0, 1) for j in (-1, 0, 1)]
+            if all(isinstance(h, tuple) and h[1] is around[0][1] for h in around):
+                compared += 1
+                assert all(abs(linear(a) - b) < 0.02 for a, b in zip(picture.at(x, y), around[0][1].colour)), (x, y)
+    assert compared > 30, compared
+
+
+UNPROVEN = 0xe69f00
+
+
+def test_undecided_parts():
+    """What cannot be told is told so, where it matters and nowhere else."""
+    def codes(body):
+        picture, said = draw(scene_of(body), '--paint', 'status')
+        return [picture.code(x, y) for y in range(48) for x in range(64)], said
+    ball_at = A.yaml()
+    alone, _ = codes(ball_at)
+    # the same ball twice: its borders coincide
+    for how in ('union', 'intersection'):
+        assert codes(f'{{{how}: [{ball_at}, {ball_at}]}}')[0] == alone, how
+    twice, said = codes(f'{{difference: [{ball_at}, {ball_at}]}}')
+    assert all(b == (UNPROVEN if a == HIT else MISS) for a, b in zip(alone, twice)), said
+    assert f' {alone.count(HIT)} undecided' in said, said
+    # a part that is given up matters only where it may be seen
+    torus = '{type: torus, major: 0.9, minor: 0.5, max_evals: 1, position: [%s]}'
+    given_up, _ = codes(torus % '0, 0, 0')
+    assert given_up.count(EXHAUSTED) > 300
+    within, said = codes(f'{{intersection: [{{type: ellipsoid, a: 2.5}}, {torus % "0, 0, 0"}]}}')
+    assert within == given_up and f' {within.count(EXHAUSTED)} undecided' in said, said
+    behind, said = codes(f'{{difference: [{ball_at}, {torus % "-2.1, 4.3, -2.4"}]}}')
+    assert behind == alone and ' 0 undecided' in said, said
+    cut, said = codes(f'{{difference: [{ball_at}, {torus % "0, 0, 0"}]}}')
+    assert 50 < cut.count(EXHAUSTED) < 2000 and set(cut) <= {HIT, MISS, EXHAUSTED}, said
+    assert f' {cut.count(EXHAUSTED)} undecided' in said, said
+    for a, b in zip(alone, cut):
+        assert b == MISS or a == HIT  # outside of the ball nothing is undecided
+
+
 # ----------------------------------------------------------- what must not matter
 
 def unlike(one, other, levels):
@@ -546,6 +920,38 @@ WRONG = [
     ('  - {type: torus', '  - 7\n  - {type: torus', 8, 'objects'),
     ('  - {type: torus', '  - {[1]: 2, type: torus', 8, 'key'),
     ('minor: 0.3}', 'minor: 0.3', 9, ''),
+    ('type: torus, major: 1, minor: 0.3', 'type: zernike, norm: 1, order: noll, coefficients: [0, x]', 8, 'coefficients[1]'),
+    ('type: torus, major: 1, minor: 0.3', 'type: zernike, norm: 1, order: bad', 8, 'order'),
+    ('type: torus, major: 1, minor: 0.3', 'type: grid, step_x: 1, step_y: 1, sag: absent.csv', 8, 'sag'),
+    ('type: torus, major: 1, minor: 0.3', 'type: sum, terms: [{type: torus, major: 1, minor: 0.3}]', 8, 'terms[0]'),
+    ('type: torus, major: 1, minor: 0.3', 'type: polynomial_xy, coefficients:\n      [[1, 2],\n       [3, 1,5m]]', 10,
+     'coefficients[1][2]'),
+    ('major: 1', 'mayor: 1', 8, 'mayor'),
+    ('major: 1', 'positon: [0, 0, 0], major: 1', 8, 'rotation scale'),
+    ('major: 1', '? "a b\\x41" : 1, major: 1', 8, 'a bA'),
+    ('major: 1', 'clip: 5, major: 1', 8, 'clip'),
+    ('major: 1', 'clip: {bal: 1}, major: 1', 8, 'ball, box, object, outside'),
+    ('major: 1', 'clip: {ball: 0}, major: 1', 8, 'ball'),
+    ('major: 1', 'clip: {ball: 1, box: [1, 1, 1]}, major: 1', 8, 'box'),
+    ('major: 1', 'clip: {box: [1, 1]}, major: 1', 8, 'box'),
+    ('major: 1', 'clip: {object: {type: edge, radius: 1, from: 0, to: 1}}, major: 1', 8, 'edge has no inside'),
+    ('major: 1', 'clip: {outside: {type: ellipsoid}}, major: 1', 8, 'a: '),
+    ('major: 1', 'clip: {object: {type: ellipsoid, a: 1}, position: [0, 0, 1]}, major: 1', 8, 'position'),
+    ('major: 1', 'clip: [], major: 1', 8, 'clip'),
+    ('type: torus, major: 1, minor: 0.3', 'type: box, half: [1, 0, 1]', 8, 'half'),
+    ('type: torus, major: 1, minor: 0.3', 'union: [{type: ellipsoid, a: 1}]', 8, 'union'),
+    ('type: torus, major: 1, minor: 0.3', 'union: 3', 8, 'union'),
+    ('{type: torus', '{intersection: [{type: ellipsoid, a: 1}, {type: ellipsoid, a: 2}], type: torus', 8, 'type'),
+    ('{type: torus, major: 1, minor: 0.3', '{union: [{type: plane}, {type: plane}], difference: [{type: plane}, {type: plane}]', 8,
+     'difference'),
+    ('type: torus, major: 1, minor: 0.3', 'union: [{type: plane}, {type: plane}], radius: 1', 8, 'radius'),
+    ('{type: torus, major: 1, minor: 0.3}', 'difference:\n    - {type: plane}\n    - {type: plane, semi_diameter: 1}', 10,
+     'semi_diameter'),
+    ('{type: torus, major: 1, minor: 0.3}', 'difference:\n    - {type: plane}\n    - {type: ellipsoid, a: 1, clip: {ball: 1}}', 10,
+     'clip'),
+    ('{type: torus, major: 1, minor: 0.3}', 'difference:\n    - {type: plane}\n    - {type: ellipsoid, a: -1}', 10, 'a: '),
+    ('  - {type: torus', '  - &a {union: [*a, *a]}\n  - {type: torus', 8, 'union: more than 32 within each other'),
+    ('type: torus, major: 1, minor: 0.3', 'type: sum, terms: &b [*b]', 8, 'terms: too long, or holds itself'),
 ]
 
 

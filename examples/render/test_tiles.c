@@ -50,6 +50,7 @@ int main(int count, char *files[])
         s.width = WIDTH, s.height = HEIGHT;
         for (int paint = PAINT_LIGHT; paint <= PAINT_STATUS; paint++)
             good = same(files[i], &s, (paint_kind)paint) && good;
+        scene_free(&s);
     }
     return !good;
 }

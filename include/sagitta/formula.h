@@ -4,11 +4,10 @@
  * sgt_formula_read makes a tape of the text: a row of steps, each with one operation.
  * Everything that a surface can offer (sagitta.h, sgt_surface_ops) is worked out from the
  * tape: F, its gradient, the rounding of both, enclosures, second derivatives and those
- * by the parameters.  So a formula is proven and differentiated as a built-in surface
- * is.
+ * by the parameters.  So a formula is proven and differentiated as a built-in type is.
  *
  * TWO SURFACES.  sgt_formula_ops is the set F(x, y, z) = 0, clipped by a ball or a box.
- * sgt_formula_sag_ops is the sag z = s(x, y), clipped by a rim, as the sags of surfaces.h.
+ * sgt_formula_sag_ops is the sag z = s(x, y), clipped by a rim, as those of surfaces.h.
  *
  * GRAMMAR
  *
@@ -27,9 +26,9 @@
  * A number is the double nearest to it.  pi is the number itself: an interval.  So is all
  * that is worked out of numbers and parameters alone.
  *
- * A POWER with a whole number is a product and defined for all of its base; with any
- * other exponent it is exp(e log b), defined where b > 0 (and where b = 0, if e > 0).  A
- * whole exponent is one that numbers alone make exactly: 2, -(1 + 1), 4/2, up to 2^20.  A
+ * A POWER with a whole number is a product, or 1 by one, and u^0 is 1.  With any other
+ * exponent it is exp(e log b), defined where b > 0 (and where b = 0, if e > 0).  A whole
+ * exponent is one that numbers alone make exactly: 2, -(1 + 1), 4/2, up to 2^20.  A
  * parameter's value can change, so x^p is exp(p log x), also for p = 2.
  *
  * UNDEFINED is a root of a negative number, a logarithm of 0 or less, an arc sine or
@@ -39,9 +38,10 @@
  * THE VERTEX.  r^n cos(n atan2(y, x)) and r^n sin(n atan2(y, x)), n a whole number up to
  * 64, are worked out as the polynomials that they are, and even powers of r as those of
  * x^2 + y^2.  So they are defined and have a slope at x = y = 0, where atan2(y, x) has
- * neither.  The factors may stand apart in a product, with more of r: a*r^4/b*cos(2*
- * atan2(y, x)) is one.  A sum in parentheses is not multiplied out: r^2*(1 + cos(2*atan2(y,
- * x))) stays as it is.  A quotient takes nothing from r: r^2/r is not defined at 0.
+ * neither.  The factors may stand apart in a product, with more of r, as in
+ * a*r^4/b*cos(2*atan2(y, x)).  But a sum in parentheses is not multiplied out, as in
+ * r^2*(1 + cos(2*atan2(y, x))).  A quotient takes nothing from r: r^2/r is not defined
+ * at 0.
  *
  * THE SAME FUNCTION.  What is worked out has the value of the text at each point and, but
  * at such a vertex, is defined where the text is.  It may be rounded otherwise: equal

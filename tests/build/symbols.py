@@ -69,13 +69,14 @@ def exported_of(shared):
 
 
 def faults_of_versions(shared):
-    """Each name is of the interface that the soname says, so that a program asks for it by version."""
+    """Each name is of the interface that the soname says, or of a later node of it (SAGITTA_1_3), so that a
+    program asks for it by version."""
     [soname] = re.findall(r'\(SONAME\).*\.so\.(\d+)\]', output('readelf', '-dW', shared)) or ['?']
     faults = []
     for line in output('nm', '-D', '--defined-only', '--with-symbol-versions', '--format=posix',
                        shared).splitlines():
         name, kind = line.split()[:2]
-        if kind != 'A' and not name.endswith(f'@@SAGITTA_{soname}'):
+        if kind != 'A' and not re.search(rf'@@SAGITTA_{soname}(_\d+)?$', name):
             faults.append(f'{name}: is not of version SAGITTA_{soname}')
     return faults
 

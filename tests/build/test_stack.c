@@ -9,6 +9,7 @@
 #include <ucontext.h>
 #include <sagitta/aim.h>
 #include <sagitta/diagnose.h>
+#include <sagitta/formula.h>
 #include <sagitta/sensitivity.h>
 #include <sagitta/surfaces.h>
 #include <sagitta/system.h>
@@ -309,6 +310,28 @@ static void check(void)
     met += sgt_check(surface, 1, &walk, NULL) == SGT_SOUND;
 }
 
+/* The deepest formulas. */
+static char formula[9 * SGT_FORMULA_DEEPEST + 8];
+
+static void read_formula(void)
+{
+    static double room[60000];
+    sgt_tape *tape = NULL;
+    if (sgt_formula_room(formula, 0) <= sizeof room)
+        tape = sgt_formula_read(formula, SGT_FORMULA_XYZ, 0, NULL, room, sizeof room, NULL);
+    met += tape != NULL;
+}
+
+/* SGT_FORMULA_DEEPEST parentheses or powers, a part of the text having `many`. */
+static void make_formula(const char *part, int many, bool parentheses)
+{
+    int count_of_parts = SGT_FORMULA_DEEPEST / many;
+    formula[0] = 0;
+    for (int i = 0; i < count_of_parts; i++) strcat(formula, part);
+    strcat(formula, "z");
+    for (int i = 0; parentheses && i < count_of_parts; i++) strcat(formula, ")");
+}
+
 int main(void)
 {
     if (stack_of(greedy) < 80 * 1024) return puts("paint does not tell what was used"), 1;
@@ -341,6 +364,16 @@ int main(void)
             before = met;
         }
         printf("\n");
+    }
+    static const struct { const char *part; int many; } deep[] = {
+        {"x+y*(", 1}, {"x-sin(", 1}, {"hypot(x,", 1}, {"x^", 1}, {"x+y*z^-(", 2}};
+    for (size_t i = 0; i < sizeof deep / sizeof deep[0]; i++) {
+        make_formula(deep[i].part, deep[i].many, strchr(deep[i].part, '(') != NULL);
+        size_t used = stack_of(read_formula);
+        printf("%-16s  read %zu\n", deep[i].part, used);
+        if (used > worst) worst = used;
+        idle += met == before;
+        before = met;
     }
     printf("at most %zu bytes of stack; %d are allowed\n", worst, MOST);
     if (idle) printf("%zu calls met nothing\n", idle);

@@ -1,5 +1,5 @@
 #!/bin/sh
-# sh tests/fuzz/run.sh [SECONDS] [TARGET...]   fuzzes each target in turn with libFuzzer: lens, zmx, rays, array, surface, interval
+# sh tests/fuzz/run.sh [SECONDS] [TARGET...]   fuzzes each target in turn with libFuzzer: lens, zmx, rays, array, surface, interval, formula
 # and glass unless some are named, SECONDS (300) divided among them.  Twenty minutes of each: sh tests/fuzz/run.sh 4800
 #
 # Builds by clang, under its sanitizers, into build/fuzz.  Starts from corpus/ and past/ of this folder; what is new goes
@@ -15,7 +15,7 @@ here=tests/fuzz
 build=build/fuzz
 seconds=${1:-300}
 [ $# -gt 0 ] && shift
-targets=${*:-lens zmx rays surface interval glass}
+targets=${*:-lens zmx rays surface interval formula glass}
 # shellcheck disable=SC2086
 set -- $targets
 

@@ -4,10 +4,44 @@
  * so pi, 0.1 * 3 or exp(a) contain the real number that the formula means.  Evaluation at points takes the
  * middle.  It is NaN where the uniform is not defined, or not known to be finite: then F is NaN.
  *
- * Test: tests/formula/test_read.c. */
+ * An operation of interval.h has the values of the part of its operands where it is defined.  Of a number
+ * that is only known to lie in an interval that is too little: 0/(pi - pi) is not 0.  So a uniform that may
+ * be undefined is all numbers.
+ *
+ * Test: tests/unit/test_formula.c. */
 #include "tape.h"
 
 #include <sagitta/interval.h>
+
+/* Is op defined on all of a, and of b? */
+static bool is_defined_on(formula_op op, int n, sgt_interval a, sgt_interval b)
+{
+    switch (op) {
+    case FORMULA_DIV:
+        return !sgt_interval_has(b, 0);
+    case FORMULA_POWER:
+        return n > 0 || !sgt_interval_has(a, 0);
+    case FORMULA_SQRT:
+        return a.lo >= 0;
+    case FORMULA_LOG:
+        return a.lo > 0;
+    case FORMULA_ASIN:
+    case FORMULA_ACOS:
+        return a.lo >= -1 && a.hi <= 1;
+    case FORMULA_ATAN2:
+        return !(sgt_interval_has(a, 0) && sgt_interval_has(b, 0));
+    case FORMULA_REAL_POWER:
+        return a.lo > 0 || (a.lo == 0 && b.lo > 0);
+    default:
+        return true; /* a tangent with a pole is all numbers */
+    }
+}
+
+sgt_interval sgt_formula_uniform(formula_op op, int n, sgt_interval a, sgt_interval b)
+{
+    sgt_interval value = sgt_formula_interval(op, n, a, b);
+    return sgt_interval_is_empty(value) || is_defined_on(op, n, a, b) ? value : sgt_interval_all();
+}
 
 static sgt_interval uniform_value(const sgt_tape *tape, const formula_uniform *u)
 {
@@ -19,7 +53,7 @@ static sgt_interval uniform_value(const sgt_tape *tape, const formula_uniform *u
     case FORMULA_PARAMETER:
         return sgt_interval_of(tape->given[u->n]);
     default:
-        return sgt_formula_interval((formula_op)u->op, u->n, tape->value[u->a], tape->value[u->b]);
+        return sgt_formula_uniform((formula_op)u->op, u->n, tape->value[u->a], tape->value[u->b]);
     }
 }
 

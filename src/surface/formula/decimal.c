@@ -17,7 +17,7 @@
  * M 5^-e has at most 54 + 2615 bits.  It is below 10^309, so D 5^e has at most 1030.  Nothing is shifted in
  * memory.  So 96 places of 32 bits suffice.
  *
- * Test: tests/formula/test_decimal.c. */
+ * Test: tests/unit/test_decimal.c. */
 #include "decimal.h"
 
 #include "num/bits.h"

@@ -10,7 +10,7 @@
  * FAULTS.  The first one is told.  After it the word is the end of the text for all, so each function
  * returns.
  *
- * Test: tests/formula/test_read.c. */
+ * Test: tests/unit/test_formula.c. */
 #include "grammar.h"
 
 typedef struct formula_function {

@@ -21,13 +21,15 @@
  *     cos(-u), cosh(-u); sin(-u), tan(-u), ...     cos u, cosh u; -sin u, -tan u, ...
  *     min(u, u), max(u, u)                         u
  *
- * u - u and 0 u stay, since u may be undefined.  sqrt(u)^2 stays: it is not defined for u < 0.
+ * u - u and 0 u stay, since u may be undefined, but for constants.  sqrt(u)^2 stays: it is not defined for u
+ * < 0.
  *
  * CONSTANTS, that is what is made of numbers alone, have their interval at once.  If it is a point, the
  * constant is that number exactly: 2^0.5 stays, 4^0.5 becomes 2.  If it is empty, the text asks for what is
- * not defined anywhere, such as 1/0 or sqrt(-1): that is an error.
+ * not defined anywhere, such as 1/0 or sqrt(-1): that is an error.  So is one without bounds, such as
+ * exp(1000), 1/sin(pi) or log(sin(1e9)).
  *
- * Test: tests/formula/test_read.c. */
+ * Test: tests/unit/test_formula.c. */
 #include "graph.h"
 
 #include <sagitta/interval.h>
@@ -72,13 +74,13 @@ static sgt_interval node_constant(formula_graph *g, const formula_node *q)
     sgt_interval a = g->node[q->a].value, b = g->node[q->b].value;
     sgt_interval v = q->op == FORMULA_PI
                          ? sgt_interval_angle(sgt_interval_of(0), sgt_interval_of(-1))
-                         : sgt_formula_interval((formula_op)q->op, q->n, a, node_has_two(q->op) ? b : a);
+                         : sgt_formula_uniform((formula_op)q->op, q->n, a, node_has_two(q->op) ? b : a);
     if (v.lo > v.hi)
         sgt_formula_say(sgt_formula_blame(g->fault, g->column),
                         "this is made of numbers alone, and not defined");
     else if (!isfinite(v.lo) || !isfinite(v.hi))
         sgt_formula_say(sgt_formula_blame(g->fault, g->column),
-                        "this is made of numbers alone, and too large for a double");
+                        "this is made of numbers alone, and too large, not known or not defined");
     return v;
 }
 
@@ -131,11 +133,11 @@ int sgt_graph_number(formula_graph *g, double number)
 int sgt_graph_parameter(formula_graph *g, int n) { return node_of(g, FORMULA_PARAMETER, 0, 0, n, 0); }
 int sgt_graph_pi(formula_graph *g) { return node_of(g, FORMULA_PI, 0, 0, 0, 0); }
 
-static int node_one(formula_graph *g, int op, int a) { return node_of(g, op, a, 0, 0, 0); }
-static int node_two(formula_graph *g, int op, int a, int b) { return node_of(g, op, a, b, 0, 0); }
+static int node_one(formula_graph *g, formula_op op, int a) { return node_of(g, (int)op, a, 0, 0, 0); }
+static int node_two(formula_graph *g, formula_op op, int a, int b) { return node_of(g, (int)op, a, b, 0, 0); }
 
 /* Where the operands may change places. */
-static int node_either_way(formula_graph *g, int op, int a, int b)
+static int node_either_way(formula_graph *g, formula_op op, int a, int b)
 {
     bool uniform_a = !g->node[a].of, uniform_b = !g->node[b].of;
     bool change = uniform_a != uniform_b ? uniform_a : a > b;
@@ -191,6 +193,7 @@ static int node_difference(formula_graph *g, int a, int b)
 {
     if (node_is_number(g, b, 0)) return a;
     if (node_is_number(g, a, 0)) return node_negative(g, b);
+    if (a == b && g->node[a].constant) return sgt_graph_number(g, 0);
     if (node_is(g, b, FORMULA_NEG)) return node_sum(g, a, g->node[b].a);
     return node_two(g, FORMULA_SUB, a, b);
 }

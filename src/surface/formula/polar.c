@@ -19,7 +19,7 @@
  * for an odd n one product with x + i y follows.  Cosine and sine of the same n share them.  x^3 - 3 x y^2 is
  * made as x (x^2 - 3 y^2), which has fewer operations and tighter intervals.
  *
- * Test: tests/formula/test_read.c. */
+ * Test: tests/unit/test_formula.c. */
 #include "polar.h"
 
 #include <sagitta/interval.h>
@@ -161,11 +161,10 @@ polar_value sgt_polar_product(formula_graph *g, polar_waves *w, polar_value a, p
     return a;
 }
 
-/* A uniform divisor, or any beside waves, goes to the rest, so that the powers of r stay at hand. */
+/* The divisor goes to the rest, so that the powers of r stay at hand: r^2/u is (1/u) r^2. */
 polar_value sgt_polar_quotient(formula_graph *g, polar_waves *w, polar_value a, polar_value b)
 {
     int divisor = sgt_polar_node(g, w, b);
-    if (a.first < 0 && g->node[divisor].of) a = polar_whole(g, w, a);
     a.rest = sgt_graph_of(g, FORMULA_DIV, a.rest < 0 ? sgt_graph_number(g, 1) : a.rest, divisor);
     return a;
 }

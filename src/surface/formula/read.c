@@ -8,10 +8,10 @@
  *
  * How many nodes a text makes: at most one for each character, for an operator has two operands, and what is
  * simplified to more than one node is longer (x^1.5 makes three).  A wave that becomes a polynomial of degree
- * 63, the longest, makes ROOM_WAVE more at most.  The tests and the fuzzer read each text in a room that is
- * just as large as sgt_formula_room says.
+ * 63, the longest, makes ROOM_WAVE more at most: five squares and five products of complex numbers.  The
+ * tests and the fuzzer read each text in a room that is just as large as sgt_formula_room says.
  *
- * Test: tests/formula/test_read.c, tests/fuzz/fuzz_formula.c. */
+ * Test: tests/unit/test_formula.c, tests/fuzz/fuzz_formula.c. */
 #include "grammar.h"
 #include "schedule.h"
 
@@ -36,20 +36,22 @@ static size_t text_length(const char *text)
 }
 
 typedef struct room_plan {
-    size_t head, nodes, buckets, waves, all;
+    size_t head, tail, buckets, waves, all;
 } room_plan;
 
+/* A node becomes a uniform, which is larger than a step.  Those of waves are all steps. */
 static room_plan room_for(const char *text, size_t length, size_t n)
 {
-    room_plan plan = {.nodes = length + ROOM_NODES, .buckets = 16, .waves = length};
-    for (size_t i = 0; i + 5 <= length; i++)
-        if (memcmp(text + i, "atan2", 5) == 0) plan.nodes += ROOM_WAVE;
+    const size_t node = sizeof(formula_node);
+    const size_t uniform = sizeof(formula_uniform) + sizeof(sgt_interval) + sizeof(double);
+    room_plan plan = {
+        .head = room_rounded(sizeof(sgt_tape)) + n * sizeof(double), .buckets = 16, .waves = length};
     while (plan.buckets < length) plan.buckets *= 2;
-    plan.head = room_rounded(sizeof(sgt_tape)) + n * sizeof(double);
-    plan.all = plan.head +
-               plan.nodes *
-                   (sizeof(formula_node) + sizeof(formula_uniform) + sizeof(sgt_interval) + sizeof(double)) +
-               room_rounded(plan.buckets * sizeof(int) + plan.waves * sizeof(polar_wave));
+    plan.tail = room_rounded(plan.buckets * sizeof(int) + plan.waves * sizeof(polar_wave));
+    plan.all = plan.head + (length + ROOM_NODES) * (node + uniform) + plan.tail;
+    for (size_t i = 0; i + 5 <= length; i++)
+        if (memcmp(text + i, "atan2", 5) == 0)
+            plan.all += room_rounded(ROOM_WAVE * (node + sizeof(formula_step)));
     return plan;
 }
 
@@ -137,13 +139,12 @@ static sgt_tape *tape_made(formula_reader *r, int result, sgt_tape *tape, size_t
 static sgt_tape *tape_read(formula_reader *r, size_t length, void *room, size_t size)
 {
     const room_plan plan = room_for(r->scan.text, length, r->names);
-    const size_t tail = room_rounded(plan.buckets * sizeof(int) + plan.waves * sizeof(polar_wave));
     double values[SGT_FORMULA_PARAMETERS];
-    if (size > plan.all) size = plan.all;
-    size -= size % ROOM_ALIGNED;
-    if (!room || size < plan.head + tail + 4 * sizeof(formula_node))
-        return room_too_small(&r->fault, room ? size : 0, plan.all), NULL;
-    char *first = (char *)room + plan.head, *end = (char *)room + size, *table = end - tail;
+    const size_t given = room ? size : 0;
+    size = size < plan.all ? size - size % ROOM_ALIGNED : plan.all;
+    if (!room || size < plan.head + plan.tail + 4 * sizeof(formula_node))
+        return room_too_small(&r->fault, given, plan.all), NULL;
+    char *first = (char *)room + plan.head, *end = (char *)room + size, *table = end - plan.tail;
     size_t fit = (size_t)(table - first) / sizeof(formula_node);
     r->graph = (formula_graph){.node = (formula_node *)(void *)first,
                                .most = (int)fit,
@@ -160,7 +161,7 @@ static sgt_tape *tape_read(formula_reader *r, size_t length, void *room, size_t 
         char *behind = first + (size_t)r->graph.count * sizeof(formula_node);
         tape = tape_made(r, result, room, plan.head, behind, (size_t)(end - behind));
     }
-    if (r->graph.full) return r->fault.found = false, room_too_small(&r->fault, size, plan.all), NULL;
+    if (r->graph.full) return r->fault.found = false, room_too_small(&r->fault, given, plan.all), NULL;
     if (!tape) return NULL;
     for (size_t i = 0; i < r->names; i++) values[i] = r->name[i].value;
     sgt_formula_set(tape, values);

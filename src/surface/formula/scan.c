@@ -4,7 +4,7 @@
  * formula from a page brings a minus, a dot for a product or a raised 2 that only look right, and is told
  * what to write instead.
  *
- * Test: tests/formula/test_read.c. */
+ * Test: tests/unit/test_formula.c. */
 #include "scan.h"
 
 #include "decimal.h"

@@ -14,7 +14,7 @@
  * The graph may be as deep as the text is long, so there is no recursion: a node knows which node waits for
  * it.
  *
- * Test: tests/formula/test_read.c. */
+ * Test: tests/unit/test_formula.c. */
 #include "schedule.h"
 
 enum { UNUSED = -1, NEW = 1, FIRST_MADE, SECOND_MADE };

@@ -75,8 +75,11 @@ struct sgt_tape {
 #define sgt_formula_interval sgt_formula_interval_base
 #endif
 
-/* One operation on intervals, as interval.h has it (enclose.c).  FORMULA_COPY is a; all numbers
- * for the operations of uniforms only. */
+/* One operation on intervals, as interval.h has it (enclose.c).  FORMULA_COPY is a.  All numbers for the
+ * operations of uniforms only. */
 sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_interval b);
+
+/* The same of uniforms: all numbers if it is not known whether it is defined (apply.c). */
+sgt_interval sgt_formula_uniform(formula_op op, int n, sgt_interval a, sgt_interval b);
 
 #endif
