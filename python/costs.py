@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
 """What a call from Python costs, beside the same from C and beside numpy.
 
-    SAGITTA_PYTHON_LIBRARY=BUILD/python/libsagitta_python.so python3 python/costs.py BUILD/python/costs [--write]
+    ninja -C BUILD python/costs python/libsagitta_python.so
+    export SAGITTA_PYTHON_LIBRARY=BUILD/python/libsagitta_python.so
+    python3 python/costs.py BUILD/python/costs [--write]
 
 Prints the table of docs/python.md; --write puts it there.  Each figure is the least of several rounds, and
 rounds of what is compared alternate.
 
 A million rays    out= is given.  More: (Python - C) / C.
 One ray           "an empty call of the same kind" is the same method with the library's function replaced by
-                  one that returns at once (sagitta_nothing); "of ctypes": that function by itself, with the same
-                  arguments.
+                  one that returns at once (sagitta_nothing); "of ctypes": that function by itself, with the
+                  same arguments.
 A function        of Python as a surface, 10^5 rays.  numpy: what numpy itself takes to evaluate it at as many
                   points as were asked for, by 10^5 at once; in brackets in arrays as long as those that were
                   asked for, which stay in the processor's cache.
@@ -109,7 +111,12 @@ def one_ray():
         f"{same:.2f} us empty",
         f"{full - same:+.2f} us",
     )
-    yield "one ray, `prepare`d", f"{ready:.2f} us", f"{bare:.2f} us empty, of ctypes", f"{ready - bare:+.2f} us"
+    yield (
+        "one ray, `prepare`d",
+        f"{ready:.2f} us",
+        f"{bare:.2f} us empty, of ctypes",
+        f"{ready - bare:+.2f} us",
+    )
     yield "one ray as an array (3, 1)", f"{whole:.1f} us", "", ""
 
 

@@ -17,7 +17,7 @@ from . import _library as _C
 from ._library import ArithmeticFault
 from .formula import Formula, FormulaError, Sag
 from .function import Function
-from .lens import Aims, Beam, Element, Lens, LensError, Rays, Remark, Seidel, Sensitivity, Spot
+from .lens import Aims, Beam, Element, FirstOrder, Lens, LensError, Rays, Remark, Seidel, Sensitivity, Spot
 from .results import Aimed, Fate, Hit, Hits, Passage, Status, Traced
 from .surface import AllHits, Check, Diagnosis, Fault, Jacobian, Prepared, Surface, Verdict
 from .surfaces import *  # noqa: F401,F403
@@ -35,6 +35,7 @@ __all__ = [
     "Element",
     "Fate",
     "Fault",
+    "FirstOrder",
     "Formula",
     "FormulaError",
     "Function",

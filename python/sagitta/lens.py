@@ -232,6 +232,54 @@ class Spot:
 
 
 @dataclass
+class FirstOrder:
+    """Paraxial data (lens.h, sgt_first_order).  NaN: there is none: the focal length of an afocal lens.
+
+    wavelength                      in um, or NaN
+    power, efl, efl_image           P; 1 / P; n' / P, in the medium of the image
+    ffd, bfd                        the front focus from the first vertex, the rear one from the last vertex
+                                    before the image
+    focus, image                    the rear focus and the paraxial image, from the last element
+    front_principal, front_nodal    from the first vertex
+    rear_principal, rear_nodal      from the last element
+    magnification                   of an object at a distance
+    entrance_pupil, entrance_radius from the first vertex; its semi-diameter
+    exit_pupil, exit_radius         from the last element; its semi-diameter
+    stop_radius                     the height of the marginal ray at the stop
+    f_number, working_f_number      |efl| / (2 entrance_radius); 1 / (2 n' u') of the marginal ray
+    image_height                    of the field farthest from the axis
+    lagrange, petzval               the invariant; the Petzval radius
+    without_vertex                  the first element, from 1, that has no vertex curvature or stands off the
+                                    axis: what depends on its power is NaN.  0: none
+    """
+
+    wavelength: float
+    power: float
+    efl: float
+    efl_image: float
+    ffd: float
+    bfd: float
+    focus: float
+    image: float
+    front_principal: float
+    rear_principal: float
+    front_nodal: float
+    rear_nodal: float
+    magnification: float
+    entrance_pupil: float
+    entrance_radius: float
+    exit_pupil: float
+    exit_radius: float
+    stop_radius: float
+    f_number: float
+    working_f_number: float
+    image_height: float
+    lagrange: float
+    petzval: float
+    without_vertex: int
+
+
+@dataclass
 class Seidel:
     """The Seidel sums of each surface, as wavefronts (lens.h, sgt_seidel), or why there are none."""
 
@@ -688,9 +736,8 @@ class Lens:
                     "about its vertex; trace() and sensitivity() take it"
                 )
 
-    def first_order(self, wavelength: Optional[float] = None) -> C.FirstOrder:
-        """Paraxial data (lens.h, sgt_first_order): efl, bfd, f_number, entrance_pupil, exit_pupil,
-        magnification, image, petzval ... as attributes.  NaN: there is none."""
+    def first_order(self, wavelength: Optional[float] = None) -> FirstOrder:
+        """Paraxial data: efl, bfd, f_number, pupils, magnification ... as attributes."""
         self._only_files("first_order")
         C.check_arithmetic()
         out, error = C.FirstOrder(), C.LensError()
@@ -699,7 +746,7 @@ class Lens:
             self._handle.pointer, um, _byref(out), None, None, _byref(error)
         ):
             raise _fault(error)
-        return out
+        return FirstOrder(*(getattr(out, name) for name, _ in C.FirstOrder._fields_))
 
     def seidel(self, wavelength: Optional[float] = None) -> Seidel:
         """The Seidel sums, surface by surface."""
@@ -958,6 +1005,7 @@ __all__ = [
     "Beam",
     "Element",
     "Fate",
+    "FirstOrder",
     "Lens",
     "LensError",
     "Rays",

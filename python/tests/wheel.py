@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""docs/python.md's installation: a wheel by pip without the network, in an environment of its own.
+"""docs/python.md's installation as it is told there: a wheel by pip without the network, in an environment of
+its own.
 
     python3 python/tests/wheel.py SOURCE
 
-Then the page's examples and a lens with a glass of the table that ships are run with what was installed.  Where
-pip, venv or meson-python are missing it is skipped.
+Then the page's examples and a lens with a glass of the table that ships are run with what was installed.  The
+packages of Debian that the page names have to be among those that tests/run.sh installs.  Where pip, venv or
+meson-python are missing it is skipped.
 """
 import importlib.util
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -24,7 +27,22 @@ print("sagitta", sagitta.__version__, "from", sagitta.__file__)
 """
 
 
+def told(source):
+    """The lines of the page's section Install that are to be typed."""
+    page = (pathlib.Path(source) / "docs" / "python.md").read_text()
+    section = page.split("\n## Install\n")[1].split("\n## ")[0]
+    packages, *commands = re.findall(r"^    (.*)$", section, re.MULTILINE)
+    listed = (pathlib.Path(source) / "tests" / "run.sh").read_text().replace("\\", " ").split()
+    absent = set(packages.split()[2:]) - set(listed)
+    if not packages.startswith("apt-get install ") or len(commands) != 2:
+        sys.exit(f"docs/python.md tells another installation than this test knows: {packages}, {commands}")
+    if absent:
+        sys.exit(f"tests/run.sh does not install {', '.join(sorted(absent))}, as docs/python.md does")
+    return commands
+
+
 def main(source):
+    commands = told(source)
     missing = [m for m in ("mesonpy", "venv", "pip", "ensurepip", "numpy") if not importlib.util.find_spec(m)]
     if missing or not shutil.which("git") or not (pathlib.Path(source) / ".git").exists():
         print("skipped: no " + ", ".join(missing or ["checkout"]))
@@ -44,12 +62,13 @@ def main(source):
             if (pathlib.Path(source) / name).is_file():
                 (tree / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(pathlib.Path(source) / name, tree / name)
-        run(sys.executable, "-m", "venv", "--system-site-packages", environment)
         python = environment / "bin" / "python3"
-        run(environment / "bin" / "pip", "install", "-q", "--no-build-isolation", ".", cwd=tree)
+        for command in commands:
+            words = command.replace("~/sagitta", str(environment)).split()
+            run(*([sys.executable, *words[1:]] if words[0] == "python3" else words), cwd=tree)
         run(python, "-c", CHECK.format(environment=str(environment)), cwd=folder)
-        run(python, "-m", "pytest", "-q", "-p", "no:cacheprovider", tree / "python" / "tests" / "test_docs.py",
-            tree / "python" / "tests" / "test_layouts.py", cwd=tree)
+        tests = [tree / "python" / "tests" / f"test_{name}.py" for name in ("docs", "layouts")]
+        run(python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests, cwd=tree)
     return 0
 
 
