@@ -31,6 +31,7 @@
 #include <string.h>
 #ifdef SAGITTA_FIBRES
 #include <setjmp.h>
+#include <sys/mman.h>
 #include <ucontext.h>
 #endif
 
@@ -61,8 +62,8 @@ static const struct { size_t in, out; } rows_of[QUESTIONS] = {
 };
 enum { MOST_ROWS = 8, BLOCK = 64 };
 
-/* Answers n questions: in[row * n + i], out[row * n + i].  Not 0: Python has raised. */
-typedef int asker(int what, size_t n, const double *in, double *out);
+/* Answers n questions: in[row * stride + i], out[row * stride + i].  Not 0: Python has raised. */
+typedef int asker(int what, size_t n, size_t stride, const double *in, double *out);
 
 /* The `self` of such a surface.  Any number of threads may share it. */
 typedef struct sagitta_function {
@@ -73,25 +74,33 @@ typedef struct sagitta_function {
     double  rounding;    /* the same everywhere; below 0: it is asked */
 } sagitta_function;
 
-/* A question as it was asked: its rows stay where the library has them until it is answered. */
+/* A question as it was asked. */
 typedef struct asked {
-    const sagitta_function *of; /* NULL: nothing is asked */
+    const sagitta_function *of;
     question      what;
-    size_t        n;
+    size_t        n;        /* at most BLOCK */
     const double *in[MOST_ROWS];
     double       *out[4];
 } asked;
+
+/* Questions of one kind that Python is asked at once. */
+typedef struct together {
+    const sagitta_function *of;
+    question what;
+    size_t   n, stride;
+    double  *in, *out;
+} together;
 
 #ifdef SAGITTA_FIBRES
 /* A stack of its own.  makecontext begins it.  After that _setjmp and _longjmp go to and fro: swapcontext
  * would ask the kernel for the mask of signals each time. */
 typedef struct fibre {
-    jmp_buf    place;
-    ucontext_t context;
-    asked      now;
-    bool       begun, done;
+    jmp_buf     place;
+    const char *top;        /* of its stack, where it was left */
+    ucontext_t  context;
+    bool        begun, done;
 } fibre;
-enum { STACK = 160 * 1024 };
+enum { STACK = 160 * 1024, KINDS = 4, AHEAD = 2 };
 #endif
 
 /* What is under way in this thread. */
@@ -100,54 +109,88 @@ typedef struct run {
     struct sagitta_call *call;
     size_t next;    /* the next ray that no block has */
 #ifdef SAGITTA_FIBRES
-    jmp_buf home;
-    fibre  *now;    /* NULL: not in a fibre */
+    jmp_buf  home;
+    fibre   *now;   /* NULL: not in a fibre */
+    together kind[KINDS];
 #endif
 } run;
 static _Thread_local run *current;
 
-/* Asks Python for n numbers, `asks` of them questions with their rows; room: for all rows. */
-static bool ask_together(const sagitta_function *of, question what, size_t n, size_t asks, asked *const all[],
-                         double *room)
+/* Puts a question behind the others of its kind, while its rows are in the nearest cache. */
+static size_t put(together *all, const asked *q)
 {
-    double *in = room, *out = room + rows_of[what].in * n;
-    size_t at = 0;
-    for (size_t k = 0; k < asks; at += all[k]->n, k++)
-        for (size_t row = 0; row < rows_of[what].in; row++)
-            memcpy(in + row * n + at, all[k]->in[row], all[k]->n * sizeof *in);
-    if (of->ask((int)what, n, in, out) != 0) return false;
-    at = 0;
-    for (size_t k = 0; k < asks; at += all[k]->n, k++) {
-        for (size_t row = 0; row < rows_of[what].out; row++)
-            memcpy(all[k]->out[row], out + row * n + at, all[k]->n * sizeof *out);
-        all[k]->of = NULL;
+    size_t at = all->n;
+    all->of = q->of, all->what = q->what, all->n += q->n;
+    for (size_t row = 0; row < rows_of[q->what].in; row++)
+        memcpy(all->in + row * all->stride + at, q->in[row], q->n * sizeof(double));
+    return at;
+}
+
+static void take(const together *all, size_t at, const asked *q)
+{
+    for (size_t row = 0; row < rows_of[q->what].out; row++)
+        memcpy(q->out[row], all->out + row * all->stride + at, q->n * sizeof(double));
+}
+
+static bool ask_python(const together *all)
+{
+    return all->of->ask((int)all->what, all->n, all->stride, all->in, all->out) == 0;
+}
+
+#ifdef SAGITTA_FIBRES
+/* Leaves the fibre that is under way, until it is called again. */
+static void leave(run *r)
+{
+    r->now->top = __builtin_frame_address(0);
+    if (_setjmp(r->now->place) == 0) _longjmp(r->home, 1);
+}
+
+/* Where questions of this kind are put together.  If there are too many kinds, this one waits for a round. */
+static together *kind_of(run *r, const asked *q)
+{
+    for (;; leave(r)) {
+        if (r->failed) return NULL;
+        for (int k = 0; k < KINDS; k++) {
+            together *all = &r->kind[k];
+            if (all->n == 0 || (all->of == q->of && all->what == q->what)) return all;
+        }
     }
+}
+#endif
+
+/* Answers a question now.  (By itself: this room would push apart what a fibre needs to go on.) */
+static __attribute__((noinline)) bool answer_now(const asked *q)
+{
+    double room[(MOST_ROWS + 4) * BLOCK];
+    together all = {.stride = BLOCK, .in = room, .out = room + MOST_ROWS * BLOCK};
+    put(&all, q);
+    if (!ask_python(&all)) return false;
+    take(&all, 0, q);
     return true;
 }
 
-/* Answers a question, now or together with others.  At most BLOCK numbers. */
-static void answer(asked q)
+/* Answers a question, now or together with others. */
+static void answer(const asked *q)
 {
-    bool failed = current && current->failed;
-    if (!failed) {
+    run *r = current;
+    bool done = false;
+    if (!r || !r->failed) {
 #ifdef SAGITTA_FIBRES
-        if (current && current->now) {
-            run *r = current;
-            fibre *f = r->now;
-            f->now = q;
-            if (_setjmp(f->place) == 0) _longjmp(r->home, 1);
-            f->now.of = NULL;
-            failed = r->failed;
+        if (r && r->now) {
+            together *all = kind_of(r, q);
+            size_t at = all ? put(all, q) : 0;
+            if (all) leave(r);
+            done = !r->failed;
+            if (done) take(all, at, q);
         } else
 #endif
         {
-            double room[(MOST_ROWS + 4) * BLOCK];
-            failed = !ask_together(q.of, q.what, q.n, 1, (asked *[]){&q}, room);
-            if (failed && current) current->failed = true;
+            done = answer_now(q);
+            if (r) r->failed = !done;
         }
     }
-    for (size_t row = 0; failed && row < rows_of[q.what].out; row++)
-        for (size_t i = 0; i < q.n; i++) q.out[row][i] = (double)NAN;
+    for (size_t row = 0; !done && row < rows_of[q->what].out; row++)
+        for (size_t i = 0; i < q->n; i++) q->out[row][i] = (double)NAN;
 }
 
 static void function_values(const void *self, size_t n, sgt_points p, sgt_values out)
@@ -160,7 +203,7 @@ static void function_values(const void *self, size_t n, sgt_points p, sgt_values
             q.in[k] = p.p[k] + from;
             if (out.grad[0]) q.out[k + 1] = out.grad[k] + from;
         }
-        answer(q);
+        answer(&q);
     }
 }
 
@@ -177,7 +220,7 @@ static double function_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 static double at_point(const sagitta_function *of, question what, sgt_vec3 p)
 {
     double x;
-    answer((asked){of, what, 1, {&p.x, &p.y, &p.z}, {&x}});
+    answer(&(asked){of, what, 1, {&p.x, &p.y, &p.z}, {&x}});
     return x;
 }
 
@@ -193,9 +236,9 @@ static sgt_interval function_enclose(const void *self, const sgt_ray *ray, sgt_i
                                      sgt_interval *slope)
 {
     sgt_interval f;
-    answer((asked){self, ENCLOSE, 1,
-                   {&ray->o.x, &ray->o.y, &ray->o.z, &ray->d.x, &ray->d.y, &ray->d.z, &t.lo, &t.hi},
-                   {&f.lo, &f.hi, &slope->lo, &slope->hi}});
+    answer(&(asked){self, ENCLOSE, 1,
+                    {&ray->o.x, &ray->o.y, &ray->o.z, &ray->d.x, &ray->d.y, &ray->d.z, &t.lo, &t.hi},
+                    {&f.lo, &f.hi, &slope->lo, &slope->hi}});
     return f;
 }
 
@@ -431,35 +474,58 @@ static void go_on(run *r, fibre *f)
     r->now = NULL;
 }
 
+/* Fetches what a fibre needs first to go on: by its turn others have pushed it out of the nearer caches. */
+static void fetch(const fibre *f)
+{
+    enum { LINE = 64, LINES = 16 };
+    if (f->done || !f->begun) return;
+    for (size_t i = 0; i < sizeof f->place; i += LINE) __builtin_prefetch((const char *)&f->place + i);
+    for (size_t i = 0; i < LINES; i++) __builtin_prefetch(f->top + i * LINE);
+}
+
+/* Room for stacks.  Some pages of each are in use at a time: of 4096 bytes they are more than the processor
+ * keeps addresses of (128 blocks: 25 % slower), so larger pages are asked for. */
+static char *stacks_of(size_t count)
+{
+    const size_t large = (size_t)1 << 21;
+    size_t size = count * STACK;
+    if (size < large) return malloc(size);
+    char *stacks = aligned_alloc(large, (size + large - 1) / large * large);
+#ifdef MADV_HUGEPAGE
+    if (stacks) (void)madvise(stacks, size / large * large, MADV_HUGEPAGE);
+#endif
+    return stacks;
+}
+
 /* Does all rays, `count` blocks at a time. */
 static void in_fibres(run *r, size_t count)
 {
+    /* (24 more: rows at the same place modulo 4096 would push each other out of the cache.) */
+    size_t stride = count * BLOCK + 24, rows = MOST_ROWS + 4;
     fibre *all = calloc(count, sizeof *all);
-    char *stacks = malloc(count * STACK);
-    double *room = malloc(count * BLOCK * (MOST_ROWS + 4) * sizeof *room);
-    asked **together = malloc(count * sizeof *together);
-    size_t alive = all && stacks && room && together ? count : 0;
+    char *stacks = stacks_of(count);
+    double *room = malloc(KINDS * rows * stride * sizeof *room);
+    size_t alive = all && stacks && room ? count : 0;
     r->no_memory = alive == 0;
     for (size_t k = 0; k < alive; k++) give_stack(&all[k], stacks + k * STACK);
+    for (size_t k = 0; k < KINDS && alive; k++) {
+        double *in = room + k * rows * stride;
+        r->kind[k] = (together){.stride = stride, .in = in, .out = in + MOST_ROWS * stride};
+    }
     while (alive > 0) {
         alive = 0;
         for (size_t k = 0; k < count; k++) {
+            if (k + AHEAD < count) fetch(&all[k + AHEAD]);
             if (all[k].done) continue;
             go_on(r, &all[k]);
             alive += !all[k].done;
         }
-        for (size_t k = 0; k < count && !r->failed; k++) {
-            const sagitta_function *of = all[k].now.of;
-            question what = all[k].now.what;
-            size_t n = 0, asks = 0;
-            for (size_t i = k; i < count && of; i++) {
-                asked *one = &all[i].now;
-                if (one->of == of && one->what == what) n += one->n, together[asks++] = one;
-            }
-            if (of && !ask_together(of, what, n, asks, together, room)) r->failed = true;
+        for (size_t k = 0; k < KINDS; k++) {
+            if (r->kind[k].n && !r->failed && !ask_python(&r->kind[k])) r->failed = true;
+            r->kind[k].n = 0;
         }
     }
-    free(together), free(room), free(stacks), free(all);
+    free(room), free(stacks), free(all);
 }
 #endif
 

@@ -12,9 +12,10 @@ from . import _library as C
 PICKS = {None: 0, "default": 0, "first": 1, "near-seed": 2}
 PROOFS = {None: 0, "estimate": 0, "root": 1, "first": 2}
 
-# A block is 64 rays.  So many of them are under way at once if Python is asked for F.  Of a torus by numpy
-# 16, 64, 256 and 512 blocks cost 77, 37, 32 and 34 ns an evaluation, which numpy itself evaluates in 6 to 15.
-BLOCKS = 256
+# A block is 64 rays.  So many of them are under way at once if Python is asked for F.  More of them are more
+# points a call, and more than the processor's caches hold: of a gyroid by numpy 64, 128 and 256 blocks cost 50,
+# 42 and 51 ns an evaluation, of which numpy takes 15.
+BLOCKS = 128
 
 
 def of_words(value: Optional[str], words: dict[Optional[str], int], name: str) -> int:

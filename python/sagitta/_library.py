@@ -483,8 +483,8 @@ class Layout(Structure):
     _fields_ = [("type", c_char_p), ("member", c_char_p), ("at", c_size_t), ("size", c_size_t)]
 
 
-# Of bridge.c: what(question), n, in, out.
-Asker = ctypes.CFUNCTYPE(c_int, c_int, c_size_t, c_void_p, c_void_p)
+# Of bridge.c: what (a question), n, stride, in, out.
+Asker = ctypes.CFUNCTYPE(c_int, c_int, c_size_t, c_size_t, c_void_p, c_void_p)
 VALUE, VALUE_GRAD, ROUNDING, CLEARANCE, ESTIMATE, ENCLOSE = range(6)
 ROWS = {
     VALUE: (3, 1),

@@ -15,10 +15,10 @@ from .surface import Surface
 Inside = Union[None, float, Sequence[Any], dict[str, Any]]
 
 
-def _at(where: int, rows: int, n: int) -> Floats:
+def _at(where: int, rows: int, n: int, stride: int) -> Floats:
     """rows of n numbers that stand there."""
     # (ctypes makes a type for each length, and keeps it.  So it is one type, and numpy is told how many.)
-    return np.frombuffer(_most.from_address(where), np.float64, rows * n).reshape(rows, n)
+    return np.frombuffer(_most.from_address(where), np.float64, rows * stride).reshape(rows, stride)[:, :n]
 
 
 _most: Any = ctypes.c_double * (1 << 40)
@@ -108,7 +108,7 @@ class Function(Surface):
         import weakref
 
         me = weakref.ref(self)
-        self._asker = C.Asker(lambda what, n, given, out: _answer(me, what, n, given, out))
+        self._asker = C.Asker(lambda what, n, stride, given, out: _answer(me, what, n, stride, given, out))
         memory = ctypes.create_string_buffer(C.library.sagitta_function_size())
         answers = ((callable(rounding), C.ROUNDING), (clearance, C.CLEARANCE), (enclose, C.ENCLOSE))
         C.library.sagitta_function_begin(
@@ -186,14 +186,14 @@ def _put(row: Floats, answer: Any, word: str, n: int) -> None:
     row[...] = a
 
 
-def _answer(me: Any, what: int, n: int, given: int, out: int) -> int:
+def _answer(me: Any, what: int, n: int, stride: int, given: int, out: int) -> int:
     """What the library asks.  Nothing may be raised into C: it is kept, and raised when the call is over."""
     self = me()
     try:
         rows_in, rows_out = C.ROWS[what]
         # A copy: whoever keeps x, y, z has to find them there tomorrow.
-        x = _at(given, rows_in, n).copy()
-        answer = _at(out, rows_out, n)
+        x = _at(given, rows_in, n, stride).copy()
+        answer = _at(out, rows_out, n, stride)
         with np.errstate(all="ignore"):  # NaN is "not defined here"
             self._reply(what, x, answer)
         return 0

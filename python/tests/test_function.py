@@ -147,6 +147,33 @@ def test_in_a_lens(rng):
     assert np.abs(change.value - b.passages[2].p[:2, :200]).max() < 1e-10
 
 
+def test_many_functions_at_once():
+    """More kinds of questions under way than are put together (bridge.c, KINDS): the bits are the same."""
+
+    def steep(k):
+        # z = 0.3.  The farther from the axis the more steps it takes, so the blocks drift apart.
+        def f(x, y, z):
+            a = 10 ** (k * x)
+            u = z - 0.3
+            return u * (1 + a * u * u), 0, 0, 1 + 3 * a * u * u
+
+        return Function(f, rounding=lambda x, y, z: 1e-14 + 0 * x)
+
+    lens = sagitta.Lens(
+        [sagitta.Element(steep(k), index=1 + k % 2 * 0.1, thickness=1) for k in range(1, 8)]
+    )
+    n = 640
+    o = np.array([np.linspace(0, 1, n), np.zeros(n), np.full(n, -5.0)])
+    together = lens.trace(o, (0, 0, 1))
+    blocks, _calls.BLOCKS = _calls.BLOCKS, 1
+    try:
+        after = lens.trace(o, (0, 0, 1))
+    finally:
+        _calls.BLOCKS = blocks
+    assert together.through.mean() > 0.5
+    assert all(same(together._rows[name], after._rows[name]) for name in after._rows)
+
+
 class Trouble(Exception):
     pass
 
