@@ -139,6 +139,7 @@ class Columns:
 
     # name: the type of numpy, and how many numbers
     FIELDS: dict[str, tuple[str, int]] = {}
+    _rows: dict[str, NDArray[Any]]
 
     def __init__(self, **arrays: NDArray[Any]) -> None:
         if not arrays:
@@ -148,13 +149,16 @@ class Columns:
 
     @classmethod
     def _make(cls, n: int, fields: Sequence[str], axis: int = 0) -> "Any":
+        if not isinstance(n, (int, np.integer)) or n < 0:
+            raise ValueError(f"{cls.__name__}: the number of rays must be a whole number, not {n!r}")
         self = cls.__new__(cls)
-        arrays = {}
+        arrays: dict[str, NDArray[Any]] = {}
         for name in fields or cls.FIELDS:
             kind, count = cls._field(name)
             arrays[name] = np.empty(n if count == 1 else (count, n), kind)
         self._foreign = False
-        self._set(arrays, axis)
+        self._rows = arrays
+        self._ready(n, axis)
         return self
 
     @classmethod
@@ -164,7 +168,7 @@ class Columns:
         return cls.FIELDS[name]
 
     def _set(self, arrays: dict[str, NDArray[Any]], axis: int = 0) -> None:
-        self._rows: dict[str, NDArray[Any]] = {}
+        self._rows = {}
         n = None
         for name, a in arrays.items():
             kind, count = self._field(name)
@@ -183,10 +187,12 @@ class Columns:
                 raise ValueError(f"out: {name} has room for {a.shape[-1]} rays, the arrays before it for {n}")
             n = a.shape[-1]
             self._rows[name] = a
-        self.size = int(n or 0)
-        self._axis = axis
+        self._ready(int(n or 0), axis)
+
+    def _ready(self, n: int, axis: int) -> None:
+        self.size, self._axis = n, axis
         for name, a in self._rows.items():
-            object.__setattr__(self, name, a.T if axis == 1 and a.ndim == 2 else a)
+            self.__dict__[name] = a.T if axis == 1 and a.ndim == 2 else a
         self._struct = self._fill()
 
     def _fill(self) -> Any:

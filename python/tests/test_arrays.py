@@ -144,6 +144,12 @@ def test_bad_outputs(arrays, error, says):
     assert says in str(raised.value)
 
 
+@pytest.mark.parametrize("n", [-1, 1.5, "3"])
+def test_room_for_how_many(n):
+    with pytest.raises(ValueError, match="whole number"):
+        Hits.empty(n)
+
+
 def test_outputs_may_not_overlap(rng):
     o, d = rays(rng, 50)
     for out in (Hits(t=o[0]), Hits(p=d)):
