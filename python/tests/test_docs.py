@@ -25,6 +25,27 @@ def test_the_page(tree, monkeypatch):
     assert not said, "".join(said)
 
 
+def test_the_pictures(tree):
+    pytest.importorskip("matplotlib").use("svg")
+    section = (tree / "docs" / "python.md").read_text().split("\n## Pictures\n")[1].split("\n## ")[0]
+    lines = re.findall(r"^    (.*)$", section, re.MULTILINE)
+    assert len(lines) == 3
+    exec("\n".join(lines), {"lens": sagitta.Lens.read(tree / "examples" / "lenses" / "cooke_triplet.yaml")})
+
+
+def test_the_readme(tree, monkeypatch):
+    """What README.md shows of Python, with a lens and rays for those that it does not have."""
+    (block,) = re.findall(r"^```python\n(.*?)^```", (tree / "README.md").read_text(), re.MULTILINE | re.DOTALL)
+    real = sagitta.Lens.read
+    monkeypatch.setattr(
+        sagitta.Lens, "read", lambda path: real(tree / "examples" / "lenses" / "cooke_triplet.yaml")
+    )
+    o = np.array([[0.0, 0], [0, 10], [-5, -5]])
+    there = {"sagitta": sagitta, "o": o, "d": (0, 0, 1)}
+    exec(block, there)
+    assert there["hits"].met.all() and 0 < there["spot"].rms < 1
+
+
 @pytest.mark.parametrize("name", ["__init__", "surface", "lens", "formula", "function", "results"])
 def test_docstrings(name):
     module = importlib.import_module("sagitta" if name == "__init__" else f"sagitta.{name}")
