@@ -7,9 +7,11 @@
 #include <sagitta/lens.h>
 #include <sagitta/system.h>
 
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <time.h>
 
 static double now(void)
@@ -18,6 +20,24 @@ static double now(void)
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
+
+/* As numpy has its arrays: where they stand in their cache lines, and what of them is in large pages, is worth
+ * a tenth of the time. */
+static void *array(size_t n, size_t size)
+{
+    const size_t page = 4096, bytes = n * size;
+    char *x = malloc(bytes);
+#ifdef MADV_HUGEPAGE
+    if (x && bytes >= (size_t)1 << 22) {
+        size_t skip = page - (size_t)((uintptr_t)x % page);
+        (void)madvise(x + skip, bytes - skip, MADV_HUGEPAGE);
+    }
+#endif
+    if (x) memset(x, 1, bytes); /* the pages are there, as those that Python uses again */
+    return x;
+}
+
+static double *doubles(size_t n) { return array(n, sizeof(double)); }
 
 int main(int count, char **word)
 {
@@ -30,17 +50,16 @@ int main(int count, char **word)
     fseek(f, 0, SEEK_END);
     size_t n = (size_t)ftell(f) / (6 * sizeof(double));
     rewind(f);
-    double *ray = malloc(6 * n * sizeof *ray), *out = malloc(16 * n * sizeof *out);
-    int *whole = malloc(n * sizeof *whole);
-    signed char *status = malloc(n);
-    if (!ray || !out || !whole || !status || fread(ray, sizeof *ray, 6 * n, f) != 6 * n) return 2;
-    memset(out, 1, 16 * n * sizeof *out); /* the pages are there, as those that Python uses again */
-    memset(whole, 1, n * sizeof *whole), memset(status, 1, n);
-    sgt_rays rays = {{ray, ray + n, ray + 2 * n}, {ray + 3 * n, ray + 4 * n, ray + 5 * n}, NULL, NULL};
-    double *at[16];
-    for (size_t i = 0; i < 16; i++) at[i] = out + i * n;
-    sgt_hits hits = {status, whole, at[0], at[1], at[2], {at[3], at[4], at[5]}, {at[6], at[7], at[8]}, at[9]};
-    sgt_traced traced = {status, whole, {at[0], at[1], at[2]}, {at[3], at[4], at[5]}, at[6]};
+    double *o = doubles(3 * n), *d = doubles(3 * n), *p = doubles(3 * n), *normal = doubles(3 * n);
+    double *t = doubles(n), *t_err = doubles(n), *t_lo = doubles(n), *p_err = doubles(n);
+    int *whole = array(n, sizeof *whole);
+    signed char *status = array(n, 1);
+    if (!o || !d || !p || !normal || !t || !t_err || !t_lo || !p_err || !whole || !status) return 2;
+    if (fread(o, sizeof *o, 3 * n, f) != 3 * n || fread(d, sizeof *d, 3 * n, f) != 3 * n) return 2;
+    sgt_rays rays = {{o, o + n, o + 2 * n}, {d, d + n, d + 2 * n}, NULL, NULL};
+    sgt_hits hits = {status, whole, t, t_err, t_lo, {p, p + n, p + 2 * n},
+                     {normal, normal + n, normal + 2 * n}, p_err};
+    sgt_traced traced = {status, whole, {p, p + n, p + 2 * n}, {normal, normal + n, normal + 2 * n}, t};
     double best[2] = {1e9, 1e9};
     for (int round = 0; round < atoi(word[2]); round++) {
         double begin = now();
@@ -52,7 +71,8 @@ int main(int count, char **word)
         if (end - middle < best[1]) best[1] = end - middle;
     }
     printf("%.9f %.9f\n", best[0], best[1]);
-    free(status), free(whole), free(out), free(ray);
+    free(o), free(d), free(p), free(normal), free(t), free(t_err), free(t_lo), free(p_err), free(whole);
+    free(status);
     fclose(f), sgt_lens_free(one), sgt_lens_free(lens);
     return 0;
 }

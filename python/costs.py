@@ -139,6 +139,10 @@ def gyroid(x, y, z):
     return a * q + b * r + c * p, p * q - c * a, q * r - a * b, r * p - b * c
 
 
+FORMULAS = {
+    "torus, a polynomial": "(x^2 + y^2 + z^2 + 3.75)^2 = 16*(x^2 + y^2)",
+    "gyroid, sines and cosines": "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x) = 0",
+}
 CENTRES = np.random.default_rng(2).uniform(-2, 2, (24, 3))
 
 
@@ -189,6 +193,16 @@ def functions():
             f"{once / n * 1e6:.2f} ({own / n * 1e6:.2f}) us in numpy",
             f"{whole / once:.1f} ({whole / own:.1f}) times",
         )
+        if name in FORMULAS:
+            told = sagitta.Formula(FORMULAS[name], inside=inside)
+            doubt = (surface.intersect(o, d).status < 0).mean() * 100
+            cost = least(lambda: told.intersect(o, d, out=out), 3)
+            yield (
+                "the same as a `Formula`",
+                f"{cost / n * 1e6:.2f} us a ray",
+                f"undecided {(out.status < 0).mean() * 100:.1f} %, as a function {doubt:.0f} %",
+                "",
+            )
 
 
 def main(program, *more):
