@@ -24,7 +24,8 @@ from . import _library as C
 from ._arrays import Floats, RayArrays, VectorsLike, address, doubles
 from .function import Function
 from .results import Fate, Passage, Traced
-from .surface import Surface
+from .surface import BUILTINS, CLASSES, Surface
+from .surface import _read as _parameters_at
 
 _PATTERNS = {"fan": 0, "grid": 1, "hexapolar": 2, "random": 3, "sobol": 4, "cells": 5, "cross": 6}
 _byref = ctypes.byref
@@ -44,6 +45,7 @@ class LensError(ValueError):
 def _fault(error: C.LensError) -> LensError:
     file, key, words = C.text(error.file), C.text(error.key), C.text(error.words)
     where = f"{file}:{error.line}: " if file and error.line else f"{file}: " if file else ""
+    words = words.replace("--glass PATH", "glasses=PATH")  # what the command calls it
     return LensError(where + (f"{key}: " if key else "") + words, file, error.line, key)
 
 
@@ -364,7 +366,7 @@ class Sensitivity:
             return np.asarray(self._at(rest).sum(axis=0) if rest else np.zeros_like(self.value))
         if name.startswith("radius"):
             place = lens._place(element, name.replace("radius", "curvature"))
-            c = getattr(lens.elements[element].surface, name.replace("radius", "curvature"))
+            c = getattr(lens.surface(element), name.replace("radius", "curvature"))
             return np.asarray(-c * c * self._at([place])[0])
         return np.asarray(self._at([lens._place(element, name)])[0])
 
@@ -478,6 +480,24 @@ class Lens:
                 "a lens that was read from a file has no elements of Python; yaml() shows it"
             )
         return list(self._given[0])
+
+    def surface(self, i: int) -> Optional[Surface]:
+        """The surface of element i, of a lens from a file too; None: it is an ideal lens, or a formula or
+        heights that were read from a file.
+
+        >>> import sagitta
+        >>> sagitta.Lens.text("surfaces: [{type: sphere, radius: 50}]").surface(0)
+        Sphere(curvature=0.02)
+        """
+        if not 0 <= i < len(self):
+            raise IndexError(f"element {i}: the lens has elements 0 to {len(self) - 1}")
+        if self._row:
+            return self._row[i].surface
+        kind, there = C.text(self._c.surface[i].type), self._c.element[i].surface
+        if kind not in BUILTINS or there.ops != BUILTINS[kind].ops:
+            return None
+        made: Surface = CLASSES[kind](**_parameters_at(BUILTINS[kind], there.self))
+        return made
 
     def replace(self, elements: Optional[Sequence[Element]] = None, **keys: Any) -> "Lens":
         """The same lens with other elements, or other keys."""
@@ -607,17 +627,9 @@ class Lens:
 
     def _names(self, i: int, e: Any) -> tuple[str, ...]:
         count = C.library.sgt_parameters(e.surface)
-        surface = self._row[i].surface if self._row else None
+        surface = self.surface(i)
         if surface is not None and len(surface.parameters) == count:
             return surface.parameters
-        if not self._row:
-            from .surface import BUILTINS, CLASSES, _read
-
-            kind = C.text(self._c.surface[i].type)
-            if kind in BUILTINS and e.surface.ops == BUILTINS[kind].ops:
-                names: tuple[str, ...] = CLASSES[kind](**_read(BUILTINS[kind], e.surface.self)).parameters
-                if len(names) == count:
-                    return names
         if count == 2:  # a plane that stands for an ideal lens
             return ("curvature", "conic")
         return tuple(f"parameter {k}" for k in range(count))

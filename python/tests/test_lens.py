@@ -182,6 +182,26 @@ def test_again_from_a_pickle(name, tree):
     assert same_data(made, singlet()) and made.elements == singlet().elements
 
 
+@pytest.mark.parametrize("name", FILES)
+def test_surfaces_of_a_file(name, tree, rng):
+    """Each is what the trace meets, and the derivative by a radius is that of the curvature."""
+    lens = Lens.read(tree / "examples" / "lenses" / name)
+    o, d = rays(rng, 40, 0.5)
+    for i in range(len(lens)):
+        surface, there = lens.surface(i), lens._elements(None)[0][i].surface
+        assert len(surface.parameters) == sagitta._library.library.sgt_parameters(there)
+        if i == 0:  # (all of them have their first vertex at the origin, and no tilt there)
+            met = lens.trace(o, d, passages=True).passages[0]
+            mine = surface.intersect(o, d, tmin=-math.inf, pick="near-seed").p
+            assert np.isfinite(mine).all() and np.abs(mine - met.p).max() < 1e-13
+    there = lens.sensitivity(o, d)
+    for i, c in ((i, getattr(lens.surface(i), "curvature", None)) for i in range(len(lens))):
+        if c is not None and "curvature" in lens.surface(i).parameters:
+            assert same(there.by(i, "radius"), -c * c * there.by(i, "curvature"))
+    with pytest.raises(IndexError):
+        lens.surface(len(lens))
+
+
 @pytest.mark.parametrize("name", ["optiland__lens1__ad519c.zmx", "poke__Hubble_Test__dc4dcb.zmx"])
 def test_zmx(name, tree):
     lens = Lens.read(tree / "tests" / "data" / "zmx" / name)
