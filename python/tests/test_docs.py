@@ -35,7 +35,8 @@ def test_the_pictures(tree):
 
 def test_the_readme(tree, monkeypatch):
     """What README.md shows of Python, with a lens and rays for those that it does not have."""
-    (block,) = re.findall(r"^```python\n(.*?)^```", (tree / "README.md").read_text(), re.MULTILINE | re.DOTALL)
+    text = (tree / "README.md").read_text()
+    (block,) = re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
     real = sagitta.Lens.read
     monkeypatch.setattr(
         sagitta.Lens, "read", lambda path: real(tree / "examples" / "lenses" / "cooke_triplet.yaml")
