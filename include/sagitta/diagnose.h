@@ -68,7 +68,8 @@ typedef enum sgt_fault {
     SGT_WRONG_CLEARANCE,
     SGT_WRONG_ENCLOSURE,
     SGT_WRONG_FIRST,
-    SGT_WRONG_FIRSTS
+    SGT_WRONG_FIRSTS,
+    SGT_WRONG_ENCLOSURES  /* of `encloses`; from version 0.3 on */
 } sgt_fault;
 
 /* Walks n rays and tries to catch the surface breaking a promise of sgt_surface_ops.  The
@@ -83,6 +84,8 @@ typedef enum sgt_fault {
  *     enclose     over stretches of many widths it contains what samples show of F and
  *                 its slope; it is empty only where F is nowhere defined; where the slope
  *                 has two finite ends, F does not jump between its samples
+ *     encloses    the same, and it says the same of a cell, to the last bit, among others
+ *                 and alone, with slopes and without, and writes no more than asked for
  *     clearance   within it F does not change sign, about points of the rays, in some
  *                 directions
  *     values,     they give what `value` and `span` give, to the last bit (a NaN for a

@@ -110,6 +110,9 @@ typedef struct sgt_points { const double *p[3]; } sgt_points;
 typedef struct sgt_values { double *f, *grad[3]; } sgt_values;
 typedef struct sgt_spans { double *lo, *hi, *seed; bool *single; } sgt_spans;
 
+/* Many enclosures: the intervals of g, [lo, hi], and of its slope. */
+typedef struct sgt_enclosures { double *lo, *hi, *slope_lo, *slope_hi; } sgt_enclosures;
+
 /* What a surface can do.  `self` is the pointer of sgt_surface, `p` is a point (length).
  *
  * Only `value` is required.  Each further function makes the solver faster or its answer
@@ -158,7 +161,7 @@ typedef struct sgt_surface_ops {
      *     nothing, and so does a NaN.
      *   - lo > hi: F is undefined all over t, and so has no zero there.
      *   - A slope with two finite ends also says that F is defined and continuous all
-     *     over t.  Where it may not be, return an infinite slope.
+     *     over t.  Where it may not be, return a slope with an end at infinity.
      * The ray need not be the caller's: for a distant origin it is the same line from an
      * origin nearby. */
     sgt_interval (*enclose)(const void *self, const sgt_ray *ray, sgt_interval t,
@@ -197,6 +200,23 @@ typedef struct sgt_surface_ops {
      * points.  grad[0] may be NULL: the gradient is not wanted. */
     void (*by_parameter)(const void *self, size_t j, size_t n, sgt_points p,
                          sgt_values out);
+
+    /* From here on members are of version 0.3, and read only if `size` covers them.
+     *
+     * What `enclose` says, of n cells at once: of cell i, which is [t_lo[i], t_hi[i]] of
+     * ray i, with t_lo[i] <= t_hi[i], both finite.  The cells of one ray may be many.
+     * Of `rays` only o and d are given.
+     *   - The promises are those of `enclose`, which has to be offered, too.  The
+     *     intervals may be other ones: wider, or narrower.
+     *   - What is said of a cell does not depend on its neighbours, nor on its place
+     *     among them, to the last bit (of an interval that is not a NaN).
+     *   - out.slope_lo NULL: slopes are not wanted, and out.slope_hi is NULL, too.
+     * First roots are searched for by it, of many rays side by side and of one, unless
+     * the surface has `first`, or the span is single and no proof is asked for.  Such a
+     * root is proven, whatever options.proof is, and as sharp as rounding allows (t_tol
+     * is not read).  Grazes, and roots beside an end of the ray, are left to `enclose`. */
+    void (*encloses)(const void *self, size_t n, sgt_rays rays, const double *t_lo,
+                     const double *t_hi, sgt_enclosures out);
 } sgt_surface_ops;
 
 /* A surface: what it can do, and its parameters (borrowed). */
@@ -394,7 +414,7 @@ typedef struct sgt_hits {
  * Built-in surfaces are fast, and so is a user's that offers `values`; with `spans` it is
  * faster still.  Without `values` a user's `value` is called point by point.  If a first
  * root has to be searched for by clearance, enclose or estimate, the rays are answered
- * one by one. */
+ * one by one; with `encloses` many together. */
 SGT_API size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits,
                                    const sgt_options *opt);
 

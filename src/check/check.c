@@ -60,6 +60,9 @@
  *   mean value theorem, on which every proof rests: a slope that is bounded where F jumps is a fault.
  * - An empty interval is a fault if F is defined on both sides of a sample.
  *
+ * MANY ENCLOSURES, of `encloses`, are tried in the same way.  What is said of CELLS_AT_ONCE cells, from all
+ * of the ray down to points, and of FEW of them, is compared bit by bit with what is said of each alone.
+ *
  * THE CLEARANCE is tried at points of the ray.  On lines through them, along the ray, the gradient and six
  * others, no certain change of sign may be nearer. */
 #include "../num/bits.h"
@@ -73,7 +76,14 @@
 #include <string.h>
 
 enum {
-    SAMPLES = 256, POINTS = 16, LEVELS = 18, POINTS_AT_ONCE = 67, FEW = 3, RAYS_AT_ONCE = 35, WIDTHS = 9,
+    SAMPLES = 256,
+    POINTS = 16,
+    LEVELS = 18,
+    POINTS_AT_ONCE = 67,
+    CELLS_AT_ONCE = 37,
+    FEW = 3,
+    RAYS_AT_ONCE = 35,
+    WIDTHS = 9,
     WITHIN = 5
 };
 static const double CUT = 1000; /* lengths of d, if neither ray nor span has an end */
@@ -263,12 +273,35 @@ static bool steeper(const check *c, const check_sample *a, sgt_interval slope)
     return now + doubt < slope.lo || now - doubt > slope.hi || slope.lo > slope.hi;
 }
 
+/* `encloses` of n cells of the ray.  No slopes are asked for if slope_lo is NULL. */
+static void check_ask_many(const check *c, size_t n, const double t_lo[], const double t_hi[],
+                           sgt_enclosures out)
+{
+    double o[3][CELLS_AT_ONCE], d[3][CELLS_AT_ONCE];
+    const sgt_ray *r = c->ray;
+    for (size_t i = 0; i < n; i++)
+        o[0][i] = r->o.x, o[1][i] = r->o.y, o[2][i] = r->o.z, d[0][i] = r->d.x, d[1][i] = r->d.y,
+        d[2][i] = r->d.z;
+    sgt_rays rays = {.o = {o[0], o[1], o[2]}, .d = {d[0], d[1], d[2]}};
+    encloses_of(c->s.ops)(c->s.self, n, rays, t_lo, t_hi, out);
+}
+
+/* One cell, by `enclose` or by `encloses`. */
+static sgt_interval check_ask(const check *c, bool many, double lo, double hi, sgt_interval *slope)
+{
+    sgt_interval g = {(double)NAN, (double)NAN};
+    *slope = g;
+    if (!many) return c->s.ops->enclose(c->s.self, c->ray, (sgt_interval){lo, hi}, slope);
+    check_ask_many(c, 1, &lo, &hi, (sgt_enclosures){&g.lo, &g.hi, &slope->lo, &slope->hi});
+    return g;
+}
+
 /* Compares samples in [lo, hi] with the enclosure over it. */
-static bool check_enclosure(check *c, double lo, double hi, double across)
+static bool check_enclosure(check *c, bool many, double lo, double hi, double across)
 {
     static const double where[WITHIN] = {0, 0.109, 0.382, 0.691, 1};
-    sgt_interval slope = {(double)NAN, (double)NAN},
-                 g = c->s.ops->enclose(c->s.self, c->ray, (sgt_interval){lo, hi}, &slope);
+    const sgt_fault fault = many ? SGT_WRONG_ENCLOSURES : SGT_WRONG_ENCLOSURE;
+    sgt_interval slope, g = check_ask(c, many, lo, hi, &slope);
     bool bounded = slope.lo > -HUGE_VAL && slope.hi < HUGE_VAL, defined = true;
     check_sample before = {.f = (double)NAN}, a;
     double doubt_before = 0;
@@ -279,16 +312,15 @@ static bool check_enclosure(check *c, double lo, double hi, double across)
         bool regular = isfinite(a.f) && isfinite(a.n.x) && isfinite(a.n.y) && isfinite(a.n.z);
         defined = defined && !isnan(a.f);
         doubt = doubt_of(c, &a, across);
-        if (g.lo > g.hi && isfinite(a.f) && well_defined(c, t)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
-        if (regular && g.lo <= g.hi && (a.f + doubt < g.lo || a.f - doubt > g.hi))
-            return fail(c, SGT_WRONG_ENCLOSURE, a.p);
+        if (g.lo > g.hi && isfinite(a.f) && well_defined(c, t)) return fail(c, fault, a.p);
+        if (regular && g.lo <= g.hi && (a.f + doubt < g.lo || a.f - doubt > g.hi)) return fail(c, fault, a.p);
         /* the slope says something */
         if (regular && !(g.lo > g.hi) && (slope.lo > -HUGE_VAL || slope.hi < HUGE_VAL)) {
-            if (steeper(c, &a, slope)) return fail(c, SGT_WRONG_ENCLOSURE, a.p);
+            if (steeper(c, &a, slope)) return fail(c, fault, a.p);
             double width = t - before.t, quotient = (a.f - before.f) / width,
                    off = (doubt + doubt_before) / width * (1 + 0x1p-20);
             if (bounded && i && defined && (quotient + off < slope.lo || quotient - off > slope.hi))
-                return fail(c, SGT_WRONG_ENCLOSURE, a.p);
+                return fail(c, fault, a.p);
         }
         before = a, doubt_before = doubt;
         if (!regular) defined = false;
@@ -303,7 +335,9 @@ static bool check_enclosures(check *c, double t, double longest, double across)
     for (int level = 0; level < WIDTHS; level++, longest *= 0x1p-6) {
         double lo = t - 0.382 * longest, hi = t + 0.618 * longest;
         if (level == WIDTHS - 1) lo = hi = t;
-        if (fabs(lo) <= DBL_MAX && fabs(hi) <= DBL_MAX && !check_enclosure(c, lo, hi, across)) return false;
+        if (!(fabs(lo) <= DBL_MAX && fabs(hi) <= DBL_MAX)) continue;
+        if (!check_enclosure(c, false, lo, hi, across)) return false;
+        if (encloses_of(c->s.ops) && !check_enclosure(c, true, lo, hi, across)) return false;
     }
     return true;
 }
@@ -470,6 +504,36 @@ static bool check_values(check *c, double lo, double hi)
     return true;
 }
 
+/* Cells of every width, from `length` down, and points. */
+static bool check_cells(check *c, double lo, double hi)
+{
+    double a[CELLS_AT_ONCE], b[CELLS_AT_ONCE], out[4][CELLS_AT_ONCE + 1];
+    sgt_vec3 o = c->ray->o;
+    for (int i = 0; i < CELLS_AT_ONCE; i++) {
+        double length = hi - lo, at = lo + length * ((i * 7 % CELLS_AT_ONCE + 0.382) / CELLS_AT_ONCE);
+        for (int k = i % 12; k > 0; k--) length *= 0x1p-4;
+        a[i] = maximum_number(lo, at - 0.4 * length), b[i] = minimum_number(hi, at + 0.6 * length);
+        if (i % 12 == 11) b[i] = a[i];
+    }
+    for (int way = 0; way < 4; way++) {
+        size_t n = way & 1 ? FEW : CELLS_AT_ONCE, from = way & 1 ? CELLS_AT_ONCE - FEW : 0;
+        bool slopes = way < 2;
+        for (int k = 0; k < 4; k++)
+            for (size_t i = 0; i <= n; i++) out[k][i] = KEPT;
+        check_ask_many(c, n, a + from, b + from,
+                       (sgt_enclosures){out[0], out[1], slopes ? out[2] : NULL, slopes ? out[3] : NULL});
+        for (size_t i = 0; i < n; i++) {
+            sgt_interval slope, g = check_ask(c, true, a[from + i], b[from + i], &slope);
+            bool good = same(g.lo, out[0][i]) && same(g.hi, out[1][i]) &&
+                        (!slopes || (same(slope.lo, out[2][i]) && same(slope.hi, out[3][i])));
+            if (!good) return fail(c, SGT_WRONG_ENCLOSURES, o);
+        }
+        for (int k = 0; k < 4; k++)
+            if (!(out[k][n] == KEPT)) return fail(c, SGT_WRONG_ENCLOSURES, o);
+    }
+    return true;
+}
+
 /* Compares n rays at once with single rays: `firsts` if tmin is not NULL, else `spans`. */
 static bool check_spans(check *c, size_t n, double o[3][RAYS_AT_ONCE], double d[3][RAYS_AT_ONCE],
                         const double *tmin, const double *tmax)
@@ -517,6 +581,7 @@ static bool check_ray(check *c)
         c->first = c->s.ops->first(c->s.self, &own), c->from = own.tmin;
     }
     if (c->s.ops->values && !check_values(c, lo, hi)) return false;
+    if (encloses_of(c->s.ops) && !check_cells(c, lo, hi)) return false;
     if (by) return check_stretch(c, lo, hi);
     double in = maximum_number(lo, s.lo), out = minimum_number(hi, s.hi);
     if (!(check_stretch(c, lo, minimum_number(s.lo, hi)) && check_stretch(c, in, out)
@@ -588,6 +653,8 @@ sgt_fault sgt_check(sgt_surface s, size_t n, const sgt_ray rays[], sgt_vec3 *whe
         }
         if (s.ops->spans && c.fault == SGT_SOUND) check_all_spans(&c, n, rays, false);
         if (s.ops->firsts && c.fault == SGT_SOUND) check_all_spans(&c, n, rays, true);
+        if (offers_encloses(s.ops) && !s.ops->enclose && c.fault == SGT_SOUND)
+            fail(&c, SGT_WRONG_ENCLOSURES, rays[0].o);
     }
     if (where) *where = c.where;
     return c.fault;
@@ -612,6 +679,9 @@ const char *sgt_fault_text(sgt_fault fault)
     case SGT_WRONG_FIRST:
         return "wrong first: a root that counts lies before it, or two in it, or none in it and one behind";
     case SGT_WRONG_FIRSTS: return "wrong firsts: they differ from first in a bit, or there is no first";
+    case SGT_WRONG_ENCLOSURES:
+        return "wrong encloses: F or its slope leaves an interval, or a cell's depends on its neighbours, or "
+               "there is no enclose";
     case SGT_NO_VALUE:
         return "no value: the surface has no function F, a table of a wrong size, or a parameter that is not "
                "valid";

@@ -3,5 +3,5 @@
 
 #include <sagitta/formula.h>
 
-OF_DEPARTURE(formula, "formula")
+OF_IMPLICIT(formula, "formula")
 OF_DEPARTURE(formula_sag, "formula")

@@ -56,6 +56,11 @@
     OPERATION(NAME, sgt_span, first, (const void *self, const sgt_ray *ray), (self, ray))    \
     OPERATION_VOID(NAME, firsts, (const void *self, size_t n, sgt_rays rays, sgt_spans out), \
                    (self, n, rays, out))
+#define CELLS(NAME)                                                                                        \
+    OPERATION_VOID(NAME, encloses,                                                                         \
+                   (const void *self, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,     \
+                    sgt_enclosures out),                                                                   \
+                   (self, n, rays, t_lo, t_hi, out))
 
 #define PUBLIC_TABLE(NAME, SAID, ...)                     \
     const sgt_surface_ops sgt_##NAME##_ops = {            \
@@ -82,6 +87,9 @@
     ALL_HAVE(NAME) OBJECTION(NAME) DERIVATIVES(NAME) MANY(NAME) FIRSTS(NAME)            \
     OPERATION(NAME, double, clearance, (const void *self, sgt_vec3 p), (self, p))       \
     PUBLIC_TABLE(NAME, SAID, TABLE_OF_FIRSTS(NAME), .clearance = NAME##_clearance)
+#define OF_IMPLICIT(NAME, SAID)                                        \
+    ALL_HAVE(NAME) OBJECTION(NAME) DERIVATIVES(NAME) MANY(NAME) CELLS(NAME) \
+    PUBLIC_TABLE(NAME, SAID, TABLE_OF_MANY(NAME), .encloses = NAME##_encloses)
 #define OF_LEVEL_SET(NAME, SAID)                                                 \
     ALL_HAVE(NAME) OBJECTION(NAME)                                               \
     OPERATION(NAME, double, estimate, (const void *self, sgt_vec3 p), (self, p)) \

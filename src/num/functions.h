@@ -9,7 +9,7 @@
  *
  *     exp  2      log  2.5    sin, cos  2     tan  5     cbrt  2      hypot  2.5
  *     atan, atan2  6          asin, acos  11             sinh, cosh  5      tanh  6
- *     power b^e  2.5 + 4 |e log b|
+ *     power b^e  4.5
  *
  * NaN is where a function is not defined: log of 0 or less; asin and acos beyond 1; atan2(0, 0); a power of a
  * number below 0, and 0^e for e <= 0.  sin, cos and tan are NaN beyond 2^26, too.  Infinite arguments give
@@ -72,7 +72,17 @@
  * HYPOT.  Both are scaled by a power of two, so that no square overflows, or is lost beside the other.  The
  * sum of squares is off by 2, its root by 1 and 1 more.
  *
- * POWER is exp(e log b): the exponent is off by 2.5 + 1 of itself.
+ * POWER is exp(e log b), with log b and the product in two parts.  s = S + S', where S has 26 bits, and 2 + f
+ * is split in the same way.  So the residue f - S (2 + f) is exact but for 2^-79 of f, and s is known to
+ * 2^-77. With z = S^2 (exact), q = z/3 rounded, r = z - 3 q (exact, both steps by Sterbenz), P = 1/5 + s^2 /
+ * 7 ... + s^20 / 25,
+ *
+ *     log(1 + f) / 2 = S + S q + (S' + S' q + s ((r + 2 S S' + S'^2) / 3 + s^4 P)).
+ *
+ * S times the upper half of q is exact.  The parentheses are below 2^-12 of s, and off by less than eight
+ * roundings of that: 2^-62 of s, and so are the sums of the whole.  k log 2 is off by 2^-86 k.  The product
+ * by e is off by 2^-61.5 of itself, which is below 746, so by 2.1 u at most; the exponential, which takes the
+ * lower part of its argument to r, by 2.
  *
  * Test: tests/interval/test_lane_functions.c (MPFR). */
 #ifndef SGT_NUM_FUNCTIONS_H
@@ -94,8 +104,7 @@
 #define LANE_ASIN_BOUND 11.0
 #define LANE_SINH_BOUND 5.0
 #define LANE_TANH_BOUND 6.0
-#define LANE_POWER_BOUND 2.5     /* and */
-#define LANE_POWER_PER_LOG 4.0   /* for each 1 of |e log b| */
+#define LANE_POWER_BOUND 4.5
 
 #define LANE_TURN_LIMIT 0x1p26   /* beyond it sin, cos and tan are NaN */
 
@@ -135,12 +144,16 @@ SGT_INLINE double lane_signed(double x, double sign)
 
 /* ------------------------------------------------------------------ exp and log */
 
-/* e^x times 2^-half, half 0 or 1. */
-SGT_INLINE double lane_exp_halved(double x, double half)
+/* log 2; the upper part has 32 bits. */
+#define LANE_LOG_2 0x1.62e42fee00000p-1
+#define LANE_LOG_2_LOW 0x1.a39ef35793c76p-33
+
+/* e^(x + low) times 2^-half; low is below u |x|, half is 0 or 1. */
+SGT_INLINE double lane_exp_halved(double x, double low, double half)
 {
     double b = x > 720 ? 720 : x, c = b < -760 ? -760 : b;
     double k = (c * 0x1.71547652b82fep+0 + LANE_SHIFT) - LANE_SHIFT;
-    double r = (c - k * 0x1.62e42fee00000p-1) - k * 0x1.a39ef35793c76p-33, s = r * r;
+    double r = (c - k * LANE_LOG_2) + (low - k * LANE_LOG_2_LOW), s = r * r;
     double even = 1.0 / 3628800 + s * (1.0 / 479001600);
     double odd = 1.0 / 39916800 + s * (1.0 / 6227020800);
     even = 1.0 / 40320 + s * even, odd = 1.0 / 362880 + s * odd;
@@ -155,9 +168,12 @@ SGT_INLINE double lane_exp_halved(double x, double half)
     return e * first * second;
 }
 
-SGT_INLINE double lane_exp(double x) { return lane_exp_halved(x, 0); }
+SGT_INLINE double lane_exp(double x) { return lane_exp_halved(x, 0, 0); }
 
-SGT_INLINE double lane_log(double x)
+/* x = 2^k (1 + f) with sqrt(1/2) <= 1 + f < sqrt(2); x is finite and above 0. */
+typedef struct lane_parts { double k, f; } lane_parts;
+
+SGT_INLINE lane_parts lane_parts_of(double x)
 {
     mask tiny = lane_below(x, DBL_MIN);
     mask bits = lane_bits(x * lane_chosen(tiny, 0x1p54, 1));
@@ -166,14 +182,19 @@ SGT_INLINE double lane_log(double x)
     bits += 0x3ff0000000000000ULL - root;
     double k = lane_double(bits >> 52 | 0x4330000000000000ULL) - (0x1p52 + 1023);
     k -= lane_double(tiny & lane_bits(54));
-    double f = lane_double((bits & 0x000fffffffffffffULL) + root) - 1;
-    double h = 0.5 * f * f, s = f / (2 + f), z = s * s, w = z * z;
+    return (lane_parts){k, lane_double((bits & 0x000fffffffffffffULL) + root) - 1};
+}
+
+SGT_INLINE double lane_log(double x)
+{
+    lane_parts p = lane_parts_of(x);
+    double k = p.k, f = p.f, h = 0.5 * f * f, s = f / (2 + f), z = s * s, w = z * z;
     double even = 2.0 / 15 + w * (2.0 / 19), odd = 2.0 / 17 + w * (2.0 / 21);
     even = 2.0 / 11 + w * even, odd = 2.0 / 13 + w * odd;
     even = 2.0 / 7 + w * even, odd = 2.0 / 9 + w * odd;
     even = 2.0 / 3 + w * even, odd = 2.0 / 5 + w * odd;
     double r = z * (even + z * odd);
-    double y = k * 0x1.62e42fee00000p-1 - ((h - (s * (h + r) + k * 0x1.a39ef35793c76p-33)) - f);
+    double y = k * LANE_LOG_2 - ((h - (s * (h + r) + k * LANE_LOG_2_LOW)) - f);
     y = x > 0 ? y : (double)NAN;
     return x > DBL_MAX ? x : y;
 }
@@ -262,14 +283,14 @@ SGT_INLINE double lane_sinh_near(double x)
 
 SGT_INLINE double lane_sinh(double x)
 {
-    double size = fabs(x), half = lane_exp_halved(size, 1);
+    double size = fabs(x), half = lane_exp_halved(size, 0, 1);
     double far = half - 0.25 / half;
     return lane_signed(size <= 1 ? lane_sinh_near(size) : far, x);
 }
 
 SGT_INLINE double lane_cosh(double x)
 {
-    double half = lane_exp_halved(fabs(x), 1);
+    double half = lane_exp_halved(fabs(x), 0, 1);
     return half + 0.25 / half;
 }
 
@@ -311,10 +332,34 @@ SGT_INLINE double lane_hypot(double a, double b)
     return sqrt(p * p + q * q) * up;
 }
 
+/* The upper 26 bits. */
+SGT_INLINE double lane_upper(double x) { return lane_double(lane_bits(x) & ~0x7ffffffULL); }
+
 /* b^e. */
 SGT_INLINE double lane_power(double b, double e)
 {
-    double y = lane_exp(e * lane_log(b)), at_0 = e > 0 ? 0 : (double)NAN;
+    lane_parts p = lane_parts_of(b);
+    double d = 2 + p.f, d1 = lane_upper(d), d2 = p.f - (d1 - 2);
+    double s = p.f / d, s1 = lane_upper(s), s2 = ((p.f - s1 * d1) - s1 * d2) / d;
+    double z = s1 * s1, q = z / 3, left = ((z - 2 * q) - q) + (2 * s1 + s2) * s2, q1 = lane_upper(q);
+    double v = s * s, w = v * v, even = 1.0 / 21 + w * (1.0 / 25), odd = 1.0 / 19 + w * (1.0 / 23);
+    even = 1.0 / 17 + w * even, odd = 1.0 / 15 + w * odd;
+    even = 1.0 / 13 + w * even, odd = 1.0 / 11 + w * odd;
+    even = 1.0 / 9 + w * even, odd = 1.0 / 7 + w * odd;
+    even = 1.0 / 5 + w * even;
+    twofold sum = quick_two_sum(s1, s1 * q1);
+    double rest = (s2 + s2 * q) + (s1 * (q - q1) + s * (left * (1.0 / 3) + w * (even + v * odd)));
+    twofold log_b = two_sum(p.k * LANE_LOG_2, 2 * sum.hi);
+    double low = log_b.lo + (2 * (sum.lo + rest) + p.k * LANE_LOG_2_LOW);
+    /* times e */
+    double e1 = lane_upper(e), e2 = e - e1, h1 = lane_upper(log_b.hi), h2 = log_b.hi - h1;
+    double x = e * log_b.hi, x2 = (((e1 * h1 - x) + e1 * h2) + e2 * h1) + (e2 * h2 + e * low);
+    twofold power = quick_two_sum(x, fabs(x) < 800 ? x2 : 0);
+    power.lo = fabs(x) < 800 ? power.lo : 0; /* where x is infinite */
+    double y = lane_exp_halved(power.hi, power.lo, 0), at_0 = e > 0 ? 0 : (double)NAN;
+    y = b > 0 ? y : (double)NAN;
+    /* of an infinite b as of a limit, which is e times infinity */
+    y = b > DBL_MAX ? lane_exp_halved(e * b, 0, 0) : y;
     return b == 0 ? at_0 : y;
 }
 

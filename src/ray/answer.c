@@ -9,6 +9,8 @@
  *                               Else it is the estimate, made UNPROVEN */
 #include "answer.h"
 
+#include "../solve/root.h"
+#include "cells_batch.h"
 #include "proof.h"
 
 /* The evaluations of an estimate that is to be proven. */
@@ -116,13 +118,46 @@ static const sgt_options *read_of(sgt_surface s, const sgt_options *opt, sgt_opt
     return own;
 }
 
+/* A watcher of what follows on a search by cells: evaluations are counted from there. */
+typedef struct counted {
+    sgt_watch *watch;
+    void *data;
+    int before;
+} counted;
+
+static int watch_counted(void *data, const sgt_step *step)
+{
+    const counted *c = data;
+    sgt_step own = *step;
+    own.eval += c->before;
+    return c->watch(c->data, &own);
+}
+
+static sgt_hit by_operations(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+{
+    return opt->proof ? sgt_prove_within(s, ray, HUGE_VAL, opt) : sgt_search_first(s, ray, opt);
+}
+
+/* Cells decide it, or what they leave has the evaluations that they left. */
+static sgt_hit by_cells(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
+{
+    sgt_hit hit;
+    if (sgt_cells_first(s, ray, opt, &hit)) return hit;
+    sgt_options rest = *opt;
+    counted told = {opt->watch, opt->watch_data, hit.evals};
+    if (opt->watch) rest.watch = watch_counted, rest.watch_data = &told;
+    rest.max_evals = (opt->max_evals ? opt->max_evals : SGT_DEFAULT_EVALS) - hit.evals;
+    hit = by_operations(s, ray, &rest);
+    hit.evals += told.before;
+    return hit;
+}
+
 sgt_hit sgt_intersect_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt)
 {
     sgt_options own;
     opt = read_of(s, opt, &own);
     if (!rim_in_range(rim2_of_surface(s))) return hit_without(SGT_UNPROVEN, ray, 0);
-    if (opt->proof) return sgt_prove_within(s, ray, HUGE_VAL, opt);
-    return sgt_search_first(s, ray, opt);
+    return sgt_cells_offered(s, opt) ? by_cells(s, ray, opt) : by_operations(s, ray, opt);
 }
 
 void sgt_intersect_all_general(sgt_surface s, const sgt_ray *ray, const sgt_options *opt, sgt_list *list)

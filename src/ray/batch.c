@@ -15,6 +15,7 @@
 #include "../num/lanes.h"
 #include "../solve/root.h"
 #include "../solve/ways.h"
+#include "cells_batch.h"
 #include "unique.h"
 #include "general.h"
 
@@ -68,11 +69,52 @@ static size_t not_unique(sgt_surface s, const sgt_tile *tile)
     return more;
 }
 
+/* The arrays from their i-th entry on. */
+static double *from(double *a, size_t i) { return a ? a + i : NULL; }
+
+static sgt_hits hits_from(const sgt_hits *h, size_t i)
+{
+    return (sgt_hits){.status = h->status ? h->status + i : NULL,
+                      .evals = h->evals ? h->evals + i : NULL,
+                      .t = from(h->t, i),
+                      .t_err = from(h->t_err, i),
+                      .t_lo = from(h->t_lo, i),
+                      .p_err = from(h->p_err, i),
+                      .p = {from(h->p[0], i), from(h->p[1], i), from(h->p[2], i)},
+                      .n = {from(h->n[0], i), from(h->n[1], i), from(h->n[2], i)}};
+}
+
+/* Runs of rays with a single span go through the quick form in lanes.  Returns how many rays of the tile are
+ * then hard. */
+static size_t single_runs(sgt_surface s, const sgt_tile *tile, const sgt_options *opt, size_t hard)
+{
+    for (size_t i = 0, n; i < tile->n; i += n) {
+        n = 1;
+        if (tile->hits.status[i] != SGT_SINGLE) continue;
+        while (i + n < tile->n && tile->hits.status[i + n] == SGT_SINGLE) n++;
+        sgt_tile run = {.n = n,
+                        .t_tol = tile->t_tol + i,
+                        .hits = hits_from(&tile->hits, i),
+                        .rays = rays_from(&tile->rays, i)};
+        run.rays.tmin = tile->rays.tmin + i, run.rays.tmax = tile->rays.tmax + i;
+        hard -= n - sgt_lanes_general(s, &run, opt);
+    }
+    return hard;
+}
+
+/* The first root, by cells. */
+static size_t by_cells_in_lanes(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+{
+    size_t hard = sgt_cells_tile(s, tile, opt);
+    return hard ? single_runs(s, tile, opt, hard) : 0;
+}
+
 size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     size_t hard = tile->n;
     if (s.ops && s.ops->own_ && s.ops->own_->lanes) hard = s.ops->own_->lanes(s.self, tile, opt);
-    else if (s.ops && s.ops->value && !answers_itself(s.ops)) hard = sgt_lanes_general(s, tile, opt);
+    else if (s.ops && s.ops->value && !answers_itself(s.ops))
+        hard = (sgt_cells_offered(s, opt) ? by_cells_in_lanes : sgt_lanes_general)(s, tile, opt);
     else memset(tile->hits.status, SGT_HARD, tile->n);
     if (hard < tile->n && s.ops->own_ && s.ops->own_->unique && asks_unique(opt)) hard += not_unique(s, tile);
     sgt_options own = *opt;
@@ -111,18 +153,6 @@ static size_t one_by_one(sgt_surface s, size_t n, const sgt_rays *rays, const sg
     return met;
 }
 
-/* The arrays from their i-th entry on. */
-static double *from(double *a, size_t i) { return a ? a + i : NULL; }
-
-static sgt_hits hits_from(const sgt_hits *h, size_t i)
-{
-    return (sgt_hits){
-        .status = h->status ? h->status + i : NULL, .evals = h->evals ? h->evals + i : NULL,
-        .t = from(h->t, i), .t_err = from(h->t_err, i), .t_lo = from(h->t_lo, i), .p_err = from(h->p_err, i),
-        .p = {from(h->p[0], i), from(h->p[1], i), from(h->p[2], i)},
-        .n = {from(h->n[0], i), from(h->n[1], i), from(h->n[2], i)}};
-}
-
 /* tmax = 0 with tmin >= 0 stands for infinity. */
 static void explicit_ends(size_t n, const double tmin[], const double given[], double tmax[])
 {
@@ -138,6 +168,8 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
     signed char status[SGT_MOST_TILE];
     double tmin[SGT_MOST_TILE], tmax[SGT_MOST_TILE], t_tol[SGT_MOST_TILE];
     size_t met = 0, most = s.ops && s.ops->own_ && s.ops->own_->tile ? s.ops->own_->tile : SGT_TILE;
+    if (s.ops && s.ops->value && !answers_itself(s.ops) && sgt_cells_offered(s, opt))
+        most = SGT_MOST_TILE; /* of a short tile's last rays few slots are busy */
     for (size_t i = 0; i < most && i < n; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
     for (size_t i = 0; i < n; i += most) {
         sgt_tile tile = {.n = n - i < most ? n - i : most, .t_tol = t_tol, .hits = hits_from(&hits, i),

@@ -17,8 +17,8 @@
  *                       (m - min G / max S, m + min G / -min S); for G < 0 the same with signs changed.
  *                       What is left on either side is a piece (Hansen and Walster 2004, chapter 9)
  *     else              X is divided, if more pieces can tell more.  They cannot, and X is undecided, if
- *                       m is at the limit of doubles, or g over X is no wider than four times G, or
- *                       S times the length of X is no more than the width of G
+ *                       m is at the limit of doubles, or 0 is in G and g over X is no wider than four
+ *                       times G, or S times the length of X is no more than the width of G
  *
  * A slope without bound says nothing of a root: g may jump there, or not be defined.  A bounded slope
  * promises that F is defined and continuous (sgt_surface_ops.enclose in sagitta.h says so).
@@ -483,6 +483,19 @@ static double guess(proof *w, sgt_interval n)
     return t;
 }
 
+/* m is the root as far as G, which has 0, can tell.  If g is nearly flat in a part of n, and steep at m, then
+ * m - G / S is as long as that part: a ray that leaves a face of an octahedron close to its next one.  So
+ * the signs beside m are asked for.  If they are unlike, the root is between. */
+static sgt_interval between_signs(proof *w, sgt_interval n, double m, sgt_interval G, sgt_interval slope)
+{
+    double most = sgt_interval_greatest(slope),
+           by = 8 * sgt_interval_width(G) / most + 0x1p-50 * fabs(m) + DBL_TRUE_MIN;
+    if (!has_zero(G) || !(least_of(slope) < 0x1p-10 * most) || !(m - by > n.lo && m + by < n.hi)) return n;
+    sgt_interval left = ask_at(w, m - by, SGT_PROBE), right = ask_at(w, m + by, SGT_PROBE);
+    bool unlike = (left.lo > 0 && right.hi < 0) || (left.hi < 0 && right.lo > 0);
+    return unlike ? sgt_interval_between(m - by, m + by) : n;
+}
+
 /* Looks for the root of X, where g is monotone with a bounded slope.  G is g at m. */
 static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, double m, sgt_interval G,
                               certain *c)
@@ -496,7 +509,7 @@ static proof_verdict contract(proof *w, sgt_interval x, sgt_interval slope, doub
         /* at an end of the search a tolerance would hide whether the root is accepted */
         bool inside = n.lo > w->lo && n.hi < w->hi;
         if (has_zero(G) || slow > 1 || sgt_interval_width(n) <= (inside ? w->told.opt->t_tol : 0))
-            return proof_certify(w, n, m, G, c);
+            return proof_certify(w, between_signs(w, n, m, G, slope), m, G, c);
         m = i == 0 ? guess(w, n) : sgt_interval_middle(n);
         G = ask_at(w, m, i == 0 ? SGT_NEWTON : SGT_BISECT);
         if (proof_over(w)) break;
@@ -549,7 +562,7 @@ static cells_kind proof_classify(void *self, cells *c)
         }
         if (proof_over(w)) return CELLS_AGAIN;
     }
-    bool noise = asked && ((has_zero(G) && sgt_interval_width(g) <= 4 * sgt_interval_width(G))
+    bool noise = asked && has_zero(G) && (sgt_interval_width(g) <= 4 * sgt_interval_width(G)
                            || sgt_interval_greatest(slope) * (x.hi - x.lo) <= sgt_interval_width(G));
     /* out of range at m: at the end of X, too? */
     if (noise && room && !is_bounded(G)) noise = !is_bounded(ask_at(w, x.lo, SGT_MARCH));

@@ -182,6 +182,20 @@ static inline bool is_whole(const sgt_surface_ops *ops)
     return ops->own_ || ops->size == 0 || ops->size >= SGT_OPS_LEAST;
 }
 
+/* The members of later versions; NULL if the table ends before them.  `encloses` is not read without
+ * `enclose`, which answers what cells in lanes leave open. */
+typedef void sgt_enclose_many(const void *self, size_t n, sgt_rays rays, const double *t_lo,
+                              const double *t_hi, sgt_enclosures out);
+static inline bool offers_encloses(const sgt_surface_ops *ops)
+{
+    size_t end = offsetof(sgt_surface_ops, encloses) + sizeof ops->encloses;
+    return (ops->own_ || ops->size >= end) && ops->encloses;
+}
+static inline sgt_enclose_many *encloses_of(const sgt_surface_ops *ops)
+{
+    return offers_encloses(ops) && ops->enclose ? ops->encloses : NULL;
+}
+
 static inline bool answers_itself(const sgt_surface_ops *ops) { return ops->own_ && ops->own_->meet; }
 
 /* Is it a built-in surface without `meet`?  It is then met by its operations, as a user's is. */

@@ -11,6 +11,8 @@
  * */
 #include "hostile.h"
 
+#include <sagitta/interval.h>
+
 /* ---------------------------------------------------------------- surfaces */
 
 typedef enum form { TORUS, ELLIPSOID, SPHERE_DISTANCE, CONIC, POLE, PLANE, FORMS } form;
@@ -137,16 +139,61 @@ static double user_clearance(const void *self, sgt_vec3 p)
 }
 static double user_estimate(const void *self, sgt_vec3 p) { return 0.1 * fabs(user_value(self, p, NULL)); }
 
-/* A distance changes by no more than the length of the way. */
+/* F and its slope, by intervals; of the distance, which changes by no more than the length of the way. */
 static sgt_interval user_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
 {
     const shape *s = self;
+    const double o[3] = {ray->o.x, ray->o.y, ray->o.z}, d[3] = {ray->d.x, ray->d.y, ray->d.z},
+                 size[3] = {s->a, s->b, s->c}, normal[3] = {0.1, 0.2, 1};
     double length = sqrt(dot(ray->d, ray->d)), m = 0.5 * t.lo + 0.5 * t.hi,
            far = (t.hi - t.lo) * 0.51 * length + 1e-14 * (1 + fabs(m));
-    double f = user_value(self, sum(ray->o, times(m, ray->d)), NULL);
-    *slope = (sgt_interval){-length, length};
-    if (s->form != SPHERE_DISTANCE) return (sgt_interval){-FAR, FAR};
-    return (sgt_interval){f - far, f + far};
+    if (s->form != TORUS && s->form != ELLIPSOID && s->form != PLANE) {
+        double f = user_value(self, sum(ray->o, times(m, ray->d)), NULL);
+        *slope = (sgt_interval){-length, length};
+        if (s->form != SPHERE_DISTANCE) return (sgt_interval){-FAR, FAR};
+        return (sgt_interval){f - far, f + far};
+    }
+    sgt_interval x[3], two[3], by[3], a2 = sgt_interval_square(sgt_interval_of(s->a));
+    for (int k = 0; k < 3; k++) {
+        x[k] = sgt_interval_sum(sgt_interval_of(o[k]), sgt_interval_scaled(t, d[k]));
+        two[k] = sgt_interval_square(x[k]);
+        by[k] = sgt_interval_scaled(sgt_interval_scaled(x[k], d[k]), 2);
+        if (s->form == PLANE) two[k] = sgt_interval_scaled(x[k], normal[k]);
+        if (s->form == PLANE) by[k] = sgt_interval_scaled(sgt_interval_of(normal[k]), d[k]);
+        if (s->form != ELLIPSOID) continue;
+        sgt_interval r2 = sgt_interval_square(sgt_interval_of(size[k]));
+        two[k] = sgt_interval_quotient(two[k], r2), by[k] = sgt_interval_quotient(by[k], r2);
+    }
+    sgt_interval q = sgt_interval_sum(two[0], two[1]), q_by = sgt_interval_sum(by[0], by[1]),
+                 w = sgt_interval_sum(q, two[2]), w_by = sgt_interval_sum(q_by, by[2]);
+    if (s->form != TORUS) {
+        *slope = w_by;
+        return s->form == PLANE ? w : sgt_interval_difference(w, sgt_interval_of(1));
+    }
+    sgt_interval b2 = sgt_interval_square(sgt_interval_of(s->b)), four = sgt_interval_scaled(a2, 4);
+    w = sgt_interval_sum(w, sgt_interval_difference(a2, b2));
+    *slope = sgt_interval_difference(sgt_interval_scaled(sgt_interval_product(w, w_by), 2),
+                                     sgt_interval_product(four, q_by));
+    return sgt_interval_difference(sgt_interval_square(w), sgt_interval_product(four, q));
+}
+
+/* The same, wider, and of some cells nothing is said, by the bits of the cell alone. */
+static void user_encloses(const void *self, size_t n, sgt_rays r, const double *lo, const double *hi,
+                          sgt_enclosures out)
+{
+    const shape *s = self;
+    if (s->calls) ++*s->calls, *s->rays += (long)n;
+    for (size_t i = 0; i < n; i++) {
+        sgt_ray ray = {{r.o[0][i], r.o[1][i], r.o[2][i]}, {r.d[0][i], r.d[1][i], r.d[2][i]}, NOT, NOT};
+        sgt_interval slope = {NOT, NOT}, g = user_enclose(self, &ray, (sgt_interval){lo[i], hi[i]}, &slope);
+        double any = hash((sgt_vec3){lo[i], hi[i], r.o[0][i]}), by = any * 0x1p-48;
+        g.lo -= by * fabs(g.lo), g.hi += by * fabs(g.hi);
+        if (s->fault != HONEST && any < 0.1) slope = (sgt_interval){any < 0.05 ? -FAR : NOT, FAR};
+        if (s->fault != HONEST && any < 0.03)
+            g = (sgt_interval){any < 0.02 ? -FAR : 1, any < 0.01 ? NOT : -1};
+        out.lo[i] = g.lo, out.hi[i] = g.hi;
+        if (out.slope_lo) out.slope_lo[i] = slope.lo, out.slope_hi[i] = slope.hi;
+    }
 }
 
 static void user_values(const void *self, size_t n, sgt_points p, sgt_values out)
@@ -179,7 +226,9 @@ static sgt_surface_ops random_offer(generator *g)
     if (chance(g, 0.3)) ops.rounding = user_rounding;
     if (chance(g, 0.1)) ops.clearance = user_clearance;
     if (chance(g, 0.1)) ops.estimate = user_estimate;
-    if (chance(g, 0.1)) ops.enclose = user_enclose;
+    if (chance(g, 0.3)) ops.enclose = user_enclose;
+    if (chance(g, 0.5)) ops.encloses = user_encloses;
+    if (chance(g, 0.8)) ops.size = sizeof ops; /* else `encloses` is not read */
     return ops;
 }
 
@@ -285,9 +334,10 @@ static void ask(generator *g, const sgt_surface_ops *ops, const shape *s, const 
         compared++;
         if (good || ++failures > 5) continue;
         printf("FAIL ray %zu of %zu: form %d fault %d reach %d a %a b %a c %a; span %d spans %d values %d "
-               "rounding %d clearance %d estimate %d enclose %d\n",
+               "rounding %d clearance %d estimate %d enclose %d encloses %d\n",
                i, n, s->form, s->fault, s->reach, s->a, s->b, s->c, !!ops->span, !!ops->spans, !!ops->values,
-               !!ops->rounding, !!ops->clearance, !!ops->estimate, !!ops->enclose);
+               !!ops->rounding, !!ops->clearance, !!ops->estimate, !!ops->enclose,
+               ops->encloses && ops->size);
         print_options(opt), print_ray(&rays[order[i]]);
         printf("  alone: %s, %d evaluations, t %a +- %a; batch: %d, %d, %a +- %a\n",
                sgt_status_text(hit->status), hit->evals, hit->t, hit->t_err, status[i + 1], evals[i + 1],
@@ -401,6 +451,43 @@ static void asked_together(generator *g)
         printf("FAIL points are not asked for together\n");
 }
 
+/* Cells are asked for many at once, each that is asked for is counted, and a table that ends before
+ * `encloses` is not asked. */
+static void cells_together(generator *g)
+{
+    enum { COUNT = 1000 };
+    static double in[6][COUNT];
+    static int evals[2][COUNT];
+    long calls = 0, cells = 0, counted = 0;
+    shape s = {.form = TORUS, .a = 1, .b = 0.4, .calls = &calls, .rays = &cells};
+    sgt_surface_ops ops = {.size = sizeof ops,
+                           .value = user_value,
+                           .span = user_span,
+                           .enclose = user_enclose,
+                           .encloses = user_encloses};
+    for (size_t i = 0; i < COUNT; i++) {
+        sgt_vec3 d = random_direction(g), at = {uniform(g, -1, 1), uniform(g, -1, 1), uniform(g, -0.3, 0.3)};
+        const double numbers[] = {at.x - 4 * d.x, at.y - 4 * d.y, at.z - 4 * d.z, d.x, d.y, d.z};
+        for (int j = 0; j < 6; j++) in[j][i] = numbers[j];
+    }
+    sgt_rays all = {.o = {in[0], in[1], in[2]}, .d = {in[3], in[4], in[5]}};
+    sgt_options opt = {.proof = SGT_PROVE_FIRST};
+    size_t met =
+        sgt_intersect_batch((sgt_surface){&ops, &s}, COUNT, all, (sgt_hits){.evals = evals[0]}, &opt);
+    for (size_t i = 0; i < COUNT; i++) counted += evals[0][i];
+    printf("%zu of %d rays met, %ld evaluations, %ld cells in %ld calls\n", met, COUNT, counted, cells,
+           calls);
+    if ((met < COUNT / 3 || cells > counted || cells * 5 < counted * 3 || calls * 8 > cells) &&
+        ++failures <= 5)
+        printf("FAIL cells are not asked for together\n");
+    calls = 0;
+    ops.size = offsetof(sgt_surface_ops, encloses);
+    size_t same_met =
+        sgt_intersect_batch((sgt_surface){&ops, &s}, COUNT, all, (sgt_hits){.evals = evals[1]}, &opt);
+    if ((calls > 0 || same_met != met) && ++failures <= 5)
+        printf("FAIL a table that ends before `encloses`: %ld calls, %zu met\n", calls, same_met);
+}
+
 int main(void)
 {
     uint64_t seed = test_seed(20260);
@@ -410,6 +497,7 @@ int main(void)
     for (long i = 0; i < batches; i++) random_batch(&g);
     for (long i = 0; i < batches / 10; i++) watched_batch(&g);
     asked_together(&g);
+    cells_together(&g);
     printf("%ld answers compared;", compared);
     for (int i = 0; i < 8; i++) printf(" %s %ld", sgt_status_text((sgt_status)(i + SGT_INVALID)), told[i]);
     printf("\n%ld failures\n", failures);

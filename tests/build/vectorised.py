@@ -25,6 +25,7 @@ NEEDED = {
     r'conic_lanes_plane\w*': {'div', 'fma'},
     r'asphere_lanes\w*': {'div', 'fma'},
     r'(look|meet)_\w*(julia|mandelbrot)': {'mul', 'add', 'cmp'},
+    r'(march_all|meetings_(step|certify|take))': {'mul', 'div', 'cmp'},
     r'newton_step\w*': {'mul', 'sub', 'cmp'},
     r'bend_all': {'sqrt', 'div', 'mul'},
 }

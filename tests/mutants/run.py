@@ -47,6 +47,7 @@ NEAREST = [
     (r'src/surface/body/', ['climb', 'enclosures', 'edges', 'catalogue roots', 'catalogue laws', 'catalogue batch', 'catalogue']),
     (r'src/surface/builtin', ['unit general', 'unit all', 'batch']),
     (r'src/surface/', ['climb', 'enclosures', 'edges', 'catalogue', 'sensitivity']),
+    (r'src/ray/cells_batch', ['oracle cells', 'batch user_batch']),
     (r'src/ray/(lanes|batch)', ['batch', 'catalogue batch']),
     (r'src/ray/(cells|walk|general)|src/solve/step', ['unit intersect', 'unit general', 'unit all', 'catalogue twice', 'edges', 'unit rows', 'oracle brute', 'catalogue roots', 'batch']),
     (r'src/solve/', ['unit root', 'unit intersect', 'unit rows', 'oracle brute']),

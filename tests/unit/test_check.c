@@ -393,6 +393,61 @@ static double ball_clearance(const void *self, sgt_vec3 p)
     }
 }
 
+/* Of many cells.  enclose keeps its promises, encloses may not. */
+typedef enum company { IN_COMPANY, BY_COUNT, BY_PLACE, BY_SLOPE, BEYOND, COMPANIES } company;
+typedef struct crowd {
+    ball of;
+    company how;
+} crowd;
+static double crowd_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
+{
+    return ball_value(&((const crowd *)self)->of, p, grad);
+}
+static sgt_interval crowd_enclose(const void *self, const sgt_ray *ray, sgt_interval t, sgt_interval *slope)
+{
+    ball honest = {((const crowd *)self)->of.R, KEPT};
+    return ball_enclose(&honest, ray, t, slope);
+}
+static void crowd_encloses(const void *self, size_t n, sgt_rays r, const double *lo, const double *hi,
+                           sgt_enclosures out)
+{
+    const crowd *s = self;
+    bool slopes = out.slope_lo != NULL;
+    for (size_t i = 0; i < n; i++) {
+        sgt_ray ray = {{r.o[0][i], r.o[1][i], r.o[2][i]}, {r.d[0][i], r.d[1][i], r.d[2][i]}, NOT, NOT};
+        sgt_interval slope, g = ball_enclose(&s->of, &ray, (sgt_interval){lo[i], hi[i]}, &slope);
+        bool wider = (s->how == BY_COUNT && n > 1) || (s->how == BY_PLACE && i % 2 == 1) ||
+                     (s->how == BY_SLOPE && !slopes);
+        out.lo[i] = g.lo - (wider ? 1e-15 * fabs(g.lo) : 0), out.hi[i] = g.hi;
+        if (slopes) out.slope_lo[i] = slope.lo, out.slope_hi[i] = slope.hi;
+    }
+    if (s->how == BEYOND && n < 20) out.hi[n] = 0;
+}
+
+static void test_many_enclosures(void **state)
+{
+    (void)state;
+    generator g = seeded("many enclosures");
+    sgt_surface_ops ops = {
+        .size = sizeof ops, .value = crowd_value, .enclose = crowd_enclose, .encloses = crowd_encloses};
+    for (int what = KEPT; what < LARGER_CLEARANCE; what++)
+        for (int how = IN_COMPANY; how < (what == KEPT ? COMPANIES : 1); how++) {
+            double size = log_uniform(&g, 1e-4, 1e4);
+            crowd s = {{size, (promise)what}, (company)how};
+            sgt_ray rays[12];
+            rays_through(&g, size, COUNT_OF(rays), rays);
+            sgt_fault want = what < NARROW && how == IN_COMPANY ? SGT_SOUND : SGT_WRONG_ENCLOSURES,
+                      got = sgt_check((sgt_surface){&ops, &s}, COUNT_OF(rays), rays, NULL);
+            REQUIRE(got == want, "promise %d, company %d, size %g: %s", what, how, size, sgt_fault_text(got));
+            sgt_surface_ops before = ops, alone = ops;
+            before.size = offsetof(sgt_surface_ops, encloses), alone.enclose = NULL;
+            got = sgt_check((sgt_surface){&before, &s}, COUNT_OF(rays), rays, NULL);
+            REQUIRE(got == SGT_SOUND, "a table that ends before: %s", sgt_fault_text(got));
+            got = sgt_check((sgt_surface){&alone, &s}, COUNT_OF(rays), rays, NULL);
+            REQUIRE(got == SGT_WRONG_ENCLOSURES, "without enclose: %s", sgt_fault_text(got));
+        }
+}
+
 /* A jump at x = 0, of a slope that is told as bounded; and where F ends at x = 0, told or not. */
 static double step_value(const void *self, sgt_vec3 p, sgt_vec3 *grad)
 {
@@ -625,7 +680,7 @@ static void test_level_sets(void **state)
 static void test_texts(void **state)
 {
     (void)state;
-    for (int i = SGT_SOUND; i <= SGT_WRONG_ENCLOSURE; i++) {
+    for (int i = SGT_SOUND; i <= SGT_WRONG_ENCLOSURES; i++) {
         const char *text = sgt_fault_text((sgt_fault)i);
         assert_true(text && strlen(text) > 5 && !strchr(text, '\n'));
         for (int j = SGT_SOUND; j < i; j++) assert_string_not_equal(text, sgt_fault_text((sgt_fault)j));
@@ -636,12 +691,13 @@ static void test_texts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_planted),     cmocka_unit_test(test_where),
-        cmocka_unit_test(test_promises),    cmocka_unit_test(test_spans_alone),
-        cmocka_unit_test(test_span_of_nan), cmocka_unit_test(test_beyond),
-        cmocka_unit_test(test_no_value),    cmocka_unit_test(test_bad_rays),
-        cmocka_unit_test(test_sound),       cmocka_unit_test(test_builtin),
-        cmocka_unit_test(test_level_sets),  cmocka_unit_test(test_texts),
+        cmocka_unit_test(test_planted),         cmocka_unit_test(test_where),
+        cmocka_unit_test(test_promises),        cmocka_unit_test(test_spans_alone),
+        cmocka_unit_test(test_many_enclosures), cmocka_unit_test(test_span_of_nan),
+        cmocka_unit_test(test_beyond),          cmocka_unit_test(test_no_value),
+        cmocka_unit_test(test_bad_rays),        cmocka_unit_test(test_sound),
+        cmocka_unit_test(test_builtin),         cmocka_unit_test(test_level_sets),
+        cmocka_unit_test(test_texts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

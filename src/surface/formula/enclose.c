@@ -133,8 +133,8 @@ static void parts_of_power(int n, sgt_interval a, parts *p)
     p->aa = scaled(sgt_interval_power(a, n - 2), (double)n * (n - 1)); /* exact: |n| < 2^26 */
 }
 
-/* All but the value, which is there. */
-static void parts_of(formula_op op, int n, sgt_interval a, sgt_interval b, parts *p)
+/* All but the value, which is there.  Empty: at no point of the operands. */
+static void parts_by_rule(formula_op op, int n, sgt_interval a, sgt_interval b, parts *p)
 {
     sgt_interval s, v = p->v;
     p->whole = p->smooth = true;
@@ -203,6 +203,17 @@ static void parts_of(formula_op op, int n, sgt_interval a, sgt_interval b, parts
     case FORMULA_PI:
     case FORMULA_PARAMETER: break;
     }
+}
+
+static sgt_interval or_all(sgt_interval x) { return sgt_interval_is_empty(x) ? sgt_interval_all() : x; }
+
+/* A derivative that is nowhere defined, as of sqrt at [0, 0], has no bound.  So times a 0 it is 0, and that
+ * is right: the operand is the same all over.  On the plane x = 0 cbrt(x) has the slope 0. */
+static void parts_of(formula_op op, int n, sgt_interval a, sgt_interval b, parts *p)
+{
+    parts_by_rule(op, n, a, b, p);
+    p->a = or_all(p->a), p->b = or_all(p->b);
+    p->aa = or_all(p->aa), p->ab = or_all(p->ab), p->bb = or_all(p->bb);
 }
 
 /* ------------------------------------------------------------------------- the tape */

@@ -2,6 +2,7 @@
  *
  *     values.c    F and its derivatives at many points, in doubles
  *     enclose.c   F and its derivatives over intervals, one cell at a time, as tight as interval.h
+ *     enclose_lanes.c   F and its slope along a ray, many cells at a time, not as tight, and quick
  *     formula.c   the surface F(x, y, z) = 0
  *     sag.c       the sag z = s(x, y)
  *
@@ -33,6 +34,12 @@ void sgt_formula_mixed(const sgt_tape *tape, size_t u, size_t v, size_t n, sgt_p
 typedef struct formula_jet { sgt_interval f, u, v, uv; bool whole; } formula_jet; /* whole: defined all over */
 formula_jet sgt_formula_jet(const sgt_tape *tape, const sgt_interval at[3], sgt_interval r, const sgt_interval du[3],
                             const sgt_interval dv[3], bool second);
+
+/* F and its slope over n cells, as `enclose` of sagitta.h promises: cell i is t_lo[i] <= t <= t_hi[i] on ray i
+ * of `rays`, of which o and d are read.  The value is empty (lo > hi) where F is undefined all over the cell.
+ * slope_lo, slope_hi NULL: not wanted.  A lane's bits do not depend on n, nor on its neighbours. */
+void sgt_formula_encloses(const sgt_tape *tape, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
+                          double *g_lo, double *g_hi, double *slope_lo, double *slope_hi);
 
 /* How far F as computed by sgt_formula_values can be from F, at any point of the region.  HUGE_VAL: not
  * known. */

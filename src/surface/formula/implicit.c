@@ -135,6 +135,13 @@ static sgt_span implicit_span(const void *self, const sgt_ray *ray)
     return s;
 }
 
+static void implicit_encloses(const void *self, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
+                              sgt_enclosures out)
+{
+    sgt_formula_encloses(((const sgt_formula *)self)->tape, n, rays, t_lo, t_hi, out.lo, out.hi, out.slope_lo,
+                         out.slope_hi);
+}
+
 /* ---------------------------------------------------------------------- derivatives */
 
 static void implicit_second(const void *self, size_t n, sgt_points p, double *const out[6])
@@ -174,4 +181,5 @@ static const struct sgt_builtin_ops implicit_builtin = {
 const sgt_surface_ops sgt_formula_ops = {
     .name = "formula", .own_ = &implicit_builtin, .value = implicit_value, .span = implicit_span,
     .rounding = implicit_rounding, .enclose = implicit_enclose, .values = implicit_values, .spans = implicit_spans,
+    .encloses = implicit_encloses,
     .second = implicit_second, .parameters = implicit_parameters, .by_parameter = implicit_by_parameter};
