@@ -242,6 +242,20 @@ static sgt_interval function_enclose(const void *self, const sgt_ray *ray, sgt_i
     return f;
 }
 
+static void function_encloses(const void *self, size_t n, sgt_rays rays, const double *t_lo, const double *t_hi,
+                              sgt_enclosures out)
+{
+    double unwanted[2][BLOCK];
+    for (size_t from = 0; from < n; from += BLOCK) {
+        asked q = {.of = self, .what = ENCLOSE, .n = n - from < BLOCK ? n - from : BLOCK,
+                   .in = {[6] = t_lo + from, [7] = t_hi + from},
+                   .out = {out.lo + from, out.hi + from, unwanted[0], unwanted[1]}};
+        for (size_t k = 0; k < 3; k++) q.in[k] = rays.o[k] + from, q.in[3 + k] = rays.d[k] + from;
+        if (out.slope_lo) q.out[2] = out.slope_lo + from, q.out[3] = out.slope_hi + from;
+        answer(&q);
+    }
+}
+
 /* Where the ray is in a ball or a box, made wider by more than all roundings of these few steps: a part in
  * 2^40 of the lengths at hand.  A ray that only just misses is said to pass. */
 static sgt_span function_span(const void *self, const sgt_ray *ray)
@@ -291,12 +305,14 @@ void sagitta_function_begin(sagitta_function *of, asker *ask, double ball, const
     for (int k = 0; k < 3; k++) of->lo[k] = lo[k], of->hi[k] = hi[k];
     of->ops = (sgt_surface_ops){
         .name = "python",
+        .size = sizeof(sgt_surface_ops),
         .value = function_value,
         .span = ball > 0 || lo[0] < hi[0] ? function_span : NULL,
         .rounding = rounding >= 0 || (with & 1 << ROUNDING) ? function_rounding : NULL,
         .clearance = with & 1 << CLEARANCE ? function_clearance : NULL,
         .estimate = with & 1 << ESTIMATE ? function_estimate : NULL,
         .enclose = with & 1 << ENCLOSE ? function_enclose : NULL,
+        .encloses = with & 1 << ENCLOSE ? function_encloses : NULL,
         .values = function_values,
     };
 }

@@ -64,8 +64,8 @@ class Function(Surface):
     rounding    a bound on the error of F as computed: a number, or a function of x, y, z
     clearance   a function of x, y, z: a radius about the point in which the surface certainly is not
     enclose     a function (o, d, lo, hi), with o, d of shape (3, n) and lo, hi of (n,).  Returns four arrays:
-                bounds on F over [lo, hi] of each ray, and on its slope along the ray.  With it a miss is
-                certain, and proofs can be asked for (sagitta.h, `enclose`)
+                bounds on F over [lo, hi] of each ray, and on its slope along the ray.  With it, and finite
+                ends (`inside`, or `tmax`), a miss is certain, and proofs can be had (sagitta.h, `enclose`)
     name        for messages
 
     What is promised of the answers is what sagitta.h says of a user's surface: without `clearance` and

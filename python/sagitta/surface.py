@@ -120,6 +120,7 @@ class Fault(enum.IntEnum):
     WRONG_ENCLOSURE = 8
     WRONG_FIRST = 9
     WRONG_FIRSTS = 10
+    WRONG_ENCLOSURES = 11
 
 
 @dataclass

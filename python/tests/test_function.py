@@ -102,6 +102,9 @@ def test_enclosures_prove(rng):
     assert not (plain.status == 1).any()
     every = surface.intersect_all(o, d, tmax=30)
     assert (every.count == 2).sum() > 100 and every.count.max() <= 2
+    # Within a ball no ray is left undecided; along whole rays those that miss are.
+    clipped = Function(ball, enclose=ball_enclosed, rounding=1e-13, inside=3)
+    assert same(clipped.intersect(o, d).status, proven.status)
 
 
 def test_check_finds_what_is_wrong(rng):

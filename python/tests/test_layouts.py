@@ -1,6 +1,8 @@
 """The structs of _library.py against the compiler's: every member, its offset and its size."""
 import ctypes
+import re
 
+import sagitta
 from sagitta import _library as C
 from sagitta.lens import _dtype
 from sagitta.results import HIT_TABLE, STEP_TABLE, Hit
@@ -47,3 +49,16 @@ def test_tables_of_numpy():
     assert ctypes.sizeof(Hit) == ctypes.sizeof(C.Hit)
     for mine, theirs in zip(Hit._fields_, C.Hit._fields_):
         assert getattr(Hit, mine[0]).offset == getattr(C.Hit, theirs[0]).offset
+
+
+def test_enumerations(tree):
+    """Every word of the headers, with its number."""
+    text = "".join(path.read_text() for path in sorted((tree / "include" / "sagitta").glob("*.h")))
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
+    for name in ("Status", "Fate", "Aimed", "Fault", "Verdict"):
+        (body,) = re.findall(rf"typedef enum sgt_{name.lower()} \{{(.*?)\}}", text, re.DOTALL)
+        found, number = {}, -1
+        for word, given in re.findall(r"SGT_(\w+)\s*(?:=\s*(-?\d+))?", body):
+            number = int(given) if given else number + 1
+            found[word.removeprefix("AIM_")] = number
+        assert found == {member.name: member.value for member in getattr(sagitta, name)}
