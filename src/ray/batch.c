@@ -17,6 +17,7 @@
 #include "../solve/ways.h"
 #include "cells_batch.h"
 #include "unique.h"
+#include "vicinity.h"
 #include "general.h"
 
 #include <string.h>
@@ -170,10 +171,12 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
     size_t met = 0, most = s.ops && s.ops->own_ && s.ops->own_->tile ? s.ops->own_->tile : SGT_TILE;
     if (s.ops && s.ops->value && !answers_itself(s.ops) && sgt_cells_offered(s, opt))
         most = SGT_MOST_TILE; /* of a short tile's last rays few slots are busy */
+    memo known;
+    memo_begin(&known);
     for (size_t i = 0; i < most && i < n; i++) tmin[i] = 0, tmax[i] = HUGE_VAL, t_tol[i] = opt->t_tol;
     for (size_t i = 0; i < n; i += most) {
         sgt_tile tile = {.n = n - i < most ? n - i : most, .t_tol = t_tol, .hits = hits_from(&hits, i),
-                         .rays = rays_from(&rays, i)};
+                         .rays = rays_from(&rays, i), .memo = &known};
         tile.rays.tmin = rays.tmin ? rays.tmin + i : tmin, tile.rays.tmax = tmax;
         if (rays.tmax) explicit_ends(tile.n, tile.rays.tmin, rays.tmax + i, tmax);
         if (!tile.hits.status) tile.hits.status = status;

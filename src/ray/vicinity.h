@@ -43,12 +43,21 @@ typedef struct vicinities {
     sgt_heights heights; /* of the whole surface */
 } vicinities;
 
+/* What is worked out once for a batch: what the surface shares, and what is known of parts of it. */
+typedef struct memo {
+    bool shares;
+    sgt_shared shared;
+    vicinities kept;
+} memo;
+
 SGT_INLINE void vicinities_begin(vicinities *v)
 {
     for (int i = 0; i < VICINITIES; i++) v->radius[i] = 0;
     for (int i = 0; i < NOISES; i++) v->noise_radius[i] = 0;
     v->rings.any = v->any_heights = false;
 }
+
+SGT_INLINE void memo_begin(memo *m) { m->shares = false, vicinities_begin(&m->kept); }
 
 /* Some rays, a row each.
  *

@@ -67,5 +67,7 @@ bool sgt_formula_set(sgt_tape *tape, const double values[])
         bool known = isfinite(value.lo) && isfinite(value.hi);
         tape->middle[i] = known ? sgt_interval_middle(value) : (double)NAN;
     }
+    tape->c = tape->k = 0;
+    if (tape->kind == SGT_FORMULA_XY) sgt_formula_vertex_base(tape, &tape->c, &tape->k);
     return true;
 }

@@ -221,7 +221,12 @@ static void parts_of(formula_op op, int n, sgt_interval a, sgt_interval b, parts
 
 /* ------------------------------------------------------------------------- the tape */
 
-static jet jet_of_uniform(sgt_interval f) { return (jet){f, {0, 0}, {0, 0}, {0, 0}, true, true}; }
+/* Of one that may not be defined (all numbers) nothing else is. */
+static jet jet_of_uniform(sgt_interval f)
+{
+    bool whole = has_ends(f);
+    return (jet){f, {0, 0}, {0, 0}, {0, 0}, whole, whole};
+}
 
 /* The derivative of a minimum where either may be the less: that of one or of the other. */
 static sgt_interval of_either(const parts *p, sgt_interval a, sgt_interval b)
@@ -264,14 +269,12 @@ static jet jet_step(formula_op op, int n, const jet *a, const jet *b, const sgt_
     return out;
 }
 
-formula_jet sgt_formula_jet(const sgt_tape *tape, const sgt_interval at[3], sgt_interval r,
-                            const sgt_interval du[3], const sgt_interval dv[3], bool second)
+/* The steps from `first` on. */
+static formula_jet jet_of_steps(const sgt_tape *tape, int first, jet reg[], sgt_interval r, bool second)
 {
-    jet reg[FORMULA_REGISTERS], other;
-    int variables = tape->kind == SGT_FORMULA_XY ? 2 : 3;
-    for (int k = 0; k < variables; k++) reg[k] = (jet){at[k], du[k], dv[k], ZERO, true, true};
+    jet other;
     const jet *last = &reg[tape->step[tape->steps - 1].out];
-    for (int i = 0; i < tape->steps; i++) {
+    for (int i = first; i < tape->steps; i++) {
         const formula_step *s = &tape->step[i];
         bool two = s->op <= FORMULA_REAL_POWER, u_a = s->a >= FORMULA_UNIFORM,
              u_b = two && s->b >= FORMULA_UNIFORM;
@@ -284,6 +287,42 @@ formula_jet sgt_formula_jet(const sgt_tape *tape, const sgt_interval at[3], sgt_
     if (!last->whole) out.u = out.v = sgt_interval_all();
     if (!last->whole || !last->smooth) out.uv = sgt_interval_all();
     return out;
+}
+
+formula_jet sgt_formula_jet(const sgt_tape *tape, const sgt_interval at[3], sgt_interval r,
+                            const sgt_interval du[3], const sgt_interval dv[3], bool second)
+{
+    jet reg[FORMULA_REGISTERS];
+    int variables = tape->kind == SGT_FORMULA_XY ? 2 : 3;
+    for (int k = 0; k < variables; k++) reg[k] = (jet){at[k], du[k], dv[k], ZERO, true, true};
+    return jet_of_steps(tape, 0, reg, r, second);
+}
+
+formula_jet sgt_formula_radial_jet(const sgt_tape *tape, sgt_interval s, bool second)
+{
+    jet reg[FORMULA_REGISTERS];
+    reg[tape->step[2].out] = (jet){s, ONE, ONE, ZERO, true, true};
+    return jet_of_steps(tape, 3, reg, sgt_interval_all(), second);
+}
+
+/* At the vertex a conic is c s / 2 + (1 + k) c^3 s^2 / 8 + ..., with s = r^2.  c is the mean curvature, if those
+ * by x and by y are much the same; k is from F_ss of a radial tape, where that is not far from a sphere's. */
+void sgt_formula_vertex(const sgt_tape *tape, double *c, double *k)
+{
+    const sgt_interval by[2][3] = {{ONE, ZERO, ZERO}, {ZERO, ONE, ZERO}}, vertex[3] = {ZERO, ZERO, ZERO};
+    double bend = 0;
+    *c = *k = 0;
+    if (tape->radial) {
+        formula_jet by_s = sgt_formula_radial_jet(tape, ZERO, true);
+        *c = 2 * sgt_interval_middle(by_s.u), bend = 4 * sgt_interval_middle(by_s.uv);
+    } else {
+        double xx = sgt_interval_middle(sgt_formula_jet(tape, vertex, ZERO, by[0], by[0], true).uv),
+               yy = sgt_interval_middle(sgt_formula_jet(tape, vertex, ZERO, by[1], by[1], true).uv);
+        if (fabs(xx - yy) <= 0.25 * fabs(xx + yy)) *c = 0.5 * (xx + yy);
+    }
+    if (!(fabs(*c) < 0x1p300)) *c = 0;
+    double k1 = bend / (*c * *c * *c);
+    if (k1 > -8 && k1 < 2) *k = k1 - 1;
 }
 
 /* ---------------------------------------------------------------------------- noise */
@@ -338,6 +377,7 @@ double sgt_formula_noise(const sgt_tape *tape, const sgt_interval at[3], sgt_int
         noisy out = noisy_step((formula_op)s->op, s->n, u_a ? &other : &reg[s->a],
                                u_b ? &other : two ? &reg[s->b] : NULL);
         if (s->op == FORMULA_HYPOT && s->a + s->b == 1) out.f = sgt_interval_intersection(out.f, r);
+        if (tape->radial && i == 2) out.f = sgt_interval_intersection(out.f, squared(r));
         reg[s->out] = out;
     }
     double off = reg[tape->step[tape->steps - 1].out].off;

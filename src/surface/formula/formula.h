@@ -44,6 +44,9 @@ formula_jet sgt_formula_jet(const sgt_tape *tape, const sgt_interval at[3], sgt_
 void sgt_formula_encloses(const sgt_tape *tape, size_t n, sgt_rays rays, const double *t_lo,
                           const double *t_hi, double *g_lo, double *g_hi, double *slope_lo, double *slope_hi);
 
+/* The same of a radial tape (tape.h), by s: F, F_s, F_s again, and F_ss. */
+formula_jet sgt_formula_radial_jet(const sgt_tape *tape, sgt_interval s, bool second);
+
 /* How far F as computed by sgt_formula_values can be from F, at any point of the region.  HUGE_VAL: not
  * known. */
 double sgt_formula_noise(const sgt_tape *tape, const sgt_interval at[3], sgt_interval r);

@@ -38,8 +38,33 @@ static void formula_rounding(const void *self, double x, double y, double *p_err
 
 static double norm(double a, double b) { return sqrt(a * a + b * b) * (1 + 0x1p-40); }
 
+/* r^2 all over the region. */
+static sgt_interval square_within(const region *where)
+{
+    sgt_interval r = {where->r_lo, where->r_hi};
+    return sgt_interval_intersection(
+        sgt_interval_square(r), sgt_interval_sum(sgt_interval_square(where->x), sgt_interval_square(where->y)));
+}
+
+static double or_none(double bound) { return bound < HUGE_VAL ? bound * (1 + 0x1p-40) : HUGE_VAL; }
+
+/* Of P(s), s = r^2: the gradient is 2 P_s (x, y), and the second derivative has the eigenvalues 2 P_s and
+ * 2 P_s + 4 s P_ss. */
+static int radial_bounds(const sgt_tape *tape, const region *where, bounds *out)
+{
+    sgt_interval s = square_within(where);
+    formula_jet jet = sgt_formula_radial_jet(tape, s, true);
+    if (sgt_interval_is_empty(jet.f)) return 0;
+    sgt_interval across = sgt_interval_scaled(jet.u, 2),
+                 along = sgt_interval_sum(across, sgt_interval_scaled(sgt_interval_product(s, jet.uv), 4));
+    *out = (bounds){or_none(sgt_interval_greatest(jet.f)), or_none(sgt_interval_greatest(across) * where->r_hi),
+                    or_none(larger(sgt_interval_greatest(across), sgt_interval_greatest(along)))};
+    return jet.whole ? 1 : -1;
+}
+
 static int formula_bounds(const void *self, region *where, bounds *out)
 {
+    if (tape_of(self)->radial) return radial_bounds(tape_of(self), where, out);
     sgt_interval at[3] = {where->x, where->y, {0, 0}}, r = {where->r_lo, where->r_hi};
     formula_jet xx = sgt_formula_jet(tape_of(self), at, r, BY_X, BY_X, true),
                 xy = sgt_formula_jet(tape_of(self), at, r, BY_X, BY_Y, true),
@@ -58,6 +83,7 @@ static sgt_interval formula_range(const void *self, const region *where)
 {
     sgt_interval at[3] = {where->x, where->y, {0, 0}}, r = {where->r_lo, where->r_hi};
     const sgt_interval none[3] = {{0, 0}, {0, 0}, {0, 0}};
+    if (tape_of(self)->radial) return sgt_formula_radial_jet(tape_of(self), square_within(where), false).f;
     return sgt_formula_jet(tape_of(self), at, r, none, none, false).f;
 }
 
@@ -105,7 +131,8 @@ static const departure formula_sag_departure = {
 
 static departure_sag formula_of(const sgt_formula_sag *s)
 {
-    return (departure_sag){.semi_diameter = s->semi_diameter, .of = &formula_sag_departure, .self = s};
+    return (departure_sag){.c = s->tape ? s->tape->c : 0, .k = s->tape ? s->tape->k : 0,
+                           .semi_diameter = s->semi_diameter, .of = &formula_sag_departure, .self = s};
 }
 
 DEPARTURE_OPS(formula_sag, sgt_formula_sag, formula_of)

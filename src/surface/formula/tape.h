@@ -63,6 +63,8 @@ struct sgt_tape {
     sgt_formula_kind kind;
     int steps, uniforms, parameters, registers; /* registers: how many are used, with x, y, z */
     bool jumps;              /* a step is an atan2, whose cut F may cross */
+    bool radial;             /* of x and y: the first three steps make s = x^2 + y^2, the others read s alone */
+    double c, k;             /* of x and y: a conic about the z axis that is near the sag at the vertex; 0: none */
     const formula_step *step;
     const formula_uniform *uniform;
     sgt_interval *value;     /* of each uniform */
@@ -77,5 +79,9 @@ sgt_interval sgt_formula_interval_base(formula_op op, int n, sgt_interval a, sgt
 
 /* The same of uniforms: all numbers if it is not known whether it is defined (apply.c). */
 sgt_interval sgt_formula_uniform(formula_op op, int n, sgt_interval a, sgt_interval b);
+
+/* The conic c, k of a tape of x and y (enclose.c). */
+void sgt_formula_vertex(const sgt_tape *tape, double *c, double *k);
+void sgt_formula_vertex_base(const sgt_tape *tape, double *c, double *k);
 
 #endif
