@@ -135,7 +135,7 @@ static void graded_chain(graded_run *w, const double *va, const graded *a, int o
 
 static void graded_step(graded_run *w, const formula_step *s)
 {
-    formula_row v, va, vb, uniform;
+    formula_row va, vb, uniform;
     size_t n = w->n;
     formula_op op = (formula_op)s->op;
     bool two = has_second_operand(op), u_a = is_uniform(s->a), u_b = two && is_uniform(s->b);
@@ -171,9 +171,8 @@ static void graded_step(graded_run *w, const formula_step *s)
     default: break;
     }
     if (u_a || u_b) set_row(n, u, uniform);
-    sgt_formula_local(op, s->n, n, a.v, b.v, of_a || of_b, (formula_local){.v = v, .va = va, .vb = vb});
+    sgt_formula_local(op, s->n, n, a.v, b.v, of_a || of_b, (formula_local){.v = out.v, .va = va, .vb = vb});
     graded_chain(w, va, &a, of_a, vb, &b, of_b, &out);
-    memcpy(out.v, v, n * sizeof *v);
 }
 
 static void graded_points(graded_run *w, sgt_points p, size_t i, int variables)
