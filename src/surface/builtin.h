@@ -152,8 +152,8 @@ struct sgt_builtin_ops {
      * ray/wings.c. */
     sgt_interval (*enclose)(const void *self, const sgt_ray *ray, double t0, sgt_interval t,
                             sgt_interval *slope);
-    /* May F jump where it is defined (a formula with the cut of atan2)?  Then a change of sign may be no root,
-     * and only enclosures are asked.  NULL: it does not. */
+    /* May F jump where it is defined (a formula with the cut of atan2)?  Then a change of sign may be no
+     * root, and only enclosures are asked.  NULL: it does not. */
     bool (*jumps)(const void *self);
     /* The semi_diameter (length).  NULL: the surface has no rim. */
     double (*rim)(const void *self);

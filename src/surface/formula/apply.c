@@ -39,7 +39,7 @@ static bool is_defined_on(formula_op op, int n, sgt_interval a, sgt_interval b)
 
 sgt_interval sgt_formula_uniform(formula_op op, int n, sgt_interval a, sgt_interval b)
 {
-    sgt_interval value = sgt_formula_interval(op, n, a, b);
+    sgt_interval value = sgt_formula_interval_base(op, n, a, b);
     return sgt_interval_is_empty(value) || is_defined_on(op, n, a, b) ? value : sgt_interval_all();
 }
 

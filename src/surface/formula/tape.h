@@ -70,14 +70,10 @@ struct sgt_tape {
     double *given;           /* the values of the parameters */
 };
 
-/* What is compiled once (read.c and its kin) calls that of the base set. */
-#ifndef SGT_SET_NUMBER
-#define sgt_formula_interval sgt_formula_interval_base
-#endif
-
 /* One operation on intervals, as interval.h has it (enclose.c).  FORMULA_COPY is a.  All numbers for the
- * operations of uniforms only. */
+ * operations of uniforms only.  What is compiled once (apply.c) calls that of the base set. */
 sgt_interval sgt_formula_interval(formula_op op, int n, sgt_interval a, sgt_interval b);
+sgt_interval sgt_formula_interval_base(formula_op op, int n, sgt_interval a, sgt_interval b);
 
 /* The same of uniforms: all numbers if it is not known whether it is defined (apply.c). */
 sgt_interval sgt_formula_uniform(formula_op op, int n, sgt_interval a, sgt_interval b);

@@ -1,8 +1,9 @@
 /* values.c - a formula and its derivatives at many points, in doubles.
  *
  * GRADIENT.  Each register carries its number and its derivatives by x, y and z, forward, for a row of up to
- * FORMULA_BLOCK points.  Backward would ask for every number of the tape again at its end, so tapes could not be
- * longer than the stack is; and most steps depend on one variable or two, for which `of` spares the others.
+ * FORMULA_BLOCK points.  Backward would ask for every number of the tape again at its end, so tapes could not
+ * be longer than the stack is; and most steps depend on one variable or two, for which `of` spares the
+ * others.
  *
  * MIXED SECOND DERIVATIVES.  Each register carries v, v_p, v_q and v_pq (a hyper-dual number: Fike and Alonso
  * 2011, AIAA 2011-886).  p and q are any two of the coordinates and parameters.  So one function gives the
@@ -17,12 +18,12 @@ static bool is_uniform(unsigned short operand) { return operand >= FORMULA_UNIFO
 
 static bool has_second_operand(int op) { return op <= FORMULA_REAL_POWER; }
 
-static double middle_of(const sgt_tape *tape, unsigned short operand)
+static double uniform_at(const sgt_tape *tape, unsigned short operand)
 {
     return tape->middle[operand - FORMULA_UNIFORM];
 }
 
-static void fill(size_t n, double x, double *row)
+static void set_row(size_t n, double x, double *row)
 {
     for (size_t i = 0; i < n; i++) row[i] = x;
 }
@@ -61,7 +62,8 @@ static void row_product(size_t n, const double *a, const double *b, double *out)
 }
 
 SGT_KERNEL
-static void row_products(size_t n, const double *va, const double *a, const double *vb, const double *b, double *out)
+static void row_products(size_t n, const double *va, const double *a, const double *vb, const double *b,
+                         double *out)
 {
     LANES for (size_t i = 0; i < n; i++) out[i] = va[i] * a[i] + vb[i] * b[i];
 }
@@ -141,7 +143,7 @@ static void graded_step(graded_run *w, const formula_step *s)
            b = u_b ? given : two ? graded_of(w, s->b) : (graded){NULL, {NULL, NULL, NULL}},
            out = graded_of(w, s->out);
     int of_a = w->wanted && !u_a ? w->of[s->a] : 0, of_b = w->wanted && two && !u_b ? w->of[s->b] : 0;
-    double u = u_a ? middle_of(w->tape, s->a) : u_b ? middle_of(w->tape, s->b) : 0;
+    double u = u_a ? uniform_at(w->tape, s->a) : u_b ? uniform_at(w->tape, s->b) : 0;
     const graded *other = u_a ? &b : &a; /* the operand that is not uniform */
     w->of[s->out] = s->of;
     switch (op) {
@@ -168,7 +170,7 @@ static void graded_step(graded_run *w, const formula_step *s)
         return;
     default: break;
     }
-    if (u_a || u_b) fill(n, u, uniform);
+    if (u_a || u_b) set_row(n, u, uniform);
     sgt_formula_local(op, s->n, n, a.v, b.v, of_a || of_b, (formula_local){.v = v, .va = va, .vb = vb});
     graded_chain(w, va, &a, of_a, vb, &b, of_b, &out);
     memcpy(out.v, v, n * sizeof *v);
@@ -179,7 +181,7 @@ static void graded_points(graded_run *w, sgt_points p, size_t i, int variables)
     for (int k = 0; k < variables; k++) {
         graded r = graded_of(w, k);
         memcpy(r.v, p.p[k] + i, w->n * sizeof *r.v);
-        if (w->wanted && i == 0) fill(w->lanes, 1, r.d[k]);
+        if (w->wanted && i == 0) set_row(w->lanes, 1, r.d[k]);
     }
 }
 
@@ -214,7 +216,8 @@ static void mixed_step(formula_op op, int n, const mixed *a, const mixed *b, mix
 {
     mixed_row v, va, vb, vaa, vab, vbb;
     mixed m;
-    sgt_formula_local(op, n, MIXED_BLOCK, a->v, b ? b->v : NULL, true, (formula_local){v, va, vb, vaa, vab, vbb});
+    sgt_formula_local(op, n, MIXED_BLOCK, a->v, b ? b->v : NULL, true,
+                      (formula_local){v, va, vb, vaa, vab, vbb});
     for (int i = 0; i < MIXED_BLOCK; i++) {
         double p = va[i] * a->p[i], q = va[i] * a->q[i], pq = va[i] * a->pq[i] + vaa[i] * (a->p[i] * a->q[i]);
         if (b) {
@@ -230,11 +233,12 @@ static void mixed_step(formula_op op, int n, const mixed *a, const mixed *b, mix
 /* A number and its derivatives by p and q. */
 static void mixed_fill(double v, double p, double q, mixed *out)
 {
-    fill(MIXED_BLOCK, v, out->v), fill(MIXED_BLOCK, p, out->p), fill(MIXED_BLOCK, q, out->q);
-    fill(MIXED_BLOCK, 0, out->pq);
+    set_row(MIXED_BLOCK, v, out->v), set_row(MIXED_BLOCK, p, out->p), set_row(MIXED_BLOCK, q, out->q);
+    set_row(MIXED_BLOCK, 0, out->pq);
 }
 
-/* d[i]: the derivative of each uniform by the parameter j, in doubles.  All zero if there is no such parameter. */
+/* d[i]: the derivative of each uniform by the parameter j, in doubles.  All zero if there is no such
+ * parameter. */
 static void uniforms_by(const sgt_tape *tape, size_t j, double d[FORMULA_UNIFORMS])
 {
     for (int i = 0; i < tape->uniforms; i++) {
@@ -244,8 +248,8 @@ static void uniforms_by(const sgt_tape *tape, size_t j, double d[FORMULA_UNIFORM
         double v, va = 0, vb = 0;
         d[i] = u->op == FORMULA_PARAMETER && (size_t)u->n == j;
         if (da == 0 && db == 0) continue;
-        sgt_formula_local((formula_op)u->op, u->n, 1, &tape->middle[u->a], two ? &tape->middle[u->b] : NULL, true,
-                          (formula_local){.v = &v, .va = &va, .vb = &vb});
+        sgt_formula_local((formula_op)u->op, u->n, 1, &tape->middle[u->a], two ? &tape->middle[u->b] : NULL,
+                          true, (formula_local){.v = &v, .va = &va, .vb = &vb});
         d[i] = (da != 0 ? va * da : 0) + (db != 0 ? vb * db : 0);
     }
 }
