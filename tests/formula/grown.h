@@ -100,6 +100,10 @@ public:
             fixed.push_back(n.what <= op::parameter ||
                             (n.what > op::r && n.what < op::wave && is(n.a) &&
                              (n.what < op::sum || is(n.b))));
+            if (n.what == op::whole && n.value == 0) fixed.back() = true; // u^0 is 1
+            if (n.what == op::quotient && is(n.b) && !part(nothing[0], nothing[1], nothing[2],
+                                                           static_cast<std::size_t>(n.b)).sign())
+                return true; // by 0, whatever is divided
             if (!fixed.back()) continue;
             seen = marks();
             const ball v = part(nothing[0], nothing[1], nothing[2], i);

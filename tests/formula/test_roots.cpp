@@ -428,8 +428,8 @@ double steepness(const written &f, generator &g)
     return all.empty() ? 1 : all[all.size() / 2];
 }
 
-// Nine rays each, one of every kind, to run.count / 2 random formulas, or to as many as the time allows.  What
-// is undecided there need not have a reason that oracle.h knows: it is counted.
+// Nine rays each, one of every kind, to run.count / 2 random formulas, or to as many as the time allows.
+// What is undecided there need not have a reason that oracle.h knows: it is counted.
 void randomly(const oracle::run &run, double seconds, const char *only)
 {
     const std::time_t start = std::time(nullptr);
