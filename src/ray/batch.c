@@ -96,7 +96,8 @@ static size_t single_runs(sgt_surface s, const sgt_tile *tile, const sgt_options
         sgt_tile run = {.n = n,
                         .t_tol = tile->t_tol + i,
                         .hits = hits_from(&tile->hits, i),
-                        .rays = rays_from(&tile->rays, i)};
+                        .rays = rays_from(&tile->rays, i),
+                        .memo = tile->memo};
         run.rays.tmin = tile->rays.tmin + i, run.rays.tmax = tile->rays.tmax + i;
         hard -= n - sgt_lanes_general(s, &run, opt);
     }
@@ -110,7 +111,7 @@ static size_t by_cells_in_lanes(sgt_surface s, const sgt_tile *tile, const sgt_o
     return hard ? single_runs(s, tile, opt, hard) : 0;
 }
 
-size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+static size_t tile_met(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
 {
     size_t hard = tile->n;
     if (s.ops && s.ops->own_ && s.ops->own_->lanes) hard = s.ops->own_->lanes(s.self, tile, opt);
@@ -128,6 +129,15 @@ size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options
         hard--;
     }
     return positives(tile->hits.status, tile->n);
+}
+
+size_t sgt_intersect_tile(sgt_surface s, const sgt_tile *tile, const sgt_options *opt)
+{
+    memo known;
+    sgt_tile own = *tile;
+    memo_begin(&known);
+    own.memo = &known;
+    return tile_met(s, &own, opt);
 }
 
 int sgt_watch_numbered(void *data, const sgt_step *step)
@@ -180,7 +190,7 @@ size_t sgt_intersect_batch(sgt_surface s, size_t n, sgt_rays rays, sgt_hits hits
         tile.rays.tmin = rays.tmin ? rays.tmin + i : tmin, tile.rays.tmax = tmax;
         if (rays.tmax) explicit_ends(tile.n, tile.rays.tmin, rays.tmax + i, tmax);
         if (!tile.hits.status) tile.hits.status = status;
-        met += sgt_intersect_tile(s, &tile, opt);
+        met += tile_met(s, &tile, opt);
     }
     return met;
 }

@@ -22,7 +22,7 @@
  * array starts at the first ray of the tile.  No array of `rays` is NULL, and tmax is explicit.  Of `hits`
  * only `status` is never NULL.  t_tol holds one tolerance for each ray. */
 enum { SGT_TILE = 128, SGT_MOST_TILE = 512, SGT_HARD = -100, SGT_NOT_UNIQUE = 1 };
-/* memo: what tiles of one batch share (ray/vicinity.h); NULL: nothing. */
+/* memo: what the tiles of one batch share (ray/vicinity.h); NULL where sgt_intersect_tile is called. */
 struct memo;
 typedef struct sgt_tile {
     size_t n;

@@ -305,8 +305,9 @@ formula_jet sgt_formula_radial_jet(const sgt_tape *tape, sgt_interval s, bool se
     return jet_of_steps(tape, 3, reg, sgt_interval_all(), second);
 }
 
-/* At the vertex a conic is c s / 2 + (1 + k) c^3 s^2 / 8 + ..., with s = r^2.  c is the mean curvature, if those
- * by x and by y are much the same; k is from F_ss of a radial tape, where that is not far from a sphere's. */
+/* At the vertex a conic is c s / 2 + (1 + k) c^3 s^2 / 8 + ..., with s = r^2.  c is the mean curvature, if
+ * those by x and by y are much the same; k is from F_ss of a radial tape, where that is not far from a
+ * sphere's. */
 void sgt_formula_vertex(const sgt_tape *tape, double *c, double *k)
 {
     const sgt_interval by[2][3] = {{ONE, ZERO, ZERO}, {ZERO, ONE, ZERO}}, vertex[3] = {ZERO, ZERO, ZERO};

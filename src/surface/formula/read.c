@@ -100,9 +100,9 @@ static void parameters_checked(formula_fault *fault, size_t n, const sgt_named p
 static bool is_radial(const sgt_tape *tape)
 {
     const formula_step *s = tape->step;
-    if (tape->kind != SGT_FORMULA_XY || tape->steps < 4 || s[0].op != FORMULA_SQUARE || s[1].op != FORMULA_SQUARE ||
-        s[2].op != FORMULA_ADD || s[0].a + s[1].a != 1 || s[2].a + s[2].b != s[0].out + s[1].out)
-        return false;
+    if (tape->kind != SGT_FORMULA_XY || tape->steps < 4 || s[2].op != FORMULA_ADD) return false;
+    if (s[0].op != FORMULA_SQUARE || s[1].op != FORMULA_SQUARE || s[0].a + s[1].a != 1) return false;
+    if (s[2].a + s[2].b != s[0].out + s[1].out) return false;
     unsigned long long other = 3ULL | 1ULL << s[0].out | 1ULL << s[1].out;
     for (int i = 3; i < tape->steps; i++) {
         unsigned long long reads = s[i].a < FORMULA_UNIFORM ? 1ULL << s[i].a : 0;

@@ -42,8 +42,8 @@ static double norm(double a, double b) { return sqrt(a * a + b * b) * (1 + 0x1p-
 static sgt_interval square_within(const region *where)
 {
     sgt_interval r = {where->r_lo, where->r_hi};
-    return sgt_interval_intersection(
-        sgt_interval_square(r), sgt_interval_sum(sgt_interval_square(where->x), sgt_interval_square(where->y)));
+    sgt_interval sum = sgt_interval_sum(sgt_interval_square(where->x), sgt_interval_square(where->y));
+    return sgt_interval_intersection(sgt_interval_square(r), sum);
 }
 
 static double or_none(double bound) { return bound < HUGE_VAL ? bound * (1 + 0x1p-40) : HUGE_VAL; }
@@ -57,8 +57,8 @@ static int radial_bounds(const sgt_tape *tape, const region *where, bounds *out)
     if (sgt_interval_is_empty(jet.f)) return 0;
     sgt_interval across = sgt_interval_scaled(jet.u, 2),
                  along = sgt_interval_sum(across, sgt_interval_scaled(sgt_interval_product(s, jet.uv), 4));
-    *out = (bounds){or_none(sgt_interval_greatest(jet.f)), or_none(sgt_interval_greatest(across) * where->r_hi),
-                    or_none(larger(sgt_interval_greatest(across), sgt_interval_greatest(along)))};
+    double twice = sgt_interval_greatest(across), most = larger(twice, sgt_interval_greatest(along));
+    *out = (bounds){or_none(sgt_interval_greatest(jet.f)), or_none(twice * where->r_hi), or_none(most)};
     return jet.whole ? 1 : -1;
 }
 

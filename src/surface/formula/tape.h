@@ -63,8 +63,9 @@ struct sgt_tape {
     sgt_formula_kind kind;
     int steps, uniforms, parameters, registers; /* registers: how many are used, with x, y, z */
     bool jumps;              /* a step is an atan2, whose cut F may cross */
-    bool radial;             /* of x and y: the first three steps make s = x^2 + y^2, the others read s alone */
-    double c, k;             /* of x and y: a conic about the z axis that is near the sag at the vertex; 0: none */
+    /* Of x and y: the first three steps make s = x^2 + y^2, and the others read s alone. */
+    bool radial;
+    double c, k;             /* of x and y: a conic that is near the sag at the vertex; 0: none is known */
     const formula_step *step;
     const formula_uniform *uniform;
     sgt_interval *value;     /* of each uniform */
