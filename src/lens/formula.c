@@ -109,6 +109,8 @@ static const sgt_tape *read_text(source *s, const node *map, const node *n, cons
     sgt_formula_error e = {0};
     const sgt_tape *tape = sgt_formula_read(text, kind, count, named, room, size, &e);
     if (tape) return tape;
+    const char *hint = strstr(e.text, " is not known; there are ") ? "; a parameter is a key beside " : NULL;
+    if (hint) tree_fail(s, n->line, key, "column %zu: %s%s%s, as in a: 1", e.column, e.text, hint, key);
     if (e.column) tree_fail(s, n->line, key, "column %zu: %s", e.column, e.text);
     tree_fail(s, n->line, key, "%s", e.text);
 }

@@ -119,6 +119,17 @@ static const char *print_where(const search *s, double t)
                : "";
 }
 
+/* Does the surface's enclosure leave open whether F ends or jumps in the stretch that is in doubt? */
+static bool may_break(const search *s)
+{
+    const sgt_surface_ops *ops = s->surface.ops;
+    const double lo = s->hit->lo, hi = s->hit->hi;
+    sgt_interval slope;
+    if (!ops->enclose || !isfinite(lo) || !isfinite(hi)) return false;
+    ops->enclose(s->surface.self, &s->ray, (sgt_interval){lo, hi}, &slope);
+    return !isfinite(slope.lo) || !isfinite(slope.hi);
+}
+
 /* Was the budget spent?  Under a proof the status does not say so. */
 static bool is_spent(const search *s)
 {
@@ -170,8 +181,9 @@ static void print_reason_of_unproven(char text[REASON_SIZE], const search *s)
                  print_where(s, v.root[0].t), places, v.root[0].t_err,
                  s->asked->t_tol > 0 ? "; a smaller --t-tol may help" : "");
     } else {
-        snprintf(text, REASON_SIZE, "%sthere may be a root or none: rounding hides which",
-                 print_where(s, 0.5 * s->hit->lo + 0.5 * s->hit->hi));
+        snprintf(text, REASON_SIZE, "%sthere may be a root or none: %s",
+                 print_where(s, 0.5 * s->hit->lo + 0.5 * s->hit->hi),
+                 may_break(s) ? "F may end, jump, or have a pole or a kink there" : "rounding hides which");
     }
 }
 

@@ -276,7 +276,7 @@ static void check_known(const char *which, const char *type, sgt_surface s)
 {
     if (quad_formula_of(s)) return;
     fail_usage(
-        "%s: trade cannot measure a surface about the Earth (%s): there is no formula of it in 113 bits",
+        "%s: trade cannot measure the type %s: its errors are told against 113 bits, and there is no F of it in them",
         which, type);
 }
 
