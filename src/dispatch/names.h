@@ -89,6 +89,7 @@
 #define sgt_formula_mixed SGT_SET_NAME(sgt_formula_mixed)
 #define sgt_formula_noise SGT_SET_NAME(sgt_formula_noise)
 #define sgt_formula_ops SGT_SET_NAME(sgt_formula_ops)
+#define sgt_formula_radial SGT_SET_NAME(sgt_formula_radial)
 #define sgt_formula_radial_jet SGT_SET_NAME(sgt_formula_radial_jet)
 #define sgt_formula_sag_ops SGT_SET_NAME(sgt_formula_sag_ops)
 #define sgt_formula_values SGT_SET_NAME(sgt_formula_values)

@@ -129,8 +129,16 @@ static const sgt_quadric quadric = {.squares = {1, 2, 3}, .products = {0.1, 0.2,
 static const sgt_torus ring = {.major = 2, .minor = 0.5}, spindle = {.major = 1, .minor = 2};
 static const sgt_ellipsoid ellipsoid = {.a = 2, .f = 0.3};
 
+/* Formulas, read by make_formulas: with parts that are not polynomials, of r^2 alone, and of x, y and z. */
+static sgt_formula_sag trefoil = {.semi_diameter = 4}, round_sag = {.semi_diameter = 4};
+static sgt_formula clebsch = {.ball = 4}, sheets_of_waves = {.ball = 4};
+
 static const struct { const char *name; sgt_surface surface;
 } surfaces[] = {
+    {"formula, sag", {&sgt_formula_sag_ops, &trefoil}},
+    {"formula, r^2", {&sgt_formula_sag_ops, &round_sag}},
+    {"formula, cubic", {&sgt_formula_ops, &clebsch}},
+    {"formula, waves", {&sgt_formula_ops, &sheets_of_waves}},
     {"odd asphere", {&sgt_odd_asphere_ops, &odd}},
     {"polynomial_xy", {&sgt_polynomial_xy_ops, &polynomial}},
     {"chebyshev", {&sgt_chebyshev_ops, &chebyshev}},
@@ -332,12 +340,36 @@ static void make_formula(const char *part, int many, bool parentheses)
     for (int i = 0; parentheses && i < count_of_parts; i++) strcat(formula, ")");
 }
 
+static sgt_tape *tape_of(const char *text, sgt_formula_kind kind)
+{
+    size_t size = sgt_formula_room(text, 0);
+    void *place = malloc(size);
+    sgt_tape *tape = place ? sgt_formula_read(text, kind, 0, NULL, place, size, NULL) : NULL;
+    if (!tape) puts("a formula was not read"), exit(1);
+    return tape;
+}
+
+static void make_formulas(void)
+{
+    trefoil.tape = tape_of("0.1*r^2/(1 + sqrt(1 - 0.02*r^2)) + 1e-4*r^4*cos(3*atan2(y, x))"
+                           " + 1e-3*sin(x)*exp(y/9)",
+                           SGT_FORMULA_XY);
+    round_sag.tape = tape_of("0.1*r^2/(1 + sqrt(1 - 0.02*r^2)) + 1e-4*r^4 + 1e-6*cosh(r^2/9)",
+                             SGT_FORMULA_XY);
+    clebsch.tape = tape_of("81*(x^3 + y^3 + z^3) - 189*(x^2*(y + z) + y^2*(x + z) + z^2*(x + y)) + 54*x*y*z"
+                           " + 126*(x*y + x*z + y*z) - 9*(x^2 + y^2 + z^2) - 9*(x + y + z) + 1",
+                           SGT_FORMULA_XYZ);
+    sheets_of_waves.tape = tape_of(
+        "min(sin(6*x)*cos(6*y) + z, hypot(x, y) - atan2(1 + x^2, z)) + abs(x)^2.5 - cbrt(z)", SGT_FORMULA_XYZ);
+}
+
 int main(void)
 {
     if (stack_of(greedy) < 80 * 1024) return puts("paint does not tell what was used"), 1;
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) list[i] = 1e-4 / (double)(1 + i);
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) table[i] = 1e-9 / (double)(1 + i);
     make_rays();
+    make_formulas();
 
     size_t worst = 0, before = 0, idle = 0;
     for (size_t s = 0; s < sizeof surfaces / sizeof surfaces[0]; s++) {

@@ -18,6 +18,9 @@
  * grad[2] are not read of a tape of SGT_FORMULA_XY, and may be NULL. */
 void sgt_formula_values(const sgt_tape *tape, size_t n, sgt_points p, sgt_values out);
 
+/* The same of a radial tape (tape.h). */
+void sgt_formula_radial(const sgt_tape *tape, size_t n, sgt_points p, sgt_values out);
+
 /* The mixed second derivative of F by u and v at n points, and F, F_u, F_v.  0, 1, 2 are x, y, z; u may be a
  * parameter besides, 3 + j.  Outputs that are NULL are not written. */
 typedef struct formula_mixed { double *f, *u, *v, *uv; } formula_mixed;

@@ -70,7 +70,7 @@ static void row_products(size_t n, const double *va, const double *a, const doub
 
 /* -------------------------------------------------------------------------- gradient */
 
-enum { PARTS = 4, NUMBERS = 4096, LEAST_LANES = 16 }; /* 32 KiB */
+enum { PARTS = 4, NUMBERS = 1536 }; /* 12 KiB */
 
 /* A register: n numbers and their derivatives by x, y, z, each a row. */
 typedef struct graded { double *v, *d[3]; } graded;
@@ -78,7 +78,7 @@ typedef struct graded { double *v, *d[3]; } graded;
 typedef struct graded_run {
     const sgt_tape *tape;
     size_t n, lanes;
-    bool wanted;                 /* the gradient, or of a radial tape dF/ds in place of dF/dx */
+    bool wanted;                 /* the gradient */
     int of[FORMULA_REGISTERS];   /* on which of x, y, z a register depends */
     double number[NUMBERS];
 } graded_run;
@@ -145,7 +145,7 @@ static void graded_step(graded_run *w, const formula_step *s)
     int of_a = w->wanted && !u_a ? w->of[s->a] : 0, of_b = w->wanted && two && !u_b ? w->of[s->b] : 0;
     double u = u_a ? uniform_at(w->tape, s->a) : u_b ? uniform_at(w->tape, s->b) : 0;
     const graded *other = u_a ? &b : &a; /* the operand that is not uniform */
-    w->of[s->out] = w->tape->radial ? FORMULA_OF_X : s->of;
+    w->of[s->out] = s->of;
     switch (op) {
     case FORMULA_ADD:
     case FORMULA_SUB:
@@ -184,35 +184,10 @@ static void graded_points(graded_run *w, sgt_points p, size_t i, int variables)
     }
 }
 
-/* The steps from `first` up to `end`. */
-static void graded_steps(graded_run *w, int first, int end)
-{
-    for (int j = first; j < end; j++) graded_step(w, &w->tape->step[j]);
-}
-
-/* dF/dx = 2 x dF/ds, s = x^2 + y^2. */
-SGT_KERNEL
-static void row_radial(size_t n, const double *x, const double *by_s, double *out)
-{
-    LANES for (size_t i = 0; i < n; i++) out[i] = 2 * x[i] * by_s[i];
-}
-
-/* A radial tape: its numbers have one derivative, that by s. */
-static void graded_radial(graded_run *w, bool wanted)
-{
-    int s = w->tape->step[2].out;
-    w->wanted = false;
-    graded_steps(w, 0, 3);
-    w->wanted = wanted;
-    set_row(w->n, 1, graded_of(w, s).d[0]);
-    graded_steps(w, 3, w->tape->steps);
-}
-
-void sgt_formula_values(const sgt_tape *tape, size_t n, sgt_points p, sgt_values out)
+static void values_of_steps(const sgt_tape *tape, size_t n, sgt_points p, sgt_values out)
 {
     graded_run w; /* its numbers are not cleared */
-    const bool wanted = out.grad[0] != NULL;
-    w.tape = tape, w.lanes = lanes_of(tape), w.wanted = wanted && !tape->radial;
+    w.tape = tape, w.lanes = lanes_of(tape), w.wanted = out.grad[0] != NULL;
     w.of[0] = FORMULA_OF_X, w.of[1] = FORMULA_OF_Y, w.of[2] = FORMULA_OF_Z;
     int variables = tape->kind == SGT_FORMULA_XY ? 2 : 3;
     const formula_step *end = &tape->step[tape->steps - 1];
@@ -221,15 +196,19 @@ void sgt_formula_values(const sgt_tape *tape, size_t n, sgt_points p, sgt_values
     for (size_t i = 0; i < n; i += w.n) {
         w.n = n - i < w.lanes ? n - i : w.lanes;
         graded_points(&w, p, i, variables);
-        if (tape->radial) graded_radial(&w, wanted);
-        else graded_steps(&w, 0, tape->steps);
+        for (int j = 0; j < tape->steps; j++) graded_step(&w, &tape->step[j]);
         memcpy(out.f + i, last.v, w.n * sizeof *out.f);
-        for (int k = 0; k < variables && wanted; k++) {
-            if (tape->radial) row_radial(w.n, p.p[k] + i, last.d[0], out.grad[k] + i);
-            else if (end->of >> k & 1) memcpy(out.grad[k] + i, last.d[k], w.n * sizeof *out.f);
+        for (int k = 0; k < variables && w.wanted; k++) {
+            if (end->of >> k & 1) memcpy(out.grad[k] + i, last.d[k], w.n * sizeof *out.f);
             else row_difference(w.n, last.v, last.v, out.grad[k] + i); /* 0, or NaN */
         }
     }
+}
+
+/* Not in values_of_steps, so that its numbers are not on the stack twice. */
+void sgt_formula_values(const sgt_tape *tape, size_t n, sgt_points p, sgt_values out)
+{
+    (tape->radial ? sgt_formula_radial : values_of_steps)(tape, n, p, out);
 }
 
 /* ------------------------------------------------------- mixed second derivatives */
