@@ -359,8 +359,9 @@ static void make_formulas(void)
     clebsch.tape = tape_of("81*(x^3 + y^3 + z^3) - 189*(x^2*(y + z) + y^2*(x + z) + z^2*(x + y)) + 54*x*y*z"
                            " + 126*(x*y + x*z + y*z) - 9*(x^2 + y^2 + z^2) - 9*(x + y + z) + 1",
                            SGT_FORMULA_XYZ);
-    sheets_of_waves.tape = tape_of(
-        "min(sin(6*x)*cos(6*y) + z, hypot(x, y) - atan2(1 + x^2, z)) + abs(x)^2.5 - cbrt(z)", SGT_FORMULA_XYZ);
+    sheets_of_waves.tape = tape_of("min(sin(6*x)*cos(6*y) + z, hypot(x, y) - atan2(1 + x^2, z))"
+                                   " + abs(x)^2.5 - cbrt(z)",
+                                   SGT_FORMULA_XYZ);
 }
 
 int main(void)

@@ -471,6 +471,7 @@ template <class T> dual<T> hypot(const dual<T> &a, const dual<T> &b)
 template <class T> dual<T> power(const dual<T> &b, const dual<T> &e)
 {
     const T v = power(b.v, e.v);
+    const bool nowhere = seen.nowhere; // of F: its slope may be nowhere defined (0^e by e)
     T s(0.0);
     if (!is_nothing(b.s)) { // (the steep end of a power is a kink, and no pole)
         const marks before = seen;
@@ -478,6 +479,7 @@ template <class T> dual<T> power(const dual<T> &b, const dual<T> &e)
         if (seen.pole && !before.pole) seen = before, seen.kink = true;
     }
     if (!is_nothing(e.s) && !is_nothing(v)) s = s + v * log(b.v) * e.s; // (0^e is 0 for all e > 0)
+    seen.nowhere = nowhere;
     return {v, s};
 }
 
