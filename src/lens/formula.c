@@ -16,7 +16,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char KNOWN[] = "type, f or sag, inside, semi_diameter, and the parameters that the formula names";
+static const char KNOWN[] =
+    "type, f or sag, inside, semi_diameter, and the parameters that the formula names";
 
 static bool is_reserved(const char *name)
 {
@@ -51,7 +52,8 @@ static sgt_vec3 read_corner(source *s, const node *n, const char *key)
 static void read_box(source *s, const node *n, sgt_formula *of)
 {
     if (n->kind == NODE_LIST && n->count == 2) {
-        of->lo = read_corner(s, n->item[0], "inside: box[0]"), of->hi = read_corner(s, n->item[1], "inside: box[1]");
+        of->lo = read_corner(s, n->item[0], "inside: box[0]");
+        of->hi = read_corner(s, n->item[1], "inside: box[1]");
     } else {
         if (n->kind != NODE_LIST || n->count != 3)
             tree_fail(s, n->line, "inside: box",
@@ -67,10 +69,12 @@ static void read_inside(source *s, const node *n, sgt_formula *of)
     if (n->kind != NODE_MAP) tree_fail(s, n->line, "inside", "must be a map: {ball: 2} or {box: [1, 1, 2]}");
     tree_map(s, n, "inside");
     const node *ball = tree_take(n, "ball"), *box = tree_take(n, "box");
-    if (!ball && !box) tree_fail(s, n->line, "inside", "must have a ball or a box: {ball: 2} or {box: [1, 1, 2]}");
+    if (!ball && !box)
+        tree_fail(s, n->line, "inside", "must have a ball or a box: {ball: 2} or {box: [1, 1, 2]}");
     if (ball) {
         of->ball = tree_read_number(s, ball, "inside: ball", NUMBER_FINITE);
-        if (!(of->ball > 0)) tree_fail(s, ball->line, "inside: ball", "must be above 0, not %.60s", ball->text);
+        if (!(of->ball > 0))
+            tree_fail(s, ball->line, "inside: ball", "must be above 0, not %.60s", ball->text);
     }
     if (box) read_box(s, box, of);
     tree_finish(s, n, "ball, box");
@@ -84,7 +88,8 @@ static size_t read_parameters(source *s, const node *map, const char *text, sgt_
     for (size_t i = 0; i < map->count; i++) {
         const char *key = map->key[i]->text;
         if (map->taken[i]) continue;
-        if (is_reserved(key)) tree_fail(s, map->key[i]->line, key, "is a key of lens files, and no parameter");
+        if (is_reserved(key))
+            tree_fail(s, map->key[i]->line, key, "is a key of lens files, and no parameter");
         if (!names(text, key))
             tree_fail(s, map->key[i]->line, key, "the formula does not name it; known here: %s", KNOWN);
         map->taken[i] = true;
@@ -94,7 +99,8 @@ static size_t read_parameters(source *s, const node *map, const char *text, sgt_
     return n;
 }
 
-static const sgt_tape *read_text(source *s, const node *map, const node *n, const char *key, sgt_formula_kind kind)
+static const sgt_tape *read_text(source *s, const node *map, const node *n, const char *key,
+                                 sgt_formula_kind kind)
 {
     const char *text = tree_read_text(s, n, key);
     sgt_named *named;
@@ -111,8 +117,8 @@ static const sgt_tape *read_text(source *s, const node *map, const node *n, cons
 
 sgt_surface sgt_read_formula(source *s, const node *map, surface_rim rim, const sgt_builtin **type)
 {
-    static const sgt_builtin implicit = {.type = "formula", .ops = &sgt_formula_ops, .size = sizeof(sgt_formula),
-                                         .family = SGT_BODY},
+    static const sgt_builtin implicit = {.type = "formula", .ops = &sgt_formula_ops,
+                                         .size = sizeof(sgt_formula), .family = SGT_BODY},
                              sag = {.type = "formula", .ops = &sgt_formula_sag_ops,
                                     .size = sizeof(sgt_formula_sag), .family = SGT_DEPARTURE};
     const node *f = tree_take(map, "f"), *of_sag = tree_take(map, "sag"), *inside = tree_take(map, "inside"),
@@ -131,7 +137,8 @@ sgt_surface sgt_read_formula(source *s, const node *map, surface_rim rim, const 
     }
     sgt_formula_sag *self = tree_room(s, 1, sizeof *self);
     if (semi) self->semi_diameter = tree_read_number(s, semi, "semi_diameter", NUMBER_FINITE);
-    if (!(self->semi_diameter >= 0)) tree_fail(s, semi->line, "semi_diameter", "must be 0 or more, not %.60s", semi->text);
+    if (!(self->semi_diameter >= 0))
+        tree_fail(s, semi->line, "semi_diameter", "must be 0 or more, not %.60s", semi->text);
     self->tape = read_text(s, map, of_sag, "sag", SGT_FORMULA_XY);
     *type = &sag;
     return (sgt_surface){&sgt_formula_sag_ops, self};

@@ -5,8 +5,8 @@
  * A thousand rays, up to 10 degrees off the axis, meet a sag within a rim of 4.  Told are ns a ray, the
  * medians of 41 turns, in the time of the processor that this thread has had: of the root near the seed, as a
  * lens asks for it, and of the first root.  unlike: rays whose roots differ by more than both errors.
- * "as odd" is the asphere beside the same one as the built-in odd_asphere: the even asphere has a solver of its
- * own, and the odd one, as a formula, has none. */
+ * "as odd" is the asphere beside the same one as the built-in odd_asphere: the even asphere has a solver of
+ * its own, and the odd one, as a formula, has none. */
 #include <sagitta/formula.h>
 #include <sagitta/surfaces.h>
 
@@ -29,7 +29,8 @@ static double now(void)
 static void launch(void)
 {
     for (int i = 0; i < RAYS; i++) { /* a spiral of equal areas; the tilt turns on its own */
-        const double r = 3.6 * sqrt((i + 0.5) / RAYS), turn = 2.399963229728653 * i, tilt = 0.17 * sin(0.7 * i);
+        const double r = 3.6 * sqrt((i + 0.5) / RAYS), turn = 2.399963229728653 * i;
+        const double tilt = 0.17 * sin(0.7 * i);
         o[0][i] = r * cos(turn), o[1][i] = r * sin(turn), o[2][i] = 0;
         d[0][i] = sin(tilt) * cos(3.1 * i), d[1][i] = sin(tilt) * sin(3.1 * i), d[2][i] = cos(tilt);
         for (int k = 0; k < 3; k++) o[k][i] -= 5 * d[k][i];
